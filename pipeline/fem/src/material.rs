@@ -1,0 +1,78 @@
+//! Materials: how hard a piece of silicone pulls back when it is stretched.
+//!
+//! A material is an energy per rest volume ψ(F), in J/m³, with its first and second derivative.
+//! F (3 × 3, no unit) maps rest edges to present edges; F = I is rest.
+//!
+//! Stands on: `nalgebra`. Never knows: a mesh, a time step, a specimen.
+//! A new material: one file in `materials/` and its line in `ALL`; the tests find it there.
+
+use nalgebra::{Matrix3, SMatrix};
+use si::Pascal;
+
+/// ∂P/∂F, 9 × 9, Pa: row i + 3J and column k + 3L hold ∂P_iJ/∂F_kL (columns of F one below the other).
+pub type Tangent = SMatrix<f64, 9, 9>;
+
+/// Lamé's constants, Pa: the pair that energies are written in.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lame {
+    /// Shear modulus μ.
+    pub mu: Pascal,
+    /// λ, the resistance to a change of volume beside μ.
+    pub lambda: Pascal,
+}
+
+impl Lame {
+    /// μ = E / 2(1+ν), λ = Eν / (1+ν)(1−2ν), from Young's modulus E (Pa) and Poisson's ratio ν.
+    pub fn of(youngs_modulus: Pascal, poissons_ratio: f64) -> Self {
+        let (e, nu) = (youngs_modulus, poissons_ratio);
+        Self { mu: e / (2.0 * (1.0 + nu)), lambda: e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)) }
+    }
+
+    /// (∂μ, ∂λ)/∂E at E, ν; no unit.
+    pub fn by_youngs_modulus(_youngs_modulus: Pascal, poissons_ratio: f64) -> Self {
+        Self::of(1.0, poissons_ratio)
+    }
+
+    /// (∂μ, ∂λ)/∂ν at E, ν; Pa.
+    pub fn by_poissons_ratio(youngs_modulus: Pascal, poissons_ratio: f64) -> Self {
+        let (e, nu) = (youngs_modulus, poissons_ratio);
+        let below = (1.0 + nu) * (1.0 - 2.0 * nu);
+        Self { mu: -e / (2.0 * (1.0 + nu) * (1.0 + nu)), lambda: e * (1.0 + 2.0 * nu * nu) / (below * below) }
+    }
+}
+
+/// Everything a Newton step needs from one point of a material.
+#[derive(Debug, Clone, Copy)]
+pub struct Response {
+    /// ψ, J/m³.
+    pub energy: f64,
+    /// P = ∂ψ/∂F, Pa.
+    pub stress: Matrix3<f64>,
+    /// ∂P/∂F, Pa.
+    pub tangent: Tangent,
+}
+
+/// A hyperelastic law: an energy density of the deformation gradient.
+#[allow(non_snake_case)]
+pub trait Material: std::fmt::Debug + Send + Sync {
+    /// The name that a card uses.
+    fn name(&self) -> &'static str;
+
+    /// Whether a rigid turn of any size costs nothing (false: of a small size only).
+    fn turns_freely(&self) -> bool {
+        true
+    }
+
+    /// ψ (J/m³) and P = ∂ψ/∂F (Pa); ψ is infinite where `F` turns the material inside out and the law forbids it.
+    fn stress(&self, F: &Matrix3<f64>, lame: Lame) -> (f64, Matrix3<f64>);
+
+    /// ψ, P and ∂P/∂F together.
+    fn response(&self, F: &Matrix3<f64>, lame: Lame) -> Response;
+
+    /// Directional derivative of P when Lamé's constants change by `change`: (∂P/∂μ) δμ + (∂P/∂λ) δλ.
+    ///
+    /// All laws here are linear in μ and λ, so that this is P at `change`; one that is not overrides it.
+    fn stress_change(&self, F: &Matrix3<f64>, _at: Lame, change: Lame) -> Matrix3<f64> {
+        self.stress(F, change).1
+    }
+}
