@@ -1,0 +1,195 @@
+//! Ranges: each number of a card against what its unit allows, so that a slip of unit breaks loudly.
+//!
+//! The limits are wide for any soft actuator a person can hold, and narrow against a factor of a thousand.
+//!
+//! Stands on: the card's types. Never knows: a file, a line.
+
+use std::collections::BTreeSet;
+
+use super::{Card, Experiment, Marker, Solid, Trial};
+
+/// A value out of its range: the path of its key, and the three parts of the message.
+pub(super) struct Found {
+    pub key: String,
+    pub what: String,
+    pub why: String,
+    pub act: String,
+}
+
+type Checked = Result<(), Found>;
+
+/// Number of pixels that no picture exceeds.
+const PICTURE: f64 = 20_000.0;
+
+/// Everything on a card, and that its name is that of `folder` where that is known.
+pub(super) fn card(card: &Card, folder: Option<&str>) -> Checked {
+    name("name", &card.name)?;
+    if let Some(folder) = folder.filter(|f| *f != card.name) {
+        let what = format!("name is `{}`, but the folder is `{folder}`", card.name);
+        return found("name", what, "a specimen is found by its folder", "make the two equal");
+    }
+    within("length", card.length, 0.01, 1.0, "m")?;
+    solid("solid.body", &card.solid.body)?;
+    solid("solid.spine", &card.solid.spine)?;
+    within("clamp.below_x", card.clamp.below_x, -1.0, 1.0, "m")?;
+    chambers(card)?;
+    markers(card)?;
+    camera(card)?;
+    led(card)?;
+    trials(card)
+}
+
+fn solid(key: &str, solid: &Solid) -> Checked {
+    relative(&format!("{key}.file"), &solid.file)?;
+    name(&format!("{key}.material"), &solid.material)?;
+    within(&format!("{key}.youngs_modulus"), solid.youngs_modulus, 1e3, 1e12, "Pa")?;
+    within(&format!("{key}.poissons_ratio"), solid.poissons_ratio, -1.0, 0.499, "")?;
+    within(&format!("{key}.density"), solid.density, 100.0, 20_000.0, "kg/m³")?;
+    let [low, high] = solid.plausible;
+    within(&format!("{key}.plausible.0"), low, 1e3, 1e12, "Pa")?;
+    within(&format!("{key}.plausible.1"), high, 1e3, 1e12, "Pa")?;
+    if !(low < solid.youngs_modulus && solid.youngs_modulus < high) {
+        let what = format!("{key}.plausible is [{low}, {high}] Pa around youngs_modulus = {} Pa", solid.youngs_modulus);
+        let why = "an identification starts at youngs_modulus and searches inside plausible";
+        return found(&format!("{key}.plausible"), what, why, "widen plausible, or correct youngs_modulus");
+    }
+    Ok(())
+}
+
+fn chambers(card: &Card) -> Checked {
+    some("chamber", card.chamber.len())?;
+    unique("chamber", "name", card.chamber.iter().map(|c| c.name.as_str()))?;
+    for (i, chamber) in card.chamber.iter().enumerate() {
+        point(&format!("chamber.{i}.at"), &chamber.at)?;
+    }
+    Ok(())
+}
+
+fn markers(card: &Card) -> Checked {
+    some("marker", card.marker.len())?;
+    unique("marker", "name", card.marker.iter().map(|m| m.name.as_str()))?;
+    card.marker.iter().enumerate().try_for_each(|(i, marker)| one_marker(&format!("marker.{i}"), marker))
+}
+
+fn one_marker(key: &str, marker: &Marker) -> Checked {
+    point(&format!("{key}.at"), &marker.at)?;
+    pixel(&format!("{key}.clicked"), &marker.clicked)?;
+    within(&format!("{key}.diameter"), marker.diameter, 2e-4, 0.05, "m")
+}
+
+fn camera(card: &Card) -> Checked {
+    let camera = &card.camera;
+    relative("camera.calibration", &camera.calibration)?;
+    within("camera.frame_every", camera.frame_every as f64, 1.0, 1000.0, "frames")?;
+    within("camera.board.columns", camera.board.columns as f64, 3.0, 100.0, "inner corners")?;
+    within("camera.board.rows", camera.board.rows as f64, 3.0, 100.0, "inner corners")?;
+    within("camera.board.square", camera.board.square, 1e-3, 0.2, "m")?;
+    let [from, to] = camera.plane.seconds;
+    within("camera.plane.seconds.0", from, 0.0, 3600.0, "s")?;
+    within("camera.plane.seconds.1", to, from, 3600.0, "s")?;
+    within("camera.plane.origin.0", camera.plane.origin[0], -1.0, 1.0, "m")?;
+    within("camera.plane.origin.1", camera.plane.origin[1], -1.0, 1.0, "m")?;
+    let [x, y] = camera.plane.along;
+    within("camera.plane.along", x.hypot(y), 0.999, 1.001, "(its length)")?;
+    within("camera.plane.height", camera.plane.height, -1.0, 1.0, "m")
+}
+
+fn led(card: &Card) -> Checked {
+    pixel("led.centre", &card.led.centre)?;
+    within("led.radius", card.led.radius, 1.0, 500.0, "px")
+}
+
+fn trials(card: &Card) -> Checked {
+    some("trial", card.trial.len())?;
+    unique("trial", "id", card.trial.iter().map(|t| t.id.as_str()))?;
+    card.trial.iter().enumerate().try_for_each(|(i, trial)| one_trial(&format!("trial.{i}"), trial))
+}
+
+fn one_trial(key: &str, trial: &Trial) -> Checked {
+    name(&format!("{key}.id"), &trial.id)?;
+    relative(&format!("{key}.video"), &trial.video)?;
+    relative(&format!("{key}.pressure"), &trial.pressure)?;
+    if let Some(last) = trial.last_frame {
+        within(&format!("{key}.last_frame"), last as f64, trial.first_frame as f64 + 1.0, 1e7, "")?;
+    }
+    match &trial.experiment {
+        Experiment::Staircase { levels, hold, pause, .. } => {
+            some(&format!("{key}.levels"), levels.len())?;
+            for (j, level) in levels.iter().enumerate() {
+                within(&format!("{key}.levels.{j}"), *level, 0.0, 5e5, "Pa")?;
+            }
+            within(&format!("{key}.hold"), *hold, 0.05, 3600.0, "s")?;
+            within(&format!("{key}.pause"), *pause, 0.0, 3600.0, "s")
+        }
+        Experiment::Flapping { amplitude, frequency, cycles, .. } => {
+            within(&format!("{key}.amplitude"), *amplitude, 0.0, 5e5, "Pa")?;
+            within(&format!("{key}.frequency"), *frequency, 0.05, 50.0, "Hz")?;
+            within(&format!("{key}.cycles"), *cycles as f64, 1.0, 1e5, "")
+        }
+    }
+}
+
+fn within(key: &str, value: f64, low: f64, high: f64, unit: &str) -> Checked {
+    if (low..=high).contains(&value) {
+        return Ok(());
+    }
+    let gap = if unit.is_empty() { "" } else { " " };
+    let what = format!("{key} = {value}{gap}{unit} is out of range");
+    let why = format!("the range is {low} to {high}{gap}{unit}; cards are in SI units");
+    found(key, what, &why, "convert the number to SI, or correct it")
+}
+
+fn point(key: &str, at: &[f64; 3]) -> Checked {
+    at.iter().enumerate().try_for_each(|(i, x)| within(&format!("{key}.{i}"), *x, -1.0, 1.0, "m"))
+}
+
+fn pixel(key: &str, at: &[f64; 2]) -> Checked {
+    at.iter().enumerate().try_for_each(|(i, x)| within(&format!("{key}.{i}"), *x, 0.0, PICTURE, "px"))
+}
+
+/// A name becomes part of file names: letters, digits, `_` and `-`.
+fn name(key: &str, text: &str) -> Checked {
+    if !text.is_empty() && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-') {
+        return Ok(());
+    }
+    let why = "a name becomes part of file names: letters, digits, `_` and `-`";
+    found(key, format!("{key} = `{text}` is no name"), why, "choose another name")
+}
+
+/// Files lie in the specimen's folder, so that the folder can be moved.
+fn relative(key: &str, file: &str) -> Checked {
+    let plain = file.split('/').all(|part| !part.is_empty() && part != "." && part != "..");
+    if plain && !file.contains('\\') && !file.contains(':') {
+        return Ok(());
+    }
+    let why = "files lie in the specimen's folder and are named relative to it, parts parted by `/`";
+    found(
+        key,
+        format!("{key} = `{file}` leaves the folder"),
+        why,
+        "move the file into the folder and name it relative to the card",
+    )
+}
+
+fn some(key: &str, count: usize) -> Checked {
+    match count {
+        0 => found(key, format!("`{key}` is empty"), "at least one is needed", "add one"),
+        _ => Ok(()),
+    }
+}
+
+fn unique<'a>(table: &str, key: &str, names: impl Iterator<Item = &'a str>) -> Checked {
+    let mut seen = BTreeSet::new();
+    for (i, word) in names.enumerate() {
+        name(&format!("{table}.{i}.{key}"), word)?;
+        if !seen.insert(word) {
+            let what = format!("{table} {key} `{word}` stands twice");
+            return found(&format!("{table}.{i}.{key}"), what, "results are filed under it", "rename one of them");
+        }
+    }
+    Ok(())
+}
+
+fn found(key: &str, what: impl Into<String>, why: &str, act: &str) -> Checked {
+    Err(Found { key: key.to_owned(), what: what.into(), why: why.to_owned(), act: act.to_owned() })
+}

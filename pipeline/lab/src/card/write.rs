@@ -1,0 +1,108 @@
+//! Writing a card: the TOML that [`super::read`] reads, with units as comments and the same bytes every time.
+//!
+//! Stands on: the card's types. Never knows: where the file goes.
+
+use std::fmt::Write;
+
+use super::{Camera, Card, Experiment, Origin, Solid, Trial};
+
+/// The text of `specimen.toml`.
+pub fn write(card: &Card) -> String {
+    let mut text = String::new();
+    head(&mut text, card);
+    solid(&mut text, "body", &card.solid.body);
+    solid(&mut text, "spine", &card.solid.spine);
+    put(&mut text, format_args!("\n[clamp]\nbelow_x = {:?}  # m: held at and below\n", card.clamp.below_x));
+    for c in &card.chamber {
+        let table = format_args!(
+            "\n[[chamber]]\nname = {:?}\nat = {:?}  # m, inside it\nlog = {:?}\n",
+            c.name,
+            c.at,
+            c.log.word()
+        );
+        put(&mut text, table);
+    }
+    for m in &card.marker {
+        put(&mut text, format_args!("\n[[marker]]\nname = {:?}\nat = {:?}  # m, CAD frame\n", m.name, m.at));
+        let seen = format_args!(
+            "clicked = {:?}  # px in the first frame of every trial\ndiameter = {:?}  # m\n",
+            m.clicked, m.diameter
+        );
+        put(&mut text, seen);
+    }
+    camera(&mut text, &card.camera);
+    put(
+        &mut text,
+        format_args!("\n[led]\ncentre = {:?}  # px\nradius = {:?}  # px\n", card.led.centre, card.led.radius),
+    );
+    for t in &card.trial {
+        trial(&mut text, t);
+    }
+    text
+}
+
+/// Writing to a `String` cannot fail.
+fn put(text: &mut String, what: std::fmt::Arguments<'_>) {
+    text.write_fmt(what).expect("a string takes any text");
+}
+
+fn head(text: &mut String, card: &Card) {
+    match card.origin {
+        Origin::VirtualBench => text.push_str("# Made by the virtual bench: computed, not measured.\n"),
+        Origin::Laboratory => text.push_str("# Recorded in a laboratory.\n"),
+    }
+    put(text, format_args!("name = {:?}\norigin = {:?}\n", card.name, card.origin.word()));
+    put(text, format_args!("length = {:?}  # m, errors are divided by it\n", card.length));
+    put(text, format_args!("\n[solid]\nunit = {:?}  # of the STL files\n", card.solid.unit.word()));
+}
+
+fn solid(text: &mut String, name: &str, solid: &Solid) {
+    put(text, format_args!("\n[solid.{name}]\nfile = {:?}\nmaterial = {:?}\n", solid.file, solid.material));
+    put(text, format_args!("youngs_modulus = {:?}  # Pa, nominal: the first guess\n", solid.youngs_modulus));
+    put(text, format_args!("poissons_ratio = {:?}\ndensity = {:?}  # kg/m³\n", solid.poissons_ratio, solid.density));
+    put(text, format_args!("plausible = {:?}  # Pa, the box that is searched\n", solid.plausible));
+}
+
+fn camera(text: &mut String, camera: &Camera) {
+    let (board, plane) = (&camera.board, &camera.plane);
+    put(
+        text,
+        format_args!("\n[camera]\ncalibration = {:?}\nframe_every = {}\n", camera.calibration, camera.frame_every),
+    );
+    put(text, format_args!("\n[camera.board]\ncolumns = {}  # inner corners\nrows = {}\n", board.columns, board.rows));
+    put(text, format_args!("square = {:?}  # m\n", board.square));
+    put(text, format_args!("\n[camera.plane]\nseconds = {:?}  # s, the board lies flat on the plane\n", plane.seconds));
+    put(text, format_args!("origin = {:?}  # m, its inner corner (0, 0)\n", plane.origin));
+    put(
+        text,
+        format_args!(
+            "along = {:?}  # its columns; rows run a quarter turn clockwise, seen from the camera\n",
+            plane.along
+        ),
+    );
+    put(text, format_args!("height = {:?}  # m, z of the plane\n", plane.height));
+}
+
+fn trial(text: &mut String, trial: &Trial) {
+    let (kind, side) = (trial.experiment.kind(), trial.experiment.side().word());
+    put(text, format_args!("\n[[trial]]\nid = {:?}\nkind = {kind:?}\nrole = {:?}\n", trial.id, trial.role.word()));
+    put(text, format_args!("medium = {:?}\nside = {side:?}  # filled first, or alone\n", trial.medium.word()));
+    put(text, format_args!("video = {:?}\npressure = {:?}\n", trial.video, trial.pressure));
+    if trial.first_frame != 0 {
+        put(text, format_args!("first_frame = {}\n", trial.first_frame));
+    }
+    if let Some(last) = trial.last_frame {
+        put(text, format_args!("last_frame = {last}\n"));
+    }
+    match &trial.experiment {
+        Experiment::Staircase { levels, hold, pause, .. } => {
+            put(text, format_args!("levels = {levels:?}  # Pa\nhold = {hold:?}  # s\npause = {pause:?}  # s\n"));
+        }
+        Experiment::Flapping { amplitude, frequency, cycles, .. } => {
+            put(
+                text,
+                format_args!("amplitude = {amplitude:?}  # Pa\nfrequency = {frequency:?}  # Hz\ncycles = {cycles}\n"),
+            );
+        }
+    }
+}

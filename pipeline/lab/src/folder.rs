@@ -1,0 +1,78 @@
+//! Specimens as folders: which lie under `data/raw`, and where the files of a card are.
+//!
+//! Stands on: the card. Never knows: what the files hold.
+
+use std::path::{Path, PathBuf};
+
+use crate::{Card, Refusal, card};
+
+/// The name of the card in its folder.
+pub const CARD: &str = "specimen.toml";
+/// The name of the hidden truth in the folder, where a virtual bench left one.
+pub const TRUTH: &str = "truth.toml";
+
+/// A specimen's folder and its card.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Specimen {
+    /// The folder.
+    pub folder: PathBuf,
+    /// Its card.
+    pub card: Card,
+}
+
+impl Specimen {
+    /// The specimen in `folder`, its card checked.
+    ///
+    /// # Errors
+    /// As [`card::read`].
+    pub fn open(folder: &Path) -> Result<Self, Refusal> {
+        Ok(Self { folder: folder.to_owned(), card: card::read(&folder.join(CARD))? })
+    }
+
+    /// A file that the card names, as a path.
+    pub fn file(&self, relative: &str) -> PathBuf {
+        relative.split('/').fold(self.folder.clone(), |path, part| path.join(part))
+    }
+
+    /// Every file that the card names, with the key that names it, in the card's order.
+    pub fn files(&self) -> Vec<(String, &str)> {
+        let card = &self.card;
+        let solids = [("solid.body.file", &card.solid.body.file), ("solid.spine.file", &card.solid.spine.file)];
+        let first = solids.into_iter().chain([("camera.calibration", &card.camera.calibration)]);
+        let mut files: Vec<(String, &str)> = first.map(|(key, file)| (key.to_owned(), file.as_str())).collect();
+        for trial in &card.trial {
+            files.push((format!("video of trial `{}`", trial.id), &trial.video));
+            files.push((format!("pressure of trial `{}`", trial.id), &trial.pressure));
+        }
+        files
+    }
+
+    /// One refusal for each file that the card names and that is not there.
+    pub fn missing(&self) -> Vec<Refusal> {
+        let absent = |(_, file): &(String, &str)| !self.file(file).is_file();
+        let refusal = |(key, file): (String, &str)| {
+            let why = format!("{} names it as {key}", self.folder.join(CARD).display());
+            Refusal::file(&self.file(file), "the file is missing", why, "put it there, or correct the card")
+        };
+        self.files().into_iter().filter(absent).map(refusal).collect()
+    }
+}
+
+/// The folders under `raw` that hold a card, by name.
+///
+/// # Errors
+/// [`Refusal`] when `raw` cannot be listed.
+pub fn list(raw: &Path) -> Result<Vec<PathBuf>, Refusal> {
+    let act = "put a specimen's folder there, or let `rig record` make one";
+    let entries = std::fs::read_dir(raw).map_err(|e| Refusal::io(raw, &e, act))?;
+    let mut folders = Vec::new();
+    for entry in entries {
+        let path = entry.map_err(|e| Refusal::io(raw, &e, act))?.path();
+        let hidden = path.file_name().and_then(|n| n.to_str()).is_none_or(|n| n.starts_with('.'));
+        if !hidden && path.join(CARD).is_file() {
+            folders.push(path);
+        }
+    }
+    folders.sort();
+    Ok(folders)
+}

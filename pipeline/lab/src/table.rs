@@ -1,0 +1,74 @@
+//! TOML texts: where a key stands, and any error of the parser as a refusal with its line and the nearest known key.
+//!
+//! Stands on: `toml`. Never knows: what the keys mean.
+
+use std::path::Path;
+
+use toml::de::{DeTable, DeValue};
+
+use crate::Refusal;
+use crate::nearest::nearest;
+
+const SEE: &str = "see the keys and their units in the documentation of `lab`";
+
+/// The line, from 1, of byte `offset`.
+pub(crate) fn line_of_offset(text: &str, offset: usize) -> usize {
+    1 + text.bytes().take(offset).filter(|b| *b == b'\n').count()
+}
+
+/// The line, from 1, of the value at a path such as `trial.2.amplitude`; the deepest part that exists.
+pub(crate) fn line_of_path(text: &str, path: &str) -> Option<usize> {
+    let (root, _) = DeTable::parse_recoverable(text);
+    let mut parts = path.split('.');
+    let mut here = root.get_ref().get(parts.next()?)?;
+    for part in parts {
+        let next = match here.get_ref() {
+            DeValue::Table(table) => table.get(part),
+            DeValue::Array(array) => part.parse().ok().and_then(|index: usize| array.get(index)),
+            _ => None,
+        };
+        match next {
+            Some(next) => here = next,
+            None => break,
+        }
+    }
+    Some(line_of_offset(text, here.span().start))
+}
+
+/// Any TOML error as a refusal: the parser's message, the words it expected, the nearest one.
+pub(crate) fn refused(text: &str, path: &Path, error: &toml::de::Error) -> Refusal {
+    let message = error.message().lines().collect::<Vec<_>>().join(" ");
+    let (what, expected) = message.split_once(", expected ").unwrap_or((&message, ""));
+    let why = match expected {
+        "" => "a card holds every key of its tables once, with the type and unit it is documented with".to_owned(),
+        words => format!("expected {words}"),
+    };
+    let line = error.span().map(|span| line_of_offset(text, span.start));
+    Refusal::file(path, what, why, next_move(what, expected)).at_line(line)
+}
+
+fn next_move(what: &str, expected: &str) -> String {
+    let quoted = |text: &str| text.split('`').skip(1).step_by(2).map(str::to_owned).collect::<Vec<_>>();
+    let known = quoted(expected);
+    let known: Vec<&str> = known.iter().map(String::as_str).collect();
+    let wrong = quoted(what);
+    let near = wrong.first().and_then(|word| nearest(word, &known).map(|near| (word, near)));
+    match near {
+        Some((word, near)) => format!("write `{near}` instead of `{word}`, or take the line out"),
+        None if what.starts_with("unknown") => format!("take the line out; {SEE}"),
+        None if what.starts_with("missing field") => format!("add it; {SEE}"),
+        None => format!("correct it; {SEE}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_key_of_the_second_table_of_a_list_is_found_on_its_line() {
+        let text = "a = 1\n[[trial]]\nid = 1\n[[trial]]\nid = 2\n";
+        assert_eq!(line_of_path(text, "trial.1.id"), Some(5));
+        assert_eq!(line_of_path(text, "absent"), None);
+    }
+}

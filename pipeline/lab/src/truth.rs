@@ -1,0 +1,129 @@
+//! The hidden truth of a virtual specimen (`truth.toml`, `truth/<trial>.csv`): what was put in, to be compared with what
+//! came out, at the very end and nowhere else.
+//!
+//! Stands on: `si`. Never knows: how anything was identified.
+
+mod tracks;
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use si::{Hertz, KilogramPerCubicMetre, Pascal, Second};
+
+use crate::Refusal;
+use crate::table::refused;
+
+pub use tracks::{TrueTrack, read_tracks, write_tracks};
+
+/// Everything that the bench hid.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Truth {
+    /// Always [`crate::VIRTUAL_BENCH`].
+    pub origin: String,
+    /// The specimen's name.
+    pub specimen: String,
+    /// The seed everything hidden was drawn from.
+    pub seed: u64,
+    /// The soft body.
+    pub body: Properties,
+    /// The stiff sheet.
+    pub spine: Properties,
+    /// What loses energy.
+    pub damping: Damping,
+    /// The lens, as in `track`: px, and no unit for the distortion.
+    pub lens: Lens,
+    /// The camera's pose: CAD frame → camera frame.
+    pub pose: Pose,
+    /// What differs from trial to trial.
+    pub trial: Vec<TrueTrial>,
+}
+
+/// True properties of a solid.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Properties {
+    /// Pa.
+    pub youngs_modulus: Pascal,
+    /// No unit.
+    pub poissons_ratio: f64,
+    /// kg/m³.
+    pub density: KilogramPerCubicMetre,
+}
+
+/// Rayleigh damping C = a M + b K.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Damping {
+    /// a, 1/s.
+    pub mass: Hertz,
+    /// b, s.
+    pub stiffness: Second,
+}
+
+/// A pinhole with radial and tangential distortion.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Lens {
+    /// Focal length along u, px.
+    pub fx: f64,
+    /// Focal length along v, px.
+    pub fy: f64,
+    /// Principal point, u, px.
+    pub cx: f64,
+    /// Principal point, v, px.
+    pub cy: f64,
+    /// Radial, second order.
+    pub k1: f64,
+    /// Radial, fourth order.
+    pub k2: f64,
+    /// Tangential.
+    pub p1: f64,
+    /// Tangential.
+    pub p2: f64,
+    /// Radial, sixth order.
+    pub k3: f64,
+}
+
+/// A rigid motion x ↦ R x + t.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Pose {
+    /// R, rows.
+    pub rotation: [[f64; 3]; 3],
+    /// t, m.
+    pub translation: [f64; 3],
+}
+
+/// What was hidden in one trial.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrueTrial {
+    /// The trial's id.
+    pub id: String,
+    /// Where its true tracks lie, relative to the truth.
+    pub tracks: String,
+    /// log time = offset + scale × video time: the offset, s.
+    pub clock_offset: Second,
+    /// log time = offset + scale × video time: the scale, no unit.
+    pub clock_scale: f64,
+    /// When the lamp lights, s on the video's clock.
+    pub led_on: Second,
+}
+
+/// The truth in the file `path`.
+///
+/// # Errors
+/// [`Refusal`] when the file cannot be read or is no truth.
+pub fn read(path: &Path) -> Result<Truth, Refusal> {
+    let text = std::fs::read_to_string(path).map_err(|e| {
+        Refusal::io(path, &e, "record the specimen on the virtual bench again; a real one has no truth file")
+    })?;
+    toml::from_str(&text).map_err(|e| refused(&text, path, &e))
+}
+
+/// The text of `truth.toml`.
+pub fn write(truth: &Truth) -> String {
+    let body = toml::to_string(truth).expect("a truth has only tables, numbers and words");
+    format!("# Hidden truth of the virtual bench: SI units. Only the recovery at the very end may read it.\n{body}")
+}

@@ -1,0 +1,81 @@
+//! True tracks: where every marker truly was in every frame, in pixels and in metres.
+//!
+//! Stands on: `csv`. Never knows: the tracker that is judged by it.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use serde::Deserialize;
+use si::{Point2, Point3, Second};
+
+use crate::Refusal;
+
+/// One marker through a trial, every list `frames` long.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct TrueTrack {
+    /// The marker's name.
+    pub marker: String,
+    /// Time of the frame on the video's clock, s.
+    pub time: Vec<Second>,
+    /// Centre in the picture, px.
+    pub pixel: Vec<Point2>,
+    /// Centre in space, m, CAD frame.
+    pub at: Vec<Point3>,
+}
+
+#[derive(Deserialize)]
+struct Row {
+    time_s: f64,
+    marker: String,
+    u_px: f64,
+    v_px: f64,
+    x_m: f64,
+    y_m: f64,
+    z_m: f64,
+}
+
+/// The text of a track file: one line a frame and marker.
+pub fn write_tracks(tracks: &[TrueTrack], remark: &str) -> String {
+    let mut text = format!("# {remark}\nframe,time_s,marker,u_px,v_px,x_m,y_m,z_m\n");
+    let frames = tracks.first().map_or(0, |t| t.time.len());
+    for frame in 0..frames {
+        for track in tracks {
+            let ([u, v], [x, y, z]) = (track.pixel[frame], track.at[frame]);
+            let (time, marker) = (track.time[frame], &track.marker);
+            writeln!(text, "{frame},{time:.6},{marker},{u:.4},{v:.4},{x:.8},{y:.8},{z:.8}")
+                .expect("a string takes any text");
+        }
+    }
+    text
+}
+
+/// The tracks in the file `path`, markers in the file's order.
+///
+/// # Errors
+/// [`Refusal`] when the file cannot be read or a line is broken.
+pub fn read_tracks(path: &Path) -> Result<Vec<TrueTrack>, Refusal> {
+    let act = "record the specimen on the virtual bench again";
+    let text = std::fs::read_to_string(path).map_err(|e| Refusal::io(path, &e, act))?;
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
+    let mut tracks: Vec<TrueTrack> = Vec::new();
+    for row in reader.deserialize::<Row>() {
+        let row = row.map_err(|e| {
+            let line = e.position().map(|p| p.line() as usize);
+            Refusal::file(path, "the line is no true track", e.to_string().to_lowercase(), act).at_line(line)
+        })?;
+        push(&mut tracks, row);
+    }
+    Ok(tracks)
+}
+
+fn push(tracks: &mut Vec<TrueTrack>, row: Row) {
+    let known = tracks.iter().position(|t| t.marker == row.marker);
+    let place = known.unwrap_or_else(|| {
+        tracks.push(TrueTrack { marker: row.marker.clone(), ..TrueTrack::default() });
+        tracks.len() - 1
+    });
+    let track = &mut tracks[place];
+    track.time.push(row.time_s);
+    track.pixel.push([row.u_px, row.v_px]);
+    track.at.push([row.x_m, row.y_m, row.z_m]);
+}

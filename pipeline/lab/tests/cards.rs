@@ -1,0 +1,227 @@
+//! Cards: what is written is read back, and each slip is refused with its line and the next move.
+//!
+//! Stands on: `lab`. Never knows: a real specimen.
+
+use std::path::Path;
+
+use lab::card::{self, Card, Experiment};
+
+/// A card that is right in every line.
+const GOOD: &str = r#"name = "pike"
+origin = "laboratory"
+length = 0.1
+
+[solid]
+unit = "mm"
+
+[solid.body]
+file = "cad/body.stl"
+material = "neo_hookean"
+youngs_modulus = 200000
+poissons_ratio = 0.49
+density = 1070.0
+plausible = [0.05e6, 1e6]
+
+[solid.spine]
+file = "cad/spine.stl"
+material = "neo_hookean"
+youngs_modulus = 3.0e9
+poissons_ratio = 0.37
+density = 1410.0
+plausible = [1e9, 6e9]
+
+[clamp]
+below_x = 0.004
+
+[[chamber]]
+name = "left"
+at = [0.012, 0.006, 0.0]
+log = "left"
+
+[[marker]]
+name = "m1"
+at = [0.055, 0.0, 0.0155]
+clicked = [512.0, 360.0]
+diameter = 0.004
+
+[camera]
+calibration = "camera/calibration.mp4"
+frame_every = 10
+
+[camera.board]
+columns = 9
+rows = 6
+square = 0.012
+
+[camera.plane]
+seconds = [8.0, 9.0]
+origin = [0.0, 0.05]
+along = [1.0, 0.0]
+height = -0.045
+
+[led]
+centre = [1200.0, 60.0]
+radius = 14.0
+
+[[trial]]
+id = "static_left"
+kind = "staircase"
+role = "identify"
+medium = "air"
+side = "left"
+video = "trials/static_left/video.mp4"
+pressure = "trials/static_left/pressure.csv"
+levels = [5000.0, 10000.0]
+hold = 1.0
+pause = 0.5
+
+[[trial]]
+id = "flap"
+kind = "flapping"
+role = "validate"
+medium = "air"
+side = "left"
+video = "trials/flap/video.mp4"
+pressure = "trials/flap/pressure.csv"
+amplitude = 20000.0
+frequency = 2.0
+cycles = 15
+last_frame = 900
+"#;
+
+fn at() -> &'static Path {
+    Path::new("data/raw/pike/specimen.toml")
+}
+
+fn good() -> Card {
+    card::parse(GOOD, at()).unwrap()
+}
+
+/// The refusal of the good card with `from` changed to `to`.
+fn refusal(from: &str, to: &str) -> String {
+    assert!(GOOD.contains(from), "`{from}` is on the good card");
+    card::parse(&GOOD.replacen(from, to, 1), at()).unwrap_err().to_string()
+}
+
+/// Line of the good card on which `text` stands.
+fn line(text: &str) -> String {
+    let line = GOOD.lines().position(|l| l.contains(text)).unwrap() + 1;
+    format!("specimen.toml, line {line}:")
+}
+
+#[test]
+fn a_card_that_is_written_is_read_back_the_same() {
+    let card = good();
+    let text = card::write(&card);
+    assert_eq!(card::parse(&text, at()).unwrap(), card);
+    assert_eq!(card::write(&card::parse(&text, at()).unwrap()), text);
+}
+
+#[test]
+fn a_trial_is_read_by_its_kind() {
+    let card = good();
+    assert!(matches!(&card.trial[0].experiment, Experiment::Staircase { levels, .. } if levels.len() == 2));
+    assert!(matches!(card.trial[1].experiment, Experiment::Flapping { cycles: 15, .. }));
+    assert_eq!((card.trial[0].first_frame, card.trial[1].last_frame), (0, Some(900)));
+}
+
+#[test]
+fn a_byte_order_mark_and_crlf_are_tolerated() {
+    let text = format!("\u{feff}{}", GOOD.replace('\n', "\r\n"));
+    assert_eq!(card::parse(&text, at()).unwrap(), good());
+}
+
+#[test]
+fn an_unknown_key_is_refused_with_its_line_and_the_nearest_key() {
+    let said = refusal("density = 1410.0", "densty = 1410.0");
+    assert!(said.contains(&line("density = 1410.0")) && said.contains("unknown field `densty`"), "{said}");
+    assert!(said.contains("write `density` instead of `densty`"), "{said}");
+}
+
+#[test]
+fn an_unknown_key_of_a_trial_is_refused_with_the_nearest_key() {
+    let said = refusal("cycles = 15", "cycle = 15");
+    assert!(said.contains("write `cycles` instead of `cycle`") && said.contains(&line("cycles = 15")), "{said}");
+}
+
+#[test]
+fn a_missing_key_is_refused_with_its_name() {
+    let said = refusal("below_x = 0.004", "");
+    assert!(said.contains("missing field `below_x`"), "{said}");
+}
+
+#[test]
+fn a_missing_key_of_a_kind_of_trial_is_refused_with_the_trial() {
+    let said = refusal("hold = 1.0", "");
+    assert!(said.contains("kind `staircase` needs the key `hold`") && said.contains("`static_left`"), "{said}");
+}
+
+#[test]
+fn a_key_of_another_kind_of_trial_is_refused() {
+    let said = refusal("hold = 1.0", "hold = 1.0\ncycles = 3");
+    assert!(said.contains("kind `staircase` has no key `cycles`"), "{said}");
+}
+
+#[test]
+fn a_strange_word_is_refused_with_the_words_that_are_known() {
+    let said = refusal("role = \"identify\"", "role = \"training\"");
+    assert!(said.contains("`identify`") && said.contains("`validate`"), "{said}");
+}
+
+#[test]
+fn text_that_is_no_toml_is_refused_with_its_line() {
+    let said = refusal("length = 0.1", "length = ");
+    assert!(said.contains(&line("length = 0.1")), "{said}");
+}
+
+/// Each slip of unit or sign, the line it must be blamed on, and a word of the reason.
+const SLIPS: &[(&str, &str, &str)] = &[
+    ("length = 0.1", "length = 100.0", "0.01 to 1 m"),
+    ("youngs_modulus = 200000", "youngs_modulus = 0.2", "1000 to 1000000000000 Pa"),
+    ("youngs_modulus = 3.0e9", "youngs_modulus = nan", "Pa"),
+    ("poissons_ratio = 0.49", "poissons_ratio = 0.5", "-1 to 0.499"),
+    ("density = 1070.0", "density = 1.07", "100 to 20000 kg/m³"),
+    ("below_x = 0.004", "below_x = 4.0", "-1 to 1 m"),
+    ("diameter = 0.004", "diameter = 4.0", "0.0002 to 0.05 m"),
+    ("square = 0.012", "square = 12.0", "0.001 to 0.2 m"),
+    ("height = -0.045", "height = -45.0", "-1 to 1 m"),
+    ("frequency = 2.0", "frequency = 2000.0", "0.05 to 50 Hz"),
+    ("amplitude = 20000.0", "amplitude = 2e7", "0 to 500000 Pa"),
+    ("cycles = 15", "cycles = 0", "1 to 100000"),
+    ("name = \"m1\"", "name = \"m/1\"", "letters, digits"),
+];
+
+#[test]
+fn a_slip_of_unit_is_refused_with_its_line_and_its_range() {
+    for (from, to, why) in SLIPS {
+        let said = refusal(from, to);
+        assert!(said.contains(&line(from)), "{to}: {said}");
+        assert!(said.contains(why), "{to}: {said}");
+    }
+}
+
+#[test]
+fn a_file_outside_the_folder_is_refused() {
+    for bad in ["../other/body.stl", "/tmp/body.stl", "C:/body.stl", "cad\\\\body.stl"] {
+        let said = refusal("cad/body.stl", bad);
+        assert!(said.contains("leaves the folder") && said.contains(&line("cad/body.stl")), "{said}");
+    }
+}
+
+#[test]
+fn a_card_in_a_folder_of_another_name_is_refused() {
+    let said = card::parse(GOOD, Path::new("data/raw/perch/specimen.toml")).unwrap_err().to_string();
+    assert!(said.contains("`pike`") && said.contains("`perch`"), "{said}");
+}
+
+#[test]
+fn a_first_guess_outside_the_plausible_box_is_refused() {
+    let said = refusal("plausible = [1e9, 6e9]", "plausible = [4e9, 6e9]");
+    assert!(said.contains("widen plausible"), "{said}");
+}
+
+#[test]
+fn two_trials_of_one_name_are_refused() {
+    let said = refusal("id = \"flap\"", "id = \"static_left\"");
+    assert!(said.contains("stands twice"), "{said}");
+}

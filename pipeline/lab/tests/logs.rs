@@ -1,0 +1,124 @@
+//! Pressure logs: what is written is read back, and each fault is refused with its line and the next move.
+//!
+//! Stands on: `lab`. Never knows: a real log.
+
+use std::path::Path;
+
+use lab::card::Side;
+use lab::pressure::{self, PressureLog};
+
+const GOOD: &str = "# virtual bench
+time_s,left_command_mbar,right_command_mbar,left_mbar,right_mbar,led
+1.000,0,0,0.5,-0.3,0
+1.005,200,0,1.5,-0.2,1
+1.010,200,0,90.25,0.1,1
+1.015,200,0,180,0.1,1
+";
+
+fn parse(text: &str) -> Result<PressureLog, String> {
+    pressure::parse(text, Path::new("pressure.csv")).map_err(|e| e.to_string())
+}
+
+/// The refusal of the good log with `from` changed to `to`.
+fn refusal(from: &str, to: &str) -> String {
+    assert!(GOOD.contains(from), "`{from}` is in the good log");
+    parse(&GOOD.replacen(from, to, 1)).unwrap_err()
+}
+
+#[test]
+fn millibar_become_pascal_on_the_clock_of_the_log() {
+    let log = parse(GOOD).unwrap();
+    let left = log.measured(Side::Left);
+    assert!((log.rate() - 200.0).abs() < 1e-9);
+    assert!((left.at(1.010) - 9025.0).abs() < 1e-6);
+    assert_eq!(log.command(Side::Left).values(), [0.0, 20000.0, 20000.0, 20000.0]);
+    assert_eq!(log.led, [0.0, 1.0, 1.0, 1.0]);
+}
+
+#[test]
+fn a_log_that_is_written_is_read_back_the_same() {
+    let log = parse(GOOD).unwrap();
+    let text = pressure::write(&log, "virtual bench");
+    assert_eq!(parse(&text).unwrap(), log);
+    assert_eq!(pressure::write(&parse(&text).unwrap(), "virtual bench"), text);
+}
+
+#[test]
+fn columns_may_stand_in_any_order_beside_others() {
+    let text = "led,temperature_c,right_mbar,left_mbar,right_command_mbar,left_command_mbar,time_s\n\
+                1,21,4,3,2,1,0.0\n0,21,4,3,2,1,0.005\n";
+    let log = parse(text).unwrap();
+    assert_eq!((log.left.command[0], log.right.measured[1]), (100.0, 400.0));
+}
+
+#[test]
+fn a_byte_order_mark_and_crlf_are_tolerated() {
+    let text = format!("\u{feff}{}", GOOD.replace('\n', "\r\n"));
+    assert_eq!(parse(&text).unwrap(), parse(GOOD).unwrap());
+}
+
+#[test]
+fn a_nan_is_refused_with_its_line() {
+    let said = refusal("90.25", "NaN");
+    assert!(said.contains("line 5:") && said.contains("left_mbar is `NaN`"), "{said}");
+}
+
+#[test]
+fn a_missing_column_is_refused_with_its_name() {
+    let said = refusal("right_mbar", "right_bar");
+    assert!(said.contains("line 2:") && said.contains("`right_mbar` is missing"), "{said}");
+    assert!(said.contains("rename the column `right_bar` to `right_mbar`"), "{said}");
+}
+
+#[test]
+fn time_that_stands_still_is_refused_with_its_line() {
+    let said = refusal("1.010", "1.005");
+    assert!(said.contains("line 5:") && said.contains("time must rise"), "{said}");
+}
+
+#[test]
+fn a_gap_in_time_is_refused() {
+    let said = refusal("1.015", "1.030");
+    assert!(said.contains("samples come every"), "{said}");
+}
+
+#[test]
+fn pressures_out_of_range_are_refused_with_the_range() {
+    let said = refusal("180", "18000");
+    assert!(said.contains("line 6:") && said.contains("-200 to 5000 mbar"), "{said}");
+}
+
+#[test]
+fn a_lamp_that_is_neither_on_nor_off_is_refused() {
+    assert!(refusal("-0.3,0", "-0.3,255").contains("led = 255"));
+}
+
+#[test]
+fn decimal_commas_are_refused_with_that_word() {
+    let bare = refusal("90.25", "90,25");
+    assert!(bare.contains("line 5:") && bare.contains("decimal comma"), "{bare}");
+    let quoted = refusal("90.25", "\"90,25\"");
+    assert!(quoted.contains("decimal points"), "{quoted}");
+    let semicolons = parse(&GOOD.replace(',', ";")).unwrap_err();
+    assert!(semicolons.contains("commas between columns"), "{semicolons}");
+}
+
+#[test]
+fn a_word_in_place_of_a_number_is_refused() {
+    assert!(refusal("90.25", "high").contains("left_mbar is `high`"));
+}
+
+#[test]
+fn an_empty_log_is_refused() {
+    assert!(
+        parse("time_s,left_command_mbar,right_command_mbar,left_mbar,right_mbar,led\n")
+            .unwrap_err()
+            .contains("0 samples")
+    );
+}
+
+#[test]
+fn an_absent_log_is_refused_with_its_name() {
+    let said = pressure::read(Path::new("/nowhere/pressure.csv")).unwrap_err().to_string();
+    assert!(said.contains("/nowhere/pressure.csv"), "{said}");
+}
