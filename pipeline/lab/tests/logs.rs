@@ -1,6 +1,7 @@
 //! Pressure logs: what is written is read back, and each fault is refused with its line and the next move.
 //!
 //! Stands on: `lab`. Never knows: a real log.
+#![allow(clippy::unwrap_used)] // a test may fail where it stands
 
 use std::path::Path;
 
