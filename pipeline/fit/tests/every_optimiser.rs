@@ -1,0 +1,275 @@
+//! Every problem × every optimiser of the list: each must come as near to the known optimum as its kind can.
+//!
+//! Stands on: `fit`. A new optimiser is tested here the moment it is in `ALL`, once [`reach`] says what it may use.
+
+use fit::optimisers::{self, ALL, Settings};
+use fit::{Bounds, Evaluation, Finished, FitError, History, Needs, Residuals, Search, minimise};
+
+/// A least-squares problem in two parameters with a known optimum.
+struct Problem {
+    name: &'static str,
+    residuals: fn(&[f64]) -> Vec<f64>,
+    jacobian: fn(&[f64]) -> Vec<f64>,
+    start: [f64; 2],
+    low: [f64; 2],
+    high: [f64; 2],
+    optimum: [f64; 2],
+}
+
+const PROBLEMS: &[Problem] = &[
+    Problem {
+        name: "quadratic well",
+        residuals: |x| vec![2.0 * (x[0] - 0.3) + 0.5 * (x[1] + 0.2), 0.7 * (x[1] + 0.2)],
+        jacobian: |_| vec![2.0, 0.5, 0.0, 0.7],
+        start: [-0.8, 0.9],
+        low: [-1.0, -1.0],
+        high: [1.0, 1.0],
+        optimum: [0.3, -0.2],
+    },
+    Problem {
+        name: "rosenbrock",
+        residuals: |x| vec![10.0 * (x[1] - x[0] * x[0]), 1.0 - x[0]],
+        jacobian: |x| vec![-20.0 * x[0], 10.0, -1.0, 0.0],
+        start: [-1.2, 1.0],
+        low: [-2.0, -1.0],
+        high: [2.0, 3.0],
+        optimum: [1.0, 1.0],
+    },
+    // Two logarithms of moduli: their sum is felt strongly and exponentially, their difference hardly.
+    Problem {
+        name: "narrow log valley",
+        residuals: |x| vec![5.0 * ((x[0] + x[1] - 0.5).exp() - 1.0), 0.2 * (x[0] - x[1] + 0.9)],
+        jacobian: |x| {
+            let steep = 5.0 * (x[0] + x[1] - 0.5).exp();
+            vec![steep, steep, 0.2, -0.2]
+        },
+        start: [1.0, -1.0],
+        low: [-2.0, -2.0],
+        high: [2.0, 2.0],
+        optimum: [-0.2, 0.7],
+    },
+];
+
+impl Problem {
+    fn search(&self) -> Search {
+        let bounds = Bounds { low: self.low.to_vec(), high: self.high.to_vec() };
+        Search::new(&["body", "spine"], self.start.to_vec(), bounds).unwrap()
+    }
+
+    fn evaluate(&self, at: &[f64], needs: Needs) -> Evaluation {
+        let r = Residuals { values: (self.residuals)(at), jacobian: (self.jacobian)(at) };
+        Evaluation {
+            at: at.to_vec(),
+            loss: r.half_square(),
+            gradient: (needs == Needs::Gradient).then(|| r.gradient(2)),
+            residuals: (needs == Needs::Residuals).then_some(r),
+        }
+    }
+
+    fn solve(&self, name: &str) -> History {
+        let (settings, _) = reach(name);
+        let mut optimiser = (optimisers::by_name(name).unwrap().build)(&self.search(), &settings).unwrap();
+        let mut answer = |batch: &[Vec<f64>], needs| -> Result<Vec<Evaluation>, FitError> {
+            Ok(batch.iter().map(|at| self.evaluate(at, needs)).collect())
+        };
+        minimise(optimiser.as_mut(), &mut answer).unwrap()
+    }
+}
+
+/// What an optimiser may use, and how near (in units of the parameters) it must come.
+fn reach(name: &str) -> (Settings, f64) {
+    let mut set = Settings::default();
+    let within = match name {
+        "grid" => {
+            set.grid.points_per_axis = 81;
+            f64::NAN // its own test below: half a spacing, measured by the loss
+        }
+        "adam" => {
+            set.adam.step = 0.05;
+            set.adam.square_memory = 0.99;
+            set.adam.step_tolerance = 1e-7;
+            set.adam.iterations = 4000;
+            2e-3
+        }
+        "gauss_newton" => {
+            set.gauss_newton.iterations = 40;
+            1e-6
+        }
+        other => panic!("say here what `{other}` may use and how near it must come"),
+    };
+    (set, within)
+}
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+}
+
+#[test]
+fn every_optimiser_finds_every_optimum() {
+    for member in ALL.iter().filter(|m| m.name != "grid") {
+        for problem in PROBLEMS {
+            let history = problem.solve(member.name);
+            let off = distance(&history.best.at, &problem.optimum);
+            let (_, within) = reach(member.name);
+            println!("{:12} {:18} {:5} evaluations, {off:.2e} off", member.name, problem.name, history.tried.len());
+            assert!(off < within, "{} is {off:.2e} off on {}, at {:?}", member.name, problem.name, history.best.at);
+        }
+    }
+}
+
+#[test]
+fn a_grid_is_as_good_as_its_node_nearest_to_the_optimum() {
+    for problem in PROBLEMS {
+        let history = problem.solve("grid");
+        let nearest = history.tried.iter().map(|t| &t.evaluation);
+        let nearest =
+            nearest.min_by(|a, b| distance(&a.at, &problem.optimum).total_cmp(&distance(&b.at, &problem.optimum)));
+        assert!(history.best.loss <= nearest.unwrap().loss, "{}", problem.name);
+        assert_eq!((history.tried.len(), history.iterations()), (81 * 81, 1));
+    }
+}
+
+#[test]
+fn no_optimiser_ever_asks_outside_of_the_bounds() {
+    for member in ALL {
+        for problem in PROBLEMS {
+            let search = problem.search();
+            let tried = problem.solve(member.name).tried;
+            assert!(
+                tried.iter().all(|t| search.bounds().contain(&t.evaluation.at)),
+                "{} {}",
+                member.name,
+                problem.name
+            );
+        }
+    }
+}
+
+#[test]
+fn every_optimiser_walks_the_same_way_twice() {
+    for member in ALL {
+        for problem in PROBLEMS {
+            assert!(problem.solve(member.name) == problem.solve(member.name), "{} {}", member.name, problem.name);
+        }
+    }
+}
+
+#[test]
+fn every_optimiser_answers_to_its_name_in_the_list() {
+    for member in ALL {
+        let built = (member.build)(&PROBLEMS[0].search(), &Settings::default()).unwrap();
+        assert_eq!(built.name(), member.name);
+    }
+}
+
+#[test]
+fn every_optimiser_asks_nothing_once_it_has_finished() {
+    for member in ALL {
+        let (settings, _) = reach(member.name);
+        let mut optimiser = (member.build)(&PROBLEMS[0].search(), &settings).unwrap();
+        while optimiser.finished().is_none() {
+            let (batch, needs) = (optimiser.ask(), optimiser.needs());
+            let told: Vec<_> = batch.iter().map(|at| PROBLEMS[0].evaluate(at, needs)).collect();
+            optimiser.tell(&told).unwrap();
+        }
+        assert!(optimiser.ask().is_empty(), "{}", member.name);
+    }
+}
+
+#[test]
+fn every_optimiser_refuses_a_loss_that_is_nan() {
+    for member in ALL {
+        let mut optimiser = (member.build)(&PROBLEMS[0].search(), &Settings::default()).unwrap();
+        let needs = optimiser.needs();
+        let bad = |at: &Vec<f64>| Evaluation { loss: f64::NAN, ..PROBLEMS[0].evaluate(at, needs) };
+        let told: Vec<_> = optimiser.ask().iter().map(bad).collect();
+        assert!(matches!(optimiser.tell(&told), Err(FitError::Loss { .. })), "{}", member.name);
+    }
+}
+
+#[test]
+fn every_optimiser_refuses_an_answer_to_another_question() {
+    for member in ALL {
+        let mut optimiser = (member.build)(&PROBLEMS[0].search(), &Settings::default()).unwrap();
+        let needs = optimiser.needs();
+        let mut told: Vec<_> = optimiser.ask().iter().map(|at| PROBLEMS[0].evaluate(at, needs)).collect();
+        told[0].at[0] += 0.01;
+        assert!(matches!(optimiser.tell(&told), Err(FitError::OtherPoint { .. })), "{}", member.name);
+    }
+}
+
+#[test]
+fn every_problem_has_the_jacobian_of_its_residuals() {
+    let h = 1e-6;
+    for problem in PROBLEMS {
+        let exact = (problem.jacobian)(&problem.start);
+        for j in 0..2 {
+            let shifted = |s: f64| {
+                let mut x = problem.start;
+                x[j] += s;
+                (problem.residuals)(&x)
+            };
+            for (i, (up, down)) in shifted(h).iter().zip(shifted(-h)).enumerate() {
+                let difference = (up - down) / (2.0 * h);
+                // central differences of smooth functions of order 10: h² and round-off 1e-15/h
+                assert!((difference - exact[2 * i + j]).abs() < 1e-7, "{} {i} {j}", problem.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn gauss_newton_stops_on_a_bound_when_the_optimum_lies_beyond_it() {
+    let problem = Problem { high: [0.1, 1.0], ..PROBLEMS[0] };
+    let history = problem.solve("gauss_newton");
+    // with x0 held at 0.1: minimise (0.5 v − 0.4)² + (0.7 v)² over v = x1 + 0.2
+    let v = 0.5 * 0.4 / (0.25 + 0.49);
+    assert!(distance(&history.best.at, &[0.1, v - 0.2]) < 1e-6, "{:?}", history.best.at);
+    assert!(matches!(history.finished, Finished::Converged { .. }));
+}
+
+#[test]
+fn gauss_newton_steps_back_where_there_is_no_solution() {
+    let problem = &PROBLEMS[1];
+    let (settings, within) = reach("gauss_newton");
+    let mut optimiser = (optimisers::by_name("gauss_newton").unwrap().build)(&problem.search(), &settings).unwrap();
+    // the first full step leads far down the valley's wall: say that nothing can be solved there
+    let mut answer = |batch: &[Vec<f64>], needs| -> Result<Vec<Evaluation>, FitError> {
+        Ok(batch
+            .iter()
+            .map(|at| match at[1] < -0.5 {
+                true => Evaluation::of_loss(at.clone(), f64::INFINITY),
+                false => problem.evaluate(at, needs),
+            })
+            .collect())
+    };
+    let history = minimise(optimiser.as_mut(), &mut answer).unwrap();
+    assert!(history.tried.iter().any(|t| t.evaluation.loss.is_infinite()), "the test should meet the hole");
+    assert!(distance(&history.best.at, &problem.optimum) < within);
+}
+
+#[test]
+fn a_parameter_that_no_residual_feels_is_refused_by_name() {
+    let problem = Problem { jacobian: |_| vec![2.0, 0.0, 0.0, 0.0], ..PROBLEMS[0] };
+    let mut optimiser =
+        (optimisers::by_name("gauss_newton").unwrap().build)(&problem.search(), &Settings::default()).unwrap();
+    let told: Vec<_> = optimiser.ask().iter().map(|at| problem.evaluate(at, Needs::Residuals)).collect();
+    let error = optimiser.tell(&told).unwrap_err();
+    assert!(matches!(error, FitError::Gradient { ref parameter, .. } if parameter == "spine"), "{error}");
+}
+
+#[test]
+fn the_covariance_of_a_straight_line_is_the_textbook_one() {
+    // y = a + b t at t = −1, 0, 1, residuals 1, −2, 1: σ² = 6 / (3 − 2), var a = σ²/3, var b = σ²/2, no covariance
+    let line = Residuals { values: vec![1.0, -2.0, 1.0], jacobian: vec![1.0, -1.0, 1.0, 0.0, 1.0, 1.0] };
+    let covariance = line.covariance(2).unwrap();
+    assert!((covariance.sigma(0) - 2f64.sqrt()).abs() < 1e-12);
+    assert!((covariance.sigma(1) - 3f64.sqrt()).abs() < 1e-12);
+    assert!(covariance.correlation(0, 1).abs() < 1e-12);
+}
+
+#[test]
+fn as_many_residuals_as_parameters_give_no_covariance() {
+    let exact = Residuals { values: vec![0.1, 0.2], jacobian: vec![1.0, 0.0, 0.0, 1.0] };
+    assert!(matches!(exact.covariance(2), Err(FitError::Undetermined { parameters: 2, .. })));
+}
