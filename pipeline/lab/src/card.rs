@@ -182,9 +182,9 @@ pub struct Camera {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Board {
-    /// Inner corners along a row.
+    /// Squares along the first axis; odd where `rows` is even, or the other way round, so that the board has one way up.
     pub columns: usize,
-    /// Rows of inner corners.
+    /// Squares along the second axis.
     pub rows: usize,
     /// Side of a square, m.
     pub square: Metre,
@@ -199,7 +199,7 @@ pub struct Plane {
     /// Where its inner corner (0, 0) lies, m, x and y of the CAD frame.
     pub origin: Point2,
     /// Unit vector, in x and y of the CAD frame, along which the columns count up. Rows count up a quarter turn
-    /// clockwise of it, seen from the camera: along (cos a, sin a), the rows run along (sin a, −cos a).
+    /// anticlockwise of it, seen from the camera: along (cos a, sin a), the rows run along (−sin a, cos a).
     pub along: Point2,
     /// z of the plane, m, CAD frame.
     pub height: Metre,

@@ -81,8 +81,8 @@ fn camera(card: &Card) -> Checked {
     let camera = &card.camera;
     relative("camera.calibration", &camera.calibration)?;
     within("camera.frame_every", camera.frame_every as f64, 1.0, 1000.0, "frames")?;
-    within("camera.board.columns", camera.board.columns as f64, 3.0, 100.0, "inner corners")?;
-    within("camera.board.rows", camera.board.rows as f64, 3.0, 100.0, "inner corners")?;
+    within("camera.board.columns", camera.board.columns as f64, 3.0, 100.0, "squares")?;
+    within("camera.board.rows", camera.board.rows as f64, 3.0, 100.0, "squares")?;
     within("camera.board.square", camera.board.square, 1e-3, 0.2, "m")?;
     let [from, to] = camera.plane.seconds;
     within("camera.plane.seconds.0", from, 0.0, 3600.0, "s")?;

@@ -69,14 +69,14 @@ fn camera(text: &mut String, camera: &Camera) {
         text,
         format_args!("\n[camera]\ncalibration = {:?}\nframe_every = {}\n", camera.calibration, camera.frame_every),
     );
-    put(text, format_args!("\n[camera.board]\ncolumns = {}  # inner corners\nrows = {}\n", board.columns, board.rows));
+    put(text, format_args!("\n[camera.board]\ncolumns = {}  # squares\nrows = {}\n", board.columns, board.rows));
     put(text, format_args!("square = {:?}  # m\n", board.square));
     put(text, format_args!("\n[camera.plane]\nseconds = {:?}  # s, the board lies flat on the plane\n", plane.seconds));
     put(text, format_args!("origin = {:?}  # m, its inner corner (0, 0)\n", plane.origin));
     put(
         text,
         format_args!(
-            "along = {:?}  # its columns; rows run a quarter turn clockwise, seen from the camera\n",
+            "along = {:?}  # its columns; rows run a quarter turn anticlockwise, seen from the camera\n",
             plane.along
         ),
     );
