@@ -1,1 +1,28 @@
-//! shape
+//! Shapes: closed surfaces come in, tagged tetrahedra go out.
+//!
+//! An STL file becomes a welded [`Surface`]; a body surface and a spine surface become a [`TetMesh`] of columns that
+//! stand on the spine's plane ([`mesh`]); [`quadratic`] gives each edge its middle node and [`embed`] finds a material
+//! point on the skin. [`tail`] is the parametric soft tail, from which a virtual bench takes its own mesh and its
+//! "CAD export". Everything is in metres and gives the same bytes on every run. Paper: section on the model.
+//!
+//! Stands on: `si`. Never knows: a material, a pressure, a specimen, a file's path.
+
+mod columns;
+mod distance;
+mod embed;
+mod frame;
+mod quadratic;
+mod quality;
+mod stack;
+pub mod stl;
+mod surface;
+pub mod tail;
+mod tetrahedra;
+mod validate;
+
+pub use columns::{MeshError, Settings, mesh};
+pub use embed::{Spot, embed};
+pub use quadratic::{QuadraticFace, QuadraticMesh, quadratic};
+pub use surface::{Shell, Surface, SurfaceError};
+pub use tetrahedra::{BODY, SPINE, Skin, SkinFace, TetMesh};
+pub use validate::{Chamber, Report, Unfit};
