@@ -1,1 +1,10 @@
-//! signal
+//! Signals in time: edges, clocks, samples on other times, filters.
+//!
+//! A signal is a [`si::Series`] (evenly sampled, knows its rate) or [`resample::Samples`] (each value with its own time).
+//!
+//! Stands on: `si`. Never knows: what was measured, by which instrument, in which trial. Paper: section IV.
+
+pub mod clock;
+pub mod edge;
+pub mod resample;
+pub mod smooth;

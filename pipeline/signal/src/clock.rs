@@ -1,0 +1,140 @@
+//! Two clocks that saw the same events: how one's times read on the other.
+//!
+//! Stands on: `si`. Never knows: what the events were.
+
+use si::Second;
+
+/// Turns times of one clock into times of another: t' = offset + scale · t.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Clock {
+    /// What the other clock shows when this one shows 0, s.
+    pub offset: Second,
+    /// Seconds of the other clock in a second of this one, no unit.
+    pub scale: f64,
+}
+
+/// Why two lists of events do not make a clock.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ClockError {
+    /// Nothing to match.
+    #[error(
+        "two clocks share no edge\n  why: neither saw one\n  do:  check that the lamp is in the picture and the log has its column"
+    )]
+    NoEdge,
+    /// One clock saw events that the other did not.
+    #[error(
+        "two clocks saw different edges\n  why: one saw {} at {}, the other {} at {}\n  do:  keep the edges that both saw, or mend the recording that missed one", .here.len(), list(.here), .there.len(), list(.there)
+    )]
+    Counts {
+        /// Times on this clock, s.
+        here: Vec<Second>,
+        /// Times on the other clock, s.
+        there: Vec<Second>,
+    },
+    /// Edges that do not follow each other in time, or a drift that no clock has.
+    #[error(
+        "the edges of two clocks do not belong together\n  why: a second here would be {scale:.4} s there; clocks differ by less than {limit} s\n  do:  check that both lists hold the same edges in the same order"
+    )]
+    Drift {
+        /// Scale that the edges ask for, no unit.
+        scale: f64,
+        /// Largest departure from 1 that is accepted.
+        limit: f64,
+    },
+}
+
+/// Largest drift that is taken for a clock's, s a second: a poor crystal drifts by 1e-4.
+pub const DRIFT_LIMIT: f64 = 0.01;
+
+impl Clock {
+    /// The clock that shows what this one shows.
+    pub const SAME: Self = Self { offset: 0.0, scale: 1.0 };
+
+    /// Matches the times `here` with the times `there` (s) of the same edges in the same order.
+    ///
+    /// One edge gives the offset alone, two or more the drift too, by least squares.
+    ///
+    /// # Errors
+    /// [`ClockError`] when the numbers differ, there is no edge, or the drift is not one of a clock.
+    pub fn from_edges(here: &[Second], there: &[Second]) -> Result<Self, ClockError> {
+        if here.len() != there.len() {
+            return Err(ClockError::Counts { here: here.into(), there: there.into() });
+        }
+        if here.is_empty() {
+            return Err(ClockError::NoEdge);
+        }
+        let count = here.len() as f64;
+        let (middle, goal) = (here.iter().sum::<f64>() / count, there.iter().sum::<f64>() / count);
+        let spread: f64 = here.iter().map(|t| (t - middle).powi(2)).sum();
+        let shared: f64 = here.iter().zip(there).map(|(t, u)| (t - middle) * (u - goal)).sum();
+        let scale = if here.len() > 1 { shared / spread } else { 1.0 };
+        if !((scale - 1.0).abs() <= DRIFT_LIMIT) {
+            return Err(ClockError::Drift { scale, limit: DRIFT_LIMIT });
+        }
+        Ok(Self { offset: goal - scale * middle, scale })
+    }
+
+    /// A time of this clock on the other one, s.
+    pub fn there(&self, here: Second) -> Second {
+        self.offset + self.scale * here
+    }
+
+    /// A time of the other clock on this one, s.
+    pub fn here(&self, there: Second) -> Second {
+        (there - self.offset) / self.scale
+    }
+
+    /// Root of the mean squared miss over matched edges, s.
+    pub fn miss(&self, here: &[Second], there: &[Second]) -> Second {
+        let squares: f64 = here.iter().zip(there).map(|(&t, u)| (self.there(t) - u).powi(2)).sum();
+        (squares / here.len().min(there.len()).max(1) as f64).sqrt()
+    }
+}
+
+fn list(times: &[Second]) -> String {
+    let shown: Vec<_> = times.iter().take(6).map(|t| format!("{t:.3}")).collect();
+    let more = if times.len() > 6 { ", …" } else { "" };
+    format!("[{}{more}] s", shown.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_edge_gives_the_offset_alone() {
+        let clock = Clock::from_edges(&[1.25], &[11.0]).unwrap();
+        assert_eq!(clock, Clock { offset: 9.75, scale: 1.0 });
+        assert_eq!(clock.here(clock.there(3.0)), 3.0);
+    }
+
+    #[test]
+    fn two_edges_give_the_drift_too() {
+        let truth = Clock { offset: -3.2, scale: 1.0 + 80e-6 };
+        let here = [2.0, 61.0];
+        let found = Clock::from_edges(&here, &here.map(|t| truth.there(t))).unwrap();
+        assert!((found.scale - truth.scale).abs() < 1e-14);
+        assert!((found.there(200.0) - truth.there(200.0)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn many_edges_share_out_their_noise() {
+        let here: Vec<_> = (0..20).map(f64::from).collect();
+        let there: Vec<_> = here.iter().map(|t| t + 5.0 + 1e-3 * (t * 7.7).sin()).collect();
+        let clock = Clock::from_edges(&here, &there).unwrap();
+        assert!((clock.there(10.0) - 15.0).abs() < 3e-4);
+        assert!(clock.miss(&here, &there) < 1e-3);
+    }
+
+    #[test]
+    fn a_missed_edge_is_refused_with_the_counts_and_times_of_both() {
+        let text = Clock::from_edges(&[1.0, 2.0], &[1.0]).unwrap_err().to_string();
+        assert!(text.contains("2 at [1.000, 2.000] s") && text.contains("1 at [1.000] s"), "{text}");
+    }
+
+    #[test]
+    fn edges_of_different_events_are_refused() {
+        assert!(matches!(Clock::from_edges(&[1.0, 2.0], &[1.0, 2.5]), Err(ClockError::Drift { .. })));
+        assert!(matches!(Clock::from_edges(&[1.0, 1.0], &[1.0, 2.5]), Err(ClockError::Drift { .. })));
+    }
+}

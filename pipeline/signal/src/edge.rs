@@ -1,0 +1,218 @@
+//! Edges of a signal with two levels, to a fraction of a sample.
+//!
+//! A camera's sample is a mean over its exposure, so a lamp that lights in mid exposure gives a level between dark and
+//! bright, and the level tells when. A log's sample is an instant: the edge then lies half way between two samples.
+//!
+//! Stands on: `si`. Never knows: what lights or why.
+
+use si::{Second, Series};
+
+/// What the value of a sample at time t means: the mean over t − `lead` … t − `lead` + `width`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Window {
+    /// How long before the sample's time it begins, s.
+    pub lead: Second,
+    /// How long it lasts, s; 0 for an instant.
+    pub width: Second,
+}
+
+impl Window {
+    /// A sample that is taken in no time, as a log's.
+    pub const INSTANT: Self = Self { lead: 0.0, width: 0.0 };
+
+    /// A sample whose time is the begin of an exposure of `width` (s), as a camera's.
+    pub fn exposure(width: Second) -> Self {
+        Self { lead: 0.0, width }
+    }
+}
+
+/// Why a signal has no edges.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum EdgeError {
+    /// One level only, or too much noise.
+    #[error(
+        "the signal has no two levels\n  why: they would be {low:.4} and {high:.4}, while {noise:.4} is noise; {limit} times the noise are needed\n  do:  check that the disc lies on the lamp, or the column is the lamp's"
+    )]
+    NoLevels {
+        /// Lower level, in the signal's unit.
+        low: f64,
+        /// Upper level.
+        high: f64,
+        /// Scatter within the levels.
+        noise: f64,
+        /// How many times the noise the levels must lie apart.
+        limit: f64,
+    },
+    /// A window that overlaps the next.
+    #[error(
+        "an exposure of {width} s does not fit\n  why: a sample is taken every {period} s\n  do:  correct the exposure"
+    )]
+    Overlap {
+        /// Width of the window, s.
+        width: Second,
+        /// Time from sample to sample, s.
+        period: Second,
+    },
+}
+
+/// Times (s) at which the signal goes from its lower to its upper level.
+///
+/// # Errors
+/// [`EdgeError`] when the signal has no two levels or the window does not fit between samples.
+pub fn rising(signal: &Series, window: Window) -> Result<Vec<Second>, EdgeError> {
+    Ok(edges(signal, window)?.into_iter().filter(|e| e.up).map(|e| e.time).collect())
+}
+
+/// Times (s) at which the signal goes from its upper to its lower level.
+///
+/// # Errors
+/// [`EdgeError`] when the signal has no two levels or the window does not fit between samples.
+pub fn falling(signal: &Series, window: Window) -> Result<Vec<Second>, EdgeError> {
+    Ok(edges(signal, window)?.into_iter().filter(|e| !e.up).map(|e| e.time).collect())
+}
+
+/// One edge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Edge {
+    /// When, s.
+    pub time: Second,
+    /// Whether to the upper level.
+    pub up: bool,
+}
+
+/// Both levels must lie this many times their own scatter apart.
+const LEVELS_APART: f64 = 6.0;
+/// Nearer to a level than this share of the way, a sample counts as that level: lamps flicker by a level or two of 255.
+const NEAR: f64 = 0.02;
+
+/// All edges in the order of time.
+///
+/// # Errors
+/// [`EdgeError`] when the signal has no two levels or the window does not fit between samples.
+pub fn edges(signal: &Series, window: Window) -> Result<Vec<Edge>, EdgeError> {
+    let period = 1.0 / signal.rate();
+    if !(0.0..=period * (1.0 + 1e-9)).contains(&window.width) {
+        return Err(EdgeError::Overlap { width: window.width, period });
+    }
+    let (low, high) = levels(signal.values())?;
+    let share: Vec<f64> = signal.values().iter().map(|v| ((v - low) / (high - low)).clamp(0.0, 1.0)).collect();
+    let upper: Vec<bool> = share.iter().map(|&s| s >= 0.5).collect();
+    let crossings = (1..share.len()).filter(|&i| upper[i] != upper[i - 1]);
+    Ok(crossings.map(|i| Edge { time: crossing(signal, &share, window, i), up: upper[i] }).collect())
+}
+
+/// The time of the edge between samples `i` − 1 and `i`, which lie on different sides of the middle.
+///
+/// The sample that lies between the levels has the edge inside its window, a share of the new level before the window's
+/// end. Without such a sample the edge lies between the two windows, half way for want of more.
+fn crossing(signal: &Series, share: &[f64], window: Window, i: usize) -> Second {
+    let new = |k: usize| if share[i] >= 0.5 { share[k] } else { 1.0 - share[k] };
+    let begin = |k: usize| signal.time(k) - window.lead;
+    let nearest = if (share[i - 1] - 0.5).abs() < (share[i] - 0.5).abs() { i - 1 } else { i };
+    if (NEAR..=1.0 - NEAR).contains(&share[nearest]) {
+        begin(nearest) + (1.0 - new(nearest)) * window.width
+    } else {
+        0.5 * (begin(i - 1) + window.width + begin(i))
+    }
+}
+
+/// The two levels: medians of the samples on either side of the middle, those in mid edge left out.
+fn levels(values: &[f64]) -> Result<(f64, f64), EdgeError> {
+    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let (mut low, mut high) = (least, most);
+    for _ in 0..3 {
+        let quarter = 0.25 * (high - low);
+        low = median(values.iter().copied().filter(|&v| v <= low + quarter)).unwrap_or(low);
+        high = median(values.iter().copied().filter(|&v| v >= high - quarter)).unwrap_or(high);
+    }
+    let middle = 0.5 * (low + high);
+    let scatter = values.iter().map(|&v| (v - if v < middle { low } else { high }).abs());
+    let noise = 1.4826 * median(scatter).unwrap_or(0.0);
+    if high - low > LEVELS_APART * noise && high > low {
+        Ok((low, high))
+    } else {
+        Err(EdgeError::NoLevels { low, high, noise, limit: LEVELS_APART })
+    }
+}
+
+fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut sorted: Vec<f64> = values.collect();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A lamp of levels 12 and 210 that is lit from `on` to `off` (s), as the mean over each window.
+    fn lamp(rate: f64, window: Window, on: f64, off: f64) -> Series {
+        let lit = |t: f64| (t.clamp(on, off) - on) / (off - on) * (off - on);
+        let value = |k: usize| {
+            let begin = 0.5 + k as f64 / rate - window.lead;
+            let share = match window.width {
+                0.0 => f64::from(u8::from((on..off).contains(&begin))),
+                width => (lit(begin + width) - lit(begin)) / width,
+            };
+            12.0 + 198.0 * share
+        };
+        Series::new(0.5, rate, (0..240).map(value).collect()).unwrap()
+    }
+
+    #[test]
+    fn an_exposure_tells_the_edge_to_a_fraction_of_a_frame() {
+        let window = Window::exposure(1.0 / 120.0);
+        for k in 0..20 {
+            let on = 1.0002 + 0.0004 * f64::from(k); // inside the exposure of the frame at 1.0 s, which ends at 1.0083
+            let signal = lamp(60.0, window, on, 3.0213);
+            let tolerance = NEAR / 120.0 + 1e-12;
+            assert!((rising(&signal, window).unwrap()[0] - on).abs() < tolerance);
+            assert!((falling(&signal, window).unwrap()[0] - 3.0213).abs() < 0.5 / 120.0 + 1e-9);
+        }
+    }
+
+    #[test]
+    fn an_edge_in_the_dark_between_exposures_is_put_half_way() {
+        let window = Window::exposure(1.0 / 120.0);
+        let signal = lamp(60.0, window, 1.0 + 1.3 / 120.0, 3.0);
+        assert!((rising(&signal, window).unwrap()[0] - (1.0 + 1.5 / 120.0)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn exposures_without_a_gap_tell_every_edge() {
+        let window = Window { lead: 1.0 / 60.0, width: 1.0 / 60.0 };
+        for k in 0..50 {
+            let (on, off) = (1.0 + 0.0011 * f64::from(k), 3.0 + 0.0007 * f64::from(k));
+            let found = edges(&lamp(60.0, window, on, off), window).unwrap();
+            assert_eq!(found.len(), 2);
+            assert!(
+                (found[0].time - on).abs() < NEAR / 60.0 + 1e-12 && (found[1].time - off).abs() < NEAR / 60.0 + 1e-12
+            );
+        }
+    }
+
+    #[test]
+    fn an_instant_log_tells_the_edge_to_half_a_sample() {
+        let found = edges(&lamp(200.0, Window::INSTANT, 0.9713, 1.2), Window::INSTANT).unwrap();
+        assert!((found[0].time - 0.9713).abs() <= 0.0025 && found[0].up);
+    }
+
+    #[test]
+    fn noise_moves_no_edge_by_more_than_its_own_size() {
+        let window = Window::exposure(1.0 / 60.0);
+        let clean = lamp(60.0, window, 1.0042, 3.1);
+        let noisy = clean.values().iter().enumerate().map(|(i, v)| v + 2.0 * (i as f64 * 12.9898).sin()).collect();
+        let noisy = Series::new(clean.start(), clean.rate(), noisy).unwrap();
+        assert!((rising(&noisy, window).unwrap()[0] - 1.0042).abs() < 4.0 / 198.0 / 60.0 + NEAR / 60.0);
+    }
+
+    #[test]
+    fn a_lamp_that_never_lights_is_refused() {
+        let dark = (0..100).map(|i| 12.0 + (f64::from(i) * 0.618034).fract()).collect();
+        let dark = Series::new(0.0, 60.0, dark).unwrap();
+        assert!(matches!(rising(&dark, Window::INSTANT), Err(EdgeError::NoLevels { .. })));
+        let flat = Series::new(0.0, 60.0, vec![4.0; 30]).unwrap();
+        assert!(matches!(rising(&flat, Window::INSTANT), Err(EdgeError::NoLevels { .. })));
+    }
+}

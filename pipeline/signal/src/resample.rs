@@ -1,0 +1,150 @@
+//! A signal on other times: linear between its samples.
+//!
+//! Linear reading does not hold back frequencies above half the new rate; [`crate::smooth`] does, before.
+//! Stands on: `si`. Never knows: whose times these are.
+
+use si::{Hertz, Second, Series, SeriesError};
+
+/// Values that each have their own time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Samples {
+    times: Vec<Second>,
+    values: Vec<f64>,
+}
+
+/// Why times and values make no signal.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SampleError {
+    /// Not as many times as values, or none.
+    #[error(
+        "{times} times and {values} values make no signal\n  why: each value needs its time, and at least one is needed\n  do:  check the columns of the log"
+    )]
+    Lengths {
+        /// Number of times.
+        times: usize,
+        /// Number of values.
+        values: usize,
+    },
+    /// A time that does not lie behind the one before.
+    #[error(
+        "time runs backwards at sample {sample}\n  why: it is {at} s, the sample before {before} s\n  do:  check the log there: a clock that was set back, or two logs in one file"
+    )]
+    Backwards {
+        /// Which sample, from 0.
+        sample: usize,
+        /// Its time, s.
+        at: Second,
+        /// The time before, s.
+        before: Second,
+    },
+    /// A time or value that is not a number.
+    #[error("sample {sample} is ({at} s, {value})\n  why: that is not a number\n  do:  check the log there")]
+    NotANumber {
+        /// Which sample, from 0.
+        sample: usize,
+        /// Its time, s.
+        at: Second,
+        /// Its value.
+        value: f64,
+    },
+}
+
+impl Samples {
+    /// A signal from `times` (s, each behind the one before) and as many `values`.
+    ///
+    /// # Errors
+    /// [`SampleError`] naming the first sample that is not a number or runs backwards.
+    pub fn new(times: Vec<Second>, values: Vec<f64>) -> Result<Self, SampleError> {
+        if times.len() != values.len() || times.is_empty() {
+            return Err(SampleError::Lengths { times: times.len(), values: values.len() });
+        }
+        let broken = |i: &usize| !times[*i].is_finite() || !values[*i].is_finite();
+        if let Some(sample) = (0..times.len()).find(broken) {
+            return Err(SampleError::NotANumber { sample, at: times[sample], value: values[sample] });
+        }
+        match (1..times.len()).find(|&i| times[i] <= times[i - 1]) {
+            Some(sample) => Err(SampleError::Backwards { sample, at: times[sample], before: times[sample - 1] }),
+            None => Ok(Self { times, values }),
+        }
+    }
+
+    /// The times, s.
+    pub fn times(&self) -> &[Second] {
+        &self.times
+    }
+
+    /// The values.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// The value at time `t` (s), linear between samples, held before the first and after the last.
+    pub fn at(&self, t: Second) -> f64 {
+        let right = self.times.partition_point(|&s| s <= t);
+        if right == 0 {
+            return self.values[0];
+        }
+        let left = right - 1;
+        if right == self.times.len() {
+            return self.values[left];
+        }
+        let part = (t - self.times[left]) / (self.times[right] - self.times[left]);
+        self.values[left] * (1.0 - part) + self.values[right] * part
+    }
+
+    /// The values at `times` (s).
+    pub fn onto(&self, times: &[Second]) -> Vec<f64> {
+        times.iter().map(|&t| self.at(t)).collect()
+    }
+
+    /// The signal at an even `rate` (Hz) from its first time to its last.
+    ///
+    /// # Errors
+    /// [`SeriesError`] when the rate is not positive.
+    pub fn even(&self, rate: Hertz) -> Result<Series, SeriesError> {
+        let (start, end) = (self.times[0], self.times[self.times.len() - 1]);
+        // half a millionth of a sample is taken as whole: times of a log are rounded
+        let last = ((end - start) * rate + 5e-7).floor().max(0.0) as usize;
+        Series::new(start, rate, (0..=last).map(|i| self.at(start + i as f64 / rate)).collect())
+    }
+}
+
+/// The values of an even series at `times` (s), linear between samples, held outside.
+pub fn onto(series: &Series, times: &[Second]) -> Vec<f64> {
+    times.iter().map(|&t| series.at(t)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_straight_line_is_met_between_uneven_samples_and_held_outside() {
+        let line = Samples::new(vec![0.0, 0.1, 0.4, 1.0], vec![0.0, 0.2, 0.8, 2.0]).unwrap();
+        for (t, value) in line.onto(&[0.05, 0.3, 0.99]).iter().zip([0.1, 0.6, 1.98]) {
+            assert!((t - value).abs() < 1e-15);
+        }
+        assert_eq!(line.onto(&[-1.0, 0.0, 1.0, 5.0]), [0.0, 0.0, 2.0, 2.0]);
+    }
+
+    #[test]
+    fn an_even_log_comes_back_at_its_own_rate() {
+        let times: Vec<_> = (0..100).map(|i| 3.0 + f64::from(i) / 200.0).collect();
+        let values: Vec<_> = times.iter().map(|t| t.sin()).collect();
+        let series = Samples::new(times.clone(), values.clone()).unwrap().even(200.0).unwrap();
+        assert_eq!(series.values().len(), 100);
+        assert!(onto(&series, &times).iter().zip(&values).all(|(a, b)| (a - b).abs() < 1e-12));
+    }
+
+    #[test]
+    fn times_that_run_backwards_are_refused_with_their_sample() {
+        let error = Samples::new(vec![0.0, 0.1, 0.1, 0.3], vec![1.0; 4]).unwrap_err();
+        assert_eq!(error, SampleError::Backwards { sample: 2, at: 0.1, before: 0.1 });
+    }
+
+    #[test]
+    fn a_hole_in_a_log_is_refused_with_its_sample() {
+        let error = Samples::new(vec![0.0, 0.1], vec![1.0, f64::NAN]).unwrap_err();
+        assert!(matches!(error, SampleError::NotANumber { sample: 1, .. }));
+    }
+}

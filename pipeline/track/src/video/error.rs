@@ -1,0 +1,101 @@
+//! What can be wrong with a film, and what to do about it.
+//!
+//! Stands on: nothing. Never knows: which trial the film belongs to.
+
+use std::path::{Path, PathBuf};
+
+/// Why a film cannot be read or written.
+#[derive(Debug, thiserror::Error)]
+pub enum VideoError {
+    /// No file of that name.
+    #[error("film {path} is not there\n  why: no file of that name\n  do:  check the name, or record the film again", path = .path.display())]
+    NotFound {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The disk refused.
+    #[error("film {path} cannot be {doing}\n  why: {source}\n  do:  check the permissions and the free space of its folder", path = .path.display())]
+    Disk {
+        /// The file.
+        path: PathBuf,
+        /// "read" or "written".
+        doing: &'static str,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// Not an MP4 at all.
+    #[error("film {path} is not an MP4\n  why: {found}\n  do:  convert it: ffmpeg -i {path} -c:v libx264 -crf 16 -an film.mp4", path = .path.display())]
+    NotMp4 {
+        /// The file.
+        path: PathBuf,
+        /// What stands there instead.
+        found: String,
+    },
+    /// The recording was cut off before its index was written.
+    #[error(
+        "film {path} is cut short\n  why: it ends after {bytes} bytes without an index of its frames (no complete moov box)\n  do:  copy it from the camera again, or record the film again",
+        path = .path.display()
+    )]
+    NoIndex {
+        /// The file.
+        path: PathBuf,
+        /// Its length.
+        bytes: u64,
+    },
+    /// The index promises more frames than the file holds.
+    #[error(
+        "film {path} is cut short at frame {frame} of {expected}\n  why: that frame needs {needed} bytes of file, there are {bytes}\n  do:  copy it from the camera again, or record the film again",
+        path = .path.display()
+    )]
+    Truncated {
+        /// The file.
+        path: PathBuf,
+        /// First frame that is not whole.
+        frame: usize,
+        /// Frames that the index promises.
+        expected: usize,
+        /// Where that frame would end, bytes.
+        needed: u64,
+        /// The file's length, bytes.
+        bytes: u64,
+    },
+    /// A codec that is not H.264.
+    #[error("film {path} is coded as {codec}\n  why: only H.264 (avc1) is read\n  do:  convert it: ffmpeg -i {path} -c:v libx264 -crf 16 -an film.mp4", path = .path.display())]
+    UnknownCodec {
+        /// The file.
+        path: PathBuf,
+        /// The four letters of its codec.
+        codec: String,
+    },
+    /// Bytes that the decoder refuses.
+    #[error("film {path} is damaged at frame {frame} of {expected}\n  why: {why}\n  do:  copy it from the camera again, or end the trial at frame {frame}", path = .path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// Where.
+        frame: usize,
+        /// Frames that the index promises.
+        expected: usize,
+        /// What the decoder said.
+        why: String,
+    },
+    /// A film that cannot be made as asked.
+    #[error("film {path} cannot be made\n  why: {why}\n  do:  {action}", path = .path.display())]
+    Unfit {
+        /// The file.
+        path: PathBuf,
+        /// What does not fit.
+        why: String,
+        /// The next move.
+        action: &'static str,
+    },
+}
+
+impl VideoError {
+    pub(super) fn reading(path: &Path, source: std::io::Error) -> Self {
+        match source.kind() {
+            std::io::ErrorKind::NotFound => Self::NotFound { path: path.into() },
+            _ => Self::Disk { path: path.into(), doing: "read", source },
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! A film to grey pictures, one after another; memory does not grow with its length.
+//!
+//! Stands on: the film's index, openh264. Never knows: what is filmed.
+
+use super::index::{self, Index};
+use super::{Frame, Info, VideoError};
+use crate::Gray;
+use openh264::OpenH264API;
+use openh264::decoder::{DecodedYUV, Decoder, DecoderConfig, Flush};
+use openh264::formats::YUVSource;
+use std::collections::VecDeque;
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+
+/// A film that is being read: an iterator of its frames in the order of showing.
+pub struct Reader {
+    path: PathBuf,
+    file: File,
+    index: Index,
+    decoder: Decoder,
+    /// Samples given to the decoder so far.
+    fed: usize,
+    /// Frames handed out so far.
+    shown: usize,
+    /// Pictures that the decoder held back until the end.
+    late: VecDeque<Gray>,
+    ended: bool,
+    packet: Vec<u8>,
+}
+
+impl Reader {
+    /// Opens a film and checks that it is whole.
+    ///
+    /// # Errors
+    /// [`VideoError`] when it is not there, not an MP4, cut short, or coded in another way than H.264.
+    pub fn open(path: &Path) -> Result<Self, VideoError> {
+        let mut file = File::open(path).map_err(|e| VideoError::reading(path, e))?;
+        let index = index::read(&mut file, path)?;
+        let config = DecoderConfig::new().flush_after_decode(Flush::NoFlush);
+        let decoder = Decoder::with_api_config(OpenH264API::from_source(), config);
+        let damaged = |e: openh264::Error| VideoError::Damaged {
+            path: path.into(),
+            frame: 0,
+            expected: index.samples.len(),
+            why: e.to_string(),
+        };
+        let decoder = decoder.map_err(damaged)?;
+        let (late, packet) = (VecDeque::new(), Vec::new());
+        Ok(Self { path: path.into(), file, index, decoder, fed: 0, shown: 0, late, ended: false, packet })
+    }
+
+    /// Size, length and rate of the film.
+    pub fn info(&self) -> Info {
+        let times = &self.index.times;
+        let span = times.last().copied().unwrap_or(0.0);
+        let rate = if span > 0.0 { (times.len() - 1) as f64 / span } else { 0.0 };
+        Info { width: self.index.width, height: self.index.height, frames: times.len(), rate }
+    }
+
+    /// The next picture of the decoder, none when all have come.
+    fn picture(&mut self) -> Result<Option<Gray>, VideoError> {
+        while self.fed < self.index.samples.len() {
+            self.load()?;
+            let frame = self.fed;
+            self.fed += 1;
+            let decoded = self.decoder.decode(&self.packet);
+            let decoded = decoded.map_err(|e| damaged(&self.path, frame, &self.index, e.to_string()))?;
+            if let Some(picture) = decoded {
+                return Ok(Some(luma(&picture)));
+            }
+        }
+        if !self.ended {
+            self.ended = true;
+            let rest = self.decoder.flush_remaining();
+            let rest = rest.map_err(|e| damaged(&self.path, self.shown, &self.index, e.to_string()))?;
+            self.late = rest.iter().map(luma).collect();
+        }
+        Ok(self.late.pop_front())
+    }
+
+    /// Puts sample `fed` into `packet` as the decoder wants it: start codes for lengths, parameter sets in front.
+    fn load(&mut self) -> Result<(), VideoError> {
+        let sample = self.index.samples[self.fed];
+        let mut coded = vec![0; sample.size as usize];
+        let disk = |e| VideoError::reading(&self.path, e);
+        self.file.seek(SeekFrom::Start(sample.offset)).map_err(disk)?;
+        self.file.read_exact(&mut coded).map_err(disk)?;
+        self.packet.clear();
+        if self.fed == 0 {
+            self.packet.extend_from_slice(&self.index.parameters);
+        }
+        if !to_start_codes(&coded, self.index.length_bytes, &mut self.packet) {
+            let why = format!("its {} bytes do not fall into whole units", coded.len());
+            return Err(damaged(&self.path, self.fed, &self.index, why));
+        }
+        Ok(())
+    }
+}
+
+impl Iterator for Reader {
+    type Item = Result<Frame, VideoError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let expected = self.index.samples.len();
+        if self.shown == expected {
+            return None;
+        }
+        let index = self.shown;
+        let item = self.picture().and_then(|picture| match picture {
+            Some(gray) => Ok(Frame { index, time: self.index.times[index], gray }),
+            None => Err(damaged(&self.path, index, &self.index, format!("the decoder made {index} pictures in all"))),
+        });
+        self.shown = if item.is_ok() { index + 1 } else { expected };
+        Some(item)
+    }
+}
+
+/// Replaces the length in front of each NAL unit by a start code; false when the lengths do not add up.
+fn to_start_codes(mut coded: &[u8], length_bytes: usize, packet: &mut Vec<u8>) -> bool {
+    while !coded.is_empty() {
+        let Some((length, rest)) = coded.split_at_checked(length_bytes) else { return false };
+        let length = length.iter().fold(0, |sum, &b| sum << 8 | usize::from(b));
+        let Some((unit, rest)) = rest.split_at_checked(length) else { return false };
+        packet.extend_from_slice(&super::writer::START_CODE);
+        packet.extend_from_slice(unit);
+        coded = rest;
+    }
+    true
+}
+
+fn damaged(path: &Path, frame: usize, index: &Index, why: String) -> VideoError {
+    VideoError::Damaged { path: path.into(), frame, expected: index.samples.len(), why }
+}
+
+/// The luma of a decoded picture without the decoder's padding.
+fn luma(picture: &DecodedYUV) -> Gray {
+    let ((width, height), (stride, _, _)) = (picture.dimensions(), picture.strides());
+    let mut pixels = Vec::with_capacity(width * height);
+    for row in picture.y().chunks(stride).take(height) {
+        pixels.extend_from_slice(&row[..width]);
+    }
+    Gray { width, height, pixels }
+}

@@ -1,0 +1,221 @@
+//! Grey pictures to a film: H.264 in an MP4, the same bytes each time.
+//!
+//! One encoder thread and no creation time, so equal pictures make equal files.
+//! Stands on: openh264, mp4. Never knows: what is filmed.
+
+use super::VideoError;
+use crate::Gray;
+use mp4::{AvcConfig, MediaConfig, Mp4Config, Mp4Sample, Mp4Writer, TrackConfig, TrackType};
+use openh264::OpenH264API;
+use openh264::encoder::{
+    BitRate, Complexity, Encoder, EncoderConfig, FrameRate, FrameType, IntraFramePeriod, QpRange, RateControlMode,
+    UsageType, VuiConfig,
+};
+use openh264::formats::YUVSlices;
+use si::Hertz;
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+
+/// What stands in front of every NAL unit of a bare H.264 stream.
+pub(super) const START_CODE: [u8; 4] = [0, 0, 0, 1];
+/// Ticks of one frame in the container, so that the clock runs in thousandths of the frame rate.
+const TICKS_A_FRAME: u32 = 1000;
+/// A key frame every two seconds at 60 frames/s, as cameras do; damage then stays within that.
+const KEY_FRAME_PERIOD: u32 = 120;
+/// Neutral chroma.
+const NO_COLOUR: u8 = 128;
+/// NAL unit types of the parameter sets and of a key frame's slice (H.264, table 7-1).
+const SEQUENCE_PARAMETERS: u8 = 7;
+const PICTURE_PARAMETERS: u8 = 8;
+
+/// How much is kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quality {
+    /// A goal for the mean size, bits a second.
+    BitsPerSecond(u32),
+    /// A fixed quantiser, 0 (all but lossless) … 51; 18 looks like the original, 28 is poor.
+    Quantiser(u8),
+}
+
+/// A film that is being written.
+pub struct Writer {
+    path: PathBuf,
+    width: usize,
+    height: usize,
+    rate: Hertz,
+    encoder: Encoder,
+    chroma: Vec<u8>,
+    file: Option<Mp4Writer<BufWriter<File>>>,
+    frames: usize,
+}
+
+impl Writer {
+    /// Begins a film of `width` × `height` px with `rate` frames a second; an older file of that name is replaced.
+    ///
+    /// # Errors
+    /// [`VideoError`] when the size is odd or too large for the codec, the rate or quality has no meaning, or the disk refuses.
+    pub fn create(path: &Path, width: usize, height: usize, rate: Hertz, quality: Quality) -> Result<Self, VideoError> {
+        check(path, width, height, rate, quality)?;
+        let config = settings(rate, quality);
+        let encoder = Encoder::with_api_config(OpenH264API::from_source(), config).map_err(|e| codec(path, 0, &e))?;
+        let chroma = vec![NO_COLOUR; width * height / 4];
+        Ok(Self { path: path.into(), width, height, rate, encoder, chroma, file: None, frames: 0 })
+    }
+
+    /// Adds one picture.
+    ///
+    /// # Errors
+    /// [`VideoError`] when the picture has another size than the film, the codec fails, or the disk is full.
+    pub fn push(&mut self, picture: &Gray) -> Result<(), VideoError> {
+        if (picture.width, picture.height) != (self.width, self.height) {
+            let why = format!(
+                "picture {} has {} × {} px, the film {} × {}",
+                self.frames, picture.width, picture.height, self.width, self.height
+            );
+            return Err(unfit(&self.path, why, "give all pictures of a film one size"));
+        }
+        let half = self.width / 2;
+        let planes = (&picture.pixels[..], &self.chroma[..], &self.chroma[..]);
+        let yuv = YUVSlices::new(planes, (self.width, self.height), (self.width, half, half));
+        let coded = self.encoder.encode(&yuv).map_err(|e| codec(&self.path, self.frames, &e))?;
+        let is_sync = matches!(coded.frame_type(), FrameType::IDR | FrameType::I);
+        let stream = coded.to_vec();
+        self.store(&stream, is_sync)
+    }
+
+    /// Ends the film: writes its index. Without this call the file cannot be read.
+    ///
+    /// # Errors
+    /// [`VideoError`] when no picture was given or the disk is full.
+    pub fn finish(mut self) -> Result<(), VideoError> {
+        let Some(mut file) = self.file.take() else {
+            return Err(unfit(&self.path, "it has no picture".into(), "push one before finishing"));
+        };
+        let failed = |e| container(&self.path, e);
+        file.write_end().map_err(failed)?;
+        let inner = file.into_writer().into_inner().map_err(|e| disk(&self.path, e.into_error()))?;
+        inner.sync_all().map_err(|e| disk(&self.path, e))
+    }
+
+    fn store(&mut self, stream: &[u8], is_sync: bool) -> Result<(), VideoError> {
+        let (mut sample, mut sequence, mut picture) = (Vec::with_capacity(stream.len() + 16), None, None);
+        for unit in openh264::nal_units(stream).map(|u| &u[start_code_length(u)..]) {
+            match unit.first().map(|b| b & 0x1f) {
+                Some(SEQUENCE_PARAMETERS) => sequence = Some(unit),
+                Some(PICTURE_PARAMETERS) => picture = Some(unit),
+                Some(_) => {
+                    sample.extend_from_slice(&(unit.len() as u32).to_be_bytes());
+                    sample.extend_from_slice(unit);
+                }
+                None => {}
+            }
+        }
+        if self.file.is_none() {
+            self.file = Some(self.begin(sequence.unwrap_or_default(), picture.unwrap_or_default())?);
+        }
+        let start_time = self.frames as u64 * u64::from(TICKS_A_FRAME);
+        let sample =
+            Mp4Sample { start_time, duration: TICKS_A_FRAME, rendering_offset: 0, is_sync, bytes: sample.into() };
+        if let Some(file) = &mut self.file {
+            file.write_sample(1, &sample).map_err(|e| container(&self.path, e))?;
+        }
+        self.frames += 1;
+        Ok(())
+    }
+
+    fn begin(&self, sequence: &[u8], picture: &[u8]) -> Result<Mp4Writer<BufWriter<File>>, VideoError> {
+        let timescale = (self.rate * f64::from(TICKS_A_FRAME)).round() as u32;
+        let config = Mp4Config {
+            major_brand: (*b"isom").into(),
+            minor_version: 512,
+            compatible_brands: [*b"isom", *b"iso2", *b"avc1", *b"mp41"].map(Into::into).into(),
+            timescale,
+        };
+        let film = AvcConfig {
+            width: self.width as u16,
+            height: self.height as u16,
+            seq_param_set: sequence.into(),
+            pic_param_set: picture.into(),
+        };
+        let track = TrackConfig {
+            track_type: TrackType::Video,
+            timescale,
+            language: "und".into(),
+            media_conf: MediaConfig::AvcConfig(film),
+        };
+        let out = BufWriter::new(File::create(&self.path).map_err(|e| disk(&self.path, e))?);
+        let mut file = Mp4Writer::write_start(out, &config).map_err(|e| container(&self.path, e))?;
+        file.add_track(&track).map_err(|e| container(&self.path, e))?;
+        Ok(file)
+    }
+}
+
+/// Camera mode of the encoder in one thread, without the aids that move bits away from what stands still.
+fn settings(rate: Hertz, quality: Quality) -> EncoderConfig {
+    let config = EncoderConfig::new()
+        .max_frame_rate(FrameRate::from_hz(rate as f32))
+        .usage_type(UsageType::CameraVideoRealTime)
+        .complexity(Complexity::Low)
+        .intra_frame_period(IntraFramePeriod::from_num_frames(KEY_FRAME_PERIOD))
+        .scene_change_detect(false)
+        .adaptive_quantization(false)
+        .background_detection(false)
+        .skip_frames(false)
+        .num_threads(1)
+        .vui(VuiConfig::bt709_full());
+    match quality {
+        Quality::BitsPerSecond(bits) => {
+            config.rate_control_mode(RateControlMode::Bitrate).bitrate(BitRate::from_bps(bits))
+        }
+        Quality::Quantiser(step) => {
+            config.rate_control_mode(RateControlMode::Quality).bitrate(LARGE).qp(QpRange::new(step, step))
+        }
+    }
+}
+
+/// A bit rate that never binds at a fixed quantiser.
+const LARGE: BitRate = BitRate::from_bps(200_000_000);
+
+fn check(path: &Path, width: usize, height: usize, rate: Hertz, quality: Quality) -> Result<(), VideoError> {
+    let whole = |v: usize| v.is_multiple_of(2) && (16..=3840).contains(&v);
+    if !whole(width) || !whole(height) {
+        let why = format!("{width} × {height} px; H.264 takes even sizes of 16 … 3840 px");
+        return Err(unfit(path, why, "choose an even size within that"));
+    }
+    if !(rate.is_finite() && (0.01..=1000.0).contains(&rate)) {
+        return Err(unfit(path, format!("{rate} frames/s"), "choose a rate of 0.01 … 1000 frames/s"));
+    }
+    match quality {
+        Quality::Quantiser(step) if step > 51 => {
+            Err(unfit(path, format!("a quantiser of {step}"), "choose one of 0 … 51"))
+        }
+        Quality::BitsPerSecond(bits) if !(1000..=2_000_000_000).contains(&bits) => {
+            Err(unfit(path, format!("{bits} bits/s"), "choose 1e3 … 2e9 bits/s"))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn start_code_length(unit: &[u8]) -> usize {
+    unit.iter().position(|&b| b == 1).map_or(0, |i| i + 1)
+}
+
+fn unfit(path: &Path, why: String, action: &'static str) -> VideoError {
+    VideoError::Unfit { path: path.into(), why, action }
+}
+
+fn codec(path: &Path, frame: usize, error: &openh264::Error) -> VideoError {
+    unfit(path, format!("the encoder refuses picture {frame}: {error}"), "check the size and rate of the film")
+}
+
+fn container(path: &Path, error: mp4::Error) -> VideoError {
+    match error {
+        mp4::Error::IoError(source) => disk(path, source),
+        other => unfit(path, other.to_string(), "check the size and rate of the film"),
+    }
+}
+
+fn disk(path: &Path, source: std::io::Error) -> VideoError {
+    VideoError::Disk { path: path.into(), doing: "written", source }
+}
