@@ -13,7 +13,7 @@ use si::{Hertz, KilogramPerCubicMetre, Pascal, Second};
 use crate::Refusal;
 use crate::table::refused;
 
-pub use tracks::{TrueTrack, read_tracks, write_tracks};
+pub use tracks::{TrueTrack, parse_tracks, read_tracks, write_tracks};
 
 /// Everything that the bench hid.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -119,7 +119,15 @@ pub fn read(path: &Path) -> Result<Truth, Refusal> {
     let text = std::fs::read_to_string(path).map_err(|e| {
         Refusal::io(path, &e, "record the specimen on the virtual bench again; a real one has no truth file")
     })?;
-    toml::from_str(&text).map_err(|e| refused(&text, path, &e))
+    parse(&text, path)
+}
+
+/// The truth in a text; `path` is only named in refusals.
+///
+/// # Errors
+/// [`Refusal`] when the text is no truth.
+pub fn parse(text: &str, path: &Path) -> Result<Truth, Refusal> {
+    toml::from_str(text).map_err(|e| refused(text, path, &e))
 }
 
 /// The text of `truth.toml`.

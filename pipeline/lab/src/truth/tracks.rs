@@ -54,14 +54,23 @@ pub fn write_tracks(tracks: &[TrueTrack], remark: &str) -> String {
 /// # Errors
 /// [`Refusal`] when the file cannot be read or a line is broken.
 pub fn read_tracks(path: &Path) -> Result<Vec<TrueTrack>, Refusal> {
-    let act = "record the specimen on the virtual bench again";
-    let text = std::fs::read_to_string(path).map_err(|e| Refusal::io(path, &e, act))?;
+    let text = std::fs::read_to_string(path).map_err(|e| Refusal::io(path, &e, ACT))?;
+    parse_tracks(&text, path)
+}
+
+const ACT: &str = "record the specimen on the virtual bench again";
+
+/// The tracks in a text, markers in its order; `path` is only named in refusals.
+///
+/// # Errors
+/// [`Refusal`] when a line is broken.
+pub fn parse_tracks(text: &str, path: &Path) -> Result<Vec<TrueTrack>, Refusal> {
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
     let mut tracks: Vec<TrueTrack> = Vec::new();
     for row in reader.deserialize::<Row>() {
         let row = row.map_err(|e| {
             let line = e.position().map(|p| p.line() as usize);
-            Refusal::file(path, "the line is no true track", e.to_string().to_lowercase(), act).at_line(line)
+            Refusal::file(path, "the line is no true track", e.to_string().to_lowercase(), ACT).at_line(line)
         })?;
         push(&mut tracks, row);
     }
