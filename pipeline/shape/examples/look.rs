@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!("{name} chambers, solids: {} and {} faces", body.faces.len(), spine.faces.len());
         for edge in [4e-3, 3e-3, 2.2e-3] {
             let start = Instant::now();
-            match mesh(&body, &spine, &Settings { edge, use_symmetry: true }) {
+            match mesh(&body, &spine, &Settings::new(edge)) {
                 Ok((made, report)) => println!(
                     "edge {:.1} mm: {} quadratic dofs, {:.2} s\n{report:#?}",
                     edge * 1e3,

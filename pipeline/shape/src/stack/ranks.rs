@@ -79,7 +79,7 @@ mod tests {
     #[test]
     fn ranks_follow_mean_heights_where_the_order_allows_it() {
         let mut order = Order::default();
-        [(0, 1.0), (1, 5.0), (2, 3.0)].map(|(s, h)| order.note_height(s, h));
+        [(0, 1.0), (1, 5.0), (2, 3.0)].iter().for_each(|&(s, h)| order.note_height(s, h));
         order.note(0, 1);
         order.note(1, 2);
         assert_eq!(order.ranks(3, 0.5), Ok(vec![1.0, 5.0, 5.5]));

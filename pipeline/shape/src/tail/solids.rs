@@ -16,7 +16,7 @@ pub(crate) fn solids(tail: &Tail, fineness: Metre) -> Result<(Surface, Surface),
         // no nodes between the sheets: a surface needs none
         layers::fill(tail, &plan, f64::INFINITY, false).map(|mesh| boundary(&mesh, region))
     };
-    Ok((part(fineness, BODY)?, part(0.8 * fineness, SPINE)?))
+    Ok((part(fineness, BODY)?, part(1.2 * fineness, SPINE)?))
 }
 
 /// A plan and its mirror image in z, which share the vertices on z = 0.

@@ -1,0 +1,70 @@
+//! Error: why two surfaces did not become a mesh, in words that name the surface, the place and the next move.
+//!
+//! Stands on: `surface`, `validate`. Never knows: how to mesh.
+
+use crate::surface::place;
+use crate::{SurfaceError, Unfit};
+use si::{Metre, Point3};
+
+/// Why two surfaces did not become a mesh.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum MeshError {
+    /// A surface that does not bound a solid.
+    #[error("{role} surface: {source}")]
+    Surface {
+        /// `body` or `spine`.
+        role: &'static str,
+        /// What is wrong with it.
+        source: SurfaceError,
+    },
+    /// Space between body and spine that neither fills.
+    #[error("a gap of {:.3} mm lies between body and spine at {}\n  why: they must touch to {:.3} mm (Settings::tolerance times the length)\n  do:  in the CAD program, extend the body to the spine's surface there", .width * 1e3, place(.at), .limit * 1e3)]
+    Gap {
+        /// Where, m.
+        at: Point3,
+        /// How wide, m.
+        width: Metre,
+        /// Widest gap that is closed, m.
+        limit: Metre,
+    },
+    /// Space that both body and spine fill.
+    #[error("body and spine overlap by {:.3} mm at {}\n  why: they must touch to {:.3} mm (Settings::tolerance times the length)\n  do:  in the CAD program, subtract the spine from the body", .width * 1e3, place(.at), .limit * 1e3)]
+    Overlap {
+        /// Where, m.
+        at: Point3,
+        /// How far, m.
+        width: Metre,
+        /// Widest overlap that is closed, m.
+        limit: Metre,
+    },
+    /// A line through a solid that goes in and does not come out.
+    #[error("the {role} surface is crossed an uneven number of times near {}\n  why: a line along the sheet's normal must leave a solid as often as it enters it\n  do:  look for faces there that fold over or cut each other, or for a shell turned inside out", place(.at))]
+    Uneven {
+        /// `body` or `spine`.
+        role: &'static str,
+        /// Where, m.
+        at: Point3,
+    },
+    /// Layers without a common order.
+    #[error("the layers at {} and at {} have no common order\n  why: one lies below the other in one place and above it in another, so the body is no stack of layers over the sheet\n  do:  mesh it outside (a folded part cannot be meshed in columns)", place(.lower), place(.upper))]
+    Folded {
+        /// A point of one layer, m.
+        lower: Point3,
+        /// A point of the other layer, m.
+        upper: Point3,
+    },
+    /// Outlines that could not be drawn with edges of the target length.
+    #[error("the outlines of the parts cross each other near {} when drawn with edges of {:.2} mm\n  why: parts lie nearer to each other than edges may leave their outlines\n  do:  take a shorter edge (Settings::edge)", place(.at), .edge * 1e3)]
+    Tangled {
+        /// Where, m.
+        at: Point3,
+        /// Length of edges, m.
+        edge: Metre,
+    },
+    /// Nothing to mesh.
+    #[error("body and spine leave nothing to mesh\n  why: no line along the sheet's normal goes through a solid\n  do:  check that both files have the same unit and the same origin")]
+    Nothing,
+    /// A mesh that was made and is not trusted.
+    #[error(transparent)]
+    Unfit(#[from] Unfit),
+}

@@ -1,0 +1,150 @@
+//! Patches: the parts of a surface that stand above the plan as a height h = f(p, q).
+//!
+//! A face is a *wall* when it runs along the sheet's normal; the others, joined across edges where their normals
+//! agree in direction, are patches. Walls bound patches and are never looked at again.
+//!
+//! Stands on: `surface`, `distance`, `frame`. Never knows: what lies between two patches.
+
+use crate::distance::Nearest;
+use crate::frame::Frame;
+use crate::surface::components;
+use crate::{Shell, Surface, SurfaceError};
+use si::vec3::norm;
+use si::{Metre, Point2, Point3};
+
+/// A face whose normal leans less than this towards the sheet's normal (sine of the angle) is a wall.
+const WALL: f64 = 0.02;
+
+/// A closed surface with what was found out about it.
+pub(crate) struct Part<'a> {
+    pub surface: &'a Surface,
+    pub shells: Vec<Shell>,
+    pub shell_of: Vec<u32>,
+    pub pairs: Vec<([u32; 2], [u32; 2])>,
+}
+
+impl<'a> Part<'a> {
+    pub fn new(surface: &'a Surface) -> Result<Self, SurfaceError> {
+        let (shells, shell_of) = surface.shells()?;
+        Ok(Self { surface, shells, shell_of, pairs: surface.neighbours()? })
+    }
+
+    /// −1, 0 or 1 for a face that looks down, a wall, one that looks up.
+    pub fn direction(&self, frame: Frame, face: u32) -> i8 {
+        let normal = self.surface.normal(face as usize);
+        let lean = normal[frame.normal] / norm(normal).max(f64::MIN_POSITIVE);
+        if lean.abs() < WALL { 0 } else { lean.signum() as i8 }
+    }
+}
+
+/// The axis that most of the sheet's area looks along.
+pub(crate) fn dominant_axis(spine: &Surface) -> Frame {
+    let mut areas = [0.0; 3];
+    for face in 0..spine.faces.len() {
+        let normal = spine.normal(face);
+        (0..3).for_each(|k| areas[k] += normal[k].abs());
+    }
+    let normal = (0..3).fold(0, |best, k| if areas[k] > areas[best] { k } else { best });
+    Frame { normal }
+}
+
+/// A height field, part of one surface.
+pub(crate) struct Patch {
+    /// 0 body, 1 spine.
+    pub part: usize,
+    /// Shell of that surface.
+    pub shell: u32,
+    /// Whether the solid ends here on the way up.
+    pub up: bool,
+    /// A point on it, for messages, m.
+    pub place: Point3,
+    flat: Nearest,
+    heights: Vec<[Metre; 3]>,
+    low: Point2,
+    high: Point2,
+}
+
+impl Patch {
+    /// Height at a plan point and how far beside the patch the point lies, m.
+    pub fn height(&self, at: Point2) -> (Metre, Metre) {
+        match self.flat.find([at[0], at[1], 0.0]) {
+            Some(hit) => {
+                let heights = self.heights[hit.face];
+                ((0..3).map(|k| hit.shares[k] * heights[k]).sum(), hit.distance)
+            }
+            None => (0.0, f64::INFINITY),
+        }
+    }
+
+    /// Height where the line through a plan point meets the patch, m.
+    pub fn crossing(&self, at: Point2) -> Option<Metre> {
+        let inside = (0..2).all(|k| at[k] >= self.low[k] && at[k] <= self.high[k]);
+        // a tenth of a micrometre: more than rounding, less than any feature
+        inside.then(|| self.height(at)).filter(|h| h.1 < 1e-7).map(|h| h.0)
+    }
+}
+
+/// The patches of one part.
+pub(crate) fn patches(part: &Part, index: usize, frame: Frame) -> Vec<Patch> {
+    let surface = part.surface;
+    let direction: Vec<i8> = (0..surface.faces.len() as u32).map(|f| part.direction(frame, f)).collect();
+    let joined = part.pairs.iter().map(|p| p.0);
+    let joined = joined.filter(|[a, b]| direction[*a as usize] != 0 && direction[*a as usize] == direction[*b as usize]);
+    let (of_face, count) = components(surface.faces.len(), joined);
+    let mut faces: Vec<Vec<usize>> = vec![Vec::new(); count as usize];
+    (0..of_face.len()).filter(|&f| direction[f] != 0).for_each(|f| faces[of_face[f] as usize].push(f));
+    let patch = |faces: &Vec<usize>| {
+        let split: Vec<_> = faces.iter().map(|&f| surface.corners(f).map(|c| frame.split(c))).collect();
+        let plan = split.iter().flatten().map(|c| c.0);
+        let bound = |least: fn(f64, f64) -> f64, from: f64| {
+            plan.clone().fold([from; 2], |b, p| [least(b[0], p[0]), least(b[1], p[1])])
+        };
+        Patch {
+            part: index,
+            shell: part.shell_of[faces[0]],
+            up: direction[faces[0]] > 0,
+            place: surface.corners(faces[0])[0],
+            low: bound(f64::min, f64::INFINITY),
+            high: bound(f64::max, f64::NEG_INFINITY),
+            flat: Nearest::new(split.iter().map(|c| c.map(|(p, _)| [p[0], p[1], 0.0])).collect()),
+            heights: split.iter().map(|c| c.map(|(_, h)| h)).collect(),
+        }
+    };
+    faces.iter().filter(|f| !f.is_empty()).map(patch).collect()
+}
+
+/// Edges where patches end or bend sharply, as segments of the plan.
+pub(crate) fn seams(part: &Part, frame: Frame) -> Vec<[Point2; 2]> {
+    let seam = |&&(faces, _): &&([u32; 2], [u32; 2])| {
+        let [a, b] = faces.map(|f| part.direction(frame, f));
+        a != b || (a != 0 && creased(part.surface, faces))
+    };
+    let plan = |p: u32| frame.split(part.surface.points[p as usize]).0;
+    part.pairs.iter().filter(seam).map(|(_, edge)| edge.map(plan)).collect()
+}
+
+/// Whether two faces meet under more than 30 degrees.
+fn creased(surface: &Surface, faces: [u32; 2]) -> bool {
+    let [a, b] = faces.map(|f| surface.normal(f as usize));
+    let size = norm(a) * norm(b);
+    size > 0.0 && si::vec3::dot(a, b) < 0.866 * size
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::tests::{block, with_cavity};
+
+    #[test]
+    fn a_hollow_box_has_four_patches_and_their_outlines_are_seams() {
+        let hollow = with_cavity(block([0.0; 3], [0.04, 0.01, 0.03]), [0.01, 0.002, 0.01], [0.02, 0.008, 0.02]);
+        let part = Part::new(&hollow).unwrap();
+        let frame = dominant_axis(&hollow);
+        assert_eq!(frame.normal, 1);
+        let patches = patches(&part, 0, frame);
+        assert_eq!(patches.len(), 4);
+        let crossings: Vec<_> = patches.iter().filter_map(|p| p.crossing([0.015, 0.015])).collect();
+        assert_eq!(crossings, [0.0, 0.01, 0.002, 0.008]);
+        assert_eq!(seams(&part, frame).len(), 16);
+    }
+}
