@@ -137,6 +137,24 @@ mod tests {
     }
 
     #[test]
+    fn the_ends_are_treated_as_scipy_does() {
+        // SciPy 1.17.1: sosfiltfilt(butter(4, 6, fs=60, output="sos"), x), samples 0, 1, 5, 30, 58, 59
+        let x = |t: f64| (18.0 * t).sin() + 0.5 * (102.0 * t).cos() + 0.6 * t * t;
+        let smooth = low_pass(&sampled(60.0, 60, x), 6.0, 2).unwrap();
+        let scipy = [
+            (0, 0.504352452930949),
+            (1, 0.5889608066597174),
+            (5, 0.9164102789909799),
+            (30, 0.5612055436731054),
+            (58, -0.08575123355036891),
+            (59, 0.1612042644987951),
+        ];
+        for (i, value) in scipy {
+            assert!((smooth.values()[i] - value).abs() < 1e-12, "sample {i}: {} {value}", smooth.values()[i]);
+        }
+    }
+
+    #[test]
     fn a_cutoff_above_half_the_rate_is_refused() {
         let signal = sampled(10.0, 100, |t| t);
         assert!(matches!(low_pass(&signal, 5.0, 2), Err(SmoothError::Cutoff { .. })));

@@ -2,10 +2,16 @@
 //!
 //! Stands on: the lens, poses, nalgebra. Never knows: how the corners were found. Paper: section IV.
 
+mod homography;
+mod refine;
+
 use crate::board::Board;
 use crate::lens::Lens;
 use crate::pose::Pose;
-use si::{Point2, Point3};
+use homography::{homography, mirrored, pose};
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
+use refine::{Guess, Seen, refine, squares};
+use si::{Metre, Point2, Point3};
 
 /// What one picture shows of the board.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,20 +76,121 @@ pub enum CalibrateError {
     },
 }
 
+/// Views below which the nine values of a lens are not held by corners of a plane.
+const LEAST_VIEWS: usize = 3;
+
 /// Lens and poses from views of one board, for pictures of `width` × `height` px.
+///
+/// Focal lengths from homographies with the optical axis in the middle of the picture [zhang2000, section 3.1], then
+/// Levenberg–Marquardt over everything, first without and then with the lens's distortion.
 ///
 /// # Errors
 /// [`CalibrateError`] when there are too few views, a view is not whole, or the tilts are too alike.
 pub fn calibrate(views: &[View], board: &Board, width: usize, height: usize) -> Result<Calibration, CalibrateError> {
-    let _ = (board, width, height);
-    Err(CalibrateError::TooFewViews { given: views.len(), needed: 3 })
+    let corners = board.corners();
+    let uneven = views.iter().position(|view| view.corners.len() != corners.len());
+    if let Some(view) = uneven {
+        return Err(CalibrateError::Corners { view, given: views[view].corners.len(), expected: corners.len() });
+    }
+    if views.len() < LEAST_VIEWS {
+        return Err(CalibrateError::TooFewViews { given: views.len(), needed: LEAST_VIEWS });
+    }
+    let degenerate = |why: &str| CalibrateError::Degenerate { why: why.into() };
+    let plane: Vec<Point2> = corners.iter().map(|p| [p[0], p[1]]).collect();
+    let maps: Option<Vec<_>> = views.iter().map(|view| homography(&plane, &view.corners)).collect();
+    let maps = maps.ok_or_else(|| degenerate("the corners of a view lie on a line"))?;
+    let middle = [0.5 * (width as f64 - 1.0), 0.5 * (height as f64 - 1.0)];
+    let lens = focal_lengths(&maps, middle).ok_or_else(|| degenerate("the board is tilted alike in all views"))?;
+    let to_rays =
+        Matrix3::new(1.0 / lens.fx, 0.0, -lens.cx / lens.fx, 0.0, 1.0 / lens.fy, -lens.cy / lens.fy, 0.0, 0.0, 1.0);
+    let poses = maps.iter().map(|map| pose(&(to_rays * map))).collect();
+
+    let seen: Vec<_> = views.iter().map(|view| Seen { points: &corners, pixels: &view.corners }).collect();
+    let mut guess = Guess { lens, poses };
+    refine(&mut guess, &seen, false);
+    let sum = refine(&mut guess, &seen, true);
+    let sigma = refine::deviations(&guess, &seen);
+    let sigma = sigma.ok_or_else(|| degenerate("the equations of the lens are singular"))?;
+    if sigma[0] > FOCAL_SIGMA_LIMIT * guess.lens.fx {
+        let why = format!("the focal length would be {:.0} ± {:.0} px", guess.lens.fx, sigma[0]);
+        return Err(CalibrateError::Degenerate { why });
+    }
+    Ok(Calibration {
+        lens: guess.lens,
+        poses: guess.poses,
+        reprojection_px: (sum / (views.len() * corners.len()) as f64).sqrt(),
+        sigma: refine::from_values(sigma),
+    })
 }
 
-/// Where the camera stands, from points of a plane z = const (m) and their pixels (px).
+/// A focal length that scatters by more than this share of itself is not known.
+const FOCAL_SIGMA_LIMIT: f64 = 0.1;
+
+/// fx and fy from maps of a plane, the optical axis at `middle` (px): the columns of K⁻¹H are orthogonal and equally long.
+///
+/// Two equations a map in 1/fx² and 1/fy², least squares. None when they do not fix both or ask for an imaginary lens.
+fn focal_lengths(maps: &[Matrix3<f64>], middle: Point2) -> Option<Lens> {
+    let centre = Matrix3::new(1.0, 0.0, -middle[0], 0.0, 1.0, -middle[1], 0.0, 0.0, 1.0);
+    let (mut normal, mut right) = (Matrix2::zeros(), Vector2::zeros());
+    for map in maps {
+        let map = centre * map;
+        let size = 0.5 * (map.column(0).norm() + map.column(1).norm());
+        let (a, b): (Vector3<f64>, Vector3<f64>) = (map.column(0) / size, map.column(1) / size);
+        let (sum, difference) = (a + b, a - b);
+        for (row, value) in [
+            (Vector2::new(a.x * b.x, a.y * b.y), -a.z * b.z),
+            (Vector2::new(sum.x * difference.x, sum.y * difference.y), -sum.z * difference.z),
+        ] {
+            normal += row * row.transpose();
+            right += row * value;
+        }
+    }
+    let inverse = normal.try_inverse()? * right;
+    let lens = Lens::pinhole(inverse.x.recip().sqrt(), inverse.y.recip().sqrt(), middle[0], middle[1]);
+    (lens.fx.is_finite() && lens.fy.is_finite()).then_some(lens)
+}
+
+/// Where the camera stands, from points of a plane z = const (m) and their pixels (px): world → camera.
 ///
 /// # Errors
 /// [`CalibrateError::Points`] when there are fewer than four, they are not in such a plane, or lie on a line.
 pub fn pose_from_plane(lens: &Lens, points: &[Point3], pixels: &[Point2]) -> Result<Pose, CalibrateError> {
-    let _ = (lens, pixels);
-    Err(CalibrateError::Points { why: format!("{} points", points.len()) })
+    let height = plane_height(points, pixels)?;
+    let unseen = |i: usize| CalibrateError::Points { why: format!("no ray of the lens reaches pixel {:?}", pixels[i]) };
+    let rays: Result<Vec<Point2>, _> =
+        pixels.iter().enumerate().map(|(i, &pixel)| lens.unproject(pixel).ok_or_else(|| unseen(i))).collect();
+    let plane: Vec<Point2> = points.iter().map(|p| [p[0], p[1]]).collect();
+    let line = || CalibrateError::Points { why: "the points or pixels lie on a line".into() };
+    let flat = pose(&homography(&plane, &rays?).ok_or_else(line)?);
+    let n = points.len() as f64;
+    let middle = plane.iter().fold([0.0; 3], |m, p| [m[0] + p[0] / n, m[1] + p[1] / n, 0.0]);
+
+    let seen = [Seen { points: &points.iter().map(|p| [p[0], p[1], 0.0]).collect::<Vec<_>>(), pixels }];
+    let starts = [flat, mirrored(&flat, middle)];
+    let refined = starts.map(|start| {
+        let mut guess = Guess { lens: *lens, poses: vec![start] };
+        (refine(&mut guess, &seen, false), guess.poses[0])
+    });
+    let (_, Pose { rotation, translation }) = if refined[1].0 < refined[0].0 { refined[1] } else { refined[0] };
+    let lowered = si::vec3::sub(translation, rotation.map(|row| row[2] * height));
+    Ok(Pose { rotation, translation: lowered })
+}
+
+/// The common z of the points, m.
+fn plane_height(points: &[Point3], pixels: &[Point2]) -> Result<Metre, CalibrateError> {
+    if points.len() != pixels.len() || points.len() < 4 {
+        let why = format!("{} points and {} pixels", points.len(), pixels.len());
+        return Err(CalibrateError::Points { why });
+    }
+    let (low, high) = points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p[2]), h.max(p[2])));
+    if high - low > 1e-9 {
+        return Err(CalibrateError::Points { why: format!("their z runs from {low} to {high} m") });
+    }
+    Ok(low)
+}
+
+/// Root of the mean squared distance between `pixels` and the projected `points`, px.
+pub fn reprojection(lens: &Lens, pose: &Pose, points: &[Point3], pixels: &[Point2]) -> f64 {
+    let guess = Guess { lens: *lens, poses: vec![*pose] };
+    (squares(&guess, &[Seen { points, pixels }]) / points.len().max(1) as f64).sqrt()
 }

@@ -23,6 +23,8 @@ pub(super) const START_CODE: [u8; 4] = [0, 0, 0, 1];
 const TICKS_A_FRAME: u32 = 1000;
 /// A key frame every two seconds at 60 frames/s, as cameras do; damage then stays within that.
 const KEY_FRAME_PERIOD: u32 = 120;
+/// At a bit rate the encoder wants to skip pictures while it is in debt; it is asked again this often, so none is lost.
+const SKIPS: usize = 240;
 /// Neutral chroma.
 const NO_COLOUR: u8 = 128;
 /// NAL unit types of the parameter sets and of a key frame's slice (H.264, table 7-1).
@@ -34,7 +36,7 @@ const PICTURE_PARAMETERS: u8 = 8;
 pub enum Quality {
     /// A goal for the mean size, bits a second.
     BitsPerSecond(u32),
-    /// A fixed quantiser, 0 (all but lossless) … 51; 18 looks like the original, 28 is poor.
+    /// A fixed quantiser, 12 (finest) … 51; 18 looks like the original, 28 is poor.
     Quantiser(u8),
 }
 
@@ -78,10 +80,15 @@ impl Writer {
         let half = self.width / 2;
         let planes = (&picture.pixels[..], &self.chroma[..], &self.chroma[..]);
         let yuv = YUVSlices::new(planes, (self.width, self.height), (self.width, half, half));
-        let coded = self.encoder.encode(&yuv).map_err(|e| codec(&self.path, self.frames, &e))?;
-        let is_sync = matches!(coded.frame_type(), FrameType::IDR | FrameType::I);
-        let stream = coded.to_vec();
-        self.store(&stream, is_sync)
+        for _ in 0..SKIPS {
+            let coded = self.encoder.encode(&yuv).map_err(|e| codec(&self.path, self.frames, &e))?;
+            let is_sync = matches!(coded.frame_type(), FrameType::IDR | FrameType::I);
+            let stream = coded.to_vec();
+            if !stream.is_empty() {
+                return self.store(&stream, is_sync);
+            }
+        }
+        Err(unfit(&self.path, format!("picture {} does not fit the bit rate", self.frames), "raise the bit rate"))
     }
 
     /// Ends the film: writes its index. Without this call the file cannot be read.
@@ -161,21 +168,23 @@ fn settings(rate: Hertz, quality: Quality) -> EncoderConfig {
         .scene_change_detect(false)
         .adaptive_quantization(false)
         .background_detection(false)
-        .skip_frames(false)
         .num_threads(1)
         .vui(VuiConfig::bt709_full());
     match quality {
         Quality::BitsPerSecond(bits) => {
             config.rate_control_mode(RateControlMode::Bitrate).bitrate(BitRate::from_bps(bits))
         }
+        // this mode keeps the quantiser inside its range whatever the size, and says nothing on stderr
         Quality::Quantiser(step) => {
-            config.rate_control_mode(RateControlMode::Quality).bitrate(LARGE).qp(QpRange::new(step, step))
+            config.rate_control_mode(RateControlMode::Bufferbased).bitrate(UNBOUND).qp(QpRange::new(step, step))
         }
     }
 }
 
-/// A bit rate that never binds at a fixed quantiser.
-const LARGE: BitRate = BitRate::from_bps(200_000_000);
+/// A bit rate for the header alone, where the quantiser is fixed.
+const UNBOUND: BitRate = BitRate::from_bps(50_000_000);
+/// The finest quantiser of the encoder.
+const FINEST: u8 = 12;
 
 fn check(path: &Path, width: usize, height: usize, rate: Hertz, quality: Quality) -> Result<(), VideoError> {
     let whole = |v: usize| v.is_multiple_of(2) && (16..=3840).contains(&v);
@@ -187,8 +196,8 @@ fn check(path: &Path, width: usize, height: usize, rate: Hertz, quality: Quality
         return Err(unfit(path, format!("{rate} frames/s"), "choose a rate of 0.01 … 1000 frames/s"));
     }
     match quality {
-        Quality::Quantiser(step) if step > 51 => {
-            Err(unfit(path, format!("a quantiser of {step}"), "choose one of 0 … 51"))
+        Quality::Quantiser(step) if !(FINEST..=51).contains(&step) => {
+            Err(unfit(path, format!("a quantiser of {step}"), "choose one of 12 … 51"))
         }
         Quality::BitsPerSecond(bits) if !(1000..=2_000_000_000).contains(&bits) => {
             Err(unfit(path, format!("{bits} bits/s"), "choose 1e3 … 2e9 bits/s"))

@@ -1,0 +1,194 @@
+//! Levenberg–Marquardt over a lens and poses: the sum of squared misses between seen and projected points.
+//!
+//! Stands on: the lens, nalgebra. Never knows: where the start came from.
+
+use crate::lens::Lens;
+use crate::pose::Pose;
+use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
+use si::{Point2, Point3, vec3};
+
+/// Values of the lens: fx fy cx cy k₁ k₂ p₁ p₂ k₃.
+pub(super) const OF_LENS: usize = 9;
+/// Values of a pose: turn and shift.
+const OF_POSE: usize = 6;
+/// The least gain of a step that is worth another, relative to the sum of squares.
+const LEAST_GAIN: f64 = 1e-14;
+/// More steps than any healthy start needs.
+const STEPS: usize = 200;
+
+/// Points of the world (m) and their pixels (px) in one view.
+pub(super) struct Seen<'a> {
+    pub(super) points: &'a [Point3],
+    pub(super) pixels: &'a [Point2],
+}
+
+/// What is refined.
+#[derive(Clone)]
+pub(super) struct Guess {
+    pub(super) lens: Lens,
+    pub(super) poses: Vec<Pose>,
+}
+
+/// Normal equations JᵀJ and Jᵀr, and the sum of squares rᵀr (px²).
+struct Normal {
+    matrix: DMatrix<f64>,
+    right: DVector<f64>,
+    squares: f64,
+}
+
+/// Refines `guess` in place; the lens stays as it is unless `with_lens`. Returns the sum of squares, px².
+pub(super) fn refine(guess: &mut Guess, seen: &[Seen], with_lens: bool) -> f64 {
+    let mut damping = 1e-3;
+    let mut normal = linearise(guess, seen, with_lens);
+    for _ in 0..STEPS {
+        let mut damped = normal.matrix.clone();
+        for i in 0..damped.nrows() {
+            damped[(i, i)] += damping * damped[(i, i)].max(1e-12);
+        }
+        let step = damped.cholesky().map(|factor| factor.solve(&normal.right));
+        let tried = step.map(|step| moved(guess, &step, with_lens));
+        match tried.map(|tried| (squares(&tried, seen), tried)) {
+            Some((less, tried)) if less < normal.squares => {
+                let gain = normal.squares - less;
+                *guess = tried;
+                damping = (damping * 0.1).max(1e-15);
+                let done = gain <= LEAST_GAIN * normal.squares;
+                normal = linearise(guess, seen, with_lens);
+                if done {
+                    break;
+                }
+            }
+            _ if damping > 1e12 => break,
+            _ => damping *= 10.0,
+        }
+    }
+    normal.squares
+}
+
+/// Standard deviations of the lens's values at the minimum, from the scatter of the misses.
+///
+/// σ² (JᵀJ)⁻¹ with σ² = rᵀr / (equations − unknowns). None when the views do not fix the lens.
+pub(super) fn deviations(guess: &Guess, seen: &[Seen]) -> Option<[f64; OF_LENS]> {
+    let normal = linearise(guess, seen, true);
+    // scaled to a unit diagonal, so that px and k₃ are held to one measure
+    let scale: Vec<f64> = normal.matrix.diagonal().iter().map(|d| d.sqrt()).collect();
+    let unit = DMatrix::from_fn(scale.len(), scale.len(), |i, j| normal.matrix[(i, j)] / (scale[i] * scale[j]));
+    let inverse = unit.cholesky()?.inverse();
+    let equations: usize = seen.iter().map(|view| 2 * view.points.len()).sum();
+    let variance = normal.squares / equations.saturating_sub(scale.len()).max(1) as f64;
+    Some(std::array::from_fn(|i| (variance * inverse[(i, i)]).sqrt() / scale[i]))
+}
+
+/// Misses of one point, seen − projected (px); a large one where it cannot be projected, so that no step goes there.
+fn miss(lens: &Lens, pose: &Pose, point: Point3, pixel: Point2) -> Point2 {
+    lens.project(pose.apply(point)).map_or([1e6; 2], |there| [pixel[0] - there[0], pixel[1] - there[1]])
+}
+
+/// The sum of squared misses, px².
+pub(super) fn squares(guess: &Guess, seen: &[Seen]) -> f64 {
+    let of_view = |(view, pose): (&Seen, &Pose)| {
+        let pairs = view.points.iter().zip(view.pixels);
+        pairs.map(|(&point, &pixel)| miss(&guess.lens, pose, point, pixel)).map(|[u, v]| u * u + v * v).sum::<f64>()
+    };
+    seen.iter().zip(&guess.poses).map(of_view).sum()
+}
+
+fn linearise(guess: &Guess, seen: &[Seen], with_lens: bool) -> Normal {
+    let lead = if with_lens { OF_LENS } else { 0 };
+    let size = lead + OF_POSE * seen.len();
+    let mut normal = Normal { matrix: DMatrix::zeros(size, size), right: DVector::zeros(size), squares: 0.0 };
+    for (number, (view, pose)) in seen.iter().zip(&guess.poses).enumerate() {
+        let at = lead + OF_POSE * number;
+        let places: Vec<usize> = (0..lead).chain(at..at + OF_POSE).collect();
+        for (&point, &pixel) in view.points.iter().zip(view.pixels) {
+            let miss = miss(&guess.lens, pose, point, pixel);
+            let rows = slopes(&guess.lens, pose, point);
+            for (row, miss) in rows.iter().zip(miss) {
+                let row = &row[OF_LENS - lead..];
+                normal.squares += miss * miss;
+                for (a, &i) in row.iter().zip(&places) {
+                    normal.right[i] += a * miss;
+                    for (b, &j) in row.iter().zip(&places) {
+                        normal.matrix[(i, j)] += a * b;
+                    }
+                }
+            }
+        }
+    }
+    normal
+}
+
+/// d(pixel)/d(lens, turn, shift) of one point, 2 × 15; the turn acts from the left: R ← exp(ω) R.
+fn slopes(lens: &Lens, pose: &Pose, point: Point3) -> [[f64; OF_LENS + OF_POSE]; 2] {
+    let arm = vec3::sub(pose.apply(point), pose.translation);
+    let at = vec3::add(arm, pose.translation);
+    let [x, y] = [at[0] / at[2], at[1] / at[2]];
+    let (r2, [u, v]) = (x * x + y * y, lens.distort([x, y]));
+    let by_lens = [
+        [u, 0.0, 1.0, 0.0, x * r2, x * r2 * r2, 2.0 * x * y, r2 + 2.0 * x * x, x * r2 * r2 * r2],
+        [0.0, v, 0.0, 1.0, y * r2, y * r2 * r2, r2 + 2.0 * y * y, 2.0 * x * y, y * r2 * r2 * r2],
+    ];
+    let by_point = lens.slope(at);
+    [0, 1].map(|i| {
+        let focal = [lens.fx, lens.fy][i];
+        let distortion = |k: usize| if k < 4 { by_lens[i][k] } else { focal * by_lens[i][k] };
+        let turn = vec3::cross(arm, by_point[i]);
+        std::array::from_fn(|k| match k {
+            0..OF_LENS => distortion(k),
+            9..12 => turn[k - 9],
+            _ => by_point[i][k - 12],
+        })
+    })
+}
+
+fn moved(guess: &Guess, step: &DVector<f64>, with_lens: bool) -> Guess {
+    let mut next = guess.clone();
+    let lead = if with_lens { OF_LENS } else { 0 };
+    if with_lens {
+        let values = values(&next.lens);
+        next.lens = from_values(std::array::from_fn(|k| values[k] + step[k]));
+    }
+    for (number, pose) in next.poses.iter_mut().enumerate() {
+        let s = &step.as_slice()[lead + OF_POSE * number..][..OF_POSE];
+        let turn = Rotation3::new(Vector3::new(s[0], s[1], s[2])).into_inner();
+        let shift = vec3::add(pose.translation, [s[3], s[4], s[5]]);
+        *pose = Pose::from_matrix(&(turn * pose.matrix()), shift.into());
+    }
+    next
+}
+
+fn values(lens: &Lens) -> [f64; OF_LENS] {
+    [lens.fx, lens.fy, lens.cx, lens.cy, lens.k1, lens.k2, lens.p1, lens.p2, lens.k3]
+}
+
+/// A lens from its nine values.
+pub(super) fn from_values([fx, fy, cx, cy, k1, k2, p1, p2, k3]: [f64; OF_LENS]) -> Lens {
+    Lens { fx, fy, cx, cy, k1, k2, p1, p2, k3 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_slopes_are_the_differences_of_the_projection() {
+        let lens = from_values([1473.0, 1478.0, 969.0, 541.0, -0.1, 0.05, 2e-3, -1e-3, 0.02]);
+        let guess = Guess { lens, poses: vec![Pose::from_vector([2.8, 0.2, -0.3], [0.02, -0.04, 0.4])] };
+        let point = [0.11, -0.07, 0.01];
+        let rows = slopes(&lens, &guess.poses[0], point);
+        let scale = [1e-2, 1e-2, 1e-2, 1e-2, 1e-5, 1e-5, 1e-5, 1e-5, 1e-5, 1e-6, 1e-6, 1e-6, 1e-6, 1e-6, 1e-6];
+        for k in 0..15 {
+            let there = |sign: f64| {
+                let step = DVector::from_fn(15, |i, _| if i == k { sign * scale[k] } else { 0.0 });
+                let next = moved(&guess, &step, true);
+                next.lens.project(next.poses[0].apply(point)).unwrap()
+            };
+            let (up, down) = (there(1.0), there(-1.0));
+            for i in 0..2 {
+                let difference = (up[i] - down[i]) / (2.0 * scale[k]);
+                let size = rows[i][k].abs().max(1.0);
+                assert!((rows[i][k] - difference).abs() < 1e-5 * size, "{i} {k}: {} {difference}", rows[i][k]);
+            }
+        }
+    }
+}

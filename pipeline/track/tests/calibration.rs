@@ -1,0 +1,141 @@
+//! A lens and its poses come back from synthetic corners, clean and noisy.
+
+use si::Point2;
+use track::board::Board;
+use track::calibrate::{CalibrateError, View, calibrate, pose_from_plane, reprojection};
+use track::lens::Lens;
+use track::pose::Pose;
+
+const BOARD: Board = Board { columns: 9, rows: 6, square: 0.025 };
+const SIZE: (usize, usize) = (1920, 1080);
+const LENS: Lens =
+    Lens { fx: 1473.0, fy: 1478.0, cx: 969.0, cy: 541.0, k1: -0.12, k2: 0.04, p1: 4e-4, p2: -3e-4, k3: -0.01 };
+
+/// Poses that look down on the board in different tilts, as a person holds it.
+fn poses() -> Vec<Pose> {
+    let mut out = Vec::new();
+    for k in 0..15 {
+        let angle = f64::from(k) * 2.4;
+        let tilt = 0.15 + 0.03 * f64::from(k);
+        let down = Pose::from_vector([std::f64::consts::PI, 0.0, 0.0], [0.0; 3]);
+        let tilted = Pose::from_vector([tilt * angle.cos(), tilt * angle.sin(), 0.2 * angle.sin()], [0.0; 3]);
+        let rotation =
+            [0, 1, 2].map(|i| [0, 1, 2].map(|j| (0..3).map(|m| tilted.rotation[i][m] * down.rotation[m][j]).sum()));
+        let turned = Pose { rotation, translation: [0.0; 3] };
+        let middle = turned.apply([0.0875, 0.05, 0.0]);
+        let place = [0.09 * angle.sin(), 0.04 * (1.7 * angle).cos(), 0.42 + 0.01 * f64::from(k)];
+        out.push(Pose { rotation, translation: [0, 1, 2].map(|i| place[i] - middle[i]) });
+    }
+    out
+}
+
+/// Normal deviates by the sum of twelve from a fixed linear congruence.
+struct Noise(u64);
+
+impl Noise {
+    fn next(&mut self) -> f64 {
+        let mut uniform = || {
+            self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (self.0 >> 11) as f64 / (1u64 << 53) as f64
+        };
+        (0..12).map(|_| uniform()).sum::<f64>() - 6.0
+    }
+}
+
+fn views(noise: f64, seed: u64) -> Vec<View> {
+    let mut random = Noise(seed);
+    let mut blur = |p: Point2| [p[0] + noise * random.next(), p[1] + noise * random.next()];
+    let see = |pose: &Pose| BOARD.corners().iter().map(|&c| LENS.project(pose.apply(c)).unwrap()).collect::<Vec<_>>();
+    poses().iter().map(|pose| View { corners: see(pose).into_iter().map(&mut blur).collect() }).collect()
+}
+
+#[test]
+fn clean_corners_give_the_lens_back() {
+    let found = calibrate(&views(0.0, 0), &BOARD, SIZE.0, SIZE.1).unwrap();
+    let (a, b) = (found.lens, LENS);
+    for (name, x, y) in [("fx", a.fx, b.fx), ("fy", a.fy, b.fy), ("cx", a.cx, b.cx), ("cy", a.cy, b.cy)] {
+        assert!((x / y - 1.0).abs() < 1e-6, "{name} {x} {y}");
+    }
+    for (x, y) in [(a.k1, b.k1), (a.k2, b.k2), (a.p1, b.p1), (a.p2, b.p2), (a.k3, b.k3)] {
+        assert!((x - y).abs() < 1e-6, "{x} {y}");
+    }
+    for (pose, truth) in found.poses.iter().zip(poses()) {
+        assert!(si::vec3::norm(si::vec3::sub(pose.centre(), truth.centre())) < 1e-6);
+    }
+    assert!(found.reprojection_px < 1e-6);
+}
+
+#[test]
+fn a_tenth_of_a_pixel_of_noise_moves_the_focal_length_by_less_than_half_a_percent() {
+    for seed in 1..4 {
+        let found = calibrate(&views(0.1, seed), &BOARD, SIZE.0, SIZE.1).unwrap();
+        assert!((found.lens.fx / LENS.fx - 1.0).abs() < 5e-3 && (found.lens.fy / LENS.fy - 1.0).abs() < 5e-3);
+        assert!((found.reprojection_px / (0.1 * 2.0_f64.sqrt()) - 1.0).abs() < 0.1, "{}", found.reprojection_px);
+    }
+}
+
+#[test]
+fn the_standard_deviations_tell_the_scatter_over_repeated_calibrations() {
+    let found: Vec<_> = (1..=24).map(|seed| calibrate(&views(0.1, seed), &BOARD, SIZE.0, SIZE.1).unwrap()).collect();
+    let scatter = |value: fn(&Lens) -> f64| {
+        let mean = found.iter().map(|c| value(&c.lens)).sum::<f64>() / 24.0;
+        (found.iter().map(|c| (value(&c.lens) - mean).powi(2)).sum::<f64>() / 23.0).sqrt()
+    };
+    for value in [|l: &Lens| l.fx, |l: &Lens| l.cy, |l: &Lens| l.k1, |l: &Lens| l.p2] {
+        let told = value(&found[0].sigma);
+        // the scatter of 24 draws is itself known to 15 %: three of that
+        assert!((scatter(value) / told - 1.0).abs() < 0.45, "{} {told}", scatter(value));
+    }
+}
+
+#[test]
+fn a_pose_comes_back_from_points_of_a_raised_plane() {
+    for pose in poses() {
+        let points: Vec<_> = BOARD.corners().iter().map(|c| [c[0], c[1], 0.013]).collect();
+        let pixels: Vec<_> = points.iter().map(|&p| LENS.project(pose.apply(p)).unwrap()).collect();
+        let found = pose_from_plane(&LENS, &points, &pixels).unwrap();
+        assert!(si::vec3::norm(si::vec3::sub(found.centre(), pose.centre())) < 1e-9);
+        assert!(reprojection(&LENS, &found, &points, &pixels) < 1e-7);
+    }
+}
+
+#[test]
+fn four_points_are_enough_for_a_pose_and_three_are_not() {
+    let points = [[0.0, 0.0, 0.0], [0.2, 0.0, 0.0], [0.2, 0.1, 0.0], [0.0, 0.1, 0.0]];
+    let pixels = points.map(|p| LENS.project(poses()[4].apply(p)).unwrap());
+    assert!(pose_from_plane(&LENS, &points, &pixels).is_ok());
+    assert!(matches!(pose_from_plane(&LENS, &points[..3], &pixels[..3]), Err(CalibrateError::Points { .. })));
+}
+
+#[test]
+fn points_off_the_plane_or_on_a_line_are_refused() {
+    let line: Vec<_> = (0..6).map(|i| [0.01 * f64::from(i), 0.0, 0.0]).collect();
+    let pixels: Vec<_> = line.iter().map(|&p| LENS.project(poses()[4].apply(p)).unwrap()).collect();
+    assert!(matches!(pose_from_plane(&LENS, &line, &pixels), Err(CalibrateError::Points { .. })));
+    let bent: Vec<_> = line.iter().map(|p| [p[0], p[1], p[0]]).collect();
+    assert!(matches!(pose_from_plane(&LENS, &bent, &pixels), Err(CalibrateError::Points { .. })));
+}
+
+#[test]
+fn two_views_or_views_of_one_tilt_are_refused() {
+    let all = views(0.05, 9);
+    let two = calibrate(&all[..2], &BOARD, SIZE.0, SIZE.1);
+    assert!(matches!(two, Err(CalibrateError::TooFewViews { given: 2, needed: 3 })));
+    let flat = Pose::from_vector([std::f64::consts::PI, 0.0, 0.0], [-0.08, 0.05, 0.5]);
+    let mut random = Noise(5);
+    let mut see = || {
+        let corner = |&c| LENS.project(flat.apply(c)).unwrap().map(|v| v + 0.1 * random.next());
+        View { corners: BOARD.corners().iter().map(corner).collect() }
+    };
+    let alike: Vec<_> = (0..5).map(|_| see()).collect();
+    let found = calibrate(&alike, &BOARD, SIZE.0, SIZE.1);
+    assert!(matches!(found, Err(CalibrateError::Degenerate { .. })), "{found:?}");
+}
+
+#[test]
+fn a_view_with_missing_corners_is_refused_by_its_number() {
+    let mut all = views(0.0, 0);
+    all[3].corners.pop();
+    let error = calibrate(&all, &BOARD, SIZE.0, SIZE.1).unwrap_err();
+    assert_eq!(error, CalibrateError::Corners { view: 3, given: 39, expected: 40 });
+}
