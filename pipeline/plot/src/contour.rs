@@ -1,0 +1,149 @@
+//! Contours: the lines of equal value over a grid, by marching squares.
+//!
+//! Stands on: `si`. Never knows: what the value is, or where the grid lies on paper.
+
+use si::Point2;
+
+/// Values on an even grid; a point of the grid is [column, row].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Field {
+    /// Columns.
+    pub columns: usize,
+    /// Rows.
+    pub rows: usize,
+    /// rows × columns; NaN where there is none.
+    pub values: Vec<f64>,
+}
+
+impl Field {
+    fn at(&self, column: usize, row: usize) -> f64 {
+        self.values[row * self.columns + column]
+    }
+
+    /// The value between grid points, linear in both directions; NaN beside a missing one.
+    pub fn between(&self, p: Point2) -> f64 {
+        let cell = |v: f64, most: usize| (v.floor().max(0.0) as usize).min(most.saturating_sub(2));
+        let (i, j) = (cell(p[0], self.columns), cell(p[1], self.rows));
+        let (s, t) = (p[0] - i as f64, p[1] - j as f64);
+        let mix = |a: f64, b: f64, part: f64| {
+            if part == 0.0 {
+                a
+            } else if part == 1.0 {
+                b
+            } else {
+                a * (1.0 - part) + b * part
+            }
+        };
+        mix(mix(self.at(i, j), self.at(i + 1, j), s), mix(self.at(i, j + 1), self.at(i + 1, j + 1), s), t)
+    }
+
+    /// The same field on a grid `times` as fine.
+    pub fn refined(&self, times: usize) -> Self {
+        let (columns, rows) = ((self.columns - 1) * times + 1, (self.rows - 1) * times + 1);
+        let place = |k: usize| [(k % columns) as f64 / times as f64, (k / columns) as f64 / times as f64];
+        Self { columns, rows, values: (0..columns * rows).map(|k| self.between(place(k))).collect() }
+    }
+
+    /// The lines where the field has a value, in grid coordinates.
+    pub fn lines(&self, level: f64) -> Vec<Vec<Point2>> {
+        let mut segments = Vec::new();
+        for row in 0..self.rows - 1 {
+            for column in 0..self.columns - 1 {
+                self.cross_cell(column, row, level, &mut segments);
+            }
+        }
+        joined(segments)
+    }
+
+    /// The pieces of a level's line inside of one cell.
+    fn cross_cell(&self, column: usize, row: usize, level: f64, segments: &mut Vec<[Point2; 2]>) {
+        let corners = [(column, row), (column + 1, row), (column + 1, row + 1), (column, row + 1)];
+        let values = corners.map(|(i, j)| self.at(i, j));
+        if values.iter().any(|v| v.is_nan()) {
+            return;
+        }
+        let crossing = |k: usize| {
+            let (a, b) = (k, (k + 1) % 4);
+            if (values[a] > level) == (values[b] > level) {
+                return None;
+            }
+            // from the lower index, so that neighbours compute the same bits
+            let (a, b) = if corners[a] <= corners[b] { (a, b) } else { (b, a) };
+            let t = (level - values[a]) / (values[b] - values[a]);
+            let (p, q) = (corners[a], corners[b]);
+            Some([p.0 as f64 + t * (q.0 as f64 - p.0 as f64), p.1 as f64 + t * (q.1 as f64 - p.1 as f64)])
+        };
+        let found: Vec<Point2> = (0..4).filter_map(crossing).collect();
+        match found[..] {
+            [a, b] => segments.push([a, b]),
+            // a saddle: its middle says which corners belong together
+            [a, b, c, d] if (0.25 * values.iter().sum::<f64>() > level) == (values[0] > level) => {
+                segments.extend([[a, b], [c, d]]);
+            }
+            [a, b, c, d] => segments.extend([[a, d], [b, c]]),
+            _ => {}
+        }
+    }
+}
+
+/// Segments joined end to end into lines, in a fixed order.
+fn joined(mut segments: Vec<[Point2; 2]>) -> Vec<Vec<Point2>> {
+    let mut lines = Vec::new();
+    while let Some([a, b]) = segments.pop() {
+        let mut line = vec![a, b];
+        for _ in 0..2 {
+            while let Some(next) = take_neighbour(&mut segments, line[line.len() - 1]) {
+                line.push(next);
+            }
+            line.reverse();
+        }
+        lines.push(line);
+    }
+    lines
+}
+
+/// Takes out a segment that begins or ends at a point; returns its other end.
+fn take_neighbour(segments: &mut Vec<[Point2; 2]>, end: Point2) -> Option<Point2> {
+    let near = |p: Point2| (p[0] - end[0]).abs() + (p[1] - end[1]).abs() < 1e-9;
+    let index = segments.iter().rposition(|s| near(s[0]) || near(s[1]))?;
+    let [a, b] = segments.remove(index);
+    Some(if near(a) { b } else { a })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bowl() -> Field {
+        let value = |k: usize| ((k % 41) as f64 - 20.0).hypot((k / 41) as f64 - 20.0);
+        Field { columns: 41, rows: 41, values: (0..41 * 41).map(value).collect() }
+    }
+
+    #[test]
+    fn the_contour_of_a_bowl_is_one_closed_circle() {
+        let lines = bowl().lines(12.3);
+        assert_eq!(lines.len(), 1);
+        let line = &lines[0];
+        let gap = (line[0][0] - line[line.len() - 1][0]).hypot(line[0][1] - line[line.len() - 1][1]);
+        assert!(gap < 1e-9);
+        // a cone between grid points differs from its linear pieces by 1 / (8 r)
+        assert!(line.iter().all(|p| ((p[0] - 20.0).hypot(p[1] - 20.0) - 12.3).abs() < 0.02));
+    }
+
+    #[test]
+    fn a_missing_value_opens_the_circle() {
+        let mut field = bowl();
+        field.values[20 * 41 + 32] = f64::NAN;
+        let lines = field.lines(12.3);
+        assert!(lines.iter().all(|line| line.iter().all(|p| p.iter().all(|v| v.is_finite()))));
+        let line = &lines[0];
+        assert!((line[0][1] - line[line.len() - 1][1]).abs() > 1.0);
+    }
+
+    #[test]
+    fn a_refined_field_keeps_its_grid_points() {
+        let (coarse, fine) = (bowl(), bowl().refined(3));
+        assert_eq!(fine.columns, 121);
+        assert_eq!(fine.at(3 * 7, 3 * 5), coarse.at(7, 5));
+    }
+}

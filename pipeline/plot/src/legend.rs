@@ -1,0 +1,158 @@
+//! Legends: one line a labelled mark, in a corner where nothing is drawn, or over the frame.
+//!
+//! Stands on: `mark`, `canvas`, `ink`. Never knows: axes.
+
+use si::Point2;
+
+use crate::canvas::{Area, Canvas, Item};
+use crate::frame::SMALL;
+use crate::mark::{Mark, Shape, Side};
+use crate::mark_ink::draw_marker;
+use crate::{palette, text};
+
+/// Length of a sample line.
+const SAMPLE: f64 = 13.0;
+/// Between sample and words.
+const GAP: f64 = 3.0;
+/// Height of a line.
+const LINE: f64 = 8.6;
+/// Between two entries of a line.
+const BETWEEN: f64 = 8.0;
+/// Between the legend and the frame or the data.
+const CLEAR: f64 = 3.0;
+
+/// The marks that are listed.
+pub fn listed(marks: &[Mark]) -> Vec<&Mark> {
+    marks.iter().filter(|m| m.label.is_some()).collect()
+}
+
+fn words(mark: &Mark) -> &str {
+    mark.label.as_deref().unwrap_or("")
+}
+
+fn entry_width(mark: &Mark) -> f64 {
+    SAMPLE + GAP + text::width(words(mark), SMALL)
+}
+
+/// The first place in a frame where the legend covers nothing of what `drawn` holds.
+pub fn free_place(entries: &[&Mark], frame: Area, drawn: &Canvas) -> Option<Area> {
+    let width = entries.iter().map(|m| entry_width(m)).fold(0.0, f64::max);
+    let size = [width, entries.len() as f64 * LINE];
+    let inner = frame.grown(-CLEAR);
+    let room = [inner.width() - size[0], inner.height() - size[1]];
+    if room[0] < 0.0 || room[1] < 0.0 {
+        return None;
+    }
+    let parts = [[1.0, 0.0], [0.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.0], [0.5, 1.0], [1.0, 0.5], [0.0, 0.5]];
+    let place = |part: &Point2| Area::new([inner.from[0] + part[0] * room[0], inner.from[1] + part[1] * room[1]], size);
+    parts.iter().map(place).find(|area| !drawn.touches(&area.grown(0.8 * CLEAR)))
+}
+
+/// Draws the entries under each other.
+pub fn draw_inside(canvas: &mut Canvas, entries: &[&Mark], area: Area) {
+    if entries.is_empty() {
+        return;
+    }
+    canvas.filled(area.grown(1.0), palette::PAPER, 0.85);
+    for (i, mark) in entries.iter().enumerate() {
+        entry(canvas, mark, [area.from[0], area.from[1] + (i as f64 + 0.5) * LINE]);
+    }
+}
+
+/// The entries in lines that fit a width: how many go into each.
+fn lines(entries: &[&Mark], width: f64) -> Vec<usize> {
+    let mut lines = vec![0];
+    let mut used = 0.0;
+    for mark in entries {
+        let wide = entry_width(mark) + BETWEEN;
+        if used > 0.0 && used + wide - BETWEEN > width {
+            lines.push(0);
+            used = 0.0;
+        }
+        used += wide;
+        if let Some(last) = lines.last_mut() {
+            *last += 1;
+        }
+    }
+    lines
+}
+
+/// The height that the legend takes over a frame of this width.
+pub fn height_over(entries: &[&Mark], width: f64) -> f64 {
+    if entries.is_empty() { 0.0 } else { lines(entries, width).len() as f64 * LINE + CLEAR - 1.0 }
+}
+
+/// Draws the entries over a frame, beginning at its left side.
+pub fn draw_over(canvas: &mut Canvas, entries: &[&Mark], frame: Area) {
+    let lines = lines(entries, frame.width());
+    let top = frame.from[1] - CLEAR + 1.0 - lines.len() as f64 * LINE;
+    let mut rest = entries;
+    for (row, count) in lines.into_iter().enumerate() {
+        let (now, later) = rest.split_at(count);
+        let mut x = frame.from[0];
+        for mark in now {
+            entry(canvas, mark, [x, top + (row as f64 + 0.5) * LINE]);
+            x += entry_width(mark) + BETWEEN;
+        }
+        rest = later;
+    }
+}
+
+/// One entry; `at` is the left end of its middle line.
+fn entry(canvas: &mut Canvas, mark: &Mark, at: Point2) {
+    let middle = [at[0] + 0.5 * SAMPLE, at[1]];
+    match &mark.shape {
+        Shape::Points { marker, .. } => draw_marker(canvas, &mark.clone().sized(mark.size.min(6.0)), middle, *marker),
+        Shape::Band { .. } | Shape::Area(_) | Shape::Span(..) => {
+            let swatch = Area { from: [at[0], at[1] - 2.6], to: [at[0] + SAMPLE, at[1] + 2.6] };
+            canvas.filled(swatch, mark.colour, mark.opacity);
+        }
+        Shape::Text { .. } => {}
+        Shape::Line(_) | Shape::Level(_) | Shape::Upright(_) => canvas.items.push(Item::Path {
+            points: vec![at, [at[0] + SAMPLE, at[1]]],
+            width: mark.size,
+            dash: mark.dash,
+            colour: mark.colour,
+            opacity: mark.opacity,
+        }),
+    }
+    canvas.words([at[0] + SAMPLE + GAP, at[1]], words(mark), SMALL, Side::Right, palette::INK);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Colour, Dash};
+
+    const FRAME: Area = Area { from: [0.0, 0.0], to: [200.0, 100.0] };
+
+    fn mark(label: &str) -> Mark {
+        Mark::line(vec![], Colour(0, 0, 0)).labelled(label)
+    }
+
+    #[test]
+    fn a_legend_stands_where_no_line_passes() {
+        let (a, b) = (mark("measured"), mark("simulated"));
+        let mut drawn = Canvas::default();
+        drawn.path(vec![[0.0, 90.0], [190.0, 0.0]], 1.0, Dash::Solid, Colour(0, 0, 0));
+        let place = free_place(&[&a, &b], FRAME, &drawn).unwrap();
+        assert!(!drawn.touches(&place));
+        assert!(place.to[0] < 100.0, "the line ends in the right upper corner, so the left one is taken");
+    }
+
+    #[test]
+    fn a_full_frame_leaves_no_place() {
+        let a = mark("measured");
+        let mut drawn = Canvas::default();
+        drawn.filled(FRAME, Colour(0, 0, 0), 1.0);
+        assert!(free_place(&[&a], FRAME, &drawn).is_none());
+    }
+
+    #[test]
+    fn entries_that_are_too_wide_for_one_line_take_two() {
+        let marks = ["one", "two", "three", "four"].map(mark);
+        let entries: Vec<&Mark> = marks.iter().collect();
+        assert_eq!(lines(&entries, 1000.0), vec![4]);
+        assert_eq!(lines(&entries, 90.0), vec![2, 2]);
+    }
+}

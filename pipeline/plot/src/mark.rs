@@ -1,0 +1,237 @@
+//! Marks: what is drawn on axes, in the units of the axes.
+//!
+//! Stands on: the palette. Never knows: where on the paper its axes lie.
+
+use si::Point2;
+
+use crate::{Colour, PlotError};
+
+/// How a line is broken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Dash {
+    /// Not at all.
+    #[default]
+    Solid,
+    /// Long dashes.
+    Dashed,
+    /// Dots.
+    Dotted,
+}
+
+/// What stands at a point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Marker {
+    /// A filled disc.
+    Disc,
+    /// An empty circle.
+    Ring,
+    /// A filled square.
+    Square,
+    /// A filled triangle, point up.
+    Triangle,
+    /// A lying cross: ×.
+    Cross,
+    /// A standing cross: +.
+    Plus,
+}
+
+/// On which side of its point a text stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// Over it, centred.
+    Above,
+    /// Under it, centred.
+    Below,
+    /// Ends before it.
+    Left,
+    /// Begins after it.
+    Right,
+    /// On it.
+    Centre,
+}
+
+/// What a mark looks like.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Shape {
+    /// A line through points.
+    Line(Vec<Point2>),
+    /// Markers at points, each with the half length of its upright error bar (none: no bars).
+    Points {
+        /// Where.
+        at: Vec<Point2>,
+        /// What stands there.
+        marker: Marker,
+        /// Half lengths of the error bars, one a point.
+        spread: Option<Vec<f64>>,
+    },
+    /// The area between two curves over the same x.
+    Band {
+        /// Along the x axis.
+        x: Vec<f64>,
+        /// Lower curve.
+        low: Vec<f64>,
+        /// Upper curve.
+        high: Vec<f64>,
+    },
+    /// A filled polygon.
+    Area(Vec<Point2>),
+    /// Words beside a point.
+    Text {
+        /// The point.
+        at: Point2,
+        /// The words.
+        text: String,
+        /// Where they stand.
+        side: Side,
+    },
+    /// A line across the panel at one y.
+    Level(f64),
+    /// A line up the panel at one x.
+    Upright(f64),
+    /// The whole height between two x.
+    Span(f64, f64),
+}
+
+/// Something drawn on axes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mark {
+    /// What it looks like.
+    pub shape: Shape,
+    /// Its colour.
+    pub colour: Colour,
+    /// Its line in the legend; none: it is not listed.
+    pub label: Option<String>,
+    /// How its lines are broken.
+    pub dash: Dash,
+    /// Width of lines, or diameter of markers, in points of print.
+    pub size: f64,
+    /// 1 covers, 0 is not seen.
+    pub opacity: f64,
+}
+
+impl Mark {
+    fn new(shape: Shape, colour: Colour, size: f64, opacity: f64) -> Self {
+        Self { shape, colour, label: None, dash: Dash::Solid, size, opacity }
+    }
+
+    /// A line.
+    pub fn line(points: Vec<Point2>, colour: Colour) -> Self {
+        Self::new(Shape::Line(points), colour, 1.0, 1.0)
+    }
+
+    /// Markers.
+    pub fn points(at: Vec<Point2>, marker: Marker, colour: Colour) -> Self {
+        Self::new(Shape::Points { at, marker, spread: None }, colour, 3.4, 1.0)
+    }
+
+    /// A large cross ×, for the best point.
+    pub fn cross(at: Point2, colour: Colour) -> Self {
+        Self::points(vec![at], Marker::Cross, colour).sized(6.5)
+    }
+
+    /// The area between two curves.
+    pub fn band(x: Vec<f64>, low: Vec<f64>, high: Vec<f64>, colour: Colour) -> Self {
+        Self::new(Shape::Band { x, low, high }, colour, 0.0, 0.28)
+    }
+
+    /// A filled polygon.
+    pub fn area(points: Vec<Point2>, colour: Colour) -> Self {
+        Self::new(Shape::Area(points), colour, 0.0, 1.0)
+    }
+
+    /// Words beside a point.
+    pub fn text(at: Point2, text: &str, side: Side, colour: Colour) -> Self {
+        Self::new(Shape::Text { at, text: text.to_owned(), side }, colour, 7.0, 1.0)
+    }
+
+    /// A line across the panel.
+    pub fn level(y: f64, colour: Colour) -> Self {
+        Self::new(Shape::Level(y), colour, 0.7, 1.0)
+    }
+
+    /// A line up the panel.
+    pub fn upright(x: f64, colour: Colour) -> Self {
+        Self::new(Shape::Upright(x), colour, 0.7, 1.0)
+    }
+
+    /// The whole height between two x, for a time window.
+    pub fn span(from: f64, to: f64, colour: Colour) -> Self {
+        Self::new(Shape::Span(from, to), colour, 0.0, 0.14)
+    }
+
+    /// The same mark, listed in the legend.
+    pub fn labelled(self, label: &str) -> Self {
+        Self { label: Some(label.to_owned()), ..self }
+    }
+
+    /// The same mark with broken lines.
+    pub fn dashed(self, dash: Dash) -> Self {
+        Self { dash, ..self }
+    }
+
+    /// The same mark with another line width, marker diameter or text size, in points of print.
+    pub fn sized(self, size: f64) -> Self {
+        Self { size, ..self }
+    }
+
+    /// The same mark, seen through.
+    pub fn faded(self, opacity: f64) -> Self {
+        Self { opacity, ..self }
+    }
+
+    /// The same markers with upright error bars (half lengths, one a point).
+    pub fn with_spread(mut self, halves: Vec<f64>) -> Self {
+        if let Shape::Points { spread, .. } = &mut self.shape {
+            *spread = Some(halves);
+        }
+        self
+    }
+
+    /// Every x that the axis must hold.
+    pub(crate) fn all_x(&self) -> Vec<f64> {
+        match &self.shape {
+            Shape::Line(points) | Shape::Area(points) => points.iter().map(|p| p[0]).collect(),
+            Shape::Points { at, .. } => at.iter().map(|p| p[0]).collect(),
+            Shape::Band { x, .. } => x.clone(),
+            Shape::Text { at, .. } => vec![at[0]],
+            Shape::Level(_) => vec![],
+            Shape::Upright(x) => vec![*x],
+            Shape::Span(from, to) => vec![*from, *to],
+        }
+    }
+
+    /// Every y that the axis must hold.
+    pub(crate) fn all_y(&self) -> Vec<f64> {
+        match &self.shape {
+            Shape::Line(points) | Shape::Area(points) => points.iter().map(|p| p[1]).collect(),
+            Shape::Points { at, spread: None, .. } => at.iter().map(|p| p[1]).collect(),
+            Shape::Points { at, spread: Some(half), .. } => {
+                at.iter().zip(half).flat_map(|(p, h)| [p[1] - h, p[1] + h]).collect()
+            }
+            Shape::Band { low, high, .. } => [&low[..], &high[..]].concat(),
+            Shape::Text { at, .. } => vec![at[1]],
+            Shape::Level(y) => vec![*y],
+            Shape::Upright(_) | Shape::Span(..) => vec![],
+        }
+    }
+
+    /// Refuses numbers without a place, and lists that do not belong together.
+    pub(crate) fn check(&self) -> Result<(), PlotError> {
+        let what = || format!("the mark `{}`", self.label.as_deref().unwrap_or("without a label"));
+        let same = |found: usize, expected: usize| match found == expected {
+            true => Ok(()),
+            false => Err(PlotError::Length { what: what(), found, expected }),
+        };
+        match &self.shape {
+            Shape::Points { at, spread: Some(half), .. } => same(half.len(), at.len())?,
+            Shape::Band { x, low, high } => same(low.len(), x.len()).and(same(high.len(), x.len()))?,
+            _ => {}
+        }
+        for values in [self.all_x(), self.all_y()] {
+            if let Some(index) = values.iter().position(|v| !v.is_finite()) {
+                return Err(PlotError::NotFinite { what: what(), index, value: values[index] });
+            }
+        }
+        Ok(())
+    }
+}

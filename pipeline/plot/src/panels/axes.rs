@@ -1,0 +1,135 @@
+//! Axes: curves, points, bands and words on two axes.
+//!
+//! Stands on: `frame`, `legend`, `mark_ink`. Never knows: what is compared with what.
+
+use crate::canvas::{Area, Canvas};
+use crate::frame::Frame;
+use crate::mark::{Mark, Shape};
+use crate::panel::{Draw, Margins, Where};
+use crate::{Axis, PlotError, legend};
+
+/// Where labelled marks are listed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Legend {
+    /// In a corner where nothing is drawn, else over the frame.
+    #[default]
+    Free,
+    /// Over the frame.
+    Over,
+    /// Nowhere.
+    None,
+}
+
+/// Curves and points on two axes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axes {
+    /// Along.
+    pub x: Axis,
+    /// Up.
+    pub y: Axis,
+    /// What is drawn, the last one on top.
+    pub marks: Vec<Mark>,
+    /// Where labelled marks are listed.
+    pub legend: Legend,
+    /// One length of paper for one unit on both axes: a true shape. The shorter axis is widened.
+    pub equal: bool,
+}
+
+/// Empty room at the ends of an axis that has no range of its own, as a part of the data's range.
+const MARGIN: f64 = 0.05;
+
+impl Axes {
+    /// Empty axes.
+    pub fn new(x: Axis, y: Axis) -> Self {
+        Self { x, y, marks: Vec::new(), legend: Legend::Free, equal: false }
+    }
+
+    /// The same axes with one more mark.
+    pub fn with(mut self, mark: Mark) -> Self {
+        self.marks.push(mark);
+        self
+    }
+
+    /// The same axes with their legend elsewhere.
+    pub fn legend(self, legend: Legend) -> Self {
+        Self { legend, ..self }
+    }
+
+    /// The same axes with one length of paper for one unit on both.
+    pub fn equal(self) -> Self {
+        Self { equal: true, ..self }
+    }
+
+    /// The frame on a piece of paper.
+    fn frame(&self, area: Area) -> Result<Frame<'_>, PlotError> {
+        // lines run from side to side, points need room around them
+        let pointed = self.marks.iter().any(|m| matches!(m.shape, Shape::Points { .. }));
+        let x_margin = if pointed { MARGIN } else { 0.0 };
+        let mut x = self.x.ends(self.marks.iter().flat_map(Mark::all_x), x_margin)?;
+        let mut y = self.y.ends(self.marks.iter().flat_map(Mark::all_y), MARGIN)?;
+        if self.equal {
+            let (across, up) = ((x.1 - x.0) / area.width(), (y.1 - y.0) / area.height());
+            x = widened(x, across, up);
+            y = widened(y, up, across);
+        }
+        Ok(Frame::new(area, &self.x, x, &self.y, y))
+    }
+
+    fn marks_alone(&self, frame: &Frame) -> Canvas {
+        let mut canvas = Canvas::default();
+        self.marks.iter().for_each(|mark| frame.ground.draw(&mut canvas, mark));
+        canvas
+    }
+
+    fn listed(&self) -> Vec<&Mark> {
+        if self.legend == Legend::None { Vec::new() } else { legend::listed(&self.marks) }
+    }
+}
+
+/// Ends moved apart evenly until a length of paper shows `wanted` instead of `now` units.
+fn widened((low, high): (f64, f64), now: f64, wanted: f64) -> (f64, f64) {
+    let more = 0.5 * (high - low) * (wanted / now - 1.0).max(0.0);
+    (low - more, high + more)
+}
+
+impl Draw for Axes {
+    fn check(&self) -> Result<(), PlotError> {
+        let frame = self.frame(Area::new([0.0; 2], [100.0; 2]))?;
+        self.marks.iter().try_for_each(|mark| frame.ground.check(mark))
+    }
+
+    fn margins(&self, cell: Area, legend: Where) -> Result<Option<Margins>, PlotError> {
+        let first = self.frame(cell)?.margins();
+        let inner = Area {
+            from: [cell.from[0] + first.left, cell.from[1]],
+            to: [cell.to[0] - first.right, (cell.to[1] - first.bottom).max(cell.from[1] + 1.0)],
+        };
+        let mut margins = self.frame(inner)?.margins();
+        if legend == Where::Over {
+            margins.top += legend::height_over(&self.listed(), inner.width());
+        }
+        Ok(Some(margins))
+    }
+
+    fn legend_fits(&self, frame: Area) -> Result<bool, PlotError> {
+        let listed = self.listed();
+        let drawn = self.marks_alone(&self.frame(frame)?);
+        let fits = self.legend == Legend::Free && legend::free_place(&listed, frame, &drawn).is_some();
+        Ok(listed.is_empty() || fits)
+    }
+
+    fn draw(&self, canvas: &mut Canvas, area: Area, place: Where) -> Result<(), PlotError> {
+        let frame = self.frame(area)?;
+        frame.draw_grid(canvas);
+        let drawn = self.marks_alone(&frame);
+        let free = legend::free_place(&self.listed(), area, &drawn);
+        canvas.items.extend(drawn.items);
+        frame.draw(canvas);
+        match (place, free) {
+            (Where::Over, _) => legend::draw_over(canvas, &self.listed(), area),
+            (Where::Inside, Some(free)) => legend::draw_inside(canvas, &self.listed(), free),
+            (Where::Inside, None) => {}
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,215 @@
+//! Landscapes: a heat map over two parameters with contours, and the ways that searches took over it.
+//!
+//! The map is one embedded picture as large as the frame, so no seam can show between cells.
+//!
+//! Stands on: `frame`, `colour_bar`, `contour`, `legend`. Never knows: that the value is a loss.
+
+use si::Point2;
+
+use crate::canvas::{Area, Canvas, Item};
+use crate::contour::Field;
+use crate::frame::Frame;
+use crate::mark::Mark;
+use crate::panel::{Draw, Margins, Where};
+use crate::panels::colour_bar::{Bar, ColourBar};
+use crate::raster::Raster;
+use crate::{Axis, Colour, Marker, PlotError, legend, palette};
+
+/// How the heat map fills the space between grid points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Shading {
+    /// Linear between grid points, on the scale of the colour bar.
+    #[default]
+    Smooth,
+    /// One even cell around each grid point.
+    Cells,
+}
+
+/// A heat map with contours.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Landscape {
+    /// Along; its range is that of the columns.
+    pub x: Axis,
+    /// Up; its range is that of the rows.
+    pub y: Axis,
+    /// x of the grid's columns, rising, evenly spaced on the axis' scale.
+    pub columns: Vec<f64>,
+    /// y of the grid's rows, rising, evenly spaced on the axis' scale.
+    pub rows: Vec<f64>,
+    /// rows × columns; not finite where there is no value.
+    pub values: Vec<f64>,
+    /// What the colours mean.
+    pub bar: ColourBar,
+    /// How the space between grid points is filled.
+    pub shading: Shading,
+    /// Whether lines of equal value are drawn at the bar's numbers.
+    pub contours: bool,
+    /// What is drawn over it; labelled marks are listed over the frame.
+    pub marks: Vec<Mark>,
+}
+
+/// Dots of the heat map in a point of print: 216 dots an inch.
+const DOTS_PER_POINT: f64 = 3.0;
+/// Contours are found on a grid at least so fine, so that they bend like the shading does.
+const FINE_COLUMNS: usize = 120;
+
+impl Landscape {
+    /// A heat map with smooth shading and contours.
+    pub fn new(x: Axis, y: Axis, columns: Vec<f64>, rows: Vec<f64>, values: Vec<f64>, bar: ColourBar) -> Self {
+        Self { x, y, columns, rows, values, bar, shading: Shading::Smooth, contours: true, marks: Vec::new() }
+    }
+
+    /// The same landscape with one more mark.
+    pub fn with(mut self, mark: Mark) -> Self {
+        self.marks.push(mark);
+        self
+    }
+
+    /// The way of a search: a white line with a dark rim, a dot where it starts and a dot at each step.
+    pub fn with_path(self, points: Vec<Point2>, colour: Colour, label: &str) -> Self {
+        let start = points.first().copied().into_iter().collect();
+        let rim = Mark::line(points.clone(), palette::INK).sized(2.2);
+        let line = Mark::line(points.clone(), colour).sized(1.3).labelled(label);
+        let steps = Mark::points(points, Marker::Disc, colour).sized(2.6);
+        let begin = Mark::points(start, Marker::Disc, palette::PAPER).sized(6.0);
+        let inner = Mark { colour, size: 4.4, ..begin.clone() };
+        self.with(rim).with(line).with(steps).with(begin).with(inner)
+    }
+
+    fn cell_rim(&self) -> f64 {
+        if self.shading == Shading::Cells { 0.5 } else { 0.0 }
+    }
+
+    /// Both ends of an axis: those that were set, or those of the grid (with half a cell around it).
+    fn ends(&self, axis: &Axis, grid: &[f64]) -> Result<(f64, f64), PlotError> {
+        let (low, high) = axis.ends(grid.iter().copied(), 0.0)?;
+        let (a, b) = (axis.scale.even(low), axis.scale.even(high));
+        let half = self.cell_rim() * (b - a) / (grid.len() - 1) as f64;
+        Ok(if axis.range.is_some() { (low, high) } else { (axis.scale.value(a - half), axis.scale.value(b + half)) })
+    }
+
+    fn frame(&self, area: Area) -> Result<Frame<'_>, PlotError> {
+        let (x, y) = (self.ends(&self.x, &self.columns)?, self.ends(&self.y, &self.rows)?);
+        Ok(Frame::new(area, &self.x, x, &self.y, y))
+    }
+
+    fn bar(&self) -> Result<Bar<'_>, PlotError> {
+        Bar::new(&self.bar, self.values.iter().copied())
+    }
+
+    /// The values as parts of the bar, on the grid.
+    fn field(&self, bar: &Bar) -> Field {
+        let part = |v: &f64| if v.is_finite() { bar.part(*v) } else { f64::NAN };
+        Field { columns: self.columns.len(), rows: self.rows.len(), values: self.values.iter().map(part).collect() }
+    }
+
+    /// The picture: one dot a place of the frame.
+    fn picture(&self, frame: &Frame, field: &Field) -> Raster {
+        let area = frame.ground.frame;
+        let size = [area.width(), area.height()].map(|v| (v * DOTS_PER_POINT).round().max(1.0) as usize);
+        let mut dots = Vec::with_capacity(size[0] * size[1] * 4);
+        for row in 0..size[1] {
+            for column in 0..size[0] {
+                let at = |k: usize, index: usize| {
+                    area.from[k] + (index as f64 + 0.5) / size[k] as f64 * (area.to[k] - area.from[k])
+                };
+                let part = self.shaded(field, self.grid_place(frame, [at(0, column), at(1, row)]));
+                let colour = if part.is_nan() { palette::MISSING } else { palette::heat(part) };
+                dots.extend([colour.0, colour.1, colour.2, 255]);
+            }
+        }
+        Raster { width: size[0], height: size[1], dots }
+    }
+
+    fn shaded(&self, field: &Field, p: Point2) -> f64 {
+        let p = match self.shading {
+            Shading::Smooth => p,
+            Shading::Cells => p.map(f64::round),
+        };
+        let most = [(field.columns - 1) as f64, (field.rows - 1) as f64];
+        field.between([p[0].clamp(0.0, most[0]), p[1].clamp(0.0, most[1])])
+    }
+
+    /// A place on paper as [column, row] of the grid.
+    fn grid_place(&self, frame: &Frame, p: Point2) -> Point2 {
+        let along = |axis: &Axis, grid: &[f64], value: f64| {
+            let (a, b) = (axis.scale.even(grid[0]), axis.scale.even(grid[grid.len() - 1]));
+            (axis.scale.even(value) - a) / (b - a) * (grid.len() - 1) as f64
+        };
+        let (x, y) = (frame.ground.x.value(p[0]), frame.ground.y.value(p[1]));
+        [along(&self.x, &self.columns, x), along(&self.y, &self.rows, y)]
+    }
+
+    /// A place of the grid in the units of the axes.
+    fn grid_value(&self, p: Point2) -> Point2 {
+        let along = |axis: &Axis, grid: &[f64], place: f64| {
+            let (a, b) = (axis.scale.even(grid[0]), axis.scale.even(grid[grid.len() - 1]));
+            axis.scale.value(a + place / (grid.len() - 1) as f64 * (b - a))
+        };
+        [along(&self.x, &self.columns, p[0]), along(&self.y, &self.rows, p[1])]
+    }
+
+    fn draw_contours(&self, canvas: &mut Canvas, frame: &Frame, bar: &Bar, field: &Field) {
+        let times = FINE_COLUMNS.div_ceil(self.columns.len().max(self.rows.len()));
+        let fine = field.refined(times);
+        for level in bar.levels(frame.ground.frame.height()) {
+            for line in fine.lines(bar.part(level)) {
+                let points = line.iter().map(|p| self.grid_value(p.map(|v| v / times as f64))).collect();
+                let mark = Mark::line(points, palette::PAPER).sized(0.45).faded(0.75);
+                frame.ground.draw(canvas, &mark);
+            }
+        }
+    }
+
+    fn check_grid(&self, axis: &Axis, grid: &[f64]) -> Result<(), PlotError> {
+        let even: Vec<f64> = grid.iter().map(|v| axis.scale.even(*v)).collect();
+        let step = (even[even.len() - 1] - even[0]) / (even.len() - 1) as f64;
+        let uneven = |(i, v): (usize, &f64)| !((v - even[0] - i as f64 * step).abs() < 1e-6 * step);
+        match even.iter().enumerate().position(uneven) {
+            Some(index) => {
+                let what = format!("the grid on `{}`, which must rise evenly,", axis.label);
+                Err(PlotError::NotFinite { what, index, value: grid[index] })
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+impl Draw for Landscape {
+    fn check(&self) -> Result<(), PlotError> {
+        if self.columns.len() < 2 || self.rows.len() < 2 {
+            return Err(PlotError::Empty { what: "the grid of a landscape" });
+        }
+        let (found, expected) = (self.values.len(), self.columns.len() * self.rows.len());
+        if found != expected {
+            return Err(PlotError::Length { what: "the values of a landscape".to_owned(), found, expected });
+        }
+        let frame = self.frame(Area::new([0.0; 2], [100.0; 2]))?;
+        self.bar()?;
+        self.check_grid(&self.x, &self.columns)?;
+        self.check_grid(&self.y, &self.rows)?;
+        self.marks.iter().try_for_each(|mark| frame.ground.check(mark))
+    }
+
+    fn margins(&self, cell: Area, _legend: Where) -> Result<Option<Margins>, PlotError> {
+        let mut margins = self.frame(cell)?.margins();
+        let height = cell.height() - margins.top - margins.bottom;
+        margins.right += self.bar()?.width(height.max(1.0));
+        margins.top += legend::height_over(&legend::listed(&self.marks), cell.width() - margins.left - margins.right);
+        Ok(Some(margins))
+    }
+
+    fn draw(&self, canvas: &mut Canvas, area: Area, _legend: Where) -> Result<(), PlotError> {
+        let (frame, bar) = (self.frame(area)?, self.bar()?);
+        let field = self.field(&bar);
+        canvas.items.push(Item::Picture { area, png: self.picture(&frame, &field).png()? });
+        if self.contours && self.shading == Shading::Smooth {
+            self.draw_contours(canvas, &frame, &bar, &field);
+        }
+        self.marks.iter().for_each(|mark| frame.ground.draw(canvas, mark));
+        frame.draw(canvas);
+        bar.draw(canvas, area)?;
+        legend::draw_over(canvas, &legend::listed(&self.marks), area);
+        Ok(())
+    }
+}

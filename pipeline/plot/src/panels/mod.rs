@@ -1,0 +1,42 @@
+//! The family of panels: one file each, and the list that a figure chooses from.
+//!
+//! Stands on: the contract in `panel.rs` and its members. Never knows: a figure.
+
+pub mod axes;
+pub mod colour_bar;
+pub mod diagram;
+pub mod landscape;
+pub mod picture;
+pub mod scene;
+mod shading;
+mod symbols;
+mod z_buffer;
+
+use crate::panel::Draw;
+
+/// A panel of a figure.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Panel {
+    /// Curves and points on two axes.
+    Axes(axes::Axes),
+    /// A heat map with contours: a loss over two parameters.
+    Landscape(landscape::Landscape),
+    /// Triangles in space, seen from one side.
+    Scene(scene::Scene),
+    /// Boxes, arrows, springs: how something is built.
+    Diagram(diagram::Diagram),
+    /// A grey picture, such as a frame of a video.
+    Picture(picture::Picture),
+}
+
+impl Panel {
+    pub(crate) fn as_draw(&self) -> &dyn Draw {
+        match self {
+            Self::Axes(panel) => panel,
+            Self::Landscape(panel) => panel,
+            Self::Scene(panel) => panel,
+            Self::Diagram(panel) => panel,
+            Self::Picture(panel) => panel,
+        }
+    }
+}

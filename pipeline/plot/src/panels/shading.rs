@@ -1,0 +1,77 @@
+//! Light: how bright a surface is where its normal points somewhere.
+//!
+//! Stands on: `si`. Never knows: dots or colours' meaning.
+
+use std::collections::BTreeMap;
+
+use si::Point3;
+use si::vec3::{add, cross, dot, norm, scale, sub};
+
+use crate::Colour;
+
+/// Light that comes from everywhere.
+const AMBIENT: f64 = 0.42;
+/// Neighbours whose normals differ by more than this (cosine) are parted by an edge, not bent into each other.
+const CREASE: f64 = 0.77;
+/// Brightness is written in so many steps, so that even surfaces pack well as PNG and no eye sees a step.
+const STEPS: f64 = 64.0;
+
+/// A key that is equal for corners at the same place, bit by bit.
+type Place = [u64; 3];
+
+fn place(p: Point3) -> Place {
+    p.map(|v| (v + 0.0).to_bits())
+}
+
+/// Unit normals at the corners of triangles (triangles × 3): the mean over neighbours that share the corner and are
+/// bent by less than the crease angle, weighted by area.
+pub fn normals(triangles: &[[Point3; 3]]) -> Vec<[Point3; 3]> {
+    let flat: Vec<Point3> = triangles.iter().map(|[a, b, c]| cross(sub(*b, *a), sub(*c, *a))).collect();
+    let mut around: BTreeMap<Place, Vec<usize>> = BTreeMap::new();
+    for (index, corners) in triangles.iter().enumerate() {
+        corners.iter().for_each(|p| around.entry(place(*p)).or_default().push(index));
+    }
+    let corner = |own: Point3, p: Point3| {
+        let bent = |n: &Point3| dot(*n, own) > CREASE * norm(*n) * norm(own);
+        let near = around.get(&place(p)).into_iter().flatten().map(|&i| flat[i]).filter(bent);
+        let sum = near.fold([0.0; 3], add);
+        let length = norm(sum);
+        if length > 0.0 { scale(sum, 1.0 / length) } else { [0.0; 3] }
+    };
+    triangles.iter().zip(&flat).map(|(corners, own)| corners.map(|p| corner(*own, p))).collect()
+}
+
+/// A colour under light from `light` (a unit vector towards the lamp), seen from `eye` (towards the eye); both sides of
+/// a surface are lit alike.      [lambert1760]
+pub fn lit(colour: Colour, normal: Point3, light: Point3, eye: Point3) -> Colour {
+    let facing = if dot(normal, eye) < 0.0 { scale(normal, -1.0) } else { normal };
+    let direct = dot(facing, light).max(0.0);
+    let bright = AMBIENT + (1.0 - AMBIENT) * direct;
+    let step = (bright * STEPS).round() / STEPS;
+    let channel = |v: u8| (f64::from(v) * step * 1.06).round().clamp(0.0, 255.0) as u8;
+    Colour(channel(colour.0), channel(colour.1), channel(colour.2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbours_in_one_plane_share_their_normal_and_a_corner_of_a_cube_does_not() {
+        let flat = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let beside = [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        let wall = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let normals = normals(&[flat, beside, wall]);
+        assert_eq!(normals[0], [[0.0, 0.0, 1.0]; 3]);
+        assert_eq!(normals[2], [[1.0, 0.0, 0.0]; 3]);
+    }
+
+    #[test]
+    fn a_surface_towards_the_lamp_is_brighter_than_one_aside() {
+        let eye = [0.0, 0.0, 1.0];
+        let grey = Colour(150, 150, 150);
+        let (facing, aside) = (lit(grey, eye, eye, eye), lit(grey, [1.0, 0.0, 0.0], eye, eye));
+        assert!(facing.0 > aside.0 + 50);
+        assert_eq!(lit(grey, [0.0, 0.0, -1.0], eye, eye), facing);
+    }
+}

@@ -1,0 +1,167 @@
+//! Rulers: an axis laid onto paper, and the numbers that stand beside it.
+//!
+//! Stands on: `axis` and `text`. Never knows: whether it lies or stands.
+
+use crate::axis::Scale;
+use crate::text::{number, power_of_ten};
+
+/// An axis between two places on paper (points of print).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ruler {
+    /// How numbers find their place.
+    pub scale: Scale,
+    /// The numbers at both ends.
+    pub ends: (f64, f64),
+    /// The places of both ends; the second may be the smaller one.
+    pub places: (f64, f64),
+}
+
+/// The numbers beside a ruler.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Ticks {
+    /// Numbers with their texts.
+    pub major: Vec<(f64, String)>,
+    /// Numbers with a short line alone.
+    pub minor: Vec<f64>,
+}
+
+/// A number this near to an end, as a part of the range, is taken to lie on it.
+const ON_THE_END: f64 = 1e-9;
+
+impl Ruler {
+    /// The place of a number.
+    pub fn place(&self, value: f64) -> f64 {
+        let even = |v| self.scale.even(v);
+        let part = (even(value) - even(self.ends.0)) / (even(self.ends.1) - even(self.ends.0));
+        self.places.0 + part * (self.places.1 - self.places.0)
+    }
+
+    /// The number at a place.
+    pub fn value(&self, place: f64) -> f64 {
+        let part = (place - self.places.0) / (self.places.1 - self.places.0);
+        let (a, b) = (self.scale.even(self.ends.0), self.scale.even(self.ends.1));
+        self.scale.value(a + part * (b - a))
+    }
+
+    /// Ticks at least `apart` from each other (points of print).
+    pub fn ticks(&self, apart: f64) -> Ticks {
+        let most = ((self.places.1 - self.places.0).abs() / apart).max(1.0);
+        match self.scale {
+            Scale::Linear => self.linear_ticks(most),
+            Scale::Log => self.log_ticks(most),
+        }
+    }
+
+    fn linear_ticks(&self, most: f64) -> Ticks {
+        let step = nice_step((self.ends.1 - self.ends.0) / most);
+        let values = multiples(step, self.ends);
+        let largest = self.ends.0.abs().max(self.ends.1.abs());
+        let text = |v: f64| written(v, step, largest);
+        Ticks { major: values.into_iter().map(|v| (v, text(v))).collect(), minor: vec![] }
+    }
+
+    fn log_ticks(&self, most: f64) -> Ticks {
+        let decades = (self.ends.1 / self.ends.0).log10();
+        let (from, to) = (self.ends.0.log10().floor() as i32, self.ends.1.log10().ceil() as i32);
+        let inside = |v: &f64| self.holds(*v);
+        let family = |digits: &[f64], every: i32| -> Vec<f64> {
+            let exponents = (from..=to).filter(|e| e % every == 0);
+            exponents.flat_map(|e| digits.iter().map(move |d| d * 10f64.powi(e))).filter(inside).collect()
+        };
+        let choices: [(&[f64], i32); 5] =
+            [(&[1.0, 2.0, 5.0], 1), (&[1.0, 3.0], 1), (&[1.0], 1), (&[1.0], 2), (&[1.0], 3)];
+        let fits = |(digits, every): &(&[f64], i32)| decades * digits.len() as f64 / f64::from(*every) <= most;
+        let (digits, every) = choices.into_iter().find(fits).unwrap_or((&[1.0], 6));
+        let values = family(digits, every);
+        if values.len() < 2 {
+            return self.linear_ticks(most.min(4.0));
+        }
+        let plain = self.ends.0 >= 1e-3 && self.ends.1 <= 1e4;
+        let major = values.into_iter().map(|v| (v, log_text(v, plain))).collect();
+        let minor = if every == 1 { family(&[2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0], 1) } else { vec![] };
+        Ticks { major, minor }
+    }
+
+    /// Whether a number lies between the ends.
+    pub fn holds(&self, value: f64) -> bool {
+        let slack = ON_THE_END * (self.ends.1 - self.ends.0).abs();
+        value >= self.ends.0 - slack && value <= self.ends.1 + slack
+    }
+}
+
+/// The smallest of 1, 2, 5 × 10ⁿ that is not below a length.
+fn nice_step(least: f64) -> f64 {
+    let decade = 10f64.powf(least.log10().floor());
+    let digit = [1.0, 2.0, 5.0, 10.0].into_iter().find(|d| d * decade >= least * (1.0 - 1e-9));
+    digit.unwrap_or(10.0) * decade
+}
+
+/// The multiples of a step between two ends, which count when met to a part in 10⁹.
+fn multiples(step: f64, (low, high): (f64, f64)) -> Vec<f64> {
+    let (from, to) = ((low / step - 1e-9).ceil() as i64, (high / step + 1e-9).floor() as i64);
+    (from..=to).map(|k| k as f64 * step).collect()
+}
+
+/// A tick's text: plain while it is short, else a digit and a power of ten.
+fn written(value: f64, step: f64, largest: f64) -> String {
+    let decimals = (-(step * 1.0001).log10().floor()).max(0.0) as usize;
+    if value == 0.0 || (decimals <= 3 && largest < 1e5) {
+        return number(value, decimals);
+    }
+    let exponent = largest.log10().floor() as i32;
+    let digits = (f64::from(exponent) - (step * 1.0001).log10().floor()).max(0.0) as usize;
+    format!("{}·{}", number(value / 10f64.powi(exponent), digits), power_of_ten(exponent))
+}
+
+fn log_text(value: f64, plain: bool) -> String {
+    let exponent = (value * 1.0001).log10().floor() as i32;
+    let digit = (value / 10f64.powi(exponent)).round();
+    match (plain, digit) {
+        (true, _) => number(value, (-exponent).max(0) as usize),
+        (false, 1.0) => power_of_ten(exponent),
+        (false, _) => format!("{digit}·{}", power_of_ten(exponent)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn texts(scale: Scale, ends: (f64, f64), length: f64) -> Vec<String> {
+        let ruler = Ruler { scale, ends, places: (0.0, length) };
+        ruler.ticks(20.0).major.into_iter().map(|(_, text)| text).collect()
+    }
+
+    #[test]
+    fn linear_ticks_are_round_numbers_with_equal_digits() {
+        assert_eq!(texts(Scale::Linear, (-0.3, 1.1), 100.0), ["0.0", "0.5", "1.0"]);
+        assert_eq!(texts(Scale::Linear, (0.0, 250.0), 120.0), ["0", "50", "100", "150", "200", "250"]);
+    }
+
+    #[test]
+    fn tiny_numbers_are_written_with_a_power_of_ten() {
+        assert_eq!(texts(Scale::Linear, (0.0, 2e-6), 60.0), ["0", "1·10⁻⁶", "2·10⁻⁶"]);
+    }
+
+    #[test]
+    fn a_log_axis_of_a_decade_has_ones_twos_and_fives() {
+        assert_eq!(texts(Scale::Log, (0.1, 1.0), 120.0), ["0.1", "0.2", "0.5", "1"]);
+    }
+
+    #[test]
+    fn a_log_axis_of_many_decades_has_powers_of_ten() {
+        assert_eq!(texts(Scale::Log, (1e-5, 1e-1), 100.0), ["10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²", "10⁻¹"]);
+    }
+
+    #[test]
+    fn a_log_axis_shorter_than_its_digits_falls_back_to_round_steps() {
+        assert_eq!(texts(Scale::Log, (0.21, 0.28), 80.0), ["0.22", "0.24", "0.26", "0.28"]);
+    }
+
+    #[test]
+    fn a_place_and_its_number_are_inverse() {
+        let ruler = Ruler { scale: Scale::Log, ends: (0.02, 3.0), places: (90.0, 10.0) };
+        assert!((ruler.value(ruler.place(0.7)) - 0.7).abs() < 1e-12);
+        assert!((ruler.place(0.02) - 90.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,158 @@
+//! From the canvas to SVG text, through plotters.
+//!
+//! plotters writes whole pixels, so the canvas is handed over [`GRID`] times as large and the viewBox says so: a curve
+//! is written to a twentieth of a point (0.018 mm) and shows no stairs. The root element carries what plotters repeats
+//! or cannot say (font, size in millimetres, round joints), and pictures are set between its shapes.
+//!
+//! Stands on: plotters, `canvas`, `raster`. Never knows: panels or marks.
+
+use plotters::drawing::{DrawingArea, IntoDrawingArea};
+use plotters::element::{Circle, DashedPathElement, PathElement, Polygon, Text};
+use plotters::prelude::{Color, RGBColor, SVGBackend, ShapeStyle};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{FontDesc, FontFamily, FontStyle, FontTransform, TextStyle};
+use si::Point2;
+
+use crate::canvas::{Canvas, Item, POINTS_PER_MM, Words};
+use crate::raster::base64;
+use crate::{Colour, Dash, PlotError, Side, thin};
+
+/// The fonts that are asked for, in order; the last resort is any sans-serif.
+pub const FONT_FAMILIES: &str = "Helvetica, Arial, 'Liberation Sans', Arimo, 'DejaVu Sans', sans-serif";
+
+/// Units of the SVG in a point of print.
+const GRID: f64 = 20.0;
+/// Half of the grid: a point this near to the line would be written onto it anyway.
+const TOLERANCE: f64 = 0.5 / GRID;
+/// plotters divides a font size by this before it writes it.
+const PLOTTERS_FONT_SCALE: f64 = 1.24;
+/// Middle height of digits above the base line, less the quarter em by which plotters lowers centred text.
+const LIFT: f64 = 0.36 - 0.25;
+
+type Page<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
+
+/// The canvas, `size` points of print large, as SVG text.
+///
+/// # Errors
+/// [`PlotError::Encoder`] when plotters refuses.
+pub fn write(canvas: &Canvas, size: Point2) -> Result<String, PlotError> {
+    let grid = size.map(|v| (v * GRID).round() as u32);
+    let mut body = String::new();
+    for run in canvas.items.chunk_by(|a, b| !is_picture(a) && !is_picture(b)) {
+        match &run[0] {
+            Item::Picture { area, png } => body.push_str(&picture(area.from, [area.width(), area.height()], png)),
+            _ => body.push_str(&shapes(run, grid)?),
+        }
+    }
+    let mm = size.map(|v| v / POINTS_PER_MM);
+    Ok(format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" width=\"{:.2}mm\" \
+         height=\"{:.2}mm\" viewBox=\"0 0 {} {}\" font-family=\"{FONT_FAMILIES}\" stroke-linejoin=\"round\" \
+         stroke-linecap=\"butt\">\n<rect width=\"100%\" height=\"100%\" fill=\"#FFFFFF\"/>\n{body}</svg>\n",
+        mm[0], mm[1], grid[0], grid[1]
+    ))
+}
+
+fn is_picture(item: &Item) -> bool {
+    matches!(item, Item::Picture { .. })
+}
+
+/// A run of shapes as plotters writes them, without its root element and without what the root says once.
+fn shapes(run: &[Item], grid: [u32; 2]) -> Result<String, PlotError> {
+    let mut text = String::new();
+    {
+        let page = SVGBackend::with_string(&mut text, (grid[0], grid[1])).into_drawing_area();
+        for item in run {
+            draw(&page, item).map_err(|reason| PlotError::Encoder { encoder: "svg", reason })?;
+        }
+        page.present().map_err(|e| PlotError::Encoder { encoder: "svg", reason: e.to_string() })?;
+    }
+    let lines = text.lines().filter(|line| !line.starts_with("<svg") && *line != "</svg>");
+    let mut kept: String = lines.flat_map(|line| [line, "\n"]).collect();
+    for said_once in [" font-family=\"sans-serif\"", " opacity=\"1\"", " stroke=\"none\""] {
+        kept = kept.replace(said_once, "");
+    }
+    Ok(kept.replace("\n</text>", "</text>"))
+}
+
+fn draw(page: &Page, item: &Item) -> Result<(), String> {
+    match item {
+        Item::Path { points, width, dash, colour, opacity } => {
+            let (points, style) = (snapped(&thin::line(points, TOLERANCE)), stroke(*colour, *opacity, *width));
+            match dashes(*dash, *width) {
+                None => page.draw(&PathElement::new(points, style)),
+                Some((on, off)) => page.draw(&DashedPathElement::new(points, on, off, style)),
+            }
+        }
+        Item::Polygon { points, colour, opacity } => {
+            page.draw(&Polygon::new(snapped(&thin::line(points, TOLERANCE)), stroke(*colour, *opacity, 0.0).filled()))
+        }
+        Item::Disc { at, radius, line, colour, opacity } => {
+            let style = stroke(*colour, *opacity, line.unwrap_or(0.0));
+            let style = if line.is_none() { style.filled() } else { style };
+            page.draw(&Circle::new(snap(*at), (radius * GRID).round() as u32, style))
+        }
+        Item::Text(words) => page.draw(&Text::new(words.text.as_str(), text_place(words), text_style(words))),
+        Item::Picture { .. } => Ok(()),
+    }
+    .map_err(|e| e.to_string())
+}
+
+fn snap(p: Point2) -> (i32, i32) {
+    ((p[0] * GRID).round() as i32, (p[1] * GRID).round() as i32)
+}
+
+/// Points on the grid, without repetitions.
+fn snapped(points: &[Point2]) -> Vec<(i32, i32)> {
+    let mut points: Vec<_> = points.iter().map(|p| snap(*p)).collect();
+    points.dedup();
+    points
+}
+
+fn ink(colour: Colour) -> RGBColor {
+    RGBColor(colour.0, colour.1, colour.2)
+}
+
+fn stroke(colour: Colour, opacity: f64, width: f64) -> ShapeStyle {
+    ShapeStyle { color: ink(colour).mix(opacity), filled: false, stroke_width: (width * GRID).round() as u32 }
+}
+
+/// Lengths of a dash and of its gap on the grid.
+fn dashes(dash: Dash, width: f64) -> Option<(i32, i32)> {
+    let grid = |points: f64| (points * GRID).round() as i32;
+    match dash {
+        Dash::Solid => None,
+        Dash::Dashed => Some((grid(3.2), grid(1.8))),
+        Dash::Dotted => Some((grid(width.max(0.6)), grid(1.5))),
+    }
+}
+
+/// Where plotters must set the words so that their middle height is at their point.
+fn text_place(words: &Words) -> (i32, i32) {
+    let lift = LIFT * words.size;
+    snap(match words.upright {
+        false => [words.at[0], words.at[1] + lift],
+        true => [words.at[0] + lift, words.at[1]],
+    })
+}
+
+fn text_style(words: &Words) -> TextStyle<'static> {
+    let weight = if words.bold { FontStyle::Bold } else { FontStyle::Normal };
+    let font = FontDesc::new(FontFamily::SansSerif, (words.size * GRID).round() * PLOTTERS_FONT_SCALE, weight);
+    let turn = if words.upright { FontTransform::Rotate270 } else { FontTransform::None };
+    let side = match words.side {
+        Side::Left => HPos::Right,
+        Side::Right => HPos::Left,
+        _ => HPos::Center,
+    };
+    TextStyle { pos: Pos::new(side, VPos::Center), ..font.transform(turn).color(&ink(words.colour)) }
+}
+
+fn picture(at: Point2, size: Point2, png: &[u8]) -> String {
+    let ((x, y), (width, height)) = (snap(at), snap(size));
+    format!(
+        "<image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" preserveAspectRatio=\"none\" \
+         xlink:href=\"data:image/png;base64,{}\"/>\n",
+        base64(png)
+    )
+}

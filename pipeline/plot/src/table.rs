@@ -1,0 +1,120 @@
+//! Tables: rows of cells under headed columns, each column of ours beside what was published.
+//!
+//! Stands on: the error type. Never knows: how it is written (`table_text`), or where numbers come from.
+
+use crate::PlotError;
+
+/// On which side the cells of a column are even.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Alignment {
+    /// Words.
+    Left,
+    /// Numbers.
+    Right,
+}
+
+/// A column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    /// Its head.
+    pub title: String,
+    /// Its unit; empty for none.
+    pub unit: String,
+    /// A head over this and its neighbours of the same group; empty for none.
+    pub group: String,
+    /// How its cells are set.
+    pub alignment: Alignment,
+    /// Whether its cells were published by others; they are set apart.
+    pub published: bool,
+}
+
+/// A table: what it says is text, digits chosen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    /// The columns.
+    pub columns: Vec<Column>,
+    /// Rows × columns; an empty cell is printed as a dash.
+    pub rows: Vec<Vec<String>>,
+    /// A small line under the table.
+    pub note: Option<String>,
+}
+
+impl Column {
+    /// A column of words.
+    pub fn words(title: &str) -> Self {
+        let (title, empty) = (title.to_owned(), String::new());
+        Self { title, unit: empty.clone(), group: empty, alignment: Alignment::Left, published: false }
+    }
+
+    /// A column of numbers.
+    pub fn numbers(title: &str, unit: &str) -> Self {
+        Self { unit: unit.to_owned(), alignment: Alignment::Right, ..Self::words(title) }
+    }
+
+    /// A column of our numbers and the column of the published ones, under one head.
+    pub fn beside_published(group: &str, unit: &str) -> [Self; 2] {
+        let ours = Self { group: group.to_owned(), ..Self::numbers("ours", unit) };
+        [ours.clone(), Self { title: "published".to_owned(), published: true, ..ours }]
+    }
+
+    /// Title and unit: `time (s)`.
+    pub fn head(&self) -> String {
+        match self.unit.as_str() {
+            "" => self.title.clone(),
+            unit => format!("{} ({unit})", self.title),
+        }
+    }
+}
+
+impl Table {
+    /// A table, checked.
+    ///
+    /// # Errors
+    /// [`PlotError::Empty`] without columns, [`PlotError::Length`] when a row has not one cell a column.
+    pub fn new(columns: Vec<Column>, rows: Vec<Vec<String>>) -> Result<Self, PlotError> {
+        let expected = columns.len();
+        if expected == 0 {
+            return Err(PlotError::Empty { what: "a table" });
+        }
+        match rows.iter().position(|row| row.len() != expected) {
+            Some(i) => Err(PlotError::Length { what: format!("row {i} of a table"), found: rows[i].len(), expected }),
+            None => Ok(Self { columns, rows, note: None }),
+        }
+    }
+
+    /// The same table with a small line under it.
+    pub fn noted(self, note: &str) -> Self {
+        Self { note: Some(note.to_owned()), ..self }
+    }
+
+    /// Neighbouring columns of one group: its head, its first column and the one after its last.
+    pub(crate) fn groups(&self) -> Vec<(&str, usize, usize)> {
+        let mut groups: Vec<(&str, usize, usize)> = Vec::new();
+        for (i, column) in self.columns.iter().enumerate() {
+            match groups.last_mut() {
+                Some((head, _, end)) if *head == column.group && !column.group.is_empty() => *end = i + 1,
+                _ => groups.push((&column.group, i, i + 1)),
+            }
+        }
+        groups
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_row_with_a_missing_cell_is_refused() {
+        let columns = vec![Column::words("method"), Column::numbers("time", "s")];
+        let error = Table::new(columns, vec![vec!["adam".to_owned()]]).unwrap_err();
+        assert!(matches!(error, PlotError::Length { found: 1, expected: 2, .. }));
+    }
+
+    #[test]
+    fn neighbours_of_one_group_share_their_head() {
+        let [ours, published] = Column::beside_published("loss", "");
+        let table = Table::new(vec![Column::words("method"), ours, published], vec![]).unwrap();
+        assert_eq!(table.groups(), [("", 0, 1), ("loss", 1, 3)]);
+    }
+}

@@ -1,0 +1,196 @@
+//! Tables as text: CSV for programs, LaTeX booktabs for the paper, SVG for a look.
+//!
+//! Stands on: `table`, `canvas`, `svg`. Never knows: where the table is stored.
+
+use crate::canvas::{Canvas, Item, POINTS_PER_MM, Words};
+use crate::frame::{NORMAL, SMALL};
+use crate::table::{Alignment, Column, Table};
+use crate::{Colour, PlotError, Side, palette, svg, text};
+
+/// What an empty cell shows.
+const NONE: &str = "–";
+/// Height of a row in the SVG.
+const ROW: f64 = 11.0;
+/// Between two columns in the SVG.
+const APART: f64 = 12.0;
+/// Around the SVG.
+const EDGE: f64 = 3.0;
+
+impl Table {
+    /// Comma-separated values with one head line; a group's head stands before its column's.
+    pub fn csv(&self) -> String {
+        let head = |c: &Column| match c.group.as_str() {
+            "" => c.head(),
+            group => format!("{group}: {}", c.head()),
+        };
+        let line = |cells: Vec<String>| cells.iter().map(|c| quoted(c)).collect::<Vec<_>>().join(",") + "\n";
+        let rows = self.rows.iter().map(|row| line(row.clone()));
+        std::iter::once(line(self.columns.iter().map(head).collect())).chain(rows).collect()
+    }
+
+    /// A LaTeX tabular with the rules of booktabs.
+    pub fn latex(&self) -> String {
+        let letter = |c: &Column| if c.alignment == Alignment::Left { 'l' } else { 'r' };
+        let shape: String = self.columns.iter().map(letter).collect();
+        let line = |cells: Vec<String>| format!("{} \\\\\n", cells.join(" & "));
+        let mut tex = format!("\\begin{{tabular}}{{@{{}}{shape}@{{}}}}\n\\toprule\n");
+        if self.columns.iter().any(|c| !c.group.is_empty()) {
+            let head = |(head, from, to): &(&str, usize, usize)| match to - from {
+                1 => escaped(head),
+                span => format!("\\multicolumn{{{span}}}{{c}}{{{}}}", escaped(head)),
+            };
+            tex += &line(self.groups().iter().map(head).collect());
+            let rule = |(_, from, to): &(&str, usize, usize)| format!("\\cmidrule(lr){{{}-{to}}}", from + 1);
+            tex += &self.groups().iter().filter(|g| g.2 - g.1 > 1).map(rule).collect::<Vec<_>>().join(" ");
+            tex.push('\n');
+        }
+        tex += &line(self.columns.iter().map(|c| escaped(&c.head())).collect());
+        tex += "\\midrule\n";
+        for row in &self.rows {
+            tex += &line(row.iter().map(|cell| escaped(shown(cell))).collect());
+        }
+        tex + "\\bottomrule\n\\end{tabular}\n"
+    }
+
+    /// The table as SVG text, as wide as its cells.
+    ///
+    /// # Errors
+    /// [`PlotError::Encoder`] when plotters refuses.
+    pub fn svg(&self) -> Result<String, PlotError> {
+        let ends = self.ends();
+        let right = ends.last().map_or(0.0, |e| e.1);
+        let mut canvas = Canvas::default();
+        let mut y = EDGE;
+        rule(&mut canvas, EDGE, right, y, 0.9);
+        if self.columns.iter().any(|c| !c.group.is_empty()) {
+            y += ROW;
+            self.draw_groups(&mut canvas, &ends, y);
+        }
+        y += ROW;
+        for (column, end) in self.columns.iter().zip(&ends) {
+            cell(&mut canvas, column, *end, y - 0.5 * ROW, &column.head(), true);
+        }
+        rule(&mut canvas, EDGE, right, y, 0.6);
+        for row in &self.rows {
+            y += ROW;
+            for ((column, end), text) in self.columns.iter().zip(&ends).zip(row) {
+                cell(&mut canvas, column, *end, y - 0.5 * ROW, shown(text), false);
+            }
+        }
+        rule(&mut canvas, EDGE, right, y + 0.5, 0.9);
+        if let Some(note) = &self.note {
+            y += ROW;
+            canvas.words([EDGE, y - 0.35 * ROW], note, SMALL, Side::Right, palette::MUTED);
+        }
+        let note = self.note.as_ref().map_or(0.0, |n| text::width(n, SMALL) + EDGE);
+        svg::write(&canvas, [right.max(note) + EDGE, y + EDGE + 0.01 * POINTS_PER_MM])
+    }
+
+    /// Left and right end of each column's cells, in points of print.
+    fn ends(&self) -> Vec<(f64, f64)> {
+        let mut widths: Vec<f64> = (0..self.columns.len()).map(|i| self.column_width(i)).collect();
+        for (head, from, to) in self.groups() {
+            let inner: f64 = widths[from..to].iter().sum::<f64>() + APART * (to - from - 1) as f64;
+            let more = (text::width(head, NORMAL) * 1.1 - inner).max(0.0) / (to - from) as f64;
+            widths[from..to].iter_mut().for_each(|w| *w += more);
+        }
+        let place = |x: &mut f64, w: f64| {
+            let end = (*x, *x + w);
+            *x += w + APART;
+            Some(end)
+        };
+        widths.into_iter().scan(EDGE, place).collect()
+    }
+
+    fn column_width(&self, i: usize) -> f64 {
+        let head = text::width(&self.columns[i].head(), NORMAL) * 1.1;
+        self.rows.iter().map(|row| text::width(shown(&row[i]), NORMAL)).fold(head, f64::max)
+    }
+
+    fn draw_groups(&self, canvas: &mut Canvas, ends: &[(f64, f64)], y: f64) {
+        for (head, from, to) in self.groups().into_iter().filter(|g| !g.0.is_empty()) {
+            let (left, right) = (ends[from].0, ends[to - 1].1);
+            let at = [0.5 * (left + right), y - 0.5 * ROW];
+            canvas.items.push(Item::Text(words(at, head, Side::Centre, true, palette::INK)));
+            rule(canvas, left, right, y, 0.4);
+        }
+    }
+}
+
+fn rule(canvas: &mut Canvas, from: f64, to: f64, y: f64, width: f64) {
+    canvas.segment([from, y], [to, y], width, palette::INK);
+}
+
+fn words(at: si::Point2, text: &str, side: Side, bold: bool, colour: Colour) -> Words {
+    Words { at, text: text.to_owned(), size: NORMAL, side, upright: false, bold, colour }
+}
+
+fn cell(canvas: &mut Canvas, column: &Column, (left, right): (f64, f64), y: f64, text: &str, bold: bool) {
+    let colour = if column.published { palette::MUTED } else { palette::INK };
+    let (x, side) = match column.alignment {
+        Alignment::Left => (left, Side::Right),
+        Alignment::Right => (right, Side::Left),
+    };
+    canvas.items.push(Item::Text(words([x, y], text, side, bold, colour)));
+}
+
+fn shown(cell: &str) -> &str {
+    if cell.is_empty() { NONE } else { cell }
+}
+
+/// A cell of CSV, in quotes when it needs them (RFC 4180).
+fn quoted(cell: &str) -> String {
+    match cell.contains([',', '"', '\n', '\r']) {
+        true => format!("\"{}\"", cell.replace('"', "\"\"")),
+        false => cell.to_owned(),
+    }
+}
+
+/// Words as LaTeX prints them.
+fn escaped(words: &str) -> String {
+    let one = |c: char| match c {
+        '&' | '%' | '$' | '#' | '_' | '{' | '}' => format!("\\{c}"),
+        '~' => "\\textasciitilde{}".to_owned(),
+        '^' => "\\textasciicircum{}".to_owned(),
+        '\\' => "\\textbackslash{}".to_owned(),
+        '−' => "$-$".to_owned(),
+        '±' => "$\\pm$".to_owned(),
+        '×' => "$\\times$".to_owned(),
+        '·' => "$\\cdot$".to_owned(),
+        '–' => "--".to_owned(),
+        _ => c.to_string(),
+    };
+    words.chars().map(one).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table() -> Table {
+        let [ours, published] = Column::beside_published("total_time", "min");
+        let columns = vec![Column::words("method"), ours, published];
+        let row = |cells: [&str; 3]| cells.map(str::to_owned).to_vec();
+        let rows = vec![row(["Adam, 4 steps", "1.2", "22"]), row(["R&D 50 % \\ {x}", "−3 ± 1", ""])];
+        Table::new(columns, rows).unwrap().noted("virtual bench")
+    }
+
+    #[test]
+    fn latex_escapes_every_special_letter() {
+        let tex = table().latex();
+        assert!(tex.contains("R\\&D 50 \\% \\textbackslash{} \\{x\\} & $-$3 $\\pm$ 1 & -- \\\\"), "{tex}");
+        assert!(tex.contains("\\multicolumn{2}{c}{total\\_time}") && tex.contains("\\cmidrule(lr){2-3}"), "{tex}");
+    }
+
+    #[test]
+    fn csv_quotes_a_cell_with_a_comma() {
+        let expected = "method,total_time: ours (min),total_time: published (min)\n\"Adam, 4 steps\",1.2,22\n";
+        assert!(table().csv().starts_with(expected));
+    }
+
+    #[test]
+    fn the_svg_of_a_table_holds_its_cells_as_text() {
+        let svg = table().svg().unwrap();
+        assert!(svg.contains("Adam, 4 steps</text>") && svg.contains("R&amp;D"), "{svg}");
+    }
+}

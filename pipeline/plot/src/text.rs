@@ -1,0 +1,65 @@
+//! How wide a text is, before anybody has chosen its font, and how a number is written.
+//!
+//! Widths are DejaVu Sans', the widest of the fonts that [`crate::FONT_FAMILIES`] names: what fits here fits in each.
+//!
+//! Stands on: nothing. Never knows: where the text will stand.
+
+/// Widths of the characters ' ' to '~' in thousandths of the font size.
+const WIDTHS: [u16; 95] = [
+    318, 401, 460, 838, 636, 950, 780, 275, 390, 390, 500, 838, 318, 361, 318, 337, 636, 636, 636, 636, 636, 636, 636,
+    636, 636, 636, 337, 337, 838, 838, 838, 531, 1000, 684, 686, 698, 770, 632, 575, 775, 752, 295, 295, 656, 557, 863,
+    748, 787, 603, 787, 695, 635, 611, 732, 684, 989, 685, 611, 685, 390, 337, 390, 838, 500, 500, 613, 635, 550, 635,
+    615, 352, 635, 634, 278, 278, 579, 278, 974, 634, 612, 635, 635, 411, 521, 392, 634, 592, 818, 592, 592, 525, 636,
+    337, 636, 838,
+];
+
+/// The width of a text, in the unit of its font size.
+pub fn width(text: &str, size: f64) -> f64 {
+    let thousandths = |c: char| match c {
+        ' '..='~' => f64::from(WIDTHS[c as usize - 32]),
+        '⁰'..='⁻' | '¹' | '²' | '³' | '₀'..='₉' => 420.0,
+        '−' | '×' | '±' | '→' | '≤' | '≥' => 838.0,
+        '–' | '°' => 500.0,
+        '·' => 318.0,
+        _ => 660.0,
+    };
+    text.chars().map(thousandths).sum::<f64>() * size / 1000.0
+}
+
+/// A number with fixed digits after the point and a true minus sign.
+pub fn number(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    match text.strip_prefix('-') {
+        Some(digits) if digits.chars().all(|c| matches!(c, '0' | '.')) => digits.to_owned(),
+        Some(digits) => format!("−{digits}"),
+        None => text,
+    }
+}
+
+/// A power of ten as it is printed: 10⁻³.
+pub fn power_of_ten(exponent: i32) -> String {
+    const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    let raised = |c: char| c.to_digit(10).map_or('⁻', |d| RAISED[d as usize]);
+    format!("10{}", exponent.to_string().chars().map(raised).collect::<String>())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_text_is_as_wide_as_its_characters() {
+        assert!((width("0.5", 10.0) - (6.36 + 3.18 + 6.36)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn numbers_have_a_true_minus_and_zero_has_none() {
+        assert_eq!(number(-1.25, 1), "−1.2");
+        assert_eq!(number(-0.001, 1), "0.0");
+    }
+
+    #[test]
+    fn powers_of_ten_are_raised() {
+        assert_eq!(power_of_ten(-12), "10⁻¹²");
+    }
+}
