@@ -65,11 +65,8 @@ impl Nearest {
     /// The nearest point to `at`; of equally near faces the one with the lowest number.
     pub fn find(&self, at: Point3) -> Option<Hit> {
         let (centre, mut best) = (self.cell_of(at), None::<Hit>);
-        let outside = self.outside(at);
         for ring in 0..self.counts.iter().copied().max().unwrap_or(0) {
-            // what lies in this ring or beyond is at least this far away
-            let near = (ring as f64 - 1.0) * self.cell - outside;
-            if best.is_some_and(|b| b.distance < near) {
+            if best.is_some_and(|b| b.distance < self.beyond(at, centre, ring)) {
                 break;
             }
             self.ring(centre, ring, |cell| self.look(cell, at, &mut best));
@@ -77,12 +74,15 @@ impl Nearest {
         best
     }
 
-    fn outside(&self, at: Point3) -> Metre {
-        let beyond = |k: usize| {
-            let high = self.low[k] + self.counts[k] as f64 * self.cell;
-            (self.low[k] - at[k]).max(at[k] - high).max(0.0)
+    /// How far from `at` the cells of this ring begin, m; infinite when none are left.
+    fn beyond(&self, at: Point3, centre: [usize; 3], ring: usize) -> Metre {
+        let wall = |k: usize, cell: usize| self.low[k] + cell as f64 * self.cell;
+        let side = |k: usize| {
+            let down = centre[k].checked_sub(ring).map(|_| at[k] - wall(k, centre[k] + 1 - ring));
+            let up = (centre[k] + ring < self.counts[k]).then(|| wall(k, centre[k] + ring) - at[k]);
+            down.unwrap_or(f64::INFINITY).min(up.unwrap_or(f64::INFINITY))
         };
-        norm([0, 1, 2].map(beyond)) - [0, 1, 2].map(beyond).into_iter().fold(0.0, f64::max)
+        if ring == 0 { 0.0 } else { side(0).min(side(1)).min(side(2)) }
     }
 
     fn ring(&self, centre: [usize; 3], ring: usize, mut visit: impl FnMut([usize; 3])) {

@@ -143,8 +143,9 @@ mod tests {
         assert_eq!(frame.normal, 1);
         let patches = patches(&part, 0, frame);
         assert_eq!(patches.len(), 4);
-        let crossings: Vec<_> = patches.iter().filter_map(|p| p.crossing([0.015, 0.015])).collect();
-        assert_eq!(crossings, [0.0, 0.01, 0.002, 0.008]);
+        let mut heights: Vec<_> = patches.iter().filter_map(|p| p.crossing([0.015, 0.015])).collect();
+        heights.sort_by(f64::total_cmp);
+        assert!(heights.iter().zip([0.0, 0.002, 0.008, 0.01]).all(|(a, b)| (a - b).abs() < 1e-15), "{heights:?}");
         assert_eq!(seams(&part, frame).len(), 16);
     }
 }
