@@ -1,18 +1,46 @@
 //! Finite elements for soft bodies: statics and dynamics under chamber pressure, with gradients.
 //!
 //! A [`Mesh`] with [`RegionProperties`] and [`Clamps`] becomes a [`System`], checked once and then immutable: shape
-//! gradients, sparsity, elimination order and symbolic factor. Each thread takes a [`Solver`] from it, which owns the
-//! numbers: `equilibrium` under given pressures, `adjoint` and `sensitivity` of that equilibrium, `march` through time.
+//! gradients, sparsity, elimination order and the structure of the factor. Each thread takes a [`Solver`] from it, which
+//! owns the numbers: `equilibrium` under given pressures, `adjoint` and `sensitivity` there, `march` through time.
 //!
-//! Stands on: `si`, `faer` (Cholesky factor), `nalgebra` (3 × 3 matrices). Never knows: a mesher, a file, a specimen.
+//! Stands on: `si`, `faer` (Cholesky), `nalgebra` (3 × 3 matrices). Never knows: a mesher, a file, a specimen.
 
+mod adjoint;
+mod assembly;
+pub mod boxes;
+mod checks;
 mod clamps;
+mod dynamics;
+mod elements;
+mod factor;
+mod graph;
+mod krylov;
+mod load;
+mod loads;
+mod mass;
 pub mod material;
 pub mod materials;
+mod memory;
 mod mesh;
-mod published;
+mod newton;
+mod order;
+mod potential;
+mod quadrature;
+mod refusal;
+mod rest;
+mod solver;
+mod sparse;
+mod statics;
+mod system;
 
+pub use adjoint::{Gradient, Parameter, RegionGradient};
 pub use clamps::Clamps;
+pub use dynamics::{March, Scheme, State};
 pub use material::Material;
 pub use mesh::{Chamber, Elements, Faces, Mesh};
-pub use published::*;
+pub use newton::Stall;
+pub use refusal::SetupError;
+pub use solver::{SolveError, Solver};
+pub use statics::{Equilibrium, StaticSettings};
+pub use system::{RegionProperties, System};

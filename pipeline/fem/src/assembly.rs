@@ -1,0 +1,209 @@
+//! Elastic energy, forces and stiffness of the whole mesh, summed element by element in their order.
+//!
+//! Ψ(u) = Σ_e Σ_q w ψ(F),  F = I + Σ_a u_a ⊗ ∇N_a,  f_a = Σ w P ∇N_a,  K_ab = Σ w ∇N_aᵀ (∂P/∂F) ∇N_b
+//!
+//! Stands on: `rest`, `material`, `sparse`. Never knows: a pressure, a time step, a factor.
+
+use crate::material::{Lame, Material, Tangent};
+use crate::mesh::{Elements, Mesh};
+use crate::rest::Rest;
+use crate::sparse::Pattern;
+use nalgebra::{Matrix3, SymmetricEigen};
+use si::{Joule, Point3};
+
+/// The law and the constants of one region, as a solver sees them now.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Elastic {
+    /// The law.
+    pub material: &'static dyn Material,
+    /// Its constants.
+    pub lame: Lame,
+}
+
+/// What is assembled over: all of it immutable.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Body<'a> {
+    pub mesh: &'a Mesh,
+    pub rest: &'a Rest,
+    pub pattern: &'a Pattern,
+    /// elements × pairs (a ≥ b): the place of each block in the matrix.
+    pub places: &'a [u32],
+}
+
+impl Body<'_> {
+    /// Ψ (J); infinite when an element is turned inside out and its law forbids it. Adds `scale` f to `forces`
+    /// (3 a node, N).
+    pub fn energy(&self, elastic: &[Elastic], u: &[f64], scale: f64, forces: &mut [f64]) -> Joule {
+        match &self.mesh.elements {
+            Elements::Linear(tets) => self.energy_of(tets, elastic, u, scale, forces),
+            Elements::Quadratic(tets) => self.energy_of(tets, elastic, u, scale, forces),
+        }
+    }
+
+    /// Adds `scale` K to the matrix `values`; with `convex`, each point's tangent loses its negative eigenvalues first.
+    pub fn stiffness(&self, elastic: &[Elastic], u: &[f64], scale: f64, convex: bool, values: &mut [f64]) {
+        match &self.mesh.elements {
+            Elements::Linear(tets) => self.stiffness_of(tets, elastic, u, scale, convex, values),
+            Elements::Quadratic(tets) => self.stiffness_of(tets, elastic, u, scale, convex, values),
+        }
+    }
+
+    /// Adds ∂f to `forces` when the constants of `region` change by `change` at fixed u.
+    pub fn force_change(&self, elastic: &[Elastic], u: &[f64], region: usize, change: Lame, forces: &mut [f64]) {
+        match &self.mesh.elements {
+            Elements::Linear(tets) => self.force_change_of(tets, elastic, u, region, change, forces),
+            Elements::Quadratic(tets) => self.force_change_of(tets, elastic, u, region, change, forces),
+        }
+    }
+
+    /// Gradients and weight at each quadrature point of `element`.
+    fn points<const N: usize>(&self, element: usize) -> impl Iterator<Item = (&[Point3; N], f64)> {
+        let first = element * self.rest.points;
+        let (gradients, _) = self.rest.gradients[first * N..(first + self.rest.points) * N].as_chunks::<N>();
+        gradients.iter().zip(self.rest.weights[first..].iter().copied())
+    }
+
+    fn energy_of<const N: usize>(
+        &self,
+        tets: &[[u32; N]],
+        elastic: &[Elastic],
+        u: &[f64],
+        scale: f64,
+        forces: &mut [f64],
+    ) -> Joule {
+        let mut total = 0.0;
+        for (element, nodes) in tets.iter().enumerate() {
+            let Elastic { material, lame } = elastic[self.mesh.regions[element] as usize];
+            let moved = corners(nodes, u);
+            let mut force = [[0.0; 3]; N];
+            for (gradients, weight) in self.points::<N>(element) {
+                let (energy, stress) = material.stress(&deformation(gradients, &moved), lame);
+                total += weight * energy;
+                add_force(&mut force, gradients, &stress, weight * scale);
+            }
+            scatter(nodes, &force, forces);
+        }
+        total
+    }
+
+    fn force_change_of<const N: usize>(
+        &self,
+        tets: &[[u32; N]],
+        elastic: &[Elastic],
+        u: &[f64],
+        region: usize,
+        change: Lame,
+        forces: &mut [f64],
+    ) {
+        for (element, nodes) in tets.iter().enumerate().filter(|&(at, _)| self.mesh.regions[at] as usize == region) {
+            let Elastic { material, lame } = elastic[region];
+            let moved = corners(nodes, u);
+            let mut force = [[0.0; 3]; N];
+            for (gradients, weight) in self.points::<N>(element) {
+                let stress = material.stress_change(&deformation(gradients, &moved), lame, change);
+                add_force(&mut force, gradients, &stress, weight);
+            }
+            scatter(nodes, &force, forces);
+        }
+    }
+
+    fn stiffness_of<const N: usize>(
+        &self,
+        tets: &[[u32; N]],
+        elastic: &[Elastic],
+        u: &[f64],
+        scale: f64,
+        convex: bool,
+        values: &mut [f64],
+    ) {
+        let pairs = N * (N + 1) / 2;
+        for (element, nodes) in tets.iter().enumerate() {
+            let Elastic { material, lame } = elastic[self.mesh.regions[element] as usize];
+            let moved = corners(nodes, u);
+            let mut blocks = [[0.0; 9]; 55];
+            for (gradients, weight) in self.points::<N>(element) {
+                let mut tangent = material.response(&deformation(gradients, &moved), lame).tangent;
+                if convex {
+                    tangent = without_negative_part(tangent);
+                }
+                add_blocks(&mut blocks, gradients, &(tangent * (weight * scale)));
+            }
+            let places = &self.places[element * pairs..(element + 1) * pairs];
+            let mut pair = 0;
+            for a in 0..N {
+                for b in 0..=a {
+                    let block = Matrix3::from_row_slice(&blocks[pair]);
+                    self.pattern.add(values, places[pair], (nodes[a], nodes[b]), &block);
+                    pair += 1;
+                }
+            }
+        }
+    }
+}
+
+fn corners<const N: usize>(nodes: &[u32; N], u: &[f64]) -> [Point3; N] {
+    std::array::from_fn(|a| {
+        let at = 3 * nodes[a] as usize;
+        [u[at], u[at + 1], u[at + 2]]
+    })
+}
+
+fn deformation<const N: usize>(gradients: &[Point3; N], moved: &[Point3; N]) -> Matrix3<f64> {
+    let mut columns = [[0.0; 3]; 3];
+    for (gradient, moved) in gradients.iter().zip(moved) {
+        for (column, slope) in columns.iter_mut().zip(gradient) {
+            (0..3).for_each(|i| column[i] += moved[i] * slope);
+        }
+    }
+    (0..3).for_each(|axis| columns[axis][axis] += 1.0);
+    Matrix3::from_column_slice(columns.as_flattened())
+}
+
+fn add_force<const N: usize>(force: &mut [Point3; N], gradients: &[Point3; N], stress: &Matrix3<f64>, weight: f64) {
+    let stress = stress * weight;
+    for (force, gradient) in force.iter_mut().zip(gradients) {
+        for (axis, slope) in gradient.iter().enumerate() {
+            (0..3).for_each(|i| force[i] += stress[(i, axis)] * slope);
+        }
+    }
+}
+
+fn scatter<const N: usize>(nodes: &[u32; N], force: &[Point3; N], forces: &mut [f64]) {
+    for (&node, force) in nodes.iter().zip(force) {
+        (0..3).for_each(|axis| forces[3 * node as usize + axis] += force[axis]);
+    }
+}
+
+/// Adds ∇N_aᵀ C ∇N_b for all a ≥ b; each block row by row. The inner loops run over 27 and 9 neighbouring numbers.
+#[allow(non_snake_case)]
+fn add_blocks<const N: usize>(blocks: &mut [[f64; 9]; 55], gradients: &[Point3; N], tangent: &Tangent) {
+    let mut C = [[0.0; 27]; 3];
+    for (L, C) in C.iter_mut().enumerate() {
+        for (place, entry) in C.iter_mut().enumerate() {
+            let (J, i, k) = (place / 9, place % 9 / 3, place % 3);
+            *entry = tangent[(i + 3 * J, k + 3 * L)];
+        }
+    }
+    for (b, right) in gradients.iter().enumerate() {
+        let half: [f64; 27] = std::array::from_fn(|n| C[0][n] * right[0] + C[1][n] * right[1] + C[2][n] * right[2]);
+        for (a, left) in gradients.iter().enumerate().skip(b) {
+            let block = &mut blocks[a * (a + 1) / 2 + b];
+            for (n, entry) in block.iter_mut().enumerate() {
+                *entry += left[0] * half[n] + left[1] * half[9 + n] + left[2] * half[18 + n];
+            }
+        }
+    }
+}
+
+/// The nearest tangent without negative eigenvalues: Newton's direction then always descends.     [teran2005]
+fn without_negative_part(tangent: Tangent) -> Tangent {
+    if !tangent.iter().all(|entry| entry.is_finite()) {
+        return tangent;
+    }
+    let eigen = SymmetricEigen::new(tangent);
+    if eigen.eigenvalues.min() >= 0.0 {
+        return tangent;
+    }
+    let kept = eigen.eigenvalues.map(|value| value.max(0.0));
+    eigen.eigenvectors * Tangent::from_diagonal(&kept) * eigen.eigenvectors.transpose()
+}

@@ -1,0 +1,177 @@
+//! Boxes and hollow boxes cut into tetrahedra on a grid: bodies with closed forms, for tests and timings.
+//!
+//! Every cell is cut into six tetrahedra around its long diagonal (Kuhn), so that neighbours match.
+//!
+//! Stands on: `mesh`, `elements`. Never knows: a material, a solve.
+
+use crate::elements::{EDGES, SIDES};
+use crate::mesh::{Chamber, Elements, Faces, Mesh};
+use si::Point3;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// The six ways from corner (0,0,0) to (1,1,1) along cell edges, as orders of the axes; even ones first.
+const WAYS: [([usize; 3], bool); 6] = [
+    ([0, 1, 2], true),
+    ([1, 2, 0], true),
+    ([2, 0, 1], true),
+    ([0, 2, 1], false),
+    ([2, 1, 0], false),
+    ([1, 0, 2], false),
+];
+
+/// A box [0, size] (m) of `cells` grid cells along x, y, z, as 4-node tetrahedra.
+pub fn linear(size: Point3, cells: [usize; 3]) -> Mesh {
+    grid(cells, false, |at| std::array::from_fn(|axis| size[axis] * at[axis]), |_| Some(0))
+}
+
+/// The same box as 10-node tetrahedra.
+pub fn quadratic(size: Point3, cells: [usize; 3]) -> Mesh {
+    with_middles(&linear(size, cells))
+}
+
+/// A grid of `cells` over [0, 1]³ mapped by `place` (to m); `region` says what each cell, counted along x, y, z, is
+/// made of. Cells without a region are air: air that solid surrounds on all sides is one chamber for each connected part.
+/// With `half`, the body goes on mirrored below its lowest layer, which must be placed at z = 0.
+pub fn grid(
+    cells: [usize; 3],
+    half: bool,
+    place: impl Fn(Point3) -> Point3,
+    region: impl Fn([usize; 3]) -> Option<u16>,
+) -> Mesh {
+    let mut numbers = BTreeMap::new();
+    let mut mesh = Mesh {
+        nodes: Vec::new(),
+        elements: Elements::Linear(Vec::new()),
+        regions: Vec::new(),
+        chambers: Vec::new(),
+        symmetry_plane_z: half,
+    };
+    let mut tets = Vec::new();
+    for cell in all(cells) {
+        let Some(material) = region(cell) else { continue };
+        for (way, even) in WAYS {
+            let mut number = |corner: [usize; 3]| {
+                *numbers.entry(corner).or_insert_with(|| {
+                    mesh.nodes.push(place(std::array::from_fn(|axis| corner[axis] as f64 / cells[axis] as f64)));
+                    mesh.nodes.len() as u32 - 1
+                })
+            };
+            let path = corners(cell, way).map(&mut number);
+            tets.push(if even { path } else { [path[0], path[2], path[1], path[3]] });
+            mesh.regions.push(material);
+        }
+    }
+    mesh.chambers = chambers(cells, half, &region, &numbers);
+    mesh.elements = Elements::Linear(tets);
+    mesh
+}
+
+/// The same body with a node in the middle of each edge.
+///
+/// # Panics
+/// When `mesh` is quadratic already.
+pub fn with_middles(mesh: &Mesh) -> Mesh {
+    let Elements::Linear(tets) = &mesh.elements else { panic!("the mesh has middle nodes already") };
+    let mut nodes = mesh.nodes.clone();
+    let mut numbers = BTreeMap::new();
+    let mut middle = |a: u32, b: u32| {
+        *numbers.entry((a.min(b), a.max(b))).or_insert_with(|| {
+            let (from, to) = (mesh.nodes[a as usize], mesh.nodes[b as usize]);
+            nodes.push(std::array::from_fn(|axis| 0.5 * (from[axis] + to[axis])));
+            nodes.len() as u32 - 1
+        })
+    };
+    let elements = tets
+        .iter()
+        .map(|tet| {
+            std::array::from_fn(|n| if n < 4 { tet[n] } else { middle(tet[EDGES[n - 4].0], tet[EDGES[n - 4].1]) })
+        })
+        .collect();
+    let mut walls = Vec::new();
+    for chamber in &mesh.chambers {
+        let Faces::Linear(faces) = &chamber.faces else { panic!("the mesh has middle nodes already") };
+        let faces = faces.iter().map(|face| {
+            std::array::from_fn(|n| if n < 3 { face[n] } else { middle(face[SIDES[n - 3].0], face[SIDES[n - 3].1]) })
+        });
+        walls.push(Chamber { faces: Faces::Quadratic(faces.collect()) });
+    }
+    Mesh {
+        nodes,
+        elements: Elements::Quadratic(elements),
+        regions: mesh.regions.clone(),
+        chambers: walls,
+        symmetry_plane_z: mesh.symmetry_plane_z,
+    }
+}
+
+fn all(cells: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
+    (0..cells[2]).flat_map(move |k| (0..cells[1]).flat_map(move |j| (0..cells[0]).map(move |i| [i, j, k])))
+}
+
+/// The four corners met on one way through a cell.
+fn corners(cell: [usize; 3], way: [usize; 3]) -> [[usize; 3]; 4] {
+    let mut at = cell;
+    std::array::from_fn(|step| {
+        if step > 0 {
+            at[way[step - 1]] += 1;
+        }
+        at
+    })
+}
+
+/// Walls between solid cells and inner air, one chamber for each connected air space that does not reach the outside.
+fn chambers(
+    cells: [usize; 3],
+    half: bool,
+    region: &impl Fn([usize; 3]) -> Option<u16>,
+    numbers: &BTreeMap<[usize; 3], u32>,
+) -> Vec<Chamber> {
+    let mut seen = BTreeSet::new();
+    let mut found = Vec::new();
+    for start in all(cells) {
+        if region(start).is_some() || seen.contains(&start) {
+            continue;
+        }
+        let (mut queue, mut faces, mut closed) = (vec![start], Vec::new(), true);
+        seen.insert(start);
+        while let Some(cell) = queue.pop() {
+            for (axis, ahead) in (0..3).flat_map(|axis| [(axis, true), (axis, false)]) {
+                match neighbour(cells, cell, axis, ahead) {
+                    None => closed &= half && axis == 2 && !ahead,
+                    Some(next) if region(next).is_some() => faces.extend(wall(cell, axis, ahead, numbers)),
+                    Some(next) => {
+                        if seen.insert(next) {
+                            queue.push(next);
+                        }
+                    }
+                }
+            }
+        }
+        if closed {
+            found.push(Chamber { faces: Faces::Linear(faces) });
+        }
+    }
+    found
+}
+
+fn neighbour(cells: [usize; 3], cell: [usize; 3], axis: usize, ahead: bool) -> Option<[usize; 3]> {
+    let mut next = cell;
+    next[axis] = if ahead { cell[axis] + 1 } else { cell[axis].checked_sub(1)? };
+    (next[axis] < cells[axis]).then_some(next)
+}
+
+/// The two triangles of an air cell's side, split as Kuhn splits its solid neighbour, normals into the air.
+fn wall(cell: [usize; 3], axis: usize, ahead: bool, numbers: &BTreeMap<[usize; 3], u32>) -> [[u32; 3]; 2] {
+    let mut low = cell;
+    low[axis] += usize::from(ahead);
+    let (p, q) = ((axis + 1) % 3, (axis + 2) % 3);
+    let corner = |dp: usize, dq: usize| {
+        let mut at = low;
+        at[p] += dp;
+        at[q] += dq;
+        numbers[&at]
+    };
+    let (o, a, b, c) = (corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1));
+    // (o, a, c) turns about +axis; a wall ahead of the air has its normal along −axis, into the air
+    if ahead { [[o, c, a], [o, b, c]] } else { [[o, a, c], [o, c, b]] }
+}

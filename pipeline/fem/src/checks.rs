@@ -1,0 +1,172 @@
+//! Checks: everything that can be wrong with a mesh before a number is solved for.
+//!
+//! Stands on: `mesh`, `rest`, `clamps`, `loads`. Never knows: a file, a solve.
+
+use crate::clamps::Clamps;
+use crate::graph::Graph;
+use crate::mesh::{Chamber, Faces, Mesh};
+use crate::refusal::SetupError;
+use crate::rest::Rest;
+use crate::system::RegionProperties;
+use nalgebra::{Matrix6, SymmetricEigen, Vector6};
+use si::{Metre, vec3};
+use std::collections::BTreeMap;
+
+/// Larger bodies are given in millimetres by mistake.
+pub(crate) const LARGEST: Metre = 10.0;
+/// Smaller ones in kilometres, or they are a single point.
+pub(crate) const SMALLEST: Metre = 1e-4;
+/// Volume over the cube of the longest edge, of the flattest element allowed: a regular one has 0.118.
+pub(crate) const FLATTEST: f64 = 1e-7;
+
+/// Node numbers, coordinates, size and half.
+pub(crate) fn nodes(mesh: &Mesh, clamps: &Clamps) -> Result<(), SetupError> {
+    let (nodes, elements) = (mesh.nodes.len(), mesh.elements.len());
+    if elements == 0 {
+        return Err(SetupError::Empty);
+    }
+    if mesh.regions.len() != elements {
+        return Err(SetupError::Regions { elements, regions: mesh.regions.len() });
+    }
+    if let Some(node) = mesh.nodes.iter().position(|at| at.iter().any(|x| !x.is_finite())) {
+        return Err(SetupError::NodeNotANumber { node, at: mesh.nodes[node] });
+    }
+    let exists = |part, index, list: &[u32]| match list.iter().find(|&&node| node as usize >= nodes) {
+        Some(&node) => Err(SetupError::NoSuchNode { part, index, node, nodes }),
+        None => Ok(()),
+    };
+    (0..elements).try_for_each(|element| exists("element", element, mesh.elements.nodes(element)))?;
+    for chamber in &mesh.chambers {
+        (0..chamber.faces.len()).try_for_each(|face| exists("chamber face", face, chamber.faces.nodes(face)))?;
+    }
+    clamps.iter().enumerate().try_for_each(|(index, (node, _))| exists("clamp", index, &[node]))?;
+    let size = mesh.size();
+    if !(SMALLEST..=LARGEST).contains(&size) {
+        return Err(SetupError::Size { size });
+    }
+    match mesh.nodes.iter().position(|at| mesh.symmetry_plane_z && at[2] < -1e-7 * size) {
+        Some(node) => Err(SetupError::BelowSymmetryPlane { node, z: mesh.nodes[node][2] }),
+        None => Ok(()),
+    }
+}
+
+/// Shapes of the elements, and that every node belongs to one.
+pub(crate) fn elements(mesh: &Mesh, rest: &Rest, graph: &Graph) -> Result<(), SetupError> {
+    for element in 0..mesh.elements.len() {
+        let volume = rest.volumes[element];
+        let corner = |n: usize| mesh.nodes[mesh.elements.nodes(element)[n] as usize];
+        let longest = crate::elements::EDGES
+            .iter()
+            .map(|&(a, b)| vec3::norm(vec3::sub(corner(b), corner(a))))
+            .fold(0.0, f64::max);
+        let ratio = volume / longest.powi(3);
+        if ratio.is_nan() || ratio.abs() < FLATTEST {
+            return Err(SetupError::FlatElement { element, volume, ratio });
+        }
+        let weights = &rest.weights[element * rest.points..(element + 1) * rest.points];
+        if weights.iter().any(|&weight| weight <= 0.0) {
+            return Err(SetupError::InvertedElement { element, volume });
+        }
+    }
+    match (0..graph.len()).find(|&node| graph.of(node as u32).is_empty()) {
+        Some(node) => Err(SetupError::StrayNode { node }),
+        None => Ok(()),
+    }
+}
+
+/// That every element has properties, and that they can be.
+pub(crate) fn regions(mesh: &Mesh, regions: &[RegionProperties]) -> Result<(), SetupError> {
+    let given = regions.len();
+    if let Some(element) = mesh.regions.iter().position(|&region| region as usize >= given) {
+        return Err(SetupError::RegionWithoutProperties { element, region: mesh.regions[element], given });
+    }
+    for (region, is) in regions.iter().enumerate() {
+        elastic(region, is.youngs_modulus, is.poissons_ratio)?;
+        if !(is.density > 0.0 && is.density < 1e5) {
+            let (name, unit, range) = ("density", "kg/m³", "between 0 and 100000 kg/m³");
+            return Err(SetupError::Property { region, name, value: is.density, unit, range });
+        }
+    }
+    Ok(())
+}
+
+/// That E (Pa) and ν can be those of a solid.
+pub(crate) fn elastic(region: usize, youngs_modulus: f64, poissons_ratio: f64) -> Result<(), SetupError> {
+    if !(youngs_modulus > 1.0 && youngs_modulus < 1e13) {
+        let (name, unit, range) = ("Young's modulus", "Pa", "between 1 Pa and 10 TPa");
+        return Err(SetupError::Property { region, name, value: youngs_modulus, unit, range });
+    }
+    if !(poissons_ratio > -1.0 && poissons_ratio < 0.5) {
+        let (name, unit, range) = ("Poisson's ratio", "", "above -1 and below 0.5 (0.49 to 0.499 for rubber)");
+        return Err(SetupError::Property { region, name, value: poissons_ratio, unit, range });
+    }
+    Ok(())
+}
+
+/// That every connected part is held against all six rigid motions.
+pub(crate) fn held(mesh: &Mesh, graph: &Graph, clamps: &Clamps) -> Result<(), SetupError> {
+    let held: BTreeMap<u32, [bool; 3]> = clamps.iter().collect();
+    let size = mesh.size();
+    let mut seen = vec![false; graph.len()];
+    for node in 0..graph.len() {
+        if seen[node] {
+            continue;
+        }
+        let mut gram = Matrix6::zeros();
+        let mut queue = vec![node as u32];
+        seen[node] = true;
+        while let Some(next) = queue.pop() {
+            let at = vec3::scale(vec3::sub(mesh.nodes[next as usize], mesh.nodes[node]), 1.0 / size);
+            let axes = held.get(&next).copied().unwrap_or_default();
+            for motion in (0..3).filter(|&axis| axes[axis]).map(|axis| rigid(at, axis)) {
+                gram += motion * motion.transpose();
+            }
+            for &other in graph.of(next) {
+                if !std::mem::replace(&mut seen[other as usize], true) {
+                    queue.push(other);
+                }
+            }
+        }
+        // in units of the body's size: a clamp of a hundredth of its size leaves eigenvalues near 1e-4
+        if SymmetricEigen::new(gram).eigenvalues.min() < 1e-9 {
+            return Err(SetupError::FreeBody { node });
+        }
+    }
+    Ok(())
+}
+
+/// What three shifts and three turns do along `axis` to a point.
+fn rigid(at: [f64; 3], axis: usize) -> Vector6<f64> {
+    let mut motion = Vector6::zeros();
+    motion[axis] = 1.0;
+    for turn in 0..3 {
+        let mut spin = [0.0; 3];
+        spin[turn] = 1.0;
+        motion[3 + turn] = vec3::cross(spin, at)[axis];
+    }
+    motion
+}
+
+/// That a chamber's surface is closed, but for edges on the symmetry plane.
+pub(crate) fn closed(mesh: &Mesh, index: usize, chamber: &Chamber) -> Result<(), SetupError> {
+    let (face, element) = (if matches!(chamber.faces, Faces::Linear(_)) { 3 } else { 6 }, mesh.elements.nodes_each());
+    if (face == 3) != (element == 4) {
+        return Err(SetupError::MixedOrders { chamber: index, face, element });
+    }
+    let size = mesh.size();
+    let mut edges: BTreeMap<[u32; 2], (i32, usize)> = BTreeMap::new();
+    for face in 0..chamber.faces.len() {
+        let nodes = chamber.faces.nodes(face);
+        for (a, b) in crate::elements::SIDES {
+            let (from, to) = (nodes[a], nodes[b]);
+            let (key, turn) = if from < to { ([from, to], 1) } else { ([to, from], -1) };
+            let entry = edges.entry(key).or_insert((0, face));
+            *entry = (entry.0 + turn, face);
+        }
+    }
+    let plane = |node: u32| mesh.symmetry_plane_z && mesh.on_symmetry_plane(node as usize, size);
+    match edges.iter().find(|(edge, (turns, _))| *turns != 0 && !edge.iter().all(|&node| plane(node))) {
+        Some((&edge, &(_, face))) => Err(SetupError::OpenChamber { chamber: index, face, edge }),
+        None => Ok(()),
+    }
+}

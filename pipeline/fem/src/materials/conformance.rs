@@ -1,0 +1,128 @@
+//! What every law must satisfy, walked over `ALL`.
+//!
+//! Stands on: the contract. Never knows: which law it is looking at.
+
+use super::{ALL, by_name};
+use crate::material::{Lame, Material};
+use nalgebra::{Matrix3, Rotation3, SMatrix, Vector3};
+
+const E: f64 = 2.3e5;
+const NU: f64 = 0.42;
+
+/// Three states: a small strain, a bent one, a far one with a turn; written out, so that they never change.
+fn states() -> [Matrix3<f64>; 3] {
+    let small = Matrix3::new(0.01, 0.02, -0.01, 0.0, -0.03, 0.02, 0.015, 0.01, 0.02);
+    let large = Matrix3::new(0.3, 0.2, -0.1, 0.1, -0.25, 0.2, 0.15, 0.1, 0.2);
+    let turn = Rotation3::from_scaled_axis(Vector3::new(0.7, -0.4, 1.2)).into_inner();
+    [Matrix3::identity() + small, Matrix3::identity() + large, turn * (Matrix3::identity() + large.transpose())]
+}
+
+fn each(check: impl Fn(&dyn Material, Matrix3<f64>)) {
+    for law in ALL {
+        states().into_iter().for_each(|state| check(*law, state));
+    }
+}
+
+/// Central difference of `value` along entry (i, j) of `at`; step 1e-6, so about 1e-9 relative for smooth laws.
+fn slope<T>(at: Matrix3<f64>, i: usize, j: usize, value: impl Fn(&Matrix3<f64>) -> T) -> T
+where
+    T: std::ops::Sub<Output = T> + std::ops::Mul<f64, Output = T>,
+{
+    const H: f64 = 1e-6;
+    let (mut above, mut below) = (at, at);
+    above[(i, j)] += H;
+    below[(i, j)] -= H;
+    (value(&above) - value(&below)) * (0.5 / H)
+}
+
+#[test]
+fn stress_is_the_gradient_of_energy_for_every_material() {
+    let lame = Lame::of(E, NU);
+    each(|law, at| {
+        let stress = law.stress(&at, lame).1;
+        for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
+            let difference = slope(at, i, j, |x| law.stress(x, lame).0);
+            assert!((stress[(i, j)] - difference).abs() < 1e-8 * E, "{}", law.name());
+        }
+    });
+}
+
+#[test]
+fn tangent_is_the_gradient_of_stress_for_every_material() {
+    let lame = Lame::of(E, NU);
+    each(|law, at| {
+        let tangent = law.response(&at, lame).tangent;
+        for (k, l) in (0..3).flat_map(|k| (0..3).map(move |l| (k, l))) {
+            let column = slope(at, k, l, |x| law.stress(x, lame).1);
+            let difference = SMatrix::<f64, 9, 1>::from_column_slice(column.as_slice());
+            assert!((tangent.column(k + 3 * l) - difference).norm() < 1e-7 * E, "{}", law.name());
+        }
+    });
+}
+
+#[test]
+fn response_repeats_energy_and_stress_and_its_tangent_is_symmetric() {
+    let lame = Lame::of(E, NU);
+    each(|law, at| {
+        let (energy, stress) = law.stress(&at, lame);
+        let response = law.response(&at, lame);
+        assert_eq!((energy, stress), (response.energy, response.stress), "{}", law.name());
+        assert!((response.tangent - response.tangent.transpose()).norm() < 1e-11 * response.tangent.norm());
+    });
+}
+
+#[test]
+fn a_rigid_turn_costs_no_energy() {
+    let lame = Lame::of(E, NU);
+    for law in ALL {
+        let angle = if law.turns_freely() { 1.3 } else { 1e-5 };
+        let turn = Rotation3::from_scaled_axis(Vector3::new(0.6, -0.64, 0.48) * angle).into_inner();
+        let (energy, stress) = law.stress(&turn, lame);
+        assert!(energy.abs() < 1e-12 * E, "{}: {energy}", law.name());
+        assert!(stress.norm() < 1e-9 * E, "{}", law.name());
+    }
+}
+
+#[test]
+fn a_turn_after_a_stretch_changes_neither_energy_nor_the_size_of_stress() {
+    let lame = Lame::of(E, NU);
+    let turn = Rotation3::from_scaled_axis(Vector3::new(0.2, 0.9, -1.4)).into_inner();
+    for law in ALL.iter().filter(|law| law.turns_freely()) {
+        for at in states() {
+            let (before, after) = (law.stress(&at, lame), law.stress(&(turn * at), lame));
+            assert!((before.0 - after.0).abs() < 1e-11 * E, "{}", law.name());
+            assert!((turn * before.1 - after.1).norm() < 1e-10 * E, "{}", law.name());
+        }
+    }
+}
+
+#[test]
+fn every_material_is_linear_elasticity_at_rest() {
+    let lame = Lame::of(E, NU);
+    let expected = by_name("linear").unwrap().response(&Matrix3::identity(), lame).tangent;
+    for law in ALL {
+        let tangent = law.response(&Matrix3::identity(), lame).tangent;
+        assert!((tangent - expected).norm() < 1e-9 * E, "{}", law.name());
+    }
+}
+
+#[test]
+fn stress_change_is_the_derivative_of_stress_by_both_elastic_constants() {
+    each(|law, at| {
+        let stress = |e, nu| law.stress(&at, Lame::of(e, nu)).1;
+        let (step_e, step_nu) = (1e-4 * E, 1e-6);
+        let by_e = (stress(E + step_e, NU) - stress(E - step_e, NU)) / (2.0 * step_e);
+        let by_nu = (stress(E, NU + step_nu) - stress(E, NU - step_nu)) / (2.0 * step_nu);
+        let lame = Lame::of(E, NU);
+        let exact_e = law.stress_change(&at, lame, Lame::by_youngs_modulus(E, NU));
+        let exact_nu = law.stress_change(&at, lame, Lame::by_poissons_ratio(E, NU));
+        assert!((by_e - exact_e).norm() < 1e-8 * (1.0 + exact_e.norm()), "{}", law.name());
+        assert!((by_nu - exact_nu).norm() < 1e-7 * (E + exact_nu.norm()), "{}", law.name());
+    });
+}
+
+#[test]
+fn every_material_is_found_by_its_name() {
+    assert!(ALL.iter().all(|law| by_name(law.name()).is_some_and(|found| found.name() == law.name())));
+    assert!(by_name("steel").is_none());
+}

@@ -1,0 +1,41 @@
+//! Linear elasticity: the small-strain limit of every other law, for tests and closed forms.
+//!
+//! Stands on: `material`. Never knows: a mesh.
+
+use crate::material::{Lame, Material, Response, Tangent};
+use nalgebra::Matrix3;
+
+/// ψ = μ ε : ε + λ/2 tr²ε with ε = ½ (F + Fᵀ) − I.
+#[derive(Debug)]
+pub(crate) struct Linear;
+
+#[allow(non_snake_case)]
+impl Material for Linear {
+    fn name(&self) -> &'static str {
+        "linear"
+    }
+
+    fn turns_freely(&self) -> bool {
+        false
+    }
+
+    fn stress(&self, F: &Matrix3<f64>, Lame { mu, lambda }: Lame) -> (f64, Matrix3<f64>) {
+        let strain = (F + F.transpose()) * 0.5 - Matrix3::identity();
+        let swell = strain.trace();
+        let energy = mu * strain.norm_squared() + 0.5 * lambda * swell * swell;
+        (energy, strain * (2.0 * mu) + Matrix3::identity() * (lambda * swell))
+    }
+
+    fn response(&self, F: &Matrix3<f64>, lame: Lame) -> Response {
+        let (energy, stress) = self.stress(F, lame);
+        let mut tangent = Tangent::zeros();
+        for i in 0..3 {
+            for j in 0..3 {
+                tangent[(i + 3 * j, i + 3 * j)] += lame.mu;
+                tangent[(i + 3 * j, j + 3 * i)] += lame.mu;
+                tangent[(4 * i, 4 * j)] += lame.lambda;
+            }
+        }
+        Response { energy, stress, tangent }
+    }
+}

@@ -1,0 +1,111 @@
+//! The rest state of every element, worked out once: gradients and weights at its quadrature points, and its mass.
+//!
+//! Stands on: `mesh`, `elements`, `quadrature`. Never knows: a material, a displacement, a matrix.
+
+use crate::elements::tetrahedron;
+use crate::mesh::Mesh;
+use crate::quadrature::{tetrahedron_1, tetrahedron_4, tetrahedron_125};
+use nalgebra::Matrix3;
+use si::Point3;
+
+/// Gradients by rest coordinates and weights, element by element, point by point.
+#[derive(Debug)]
+pub(crate) struct Rest {
+    /// Quadrature points of an element: 1 or 4.
+    pub points: usize,
+    /// elements × points, m³.
+    pub weights: Vec<f64>,
+    /// elements × points × nodes × axes, 1/m.
+    pub gradients: Vec<Point3>,
+    /// elements, m³.
+    pub volumes: Vec<f64>,
+}
+
+impl Rest {
+    /// From node positions; weights come out as they are, negative where an element is inverted.
+    pub fn new(mesh: &Mesh) -> Self {
+        let nodes = mesh.elements.nodes_each();
+        let rule = if nodes == 4 { tetrahedron_1() } else { tetrahedron_4() };
+        let shapes: Vec<_> = rule.iter().map(|&(at, weight)| (tetrahedron(nodes, at), weight)).collect();
+        let count = mesh.elements.len();
+        let mut rest = Self {
+            points: rule.len(),
+            weights: Vec::with_capacity(count * rule.len()),
+            gradients: Vec::with_capacity(count * rule.len() * nodes),
+            volumes: Vec::with_capacity(count),
+        };
+        for element in 0..count {
+            let corners = mesh.elements.nodes(element);
+            let first = rest.weights.len();
+            for (shape, weight) in &shapes {
+                let jacobian = jacobian(mesh, corners, shape);
+                let inverse = jacobian.try_inverse().unwrap_or_else(Matrix3::zeros);
+                rest.weights.push(weight * jacobian.determinant());
+                rest.gradients.extend(shape.iter().map(|(_, slope)| by_rest(&inverse, slope)));
+            }
+            rest.volumes.push(rest.weights[first..].iter().sum());
+        }
+        rest
+    }
+}
+
+/// ∂X/∂ξ: column k holds the derivative of position by reference axis k.
+fn jacobian(mesh: &Mesh, nodes: &[u32], shape: &[(f64, Point3)]) -> Matrix3<f64> {
+    let mut jacobian = Matrix3::zeros();
+    for (&node, (_, slope)) in nodes.iter().zip(shape) {
+        for axis in 0..3 {
+            for k in 0..3 {
+                jacobian[(axis, k)] += mesh.nodes[node as usize][axis] * slope[k];
+            }
+        }
+    }
+    jacobian
+}
+
+/// ∂N/∂X = (∂ξ/∂X)ᵀ ∂N/∂ξ.
+fn by_rest(inverse: &Matrix3<f64>, slope: &Point3) -> Point3 {
+    std::array::from_fn(|axis| (0..3).map(|k| inverse[(k, axis)] * slope[k]).sum())
+}
+
+/// ∫ N_a N_b dV of one element, m³, row by row: nodes × nodes.
+pub(crate) fn overlaps(mesh: &Mesh, element: usize, rule: &[(Vec<(f64, Point3)>, f64)]) -> Vec<f64> {
+    let nodes = mesh.elements.nodes(element);
+    let mut overlap = vec![0.0; nodes.len() * nodes.len()];
+    for (shape, weight) in rule {
+        let volume = weight * jacobian(mesh, nodes, shape).determinant();
+        for (a, (left, _)) in shape.iter().enumerate() {
+            for (b, (right, _)) in shape.iter().enumerate() {
+                overlap[a * nodes.len() + b] += volume * left * right;
+            }
+        }
+    }
+    overlap
+}
+
+/// The rule that [`overlaps`] needs: products of two quadratic functions on a curved element.
+pub(crate) fn overlap_rule(nodes: usize) -> Vec<(Vec<(f64, Point3)>, f64)> {
+    tetrahedron_125().into_iter().map(|(at, weight)| (tetrahedron(nodes, at), weight)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::boxes;
+
+    #[test]
+    fn volumes_of_a_box_sum_to_the_box() {
+        for mesh in [boxes::linear([0.1, 0.02, 0.03], [3, 2, 2]), boxes::quadratic([0.1, 0.02, 0.03], [3, 2, 2])] {
+            let volume: f64 = Rest::new(&mesh).volumes.iter().sum();
+            assert!((volume - 6e-5).abs() < 1e-18);
+        }
+    }
+
+    #[test]
+    fn overlaps_of_an_element_sum_to_its_volume() {
+        for mesh in [boxes::linear([0.1; 3], [1, 1, 1]), boxes::quadratic([0.1; 3], [1, 1, 1])] {
+            let rest = Rest::new(&mesh);
+            let overlap = overlaps(&mesh, 2, &overlap_rule(mesh.elements.nodes_each()));
+            assert!((overlap.iter().sum::<f64>() - rest.volumes[2]).abs() < 1e-18);
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! Systems: a checked mesh with everything that no parameter changes.
+//!
+//! Rest shapes, mass, loads, sparsity, elimination order and the structure of the factor are worked out once and
+//! shared by all solvers on all threads.
+//!
+//! Stands on: `checks`, `rest`, `mass`, `loads`, `sparse`, `factor`. Never knows: a displacement, a pressure.
+
+use crate::assembly::Body;
+use crate::checks;
+use crate::clamps::Clamps;
+use crate::factor::Symbolic;
+use crate::graph::Graph;
+use crate::loads::ChamberPressure;
+use crate::mass::Mass;
+use crate::material::Material;
+use crate::mesh::Mesh;
+use crate::refusal::SetupError;
+use crate::rest::Rest;
+use crate::solver::Solver;
+use crate::sparse::Pattern;
+use si::{CubicMetre, KilogramPerCubicMetre, Metre, Pascal};
+use std::sync::Arc;
+
+/// What one region is made of.
+#[derive(Debug, Clone, Copy)]
+pub struct RegionProperties {
+    /// The law.
+    pub material: &'static dyn Material,
+    /// E, Pa.
+    pub youngs_modulus: Pascal,
+    /// ν, no unit, below 0.5.
+    pub poissons_ratio: f64,
+    /// kg/m³.
+    pub density: KilogramPerCubicMetre,
+}
+
+/// A body ready to be solved. Immutable and shared: a clone costs nothing.
+#[derive(Debug, Clone)]
+pub struct System {
+    pub(crate) parts: Arc<Parts>,
+}
+
+/// What a system is made of.
+#[derive(Debug)]
+pub(crate) struct Parts {
+    pub mesh: Mesh,
+    pub regions: Vec<RegionProperties>,
+    pub rest: Rest,
+    pub pattern: Pattern,
+    pub places: Vec<u32>,
+    pub symbolic: Symbolic,
+    pub mass: Mass,
+    pub chambers: Vec<ChamberPressure>,
+    pub size: Metre,
+}
+
+impl Parts {
+    pub fn body(&self) -> Body<'_> {
+        Body { mesh: &self.mesh, rest: &self.rest, pattern: &self.pattern, places: &self.places }
+    }
+}
+
+impl System {
+    /// Checks `mesh` and prepares it.
+    ///
+    /// `regions`: properties by region number. `clamped`: node numbers (`&[u32]`, held along all axes) or [`Clamps`];
+    /// nodes on the plane of a half model are held in z beside them.
+    ///
+    /// # Errors
+    /// [`SetupError`], which names the element, face, node or region that is refused.
+    pub fn new(mesh: Mesh, regions: Vec<RegionProperties>, clamped: impl Into<Clamps>) -> Result<Self, SetupError> {
+        let clamps: Clamps = clamped.into();
+        checks::nodes(&mesh, &clamps)?;
+        checks::regions(&mesh, &regions)?;
+        let clamps = clamps.with_symmetry(&mesh);
+        let graph = Graph::new(mesh.nodes.len(), &mesh.elements);
+        let rest = Rest::new(&mesh);
+        checks::elements(&mesh, &rest, &graph)?;
+        checks::held(&mesh, &graph, &clamps)?;
+        let chambers = chambers(&mesh)?;
+        let pattern = Pattern::new(&mesh.nodes, &graph, &clamps);
+        faces_on_elements(&mesh, &pattern)?;
+        let places = places(&mesh, &pattern);
+        let densities: Vec<f64> = regions.iter().map(|region| region.density).collect();
+        let mass = Mass::new(&mesh, &pattern, &places, &densities);
+        let symbolic = Symbolic::new(&pattern)
+            .map_err(|fault| SetupError::TooLarge { freedoms: pattern.freedoms(), why: fault.to_string() })?;
+        let size = mesh.size();
+        let parts = Parts { mesh, regions, rest, pattern, places, symbolic, mass, chambers, size };
+        Ok(Self { parts: Arc::new(parts) })
+    }
+
+    /// A solver of its own numbers on this system; make one for each thread.
+    pub fn solver(&self) -> Solver {
+        Solver::new(Arc::clone(&self.parts))
+    }
+
+    /// The mesh at rest.
+    pub fn mesh(&self) -> &Mesh {
+        &self.parts.mesh
+    }
+
+    /// What the regions were made of when the system was made.
+    pub fn regions(&self) -> &[RegionProperties] {
+        &self.parts.regions
+    }
+
+    /// Degrees of freedom: 3 a node less the held ones.
+    pub fn freedoms(&self) -> usize {
+        self.parts.pattern.freedoms()
+    }
+
+    /// Entries of the stiffness matrix's lower triangle, and of its factor.
+    pub fn entries(&self) -> (usize, usize) {
+        (self.parts.pattern.entries(), self.parts.symbolic.entries())
+    }
+
+    /// Volume of the solid at rest, m³; of a half model, of the half.
+    pub fn volume(&self) -> CubicMetre {
+        self.parts.rest.volumes.iter().sum()
+    }
+
+    /// Volume of the cavity of `chamber` at `displacement` (3 a node, m), m³; of a half model, of the half.
+    ///
+    /// # Panics
+    /// When there is no such chamber, or the displacement is not 3 a node.
+    pub fn chamber_volume(&self, chamber: usize, displacement: &[f64]) -> CubicMetre {
+        assert_eq!(displacement.len(), 3 * self.parts.mesh.nodes.len(), "a displacement has 3 numbers a node");
+        self.parts.chambers[chamber].volume(displacement)
+    }
+}
+
+fn chambers(mesh: &Mesh) -> Result<Vec<ChamberPressure>, SetupError> {
+    let at_rest = vec![0.0; 3 * mesh.nodes.len()];
+    let mut found = Vec::new();
+    for (index, chamber) in mesh.chambers.iter().enumerate() {
+        checks::closed(mesh, index, chamber)?;
+        let pressure = ChamberPressure::new(mesh, chamber);
+        let volume = pressure.volume(&at_rest);
+        if volume.is_nan() || volume <= 0.0 {
+            return Err(SetupError::ChamberInsideOut { chamber: index, volume });
+        }
+        found.push(pressure);
+    }
+    Ok(found)
+}
+
+/// That the Hessian of every face has its place in the matrix.
+fn faces_on_elements(mesh: &Mesh, pattern: &Pattern) -> Result<(), SetupError> {
+    for (chamber, wall) in mesh.chambers.iter().enumerate() {
+        for face in 0..wall.faces.len() {
+            let nodes = wall.faces.nodes(face);
+            for (a, b) in nodes.iter().flat_map(|&a| nodes.iter().map(move |&b| (a, b))) {
+                if pattern.place(a, b).is_none() {
+                    return Err(SetupError::FaceOfNoElement { chamber, face, a, b });
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// elements × pairs (a ≥ b): places of the blocks.
+fn places(mesh: &Mesh, pattern: &Pattern) -> Vec<u32> {
+    let mut places = Vec::new();
+    for element in 0..mesh.elements.len() {
+        let nodes = mesh.elements.nodes(element);
+        for a in 0..nodes.len() {
+            for b in 0..=a {
+                places.push(pattern.place(nodes[a], nodes[b]).expect("nodes of one element are neighbours"));
+            }
+        }
+    }
+    places
+}

@@ -1,0 +1,140 @@
+//! Gradients of an equilibrium against differences of equilibria, on a box of two materials with a chamber.
+//!
+//! Stands on: `fem` as its users see it. Never knows: how a gradient is made.
+
+use fem::{Clamps, Equilibrium, Mesh, Parameter, RegionProperties, Solver, StaticSettings, System, boxes, materials};
+
+const E: [f64; 2] = [2.1e5, 3e7];
+const NU: [f64; 2] = [0.47, 0.35];
+const PRESSURE: f64 = 9e3;
+
+/// A bar of 60 × 20 × 20 mm, half of it meshed: a chamber beside a stiff sheet, so that it bends.
+fn bar() -> Mesh {
+    let air = |cell: [usize; 3]| (1..5).contains(&cell[0]) && cell[1] == 3 && cell[2] == 0;
+    let place = |at: [f64; 3]| [0.06 * at[0], 0.02 * at[1] * (0.6 + 0.4 * at[1]), 0.01 * at[2]];
+    let region = move |cell: [usize; 3]| if air(cell) { None } else { Some(u16::from(cell[1] == 1)) };
+    boxes::with_middles(&boxes::grid([6, 5, 2], true, place, region))
+}
+
+fn system() -> System {
+    let mesh = bar();
+    let material = materials::by_name("neo_hookean").unwrap();
+    let regions =
+        [0, 1].map(|n| RegionProperties { material, youngs_modulus: E[n], poissons_ratio: NU[n], density: 1e3 });
+    let clamps = Clamps::below_x(&mesh, 1e-9);
+    System::new(mesh, regions.to_vec(), clamps).unwrap()
+}
+
+const TIGHT: StaticSettings = StaticSettings { tolerance: 1e-12, load_steps: 4, iterations: 40, reuse_factor: false };
+
+/// A crooked scalar of the displacement, and its derivative.
+fn loss(u: &[f64]) -> (f64, Vec<f64>) {
+    let weight = |at: usize| (0.37 * at as f64).sin();
+    let value = u.iter().enumerate().map(|(at, u)| weight(at) * u + 40.0 * u * u).sum();
+    (value, u.iter().enumerate().map(|(at, u)| weight(at) + 80.0 * u).collect())
+}
+
+fn rest(solver: &mut Solver, e: [f64; 2], nu: [f64; 2], pressure: f64, start: &Equilibrium) -> Vec<f64> {
+    (0..2).for_each(|region| solver.set_elastic(region, e[region], nu[region]).unwrap());
+    solver.equilibrium(&[pressure], Some(&start.displacement), &TIGHT).unwrap().displacement
+}
+
+/// (parameter, value, how to solve with another value)
+type Case = (Parameter, f64, fn(f64) -> ([f64; 2], [f64; 2], f64));
+
+const CASES: [Case; 5] = [
+    (Parameter::YoungsModulus(0), E[0], |e| ([e, E[1]], NU, PRESSURE)),
+    (Parameter::YoungsModulus(1), E[1], |e| ([E[0], e], NU, PRESSURE)),
+    (Parameter::PoissonsRatio(0), NU[0], |nu| (E, [nu, NU[1]], PRESSURE)),
+    (Parameter::PoissonsRatio(1), NU[1], |nu| (E, [NU[0], nu], PRESSURE)),
+    (Parameter::Pressure(0), PRESSURE, |p| (E, NU, p)),
+];
+
+#[test]
+fn adjoint_and_sensitivity_agree_with_converged_central_differences() {
+    let system = system();
+    let mut solver = system.solver();
+    let at = solver.equilibrium(&[PRESSURE], None, &TIGHT).unwrap();
+    let tip = at.displacement.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+    assert!(tip > 2e-3, "the bar bends visibly: {tip}");
+    let slope = loss(&at.displacement).1;
+    let gradient = solver.gradient(&at, &slope).unwrap();
+    for (parameter, value, with) in CASES {
+        let adjoint = match parameter {
+            Parameter::YoungsModulus(region) => gradient.regions[region].youngs_modulus,
+            Parameter::PoissonsRatio(region) => gradient.regions[region].poissons_ratio,
+            Parameter::Pressure(chamber) => gradient.pressures[chamber],
+        };
+        let forward: f64 = solver.sensitivity(&at, parameter).unwrap().iter().zip(&slope).map(|(u, l)| u * l).sum();
+        assert!((forward / adjoint - 1.0).abs() < 1e-8, "{parameter:?} {forward} {adjoint}");
+        let mut other = system.solver();
+        let mut at_value = |value: f64| {
+            let (e, nu, pressure) = with(value);
+            loss(&rest(&mut other, e, nu, pressure, &at)).0
+        };
+        // fourth-order differences: the step is large enough that solves to 1e-12 leave 1e-8
+        let h = 2e-3 * value;
+        let difference = (8.0 * (at_value(value + h) - at_value(value - h))
+            - (at_value(value + 2.0 * h) - at_value(value - 2.0 * h)))
+            / (12.0 * h);
+        assert!((difference / adjoint - 1.0).abs() < 1e-6, "{parameter:?} {difference} {adjoint}");
+    }
+}
+
+#[test]
+fn the_adjoint_gradient_passes_the_taylor_test() {
+    let system = system();
+    let mut solver = system.solver();
+    let at = solver.equilibrium(&[PRESSURE], None, &TIGHT).unwrap();
+    let (value, slope) = loss(&at.displacement);
+    let gradient = solver.adjoint(&at, &slope).unwrap();
+    let turn = [[0.3 * E[0], -0.2 * E[1]], [-0.05, 0.1]];
+    let along: f64 =
+        (0..2).map(|n| gradient[n].youngs_modulus * turn[0][n] + gradient[n].poissons_ratio * turn[1][n]).sum();
+    let mut other = system.solver();
+    let remainders: Vec<f64> = [0.1f64, 0.05, 0.025]
+        .iter()
+        .map(|step| {
+            let e = [0, 1].map(|n| E[n] + step * turn[0][n]);
+            let nu = [0, 1].map(|n| NU[n] + step * turn[1][n]);
+            (loss(&rest(&mut other, e, nu, PRESSURE, &at)).0 - value - step * along).abs()
+        })
+        .collect();
+    for pair in remainders.windows(2) {
+        let order = (pair[0] / pair[1]).log2();
+        assert!((order - 2.0).abs() < 0.05, "{order}");
+    }
+}
+
+#[test]
+fn a_solver_that_reuses_its_factor_finds_the_same_shape() {
+    let system = system();
+    let (mut new, mut old) = (system.solver(), system.solver());
+    let settings = StaticSettings::default();
+    let at = old.equilibrium(&[PRESSURE], None, &settings).unwrap();
+    for solver in [&mut new, &mut old] {
+        solver.set_elastic(0, 1.05 * E[0], NU[0]).unwrap();
+    }
+    let fresh = new.equilibrium(&[PRESSURE], Some(&at.displacement), &settings).unwrap();
+    let reused = old
+        .equilibrium(&[PRESSURE], Some(&at.displacement), &StaticSettings { reuse_factor: true, ..settings })
+        .unwrap();
+    let apart =
+        fresh.displacement.iter().zip(&reused.displacement).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+    assert!(apart < 1e-8 * 0.06, "{apart:e}");
+    assert_eq!(reused.factorisations, 0);
+    let slope = loss(&fresh.displacement).1;
+    let (a, b) = (new.adjoint(&fresh, &slope).unwrap(), old.adjoint(&reused, &slope).unwrap());
+    assert!((a[0].youngs_modulus / b[0].youngs_modulus - 1.0).abs() < 1e-6);
+}
+
+#[test]
+fn two_threads_share_one_system_and_find_the_same_bytes() {
+    let system = system();
+    let solve = || system.solver().equilibrium(&[PRESSURE], None, &StaticSettings::default()).unwrap();
+    let (one, two) = std::thread::scope(|scope| {
+        let (one, two) = (scope.spawn(solve), scope.spawn(solve));
+        (one.join().unwrap(), two.join().unwrap())
+    });
+    assert_eq!(one, two);
+}

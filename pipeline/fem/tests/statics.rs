@@ -1,0 +1,181 @@
+//! Statics against closed forms: uniform strain, beams, shells under pressure, and what must be refused.
+//!
+//! Stands on: `fem` as its users see it. Never knows: how a solve is made.
+
+use fem::{Clamps, Mesh, RegionProperties, StaticSettings, System, boxes, materials};
+
+fn made_of(material: &str, youngs_modulus: f64, poissons_ratio: f64) -> RegionProperties {
+    let material = materials::by_name(material).unwrap();
+    RegionProperties { material, youngs_modulus, poissons_ratio, density: 1070.0 }
+}
+
+/// 30 × 20 × 10 mm, with its inner nodes shaken so that no element is like another.
+fn shaken(mut mesh: Mesh) -> Mesh {
+    let size = [0.03, 0.02, 0.01];
+    for node in &mut mesh.nodes {
+        if (0..3).all(|axis| node[axis] > 1e-9 && node[axis] < size[axis] - 1e-9) {
+            let at = *node;
+            (0..3).for_each(|axis| node[axis] += 4e-4 * (900.0 * at[(axis + 1) % 3] + 500.0 * at[axis]).sin());
+        }
+    }
+    mesh
+}
+
+#[test]
+fn a_uniform_stretch_passes_the_patch_test_for_every_material_and_element() {
+    let linear = shaken(boxes::linear([0.03, 0.02, 0.01], [3, 2, 2]));
+    for mesh in [boxes::with_middles(&linear), linear] {
+        for law in materials::ALL {
+            // rollers on three sides, and dead forces that pull the end x = 30 mm with a uniform stress
+            let mut clamps = Clamps::none();
+            for axis in 0..3 {
+                let axes = std::array::from_fn(|other| other == axis);
+                clamps = clamps.and(&Clamps::where_nodes(&mesh, axes, |at| at[axis] < 1e-9));
+            }
+            let system = System::new(mesh.clone(), vec![made_of(law.name(), 2e5, 0.4)], clamps).unwrap();
+            let mut solver = system.solver();
+            solver.set_forces(&pull(&mesh, 0.03, 2e4)).unwrap();
+            let found =
+                solver.equilibrium(&[], None, &StaticSettings { tolerance: 1e-13, ..Default::default() }).unwrap();
+            let stretch = uniform(&mesh, &found.displacement);
+            let worst = mesh
+                .nodes
+                .iter()
+                .zip(found.displacement.chunks(3))
+                .flat_map(|(at, moved)| (0..3).map(move |axis| (moved[axis] - stretch[axis] * at[axis]).abs()));
+            let worst = worst.fold(0.0, f64::max);
+            assert!(worst < 1e-10 * 0.03 * stretch[0].abs(), "{} {worst:e} {}", law.name(), found.residual);
+            assert!(stretch[0] > 0.08 && stretch[1] < -0.03);
+        }
+    }
+}
+
+/// Strain along each axis, read off the far corner.
+fn uniform(mesh: &Mesh, displacement: &[f64]) -> [f64; 3] {
+    let (_, far) = mesh.bounds();
+    let corner = mesh.nodes.iter().position(|at| *at == far).unwrap();
+    std::array::from_fn(|axis| displacement[3 * corner + axis] / far[axis])
+}
+
+/// Nodal forces of a uniform traction (Pa) along x on the side x = `end`.
+fn pull(mesh: &Mesh, end: f64, traction: f64) -> Vec<f64> {
+    side_forces(mesh, end, [traction, 0.0, 0.0])
+}
+
+/// Nodal forces of a uniform traction (Pa) on the side x = `end`, from the sides of elements that lie on it.
+fn side_forces(mesh: &Mesh, end: f64, traction: [f64; 3]) -> Vec<f64> {
+    let mut forces = vec![0.0; 3 * mesh.nodes.len()];
+    for element in 0..mesh.elements.len() {
+        let nodes = mesh.elements.nodes(element);
+        let on: Vec<usize> = (0..4).filter(|&n| (mesh.nodes[nodes[n] as usize][0] - end).abs() < 1e-9).collect();
+        if on.len() != 3 {
+            continue;
+        }
+        let [a, b, c] = [0, 1, 2].map(|n| mesh.nodes[nodes[on[n]] as usize]);
+        let area = 0.5 * ((b[1] - a[1]) * (c[2] - a[2]) - (b[2] - a[2]) * (c[1] - a[1])).abs();
+        // ∫ N over a straight triangle: a third at each corner of 3 nodes; a third at each middle of 6, none at corners
+        let takers: Vec<u32> = if nodes.len() == 4 {
+            on.iter().map(|&n| nodes[n]).collect()
+        } else {
+            nodes[4..].iter().copied().filter(|&n| (mesh.nodes[n as usize][0] - end).abs() < 1e-9).collect()
+        };
+        for node in takers {
+            (0..3).for_each(|axis| forces[3 * node as usize + axis] += traction[axis] * area / 3.0);
+        }
+    }
+    forces
+}
+
+#[test]
+fn one_layer_of_quadratic_elements_bends_like_timoshenkos_beam_close_to_incompressible() {
+    let (length, width, height) = (0.04, 0.004, 0.002);
+    let (e, nu) = (2e5, 0.499);
+    let mesh = boxes::quadratic([length, width, height], [20, 2, 1]);
+    // rollers in y and z at the clamp let the section contract, as the beam's theory has it
+    let clamps = Clamps::where_nodes(&mesh, [true, false, false], |at| at[0] < 1e-9)
+        .and(&Clamps::where_nodes(&mesh, [false, false, true], |at| {
+            at[0] < 1e-9 && (at[2] - 0.5 * height).abs() < 1e-9
+        }))
+        .and(&Clamps::where_nodes(&mesh, [false, true, false], |at| {
+            at[0] < 1e-9 && (at[1] - 0.5 * width).abs() < 1e-9
+        }));
+    let force = 1e-5;
+    let forces = side_forces(&mesh, length, [0.0, 0.0, force / (width * height)]);
+    let tip =
+        mesh.nodes.iter().position(|at| (at[0] - length).abs() < 1e-9 && (at[2] - 0.5 * height).abs() < 1e-9).unwrap();
+    let system = System::new(mesh, vec![made_of("linear", e, nu)], clamps).unwrap();
+    let mut solver = system.solver();
+    solver.set_forces(&forces).unwrap();
+    let found = solver.equilibrium(&[], None, &StaticSettings::default()).unwrap();
+    let second_moment = width * height.powi(3) / 12.0;
+    let shear = e / (2.0 * (1.0 + nu)) * width * height * 5.0 / 6.0;
+    let exact = force * length.powi(3) / (3.0 * e * second_moment) + force * length / shear;
+    let ratio = found.displacement[3 * tip + 2] / exact;
+    assert!((ratio - 1.0).abs() < 0.01, "{ratio}");
+}
+
+/// A cube with a round cavity, mapped to a thick sphere; an eighth of it by rollers would do, half is enough here.
+fn thick_sphere(inner: f64, outer: f64, layers: usize) -> Mesh {
+    let half = 2;
+    let cells = 2 * (half + layers);
+    let place = move |at: [f64; 3]| {
+        let cube = [2.0 * at[0] - 1.0, 2.0 * at[1] - 1.0, at[2]].map(|x| x * (half + layers) as f64);
+        let most = cube.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let size = cube.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let radius = inner + (outer - inner) * (most - half as f64) / layers as f64;
+        cube.map(|x| if most < half as f64 { 0.0 } else { x / size * radius })
+    };
+    let air = move |cell: [usize; 3]| {
+        [cell[0], cell[1]].iter().all(|&at| at >= layers && at < layers + 2 * half) && cell[2] < half
+    };
+    let straight = boxes::grid([cells, cells, cells / 2], true, place, |cell| (!air(cell)).then_some(0));
+    let mut mesh = boxes::with_middles(&straight);
+    // middle nodes onto their spheres: those of edges whose ends have the same radius
+    let radius = |at: [f64; 3]| at.iter().map(|x| x * x).sum::<f64>().sqrt();
+    for shell in 0..=layers {
+        let wanted = inner + (outer - inner) * shell as f64 / layers as f64;
+        let on: Vec<bool> = straight.nodes.iter().map(|&at| (radius(at) - wanted).abs() < 1e-9).collect();
+        let fem::Elements::Quadratic(tets) = &mesh.elements else { unreachable!() };
+        let edges = [(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)];
+        let mut moved = mesh.nodes.clone();
+        for tet in tets {
+            for (edge, (a, b)) in edges.into_iter().enumerate() {
+                if on[tet[a] as usize] && on[tet[b] as usize] {
+                    let at = mesh.nodes[tet[4 + edge] as usize];
+                    moved[tet[4 + edge] as usize] = at.map(|x| x * wanted / radius(at));
+                }
+            }
+        }
+        mesh.nodes = moved;
+    }
+    mesh
+}
+
+#[test]
+fn a_thick_sphere_under_pressure_widens_as_lame_says() {
+    let (a, b, e, nu, pressure) = (0.01, 0.02, 2e5, 0.45, 100.0);
+    let mesh = thick_sphere(a, b, 3);
+    let clamps = Clamps::where_nodes(&mesh, [true, false, false], |at| at[0].abs() < 1e-9).and(&Clamps::where_nodes(
+        &mesh,
+        [false, true, false],
+        |at| at[1].abs() < 1e-9,
+    ));
+    let system = System::new(mesh.clone(), vec![made_of("neo_hookean", e, nu)], clamps).unwrap();
+    let found = system.solver().equilibrium(&[pressure], None, &StaticSettings::default()).unwrap();
+    let radial = |wanted: f64| {
+        let on = mesh.nodes.iter().enumerate().filter(|(_, at)| (norm(at) - wanted).abs() < 1e-6);
+        let moved: Vec<f64> = on
+            .map(|(node, at)| (0..3).map(|axis| found.displacement[3 * node + axis] * at[axis]).sum::<f64>() / wanted)
+            .collect();
+        moved.iter().sum::<f64>() / moved.len() as f64
+    };
+    let scale = pressure * a.powi(3) / (e * (b.powi(3) - a.powi(3)));
+    for r in [a, b] {
+        let exact = scale * ((1.0 - 2.0 * nu) * r + (1.0 + nu) * b.powi(3) / (2.0 * r * r));
+        assert!((radial(r) / exact - 1.0).abs() < 0.01, "{r} {}", radial(r) / exact);
+    }
+}
+
+fn norm(at: &[f64; 3]) -> f64 {
+    at.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
