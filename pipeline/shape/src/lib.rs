@@ -23,6 +23,6 @@ mod validate;
 pub use columns::{MeshError, Settings, mesh};
 pub use embed::{Spot, embed};
 pub use quadratic::{QuadraticFace, QuadraticMesh, quadratic};
-pub use surface::{Shell, Surface, SurfaceError};
+pub use surface::{Joint, Shell, Surface, SurfaceError};
 pub use tetrahedra::{BODY, SPINE, Skin, SkinFace, TetMesh};
 pub use validate::{Chamber, Report, Unfit};

@@ -21,7 +21,9 @@ pub enum StlError {
     #[error("the file is not an STL\n  why: {0}\n  do:  export it again as binary or ASCII STL")]
     Format(#[from] std::io::Error),
     /// No triangles, or a coordinate that is not a number.
-    #[error("the STL holds {faces} faces and {bad} coordinates that are no numbers\n  why: a solid needs at least 4 faces, all finite\n  do:  export the part again")]
+    #[error(
+        "the STL holds {faces} faces and {bad} coordinates that are no numbers\n  why: a solid needs at least 4 faces, all finite\n  do:  export the part again"
+    )]
     Nothing {
         /// Faces in the file.
         faces: usize,

@@ -25,11 +25,22 @@ pub struct Shell {
     pub centroid: Point3,
 }
 
+/// An edge of a closed surface with the two faces that it joins.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Joint {
+    /// The faces.
+    pub faces: [u32; 2],
+    /// The edge's corners.
+    pub edge: [u32; 2],
+}
+
 /// Why a surface does not bound a solid.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SurfaceError {
     /// No faces.
-    #[error("the surface has no faces\n  why: a solid needs at least 4\n  do:  export the part again, as a solid and not as a sketch")]
+    #[error(
+        "the surface has no faces\n  why: a solid needs at least 4\n  do:  export the part again, as a solid and not as a sketch"
+    )]
     Empty,
     /// An edge that does not join exactly two faces of opposite direction.
     #[error(
@@ -48,7 +59,9 @@ pub enum SurfaceError {
         count: usize,
     },
     /// Every shell is a cavity.
-    #[error("the surface is inside out: its volume is {volume_mm3:.1} mm³\n  why: normals must point out of the solid, which makes the volume positive\n  do:  flip the normals and export again")]
+    #[error(
+        "the surface is inside out: its volume is {volume_mm3:.1} mm³\n  why: normals must point out of the solid, which makes the volume positive\n  do:  flip the normals and export again"
+    )]
     InsideOut {
         /// Signed volume, mm³.
         volume_mm3: f64,
@@ -117,11 +130,11 @@ impl Surface {
         edges
     }
 
-    /// Pairs of faces that share an edge, once the surface is known to be closed: (face, face, edge).
+    /// The edges of a closed surface.
     ///
     /// # Errors
     /// [`SurfaceError::Open`] with the first open edge and the number of them.
-    pub fn neighbours(&self) -> Result<Vec<([u32; 2], [u32; 2])>, SurfaceError> {
+    pub fn joints(&self) -> Result<Vec<Joint>, SurfaceError> {
         let edges = self.edges();
         let groups: Vec<_> = edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).collect();
         let open = |g: &&&[(u32, u32, u32, bool)]| g.len() != 2 || g[0].3 == g[1].3;
@@ -129,9 +142,15 @@ impl Surface {
         if let Some(first) = bad.iter().min_by_key(|g| g[0].2) {
             let at = |p: u32| self.points[p as usize];
             let (from, to) = (at(first[0].0), at(first[0].1));
-            return Err(SurfaceError::Open { face: first[0].2 as usize, from, to, faces: first.len(), count: bad.len() });
+            return Err(SurfaceError::Open {
+                face: first[0].2 as usize,
+                from,
+                to,
+                faces: first.len(),
+                count: bad.len(),
+            });
         }
-        Ok(groups.iter().map(|g| ([g[0].2, g[1].2], [g[0].0, g[0].1])).collect())
+        Ok(groups.iter().map(|g| Joint { faces: [g[0].2, g[1].2], edge: [g[0].0, g[0].1] }).collect())
     }
 
     /// The connected parts of a closed surface, and for each face the part that it belongs to.
@@ -142,8 +161,8 @@ impl Surface {
         if self.faces.is_empty() {
             return Err(SurfaceError::Empty);
         }
-        let pairs = self.neighbours()?;
-        let (of_face, count) = components(self.faces.len(), pairs.iter().map(|p| p.0));
+        let joints = self.joints()?;
+        let (of_face, count) = components(self.faces.len(), joints.iter().map(|j| j.faces));
         let shells: Vec<_> = (0..count).map(|s| self.shell(&of_face, s)).collect();
         if shells.iter().all(|s| s.volume <= 0.0) {
             return Err(SurfaceError::InsideOut { volume_mm3: self.volume() * 1e9 });

@@ -53,7 +53,9 @@ pub struct Report {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Unfit {
     /// An element without volume.
-    #[error("element {tet} of the mesh has a volume of {volume_mm3:.3e} mm³\n  why: it must be positive\n  do:  take another edge length; the mesh cannot be used")]
+    #[error(
+        "element {tet} of the mesh has a volume of {volume_mm3:.3e} mm³\n  why: it must be positive\n  do:  take another edge length; the mesh cannot be used"
+    )]
     Inverted {
         /// Which element.
         tet: usize,
@@ -61,7 +63,9 @@ pub enum Unfit {
         volume_mm3: f64,
     },
     /// A volume that is off.
-    #[error("the mesh's {part} has {mesh_mm3:.1} mm³ where the surface encloses {surface_mm3:.1} mm³\n  why: it is off by {percent:.2} %; the limit is {limit_percent:.2} % (Settings::volume_limit)\n  do:  take a shorter edge, or look for a part thinner than the tolerance")]
+    #[error(
+        "the mesh's {part} has {mesh_mm3:.1} mm³ where the surface encloses {surface_mm3:.1} mm³\n  why: it is off by {percent:.2} %; the limit is {limit_percent:.2} % (Settings::volume_limit)\n  do:  take a shorter edge, or look for a part thinner than the tolerance"
+    )]
     Volume {
         /// Which part.
         part: String,
@@ -85,7 +89,9 @@ pub enum Unfit {
         limit: Metre,
     },
     /// Body and spine that do not touch.
-    #[error("body and spine touch nowhere\n  why: a body must hold its sheet\n  do:  check that both files have the same unit and the same origin")]
+    #[error(
+        "body and spine touch nowhere\n  why: a body must hold its sheet\n  do:  check that both files have the same unit and the same origin"
+    )]
     Loose,
 }
 
@@ -151,7 +157,13 @@ fn check_volumes(report: &Report, cavities: &[f64], limit: f64) -> Result<(), Un
         let off = (mesh / surface - 1.0).abs();
         if off > limit {
             let (mesh_mm3, surface_mm3) = (mesh * 1e9, surface * 1e9);
-            return Err(Unfit::Volume { part, mesh_mm3, surface_mm3, percent: 100.0 * off, limit_percent: 100.0 * limit });
+            return Err(Unfit::Volume {
+                part,
+                mesh_mm3,
+                surface_mm3,
+                percent: 100.0 * off,
+                limit_percent: 100.0 * limit,
+            });
         }
     }
     Ok(())

@@ -89,7 +89,8 @@ fn walk(around: &[Vec<(u32, usize)>], walked: &mut [bool], start: u32, next: u32
 fn simplify(points: &[Point2], noise: Metre) -> Vec<usize> {
     let last = points.len() - 1;
     // a closed path is opened at its farthest point, so that it has a base line
-    let far = (0..=last).fold(0, |best, i| if apart(points[i], points[0]) > apart(points[best], points[0]) { i } else { best });
+    let far = (0..=last)
+        .fold(0, |best, i| if apart(points[i], points[0]) > apart(points[best], points[0]) { i } else { best });
     let mut kept = vec![0, last];
     let mut open = if points[0] == points[last] && far > 0 { vec![(0, far), (far, last)] } else { vec![(0, last)] };
     kept.extend(open.iter().map(|s| s.0));

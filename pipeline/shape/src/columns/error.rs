@@ -62,7 +62,9 @@ pub enum MeshError {
         edge: Metre,
     },
     /// Nothing to mesh.
-    #[error("body and spine leave nothing to mesh\n  why: no line along the sheet's normal goes through a solid\n  do:  check that both files have the same unit and the same origin")]
+    #[error(
+        "body and spine leave nothing to mesh\n  why: no line along the sheet's normal goes through a solid\n  do:  check that both files have the same unit and the same origin"
+    )]
     Nothing,
     /// A mesh that was made and is not trusted.
     #[error(transparent)]

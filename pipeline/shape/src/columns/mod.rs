@@ -13,6 +13,8 @@ mod patches;
 mod plane;
 mod sequence;
 mod symmetry;
+#[cfg(test)]
+mod tests;
 
 pub use error::MeshError;
 
@@ -20,7 +22,7 @@ use crate::frame::Frame;
 use crate::stack::{self, Column, Cycle, Stack};
 use crate::surface::components;
 use crate::validate::{self, Limits};
-use crate::{Report, Surface, TetMesh};
+use crate::{Report, Shell, Surface, TetMesh};
 use arrange::{Graph, arrange};
 use chains::{Spacing, respace};
 use patches::{Part, Patch, dominant_axis, patches, seams};
@@ -98,10 +100,12 @@ pub fn mesh(body: &Surface, spine: &Surface, set: &Settings) -> Result<(TetMesh,
 }
 
 /// The chamber of each shell of each part, and the volumes (m³) of the cavities in that order.
+///
+/// A cavity of the body that has the volume and centroid of a shell of the spine is the spine's bed and no chamber.
 fn number_chambers(parts: &[Part; 2], frame: Frame) -> ([Vec<Option<u16>>; 2], Vec<f64>) {
     let mut cavities = Vec::new();
     for (p, part) in parts.iter().enumerate() {
-        let inner = part.shells.iter().enumerate().filter(|(_, s)| s.volume < 0.0);
+        let inner = part.shells.iter().enumerate().filter(|(_, s)| s.volume < 0.0 && !(p == 0 && is_bed(s, &parts[1])));
         cavities.extend(inner.map(|(s, shell)| (shell, p, s)));
     }
     let key = |c: &[f64; 3]| [c[frame.normal], c[0], c[1], c[2]];
@@ -112,6 +116,15 @@ fn number_chambers(parts: &[Part; 2], frame: Frame) -> ([Vec<Option<u16>>; 2], V
     let mut chambers = [0, 1].map(|p: usize| vec![None; parts[p].shells.len()]);
     cavities.iter().enumerate().for_each(|(k, (_, p, s))| chambers[*p][*s] = Some(k as u16));
     (chambers, cavities.iter().map(|c| -c.0.volume).collect())
+}
+
+fn is_bed(cavity: &Shell, spine: &Part) -> bool {
+    let size = cavity.volume.abs().cbrt();
+    let same = |s: &Shell| {
+        let apart = (0..3).map(|k| (s.centroid[k] - cavity.centroid[k]).abs()).fold(0.0, f64::max);
+        (s.volume + cavity.volume).abs() < 0.01 * s.volume.abs() && apart < 0.01 * size
+    };
+    spine.shells.iter().any(same)
 }
 
 /// The triangulated plan; where parts are too near for the spacing, outlines are followed more closely.

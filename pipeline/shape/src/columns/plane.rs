@@ -10,6 +10,9 @@ use spade::{AngleLimit, ConstrainedDelaunayTriangulation, RefinementParameters, 
 /// Angles that the refinement aims at, degrees; Ruppert's algorithm ends for certain up to 20.7.
 const ANGLE: f64 = 20.0;
 
+/// Largest triangle in squares of the target length; an even triangle has 0.43, refinement halves what is larger.
+const AREA: f64 = 0.65;
+
 /// A triangulated plan.
 pub(crate) struct Plane {
     pub points: Vec<Point2>,
@@ -36,7 +39,10 @@ pub(crate) fn triangulate(graph: &Graph, edge: Metre) -> Result<Plane, Point2> {
             return Err(graph.points[a as usize]);
         }
     }
-    let area = 0.55 * edge * edge; // an even triangle has 0.43
+    for p in surround(&graph.points, 2.0 * edge) {
+        plane.insert(spade::Point2::new(p[0], p[1])).map_err(|_| p)?;
+    }
+    let area = AREA * edge * edge;
     plane.refine(
         RefinementParameters::new()
             .with_angle_limit(AngleLimit::from_deg(ANGLE))
@@ -45,6 +51,14 @@ pub(crate) fn triangulate(graph: &Graph, edge: Metre) -> Result<Plane, Point2> {
             .with_max_additional_vertices(200_000),
     );
     Ok(read(&plane))
+}
+
+/// Corners of a box around all points: without it the hull's edges would graze the outline and be refined to needles.
+fn surround(points: &[Point2], margin: Metre) -> [Point2; 4] {
+    let reach = |k: usize| points.iter().fold((0.0f64, 0.0f64), |(l, h), p| (l.min(p[k]), h.max(p[k])));
+    let ((l0, h0), (l1, h1)) = (reach(0), reach(1));
+    let (low, high) = ([l0 - margin, l1 - margin], [h0 + margin, h1 + margin]);
+    [low, [high[0], low[1]], high, [low[0], high[1]]]
 }
 
 fn read(plane: &ConstrainedDelaunayTriangulation<spade::Point2<f64>>) -> Plane {
@@ -75,17 +89,22 @@ mod tests {
         let ring = |f: u32| (0..4).map(move |i| [f + i, f + (i + 1) % 4]);
         let graph = Graph { points, edges: ring(0).chain(ring(4)).collect() };
         let plane = triangulate(&graph, 0.7).unwrap();
-        assert_eq!(plane.region_count, 2);
+        // the two squares and what surrounds them
+        assert_eq!(plane.region_count, 3);
         let area = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|v| plane.points[v as usize]);
             turn(a, b, c) / 2.0
         };
         let inner: f64 = (0..plane.triangles.len())
-            .filter(|&t| plane.triangles[t].iter().any(|&v| plane.points[v as usize][0].abs() < 0.9 && plane.points[v as usize][1].abs() < 0.9))
+            .filter(|&t| {
+                plane.triangles[t]
+                    .iter()
+                    .any(|&v| plane.points[v as usize][0].abs() < 0.9 && plane.points[v as usize][1].abs() < 0.9)
+            })
             .map(|t| area(&plane.triangles[t]))
             .sum();
         assert!(inner > 0.0 && inner <= 4.0 + 1e-9);
-        assert!((plane.triangles.iter().map(area).sum::<f64>() - 36.0).abs() < 1e-9);
+        assert!((plane.triangles.iter().map(area).sum::<f64>() - 8.8 * 8.8).abs() < 1e-9);
     }
 
     #[test]

@@ -87,7 +87,9 @@ impl Resolution {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TailError {
     /// A part that has no room.
-    #[error("{part} is {room_mm:.3} mm at x = {x_mm:.2} mm\n  why: it must be more than {least_mm:.3} mm for the parts to stay apart\n  do:  {remedy}")]
+    #[error(
+        "{part} is {room_mm:.3} mm at x = {x_mm:.2} mm\n  why: it must be more than {least_mm:.3} mm for the parts to stay apart\n  do:  {remedy}"
+    )]
     NoRoom {
         /// Which part.
         part: &'static str,
@@ -101,7 +103,9 @@ pub enum TailError {
         remedy: &'static str,
     },
     /// Sheets that cross.
-    #[error("the layers of the tail cross each other\n  why: layer {lower} lies below layer {upper} in one place and above it in another\n  do:  make the walls thinner or the body wider")]
+    #[error(
+        "the layers of the tail cross each other\n  why: layer {lower} lies below layer {upper} in one place and above it in another\n  do:  make the walls thinner or the body wider"
+    )]
     Crossed {
         /// A layer.
         lower: u32,
