@@ -6,6 +6,9 @@
 //!
 //! Stands on: a grey picture. Never knows: a lens, where the board stands.
 
+mod lattice;
+mod saddle;
+
 use crate::Gray;
 use si::{Metre, Point2, Point3};
 
@@ -70,13 +73,69 @@ impl Board {
     }
 }
 
+/// Blurs at which corners are looked for, px: a sharp picture first, then one out of focus or of large squares.
+const BLURS: [f64; 3] = [2.0, 1.2, 4.0];
+/// A corner is refined within this share of the way to its nearest neighbour, so that no other edge comes in.
+const REFINED_SHARE: f64 = 0.35;
+/// Bounds of that distance, px: enough pixels for the fit, and no more than a lens bends.
+const REFINED: (f64, f64) = (3.0, 8.0);
+
 /// Finds the inner corners of `board`, px, in the order of [`Board::corners`].
+///
+/// Saddles of the blurred picture, joined to a grid, refined in the picture itself, then turned so that black and white
+/// fit the board. The whole board must be seen, with a light margin.
 ///
 /// # Errors
 /// [`BoardError`] when the board's order is not unique, or it is not in the picture as a whole: then it says how many
 /// corners were seen.
 pub fn find(picture: &Gray, board: &Board) -> Result<Vec<Point2>, BoardError> {
-    let _ = picture;
+    let (columns, rows) = (board.columns, board.rows);
     let (across, down) = board.inner();
-    Err(BoardError::NotFound { columns: board.columns, rows: board.rows, in_grid: 0, seen: 0, expected: across * down })
+    if across < 2 || down < 2 || (columns + rows).is_multiple_of(2) {
+        return Err(BoardError::Ambiguous { columns, rows });
+    }
+    let (mut in_grid, mut seen) = (0, 0);
+    for blur in BLURS {
+        let places: Vec<Point2> = saddle::saddles(picture, blur).iter().map(|s| s.at).collect();
+        let rough = lattice::find(&places, across, down);
+        match rough.map(|rough| refined(picture, &rough, across)) {
+            Ok(Some(corners)) => return Ok(turned(picture, corners, board)),
+            Ok(None) => {}
+            Err(size) => (in_grid, seen) = (in_grid, seen).max((size, places.len())),
+        }
+    }
+    Err(BoardError::NotFound { columns, rows, in_grid, seen, expected: across * down })
+}
+
+/// Every corner to a fraction of a pixel; none when one of them is no saddle after all.
+fn refined(picture: &Gray, rough: &[Point2], across: usize) -> Option<Vec<Point2>> {
+    let distance = |a: usize, b: usize| (rough[a][0] - rough[b][0]).hypot(rough[a][1] - rough[b][1]);
+    let place = |k: usize| {
+        let beside = if (k + 1).is_multiple_of(across) { k - 1 } else { k + 1 };
+        let below = if k + across < rough.len() { k + across } else { k - across };
+        let radius = (REFINED_SHARE * distance(k, beside).min(distance(k, below))).clamp(REFINED.0, REFINED.1);
+        saddle::refine(picture, rough[k], radius)
+    };
+    (0..rough.len()).map(place).collect()
+}
+
+/// The corners, or the corners upside down, so that the squares between them have the board's colours.
+fn turned(picture: &Gray, mut corners: Vec<Point2>, board: &Board) -> Vec<Point2> {
+    let (across, down) = board.inner();
+    let middle = |i: usize, j: usize| {
+        let at = |i: usize, j: usize| corners[j * across + i];
+        let around = [at(i, j), at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)];
+        [0, 1].map(|axis| 0.25 * around.iter().map(|p| p[axis]).sum::<f64>())
+    };
+    let mut levels = [(0.0, 0.0); 2]; // sum and number, of squares that should be white and black
+    for (i, j) in (0..down - 1).flat_map(|j| (0..across - 1).map(move |i| (i, j))) {
+        let (sum, number) = &mut levels[usize::from(board.black(i + 1, j + 1))];
+        *sum += picture.level(middle(i, j));
+        *number += 1.0;
+    }
+    let [white, black] = levels.map(|(sum, number)| sum / number);
+    if black > white {
+        corners.reverse();
+    }
+    corners
 }

@@ -1,0 +1,188 @@
+//! Corners to a grid: each looks for its neighbours where the ones before it say they should be.
+//!
+//! Stands on: a list of places. Never knows: black and white, a lens.
+
+use si::Point2;
+use std::collections::{BTreeMap, VecDeque};
+
+/// Places of a grid by their column and row, both from any number.
+type Grid = BTreeMap<(i32, i32), Point2>;
+
+/// A neighbour may lie this share of the step away from where it is expected: tilt and distortion change a step by less.
+const ASTRAY: f64 = 0.3;
+/// Starts that are tried, strongest corner first.
+const STARTS: usize = 40;
+/// The four ways to a neighbour.
+const WAYS: [(i32, i32); 4] = [(1, 0), (0, 1), (-1, 0), (0, -1)];
+
+/// The grid of `across` × `down` places among `corners` (strongest first), row by row as [`ordered`] says.
+///
+/// # Errors
+/// The number of places in the largest grid, when none has the right size.
+pub(super) fn find(corners: &[Point2], across: usize, down: usize) -> Result<Vec<Point2>, usize> {
+    let mut largest = 0;
+    for start in 0..corners.len().min(STARTS) {
+        let Some(steps) = first_steps(corners, start) else { continue };
+        let grid = trimmed(grow(corners, start, steps), across.min(down));
+        if let Some(found) = ordered(&grid, across, down) {
+            return Ok(found);
+        }
+        largest = largest.max(grid.len());
+    }
+    Err(largest)
+}
+
+/// Steps to two neighbours of a corner that stand across each other, each with a neighbour opposite, nearest first.
+fn first_steps(corners: &[Point2], start: usize) -> Option<[Point2; 2]> {
+    let mut near: Vec<Point2> = corners.iter().map(|c| minus(*c, corners[start])).collect();
+    near.sort_by(|a, b| length(*a).total_cmp(&length(*b)));
+    let near = &near[1..near.len().min(13)];
+    let paired = |&&step: &&Point2| near.iter().any(|&other| length(plus(step, other)) < ASTRAY * length(step));
+    let first = *near.iter().find(paired)?;
+    let across = |&&step: &&Point2| {
+        let sine = (first[0] * step[1] - first[1] * step[0]) / (length(first) * length(step));
+        sine.abs() > 0.5 && length(step) < 2.5 * length(first)
+    };
+    let second = *near.iter().filter(across).find(paired)?;
+    Some([first, second])
+}
+
+/// Grows a grid from one corner, ring by ring.
+fn grow(corners: &[Point2], start: usize, steps: [Point2; 2]) -> Grid {
+    let mut grid = Grid::from([((0, 0), corners[start])]);
+    let mut used = vec![false; corners.len()];
+    used[start] = true;
+    let mut queue = VecDeque::from([(0, 0)]);
+    while let Some(cell) = queue.pop_front() {
+        for way in WAYS {
+            let next = (cell.0 + way.0, cell.1 + way.1);
+            if grid.contains_key(&next) {
+                continue;
+            }
+            let step = step_from(&grid, cell, way, steps);
+            let expected = plus(grid[&cell], step);
+            let distance = |i: usize| length(minus(corners[i], expected));
+            let nearest = (0..corners.len()).min_by(|&a, &b| distance(a).total_cmp(&distance(b)));
+            if let Some(i) = nearest.filter(|&i| !used[i] && distance(i) < ASTRAY * length(step)) {
+                used[i] = true;
+                grid.insert(next, corners[i]);
+                queue.push_back(next);
+            }
+        }
+    }
+    grid
+}
+
+/// The step expected from a cell: the last step on the same line, or of a line beside it, or the first steps.
+fn step_from(grid: &Grid, (i, j): (i32, i32), (di, dj): (i32, i32), first: [Point2; 2]) -> Point2 {
+    let known = |from: (i32, i32)| Some(minus(*grid.get(&(from.0 + di, from.1 + dj))?, *grid.get(&from)?));
+    let behind = known((i - di, j - dj));
+    let beside = || known((i + dj, j + di)).or_else(|| known((i - dj, j - di)));
+    behind.or_else(beside).unwrap_or_else(|| {
+        let [a, b] = first;
+        let (u, v) = (f64::from(di), f64::from(dj));
+        [u * a[0] + v * b[0], u * a[1] + v * b[1]]
+    })
+}
+
+/// The grid without outer lines of strays: corners of the surroundings that happened to lie where a neighbour would.
+///
+/// A line goes when fewer than half of the places are taken that a line of the board's shorter side, `least`, would have.
+fn trimmed(mut grid: Grid, least: usize) -> Grid {
+    loop {
+        let Some((columns, rows)) = spans(&grid) else { return grid };
+        let outer: [fn(&(i32, i32), &Span, &Span) -> bool; 4] = [
+            |k, c, _| k.0 == c.start,
+            |k, c, _| k.0 == c.end - 1,
+            |k, _, r| k.1 == r.start,
+            |k, _, r| k.1 == r.end - 1,
+        ];
+        let taken =
+            |line: &fn(&(i32, i32), &Span, &Span) -> bool| grid.keys().filter(|k| line(k, &columns, &rows)).count();
+        let Some(line) = outer.into_iter().find(|line| 2 * taken(line) < least) else { return grid };
+        grid.retain(|k, _| !line(k, &columns, &rows));
+    }
+}
+
+/// Numbers from first to one past the last.
+type Span = std::ops::Range<i32>;
+
+/// The places of a grid row by row, `across` × `down` of them, when it is exactly that large and has no hole.
+///
+/// Columns and rows are exchanged where needed, so that the first axis is the one of `across`; turning from it to the
+/// second is anticlockwise as one sees it (in the picture y runs down). None when the size differs.
+fn ordered(grid: &Grid, across: usize, down: usize) -> Option<Vec<Point2>> {
+    let (columns, rows) = spans(grid)?;
+    if grid.len() != across * down {
+        return None;
+    }
+    let swapped = match (columns.len(), rows.len()) {
+        size if size == (across, down) => false,
+        size if size == (down, across) => true,
+        _ => return None,
+    };
+    let cell = |i: usize, j: usize| {
+        let (i, j) = (i as i32, j as i32);
+        let key = if swapped { (columns.start + j, rows.start + i) } else { (columns.start + i, rows.start + j) };
+        grid.get(&key).copied()
+    };
+    let (u, v) = (minus(cell(1, 0)?, cell(0, 0)?), minus(cell(0, 1)?, cell(0, 0)?));
+    let clockwise = u[0] * v[1] - u[1] * v[0] > 0.0;
+    let row = |j: usize| if clockwise { down - 1 - j } else { j };
+    (0..down).flat_map(|j| (0..across).map(move |i| (i, j))).map(|(i, j)| cell(i, row(j))).collect()
+}
+
+/// Columns and rows that a grid reaches over.
+fn spans(grid: &Grid) -> Option<(Span, Span)> {
+    let range = |axis: fn(&(i32, i32)) -> i32| Some(grid.keys().map(axis).min()?..grid.keys().map(axis).max()? + 1);
+    Some((range(|k| k.0)?, range(|k| k.1)?))
+}
+
+fn plus(a: Point2, b: Point2) -> Point2 {
+    [a[0] + b[0], a[1] + b[1]]
+}
+
+fn minus(a: Point2, b: Point2) -> Point2 {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+fn length(a: Point2) -> f64 {
+    a[0].hypot(a[1])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A grid of 7 × 4 in perspective, seen from above: columns to the right, rows upwards.
+    fn tilted(i: usize, j: usize) -> Point2 {
+        let (x, y) = (i as f64, j as f64);
+        let w = 1.0 + 0.03 * x - 0.02 * y;
+        [100.0 + (40.0 * x + 6.0 * y) / w, 300.0 + (5.0 * x - 38.0 * y) / w]
+    }
+
+    #[test]
+    fn a_grid_among_strays_is_put_in_order() {
+        let mut corners: Vec<Point2> = (0..28).map(|k| tilted((k * 5 % 28) % 7, (k * 5 % 28) / 7)).collect();
+        corners.extend([[500.0, 20.0], [130.0, 330.0], [80.0, 100.0]]);
+        let found = find(&corners, 7, 4).unwrap();
+        let expected: Vec<_> = (0..28).map(|k| tilted(k % 7, k / 7)).collect();
+        let turned: Vec<_> = expected.iter().rev().copied().collect();
+        assert!(found == expected || found == turned);
+    }
+
+    #[test]
+    fn strays_where_a_neighbour_would_be_are_trimmed() {
+        let mut corners: Vec<Point2> = (0..28).map(|k| tilted(k % 7, k / 7)).collect();
+        corners.extend([tilted(7, 2), tilted(8, 2), [57.0, 298.0]]);
+        assert!(find(&corners, 7, 4).is_ok());
+    }
+
+    #[test]
+    fn a_grid_with_a_hole_or_of_another_size_is_refused_with_its_size() {
+        let corners: Vec<Point2> = (0..28).map(|k| tilted(k % 7, k / 7)).collect();
+        assert_eq!(find(&corners, 6, 4), Err(28));
+        let holed: Vec<_> = corners.iter().enumerate().filter(|(k, _)| *k != 9).map(|(_, c)| *c).collect();
+        assert_eq!(find(&holed, 7, 4), Err(27));
+    }
+}
