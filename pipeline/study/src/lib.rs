@@ -1,1 +1,93 @@
-//! study
+//! The study: recordings in, tracks, identified materials, validation, figures and tables out.
+//!
+//! `stages/` tells the story in the order of the data; `figures/` and `tables/` show it; the runner makes what is stale. It
+//! knows nothing but `data/raw`; the hidden truth of a virtual bench is read by the stage `recovery` alone.
+//!
+//! Stands on: every tool crate. Never knows: the virtual bench.
+
+pub mod check;
+pub mod claims;
+pub mod cli;
+pub mod columns;
+pub mod entry;
+pub mod expected;
+pub mod fault;
+pub mod figure;
+pub mod figures;
+pub mod metric;
+pub mod model;
+pub mod needs;
+pub mod record;
+pub mod records;
+pub mod runner;
+pub mod settings;
+pub mod stage;
+pub mod stages;
+pub mod subject;
+pub mod table;
+pub mod tables;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use check::Checked;
+use entry::Entry;
+use expected::Expected;
+use fault::{Fault, Outcome};
+use runner::{Folders, Runner};
+use settings::{Profile, Settings};
+use subject::{Specimen, Study};
+
+/// Everything that the study makes: stages in the order of the data, then figures, then tables.
+pub const LISTS: &[&[Entry]] = &[stages::ALL, figures::ALL, tables::ALL];
+
+/// Opens a project: its settings, and the card of each specimen. Cards that cannot be read are returned as faults; the other
+/// specimens are not harmed.
+///
+/// # Errors
+/// A [`Fault`] when the settings cannot be read or there is no specimen at all.
+pub fn open(root: &Path, profile: Profile, quiet: bool, jobs: usize) -> Outcome<(Runner, Vec<Fault>)> {
+    let folders = Folders::new(root, profile);
+    let text = std::fs::read_to_string(folders.settings()).map_err(|e| {
+        let what = format!("{} cannot be read", folders.settings().display());
+        Fault::new(what, e, "run in the project's folder, or name it with --root")
+    })?;
+    let names: Vec<&str> = stages::ALL.iter().map(|entry| entry.name).collect();
+    let settings = Settings::read(&text, profile, &names)?;
+    let (specimens, faults) = specimens(&folders)?;
+    let study = Study { specimens };
+    Ok((Runner { lists: LISTS, study, settings, profile, folders, quiet, jobs }, faults))
+}
+
+/// Compares the numbers of the last run with expectations and claims.
+///
+/// # Errors
+/// A [`Fault`] when there has been no run, or a page of `paper/` is not understood.
+pub fn check(runner: &Runner) -> Outcome<Checked> {
+    let metrics = runner::read_metrics(runner)?;
+    let expected = Expected::read(&runner.folders.expected(), runner.profile)?;
+    Ok(check::check(&metrics, &expected, &claims::read(&runner.folders.claims())?))
+}
+
+/// The list of stages, figures and tables, a line each.
+pub fn story() -> String {
+    let line = |entry: &Entry| format!("{:<16} {}\n", entry.name, entry.story);
+    LISTS.iter().flat_map(|list| list.iter()).map(line).collect()
+}
+
+fn specimens(folders: &Folders) -> Outcome<(Vec<Specimen>, Vec<Fault>)> {
+    let raw = folders.raw();
+    let found = lab::folder::list(&raw).map_err(Fault::from_tool)?;
+    let (mut specimens, mut faults) = (Vec::new(), Vec::new());
+    for folder in &found {
+        match lab::Specimen::open(folder) {
+            Ok(specimen) => specimens.push(Specimen { card: Arc::new(specimen.card) }),
+            Err(refusal) => faults.push(Fault::from_tool(refusal)),
+        }
+    }
+    if found.is_empty() {
+        let what = format!("there is no specimen in {}", folders.tell(&raw));
+        return Err(Fault::new(what, "no folder there holds a specimen.toml", "rig record, or add your own actuator"));
+    }
+    Ok((specimens, faults))
+}

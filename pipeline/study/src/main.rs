@@ -1,2 +1,66 @@
-//! x
-fn main(){}
+//! `study`: the pipeline's command line. Exit code 0 when all is made, 1 for bad input or drift, 2 for usage.
+
+use std::process::ExitCode;
+
+use clap::Parser;
+use study::cli::{Cli, Command};
+use study::fault::{Fault, Outcome};
+use study::runner::{Goal, Runner, Tally};
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    match run(&cli) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(fault) => {
+            eprintln!("{fault}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Does what is asked; says whether all of it went well.
+fn run(cli: &Cli) -> Outcome<bool> {
+    let open = || study::open(&cli.place.root, cli.place.profile.into(), cli.place.quiet, cli.place.jobs);
+    match &cli.command {
+        Command::Run { names, specimen, fresh } => {
+            let (runner, faults) = open()?;
+            let goal = Goal { entries: names.clone(), specimen: specimen.clone() };
+            Ok(tell(&faults) & well(runner.run(&goal, *fresh)?))
+        }
+        Command::Fig { name } | Command::Table { name } => {
+            let (runner, faults) = open()?;
+            Ok(tell(&faults) & well(runner.run(&Goal { entries: vec![name.clone()], specimen: None }, false)?))
+        }
+        Command::Plan { names, specimen } => {
+            let (runner, faults) = open()?;
+            println!("{}", runner.plan(&Goal { entries: names.clone(), specimen: specimen.clone() })?);
+            Ok(tell(&faults))
+        }
+        Command::Why { name } => {
+            let (runner, faults) = open()?;
+            println!("{}", runner.why(name)?);
+            Ok(tell(&faults))
+        }
+        Command::Check => check(&open()?.0),
+        Command::List => {
+            print!("{}", study::story());
+            Ok(true)
+        }
+    }
+}
+
+fn check(runner: &Runner) -> Outcome<bool> {
+    let checked = study::check(runner)?;
+    println!("{}", checked.text);
+    Ok(!checked.drifted)
+}
+
+fn tell(faults: &[Fault]) -> bool {
+    faults.iter().for_each(|fault| eprintln!("{fault}"));
+    faults.is_empty()
+}
+
+fn well(tally: Tally) -> bool {
+    tally.failed == 0 && tally.skipped == 0
+}

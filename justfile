@@ -1,0 +1,52 @@
+# A paper that rebuilds itself. `just` alone lists what there is.
+
+programs := "target/release"
+
+# list what there is
+default:
+    @just --list --unsorted
+
+# build both programs
+build:
+    cargo build --release --workspace --locked
+
+# everything: record the virtual bench, run every stage, draw every figure and table (paper profile)
+all: build
+    {{programs}}/rig record
+    {{programs}}/study run
+    {{programs}}/study check
+
+# one figure, with what it needs
+fig NAME: build
+    {{programs}}/rig record
+    {{programs}}/study fig {{NAME}}
+
+# one table, with what it needs
+table NAME: build
+    {{programs}}/rig record
+    {{programs}}/study table {{NAME}}
+
+# a coarse and short version of everything, under target/quick
+quick: build
+    {{programs}}/rig record --profile quick
+    {{programs}}/study run --profile quick
+
+# every number against what is expected and published, every claim against its rule (of the quick profile: just check paper)
+check PROFILE="quick": build
+    {{programs}}/study check --profile {{PROFILE}}
+
+# all tests
+test:
+    cargo test --release --workspace --locked
+
+# formatting and lints, warnings as errors
+lint:
+    cargo fmt --all --check
+    cargo clippy --release --workspace --all-targets --locked -- -D warnings
+
+# what continuous integration runs
+ci: test lint quick check
+
+# remove what is made, but neither sources nor tracked figures
+clean:
+    rm -rf data/processed target/quick

@@ -1,0 +1,99 @@
+//! The command line of `study`.
+//!
+//! Stands on: clap. Never knows: what a command does.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use crate::settings;
+
+/// Recordings in, paper out: tracks, identified materials, validation, figures, tables.
+#[derive(Debug, Parser)]
+#[command(name = "study", version)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+    /// Where the project lies.
+    #[command(flatten)]
+    pub place: Place,
+}
+
+/// Options of every command.
+#[derive(Debug, Args)]
+pub struct Place {
+    /// Settings and folders to use: quick is coarse and lives under target/quick.
+    #[arg(long, global = true, value_enum, default_value_t = Profile::Paper)]
+    pub profile: Profile,
+    /// The project's folder.
+    #[arg(long, global = true, default_value = ".")]
+    pub root: PathBuf,
+    /// Print only faults, warnings and the last line.
+    #[arg(long, global = true)]
+    pub quiet: bool,
+    /// How many records are made side by side.
+    #[arg(long, global = true, default_value_t = 2)]
+    pub jobs: usize,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Make what is stale: everything, or the named stages, figures or tables with what they need.
+    Run {
+        /// Stages, figures or tables.
+        names: Vec<String>,
+        /// One specimen alone.
+        #[arg(long)]
+        specimen: Option<String>,
+        /// Make the named ones even when they are not stale.
+        #[arg(long)]
+        fresh: bool,
+    },
+    /// Say for each record whether it would be kept or made, and why; write nothing.
+    Plan {
+        /// Stages, figures or tables.
+        names: Vec<String>,
+        /// One specimen alone.
+        #[arg(long)]
+        specimen: Option<String>,
+    },
+    /// Say from what each record of a stage was made.
+    Why {
+        /// The stage, figure or table.
+        name: String,
+    },
+    /// Make one figure, with what it needs.
+    Fig {
+        /// Its name, as in figures/NAME.svg.
+        name: String,
+    },
+    /// Make one table, with what it needs.
+    Table {
+        /// Its name, as in paper/tables/NAME.csv.
+        name: String,
+    },
+    /// Compare every number with what is expected and published, and every claim with its rule.
+    Check,
+    /// List the stages, figures and tables, each with its story.
+    List,
+}
+
+/// The profiles as words of the command line.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum Profile {
+    /// Full resolution.
+    Paper,
+    /// Coarse and short.
+    Quick,
+}
+
+impl From<Profile> for settings::Profile {
+    fn from(profile: Profile) -> Self {
+        match profile {
+            Profile::Paper => settings::Profile::Paper,
+            Profile::Quick => settings::Profile::Quick,
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! Entries: a stage, figure or table with its types put away, so that the runner can hold all of them in one list.
+//!
+//! Stands on: the contracts stage, figure and table. Never knows: a path, an order of running.
+
+use serde_json::Value;
+
+use crate::fault::{Fault, Outcome};
+use crate::figure::Figure;
+use crate::metric::Metric;
+use crate::needs::{Id, Needs, Shelf};
+use crate::record::{Parcel, Record, RecordError};
+use crate::settings::Settings;
+use crate::stage::{Desk, RawFile, Stage};
+use crate::subject::{Scope, Study};
+use crate::table::Table;
+
+/// What a thing on the list is; it decides where its product is shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// A stage: its record stays in `data/processed`.
+    Stage,
+    /// A figure: its SVG is also laid into `figures/`.
+    Figure,
+    /// A table: its CSV, LaTeX and SVG are also laid into `paper/tables/`.
+    Table,
+}
+
+/// Everything that decides what a record is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ingredients {
+    /// Raw recordings read.
+    pub raw: Vec<RawFile>,
+    /// The part of the card read.
+    pub card: Value,
+    /// The section of the settings, as the stage understood it.
+    pub settings: Value,
+    /// Records read.
+    pub records: Vec<Id>,
+}
+
+/// A record just made.
+pub struct Made {
+    /// Its files.
+    pub parcel: Parcel,
+    /// Its numbers.
+    pub metrics: Vec<Metric>,
+    /// Its one telling number.
+    pub telling: String,
+}
+
+/// One line of a list of stages, figures or tables.
+pub struct Entry {
+    /// Its name, also its section in `study.toml`.
+    pub name: &'static str,
+    /// What becomes what.
+    pub story: &'static str,
+    /// What it is.
+    pub kind: Kind,
+    /// Its edition.
+    pub edition: u32,
+    /// The names of its subjects.
+    pub subjects: fn(&Study) -> Vec<String>,
+    /// What its record on a subject is made from.
+    pub ingredients: fn(&Study, &str, &Settings) -> Outcome<Ingredients>,
+    /// Makes the record.
+    pub make: fn(&Study, &str, &Settings, &dyn Shelf, &dyn Desk) -> Outcome<Made>,
+}
+
+/// A stage as an entry.
+pub const fn stage<S: Stage>() -> Entry {
+    Entry {
+        name: S::Makes::STAGE,
+        story: S::STORY,
+        kind: Kind::Stage,
+        edition: S::EDITION,
+        subjects: |study| of_stage::<S>(study).iter().map(Scope::name).collect(),
+        ingredients: |study, name, settings| {
+            let of = find(of_stage::<S>(study), name)?;
+            let section: S::Settings = settings.section(S::Makes::STAGE)?;
+            Ok(Ingredients {
+                raw: S::raw(&of),
+                card: S::card(&of),
+                settings: as_json(&section)?,
+                records: S::Needs::wanted(&of),
+            })
+        },
+        make: |study, name, settings, shelf, desk| {
+            let of = find(of_stage::<S>(study), name)?;
+            let needs = S::Needs::fetch(&of, shelf)?;
+            let record = S::run(&of, &settings.section(S::Makes::STAGE)?, needs, desk)?;
+            let parcel = record.pack().map_err(unwritable)?;
+            Ok(Made { parcel, metrics: record.metrics(&of), telling: record.telling() })
+        },
+    }
+}
+
+/// A figure as an entry.
+pub const fn figure<F: Figure>() -> Entry {
+    Entry {
+        name: F::NAME,
+        story: F::SHOWS,
+        kind: Kind::Figure,
+        edition: F::EDITION,
+        subjects: |study| study.name_if_any(),
+        ingredients: |study, _, _| Ok(shown(F::Needs::wanted(study))),
+        make: |study, _, _, shelf, _| {
+            let svg = F::draw(F::Needs::fetch(study, shelf)?)?.svg().map_err(Fault::from_tool)?;
+            let telling = format!("{} KiB", svg.len().div_ceil(1024));
+            let parcel = Parcel::default().file(&format!("{}.svg", F::NAME), svg.into_bytes());
+            Ok(Made { parcel, metrics: Vec::new(), telling })
+        },
+    }
+}
+
+/// A table as an entry.
+pub const fn table<T: Table>() -> Entry {
+    Entry {
+        name: T::NAME,
+        story: T::SHOWS,
+        kind: Kind::Table,
+        edition: T::EDITION,
+        subjects: |study| study.name_if_any(),
+        ingredients: |study, _, _| Ok(shown(T::Needs::wanted(study))),
+        make: |study, _, _, shelf, _| {
+            let table = T::fill(T::Needs::fetch(study, shelf)?)?;
+            let parcel = Parcel::default()
+                .file(&format!("{}.csv", T::NAME), table.csv().into_bytes())
+                .file(&format!("{}.tex", T::NAME), table.latex().into_bytes())
+                .file(&format!("{}.svg", T::NAME), table.svg().map_err(Fault::from_tool)?.into_bytes());
+            Ok(Made { parcel, metrics: Vec::new(), telling: format!("{} rows", table.rows.len()) })
+        },
+    }
+}
+
+impl Study {
+    /// The study's name, or nothing where no specimen was found and so nothing can be shown.
+    fn name_if_any(&self) -> Vec<String> {
+        if self.specimens.is_empty() { Vec::new() } else { vec![self.name()] }
+    }
+}
+
+fn of_stage<S: Stage>(study: &Study) -> Vec<<S::Makes as Record>::Of> {
+    <S::Makes as Record>::Of::all(study).into_iter().filter(|of| S::Makes::is_made_for(of)).collect()
+}
+
+fn find<Of: Scope>(all: Vec<Of>, name: &str) -> Outcome<Of> {
+    all.into_iter().find(|of| of.name() == name).ok_or_else(|| {
+        Fault::new(format!("there is no `{name}`"), "no card names it", "study plan lists what there is")
+    })
+}
+
+fn shown(records: Vec<Id>) -> Ingredients {
+    Ingredients { raw: Vec::new(), card: Value::Null, settings: Value::Null, records }
+}
+
+fn as_json(value: &impl serde::Serialize) -> Outcome<Value> {
+    serde_json::to_value(value).map_err(Fault::from_tool)
+}
+
+fn unwritable(error: RecordError) -> Fault {
+    Fault::new("the record cannot be written", error, "report it: a stage made a table with ragged columns")
+}

@@ -1,0 +1,25 @@
+//! A figure: it needs records and draws them; it computes nothing but units.
+//!
+//! The contract of `figures/`. Stands on: needs, plot. Never knows: file names, fonts, colours of its own.
+
+use crate::fault::Outcome;
+use crate::needs::Needs;
+use crate::subject::Study;
+
+/// One figure of the paper.
+pub trait Figure {
+    /// The records it shows.
+    type Needs: Needs<Study>;
+    /// Its name: `figures/NAME.svg`.
+    const NAME: &'static str;
+    /// What a reader learns from it, one sentence.
+    const SHOWS: &'static str;
+    /// Counted up when the same records give another picture than before.
+    const EDITION: u32;
+
+    /// Draws it.
+    ///
+    /// # Errors
+    /// A [`crate::fault::Fault`] when the records hold nothing to show.
+    fn draw(needs: Self::Needs) -> Outcome<plot::Figure>;
+}

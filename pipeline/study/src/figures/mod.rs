@@ -1,0 +1,21 @@
+//! The figures of the paper, in its order.
+//!
+//! Stands on: the contract in `figure.rs` and its members. Never knows: a file name, a stage's code.
+//! A new figure: its file and its line in [`ALL`].
+
+mod dynamics;
+mod sysid;
+mod tail;
+
+use crate::entry::{Entry, figure};
+
+/// Every figure.
+pub const ALL: &[Entry] = &[figure::<tail::Tail>(), figure::<sysid::Sysid>(), figure::<dynamics::Dynamics>()];
+
+/// What a reader must know of where the data come from.
+fn origin_note<'a>(mut cards: impl Iterator<Item = &'a lab::Card>) -> String {
+    match cards.all(|card| card.origin == lab::card::Origin::Laboratory) {
+        true => String::new(),
+        false => "All data from the virtual bench: nothing here was measured.".into(),
+    }
+}

@@ -1,0 +1,100 @@
+//! The model: a meshed specimen handed from `shape` to `fem`, with the card's materials, clamp, chambers and markers.
+//!
+//! Stands on: fem, shape, the mesh record, the card. Never knows: a measurement, an optimiser.
+
+mod ladder;
+mod solid_angle;
+
+use std::sync::Arc;
+
+use fem::{Chamber, Clamps, Elements, Faces, RegionProperties, Solver, System};
+use lab::card::{Card, Solid};
+use shape::{QuadraticMesh, Skin, Spot};
+use si::{Pascal, Point2, Point3};
+
+use crate::fault::{Fault, Outcome};
+use crate::records::Mesh;
+
+pub use ladder::{Ladder, Rung, Simulated, Want};
+pub use solid_angle::chamber_at;
+
+/// A specimen ready to be simulated.
+#[derive(Clone)]
+pub struct Model {
+    /// What `fem` solves: region 0 is the body, region 1 the spine; chambers in the order of the card.
+    pub system: Arc<System>,
+    /// The card's markers as material points, in its order.
+    pub markers: Vec<Spot>,
+    /// Poisson's ratios of body and spine, from the card.
+    pub poissons_ratios: [f64; 2],
+}
+
+/// The region of the soft body.
+pub const BODY: usize = shape::BODY as usize;
+/// The region of the stiff sheet.
+pub const SPINE: usize = shape::SPINE as usize;
+
+impl Model {
+    /// The model of a specimen from its mesh and its card.
+    ///
+    /// # Errors
+    /// A [`Fault`] when a material is unknown or the simulator refuses the mesh.
+    pub fn new(mesh: &Mesh, card: &Card) -> Outcome<Self> {
+        let solid = fem_mesh(&mesh.solid, mesh.chambers.iter().map(|c| c.skin));
+        let regions = vec![region("body", &card.solid.body)?, region("spine", &card.solid.spine)?];
+        let clamps = Clamps::below_x(&solid, card.clamp.below_x);
+        let system = System::new(solid, regions, clamps).map_err(Fault::from_tool)?;
+        let poissons_ratios = [card.solid.body.poissons_ratio, card.solid.spine.poissons_ratio];
+        Ok(Self { system: Arc::new(system), markers: mesh.markers.clone(), poissons_ratios })
+    }
+
+    /// Gives a solver other Young's moduli of body and spine, Pa; Poisson's ratios stay the card's.
+    ///
+    /// # Errors
+    /// A [`Fault`] when a modulus is not a positive number.
+    pub fn set_moduli(&self, solver: &mut Solver, moduli: [Pascal; 2]) -> Outcome<()> {
+        for (region, (e, nu)) in moduli.into_iter().zip(self.poissons_ratios).enumerate() {
+            solver.set_elastic(region, e, nu).map_err(Fault::from_tool)?;
+        }
+        Ok(())
+    }
+
+    /// Displacement of a marker in the plane, m, from the displacement of all nodes (3 a node).
+    pub fn in_plane(spot: &Spot, displacement: &[f64]) -> Point2 {
+        let sum = |k: usize| spot.weights.iter().map(|&(node, w)| w * displacement[3 * node as usize + k]).sum();
+        [sum(0), sum(1)]
+    }
+}
+
+/// Displacements of all nodes, m, one point a node.
+pub fn by_node(displacement: &[f64]) -> Vec<Point3> {
+    displacement.chunks_exact(3).map(|u| [u[0], u[1], u[2]]).collect()
+}
+
+fn fem_mesh(solid: &QuadraticMesh, chambers: impl Iterator<Item = u16>) -> fem::Mesh {
+    let faces = |skin: u16| solid.skin.iter().filter(|f| f.on == Skin::Chamber(skin)).map(|f| f.nodes).collect();
+    fem::Mesh {
+        nodes: solid.nodes.clone(),
+        elements: Elements::Quadratic(solid.tets.clone()),
+        regions: solid.regions.clone(),
+        chambers: chambers.map(|skin| Chamber { faces: Faces::Quadratic(faces(skin)) }).collect(),
+        symmetry_plane_z: solid.half,
+    }
+}
+
+fn region(name: &str, solid: &Solid) -> Outcome<RegionProperties> {
+    let material = fem::materials::by_name(&solid.material).ok_or_else(|| {
+        let known: Vec<&str> = fem::materials::ALL.iter().map(|m| m.name()).collect();
+        Fault::new(
+            format!("the card gives solid.{name} the material `{}`", solid.material),
+            format!("known materials: {}", known.join(", ")),
+            "correct the card",
+        )
+    })?;
+    Ok(RegionProperties {
+        material,
+        youngs_modulus: solid.youngs_modulus,
+        poissons_ratio: solid.poissons_ratio,
+        density: solid.density,
+    })
+}

@@ -1,0 +1,68 @@
+//! Which chamber holds a point: the chamber whose walls fill the whole sphere around it.
+//!
+//! Stands on: shape. Never knows: a card.
+
+use shape::{QuadraticMesh, Skin};
+use si::Point3;
+use si::vec3::{cross, dot, norm, sub};
+
+/// The skin index of the chamber that holds `at` (m), or nothing when it lies in none.
+///
+/// The solid angle of a chamber's walls is 4π from inside and 0 from outside. A half model is mirrored at z = 0.
+pub fn chamber_at(solid: &QuadraticMesh, at: Point3) -> Option<u16> {
+    let mut indices: Vec<u16> = solid.skin.iter().filter_map(|f| index(f.on)).collect();
+    indices.sort_unstable();
+    indices.dedup();
+    indices.into_iter().find(|&k| angle(solid, k, at).abs() > 2.0 * std::f64::consts::PI)
+}
+
+fn index(on: Skin) -> Option<u16> {
+    match on {
+        Skin::Chamber(k) => Some(k),
+        _ => None,
+    }
+}
+
+fn angle(solid: &QuadraticMesh, chamber: u16, at: Point3) -> f64 {
+    let walls = solid.skin.iter().filter(|f| f.on == Skin::Chamber(chamber));
+    walls
+        .map(|f| {
+            let corners = [0, 1, 2].map(|i| solid.nodes[f.nodes[i] as usize]);
+            let [a, b, c] = corners;
+            let mirrored = [a, c, b].map(|[x, y, z]| [x, y, -z]);
+            of_triangle(corners, at) + if solid.half { of_triangle(mirrored, at) } else { 0.0 }
+        })
+        .sum()
+}
+
+/// Signed solid angle of a triangle seen from a point.      [vanoosterom1983]
+fn of_triangle(corners: [Point3; 3], at: Point3) -> f64 {
+    let [a, b, c] = corners.map(|p| sub(p, at));
+    let (la, lb, lc) = (norm(a), norm(b), norm(c));
+    let below = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
+    2.0 * dot(a, cross(b, c)).atan2(below)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use shape::QuadraticFace;
+
+    fn octahedron() -> QuadraticMesh {
+        let nodes = vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]];
+        let face = |a: u32, b: u32| QuadraticFace { nodes: [a, b, 4, 0, 0, 0], on: Skin::Chamber(7) };
+        let skin = vec![face(0, 1), face(1, 2), face(2, 3), face(3, 0)];
+        QuadraticMesh { nodes, tets: Vec::new(), regions: Vec::new(), skin, half: true }
+    }
+
+    #[test]
+    fn a_point_inside_a_half_chamber_and_its_mirror_image_find_it() {
+        assert_eq!(chamber_at(&octahedron(), [0.1, 0.2, 0.3]), Some(7));
+        assert_eq!(chamber_at(&octahedron(), [0.1, 0.2, -0.3]), Some(7));
+    }
+
+    #[test]
+    fn a_point_outside_finds_none() {
+        assert_eq!(chamber_at(&octahedron(), [0.9, 0.9, 0.1]), None);
+    }
+}

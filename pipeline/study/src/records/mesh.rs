@@ -1,0 +1,177 @@
+//! Mesh: the specimen's solid as quadratic tetrahedra, its chambers, and its markers as material points.
+
+use serde::{Deserialize, Serialize};
+use shape::{QuadraticFace, QuadraticMesh, Skin, Spot};
+use si::CubicMetre;
+
+use crate::columns::Columns;
+use crate::metric::Metric;
+use crate::record::{Parcel, Record, RecordError};
+use crate::subject::Specimen;
+
+/// A meshed specimen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mesh {
+    /// Nodes, elements, regions and skin; a half model where the surfaces are symmetric about z = 0.
+    pub solid: QuadraticMesh,
+    /// The card's chambers, in its order.
+    pub chambers: Vec<Cavity>,
+    /// The card's markers on the skin, in its order.
+    pub markers: Vec<Spot>,
+    /// How good the mesh is.
+    pub quality: Quality,
+}
+
+/// Which cavity of the skin is which chamber of the card.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Cavity {
+    /// The chamber's name on the card.
+    pub name: String,
+    /// The index of its faces on the skin.
+    pub skin: u16,
+    /// Its volume, both halves, m³.
+    pub volume_m3: CubicMetre,
+}
+
+/// What the mesher's own check found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Quality {
+    /// Degrees of freedom before clamping.
+    pub freedoms: usize,
+    /// Whether the surfaces are symmetric and only z ≥ 0 is meshed.
+    pub half: bool,
+    /// Smallest angle between two faces of an element, degrees.
+    pub min_dihedral_deg: f64,
+    /// Largest distance between the surfaces and the mesh, m.
+    pub hausdorff_m: f64,
+    /// Volume of body and spine in the mesh over their volume in the STL files, less one.
+    pub volume_error: [f64; 2],
+    /// Largest distance of a marker on the card from the skin, m.
+    pub marker_distance_m: f64,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Scalars {
+    chambers: Vec<Cavity>,
+    quality: Quality,
+    markers: Vec<Vec<(u32, f64)>>,
+}
+
+const OUTER: u32 = 0;
+const SYMMETRY: u32 = 1;
+const FIRST_CHAMBER: u32 = 2;
+
+impl Record for Mesh {
+    type Of = Specimen;
+    const STAGE: &'static str = "mesh";
+
+    fn pack(&self) -> Result<Parcel, RecordError> {
+        let solid = &self.solid;
+        let axis = |k: usize| solid.nodes.iter().map(|n| n[k]).collect();
+        let nodes =
+            Columns::default().numbers("x_m", axis(0)).numbers("y_m", axis(1)).numbers("z_m", axis(2));
+        let regions = solid.regions.iter().map(|&r| u32::from(r)).collect();
+        let tets = whole(Columns::default().counts("region", regions), "n", &solid.tets);
+        let faces: Vec<[u32; 6]> = solid.skin.iter().map(|f| f.nodes).collect();
+        let skin = Columns::default().counts("on", solid.skin.iter().map(|f| code(f.on)).collect());
+        let markers = self.markers.iter().map(|m| m.weights.clone()).collect();
+        let scalars = Scalars { chambers: self.chambers.clone(), quality: self.quality.clone(), markers };
+        Parcel::default()
+            .table("nodes.parquet", &nodes)?
+            .table("tetrahedra.parquet", &tets)?
+            .table("skin.parquet", &whole(skin, "n", &faces))?
+            .scalars("mesh.json", &scalars)
+            .map(|parcel| parcel.file("mesh.vtu", super::vtu::write(solid).into_bytes()))
+    }
+
+    fn unpack(parcel: &Parcel) -> Result<Self, RecordError> {
+        let scalars: Scalars = parcel.read_scalars("mesh.json")?;
+        let (nodes, tets) = (parcel.read_table("nodes.parquet")?, parcel.read_table("tetrahedra.parquet")?);
+        let skin = parcel.read_table("skin.parquet")?;
+        let (x, y, z) = (nodes.f64("x_m")?, nodes.f64("y_m")?, nodes.f64("z_m")?);
+        let faces = skin.u32("on")?.into_iter().zip(rows::<6>(&skin, "n")?);
+        Ok(Self {
+            solid: QuadraticMesh {
+                nodes: x.into_iter().zip(y).zip(z).map(|((x, y), z)| [x, y, z]).collect(),
+                tets: rows::<10>(&tets, "n")?,
+                regions: tets.u32("region")?.into_iter().map(|r| r as u16).collect(),
+                skin: faces.map(|(on, nodes)| QuadraticFace { nodes, on: decode(on) }).collect(),
+                half: scalars.quality.half,
+            },
+            chambers: scalars.chambers,
+            markers: scalars.markers.into_iter().map(|weights| Spot { weights }).collect(),
+            quality: scalars.quality,
+        })
+    }
+
+    fn metrics(&self, of: &Specimen) -> Vec<Metric> {
+        let id = |what: &str| format!("mesh.{}.{what}", of.card.name);
+        vec![
+            Metric::new(id("tets"), self.solid.tets.len() as f64, ""),
+            Metric::new(id("dofs"), self.quality.freedoms as f64, ""),
+            Metric::new(id("min_dihedral_deg"), self.quality.min_dihedral_deg, "°"),
+            Metric::new(id("hausdorff_mm"), 1e3 * self.quality.hausdorff_m, "mm"),
+        ]
+    }
+
+    fn telling(&self) -> String {
+        let half = if self.quality.half { "half model, " } else { "" };
+        let (tets, dofs) = (self.solid.tets.len(), self.quality.freedoms);
+        let (angle, off) = (self.quality.min_dihedral_deg, 1e3 * self.quality.hausdorff_m);
+        format!("{half}{tets} tetrahedra, {dofs} dofs, ≥ {angle:.1}°, within {off:.2} mm")
+    }
+}
+
+/// Adds one column of whole numbers for each place in a row.
+fn whole<const N: usize>(columns: Columns, name: &str, rows: &[[u32; N]]) -> Columns {
+    (0..N).fold(columns, |c, k| c.counts(&format!("{name}{k}"), rows.iter().map(|r| r[k]).collect()))
+}
+
+fn rows<const N: usize>(columns: &Columns, name: &str) -> Result<Vec<[u32; N]>, RecordError> {
+    let parts: Vec<Vec<u32>> = (0..N).map(|k| columns.u32(&format!("{name}{k}"))).collect::<Result<_, _>>()?;
+    let count = parts.first().map_or(0, Vec::len);
+    Ok((0..count).map(|i| std::array::from_fn(|k| parts[k][i])).collect())
+}
+
+fn code(on: Skin) -> u32 {
+    match on {
+        Skin::Outer => OUTER,
+        Skin::Symmetry => SYMMETRY,
+        Skin::Chamber(k) => FIRST_CHAMBER + u32::from(k),
+    }
+}
+
+fn decode(code: u32) -> Skin {
+    match code {
+        OUTER => Skin::Outer,
+        SYMMETRY => Skin::Symmetry,
+        k => Skin::Chamber((k - FIRST_CHAMBER) as u16),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mesh_survives_its_record() {
+        let solid = QuadraticMesh {
+            nodes: (0..10).map(|i| [0.1 * f64::from(i), 0.0, 1.0]).collect(),
+            tets: vec![std::array::from_fn(|i| i as u32)],
+            regions: vec![1],
+            skin: vec![QuadraticFace { nodes: [0, 1, 2, 4, 5, 6], on: Skin::Chamber(3) }],
+            half: true,
+        };
+        let quality = Quality {
+            freedoms: 30,
+            half: true,
+            min_dihedral_deg: 5.0,
+            hausdorff_m: 1e-4,
+            volume_error: [0.0; 2],
+            marker_distance_m: 0.0,
+        };
+        let chambers = vec![Cavity { name: "left".into(), skin: 3, volume_m3: 1e-6 }];
+        let mesh = Mesh { solid, chambers, markers: vec![Spot { weights: vec![(2, 1.0)] }], quality };
+        assert_eq!(Mesh::unpack(&mesh.pack().unwrap()).unwrap(), mesh);
+    }
+}

@@ -1,0 +1,63 @@
+//! Paths of markers in a plane, frame by frame, with a covariance each; shared by tracks (px), markers and motion (m).
+//!
+//! Stands on: columns. Never knows: what the plane is.
+
+use si::Point2;
+
+use crate::columns::Columns;
+use crate::record::RecordError;
+
+/// A symmetric 2 × 2 covariance: xx, xy, yy, in the square of the path's unit.
+pub type Spread = [f64; 3];
+
+/// One marker through a film.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Path {
+    /// The marker's name on the card.
+    pub name: String,
+    /// Where it is: frames × 2.
+    pub at: Vec<Point2>,
+    /// How well that is known: frames × 3.
+    pub spread: Vec<Spread>,
+}
+
+impl Path {
+    /// The mean place over the frames of a range.
+    pub fn mean(&self, frames: std::ops::Range<usize>) -> Point2 {
+        let count = frames.len().max(1) as f64;
+        let sum = self.at[frames].iter().fold([0.0; 2], |s, p| [s[0] + p[0], s[1] + p[1]]);
+        [sum[0] / count, sum[1] / count]
+    }
+}
+
+/// Adds five columns a path, named `<marker>_x_<unit>` … `<marker>_yy_<unit>2`.
+pub fn pack(columns: Columns, paths: &[Path], unit: &str) -> Columns {
+    paths.iter().fold(columns, |columns, path| {
+        let name = |what: &str| format!("{}_{what}", path.name);
+        let at = |k: usize| path.at.iter().map(|p| p[k]).collect();
+        let spread = |k: usize| path.spread.iter().map(|s| s[k]).collect();
+        columns
+            .numbers(&name(&format!("x_{unit}")), at(0))
+            .numbers(&name(&format!("y_{unit}")), at(1))
+            .numbers(&name(&format!("xx_{unit}2")), spread(0))
+            .numbers(&name(&format!("xy_{unit}2")), spread(1))
+            .numbers(&name(&format!("yy_{unit}2")), spread(2))
+    })
+}
+
+/// Reads what [`pack`] wrote, for the markers of these names.
+pub fn unpack(columns: &Columns, names: &[String], unit: &str) -> Result<Vec<Path>, RecordError> {
+    names
+        .iter()
+        .map(|name| {
+            let column = |what: &str| columns.f64(&format!("{name}_{what}"));
+            let (x, y) = (column(&format!("x_{unit}"))?, column(&format!("y_{unit}"))?);
+            let parts = ["xx", "xy", "yy"].map(|k| column(&format!("{k}_{unit}2")));
+            let [xx, xy, yy] = parts;
+            let (xx, xy, yy) = (xx?, xy?, yy?);
+            let at = x.into_iter().zip(y).map(|(x, y)| [x, y]).collect();
+            let spread = xx.into_iter().zip(xy).zip(yy).map(|((a, b), c)| [a, b, c]).collect();
+            Ok(Path { name: name.clone(), at, spread })
+        })
+        .collect()
+}

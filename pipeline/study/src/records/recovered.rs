@@ -1,0 +1,79 @@
+//! Recovered: how close the pipeline came to what the virtual bench hid.
+
+use serde::{Deserialize, Serialize};
+
+use crate::metric::Metric;
+use crate::record::{Parcel, Record, RecordError};
+use crate::subject::Study;
+
+/// Errors against the truth.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Recovered {
+    /// One entry a specimen of the virtual bench.
+    pub specimens: Vec<Specimen>,
+    /// Root of the mean squared distance of tracked from true pixels, the worst trial, px.
+    pub track_rms_px: f64,
+    /// Root of the mean squared error of displacements in the plane, the worst trial, mm.
+    pub marker_rms_mm: f64,
+    /// Largest difference of the found from the true clock within a trial, the worst trial, ms.
+    pub clock_error_ms: f64,
+    /// Error of the focal length, the worst specimen, %.
+    pub focal_error_percent: f64,
+}
+
+/// One specimen's materials, found and true.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Specimen {
+    /// Its name.
+    pub name: String,
+    /// Found and true Young's modulus of the body, Pa.
+    pub body_e_pa: [f64; 2],
+    /// Found and true Young's modulus of the spine, Pa.
+    pub spine_e_pa: [f64; 2],
+}
+
+impl Specimen {
+    /// Errors of body and spine, %, without sign.
+    pub fn errors_percent(&self) -> [f64; 2] {
+        [self.body_e_pa, self.spine_e_pa].map(|[found, truth]| 100.0 * (found / truth - 1.0).abs())
+    }
+}
+
+impl Record for Recovered {
+    type Of = Study;
+    const STAGE: &'static str = "recovery";
+
+    fn pack(&self) -> Result<Parcel, RecordError> {
+        Parcel::default().scalars("recovered.json", self)
+    }
+
+    fn unpack(parcel: &Parcel) -> Result<Self, RecordError> {
+        parcel.read_scalars("recovered.json")
+    }
+
+    fn metrics(&self, _: &Study) -> Vec<Metric> {
+        if self.specimens.is_empty() {
+            return Vec::new();
+        }
+        let mut metrics = vec![
+            Metric::new("recovery.track_rms_px", self.track_rms_px, "px"),
+            Metric::new("recovery.marker_rms_mm", self.marker_rms_mm, "mm"),
+            Metric::new("recovery.clock_error_ms", self.clock_error_ms, "ms"),
+            Metric::new("recovery.focal_error_percent", self.focal_error_percent, "%"),
+        ];
+        for specimen in &self.specimens {
+            let [body, spine] = specimen.errors_percent();
+            metrics.push(Metric::new(format!("recovery.{}.body_e_error_percent", specimen.name), body, "%"));
+            metrics.push(Metric::new(format!("recovery.{}.spine_e_error_percent", specimen.name), spine, "%"));
+        }
+        metrics
+    }
+
+    fn telling(&self) -> String {
+        let said = self.specimens.iter().map(|s| {
+            let [body, spine] = s.errors_percent();
+            format!("{}: body off by {body:.1} %, spine by {spine:.1} %", s.name)
+        });
+        said.collect::<Vec<_>>().join("; ")
+    }
+}

@@ -1,0 +1,73 @@
+//! Inputs: what a record would be made from right now, as hashes and values, and whether what lies there still fits.
+//!
+//! Stands on: store, manifest, verdict. Never knows: how a record is made.
+
+use std::collections::BTreeMap;
+use std::fs;
+
+use super::Runner;
+use super::graph::Job;
+use super::manifest::{MadeFrom, Manifest};
+use super::store::{Found, Store};
+use super::verdict::differences;
+use crate::fault::{Fault, Outcome};
+use crate::needs::Id;
+use crate::stage::RawFile;
+
+/// Whether a record is as it should be.
+pub enum State {
+    /// It is.
+    Kept(Box<Manifest>),
+    /// It is not, for these reasons.
+    Stale(Vec<String>),
+    /// Its bytes are not those that were written.
+    Damaged(String),
+}
+
+/// The ingredients of a job, with the content of each record that it reads.
+///
+/// # Errors
+/// A [`Fault`] when the ingredients cannot be said or a recording is missing.
+pub fn made_from(runner: &Runner, job: &Job, contents: &BTreeMap<Id, String>) -> Outcome<MadeFrom> {
+    let ingredients = job.ingredients.clone().map_err(|fault| fault.of(&job.id))?;
+    let mut raw = BTreeMap::new();
+    for file in &ingredients.raw {
+        raw.insert(file.place.clone(), hash(runner, file).map_err(|fault| fault.of(&job.id))?);
+    }
+    let content = |id: &Id| (id.to_string(), contents.get(id).cloned().unwrap_or_default());
+    Ok(MadeFrom {
+        edition: job.entry.edition,
+        raw,
+        card: ingredients.card,
+        settings: ingredients.settings,
+        records: ingredients.records.iter().map(content).collect(),
+    })
+}
+
+/// Compares what lies on disk with what a job would be made from now.
+pub fn state(runner: &Runner, job: &Job, now: &MadeFrom) -> State {
+    match Store::new(&runner.folders).look(&job.id) {
+        Found::Nothing => State::Stale(vec!["it was never made".into()]),
+        Found::Damaged(damage) => State::Damaged(damage),
+        Found::Whole(manifest) if manifest.key == now.key() => State::Kept(manifest),
+        Found::Whole(manifest) => State::Stale(differences(&manifest.made_from, now)),
+    }
+}
+
+fn hash(runner: &Runner, file: &RawFile) -> Outcome<String> {
+    let path = runner.folders.raw_file(&file.place);
+    let read = fs::File::open(&path).and_then(|f| blake3::Hasher::new().update_reader(f).map(|h| h.finalize()));
+    match read {
+        Ok(hash) => Ok(hash.to_hex().to_string()),
+        Err(e) if file.optional && e.kind() == std::io::ErrorKind::NotFound => Ok("absent".into()),
+        Err(e) => Err(Fault::new(
+            format!("the {} {} cannot be read", file.word, runner.folders.tell(&path)),
+            format!("the card of `{}` names it, and the system says: {e}", job_specimen(&file.place)),
+            "put the file there, or correct its name on the card",
+        )),
+    }
+}
+
+fn job_specimen(place: &str) -> &str {
+    place.split('/').next().unwrap_or(place)
+}

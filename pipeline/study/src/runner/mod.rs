@@ -1,0 +1,118 @@
+//! The runner: decides what is stale, makes it in order, keeps what was made. It alone chooses paths, reads and writes
+//! records, prints and keeps time.
+//!
+//! Stands on: the entries of stages, figures and tables. Never knows: what any of them computes.
+
+mod desk;
+mod folders;
+mod graph;
+mod inputs;
+mod lock;
+mod manifest;
+mod metrics_file;
+mod plan;
+mod pool;
+mod report;
+mod show;
+mod store;
+mod verdict;
+
+pub use folders::Folders;
+pub use graph::Goal;
+pub use metrics_file::{Entry as MetricEntry, read as read_metrics};
+
+use crate::entry::Entry;
+use crate::fault::{Fault, Outcome};
+use crate::settings::{Profile, Settings};
+use crate::subject::Study;
+use graph::Job;
+use lock::Lock;
+use report::Report;
+
+/// Everything that the runner runs: lists of entries, the subjects, the settings, the folders.
+pub struct Runner {
+    /// Stages, figures and tables, each list in the order of the data.
+    pub lists: &'static [&'static [Entry]],
+    /// The specimens found.
+    pub study: Study,
+    /// The profile's settings.
+    pub settings: Settings,
+    /// The profile.
+    pub profile: Profile,
+    /// The profile's folders.
+    pub folders: Folders,
+    /// Whether progress is left out.
+    pub quiet: bool,
+    /// Records made side by side.
+    pub jobs: usize,
+}
+
+/// How a run ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Tally {
+    /// Records made.
+    pub made: usize,
+    /// Records that were as they should be.
+    pub kept: usize,
+    /// Records that could not be made.
+    pub failed: usize,
+    /// Records left out because one that they read failed.
+    pub skipped: usize,
+}
+
+impl Runner {
+    /// Makes every stale record that the goal needs; with `fresh`, the goal's own records even when they are not stale.
+    ///
+    /// # Errors
+    /// A [`Fault`] when the goal is unknown or another run is at work. Records that fail are counted, not returned.
+    pub fn run(&self, goal: &Goal, fresh: bool) -> Outcome<Tally> {
+        let jobs = self.jobs_of(goal)?;
+        let _lock = Lock::take(&self.folders)?;
+        let report = Report::new(jobs.len(), self.quiet);
+        let tally = pool::run(self, &jobs, &|job: &Job| fresh && is_named(goal, job), &report);
+        self.write_metrics(&report)?;
+        report.end(&tally.in_words());
+        Ok(tally)
+    }
+
+    /// What a run would do, one line a record, without doing it.
+    ///
+    /// # Errors
+    /// A [`Fault`] when the goal is unknown.
+    pub fn plan(&self, goal: &Goal) -> Outcome<String> {
+        Ok(plan::text(self, &self.jobs_of(goal)?))
+    }
+
+    /// From what each record of a stage was made, and what would make it stale now.
+    ///
+    /// # Errors
+    /// A [`Fault`] when there is no such stage.
+    pub fn why(&self, entry: &str) -> Outcome<String> {
+        let goal = Goal { entries: vec![entry.into()], specimen: None };
+        Ok(plan::why(self, &self.jobs_of(&goal)?, entry))
+    }
+
+    fn jobs_of(&self, goal: &Goal) -> Outcome<Vec<Job>> {
+        graph::jobs(self.lists, &self.study, &self.settings, goal)
+    }
+
+    fn write_metrics(&self, report: &Report) -> Outcome<()> {
+        let all = self.jobs_of(&Goal::default())?;
+        metrics_file::write(self, &all, report)
+            .map_err(|e| Fault::new("metrics.json cannot be written", e, "free some disk space and run again"))
+    }
+}
+
+impl Tally {
+    fn in_words(self) -> String {
+        let mut words = format!("{} made, {} kept", self.made, self.kept);
+        if self.failed + self.skipped > 0 {
+            words += &format!(", {} failed, {} not made because of that", self.failed, self.skipped);
+        }
+        words
+    }
+}
+
+fn is_named(goal: &Goal, job: &Job) -> bool {
+    goal.entries.is_empty() || goal.entries.iter().any(|name| name == job.id.stage)
+}

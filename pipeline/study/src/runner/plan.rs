@@ -1,0 +1,95 @@
+//! The plan: what a run would keep and make, and why, in words. It writes nothing.
+//!
+//! Stands on: inputs. Never knows: how a record is made.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::Runner;
+use super::graph::Job;
+use super::inputs::{State, made_from, state};
+use super::store::{Found, Store};
+use crate::fault::Fault;
+use crate::needs::Id;
+
+/// What would become of one record.
+enum Fate {
+    Kept(String),
+    Stale(Vec<String>),
+    Waits(Id),
+    Impossible(Fault),
+}
+
+/// One line a record, and a last line with the count.
+pub fn text(runner: &Runner, jobs: &[Job]) -> String {
+    let fates = fates(runner, jobs);
+    let mut lines: Vec<String> = jobs.iter().zip(&fates).map(|(job, fate)| line(job, fate)).collect();
+    let stale = fates.iter().filter(|fate| !matches!(fate, Fate::Kept(_))).count();
+    lines.push(format!("{} of {} records would be made", stale, jobs.len()));
+    lines.join("\n")
+}
+
+/// From what the records of one stage were made, and what would make them stale.
+pub fn why(runner: &Runner, jobs: &[Job], entry: &str) -> String {
+    let fates = fates(runner, jobs);
+    let of_entry = jobs.iter().zip(&fates).filter(|(job, _)| job.id.stage == entry);
+    of_entry.map(|(job, fate)| format!("{}\n{}", line(job, fate), history(runner, job))).collect::<Vec<_>>().join("\n")
+}
+
+fn fates(runner: &Runner, jobs: &[Job]) -> Vec<Fate> {
+    let mut contents = BTreeMap::new();
+    let mut changing = BTreeSet::new();
+    jobs.iter()
+        .map(|job| {
+            let fate = fate(runner, job, &contents, &changing);
+            match &fate {
+                Fate::Kept(content) => {
+                    contents.insert(job.id.clone(), content.clone());
+                }
+                _ => {
+                    changing.insert(job.id.clone());
+                }
+            }
+            fate
+        })
+        .collect()
+}
+
+fn fate(runner: &Runner, job: &Job, contents: &BTreeMap<Id, String>, changing: &BTreeSet<Id>) -> Fate {
+    let now = match made_from(runner, job, contents) {
+        Ok(now) => now,
+        Err(fault) => return Fate::Impossible(fault),
+    };
+    let upstream = job.reads().iter().find(|id| changing.contains(*id));
+    match (state(runner, job, &now), upstream) {
+        (_, Some(id)) => Fate::Waits(id.clone()),
+        (State::Kept(manifest), None) => Fate::Kept(manifest.content),
+        (State::Stale(reasons), None) => Fate::Stale(reasons),
+        (State::Damaged(damage), None) => Fate::Stale(vec![damage]),
+    }
+}
+
+fn line(job: &Job, fate: &Fate) -> String {
+    let name = format!("{:<16} {:<28}", job.id.stage, job.id.subject);
+    match fate {
+        Fate::Kept(_) => format!("{name} kept"),
+        Fate::Stale(reasons) => format!("{name} stale: {}", reasons.join("; ")),
+        Fate::Waits(id) => format!("{name} stale: it reads {id}, which will be made"),
+        Fate::Impossible(fault) => format!("{name} cannot be made: {}", fault.what),
+    }
+}
+
+fn history(runner: &Runner, job: &Job) -> String {
+    match Store::new(&runner.folders).look(&job.id) {
+        Found::Whole(manifest) => {
+            let from = &manifest.made_from;
+            let mut lines = vec![format!("  edition {}, made in {:.1} s, content {:.12}", from.edition, manifest.seconds, manifest.content)];
+            lines.extend(from.raw.iter().map(|(place, hash)| format!("  recording {place}  {hash:.12}")));
+            lines.extend(from.records.iter().map(|(id, hash)| format!("  record    {id}  {hash:.12}")));
+            lines.push(format!("  settings  {}", from.settings));
+            lines.push(format!("  card      {}", from.card));
+            lines.join("\n")
+        }
+        Found::Nothing => "  it was never made".into(),
+        Found::Damaged(damage) => format!("  {damage}"),
+    }
+}

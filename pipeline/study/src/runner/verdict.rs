@@ -1,0 +1,99 @@
+//! Verdicts: whether a record is kept or stale, and why, in words.
+//!
+//! Stands on: manifest. Never knows: how a record is made again.
+
+use std::collections::BTreeMap;
+
+use serde_json::Value;
+
+use super::manifest::MadeFrom;
+
+/// What differs between the ingredients a record was made from and those at hand, one sentence each.
+pub fn differences(before: &MadeFrom, now: &MadeFrom) -> Vec<String> {
+    let mut found = Vec::new();
+    if before.edition != now.edition {
+        found.push(format!("the stage is of edition {}, the record of edition {}", now.edition, before.edition));
+    }
+    settings("setting", &before.settings, &now.settings, "", &mut found);
+    settings("card entry", &before.card, &now.card, "", &mut found);
+    hashes("recording", &before.raw, &now.raw, &mut found);
+    hashes("record", &before.records, &now.records, &mut found);
+    found
+}
+
+fn settings(what: &str, before: &Value, now: &Value, path: &str, found: &mut Vec<String>) {
+    if before == now {
+        return;
+    }
+    match (before, now) {
+        (Value::Object(a), Value::Object(b)) => {
+            let keys: std::collections::BTreeSet<&String> = a.keys().chain(b.keys()).collect();
+            for key in keys {
+                let deeper = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+                settings(what, a.get(key).unwrap_or(&Value::Null), b.get(key).unwrap_or(&Value::Null), &deeper, found);
+            }
+        }
+        _ => found.push(format!("{what} `{path}` was {} and is {}", shown(before), shown(now))),
+    }
+}
+
+fn shown(value: &Value) -> String {
+    match value {
+        Value::Null => "absent".into(),
+        other => {
+            let text = other.to_string();
+            if text.chars().count() > 60 { text.chars().take(57).collect::<String>() + "…" } else { text }
+        }
+    }
+}
+
+fn hashes(
+    what: &str,
+    before: &BTreeMap<String, String>,
+    now: &BTreeMap<String, String>,
+    found: &mut Vec<String>,
+) {
+    for (name, hash) in now {
+        match before.get(name) {
+            None => found.push(format!("{what} `{name}` is new to it")),
+            Some(old) if old != hash => found.push(format!("{what} `{name}` has other content")),
+            Some(_) => {}
+        }
+    }
+    for name in before.keys().filter(|name| !now.contains_key(*name)) {
+        found.push(format!("{what} `{name}` is no longer read"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn made_from(settings: Value) -> MadeFrom {
+        let raw = BTreeMap::from([("nemo/video.mp4".to_string(), "ab".to_string())]);
+        MadeFrom { edition: 1, raw, card: Value::Null, settings, records: BTreeMap::new() }
+    }
+
+    #[test]
+    fn a_changed_setting_is_named_with_both_values() {
+        let found = differences(&made_from(json!({"edge": 0.004})), &made_from(json!({"edge": 0.003})));
+        assert_eq!(found, ["setting `edge` was 0.004 and is 0.003"]);
+    }
+
+    #[test]
+    fn equal_ingredients_differ_in_nothing_and_share_a_key() {
+        let (a, b) = (made_from(json!({"edge": 1})), made_from(json!({"edge": 1})));
+        assert!(differences(&a, &b).is_empty());
+        assert_eq!(a.key(), b.key());
+    }
+
+    #[test]
+    fn another_edition_or_recording_is_named() {
+        let (before, mut now) = (made_from(Value::Null), made_from(Value::Null));
+        now.edition = 2;
+        now.raw.insert("nemo/video.mp4".into(), "cd".into());
+        let found = differences(&before, &now);
+        assert!(found[0].contains("edition 2") && found[1].contains("nemo/video.mp4"));
+    }
+}

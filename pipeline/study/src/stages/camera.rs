@@ -1,0 +1,135 @@
+//! Camera: a film of a checkerboard becomes the lens, and the pose in which it lies on the plane becomes the place of the
+//! camera over the specimen. Paper: section IV, distortion and parallax.
+//!
+//! Stands on: track. Never knows: a trial.
+
+use lab::card::{self, Plane};
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use si::{Point2, Point3};
+use track::board::{self, Board};
+use track::calibrate::{View, calibrate, pose_from_plane};
+
+use crate::fault::{Fault, Outcome};
+use crate::records;
+use crate::stage::{Desk, RawFile, Stage};
+use crate::subject::Specimen;
+
+/// The stage.
+pub struct Camera;
+
+/// `[camera]` in `study.toml`.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Settings {
+    /// Largest reprojection error that is believed, px.
+    reprojection_limit_px: f64,
+}
+
+/// What the film shows.
+struct Seen {
+    views: Vec<View>,
+    on_plane: Vec<Vec<Point2>>,
+    size: (usize, usize),
+}
+
+impl Stage for Camera {
+    type Settings = Settings;
+    type Needs = ();
+    type Makes = records::Camera;
+    const STORY: &'static str = "a film of a checkerboard becomes the lens and the camera's place";
+    const EDITION: u32 = 1;
+
+    fn raw(of: &Specimen) -> Vec<RawFile> {
+        vec![RawFile::new("calibration", &of.card.name, &of.card.camera.calibration)]
+    }
+
+    fn card(of: &Specimen) -> Value {
+        let camera = &of.card.camera;
+        let (board, plane) = (&camera.board, &camera.plane);
+        json!({
+            "frame_every": camera.frame_every,
+            "board": [board.columns as f64, board.rows as f64, board.square],
+            "plane": [plane.seconds, plane.origin, plane.along, [plane.height, 0.0]],
+        })
+    }
+
+    fn run(of: &Specimen, set: &Settings, (): (), desk: &dyn Desk) -> Outcome<records::Camera> {
+        let camera = &of.card.camera;
+        let board = Board { columns: camera.board.columns, rows: camera.board.rows, square: camera.board.square };
+        let seen = look(camera, &board, desk)?;
+        let (width, height) = seen.size;
+        let found = calibrate(&seen.views, &board, width, height).map_err(Fault::from_tool)?;
+        if found.reprojection_px > set.reprojection_limit_px {
+            return Err(not_believed(desk, found.reprojection_px, set.reprojection_limit_px));
+        }
+        let corners: Vec<Point3> = board.corners().iter().map(|c| in_cad(&camera.plane, [c[0], c[1]])).collect();
+        let pose = pose_from_plane(&found.lens, &corners, &mean(&seen.on_plane)).map_err(Fault::from_tool)?;
+        Ok(records::Camera {
+            lens: found.lens,
+            pose,
+            reprojection_px: found.reprojection_px,
+            focal_sigma_px: found.sigma.fx,
+            views: seen.views.len(),
+        })
+    }
+}
+
+/// Looks for the board in one frame of every few; frames in which it lies on the plane are kept apart as well.
+fn look(camera: &card::Camera, board: &Board, desk: &dyn Desk) -> Outcome<Seen> {
+    let film = desk.film("calibration")?;
+    let info = film.info();
+    let mut seen = Seen { views: Vec::new(), on_plane: Vec::new(), size: (info.width, info.height) };
+    let mut last_refusal = String::new();
+    for frame in film {
+        let frame = frame.map_err(Fault::from_tool)?;
+        if !frame.index.is_multiple_of(camera.frame_every.max(1)) {
+            continue;
+        }
+        desk.progress(frame.index as f64 / info.frames.max(1) as f64, "looking for the board");
+        match board::find(&frame.gray, board) {
+            Ok(corners) => {
+                let [from, to] = camera.plane.seconds;
+                if (from..=to).contains(&frame.time) {
+                    seen.on_plane.push(corners.clone());
+                }
+                seen.views.push(View { corners });
+            }
+            Err(refusal) => last_refusal = format!("at {:.2} s: {refusal}", frame.time),
+        }
+    }
+    match (seen.views.is_empty(), seen.on_plane.is_empty()) {
+        (true, _) => Err(Fault::from_tool(format!("{} shows no board; {last_refusal}", desk.place("calibration")))),
+        (_, true) => Err(not_on_plane(desk, camera)),
+        _ => Ok(seen),
+    }
+}
+
+/// A place on the board that lies on the plane, in the CAD frame, m.
+fn in_cad(plane: &Plane, [across, down]: Point2) -> Point3 {
+    let [c, s] = plane.along;
+    [plane.origin[0] + across * c - down * s, plane.origin[1] + across * s + down * c, plane.height]
+}
+
+fn mean(views: &[Vec<Point2>]) -> Vec<Point2> {
+    let count = views.len() as f64;
+    let corner = |i: usize| [0, 1].map(|k| views.iter().map(|v| v[i][k]).sum::<f64>() / count);
+    (0..views[0].len()).map(corner).collect()
+}
+
+fn not_on_plane(desk: &dyn Desk, camera: &card::Camera) -> Fault {
+    let [from, to] = camera.plane.seconds;
+    Fault::new(
+        format!("{} shows no board between {from} and {to} s", desk.place("calibration")),
+        "that is when it should lie on the plane (card, [camera.plane] seconds)",
+        "correct the seconds on the card, or film the board on the plane again",
+    )
+}
+
+fn not_believed(desk: &dyn Desk, measured: f64, limit: f64) -> Fault {
+    Fault::new(
+        format!("the lens fitted to {} is not to be believed", desk.place("calibration")),
+        format!("it misses the corners by {measured:.2} px; the limit is {limit:.2} px (study.toml, [camera] reprojection_limit_px)"),
+        "check the number of squares on the card, and film the board at rest and sharp",
+    )
+}

@@ -1,0 +1,101 @@
+//! The landscape: the loss as a surface over both moduli, between the points of the exhaustive search.
+//!
+//! Displacements are smooth in the logarithms of the moduli and the loss is not (it has a crease where a marker is met), so
+//! the displacements are interpolated, by the tensor polynomial through the grid's points, and the loss is computed from them.
+//!
+//! Stands on: nothing. Never knows: how a displacement was simulated.
+
+use si::{Metre, Point2};
+
+use crate::model::Rung;
+
+/// A surface: `loss` row after row, rows along `up`.
+pub struct Fine {
+    /// Logarithms of the first modulus.
+    pub across: Vec<f64>,
+    /// Logarithms of the second modulus.
+    pub up: Vec<f64>,
+    /// The loss.
+    pub loss: Vec<f64>,
+}
+
+/// Mean distance of simulated from measured displacements over all levels and markers, over the specimen's length.
+pub fn loss(rungs: &[Rung], simulated: &[Vec<Point2>], length: Metre) -> f64 {
+    let pairs = rungs.iter().zip(simulated).flat_map(|(rung, s)| rung.measured.iter().zip(s));
+    let (sum, count) = pairs.fold((0.0, 0usize), |(sum, count), (m, s)| {
+        (sum + (m[0] - s[0]).hypot(m[1] - s[1]), count + 1)
+    });
+    sum / (count.max(1) as f64 * length)
+}
+
+/// The loss on a fine grid, from points (first and second logarithm; levels × markers) that form a full coarse grid.
+pub fn between(points: &[(&[f64], &[Vec<Point2>])], fine: usize, rungs: &[Rung], length: Metre) -> Fine {
+    let axis = |k: usize| {
+        let mut values: Vec<f64> = points.iter().map(|p| p.0[k]).collect();
+        values.sort_by(f64::total_cmp);
+        values.dedup();
+        values
+    };
+    let (x, y) = (axis(0), axis(1));
+    let (across, up) = (spread(&x, fine), spread(&y, fine));
+    let mut losses = Vec::with_capacity(fine * fine);
+    for &v in &up {
+        let wy = lagrange(&y, v);
+        for &u in &across {
+            let wx = lagrange(&x, u);
+            let weight = |at: &[f64]| wx[place(&x, at[0])] * wy[place(&y, at[1])];
+            losses.push(loss(rungs, &blend(points, &weight), length));
+        }
+    }
+    Fine { across, up, loss: losses }
+}
+
+fn spread(axis: &[f64], count: usize) -> Vec<f64> {
+    let (low, high) = (axis[0], axis[axis.len() - 1]);
+    (0..count).map(|i| low + (high - low) * i as f64 / (count - 1).max(1) as f64).collect()
+}
+
+fn place(axis: &[f64], value: f64) -> usize {
+    axis.iter().position(|&v| v == value).unwrap_or(0)
+}
+
+/// Values at `t` of the polynomials that are one at one node and zero at the others.
+fn lagrange(nodes: &[f64], t: f64) -> Vec<f64> {
+    let one = |i: usize| {
+        let others = nodes.iter().enumerate().filter(|(j, _)| *j != i);
+        others.map(|(_, &n)| (t - n) / (nodes[i] - n)).product()
+    };
+    (0..nodes.len()).map(one).collect()
+}
+
+fn blend(points: &[(&[f64], &[Vec<Point2>])], weight: &dyn Fn(&[f64]) -> f64) -> Vec<Vec<Point2>> {
+    let mut sum: Vec<Vec<Point2>> = points[0].1.iter().map(|level| vec![[0.0; 2]; level.len()]).collect();
+    for (at, levels) in points {
+        let w = weight(at);
+        for (into, level) in sum.iter_mut().zip(*levels) {
+            for (p, q) in into.iter_mut().zip(level) {
+                *p = [p[0] + w * q[0], p[1] + w * q[1]];
+            }
+        }
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_polynomial_displacement_is_met_between_the_points() {
+        let simulate = |u: f64, v: f64| vec![vec![[u * u - v, u * v * v]]];
+        let coarse: Vec<(Vec<f64>, Vec<Vec<Point2>>)> = (0..9)
+            .map(|i| (f64::from(i % 3), f64::from(i / 3)))
+            .map(|(u, v)| (vec![u, v], simulate(u, v)))
+            .collect();
+        let points: Vec<(&[f64], &[Vec<Point2>])> = coarse.iter().map(|(a, m)| (a.as_slice(), m.as_slice())).collect();
+        let rung = [Rung { pressures: vec![1.0], measured: simulate(0.5, 1.5)[0].clone() }];
+        let fine = between(&points, 5, &rung, 1.0);
+        assert_eq!((fine.across[1], fine.up[3]), (0.5, 1.5));
+        assert!(fine.loss[3 * 5 + 1] < 1e-12, "{}", fine.loss[16]);
+    }
+}

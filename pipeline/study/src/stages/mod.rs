@@ -1,0 +1,29 @@
+//! The story of the paper, in the order of the data.
+//!
+//! Stands on: the contract in `stage.rs` and its members. Never knows: a path, an order of running.
+//! A new stage: its file, its record, its line in [`ALL`].
+
+mod camera;
+mod clock;
+mod identify;
+mod landscape;
+mod markers;
+mod mesh;
+mod plateaus;
+mod recovery;
+mod track;
+mod validate;
+
+use crate::entry::{Entry, stage};
+
+/// Every stage.
+pub const ALL: &[Entry] = &[
+    stage::<mesh::Mesh>(),         // two STLs                    → tetrahedra, chambers, marker points
+    stage::<camera::Camera>(),     // calibration video           → lens and plane
+    stage::<track::Track>(),       // video                       → pixels
+    stage::<markers::Markers>(),   // pixels                      → metres in the plane
+    stage::<clock::Clock>(),       // lamp, logs, metres          → motion and pressure on one clock
+    stage::<identify::Identify>(), // quasi-static motion         → Young's moduli
+    stage::<validate::Validate>(), // flapping never seen         → error of the prediction
+    stage::<recovery::Recovery>(), // what was found, what was true → how close
+];

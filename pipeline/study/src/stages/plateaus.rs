@@ -1,0 +1,81 @@
+//! Plateaus: the stretches of a quasi-static trial in which a pressure is held, and the shape that it holds.
+//!
+//! Stands on: the motion record. Never knows: a simulation.
+
+use std::ops::Range;
+
+use si::{Pascal, Point2, Second};
+
+use crate::fault::{Fault, Outcome};
+use crate::model::Rung;
+use crate::records::Motion;
+
+/// The shape at each held pressure: means over the last `settled` (0 … 1) of each hold that lasts at least `shortest` (s).
+///
+/// # Errors
+/// A [`Fault`] when the log holds no pressure or the film ends before the first hold.
+pub fn rungs(motion: &Motion, settled: f64, shortest: Second) -> Outcome<Vec<Rung>> {
+    let holds = holds(motion).into_iter().filter(|h| motion.log_time[h.end - 1] - motion.log_time[h.start] >= shortest);
+    let rungs: Vec<Rung> = holds.filter_map(|hold| rung(motion, hold, settled)).collect();
+    if rungs.is_empty() {
+        return Err(Fault::new(
+            "the trial holds no pressure that was filmed",
+            format!("a hold lasts at least {shortest} s at one command (study.toml, [identify] shortest_hold)"),
+            "identify from a staircase, or correct the role of the trial on the card",
+        ));
+    }
+    Ok(rungs)
+}
+
+/// Runs of samples with one and the same command, at least one chamber's above zero.
+fn holds(motion: &Motion) -> Vec<Range<usize>> {
+    let command = |i: usize| -> Vec<Pascal> { motion.gauges.iter().map(|g| g.command[i]).collect() };
+    let samples = motion.log_time.len();
+    let ends = (1..=samples).filter(|&i| i == samples || command(i) != command(i - 1));
+    let mut start = 0;
+    let runs = ends.map(|end| std::mem::replace(&mut start, end)..end);
+    runs.filter(|run| command(run.start).iter().any(|&p| p > 0.0)).collect()
+}
+
+fn rung(motion: &Motion, hold: Range<usize>, settled: f64) -> Option<Rung> {
+    let (from, to) = (motion.log_time[hold.start], motion.log_time[hold.end - 1]);
+    let still = to - settled * (to - from);
+    let samples: Vec<usize> = hold.filter(|&i| motion.log_time[i] >= still).collect();
+    let frames = motion.time.partition_point(|&t| t < still)..motion.time.partition_point(|&t| t <= to);
+    if frames.is_empty() || samples.is_empty() {
+        return None;
+    }
+    let pressure = |measured: &[Pascal]| samples.iter().map(|&i| measured[i]).sum::<f64>() / samples.len() as f64;
+    let measured: Vec<Point2> = motion.markers.iter().map(|m| m.mean(frames.clone())).collect();
+    Some(Rung { pressures: motion.gauges.iter().map(|g| pressure(&g.measured)).collect(), measured })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::records::{Clock, Gauge, Path};
+
+    /// One chamber: off for 1 s, held at 100 Pa for 1 s, off, held at 200 Pa for 1 s; the marker follows at 1e-5 m/Pa.
+    fn motion() -> Motion {
+        let time: Vec<f64> = (0..400).map(|i| 0.01 * f64::from(i)).collect();
+        let command: Vec<f64> = time.iter().map(|&t| [0.0, 100.0, 0.0, 200.0][(t + 1e-9) as usize]).collect();
+        let at = command.iter().map(|p| [0.0, 1e-5 * p]).collect();
+        let markers = vec![Path { name: "a".into(), at, spread: vec![[0.0; 3]; 400] }];
+        let gauges = vec![Gauge { chamber: "left".into(), measured: command.clone(), command }];
+        let clock = Clock { offset: 0.0, scale: 1.0, lamp: 0.0 };
+        Motion { log_time: time.clone(), time, markers, rest: vec![[0.0; 2]], gauges, clock }
+    }
+
+    #[test]
+    fn each_held_pressure_becomes_one_rung() {
+        let rungs = rungs(&motion(), 0.4, 0.5).unwrap();
+        assert_eq!(rungs.len(), 2);
+        assert!((rungs[1].pressures[0] - 200.0).abs() < 1e-9);
+        assert!((rungs[1].measured[0][1] - 2e-3).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_trial_without_a_long_hold_is_refused() {
+        assert!(rungs(&motion(), 0.4, 5.0).unwrap_err().what.contains("holds no pressure"));
+    }
+}

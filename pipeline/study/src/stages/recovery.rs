@@ -1,0 +1,166 @@
+//! Recovery: how close the pipeline came to what the virtual bench hid. The one stage that may read the truth.
+//!
+//! Stands on: the truth of `lab`, every record that has a true counterpart. Never knows: how they were computed.
+
+use std::path::Path as FilePath;
+
+use lab::card::Origin;
+use lab::truth::{self, TrueTrack, TrueTrial};
+use serde::{Deserialize, Serialize};
+use si::{Point2, Second};
+
+use crate::fault::{Fault, Outcome};
+use crate::needs::Every;
+use crate::records::{Camera, Identified, Motion, Path, Recovered, RecoveredSpecimen, Tracks};
+use crate::stage::{Desk, RawFile, Stage};
+use crate::subject::{Scope, Specimen, Study, Trial};
+
+/// The stage.
+pub struct Recovery;
+
+/// `[recovery]` in `study.toml`: nothing to set.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Settings {}
+
+impl Stage for Recovery {
+    type Settings = Settings;
+    type Needs = (Every<Camera>, Every<Tracks>, Every<Motion>, Every<Identified>);
+    type Makes = Recovered;
+    const STORY: &'static str = "what was found is compared with what was true";
+    const EDITION: u32 = 1;
+
+    fn raw(of: &Study) -> Vec<RawFile> {
+        virtual_specimens(of).flat_map(files).collect()
+    }
+
+    fn run(of: &Study, _: &Settings, needs: Self::Needs, desk: &dyn Desk) -> Outcome<Recovered> {
+        let (Every(cameras), Every(tracks), Every(motions), Every(identified)) = needs;
+        let mut recovered = Recovered::default();
+        for specimen in virtual_specimens(of) {
+            let truth = read(desk, &specimen.card.name)?;
+            for (_, found) in identified.iter().filter(|(s, _)| s.name() == specimen.name()) {
+                recovered.specimens.push(RecoveredSpecimen {
+                    name: specimen.name(),
+                    body_e_pa: [found.best.body_e_pa, truth.body.youngs_modulus],
+                    spine_e_pa: [found.best.spine_e_pa, truth.spine.youngs_modulus],
+                });
+            }
+            for (_, camera) in cameras.iter().filter(|(s, _)| s.name() == specimen.name()) {
+                let off = 100.0 * (camera.lens.fx / truth.lens.fx - 1.0).abs();
+                recovered.focal_error_percent = recovered.focal_error_percent.max(off);
+            }
+            for trial in specimen.trials() {
+                let Some(true_trial) = truth.trial.iter().find(|t| t.id == trial.trial.id) else {
+                    return Err(no_trial(&trial));
+                };
+                judge(&mut recovered, &trial, true_trial, &tracks, &motions, desk)?;
+            }
+        }
+        Ok(recovered)
+    }
+}
+
+fn virtual_specimens(of: &Study) -> impl Iterator<Item = &Specimen> {
+    of.specimens.iter().filter(|s| s.card.origin == Origin::VirtualBench)
+}
+
+/// The truth's own file, and one of true tracks a trial.
+fn files(specimen: &Specimen) -> Vec<RawFile> {
+    let name = &specimen.card.name;
+    let tracks = specimen.card.trial.iter().map(|t| RawFile::new(&tracks_word(name, &t.id), name, &tracks_place(&t.id)));
+    std::iter::once(RawFile::new(&truth_word(name), name, lab::folder::TRUTH)).chain(tracks).collect()
+}
+
+fn truth_word(specimen: &str) -> String {
+    format!("truth of {specimen}")
+}
+
+fn tracks_word(specimen: &str, trial: &str) -> String {
+    format!("true tracks of {specimen}/{trial}")
+}
+
+fn tracks_place(trial: &str) -> String {
+    format!("truth/{trial}.csv")
+}
+
+fn read(desk: &dyn Desk, specimen: &str) -> Outcome<truth::Truth> {
+    let (text, place) = text(desk, &truth_word(specimen))?;
+    truth::parse(&text, FilePath::new(&place)).map_err(Fault::from_tool)
+}
+
+fn text(desk: &dyn Desk, word: &str) -> Outcome<(String, String)> {
+    let place = desk.place(word);
+    let text = String::from_utf8(desk.bytes(word)?);
+    let text = text.map_err(|e| Fault::new(format!("{place} is not text"), e, "record the specimen again"))?;
+    Ok((text, place))
+}
+
+/// The worst of a trial's errors, laid over the worst so far.
+fn judge(
+    recovered: &mut Recovered,
+    trial: &Trial,
+    truth: &TrueTrial,
+    tracks: &[(Trial, Tracks)],
+    motions: &[(Trial, Motion)],
+    desk: &dyn Desk,
+) -> Outcome<()> {
+    let (text, place) = text(desk, &tracks_word(&trial.card.name, &trial.trial.id))?;
+    let true_tracks = truth::parse_tracks(&text, FilePath::new(&place)).map_err(Fault::from_tool)?;
+    let this = |t: &Trial| t.name() == trial.name();
+    for (_, tracks) in tracks.iter().filter(|(t, _)| this(t)) {
+        let pixels = |t: &TrueTrack, i: usize| t.pixel[i];
+        let off = worst_rms(&tracks.markers, &tracks.time, &true_tracks, &pixels);
+        recovered.track_rms_px = recovered.track_rms_px.max(off);
+    }
+    for (_, motion) in motions.iter().filter(|(t, _)| this(t)) {
+        let moved = |t: &TrueTrack, i: usize| [t.at[i][0] - t.at[0][0], t.at[i][1] - t.at[0][1]];
+        let off = worst_rms(&motion.markers, &motion.time, &true_tracks, &moved);
+        recovered.marker_rms_mm = recovered.marker_rms_mm.max(1e3 * off);
+        recovered.clock_error_ms = recovered.clock_error_ms.max(1e3 * clock_error(motion, truth));
+    }
+    Ok(())
+}
+
+/// Root of the mean squared distance from the truth, of the marker with the largest.
+fn worst_rms(
+    paths: &[Path],
+    time: &[Second],
+    truth: &[TrueTrack],
+    true_place: &dyn Fn(&TrueTrack, usize) -> Point2,
+) -> f64 {
+    let one = |path: &Path| {
+        let Some(track) = truth.iter().find(|t| t.marker == path.name) else {
+            return f64::INFINITY;
+        };
+        let off = time.iter().zip(&path.at).map(|(&t, p)| {
+            let q = true_place(track, frame_at(&track.time, t));
+            (p[0] - q[0]).powi(2) + (p[1] - q[1]).powi(2)
+        });
+        (off.sum::<f64>() / path.at.len().max(1) as f64).sqrt()
+    };
+    paths.iter().map(one).fold(0.0, f64::max)
+}
+
+/// The true frame nearest in time.
+fn frame_at(times: &[Second], t: Second) -> usize {
+    let right = times.partition_point(|&s| s < t).min(times.len() - 1);
+    if right > 0 && t - times[right - 1] < times[right] - t { right - 1 } else { right }
+}
+
+/// Largest difference of found from true log time over the film, s.
+fn clock_error(motion: &Motion, truth: &TrueTrial) -> Second {
+    let off = |t: Second| {
+        let (found, truth) = (motion.clock.offset + motion.clock.scale * t, truth.clock_offset + truth.clock_scale * t);
+        (found - truth).abs()
+    };
+    motion.time.iter().map(|&t| off(t)).fold(0.0, f64::max)
+}
+
+fn no_trial(trial: &Trial) -> Fault {
+    Fault::new(
+        format!("the truth knows no trial `{}`", trial.trial.id),
+        "card and truth of a virtual specimen are written together",
+        format!("rig record {}", trial.card.name),
+    )
+}

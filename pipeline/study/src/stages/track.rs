@@ -1,0 +1,144 @@
+//! Track: a film becomes the markers' places in pixels, with a covariance each. Paper: section IV, KLT.
+//!
+//! Stands on: track. Never knows: metres.
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use si::Point2;
+use track::klt::{self, Sighting, Tracker};
+use track::led;
+use track::video::Frame;
+
+use crate::fault::{Fault, Outcome};
+use crate::records::{Path, Tracks};
+use crate::stage::{Desk, RawFile, Stage};
+use crate::subject::Trial;
+
+/// The stage.
+pub struct Track;
+
+/// `[track]` in `study.toml`.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Settings {
+    /// Radius of the disc that holds a whole marker with a margin of light ground, px.
+    radius: f64,
+    /// How far a clicked position may lie from the marker's centre, px.
+    reach: f64,
+    /// Least difference between ground and marker, grey levels.
+    contrast_limit: f64,
+    /// Largest mean difference from the marker of the first frame, grey levels a pixel.
+    residual_limit: f64,
+    /// Largest step between two frames, px.
+    jump_limit: f64,
+    /// Largest distance between flow and centroid, px.
+    agreement_limit: f64,
+}
+
+impl Stage for Track {
+    type Settings = Settings;
+    type Needs = ();
+    type Makes = Tracks;
+    const STORY: &'static str = "a film becomes the markers' places in pixels";
+    const EDITION: u32 = 1;
+
+    fn raw(of: &Trial) -> Vec<RawFile> {
+        vec![RawFile::new("video", &of.card.name, &of.trial.video)]
+    }
+
+    fn card(of: &Trial) -> Value {
+        json!({
+            "markers": of.card.marker.iter().map(|m| json!([m.name, m.clicked])).collect::<Vec<_>>(),
+            "led": [of.card.led.centre[0], of.card.led.centre[1], of.card.led.radius],
+            "frames": [Some(of.trial.first_frame), of.trial.last_frame],
+        })
+    }
+
+    fn run(of: &Trial, set: &Settings, (): (), desk: &dyn Desk) -> Outcome<Tracks> {
+        let film = desk.film("video")?;
+        let length = film.info().frames.max(1) as f64;
+        let mut log = Log::new(of);
+        for frame in film {
+            let frame = frame.map_err(Fault::from_tool)?;
+            if of.trial.last_frame.is_some_and(|last| frame.index > last) {
+                break;
+            }
+            if frame.index >= of.trial.first_frame {
+                log.see(&frame, set).map_err(|lost| named(of, desk, &lost))?;
+                desk.progress(frame.index as f64 / length, "following the markers");
+            }
+        }
+        if log.tracks.time.is_empty() {
+            return Err(no_frames(of, desk));
+        }
+        Ok(log.tracks)
+    }
+}
+
+/// What has been seen so far.
+struct Log<'a> {
+    of: &'a Trial,
+    tracker: Option<Tracker>,
+    tracks: Tracks,
+}
+
+impl<'a> Log<'a> {
+    fn new(of: &'a Trial) -> Self {
+        let markers = of.card.marker.iter().map(|m| Path { name: m.name.clone(), ..Path::default() }).collect();
+        let tracks = Tracks { time: Vec::new(), led: Vec::new(), worst_residual: 0.0, markers };
+        Self { of, tracker: None, tracks }
+    }
+
+    fn see(&mut self, frame: &Frame, set: &Settings) -> Result<(), klt::Lost> {
+        let sightings = match &mut self.tracker {
+            Some(tracker) => tracker.step(&frame.gray)?,
+            None => {
+                let clicked: Vec<Point2> = self.of.card.marker.iter().map(|m| m.clicked).collect();
+                let tracker = Tracker::new(&frame.gray, &clicked, set.tracker())?;
+                let first = tracker.sightings().to_vec();
+                self.tracker = Some(tracker);
+                first
+            }
+        };
+        let lamp = &self.of.card.led;
+        self.tracks.time.push(frame.time);
+        self.tracks.led.push(led::brightness(&frame.gray, lamp.centre, lamp.radius));
+        self.note(&sightings);
+        Ok(())
+    }
+
+    fn note(&mut self, sightings: &[Sighting]) {
+        for (path, sighting) in self.tracks.markers.iter_mut().zip(sightings) {
+            let [[xx, xy], [_, yy]] = sighting.covariance;
+            path.at.push(sighting.at);
+            path.spread.push([xx, xy, yy]);
+            self.tracks.worst_residual = self.tracks.worst_residual.max(sighting.residual);
+        }
+    }
+}
+
+impl Settings {
+    fn tracker(&self) -> klt::Settings {
+        klt::Settings {
+            radius: self.radius,
+            reach: self.reach,
+            contrast_limit: self.contrast_limit,
+            residual_limit: self.residual_limit,
+            jump_limit: self.jump_limit,
+            agreement_limit: self.agreement_limit,
+        }
+    }
+}
+
+fn named(of: &Trial, desk: &dyn Desk, lost: &klt::Lost) -> Fault {
+    let name = of.card.marker.get(lost.marker).map_or("?", |m| m.name.as_str());
+    Fault::from_tool(format!("{}, marker `{name}`: {lost}", desk.place("video")))
+}
+
+fn no_frames(of: &Trial, desk: &dyn Desk) -> Fault {
+    Fault::new(
+        format!("{} has no frame to use", desk.place("video")),
+        format!("the card lets the trial begin at frame {}", of.trial.first_frame),
+        "correct first_frame and last_frame of this trial on the card",
+    )
+}

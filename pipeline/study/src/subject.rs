@@ -1,0 +1,107 @@
+//! Subjects: what a record is a record of — the whole study, one specimen, or one trial of a specimen.
+//!
+//! Stands on: the cards of `lab`. Never knows: a stage, a path.
+
+use std::sync::Arc;
+
+use lab::card::{self, Card};
+
+/// All specimens whose cards were found.
+#[derive(Debug, Clone)]
+pub struct Study {
+    /// In alphabetical order of their names.
+    pub specimens: Vec<Specimen>,
+}
+
+/// One actuator.
+#[derive(Debug, Clone)]
+pub struct Specimen {
+    /// Its card.
+    pub card: Arc<Card>,
+}
+
+/// One recording of an actuator.
+#[derive(Debug, Clone)]
+pub struct Trial {
+    /// The card it stands in.
+    pub card: Arc<Card>,
+    /// Its own entry there.
+    pub trial: Arc<card::Trial>,
+}
+
+impl Trial {
+    /// Whether parameters may be fitted to it.
+    pub fn is_for_identification(&self) -> bool {
+        self.trial.role == card::Role::Identify
+    }
+
+    /// Whether a model is judged by it.
+    pub fn is_for_validation(&self) -> bool {
+        self.trial.role == card::Role::Validate
+    }
+}
+
+/// Anything that records are made of.
+pub trait Scope: Clone + Send + Sync {
+    /// Every subject of this kind, in a fixed order.
+    fn all(study: &Study) -> Vec<Self>;
+
+    /// Its name in the names of records: "all", "nemo" or "nemo/static_left".
+    fn name(&self) -> String;
+}
+
+/// A subject that can be found from another: a trial knows its specimen.
+pub trait SeenFrom<Other>: Scope {
+    /// This subject, as seen from the other.
+    fn seen_from(other: &Other) -> Self;
+}
+
+impl Scope for Study {
+    fn all(study: &Study) -> Vec<Self> {
+        vec![study.clone()]
+    }
+
+    fn name(&self) -> String {
+        "all".into()
+    }
+}
+
+impl Scope for Specimen {
+    fn all(study: &Study) -> Vec<Self> {
+        study.specimens.clone()
+    }
+
+    fn name(&self) -> String {
+        self.card.name.clone()
+    }
+}
+
+impl Specimen {
+    /// Its trials, in the order of the card.
+    pub fn trials(&self) -> Vec<Trial> {
+        let of = |trial: &card::Trial| Trial { card: self.card.clone(), trial: Arc::new(trial.clone()) };
+        self.card.trial.iter().map(of).collect()
+    }
+}
+
+impl Scope for Trial {
+    fn all(study: &Study) -> Vec<Self> {
+        study.specimens.iter().flat_map(Specimen::trials).collect()
+    }
+
+    fn name(&self) -> String {
+        format!("{}/{}", self.card.name, self.trial.id)
+    }
+}
+
+impl<S: Scope> SeenFrom<S> for S {
+    fn seen_from(other: &S) -> Self {
+        other.clone()
+    }
+}
+
+impl SeenFrom<Trial> for Specimen {
+    fn seen_from(trial: &Trial) -> Self {
+        Specimen { card: trial.card.clone() }
+    }
+}

@@ -1,0 +1,65 @@
+//! Table `methods`: what each way of searching costs and reaches, beside the published column. Paper, table III.
+//!
+//! Stands on: plot. Never knows: how a number was computed.
+
+use plot::Column;
+
+use crate::fault::{Fault, Outcome};
+use crate::needs::Every;
+use crate::records::{Identified, Search};
+use crate::subject::Scope;
+use crate::table::Table;
+
+/// The table.
+pub struct Methods;
+
+/// Iterations, seconds an iteration, minutes in all, loss after four iterations, as the paper prints them.
+struct Published([&'static str; 4]);
+
+impl Table for Methods {
+    type Needs = Every<Identified>;
+    const NAME: &'static str = "methods";
+    const SHOWS: &'static str = "what each way of searching costs and reaches";
+    const EDITION: u32 = 1;
+
+    fn fill(Every(all): Self::Needs) -> Outcome<plot::Table> {
+        let quantities = [("iterations", ""), ("time an iteration", "s"), ("total time", "min"), ("loss after 4", "")];
+        let pairs = quantities.iter().flat_map(|(title, unit)| Column::beside_published(title, unit));
+        let columns = [Column::words("specimen"), Column::words("method")].into_iter().chain(pairs).collect();
+        let rows = all.iter().flat_map(|(s, found)| found.searches.iter().map(|search| row(&s.name(), search)));
+        let table = plot::Table::new(columns, rows.collect()).map_err(Fault::from_tool)?;
+        Ok(table.noted("An iteration is one simulation of all pressure levels. Ours: two cores, virtual bench."))
+    }
+}
+
+fn row(specimen: &str, search: &Search) -> Vec<String> {
+    let each = search.seconds / search.iterations().max(1) as f64;
+    let ours = [
+        search.iterations().to_string(),
+        format!("{each:.1}"),
+        format!("{:.2}", search.seconds / 60.0),
+        format!("{:.2e}", search.loss_after(5)),
+    ];
+    let published = published(&search.method).0;
+    let pairs = ours.into_iter().zip(published).flat_map(|(a, b)| [a, b.to_string()]);
+    [specimen.to_string(), title(&search.method)].into_iter().chain(pairs).collect()
+}
+
+fn title(method: &str) -> String {
+    match method {
+        "adam" => "Adam",
+        "grid" => "Grid search",
+        "gauss_newton" => "Gauss-Newton",
+        other => other,
+    }
+    .to_string()
+}
+
+/// The paper's table III; empty where it has no such method.
+fn published(method: &str) -> Published {
+    Published(match method {
+        "adam" => ["4", "334.4", "22", "0.0027"],
+        "grid" => ["25", "318.9", "132.9", "0.023"],
+        _ => [""; 4],
+    })
+}

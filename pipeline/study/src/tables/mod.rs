@@ -1,0 +1,11 @@
+//! The tables of the paper, in its order.
+//!
+//! Stands on: the contract in `table.rs` and its members. Never knows: a file name, a stage's code.
+//! A new table: its file and its line in [`ALL`].
+
+mod methods;
+
+use crate::entry::{Entry, table};
+
+/// Every table.
+pub const ALL: &[Entry] = &[table::<methods::Methods>()];
