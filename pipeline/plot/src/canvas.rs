@@ -82,7 +82,7 @@ pub struct Words {
 impl Words {
     /// The rectangle that the words fill.
     pub fn area(&self) -> Area {
-        let width = text::width(&self.text, self.size) * if self.bold { 1.1 } else { 1.0 };
+        let width = text::width(&self.text, self.size) * if self.bold { text::BOLD } else { 1.0 };
         let begin = match self.side {
             Side::Right => 0.0,
             Side::Left => -width,

@@ -52,7 +52,7 @@ impl<'a> Frame<'a> {
         let numbers = if self.y.written { GAP + widest(&up) + GAP + NORMAL } else { 0.0 };
         let below = if self.x.written { GAP + SMALL + GAP + NORMAL } else { 0.0 };
         let right = if self.x.written { last.max(0.0) + 1.0 } else { 1.0 };
-        Margins { left: TICK + numbers, right, top: 0.5 * SMALL, bottom: TICK + below }
+        Margins { left: TICK + numbers, right, top: 0.5 * SMALL, bottom: TICK + below, beyond: 0.0 }
     }
 
     /// Ticks of the lying axis, as many as its own numbers leave room for.

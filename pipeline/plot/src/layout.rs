@@ -117,17 +117,16 @@ fn frames(seats: &[Seat]) -> Result<Vec<Area>, PlotError> {
     let near = |a: f64, b: f64| (a - b).abs() < 0.5;
     let frame = |(index, seat): (usize, &Seat)| {
         let body = seat.body();
-        if own[index].is_none() {
-            return Ok(body);
-        }
+        let Some(alone) = own[index] else { return Ok(body) };
         let margins = Margins {
             left: widest(|m| m.left, &|s| near(s.cell.from[0], seat.cell.from[0])),
             right: widest(|m| m.right, &|s| near(s.cell.to[0], seat.cell.to[0])),
             top: widest(|m| m.top, &|s| s.row == seat.row),
             bottom: widest(|m| m.bottom, &|s| s.row == seat.row),
+            beyond: alone.beyond,
         };
         let from = [body.from[0] + margins.left, body.from[1] + margins.top];
-        roomy(index, Area { from, to: [body.to[0] - margins.right, body.to[1] - margins.bottom] })
+        roomy(index, Area { from, to: [body.to[0] - margins.right - margins.beyond, body.to[1] - margins.bottom] })
     };
     seats.iter().enumerate().map(frame).collect()
 }

@@ -108,15 +108,20 @@ fn entry(canvas: &mut Canvas, mark: &Mark, at: Point2) {
             canvas.filled(swatch, mark.colour, mark.opacity);
         }
         Shape::Text { .. } => {}
-        Shape::Line(_) | Shape::Level(_) | Shape::Upright(_) => canvas.items.push(Item::Path {
-            points: vec![at, [at[0] + SAMPLE, at[1]]],
-            width: mark.size,
-            dash: mark.dash,
-            colour: mark.colour,
-            opacity: mark.opacity,
-        }),
+        Shape::Line(_) | Shape::Level(_) | Shape::Upright(_) => line_sample(canvas, mark, at),
     }
     canvas.words([at[0] + SAMPLE + GAP, at[1]], words(mark), SMALL, Side::Right, palette::INK);
+}
+
+/// A piece of the mark's line, with a dark rim when paper would hide it.
+fn line_sample(canvas: &mut Canvas, mark: &Mark, at: Point2) {
+    let points = vec![at, [at[0] + SAMPLE, at[1]]];
+    let Mark { size: width, dash, colour, opacity, .. } = *mark;
+    if colour == palette::PAPER {
+        let rim = Item::Path { points: points.clone(), width: width + 0.9, dash, colour: palette::INK, opacity };
+        canvas.items.push(rim);
+    }
+    canvas.items.push(Item::Path { points, width, dash, colour, opacity });
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 
 use si::Point2;
 
-use crate::canvas::{Area, Canvas, Item};
+use crate::canvas::{Area, Canvas, Item, Words};
 use crate::mark::{Mark, Marker, Shape, Side};
 use crate::ruler::Ruler;
 use crate::{Dash, PlotError, clip, palette};
@@ -101,8 +101,19 @@ impl Ground {
         };
         let place = self.place(&at);
         if self.frame.grown(0.01).holds(place) {
-            canvas.words([place[0] + away[0], place[1] + away[1]], text, mark.size, side, mark.colour);
+            let at = [place[0] + away[0], place[1] + away[1]];
+            let (text, upright, bold) = (text.to_owned(), false, false);
+            let mut words = Words { at, text, size: mark.size, side, upright, bold, colour: mark.colour };
+            words.at = self.kept_inside(&words);
+            canvas.items.push(Item::Text(words));
         }
+    }
+
+    /// Where words stand when none of them may cross the frame.
+    fn kept_inside(&self, words: &Words) -> Point2 {
+        let (area, inner) = (words.area(), self.frame.grown(-1.5));
+        let shift = |k: usize| (inner.from[k] - area.from[k]).max(0.0) + (inner.to[k] - area.to[k]).min(0.0);
+        [words.at[0] + shift(0), words.at[1] + shift(1)]
     }
 }
 

@@ -44,7 +44,7 @@ pub const NETWORK: Colour = GREEN;
 /// Elongated-body theory.
 pub const ELONGATED_BODY: Colour = PURPLE;
 /// A trivial baseline.
-pub const BASELINE: Colour = Colour(135, 135, 135);
+pub const BASELINE: Colour = Colour(95, 95, 95);
 /// The best point of a search.
 pub const OPTIMUM: Colour = Colour(214, 39, 40);
 

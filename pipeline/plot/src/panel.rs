@@ -16,6 +16,8 @@ pub struct Margins {
     pub top: f64,
     /// Under it.
     pub bottom: f64,
+    /// For a colour bar, beyond `right`; not shared with panels that have none.
+    pub beyond: f64,
 }
 
 /// Where the legend stands.

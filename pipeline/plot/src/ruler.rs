@@ -28,6 +28,18 @@ pub struct Ticks {
 /// A number this near to an end, as a part of the range, is taken to lie on it.
 const ON_THE_END: f64 = 1e-9;
 
+/// The numbers of a logarithmic axis, from many to few: digits, and every how many decades they stand.
+const FAMILIES: [(&[f64], i32); 8] = [
+    (&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0], 1),
+    (&[1.0, 2.0, 3.0, 5.0], 1),
+    (&[1.0, 2.0, 5.0], 1),
+    (&[1.0, 3.0], 1),
+    (&[1.0], 1),
+    (&[1.0], 2),
+    (&[1.0], 3),
+    (&[1.0], 6),
+];
+
 impl Ruler {
     /// The place of a number.
     pub fn place(&self, value: f64) -> f64 {
@@ -45,10 +57,9 @@ impl Ruler {
 
     /// Ticks at least `apart` from each other (points of print).
     pub fn ticks(&self, apart: f64) -> Ticks {
-        let most = ((self.places.1 - self.places.0).abs() / apart).max(1.0);
         match self.scale {
-            Scale::Linear => self.linear_ticks(most),
-            Scale::Log => self.log_ticks(most),
+            Scale::Linear => self.linear_ticks(((self.places.1 - self.places.0).abs() / apart).max(1.0)),
+            Scale::Log => self.log_ticks(apart),
         }
     }
 
@@ -60,26 +71,23 @@ impl Ruler {
         Ticks { major: values.into_iter().map(|v| (v, text(v))).collect(), minor: vec![] }
     }
 
-    fn log_ticks(&self, most: f64) -> Ticks {
-        let decades = (self.ends.1 / self.ends.0).log10();
+    fn log_ticks(&self, apart: f64) -> Ticks {
         let (from, to) = (self.ends.0.log10().floor() as i32, self.ends.1.log10().ceil() as i32);
-        let inside = |v: &f64| self.holds(*v);
         let family = |digits: &[f64], every: i32| -> Vec<f64> {
             let exponents = (from..=to).filter(|e| e % every == 0);
-            exponents.flat_map(|e| digits.iter().map(move |d| d * 10f64.powi(e))).filter(inside).collect()
+            let values = exponents.flat_map(|e| digits.iter().map(move |d| d * 10f64.powi(e)));
+            values.filter(|v| self.holds(*v)).collect()
         };
-        let choices: [(&[f64], i32); 5] =
-            [(&[1.0, 2.0, 5.0], 1), (&[1.0, 3.0], 1), (&[1.0], 1), (&[1.0], 2), (&[1.0], 3)];
-        let fits = |(digits, every): &(&[f64], i32)| decades * digits.len() as f64 / f64::from(*every) <= most;
-        let (digits, every) = choices.into_iter().find(fits).unwrap_or((&[1.0], 6));
-        let values = family(digits, every);
+        let gap = |pair: &[f64]| (self.place(pair[1]) - self.place(pair[0])).abs();
+        let fits = |values: &Vec<f64>| values.windows(2).all(|pair| gap(pair) >= apart);
+        let families = FAMILIES.iter().map(|(digits, every)| family(digits, *every));
+        let values = families.into_iter().find(fits).unwrap_or_default();
         if values.len() < 2 {
-            return self.linear_ticks(most.min(4.0));
+            return self.linear_ticks(((self.places.1 - self.places.0).abs() / apart).clamp(1.0, 4.0));
         }
         let plain = self.ends.0 >= 1e-3 && self.ends.1 <= 1e4;
-        let major = values.into_iter().map(|v| (v, log_text(v, plain))).collect();
-        let minor = if every == 1 { family(&[2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0], 1) } else { vec![] };
-        Ticks { major, minor }
+        let minor = family(FAMILIES[0].0, 1).into_iter().filter(|v| !values.contains(v) && to - from < 6).collect();
+        Ticks { major: values.into_iter().map(|v| (v, log_text(v, plain))).collect(), minor }
     }
 
     /// Whether a number lies between the ends.
@@ -105,7 +113,10 @@ fn multiples(step: f64, (low, high): (f64, f64)) -> Vec<f64> {
 /// A tick's text: plain while it is short, else a digit and a power of ten.
 fn written(value: f64, step: f64, largest: f64) -> String {
     let decimals = (-(step * 1.0001).log10().floor()).max(0.0) as usize;
-    if value == 0.0 || (decimals <= 3 && largest < 1e5) {
+    if value == 0.0 && decimals > 3 {
+        return "0".to_owned();
+    }
+    if decimals <= 3 && largest < 1e5 {
         return number(value, decimals);
     }
     let exponent = largest.log10().floor() as i32;
@@ -144,8 +155,10 @@ mod tests {
     }
 
     #[test]
-    fn a_log_axis_of_a_decade_has_ones_twos_and_fives() {
-        assert_eq!(texts(Scale::Log, (0.1, 1.0), 120.0), ["0.1", "0.2", "0.5", "1"]);
+    fn a_log_axis_of_a_decade_or_less_has_round_digits() {
+        assert_eq!(texts(Scale::Log, (0.1, 1.0), 120.0), ["0.1", "0.2", "0.3", "0.5", "1"]);
+        assert_eq!(texts(Scale::Log, (0.1, 1.0), 80.0), ["0.1", "0.2", "0.5", "1"]);
+        assert_eq!(texts(Scale::Log, (0.1, 0.4), 150.0), ["0.1", "0.2", "0.3", "0.4"]);
     }
 
     #[test]

@@ -2,12 +2,13 @@
 //!
 //! plotters writes whole pixels, so the canvas is handed over [`GRID`] times as large and the viewBox says so: a curve
 //! is written to a twentieth of a point (0.018 mm) and shows no stairs. The root element carries what plotters repeats
-//! or cannot say (font, size in millimetres, round joints), and pictures are set between its shapes.
+//! or cannot say (font, size in millimetres, round joints); pictures and the pattern of broken lines are set between
+//! what it writes.
 //!
 //! Stands on: plotters, `canvas`, `raster`. Never knows: panels or marks.
 
 use plotters::drawing::{DrawingArea, IntoDrawingArea};
-use plotters::element::{Circle, DashedPathElement, PathElement, Polygon, Text};
+use plotters::element::{Circle, PathElement, Polygon, Text};
 use plotters::prelude::{Color, RGBColor, SVGBackend, ShapeStyle};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{FontDesc, FontFamily, FontStyle, FontTransform, TextStyle};
@@ -38,11 +39,12 @@ type Page<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 pub fn write(canvas: &Canvas, size: Point2) -> Result<String, PlotError> {
     let grid = size.map(|v| (v * GRID).round() as u32);
     let mut body = String::new();
-    for run in canvas.items.chunk_by(|a, b| !is_picture(a) && !is_picture(b)) {
-        match &run[0] {
-            Item::Picture { area, png } => body.push_str(&picture(area.from, [area.width(), area.height()], png)),
-            _ => body.push_str(&shapes(run, grid)?),
-        }
+    for run in canvas.items.chunk_by(|a, b| !alone(a) && !alone(b)) {
+        body += &match &run[0] {
+            Item::Picture { area, png } => picture(area.from, [area.width(), area.height()], png),
+            Item::Path { dash, width, .. } if *dash != Dash::Solid => dashed(&shapes(run, grid)?, *dash, *width),
+            _ => shapes(run, grid)?,
+        };
     }
     let mm = size.map(|v| v / POINTS_PER_MM);
     Ok(format!(
@@ -53,8 +55,23 @@ pub fn write(canvas: &Canvas, size: Point2) -> Result<String, PlotError> {
     ))
 }
 
-fn is_picture(item: &Item) -> bool {
-    matches!(item, Item::Picture { .. })
+/// Whether an item needs more than plotters can say.
+fn alone(item: &Item) -> bool {
+    match item {
+        Item::Picture { .. } => true,
+        Item::Path { dash, .. } => *dash != Dash::Solid,
+        _ => false,
+    }
+}
+
+/// A line as plotters wrote it, broken.
+fn dashed(line: &str, dash: Dash, width: f64) -> String {
+    let (on, off) = match dash {
+        Dash::Dotted => (width.max(0.6), 1.5),
+        _ => (3.2, 1.8),
+    };
+    let pattern = format!("<polyline stroke-dasharray=\"{} {}\" ", (on * GRID).round(), (off * GRID).round());
+    line.replacen("<polyline ", &pattern, 1)
 }
 
 /// A run of shapes as plotters writes them, without its root element and without what the root says once.
@@ -77,12 +94,8 @@ fn shapes(run: &[Item], grid: [u32; 2]) -> Result<String, PlotError> {
 
 fn draw(page: &Page, item: &Item) -> Result<(), String> {
     match item {
-        Item::Path { points, width, dash, colour, opacity } => {
-            let (points, style) = (snapped(&thin::line(points, TOLERANCE)), stroke(*colour, *opacity, *width));
-            match dashes(*dash, *width) {
-                None => page.draw(&PathElement::new(points, style)),
-                Some((on, off)) => page.draw(&DashedPathElement::new(points, on, off, style)),
-            }
+        Item::Path { points, width, colour, opacity, .. } => {
+            page.draw(&PathElement::new(snapped(&thin::line(points, TOLERANCE)), stroke(*colour, *opacity, *width)))
         }
         Item::Polygon { points, colour, opacity } => {
             page.draw(&Polygon::new(snapped(&thin::line(points, TOLERANCE)), stroke(*colour, *opacity, 0.0).filled()))
@@ -115,16 +128,6 @@ fn ink(colour: Colour) -> RGBColor {
 
 fn stroke(colour: Colour, opacity: f64, width: f64) -> ShapeStyle {
     ShapeStyle { color: ink(colour).mix(opacity), filled: false, stroke_width: (width * GRID).round() as u32 }
-}
-
-/// Lengths of a dash and of its gap on the grid.
-fn dashes(dash: Dash, width: f64) -> Option<(i32, i32)> {
-    let grid = |points: f64| (points * GRID).round() as i32;
-    match dash {
-        Dash::Solid => None,
-        Dash::Dashed => Some((grid(3.2), grid(1.8))),
-        Dash::Dotted => Some((grid(width.max(0.6)), grid(1.5))),
-    }
 }
 
 /// Where plotters must set the words so that their middle height is at their point.

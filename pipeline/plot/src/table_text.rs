@@ -91,7 +91,7 @@ impl Table {
         let mut widths: Vec<f64> = (0..self.columns.len()).map(|i| self.column_width(i)).collect();
         for (head, from, to) in self.groups() {
             let inner: f64 = widths[from..to].iter().sum::<f64>() + APART * (to - from - 1) as f64;
-            let more = (text::width(head, NORMAL) * 1.1 - inner).max(0.0) / (to - from) as f64;
+            let more = (text::width(head, NORMAL) * text::BOLD - inner).max(0.0) / (to - from) as f64;
             widths[from..to].iter_mut().for_each(|w| *w += more);
         }
         let place = |x: &mut f64, w: f64| {
@@ -103,7 +103,7 @@ impl Table {
     }
 
     fn column_width(&self, i: usize) -> f64 {
-        let head = text::width(&self.columns[i].head(), NORMAL) * 1.1;
+        let head = text::width(&self.columns[i].head(), NORMAL) * text::BOLD;
         self.rows.iter().map(|row| text::width(shown(&row[i]), NORMAL)).fold(head, f64::max)
     }
 

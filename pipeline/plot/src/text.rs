@@ -13,6 +13,9 @@ const WIDTHS: [u16; 95] = [
     337, 636, 838,
 ];
 
+/// How much wider heavy letters are.
+pub const BOLD: f64 = 1.16;
+
 /// The width of a text, in the unit of its font size.
 pub fn width(text: &str, size: f64) -> f64 {
     let thousandths = |c: char| match c {

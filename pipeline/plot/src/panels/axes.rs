@@ -133,3 +133,66 @@ impl Draw for Axes {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::palette;
+
+    const FRAME: Area = Area { from: [20.0, 10.0], to: [220.0, 110.0] };
+
+    /// A curve whose way is different for each seed.
+    fn curve(seed: u32) -> Mark {
+        let phase = f64::from(seed) * 0.71;
+        let y = |x: f64| (x + phase).sin() + 0.6 * (1.7 * x - 2.0 * phase).cos();
+        let points = (0..=120).map(|i| f64::from(i) * 0.05).map(|x| [x, y(x)]).collect();
+        Mark::line(points, palette::SIMULATED).labelled("simulated")
+    }
+
+    fn axes(seed: u32) -> Axes {
+        let (x, y) = (Axis::linear("time", "s"), Axis::linear("tip", "mm"));
+        Axes::new(x, y).with(curve(seed)).with(Mark::points(vec![[2.0, 0.1]], crate::Marker::Disc, palette::INK))
+    }
+
+    #[test]
+    fn a_legend_inside_covers_no_data() {
+        let mut inside = 0;
+        for seed in 0..40 {
+            let axes = axes(seed);
+            let drawn = axes.marks_alone(&axes.frame(FRAME).unwrap());
+            if let Some(place) = legend::free_place(&axes.listed(), FRAME, &drawn) {
+                inside += 1;
+                assert!(!drawn.touches(&place), "seed {seed}");
+            }
+        }
+        assert!(inside > 10, "the test should meet free corners");
+    }
+
+    #[test]
+    fn a_legend_without_a_free_corner_gets_room_over_the_frame() {
+        let full = axes(0).with(Mark::span(0.0, 6.0, palette::INK));
+        assert!(!full.legend_fits(FRAME).unwrap());
+        let top = |place| full.margins(FRAME, place).unwrap().unwrap().top;
+        assert!(top(Where::Over) > top(Where::Inside) + 5.0);
+    }
+
+    #[test]
+    fn equal_axes_show_a_circle_as_a_circle() {
+        let circle = (0..=64).map(|i| f64::from(i) * 0.1).map(|a| [3.0 * a.cos(), 3.0 * a.sin()]).collect();
+        let axes = Axes::new(Axis::linear("x", "mm"), Axis::linear("y", "mm"));
+        let axes = axes.with(Mark::line(circle, palette::BODY)).equal();
+        let ground = axes.frame(FRAME).unwrap().ground;
+        let across = ground.x.place(3.0) - ground.x.place(-3.0);
+        let up = ground.y.place(-3.0) - ground.y.place(3.0);
+        assert!((across - up).abs() < 1e-9);
+    }
+
+    #[test]
+    fn words_near_the_frame_stay_inside_of_it() {
+        let corner = Mark::text([6.0, 2.0], "a long remark", crate::Side::Right, palette::INK);
+        let axes = Axes::new(Axis::linear("x", "").range(0.0, 6.0), Axis::linear("y", "").range(0.0, 2.0)).with(corner);
+        let drawn = axes.marks_alone(&axes.frame(FRAME).unwrap());
+        let [crate::canvas::Item::Text(words)] = &drawn.items[..] else { panic!("one text is drawn") };
+        assert!(FRAME.holds(words.area().from) && FRAME.holds(words.area().to));
+    }
+}

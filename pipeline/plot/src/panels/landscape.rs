@@ -65,14 +65,14 @@ impl Landscape {
         self
     }
 
-    /// The way of a search: a white line with a dark rim, a dot where it starts and a dot at each step.
+    /// The way of a search: a line with a dark rim, a small dot at each step and a large one where it starts.
     pub fn with_path(self, points: Vec<Point2>, colour: Colour, label: &str) -> Self {
         let start = points.first().copied().into_iter().collect();
         let rim = Mark::line(points.clone(), palette::INK).sized(2.2);
         let line = Mark::line(points.clone(), colour).sized(1.3).labelled(label);
         let steps = Mark::points(points, Marker::Disc, colour).sized(2.6);
-        let begin = Mark::points(start, Marker::Disc, palette::PAPER).sized(6.0);
-        let inner = Mark { colour, size: 4.4, ..begin.clone() };
+        let begin = Mark::points(start, Marker::Disc, palette::INK).sized(6.4);
+        let inner = Mark { colour, size: 4.6, ..begin.clone() };
         self.with(rim).with(line).with(steps).with(begin).with(inner)
     }
 
@@ -194,8 +194,9 @@ impl Draw for Landscape {
     fn margins(&self, cell: Area, _legend: Where) -> Result<Option<Margins>, PlotError> {
         let mut margins = self.frame(cell)?.margins();
         let height = cell.height() - margins.top - margins.bottom;
-        margins.right += self.bar()?.width(height.max(1.0));
-        margins.top += legend::height_over(&legend::listed(&self.marks), cell.width() - margins.left - margins.right);
+        margins.beyond = self.bar()?.width(height.max(1.0));
+        let width = cell.width() - margins.left - margins.right - margins.beyond;
+        margins.top += legend::height_over(&legend::listed(&self.marks), width);
         Ok(Some(margins))
     }
 
@@ -211,5 +212,65 @@ impl Draw for Landscape {
         bar.draw(canvas, area)?;
         legend::draw_over(canvas, &legend::listed(&self.marks), area);
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CELL: Area = Area { from: [30.0, 10.0], to: [150.0, 90.0] };
+
+    /// Loss |x − 2| + |y − 20| over x 1, 2, 3 and y 10, 20.
+    fn small(shading: Shading) -> Landscape {
+        let (x, y, bar) = (Axis::linear("x", "m"), Axis::linear("y", "s"), Axis::linear("loss", ""));
+        let values = vec![11.0, 10.0, 11.0, 1.0, 0.0, 1.0];
+        Landscape { shading, ..Landscape::new(x, y, vec![1.0, 2.0, 3.0], vec![10.0, 20.0], values, bar) }
+    }
+
+    fn picture(landscape: &Landscape) -> Raster {
+        let frame = landscape.frame(CELL).unwrap();
+        landscape.picture(&frame, &landscape.field(&landscape.bar().unwrap()))
+    }
+
+    #[test]
+    fn cells_of_a_heat_map_leave_no_gap() {
+        let picture = picture(&small(Shading::Cells));
+        let colours = [11.0, 10.0, 1.0, 0.0].map(|v| palette::heat(v / 11.0));
+        for dot in picture.dots.chunks(4) {
+            assert!(dot[3] == 255 && colours.contains(&Colour(dot[0], dot[1], dot[2])), "{dot:?}");
+        }
+    }
+
+    #[test]
+    fn the_picture_of_a_heat_map_fills_its_frame() {
+        let mut canvas = Canvas::default();
+        small(Shading::Smooth).draw(&mut canvas, CELL, Where::Over).unwrap();
+        assert!(matches!(&canvas.items[0], Item::Picture { area, .. } if *area == CELL));
+    }
+
+    #[test]
+    fn the_first_row_of_values_lies_at_the_bottom() {
+        let picture = picture(&small(Shading::Cells));
+        let last = picture.dots.len() - 4;
+        let (top, bottom) = (palette::heat(1.0 / 11.0), palette::heat(1.0));
+        assert_eq!(picture.dots[..3], [top.0, top.1, top.2]);
+        assert_eq!(picture.dots[last..last + 3], [bottom.0, bottom.1, bottom.2]);
+    }
+
+    #[test]
+    fn a_grid_that_is_not_even_is_refused() {
+        let mut landscape = small(Shading::Smooth);
+        landscape.columns[1] = 2.2;
+        assert!(landscape.check().unwrap_err().to_string().contains("rise evenly"));
+    }
+
+    #[test]
+    fn a_grid_point_and_its_place_on_paper_are_inverse() {
+        let landscape = small(Shading::Smooth);
+        let frame = landscape.frame(CELL).unwrap();
+        let value = landscape.grid_value([0.7, 0.4]);
+        let back = landscape.grid_place(&frame, [frame.ground.x.place(value[0]), frame.ground.y.place(value[1])]);
+        assert!((back[0] - 0.7).abs() < 1e-12 && (back[1] - 0.4).abs() < 1e-12);
     }
 }

@@ -292,8 +292,7 @@ impl Draw for Scene {
         self.bar().map(drop)
     }
 
-    fn margins(&self, cell: Area, _legend: Where) -> Result<Option<Margins>, PlotError> {
-        let _ = cell;
+    fn margins(&self, _cell: Area, _legend: Where) -> Result<Option<Margins>, PlotError> {
         Ok(None)
     }
 
