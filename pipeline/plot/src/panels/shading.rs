@@ -42,7 +42,7 @@ pub fn normals(triangles: &[[Point3; 3]]) -> Vec<[Point3; 3]> {
 }
 
 /// A colour under light from `light` (a unit vector towards the lamp), seen from `eye` (towards the eye); both sides of
-/// a surface are lit alike.      [lambert1760]
+/// a surface are lit alike (Lambert's law).
 pub fn lit(colour: Colour, normal: Point3, light: Point3, eye: Point3) -> Colour {
     let facing = if dot(normal, eye) < 0.0 { scale(normal, -1.0) } else { normal };
     let direct = dot(facing, light).max(0.0);
