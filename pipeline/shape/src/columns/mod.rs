@@ -8,10 +8,13 @@
 
 mod arrange;
 mod chains;
+mod chambers;
 mod error;
 mod patches;
 mod plane;
 mod sequence;
+mod settle;
+mod sheets;
 mod symmetry;
 #[cfg(test)]
 mod tests;
@@ -19,17 +22,18 @@ mod tests;
 pub use error::MeshError;
 
 use crate::frame::Frame;
-use crate::stack::{self, Column, Cycle, Stack};
-use crate::surface::components;
+use crate::stack::{self, Cycle, Stack};
 use crate::validate::{self, Limits};
-use crate::{Report, Shell, Surface, TetMesh};
+use crate::{Report, Surface, TetMesh};
 use arrange::{Graph, arrange};
 use chains::{Spacing, respace};
+use chambers::Chambers;
 use patches::{Part, Patch, dominant_axis, patches, seams};
 use plane::{Plane, triangulate};
 use sequence::{Reading, Sequence};
+use settle::settle;
+use sheets::Sheets;
 use si::{Metre, Point2};
-use std::cmp::Ordering;
 
 /// How to mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,10 +57,18 @@ impl Settings {
     }
 }
 
+/// A surface that bends away from a flat triangle by more than this share of the target length is divided further.
+const BEND: f64 = 0.05;
+/// Layers thinner than this share of the target length vanish on a line, as they do at a round body's rim: elements that
+/// thin would be needles. A sheet that thin altogether fails the check of volumes.
+const MERGE: f64 = 0.02;
+/// How often triangles over which a surface bends are divided.
+const ROUNDS: usize = 3;
+
 /// Meshes a body around a plane sheet.
 ///
-/// Chambers are numbered by their centroids: first along the sheet's normal, then along x, y, z. The same surfaces and
-/// settings give the same mesh, byte for byte.
+/// Chambers are numbered by their centroids: first those below the sheet (along its normal), then those above, each
+/// along x. The same surfaces and settings give the same mesh, byte for byte.
 ///
 /// # Errors
 /// [`MeshError`], which names the surface and the place.
@@ -66,118 +78,81 @@ pub fn mesh(body: &Surface, spine: &Surface, set: &Settings) -> Result<(TetMesh,
     let frame = dominant_axis(spine);
     let tolerance = set.tolerance * body.length().max(spine.length());
     let patches: Vec<Patch> = parts.iter().enumerate().flat_map(|(i, p)| patches(p, i, frame)).collect();
-    let (chambers, cavities) = number_chambers(&parts, frame);
+    let chambers = Chambers::new(&parts, frame);
     let half = set.use_symmetry && [body, spine].iter().all(|s| symmetry::is_symmetric(s, tolerance));
     let cut = if half { frame.plan_axis(2) } else { None };
 
-    let plane = plan(&parts, frame, cut, set, tolerance)?;
-    let reading = Reading { frame, patches: &patches, chambers: &chambers, tolerance, meant: set.edge / 2.0 };
-    let regions = reading.regions(&plane)?;
-    let (class, classes) = classes(&patches, &regions);
-    let columns = columns(&plane, &regions, &class);
-    if columns.is_empty() {
-        return Err(MeshError::Nothing);
-    }
-    let members = members(&patches, &class, classes);
-    let height = |vertex: u32, sheet: u32| height(&patches, &members[sheet as usize], plane.points[vertex as usize]);
-    let stack = Stack {
-        frame,
-        plan: &plane.points,
-        columns: &columns,
-        sheets: classes as usize,
-        height: &height,
-        edge: set.edge,
-        merge: tolerance,
-        half: cut.is_some(),
-    };
-    let made = stack::fill(&stack).map_err(|Cycle { lower, upper }| MeshError::Folded {
-        lower: patches[members[lower as usize][0] as usize].place,
-        upper: patches[members[upper as usize][0] as usize].place,
-    })?;
+    let outlines = outlines(&parts, frame, cut, tolerance);
+    let reading = Reading { frame, patches: &patches, chambers: &chambers.of_shell, tolerance, meant: set.edge / 2.0 };
+    let made = build(&outlines, &reading, set, cut.is_some())?;
     let limits = Limits { volume: set.volume_limit, distance: set.distance_limit * set.edge };
-    let report = validate::validate(&made, body, spine, &cavities, &limits)?;
+    let report = validate::validate(&made, body, spine, &chambers.volumes, &limits)?;
     Ok((made, report))
 }
 
-/// The chamber of each shell of each part, and the volumes (m³) of the cavities in that order.
-///
-/// A cavity of the body that has the volume and centroid of a shell of the spine is the spine's bed and no chamber.
-fn number_chambers(parts: &[Part; 2], frame: Frame) -> ([Vec<Option<u16>>; 2], Vec<f64>) {
-    let mut cavities = Vec::new();
-    for (p, part) in parts.iter().enumerate() {
-        let inner = part.shells.iter().enumerate().filter(|(_, s)| s.volume < 0.0 && !(p == 0 && is_bed(s, &parts[1])));
-        cavities.extend(inner.map(|(s, shell)| (shell, p, s)));
+/// All outlines in the plan as one graph.
+fn outlines(parts: &[Part; 2], frame: Frame, cut: Option<usize>, tolerance: Metre) -> Graph {
+    let seams: Vec<[Point2; 2]> = parts.iter().flat_map(|p| seams(p, frame)).collect();
+    match cut {
+        Some(axis) => arrange(&symmetry::cut(&seams, axis, tolerance), tolerance),
+        None => arrange(&seams, tolerance),
     }
-    let key = |c: &[f64; 3]| [c[frame.normal], c[0], c[1], c[2]];
-    cavities.sort_by(|a, b| {
-        let (a, b) = (key(&a.0.centroid), key(&b.0.centroid));
-        a.iter().zip(&b).map(|(x, y)| x.total_cmp(y)).find(|o| o.is_ne()).unwrap_or(Ordering::Equal)
-    });
-    let mut chambers = [0, 1].map(|p: usize| vec![None; parts[p].shells.len()]);
-    cavities.iter().enumerate().for_each(|(k, (_, p, s))| chambers[*p][*s] = Some(k as u16));
-    (chambers, cavities.iter().map(|c| -c.0.volume).collect())
 }
 
-fn is_bed(cavity: &Shell, spine: &Part) -> bool {
-    let size = cavity.volume.abs().cbrt();
-    let same = |s: &Shell| {
-        let apart = (0..3).map(|k| (s.centroid[k] - cavity.centroid[k]).abs()).fold(0.0, f64::max);
-        (s.volume + cavity.volume).abs() < 0.01 * s.volume.abs() && apart < 0.01 * size
+/// Triangulates and reads the plan, again with more points where a surface bends, and fills it.
+fn build(outlines: &Graph, reading: &Reading, set: &Settings, half: bool) -> Result<TetMesh, MeshError> {
+    let mut extra = Vec::new();
+    for round in 0.. {
+        let plane = plan(outlines, &extra, reading, set)?;
+        let regions = reading.regions(&plane)?;
+        let sheets = Sheets::new(reading.patches, &regions);
+        let bends = sheets.bends(&plane, &regions, BEND * set.edge, 0.4 * set.edge);
+        if bends.is_empty() || round == ROUNDS {
+            return fill(&plane, &regions, &sheets, reading, set, half);
+        }
+        extra.extend(bends);
+    }
+    unreachable!("the loop returns in its last round")
+}
+
+fn fill(
+    plane: &Plane,
+    regions: &[Option<Sequence>],
+    sheets: &Sheets,
+    reading: &Reading,
+    set: &Settings,
+    half: bool,
+) -> Result<TetMesh, MeshError> {
+    let columns = sheets.columns(plane, regions);
+    if columns.is_empty() {
+        return Err(MeshError::Nothing);
+    }
+    let stack = Stack {
+        frame: reading.frame,
+        plan: &plane.points,
+        columns: &columns,
+        sheets: sheets.count(),
+        height: &|vertex, sheet| sheets.height(plane.points[vertex as usize], sheet),
+        edge: set.edge,
+        merge: reading.tolerance.max(MERGE * set.edge),
+        half,
     };
-    spine.shells.iter().any(same)
+    stack::fill(&stack)
+        .map_err(|Cycle { lower, upper }| MeshError::Folded { lower: sheets.place(lower), upper: sheets.place(upper) })
 }
 
 /// The triangulated plan; where parts are too near for the spacing, outlines are followed more closely.
-fn plan(
-    parts: &[Part; 2],
-    frame: Frame,
-    cut: Option<usize>,
-    set: &Settings,
-    tolerance: Metre,
-) -> Result<Plane, MeshError> {
-    let seams: Vec<[Point2; 2]> = parts.iter().flat_map(|p| seams(p, frame)).collect();
-    let segments = match cut {
-        Some(axis) => symmetry::cut(&seams, axis, tolerance),
-        None => seams,
-    };
-    let outlines: Graph = arrange(&segments, tolerance);
+fn plan(outlines: &Graph, extra: &[Point2], reading: &Reading, set: &Settings) -> Result<Plane, MeshError> {
     let mut tangled = [0.0; 2];
     for closer in [1.0, 0.5, 0.25, 0.1, 0.02] {
-        let spacing = Spacing { edge: set.edge, chord: 0.03 * closer * set.edge, noise: 2.0 * tolerance };
-        match triangulate(&respace(&outlines, &spacing), set.edge) {
-            Ok(plane) => return Ok(plane),
+        let spacing = Spacing { edge: set.edge, chord: 0.03 * closer * set.edge, noise: 2.0 * reading.tolerance };
+        match triangulate(&respace(outlines, &spacing), extra, set.edge) {
+            Ok(mut plane) => {
+                settle(&mut plane, outlines, 2.0 * spacing.chord);
+                return Ok(plane);
+            }
             Err(at) => tangled = at,
         }
     }
-    Err(MeshError::Tangled { at: frame.join(tangled, 0.0), edge: set.edge })
-}
-
-/// Patches of body and spine that touch somewhere are one sheet: the sheet of each patch, and their number.
-fn classes(patches: &[Patch], regions: &[Option<Sequence>]) -> (Vec<u32>, u32) {
-    let levels = regions.iter().flatten().flat_map(|s| &s.levels);
-    let links = levels.filter(|l| l.patches.len() == 2).map(|l| [l.patches[0], l.patches[1]]);
-    components(patches.len(), links)
-}
-
-/// The patches of each sheet, those of the spine first: its surface is the better known one.
-fn members(patches: &[Patch], class: &[u32], classes: u32) -> Vec<Vec<u32>> {
-    let mut members: Vec<Vec<u32>> = vec![Vec::new(); classes as usize];
-    (0..patches.len()).for_each(|p| members[class[p] as usize].push(p as u32));
-    members.iter_mut().for_each(|m| m.sort_by_key(|&p| (1 - patches[p as usize].part, p)));
-    members
-}
-
-fn columns(plane: &Plane, regions: &[Option<Sequence>], class: &[u32]) -> Vec<Column> {
-    let column = |(corners, region): (&[u32; 3], &u32)| {
-        let sequence = regions[*region as usize].as_ref()?;
-        let sheets = sequence.levels.iter().map(|l| class[l.patches[0] as usize]).collect();
-        Some(Column { corners: *corners, sheets, fills: sequence.fills.clone() })
-    };
-    plane.triangles.iter().zip(&plane.regions).filter_map(column).collect()
-}
-
-/// Height of a sheet from the patch of it that lies nearest in the plan, m.
-fn height(patches: &[Patch], members: &[u32], at: Point2) -> Metre {
-    let heights = members.iter().map(|&p| patches[p as usize].height(at));
-    heights.fold((0.0, f64::INFINITY), |best, h| if h.1 < best.1 { h } else { best }).0
+    Err(MeshError::Tangled { at: reading.frame.join(tangled, 0.0), edge: set.edge })
 }

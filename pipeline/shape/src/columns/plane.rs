@@ -21,13 +21,15 @@ pub(crate) struct Plane {
     /// Number of the region of each triangle.
     pub regions: Vec<u32>,
     pub region_count: u32,
+    /// Vertices that the refinement put onto edges of the graph.
+    pub chords: Vec<u32>,
 }
 
-/// Triangulates the plan with edges of about `edge` (m).
+/// Triangulates the plan with edges of about `edge` (m) and shorter ones around `extra` points.
 ///
 /// # Errors
 /// A point of an edge of the graph that crosses another one.
-pub(crate) fn triangulate(graph: &Graph, edge: Metre) -> Result<Plane, Point2> {
+pub(crate) fn triangulate(graph: &Graph, extra: &[Point2], edge: Metre) -> Result<Plane, Point2> {
     let mut plane = ConstrainedDelaunayTriangulation::<spade::Point2<f64>>::new();
     let mut handles = Vec::with_capacity(graph.points.len());
     for p in &graph.points {
@@ -39,7 +41,7 @@ pub(crate) fn triangulate(graph: &Graph, edge: Metre) -> Result<Plane, Point2> {
             return Err(graph.points[a as usize]);
         }
     }
-    for p in surround(&graph.points, 2.0 * edge) {
+    for &p in surround(&graph.points, 2.0 * edge).iter().chain(extra) {
         plane.insert(spade::Point2::new(p[0], p[1])).map_err(|_| p)?;
     }
     let area = AREA * edge * edge;
@@ -50,18 +52,19 @@ pub(crate) fn triangulate(graph: &Graph, edge: Metre) -> Result<Plane, Point2> {
             .with_min_required_area(0.01 * area)
             .with_max_additional_vertices(200_000),
     );
-    Ok(read(&plane))
+    Ok(read(&plane, graph.points.len()))
 }
 
 /// Corners of a box around all points: without it the hull's edges would graze the outline and be refined to needles.
 fn surround(points: &[Point2], margin: Metre) -> [Point2; 4] {
-    let reach = |k: usize| points.iter().fold((0.0f64, 0.0f64), |(l, h), p| (l.min(p[k]), h.max(p[k])));
+    let none = (f64::INFINITY, f64::NEG_INFINITY);
+    let reach = |k: usize| points.iter().fold(none, |(l, h), p| (l.min(p[k]), h.max(p[k])));
     let ((l0, h0), (l1, h1)) = (reach(0), reach(1));
     let (low, high) = ([l0 - margin, l1 - margin], [h0 + margin, h1 + margin]);
     [low, [high[0], low[1]], high, [low[0], high[1]]]
 }
 
-fn read(plane: &ConstrainedDelaunayTriangulation<spade::Point2<f64>>) -> Plane {
+fn read(plane: &ConstrainedDelaunayTriangulation<spade::Point2<f64>>, given: usize) -> Plane {
     let points = plane.vertices().map(|v| [v.position().x, v.position().y]).collect();
     let triangles = plane.inner_faces().map(|f| f.vertices().map(|v| v.fix().index() as u32)).collect();
     let faces: Vec<_> = plane.inner_faces().map(|f| f.fix().index()).collect();
@@ -74,7 +77,9 @@ fn read(plane: &ConstrainedDelaunayTriangulation<spade::Point2<f64>>) -> Plane {
         Some([number[a?.fix().index()], number[b?.fix().index()]])
     });
     let (regions, region_count) = components(faces.len(), links);
-    Plane { points, triangles, regions, region_count }
+    let added = plane.vertices().filter(|v| v.index() >= given);
+    let chords = added.filter(|v| v.out_edges().any(|e| e.is_constraint_edge())).map(|v| v.index() as u32).collect();
+    Plane { points, triangles, regions, region_count, chords }
 }
 
 #[cfg(test)]
@@ -88,7 +93,7 @@ mod tests {
         let points: Vec<Point2> = square(1.0).into_iter().chain(square(3.0)).collect();
         let ring = |f: u32| (0..4).map(move |i| [f + i, f + (i + 1) % 4]);
         let graph = Graph { points, edges: ring(0).chain(ring(4)).collect() };
-        let plane = triangulate(&graph, 0.7).unwrap();
+        let plane = triangulate(&graph, &[], 0.7).unwrap();
         // the two squares and what surrounds them
         assert_eq!(plane.region_count, 3);
         let area = |t: &[u32; 3]| {
@@ -110,6 +115,6 @@ mod tests {
     #[test]
     fn edges_that_cross_are_refused_with_a_place() {
         let points = vec![[0.0, 0.0], [2.0, 2.0], [0.0, 2.0], [2.0, 0.0]];
-        assert!(triangulate(&Graph { points, edges: vec![[0, 1], [2, 3]] }, 1.0).is_err());
+        assert!(triangulate(&Graph { points, edges: vec![[0, 1], [2, 3]] }, &[], 1.0).is_err());
     }
 }

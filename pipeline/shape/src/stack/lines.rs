@@ -6,6 +6,9 @@ use super::ranks::{Cycle, Order};
 use super::{Fill, Stack};
 use si::Metre;
 
+/// Pieces of a line are at most 1.25 target lengths high: taller ones make flat elements beside finely divided lines.
+const TALL: f64 = 0.25;
+
 /// A node on a line: its height (m) and its key.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Node {
@@ -89,7 +92,7 @@ fn subdivide(stack: &Stack, knots: &[Knot], around: &[u32], ranks: &[f64]) -> Ve
         nodes.push(Node { height, key });
         let Some(&(next, next_key, _)) = knots.get(i + 1) else { break };
         let solid = around.iter().any(|&c| solid_between(stack, c, top, next_key, ranks));
-        let pieces = if solid { ((next - height) / stack.edge).round().max(1.0) as usize } else { 1 };
+        let pieces = if solid { ((next - height) / stack.edge + TALL).round().max(1.0) as usize } else { 1 };
         nodes.extend((1..pieces).map(|p| {
             let part = p as f64 / pieces as f64;
             Node { height: height + part * (next - height), key: top + part * (next_key - top) }
