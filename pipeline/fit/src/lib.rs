@@ -17,5 +17,5 @@ pub mod optimisers;
 pub use bounds::{Bounds, Search};
 pub use error::FitError;
 pub use least_squares::{Covariance, Residuals};
-pub use minimise::{History, Tried, minimise};
+pub use minimise::{History, Problem, Tried, minimise};
 pub use optimiser::{Evaluation, Finished, Needs, Optimiser};

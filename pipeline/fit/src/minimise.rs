@@ -48,17 +48,16 @@ impl History {
     }
 }
 
-/// Runs an optimiser until it has finished.
+/// A problem: given a batch of points and what is needed at each, it answers in the same order.
 ///
-/// `problem` is given a batch of points and what is needed at each; it answers in the same order and may work on
-/// the batch in parallel. Its own failures pass through as `E`.
+/// It may work on the batch in parallel. `E` is its own way to fail.
+pub type Problem<'a, E> = dyn FnMut(&[Vec<f64>], Needs) -> Result<Vec<Evaluation>, E> + 'a;
+
+/// Runs an optimiser on a problem until it has finished.
 ///
 /// # Errors
 /// Whatever `problem` returns, or a [`FitError`] about its answers.
-pub fn minimise<E: From<FitError>>(
-    optimiser: &mut dyn Optimiser,
-    problem: &mut dyn FnMut(&[Vec<f64>], Needs) -> Result<Vec<Evaluation>, E>,
-) -> Result<History, E> {
+pub fn minimise<E: From<FitError>>(optimiser: &mut dyn Optimiser, problem: &mut Problem<E>) -> Result<History, E> {
     let mut tried = Vec::new();
     let mut iteration = 0;
     let finished = loop {

@@ -2,6 +2,8 @@
 //!
 //! Stands on: `fit`. A new optimiser is tested here the moment it is in `ALL`, once [`reach`] says what it may use.
 
+#![allow(clippy::unwrap_used)] // a test may unwrap; the lint knows only functions marked as tests
+
 use fit::optimisers::{self, ALL, Settings};
 use fit::{Bounds, Evaluation, Finished, FitError, History, Needs, Residuals, Search, minimise};
 
@@ -226,6 +228,18 @@ fn gauss_newton_stops_on_a_bound_when_the_optimum_lies_beyond_it() {
     let v = 0.5 * 0.4 / (0.25 + 0.49);
     assert!(distance(&history.best.at, &[0.1, v - 0.2]) < 1e-6, "{:?}", history.best.at);
     assert!(matches!(history.finished, Finished::Converged { .. }));
+}
+
+#[test]
+fn gauss_newton_follows_a_bound_through_a_curved_valley() {
+    let problem = Problem { low: [0.0, -2.0], ..PROBLEMS[2] };
+    let history = problem.solve("gauss_newton");
+    // on the bound x0 = 0 the steep residual alone fixes x1 = 0.5 but for the weak one: f′ = 25 s (s − 1) − 0.04 (0.9 − x1)
+    let slope = |y: f64| 25.0 * (y - 0.5f64).exp() * ((y - 0.5f64).exp() - 1.0) - 0.04 * (0.9 - y);
+    let best = &history.best.at;
+    println!("{} evaluations, at {best:?}", history.tried.len());
+    // half a millionth of way times a curvature of 25
+    assert!(best[0] == 0.0 && slope(best[1]).abs() < 3e-5, "{best:?}, slope {:.2e}", slope(best[1]));
 }
 
 #[test]

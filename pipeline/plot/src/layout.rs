@@ -20,6 +20,8 @@ const GUTTER: f64 = 9.0;
 const HEADER: f64 = 11.0;
 /// Size of letters.
 const LETTER: f64 = 8.0;
+/// Room before a frame in which a letter stands clear of a legend.
+const LETTER_ROOM: f64 = 17.0;
 /// Around the whole figure.
 const EDGE: f64 = 1.5;
 /// Least side of a frame, mm.
@@ -109,7 +111,7 @@ fn seats(figure: &Figure) -> Result<Vec<Seat<'_>>, PlotError> {
 
 /// The frames of all seats, with margins shared where cells begin or end together.
 fn frames(seats: &[Seat]) -> Result<Vec<Area>, PlotError> {
-    let own: Vec<_> = seats.iter().map(|s| s.draw().margins(s.body(), s.legend)).collect::<Result<_, _>>()?;
+    let own: Vec<_> = seats.iter().map(Seat::margins).collect::<Result<_, _>>()?;
     let widest = |side: fn(&Margins) -> f64, together: &dyn Fn(&Seat) -> bool| {
         let with = seats.iter().zip(&own).filter(|(s, _)| together(s));
         with.filter_map(|(_, m)| m.as_ref()).map(side).fold(0.0, f64::max)
@@ -144,6 +146,16 @@ impl Seat<'_> {
         self.placed.panel.as_draw()
     }
 
+    /// The room for labels; a legend over the frame stands beside the letter when no title is in its way.
+    fn margins(&self) -> Result<Option<Margins>, PlotError> {
+        let beside = self.legend == Where::Over && self.placed.title.is_none();
+        let raised = |m: Margins| match beside && m.left > LETTER_ROOM {
+            true => Margins { top: (m.top - self.header).max(0.5 * SMALL), ..m },
+            false => m,
+        };
+        Ok(self.draw().margins(self.body(), self.legend)?.map(raised))
+    }
+
     /// The cell without its header.
     fn body(&self) -> Area {
         Area { from: [self.cell.from[0], self.cell.from[1] + self.header], to: self.cell.to }
@@ -159,5 +171,73 @@ impl Seat<'_> {
         if let Some(title) = &self.placed.title {
             canvas.words(at, title, NORMAL, Side::Right, palette::INK);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Axes, Axis, DOUBLE_COLUMN_MM, Legend, Mark, Panel, SINGLE_COLUMN_MM};
+
+    fn axes(unit: &str, scale: f64) -> Axes {
+        let line = |lag: f64| (0..90).map(|i| 0.1 * f64::from(i)).map(|x| [x, scale * (x - lag).sin()]).collect();
+        Axes::new(Axis::linear("time", "s"), Axis::linear("a rather long name", unit))
+            .with(Mark::line(line(0.0), palette::MEASURED).labelled("measured"))
+            .with(Mark::line(line(0.4), palette::SIMULATED).labelled("simulated"))
+    }
+
+    fn texts(figure: &Figure) -> (Point2, Vec<Words>) {
+        let mut canvas = Canvas::default();
+        let page = draw(figure, &mut canvas).unwrap();
+        let words = |item: Item| if let Item::Text(words) = item { Some(words) } else { None };
+        (page, canvas.items.into_iter().filter_map(words).collect())
+    }
+
+    fn crowded() -> Figure {
+        let over = |unit, scale| Panel::Axes(axes(unit, scale).legend(Legend::Over));
+        Figure::new(DOUBLE_COLUMN_MM)
+            .titled("everything at once")
+            .row(40.0, [over("mm", 1e-4), over("N", 2e5)])
+            .row(40.0, [over("mbar", 250.0).titled("a title"), Panel::Axes(axes("V", 1.0)).titled("another")])
+            .noted("virtual bench")
+    }
+
+    #[test]
+    fn no_two_texts_of_a_figure_overlap() {
+        let (_, texts) = texts(&crowded());
+        for (i, a) in texts.iter().enumerate() {
+            for b in &texts[i + 1..] {
+                assert!(!a.area().meets(&b.area()), "`{}` and `{}`", a.text, b.text);
+            }
+        }
+    }
+
+    #[test]
+    fn every_text_lies_on_the_page() {
+        let (page, texts) = texts(&crowded());
+        let paper = Area { from: [0.0; 2], to: page };
+        for words in texts {
+            let area = words.area();
+            assert!(paper.holds(area.from) && paper.holds(area.to), "`{}` at {area:?} of {page:?}", words.text);
+        }
+    }
+
+    #[test]
+    fn frames_of_a_column_line_up() {
+        let figure = Figure::new(SINGLE_COLUMN_MM)
+            .row(40.0, [Panel::Axes(axes("mm", 1e-4))])
+            .row(40.0, [Panel::Axes(axes("mm", 1.0))]);
+        let seats = seats(&figure).unwrap();
+        let frames = frames(&seats).unwrap();
+        assert_eq!((frames[0].from[0], frames[0].to[0]), (frames[1].from[0], frames[1].to[0]));
+    }
+
+    #[test]
+    fn panels_are_lettered_in_reading_order_and_a_single_one_is_not() {
+        let (_, texts) = texts(&crowded());
+        let letters: Vec<_> = texts.iter().filter(|w| w.bold && w.text.starts_with('(')).map(|w| &w.text).collect();
+        assert_eq!(letters, ["(a)", "(b)", "(c)", "(d)"]);
+        let single = Figure::new(SINGLE_COLUMN_MM).row(40.0, [Panel::Axes(axes("mm", 1.0))]);
+        assert!(seats(&single).unwrap()[0].letter.is_none());
     }
 }

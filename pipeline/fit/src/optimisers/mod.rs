@@ -20,12 +20,15 @@ pub struct Settings {
     pub gauss_newton: gauss_newton::Settings,
 }
 
+/// Builds a member for a search.
+pub type Build = fn(&Search, &Settings) -> Result<Box<dyn Optimiser>, FitError>;
+
 /// One member of the family.
 pub struct Member {
     /// Its name in settings, metrics and figures.
     pub name: &'static str,
     /// Builds it for a search.
-    pub build: fn(&Search, &Settings) -> Result<Box<dyn Optimiser>, FitError>,
+    pub build: Build,
 }
 
 /// Every optimiser, from the one that knows least about the loss to the one that knows most.

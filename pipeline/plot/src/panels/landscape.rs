@@ -164,8 +164,9 @@ impl Landscape {
     fn check_grid(&self, axis: &Axis, grid: &[f64]) -> Result<(), PlotError> {
         let even: Vec<f64> = grid.iter().map(|v| axis.scale.even(*v)).collect();
         let step = (even[even.len() - 1] - even[0]) / (even.len() - 1) as f64;
-        let uneven = |(i, v): (usize, &f64)| !((v - even[0] - i as f64 * step).abs() < 1e-6 * step);
-        match even.iter().enumerate().position(uneven) {
+        let off = |i: usize| (even[i] - even[0] - i as f64 * step).abs();
+        let uneven = |i: &usize| off(*i).is_nan() || off(*i) > 1e-6 * step;
+        match (0..even.len()).find(uneven) {
             Some(index) => {
                 let what = format!("the grid on `{}`, which must rise evenly,", axis.label);
                 Err(PlotError::NotFinite { what, index, value: grid[index] })
@@ -191,16 +192,22 @@ impl Draw for Landscape {
         self.marks.iter().try_for_each(|mark| frame.ground.check(mark))
     }
 
-    fn margins(&self, cell: Area, _legend: Where) -> Result<Option<Margins>, PlotError> {
+    fn margins(&self, cell: Area, place: Where) -> Result<Option<Margins>, PlotError> {
         let mut margins = self.frame(cell)?.margins();
         let height = cell.height() - margins.top - margins.bottom;
         margins.beyond = self.bar()?.width(height.max(1.0));
         let width = cell.width() - margins.left - margins.right - margins.beyond;
-        margins.top += legend::height_over(&legend::listed(&self.marks), width);
+        if place == Where::Over {
+            margins.top += legend::height_over(&legend::listed(&self.marks), width);
+        }
         Ok(Some(margins))
     }
 
-    fn draw(&self, canvas: &mut Canvas, area: Area, _legend: Where) -> Result<(), PlotError> {
+    fn legend_fits(&self, _frame: Area) -> Result<bool, PlotError> {
+        Ok(legend::listed(&self.marks).is_empty()) // a heat map has no free corner
+    }
+
+    fn draw(&self, canvas: &mut Canvas, area: Area, _place: Where) -> Result<(), PlotError> {
         let (frame, bar) = (self.frame(area)?, self.bar()?);
         let field = self.field(&bar);
         canvas.items.push(Item::Picture { area, png: self.picture(&frame, &field).png()? });
