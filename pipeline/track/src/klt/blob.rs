@@ -1,0 +1,228 @@
+//! A dark spot on light ground: its middle as the centroid of its darkness.
+//!
+//! Darkness is read against the ground's own slope and cut softly, so that neither uneven light nor noise far from the
+//! spot moves the middle; a turn of the spot does not either. Only what hangs together counts.
+//!
+//! Stands on: the ground. Never knows: the frame before.
+
+use super::ground::{Ground, visit};
+use crate::Gray;
+use si::Point2;
+
+/// Less than this many times the ground's noise is ground.
+const NOISES: f64 = 3.5;
+/// Bounds of that, as a share of the full darkness: rounding to whole levels, and a quarter of the way.
+const CUT: (f64, f64) = (0.02, 0.25);
+/// The full darkness is the one that this share of the window reaches: the least part of it that a thin cross fills.
+const CORE: f64 = 0.08;
+/// Rounds of moving the window to the centroid.
+const ROUNDS: usize = 12;
+/// The window rests when it moves by less, px.
+const REST: f64 = 2e-3;
+/// Width of the rim inside the window that a spot must leave light, px.
+const RIM: f64 = 1.5;
+
+/// A dark spot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Blob {
+    /// Centroid, px.
+    pub(super) at: Point2,
+    /// Second moments of the pixels' pull on the centroid per grey level of noise, px² / level².
+    pub(super) pull: [[f64; 2]; 2],
+    /// Difference between ground and spot, grey levels.
+    pub(super) contrast: f64,
+    /// Share of the window's rim that is dark, no unit.
+    pub(super) spread: f64,
+    /// The ground around it.
+    pub(super) ground: Ground,
+    /// How darkness became weight.
+    pub(super) soft: Soft,
+    /// Sum of the weights, px².
+    pub(super) sum: f64,
+}
+
+impl Blob {
+    /// The step from the place where the ground was read to the centroid, px.
+    pub(super) fn off(&self) -> Point2 {
+        let from = self.ground.middle();
+        [self.at[0] - from[0], self.at[1] - from[1]]
+    }
+}
+
+/// A soft cut between ground and spot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Soft {
+    /// Darkness of the spot's core, no unit.
+    full: f64,
+    /// Share of it that is still ground.
+    cut: f64,
+}
+
+impl Soft {
+    /// Weight of a pixel, 0 for ground to 1 for spot, linear in its darkness.
+    pub(super) fn weight(&self, darkness: f64) -> f64 {
+        if self.full <= 0.0 {
+            return 0.0;
+        }
+        ((darkness / self.full - self.cut) / (1.0 - 2.0 * self.cut)).clamp(0.0, 1.0)
+    }
+}
+
+/// The spot nearest to `near` (px) in a window of `radius` (px) that follows it; none when the window leaves the picture
+/// or holds nothing darker than its ground.
+pub(super) fn find(picture: &Gray, near: Point2, radius: f64) -> Option<Blob> {
+    let mut at = near;
+    let mut found = None;
+    for _ in 0..ROUNDS {
+        if !fits(picture, at, radius) {
+            return None;
+        }
+        let blob = Window::open(picture, at, radius).blob()?;
+        let moved = (blob.at[0] - at[0]).hypot(blob.at[1] - at[1]);
+        at = blob.at;
+        found = Some(blob);
+        if moved < REST {
+            break;
+        }
+    }
+    found
+}
+
+/// Whether the window around `at` and its ring lie inside the picture.
+pub(super) fn fits(picture: &Gray, at: Point2, radius: f64) -> bool {
+    picture.holds(at, radius + super::ground::RING + 1.0)
+}
+
+/// One pixel of a window: its place from the middle, px, its darkness (no unit) and its weight once known.
+#[derive(Clone, Copy)]
+struct Cell {
+    x: f64,
+    y: f64,
+    r: f64,
+    darkness: f64,
+    weight: f64,
+}
+
+/// The pixels around a place, as a square of `side` × `side` so that neighbours are known.
+struct Window {
+    middle: Point2,
+    radius: f64,
+    side: usize,
+    cells: Vec<Cell>,
+    ground: Ground,
+    contrast: f64,
+    soft: Soft,
+}
+
+impl Window {
+    fn open(picture: &Gray, middle: Point2, radius: f64) -> Self {
+        let ground = Ground::around(picture, middle, radius);
+        let half = radius.ceil() as usize + 1;
+        let side = 2 * half + 1;
+        let first = middle.map(|c| c.round() - half as f64);
+        let outside = Cell { x: 0.0, y: 0.0, r: f64::INFINITY, darkness: 0.0, weight: 0.0 };
+        let mut cells = vec![outside; side * side];
+        let mut core = Vec::new();
+        visit(picture, middle, radius, 1, |x, y, r, level| {
+            let darkness = 1.0 - level / ground.level(x, y);
+            core.push(darkness);
+            let [column, row] = [middle[0] + x - first[0], middle[1] + y - first[1]].map(|v| v.round() as usize);
+            cells[row * side + column] = Cell { x, y, r, darkness, weight: 0.0 };
+        });
+        let rank = core.len() - 1 - (CORE * core.len() as f64) as usize;
+        let full = *core.select_nth_unstable_by(rank, f64::total_cmp).1;
+        let contrast = full * ground.level(0.0, 0.0);
+        let cut = (NOISES * ground.noise / contrast).clamp(CUT.0, CUT.1);
+        let soft = Soft { full, cut };
+        cells.iter_mut().for_each(|cell| cell.weight = soft.weight(cell.darkness));
+        Self { middle, radius, side, cells, ground, contrast, soft }
+    }
+
+    /// The connected spot nearest to the middle.
+    fn blob(&self) -> Option<Blob> {
+        let seeds = (0..self.cells.len()).filter(|&i| self.cells[i].weight > 0.5);
+        let seed = seeds.min_by(|&a, &b| self.cells[a].r.total_cmp(&self.cells[b].r))?;
+        let spot = self.connected(seed);
+        let sum: f64 = spot.iter().map(|c| c.weight).sum();
+        let mean = |value: fn(&Cell) -> f64| spot.iter().map(|c| c.weight * value(c)).sum::<f64>() / sum;
+        let [x, y] = [mean(|c| c.x), mean(|c| c.y)];
+        let slope = 1.0 / ((1.0 - 2.0 * self.soft.cut) * self.contrast * sum);
+        let mut pull = [[0.0; 2]; 2];
+        for cell in spot.iter().filter(|c| c.weight < 1.0) {
+            let arm = [(cell.x - x) * slope, (cell.y - y) * slope];
+            for (row, a) in pull.iter_mut().zip(arm) {
+                row[0] += a * arm[0];
+                row[1] += a * arm[1];
+            }
+        }
+        let rim = |c: &&Cell| c.r > self.radius - RIM && c.r <= self.radius;
+        let dark = spot.iter().filter(rim).filter(|c| c.weight > 0.5).count();
+        let whole = self.cells.iter().filter(rim).count();
+        Some(Blob {
+            at: [self.middle[0] + x, self.middle[1] + y],
+            pull,
+            contrast: self.contrast,
+            spread: dark as f64 / whole as f64,
+            ground: self.ground,
+            soft: self.soft,
+            sum,
+        })
+    }
+
+    /// All cells of some weight that hang together with `seed`, sides or corners touching, in reading order.
+    fn connected(&self, seed: usize) -> Vec<Cell> {
+        let mut taken = vec![false; self.cells.len()];
+        let mut open = vec![seed];
+        taken[seed] = true;
+        while let Some(i) = open.pop() {
+            // the outermost cells never have weight, so every neighbour exists
+            for neighbour in [i - self.side - 1, i - self.side, i - self.side + 1, i - 1, i + 1].into_iter().chain([
+                i + self.side - 1,
+                i + self.side,
+                i + self.side + 1,
+            ]) {
+                if !taken[neighbour] && self.cells[neighbour].weight > 0.0 {
+                    taken[neighbour] = true;
+                    open.push(neighbour);
+                }
+            }
+        }
+        taken.iter().zip(&self.cells).filter(|(taken, _)| **taken).map(|(_, cell)| *cell).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A disc of radius 11 px at `at`, edge pixels by their share, on a ground that slopes.
+    fn disc(at: Point2) -> Gray {
+        Gray::from_fn(90, 80, |x, y| {
+            let ground = 170.0 + 0.5 * x as f64 + 0.3 * y as f64;
+            let share = (0..64)
+                .filter(|k| {
+                    let fine = |v: usize, i: usize| v as f64 + (i as f64 + 0.5) / 8.0 - 0.5;
+                    (fine(x, k % 8) - at[0]).hypot(fine(y, k / 8) - at[1]) < 11.0
+                })
+                .count();
+            ground * (1.0 - 0.7 * share as f64 / 64.0)
+        })
+    }
+
+    #[test]
+    fn a_disc_on_a_slope_of_light_is_centred_to_a_hundredth_of_a_pixel() {
+        for k in 0..10 {
+            let truth = [44.0 + 0.13 * f64::from(k), 39.0 + 0.29 * f64::from(k)];
+            let blob = find(&disc(truth), [47.0, 36.0], 18.0).unwrap();
+            let miss = (blob.at[0] - truth[0]).hypot(blob.at[1] - truth[1]);
+            assert!(miss < 0.01, "{truth:?}: {miss}");
+            assert!((blob.contrast - 0.7 * 204.0).abs() < 8.0 && blob.spread == 0.0);
+        }
+    }
+
+    #[test]
+    fn even_ground_holds_no_spot() {
+        let blob = find(&Gray::filled(90, 80, 200), [45.0, 40.0], 18.0);
+        assert!(blob.is_none_or(|b| b.contrast < 1.0));
+    }
+}

@@ -1,0 +1,127 @@
+//! How a marker looked in the first frame, and how much it looks so still.
+//!
+//! The marker may have turned: the turn that fits best is followed from frame to frame. The light may have changed: levels
+//! are compared as shares of the ground.
+//!
+//! Stands on: spots and their ground. Never knows: where a marker should be.
+
+use super::blob::Blob;
+use super::ground::visit;
+use crate::Gray;
+use si::{Point2, Radian};
+
+/// A marker turns by less between two frames, rad: 35° to either side at 4 Hz and 60 frames/s is 0.26.
+const FASTEST: Radian = 0.35;
+/// Steps in which turns up to that are tried on either side of the last one.
+const TRIES: i32 = 4;
+/// Half width of the parabola through the best of them, rad.
+const FINE: Radian = 0.04;
+/// The tries look at every second pixel each way.
+const SPARSE: usize = 2;
+/// The template is kept this much beyond the window, px, so that a turned window stays on it.
+const MARGIN: f64 = 2.0;
+
+/// A turn counts as found when it lowers the squares to this share.
+const BETTER: f64 = 0.98;
+
+/// A marker as it was seen first.
+#[derive(Debug, Clone)]
+pub(super) struct Template {
+    radius: f64,
+    /// Side of the square of shares, px.
+    side: usize,
+    /// Place of the marker's middle in the square, px.
+    middle: Point2,
+    /// Level over ground, no unit, `side` × `side`.
+    shares: Vec<f64>,
+}
+
+/// How a marker differs from its template.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Difference {
+    /// Turn since the first frame, rad.
+    pub(super) turn: Radian,
+    /// Mean absolute difference, grey levels a pixel.
+    pub(super) mean: f64,
+}
+
+impl Template {
+    /// Keeps the window of `radius` (px) around a spot, which lies in the picture with a margin.
+    pub(super) fn cut(picture: &Gray, blob: &Blob, radius: f64) -> Self {
+        let half = (radius + MARGIN).ceil();
+        let first = blob.at.map(|c| c.round() - half);
+        let side = 2 * half as usize + 1;
+        let off = blob.off();
+        let middle = [blob.at[0] - first[0], blob.at[1] - first[1]];
+        let share = |k: usize| {
+            let (x, y) = ((k % side) as f64, (k / side) as f64);
+            let ground = blob.ground.level(x - middle[0] + off[0], y - middle[1] + off[1]);
+            picture.level([first[0] + x, first[1] + y]) / ground
+        };
+        Self { radius, side, middle, shares: (0..side * side).map(share).collect() }
+    }
+
+    /// Compares a spot with the template near the turn `last` (rad).
+    pub(super) fn compare(&self, picture: &Gray, blob: &Blob, last: Radian) -> Difference {
+        let rough = |turn: Radian| self.distance(picture, blob, turn, SPARSE).squares;
+        let tries = (-TRIES..=TRIES).map(|k| last + FASTEST * f64::from(k) / f64::from(TRIES));
+        let best = tries.map(|turn| (rough(turn), turn)).min_by(|a, b| a.0.total_cmp(&b.0));
+        let start = best.map_or(last, |(_, turn)| turn);
+        let turn = self.vertex(picture, blob, start);
+        // a disc fits at any turn: one that fits no better than the last tells nothing
+        let (new, old) = (self.distance(picture, blob, turn, 1), self.distance(picture, blob, last, 1));
+        if new.squares < BETTER * old.squares {
+            Difference { turn, mean: new.mean }
+        } else {
+            Difference { turn: last, mean: old.mean }
+        }
+    }
+
+    /// The lowest point of the parabola through three turns about `start`.
+    fn vertex(&self, picture: &Gray, blob: &Blob, start: Radian) -> Radian {
+        let [before, here, after] = [-FINE, 0.0, FINE].map(|t| self.distance(picture, blob, start + t, 1).squares);
+        let shift = 0.5 * FINE * (before - after) / (before - 2.0 * here + after);
+        if shift.is_finite() {
+            start + shift.clamp(-FASTEST / f64::from(TRIES), FASTEST / f64::from(TRIES))
+        } else {
+            start
+        }
+    }
+
+    /// The distance between the window, turned by `turn` (rad), and the template, over every `stride`-th pixel each way.
+    fn distance(&self, picture: &Gray, blob: &Blob, turn: Radian, stride: usize) -> Distance {
+        let (at, ground) = (blob.at, &blob.ground);
+        let off = blob.off();
+        let sine_cosine = turn.sin_cos();
+        let (mut squares, mut sum, mut number) = (0.0, 0.0, 0.0);
+        visit(picture, at, self.radius, stride, |x, y, _, level| {
+            let miss = level - self.share([x, y], sine_cosine) * ground.level(x + off[0], y + off[1]);
+            squares += miss * miss;
+            sum += miss.abs();
+            number += 1.0;
+        });
+        Distance { squares, mean: sum / number }
+    }
+
+    /// Radius of the window, px.
+    pub(super) fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// Level over ground at a place counted from the marker's middle (px), linear between pixels.
+    ///
+    /// The marker is turned by the angle of which sine and cosine are given.
+    pub(super) fn share(&self, [x, y]: Point2, (sine, cosine): (f64, f64)) -> f64 {
+        let [x, y] = [self.middle[0] + cosine * x + sine * y, self.middle[1] - sine * x + cosine * y];
+        let last = (self.side - 2) as f64;
+        let (left, top) = (x.clamp(0.0, last) as usize, y.clamp(0.0, last) as usize);
+        let (u, v) = (x - left as f64, y - top as f64);
+        let s = &self.shares[top * self.side + left..];
+        (s[0] * (1.0 - u) + s[1] * u) * (1.0 - v) + (s[self.side] * (1.0 - u) + s[self.side + 1] * u) * v
+    }
+}
+
+struct Distance {
+    squares: f64,
+    mean: f64,
+}
