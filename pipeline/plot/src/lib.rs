@@ -47,11 +47,11 @@ pub use mark::{Dash, Mark, Marker, Shape, Side};
 pub use palette::Colour;
 pub use panels::Panel;
 pub use panels::axes::{Axes, Legend};
+pub use panels::camera::View;
+pub use panels::colour_bar::ColourBar;
 pub use panels::diagram::{Diagram, Part};
 pub use panels::landscape::{Landscape, Shading};
 pub use panels::picture::Picture;
-pub use panels::scene::{Overlay, OverlayKind, Paint, Scene, Triangle, View};
+pub use panels::scene::{Overlay, OverlayKind, Paint, Scene, Triangle};
 pub use svg::FONT_FAMILIES;
 pub use table::{Alignment, Column, Table};
-
-pub use panels::colour_bar::ColourBar;

@@ -3,6 +3,7 @@
 //! Stands on: the contract in `panel.rs` and its members. Never knows: a figure.
 
 pub mod axes;
+pub mod camera;
 pub mod colour_bar;
 pub mod diagram;
 pub mod landscape;

@@ -3,9 +3,9 @@
 //! The triangles become one picture through a depth buffer, so a mesh of any size gives a small figure; what is laid
 //! over it stays lines and text.
 //!
-//! Stands on: `z_buffer`, `shading`, `colour_bar`, `canvas`. Never knows: what the triangles belong to.
+//! Stands on: `camera`, `z_buffer`, `shading`, `colour_bar`, `canvas`. Never knows: what the triangles belong to.
 
-use si::vec3::{add, cross, dot, norm, scale};
+use si::vec3::{add, dot, norm, scale};
 use si::{MILLIMETRE, Metre, Point2, Point3};
 
 use crate::canvas::{Area, Canvas, Item};
@@ -13,6 +13,7 @@ use crate::frame::SMALL;
 use crate::mark::{Mark, Marker, Side};
 use crate::mark_ink::draw_marker;
 use crate::panel::{Draw, Margins, Where};
+use crate::panels::camera::{Camera, View};
 use crate::panels::colour_bar::{Bar, ColourBar};
 use crate::panels::shading::{lit, normals};
 use crate::panels::z_buffer::{Facet, render};
@@ -36,32 +37,6 @@ pub struct Triangle {
     pub corners: [Point3; 3],
     /// Its colour.
     pub paint: Paint,
-}
-
-/// Where the eye looks, and which way is up.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct View {
-    /// From the eye into the scene.
-    pub towards: Point3,
-    /// What stands upright on paper, as far as the view allows.
-    pub up: Point3,
-}
-
-impl View {
-    /// From above, x to the right and y upwards.
-    pub const TOP: Self = Self { towards: [0.0, 0.0, -1.0], up: [0.0, 1.0, 0.0] };
-    /// From the side, x to the right and z upwards.
-    pub const SIDE: Self = Self { towards: [0.0, 1.0, 0.0], up: [0.0, 0.0, 1.0] };
-    /// From above, before and beside.
-    pub const CORNER: Self = Self { towards: [-0.45, 0.75, -0.5], up: [0.0, 0.0, 1.0] };
-
-    /// Unit vectors to the right, upwards and away from the eye.
-    fn basis(&self) -> [Point3; 3] {
-        let unit = |v: Point3| scale(v, 1.0 / norm(v));
-        let away = unit(self.towards);
-        let right = unit(cross(away, self.up));
-        [right, cross(right, away), away]
-    }
 }
 
 /// What is laid over a scene.
@@ -180,14 +155,10 @@ impl Scene {
         self.bar.as_ref().map(|axis| Bar::new(axis, values)).transpose()
     }
 
-    /// The area of the triangles on paper, and the projection into it.
+    /// The projection onto a cell, less the room for the scale bar.
     fn camera(&self, cell: Area) -> Camera {
-        let [low, high] = self.shown();
         let area = Area { from: cell.from, to: [cell.to[0], cell.to[1] - self.bar_room()] };
-        let [wide, tall] = [high[0] - low[0], high[1] - low[1]];
-        let zoom = (area.width() / wide).min(area.height() / tall);
-        let middle = [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])];
-        Camera { basis: self.view.basis(), zoom, middle, centre: area.centre(), area }
+        Camera::new(&self.view, self.shown(), area)
     }
 
     fn bar_room(&self) -> f64 {
@@ -240,33 +211,6 @@ impl Scene {
         }
         let words = format!("{} mm", text::number(length / MILLIMETRE, 0));
         canvas.words([to[0] + 3.5, y], &words, SMALL, Side::Right, palette::INK);
-    }
-}
-
-/// How points in space come onto paper.
-struct Camera {
-    basis: [Point3; 3],
-    /// Points of print in a metre.
-    zoom: f64,
-    middle: Point2,
-    centre: Point2,
-    area: Area,
-}
-
-impl Camera {
-    /// Place on paper.
-    fn place(&self, p: Point3) -> Point2 {
-        let [right, up, _] = self.basis;
-        [
-            self.centre[0] + self.zoom * (dot(p, right) - self.middle[0]),
-            self.centre[1] - self.zoom * (dot(p, up) - self.middle[1]),
-        ]
-    }
-
-    /// Place and depth in the picture, in points of print.
-    fn dot_place(&self, p: Point3) -> Point3 {
-        let [x, y] = self.place(p);
-        [x - self.area.from[0], y - self.area.from[1], self.zoom * dot(p, self.basis[2])]
     }
 }
 
