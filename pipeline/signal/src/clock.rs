@@ -68,7 +68,7 @@ impl Clock {
         let spread: f64 = here.iter().map(|t| (t - middle).powi(2)).sum();
         let shared: f64 = here.iter().zip(there).map(|(t, u)| (t - middle) * (u - goal)).sum();
         let scale = if here.len() > 1 { shared / spread } else { 1.0 };
-        if !((scale - 1.0).abs() <= DRIFT_LIMIT) {
+        if scale.is_nan() || (scale - 1.0).abs() > DRIFT_LIMIT {
             return Err(ClockError::Drift { scale, limit: DRIFT_LIMIT });
         }
         Ok(Self { offset: goal - scale * middle, scale })

@@ -66,8 +66,9 @@ impl Gray {
         let right = (left + width).min(self.width);
         let bottom = (top + height).min(self.height);
         let (left, top) = (left.min(right), top.min(bottom));
-        let rows = (top..bottom).flat_map(|y| &self.pixels[y * self.width + left..y * self.width + right]);
-        Self { width: right - left, height: bottom - top, pixels: rows.copied().collect() }
+        let mut pixels = Vec::with_capacity((right - left) * (bottom - top));
+        (top..bottom).for_each(|y| pixels.extend_from_slice(&self.pixels[y * self.width..][left..right]));
+        Self { width: right - left, height: bottom - top, pixels }
     }
 
     /// The picture as the bytes of an 8-bit grey PNG.

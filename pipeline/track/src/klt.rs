@@ -8,10 +8,13 @@
 mod blob;
 mod flow;
 mod ground;
+mod lost;
 mod scatter;
 mod template;
 
 use crate::Gray;
+use blob::{Blob, Miss};
+pub use lost::{Lost, Why};
 use si::{Point2, Radian};
 use template::Template;
 
@@ -56,101 +59,6 @@ pub struct Sighting {
     pub residual: f64,
 }
 
-/// A marker that is no longer seen, or not to be trusted.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("marker {marker} is lost at frame {frame}, near ({:.1}, {:.1}) px\n  why: {why}\n  do:  look at frame {frame} of the film there; end the trial before it if something hides the marker", .near[0], .near[1])]
-pub struct Lost {
-    /// Which marker, in the order of the clicks.
-    pub marker: usize,
-    /// Which frame, from 0.
-    pub frame: usize,
-    /// Where it was looked for, px.
-    pub near: Point2,
-    /// Measured against limit.
-    pub why: Why,
-}
-
-/// Which gate a marker failed, with what was measured.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum Why {
-    /// The marker's window leaves the picture.
-    #[error("its window of radius {radius:.1} px leaves the picture of {width} × {height} px")]
-    LeavesFrame {
-        /// Radius of the window, px.
-        radius: f64,
-        /// Width of the picture, px.
-        width: usize,
-        /// Height of the picture, px.
-        height: usize,
-    },
-    /// Nothing dark enough.
-    #[error("it stands out by {measured:.1} grey levels; the limit is {limit:.1} (contrast_limit)")]
-    Faint {
-        /// Measured, grey levels.
-        measured: f64,
-        /// Limit, grey levels.
-        limit: f64,
-    },
-    /// The marker looks different.
-    #[error("its window differs by {measured:.2} grey levels a pixel; the limit is {limit:.2} (residual_limit)")]
-    Changed {
-        /// Measured, grey levels a pixel.
-        measured: f64,
-        /// Limit, grey levels a pixel.
-        limit: f64,
-    },
-    /// A step too long.
-    #[error("it moved by {measured:.1} px since the frame before; the limit is {limit:.1} (jump_limit)")]
-    Jumped {
-        /// Measured, px.
-        measured: f64,
-        /// Limit, px.
-        limit: f64,
-    },
-    /// Flow and centroid point to different places.
-    #[error("flow and centroid lie {measured:.2} px apart; the limit is {limit:.2} (agreement_limit)")]
-    Disagrees {
-        /// Measured, px.
-        measured: f64,
-        /// Limit, px.
-        limit: f64,
-    },
-    /// Two clicks or two tracks on one marker.
-    #[error("it is {measured:.1} px from marker {other}; two markers cannot be nearer than {limit:.1} px (radius)")]
-    Merged {
-        /// The other marker.
-        other: usize,
-        /// Measured, px.
-        measured: f64,
-        /// Limit, px.
-        limit: f64,
-    },
-    /// No spot, but a dark region.
-    #[error("{share:.0} % of the rim of its window is dark; a marker leaves all but {limit:.0} % light", share = 100.0 * .measured, limit = 100.0 * .limit)]
-    Spreads {
-        /// Measured, no unit.
-        measured: f64,
-        /// Limit, no unit.
-        limit: f64,
-    },
-    /// A click too far from any marker.
-    #[error("the nearest dark spot lies {measured:.1} px from the click; the limit is {limit:.1} (reach)")]
-    Far {
-        /// Measured, px.
-        measured: f64,
-        /// Limit, px.
-        limit: f64,
-    },
-    /// A frame of another size.
-    #[error("the picture has {width} × {height} px, the first one had another size")]
-    Resized {
-        /// Width of the picture, px.
-        width: usize,
-        /// Height of the picture, px.
-        height: usize,
-    },
-}
-
 /// Follows markers from frame to frame.
 pub struct Tracker {
     settings: Settings,
@@ -177,6 +85,8 @@ struct Seen {
     scatter: [[f64; 2]; 2],
 }
 
+/// The least radius of a window, px.
+pub const LEAST_RADIUS: f64 = 4.0;
 /// Share of a window's rim that may be dark: noise, but no other object.
 const SPREAD_LIMIT: f64 = 0.1;
 
@@ -185,7 +95,11 @@ impl Tracker {
     ///
     /// # Errors
     /// [`Lost`] at frame 0 when there is no dark spot within reach.
+    ///
+    /// # Panics
+    /// When the window's radius is under [`LEAST_RADIUS`]: no marker and its ground fit into that.
     pub fn new(first: &Gray, clicked: &[Point2], settings: Settings) -> Result<Self, Lost> {
+        assert!(settings.radius >= LEAST_RADIUS, "a window of radius {} px holds no marker", settings.radius);
         let mut new = Self { settings, before: first.clone(), frame: 0, tracks: Vec::new(), sightings: Vec::new() };
         for (marker, &near) in clicked.iter().enumerate() {
             let lost = |why| Lost { marker, frame: 0, near, why };
@@ -253,16 +167,15 @@ impl Tracker {
     }
 
     /// The dark spot near a place, when it is one.
-    fn spot(&self, picture: &Gray, near: Point2) -> Result<blob::Blob, Why> {
+    fn spot(&self, picture: &Gray, near: Point2) -> Result<Blob, Why> {
         let radius = self.settings.radius;
-        let leaves = Why::LeavesFrame { radius, width: picture.width, height: picture.height };
-        let faint = Why::Faint { measured: 0.0, limit: self.settings.contrast_limit };
-        if !blob::fits(picture, near, radius) {
-            return Err(leaves);
-        }
-        let blob = blob::find(picture, near, radius).ok_or(faint)?;
-        if blob.contrast < self.settings.contrast_limit {
-            return Err(Why::Faint { measured: blob.contrast, limit: self.settings.contrast_limit });
+        let limit = self.settings.contrast_limit;
+        let blob = blob::find(picture, near, radius).map_err(|miss| match miss {
+            Miss::Outside => Why::LeavesFrame { radius, width: picture.width, height: picture.height },
+            Miss::Empty => Why::Faint { measured: 0.0, limit },
+        })?;
+        if blob.contrast < limit {
+            return Err(Why::Faint { measured: blob.contrast, limit });
         }
         within(blob.spread, SPREAD_LIMIT, |measured, limit| Why::Spreads { measured, limit })?;
         Ok(blob)

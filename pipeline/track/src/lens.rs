@@ -153,9 +153,9 @@ mod tests {
                 p[k] += s;
                 lens.project(p).unwrap()
             };
-            for i in 0..2 {
+            for (i, row) in slope.iter().enumerate() {
                 let difference = (moved(h)[i] - moved(-h)[i]) / (2.0 * h);
-                assert!((slope[i][k] - difference).abs() < 1e-5, "{i}{k}: {} {difference}", slope[i][k]);
+                assert!((row[k] - difference).abs() < 1e-5, "{i}{k}: {} {difference}", row[k]);
             }
         }
     }

@@ -58,9 +58,9 @@ mod tests {
                 p[j] += s;
                 meet(&LENS, &above(), p, 0.02).unwrap()
             };
-            for i in 0..2 {
+            for (i, row) in slope.iter().enumerate() {
                 let difference = (moved(h)[i] - moved(-h)[i]) / (2.0 * h);
-                assert!((slope[i][j] - difference).abs() < 1e-11);
+                assert!((row[j] - difference).abs() < 1e-11);
             }
         }
     }

@@ -1,5 +1,10 @@
 //! A checkerboard is found in pictures as a camera takes them: tilted, distorted, blurred and noisy.
 
+#![allow(clippy::unwrap_used)]
+
+mod noise;
+
+use noise::Noise;
 use si::Point2;
 use track::Gray;
 use track::board::{Board, BoardError, find};
@@ -29,11 +34,7 @@ fn above(tilt: f64, around: f64, roll: f64, far: f64, aside: Point2) -> Pose {
 
 /// The board as the camera sees it: light ground, a wooden table around it, levels softened by `FINE`² rays a pixel.
 fn render(board: &Board, pose: &Pose, seed: u64, noise: f64) -> Gray {
-    let mut random = seed;
-    let mut uniform = move || {
-        random = random.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (random >> 11) as f64 / (1u64 << 53) as f64
-    };
+    let mut random = Noise(seed);
     Gray::from_fn(SIZE.0, SIZE.1, |x, y| {
         let offset = |k: usize| (k as f64 + 0.5) / FINE as f64 - 0.5;
         let [u, v] = plane::meet(&LENS, pose, [x as f64, y as f64], 0.0).unwrap();
@@ -43,8 +44,7 @@ fn render(board: &Board, pose: &Pose, seed: u64, noise: f64) -> Gray {
         let edge = corners.iter().any(|c| (c - corners[0]).abs() > 50.0);
         let rays = (0..FINE * FINE).map(|k| level([offset(k % FINE), offset(k / FINE)]));
         let light = if edge { rays.sum::<f64>() / (FINE * FINE) as f64 } else { corners.iter().sum::<f64>() / 4.0 };
-        let deviate = (0..6).map(|_| uniform()).sum::<f64>() - 3.0;
-        light + noise * deviate * 2.0_f64.sqrt()
+        light + noise * random.next()
     })
 }
 

@@ -1,5 +1,10 @@
 //! A lens and its poses come back from synthetic corners, clean and noisy.
 
+#![allow(clippy::unwrap_used)]
+
+mod noise;
+
+use noise::Noise;
 use si::Point2;
 use track::board::Board;
 use track::calibrate::{CalibrateError, View, calibrate, pose_from_plane, reprojection};
@@ -27,19 +32,6 @@ fn poses() -> Vec<Pose> {
         out.push(Pose { rotation, translation: [0, 1, 2].map(|i| place[i] - middle[i]) });
     }
     out
-}
-
-/// Normal deviates by the sum of twelve from a fixed linear congruence.
-struct Noise(u64);
-
-impl Noise {
-    fn next(&mut self) -> f64 {
-        let mut uniform = || {
-            self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (self.0 >> 11) as f64 / (1u64 << 53) as f64
-        };
-        (0..12).map(|_| uniform()).sum::<f64>() - 6.0
-    }
 }
 
 fn views(noise: f64, seed: u64) -> Vec<View> {

@@ -1,5 +1,10 @@
 //! Markers are tracked to a small part of a pixel, and never lost in silence.
 
+#![allow(clippy::unwrap_used)]
+
+mod noise;
+
+use noise::Noise;
 use si::Point2;
 use track::Gray;
 use track::klt::{Lost, Settings, Sighting, Tracker, Why};
@@ -41,19 +46,6 @@ impl Mark {
         let fine = |v: usize, i: usize| v as f64 + (i as f64 + 0.5) / FINE as f64 - 0.5;
         let covered = (0..FINE * FINE).filter(|k| self.covers(fine(x, k % FINE), fine(y, k / FINE))).count();
         covered as f64 / (FINE * FINE) as f64
-    }
-}
-
-/// Normal deviates from a fixed linear congruence.
-struct Noise(u64);
-
-impl Noise {
-    fn next(&mut self) -> f64 {
-        let mut uniform = || {
-            self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (self.0 >> 11) as f64 / (1u64 << 53) as f64
-        };
-        (0..6).map(|_| uniform()).sum::<f64>().mul_add(2.0_f64.sqrt(), -3.0 * 2.0_f64.sqrt())
     }
 }
 
@@ -238,17 +230,17 @@ fn flapping(k: usize) -> [Mark; 3] {
     let phase = std::f64::consts::TAU * 4.0 * k as f64 / 60.0;
     let mark = |x: f64, swing: f64, turn: f64, lag: f64| {
         let (s, c) = ((phase - lag).sin(), (phase - lag).cos());
-        cross([x + 4.0 * c, 360.3 + swing * s], turn * c)
+        cross([x + 4.0 * c, 140.3 + swing * s], turn * c)
     };
-    [mark(620.4, 12.0, 0.2, 0.0), mark(760.1, 19.0, 0.4, 0.4), mark(903.7, 27.0, 0.61, 0.8)]
+    [mark(120.4, 12.0, 0.2, 0.0), mark(260.1, 19.0, 0.4, 0.4), mark(403.7, 27.0, 0.61, 0.8)]
 }
 
 #[test]
 fn a_flapping_tail_is_tracked_to_a_tenth_of_a_pixel_through_the_codec() {
     let file = std::env::temp_dir().join(format!("track-{}-flap.mp4", std::process::id()));
     let frames = 60;
-    let mut writer = Writer::create(&file, 1280, 720, 60.0, Quality::Quantiser(20)).unwrap();
-    (0..frames).for_each(|k| writer.push(&picture((1280, 720), &flapping(k), 1.0, 2.0, k as u64 + 1)).unwrap());
+    let mut writer = Writer::create(&file, 512, 288, 60.0, Quality::Quantiser(20)).unwrap();
+    (0..frames).for_each(|k| writer.push(&picture((512, 288), &flapping(k), 1.0, 2.0, k as u64 + 1)).unwrap());
     writer.finish().unwrap();
     let mut reader = Reader::open(&file).unwrap();
     let first = reader.next().unwrap().unwrap().gray;
@@ -267,6 +259,8 @@ fn a_flapping_tail_is_tracked_to_a_tenth_of_a_pixel_through_the_codec() {
     }
     let _ = std::fs::remove_file(&file);
     let rms = (squares / f64::from(number)).sqrt();
-    println!("rms {rms} px, {} of {} inside 95 %", inside, 2 * number);
     assert!(rms < 0.1, "{rms}");
+    // 95 % intervals of 118 sightings a marker, which share their scatter: 88 to 99.5 %
+    let share = f64::from(inside as u32) / f64::from(2 * number);
+    assert!((0.88..0.995).contains(&share), "{share}");
 }

@@ -91,16 +91,11 @@ fn step_from(grid: &Grid, (i, j): (i32, i32), (di, dj): (i32, i32), first: [Poin
 fn trimmed(mut grid: Grid, least: usize) -> Grid {
     loop {
         let Some((columns, rows)) = spans(&grid) else { return grid };
-        let outer: [fn(&(i32, i32), &Span, &Span) -> bool; 4] = [
-            |k, c, _| k.0 == c.start,
-            |k, c, _| k.0 == c.end - 1,
-            |k, _, r| k.1 == r.start,
-            |k, _, r| k.1 == r.end - 1,
-        ];
-        let taken =
-            |line: &fn(&(i32, i32), &Span, &Span) -> bool| grid.keys().filter(|k| line(k, &columns, &rows)).count();
-        let Some(line) = outer.into_iter().find(|line| 2 * taken(line) < least) else { return grid };
-        grid.retain(|k, _| !line(k, &columns, &rows));
+        let outer = [(true, columns.start), (true, columns.end - 1), (false, rows.start), (false, rows.end - 1)];
+        let on = |k: &(i32, i32), (column, number): (bool, i32)| number == if column { k.0 } else { k.1 };
+        let few = |line: &(bool, i32)| 2 * grid.keys().filter(|k| on(k, *line)).count() < least;
+        let Some(line) = outer.into_iter().find(few) else { return grid };
+        grid.retain(|k, _| !on(k, line));
     }
 }
 

@@ -32,6 +32,9 @@ const RING: usize = 24;
 
 /// The saddles of a picture blurred by `sigma` (px), strongest first, none nearer than 2 `sigma` to another.
 pub(super) fn saddles(picture: &Gray, sigma: f64) -> Vec<Saddle> {
+    if (picture.width.min(picture.height) as f64) < 8.0 * sigma {
+        return Vec::new();
+    }
     let blurred = Blurred::new(picture, sigma);
     let apart = (2.0 * sigma).round() as usize;
     let strength = blurred.strengths();

@@ -5,7 +5,7 @@
 //!
 //! Stands on: the ground. Never knows: the frame before.
 
-use super::ground::{Ground, visit};
+use super::ground::{Ground, RING, visit};
 use crate::Gray;
 use si::Point2;
 
@@ -68,37 +68,46 @@ impl Soft {
     }
 }
 
-/// The spot nearest to `near` (px) in a window of `radius` (px) that follows it; none when the window leaves the picture
-/// or holds nothing darker than its ground.
-pub(super) fn find(picture: &Gray, near: Point2, radius: f64) -> Option<Blob> {
-    let mut at = near;
-    let mut found = None;
-    for _ in 0..ROUNDS {
-        if !fits(picture, at, radius) {
-            return None;
+/// Why a window holds no spot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Miss {
+    /// The window, or the ring around it, reaches out of the picture.
+    Outside,
+    /// Nothing is darker than the ground.
+    Empty,
+}
+
+/// The spot nearest to `near` (px) in a window of `radius` (px) that follows it.
+///
+/// # Errors
+/// [`Miss`] when the window leaves the picture or holds nothing darker than its ground.
+pub(super) fn find(picture: &Gray, near: Point2, radius: f64) -> Result<Blob, Miss> {
+    let look = |at: Point2| {
+        // a pixel more for the template, which is cut between pixels
+        if picture.holds(at, radius + RING + 1.0) {
+            Window::open(picture, at, radius).blob().ok_or(Miss::Empty)
+        } else {
+            Err(Miss::Outside)
         }
-        let blob = Window::open(picture, at, radius).blob()?;
-        let moved = (blob.at[0] - at[0]).hypot(blob.at[1] - at[1]);
-        at = blob.at;
-        found = Some(blob);
-        if moved < REST {
+    };
+    let mut blob = look(near)?;
+    let mut from = near;
+    for _ in 1..ROUNDS {
+        if (blob.at[0] - from[0]).hypot(blob.at[1] - from[1]) < REST {
             break;
         }
+        from = blob.at;
+        blob = look(from)?;
     }
-    found
+    Ok(blob)
 }
 
-/// Whether the window around `at` and its ring lie inside the picture.
-pub(super) fn fits(picture: &Gray, at: Point2, radius: f64) -> bool {
-    picture.holds(at, radius + super::ground::RING + 1.0)
-}
-
-/// One pixel of a window: its place from the middle, px, its darkness (no unit) and its weight once known.
+/// One pixel of a window: its place from the middle, px, that squared, its darkness (no unit) and its weight once known.
 #[derive(Clone, Copy)]
 struct Cell {
     x: f64,
     y: f64,
-    r: f64,
+    r2: f64,
     darkness: f64,
     weight: f64,
 }
@@ -120,14 +129,14 @@ impl Window {
         let half = radius.ceil() as usize + 1;
         let side = 2 * half + 1;
         let first = middle.map(|c| c.round() - half as f64);
-        let outside = Cell { x: 0.0, y: 0.0, r: f64::INFINITY, darkness: 0.0, weight: 0.0 };
+        let outside = Cell { x: 0.0, y: 0.0, r2: f64::INFINITY, darkness: 0.0, weight: 0.0 };
         let mut cells = vec![outside; side * side];
         let mut core = Vec::new();
-        visit(picture, middle, radius, 1, |x, y, r, level| {
+        visit(picture, middle, radius, 1, |x, y, r2, level| {
             let darkness = 1.0 - level / ground.level(x, y);
             core.push(darkness);
             let [column, row] = [middle[0] + x - first[0], middle[1] + y - first[1]].map(|v| v.round() as usize);
-            cells[row * side + column] = Cell { x, y, r, darkness, weight: 0.0 };
+            cells[row * side + column] = Cell { x, y, r2, darkness, weight: 0.0 };
         });
         let rank = core.len() - 1 - (CORE * core.len() as f64) as usize;
         let full = *core.select_nth_unstable_by(rank, f64::total_cmp).1;
@@ -141,7 +150,7 @@ impl Window {
     /// The connected spot nearest to the middle.
     fn blob(&self) -> Option<Blob> {
         let seeds = (0..self.cells.len()).filter(|&i| self.cells[i].weight > 0.5);
-        let seed = seeds.min_by(|&a, &b| self.cells[a].r.total_cmp(&self.cells[b].r))?;
+        let seed = seeds.min_by(|&a, &b| self.cells[a].r2.total_cmp(&self.cells[b].r2))?;
         let spot = self.connected(seed);
         let sum: f64 = spot.iter().map(|c| c.weight).sum();
         let mean = |value: fn(&Cell) -> f64| spot.iter().map(|c| c.weight * value(c)).sum::<f64>() / sum;
@@ -155,7 +164,8 @@ impl Window {
                 row[1] += a * arm[1];
             }
         }
-        let rim = |c: &&Cell| c.r > self.radius - RIM && c.r <= self.radius;
+        let inner = (self.radius - RIM).powi(2);
+        let rim = |c: &&Cell| c.r2 > inner && c.r2.is_finite();
         let dark = spot.iter().filter(rim).filter(|c| c.weight > 0.5).count();
         let whole = self.cells.iter().filter(rim).count();
         Some(Blob {
@@ -223,6 +233,6 @@ mod tests {
     #[test]
     fn even_ground_holds_no_spot() {
         let blob = find(&Gray::filled(90, 80, 200), [45.0, 40.0], 18.0);
-        assert!(blob.is_none_or(|b| b.contrast < 1.0));
+        assert!(blob.is_ok_and(|b| b.contrast < 1.0) || blob == Err(Miss::Empty));
     }
 }

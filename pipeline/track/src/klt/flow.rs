@@ -9,10 +9,10 @@ use kornia_imgproc::optical_flow_pyr_lk::{
 };
 use si::Point2;
 
-/// Pixels on either side of the middle of a crop: the window on the coarsest level, and a step of 12 px.
-const HALF: usize = 40;
+/// Pixels on either side of the middle of a crop: the window on the coarser level, and a step of 12 px.
+const HALF: usize = 34;
 /// Halvings of the pyramid.
-const LEVELS: usize = 2;
+const LEVELS: usize = 1;
 
 /// Where the place `at` of frame `before` lies in frame `after`, near `guess` (all px). None when flow gives no answer.
 pub(super) fn follow(before: &Gray, after: &Gray, at: Point2, guess: Point2) -> Option<Point2> {

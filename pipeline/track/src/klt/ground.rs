@@ -27,8 +27,8 @@ impl Ground {
     /// The ring must lie inside the picture.
     pub(super) fn around(picture: &Gray, middle: Point2, radius: f64) -> Self {
         let mut ring = Vec::new();
-        visit(picture, middle, radius + RING, 1, |x, y, r, level| {
-            if r > radius {
+        visit(picture, middle, radius + RING, 1, |x, y, r2, level| {
+            if r2 > radius * radius {
                 ring.push((x, y, level));
             }
         });
@@ -54,7 +54,7 @@ impl Ground {
     }
 }
 
-/// Calls `see` with (x, y, distance, level) of every pixel within `radius` (px) of `middle`, places counted from there.
+/// Calls `see` with (x, y, x² + y², level) of every pixel within `radius` (px) of `middle`, places counted from there.
 ///
 /// `stride` 2 looks at every second pixel each way.
 pub(super) fn visit(
@@ -70,9 +70,9 @@ pub(super) fn visit(
         let y = row as f64 - middle[1];
         for column in span(middle[0], picture.width).step_by(stride) {
             let x = column as f64 - middle[0];
-            let r = (x * x + y * y).sqrt();
-            if r <= radius {
-                see(x, y, r, picture.at(column, row));
+            let r2 = x * x + y * y;
+            if r2 <= radius * radius {
+                see(x, y, r2, picture.at(column, row));
             }
         }
     }

@@ -67,25 +67,18 @@ impl Template {
         let tries = (-TRIES..=TRIES).map(|k| last + FASTEST * f64::from(k) / f64::from(TRIES));
         let best = tries.map(|turn| (rough(turn), turn)).min_by(|a, b| a.0.total_cmp(&b.0));
         let start = best.map_or(last, |(_, turn)| turn);
-        let turn = self.vertex(picture, blob, start);
+        let turn = Self::vertex(rough, start);
         // a disc fits at any turn: one that fits no better than the last tells nothing
-        let (new, old) = (self.distance(picture, blob, turn, 1), self.distance(picture, blob, last, 1));
-        if new.squares < BETTER * old.squares {
-            Difference { turn, mean: new.mean }
-        } else {
-            Difference { turn: last, mean: old.mean }
-        }
+        let turn = if rough(turn) < BETTER * rough(last) { turn } else { last };
+        Difference { turn, mean: self.distance(picture, blob, turn, 1).mean }
     }
 
     /// The lowest point of the parabola through three turns about `start`.
-    fn vertex(&self, picture: &Gray, blob: &Blob, start: Radian) -> Radian {
-        let [before, here, after] = [-FINE, 0.0, FINE].map(|t| self.distance(picture, blob, start + t, 1).squares);
+    fn vertex(squares: impl Fn(Radian) -> f64, start: Radian) -> Radian {
+        let [before, here, after] = [-FINE, 0.0, FINE].map(|t| squares(start + t));
         let shift = 0.5 * FINE * (before - after) / (before - 2.0 * here + after);
-        if shift.is_finite() {
-            start + shift.clamp(-FASTEST / f64::from(TRIES), FASTEST / f64::from(TRIES))
-        } else {
-            start
-        }
+        let most = FASTEST / f64::from(TRIES);
+        if shift.is_finite() { start + shift.clamp(-most, most) } else { start }
     }
 
     /// The distance between the window, turned by `turn` (rad), and the template, over every `stride`-th pixel each way.

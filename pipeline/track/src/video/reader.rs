@@ -108,6 +108,10 @@ impl Iterator for Reader {
         }
         let index = self.shown;
         let item = self.picture().and_then(|picture| match picture {
+            Some(gray) if (gray.width, gray.height) != (self.index.width, self.index.height) => {
+                let why = format!("it has {} × {} px, the film another size", gray.width, gray.height);
+                Err(damaged(&self.path, index, &self.index, why))
+            }
             Some(gray) => Ok(Frame { index, time: self.index.times[index], gray }),
             None => Err(damaged(&self.path, index, &self.index, format!("the decoder made {index} pictures in all"))),
         });

@@ -1,0 +1,100 @@
+//! Why a marker is lost: which gate it failed, by how much.
+//!
+//! Stands on: nothing. Never knows: which trial the film belongs to.
+
+use si::Point2;
+
+/// A marker that is no longer seen, or not to be trusted.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("marker {marker} is lost at frame {frame}, near ({:.1}, {:.1}) px\n  why: {why}\n  do:  look at frame {frame} of the film there; end the trial before it if something hides the marker", .near[0], .near[1])]
+pub struct Lost {
+    /// Which marker, in the order of the clicks.
+    pub marker: usize,
+    /// Which frame, from 0.
+    pub frame: usize,
+    /// Where it was looked for, px.
+    pub near: Point2,
+    /// Measured against limit.
+    pub why: Why,
+}
+
+/// Which gate a marker failed, with what was measured.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum Why {
+    /// The marker's window leaves the picture.
+    #[error("its window of radius {radius:.1} px leaves the picture of {width} × {height} px")]
+    LeavesFrame {
+        /// Radius of the window, px.
+        radius: f64,
+        /// Width of the picture, px.
+        width: usize,
+        /// Height of the picture, px.
+        height: usize,
+    },
+    /// Nothing dark enough.
+    #[error("it stands out by {measured:.1} grey levels; the limit is {limit:.1} (contrast_limit)")]
+    Faint {
+        /// Measured, grey levels.
+        measured: f64,
+        /// Limit, grey levels.
+        limit: f64,
+    },
+    /// The marker looks different.
+    #[error("its window differs by {measured:.2} grey levels a pixel; the limit is {limit:.2} (residual_limit)")]
+    Changed {
+        /// Measured, grey levels a pixel.
+        measured: f64,
+        /// Limit, grey levels a pixel.
+        limit: f64,
+    },
+    /// A step too long.
+    #[error("it moved by {measured:.1} px since the frame before; the limit is {limit:.1} (jump_limit)")]
+    Jumped {
+        /// Measured, px.
+        measured: f64,
+        /// Limit, px.
+        limit: f64,
+    },
+    /// Flow and centroid point to different places.
+    #[error("flow and centroid lie {measured:.2} px apart; the limit is {limit:.2} (agreement_limit)")]
+    Disagrees {
+        /// Measured, px.
+        measured: f64,
+        /// Limit, px.
+        limit: f64,
+    },
+    /// Two clicks or two tracks on one marker.
+    #[error("it is {measured:.1} px from marker {other}; two markers cannot be nearer than {limit:.1} px (radius)")]
+    Merged {
+        /// The other marker.
+        other: usize,
+        /// Measured, px.
+        measured: f64,
+        /// Limit, px.
+        limit: f64,
+    },
+    /// No spot, but a dark region.
+    #[error("{share:.0} % of the rim of its window is dark; a marker leaves all but {limit:.0} % light", share = 100.0 * .measured, limit = 100.0 * .limit)]
+    Spreads {
+        /// Measured, no unit.
+        measured: f64,
+        /// Limit, no unit.
+        limit: f64,
+    },
+    /// A click too far from any marker.
+    #[error("the nearest dark spot lies {measured:.1} px from the click; the limit is {limit:.1} (reach)")]
+    Far {
+        /// Measured, px.
+        measured: f64,
+        /// Limit, px.
+        limit: f64,
+    },
+    /// A frame of another size.
+    #[error("the picture has {width} × {height} px, the first one had another size")]
+    Resized {
+        /// Width of the picture, px.
+        width: usize,
+        /// Height of the picture, px.
+        height: usize,
+    },
+}
