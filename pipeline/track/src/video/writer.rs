@@ -36,7 +36,8 @@ const PICTURE_PARAMETERS: u8 = 8;
 pub enum Quality {
     /// A goal for the mean size, bits a second.
     BitsPerSecond(u32),
-    /// A fixed quantiser, 12 (finest) … 51; 18 looks like the original, 28 is poor.
+    /// A fixed quantiser, 12 (finest) … 51; 18 looks like the original, 28 is poor. Where it is so fine that sensor noise is
+    /// coded (22 for 2 grey levels of it), writing takes six times and reading eight times as long.
     Quantiser(u8),
 }
 
