@@ -35,7 +35,7 @@ pub struct Specimen {
 impl Specimen {
     /// Errors of body and spine, %, without sign.
     pub fn errors_percent(&self) -> [f64; 2] {
-        [self.body_e_pa, self.spine_e_pa].map(|[found, truth]| 100.0 * (found / truth - 1.0).abs())
+        [self.body_e_pa, self.spine_e_pa].map(|[found, hidden]| 100.0 * (found / hidden - 1.0).abs())
     }
 }
 

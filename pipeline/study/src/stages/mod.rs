@@ -5,6 +5,7 @@
 
 mod camera;
 mod clock;
+mod fitting;
 mod identify;
 mod landscape;
 mod markers;
