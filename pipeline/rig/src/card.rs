@@ -1,0 +1,127 @@
+//! The card that leaves the bench: what a laboratory would know, and nothing of what is hidden.
+//!
+//! Stands on: `lab` (the card), `shape` (the tail's outline). Never knows: the true properties.
+
+use lab::card::{self, Card, Experiment, Medium, Origin, Role, Side, Trial};
+use shape::tail::Tail;
+use si::{Metre, Point2, Point3};
+
+use crate::calibration::Calibration;
+use crate::settings::{self, Profile, Settings};
+
+/// The STL files.
+pub const BODY_FILE: &str = "cad/body.stl";
+/// The STL files.
+pub const SPINE_FILE: &str = "cad/spine.stl";
+/// The calibration recording.
+pub const CALIBRATION_FILE: &str = "camera/calibration.mp4";
+/// The disc in which the lamp's light is collected is this share of the lamp, so that its edge stays outside.
+const LAMP_SHARE: f64 = 0.8;
+/// Clicked places are written to a tenth of a pixel, as a person at a zoomed picture gives them.
+const CLICK: f64 = 10.0;
+
+/// What the camera shows of the marks and the lamp before anything moves.
+pub struct Seen {
+    /// Each mark in the first frame, px.
+    pub marks: Vec<Point2>,
+    /// The lamp's middle and its radius, px.
+    pub lamp: (Point2, f64),
+}
+
+/// Where the marks are painted: on the back, above the sheet, m.
+pub fn marks(tail: &Tail, set: &settings::Specimen) -> Vec<(String, Point3)> {
+    let place = |(i, x): (usize, &Metre)| (format!("m{}", i + 1), tail.back_point(*x));
+    set.markers.iter().enumerate().map(place).collect()
+}
+
+/// The trials of a specimen: a staircase on the left to identify it, flapping to validate.
+pub fn trials(profile: &Profile) -> Vec<Trial> {
+    let levels = profile.levels.clone();
+    let stairs = Experiment::Staircase { side: Side::Left, levels, hold: profile.hold, pause: profile.pause };
+    let mut trials = vec![trial("static_left".to_owned(), Role::Identify, stairs)];
+    for flap in &profile.flaps {
+        let id = format!("{:.0}mbar_{:.0}hz", flap.pressure / si::MILLIBAR, flap.frequency);
+        let (amplitude, frequency, cycles) = (flap.pressure, flap.frequency, flap.cycles);
+        let flapping = Experiment::Flapping { side: Side::Left, amplitude, frequency, cycles };
+        trials.push(trial(id, Role::Validate, flapping));
+    }
+    trials
+}
+
+fn trial(id: String, role: Role, experiment: Experiment) -> Trial {
+    let (video, pressure) = (format!("trials/{id}/video.mp4"), format!("trials/{id}/pressure.csv"));
+    Trial { id, role, medium: Medium::Air, video, pressure, first_frame: 0, last_frame: None, experiment }
+}
+
+/// The whole card.
+pub fn write(name: &str, set: &Settings, tail: &Tail, trials: &[Trial], seen: &Seen, film: &Calibration) -> Card {
+    let specimen = &set.specimen[name];
+    Card {
+        name: name.to_owned(),
+        origin: Origin::VirtualBench,
+        length: specimen.length,
+        solid: solids(specimen),
+        clamp: card::Clamp { below_x: specimen.clamp },
+        chamber: vec![chamber(tail, Side::Left), chamber(tail, Side::Right)],
+        marker: markers(tail, specimen, &seen.marks),
+        camera: camera(&set.plane, film),
+        led: card::Led { centre: seen.lamp.0.map(rounded), radius: rounded(LAMP_SHARE * seen.lamp.1) },
+        trial: trials.to_vec(),
+    }
+}
+
+fn rounded(pixel: f64) -> f64 {
+    (CLICK * pixel).round() / CLICK
+}
+
+fn solids(set: &settings::Specimen) -> card::Solids {
+    let solid = |file: &str, nominal: &settings::Nominal, density| card::Solid {
+        file: file.to_owned(),
+        material: set.material.clone(),
+        youngs_modulus: nominal.youngs_modulus,
+        poissons_ratio: nominal.poissons_ratio,
+        density,
+        plausible: nominal.plausible,
+    };
+    let body = solid(BODY_FILE, &set.nominal_body, set.body.density);
+    let spine = solid(SPINE_FILE, &set.nominal_spine, set.spine.density);
+    card::Solids { unit: card::LengthUnit::Mm, body, spine }
+}
+
+/// The middle of the first chamber of a side.
+fn chamber(tail: &Tail, side: Side) -> card::Chamber {
+    let [from, to] = tail.chamber(0);
+    let x = 0.5 * (from + to);
+    let (wall, sign) = match side {
+        Side::Left => (tail.wall[1], 1.0),
+        Side::Right => (tail.wall[0], -1.0),
+    };
+    let y = 0.5 * (tail.inner_face() + tail.half_width(x, 0.0) - wall);
+    let micrometre = |x: Metre| (x * 1e6).round() / 1e6;
+    card::Chamber { name: side.word().to_owned(), at: [micrometre(x), sign * micrometre(y), 0.0], log: side }
+}
+
+fn markers(tail: &Tail, set: &settings::Specimen, seen: &[Point2]) -> Vec<card::Marker> {
+    let micrometre = |x: Metre| (x * 1e6).round() / 1e6;
+    let marker = |((name, at), clicked): ((String, Point3), &Point2)| card::Marker {
+        name,
+        at: at.map(micrometre),
+        clicked: clicked.map(rounded),
+        diameter: set.marker_diameter,
+    };
+    marks(tail, set).into_iter().zip(seen).map(marker).collect()
+}
+
+fn camera(plane: &settings::Plane, film: &Calibration) -> card::Camera {
+    card::Camera {
+        calibration: CALIBRATION_FILE.to_owned(),
+        frame_every: film.every,
+        board: card::Board { columns: plane.columns, rows: plane.rows, square: plane.square },
+        plane: card::Plane {
+            seconds: film.flat.map(|t| (t * 1e3).round() / 1e3),
+            origin: plane.corner,
+            along: [1.0, 0.0],
+            height: plane.height,
+        },
+    }
+}

@@ -1,0 +1,108 @@
+//! The command line: `rig record [SPECIMEN…] [--profile NAME] [--root DIR] [--into DIR] [--quiet]`.
+//!
+//! Stands on: `clap`, the recorder. Never knows: how anything is recorded.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use crate::fault::Fault;
+use crate::progress::Progress;
+use crate::record::{Outcome, record};
+use crate::settings::Settings;
+use crate::specimen::Specimen;
+use crate::specimens::ALL;
+
+/// The virtual bench: makes data/raw as a laboratory would, with hidden properties.
+#[derive(Parser)]
+#[command(name = "rig", version)]
+struct Line {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// Record specimens (all of them when none is named); finished recordings are kept.
+    Record {
+        /// Names of specimens.
+        specimens: Vec<String>,
+        /// How much and how finely: paper or quick.
+        #[arg(long, default_value = "paper")]
+        profile: String,
+        /// The project's folder.
+        #[arg(long, default_value = ".")]
+        root: PathBuf,
+        /// Where the specimens' folders go; by default data/raw under the root, or target/quick/data/raw.
+        #[arg(long)]
+        into: Option<PathBuf>,
+        /// No progress.
+        #[arg(long)]
+        quiet: bool,
+    },
+}
+
+/// Exit code for a command that cannot be understood; clap ends with the same.
+const USAGE: u8 = 2;
+
+/// Reads the command line and obeys it.
+pub fn run() -> ExitCode {
+    let Task::Record { specimens, profile, root, into, quiet } = Line::parse().task;
+    let set = Settings::built_in();
+    let chosen = match choose(&specimens, &profile, &set) {
+        Ok(chosen) => chosen,
+        Err(said) => return fail(&said, USAGE),
+    };
+    let into = into.unwrap_or_else(|| home(&root, &profile));
+    let progress = Progress::new(quiet);
+    match chosen.into_iter().try_for_each(|specimen| one(specimen, &set, &profile, &into, &progress)) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(fault) => fail(&fault.to_string(), 1),
+    }
+}
+
+fn one(specimen: &Specimen, set: &Settings, profile: &str, into: &Path, progress: &Progress) -> Result<(), Fault> {
+    let task = progress.begin("record", specimen.name, 1);
+    match record(specimen, set, profile, into, progress)? {
+        Outcome::Made => task.done(&into.join(specimen.name).display().to_string()),
+        Outcome::Kept => progress.say("record", specimen.name, "kept"),
+    }
+    Ok(())
+}
+
+fn fail(said: &str, code: u8) -> ExitCode {
+    eprintln!("error: {said}");
+    ExitCode::from(code)
+}
+
+/// Where recordings of a profile go under the project's folder.
+fn home(root: &Path, profile: &str) -> PathBuf {
+    let base = if profile == "paper" { root.to_owned() } else { root.join("target").join(profile) };
+    base.join("data").join("raw")
+}
+
+/// The specimens of these names, all for none.
+fn choose(names: &[String], profile: &str, set: &Settings) -> Result<Vec<&'static Specimen>, String> {
+    if !set.profile.contains_key(profile) {
+        let known: Vec<&str> = set.profile.keys().map(String::as_str).collect();
+        return Err(format!(
+            "there is no profile `{profile}`\n  why: the profiles are {}\n  do:  name one of them",
+            known.join(", ")
+        ));
+    }
+    if names.is_empty() {
+        return Ok(ALL.iter().collect());
+    }
+    let known: Vec<&str> = ALL.iter().map(|s| s.name).collect();
+    let find = |name: &String| {
+        let unknown = || {
+            format!(
+                "there is no specimen `{name}` on the bench\n  why: it has {}\n  do:  name one of them",
+                known.join(", ")
+            )
+        };
+        ALL.iter().find(|s| s.name == name).ok_or_else(unknown)
+    };
+    names.iter().map(find).collect()
+}

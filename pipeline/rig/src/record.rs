@@ -1,0 +1,176 @@
+//! Recording a specimen: from its shape and what is hidden in it to a folder that a laboratory could have filled.
+//!
+//! This is the bench's runner: it alone chooses paths, keeps finished recordings and replaces its own stale ones.
+//!
+//! Stands on: every room of the bench. Never knows: the command line.
+
+use std::path::Path;
+
+use lab::card::Trial;
+use lab::truth::{Lens, Pose, TrueTrial, Truth};
+use shape::tail::Tail;
+use si::{MILLIMETRE, Metre};
+
+use crate::calibration::Calibration;
+use crate::camera::{Camera, flat_disc};
+use crate::card::{self, Seen};
+use crate::fault::Fault;
+use crate::folder;
+use crate::physics::Body;
+use crate::progress::Progress;
+use crate::scene::canvas::centroid;
+use crate::scene::paint::Mark;
+use crate::scene::skin::Skin;
+use crate::settings::{Profile, Settings};
+use crate::specimen::{Hidden, Specimen};
+use crate::stamp::{self, Found};
+use crate::studio::{Studio, Subject};
+use crate::trial::{self, Bench};
+
+/// What became of a request.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// The recording was there already.
+    Kept,
+    /// It was made.
+    Made,
+}
+
+/// Marks may be this far from the bench's own skin, m: the card's place and the mesh's differ by the mesh's fineness.
+const OFF_SKIN: Metre = 2e-4;
+
+/// Records `specimen` with the settings' `profile` into `into/<name>`, unless it is there.
+///
+/// # Errors
+/// [`Fault`] when the folder is not the bench's, the body cannot be solved, or the disk refuses.
+pub fn record(
+    specimen: &Specimen,
+    set: &Settings,
+    profile: &str,
+    into: &Path,
+    progress: &Progress,
+) -> Result<Outcome, Fault> {
+    let (folder, stamp) = (into.join(specimen.name), stamp::text(specimen.name, profile));
+    if stamp::look(&folder, &stamp)? == Found::Current {
+        return Ok(Outcome::Kept);
+    }
+    let partial = folder::begin(into, specimen.name)?;
+    fill(specimen, set, &set.profile[profile], &partial, progress).map_err(|e| Fault::at(specimen.name, e))?;
+    folder::write(&partial, stamp::FILE, stamp.as_bytes())?;
+    folder::finish(&partial, &folder)?;
+    Ok(Outcome::Made)
+}
+
+fn fill(
+    specimen: &Specimen,
+    set: &Settings,
+    profile: &Profile,
+    folder: &Path,
+    progress: &Progress,
+) -> Result<(), Fault> {
+    let (own, tail) = (&set.specimen[specimen.name], (specimen.tail)());
+    let hidden = Hidden::drawn(own);
+    write_solids(specimen.name, &tail, set.cad.fineness, folder)?;
+    let body = Body::new(&tail, &profile.resolution, own, &hidden)?;
+    let studio = Studio::new(set, own.seed, own.clamp);
+    let places = card::marks(&tail, own);
+    let subject = Subject { skin: Skin::new(&body.mesh), marks: paint(&body, &places, own.marker_diameter)? };
+    let marks: Vec<String> = places.into_iter().map(|(name, _)| name).collect();
+    let name = specimen.name;
+    let bench = Bench {
+        set,
+        profile,
+        name,
+        seed: own.seed,
+        body: &body,
+        studio: &studio,
+        subject: &subject,
+        marks: &marks,
+        progress,
+    };
+    let film = Calibration::new(set, &studio, profile.poses, own.seed);
+    let trials = card::trials(profile);
+    let seen = first_sight(&bench)?;
+    let card = card::write(name, set, &tail, &trials, &seen, &film);
+    folder::write(folder, lab::folder::CARD, lab::card::write(&card).as_bytes())?;
+    let hidden_in_trials = side_by_side(&bench, &film, &trials, folder)?;
+    let truth = truth(name, own.seed, &hidden, &studio.camera, hidden_in_trials);
+    folder::write(folder, lab::folder::TRUTH, lab::truth::write(&truth).as_bytes())
+}
+
+/// The calibration and every trial, each on a thread of its own; results in the card's order.
+fn side_by_side(bench: &Bench, film: &Calibration, trials: &[Trial], folder: &Path) -> Result<Vec<TrueTrial>, Fault> {
+    std::thread::scope(|scope| {
+        let running: Vec<_> = trials.iter().map(|t| scope.spawn(move || trial::record(bench, t, folder))).collect();
+        let calibrated = calibrate(bench, film, folder);
+        let ended = running.into_iter().map(|r| r.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+        let hidden = ended.collect::<Result<Vec<_>, _>>();
+        calibrated.and(hidden)
+    })
+}
+
+fn calibrate(bench: &Bench, film: &Calibration, folder: &Path) -> Result<(), Fault> {
+    let task = bench.progress.begin("film", format!("{}/calibration", bench.name), film.frames());
+    let path = folder::prepared(folder, card::CALIBRATION_FILE)?;
+    film.shoot(&path, bench.set, bench.studio, &|| task.tick())?;
+    task.done(&format!("{} frames", film.frames()));
+    Ok(())
+}
+
+fn write_solids(name: &str, tail: &Tail, fineness: Metre, folder: &Path) -> Result<(), Fault> {
+    let (body, spine) = tail.solids(fineness).map_err(|e| Fault::at("the STL files", e))?;
+    for (file, part, surface) in [(card::BODY_FILE, "body", body), (card::SPINE_FILE, "spine", spine)] {
+        let title = format!("{}: {part} of {name}", lab::VIRTUAL_BENCH);
+        folder::write(folder, file, &shape::stl::write(&surface, MILLIMETRE, &title))?;
+    }
+    Ok(())
+}
+
+fn paint(body: &Body, places: &[(String, si::Point3)], diameter: Metre) -> Result<Vec<Mark>, Fault> {
+    let painted = |(name, at): &(String, si::Point3)| {
+        let (mark, off) = Mark::paint(&body.mesh, *at, diameter);
+        if off <= OFF_SKIN {
+            return Ok(mark);
+        }
+        let what =
+            format!("mark {name} at x = {:.1} mm lies {:.2} mm off the skin", at[0] / MILLIMETRE, off / MILLIMETRE);
+        let why = format!("paint lies within {:.2} mm", OFF_SKIN / MILLIMETRE);
+        Err(Fault::new("bench.toml", &what, &why, "choose an x on the silicone's back, or a finer mesh"))
+    };
+    places.iter().map(painted).collect()
+}
+
+/// The marks and the lamp while the tail is at rest.
+fn first_sight(bench: &Bench) -> Result<Seen, Fault> {
+    let (camera, lamp) = (&bench.studio.camera, &bench.set.lamp);
+    let hidden = || {
+        Fault::new(
+            "bench.toml",
+            "a mark or the lamp is out of the picture",
+            "the camera must see them at rest",
+            "move it",
+        )
+    };
+    let rest = &bench.body.mesh.nodes;
+    let marks =
+        bench.subject.marks.iter().map(|m| m.pixel(camera, rest)).collect::<Option<Vec<_>>>().ok_or_else(hidden)?;
+    let rim = camera.outline(&flat_disc(lamp.at, lamp.radius, 48)).ok_or_else(hidden)?;
+    let middle = centroid(&rim);
+    let radius = rim.iter().map(|p| (p[0] - middle[0]).hypot(p[1] - middle[1])).fold(f64::INFINITY, f64::min);
+    Ok(Seen { marks, lamp: (middle, radius) })
+}
+
+fn truth(name: &str, seed: u64, hidden: &Hidden, camera: &Camera, trial: Vec<TrueTrial>) -> Truth {
+    let l = &camera.lens;
+    Truth {
+        origin: lab::VIRTUAL_BENCH.to_owned(),
+        specimen: name.to_owned(),
+        seed,
+        body: hidden.body.clone(),
+        spine: hidden.spine.clone(),
+        damping: hidden.damping.clone(),
+        lens: Lens { fx: l.fx, fy: l.fy, cx: l.cx, cy: l.cy, k1: l.k1, k2: l.k2, p1: l.p1, p2: l.p2, k3: l.k3 },
+        pose: Pose { rotation: camera.pose.rotation, translation: camera.pose.translation },
+        trial,
+    }
+}

@@ -1,0 +1,52 @@
+//! Letters: the words "virtual bench" in every frame, in strokes.
+//!
+//! Stands on: the canvas. Never knows: what is filmed.
+
+use si::Point2;
+
+use super::Canvas;
+
+/// Strokes of a letter on a grid of 4 × 6, from the top left; each a line from (column, row) to (column, row).
+fn strokes(letter: char) -> &'static [[u8; 4]] {
+    match letter {
+        'A' => &[[0, 6, 2, 0], [2, 0, 4, 6], [1, 4, 3, 4]],
+        'B' => &[[0, 0, 0, 6], [0, 0, 3, 0], [3, 0, 3, 3], [0, 3, 4, 3], [4, 3, 4, 6], [0, 6, 4, 6]],
+        'C' => &[[4, 0, 0, 0], [0, 0, 0, 6], [0, 6, 4, 6]],
+        'E' => &[[4, 0, 0, 0], [0, 0, 0, 6], [0, 6, 4, 6], [0, 3, 3, 3]],
+        'H' => &[[0, 0, 0, 6], [4, 0, 4, 6], [0, 3, 4, 3]],
+        'I' => &[[2, 0, 2, 6]],
+        'L' => &[[0, 0, 0, 6], [0, 6, 4, 6]],
+        'N' => &[[0, 6, 0, 0], [0, 0, 4, 6], [4, 6, 4, 0]],
+        'R' => &[[0, 6, 0, 0], [0, 0, 4, 0], [4, 0, 4, 3], [4, 3, 0, 3], [2, 3, 4, 6]],
+        'T' => &[[0, 0, 4, 0], [2, 0, 2, 6]],
+        'U' => &[[0, 0, 0, 6], [0, 6, 4, 6], [4, 6, 4, 0]],
+        'V' => &[[0, 0, 2, 6], [2, 6, 4, 0]],
+        _ => &[],
+    }
+}
+
+/// Writes `text` (capitals) with its top left corner at `at` (px) in letters of `size` px height.
+pub fn write(canvas: &mut Canvas, text: &str, at: Point2, size: f64, level: f32) {
+    let unit = size / 6.0;
+    for (i, letter) in text.chars().enumerate() {
+        let left = at[0] + 6.0 * unit * i as f64;
+        let place = |column: u8, row: u8| [left + unit * f64::from(column), at[1] + unit * f64::from(row)];
+        for [a, b, c, d] in strokes(letter) {
+            canvas.stroke(place(*a, *b), place(*c, *d), 0.9 * unit, level);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_letter_of_virtual_bench_leaves_ink() {
+        for letter in lab::VIRTUAL_BENCH.to_uppercase().chars().filter(|c| *c != ' ') {
+            let mut canvas = Canvas::filled(40, 40, 0.0);
+            write(&mut canvas, &letter.to_string(), [10.0, 10.0], 18.0, 1.0);
+            assert!(canvas.levels.iter().sum::<f32>() > 30.0, "{letter}");
+        }
+    }
+}

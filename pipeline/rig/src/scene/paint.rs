@@ -1,0 +1,63 @@
+//! Paint: dark marks on the back, which move with the skin they are painted on.
+//!
+//! A mark is a disc: its rim is embedded in the skin point by point, so that it bends and turns with it. Where the mark
+//! is in the picture is the centroid of what is drawn; where it is in space is the point that was painted.
+//!
+//! Stands on: `shape` (embedding), the canvas, the camera. Never knows: what moves the skin.
+
+use shape::{QuadraticMesh, Spot};
+use si::{Metre, Point2, Point3, vec3};
+
+use super::Canvas;
+use super::canvas::centroid;
+use crate::camera::{Camera, flat_disc};
+
+/// Corners of a mark's rim.
+const RIM: usize = 32;
+/// Grey level of the paint.
+const PAINT: f32 = 22.0;
+
+/// A mark on the skin.
+pub struct Mark {
+    centre: Spot,
+    rim: Vec<Spot>,
+}
+
+impl Mark {
+    /// A disc of `diameter` (m) around `at` (m), seen from above, on the skin of `mesh`; and how far `at` was from the skin, m.
+    pub fn paint(mesh: &QuadraticMesh, at: Point3, diameter: Metre) -> (Self, Metre) {
+        let (centre, off) = shape::embed(mesh, at);
+        let corners = flat_disc(centre.at(&mesh.nodes), 0.5 * diameter, RIM);
+        let rim = corners.into_iter().map(|corner| on_top(mesh, corner)).collect();
+        (Self { centre, rim }, off)
+    }
+
+    /// Where the painted point is, m.
+    pub fn at(&self, nodes: &[Point3]) -> Point3 {
+        self.centre.at(nodes)
+    }
+
+    /// The mark's outline in the picture, px; none out of the camera's sight.
+    pub fn outline(&self, camera: &Camera, nodes: &[Point3]) -> Option<Vec<Point2>> {
+        self.rim.iter().map(|spot| camera.pixel(spot.at(nodes))).collect()
+    }
+
+    /// Where the mark is in the picture, px: the centroid of its outline.
+    pub fn pixel(&self, camera: &Camera, nodes: &[Point3]) -> Option<Point2> {
+        self.outline(camera, nodes).map(|outline| centroid(&outline))
+    }
+
+    /// Draws the mark.
+    pub fn draw(&self, canvas: &mut Canvas, camera: &Camera, nodes: &[Point3]) {
+        if let Some(outline) = self.outline(camera, nodes) {
+            canvas.fill(&outline, PAINT);
+        }
+    }
+}
+
+/// The spot of the skin nearest to `corner`, after one step down or up to the skin along z so that slopes keep the disc round.
+fn on_top(mesh: &QuadraticMesh, corner: Point3) -> Spot {
+    let (near, _) = shape::embed(mesh, corner);
+    let lift = near.at(&mesh.nodes)[2] - corner[2];
+    shape::embed(mesh, vec3::add(corner, [0.0, 0.0, lift])).0
+}

@@ -1,0 +1,81 @@
+//! The sensor: uneven light and noise, and a canvas becomes a picture of whole grey levels.
+//!
+//! Stands on: the canvas, `track` (the picture), seeded chance. Never knows: what is in the picture.
+
+use track::Gray;
+
+use super::Canvas;
+use crate::draw::Draw;
+
+/// The share of the light that reaches each pixel, and the noise of one.
+pub struct Sensor {
+    light: Vec<f32>,
+    /// Normal noise at 256 even steps of probability, grey levels.
+    noise: [f32; 256],
+    seed: u64,
+}
+
+/// How much darker the picture's far corner is than its brightest place, and how much one side is than the other.
+const FALL_OFF: f64 = 0.16;
+const SLOPE: f64 = 0.07;
+
+impl Sensor {
+    /// A sensor of `width` × `height` px with noise of deviation `noise` grey levels.
+    pub fn new(width: usize, height: usize, noise: f64, seed: u64) -> Self {
+        let light = (0..width * height).map(|i| {
+            let u = 2.0 * (i % width) as f64 / width as f64 - 1.0;
+            let v = 2.0 * (i / width) as f64 / height as f64 - 1.0;
+            (1.0 - 0.5 * FALL_OFF * ((u - 0.15).powi(2) + (v + 0.1).powi(2)) + SLOPE * (0.8 * u - 0.3 * v)) as f32
+        });
+        let mut table = [0.0; 256];
+        for (i, level) in table.iter_mut().enumerate() {
+            *level = (noise * quantile((i as f64 + 0.5) / 256.0)) as f32;
+        }
+        Self { light: light.collect(), noise: table, seed }
+    }
+
+    /// The picture that the sensor makes of `canvas`; `label` and `frame` name its noise.
+    pub fn expose(&self, canvas: &Canvas, label: &str, frame: usize) -> Gray {
+        let mut dice = vec![0; canvas.levels.len()];
+        Draw::new(self.seed, &format!("sensor {label} {frame}")).bytes(&mut dice);
+        let lit = canvas.levels.iter().zip(&self.light).zip(&dice);
+        let pixel =
+            |((level, light), die): ((&f32, &f32), &u8)| (level * light + self.noise[*die as usize] + 0.5) as u8;
+        Gray { width: canvas.width, height: canvas.height, pixels: lit.map(pixel).collect() }
+    }
+}
+
+/// The normal deviate below which lies the share `p`, by bisection of its cumulative sum.
+fn quantile(p: f64) -> f64 {
+    let steps = 12_000;
+    let width = 12.0 / f64::from(steps);
+    let density = |x: f64| (-0.5 * x * x).exp() / std::f64::consts::TAU.sqrt();
+    let mut sum = 0.0;
+    for i in 0..steps {
+        let x = -6.0 + width * (f64::from(i) + 0.5);
+        sum += width * density(x);
+        if sum >= p {
+            return x;
+        }
+    }
+    6.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_has_its_deviation_and_is_the_same_again() {
+        let (width, height) = (200, 150);
+        let sensor = Sensor { light: vec![1.0; width * height], ..Sensor::new(width, height, 2.0, 9) };
+        let canvas = Canvas::filled(width, height, 100.0);
+        let (first, again) = (sensor.expose(&canvas, "a", 4), sensor.expose(&canvas, "a", 4));
+        let n = first.pixels.len() as f64;
+        let mean = first.pixels.iter().map(|p| f64::from(*p)).sum::<f64>() / n;
+        let variance = first.pixels.iter().map(|p| (f64::from(*p) - mean).powi(2)).sum::<f64>() / n;
+        assert!((mean - 100.0).abs() < 0.05 && (variance.sqrt() - 2.0).abs() < 0.1, "{mean} {variance}");
+        assert_eq!(first, again);
+        assert_ne!(first, sensor.expose(&canvas, "a", 5));
+    }
+}

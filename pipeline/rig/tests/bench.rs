@@ -1,0 +1,120 @@
+//! The bench as a whole, on a recording small enough for a test: same bytes, readable by `lab`, never over a stranger.
+//!
+//! Stands on: `rig`, `lab`, `track`. Never knows: the pipeline.
+#![allow(clippy::unwrap_used)] // a test may fail where it stands
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use lab::{Specimen, truth};
+use rig::progress::Progress;
+use rig::record::{Outcome, record};
+use rig::settings::{Profile, Resolution, Settings};
+use rig::specimens::ALL;
+use rig::stamp;
+use track::video::Reader;
+
+/// A folder of its own for one test, gone afterwards.
+struct World(PathBuf);
+
+impl World {
+    fn new(name: &str) -> Self {
+        let path = std::env::temp_dir().join(format!("rig_{name}_{}", std::process::id()));
+        std::fs::create_dir_all(&path).unwrap();
+        Self(path)
+    }
+}
+
+impl Drop for World {
+    fn drop(&mut self) {
+        std::fs::remove_dir_all(&self.0).unwrap();
+    }
+}
+
+/// The built-in bench with a profile of a few frames and elements.
+fn tiny() -> Settings {
+    let mut set = Settings::built_in();
+    let profile = Profile {
+        resolution: Resolution { edge: 0.009, per_chamber: 1, per_rib: 1 },
+        rungs_between: 3,
+        step: 1.0 / 60.0,
+        rest: 0.05,
+        levels: vec![1500.0],
+        hold: 0.1,
+        pause: 0.05,
+        flaps: Vec::new(),
+        poses: 1,
+    };
+    set.calibration.flat = 4;
+    set.profile.insert("tiny".to_owned(), profile);
+    set
+}
+
+fn recorded(into: &Path) -> Outcome {
+    record(&ALL[0], &tiny(), "tiny", into, &Progress::new(true)).unwrap_or_else(|fault| panic!("{fault}"))
+}
+
+/// Every file under `folder` with its bytes.
+fn bytes(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        match path.is_dir() {
+            true => found
+                .extend(bytes(&path).into_iter().map(|(name, b)| (Path::new(path.file_name().unwrap()).join(name), b))),
+            false => drop(found.insert(PathBuf::from(path.file_name().unwrap()), std::fs::read(&path).unwrap())),
+        }
+    }
+    found
+}
+
+#[test]
+fn a_recording_is_read_by_lab_and_has_the_same_bytes_when_made_again() {
+    let world = World::new("twice");
+    let (first, second) = (world.0.join("a"), world.0.join("b"));
+    assert_eq!((recorded(&first), recorded(&second), recorded(&first)), (Outcome::Made, Outcome::Made, Outcome::Kept));
+    let (a, b) = (bytes(&first), bytes(&second));
+    assert_eq!(a.keys().collect::<Vec<_>>(), b.keys().collect::<Vec<_>>());
+    let differing: Vec<&PathBuf> = a.keys().filter(|name| a[*name] != b[*name]).collect();
+    assert!(differing.is_empty(), "{differing:?}");
+    the_folder_is_whole(&first.join(ALL[0].name));
+}
+
+/// Card, log, film, truth and tracks fit each other.
+fn the_folder_is_whole(folder: &Path) {
+    let specimen = Specimen::open(folder).unwrap();
+    assert_eq!(specimen.missing(), []);
+    let truth = truth::read(&folder.join(lab::folder::TRUTH)).unwrap();
+    for (trial, hidden) in specimen.card.trial.iter().zip(&truth.trial) {
+        let log = lab::pressure::read(&specimen.file(&trial.pressure)).unwrap();
+        let film = Reader::open(&specimen.file(&trial.video)).unwrap().info();
+        let tracks = truth::read_tracks(&specimen.file(&hidden.tracks)).unwrap();
+        assert_eq!((film.width, film.height, film.frames), (1280, 720, tracks[0].time.len()));
+        assert!(log.time[log.time.len() - 1] > hidden.clock_offset + film.frames as f64 / film.rate);
+        for (marker, track) in specimen.card.marker.iter().zip(&tracks) {
+            let [du, dv] = [0, 1].map(|k| marker.clicked[k] - track.pixel[0][k]);
+            assert!(marker.name == track.marker && du.hypot(dv) < 0.1);
+        }
+    }
+}
+
+#[test]
+fn a_folder_that_the_bench_did_not_make_is_refused_and_left_alone() {
+    let world = World::new("stranger");
+    let folder = world.0.join(ALL[0].name);
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("specimen.toml"), "a laboratory's card").unwrap();
+    let fault = record(&ALL[0], &tiny(), "tiny", &world.0, &Progress::new(true)).unwrap_err().to_string();
+    assert!(fault.contains("was not made by the virtual bench") && fault.contains("do:"), "{fault}");
+    assert_eq!(bytes(&world.0).len(), 1);
+}
+
+#[test]
+fn a_recording_with_other_settings_or_with_a_lost_file_is_stale() {
+    let world = World::new("stale");
+    let stamped = stamp::text("nemo", "quick");
+    std::fs::write(world.0.join(stamp::FILE), &stamped).unwrap();
+    assert_eq!(stamp::look(&world.0, &stamped).unwrap(), stamp::Found::Stale, "its card is lost");
+    assert_ne!(stamped, stamp::text("nemo", "paper"));
+    assert_eq!(stamp::look(&world.0.join("absent"), &stamped).unwrap(), stamp::Found::Nothing);
+}

@@ -1,0 +1,56 @@
+//! The scene against its truth: a mark is drawn exactly where the truth says it is.
+//!
+//! Stands on: `rig`, `shape`. Never knows: finite elements, a film.
+#![allow(clippy::unwrap_used)] // a test may fail where it stands
+
+use rig::card;
+use rig::scene::Canvas;
+use rig::scene::paint::Mark;
+use rig::settings::Settings;
+use rig::specimens::ALL;
+use rig::studio::Studio;
+use shape::tail::Resolution;
+use si::{Point2, Point3};
+
+/// Weighted middle of a canvas that was 255 before something dark was drawn.
+fn middle_of_darkness(canvas: &Canvas) -> Point2 {
+    let mut sums = [0.0; 3];
+    for (i, level) in canvas.levels.iter().enumerate() {
+        let dark = f64::from(255.0 - level);
+        sums[0] += dark;
+        sums[1] += dark * (i % canvas.width) as f64;
+        sums[2] += dark * (i / canvas.width) as f64;
+    }
+    [sums[1] / sums[0], sums[2] / sums[0]]
+}
+
+/// The nodes on a circular arc of curvature `bend` (1/m) in the plane.
+fn bent(nodes: &[Point3], bend: f64) -> Vec<Point3> {
+    let turn = |[x, y, z]: Point3| {
+        let angle = bend * x;
+        let radius = 1.0 / bend - y;
+        [radius * angle.sin(), 1.0 / bend - radius * angle.cos(), z]
+    };
+    nodes.iter().map(|x| turn(*x)).collect()
+}
+
+#[test]
+fn a_drawn_mark_has_its_centroid_at_the_true_pixel_to_a_hundredth() {
+    let (set, specimen) = (Settings::built_in(), &ALL[0]);
+    let (own, tail) = (&set.specimen[specimen.name], (specimen.tail)());
+    let resolution = Resolution { edge: 0.006, per_chamber: 1, per_rib: 1 };
+    let mesh = shape::quadratic(&tail.mesh(&resolution).unwrap());
+    let camera = Studio::new(&set, own.seed, own.clamp).camera;
+    for (_, at) in card::marks(&tail, own) {
+        let (mark, off) = Mark::paint(&mesh, at, own.marker_diameter);
+        assert!(off < 1e-4, "{off} m off the skin");
+        for nodes in [mesh.nodes.clone(), bent(&mesh.nodes, 4.0), bent(&mesh.nodes, -9.0)] {
+            let mut canvas = Canvas::filled(camera.width, camera.height, 255.0);
+            mark.draw(&mut canvas, &camera, &nodes);
+            let (drawn, truth) = (middle_of_darkness(&canvas), mark.pixel(&camera, &nodes).unwrap());
+            let centre = camera.pixel(mark.at(&nodes)).unwrap();
+            assert!((drawn[0] - truth[0]).hypot(drawn[1] - truth[1]) < 0.01, "{drawn:?} {truth:?}");
+            assert!((centre[0] - truth[0]).hypot(centre[1] - truth[1]) < 0.2, "{centre:?} {truth:?}");
+        }
+    }
+}
