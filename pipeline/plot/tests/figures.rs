@@ -104,9 +104,7 @@ fn an_empty_figure_is_refused() {
 }
 
 #[test]
-fn every_figure_is_read_by_a_renderer() {
-    let options = resvg::usvg::Options::default();
-    let tree = resvg::usvg::Tree::from_str(&figure().svg().unwrap(), &options).unwrap();
-    // 181 mm at 96 dots an inch
-    assert!((tree.size().width() - 684.1).abs() < 0.2, "{}", tree.size().width());
+fn a_figure_says_its_width_in_millimetres() {
+    let svg = figure().svg().unwrap();
+    assert!(svg.contains("width=\"181mm\"") || svg.contains("width=\"181.0mm\""), "{}", &svg[..200.min(svg.len())]);
 }

@@ -53,7 +53,15 @@ pub struct Ladder {
     rungs: Vec<Rung>,
     settings: StaticSettings,
     solvers: Vec<Solver>,
-    last: Vec<Option<Vec<f64>>>,
+    last: Vec<Option<Known>>,
+}
+
+/// A solution and what it was solved for.
+#[derive(Debug, Clone)]
+struct Known {
+    /// The highest pressure over the body's modulus: what bends a soft body, most of all.
+    load: f64,
+    displacement: Vec<f64>,
 }
 
 impl Ladder {
@@ -80,7 +88,7 @@ impl Ladder {
         std::thread::scope(|scope| {
             let climb_part = |(first, solver): (usize, &'_ mut Solver)| {
                 model.set_moduli(solver, [body_e, spine_e])?;
-                climb_every(model, rungs, settings, last, solver, want, first, count)
+                climb_every(model, rungs, settings, last, solver, want, body_e, first, count)
             };
             let handles: Vec<_> = self
                 .solvers
@@ -96,32 +104,40 @@ impl Ladder {
         }
         all.sort_by_key(|(level, _)| *level);
         for (level, simulated) in &all {
-            self.last[*level] = Some(simulated.displacement.clone());
+            let load = load(&self.rungs[*level], body_e);
+            self.last[*level] = Some(Known { load, displacement: simulated.displacement.clone() });
         }
         Ok(all.into_iter().map(|(_, simulated)| simulated).collect())
     }
 }
 
-/// Every `stride`th level from `first` on, each from its own last solution, or else from the level below.
+/// Every `stride`th level from `first` on, each from the known solution whose load is nearest.
 #[allow(clippy::too_many_arguments)]
 fn climb_every(
     model: &Model,
     rungs: &[Rung],
     settings: &StaticSettings,
-    last: &[Option<Vec<f64>>],
+    last: &[Option<Known>],
     solver: &mut Solver,
     want: Want,
+    body_e: Pascal,
     first: usize,
     stride: usize,
 ) -> Outcome<Vec<(usize, Simulated)>> {
     let mut done: Vec<(usize, Simulated)> = Vec::new();
     for level in (first..rungs.len()).step_by(stride) {
-        let below = done.last().map(|(_, s)| s.displacement.as_slice());
-        let start = last[level].as_deref().or(below);
+        let known = last.iter().flatten().map(|known| (known.load, known.displacement.as_slice()));
+        let known = known.chain(done.iter().map(|(i, s)| (load(&rungs[*i], body_e), s.displacement.as_slice())));
+        let away = |other: f64| (other / load(&rungs[level], body_e)).ln().abs();
+        let start = known.min_by(|a, b| away(a.0).total_cmp(&away(b.0))).map(|(_, displacement)| displacement);
         let simulated = climb_one(model, &rungs[level], rungs.len(), settings, start, solver, want);
         done.push((level, simulated.map_err(|e| no_equilibrium(&rungs[level], &e))?));
     }
     Ok(done)
+}
+
+fn load(rung: &Rung, body_e: Pascal) -> f64 {
+    rung.pressures.iter().copied().fold(f64::MIN_POSITIVE, f64::max) / body_e
 }
 
 fn climb_one(

@@ -70,7 +70,7 @@ impl<'a> Fitting<'a> {
     }
 
     fn ladder(&self, tolerance: f64) -> Ladder {
-        let settings = StaticSettings { tolerance, ..StaticSettings::default() };
+        let settings = StaticSettings { tolerance, halvings: HALVINGS, ..StaticSettings::default() };
         Ladder::new(self.model.clone(), self.rungs.clone(), settings, self.set.side_by_side)
     }
 
@@ -263,6 +263,9 @@ impl<'a> Fitting<'a> {
 
 /// Step of the central differences, in logarithms of moduli: its truncation error is far below the solver's tolerance.
 const DIFFERENCE: f64 = 1e-3;
+
+/// A level whose load steps must be halved more often than this has given way: a search has better points to try.
+const HALVINGS: usize = 2;
 
 /// Tolerance of the equilibria between which differences are taken, as a part of the specimen's size.
 const EXACT: f64 = 1e-9;

@@ -1,0 +1,279 @@
+//! The runner, held to its word with a study of three small stages: what is fresh is kept, what is stale is made and said why,
+//! what is damaged is made again, and a kill loses nothing.
+
+use std::fs;
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use study::entry::{Entry, stage};
+use study::fault::{Fault, Outcome};
+use study::record::{Parcel, Record, RecordError};
+use study::runner::{Folders, Goal, Runner, Tally};
+use study::settings::{Profile, Settings};
+use study::stage::{Desk, RawFile, Stage};
+use study::subject::{Specimen, Study};
+
+#[derive(Serialize, Deserialize)]
+struct Count(usize);
+
+macro_rules! count_record {
+    ($record:ident, $stage:literal) => {
+        struct $record(usize);
+        impl Record for $record {
+            type Of = Specimen;
+            const STAGE: &'static str = $stage;
+            fn pack(&self) -> Result<Parcel, RecordError> {
+                Parcel::default().scalars("count.json", &Count(self.0))
+            }
+            fn unpack(parcel: &Parcel) -> Result<Self, RecordError> {
+                Ok(Self(parcel.read_scalars::<Count>("count.json")?.0))
+            }
+        }
+    };
+}
+
+count_record!(Letters, "letters");
+count_record!(Halved, "halved");
+count_record!(Alone, "alone");
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Step {
+    step: usize,
+}
+
+struct CountLetters;
+impl Stage for CountLetters {
+    type Settings = Step;
+    type Needs = ();
+    type Makes = Letters;
+    const STORY: &'static str = "text becomes its length";
+    const EDITION: u32 = 1;
+    fn raw(of: &Specimen) -> Vec<RawFile> {
+        vec![RawFile::new("text", &of.card.name, "cad/body.stl")]
+    }
+    fn card(of: &Specimen) -> Value {
+        json!({ "length": of.card.length })
+    }
+    fn run(_: &Specimen, set: &Step, (): (), desk: &dyn Desk) -> Outcome<Letters> {
+        Ok(Letters(desk.bytes("text")?.len() / set.step))
+    }
+}
+
+struct Halve;
+impl Stage for Halve {
+    type Settings = Step;
+    type Needs = Letters;
+    type Makes = Halved;
+    const STORY: &'static str = "a length becomes its half";
+    const EDITION: u32 = 1;
+    fn run(_: &Specimen, set: &Step, letters: Letters, _: &dyn Desk) -> Outcome<Halved> {
+        match set.step {
+            13 => Err(Fault::new("thirteen is not a step", "it brings bad luck", "choose another")),
+            14 => panic!("fourteen breaks an assertion"),
+            step => Ok(Halved(letters.0 / (2 * step))),
+        }
+    }
+}
+
+struct StandAlone;
+impl Stage for StandAlone {
+    type Settings = Step;
+    type Needs = ();
+    type Makes = Alone;
+    const STORY: &'static str = "nothing becomes a number";
+    const EDITION: u32 = 1;
+    fn run(_: &Specimen, set: &Step, (): (), _: &dyn Desk) -> Outcome<Alone> {
+        Ok(Alone(set.step))
+    }
+}
+
+const STAGES: &[Entry] = &[stage::<CountLetters>(), stage::<Halve>(), stage::<StandAlone>()];
+const LISTS: &[&[Entry]] = &[STAGES];
+const SETTINGS: &str = "[letters]\nstep = 1\n[halved]\nstep = 1\n[alone]\nstep = 1\n";
+
+/// A project of its own for each test, removed at the end.
+struct Project(PathBuf);
+
+impl Project {
+    fn new(name: &str) -> Self {
+        let root = std::env::temp_dir().join(format!("runner-{name}-{}", std::process::id()));
+        let folder = root.join("data/raw/fish");
+        fs::create_dir_all(folder.join("cad")).unwrap();
+        fs::write(folder.join("cad/body.stl"), "twelve bytes").unwrap();
+        fs::write(folder.join("specimen.toml"), tests::CARD).unwrap();
+        Self(root)
+    }
+
+    fn runner(&self, settings: &str) -> Runner {
+        let card = lab::card::read(&self.0.join("data/raw/fish/specimen.toml")).unwrap();
+        Runner {
+            lists: LISTS,
+            study: Study { specimens: vec![Specimen { card: card.into() }] },
+            settings: Settings::read(settings, Profile::Paper, &["letters", "halved", "alone"]).unwrap(),
+            profile: Profile::Paper,
+            folders: Folders::new(&self.0, Profile::Paper),
+            quiet: true,
+            jobs: 2,
+        }
+    }
+
+    fn run(&self, settings: &str) -> Tally {
+        self.runner(settings).run(&Goal::default(), false).unwrap()
+    }
+
+    fn plan(&self, settings: &str) -> String {
+        self.runner(settings).plan(&Goal::default()).unwrap()
+    }
+
+    fn record(&self, stage: &str) -> PathBuf {
+        self.0.join("data/processed").join(stage).join("fish/record")
+    }
+}
+
+impl Drop for Project {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+fn tally(made: usize, kept: usize, failed: usize, skipped: usize) -> Tally {
+    Tally { made, kept, failed, skipped }
+}
+
+#[test]
+fn a_second_run_makes_nothing_again() {
+    let project = Project::new("second");
+    assert_eq!(project.run(SETTINGS), tally(3, 0, 0, 0));
+    assert_eq!(project.run(SETTINGS), tally(0, 3, 0, 0));
+}
+
+#[test]
+fn a_touched_file_makes_nothing_stale() {
+    let project = Project::new("touched");
+    project.run(SETTINGS);
+    let body = project.0.join("data/raw/fish/cad/body.stl");
+    let later = std::time::SystemTime::now() + std::time::Duration::from_secs(3600);
+    fs::File::options().append(true).open(&body).unwrap().set_modified(later).unwrap();
+    assert_eq!(project.run(SETTINGS), tally(0, 3, 0, 0));
+}
+
+#[test]
+fn a_changed_setting_makes_just_what_depends_on_it_stale_and_the_plan_says_why() {
+    let project = Project::new("setting");
+    project.run(SETTINGS);
+    let changed = SETTINGS.replace("[halved]\nstep = 1", "[halved]\nstep = 2");
+    let plan = project.plan(&changed);
+    assert!(plan.contains("setting `step` was 1 and is 2"), "{plan}");
+    assert!(plan.contains("1 of 3 records would be made"), "{plan}");
+    assert_eq!(project.run(&changed), tally(1, 2, 0, 0));
+}
+
+#[test]
+fn a_changed_recording_makes_what_reads_it_stale_and_its_readers_wait() {
+    let project = Project::new("recording");
+    project.run(SETTINGS);
+    fs::write(project.0.join("data/raw/fish/cad/body.stl"), "many more bytes than before").unwrap();
+    let plan = project.plan(SETTINGS);
+    assert!(plan.contains("recording `fish/cad/body.stl` has other content"), "{plan}");
+    assert!(plan.contains("it reads letters/fish, which will be made"), "{plan}");
+    assert_eq!(project.run(SETTINGS), tally(2, 1, 0, 0));
+}
+
+#[test]
+fn a_stage_made_again_to_the_same_content_leaves_its_readers_fresh() {
+    let project = Project::new("cutoff");
+    project.run(SETTINGS);
+    fs::write(project.0.join("data/raw/fish/cad/body.stl"), "12 other byt").unwrap();
+    assert_eq!(project.run(SETTINGS), tally(1, 2, 0, 0));
+}
+
+#[test]
+fn a_changed_card_entry_is_named_and_another_one_changes_nothing() {
+    let project = Project::new("card");
+    project.run(SETTINGS);
+    let card = project.0.join("data/raw/fish/specimen.toml");
+    fs::write(&card, tests::CARD.replace("density = 1070.0", "density = 1080.0")).unwrap();
+    assert!(project.plan(SETTINGS).contains("0 of 3 records"));
+    fs::write(&card, tests::CARD.replace("length = 0.1", "length = 0.2")).unwrap();
+    let plan = project.plan(SETTINGS);
+    assert!(plan.contains("card entry `length` was 0.1 and is 0.2"), "{plan}");
+}
+
+#[test]
+fn a_plan_writes_nothing() {
+    let project = Project::new("plan");
+    project.plan(SETTINGS);
+    assert!(!project.0.join("data/processed").exists());
+}
+
+#[test]
+fn a_damaged_record_is_made_again_and_never_read() {
+    let project = Project::new("damaged");
+    project.run(SETTINGS);
+    fs::write(project.record("letters").join("count.json"), "99\n").unwrap();
+    assert!(project.plan(SETTINGS).contains("the bytes of its count.json are not those that were written"));
+    assert_eq!(project.run(SETTINGS), tally(1, 2, 0, 0));
+    assert_eq!(fs::read_to_string(project.record("letters").join("count.json")).unwrap(), "12\n");
+}
+
+#[test]
+fn what_a_killed_run_left_half_written_is_ignored() {
+    let project = Project::new("killed");
+    project.run(SETTINGS);
+    fs::remove_dir_all(project.record("halved")).unwrap();
+    let unfinished = project.record("halved").with_file_name("record.unfinished");
+    fs::create_dir_all(&unfinished).unwrap();
+    fs::write(unfinished.join("count.json"), "4").unwrap();
+    assert_eq!(project.run(SETTINGS), tally(1, 2, 0, 0));
+    assert!(!unfinished.exists());
+}
+
+#[test]
+fn a_failing_stage_stops_only_those_that_need_it_and_keeps_what_was_made() {
+    let project = Project::new("failing");
+    let bad = SETTINGS.replace("[halved]\nstep = 1", "[halved]\nstep = 13");
+    assert_eq!(project.run(&bad), tally(2, 0, 1, 0));
+    assert_eq!(project.run(SETTINGS), tally(1, 2, 0, 0));
+}
+
+#[test]
+fn a_stage_that_breaks_down_is_a_fault_and_not_the_end() {
+    let project = Project::new("panic");
+    let bad = SETTINGS.replace("[halved]\nstep = 1", "[halved]\nstep = 14");
+    assert_eq!(project.run(&bad), tally(2, 0, 1, 0));
+}
+
+#[test]
+fn a_missing_recording_fails_its_stage_and_skips_its_readers() {
+    let project = Project::new("missing");
+    fs::remove_file(project.0.join("data/raw/fish/cad/body.stl")).unwrap();
+    assert_eq!(project.run(SETTINGS), tally(1, 0, 1, 1));
+}
+
+#[test]
+fn two_runs_at_once_are_kept_apart() {
+    let project = Project::new("lock");
+    project.run(SETTINGS);
+    let lock = fs::File::open(project.0.join("data/processed/.lock")).unwrap();
+    lock.lock().unwrap();
+    let fault = project.runner(SETTINGS).run(&Goal::default(), false).unwrap_err();
+    assert!(fault.what.contains("another run is at work"), "{fault}");
+}
+
+#[test]
+fn fresh_makes_the_named_stage_again_and_only_that() {
+    let project = Project::new("fresh");
+    project.run(SETTINGS);
+    let goal = Goal { entries: vec!["halved".into()], specimen: None };
+    assert_eq!(project.runner(SETTINGS).run(&goal, true).unwrap(), tally(1, 1, 0, 0));
+}
+
+#[test]
+fn an_unknown_goal_is_refused_with_what_there_is() {
+    let project = Project::new("goal");
+    let goal = Goal { entries: vec!["halfed".into()], specimen: None };
+    let fault = project.runner(SETTINGS).plan(&goal).unwrap_err();
+    assert!(fault.what.contains("letters, halved, alone"), "{fault}");
+}
