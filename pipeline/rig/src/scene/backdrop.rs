@@ -21,15 +21,15 @@ const BEZEL: f32 = 20.0;
 const WORDS: f32 = 150.0;
 
 /// The grid reaches this far from the CAD frame's origin, m, x and y.
-const REACH: [[Metre; 2]; 2] = [[-0.11, 0.23], [-0.13, 0.13]];
+const REACH: [[Metre; 2]; 2] = [[-0.11, 0.26], [-0.14, 0.14]];
 /// Corners of a grid line on each side, so that the lens may bend it.
 const BENDS: usize = 60;
 
 /// Everything that stands still and lies under the tail.
 pub fn draw(camera: &Camera, plane: &settings::Plane, lamp: &settings::Lamp) -> Canvas {
     let mut canvas = Canvas::filled(camera.width, camera.height, PLATE);
-    for axis in 0..2 {
-        let [low, high] = REACH[axis].map(|end| (end / plane.pitch).round() as i32);
+    for (axis, reach) in REACH.iter().enumerate() {
+        let [low, high] = reach.map(|end| (end / plane.pitch).round() as i32);
         for i in low..=high {
             line(&mut canvas, camera, plane, axis, f64::from(i) * plane.pitch);
         }
