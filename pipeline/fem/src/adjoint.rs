@@ -11,9 +11,11 @@
 use crate::krylov::conjugate_gradients;
 use crate::load::Load;
 use crate::material::Lame;
+use crate::newton::Newton;
 use crate::potential::{Curvature, dot};
 use crate::solver::{SolveError, Solver, at_rest};
 use crate::statics::Equilibrium;
+use crate::system::Parts;
 
 /// ∂L/∂E and ∂L/∂ν of one region.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -123,36 +125,40 @@ impl Solver {
         self.check_pressures(&at.pressures)?;
         if self.linearised.as_ref() != Some(at) {
             let potential = at_rest(&self.parts, &self.elastic, &self.dead, &at.pressures, 1.0);
-            potential.curvature(&at.displacement, Curvature::Exact, &mut self.newton.values);
+            potential.curvature(&at.displacement, &[], Curvature::Exact, &mut self.newton.values);
+            self.newton.turn_to(&potential, &at.displacement);
             self.linearised = Some(at.clone());
         }
         let mut free = Vec::new();
         self.parts.pattern.gather(b, &mut free);
         let mut full = vec![0.0; b.len()];
         if free.iter().any(|&entry| entry != 0.0) {
-            let solved = self.tangent_solve_free(&free).ok_or(SolveError::NotStable)?;
+            let solved = self.tangent_solve_free(&free, &at.displacement).ok_or(SolveError::NotStable)?;
             self.parts.pattern.spread(&solved, 1.0, &mut full);
         }
         Ok(full)
     }
 
-    fn tangent_solve_free(&mut self, b: &[f64]) -> Option<Vec<f64>> {
-        let (parts, newton) = (&self.parts, &mut self.newton);
-        if newton.factor.is_ready() {
-            let matrix = (&parts.pattern, &parts.symbolic, newton.values.as_slice());
-            if let Some((x, _)) = conjugate_gradients(matrix, &mut newton.factor, b, EXACT, PATIENCE) {
-                return Some(x);
-            }
+    fn tangent_solve_free(&mut self, b: &[f64], u: &[f64]) -> Option<Vec<f64>> {
+        let Self { parts, newton, .. } = self;
+        if let Some(x) = newton.is_ready().then(|| exactly(parts, newton, b)).flatten() {
+            return Some(x);
         }
-        newton.forget();
-        newton.factor.make(&parts.symbolic, &parts.pattern, &newton.values, b).ok()?;
-        let matrix = (&parts.pattern, &parts.symbolic, newton.values.as_slice());
-        let exact = conjugate_gradients(matrix, &mut newton.factor, b, EXACT, PATIENCE);
+        newton.factorise(parts, u, b).ok()?;
         // rounding may keep the residual of a stiff sheet above the goal: the factor's own answer is then the best
-        exact.map(|(x, _)| x).or_else(|| {
+        exactly(parts, newton, b).or_else(|| {
             let mut x = b.to_vec();
-            newton.factor.solve(&parts.symbolic, &mut x);
+            newton.solve(parts, &mut x);
             Some(x)
         })
     }
+}
+
+/// K⁻¹ b by conjugate gradients on the tangent in `newton`, if they get there.
+fn exactly(parts: &Parts, newton: &mut Newton, b: &[f64]) -> Option<Vec<f64>> {
+    let values = std::mem::take(&mut newton.values);
+    let improve = |x: &mut [f64]| newton.solve(parts, x);
+    let found = conjugate_gradients(&parts.pattern, &values, improve, b, EXACT, PATIENCE);
+    newton.values = values;
+    found.map(|(x, _)| x)
 }

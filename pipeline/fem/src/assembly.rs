@@ -8,7 +8,7 @@ use crate::material::{Lame, Material, Tangent};
 use crate::mesh::{Elements, Mesh};
 use crate::rest::Rest;
 use crate::sparse::Pattern;
-use nalgebra::{Matrix3, SymmetricEigen};
+use nalgebra::{Matrix3, SVector, SymmetricEigen};
 use si::{Joule, Point3};
 
 /// The law and the constants of one region, as a solver sees them now.
@@ -18,6 +18,17 @@ pub(crate) struct Elastic {
     pub material: &'static dyn Material,
     /// Its constants.
     pub lame: Lame,
+}
+
+/// In what the assembled tangent departs from K.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Bend<'a> {
+    /// In nothing.
+    Straight,
+    /// Each point's tangent loses its negative eigenvalues.
+    Convex,
+    /// The stress that acts on turning edges is the one foreseen by the linear step that led here from this displacement.
+    Foreseen(&'a [f64]),
 }
 
 /// What is assembled over: all of it immutable.
@@ -40,11 +51,11 @@ impl Body<'_> {
         }
     }
 
-    /// Adds `scale` K to the matrix `values`; with `convex`, each point's tangent loses its negative eigenvalues first.
-    pub fn stiffness(&self, elastic: &[Elastic], u: &[f64], scale: f64, convex: bool, values: &mut [f64]) {
+    /// Adds `scale` K to the matrix `values`.
+    pub fn stiffness(&self, elastic: &[Elastic], u: &[f64], scale: f64, bend: Bend, values: &mut [f64]) {
         match &self.mesh.elements {
-            Elements::Linear(tets) => self.stiffness_of(tets, elastic, u, scale, convex, values),
-            Elements::Quadratic(tets) => self.stiffness_of(tets, elastic, u, scale, convex, values),
+            Elements::Linear(tets) => self.stiffness_of(tets, elastic, u, scale, bend, values),
+            Elements::Quadratic(tets) => self.stiffness_of(tets, elastic, u, scale, bend, values),
         }
     }
 
@@ -53,6 +64,29 @@ impl Body<'_> {
         match &self.mesh.elements {
             Elements::Linear(tets) => self.force_change_of(tets, elastic, u, region, change, forces),
             Elements::Quadratic(tets) => self.force_change_of(tets, elastic, u, region, change, forces),
+        }
+    }
+
+    /// Hands the nodes of each element and Σ w μ F over its quadrature points to `visit`.
+    pub fn each_gradient(&self, elastic: &[Elastic], u: &[f64], visit: &mut dyn FnMut(&[u32], Matrix3<f64>)) {
+        match &self.mesh.elements {
+            Elements::Linear(tets) => self.each_gradient_of(tets, elastic, u, visit),
+            Elements::Quadratic(tets) => self.each_gradient_of(tets, elastic, u, visit),
+        }
+    }
+
+    fn each_gradient_of<const N: usize>(
+        &self,
+        tets: &[[u32; N]],
+        elastic: &[Elastic],
+        u: &[f64],
+        visit: &mut dyn FnMut(&[u32], Matrix3<f64>),
+    ) {
+        for (element, nodes) in tets.iter().enumerate() {
+            let moved = corners(nodes, u);
+            let sum: Matrix3<f64> =
+                self.points::<N>(element).map(|(gradients, weight)| deformation(gradients, &moved) * weight).sum();
+            visit(nodes, sum * elastic[self.mesh.regions[element] as usize].lame.mu);
         }
     }
 
@@ -113,7 +147,7 @@ impl Body<'_> {
         elastic: &[Elastic],
         u: &[f64],
         scale: f64,
-        convex: bool,
+        bend: Bend,
         values: &mut [f64],
     ) {
         let pairs = N * (N + 1) / 2;
@@ -122,10 +156,16 @@ impl Body<'_> {
             let moved = corners(nodes, u);
             let mut blocks = [[0.0; 9]; 55];
             for (gradients, weight) in self.points::<N>(element) {
-                let mut tangent = material.response(&deformation(gradients, &moved), lame).tangent;
-                if convex {
-                    tangent = without_negative_part(tangent);
-                }
+                let tangent = match bend {
+                    Bend::Straight => material.response(&deformation(gradients, &moved), lame).tangent,
+                    Bend::Convex => {
+                        without_negative_part(material.response(&deformation(gradients, &moved), lame).tangent)
+                    }
+                    Bend::Foreseen(before) => {
+                        let before = deformation(gradients, &corners(nodes, before));
+                        with_foreseen_stress(material, lame, &before, &deformation(gradients, &moved))
+                    }
+                };
                 add_blocks(&mut blocks, gradients, &(tangent * (weight * scale)));
             }
             let places = &self.places[element * pairs..(element + 1) * pairs];
@@ -193,6 +233,37 @@ fn add_blocks<const N: usize>(blocks: &mut [[f64; 9]; 55], gradients: &[Point3; 
             }
         }
     }
+}
+
+/// ∂P/∂F at `now`, its stress S replaced by the one that a linear step from `before` foresees.
+///
+/// ∂P : δF = δF S + F (C : sym Fᵀ δF), and S is taken as S₀ + F₀⁻¹ (∂P₀ : ΔF − ΔF S₀), ΔF = F − F₀: the stress at the
+/// end of a long step is spoilt by its own square terms, which a stiff thin sheet makes huge.      [magisano2017]
+#[allow(non_snake_case)]
+fn with_foreseen_stress(
+    material: &'static dyn Material,
+    lame: Lame,
+    before: &Matrix3<f64>,
+    now: &Matrix3<f64>,
+) -> Tangent {
+    let (then, here) = (material.response(before, lame), material.response(now, lame));
+    let (Some(then_inverse), Some(inverse)) = (before.try_inverse(), now.try_inverse()) else {
+        return here.tangent;
+    };
+    let step = now - before;
+    let dP = then.tangent * SVector::<f64, 9>::from_column_slice(step.as_slice());
+    let dP = Matrix3::from_column_slice(dP.as_slice());
+    let S0 = then_inverse * then.stress;
+    let foreseen = S0 + then_inverse * (dP - step * S0);
+    let change = foreseen - inverse * here.stress;
+    let change = (change + change.transpose()) * 0.5;
+    let mut tangent = here.tangent;
+    for J in 0..3 {
+        for L in 0..3 {
+            (0..3).for_each(|i| tangent[(i + 3 * J, i + 3 * L)] += change[(J, L)]);
+        }
+    }
+    tangent
 }
 
 /// The nearest tangent without negative eigenvalues: Newton's direction then always descends.     [teran2005]

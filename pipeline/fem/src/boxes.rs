@@ -1,6 +1,8 @@
 //! Boxes and hollow boxes cut into tetrahedra on a grid: bodies with closed forms, for tests and timings.
 //!
-//! Every cell is cut into six tetrahedra around its long diagonal (Kuhn), so that neighbours match.
+//! Every cell is cut into six tetrahedra around its long diagonal (Kuhn), so that neighbours match. Cells before the
+//! middle are cut as the mirror image of those behind it: diagonals point away from the middle, and where the counts are
+//! even, the mesh is as symmetric as the body.
 //!
 //! Stands on: `mesh`, `elements`. Never knows: a material, a solve.
 
@@ -49,15 +51,15 @@ pub fn grid(
     let mut tets = Vec::new();
     for cell in all(cells) {
         let Some(material) = region(cell) else { continue };
-        for (way, even) in WAYS {
+        let mirror = mirrored(cells, half, cell);
+        for way in WAYS {
             let mut number = |corner: [usize; 3]| {
                 *numbers.entry(corner).or_insert_with(|| {
                     mesh.nodes.push(place(std::array::from_fn(|axis| corner[axis] as f64 / cells[axis] as f64)));
                     mesh.nodes.len() as u32 - 1
                 })
             };
-            let path = corners(cell, way).map(&mut number);
-            tets.push(if even { path } else { [path[0], path[2], path[1], path[3]] });
+            tets.push(corners(cell, way, mirror).map(&mut number));
             mesh.regions.push(material);
         }
     }
@@ -108,15 +110,22 @@ fn all(cells: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
     (0..cells[2]).flat_map(move |k| (0..cells[1]).flat_map(move |j| (0..cells[0]).map(move |i| [i, j, k])))
 }
 
-/// The four corners met on one way through a cell.
-fn corners(cell: [usize; 3], way: [usize; 3]) -> [[usize; 3]; 4] {
-    let mut at = cell;
-    std::array::from_fn(|step| {
-        if step > 0 {
-            at[way[step - 1]] += 1;
+/// Which axes of a cell are cut as in a mirror: those along which it lies before the middle of the body.
+fn mirrored(cells: [usize; 3], half: bool, cell: [usize; 3]) -> [bool; 3] {
+    std::array::from_fn(|axis| 2 * cell[axis] + 1 < cells[axis] && !(half && axis == 2))
+}
+
+/// The four corners met on one way through a cell, turned so that their volume is positive.
+fn corners(cell: [usize; 3], (way, even): ([usize; 3], bool), mirror: [bool; 3]) -> [[usize; 3]; 4] {
+    let mut at: [usize; 3] = std::array::from_fn(|axis| cell[axis] + usize::from(mirror[axis]));
+    let path: [[usize; 3]; 4] = std::array::from_fn(|step| {
+        if let Some(&axis) = step.checked_sub(1).map(|last| &way[last]) {
+            at[axis] = if mirror[axis] { at[axis] - 1 } else { at[axis] + 1 };
         }
         at
-    })
+    });
+    let even = mirror.iter().fold(even, |even, &turned| even != turned);
+    if even { path } else { [path[0], path[2], path[1], path[3]] }
 }
 
 /// Walls between solid cells and inner air, one chamber for each connected air space that does not reach the outside.
@@ -138,7 +147,9 @@ fn chambers(
             for (axis, ahead) in (0..3).flat_map(|axis| [(axis, true), (axis, false)]) {
                 match neighbour(cells, cell, axis, ahead) {
                     None => closed &= half && axis == 2 && !ahead,
-                    Some(next) if region(next).is_some() => faces.extend(wall(cell, axis, ahead, numbers)),
+                    Some(next) if region(next).is_some() => {
+                        faces.extend(wall(cell, axis, ahead, mirrored(cells, half, cell), numbers))
+                    }
                     Some(next) => {
                         if seen.insert(next) {
                             queue.push(next);
@@ -160,18 +171,24 @@ fn neighbour(cells: [usize; 3], cell: [usize; 3], axis: usize, ahead: bool) -> O
     (next[axis] < cells[axis]).then_some(next)
 }
 
-/// The two triangles of an air cell's side, split as Kuhn splits its solid neighbour, normals into the air.
-fn wall(cell: [usize; 3], axis: usize, ahead: bool, numbers: &BTreeMap<[usize; 3], u32>) -> [[u32; 3]; 2] {
+/// The two triangles of an air cell's side, split as its solid neighbour is, normals into the air.
+fn wall(
+    cell: [usize; 3],
+    axis: usize,
+    ahead: bool,
+    mirror: [bool; 3],
+    numbers: &BTreeMap<[usize; 3], u32>,
+) -> [[u32; 3]; 2] {
     let mut low = cell;
     low[axis] += usize::from(ahead);
     let (p, q) = ((axis + 1) % 3, (axis + 2) % 3);
-    let corner = |dp: usize, dq: usize| {
+    let corner = |along_p: bool, along_q: bool| {
         let mut at = low;
-        at[p] += dp;
-        at[q] += dq;
+        at[p] += usize::from(along_p != mirror[p]);
+        at[q] += usize::from(along_q != mirror[q]);
         numbers[&at]
     };
-    let (o, a, b, c) = (corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1));
-    // (o, a, c) turns about +axis; a wall ahead of the air has its normal along −axis, into the air
-    if ahead { [[o, c, a], [o, b, c]] } else { [[o, a, c], [o, c, b]] }
+    let (o, a, b, c) = (corner(false, false), corner(true, false), corner(false, true), corner(true, true));
+    // (o, a, c) turns about +axis, or about −axis in one mirror; a wall ahead of the air needs −axis to look into it
+    if ahead != (mirror[p] != mirror[q]) { [[o, c, a], [o, b, c]] } else { [[o, a, c], [o, c, b]] }
 }

@@ -170,3 +170,16 @@ pub(crate) fn closed(mesh: &Mesh, index: usize, chamber: &Chamber) -> Result<(),
         None => Ok(()),
     }
 }
+
+/// That the nodes of each face belong to one element, so that the Hessian of its volume has a place in the matrix.
+pub(crate) fn on_elements(graph: &Graph, chamber: usize, wall: &Chamber) -> Result<(), SetupError> {
+    for face in 0..wall.faces.len() {
+        let nodes = wall.faces.nodes(face);
+        for (a, b) in nodes.iter().flat_map(|&a| nodes.iter().map(move |&b| (a, b))).filter(|(a, b)| a != b) {
+            if graph.of(a).binary_search(&b).is_err() {
+                return Err(SetupError::FaceOfNoElement { chamber, face, a, b });
+            }
+        }
+    }
+    Ok(())
+}

@@ -13,8 +13,8 @@
 //!
 //! Stands on: `solver`, `newton`, `potential`. Never knows: where pressures come from.
 
-use crate::newton::{Found, Rule, Stall};
 use crate::potential::{Inertia, Potential};
+use crate::search::{Found, Gait, Rule, Stall};
 use crate::solver::{SolveError, Solver};
 use si::{Hertz, Pascal, Second};
 use std::collections::VecDeque;
@@ -57,13 +57,15 @@ impl State {
     }
 }
 
-/// The last correction of a time step moves no node further than this part of the body's size: ten times below what a
-/// camera resolves of a tail, squared.
-const TOLERANCE: f64 = 1e-7;
+/// The last correction of a time step moves no node further than this part of the body's size: a tenth of a micrometre
+/// on a tail, a hundredth of what a camera resolves.
+const TOLERANCE: f64 = 1e-6;
 /// Directions at most in one time step.
 const LIMIT: usize = 60;
 /// Within a step, a factor is renewed when it promises to need more directions than this.
-const PATIENCE: f64 = 14.0;
+const PATIENCE: f64 = 10.0;
+/// Directions of an old factor before it is judged.
+const TRIALS: usize = 3;
 /// What a factor costs, in directions: from the timings of a 40k body.
 const FACTOR_COST: f64 = 8.0;
 /// Past shapes that extrapolate to the first guess of a step.
@@ -151,11 +153,11 @@ impl Solver {
             inertia: Some(&inertia),
         };
         let tolerance = TOLERANCE * self.parts.size;
-        let rule = Rule { tolerance, limit: LIMIT, patience: PATIENCE, fresh };
+        let rule = Rule { tolerance, limit: LIMIT, patience: PATIENCE, trials: TRIALS, fresh, gait: Gait::Careful };
         let mut displacement = guess(march, past);
-        let found = self.newton.minimise(&potential, &mut displacement, &rule).or_else(|_| {
+        let found = self.newton.minimise(&potential, &mut displacement, None, &rule).or_else(|_| {
             displacement.clone_from(&past.states[0].displacement);
-            self.newton.minimise(&potential, &mut displacement, &Rule { fresh: true, ..rule })
+            self.newton.minimise(&potential, &mut displacement, None, &Rule { fresh: true, ..rule })
         })?;
         let velocity = back.rate(&displacement, past.states.iter().map(|state| state.displacement.as_slice()));
         if damped {

@@ -35,7 +35,7 @@ pub(crate) enum NoFactor {
 }
 
 /// Largest ‖Kx − b‖ / ‖b‖ that a factor may leave: rounding leaves 1e-12 at a stiffness contrast of 10⁴.
-const INEXACT: f64 = 1e-6;
+pub(crate) const INEXACT: f64 = 1e-6;
 
 impl Symbolic {
     /// Analyses the pattern in the order that it already has.

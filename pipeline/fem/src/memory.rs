@@ -26,7 +26,8 @@ impl Memory {
     /// Remembers that the gradient changed by `y` along the step `s`; pairs without positive curvature are passed over.
     pub fn learn(&mut self, s: Vec<f64>, y: Vec<f64>) {
         let curvature = dot(&s, &y);
-        if !(curvature > 1e-10 * (dot(&s, &s) * dot(&y, &y)).sqrt()) {
+        let least = 1e-10 * (dot(&s, &s) * dot(&y, &y)).sqrt();
+        if curvature.is_nan() || curvature <= least {
             return;
         }
         if self.pairs.len() == PAIRS {

@@ -6,7 +6,7 @@
 //!
 //! Stands on: `assembly`, `loads`, `mass`. Never knows: how the minimum is found.
 
-use crate::assembly::Elastic;
+use crate::assembly::{Bend, Elastic};
 use crate::load::Load;
 use crate::loads::DeadForces;
 use crate::system::Parts;
@@ -28,6 +28,8 @@ pub(crate) struct Inertia {
 pub(crate) enum Curvature {
     /// All of it: Newton's method.
     Exact,
+    /// All of it, at the stress that the linear step from another displacement foresees.
+    Foreseen,
     /// The elastic part without negative eigenvalues at any point.
     ConvexElastic,
     /// The same without the follower part of pressure: positive definite always.
@@ -94,10 +96,15 @@ impl Potential<'_> {
     }
 
     /// ∂²Π/∂u² at `u`, lower triangle, N/m.
-    pub fn curvature(&self, u: &[f64], kept: Curvature, values: &mut [f64]) {
+    /// `before`: where the last step began, for [`Curvature::Foreseen`].
+    pub fn curvature(&self, u: &[f64], before: &[f64], kept: Curvature, values: &mut [f64]) {
         values.fill(0.0);
-        let convex = kept != Curvature::Exact;
-        self.parts.body().stiffness(self.elastic, u, self.stiffening, convex, values);
+        let bend = match kept {
+            Curvature::Exact => Bend::Straight,
+            Curvature::Foreseen => Bend::Foreseen(before),
+            Curvature::ConvexElastic | Curvature::Convex => Bend::Convex,
+        };
+        self.parts.body().stiffness(self.elastic, u, self.stiffening, bend, values);
         if let Some(inertia) = self.inertia {
             self.parts.mass.add_to(inertia.rate, values);
         }

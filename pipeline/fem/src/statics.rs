@@ -5,8 +5,8 @@
 //!
 //! Stands on: `solver`, `newton`, `potential`. Never knows: time, a measurement.
 
-use crate::newton::{Rule, Stall};
 use crate::potential::dot;
+use crate::search::{Gait, Rule, Stall};
 use crate::solver::{SolveError, Solver, at_rest};
 use si::Pascal;
 
@@ -19,13 +19,15 @@ pub struct StaticSettings {
     pub load_steps: usize,
     /// Newton directions at most, in each load step.
     pub iterations: usize,
+    /// How often a load step may be halved before the equilibrium is given up.
+    pub halvings: usize,
     /// Begin with the factor of the last solve: pays after changes of a few percent.
     pub reuse_factor: bool,
 }
 
 impl Default for StaticSettings {
     fn default() -> Self {
-        Self { tolerance: 1e-8, load_steps: 6, iterations: 40, reuse_factor: false }
+        Self { tolerance: 1e-8, load_steps: 6, iterations: 40, halvings: 40, reuse_factor: false }
     }
 }
 
@@ -49,9 +51,13 @@ pub struct Equilibrium {
 /// Part of the body's size to which load steps on the way are solved: they only lead to the next.
 const ON_THE_WAY: f64 = 1e-5;
 /// Smallest load step, as a part of the load.
-const SHORTEST: f64 = 1.0 / 2048.0;
+const SHORTEST: f64 = 1.0 / 256.0;
+/// A load step that whole steps do not manage is halved while it is longer than this; then it is searched for downhill.
+const CAREFUL: f64 = 1.0 / 24.0;
 /// A load step with this many factors or fewer makes the next one half as long again.
-const EASY: usize = 3;
+const EASY: usize = 8;
+/// Leaps at most, before care is taken instead: those that arrive need four to twelve directions.
+const LEAPS: usize = 25;
 /// A factor is renewed in statics when it promises to need more directions than this: it costs about that many.
 const PATIENCE: f64 = 8.0;
 
@@ -75,8 +81,9 @@ impl Solver {
             self.check_field("the start", start)?;
             let mut direct = self.begin(pressures);
             direct.displacement.copy_from_slice(&self.with_held_at_rest(start));
-            let rule = self.rule(settings.tolerance, settings, !settings.reuse_factor);
-            if self.descend(&mut direct, pressures, 1.0, &rule).is_ok() {
+            let rule = self.rule(settings.tolerance, settings);
+            let rule = Rule { fresh: !settings.reuse_factor, ..rule };
+            if self.descend(&mut direct, None, pressures, 1.0, &rule).is_ok() {
                 return Ok(self.finished(direct, false));
             }
         }
@@ -87,6 +94,7 @@ impl Solver {
     fn climb(&mut self, pressures: &[Pascal], settings: &StaticSettings) -> Result<Equilibrium, SolveError> {
         let mut path = vec![(0.0, self.begin(pressures))];
         let mut stride = 1.0 / settings.load_steps.max(1) as f64;
+        let mut halved = 0;
         loop {
             let reached = path[path.len() - 1].0;
             let target = if reached + stride > 1.0 - SHORTEST { 1.0 } else { reached + stride };
@@ -97,7 +105,10 @@ impl Solver {
                     path.drain(..path.len() - 2);
                     stride *= if factors <= EASY { 1.5 } else { 1.0 };
                 }
-                Err(_) if stride > SHORTEST => stride *= 0.5,
+                Err(_) if stride > SHORTEST && halved < settings.halvings => {
+                    stride *= 0.5;
+                    halved += 1;
+                }
                 Err(stall) => return Err(self.lost(path, stride, pressures, stall)),
             }
         }
@@ -112,31 +123,37 @@ impl Solver {
         settings: &StaticSettings,
     ) -> Result<(Equilibrium, usize), Stall> {
         let tolerance = if target == 1.0 { settings.tolerance } else { settings.tolerance.max(ON_THE_WAY) };
-        let rule = self.rule(tolerance, settings, true);
+        let leaping = self.rule(tolerance, settings);
+        let careful = Rule { gait: Gait::Careful, limit: settings.iterations, ..leaping };
         let raised: Vec<Pascal> = pressures.iter().map(|pressure| target * pressure).collect();
         let (_, end) = &path[path.len() - 1];
-        let mut next = end.clone();
-        next.pressures.clone_from(&raised);
-        next.displacement = ahead(path, target);
-        let found = match self.descend(&mut next, &raised, target, &rule) {
-            Err(Stall::InsideOut) if path.len() > 1 => {
-                next.displacement.clone_from(&end.displacement);
-                self.descend(&mut next, &raised, target, &rule)
-            }
-            other => other,
+        let guess = ahead(path, target);
+        let before = (path.len() > 1).then_some(end.displacement.as_slice());
+        let mut attempt = |from: &[f64], before, rule| {
+            let mut next = Equilibrium { displacement: from.to_vec(), pressures: raised.clone(), ..end.clone() };
+            self.descend(&mut next, before, &raised, target, rule).map(|factors| (next, factors))
         };
-        found.map(|factors| (next, factors))
+        let leapt = attempt(&guess, before, &leaping);
+        if leapt.is_ok() || target - path[path.len() - 1].0 > CAREFUL {
+            return leapt;
+        }
+        match attempt(&guess, None, &careful) {
+            Err(Stall::InsideOut) => attempt(&end.displacement, None, &careful),
+            other => other,
+        }
     }
 
+    /// Moves `at` to its equilibrium; returns the factors made.
     fn descend(
         &mut self,
         at: &mut Equilibrium,
+        before: Option<&[f64]>,
         pressures: &[Pascal],
         dead_strength: f64,
         rule: &Rule,
     ) -> Result<usize, Stall> {
         let potential = at_rest(&self.parts, &self.elastic, &self.dead, pressures, dead_strength);
-        let found = self.newton.minimise(&potential, &mut at.displacement, rule)?;
+        let found = self.newton.minimise(&potential, &mut at.displacement, before, rule)?;
         at.iterations += found.iterations;
         at.factorisations += found.factorisations;
         Ok(found.factorisations)
@@ -153,8 +170,16 @@ impl Solver {
         }
     }
 
-    fn rule(&self, tolerance: f64, settings: &StaticSettings, fresh: bool) -> Rule {
-        Rule { tolerance: tolerance * self.parts.size, limit: settings.iterations, patience: PATIENCE, fresh }
+    /// Leaps with a new factor to begin with.
+    fn rule(&self, tolerance: f64, settings: &StaticSettings) -> Rule {
+        Rule {
+            tolerance: tolerance * self.parts.size,
+            limit: settings.iterations.min(LEAPS),
+            patience: PATIENCE,
+            trials: 1,
+            fresh: true,
+            gait: Gait::Leaping,
+        }
     }
 
     /// The same displacement with nothing at held freedoms.

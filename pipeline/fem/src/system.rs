@@ -35,7 +35,7 @@ pub struct RegionProperties {
 }
 
 /// A body ready to be solved. Immutable and shared: a clone costs nothing.
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub struct System {
     pub(crate) parts: Arc<Parts>,
 }
@@ -60,6 +60,13 @@ impl Parts {
     }
 }
 
+impl std::fmt::Debug for System {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (nodes, elements) = (self.parts.mesh.nodes.len(), self.parts.mesh.elements.len());
+        write!(out, "System of {nodes} nodes, {elements} elements, {} freedoms", self.freedoms())
+    }
+}
+
 impl System {
     /// Checks `mesh` and prepares it.
     ///
@@ -77,9 +84,8 @@ impl System {
         let rest = Rest::new(&mesh);
         checks::elements(&mesh, &rest, &graph)?;
         checks::held(&mesh, &graph, &clamps)?;
-        let chambers = chambers(&mesh)?;
+        let chambers = chambers(&mesh, &graph)?;
         let pattern = Pattern::new(&mesh.nodes, &graph, &clamps);
-        faces_on_elements(&mesh, &pattern)?;
         let places = places(&mesh, &pattern);
         let densities: Vec<f64> = regions.iter().map(|region| region.density).collect();
         let mass = Mass::new(&mesh, &pattern, &places, &densities);
@@ -130,11 +136,12 @@ impl System {
     }
 }
 
-fn chambers(mesh: &Mesh) -> Result<Vec<ChamberPressure>, SetupError> {
+fn chambers(mesh: &Mesh, graph: &Graph) -> Result<Vec<ChamberPressure>, SetupError> {
     let at_rest = vec![0.0; 3 * mesh.nodes.len()];
     let mut found = Vec::new();
     for (index, chamber) in mesh.chambers.iter().enumerate() {
         checks::closed(mesh, index, chamber)?;
+        checks::on_elements(graph, index, chamber)?;
         let pressure = ChamberPressure::new(mesh, chamber);
         let volume = pressure.volume(&at_rest);
         if volume.is_nan() || volume <= 0.0 {
@@ -143,21 +150,6 @@ fn chambers(mesh: &Mesh) -> Result<Vec<ChamberPressure>, SetupError> {
         found.push(pressure);
     }
     Ok(found)
-}
-
-/// That the Hessian of every face has its place in the matrix.
-fn faces_on_elements(mesh: &Mesh, pattern: &Pattern) -> Result<(), SetupError> {
-    for (chamber, wall) in mesh.chambers.iter().enumerate() {
-        for face in 0..wall.faces.len() {
-            let nodes = wall.faces.nodes(face);
-            for (a, b) in nodes.iter().flat_map(|&a| nodes.iter().map(move |&b| (a, b))) {
-                if pattern.place(a, b).is_none() {
-                    return Err(SetupError::FaceOfNoElement { chamber, face, a, b });
-                }
-            }
-        }
-    }
-    Ok(())
 }
 
 /// elements × pairs (a ≥ b): places of the blocks.

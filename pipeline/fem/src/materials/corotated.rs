@@ -35,9 +35,18 @@ pub(crate) fn turn_of(F: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     None
 }
 
-/// ψ, P, R and S; nothing where F is singular or turned inside out.
+/// What energy, stress and tangent have in common.
 #[allow(non_snake_case)]
-fn parts(F: &Matrix3<f64>, lame: Lame) -> Option<(f64, Matrix3<f64>, Matrix3<f64>, Matrix3<f64>)> {
+struct Parts {
+    energy: f64,
+    stress: Matrix3<f64>,
+    R: Matrix3<f64>,
+    S: Matrix3<f64>,
+}
+
+/// Nothing where F is singular or turned inside out.
+#[allow(non_snake_case)]
+fn parts(F: &Matrix3<f64>, lame: Lame) -> Option<Parts> {
     if F.determinant() <= 0.0 {
         return None;
     }
@@ -45,7 +54,8 @@ fn parts(F: &Matrix3<f64>, lame: Lame) -> Option<(f64, Matrix3<f64>, Matrix3<f64
     let S = R.transpose() * F;
     let swell = S.trace() - 3.0;
     let energy = lame.mu * (F - R).norm_squared() + 0.5 * lame.lambda * swell * swell;
-    Some((energy, (F - R) * (2.0 * lame.mu) + R * (lame.lambda * swell), R, S))
+    let stress = (F - R) * (2.0 * lame.mu) + R * (lame.lambda * swell);
+    Some(Parts { energy, stress, R, S })
 }
 
 #[allow(non_snake_case)]
@@ -57,7 +67,7 @@ impl Material for Corotated {
     /// A mirrored tetrahedron would cost nothing by the formula alone; here it costs an infinite energy.
     fn stress(&self, F: &Matrix3<f64>, lame: Lame) -> (f64, Matrix3<f64>) {
         match parts(F, lame) {
-            Some((energy, stress, _, _)) => (energy, stress),
+            Some(parts) => (parts.energy, parts.stress),
             None => (f64::INFINITY, Matrix3::zeros()),
         }
     }
@@ -65,7 +75,7 @@ impl Material for Corotated {
     /// dP = 2μ dF + λ (R : dF) R + (λ tr(S − I) − 2μ) dR,  dR = Σ_kl Q_k (tr(S) I − S)⁻¹_kl (Q_l : dF),  Q_k = R [e_k]×
     fn response(&self, F: &Matrix3<f64>, lame: Lame) -> Response {
         let broken = Response { energy: f64::INFINITY, stress: Matrix3::zeros(), tangent: Tangent::zeros() };
-        let Some((energy, stress, R, S)) = parts(F, lame) else {
+        let Some(Parts { energy, stress, R, S }) = parts(F, lame) else {
             return broken;
         };
         let Some(pliancy) = (Matrix3::identity() * S.trace() - S).try_inverse() else {

@@ -9,6 +9,8 @@ mod neo_hookean;
 #[cfg(test)]
 mod conformance;
 
+pub(crate) use corotated::turn_of;
+
 use crate::material::Material;
 
 /// All laws; the conformance suite walks this list.
