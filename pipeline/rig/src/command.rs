@@ -106,3 +106,27 @@ fn choose(names: &[String], profile: &str, set: &Settings) -> Result<Vec<&'stati
     };
     names.iter().map(find).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_unknown_specimen_or_profile_is_refused_with_the_known_ones() {
+        let set = Settings::built_in();
+        let said = |names: &[&str], profile: &str| {
+            let names: Vec<String> = names.iter().map(ToString::to_string).collect();
+            choose(&names, profile, &set).err().unwrap_or_default()
+        };
+        assert!(said(&["goldfish"], "quick").contains("it has nemo"));
+        assert!(said(&[], "slow").contains("paper, quick"));
+        assert_eq!(said(&[], "quick"), "");
+    }
+
+    #[test]
+    fn every_profile_but_the_paper_s_lives_under_target() {
+        let root = Path::new("house");
+        assert_eq!(home(root, "paper"), Path::new("house/data/raw"));
+        assert_eq!(home(root, "quick"), Path::new("house/target/quick/data/raw"));
+    }
+}

@@ -50,7 +50,7 @@ pub fn record(
     into: &Path,
     progress: &Progress,
 ) -> Result<Outcome, Fault> {
-    let (folder, stamp) = (into.join(specimen.name), stamp::text(specimen.name, profile));
+    let (folder, stamp) = (into.join(specimen.name), stamp::text(specimen, profile));
     if stamp::look(&folder, &stamp)? == Found::Current {
         return Ok(Outcome::Kept);
     }

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use crate::fault::Fault;
 use crate::settings;
+use crate::specimen::Specimen;
 
 /// The stamp's file.
 pub const FILE: &str = ".virtual-bench";
@@ -23,13 +24,14 @@ pub enum Found {
     Stale,
 }
 
-/// The stamp of a recording: it changes with the settings, the edition, the profile and the specimen.
-pub fn text(specimen: &str, profile: &str) -> String {
+/// The stamp of a recording: it changes with the settings, the specimen's shape, the edition and the profile.
+pub fn text(specimen: &Specimen, profile: &str) -> String {
     let mut hash = blake3::Hasher::new();
     hash.update(settings::TEXT.as_bytes());
-    let hash = hash.finalize().to_hex();
-    let head = format!("made by the virtual bench; the folder may be deleted and made again: rig record {specimen}");
-    format!("{head}\nspecimen {specimen}\nprofile {profile}\nedition {EDITION}\nsettings {hash}\n")
+    hash.update(format!("{:?}", (specimen.tail)()).as_bytes());
+    let (hash, name) = (hash.finalize().to_hex(), specimen.name);
+    let head = format!("made by the virtual bench; the folder may be deleted and made again: rig record {name}");
+    format!("{head}\nspecimen {name}\nprofile {profile}\nedition {EDITION}\nsettings {hash}\n")
 }
 
 /// What lies in `folder`, where the recording stamped `text` should go.

@@ -6,6 +6,7 @@
 use rig::card;
 use rig::scene::Canvas;
 use rig::scene::paint::Mark;
+use rig::scene::skin::Skin;
 use rig::settings::Settings;
 use rig::specimens::ALL;
 use rig::studio::Studio;
@@ -53,4 +54,24 @@ fn a_drawn_mark_has_its_centroid_at_the_true_pixel_to_a_hundredth() {
             assert!((centre[0] - truth[0]).hypot(centre[1] - truth[1]) < 0.2, "{centre:?} {truth:?}");
         }
     }
+}
+
+#[test]
+fn the_skin_covers_the_tail_and_nothing_beside_it() {
+    let (set, specimen) = (Settings::built_in(), &ALL[0]);
+    let (own, tail) = (&set.specimen[specimen.name], (specimen.tail)());
+    let resolution = Resolution { edge: 0.006, per_chamber: 1, per_rib: 1 };
+    let mesh = shape::quadratic(&tail.mesh(&resolution).unwrap());
+    let camera = Studio::new(&set, own.seed, own.clamp).camera;
+    let mut canvas = Canvas::filled(camera.width, camera.height, 0.0);
+    Skin::new(&mesh).draw(&mut canvas, &camera, &mesh.nodes);
+    let level = |at: Point3| {
+        let [u, v] = camera.pixel(at).unwrap().map(|p| p.round() as usize);
+        canvas.levels[v * canvas.width + u]
+    };
+    let side = tail.half_width(0.03, 0.0);
+    for (at, seen) in [(0.8 * side, true), (-0.8 * side, true), (1.2 * side, false), (-1.2 * side, false)] {
+        assert_eq!(level([0.03, at, 0.0]) > 20.0, seen, "y = {at} m");
+    }
+    assert!(level([0.04, 0.0, tail.half_height(0.04)]) > level([0.04, 0.9 * side, 0.0]), "the back is the brightest");
 }

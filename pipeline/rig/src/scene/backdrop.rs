@@ -19,6 +19,8 @@ const ROD: f32 = 118.0;
 const DARK_LAMP: f32 = 60.0;
 const BEZEL: f32 = 20.0;
 const WORDS: f32 = 150.0;
+/// A lit lamp stays under the sensor's white, so that a part of an exposure can be read from it.
+const LIT_LAMP: f32 = 232.0;
 
 /// The grid reaches this far from the CAD frame's origin, m, x and y.
 const REACH: [[Metre; 2]; 2] = [[-0.11, 0.26], [-0.14, 0.14]];
@@ -36,14 +38,20 @@ pub fn draw(camera: &Camera, plane: &settings::Plane, lamp: &settings::Lamp) -> 
     }
     disc(&mut canvas, camera, lamp, 1.5, BEZEL);
     disc(&mut canvas, camera, lamp, 1.0, DARK_LAMP);
-    let text = lab::VIRTUAL_BENCH.to_uppercase();
-    letters::write(&mut canvas, &text, [24.0, camera.height as f64 - 34.0], 16.0, WORDS);
+    sign(&mut canvas, camera.height as f64);
     canvas
+}
+
+/// A label at the bottom left that says who recorded it.
+fn sign(canvas: &mut Canvas, height: f64) {
+    let (left, right, top, bottom) = (14.0, 244.0, height - 44.0, height - 8.0);
+    canvas.fill(&[[left, top], [right, top], [right, bottom], [left, bottom]], BLOCK);
+    letters::write(canvas, &lab::VIRTUAL_BENCH.to_uppercase(), [24.0, height - 34.0], 16.0, WORDS);
 }
 
 /// The lamp at `share` (0 to 1) of its full light.
 pub fn light(canvas: &mut Canvas, camera: &Camera, lamp: &settings::Lamp, share: f64) {
-    disc(canvas, camera, lamp, 1.0, DARK_LAMP + (252.0 - DARK_LAMP) * share as f32);
+    disc(canvas, camera, lamp, 1.0, DARK_LAMP + (LIT_LAMP - DARK_LAMP) * share as f32);
 }
 
 /// The holder: a block that grips the head as far as `edge` (m), and the two rods that carry it.

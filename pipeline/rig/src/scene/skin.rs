@@ -21,9 +21,8 @@ const SHEET: f32 = 232.0;
 const AMBIENT: f64 = 0.45;
 /// Towards the lamp over the bench.
 const SUN: Point3 = [-0.35, 0.42, 0.84];
-/// Half the width of the strip along the back, m, and the least upward part of a normal on the back.
-const STRIP_HALF_WIDTH: f64 = 0.0034;
-const STRIP_NORMAL: f64 = 0.6;
+/// The back is where a normal points up by this part at least.
+const UPWARDS: f64 = 0.6;
 
 /// The outer skin of a body, ready to be drawn in any shape.
 pub struct Skin {
@@ -121,10 +120,10 @@ fn greys(mesh: &QuadraticMesh, used: &[u32], triangles: &[[u32; 3]]) -> Vec<f32>
     }
     let points: Vec<Point3> = used.iter().map(|node| mesh.nodes[*node as usize]).collect();
     let up = normals(&points, triangles);
-    let grey = |(i, node): (usize, &u32)| match (silicone[*node as usize], up[i][2] > STRIP_NORMAL) {
+    let grey = |(i, node): (usize, &u32)| match (silicone[*node as usize], up[i][2] > UPWARDS) {
         (false, _) => SHEET,
-        (true, true) if points[i][1].abs() < STRIP_HALF_WIDTH => STRIP,
-        (true, _) => SILICONE,
+        (true, true) => STRIP,
+        (true, false) => SILICONE,
     };
     used.iter().enumerate().map(grey).collect()
 }
