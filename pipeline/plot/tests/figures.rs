@@ -106,5 +106,5 @@ fn an_empty_figure_is_refused() {
 #[test]
 fn a_figure_says_its_width_in_millimetres() {
     let svg = figure().svg().unwrap();
-    assert!(svg.contains("width=\"181mm\"") || svg.contains("width=\"181.0mm\""), "{}", &svg[..200.min(svg.len())]);
+    assert!(svg.contains("width=\"181.00mm\""), "{}", &svg[..200.min(svg.len())]);
 }

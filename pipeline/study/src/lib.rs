@@ -64,8 +64,8 @@ pub fn open(root: &Path, profile: Profile, quiet: bool, jobs: usize) -> Outcome<
 /// # Errors
 /// A [`Fault`] when there has been no run, or a page of `paper/` is not understood.
 pub fn check(runner: &Runner) -> Outcome<Checked> {
-    let metrics = runner::read_metrics(runner)?;
     let expected = Expected::read(&runner.folders.expected(), runner.profile)?;
+    let metrics: Vec<_> = runner::read_metrics(runner)?.into_iter().map(|m| expected.judge(m.metric)).collect();
     Ok(check::check(&metrics, &expected, &claims::read(&runner.folders.claims())?))
 }
 

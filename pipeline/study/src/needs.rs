@@ -52,9 +52,8 @@ pub fn id<R: Record>(of: &R::Of) -> Id {
 
 fn fetch_one<R: Record>(of: &R::Of, shelf: &dyn Shelf) -> Outcome<R> {
     let id = id::<R>(of);
-    R::unpack(&shelf.parcel(&id)?).map_err(|e| {
-        Fault::new(format!("record `{id}` cannot be read"), e, format!("study run {} --fresh", id.stage))
-    })
+    R::unpack(&shelf.parcel(&id)?)
+        .map_err(|e| Fault::new(format!("record `{id}` cannot be read"), e, format!("study run {} --fresh", id.stage)))
 }
 
 impl<S, R> Needs<S> for R

@@ -30,8 +30,15 @@ impl figure::Figure for Dynamics {
         }
         let mut figure = Figure::new(DOUBLE_COLUMN_MM);
         for (trial, validation) in &trials {
-            let title = format!("{}: RMSE {:.2} mm, {:.2} % of the length", trial.name(), validation.rmse / MILLIMETRE, validation.rmse_percent());
-            figure = figure.row(52.0, [motion(validation).titled(&title)]).row(30.0, [Panel::Axes(pressures(validation)).titled("chamber pressures").unlettered()]);
+            let title = format!(
+                "{}: RMSE {:.2} mm, {:.2} % of the length",
+                trial.name(),
+                validation.rmse / MILLIMETRE,
+                validation.rmse_percent()
+            );
+            figure = figure
+                .row(52.0, [motion(validation).titled(&title)])
+                .row(30.0, [Panel::Axes(pressures(validation)).titled("chamber pressures").unlettered()]);
         }
         Ok(figure.noted(&origin_note(trials.iter().map(|(t, _)| t.card.as_ref()))))
     }

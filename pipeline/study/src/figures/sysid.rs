@@ -21,14 +21,17 @@ impl figure::Figure for Sysid {
     type Needs = Every<Identified>;
     const NAME: &'static str = "sysid";
     const SHOWS: &'static str = "the loss has one minimum, and the gradient finds it";
-    const EDITION: u32 = 1;
+    const EDITION: u32 = 2;
 
     fn draw(Every(all): Self::Needs) -> Outcome<Figure> {
         let Some((_, first)) = all.first() else {
             return Err(Fault::new("there is no identification to show", "no specimen has one", "study run identify"));
         };
-        let top = [landscape(first).titled("loss over both moduli").share(1.15), convergence(first).titled("convergence")];
-        let figure = Figure::new(DOUBLE_COLUMN_MM).row(68.0, top).row(62.0, [shapes(first).titled("static shapes"), errors(first).titled("static error")]);
+        let top =
+            [landscape(first).titled("loss over both moduli").share(1.15), convergence(first).titled("convergence")];
+        let figure = Figure::new(DOUBLE_COLUMN_MM)
+            .row(68.0, top)
+            .row(62.0, [shapes(first).titled("static shapes"), errors(first).titled("static error")]);
         Ok(figure.noted(&origin_note(all.iter().map(|(s, _)| s.card.as_ref()))))
     }
 }
@@ -52,7 +55,7 @@ fn landscape(found: &Identified) -> Panel {
         ColourBar::log("loss", ""),
     );
     let map = map
-        .with(Mark::points(grid, Marker::Ring, palette::PAPER).sized(2.4).labelled("grid"))
+        .with(Mark::points(grid, Marker::Plus, palette::INK).sized(3.6).labelled("grid"))
         .with_path(path, palette::PAPER, "Adam")
         .with(Mark::cross(place(&found.best), palette::OPTIMUM).sized(8.0).labelled("identified"));
     Panel::Landscape(map)
@@ -83,7 +86,8 @@ fn shapes(found: &Identified) -> Panel {
     for (i, level) in found.levels.iter().enumerate() {
         let colour = palette::heat(0.85 * i as f64 / found.levels.len().max(1) as f64);
         let simulated = Mark::line(back(level, &level.simulated_m), colour);
-        let measured = Mark::points(back(level, &level.measured_m)[1..].to_vec(), Marker::Ring, palette::MEASURED).sized(4.0);
+        let measured =
+            Mark::points(back(level, &level.measured_m)[1..].to_vec(), Marker::Ring, palette::MEASURED).sized(4.0);
         let (simulated, measured) = match i {
             0 => (simulated.labelled("simulated"), measured.labelled("measured")),
             _ => (simulated, measured),
@@ -99,7 +103,8 @@ fn back(level: &Level, moved: &[Point2]) -> Vec<Point2> {
 }
 
 fn errors(found: &Identified) -> Panel {
-    let axes = Axes::new(Axis::linear("pressure", "mbar"), Axis::linear("largest error", "mm").range(0.0, ceiling(found)));
+    let axes =
+        Axes::new(Axis::linear("pressure", "mbar"), Axis::linear("largest error", "mm").range(0.0, ceiling(found)));
     let points = |part: fn(&Level) -> f64| {
         found.levels.iter().map(|l| [l.pressure() / MILLIBAR, part(l) / MILLIMETRE]).collect::<Vec<Point2>>()
     };
@@ -111,5 +116,5 @@ fn errors(found: &Identified) -> Panel {
 
 fn ceiling(found: &Identified) -> f64 {
     let largest = found.levels.iter().map(Level::largest_error).fold(0.0, f64::max) / MILLIMETRE;
-    (1.2 * largest).max(0.1)
+    (1.2 * largest).max(0.03)
 }

@@ -36,8 +36,13 @@ impl figure::Figure for Tail {
         };
         let highest = found.levels.iter().map(Level::pressure).fold(0.0, f64::max);
         let title = format!("{} at {:.0} mbar, simulated", specimen.card.name, highest / MILLIBAR);
-        let panels = [Panel::Scene(at_rest(mesh)).titled(&format!("{} at rest", specimen.card.name)), Panel::Scene(inflated(mesh, found)).titled(&title).share(1.1)];
-        Ok(Figure::new(DOUBLE_COLUMN_MM).row(74.0, panels).noted(&origin_note(meshes.iter().map(|(s, _)| s.card.as_ref()))))
+        let panels = [
+            Panel::Scene(at_rest(mesh)).titled(&format!("{} at rest", specimen.card.name)),
+            Panel::Scene(inflated(mesh, found)).titled(&title).share(1.1),
+        ];
+        Ok(Figure::new(DOUBLE_COLUMN_MM)
+            .row(74.0, panels)
+            .noted(&origin_note(meshes.iter().map(|(s, _)| s.card.as_ref()))))
     }
 }
 

@@ -90,12 +90,8 @@ impl Ladder {
                 model.set_moduli(solver, [body_e, spine_e])?;
                 climb_every(model, rungs, settings, last, solver, want, body_e, first, count)
             };
-            let handles: Vec<_> = self
-                .solvers
-                .iter_mut()
-                .enumerate()
-                .map(|part| scope.spawn(move || climb_part(part)))
-                .collect();
+            let handles: Vec<_> =
+                self.solvers.iter_mut().enumerate().map(|part| scope.spawn(move || climb_part(part))).collect();
             parts.extend(handles.into_iter().map(|h| h.join().unwrap_or_else(|_| Err(broke_down()))));
         });
         let mut all: Vec<(usize, Simulated)> = Vec::new();

@@ -230,10 +230,7 @@ fn tried_columns(searches: &[Search]) -> Columns {
 fn read_searches(columns: &Columns, methods: &[String], seconds: &[f64]) -> Result<Vec<Search>, RecordError> {
     let names = columns.text("method")?;
     let (body, spine, loss) = (columns.f64("body_e_pa")?, columns.f64("spine_e_pa")?, columns.f64("loss")?);
-    let tried = |i: usize| Tried {
-        at: Point { body_e_pa: body[i], spine_e_pa: spine[i] },
-        loss: loss[i],
-    };
+    let tried = |i: usize| Tried { at: Point { body_e_pa: body[i], spine_e_pa: spine[i] }, loss: loss[i] };
     let search = |(method, &seconds): (&String, &f64)| Search {
         method: method.clone(),
         tried: (0..names.len()).filter(|&i| names[i] == *method).map(tried).collect(),
@@ -270,8 +267,11 @@ mod tests {
     fn an_identification_survives_its_record() {
         let at = |b: f64| Point { body_e_pa: b, spine_e_pa: 3e9 };
         let tried = vec![Tried { at: at(2e5), loss: 0.1 }, Tried { at: at(1e5), loss: 0.2 }];
-        let surface =
-            Surface { body_e_pa: vec![1e5, 2e5], spine_e_pa: vec![1e9, 2e9, 3e9], loss: (0..6).map(f64::from).collect() };
+        let surface = Surface {
+            body_e_pa: vec![1e5, 2e5],
+            spine_e_pa: vec![1e9, 2e9, 3e9],
+            loss: (0..6).map(f64::from).collect(),
+        };
         let whole = Identified {
             best: at(2e5),
             sigma: at(1e3),

@@ -33,9 +33,11 @@ impl Record for Markers {
     }
 
     fn telling(&self) -> String {
-        let reach = self.markers.iter().filter_map(|m| Some((m, m.at.first()?))).flat_map(|(m, first)| {
-            m.at.iter().map(|p| (p[0] - first[0]).hypot(p[1] - first[1]))
-        });
+        let reach = self
+            .markers
+            .iter()
+            .filter_map(|m| Some((m, m.at.first()?)))
+            .flat_map(|(m, first)| m.at.iter().map(|p| (p[0] - first[0]).hypot(p[1] - first[1])));
         format!("they move up to {:.1} mm", 1e3 * reach.fold(0.0, f64::max))
     }
 }

@@ -68,8 +68,7 @@ impl Record for Mesh {
     fn pack(&self) -> Result<Parcel, RecordError> {
         let solid = &self.solid;
         let axis = |k: usize| solid.nodes.iter().map(|n| n[k]).collect();
-        let nodes =
-            Columns::default().numbers("x_m", axis(0)).numbers("y_m", axis(1)).numbers("z_m", axis(2));
+        let nodes = Columns::default().numbers("x_m", axis(0)).numbers("y_m", axis(1)).numbers("z_m", axis(2));
         let regions = solid.regions.iter().map(|&r| u32::from(r)).collect();
         let tets = whole(Columns::default().counts("region", regions), "n", &solid.tets);
         let faces: Vec<[u32; 6]> = solid.skin.iter().map(|f| f.nodes).collect();

@@ -82,7 +82,10 @@ fn history(runner: &Runner, job: &Job) -> String {
     match Store::new(&runner.folders).look(&job.id) {
         Found::Whole(manifest) => {
             let from = &manifest.made_from;
-            let mut lines = vec![format!("  edition {}, made in {:.1} s, content {:.12}", from.edition, manifest.seconds, manifest.content)];
+            let mut lines = vec![format!(
+                "  edition {}, made in {:.1} s, content {:.12}",
+                from.edition, manifest.seconds, manifest.content
+            )];
             lines.extend(from.raw.iter().map(|(place, hash)| format!("  recording {place}  {hash:.12}")));
             lines.extend(from.records.iter().map(|(id, hash)| format!("  record    {id}  {hash:.12}")));
             lines.push(format!("  settings  {}", from.settings));

@@ -47,12 +47,7 @@ fn shown(value: &Value) -> String {
     }
 }
 
-fn hashes(
-    what: &str,
-    before: &BTreeMap<String, String>,
-    now: &BTreeMap<String, String>,
-    found: &mut Vec<String>,
-) {
+fn hashes(what: &str, before: &BTreeMap<String, String>, now: &BTreeMap<String, String>, found: &mut Vec<String>) {
     for (name, hash) in now {
         match before.get(name) {
             None => found.push(format!("{what} `{name}` is new to it")),

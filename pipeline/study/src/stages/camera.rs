@@ -129,7 +129,9 @@ fn not_on_plane(desk: &dyn Desk, camera: &card::Camera) -> Fault {
 fn not_believed(desk: &dyn Desk, measured: f64, limit: f64) -> Fault {
     Fault::new(
         format!("the lens fitted to {} is not to be believed", desk.place("calibration")),
-        format!("it misses the corners by {measured:.2} px; the limit is {limit:.2} px (study.toml, [camera] reprojection_limit_px)"),
+        format!(
+            "it misses the corners by {measured:.2} px; the limit is {limit:.2} px (study.toml, [camera] reprojection_limit_px)"
+        ),
         "check the number of squares on the card, and film the board at rest and sharp",
     )
 }

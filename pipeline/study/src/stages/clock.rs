@@ -61,9 +61,8 @@ impl Stage for Clock {
 fn read_log(desk: &dyn Desk) -> Outcome<PressureLog> {
     let place = desk.place("pressure");
     let bytes = desk.bytes("pressure")?;
-    let text = String::from_utf8(bytes).map_err(|e| {
-        Fault::new(format!("{place} is not text"), e, "export the log as CSV in UTF-8")
-    })?;
+    let text = String::from_utf8(bytes)
+        .map_err(|e| Fault::new(format!("{place} is not text"), e, "export the log as CSV in UTF-8"))?;
     lab::pressure::parse(&text, FilePath::new(&place)).map_err(Fault::from_tool)
 }
 

@@ -227,7 +227,8 @@ impl<'a> Fitting<'a> {
         if told.len() < self.set.grid_points * self.set.grid_points {
             return self.coarse(told, &axis(0), &axis(1));
         }
-        let points: Vec<(&[f64], &[Vec<Point2>])> = told.iter().map(|t| (t.at.as_slice(), t.markers.as_slice())).collect();
+        let points: Vec<(&[f64], &[Vec<Point2>])> =
+            told.iter().map(|t| (t.at.as_slice(), t.markers.as_slice())).collect();
         let fine = landscape::between(&points, self.set.landscape_points, &self.rungs, self.card.length);
         records::Surface {
             body_e_pa: fine.across.iter().map(|x| self.nominal[0] * x.exp()).collect(),
@@ -312,8 +313,7 @@ mod tests {
 
     #[test]
     fn a_batch_is_walked_without_leaps() {
-        let grid: Vec<Vec<f64>> =
-            (0..5).flat_map(|i| (0..5).map(move |j| vec![f64::from(i), f64::from(j)])).collect();
+        let grid: Vec<Vec<f64>> = (0..5).flat_map(|i| (0..5).map(move |j| vec![f64::from(i), f64::from(j)])).collect();
         let order = near_to_near(&grid);
         let leap = |w: &[usize]| (0..2).map(|k| (grid[w[0]][k] - grid[w[1]][k]).powi(2)).sum::<f64>();
         assert!(order.windows(2).all(|w| leap(w) <= 1.0), "{order:?}");

@@ -63,9 +63,8 @@ impl Stage for Identify {
 
     fn card(of: &Specimen) -> Value {
         let (solid, card) = (&of.card.solid, &of.card);
-        let region = |s: &lab::card::Solid| {
-            json!([s.material, s.youngs_modulus, s.poissons_ratio, s.density, s.plausible])
-        };
+        let region =
+            |s: &lab::card::Solid| json!([s.material, s.youngs_modulus, s.poissons_ratio, s.density, s.plausible]);
         json!({ "body": region(&solid.body), "spine": region(&solid.spine), "clamp": card.clamp.below_x, "length": card.length })
     }
 

@@ -22,9 +22,8 @@ pub struct Fine {
 /// Mean distance of simulated from measured displacements over all levels and markers, over the specimen's length.
 pub fn loss(rungs: &[Rung], simulated: &[Vec<Point2>], length: Metre) -> f64 {
     let pairs = rungs.iter().zip(simulated).flat_map(|(rung, s)| rung.measured.iter().zip(s));
-    let (sum, count) = pairs.fold((0.0, 0usize), |(sum, count), (m, s)| {
-        (sum + (m[0] - s[0]).hypot(m[1] - s[1]), count + 1)
-    });
+    let (sum, count) =
+        pairs.fold((0.0, 0usize), |(sum, count), (m, s)| (sum + (m[0] - s[0]).hypot(m[1] - s[1]), count + 1));
     sum / (count.max(1) as f64 * length)
 }
 
@@ -88,10 +87,8 @@ mod tests {
     #[test]
     fn a_polynomial_displacement_is_met_between_the_points() {
         let simulate = |u: f64, v: f64| vec![vec![[u * u - v, u * v * v]]];
-        let coarse: Vec<(Vec<f64>, Vec<Vec<Point2>>)> = (0..9)
-            .map(|i| (f64::from(i % 3), f64::from(i / 3)))
-            .map(|(u, v)| (vec![u, v], simulate(u, v)))
-            .collect();
+        let coarse: Vec<(Vec<f64>, Vec<Vec<Point2>>)> =
+            (0..9).map(|i| (f64::from(i % 3), f64::from(i / 3))).map(|(u, v)| (vec![u, v], simulate(u, v))).collect();
         let points: Vec<(&[f64], &[Vec<Point2>])> = coarse.iter().map(|(a, m)| (a.as_slice(), m.as_slice())).collect();
         let rung = [Rung { pressures: vec![1.0], measured: simulate(0.5, 1.5)[0].clone() }];
         let fine = between(&points, 5, &rung, 1.0);

@@ -61,7 +61,10 @@ fn carried(j: [[f64; 2]; 2], [xx, xy, yy]: &Spread) -> Spread {
 
 fn no_ray(marker: &str, frame: usize, pixel: Point2) -> Fault {
     Fault::new(
-        format!("marker `{marker}` at ({:.1}, {:.1}) px in frame {frame} meets no point of the plane", pixel[0], pixel[1]),
+        format!(
+            "marker `{marker}` at ({:.1}, {:.1}) px in frame {frame} meets no point of the plane",
+            pixel[0], pixel[1]
+        ),
         "the calibrated lens has no ray there, or it runs away from the plane",
         "film the board up to the frame's corners, or check the plane's height on the card",
     )

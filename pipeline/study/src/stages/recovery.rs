@@ -68,7 +68,8 @@ fn virtual_specimens(of: &Study) -> impl Iterator<Item = &Specimen> {
 /// The truth's own file, and one of true tracks a trial.
 fn files(specimen: &Specimen) -> Vec<RawFile> {
     let name = &specimen.card.name;
-    let tracks = specimen.card.trial.iter().map(|t| RawFile::new(&tracks_word(name, &t.id), name, &tracks_place(&t.id)));
+    let tracks =
+        specimen.card.trial.iter().map(|t| RawFile::new(&tracks_word(name, &t.id), name, &tracks_place(&t.id)));
     std::iter::once(RawFile::new(&truth_word(name), name, lab::folder::TRUTH)).chain(tracks).collect()
 }
 

@@ -52,7 +52,12 @@ impl Stage for Validate {
         })
     }
 
-    fn run(of: &Trial, set: &Settings, (mesh, identified, motion): Self::Needs, desk: &dyn Desk) -> Outcome<Validation> {
+    fn run(
+        of: &Trial,
+        set: &Settings,
+        (mesh, identified, motion): Self::Needs,
+        desk: &dyn Desk,
+    ) -> Outcome<Validation> {
         let farthest = farthest(&of.card);
         let measured = &motion.markers[farthest];
         let gauges = gauges(&motion)?;
