@@ -31,7 +31,7 @@ quick: build
     {{programs}}/rig record --profile quick
     {{programs}}/study run --profile quick
 
-# every number against what is expected and published, every claim against its rule (of the quick profile: just check paper)
+# every number against what is expected and published, every claim against its rule (of the paper profile: just check paper)
 check PROFILE="quick": build
     {{programs}}/study check --profile {{PROFILE}}
 

@@ -1,6 +1,8 @@
 //! The runner, held to its word with a study of three small stages: what is fresh is kept, what is stale is made and said why,
 //! what is damaged is made again, and a kill loses nothing.
 
+#![allow(clippy::unwrap_used)]
+
 use std::fs;
 use std::path::PathBuf;
 

@@ -140,7 +140,7 @@ impl Study {
 }
 
 fn of_stage<S: Stage>(study: &Study) -> Vec<<S::Makes as Record>::Of> {
-    <S::Makes as Record>::Of::all(study).into_iter().filter(|of| S::Makes::is_made_for(of)).collect()
+    <S::Makes as Record>::Of::all(study).into_iter().filter(S::Makes::is_made_for).collect()
 }
 
 fn find<Of: Scope>(all: Vec<Of>, name: &str) -> Outcome<Of> {

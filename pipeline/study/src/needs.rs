@@ -95,7 +95,7 @@ pub struct Every<R: Record>(pub Vec<(R::Of, R)>);
 
 impl<R: Record> Every<R> {
     fn subjects(of: &Study) -> Vec<R::Of> {
-        R::Of::all(of).into_iter().filter(|s| R::is_made_for(s)).collect()
+        R::Of::all(of).into_iter().filter(R::is_made_for).collect()
     }
 }
 

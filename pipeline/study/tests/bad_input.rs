@@ -1,6 +1,8 @@
 //! Bad input, as a person meets it on the command line: one message that names file, line or face and the next move, exit
 //! code 1 (2 for usage), and nothing already made is lost.
 
+#![allow(clippy::unwrap_used)]
+
 use std::fs;
 use std::path::PathBuf;
 use std::process::{Command, Output};
