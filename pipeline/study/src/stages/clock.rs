@@ -26,6 +26,8 @@ pub struct Clock;
 pub struct Settings {
     /// How long the shutter is open, as a part of the time between frames.
     exposure: f64,
+    /// Over which part of its sampling interval the log's column of the lamp is a mean; 0 for an instant.
+    log_mean: f64,
     /// Frames before the first command that count as rest, at least.
     rest_frames: usize,
 }
@@ -35,7 +37,7 @@ impl Stage for Clock {
     type Needs = (Tracks, Markers);
     type Makes = Motion;
     const STORY: &'static str = "the lamp's edges bring film and logs onto one clock";
-    const EDITION: u32 = 1;
+    const EDITION: u32 = 2;
 
     fn raw(of: &Trial) -> Vec<RawFile> {
         vec![RawFile::new("pressure", &of.card.name, &of.trial.pressure)]
@@ -71,16 +73,21 @@ fn gauge(chamber: &lab::card::Chamber, log: &PressureLog) -> Gauge {
     Gauge { chamber: chamber.name.clone(), command: channel.command.clone(), measured: channel.measured.clone() }
 }
 
+/// A sample whose time is the middle of what it collects.
+fn centred(width: Second) -> Window {
+    Window { lead: 0.5 * width, width }
+}
+
 /// The video's clock against the log's, and when the lamp lights in the film.
 fn match_clocks(tracks: &Tracks, log: &PressureLog, set: &Settings) -> Result<(Match, Second), String> {
     let frames = tracks.time.len();
     let span = tracks.time[frames - 1] - tracks.time[0];
     let rate = (frames - 1) as f64 / span;
     let film = Series::new(tracks.time[0], rate, tracks.led.clone()).map_err(|e| e.to_string())?;
-    let in_film = edge::edges(&film, Window::exposure(set.exposure / rate));
+    let in_film = edge::edges(&film, centred(set.exposure / rate));
     let in_film: Vec<Second> =
         in_film.map_err(|e| format!("the lamp in the film: {e}"))?.iter().map(|e| e.time).collect();
-    let in_log = edge::edges(&log.series(&log.led), Window::INSTANT);
+    let in_log = edge::edges(&log.series(&log.led), centred(set.log_mean / log.rate()));
     let in_log: Vec<Second> = in_log.map_err(|e| format!("the lamp in the log: {e}"))?.iter().map(|e| e.time).collect();
     let clock = Match::from_edges(&in_film, &in_log).map_err(|e| e.to_string())?;
     Ok((clock, in_film[0]))
