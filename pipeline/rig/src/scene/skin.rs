@@ -1,7 +1,7 @@
 //! The skin: the tail itself in the picture, lit from one side, by depth.
 //!
 //! The outer faces of the half mesh and their mirror images below are drawn as small triangles, four samples a pixel,
-//! the nearest surface winning. Light silicone with a lighter strip along the back; the sheet behind it is white.
+//! the nearest surface winning. The back is flat and catches the light; the sheet behind the silicone is white.
 //!
 //! Stands on: `shape` (the mesh's skin), the canvas, the camera. Never knows: what moves the skin.
 
@@ -13,17 +13,13 @@ use crate::camera::Camera;
 
 /// Samples along each side of a pixel.
 const SAMPLES: usize = 2;
-/// Grey of silicone, of the strip along the back and of the sheet, lit squarely, 0 to 255.
-const SILICONE: f32 = 148.0;
-const STRIP: f32 = 186.0;
+/// Grey of silicone and of the sheet, lit squarely, 0 to 255.
+const SILICONE: f32 = 172.0;
 const SHEET: f32 = 232.0;
 /// Share of a surface's light that comes from everywhere.
 const AMBIENT: f64 = 0.45;
 /// Towards the lamp over the bench.
 const SUN: Point3 = [-0.35, 0.42, 0.84];
-/// The back is where a normal points up by this part at least.
-const UPWARDS: f64 = 0.6;
-
 /// The outer skin of a body, ready to be drawn in any shape.
 pub struct Skin {
     /// Corners in `used`, as places in it.
@@ -64,7 +60,7 @@ impl Skin {
             [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
         };
         let triangles: Vec<[u32; 3]> = outer.iter().flat_map(split).collect();
-        let grey = greys(mesh, &used, &triangles);
+        let grey = greys(mesh, &used);
         Self { triangles, used, grey, mirrored: mesh.half }
     }
 
@@ -112,20 +108,13 @@ fn normals(points: &[Point3], triangles: &[[u32; 3]]) -> Vec<Point3> {
     sums.into_iter().map(|n| vec3::scale(n, 1.0 / vec3::norm(n).max(1e-30))).collect()
 }
 
-/// Grey of each used node at rest: sheet where the solid behind is the sheet, strip along the back, silicone elsewhere.
-fn greys(mesh: &QuadraticMesh, used: &[u32], triangles: &[[u32; 3]]) -> Vec<f32> {
+/// Grey of each used node: silicone's where silicone touches it, else the sheet's.
+fn greys(mesh: &QuadraticMesh, used: &[u32]) -> Vec<f32> {
     let mut silicone = vec![false; mesh.nodes.len()];
     for (tet, _) in mesh.tets.iter().zip(&mesh.regions).filter(|(_, region)| **region != SPINE) {
         tet.iter().for_each(|node| silicone[*node as usize] = true);
     }
-    let points: Vec<Point3> = used.iter().map(|node| mesh.nodes[*node as usize]).collect();
-    let up = normals(&points, triangles);
-    let grey = |(i, node): (usize, &u32)| match (silicone[*node as usize], up[i][2] > UPWARDS) {
-        (false, _) => SHEET,
-        (true, true) => STRIP,
-        (true, false) => SILICONE,
-    };
-    used.iter().enumerate().map(grey).collect()
+    used.iter().map(|node| if silicone[*node as usize] { SILICONE } else { SHEET }).collect()
 }
 
 impl Samples {
