@@ -74,7 +74,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     say("adjoint");
     solver.sensitivity(&found, Parameter::YoungsModulus(1))?;
     say("sensitivity");
-    let march = March { step: 1.0 / 240.0, scheme: Scheme::Bdf2, mass_damping: 1.0, stiffness_damping: 1e-3 };
+    let march = March {
+        step: 1.0 / 240.0,
+        scheme: Scheme::Bdf2,
+        mass_damping: 1.0,
+        stiffness_damping: 1e-3,
+        ..March::default()
+    };
     let beat = |time: f64| {
         let wave = (2.0 * std::f64::consts::PI * 2.0 * time).sin();
         vec![2e4 * (-wave).max(0.0), 2e4 * wave.max(0.0)]

@@ -18,6 +18,15 @@ pub(crate) struct Elastic {
     pub material: &'static dyn Material,
     /// Its constants.
     pub lame: Lame,
+    /// Whether λ weighs the element's mean deformation.
+    pub mean_dilatation: bool,
+}
+
+impl Elastic {
+    /// The constants that count at each point, and those that count at the element's mean deformation.
+    fn shared(&self, lame: Lame) -> (Lame, Option<Lame>) {
+        if self.mean_dilatation { (Lame { lambda: 0.0, ..lame }, Some(Lame { mu: 0.0, ..lame })) } else { (lame, None) }
+    }
 }
 
 /// In what the assembled tangent departs from K.
@@ -97,6 +106,36 @@ impl Body<'_> {
         gradients.iter().zip(self.rest.weights[first..].iter().copied())
     }
 
+    /// Gradients averaged over `element`, and its volume.
+    fn mean<const N: usize>(&self, element: usize) -> ([Point3; N], f64) {
+        let volume = self.rest.volumes[element];
+        let mut mean = [[0.0; 3]; N];
+        for (gradients, weight) in self.points::<N>(element) {
+            for (mean, gradient) in mean.iter_mut().zip(gradients) {
+                (0..3).for_each(|axis| mean[axis] += weight / volume * gradient[axis]);
+            }
+        }
+        (mean, volume)
+    }
+
+    /// Hands every sample of `element` to `visit`: gradients, weight, and which of the constants `lame` count there.
+    fn each_sample<const N: usize>(
+        &self,
+        element: usize,
+        elastic: &Elastic,
+        lame: Lame,
+        mut visit: impl FnMut(&[Point3; N], f64, Lame),
+    ) {
+        let (pointwise, mean) = elastic.shared(lame);
+        for (gradients, weight) in self.points::<N>(element) {
+            visit(gradients, weight, pointwise);
+        }
+        if let Some(lame) = mean {
+            let (gradients, volume) = self.mean::<N>(element);
+            visit(&gradients, volume, lame);
+        }
+    }
+
     fn energy_of<const N: usize>(
         &self,
         tets: &[[u32; N]],
@@ -107,14 +146,14 @@ impl Body<'_> {
     ) -> Joule {
         let mut total = 0.0;
         for (element, nodes) in tets.iter().enumerate() {
-            let Elastic { material, lame } = elastic[self.mesh.regions[element] as usize];
+            let elastic = &elastic[self.mesh.regions[element] as usize];
             let moved = corners(nodes, u);
             let mut force = [[0.0; 3]; N];
-            for (gradients, weight) in self.points::<N>(element) {
-                let (energy, stress) = material.stress(&deformation(gradients, &moved), lame);
+            self.each_sample::<N>(element, elastic, elastic.lame, |gradients, weight, lame| {
+                let (energy, stress) = elastic.material.stress(&deformation(gradients, &moved), lame);
                 total += weight * energy;
                 add_force(&mut force, gradients, &stress, weight * scale);
-            }
+            });
             scatter(nodes, &force, forces);
         }
         total
@@ -130,13 +169,13 @@ impl Body<'_> {
         forces: &mut [f64],
     ) {
         for (element, nodes) in tets.iter().enumerate().filter(|&(at, _)| self.mesh.regions[at] as usize == region) {
-            let Elastic { material, lame } = elastic[region];
+            let elastic = &elastic[region];
             let moved = corners(nodes, u);
             let mut force = [[0.0; 3]; N];
-            for (gradients, weight) in self.points::<N>(element) {
-                let stress = material.stress_change(&deformation(gradients, &moved), lame, change);
+            self.each_sample::<N>(element, elastic, change, |gradients, weight, change| {
+                let stress = elastic.material.stress_change(&deformation(gradients, &moved), elastic.lame, change);
                 add_force(&mut force, gradients, &stress, weight);
-            }
+            });
             scatter(nodes, &force, forces);
         }
     }
@@ -152,10 +191,11 @@ impl Body<'_> {
     ) {
         let pairs = N * (N + 1) / 2;
         for (element, nodes) in tets.iter().enumerate() {
-            let Elastic { material, lame } = elastic[self.mesh.regions[element] as usize];
+            let elastic = &elastic[self.mesh.regions[element] as usize];
+            let material = elastic.material;
             let moved = corners(nodes, u);
             let mut blocks = [[0.0; 9]; 55];
-            for (gradients, weight) in self.points::<N>(element) {
+            self.each_sample::<N>(element, elastic, elastic.lame, |gradients, weight, lame| {
                 let tangent = match bend {
                     Bend::Straight => material.response(&deformation(gradients, &moved), lame).tangent,
                     Bend::Convex => {
@@ -167,7 +207,7 @@ impl Body<'_> {
                     }
                 };
                 add_blocks(&mut blocks, gradients, &(tangent * (weight * scale)));
-            }
+            });
             let places = &self.places[element * pairs..(element + 1) * pairs];
             let mut pair = 0;
             for a in 0..N {

@@ -2,6 +2,7 @@
 //!
 //! Stands on: `mesh`, `rest`, `clamps`, `loads`. Never knows: a file, a solve.
 
+use crate::attached::Masses;
 use crate::clamps::Clamps;
 use crate::graph::Graph;
 use crate::mesh::{Chamber, Faces, Mesh};
@@ -82,10 +83,16 @@ pub(crate) fn regions(mesh: &Mesh, regions: &[RegionProperties]) -> Result<(), S
     }
     for (region, is) in regions.iter().enumerate() {
         elastic(region, is.youngs_modulus, is.poissons_ratio)?;
-        if !(is.density > 0.0 && is.density < 1e5) {
-            let (name, unit, range) = ("density", "kg/m³", "between 0 and 100000 kg/m³");
-            return Err(SetupError::Property { region, name, value: is.density, unit, range });
-        }
+        density(region, is.density)?;
+    }
+    Ok(())
+}
+
+/// That a density (kg/m³) can be one.
+pub(crate) fn density(region: usize, density: f64) -> Result<(), SetupError> {
+    if !(density > 0.0 && density < 1e5) {
+        let (name, unit, range) = ("density", "kg/m³", "between 0 and 100000 kg/m³");
+        return Err(SetupError::Property { region, name, value: density, unit, range });
     }
     Ok(())
 }
@@ -99,6 +106,20 @@ pub(crate) fn elastic(region: usize, youngs_modulus: f64, poissons_ratio: f64) -
     if !(poissons_ratio > -1.0 && poissons_ratio < 0.5) {
         let (name, unit, range) = ("Poisson's ratio", "", "above -1 and below 0.5 (0.49 to 0.499 for rubber)");
         return Err(SetupError::Property { region, name, value: poissons_ratio, unit, range });
+    }
+    Ok(())
+}
+
+/// That attached masses hang on nodes and weigh something.
+pub(crate) fn masses(mesh: &Mesh, masses: &Masses) -> Result<(), SetupError> {
+    let nodes = mesh.nodes.len();
+    for (index, (node, mass)) in masses.iter().enumerate() {
+        if node as usize >= nodes {
+            return Err(SetupError::NoSuchNode { part: "attached mass", index, node, nodes });
+        }
+        if !(mass > 0.0 && mass < 1e3) {
+            return Err(SetupError::AttachedMass { node, mass });
+        }
     }
     Ok(())
 }

@@ -1,17 +1,16 @@
 //! Conjugate gradients, with the inverse of a matrix nearby to speed them up.
 //!
-//! Stands on: `sparse`. Never knows: what is solved for, where the inverse comes from.
+//! Stands on: `potential` (dot). Never knows: what is solved for, where the inverse comes from.
 
 use crate::potential::dot;
-use crate::sparse::Pattern;
 
-/// Solves K x = b for the lower triangle `values`; `improve` replaces a vector by what the inverse nearby makes of it.
+/// Solves K x = b; `image_of` writes K x into its second argument, `improve` replaces a vector by what the inverse nearby
+/// makes of it.
 ///
 /// Returns x and the iterations, or nothing when ‖Kx − b‖ stays above `tolerance` ‖b‖ for `limit` of them, or when a
 /// direction shows that K is not positive definite.
 pub(crate) fn conjugate_gradients(
-    pattern: &Pattern,
-    values: &[f64],
+    image_of: impl Fn(&[f64], &mut [f64]),
     mut improve: impl FnMut(&mut [f64]),
     b: &[f64],
     tolerance: f64,
@@ -35,7 +34,7 @@ pub(crate) fn conjugate_gradients(
         } else {
             along.iter_mut().zip(&better).for_each(|(d, z)| *d = z + now / before * *d);
         }
-        pattern.multiply(values, &along, &mut image);
+        image_of(&along, &mut image);
         let curvature = dot(&along, &image);
         if curvature.is_nan() || curvature <= 0.0 {
             return None;
@@ -54,6 +53,7 @@ mod tests {
     use crate::boxes;
     use crate::clamps::Clamps;
     use crate::graph::Graph;
+    use crate::sparse::Pattern;
 
     #[test]
     fn a_matrix_with_a_rough_inverse_is_solved_and_an_indefinite_one_is_given_up() {
@@ -67,9 +67,10 @@ mod tests {
         let mut b = vec![0.0; n];
         pattern.multiply(&values, &exact, &mut b);
         let rough = |x: &mut [f64]| x.iter_mut().for_each(|x| *x /= 10.0);
-        let (x, iterations) = conjugate_gradients(&pattern, &values, rough, &b, 1e-12, 40).unwrap();
+        let (x, iterations) =
+            conjugate_gradients(|x, y| pattern.multiply(&values, x, y), rough, &b, 1e-12, 40).unwrap();
         assert!(iterations > 2 && x.iter().zip(&exact).all(|(x, exact)| (x - exact).abs() < 1e-11));
         values[0] = -9.0;
-        assert!(conjugate_gradients(&pattern, &values, rough, &b, 1e-12, 40).is_none());
+        assert!(conjugate_gradients(|x, y| pattern.multiply(&values, x, y), rough, &b, 1e-12, 40).is_none());
     }
 }

@@ -6,25 +6,34 @@
 //!
 //! Stands on: `si`, `faer` (Cholesky), `nalgebra` (3 × 3 matrices). Never knows: a mesher, a file, a specimen.
 
+mod adaptive;
 mod adjoint;
 mod assembly;
+mod attached;
+mod bordered;
 pub mod boxes;
 mod checks;
 mod clamps;
 mod dynamics;
 mod elements;
 mod factor;
+mod forces;
+mod gas;
+mod given;
 mod graph;
 mod krylov;
 mod load;
 mod loads;
+mod march;
 mod mass;
 pub mod material;
 pub mod materials;
 mod memory;
 mod mesh;
 mod newton;
+mod options;
 mod order;
+mod parameter;
 mod potential;
 mod quadrature;
 mod refusal;
@@ -33,14 +42,21 @@ mod search;
 mod solver;
 mod sparse;
 mod statics;
+mod stencil;
 mod system;
+mod tangent;
 mod turn;
 
-pub use adjoint::{Gradient, Parameter, RegionGradient};
+pub use adjoint::{Gradient, RegionGradient};
+pub use attached::Masses;
 pub use clamps::Clamps;
-pub use dynamics::{March, Scheme, State};
+
+pub use forces::Forces;
+pub use march::{Adaptive, March, Scheme, State};
 pub use material::Material;
 pub use mesh::{Chamber, Elements, Faces, Mesh};
+pub use options::Options;
+pub use parameter::Parameter;
 pub use refusal::SetupError;
 pub use search::Stall;
 pub use solver::{SolveError, Solver};

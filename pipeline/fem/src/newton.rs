@@ -10,6 +10,7 @@
 //!
 //! Stands on: `potential`, `factor`, `memory`, `turn`, `search`. Never knows: a load step, a time step.
 
+use crate::bordered::Bordered;
 use crate::factor::{Factor, NoFactor};
 use crate::memory::Memory;
 use crate::potential::{Curvature, Energy, Potential, dot};
@@ -29,7 +30,11 @@ const HALVINGS: usize = 6;
 pub(crate) struct Newton {
     /// Lower triangle of the last tangent.
     pub values: Vec<f64>,
+    /// What the last tangent has beside them.
+    pub full: Bordered,
     factor: Factor,
+    /// The same of the factorised tangent.
+    factor_full: Bordered,
     memory: Memory,
     /// Where the factor was made, 3 a node.
     made_at: Vec<f64>,
@@ -44,7 +49,9 @@ impl Newton {
         let full = 3 * parts.mesh.nodes.len();
         Self {
             values: vec![0.0; parts.pattern.entries()],
+            full: Bordered::default(),
             factor: Factor::new(&parts.symbolic),
+            factor_full: Bordered::default(),
             memory: Memory::default(),
             made_at: vec![0.0; full],
             turn: None,
@@ -131,7 +138,8 @@ impl Newton {
         let all = [Curvature::Foreseen, Curvature::Exact, Curvature::ConvexElastic, Curvature::Convex];
         for &kept in &all[usize::from(before.is_none())..] {
             on.curvature(u, before.unwrap_or(&[]), kept, &mut self.values);
-            match self.factorise(on.parts, u, &probe) {
+            self.full = Bordered::new(on.full_blocks(u));
+            match self.factorise(on, u, &probe) {
                 Ok(()) => return Ok(matches!(kept, Curvature::Foreseen | Curvature::Exact)),
                 Err(NoFactor::NotPositive) => {}
                 Err(NoFactor::Inexact { residual }) => return Err(Stall::Inexact { residual }),
@@ -140,15 +148,25 @@ impl Newton {
         Err(Stall::NotANumber)
     }
 
-    /// Factorises `values`, the tangent at `u`.
+    /// Factorises `values`, the tangent at `u`, and takes in what it has beside them.
     ///
     /// # Errors
     /// [`NoFactor`]
-    pub fn factorise(&mut self, parts: &Parts, u: &[f64], probe: &[f64]) -> Result<(), NoFactor> {
+    pub fn factorise(&mut self, on: &Potential, u: &[f64], probe: &[f64]) -> Result<(), NoFactor> {
+        let symbolic = &on.parts.symbolic;
         self.memory.clear();
         self.turn = None;
         self.made_at.copy_from_slice(u);
-        self.factor.make(&parts.symbolic, &parts.pattern, &self.values, probe)
+        self.factor.make(symbolic, &on.parts.pattern, &self.values, probe)?;
+        self.factor_full = Bordered::new(on.full_blocks(u));
+        let factor = &mut self.factor;
+        if self.factor_full.prepare(|x| factor.solve(symbolic, x)) { Ok(()) } else { Err(NoFactor::NotPositive) }
+    }
+
+    /// y = K x of the last tangent, in elimination order.
+    pub fn multiply(&self, parts: &Parts, x: &[f64], y: &mut [f64]) {
+        parts.pattern.multiply(&self.values, x, y);
+        self.full.multiply(x, y);
     }
 
     /// Turns the factor to `u`.
@@ -161,6 +179,7 @@ impl Newton {
         let freedom = &parts.pattern.freedom;
         self.turn.iter().for_each(|turn| turn.apply(freedom, true, x));
         self.factor.solve(&parts.symbolic, x);
+        self.factor_full.correct(x);
         self.turn.iter().for_each(|turn| turn.apply(freedom, false, x));
     }
 

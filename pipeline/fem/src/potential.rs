@@ -7,8 +7,10 @@
 //! Stands on: `assembly`, `loads`, `mass`. Never knows: how the minimum is found.
 
 use crate::assembly::{Bend, Elastic};
+use crate::gas::Gas;
 use crate::load::Load;
 use crate::loads::DeadForces;
+use crate::mass::Mass;
 use crate::system::Parts;
 use si::Pascal;
 
@@ -41,10 +43,13 @@ pub(crate) enum Curvature {
 pub(crate) struct Potential<'a> {
     pub parts: &'a Parts,
     pub elastic: &'a [Elastic],
+    pub mass: &'a Mass,
     /// s
     pub stiffening: f64,
     /// p, one a chamber, Pa.
     pub pressures: &'a [Pascal],
+    /// One a chamber: ambient pressure where it is sealed, Pa.
+    pub ambient: &'a [Option<Pascal>],
     pub dead: &'a DeadForces,
     /// t
     pub dead_strength: f64,
@@ -65,10 +70,11 @@ impl Potential<'_> {
         let elastic = self.stiffening * self.parts.body().energy(self.elastic, u, self.stiffening, gradient);
         let mut energy = Energy { value: elastic, size: elastic.abs() };
         let mut add = |part: f64| energy = Energy { value: energy.value + part, size: energy.size + part.abs() };
-        for (chamber, &pressure) in self.parts.chambers.iter().zip(self.pressures) {
-            if pressure != 0.0 {
-                add(pressure * chamber.potential(u));
-                chamber.add_gradient(u, pressure, gradient);
+        for gas in self.gases() {
+            let part = gas.potential(u);
+            add(part);
+            if part.is_finite() {
+                gas.add_gradient(u, gradient);
             }
         }
         add(self.dead_strength * self.dead.potential(u));
@@ -85,7 +91,7 @@ impl Potential<'_> {
         pattern.gather(u, &mut away);
         away.iter_mut().zip(&inertia.centre).for_each(|(at, centre)| *at -= centre);
         let mut push = vec![0.0; away.len()];
-        self.parts.mass.multiply(pattern, &away, &mut push);
+        self.mass.multiply(pattern, &away, &mut push);
         pattern.spread(&push, inertia.rate, gradient);
         let kinetic = 0.5 * inertia.rate * dot(&away, &push);
         if inertia.history.is_empty() {
@@ -95,7 +101,7 @@ impl Potential<'_> {
         [kinetic, dot(&inertia.history, u)]
     }
 
-    /// ∂²Π/∂u² at `u`, lower triangle, N/m.
+    /// ∂²Π/∂u² at `u` but for full blocks, lower triangle, N/m.
     /// `before`: where the last step began, for [`Curvature::Foreseen`].
     pub fn curvature(&self, u: &[f64], before: &[f64], kept: Curvature, values: &mut [f64]) {
         values.fill(0.0);
@@ -105,21 +111,51 @@ impl Potential<'_> {
             Curvature::ConvexElastic | Curvature::Convex => Bend::Convex,
         };
         self.parts.body().stiffness(self.elastic, u, self.stiffening, bend, values);
-        if let Some(inertia) = self.inertia {
-            self.parts.mass.add_to(inertia.rate, values);
-        }
         if kept == Curvature::Convex {
-            return;
+            self.add_mass(values);
+        } else {
+            self.add_other_curvature(u, values);
         }
+    }
+
+    /// s times the elastic part of ∂²Π/∂u² alone.
+    pub fn stiffness(&self, u: &[f64], values: &mut [f64]) {
+        values.fill(0.0);
+        self.parts.body().stiffness(self.elastic, u, self.stiffening, Bend::Straight, values);
+    }
+
+    /// Adds all but the elastic part of ∂²Π/∂u².
+    pub fn add_other_curvature(&self, u: &[f64], values: &mut [f64]) {
+        self.add_mass(values);
         let pattern = &self.parts.pattern;
-        for (chamber, &pressure) in self.parts.chambers.iter().zip(self.pressures) {
-            if pressure != 0.0 {
-                chamber.add_hessian(u, pressure, &mut |a, b, block| {
-                    let place = pattern.place(a, b).expect("chamber faces were found on elements");
-                    pattern.add(values, place, (a, b), block);
-                });
-            }
+        for gas in self.gases() {
+            gas.add_hessian(u, &mut |a, b, block| {
+                let place = pattern.place(a, b).expect("chamber faces were found on elements");
+                pattern.add(values, place, (a, b), block);
+            });
         }
+    }
+
+    fn add_mass(&self, values: &mut [f64]) {
+        if let Some(inertia) = self.inertia {
+            self.mass.add_to(inertia.rate, values);
+        }
+    }
+
+    /// What fills each chamber, idle ones left out.
+    pub fn gases(&self) -> impl Iterator<Item = Gas<'_>> {
+        let each = self.parts.chambers.iter().zip(self.pressures).zip(self.ambient);
+        each.map(|((chamber, &pressure), &ambient)| Gas { chamber, pressure, ambient }).filter(|gas| !gas.is_idle())
+    }
+
+    /// What `curvature` leaves out: c and v (in elimination order) of each full block c v vᵀ.
+    pub fn full_blocks(&self, u: &[f64]) -> Vec<(f64, Vec<f64>)> {
+        let free = |slope: &[f64]| {
+            let mut free = Vec::new();
+            self.parts.pattern.gather(slope, &mut free);
+            free
+        };
+        self.gases().filter_map(|gas| gas.full_block(u)).map(|(c, slope)| (c, free(&slope))).collect()
     }
 }
 

@@ -21,7 +21,7 @@ pub(crate) fn tetrahedron_4() -> Vec<(Point3, f64)> {
 
 /// Gauss-Legendre points of a cube folded onto the tetrahedron: 125 points, exact to degree 7. For work done once.
 pub(crate) fn tetrahedron_125() -> Vec<(Point3, f64)> {
-    let line = gauss_legendre_5();
+    let line = line_5();
     let mut points = Vec::with_capacity(125);
     for &(a, wa) in &line {
         for &(b, wb) in &line {
@@ -50,8 +50,15 @@ pub(crate) fn triangle_7() -> Vec<(Point2, f64)> {
     points
 }
 
-/// Five points and weights on (0, 1), exact to degree 9.
-fn gauss_legendre_5() -> [(f64, f64); 5] {
+/// Gauss-Legendre points of a square folded onto the triangle: 25 points, exact to degree 8. For work done once.
+pub(crate) fn triangle_25() -> Vec<(Point2, f64)> {
+    let line = line_5();
+    let fold = |&(a, wa): &(f64, f64)| line.map(|(b, wb)| ([a, b * (1.0 - a)], wa * wb * (1.0 - a)));
+    line.iter().flat_map(fold).collect()
+}
+
+/// Five points and weights of Gauss and Legendre on (0, 1), exact to degree 9.
+pub(crate) fn line_5() -> [(f64, f64); 5] {
     let root = 2.0 * (10.0f64 / 7.0).sqrt();
     let (inner, outer) = ((5.0 - root).sqrt() / 3.0, (5.0 + root).sqrt() / 3.0);
     let spread = 13.0 * 70f64.sqrt();

@@ -2,7 +2,7 @@
 //!
 //! Stands on: `thiserror`. Never knows: how it was found.
 
-use si::{CubicMetre, Metre, Point3};
+use si::{CubicMetre, Kilogram, Metre, Pascal, Point3};
 
 /// Why no [`crate::System`] can be made of what was given.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -107,6 +107,24 @@ pub enum SetupError {
         /// Its range.
         range: &'static str,
     },
+    /// A mass that cannot be one.
+    #[error(
+        "the mass attached to node {node} is {mass:e} kg\n  why: it must lie above 0 and below 1000 kg\n  do:  give it in kilograms"
+    )]
+    AttachedMass {
+        /// Which node.
+        node: u32,
+        /// Its mass, kg.
+        mass: Kilogram,
+    },
+    /// A body that cannot move at all.
+    #[error(
+        "the clamps hold all {nodes} nodes along all axes\n  why: nothing is left to solve for\n  do:  clamp fewer nodes"
+    )]
+    AllHeld {
+        /// How many nodes there are.
+        nodes: usize,
+    },
     /// A body that can move without bending.
     #[error(
         "the part of the mesh around node {node} is free\n  why: its clamps leave it at least one rigid motion\n  do:  hold three nodes of it that are not in one line, or remove the part"
@@ -158,6 +176,16 @@ pub enum SetupError {
         a: u32,
         /// Another one.
         b: u32,
+    },
+    /// Surroundings that cannot be.
+    #[error(
+        "the surroundings of sealed chamber {chamber} have {ambient:e} Pa\n  why: an absolute pressure lies above 0 and below 100 MPa\n  do:  give it in pascals, 101325 for air"
+    )]
+    Ambient {
+        /// Which chamber.
+        chamber: usize,
+        /// What was given, Pa.
+        ambient: Pascal,
     },
     /// Faces of another order than the elements.
     #[error(

@@ -2,10 +2,10 @@
 //!
 //! Stands on: `mesh`, `elements`, `quadrature`. Never knows: a material, a displacement, a matrix.
 
-use crate::elements::tetrahedron;
+use crate::elements::{tetrahedron, triangle};
 use crate::mesh::Mesh;
-use crate::quadrature::{tetrahedron_1, tetrahedron_4, tetrahedron_125};
-use nalgebra::Matrix3;
+use crate::quadrature::{line_5, tetrahedron_1, tetrahedron_4, tetrahedron_125, triangle_25};
+use nalgebra::{Matrix3, Vector3};
 use si::Point3;
 
 /// Gradients by rest coordinates and weights, element by element, point by point.
@@ -85,6 +85,49 @@ pub(crate) fn overlaps(mesh: &Mesh, element: usize, rule: &[(Vec<(f64, Point3)>,
 /// The rule that [`overlaps`] needs: products of two quadratic functions on a curved element.
 pub(crate) fn overlap_rule(nodes: usize) -> Vec<(Vec<(f64, Point3)>, f64)> {
     tetrahedron_125().into_iter().map(|(at, weight)| (tetrahedron(nodes, at), weight)).collect()
+}
+
+/// ∫ N_a N_b dA of one triangle at rest, m², row by row: 3 × 3 or 6 × 6.
+pub(crate) fn triangle_overlaps(mesh: &Mesh, face: &[u32]) -> Vec<f64> {
+    let mut overlap = vec![0.0; face.len() * face.len()];
+    for (at, weight) in triangle_25() {
+        let shape = triangle(face.len(), at);
+        let along = |k: usize| -> Vector3<f64> {
+            face.iter().zip(&shape).map(|(&node, (_, slope))| place(mesh, node) * slope[k]).sum()
+        };
+        let area = weight * along(0).cross(&along(1)).norm();
+        for (a, (left, _)) in shape.iter().enumerate() {
+            for (b, (right, _)) in shape.iter().enumerate() {
+                overlap[a * face.len() + b] += area * left * right;
+            }
+        }
+    }
+    overlap
+}
+
+/// ∫ N_a dA of one triangle at rest, m²: one a node.
+pub(crate) fn triangle_shares(mesh: &Mesh, face: &[u32]) -> Vec<f64> {
+    triangle_overlaps(mesh, face).chunks_exact(face.len()).map(|row| row.iter().sum()).collect()
+}
+
+/// ∫ N_a ds along one edge at rest, m: ends first, then the middle where there is one.
+pub(crate) fn edge_shares(mesh: &Mesh, edge: &[u32]) -> Vec<f64> {
+    let mut shares = vec![0.0; edge.len()];
+    for (t, weight) in line_5() {
+        let (values, slopes): (Vec<f64>, Vec<f64>) = if edge.len() == 2 {
+            (vec![1.0 - t, t], vec![-1.0, 1.0])
+        } else {
+            let values = vec![(1.0 - t) * (1.0 - 2.0 * t), t * (2.0 * t - 1.0), 4.0 * t * (1.0 - t)];
+            (values, vec![4.0 * t - 3.0, 4.0 * t - 1.0, 4.0 - 8.0 * t])
+        };
+        let along: Vector3<f64> = edge.iter().zip(&slopes).map(|(&node, slope)| place(mesh, node) * *slope).sum();
+        shares.iter_mut().zip(&values).for_each(|(share, value)| *share += weight * along.norm() * value);
+    }
+    shares
+}
+
+fn place(mesh: &Mesh, node: u32) -> Vector3<f64> {
+    Vector3::from(mesh.nodes[node as usize])
 }
 
 #[cfg(test)]

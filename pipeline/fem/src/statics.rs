@@ -7,7 +7,7 @@
 
 use crate::potential::dot;
 use crate::search::{Gait, Rule, Stall};
-use crate::solver::{SolveError, Solver, at_rest};
+use crate::solver::{SolveError, Solver};
 use si::Pascal;
 
 /// How an equilibrium is sought.
@@ -152,7 +152,7 @@ impl Solver {
         dead_strength: f64,
         rule: &Rule,
     ) -> Result<usize, Stall> {
-        let potential = at_rest(&self.parts, &self.elastic, &self.dead, pressures, dead_strength);
+        let potential = self.given.at_rest(&self.parts, pressures, dead_strength);
         let found = self.newton.minimise(&potential, &mut at.displacement, before, rule)?;
         at.iterations += found.iterations;
         at.factorisations += found.factorisations;
@@ -199,7 +199,7 @@ impl Solver {
 
     /// ‖∂Π/∂u‖ over the norm of the loads' own part of it, at free nodes; 0 when nothing pushes.
     fn unbalanced(&self, at: &Equilibrium) -> f64 {
-        let potential = at_rest(&self.parts, &self.elastic, &self.dead, &at.pressures, 1.0);
+        let potential = self.given.at_rest(&self.parts, &at.pressures, 1.0);
         let norm = |full: &[f64]| {
             let mut free = Vec::new();
             self.parts.pattern.gather(full, &mut free);
@@ -208,7 +208,7 @@ impl Solver {
         let mut gradient = vec![0.0; at.displacement.len()];
         potential.energy(&at.displacement, &mut gradient);
         let mut elastic = vec![0.0; gradient.len()];
-        self.parts.body().energy(&self.elastic, &at.displacement, 1.0, &mut elastic);
+        self.parts.body().energy(&self.given.elastic, &at.displacement, 1.0, &mut elastic);
         let left = norm(&gradient);
         let pushed = norm(&elastic);
         if pushed > 0.0 { left / pushed } else { 0.0 }

@@ -11,9 +11,10 @@ use crate::clamps::Clamps;
 use crate::factor::Symbolic;
 use crate::graph::Graph;
 use crate::loads::ChamberPressure;
-use crate::mass::Mass;
+use crate::mass::{Mass, Overlaps};
 use crate::material::Material;
 use crate::mesh::Mesh;
+use crate::options::Options;
 use crate::refusal::SetupError;
 use crate::rest::Rest;
 use crate::solver::Solver;
@@ -49,7 +50,9 @@ pub(crate) struct Parts {
     pub pattern: Pattern,
     pub places: Vec<u32>,
     pub symbolic: Symbolic,
-    pub mass: Mass,
+    pub options: Options,
+    pub overlaps: Overlaps,
+    pub mass: Arc<Mass>,
     pub chambers: Vec<ChamberPressure>,
     pub size: Metre,
 }
@@ -76,9 +79,23 @@ impl System {
     /// # Errors
     /// [`SetupError`], which names the element, face, node or region that is refused.
     pub fn new(mesh: Mesh, regions: Vec<RegionProperties>, clamped: impl Into<Clamps>) -> Result<Self, SetupError> {
+        Self::with(mesh, regions, clamped, Options::default())
+    }
+
+    /// The same with `options`.
+    ///
+    /// # Errors
+    /// As [`System::new`]; also when a mass is attached to no node, or is not a positive number.
+    pub fn with(
+        mesh: Mesh,
+        regions: Vec<RegionProperties>,
+        clamped: impl Into<Clamps>,
+        options: Options,
+    ) -> Result<Self, SetupError> {
         let clamps: Clamps = clamped.into();
         checks::nodes(&mesh, &clamps)?;
         checks::regions(&mesh, &regions)?;
+        checks::masses(&mesh, &options.masses)?;
         let clamps = clamps.with_symmetry(&mesh);
         let graph = Graph::new(mesh.nodes.len(), &mesh.elements);
         let rest = Rest::new(&mesh);
@@ -87,13 +104,22 @@ impl System {
         let chambers = chambers(&mesh, &graph)?;
         let pattern = Pattern::new(&mesh.nodes, &graph, &clamps);
         let places = places(&mesh, &pattern);
+        if pattern.freedoms() == 0 {
+            return Err(SetupError::AllHeld { nodes: mesh.nodes.len() });
+        }
         let densities: Vec<f64> = regions.iter().map(|region| region.density).collect();
-        let mass = Mass::new(&mesh, &pattern, &places, &densities);
+        let overlaps = Overlaps::new(&mesh, options.lumped_mass);
+        let mass = Arc::new(Mass::new(&mesh, &pattern, &places, &overlaps, &densities, &options.masses));
         let symbolic = Symbolic::new(&pattern)
             .map_err(|fault| SetupError::TooLarge { freedoms: pattern.freedoms(), why: fault.to_string() })?;
         let size = mesh.size();
-        let parts = Parts { mesh, regions, rest, pattern, places, symbolic, mass, chambers, size };
+        let parts = Parts { mesh, regions, rest, pattern, places, symbolic, options, overlaps, mass, chambers, size };
         Ok(Self { parts: Arc::new(parts) })
+    }
+
+    /// Mass of the body at rest and of what is attached, kg; of a half model, of the half.
+    pub fn mass(&self) -> si::Kilogram {
+        self.parts.mass.weights.iter().sum()
     }
 
     /// A solver of its own numbers on this system; make one for each thread.
@@ -137,13 +163,12 @@ impl System {
 }
 
 fn chambers(mesh: &Mesh, graph: &Graph) -> Result<Vec<ChamberPressure>, SetupError> {
-    let at_rest = vec![0.0; 3 * mesh.nodes.len()];
     let mut found = Vec::new();
     for (index, chamber) in mesh.chambers.iter().enumerate() {
         checks::closed(mesh, index, chamber)?;
         checks::on_elements(graph, index, chamber)?;
         let pressure = ChamberPressure::new(mesh, chamber);
-        let volume = pressure.volume(&at_rest);
+        let volume = pressure.at_rest;
         if volume.is_nan() || volume <= 0.0 {
             return Err(SetupError::ChamberInsideOut { chamber: index, volume });
         }

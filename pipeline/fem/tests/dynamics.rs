@@ -34,7 +34,13 @@ fn ring(scheme: Scheme, mass_damping: f64, stiffness_damping: f64, each: usize, 
     solver.set_forces(&forces).unwrap();
     let bent = solver.equilibrium(&[], None, &StaticSettings { tolerance: 1e-10, ..Default::default() }).unwrap();
     solver.set_forces(&[]).unwrap();
-    let march = March { step: 1.0 / first_frequency() / each as f64, scheme, mass_damping, stiffness_damping };
+    let march = March {
+        step: 1.0 / first_frequency() / each as f64,
+        scheme,
+        mass_damping,
+        stiffness_damping,
+        ..March::default()
+    };
     let start = State { velocity: vec![0.0; bent.displacement.len()], displacement: bent.displacement };
     let mut heights = vec![start.displacement[3 * tip + 1]];
     let mut see = |_: f64, state: &State| heights.push(state.displacement[3 * tip + 1]);
@@ -109,7 +115,7 @@ fn a_damped_bar_comes_to_rest_in_its_equilibrium_whatever_the_scheme_and_the_tim
     for (scheme, step, steps) in
         [(Scheme::ImplicitEuler, 2e-2, 60), (Scheme::Bdf2, 1e-2, 120), (Scheme::Bdf2, 4e-3, 300)]
     {
-        let march = March { step, scheme, mass_damping: 40.0, stiffness_damping: 1e-3 };
+        let march = March { step, scheme, mass_damping: 40.0, stiffness_damping: 1e-3, ..March::default() };
         let raised = |time: f64| vec![pressure * (time / 0.1).min(1.0)];
         let end =
             solver.march(&march, &State::rest(rest.displacement.len() / 3), &raised, steps, &mut |_, _| ()).unwrap();
@@ -121,7 +127,8 @@ fn a_damped_bar_comes_to_rest_in_its_equilibrium_whatever_the_scheme_and_the_tim
 #[test]
 fn a_march_twice_over_gives_the_same_bytes() {
     let system = bar();
-    let march = March { step: 5e-3, scheme: Scheme::Bdf2, mass_damping: 1.0, stiffness_damping: 1e-3 };
+    let march =
+        March { step: 5e-3, scheme: Scheme::Bdf2, mass_damping: 1.0, stiffness_damping: 1e-3, ..March::default() };
     let beat = |time: f64| vec![1e4 * (1.0 - (2.0 * PI * 2.0 * time).cos())];
     let nodes = system.mesh().nodes.len();
     let run = || system.solver().march(&march, &State::rest(nodes), &beat, 20, &mut |_, _| ()).unwrap();

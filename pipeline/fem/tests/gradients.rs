@@ -4,7 +4,9 @@
 
 #![allow(clippy::unwrap_used)] // a test may fail where it stands
 
-use fem::{Clamps, Equilibrium, Mesh, Parameter, RegionProperties, Solver, StaticSettings, System, boxes, materials};
+use fem::{
+    Clamps, Equilibrium, Forces, Mesh, Parameter, RegionProperties, Solver, StaticSettings, System, boxes, materials,
+};
 
 const E: [f64; 2] = [2.1e5, 3e7];
 const NU: [f64; 2] = [0.47, 0.35];
@@ -38,50 +40,97 @@ fn loss(u: &[f64]) -> (f64, Vec<f64>) {
     (value, u.iter().enumerate().map(|(at, u)| weight(at) + 80.0 * u).collect())
 }
 
-fn rest(solver: &mut Solver, e: [f64; 2], nu: [f64; 2], pressure: f64, start: &Equilibrium) -> Vec<f64> {
-    (0..2).for_each(|region| solver.set_elastic(region, e[region], nu[region]).unwrap());
-    solver.equilibrium(&[pressure], Some(&start.displacement), &tight()).unwrap().displacement
+/// What a bar is made of and how it is pushed.
+#[derive(Clone, Copy)]
+struct Set {
+    e: [f64; 2],
+    nu: [f64; 2],
+    density: [f64; 2],
+    pressure: f64,
+    force: f64,
 }
 
-/// (parameter, value, how to solve with another value)
-type Case = (Parameter, f64, fn(f64) -> ([f64; 2], [f64; 2], f64));
+const SET: Set = Set { e: E, nu: NU, density: [1e3, 1.4e3], pressure: PRESSURE, force: 0.02 };
 
-const CASES: [Case; 5] = [
-    (Parameter::YoungsModulus(0), E[0], |e| ([e, E[1]], NU, PRESSURE)),
-    (Parameter::YoungsModulus(1), E[1], |e| ([E[0], e], NU, PRESSURE)),
-    (Parameter::PoissonsRatio(0), NU[0], |nu| (E, [nu, NU[1]], PRESSURE)),
-    (Parameter::PoissonsRatio(1), NU[1], |nu| (E, [NU[0], nu], PRESSURE)),
-    (Parameter::Pressure(0), PRESSURE, |p| (E, NU, p)),
-];
+/// Gravity and a force across the bar, so that every parameter counts.
+fn give(solver: &mut Solver, mesh: &Mesh, set: Set) {
+    for region in 0..2 {
+        solver.set_elastic(region, set.e[region], set.nu[region]).unwrap();
+        solver.set_density(region, set.density[region]).unwrap();
+    }
+    let node = far_node(mesh);
+    solver.set_forces(Forces::none(mesh).on_node(node as u32, [0.0, set.force, 0.0]).as_slice()).unwrap();
+    solver.set_gravity([3.0, 9.81, 0.0]).unwrap();
+}
+
+fn far_node(mesh: &Mesh) -> usize {
+    (0..mesh.nodes.len()).max_by(|&a, &b| mesh.nodes[a][0].total_cmp(&mesh.nodes[b][0])).unwrap()
+}
+
+fn rest(solver: &mut Solver, mesh: &Mesh, set: Set, start: Option<&Equilibrium>) -> Equilibrium {
+    give(solver, mesh, set);
+    solver.equilibrium(&[set.pressure], start.map(|at| at.displacement.as_slice()), &tight()).unwrap()
+}
+
+/// (parameter, the number that it is)
+type Case = (Parameter, fn(&mut Set) -> &mut f64);
+
+fn cases(mesh: &Mesh) -> [Case; 8] {
+    [
+        (Parameter::YoungsModulus(0), |set| &mut set.e[0]),
+        (Parameter::YoungsModulus(1), |set| &mut set.e[1]),
+        (Parameter::PoissonsRatio(0), |set| &mut set.nu[0]),
+        (Parameter::PoissonsRatio(1), |set| &mut set.nu[1]),
+        (Parameter::Density(0), |set| &mut set.density[0]),
+        (Parameter::Density(1), |set| &mut set.density[1]),
+        (Parameter::Pressure(0), |set| &mut set.pressure),
+        (Parameter::Force { node: far_node(mesh), axis: 1 }, |set| &mut set.force),
+    ]
+}
 
 #[test]
 fn adjoint_and_sensitivity_agree_with_converged_central_differences() {
-    let system = system();
-    let mut solver = system.solver();
-    let at = solver.equilibrium(&[PRESSURE], None, &tight()).unwrap();
-    let tip = at.displacement.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
-    assert!(tip > 2e-3, "the bar bends visibly: {tip}");
-    let slope = loss(&at.displacement).1;
-    let gradient = solver.gradient(&at, &slope).unwrap();
-    for (parameter, value, with) in CASES {
-        let adjoint = match parameter {
-            Parameter::YoungsModulus(region) => gradient.regions[region].youngs_modulus,
-            Parameter::PoissonsRatio(region) => gradient.regions[region].poissons_ratio,
-            Parameter::Pressure(chamber) => gradient.pressures[chamber],
-        };
-        let forward: f64 = solver.sensitivity(&at, parameter).unwrap().iter().zip(&slope).map(|(u, l)| u * l).sum();
-        assert!((forward / adjoint - 1.0).abs() < 1e-8, "{parameter:?} {forward} {adjoint}");
+    for ambient in [None, Some(101_325.0)] {
+        let system = system();
+        let mesh = system.mesh();
+        let mut solver = system.solver();
         let mut other = system.solver();
-        let mut at_value = |value: f64| {
-            let (e, nu, pressure) = with(value);
-            loss(&rest(&mut other, e, nu, pressure, &at)).0
-        };
-        // fourth-order differences: the step is large enough that solves to 1e-12 leave 1e-8
-        let h = 2e-3 * value;
-        let difference = (8.0 * (at_value(value + h) - at_value(value - h))
-            - (at_value(value + 2.0 * h) - at_value(value - 2.0 * h)))
-            / (12.0 * h);
-        assert!((difference / adjoint - 1.0).abs() < 1e-6, "{parameter:?} {difference} {adjoint}");
+        solver.set_sealed(0, ambient).unwrap();
+        other.set_sealed(0, ambient).unwrap();
+        let at = rest(&mut solver, mesh, SET, None);
+        let tip = at.displacement.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+        assert!(tip > 1e-3, "the bar bends visibly: {tip}");
+        let slope = loss(&at.displacement).1;
+        let gradient = solver.gradient(&at, &slope).unwrap();
+        for (parameter, number) in cases(mesh) {
+            let adjoint = match parameter {
+                Parameter::YoungsModulus(region) => gradient.regions[region].youngs_modulus,
+                Parameter::PoissonsRatio(region) => gradient.regions[region].poissons_ratio,
+                Parameter::Density(region) => gradient.regions[region].density,
+                Parameter::Pressure(chamber) => gradient.pressures[chamber],
+                Parameter::Force { node, axis } => gradient.forces[3 * node + axis],
+                _ => unreachable!("no such case"),
+            };
+            let forward: f64 = solver.sensitivity(&at, parameter).unwrap().iter().zip(&slope).map(|(u, l)| u * l).sum();
+            assert!((forward / adjoint - 1.0).abs() < 1e-8, "{parameter:?} {forward} {adjoint}");
+            let mut set = SET;
+            let value = *number(&mut set);
+            let mut at_value = |value: f64| {
+                *number(&mut set) = value;
+                loss(&rest(&mut other, mesh, set, Some(&at)).displacement).0
+            };
+            // fourth-order differences: the step is large enough that solves to 1e-12 leave 1e-8
+            let h = value
+                * match parameter {
+                    Parameter::Density(_) => 0.1,
+                    Parameter::PoissonsRatio(_) => 4e-4,
+                    _ => 2e-3,
+                };
+            let difference = (8.0 * (at_value(value + h) - at_value(value - h))
+                - (at_value(value + 2.0 * h) - at_value(value - 2.0 * h)))
+                / (12.0 * h);
+            assert!((difference / adjoint - 1.0).abs() < 1e-6, "{parameter:?} {difference} {adjoint}");
+        }
     }
 }
 
@@ -89,7 +138,7 @@ fn adjoint_and_sensitivity_agree_with_converged_central_differences() {
 fn the_adjoint_gradient_passes_the_taylor_test() {
     let system = system();
     let mut solver = system.solver();
-    let at = solver.equilibrium(&[PRESSURE], None, &tight()).unwrap();
+    let at = rest(&mut solver, system.mesh(), SET, None);
     let (value, slope) = loss(&at.displacement);
     let gradient = solver.adjoint(&at, &slope).unwrap();
     let turn = [[0.3 * E[0], -0.2 * E[1]], [-0.05, 0.1]];
@@ -101,7 +150,12 @@ fn the_adjoint_gradient_passes_the_taylor_test() {
         .map(|step| {
             let e = [0, 1].map(|n| E[n] + step * turn[0][n]);
             let nu = [0, 1].map(|n| NU[n] + step * turn[1][n]);
-            (loss(&rest(&mut other, e, nu, PRESSURE, &at)).0 - value - step * along).abs()
+            ({
+                let set = Set { e, nu, ..SET };
+                loss(&rest(&mut other, system.mesh(), set, Some(&at)).displacement).0
+            } - value
+                - step * along)
+                .abs()
         })
         .collect();
     for pair in remainders.windows(2) {

@@ -30,6 +30,10 @@ pub type SquareMetre = f64;
 pub type CubicMetre = f64;
 /// Density, kg/m³.
 pub type KilogramPerCubicMetre = f64;
+/// Mass, kg.
+pub type Kilogram = f64;
+/// Acceleration, m/s².
+pub type MetrePerSecondSquared = f64;
 
 /// A point or vector in a plane; its unit is said where it is used (m in `shape` and `lab`, px in `track`).
 pub type Point2 = [f64; 2];

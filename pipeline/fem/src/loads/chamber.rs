@@ -18,6 +18,8 @@ use si::{CubicMetre, Point2};
 /// W = −V(u) of one chamber.
 #[derive(Debug)]
 pub(crate) struct ChamberPressure {
+    /// Volume of the cavity at rest, m³; of a half model, of the half.
+    pub at_rest: CubicMetre,
     faces: Faces,
     /// Rest positions relative to a point inside, 3 a node of the mesh; only the wall's are used.
     places: Vec<(u32, Vector3<f64>)>,
@@ -46,7 +48,9 @@ impl ChamberPressure {
             Faces::Quadratic(_) => (6, triangle_7()),
         };
         let rule = points.into_iter().map(|(at, weight)| (triangle(count, at), weight)).collect();
-        Self { faces, places, local, rule }
+        let mut chamber = Self { at_rest: 0.0, faces, places, local, rule };
+        chamber.at_rest = chamber.volume(&vec![0.0; 3 * mesh.nodes.len()]);
+        chamber
     }
 
     /// Volume of the cavity at displacement `u`, m³; of a half model, of the half.

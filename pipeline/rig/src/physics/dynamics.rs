@@ -28,6 +28,7 @@ pub fn march(
         scheme: Scheme::Bdf2,
         mass_damping: 0.0,
         stiffness_damping: body.stiffness_damping,
+        ..March::default()
     };
     let rest = State::rest(body.mesh.nodes.len());
     let mut shapes = vec![rest.displacement.iter().map(|u| *u as f32).collect::<Vec<f32>>()];

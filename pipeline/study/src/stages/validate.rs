@@ -110,6 +110,7 @@ fn simulate(
         scheme: Scheme::ImplicitEuler,
         mass_damping: set.mass_damping,
         stiffness_damping: set.stiffness_damping,
+        ..March::default()
     };
     let log = RefCell::new((vec![begin], vec![[0.0; 2]]));
     let pressures = |t: Second| -> Vec<Pascal> { gauges.iter().map(|g| g.at(begin + t)).collect() };
