@@ -50,18 +50,17 @@ impl Overlaps {
         }
     }
 
-    /// Σ over the elements of `region` of ∫ (Σ_a N_a x_a) · (Σ_b N_b y_b) dV; x and y hold 3 a node.
-    pub fn product(&self, mesh: &Mesh, region: usize, x: &[f64], y: &[f64]) -> f64 {
-        let at = |v: &[f64], node: u32| -> [f64; 3] { std::array::from_fn(|axis| v[3 * node as usize + axis]) };
-        let inner = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-        let mut sum = 0.0;
+    /// Adds Σ_b ∫ N_a N_b dV x_b over the elements of `region` to `image`; both hold 3 a node.
+    pub fn add_product(&self, mesh: &Mesh, region: usize, x: &[f64], image: &mut [f64]) {
         self.each_pair(mesh, |element, a, b, overlap| {
             if mesh.regions[element] as usize == region {
-                let both = if a == b { 0.0 } else { inner(at(x, b), at(y, a)) };
-                sum += overlap * (inner(at(x, a), at(y, b)) + both);
+                for axis in 0..3 {
+                    let (row, column) = (3 * a as usize + axis, 3 * b as usize + axis);
+                    image[row] += overlap * x[column];
+                    image[column] += if a == b { 0.0 } else { overlap * x[row] };
+                }
             }
         });
-        sum
     }
 
     /// Adds `density` ∫ N_a dV over the elements of `region` to `weights`, one a node.

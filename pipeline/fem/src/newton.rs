@@ -163,12 +163,6 @@ impl Newton {
         if self.factor_full.prepare(|x| factor.solve(symbolic, x)) { Ok(()) } else { Err(NoFactor::NotPositive) }
     }
 
-    /// y = K x of the last tangent, in elimination order.
-    pub fn multiply(&self, parts: &Parts, x: &[f64], y: &mut [f64]) {
-        parts.pattern.multiply(&self.values, x, y);
-        self.full.multiply(x, y);
-    }
-
     /// Turns the factor to `u`.
     pub fn turn_to(&mut self, on: &Potential, u: &[f64]) {
         self.turn = self.is_ready().then(|| Turn::between(&on.parts.body(), on.elastic, &self.made_at, u));

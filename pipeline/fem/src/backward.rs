@@ -1,0 +1,301 @@
+//! Gradients of a motion, backwards in time: one pass for all parameters.
+//!
+//! Step n balances r = M a + α M v + f(u) + β ḟ − loads(u) = 0 with v = γ u + Σ wⱼ uₙ₋ⱼ, a = γ v + Σ wⱼ vₙ₋ⱼ and
+//! ḟ = γ f(u) + Σ wⱼ f(uₙ₋ⱼ). From the last step to the first, with ū and v̄ what the loss and later steps ask of a state:
+//! ū ← ū + γ v̄ − K_f φ,  K λ = ū,  K = (γ² + αγ) M + (1 + βγ) K_f − loads';  then for each past state
+//! ūₙ₋ⱼ += wⱼ (v̄ − (γ + α) M λ),  v̄ₙ₋ⱼ −= wⱼ M λ,  φₙ₋ⱼ += β wⱼ λ,
+//! and dL/dθ −= λ · ∂r/∂θ, elastic parts with (1 + βγ) λ + φ in the place of λ.
+//!
+//! Stands on: `trajectory`, `tangent`, `parameter`. Never knows: what the loss measures.
+
+use crate::adjoint::RegionGradient;
+use crate::march::State;
+use crate::parameter::Parameter;
+use crate::potential::{Inertia, dot};
+use crate::solver::{SolveError, Solver};
+use crate::stencil::Stencil;
+use crate::tangent::Demand;
+use crate::trajectory::{Stretch, Trajectory};
+use std::collections::VecDeque;
+
+/// What a loss asks of one state; an empty list asks nothing.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Slope {
+    /// ∂L/∂u, 3 a node, unit of L per m.
+    pub displacement: Vec<f64>,
+    /// ∂L/∂v, 3 a node, unit of L per m/s.
+    pub velocity: Vec<f64>,
+}
+
+/// The gradient of one scalar L of a motion by everything that shapes it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MotionGradient {
+    /// One a region; density through inertia and gravity.
+    pub regions: Vec<RegionGradient>,
+    /// ∂L/∂α, unit of L · s.
+    pub mass_damping: f64,
+    /// ∂L/∂β, unit of L per s.
+    pub stiffness_damping: f64,
+    /// ∂L/∂p of each step (from the first) and chamber, unit of L per Pa.
+    pub pressures: Vec<Vec<f64>>,
+    /// ∂L/∂(a factor before p(t)), one a chamber, unit of L.
+    pub pressure_gains: Vec<f64>,
+    /// ∂L/∂f of dead forces, 3 a node, unit of L per N.
+    pub forces: Vec<f64>,
+    /// ∂L by the initial displacement (per m) and velocity (per m/s), 3 a node.
+    pub initial: State,
+}
+
+/// Two digits below what gradients are asked to hold; a motion's factor serves many steps.
+const EXACT: Demand = Demand { tolerance: 1e-10, patience: 40 };
+/// A factor is renewed before a step when the step after it needed more iterations than this.
+const WORN: usize = 20;
+
+/// What later steps ask of a state: ū, v̄ and φ.
+#[derive(Debug, Clone)]
+struct Asked {
+    displacement: Vec<f64>,
+    velocity: Vec<f64>,
+    elastic: Vec<f64>,
+}
+
+impl Asked {
+    fn nothing(full: usize) -> Self {
+        Self { displacement: vec![0.0; full], velocity: vec![0.0; full], elastic: vec![0.0; full] }
+    }
+
+    fn take_in(&mut self, slope: &Slope) {
+        add(&mut self.displacement, 1.0, &slope.displacement);
+        add(&mut self.velocity, 1.0, &slope.velocity);
+    }
+}
+
+/// One step seen from behind.
+struct Behind<'a> {
+    n: usize,
+    stretch: &'a Stretch,
+    stencil: Stencil,
+}
+
+impl Behind<'_> {
+    /// uₙ, uₙ₋₁ … as far as the stencil reaches.
+    fn shapes(&self) -> impl Iterator<Item = &[f64]> {
+        (0..=self.stencil.weights.len()).map(|j| self.stretch.state(self.n - j).displacement.as_slice())
+    }
+
+    /// aₙ, 3 a node.
+    fn acceleration(&self) -> Vec<f64> {
+        let velocity = |j: usize| self.stretch.state(self.n - j).velocity.as_slice();
+        self.stencil.rate(velocity(0), (1..=self.stencil.weights.len()).map(velocity))
+    }
+}
+
+impl Solver {
+    /// The gradient of a loss of a recorded motion. `slope` gives what the loss asks of the state after each step
+    /// (counted from 1; 0 is the initial one).
+    ///
+    /// # Errors
+    /// [`SolveError`] when a list has the wrong length or a step's tangent is not positive definite.
+    pub fn backward(
+        &mut self,
+        trajectory: &Trajectory,
+        slope: &mut dyn FnMut(usize, &State) -> Slope,
+    ) -> Result<MotionGradient, SolveError> {
+        let full = 3 * self.parts.mesh.nodes.len();
+        let mut gradient = self.no_gradient(trajectory);
+        let mut asked = VecDeque::from(vec![Asked::nothing(full); 3]);
+        let mut renew = false;
+        for number in (0..trajectory.stretches()).rev() {
+            let stretch = self.repeat(trajectory, number)?;
+            let (first, last) = trajectory.bounds(number);
+            for n in (first..=last).rev() {
+                let asks = slope(n, stretch.state(n));
+                self.check_slope(&asks)?;
+                asked[0].take_in(&asks);
+                let behind = Behind { n, stretch: &stretch, stencil: trajectory.stencil(n) };
+                renew = self.step_back(trajectory, &behind, &mut asked, &mut gradient, renew)?;
+                asked.pop_front();
+                asked.push_back(Asked::nothing(full));
+            }
+            if number == 0 {
+                let asks = slope(0, stretch.state(0));
+                self.check_slope(&asks)?;
+                asked[0].take_in(&asks);
+                self.arrive(stretch.state(0), &mut asked[0], &mut gradient);
+            }
+        }
+        self.linearised = None;
+        let Asked { displacement, velocity, .. } = asked.swap_remove_front(0).expect("three were put in");
+        gradient.initial =
+            State { displacement: self.with_held_at_rest(&displacement), velocity: self.with_held_at_rest(&velocity) };
+        Ok(gradient)
+    }
+
+    /// One step back; `asked` holds what is asked of states n, n−1 and n−2. Says whether the factor is worn.
+    fn step_back(
+        &mut self,
+        trajectory: &Trajectory,
+        behind: &Behind,
+        asked: &mut VecDeque<Asked>,
+        gradient: &mut MotionGradient,
+        renew: bool,
+    ) -> Result<bool, SolveError> {
+        let Stencil { gamma, weights } = &behind.stencil;
+        let (alpha, beta) = (trajectory.march.mass_damping, trajectory.march.stiffness_damping);
+        let Asked { displacement: mut wanted, velocity, elastic } = asked[0].clone();
+        add(&mut wanted, *gamma, &velocity);
+        let (lambda, iterations) = self.solve_back(trajectory, behind, &wanted, &elastic, renew)?;
+        let mass_lambda = self.mass_times(&lambda);
+        for (weight, past) in weights.iter().zip(asked.iter_mut().skip(1)) {
+            add(&mut past.displacement, *weight, &velocity);
+            add(&mut past.displacement, -weight * (gamma + alpha), &mass_lambda);
+            add(&mut past.velocity, -weight, &mass_lambda);
+            add(&mut past.elastic, beta * weight, &lambda);
+        }
+        let mut on_elastic = elastic;
+        add(&mut on_elastic, 1.0 + beta * gamma, &lambda);
+        self.gather(trajectory, behind, &lambda, &on_elastic, gradient);
+        Ok(iterations > WORN)
+    }
+
+    /// λ of one step, 3 a node, and the iterations that it took.
+    fn solve_back(
+        &mut self,
+        trajectory: &Trajectory,
+        behind: &Behind,
+        wanted: &[f64],
+        elastic: &[f64],
+        renew: bool,
+    ) -> Result<(Vec<f64>, usize), SolveError> {
+        let march = &trajectory.march;
+        let gamma = behind.stencil.gamma;
+        let inertia = Inertia { rate: gamma * gamma + march.mass_damping * gamma, ..Inertia::default() };
+        let stiffening = 1.0 + march.stiffness_damping * gamma;
+        let Self { parts, given, newton, .. } = self;
+        let potential = given.in_motion(parts, trajectory.pressures(behind.n), stiffening, &inertia);
+        let u = &behind.stretch.state(behind.n).displacement;
+        let (mut b, mut along) = (Vec::new(), Vec::new());
+        parts.pattern.gather(wanted, &mut b);
+        potential.stiffness(u, &mut newton.values);
+        if march.stiffness_damping > 0.0 {
+            parts.pattern.gather(elastic, &mut along);
+            let mut pull = vec![0.0; b.len()];
+            parts.pattern.multiply(&newton.values, &along, &mut pull);
+            add(&mut b, -1.0 / stiffening, &pull);
+        }
+        newton.complete(&potential, u);
+        if renew {
+            newton.factorise(&potential, u, &b).map_err(|_| SolveError::NotStable)?;
+        }
+        let (free, iterations) = newton.solve_exactly(&potential, u, &b, EXACT).ok_or(SolveError::NotStable)?;
+        let mut lambda = vec![0.0; wanted.len()];
+        parts.pattern.spread(&free, 1.0, &mut lambda);
+        Ok((lambda, iterations))
+    }
+
+    /// Adds −λ · ∂r/∂θ of one step for every parameter.
+    fn gather(
+        &self,
+        trajectory: &Trajectory,
+        behind: &Behind,
+        lambda: &[f64],
+        on_elastic: &[f64],
+        gradient: &mut MotionGradient,
+    ) {
+        let march = &trajectory.march;
+        let State { displacement, velocity } = behind.stretch.state(behind.n);
+        let pressures = trajectory.pressures(behind.n);
+        let mut moved = behind.acceleration();
+        add(&mut moved, march.mass_damping, velocity);
+        self.gather_elastic(displacement, on_elastic, gradient);
+        for (region, of) in gradient.regions.iter_mut().enumerate() {
+            let mut push = self.load_push(displacement, pressures, Parameter::Density(region));
+            self.parts.overlaps.add_product(&self.parts.mesh, region, &moved, &mut push);
+            of.density -= dot(lambda, &push);
+        }
+        gradient.mass_damping -= dot(lambda, &self.mass_times(velocity));
+        let mut forces = behind.shapes().map(|u| self.elastic_forces(u));
+        let now = forces.next().unwrap_or_default();
+        let past: Vec<Vec<f64>> = forces.collect();
+        gradient.stiffness_damping -= dot(lambda, &behind.stencil.rate(&now, past.iter().map(Vec::as_slice)));
+        for (chamber, by) in gradient.pressures[behind.n - 1].iter_mut().enumerate() {
+            *by = -dot(lambda, &self.load_push(displacement, pressures, Parameter::Pressure(chamber)));
+            gradient.pressure_gains[chamber] += pressures[chamber] * *by;
+        }
+        add(&mut gradient.forces, 1.0, lambda);
+    }
+
+    fn gather_elastic(&self, u: &[f64], on_elastic: &[f64], gradient: &mut MotionGradient) {
+        for (region, of) in gradient.regions.iter_mut().enumerate() {
+            of.youngs_modulus -= dot(on_elastic, &self.elastic_push(u, Parameter::YoungsModulus(region)));
+            of.poissons_ratio -= dot(on_elastic, &self.elastic_push(u, Parameter::PoissonsRatio(region)));
+        }
+    }
+
+    /// What is asked of the initial state through the elastic forces that damp.
+    fn arrive(&mut self, initial: &State, asked: &mut Asked, gradient: &mut MotionGradient) {
+        if asked.elastic.iter().all(|&entry| entry == 0.0) {
+            return;
+        }
+        self.gather_elastic(&initial.displacement, &asked.elastic, gradient);
+        let pull = self.elastic_stiffness_times(&initial.displacement, &asked.elastic);
+        add(&mut asked.displacement, -1.0, &pull);
+    }
+
+    /// M x at free nodes, both 3 a node.
+    pub(crate) fn mass_times(&self, x: &[f64]) -> Vec<f64> {
+        let pattern = &self.parts.pattern;
+        let mut free = Vec::new();
+        pattern.gather(x, &mut free);
+        let mut image = vec![0.0; free.len()];
+        self.given.mass.multiply(pattern, &free, &mut image);
+        let mut full = vec![0.0; x.len()];
+        pattern.spread(&image, 1.0, &mut full);
+        full
+    }
+
+    /// K_f(u) x at free nodes, both 3 a node; the tangent in place is lost.
+    pub(crate) fn elastic_stiffness_times(&mut self, u: &[f64], x: &[f64]) -> Vec<f64> {
+        let Self { parts, given, newton, .. } = self;
+        let pressures = vec![0.0; parts.chambers.len()];
+        given.at_rest(parts, &pressures, 0.0).stiffness(u, &mut newton.values);
+        let mut free = Vec::new();
+        parts.pattern.gather(x, &mut free);
+        let mut image = vec![0.0; free.len()];
+        parts.pattern.multiply(&newton.values, &free, &mut image);
+        let mut full = vec![0.0; x.len()];
+        parts.pattern.spread(&image, 1.0, &mut full);
+        full
+    }
+
+    fn no_gradient(&self, trajectory: &Trajectory) -> MotionGradient {
+        let none = RegionGradient { youngs_modulus: 0.0, poissons_ratio: 0.0, density: 0.0 };
+        let nodes = self.parts.mesh.nodes.len();
+        let chambers = self.parts.chambers.len();
+        MotionGradient {
+            regions: vec![none; self.given.properties.len()],
+            mass_damping: 0.0,
+            stiffness_damping: 0.0,
+            pressures: vec![vec![0.0; chambers]; trajectory.steps()],
+            pressure_gains: vec![0.0; chambers],
+            forces: vec![0.0; 3 * nodes],
+            initial: State::rest(nodes),
+        }
+    }
+
+    fn check_slope(&self, slope: &Slope) -> Result<(), SolveError> {
+        for (what, list) in
+            [("the slope by displacement", &slope.displacement), ("the slope by velocity", &slope.velocity)]
+        {
+            if !list.is_empty() {
+                self.check_field(what, list)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// sum += scale · part, of equal length or an empty part.
+pub(crate) fn add(sum: &mut [f64], scale: f64, part: &[f64]) {
+    sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += scale * part);
+}

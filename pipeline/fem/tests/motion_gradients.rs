@@ -1,0 +1,249 @@
+//! Gradients of a motion against differences of motions, backwards and forwards, kept whole and in stretches.
+//!
+//! Stands on: `fem` as its users see it. Never knows: how a gradient is made.
+
+#![allow(clippy::unwrap_used)] // a test may fail where it stands
+
+use fem::{Clamps, Forces, March, Masses, Mesh, MotionGradient, Options, Parameter, RegionProperties, Scheme, Slope};
+use fem::{Solver, State, System, Trajectory, boxes, materials};
+
+const STEPS: usize = 12;
+const STEP: f64 = 4e-3;
+const PLENTY: usize = usize::MAX;
+
+/// A bar of 60 × 20 × 20 mm, half of it meshed: a chamber beside a stiff sheet, and a weight on its end.
+fn system() -> System {
+    let air = |cell: [usize; 3]| (1..5).contains(&cell[0]) && cell[1] == 3 && cell[2] == 0;
+    let place = |at: [f64; 3]| [0.06 * at[0], 0.02 * at[1] * (0.6 + 0.4 * at[1]), 0.01 * at[2]];
+    let region = move |cell: [usize; 3]| if air(cell) { None } else { Some(u16::from(cell[1] == 1)) };
+    let mesh = boxes::with_middles(&boxes::grid([6, 5, 2], true, place, region));
+    let material = materials::by_name("neo_hookean").unwrap();
+    let is = RegionProperties { material, youngs_modulus: 2.1e5, poissons_ratio: 0.45, density: 1e3 };
+    let clamps = Clamps::below_x(&mesh, 1e-9);
+    let options = Options { masses: Masses::none().on_node(far_node(&mesh) as u32, 1e-3), ..Options::default() };
+    System::with(mesh, vec![is, RegionProperties { youngs_modulus: 1e7, poissons_ratio: 0.35, ..is }], clamps, options)
+        .unwrap()
+}
+
+fn far_node(mesh: &Mesh) -> usize {
+    (0..mesh.nodes.len()).max_by(|&a, &b| mesh.nodes[a][0].total_cmp(&mesh.nodes[b][0])).unwrap()
+}
+
+/// All numbers that a motion depends on here.
+#[derive(Debug, Clone, Copy)]
+struct Set {
+    scheme: Scheme,
+    e: [f64; 2],
+    nu: [f64; 2],
+    density: [f64; 2],
+    alpha: f64,
+    beta: f64,
+    gain: f64,
+    force: f64,
+    start: f64,
+    speed: f64,
+}
+
+const SET: Set = Set {
+    scheme: Scheme::Bdf2,
+    e: [2.1e5, 1e7],
+    nu: [0.45, 0.35],
+    density: [1e3, 1.4e3],
+    alpha: 3.0,
+    beta: 1e-3,
+    gain: 1.0,
+    force: 0.01,
+    start: 2e-4,
+    speed: 0.05,
+};
+
+fn march(set: Set) -> March {
+    let Set { scheme, alpha, beta, .. } = set;
+    March { step: STEP, scheme, mass_damping: alpha, stiffness_damping: beta, tolerance: 1e-12 }
+}
+
+fn give(solver: &mut Solver, mesh: &Mesh, set: Set) -> State {
+    for region in 0..2 {
+        solver.set_elastic(region, set.e[region], set.nu[region]).unwrap();
+        solver.set_density(region, set.density[region]).unwrap();
+    }
+    solver.set_gravity([2.0, 5.0, 0.0]).unwrap();
+    let node = far_node(mesh);
+    solver.set_forces(Forces::none(mesh).on_node(node as u32, [0.0, set.force, 0.0]).as_slice()).unwrap();
+    // a bend that grows with the square of the way from the clamp
+    let bend = |at: &[f64; 3]| [0.0, (at[0] / 0.06).powi(2), 0.0];
+    let mut start = State::rest(mesh.nodes.len());
+    start.displacement = mesh.nodes.iter().flat_map(|at| bend(at).map(|x| set.start * x)).collect();
+    start.velocity = mesh.nodes.iter().flat_map(|at| bend(at).map(|x| set.speed * x)).collect();
+    start
+}
+
+fn record(solver: &mut Solver, mesh: &Mesh, set: Set, steps: usize, memory: usize) -> Trajectory {
+    let start = give(solver, mesh, set);
+    let beat = move |time: f64| vec![set.gain * 8e3 * (1.0 + (40.0 * time).sin())];
+    solver.record(&march(set), &start, &beat, steps, memory).unwrap()
+}
+
+/// A crooked loss of all states: Σₙ (w · uₙ + 20 |uₙ|²) + 0.01 z · vₙ over every third state and the last.
+fn asks(n: usize, state: &State) -> (f64, Slope) {
+    if !n.is_multiple_of(3) {
+        return (0.0, Slope::default());
+    }
+    let (w, z) = (|at: usize| (0.37 * at as f64 + n as f64).sin(), |at: usize| 0.01 * (0.61 * at as f64).cos());
+    let value = state.displacement.iter().enumerate().map(|(at, u)| w(at) * u + 20.0 * u * u).sum::<f64>()
+        + state.velocity.iter().enumerate().map(|(at, v)| z(at) * v).sum::<f64>();
+    let displacement = state.displacement.iter().enumerate().map(|(at, u)| w(at) + 40.0 * u).collect();
+    (value, Slope { displacement, velocity: (0..state.velocity.len()).map(z).collect() })
+}
+
+fn loss(solver: &mut Solver, mesh: &Mesh, set: Set) -> f64 {
+    let made = record(solver, mesh, set, STEPS, PLENTY);
+    let (mut sum, mut n) = (0.0, 0);
+    let mut see = |_: f64, state: &State| {
+        sum += asks(n, state).0;
+        n += 1;
+    };
+    solver.replay(&made, &mut see).unwrap();
+    sum
+}
+
+fn gradient(solver: &mut Solver, mesh: &Mesh, set: Set, memory: usize) -> MotionGradient {
+    let made = record(solver, mesh, set, STEPS, memory);
+    solver.backward(&made, &mut |n, state| asks(n, state).1).unwrap()
+}
+
+/// (name, the number, what the gradient says, step of the difference as a part of the number)
+type Case = (&'static str, fn(&mut Set) -> &mut f64, fn(&MotionGradient, &Mesh) -> f64, f64);
+
+/// Σ over the bend of `give`.
+fn along_bend(list: &[f64], mesh: &Mesh) -> f64 {
+    mesh.nodes.iter().enumerate().map(|(node, at)| list[3 * node + 1] * (at[0] / 0.06).powi(2)).sum()
+}
+
+const CASES: [Case; 11] = [
+    ("E body", |set| &mut set.e[0], |by, _| by.regions[0].youngs_modulus, 2e-3),
+    ("E sheet", |set| &mut set.e[1], |by, _| by.regions[1].youngs_modulus, 2e-3),
+    ("ν body", |set| &mut set.nu[0], |by, _| by.regions[0].poissons_ratio, 4e-4),
+    ("ν sheet", |set| &mut set.nu[1], |by, _| by.regions[1].poissons_ratio, 4e-4),
+    ("ρ body", |set| &mut set.density[0], |by, _| by.regions[0].density, 2e-3),
+    ("ρ sheet", |set| &mut set.density[1], |by, _| by.regions[1].density, 2e-3),
+    ("α", |set| &mut set.alpha, |by, _| by.mass_damping, 1e-2),
+    ("β", |set| &mut set.beta, |by, _| by.stiffness_damping, 1e-2),
+    ("gain", |set| &mut set.gain, |by, _| by.pressure_gains[0], 2e-3),
+    ("force", |set| &mut set.force, |by, mesh| by.forces[3 * far_node(mesh) + 1], 2e-2),
+    ("start", |set| &mut set.start, |by, mesh| along_bend(&by.initial.displacement, mesh), 2e-2),
+];
+
+#[test]
+fn the_backward_pass_agrees_with_converged_central_differences_for_every_parameter() {
+    let system = system();
+    let mesh = system.mesh();
+    for scheme in [Scheme::ImplicitEuler, Scheme::Bdf2] {
+        let set = Set { scheme, ..SET };
+        let by = gradient(&mut system.solver(), mesh, set, PLENTY);
+        let mut solver = system.solver();
+        for (name, number, of, part) in CASES {
+            let mut near = set;
+            let value = *number(&mut near);
+            let mut at = |value: f64| {
+                *number(&mut near) = value;
+                loss(&mut solver, mesh, near)
+            };
+            let h = part * value;
+            let difference =
+                (8.0 * (at(value + h) - at(value - h)) - (at(value + 2.0 * h) - at(value - 2.0 * h))) / (12.0 * h);
+            let exact = of(&by, mesh);
+            assert!((exact / difference - 1.0).abs() < 1e-6, "{scheme:?} {name}: {exact:e} {difference:e}");
+        }
+    }
+}
+
+#[test]
+fn forward_sensitivities_and_the_backward_pass_say_the_same() {
+    let system = system();
+    let mesh = system.mesh();
+    let (node, axis) = (far_node(mesh), 1);
+    let mut solver = system.solver();
+    let made = record(&mut solver, mesh, SET, STEPS, PLENTY);
+    let by = solver.backward(&made, &mut |n, state| asks(n, state).1).unwrap();
+    let cases = [
+        (Parameter::YoungsModulus(1), by.regions[1].youngs_modulus),
+        (Parameter::PoissonsRatio(0), by.regions[0].poissons_ratio),
+        (Parameter::Density(0), by.regions[0].density),
+        (Parameter::Pressure(0), by.pressures.iter().map(|step| step[0]).sum()),
+        (Parameter::PressureGain(0), by.pressure_gains[0]),
+        (Parameter::Force { node, axis }, by.forces[3 * node + axis]),
+        (Parameter::MassDamping, by.mass_damping),
+        (Parameter::StiffnessDamping, by.stiffness_damping),
+        (Parameter::InitialDisplacement { node, axis }, by.initial.displacement[3 * node + axis]),
+        (Parameter::InitialVelocity { node, axis }, by.initial.velocity[3 * node + axis]),
+    ];
+    let mut slopes = Vec::new();
+    let mut see = |_: f64, state: &State| slopes.push(asks(slopes.len(), state).1);
+    solver.replay(&made, &mut see).unwrap();
+    let mut sums = [0.0; 10];
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let mut add = |n: usize, changes: &[&State]| {
+        for (sum, change) in sums.iter_mut().zip(changes) {
+            *sum += dot(&slopes[n].displacement, &change.displacement) + dot(&slopes[n].velocity, &change.velocity);
+        }
+    };
+    solver.sensitivities(&made, &cases.map(|(parameter, _)| parameter), &mut add).unwrap();
+    for ((parameter, backward), forward) in cases.iter().zip(sums) {
+        assert!((forward / backward - 1.0).abs() < 1e-7, "{parameter:?} {forward:e} {backward:e}");
+    }
+}
+
+#[test]
+fn the_gradient_of_a_motion_passes_the_taylor_test() {
+    let system = system();
+    let mesh = system.mesh();
+    let mut solver = system.solver();
+    let by = gradient(&mut solver, mesh, SET, PLENTY);
+    let value = loss(&mut solver, mesh, SET);
+    let turn = [0.3 * SET.e[0], -0.2 * SET.e[1], -0.04, 2e2, 0.3];
+    let along = by.regions[0].youngs_modulus * turn[0]
+        + by.regions[1].youngs_modulus * turn[1]
+        + by.regions[0].poissons_ratio * turn[2]
+        + by.regions[1].density * turn[3]
+        + by.pressure_gains[0] * turn[4];
+    let left = [0.02, 0.01, 0.005].map(|step: f64| {
+        let mut near = SET;
+        near.e = [SET.e[0] + step * turn[0], SET.e[1] + step * turn[1]];
+        near.nu[0] += step * turn[2];
+        near.density[1] += step * turn[3];
+        near.gain += step * turn[4];
+        (loss(&mut solver, mesh, near) - value - step * along).abs()
+    });
+    for pair in left.windows(2) {
+        let order = (pair[0] / pair[1]).log2();
+        assert!((order - 2.0).abs() < 0.05, "{order} {left:?}");
+    }
+}
+
+#[test]
+fn a_motion_in_stretches_has_the_gradient_of_the_whole_and_the_same_states() {
+    let system = system();
+    let mesh = system.mesh();
+    let mut solver = system.solver();
+    let state = 16 * 3 * mesh.nodes.len();
+    let (steps, memory) = (40, 22 * state);
+    let cut = record(&mut solver, mesh, SET, steps, memory);
+    assert!(cut.stretches() > 1, "{}", cut.stretches());
+    let (mut one, mut two) = (Vec::new(), Vec::new());
+    solver.replay(&cut, &mut |_, state| one.push(state.clone())).unwrap();
+    solver.replay(&cut, &mut |_, state| two.push(state.clone())).unwrap();
+    assert!(one == two && one.len() == steps + 1, "a stretch is repeated to the byte");
+    let mut gradient = |made: &Trajectory| solver.backward(made, &mut |n, state| asks(n, state).1).unwrap();
+    let cut = gradient(&cut);
+    let mut other = system.solver();
+    let whole = record(&mut other, mesh, SET, steps, PLENTY);
+    let whole = gradient(&whole);
+    let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-7;
+    assert!(near(whole.regions[0].youngs_modulus, cut.regions[0].youngs_modulus));
+    assert!(near(whole.regions[1].density, cut.regions[1].density));
+    assert!(near(whole.stiffness_damping, cut.stiffness_damping));
+    let start = give(&mut solver, mesh, SET);
+    let refused = solver.record(&march(SET), &start, &|_| vec![0.0], steps, 3 * state).unwrap_err();
+    assert!(refused.to_string().contains("memory"), "{refused}");
+}
