@@ -15,6 +15,7 @@ mod bordered;
 pub mod boxes;
 mod checks;
 mod clamps;
+mod creep;
 mod dynamics;
 mod elements;
 mod factor;
