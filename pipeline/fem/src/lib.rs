@@ -25,6 +25,7 @@ mod gas;
 mod given;
 mod graph;
 mod krylov;
+mod linear;
 mod load;
 mod loads;
 mod march;
@@ -57,6 +58,7 @@ pub use backward::{MotionGradient, Slope};
 pub use clamps::Clamps;
 
 pub use forces::Forces;
+pub use linear::LowerTriangle;
 pub use march::{Adaptive, March, Scheme, State};
 pub use material::Material;
 pub use mesh::{Chamber, Elements, Faces, Mesh};
