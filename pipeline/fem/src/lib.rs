@@ -23,6 +23,7 @@ mod forces;
 mod forward;
 mod gas;
 mod given;
+mod glide;
 mod graph;
 mod krylov;
 mod linear;
