@@ -86,6 +86,9 @@ fn main() -> Outcome<()> {
     if std::env::args().any(|word| word == "--memory") {
         return memory();
     }
+    if std::env::args().any(|word| word == "--linear") {
+        return linear_tetrahedra();
+    }
     let linear = beam(3, 1);
     let quadratic = system(boxes::with_middles(&linear), 12500.0)?;
     println!("10-node hollow beam: {quadratic:?}, entries {:?}", quadratic.entries());
@@ -205,7 +208,8 @@ fn two_cores(system: &System) -> Outcome<()> {
 /// The size that DiffPD was measured at: about 33 thousand freedoms in 4-node tetrahedra.
 fn linear_tetrahedra() -> Outcome<()> {
     let system = system(beam(4, 2), 12500.0)?;
-    println!("4-node hollow beam: {system:?}");
+    println!("4-node hollow beam: {system:?}, entries {:?}", system.entries());
+    parts(&system)?;
     let mut solver = system.solver();
     let set = StaticSettings { load_steps: 1, ..StaticSettings::default() };
     let (time, at) = timed(1, || Ok(solver.equilibrium(&[0.0, 2e4], None, &set)?))?;

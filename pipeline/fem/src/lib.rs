@@ -52,6 +52,7 @@ mod system;
 mod tangent;
 mod trajectory;
 mod turn;
+mod wear;
 
 pub use adjoint::{Gradient, RegionGradient};
 pub use attached::Masses;
