@@ -39,6 +39,10 @@ check PROFILE="quick": build
 test:
     cargo test --release --workspace --locked
 
+# what a solve costs, as ratios taken in one run
+bench:
+    cargo bench --workspace --locked --bench ratios
+
 # formatting and lints, warnings as errors
 lint:
     cargo fmt --all --check

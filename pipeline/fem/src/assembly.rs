@@ -168,7 +168,6 @@ impl Body<'_> {
         total
     }
 
-    #[allow(non_snake_case)]
     fn powers_of<const N: usize>(
         &self,
         tets: &[[u32; N]],
@@ -178,26 +177,20 @@ impl Body<'_> {
         other: &[f64],
     ) -> Vec<[f64; 3]> {
         let mut sums = vec![[0.0; 3]; elastic.len()];
-        let (by_mu, by_lambda) = (Lame { mu: 1.0, lambda: 0.0 }, Lame { mu: 0.0, lambda: 1.0 });
         for (element, nodes) in tets.iter().enumerate() {
             let region = self.mesh.regions[element] as usize;
             let of = &elastic[region];
             let (moved, along, other) = (corners(nodes, u), corners(nodes, along), corners(nodes, other));
             let mut add = |gradients: &[Point3; N], weight: f64, counts: Lame| {
-                let F = deformation(gradients, &moved);
-                let mut power = |place: usize, scale: f64, change: Lame, rate: &Matrix3<f64>| {
-                    if scale != 0.0 {
-                        let stress = of.material.stress_change(&F, of.lame, change);
-                        sums[region][place] += weight * stress.component_mul(rate).sum();
-                    }
-                };
+                let [by_mu, by_lambda] = of.material.stress_slopes(&deformation(gradients, &moved));
+                let (by_mu, by_lambda) = (by_mu * (counts.mu * weight), by_lambda * (counts.lambda * weight));
                 let rate = deformation(gradients, &along) - Matrix3::identity();
-                power(0, counts.mu, by_mu, &rate);
-                power(1, counts.lambda, by_lambda, &rate);
+                sums[region][0] += by_mu.component_mul(&rate).sum();
+                sums[region][1] += by_lambda.component_mul(&rate).sum();
                 let rate = deformation(gradients, &other) - Matrix3::identity();
-                sums[region][2] += weight * of.material.stress(&F, counts).1.component_mul(&rate).sum();
+                sums[region][2] += (by_mu * of.lame.mu + by_lambda * of.lame.lambda).component_mul(&rate).sum();
             };
-            self.each_sample::<N>(element, of, of.lame, &mut add);
+            self.each_sample::<N>(element, of, Lame { mu: 1.0, lambda: 1.0 }, &mut add);
         }
         sums
     }
@@ -216,7 +209,7 @@ impl Body<'_> {
             let moved = corners(nodes, u);
             let mut force = [[0.0; 3]; N];
             self.each_sample::<N>(element, elastic, change, |gradients, weight, change| {
-                let stress = elastic.material.stress_change(&deformation(gradients, &moved), elastic.lame, change);
+                let stress = elastic.material.stress(&deformation(gradients, &moved), change).1;
                 add_force(&mut force, gradients, &stress, weight);
             });
             scatter(nodes, &force, forces);

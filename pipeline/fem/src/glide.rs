@@ -36,7 +36,8 @@ impl Newton {
             }
             before = Some(at.clone());
             on.parts.pattern.spread(&direction, -1.0, &mut at);
-            if size <= rule.tolerance {
+            // the next one would be shorter by as much again, or by what conjugate gradients leave
+            if size * (size / last).max(EXACT) <= 0.5 * rule.tolerance || size <= rule.tolerance {
                 u.copy_from_slice(&at);
                 return Some(Found { iterations, ..Found::default() });
             }

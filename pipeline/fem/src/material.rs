@@ -69,10 +69,10 @@ pub trait Material: std::fmt::Debug + Send + Sync {
     /// ψ, P and ∂P/∂F together.
     fn response(&self, F: &Matrix3<f64>, lame: Lame) -> Response;
 
-    /// Directional derivative of P when Lamé's constants change by `change`: (∂P/∂μ) δμ + (∂P/∂λ) δλ.
-    ///
-    /// All laws here are linear in μ and λ, so that this is P at `change`; one that is not overrides it.
-    fn stress_change(&self, F: &Matrix3<f64>, _at: Lame, change: Lame) -> Matrix3<f64> {
-        self.stress(F, change).1
+    /// ∂P/∂μ and ∂P/∂λ, no unit: every law is linear in both, P = μ ∂P/∂μ + λ ∂P/∂λ. Gradients and mean dilatation rest
+    /// on that.
+    fn stress_slopes(&self, F: &Matrix3<f64>) -> [Matrix3<f64>; 2] {
+        let by = |mu, lambda| self.stress(F, Lame { mu, lambda }).1;
+        [by(1.0, 0.0), by(0.0, 1.0)]
     }
 }

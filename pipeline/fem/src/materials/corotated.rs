@@ -90,6 +90,11 @@ impl Material for Corotated {
         }
     }
 
+    fn stress_slopes(&self, F: &Matrix3<f64>) -> [Matrix3<f64>; 2] {
+        let unit = Lame { mu: 1.0, lambda: 1.0 };
+        parts(F, unit).map_or([Matrix3::zeros(); 2], |Parts { R, S, .. }| [(F - R) * 2.0, R * (S.trace() - 3.0)])
+    }
+
     /// dP = 2μ dF + λ (R : dF) R + (λ tr(S − I) − 2μ) dR,  dR = Σ_kl Q_k (tr(S) I − S)⁻¹_kl (Q_l : dF),  Q_k = R [e_k]×
     fn response(&self, F: &Matrix3<f64>, lame: Lame) -> Response {
         let broken = Response { energy: f64::INFINITY, stress: Matrix3::zeros(), tangent: Tangent::zeros() };

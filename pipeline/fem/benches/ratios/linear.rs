@@ -1,0 +1,42 @@
+//! What DiffPD was measured at: 33 thousand freedoms in 4-node tetrahedra, on one thread (FACTS: CPU seconds).
+//!
+//! Stands on: `fem`. Never knows: how a solve is made.
+
+use crate::Outcome;
+use crate::beams::{fine, system};
+use crate::clock::{say, timed};
+use crate::quadratic::counted;
+use fem::{March, Scheme, Slope, State, StaticSettings};
+
+/// s, one thread: a static solve, one implicit step, 20 steps with gradient.
+const DIFFPD_STATIC: f64 = 136.0;
+const DIFFPD_STEP: f64 = 38.0;
+const DIFFPD_GRADIENT: f64 = 542.0;
+
+/// The same with this solver.
+pub fn as_diffpd() -> Outcome<()> {
+    let system = system(fine(), 12500.0)?;
+    println!("4-node hollow beam: {system:?}, entries {:?}", system.entries());
+    crate::parts::iteration(&system)?;
+    let mut solver = system.solver();
+    let set = StaticSettings { load_steps: 1, ..StaticSettings::default() };
+    let (time, at) = timed(1, || Ok(solver.equilibrium(&[0.0, 2e4], None, &set)?))?;
+    say(&counted("static solve, 200 mbar", &at), time, Some((DIFFPD_STATIC, "DiffPD's")));
+    let march = March { step: 1.0 / 100.0, scheme: Scheme::ImplicitEuler, ..March::default() };
+    let rest = State::rest(system.mesh().nodes.len());
+    let push = |_: f64| vec![0.0, 1e4];
+    let (step, _) = timed(1, || Ok(system.solver().march(&march, &rest, &push, 1, &mut |_, _| ())?))?;
+    say("the first implicit Euler step, 100 mbar at once", step, Some((DIFFPD_STEP, "DiffPD's")));
+    let (forward, made) = timed(1, || Ok(solver.record(&march, &rest, &push, 20, usize::MAX)?))?;
+    say("20 steps", forward, None);
+    say("a step, on the average of 20", forward / 20.0, Some((DIFFPD_STEP, "DiffPD's")));
+    let last = made.steps();
+    let mut ask = |n: usize, state: &State| {
+        let displacement = if n == last { state.displacement.clone() } else { Vec::new() };
+        Slope { displacement, ..Slope::default() }
+    };
+    let (backward, _) = timed(1, || Ok(solver.backward(&made, &mut ask)?))?;
+    say("their gradient", backward, Some((forward, "the 20 steps")));
+    say("20 steps with gradient", forward + backward, Some((DIFFPD_GRADIENT, "DiffPD's")));
+    Ok(())
+}
