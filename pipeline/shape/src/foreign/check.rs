@@ -251,4 +251,4 @@ impl Draft {
 }
 
 const MIRRORS: &str =
-    "the mesh is symmetric about z = 0: its half z ≥ 0 with half = true gives the same in half the time";
+    "the mesh is symmetric about z = 0: where clamps and loads are so too, its half z ≥ 0 would do (half = true)";
