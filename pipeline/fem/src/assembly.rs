@@ -76,6 +76,15 @@ impl Body<'_> {
         }
     }
 
+    /// By region, how the elastic forces work along `along` per unit of μ and of λ, and along `other` as they are:
+    /// (∂f/∂μ · along, ∂f/∂λ · along, f · other). All hold 3 a node.
+    pub fn powers(&self, elastic: &[Elastic], u: &[f64], along: &[f64], other: &[f64]) -> Vec<[f64; 3]> {
+        match &self.mesh.elements {
+            Elements::Linear(tets) => self.powers_of(tets, elastic, u, along, other),
+            Elements::Quadratic(tets) => self.powers_of(tets, elastic, u, along, other),
+        }
+    }
+
     /// Hands the nodes of each element and Σ w μ F over its quadrature points to `visit`.
     pub fn each_gradient(&self, elastic: &[Elastic], u: &[f64], visit: &mut dyn FnMut(&[u32], Matrix3<f64>)) {
         match &self.mesh.elements {
@@ -157,6 +166,40 @@ impl Body<'_> {
             scatter(nodes, &force, forces);
         }
         total
+    }
+
+    #[allow(non_snake_case)]
+    fn powers_of<const N: usize>(
+        &self,
+        tets: &[[u32; N]],
+        elastic: &[Elastic],
+        u: &[f64],
+        along: &[f64],
+        other: &[f64],
+    ) -> Vec<[f64; 3]> {
+        let mut sums = vec![[0.0; 3]; elastic.len()];
+        let (by_mu, by_lambda) = (Lame { mu: 1.0, lambda: 0.0 }, Lame { mu: 0.0, lambda: 1.0 });
+        for (element, nodes) in tets.iter().enumerate() {
+            let region = self.mesh.regions[element] as usize;
+            let of = &elastic[region];
+            let (moved, along, other) = (corners(nodes, u), corners(nodes, along), corners(nodes, other));
+            let mut add = |gradients: &[Point3; N], weight: f64, counts: Lame| {
+                let F = deformation(gradients, &moved);
+                let mut power = |place: usize, scale: f64, change: Lame, rate: &Matrix3<f64>| {
+                    if scale != 0.0 {
+                        let stress = of.material.stress_change(&F, of.lame, change);
+                        sums[region][place] += weight * stress.component_mul(rate).sum();
+                    }
+                };
+                let rate = deformation(gradients, &along) - Matrix3::identity();
+                power(0, counts.mu, by_mu, &rate);
+                power(1, counts.lambda, by_lambda, &rate);
+                let rate = deformation(gradients, &other) - Matrix3::identity();
+                sums[region][2] += weight * of.material.stress(&F, counts).1.component_mul(&rate).sum();
+            };
+            self.each_sample::<N>(element, of, of.lame, &mut add);
+        }
+        sums
     }
 
     fn force_change_of<const N: usize>(

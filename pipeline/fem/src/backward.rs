@@ -4,18 +4,21 @@
 //! ḟ = γ f(u) + Σ wⱼ f(uₙ₋ⱼ). From the last step to the first, with ū and v̄ what the loss and later steps ask of a state:
 //! ū ← ū + γ v̄ − K_f φ,  K λ = ū,  K = (γ² + αγ) M + (1 + βγ) K_f − loads';  then for each past state
 //! ūₙ₋ⱼ += wⱼ (v̄ − (γ + α) M λ),  v̄ₙ₋ⱼ −= wⱼ M λ,  φₙ₋ⱼ += β wⱼ λ,
-//! and dL/dθ −= λ · ∂r/∂θ, elastic parts with (1 + βγ) λ + φ in the place of λ.
+//! and dL/dθ −= λ · ∂r/∂θ, elastic parts with (1 + βγ) λ + φ in the place of λ. φ is kept as β ρ, ρₙ₋ⱼ += wⱼ λ: then
+//! dL/dβ −= f(uₙ) · (γ λ + ρ), and one pass over the elements serves all constants.
 //!
 //! Stands on: `trajectory`, `tangent`, `parameter`. Never knows: what the loss measures.
 
 use crate::adjoint::RegionGradient;
-use crate::march::State;
+use crate::march::{March, State};
+use crate::material::Lame;
 use crate::parameter::Parameter;
 use crate::potential::{Inertia, dot};
 use crate::solver::{SolveError, Solver};
 use crate::stencil::Stencil;
 use crate::tangent::Demand;
 use crate::trajectory::{Stretch, Trajectory};
+use crate::wear::Wear;
 use std::collections::VecDeque;
 
 /// What a loss asks of one state; an empty list asks nothing.
@@ -46,22 +49,26 @@ pub struct MotionGradient {
     pub initial: State,
 }
 
-/// Two digits below what gradients are asked to hold; a motion's factor serves many steps.
-const EXACT: Demand = Demand { tolerance: 1e-10, patience: 40 };
-/// A factor is renewed before a step when the step after it needed more iterations than this.
-const WORN: usize = 20;
+/// What a factor costs, in iterations with it: from the timings of a 40k body.
+const FACTOR_COST: f64 = 18.0;
 
-/// What later steps ask of a state: ū, v̄ and φ.
+/// How exactly a step is solved back: a tenth of what the step itself was, but no finer than rounding lets one see.
+/// A motion's factor serves many steps.
+pub(crate) fn demand(march: &March) -> Demand {
+    Demand { tolerance: (0.1 * march.tolerance).clamp(1e-10, 1e-6), patience: 40 }
+}
+
+/// What later steps ask of a state: ū, v̄ and ρ.
 #[derive(Debug, Clone)]
 struct Asked {
     displacement: Vec<f64>,
     velocity: Vec<f64>,
-    elastic: Vec<f64>,
+    rate: Vec<f64>,
 }
 
 impl Asked {
     fn nothing(full: usize) -> Self {
-        Self { displacement: vec![0.0; full], velocity: vec![0.0; full], elastic: vec![0.0; full] }
+        Self { displacement: vec![0.0; full], velocity: vec![0.0; full], rate: vec![0.0; full] }
     }
 
     fn take_in(&mut self, slope: &Slope) {
@@ -78,11 +85,6 @@ struct Behind<'a> {
 }
 
 impl Behind<'_> {
-    /// uₙ, uₙ₋₁ … as far as the stencil reaches.
-    fn shapes(&self) -> impl Iterator<Item = &[f64]> {
-        (0..=self.stencil.weights.len()).map(|j| self.stretch.state(self.n - j).displacement.as_slice())
-    }
-
     /// aₙ, 3 a node.
     fn acceleration(&self) -> Vec<f64> {
         let velocity = |j: usize| self.stretch.state(self.n - j).velocity.as_slice();
@@ -104,7 +106,7 @@ impl Solver {
         let full = 3 * self.parts.mesh.nodes.len();
         let mut gradient = self.no_gradient(trajectory);
         let mut asked = VecDeque::from(vec![Asked::nothing(full); 3]);
-        let mut renew = false;
+        let mut wear = Wear::new(FACTOR_COST);
         for number in (0..trajectory.stretches()).rev() {
             let stretch = self.repeat(trajectory, number)?;
             let (first, last) = trajectory.bounds(number);
@@ -113,7 +115,7 @@ impl Solver {
                 self.check_slope(&asks)?;
                 asked[0].take_in(&asks);
                 let behind = Behind { n, stretch: &stretch, stencil: trajectory.stencil(n) };
-                renew = self.step_back(trajectory, &behind, &mut asked, &mut gradient, renew)?;
+                self.step_back(trajectory, &behind, &mut asked, &mut gradient, &mut wear)?;
                 asked.pop_front();
                 asked.push_back(Asked::nothing(full));
             }
@@ -121,7 +123,7 @@ impl Solver {
                 let asks = slope(0, stretch.state(0));
                 self.check_slope(&asks)?;
                 asked[0].take_in(&asks);
-                self.arrive(stretch.state(0), &mut asked[0], &mut gradient);
+                self.arrive(trajectory.march.stiffness_damping, stretch.state(0), &mut asked[0], &mut gradient);
             }
         }
         self.linearised = None;
@@ -131,42 +133,45 @@ impl Solver {
         Ok(gradient)
     }
 
-    /// One step back; `asked` holds what is asked of states n, n−1 and n−2. Says whether the factor is worn.
+    /// One step back; `asked` holds what is asked of states n, n−1 and n−2.
     fn step_back(
         &mut self,
         trajectory: &Trajectory,
         behind: &Behind,
         asked: &mut VecDeque<Asked>,
         gradient: &mut MotionGradient,
-        renew: bool,
-    ) -> Result<bool, SolveError> {
+        wear: &mut Wear,
+    ) -> Result<(), SolveError> {
         let Stencil { gamma, weights } = &behind.stencil;
         let (alpha, beta) = (trajectory.march.mass_damping, trajectory.march.stiffness_damping);
-        let Asked { displacement: mut wanted, velocity, elastic } = asked[0].clone();
+        let Asked { displacement: mut wanted, velocity, rate } = asked[0].clone();
         add(&mut wanted, *gamma, &velocity);
-        let (lambda, iterations) = self.solve_back(trajectory, behind, &wanted, &elastic, renew)?;
+        let lambda = self.solve_back(trajectory, behind, &wanted, &rate, wear)?;
         let mass_lambda = self.mass_times(&lambda);
         for (weight, past) in weights.iter().zip(asked.iter_mut().skip(1)) {
             add(&mut past.displacement, *weight, &velocity);
             add(&mut past.displacement, -weight * (gamma + alpha), &mass_lambda);
             add(&mut past.velocity, -weight, &mass_lambda);
-            add(&mut past.elastic, beta * weight, &lambda);
+            add(&mut past.rate, *weight, &lambda);
         }
-        let mut on_elastic = elastic;
-        add(&mut on_elastic, 1.0 + beta * gamma, &lambda);
-        self.gather(trajectory, behind, &lambda, &on_elastic, gradient);
-        Ok(iterations > WORN)
+        let mut on_rate = rate;
+        add(&mut on_rate, *gamma, &lambda);
+        let mut on_elastic = lambda.clone();
+        add(&mut on_elastic, beta, &on_rate);
+        self.gather_elastic(&behind.stretch.state(behind.n).displacement, &on_elastic, &on_rate, gradient);
+        self.gather_other(trajectory, behind, &lambda, gradient);
+        Ok(())
     }
 
-    /// λ of one step, 3 a node, and the iterations that it took.
+    /// λ of one step, 3 a node.
     fn solve_back(
         &mut self,
         trajectory: &Trajectory,
         behind: &Behind,
         wanted: &[f64],
-        elastic: &[f64],
-        renew: bool,
-    ) -> Result<(Vec<f64>, usize), SolveError> {
+        rate: &[f64],
+        wear: &mut Wear,
+    ) -> Result<Vec<f64>, SolveError> {
         let march = &trajectory.march;
         let gamma = behind.stencil.gamma;
         let inertia = Inertia { rate: gamma * gamma + march.mass_damping * gamma, ..Inertia::default() };
@@ -178,46 +183,49 @@ impl Solver {
         parts.pattern.gather(wanted, &mut b);
         potential.stiffness(u, &mut newton.values);
         if march.stiffness_damping > 0.0 {
-            parts.pattern.gather(elastic, &mut along);
+            parts.pattern.gather(rate, &mut along);
             let mut pull = vec![0.0; b.len()];
             parts.pattern.multiply(&newton.values, &along, &mut pull);
-            add(&mut b, -1.0 / stiffening, &pull);
+            add(&mut b, -march.stiffness_damping / stiffening, &pull);
         }
         newton.complete(&potential, u);
-        if renew {
+        if wear.renew {
             newton.factorise(&potential, u, &b).map_err(|_| SolveError::NotStable)?;
         }
-        let (free, iterations) = newton.solve_exactly(&potential, u, &b, EXACT).ok_or(SolveError::NotStable)?;
+        let (free, iterations) = newton.solve_exactly(&potential, u, &b, demand(march)).ok_or(SolveError::NotStable)?;
         let mut lambda = vec![0.0; wanted.len()];
         parts.pattern.spread(&free, 1.0, &mut lambda);
-        Ok((lambda, iterations))
+        wear.count(iterations, wear.renew);
+        Ok(lambda)
     }
 
-    /// Adds −λ · ∂r/∂θ of one step for every parameter.
-    fn gather(
-        &self,
-        trajectory: &Trajectory,
-        behind: &Behind,
-        lambda: &[f64],
-        on_elastic: &[f64],
-        gradient: &mut MotionGradient,
-    ) {
-        let march = &trajectory.march;
+    /// Adds what the elastic forces at `u` feel of E, ν and β.
+    fn gather_elastic(&self, u: &[f64], on_elastic: &[f64], on_rate: &[f64], gradient: &mut MotionGradient) {
+        let powers = self.parts.body().powers(&self.given.elastic, u, on_elastic, on_rate);
+        for ((of, is), [by_mu, by_lambda, rate]) in gradient.regions.iter_mut().zip(&self.given.properties).zip(powers)
+        {
+            let by = |change: Lame| change.mu * by_mu + change.lambda * by_lambda;
+            of.youngs_modulus -= by(Lame::by_youngs_modulus(is.youngs_modulus, is.poissons_ratio));
+            of.poissons_ratio -= by(Lame::by_poissons_ratio(is.youngs_modulus, is.poissons_ratio));
+            gradient.stiffness_damping -= rate;
+        }
+    }
+
+    /// Adds −λ · ∂r/∂θ of one step for all other parameters.
+    fn gather_other(&self, trajectory: &Trajectory, behind: &Behind, lambda: &[f64], gradient: &mut MotionGradient) {
         let State { displacement, velocity } = behind.stretch.state(behind.n);
         let pressures = trajectory.pressures(behind.n);
         let mut moved = behind.acceleration();
-        add(&mut moved, march.mass_damping, velocity);
-        self.gather_elastic(displacement, on_elastic, gradient);
-        for (region, of) in gradient.regions.iter_mut().enumerate() {
-            let mut push = self.load_push(displacement, pressures, Parameter::Density(region));
-            self.parts.overlaps.add_product(&self.parts.mesh, region, &moved, &mut push);
-            of.density -= dot(lambda, &push);
+        add(&mut moved, trajectory.march.mass_damping, velocity);
+        let regions = gradient.regions.len();
+        let products = self.parts.overlaps.products(&self.parts.mesh, regions, lambda, &moved);
+        for (region, (of, product)) in gradient.regions.iter_mut().zip(products).enumerate() {
+            of.density -= product;
+            if self.given.gravity != [0.0; 3] {
+                of.density -= dot(lambda, &self.load_push(displacement, pressures, Parameter::Density(region)));
+            }
         }
         gradient.mass_damping -= dot(lambda, &self.mass_times(velocity));
-        let mut forces = behind.shapes().map(|u| self.elastic_forces(u));
-        let now = forces.next().unwrap_or_default();
-        let past: Vec<Vec<f64>> = forces.collect();
-        gradient.stiffness_damping -= dot(lambda, &behind.stencil.rate(&now, past.iter().map(Vec::as_slice)));
         for (chamber, by) in gradient.pressures[behind.n - 1].iter_mut().enumerate() {
             *by = -dot(lambda, &self.load_push(displacement, pressures, Parameter::Pressure(chamber)));
             gradient.pressure_gains[chamber] += pressures[chamber] * *by;
@@ -225,21 +233,14 @@ impl Solver {
         add(&mut gradient.forces, 1.0, lambda);
     }
 
-    fn gather_elastic(&self, u: &[f64], on_elastic: &[f64], gradient: &mut MotionGradient) {
-        for (region, of) in gradient.regions.iter_mut().enumerate() {
-            of.youngs_modulus -= dot(on_elastic, &self.elastic_push(u, Parameter::YoungsModulus(region)));
-            of.poissons_ratio -= dot(on_elastic, &self.elastic_push(u, Parameter::PoissonsRatio(region)));
-        }
-    }
-
     /// What is asked of the initial state through the elastic forces that damp.
-    fn arrive(&mut self, initial: &State, asked: &mut Asked, gradient: &mut MotionGradient) {
-        if asked.elastic.iter().all(|&entry| entry == 0.0) {
-            return;
+    fn arrive(&mut self, beta: f64, initial: &State, asked: &mut Asked, gradient: &mut MotionGradient) {
+        let on_elastic: Vec<f64> = asked.rate.iter().map(|rate| beta * rate).collect();
+        self.gather_elastic(&initial.displacement, &on_elastic, &asked.rate, gradient);
+        if beta > 0.0 {
+            let pull = self.elastic_stiffness_times(&initial.displacement, &on_elastic);
+            add(&mut asked.displacement, -1.0, &pull);
         }
-        self.gather_elastic(&initial.displacement, &asked.elastic, gradient);
-        let pull = self.elastic_stiffness_times(&initial.displacement, &asked.elastic);
-        add(&mut asked.displacement, -1.0, &pull);
     }
 
     /// M x at free nodes, both 3 a node.

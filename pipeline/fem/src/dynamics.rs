@@ -17,6 +17,7 @@ use crate::potential::Inertia;
 use crate::search::{Found, Gait, Rule, Stall};
 use crate::solver::{SolveError, Solver};
 use crate::stencil::{Stencil, extrapolation};
+use crate::wear::Wear;
 use si::{Pascal, Second};
 use std::collections::VecDeque;
 
@@ -26,7 +27,7 @@ const LIMIT: usize = 60;
 const PATIENCE: f64 = 10.0;
 /// Directions of an old factor before it is judged.
 const TRIALS: usize = 3;
-/// What a factor costs, in directions: from the timings of a 40k body.
+/// What a factor costs, in directions, each with its energy: from the timings of a 40k body.
 const FACTOR_COST: f64 = 8.0;
 /// Past shapes that extrapolate to the first guess of a step.
 const PAST: usize = 4;
@@ -43,31 +44,10 @@ pub(crate) struct Walk {
     wear: Wear,
 }
 
-/// When the factor of an earlier step has paid for itself.
-#[derive(Debug, Clone, Default)]
-struct Wear {
-    steps: f64,
-    spent: f64,
-    renew: bool,
-}
-
-impl Wear {
-    /// After a step: renew when this one cost more than the average since the last factor, its own cost counted in.
-    fn count(&mut self, found: Found) {
-        if found.factorisations > 0 {
-            *self = Self { steps: 0.0, spent: FACTOR_COST, renew: false };
-        }
-        self.steps += 1.0;
-        self.spent += found.iterations as f64;
-        self.renew = found.iterations as f64 > self.spent / self.steps;
-    }
-}
-
 impl Walk {
     /// From states (newest first) at their times; the first step will make a factor of its own.
     pub fn new(states: Vec<State>, times: Vec<Second>) -> Self {
-        let wear = Wear { renew: true, ..Wear::default() };
-        Self { states: states.into(), times: times.into(), forces: VecDeque::new(), wear }
+        Self { states: states.into(), times: times.into(), forces: VecDeque::new(), wear: Wear::new(FACTOR_COST) }
     }
 
     /// Forgets all that the states it needs do not hold, so that a walk from them alone takes the same steps.
@@ -159,7 +139,7 @@ impl Solver {
             walk.forces.push_front(self.elastic_forces(&state.displacement));
             walk.forces.truncate(2);
         }
-        walk.wear.count(found);
+        walk.wear.count(found.iterations, found.factorisations > 0);
         walk.states.push_front(state);
         walk.states.truncate(PAST);
         walk.times.push_front(time);

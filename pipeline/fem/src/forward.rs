@@ -4,18 +4,14 @@
 //!
 //! Stands on: `trajectory`, `tangent`, `parameter`, `backward` (products). Never knows: a loss.
 
-use crate::backward::add;
+use crate::backward::{add, demand};
 use crate::march::{March, State};
 use crate::parameter::Parameter;
 use crate::potential::Inertia;
 use crate::solver::{SolveError, Solver};
 use crate::stencil::Stencil;
-use crate::tangent::Demand;
 use crate::trajectory::{Stretch, Trajectory};
 use std::collections::VecDeque;
-
-/// As in the pass backwards.
-const EXACT: Demand = Demand { tolerance: 1e-10, patience: 40 };
 
 /// One parameter on its way: derivatives of the newest states, newest first.
 struct Change {
@@ -161,7 +157,7 @@ impl Solver {
         newton.linearise(&potential, u);
         let mut b = Vec::new();
         parts.pattern.gather(push, &mut b);
-        let (free, _) = newton.solve_exactly(&potential, u, &b, EXACT).ok_or(SolveError::NotStable)?;
+        let (free, _) = newton.solve_exactly(&potential, u, &b, demand(march)).ok_or(SolveError::NotStable)?;
         let mut change = vec![0.0; push.len()];
         parts.pattern.spread(&free, -1.0, &mut change);
         Ok(change)

@@ -7,16 +7,15 @@ use crate::potential::dot;
 /// Solves K x = b; `image_of` writes K x into its second argument, `improve` replaces a vector by what the inverse nearby
 /// makes of it.
 ///
-/// Returns x and the iterations, or nothing when ‖Kx − b‖ stays above `tolerance` ‖b‖ for `limit` of them, or when a
-/// direction shows that K is not positive definite.
+/// Returns x and the iterations, or nothing when ‖Kx − b‖ stays above `goal` for `limit` of them, or when a direction
+/// shows that K is not positive definite.
 pub(crate) fn conjugate_gradients(
     image_of: impl Fn(&[f64], &mut [f64]),
     mut improve: impl FnMut(&mut [f64]),
     b: &[f64],
-    tolerance: f64,
+    goal: f64,
     limit: usize,
 ) -> Option<(Vec<f64>, usize)> {
-    let goal = tolerance * dot(b, b).sqrt();
     let mut x = vec![0.0; b.len()];
     let mut left = b.to_vec();
     let mut along: Vec<f64> = Vec::new();
@@ -68,9 +67,13 @@ mod tests {
         pattern.multiply(&values, &exact, &mut b);
         let rough = |x: &mut [f64]| x.iter_mut().for_each(|x| *x /= 10.0);
         let (x, iterations) =
-            conjugate_gradients(|x, y| pattern.multiply(&values, x, y), rough, &b, 1e-12, 40).unwrap();
+            conjugate_gradients(|x, y| pattern.multiply(&values, x, y), rough, &b, 1e-12 * dot(&b, &b).sqrt(), 40)
+                .unwrap();
         assert!(iterations > 2 && x.iter().zip(&exact).all(|(x, exact)| (x - exact).abs() < 1e-11));
         values[0] = -9.0;
-        assert!(conjugate_gradients(|x, y| pattern.multiply(&values, x, y), rough, &b, 1e-12, 40).is_none());
+        assert!(
+            conjugate_gradients(|x, y| pattern.multiply(&values, x, y), rough, &b, 1e-12 * dot(&b, &b).sqrt(), 40)
+                .is_none()
+        );
     }
 }

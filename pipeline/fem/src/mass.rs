@@ -50,6 +50,20 @@ impl Overlaps {
         }
     }
 
+    /// By region, ∫ (Σ_a N_a x_a) · (Σ_b N_b y_b) dV; x and y hold 3 a node.
+    pub fn products(&self, mesh: &Mesh, regions: usize, x: &[f64], y: &[f64]) -> Vec<f64> {
+        let mut sums = vec![0.0; regions];
+        let inner = |a: u32, b: u32| {
+            let (a, b) = (3 * a as usize, 3 * b as usize);
+            x[a] * y[b] + x[a + 1] * y[b + 1] + x[a + 2] * y[b + 2]
+        };
+        self.each_pair(mesh, |element, a, b, overlap| {
+            let both = if a == b { 0.0 } else { inner(b, a) };
+            sums[mesh.regions[element] as usize] += overlap * (inner(a, b) + both);
+        });
+        sums
+    }
+
     /// Adds Σ_b ∫ N_a N_b dV x_b over the elements of `region` to `image`; both hold 3 a node.
     pub fn add_product(&self, mesh: &Mesh, region: usize, x: &[f64], image: &mut [f64]) {
         self.each_pair(mesh, |element, a, b, overlap| {

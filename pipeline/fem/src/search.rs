@@ -37,6 +37,8 @@ pub(crate) struct Found {
     pub iterations: usize,
     /// Factors made.
     pub factorisations: usize,
+    /// Tangents met on the way that were not positive definite: the body snapped.
+    pub indefinite: usize,
 }
 
 /// Why a search gave up.
@@ -112,6 +114,7 @@ impl Search {
     pub fn count_factor(&mut self, exact: bool) {
         self.found.factorisations += 1;
         self.indefinite = if exact { 0 } else { self.indefinite + 1 };
+        self.found.indefinite += usize::from(!exact);
         self.steps = 0;
     }
 

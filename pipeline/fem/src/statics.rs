@@ -1,9 +1,10 @@
 //! Statics: the shape in which a body rests under given pressures.
 //!
 //! From a state nearby, Newton goes there at once. From rest, or when that fails, the load is raised in steps with
-//! linear extrapolation; a step that fails is halved, an easy one makes the next longer.
+//! linear extrapolation; a step that fails is halved, an easy one makes the next longer. A short step that still fails is
+//! searched for downhill, and at last by creeping (`creep`): so the body comes through the snap of a thin wall.
 //!
-//! Stands on: `solver`, `newton`, `potential`. Never knows: time, a measurement.
+//! Stands on: `solver`, `newton`, `potential`, `creep`. Never knows: time, a measurement.
 
 use crate::potential::dot;
 use crate::search::{Gait, Rule, Stall};
@@ -46,6 +47,9 @@ pub struct Equilibrium {
     pub residual: f64,
     /// Whether the load was raised in steps from rest.
     pub stepped: bool,
+    /// Where the body snapped: parts of the load (0 to 1) at which tangents on the way were not positive definite, and
+    /// the shape beyond was found downhill.
+    pub snaps: Vec<f64>,
 }
 
 /// Part of the body's size to which load steps on the way are solved: they only lead to the next.
@@ -137,14 +141,18 @@ impl Solver {
         if leapt.is_ok() || target - path[path.len() - 1].0 > CAREFUL {
             return leapt;
         }
-        match attempt(&guess, None, &careful) {
-            Err(Stall::InsideOut) => attempt(&end.displacement, None, &careful),
-            other => other,
+        let mut found = attempt(&guess, None, &careful);
+        if found == Err(Stall::InsideOut) {
+            found = attempt(&end.displacement, None, &careful);
         }
+        found.or_else(|_| {
+            let mut next = Equilibrium { pressures: raised.clone(), ..end.clone() };
+            self.creep(&mut next, &raised, target, &careful).map(|factors| (next, factors))
+        })
     }
 
     /// Moves `at` to its equilibrium; returns the factors made.
-    fn descend(
+    pub(crate) fn descend(
         &mut self,
         at: &mut Equilibrium,
         before: Option<&[f64]>,
@@ -156,6 +164,9 @@ impl Solver {
         let found = self.newton.minimise(&potential, &mut at.displacement, before, rule)?;
         at.iterations += found.iterations;
         at.factorisations += found.factorisations;
+        if found.indefinite > 0 {
+            at.snaps.push(dead_strength);
+        }
         Ok(found.factorisations)
     }
 
@@ -167,6 +178,7 @@ impl Solver {
             factorisations: 0,
             residual: 0.0,
             stepped: false,
+            snaps: Vec::new(),
         }
     }
 

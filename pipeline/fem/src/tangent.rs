@@ -8,7 +8,7 @@
 use crate::bordered::Bordered;
 use crate::krylov::conjugate_gradients;
 use crate::newton::Newton;
-use crate::potential::Potential;
+use crate::potential::{Potential, dot};
 
 /// How exact, and when another factor is cheaper.
 #[derive(Debug, Clone, Copy)]
@@ -36,28 +36,29 @@ impl Newton {
     /// K⁻¹ b with the tangent in place, both in elimination order, and the iterations that it took; nothing where K is
     /// not positive definite.
     pub fn solve_exactly(&mut self, on: &Potential, u: &[f64], b: &[f64], demand: Demand) -> Option<(Vec<f64>, usize)> {
+        let (goal, patience) = (demand.tolerance * dot(b, b).sqrt(), demand.patience);
         if b.iter().all(|&entry| entry == 0.0) {
             return Some((b.to_vec(), 0));
         }
-        if let Some(found) = self.is_ready().then(|| self.iterate(on, b, demand)).flatten() {
+        if let Some(found) = self.is_ready().then(|| self.iterate(on, b, goal, patience)).flatten() {
             return Some(found);
         }
         self.factorise(on, u, b).ok()?;
         // rounding may keep the residual of a stiff sheet above the goal: the factor's own answer is then the best
-        self.iterate(on, b, demand).or_else(|| {
+        self.iterate(on, b, goal, patience).or_else(|| {
             let mut x = b.to_vec();
             self.solve(on.parts, &mut x);
-            Some((x, demand.patience))
+            Some((x, patience))
         })
     }
 
-    fn iterate(&mut self, on: &Potential, b: &[f64], demand: Demand) -> Option<(Vec<f64>, usize)> {
+    fn iterate(&mut self, on: &Potential, b: &[f64], goal: f64, patience: usize) -> Option<(Vec<f64>, usize)> {
         let (values, full) = (std::mem::take(&mut self.values), std::mem::take(&mut self.full));
         let image = |x: &[f64], y: &mut [f64]| {
             on.parts.pattern.multiply(&values, x, y);
             full.multiply(x, y);
         };
-        let found = conjugate_gradients(image, |x| self.solve(on.parts, x), b, demand.tolerance, demand.patience);
+        let found = conjugate_gradients(image, |x| self.solve(on.parts, x), b, goal, patience);
         (self.values, self.full) = (values, full);
         found
     }

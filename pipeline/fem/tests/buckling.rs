@@ -28,15 +28,17 @@ fn a_thin_roof_snaps_through_under_suction_and_is_found_on_the_other_side() {
     let regions = vec![RegionProperties { material, youngs_modulus: 2e5, poissons_ratio: 0.45, density: 1070.0 }];
     let system = System::new(mesh, regions, clamps).unwrap();
     let mut solver = system.solver();
-    let mut heights = Vec::new();
+    let (mut heights, mut snapped) = (Vec::new(), Vec::new());
     let mut start: Option<Vec<f64>> = None;
     for pressure in [-20.0, -150.0, -1000.0] {
         let found = solver.equilibrium(&[pressure], start.as_deref(), &StaticSettings::default()).unwrap();
         assert!(found.residual < 1e-6, "{}", found.residual);
+        snapped.push(!found.snaps.is_empty());
         heights.push(found.displacement[3 * top + 1]);
         start = Some(found.displacement);
     }
     assert!(heights[0] > -5e-4 && heights[1] < -3e-3 && heights[2] < -6e-3, "{heights:?}");
+    assert!(!snapped[0] && snapped[2], "and it says where: {snapped:?}");
 }
 
 #[test]

@@ -59,7 +59,7 @@ const SET: Set = Set {
 
 fn march(set: Set) -> March {
     let Set { scheme, alpha, beta, .. } = set;
-    March { step: STEP, scheme, mass_damping: alpha, stiffness_damping: beta, tolerance: 1e-12 }
+    March { step: STEP, scheme, mass_damping: alpha, stiffness_damping: beta, tolerance: 5e-12 }
 }
 
 fn give(solver: &mut Solver, mesh: &Mesh, set: Set) -> State {

@@ -3,7 +3,7 @@
 //! Stands on: `material`. Never knows: a mesh.
 
 use crate::material::{Lame, Material, Response, Tangent};
-use nalgebra::{Matrix3, SMatrix};
+use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// ψ = μ ‖S − I‖² + λ/2 tr²(S − I) with F = R S        paper, equation 1
 #[derive(Debug)]
@@ -11,28 +11,46 @@ pub(crate) struct Corotated;
 
 /// Newton steps of the polar decomposition before it is given up: a matrix of condition 10⁶ needs 12.
 const POLAR_STEPS: usize = 60;
+/// Steps longer than this are scaled; near the turn, Newton's own are as quick.
+const FAR: f64 = 0.3;
 
 /// The turn R in F = R S by the scaled Newton iteration R ← ½ (γ R + R⁻ᵀ/γ), γ = √(‖R⁻¹‖/‖R‖)     [higham1986], 3.4
 ///
-/// R is a reflection where det F < 0, and `None` where F is singular to rounding.
+/// R⁻ᵀ is the matrix of cofactors over the determinant. R is a reflection where det F < 0, and `None` where F is
+/// singular to rounding.
 #[allow(non_snake_case)]
 pub(crate) fn turn_of(F: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     let mut R = *F;
+    let mut change = f64::INFINITY;
     for _ in 0..POLAR_STEPS {
-        let inverse = R.try_inverse()?;
-        let gamma = (inverse.norm() / R.norm()).sqrt();
-        let next = (R * gamma + inverse.transpose() / gamma) * 0.5;
-        let change = (next - R).norm();
-        R = next;
-        if change < 1e-15 * 3.0 {
-            return Some(R);
+        let (cofactors, determinant) = cofactors(&R);
+        let mut inverse = 1.0 / determinant;
+        if !inverse.is_finite() {
+            return None;
         }
-        if change < 1e-8 {
-            // quadratic convergence: one unscaled step more is exact to rounding
-            return R.try_inverse().map(|inverse| (R + inverse.transpose()) * 0.5);
+        if change > FAR {
+            let gamma = (cofactors.norm_squared().sqrt() * inverse.abs() / R.norm_squared().sqrt()).sqrt();
+            R *= gamma;
+            inverse /= gamma;
+        }
+        let next = (R + cofactors * inverse) * 0.5;
+        let before = change;
+        change = (next - R).norm_squared().sqrt();
+        R = next;
+        // quadratic convergence: the step after one of 1e-8 is rounding
+        if change < 1e-8 && before < 1.0 {
+            return Some(R);
         }
     }
     None
+}
+
+/// The matrix of cofactors and the determinant.
+fn cofactors(of: &Matrix3<f64>) -> (Matrix3<f64>, f64) {
+    let [a, b, c]: [Vector3<f64>; 3] = [0, 1, 2].map(|k| of.column(k).into());
+    let (bc, ca, ab) = (b.cross(&c), c.cross(&a), a.cross(&b));
+    let determinant = a.dot(&bc);
+    (Matrix3::from_columns(&[bc, ca, ab]), determinant)
 }
 
 /// What energy, stress and tangent have in common.
@@ -103,7 +121,7 @@ impl Material for Corotated {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{Rotation3, Vector3};
+    use nalgebra::Rotation3;
 
     #[test]
     fn the_turn_of_a_stretched_and_turned_matrix_is_its_rotation() {
