@@ -4,6 +4,8 @@
 //! 3 "stiff" where x > 0. gmsh 4.15 wrote `ball.msh`, `ball_binary.msh` and `ball.mesh`, VTK 9.7 the grids; `ball.node` and
 //! `ball.ele` have the order of nodes that TetGen 1.6 writes with `-o2`.
 
+#![allow(clippy::unwrap_used)]
+
 use shape::foreign::{Draft, Foreign, Malformed, Untrusted, gmsh, medit, tetgen, vtu};
 use shape::{Skin, Solid};
 use std::f64::consts::PI;

@@ -2,6 +2,8 @@
 //!
 //! Each test writes into a folder of its own below cargo's folder for tests.
 
+#![allow(clippy::unwrap_used)]
+
 use std::path::{Path, PathBuf};
 
 use shape::foreign::vtu;

@@ -110,8 +110,11 @@ impl<'a> Codec<'a> {
     }
 }
 
-/// Bytes a number of one of VTK's types, and how they are read.
-fn reader(kind: &str, big: bool) -> Option<(usize, fn(&[u8]) -> f64)> {
+/// Bytes a number takes, and how they are read.
+type Reader = (usize, fn(&[u8]) -> f64);
+
+/// The reader of one of VTK's types.
+fn reader(kind: &str, big: bool) -> Option<Reader> {
     macro_rules! of {
         ($type:ty) => {{
             const STEP: usize = size_of::<$type>();

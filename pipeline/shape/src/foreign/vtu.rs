@@ -84,7 +84,7 @@ impl Piece<'_, '_> {
     }
 
     fn cell(&self, draft: &mut Draft, kind: u8, first: usize, list: &[f64], tag: i64) -> Result<(), Malformed> {
-        let label = draft.len() as u64;
+        let label = (draft.len() + draft.passed_over) as u64;
         match (kind, list.len()) {
             (10, 4) | (24, 10) => {
                 let nodes: Option<Vec<u32>> =
