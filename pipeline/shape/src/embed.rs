@@ -23,8 +23,8 @@ impl Spot {
 
 /// The point of the outer skin nearest to `at` (m), and how far away it is (m).
 ///
-/// Edges are straight at rest, so the search runs over the faces' corners; the weights are the six shape functions
-/// of the quadratic triangle, which follow the face when it curves. Cavities and the plane of symmetry do not count.
+/// The search runs over the faces' corners; the weights are the six shape functions of the quadratic triangle, which
+/// follow the face when it curves. Of a face that is curved at rest, the spot lies on the curve above the place found. Cavities and the plane of symmetry do not count.
 /// A mesh without outer skin gives an empty spot at infinite distance.
 pub fn embed(mesh: &QuadraticMesh, at: Point3) -> (Spot, Metre) {
     let outer: Vec<_> = mesh.skin.iter().filter(|face| face.on == Skin::Outer).collect();

@@ -233,6 +233,33 @@ fn a_file_that_was_cut_says_where() {
 }
 
 #[test]
+fn a_file_with_broken_bytes_is_refused_or_read_but_never_a_panic() {
+    let mut seed = 20_u64;
+    let mut chance = |below: usize| {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 33) as usize % below
+    };
+    let mut refused = 0;
+    for (round, name) in BALLS.iter().cycle().take(3000).enumerate() {
+        let mut broken = bytes(name);
+        for _ in 0..1 + round % 4 {
+            let place = chance(broken.len());
+            // the heads hold the counts
+            let place = if round % 2 == 0 { place } else { place % 400 };
+            broken[place] = [0, 255, b'-', b'9', b' ', b'e', b'"', b'<'][chance(8)];
+        }
+        let read = match name.rsplit_once('.').unwrap().1 {
+            "msh" => gmsh(&broken),
+            "mesh" => medit(&broken),
+            "vtu" => vtu(&broken),
+            _ => tetgen(&bytes("ball.node"), &broken),
+        };
+        refused += usize::from(read.map_or(true, |draft| draft.check(1.0, false).is_err()));
+    }
+    assert!(refused > 1000, "{refused} of 3000");
+}
+
+#[test]
 fn a_word_in_place_of_a_number_is_named_with_its_line() {
     let said = fault(gmsh(text("ball.msh").replacen("0.006 0 \n", "O.006 0 \n", 1).as_bytes()));
     assert!(said.starts_with("line 11: `O.006` stands for the bounds of an entity"), "{said}");

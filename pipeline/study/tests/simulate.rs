@@ -117,6 +117,48 @@ fn the_finger_curls_and_its_chamber_counts_both_halves() {
     assert!(tip.windows(2).all(|pair| pair[1] < pair[0]) && tip[0] < 0.0, "{tip:?}");
 }
 
+#[test]
+fn the_same_force_along_an_edge_at_a_point_or_by_weight_bends_the_beam_as_far() {
+    let beam = example("cantilever.toml").replace("levels = [0.1, 1.0]", "levels = [1.0]");
+    let (_, table) = simulate("traction", &beam).unwrap();
+    let (force, tip) = (70.0 * 6e-5, table.column("tip_uz_m")[0]);
+    let load = "plane = { x = 0.1 }\ntraction = [0.0, 0.0, -70.0]";
+    let edge =
+        format!("box = {{ low = [0.1, -1, 0.003], high = [0.1, 1, 0.003] }}\nline_force = [0, 0, {:e}]", -force / 0.01);
+    let (_, table) = simulate("line", &beam.replace(load, &edge)).unwrap();
+    // the upper edge goes ahead as the end turns: a longer lever, by half a per cent
+    assert_near(table.column("tip_uz_m")[0], tip, 0.01);
+    let point = format!("near = [0.1, 0, 0]\nforce = [0, 0, {:e}]", -force);
+    let (_, table) = simulate("point", &beam.replace(load, &point)).unwrap();
+    // the node itself gives way a little more
+    assert_near(table.column("tip_uz_m")[0], tip, 0.01);
+    let weight = format!("plane = {{ x = 0.1 }}\narea_density = {:e}", 70.0 / 9.81);
+    let heavy =
+        beam.replace("[[load]]", "[[mass]]").replace(load, &weight).replace("density = 1070.0", "density = 1.0");
+    let (_, table) = simulate("weight", &format!("gravity = [0, 0, -9.81]\n{heavy}")).unwrap();
+    // the lightest beam allowed has half a per cent of that weight itself
+    assert_near(table.column("tip_uz_m")[0], tip, 0.01);
+}
+
+#[track_caller]
+fn assert_near(found: f64, expected: f64, part: f64) {
+    assert!((found / expected - 1.0).abs() < part, "{found:e} where {expected:e} was expected");
+}
+
+#[test]
+fn a_chamber_follows_its_history() {
+    let ramp = "pressure = { ramp = { to = 4e3, start = 0.01, seconds = 0.02 } }";
+    let moving = "[dynamic]\nduration = 0.05\nstep = 0.005\nstiffness_damping = 0.01\nlumped_mass = true";
+    let case = example("finger.toml").replace("pressure = 8.0e3", ramp).replace("\"quadratic\"", "\"linear\"");
+    let case = case.replace("[static]\nlevels = [0.25, 0.5, 0.75, 1.0]", moving);
+    let (_, table) = simulate("history", &case).unwrap();
+    let expected = [0.0, 0.0, 0.0, 1e3, 2e3, 3e3, 4e3, 4e3, 4e3, 4e3, 4e3];
+    let gauge = table.column("air_pressure_pa");
+    assert!(gauge.iter().zip(expected).all(|(p, e)| (p - e).abs() < 1e-6), "{gauge:?}");
+    let volume = table.column("air_volume_m3");
+    assert!((volume[0] - 5.44e-6).abs() < 1e-12 && volume[10] > 1.01 * volume[0], "{volume:?}");
+}
+
 /// The hollow ball of `shape`'s tests, held so that it can swell but not move.
 const BALL: &str = r#"
 [mesh]
@@ -231,6 +273,7 @@ fn what_does_not_fit_is_refused_with_one_clear_error() {
         ("plane = { x = 0.1 }", "near = [0.1, 0, 0]", "`load.0` cannot be followed"),
         ("levels = [0.1, 1.0]", "levels = []", "`static.levels` cannot be followed"),
         ("[static]", "[dynamic]\nduration = 1.0\nstep = 0.3\n[static]", "`static` cannot be followed"),
+        ("plane = { x = 0.1 }\ntraction", "near = [0.1, 1, 0]\nforce", "load 0 is 99"),
         ("near = [0.1, 0.0, 0.0]", "near = [0.2, 0.0, 0.0]", "`tip` is 100.000 mm off the body"),
         ("[static]", "[[chamber]]\nnumber = 0\n[static]", "chamber 0 of the case is no chamber of the mesh"),
     ];

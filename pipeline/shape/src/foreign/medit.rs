@@ -99,6 +99,6 @@ fn pass_over(words: &mut Words, draft: &mut Draft, keyword: &str) {
         }
     }
     if ["edges", "edgesp2", "triangles", "trianglesp2", "corners"].contains(&keyword) {
-        draft.passed_over += count;
+        draft.passed_over = draft.passed_over.saturating_add(count);
     }
 }

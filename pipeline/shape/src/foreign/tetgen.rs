@@ -30,13 +30,14 @@ fn nodes(mut words: Words, draft: &mut Draft) -> Result<u64, Malformed> {
         let what = format!("the nodes have {dimension} coordinates");
         return Err(words.refuse(what, "a solid has 3 dimensions", "give the files of a solid"));
     }
-    let more = words.number::<usize>("the number of attributes")? + words.number::<usize>("the number of marks")?;
+    let attributes: usize = words.number("the number of attributes")?;
+    let more = attributes.saturating_add(words.number("the number of marks")?);
     let mut first = 0;
     for row in 0..count {
         let label: u64 = words.number("the number of a node")?;
         first = if row == 0 { label } else { first };
         if label.checked_sub(first) != Some(row) {
-            let what = format!("node {label} stands where node {} was expected", first + row);
+            let what = format!("node {label} stands where node {} was expected", first.saturating_add(row));
             return Err(words.refuse(what, "nodes are counted on by one", "save the mesh again"));
         }
         let mut axis = || words.number::<f64>("a coordinate of a node");

@@ -1,14 +1,15 @@
 //! Body: the mesh handed to `fem` with materials, clamps, masses and forces; everything that no level and no time changes.
 //!
-//! Stands on: `case`, `solid`, `push`, fem. Never knows: a level, a time.
+//! Stands on: `case`, `solid`, `materials`, `push`, fem. Never knows: a level, a time.
 
 use std::collections::BTreeMap;
 
-use fem::{Clamps, Elements, Faces, Forces, Masses, Options, RegionProperties, Solver, System};
+use fem::{Clamps, Elements, Faces, Forces, Masses, Options, Solver, System};
 use shape::foreign::Region;
 use shape::{Cavity, Skin, Solid};
 use si::Pascal;
 
+use super::materials::properties;
 use super::push::Reach;
 use super::solid::Loaded;
 use crate::case::{self, Axis, Case, Chamber, Place};
@@ -96,71 +97,17 @@ fn fem_mesh(solid: &Solid, chambers: usize) -> fem::Mesh {
     }
 }
 
-/// What each region of the mesh is made of, and whether its dilatation is taken as a mean.
-fn properties(case: &Case, regions: &[Region]) -> Outcome<(Vec<RegionProperties>, Vec<bool>)> {
-    let is = |given: &case::Region, region: &Region| match (&given.name, given.tag) {
-        (Some(name), _) => region.name.as_ref() == Some(name),
-        (_, Some(tag)) => region.tag == tag,
-        (None, None) => regions.len() == 1,
-    };
-    for (i, given) in case.region.iter().enumerate() {
-        if !regions.iter().any(|region| is(given, region)) {
-            let what =
-                format!("region {i} of the case ({}) is not in the mesh", called(given.tag, given.name.as_deref()));
-            return Err(Fault::new(what, known(regions), "correct its name or tag"));
-        }
-    }
-    let mut found = (Vec::new(), Vec::new());
-    for region in regions {
-        let given: Vec<_> = case.region.iter().filter(|given| is(given, region)).collect();
-        let [one] = given[..] else {
-            let what =
-                format!("region {} has {} materials", called(Some(region.tag), region.name.as_deref()), given.len());
-            let act = "give each region of the mesh one [[region]] with its name or tag";
-            return Err(Fault::new(what, known(regions), act));
-        };
-        let (youngs_modulus, poissons_ratio, density) = (one.youngs_modulus, one.poissons_ratio, one.density);
-        found.0.push(RegionProperties { material: material(&one.material)?, youngs_modulus, poissons_ratio, density });
-        found.1.push(one.mean_dilatation);
-    }
-    Ok(found)
-}
-
-fn material(name: &str) -> Outcome<&'static dyn fem::Material> {
-    fem::materials::by_name(name).ok_or_else(|| {
-        let known: Vec<&str> = fem::materials::ALL.iter().map(|law| law.name()).collect();
-        let why = format!("known materials: {}", known.join(", "));
-        Fault::new(format!("there is no material `{name}`"), why, "correct the case")
-    })
-}
-
-fn called(tag: Option<i64>, name: Option<&str>) -> String {
-    match (tag, name) {
-        (Some(tag), Some(name)) => format!("`{name}`, tag {tag}"),
-        (Some(tag), None) => format!("tag {tag}"),
-        (None, Some(name)) => format!("`{name}`"),
-        (None, None) => "without name and tag".to_owned(),
-    }
-}
-
-fn known(regions: &[Region]) -> String {
-    let each = regions.iter().map(|region| called(Some(region.tag), region.name.as_deref()));
-    format!("the mesh has {} regions: {}", regions.len(), each.collect::<Vec<_>>().join("; "))
-}
-
 fn clamps(case: &Case, reach: &Reach) -> Outcome<Clamps> {
     let mut clamps = Clamps::none();
     for (i, clamp) in case.clamp.iter().enumerate() {
         let held = [Axis::X, Axis::Y, Axis::Z].map(|axis| clamp.hold.contains(&axis));
         let Some(place) = Place::of(clamp.plane, clamp.block) else { continue };
-        let before = clamps.len();
         let nodes: Vec<u32> = (0..reach.solid.nodes().len() as u32).filter(|&node| reach.holds(&place, node)).collect();
         if nodes.is_empty() {
             let what = format!("clamp {i} holds no node: none lies on {place}");
             return Err(Fault::new(what, reach.extent(), "move the clamp onto the body"));
         }
         nodes.into_iter().for_each(|node| clamps.hold(node, held));
-        debug_assert!(clamps.len() >= before);
     }
     Ok(clamps)
 }
@@ -171,7 +118,7 @@ fn forces(case: &Case, reach: &Reach, mesh: &fem::Mesh, clamps: &Clamps) -> Outc
     let still = |node: u32, axis: usize| held.get(&node).is_some_and(|axes| axes[axis]) || (axis == 2 && plane(node));
     let mut all = vec![0.0; 3 * mesh.nodes.len()];
     for (i, load) in case.load.iter().enumerate() {
-        let list = one_load(load, reach, mesh).ok_or_else(|| nothing_there(&format!("load {i}"), reach))?;
+        let list = one_load(&format!("load {i}"), load, reach, mesh)?;
         let moves = |(entry, force): (usize, &f64)| *force != 0.0 && !still((entry / 3) as u32, entry % 3);
         if !list.iter().enumerate().any(moves) {
             return Err(Fault::new(
@@ -185,26 +132,29 @@ fn forces(case: &Case, reach: &Reach, mesh: &fem::Mesh, clamps: &Clamps) -> Outc
     Ok(all)
 }
 
-/// Forces of one load, 3 a node, N; nothing when it meets no face and no edge.
-fn one_load(load: &case::Load, reach: &Reach, mesh: &fem::Mesh) -> Option<Vec<f64>> {
+/// Forces of one load, 3 a node, N.
+fn one_load(name: &str, load: &case::Load, reach: &Reach, mesh: &fem::Mesh) -> Outcome<Vec<f64>> {
     let none = Forces::none(mesh);
     let place = Place::of(load.plane, load.block);
     let forces = match (load.near, load.force, place, load.line_force, load.traction) {
-        (Some(at), Some(force), ..) => none.on_node(reach.nearest(at), force),
+        (Some(at), Some(force), ..) => none.on_node(reach.nearest(name, at)?, force),
         (.., Some(place), Some(along), _) => {
             reach.edges(&place).iter().fold(none, |sum, edge| sum.on_edge(edge, along))
         }
         (.., Some(place), _, Some(over)) => reach.faces(&place).iter().fold(none, |sum, face| sum.on_face(face, over)),
         _ => none,
     };
-    forces.as_slice().iter().any(|force| *force != 0.0).then(|| forces.as_slice().to_vec())
+    match forces.as_slice().iter().any(|force| *force != 0.0) {
+        true => Ok(forces.as_slice().to_vec()),
+        false => Err(nothing_there(name, reach)),
+    }
 }
 
 fn masses(case: &Case, reach: &Reach, mesh: &fem::Mesh) -> Outcome<Masses> {
     let mut all = Masses::none();
     for (i, given) in case.mass.iter().enumerate() {
         if let (Some(at), Some(mass)) = (given.near, given.mass) {
-            all = all.on_node(reach.nearest(at), mass);
+            all = all.on_node(reach.nearest(&format!("mass {i}"), at)?, mass);
         }
         if let (Some(place), Some(layer)) = (Place::of(given.plane, given.block), given.area_density) {
             let faces = reach.faces(&place);

@@ -9,6 +9,7 @@
 mod body;
 mod dynamics;
 mod frames;
+mod materials;
 mod probes;
 mod push;
 mod solid;

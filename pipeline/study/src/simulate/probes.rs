@@ -11,16 +11,13 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use fem::Solver;
-use si::{Metre, Pascal, Point3};
+use si::{Pascal, Point3};
 
 use super::body::Body;
 use super::cannot_write;
 use super::push::Reach;
 use crate::case::Case;
 use crate::fault::{Fault, Outcome};
-
-/// How far from the skin a marker may be asked for, as a part of the body's size.
-const OFF: f64 = 0.05;
 
 /// A material point.
 struct Probe {
@@ -59,13 +56,11 @@ impl Table {
             probes.push(Probe { weights });
         };
         for node in &case.output.node {
-            let nearest = reach.nearest(node.near);
-            on_body(&node.name, reach.apart(nearest, node.near), reach.size)?;
-            point(&node.name, vec![(nearest, 1.0)]);
+            point(&node.name, vec![(reach.nearest(&format!("`{}`", node.name), node.near)?, 1.0)]);
         }
         for marker in &case.output.marker {
             let (spot, apart) = body.solid.embed(marker.at);
-            on_body(&marker.name, apart, reach.size)?;
+            reach.on_body(&format!("`{}`", marker.name), apart)?;
             point(&marker.name, spot.weights);
         }
         for (i, chamber) in case.chamber.iter().enumerate() {
@@ -111,15 +106,4 @@ impl Table {
     fn line(&mut self, text: &str) -> Outcome<()> {
         writeln!(self.file, "{text}").map_err(|e| cannot_write(&self.path, &e))
     }
-}
-
-fn on_body(name: &str, apart: Metre, size: Metre) -> Outcome<()> {
-    if apart <= OFF * size {
-        return Ok(());
-    }
-    Err(Fault::new(
-        format!("`{name}` is {:.3} mm off the body", 1e3 * apart),
-        format!("the limit is {:.3} mm, a twentieth of the body's size", 1e3 * OFF * size),
-        "correct its place: metres, in the frame of the mesh",
-    ))
 }

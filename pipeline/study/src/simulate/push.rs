@@ -9,6 +9,10 @@ use si::vec3::{norm, sub};
 use si::{Metre, Point3};
 
 use crate::case::Place;
+use crate::fault::{Fault, Outcome};
+
+/// How far from the body a point may be asked for, as a part of the body's size.
+const OFF: f64 = 0.05;
 
 /// A solid as places see it.
 pub(super) struct Reach<'a> {
@@ -18,16 +22,28 @@ pub(super) struct Reach<'a> {
 }
 
 impl Reach<'_> {
-    /// The node nearest to a point; the first of equally near ones.
-    pub fn nearest(&self, at: Point3) -> u32 {
+    /// The node nearest to a point that `name` asks for; the first of equally near ones.
+    ///
+    /// # Errors
+    /// A [`Fault`] when the point is off the body.
+    pub fn nearest(&self, name: &str, at: Point3) -> Outcome<u32> {
         let apart = |node: &Point3| norm(sub(*node, at));
         let nodes = self.solid.nodes().iter().enumerate();
-        nodes.min_by(|a, b| apart(a.1).total_cmp(&apart(b.1))).map_or(0, |(node, _)| node as u32)
+        let node = nodes.min_by(|a, b| apart(a.1).total_cmp(&apart(b.1))).map_or(0, |(node, _)| node);
+        self.on_body(name, apart(&self.solid.nodes()[node])).map(|()| node as u32)
     }
 
-    /// How far a node lies from a point, m.
-    pub fn apart(&self, node: u32, at: Point3) -> Metre {
-        norm(sub(self.solid.nodes()[node as usize], at))
+    /// # Errors
+    /// A [`Fault`] when `name` asks for a point this far (m) from what it means.
+    pub fn on_body(&self, name: &str, apart: Metre) -> Outcome<()> {
+        if apart <= OFF * self.size {
+            return Ok(());
+        }
+        Err(Fault::new(
+            format!("{name} is {:.3} mm off the body", 1e3 * apart),
+            format!("the limit is {:.3} mm, a twentieth of the body's size; {}", 1e3 * OFF * self.size, self.extent()),
+            "correct its place: metres, in the frame of the mesh",
+        ))
     }
 
     pub fn holds(&self, place: &Place, node: u32) -> bool {

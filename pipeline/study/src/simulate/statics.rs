@@ -24,28 +24,29 @@ pub(super) fn solve(
     let mut solver = body.solver(case)?;
     let settings = StaticSettings { load_steps: set.load_steps, tolerance: set.tolerance, ..StaticSettings::default() };
     let frame_every = case.output.vtu_every.unwrap_or(1);
-    let mut start: Option<Vec<f64>> = None;
+    let mut start: Option<(f64, Vec<f64>)> = None;
     let mut iterations = 0;
     for (number, &level) in set.levels.iter().enumerate() {
         let forces: Vec<f64> = body.forces.iter().map(|force| level * force).collect();
         solver.set_forces(&forces).map_err(Fault::from_tool)?;
         let pressures = body.pressures(case, |chamber| chamber.pressure.at_level(level));
-        let found = solver.equilibrium(&pressures, start.as_deref(), &settings);
-        let found = found.map_err(|lost| keep_last(&lost, level, body, &solver, written))?;
+        let near = start.as_ref().map(|(_, shape)| shape.as_slice());
+        let found = solver.equilibrium(&pressures, near, &settings);
+        let found = found.map_err(|lost| keep_last(&lost, level, start.take(), body, &solver, written))?;
         iterations += found.iterations;
         written.table.row(level, body, &solver, &found.displacement, &pressures)?;
         if frame_every > 0 && (number + 1) % frame_every == 0 {
             let name = written.frames.next_name();
-            written.frames.write(&name, level, body, &frame(&found, &solver))?;
+            written.frames.write(&name, level, body, &frame(&found.displacement, &solver))?;
         }
         telling.line(&said(level, &found));
-        start = Some(found.displacement);
+        start = Some((level, found.displacement));
     }
     Ok(Summary { freedoms: 0, solved: set.levels.len(), iterations: Some(iterations), folder: Default::default() })
 }
 
-fn frame<'a>(found: &'a Equilibrium, solver: &'a Solver) -> Frame<'a> {
-    Frame { displacement: &found.displacement, velocity: None, properties: solver.properties() }
+fn frame<'a>(displacement: &'a [f64], solver: &'a Solver) -> Frame<'a> {
+    Frame { displacement, velocity: None, properties: solver.properties() }
 }
 
 fn said(level: f64, found: &Equilibrium) -> String {
@@ -54,14 +55,23 @@ fn said(level: f64, found: &Equilibrium) -> String {
     format!("level {level}: moved {:.4} mm at most, {iterations} iterations, residual {residual:.1e}", 1e3 * moved)
 }
 
-/// Writes the last converged state and says where it lies.
-fn keep_last(lost: &SolveError, level: f64, body: &Body, solver: &Solver, written: &mut Written) -> Fault {
+/// Writes the last converged state, of this level or the one `before`, and says where it lies.
+fn keep_last(
+    lost: &SolveError,
+    level: f64,
+    before: Option<(f64, Vec<f64>)>,
+    body: &Body,
+    solver: &Solver,
+    written: &mut Written,
+) -> Fault {
     let said = format!("level {level}: {lost}");
-    let (Some(last), SolveError::NoEquilibrium { reached, .. }) = (lost.last_converged(), lost) else {
-        return Fault::from_tool(said);
+    let on_the_way = match (lost.last_converged(), lost) {
+        (Some(last), SolveError::NoEquilibrium { reached, .. }) => Some((reached * level, last.displacement.clone())),
+        _ => None,
     };
-    match written.frames.write("last_converged.vtu", reached * level, body, &frame(last, solver)) {
-        Ok(path) => Fault::from_tool(format!("{said}\n  last converged state: {}", path.display())),
+    let Some((at, shape)) = on_the_way.or(before) else { return Fault::from_tool(said) };
+    match written.frames.write("last_converged.vtu", at, body, &frame(&shape, solver)) {
+        Ok(path) => Fault::from_tool(format!("{said}\n  last converged state: {}, at level {at:.6}", path.display())),
         Err(fault) => {
             Fault::from_tool(format!("{said}\n  and its last converged state cannot be kept: {}", fault.what))
         }
