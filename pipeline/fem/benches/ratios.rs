@@ -89,6 +89,9 @@ fn main() -> Outcome<()> {
     if std::env::args().any(|word| word == "--linear") {
         return linear_tetrahedra();
     }
+    if std::env::args().any(|word| word == "--warm") {
+        return solves(&system(boxes::with_middles(&beam(9, 5, 1)), 12500.0)?).map(|_| ());
+    }
     let linear = beam(9, 5, 1);
     let quadratic = system(boxes::with_middles(&linear), 12500.0)?;
     println!("10-node hollow beam: {quadratic:?}, entries {:?}", quadratic.entries());

@@ -229,7 +229,7 @@ impl Newton {
 }
 
 /// Whether the step of `part` lowers the energy enough [armijo1966], or as far as rounding lets one see, the slope.
-fn descends(from: Energy, to: Energy, part: f64, slope: f64, slope_there: f64) -> bool {
+pub(crate) fn descends(from: Energy, to: Energy, part: f64, slope: f64, slope_there: f64) -> bool {
     if !to.value.is_finite() {
         return false;
     }
@@ -238,7 +238,7 @@ fn descends(from: Energy, to: Energy, part: f64, slope: f64, slope_there: f64) -
 }
 
 /// By how much to shorten a step that did not descend: to the least of a parabola, within a tenth and a half.
-fn shorter(from: Energy, to: Energy, part: f64, slope: f64) -> f64 {
+pub(crate) fn shorter(from: Energy, to: Energy, part: f64, slope: f64) -> f64 {
     let bend = to.value - from.value - part * slope;
     if bend.is_finite() && bend > 0.0 { (-part * slope / (2.0 * bend)).clamp(0.1, 0.5) } else { 0.5 }
 }

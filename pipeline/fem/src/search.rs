@@ -66,7 +66,7 @@ pub enum Stall {
     /// The tangent could not be factorised well.
     #[error("the factor leaves a residual of {residual:.1e}; the limit is {:.0e}", crate::factor::INEXACT)]
     Inexact {
-        /// ‖Kx − b‖ / ‖b‖
+        /// Part of its own terms that a solve leaves unbalanced.
         residual: f64,
     },
     /// The body gives way: no shape nearby can bear the load.

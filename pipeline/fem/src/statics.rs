@@ -87,11 +87,23 @@ impl Solver {
             direct.displacement.copy_from_slice(&self.with_held_at_rest(start));
             let rule = self.rule(settings.tolerance, settings);
             let rule = Rule { fresh: !settings.reuse_factor, ..rule };
+            if settings.reuse_factor && self.glide(&mut direct, pressures, &rule) {
+                return Ok(self.finished(direct, false));
+            }
             if self.descend(&mut direct, None, pressures, 1.0, &rule).is_ok() {
                 return Ok(self.finished(direct, false));
             }
         }
         self.climb(pressures, settings)
+    }
+
+    /// Moves `at` to its equilibrium by the factor there is, and says whether it got there.
+    fn glide(&mut self, at: &mut Equilibrium, pressures: &[Pascal], rule: &Rule) -> bool {
+        let potential = self.given.at_rest(&self.parts, pressures, 1.0);
+        let ready = self.newton.is_ready();
+        let found = ready.then(|| self.newton.glide(&potential, &mut at.displacement, rule)).flatten();
+        at.iterations += found.map_or(0, |found| found.iterations);
+        found.is_some()
     }
 
     /// Raises the load from rest.

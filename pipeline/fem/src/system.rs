@@ -178,7 +178,7 @@ fn chambers(mesh: &Mesh, graph: &Graph) -> Result<Vec<ChamberPressure>, SetupErr
 }
 
 /// elements × pairs (a ≥ b): places of the blocks.
-fn places(mesh: &Mesh, pattern: &Pattern) -> Vec<u32> {
+pub(crate) fn places(mesh: &Mesh, pattern: &Pattern) -> Vec<u32> {
     let mut places = Vec::new();
     for element in 0..mesh.elements.len() {
         let nodes = mesh.elements.nodes(element);

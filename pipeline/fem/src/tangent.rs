@@ -52,7 +52,8 @@ impl Newton {
         })
     }
 
-    fn iterate(&mut self, on: &Potential, b: &[f64], goal: f64, patience: usize) -> Option<(Vec<f64>, usize)> {
+    /// K⁻¹ b by conjugate gradients with the tangent in place and the last factor.
+    pub fn iterate(&mut self, on: &Potential, b: &[f64], goal: f64, patience: usize) -> Option<(Vec<f64>, usize)> {
         let (values, full) = (std::mem::take(&mut self.values), std::mem::take(&mut self.full));
         let image = |x: &[f64], y: &mut [f64]| {
             on.parts.pattern.multiply(&values, x, y);
