@@ -11,7 +11,7 @@ pub mod folder;
 mod nearest;
 pub mod pressure;
 mod refusal;
-mod table;
+pub mod table;
 pub mod truth;
 
 pub use card::Card;

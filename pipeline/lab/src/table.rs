@@ -9,7 +9,8 @@ use toml::de::{DeTable, DeValue};
 use crate::Refusal;
 use crate::nearest::nearest;
 
-const SEE: &str = "see the keys and their units in the documentation of `lab`";
+/// Where the keys of a card are explained.
+pub(crate) const SEE: &str = "see the keys and their units in the documentation of `lab`";
 
 /// The line, from 1, of byte `offset`.
 pub(crate) fn line_of_offset(text: &str, offset: usize) -> usize {
@@ -17,7 +18,7 @@ pub(crate) fn line_of_offset(text: &str, offset: usize) -> usize {
 }
 
 /// The line, from 1, of the value at a path such as `trial.2.amplitude`; the deepest part that exists.
-pub(crate) fn line_of_path(text: &str, path: &str) -> Option<usize> {
+pub fn line_of_path(text: &str, path: &str) -> Option<usize> {
     let (root, _) = DeTable::parse_recoverable(text);
     let mut parts = path.split('.');
     let mut here = root.get_ref().get(parts.next()?)?;
@@ -35,19 +36,20 @@ pub(crate) fn line_of_path(text: &str, path: &str) -> Option<usize> {
     Some(line_of_offset(text, here.span().start))
 }
 
-/// Any TOML error as a refusal: the parser's message, the words it expected, the nearest one.
-pub(crate) fn refused(text: &str, path: &Path, error: &toml::de::Error) -> Refusal {
+/// Any TOML error as a refusal: the parser's message, the words it expected, the nearest one; `see` says where the keys are
+/// explained.
+pub fn refused(text: &str, path: &Path, error: &toml::de::Error, see: &str) -> Refusal {
     let message = error.message().lines().collect::<Vec<_>>().join(" ");
     let (what, expected) = message.split_once(", expected ").unwrap_or((&message, ""));
     let why = match expected {
-        "" => "a card holds every key of its tables once, with the type and unit it is documented with".to_owned(),
+        "" => "a page holds every key of its tables once, with the type and unit it is documented with".to_owned(),
         words => format!("expected {words}"),
     };
     let line = error.span().map(|span| line_of_offset(text, span.start));
-    Refusal::file(path, what, why, next_move(what, expected)).at_line(line)
+    Refusal::file(path, what, why, next_move(what, expected, see)).at_line(line)
 }
 
-fn next_move(what: &str, expected: &str) -> String {
+fn next_move(what: &str, expected: &str, see: &str) -> String {
     let quoted = |text: &str| text.split('`').skip(1).step_by(2).map(str::to_owned).collect::<Vec<_>>();
     let known = quoted(expected);
     let known: Vec<&str> = known.iter().map(String::as_str).collect();
@@ -55,9 +57,9 @@ fn next_move(what: &str, expected: &str) -> String {
     let near = wrong.first().and_then(|word| nearest(word, &known).map(|near| (word, near)));
     match near {
         Some((word, near)) => format!("write `{near}` instead of `{word}`, or take the line out"),
-        None if what.starts_with("unknown") => format!("take the line out; {SEE}"),
-        None if what.starts_with("missing field") => format!("add it; {SEE}"),
-        None => format!("correct it; {SEE}"),
+        None if what.starts_with("unknown") => format!("take the line out; {see}"),
+        None if what.starts_with("missing field") => format!("add it; {see}"),
+        None => format!("correct it; {see}"),
     }
 }
 

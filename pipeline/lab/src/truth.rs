@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use si::{Hertz, KilogramPerCubicMetre, Pascal, Second};
 
 use crate::Refusal;
-use crate::table::refused;
+use crate::table::{SEE, refused};
 
 pub use tracks::{TrueTrack, parse_tracks, read_tracks, write_tracks};
 
@@ -127,7 +127,7 @@ pub fn read(path: &Path) -> Result<Truth, Refusal> {
 /// # Errors
 /// [`Refusal`] when the text is no truth.
 pub fn parse(text: &str, path: &Path) -> Result<Truth, Refusal> {
-    toml::from_str(text).map_err(|e| refused(text, path, &e))
+    toml::from_str(text).map_err(|e| refused(text, path, &e, SEE))
 }
 
 /// The text of `truth.toml`.

@@ -3,7 +3,7 @@
 //! Stands on: `quadratic`, `distance`. Never knows: what is drawn there.
 
 use crate::distance::Nearest;
-use crate::{QuadraticMesh, Skin};
+use crate::{QuadraticMesh, Skin, TetMesh};
 use si::{Metre, Point3};
 
 /// A material point: Σ weight · node, in the rest shape and in every other.
@@ -23,8 +23,8 @@ impl Spot {
 
 /// The point of the outer skin nearest to `at` (m), and how far away it is (m).
 ///
-/// Edges are straight at rest, so the search runs over the faces' corners; the weights are the six shape functions
-/// of the quadratic triangle, which follow the face when it curves. Cavities and the plane of symmetry do not count.
+/// The search runs over the faces' corners; the weights are the six shape functions of the quadratic triangle, which
+/// follow the face when it curves. Of a face that is curved at rest, the spot lies on the curve above the place found. Cavities and the plane of symmetry do not count.
 /// A mesh without outer skin gives an empty spot at infinite distance.
 pub fn embed(mesh: &QuadraticMesh, at: Point3) -> (Spot, Metre) {
     let outer: Vec<_> = mesh.skin.iter().filter(|face| face.on == Skin::Outer).collect();
@@ -39,6 +39,19 @@ pub fn embed(mesh: &QuadraticMesh, at: Point3) -> (Spot, Metre) {
     }
 }
 
+/// The same on a mesh of four-node elements, whose weights are the shares of a face's corners.
+pub(crate) fn embed_linear(mesh: &TetMesh, at: Point3) -> (Spot, Metre) {
+    let outer: Vec<_> = mesh.skin.iter().filter(|face| face.on == Skin::Outer).collect();
+    let corners = outer.iter().map(|face| face.nodes.map(|node| mesh.nodes[node as usize])).collect();
+    match Nearest::new(corners).find(at) {
+        None => (Spot { weights: Vec::new() }, f64::INFINITY),
+        Some(hit) => {
+            let weights = outer[hit.face].nodes.into_iter().zip(hit.shares);
+            (Spot { weights: weights.filter(|w| w.1 != 0.0).collect() }, hit.distance)
+        }
+    }
+}
+
 /// Shape functions of the quadratic triangle at shares (a, b, c) of its corners: a(2a−1), …, 4ab, 4bc, 4ca.
 fn shape_functions([a, b, c]: [f64; 3]) -> [f64; 6] {
     let corner = |s: f64| s * (2.0 * s - 1.0);
@@ -48,7 +61,7 @@ fn shape_functions([a, b, c]: [f64; 3]) -> [f64; 6] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{SkinFace, TetMesh, quadratic};
+    use crate::{SkinFace, quadratic};
 
     #[test]
     fn a_point_above_a_face_lands_on_it_and_its_weights_add_up_to_one() {

@@ -30,7 +30,8 @@ pub struct QuadraticMesh {
     pub half: bool,
 }
 
-const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]];
+/// The edges whose middles are nodes 4 to 9.
+pub(crate) const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]];
 
 /// Middle nodes on straight edges, numbered as the elements ask for them.
 struct Middles {

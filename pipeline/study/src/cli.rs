@@ -74,6 +74,15 @@ pub enum Command {
         /// Its name, as in paper/tables/NAME.csv.
         name: String,
     },
+    /// Simulate a body under loads of one's own: a page of TOML that names a mesh, materials, clamps and loads.
+    #[command(after_long_help = crate::case::KEYS)]
+    Simulate {
+        /// The case; its keys stand at the end of `study simulate --help`.
+        case: PathBuf,
+        /// Folder for the results, instead of CASE.out beside the case.
+        #[arg(long)]
+        out: Option<PathBuf>,
+    },
     /// Compare every number with what is expected and published, and every claim with its rule.
     Check,
     /// List the stages, figures and tables, each with its story.

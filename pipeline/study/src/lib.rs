@@ -3,8 +3,11 @@
 //! `stages/` tells the story in the order of the data; `figures/` and `tables/` show it; the runner makes what is stale. It
 //! knows nothing but `data/raw`; the hidden truth of a virtual bench is read by the stage `recovery` alone.
 //!
+//! `case/` and `simulate/` stand beside that: one body under loads of one's own, without a project.
+//!
 //! Stands on: every tool crate. Never knows: the virtual bench.
 
+pub mod case;
 pub mod check;
 pub mod claims;
 pub mod cli;
@@ -21,6 +24,7 @@ pub mod record;
 pub mod records;
 pub mod runner;
 pub mod settings;
+pub mod simulate;
 pub mod stage;
 pub mod stages;
 pub mod subject;

@@ -42,6 +42,10 @@ fn run(cli: &Cli) -> Outcome<bool> {
             println!("{}", runner.why(name)?);
             Ok(tell(&faults))
         }
+        Command::Simulate { case, out } => {
+            study::simulate::run(case, out.as_deref(), cli.place.quiet)?;
+            Ok(true)
+        }
         Command::Check => check(&open()?.0),
         Command::List => {
             print!("{}", study::story());

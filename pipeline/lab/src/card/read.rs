@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::{Card, check};
 use crate::Refusal;
-use crate::table::{line_of_path, refused};
+use crate::table::{SEE, line_of_path, refused};
 
 /// The card in the file `path`, checked.
 ///
@@ -25,7 +25,7 @@ pub fn read(path: &Path) -> Result<Card, Refusal> {
 /// As [`read`].
 pub fn parse(text: &str, path: &Path) -> Result<Card, Refusal> {
     let text = text.trim_start_matches('\u{feff}');
-    let card: Card = toml::from_str(text).map_err(|e| refused(text, path, &e))?;
+    let card: Card = toml::from_str(text).map_err(|e| refused(text, path, &e, SEE))?;
     let folder = path.parent().and_then(Path::file_name).and_then(|n| n.to_str());
     check::card(&card, folder).map_err(|found| {
         let line = line_of_path(text, &found.key);

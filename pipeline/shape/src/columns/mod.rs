@@ -15,7 +15,7 @@ mod plane;
 mod sequence;
 mod settle;
 mod sheets;
-mod symmetry;
+pub(crate) mod symmetry;
 #[cfg(test)]
 mod tests;
 

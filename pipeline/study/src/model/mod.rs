@@ -16,7 +16,7 @@ use crate::fault::{Fault, Outcome};
 use crate::records::Mesh;
 
 pub use ladder::{Ladder, Rung, Simulated, Want};
-pub use solid_angle::chamber_at;
+pub use solid_angle::{chamber_at, chamber_holding};
 
 /// A specimen ready to be simulated.
 #[derive(Clone)]

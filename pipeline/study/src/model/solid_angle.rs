@@ -2,7 +2,9 @@
 //!
 //! Stands on: shape. Never knows: a card.
 
-use shape::{QuadraticMesh, Skin};
+use std::collections::BTreeMap;
+
+use shape::{QuadraticMesh, Skin, Solid};
 use si::Point3;
 use si::vec3::{cross, dot, norm, sub};
 
@@ -10,29 +12,34 @@ use si::vec3::{cross, dot, norm, sub};
 ///
 /// The solid angle of a chamber's walls is 4π from inside and 0 from outside. A half model is mirrored at z = 0.
 pub fn chamber_at(solid: &QuadraticMesh, at: Point3) -> Option<u16> {
-    let mut indices: Vec<u16> = solid.skin.iter().filter_map(|f| index(f.on)).collect();
-    indices.sort_unstable();
-    indices.dedup();
-    indices.into_iter().find(|&k| angle(solid, k, at).abs() > 2.0 * std::f64::consts::PI)
+    let faces = solid.skin.iter().map(|face| (face.nodes.as_slice(), face.on));
+    holding(&solid.nodes, faces, solid.half, at)
 }
 
-fn index(on: Skin) -> Option<u16> {
-    match on {
-        Skin::Chamber(k) => Some(k),
-        _ => None,
+/// The same for a mesh of either order.
+pub fn chamber_holding(solid: &Solid, at: Point3) -> Option<u16> {
+    holding(solid.nodes(), solid.faces().into_iter(), solid.half(), at)
+}
+
+fn holding<'a>(
+    nodes: &[Point3],
+    faces: impl Iterator<Item = (&'a [u32], Skin)>,
+    half: bool,
+    at: Point3,
+) -> Option<u16> {
+    let mut angles = BTreeMap::new();
+    for (face, on) in faces {
+        let Skin::Chamber(chamber) = on else { continue };
+        let corners = [0, 1, 2].map(|i| nodes[face[i] as usize]);
+        let [a, b, c] = corners;
+        let mirrored = [a, c, b].map(|[x, y, z]| [x, y, -z]);
+        let seen = of_triangle(corners, at) + if half { of_triangle(mirrored, at) } else { 0.0 };
+        *angles.entry(chamber).or_insert(0.0) += seen;
     }
-}
-
-fn angle(solid: &QuadraticMesh, chamber: u16, at: Point3) -> f64 {
-    let walls = solid.skin.iter().filter(|f| f.on == Skin::Chamber(chamber));
-    walls
-        .map(|f| {
-            let corners = [0, 1, 2].map(|i| solid.nodes[f.nodes[i] as usize]);
-            let [a, b, c] = corners;
-            let mirrored = [a, c, b].map(|[x, y, z]| [x, y, -z]);
-            of_triangle(corners, at) + if solid.half { of_triangle(mirrored, at) } else { 0.0 }
-        })
-        .sum()
+    angles
+        .into_iter()
+        .find(|(_, angle): &(u16, f64)| angle.abs() > 2.0 * std::f64::consts::PI)
+        .map(|(chamber, _)| chamber)
 }
 
 /// Signed solid angle of a triangle seen from a point.      [vanoosterom1983]

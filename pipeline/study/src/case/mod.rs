@@ -1,0 +1,172 @@
+//! Cases: one body under loads of one's own, as a page of TOML.
+//!
+//! Every key with its unit: [`KEYS`], which `study simulate --help` shows.
+//!
+//! Stands on: serde, lab (its refusals). Never knows: a mesh, a solver, a project.
+
+mod check;
+mod history;
+mod loads;
+mod place;
+mod read;
+mod solve;
+
+use serde::Deserialize;
+use si::{KilogramPerCubicMetre, Metre, Pascal, Point3};
+
+pub use history::{History, Wave};
+pub use loads::{Chamber, Load, Mass};
+pub use place::{Block, Place, Plane};
+pub use read::{parse, read};
+pub use solve::{Dynamic, Marker, Node, Output, Scheme, Start, Static, Steps};
+
+/// The keys of a case, as an example.
+pub const KEYS: &str = include_str!("keys.txt");
+
+/// Everything that a case says.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Case {
+    /// m/s²; acts in full at every level and time.
+    #[serde(default)]
+    pub gravity: Point3,
+    /// Where the body comes from.
+    pub mesh: Source,
+    /// What its regions are made of.
+    pub region: Vec<Region>,
+    /// Where it is held.
+    #[serde(default)]
+    pub clamp: Vec<Clamp>,
+    /// Its chambers and their pressures.
+    #[serde(default)]
+    pub chamber: Vec<Chamber>,
+    /// Dead loads.
+    #[serde(default)]
+    pub load: Vec<Load>,
+    /// What hangs on it.
+    #[serde(default)]
+    pub mass: Vec<Mass>,
+    /// How equilibria are sought.
+    #[serde(rename = "static")]
+    pub statics: Option<Static>,
+    /// How it moves.
+    pub dynamic: Option<Dynamic>,
+    /// What is written.
+    #[serde(default)]
+    pub output: Output,
+}
+
+/// `[mesh]`: a mesh, or two surfaces to be meshed.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Source {
+    /// A mesh file, relative to the case.
+    pub file: Option<String>,
+    /// The soft body's STL file, relative to the case.
+    pub body: Option<String>,
+    /// The stiff sheet's STL file, relative to the case.
+    pub spine: Option<String>,
+    /// Length of edges for the two STL files, m.
+    pub edge: Option<Metre>,
+    /// Unit of the files' numbers.
+    pub unit: Unit,
+    /// Order of the elements; the file's own when it is not said, quadratic for STL files.
+    pub order: Option<Order>,
+    /// Whether the half z ≥ 0 of a symmetric body is simulated.
+    #[serde(default)]
+    pub half: bool,
+}
+
+/// Unit of a mesh file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Unit {
+    /// Metres.
+    M,
+    /// Millimetres.
+    Mm,
+}
+
+impl Unit {
+    /// One of it, m.
+    pub fn metres(self) -> Metre {
+        match self {
+            Self::M => 1.0,
+            Self::Mm => 1e-3,
+        }
+    }
+}
+
+/// Order of the elements.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Order {
+    /// Four nodes.
+    Linear,
+    /// Ten nodes.
+    Quadratic,
+}
+
+/// `[[region]]`: what one region of the mesh is made of.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Region {
+    /// Its name in the file; `body` or `spine` for STL files.
+    pub name: Option<String>,
+    /// Its tag in the file.
+    pub tag: Option<i64>,
+    /// The law's name.
+    pub material: String,
+    /// E, Pa.
+    pub youngs_modulus: Pascal,
+    /// ν, no unit.
+    pub poissons_ratio: f64,
+    /// kg/m³.
+    pub density: KilogramPerCubicMetre,
+    /// Whether the part of the energy that λ weighs sees each element's mean.
+    #[serde(default)]
+    pub mean_dilatation: bool,
+}
+
+/// `[[clamp]]`: nodes that are held, and along which axes.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Clamp {
+    /// On a plane.
+    pub plane: Option<Plane>,
+    /// In a box.
+    #[serde(rename = "box")]
+    pub block: Option<Block>,
+    /// Axes; all when it is not said.
+    #[serde(default = "all_axes")]
+    pub hold: Vec<Axis>,
+}
+
+/// An axis of space.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Axis {
+    /// x
+    X,
+    /// y
+    Y,
+    /// z
+    Z,
+}
+
+fn all_axes() -> Vec<Axis> {
+    vec![Axis::X, Axis::Y, Axis::Z]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_keys_that_the_help_shows_are_those_that_are_read() {
+        let page = KEYS.split_once("\n\n").and_then(|(_, rest)| rest.split_once("A history is")).unwrap().0;
+        let case: Case = toml::from_str(page).unwrap();
+        assert!(case.statics.is_some() && case.dynamic.is_some());
+        assert_eq!((case.load.len(), case.mass.len(), case.output.marker.len()), (1, 1, 1));
+    }
+}
