@@ -159,6 +159,19 @@ fn a_chamber_follows_its_history() {
     assert!((volume[0] - 5.44e-6).abs() < 1e-12 && volume[10] > 1.01 * volume[0], "{volume:?}");
 }
 
+#[test]
+fn a_motion_that_is_lost_leaves_its_last_state_and_says_when() {
+    let ramp = "pressure = { ramp = { to = 1e6, seconds = 0.1 } }";
+    let moving = "[dynamic]\nduration = 0.1\nstep = 0.005";
+    let case = example("finger.toml").replace("pressure = 8.0e3", ramp).replace("\"quadratic\"", "\"linear\"");
+    let said =
+        simulate("lost", &case.replace("[static]\nlevels = [0.25, 0.5, 0.75, 1.0]", moving)).map(|_| ()).unwrap_err();
+    assert!(said.contains("no motion is found beyond 0.0") && said.contains("last_converged.vtu"), "{said}");
+    let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("lost/case.out");
+    assert!(!Table::read(&out.join("case.csv")).rows.is_empty());
+    assert!(vtu(&std::fs::read(out.join("last_converged.vtu")).unwrap()).is_ok());
+}
+
 /// The hollow ball of `shape`'s tests, held so that it can swell but not move.
 const BALL: &str = r#"
 [mesh]

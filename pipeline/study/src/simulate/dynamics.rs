@@ -32,7 +32,8 @@ pub(super) fn solve(
     let initial = initial(set, body, &mut solver, &pressures(0.0))?;
     // what is written needs the solver's gas law while the march borrows the solver
     let reader = body.solver(case)?;
-    let mut watch = Watch { case, body, reader: &reader, written, telling, steps: 0, last: None, fault: None };
+    let mut watch =
+        Watch { case, body, reader: &reader, written, telling, steps: 0, last: (0.0, initial.clone()), fault: None };
     watch.see(0.0, &initial);
     let lost = {
         let mut observe = |time: Second, state: &State| watch.next(time, state);
@@ -84,7 +85,7 @@ struct Watch<'a> {
     written: &'a mut Written,
     telling: &'a Telling,
     steps: usize,
-    last: Option<(Second, State)>,
+    last: (Second, State),
     /// The first thing that could not be written.
     fault: Option<Fault>,
 }
@@ -98,7 +99,7 @@ impl Watch<'_> {
             let fastest = state.velocity.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
             self.telling.line(&format!("step {} at {time:.6} s: fastest {fastest:.3e} m/s", self.steps));
         }
-        self.last = Some((time, state.clone()));
+        self.last = (time, state.clone());
     }
 
     fn see(&mut self, time: Second, state: &State) {
@@ -128,8 +129,8 @@ impl Watch<'_> {
         let Some(lost) = lost else {
             return Ok(Summary { freedoms: 0, solved: self.steps, iterations: None, folder: Default::default() });
         };
-        let Some((time, state)) = self.last.take() else { return Err(Fault::from_tool(lost)) };
-        let path = self.written.frames.write("last_converged.vtu", time, self.body, &frame(&state, self.reader))?;
+        let (time, state) = &self.last;
+        let path = self.written.frames.write("last_converged.vtu", *time, self.body, &frame(state, self.reader))?;
         Err(Fault::from_tool(format!("{lost}\n  last converged state: {}", path.display())))
     }
 }
