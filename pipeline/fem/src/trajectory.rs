@@ -13,7 +13,7 @@ use crate::stencil::Stencil;
 use si::{Pascal, Second};
 
 /// A motion and what is needed to repeat it.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Trajectory {
     pub(crate) march: March,
     /// Time of each state, the initial one first, s.

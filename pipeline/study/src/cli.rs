@@ -83,10 +83,27 @@ pub enum Command {
         #[arg(long)]
         out: Option<PathBuf>,
     },
-    /// Compare every number with what is expected and published, and every claim with its rule.
-    Check,
+    /// Compare every number with what is expected and published, and every claim with its rule; or certify gradients.
+    Check {
+        /// Something else to check.
+        #[command(subcommand)]
+        what: Option<Checked>,
+    },
     /// List the stages, figures and tables, each with its story.
     List,
+}
+
+/// What can be checked beside the numbers.
+#[derive(Debug, Subcommand)]
+pub enum Checked {
+    /// Check every gradient of a case against converged differences, and by the Taylor test.
+    Gradients {
+        /// Cases as `study simulate` takes them; the examples that come with the project when none is named.
+        cases: Vec<PathBuf>,
+        /// Steps of a motion that are gone through.
+        #[arg(long, default_value_t = 12)]
+        steps: usize,
+    },
 }
 
 /// The profiles as words of the command line.

@@ -8,6 +8,7 @@
 //! Stands on: every tool crate. Never knows: the virtual bench.
 
 pub mod case;
+pub mod certify;
 pub mod check;
 pub mod claims;
 pub mod cli;

@@ -1,9 +1,10 @@
 //! `study`: the pipeline's command line. Exit code 0 when all is made, 1 for bad input or drift, 2 for usage.
 
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
-use study::cli::{Cli, Command};
+use study::cli::{Checked, Cli, Command};
 use study::fault::{Fault, Outcome};
 use study::runner::{Goal, Runner, Tally};
 
@@ -46,7 +47,10 @@ fn run(cli: &Cli) -> Outcome<bool> {
             study::simulate::run(case, out.as_deref(), cli.place.quiet)?;
             Ok(true)
         }
-        Command::Check => check(&open()?.0),
+        Command::Check { what: None } => check(&open()?.0),
+        Command::Check { what: Some(Checked::Gradients { cases, steps }) } => {
+            certify(&cli.place.root, cases, *steps, cli.place.quiet)
+        }
         Command::List => {
             print!("{}", study::story());
             Ok(true)
@@ -58,6 +62,20 @@ fn check(runner: &Runner) -> Outcome<bool> {
     let checked = study::check(runner)?;
     println!("{}", checked.text);
     Ok(!checked.drifted)
+}
+
+/// Certifies every case, and says whether all of them hold.
+fn certify(root: &Path, cases: &[PathBuf], steps: usize, quiet: bool) -> Outcome<bool> {
+    let cases = if cases.is_empty() { study::certify::examples(root)? } else { cases.to_vec() };
+    let mut hold = true;
+    for case in &cases {
+        let certificate = study::certify::run(case, steps)?;
+        hold &= certificate.holds();
+        if !quiet || !certificate.holds() {
+            println!("{certificate}");
+        }
+    }
+    Ok(hold)
 }
 
 fn tell(faults: &[Fault]) -> bool {

@@ -17,7 +17,7 @@ use crate::fault::{Fault, Outcome};
 use crate::model::chamber_holding;
 
 /// A case ready to be solved.
-pub(super) struct Body<'a> {
+pub(crate) struct Body<'a> {
     pub solid: &'a Solid,
     pub regions: &'a [Region],
     pub cavities: &'a [Cavity],

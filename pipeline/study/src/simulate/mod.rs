@@ -21,9 +21,10 @@ use std::time::Instant;
 
 use crate::case::{Case, read};
 use crate::fault::{Fault, Outcome};
-use body::Body;
+pub(crate) use body::Body;
 use frames::Frames;
 use probes::Table;
+pub(crate) use solid::load;
 
 /// What a simulation says at its end.
 #[derive(Debug, Clone, PartialEq)]

@@ -11,7 +11,7 @@ use crate::case::{Case, Order, Source};
 use crate::fault::{Fault, Outcome};
 
 /// A mesh with names.
-pub(super) struct Loaded {
+pub(crate) struct Loaded {
     pub solid: Solid,
     /// By region.
     pub regions: Vec<Region>,
@@ -24,7 +24,7 @@ pub(super) struct Loaded {
 ///
 /// # Errors
 /// A [`Fault`] that names the file, and the line, element or node in it.
-pub(super) fn load(case: &Case, folder: &Path) -> Outcome<Loaded> {
+pub(crate) fn load(case: &Case, folder: &Path) -> Outcome<Loaded> {
     let mesh = &case.mesh;
     let mut loaded = match &mesh.file {
         Some(file) => from_file(mesh, &folder.join(file))?,

@@ -52,7 +52,14 @@ fn frame<'a>(displacement: &'a [f64], solver: &'a Solver) -> Frame<'a> {
 fn said(level: f64, found: &Equilibrium) -> String {
     let moved = found.displacement.chunks_exact(3).map(|u| u[0].hypot(u[1]).hypot(u[2])).fold(0.0, f64::max);
     let Equilibrium { iterations, residual, .. } = found;
-    format!("level {level}: moved {:.4} mm at most, {iterations} iterations, residual {residual:.1e}", 1e3 * moved)
+    let snapped = match found.snaps.last() {
+        Some(part) => format!("; it snapped at {:.1} % of this level", 100.0 * part),
+        None => String::new(),
+    };
+    format!(
+        "level {level}: moved {:.4} mm at most, {iterations} iterations, residual {residual:.1e}{snapped}",
+        1e3 * moved
+    )
 }
 
 /// Writes the last converged state, of this level or the one `before`, and says where it lies.

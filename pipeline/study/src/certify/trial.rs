@@ -1,0 +1,211 @@
+//! A trial: the case solved as often as a check asks, exactly enough for differences.
+//!
+//! Stands on: `case`, `simulate` (its body), `knobs`, `loss`, fem. Never knows: a verdict.
+
+use fem::{Equilibrium, March, MotionGradient, Parameter, Slope, Solver, State, StaticSettings, Trajectory};
+use si::{Pascal, Second};
+
+use super::knobs::Knob;
+use super::loss::Loss;
+use crate::case::{Case, Scheme};
+use crate::fault::{Fault, Outcome};
+use crate::simulate::Body;
+
+/// Parts of the body's size to which shapes at rest and steps are solved: what differences of 1e-6 need.
+const AT_REST: f64 = 1e-12;
+const IN_MOTION: f64 = 1e-9;
+/// Bytes that a recorded motion may take.
+const MEMORY: usize = 1 << 31;
+
+/// A case, its body and its solution as it is.
+pub(super) struct Trial<'a> {
+    case: &'a Case,
+    body: &'a Body<'a>,
+    solver: Solver,
+    steps: usize,
+    solved: Solved,
+    loss: Loss,
+}
+
+/// The solution as the case has it.
+enum Solved {
+    Rest(Box<Equilibrium>),
+    Motion(Box<Trajectory>),
+}
+
+impl<'a> Trial<'a> {
+    /// # Errors
+    /// A [`Fault`] when the case cannot be solved.
+    pub fn new(case: &'a Case, body: &'a Body, steps: usize) -> Outcome<Self> {
+        let solver = body.solver(case)?;
+        let solved = Solved::Motion(Box::<Trajectory>::default());
+        let mut trial = Self { case, body, solver, steps, solved, loss: Loss::around(&[]) };
+        trial.solved = match case.dynamic {
+            None => Solved::Rest(Box::new(trial.rest(&trial.pressures(None), None)?)),
+            Some(_) => Solved::Motion(Box::new(trial.motion(None)?)),
+        };
+        trial.loss = Loss::around(&trial.shape()?);
+        Ok(trial)
+    }
+
+    /// ∂L/∂θ of every knob, backwards and forwards.
+    pub fn derivatives(&mut self, knobs: &[Knob]) -> Outcome<Vec<(f64, f64)>> {
+        let Self { solver, solved, loss, .. } = self;
+        match solved {
+            Solved::Rest(at) => rest_derivatives(solver, at, &loss.slope(&at.displacement), knobs),
+            Solved::Motion(made) => motion_derivatives(solver, made, loss, knobs),
+        }
+    }
+
+    /// L with one knob turned by `part` of its turn.
+    pub fn loss_at(&mut self, knob: &Knob, part: f64) -> Outcome<f64> {
+        let value = knob.value + part * knob.turn;
+        self.set(knob.parameter, value)?;
+        let shape = match &self.solved {
+            Solved::Rest(at) => {
+                let start = at.displacement.clone();
+                self.rest(&self.pressures(Some((knob.parameter, value))), Some(&start)).map(|at| at.displacement)
+            }
+            Solved::Motion(_) => self.motion(Some((knob.parameter, value))).and_then(|made| self.last_of(&made)),
+        };
+        self.set(knob.parameter, knob.value)?;
+        Ok(self.loss.value(&shape?))
+    }
+
+    fn set(&mut self, parameter: Parameter, value: f64) -> Outcome<()> {
+        let is = |region: usize| self.body.system.regions()[region];
+        match parameter {
+            Parameter::YoungsModulus(region) => {
+                self.solver.set_elastic(region, value, is(region).poissons_ratio).map_err(Fault::from_tool)
+            }
+            Parameter::PoissonsRatio(region) => {
+                self.solver.set_elastic(region, is(region).youngs_modulus, value).map_err(Fault::from_tool)
+            }
+            Parameter::Density(region) => self.solver.set_density(region, value).map_err(Fault::from_tool),
+            Parameter::Force { node, axis } => {
+                let mut forces = self.body.forces.clone();
+                forces[3 * node + axis] = value;
+                self.solver.set_forces(&forces).map_err(Fault::from_tool)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Pressures of the last level, one gain perhaps turned.
+    fn pressures(&self, turned: Option<(Parameter, f64)>) -> Vec<Pascal> {
+        let level = self.case.statics.as_ref().and_then(|set| set.levels.last().copied()).unwrap_or(1.0);
+        let mut pressures = self.body.pressures(self.case, |chamber| chamber.pressure.at_level(level));
+        turn(&mut pressures, turned);
+        pressures
+    }
+
+    fn rest(&mut self, pressures: &[Pascal], start: Option<&[f64]>) -> Outcome<Equilibrium> {
+        let load_steps = self.case.statics.as_ref().map_or(6, |set| set.load_steps);
+        let settings = StaticSettings { tolerance: AT_REST, load_steps, ..StaticSettings::default() };
+        self.solver.equilibrium(pressures, start, &settings).map_err(Fault::from_tool)
+    }
+
+    fn motion(&mut self, turned: Option<(Parameter, f64)>) -> Outcome<Trajectory> {
+        let Some(set) = &self.case.dynamic else { return Ok(Trajectory::default()) };
+        let value = |parameter: Parameter, own: f64| match turned {
+            Some((of, value)) if of == parameter => value,
+            _ => own,
+        };
+        let march = March {
+            step: set.step.or(set.adaptive.map(|bounds| bounds.longest)).unwrap_or(March::default().step),
+            scheme: if set.scheme == Scheme::Bdf2 { fem::Scheme::Bdf2 } else { fem::Scheme::ImplicitEuler },
+            mass_damping: value(Parameter::MassDamping, set.mass_damping),
+            stiffness_damping: value(Parameter::StiffnessDamping, set.stiffness_damping),
+            tolerance: IN_MOTION,
+        };
+        let beat = |time: Second| {
+            let mut pressures = self.body.pressures(self.case, |chamber| chamber.pressure.at(time));
+            turn(&mut pressures, turned);
+            pressures
+        };
+        let rest = State::rest(self.body.solid.nodes().len());
+        self.solver.record(&march, &rest, &beat, self.steps, MEMORY).map_err(Fault::from_tool)
+    }
+
+    /// The shape that the loss is taken of.
+    fn shape(&mut self) -> Outcome<Vec<f64>> {
+        match &self.solved {
+            Solved::Rest(at) => Ok(at.displacement.clone()),
+            Solved::Motion(made) => {
+                let made = made.clone();
+                self.last_of(&made)
+            }
+        }
+    }
+
+    fn last_of(&mut self, made: &Trajectory) -> Outcome<Vec<f64>> {
+        let mut last = Vec::new();
+        let mut see = |_: Second, state: &State| last.clone_from(&state.displacement);
+        self.solver.replay(made, &mut see).map_err(Fault::from_tool)?;
+        Ok(last)
+    }
+}
+
+/// Turns the gain of one chamber.
+fn turn(pressures: &mut [Pascal], turned: Option<(Parameter, f64)>) {
+    if let Some((Parameter::PressureGain(chamber), gain)) = turned {
+        pressures[chamber] *= gain;
+    }
+}
+
+fn rest_derivatives(solver: &mut Solver, at: &Equilibrium, slope: &[f64], knobs: &[Knob]) -> Outcome<Vec<(f64, f64)>> {
+    let by = solver.gradient(at, slope).map_err(Fault::from_tool)?;
+    let mut all = Vec::new();
+    for knob in knobs {
+        let backward = match knob.parameter {
+            Parameter::YoungsModulus(region) => by.regions[region].youngs_modulus,
+            Parameter::PoissonsRatio(region) => by.regions[region].poissons_ratio,
+            Parameter::Density(region) => by.regions[region].density,
+            Parameter::PressureGain(chamber) => by.pressures[chamber] * at.pressures[chamber],
+            Parameter::Force { node, axis } => by.forces[3 * node + axis],
+            _ => 0.0,
+        };
+        let change = solver.sensitivity(at, knob.parameter).map_err(Fault::from_tool)?;
+        all.push((backward, dot(&change, slope)));
+    }
+    Ok(all)
+}
+
+fn motion_derivatives(solver: &mut Solver, made: &Trajectory, loss: &Loss, knobs: &[Knob]) -> Outcome<Vec<(f64, f64)>> {
+    let last = made.steps();
+    let mut slope = Vec::new();
+    let mut asks = |n: usize, state: &State| {
+        if n != last {
+            return Slope::default();
+        }
+        slope = loss.slope(&state.displacement);
+        Slope { displacement: slope.clone(), velocity: Vec::new() }
+    };
+    let by = solver.backward(made, &mut asks).map_err(Fault::from_tool)?;
+    let parameters: Vec<Parameter> = knobs.iter().map(|knob| knob.parameter).collect();
+    let mut forward = vec![0.0; knobs.len()];
+    let mut see = |n: usize, changes: &[&State]| {
+        if n == last {
+            forward.iter_mut().zip(changes).for_each(|(sum, change)| *sum = dot(&change.displacement, &slope));
+        }
+    };
+    solver.sensitivities(made, &parameters, &mut see).map_err(Fault::from_tool)?;
+    Ok(knobs.iter().zip(forward).map(|(knob, forward)| (of_motion(&by, knob.parameter), forward)).collect())
+}
+
+fn of_motion(by: &MotionGradient, parameter: Parameter) -> f64 {
+    match parameter {
+        Parameter::YoungsModulus(region) => by.regions[region].youngs_modulus,
+        Parameter::PoissonsRatio(region) => by.regions[region].poissons_ratio,
+        Parameter::Density(region) => by.regions[region].density,
+        Parameter::PressureGain(chamber) => by.pressure_gains[chamber],
+        Parameter::Force { node, axis } => by.forces[3 * node + axis],
+        Parameter::MassDamping => by.mass_damping,
+        Parameter::StiffnessDamping => by.stiffness_damping,
+        _ => 0.0,
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
