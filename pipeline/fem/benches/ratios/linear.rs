@@ -5,7 +5,7 @@
 use crate::Outcome;
 use crate::beams::{fine, system};
 use crate::clock::{say, timed};
-use crate::quadratic::counted;
+use crate::quadratic::{counted, peak_memory};
 use fem::{March, Scheme, Slope, State, StaticSettings};
 
 /// s, one thread: a static solve, one implicit step, 20 steps with gradient.
@@ -38,5 +38,25 @@ pub fn as_diffpd() -> Outcome<()> {
     let (backward, _) = timed(1, || Ok(solver.backward(&made, &mut ask)?))?;
     say("their gradient", backward, Some((forward, "the 20 steps")));
     say("20 steps with gradient", forward + backward, Some((DIFFPD_GRADIENT, "DiffPD's")));
+    Ok(())
+}
+
+/// A motion of 2000 steps and its gradient, in stretches that take 400 MB at most.
+pub fn long_motion() -> Outcome<()> {
+    let system = system(fine(), 12500.0)?;
+    let march = March { step: 1e-3, stiffness_damping: 1e-3, ..March::default() };
+    let rest = State::rest(system.mesh().nodes.len());
+    let beat = |time: f64| vec![5e3 * (1.0 - (12.0 * time).cos()), 0.0];
+    let mut solver = system.solver();
+    let (forward, made) = timed(1, || Ok(solver.record(&march, &rest, &beat, 2000, 400_000_000)?))?;
+    println!("{} freedoms, {} steps in {} stretches", system.freedoms(), made.steps(), made.stretches());
+    say("2000 steps", forward, None);
+    let mut ask = |n: usize, state: &State| {
+        let displacement = if n == 2000 { state.displacement.clone() } else { Vec::new() };
+        Slope { displacement, ..Slope::default() }
+    };
+    let (backward, _) = timed(1, || Ok(solver.backward(&made, &mut ask)?))?;
+    say("their gradient, marching them again", backward, Some((forward, "the 2000 steps")));
+    println!("peak memory {}", peak_memory());
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! What a solve costs, in CPU seconds and as ratios taken in one run, on hollow beams with ribs and a stiff sheet.
 //!
-//! `just bench` runs it.
+//! `just bench` runs it; `-- --long` behind its command takes a motion of 2000 steps and its gradient instead, some ten minutes.
 //!
 //! Stands on: `fem` as its users see it, `faer`. Never knows: a specimen.
 
@@ -18,6 +18,9 @@ type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
 fn main() -> Outcome<()> {
     if std::env::args().any(|word| word == "--memory") {
         return quadratic::memory();
+    }
+    if std::env::args().any(|word| word == "--long") {
+        return linear::long_motion();
     }
     let system = beams::system(boxes::with_middles(&beams::slender(5)), 12500.0)?;
     println!("10-node hollow beam: {system:?}");

@@ -67,8 +67,13 @@ pub fn memory() -> Outcome<()> {
     let system = system(boxes::with_middles(&slender(17)), 12500.0)?;
     let set = StaticSettings { load_steps: 1, ..StaticSettings::default() };
     let (time, at) = timed(1, || Ok(system.solver().equilibrium(&[0.0, 5e3], None, &set)?))?;
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).map_or("unknown", str::trim);
+    let peak = peak_memory();
     println!("{} freedoms, {}: {time:.1} s, peak memory {peak}", system.freedoms(), counted("50 mbar", &at));
     Ok(())
+}
+
+/// The most memory that this process has had, as the kernel tells it.
+pub fn peak_memory() -> String {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    status.lines().find_map(|line| line.strip_prefix("VmHWM:")).map_or("unknown", str::trim).to_owned()
 }
