@@ -2,8 +2,8 @@
 //!
 //! Stands on: `mesh`, `si`. Never knows: a density, a matrix.
 
+use crate::body::rest::triangle_overlaps;
 use crate::mesh::Mesh;
-use crate::rest::triangle_overlaps;
 use std::collections::BTreeMap;
 
 /// Mass on nodes beside the body's own, kg.

@@ -6,7 +6,7 @@
 //!
 //! Stands on: `mesh`, `elements`. Never knows: a material, a solve.
 
-use crate::elements::{EDGES, SIDES};
+use crate::body::elements::{EDGES, SIDES};
 use crate::mesh::{Chamber, Elements, Faces, Mesh};
 use si::Point3;
 use std::collections::{BTreeMap, BTreeSet};

@@ -2,23 +2,16 @@
 //!
 //! Stands on: `mesh`, `rest`, `clamps`, `loads`. Never knows: a file, a solve.
 
+use crate::algebra::graph::Graph;
 use crate::attached::Masses;
+use crate::body::rest::Rest;
 use crate::clamps::Clamps;
-use crate::graph::Graph;
 use crate::mesh::{Chamber, Faces, Mesh};
-use crate::refusal::SetupError;
-use crate::rest::Rest;
-use crate::system::RegionProperties;
+use crate::refusal::{FLATTEST, LARGEST, SMALLEST, SetupError};
+use crate::region::RegionProperties;
 use nalgebra::{Matrix6, SymmetricEigen, Vector6};
-use si::{Metre, vec3};
+use si::vec3;
 use std::collections::BTreeMap;
-
-/// Larger bodies are given in millimetres by mistake.
-pub(crate) const LARGEST: Metre = 10.0;
-/// Smaller ones in kilometres, or they are a single point.
-pub(crate) const SMALLEST: Metre = 1e-4;
-/// Volume over the cube of the longest edge, of the flattest element allowed: a regular one has 0.118.
-pub(crate) const FLATTEST: f64 = 1e-7;
 
 /// Node numbers, coordinates, size and half.
 pub(crate) fn nodes(mesh: &Mesh, clamps: &Clamps) -> Result<(), SetupError> {
@@ -56,7 +49,7 @@ pub(crate) fn elements(mesh: &Mesh, rest: &Rest, graph: &Graph) -> Result<(), Se
     for element in 0..mesh.elements.len() {
         let volume = rest.volumes[element];
         let corner = |n: usize| mesh.nodes[mesh.elements.nodes(element)[n] as usize];
-        let longest = crate::elements::EDGES
+        let longest = crate::body::elements::EDGES
             .iter()
             .map(|&(a, b)| vec3::norm(vec3::sub(corner(b), corner(a))))
             .fold(0.0, f64::max);
@@ -178,7 +171,7 @@ pub(crate) fn closed(mesh: &Mesh, index: usize, chamber: &Chamber) -> Result<(),
     let mut edges: BTreeMap<[u32; 2], (i32, usize)> = BTreeMap::new();
     for face in 0..chamber.faces.len() {
         let nodes = chamber.faces.nodes(face);
-        for (a, b) in crate::elements::SIDES {
+        for (a, b) in crate::body::elements::SIDES {
             let (from, to) = (nodes[a], nodes[b]);
             let (key, turn) = if from < to { ([from, to], 1) } else { ([to, from], -1) };
             let entry = edges.entry(key).or_insert((0, face));

@@ -2,8 +2,8 @@
 //!
 //! Stands on: `mesh`, `rest`. Never knows: a solver, a pressure.
 
+use crate::body::rest::{edge_shares, triangle_shares};
 use crate::mesh::Mesh;
-use crate::rest::{edge_shares, triangle_shares};
 use si::Point3;
 
 /// A list of nodal forces in the making.

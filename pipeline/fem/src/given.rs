@@ -2,12 +2,13 @@
 //!
 //! Stands on: `system`, `mass`, `loads`. Never knows: a displacement, how anything is solved.
 
-use crate::assembly::Elastic;
+use crate::body::assembly::Elastic;
+use crate::body::mass::Mass;
+use crate::descent::potential::{Inertia, Potential};
 use crate::loads::DeadForces;
-use crate::mass::Mass;
 use crate::material::Lame;
-use crate::potential::{Inertia, Potential};
-use crate::system::{Parts, RegionProperties};
+use crate::parts::Parts;
+use crate::region::RegionProperties;
 use si::{Pascal, Point3};
 use std::sync::Arc;
 

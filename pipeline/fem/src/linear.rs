@@ -4,8 +4,9 @@
 //!
 //! Stands on: `newton`, `tangent`. Never knows: what the solution is for.
 
-use crate::solver::{SolveError, Solver};
-use crate::statics::Equilibrium;
+use crate::solver::Solver;
+use crate::stall::SolveError;
+use crate::statics::equilibrium::Equilibrium;
 
 /// A symmetric matrix by columns, its lower triangle alone: rows and columns in the order of elimination.
 #[derive(Debug, Clone, Copy)]

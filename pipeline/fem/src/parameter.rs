@@ -7,7 +7,8 @@
 use crate::given::add_weights;
 use crate::load::Load;
 use crate::material::Lame;
-use crate::solver::{SolveError, Solver};
+use crate::solver::Solver;
+use crate::stall::SolveError;
 use si::Pascal;
 
 /// What a shape or a motion depends on.

@@ -4,6 +4,13 @@
 
 use si::{CubicMetre, Kilogram, Metre, Pascal, Point3};
 
+/// Larger bodies are given in millimetres by mistake.
+pub(crate) const LARGEST: Metre = 10.0;
+/// Smaller ones in kilometres, or they are a single point.
+pub(crate) const SMALLEST: Metre = 1e-4;
+/// Volume over the cube of the longest edge, of the flattest element allowed: a regular one has 0.118.
+pub(crate) const FLATTEST: f64 = 1e-7;
+
 /// Why no [`crate::System`] can be made of what was given.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SetupError {
@@ -51,7 +58,7 @@ pub enum SetupError {
         node: usize,
     },
     /// A size that betrays another unit.
-    #[error("the mesh is {size:.3e} m long\n  why: bodies between {:.0e} m and {:.0} m are simulated; this looks like {}\n  do:  give positions in metres", crate::checks::SMALLEST, crate::checks::LARGEST, if *.size > 1.0 { "millimetres" } else { "another unit" })]
+    #[error("the mesh is {size:.3e} m long\n  why: bodies between {:.0e} m and {:.0} m are simulated; this looks like {}\n  do:  give positions in metres", crate::refusal::SMALLEST, crate::refusal::LARGEST, if *.size > 1.0 { "millimetres" } else { "another unit" })]
     Size {
         /// Largest side of its box, m.
         size: Metre,
@@ -69,7 +76,7 @@ pub enum SetupError {
     /// An element without thickness.
     #[error(
         "element {element} is flat: its volume is {volume:.3e} m³, {ratio:.1e} of its longest edge cubed\n  why: the limit is {:.0e}\n  do:  collapse the element, or mesh anew",
-        crate::checks::FLATTEST
+        crate::refusal::FLATTEST
     )]
     FlatElement {
         /// Which element.

@@ -3,64 +3,29 @@
 //! Rest shapes, mass, loads, sparsity, elimination order and the structure of the factor are worked out once and
 //! shared by all solvers on all threads.
 //!
-//! Stands on: `checks`, `rest`, `mass`, `loads`, `sparse`, `factor`. Never knows: a displacement, a pressure.
+//! Stands on: `checks`, `parts`, `solver`. Never knows: a displacement, a pressure.
 
-use crate::assembly::Body;
+use crate::algebra::factor::Symbolic;
+use crate::algebra::graph::Graph;
+use crate::algebra::sparse::Pattern;
+use crate::body::mass::{Mass, Overlaps};
+use crate::body::rest::Rest;
 use crate::checks;
 use crate::clamps::Clamps;
-use crate::factor::Symbolic;
-use crate::graph::Graph;
 use crate::loads::ChamberPressure;
-use crate::mass::{Mass, Overlaps};
-use crate::material::Material;
 use crate::mesh::Mesh;
 use crate::options::Options;
+use crate::parts::Parts;
 use crate::refusal::SetupError;
-use crate::rest::Rest;
+use crate::region::RegionProperties;
 use crate::solver::Solver;
-use crate::sparse::Pattern;
-use si::{CubicMetre, KilogramPerCubicMetre, Metre, Pascal};
+use si::CubicMetre;
 use std::sync::Arc;
-
-/// What one region is made of.
-#[derive(Debug, Clone, Copy)]
-pub struct RegionProperties {
-    /// The law.
-    pub material: &'static dyn Material,
-    /// E, Pa.
-    pub youngs_modulus: Pascal,
-    /// ν, no unit, below 0.5.
-    pub poissons_ratio: f64,
-    /// kg/m³.
-    pub density: KilogramPerCubicMetre,
-}
 
 /// A body ready to be solved. Immutable and shared: a clone costs nothing.
 #[derive(Clone)]
 pub struct System {
     pub(crate) parts: Arc<Parts>,
-}
-
-/// What a system is made of.
-#[derive(Debug)]
-pub(crate) struct Parts {
-    pub mesh: Mesh,
-    pub regions: Vec<RegionProperties>,
-    pub rest: Rest,
-    pub pattern: Pattern,
-    pub places: Vec<u32>,
-    pub symbolic: Symbolic,
-    pub options: Options,
-    pub overlaps: Overlaps,
-    pub mass: Arc<Mass>,
-    pub chambers: Vec<ChamberPressure>,
-    pub size: Metre,
-}
-
-impl Parts {
-    pub fn body(&self) -> Body<'_> {
-        Body { mesh: &self.mesh, rest: &self.rest, pattern: &self.pattern, places: &self.places }
-    }
 }
 
 impl std::fmt::Debug for System {

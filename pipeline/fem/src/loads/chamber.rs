@@ -8,10 +8,10 @@
 //!
 //! Stands on: `load`, `elements`, `quadrature`. Never knows: a material, what the pressure is.
 
-use crate::elements::triangle;
+use crate::body::elements::triangle;
+use crate::body::quadrature::{triangle_1, triangle_7};
 use crate::load::Load;
 use crate::mesh::{Chamber, Faces, Mesh};
-use crate::quadrature::{triangle_1, triangle_7};
 use nalgebra::{Matrix3, Vector3};
 use si::{CubicMetre, Point2};
 

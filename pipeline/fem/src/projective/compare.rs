@@ -3,10 +3,10 @@
 //! Stands on: `newton`, `tangent`. Never knows: local and global steps.
 
 use super::{Projective, ProjectiveError, potential};
-use crate::march::State;
-use crate::search::{Gait, Rule};
+use crate::descent::search::{Gait, Rule};
+use crate::descent::tangent::Demand;
+use crate::motion::march::State;
 use crate::solver::Solver;
-use crate::tangent::Demand;
 use si::Pascal;
 
 /// Directions at most in one step.

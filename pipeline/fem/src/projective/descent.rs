@@ -7,10 +7,11 @@
 
 use super::global::Global;
 use super::{ProjectiveError, ProjectiveSettings};
+use crate::algebra::memory::Memory;
+use crate::algebra::vectors::dot;
+use crate::descent::newton::{descends, shorter};
+use crate::descent::potential::{Energy, Potential};
 use crate::load::Load;
-use crate::memory::Memory;
-use crate::newton::{descends, shorter};
-use crate::potential::{Energy, Potential, dot};
 
 /// Cuts of a step before its direction is given up.
 const CUTS: usize = 25;

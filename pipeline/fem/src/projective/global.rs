@@ -5,13 +5,14 @@
 //! Stands on: `sparse`, `factor`, `mass`. Never knows: a displacement, a load.
 
 use super::ProjectiveError;
-use crate::assembly::Elastic;
+use crate::algebra::factor::{Factor, Symbolic};
+use crate::algebra::graph::Graph;
+use crate::algebra::sparse::{HELD, Pattern};
+use crate::body::assembly::Elastic;
+use crate::body::mass::Mass;
 use crate::clamps::Clamps;
-use crate::factor::{Factor, Symbolic};
-use crate::graph::Graph;
-use crate::mass::Mass;
-use crate::sparse::{HELD, Pattern};
-use crate::system::{Parts, places};
+use crate::parts::Parts;
+use crate::system::places;
 use nalgebra::Matrix3;
 use si::vec3;
 
@@ -110,7 +111,8 @@ fn add_projections(parts: &Parts, elastic: &[Elastic], pattern: &Pattern, places
 mod tests {
     use super::*;
     use crate::materials::{by_name, turn_of};
-    use crate::system::{RegionProperties, System};
+    use crate::region::RegionProperties;
+    use crate::system::System;
     use crate::{Clamps, boxes};
 
     /// F of an element.

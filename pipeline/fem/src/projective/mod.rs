@@ -19,12 +19,14 @@ mod refusal;
 
 pub use refusal::ProjectiveError;
 
+use crate::descent::potential::{Curvature, Inertia, Potential};
 use crate::given::Given;
-use crate::march::State;
 use crate::mesh::Elements;
-use crate::potential::{Curvature, Inertia, Potential};
-use crate::solver::{SolveError, Solver};
-use crate::system::{Parts, System};
+use crate::motion::march::State;
+use crate::parts::Parts;
+use crate::solver::Solver;
+use crate::stall::SolveError;
+use crate::system::System;
 use global::Global;
 use si::{Pascal, Second};
 

@@ -2,8 +2,8 @@
 //!
 //! Stands on: `solver` (its errors), `search` (Newton's). Never knows: how it was found.
 
-use crate::search::Stall;
-use crate::solver::SolveError;
+use crate::descent::search::Stall;
+use crate::stall::SolveError;
 
 /// What projective dynamics cannot do.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -1,0 +1,81 @@
+//! A matrix that is sparse but for a few full blocks: K + Σ c v vᵀ, one block a sealed chamber.
+//!
+//! (K + V C Vᵀ)⁻¹ x = y − Z (C⁻¹ + VᵀZ)⁻¹ Vᵀ y with y = K⁻¹ x, Z = K⁻¹ V.     [woodbury1950]
+//!
+//! Stands on: `potential` (dot), `nalgebra`. Never knows: what a block stands for, how K is solved.
+
+use crate::algebra::vectors::dot;
+use nalgebra::{DMatrix, DVector};
+
+/// The full blocks, in elimination order, and what is needed to solve with them.
+#[derive(Debug, Default)]
+pub(crate) struct Bordered {
+    /// c and v of each.
+    blocks: Vec<(f64, Vec<f64>)>,
+    /// K⁻¹ v of each.
+    solved: Vec<Vec<f64>>,
+    /// (C⁻¹ + VᵀZ)⁻¹
+    inner: DMatrix<f64>,
+}
+
+impl Bordered {
+    /// No matrix to solve with yet: only products are known.
+    pub fn new(blocks: Vec<(f64, Vec<f64>)>) -> Self {
+        Self { blocks, ..Self::default() }
+    }
+
+    /// Prepares solves with the inverse of K that `solve` applies; says whether the whole can be inverted.
+    pub fn prepare(&mut self, mut solve: impl FnMut(&mut [f64])) -> bool {
+        self.solved = self.blocks.iter().map(|(_, v)| v.clone()).collect();
+        self.solved.iter_mut().for_each(|v| solve(v));
+        let count = self.blocks.len();
+        let inner = DMatrix::from_fn(count, count, |i, k| {
+            dot(&self.blocks[i].1, &self.solved[k]) + if i == k { 1.0 / self.blocks[i].0 } else { 0.0 }
+        });
+        match inner.try_inverse() {
+            Some(inverse) => self.inner = inverse,
+            None => return false,
+        }
+        true
+    }
+
+    /// From y = K⁻¹ x to (K + Σ c v vᵀ)⁻¹ x.
+    pub fn correct(&self, y: &mut [f64]) {
+        if self.solved.is_empty() {
+            return;
+        }
+        let along = DVector::from_iterator(self.blocks.len(), self.blocks.iter().map(|(_, v)| dot(v, y)));
+        let parts = &self.inner * along;
+        for (z, part) in self.solved.iter().zip(parts.iter()) {
+            y.iter_mut().zip(z).for_each(|(y, z)| *y -= part * z);
+        }
+    }
+
+    /// Adds Σ c v (v · x) to `image`.
+    pub fn multiply(&self, x: &[f64], image: &mut [f64]) {
+        for (c, v) in &self.blocks {
+            let part = c * dot(v, x);
+            image.iter_mut().zip(v).for_each(|(image, v)| *image += part * v);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_diagonal_matrix_with_two_full_blocks_is_solved_exactly() {
+        let diagonal = [2.0, 3.0, 5.0, 7.0];
+        let blocks = vec![(1.5, vec![1.0, -1.0, 0.5, 2.0]), (0.2, vec![0.0, 4.0, 1.0, -3.0])];
+        let solve = |x: &mut [f64]| x.iter_mut().zip(diagonal).for_each(|(x, d)| *x /= d);
+        let mut whole = Bordered::new(blocks);
+        assert!(whole.prepare(solve));
+        let exact = [0.3, -1.0, 2.0, 0.7];
+        let mut b: Vec<f64> = exact.iter().zip(diagonal).map(|(x, d)| d * x).collect();
+        whole.multiply(&exact, &mut b);
+        solve(&mut b);
+        whole.correct(&mut b);
+        assert!(b.iter().zip(exact).all(|(x, exact)| (x - exact).abs() < 1e-13), "{b:?}");
+    }
+}
