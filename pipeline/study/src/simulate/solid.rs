@@ -10,6 +10,9 @@ use shape::{Cavity, Solid, Surface};
 use crate::case::{Case, Order, Source};
 use crate::fault::{Fault, Outcome};
 
+/// What is said of surfaces whose half would do.
+const HALF: &str = "the surfaces are symmetric about z = 0: where clamps and loads are so too, their half z ≥ 0 would do (half = true)";
+
 /// A mesh with names.
 pub(crate) struct Loaded {
     pub solid: Solid,
@@ -66,11 +69,20 @@ fn from_surfaces(mesh: &Source, folder: &Path) -> Outcome<Loaded> {
         shape::stl::read(&bytes(&path)?, mesh.unit.metres()).map_err(|fault| named(&path, &fault))
     };
     let (body, spine) = (surface(&mesh.body)?, surface(&mesh.spine)?);
-    let set = shape::Settings { use_symmetry: mesh.half, ..shape::Settings::new(mesh.edge.unwrap_or_default()) };
-    let (linear, _) = shape::mesh(&body, &spine, &set).map_err(Fault::from_tool)?;
+    let edge = mesh.edge.unwrap_or_default();
+    let meshed = |use_symmetry: bool| {
+        let set = shape::Settings { use_symmetry, ..shape::Settings::new(edge) };
+        shape::mesh(&body, &spine, &set).map(|(mesh, _)| mesh).map_err(Fault::from_tool)
+    };
+    let mut linear = meshed(true)?;
+    let mut notes = Vec::new();
     if mesh.half && !linear.half {
         let why = "the surfaces are not symmetric about z = 0";
         return Err(Fault::new("no half model can be made", why, "set half = false, or move the surfaces"));
+    }
+    if linear.half && !mesh.half {
+        notes.push(HALF.to_owned());
+        linear = meshed(false)?;
     }
     let region = |(tag, name): (u16, &str)| Region {
         tag: tag.into(),
@@ -80,7 +92,7 @@ fn from_surfaces(mesh: &Source, folder: &Path) -> Outcome<Loaded> {
     };
     let regions = [(shape::BODY, "body"), (shape::SPINE, "spine")].map(region).to_vec();
     let solid = Solid::Quadratic(Solid::Linear(linear).raised());
-    Ok(Loaded { solid, regions, cavities: Vec::new(), notes: Vec::new() })
+    Ok(Loaded { solid, regions, cavities: Vec::new(), notes })
 }
 
 fn bytes(path: &Path) -> Outcome<Vec<u8>> {
