@@ -21,7 +21,7 @@ pub struct StaticSettings {
 
 impl Default for StaticSettings {
     fn default() -> Self {
-        Self { tolerance: 1e-8, load_steps: 6, iterations: 40, halvings: 40, reuse_factor: false }
+        Self { tolerance: 1e-8, load_steps: 3, iterations: 40, halvings: 40, reuse_factor: false }
     }
 }
 

@@ -13,7 +13,7 @@ pub struct Static {
     #[serde(default = "full")]
     pub levels: Vec<f64>,
     /// Steps in which a level is reached from rest.
-    #[serde(default = "six")]
+    #[serde(default = "three")]
     pub load_steps: usize,
     /// The last correction moves no node further than this part of the body's size.
     #[serde(default = "fine")]
@@ -125,8 +125,8 @@ fn full() -> Vec<f64> {
     vec![1.0]
 }
 
-fn six() -> usize {
-    6
+fn three() -> usize {
+    3
 }
 
 fn fine() -> f64 {

@@ -100,7 +100,7 @@ impl<'a> Trial<'a> {
     }
 
     fn rest(&mut self, pressures: &[Pascal], start: Option<&[f64]>) -> Outcome<Equilibrium> {
-        let load_steps = self.case.statics.as_ref().map_or(6, |set| set.load_steps);
+        let load_steps = self.case.statics.as_ref().map_or(3, |set| set.load_steps);
         let settings = StaticSettings { tolerance: AT_REST, load_steps, ..StaticSettings::default() };
         self.solver.equilibrium(pressures, start, &settings).map_err(Fault::from_tool)
     }
