@@ -50,7 +50,7 @@ pub fn trials(profile: &Profile) -> Vec<Trial> {
 
 fn trial(id: String, role: Role, experiment: Experiment) -> Trial {
     let (video, pressure) = (format!("trials/{id}/video.mp4"), format!("trials/{id}/pressure.csv"));
-    Trial { id, role, medium: Medium::Air, video, pressure, first_frame: 0, last_frame: None, experiment }
+    Trial { id, role, medium: Medium::Air, video, pressure, force: None, first_frame: 0, last_frame: None, experiment }
 }
 
 /// The whole card.
@@ -67,6 +67,7 @@ pub fn write(name: &str, set: &Settings, tail: &Tail, trials: &[Trial], seen: &S
         camera: camera(&set.plane, film),
         led: card::Led { centre: seen.lamp.0.map(rounded), radius: rounded(LAMP_SHARE * seen.lamp.1) },
         trial: trials.to_vec(),
+        fixture: Vec::new(),
     }
 }
 

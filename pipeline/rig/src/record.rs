@@ -171,6 +171,8 @@ fn truth(name: &str, seed: u64, hidden: &Hidden, camera: &Camera, trial: Vec<Tru
         damping: hidden.damping.clone(),
         lens: Lens { fx: l.fx, fy: l.fy, cx: l.cx, cy: l.cy, k1: l.k1, k2: l.k2, p1: l.p1, p2: l.p2, k3: l.k3 },
         pose: Pose { rotation: camera.pose.rotation, translation: camera.pose.translation },
+        cell: None,
         trial,
+        force: Vec::new(),
     }
 }
