@@ -18,6 +18,7 @@ pub mod instruments;
 pub mod logger;
 pub mod physics;
 pub mod progress;
+pub mod realism;
 pub mod record;
 pub mod scene;
 pub mod script;
