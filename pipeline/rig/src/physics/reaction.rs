@@ -47,6 +47,30 @@ fn second_differences(values: &[f64], by: f64) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::settings::{Resolution, Settings};
+    use crate::specimen::Hidden;
+    use crate::specimens::ALL;
+    use si::Point3;
+
+    /// Every node pushed along x ever faster, by 3 m/s².
+    struct Pushed(Vec<Point3>);
+
+    impl Motion for Pushed {
+        fn nodes(&self, t: Second) -> Vec<Point3> {
+            self.0.iter().map(|x| [x[0] + 1.5 * t * t, x[1], x[2]]).collect()
+        }
+    }
+
+    #[test]
+    fn a_tail_that_is_pushed_as_a_whole_reacts_with_its_whole_mass() {
+        let (set, tail) = (Settings::built_in(), (ALL[0].tail)());
+        let own = &set.specimen[ALL[0].name];
+        let fineness = Resolution { edge: 0.009, per_chamber: 1, per_rib: 1 };
+        let body = Body::new(&tail, &fineness, own, &Hidden::drawn(own)).unwrap();
+        let reaction = Reaction::of(&body, &Pushed(body.mesh.nodes.clone()), [0.0, 0.5], 60.0);
+        let whole = if body.mesh.half { 2.0 } else { 1.0 } * body.system.mass();
+        assert!((reaction.at(0.25) / (3.0 * whole) - 1.0).abs() < 1e-8, "{} N of {whole} kg", reaction.at(0.25));
+    }
 
     #[test]
     fn a_parabola_has_one_acceleration() {
