@@ -87,6 +87,12 @@ impl System {
         self.parts.mass.weights.iter().sum()
     }
 
+    /// Mass that each node stands for, kg: Σ of them times node places is the mass times the centre of mass. `nodes` long;
+    /// the corners of quadratic elements may stand for less than nothing.
+    pub fn node_masses(&self) -> &[si::Kilogram] {
+        &self.parts.mass.weights
+    }
+
     /// A solver of its own numbers on this system; make one for each thread.
     pub fn solver(&self) -> Solver {
         Solver::new(Arc::clone(&self.parts))

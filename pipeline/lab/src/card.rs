@@ -6,6 +6,7 @@
 //! Stands on: `si`. Never knows: what a pipeline makes of it.
 
 mod check;
+mod fixture;
 mod read;
 mod trial;
 mod write;
@@ -13,6 +14,7 @@ mod write;
 use serde::Deserialize;
 use si::{KilogramPerCubicMetre, Metre, Pascal, Point2, Point3};
 
+pub use fixture::{Fixture, FixtureOf};
 pub use read::{parse, read};
 pub use trial::{Experiment, Medium, Role, Side, Trial};
 pub use write::write;
@@ -41,6 +43,9 @@ pub struct Card {
     pub led: Led,
     /// The recordings.
     pub trial: Vec<Trial>,
+    /// Recordings of the load cell's fixture alone; none when the card is silent.
+    #[serde(default)]
+    pub fixture: Vec<Fixture>,
 }
 
 /// Who recorded a specimen.

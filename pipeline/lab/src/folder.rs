@@ -4,6 +4,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::card::FixtureOf;
 use crate::{Card, Refusal, card};
 
 /// The name of the card in its folder.
@@ -43,6 +44,13 @@ impl Specimen {
         for trial in &card.trial {
             files.push((format!("video of trial `{}`", trial.id), &trial.video));
             files.push((format!("pressure of trial `{}`", trial.id), &trial.pressure));
+            files.extend(trial.force.iter().map(|force| (format!("force of trial `{}`", trial.id), force.as_str())));
+        }
+        for fixture in &card.fixture {
+            files.push((format!("force of fixture `{}`", fixture.id), &fixture.force));
+            if let FixtureOf::Taps { hammer } = &fixture.of {
+                files.push((format!("hammer of fixture `{}`", fixture.id), hammer));
+            }
         }
         files
     }

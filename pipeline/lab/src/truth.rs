@@ -3,6 +3,7 @@
 //!
 //! Stands on: `si`. Never knows: how anything was identified.
 
+mod force;
 mod tracks;
 
 use std::path::Path;
@@ -13,6 +14,7 @@ use si::{Hertz, KilogramPerCubicMetre, Pascal, Second};
 use crate::Refusal;
 use crate::table::{SEE, refused};
 
+pub use force::{TrueCell, TrueForce, TrueTap, TrueWave};
 pub use tracks::{TrueTrack, parse_tracks, read_tracks, write_tracks};
 
 /// Everything that the bench hid.
@@ -35,8 +37,14 @@ pub struct Truth {
     pub lens: Lens,
     /// The camera's pose: CAD frame → camera frame.
     pub pose: Pose,
+    /// The load cell, where the specimen hung on one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cell: Option<TrueCell>,
     /// What differs from trial to trial.
     pub trial: Vec<TrueTrial>,
+    /// What differs from force log to force log.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub force: Vec<TrueForce>,
 }
 
 /// True properties of a solid.

@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use lab::card::{self, Card, Experiment};
+use lab::card::{self, Card, Experiment, FixtureOf};
 
 /// A card that is right in every line.
 const GOOD: &str = r#"name = "pike"
@@ -88,6 +88,20 @@ amplitude = 20000.0
 frequency = 2.0
 cycles = 15
 last_frame = 900
+force = "trials/flap/force.csv"
+
+[[fixture]]
+id = "taps"
+kind = "taps"
+medium = "air"
+force = "trials/taps/force.csv"
+hammer = "trials/taps/hammer.csv"
+
+[[fixture]]
+id = "still_water"
+kind = "still_water"
+medium = "water"
+force = "trials/still_water/force.csv"
 "#;
 
 fn at() -> &'static Path {
@@ -225,4 +239,38 @@ fn a_first_guess_outside_the_plausible_box_is_refused() {
 fn two_trials_of_one_name_are_refused() {
     let said = refusal("id = \"flap\"", "id = \"static_left\"");
     assert!(said.contains("stands twice"), "{said}");
+}
+
+#[test]
+fn a_force_log_is_a_trial_s_own_choice_and_a_fixture_is_read_by_its_kind() {
+    let card = good();
+    assert_eq!((&card.trial[0].force, card.trial[1].force.as_deref()), (&None, Some("trials/flap/force.csv")));
+    assert!(matches!(&card.fixture[0].of, FixtureOf::Taps { hammer } if hammer == "trials/taps/hammer.csv"));
+    assert_eq!(card.fixture[1].of, FixtureOf::StillWater);
+}
+
+#[test]
+fn a_card_without_any_force_log_is_as_good_as_before() {
+    let (before, _) = GOOD.split_once("force = ").unwrap();
+    let card = card::parse(before, at()).unwrap();
+    assert!(card.fixture.is_empty() && card.trial.iter().all(|t| t.force.is_none()));
+    assert_eq!(card::parse(&card::write(&card), at()).unwrap(), card);
+}
+
+#[test]
+fn taps_without_a_hammer_and_a_fixture_named_like_a_trial_are_refused() {
+    let said = refusal("hammer = \"trials/taps/hammer.csv\"", "");
+    assert!(said.contains("needs the key `hammer`") && said.contains("`taps`"), "{said}");
+    let said = refusal("kind = \"still_water\"", "kind = \"still_water\"\nhammer = \"a.csv\"");
+    assert!(said.contains("has no key `hammer`"), "{said}");
+    let said = refusal("id = \"still_water\"", "id = \"flap\"");
+    assert!(said.contains(&line("id = \"still_water\"")) && said.contains("is a trial's as well"), "{said}");
+}
+
+#[test]
+fn a_force_log_outside_the_folder_is_refused() {
+    for file in ["trials/flap/force.csv", "trials/taps/force.csv", "trials/taps/hammer.csv"] {
+        let said = refusal(file, "../force.csv");
+        assert!(said.contains("leaves the folder") && said.contains(&line(file)), "{said}");
+    }
 }

@@ -2,7 +2,7 @@
 //!
 //! Stands on: `lab` (the card), `shape` (the tail's outline). Never knows: the true properties.
 
-use lab::card::{self, Card, Experiment, Medium, Origin, Role, Side, Trial};
+use lab::card::{self, Card, Experiment, Fixture, FixtureOf, Medium, Origin, Role, Side, Trial};
 use shape::tail::Tail;
 use si::{Metre, Point2, Point3};
 
@@ -48,9 +48,19 @@ pub fn trials(profile: &Profile) -> Vec<Trial> {
     trials
 }
 
+/// The recordings of the load cell's fixture alone: hammer taps, and what a run leaves in the tank.
+pub fn fixtures() -> Vec<Fixture> {
+    let file = |id: &str, log: &str| format!("trials/{id}/{log}.csv");
+    let fixture = |id: &str, medium, of| Fixture { id: id.to_owned(), medium, force: file(id, "force"), of };
+    let taps = FixtureOf::Taps { hammer: file("taps", "hammer") };
+    vec![fixture("taps", Medium::Air, taps), fixture("still_water", Medium::Water, FixtureOf::StillWater)]
+}
+
 fn trial(id: String, role: Role, experiment: Experiment) -> Trial {
     let (video, pressure) = (format!("trials/{id}/video.mp4"), format!("trials/{id}/pressure.csv"));
-    Trial { id, role, medium: Medium::Air, video, pressure, first_frame: 0, last_frame: None, experiment }
+    let weighed = matches!(experiment, Experiment::Flapping { .. });
+    let force = weighed.then(|| format!("trials/{id}/force.csv"));
+    Trial { id, role, medium: Medium::Air, video, pressure, force, first_frame: 0, last_frame: None, experiment }
 }
 
 /// The whole card.
@@ -67,6 +77,7 @@ pub fn write(name: &str, set: &Settings, tail: &Tail, trials: &[Trial], seen: &S
         camera: camera(&set.plane, film),
         led: card::Led { centre: seen.lamp.0.map(rounded), radius: rounded(LAMP_SHARE * seen.lamp.1) },
         trial: trials.to_vec(),
+        fixture: fixtures(),
     }
 }
 

@@ -1,6 +1,6 @@
-//! The command line: `rig record [SPECIMEN…] [--profile NAME] [--root DIR] [--into DIR] [--quiet]`.
+//! The command line: `rig record [SPECIMEN…] [--profile NAME] [--root DIR] [--into DIR] [--quiet]`, `rig check [--write]`.
 //!
-//! Stands on: `clap`, the recorder. Never knows: how anything is recorded.
+//! Stands on: `clap`, the recorder, the realism of the instruments. Never knows: how anything is recorded.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -8,7 +8,9 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 use crate::fault::Fault;
+use crate::folder;
 use crate::progress::Progress;
+use crate::realism;
 use crate::record::{Outcome, record};
 use crate::settings::Settings;
 use crate::specimen::Specimen;
@@ -41,22 +43,59 @@ enum Task {
         #[arg(long)]
         quiet: bool,
     },
+    /// Compare the valve and the load cell, from short runs of them alone, with what was measured on real ones.
+    Check {
+        /// The project's folder.
+        #[arg(long, default_value = ".")]
+        root: PathBuf,
+        /// Write the table to paper/tables/bench_realism.csv under the root as well.
+        #[arg(long)]
+        write: bool,
+    },
 }
 
+/// Where the table of the instruments goes under the project's folder.
+const REALISM: &str = "paper/tables/bench_realism.csv";
 /// Exit code for a command that cannot be understood; clap ends with the same.
 const USAGE: u8 = 2;
 
 /// Reads the command line and obeys it.
 pub fn run() -> ExitCode {
-    let Task::Record { specimens, profile, root, into, quiet } = Line::parse().task;
     let set = Settings::built_in();
-    let chosen = match choose(&specimens, &profile, &set) {
+    match Line::parse().task {
+        Task::Record { specimens, profile, root, into, quiet } => {
+            let into = into.unwrap_or_else(|| home(&root, &profile));
+            record_all(&specimens, &set, &profile, &into, quiet)
+        }
+        Task::Check { root, write } => check(&set, write.then_some(root)),
+    }
+}
+
+/// Prints the table of the instruments, and writes it under `root` where that is asked for.
+fn check(set: &Settings, root: Option<PathBuf>) -> ExitCode {
+    let figures = realism::figures(set);
+    print!("{}", realism::table(&figures));
+    if let Some(Err(fault)) = root.map(|root| folder::write(&root, REALISM, realism::csv(&figures).as_bytes())) {
+        return fail(&fault.to_string(), 1);
+    }
+    match figures.iter().filter(|f| !f.inside()).count() {
+        0 => ExitCode::SUCCESS,
+        outside => fail(&outside_of(outside), 1),
+    }
+}
+
+fn outside_of(count: usize) -> String {
+    let why = "the bench should be no better and no worse than real instruments";
+    format!("{count} of the bench's figures lie outside what was measured\n  why: {why}\n  do:  correct bench.toml")
+}
+
+fn record_all(specimens: &[String], set: &Settings, profile: &str, into: &Path, quiet: bool) -> ExitCode {
+    let chosen = match choose(specimens, profile, set) {
         Ok(chosen) => chosen,
         Err(said) => return fail(&said, USAGE),
     };
-    let into = into.unwrap_or_else(|| home(&root, &profile));
     let progress = Progress::new(quiet);
-    match chosen.into_iter().try_for_each(|specimen| one(specimen, &set, &profile, &into, &progress)) {
+    match chosen.into_iter().try_for_each(|specimen| one(specimen, set, profile, into, &progress)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(fault) => fail(&fault.to_string(), 1),
     }

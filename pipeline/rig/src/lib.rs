@@ -1,6 +1,6 @@
 //! The virtual bench: it records specimens whose properties it hides, as a laboratory would record real ones.
 //!
-//! Shape and hidden properties → valve → finite elements in motion → camera, logger → a folder of `data/raw`. Everything
+//! Shape and hidden properties → valve → finite elements in motion → camera, logger, load cell → a folder of `data/raw`. Everything
 //! it writes says "virtual bench", and it never writes into a folder that it did not make itself. The pipeline that reads
 //! the folder shares neither mesh nor truth with it.
 //!
@@ -14,9 +14,11 @@ pub mod draw;
 pub mod fault;
 pub mod film;
 pub mod folder;
+pub mod instruments;
 pub mod logger;
 pub mod physics;
 pub mod progress;
+pub mod realism;
 pub mod record;
 pub mod scene;
 pub mod script;
@@ -27,3 +29,4 @@ pub mod stamp;
 pub mod studio;
 pub mod trial;
 pub mod valve;
+pub mod weighing;

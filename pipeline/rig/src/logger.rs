@@ -11,7 +11,7 @@ use si::Second;
 
 use crate::draw::Draw;
 use crate::script::Script;
-use crate::settings;
+use crate::settings::{self, Port};
 use crate::valve::{Trace, commanded};
 
 /// The logger's clock against the video's.
@@ -44,7 +44,11 @@ pub fn record(set: &settings::Log, clock: Clock, script: &Script, sides: [&Trace
         let video = (time - clock.offset) / clock.scale;
         log.time.push(time);
         for (side, trace) in [(Side::Left, sides[0]), (Side::Right, sides[1])] {
-            let measured = (trace.at(video) + set.noise * draw.normal()).round();
+            let pressure = match set.port {
+                Port::Chamber => trace.at(video),
+                Port::Valve => trace.at_valve(video),
+            };
+            let measured = (pressure + set.noise * draw.normal()).round();
             let channel = channel(&mut log, side);
             channel.command.push(commanded(script.side(side), video));
             channel.measured.push(measured);
@@ -74,7 +78,8 @@ mod tests {
         let set = Settings::built_in();
         let flaps = Experiment::Flapping { side: Side::Left, amplitude: 2e4, frequency: 2.0, cycles: 2 };
         let script = script::write(&flaps, 0.5123, 0.5);
-        let (left, right) = (valve::follow(&set.valve, &script.left), valve::follow(&set.valve, &script.right));
+        let mut draw = Draw::new(1, "valve");
+        let [left, right] = [&script.left, &script.right].map(|c| valve::follow(&set.valve, c, &mut draw));
         let clock = Clock { offset: 1.75, scale: 1.00002 };
         let log = record(&set.log, clock, &script, [&left, &right], &mut Draw::new(1, "log"));
         let text = lab::pressure::write(&log, lab::VIRTUAL_BENCH);

@@ -7,9 +7,11 @@
 mod body;
 mod dynamics;
 mod motion;
+mod reaction;
 mod statics;
 
 pub use body::Body;
 pub use dynamics::march;
 pub use motion::{Motion, Quasistatic, Recorded};
+pub use reaction::Reaction;
 pub use statics::{ladder, rungs};

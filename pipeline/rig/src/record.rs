@@ -7,7 +7,7 @@
 use std::path::Path;
 
 use lab::card::Trial;
-use lab::truth::{Lens, Pose, TrueTrial, Truth};
+use lab::truth::{Lens, Pose, TrueForce, TrueTrial, Truth};
 use shape::tail::Tail;
 use si::{MILLIMETRE, Metre};
 
@@ -26,6 +26,7 @@ use crate::specimen::{Hidden, Specimen};
 use crate::stamp::{self, Found};
 use crate::studio::{Studio, Subject};
 use crate::trial::{self, Bench};
+use crate::weighing;
 
 /// What became of a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -93,19 +94,33 @@ fn fill(
     let seen = first_sight(&bench)?;
     let card = card::write(name, set, &tail, &trials, &seen, &film);
     folder::write(folder, lab::folder::CARD, lab::card::write(&card).as_bytes())?;
-    let hidden_in_trials = side_by_side(&bench, &film, &trials, folder)?;
-    let truth = truth(name, own.seed, &hidden, &studio.camera, hidden_in_trials);
+    let (trial, mut force) = side_by_side(&bench, &film, &trials, folder)?;
+    for fixture in &card.fixture {
+        force.push(weighing::of_fixture(set, own.seed, fixture, folder)?);
+    }
+    let truth = Truth {
+        cell: Some(weighing::truth(set, own.seed)),
+        trial,
+        force,
+        ..truth(name, own.seed, &hidden, &studio.camera)
+    };
     folder::write(folder, lab::folder::TRUTH, lab::truth::write(&truth).as_bytes())
 }
 
 /// The calibration and every trial, each on a thread of its own; results in the card's order.
-fn side_by_side(bench: &Bench, film: &Calibration, trials: &[Trial], folder: &Path) -> Result<Vec<TrueTrial>, Fault> {
+fn side_by_side(
+    bench: &Bench,
+    film: &Calibration,
+    trials: &[Trial],
+    folder: &Path,
+) -> Result<(Vec<TrueTrial>, Vec<TrueForce>), Fault> {
     std::thread::scope(|scope| {
         let running: Vec<_> = trials.iter().map(|t| scope.spawn(move || trial::record(bench, t, folder))).collect();
         let calibrated = calibrate(bench, film, folder);
         let ended = running.into_iter().map(|r| r.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
         let hidden = ended.collect::<Result<Vec<_>, _>>();
-        calibrated.and(hidden)
+        let (trials, forces): (Vec<_>, Vec<_>) = calibrated.and(hidden)?.into_iter().unzip();
+        Ok((trials, forces.into_iter().flatten().collect()))
     })
 }
 
@@ -160,7 +175,8 @@ fn first_sight(bench: &Bench) -> Result<Seen, Fault> {
     Ok(Seen { marks, lamp: (middle, radius) })
 }
 
-fn truth(name: &str, seed: u64, hidden: &Hidden, camera: &Camera, trial: Vec<TrueTrial>) -> Truth {
+/// What is hidden but for the trials and the load cell.
+fn truth(name: &str, seed: u64, hidden: &Hidden, camera: &Camera) -> Truth {
     let l = &camera.lens;
     Truth {
         origin: lab::VIRTUAL_BENCH.to_owned(),
@@ -171,6 +187,8 @@ fn truth(name: &str, seed: u64, hidden: &Hidden, camera: &Camera, trial: Vec<Tru
         damping: hidden.damping.clone(),
         lens: Lens { fx: l.fx, fy: l.fy, cx: l.cx, cy: l.cy, k1: l.k1, k2: l.k2, p1: l.p1, p2: l.p2, k3: l.k3 },
         pose: Pose { rotation: camera.pose.rotation, translation: camera.pose.translation },
-        trial,
+        cell: None,
+        trial: Vec::new(),
+        force: Vec::new(),
     }
 }

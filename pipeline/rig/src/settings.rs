@@ -2,10 +2,16 @@
 //!
 //! Stands on: `si`. Never knows: what is drawn from its ranges.
 
+mod force;
+mod pneumatics;
+
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
 use si::{Hertz, KilogramPerCubicMetre, Metre, Pascal, Point2, Point3, Second};
+
+pub use force::{Buoyancy, Cell, Hammer, StillWater, Tank};
+pub use pneumatics::{Log, Port, Valve};
 
 /// The text of the settings, which also decides whether a recording is still current.
 pub const TEXT: &str = include_str!("../bench.toml");
@@ -22,6 +28,16 @@ pub struct Settings {
     pub valve: Valve,
     /// Pressure logger.
     pub log: Log,
+    /// Load cell and amplifier.
+    pub cell: Cell,
+    /// Tank.
+    pub tank: Tank,
+    /// Buoyancy that crosses into the cell.
+    pub buoyancy: Buoyancy,
+    /// Taps on the cell's fixture.
+    pub hammer: Hammer,
+    /// What is left in the tank after a run.
+    pub still_water: StillWater,
     /// Camera.
     pub camera: Camera,
     /// Grid and checkerboard.
@@ -93,36 +109,6 @@ pub struct Nominal {
     pub poissons_ratio: f64,
     /// Pa.
     pub plausible: [Pascal; 2],
-}
-
-/// A proportional valve with its hose.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Valve {
-    /// Dead time before filling, s.
-    pub dead_fill: Second,
-    /// Dead time before emptying, s.
-    pub dead_exhaust: Second,
-    /// Time constant of filling, s.
-    pub fill: Second,
-    /// Time constant of emptying, s.
-    pub exhaust: Second,
-    /// How far it settles under the command, Pa.
-    pub droop: Pascal,
-}
-
-/// The pressure logger.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Log {
-    /// Samples a second on its own clock.
-    pub rate: Hertz,
-    /// Standard deviation of a measured pressure, Pa.
-    pub noise: Pascal,
-    /// How much earlier than the camera it starts, s.
-    pub offset: [Second; 2],
-    /// Greatest drift of its clock, either way, no unit.
-    pub drift: f64,
 }
 
 /// The camera.

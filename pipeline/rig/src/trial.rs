@@ -1,11 +1,11 @@
-//! One trial: script → valve → body → film, log and truth.
+//! One trial: script → valve → body → film, logs and truth.
 //!
-//! Stands on: the physics, the studio, the logger. Never knows: the other trials, where the folder will end up.
+//! Stands on: the physics, the studio, the logger, the load cell. Never knows: the other trials, where the folder will end up.
 
 use std::path::Path;
 
 use lab::card::{Experiment, Side};
-use lab::truth::{TrueTrack, TrueTrial};
+use lab::truth::{TrueForce, TrueTrack, TrueTrial};
 use si::{Pascal, Second};
 
 use crate::draw::Draw;
@@ -16,8 +16,8 @@ use crate::progress::Progress;
 use crate::script::{self, Script};
 use crate::settings::{Profile, Settings};
 use crate::studio::{Studio, Subject};
-use crate::valve::{Trace, follow, settled};
-use crate::{film, folder};
+use crate::valve::{Trace, follow};
+use crate::{film, folder, weighing};
 
 /// What all trials of a specimen share.
 pub struct Bench<'a> {
@@ -45,13 +45,14 @@ pub struct Bench<'a> {
 ///
 /// # Errors
 /// [`Fault`] when the body cannot be solved or the disk refuses.
-pub fn record(bench: &Bench, trial: &lab::card::Trial, folder: &Path) -> Result<TrueTrial, Fault> {
+pub fn record(bench: &Bench, trial: &lab::card::Trial, folder: &Path) -> Result<(TrueTrial, Option<TrueForce>), Fault> {
     let place = format!("{}/{}", bench.name, trial.id);
     let mut draw = Draw::new(bench.seed, &format!("trial {}", trial.id));
     let start = bench.profile.rest + draw.unit() / bench.set.camera.rate;
     let script = script::write(&trial.experiment, start, bench.profile.rest);
     let clock = Clock::drawn(&bench.set.log, &mut draw);
-    let sides = [follow(&bench.set.valve, &script.left), follow(&bench.set.valve, &script.right)];
+    let mut bursts = Draw::new(bench.seed, &format!("valve {}", trial.id));
+    let sides = [&script.left, &script.right].map(|c| follow(&bench.set.valve, c, &mut bursts));
     let motion = solve(bench, &trial.experiment, &script, &sides, &place)?;
     let log = logger::record(&bench.set.log, clock, &script, [&sides[0], &sides[1]], &mut draw);
     folder::write(folder, &trial.pressure, lab::pressure::write(&log, lab::VIRTUAL_BENCH).as_bytes())?;
@@ -60,7 +61,8 @@ pub fn record(bench: &Bench, trial: &lab::card::Trial, folder: &Path) -> Result<
     let seen = true_tracks(bench, motion.as_ref(), &script)?;
     folder::write(folder, &tracks, lab::truth::write_tracks(&seen, lab::VIRTUAL_BENCH).as_bytes())?;
     let (clock_offset, clock_scale) = (clock.offset, clock.scale);
-    Ok(TrueTrial { id: trial.id.clone(), tracks, clock_offset, clock_scale, led_on: script.led_on })
+    let truth = TrueTrial { id: trial.id.clone(), tracks, clock_offset, clock_scale, led_on: script.led_on };
+    Ok((truth, weighing::of_trial(bench, trial, motion.as_ref(), &script, &sides, folder)?))
 }
 
 /// Frames of a trial.
@@ -77,26 +79,20 @@ fn solve(
     place: &str,
 ) -> Result<Box<dyn Motion>, Fault> {
     match experiment {
-        Experiment::Staircase { side, levels, .. } => quasistatic(bench, *side, levels, sides, place),
+        Experiment::Staircase { side, .. } => quasistatic(bench, *side, sides, place),
         Experiment::Flapping { .. } => flapping(bench, script, sides, place),
     }
 }
 
-fn quasistatic(
-    bench: &Bench,
-    side: Side,
-    levels: &[Pascal],
-    sides: &[Trace; 2],
-    place: &str,
-) -> Result<Box<dyn Motion>, Fault> {
-    let mut held: Vec<Pascal> = levels.iter().map(|level| settled(&bench.set.valve, *level)).collect();
+fn quasistatic(bench: &Bench, side: Side, sides: &[Trace; 2], place: &str) -> Result<Box<dyn Motion>, Fault> {
+    let trace = sides[usize::from(side == Side::Right)].clone();
+    let mut held: Vec<Pascal> = trace.settled().filter(|level| *level > 0.0).collect();
     held.sort_by(f64::total_cmp);
     held.dedup();
     let pressures = physics::rungs(&held, bench.profile.rungs_between);
     let task = bench.progress.begin("statics", place, pressures.len() - 1);
     let ladder = physics::ladder(bench.body, side, &pressures, &|| task.tick())?;
     task.done(&format!("{} equilibria of {} unknowns", pressures.len() - 1, bench.body.system.freedoms()));
-    let trace = sides[usize::from(side == Side::Right)].clone();
     Ok(Box::new(Quasistatic { rest: bench.body.mesh.nodes.clone(), pressures, ladder, trace }))
 }
 

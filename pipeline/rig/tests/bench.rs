@@ -80,10 +80,29 @@ fn a_recording_is_read_by_lab_and_has_the_same_bytes_when_made_again() {
     the_folder_is_whole(&first.join(ALL[0].name));
 }
 
+/// Logs of the load cell and their truth fit each other, and the taps are in both logs at once.
+fn the_cell_was_read(specimen: &Specimen) {
+    let truth = truth::read(&specimen.folder.join(lab::folder::TRUTH)).unwrap();
+    let cell = truth.cell.unwrap();
+    assert!((10.0..20.0).contains(&((cell.stiffness / cell.mass).sqrt() / std::f64::consts::TAU)));
+    for fixture in &specimen.card.fixture {
+        let log = lab::force::read(&specimen.file(&fixture.force)).unwrap();
+        let hidden = truth.force.iter().find(|f| f.id == fixture.id).unwrap();
+        assert!((log.rate() - 80.0).abs() < 1e-3);
+        if let lab::card::FixtureOf::Taps { hammer } = &fixture.of {
+            let struck = lab::force::read(&specimen.file(hammer)).unwrap();
+            let first = struck.time[struck.force.iter().position(|f| *f > 1.0).unwrap()];
+            let begins = hidden.clock_offset + hidden.clock_scale * hidden.taps[0].time;
+            assert!((first - begins).abs() < 3e-3 && log.force.iter().any(|f| f.abs() > 0.3));
+        }
+    }
+}
+
 /// Card, log, film, truth and tracks fit each other.
 fn the_folder_is_whole(folder: &Path) {
     let specimen = Specimen::open(folder).unwrap();
     assert_eq!(specimen.missing(), []);
+    the_cell_was_read(&specimen);
     let truth = truth::read(&folder.join(lab::folder::TRUTH)).unwrap();
     for (trial, hidden) in specimen.card.trial.iter().zip(&truth.trial) {
         let log = lab::pressure::read(&specimen.file(&trial.pressure)).unwrap();

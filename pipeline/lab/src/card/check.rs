@@ -6,7 +6,7 @@
 
 use std::collections::BTreeSet;
 
-use super::{Card, Experiment, Marker, Solid, Trial};
+use super::{Card, Experiment, FixtureOf, Marker, Solid, Trial};
 
 /// A value out of its range: the path of its key, and the three parts of the message.
 pub(super) struct Found {
@@ -36,7 +36,8 @@ pub(super) fn card(card: &Card, folder: Option<&str>) -> Checked {
     markers(card)?;
     camera(card)?;
     led(card)?;
-    trials(card)
+    trials(card)?;
+    fixtures(card)
 }
 
 fn solid(key: &str, solid: &Solid) -> Checked {
@@ -109,6 +110,9 @@ fn one_trial(key: &str, trial: &Trial) -> Checked {
     name(&format!("{key}.id"), &trial.id)?;
     relative(&format!("{key}.video"), &trial.video)?;
     relative(&format!("{key}.pressure"), &trial.pressure)?;
+    if let Some(force) = &trial.force {
+        relative(&format!("{key}.force"), force)?;
+    }
     if let Some(last) = trial.last_frame {
         within(&format!("{key}.last_frame"), last as f64, trial.first_frame as f64 + 1.0, 1e7, "")?;
     }
@@ -127,6 +131,23 @@ fn one_trial(key: &str, trial: &Trial) -> Checked {
             within(&format!("{key}.cycles"), *cycles as f64, 1.0, 1e5, "")
         }
     }
+}
+
+/// Their ids stand among those of the trials, because files and results are named by both.
+fn fixtures(card: &Card) -> Checked {
+    unique("fixture", "id", card.fixture.iter().map(|f| f.id.as_str()))?;
+    for (i, fixture) in card.fixture.iter().enumerate() {
+        let key = format!("fixture.{i}");
+        if card.trial.iter().any(|t| t.id == fixture.id) {
+            let what = format!("fixture id `{}` is a trial's as well", fixture.id);
+            return found(&format!("{key}.id"), what, "results are filed under it", "rename one of them");
+        }
+        relative(&format!("{key}.force"), &fixture.force)?;
+        if let FixtureOf::Taps { hammer } = &fixture.of {
+            relative(&format!("{key}.hammer"), hammer)?;
+        }
+    }
+    Ok(())
 }
 
 fn within(key: &str, value: f64, low: f64, high: f64, unit: &str) -> Checked {

@@ -19,6 +19,8 @@ pub struct Trial {
     pub video: String,
     /// Pressure log, relative to the card.
     pub pressure: String,
+    /// Force log, relative to the card, where the specimen hung on a load cell.
+    pub force: Option<String>,
     /// First frame worth using; the markers are clicked in this one. 0 when the card is silent.
     pub first_frame: usize,
     /// Last frame worth using; the end of the video when the card is silent.
@@ -157,6 +159,7 @@ struct Flat {
     side: Side,
     video: String,
     pressure: String,
+    force: Option<String>,
     first_frame: Option<usize>,
     last_frame: Option<usize>,
     levels: Option<Vec<Pascal>>,
@@ -179,6 +182,7 @@ impl TryFrom<Flat> for Trial {
             medium: flat.medium,
             video: flat.video,
             pressure: flat.pressure,
+            force: flat.force,
             first_frame: flat.first_frame.unwrap_or(0),
             last_frame: flat.last_frame,
         })

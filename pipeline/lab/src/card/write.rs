@@ -4,7 +4,7 @@
 
 use std::fmt::Write;
 
-use super::{Camera, Card, Experiment, Origin, Solid, Trial};
+use super::{Camera, Card, Experiment, Fixture, FixtureOf, Origin, Solid, Trial};
 
 /// The text of `specimen.toml`.
 pub fn write(card: &Card) -> String {
@@ -37,6 +37,9 @@ pub fn write(card: &Card) -> String {
     );
     for t in &card.trial {
         trial(&mut text, t);
+    }
+    for f in &card.fixture {
+        fixture(&mut text, f);
     }
     text
 }
@@ -88,6 +91,9 @@ fn trial(text: &mut String, trial: &Trial) {
     put(text, format_args!("\n[[trial]]\nid = {:?}\nkind = {kind:?}\nrole = {:?}\n", trial.id, trial.role.word()));
     put(text, format_args!("medium = {:?}\nside = {side:?}  # filled first, or alone\n", trial.medium.word()));
     put(text, format_args!("video = {:?}\npressure = {:?}\n", trial.video, trial.pressure));
+    if let Some(force) = &trial.force {
+        put(text, format_args!("force = {force:?}\n"));
+    }
     if trial.first_frame != 0 {
         put(text, format_args!("first_frame = {}\n", trial.first_frame));
     }
@@ -104,5 +110,14 @@ fn trial(text: &mut String, trial: &Trial) {
                 format_args!("amplitude = {amplitude:?}  # Pa\nfrequency = {frequency:?}  # Hz\ncycles = {cycles}\n"),
             );
         }
+    }
+}
+
+fn fixture(text: &mut String, fixture: &Fixture) {
+    let (kind, medium) = (fixture.of.kind(), fixture.medium.word());
+    put(text, format_args!("\n[[fixture]]\nid = {:?}\nkind = {kind:?}\nmedium = {medium:?}\n", fixture.id));
+    put(text, format_args!("force = {:?}\n", fixture.force));
+    if let FixtureOf::Taps { hammer } = &fixture.of {
+        put(text, format_args!("hammer = {hammer:?}  # on the clock of force\n"));
     }
 }

@@ -73,6 +73,7 @@ impl Motion for Recorded {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::draw::Draw;
     use crate::settings::Settings;
     use crate::valve::{Command, follow};
 
@@ -81,7 +82,8 @@ mod tests {
         let shape = |p: f64| 1.0 + p - 2.0 * p * p + 0.5 * p * p * p;
         let pressures: Vec<f64> = [0.0, 700.0, 1800.0, 3000.0, 4000.0].to_vec();
         let ladder = pressures.iter().map(|p| vec![shape(p / 1000.0), 0.0, 0.0]).collect();
-        let trace = follow(&Settings::built_in().valve, &[Command { time: 0.0, pressure: 5000.0 }]);
+        let commands = [Command { time: 0.0, pressure: 2500.0 }];
+        let trace = follow(&Settings::built_in().valve, &commands, &mut Draw::new(3, "valve"));
         let motion = Quasistatic { rest: vec![[1.0, 2.0, 3.0]], pressures, ladder, trace: trace.clone() };
         for t in [0.0, 0.06, 0.08, 0.1, 2.0] {
             let x = motion.nodes(t)[0][0];
