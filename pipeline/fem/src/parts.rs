@@ -20,6 +20,8 @@ pub(crate) struct Parts {
     pub mesh: Mesh,
     pub regions: Vec<RegionProperties>,
     pub rest: Rest,
+    /// By region, m³.
+    pub volumes: Vec<f64>,
     pub pattern: Pattern,
     pub places: Vec<u32>,
     pub symbolic: Symbolic,

@@ -78,7 +78,9 @@ impl System {
         let symbolic = Symbolic::new(&pattern)
             .map_err(|fault| SetupError::TooLarge { freedoms: pattern.freedoms(), why: fault.to_string() })?;
         let size = mesh.size();
-        let parts = Parts { mesh, regions, rest, pattern, places, symbolic, options, overlaps, mass, chambers, size };
+        let volumes = volumes(&mesh, &rest, regions.len());
+        let parts =
+            Parts { mesh, regions, rest, volumes, pattern, places, symbolic, options, overlaps, mass, chambers, size };
         Ok(Self { parts: Arc::new(parts) })
     }
 
@@ -131,6 +133,15 @@ impl System {
         assert_eq!(displacement.len(), 3 * self.parts.mesh.nodes.len(), "a displacement has 3 numbers a node");
         self.parts.chambers[chamber].volume(displacement)
     }
+}
+
+/// By region, m³.
+fn volumes(mesh: &Mesh, rest: &Rest, regions: usize) -> Vec<f64> {
+    let mut volumes = vec![0.0; regions];
+    for (&region, volume) in mesh.regions.iter().zip(&rest.volumes) {
+        volumes[region as usize] += volume;
+    }
+    volumes
 }
 
 fn chambers(mesh: &Mesh, graph: &Graph) -> Result<Vec<ChamberPressure>, SetupError> {

@@ -5,7 +5,8 @@
 #![allow(clippy::unwrap_used)] // a test may fail where it stands
 
 use fem::{
-    Clamps, Equilibrium, Forces, Mesh, Parameter, RegionProperties, Solver, StaticSettings, System, boxes, materials,
+    Clamps, Equilibrium, Forces, Mesh, Options, Parameter, RegionProperties, Solver, StaticSettings, System, boxes,
+    materials,
 };
 
 const E: [f64; 2] = [2.1e5, 3e7];
@@ -21,12 +22,16 @@ fn bar() -> Mesh {
 }
 
 fn system() -> System {
+    with(Options::default())
+}
+
+fn with(options: Options) -> System {
     let mesh = bar();
     let material = materials::by_name("neo_hookean").unwrap();
     let regions =
         [0, 1].map(|n| RegionProperties { material, youngs_modulus: E[n], poissons_ratio: NU[n], density: 1e3 });
     let clamps = Clamps::below_x(&mesh, 1e-9);
-    System::new(mesh, regions.to_vec(), clamps).unwrap()
+    System::with(mesh, regions.to_vec(), clamps, options).unwrap()
 }
 
 fn tight() -> StaticSettings {
@@ -90,8 +95,8 @@ fn cases(mesh: &Mesh) -> [Case; 8] {
 
 #[test]
 fn adjoint_and_sensitivity_agree_with_converged_central_differences() {
-    for ambient in [None, Some(101_325.0)] {
-        let system = system();
+    for (ambient, freed) in [(None, false), (Some(101_325.0), false), (None, true)] {
+        let system = with(Options { mean_dilatation: vec![freed], ..Options::default() });
         let mesh = system.mesh();
         let mut solver = system.solver();
         let mut other = system.solver();

@@ -58,7 +58,7 @@ pub(crate) struct Potential<'a> {
     pub inertia: Option<&'a Inertia>,
 }
 
-/// Π and the size of its parts: differences below 1e-15 of that size are rounding.
+/// Π and the size of its parts: differences below 1e-13 of that size are rounding.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Energy {
     pub value: f64,
@@ -70,7 +70,7 @@ impl Potential<'_> {
     pub fn energy(&self, u: &[f64], gradient: &mut [f64]) -> Energy {
         gradient.fill(0.0);
         let elastic = self.stiffening * self.parts.body().energy(self.elastic, u, self.stiffening, gradient);
-        let mut energy = Energy { value: elastic, size: elastic.abs() };
+        let mut energy = Energy { value: elastic, size: elastic.abs() + self.rounding() };
         let mut add = |part: f64| energy = Energy { value: energy.value + part, size: energy.size + part.abs() };
         for gas in self.gases() {
             let part = gas.potential(u);
@@ -85,6 +85,13 @@ impl Potential<'_> {
             self.add_inertia(inertia, u, gradient).into_iter().for_each(add);
         }
         energy
+    }
+
+    /// What the elastic energy adds to the size: laws that subtract what a body at rest has (F : F − 3) leave rounding of
+    /// 1e-15 of its moduli times volume, however small the strain.
+    fn rounding(&self) -> f64 {
+        let each = self.elastic.iter().zip(&self.parts.volumes);
+        1e-2 * self.stiffening * each.map(|(is, volume)| volume * (is.lame.mu + is.lame.lambda.abs())).sum::<f64>()
     }
 
     fn add_inertia(&self, inertia: &Inertia, u: &[f64], gradient: &mut [f64]) -> [f64; 2] {

@@ -13,7 +13,7 @@ use crate::simulate::Body;
 
 /// Parts of the body's size to which shapes at rest and steps are solved: what differences of 1e-6 need.
 const AT_REST: f64 = 1e-12;
-const IN_MOTION: f64 = 1e-9;
+const IN_MOTION: f64 = 1e-11;
 /// Bytes that a recorded motion may take.
 const MEMORY: usize = 1 << 31;
 
