@@ -1,6 +1,6 @@
 //! Looks at the meshes of the tail: what each length of edge costs and how good it is.
 //!
-//! `cargo run --release -p shape --example look`
+//! `cargo run --release -p shape --example meshes`
 
 use shape::tail::{Resolution, Tail};
 use shape::{BODY, SPINE, Settings, mesh, quadratic};
