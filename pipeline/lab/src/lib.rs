@@ -12,6 +12,7 @@ pub mod force;
 mod log;
 mod nearest;
 pub mod pressure;
+pub mod range;
 mod refusal;
 pub mod table;
 pub mod truth;

@@ -6,17 +6,9 @@
 
 use std::collections::BTreeSet;
 
+use crate::range::{Checked, found, within};
+
 use super::{Card, Experiment, FixtureOf, Marker, Solid, Trial};
-
-/// A value out of its range: the path of its key, and the three parts of the message.
-pub(super) struct Found {
-    pub key: String,
-    pub what: String,
-    pub why: String,
-    pub act: String,
-}
-
-type Checked = Result<(), Found>;
 
 /// Number of pixels that no picture exceeds.
 const PICTURE: f64 = 20_000.0;
@@ -150,16 +142,6 @@ fn fixtures(card: &Card) -> Checked {
     Ok(())
 }
 
-fn within(key: &str, value: f64, low: f64, high: f64, unit: &str) -> Checked {
-    if (low..=high).contains(&value) {
-        return Ok(());
-    }
-    let gap = if unit.is_empty() { "" } else { " " };
-    let what = format!("{key} = {value}{gap}{unit} is out of range");
-    let why = format!("the range is {low} to {high}{gap}{unit}; cards are in SI units");
-    found(key, what, &why, "convert the number to SI, or correct it")
-}
-
 fn point(key: &str, at: &[f64; 3]) -> Checked {
     at.iter().enumerate().try_for_each(|(i, x)| within(&format!("{key}.{i}"), *x, -1.0, 1.0, "m"))
 }
@@ -209,8 +191,4 @@ fn unique<'a>(table: &str, key: &str, names: impl Iterator<Item = &'a str>) -> C
         }
     }
     Ok(())
-}
-
-fn found(key: &str, what: impl Into<String>, why: &str, act: &str) -> Checked {
-    Err(Found { key: key.to_owned(), what: what.into(), why: why.to_owned(), act: act.to_owned() })
 }

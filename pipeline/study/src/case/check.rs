@@ -4,17 +4,9 @@
 
 use std::collections::BTreeSet;
 
+use lab::range::{Checked, found, within};
+
 use super::{Case, Chamber, Dynamic, History, Load, Mass, Output, Place, Region, Source, Static, Wave};
-
-/// What is wrong: the path of its key, and the three parts of the message.
-pub(super) struct Found {
-    pub key: String,
-    pub what: String,
-    pub why: String,
-    pub act: String,
-}
-
-type Checked = Result<(), Found>;
 
 /// Largest pressure, Pa.
 const PRESSURE: f64 = 1e8;
@@ -206,23 +198,10 @@ fn vector(key: &str, value: &[f64; 3], most: f64, unit: &str) -> Checked {
     value.iter().enumerate().try_for_each(|(i, x)| within(&format!("{key}.{i}"), *x, -most, most, unit))
 }
 
-fn within(key: &str, value: f64, low: f64, high: f64, unit: &str) -> Checked {
-    if (low..=high).contains(&value) {
-        return Ok(());
-    }
-    let gap = if unit.is_empty() { "" } else { " " };
-    Err(Found {
-        key: key.to_owned(),
-        what: format!("{key} = {value}{gap}{unit} is out of range"),
-        why: format!("the range is {low} to {high}{gap}{unit}; cases are in SI units"),
-        act: "convert the number to SI, or correct it".to_owned(),
-    })
-}
-
 fn only(key: &str, holds: bool, rule: &str) -> Checked {
     if holds {
         return Ok(());
     }
     let what = format!("`{key}` cannot be followed");
-    Err(Found { key: key.to_owned(), what, why: rule.to_owned(), act: "correct the entry".to_owned() })
+    found(key, what, rule, "correct the entry")
 }
