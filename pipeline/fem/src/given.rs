@@ -60,7 +60,17 @@ impl Given {
 
     /// The potential at rest under `pressures` and `dead_strength` of the dead forces.
     pub fn at_rest<'a>(&'a self, parts: &'a Parts, pressures: &'a [Pascal], dead_strength: f64) -> Potential<'a> {
-        self.potential(parts, pressures, 1.0, dead_strength, None)
+        Potential {
+            parts,
+            elastic: &self.elastic,
+            mass: &self.mass,
+            stiffening: 1.0,
+            pressures,
+            ambient: &self.ambient,
+            dead: &self.dead,
+            dead_strength,
+            inertia: None,
+        }
     }
 
     /// The potential of one time step.
@@ -71,39 +81,7 @@ impl Given {
         stiffening: f64,
         inertia: &'a Inertia,
     ) -> Potential<'a> {
-        self.potential(parts, pressures, stiffening, 1.0, Some(inertia))
-    }
-
-    /// The potential at rest, drawn to where `inertia` has its centre.
-    pub fn held_back<'a>(
-        &'a self,
-        parts: &'a Parts,
-        pressures: &'a [Pascal],
-        dead_strength: f64,
-        inertia: &'a Inertia,
-    ) -> Potential<'a> {
-        self.potential(parts, pressures, 1.0, dead_strength, Some(inertia))
-    }
-
-    fn potential<'a>(
-        &'a self,
-        parts: &'a Parts,
-        pressures: &'a [Pascal],
-        stiffening: f64,
-        dead_strength: f64,
-        inertia: Option<&'a Inertia>,
-    ) -> Potential<'a> {
-        Potential {
-            parts,
-            elastic: &self.elastic,
-            mass: &self.mass,
-            stiffening,
-            pressures,
-            ambient: &self.ambient,
-            dead: &self.dead,
-            dead_strength,
-            inertia,
-        }
+        Potential { stiffening, inertia: Some(inertia), ..self.at_rest(parts, pressures, 1.0) }
     }
 }
 

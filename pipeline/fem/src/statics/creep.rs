@@ -5,7 +5,7 @@
 //!
 //! Stands on: `descend`, `newton`, `potential`. Never knows: a load step.
 
-use crate::descent::potential::Inertia;
+use crate::descent::potential::{Inertia, Potential};
 use crate::descent::search::{Rule, Stall};
 use crate::solver::Solver;
 use crate::statics::equilibrium::Equilibrium;
@@ -65,7 +65,8 @@ impl Solver {
     ) -> Result<usize, Stall> {
         let mut inertia = Inertia { rate, ..Inertia::default() };
         self.parts.pattern.gather(&at.displacement, &mut inertia.centre);
-        let potential = self.given.held_back(&self.parts, pressures, dead_strength, &inertia);
+        let free = self.given.at_rest(&self.parts, pressures, dead_strength);
+        let potential = Potential { inertia: Some(&inertia), ..free };
         let mut u = at.displacement.clone();
         let found = self.newton.minimise(&potential, &mut u, None, rule)?;
         at.displacement = u;
