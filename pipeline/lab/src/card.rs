@@ -12,7 +12,7 @@ mod trial;
 mod write;
 
 use serde::Deserialize;
-use si::{KilogramPerCubicMetre, Metre, Pascal, Point2, Point3};
+use si::{KilogramPerCubicMetre, Metre, Pascal, Point2, Point3, Second};
 
 pub use fixture::{Fixture, FixtureOf};
 pub use read::{parse, read};
@@ -39,6 +39,9 @@ pub struct Card {
     pub marker: Vec<Marker>,
     /// The camera and its calibration.
     pub camera: Camera,
+    /// The water that the camera looks through, where a trial is in water.
+    #[serde(default)]
+    pub water: Option<Water>,
     /// The lamp that both clocks see.
     pub led: Led,
     /// The recordings.
@@ -177,6 +180,10 @@ pub struct Camera {
     pub calibration: String,
     /// One frame in so many is worth looking at.
     pub frame_every: usize,
+    /// From the time of the first row of a frame to that of the last, s; the frame's time is its middle row's. 0 when the
+    /// card is silent: all rows at once.
+    #[serde(default)]
+    pub readout: Second,
     /// The checkerboard.
     pub board: Board,
     /// The plane in which the board lay flat at the end.
@@ -208,6 +215,16 @@ pub struct Plane {
     pub along: Point2,
     /// z of the plane, m, CAD frame.
     pub height: Metre,
+}
+
+/// `[water]`: the still surface above the specimen, in the trials whose medium is water.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Water {
+    /// z of the surface, m, CAD frame.
+    pub surface: Metre,
+    /// Refractive index, no unit: 1.333 for fresh water at 20 °C.
+    pub index: f64,
 }
 
 /// `[led]`: the lamp that lights when a trial starts and goes out when it ends.

@@ -9,7 +9,7 @@ mod tracks;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use si::{Hertz, KilogramPerCubicMetre, Pascal, Second};
+use si::{Hertz, KilogramPerCubicMetre, Metre, Pascal, Second};
 
 use crate::Refusal;
 use crate::table::{SEE, refused};
@@ -27,6 +27,9 @@ pub struct Truth {
     pub specimen: String,
     /// The seed everything hidden was drawn from.
     pub seed: u64,
+    /// z of the water surface in the trials in water, m; the card's is a measured one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub water_surface: Option<Metre>,
     /// The soft body.
     pub body: Properties,
     /// The stiff sheet.

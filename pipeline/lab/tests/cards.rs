@@ -48,6 +48,7 @@ diameter = 0.004
 [camera]
 calibration = "camera/calibration.mp4"
 frame_every = 10
+readout = 0.006
 
 [camera.board]
 columns = 9
@@ -59,6 +60,10 @@ seconds = [8.0, 9.0]
 origin = [0.0, 0.05]
 along = [1.0, 0.0]
 height = -0.045
+
+[water]
+surface = 0.05
+index = 1.333
 
 [led]
 centre = [1200.0, 60.0]
@@ -133,6 +138,21 @@ fn a_card_that_is_written_is_read_back_the_same() {
 }
 
 #[test]
+fn a_trial_in_water_without_the_water_s_surface_is_refused() {
+    let dry = GOOD.replacen("[water]\nsurface = 0.05\nindex = 1.333\n", "", 1);
+    assert_eq!(card::parse(&dry, at()).unwrap().water, None);
+    let said = card::parse(&dry.replacen("medium = \"air\"", "medium = \"water\"", 1), at()).unwrap_err().to_string();
+    assert!(said.contains("`static_left` is in water") && said.contains("surface"), "{said}");
+}
+
+#[test]
+fn a_card_that_is_silent_about_the_shutter_has_a_global_one() {
+    let card = card::parse(&GOOD.replacen("readout = 0.006\n", "", 1), at()).unwrap();
+    assert_eq!(card.camera.readout, 0.0);
+    assert!(!card::write(&card).contains("readout"));
+}
+
+#[test]
 fn a_trial_is_read_by_its_kind() {
     let card = good();
     assert!(matches!(&card.trial[0].experiment, Experiment::Staircase { levels, .. } if levels.len() == 2));
@@ -200,6 +220,9 @@ const SLIPS: &[(&str, &str, &str)] = &[
     ("diameter = 0.004", "diameter = 4.0", "0.0002 to 0.05 m"),
     ("square = 0.012", "square = 12.0", "0.001 to 0.2 m"),
     ("height = -0.045", "height = -45.0", "-1 to 1 m"),
+    ("readout = 0.006", "readout = 6.0", "0 to 0.1 s"),
+    ("surface = 0.05", "surface = 50.0", "-1 to 1 m"),
+    ("index = 1.333", "index = 1.0", "1.3 to 1.4"),
     ("frequency = 2.0", "frequency = 2000.0", "0.05 to 50 Hz"),
     ("amplitude = 20000.0", "amplitude = 2e7", "0 to 500000 Pa"),
     ("cycles = 15", "cycles = 0", "1 to 100000"),

@@ -1,8 +1,14 @@
-//! The bench's camera: its true lens and where it hangs, and the outline of anything in its picture.
+//! The bench's camera: its true lens, where it hangs, how it reads its rows, and the outline of anything in its picture.
 //!
 //! Stands on: `track` (lens and pose). Never knows: what is filmed.
 
-use si::{Metre, Point2, Point3, vec3};
+mod shutter;
+mod water;
+
+pub use shutter::{Passing, View};
+pub use water::Water;
+
+use si::{Metre, Point2, Point3, Second, vec3};
 use track::lens::Lens;
 use track::pose::Pose;
 
@@ -20,6 +26,8 @@ pub struct Camera {
     pub width: usize,
     /// px.
     pub height: usize,
+    /// From the first row's time to the last one's, s.
+    pub readout: Second,
 }
 
 impl Camera {
@@ -40,12 +48,23 @@ impl Camera {
         };
         let above = set.above.map(|x| near(draw, x, 0.001));
         let tilt = set.tilt.map(|angle| near(draw, angle, 0.3).to_radians());
-        Self { lens, pose: hang(above, tilt), width: set.width, height: set.height }
+        Self { lens, pose: hang(above, tilt), width: set.width, height: set.height, readout: set.readout }
     }
 
     /// The pixel of a point in space (m, CAD frame), where the camera sees it.
     pub fn pixel(&self, at: Point3) -> Option<Point2> {
         self.lens.project(self.pose.apply(at))
+    }
+
+    /// How much later than the frame's time, which is the middle row's, row `v` (px) is read, s.
+    pub fn late(&self, v: f64) -> Second {
+        let last = self.height as f64 - 1.0;
+        self.readout * (v.clamp(0.0, last) / last - 0.5)
+    }
+
+    /// Where its pinhole is, m, CAD frame.
+    pub fn eye(&self) -> Point3 {
+        self.pose.centre()
     }
 
     /// How far in front of the camera a point (m, CAD frame) lies, m.

@@ -74,7 +74,8 @@ pub fn write(name: &str, set: &Settings, tail: &Tail, trials: &[Trial], seen: &S
         clamp: card::Clamp { below_x: specimen.clamp },
         chamber: vec![chamber(tail, Side::Left), chamber(tail, Side::Right)],
         marker: markers(tail, specimen, &seen.marks),
-        camera: camera(&set.plane, film),
+        camera: camera(set, film),
+        water: Some(card::Water { surface: set.water.surface, index: set.water.index }),
         led: card::Led { centre: seen.lamp.0.map(rounded), radius: rounded(LAMP_SHARE * seen.lamp.1) },
         trial: trials.to_vec(),
         fixture: fixtures(),
@@ -123,10 +124,12 @@ fn markers(tail: &Tail, set: &settings::Specimen, seen: &[Point2]) -> Vec<card::
     marks(tail, set).into_iter().zip(seen).map(marker).collect()
 }
 
-fn camera(plane: &settings::Plane, film: &Calibration) -> card::Camera {
+fn camera(set: &Settings, film: &Calibration) -> card::Camera {
+    let plane = &set.plane;
     card::Camera {
         calibration: CALIBRATION_FILE.to_owned(),
         frame_every: film.every,
+        readout: set.camera.readout,
         board: card::Board { columns: plane.columns, rows: plane.rows, square: plane.square },
         plane: card::Plane {
             seconds: film.flat.map(|t| (t * 1e3).round() / 1e3),

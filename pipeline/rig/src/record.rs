@@ -12,7 +12,7 @@ use shape::tail::Tail;
 use si::{MILLIMETRE, Metre};
 
 use crate::calibration::Calibration;
-use crate::camera::{Camera, flat_disc};
+use crate::camera::flat_disc;
 use crate::card::{self, Seen};
 use crate::fault::Fault;
 use crate::folder;
@@ -98,12 +98,8 @@ fn fill(
     for fixture in &card.fixture {
         force.push(weighing::of_fixture(set, own.seed, fixture, folder)?);
     }
-    let truth = Truth {
-        cell: Some(weighing::truth(set, own.seed)),
-        trial,
-        force,
-        ..truth(name, own.seed, &hidden, &studio.camera)
-    };
+    let truth =
+        Truth { cell: Some(weighing::truth(set, own.seed)), trial, force, ..truth(name, own.seed, &hidden, &studio) };
     folder::write(folder, lab::folder::TRUTH, lab::truth::write(&truth).as_bytes())
 }
 
@@ -176,12 +172,14 @@ fn first_sight(bench: &Bench) -> Result<Seen, Fault> {
 }
 
 /// What is hidden but for the trials and the load cell.
-fn truth(name: &str, seed: u64, hidden: &Hidden, camera: &Camera) -> Truth {
+fn truth(name: &str, seed: u64, hidden: &Hidden, studio: &Studio) -> Truth {
+    let camera = &studio.camera;
     let l = &camera.lens;
     Truth {
         origin: lab::VIRTUAL_BENCH.to_owned(),
         specimen: name.to_owned(),
         seed,
+        water_surface: Some(studio.water.surface),
         body: hidden.body.clone(),
         spine: hidden.spine.clone(),
         damping: hidden.damping.clone(),

@@ -9,6 +9,7 @@
 pub mod backdrop;
 pub mod board;
 pub mod canvas;
+pub mod glints;
 pub mod letters;
 pub mod paint;
 pub mod sensor;

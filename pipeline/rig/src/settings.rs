@@ -4,6 +4,7 @@
 
 mod force;
 mod pneumatics;
+mod water;
 
 use std::collections::BTreeMap;
 
@@ -12,6 +13,7 @@ use si::{Hertz, KilogramPerCubicMetre, Metre, Pascal, Point2, Point3, Second};
 
 pub use force::{Buoyancy, Cell, Hammer, StillWater, Tank};
 pub use pneumatics::{Log, Port, Valve};
+pub use water::Water;
 
 /// The text of the settings, which also decides whether a recording is still current.
 pub const TEXT: &str = include_str!("../bench.toml");
@@ -40,6 +42,8 @@ pub struct Settings {
     pub still_water: StillWater,
     /// Camera.
     pub camera: Camera,
+    /// The water over the tail, in the trials that are in water.
+    pub water: Water,
     /// Grid and checkerboard.
     pub plane: Plane,
     /// The calibration recording.
@@ -136,8 +140,10 @@ pub struct Camera {
     /// Turns about the picture's right, down and view, degrees.
     pub tilt: [f64; 3],
     /// How long light is collected in a frame, s, around the frame's time. The lamp is dimmed by it; the tail is drawn
-    /// as it stands at the frame's time, without blur.
+    /// as it stands at each row's time, without blur.
     pub exposure: Second,
+    /// From the first row's time to the last one's, s.
+    pub readout: Second,
     /// Standard deviation of a pixel, grey levels.
     pub noise: f64,
     /// Quantiser of H.264.

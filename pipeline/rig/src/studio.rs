@@ -1,27 +1,34 @@
-//! The studio: camera, backdrop and sensor of one specimen's recordings, and the frames they make.
+//! The studio: camera, water, backdrop and sensor of one specimen's recordings, and the frames they make.
 //!
-//! Stands on: the scene. Never knows: time, a file.
+//! Stands on: the scene. Never knows: whose motion it films, a file.
 
-use si::{Metre, Point3};
+use lab::card::Medium;
+use si::{Metre, Second};
 use track::Gray;
 use track::board::Board;
 
-use crate::camera::Camera;
+use crate::camera::{Camera, Passing, View, Water};
 use crate::draw::Draw;
 use crate::scene::board::{self, Place};
+use crate::scene::glints::{self, Glint};
 use crate::scene::paint::Mark;
 use crate::scene::sensor::Sensor;
 use crate::scene::skin::Skin;
 use crate::scene::{Canvas, backdrop};
 use crate::settings::{self, Settings};
 
-/// Camera, backdrop and sensor.
+/// Camera, water, backdrop and sensor.
 pub struct Studio {
     /// The camera.
     pub camera: Camera,
+    /// The water of the trials in water, at rest, as high as it truly stands.
+    pub water: Water,
+    seed: u64,
+    set: settings::Water,
     lamp: settings::Lamp,
     clamp: Metre,
-    still: Canvas,
+    dry: Canvas,
+    wet: Canvas,
     sensor: Sensor,
 }
 
@@ -33,30 +40,43 @@ pub struct Subject {
     pub marks: Vec<Mark>,
 }
 
+/// The studio in one recording: dry, or under the ripples and glints of that recording.
+pub struct Set<'a> {
+    /// What the camera sees through.
+    pub view: View<'a>,
+    studio: &'a Studio,
+    glints: Vec<Glint>,
+}
+
 impl Studio {
-    /// The studio of a specimen: its camera is hung with `seed`, its holder grips as far as `clamp` (m).
+    /// The studio of a specimen: its camera is hung and its tank filled with `seed`, its holder grips as far as `clamp` (m).
     pub fn new(set: &Settings, seed: u64, clamp: Metre) -> Self {
         let camera = Camera::drawn(&set.camera, &mut Draw::new(seed, "camera"));
-        let still = backdrop::draw(&camera, &set.plane, &set.lamp);
+        let high = Draw::new(seed, "water").between(set.water.surface_error);
+        let water = Water::still(set.water.surface + high, set.water.index);
+        let still = |water| backdrop::draw(&View { camera: &camera, water }, &set.plane, &set.lamp);
+        let (dry, wet) = (still(None), still(Some(water.clone())));
         let sensor = Sensor::new(camera.width, camera.height, set.camera.noise, seed);
-        Self { camera, lamp: set.lamp.clone(), clamp, still, sensor }
+        Self { camera, water, seed, set: set.water.clone(), lamp: set.lamp.clone(), clamp, dry, wet, sensor }
     }
 
-    /// The tail with its nodes at `nodes` (m), the lamp at `lit` (0 to 1); before the sensor.
-    pub fn tail(&self, subject: &Subject, nodes: &[Point3], lit: f64) -> Canvas {
-        let mut canvas = self.still.clone();
-        subject.skin.draw(&mut canvas, &self.camera, nodes);
-        subject.marks.iter().for_each(|mark| mark.draw(&mut canvas, &self.camera, nodes));
-        backdrop::holder(&mut canvas, &self.camera, self.clamp);
-        if lit > 0.0 {
-            backdrop::light(&mut canvas, &self.camera, &self.lamp, lit);
+    /// The studio in the recording `label`.
+    pub fn set(&self, medium: Medium, label: &str) -> Set<'_> {
+        let draw = |what: &str| Draw::new(self.seed, &format!("{what} {label}"));
+        let camera = &self.camera;
+        match medium {
+            Medium::Air => Set { view: View { camera, water: None }, studio: self, glints: Vec::new() },
+            Medium::Water => {
+                let water = self.water.rippled(&self.set, &mut draw("ripples"));
+                let glints = glints::drawn(&self.set, camera.width, camera.height, &mut draw("glints"));
+                Set { view: View { camera, water: Some(water) }, studio: self, glints }
+            }
         }
-        canvas
     }
 
-    /// The checkerboard; before the sensor.
+    /// The checkerboard, in air; before the sensor.
     pub fn board(&self, board: &Board, place: &Place) -> Canvas {
-        let mut canvas = self.still.clone();
+        let mut canvas = self.dry.clone();
         board::draw(&mut canvas, &self.camera, board, place);
         canvas
     }
@@ -64,5 +84,27 @@ impl Studio {
     /// What the sensor makes of a canvas; `label` and `frame` name its noise.
     pub fn expose(&self, canvas: &Canvas, label: &str, frame: usize) -> Gray {
         self.sensor.expose(canvas, label, frame)
+    }
+}
+
+impl Set<'_> {
+    /// How much later than the frame's time the lamp's rows are read, s.
+    pub fn lamp_late(&self) -> Second {
+        let lamp = self.view.still(self.studio.lamp.at);
+        lamp.map_or(0.0, |[_, v]| self.studio.camera.late(v))
+    }
+
+    /// The tail as it passes, the lamp at `lit` (0 to 1); before the sensor.
+    pub fn tail(&self, subject: &Subject, by: &Passing, lit: f64) -> Canvas {
+        let (studio, view) = (self.studio, &self.view);
+        let mut canvas = if view.water.is_some() { studio.wet.clone() } else { studio.dry.clone() };
+        subject.skin.draw(&mut canvas, view, by);
+        subject.marks.iter().for_each(|mark| mark.draw(&mut canvas, view, by));
+        backdrop::holder(&mut canvas, view, studio.clamp);
+        if lit > 0.0 {
+            backdrop::light(&mut canvas, view, &studio.lamp, lit);
+        }
+        self.glints.iter().for_each(|glint| glint.draw(&mut canvas, view, by.time));
+        canvas
     }
 }

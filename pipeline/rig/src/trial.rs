@@ -8,6 +8,7 @@ use lab::card::{Experiment, Side};
 use lab::truth::{TrueForce, TrueTrack, TrueTrial};
 use si::{Pascal, Second};
 
+use crate::camera::Passing;
 use crate::draw::Draw;
 use crate::fault::Fault;
 use crate::logger::{self, Clock};
@@ -58,7 +59,7 @@ pub fn record(bench: &Bench, trial: &lab::card::Trial, folder: &Path) -> Result<
     folder::write(folder, &trial.pressure, lab::pressure::write(&log, lab::VIRTUAL_BENCH).as_bytes())?;
     shoot(bench, trial, motion.as_ref(), &script, folder, &place)?;
     let tracks = format!("truth/{}.csv", trial.id);
-    let seen = true_tracks(bench, motion.as_ref(), &script)?;
+    let seen = true_tracks(bench, trial, motion.as_ref(), &script)?;
     folder::write(folder, &tracks, lab::truth::write_tracks(&seen, lab::VIRTUAL_BENCH).as_bytes())?;
     let (clock_offset, clock_scale) = (clock.offset, clock.scale);
     let truth = TrueTrial { id: trial.id.clone(), tracks, clock_offset, clock_scale, led_on: script.led_on };
@@ -117,10 +118,12 @@ fn shoot(
 ) -> Result<(), Fault> {
     let camera = &bench.set.camera;
     let count = frames(bench, script);
+    let set = bench.studio.set(trial.medium, &trial.id);
     let draw = |frame: usize| {
         let t = frame as f64 / camera.rate;
-        let lit = script.lamp(t, 0.5 * camera.exposure);
-        let canvas = bench.studio.tail(bench.subject, &motion.nodes(t), lit);
+        let lit = script.lamp(t + set.lamp_late(), 0.5 * camera.exposure);
+        let by = Passing::around(t, 1.0 / camera.rate, &|t| motion.nodes(t));
+        let canvas = set.tail(bench.subject, &by, lit);
         bench.studio.expose(&canvas, &trial.id, frame)
     };
     let task = bench.progress.begin("film", place, count);
@@ -129,21 +132,27 @@ fn shoot(
     Ok(())
 }
 
-/// Where every mark truly is in every frame.
-fn true_tracks(bench: &Bench, motion: &dyn Motion, script: &Script) -> Result<Vec<TrueTrack>, Fault> {
+/// Where every mark truly is in every frame: in the picture as its rows were read, in space at the frame's own time.
+fn true_tracks(
+    bench: &Bench,
+    trial: &lab::card::Trial,
+    motion: &dyn Motion,
+    script: &Script,
+) -> Result<Vec<TrueTrack>, Fault> {
+    let set = bench.studio.set(trial.medium, &trial.id);
     let named = |name: &String| TrueTrack { marker: name.clone(), ..TrueTrack::default() };
     let mut tracks: Vec<TrueTrack> = bench.marks.iter().map(named).collect();
     for frame in 0..frames(bench, script) {
         let t = frame as f64 / bench.set.camera.rate;
-        let nodes = motion.nodes(t);
+        let by = Passing::around(t, 1.0 / bench.set.camera.rate, &|t| motion.nodes(t));
         for (track, mark) in tracks.iter_mut().zip(&bench.subject.marks) {
-            let seen = mark.pixel(&bench.studio.camera, &nodes).ok_or_else(|| {
+            let seen = mark.seen(&set.view, &by).ok_or_else(|| {
                 let what = format!("mark {} leaves the camera's sight at {t:.3} s", track.marker);
                 Fault::new(bench.name, &what, "the lens does not reach there", "hang the camera higher in bench.toml")
             })?;
             track.time.push(t);
             track.pixel.push(seen);
-            track.at.push(mark.at(&nodes));
+            track.at.push(mark.at(by.now()));
         }
     }
     Ok(tracks)

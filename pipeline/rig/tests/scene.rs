@@ -3,6 +3,8 @@
 //! Stands on: `rig`, `shape`. Never knows: finite elements, a film.
 #![allow(clippy::unwrap_used)] // a test may fail where it stands
 
+use lab::card::Medium;
+use rig::camera::{Passing, View};
 use rig::card;
 use rig::scene::Canvas;
 use rig::scene::paint::Mark;
@@ -47,7 +49,9 @@ fn a_drawn_mark_has_its_centroid_at_the_true_pixel_to_a_hundredth() {
         assert!(off < 1e-4, "{off} m off the skin");
         for nodes in [mesh.nodes.clone(), bent(&mesh.nodes, 4.0), bent(&mesh.nodes, -9.0)] {
             let mut canvas = Canvas::filled(camera.width, camera.height, 255.0);
-            mark.draw(&mut canvas, &camera, &nodes);
+            let view = View { camera: &camera, water: None };
+            let still = Passing::around(0.0, 1.0, &|_| nodes.clone());
+            mark.draw(&mut canvas, &view, &still);
             let (drawn, truth) = (middle_of_darkness(&canvas), mark.pixel(&camera, &nodes).unwrap());
             let centre = camera.pixel(mark.at(&nodes)).unwrap();
             assert!((drawn[0] - truth[0]).hypot(drawn[1] - truth[1]) < 0.01, "{drawn:?} {truth:?}");
@@ -64,7 +68,8 @@ fn the_skin_covers_the_tail_and_nothing_beside_it() {
     let mesh = shape::quadratic(&tail.mesh(&resolution).unwrap());
     let camera = Studio::new(&set, own.seed, own.clamp).camera;
     let mut canvas = Canvas::filled(camera.width, camera.height, 0.0);
-    Skin::new(&mesh).draw(&mut canvas, &camera, &mesh.nodes);
+    let view = View { camera: &camera, water: None };
+    Skin::new(&mesh).draw(&mut canvas, &view, &Passing::around(0.0, 1.0, &|_| mesh.nodes.clone()));
     let level = |at: Point3| {
         let [u, v] = camera.pixel(at).unwrap().map(|p| p.round() as usize);
         canvas.levels[v * canvas.width + u]
@@ -74,4 +79,25 @@ fn the_skin_covers_the_tail_and_nothing_beside_it() {
         assert_eq!(level([0.03, at, 0.0]) > 20.0, seen, "y = {at} m");
     }
     assert!(level([0.04, 0.0, tail.half_height(0.04)]) > level([0.04, 0.9 * side, 0.0]), "the back is the brightest");
+}
+
+#[test]
+fn a_mark_that_swings_under_rippled_water_is_drawn_at_its_true_pixel_to_a_hundredth() {
+    let (set, specimen) = (Settings::built_in(), &ALL[0]);
+    let (own, tail) = (&set.specimen[specimen.name], (specimen.tail)());
+    let mesh = shape::quadratic(&tail.mesh(&Resolution { edge: 0.006, per_chamber: 1, per_rib: 1 }).unwrap());
+    let studio = Studio::new(&set, own.seed, own.clamp);
+    let film = studio.set(Medium::Water, "test");
+    let (_, at) = card::marks(&tail, own)[1];
+    let (mark, _) = Mark::paint(&mesh, at, own.marker_diameter);
+    let swing = |t: f64| bent(&mesh.nodes, 8.0 * (25.0 * t).sin() + 1e-6);
+    for frame in 0..6 {
+        let by = Passing::around(0.1 + f64::from(frame) / 60.0, 1.0 / 60.0, &swing);
+        let mut canvas = Canvas::filled(studio.camera.width, studio.camera.height, 255.0);
+        mark.draw(&mut canvas, &film.view, &by);
+        let (drawn, truth) = (middle_of_darkness(&canvas), mark.seen(&film.view, &by).unwrap());
+        assert!((drawn[0] - truth[0]).hypot(drawn[1] - truth[1]) < 0.01, "{drawn:?} {truth:?}");
+        let dry = mark.pixel(&studio.camera, by.now()).unwrap();
+        assert!((dry[0] - truth[0]).hypot(dry[1] - truth[1]) > 0.5, "water must matter: {dry:?} {truth:?}");
+    }
 }

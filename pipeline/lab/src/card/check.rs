@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 
 use crate::range::{Checked, found, within};
 
-use super::{Card, Experiment, FixtureOf, Marker, Solid, Trial};
+use super::{Card, Experiment, FixtureOf, Marker, Medium, Solid, Trial};
 
 /// Number of pixels that no picture exceeds.
 const PICTURE: f64 = 20_000.0;
@@ -27,6 +27,7 @@ pub(super) fn card(card: &Card, folder: Option<&str>) -> Checked {
     chambers(card)?;
     markers(card)?;
     camera(card)?;
+    water(card)?;
     led(card)?;
     trials(card)?;
     fixtures(card)
@@ -74,6 +75,7 @@ fn camera(card: &Card) -> Checked {
     let camera = &card.camera;
     relative("camera.calibration", &camera.calibration)?;
     within("camera.frame_every", camera.frame_every as f64, 1.0, 1000.0, "frames")?;
+    within("camera.readout", camera.readout, 0.0, 0.1, "s")?;
     within("camera.board.columns", camera.board.columns as f64, 3.0, 100.0, "squares")?;
     within("camera.board.rows", camera.board.rows as f64, 3.0, 100.0, "squares")?;
     within("camera.board.square", camera.board.square, 1e-3, 0.2, "m")?;
@@ -85,6 +87,22 @@ fn camera(card: &Card) -> Checked {
     let [x, y] = camera.plane.along;
     within("camera.plane.along", x.hypot(y), 0.999, 1.001, "(its length)")?;
     within("camera.plane.height", camera.plane.height, -1.0, 1.0, "m")
+}
+
+/// A trial in water is seen through a surface, whose height must be known.
+fn water(card: &Card) -> Checked {
+    if let Some(water) = &card.water {
+        within("water.surface", water.surface, -1.0, 1.0, "m")?;
+        return within("water.index", water.index, 1.3, 1.4, "(no unit)");
+    }
+    match card.trial.iter().position(|t| t.medium == Medium::Water) {
+        None => Ok(()),
+        Some(i) => {
+            let what = format!("trial `{}` is in water, but the card has no [water]", card.trial[i].id);
+            let why = "the camera looks through its surface, which bends every ray";
+            found(&format!("trial.{i}.medium"), what, why, "add [water] with surface (m, z) and index (1.333)")
+        }
+    }
 }
 
 fn led(card: &Card) -> Checked {

@@ -31,6 +31,9 @@ pub fn write(card: &Card) -> String {
         put(&mut text, seen);
     }
     camera(&mut text, &card.camera);
+    if let Some(w) = &card.water {
+        put(&mut text, format_args!("\n[water]\nsurface = {:?}  # m, z\nindex = {:?}\n", w.surface, w.index));
+    }
     put(
         &mut text,
         format_args!("\n[led]\ncentre = {:?}  # px\nradius = {:?}  # px\n", card.led.centre, card.led.radius),
@@ -72,6 +75,9 @@ fn camera(text: &mut String, camera: &Camera) {
         text,
         format_args!("\n[camera]\ncalibration = {:?}\nframe_every = {}\n", camera.calibration, camera.frame_every),
     );
+    if camera.readout != 0.0 {
+        put(text, format_args!("readout = {:?}  # s, from the first row to the last\n", camera.readout));
+    }
     put(text, format_args!("\n[camera.board]\ncolumns = {}  # squares\nrows = {}\n", board.columns, board.rows));
     put(text, format_args!("square = {:?}  # m\n", board.square));
     put(text, format_args!("\n[camera.plane]\nseconds = {:?}  # s, the board lies flat on the plane\n", plane.seconds));

@@ -17,9 +17,9 @@ pub struct TrueTrack {
     pub marker: String,
     /// Time of the frame on the video's clock, s.
     pub time: Vec<Second>,
-    /// Centre in the picture, px.
+    /// Centre in the picture, px, as it was drawn: each row at the time when a rolling shutter read it.
     pub pixel: Vec<Point2>,
-    /// Centre in space, m, CAD frame.
+    /// Centre in space, m, CAD frame, at the frame's own time, which is its middle row's.
     pub at: Vec<Point3>,
 }
 

@@ -10,7 +10,7 @@ use si::{Metre, Point2, Point3, vec3};
 
 use super::Canvas;
 use super::canvas::centroid;
-use crate::camera::{Camera, flat_disc};
+use crate::camera::{Camera, Passing, View, flat_disc};
 
 /// Corners of a mark's rim.
 const RIM: usize = 32;
@@ -37,19 +37,26 @@ impl Mark {
         self.centre.at(nodes)
     }
 
-    /// The mark's outline in the picture, px; none out of the camera's sight.
-    pub fn outline(&self, camera: &Camera, nodes: &[Point3]) -> Option<Vec<Point2>> {
-        self.rim.iter().map(|spot| camera.pixel(spot.at(nodes))).collect()
+    /// The mark's outline in a frame, px, each of its corners at its own row's time; none out of the camera's sight.
+    fn outline(&self, view: &View, by: &Passing) -> Option<Vec<Point2>> {
+        let places = |spot: &Spot| [0, 1, 2].map(|k| spot.at(&by.nodes[k]));
+        self.rim.iter().map(|spot| view.passing(by, places(spot))).collect()
     }
 
-    /// Where the mark is in the picture, px: the centroid of its outline.
+    /// Where the mark is in a frame, px: the centroid of what is drawn.
+    pub fn seen(&self, view: &View, by: &Passing) -> Option<Point2> {
+        self.outline(view, by).map(|outline| centroid(&outline))
+    }
+
+    /// Where the mark is in the picture of a body at rest in air, px.
     pub fn pixel(&self, camera: &Camera, nodes: &[Point3]) -> Option<Point2> {
-        self.outline(camera, nodes).map(|outline| centroid(&outline))
+        let outline: Option<Vec<_>> = self.rim.iter().map(|spot| camera.pixel(spot.at(nodes))).collect();
+        outline.map(|outline| centroid(&outline))
     }
 
     /// Draws the mark.
-    pub fn draw(&self, canvas: &mut Canvas, camera: &Camera, nodes: &[Point3]) {
-        if let Some(outline) = self.outline(camera, nodes) {
+    pub fn draw(&self, canvas: &mut Canvas, view: &View, by: &Passing) {
+        if let Some(outline) = self.outline(view, by) {
             canvas.fill(&outline, PAINT);
         }
     }

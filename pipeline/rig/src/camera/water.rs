@@ -1,0 +1,213 @@
+//! Water between camera and bench: a surface that bends every ray, and ripples that travel over it.
+//!
+//! The surface is flat but for slopes of a few milliradians, whose heights (tens of micrometres) are left out. Where a
+//! point is seen is found against the light, by where its ray crosses the surface.
+//!
+//! Stands on: `si`, seeded chance. Never knows: a lens, a pixel, how anyone else follows a ray.
+
+use si::{Metre, Point2, Point3, Radian, Second, vec3};
+
+use crate::draw::Draw;
+use crate::settings;
+
+/// Waves of which the ripples are made.
+const WAVES: usize = 5;
+/// Newton steps for a crossing at most, and the share of its distance under which a step is the last: the next one would be
+/// its square.
+const STEPS: usize = 6;
+const MET: f64 = 1e-6;
+/// Of gravity, m/s², and of the surface of water over its density, m³/s².
+const GRAVITY: f64 = 9.81;
+const TENSION: f64 = 7.3e-5;
+
+/// A water surface.
+#[derive(Debug, Clone)]
+pub struct Water {
+    /// z of the surface at rest, m.
+    pub surface: Metre,
+    /// Refractive index, no unit.
+    pub index: f64,
+    waves: Vec<Wave>,
+}
+
+/// One travelling wave of slope.
+#[derive(Debug, Clone, Copy)]
+struct Wave {
+    /// Unit vector × wave number, rad/m.
+    number: Point2,
+    /// Largest slope, rad.
+    steep: Radian,
+    /// rad/s.
+    pace: f64,
+    phase: Radian,
+}
+
+impl Water {
+    /// A surface without ripples.
+    pub fn still(surface: Metre, index: f64) -> Self {
+        Self { surface, index, waves: Vec::new() }
+    }
+
+    /// The same surface at rest.
+    pub fn flat(&self) -> Self {
+        Self::still(self.surface, self.index)
+    }
+
+    /// The same surface with the ripples of one recording, drawn from the settings' ranges.
+    pub fn rippled(&self, set: &settings::Water, draw: &mut Draw) -> Self {
+        let steep = draw.between(set.ripple) * (2.0 / WAVES as f64).sqrt();
+        let wave = |_| {
+            let way = draw.between([0.0, std::f64::consts::TAU]);
+            let k = std::f64::consts::TAU / draw.between(set.wavelength);
+            let pace = (GRAVITY * k + TENSION * k.powi(3)).sqrt();
+            let phase = draw.between([0.0, std::f64::consts::TAU]);
+            Wave { number: [k * way.cos(), k * way.sin()], steep, pace, phase }
+        };
+        Self { waves: (0..WAVES).map(wave).collect(), ..self.clone() }
+    }
+
+    /// Slope of the surface along x and y at a place (m) and time (s), rad.
+    pub fn slope(&self, [x, y]: Point2, t: Second) -> Point2 {
+        self.waves.iter().fold([0.0; 2], |sum, wave| {
+            let [kx, ky] = wave.number;
+            let now = wave.steep * (kx * x + ky * y - wave.pace * t + wave.phase).cos() / kx.hypot(ky);
+            [sum[0] + now * kx, sum[1] + now * ky]
+        })
+    }
+
+    /// The point in air (m) in whose direction a camera at `eye` (m) sees `at` (m) at time `t` (s).
+    ///
+    /// That is where the ray crosses the surface at rest; what lies above the surface is seen where it is. With ripples,
+    /// the ray towards a crossing lands beside `at`; the crossing is moved by that much, once: what is left is the
+    /// second order in slopes of milliradians.
+    pub fn apparent(&self, eye: Point3, at: Point3, t: Second) -> Point3 {
+        if at[2] >= self.surface {
+            return at;
+        }
+        let flat = self.crossing(eye, at);
+        if self.waves.is_empty() {
+            return flat;
+        }
+        let landed = self.landing(eye, flat, t, at[2]);
+        self.crossing(eye, [2.0 * at[0] - landed[0], 2.0 * at[1] - landed[1], at[2]])
+    }
+
+    /// The same to some micrometres, in half the time: ripples move the point by d (1 − 1/n) of their slope.
+    pub fn roughly(&self, eye: Point3, at: Point3, t: Second) -> Point3 {
+        if at[2] >= self.surface {
+            return at;
+        }
+        let (high, deep) = (eye[2] - self.surface, self.surface - at[2]);
+        let share = high / (high + deep);
+        let over = [0, 1].map(|k| eye[k] + share * (at[k] - eye[k]));
+        let [sx, sy] = self.slope(over, t);
+        let lift = deep * (1.0 - 1.0 / self.index);
+        self.crossing(eye, [at[0] - lift * sx, at[1] - lift * sy, at[2]])
+    }
+
+    /// Where the ray from `eye` to `at` crosses the flat surface.
+    ///
+    /// Snell: r / √(r² + h²) = n (R − r) / √((R − r)² + d²), r from the camera's foot, by Newton from the paraxial r.
+    fn crossing(&self, eye: Point3, at: Point3) -> Point3 {
+        let (h, d, n) = (eye[2] - self.surface, self.surface - at[2], self.index);
+        let way = [at[0] - eye[0], at[1] - eye[1]];
+        let whole = way[0].hypot(way[1]);
+        let mut r = whole * n * h / (d + n * h);
+        for _ in 0..STEPS {
+            let (a, b) = ((r * r + h * h).sqrt(), ((whole - r).powi(2) + d * d).sqrt());
+            let miss = r / a - n * (whole - r) / b;
+            let step = miss / (h * h / (a * a * a) + n * d * d / (b * b * b));
+            r -= step;
+            if step.abs() < MET * whole {
+                break;
+            }
+        }
+        let share = if whole > 0.0 { r / whole } else { 0.0 };
+        [eye[0] + share * way[0], eye[1] + share * way[1], self.surface]
+    }
+
+    /// Where the ray from `eye` through the point `through` of the rippled surface reaches the height `z` (m).
+    ///
+    /// t = i / n + (c / n − √(1 − (1 − c²) / n²)) N with c = −i · N    (Snell as vectors)
+    fn landing(&self, eye: Point3, through: Point3, t: Second, z: Metre) -> Point2 {
+        let [sx, sy] = self.slope([through[0], through[1]], t);
+        let upright = vec3::scale([-sx, -sy, 1.0], 1.0 / (1.0 + sx * sx + sy * sy).sqrt());
+        let ray = vec3::sub(through, eye);
+        let ray = vec3::scale(ray, 1.0 / vec3::norm(ray));
+        let (c, n) = (-vec3::dot(ray, upright), self.index);
+        let bend = c / n - (1.0 - (1.0 - c * c) / (n * n)).sqrt();
+        let on = vec3::add(vec3::scale(ray, 1.0 / n), vec3::scale(upright, bend));
+        let far = (z - through[2]) / on[2];
+        [through[0] + far * on[0], through[1] + far * on[1]]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::Settings;
+
+    const EYE: Point3 = [0.058, 0.002, 0.205];
+    const AT: Point3 = [0.12, -0.03, 0.01];
+
+    #[test]
+    fn light_takes_the_quickest_way_through_the_surface() {
+        let water = Water::still(0.05, 1.333);
+        let found = water.apparent(EYE, AT, 0.0);
+        let time = |x: f64, y: f64| {
+            let there = [x, y, water.surface];
+            vec3::norm(vec3::sub(there, EYE)) + water.index * vec3::norm(vec3::sub(AT, there))
+        };
+        let best = time(found[0], found[1]);
+        for [dx, dy] in [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]] {
+            let (near, step) = (time(found[0] + 1e-5 * dx, found[1] + 1e-5 * dy), 1e-5);
+            // a minimum: a step costs its square over the distances, and nothing of first order (which would be 1e-8 for 1e-3 rad)
+            assert!(near > best && near - best < 20.0 * step * step, "{}", near - best);
+        }
+    }
+
+    #[test]
+    fn a_ray_towards_the_apparent_place_lands_on_the_point_under_ripples() {
+        let set = Settings::built_in().water;
+        let water = Water::still(0.05, 1.333).rippled(&set, &mut Draw::new(4, "ripples"));
+        for i in 0..20 {
+            let t = 0.07 * f64::from(i);
+            let seen = water.apparent(EYE, AT, t);
+            let [x, y] = water.landing(EYE, seen, t, AT[2]);
+            // a tenth of a micrometre is 0.0005 px here
+            assert!((x - AT[0]).hypot(y - AT[1]) < 1e-7, "at {t}: {} {}", x - AT[0], y - AT[1]);
+        }
+    }
+
+    #[test]
+    fn a_rough_look_through_ripples_is_off_by_less_than_a_tenth_of_a_pixel() {
+        let set = Settings::built_in().water;
+        let water = Water::still(0.05, 1.333).rippled(&set, &mut Draw::new(4, "ripples"));
+        for i in 0..20 {
+            let t = 0.07 * f64::from(i);
+            let (fine, rough) = (water.apparent(EYE, AT, t), water.roughly(EYE, AT, t));
+            let off = (fine[0] - rough[0]).hypot(fine[1] - rough[1]);
+            // of a pixel of 0.16 mm at the surface; the ripples themselves move the point by 20 µm
+            assert!(off < 1.5e-5, "{off}");
+        }
+    }
+
+    #[test]
+    fn what_is_above_the_surface_is_seen_where_it_is() {
+        let lamp = [0.13, 0.04, 0.055];
+        assert_eq!(Water::still(0.05, 1.333).apparent(EYE, lamp, 1.0), lamp);
+    }
+
+    #[test]
+    fn ripples_are_as_steep_as_they_are_drawn() {
+        let set = settings::Water { ripple: [2e-3, 2e-3], ..Settings::built_in().water };
+        let water = Water::still(0.05, 1.333).rippled(&set, &mut Draw::new(4, "ripples"));
+        let count = 4000;
+        let squares = (0..count).map(|i| {
+            let [x, y] = water.slope([0.013 * f64::from(i % 7), 0.011 * f64::from(i % 5)], 0.037 * f64::from(i));
+            x * x + y * y
+        });
+        let root = (squares.sum::<f64>() / f64::from(count)).sqrt();
+        assert!((root / 2e-3 - 1.0).abs() < 0.15, "{root}");
+    }
+}
