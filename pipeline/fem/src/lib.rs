@@ -13,6 +13,7 @@ pub mod boxes;
 mod checks;
 mod clamps;
 mod descent;
+mod energy;
 mod forces;
 mod gas;
 mod given;

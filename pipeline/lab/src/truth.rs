@@ -4,6 +4,7 @@
 //! Stands on: `si`. Never knows: how anything was identified.
 
 mod force;
+mod traces;
 mod tracks;
 
 use std::path::Path;
@@ -15,6 +16,7 @@ use crate::Refusal;
 use crate::table::{SEE, refused};
 
 pub use force::{TrueCell, TrueForce, TrueTap, TrueWave};
+pub use traces::{TrueForces, parse_forces, read_forces, write_forces};
 pub use tracks::{TrueTrack, parse_tracks, read_tracks, write_tracks};
 
 /// Everything that the bench hid.
@@ -36,6 +38,12 @@ pub struct Truth {
     pub spine: Properties,
     /// What loses energy.
     pub damping: Damping,
+    /// What the casting hides from the STL files.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub casting: Option<Casting>,
+    /// The water around the tail.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fluid: Option<Fluid>,
     /// The lens, as in `track`: px, and no unit for the distortion.
     pub lens: Lens,
     /// The camera's pose: CAD frame → camera frame.
@@ -70,6 +78,28 @@ pub struct Damping {
     pub mass: Hertz,
     /// b, s.
     pub stiffness: Second,
+}
+
+/// What a casting hides.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Casting {
+    /// The right outer wall is thicker and the left one thinner by this share, no unit.
+    pub asymmetry: f64,
+    /// How far each marker is off its place on the card, along and across, m.
+    pub markers: Vec<[f64; 2]>,
+}
+
+/// The water around the tail, as elongated-body theory and a drag across the flow have it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Fluid {
+    /// kg/m³.
+    pub density: KilogramPerCubicMetre,
+    /// Share of the theory's added mass, no unit.
+    pub added: f64,
+    /// Coefficient of drag, no unit.
+    pub drag: f64,
 }
 
 /// A pinhole with radial and tangential distortion.
@@ -120,6 +150,16 @@ pub struct TrueTrial {
     pub clock_scale: f64,
     /// When the lamp lights, s on the video's clock.
     pub led_on: Second,
+    /// By how much the regulated pressure was off, as a share, no unit.
+    #[serde(default)]
+    pub supply: f64,
+    /// The silicone's moduli against those above, no unit.
+    #[serde(default = "one")]
+    pub softening: f64,
+}
+
+fn one() -> f64 {
+    1.0
 }
 
 /// The truth in the file `path`.

@@ -2,12 +2,13 @@
 //!
 //! Stands on: `lab` (the card), `shape` (the tail's outline). Never knows: the true properties.
 
-use lab::card::{self, Card, Experiment, Fixture, FixtureOf, Medium, Origin, Role, Side, Trial};
+use lab::card::{self, Card, Experiment, Fixture, FixtureOf, Medium, Origin, Role, Side, Split, Trial};
 use shape::tail::Tail;
-use si::{Metre, Point2, Point3};
+use si::{Metre, Pascal, Point2, Point3};
 
 use crate::calibration::Calibration;
-use crate::settings::{self, Profile, Settings};
+use crate::settings::{self, Profile, Settings, Splits};
+use crate::specimen::SHEET;
 
 /// The STL files.
 pub const BODY_FILE: &str = "cad/body.stl";
@@ -28,24 +29,57 @@ pub struct Seen {
     pub lamp: (Point2, f64),
 }
 
-/// Where the marks are painted: on the back, above the sheet, m.
+/// Where the marks should be: on the back, above the sheet, m.
 pub fn marks(tail: &Tail, set: &settings::Specimen) -> Vec<(String, Point3)> {
     let place = |(i, x): (usize, &Metre)| (format!("m{}", i + 1), tail.back_point(*x));
     set.markers.iter().enumerate().map(place).collect()
 }
 
-/// The trials of a specimen: a staircase on the left to identify it, flapping to validate.
-pub fn trials(profile: &Profile) -> Vec<Trial> {
-    let levels = profile.levels.clone();
-    let stairs = Experiment::Staircase { side: Side::Left, levels, hold: profile.hold, pause: profile.pause };
-    let mut trials = vec![trial("static_left".to_owned(), Role::Identify, stairs)];
-    for flap in &profile.flaps {
-        let id = format!("{:.0}mbar_{:.0}hz", flap.pressure / si::MILLIBAR, flap.frequency);
-        let (amplitude, frequency, cycles) = (flap.pressure, flap.frequency, flap.cycles);
-        let flapping = Experiment::Flapping { side: Side::Left, amplitude, frequency, cycles };
-        trials.push(trial(id, Role::Validate, flapping));
+/// Where the marks are painted, `off` their places along and across, m.
+pub fn painted(tail: &Tail, set: &settings::Specimen, off: &[Point2]) -> Vec<(String, Point3)> {
+    let shifted = |((name, at), off): ((String, Point3), &Point2)| {
+        let [x, y, z] = tail.back_point(at[0] + off[0]);
+        (name, [x, y + off[1], z])
+    };
+    marks(tail, set).into_iter().zip(off).map(shifted).collect()
+}
+
+/// The trials of a specimen: staircases on both sides in air to identify it, one in water for what follows pressure alone, and
+/// flapping, each repeated.
+pub fn trials(set: &settings::Specimen, profile: &Profile) -> Vec<Trial> {
+    let stairs = |side: Side, levels: &[Pascal]| Experiment::Staircase {
+        side,
+        levels: levels.to_vec(),
+        hold: profile.hold,
+        pause: profile.pause,
+    };
+    let mut trials = vec![
+        trial("static_left".to_owned(), Role::Identify, Medium::Air, None, stairs(Side::Left, &set.levels)),
+        trial("static_right".to_owned(), Role::Identify, Medium::Air, None, stairs(Side::Right, &set.levels)),
+    ];
+    let wet = stairs(Side::Left, &set.levels_in_water);
+    trials.push(trial("static_left_water".to_owned(), Role::Thrust, Medium::Water, None, wet));
+    for flap in set.flaps.iter().filter(|flap| flap.brief || !profile.brief) {
+        trials.extend((1..=profile.repeats).map(|repeat| flapping(flap, profile, repeat)));
     }
     trials
+}
+
+fn flapping(flap: &settings::Flap, profile: &Profile, repeat: usize) -> Trial {
+    let (pressure, medium) = (flap.pressure / si::MILLIBAR, flap.medium.word());
+    let id = format!("{pressure:.0}mbar_{:.0}hz_{medium}_{repeat:02}", flap.frequency);
+    let experiment = Experiment::Flapping {
+        side: Side::Left,
+        amplitude: flap.pressure,
+        frequency: flap.frequency,
+        cycles: profile.cycles,
+    };
+    let split = flap.split.map(|splits| match splits {
+        Splits::Test => Split::Test,
+        Splits::Last if repeat == profile.repeats => Split::Test,
+        Splits::Train | Splits::Last => Split::Train,
+    });
+    trial(id, if flap.validate { Role::Validate } else { Role::Thrust }, flap.medium, split, experiment)
 }
 
 /// The recordings of the load cell's fixture alone: hammer taps, and what a run leaves in the tank.
@@ -56,11 +90,12 @@ pub fn fixtures() -> Vec<Fixture> {
     vec![fixture("taps", Medium::Air, taps), fixture("still_water", Medium::Water, FixtureOf::StillWater)]
 }
 
-fn trial(id: String, role: Role, experiment: Experiment) -> Trial {
+/// Everything but a staircase in air is weighed.
+fn trial(id: String, role: Role, medium: Medium, split: Option<Split>, experiment: Experiment) -> Trial {
     let (video, pressure) = (format!("trials/{id}/video.mp4"), format!("trials/{id}/pressure.csv"));
-    let weighed = matches!(experiment, Experiment::Flapping { .. });
+    let weighed = medium == Medium::Water || matches!(experiment, Experiment::Flapping { .. });
     let force = weighed.then(|| format!("trials/{id}/force.csv"));
-    Trial { id, role, medium: Medium::Air, video, pressure, force, first_frame: 0, last_frame: None, experiment }
+    Trial { id, role, split, medium, video, pressure, force, first_frame: 0, last_frame: None, experiment }
 }
 
 /// The whole card.
@@ -70,7 +105,7 @@ pub fn write(name: &str, set: &Settings, tail: &Tail, trials: &[Trial], seen: &S
         name: name.to_owned(),
         origin: Origin::VirtualBench,
         length: specimen.length,
-        solid: solids(specimen),
+        solid: solids(set, specimen),
         clamp: card::Clamp { below_x: specimen.clamp },
         chamber: vec![chamber(tail, Side::Left), chamber(tail, Side::Right)],
         marker: markers(tail, specimen, &seen.marks),
@@ -86,17 +121,16 @@ fn rounded(pixel: f64) -> f64 {
     (CLICK * pixel).round() / CLICK
 }
 
-fn solids(set: &settings::Specimen) -> card::Solids {
-    let solid = |file: &str, nominal: &settings::Nominal, density| card::Solid {
+fn solids(all: &Settings, set: &settings::Specimen) -> card::Solids {
+    let solid = |file: &str, of: &settings::Material| card::Solid {
         file: file.to_owned(),
-        material: set.material.clone(),
-        youngs_modulus: nominal.youngs_modulus,
-        poissons_ratio: nominal.poissons_ratio,
-        density,
-        plausible: nominal.plausible,
+        material: of.law.clone(),
+        youngs_modulus: of.nominal.youngs_modulus,
+        poissons_ratio: of.nominal.poissons_ratio,
+        density: of.density,
+        plausible: of.nominal.plausible,
     };
-    let body = solid(BODY_FILE, &set.nominal_body, set.body.density);
-    let spine = solid(SPINE_FILE, &set.nominal_spine, set.spine.density);
+    let (body, spine) = (solid(BODY_FILE, &all.material[&set.body]), solid(SPINE_FILE, &all.material[SHEET]));
     card::Solids { unit: card::LengthUnit::Mm, body, spine }
 }
 

@@ -6,14 +6,19 @@ use std::path::{Path, PathBuf};
 
 use crate::fault::Fault;
 
-/// An empty folder beside where `name` will stand in `into`; what an interrupted recording left there is removed.
+/// A folder beside where `name` will stand in `into`, with `stamp` in its file `mark`. What an interrupted recording with the
+/// same stamp left there is kept, anything else removed.
 ///
 /// # Errors
 /// [`Fault`] when the disk refuses.
-pub fn begin(into: &Path, name: &str) -> Result<PathBuf, Fault> {
+pub fn begin(into: &Path, name: &str, mark: &str, stamp: &str) -> Result<PathBuf, Fault> {
     let partial = into.join(format!(".{name}.partial"));
+    if std::fs::read_to_string(partial.join(mark)).is_ok_and(|found| found == stamp) {
+        return Ok(partial);
+    }
     remove(&partial)?;
     std::fs::create_dir_all(&partial).map_err(|e| Fault::io(&partial, &e))?;
+    write(&partial, mark, stamp.as_bytes())?;
     Ok(partial)
 }
 

@@ -19,6 +19,7 @@ pub mod logger;
 pub mod physics;
 pub mod progress;
 pub mod realism;
+pub mod receipts;
 pub mod record;
 pub mod scene;
 pub mod script;

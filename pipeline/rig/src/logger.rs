@@ -79,7 +79,8 @@ mod tests {
         let flaps = Experiment::Flapping { side: Side::Left, amplitude: 2e4, frequency: 2.0, cycles: 2 };
         let script = script::write(&flaps, 0.5123, 0.5);
         let mut draw = Draw::new(1, "valve");
-        let [left, right] = [&script.left, &script.right].map(|c| valve::follow(&set.valve, c, &mut draw));
+        let [left, right] =
+            [&script.left, &script.right].map(|c| valve::follow(&set.valve, c, valve::Unrest::default(), &mut draw));
         let clock = Clock { offset: 1.75, scale: 1.00002 };
         let log = record(&set.log, clock, &script, [&left, &right], &mut Draw::new(1, "log"));
         let text = lab::pressure::write(&log, lab::VIRTUAL_BENCH);

@@ -1,17 +1,24 @@
-//! The physics of the bench: a specimen as finite elements, at rest under pressure and in motion.
+//! The physics of the bench: a specimen as finite elements, at rest under pressure and in motion in air and water.
 //!
-//! Quadratic neo-Hookean elements on the bench's own swept mesh of the half z ≥ 0, which no pipeline ever sees.
+//! Quadratic neo-Hookean elements on the bench's own swept mesh of the half z ≥ 0, which no pipeline ever sees. Staircases climb a
+//! ladder of equilibria of the whole body; the many flapping trials move in coordinates that it was reduced to, which
+//! tests hold against the whole body's march.
 //!
 //! Stands on: `fem`, `shape`. Never knows: a camera, a log, a file.
 
 mod body;
 mod dynamics;
+mod flap;
+mod line;
 mod motion;
-mod reaction;
 mod statics;
+pub mod training;
+mod water;
 
 pub use body::Body;
 pub use dynamics::march;
+pub use flap::{Conditions, Flap, Swimmer};
+pub use line::{CentreLine, Station};
 pub use motion::{Motion, Quasistatic, Recorded};
-pub use reaction::Reaction;
-pub use statics::{ladder, rungs};
+pub use statics::Ladder;
+pub use water::{Fluid, Push, Water};

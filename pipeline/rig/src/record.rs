@@ -6,23 +6,26 @@
 
 use std::path::Path;
 
-use lab::card::Trial;
-use lab::truth::{Lens, Pose, TrueForce, TrueTrial, Truth};
+use lab::card::{Side, Trial};
+use lab::truth::{self, Lens, Pose, TrueForce, TrueTrial, Truth};
+use rayon::prelude::*;
 use shape::tail::Tail;
 use si::{MILLIMETRE, Metre};
 
 use crate::calibration::Calibration;
 use crate::camera::flat_disc;
 use crate::card::{self, Seen};
+use crate::draw::Draw;
 use crate::fault::Fault;
 use crate::folder;
-use crate::physics::Body;
+use crate::physics::{Body, Fluid, Ladder, Swimmer, training};
 use crate::progress::Progress;
+use crate::receipts;
 use crate::scene::canvas::centroid;
 use crate::scene::paint::Mark;
 use crate::scene::skin::Skin;
-use crate::settings::{Profile, Settings};
-use crate::specimen::{Hidden, Specimen};
+use crate::settings::{self, Profile, Settings};
+use crate::specimen::{Hidden, SHEET, Specimen};
 use crate::stamp::{self, Found};
 use crate::studio::{Studio, Subject};
 use crate::trial::{self, Bench};
@@ -55,9 +58,9 @@ pub fn record(
     if stamp::look(&folder, &stamp)? == Found::Current {
         return Ok(Outcome::Kept);
     }
-    let partial = folder::begin(into, specimen.name)?;
+    let partial = folder::begin(into, specimen.name, stamp::FILE, &stamp)?;
     fill(specimen, set, &set.profile[profile], &partial, progress).map_err(|e| Fault::at(specimen.name, e))?;
-    folder::write(&partial, stamp::FILE, stamp.as_bytes())?;
+    receipts::clear(&partial)?;
     folder::finish(&partial, &folder)?;
     Ok(Outcome::Made)
 }
@@ -69,28 +72,33 @@ fn fill(
     folder: &Path,
     progress: &Progress,
 ) -> Result<(), Fault> {
-    let (own, tail) = (&set.specimen[specimen.name], (specimen.tail)());
-    let hidden = Hidden::drawn(own);
-    write_solids(specimen.name, &tail, set.cad.fineness, folder)?;
-    let body = Body::new(&tail, &profile.resolution, own, &hidden)?;
+    let (name, own, tail) = (specimen.name, &set.specimen[specimen.name], (specimen.tail)());
+    let hidden = Hidden::drawn(set, own);
+    write_solids(name, &tail, set.cad.fineness, folder)?;
+    let materials = [&set.material[&own.body], &set.material[SHEET]];
+    let body = Body::new(&tail, &profile.resolution, own.clamp, materials, &hidden)?;
     let studio = Studio::new(set, own.seed, own.clamp);
-    let places = card::marks(&tail, own);
+    let places = card::painted(&tail, own, &hidden.marks);
     let subject = Subject { skin: Skin::new(&body.mesh), marks: paint(&body, &places, own.marker_diameter)? };
     let marks: Vec<String> = places.into_iter().map(|(name, _)| name).collect();
-    let name = specimen.name;
+    let ladders = climb(name, &body, set, own, profile, progress)?;
+    let swimmer = train(name, &body, &hidden.cast(&tail), own.clamp, &ladders, progress)?;
     let bench = Bench {
         set,
         profile,
         name,
         seed: own.seed,
         body: &body,
+        ladders: &ladders,
+        swimmer: &swimmer,
+        fluid: fluid(set, own.seed),
         studio: &studio,
         subject: &subject,
         marks: &marks,
         progress,
     };
     let film = Calibration::new(set, &studio, profile.poses, own.seed);
-    let trials = card::trials(profile);
+    let trials = card::trials(own, profile);
     let seen = first_sight(&bench)?;
     let card = card::write(name, set, &tail, &trials, &seen, &film);
     folder::write(folder, lab::folder::CARD, lab::card::write(&card).as_bytes())?;
@@ -98,26 +106,76 @@ fn fill(
     for fixture in &card.fixture {
         force.push(weighing::of_fixture(set, own.seed, fixture, folder)?);
     }
-    let truth =
-        Truth { cell: Some(weighing::truth(set, own.seed)), trial, force, ..truth(name, own.seed, &hidden, &studio) };
+    let Fluid { density, added, drag } = bench.fluid;
+    let truth = Truth {
+        cell: Some(weighing::truth(set, own.seed)),
+        fluid: Some(truth::Fluid { density, added, drag }),
+        trial,
+        force,
+        ..truth(name, own.seed, &hidden, &studio)
+    };
     folder::write(folder, lab::folder::TRUTH, lab::truth::write(&truth).as_bytes())
 }
 
-/// The calibration and every trial, each on a thread of its own; results in the card's order.
+/// The water of a specimen's recordings.
+fn fluid(set: &Settings, seed: u64) -> Fluid {
+    let mut draw = Draw::new(seed, "fluid");
+    let (added, drag) = (draw.between(set.fluid.added), draw.between(set.fluid.drag));
+    Fluid { density: set.fluid.density, added, drag }
+}
+
+/// Both sides' ladders, to the highest pressure that a run may settle at.
+fn climb(
+    name: &str,
+    body: &Body,
+    set: &Settings,
+    own: &settings::Specimen,
+    profile: &Profile,
+    progress: &Progress,
+) -> Result<[Ladder; 2], Fault> {
+    let top = own.highest() * (1.0 + set.causes.supply) - set.valve.droop;
+    let task = progress.begin("statics", name, 2 * profile.rungs);
+    let side = |side: Side| Ladder::climb(body, side, top, profile.rungs, &|| task.tick());
+    let (left, right) = rayon::join(|| side(Side::Left), || side(Side::Right));
+    task.done(&format!("{} equilibria of {} unknowns", 2 * profile.rungs, body.system.freedoms()));
+    Ok([left?, right?])
+}
+
+/// The specimen in the coordinates in which it flaps.
+fn train<'a>(
+    name: &str,
+    body: &'a Body,
+    tail: &Tail,
+    clamp: Metre,
+    ladders: &[Ladder; 2],
+    progress: &Progress,
+) -> Result<Swimmer<'a>, Fault> {
+    let task = progress.begin("reduce", name, training::COUNT);
+    let swimmer = Swimmer::train(body, tail, clamp, ladders, &|| task.tick())?;
+    let points: usize = swimmer.reduced.points().iter().sum();
+    task.done(&format!("{} coordinates, {points} points", swimmer.reduced.coordinates()));
+    Ok(swimmer)
+}
+
+/// The calibration and every trial, side by side; results in the card's order. What has its receipt is there already.
 fn side_by_side(
     bench: &Bench,
     film: &Calibration,
     trials: &[Trial],
     folder: &Path,
 ) -> Result<(Vec<TrueTrial>, Vec<TrueForce>), Fault> {
-    std::thread::scope(|scope| {
-        let running: Vec<_> = trials.iter().map(|t| scope.spawn(move || trial::record(bench, t, folder))).collect();
-        let calibrated = calibrate(bench, film, folder);
-        let ended = running.into_iter().map(|r| r.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
-        let hidden = ended.collect::<Result<Vec<_>, _>>();
-        let (trials, forces): (Vec<_>, Vec<_>) = calibrated.and(hidden)?.into_iter().unzip();
-        Ok((trials, forces.into_iter().flatten().collect()))
-    })
+    let one = |trial: &Trial| match receipts::find(folder, &trial.id) {
+        Some(hidden) => Ok(hidden),
+        None => {
+            let hidden = trial::record(bench, trial, folder)?;
+            receipts::leave(folder, &trial.id, &hidden)?;
+            Ok(hidden)
+        }
+    };
+    let all = || trials.par_iter().map(one).collect::<Result<Vec<_>, Fault>>();
+    let (calibrated, hidden) = rayon::join(|| calibrate(bench, film, folder), all);
+    let (trials, forces): (Vec<_>, Vec<_>) = calibrated.and(hidden)?.into_iter().map(|h| (h.trial, h.force)).unzip();
+    Ok((trials, forces.into_iter().flatten().collect()))
 }
 
 fn calibrate(bench: &Bench, film: &Calibration, folder: &Path) -> Result<(), Fault> {
@@ -183,6 +241,8 @@ fn truth(name: &str, seed: u64, hidden: &Hidden, studio: &Studio) -> Truth {
         body: hidden.body.clone(),
         spine: hidden.spine.clone(),
         damping: hidden.damping.clone(),
+        casting: Some(truth::Casting { asymmetry: hidden.asymmetry, markers: hidden.marks.clone() }),
+        fluid: None,
         lens: Lens { fx: l.fx, fy: l.fy, cx: l.cx, cy: l.cy, k1: l.k1, k2: l.k2, p1: l.p1, p2: l.p2, k3: l.k3 },
         pose: Pose { rotation: camera.pose.rotation, translation: camera.pose.translation },
         cell: None,

@@ -3,15 +3,18 @@
 //! Stands on: `si`. Never knows: what is drawn from its ranges.
 
 mod force;
+mod hidden;
 mod pneumatics;
 mod water;
 
 use std::collections::BTreeMap;
 
+use lab::card::Medium;
 use serde::Deserialize;
-use si::{Hertz, KilogramPerCubicMetre, Metre, Pascal, Point2, Point3, Second};
+use si::{Hertz, Metre, Pascal, Point2, Point3, Second};
 
 pub use force::{Buoyancy, Cell, Hammer, StillWater, Tank};
+pub use hidden::{Casting, Causes, Fluid, Material, Nominal};
 pub use pneumatics::{Log, Port, Valve};
 pub use water::Water;
 
@@ -22,6 +25,14 @@ pub const TEXT: &str = include_str!("../bench.toml");
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
+    /// What is known of each material, by name.
+    pub material: BTreeMap<String, Material>,
+    /// What a casting hides.
+    pub casting: Casting,
+    /// Why no two runs are alike.
+    pub causes: Causes,
+    /// The water around the tail.
+    pub fluid: Fluid,
     /// What is known of each specimen, by name.
     pub specimen: BTreeMap<String, Specimen>,
     /// The STL files.
@@ -61,58 +72,36 @@ impl Settings {
     }
 }
 
-/// What is hidden in a specimen, as ranges, and what a laboratory would write on its card.
+/// A specimen: what it is made of, how it is marked, and what is asked of it.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Specimen {
-    /// Everything hidden is drawn from it.
+    /// What its casting alone hides is drawn from it.
     pub seed: u64,
-    /// Constitutive model of both solids, by its name in `fem`.
-    pub material: String,
+    /// The silicone's name among the materials.
+    pub body: String,
     /// Errors are divided by it, m.
     pub length: Metre,
     /// x of the holder's edge, m.
     pub clamp: Metre,
-    /// True properties of the silicone.
-    pub body: Ranges,
-    /// True properties of the sheet.
-    pub spine: Ranges,
-    /// Damping ratio of a free ring-down, no unit.
-    pub damping_ratio: [f64; 2],
-    /// Frequency at which that ratio holds, Hz.
-    pub ring_down: Hertz,
     /// x of the marks on the back, m.
     pub markers: Vec<Metre>,
     /// Their diameter, m.
     pub marker_diameter: Metre,
-    /// The card's first guess for the silicone.
-    pub nominal_body: Nominal,
-    /// The card's first guess for the sheet.
-    pub nominal_spine: Nominal,
+    /// Of the staircases in air, Pa.
+    pub levels: Vec<Pascal>,
+    /// Of the staircase in water, Pa.
+    pub levels_in_water: Vec<Pascal>,
+    /// Flapping trials, each repeated.
+    pub flaps: Vec<Flap>,
 }
 
-/// Ranges of a solid's true properties.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Ranges {
-    /// Pa.
-    pub youngs_modulus: [Pascal; 2],
-    /// No unit.
-    pub poissons_ratio: [f64; 2],
-    /// kg/m³, on the card as it is.
-    pub density: KilogramPerCubicMetre,
-}
-
-/// What the card says of a solid.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Nominal {
-    /// Pa.
-    pub youngs_modulus: Pascal,
-    /// No unit.
-    pub poissons_ratio: f64,
-    /// Pa.
-    pub plausible: [Pascal; 2],
+impl Specimen {
+    /// The highest pressure that is ever commanded, Pa.
+    pub fn highest(&self) -> Pascal {
+        let levels = self.levels.iter().chain(&self.levels_in_water).copied();
+        levels.chain(self.flaps.iter().map(|flap| flap.pressure)).fold(0.0, f64::max)
+    }
 }
 
 /// The camera.
@@ -206,20 +195,22 @@ pub struct Lamp {
 pub struct Profile {
     /// Of the bench's own mesh.
     pub resolution: Resolution,
-    /// Solved equilibria between two levels.
-    pub rungs_between: usize,
+    /// Equilibria that are solved up each side.
+    pub rungs: usize,
     /// Of time in a dynamic solve, s.
     pub step: Second,
     /// Before the first command and after the last, s.
     pub rest: Second,
-    /// Of the staircase, Pa.
-    pub levels: Vec<Pascal>,
-    /// How long each is commanded, s.
+    /// How long each level of a staircase is commanded, s.
     pub hold: Second,
     /// Between levels, s.
     pub pause: Second,
-    /// Flapping trials.
-    pub flaps: Vec<Flap>,
+    /// Full cycles of a flapping trial.
+    pub cycles: usize,
+    /// How often each flapping trial is recorded.
+    pub repeats: usize,
+    /// Whether only the flaps that are marked so are recorded.
+    pub brief: bool,
     /// Of the checkerboard.
     pub poses: usize,
 }
@@ -240,12 +231,32 @@ pub struct Resolution {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Flap {
+    /// What surrounds the tail.
+    pub medium: Medium,
     /// Commanded, Pa.
     pub pressure: Pascal,
     /// Full cycles a second, Hz.
     pub frequency: Hertz,
-    /// Full cycles.
-    pub cycles: usize,
+    /// Whether models of the motion are judged by it.
+    #[serde(default)]
+    pub validate: bool,
+    /// On which side of the learning of thrust its repeats stand.
+    pub split: Option<Splits>,
+    /// Whether it belongs to a brief recording.
+    #[serde(default)]
+    pub brief: bool,
+}
+
+/// Where the repeats of a trial stand in the learning of thrust.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Splits {
+    /// All are learned from.
+    Train,
+    /// None is.
+    Test,
+    /// All but the last are.
+    Last,
 }
 
 #[cfg(test)]

@@ -4,20 +4,21 @@
 
 use std::path::Path;
 
-use lab::card::{Experiment, Side};
+use lab::card::{Experiment, Medium, Side};
 use lab::truth::{TrueForce, TrueTrack, TrueTrial};
-use si::{Pascal, Second};
+use serde::{Deserialize, Serialize};
+use si::Second;
 
 use crate::camera::Passing;
 use crate::draw::Draw;
 use crate::fault::Fault;
 use crate::logger::{self, Clock};
-use crate::physics::{self, Body, Motion, Quasistatic};
+use crate::physics::{Body, Conditions, Fluid, Ladder, Motion, Quasistatic, Swimmer};
 use crate::progress::Progress;
 use crate::script::{self, Script};
 use crate::settings::{Profile, Settings};
 use crate::studio::{Studio, Subject};
-use crate::valve::{Trace, follow};
+use crate::valve::{Trace, Unrest, follow};
 use crate::{film, folder, weighing};
 
 /// What all trials of a specimen share.
@@ -32,6 +33,12 @@ pub struct Bench<'a> {
     pub seed: u64,
     /// The specimen.
     pub body: &'a Body,
+    /// Its shapes by pressure, left and right.
+    pub ladders: &'a [Ladder; 2],
+    /// The specimen in the coordinates in which it flaps.
+    pub swimmer: &'a Swimmer<'a>,
+    /// The water that it flaps in.
+    pub fluid: Fluid,
     /// The camera and its surroundings.
     pub studio: &'a Studio,
     /// What is filmed.
@@ -42,28 +49,67 @@ pub struct Bench<'a> {
     pub progress: &'a Progress,
 }
 
+/// What is hidden in a trial.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Hidden {
+    /// Its clocks and causes.
+    pub trial: TrueTrial,
+    /// Its load cell, where there was one.
+    pub force: Option<TrueForce>,
+}
+
+/// What is off in one run.
+struct Causes {
+    unrest: Unrest,
+    softening: f64,
+}
+
+impl Causes {
+    /// Staircases are taken in a room that has come to rest: the silicone is as warm as the reference.
+    fn drawn(bench: &Bench, trial: &lab::card::Trial) -> Self {
+        let (set, mut draw) = (&bench.set.causes, Draw::new(bench.seed, &format!("causes {}", trial.id)));
+        let mut within = |most: f64| draw.between([-most, most]);
+        let unrest = Unrest { supply: within(set.supply), jitter: set.jitter };
+        let warmth = within(set.warmth);
+        let moves = matches!(trial.experiment, Experiment::Flapping { .. });
+        Self { unrest, softening: if moves { 1.0 + warmth } else { 1.0 } }
+    }
+}
+
 /// Records one trial into `folder` and returns what was hidden in it.
 ///
 /// # Errors
 /// [`Fault`] when the body cannot be solved or the disk refuses.
-pub fn record(bench: &Bench, trial: &lab::card::Trial, folder: &Path) -> Result<(TrueTrial, Option<TrueForce>), Fault> {
+pub fn record(bench: &Bench, trial: &lab::card::Trial, folder: &Path) -> Result<Hidden, Fault> {
     let place = format!("{}/{}", bench.name, trial.id);
+    let task = bench.progress.begin("trial", &place, 1);
     let mut draw = Draw::new(bench.seed, &format!("trial {}", trial.id));
     let start = bench.profile.rest + draw.unit() / bench.set.camera.rate;
     let script = script::write(&trial.experiment, start, bench.profile.rest);
     let clock = Clock::drawn(&bench.set.log, &mut draw);
-    let mut bursts = Draw::new(bench.seed, &format!("valve {}", trial.id));
-    let sides = [&script.left, &script.right].map(|c| follow(&bench.set.valve, c, &mut bursts));
-    let motion = solve(bench, &trial.experiment, &script, &sides, &place)?;
+    let causes = Causes::drawn(bench, trial);
+    let mut valves = Draw::new(bench.seed, &format!("valve {}", trial.id));
+    let sides = [&script.left, &script.right].map(|c| follow(&bench.set.valve, c, causes.unrest, &mut valves));
+    let motion = solve(bench, trial, &script, &sides, causes.softening).map_err(|e| Fault::at(&place, e))?;
     let log = logger::record(&bench.set.log, clock, &script, [&sides[0], &sides[1]], &mut draw);
     folder::write(folder, &trial.pressure, lab::pressure::write(&log, lab::VIRTUAL_BENCH).as_bytes())?;
     shoot(bench, trial, motion.as_ref(), &script, folder, &place)?;
     let tracks = format!("truth/{}.csv", trial.id);
     let seen = true_tracks(bench, trial, motion.as_ref(), &script)?;
     folder::write(folder, &tracks, lab::truth::write_tracks(&seen, lab::VIRTUAL_BENCH).as_bytes())?;
-    let (clock_offset, clock_scale) = (clock.offset, clock.scale);
-    let truth = TrueTrial { id: trial.id.clone(), tracks, clock_offset, clock_scale, led_on: script.led_on };
-    Ok((truth, weighing::of_trial(bench, trial, motion.as_ref(), &script, &sides, folder)?))
+    let hidden = TrueTrial {
+        id: trial.id.clone(),
+        tracks,
+        clock_offset: clock.offset,
+        clock_scale: clock.scale,
+        led_on: script.led_on,
+        supply: causes.unrest.supply,
+        softening: causes.softening,
+    };
+    let force = weighing::of_trial(bench, trial, motion.as_ref(), &script, &sides, folder)?;
+    task.done(&format!("{} frames", frames(bench, &script)));
+    Ok(Hidden { trial: hidden, force })
 }
 
 /// Frames of a trial.
@@ -72,40 +118,27 @@ fn frames(bench: &Bench, script: &Script) -> usize {
 }
 
 /// The motion of the body under what the valve makes of the script.
-fn solve(
-    bench: &Bench,
-    experiment: &Experiment,
+fn solve<'a>(
+    bench: &'a Bench,
+    trial: &lab::card::Trial,
     script: &Script,
     sides: &[Trace; 2],
-    place: &str,
-) -> Result<Box<dyn Motion>, Fault> {
-    match experiment {
-        Experiment::Staircase { side, .. } => quasistatic(bench, *side, sides, place),
-        Experiment::Flapping { .. } => flapping(bench, script, sides, place),
+    softening: f64,
+) -> Result<Box<dyn Motion + 'a>, Fault> {
+    match &trial.experiment {
+        Experiment::Staircase { side, .. } => {
+            let side = usize::from(*side == Side::Right);
+            let (rest, ladder) = (&bench.body.mesh.nodes[..], &bench.ladders[side]);
+            Ok(Box::new(Quasistatic { rest, ladder, trace: sides[side].clone() }))
+        }
+        Experiment::Flapping { .. } => {
+            let fluid = (trial.medium == Medium::Water).then_some(bench.fluid);
+            let pressures = |t: Second| [sides[0].at(t), sides[1].at(t)];
+            let conditions = Conditions { fluid, softening };
+            let span = [script.led_on, script.length];
+            Ok(Box::new(bench.swimmer.flap(span, bench.profile.step, &pressures, &conditions)?))
+        }
     }
-}
-
-fn quasistatic(bench: &Bench, side: Side, sides: &[Trace; 2], place: &str) -> Result<Box<dyn Motion>, Fault> {
-    let trace = sides[usize::from(side == Side::Right)].clone();
-    let mut held: Vec<Pascal> = trace.settled().filter(|level| *level > 0.0).collect();
-    held.sort_by(f64::total_cmp);
-    held.dedup();
-    let pressures = physics::rungs(&held, bench.profile.rungs_between);
-    let task = bench.progress.begin("statics", place, pressures.len() - 1);
-    let ladder = physics::ladder(bench.body, side, &pressures, &|| task.tick())?;
-    task.done(&format!("{} equilibria of {} unknowns", pressures.len() - 1, bench.body.system.freedoms()));
-    Ok(Box::new(Quasistatic { rest: bench.body.mesh.nodes.clone(), pressures, ladder, trace }))
-}
-
-fn flapping(bench: &Bench, script: &Script, sides: &[Trace; 2], place: &str) -> Result<Box<dyn Motion>, Fault> {
-    let rate = bench.set.camera.rate;
-    let start = (script.led_on * rate).floor() / rate;
-    let task = bench.progress.begin("dynamics", place, ((script.length - start) * rate).ceil() as usize);
-    let pressures = |t: Second| [sides[0].at(t), sides[1].at(t)];
-    let span = [start, script.length];
-    let motion = physics::march(bench.body, span, rate, bench.profile.step, &pressures, &|| task.tick())?;
-    task.done(&format!("{} shapes of {} unknowns", motion.shapes.len(), bench.body.system.freedoms()));
-    Ok(Box::new(motion))
 }
 
 fn shoot(
@@ -126,10 +159,7 @@ fn shoot(
         let canvas = set.tail(bench.subject, &by, lit);
         bench.studio.expose(&canvas, &trial.id, frame)
     };
-    let task = bench.progress.begin("film", place, count);
-    film::shoot(&folder::prepared(folder, &trial.video)?, camera, count, &draw, &|| task.tick())?;
-    task.done(&format!("{count} frames"));
-    Ok(())
+    film::shoot(&folder::prepared(folder, &trial.video)?, camera, count, &draw, &|| ()).map_err(|e| Fault::at(place, e))
 }
 
 /// Where every mark truly is in every frame: in the picture as its rows were read, in space at the frame's own time.

@@ -51,19 +51,30 @@ impl Piece {
     }
 }
 
-/// What arrives in the chamber when `commands` (in rising time, from ambient pressure) are given to `valve`; `draw` says
-/// how far each fill overshoots.
-pub fn follow(valve: &Valve, commands: &[Command], draw: &mut Draw) -> Trace {
+/// What is off about the valve in one run.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Unrest {
+    /// By how much the regulated pressure is off, as a share, no unit.
+    pub supply: f64,
+    /// Greatest time by which it is early or late, each time it switches, s.
+    pub jitter: Second,
+}
+
+/// What arrives in the chamber when `commands` (in rising time, from ambient pressure) are given to `valve` in a run with
+/// `unrest`; `draw` says how far each fill overshoots, and how late each switching is.
+pub fn follow(valve: &Valve, commands: &[Command], unrest: Unrest, draw: &mut Draw) -> Trace {
     let mut pieces: Vec<Piece> = Vec::new();
     let (mut before, mut filled) = (0.0, f64::NEG_INFINITY);
     for command in commands {
         let fills = command.pressure > before;
         let dead = if fills { dead_fill(valve, command.pressure) } else { valve.dead_exhaust };
         let last = pieces.last().map_or(f64::NEG_INFINITY, |p| p.start);
-        let start = (command.time + dead).max(last);
+        let late = draw.between([-unrest.jitter, unrest.jitter]);
+        let start = (command.time + dead + late).max(last);
         let begin = pieces.last().map_or(0.0, |p| p.at(start));
         if fills {
-            let target = settled(valve, command.pressure, 1.0 / (command.time - filled));
+            let asked = command.pressure * (1.0 + unrest.supply);
+            let target = settled(valve, asked, 1.0 / (command.time - filled));
             pieces.push(fill(valve, start, begin, target, draw.between(valve.overshoot)));
             filled = command.time;
         } else {

@@ -1,16 +1,16 @@
 //! Weighing: what the load cell says of a trial, and of its fixture alone.
 //!
-//! A trial in air pulls with the inertia of the moving tail, Σ m a over the nodes of its motion, not with thrust; a little
-//! buoyancy stands beside it. The fixture alone is tapped with a hammer, and left over a tank in which a run has ended.
+//! A trial in air pulls with the inertia of the moving tail alone, one in water with the water's push as well; buoyancy that
+//! follows pressure and the waves that the run drives stand beside it. The fixture alone is tapped with a hammer, and left over a tank in which a run has ended.
 //!
 //! Stands on: the instruments, the physics' reaction, `lab` (the logs). Never knows: a film.
 
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use lab::card::{Fixture, FixtureOf};
-use lab::truth::{TrueCell, TrueForce};
-use si::Second;
+use lab::card::{Experiment, Fixture, FixtureOf, Medium};
+use lab::truth::{TrueCell, TrueForce, TrueForces};
+use si::{Hertz, Second};
 
 use crate::draw::Draw;
 use crate::fault::Fault;
@@ -20,9 +20,9 @@ use crate::instruments::cell::{self, Run};
 use crate::instruments::fixture;
 use crate::instruments::hammer::Blows;
 use crate::instruments::oscillator::Oscillator;
-use crate::instruments::tank::{self, Waves};
+use crate::instruments::tank::{self, Swell, Waves};
 use crate::logger::Clock;
-use crate::physics::{Motion, Reaction};
+use crate::physics::Motion;
 use crate::script::Script;
 use crate::settings::Settings;
 use crate::trial::Bench;
@@ -30,6 +30,8 @@ use crate::valve::Trace;
 
 /// How long the amplifier runs on after the camera, s.
 const AFTERWARDS: Second = 0.3;
+/// Times a second at which the truth is told.
+const TRUE_RATE: Hertz = 120.0;
 
 /// The fixture of a specimen's seed.
 fn fixture_of(set: &Settings, seed: u64) -> Oscillator {
@@ -62,19 +64,36 @@ pub fn of_trial(
     folder: &Path,
 ) -> Result<Option<TrueForce>, Fault> {
     let Some(file) = &trial.force else { return Ok(None) };
-    let (set, rate) = (bench.set, bench.set.camera.rate);
-    let start = (script.led_on * rate).floor() / rate;
-    let reaction = Reaction::of(bench.body, motion, [start, script.length], rate);
+    let set = bench.set;
     let late = sides.each_ref().map(|side| Late::of(&set.buoyancy, [0.0, script.length], &|t| side.at(t)));
     let lift = |t| late.iter().map(|p| buoyancy::still(&set.buoyancy, bench.name, trial.medium, p.at(t))).sum();
-    let pull = |t| reaction.at(t);
-    let end = script.length + AFTERWARDS;
-    let run = Run { id: &trial.id, pull: &pull, beside: &lift, medium: trial.medium, end };
+    let pull = |t| motion.pull(t);
     let mut draw = Draw::new(bench.seed, &format!("force {}", trial.id));
     let clock = cell::clock(&set.cell, &mut draw);
+    let swell = match (trial.medium, &trial.experiment) {
+        (Medium::Water, Experiment::Flapping { .. }) => {
+            let waves = &mut Draw::new(bench.seed, &format!("waves {}", trial.id));
+            Swell::of(&set.tank, [script.led_on, script.led_off], &pull, waves)
+        }
+        _ => Swell::none(),
+    };
+    let beside = |t| lift(t) + swell.at(t);
+    let end = script.length + AFTERWARDS;
+    let run = Run { id: &trial.id, pull: &pull, beside: &beside, medium: trial.medium, end };
     let (log, truth) = cell::record(&set.cell, fixture_of(set, bench.seed), &run, clock, &mut draw);
     folder::write(folder, file, lab::force::write(&log, lab::VIRTUAL_BENCH).as_bytes())?;
-    Ok(Some(truth))
+    let mut forces = TrueForces::default();
+    for i in 0..(script.length * TRUE_RATE) as usize {
+        let t = i as f64 / TRUE_RATE;
+        forces.time.push(t);
+        forces.pull.push(pull(t));
+        forces.thrust.push(motion.thrust(t));
+        forces.lift.push(lift(t));
+        forces.wave.push(swell.at(t));
+    }
+    let parts = format!("truth/{}_forces.csv", trial.id);
+    folder::write(folder, &parts, lab::truth::write_forces(&forces, lab::VIRTUAL_BENCH).as_bytes())?;
+    Ok(Some(TrueForce { forces: Some(parts), ..truth }))
 }
 
 /// Writes the logs of a recording of the fixture alone, and returns what is hidden in them.

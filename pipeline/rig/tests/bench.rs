@@ -35,16 +35,21 @@ impl Drop for World {
 fn tiny() -> Settings {
     let mut set = Settings::built_in();
     let profile = Profile {
-        resolution: Resolution { edge: 0.009, per_chamber: 1, per_rib: 1 },
-        rungs_between: 3,
+        resolution: Resolution { edge: 0.010, per_chamber: 1, per_rib: 1 },
+        rungs: 4,
         step: 1.0 / 60.0,
         rest: 0.05,
-        levels: vec![1500.0],
         hold: 0.1,
         pause: 0.05,
-        flaps: Vec::new(),
+        cycles: 1,
+        repeats: 1,
+        brief: true,
         poses: 1,
     };
+    let own = set.specimen.get_mut(ALL[0].name).unwrap();
+    (own.levels, own.levels_in_water) = (vec![1500.0], vec![1500.0]);
+    own.flaps.retain(|flap| flap.brief && flap.medium == lab::card::Medium::Water && flap.frequency == 3.0);
+    own.flaps.iter_mut().for_each(|flap| (flap.pressure, flap.frequency) = (1500.0, 8.0));
     set.calibration.flat = 4;
     set.profile.insert("tiny".to_owned(), profile);
     set

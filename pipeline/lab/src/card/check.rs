@@ -120,6 +120,11 @@ fn one_trial(key: &str, trial: &Trial) -> Checked {
     name(&format!("{key}.id"), &trial.id)?;
     relative(&format!("{key}.video"), &trial.video)?;
     relative(&format!("{key}.pressure"), &trial.pressure)?;
+    if trial.split.is_some() && trial.force.is_none() {
+        let what = format!("trial `{}` has a split for learning thrust, but no force log", trial.id);
+        let why = "thrust is learned from measured force";
+        return found(&format!("{key}.split"), what, why, "name its force log, or leave split out");
+    }
     if let Some(force) = &trial.force {
         relative(&format!("{key}.force"), force)?;
     }

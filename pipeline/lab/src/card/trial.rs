@@ -11,8 +11,10 @@ use si::{Hertz, Pascal, Second};
 pub struct Trial {
     /// Its name, unique on the card.
     pub id: String,
-    /// What it may be used for.
+    /// What its motion may be used for.
     pub role: Role,
+    /// What its force may be used for, where thrust is learned from it.
+    pub split: Option<Split>,
     /// What surrounds the specimen.
     pub medium: Medium,
     /// Video, relative to the card.
@@ -64,6 +66,18 @@ pub enum Role {
     Identify,
     /// Never fitted to; a model is judged by it.
     Validate,
+    /// Neither: recorded for its force.
+    Thrust,
+}
+
+/// On which side of the learning of thrust a trial stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Split {
+    /// Learned from.
+    Train,
+    /// Never learned from; what was learned is judged by it.
+    Test,
 }
 
 /// What surrounds the specimen.
@@ -92,6 +106,17 @@ impl Role {
         match self {
             Self::Identify => "identify",
             Self::Validate => "validate",
+            Self::Thrust => "thrust",
+        }
+    }
+}
+
+impl Split {
+    /// The word on the card.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Train => "train",
+            Self::Test => "test",
         }
     }
 }
@@ -155,6 +180,7 @@ struct Flat {
     id: String,
     kind: Kind,
     role: Role,
+    split: Option<Split>,
     medium: Medium,
     side: Side,
     video: String,
@@ -179,6 +205,7 @@ impl TryFrom<Flat> for Trial {
             experiment,
             id: flat.id,
             role: flat.role,
+            split: flat.split,
             medium: flat.medium,
             video: flat.video,
             pressure: flat.pressure,

@@ -95,6 +95,9 @@ fn camera(text: &mut String, camera: &Camera) {
 fn trial(text: &mut String, trial: &Trial) {
     let (kind, side) = (trial.experiment.kind(), trial.experiment.side().word());
     put(text, format_args!("\n[[trial]]\nid = {:?}\nkind = {kind:?}\nrole = {:?}\n", trial.id, trial.role.word()));
+    if let Some(split) = trial.split {
+        put(text, format_args!("split = {:?}\n", split.word()));
+    }
     put(text, format_args!("medium = {:?}\nside = {side:?}  # filled first, or alone\n", trial.medium.word()));
     put(text, format_args!("video = {:?}\npressure = {:?}\n", trial.video, trial.pressure));
     if let Some(force) = &trial.force {

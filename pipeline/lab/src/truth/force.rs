@@ -39,6 +39,9 @@ pub struct TrueForce {
     pub drift: Newton,
     /// Standard deviation of the noise, N.
     pub noise: Newton,
+    /// Where the true forces of a trial lie, relative to the truth.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub forces: Option<String>,
     /// Blows of the hammer.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub taps: Vec<TrueTap>,

@@ -66,7 +66,8 @@ pub fn record(
     let (zero, drift) = (amplifier.zero.first().copied().unwrap_or(0.0), amplifier.drift());
     let (id, noise) = (run.id.to_owned(), amplifier.noise);
     let (clock_offset, clock_scale) = (clock.offset, clock.scale);
-    (log, TrueForce { id, clock_offset, clock_scale, zero, drift, noise, taps: Vec::new(), waves: Vec::new() })
+    let (forces, taps, waves) = (None, Vec::new(), Vec::new());
+    (log, TrueForce { id, clock_offset, clock_scale, zero, drift, noise, forces, taps, waves })
 }
 
 /// What the fixture hands on at the end of an interval.

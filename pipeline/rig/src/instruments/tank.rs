@@ -68,6 +68,57 @@ impl Waves {
     }
 }
 
+/// The waves of a run, while it lasts and afterwards.
+#[derive(Debug, Clone)]
+pub struct Swell {
+    start: Second,
+    /// Σ of the waves every [`STEP`] of the run, N.
+    during: Vec<Newton>,
+    left: Waves,
+}
+
+impl Swell {
+    /// Nothing ever.
+    pub fn none() -> Self {
+        Self { start: 0.0, during: Vec::new(), left: Waves::none() }
+    }
+
+    /// The waves that a run from `start` to `end` (s) drives, whose force (N) at time t (s) is `force`.
+    pub fn of(
+        set: &settings::Tank,
+        [start, end]: [Second; 2],
+        force: &dyn Fn(Second) -> Newton,
+        draw: &mut Draw,
+    ) -> Self {
+        let steps = ((end - start) / STEP).round() as usize;
+        let (mut during, mut left) = (vec![0.0; steps + 1], Vec::new());
+        for mode in MODES {
+            let it = Oscillator::tuned(1.0, TAU * frequency(set, mode), set.damping_ratio);
+            let at = |i: usize| force(start + i as f64 * STEP);
+            let mut swings = vec![Swing::default()];
+            (0..steps).for_each(|i| swings.push(it.after(swings[i], [at(i), at(i + 1)], STEP)));
+            let last = swings[steps];
+            let by = draw.between(set.amplitude) / amplitude(&it, it.free(last, AFTER)).max(f64::MIN_POSITIVE);
+            during.iter_mut().zip(&swings).for_each(|(sum, swing)| *sum += by * swing.place);
+            left.push((it, scaled(last, by)));
+        }
+        Self { start, during, left: Waves(left) }
+    }
+
+    /// Force on the cell at time `t` (s), N.
+    pub fn at(&self, t: Second) -> Newton {
+        let place = (t - self.start) / STEP;
+        match self.during.len().checked_sub(1) {
+            Some(last) if place >= last as f64 => self.left.at((place - last as f64) * STEP),
+            Some(_) if place >= 0.0 => {
+                let (first, share) = (place as usize, place.fract());
+                self.during[first] * (1.0 - share) + self.during[first + 1] * share
+            }
+            _ => 0.0,
+        }
+    }
+}
+
 fn driven(it: &Oscillator, length: Second, force: &dyn Fn(Second) -> Newton) -> Swing {
     let steps = (length / STEP).round() as usize;
     let at = |i: usize| force(i as f64 * STEP);
@@ -96,6 +147,17 @@ mod tests {
     fn waves(seed: u64, length: Second) -> Waves {
         let run = |t: Second| 0.11 * (TAU * 2.0 * t).sin();
         Waves::left_by(&tank(), length, &run, &mut Draw::new(seed, "tank"))
+    }
+
+    #[test]
+    fn a_swell_goes_over_into_what_the_run_leaves() {
+        let run = |t: Second| 0.11 * (TAU * 2.0 * (t - 1.0)).sin();
+        let swell = Swell::of(&tank(), [1.0, 8.5], &run, &mut Draw::new(5, "tank"));
+        let left = waves(5, 7.5);
+        for after in [0.0, 0.3, 1.0, 2.5] {
+            assert!((swell.at(8.5 + after) - left.at(after)).abs() < 1e-6, "{after} s after the run");
+        }
+        assert!((swell.at(8.5 - 1e-9) - swell.at(8.5)).abs() < 1e-7 && swell.at(0.5) == 0.0);
     }
 
     #[test]

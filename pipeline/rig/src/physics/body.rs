@@ -29,22 +29,24 @@ pub struct Body {
 const TOUCH: Metre = 1e-9;
 
 impl Body {
-    /// The system of `tail` with its hidden properties.
+    /// The system of `tail`, as it was cast, with its hidden properties, held as far as `clamp` (m).
     ///
     /// # Errors
-    /// [`Fault`] when the tail's numbers leave no room for a part, the material is unknown, or the mesh cannot be trusted.
+    /// [`Fault`] when the tail's numbers leave no room for a part, the law is unknown, or the mesh cannot be trusted.
     pub fn new(
         tail: &Tail,
         fineness: &settings::Resolution,
-        set: &settings::Specimen,
+        clamp: Metre,
+        [body, sheet]: [&settings::Material; 2],
         hidden: &Hidden,
     ) -> Result<Self, Fault> {
         let resolution =
             Resolution { edge: fineness.edge, per_chamber: fineness.per_chamber, per_rib: fineness.per_rib };
-        let mesh = shape::quadratic(&tail.mesh(&resolution).map_err(|e| Fault::at("the bench's mesh", e))?);
+        let mesh =
+            shape::quadratic(&hidden.cast(tail).mesh(&resolution).map_err(|e| Fault::at("the bench's mesh", e))?);
         let model = model(&mesh);
-        let clamped = Clamps::below_x(&model, set.clamp + TOUCH);
-        let regions = vec![region(&set.material, &hidden.body)?, region(&set.material, &hidden.spine)?];
+        let clamped = Clamps::below_x(&model, clamp + TOUCH);
+        let regions = vec![region(&body.law, &hidden.body)?, region(&sheet.law, &hidden.spine)?];
         let system = System::new(model, regions, clamped).map_err(|e| Fault::at("the bench's mesh", e))?;
         let left = usize::from(mean_y(&mesh, 0) < mean_y(&mesh, 1));
         Ok(Self { mesh, system, left, stiffness_damping: hidden.damping.stiffness })

@@ -2,7 +2,9 @@
 //!
 //! Stands on: `si`, the valve's trace. Never knows: finite elements, a camera.
 
-use si::{Hertz, Pascal, Point3, Second};
+use si::{Hertz, Newton, Point3, Second};
+
+use super::Ladder;
 
 use crate::valve::Trace;
 
@@ -10,29 +12,38 @@ use crate::valve::Trace;
 pub trait Motion: Sync {
     /// Positions of all nodes at time `t` (s), m.
     fn nodes(&self, t: Second) -> Vec<Point3>;
+
+    /// Forwards on the holder at time `t` (s), N.
+    fn pull(&self, _: Second) -> Newton {
+        0.0
+    }
+
+    /// Of the pull, the water's thrust, N.
+    fn thrust(&self, _: Second) -> Newton {
+        0.0
+    }
 }
 
 /// So slow that the body is always in equilibrium: shapes up a ladder of pressures, and the pressure in time.
-pub struct Quasistatic {
+pub struct Quasistatic<'a> {
     /// Nodes at rest, m.
-    pub rest: Vec<Point3>,
-    /// Rising, Pa; four or more.
-    pub pressures: Vec<Pascal>,
-    /// Displacements at those pressures, nodes × 3, m.
-    pub ladder: Vec<Vec<f64>>,
+    pub rest: &'a [Point3],
+    /// Shapes by pressure.
+    pub ladder: &'a Ladder,
     /// The pressure.
     pub trace: Trace,
 }
 
-impl Motion for Quasistatic {
+impl Motion for Quasistatic<'_> {
     /// Cubic through the four rungs around the pressure (Lagrange); held beyond the ladder.
     fn nodes(&self, t: Second) -> Vec<Point3> {
-        let last = self.pressures.len() - 1;
-        let pressure = self.trace.at(t).clamp(self.pressures[0], self.pressures[last]);
-        let above = self.pressures.partition_point(|p| *p <= pressure);
+        let Ladder { pressures, shapes } = self.ladder;
+        let last = pressures.len() - 1;
+        let pressure = self.trace.at(t).clamp(pressures[0], pressures[last]);
+        let above = pressures.partition_point(|p| *p <= pressure);
         let first = above.saturating_sub(2).min(last - 3);
-        let weights = lagrange(&self.pressures[first..first + 4], pressure);
-        let rungs = &self.ladder[first..first + 4];
+        let weights = lagrange(&pressures[first..first + 4], pressure);
+        let rungs = &shapes[first..first + 4];
         let moved = |k: usize| (0..4).map(|r| weights[r] * rungs[r][k]).sum::<f64>();
         let node = |(i, x): (usize, &Point3)| [x[0] + moved(3 * i), x[1] + moved(3 * i + 1), x[2] + moved(3 * i + 2)];
         self.rest.iter().enumerate().map(node).collect()
@@ -75,16 +86,17 @@ mod tests {
     use super::*;
     use crate::draw::Draw;
     use crate::settings::Settings;
-    use crate::valve::{Command, follow};
+    use crate::valve::{Command, Unrest, follow};
 
     #[test]
     fn a_cubic_in_pressure_is_met_between_rungs() {
         let shape = |p: f64| 1.0 + p - 2.0 * p * p + 0.5 * p * p * p;
         let pressures: Vec<f64> = [0.0, 700.0, 1800.0, 3000.0, 4000.0].to_vec();
-        let ladder = pressures.iter().map(|p| vec![shape(p / 1000.0), 0.0, 0.0]).collect();
+        let shapes = pressures.iter().map(|p| vec![shape(p / 1000.0), 0.0, 0.0]).collect();
+        let ladder = Ladder { pressures, shapes };
         let commands = [Command { time: 0.0, pressure: 2500.0 }];
-        let trace = follow(&Settings::built_in().valve, &commands, &mut Draw::new(3, "valve"));
-        let motion = Quasistatic { rest: vec![[1.0, 2.0, 3.0]], pressures, ladder, trace: trace.clone() };
+        let trace = follow(&Settings::built_in().valve, &commands, Unrest::default(), &mut Draw::new(3, "valve"));
+        let motion = Quasistatic { rest: &[[1.0, 2.0, 3.0]], ladder: &ladder, trace: trace.clone() };
         for t in [0.0, 0.06, 0.08, 0.1, 2.0] {
             let x = motion.nodes(t)[0][0];
             assert!((x - 1.0 - shape(trace.at(t) / 1000.0)).abs() < 1e-12, "{t}: {x}");

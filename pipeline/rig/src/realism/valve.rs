@@ -7,7 +7,7 @@ use si::{MILLIBAR, Pascal, Second};
 use super::{Figure, range};
 use crate::draw::Draw;
 use crate::settings::Valve;
-use crate::valve::{Command, Trace, follow};
+use crate::valve::{Command, Trace, Unrest, follow};
 
 /// Times are found to this, s.
 const STEP: Second = 1e-4;
@@ -49,7 +49,7 @@ pub(super) fn figures(valve: &Valve) -> Vec<Figure> {
 /// `mbar` from 0 s to 5 s.
 fn pulse(valve: &Valve, mbar: f64, seed: u64) -> Trace {
     let commands = [Command { time: 0.0, pressure: mbar * MILLIBAR }, Command { time: 5.0, pressure: 0.0 }];
-    follow(valve, &commands, &mut Draw::new(seed, "valve"))
+    follow(valve, &commands, Unrest::default(), &mut Draw::new(seed, "valve"))
 }
 
 /// How long after `from` (s) something holds for the first time, s.
@@ -85,7 +85,7 @@ fn under(valve: &Valve) -> [f64; 2] {
         [Command { time: begin(i), pressure: mbar * MILLIBAR }, Command { time: begin(i) + 5.0, pressure: 0.0 }]
     };
     let commands: Vec<Command> = levels.iter().enumerate().flat_map(step).collect();
-    let trace = follow(valve, &commands, &mut Draw::new(0, "valve"));
+    let trace = follow(valve, &commands, Unrest::default(), &mut Draw::new(0, "valve"));
     range(levels.iter().enumerate().map(|(i, mbar)| mbar - trace.at(begin(i) + 4.9) / MILLIBAR))
 }
 
@@ -101,6 +101,6 @@ fn held(valve: &Valve, frequency: f64) -> f64 {
     let half =
         |i: u32| Command { time: f64::from(i) * 0.5 / frequency, pressure: f64::from((i + 1) % 2) * 300.0 * MILLIBAR };
     let commands: Vec<Command> = (0..20).map(half).collect();
-    let trace = follow(valve, &commands, &mut Draw::new(0, "valve"));
+    let trace = follow(valve, &commands, Unrest::default(), &mut Draw::new(0, "valve"));
     trace.at(commands[19].time + valve.dead_exhaust - STEP) / MILLIBAR
 }

@@ -1,0 +1,200 @@
+//! Flapping: a tail in air or water under the pressures of both sides, in the coordinates that it was reduced to.
+//!
+//! Stands on: `fem`'s reduced march (BDF2, the rate of the elastic force as damping), the water. Never knows: what is commanded.
+
+use fem::{Drive, March, Scheme, Still};
+use nalgebra::{DMatrix, DVector};
+use shape::tail::Tail;
+use si::{Hertz, Metre, Newton, Pascal, Point2, Point3, Second};
+
+use super::line::CentreLine;
+use super::training;
+use super::water::{Fluid, Push, Water};
+use super::{Body, Ladder, Motion};
+use crate::fault::Fault;
+
+/// A body in the coordinates of the shapes that it was trained on.
+pub struct Swimmer<'a> {
+    /// The whole body.
+    pub body: &'a Body,
+    /// Its coordinates.
+    pub reduced: fem::Reduced,
+    /// Its centre line.
+    pub line: CentreLine,
+    rest_line: Vec<Point2>,
+    /// (stations × 2) × coordinates.
+    rows: DMatrix<f64>,
+    /// Coordinates × (nodes × 3), m.
+    modes: Vec<Vec<f32>>,
+    /// Σ m x of the whole tail by coordinate, kg m.
+    moments: DVector<f64>,
+}
+
+/// What differs from trial to trial.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Conditions {
+    /// The water, where there is some.
+    pub fluid: Option<Fluid>,
+    /// The silicone's moduli against those at the reference temperature, no unit.
+    pub softening: f64,
+}
+
+/// A motion, and how it pulled on its holder.
+pub struct Flap<'a> {
+    swimmer: &'a Swimmer<'a>,
+    start: Second,
+    rate: Hertz,
+    shapes: Vec<DVector<f64>>,
+    /// On the holder, forwards; and of it what is the water's thrust, N.
+    pulls: Vec<(Newton, Newton)>,
+}
+
+impl<'a> Swimmer<'a> {
+    /// Trains on `ladders` (left, right) and on the shapes of [`training`]. `tick` is called after each equilibrium.
+    ///
+    /// # Errors
+    /// [`Fault`] when an equilibrium is not found.
+    pub fn train(
+        body: &'a Body,
+        tail: &Tail,
+        clamp: Metre,
+        ladders: &[Ladder; 2],
+        tick: &(dyn Fn() + Sync),
+    ) -> Result<Self, Fault> {
+        let line = CentreLine::of(tail, body, clamp);
+        let pulled = training::shapes(body, &line, ladders, tick)?;
+        let climbed = ladders.iter().flat_map(|ladder| ladder.shapes.iter().skip(1).step_by(2));
+        let shapes: Vec<&[f64]> = climbed.chain(&pulled).map(Vec::as_slice).collect();
+        let by = fem::Reduction { coordinates: shapes.len() * 2 / 3, ..fem::Reduction::default() };
+        let reduced = body.system.reduce(&shapes, &by).map_err(|e| Fault::at("the reduced body", e))?;
+        let (rest_line, rows) = (line.rest(body), line.rows(&reduced));
+        let unit = |k: usize| DVector::from_fn(reduced.coordinates(), |i, _| f64::from(u8::from(i == k)));
+        let mode = |k: usize| reduced.displacement(&unit(k)).into_iter().map(|u| u as f32).collect::<Vec<f32>>();
+        let modes: Vec<Vec<f32>> = (0..reduced.coordinates()).map(mode).collect();
+        let halves = if body.mesh.half { 2.0 } else { 1.0 };
+        let moment = |mode: &Vec<f32>| {
+            let x = body.system.node_masses().iter().zip(mode.iter().step_by(3));
+            halves * x.map(|(m, u)| m * f64::from(*u)).sum::<f64>()
+        };
+        let moments = DVector::from_iterator(modes.len(), modes.iter().map(moment));
+        Ok(Self { body, reduced, line, rest_line, rows, modes, moments })
+    }
+
+    /// Moves from rest at `start` until `end` (s) in steps of `step` (s), under the pressures (left, right; Pa) at any time.
+    ///
+    /// # Errors
+    /// [`Fault`] when a step finds no motion.
+    pub fn flap(
+        &'a self,
+        [start, end]: [Second; 2],
+        step: Second,
+        pressures: &dyn Fn(Second) -> [Pascal; 2],
+        conditions: &Conditions,
+    ) -> Result<Flap<'a>, Fault> {
+        let count = ((end - start) / step).ceil() as usize;
+        let march = March {
+            step,
+            scheme: Scheme::Bdf2,
+            mass_damping: 0.0,
+            stiffness_damping: self.body.stiffness_damping,
+            ..March::default()
+        };
+        let drive = |t: Second| {
+            let [left, right] = pressures(start + t);
+            Drive { pressures: self.body.pressures(left, right) }
+        };
+        let scale = [conditions.softening, 1.0];
+        let r = self.reduced.coordinates();
+        let (mut shapes, mut speeds) = (vec![DVector::zeros(r)], vec![DVector::zeros(r)]);
+        let mut keep = |q: &DVector<f64>, v: &DVector<f64>| {
+            shapes.push(q.clone());
+            speeds.push(v.clone());
+        };
+        let mut pushes = vec![Push::default()];
+        let marched = match conditions.fluid {
+            None => self.reduced.march(&march, &scale, &drive, &mut Still, count, &mut |_, q, v| keep(q, v)),
+            Some(fluid) => {
+                let water = Water::around(&self.line, fluid, &self.rest_line, &self.rows, self.body.mesh.half);
+                let mut water = Followed { water, pushes: &mut pushes };
+                self.reduced.march(&march, &scale, &drive, &mut water, count, &mut |_, q, v| keep(q, v))
+            }
+        };
+        marched.map_err(|e| Fault::at(format!("motion between {start:.3} s and {end:.3} s"), e))?;
+        pushes.resize(shapes.len(), Push::default());
+        let pulls = self.pulls(&speeds, &pushes, 1.0 / step);
+        Ok(Flap { swimmer: self, start, rate: 1.0 / step, shapes, pulls })
+    }
+
+    /// On the holder: what the water pushes, less what the tail's own mass keeps of it.
+    fn pulls(&self, speeds: &[DVector<f64>], pushes: &[Push], rate: Hertz) -> Vec<(Newton, Newton)> {
+        let momentum: Vec<f64> = speeds.iter().map(|v| self.moments.dot(v)).collect();
+        let last = momentum.len() - 1;
+        let gain = |i: usize| {
+            let (a, b) = (i.saturating_sub(1), (i + 1).min(last));
+            (momentum[b] - momentum[a]) * rate / (b - a).max(1) as f64
+        };
+        pushes.iter().enumerate().map(|(i, push)| (push.forwards + gain(i), push.thrust)).collect()
+    }
+}
+
+/// Water that notes its push after each step.
+struct Followed<'a, 'b> {
+    water: Water<'a>,
+    pushes: &'b mut Vec<Push>,
+}
+
+impl fem::Around for Followed<'_, '_> {
+    fn force(&self, at: &fem::Moment) -> DVector<f64> {
+        self.water.force(at)
+    }
+
+    fn accept(&mut self, at: &fem::Moment) {
+        self.water.accept(at);
+        self.pushes.push(self.water.push);
+    }
+}
+
+impl Flap<'_> {
+    /// Steps kept.
+    pub fn steps(&self) -> usize {
+        self.shapes.len() - 1
+    }
+
+    /// Straight between steps, nothing beyond.
+    fn between(&self, t: Second, of: impl Fn(&(Newton, Newton)) -> Newton) -> Newton {
+        let place = (t - self.start) * self.rate;
+        let at = |i: f64| if i < 0.0 { 0.0 } else { self.pulls.get(i as usize).map_or(0.0, &of) };
+        let share = place - place.floor();
+        at(place.floor()) * (1.0 - share) + at(place.floor() + 1.0) * share
+    }
+
+    /// Coordinates at time `t` (s): straight between steps, the first before them, the last after.
+    fn coordinates(&self, t: Second) -> DVector<f64> {
+        let last = self.shapes.len() - 1;
+        let place = ((t - self.start) * self.rate).clamp(0.0, last as f64);
+        let first = (place.floor() as usize).min(last.saturating_sub(1));
+        let share = place - first as f64;
+        &self.shapes[first] * (1.0 - share) + &self.shapes[(first + 1).min(last)] * share
+    }
+}
+
+impl Motion for Flap<'_> {
+    fn nodes(&self, t: Second) -> Vec<Point3> {
+        let mut moved = vec![0.0_f32; 3 * self.swimmer.body.mesh.nodes.len()];
+        for (mode, q) in self.swimmer.modes.iter().zip(self.coordinates(t).iter()) {
+            let q = *q as f32;
+            moved.iter_mut().zip(mode).for_each(|(moved, u)| *moved += q * u);
+        }
+        let (moved, _) = moved.as_chunks::<3>();
+        let node = |(x, u): (&Point3, &[f32; 3])| [0, 1, 2].map(|axis| x[axis] + f64::from(u[axis]));
+        self.swimmer.body.mesh.nodes.iter().zip(moved).map(node).collect()
+    }
+
+    fn pull(&self, t: Second) -> Newton {
+        self.between(t, |pull| pull.0)
+    }
+
+    fn thrust(&self, t: Second) -> Newton {
+        self.between(t, |pull| pull.1)
+    }
+}

@@ -1,0 +1,134 @@
+//! The centre line of a tail: stations along the sheet, whose places are sums over its nodes.
+//!
+//! A station's place in the plane of motion is the mean of the sheet's nodes around it, weighted by their nearness along x, and so
+//! linear in the displacements; a force on a station is handed to the same nodes in the same shares.
+//!
+//! Stands on: the body, `shape` (the tail's depth). Never knows: what pushes on a station.
+
+use nalgebra::{DMatrix, DVector};
+use shape::tail::Tail;
+use si::{Metre, Point2};
+
+use super::Body;
+
+/// The sheet's region.
+const SHEET: u16 = 1;
+/// Stations from the holder to the trailing edge.
+const FORWARD: usize = 22;
+
+/// A station.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Station {
+    /// Along the tail at rest, m.
+    pub x: Metre,
+    /// Of the section there, m.
+    pub depth: Metre,
+    /// Nodes and their shares, which sum to 1.
+    pub nodes: Vec<(u32, f64)>,
+}
+
+/// Stations, evenly spaced.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CentreLine {
+    /// From the holder to the fin's tip.
+    pub stations: Vec<Station>,
+    /// The station of the trailing edge, where the fin is deepest.
+    pub trailing: usize,
+    /// Between two, m.
+    pub spacing: Metre,
+}
+
+impl CentreLine {
+    /// Of `tail`, meshed as `body`, from `clamp` (m) on.
+    pub fn of(tail: &Tail, body: &Body, clamp: Metre) -> Self {
+        let trailing_edge = tail.fin.iter().fold((0.0, 0.0), |most, f| if f.1 > most.1 { *f } else { most }).0;
+        let spacing = (trailing_edge - clamp) / FORWARD as f64;
+        let count = ((tail.length() - clamp) / spacing) as usize + 1;
+        let sheet = sheet_nodes(body);
+        let station = |k: usize| {
+            let x = clamp + k as f64 * spacing;
+            Station { x, depth: depth(tail, x), nodes: around(body, &sheet, x, spacing) }
+        };
+        Self { stations: (0..count).map(station).collect(), trailing: FORWARD, spacing }
+    }
+
+    /// Places at rest, m.
+    pub fn rest(&self, body: &Body) -> Vec<Point2> {
+        let place = |station: &Station| {
+            station.nodes.iter().fold([0.0; 2], |sum, (node, share)| {
+                let at = body.mesh.nodes[*node as usize];
+                [sum[0] + share * at[0], sum[1] + share * at[1]]
+            })
+        };
+        self.stations.iter().map(place).collect()
+    }
+
+    /// (stations × 2) × coordinates: how far each coordinate moves each station along x and y, m.
+    pub fn rows(&self, reduced: &fem::Reduced) -> DMatrix<f64> {
+        let mut rows = DMatrix::zeros(2 * self.stations.len(), reduced.coordinates());
+        for (k, station) in self.stations.iter().enumerate() {
+            for (node, share) in &station.nodes {
+                for axis in 0..2 {
+                    for (entry, along) in
+                        rows.row_mut(2 * k + axis).iter_mut().zip(reduced.row(3 * *node as usize + axis))
+                    {
+                        *entry += share * along;
+                    }
+                }
+            }
+        }
+        rows
+    }
+
+    /// A sideways force of `each` station (N) on the nodes, 3 a node.
+    pub fn sideways(&self, nodes: usize, each: &dyn Fn(&Station) -> f64) -> Vec<f64> {
+        let mut forces = vec![0.0; 3 * nodes];
+        for station in &self.stations {
+            let force = each(station);
+            station.nodes.iter().for_each(|(node, share)| forces[3 * *node as usize + 1] += share * force);
+        }
+        forces
+    }
+
+    /// Forces of all stations (x, y; N) on the nodes, 3 a node.
+    pub fn handed_over(&self, nodes: usize, forces: &DVector<f64>) -> Vec<f64> {
+        let mut handed = vec![0.0; 3 * nodes];
+        for (k, station) in self.stations.iter().enumerate() {
+            for (node, share) in &station.nodes {
+                (0..2).for_each(|axis| handed[3 * *node as usize + axis] += share * forces[2 * k + axis]);
+            }
+        }
+        handed
+    }
+
+    /// Places of the stations as numbers x₀, y₀, x₁, … when nodes are displaced by `u` (3 a node, m), beyond their rest.
+    pub fn moved(&self, u: &[f64]) -> DVector<f64> {
+        let part = |station: &Station, axis: usize| -> f64 {
+            station.nodes.iter().map(|(node, share)| share * u[3 * *node as usize + axis]).sum()
+        };
+        let numbers = self.stations.iter().flat_map(|s| [part(s, 0), part(s, 1)]);
+        DVector::from_iterator(2 * self.stations.len(), numbers)
+    }
+}
+
+/// Depth of the section at `x`: the body's, or the fin's where it is deeper.
+fn depth(tail: &Tail, x: Metre) -> Metre {
+    let body = if x <= tail.body_end() { tail.half_height(x) } else { 0.0 };
+    2.0 * body.max(tail.sheet_half_height(x))
+}
+
+fn sheet_nodes(body: &Body) -> Vec<u32> {
+    let of_sheet = body.mesh.tets.iter().zip(&body.mesh.regions).filter(|(_, region)| **region == SHEET);
+    let mut nodes: Vec<u32> = of_sheet.flat_map(|(tet, _)| tet.iter().copied()).collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    nodes
+}
+
+/// The sheet's nodes within `reach` of `x`, the nearer the heavier.
+fn around(body: &Body, sheet: &[u32], x: Metre, reach: Metre) -> Vec<(u32, f64)> {
+    let near = |node: &u32| (*node, 1.0 - (body.mesh.nodes[*node as usize][0] - x).abs() / reach);
+    let nodes: Vec<(u32, f64)> = sheet.iter().map(near).filter(|(_, share)| *share > 0.0).collect();
+    let sum: f64 = nodes.iter().map(|(_, share)| share).sum();
+    nodes.into_iter().map(|(node, share)| (node, share / sum)).collect()
+}
