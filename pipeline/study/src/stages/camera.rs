@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use si::{Point2, Point3};
 use track::board::{self, Board};
-use track::calibrate::{View, calibrate, pose_from_plane};
+use track::calibrate::{View, calibrate, joint_covariance, pose_from_plane};
+use track::lens::Bend;
 
 use crate::fault::{Fault, Outcome};
 use crate::records;
@@ -38,7 +39,7 @@ impl Stage for Camera {
     type Needs = ();
     type Makes = records::Camera;
     const STORY: &'static str = "a film of a checkerboard becomes the lens and the camera's place";
-    const EDITION: u32 = 1;
+    const EDITION: u32 = 2;
 
     fn raw(of: &Specimen) -> Vec<RawFile> {
         vec![RawFile::new("calibration", &of.card.name, &of.card.camera.calibration)]
@@ -59,17 +60,21 @@ impl Stage for Camera {
         let board = Board { columns: camera.board.columns, rows: camera.board.rows, square: camera.board.square };
         let seen = look(camera, &board, desk)?;
         let (width, height) = seen.size;
-        let found = calibrate(&seen.views, &board, width, height).map_err(Fault::from_tool)?;
+        let found =
+            calibrate(&seen.views, &board.corners(), Bend::BrownConrady, seen.size).map_err(Fault::from_tool)?;
         if found.reprojection_px > set.reprojection_limit_px {
             return Err(not_believed(desk, found.reprojection_px, set.reprojection_limit_px));
         }
         let corners: Vec<Point3> = board.corners().iter().map(|c| in_cad(&camera.plane, [c[0], c[1]])).collect();
-        let pose = pose_from_plane(&found.lens, &corners, &mean(&seen.on_plane)).map_err(Fault::from_tool)?;
+        let on_plane = mean(&seen.on_plane);
+        let pose = pose_from_plane(&found.lens, &corners, &on_plane).map_err(Fault::from_tool)?;
+        let covariance = joint_covariance((&found.lens, &found.covariance), &pose, &corners, &on_plane);
         Ok(records::Camera {
             lens: found.lens,
             pose,
             reprojection_px: found.reprojection_px,
-            focal_sigma_px: found.sigma.fx,
+            covariance: covariance.map_err(Fault::from_tool)?,
+            size_px: [width, height],
             views: seen.views.len(),
         })
     }
