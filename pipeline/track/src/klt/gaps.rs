@@ -88,7 +88,7 @@ mod tests {
         let mut track: Vec<Sighting> = (0..30).map(seen).collect();
         (9..14).for_each(|k| track[k].at = [0.0; 2]);
         fill(&mut track);
-        // speeds from differences of one frame are off by half a second difference, 0.02 px a frame, over 6 frames
-        assert!((9..14).all(|k| (track[k].at[0] - place(k)[0]).abs() < 0.03), "{:?}", &track[9..14]);
+        // speeds from differences of one frame are off by half a second difference, 0.02 px a frame, over a quarter of 6 frames
+        assert!((9..14).all(|k| (track[k].at[0] - place(k)[0]).abs() < 0.03 + 1e-9), "{:?}", &track[9..14]);
     }
 }
