@@ -4,6 +4,7 @@
 
 mod brown;
 mod fisheye;
+pub mod opencv;
 
 use si::{Point2, Point3};
 

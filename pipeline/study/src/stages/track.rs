@@ -2,6 +2,8 @@
 //!
 //! Stands on: track. Never knows: metres.
 
+mod foreign;
+
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use si::{Hertz, Point2, Second};
@@ -49,13 +51,15 @@ impl Stage for Track {
     const EDITION: u32 = 2;
 
     fn raw(of: &Trial) -> Vec<RawFile> {
-        vec![RawFile::new("video", &of.card.name, &of.trial.video)]
+        let foreign = made_elsewhere(of).map(|tracks| RawFile::new("tracks", &of.card.name, &tracks.file));
+        std::iter::once(RawFile::new("video", &of.card.name, &of.trial.video)).chain(foreign).collect()
     }
 
     fn card(of: &Trial) -> Value {
         json!({
             "markers": of.card.marker.iter().map(|m| json!([m.name, m.clicked])).collect::<Vec<_>>(),
             "led": [of.card.led.centre[0], of.card.led.centre[1], of.card.led.radius],
+            "foreign": made_elsewhere(of).map(|tracks| tracks.sigma),
             "frames": [Some(of.trial.first_frame), of.trial.last_frame],
         })
     }
@@ -78,8 +82,27 @@ impl Stage for Track {
         if log.tracks.time.is_empty() {
             return Err(no_frames(of, desk));
         }
-        log.end().map_err(|lost| named(of, desk, &lost))
+        let tracks = log.end().map_err(|lost| named(of, desk, &lost))?;
+        match made_elsewhere(of) {
+            Some(foreign) => taken(of, foreign, tracks, desk),
+            None => Ok(tracks),
+        }
     }
+}
+
+/// Tracks on the card that another program made of the trial's film.
+fn made_elsewhere(of: &Trial) -> Option<&lab::card::Tracks> {
+    of.card.tracks.iter().find(|tracks| tracks.trial == of.trial.id)
+}
+
+/// The lamp and times of a film with the tracks that were made elsewhere.
+fn taken(of: &Trial, foreign: &lab::card::Tracks, tracks: Tracks, desk: &dyn Desk) -> Outcome<Tracks> {
+    let place = desk.place("tracks");
+    let told = |e: String| Fault::from_tool(format!("{place}: {e}"));
+    let text = String::from_utf8(desk.bytes("tracks")?).map_err(|e| told(format!("it is not text: {e}")))?;
+    let names: Vec<String> = of.card.marker.iter().map(|m| m.name.clone()).collect();
+    let markers = foreign::read(&text, &names, tracks.time.len(), foreign.sigma).map_err(told)?;
+    Ok(Tracks { markers, ..tracks })
 }
 
 /// What has been seen so far.
@@ -102,7 +125,8 @@ impl<'a> Log<'a> {
         let sightings = match &mut self.tracker {
             Some(tracker) => tracker.step(&frame.gray)?,
             None => {
-                let clicked: Vec<Point2> = self.of.card.marker.iter().map(|m| m.clicked).collect();
+                let markers = self.of.card.marker.iter().filter(|_| made_elsewhere(self.of).is_none());
+                let clicked: Vec<Point2> = markers.map(|m| m.clicked).collect();
                 let tracker = Tracker::new(&frame.gray, &clicked, self.set)?;
                 let first = tracker.sightings().to_vec();
                 self.tracker = Some(tracker);
