@@ -9,6 +9,6 @@ mod forward;
 pub(crate) mod gather;
 pub(crate) mod march;
 mod products;
-mod stencil;
+pub(crate) mod stencil;
 pub(crate) mod trajectory;
 mod wear;

@@ -46,6 +46,8 @@ pub struct Tail {
     pub chambers_start: Metre,
     /// Where the last chamber ends, m.
     pub chambers_end: Metre,
+    /// How much longer the first chamber of a side is than the others, m.
+    pub first_longer: Metre,
     /// Thickness of the ribs between chambers, along x, m.
     pub rib: Metre,
     /// Thickness of the outer wall, along y, on the −y and on the +y side, m.
@@ -144,6 +146,7 @@ impl Tail {
             chambers: 9,
             chambers_start: 8e-3,
             chambers_end: 71e-3,
+            first_longer: 0.0,
             rib: 2.5e-3,
             wall: [2e-3; 2],
             inner_wall: 0.6e-3,
@@ -184,16 +187,18 @@ impl Tail {
         solids::solids(self, fineness)
     }
 
-    /// Length of a chamber along x, m.
+    /// Length of a chamber along x, m; the first is longer by `first_longer`.
     pub fn chamber_length(&self) -> Metre {
         let n = self.chambers as f64;
-        (self.chambers_end - self.chambers_start - (n - 1.0) * self.rib) / n
+        (self.chambers_end - self.chambers_start - self.first_longer - (n - 1.0) * self.rib) / n
     }
 
     /// Where chamber `index` begins and ends, m.
     pub fn chamber(&self, index: usize) -> Point2 {
-        let start = self.chambers_start + index as f64 * (self.chamber_length() + self.rib);
-        [start, start + self.chamber_length()]
+        let end =
+            |i: usize| self.chambers_start + self.first_longer + (i + 1) as f64 * (self.chamber_length() + self.rib);
+        let start = if index == 0 { self.chambers_start } else { end(index - 1) };
+        [start, end(index) - self.rib]
     }
 
     /// Where rib `index`, which follows the chamber of the same index, begins and ends, m.

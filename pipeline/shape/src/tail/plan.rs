@@ -118,7 +118,9 @@ fn stops(tail: &Tail, resolution: &Resolution) -> Vec<Metre> {
     let head = (tail.chambers_start / edge).round().max(1.0) as usize;
     divide(&mut stops, tail.chambers_start, head);
     for chamber in 0..tail.chambers {
-        divide(&mut stops, tail.chamber(chamber)[1], resolution.per_chamber);
+        let [from, to] = tail.chamber(chamber);
+        let ratio = ((to - from) / tail.chamber_length()).round().max(1.0) as usize;
+        divide(&mut stops, to, ratio * resolution.per_chamber);
         if chamber + 1 < tail.chambers {
             divide(&mut stops, tail.rib_at(chamber)[1], resolution.per_rib);
         }
