@@ -46,6 +46,9 @@ pub struct Card {
     pub led: Led,
     /// The recordings.
     pub trial: Vec<Trial>,
+    /// Tracks of markers that were made elsewhere; a film is tracked here when the card names none for its trial.
+    #[serde(default)]
+    pub tracks: Vec<Tracks>,
     /// Recordings of the load cell's fixture alone; none when the card is silent.
     #[serde(default)]
     pub fixture: Vec<Fixture>,
@@ -180,6 +183,13 @@ pub struct Camera {
     pub calibration: String,
     /// One frame in so many is worth looking at.
     pub frame_every: usize,
+    /// How its lens bends rays; as an ordinary one when the card is silent.
+    #[serde(default)]
+    pub lens: LensKind,
+    /// A lens that is known already: OpenCV's YAML, relative to the card. The calibration then only has to show the board on
+    /// its plane.
+    #[serde(default)]
+    pub coefficients: Option<String>,
     /// From the time of the first row of a frame to that of the last, s; the frame's time is its middle row's. 0 when the
     /// card is silent: all rows at once.
     #[serde(default)]
@@ -188,6 +198,17 @@ pub struct Camera {
     pub board: Board,
     /// The plane in which the board lay flat at the end.
     pub plane: Plane,
+}
+
+/// How a lens bends rays.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LensKind {
+    /// Brown and Conrady's, of ordinary lenses.
+    #[default]
+    BrownConrady,
+    /// Equidistant, of fisheyes.
+    Fisheye,
 }
 
 /// `[camera.board]`: a checkerboard.
@@ -225,6 +246,18 @@ pub struct Water {
     pub surface: Metre,
     /// Refractive index, no unit: 1.333 for fresh water at 20 °C.
     pub index: f64,
+}
+
+/// `[[tracks]]`: the markers of one trial's film, followed by another program.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tracks {
+    /// The trial's id.
+    pub trial: String,
+    /// CSV of `study track` or of DeepLabCut, relative to the card; its markers are named as on the card.
+    pub file: String,
+    /// Standard deviation of a place along each axis, px, where the file tells none.
+    pub sigma: f64,
 }
 
 /// `[led]`: the lamp that lights when a trial starts and goes out when it ends.

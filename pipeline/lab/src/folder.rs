@@ -57,7 +57,7 @@ impl Specimen {
 
     /// One refusal for each file that the card names and that is not there.
     pub fn missing(&self) -> Vec<Refusal> {
-        let absent = |(_, file): &(String, &str)| !self.file(file).is_file();
+        let absent = |(_, file): &(String, &str)| !self.file(file).exists();
         let refusal = |(key, file): (String, &str)| {
             let why = format!("{} names it as {key}", self.folder.join(CARD).display());
             Refusal::file(&self.file(file), "the file is missing", why, "put it there, or correct the card")

@@ -95,6 +95,11 @@ cycles = 15
 last_frame = 900
 force = "trials/flap/force.csv"
 
+[[tracks]]
+trial = "flap"
+file = "trials/flap/dlc.csv"
+sigma = 0.5
+
 [[fixture]]
 id = "taps"
 kind = "taps"
@@ -223,6 +228,8 @@ const SLIPS: &[(&str, &str, &str)] = &[
     ("readout = 0.006", "readout = 6.0", "0 to 0.1 s"),
     ("surface = 0.05", "surface = 50.0", "-1 to 1 m"),
     ("index = 1.333", "index = 1.0", "1.3 to 1.4"),
+    ("sigma = 0.5", "sigma = 500.0", "0.001 to 100 px"),
+    ("trial = \"flap\"", "trial = \"flop\"", "belong to a trial"),
     ("frequency = 2.0", "frequency = 2000.0", "0.05 to 50 Hz"),
     ("amplitude = 20000.0", "amplitude = 2e7", "0 to 500000 Pa"),
     ("cycles = 15", "cycles = 0", "1 to 100000"),

@@ -45,6 +45,7 @@ impl Camera {
             p1: near(draw, set.tangential[0], 1e-4),
             p2: near(draw, set.tangential[1], 1e-4),
             k3: set.radial[2],
+            ..Lens::default()
         };
         let above = set.above.map(|x| near(draw, x, 0.001));
         let tilt = set.tilt.map(|angle| near(draw, angle, 0.3).to_radians());

@@ -113,6 +113,7 @@ pub fn write(name: &str, set: &Settings, tail: &Tail, trials: &[Trial], seen: &S
         water: Some(card::Water { surface: set.water.surface, index: set.water.index }),
         led: card::Led { centre: seen.lamp.0.map(rounded), radius: rounded(LAMP_SHARE * seen.lamp.1) },
         trial: trials.to_vec(),
+        tracks: Vec::new(),
         fixture: fixtures(),
     }
 }
@@ -163,6 +164,8 @@ fn camera(set: &Settings, film: &Calibration) -> card::Camera {
     card::Camera {
         calibration: CALIBRATION_FILE.to_owned(),
         frame_every: film.every,
+        lens: card::LensKind::BrownConrady,
+        coefficients: None,
         readout: set.camera.readout,
         board: card::Board { columns: plane.columns, rows: plane.rows, square: plane.square },
         plane: card::Plane {

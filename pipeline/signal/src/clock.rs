@@ -74,6 +74,16 @@ impl Clock {
         Ok(Self { offset: goal - scale * middle, scale })
     }
 
+    /// How well [`Clock::there`] is known at the time `at` (s), standard deviation, s: the edges `here` (s) are each known to
+    /// `sigma` (s), both clocks together. Of one edge's offset; the drift is not known from one.
+    pub fn sigma(here: &[Second], sigma: &[Second], at: Second) -> Second {
+        let count = here.len() as f64;
+        let middle = here.iter().sum::<f64>() / count;
+        let spread: f64 = here.iter().map(|t| (t - middle).powi(2)).sum();
+        let turn = |t: Second| if spread > 0.0 { (at - middle) * (t - middle) / spread } else { 0.0 };
+        here.iter().zip(sigma).map(|(t, s)| ((1.0 / count + turn(*t)) * s).powi(2)).sum::<f64>().sqrt()
+    }
+
     /// A time of this clock on the other one, s.
     pub fn there(&self, here: Second) -> Second {
         self.offset + self.scale * here
@@ -115,6 +125,15 @@ mod tests {
         let found = Clock::from_edges(&here, &here.map(|t| truth.there(t))).unwrap();
         assert!((found.scale - truth.scale).abs() < 1e-14);
         assert!((found.there(200.0) - truth.there(200.0)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_clock_is_known_as_well_as_its_edges_and_worse_beyond_them() {
+        let (here, sigma) = ([2.0, 12.0], [1e-3, 2e-3]);
+        for (at, truth) in [(2.0, 1e-3), (12.0, 2e-3), (7.0, 0.5 * 5e-6_f64.sqrt()), (22.0, 17e-6_f64.sqrt())] {
+            assert!((Clock::sigma(&here, &sigma, at) - truth).abs() < 1e-12, "at {at}");
+        }
+        assert_eq!(Clock::sigma(&[3.0], &[1e-3], 50.0), 1e-3);
     }
 
     #[test]

@@ -78,6 +78,8 @@ pub struct Edge {
     pub time: Second,
     /// Whether to the upper level.
     pub up: bool,
+    /// How well its time is known, standard deviation, s.
+    pub sigma: Second,
 }
 
 /// Both levels must lie this many times their own scatter apart.
@@ -85,39 +87,75 @@ const LEVELS_APART: f64 = 6.0;
 /// Nearer to a level than this share of the way, a sample counts as that level: lamps flicker by a level or two of 255.
 const NEAR: f64 = 0.02;
 
+/// No level is known better than to this share of the way between the two: half a step of 200.
+const LEVEL: f64 = 2.5e-3;
+
 /// All edges in the order of time.
 ///
 /// # Errors
 /// [`EdgeError`] when the signal has no two levels or the window does not fit between samples.
 pub fn edges(signal: &Series, window: Window) -> Result<Vec<Edge>, EdgeError> {
-    let period = 1.0 / signal.rate();
-    if !(0.0..=period * (1.0 + 1e-9)).contains(&window.width) {
-        return Err(EdgeError::Overlap { width: window.width, period });
+    let times: Vec<Second> = (0..signal.values().len()).map(|k| signal.time(k)).collect();
+    edges_at(&times, signal.values(), |_| window)
+}
+
+/// All edges of samples `values` at uneven `times` (s), in their order; `window` says what sample k means.
+///
+/// # Errors
+/// As [`edges`].
+pub fn edges_at(times: &[Second], values: &[f64], window: impl Fn(usize) -> Window) -> Result<Vec<Edge>, EdgeError> {
+    for (k, pair) in times.windows(2).enumerate() {
+        let (width, period) = (window(k).width, pair[1] - pair[0]);
+        if !(0.0..=period * (1.0 + 1e-9)).contains(&width) {
+            return Err(EdgeError::Overlap { width, period });
+        }
     }
-    let (low, high) = levels(signal.values())?;
-    let share: Vec<f64> = signal.values().iter().map(|v| ((v - low) / (high - low)).clamp(0.0, 1.0)).collect();
+    let Levels { low, high, noise } = levels(values)?;
+    let share: Vec<f64> = values.iter().map(|v| ((v - low) / (high - low)).clamp(0.0, 1.0)).collect();
+    let flicker = noise / (high - low);
     let upper: Vec<bool> = share.iter().map(|&s| s >= 0.5).collect();
     let crossings = (1..share.len()).filter(|&i| upper[i] != upper[i - 1]);
-    Ok(crossings.map(|i| Edge { time: crossing(signal, &share, window, i), up: upper[i] }).collect())
+    let edge = |i: usize| {
+        let (time, sigma) = crossing(times, &share, &window, flicker, i);
+        Edge { time, up: upper[i], sigma }
+    };
+    Ok(crossings.map(edge).collect())
 }
 
 /// The time of the edge between samples `i` − 1 and `i`, which lie on different sides of the middle.
 ///
 /// The sample that lies between the levels has the edge inside its window, a share of the new level before the window's
-/// end. Without such a sample the edge lies between the two windows, half way for want of more.
-fn crossing(signal: &Series, share: &[f64], window: Window, i: usize) -> Second {
+/// end. Without such a sample the edge lies between the two windows, half way for want of more. The second value is how
+/// well that is known: by the `flicker` of the level (a share of the way), or as any time in the gap is as likely.
+fn crossing(
+    times: &[Second],
+    share: &[f64],
+    window: &impl Fn(usize) -> Window,
+    flicker: f64,
+    i: usize,
+) -> (Second, Second) {
     let new = |k: usize| if share[i] >= 0.5 { share[k] } else { 1.0 - share[k] };
-    let begin = |k: usize| signal.time(k) - window.lead;
+    let begin = |k: usize| times[k] - window(k).lead;
     let nearest = if (share[i - 1] - 0.5).abs() < (share[i] - 0.5).abs() { i - 1 } else { i };
     if (NEAR..=1.0 - NEAR).contains(&share[nearest]) {
-        begin(nearest) + (1.0 - new(nearest)) * window.width
+        let width = window(nearest).width;
+        (begin(nearest) + (1.0 - new(nearest)) * width, flicker.hypot(LEVEL) * width)
     } else {
-        0.5 * (begin(i - 1) + window.width + begin(i))
+        let (from, to) = (begin(i - 1) + window(i - 1).width, begin(i));
+        let hidden = to - from + NEAR * (window(i - 1).width + window(i).width);
+        (0.5 * (from + to), hidden / 12.0_f64.sqrt())
     }
 }
 
+/// Two levels and the scatter within them.
+struct Levels {
+    low: f64,
+    high: f64,
+    noise: f64,
+}
+
 /// The two levels: medians of the samples on either side of the middle, those in mid edge left out.
-fn levels(values: &[f64]) -> Result<(f64, f64), EdgeError> {
+fn levels(values: &[f64]) -> Result<Levels, EdgeError> {
     let least = values.iter().copied().fold(f64::INFINITY, f64::min);
     let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let (mut low, mut high) = (least, most);
@@ -130,7 +168,7 @@ fn levels(values: &[f64]) -> Result<(f64, f64), EdgeError> {
     let scatter = values.iter().map(|&v| (v - if v < middle { low } else { high }).abs());
     let noise = 1.4826 * median(scatter).unwrap_or(0.0);
     if high - low > LEVELS_APART * noise && high > low {
-        Ok((low, high))
+        Ok(Levels { low, high, noise })
     } else {
         Err(EdgeError::NoLevels { low, high, noise, limit: LEVELS_APART })
     }
@@ -196,6 +234,31 @@ mod tests {
     fn an_instant_log_tells_the_edge_to_half_a_sample() {
         let found = edges(&lamp(200.0, Window::INSTANT, 0.9713, 1.2), Window::INSTANT).unwrap();
         assert!((found[0].time - 0.9713).abs() <= 0.0025 && found[0].up);
+    }
+
+    #[test]
+    fn an_edge_lies_within_three_of_its_deviations_wherever_it_falls() {
+        for (width, most) in [(0.0, 5e-3), (0.5 / 60.0, 3e-3), (1.0 / 60.0, 5e-4)] {
+            let window = Window { lead: 0.5 * width, width };
+            for k in 0..60 {
+                let on = 1.0 + 0.00031 * f64::from(k);
+                let edge = edges(&lamp(60.0, window, on, 3.1), window).unwrap()[0];
+                // an error that is evenly spread reaches 1.74 deviations
+                assert!((edge.time - on).abs() <= 1.75 * edge.sigma + 1e-12, "{width} {on}: {edge:?}");
+                assert!(edge.sigma < most);
+            }
+        }
+    }
+
+    #[test]
+    fn uneven_frames_tell_an_edge_by_their_own_times() {
+        let times: Vec<f64> = (0..80).map(|k| f64::from(k) / 60.0 + 0.004 * (1.7 * f64::from(k)).sin()).collect();
+        let width = 0.5 / 60.0;
+        let on = times[31] + 0.3 * width;
+        let level = |t: &f64| ((t + width - on) / width).clamp(0.0, 1.0) * 180.0 + 20.0;
+        let values: Vec<f64> = times.iter().map(level).collect();
+        let found = edges_at(&times, &values, |_| Window::exposure(width)).unwrap();
+        assert!(found.len() == 1 && (found[0].time - on).abs() < 1e-9, "{found:?}");
     }
 
     #[test]

@@ -83,6 +83,8 @@ pub enum Command {
         #[arg(long)]
         out: Option<PathBuf>,
     },
+    /// Follow dark markers through any film: a CSV of their pixels with covariances, and a strip of pictures to look at.
+    Track(Follow),
     /// Compare every number with what is expected and published, and every claim with its rule; or certify gradients.
     Check {
         /// Something else to check.
@@ -91,6 +93,49 @@ pub enum Command {
     },
     /// List the stages, figures and tables, each with its story.
     List,
+}
+
+/// Options of `study track`.
+#[derive(Debug, Args)]
+pub struct Follow {
+    /// The film: H.264 in MP4, a folder of PNG pictures with times.csv, or what an ffmpeg on the PATH reads.
+    pub film: PathBuf,
+    /// A marker in the first frame, px: `--at 512,360`; once for each marker.
+    #[arg(long, value_name = "U,V", value_parser = pair, required_unless_present = "find")]
+    pub at: Vec<[f64; 2]>,
+    /// Find so many markers by themselves: the most distinct dark spots, from left to right.
+    #[arg(long, value_name = "COUNT", conflicts_with = "at")]
+    pub find: Option<usize>,
+    /// Where to find them, px: left,top,right,bottom; the whole picture when not given.
+    #[arg(long, value_name = "L,T,R,B", value_parser = four, requires = "find")]
+    pub region: Option<[f64; 4]>,
+    /// Radius of the disc that holds a marker and a margin of light ground, px.
+    #[arg(long, default_value_t = 18.0)]
+    pub radius: f64,
+    /// How long a marker may be hidden, s.
+    #[arg(long, default_value_t = 0.5)]
+    pub hidden: f64,
+    /// Write the film with its tracks drawn over it as well.
+    #[arg(long)]
+    pub overlay: bool,
+    /// Folder for the results, instead of FILM.tracks beside the film.
+    #[arg(long)]
+    pub out: Option<PathBuf>,
+}
+
+fn pair(text: &str) -> Result<[f64; 2], String> {
+    numbers(text)
+}
+
+fn four(text: &str) -> Result<[f64; 4], String> {
+    numbers(text)
+}
+
+/// `N` numbers between commas.
+fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+    let read: Result<Vec<f64>, _> = text.split(',').map(|word| word.trim().parse()).collect();
+    let read = read.map_err(|e| format!("`{text}` is not {N} numbers between commas: {e}"))?;
+    read.try_into().map_err(|_| format!("`{text}` is not {N} numbers between commas"))
 }
 
 /// What can be checked beside the numbers.

@@ -13,6 +13,8 @@ pub struct Fault {
     pub of: String,
     /// What and where, with numbers and units; further lines may already hold `why:` and `do:`.
     pub what: String,
+    /// A picture (PNG) that shows it, for the runner to put beside the record.
+    pub shows: Option<Vec<u8>>,
 }
 
 /// What a stage returns.
@@ -21,12 +23,17 @@ pub type Outcome<T> = Result<T, Fault>;
 impl Fault {
     /// A fault from the text of a tool's error, which holds its own `why:` and `do:` lines.
     pub fn from_tool(error: impl fmt::Display) -> Self {
-        Self { of: String::new(), what: error.to_string() }
+        Self { of: String::new(), what: error.to_string(), shows: None }
     }
 
     /// A fault in three parts.
     pub fn new(what: impl fmt::Display, why: impl fmt::Display, next: impl fmt::Display) -> Self {
-        Self { of: String::new(), what: format!("{what}\n  why: {why}\n  do:  {next}") }
+        Self { of: String::new(), what: format!("{what}\n  why: {why}\n  do:  {next}"), shows: None }
+    }
+
+    /// The same fault with a picture (PNG) of it.
+    pub fn showing(self, picture: Vec<u8>) -> Self {
+        Self { shows: Some(picture), ..self }
     }
 
     /// The same fault, said of a record.

@@ -47,6 +47,13 @@ fn run(cli: &Cli) -> Outcome<bool> {
             study::simulate::run(case, out.as_deref(), cli.place.quiet)?;
             Ok(true)
         }
+        Command::Track(asked) => {
+            let summary = study::follow::run(asked)?;
+            if !cli.place.quiet {
+                println!("{summary}");
+            }
+            Ok(true)
+        }
         Command::Check { what: None } => check(&open()?.0),
         Command::Check { what: Some(Checked::Gradients { cases, steps }) } => {
             certify(&cli.place.root, cases, *steps, cli.place.quiet)

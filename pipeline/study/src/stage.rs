@@ -79,7 +79,7 @@ pub trait Desk: Sync {
     ///
     /// # Errors
     /// A [`crate::fault::Fault`] when it is not there or is no film.
-    fn film(&self, word: &str) -> Outcome<track::video::Reader>;
+    fn film(&self, word: &str) -> Outcome<track::video::Film>;
 
     /// A raw recording's place as a person would write it, for messages.
     fn place(&self, word: &str) -> String;

@@ -5,18 +5,17 @@
 mod homography;
 mod refine;
 
-use crate::board::Board;
-use crate::lens::Lens;
+use crate::lens::{Bend, Lens, VALUES};
 use crate::pose::Pose;
 use homography::{homography, mirrored, pose};
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use refine::{Guess, Seen, refine, squares};
 use si::{Metre, Point2, Point3};
 
-/// What one picture shows of the board.
+/// What one picture shows of a board.
 #[derive(Debug, Clone, PartialEq)]
 pub struct View {
-    /// The inner corners, px, in the order of [`Board::corners`].
+    /// Its points, px, in the board's own order.
     pub corners: Vec<Point2>,
 }
 
@@ -29,9 +28,19 @@ pub struct Calibration {
     pub poses: Vec<Pose>,
     /// Root of the mean squared distance between seen and projected corners, px.
     pub reprojection_px: f64,
-    /// Standard deviation of each value of `lens`, in its own unit.
-    pub sigma: Lens,
+    /// Covariance of [`Lens::values`], in their units.
+    pub covariance: [[f64; VALUES]; VALUES],
 }
+
+impl Calibration {
+    /// Standard deviation of each of [`Lens::values`], in its own unit.
+    pub fn sigma(&self) -> [f64; VALUES] {
+        std::array::from_fn(|i| self.covariance[i][i].sqrt())
+    }
+}
+
+/// Numbers of a camera: those of its lens, then turn (rad) and shift (m) of its pose as [`Pose::moved`] takes them.
+pub const OF_CAMERA: usize = VALUES + 6;
 
 /// Why no lens or pose comes out.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -79,48 +88,80 @@ pub enum CalibrateError {
 /// Views below which the nine values of a lens are not held by corners of a plane.
 const LEAST_VIEWS: usize = 3;
 
-/// Lens and poses from views of one board, for pictures of `width` × `height` px.
+/// Lens and poses from views of one board, whose `points` lie in its plane z = 0 (m), for pictures of `width` × `height` px.
 ///
 /// Focal lengths from homographies with the optical axis in the middle of the picture [zhang2000, section 3.1], then
-/// Levenberg–Marquardt over everything, first without and then with the lens's distortion.
+/// Levenberg–Marquardt over everything, first without and then with the numbers of the lens.
 ///
 /// # Errors
 /// [`CalibrateError`] when there are too few views, a view is not whole, or the tilts are too alike.
-pub fn calibrate(views: &[View], board: &Board, width: usize, height: usize) -> Result<Calibration, CalibrateError> {
-    let corners = board.corners();
-    let uneven = views.iter().position(|view| view.corners.len() != corners.len());
+pub fn calibrate(
+    views: &[View],
+    points: &[Point3],
+    bend: Bend,
+    (width, height): (usize, usize),
+) -> Result<Calibration, CalibrateError> {
+    let uneven = views.iter().position(|view| view.corners.len() != points.len());
     if let Some(view) = uneven {
-        return Err(CalibrateError::Corners { view, given: views[view].corners.len(), expected: corners.len() });
+        return Err(CalibrateError::Corners { view, given: views[view].corners.len(), expected: points.len() });
     }
     if views.len() < LEAST_VIEWS {
         return Err(CalibrateError::TooFewViews { given: views.len(), needed: LEAST_VIEWS });
     }
-    let degenerate = |why: &str| CalibrateError::Degenerate { why: why.into() };
-    let plane: Vec<Point2> = corners.iter().map(|p| [p[0], p[1]]).collect();
-    let maps: Option<Vec<_>> = views.iter().map(|view| homography(&plane, &view.corners)).collect();
-    let maps = maps.ok_or_else(|| degenerate("the corners of a view lie on a line"))?;
     let middle = [0.5 * (width as f64 - 1.0), 0.5 * (height as f64 - 1.0)];
-    let lens = focal_lengths(&maps, middle).ok_or_else(|| degenerate("the board is tilted alike in all views"))?;
-    let to_rays =
-        Matrix3::new(1.0 / lens.fx, 0.0, -lens.cx / lens.fx, 0.0, 1.0 / lens.fy, -lens.cy / lens.fy, 0.0, 0.0, 1.0);
-    let poses = maps.iter().map(|map| pose(&(to_rays * map))).collect();
-
-    let seen: Vec<_> = views.iter().map(|view| Seen { points: &corners, pixels: &view.corners }).collect();
-    let mut guess = Guess { lens, poses };
+    let lens = Lens { bend, ..begin(views, points, middle)? };
+    let seen: Vec<_> = views.iter().map(|view| Seen { points, pixels: &view.corners }).collect();
+    let mut guess = Guess { lens, poses: stands(&lens, views, points)? };
     refine(&mut guess, &seen, false);
     let sum = refine(&mut guess, &seen, true);
-    let sigma = refine::deviations(&guess, &seen);
-    let sigma = sigma.ok_or_else(|| degenerate("the equations of the lens are singular"))?;
-    if sigma[0] > FOCAL_SIGMA_LIMIT * guess.lens.fx {
-        let why = format!("the focal length would be {:.0} ± {:.0} px", guess.lens.fx, sigma[0]);
+    let covariance = refine::covariance(&guess, &seen);
+    let covariance = covariance.ok_or_else(|| degenerate("the equations of the lens are singular"))?;
+    let sigma = covariance[0][0].sqrt();
+    if sigma > FOCAL_SIGMA_LIMIT * guess.lens.fx {
+        let why = format!("the focal length would be {:.0} ± {sigma:.0} px", guess.lens.fx);
         return Err(CalibrateError::Degenerate { why });
     }
-    Ok(Calibration {
-        lens: guess.lens,
-        poses: guess.poses,
-        reprojection_px: (sum / (views.len() * corners.len()) as f64).sqrt(),
-        sigma: refine::from_values(sigma),
-    })
+    let reprojection_px = (sum / (views.len() * points.len()) as f64).sqrt();
+    Ok(Calibration { lens: guess.lens, poses: guess.poses, reprojection_px, covariance })
+}
+
+fn degenerate(why: &str) -> CalibrateError {
+    CalibrateError::Degenerate { why: why.into() }
+}
+
+/// A pinhole from the maps of the views, the optical axis at `middle` (px).
+fn begin(views: &[View], points: &[Point3], middle: Point2) -> Result<Lens, CalibrateError> {
+    let plane: Vec<Point2> = points.iter().map(|p| [p[0], p[1]]).collect();
+    let maps: Option<Vec<_>> = views.iter().map(|view| homography(&plane, &view.corners)).collect();
+    let maps = maps.ok_or_else(|| degenerate("the corners of a view lie on a line"))?;
+    focal_lengths(&maps, middle).ok_or_else(|| degenerate("the board is tilted alike in all views"))
+}
+
+/// Where the camera stood for each view, from the rays that a first lens gives its pixels.
+fn stands(lens: &Lens, views: &[View], points: &[Point3]) -> Result<Vec<Pose>, CalibrateError> {
+    let plane: Vec<Point2> = points.iter().map(|p| [p[0], p[1]]).collect();
+    let one = |view: &View| {
+        let rays: Option<Vec<Point2>> = view.corners.iter().map(|pixel| lens.unproject(*pixel)).collect();
+        Some(pose(&homography(&plane, &rays?)?))
+    };
+    let poses: Option<Vec<Pose>> = views.iter().map(one).collect();
+    poses.ok_or_else(|| degenerate("a view reaches beyond the rays of its first lens"))
+}
+
+/// How well a lens and a pose are known together, when the pose was found from `points` (m) and `pixels` (px) with a lens
+/// of this covariance: 15 × 15, in the order and units of [`OF_CAMERA`].
+///
+/// # Errors
+/// [`CalibrateError::Points`] when the points do not fix the pose.
+pub fn joint_covariance(
+    (lens, covariance): (&Lens, &[[f64; VALUES]; VALUES]),
+    pose: &Pose,
+    points: &[Point3],
+    pixels: &[Point2],
+) -> Result<[[f64; OF_CAMERA]; OF_CAMERA], CalibrateError> {
+    let guess = Guess { lens: *lens, poses: vec![*pose] };
+    let joint = refine::joint(covariance, &guess, &[Seen { points, pixels }]);
+    joint.ok_or_else(|| CalibrateError::Points { why: "the points lie on a line".into() })
 }
 
 /// A focal length that scatters by more than this share of itself is not known.

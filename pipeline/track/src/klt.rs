@@ -1,19 +1,26 @@
 //! Markers through a film: dark crosses or discs on a light ground, to a hundredth of a pixel, never lost in silence.
 //!
-//! Optical flow says where a marker went; the centroid of its darkness then says where it is, without a memory that could
-//! drift. The two must agree, and the marker must still look as it did in the first frame.
+//! Optical flow says where a marker went, and must lead back to where it came from; the centroid of its darkness then says
+//! where it is, without a memory that could drift. The two must agree, and the marker must still look as it did in the first
+//! frame. A marker that something covers is looked for again by how it looked, for as long as the settings are patient; what
+//! stays hidden is an error with its first hidden frame.
 //!
 //! Stands on: kornia's pyramidal flow, grey pictures. Never knows: which material point a marker is. Paper: section IV.
 
 mod blob;
+mod find;
 mod flow;
+mod gaps;
 mod ground;
 mod lost;
 mod scatter;
+mod search;
 mod template;
 
 use crate::Gray;
 use blob::{Blob, Miss};
+pub use find::find;
+pub use gaps::fill;
 pub use lost::{Lost, Why};
 use si::{Point2, Radian};
 use template::Template;
@@ -33,6 +40,12 @@ pub struct Settings {
     pub jump_limit: f64,
     /// Largest distance between flow and centroid, px.
     pub agreement_limit: f64,
+    /// Largest distance from its start at which flow that is followed there and back may end, px.
+    pub return_limit: f64,
+    /// Least correlation with the marker of the first frame at which a hidden marker is found again, no unit.
+    pub likeness_limit: f64,
+    /// How many frames in a row a marker may be hidden.
+    pub patience: usize,
 }
 
 impl Default for Settings {
@@ -44,6 +57,9 @@ impl Default for Settings {
             residual_limit: 12.0,
             jump_limit: 20.0,
             agreement_limit: 2.0,
+            return_limit: 1.0,
+            likeness_limit: 0.8,
+            patience: 0,
         }
     }
 }
@@ -57,6 +73,8 @@ pub struct Sighting {
     pub covariance: [[f64; 2]; 2],
     /// Mean difference from the marker of the first frame, grey levels a pixel.
     pub residual: f64,
+    /// False while the marker is hidden: the rest then tells where it was seen last, and waits for [`fill`].
+    pub seen: bool,
 }
 
 /// Follows markers from frame to frame.
@@ -76,6 +94,8 @@ struct Track {
     turn: Radian,
     /// Covariance of late, px², once there was a second frame.
     scatter: Option<[[f64; 2]; 2]>,
+    /// Why and since which frame it is hidden.
+    hidden: Option<Lost>,
 }
 
 /// One marker in the next frame, past all gates.
@@ -102,15 +122,16 @@ impl Tracker {
         assert!(settings.radius >= LEAST_RADIUS, "a window of radius {} px holds no marker", settings.radius);
         let mut new = Self { settings, before: first.clone(), frame: 0, tracks: Vec::new(), sightings: Vec::new() };
         for (marker, &near) in clicked.iter().enumerate() {
-            let lost = |why| Lost { marker, frame: 0, near, why };
+            let lost = |why| Lost::at(first, marker, 0, near, why);
             let blob = new.spot(first, near).map_err(lost)?;
             let away = distance(blob.at, near);
             if away > settings.reach {
                 return Err(lost(Why::Far { measured: away, limit: settings.reach }));
             }
             let template = Template::cut(first, &blob, settings.radius);
-            let sighting = Sighting { at: blob.at, covariance: scatter::of_pixels(&blob), residual: 0.0 };
-            new.tracks.push(Track { template, at: blob.at, step: [0.0; 2], turn: 0.0, scatter: None });
+            let sighting = Sighting { at: blob.at, covariance: scatter::of_pixels(&blob), residual: 0.0, seen: true };
+            let (at, step, hidden) = (blob.at, [0.0; 2], None);
+            new.tracks.push(Track { template, at, step, turn: 0.0, scatter: None, hidden });
             new.sightings.push(sighting);
         }
         new.apart()?;
@@ -125,23 +146,53 @@ impl Tracker {
     /// Looks at the next frame; one sighting a marker, in the order of the clicks.
     ///
     /// # Errors
-    /// [`Lost`] when a marker fails a gate; the tracker then still stands at the frame before.
+    /// [`Lost`] when a marker fails a gate for longer than the settings are patient, with the first frame in which it did.
     pub fn step(&mut self, picture: &Gray) -> Result<Vec<Sighting>, Lost> {
-        let mut seen = Vec::with_capacity(self.tracks.len());
+        let frame = self.frame + 1;
+        let mut found: Vec<Result<Seen, Lost>> = Vec::with_capacity(self.tracks.len());
         for (marker, track) in self.tracks.iter().enumerate() {
             let near = [track.at[0] + track.step[0], track.at[1] + track.step[1]];
-            let found = self.sight(picture, track, near);
-            seen.push(found.map_err(|why| Lost { marker, frame: self.frame + 1, near, why })?);
+            let seen = match &track.hidden {
+                None => self.sight(picture, track, near),
+                Some(since) => self.sight_again(picture, marker, track, frame - since.frame),
+            };
+            found.push(seen.map_err(|why| Lost::at(picture, marker, frame, near, why)));
         }
-        self.frame += 1;
-        for (track, Seen { sighting, turn, scatter }) in self.tracks.iter_mut().zip(&seen) {
-            track.step = [sighting.at[0] - track.at[0], sighting.at[1] - track.at[1]];
-            (track.at, track.turn, track.scatter) = (sighting.at, *turn, Some(*scatter));
+        for (track, found) in self.tracks.iter().zip(&found) {
+            let Err(lost) = found else { continue };
+            let since = track.hidden.as_ref().unwrap_or(lost);
+            if frame - since.frame >= self.settings.patience {
+                return Err(since.clone());
+            }
         }
+        self.frame = frame;
+        let pairs = self.tracks.iter_mut().zip(&mut self.sightings);
+        pairs.zip(found).for_each(|((track, sighting), found)| track.take(frame, found, sighting));
         self.before.clone_from(picture);
-        self.sightings = seen.into_iter().map(|seen| seen.sighting).collect();
         self.apart()?;
         Ok(self.sightings.clone())
+    }
+
+    /// Ends the film.
+    ///
+    /// # Errors
+    /// [`Lost`] when a marker is hidden to its end.
+    pub fn finish(self) -> Result<(), Lost> {
+        self.tracks.into_iter().find_map(|track| track.hidden).map_or(Ok(()), Err)
+    }
+
+    /// Looks for a marker that has been hidden for some frames, by how it looked, and lets it pass the gates of looks and leaps.
+    fn sight_again(&self, picture: &Gray, marker: usize, track: &Track, frames: usize) -> Result<Seen, Why> {
+        let others = self.tracks.iter().enumerate().filter(|(other, t)| *other != marker && t.hidden.is_none());
+        let taken: Vec<Point2> = others.map(|(_, t)| t.at).collect();
+        let reach = (self.settings.jump_limit * (frames + 1) as f64).min(search::FARTHEST);
+        let (place, likeness) = search::like(picture, &track.template, track.at, reach, &taken);
+        let limit = self.settings.likeness_limit;
+        if likeness < limit {
+            return Err(Why::Unlike { measured: likeness, limit });
+        }
+        let blob = self.spot(picture, place)?;
+        self.judged(picture, track, blob)
     }
 
     /// Looks for one marker near the place (px) where it is expected and lets it pass the gates.
@@ -152,17 +203,25 @@ impl Tracker {
         }
         let flow = flow::follow(&self.before, picture, track.at, near);
         let limit = self.settings.jump_limit;
+        let back = flow.and_then(|there| flow::follow(picture, &self.before, there, track.at));
+        let off = back.map_or(f64::INFINITY, |back| distance(back, track.at));
+        within(off, self.settings.return_limit, |measured, limit| Why::NotBack { measured, limit })?;
         let guess = flow.filter(|&place| distance(place, track.at) <= limit).unwrap_or(near);
         let blob = self.spot(picture, guess)?;
         within(distance(blob.at, track.at), limit, |measured, limit| Why::Jumped { measured, limit })?;
         let apart = flow.map_or(f64::INFINITY, |place| distance(place, blob.at));
         within(apart, self.settings.agreement_limit, |measured, limit| Why::Disagrees { measured, limit })?;
+        self.judged(picture, track, blob)
+    }
+
+    /// A spot that must look as the marker did in the first frame.
+    fn judged(&self, picture: &Gray, track: &Track, blob: Blob) -> Result<Seen, Why> {
         let difference = track.template.compare(picture, &blob, track.turn);
         within(difference.mean, self.settings.residual_limit, |measured, limit| Why::Changed { measured, limit })?;
         let now = scatter::of_sectors(picture, &blob, &track.template, difference.turn);
         let scatter = track.scatter.map_or(now, |old| mix(old, now));
         let covariance = sum(scatter, scatter::of_pixels(&blob));
-        let sighting = Sighting { at: blob.at, covariance, residual: difference.mean };
+        let sighting = Sighting { at: blob.at, covariance, residual: difference.mean, seen: true };
         Ok(Seen { sighting, turn: difference.turn, scatter })
     }
 
@@ -183,16 +242,36 @@ impl Tracker {
 
     /// Refuses two tracks on one marker.
     fn apart(&self) -> Result<(), Lost> {
-        for (marker, track) in self.tracks.iter().enumerate() {
-            for (other, before) in self.tracks[..marker].iter().enumerate() {
+        let seen = |(_, track): &(usize, &Track)| track.hidden.is_none();
+        for (marker, track) in self.tracks.iter().enumerate().filter(seen) {
+            for (other, before) in self.tracks[..marker].iter().enumerate().filter(seen) {
                 let (measured, limit) = (distance(track.at, before.at), self.settings.radius);
                 if measured < limit {
                     let why = Why::Merged { other, measured, limit };
-                    return Err(Lost { marker, frame: self.frame, near: track.at, why });
+                    return Err(Lost::at(&self.before, marker, self.frame, track.at, why));
                 }
             }
         }
         Ok(())
+    }
+}
+
+impl Track {
+    /// Takes in what a frame showed of it.
+    fn take(&mut self, frame: usize, found: Result<Seen, Lost>, sighting: &mut Sighting) {
+        match found {
+            Ok(seen) => {
+                let at = seen.sighting.at;
+                let frames = self.hidden.take().map_or(1, |since| frame - since.frame + 1) as f64;
+                self.step = [0, 1].map(|k| (at[k] - self.at[k]) / frames);
+                (self.at, self.turn, self.scatter) = (at, seen.turn, Some(seen.scatter));
+                *sighting = seen.sighting;
+            }
+            Err(lost) => {
+                self.hidden.get_or_insert(lost);
+                sighting.seen = false;
+            }
+        }
     }
 }
 

@@ -1,12 +1,29 @@
-//! The lens: how a ray becomes a pixel, after Brown and Conrady, and back.
+//! The lens: how a ray becomes a pixel and back, by one of two ways to bend it.
 //!
-//! Stands on: `si`. Never knows: where the camera stands, a board.
+//! Stands on: `si`, the two ways in `lens/`. Never knows: where the camera stands, a board.
+
+mod brown;
+mod fisheye;
+pub mod opencv;
 
 use si::{Point2, Point3};
 
-/// A camera's lens. Focal lengths and centre in px, distortion without unit; all zero but the first four is a pinhole.
+/// How a lens bends rays away from its axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Bend {
+    /// Radial k1 k2 k3 and tangential p1 p2 [brown1971]; k4 is unused.
+    #[default]
+    BrownConrady,
+    /// Equidistant with k1 to k4 in the angle from the axis [kannala2006]; p1 and p2 are unused.
+    Fisheye,
+}
+
+/// A camera's lens. Focal lengths and centre in px, distortion without unit; all zero but the first four is a pinhole
+/// or an ideal fisheye.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Lens {
+    /// Which of the two ways.
+    pub bend: Bend,
     /// Focal length along the rows, px.
     pub fx: f64,
     /// Focal length along the columns, px.
@@ -15,7 +32,7 @@ pub struct Lens {
     pub cx: f64,
     /// Row of the optical axis, px.
     pub cy: f64,
-    /// Radial, with r².
+    /// Radial, with r² (or the angle's square).
     pub k1: f64,
     /// Radial, with r⁴.
     pub k2: f64,
@@ -25,7 +42,12 @@ pub struct Lens {
     pub p2: f64,
     /// Radial, with r⁶.
     pub k3: f64,
+    /// Radial, with the angle's eighth power; of a fisheye alone.
+    pub k4: f64,
 }
+
+/// Numbers of a lens: four of the pinhole and five of the bend.
+pub const VALUES: usize = 9;
 
 /// Newton steps for a ray; five are enough where the lens does not fold, more only near its edge.
 const NEWTON_STEPS: usize = 30;
@@ -49,7 +71,10 @@ impl Lens {
     /// Newton on the two equations of [`Lens::distort`].
     pub fn unproject(&self, pixel: Point2) -> Option<Point2> {
         let goal = [(pixel[0] - self.cx) / self.fx, (pixel[1] - self.cy) / self.fy];
-        let mut ray = goal;
+        let mut ray = match self.bend {
+            Bend::BrownConrady => goal,
+            Bend::Fisheye => fisheye::start(goal),
+        };
         for _ in 0..NEWTON_STEPS {
             let there = self.distort(ray);
             let miss = [goal[0] - there[0], goal[1] - there[1]];
@@ -62,28 +87,59 @@ impl Lens {
         None
     }
 
-    /// Distortion of a normalised place, no unit.
-    ///
-    /// x' = x (1 + k₁r² + k₂r⁴ + k₃r⁶) + 2p₁xy + p₂(r² + 2x²), y' alike with p₁ and p₂ exchanged    [brown1971]
-    pub fn distort(&self, [x, y]: Point2) -> Point2 {
-        let r2 = x * x + y * y;
-        let radial = 1.0 + r2 * (self.k1 + r2 * (self.k2 + r2 * self.k3));
-        [
-            x * radial + 2.0 * self.p1 * x * y + self.p2 * (r2 + 2.0 * x * x),
-            y * radial + self.p1 * (r2 + 2.0 * y * y) + 2.0 * self.p2 * x * y,
-        ]
+    /// Distortion of a normalised place, no unit: see the two ways.
+    pub fn distort(&self, place: Point2) -> Point2 {
+        match self.bend {
+            Bend::BrownConrady => brown::distort(&self.bends(), place),
+            Bend::Fisheye => fisheye::distort(&self.bends(), place),
+        }
     }
 
     /// d(distorted)/d(normalised), 2 × 2, no unit.
-    pub(crate) fn stretch(&self, [x, y]: Point2) -> [[f64; 2]; 2] {
-        let r2 = x * x + y * y;
-        let radial = 1.0 + r2 * (self.k1 + r2 * (self.k2 + r2 * self.k3));
-        let slope = 2.0 * (self.k1 + r2 * (2.0 * self.k2 + r2 * 3.0 * self.k3));
-        let cross = slope * x * y + 2.0 * self.p1 * x + 2.0 * self.p2 * y;
-        [
-            [radial + slope * x * x + 2.0 * self.p1 * y + 6.0 * self.p2 * x, cross],
-            [cross, radial + slope * y * y + 6.0 * self.p1 * y + 2.0 * self.p2 * x],
-        ]
+    pub(crate) fn stretch(&self, place: Point2) -> [[f64; 2]; 2] {
+        match self.bend {
+            Bend::BrownConrady => brown::stretch(&self.bends(), place),
+            Bend::Fisheye => fisheye::stretch(&self.bends(), place),
+        }
+    }
+
+    /// d(distorted)/d(the five numbers of the bend), 2 × 5, no unit.
+    pub(crate) fn by_bends(&self, place: Point2) -> [[f64; 5]; 2] {
+        match self.bend {
+            Bend::BrownConrady => brown::by_bends(place),
+            Bend::Fisheye => fisheye::by_bends(place),
+        }
+    }
+
+    /// The numbers of the bend in its own order: k₁ k₂ p₁ p₂ k₃, or k₁ k₂ k₃ k₄ and nothing.
+    fn bends(&self) -> [f64; 5] {
+        match self.bend {
+            Bend::BrownConrady => [self.k1, self.k2, self.p1, self.p2, self.k3],
+            Bend::Fisheye => [self.k1, self.k2, self.k3, self.k4, 0.0],
+        }
+    }
+
+    /// Its numbers: fx fy cx cy, then those of the bend.
+    pub fn values(&self) -> [f64; VALUES] {
+        let [a, b, c, d, e] = self.bends();
+        [self.fx, self.fy, self.cx, self.cy, a, b, c, d, e]
+    }
+
+    /// The same kind of lens with other numbers.
+    pub fn with(&self, [fx, fy, cx, cy, a, b, c, d, e]: [f64; VALUES]) -> Self {
+        let new = Self { bend: self.bend, fx, fy, cx, cy, k1: a, k2: b, ..Self::default() };
+        match self.bend {
+            Bend::BrownConrady => Self { p1: c, p2: d, k3: e, ..new },
+            Bend::Fisheye => Self { k3: c, k4: d, ..new },
+        }
+    }
+
+    /// How many of [`Lens::values`] count.
+    pub fn count(&self) -> usize {
+        match self.bend {
+            Bend::BrownConrady => VALUES,
+            Bend::Fisheye => VALUES - 1,
+        }
     }
 
     /// d(pixel)/d(point of the camera's frame), 2 × 3, px/m.
@@ -99,11 +155,14 @@ impl Lens {
         [self.fx * x + self.cx, self.fy * y + self.cy]
     }
 
-    /// Whether rays still spread from the axis up to here: d(r · radial)/dr stays positive all the way.
+    /// Whether rays still spread from the axis up to here, all the way.
     fn unfolded(&self, [x, y]: Point2) -> bool {
         let r2 = x * x + y * y;
-        let rise = |q: f64| 1.0 + q * (3.0 * self.k1 + q * (5.0 * self.k2 + q * 7.0 * self.k3));
-        (1..=FOLD_CHECKS).all(|i| rise(r2 * i as f64 / FOLD_CHECKS as f64) > 0.0)
+        let rise = |share: f64| match self.bend {
+            Bend::BrownConrady => brown::rise(&self.bends(), r2 * share),
+            Bend::Fisheye => fisheye::rise(&self.bends(), r2 * share),
+        };
+        (1..=FOLD_CHECKS).all(|i| rise(i as f64 / FOLD_CHECKS as f64) > 0.0)
     }
 }
 
@@ -127,14 +186,19 @@ pub(crate) fn invert([[a, b], [c, d]]: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
 mod tests {
     use super::*;
 
-    const LENSES: [Lens; 2] = [
-        Lens { fx: 1473.0, fy: 1478.0, cx: 969.0, cy: 541.0, k1: -0.03, k2: 0.01, p1: 2e-4, p2: -3e-4, k3: 1e-3 },
-        Lens { fx: 1780.0, fy: 1780.0, cx: 960.0, cy: 540.0, k1: -0.255, k2: -0.07, p1: 1e-3, p2: 5e-4, k3: 0.3 },
-    ];
+    fn lenses() -> [Lens; 3] {
+        let plain = Lens::default();
+        let fisheye = Lens { bend: Bend::Fisheye, ..plain };
+        [
+            plain.with([1473.0, 1478.0, 969.0, 541.0, -0.03, 0.01, 2e-4, -3e-4, 1e-3]),
+            plain.with([1780.0, 1780.0, 960.0, 540.0, -0.255, -0.07, 1e-3, 5e-4, 0.3]),
+            fisheye.with([880.0, 882.0, 961.0, 538.0, 0.05, -0.02, 4e-3, -1e-3, 0.0]),
+        ]
+    }
 
     #[test]
     fn a_pixel_comes_back_through_its_ray() {
-        for lens in LENSES {
+        for lens in lenses() {
             for pixel in [[0.0, 0.0], [1919.0, 1079.0], [960.0, 540.0], [30.0, 1000.0]] {
                 let [x, y] = lens.unproject(pixel).unwrap();
                 let back = lens.project([0.7 * x, 0.7 * y, 0.7]).unwrap();
@@ -145,24 +209,55 @@ mod tests {
 
     #[test]
     fn the_slope_of_the_lens_is_its_difference() {
-        let (lens, at, h) = (LENSES[1], [0.21, -0.13, 0.8], 1e-6);
-        let slope = lens.slope(at);
-        for k in 0..3 {
-            let moved = |s: f64| {
-                let mut p = at;
-                p[k] += s;
-                lens.project(p).unwrap()
-            };
-            for (i, row) in slope.iter().enumerate() {
-                let difference = (moved(h)[i] - moved(-h)[i]) / (2.0 * h);
-                assert!((row[k] - difference).abs() < 1e-5, "{i}{k}: {} {difference}", row[k]);
+        let (at, h) = ([0.21, -0.13, 0.8], 1e-6);
+        for lens in lenses() {
+            let slope = lens.slope(at);
+            for k in 0..3 {
+                let moved = |s: f64| {
+                    let mut p = at;
+                    p[k] += s;
+                    lens.project(p).unwrap()
+                };
+                for (i, row) in slope.iter().enumerate() {
+                    let difference = (moved(h)[i] - moved(-h)[i]) / (2.0 * h);
+                    assert!((row[k] - difference).abs() < 1e-5, "{i}{k}: {} {difference}", row[k]);
+                }
             }
         }
     }
 
     #[test]
+    fn the_slope_by_the_bends_is_its_difference_for_either_kind() {
+        let (place, h) = ([0.4, -0.3], 1e-6);
+        for lens in lenses() {
+            let slope = lens.by_bends(place);
+            for k in 0..lens.count() - 4 {
+                let moved = |s: f64| {
+                    let mut values = lens.values();
+                    values[4 + k] += s;
+                    lens.with(values).distort(place)
+                };
+                for (i, row) in slope.iter().enumerate() {
+                    let difference = (moved(h)[i] - moved(-h)[i]) / (2.0 * h);
+                    assert!((row[k] - difference).abs() < 1e-9, "{i}{k}: {} {difference}", row[k]);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_fisheye_without_bends_maps_angles_evenly() {
+        let lens = Lens { bend: Bend::Fisheye, ..Lens::pinhole(500.0, 500.0, 640.0, 360.0) };
+        for degrees in [10.0_f64, 40.0, 70.0] {
+            let angle = degrees.to_radians();
+            let seen = lens.project([angle.sin(), 0.0, angle.cos()]).unwrap();
+            assert!((seen[0] - 640.0 - 500.0 * angle).abs() < 1e-9);
+        }
+    }
+
+    #[test]
     fn a_point_behind_the_camera_or_beyond_the_fold_has_no_pixel() {
-        assert_eq!(LENSES[0].project([0.0, 0.0, -1.0]), None);
+        assert_eq!(lenses()[0].project([0.0, 0.0, -1.0]), None);
         let folding = Lens { k1: -0.3, ..Lens::pinhole(1000.0, 1000.0, 500.0, 500.0) };
         assert_eq!(folding.project([1.2, 0.0, 1.0]), None);
         assert_eq!(folding.unproject([500.0 + 1000.0, 500.0]), None);

@@ -12,8 +12,9 @@ mod gray;
 pub mod klt;
 pub mod led;
 pub mod lens;
-pub mod plane;
 pub mod pose;
+pub mod shutter;
+pub mod sight;
 pub mod video;
 
 pub use gray::{Gray, PictureError};

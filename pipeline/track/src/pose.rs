@@ -44,6 +44,13 @@ impl Pose {
         [0, 1, 2].map(|i| R[0][i] * direction[0] + R[1][i] * direction[1] + R[2][i] * direction[2])
     }
 
+    /// The pose turned by a small rotation vector `turn` (rad) of the camera's frame about its own origin, then shifted (m):
+    /// R ← exp(turn) R, t ← t + shift.
+    pub fn moved(&self, turn: Point3, shift: Point3) -> Self {
+        let turned = Rotation3::new(Vector3::from(turn)).into_inner() * self.matrix();
+        Self::from_matrix(&turned, vec3::add(self.translation, shift).into())
+    }
+
     /// Where the camera stands in the world, m.
     pub fn centre(&self) -> Point3 {
         self.undo([0.0; 3])

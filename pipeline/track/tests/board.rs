@@ -8,13 +8,24 @@ use noise::Noise;
 use si::Point2;
 use track::Gray;
 use track::board::{Board, BoardError, find};
-use track::lens::Lens;
-use track::plane;
+use track::lens::{Bend, Lens};
 use track::pose::Pose;
+use track::sight::Sight;
 
 const BOARD: Board = Board { columns: 9, rows: 6, square: 0.02 };
-const LENS: Lens =
-    Lens { fx: 900.0, fy: 905.0, cx: 645.0, cy: 355.0, k1: -0.12, k2: 0.04, p1: 4e-4, p2: -3e-4, k3: 0.0 };
+const LENS: Lens = Lens {
+    fx: 900.0,
+    fy: 905.0,
+    cx: 645.0,
+    cy: 355.0,
+    k1: -0.12,
+    k2: 0.04,
+    p1: 4e-4,
+    p2: -3e-4,
+    k3: 0.0,
+    k4: 0.0,
+    bend: Bend::BrownConrady,
+};
 const SIZE: (usize, usize) = (1280, 720);
 /// Samples along each side of a pixel.
 const FINE: usize = 8;
@@ -35,10 +46,18 @@ fn above(tilt: f64, around: f64, roll: f64, far: f64, aside: Point2) -> Pose {
 /// The board as the camera sees it: light ground, a wooden table around it, levels softened by `FINE`² rays a pixel.
 fn render(board: &Board, pose: &Pose, seed: u64, noise: f64) -> Gray {
     let mut random = Noise(seed);
+    let sight = Sight { lens: LENS, pose: *pose, water: None };
+    let meet = |i: usize| sight.meet([(i % (SIZE.0 + 1)) as f64, (i / (SIZE.0 + 1)) as f64], 0.0).unwrap();
+    let grid: Vec<Point2> = (0..(SIZE.0 + 1) * (SIZE.1 + 1)).map(meet).collect();
+    // where the pixel's middle lies on the board, and what a pixel to the right and one down add
+    let met = |x: usize, y: usize| {
+        let at = |i: usize, j: usize| grid[(y + j) * (SIZE.0 + 1) + x + i];
+        let step = |to: Point2| [to[0] - at(0, 0)[0], to[1] - at(0, 0)[1]];
+        [at(0, 0), step(at(1, 0)), step(at(0, 1))]
+    };
     Gray::from_fn(SIZE.0, SIZE.1, |x, y| {
         let offset = |k: usize| (k as f64 + 0.5) / FINE as f64 - 0.5;
-        let [u, v] = plane::meet(&LENS, pose, [x as f64, y as f64], 0.0).unwrap();
-        let [[a, b], [c, d]] = plane::sensitivity(&LENS, pose, [x as f64, y as f64], 0.0).unwrap();
+        let [[u, v], [a, c], [b, d]] = met(x, y);
         let level = |[i, j]: Point2| paint(board, [u + a * i + b * j, v + c * i + d * j]);
         let corners = [[-0.5, -0.5], [0.5, -0.5], [-0.5, 0.5], [0.5, 0.5]].map(level);
         let edge = corners.iter().any(|c| (c - corners[0]).abs() > 50.0);

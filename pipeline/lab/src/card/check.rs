@@ -30,6 +30,7 @@ pub(super) fn card(card: &Card, folder: Option<&str>) -> Checked {
     water(card)?;
     led(card)?;
     trials(card)?;
+    tracks(card)?;
     fixtures(card)
 }
 
@@ -74,6 +75,9 @@ fn one_marker(key: &str, marker: &Marker) -> Checked {
 fn camera(card: &Card) -> Checked {
     let camera = &card.camera;
     relative("camera.calibration", &camera.calibration)?;
+    if let Some(file) = &camera.coefficients {
+        relative("camera.coefficients", file)?;
+    }
     within("camera.frame_every", camera.frame_every as f64, 1.0, 1000.0, "frames")?;
     within("camera.readout", camera.readout, 0.0, 0.1, "s")?;
     within("camera.board.columns", camera.board.columns as f64, 3.0, 100.0, "squares")?;
@@ -103,6 +107,19 @@ fn water(card: &Card) -> Checked {
             found(&format!("trial.{i}.medium"), what, why, "add [water] with surface (m, z) and index (1.333)")
         }
     }
+}
+
+fn tracks(card: &Card) -> Checked {
+    for (i, tracks) in card.tracks.iter().enumerate() {
+        let key = format!("tracks.{i}");
+        relative(&format!("{key}.file"), &tracks.file)?;
+        within(&format!("{key}.sigma"), tracks.sigma, 1e-3, 100.0, "px")?;
+        if !card.trial.iter().any(|t| t.id == tracks.trial) {
+            let what = format!("tracks of `{}`, which is no trial", tracks.trial);
+            return found(&format!("{key}.trial"), what, "tracks belong to a trial on the card", "correct its name");
+        }
+    }
+    Ok(())
 }
 
 fn led(card: &Card) -> Checked {

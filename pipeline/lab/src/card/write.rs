@@ -4,7 +4,7 @@
 
 use std::fmt::Write;
 
-use super::{Camera, Card, Experiment, Fixture, FixtureOf, Origin, Solid, Trial};
+use super::{Camera, Card, Experiment, Fixture, FixtureOf, LensKind, Origin, Solid, Trial};
 
 /// The text of `specimen.toml`.
 pub fn write(card: &Card) -> String {
@@ -41,6 +41,11 @@ pub fn write(card: &Card) -> String {
     for t in &card.trial {
         trial(&mut text, t);
     }
+    for t in &card.tracks {
+        let table =
+            format_args!("\n[[tracks]]\ntrial = {:?}\nfile = {:?}\nsigma = {:?}  # px\n", t.trial, t.file, t.sigma);
+        put(&mut text, table);
+    }
     for f in &card.fixture {
         fixture(&mut text, f);
     }
@@ -75,6 +80,12 @@ fn camera(text: &mut String, camera: &Camera) {
         text,
         format_args!("\n[camera]\ncalibration = {:?}\nframe_every = {}\n", camera.calibration, camera.frame_every),
     );
+    if camera.lens == LensKind::Fisheye {
+        text.push_str("lens = \"fisheye\"\n");
+    }
+    if let Some(file) = &camera.coefficients {
+        put(text, format_args!("coefficients = {file:?}  # OpenCV's YAML\n"));
+    }
     if camera.readout != 0.0 {
         put(text, format_args!("readout = {:?}  # s, from the first row to the last\n", camera.readout));
     }

@@ -6,7 +6,7 @@
 //! Stands on: `shape` (embedding), the canvas, the camera. Never knows: what moves the skin.
 
 use shape::{QuadraticMesh, Spot};
-use si::{Metre, Point2, Point3, vec3};
+use si::{Metre, Point2, Point3};
 
 use super::Canvas;
 use super::canvas::centroid;
@@ -14,6 +14,8 @@ use crate::camera::{Camera, Passing, View, flat_disc};
 
 /// Corners of a mark's rim.
 const RIM: usize = 32;
+/// Steps to the skin along z; each leaves the square of the slope's sine of the way, a tenth where a back slopes by 20°.
+const LIFTS: usize = 6;
 /// Grey level of the paint.
 const PAINT: f32 = 22.0;
 
@@ -62,9 +64,12 @@ impl Mark {
     }
 }
 
-/// The spot of the skin nearest to `corner`, after one step down or up to the skin along z so that slopes keep the disc round.
+/// The spot of the skin over or under `corner`, by steps along z to the height of the nearest skin, so that slopes keep the
+/// disc round and its middle where it was painted.
 fn on_top(mesh: &QuadraticMesh, corner: Point3) -> Spot {
-    let (near, _) = shape::embed(mesh, corner);
-    let lift = near.at(&mesh.nodes)[2] - corner[2];
-    shape::embed(mesh, vec3::add(corner, [0.0, 0.0, lift])).0
+    let mut above = corner;
+    for _ in 0..LIFTS {
+        above[2] = shape::embed(mesh, above).0.at(&mesh.nodes)[2];
+    }
+    shape::embed(mesh, above).0
 }

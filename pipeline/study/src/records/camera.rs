@@ -1,7 +1,8 @@
 //! Camera: the lens and where the camera stands over the specimen.
 
 use serde::{Deserialize, Serialize};
-use track::lens::Lens;
+use track::calibrate::OF_CAMERA;
+use track::lens::{Bend, Lens};
 use track::pose::Pose;
 
 use crate::metric::Metric;
@@ -17,23 +18,35 @@ pub struct Camera {
     pub pose: Pose,
     /// Root of the mean squared distance between seen and projected corners, px.
     pub reprojection_px: f64,
-    /// Standard deviation of the focal length along u, px.
-    pub focal_sigma_px: f64,
+    /// How well lens and pose are known together: the order and units are those of [`OF_CAMERA`].
+    pub covariance: [[f64; OF_CAMERA]; OF_CAMERA],
+    /// Width and height of its pictures, px.
+    pub size_px: [usize; 2],
     /// Boards that were seen.
     pub views: usize,
 }
 
 #[derive(Serialize, Deserialize)]
 struct Scalars {
+    bend: String,
     focal_px: [f64; 2],
     principal_point_px: [f64; 2],
-    radial: [f64; 3],
+    radial: [f64; 4],
     tangential: [f64; 2],
     rotation: [[f64; 3]; 3],
     translation_m: [f64; 3],
     reprojection_px: f64,
-    focal_sigma_px: f64,
+    covariance: [[f64; OF_CAMERA]; OF_CAMERA],
+    size_px: [usize; 2],
     views: usize,
+}
+
+/// The record's word for how a lens bends rays.
+fn word(bend: Bend) -> &'static str {
+    match bend {
+        Bend::BrownConrady => "brown_conrady",
+        Bend::Fisheye => "fisheye",
+    }
 }
 
 impl Record for Camera {
@@ -45,14 +58,16 @@ impl Record for Camera {
         Parcel::default().scalars(
             "camera.json",
             &Scalars {
+                bend: word(lens.bend).into(),
                 focal_px: [lens.fx, lens.fy],
                 principal_point_px: [lens.cx, lens.cy],
-                radial: [lens.k1, lens.k2, lens.k3],
+                radial: [lens.k1, lens.k2, lens.k3, lens.k4],
                 tangential: [lens.p1, lens.p2],
                 rotation: self.pose.rotation,
                 translation_m: self.pose.translation,
                 reprojection_px: self.reprojection_px,
-                focal_sigma_px: self.focal_sigma_px,
+                covariance: self.covariance,
+                size_px: self.size_px,
                 views: self.views,
             },
         )
@@ -60,12 +75,15 @@ impl Record for Camera {
 
     fn unpack(parcel: &Parcel) -> Result<Self, RecordError> {
         let s: Scalars = parcel.read_scalars("camera.json")?;
-        let ([fx, fy], [cx, cy], [k1, k2, k3], [p1, p2]) = (s.focal_px, s.principal_point_px, s.radial, s.tangential);
+        let bend = if s.bend == word(Bend::Fisheye) { Bend::Fisheye } else { Bend::BrownConrady };
+        let ([fx, fy], [cx, cy], [k1, k2, k3, k4], [p1, p2]) =
+            (s.focal_px, s.principal_point_px, s.radial, s.tangential);
         Ok(Self {
-            lens: Lens { fx, fy, cx, cy, k1, k2, p1, p2, k3 },
+            lens: Lens { bend, fx, fy, cx, cy, k1, k2, p1, p2, k3, k4 },
             pose: Pose { rotation: s.rotation, translation: s.translation_m },
             reprojection_px: s.reprojection_px,
-            focal_sigma_px: s.focal_sigma_px,
+            covariance: s.covariance,
+            size_px: s.size_px,
             views: s.views,
         })
     }
@@ -73,7 +91,7 @@ impl Record for Camera {
     fn metrics(&self, _: &Specimen) -> Vec<Metric> {
         vec![
             Metric::new("camera.reprojection_px", self.reprojection_px, "px"),
-            Metric::new("camera.focal_sigma_px", self.focal_sigma_px, "px"),
+            Metric::new("camera.focal_sigma_px", self.covariance[0][0].sqrt(), "px"),
         ]
     }
 

@@ -1,7 +1,10 @@
-//! Markers: the markers of one film in metres, in x and y of the CAD frame.
+//! Markers: the markers of one film in metres, in x and y of the CAD frame, and what each correction on the way was worth.
 
-use super::paths::{self, Path};
+use serde::{Deserialize, Serialize};
+
+use super::paths::{self, Path, Spread};
 use crate::columns::Columns;
+use crate::metric::Metric;
 use crate::record::{Parcel, Record, RecordError};
 use crate::subject::Trial;
 
@@ -10,8 +13,38 @@ use crate::subject::Trial;
 pub struct Markers {
     /// Time of each frame on the video's clock, s: frames.
     pub time: Vec<f64>,
-    /// The markers, m.
+    /// The markers, m, each with the whole covariance of its place.
     pub markers: Vec<Path>,
+    /// What the covariance is made of: markers.
+    pub parts: Vec<Parts>,
+    /// What would have been wrong without one correction.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// The covariance of a marker in two parts, m².
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Parts {
+    /// Of the place, new in every frame: pixels and ripples.
+    pub noise: Vec<Spread>,
+    /// Of the displacement since the first frame, from causes that stay through the film: camera, heights, water.
+    pub shared: Vec<Spread>,
+}
+
+/// The error that leaving out one correction would have made: root of the mean square over markers and frames.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LeftOut {
+    /// Which one.
+    pub correction: String,
+    /// Of places, m.
+    pub place_m: f64,
+    /// Of displacements since the first frame, m.
+    pub motion_m: f64,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Scalars {
+    markers: Vec<String>,
+    left_out: Vec<LeftOut>,
 }
 
 impl Record for Markers {
@@ -20,16 +53,30 @@ impl Record for Markers {
 
     fn pack(&self) -> Result<Parcel, RecordError> {
         let columns = Columns::default().numbers("time_s", self.time.clone());
-        let names: Vec<&String> = self.markers.iter().map(|m| &m.name).collect();
+        let mut columns = paths::pack(columns, &self.markers, "m");
+        for (path, parts) in self.markers.iter().zip(&self.parts) {
+            columns = paths::pack_spread(columns, &format!("{}_noise", path.name), &parts.noise, "m");
+            columns = paths::pack_spread(columns, &format!("{}_shared", path.name), &parts.shared, "m");
+        }
+        let markers = self.markers.iter().map(|m| m.name.clone()).collect();
         Parcel::default()
-            .table("markers.parquet", &paths::pack(columns, &self.markers, "m"))?
-            .scalars("markers.json", &names)
+            .table("markers.parquet", &columns)?
+            .scalars("markers.json", &Scalars { markers, left_out: self.left_out.clone() })
     }
 
     fn unpack(parcel: &Parcel) -> Result<Self, RecordError> {
-        let names: Vec<String> = parcel.read_scalars("markers.json")?;
+        let Scalars { markers, left_out } = parcel.read_scalars("markers.json")?;
         let columns = parcel.read_table("markers.parquet")?;
-        Ok(Self { time: columns.f64("time_s")?, markers: paths::unpack(&columns, &names, "m")? })
+        let part = |name: &String, word: &str| paths::unpack_spread(&columns, &format!("{name}_{word}"), "m");
+        let parts = |name: &String| Ok(Parts { noise: part(name, "noise")?, shared: part(name, "shared")? });
+        let parts = markers.iter().map(parts).collect::<Result<_, RecordError>>()?;
+        let paths = paths::unpack(&columns, &markers, "m")?;
+        Ok(Self { time: columns.f64("time_s")?, markers: paths, parts, left_out })
+    }
+
+    fn metrics(&self, of: &Trial) -> Vec<Metric> {
+        let id = |l: &LeftOut| format!("markers.{}_{}.without_{}_mm", of.card.name, of.trial.id, l.correction);
+        self.left_out.iter().map(|l| Metric::new(id(l), 1e3 * l.motion_m, "mm")).collect()
     }
 
     fn telling(&self) -> String {

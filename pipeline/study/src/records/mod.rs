@@ -15,7 +15,7 @@ mod vtu;
 
 pub use camera::Camera;
 pub use identified::{Identified, Level, Point, Search, Surface, Tried};
-pub use markers::Markers;
+pub use markers::{LeftOut, Markers, Parts};
 pub use mesh::{Cavity, Mesh, Quality};
 pub use motion::{Clock, Gauge, Motion};
 pub use paths::{Path, Spread};

@@ -46,6 +46,8 @@ pub struct Clock {
     pub scale: f64,
     /// When the lamp lights, s on the video's clock.
     pub lamp: Second,
+    /// How well log times are known over the film, the largest standard deviation, s.
+    pub sigma: Second,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -97,10 +99,11 @@ impl Record for Motion {
 
     fn metrics(&self, of: &Trial) -> Vec<Metric> {
         let id = format!("clock.{}_{}.offset_s", of.card.name, of.trial.id);
-        vec![Metric::new(id, self.clock.offset, "s")]
+        let sigma = format!("clock.{}_{}.sigma_ms", of.card.name, of.trial.id);
+        vec![Metric::new(id, self.clock.offset, "s"), Metric::new(sigma, 1e3 * self.clock.sigma, "ms")]
     }
 
     fn telling(&self) -> String {
-        format!("the log runs {:+.1} ms from the video", 1e3 * self.clock.offset)
+        format!("the log runs {:+.1} ± {:.2} ms from the video", 1e3 * self.clock.offset, 1e3 * self.clock.sigma)
     }
 }

@@ -35,14 +35,23 @@ pub fn pack(columns: Columns, paths: &[Path], unit: &str) -> Columns {
     paths.iter().fold(columns, |columns, path| {
         let name = |what: &str| format!("{}_{what}", path.name);
         let at = |k: usize| path.at.iter().map(|p| p[k]).collect();
-        let spread = |k: usize| path.spread.iter().map(|s| s[k]).collect();
-        columns
-            .numbers(&name(&format!("x_{unit}")), at(0))
-            .numbers(&name(&format!("y_{unit}")), at(1))
-            .numbers(&name(&format!("xx_{unit}2")), spread(0))
-            .numbers(&name(&format!("xy_{unit}2")), spread(1))
-            .numbers(&name(&format!("yy_{unit}2")), spread(2))
+        let columns = columns.numbers(&name(&format!("x_{unit}")), at(0)).numbers(&name(&format!("y_{unit}")), at(1));
+        pack_spread(columns, &path.name, &path.spread, unit)
     })
+}
+
+/// Adds three columns of a covariance, named `<name>_xx_<unit>2` and so on.
+pub fn pack_spread(columns: Columns, name: &str, spread: &[Spread], unit: &str) -> Columns {
+    ["xx", "xy", "yy"].iter().enumerate().fold(columns, |columns, (k, part)| {
+        columns.numbers(&format!("{name}_{part}_{unit}2"), spread.iter().map(|s| s[k]).collect())
+    })
+}
+
+/// Reads what [`pack_spread`] wrote.
+pub fn unpack_spread(columns: &Columns, name: &str, unit: &str) -> Result<Vec<Spread>, RecordError> {
+    let column = |part: &str| columns.f64(&format!("{name}_{part}_{unit}2"));
+    let (xx, xy, yy) = (column("xx")?, column("xy")?, column("yy")?);
+    Ok(xx.into_iter().zip(xy).zip(yy).map(|((a, b), c)| [a, b, c]).collect())
 }
 
 /// Reads what [`pack`] wrote, for the markers of these names.
@@ -52,12 +61,8 @@ pub fn unpack(columns: &Columns, names: &[String], unit: &str) -> Result<Vec<Pat
         .map(|name| {
             let column = |what: &str| columns.f64(&format!("{name}_{what}"));
             let (x, y) = (column(&format!("x_{unit}"))?, column(&format!("y_{unit}"))?);
-            let parts = ["xx", "xy", "yy"].map(|k| column(&format!("{k}_{unit}2")));
-            let [xx, xy, yy] = parts;
-            let (xx, xy, yy) = (xx?, xy?, yy?);
             let at = x.into_iter().zip(y).map(|(x, y)| [x, y]).collect();
-            let spread = xx.into_iter().zip(xy).zip(yy).map(|((a, b), c)| [a, b, c]).collect();
-            Ok(Path { name: name.clone(), at, spread })
+            Ok(Path { name: name.clone(), at, spread: unpack_spread(columns, name, unit)? })
         })
         .collect()
 }

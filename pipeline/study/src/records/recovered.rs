@@ -15,6 +15,12 @@ pub struct Recovered {
     pub track_rms_px: f64,
     /// Root of the mean squared error of displacements in the plane, the worst trial, mm.
     pub marker_rms_mm: f64,
+    /// Tracked pixels whose 95 % ellipse holds the true one: held, and all.
+    #[serde(default)]
+    pub track_covered: [usize; 2],
+    /// Displacements whose 95 % ellipse holds the true one: held, and all.
+    #[serde(default)]
+    pub marker_covered: [usize; 2],
     /// Largest difference of the found from the true clock within a trial, the worst trial, ms.
     pub clock_error_ms: f64,
     /// Error of the focal length, the worst specimen, %.
@@ -39,6 +45,10 @@ impl Specimen {
     }
 }
 
+fn percent([held, all]: [usize; 2]) -> f64 {
+    100.0 * held as f64 / all.max(1) as f64
+}
+
 impl Record for Recovered {
     type Of = Study;
     const STAGE: &'static str = "recovery";
@@ -58,6 +68,8 @@ impl Record for Recovered {
         let mut metrics = vec![
             Metric::new("recovery.track_rms_px", self.track_rms_px, "px"),
             Metric::new("recovery.marker_rms_mm", self.marker_rms_mm, "mm"),
+            Metric::new("recovery.track_covered_percent", percent(self.track_covered), "%"),
+            Metric::new("recovery.marker_covered_percent", percent(self.marker_covered), "%"),
             Metric::new("recovery.clock_error_ms", self.clock_error_ms, "ms"),
             Metric::new("recovery.focal_error_percent", self.focal_error_percent, "%"),
         ];

@@ -5,7 +5,7 @@
 use std::fs;
 use std::time::Instant;
 
-use track::video::Reader;
+use track::video::Film;
 
 use super::folders::Folders;
 use super::report::Line;
@@ -42,8 +42,8 @@ impl Desk for Laid<'_> {
         })
     }
 
-    fn film(&self, word: &str) -> Outcome<Reader> {
-        Reader::open(&self.folders.raw_file(&self.file(word)?.place)).map_err(Fault::from_tool)
+    fn film(&self, word: &str) -> Outcome<Film> {
+        Film::open(&self.folders.raw_file(&self.file(word)?.place)).map_err(Fault::from_tool)
     }
 
     fn place(&self, word: &str) -> String {

@@ -48,6 +48,11 @@ impl Folders {
         id.subject.split('/').fold(self.processed().join(id.stage), |path, part| path.join(part)).join("record")
     }
 
+    /// Where the picture of what went wrong with a record lies.
+    pub fn picture(&self, id: &Id) -> PathBuf {
+        self.record(id).with_file_name("fault.png")
+    }
+
     /// Where a record's files lie while they are being written.
     pub fn unfinished(&self, id: &Id) -> PathBuf {
         self.record(id).with_file_name("record.unfinished")

@@ -4,6 +4,7 @@
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::path::Path;
 
 use super::Runner;
 use super::graph::Job;
@@ -56,7 +57,7 @@ pub fn state(runner: &Runner, job: &Job, now: &MadeFrom) -> State {
 
 fn hash(runner: &Runner, file: &RawFile) -> Outcome<String> {
     let path = runner.folders.raw_file(&file.place);
-    let read = fs::File::open(&path).and_then(|f| blake3::Hasher::new().update_reader(f).map(|h| h.finalize()));
+    let read = if path.is_dir() { hash_folder(&path) } else { hash_file(&path) };
     match read {
         Ok(hash) => Ok(hash.to_hex().to_string()),
         Err(e) if file.optional && e.kind() == std::io::ErrorKind::NotFound => Ok("absent".into()),
@@ -66,6 +67,21 @@ fn hash(runner: &Runner, file: &RawFile) -> Outcome<String> {
             "put the file there, or correct its name on the card",
         )),
     }
+}
+
+fn hash_file(path: &Path) -> std::io::Result<blake3::Hash> {
+    fs::File::open(path).and_then(|f| blake3::Hasher::new().update_reader(f).map(|h| h.finalize()))
+}
+
+/// Of a folder of pictures: names and contents of its files, in the order of their names.
+fn hash_folder(path: &Path) -> std::io::Result<blake3::Hash> {
+    let mut files = fs::read_dir(path)?.map(|entry| entry.map(|e| e.path())).collect::<std::io::Result<Vec<_>>>()?;
+    files.sort();
+    let mut whole = blake3::Hasher::new();
+    for file in files.iter().filter(|file| file.is_file()) {
+        whole.update(file.file_name().unwrap_or_default().as_encoded_bytes()).update(hash_file(file)?.as_bytes());
+    }
+    Ok(whole.finalize())
 }
 
 fn job_specimen(place: &str) -> &str {

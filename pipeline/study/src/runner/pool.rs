@@ -118,10 +118,22 @@ fn make(runner: &Runner, job: &Job, contents: &BTreeMap<Id, String>, forced: boo
     match keep_or_make(runner, job, contents, forced, report) {
         Ok(end) => end,
         Err(fault) => {
-            report.failed(&fault.of(&job.id));
+            report.failed(&shown(runner, &job.id, fault).of(&job.id));
             End::Failed
         }
     }
+}
+
+/// A fault whose picture has been written beside the record, and which says where.
+fn shown(runner: &Runner, id: &Id, mut fault: Fault) -> Fault {
+    let Some(picture) = fault.shows.take() else { return fault };
+    let path = runner.folders.picture(id);
+    let written = path.parent().map_or(Ok(()), std::fs::create_dir_all).and_then(|()| std::fs::write(&path, picture));
+    fault.what += &match written {
+        Ok(()) => format!("\n  see: {}", runner.folders.tell(&path)),
+        Err(e) => format!("\n  see: its picture could not be written: {e}"),
+    };
+    fault
 }
 
 fn keep_or_make(

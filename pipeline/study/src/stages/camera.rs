@@ -3,12 +3,14 @@
 //!
 //! Stands on: track. Never knows: a trial.
 
-use lab::card::{self, Plane};
+use lab::card::{self, LensKind, Plane};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use si::{Point2, Point3};
 use track::board::{self, Board};
-use track::calibrate::{View, calibrate, pose_from_plane};
+use track::calibrate::{Calibration, View, calibrate, joint_covariance, pose_from_plane, reprojection};
+use track::lens::{Bend, VALUES, opencv};
+use track::pose::Pose;
 
 use crate::fault::{Fault, Outcome};
 use crate::records;
@@ -38,10 +40,12 @@ impl Stage for Camera {
     type Needs = ();
     type Makes = records::Camera;
     const STORY: &'static str = "a film of a checkerboard becomes the lens and the camera's place";
-    const EDITION: u32 = 1;
+    const EDITION: u32 = 2;
 
     fn raw(of: &Specimen) -> Vec<RawFile> {
-        vec![RawFile::new("calibration", &of.card.name, &of.card.camera.calibration)]
+        let camera = &of.card.camera;
+        let lens = camera.coefficients.iter().map(|file| RawFile::new("lens", &of.card.name, file));
+        std::iter::once(RawFile::new("calibration", &of.card.name, &camera.calibration)).chain(lens).collect()
     }
 
     fn card(of: &Specimen) -> Value {
@@ -49,6 +53,8 @@ impl Stage for Camera {
         let (board, plane) = (&camera.board, &camera.plane);
         json!({
             "frame_every": camera.frame_every,
+            "fisheye": camera.lens == LensKind::Fisheye,
+            "known": camera.coefficients,
             "board": [board.columns as f64, board.rows as f64, board.square],
             "plane": [plane.seconds, plane.origin, plane.along, [plane.height, 0.0]],
         })
@@ -59,20 +65,48 @@ impl Stage for Camera {
         let board = Board { columns: camera.board.columns, rows: camera.board.rows, square: camera.board.square };
         let seen = look(camera, &board, desk)?;
         let (width, height) = seen.size;
-        let found = calibrate(&seen.views, &board, width, height).map_err(Fault::from_tool)?;
+        let found = match &camera.coefficients {
+            Some(_) => known(camera, &board, &seen.views, desk)?,
+            None => calibrate(&seen.views, &board.corners(), bend(camera), seen.size).map_err(Fault::from_tool)?,
+        };
         if found.reprojection_px > set.reprojection_limit_px {
             return Err(not_believed(desk, found.reprojection_px, set.reprojection_limit_px));
         }
         let corners: Vec<Point3> = board.corners().iter().map(|c| in_cad(&camera.plane, [c[0], c[1]])).collect();
-        let pose = pose_from_plane(&found.lens, &corners, &mean(&seen.on_plane)).map_err(Fault::from_tool)?;
+        let on_plane = mean(&seen.on_plane);
+        let pose = pose_from_plane(&found.lens, &corners, &on_plane).map_err(Fault::from_tool)?;
+        let covariance = joint_covariance((&found.lens, &found.covariance), &pose, &corners, &on_plane);
         Ok(records::Camera {
             lens: found.lens,
             pose,
             reprojection_px: found.reprojection_px,
-            focal_sigma_px: found.sigma.fx,
+            covariance: covariance.map_err(Fault::from_tool)?,
+            size_px: [width, height],
             views: seen.views.len(),
         })
     }
+}
+
+fn bend(camera: &card::Camera) -> Bend {
+    match camera.lens {
+        LensKind::BrownConrady => Bend::BrownConrady,
+        LensKind::Fisheye => Bend::Fisheye,
+    }
+}
+
+/// The lens of the card's coefficients, taken as exact, held against every view of the board.
+fn known(camera: &card::Camera, board: &Board, views: &[View], desk: &dyn Desk) -> Outcome<Calibration> {
+    let text = String::from_utf8(desk.bytes("lens")?);
+    let text =
+        text.map_err(|e| Fault::new(format!("{} is not text", desk.place("lens")), e, "write it with OpenCV again"))?;
+    let lens = opencv::read(&text, bend(camera) == Bend::Fisheye)
+        .map_err(|e| Fault::from_tool(format!("{}: {e}", desk.place("lens"))))?;
+    let points = board.corners();
+    let poses: Result<Vec<Pose>, _> = views.iter().map(|v| pose_from_plane(&lens, &points, &v.corners)).collect();
+    let poses = poses.map_err(Fault::from_tool)?;
+    let misses = poses.iter().zip(views).map(|(pose, v)| reprojection(&lens, pose, &points, &v.corners).powi(2));
+    let reprojection_px = (misses.sum::<f64>() / views.len() as f64).sqrt();
+    Ok(Calibration { lens, poses, reprojection_px, covariance: [[0.0; VALUES]; VALUES] })
 }
 
 /// Looks for the board in one frame of every few; frames in which it lies on the plane are kept apart as well.

@@ -1,19 +1,20 @@
 //! Clock: the lamp lights in the film and in the log; its edges bring motion and pressure onto the video's clock.
 //! Paper: section IV, synchronisation by an LED.
 //!
-//! Stands on: signal. Never knows: pixels, a mesh.
+//! Stands on: signal, the shutter of track. Never knows: pixels, a mesh.
 
 use std::path::Path as FilePath;
 
 use lab::PressureLog;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use si::{Point2, Second, Series};
+use si::{Point2, Second};
 use signal::clock::Clock as Match;
-use signal::edge::{self, Window};
+use signal::edge::{self, Edge, Window};
+use track::shutter::Shutter;
 
 use crate::fault::{Fault, Outcome};
-use crate::records::{self, Gauge, Markers, Motion, Path, Tracks};
+use crate::records::{self, Camera, Gauge, Markers, Motion, Parts, Path, Spread, Tracks};
 use crate::stage::{Desk, RawFile, Stage};
 use crate::subject::Trial;
 
@@ -34,28 +35,34 @@ pub struct Settings {
 
 impl Stage for Clock {
     type Settings = Settings;
-    type Needs = (Tracks, Markers);
+    type Needs = (Camera, Tracks, Markers);
     type Makes = Motion;
     const STORY: &'static str = "the lamp's edges bring film and logs onto one clock";
-    const EDITION: u32 = 2;
+    const EDITION: u32 = 3;
 
     fn raw(of: &Trial) -> Vec<RawFile> {
         vec![RawFile::new("pressure", &of.card.name, &of.trial.pressure)]
     }
 
     fn card(of: &Trial) -> Value {
-        json!({ "chambers": of.card.chamber.iter().map(|c| json!([c.name, c.log.word()])).collect::<Vec<_>>() })
+        json!({
+            "chambers": of.card.chamber.iter().map(|c| json!([c.name, c.log.word()])).collect::<Vec<_>>(),
+            "lamp": [of.card.led.centre[1], of.card.camera.readout],
+        })
     }
 
-    fn run(of: &Trial, set: &Settings, (tracks, markers): Self::Needs, desk: &dyn Desk) -> Outcome<Motion> {
+    fn run(of: &Trial, set: &Settings, (camera, tracks, markers): Self::Needs, desk: &dyn Desk) -> Outcome<Motion> {
         let log = read_log(desk)?;
-        let (clock, lamp) = match_clocks(&tracks, &log, set).map_err(|e| named(desk, &e))?;
+        let shutter = Shutter { readout: of.card.camera.readout, height: camera.size_px[1] };
+        let late = shutter.late(of.card.led.centre[1]);
+        let (clock, lamp, sigma) = match_clocks(&tracks, late, &log, set).map_err(|e| named(desk, &e))?;
         let log_time: Vec<Second> = log.time.iter().map(|&t| clock.here(t)).collect();
         let gauges: Vec<Gauge> = of.card.chamber.iter().map(|chamber| gauge(chamber, &log)).collect();
         let rest_frames = rest_frames(&markers.time, &log_time, &gauges, set, desk)?;
         let rest: Vec<Point2> = markers.markers.iter().map(|m| m.mean(0..rest_frames)).collect();
-        let moved = markers.markers.iter().zip(&rest).map(|(path, rest)| displaced(path, *rest)).collect();
-        let clock = records::Clock { offset: clock.offset, scale: clock.scale, lamp };
+        let paths = markers.markers.iter().zip(&markers.parts).zip(&rest);
+        let moved = paths.map(|((path, parts), rest)| displaced(path, parts, *rest, rest_frames)).collect();
+        let clock = records::Clock { offset: clock.offset, scale: clock.scale, lamp, sigma };
         Ok(Motion { time: markers.time, markers: moved, rest, gauges, log_time, clock })
     }
 }
@@ -78,19 +85,26 @@ fn centred(width: Second) -> Window {
     Window { lead: 0.5 * width, width }
 }
 
-/// The video's clock against the log's, and when the lamp lights in the film.
-fn match_clocks(tracks: &Tracks, log: &PressureLog, set: &Settings) -> Result<(Match, Second), String> {
-    let frames = tracks.time.len();
-    let span = tracks.time[frames - 1] - tracks.time[0];
-    let rate = (frames - 1) as f64 / span;
-    let film = Series::new(tracks.time[0], rate, tracks.led.clone()).map_err(|e| e.to_string())?;
-    let in_film = edge::edges(&film, centred(set.exposure / rate));
-    let in_film: Vec<Second> =
-        in_film.map_err(|e| format!("the lamp in the film: {e}"))?.iter().map(|e| e.time).collect();
+/// The video's clock against the log's, when the lamp lights in the film, and the largest deviation of the clock in it; the
+/// lamp's rows are read `late` s after a frame's time.
+fn match_clocks(
+    tracks: &Tracks,
+    late: Second,
+    log: &PressureLog,
+    set: &Settings,
+) -> Result<(Match, Second, Second), String> {
+    let time: Vec<Second> = tracks.time.iter().map(|t| t + late).collect();
+    let apart = time.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
+    let in_film = edge::edges_at(&time, &tracks.led, |_| centred(set.exposure * apart));
+    let in_film = in_film.map_err(|e| format!("the lamp in the film: {e}"))?;
     let in_log = edge::edges(&log.series(&log.led), centred(set.log_mean / log.rate()));
-    let in_log: Vec<Second> = in_log.map_err(|e| format!("the lamp in the log: {e}"))?.iter().map(|e| e.time).collect();
-    let clock = Match::from_edges(&in_film, &in_log).map_err(|e| e.to_string())?;
-    Ok((clock, in_film[0]))
+    let in_log = in_log.map_err(|e| format!("the lamp in the log: {e}"))?;
+    let times = |edges: &[Edge]| -> Vec<Second> { edges.iter().map(|e| e.time).collect() };
+    let here = times(&in_film);
+    let clock = Match::from_edges(&here, &times(&in_log)).map_err(|e| e.to_string())?;
+    let sigma: Vec<Second> = in_film.iter().zip(&in_log).map(|(a, b)| a.sigma.hypot(b.sigma)).collect();
+    let most = [tracks.time[0], tracks.time[tracks.time.len() - 1]].map(|t| Match::sigma(&here, &sigma, t));
+    Ok((clock, here[0], most[0].max(most[1])))
 }
 
 /// Frames before the first command of any chamber.
@@ -114,9 +128,13 @@ fn rest_frames(
     ))
 }
 
-fn displaced(path: &Path, rest: Point2) -> Path {
+/// Displacements from the mean of the first frames, with the noise of both and the errors that grow with the displacement.
+fn displaced(path: &Path, parts: &Parts, rest: Point2, rest_frames: usize) -> Path {
     let at = path.at.iter().map(|p| [p[0] - rest[0], p[1] - rest[1]]).collect();
-    Path { at, ..path.clone() }
+    let share = 1.0 / (rest_frames * rest_frames) as f64;
+    let of_rest: Spread = [0, 1, 2].map(|k| share * parts.noise[..rest_frames].iter().map(|s| s[k]).sum::<f64>());
+    let whole = |(noise, shared): (&Spread, &Spread)| [0, 1, 2].map(|k| noise[k] + shared[k] + of_rest[k]);
+    Path { name: path.name.clone(), at, spread: parts.noise.iter().zip(&parts.shared).map(whole).collect() }
 }
 
 fn named(desk: &dyn Desk, error: &str) -> Fault {

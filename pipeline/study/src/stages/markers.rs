@@ -1,62 +1,139 @@
 //! Markers: pixel tracks become metres in the plane of the CAD frame, each marker at its own height over the calibrated
-//! plane. Paper: section IV, parallax and distortion.
+//! plane, seen through the lens, through water where there is some, by a shutter that rolls. Paper: section IV.
 //!
-//! Stands on: track. Never knows: time.
+//! Stands on: track. Never knows: what the markers sit on, the logs.
 
+mod carry;
+
+use lab::card::Medium;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use si::{Metre, Point2};
-use track::plane;
+use si::{Metre, Point2, Radian, Second};
+use track::lens::Lens;
+use track::shutter::{self, Shutter};
+use track::sight::{Sight, Water};
 
 use crate::fault::{Fault, Outcome};
-use crate::records::{self, Camera, Path, Spread, Tracks};
+use crate::records::{self, Camera, LeftOut, Parts, Path, Tracks};
 use crate::stage::{Desk, Stage};
 use crate::subject::Trial;
+use carry::{Doubts, Shared};
 
 /// The stage.
 pub struct Markers;
 
-/// `[markers]` in `study.toml`: nothing to set yet.
+/// `[markers]` in `study.toml`.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Settings {}
+pub struct Settings {
+    /// How well a marker's height over the calibrated plane is known, standard deviation, m.
+    height_sigma: Metre,
+    /// How well the middle of a mark stands for the point under it, standard deviation along x and y, m: the skin under
+    /// a mark stretches unevenly.
+    mark_sigma: Metre,
+    /// How well the height of the water's surface is known, standard deviation, m.
+    surface_sigma: Metre,
+    /// How well its refractive index is known, standard deviation, no unit.
+    index_sigma: f64,
+    /// How much ripples tilt the surface, root of the mean squared slope, rad.
+    ripple: Radian,
+}
 
 impl Stage for Markers {
     type Settings = Settings;
     type Needs = (Camera, Tracks);
     type Makes = records::Markers;
     const STORY: &'static str = "pixels become metres in the plane";
-    const EDITION: u32 = 1;
+    const EDITION: u32 = 2;
 
     fn card(of: &Trial) -> Value {
-        json!({ "heights": of.card.marker.iter().map(|m| m.at[2]).collect::<Vec<_>>() })
+        let water = water(of).map(|w| [w.surface, w.index]);
+        json!({
+            "heights": of.card.marker.iter().map(|m| m.at[2]).collect::<Vec<_>>(),
+            "plane": of.card.camera.plane.height,
+            "readout": of.card.camera.readout,
+            "water": water,
+        })
     }
 
-    fn run(of: &Trial, _: &Settings, (camera, tracks): Self::Needs, _: &dyn Desk) -> Outcome<records::Markers> {
-        let heights = of.card.marker.iter().map(|m| m.at[2]);
-        let markers = tracks.markers.iter().zip(heights).map(|(path, height)| in_plane(&camera, path, height));
-        Ok(records::Markers { markers: markers.collect::<Outcome<_>>()?, time: tracks.time })
-    }
-}
-
-fn in_plane(camera: &Camera, path: &Path, height: Metre) -> Outcome<Path> {
-    let mut metres = Path { name: path.name.clone(), ..Path::default() };
-    for (frame, (&pixel, spread)) in path.at.iter().zip(&path.spread).enumerate() {
-        let at = plane::meet(&camera.lens, &camera.pose, pixel, height);
-        let slope = plane::sensitivity(&camera.lens, &camera.pose, pixel, height);
-        let (Some(at), Some(slope)) = (at, slope) else {
-            return Err(no_ray(&path.name, frame, pixel));
+    fn run(of: &Trial, set: &Settings, (camera, tracks): Self::Needs, _: &dyn Desk) -> Outcome<records::Markers> {
+        let sight = Sight { lens: camera.lens, pose: camera.pose, water: water(of) };
+        let shutter = Shutter { readout: of.card.camera.readout, height: camera.size_px[1] };
+        let heights: Vec<Metre> = of.card.marker.iter().map(|m| m.at[2]).collect();
+        let whole = places(&sight, &shutter, &tracks, &heights)?;
+        let doubts = Doubts {
+            shared: Shared::new(&camera.covariance, [set.surface_sigma, set.index_sigma, set.height_sigma]),
+            ripple: set.ripple,
+            mark: set.mark_sigma,
         };
-        metres.at.push(at);
-        metres.spread.push(carried(slope, spread));
+        let carried =
+            tracks.markers.iter().zip(&heights).map(|(path, height)| carry::all(&sight, path, *height, &doubts));
+        let (spreads, parts): (Vec<_>, Vec<Parts>) = carried.collect::<Outcome<Vec<_>>>()?.into_iter().unzip();
+        let mut left_out = Vec::new();
+        for (correction, sight, shutter, heights) in without(&sight, &shutter, &heights, of.card.camera.plane.height) {
+            let other = places(&sight, &shutter, &tracks, &heights)?;
+            left_out.push(worth(correction, &whole, &other));
+        }
+        let named = tracks.markers.iter().zip(whole).zip(spreads);
+        let markers = named.map(|((path, at), spread)| Path { name: path.name.clone(), at, spread }).collect();
+        Ok(records::Markers { time: tracks.time, markers, parts, left_out })
     }
-    Ok(metres)
 }
 
-/// J C Jᵀ
-fn carried(j: [[f64; 2]; 2], [xx, xy, yy]: &Spread) -> Spread {
-    let entry = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] * xx + (a[0] * b[1] + a[1] * b[0]) * xy + a[1] * b[1] * yy;
-    [entry(j[0], j[0]), entry(j[0], j[1]), entry(j[1], j[1])]
+/// The water that a trial is seen through.
+fn water(of: &Trial) -> Option<Water> {
+    let filled = of.card.water.as_ref().filter(|_| of.trial.medium == Medium::Water);
+    filled.map(|w| Water { surface: w.surface, index: w.index })
+}
+
+/// Every marker in every frame, m, at the frame's own time.
+fn places(sight: &Sight, shutter: &Shutter, tracks: &Tracks, heights: &[Metre]) -> Outcome<Vec<Vec<Point2>>> {
+    let one = |(path, height): (&Path, &Metre)| {
+        let met = path
+            .at
+            .iter()
+            .enumerate()
+            .map(|(frame, &pixel)| sight.meet(pixel, *height).ok_or_else(|| no_ray(&path.name, frame, pixel)));
+        let read: Vec<Second> = tracks.time.iter().zip(&path.at).map(|(t, [_, v])| t + shutter.late(*v)).collect();
+        Ok(shutter::at_times(&tracks.time, &read, &met.collect::<Outcome<Vec<_>>>()?))
+    };
+    tracks.markers.iter().zip(heights).map(one).collect()
+}
+
+/// What the sight would be without each of the corrections that the trial has.
+fn without(
+    sight: &Sight,
+    shutter: &Shutter,
+    heights: &[Metre],
+    plane: Metre,
+) -> Vec<(&'static str, Sight, Shutter, Vec<Metre>)> {
+    let lens = Lens { fx: sight.lens.fx, fy: sight.lens.fy, cx: sight.lens.cx, cy: sight.lens.cy, ..Lens::default() };
+    let mut all = vec![
+        ("parallax", *sight, *shutter, vec![plane; heights.len()]),
+        ("distortion", Sight { lens, ..*sight }, *shutter, heights.to_vec()),
+    ];
+    if sight.water.is_some() {
+        all.push(("refraction", Sight { water: None, ..*sight }, *shutter, heights.to_vec()));
+    }
+    if shutter.readout > 0.0 {
+        all.push(("rolling_shutter", *sight, Shutter { readout: 0.0, ..*shutter }, heights.to_vec()));
+    }
+    all
+}
+
+/// How far the places and displacements without a correction are from those with it.
+fn worth(correction: &str, whole: &[Vec<Point2>], other: &[Vec<Point2>]) -> LeftOut {
+    let (mut place, mut motion, mut count) = (0.0, 0.0, 0.0_f64);
+    for (whole, other) in whole.iter().zip(other) {
+        let off: Vec<Point2> = whole.iter().zip(other).map(|(a, b)| [b[0] - a[0], b[1] - a[1]]).collect();
+        for d in &off {
+            place += d[0] * d[0] + d[1] * d[1];
+            motion += (d[0] - off[0][0]).powi(2) + (d[1] - off[0][1]).powi(2);
+            count += 1.0;
+        }
+    }
+    let root = |sum: f64| (sum / count.max(1.0)).sqrt();
+    LeftOut { correction: correction.into(), place_m: root(place), motion_m: root(motion) }
 }
 
 fn no_ray(marker: &str, frame: usize, pixel: Point2) -> Fault {
@@ -75,8 +152,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_covariance_turned_by_a_right_angle_changes_its_axes() {
-        let turned = carried([[0.0, -2.0], [2.0, 0.0]], &[1.0, 0.5, 3.0]);
-        assert_eq!(turned, [12.0, -2.0, 4.0]);
+    fn an_error_that_stays_the_same_moves_places_and_not_displacements() {
+        let whole = vec![vec![[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]];
+        let other = vec![vec![[0.3, 0.4], [1.3, 0.4], [2.3, 0.4]]];
+        let found = worth("parallax", &whole, &other);
+        assert!((found.place_m - 0.5).abs() < 1e-15 && found.motion_m < 1e-15);
     }
 }

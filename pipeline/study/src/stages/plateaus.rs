@@ -62,7 +62,7 @@ mod tests {
         let at = command.iter().map(|p| [0.0, 1e-5 * p]).collect();
         let markers = vec![Path { name: "a".into(), at, spread: vec![[0.0; 3]; 400] }];
         let gauges = vec![Gauge { chamber: "left".into(), measured: command.clone(), command }];
-        let clock = Clock { offset: 0.0, scale: 1.0, lamp: 0.0 };
+        let clock = Clock { offset: 0.0, scale: 1.0, lamp: 0.0, sigma: 0.0 };
         Motion { log_time: time.clone(), time, markers, rest: vec![[0.0; 2]], gauges, clock }
     }
 

@@ -28,7 +28,7 @@ impl Stage for Recovery {
     type Needs = (Every<Camera>, Every<Tracks>, Every<Motion>, Every<Identified>);
     type Makes = Recovered;
     const STORY: &'static str = "what was found is compared with what was true";
-    const EDITION: u32 = 1;
+    const EDITION: u32 = 2;
 
     fn raw(of: &Study) -> Vec<RawFile> {
         virtual_specimens(of).flat_map(files).collect()
@@ -112,11 +112,13 @@ fn judge(
     for (_, tracks) in tracks.iter().filter(|(t, _)| this(t)) {
         let pixels = |t: &TrueTrack, i: usize| t.pixel[i];
         let off = worst_rms(&tracks.markers, &tracks.time, &true_tracks, &pixels);
+        cover(&mut recovered.track_covered, &tracks.markers, &tracks.time, &true_tracks, &pixels);
         recovered.track_rms_px = recovered.track_rms_px.max(off);
     }
     for (_, motion) in motions.iter().filter(|(t, _)| this(t)) {
         let moved = |t: &TrueTrack, i: usize| [t.at[i][0] - t.at[0][0], t.at[i][1] - t.at[0][1]];
         let off = worst_rms(&motion.markers, &motion.time, &true_tracks, &moved);
+        cover(&mut recovered.marker_covered, &motion.markers, &motion.time, &true_tracks, &moved);
         recovered.marker_rms_mm = recovered.marker_rms_mm.max(1e3 * off);
         recovered.clock_error_ms = recovered.clock_error_ms.max(1e3 * clock_error(motion, truth));
     }
@@ -141,6 +143,28 @@ fn worst_rms(
         (off.sum::<f64>() / path.at.len().max(1) as f64).sqrt()
     };
     paths.iter().map(one).fold(0.0, f64::max)
+}
+
+/// Square of the distance, in deviations, within which 95 % of the errors of a place in the plane lie.
+const ELLIPSE_95: f64 = 5.991;
+
+/// Counts the places whose ellipse holds the true place.
+fn cover(
+    [held, all]: &mut [usize; 2],
+    paths: &[Path],
+    time: &[Second],
+    truth: &[TrueTrack],
+    true_place: &dyn Fn(&TrueTrack, usize) -> Point2,
+) {
+    for (path, track) in paths.iter().filter_map(|p| Some((p, truth.iter().find(|t| t.marker == p.name)?))) {
+        for ((t, p), [xx, xy, yy]) in time.iter().zip(&path.at).zip(&path.spread) {
+            let q = true_place(track, frame_at(&track.time, *t));
+            let [x, y] = [p[0] - q[0], p[1] - q[1]];
+            let square = (yy * x * x - 2.0 * xy * x * y + xx * y * y) / (xx * yy - xy * xy);
+            *held += usize::from(square < ELLIPSE_95);
+            *all += 1;
+        }
+    }
 }
 
 /// The true frame nearest in time.

@@ -2,9 +2,11 @@
 //!
 //! Stands on: track. Never knows: metres.
 
+mod foreign;
+
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use si::Point2;
+use si::{Hertz, Point2, Second};
 use track::klt::{self, Sighting, Tracker};
 use track::led;
 use track::video::Frame;
@@ -18,7 +20,7 @@ use crate::subject::Trial;
 pub struct Track;
 
 /// `[track]` in `study.toml`.
-#[derive(Debug, Serialize, Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
     /// Radius of the disc that holds a whole marker with a margin of light ground, px.
@@ -33,6 +35,12 @@ pub struct Settings {
     jump_limit: f64,
     /// Largest distance between flow and centroid, px.
     agreement_limit: f64,
+    /// Largest distance from its start at which flow there and back may end, px.
+    return_limit: f64,
+    /// Least correlation with its first view at which a hidden marker is found again, no unit.
+    likeness_limit: f64,
+    /// How long a marker may be hidden, s.
+    hidden_limit: Second,
 }
 
 impl Stage for Track {
@@ -40,61 +48,86 @@ impl Stage for Track {
     type Needs = ();
     type Makes = Tracks;
     const STORY: &'static str = "a film becomes the markers' places in pixels";
-    const EDITION: u32 = 1;
+    const EDITION: u32 = 2;
 
     fn raw(of: &Trial) -> Vec<RawFile> {
-        vec![RawFile::new("video", &of.card.name, &of.trial.video)]
+        let foreign = made_elsewhere(of).map(|tracks| RawFile::new("tracks", &of.card.name, &tracks.file));
+        std::iter::once(RawFile::new("video", &of.card.name, &of.trial.video)).chain(foreign).collect()
     }
 
     fn card(of: &Trial) -> Value {
         json!({
             "markers": of.card.marker.iter().map(|m| json!([m.name, m.clicked])).collect::<Vec<_>>(),
             "led": [of.card.led.centre[0], of.card.led.centre[1], of.card.led.radius],
+            "foreign": made_elsewhere(of).map(|tracks| tracks.sigma),
             "frames": [Some(of.trial.first_frame), of.trial.last_frame],
         })
     }
 
     fn run(of: &Trial, set: &Settings, (): (), desk: &dyn Desk) -> Outcome<Tracks> {
         let film = desk.film("video")?;
-        let length = film.info().frames.max(1) as f64;
-        let mut log = Log::new(of);
+        let info = film.info();
+        let length = info.frames.max(1) as f64;
+        let mut log = Log::new(of, set.tracker(info.rate));
         for frame in film {
             let frame = frame.map_err(Fault::from_tool)?;
             if of.trial.last_frame.is_some_and(|last| frame.index > last) {
                 break;
             }
             if frame.index >= of.trial.first_frame {
-                log.see(&frame, set).map_err(|lost| named(of, desk, &lost))?;
+                log.see(&frame).map_err(|lost| named(of, desk, &lost))?;
                 desk.progress(frame.index as f64 / length, "following the markers");
             }
         }
         if log.tracks.time.is_empty() {
             return Err(no_frames(of, desk));
         }
-        Ok(log.tracks)
+        let tracks = log.end().map_err(|lost| named(of, desk, &lost))?;
+        match made_elsewhere(of) {
+            Some(foreign) => taken(of, foreign, tracks, desk),
+            None => Ok(tracks),
+        }
     }
+}
+
+/// Tracks on the card that another program made of the trial's film.
+fn made_elsewhere(of: &Trial) -> Option<&lab::card::Tracks> {
+    of.card.tracks.iter().find(|tracks| tracks.trial == of.trial.id)
+}
+
+/// The lamp and times of a film with the tracks that were made elsewhere.
+fn taken(of: &Trial, foreign: &lab::card::Tracks, tracks: Tracks, desk: &dyn Desk) -> Outcome<Tracks> {
+    let place = desk.place("tracks");
+    let told = |e: String| Fault::from_tool(format!("{place}: {e}"));
+    let text = String::from_utf8(desk.bytes("tracks")?).map_err(|e| told(format!("it is not text: {e}")))?;
+    let names: Vec<String> = of.card.marker.iter().map(|m| m.name.clone()).collect();
+    let markers = foreign::read(&text, &names, tracks.time.len(), foreign.sigma).map_err(told)?;
+    Ok(Tracks { markers, ..tracks })
 }
 
 /// What has been seen so far.
 struct Log<'a> {
     of: &'a Trial,
+    set: klt::Settings,
     tracker: Option<Tracker>,
     tracks: Tracks,
+    /// Markers × frames.
+    seen: Vec<Vec<Sighting>>,
 }
 
 impl<'a> Log<'a> {
-    fn new(of: &'a Trial) -> Self {
-        let markers = of.card.marker.iter().map(|m| Path { name: m.name.clone(), ..Path::default() }).collect();
-        let tracks = Tracks { time: Vec::new(), led: Vec::new(), worst_residual: 0.0, markers };
-        Self { of, tracker: None, tracks }
+    fn new(of: &'a Trial, set: klt::Settings) -> Self {
+        let tracks = Tracks { time: Vec::new(), led: Vec::new(), worst_residual: 0.0, markers: Vec::new() };
+        Self { of, set, tracker: None, tracks, seen: vec![Vec::new(); of.card.marker.len()] }
     }
 
-    fn see(&mut self, frame: &Frame, set: &Settings) -> Result<(), klt::Lost> {
+    fn see(&mut self, frame: &Frame) -> Result<(), klt::Lost> {
         let sightings = match &mut self.tracker {
             Some(tracker) => tracker.step(&frame.gray)?,
             None => {
-                let clicked: Vec<Point2> = self.of.card.marker.iter().map(|m| m.clicked).collect();
-                let tracker = Tracker::new(&frame.gray, &clicked, set.tracker())?;
+                let markers = self.of.card.marker.iter().filter(|_| made_elsewhere(self.of).is_none());
+                let clicked: Vec<Point2> = markers.map(|m| m.clicked).collect();
+                let tracker = Tracker::new(&frame.gray, &clicked, self.set)?;
                 let first = tracker.sightings().to_vec();
                 self.tracker = Some(tracker);
                 first
@@ -103,22 +136,28 @@ impl<'a> Log<'a> {
         let lamp = &self.of.card.led;
         self.tracks.time.push(frame.time);
         self.tracks.led.push(led::brightness(&frame.gray, lamp.centre, lamp.radius));
-        self.note(&sightings);
+        self.seen.iter_mut().zip(sightings).for_each(|(track, sighting)| track.push(sighting));
         Ok(())
     }
 
-    fn note(&mut self, sightings: &[Sighting]) {
-        for (path, sighting) in self.tracks.markers.iter_mut().zip(sightings) {
-            let [[xx, xy], [_, yy]] = sighting.covariance;
-            path.at.push(sighting.at);
-            path.spread.push([xx, xy, yy]);
-            self.tracks.worst_residual = self.tracks.worst_residual.max(sighting.residual);
+    /// Everything that was seen, gaps filled.
+    fn end(self) -> Result<Tracks, klt::Lost> {
+        self.tracker.map_or(Ok(()), Tracker::finish)?;
+        let mut tracks = self.tracks;
+        for (marker, mut seen) in self.of.card.marker.iter().zip(self.seen) {
+            klt::fill(&mut seen);
+            let spread = |s: &Sighting| [s.covariance[0][0], s.covariance[0][1], s.covariance[1][1]];
+            tracks.worst_residual = seen.iter().map(|s| s.residual).fold(tracks.worst_residual, f64::max);
+            let (at, spread) = seen.iter().map(|s| (s.at, spread(s))).unzip();
+            tracks.markers.push(Path { name: marker.name.clone(), at, spread });
         }
+        Ok(tracks)
     }
 }
 
 impl Settings {
-    fn tracker(&self) -> klt::Settings {
+    /// What the tracker expects in a film of this rate.
+    pub fn tracker(&self, rate: Hertz) -> klt::Settings {
         klt::Settings {
             radius: self.radius,
             reach: self.reach,
@@ -126,13 +165,20 @@ impl Settings {
             residual_limit: self.residual_limit,
             jump_limit: self.jump_limit,
             agreement_limit: self.agreement_limit,
+            return_limit: self.return_limit,
+            likeness_limit: self.likeness_limit,
+            patience: (self.hidden_limit * rate).round() as usize,
         }
     }
 }
 
 fn named(of: &Trial, desk: &dyn Desk, lost: &klt::Lost) -> Fault {
     let name = of.card.marker.get(lost.marker).map_or("?", |m| m.name.as_str());
-    Fault::from_tool(format!("{}, marker `{name}`: {lost}", desk.place("video")))
+    let fault = Fault::from_tool(format!("{}, marker `{name}`: {lost}", desk.place("video")));
+    match lost.crop.to_png() {
+        Ok(png) => fault.showing(png),
+        Err(_) => fault,
+    }
 }
 
 fn no_frames(of: &Trial, desk: &dyn Desk) -> Fault {

@@ -4,8 +4,9 @@
 //! A new table: its file and its line in [`ALL`].
 
 mod methods;
+mod optics;
 
 use crate::entry::{Entry, table};
 
 /// Every table.
-pub const ALL: &[Entry] = &[table::<methods::Methods>()];
+pub const ALL: &[Entry] = &[table::<methods::Methods>(), table::<optics::Optics>()];

@@ -4,11 +4,11 @@
 
 use crate::lens::Lens;
 use crate::pose::Pose;
-use nalgebra::{DMatrix, DVector, Rotation3, Vector3};
+use nalgebra::{DMatrix, DVector};
 use si::{Point2, Point3, vec3};
 
-/// Values of the lens: fx fy cx cy k₁ k₂ p₁ p₂ k₃.
-pub(super) const OF_LENS: usize = 9;
+/// Values of the lens: fx fy cx cy and the bend's five, of which a fisheye leaves the last one out.
+pub(super) const OF_LENS: usize = crate::lens::VALUES;
 /// Values of a pose: turn and shift.
 const OF_POSE: usize = 6;
 /// The least gain of a step that is worth another, relative to the sum of squares.
@@ -65,18 +65,59 @@ pub(super) fn refine(guess: &mut Guess, seen: &[Seen], with_lens: bool) -> f64 {
     normal.squares
 }
 
-/// Standard deviations of the lens's values at the minimum, from the scatter of the misses.
+/// Covariance of the lens's values at the minimum, from the scatter of the misses; 0 where a value does not count.
 ///
-/// σ² (JᵀJ)⁻¹ with σ² = rᵀr / (equations − unknowns). None when the views do not fix the lens.
-pub(super) fn deviations(guess: &Guess, seen: &[Seen]) -> Option<[f64; OF_LENS]> {
+/// The lens's block of σ² (JᵀJ)⁻¹ with σ² = rᵀr / (equations − unknowns). None when the views do not fix the lens.
+pub(super) fn covariance(guess: &Guess, seen: &[Seen]) -> Option<[[f64; OF_LENS]; OF_LENS]> {
     let normal = linearise(guess, seen, true);
-    // scaled to a unit diagonal, so that px and k₃ are held to one measure
-    let scale: Vec<f64> = normal.matrix.diagonal().iter().map(|d| d.sqrt()).collect();
-    let unit = DMatrix::from_fn(scale.len(), scale.len(), |i, j| normal.matrix[(i, j)] / (scale[i] * scale[j]));
-    let inverse = unit.cholesky()?.inverse();
+    let inverse = inverse(&normal.matrix)?;
+    let count = guess.lens.count();
+    let variance = normal.squares / spare(seen, normal.matrix.nrows());
+    let entry = |i: usize, j: usize| if i < count && j < count { variance * inverse[(i, j)] } else { 0.0 };
+    Some(std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j))))
+}
+
+/// Covariance of a lens and of the one pose that was found with it from `seen`: 15 × 15, the pose's turn and shift last.
+///
+/// The pose follows the lens, d(pose)/d(lens) = −(JₚᵀJₚ)⁻¹ JₚᵀJₗ, and has the noise of its own points. None when the points
+/// do not fix the pose.
+#[allow(non_snake_case)]
+pub(super) fn joint(
+    lens: &[[f64; OF_LENS]; OF_LENS],
+    guess: &Guess,
+    seen: &[Seen],
+) -> Option<[[f64; OF_LENS + OF_POSE]; OF_LENS + OF_POSE]> {
+    let (full, alone) = (linearise(guess, seen, true), linearise(guess, seen, false));
+    let count = guess.lens.count();
+    let own = inverse(&alone.matrix)?;
+    let follow = -&own * full.matrix.view((count, 0), (OF_POSE, count));
+    let C = DMatrix::from_fn(count, count, |i, j| lens[i][j]);
+    let variance = alone.squares / spare(seen, OF_POSE);
+    let pose = &follow * &C * follow.transpose() + own * variance;
+    let cross = &follow * &C;
+    let entry = |i: usize, j: usize| match (i.checked_sub(OF_LENS), j.checked_sub(OF_LENS)) {
+        (Some(a), Some(b)) => pose[(a, b)],
+        (Some(a), None) if j < count => cross[(a, j)],
+        (None, Some(b)) if i < count => cross[(b, i)],
+        (None, None) => lens[i][j],
+        _ => 0.0,
+    };
+    Some(std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j))))
+}
+
+/// Equations beyond the unknowns.
+fn spare(seen: &[Seen], unknowns: usize) -> f64 {
     let equations: usize = seen.iter().map(|view| 2 * view.points.len()).sum();
-    let variance = normal.squares / equations.saturating_sub(scale.len()).max(1) as f64;
-    Some(std::array::from_fn(|i| (variance * inverse[(i, i)]).sqrt() / scale[i]))
+    equations.saturating_sub(unknowns).max(1) as f64
+}
+
+/// A⁻¹ of a symmetric matrix, scaled to a unit diagonal in between, so that px and k₃ are held to one measure.
+fn inverse(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let scale: Vec<f64> = matrix.diagonal().iter().map(|d| d.sqrt()).collect();
+    let unit = DMatrix::from_fn(scale.len(), scale.len(), |i, j| matrix[(i, j)] / (scale[i] * scale[j]));
+    let mut inverse = unit.cholesky()?.inverse();
+    (0..scale.len()).for_each(|i| (0..scale.len()).for_each(|j| inverse[(i, j)] /= scale[i] * scale[j]));
+    Some(inverse)
 }
 
 /// Misses of one point, seen − projected (px); a large one where it cannot be projected, so that no step goes there.
@@ -94,7 +135,7 @@ pub(super) fn squares(guess: &Guess, seen: &[Seen]) -> f64 {
 }
 
 fn linearise(guess: &Guess, seen: &[Seen], with_lens: bool) -> Normal {
-    let lead = if with_lens { OF_LENS } else { 0 };
+    let lead = if with_lens { guess.lens.count() } else { 0 };
     let size = lead + OF_POSE * seen.len();
     let mut normal = Normal { matrix: DMatrix::zeros(size, size), right: DVector::zeros(size), squares: 0.0 };
     for (number, (view, pose)) in seen.iter().zip(&guess.poses).enumerate() {
@@ -104,11 +145,11 @@ fn linearise(guess: &Guess, seen: &[Seen], with_lens: bool) -> Normal {
             let miss = miss(&guess.lens, pose, point, pixel);
             let rows = slopes(&guess.lens, pose, point);
             for (row, miss) in rows.iter().zip(miss) {
-                let row = &row[OF_LENS - lead..];
+                let row = || row[..lead].iter().chain(&row[OF_LENS..]).zip(&places);
                 normal.squares += miss * miss;
-                for (a, &i) in row.iter().zip(&places) {
+                for (a, &i) in row() {
                     normal.right[i] += a * miss;
-                    for (b, &j) in row.iter().zip(&places) {
+                    for (b, &j) in row() {
                         normal.matrix[(i, j)] += a * b;
                     }
                 }
@@ -123,18 +164,27 @@ fn slopes(lens: &Lens, pose: &Pose, point: Point3) -> [[f64; OF_LENS + OF_POSE];
     let arm = vec3::sub(pose.apply(point), pose.translation);
     let at = vec3::add(arm, pose.translation);
     let [x, y] = [at[0] / at[2], at[1] / at[2]];
-    let (r2, [u, v]) = (x * x + y * y, lens.distort([x, y]));
-    let by_lens = [
-        [u, 0.0, 1.0, 0.0, x * r2, x * r2 * r2, 2.0 * x * y, r2 + 2.0 * x * x, x * r2 * r2 * r2],
-        [0.0, v, 0.0, 1.0, y * r2, y * r2 * r2, r2 + 2.0 * y * y, 2.0 * x * y, y * r2 * r2 * r2],
-    ];
+    let (bends, there) = (lens.by_bends([x, y]), lens.distort([x, y]));
     let by_point = lens.slope(at);
     [0, 1].map(|i| {
         let focal = [lens.fx, lens.fy][i];
-        let distortion = |k: usize| if k < 4 { by_lens[i][k] } else { focal * by_lens[i][k] };
         let turn = vec3::cross(arm, by_point[i]);
         std::array::from_fn(|k| match k {
-            0..OF_LENS => distortion(k),
+            0 | 1 => {
+                if k == i {
+                    there[i]
+                } else {
+                    0.0
+                }
+            }
+            2 | 3 => {
+                if k == 2 + i {
+                    1.0
+                } else {
+                    0.0
+                }
+            }
+            4..OF_LENS => focal * bends[i][k - 4],
             9..12 => turn[k - 9],
             _ => by_point[i][k - 12],
         })
@@ -143,27 +193,15 @@ fn slopes(lens: &Lens, pose: &Pose, point: Point3) -> [[f64; OF_LENS + OF_POSE];
 
 fn moved(guess: &Guess, step: &DVector<f64>, with_lens: bool) -> Guess {
     let mut next = guess.clone();
-    let lead = if with_lens { OF_LENS } else { 0 };
-    if with_lens {
-        let values = values(&next.lens);
-        next.lens = from_values(std::array::from_fn(|k| values[k] + step[k]));
-    }
+    let lead = if with_lens { guess.lens.count() } else { 0 };
+    let mut values = guess.lens.values();
+    values.iter_mut().zip(&step.as_slice()[..lead]).for_each(|(value, by)| *value += by);
+    next.lens = next.lens.with(values);
     for (number, pose) in next.poses.iter_mut().enumerate() {
         let s = &step.as_slice()[lead + OF_POSE * number..][..OF_POSE];
-        let turn = Rotation3::new(Vector3::new(s[0], s[1], s[2])).into_inner();
-        let shift = vec3::add(pose.translation, [s[3], s[4], s[5]]);
-        *pose = Pose::from_matrix(&(turn * pose.matrix()), shift.into());
+        *pose = pose.moved([s[0], s[1], s[2]], [s[3], s[4], s[5]]);
     }
     next
-}
-
-fn values(lens: &Lens) -> [f64; OF_LENS] {
-    [lens.fx, lens.fy, lens.cx, lens.cy, lens.k1, lens.k2, lens.p1, lens.p2, lens.k3]
-}
-
-/// A lens from its nine values.
-pub(super) fn from_values([fx, fy, cx, cy, k1, k2, p1, p2, k3]: [f64; OF_LENS]) -> Lens {
-    Lens { fx, fy, cx, cy, k1, k2, p1, p2, k3 }
 }
 
 #[cfg(test)]
@@ -172,7 +210,7 @@ mod tests {
 
     #[test]
     fn the_slopes_are_the_differences_of_the_projection() {
-        let lens = from_values([1473.0, 1478.0, 969.0, 541.0, -0.1, 0.05, 2e-3, -1e-3, 0.02]);
+        let lens = Lens::default().with([1473.0, 1478.0, 969.0, 541.0, -0.1, 0.05, 2e-3, -1e-3, 0.02]);
         let guess = Guess { lens, poses: vec![Pose::from_vector([2.8, 0.2, -0.3], [0.02, -0.04, 0.4])] };
         let point = [0.11, -0.07, 0.01];
         let rows = slopes(&lens, &guess.poses[0], point);

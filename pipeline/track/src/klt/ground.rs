@@ -19,7 +19,12 @@ pub(super) struct Ground {
     plane: [f64; 3],
     /// Scatter of the kept pixels, grey levels.
     pub(super) noise: f64,
+    /// How far the ground leaves the plane in large, grey levels: root mean square over sectors of the ring.
+    pub(super) bend: f64,
 }
+
+/// Sectors of the ring in which the ground's bend is read.
+const SECTORS: usize = 8;
 
 impl Ground {
     /// Reads the ring outside `radius` (px) around `middle`; what is much darker or lighter than the rest is left out.
@@ -40,7 +45,8 @@ impl Ground {
         let plane = fit(&ring).unwrap_or([centre, 0.0, 0.0]);
         let off = |p: &(f64, f64, f64)| (p.2 - plane[0] - plane[1] * p.0 - plane[2] * p.1).powi(2);
         let noise = (ring.iter().map(off).sum::<f64>() / ring.len().saturating_sub(3).max(1) as f64).sqrt();
-        Self { middle, plane, noise }
+        let bend = bend(&ring, plane);
+        Self { middle, plane, noise, bend }
     }
 
     /// The ground's level at (x, y), counted from the middle, grey levels; at least one, so that it can divide.
@@ -76,6 +82,17 @@ pub(super) fn visit(
             }
         }
     }
+}
+
+/// Root mean square over sectors of what a ring's pixels are off its plane on average.
+fn bend(ring: &[(f64, f64, f64)], plane: [f64; 3]) -> f64 {
+    let mut sums = [(0.0, 0.0_f64); SECTORS];
+    for (x, y, level) in ring {
+        let turn = (y.atan2(*x) / std::f64::consts::TAU + 0.5) * SECTORS as f64;
+        let sum = &mut sums[(turn as usize).min(SECTORS - 1)];
+        *sum = (sum.0 + level - plane[0] - plane[1] * x - plane[2] * y, sum.1 + 1.0);
+    }
+    (sums.iter().map(|(sum, count)| (sum / count.max(1.0)).powi(2)).sum::<f64>() / SECTORS as f64).sqrt()
 }
 
 /// Least squares for level = a + b x + c y.

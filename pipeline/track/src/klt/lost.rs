@@ -1,7 +1,8 @@
 //! Why a marker is lost: which gate it failed, by how much.
 //!
-//! Stands on: nothing. Never knows: which trial the film belongs to.
+//! Stands on: grey pictures. Never knows: which trial the film belongs to.
 
+use crate::Gray;
 use si::Point2;
 
 /// A marker that is no longer seen, or not to be trusted.
@@ -16,6 +17,20 @@ pub struct Lost {
     pub near: Point2,
     /// Measured against limit.
     pub why: Why,
+    /// The frame around that place, to look at.
+    pub crop: Gray,
+}
+
+/// Half the side of what is shown around a lost marker, px.
+const SHOWN: usize = 64;
+
+impl Lost {
+    /// What a frame shows of a marker that fails a gate.
+    pub(super) fn at(picture: &Gray, marker: usize, frame: usize, near: Point2, why: Why) -> Self {
+        let corner = near.map(|c| (c.round().max(0.0) as usize).saturating_sub(SHOWN));
+        let crop = picture.crop(corner[0], corner[1], 2 * SHOWN + 1, 2 * SHOWN + 1);
+        Self { marker, frame, near, why, crop }
+    }
 }
 
 /// Which gate a marker failed, with what was measured.
@@ -61,6 +76,22 @@ pub enum Why {
         /// Measured, px.
         measured: f64,
         /// Limit, px.
+        limit: f64,
+    },
+    /// Flow does not lead back.
+    #[error("flow there and back ends {measured:.2} px from its start; the limit is {limit:.2} (return_limit)")]
+    NotBack {
+        /// Measured, px.
+        measured: f64,
+        /// Limit, px.
+        limit: f64,
+    },
+    /// Nothing looks like the marker.
+    #[error("nothing near correlates with it by more than {measured:.2}; the limit is {limit:.2} (likeness_limit)")]
+    Unlike {
+        /// Measured, no unit.
+        measured: f64,
+        /// Limit, no unit.
         limit: f64,
     },
     /// Two clicks or two tracks on one marker.

@@ -18,10 +18,17 @@ const PAIRS: usize = 8;
 /// Variance of rounding to whole grey levels, the least that a picture has.
 const ROUNDING: f64 = 1.0 / 12.0;
 
-/// Covariance from the noise of single pixels alone, px².
+/// What light that bends across a mark moves its middle by, alike in all frames: so many px along each axis where the ground
+/// leaves its plane by the mark's whole contrast (an edge of one pixel moves by its share of it), and never less than the last.
+const SHADE: f64 = 0.9;
+const LEAST_SHADE: f64 = 0.005;
+
+/// Covariance from the noise of single pixels, and from the light, px².
 pub(super) fn of_pixels(blob: &Blob) -> [[f64; 2]; 2] {
     let variance = blob.ground.noise.powi(2).max(ROUNDING);
-    blob.pull.map(|row| row.map(|p| p * variance))
+    let shade = (SHADE * blob.ground.bend / blob.contrast).powi(2) + LEAST_SHADE * LEAST_SHADE;
+    let [[xx, xy], [yx, yy]] = blob.pull.map(|row| row.map(|p| p * variance));
+    [[xx + shade, xy], [yx, yy + shade]]
 }
 
 /// Covariance from the sectors' pulls against the template at a `turn` (rad), px².

@@ -24,12 +24,22 @@ pub enum VideoError {
         source: std::io::Error,
     },
     /// Not an MP4 at all.
-    #[error("film {path} is not an MP4\n  why: {found}\n  do:  convert it: ffmpeg -i {path} -c:v libx264 -crf 16 -an film.mp4", path = .path.display())]
+    #[error("film {path} is not an MP4\n  why: {found}\n  do:  put ffmpeg and ffprobe on the PATH, or convert it: ffmpeg -i {path} -c:v libx264 -crf 16 -an film.mp4", path = .path.display())]
     NotMp4 {
         /// The file.
         path: PathBuf,
         /// What stands there instead.
         found: String,
+    },
+    /// A folder whose pictures and times do not belong together.
+    #[error("folder {path} is no film\n  why: it has {pictures} PNG pictures and {times} rising times in times.csv\n  do:  put a line a picture into times.csv: the second at which it was taken", path = .path.display())]
+    NoTimes {
+        /// The folder.
+        path: PathBuf,
+        /// Its pictures.
+        pictures: usize,
+        /// Its times.
+        times: usize,
     },
     /// The recording was cut off before its index was written.
     #[error(
@@ -60,7 +70,7 @@ pub enum VideoError {
         bytes: u64,
     },
     /// A codec that is not H.264.
-    #[error("film {path} is coded as {codec}\n  why: only H.264 (avc1) is read\n  do:  convert it: ffmpeg -i {path} -c:v libx264 -crf 16 -an film.mp4", path = .path.display())]
+    #[error("film {path} is coded as {codec}\n  why: only H.264 (avc1) is read without ffmpeg, and no ffmpeg and ffprobe are on the PATH\n  do:  install ffmpeg, or convert it elsewhere: ffmpeg -i {path} -c:v libx264 -crf 16 -an film.mp4", path = .path.display())]
     UnknownCodec {
         /// The file.
         path: PathBuf,

@@ -2,7 +2,7 @@
 //!
 //! Stands on: the mp4 crate for the boxes inside moov. Never knows: how a frame is decoded.
 
-use super::{VideoError, boxes};
+use super::{Quarter, VideoError, boxes};
 use mp4::{MoovBox, ReadBox};
 use si::Second;
 use std::fs::File;
@@ -20,6 +20,8 @@ pub(super) struct Sample {
 pub(super) struct Index {
     pub(super) width: usize,
     pub(super) height: usize,
+    /// How its pictures want to be turned.
+    pub(super) turn: Quarter,
     /// In the order of decoding.
     pub(super) samples: Vec<Sample>,
     /// In the order of showing, from 0 s.
@@ -73,9 +75,11 @@ pub(super) fn read(file: &mut File, path: &Path) -> Result<Index, VideoError> {
     let shifts: Vec<_> = shifts.map(|e| (e.sample_count, e.sample_offset)).collect();
     let times = times(samples.len(), &steps, &shifts, film.mdia.mdhd.timescale);
     let times = times.ok_or_else(|| refused("its frames have no times".into()))?;
+    let turn = &film.tkhd.matrix;
     Ok(Index {
         width: avc1.width.into(),
         height: avc1.height.into(),
+        turn: Quarter::of_matrix(turn.a, turn.b, turn.c, turn.d).unwrap_or_default(),
         samples,
         times,
         parameters,

@@ -3,7 +3,7 @@
 //! Stands on: the film's index, openh264. Never knows: what is filmed.
 
 use super::index::{self, Index};
-use super::{Frame, Info, VideoError};
+use super::{Frame, Info, Quarter, VideoError};
 use crate::Gray;
 use openh264::OpenH264API;
 use openh264::decoder::{DecodedYUV, Decoder, DecoderConfig, Flush};
@@ -52,10 +52,12 @@ impl Reader {
 
     /// Size, length and rate of the film.
     pub fn info(&self) -> Info {
-        let times = &self.index.times;
-        let span = times.last().copied().unwrap_or(0.0);
-        let rate = if span > 0.0 { (times.len() - 1) as f64 / span } else { 0.0 };
-        Info { width: self.index.width, height: self.index.height, frames: times.len(), rate }
+        Info::of((self.index.width, self.index.height), &self.index.times)
+    }
+
+    /// How its pictures want to be turned; they are handed out as they are coded.
+    pub fn turn(&self) -> Quarter {
+        self.index.turn
     }
 
     /// The next picture of the decoder, none when all have come.

@@ -1,0 +1,66 @@
+//! A film, whatever it is made of: H.264 in an MP4, a folder of pictures, or anything that `ffmpeg` reads.
+//!
+//! Stands on: its three sources and quarter turns. Never knows: what is filmed.
+
+use super::folder::Folder;
+use super::pipe::{self, Pipe};
+use super::reader::Reader;
+use super::turn::Quarter;
+use super::{Frame, Info, VideoError};
+use std::path::Path;
+
+/// A film that is being read: an iterator of its frames in the order of showing, turned upright.
+pub struct Film {
+    source: Source,
+    turn: Quarter,
+}
+
+enum Source {
+    Mp4(Box<Reader>),
+    Folder(Folder),
+    Pipe(Pipe),
+}
+
+impl Film {
+    /// Opens a film.
+    ///
+    /// # Errors
+    /// [`VideoError`] when it is not there, cut short, or needs an `ffmpeg` that is not on the PATH.
+    pub fn open(path: &Path) -> Result<Self, VideoError> {
+        if path.is_dir() {
+            return Ok(Self { source: Source::Folder(Folder::open(path)?), turn: Quarter::None });
+        }
+        match Reader::open(path) {
+            Ok(reader) => Ok(Self { turn: reader.turn(), source: Source::Mp4(Box::new(reader)) }),
+            Err(e @ (VideoError::UnknownCodec { .. } | VideoError::NotMp4 { .. })) => match pipe::programs() {
+                Some(both) => Ok(Self { source: Source::Pipe(Pipe::open(path, both)?), turn: Quarter::None }),
+                None => Err(e),
+            },
+            Err(e) => Err(e),
+        }
+    }
+
+    /// Size, length and rate of the film, as it is shown.
+    pub fn info(&self) -> Info {
+        let info = match &self.source {
+            Source::Mp4(reader) => reader.info(),
+            Source::Folder(folder) => folder.info(),
+            Source::Pipe(pipe) => pipe.info(),
+        };
+        let (width, height) = self.turn.size((info.width, info.height));
+        Info { width, height, ..info }
+    }
+}
+
+impl Iterator for Film {
+    type Item = Result<Frame, VideoError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let frame = match &mut self.source {
+            Source::Mp4(reader) => reader.next(),
+            Source::Folder(folder) => folder.next(),
+            Source::Pipe(pipe) => pipe.next(),
+        };
+        Some(frame?.map(|f| Frame { gray: self.turn.turn(f.gray), ..f }))
+    }
+}
