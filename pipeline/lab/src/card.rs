@@ -16,7 +16,7 @@ use si::{KilogramPerCubicMetre, Metre, Pascal, Point2, Point3};
 
 pub use fixture::{Fixture, FixtureOf};
 pub use read::{parse, read};
-pub use trial::{Experiment, Medium, Role, Side, Trial};
+pub use trial::{Experiment, Medium, Role, Side, Split, Trial};
 pub use write::write;
 
 /// Everything that a specimen's card says.

@@ -60,7 +60,18 @@ fn trial(id: String, role: Role, experiment: Experiment) -> Trial {
     let (video, pressure) = (format!("trials/{id}/video.mp4"), format!("trials/{id}/pressure.csv"));
     let weighed = matches!(experiment, Experiment::Flapping { .. });
     let force = weighed.then(|| format!("trials/{id}/force.csv"));
-    Trial { id, role, medium: Medium::Air, video, pressure, force, first_frame: 0, last_frame: None, experiment }
+    Trial {
+        id,
+        role,
+        medium: Medium::Air,
+        video,
+        pressure,
+        force,
+        split: None,
+        first_frame: 0,
+        last_frame: None,
+        experiment,
+    }
 }
 
 /// The whole card.

@@ -72,7 +72,8 @@ pub fn of_trial(
     let run = Run { id: &trial.id, pull: &pull, beside: &lift, medium: trial.medium, end };
     let mut draw = Draw::new(bench.seed, &format!("force {}", trial.id));
     let clock = cell::clock(&set.cell, &mut draw);
-    let (log, truth) = cell::record(&set.cell, fixture_of(set, bench.seed), &run, clock, &mut draw);
+    let (mut log, truth) = cell::record(&set.cell, fixture_of(set, bench.seed), &run, clock, &mut draw);
+    log.led = cell::lamp(&set.cell, clock, &log.time, script);
     folder::write(folder, file, lab::force::write(&log, lab::VIRTUAL_BENCH).as_bytes())?;
     Ok(Some(truth))
 }

@@ -57,6 +57,21 @@ impl Layer {
         back
     }
 
+    /// W x + b of one sample in f64.
+    pub fn forward_exactly(&self, x: &[f64]) -> Vec<f64> {
+        let dot = |row: &[f32]| row.iter().zip(x).map(|(w, x)| f64::from(*w) * x).sum::<f64>();
+        self.weight.chunks_exact(self.inputs).zip(&self.bias).map(|(row, b)| dot(row) + f64::from(*b)).collect()
+    }
+
+    /// Wᵀ y of one sample in f64.
+    pub fn backward_exactly(&self, pull: &[f64]) -> Vec<f64> {
+        let mut back = vec![0.0; self.inputs];
+        for (row, p) in self.weight.chunks_exact(self.inputs).zip(pull) {
+            back.iter_mut().zip(row).for_each(|(b, w)| *b += f64::from(*w) * p);
+        }
+        back
+    }
+
     /// What is asked of weights and biases, into `of`.
     pub fn gather(&self, x: &[f32], pull: &[f32], batch: usize, of: &mut Pull) {
         of.weight.resize(self.weight.len(), 0.0);

@@ -21,6 +21,8 @@ pub struct Trial {
     pub pressure: String,
     /// Force log, relative to the card, where the specimen hung on a load cell.
     pub force: Option<String>,
+    /// What it is to the learning of thrust; nothing when the card is silent.
+    pub split: Option<Split>,
     /// First frame worth using; the markers are clicked in this one. 0 when the card is silent.
     pub first_frame: usize,
     /// Last frame worth using; the end of the video when the card is silent.
@@ -64,6 +66,18 @@ pub enum Role {
     Identify,
     /// Never fitted to; a model is judged by it.
     Validate,
+    /// Thrust is learnt from it or judged by it, as its split says.
+    Thrust,
+}
+
+/// What a trial is to the learning of thrust.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Split {
+    /// Models are fitted to it.
+    Train,
+    /// Models are judged by it.
+    Test,
 }
 
 /// What surrounds the specimen.
@@ -92,6 +106,17 @@ impl Role {
         match self {
             Self::Identify => "identify",
             Self::Validate => "validate",
+            Self::Thrust => "thrust",
+        }
+    }
+}
+
+impl Split {
+    /// The word on the card.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Train => "train",
+            Self::Test => "test",
         }
     }
 }
@@ -160,6 +185,7 @@ struct Flat {
     video: String,
     pressure: String,
     force: Option<String>,
+    split: Option<Split>,
     first_frame: Option<usize>,
     last_frame: Option<usize>,
     levels: Option<Vec<Pascal>>,
@@ -183,6 +209,7 @@ impl TryFrom<Flat> for Trial {
             video: flat.video,
             pressure: flat.pressure,
             force: flat.force,
+            split: flat.split,
             first_frame: flat.first_frame.unwrap_or(0),
             last_frame: flat.last_frame,
         })

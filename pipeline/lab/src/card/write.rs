@@ -94,6 +94,9 @@ fn trial(text: &mut String, trial: &Trial) {
     if let Some(force) = &trial.force {
         put(text, format_args!("force = {force:?}\n"));
     }
+    if let Some(split) = trial.split {
+        put(text, format_args!("split = {:?}  # of the learning of thrust\n", split.word()));
+    }
     if trial.first_frame != 0 {
         put(text, format_args!("first_frame = {}\n", trial.first_frame));
     }

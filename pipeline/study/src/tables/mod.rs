@@ -4,8 +4,11 @@
 //! A new table: its file and its line in [`ALL`].
 
 mod methods;
+mod thrust_models;
+mod trials;
 
 use crate::entry::{Entry, table};
 
 /// Every table.
-pub const ALL: &[Entry] = &[table::<methods::Methods>()];
+pub const ALL: &[Entry] =
+    &[table::<methods::Methods>(), table::<trials::Trials>(), table::<thrust_models::ThrustModels>()];
