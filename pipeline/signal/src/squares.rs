@@ -26,6 +26,13 @@ pub(crate) fn linear(columns: &[Vec<f64>], target: &[f64]) -> Option<Vec<f64>> {
     Some(gram.cholesky()?.solve(&right).as_slice().to_vec())
 }
 
+/// As [`linear`], but the first weights are drawn towards zero: `stiff[i]` is added to column i's own square.
+pub(crate) fn drawn_to_zero(columns: &[Vec<f64>], target: &[f64], stiff: &[f64]) -> Option<Vec<f64>> {
+    let (mut gram, right) = normal(columns, target);
+    stiff.iter().enumerate().for_each(|(i, s)| gram[(i, i)] += s);
+    Some(gram.cholesky()?.solve(&right).as_slice().to_vec())
+}
+
 fn normal(columns: &[Vec<f64>], target: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let n = columns.len();
@@ -129,12 +136,14 @@ pub(crate) fn nonlinear(
 
 fn jacobian(at: &[f64], turns: &[f64], residuals: &dyn Fn(&[f64]) -> Option<Vec<f64>>) -> Option<DMatrix<f64>> {
     let mut columns = Vec::new();
-    for i in 0..at.len() {
+    for (i, turn) in turns.iter().enumerate() {
         let moved = |by: f64| {
-            residuals(&at.iter().enumerate().map(|(j, a)| if i == j { a + by } else { *a }).collect::<Vec<_>>())
+            let mut other = at.to_vec();
+            other[i] += by;
+            residuals(&other)
         };
-        let (up, down) = (moved(turns[i])?, moved(-turns[i])?);
-        columns.push(DVector::from_iterator(up.len(), up.iter().zip(&down).map(|(u, d)| (u - d) / (2.0 * turns[i]))));
+        let (up, down) = (moved(*turn)?, moved(-turn)?);
+        columns.push(DVector::from_iterator(up.len(), up.iter().zip(&down).map(|(u, d)| (u - d) / (2.0 * turn))));
     }
     Some(DMatrix::from_columns(&columns))
 }

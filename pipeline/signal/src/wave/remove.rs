@@ -2,7 +2,8 @@
 //!
 //! Each wave may begin anew at given times (the log's begin, the run's begin, its end); from then on it decays. Because the
 //! beat's own harmonics stand in the same fit, they are neither shrunk nor shifted, and what is subtracted holds nothing
-//! but sines at the waves' frequencies.
+//! but sines at the waves' frequencies. A run's begin and end also look a little like waves; so each wave is expected to be about
+//! as large as still water showed it, against what beat and drift alone leave.
 //!
 //! Stands on: squares. Never knows: what beats.
 
@@ -52,7 +53,7 @@ pub fn remove(
     let beats = beat.map_or(Vec::new(), |b| harmonics(signal, &b));
     let (waving, drifting) = (swings.len(), swings.len() + drift.len());
     let columns = [swings, drift, beats].concat();
-    let Some(weights) = squares::linear(&columns, signal.values()) else {
+    let Some(weights) = weighted(signal, waves, &columns, waving) else {
         let why = "beat, waves and drift look alike over so short a recording".to_owned();
         let remedy = "record for longer, or keep the beat away from the tank's waves";
         return Err(FitFailed { what: "the standing wave in a run", why, remedy });
@@ -66,6 +67,22 @@ pub fn remove(
     let rest = signal.values().iter().zip(&waves).map(|(v, w)| v - w).collect();
     let rest = Series::new(signal.start(), signal.rate(), rest).expect("finite less finite");
     Ok(Parted { rest, waves, drift })
+}
+
+/// The weights of all columns, the first `waving` of them the waves'.
+///
+/// A wave's cosine and sine have the spread of its amplitude a; what beat and drift leave, of standard deviation σ, stays alike
+/// for a quarter of the wave's period, n samples: n σ²/a² is added to each column's square (the most likely weights).
+fn weighted(signal: &Series, waves: &[Wave], columns: &[Vec<f64>], waving: usize) -> Option<Vec<f64>> {
+    let others = &columns[waving..];
+    let without = squares::sum(others, &squares::linear(others, signal.values())?);
+    let square: f64 = signal.values().iter().zip(&without).map(|(v, w)| (v - w).powi(2)).sum();
+    let variance = square / signal.values().len() as f64;
+    let stiff = |i: usize| {
+        let wave = &waves[(i / 2) % waves.len()];
+        0.25 * signal.rate() / wave.frequency * variance / (wave.amplitude * wave.amplitude).max(1e-12)
+    };
+    squares::drawn_to_zero(columns, signal.values(), &(0..waving).map(stiff).collect::<Vec<f64>>())
 }
 
 /// Cosine and sine of one wave from `onset` on.
@@ -107,7 +124,7 @@ mod tests {
     const WITHIN: [f64; 2] = [1.0, 8.5];
 
     fn wave(frequency: f64) -> Wave {
-        let (frequency_sigma, decay_sigma, amplitude, phase) = (1e-3, 1e-2, 1e-3, 0.0);
+        let (frequency_sigma, decay_sigma, amplitude, phase) = (1e-3, 1e-2, 3e-3, 0.0);
         Wave { frequency, frequency_sigma, decay: 0.0754 * frequency, decay_sigma, amplitude, phase }
     }
 
@@ -152,6 +169,15 @@ mod tests {
             let ratio = line(parted.rest.values(), beat) / line(pure.values(), beat);
             assert!((ratio.norm() - 1.0).abs() < 0.01 && ratio.arg().abs() < 0.01, "beat {beat} Hz: {ratio}");
         }
+    }
+
+    #[test]
+    fn a_run_s_begin_is_hardly_taken_for_a_wave() {
+        // a slow push at the begin that no harmonic holds, of 50 mN, and no wave at all
+        let pushed = series(&|t| beating(t, 2.0) + if t > 1.0 { 0.05 * (-(t - 1.0) / 0.5).exp() } else { 0.0 });
+        let b = Beat { frequency: 2.0, harmonics: 6, within: WITHIN };
+        let parted = remove(&pushed, &[wave(1.16), wave(1.84)], &[0.0], Some(b), 1).unwrap();
+        assert!(parted.waves.iter().all(|w| w.abs() < 3e-3));
     }
 
     #[test]

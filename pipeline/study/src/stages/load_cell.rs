@@ -70,14 +70,16 @@ impl Stage for LoadCell {
 
 /// Samples of the fine thrust for one of the cell's.
 const FINE: usize = 25;
+/// Part of its time for which a push lasts.
+const PUSHES: f64 = 0.5;
 /// How long the thrust that is shown lasts, s.
 const LONG: Second = 6.0;
 
-/// Two pushes a beat, each a half-sine of a third of its time, never negative.
+/// Two pushes a beat, each the square of a sine over a part of its time, never negative.
 fn push(t: Second, set: &Settings) -> Newton {
     let part = (2.0 * set.shown_beat * t).fract();
     let ramp = (t / 0.5).clamp(0.0, 1.0);
-    if part < 1.0 / 3.0 { ramp * set.shown_peak * (3.0 * std::f64::consts::PI * part).sin() } else { 0.0 }
+    if part < PUSHES { ramp * set.shown_peak * (std::f64::consts::PI * part / PUSHES).sin().powi(2) } else { 0.0 }
 }
 
 fn shown(cell: Cell, rate: Hertz, noise: Newton, set: &Settings) -> Outcome<Shown> {

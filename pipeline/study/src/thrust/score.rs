@@ -127,7 +127,7 @@ mod tests {
     fn the_truth_has_no_error_and_the_mean_has_one_of_one() {
         let run = run(2.0, 2e4, 1);
         let mean = run.force.iter().sum::<f64>() / run.len() as f64;
-        let right = score(&[&run], &[run.force.clone()]);
+        let right = score(&[&run], std::slice::from_ref(&run.force));
         assert!(right.nrmse < 1e-12 && right.mean_error_percent < 1e-9 && right.phase_deg.abs() < 1e-9);
         let flat = score(&[&run], &[vec![mean; run.len()]]);
         assert!((flat.nrmse - 1.0).abs() < 1e-9 && flat.r2.abs() < 1e-9);
@@ -147,7 +147,7 @@ mod tests {
         let run = run(2.0, 2e4, 1);
         let off: Vec<f64> = run.force.iter().enumerate().map(|(i, f)| f + 0.01 * (i as f64 * 0.917).sin()).collect();
         let width = |s: Score| s.nrmse_interval[1] - s.nrmse_interval[0];
-        let one = score(&[&run], &[off.clone()]);
+        let one = score(&[&run], std::slice::from_ref(&off));
         assert!(one.nrmse_interval[0] <= one.nrmse && one.nrmse <= one.nrmse_interval[1]);
         let many = score(&[&run; 9], &vec![off; 9]);
         assert!(width(many) < width(one));
