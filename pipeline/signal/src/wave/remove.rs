@@ -3,7 +3,7 @@
 //! Each wave may begin anew at given times (the log's begin, the run's begin, its end); from then on it decays. Because the
 //! beat's own harmonics stand in the same fit, they are neither shrunk nor shifted, and what is subtracted holds nothing
 //! but sines at the waves' frequencies. A run's begin and end also look a little like waves; so each wave is expected to be about
-//! as large as still water showed it, against what beat and drift alone leave.
+//! as large as still water showed it, against what a free fit of everything leaves.
 //!
 //! Stands on: squares. Never knows: what beats.
 
@@ -71,12 +71,11 @@ pub fn remove(
 
 /// The weights of all columns, the first `waving` of them the waves'.
 ///
-/// A wave's cosine and sine have the spread of its amplitude a; what beat and drift leave, of standard deviation σ, stays alike
+/// A wave's cosine and sine have the spread of its amplitude a; what a free fit leaves, of standard deviation σ, stays alike
 /// for a quarter of the wave's period, n samples: n σ²/a² is added to each column's square (the most likely weights).
 fn weighted(signal: &Series, waves: &[Wave], columns: &[Vec<f64>], waving: usize) -> Option<Vec<f64>> {
-    let others = &columns[waving..];
-    let without = squares::sum(others, &squares::linear(others, signal.values())?);
-    let square: f64 = signal.values().iter().zip(&without).map(|(v, w)| (v - w).powi(2)).sum();
+    let fitted = squares::sum(columns, &squares::linear(columns, signal.values())?);
+    let square: f64 = signal.values().iter().zip(&fitted).map(|(v, w)| (v - w).powi(2)).sum();
     let variance = square / signal.values().len() as f64;
     let stiff = |i: usize| {
         let wave = &waves[(i / 2) % waves.len()];
