@@ -83,7 +83,6 @@ fn worst(teller: &Teller) -> f64 {
         (told.by_youngs_modulus[1], by_sheet),
     ];
     let off = |(a, b): &(f64, f64)| (a - b).abs() / a.abs().max(b.abs());
-    eprintln!("{:?}", pairs.iter().map(off).collect::<Vec<_>>());
     pairs.iter().map(off).fold(0.0, f64::max)
 }
 
