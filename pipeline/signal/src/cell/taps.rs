@@ -57,7 +57,7 @@ pub struct Identified {
     pub response: Vec<Response>,
     /// How many taps.
     pub taps: usize,
-    /// Standard deviation of what the model leaves of the log, N.
+    /// Standard deviation of the log before the first tap, about a line; where that is too short, of what the model leaves; N.
     pub noise: f64,
 }
 
@@ -82,6 +82,7 @@ pub fn from_taps(hammer: &Series, felt: &Series, [low, high]: [Hertz; 2]) -> Res
     let in_frequency = in_frequency(&frequencies, &pairs, &start).ok_or_else(|| unsettled("frequency"))?;
     let start = [in_frequency.cell.natural_frequency, in_frequency.cell.damping_ratio, 1.0];
     let (in_time, noise) = in_time(hammer, felt, &start).ok_or_else(|| unsettled("time"))?;
+    let noise = quiet(felt, begins[0]).unwrap_or(noise);
     Ok(Identified { in_time, in_frequency, response, taps: begins.len(), noise })
 }
 
@@ -95,6 +96,16 @@ fn failed(why: String) -> FitFailed {
 
 fn unsettled(domain: &str) -> FitFailed {
     failed(format!("the fit in the {domain} domain does not settle"))
+}
+
+/// Standard deviation of a log about a line until shortly before `until` (s); none of fewer than 20 samples.
+fn quiet(felt: &Series, until: Second) -> Option<f64> {
+    let count = ((until - BEFORE - felt.start()) * felt.rate()).max(0.0) as usize;
+    let values = felt.values().get(..count).filter(|v| v.len() >= 20)?;
+    let line = squares::drift(count, 1);
+    let fit = squares::sum(&line, &squares::linear(&line, values)?);
+    let square: f64 = values.iter().zip(fit).map(|(v, f)| (v - f).powi(2)).sum();
+    Some((square / (count - 2) as f64).sqrt())
 }
 
 /// When each tap begins, s.
@@ -238,6 +249,11 @@ mod tests {
             let found = from_taps(&hammer, &felt, [3.0, 30.0]).unwrap();
             found.response.iter().find(|r| r.frequency == 14.0).unwrap().coherence
         };
+        let (hammer, felt) = tapped(cell, 40.0, 5);
+        let found = from_taps(&hammer, &felt, [3.0, 30.0]).unwrap();
+        let ring = felt.values().iter().map(|v| v * v).sum::<f64>() / felt.values().len() as f64;
+        // 40 dB under the ring; 150 samples tell a spread to 6 %
+        assert!((found.noise / (0.01 * ring.sqrt()) - 1.0).abs() < 0.25, "{}", found.noise);
         assert!(at_peak(60.0) > 0.999 && at_peak(0.0) < at_peak(60.0));
     }
 

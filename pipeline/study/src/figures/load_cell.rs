@@ -34,7 +34,7 @@ impl figure::Figure for LoadCell {
         };
         let it = &cell.in_time;
         let title = format!(
-            "{}: {:.2} ± {:.3} Hz, ζ {:.4} ± {:.4}",
+            "{}: {:.3} ± {:.4} Hz, ζ {:.5} ± {:.5}",
             specimen.card.name, it.natural_frequency_hz, it.frequency_sigma_hz, it.damping_ratio, it.damping_sigma
         );
         let figure = Figure::new(DOUBLE_COLUMN_MM)

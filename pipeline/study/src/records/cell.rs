@@ -19,7 +19,7 @@ pub struct LoadCell {
     pub in_frequency: Fixture,
     /// How many taps.
     pub taps: usize,
-    /// Standard deviation of what the model leaves of the log, N.
+    /// Standard deviation of the log before the first tap, N.
     pub noise: Newton,
     /// The measured response, rising in frequency.
     pub response: Vec<Response>,
@@ -154,7 +154,7 @@ impl Record for LoadCell {
     fn telling(&self) -> String {
         let it = &self.in_time;
         format!(
-            "{:.2} ± {:.3} Hz, damping {:.4} ± {:.4}",
+            "{:.3} ± {:.4} Hz, damping {:.5} ± {:.5}",
             it.natural_frequency_hz, it.frequency_sigma_hz, it.damping_ratio, it.damping_sigma
         )
     }

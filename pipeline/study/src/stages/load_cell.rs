@@ -71,7 +71,7 @@ impl Stage for LoadCell {
 /// Samples of the fine thrust for one of the cell's.
 const FINE: usize = 25;
 /// Part of its time for which a push lasts.
-const PUSHES: f64 = 0.5;
+const PUSHES: f64 = 0.4;
 /// How long the thrust that is shown lasts, s.
 const LONG: Second = 6.0;
 
