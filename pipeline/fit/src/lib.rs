@@ -5,12 +5,15 @@
 //! [`least_squares`] turns residuals and their Jacobian into a step or into a covariance.
 //! Paper: section IV, system identification.
 //!
-//! Stands on: `si` and nalgebra. Never knows: a mesh, a material, a specimen, how a loss is computed.
+//! [`network`] is the dense network that learns a number from many.
+//!
+//! Stands on: `si`, nalgebra, faer, safetensors. Never knows: a mesh, a material, a specimen, how a loss is computed.
 
 pub mod bounds;
 mod error;
 pub mod least_squares;
 pub mod minimise;
+pub mod network;
 pub mod optimiser;
 pub mod optimisers;
 

@@ -7,7 +7,9 @@
 //! ```
 //! `force.csv` is what the load cell says, some 10 or 80 times a second. `hammer.csv` is what an instrumented hammer says of
 //! its blows on the cell's fixture, much faster, on the same clock. Both hold newtons to a millinewton, thrust positive
-//! forwards (along −x of the CAD frame). Lines that open with `#` are remarks; other columns may stand beside these.
+//! forwards (along −x of the CAD frame). A log of a filmed trial has a third column, `led`: the drive of the lamp from 0 to 1, a
+//! mean over the sampling interval around each time, which ties its clock to the film's. Lines that open with `#` are remarks;
+//! other columns may stand beside these.
 //!
 //! Stands on: `si`, the form of logs. Never knows: the clocks of the video and of the pressure log.
 
@@ -25,6 +27,16 @@ pub const COLUMNS: [&str; 2] = ["time_s", "force_n"];
 /// Forces outside this range (N) are no soft tail's and no light hammer's.
 pub const RANGE: [Newton; 2] = [-50.0, 50.0];
 
+/// The column of the lamp, where there is one.
+pub const LAMP: &str = "led";
+
+const WITH_LAMP: Form<3> = Form {
+    kind: FORM.kind,
+    columns: [COLUMNS[0], COLUMNS[1], LAMP],
+    ranges: [TIMES, (RANGE[0], RANGE[1], "N"), (0.0, 1.0, "(off to on)")],
+    absent: FORM.absent,
+};
+
 const FORM: Form<2> = Form {
     kind: "force log",
     columns: COLUMNS,
@@ -32,13 +44,15 @@ const FORM: Form<2> = Form {
     absent: "put the force log there, or correct `force` or `hammer` in specimen.toml",
 };
 
-/// A force log, both lists `samples` long.
+/// A force log, every list `samples` long.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ForceLog {
     /// Time on the amplifier's clock, s, strictly increasing and even to a fifth of a step.
     pub time: Vec<Second>,
     /// N, the zero of the amplifier in it.
     pub force: Vec<Newton>,
+    /// Drive of the lamp, 0 to 1; empty where the log has no such column.
+    pub led: Vec<f64>,
 }
 
 impl ForceLog {
@@ -61,7 +75,11 @@ impl ForceLog {
 /// [`Refusal`] when the file cannot be read, lacks a column, holds a NaN, a decimal comma, a number out of range, or
 /// time that does not rise evenly.
 pub fn read(path: &Path) -> Result<ForceLog, Refusal> {
-    log::read(&FORM, path).map(gathered)
+    let bytes = std::fs::read(path).map_err(|e| Refusal::io(path, &e, FORM.absent))?;
+    match String::from_utf8(bytes) {
+        Ok(text) => parse(&text, path),
+        Err(_) => log::read(&FORM, path).map(gathered),
+    }
 }
 
 /// The log in `text`; `path` is only quoted in refusals.
@@ -69,19 +87,31 @@ pub fn read(path: &Path) -> Result<ForceLog, Refusal> {
 /// # Errors
 /// As [`read`].
 pub fn parse(text: &str, path: &Path) -> Result<ForceLog, Refusal> {
-    log::parse(&FORM, text, path).map(gathered)
+    let header = text.lines().find(|line| !line.starts_with('#') && !line.trim().is_empty()).unwrap_or_default();
+    if !header.split(',').any(|name| name.trim() == LAMP) {
+        return log::parse(&FORM, text, path).map(gathered);
+    }
+    let rows = log::parse(&WITH_LAMP, text, path)?;
+    let led = rows.iter().map(|row| row[2]).collect();
+    Ok(ForceLog { led, ..gathered(rows.into_iter().map(|[time, force, _]| [time, force]).collect()) })
 }
 
 /// The text of a force log, with fixed digits; `remark` becomes its first line, after a `#`.
 pub fn write(log: &ForceLog, remark: &str) -> String {
-    let mut text = format!("# {remark}\n{}\n", COLUMNS.join(","));
-    for (time, force) in log.time.iter().zip(&log.force) {
-        writeln!(text, "{time:.6},{force:.3}").expect("a string takes any text");
+    let lit = !log.led.is_empty();
+    let lamp = if lit { format!(",{LAMP}") } else { String::new() };
+    let mut text = format!("# {remark}\n{}{lamp}\n", COLUMNS.join(","));
+    for (i, (time, force)) in log.time.iter().zip(&log.force).enumerate() {
+        write!(text, "{time:.6},{force:.3}").expect("a string takes any text");
+        if lit {
+            write!(text, ",{:.3}", log.led[i]).expect("a string takes any text");
+        }
+        text.push('\n');
     }
     text
 }
 
 fn gathered(rows: Vec<[f64; 2]>) -> ForceLog {
     let (time, force) = rows.into_iter().map(|[time, force]| (time, force)).unzip();
-    ForceLog { time, force }
+    ForceLog { time, force, led: Vec::new() }
 }

@@ -39,6 +39,16 @@ fn columns_may_stand_in_any_order_beside_others() {
 }
 
 #[test]
+fn a_lamp_beside_the_force_is_read_and_written() {
+    let text =
+        "# virtual bench\ntime_s,force_n,led\n0.000000,0.012,0.000\n0.012500,-0.003,0.250\n0.025000,0.250,1.000\n";
+    let log = parse(text).unwrap();
+    assert_eq!(log.led, [0.0, 0.25, 1.0]);
+    assert_eq!(force::write(&log, "virtual bench"), text);
+    assert!(parse(&text.replace("0.250\n0.02", "1.250\n0.02")).unwrap_err().contains("led = 1.25"));
+}
+
+#[test]
 fn a_force_in_grams_or_millinewtons_is_refused_with_its_line_column_and_range() {
     let said = refusal("0.250", "250");
     assert!(said.contains("trials/flap/force.csv, line 5:") && said.contains("force_n = 250"), "{said}");

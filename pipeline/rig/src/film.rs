@@ -1,24 +1,20 @@
 //! Films: frames are drawn on one side while they are encoded on the other.
 //!
-//! Frames are drawn in batches side by side and encoded in their order, so a film has the same bytes with any number of
-//! threads.
+//! Frames are drawn and encoded in their order; films side by side keep all cores busy.
 //!
-//! Stands on: `track` (the encoder), rayon. Never knows: what is drawn.
+//! Stands on: `track` (the encoder). Never knows: what is drawn.
 
 use std::path::Path;
 use std::sync::mpsc::sync_channel;
 
-use rayon::prelude::*;
 use track::Gray;
 use track::video::{Quality, Writer};
 
 use crate::fault::Fault;
 use crate::settings;
 
-/// Frames drawn side by side; a batch of 1280 × 720 px is 7 MB.
-const BATCH: usize = 8;
-/// Batches that may wait for the encoder.
-const WAITING: usize = 2;
+/// Frames that may wait for the encoder; one of 1280 × 720 px is 1 MB.
+const WAITING: usize = 8;
 
 /// Writes `frames` frames to `path`, each drawn by `draw`; `tick` is called after each.
 ///
@@ -35,16 +31,15 @@ pub fn shoot(
     let mut writer =
         Writer::create(path, set.width, set.height, set.rate, Quality::Quantiser(set.quantiser)).map_err(failed)?;
     std::thread::scope(|scope| {
-        let (send, receive) = sync_channel::<Vec<Gray>>(WAITING);
+        let (send, receive) = sync_channel::<Gray>(WAITING);
         scope.spawn(move || {
-            for first in (0..frames).step_by(BATCH) {
-                let batch = (first..(first + BATCH).min(frames)).into_par_iter().map(draw).collect();
-                if send.send(batch).is_err() {
+            for frame in 0..frames {
+                if send.send(draw(frame)).is_err() {
                     return; // the encoder has failed and says why
                 }
             }
         });
-        for picture in receive.into_iter().flatten() {
+        for picture in receive {
             writer.push(&picture).map_err(failed)?;
             tick();
         }

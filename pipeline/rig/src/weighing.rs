@@ -80,7 +80,8 @@ pub fn of_trial(
     let beside = |t| lift(t) + swell.at(t);
     let end = script.length + AFTERWARDS;
     let run = Run { id: &trial.id, pull: &pull, beside: &beside, medium: trial.medium, end };
-    let (log, truth) = cell::record(&set.cell, fixture_of(set, bench.seed), &run, clock, &mut draw);
+    let (mut log, truth) = cell::record(&set.cell, fixture_of(set, bench.seed), &run, clock, &mut draw);
+    log.led = cell::lamp(&set.cell, clock, &log.time, script);
     folder::write(folder, file, lab::force::write(&log, lab::VIRTUAL_BENCH).as_bytes())?;
     let mut forces = TrueForces::default();
     for i in 0..(script.length * TRUE_RATE) as usize {

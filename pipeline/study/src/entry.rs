@@ -101,7 +101,7 @@ pub const fn figure<F: Figure>() -> Entry {
         story: F::SHOWS,
         kind: Kind::Figure,
         edition: F::EDITION,
-        subjects: |study| study.name_if_any(),
+        subjects: |study| if F::is_made_for(study) { study.name_if_any() } else { Vec::new() },
         ingredients: |study, _, _| Ok(shown(F::Needs::wanted(study))),
         make: |study, _, _, shelf, _| {
             let svg = F::draw(F::Needs::fetch(study, shelf)?)?.svg().map_err(Fault::from_tool)?;
@@ -119,7 +119,7 @@ pub const fn table<T: Table>() -> Entry {
         story: T::SHOWS,
         kind: Kind::Table,
         edition: T::EDITION,
-        subjects: |study| study.name_if_any(),
+        subjects: |study| if T::is_made_for(study) { study.name_if_any() } else { Vec::new() },
         ingredients: |study, _, _| Ok(shown(T::Needs::wanted(study))),
         make: |study, _, _, shelf, _| {
             let table = T::fill(T::Needs::fetch(study, shelf)?)?;

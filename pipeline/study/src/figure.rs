@@ -17,6 +17,12 @@ pub trait Figure {
     /// Counted up when the same records give another picture than before.
     const EDITION: u32;
 
+    /// Whether there is anything to show: a study without a load cell has no such figure.
+    fn is_made_for(study: &Study) -> bool {
+        let _ = study;
+        true
+    }
+
     /// Draws it.
     ///
     /// # Errors

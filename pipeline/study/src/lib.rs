@@ -32,6 +32,7 @@ pub mod stages;
 pub mod subject;
 pub mod table;
 pub mod tables;
+pub mod thrust;
 
 use std::path::Path;
 use std::sync::Arc;

@@ -94,6 +94,11 @@ impl<R: Record<Of = crate::subject::Trial>> Needs<Specimen> for Learning<R> {
 pub struct Every<R: Record>(pub Vec<(R::Of, R)>);
 
 impl<R: Record> Every<R> {
+    /// Whether there is any.
+    pub fn any(of: &Study) -> bool {
+        !Self::subjects(of).is_empty()
+    }
+
     fn subjects(of: &Study) -> Vec<R::Of> {
         R::Of::all(of).into_iter().filter(R::is_made_for).collect()
     }
@@ -105,6 +110,46 @@ impl<R: Record> Needs<Study> for Every<R> {
     }
 
     fn fetch(of: &Study, shelf: &dyn Shelf) -> Outcome<Self> {
+        let fetched = Self::subjects(of).into_iter().map(|s| fetch_one(&s, shelf).map(|r| (s, r)));
+        Ok(Self(fetched.collect::<Outcome<_>>()?))
+    }
+}
+
+/// A record that not every subject has: none where it is not made.
+pub struct Maybe<R>(pub Option<R>);
+
+impl<S, R> Needs<S> for Maybe<R>
+where
+    R: Record,
+    R::Of: SeenFrom<S>,
+{
+    fn wanted(of: &S) -> Vec<Id> {
+        let of = R::Of::seen_from(of);
+        if R::is_made_for(&of) { vec![id::<R>(&of)] } else { Vec::new() }
+    }
+
+    fn fetch(of: &S, shelf: &dyn Shelf) -> Outcome<Self> {
+        let of = R::Of::seen_from(of);
+        let found = if R::is_made_for(&of) { Some(fetch_one(&of, shelf)?) } else { None };
+        Ok(Self(found))
+    }
+}
+
+/// A kind of record over every trial of a specimen that has one.
+pub struct OfTrials<R: Record>(pub Vec<(R::Of, R)>);
+
+impl<R: Record<Of = crate::subject::Trial>> OfTrials<R> {
+    fn subjects(of: &Specimen) -> Vec<R::Of> {
+        of.trials().into_iter().filter(R::is_made_for).collect()
+    }
+}
+
+impl<R: Record<Of = crate::subject::Trial>> Needs<Specimen> for OfTrials<R> {
+    fn wanted(of: &Specimen) -> Vec<Id> {
+        Self::subjects(of).iter().map(id::<R>).collect()
+    }
+
+    fn fetch(of: &Specimen, shelf: &dyn Shelf) -> Outcome<Self> {
         let fetched = Self::subjects(of).into_iter().map(|s| fetch_one(&s, shelf).map(|r| (s, r)));
         Ok(Self(fetched.collect::<Outcome<_>>()?))
     }

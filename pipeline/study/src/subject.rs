@@ -35,6 +35,11 @@ impl Trial {
         self.trial.role == card::Role::Identify
     }
 
+    /// Whether it was weighed under water, so that there is thrust in its force log.
+    pub fn is_weighed_in_water(&self) -> bool {
+        self.trial.force.is_some() && self.trial.medium == card::Medium::Water
+    }
+
     /// Whether a model is judged by it.
     pub fn is_for_validation(&self) -> bool {
         self.trial.role == card::Role::Validate

@@ -17,6 +17,12 @@ pub trait Table {
     /// Counted up when the same records give another table than before.
     const EDITION: u32;
 
+    /// Whether there is anything to show: a study without a load cell has no such table.
+    fn is_made_for(study: &Study) -> bool {
+        let _ = study;
+        true
+    }
+
     /// Fills it in.
     ///
     /// # Errors

@@ -15,10 +15,11 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("track", &["si"]),
     ("signal", &["si"]),
     ("fit", &["si"]),
+    ("hydro", &["si"]),
     ("plot", &["si"]),
     ("lab", &["si"]),
     ("rig", &["si", "lab", "shape", "fem", "track", "signal"]),
-    ("study", &["si", "lab", "shape", "fem", "track", "signal", "fit", "plot"]),
+    ("study", &["si", "lab", "shape", "fem", "track", "signal", "fit", "hydro", "plot"]),
 ];
 
 /// What a manifest uses of the house beyond its arrows.

@@ -9,7 +9,7 @@ use crate::source::Source;
 use crate::tree::sources;
 
 /// Crates that serve any tail and so name none.
-const TOOLS: &[&str] = &["si", "shape", "fem", "track", "signal", "fit", "plot", "lab"];
+const TOOLS: &[&str] = &["si", "shape", "fem", "track", "signal", "fit", "hydro", "plot", "lab"];
 /// The tails of the paper.
 const SPECIMENS: &[&str] = &["nemo", "dory", "bruce"];
 

@@ -15,12 +15,15 @@ use super::fixture::Fixture;
 use super::oscillator::Oscillator;
 use crate::draw::Draw;
 use crate::logger::Clock;
+use crate::script::Script;
 use crate::settings;
 
 /// The force on the fixture is taken as straight over at most this, s.
 const STEP: Second = 2.5e-4;
 /// Digits that the log has of time.
 const TIME_DIGITS: f64 = 1e6;
+/// And of the lamp.
+const LAMP_DIGITS: f64 = 1e3;
 
 /// What acts during a run.
 pub struct Run<'a> {
@@ -68,6 +71,13 @@ pub fn record(
     let (clock_offset, clock_scale) = (clock.offset, clock.scale);
     let (forces, taps, waves) = (None, Vec::new(), Vec::new());
     (log, TrueForce { id, clock_offset, clock_scale, zero, drift, noise, forces, taps, waves })
+}
+
+/// What the amplifier's second channel says of the lamp at `times` (s, its own clock): the mean over one sampling interval.
+pub fn lamp(set: &settings::Cell, clock: Clock, times: &[Second], script: &Script) -> Vec<f64> {
+    let half = 0.5 / (set.rates[usize::from(!set.fast)] * clock.scale);
+    let drive = |t: &Second| script.lamp((t - clock.offset) / clock.scale, half);
+    times.iter().map(|t| (drive(t) * LAMP_DIGITS).round() / LAMP_DIGITS).collect()
 }
 
 /// What the fixture hands on at the end of an interval.

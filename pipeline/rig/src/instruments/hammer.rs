@@ -52,7 +52,7 @@ impl Blows {
         let time: Vec<Second> = (0..samples).map(|i| i as f64 / set.rate).collect();
         let mut force = |t: &Second| self.at((t - clock.offset) / clock.scale) + set.noise * draw.normal();
         let force = time.iter().map(|t| (force(t) * 1e3).round() / 1e3).collect();
-        ForceLog { time, force }
+        ForceLog { time, force, led: Vec::new() }
     }
 }
 

@@ -4,13 +4,21 @@
 //! A new figure: its file and its line in [`ALL`].
 
 mod dynamics;
+mod load_cell;
 mod sysid;
 mod tail;
+mod thrust;
 
 use crate::entry::{Entry, figure};
 
 /// Every figure.
-pub const ALL: &[Entry] = &[figure::<tail::Tail>(), figure::<sysid::Sysid>(), figure::<dynamics::Dynamics>()];
+pub const ALL: &[Entry] = &[
+    figure::<tail::Tail>(),
+    figure::<sysid::Sysid>(),
+    figure::<dynamics::Dynamics>(),
+    figure::<thrust::Thrust>(),
+    figure::<load_cell::LoadCell>(),
+];
 
 /// What a reader must know of where the data come from.
 fn origin_note<'a>(mut cards: impl Iterator<Item = &'a lab::Card>) -> String {

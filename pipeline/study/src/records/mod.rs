@@ -3,22 +3,30 @@
 //! Stands on: the contract in `record.rs`. Never knows: how a record is computed.
 
 mod camera;
+mod cell;
 mod identified;
 mod markers;
 mod mesh;
 mod motion;
 mod paths;
+mod pull;
 mod recovered;
+mod tank;
+mod thrust;
 mod tracks;
 mod validation;
 mod vtu;
 
 pub use camera::Camera;
+pub use cell::{Fixture, LoadCell, Shown};
 pub use identified::{Identified, Level, Point, Search, Surface, Tried};
 pub use markers::{LeftOut, Markers, Parts};
 pub use mesh::{Cavity, Mesh, Quality};
 pub use motion::{Clock, Gauge, Motion};
 pub use paths::{Path, Spread};
+pub use pull::Pull;
 pub use recovered::{Recovered, Specimen as RecoveredSpecimen};
+pub use tank::Tank;
+pub use thrust::{Crosstalk, Means, Scored, Thrust, Trace};
 pub use tracks::Tracks;
 pub use validation::Validation;

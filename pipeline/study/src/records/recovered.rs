@@ -25,6 +25,10 @@ pub struct Recovered {
     pub clock_error_ms: f64,
     /// Error of the focal length, the worst specimen, %.
     pub focal_error_percent: f64,
+    /// Error of the load cell's natural frequency, the worst specimen, %; none where no cell was tapped.
+    pub load_cell_frequency_error_percent: Option<f64>,
+    /// What is left of the standing waves at the begin of a log, the worst log, mN; none where no water was still.
+    pub wave_residual_mn: Option<f64>,
 }
 
 /// One specimen's materials, found and true.
@@ -73,6 +77,9 @@ impl Record for Recovered {
             Metric::new("recovery.clock_error_ms", self.clock_error_ms, "ms"),
             Metric::new("recovery.focal_error_percent", self.focal_error_percent, "%"),
         ];
+        let cell = self.load_cell_frequency_error_percent;
+        metrics.extend(cell.map(|e| Metric::new("recovery.load_cell_frequency_error_percent", e, "%")));
+        metrics.extend(self.wave_residual_mn.map(|e| Metric::new("recovery.wave_residual_mn", e, "mN")));
         for specimen in &self.specimens {
             let [body, spine] = specimen.errors_percent();
             metrics.push(Metric::new(format!("recovery.{}.body_e_error_percent", specimen.name), body, "%"));

@@ -8,23 +8,31 @@ mod clock;
 mod fitting;
 mod identify;
 mod landscape;
+mod load_cell;
 mod markers;
 mod mesh;
 mod plateaus;
 mod recovery;
+mod tank;
+mod thrust;
 mod track;
 mod validate;
+mod wave;
 
 use crate::entry::{Entry, stage};
 
 /// Every stage.
 pub const ALL: &[Entry] = &[
-    stage::<mesh::Mesh>(),         // two STLs                    → tetrahedra, chambers, marker points
-    stage::<camera::Camera>(),     // calibration video           → lens and plane
-    stage::<track::Track>(),       // video                       → pixels
-    stage::<markers::Markers>(),   // pixels                      → metres in the plane
-    stage::<clock::Clock>(),       // lamp, logs, metres          → motion and pressure on one clock
-    stage::<identify::Identify>(), // quasi-static motion         → Young's moduli
-    stage::<validate::Validate>(), // flapping never seen         → error of the prediction
-    stage::<recovery::Recovery>(), // what was found, what was true → how close
+    stage::<mesh::Mesh>(),          // two STLs                    → tetrahedra, chambers, marker points
+    stage::<camera::Camera>(),      // calibration video           → lens and plane
+    stage::<track::Track>(),        // video                       → pixels
+    stage::<markers::Markers>(),    // pixels                      → metres in the plane
+    stage::<clock::Clock>(),        // lamp, logs, metres          → motion and pressure on one clock
+    stage::<load_cell::LoadCell>(), // hammer taps               → how the load cell rings
+    stage::<tank::Tank>(),          // still water                 → the tank's waves
+    stage::<wave::Wave>(),          // force log                   → force without waves and drift
+    stage::<identify::Identify>(),  // quasi-static motion         → Young's moduli
+    stage::<validate::Validate>(),  // flapping never seen         → error of the prediction
+    stage::<thrust::Thrust>(),      // motion, pressure, force     → models of thrust
+    stage::<recovery::Recovery>(),  // what was found, what was true → how close
 ];

@@ -11,7 +11,7 @@ use si::{Point2, Second};
 
 use crate::fault::{Fault, Outcome};
 use crate::needs::Every;
-use crate::records::{Camera, Identified, Motion, Path, Recovered, RecoveredSpecimen, Tracks};
+use crate::records::{Camera, Identified, LoadCell, Motion, Path, Pull, Recovered, RecoveredSpecimen, Tank, Tracks};
 use crate::stage::{Desk, RawFile, Stage};
 use crate::subject::{Scope, Specimen, Study, Trial};
 
@@ -25,7 +25,8 @@ pub struct Settings {}
 
 impl Stage for Recovery {
     type Settings = Settings;
-    type Needs = (Every<Camera>, Every<Tracks>, Every<Motion>, Every<Identified>);
+    type Needs =
+        ((Every<Camera>, Every<Tracks>, Every<Motion>, Every<Identified>), (Every<LoadCell>, Every<Tank>, Every<Pull>));
     type Makes = Recovered;
     const STORY: &'static str = "what was found is compared with what was true";
     const EDITION: u32 = 2;
@@ -35,7 +36,7 @@ impl Stage for Recovery {
     }
 
     fn run(of: &Study, _: &Settings, needs: Self::Needs, desk: &dyn Desk) -> Outcome<Recovered> {
-        let (Every(cameras), Every(tracks), Every(motions), Every(identified)) = needs;
+        let ((Every(cameras), Every(tracks), Every(motions), Every(identified)), weighed) = needs;
         let mut recovered = Recovered::default();
         for specimen in virtual_specimens(of) {
             let truth = read(desk, &specimen.card.name)?;
@@ -50,6 +51,7 @@ impl Stage for Recovery {
                 let off = 100.0 * (camera.lens.fx / truth.lens.fx - 1.0).abs();
                 recovered.focal_error_percent = recovered.focal_error_percent.max(off);
             }
+            judge_forces(&mut recovered, specimen, &truth, &weighed);
             for trial in specimen.trials() {
                 let Some(true_trial) = truth.trial.iter().find(|t| t.id == trial.trial.id) else {
                     return Err(no_trial(&trial));
@@ -59,6 +61,51 @@ impl Stage for Recovery {
         }
         Ok(recovered)
     }
+}
+
+/// The worst of a specimen's force instruments, laid over the worst so far.
+fn judge_forces(
+    recovered: &mut Recovered,
+    specimen: &Specimen,
+    truth: &truth::Truth,
+    (Every(cells), Every(tanks), Every(pulls)): &(Every<LoadCell>, Every<Tank>, Every<Pull>),
+) {
+    let worse = |old: Option<f64>, new: f64| Some(old.map_or(new, |old| old.max(new)));
+    for ((_, cell), hidden) in cells.iter().filter(|(s, _)| s.name() == specimen.name()).zip(&truth.cell) {
+        let frequency = (hidden.stiffness / hidden.mass).sqrt() / std::f64::consts::TAU;
+        let off = 100.0 * (cell.in_time.natural_frequency_hz / frequency - 1.0).abs();
+        recovered.load_cell_frequency_error_percent = worse(recovered.load_cell_frequency_error_percent, off);
+    }
+    for (_, tank) in tanks.iter().filter(|(s, _)| s.name() == specimen.name()) {
+        let still = specimen.card.fixture.iter().find(|f| f.of == lab::card::FixtureOf::StillWater);
+        let Some(hidden) = still.and_then(|f| truth.force.iter().find(|t| t.id == f.id)) else { continue };
+        for (found, real) in tank.waves.iter().zip(&hidden.waves) {
+            let part = |turn: fn(f64) -> f64| found.amplitude * turn(found.phase) - real.amplitude * turn(real.phase);
+            let left = part(f64::cos).hypot(part(f64::sin));
+            recovered.wave_residual_mn = worse(recovered.wave_residual_mn, 1e3 * left);
+        }
+        for (trial, pull) in pulls.iter().filter(|(t, _)| t.card.name == specimen.card.name) {
+            let waves = truth.force.iter().find(|t| t.id == trial.trial.id).map_or(&[][..], |t| &t.waves);
+            if !waves.is_empty() {
+                let left = 1e3 * left_of(pull, waves, tank);
+                recovered.wave_residual_mn = worse(recovered.wave_residual_mn, left);
+            }
+        }
+    }
+}
+
+/// Root of the mean square of what a trial's waves and their removal leave, N. The decay of a hidden wave is taken as found.
+fn left_of(pull: &Pull, waves: &[truth::TrueWave], tank: &Tank) -> f64 {
+    let first = pull.time[0];
+    let real = |t: Second| -> f64 {
+        let one = |(real, found): (&truth::TrueWave, &signal::wave::Wave)| {
+            let angle = std::f64::consts::TAU * real.frequency * t + real.phase;
+            real.amplitude * (-found.decay * t).exp() * angle.cos()
+        };
+        waves.iter().zip(&tank.waves).map(one).sum()
+    };
+    let squares = pull.time.iter().zip(&pull.waves).map(|(t, found)| (found - real(t - first)).powi(2));
+    (squares.sum::<f64>() / pull.time.len() as f64).sqrt()
 }
 
 fn virtual_specimens(of: &Study) -> impl Iterator<Item = &Specimen> {

@@ -5,8 +5,15 @@
 
 mod methods;
 mod optics;
+mod thrust_models;
+mod trials;
 
 use crate::entry::{Entry, table};
 
 /// Every table.
-pub const ALL: &[Entry] = &[table::<methods::Methods>(), table::<optics::Optics>()];
+pub const ALL: &[Entry] = &[
+    table::<methods::Methods>(),
+    table::<optics::Optics>(),
+    table::<trials::Trials>(),
+    table::<thrust_models::ThrustModels>(),
+];

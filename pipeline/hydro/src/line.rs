@@ -1,0 +1,136 @@
+//! The centre line of a tail from a few marks on it: a spline of displacements that leaves the clamp straight.
+//!
+//! d(a) is a cubic spline with d = 0, d' = 0 at the clamp, through the marks' displacements, with d'' = 0 at the last mark
+//! and straight beyond. It is linear in the displacements, so each place has fixed weights.
+//!
+//! Stands on: `si`. Never knows: which component is interpolated.
+
+use si::Metre;
+
+/// A spline's places: the clamp, then the marks.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CentreLine {
+    knots: Vec<Metre>,
+}
+
+/// What a place takes of each mark.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Weights {
+    /// Of its displacement, no unit.
+    pub value: Vec<f64>,
+    /// Of the displacement's slope along the tail, 1/m.
+    pub slope: Vec<f64>,
+}
+
+impl CentreLine {
+    /// A line from `clamp` (m) through marks at `marks` (m, rising behind the clamp); none when they do not rise.
+    pub fn new(clamp: Metre, marks: &[Metre]) -> Option<Self> {
+        let knots: Vec<Metre> = std::iter::once(clamp).chain(marks.iter().copied()).collect();
+        let rises = knots.len() > 1 && knots.windows(2).all(|w| w[1] > w[0]);
+        rises.then_some(Self { knots })
+    }
+
+    /// The weights of the place `a` (m).
+    pub fn at(&self, a: Metre) -> Weights {
+        let marks = self.knots.len() - 1;
+        let one = |k: usize| {
+            let values: Vec<f64> = (0..=marks).map(|i| f64::from(u8::from(i == k + 1))).collect();
+            self.read(&values, &self.slopes(&values), a)
+        };
+        let (value, slope) = (0..marks).map(one).unzip();
+        Weights { value, slope }
+    }
+
+    /// d' at the knots: d'₀ = 0, d'' continuous between, d'' = 0 at the last (Thomas's elimination).
+    fn slopes(&self, values: &[f64]) -> Vec<f64> {
+        let n = self.knots.len();
+        let (mut main, mut right, mut upper) = (vec![1.0; n], vec![0.0; n], vec![0.0; n]);
+        for i in 1..n {
+            let back = self.knots[i] - self.knots[i - 1];
+            let rise = (values[i] - values[i - 1]) / back;
+            let (lower, own, above, pull) = match self.knots.get(i + 1) {
+                None => (1.0, 2.0, 0.0, 3.0 * rise),
+                Some(next) => {
+                    let ahead = next - self.knots[i];
+                    let rises = rise / back + (values[i + 1] - values[i]) / (ahead * ahead);
+                    (1.0 / back, 2.0 / back + 2.0 / ahead, 1.0 / ahead, 3.0 * rises)
+                }
+            };
+            let part = lower / main[i - 1];
+            main[i] = own - part * upper[i - 1];
+            right[i] = pull - part * right[i - 1];
+            upper[i] = above;
+        }
+        let mut slopes = vec![0.0; n];
+        for i in (1..n).rev() {
+            let after = if i + 1 < n { upper[i] * slopes[i + 1] } else { 0.0 };
+            slopes[i] = (right[i] - after) / main[i];
+        }
+        slopes
+    }
+
+    /// Value and slope of the spline at `a`.
+    fn read(&self, values: &[f64], slopes: &[f64], a: Metre) -> (f64, f64) {
+        let last = self.knots.len() - 1;
+        if a <= self.knots[0] {
+            return (0.0, 0.0);
+        }
+        if a >= self.knots[last] {
+            return (values[last] + slopes[last] * (a - self.knots[last]), slopes[last]);
+        }
+        let i = self.knots.partition_point(|k| *k <= a) - 1;
+        let length = self.knots[i + 1] - self.knots[i];
+        let s = (a - self.knots[i]) / length;
+        let (h00, h10) = ((1.0 + 2.0 * s) * (1.0 - s).powi(2), s * (1.0 - s).powi(2));
+        let (h01, h11) = (s * s * (3.0 - 2.0 * s), s * s * (s - 1.0));
+        let value = h00 * values[i] + h01 * values[i + 1] + length * (h10 * slopes[i] + h11 * slopes[i + 1]);
+        let bend = 6.0 * s * (1.0 - s) * (values[i + 1] - values[i]) / length;
+        let slope = bend + (1.0 - s) * (1.0 - 3.0 * s) * slopes[i] + s * (3.0 * s - 2.0) * slopes[i + 1];
+        (value, slope)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line() -> CentreLine {
+        CentreLine::new(0.01, &[0.05, 0.07, 0.085]).unwrap()
+    }
+
+    #[test]
+    fn marks_are_met_and_the_clamp_is_left_straight() {
+        for (k, a) in [0.05, 0.07, 0.085].into_iter().enumerate() {
+            let weights = line().at(a);
+            assert!(weights.value.iter().enumerate().all(|(i, w)| (w - f64::from(u8::from(i == k))).abs() < 1e-12));
+        }
+        assert!(line().at(0.010001).slope.iter().all(|s| s.abs() < 0.05));
+    }
+
+    #[test]
+    fn the_slope_is_the_value_s_difference_and_runs_on_smoothly() {
+        for a in [0.02, 0.05, 0.06, 0.07, 0.08, 0.085, 0.1] {
+            let (up, down, at) = (line().at(a + 1e-7), line().at(a - 1e-7), line().at(a));
+            for k in 0..3 {
+                let difference = (up.value[k] - down.value[k]) / 2e-7;
+                assert!((difference - at.slope[k]).abs() < 1e-4 * at.slope[k].abs().max(10.0), "{a}: {difference}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_bend_that_a_spline_can_be_is_found_between_its_marks() {
+        // d = a²(3L − a): a beam under an end load, cubic, without curvature at the last mark L
+        let beam = |a: f64| (a - 0.01).powi(2) * (3.0 * 0.075 - (a - 0.01));
+        let marks = [0.05, 0.07, 0.085].map(beam);
+        for a in [0.02, 0.04, 0.06, 0.08] {
+            let sum: f64 = line().at(a).value.iter().zip(marks).map(|(w, d)| w * d).sum();
+            assert!((sum - beam(a)).abs() < 1e-15, "{a}");
+        }
+    }
+
+    #[test]
+    fn marks_that_do_not_rise_make_no_line() {
+        assert!(CentreLine::new(0.01, &[0.05, 0.05]).is_none() && CentreLine::new(0.01, &[]).is_none());
+    }
+}

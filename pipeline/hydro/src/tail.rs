@@ -1,0 +1,194 @@
+//! A tail in motion: marks on its centre line in, the parts of its thrust out, each with its derivatives.
+//!
+//! Sections stand at the middles of equal lengths between clamp and trailing edge, each with its depth; integrals along the
+//! tail are sums over them (midpoint rule).
+//!
+//! Stands on: `elongated`, `resistive`, `line`. Never knows: coefficients.
+
+use si::{KilogramPerCubicMetre, Metre, Point2};
+
+use crate::line::{CentreLine, Weights};
+use crate::{Section, Sloped, elongated, resistive};
+
+/// Why there is no tail.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error(
+    "marks at {marks:?} m between a clamp at {clamp} m and an edge at {edge} m make no centre line\n  why: they must rise from the clamp to the edge\n  do:  correct the markers or the clamp on the card"
+)]
+pub struct TailError {
+    clamp: Metre,
+    edge: Metre,
+    marks: Vec<Metre>,
+}
+
+/// A tail by its sections.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tail {
+    density: KilogramPerCubicMetre,
+    sections: Vec<Slice>,
+    edge: Slice,
+    marks: usize,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct Slice {
+    weights: Weights,
+    depth: Metre,
+    length: Metre,
+}
+
+/// A part of the thrust and its derivatives by every mark's displacement (per m) and velocity (per m/s): marks × 2 each.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Part {
+    /// N, or N s for a momentum.
+    pub value: f64,
+    /// By displacement.
+    pub by_place: Vec<Point2>,
+    /// By velocity.
+    pub by_velocity: Vec<Point2>,
+}
+
+/// The parts of the thrust.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Terms {
+    /// ½ m ẏ² at the trailing edge: the paper's, N.
+    pub simple: Part,
+    /// Lighthill's terms at the trailing edge, N.
+    pub shed: Part,
+    /// ∫ m w n_x da, N s: its rate is the rest of Lighthill's thrust.
+    pub momentum: Part,
+    /// Drag of all sections for a coefficient of one, N.
+    pub drag: Part,
+}
+
+impl Tail {
+    /// A tail held up to `clamp` (m) with marks at `marks` (m, rising) and its trailing edge at `edge` (m), cut into `count`
+    /// sections whose depth (m) at a place (m) is `depth`.
+    ///
+    /// # Errors
+    /// [`TailError`] when the marks do not rise from the clamp to the edge.
+    pub fn new(
+        density: KilogramPerCubicMetre,
+        clamp: Metre,
+        marks: &[Metre],
+        edge: Metre,
+        count: usize,
+        depth: &dyn Fn(Metre) -> Metre,
+    ) -> Result<Self, TailError> {
+        let refused = || TailError { clamp, edge, marks: marks.to_vec() };
+        let line = CentreLine::new(clamp, marks).filter(|_| marks.iter().all(|m| *m <= edge)).ok_or_else(refused)?;
+        let length = (edge - clamp) / count as f64;
+        let slice = |a: Metre| Slice { weights: line.at(a), depth: depth(a), length };
+        let sections = (0..count).map(|i| slice(clamp + (i as f64 + 0.5) * length)).collect();
+        Ok(Self { density, sections, edge: slice(edge), marks: marks.len() })
+    }
+
+    /// The terms while the marks are displaced by `moved` (m) and move with `speed` (m/s), a pair a mark.
+    pub fn terms(&self, moved: &[Point2], speed: &[Point2]) -> Terms {
+        let mass = |slice: &Slice| elongated::virtual_mass(self.density, slice.depth);
+        let at_edge = |force: fn(f64, &Section) -> Sloped| {
+            let mut part = self.nothing();
+            self.edge.add(&mut part, moved, speed, 1.0, &|s| force(mass(&self.edge), s));
+            part
+        };
+        let (mut momentum, mut drag) = (self.nothing(), self.nothing());
+        for slice in &self.sections {
+            slice.add(&mut momentum, moved, speed, slice.length, &|s| elongated::momentum(mass(slice), s));
+            slice.add(&mut drag, moved, speed, slice.length, &|s| resistive::drag(self.density, slice.depth, s));
+        }
+        Terms { simple: at_edge(elongated::trailing_edge), shed: at_edge(elongated::shed), momentum, drag }
+    }
+
+    fn nothing(&self) -> Part {
+        Part { value: 0.0, by_place: vec![[0.0; 2]; self.marks], by_velocity: vec![[0.0; 2]; self.marks] }
+    }
+}
+
+impl Slice {
+    /// Adds `times` what `force` is here to a part.
+    fn add(&self, part: &mut Part, moved: &[Point2], speed: &[Point2], times: f64, force: &dyn Fn(&Section) -> Sloped) {
+        let of =
+            |weights: &[f64], marks: &[Point2], k: usize| weights.iter().zip(marks).map(|(w, m)| w * m[k]).sum::<f64>();
+        let Weights { value, slope } = &self.weights;
+        let tangent = [1.0 + of(slope, moved, 0), of(slope, moved, 1)];
+        let velocity = [of(value, speed, 0), of(value, speed, 1)];
+        let found = force(&Section { tangent, velocity }).times(times);
+        part.value += found.value;
+        for mark in 0..value.len() {
+            for k in 0..2 {
+                part.by_place[mark][k] += slope[mark] * found.by_tangent[k];
+                part.by_velocity[mark][k] += value[mark] * found.by_velocity[k];
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    fn tail(count: usize) -> Tail {
+        Tail::new(1000.0, 0.01, &[0.05, 0.07, 0.09], 0.11, count, &|a| 0.06 - 0.2 * a).unwrap()
+    }
+
+    const MOVED: [Point2; 3] = [[-1e-3, 5e-3], [-3e-3, 12e-3], [-6e-3, 20e-3]];
+    const SPEED: [Point2; 3] = [[-0.01, 0.1], [-0.03, 0.18], [-0.05, 0.3]];
+
+    #[test]
+    fn every_slope_is_what_differences_say() {
+        let (tail, step) = (tail(12), 1e-6);
+        let parts = |t: Terms| [t.simple, t.shed, t.momentum, t.drag];
+        let found = parts(tail.terms(&MOVED, &SPEED));
+        for (mark, k) in (0..3).flat_map(|m| [(m, 0), (m, 1)]) {
+            let moved = |by: f64| {
+                let mut other = MOVED;
+                other[mark][k] += by;
+                parts(tail.terms(&other, &SPEED))
+            };
+            let quicker = |by: f64| {
+                let mut other = SPEED;
+                other[mark][k] += by;
+                parts(tail.terms(&MOVED, &other))
+            };
+            let (places, speeds) = ([moved(step), moved(-step)], [quicker(step), quicker(-step)]);
+            for (i, part) in found.iter().enumerate() {
+                let by = |two: &[[Part; 4]; 2]| (two[0][i].value - two[1][i].value) / (2.0 * step);
+                let near = |a: f64, b: f64| (a - b).abs() < 1e-6 * a.abs().max(b.abs()).max(1e-3);
+                assert!(
+                    near(by(&places), part.by_place[mark][k]) && near(by(&speeds), part.by_velocity[mark][k]),
+                    "part {i}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn the_integrals_converge_with_the_square_of_the_sections() {
+        let of = |count: usize| tail(count).terms(&MOVED, &SPEED).momentum.value;
+        let fine = of(640);
+        let ratio = (of(10) - fine) / (of(20) - fine);
+        assert!((3.6..4.4).contains(&ratio), "{ratio}");
+    }
+
+    #[test]
+    fn over_a_whole_beat_of_small_amplitude_the_mean_thrust_is_the_paper_s() {
+        // small bends: [½ m w² x'] is ½ m ẏ², the sliding is of fourth order, the momentum's rate has no mean
+        let tail = tail(24);
+        let (mut simple, mut shed, n) = (0.0, 0.0, 400);
+        for i in 0..n {
+            let angle = TAU * f64::from(i) / f64::from(n);
+            let swing = |amplitude: f64| [0.0, amplitude * angle.sin()];
+            let rate = |amplitude: f64| [0.0, 4.0 * TAU * amplitude * angle.cos()];
+            let terms = tail.terms(&[1e-4, 2e-4, 3e-4].map(swing), &[1e-4, 2e-4, 3e-4].map(rate));
+            simple += terms.simple.value / f64::from(n);
+            shed += terms.shed.value / f64::from(n);
+        }
+        assert!((shed / simple - 1.0).abs() < 1e-3, "{shed} {simple}");
+    }
+
+    #[test]
+    fn a_mark_beyond_the_edge_is_refused() {
+        assert!(Tail::new(1e3, 0.0, &[0.05, 0.2], 0.1, 10, &|_| 0.05).is_err());
+    }
+}

@@ -1,0 +1,132 @@
+//! Figure `load_cell`: the fixture rings, taps say how, and the ringing is undone. Paper, appendix.
+//!
+//! (a) mass, spring and damper between the force and the cell; (b), (c) size and phase of the response, measured and fitted,
+//! with the coherence; (d) a thrust that is never negative, the cell that goes below zero for it, and the inverse.
+//!
+//! Stands on: plot. Never knows: how a number was computed.
+
+use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Dash, Diagram, Figure, Mark, Marker, Panel, Part, Side, palette};
+use si::Point2;
+
+use super::origin_note;
+use crate::fault::{Fault, Outcome};
+use crate::figure;
+use crate::needs::Every;
+use crate::records;
+use crate::subject::Study;
+
+/// The figure.
+pub struct LoadCell;
+
+impl figure::Figure for LoadCell {
+    type Needs = Every<records::LoadCell>;
+    const NAME: &'static str = "load_cell";
+    const SHOWS: &'static str = "the load cell rings, taps say how, and the ringing is undone";
+    const EDITION: u32 = 1;
+
+    fn is_made_for(study: &Study) -> bool {
+        Every::<records::LoadCell>::any(study)
+    }
+
+    fn draw(Every(all): Self::Needs) -> Outcome<Figure> {
+        let Some((specimen, cell)) = all.first() else {
+            return Err(Fault::new("there is no load cell to show", "no card has taps", "study run load_cell"));
+        };
+        let it = &cell.in_time;
+        let title = format!(
+            "{}: {:.3} ± {:.4} Hz, ζ {:.5} ± {:.5}",
+            specimen.card.name, it.natural_frequency_hz, it.frequency_sigma_hz, it.damping_ratio, it.damping_sigma
+        );
+        let figure = Figure::new(DOUBLE_COLUMN_MM)
+            .row(
+                54.0,
+                [Panel::Diagram(schematic()).titled("measurement dynamics"), size(cell).titled(&title).share(1.4)],
+            )
+            .row(44.0, [phase(cell).titled("phase"), coherence(cell).titled("coherence")])
+            .row(52.0, [shown(cell).titled("a thrust that is never negative")]);
+        Ok(figure.noted(&origin_note(all.iter().map(|(s, _)| s.card.as_ref()))))
+    }
+}
+
+fn schematic() -> Diagram {
+    let arrow = |points: Vec<Point2>, text: &str| Part::Arrow {
+        points,
+        text: Some((text.to_owned(), Side::Above)),
+        colour: palette::INK,
+        dash: Dash::Solid,
+    };
+    let words =
+        |at: Point2, text: &str| Part::Text { at, text: text.to_owned(), side: Side::Above, colour: palette::INK };
+    let lines = vec!["m".to_owned()];
+    Diagram::new(76.0, 42.0)
+        .with(Part::Wall { from: [16.0, 6.0], to: [16.0, 36.0] })
+        .with(Part::Spring { from: [16.0, 13.0], to: [36.0, 13.0] })
+        .with(Part::Damper { from: [36.0, 29.0], to: [16.0, 29.0] })
+        .with(Part::Box { at: [45.0, 21.0], size: [18.0, 24.0], lines, fill: palette::FAINT })
+        .with(arrow(vec![[72.0, 21.0], [54.5, 21.0]], "f hydro"))
+        .with(arrow(vec![[14.0, 21.0], [2.0, 21.0]], "f m"))
+        .with(words([26.0, 15.5], "k"))
+        .with(words([26.0, 32.5], "b"))
+}
+
+fn of(cell: &records::LoadCell, part: impl Fn(&signal::cell::Response) -> f64) -> Vec<Point2> {
+    cell.response.iter().map(|r| [r.frequency, part(r)]).collect()
+}
+
+/// The fit on a grid ten times as fine as the response.
+fn fit(cell: &records::LoadCell, part: impl Fn(signal::spectrum::Phasor) -> f64) -> Vec<Point2> {
+    let ends = [cell.response.first(), cell.response.last()].map(|r| r.map_or(1.0, |r| r.frequency));
+    let at = |i: usize| ends[0] + (ends[1] - ends[0]) * i as f64 / 600.0;
+    (0..=600).map(at).map(|f| [f, part(cell.in_time.cell().transfer(f))]).collect()
+}
+
+fn frequency() -> Axis {
+    Axis::linear("frequency", "Hz")
+}
+
+fn size(cell: &records::LoadCell) -> Panel {
+    let axes = Axes::new(frequency(), Axis::log("|f m / f hydro|", ""))
+        .with(
+            Mark::points(of(cell, |r| r.transfer.norm()), Marker::Ring, palette::MEASURED).sized(2.6).labelled("taps"),
+        )
+        .with(Mark::line(fit(cell, |h| h.norm()), palette::SIMULATED).labelled("fit"));
+    Panel::Axes(axes)
+}
+
+fn phase(cell: &records::LoadCell) -> Panel {
+    let axes = Axes::new(frequency(), Axis::linear("phase", "°"))
+        .with(Mark::points(of(cell, |r| r.transfer.arg().to_degrees()), Marker::Ring, palette::MEASURED).sized(2.6))
+        .with(Mark::line(fit(cell, |h| h.arg().to_degrees()), palette::SIMULATED));
+    Panel::Axes(axes)
+}
+
+fn coherence(cell: &records::LoadCell) -> Panel {
+    let axes = Axes::new(frequency(), Axis::linear("coherence", "").range(0.0, 1.05))
+        .with(Mark::line(of(cell, |r| r.coherence), palette::MEASURED));
+    Panel::Axes(axes)
+}
+
+/// From when on the trace is shown, and for how long, s.
+const FROM: f64 = 2.0;
+const LONG: f64 = 1.5;
+
+fn shown(cell: &records::LoadCell) -> Panel {
+    let s = &cell.shown;
+    let cut = |values: &[f64]| -> Vec<Point2> {
+        let all = s.time.iter().zip(values).map(|(t, v)| [*t, *v]);
+        all.filter(|p| (FROM..FROM + LONG).contains(&p[0])).collect()
+    };
+    let undone = cut(&s.undone);
+    let edge = |by: f64| undone.iter().map(|p| p[1] + by * s.sigma).collect::<Vec<f64>>();
+    let x = undone.iter().map(|p| p[0]).collect();
+    let label = |what: &str, nrmse: f64| format!("{what}, NRMSE {nrmse:.2}");
+    let axes = Axes::new(Axis::linear("time", "s"), Axis::linear("force", "N"))
+        .with(Mark::level(0.0, palette::MUTED))
+        .with(Mark::band(x, edge(-2.0), edge(2.0), palette::SIMULATED))
+        .with(Mark::line(cut(&s.felt), palette::MEASURED).labelled(&label("felt", s.nrmse[0])))
+        .with(Mark::line(cut(&s.thrust), palette::NETWORK).sized(1.6).labelled("thrust"))
+        .with(
+            Mark::line(undone.clone(), palette::SIMULATED).dashed(Dash::Dashed).labelled(&label("undone", s.nrmse[1])),
+        );
+    Panel::Axes(axes.legend(plot::Legend::Over))
+}

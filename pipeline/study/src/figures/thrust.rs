@@ -1,0 +1,92 @@
+//! Figure `thrust`: motion, measured thrust, theory and network, on a run learnt from and on one held out. Paper, figure 8.
+//!
+//! A pair of panels a specimen (training, test): the last mark's sideways displacement over the forces; then the mean thrust of
+//! every run held out, told against measured.
+//!
+//! Stands on: plot. Never knows: how a number was computed.
+
+use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Dash, Figure, Legend, Mark, Marker, Panel, Placed, palette};
+use si::{MILLIMETRE, Point2};
+
+use super::origin_note;
+use crate::fault::{Fault, Outcome};
+use crate::figure;
+use crate::needs::Every;
+use crate::records::{self, Trace};
+use crate::subject::{Specimen, Study};
+
+/// The figure.
+pub struct Thrust;
+
+impl figure::Figure for Thrust {
+    type Needs = Every<records::Thrust>;
+    const NAME: &'static str = "thrust";
+    const SHOWS: &'static str = "theory and a network tell thrust on runs they saw and runs they did not";
+    const EDITION: u32 = 1;
+
+    fn is_made_for(study: &Study) -> bool {
+        Every::<records::Thrust>::any(study)
+    }
+
+    fn draw(Every(all): Self::Needs) -> Outcome<Figure> {
+        if all.is_empty() {
+            return Err(Fault::new("there is no thrust to show", "no card has a split of weighed trials", "add one"));
+        }
+        let mut figure = Figure::new(DOUBLE_COLUMN_MM);
+        for (specimen, thrust) in &all {
+            let moved: Vec<Placed> = thrust.traces.iter().map(|t| motion(specimen, t)).collect();
+            let pulled: Vec<Placed> = thrust.traces.iter().map(forces).collect();
+            figure = figure.row(26.0, moved).row(42.0, pulled);
+        }
+        figure = figure.row(50.0, all.iter().map(|(s, t)| means(s, t)).collect::<Vec<Placed>>());
+        Ok(figure.noted(&origin_note(all.iter().map(|(s, _)| s.card.as_ref()))))
+    }
+}
+
+/// Points against time from the trace's first sample on.
+fn curve(trace: &Trace, values: &[f64], by: f64) -> Vec<Point2> {
+    let first = trace.time.first().copied().unwrap_or(0.0);
+    trace.time.iter().zip(values).map(|(t, v)| [t - first, by * v]).collect()
+}
+
+fn motion(specimen: &Specimen, trace: &Trace) -> Placed {
+    let kind = if trace.learnt { "training" } else { "test" };
+    let mut time = Axis::linear("time", "s");
+    time.written = false;
+    let axes = Axes::new(time, Axis::linear("tail", "mm"))
+        .with(Mark::line(curve(trace, &trace.moved, 1.0 / MILLIMETRE), palette::DISPLACEMENT));
+    Panel::Axes(axes).titled(&format!("{} {kind}: {}", specimen.card.name, trace.run))
+}
+
+fn forces(trace: &Trace) -> Placed {
+    let mean = |values: &[f64]| 1e3 * values.iter().sum::<f64>() / values.len().max(1) as f64;
+    let label = |what: &str, values: &[f64]| format!("{what}, mean {:.0} mN", mean(values));
+    let axes = Axes::new(Axis::linear("time", "s"), Axis::linear("thrust", "mN"))
+        .with(Mark::level(0.0, palette::MUTED))
+        .with(
+            Mark::line(curve(trace, &trace.theory, 1e3), palette::ELONGATED_BODY)
+                .dashed(Dash::Dashed)
+                .labelled(&label("theory", &trace.theory)),
+        )
+        .with(
+            Mark::line(curve(trace, &trace.measured, 1e3), palette::MEASURED)
+                .sized(1.3)
+                .labelled(&label("measured", &trace.measured)),
+        )
+        .with(
+            Mark::line(curve(trace, &trace.network, 1e3), palette::NETWORK).labelled(&label("network", &trace.network)),
+        );
+    Placed::from(Panel::Axes(axes.legend(Legend::Over))).unlettered()
+}
+
+fn means(specimen: &Specimen, thrust: &records::Thrust) -> Placed {
+    let points = |told: fn(&records::Means) -> f64| -> Vec<Point2> {
+        thrust.means.iter().map(|m| [1e3 * m.measured_n, 1e3 * told(m)]).collect()
+    };
+    let most = thrust.means.iter().map(|m| 1e3 * m.measured_n).fold(0.0, f64::max);
+    let axes = Axes::new(Axis::linear("measured mean", "mN"), Axis::linear("told mean", "mN"))
+        .with(Mark::line(vec![[0.0, 0.0], [most, most]], palette::MUTED).dashed(Dash::Dotted))
+        .with(Mark::points(points(|m| m.theory_n), Marker::Triangle, palette::ELONGATED_BODY).labelled("theory"))
+        .with(Mark::points(points(|m| m.network_n), Marker::Disc, palette::NETWORK).labelled("network"));
+    Panel::Axes(axes.legend(Legend::Over)).titled(&format!("{}: runs held out", specimen.card.name))
+}

@@ -1,0 +1,67 @@
+//! Table `trials`: what thrust is learnt from and judged by, beside the published column. Paper, table II.
+//!
+//! Stands on: plot. Never knows: how a number was computed.
+
+use lab::card::{Experiment, Split};
+use plot::Column;
+use si::MILLIBAR;
+
+use crate::fault::{Fault, Outcome};
+use crate::needs::Every;
+use crate::records::Thrust;
+use crate::subject::{Scope, Specimen, Study};
+use crate::table::Table;
+
+/// The table.
+pub struct Trials;
+
+impl Table for Trials {
+    type Needs = Every<Thrust>;
+    const NAME: &'static str = "trials";
+    const SHOWS: &'static str = "what thrust is learnt from and judged by";
+    const EDITION: u32 = 1;
+
+    fn is_made_for(study: &Study) -> bool {
+        Every::<Thrust>::any(study)
+    }
+
+    fn fill(Every(all): Self::Needs) -> Outcome<plot::Table> {
+        let columns = [Column::words("specimen"), Column::words("mode")]
+            .into_iter()
+            .chain(Column::beside_published("trials", ""))
+            .chain([Column::words("pressure (mbar)"), Column::words("frequency (Hz)")])
+            .collect();
+        let rows = all.iter().flat_map(|(s, _)| [Split::Train, Split::Test].map(|split| row(s, split)));
+        plot::Table::new(columns, rows.collect()).map_err(Fault::from_tool)
+    }
+}
+
+fn row(specimen: &Specimen, split: Split) -> Vec<String> {
+    let trials = specimen.trials();
+    let of: Vec<_> = trials.iter().filter(|t| t.is_weighed_in_water() && t.trial.split == Some(split)).collect();
+    let beats = of.iter().filter_map(|t| match t.trial.experiment {
+        Experiment::Flapping { amplitude, frequency, .. } => Some((amplitude / MILLIBAR, frequency)),
+        Experiment::Staircase { .. } => None,
+    });
+    let (pressures, frequencies): (Vec<f64>, Vec<f64>) = beats.unzip();
+    let mode = if split == Split::Train { "training" } else { "test" };
+    let published = published(&specimen.name(), split).to_owned();
+    vec![specimen.name(), mode.into(), of.len().to_string(), published, distinct(pressures), distinct(frequencies)]
+}
+
+fn distinct(mut values: Vec<f64>) -> String {
+    values.sort_by(f64::total_cmp);
+    values.dedup_by(|a, b| (*a - *b).abs() < 1e-6);
+    values.iter().map(|v| format!("{v:.0}")).collect::<Vec<_>>().join(", ")
+}
+
+/// The paper's table II.
+fn published(specimen: &str, split: Split) -> &'static str {
+    match (specimen, split) {
+        ("nemo", Split::Train) => "32",
+        ("nemo", Split::Test) => "8",
+        ("bruce", Split::Train) => "30",
+        ("bruce", Split::Test) => "10",
+        _ => "",
+    }
+}

@@ -1,0 +1,16 @@
+//! Thrust: models that tell it from motion and pressure, from the mean to a network, fitted and judged alike.
+//!
+//! [`run`] is one beating trial as evenly spaced samples; `rungs/` holds one file a kind of model and the list `LADDER`;
+//! [`score`] judges what a rung says of runs it never saw; [`splits`] chooses which those are; [`simulated`] evaluates a
+//! trained model on a simulated motion, with gradients.
+//!
+//! Stands on: hydro, fit, signal. Never knows: a file, a record, a stage. Paper: section V.
+
+pub mod run;
+pub mod rungs;
+pub mod score;
+pub mod simulated;
+pub mod splits;
+
+pub use run::Run;
+pub use rungs::{Fitted, LADDER, Lesson, Rung};

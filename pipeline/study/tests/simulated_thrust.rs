@@ -1,0 +1,112 @@
+//! Thrust of a simulated motion: its gradient against differences, and a search that climbs.
+//!
+//! Stands on: `study` as its users see it, fem's boxes. Never knows: a specimen.
+
+#![allow(clippy::unwrap_used)] // a test may fail where it stands
+
+use fem::{Clamps, March, Mesh, RegionProperties, Scheme, Solver, System, boxes, materials};
+use fit::network::{Network, Scale};
+use hydro::Tail;
+use study::thrust::simulated::{Bench, Limits, Teller, Wave, best_wave};
+
+/// A bar of 80 × 20 × 20 mm, half of it meshed, with an air chamber on either side of a stiff sheet.
+fn body() -> (Solver, Mesh) {
+    let air = |c: [usize; 3], y: usize| (1..7).contains(&c[0]) && c[1] == y && c[2] == 0;
+    let place = |at: [f64; 3]| [0.08 * at[0], 0.02 * (at[1] - 0.5), 0.01 * at[2]];
+    let region = move |c: [usize; 3]| if air(c, 1) || air(c, 3) { None } else { Some(u16::from(c[1] == 2)) };
+    let mesh = boxes::with_middles(&boxes::grid([8, 5, 2], true, place, region));
+    let material = materials::by_name("neo_hookean").unwrap();
+    let soft = RegionProperties { material, youngs_modulus: 2e5, poissons_ratio: 0.45, density: 1e3 };
+    let stiff = RegionProperties { youngs_modulus: 5e6, poissons_ratio: 0.35, ..soft };
+    let clamps = Clamps::below_x(&mesh, 1e-9);
+    let system = std::sync::Arc::new(System::new(mesh.clone(), vec![soft, stiff], clamps).unwrap());
+    (system.solver(), mesh)
+}
+
+/// The nodes on the middle plane nearest to three places along the bar.
+fn marks(mesh: &Mesh) -> Vec<Vec<(u32, f64)>> {
+    let away = |at: &[f64; 3], x: f64| (at[0] - x).powi(2) + at[1].powi(2) + at[2].powi(2);
+    let nearest = |x: f64| {
+        let order = |a: &usize, b: &usize| away(&mesh.nodes[*a], x).total_cmp(&away(&mesh.nodes[*b], x));
+        (0..mesh.nodes.len()).min_by(order).unwrap() as u32
+    };
+    [0.04, 0.06, 0.08].map(|x| vec![(nearest(x), 1.0)]).to_vec()
+}
+
+fn bench<'a>(mesh: &Mesh, marks: &'a [Vec<(u32, f64)>]) -> Bench<'a> {
+    let march =
+        March { step: 5e-3, scheme: Scheme::Bdf2, mass_damping: 2.0, stiffness_damping: 1e-3, tolerance: 1e-11 };
+    Bench { nodes: mesh.nodes.len(), marks, march, steps: 40, settled: 10 }
+}
+
+const WAVE: Wave = Wave { amplitude: 6e3, frequency: 4.0, sharpness: 4.0 };
+
+fn tail() -> Tail {
+    Tail::new(1000.0, 0.0, &[0.04, 0.06, 0.08], 0.08, 12, &|_| 0.02).unwrap()
+}
+
+fn network() -> Network {
+    let spread = [vec![5e-3; 6], vec![0.1; 6], vec![3e3; 2], vec![5e4; 2]].concat();
+    let scale = Scale { input_mean: vec![0.0; 16], input_spread: spread, answer_mean: 0.02, answer_spread: 0.05 };
+    Network::new(scale, &[30, 40, 30], 11)
+}
+
+/// Largest distance of the gradient's parts from central differences, over the larger of the two.
+fn worst(teller: &Teller) -> f64 {
+    let (mut solver, mesh) = body();
+    let marks = marks(&mesh);
+    let bench = bench(&mesh, &marks);
+    let told = bench.gradient(&mut solver, &WAVE, teller).unwrap();
+    assert!((told.mean - bench.mean(&mut solver, &WAVE, teller).unwrap()).abs() < 1e-9 * told.mean.abs());
+    let mut waved = |amplitude: f64, frequency: f64| {
+        bench.mean(&mut solver, &Wave { amplitude, frequency, ..WAVE }, teller).unwrap()
+    };
+    // steps at which a difference of second order is good to some 1e-7 and a kink of the network is rarely crossed
+    let (a, f) = (1e-4 * WAVE.amplitude, 1e-4 * WAVE.frequency);
+    let by_a = (waved(WAVE.amplitude + a, WAVE.frequency) - waved(WAVE.amplitude - a, WAVE.frequency)) / (2.0 * a);
+    let by_f = (waved(WAVE.amplitude, WAVE.frequency + f) - waved(WAVE.amplitude, WAVE.frequency - f)) / (2.0 * f);
+    let mut stiff = |region: usize, e: f64, nu: f64| {
+        let step = 1e-4 * e;
+        let mut at = |e: f64| {
+            solver.set_elastic(region, e, nu).unwrap();
+            bench.mean(&mut solver, &WAVE, teller).unwrap()
+        };
+        let difference = (at(e + step) - at(e - step)) / (2.0 * step);
+        at(e);
+        difference
+    };
+    let (by_body, by_sheet) = (stiff(0, 2e5, 0.45), stiff(1, 5e6, 0.35));
+    let pairs = [
+        (told.by_amplitude, by_a),
+        (told.by_frequency, by_f),
+        (told.by_youngs_modulus[0], by_body),
+        (told.by_youngs_modulus[1], by_sheet),
+    ];
+    let off = |(a, b): &(f64, f64)| (a - b).abs() / a.abs().max(b.abs());
+    pairs.iter().map(off).fold(0.0, f64::max)
+}
+
+#[test]
+fn the_gradient_of_theory_s_mean_thrust_is_what_differences_say() {
+    assert!(worst(&Teller::Theory(&tail(), [0.9, 0.8, 1.2, 0.05, 0.01])) < 1e-4);
+}
+
+#[test]
+fn the_gradient_of_the_network_s_mean_thrust_is_what_differences_say() {
+    assert!(worst(&Teller::Network(&network())) < 1e-4);
+}
+
+#[test]
+fn the_best_wave_climbs_to_the_limit_of_pressure() {
+    let (mut solver, mesh) = body();
+    let marks = marks(&mesh);
+    let bench = Bench { steps: 30, settled: 6, ..bench(&mesh, &marks) };
+    let limits = Limits { amplitude: 8e3, frequency: [2.0, 8.0], rounds: 6 };
+    let start = Wave { amplitude: 4e3, ..WAVE };
+    let tail = tail();
+    let way = best_wave(&bench, &mut solver, &Teller::Theory(&tail, [1.0, 1.0, 0.0, 0.0, 0.0]), start, limits).unwrap();
+    assert!(way.len() > 2 && way.windows(2).all(|w| w[1].1 > w[0].1));
+    let best = way[way.len() - 1].0;
+    // more pressure always gives more thrust in theory without drag
+    assert!(best.amplitude > 0.9 * limits.amplitude, "{best:?}");
+}
