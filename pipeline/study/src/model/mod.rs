@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use fem::{Chamber, Clamps, Elements, Faces, RegionProperties, Solver, System};
 use lab::card::{Card, Solid};
+use serde::{Deserialize, Serialize};
 use shape::{QuadraticMesh, Skin, Spot};
 use si::{Pascal, Point2, Point3};
 
@@ -25,8 +26,30 @@ pub struct Model {
     pub system: Arc<System>,
     /// The card's markers as material points, in its order.
     pub markers: Vec<Spot>,
-    /// Poisson's ratios of body and spine, from the card.
+    /// What the card says of body and spine.
+    pub nominal: Elastic,
+}
+
+/// The elastic constants of body and spine.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Elastic {
+    /// E, Pa.
+    pub youngs_moduli: [Pascal; 2],
+    /// ν, no unit.
     pub poissons_ratios: [f64; 2],
+}
+
+impl Elastic {
+    /// Gives them to a solver.
+    ///
+    /// # Errors
+    /// A [`Fault`] when a modulus is not positive or a ratio is not below one half.
+    pub fn give(&self, solver: &mut Solver) -> Outcome<()> {
+        for (region, (e, nu)) in self.youngs_moduli.into_iter().zip(self.poissons_ratios).enumerate() {
+            solver.set_elastic(region, e, nu).map_err(Fault::from_tool)?;
+        }
+        Ok(())
+    }
 }
 
 /// The region of the soft body.
@@ -44,19 +67,21 @@ impl Model {
         let regions = vec![region("body", &card.solid.body)?, region("spine", &card.solid.spine)?];
         let clamps = Clamps::below_x(&solid, card.clamp.below_x);
         let system = System::new(solid, regions, clamps).map_err(Fault::from_tool)?;
-        let poissons_ratios = [card.solid.body.poissons_ratio, card.solid.spine.poissons_ratio];
-        Ok(Self { system: Arc::new(system), markers: mesh.markers.clone(), poissons_ratios })
+        let solids = [&card.solid.body, &card.solid.spine];
+        let nominal = Elastic {
+            youngs_moduli: solids.map(|s| s.youngs_modulus),
+            poissons_ratios: solids.map(|s| s.poissons_ratio),
+        };
+        Ok(Self { system: Arc::new(system), markers: mesh.markers.clone(), nominal })
     }
 
-    /// Gives a solver other Young's moduli of body and spine, Pa; Poisson's ratios stay the card's.
+    /// The model with its markers where films saw them at rest (m, in the plane), instead of where the card has them.
     ///
-    /// # Errors
-    /// A [`Fault`] when a modulus is not a positive number.
-    pub fn set_moduli(&self, solver: &mut Solver, moduli: [Pascal; 2]) -> Outcome<()> {
-        for (region, (e, nu)) in moduli.into_iter().zip(self.poissons_ratios).enumerate() {
-            solver.set_elastic(region, e, nu).map_err(Fault::from_tool)?;
-        }
-        Ok(())
+    /// A mark painted a little off its place moves with the material there.
+    pub fn seen_at(self, mesh: &Mesh, card: &Card, rest: &[Point2]) -> Self {
+        let spot =
+            |(marker, at): (&lab::card::Marker, &Point2)| shape::embed(&mesh.solid, [at[0], at[1], marker.at[2]]).0;
+        Self { markers: card.marker.iter().zip(rest).map(spot).collect(), ..self }
     }
 
     /// Displacement of a marker in the plane, m, from the displacement of all nodes (3 a node).
