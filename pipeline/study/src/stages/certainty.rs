@@ -32,15 +32,12 @@ pub fn of(card: &Card, best: &Evaluation, search: &Search) -> Outcome<Certainty>
     })
 }
 
-/// What to film where a modulus stays uncertain.
+/// What to film where a modulus stays uncertain: a word for each.
 fn more_data(sigma: &[f64]) -> Vec<String> {
-    let loose: Vec<&str> = NAMES.iter().zip(sigma).filter(|(_, s)| **s > UNCERTAIN).map(|(n, _)| *n).collect();
-    if loose.is_empty() {
-        return Vec::new();
-    }
+    let loose = NAMES.iter().zip(sigma).filter(|(_, s)| **s > UNCERTAIN);
     let said =
         "is known to a tenth at best: film more markers between clamp and fin, or hold more pressures on both sides";
-    vec![format!("E of {} {said}", loose.join(" and "))]
+    loose.map(|(name, _)| format!("E of {name} {said}")).collect()
 }
 
 /// Part of the way across the plausible range that counts as its end.

@@ -66,7 +66,7 @@ impl<'a> Fitting<'a> {
         let model = Model::new(mesh, &of.card)?.seen_at(mesh, &of.card, &mean_rest(&films.0));
         let doubt = Doubt { discrepancy_m: set.discrepancy, share: set.share };
         let levels = Levels::new(all, &counts, &doubt, of.card.length)?;
-        let softest = softest(&model, &levels.rungs, &bounds, set.static_tolerance);
+        let softest = softest(&model, &levels.rungs, &bounds);
         bounds.low[0] = softest;
         let start = vec![softest.max(0.0) + if softest > 0.0 { 0.25 * (bounds.high[0] - softest) } else { 0.0 }, 0.0];
         let search = Search::new(&NAMES, start, bounds).map_err(Fault::from_tool)?;
@@ -279,32 +279,29 @@ fn told_before(told: &[Told], want: Want) -> bool {
     want != Want::Gradient || !told.is_empty()
 }
 
-/// Halvings of the way between stiff and soft in which the softest body is sought that bears the highest pressures.
-const SOFTER: usize = 5;
+/// Step of the way from stiff to soft, in the logarithm of the body's modulus.
+const SOFTER: f64 = 0.1;
 
-/// Logarithm over the nominal value of the softest body, a little above it, that has a shape at the highest pressure of each
-/// film, with the softest plausible spine; the box's lower end where that has one.
+/// Logarithm over the nominal value of the softest body that surely has a shape at the highest pressure of each film, with the
+/// softest plausible spine; the box's lower end where that has one.
 ///
-/// Below it the films cannot be simulated, whatever is plausible: walls leave their shapes.
-fn softest(model: &Model, rungs: &[Rung], bounds: &Bounds, tolerance: f64) -> f64 {
-    let settings = StaticSettings { tolerance, halvings: HALVINGS, ..StaticSettings::default() };
+/// Below it the films cannot be simulated, whatever is plausible: walls leave their shapes. It is come upon from the stiff side,
+/// each shape warm from the last, because a shape that is not there is sought longest.
+fn softest(model: &Model, rungs: &[Rung], bounds: &Bounds) -> f64 {
+    let settings = StaticSettings { tolerance: 1e-4, halvings: 0, iterations: 12, ..StaticSettings::default() };
     let top = rungs.iter().map(Rung::top).fold(0.0, f64::max);
     let highest: Vec<Rung> = rungs.iter().filter(|r| r.top() > 0.98 * top).cloned().collect();
-    let mut ladder = Ladder::new(model.clone(), highest, settings, rungs.len());
+    let count = highest.len();
+    let mut ladder = Ladder::new(model.clone(), highest, settings, count);
+    let [body, spine] = model.nominal.youngs_moduli;
     let mut bears = |at: f64| {
-        let [body, spine] = model.nominal.youngs_moduli;
         let youngs_moduli = [body * at.exp(), spine * bounds.low[1].exp()];
         ladder.climb(&Elastic { youngs_moduli, ..model.nominal }, Want::Nothing).is_ok()
     };
-    let [mut low, mut high] = [bounds.low[0], bounds.high[0]];
-    if !bears(high) || bears(low) {
-        return low;
-    }
-    for _ in 0..SOFTER {
-        let middle = 0.5 * (low + high);
-        if bears(middle) { high = middle } else { low = middle }
-    }
-    high
+    let (low, high) = (bounds.low[0], bounds.high[0]);
+    let steps = ((high - low) / SOFTER).ceil() as usize;
+    let lost = (1..=steps).find(|&k| !bears((high - SOFTER * k as f64).max(low)));
+    lost.map_or(low, |k| (high - SOFTER * (k as f64 - 1.0)).min(high - SOFTER))
 }
 
 /// Step of the central differences, in logarithms of moduli: its truncation error is far below the solver's tolerance.

@@ -16,6 +16,7 @@ mod levels;
 mod load_cell;
 mod markers;
 mod mesh;
+mod mesh_honesty;
 mod plateaus;
 mod recovery;
 mod repeats;
@@ -41,6 +42,7 @@ pub const ALL: &[Entry] = &[
     stage::<wave::Wave>(),          // force log                   → force without waves and drift
     stage::<identify::Identify>(),  // quasi-static motion         → Young's moduli
     stage::<four_parameters::FourParameters>(), // the same levels    → both moduli, both Poisson's ratios
+    stage::<mesh_honesty::MeshHonesty>(), // the same levels       → moduli by other meshes
     stage::<damping::Damping>(),    // a release               → how fast a swing dies
     stage::<validate::Validate>(),  // flapping never seen         → error of the prediction
     stage::<thrust::Thrust>(),      // motion, pressure, force     → models of thrust
