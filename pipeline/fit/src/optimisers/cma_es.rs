@@ -339,7 +339,9 @@ mod tests {
     fn a_saved_state_goes_on_bit_for_bit() {
         let set = Settings { seed: 7, ..Settings::default() };
         let mut whole = CmaEs::new(&search(3), &set).unwrap();
-        (0..5).for_each(|_| drop(answer(&mut whole, rosenbrock)));
+        for _ in 0..5 {
+            answer(&mut whole, rosenbrock);
+        }
         let mut rest = CmaEs::resume(&search(3), &set, whole.state().clone()).unwrap();
         for _ in 0..5 {
             assert_eq!(whole.ask(), rest.ask());

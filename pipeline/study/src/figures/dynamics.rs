@@ -30,8 +30,10 @@ impl figure::Figure for Dynamics {
         let mut figure = Figure::new(DOUBLE_COLUMN_MM);
         for (trial, validation) in &trials {
             let title = format!(
-                "{}: RMSE {:.2} mm, {:.2} % of the length",
-                format!("{} {} (N = {})", trial.card.name, trial.condition().replace('_', " "), validation.repeats),
+                "{} {} (N = {}): RMSE {:.2} mm, {:.2} % of the length",
+                trial.card.name,
+                trial.condition().replace('_', " "),
+                validation.repeats,
                 validation.rmse / MILLIMETRE,
                 validation.rmse_percent()
             );

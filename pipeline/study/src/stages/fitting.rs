@@ -85,7 +85,8 @@ impl<'a> Fitting<'a> {
     }
 
     fn ladder(&self, tolerance: f64) -> Ladder {
-        let settings = StaticSettings { tolerance, halvings: HALVINGS, ..StaticSettings::default() };
+        let settings =
+            StaticSettings { tolerance, halvings: HALVINGS, iterations: DIRECTIONS, ..StaticSettings::default() };
         Ladder::new(self.model.clone(), self.levels.rungs.clone(), settings, self.set.side_by_side)
     }
 
@@ -308,7 +309,10 @@ fn softest(model: &Model, rungs: &[Rung], bounds: &Bounds) -> f64 {
 const DIFFERENCE: f64 = 1e-3;
 
 /// A level whose load steps must be halved more often than this has given way: a search has better points to try.
-const HALVINGS: usize = 2;
+const HALVINGS: usize = 1;
+
+/// Newton directions in a load step after which it is given up: where there is a shape, eight do.
+const DIRECTIONS: usize = 16;
 
 /// Tolerance of the equilibria between which differences are taken, as a part of the specimen's size.
 const EXACT: f64 = 1e-9;
