@@ -93,10 +93,6 @@ impl Ladder {
         Self { model, rungs, settings, solvers, last }
     }
 
-    /// The levels.
-    pub fn rungs(&self) -> &[Rung] {
-        &self.rungs
-    }
 
     /// All levels with these constants of body and spine.
     ///
@@ -156,6 +152,9 @@ fn climb_every(
     Ok(done)
 }
 
+/// How often a load step is halved where no shape is known to begin from; what is asked of later solves may be less.
+const COLD_HALVINGS: usize = 6;
+
 fn load(rung: &Rung, body_e: Pascal) -> Load {
     (rung.filled(), rung.top() / body_e)
 }
@@ -169,6 +168,8 @@ fn climb_one(
     solver: &mut Solver,
     want: Want,
 ) -> Result<Simulated, SolveError> {
+    let patient = StaticSettings { tolerance: settings.tolerance, ..StaticSettings::default() };
+    let settings = if start.is_some() { settings } else { &StaticSettings { halvings: COLD_HALVINGS, ..patient } };
     let began = Instant::now();
     let equilibrium = solver.equilibrium(&rung.pressures, start, settings)?;
     let forward_seconds = began.elapsed().as_secs_f64();
