@@ -65,7 +65,7 @@ impl<'a> Swimmer<'a> {
         let pulled = training::shapes(body, &line, ladders, tick)?;
         let climbed = ladders.iter().flat_map(|ladder| ladder.shapes.iter().skip(1).step_by(2));
         let shapes: Vec<&[f64]> = climbed.chain(&pulled).map(Vec::as_slice).collect();
-        let by = fem::Reduction { coordinates: shapes.len() * 2 / 3, ..fem::Reduction::default() };
+        let by = fem::Reduction { coordinates: shapes.len() * 4 / 5, tolerance: 5e-4, ..fem::Reduction::default() };
         let reduced = body.system.reduce(&shapes, &by).map_err(|e| Fault::at("the reduced body", e))?;
         let (rest_line, rows) = (line.rest(body), line.rows(&reduced));
         let unit = |k: usize| DVector::from_fn(reduced.coordinates(), |i, _| f64::from(u8::from(i == k)));
