@@ -218,10 +218,25 @@ pub enum LensKind {
     Fisheye,
 }
 
-/// `[camera.board]`: a checkerboard.
+/// What is printed on a board.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum BoardKind {
+    /// Black and white squares.
+    #[default]
+    Checkerboard,
+    /// Dark dots in a square grid; the first is the one of its two ends that lies nearer the picture's upper left corner.
+    Dots,
+}
+
+/// `[camera.board]`: what is shown to the camera. With dots, `columns`, `rows` and `square` are their number each way and the
+/// distance between their middles, and what is said of the inner corner (0, 0) holds for the first dot.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Board {
+    /// What is printed on it; a checkerboard when the card is silent.
+    #[serde(default)]
+    pub kind: BoardKind,
     /// Squares along the first axis; odd where `rows` is even, or the other way round, so that the board has one way up.
     pub columns: usize,
     /// Squares along the second axis.

@@ -32,7 +32,8 @@ impl Capture {
         header.extend([3_u16, 0].iter().flat_map(|w| w.to_le_bytes()));
         header.extend(100.0_f32.to_le_bytes());
         let parameters = [vec![0, 0, 1, 84], self.parameters(frames)].concat();
-        let data: Vec<u8> = self.points.iter().flatten().flatten().flat_map(|x| x.to_le_bytes()).collect();
+        let mut data: Vec<u8> = self.points.iter().flatten().flatten().flat_map(|x| x.to_le_bytes()).collect();
+        data.push(0); // a block stands there even where there is nothing to say
         [header, parameters, data].into_iter().flat_map(whole_blocks).collect()
     }
 

@@ -168,7 +168,12 @@ fn camera(set: &Settings, film: &Calibration) -> card::Camera {
         lens: card::LensKind::BrownConrady,
         coefficients: None,
         readout: set.camera.readout,
-        board: card::Board { columns: plane.columns, rows: plane.rows, square: plane.square },
+        board: card::Board {
+            kind: card::BoardKind::Checkerboard,
+            columns: plane.columns,
+            rows: plane.rows,
+            square: plane.square,
+        },
         plane: card::Plane {
             seconds: film.flat.map(|t| (t * 1e3).round() / 1e3),
             origin: plane.corner,

@@ -7,7 +7,7 @@
 //!
 //! Stands on: kornia's pyramidal flow, grey pictures. Never knows: which material point a marker is. Paper: section IV.
 
-mod blob;
+pub(crate) mod blob;
 mod corners;
 mod find;
 mod flow;

@@ -4,7 +4,7 @@
 
 use std::fmt::Write;
 
-use super::{Camera, Card, Experiment, Fixture, FixtureOf, LensKind, Origin, Search, Solid, Tracks, Trial};
+use super::{BoardKind, Camera, Card, Experiment, Fixture, FixtureOf, LensKind, Origin, Search, Solid, Tracks, Trial};
 
 /// The text of `specimen.toml`.
 pub fn write(card: &Card) -> String {
@@ -85,7 +85,11 @@ fn camera(text: &mut String, camera: &Camera) {
     if camera.readout != 0.0 {
         put(text, format_args!("readout = {:?}  # s, from the first row to the last\n", camera.readout));
     }
-    put(text, format_args!("\n[camera.board]\ncolumns = {}  # squares\nrows = {}\n", board.columns, board.rows));
+    let (kind, what) = match board.kind {
+        BoardKind::Checkerboard => ("", "squares"),
+        BoardKind::Dots => ("kind = \"dots\"\n", "dots"),
+    };
+    put(text, format_args!("\n[camera.board]\n{kind}columns = {}  # {what}\nrows = {}\n", board.columns, board.rows));
     put(text, format_args!("square = {:?}  # m\n", board.square));
     put(text, format_args!("\n[camera.plane]\nseconds = {:?}  # s, the board lies flat on the plane\n", plane.seconds));
     put(text, format_args!("origin = {:?}  # m, its inner corner (0, 0)\n", plane.origin));
