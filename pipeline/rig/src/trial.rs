@@ -152,10 +152,11 @@ fn shoot(
     let camera = &bench.set.camera;
     let count = frames(bench, script);
     let set = bench.studio.set(trial.medium, &trial.id);
+    let of = bench.subject.nodes();
     let draw = |frame: usize| {
         let t = frame as f64 / camera.rate;
         let lit = script.lamp(t + set.lamp_late(), 0.5 * camera.exposure);
-        let by = Passing::around(t, 1.0 / camera.rate, &|t| motion.nodes(t));
+        let by = Passing::around(t, 1.0 / camera.rate, &|t| motion.seen(t, &of));
         let canvas = set.tail(bench.subject, &by, lit);
         bench.studio.expose(&canvas, &trial.id, frame)
     };
@@ -170,11 +171,12 @@ fn true_tracks(
     script: &Script,
 ) -> Result<Vec<TrueTrack>, Fault> {
     let set = bench.studio.set(trial.medium, &trial.id);
+    let of = bench.subject.mark_nodes();
     let named = |name: &String| TrueTrack { marker: name.clone(), ..TrueTrack::default() };
     let mut tracks: Vec<TrueTrack> = bench.marks.iter().map(named).collect();
     for frame in 0..frames(bench, script) {
         let t = frame as f64 / bench.set.camera.rate;
-        let by = Passing::around(t, 1.0 / bench.set.camera.rate, &|t| motion.nodes(t));
+        let by = Passing::around(t, 1.0 / bench.set.camera.rate, &|t| motion.seen(t, &of));
         for (track, mark) in tracks.iter_mut().zip(&bench.subject.marks) {
             let seen = mark.seen(&set.view, &by).ok_or_else(|| {
                 let what = format!("mark {} leaves the camera's sight at {t:.3} s", track.marker);

@@ -116,7 +116,7 @@ fn the_folder_is_whole(folder: &Path) {
         assert_eq!((film.width, film.height, film.frames), (1280, 720, tracks[0].time.len()));
         assert!(log.time[log.time.len() - 1] > hidden.clock_offset + film.frames as f64 / film.rate);
         for (marker, track) in specimen.card.marker.iter().zip(&tracks) {
-            let [du, dv] = [0, 1].map(|k| marker.clicked[k] - track.pixel[0][k]);
+            let [du, dv] = [0, 1].map(|k| marker.clicked.unwrap()[k] - track.pixel[0][k]);
             assert!(marker.name == track.marker && du.hypot(dv) < 0.1);
         }
     }

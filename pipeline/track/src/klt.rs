@@ -7,7 +7,8 @@
 //!
 //! Stands on: kornia's pyramidal flow, grey pictures. Never knows: which material point a marker is. Paper: section IV.
 
-mod blob;
+pub(crate) mod blob;
+mod corners;
 mod find;
 mod flow;
 mod gaps;
@@ -19,6 +20,7 @@ mod template;
 
 use crate::Gray;
 use blob::{Blob, Miss};
+pub use corners::corners;
 pub use find::find;
 pub use gaps::fill;
 pub use lost::{Lost, Why};

@@ -126,6 +126,9 @@ struct Step<'a> {
     past: [DVector<f64>; 3],
 }
 
+/// What sees each new q and q̇ with its time, s.
+pub type Observer<'a> = dyn FnMut(Second, &DVector<f64>, &DVector<f64>) + 'a;
+
 impl Reduced {
     /// Moves from rest through `steps` steps: `drive` gives the pressures at a time (s from the start), `scale` (one a region)
     /// multiplies moduli, `observe` sees each new q and q̇ with its time.
@@ -139,7 +142,7 @@ impl Reduced {
         drive: &dyn Fn(Second) -> Drive,
         around: &mut dyn Around,
         steps: usize,
-        observe: &mut dyn FnMut(Second, &DVector<f64>, &DVector<f64>),
+        observe: &mut Observer<'_>,
     ) -> Result<(), ReducedError> {
         march::check(march)?;
         let mut past = Past::at_rest(self.coordinates());
