@@ -42,6 +42,8 @@ pub struct Settings {
     likeness_limit: f64,
     /// How long a marker may be hidden, s.
     hidden_limit: Second,
+    /// Quantiser of the films' H.264, which tells how much of a small motion they leave out; 0 for uncoded pictures.
+    quantiser: u8,
 }
 
 impl Stage for Track {
@@ -49,7 +51,7 @@ impl Stage for Track {
     type Needs = ();
     type Makes = Tracks;
     const STORY: &'static str = "a film becomes the markers' places in pixels";
-    const EDITION: u32 = 2;
+    const EDITION: u32 = 3;
 
     fn raw(of: &Trial) -> Vec<RawFile> {
         let foreign = in_pixels(of).map(|tracks| RawFile::new("tracks", &of.card.name, &tracks.file));
@@ -174,6 +176,7 @@ impl Settings {
             agreement_limit: self.agreement_limit,
             return_limit: self.return_limit,
             likeness_limit: self.likeness_limit,
+            quantiser: self.quantiser,
             patience: (self.hidden_limit * rate).round() as usize,
         }
     }
