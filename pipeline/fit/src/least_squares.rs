@@ -99,6 +99,17 @@ pub struct Covariance {
 }
 
 impl Covariance {
+    /// How many parameters it is of.
+    pub fn parameters(&self) -> usize {
+        self.parameters
+    }
+
+    /// The same, every entry so many times as large.
+    pub(crate) fn scaled(mut self, by: f64) -> Self {
+        self.values.iter_mut().for_each(|v| *v *= by);
+        self
+    }
+
     /// Covariance of two parameters.
     pub fn of(&self, i: usize, j: usize) -> f64 {
         self.values[i * self.parameters + j]

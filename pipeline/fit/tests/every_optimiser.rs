@@ -86,6 +86,11 @@ fn reach(name: &str) -> (Settings, f64) {
             set.grid.points_per_axis = 81;
             f64::NAN // its own test below: half a spacing, measured by the loss
         }
+        "cma_es" => {
+            set.cma_es.step_tolerance = 1e-8;
+            set.cma_es.generations = 400;
+            1e-6
+        }
         "adam" => {
             set.adam.step = 0.05;
             set.adam.square_memory = 0.99;

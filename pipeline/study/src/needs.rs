@@ -7,7 +7,7 @@
 
 use crate::fault::{Fault, Outcome};
 use crate::record::{Parcel, Record};
-use crate::subject::{Scope, SeenFrom, Specimen, Study};
+use crate::subject::{Scope, SeenFrom, Specimen, Study, Trial};
 
 /// A record's name: which stage, of what.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -152,6 +152,19 @@ impl<R: Record<Of = crate::subject::Trial>> Needs<Specimen> for OfTrials<R> {
     fn fetch(of: &Specimen, shelf: &dyn Shelf) -> Outcome<Self> {
         let fetched = Self::subjects(of).into_iter().map(|s| fetch_one(&s, shelf).map(|r| (s, r)));
         Ok(Self(fetched.collect::<Outcome<_>>()?))
+    }
+}
+
+/// A kind of record over the repeats of a trial, itself among them.
+pub struct Repeats<R: Record>(pub Vec<R>);
+
+impl<R: Record<Of = Trial>> Needs<Trial> for Repeats<R> {
+    fn wanted(of: &Trial) -> Vec<Id> {
+        of.repeats().iter().map(id::<R>).collect()
+    }
+
+    fn fetch(of: &Trial, shelf: &dyn Shelf) -> Outcome<Self> {
+        Ok(Self(of.repeats().iter().map(|s| fetch_one(s, shelf)).collect::<Outcome<_>>()?))
     }
 }
 

@@ -50,6 +50,27 @@ impl Trial {
         self.made_elsewhere().and_then(|tracks| Some((tracks, tracks.space.as_ref()?)))
     }
 
+    /// The trials of the same experiment in the same medium with the same role, this one among them, in the order of the card.
+    pub fn repeats(&self) -> Vec<Trial> {
+        let same = |t: &&card::Trial| {
+            t.experiment == self.trial.experiment && t.medium == self.trial.medium && t.role == self.trial.role
+        };
+        let of = |trial: &card::Trial| Trial { card: self.card.clone(), trial: Arc::new(trial.clone()) };
+        self.card.trial.iter().filter(same).map(of).collect()
+    }
+
+    /// Whether it is the first of its repeats.
+    pub fn is_first_repeat(&self) -> bool {
+        self.repeats().first().is_some_and(|first| first.trial.id == self.trial.id)
+    }
+
+    /// What its repeats have in common, as metrics name it: its id without its number, and without "air".
+    pub fn condition(&self) -> String {
+        let id = self.trial.id.trim_end_matches(|c: char| c.is_ascii_digit());
+        let id = if id.ends_with('_') { id.trim_end_matches('_') } else { &self.trial.id };
+        id.strip_suffix("_air").unwrap_or(id).to_owned()
+    }
+
     /// Whether a model is judged by it.
     pub fn is_for_validation(&self) -> bool {
         self.trial.role == card::Role::Validate

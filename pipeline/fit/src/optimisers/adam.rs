@@ -3,7 +3,8 @@
 //! mₖ = β₁ mₖ₋₁ + (1 − β₁) g,  vₖ = β₂ vₖ₋₁ + (1 − β₂) g²,
 //! θ ← θ − α (m / (1 − β₁ᵏ)) / (√(v / (1 − β₂ᵏ)) + ε)      [kingma2015], algorithm 1; paper, section IV
 //!
-//! The step α may shrink as α / (1 + decay · k). Points are clamped to the bounds.
+//! The step α may shrink as α / (1 + decay · k). Points are clamped to the bounds; from one without a solution it goes half the
+//! way back.
 //!
 //! Stands on: the contract. Never knows: another optimiser.
 
@@ -52,6 +53,8 @@ pub struct Adam {
     search: Search,
     set: Settings,
     at: Vec<f64>,
+    /// The last point that had a solution.
+    good: Vec<f64>,
     mean: Vec<f64>,
     square: Vec<f64>,
     iteration: usize,
@@ -83,6 +86,7 @@ impl Adam {
         let zero = vec![0.0; search.dimension()];
         Ok(Self {
             at: search.start().to_vec(),
+            good: search.start().to_vec(),
             search: search.clone(),
             set: set.clone(),
             mean: zero.clone(),
@@ -114,6 +118,17 @@ impl Adam {
     }
 }
 
+impl Adam {
+    /// Half the way back to the last point that had a solution.
+    fn turn_back(&mut self) {
+        self.at = self.at.iter().zip(&self.good).map(|(a, b)| 0.5 * (a + b)).collect();
+        self.iteration += 1;
+        if self.iteration >= self.set.iterations {
+            self.finished = Some(Finished::Budget);
+        }
+    }
+}
+
 impl Optimiser for Adam {
     fn name(&self) -> &'static str {
         NAME
@@ -129,6 +144,11 @@ impl Optimiser for Adam {
 
     fn tell(&mut self, told: &[Evaluation]) -> Result<(), FitError> {
         answers_fit(NAME, &self.search, std::slice::from_ref(&self.at), told)?;
+        if told[0].loss == f64::INFINITY && self.best.is_some() {
+            self.turn_back();
+            return Ok(());
+        }
+        self.good.clone_from(&self.at);
         let gradient = sound_gradient(NAME, &self.search, &told[0], self.iteration == 0)?;
         keep_better(&mut self.best, &told[0]);
         let longest = self.step(gradient);
@@ -196,6 +216,16 @@ mod tests {
         let mut adam = Adam::new(&search(0.0), &Settings::default()).unwrap();
         let error = adam.tell(&[Evaluation::of_loss(vec![0.0], 1.0)]).unwrap_err();
         assert!(matches!(error, FitError::Missing { missing: "gradient", .. }), "{error}");
+    }
+
+    #[test]
+    fn a_point_without_a_solution_is_left_half_the_way_back() {
+        let mut adam = Adam::new(&search(0.0), &Settings::default()).unwrap();
+        adam.tell(&[told(0.0, -1.0)]).unwrap();
+        let far = adam.ask()[0][0];
+        adam.tell(&[Evaluation::of_loss(vec![far], f64::INFINITY)]).unwrap();
+        assert_eq!(adam.ask(), vec![vec![0.5 * far]]);
+        assert_eq!(adam.best().unwrap().at, vec![0.0]);
     }
 
     #[test]

@@ -4,6 +4,7 @@
 //! A new optimiser: its file, its settings in [`Settings`], its line in [`ALL`]; the suite finds it there.
 
 pub mod adam;
+pub mod cma_es;
 pub mod gauss_newton;
 pub mod grid;
 
@@ -14,6 +15,8 @@ use crate::{FitError, Optimiser, Search};
 pub struct Settings {
     /// For `grid`.
     pub grid: grid::Settings,
+    /// For `cma_es`.
+    pub cma_es: cma_es::Settings,
     /// For `adam`.
     pub adam: adam::Settings,
     /// For `gauss_newton`.
@@ -34,6 +37,7 @@ pub struct Member {
 /// Every optimiser, from the one that knows least about the loss to the one that knows most.
 pub const ALL: &[Member] = &[
     Member { name: grid::NAME, build: |search, set| Ok(Box::new(grid::Grid::new(search, &set.grid)?)) },
+    Member { name: cma_es::NAME, build: |search, set| Ok(Box::new(cma_es::CmaEs::new(search, &set.cma_es)?)) },
     Member { name: adam::NAME, build: |search, set| Ok(Box::new(adam::Adam::new(search, &set.adam)?)) },
     Member {
         name: gauss_newton::NAME,

@@ -82,10 +82,15 @@ fn of_specimen(folder: &Path) -> Result<Vec<Run>, Fault> {
     let said = |e| Fault::at(folder.display().to_string(), e);
     let specimen = Specimen::open(folder).map_err(said)?;
     let truth = lab::truth::read(&folder.join(lab::folder::TRUTH)).map_err(said)?;
-    let flaps = |trial: &&Trial| {
-        trial.medium == Medium::Water && matches!(trial.experiment, Experiment::Flapping { .. })
-    };
-    specimen.card.trial.iter().filter(flaps).filter_map(|trial| of_trial(&specimen, &truth, trial).transpose()).collect()
+    let flaps =
+        |trial: &&Trial| trial.medium == Medium::Water && matches!(trial.experiment, Experiment::Flapping { .. });
+    specimen
+        .card
+        .trial
+        .iter()
+        .filter(flaps)
+        .filter_map(|trial| of_trial(&specimen, &truth, trial).transpose())
+        .collect()
 }
 
 fn of_trial(specimen: &Specimen, truth: &Truth, trial: &Trial) -> Result<Option<Run>, Fault> {

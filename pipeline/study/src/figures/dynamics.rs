@@ -1,7 +1,7 @@
 //! Figure `dynamics`: the identified model follows trials it never saw. Paper, figure 7.
 //!
-//! One panel a validation trial: sideways displacement of the marker farthest out, measured and simulated, with the
-//! pressures under it.
+//! One panel a condition: sideways displacement of the marker farthest out, measured (mean and deviation of the repeats) and
+//! simulated, with the pressures under it.
 //!
 //! Stands on: plot. Never knows: how a number was computed.
 
@@ -13,7 +13,6 @@ use crate::fault::{Fault, Outcome};
 use crate::figure;
 use crate::needs::Every;
 use crate::records::Validation;
-use crate::subject::Scope;
 
 /// The figure.
 pub struct Dynamics;
@@ -22,7 +21,7 @@ impl figure::Figure for Dynamics {
     type Needs = Every<Validation>;
     const NAME: &'static str = "dynamics";
     const SHOWS: &'static str = "the identified model follows trials it never saw";
-    const EDITION: u32 = 1;
+    const EDITION: u32 = 2;
 
     fn draw(Every(trials): Self::Needs) -> Outcome<Figure> {
         if trials.is_empty() {
@@ -31,8 +30,10 @@ impl figure::Figure for Dynamics {
         let mut figure = Figure::new(DOUBLE_COLUMN_MM);
         for (trial, validation) in &trials {
             let title = format!(
-                "{}: RMSE {:.2} mm, {:.2} % of the length",
-                trial.name(),
+                "{} {} (N = {}): RMSE {:.2} mm, {:.2} % of the length",
+                trial.card.name,
+                trial.condition().replace('_', " "),
+                validation.repeats,
                 validation.rmse / MILLIMETRE,
                 validation.rmse_percent()
             );
@@ -51,7 +52,12 @@ fn curve(time: &[f64], value: impl Iterator<Item = f64>) -> Vec<Point2> {
 fn motion(v: &Validation) -> Panel {
     let sideways = |path: &[Point2]| curve(&v.time, path.iter().map(|p| p[1] / MILLIMETRE));
     let label = format!("sideways, marker {}", v.marker);
+    let edge = |sign: f64| {
+        let both = v.measured.iter().zip(&v.deviation);
+        both.map(|(m, d)| (m[1] + sign * d[1]) / MILLIMETRE).collect::<Vec<f64>>()
+    };
     let axes = Axes::new(Axis::linear("time", "s"), Axis::linear(&label, "mm"))
+        .with(Mark::band(v.time.clone(), edge(-1.0), edge(1.0), palette::MEASURED))
         .with(Mark::line(sideways(&v.measured), palette::MEASURED).sized(1.4).labelled("measured"))
         .with(Mark::line(sideways(&v.simulated), palette::SIMULATED).dashed(Dash::Dashed).labelled("simulated"));
     Panel::Axes(axes)

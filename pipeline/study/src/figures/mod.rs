@@ -4,6 +4,7 @@
 //! A new figure: its file and its line in [`ALL`].
 
 mod dynamics;
+mod four_parameters;
 mod load_cell;
 mod sysid;
 mod tail;
@@ -15,6 +16,7 @@ use crate::entry::{Entry, figure};
 pub const ALL: &[Entry] = &[
     figure::<tail::Tail>(),
     figure::<sysid::Sysid>(),
+    figure::<four_parameters::FourParameters>(),
     figure::<dynamics::Dynamics>(),
     figure::<thrust::Thrust>(),
     figure::<load_cell::LoadCell>(),

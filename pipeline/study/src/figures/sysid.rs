@@ -75,6 +75,7 @@ fn title(method: &str) -> String {
         "adam" => "Adam".into(),
         "gauss_newton" => "Gauss-Newton".into(),
         "grid" => "grid search".into(),
+        "cma_es" => "CMA-ES".into(),
         other => other.into(),
     }
 }

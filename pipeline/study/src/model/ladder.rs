@@ -7,8 +7,9 @@ use std::time::Instant;
 use fem::{Equilibrium, Parameter, SolveError, Solver, StaticSettings};
 use si::{Pascal, Point2};
 
-use super::{BODY, Model, SPINE};
+use super::{BODY, Elastic, Model, SPINE};
 use crate::fault::{Fault, Outcome};
+use crate::records::Spread;
 
 /// One pressure level and what was measured there.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,6 +18,21 @@ pub struct Rung {
     pub pressures: Vec<Pascal>,
     /// Displacement of each marker in the plane, m.
     pub measured: Vec<Point2>,
+    /// How well that is known, m².
+    pub spread: Vec<Spread>,
+}
+
+impl Rung {
+    /// The highest of its pressures, Pa.
+    pub fn top(&self) -> Pascal {
+        self.pressures.iter().copied().fold(f64::MIN_POSITIVE, f64::max)
+    }
+
+    /// The chamber with that pressure.
+    fn filled(&self) -> usize {
+        let order = |a: &usize, b: &usize| self.pressures[*a].total_cmp(&self.pressures[*b]);
+        (0..self.pressures.len()).max_by(order).unwrap_or(0)
+    }
 }
 
 /// One level, simulated.
@@ -26,7 +42,7 @@ pub struct Simulated {
     pub markers: Vec<Point2>,
     /// ∂(mean distance)/∂E of body and spine of this level's part of the loss, m/Pa; empty unless asked for.
     pub gradient: Vec<f64>,
-    /// d(marker displacement)/dE: for body and spine, markers × 2, m/Pa; empty unless asked for.
+    /// d(marker displacement)/dθ: for E of body and spine (m/Pa), then, when asked for, ν of both (m); each markers × 2.
     pub slopes: Vec<Vec<Point2>>,
     /// Displacement of every node, m, 3 a node.
     pub displacement: Vec<f64>,
@@ -43,8 +59,10 @@ pub enum Want {
     Nothing,
     /// The adjoint gradient of the mean distance.
     Gradient,
-    /// Forward sensitivities of every marker.
+    /// Forward sensitivities of every marker to both moduli.
     Slopes,
+    /// To both moduli and both Poisson's ratios.
+    AllSlopes,
 }
 
 /// Solvers that keep the last solution of each level.
@@ -56,11 +74,14 @@ pub struct Ladder {
     last: Vec<Option<Known>>,
 }
 
+/// A filled chamber, and its pressure over the body's modulus.
+type Load = (usize, f64);
+
 /// A solution and what it was solved for.
 #[derive(Debug, Clone)]
 struct Known {
-    /// The highest pressure over the body's modulus: what bends a soft body, most of all.
-    load: f64,
+    /// The chamber that is filled most, and its pressure over the body's modulus: what bends a soft body, most of all.
+    load: Load,
     displacement: Vec<f64>,
 }
 
@@ -77,17 +98,18 @@ impl Ladder {
         &self.rungs
     }
 
-    /// All levels with these Young's moduli (Pa).
+    /// All levels with these constants of body and spine.
     ///
     /// # Errors
     /// A [`Fault`] that names the level for which no equilibrium was found.
-    pub fn climb(&mut self, body_e: Pascal, spine_e: Pascal, want: Want) -> Outcome<Vec<Simulated>> {
+    pub fn climb(&mut self, elastic: &Elastic, want: Want) -> Outcome<Vec<Simulated>> {
+        let body_e = elastic.youngs_moduli[0];
         let count = self.solvers.len();
         let (model, rungs, settings, last) = (&self.model, &self.rungs, &self.settings, &self.last);
         let mut parts: Vec<Outcome<Vec<(usize, Simulated)>>> = Vec::new();
         std::thread::scope(|scope| {
             let climb_part = |(first, solver): (usize, &'_ mut Solver)| {
-                model.set_moduli(solver, [body_e, spine_e])?;
+                elastic.give(solver)?;
                 climb_every(model, rungs, settings, last, solver, want, body_e, first, count)
             };
             let handles: Vec<_> =
@@ -124,16 +146,18 @@ fn climb_every(
     for level in (first..rungs.len()).step_by(stride) {
         let known = last.iter().flatten().map(|known| (known.load, known.displacement.as_slice()));
         let known = known.chain(done.iter().map(|(i, s)| (load(&rungs[*i], body_e), s.displacement.as_slice())));
-        let away = |other: f64| (other / load(&rungs[level], body_e)).ln().abs();
-        let start = known.min_by(|a, b| away(a.0).total_cmp(&away(b.0))).map(|(_, displacement)| displacement);
+        let (chamber, here) = load(&rungs[level], body_e);
+        let away = |other: f64| (other / here).ln().abs();
+        let known = known.filter(|((filled, _), _)| *filled == chamber);
+        let start = known.min_by(|a, b| away(a.0.1).total_cmp(&away(b.0.1))).map(|(_, displacement)| displacement);
         let simulated = climb_one(model, &rungs[level], rungs.len(), settings, start, solver, want);
         done.push((level, simulated.map_err(|e| no_equilibrium(&rungs[level], &e))?));
     }
     Ok(done)
 }
 
-fn load(rung: &Rung, body_e: Pascal) -> f64 {
-    rung.pressures.iter().copied().fold(f64::MIN_POSITIVE, f64::max) / body_e
+fn load(rung: &Rung, body_e: Pascal) -> Load {
+    (rung.filled(), rung.top() / body_e)
 }
 
 fn climb_one(
@@ -156,7 +180,8 @@ fn climb_one(
         _ => Vec::new(),
     };
     let slopes = match want {
-        Want::Slopes => slopes(model, &equilibrium, solver)?,
+        Want::Slopes => slopes(model, &equilibrium, solver, &MODULI)?,
+        Want::AllSlopes => slopes(model, &equilibrium, solver, &CONSTANTS)?,
         _ => Vec::new(),
     };
     let derivative_seconds = began.elapsed().as_secs_f64();
@@ -188,14 +213,22 @@ fn gradient(
     Ok([BODY, SPINE].map(|region| regions[region].youngs_modulus).to_vec())
 }
 
-fn slopes(model: &Model, equilibrium: &Equilibrium, solver: &mut Solver) -> Result<Vec<Vec<Point2>>, SolveError> {
-    [BODY, SPINE]
-        .into_iter()
-        .map(|region| {
-            let by_modulus = solver.sensitivity(equilibrium, Parameter::YoungsModulus(region))?;
-            Ok(model.markers.iter().map(|spot| Model::in_plane(spot, &by_modulus)).collect())
-        })
-        .collect()
+const MODULI: [Parameter; 2] = [Parameter::YoungsModulus(BODY), Parameter::YoungsModulus(SPINE)];
+
+const CONSTANTS: [Parameter; 4] =
+    [MODULI[0], MODULI[1], Parameter::PoissonsRatio(BODY), Parameter::PoissonsRatio(SPINE)];
+
+fn slopes(
+    model: &Model,
+    equilibrium: &Equilibrium,
+    solver: &mut Solver,
+    parameters: &[Parameter],
+) -> Result<Vec<Vec<Point2>>, SolveError> {
+    let slope = |&parameter: &Parameter| {
+        let by_constant = solver.sensitivity(equilibrium, parameter)?;
+        Ok(model.markers.iter().map(|spot| Model::in_plane(spot, &by_constant)).collect())
+    };
+    parameters.iter().map(slope).collect()
 }
 
 fn no_equilibrium(rung: &Rung, error: &SolveError) -> Fault {

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use si::{Metre, Pascal, Point2, Point3, Second};
 
+use super::Spread;
 use crate::columns::Columns;
 use crate::metric::Metric;
 use crate::record::{Parcel, Record, RecordError};
@@ -29,7 +30,7 @@ pub struct Tried {
 /// How one method went.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Search {
-    /// "grid", "adam", "gauss_newton".
+    /// "grid", "cma_es", "adam", "gauss_newton".
     pub method: String,
     /// Every simulation, in order.
     pub tried: Vec<Tried>,
@@ -59,8 +60,45 @@ pub struct Level {
     pub rest_m: Vec<Point2>,
     /// Measured displacements, m.
     pub measured_m: Vec<Point2>,
+    /// How well they are known, m².
+    pub spread_m2: Vec<Spread>,
     /// Simulated displacements, m.
     pub simulated_m: Vec<Point2>,
+}
+
+/// What the covariance of the markers does not know.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Doubt {
+    /// Standard deviation of each displacement for what the model leaves out, m.
+    pub discrepancy_m: Metre,
+    /// Standard deviation of the share by which all displacements of a film are off together, no unit.
+    pub share: f64,
+}
+
+/// How sure the parameters are.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Certainty {
+    /// Standard deviations of the logarithms of the parameters.
+    pub sigma: Vec<f64>,
+    /// Correlation of the first two.
+    pub correlation: f64,
+    /// χ² over the freedoms: near 1 when the covariance told the truth.
+    pub chi_square: f64,
+    /// What is certain and what is not.
+    pub words: String,
+    /// What would tell more, and what lies outside of what is plausible.
+    pub advice: Vec<String>,
+}
+
+/// χ² over one parameter, the other at its best for each value.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Profile {
+    /// "body_e" or "spine_e".
+    pub parameter: String,
+    /// Pa.
+    pub value: Vec<f64>,
+    /// Above the lowest.
+    pub chi_square: Vec<f64>,
 }
 
 /// The whole identification of one specimen.
@@ -68,7 +106,7 @@ pub struct Level {
 pub struct Identified {
     /// The moduli found.
     pub best: Point,
-    /// Their standard deviations from the scatter of the fit, Pa.
+    /// Their standard deviations, Pa.
     pub sigma: Point,
     /// The loss there.
     pub loss: f64,
@@ -86,6 +124,12 @@ pub struct Identified {
     pub inflated: Vec<Point3>,
     /// The specimen's length, m.
     pub length: Metre,
+    /// What was taken into account beside the markers' covariance.
+    pub doubt: Doubt,
+    /// How sure the moduli are.
+    pub certainty: Certainty,
+    /// Profile likelihoods of both moduli.
+    pub profiles: Vec<Profile>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -97,6 +141,9 @@ struct Scalars {
     length_m: f64,
     levels: Vec<Level>,
     methods: Vec<String>,
+    doubt: Doubt,
+    certainty: Certainty,
+    profiles: Vec<Profile>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -148,6 +195,9 @@ impl Record for Identified {
             length_m: self.length,
             levels: self.levels.clone(),
             methods: self.searches.iter().map(|s| s.method.clone()).collect(),
+            doubt: self.doubt,
+            certainty: self.certainty.clone(),
+            profiles: self.profiles.clone(),
         };
         let durations = Durations {
             seconds: self.searches.iter().map(|s| s.seconds).collect(),
@@ -179,6 +229,9 @@ impl Record for Identified {
             levels: s.levels,
             inflated: x.into_iter().zip(y).zip(z).map(|((x, y), z)| [x, y, z]).collect(),
             length: s.length_m,
+            doubt: s.doubt,
+            certainty: s.certainty,
+            profiles: s.profiles,
         })
     }
 
@@ -192,6 +245,8 @@ impl Record for Identified {
             Metric::new(id("loss"), self.loss, ""),
             Metric::new(id("gradient_difference"), self.gradient_difference, ""),
             Metric::new(id("gradient_over_forward"), self.gradient_over_forward, ""),
+            Metric::new(id("correlation"), self.certainty.correlation, ""),
+            Metric::new(id("chi_square"), self.certainty.chi_square, ""),
         ];
         metrics.extend(self.searches.iter().flat_map(|s| s.metrics(&id(&s.method))));
         let largest = self.levels.iter().map(Level::largest_error).fold(0.0, f64::max);
@@ -201,7 +256,8 @@ impl Record for Identified {
 
     fn telling(&self) -> String {
         let (body, spine) = (1e-6 * self.best.body_e_pa, 1e-9 * self.best.spine_e_pa);
-        format!("loss {:.1e}, body {body:.4} MPa, spine {spine:.3} GPa", self.loss)
+        let advice: String = self.certainty.advice.iter().map(|a| format!("; {a}")).collect();
+        format!("loss {:.1e}, body {body:.4} MPa, spine {spine:.3} GPa; {}{advice}", self.loss, self.certainty.words)
     }
 }
 
@@ -283,6 +339,9 @@ mod tests {
             levels: Vec::new(),
             inflated: vec![[0.0, 1.0, 2.0]],
             length: 0.1,
+            doubt: Doubt { discrepancy_m: 1e-4, share: 0.02 },
+            certainty: Certainty { sigma: vec![0.01, 0.1], words: "all".into(), ..Certainty::default() },
+            profiles: vec![Profile { parameter: "body_e".into(), value: vec![1e5], chi_square: vec![0.0] }],
         };
         assert_eq!(Identified::unpack(&whole.pack().unwrap()).unwrap(), whole);
     }

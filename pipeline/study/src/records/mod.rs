@@ -4,9 +4,12 @@
 
 mod camera;
 mod cell;
+mod damping;
+mod four_parameters;
 mod identified;
 mod markers;
 mod mesh;
+mod mesh_honesty;
 mod motion;
 mod paths;
 mod pull;
@@ -19,9 +22,12 @@ mod vtu;
 
 pub use camera::Camera;
 pub use cell::{Fixture, LoadCell, Shown};
-pub use identified::{Identified, Level, Point, Search, Surface, Tried};
+pub use damping::Damping;
+pub use four_parameters::{Four, FourParameters};
+pub use identified::{Certainty, Doubt, Identified, Level, Point, Profile, Search, Surface, Tried};
 pub use markers::{LeftOut, Markers, Parts};
 pub use mesh::{Cavity, Mesh, Quality};
+pub use mesh_honesty::{Honest, MeshHonesty};
 pub use motion::{Clock, Gauge, Motion};
 pub use paths::{Path, Spread};
 pub use pull::Pull;
@@ -29,4 +35,4 @@ pub use recovered::{Recovered, Specimen as RecoveredSpecimen};
 pub use tank::Tank;
 pub use thrust::{Crosstalk, Means, Scored, Thrust, Trace};
 pub use tracks::Tracks;
-pub use validation::Validation;
+pub use validation::{Validation, Way};

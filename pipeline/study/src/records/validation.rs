@@ -8,16 +8,27 @@ use crate::metric::Metric;
 use crate::record::{Parcel, Record, RecordError};
 use crate::subject::Trial;
 
-/// The marker farthest out, through one trial.
+/// A way of telling the motion, and its error.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Way {
+    /// A scheme: "bdf2", "bdf2_undamped", "implicit_euler"; or a baseline: "rest", "quasi_static", "last_cycle".
+    pub name: String,
+    /// Root of the mean squared distance from the measured mean, m.
+    pub rmse: Metre,
+}
+
+/// The marker farthest out, through the repeats of one condition.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Validation {
     /// Its name.
     pub marker: String,
     /// Time of each frame, s: frames.
     pub time: Vec<Second>,
-    /// Measured displacement from rest, m: frames × 2.
+    /// Measured displacement from rest, the mean of the repeats, m: frames × 2.
     pub measured: Vec<Point2>,
-    /// Simulated displacement, m: frames × 2.
+    /// Standard deviation over the repeats, m: frames × 2.
+    pub deviation: Vec<Point2>,
+    /// Simulated displacement, m: frames × 2; second order, with the identified damping.
     pub simulated: Vec<Point2>,
     /// Measured pressures in the order of the card's chambers, Pa: chambers × frames.
     pub pressures: Vec<Vec<Pascal>>,
@@ -27,6 +38,14 @@ pub struct Validation {
     pub length: Metre,
     /// Root of the mean squared measured displacement, m: the error of a model that says nothing moves.
     pub rest_rmse: Metre,
+    /// How many repeats there are.
+    pub repeats: usize,
+    /// By how much the simulation is behind at the beat's frequency, s.
+    pub lag: Option<Second>,
+    /// The schemes.
+    pub scored: Vec<Way>,
+    /// The trivial baselines.
+    pub baselines: Vec<Way>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -36,7 +55,16 @@ struct Scalars {
     length_m: f64,
     rest_rmse_m: f64,
     chambers: usize,
+    repeats: usize,
+    lag_s: Option<f64>,
+    scored: Vec<Way>,
+    baselines: Vec<Way>,
+    note: String,
 }
+
+/// What a reader of the record must know.
+const NOTE: &str =
+    "one simulation of all repeats in air; repeats in water are not simulated here: no water acts on this model";
 
 impl Validation {
     /// The error in per cent of the specimen's length.
@@ -50,7 +78,7 @@ impl Record for Validation {
     const STAGE: &'static str = "validate";
 
     fn is_made_for(of: &Trial) -> bool {
-        of.is_for_validation()
+        of.is_for_validation() && of.trial.medium == lab::card::Medium::Air && of.is_first_repeat()
     }
 
     fn pack(&self) -> Result<Parcel, RecordError> {
@@ -59,6 +87,8 @@ impl Record for Validation {
             .numbers("time_s", self.time.clone())
             .numbers("measured_x_m", part(&self.measured, 0))
             .numbers("measured_y_m", part(&self.measured, 1))
+            .numbers("deviation_x_m", part(&self.deviation, 0))
+            .numbers("deviation_y_m", part(&self.deviation, 1))
             .numbers("simulated_x_m", part(&self.simulated, 0))
             .numbers("simulated_y_m", part(&self.simulated, 1));
         let pressures = self.pressures.iter().enumerate();
@@ -69,6 +99,11 @@ impl Record for Validation {
             length_m: self.length,
             rest_rmse_m: self.rest_rmse,
             chambers: self.pressures.len(),
+            repeats: self.repeats,
+            lag_s: self.lag,
+            scored: self.scored.clone(),
+            baselines: self.baselines.clone(),
+            note: NOTE.into(),
         };
         Parcel::default().table("validation.parquet", &columns)?.scalars("validation.json", &scalars)
     }
@@ -84,24 +119,43 @@ impl Record for Validation {
             marker: s.marker,
             time: columns.f64("time_s")?,
             measured: path("measured")?,
+            deviation: path("deviation")?,
             simulated: path("simulated")?,
             pressures: (0..s.chambers).map(|i| columns.f64(&format!("chamber{i}_pa"))).collect::<Result<_, _>>()?,
             rmse: s.rmse_m,
             length: s.length_m,
             rest_rmse: s.rest_rmse_m,
+            repeats: s.repeats,
+            lag: s.lag_s,
+            scored: s.scored,
+            baselines: s.baselines,
         })
     }
 
     fn metrics(&self, of: &Trial) -> Vec<Metric> {
-        let id = |what: &str| format!("validate.{}_{}.{what}", of.card.name, of.trial.id);
-        vec![
+        let id = |what: &str| format!("validate.{}_{}.{what}", of.card.name, of.condition());
+        let percent = |m: Metre| 100.0 * m / self.length;
+        let others = self.scored.iter().chain(&self.baselines);
+        let others = others.map(|s| Metric::new(id(&format!("{}.rmse_percent", s.name)), percent(s.rmse), "%"));
+        let mut metrics = vec![
             Metric::new(id("rmse_mm"), 1e3 * self.rmse, "mm"),
             Metric::new(id("rmse_percent"), self.rmse_percent(), "%"),
-            Metric::new(id("rest_rmse_percent"), 100.0 * self.rest_rmse / self.length, "%"),
-        ]
+            Metric::new(id("rest_rmse_percent"), percent(self.rest_rmse), "%"),
+            Metric::new(id("repeats"), self.repeats as f64, ""),
+        ];
+        metrics.extend(self.lag.map(|lag| Metric::new(id("lag_ms"), 1e3 * lag, "ms")));
+        metrics.extend(others);
+        metrics
     }
 
     fn telling(&self) -> String {
-        format!("RMSE {:.2} mm, {:.2} % of the length", 1e3 * self.rmse, self.rmse_percent())
+        let said = |s: &Way| format!("{} {:.2}", s.name, 1e3 * s.rmse);
+        let others: Vec<String> = self.scored.iter().skip(1).chain(&self.baselines).map(said).collect();
+        let (mm, percent) = (1e3 * self.rmse, self.rmse_percent());
+        format!(
+            "RMSE {mm:.2} mm, {percent:.2} % of the length, {} repeats in air ({} mm)",
+            self.repeats,
+            others.join(", ")
+        )
     }
 }

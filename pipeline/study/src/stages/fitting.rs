@@ -3,18 +3,20 @@
 //! Stands on: the ladder, the landscape, fit. Never knows: which methods there are.
 
 use fem::StaticSettings;
-use fit::optimisers::{self, adam, gauss_newton, grid};
-use fit::{Bounds, Evaluation, FitError, History, Needs, Residuals, Search};
+use fit::optimisers::{self, adam, cma_es, gauss_newton, grid};
+use fit::{Bounds, Evaluation, History, Needs, Search};
 use lab::card::Card;
 use si::{Pascal, Point2, Second};
 
 use super::identify::Settings;
-use super::landscape;
+use super::levels::Levels;
 use super::plateaus::rungs;
+use super::stop::Stop;
+use super::{certainty, landscape};
 use crate::fault::{Fault, Outcome};
-use crate::model::{Ladder, Model, Rung, Simulated, Want, by_node};
+use crate::model::{Elastic, Ladder, Model, Rung, Simulated, Want, by_node};
 use crate::needs::Learning;
-use crate::records::{self, Identified, Level, Mesh, Motion, Point, Tried};
+use crate::records::{self, Doubt, Identified, Level, Markers, Mesh, Motion, Point, Tried};
 use crate::stage::Desk;
 use crate::subject::Specimen;
 
@@ -23,11 +25,11 @@ pub struct Fitting<'a> {
     card: &'a Card,
     set: &'a Settings,
     model: Model,
-    rungs: Vec<Rung>,
-    /// Trial and rest places of each rung.
+    levels: Levels,
+    doubt: Doubt,
+    /// Trial and rest places of each level.
     origins: Vec<(String, Vec<Point2>)>,
     search: Search,
-    nominal: [Pascal; 2],
 }
 
 /// What one point of a search showed, kept for the landscape.
@@ -36,42 +38,56 @@ pub struct Told {
     markers: Vec<Vec<Point2>>,
 }
 
+/// The films of a specimen: motion, and what the markers' covariance is made of.
+pub type Films = (Learning<Motion>, Learning<Markers>);
+
+/// The parameters, as messages and figures name them.
+pub const NAMES: [&str; 2] = ["body", "spine"];
+
 impl<'a> Fitting<'a> {
     /// The levels of all films, the model, and the plane to be searched.
     ///
     /// # Errors
     /// A [`Fault`] when there is no film, a film holds no pressure, or the simulator refuses the mesh.
-    pub fn new(of: &'a Specimen, set: &'a Settings, mesh: &Mesh, films: &Learning<Motion>) -> Outcome<Self> {
-        let (mut all, mut origins) = (Vec::new(), Vec::new());
-        for (trial, motion) in &films.0 {
-            let rungs = rungs(motion, set.settled, set.shortest_hold).map_err(|f| f.of(&trial.trial.id))?;
+    pub fn new(of: &'a Specimen, set: &'a Settings, mesh: &Mesh, films: &Films) -> Outcome<Self> {
+        let (mut all, mut origins, mut counts) = (Vec::new(), Vec::new(), Vec::new());
+        for ((trial, motion), (_, markers)) in films.0.0.iter().zip(&films.1.0) {
+            let rungs = rungs(motion, markers, set.settled, set.shortest_hold).map_err(|f| f.of(&trial.trial.id))?;
             origins.extend(rungs.iter().map(|_| (trial.trial.id.clone(), motion.rest.clone())));
+            counts.push(rungs.len());
             all.extend(rungs);
         }
         if all.is_empty() {
             return Err(no_film(of));
         }
         let solid = &of.card.solid;
-        let nominal = [solid.body.youngs_modulus, solid.spine.youngs_modulus];
         let bound = |k: usize| [&solid.body, &solid.spine].map(|s| (s.plausible[k] / s.youngs_modulus).ln()).to_vec();
-        let bounds = Bounds { low: bound(0), high: bound(1) };
-        let search = Search::new(&["body", "spine"], vec![0.0; 2], bounds).map_err(Fault::from_tool)?;
-        let model = Model::new(mesh, &of.card)?;
-        Ok(Self { card: &of.card, set, model, rungs: all, origins, search, nominal })
+        let mut bounds = Bounds { low: bound(0), high: bound(1) };
+        let model = Model::new(mesh, &of.card)?.seen_at(mesh, &of.card, &mean_rest(&films.0));
+        let doubt = Doubt { discrepancy_m: set.discrepancy, share: set.share };
+        let levels = Levels::new(all, &counts, &doubt, of.card.length)?;
+        let softest = softest(&model, &levels.rungs, &bounds);
+        bounds.low[0] = softest;
+        let start = vec![softest.max(0.0) + if softest > 0.0 { 0.25 * (bounds.high[0] - softest) } else { 0.0 }, 0.0];
+        let search = Search::new(&NAMES, start, bounds).map_err(Fault::from_tool)?;
+        Ok(Self { card: &of.card, set, model, levels, doubt, origins, search })
     }
 
-    fn moduli(&self, at: &[f64]) -> [Pascal; 2] {
-        [self.nominal[0] * at[0].exp(), self.nominal[1] * at[1].exp()]
+    fn elastic(&self, at: &[f64]) -> Elastic {
+        let nominal = self.model.nominal;
+        let [body, spine] = nominal.youngs_moduli;
+        Elastic { youngs_moduli: [body * at[0].exp(), spine * at[1].exp()], ..nominal }
     }
 
     fn point(&self, at: &[f64]) -> Point {
-        let [body_e_pa, spine_e_pa] = self.moduli(at);
+        let [body_e_pa, spine_e_pa] = self.elastic(at).youngs_moduli;
         Point { body_e_pa, spine_e_pa }
     }
 
     fn ladder(&self, tolerance: f64) -> Ladder {
-        let settings = StaticSettings { tolerance, halvings: HALVINGS, ..StaticSettings::default() };
-        Ladder::new(self.model.clone(), self.rungs.clone(), settings, self.set.side_by_side)
+        let settings =
+            StaticSettings { tolerance, halvings: HALVINGS, iterations: DIRECTIONS, ..StaticSettings::default() };
+        Ladder::new(self.model.clone(), self.levels.rungs.clone(), settings, self.set.side_by_side)
     }
 
     /// Runs one method over the plane; a batch is walked from near point to near point.
@@ -98,6 +114,12 @@ impl<'a> Fitting<'a> {
         let set = self.set;
         optimisers::Settings {
             grid: grid::Settings { points_per_axis: set.grid_points },
+            cma_es: cma_es::Settings {
+                step_tolerance: set.step_tolerance,
+                generations: set.cma_es_generations,
+                seed: set.cma_es_seed,
+                ..cma_es::Settings::default()
+            },
             adam: adam::Settings {
                 step: set.adam_step,
                 step_decay: set.adam_step_decay,
@@ -120,20 +142,18 @@ impl<'a> Fitting<'a> {
             Needs::Gradient => Want::Gradient,
             Needs::Residuals => Want::Slopes,
         };
-        let [body, spine] = self.moduli(at);
-        let levels = match ladder.climb(body, spine, want) {
-            Err(_) if want != Want::Gradient => return Ok(Evaluation::of_loss(at.to_vec(), f64::INFINITY)),
+        let elastic = self.elastic(at);
+        let levels = match ladder.climb(&elastic, want) {
+            Err(_) if told_before(told, want) => return Ok(Evaluation::of_loss(at.to_vec(), f64::INFINITY)),
             levels => levels?,
         };
         let markers: Vec<Vec<Point2>> = levels.iter().map(|l| l.markers.clone()).collect();
-        let loss = landscape::loss(&self.rungs, &markers, self.card.length);
+        let loss = self.levels.loss(&markers);
         told.push(Told { at: at.to_vec(), markers });
-        Ok(Evaluation {
-            at: at.to_vec(),
-            loss,
-            gradient: (want == Want::Gradient).then(|| self.gradient(&levels, [body, spine])),
-            residuals: (want == Want::Slopes).then(|| self.residuals(&levels, [body, spine])),
-        })
+        let moduli = elastic.youngs_moduli;
+        let residuals = (want == Want::Slopes).then(|| self.levels.residuals(&levels, &moduli)).transpose()?;
+        let gradient = (want == Want::Gradient).then(|| self.gradient(&levels, moduli));
+        Ok(Evaluation { at: at.to_vec(), loss, gradient, residuals })
     }
 
     /// ∂loss/∂ln E.
@@ -142,40 +162,27 @@ impl<'a> Fitting<'a> {
         (0..2).map(|k| sum(k) * moduli[k] / self.card.length).collect()
     }
 
-    /// Simulated less measured, over the standard deviation, and its slope by ln E.
-    fn residuals(&self, levels: &[Simulated], moduli: [Pascal; 2]) -> Residuals {
-        let (mut values, mut jacobian) = (Vec::new(), Vec::new());
-        for (level, rung) in levels.iter().zip(&self.rungs) {
-            for (m, (simulated, measured)) in level.markers.iter().zip(&rung.measured).enumerate() {
-                for k in 0..2 {
-                    values.push((simulated[k] - measured[k]) / self.set.discrepancy);
-                    jacobian.extend((0..2).map(|e| level.slopes[e][m][k] * moduli[e] / self.set.discrepancy));
-                }
-            }
-        }
-        Residuals { values, jacobian }
-    }
-
     /// How the method went, as it is kept.
     pub fn record(&self, method: &str, history: &History, seconds: Second) -> records::Search {
         let tried = history.tried.iter().map(|t| Tried { at: self.point(&t.evaluation.at), loss: t.evaluation.loss });
         records::Search { method: method.into(), tried: tried.collect(), seconds }
     }
 
-    /// Adjoint gradient against central differences at the nominal moduli, over the size of the gradient.
+    /// Adjoint gradient against central differences at the start, over the size of the gradient.
     ///
     /// # Errors
-    /// A [`Fault`] when there is no equilibrium at the nominal moduli.
+    /// A [`Fault`] when there is no equilibrium at the start.
     pub fn gradient_difference(&self) -> Outcome<f64> {
         let mut ladder = self.ladder(EXACT);
+        let start = [self.search.start()[0], self.search.start()[1]];
         let mut loss = |at: [f64; 2], needs: Needs| self.evaluate(&mut ladder, &at, needs, &mut Vec::new());
-        let adjoint = loss([0.0; 2], Needs::Gradient)?.gradient.unwrap_or_default();
+        let adjoint = loss(start, Needs::Gradient)?.gradient.unwrap_or_default();
         let size = adjoint.iter().fold(0.0_f64, |s, g| s.max(g.abs()));
         let mut worst = 0.0_f64;
         for k in 0..2 {
             let mut at = |sign: f64| {
-                let mut at = [0.0; 2];
-                at[k] = sign * DIFFERENCE;
+                let mut at = start;
+                at[k] += sign * DIFFERENCE;
                 loss(at, Needs::Loss).map(|e| e.loss)
             };
             let difference = (at(1.0)? - at(-1.0)?) / (2.0 * DIFFERENCE);
@@ -198,90 +205,124 @@ impl<'a> Fitting<'a> {
     ) -> Outcome<Identified> {
         desk.progress(0.95, "at the identified moduli");
         let best = &history.best;
-        let [body, spine] = self.moduli(&best.at);
-        let levels = self.ladder(self.set.static_tolerance).climb(body, spine, Want::Gradient)?;
-        let covariance = best.residuals.as_ref().map(|r| r.covariance(2)).transpose().map_err(Fault::from_tool)?;
-        let sigma = |k: usize| covariance.as_ref().map_or(f64::NAN, |c| c.sigma(k));
+        let elastic = self.elastic(&best.at);
+        let levels = self.ladder(self.set.static_tolerance).climb(&elastic, Want::Gradient)?;
         let seconds = |part: fn(&Simulated) -> f64| levels.iter().map(part).sum::<f64>();
         let (forward, derivative) = (seconds(|l| l.forward_seconds), seconds(|l| l.derivative_seconds));
         let markers: Vec<Vec<Point2>> = levels.iter().map(|l| l.markers.clone()).collect();
-        let highest = levels.iter().zip(&self.rungs).max_by(|a, b| top(a.1).total_cmp(&top(b.1)));
+        let highest = levels.iter().zip(&self.levels.rungs).max_by(|a, b| a.1.top().total_cmp(&b.1.top()));
+        let certainty = certainty::of(self.card, best, &self.search)?;
+        let [body, spine] = [0, 1].map(|k| elastic.youngs_moduli[k] * certainty.sigma[k]);
+        let (surface, profiles) = self.surface(told)?;
         Ok(Identified {
             best: self.point(&best.at),
-            sigma: Point { body_e_pa: body * sigma(0), spine_e_pa: spine * sigma(1) },
-            loss: landscape::loss(&self.rungs, &markers, self.card.length),
+            sigma: Point { body_e_pa: body, spine_e_pa: spine },
+            loss: self.levels.loss(&markers),
             gradient_difference,
             gradient_over_forward: (forward + derivative) / forward,
             searches,
-            surface: self.surface(told),
-            levels: self.levels(&markers),
+            surface,
+            levels: self.shown(&markers),
             inflated: highest.map(|(level, _)| by_node(&level.displacement)).unwrap_or_default(),
             length: self.card.length,
+            doubt: self.doubt,
+            certainty,
+            profiles,
         })
     }
 
-    /// The landscape between the grid's points; the grid's own losses where some point has no equilibrium.
-    fn surface(&self, told: &[Told]) -> records::Surface {
+    /// The landscape and the profiles between the grid's points; the grid's own losses where some point has no equilibrium.
+    fn surface(&self, told: &[Told]) -> Outcome<(records::Surface, Vec<records::Profile>)> {
         let Bounds { low, high } = self.search.bounds();
         let axis = |k: usize| grid::axis(low[k], high[k], self.set.grid_points);
         if told.len() < self.set.grid_points * self.set.grid_points {
-            return self.coarse(told, &axis(0), &axis(1));
+            return Ok((self.coarse(told, &axis(0), &axis(1)), Vec::new()));
         }
         let points: Vec<(&[f64], &[Vec<Point2>])> =
             told.iter().map(|t| (t.at.as_slice(), t.markers.as_slice())).collect();
-        let fine = landscape::between(&points, self.set.landscape_points, &self.rungs, self.card.length);
-        records::Surface {
-            body_e_pa: fine.across.iter().map(|x| self.nominal[0] * x.exp()).collect(),
-            spine_e_pa: fine.up.iter().map(|y| self.nominal[1] * y.exp()).collect(),
-            loss: fine.loss,
-        }
+        let judge = |at: &[Vec<Point2>]| vec![self.levels.loss(at), self.levels.chi_square(at).unwrap_or(f64::NAN)];
+        let fine = landscape::between(&points, self.set.landscape_points, &judge);
+        let moduli = self.model.nominal.youngs_moduli;
+        let along = |axis: &[f64], k: usize| axis.iter().map(|x| moduli[k] * x.exp()).collect::<Vec<f64>>();
+        let (body_e_pa, spine_e_pa) = (along(&fine.across, 0), along(&fine.up, 1));
+        let profiles = certainty::profiles(&body_e_pa, &spine_e_pa, &fine.values[1]);
+        Ok((records::Surface { body_e_pa, spine_e_pa, loss: fine.values[0].clone() }, profiles))
     }
 
     fn coarse(&self, told: &[Told], across: &[f64], up: &[f64]) -> records::Surface {
         let loss = |x: f64, y: f64| {
             let here = told.iter().find(|t| t.at == [x, y]);
-            here.map_or(f64::NAN, |t| landscape::loss(&self.rungs, &t.markers, self.card.length))
+            here.map_or(f64::NAN, |t| self.levels.loss(&t.markers))
         };
         records::Surface {
-            body_e_pa: across.iter().map(|x| self.nominal[0] * x.exp()).collect(),
-            spine_e_pa: up.iter().map(|y| self.nominal[1] * y.exp()).collect(),
+            body_e_pa: across.iter().map(|&x| self.point(&[x, 0.0]).body_e_pa).collect(),
+            spine_e_pa: up.iter().map(|&y| self.point(&[0.0, y]).spine_e_pa).collect(),
             loss: up.iter().flat_map(|&y| across.iter().map(move |&x| (x, y))).map(|(x, y)| loss(x, y)).collect(),
         }
     }
 
-    fn levels(&self, markers: &[Vec<Point2>]) -> Vec<Level> {
-        let all = self.rungs.iter().zip(markers).zip(&self.origins);
+    fn shown(&self, markers: &[Vec<Point2>]) -> Vec<Level> {
+        let all = self.levels.rungs.iter().zip(markers).zip(&self.origins);
         all.map(|((rung, simulated), (trial, rest))| Level {
             trial: trial.clone(),
             pressures_pa: rung.pressures.clone(),
             rest_m: rest.clone(),
             measured_m: rung.measured.clone(),
+            spread_m2: rung.spread.clone(),
             simulated_m: simulated.clone(),
         })
         .collect()
     }
 }
 
+/// Whether a point without equilibrium may be told as one of infinite loss: a gradient must have been found before.
+fn told_before(told: &[Told], want: Want) -> bool {
+    want != Want::Gradient || !told.is_empty()
+}
+
+/// Step of the way from stiff to soft, in the logarithm of the body's modulus.
+const SOFTER: f64 = 0.1;
+
+/// Logarithm over the nominal value of the softest body that surely has a shape at the highest pressure of each film, with the
+/// softest plausible spine; the box's lower end where that has one.
+///
+/// Below it the films cannot be simulated, whatever is plausible: walls leave their shapes. It is come upon from the stiff side,
+/// each shape warm from the last, because a shape that is not there is sought longest.
+fn softest(model: &Model, rungs: &[Rung], bounds: &Bounds) -> f64 {
+    let settings = StaticSettings { tolerance: 1e-4, halvings: 0, iterations: 12, ..StaticSettings::default() };
+    let top = rungs.iter().map(Rung::top).fold(0.0, f64::max);
+    let highest: Vec<Rung> = rungs.iter().filter(|r| r.top() > 0.98 * top).cloned().collect();
+    let count = highest.len();
+    let mut ladder = Ladder::new(model.clone(), highest, settings, count);
+    let [body, spine] = model.nominal.youngs_moduli;
+    let mut bears = |at: f64| {
+        let youngs_moduli = [body * at.exp(), spine * bounds.low[1].exp()];
+        ladder.climb(&Elastic { youngs_moduli, ..model.nominal }, Want::Nothing).is_ok()
+    };
+    let (low, high) = (bounds.low[0], bounds.high[0]);
+    let steps = ((high - low) / SOFTER).ceil() as usize;
+    let lost = (1..=steps).find(|&k| !bears((high - SOFTER * k as f64).max(low)));
+    lost.map_or(low, |k| (high - SOFTER * (k as f64 - 1.0)).min(high - SOFTER))
+}
+
 /// Step of the central differences, in logarithms of moduli: its truncation error is far below the solver's tolerance.
 const DIFFERENCE: f64 = 1e-3;
 
 /// A level whose load steps must be halved more often than this has given way: a search has better points to try.
-const HALVINGS: usize = 2;
+const HALVINGS: usize = 1;
+
+/// Newton directions in a load step after which it is given up: where there is a shape, eight do.
+const DIRECTIONS: usize = 16;
 
 /// Tolerance of the equilibria between which differences are taken, as a part of the specimen's size.
 const EXACT: f64 = 1e-9;
 
-/// A fault on its way through an optimiser.
-struct Stop(Fault);
-
-impl From<FitError> for Stop {
-    fn from(error: FitError) -> Self {
-        Self(Fault::from_tool(error))
-    }
-}
-
-fn top(rung: &Rung) -> Pascal {
-    rung.pressures.iter().copied().fold(f64::MIN, f64::max)
+/// Where the markers were seen at rest: the mean over films, m.
+pub fn mean_rest(films: &Learning<Motion>) -> Vec<Point2> {
+    let count = films.0.len().max(1) as f64;
+    let first = films.0.first().map(|(_, m)| m.rest.len()).unwrap_or_default();
+    let mean = |m: usize, k: usize| films.0.iter().map(|(_, motion)| motion.rest[m][k]).sum::<f64>() / count;
+    (0..first).map(|m| [mean(m, 0), mean(m, 1)]).collect()
 }
 
 /// An order of points in which each is the nearest of those left to the one before.

@@ -10,10 +10,9 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use si::{Metre, Second};
 
-use super::fitting::Fitting;
+use super::fitting::{Films, Fitting};
 use crate::fault::{Fault, Outcome};
-use crate::needs::Learning;
-use crate::records::{Identified, Mesh, Motion};
+use crate::records::{Identified, Mesh};
 use crate::stage::{Desk, Stage};
 use crate::subject::Specimen;
 
@@ -30,8 +29,14 @@ pub struct Settings {
     pub(super) shortest_hold: Second,
     /// Standard deviation of a measured displacement beside its covariance: what the model leaves out, m.
     pub(super) discrepancy: Metre,
+    /// Standard deviation of the share by which all displacements of a film are off together, no unit.
+    pub(super) share: f64,
     /// Points an axis of the exhaustive search.
     pub(super) grid_points: usize,
+    /// CMA-ES's generations at most, ten simulations each; the paper made four.
+    pub(super) cma_es_generations: usize,
+    /// Where its draws come from.
+    pub(super) cma_es_seed: u64,
     /// Length of Adam's step, in logarithms of moduli.
     pub(super) adam_step: f64,
     /// How fast it shrinks, 1/iterations.
@@ -56,16 +61,16 @@ pub struct Settings {
 
 impl Stage for Identify {
     type Settings = Settings;
-    type Needs = (Mesh, Learning<Motion>);
+    type Needs = (Mesh, Films);
     type Makes = Identified;
     const STORY: &'static str = "quasi-static motion becomes Young's moduli";
-    const EDITION: u32 = 1;
+    const EDITION: u32 = 2;
 
     fn card(of: &Specimen) -> Value {
         let (solid, card) = (&of.card.solid, &of.card);
         let region =
             |s: &lab::card::Solid| json!([s.material, s.youngs_modulus, s.poissons_ratio, s.density, s.plausible]);
-        json!({ "body": region(&solid.body), "spine": region(&solid.spine), "clamp": card.clamp.below_x, "length": card.length })
+        json!({ "body": region(&solid.body), "spine": region(&solid.spine), "clamp": card.clamp.below_x, "length": card.length, "markers": card.marker.iter().map(|m| m.at).collect::<Vec<_>>() })
     }
 
     fn run(of: &Specimen, set: &Settings, (mesh, films): Self::Needs, desk: &dyn Desk) -> Outcome<Identified> {

@@ -9,14 +9,14 @@ use si::{Metre, Point2};
 
 use crate::model::Rung;
 
-/// A surface: `loss` row after row, rows along `up`.
+/// Surfaces over the logarithms of both moduli: row after row, rows along `up`.
 pub struct Fine {
     /// Logarithms of the first modulus.
     pub across: Vec<f64>,
     /// Logarithms of the second modulus.
     pub up: Vec<f64>,
-    /// The loss.
-    pub loss: Vec<f64>,
+    /// What is judged, each as `up` × `across`.
+    pub values: Vec<Vec<f64>>,
 }
 
 /// Mean distance of simulated from measured displacements over all levels and markers, over the specimen's length.
@@ -27,8 +27,10 @@ pub fn loss(rungs: &[Rung], simulated: &[Vec<Point2>], length: Metre) -> f64 {
     sum / (count.max(1) as f64 * length)
 }
 
-/// The loss on a fine grid, from points (first and second logarithm; levels × markers) that form a full coarse grid.
-pub fn between(points: &[(&[f64], &[Vec<Point2>])], fine: usize, rungs: &[Rung], length: Metre) -> Fine {
+/// What displacements are worth on a fine grid, from points (first and second logarithm; levels × markers) that form a full coarse grid.
+///
+/// `judge` turns the displacements at one place (levels × markers) into one or more values.
+pub fn between(points: &[(&[f64], &[Vec<Point2>])], fine: usize, judge: &dyn Fn(&[Vec<Point2>]) -> Vec<f64>) -> Fine {
     let axis = |k: usize| {
         let mut values: Vec<f64> = points.iter().map(|p| p.0[k]).collect();
         values.sort_by(f64::total_cmp);
@@ -37,16 +39,17 @@ pub fn between(points: &[(&[f64], &[Vec<Point2>])], fine: usize, rungs: &[Rung],
     };
     let (x, y) = (axis(0), axis(1));
     let (across, up) = (spread(&x, fine), spread(&y, fine));
-    let mut losses = Vec::with_capacity(fine * fine);
+    let mut judged = Vec::with_capacity(fine * fine);
     for &v in &up {
         let wy = lagrange(&y, v);
         for &u in &across {
             let wx = lagrange(&x, u);
             let weight = |at: &[f64]| wx[place(&x, at[0])] * wy[place(&y, at[1])];
-            losses.push(loss(rungs, &blend(points, &weight), length));
+            judged.push(judge(&blend(points, &weight)));
         }
     }
-    Fine { across, up, loss: losses }
+    let kinds = judged.first().map_or(0, Vec::len);
+    Fine { across, up, values: (0..kinds).map(|k| judged.iter().map(|j| j[k]).collect()).collect() }
 }
 
 fn spread(axis: &[f64], count: usize) -> Vec<f64> {
@@ -90,9 +93,10 @@ mod tests {
         let coarse: Vec<(Vec<f64>, Vec<Vec<Point2>>)> =
             (0..9).map(|i| (f64::from(i % 3), f64::from(i / 3))).map(|(u, v)| (vec![u, v], simulate(u, v))).collect();
         let points: Vec<(&[f64], &[Vec<Point2>])> = coarse.iter().map(|(a, m)| (a.as_slice(), m.as_slice())).collect();
-        let rung = [Rung { pressures: vec![1.0], measured: simulate(0.5, 1.5)[0].clone() }];
-        let fine = between(&points, 5, &rung, 1.0);
+        let measured = simulate(0.5, 1.5)[0].clone();
+        let rung = [Rung { pressures: vec![1.0], measured, spread: vec![[0.0; 3]] }];
+        let fine = between(&points, 5, &|simulated| vec![loss(&rung, simulated, 1.0)]);
         assert_eq!((fine.across[1], fine.up[3]), (0.5, 1.5));
-        assert!(fine.loss[3 * 5 + 1] < 1e-12, "{}", fine.loss[16]);
+        assert!(fine.values[0][3 * 5 + 1] < 1e-12, "{}", fine.values[0][16]);
     }
 }

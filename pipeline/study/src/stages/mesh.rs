@@ -51,17 +51,24 @@ impl Stage for Mesh {
     }
 
     fn run(of: &Specimen, set: &Settings, (): (), desk: &dyn Desk) -> Outcome<records::Mesh> {
-        let surface = |word: &str| surface(&of.card, word, desk);
-        let (body, spine) = (surface("body")?, surface("spine")?);
         desk.progress(0.1, "meshing");
         let mesher = shape::Settings { use_symmetry: set.use_symmetry, ..shape::Settings::new(set.edge) };
-        let (linear, report) = shape::mesh(&body, &spine, &mesher).map_err(Fault::from_tool)?;
-        let solid = shape::quadratic(&linear);
-        let chambers = chambers(&of.card, &solid, &report)?;
-        let (markers, marker_distance_m) = embed_markers(&of.card, &solid, set.marker_distance_limit)?;
-        let quality = quality(&solid, &report, marker_distance_m);
-        Ok(records::Mesh { solid, chambers, markers, quality })
+        made(&of.card, &mesher, set.marker_distance_limit, desk)
     }
+}
+
+/// A specimen's mesh; a marker may lie so far (m) from the skin.
+///
+/// # Errors
+/// A [`Fault`] when a surface cannot be read or meshed, or the card names a chamber or marker that is not there.
+pub fn made(card: &Card, by: &shape::Settings, marker_limit: Metre, desk: &dyn Desk) -> Outcome<records::Mesh> {
+    let (body, spine) = (surface(card, "body", desk)?, surface(card, "spine", desk)?);
+    let (linear, report) = shape::mesh(&body, &spine, by).map_err(Fault::from_tool)?;
+    let solid = shape::quadratic(&linear);
+    let chambers = chambers(card, &solid, &report)?;
+    let (markers, marker_distance_m) = embed_markers(card, &solid, marker_limit)?;
+    let quality = quality(&solid, &report, marker_distance_m);
+    Ok(records::Mesh { solid, chambers, markers, quality })
 }
 
 fn surface(card: &Card, word: &str, desk: &dyn Desk) -> Outcome<Surface> {

@@ -3,16 +3,25 @@
 //! Stands on: the contract in `stage.rs` and its members. Never knows: a path, an order of running.
 //! A new stage: its file, its record, its line in [`ALL`].
 
+mod baselines;
 mod camera;
+mod certainty;
 mod clock;
+mod damping;
 mod fitting;
+mod four_parameters;
 mod identify;
 mod landscape;
+mod levels;
 mod load_cell;
 mod markers;
 mod mesh;
+mod mesh_honesty;
 mod plateaus;
 mod recovery;
+mod repeats;
+mod stop;
+mod swing;
 mod tank;
 mod thrust;
 mod track;
@@ -32,6 +41,9 @@ pub const ALL: &[Entry] = &[
     stage::<tank::Tank>(),          // still water                 → the tank's waves
     stage::<wave::Wave>(),          // force log                   → force without waves and drift
     stage::<identify::Identify>(),  // quasi-static motion         → Young's moduli
+    stage::<four_parameters::FourParameters>(), // the same levels    → both moduli, both Poisson's ratios
+    stage::<mesh_honesty::MeshHonesty>(), // the same levels       → moduli by other meshes
+    stage::<damping::Damping>(),    // a release               → how fast a swing dies
     stage::<validate::Validate>(),  // flapping never seen         → error of the prediction
     stage::<thrust::Thrust>(),      // motion, pressure, force     → models of thrust
     stage::<recovery::Recovery>(),  // what was found, what was true → how close

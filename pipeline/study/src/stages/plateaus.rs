@@ -8,15 +8,15 @@ use si::{Pascal, Point2, Second};
 
 use crate::fault::{Fault, Outcome};
 use crate::model::Rung;
-use crate::records::Motion;
+use crate::records::{Markers, Motion, Parts, Spread};
 
 /// The shape at each held pressure: means over the last `settled` (0 … 1) of each hold that lasts at least `shortest` (s).
 ///
 /// # Errors
 /// A [`Fault`] when the log holds no pressure or the film ends before the first hold.
-pub fn rungs(motion: &Motion, settled: f64, shortest: Second) -> Outcome<Vec<Rung>> {
+pub fn rungs(motion: &Motion, markers: &Markers, settled: f64, shortest: Second) -> Outcome<Vec<Rung>> {
     let holds = holds(motion).into_iter().filter(|h| motion.log_time[h.end - 1] - motion.log_time[h.start] >= shortest);
-    let rungs: Vec<Rung> = holds.filter_map(|hold| rung(motion, hold, settled)).collect();
+    let rungs: Vec<Rung> = holds.filter_map(|hold| rung(motion, markers, hold, settled)).collect();
     if rungs.is_empty() {
         return Err(Fault::new(
             "the trial holds no pressure that was filmed",
@@ -37,7 +37,7 @@ fn holds(motion: &Motion) -> Vec<Range<usize>> {
     runs.filter(|run| command(run.start).iter().any(|&p| p > 0.0)).collect()
 }
 
-fn rung(motion: &Motion, hold: Range<usize>, settled: f64) -> Option<Rung> {
+fn rung(motion: &Motion, markers: &Markers, hold: Range<usize>, settled: f64) -> Option<Rung> {
     let (from, to) = (motion.log_time[hold.start], motion.log_time[hold.end - 1]);
     let still = to - settled * (to - from);
     let samples: Vec<usize> = hold.filter(|&i| motion.log_time[i] >= still).collect();
@@ -47,7 +47,15 @@ fn rung(motion: &Motion, hold: Range<usize>, settled: f64) -> Option<Rung> {
     }
     let pressure = |measured: &[Pascal]| samples.iter().map(|&i| measured[i]).sum::<f64>() / samples.len() as f64;
     let measured: Vec<Point2> = motion.markers.iter().map(|m| m.mean(frames.clone())).collect();
-    Some(Rung { pressures: motion.gauges.iter().map(|g| pressure(&g.measured)).collect(), measured })
+    let spread = markers.parts.iter().map(|parts| spread(parts, frames.clone())).collect();
+    Some(Rung { pressures: motion.gauges.iter().map(|g| pressure(&g.measured)).collect(), measured, spread })
+}
+
+/// Of the mean over frames: their noise is averaged, what stays through the film is not.
+fn spread(parts: &Parts, frames: Range<usize>) -> Spread {
+    let count = frames.len() as f64;
+    let mean = |of: &[Spread], k: usize| of[frames.clone()].iter().map(|s| s[k]).sum::<f64>() / count;
+    [0, 1, 2].map(|k| mean(&parts.noise, k) / count + mean(&parts.shared, k))
 }
 
 #[cfg(test)]
@@ -66,16 +74,24 @@ mod tests {
         Motion { log_time: time.clone(), time, markers, rest: vec![[0.0; 2]], gauges, clock }
     }
 
+    /// Noise of 1e-10 m² a frame and 1e-12 m² that stays.
+    fn markers() -> Markers {
+        let parts = vec![Parts { noise: vec![[1e-10; 3]; 400], shared: vec![[1e-12; 3]; 400] }];
+        Markers { time: Vec::new(), markers: Vec::new(), parts, left_out: Vec::new() }
+    }
+
     #[test]
     fn each_held_pressure_becomes_one_rung() {
-        let rungs = rungs(&motion(), 0.4, 0.5).unwrap();
+        let rungs = rungs(&motion(), &markers(), 0.4, 0.5).unwrap();
         assert_eq!(rungs.len(), 2);
         assert!((rungs[1].pressures[0] - 200.0).abs() < 1e-9);
         assert!((rungs[1].measured[0][1] - 2e-3).abs() < 1e-12);
+        // some forty of a hundred frames
+        assert!((rungs[1].spread[0][0] - (1e-12 + 1e-10 / 40.0)).abs() < 2e-13, "{:?}", rungs[1].spread);
     }
 
     #[test]
     fn a_trial_without_a_long_hold_is_refused() {
-        assert!(rungs(&motion(), 0.4, 5.0).unwrap_err().what.contains("holds no pressure"));
+        assert!(rungs(&motion(), &markers(), 0.4, 5.0).unwrap_err().what.contains("holds no pressure"));
     }
 }

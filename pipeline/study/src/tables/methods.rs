@@ -49,6 +49,7 @@ fn title(method: &str) -> String {
     match method {
         "adam" => "Adam",
         "grid" => "Grid search",
+        "cma_es" => "CMA-ES",
         "gauss_newton" => "Gauss-Newton",
         other => other,
     }
@@ -59,6 +60,7 @@ fn title(method: &str) -> String {
 fn published(method: &str) -> Published {
     Published(match method {
         "adam" => ["4", "334.4", "22", "0.0027"],
+        "cma_es" => ["40", "321.0", "214", "0.021"],
         "grid" => ["25", "318.9", "132.9", "0.023"],
         _ => [""; 4],
     })

@@ -1,0 +1,61 @@
+//! Figure `four_parameters`: both moduli and both Poisson's ratios, searched at once. Paper, figure 6.
+//!
+//! One panel a parameter: its value at each simulation, the plausible range as a band, and the final point. Each specimen has
+//! two rows of its own.
+//!
+//! Stands on: plot. Never knows: how a number was computed.
+
+use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Figure, Mark, Marker, Panel, palette};
+use si::Point2;
+
+use super::origin_note;
+use crate::fault::{Fault, Outcome};
+use crate::figure;
+use crate::needs::Every;
+use crate::records;
+
+/// The figure.
+pub struct FourParameters;
+
+impl figure::Figure for FourParameters {
+    type Needs = Every<records::FourParameters>;
+    const NAME: &'static str = "four_parameters";
+    const SHOWS: &'static str = "both moduli and both Poisson's ratios, sought at once";
+    const EDITION: u32 = 1;
+
+    fn draw(Every(all): Self::Needs) -> Outcome<Figure> {
+        if all.is_empty() {
+            return Err(Fault::new("there is no search to show", "no specimen has one", "study run four_parameters"));
+        }
+        let mut figure = Figure::new(DOUBLE_COLUMN_MM);
+        for (specimen, found) in &all {
+            let name = &specimen.card.name;
+            let of = |k: usize| parameter(found, k).titled(&format!("{name}: {}", TITLES[k]));
+            figure = figure.row(44.0, [of(0), of(1)]).row(44.0, [of(2), of(3)]);
+        }
+        Ok(figure.noted(&origin_note(all.iter().map(|(s, _)| s.card.as_ref()))))
+    }
+}
+
+const TITLES: [&str; 4] = ["E of the body", "E of the spine", "ν of the body", "ν of the spine"];
+const UNITS: [&str; 4] = ["MPa", "GPa", "", ""];
+const SCALES: [f64; 4] = [1e-6, 1e-9, 1.0, 1.0];
+
+fn parameter(found: &records::FourParameters, k: usize) -> Panel {
+    let points: Vec<Point2> =
+        found.iterates.iter().enumerate().map(|(i, (four, _))| [(i + 1) as f64, four.shown()[k]]).collect();
+    let last = points.len().max(2) as f64;
+    let [low, high] = found.plausible[k].map(|v| SCALES[k] * v);
+    let room = 0.08 * (high - low);
+    let axes = Axes::new(
+        Axis::linear("simulations of all levels", "").range(1.0, last),
+        Axis::linear(TITLES[k], UNITS[k]).range(low - room, high + room),
+    );
+    let end = vec![[last, found.best.shown()[k]]];
+    Panel::Axes(
+        axes.with(Mark::band(vec![1.0, last], vec![low; 2], vec![high; 2], palette::MUTED).labelled("plausible"))
+            .with(Mark::line(points.clone(), palette::method("gauss_newton")))
+            .with(Mark::points(points, Marker::Disc, palette::method("gauss_newton")).sized(3.6).labelled("tried"))
+            .with(Mark::points(end, Marker::Ring, palette::OPTIMUM).sized(6.0).labelled("final")),
+    )
+}

@@ -1,0 +1,90 @@
+//! Four parameters: both moduli and both Poisson's ratios, found at once, and the way there.
+
+use serde::{Deserialize, Serialize};
+use si::Pascal;
+
+use super::identified::Certainty;
+use crate::metric::Metric;
+use crate::record::{Parcel, Record, RecordError};
+use crate::subject::Specimen;
+
+/// The elastic constants of a specimen.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Four {
+    /// E of the body, Pa.
+    pub body_e_pa: Pascal,
+    /// E of the spine, Pa.
+    pub spine_e_pa: Pascal,
+    /// ν of the body.
+    pub body_nu: f64,
+    /// ν of the spine.
+    pub spine_nu: f64,
+}
+
+impl Four {
+    /// In the order of the fields: MPa, GPa and no unit.
+    pub fn shown(&self) -> [f64; 4] {
+        [1e-6 * self.body_e_pa, 1e-9 * self.spine_e_pa, self.body_nu, self.spine_nu]
+    }
+}
+
+/// The search over four parameters.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FourParameters {
+    /// Where it ended.
+    pub best: Four,
+    /// The loss there.
+    pub loss: f64,
+    /// Every point and its loss, in order.
+    pub iterates: Vec<(Four, f64)>,
+    /// Lowest and highest plausible value of each parameter: Pa, Pa, no unit, no unit.
+    pub plausible: [[f64; 2]; 4],
+    /// Deviations of ln E and of ln (½ − ν).
+    pub certainty: Certainty,
+}
+
+impl Record for FourParameters {
+    type Of = Specimen;
+    const STAGE: &'static str = "four_parameters";
+
+    fn pack(&self) -> Result<Parcel, RecordError> {
+        Parcel::default().scalars("four_parameters.json", self)
+    }
+
+    fn unpack(parcel: &Parcel) -> Result<Self, RecordError> {
+        parcel.read_scalars("four_parameters.json")
+    }
+
+    fn metrics(&self, of: &Specimen) -> Vec<Metric> {
+        let id = |what: &str| format!("four_parameters.{}.{what}", of.card.name);
+        let [body, spine, body_nu, spine_nu] = self.best.shown();
+        vec![
+            Metric::new(id("body_e_mpa"), body, "MPa"),
+            Metric::new(id("spine_e_gpa"), spine, "GPa"),
+            Metric::new(id("body_nu"), body_nu, ""),
+            Metric::new(id("spine_nu"), spine_nu, ""),
+            Metric::new(id("loss"), self.loss, ""),
+            Metric::new(id("iterations"), self.iterates.len() as f64, ""),
+        ]
+    }
+
+    fn telling(&self) -> String {
+        let [body, spine, body_nu, spine_nu] = self.best.shown();
+        let words = &self.certainty.words;
+        format!("body {body:.4} MPa, ν {body_nu:.4}; spine {spine:.3} GPa, ν {spine_nu:.3}; {words}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn four_parameters_survive_their_record() {
+        let best = Four { body_e_pa: 2e5, spine_e_pa: 3e9, body_nu: 0.48, spine_nu: 0.37 };
+        let plausible = [[1e5, 3e5], [1e9, 6e9], [0.45, 0.495], [0.3, 0.45]];
+        let certainty = Certainty { sigma: vec![0.1; 4], ..Certainty::default() };
+        let whole = FourParameters { best, loss: 1e-3, iterates: vec![(best, 1e-3)], plausible, certainty };
+        assert_eq!(FourParameters::unpack(&whole.pack().unwrap()).unwrap(), whole);
+    }
+}

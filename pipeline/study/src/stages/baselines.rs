@@ -1,0 +1,89 @@
+//! Baselines: what a motion would be told to be without a simulation of it.
+//!
+//! Rest: nothing moves. Quasi-static: at each instant the shape that the pressures would hold. Last cycle: what was seen one beat
+//! before, which no simulation may use.
+//!
+//! Stands on: the identification's levels. Never knows: a mesh.
+
+use si::{Metre, Pascal, Point2, Second};
+
+use super::repeats::{Seen, rms};
+use crate::records::{Identified, Way};
+
+/// The error of each baseline.
+pub fn all(
+    seen: &Seen,
+    pressures: &[Vec<Pascal>],
+    found: &Identified,
+    marker: usize,
+    frequency: Option<f64>,
+) -> Vec<Way> {
+    let scored = |name: &str, rmse: Metre| Way { name: name.into(), rmse };
+    let count = seen.mean.len();
+    let mut scores = vec![
+        scored("rest", rms(&seen.mean, &vec![[0.0; 2]; count])),
+        scored("quasi_static", rms(&seen.mean, &quasi_static(pressures, found, marker, count))),
+    ];
+    scores.extend(frequency.map(|f| scored("last_cycle", last_cycle(seen, 1.0 / f))));
+    scores
+}
+
+/// The sum of what each chamber's pressure alone would hold, between the simulated levels.
+fn quasi_static(pressures: &[Vec<Pascal>], found: &Identified, marker: usize, frames: usize) -> Vec<Point2> {
+    let curve = |chamber: usize| -> Vec<(Pascal, Point2)> {
+        let filled = |l: &&crate::records::Level| l.pressures_pa[chamber] >= l.pressure();
+        let mut curve: Vec<(Pascal, Point2)> =
+            found.levels.iter().filter(filled).map(|l| (l.pressure(), l.simulated_m[marker])).collect();
+        curve.push((0.0, [0.0; 2]));
+        curve.sort_by(|a, b| a.0.total_cmp(&b.0));
+        curve
+    };
+    let curves: Vec<Vec<(Pascal, Point2)>> = (0..pressures.len()).map(curve).collect();
+    let at = |frame: usize| {
+        let parts = curves.iter().zip(pressures).map(|(curve, p)| between(curve, p[frame]));
+        parts.fold([0.0; 2], |sum, part| [sum[0] + part[0], sum[1] + part[1]])
+    };
+    (0..frames).map(at).collect()
+}
+
+/// Linear between the points of a curve, and beyond its last one.
+fn between(curve: &[(Pascal, Point2)], pressure: Pascal) -> Point2 {
+    if curve.len() < 2 {
+        return [0.0; 2];
+    }
+    let right = curve.partition_point(|(p, _)| *p < pressure).clamp(1, curve.len() - 1);
+    let ((p, a), (q, b)) = (curve[right - 1], curve[right]);
+    let part = ((pressure - p) / (q - p)).max(0.0);
+    [0, 1].map(|k| a[k] + part * (b[k] - a[k]))
+}
+
+/// From the second beat on.
+fn last_cycle(seen: &Seen, period: Second) -> Metre {
+    let apart = (seen.time[seen.time.len() - 1] - seen.time[0]) / (seen.time.len() - 1).max(1) as f64;
+    let back = (period / apart).round() as usize;
+    let moves = seen.mean.iter().position(|p| p[0].hypot(p[1]) > 1e-3).unwrap_or(0);
+    let from = (moves + back).min(seen.mean.len() - 1);
+    rms(&seen.mean[from..], &seen.mean[from - back.min(from)..])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn between_two_levels_a_quasi_static_shape_is_their_mean() {
+        let curve = [(0.0, [0.0, 0.0]), (100.0, [0.0, 1.0]), (200.0, [-1.0, 3.0])];
+        assert_eq!(between(&curve, 150.0), [-0.5, 2.0]);
+        assert_eq!(between(&curve, -5.0), [0.0, 0.0]);
+        assert_eq!(between(&curve, 250.0), [-1.5, 4.0]);
+    }
+
+    #[test]
+    fn a_periodic_motion_is_what_it_was_a_beat_before() {
+        let time: Vec<f64> = (0..180).map(|i| f64::from(i) / 60.0).collect();
+        let mean = time.iter().map(|t| [0.0, (std::f64::consts::TAU * 2.0 * t).sin()]).collect();
+        let seen = Seen { deviation: Vec::new(), gauges: Vec::new(), time, mean };
+        assert!(last_cycle(&seen, 0.5) < 1e-9);
+        assert!(last_cycle(&seen, 0.25) > 1.0);
+    }
+}
