@@ -21,7 +21,7 @@ impl figure::Figure for Sysid {
     type Needs = Every<Identified>;
     const NAME: &'static str = "sysid";
     const SHOWS: &'static str = "the loss has one minimum, and the gradient finds it";
-    const EDITION: u32 = 2;
+    const EDITION: u32 = 3;
 
     fn draw(Every(all): Self::Needs) -> Outcome<Figure> {
         let Some((_, first)) = all.first() else {
@@ -106,13 +106,14 @@ fn back(level: &Level, moved: &[Point2]) -> Vec<Point2> {
 fn errors(found: &Identified) -> Panel {
     let axes =
         Axes::new(Axis::linear("pressure", "mbar"), Axis::linear("largest error", "mm").range(0.0, ceiling(found)));
-    let points = |part: fn(&Level) -> f64| {
-        found.levels.iter().map(|l| [l.pressure() / MILLIBAR, part(l) / MILLIMETRE]).collect::<Vec<Point2>>()
-    };
-    Panel::Axes(
-        axes.with(Mark::line(points(Level::largest_error), palette::SIMULATED))
-            .with(Mark::points(points(Level::largest_error), Marker::Disc, palette::SIMULATED).sized(4.0)),
-    )
+    let films = found.levels.chunk_by(|a, b| a.trial == b.trial).enumerate();
+    Panel::Axes(films.fold(axes, |axes, (i, film)| {
+        let points: Vec<Point2> =
+            film.iter().map(|l| [l.pressure() / MILLIBAR, l.largest_error() / MILLIMETRE]).collect();
+        let label = film.first().map(|l| l.trial.replace('_', " ")).unwrap_or_default();
+        axes.with(Mark::line(points.clone(), palette::series(i)).labelled(&label))
+            .with(Mark::points(points, Marker::Disc, palette::series(i)).sized(4.0))
+    }))
 }
 
 fn ceiling(found: &Identified) -> f64 {

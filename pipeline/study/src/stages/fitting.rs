@@ -284,19 +284,19 @@ fn told_before(told: &[Told], want: Want) -> bool {
 const SOFTER: f64 = 0.1;
 
 /// Logarithm over the nominal value of the softest body that surely has a shape at the highest pressure of each film, with the
-/// softest plausible spine; the box's lower end where that has one.
+/// nominal spine; the box's lower end where that has one.
 ///
 /// Below it the films cannot be simulated, whatever is plausible: walls leave their shapes. It is come upon from the stiff side,
 /// each shape warm from the last, because a shape that is not there is sought longest.
 fn softest(model: &Model, rungs: &[Rung], bounds: &Bounds) -> f64 {
-    let settings = StaticSettings { tolerance: 1e-4, halvings: 0, iterations: 12, ..StaticSettings::default() };
+    let settings = StaticSettings { tolerance: 1e-4, halvings: 3, iterations: 25, ..StaticSettings::default() };
     let top = rungs.iter().map(Rung::top).fold(0.0, f64::max);
     let highest: Vec<Rung> = rungs.iter().filter(|r| r.top() > 0.98 * top).cloned().collect();
     let count = highest.len();
     let mut ladder = Ladder::new(model.clone(), highest, settings, count);
     let [body, spine] = model.nominal.youngs_moduli;
     let mut bears = |at: f64| {
-        let youngs_moduli = [body * at.exp(), spine * bounds.low[1].exp()];
+        let youngs_moduli = [body * at.exp(), spine];
         ladder.climb(&Elastic { youngs_moduli, ..model.nominal }, Want::Nothing).is_ok()
     };
     let (low, high) = (bounds.low[0], bounds.high[0]);
