@@ -35,8 +35,8 @@ pub struct Bench<'a> {
     pub body: &'a Body,
     /// Its shapes by pressure, left and right.
     pub ladders: &'a [Ladder; 2],
-    /// The specimen in the coordinates in which it flaps.
-    pub swimmer: &'a Swimmer<'a>,
+    /// The specimen in the coordinates in which it flaps; none where no trial flaps.
+    pub swimmer: Option<&'a Swimmer<'a>>,
     /// The water that it flaps in.
     pub fluid: Fluid,
     /// The camera and its surroundings.
@@ -136,7 +136,8 @@ fn solve<'a>(
             let pressures = |t: Second| [sides[0].at(t), sides[1].at(t)];
             let conditions = Conditions { fluid, softening };
             let span = [script.led_on, script.length];
-            Ok(Box::new(bench.swimmer.flap(span, bench.profile.step, &pressures, &conditions)?))
+            let swimmer = bench.swimmer.expect("a recording with a trial that flaps has trained its tail");
+            Ok(Box::new(swimmer.flap(span, bench.profile.step, &pressures, &conditions)?))
         }
     }
 }
