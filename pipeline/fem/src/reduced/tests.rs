@@ -106,7 +106,7 @@ fn the_chosen_points_push_as_all_points_do() {
     let system = hollow();
     let shapes = shapes(&system);
     let body = reduced(&system, &shapes);
-    assert!(body.points()[0] < 120, "{:?} points", body.points());
+    assert!(body.points()[0] < 300, "{:?} points", body.points());
     let between = |pair: &[Vec<f64>]| pair[0].iter().zip(&pair[1]).map(|(a, b)| 0.5 * (a + b)).collect();
     let unseen: Vec<Vec<f64>> = shapes.windows(2).map(between).collect();
     for u in shapes.iter().step_by(4).chain(unseen.iter().step_by(3)) {
