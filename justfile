@@ -26,10 +26,10 @@ table NAME: build
     {{programs}}/rig record
     {{programs}}/study table {{NAME}}
 
-# a coarse and short version of everything, under target/quick
+# a coarse and short version of the main path, of one tail, under target/quick
 quick: build
-    {{programs}}/rig record --profile quick
-    {{programs}}/study run --profile quick
+    {{programs}}/rig record nemo --profile quick
+    {{programs}}/study run thrust --profile quick
 
 # every number against what is expected and published, every claim against its rule (of the paper profile: just check paper)
 check PROFILE="quick": build

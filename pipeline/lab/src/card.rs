@@ -7,6 +7,7 @@
 
 mod check;
 mod fixture;
+mod marks;
 mod read;
 mod trial;
 mod write;
@@ -15,6 +16,7 @@ use serde::Deserialize;
 use si::{KilogramPerCubicMetre, Metre, Pascal, Point2, Point3, Second};
 
 pub use fixture::{Fixture, FixtureOf};
+pub use marks::{Axes, Order, Search, Sought, Tracks};
 pub use read::{parse, read};
 pub use trial::{Experiment, Medium, Role, Side, Split, Trial};
 pub use write::write;
@@ -37,6 +39,9 @@ pub struct Card {
     pub chamber: Vec<Chamber>,
     /// The tracked marks on the back, from the head to the fin.
     pub marker: Vec<Marker>,
+    /// Where the markers are looked for, when they are not clicked.
+    #[serde(default)]
+    pub search: Option<Search>,
     /// The camera and its calibration.
     pub camera: Camera,
     /// The water that the camera looks through, where a trial is in water.
@@ -169,8 +174,10 @@ pub struct Marker {
     pub name: String,
     /// Where it was painted, m, CAD frame.
     pub at: Point3,
-    /// Where it was clicked in the first frame of every trial, px (u to the right, v down, centre of the first pixel 0, 0).
-    pub clicked: Point2,
+    /// Where it was clicked in the first frame of every trial, px (u to the right, v down, centre of the first pixel 0, 0); none
+    /// where [`Search`] finds it.
+    #[serde(default)]
+    pub clicked: Option<Point2>,
     /// Its diameter, m.
     pub diameter: Metre,
 }
@@ -211,10 +218,25 @@ pub enum LensKind {
     Fisheye,
 }
 
-/// `[camera.board]`: a checkerboard.
+/// What is printed on a board.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum BoardKind {
+    /// Black and white squares.
+    #[default]
+    Checkerboard,
+    /// Dark dots in a square grid; the first is the one of its two ends that lies nearer the picture's upper left corner.
+    Dots,
+}
+
+/// `[camera.board]`: what is shown to the camera. With dots, `columns`, `rows` and `square` are their number each way and the
+/// distance between their middles, and what is said of the inner corner (0, 0) holds for the first dot.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Board {
+    /// What is printed on it; a checkerboard when the card is silent.
+    #[serde(default)]
+    pub kind: BoardKind,
     /// Squares along the first axis; odd where `rows` is even, or the other way round, so that the board has one way up.
     pub columns: usize,
     /// Squares along the second axis.
@@ -246,18 +268,6 @@ pub struct Water {
     pub surface: Metre,
     /// Refractive index, no unit: 1.333 for fresh water at 20 °C.
     pub index: f64,
-}
-
-/// `[[tracks]]`: the markers of one trial's film, followed by another program.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Tracks {
-    /// The trial's id.
-    pub trial: String,
-    /// CSV of `study track` or of DeepLabCut, relative to the card; its markers are named as on the card.
-    pub file: String,
-    /// Standard deviation of a place along each axis, px, where the file tells none.
-    pub sigma: f64,
 }
 
 /// `[led]`: the lamp that lights when a trial starts and goes out when it ends.

@@ -4,7 +4,7 @@
 //! `trials/<trial>/{video.mp4, pressure.csv, force.csv, hammer.csv}`. Everything is read into SI and range-checked, so that a slip of unit
 //! breaks here and loudly. Whatever can be read can be written, with the same bytes every time.
 //!
-//! Stands on: `si`. Never knows: a mesh, a picture, who wrote the files or who reads them.
+//! Stands on: `si`, csv, c3dio. Never knows: a mesh, a picture, who wrote the files or who reads them.
 
 pub mod card;
 pub mod folder;
@@ -14,6 +14,7 @@ mod nearest;
 pub mod pressure;
 pub mod range;
 mod refusal;
+pub mod space;
 pub mod table;
 pub mod truth;
 
@@ -22,6 +23,7 @@ pub use folder::Specimen;
 pub use force::ForceLog;
 pub use pressure::PressureLog;
 pub use refusal::Refusal;
+pub use space::Space;
 pub use truth::Truth;
 
 /// What `origin` says in everything that the virtual bench writes.

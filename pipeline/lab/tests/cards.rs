@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use lab::card::{self, Card, Experiment, FixtureOf};
+use lab::card::{self, BoardKind, Card, Experiment, FixtureOf};
 
 /// A card that is right in every line.
 const GOOD: &str = r#"name = "pike"
@@ -303,4 +303,61 @@ fn a_force_log_outside_the_folder_is_refused() {
         let said = refusal(file, "../force.csv");
         assert!(said.contains("leaves the folder") && said.contains(&line(file)), "{said}");
     }
+}
+
+/// The good card with markers that are looked for.
+fn searching(search: &str) -> String {
+    let card = GOOD.replacen("clicked = [512.0, 360.0]\n", "", 1);
+    card.replacen("[camera]\n", &format!("{search}\n[camera]\n"), 1)
+}
+
+#[test]
+fn markers_that_are_looked_for_need_no_click_and_are_read_back_the_same() {
+    let text = searching("[search]\nregion = [300.0, 200.0, 900.0, 500.0]\norder = \"leftwards\"\nby = \"corners\"\n");
+    let card = card::parse(&text, at()).unwrap();
+    let search = card.search.clone().unwrap();
+    assert_eq!((card.marker[0].clicked, search.order.word(), search.by.word()), (None, "leftwards", "corners"));
+    assert_eq!(card::parse(&card::write(&card), at()).unwrap(), card);
+}
+
+#[test]
+fn markers_both_clicked_and_looked_for_or_neither_are_refused() {
+    let said = card::parse(&searching(""), at()).unwrap_err().to_string();
+    assert!(said.contains("marker `m1`") && said.contains("[search]"), "{said}");
+    let said = refusal("[camera]\n", "[search]\nregion = [300.0, 200.0, 900.0, 500.0]\n\n[camera]\n");
+    assert!(said.contains("`m1` is clicked"), "{said}");
+    let said = card::parse(&searching("[search]\nregion = [900.0, 200.0, 300.0, 500.0]\n"), at()).unwrap_err();
+    assert!(said.to_string().contains("-600 × 300 px"), "{said}");
+}
+
+/// The good card with tracks in space.
+fn in_space(rest: &str) -> String {
+    GOOD.replacen("dlc.csv\"\nsigma = 0.5", &format!("mocap.c3d\"\n{rest}"), 1)
+}
+
+#[test]
+fn tracks_in_space_say_how_their_axes_lie() {
+    let text = in_space("sigma = 2e-4\n[tracks.space]\nstart = 0.25\nx = [0.0, 1.0, 0.0]\n");
+    let card = card::parse(&text, at()).unwrap();
+    let axes = card.tracks[0].space.clone().unwrap();
+    assert_eq!((axes.start, axes.origin, axes.x, axes.z), (0.25, [0.0; 3], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]));
+    assert_eq!(card::parse(&card::write(&card), at()).unwrap(), card);
+}
+
+#[test]
+fn tracks_in_space_without_axes_or_with_pixels_for_metres_are_refused() {
+    let said = card::parse(&in_space("sigma = 0.5"), at()).unwrap_err().to_string();
+    assert!(said.contains("mocap.c3d holds places in space") && said.contains("[tracks.space]"), "{said}");
+    let said = card::parse(&in_space("sigma = 0.5\n[tracks.space]\n"), at()).unwrap_err().to_string();
+    assert!(said.contains("tracks.0.sigma = 0.5 m is out of range"), "{said}");
+    let said = card::parse(&in_space("sigma = 2e-4\n[tracks.space]\nx = [0.0, 0.0, 1.0]\n"), at()).unwrap_err();
+    assert!(said.to_string().contains("tracks.0.space.z"), "{said}");
+}
+
+#[test]
+fn a_board_of_dots_is_read_back_the_same() {
+    let text = GOOD.replacen("[camera.board]\n", "[camera.board]\nkind = \"dots\"\n", 1);
+    let card = card::parse(&text, at()).unwrap();
+    assert_eq!((good().camera.board.kind, card.camera.board.kind), (BoardKind::Checkerboard, BoardKind::Dots));
+    assert_eq!(card::parse(&card::write(&card), at()).unwrap(), card);
 }

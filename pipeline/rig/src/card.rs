@@ -113,6 +113,7 @@ pub fn write(name: &str, set: &Settings, tail: &Tail, trials: &[Trial], seen: &S
         water: Some(card::Water { surface: set.water.surface, index: set.water.index }),
         led: card::Led { centre: seen.lamp.0.map(rounded), radius: rounded(LAMP_SHARE * seen.lamp.1) },
         trial: trials.to_vec(),
+        search: None,
         tracks: Vec::new(),
         fixture: fixtures(),
     }
@@ -153,7 +154,7 @@ fn markers(tail: &Tail, set: &settings::Specimen, seen: &[Point2]) -> Vec<card::
     let marker = |((name, at), clicked): ((String, Point3), &Point2)| card::Marker {
         name,
         at: at.map(micrometre),
-        clicked: clicked.map(rounded),
+        clicked: Some(clicked.map(rounded)),
         diameter: set.marker_diameter,
     };
     marks(tail, set).into_iter().zip(seen).map(marker).collect()
@@ -167,7 +168,12 @@ fn camera(set: &Settings, film: &Calibration) -> card::Camera {
         lens: card::LensKind::BrownConrady,
         coefficients: None,
         readout: set.camera.readout,
-        board: card::Board { columns: plane.columns, rows: plane.rows, square: plane.square },
+        board: card::Board {
+            kind: card::BoardKind::Checkerboard,
+            columns: plane.columns,
+            rows: plane.rows,
+            square: plane.square,
+        },
         plane: card::Plane {
             seconds: film.flat.map(|t| (t * 1e3).round() / 1e3),
             origin: plane.corner,

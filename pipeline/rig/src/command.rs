@@ -1,4 +1,4 @@
-//! The command line: `rig record [SPECIMEN…] [--profile NAME] [--root DIR] [--into DIR] [--quiet]`, `rig check [--write]`.
+//! The command line: `rig record [SPECIMEN…] [--profile NAME] [--root DIR] [--into DIR] [--quiet]`, `rig check [--profile NAME] [--write]`.
 //!
 //! Stands on: `clap`, the recorder, the realism of the instruments. Never knows: how anything is recorded.
 
@@ -43,11 +43,14 @@ enum Task {
         #[arg(long)]
         quiet: bool,
     },
-    /// Compare the valve and the load cell, from short runs of them alone, with what was measured on real ones.
+    /// Compare the valve, the load cell and the forces of recordings in water with what was measured on real ones.
     Check {
         /// The project's folder.
         #[arg(long, default_value = ".")]
         root: PathBuf,
+        /// Whose recordings are looked at: paper or quick.
+        #[arg(long, default_value = "paper")]
+        profile: String,
         /// Write the table to paper/tables/bench_realism.csv under the root as well.
         #[arg(long)]
         write: bool,
@@ -67,13 +70,16 @@ pub fn run() -> ExitCode {
             let into = into.unwrap_or_else(|| home(&root, &profile));
             record_all(&specimens, &set, &profile, &into, quiet)
         }
-        Task::Check { root, write } => check(&set, write.then_some(root)),
+        Task::Check { root, profile, write } => check(&set, &home(&root, &profile), write.then_some(root)),
     }
 }
 
-/// Prints the table of the instruments, and writes it under `root` where that is asked for.
-fn check(set: &Settings, root: Option<PathBuf>) -> ExitCode {
-    let figures = realism::figures(set);
+/// Prints the table of the instruments and of the recordings under `raw`, and writes it under `root` where that is asked for.
+fn check(set: &Settings, raw: &Path, root: Option<PathBuf>) -> ExitCode {
+    let figures = match realism::with_recordings(set, raw) {
+        Ok(figures) => figures,
+        Err(fault) => return fail(&fault.to_string(), 1),
+    };
     print!("{}", realism::table(&figures));
     if let Some(Err(fault)) = root.map(|root| folder::write(&root, REALISM, realism::csv(&figures).as_bytes())) {
         return fail(&fault.to_string(), 1);

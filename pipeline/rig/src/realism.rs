@@ -1,16 +1,20 @@
 //! Realism: what short runs of the bench's instruments show, beside what was measured on real ones.
 //!
-//! No finite elements: the valve and the load cell alone. The measured figures are those of FACTS; where it gives one number
+//! The valve and the load cell alone, and the forces of recordings in water where they lie there. The measured figures are those of FACTS; where it gives one number
 //! without a spread, the spread here says why. Everything on our side is of the virtual bench.
 //!
-//! Stands on: the valve, the instruments. Never knows: a specimen's recording, the screen.
+//! Stands on: the valve, the instruments, `lab`. Never knows: the screen.
 
 mod cell;
 mod valve;
+mod water;
 
 use std::fmt::Write;
+use std::path::Path;
 
+use crate::fault::Fault;
 use crate::settings::Settings;
+use crate::specimens::ALL;
 
 /// One quantity, measured on real instruments and on ours.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,6 +54,16 @@ pub fn figures(set: &Settings) -> Vec<Figure> {
     let mut figures = valve::figures(&set.valve);
     figures.extend(cell::figures(set));
     figures
+}
+
+/// The figures, and those of the recordings under `raw` where there are some.
+///
+/// # Errors
+/// [`Fault`] when a recording of the bench cannot be read.
+pub fn with_recordings(set: &Settings, raw: &Path) -> Result<Vec<Figure>, Fault> {
+    let mut all = figures(set);
+    all.extend(water::figures(raw, &ALL.iter().map(|specimen| specimen.name).collect::<Vec<_>>())?);
+    Ok(all)
 }
 
 /// The figures as CSV, with the same bytes every time.

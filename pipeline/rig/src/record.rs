@@ -6,7 +6,7 @@
 
 use std::path::Path;
 
-use lab::card::{Side, Trial};
+use lab::card::{Experiment, Side, Trial};
 use lab::truth::{self, Lens, Pose, TrueForce, TrueTrial, Truth};
 use rayon::prelude::*;
 use shape::tail::Tail;
@@ -82,7 +82,12 @@ fn fill(
     let subject = Subject { skin: Skin::new(&body.mesh), marks: paint(&body, &places, own.marker_diameter)? };
     let marks: Vec<String> = places.into_iter().map(|(name, _)| name).collect();
     let ladders = climb(name, &body, set, own, profile, progress)?;
-    let swimmer = train(name, &body, &hidden.cast(&tail), own.clamp, &ladders, progress)?;
+    let trials = card::trials(own, profile);
+    let to_flap =
+        |t: &Trial| matches!(t.experiment, Experiment::Flapping { .. }) && receipts::find(folder, &t.id).is_none();
+    let swims = trials.iter().any(to_flap);
+    let train = || train(name, &body, &hidden.cast(&tail), own.clamp, &ladders, progress);
+    let swimmer = swims.then(train).transpose()?;
     let bench = Bench {
         set,
         profile,
@@ -90,7 +95,7 @@ fn fill(
         seed: own.seed,
         body: &body,
         ladders: &ladders,
-        swimmer: &swimmer,
+        swimmer: swimmer.as_ref(),
         fluid: fluid(set, own.seed),
         studio: &studio,
         subject: &subject,
@@ -98,7 +103,6 @@ fn fill(
         progress,
     };
     let film = Calibration::new(set, &studio, profile.poses, own.seed);
-    let trials = card::trials(own, profile);
     let seen = first_sight(&bench)?;
     let card = card::write(name, set, &tail, &trials, &seen, &film);
     folder::write(folder, lab::folder::CARD, lab::card::write(&card).as_bytes())?;

@@ -48,6 +48,22 @@ pub struct Set<'a> {
     glints: Vec<Glint>,
 }
 
+impl Subject {
+    /// Nodes of the mesh that are in the picture, rising.
+    pub fn nodes(&self) -> Vec<u32> {
+        rising(self.skin.nodes().iter().copied().chain(self.mark_nodes()))
+    }
+
+    /// Nodes of the mesh that carry marks, rising.
+    pub fn mark_nodes(&self) -> Vec<u32> {
+        rising(self.marks.iter().flat_map(Mark::nodes))
+    }
+}
+
+fn rising(nodes: impl Iterator<Item = u32>) -> Vec<u32> {
+    nodes.collect::<std::collections::BTreeSet<u32>>().into_iter().collect()
+}
+
 impl Studio {
     /// The studio of a specimen: its camera is hung and its tank filled with `seed`, its holder grips as far as `clamp` (m).
     pub fn new(set: &Settings, seed: u64, clamp: Metre) -> Self {

@@ -35,8 +35,8 @@ pub struct Bench<'a> {
     pub body: &'a Body,
     /// Its shapes by pressure, left and right.
     pub ladders: &'a [Ladder; 2],
-    /// The specimen in the coordinates in which it flaps.
-    pub swimmer: &'a Swimmer<'a>,
+    /// The specimen in the coordinates in which it flaps; none where no trial flaps.
+    pub swimmer: Option<&'a Swimmer<'a>>,
     /// The water that it flaps in.
     pub fluid: Fluid,
     /// The camera and its surroundings.
@@ -136,7 +136,8 @@ fn solve<'a>(
             let pressures = |t: Second| [sides[0].at(t), sides[1].at(t)];
             let conditions = Conditions { fluid, softening };
             let span = [script.led_on, script.length];
-            Ok(Box::new(bench.swimmer.flap(span, bench.profile.step, &pressures, &conditions)?))
+            let swimmer = bench.swimmer.expect("a recording with a trial that flaps has trained its tail");
+            Ok(Box::new(swimmer.flap(span, bench.profile.step, &pressures, &conditions)?))
         }
     }
 }
@@ -152,10 +153,11 @@ fn shoot(
     let camera = &bench.set.camera;
     let count = frames(bench, script);
     let set = bench.studio.set(trial.medium, &trial.id);
+    let of = bench.subject.nodes();
     let draw = |frame: usize| {
         let t = frame as f64 / camera.rate;
         let lit = script.lamp(t + set.lamp_late(), 0.5 * camera.exposure);
-        let by = Passing::around(t, 1.0 / camera.rate, &|t| motion.nodes(t));
+        let by = Passing::around(t, 1.0 / camera.rate, &|t| motion.seen(t, &of));
         let canvas = set.tail(bench.subject, &by, lit);
         bench.studio.expose(&canvas, &trial.id, frame)
     };
@@ -170,11 +172,12 @@ fn true_tracks(
     script: &Script,
 ) -> Result<Vec<TrueTrack>, Fault> {
     let set = bench.studio.set(trial.medium, &trial.id);
+    let of = bench.subject.mark_nodes();
     let named = |name: &String| TrueTrack { marker: name.clone(), ..TrueTrack::default() };
     let mut tracks: Vec<TrueTrack> = bench.marks.iter().map(named).collect();
     for frame in 0..frames(bench, script) {
         let t = frame as f64 / bench.set.camera.rate;
-        let by = Passing::around(t, 1.0 / bench.set.camera.rate, &|t| motion.nodes(t));
+        let by = Passing::around(t, 1.0 / bench.set.camera.rate, &|t| motion.seen(t, &of));
         for (track, mark) in tracks.iter_mut().zip(&bench.subject.marks) {
             let seen = mark.seen(&set.view, &by).ok_or_else(|| {
                 let what = format!("mark {} leaves the camera's sight at {t:.3} s", track.marker);

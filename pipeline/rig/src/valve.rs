@@ -149,7 +149,7 @@ mod tests {
     fn wave(full: Pascal, frequency: f64, cycles: u32) -> (Vec<Command>, Trace) {
         let half = |i: u32| Command { time: f64::from(i) * 0.5 / frequency, pressure: full * f64::from((i + 1) % 2) };
         let commands: Vec<Command> = (0..2 * cycles).map(half).collect();
-        let trace = follow(&Settings::built_in().valve, &commands, &mut Draw::new(3, "valve"));
+        let trace = follow(&Settings::built_in().valve, &commands, Unrest::default(), &mut Draw::new(3, "valve"));
         (commands, trace)
     }
 

@@ -40,6 +40,16 @@ impl Trial {
         self.trial.force.is_some() && self.trial.medium == card::Medium::Water
     }
 
+    /// Tracks on the card that another program or instrument made of it.
+    pub fn made_elsewhere(&self) -> Option<&card::Tracks> {
+        self.card.tracks.iter().find(|tracks| tracks.trial == self.trial.id)
+    }
+
+    /// Tracks of it that are places in space already, with no lens between, and how their axes lie.
+    pub fn in_space(&self) -> Option<(&card::Tracks, &card::Axes)> {
+        self.made_elsewhere().and_then(|tracks| Some((tracks, tracks.space.as_ref()?)))
+    }
+
     /// The trials of the same experiment in the same medium with the same role, this one among them, in the order of the card.
     pub fn repeats(&self) -> Vec<Trial> {
         let same = |t: &&card::Trial| {

@@ -6,8 +6,12 @@
 //!
 //! Stands on: a grey picture. Never knows: a lens, where the board stands.
 
+pub mod dots;
 mod lattice;
 mod saddle;
+mod target;
+
+pub use target::Target;
 
 use crate::Gray;
 use si::{Metre, Point2, Point3};
@@ -35,6 +39,30 @@ pub enum BoardError {
         columns: usize,
         /// Squares along the second axis.
         rows: usize,
+    },
+    /// A dot board whose dots have no unique order.
+    #[error(
+        "a board of {columns} × {rows} dots cannot be ordered\n  why: after a quarter turn it looks the same, or it has fewer than 3 dots a side\n  do:  print one with unequal sides, such as 9 × 6"
+    )]
+    Square {
+        /// Dots along the first axis.
+        columns: usize,
+        /// Dots along the second axis.
+        rows: usize,
+    },
+    /// Too few dots, or no grid of the right size among them.
+    #[error(
+        "no board of {columns} × {rows} dots is in the picture\n  why: {in_grid} of its dots were seen in one grid, {seen} dark discs in all\n  do:  show the whole board, dark dots on light ground, closer, sharper or less tilted, or correct columns and rows"
+    )]
+    NoDots {
+        /// Dots along the first axis.
+        columns: usize,
+        /// Dots along the second axis.
+        rows: usize,
+        /// Dots in the largest grid.
+        in_grid: usize,
+        /// Dark discs in the whole picture.
+        seen: usize,
     },
     /// Too few corners, or no grid of the right size among them.
     #[error(

@@ -7,7 +7,8 @@
 //!
 //! Stands on: kornia's pyramidal flow, grey pictures. Never knows: which material point a marker is. Paper: section IV.
 
-mod blob;
+pub(crate) mod blob;
+mod corners;
 mod find;
 mod flow;
 mod gaps;
@@ -19,6 +20,7 @@ mod template;
 
 use crate::Gray;
 use blob::{Blob, Miss};
+pub use corners::corners;
 pub use find::find;
 pub use gaps::fill;
 pub use lost::{Lost, Why};
@@ -46,6 +48,8 @@ pub struct Settings {
     pub likeness_limit: f64,
     /// How many frames in a row a marker may be hidden.
     pub patience: usize,
+    /// Quantiser of the codec that the film went through (H.264, 0 to 51); 0 for none.
+    pub quantiser: u8,
 }
 
 impl Default for Settings {
@@ -60,6 +64,7 @@ impl Default for Settings {
             return_limit: 1.0,
             likeness_limit: 0.8,
             patience: 0,
+            quantiser: 20,
         }
     }
 }
@@ -129,7 +134,9 @@ impl Tracker {
                 return Err(lost(Why::Far { measured: away, limit: settings.reach }));
             }
             let template = Template::cut(first, &blob, settings.radius);
-            let sighting = Sighting { at: blob.at, covariance: scatter::of_pixels(&blob), residual: 0.0, seen: true };
+            let coded = scatter::at_least([[0.0; 2]; 2], scatter::of_codec(&blob, settings.quantiser));
+            let covariance = sum(coded, scatter::of_pixels(&blob));
+            let sighting = Sighting { at: blob.at, covariance, residual: 0.0, seen: true };
             let (at, step, hidden) = (blob.at, [0.0; 2], None);
             new.tracks.push(Track { template, at, step, turn: 0.0, scatter: None, hidden });
             new.sightings.push(sighting);
@@ -220,7 +227,8 @@ impl Tracker {
         within(difference.mean, self.settings.residual_limit, |measured, limit| Why::Changed { measured, limit })?;
         let now = scatter::of_sectors(picture, &blob, &track.template, difference.turn);
         let scatter = track.scatter.map_or(now, |old| mix(old, now));
-        let covariance = sum(scatter, scatter::of_pixels(&blob));
+        let coded = scatter::at_least(scatter, scatter::of_codec(&blob, self.settings.quantiser));
+        let covariance = sum(coded, scatter::of_pixels(&blob));
         let sighting = Sighting { at: blob.at, covariance, residual: difference.mean, seen: true };
         Ok(Seen { sighting, turn: difference.turn, scatter })
     }

@@ -20,7 +20,7 @@ struct Tracked {
 
 /// Tracks `frames` frames of a scene, patient for half a second at 60 frames/s.
 fn track(scene: &Scene, frames: usize) -> Tracked {
-    let settings = Settings { patience: 30, ..Settings::default() };
+    let settings = Settings { patience: 30, quantiser: scene.codec.unwrap_or(0), ..Settings::default() };
     let mut tracker = Tracker::new(&scene.picture(0), &scene.places(0), settings).unwrap();
     let mut sightings: Vec<Vec<Sighting>> = tracker.sightings().iter().map(|s| vec![*s]).collect();
     for k in 1..frames {
@@ -174,22 +174,30 @@ fn nothing_drifts_by_half_a_pixel_over_three_thousand_frames() {
     assert!(drift[0].hypot(drift[1]) < 0.05, "{drift:?}");
 }
 
+/// Films of three marks at a codec's quantiser: with light that bends over the back and a glare that wanders, or without.
+fn swinging(quantiser: u8, flank: f64) -> Scene {
+    let scene = Scene::new(|k| {
+        let phase = 0.21 * k as f64;
+        let mark =
+            |x: f64, swing: f64, lag: f64| ([x + 4.0 * (phase - lag).cos(), 120.3 + swing * (phase - lag).sin()], 0.0);
+        vec![mark(60.4, 8.0, 0.0), mark(150.1, 15.0, 0.4), mark(250.7, 24.0, 0.8)]
+    });
+    let glare: Show = |k, picture| stage::glare(picture, [30.0 + 2.0 * k as f64, 100.0], 24.0, 16.0);
+    let show: Show = if flank > 0.0 { glare } else { |_, _| {} };
+    Scene { codec: Some(quantiser), flank, show, ..scene }.coded(120)
+}
+
 #[test]
 fn intervals_of_95_percent_hold_90_to_98_percent_of_the_truth_through_the_codec() {
-    let mut shares = Vec::new();
-    for (quantiser, most) in [(18, 0.10), (28, 0.25)] {
-        let scene = Scene::new(|k| {
-            let phase = 0.21 * k as f64;
-            let mark = |x: f64, swing: f64, lag: f64| {
-                ([x + 4.0 * (phase - lag).cos(), 120.3 + swing * (phase - lag).sin()], 0.0)
-            };
-            vec![mark(60.4, 8.0, 0.0), mark(150.1, 15.0, 0.4), mark(250.7, 24.0, 0.8)]
-        });
-        let show: Show = |k, picture| stage::glare(picture, [30.0 + 2.0 * k as f64, 100.0], 24.0, 16.0);
-        let found = track(&Scene { codec: Some(quantiser), flank: 30.0, show, ..scene }.coded(120), 120);
+    let films = [(18, 30.0, 0.10), (28, 30.0, 0.25), (18, 0.0, 0.10), (23, 0.0, 0.10), (28, 0.0, 0.25)];
+    let covered = |(quantiser, flank, most): (u8, f64, f64)| {
+        let found = track(&swinging(quantiser, flank), 120);
+        println!("quantiser {quantiser}, light {flank}: rms {:.4} px, covered {:.3}", found.rms(), found.covered());
         assert!(found.rms() < most, "quantiser {quantiser}: {}", found.rms());
-        shares.push(found.covered());
-    }
-    let share = 0.5 * (shares[0] + shares[1]);
-    assert!((0.90..=0.98).contains(&share), "{shares:?}");
+        found.covered()
+    };
+    let shares = films.map(covered);
+    let share = shares.iter().sum::<f64>() / shares.len() as f64;
+    // a film alone has some dozen independent errors of light and blocks, so its own share scatters by some per cent
+    assert!((0.90..=0.98).contains(&share) && shares.iter().all(|s| *s >= 0.90), "{shares:?}");
 }

@@ -16,17 +16,21 @@ use crate::parts::Parts;
 
 /// Forces of shapes weaker than this share of the strongest are held to the same absolute error.
 const FAINT: f64 = 0.05;
+/// How much an error along a nudge counts against one of a shape.
+const NUDGED: f64 = 0.1;
 
 /// The points of each region.
 #[allow(non_snake_case)]
 pub(super) fn choose(parts: &Parts, modes: &DMatrix<f64>, shapes: &[DVector<f64>], tolerance: f64) -> Vec<Points> {
     let elastic = Given::new(parts).elastic;
+    let nudges = nudges(shapes);
     let choose = |(region, elastic): (usize, &Elastic)| {
         let all = candidates(parts, modes, region);
-        let mut works = works(&all, elastic, shapes);
+        let mut works = works(&all, elastic, shapes, &nudges);
         let weights = nonnegative::fit(&mut works, tolerance);
-        let at = weights.into_iter().map(|(point, weight)| (weight * all[point].0, all[point].1.clone())).collect();
-        Points { elastic: *elastic, at }
+        let weighed = |(point, weight): (usize, f64)| (weight * all[point].0, all[point].1.clone());
+        let at: Vec<(f64, Slopes)> = weights.into_iter().map(weighed).collect();
+        Points::new(*elastic, &at, modes.ncols())
     };
     elastic.iter().enumerate().map(choose).collect()
 }
@@ -60,13 +64,20 @@ fn slopes(nodes: &[u32], gradients: &[si::Point3], modes: &DMatrix<f64>) -> Slop
     slopes
 }
 
-/// (shapes × modes + 1) × points: the work of each point, shapes weighed alike, and its volume.
-fn works(all: &[(f64, Slopes)], elastic: &Elastic, shapes: &[DVector<f64>]) -> Columns {
+/// Along each coordinate alone, as far as shapes go along it: what holds the stiffness of coordinates that shapes move little.
+fn nudges(shapes: &[DVector<f64>]) -> Vec<DVector<f64>> {
     let r = shapes[0].len();
-    let rows = shapes.len() * r + 1;
+    let far = |i: usize| shapes.iter().fold(0.0, |most: f64, q| most.max(q[i].abs()));
+    (0..r).map(|i| DVector::from_fn(r, |k, _| if k == i { far(i) } else { 0.0 })).collect()
+}
+
+/// ((shapes + nudges) × modes + 1) × points: the work of each point, weighed, and its volume.
+fn works(all: &[(f64, Slopes)], elastic: &Elastic, shapes: &[DVector<f64>], nudges: &[DVector<f64>]) -> Columns {
+    let r = shapes[0].len();
+    let rows = (shapes.len() + nudges.len()) * r + 1;
     let mut columns = Columns::new(rows, all.len());
     for ((weight, slopes), column) in all.iter().zip(columns.each()) {
-        for (q, part) in shapes.iter().zip(column.chunks_exact_mut(r)) {
+        for (q, part) in shapes.iter().chain(nudges).zip(column.chunks_exact_mut(r)) {
             let (_, stress) = elastic.material.stress(&deformation(slopes, q), elastic.lame);
             for (work, along) in part.iter_mut().zip(slopes.column_iter()) {
                 *work = (weight * stress.as_slice().iter().zip(along.iter()).map(|(p, g)| p * g).sum::<f64>()) as f32;
@@ -74,16 +85,20 @@ fn works(all: &[(f64, Slopes)], elastic: &Elastic, shapes: &[DVector<f64>]) -> C
         }
         column[rows - 1] = *weight as f32;
     }
-    columns.weigh(&weights(&columns, r));
+    columns.weigh(&weights(&columns, r, shapes.len()));
     columns
 }
 
-/// One a row: shapes count alike, however strong their forces; the volume counts as one shape does.
-fn weights(columns: &Columns, r: usize) -> Vec<f32> {
+/// One a row: shapes count alike, however strong their forces; so do nudges, however faint theirs; the volume counts as one shape
+/// does.
+fn weights(columns: &Columns, r: usize, shapes: usize) -> Vec<f32> {
     let sums = columns.sums();
     let (volume, works) = sums.split_last().expect("a column has its volume");
     let sizes: Vec<f64> = works.chunks_exact(r).map(|f| f.iter().map(|f| f * f).sum::<f64>().sqrt()).collect();
-    let strongest = sizes.iter().fold(0.0, |most: f64, size| most.max(*size));
-    let of_shape = |size: &f64| std::iter::repeat_n(1.0 / (size + FAINT * strongest), r);
-    sizes.iter().flat_map(of_shape).chain([1.0 / volume]).map(|w| w as f32).collect()
+    let strongest = sizes[..shapes].iter().fold(0.0, |most: f64, size| most.max(*size));
+    let weight = |(s, size): (usize, &f64)| {
+        let (faint, counts) = if s < shapes { (FAINT * strongest, 1.0) } else { (f64::MIN_POSITIVE, NUDGED) };
+        std::iter::repeat_n(counts / (size + faint), r)
+    };
+    sizes.iter().enumerate().flat_map(weight).chain([1.0 / volume]).map(|w| w as f32).collect()
 }

@@ -11,15 +11,20 @@ use nalgebra::{DMatrix, DVector, Dyn, LU};
 use si::{Hertz, Pascal, Second};
 
 use super::Reduced;
+use super::forces::Stress;
 use crate::motion::march::{self, March};
 use crate::motion::stencil::{Stencil, extrapolation};
 
 /// Directions in one step before it is given up.
 const LIMIT: usize = 60;
-/// Directions after which a tangent is renewed.
-const PATIENCE: usize = 5;
 /// A direction that leaves more of the one before than this asks for a new tangent.
-const SLOW: f64 = 0.3;
+const SLOW: f64 = 0.1;
+/// So does a first one that is longer than this, against the shapes that the body was reduced from.
+const NEAR: f64 = 1e-3;
+/// Directions shorter than this, against the same, are gone whole: their pull is too close to rounding to be searched along.
+const SHORT: f64 = 1e-6;
+/// How often a direction is halved at most.
+const HALVINGS: usize = 20;
 /// A step is found when its last direction is this small against the shapes that the body was reduced from.
 const TOLERANCE: f64 = 1e-9;
 /// Step of the differences by which surroundings are linearised, against the same.
@@ -121,6 +126,9 @@ struct Step<'a> {
     past: [DVector<f64>; 3],
 }
 
+/// What sees each new q and q̇ with its time, s.
+pub type Observer<'a> = dyn FnMut(Second, &DVector<f64>, &DVector<f64>) + 'a;
+
 impl Reduced {
     /// Moves from rest through `steps` steps: `drive` gives the pressures at a time (s from the start), `scale` (one a region)
     /// multiplies moduli, `observe` sees each new q and q̇ with its time.
@@ -134,11 +142,10 @@ impl Reduced {
         drive: &dyn Fn(Second) -> Drive,
         around: &mut dyn Around,
         steps: usize,
-        observe: &mut dyn FnMut(Second, &DVector<f64>, &DVector<f64>),
+        observe: &mut Observer<'_>,
     ) -> Result<(), ReducedError> {
         march::check(march)?;
         let mut past = Past::at_rest(self.coordinates());
-        let mut tangent = None;
         for step in 1..=steps {
             let time = step as f64 * march.step;
             let stencil = past.stencil(march, time);
@@ -152,11 +159,9 @@ impl Reduced {
                 around: &*around,
                 past: past.history(&stencil),
             };
-            let shape = equations.solve(past.guess(time), &mut tangent).map_err(|change| ReducedError::NoMotion {
-                time: past.times[0],
-                limit: LIMIT,
-                change,
-            })?;
+            let shape = equations
+                .solve(past.guess(time), &past.shapes[0])
+                .map_err(|change| ReducedError::NoMotion { time: past.times[0], limit: LIMIT, change })?;
             let speed = equations.speed(&shape);
             around.accept(&Moment { shape: &shape, speed: &speed, gamma: stencil.gamma, weights: &stencil.weights });
             observe(time, &shape, &speed);
@@ -205,31 +210,63 @@ impl Past {
 }
 
 impl Step<'_> {
-    /// The shape at the end of the step, or the last relative change when none is found. `tangent` is kept from step to step.
-    fn solve(&self, mut shape: DVector<f64>, tangent: &mut Option<LU<f64, Dyn, Dyn>>) -> Result<DVector<f64>, f64> {
-        let (mut before, mut age) = (f64::INFINITY, 0);
+    /// The shape at the end of the step, from a first `guess` after the shape `before`, or the last relative change when none is
+    /// found.
+    ///
+    /// The tangent is made anew when a direction leaves too much of the one before it: a stiff sheet that turns makes an old one
+    /// misleading, and the stress of a shape that is not yet in balance a fresh one (see `bend`).
+    fn solve(&self, guess: DVector<f64>, before: &DVector<f64>) -> Result<DVector<f64>, f64> {
+        let (mut shape, mut from) = (guess, before.clone());
+        let mut residual = self.residual(&shape);
+        let (mut factor, mut last) = (None, f64::INFINITY);
         for _ in 0..LIMIT {
-            let factor = tangent.get_or_insert_with(|| self.slopes(&shape).lu());
-            let change = factor.solve(&self.residual(&shape)).ok_or(f64::INFINITY)?;
-            let size = change.amax() / self.body.size;
+            let tangent: &LU<f64, Dyn, Dyn> =
+                factor.get_or_insert_with(|| self.slopes(&shape, Stress::ForeseenFrom(&from)).lu());
+            let mut change = tangent.solve(&residual).ok_or(last)?;
+            if residual.dot(&change) <= 0.0 {
+                change = self.slopes(&shape, Stress::Convex).lu().solve(&residual).ok_or(last)?;
+                factor = None;
+            }
+            let short = change.amax() < SHORT * self.body.size;
+            let (part, next) =
+                if short { (1.0, self.residual(&(&shape - &change))) } else { self.search(&shape, &change, &residual) };
+            let size = part * change.amax() / self.body.size;
             if !size.is_finite() {
-                return Err(size);
+                return Err(last);
             }
-            age += 1;
-            if age > 1 && size > SLOW * before || age > PATIENCE {
-                (*tangent, before, age) = (None, f64::INFINITY, 0);
-                if size > before {
-                    continue;
-                }
-            } else {
-                before = size;
-            }
-            shape -= change;
-            if size < TOLERANCE {
+            let moved = &shape - change * part;
+            (from, shape, residual) = (if part == 1.0 { shape } else { moved.clone() }, moved, next);
+            if part == 1.0 && size < TOLERANCE {
                 return Ok(shape);
             }
+            if part < 1.0 || size > SLOW * last || last.is_infinite() && size > NEAR {
+                factor = None;
+            }
+            last = size;
         }
-        Err(before)
+        Err(last)
+    }
+
+    /// How much of −`change` to go from `shape`, and what is left there. All of it, unless the residual then pushes back more than
+    /// it pulled at first; then to where it does neither, roughly.
+    fn search(&self, shape: &DVector<f64>, change: &DVector<f64>, residual: &DVector<f64>) -> (f64, DVector<f64>) {
+        let pull = residual.dot(change);
+        let at = |part: f64| {
+            let left = self.residual(&(shape - change * part));
+            let push = -left.dot(change) / pull;
+            (if push.is_finite() { push } else { f64::INFINITY }, left)
+        };
+        let (mut part, mut low, mut high) = (1.0, 0.0, 1.0);
+        let (mut push, mut left) = at(part);
+        for _ in 0..HALVINGS {
+            if push.abs() <= 0.5 || part == 1.0 && push <= 1.0 {
+                break;
+            }
+            (low, high) = if push > 0.0 { (low, part) } else { (part, high) };
+            part = 0.5 * (low + high);
+            (push, left) = at(part);
+        }
+        (part, left)
     }
 
     fn speed(&self, shape: &DVector<f64>) -> DVector<f64> {
@@ -253,12 +290,12 @@ impl Step<'_> {
         residual
     }
 
-    /// ∂residual/∂q
-    fn slopes(&self, shape: &DVector<f64>) -> DMatrix<f64> {
+    /// ∂residual/∂q with this `stress`.
+    fn slopes(&self, shape: &DVector<f64>, stress: Stress) -> DMatrix<f64> {
         let gamma = self.stencil.gamma;
         let (alpha, beta) = (self.march.mass_damping, self.march.stiffness_damping);
         let mut slopes = &self.body.mass * (gamma * (gamma + alpha));
-        slopes += self.body.stiffness(shape, self.scale) * (1.0 + beta * gamma);
+        slopes += self.body.stiffness(shape, stress, self.scale) * (1.0 + beta * gamma);
         for (chamber, pressure) in self.body.chambers.iter().zip(self.pressures) {
             chamber.add_hessian(shape, -pressure, &mut slopes);
         }

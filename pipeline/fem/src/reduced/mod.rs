@@ -18,7 +18,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::system::System;
 use basis::Basis;
-use forces::Points;
+use forces::{Points, Stress};
 use volume::CubicVolume;
 
 pub use march::{Around, Drive, Moment, ReducedError, Still};
@@ -110,11 +110,14 @@ impl Reduced {
         forces
     }
 
-    /// ∂²Ψ/∂q² (J) at q, each region's moduli `scale`d.
-    fn stiffness(&self, q: &DVector<f64>, scale: &[f64]) -> DMatrix<f64> {
+    /// ∂²Ψ/∂q² (J) at q, each region's moduli `scale`d, with this `stress`.
+    fn stiffness(&self, q: &DVector<f64>, stress: Stress, scale: &[f64]) -> DMatrix<f64> {
         let r = self.coordinates();
         let mut stiffness = DMatrix::zeros(r, r);
-        self.points.iter().zip(scale).for_each(|(points, scale)| points.add_stiffness(q, *scale, &mut stiffness));
+        self.points
+            .iter()
+            .zip(scale)
+            .for_each(|(points, scale)| points.add_stiffness(q, stress, *scale, &mut stiffness));
         stiffness
     }
 

@@ -1,11 +1,14 @@
 //! A few columns that add up to all of them, with weights that are not negative.
 //!
-//! Active sets as in [lawson1974], one column at a time by its angle to what is left, until the rest is small: the first
+//! Active sets as in [lawson1974], a few columns at a time by their angle to what is left, until the rest is small: the first
 //! set that is good enough is taken, not the best one. Columns are kept in single precision; sums are taken in double.
 //!
 //! Stands on: `nalgebra`. Never knows: what a column holds.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
+
+/// The set grows by its own number over this at a time, and by one.
+const AT_ONCE: usize = 25;
 
 /// Columns in single precision, one after the other.
 pub(super) struct Columns {
@@ -42,16 +45,13 @@ impl Columns {
         &self.values[at * self.rows..(at + 1) * self.rows]
     }
 
-    /// The column that points most along `rest`, among those not `taken`.
-    fn nearest(&self, rest: &[f32], lengths: &[f32], taken: &[bool]) -> Option<usize> {
-        let mut best = (None, 0.0);
-        for (at, column) in self.values.chunks_exact(self.rows).enumerate().filter(|(at, _)| !taken[*at]) {
-            let along = inner(column, rest) / lengths[at];
-            if along > best.1 {
-                best = (Some(at), along);
-            }
-        }
-        best.0
+    /// The `count` columns that point most along `rest`, among those not `taken`; fewer where fewer do.
+    fn nearest(&self, rest: &[f32], lengths: &[f32], taken: &[bool], count: usize) -> Vec<usize> {
+        let along = |(at, column): (usize, &[f32])| (inner(column, rest) / lengths[at], at);
+        let all = self.values.chunks_exact(self.rows).enumerate().filter(|(at, _)| !taken[*at]).map(along);
+        let mut found: Vec<(f32, usize)> = all.filter(|(along, _)| *along > 0.0).collect();
+        found.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        found.into_iter().take(count).map(|(_, at)| at).collect()
     }
 }
 
@@ -75,9 +75,14 @@ pub(super) fn fit(columns: &mut Columns, tolerance: f64) -> Vec<(usize, f64)> {
     let enough = tolerance * whole.norm();
     while set.rest.norm() > enough && set.chosen.len() < columns.rows.min(lengths.len()) {
         let rest: Vec<f32> = set.rest.iter().map(|x| *x as f32).collect();
-        let Some(next) = columns.nearest(&rest, &lengths, &taken) else { break };
-        taken[next] = true;
-        set.take(next, columns.column(next));
+        let found = columns.nearest(&rest, &lengths, &taken, 1 + set.chosen.len() / AT_ONCE);
+        if found.is_empty() {
+            break;
+        }
+        for next in found {
+            taken[next] = true;
+            set.take(next, columns.column(next));
+        }
         set.settle();
     }
     set.chosen.iter().copied().zip(set.weights.iter().copied()).collect()

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 
 use crate::range::{Checked, found, within};
 
-use super::{Card, Experiment, FixtureOf, Marker, Medium, Solid, Trial};
+use super::{Card, Experiment, FixtureOf, Marker, Medium, Solid, Trial, marks};
 
 /// Number of pixels that no picture exceeds.
 const PICTURE: f64 = 20_000.0;
@@ -30,7 +30,8 @@ pub(super) fn card(card: &Card, folder: Option<&str>) -> Checked {
     water(card)?;
     led(card)?;
     trials(card)?;
-    tracks(card)?;
+    marks::markers(card)?;
+    marks::tracks(card)?;
     fixtures(card)
 }
 
@@ -68,7 +69,7 @@ fn markers(card: &Card) -> Checked {
 
 fn one_marker(key: &str, marker: &Marker) -> Checked {
     point(&format!("{key}.at"), &marker.at)?;
-    pixel(&format!("{key}.clicked"), &marker.clicked)?;
+    marker.clicked.iter().try_for_each(|at| pixel(&format!("{key}.clicked"), at))?;
     within(&format!("{key}.diameter"), marker.diameter, 2e-4, 0.05, "m")
 }
 
@@ -107,19 +108,6 @@ fn water(card: &Card) -> Checked {
             found(&format!("trial.{i}.medium"), what, why, "add [water] with surface (m, z) and index (1.333)")
         }
     }
-}
-
-fn tracks(card: &Card) -> Checked {
-    for (i, tracks) in card.tracks.iter().enumerate() {
-        let key = format!("tracks.{i}");
-        relative(&format!("{key}.file"), &tracks.file)?;
-        within(&format!("{key}.sigma"), tracks.sigma, 1e-3, 100.0, "px")?;
-        if !card.trial.iter().any(|t| t.id == tracks.trial) {
-            let what = format!("tracks of `{}`, which is no trial", tracks.trial);
-            return found(&format!("{key}.trial"), what, "tracks belong to a trial on the card", "correct its name");
-        }
-    }
-    Ok(())
 }
 
 fn led(card: &Card) -> Checked {
@@ -182,11 +170,11 @@ fn fixtures(card: &Card) -> Checked {
     Ok(())
 }
 
-fn point(key: &str, at: &[f64; 3]) -> Checked {
+pub(super) fn point(key: &str, at: &[f64; 3]) -> Checked {
     at.iter().enumerate().try_for_each(|(i, x)| within(&format!("{key}.{i}"), *x, -1.0, 1.0, "m"))
 }
 
-fn pixel(key: &str, at: &[f64; 2]) -> Checked {
+pub(super) fn pixel(key: &str, at: &[f64; 2]) -> Checked {
     at.iter().enumerate().try_for_each(|(i, x)| within(&format!("{key}.{i}"), *x, 0.0, PICTURE, "px"))
 }
 
@@ -200,7 +188,7 @@ fn name(key: &str, text: &str) -> Checked {
 }
 
 /// Files lie in the specimen's folder, so that the folder can be moved.
-fn relative(key: &str, file: &str) -> Checked {
+pub(super) fn relative(key: &str, file: &str) -> Checked {
     let plain = file.split('/').all(|part| !part.is_empty() && part != "." && part != "..");
     if plain && !file.contains('\\') && !file.contains(':') {
         return Ok(());

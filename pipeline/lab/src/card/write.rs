@@ -4,7 +4,7 @@
 
 use std::fmt::Write;
 
-use super::{Camera, Card, Experiment, Fixture, FixtureOf, LensKind, Origin, Solid, Trial};
+use super::{BoardKind, Camera, Card, Experiment, Fixture, FixtureOf, LensKind, Origin, Search, Solid, Tracks, Trial};
 
 /// The text of `specimen.toml`.
 pub fn write(card: &Card) -> String {
@@ -24,12 +24,12 @@ pub fn write(card: &Card) -> String {
     }
     for m in &card.marker {
         put(&mut text, format_args!("\n[[marker]]\nname = {:?}\nat = {:?}  # m, CAD frame\n", m.name, m.at));
-        let seen = format_args!(
-            "clicked = {:?}  # px in the first frame of every trial\ndiameter = {:?}  # m\n",
-            m.clicked, m.diameter
-        );
-        put(&mut text, seen);
+        if let Some(at) = m.clicked {
+            put(&mut text, format_args!("clicked = {at:?}  # px in the first frame of every trial\n"));
+        }
+        put(&mut text, format_args!("diameter = {:?}  # m\n", m.diameter));
     }
+    card.search.iter().for_each(|s| search(&mut text, s));
     camera(&mut text, &card.camera);
     if let Some(w) = &card.water {
         put(&mut text, format_args!("\n[water]\nsurface = {:?}  # m, z\nindex = {:?}\n", w.surface, w.index));
@@ -41,11 +41,7 @@ pub fn write(card: &Card) -> String {
     for t in &card.trial {
         trial(&mut text, t);
     }
-    for t in &card.tracks {
-        let table =
-            format_args!("\n[[tracks]]\ntrial = {:?}\nfile = {:?}\nsigma = {:?}  # px\n", t.trial, t.file, t.sigma);
-        put(&mut text, table);
-    }
+    card.tracks.iter().for_each(|t| tracks(&mut text, t));
     for f in &card.fixture {
         fixture(&mut text, f);
     }
@@ -89,7 +85,11 @@ fn camera(text: &mut String, camera: &Camera) {
     if camera.readout != 0.0 {
         put(text, format_args!("readout = {:?}  # s, from the first row to the last\n", camera.readout));
     }
-    put(text, format_args!("\n[camera.board]\ncolumns = {}  # squares\nrows = {}\n", board.columns, board.rows));
+    let (kind, what) = match board.kind {
+        BoardKind::Checkerboard => ("", "squares"),
+        BoardKind::Dots => ("kind = \"dots\"\n", "dots"),
+    };
+    put(text, format_args!("\n[camera.board]\n{kind}columns = {}  # {what}\nrows = {}\n", board.columns, board.rows));
     put(text, format_args!("square = {:?}  # m\n", board.square));
     put(text, format_args!("\n[camera.plane]\nseconds = {:?}  # s, the board lies flat on the plane\n", plane.seconds));
     put(text, format_args!("origin = {:?}  # m, its inner corner (0, 0)\n", plane.origin));
@@ -130,6 +130,22 @@ fn trial(text: &mut String, trial: &Trial) {
                 format_args!("amplitude = {amplitude:?}  # Pa\nfrequency = {frequency:?}  # Hz\ncycles = {cycles}\n"),
             );
         }
+    }
+}
+
+fn search(text: &mut String, search: &Search) {
+    put(text, format_args!("\n[search]\nregion = {:?}  # px: left, top, right, bottom\n", search.region));
+    put(text, format_args!("order = {:?}\nby = {:?}\n", search.order.word(), search.by.word()));
+}
+
+fn tracks(text: &mut String, tracks: &Tracks) {
+    put(text, format_args!("\n[[tracks]]\ntrial = {:?}\nfile = {:?}\n", tracks.trial, tracks.file));
+    let unit = if tracks.space.is_some() { "m" } else { "px" };
+    put(text, format_args!("sigma = {:?}  # {unit}\n", tracks.sigma));
+    if let Some(axes) = &tracks.space {
+        put(text, format_args!("\n[tracks.space]\nstart = {:?}  # s on the film's clock\n", axes.start));
+        put(text, format_args!("origin = {:?}  # m, in the file's axes\n", axes.origin));
+        put(text, format_args!("x = {:?}\nz = {:?}\n", axes.x, axes.z));
     }
 }
 

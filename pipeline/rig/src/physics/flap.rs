@@ -65,7 +65,7 @@ impl<'a> Swimmer<'a> {
         let pulled = training::shapes(body, &line, ladders, tick)?;
         let climbed = ladders.iter().flat_map(|ladder| ladder.shapes.iter().skip(1).step_by(2));
         let shapes: Vec<&[f64]> = climbed.chain(&pulled).map(Vec::as_slice).collect();
-        let by = fem::Reduction { coordinates: shapes.len() * 2 / 3, ..fem::Reduction::default() };
+        let by = fem::Reduction { coordinates: shapes.len() * 4 / 5, tolerance: 5e-4, ..fem::Reduction::default() };
         let reduced = body.system.reduce(&shapes, &by).map_err(|e| Fault::at("the reduced body", e))?;
         let (rest_line, rows) = (line.rest(body), line.rows(&reduced));
         let unit = |k: usize| DVector::from_fn(reduced.coordinates(), |i, _| f64::from(u8::from(i == k)));
@@ -180,14 +180,18 @@ impl Flap<'_> {
 
 impl Motion for Flap<'_> {
     fn nodes(&self, t: Second) -> Vec<Point3> {
-        let mut moved = vec![0.0_f32; 3 * self.swimmer.body.mesh.nodes.len()];
-        for (mode, q) in self.swimmer.modes.iter().zip(self.coordinates(t).iter()) {
-            let q = *q as f32;
-            moved.iter_mut().zip(mode).for_each(|(moved, u)| *moved += q * u);
-        }
+        let (nodes, moved) = (&self.swimmer.body.mesh.nodes, moved(&self.swimmer.modes, &self.coordinates(t)));
         let (moved, _) = moved.as_chunks::<3>();
         let node = |(x, u): (&Point3, &[f32; 3])| [0, 1, 2].map(|axis| x[axis] + f64::from(u[axis]));
-        self.swimmer.body.mesh.nodes.iter().zip(moved).map(node).collect()
+        nodes.iter().zip(moved).map(node).collect()
+    }
+
+    fn seen(&self, t: Second, of: &[u32]) -> Vec<Point3> {
+        let mut nodes = self.swimmer.body.mesh.nodes.clone();
+        for (node, u) in of.iter().zip(moved_of(&self.swimmer.modes, &self.coordinates(t), of)) {
+            nodes[*node as usize].iter_mut().zip(u).for_each(|(x, u)| *x += f64::from(u));
+        }
+        nodes
     }
 
     fn pull(&self, t: Second) -> Newton {
@@ -196,5 +200,41 @@ impl Motion for Flap<'_> {
 
     fn thrust(&self, t: Second) -> Newton {
         self.between(t, |pull| pull.1)
+    }
+}
+
+/// Displacements of all nodes, nodes × 3, m.
+fn moved(modes: &[Vec<f32>], q: &DVector<f64>) -> Vec<f32> {
+    let mut moved = vec![0.0; modes.first().map_or(0, Vec::len)];
+    for (mode, q) in modes.iter().zip(q.iter()) {
+        moved.iter_mut().zip(mode).for_each(|(moved, u)| *moved += *q as f32 * u);
+    }
+    moved
+}
+
+/// Displacements of the nodes `of`, m: the same sums as [`moved`] in the same order, so the same numbers.
+fn moved_of(modes: &[Vec<f32>], q: &DVector<f64>, of: &[u32]) -> Vec<[f32; 3]> {
+    let mut moved = vec![[0.0; 3]; of.len()];
+    for (mode, q) in modes.iter().zip(q.iter()) {
+        let (mode, _) = mode.as_chunks::<3>();
+        for (moved, node) in moved.iter_mut().zip(of) {
+            moved.iter_mut().zip(mode[*node as usize]).for_each(|(moved, u)| *moved += *q as f32 * u);
+        }
+    }
+    moved
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nodes_that_a_film_sees_are_moved_as_all_nodes_are() {
+        let mode = |m: usize| (0..15).map(|k| ((7 * k + 3 * m) % 11) as f32 / 7.0 - 0.6).collect::<Vec<f32>>();
+        let (modes, q) = ((0..4).map(mode).collect::<Vec<_>>(), DVector::from_vec(vec![0.31, -1.7, 0.05, 2.2]));
+        let (all, of) = (moved(&modes, &q), [0, 2, 4]);
+        for (some, node) in moved_of(&modes, &q, &of).iter().zip(of) {
+            assert_eq!(some[..], all[3 * node as usize..][..3]);
+        }
     }
 }

@@ -13,6 +13,12 @@ pub trait Motion: Sync {
     /// Positions of all nodes at time `t` (s), m.
     fn nodes(&self, t: Second) -> Vec<Point3>;
 
+    /// As [`Motion::nodes`], but only the nodes `of` need be where they are: of many thousand, a film sees the skin's.
+    fn seen(&self, t: Second, of: &[u32]) -> Vec<Point3> {
+        let _ = of;
+        self.nodes(t)
+    }
+
     /// Forwards on the holder at time `t` (s), N.
     fn pull(&self, _: Second) -> Newton {
         0.0

@@ -39,6 +39,11 @@ impl Mark {
         self.centre.at(nodes)
     }
 
+    /// Nodes of the mesh that carry the mark.
+    pub fn nodes(&self) -> impl Iterator<Item = u32> + '_ {
+        self.rim.iter().chain([&self.centre]).flat_map(|spot| spot.weights.iter().map(|(node, _)| *node))
+    }
+
     /// The mark's outline in a frame, px, each of its corners at its own row's time; none out of the camera's sight.
     fn outline(&self, view: &View, by: &Passing) -> Option<Vec<Point2>> {
         let places = |spot: &Spot| [0, 1, 2].map(|k| spot.at(&by.nodes[k]));

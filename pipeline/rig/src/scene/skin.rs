@@ -68,6 +68,11 @@ impl Skin {
         Self { triangles, used, grey, mirrored: mesh.half }
     }
 
+    /// Nodes of the mesh that lie on the skin, rising.
+    pub fn nodes(&self) -> &[u32] {
+        &self.used
+    }
+
     /// Draws the skin of the body as it passes in a frame.
     pub fn draw(&self, canvas: &mut Canvas, view: &View, by: &Passing) {
         let places = |node: &u32| [0, 1, 2].map(|k| by.nodes[k][*node as usize]);

@@ -12,7 +12,7 @@ pub const DORY: Specimen = Specimen { name: "dory", tail };
 /// Nemo's outer shape and sheet. The walls are set so that 350 mbar on one side move the tip by 17 mm and 500 mbar are borne.
 fn tail() -> Tail {
     Tail {
-        wall: [4.0e-3; 2],
+        wall: [3.8e-3; 2],
         rib: 2.5e-3,
         inner_wall: 0.5e-3,
         top_wall: 2.9e-3,

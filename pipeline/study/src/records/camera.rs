@@ -53,6 +53,10 @@ impl Record for Camera {
     type Of = Specimen;
     const STAGE: &'static str = "camera";
 
+    fn is_made_for(of: &Specimen) -> bool {
+        !of.trials().iter().all(|trial| trial.in_space().is_some())
+    }
+
     fn pack(&self) -> Result<Parcel, RecordError> {
         let lens = self.lens;
         Parcel::default().scalars(

@@ -3,11 +3,12 @@
 //!
 //! Stands on: track. Never knows: a trial.
 
-use lab::card::{self, LensKind, Plane};
+use lab::card::{self, BoardKind, LensKind, Plane};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use si::{Point2, Point3};
-use track::board::{self, Board};
+use track::board::dots::Dots;
+use track::board::{Board, Target};
 use track::calibrate::{Calibration, View, calibrate, joint_covariance, pose_from_plane, reprojection};
 use track::lens::{Bend, VALUES, opencv};
 use track::pose::Pose;
@@ -53,6 +54,7 @@ impl Stage for Camera {
         let (board, plane) = (&camera.board, &camera.plane);
         json!({
             "frame_every": camera.frame_every,
+            "dots": board.kind == BoardKind::Dots,
             "fisheye": camera.lens == LensKind::Fisheye,
             "known": camera.coefficients,
             "board": [board.columns as f64, board.rows as f64, board.square],
@@ -62,17 +64,17 @@ impl Stage for Camera {
 
     fn run(of: &Specimen, set: &Settings, (): (), desk: &dyn Desk) -> Outcome<records::Camera> {
         let camera = &of.card.camera;
-        let board = Board { columns: camera.board.columns, rows: camera.board.rows, square: camera.board.square };
+        let board = target(&camera.board);
         let seen = look(camera, &board, desk)?;
         let (width, height) = seen.size;
         let found = match &camera.coefficients {
             Some(_) => known(camera, &board, &seen.views, desk)?,
-            None => calibrate(&seen.views, &board.corners(), bend(camera), seen.size).map_err(Fault::from_tool)?,
+            None => calibrate(&seen.views, &board.points(), bend(camera), seen.size).map_err(Fault::from_tool)?,
         };
         if found.reprojection_px > set.reprojection_limit_px {
             return Err(not_believed(desk, found.reprojection_px, set.reprojection_limit_px));
         }
-        let corners: Vec<Point3> = board.corners().iter().map(|c| in_cad(&camera.plane, [c[0], c[1]])).collect();
+        let corners: Vec<Point3> = board.points().iter().map(|c| in_cad(&camera.plane, [c[0], c[1]])).collect();
         let on_plane = mean(&seen.on_plane);
         let pose = pose_from_plane(&found.lens, &corners, &on_plane).map_err(Fault::from_tool)?;
         let covariance = joint_covariance((&found.lens, &found.covariance), &pose, &corners, &on_plane);
@@ -87,6 +89,14 @@ impl Stage for Camera {
     }
 }
 
+fn target(board: &card::Board) -> Target {
+    let (columns, rows) = (board.columns, board.rows);
+    match board.kind {
+        BoardKind::Checkerboard => Target::Checkerboard(Board { columns, rows, square: board.square }),
+        BoardKind::Dots => Target::Dots(Dots { columns, rows, pitch: board.square }),
+    }
+}
+
 fn bend(camera: &card::Camera) -> Bend {
     match camera.lens {
         LensKind::BrownConrady => Bend::BrownConrady,
@@ -95,13 +105,13 @@ fn bend(camera: &card::Camera) -> Bend {
 }
 
 /// The lens of the card's coefficients, taken as exact, held against every view of the board.
-fn known(camera: &card::Camera, board: &Board, views: &[View], desk: &dyn Desk) -> Outcome<Calibration> {
+fn known(camera: &card::Camera, board: &Target, views: &[View], desk: &dyn Desk) -> Outcome<Calibration> {
     let text = String::from_utf8(desk.bytes("lens")?);
     let text =
         text.map_err(|e| Fault::new(format!("{} is not text", desk.place("lens")), e, "write it with OpenCV again"))?;
     let lens = opencv::read(&text, bend(camera) == Bend::Fisheye)
         .map_err(|e| Fault::from_tool(format!("{}: {e}", desk.place("lens"))))?;
-    let points = board.corners();
+    let points = board.points();
     let poses: Result<Vec<Pose>, _> = views.iter().map(|v| pose_from_plane(&lens, &points, &v.corners)).collect();
     let poses = poses.map_err(Fault::from_tool)?;
     let misses = poses.iter().zip(views).map(|(pose, v)| reprojection(&lens, pose, &points, &v.corners).powi(2));
@@ -110,7 +120,7 @@ fn known(camera: &card::Camera, board: &Board, views: &[View], desk: &dyn Desk) 
 }
 
 /// Looks for the board in one frame of every few; frames in which it lies on the plane are kept apart as well.
-fn look(camera: &card::Camera, board: &Board, desk: &dyn Desk) -> Outcome<Seen> {
+fn look(camera: &card::Camera, board: &Target, desk: &dyn Desk) -> Outcome<Seen> {
     let film = desk.film("calibration")?;
     let info = film.info();
     let mut seen = Seen { views: Vec::new(), on_plane: Vec::new(), size: (info.width, info.height) };
@@ -121,7 +131,7 @@ fn look(camera: &card::Camera, board: &Board, desk: &dyn Desk) -> Outcome<Seen> 
             continue;
         }
         desk.progress(frame.index as f64 / info.frames.max(1) as f64, "looking for the board");
-        match board::find(&frame.gray, board) {
+        match board.find(&frame.gray) {
             Ok(corners) => {
                 let [from, to] = camera.plane.seconds;
                 if (from..=to).contains(&frame.time) {

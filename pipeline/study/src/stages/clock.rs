@@ -14,6 +14,7 @@ use signal::edge::{self, Edge, Window};
 use track::shutter::Shutter;
 
 use crate::fault::{Fault, Outcome};
+use crate::needs::Maybe;
 use crate::records::{self, Camera, Gauge, Markers, Motion, Parts, Path, Spread, Tracks};
 use crate::stage::{Desk, RawFile, Stage};
 use crate::subject::Trial;
@@ -35,7 +36,7 @@ pub struct Settings {
 
 impl Stage for Clock {
     type Settings = Settings;
-    type Needs = (Camera, Tracks, Markers);
+    type Needs = (Maybe<Camera>, Tracks, Markers);
     type Makes = Motion;
     const STORY: &'static str = "the lamp's edges bring film and logs onto one clock";
     const EDITION: u32 = 3;
@@ -51,10 +52,15 @@ impl Stage for Clock {
         })
     }
 
-    fn run(of: &Trial, set: &Settings, (camera, tracks, markers): Self::Needs, desk: &dyn Desk) -> Outcome<Motion> {
+    fn run(
+        of: &Trial,
+        set: &Settings,
+        (Maybe(camera), tracks, markers): Self::Needs,
+        desk: &dyn Desk,
+    ) -> Outcome<Motion> {
         let log = read_log(desk)?;
-        let shutter = Shutter { readout: of.card.camera.readout, height: camera.size_px[1] };
-        let late = shutter.late(of.card.led.centre[1]);
+        let shutter = |c: Camera| Shutter { readout: of.card.camera.readout, height: c.size_px[1] };
+        let late = camera.map_or(0.0, |c| shutter(c).late(of.card.led.centre[1]));
         let (clock, lamp, sigma) = match_clocks(&tracks, late, &log, set).map_err(|e| named(desk, &e))?;
         let log_time: Vec<Second> = log.time.iter().map(|&t| clock.here(t)).collect();
         let gauges: Vec<Gauge> = of.card.chamber.iter().map(|chamber| gauge(chamber, &log)).collect();

@@ -4,6 +4,7 @@
 //! Stands on: track. Never knows: what the markers sit on, the logs.
 
 mod carry;
+mod elsewhere;
 
 use lab::card::Medium;
 use serde::{Deserialize, Serialize};
@@ -14,8 +15,9 @@ use track::shutter::{self, Shutter};
 use track::sight::{Sight, Water};
 
 use crate::fault::{Fault, Outcome};
+use crate::needs::Maybe;
 use crate::records::{self, Camera, LeftOut, Parts, Path, Tracks};
-use crate::stage::{Desk, Stage};
+use crate::stage::{Desk, RawFile, Stage};
 use crate::subject::Trial;
 use carry::{Doubts, Shared};
 
@@ -41,10 +43,14 @@ pub struct Settings {
 
 impl Stage for Markers {
     type Settings = Settings;
-    type Needs = (Camera, Tracks);
+    type Needs = (Maybe<Camera>, Tracks);
     type Makes = records::Markers;
     const STORY: &'static str = "pixels become metres in the plane";
     const EDITION: u32 = 2;
+
+    fn raw(of: &Trial) -> Vec<RawFile> {
+        of.in_space().iter().map(|(tracks, _)| RawFile::new(elsewhere::WORD, &of.card.name, &tracks.file)).collect()
+    }
 
     fn card(of: &Trial) -> Value {
         let water = water(of).map(|w| [w.surface, w.index]);
@@ -53,10 +59,19 @@ impl Stage for Markers {
             "plane": of.card.camera.plane.height,
             "readout": of.card.camera.readout,
             "water": water,
+            "space": elsewhere::card(of),
         })
     }
 
-    fn run(of: &Trial, set: &Settings, (camera, tracks): Self::Needs, _: &dyn Desk) -> Outcome<records::Markers> {
+    fn run(
+        of: &Trial,
+        set: &Settings,
+        (Maybe(camera), tracks): Self::Needs,
+        desk: &dyn Desk,
+    ) -> Outcome<records::Markers> {
+        let Some(camera) = camera.filter(|_| of.in_space().is_none()) else {
+            return elsewhere::places(of, &tracks.time, set.mark_sigma, desk);
+        };
         let sight = Sight { lens: camera.lens, pose: camera.pose, water: water(of) };
         let shutter = Shutter { readout: of.card.camera.readout, height: camera.size_px[1] };
         let heights: Vec<Metre> = of.card.marker.iter().map(|m| m.at[2]).collect();

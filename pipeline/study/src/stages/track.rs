@@ -3,10 +3,11 @@
 //! Stands on: track. Never knows: metres.
 
 mod foreign;
+mod search;
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use si::{Hertz, Point2, Second};
+use si::{Hertz, Second};
 use track::klt::{self, Sighting, Tracker};
 use track::led;
 use track::video::Frame;
@@ -41,6 +42,8 @@ pub struct Settings {
     likeness_limit: f64,
     /// How long a marker may be hidden, s.
     hidden_limit: Second,
+    /// Quantiser of the films' H.264, which tells how much of a small motion they leave out; 0 for uncoded pictures.
+    quantiser: u8,
 }
 
 impl Stage for Track {
@@ -48,10 +51,10 @@ impl Stage for Track {
     type Needs = ();
     type Makes = Tracks;
     const STORY: &'static str = "a film becomes the markers' places in pixels";
-    const EDITION: u32 = 2;
+    const EDITION: u32 = 3;
 
     fn raw(of: &Trial) -> Vec<RawFile> {
-        let foreign = made_elsewhere(of).map(|tracks| RawFile::new("tracks", &of.card.name, &tracks.file));
+        let foreign = in_pixels(of).map(|tracks| RawFile::new("tracks", &of.card.name, &tracks.file));
         std::iter::once(RawFile::new("video", &of.card.name, &of.trial.video)).chain(foreign).collect()
     }
 
@@ -59,7 +62,9 @@ impl Stage for Track {
         json!({
             "markers": of.card.marker.iter().map(|m| json!([m.name, m.clicked])).collect::<Vec<_>>(),
             "led": [of.card.led.centre[0], of.card.led.centre[1], of.card.led.radius],
-            "foreign": made_elsewhere(of).map(|tracks| tracks.sigma),
+            "search": of.card.search.as_ref().map(|s| json!([s.region, s.order.word(), s.by.word()])),
+            "foreign": in_pixels(of).map(|tracks| tracks.sigma),
+            "in_space": of.in_space().is_some(),
             "frames": [Some(of.trial.first_frame), of.trial.last_frame],
         })
     }
@@ -75,7 +80,7 @@ impl Stage for Track {
                 break;
             }
             if frame.index >= of.trial.first_frame {
-                log.see(&frame).map_err(|lost| named(of, desk, &lost))?;
+                log.see(&frame, desk)?;
                 desk.progress(frame.index as f64 / length, "following the markers");
             }
         }
@@ -83,16 +88,16 @@ impl Stage for Track {
             return Err(no_frames(of, desk));
         }
         let tracks = log.end().map_err(|lost| named(of, desk, &lost))?;
-        match made_elsewhere(of) {
+        match in_pixels(of) {
             Some(foreign) => taken(of, foreign, tracks, desk),
             None => Ok(tracks),
         }
     }
 }
 
-/// Tracks on the card that another program made of the trial's film.
-fn made_elsewhere(of: &Trial) -> Option<&lab::card::Tracks> {
-    of.card.tracks.iter().find(|tracks| tracks.trial == of.trial.id)
+/// Tracks in the film's own pixels that another program made of it.
+fn in_pixels(of: &Trial) -> Option<&lab::card::Tracks> {
+    of.made_elsewhere().filter(|tracks| tracks.space.is_none())
 }
 
 /// The lamp and times of a film with the tracks that were made elsewhere.
@@ -121,13 +126,14 @@ impl<'a> Log<'a> {
         Self { of, set, tracker: None, tracks, seen: vec![Vec::new(); of.card.marker.len()] }
     }
 
-    fn see(&mut self, frame: &Frame) -> Result<(), klt::Lost> {
+    fn see(&mut self, frame: &Frame, desk: &dyn Desk) -> Outcome<()> {
+        let of = self.of;
+        let told = |lost: klt::Lost| named(of, desk, &lost);
         let sightings = match &mut self.tracker {
-            Some(tracker) => tracker.step(&frame.gray)?,
+            Some(tracker) => tracker.step(&frame.gray).map_err(told)?,
             None => {
-                let markers = self.of.card.marker.iter().filter(|_| made_elsewhere(self.of).is_none());
-                let clicked: Vec<Point2> = markers.map(|m| m.clicked).collect();
-                let tracker = Tracker::new(&frame.gray, &clicked, self.set)?;
+                let starts = search::starts(of, &frame.gray, &self.set, &desk.place("video"))?;
+                let tracker = Tracker::new(&frame.gray, &starts, self.set).map_err(told)?;
                 let first = tracker.sightings().to_vec();
                 self.tracker = Some(tracker);
                 first
@@ -144,6 +150,9 @@ impl<'a> Log<'a> {
     fn end(self) -> Result<Tracks, klt::Lost> {
         self.tracker.map_or(Ok(()), Tracker::finish)?;
         let mut tracks = self.tracks;
+        if self.of.made_elsewhere().is_some() {
+            return Ok(tracks);
+        }
         for (marker, mut seen) in self.of.card.marker.iter().zip(self.seen) {
             klt::fill(&mut seen);
             let spread = |s: &Sighting| [s.covariance[0][0], s.covariance[0][1], s.covariance[1][1]];
@@ -167,6 +176,7 @@ impl Settings {
             agreement_limit: self.agreement_limit,
             return_limit: self.return_limit,
             likeness_limit: self.likeness_limit,
+            quantiser: self.quantiser,
             patience: (self.hidden_limit * rate).round() as usize,
         }
     }

@@ -24,13 +24,13 @@ const RIM: f64 = 1.5;
 
 /// A dark spot.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Blob {
+pub(crate) struct Blob {
     /// Centroid, px.
-    pub(super) at: Point2,
+    pub(crate) at: Point2,
     /// Second moments of the pixels' pull on the centroid per grey level of noise, px² / level².
     pub(super) pull: [[f64; 2]; 2],
     /// Difference between ground and spot, grey levels.
-    pub(super) contrast: f64,
+    pub(crate) contrast: f64,
     /// Share of the window's rim that is dark, no unit.
     pub(super) spread: f64,
     /// The ground around it.
@@ -51,7 +51,7 @@ impl Blob {
 
 /// A soft cut between ground and spot.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Soft {
+pub(crate) struct Soft {
     /// Darkness of the spot's core, no unit.
     full: f64,
     /// Share of it that is still ground.
@@ -70,7 +70,7 @@ impl Soft {
 
 /// Why a window holds no spot.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Miss {
+pub(crate) enum Miss {
     /// The window, or the ring around it, reaches out of the picture.
     Outside,
     /// Nothing is darker than the ground.
@@ -81,7 +81,7 @@ pub(super) enum Miss {
 ///
 /// # Errors
 /// [`Miss`] when the window leaves the picture or holds nothing darker than its ground.
-pub(super) fn find(picture: &Gray, near: Point2, radius: f64) -> Result<Blob, Miss> {
+pub(crate) fn find(picture: &Gray, near: Point2, radius: f64) -> Result<Blob, Miss> {
     let look = |at: Point2| {
         // a pixel more for the template, which is cut between pixels
         if picture.holds(at, radius + RING + 1.0) {

@@ -1,0 +1,94 @@
+//! Places in space as CSV: one line a frame and marker, the unit in the titles.
+//!
+//! Stands on: `csv`. Never knows: a `.c3d`.
+
+use std::path::Path;
+
+use csv::StringRecord;
+use si::Second;
+
+use super::{EXPORT, Seen, Space, in_metres, unit};
+use crate::Refusal;
+use crate::card::LengthUnit;
+
+/// The places in a file's `bytes`.
+///
+/// # Errors
+/// As [`super::read`].
+pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Space, Refusal> {
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(bytes);
+    let titles = reader.headers().map_err(|e| refused(path, 1, e.to_string()))?.clone();
+    let columns = Columns::of(&titles, path)?;
+    let mut space = Space { time: Vec::new(), markers: Vec::new() };
+    for (row, record) in reader.records().enumerate() {
+        let record = record.map_err(|e| refused(path, row + 2, e.to_string()))?;
+        columns.take(&record, &mut space).map_err(|why| refused(path, row + 2, why))?;
+    }
+    match space.markers.iter().find(|seen| seen.at.len() != space.time.len()) {
+        None => Ok(space),
+        Some(seen) => {
+            let what = format!("marker `{}` has {} places in {} frames", seen.name, seen.at.len(), space.time.len());
+            Err(Refusal::file(path, what, "every marker has a line in every frame", EXPORT))
+        }
+    }
+}
+
+/// Where what stands in a line.
+struct Columns {
+    time: usize,
+    marker: usize,
+    /// x, y and, where it was measured, z.
+    at: [Option<usize>; 3],
+    unit: LengthUnit,
+}
+
+impl Columns {
+    fn of(titles: &StringRecord, path: &Path) -> Result<Self, Refusal> {
+        let column = |title: &str| titles.iter().position(|t| t == title);
+        let axis = |axis: &str| titles.iter().position(|t| t.split_once('_').is_some_and(|(name, _)| name == axis));
+        let (Some(time), Some(marker), Some(x), Some(y)) = (column("time_s"), column("marker"), axis("x"), axis("y"))
+        else {
+            return Err(refused(path, 1, "the columns are frame,time_s,marker,x_mm,y_mm and perhaps z_mm".into()));
+        };
+        let at = [Some(x), Some(y), axis("z")];
+        let word = |column: usize| titles[column].split_once('_').and_then(|(_, word)| unit(word));
+        let units: Vec<Option<LengthUnit>> = at.iter().flatten().map(|column| word(*column)).collect();
+        match units[0] {
+            Some(unit) if units.iter().all(|other| *other == Some(unit)) => Ok(Self { time, marker, at, unit }),
+            _ => Err(refused(path, 1, "x, y and z have one unit of m, cm, mm, inch each, as in x_mm".into())),
+        }
+    }
+
+    /// Takes in a line.
+    fn take(&self, record: &StringRecord, space: &mut Space) -> Result<(), String> {
+        let number = |column: usize| {
+            let word = record.get(column).unwrap_or_default();
+            word.parse::<f64>().map_err(|_| format!("`{word}` is no number"))
+        };
+        let time: Second = number(self.time)?;
+        let name = record.get(self.marker).unwrap_or_default();
+        let mut at = [0.0; 3];
+        for (x, column) in at.iter_mut().zip(self.at) {
+            *x = column.map_or(Ok(0.0), number)?;
+        }
+        let place = match space.markers.iter().position(|seen| seen.name == name) {
+            Some(place) => place,
+            None => {
+                space.markers.push(Seen { name: name.to_owned(), at: Vec::new() });
+                space.markers.len() - 1
+            }
+        };
+        let frame = space.markers[place].at.len();
+        match space.time.get(frame) {
+            None if space.time.last().is_none_or(|last| time > *last) && time.is_finite() => space.time.push(time),
+            Some(known) if *known == time => {}
+            _ => return Err(format!("marker `{name}` at {time} s does not fit the times of frame {frame}")),
+        }
+        space.markers[place].at.push(in_metres(at, self.unit));
+        Ok(())
+    }
+}
+
+fn refused(path: &Path, line: usize, why: String) -> Refusal {
+    Refusal::file(path, "the places cannot be read", why, EXPORT).at_line(line)
+}

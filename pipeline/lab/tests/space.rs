@@ -1,0 +1,169 @@
+//! Places in space: a `.c3d` written here byte by byte and a CSV are read to the same metres, and each flaw is refused.
+//!
+//! Stands on: `lab`. Never knows: a real recording.
+#![allow(clippy::unwrap_used)] // a test may fail where it stands
+
+use std::path::Path;
+
+use lab::space::{self, Space};
+
+/// A file of two markers at 100 frames/s, in the form of an Intel processor with real numbers.
+struct Capture {
+    unit: &'static str,
+    labels: [&'static str; 2],
+    /// frames × markers: x, y, z and the fourth word.
+    points: Vec<[[f32; 4]; 2]>,
+}
+
+impl Capture {
+    /// Two markers that move along x by 1 mm a frame, in mm.
+    fn new() -> Self {
+        let frame = |k: u8| [[50.0 + f32::from(k), 1.5, 17.0, 3.0], [80.0 + f32::from(k), -2.5, 17.0, 200.0]];
+        Self { unit: "mm", labels: ["m1  ", "tip "], points: (0..4).map(frame).collect() }
+    }
+
+    fn bytes(&self) -> Vec<u8> {
+        let frames = self.points.len() as u16;
+        let mut header = vec![2, 80];
+        for word in [2, 0, 1, frames, 10] {
+            header.extend(u16::to_le_bytes(word));
+        }
+        header.extend((-0.01_f32).to_le_bytes());
+        header.extend([3_u16, 0].iter().flat_map(|w| w.to_le_bytes()));
+        header.extend(100.0_f32.to_le_bytes());
+        let parameters = [vec![0, 0, 1, 84], self.parameters(frames)].concat();
+        let mut data: Vec<u8> = self.points.iter().flatten().flatten().flat_map(|x| x.to_le_bytes()).collect();
+        data.push(0); // a block stands there even where there is nothing to say
+        [header, parameters, data].into_iter().flat_map(whole_blocks).collect()
+    }
+
+    fn parameters(&self, frames: u16) -> Vec<u8> {
+        let group = [&[5, 0xff][..], b"POINT", &3_u16.to_le_bytes(), &[0]].concat();
+        let integer = |name: &str, value: u16| parameter(name, 2, &[], &value.to_le_bytes());
+        let real = |name: &str, value: f32| parameter(name, 4, &[], &value.to_le_bytes());
+        [
+            group,
+            integer("USED", 2),
+            integer("FRAMES", frames),
+            integer("DATA_START", 3),
+            real("SCALE", -0.01),
+            real("RATE", 100.0),
+            parameter("UNITS", 0xff, &[self.unit.len() as u8], self.unit.as_bytes()),
+            parameter("LABELS", 0xff, &[4, 2], self.labels.concat().as_bytes()),
+            vec![0, 0],
+        ]
+        .concat()
+    }
+}
+
+/// A parameter of the first group.
+fn parameter(name: &str, kind: u8, sizes: &[u8], data: &[u8]) -> Vec<u8> {
+    let body = [&[kind, sizes.len() as u8][..], sizes, data, &[0]].concat();
+    let next = 2 + body.len() as u16;
+    [&[name.len() as u8, 1][..], name.as_bytes(), &next.to_le_bytes(), &body].concat()
+}
+
+fn whole_blocks(mut bytes: Vec<u8>) -> Vec<u8> {
+    bytes.resize(bytes.len().next_multiple_of(512), 0);
+    bytes
+}
+
+fn read(bytes: &[u8]) -> Result<Space, lab::Refusal> {
+    space::read(bytes, Path::new("trials/flap/mocap.c3d"))
+}
+
+fn refusal(capture: &Capture) -> String {
+    read(&capture.bytes()).unwrap_err().to_string()
+}
+
+#[test]
+fn millimetres_of_a_c3d_are_read_in_metres_with_their_times() {
+    let space = read(&Capture::new().bytes()).unwrap();
+    assert_eq!(space.markers.iter().map(|m| m.name.as_str()).collect::<Vec<_>>(), ["m1", "tip"]);
+    assert!((space.time[3] - 0.03).abs() < 1e-12);
+    let at = space.whole("tip", Path::new("a.c3d")).unwrap();
+    // single precision holds a place of 0.1 m to some nanometres
+    assert!((at[2][0] - 0.082).abs() < 1e-8 && (at[2][1] + 0.0025).abs() < 1e-9, "{at:?}");
+}
+
+#[test]
+fn a_csv_in_metres_says_the_same_as_a_c3d_in_millimetres() {
+    let mut text = String::from("frame,time_s,marker,x_m,y_m,z_m\n");
+    for (k, [a, b]) in Capture::new().points.iter().enumerate() {
+        for (name, p) in [("m1", a), ("tip", b)] {
+            let [x, y, z] = [0, 1, 2].map(|i| f64::from(p[i]) * 1e-3);
+            text += &format!("{k},{:.2},{name},{x},{y},{z}\n", k as f64 / 100.0);
+        }
+    }
+    let told = space::read(text.as_bytes(), Path::new("places.csv")).unwrap();
+    for (one, other) in told.markers.iter().zip(&read(&Capture::new().bytes()).unwrap().markers) {
+        for (a, b) in one.at.iter().zip(&other.at) {
+            let (a, b) = (a.unwrap(), b.unwrap());
+            assert!(one.name == other.name && (0..3).all(|i| (a[i] - b[i]).abs() < 1e-8));
+        }
+    }
+}
+
+#[test]
+fn a_plane_s_csv_needs_no_z_and_its_slips_are_refused_with_their_line() {
+    let good = "frame,time_s,marker,x_mm,y_mm\n0,0,m1,50,1\n1,0.01,m1,51,1\n";
+    let refusal = |from: &str, to: &str| {
+        assert!(good.contains(from));
+        space::read(good.replacen(from, to, 1).as_bytes(), Path::new("places.csv")).unwrap_err().to_string()
+    };
+    let read = space::read(good.as_bytes(), Path::new("places.csv")).unwrap();
+    let [x, y, z] = read.markers[0].at[1].unwrap();
+    assert!((x - 0.051).abs() < 1e-15 && (y - 0.001).abs() < 1e-15 && z == 0.0);
+    assert!(refusal("x_mm", "x").contains("line 1"), "a column without a unit");
+    assert!(refusal("x_mm", "x_m").contains("one unit"), "columns of two units");
+    assert!(
+        refusal("0.01,m1,51", "0.01,m1,5l").contains("line 3: the places cannot be read\n  why: `5l` is no number")
+    );
+    assert!(refusal("1,0.01", "1,0").contains("line 3"), "a time that stands still");
+    assert!(refusal("_mm,y_mm\n0,0,m1,50", "_m,y_m\n0,0,m1,50").contains("[50.0, 1.0, 0.0] m in frame 0"));
+}
+
+#[test]
+fn a_lost_marker_and_a_number_that_is_none_are_refused_with_their_frame() {
+    for point in [[0.0, 0.0, 0.0, -1.0], [f32::NAN, 1.0, 1.0, 3.0]] {
+        let mut capture = Capture::new();
+        capture.points[2][1] = point;
+        let space = read(&capture.bytes()).unwrap();
+        let said = space.whole("tip", Path::new("a.c3d")).unwrap_err().to_string();
+        assert!(said.contains("marker `tip` is lost in frame 2 (0.020 s)") && said.contains("1 of 4 frames"), "{said}");
+        assert!(space.whole("m1", Path::new("a.c3d")).is_ok());
+    }
+}
+
+#[test]
+fn a_marker_of_another_name_is_refused_with_the_nearest() {
+    let said = read(&Capture::new().bytes()).unwrap().whole("tip2", Path::new("a.c3d")).unwrap_err().to_string();
+    assert!(
+        said.contains("no marker `tip2`") && said.contains("the file has m1, tip") && said.contains("`tip`"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_c3d_without_a_unit_of_length_or_without_points_is_refused() {
+    assert!(refusal(&Capture { unit: "V ", ..Capture::new() }).contains("POINT:UNITS is `V`"));
+    assert!(refusal(&Capture { points: Vec::new(), ..Capture::new() }).contains("no point data"));
+}
+
+#[test]
+fn a_c3d_that_was_cut_is_refused_with_the_frame_at_which_it_ends() {
+    let mut capture = Capture::new();
+    capture.points = (0..40).map(|_| capture.points[0]).collect();
+    let bytes = capture.bytes();
+    let said = read(&bytes[..bytes.len() - 512]).unwrap_err().to_string();
+    assert!(said.contains("ends in frame 32") && said.contains("tells of 40"), "{said}");
+}
+
+#[test]
+fn bytes_that_are_no_c3d_are_refused_at_whatever_length() {
+    let bytes = Capture::new().bytes();
+    for length in [0, 3, 511, 700, 1024] {
+        assert!(read(&bytes[..length]).is_err(), "{length}");
+    }
+    assert!(read("time,force\n0,1\n".repeat(200).as_bytes()).unwrap_err().to_string().contains("no .c3d"));
+}
