@@ -20,12 +20,14 @@ mod mesh_honesty;
 mod plateaus;
 mod recovery;
 mod repeats;
+mod softest;
 mod stop;
 mod swing;
 mod tank;
 mod thrust;
 mod track;
 mod validate;
+mod walk;
 mod wave;
 
 use crate::entry::{Entry, stage};
