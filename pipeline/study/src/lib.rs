@@ -23,6 +23,7 @@ pub mod follow;
 pub mod metric;
 pub mod model;
 pub mod needs;
+pub mod page;
 pub mod record;
 pub mod records;
 pub mod runner;
