@@ -32,7 +32,8 @@ impl figure::Figure for FourParameters {
         let mut figure = Figure::new(DOUBLE_COLUMN_MM);
         for (specimen, found) in &all {
             let name = title(&specimen.card.name);
-            figure = figure.row(44.0, [0, 1, 2, 3].map(|k| parameter(found, k).titled(&format!("{name}: {}", TITLES[k]))));
+            figure =
+                figure.row(44.0, [0, 1, 2, 3].map(|k| parameter(found, k).titled(&format!("{name}: {}", TITLES[k]))));
         }
         Ok(figure.noted(&origin_note(all.iter().map(|(s, _)| s.card.as_ref()))))
     }
