@@ -99,12 +99,18 @@ fn rounded(value: f64) -> String {
 fn costs(runner: &Runner, jobs: &[Job], store: &Store) -> Vec<Cost> {
     let entries = runner.lists.iter().flat_map(|list| list.iter()).filter(|entry| entry.kind == Kind::Stage);
     let cost = |entry: &crate::entry::Entry| {
-        let own: Vec<&Job> = jobs.iter().filter(|job| job.entry.kind == Kind::Stage && job.entry.name == entry.name).collect();
+        let own: Vec<&Job> =
+            jobs.iter().filter(|job| job.entry.kind == Kind::Stage && job.entry.name == entry.name).collect();
         let found =
             own.iter().filter_map(|job| if let Found::Whole(m) = store.look(&job.id) { Some(m.seconds) } else { None });
         let seconds: Vec<f64> = found.collect();
         let records = [seconds.len(), own.len()];
-        Cost { name: entry.name.into(), story: entry.story.into(), records, seconds: seconds.iter().fold(0.0, |sum, s| sum + s) }
+        Cost {
+            name: entry.name.into(),
+            story: entry.story.into(),
+            records,
+            seconds: seconds.iter().fold(0.0, |sum, s| sum + s),
+        }
     };
     entries.map(cost).filter(|cost| cost.records[1] > 0).collect()
 }

@@ -21,6 +21,7 @@ mod mesh_honesty;
 mod plateaus;
 mod recovery;
 mod repeats;
+mod softest;
 mod still;
 mod stop;
 mod swing;
@@ -28,6 +29,7 @@ mod tank;
 mod thrust;
 mod track;
 mod validate;
+mod walk;
 mod wall;
 mod wave;
 
