@@ -10,6 +10,7 @@ mod inputs;
 mod lock;
 mod manifest;
 mod metrics_file;
+mod page_file;
 mod plan;
 mod pool;
 mod report;
@@ -20,6 +21,8 @@ mod verdict;
 pub use folders::Folders;
 pub use graph::Goal;
 pub use metrics_file::{Entry as MetricEntry, read as read_metrics};
+
+use std::path::PathBuf;
 
 use crate::entry::Entry;
 use crate::fault::{Fault, Outcome};
@@ -90,6 +93,14 @@ impl Runner {
     pub fn why(&self, entry: &str) -> Outcome<String> {
         let goal = Goal { entries: vec![entry.into()], specimen: None };
         Ok(plan::why(self, &self.jobs_of(&goal)?, entry))
+    }
+
+    /// Writes the page that shows everything; says where it lies.
+    ///
+    /// # Errors
+    /// A [`Fault`] when it cannot be written or a record is damaged.
+    pub fn page(&self) -> Outcome<PathBuf> {
+        page_file::write(self)
     }
 
     fn jobs_of(&self, goal: &Goal) -> Outcome<Vec<Job>> {
