@@ -93,7 +93,6 @@ impl Ladder {
         Self { model, rungs, settings, solvers, last }
     }
 
-
     /// All levels with these constants of body and spine.
     ///
     /// # Errors

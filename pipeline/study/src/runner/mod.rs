@@ -10,6 +10,7 @@ mod inputs;
 mod lock;
 mod manifest;
 mod metrics_file;
+mod paper_files;
 mod plan;
 mod pool;
 mod report;
@@ -20,6 +21,7 @@ mod verdict;
 pub use folders::Folders;
 pub use graph::Goal;
 pub use metrics_file::{Entry as MetricEntry, read as read_metrics};
+pub use paper_files::{resolve as resolve_paper, unresolved as unresolved_paper, write as write_paper};
 
 use crate::entry::Entry;
 use crate::fault::{Fault, Outcome};
