@@ -2,6 +2,8 @@
 //!
 //! Stands on: the contracts stage, figure and table. Never knows: a path, an order of running.
 
+use std::collections::BTreeSet;
+
 use serde_json::Value;
 
 use crate::fault::{Fault, Outcome};
@@ -38,6 +40,15 @@ pub struct Ingredients {
     pub records: Vec<Id>,
 }
 
+/// What a stage reads over a whole study: words of recordings, and stages.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Reads {
+    /// The stage's own words for recordings.
+    pub raw: BTreeSet<String>,
+    /// The stages whose records it reads.
+    pub stages: BTreeSet<&'static str>,
+}
+
 /// A record just made.
 pub struct Made {
     /// Its files.
@@ -62,6 +73,8 @@ pub struct Entry {
     pub subjects: fn(&Study) -> Vec<String>,
     /// What its record on a subject is made from.
     pub ingredients: fn(&Study, &str, &Settings) -> Outcome<Ingredients>,
+    /// What it reads, over all its subjects.
+    pub reads: fn(&Study) -> Reads,
     /// Makes the record.
     pub make: fn(&Study, &str, &Settings, &dyn Shelf, &dyn Desk) -> Outcome<Made>,
 }
@@ -84,6 +97,13 @@ pub const fn stage<S: Stage>() -> Entry {
                 records: S::Needs::wanted(&of),
             })
         },
+        reads: |study| {
+            let all = of_stage::<S>(study);
+            Reads {
+                raw: all.iter().flat_map(S::raw).map(|file| file.word).collect(),
+                stages: all.iter().flat_map(S::Needs::wanted).map(|id| id.stage).collect(),
+            }
+        },
         make: |study, name, settings, shelf, desk| {
             let of = find(of_stage::<S>(study), name)?;
             let needs = S::Needs::fetch(&of, shelf)?;
@@ -102,7 +122,8 @@ pub const fn figure<F: Figure>() -> Entry {
         kind: Kind::Figure,
         edition: F::EDITION,
         subjects: |study| if F::is_made_for(study) { study.name_if_any() } else { Vec::new() },
-        ingredients: |study, _, _| Ok(shown(F::Needs::wanted(study))),
+        ingredients: |study, _, _| Ok(Ingredients { card: F::card(study), ..shown(F::Needs::wanted(study)) }),
+        reads: |study| shows(F::Needs::wanted(study)),
         make: |study, _, _, shelf, _| {
             let svg = F::draw(F::Needs::fetch(study, shelf)?)?.svg().map_err(Fault::from_tool)?;
             let telling = format!("{} KiB", svg.len().div_ceil(1024));
@@ -121,6 +142,7 @@ pub const fn table<T: Table>() -> Entry {
         edition: T::EDITION,
         subjects: |study| if T::is_made_for(study) { study.name_if_any() } else { Vec::new() },
         ingredients: |study, _, _| Ok(shown(T::Needs::wanted(study))),
+        reads: |study| shows(T::Needs::wanted(study)),
         make: |study, _, _, shelf, _| {
             let table = T::fill(T::Needs::fetch(study, shelf)?)?;
             let parcel = Parcel::default()
@@ -151,6 +173,10 @@ fn find<Of: Scope>(all: Vec<Of>, name: &str) -> Outcome<Of> {
 
 fn shown(records: Vec<Id>) -> Ingredients {
     Ingredients { raw: Vec::new(), card: Value::Null, settings: Value::Null, records }
+}
+
+fn shows(records: Vec<Id>) -> Reads {
+    Reads { raw: BTreeSet::new(), stages: records.into_iter().map(|id| id.stage).collect() }
 }
 
 fn as_json(value: &impl serde::Serialize) -> Outcome<Value> {

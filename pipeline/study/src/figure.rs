@@ -2,6 +2,8 @@
 //!
 //! The contract of `figures/`. Stands on: needs, plot. Never knows: file names, fonts, colours of its own.
 
+use serde_json::Value;
+
 use crate::fault::Outcome;
 use crate::needs::Needs;
 use crate::subject::Study;
@@ -21,6 +23,12 @@ pub trait Figure {
     fn is_made_for(study: &Study) -> bool {
         let _ = study;
         true
+    }
+
+    /// What it shows of the cards and of the pipeline itself, beside records: a change of it makes the figure stale.
+    fn card(study: &Study) -> Value {
+        let _ = study;
+        Value::Null
     }
 
     /// Draws it.

@@ -18,6 +18,7 @@ pub mod expected;
 pub mod fault;
 pub mod figure;
 pub mod figures;
+pub mod flow;
 pub mod follow;
 pub mod metric;
 pub mod model;

@@ -5,6 +5,7 @@
 use std::sync::Arc;
 
 use lab::card::{self, Card};
+use si::Pascal;
 
 /// All specimens whose cards were found.
 #[derive(Debug, Clone)]
@@ -64,6 +65,20 @@ impl Trial {
         self.repeats().first().is_some_and(|first| first.trial.id == self.trial.id)
     }
 
+    /// The highest pressure that a staircase asks for, Pa; none of a trial that flaps.
+    pub fn highest_level(&self) -> Option<Pascal> {
+        match &self.trial.experiment {
+            card::Experiment::Staircase { levels, .. } => levels.iter().copied().reduce(f64::max),
+            card::Experiment::Flapping { .. } => None,
+        }
+    }
+
+    /// Whether no staircase of the specimen goes higher, and none before it on the card as high.
+    pub fn is_highest_staircase(&self) -> bool {
+        let of = Specimen { card: self.card.clone() };
+        of.highest_staircase().is_some_and(|highest| highest.trial.id == self.trial.id)
+    }
+
     /// What its repeats have in common, as metrics name it: its id without its number, and without "air".
     pub fn condition(&self) -> String {
         let id = self.trial.id.trim_end_matches(|c: char| c.is_ascii_digit());
@@ -117,6 +132,15 @@ impl Specimen {
     pub fn trials(&self) -> Vec<Trial> {
         let of = |trial: &card::Trial| Trial { card: self.card.clone(), trial: Arc::new(trial.clone()) };
         self.card.trial.iter().map(of).collect()
+    }
+
+    /// The first of the staircases that go highest.
+    pub fn highest_staircase(&self) -> Option<Trial> {
+        let higher = |best: Option<Trial>, next: Trial| match &best {
+            Some(before) if before.highest_level() >= next.highest_level() => best,
+            _ => next.highest_level().is_some().then_some(next).or(best),
+        };
+        self.trials().into_iter().fold(None, higher)
     }
 }
 

@@ -3,7 +3,7 @@
 //! Coordinates are millimetres of the diagram's own sheet, x to the right and y upwards; the sheet is fitted into the
 //! panel, words keep their size.
 //!
-//! Stands on: `symbols`, `canvas`. Never knows: what its boxes mean.
+//! Stands on: `parts`, `symbols`, `canvas`. Never knows: what its boxes mean.
 
 use si::Point2;
 
@@ -11,7 +11,7 @@ use crate::canvas::{Area, Canvas, Item, Words};
 use crate::frame::NORMAL;
 use crate::mark::Side;
 use crate::panel::{Draw, Margins, Where};
-use crate::panels::symbols;
+use crate::panels::{Panel, parts, symbols};
 use crate::{Colour, Dash, PlotError, palette};
 
 /// One part of a diagram.
@@ -87,6 +87,39 @@ pub enum Part {
         /// Other end.
         to: Point2,
     },
+    /// A rectangle with a bold line and small words under it, wrapped to its width.
+    Card {
+        /// Its middle, mm.
+        at: Point2,
+        /// Its sides, mm.
+        size: Point2,
+        /// The bold line.
+        title: String,
+        /// The words.
+        words: String,
+        /// Its ground.
+        fill: Colour,
+    },
+    /// A line between two points with a bar and a head at each end, and words beside its middle: how long something is.
+    Dimension {
+        /// One end, mm.
+        from: Point2,
+        /// Other end, mm.
+        to: Point2,
+        /// The words.
+        text: String,
+        /// Where they stand.
+        side: Side,
+    },
+    /// A panel of its own in a rectangle: a scene, a picture.
+    Inset {
+        /// The rectangle's middle, mm.
+        at: Point2,
+        /// Its sides, mm.
+        size: Point2,
+        /// The panel; its margins are left out.
+        panel: Panel,
+    },
     /// Words.
     Text {
         /// Where, mm.
@@ -150,8 +183,24 @@ impl Sheet {
         points.iter().map(|p| self.place(*p)).collect()
     }
 
-    fn draw(&self, canvas: &mut Canvas, part: &Part) {
+    fn area(&self, at: Point2, size: Point2) -> Area {
+        let ([x, y], half) = (self.place(at), size.map(|v| 0.5 * self.zoom * v));
+        Area { from: [x - half[0], y - half[1]], to: [x + half[0], y + half[1]] }
+    }
+
+    fn draw(&self, canvas: &mut Canvas, part: &Part) -> Result<(), PlotError> {
         match part {
+            Part::Card { at, size, title, words, fill } => {
+                parts::card(canvas, self.area(*at, *size), title, words, *fill);
+            }
+            Part::Dimension { from, to, text, side } => {
+                parts::dimension(canvas, self.place(*from), self.place(*to));
+                let ([a, b], [c, d]) = (self.place(*from), self.place(*to));
+                beside(canvas, [0.5 * (a + c), 0.5 * (b + d)], text, *side, palette::INK);
+            }
+            Part::Inset { at, size, panel } => {
+                panel.as_draw().draw(canvas, self.area(*at, *size), Where::Inside)?;
+            }
             Part::Box { at, size, lines, fill } => self.boxed(canvas, *at, *size, lines, *fill),
             Part::Arrow { points, text, colour, dash } => self.arrow(canvas, points, text.as_ref(), *colour, *dash),
             Part::Line { points, colour, width, dash } => canvas.path(self.places(points), *width, *dash, *colour),
@@ -173,12 +222,11 @@ impl Sheet {
             Part::Wall { from, to } => self.wall(canvas, *from, *to),
             Part::Text { at, text, side, colour } => beside(canvas, self.place(*at), text, *side, *colour),
         }
+        Ok(())
     }
 
     fn boxed(&self, canvas: &mut Canvas, at: Point2, size: Point2, lines: &[String], fill: Colour) {
-        let [x, y] = self.place(at);
-        let half = size.map(|v| 0.5 * self.zoom * v);
-        let area = Area { from: [x - half[0], y - half[1]], to: [x + half[0], y + half[1]] };
+        let ([x, y], area) = (self.place(at), self.area(at, size));
         canvas.filled(area, fill, 1.0);
         canvas.outline(area, LINE, palette::INK);
         for (i, line) in lines.iter().enumerate() {
@@ -246,6 +294,9 @@ impl Draw for Diagram {
         if self.parts.is_empty() {
             return Err(PlotError::Empty { what: "a diagram" });
         }
+        let insets =
+            self.parts.iter().filter_map(|p| if let Part::Inset { panel, .. } = p { Some(panel) } else { None });
+        insets.map(Panel::as_draw).try_for_each(Draw::check)?;
         match self.size.iter().position(|v| !(v.is_finite() && *v > 0.0)) {
             Some(index) => {
                 Err(PlotError::NotFinite { what: "a diagram's size".to_owned(), index, value: self.size[index] })
@@ -260,8 +311,7 @@ impl Draw for Diagram {
 
     fn draw(&self, canvas: &mut Canvas, cell: Area, _legend: Where) -> Result<(), PlotError> {
         let sheet = Sheet::new(self.size, cell);
-        self.parts.iter().for_each(|part| sheet.draw(canvas, part));
-        Ok(())
+        self.parts.iter().try_for_each(|part| sheet.draw(canvas, part))
     }
 }
 

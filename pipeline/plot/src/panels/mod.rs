@@ -7,6 +7,7 @@ pub mod camera;
 pub mod colour_bar;
 pub mod diagram;
 pub mod landscape;
+mod parts;
 pub mod picture;
 pub mod scene;
 mod shading;

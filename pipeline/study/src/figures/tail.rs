@@ -1,109 +1,141 @@
-//! Figure `tail`: the specimen at rest, and inflated as the identified model has it. Paper, figure 1.
+//! Figure `tail`: one tail cut open, the same inflated as its identified model has it and as it was filmed, and how its walls
+//! leave their shape. Paper, figure 1.
 //!
-//! Drawn from the mesh: (a) both regions at rest, the body see-through; (b) the inflated body from above, painted by how far
-//! each point has moved.
-//!
-//! Stands on: plot. Never knows: how a displacement was computed.
+//! Stands on: plot, the surfaces of solids. Never knows: how a shape was computed.
 
-use plot::{Axis, ColourBar, DOUBLE_COLUMN_MM, Figure, OverlayKind, Paint, Panel, Scene, View, palette};
-use shape::{QuadraticMesh, Skin};
-use si::{MILLIBAR, MILLIMETRE, Point3, vec3};
+use plot::{Axes, Axis, ColourBar, DOUBLE_COLUMN_MM, Figure, Mark, Marker, OverlayKind, Paint, Panel, Picture, Placed};
+use plot::{Scene, View, palette};
+use si::{MILLIBAR, MILLIMETRE, Point2, Point3, vec3};
 
+use super::order::{in_order, of, title};
 use super::origin_note;
+use super::solid::{Bounds, Surfaces};
 use crate::fault::{Fault, Outcome};
 use crate::figure;
 use crate::needs::Every;
-use crate::records::{Identified, Level, Mesh};
+use crate::records::{Inflation, Mesh, Shape, Still};
 
 /// The figure.
 pub struct Tail;
 
-/// A surface to draw: points, m, and faces by index.
-struct Sheet {
-    points: Vec<Point3>,
-    faces: Vec<[u32; 3]>,
-}
+/// From above, the head at the left, as the camera sees it.
+const ABOVE: View = View::TOP;
+/// Height of both rows, mm.
+const ROWS: [f64; 2] = [58.0, 50.0];
 
 impl figure::Figure for Tail {
-    type Needs = (Every<Mesh>, Every<Identified>);
+    type Needs = (Every<Mesh>, Every<Inflation>, Every<Still>);
     const NAME: &'static str = "tail";
-    const SHOWS: &'static str = "the specimen at rest and inflated, as its identified model has it";
-    const EDITION: u32 = 1;
+    const SHOWS: &'static str =
+        "a tail cut open, inflated by its identified model and on film, and where its wall buckles";
+    const EDITION: u32 = 2;
 
-    fn draw((Every(meshes), Every(identified)): Self::Needs) -> Outcome<Figure> {
-        let (Some((specimen, mesh)), Some((_, found))) = (meshes.first(), identified.first()) else {
-            return Err(Fault::new("there is no tail to show", "no specimen is identified", "study run identify"));
-        };
-        let highest = found.levels.iter().map(Level::pressure).fold(0.0, f64::max);
-        let title = format!("{} at {:.0} mbar, simulated", specimen.card.name, highest / MILLIBAR);
-        let panels = [
-            Panel::Scene(at_rest(mesh)).titled(&format!("{} at rest", specimen.card.name)),
-            Panel::Scene(inflated(mesh, found)).titled(&title).share(1.1),
+    fn draw((Every(meshes), Every(inflations), Every(stills)): Self::Needs) -> Outcome<Figure> {
+        let (meshes, inflations) = (in_order(meshes), in_order(inflations));
+        let Some((specimen, inflation)) = inflations.first() else { return Err(no_tail()) };
+        let name = &specimen.card.name;
+        let (Some(mesh), Some(shape)) = (of(&meshes, name), shown(inflation)) else { return Err(no_tail()) };
+        let simulated = format!("simulated at {:.0} mbar", shape.pressure() / MILLIBAR);
+        let mut top = vec![
+            Panel::Scene(cut(mesh)).titled(&format!("{}, cut open at mid height", title(name))),
+            Panel::Scene(inflated(mesh, inflation, shape)).titled(&simulated).share(1.15),
         ];
-        Ok(Figure::new(DOUBLE_COLUMN_MM)
-            .row(74.0, panels)
-            .noted(&origin_note(meshes.iter().map(|(s, _)| s.card.as_ref()))))
+        top.extend(of(&stills, name).map(filmed));
+        let bottom = [
+            Panel::Scene(section(mesh, inflation, shape)).titled(&walls(shape)),
+            Panel::Axes(leaving(inflation)).titled("how far the walls leave their shape"),
+        ];
+        let figure = Figure::new(DOUBLE_COLUMN_MM).row(ROWS[0], top).row(ROWS[1], bottom);
+        Ok(figure.noted(&origin_note([specimen.card.as_ref()].into_iter())))
     }
 }
 
-fn at_rest(mesh: &Mesh) -> Scene {
-    let solid = &mesh.solid;
-    let faces = |wanted: fn(Skin) -> bool| drawn(solid, &solid.nodes, wanted);
-    let spine = region_faces(solid, shape::SPINE);
-    let outer = faces(|on| on == Skin::Outer);
-    let walls = faces(|on| matches!(on, Skin::Chamber(_)));
-    Scene::new(View::CORNER)
-        .with_surface(&spine.points, &spine.faces, Paint::Solid(palette::SPINE))
-        .with_surface(&walls.points, &walls.faces, Paint::Clear(palette::PRESSURE, 0.35))
-        .with_surface(&outer.points, &outer.faces, Paint::Clear(palette::BODY, 0.25))
-        .with_scale_bar(20.0 * MILLIMETRE)
+fn no_tail() -> Fault {
+    Fault::new("there is no tail to show", "no specimen was identified and inflated", "study run inflate")
 }
 
-fn inflated(mesh: &Mesh, found: &Identified) -> Scene {
-    let solid = &mesh.solid;
-    let moved: Vec<Point3> = solid.nodes.iter().zip(&found.inflated).map(|(&x, &u)| vec3::add(x, u)).collect();
-    let far: Vec<f64> = found.inflated.iter().map(|&u| vec3::norm(u) / MILLIMETRE).collect();
-    let outer = drawn(solid, &moved, |on| on == Skin::Outer);
-    let far = if solid.half { [far.as_slice(), far.as_slice()].concat() } else { far };
+/// The shape that was filmed, else the last one.
+fn shown(inflation: &Inflation) -> Option<&Shape> {
+    inflation.filmed.and_then(|i| inflation.shapes.get(i)).or(inflation.shapes.last())
+}
+
+fn cut(mesh: &Mesh) -> Scene {
+    let lower = Surfaces::lower(&mesh.solid, &mesh.solid.nodes);
+    lower.onto(Scene::new(super::CUT_VIEW), Bounds::painted).with_scale_bar(20.0 * MILLIMETRE)
+}
+
+fn inflated(mesh: &Mesh, inflation: &Inflation, shape: &Shape) -> Scene {
+    let moved = inflation.moved(mesh, shape);
+    let whole = Surfaces::whole(&mesh.solid, &moved);
+    let rest = Surfaces::whole(&mesh.solid, &mesh.solid.nodes);
+    let far = |(a, b): (&Point3, &Point3)| vec3::norm(vec3::sub(*a, *b)) / MILLIMETRE;
+    let far: Vec<f64> = whole.points.iter().zip(&rest.points).map(far).collect();
+    let outer: Vec<[u32; 3]> =
+        [Bounds::Body, Bounds::Sheet].iter().filter_map(|b| whole.faces.get(b)).flatten().copied().collect();
     let markers: Vec<Point3> = mesh.markers.iter().map(|spot| spot.at(&moved)).collect();
-    Scene::new(View { towards: [-0.12, 0.28, -1.0], up: [0.0, 1.0, 0.0] })
-        .with_values(&outer.points, &outer.faces, &far, ColourBar { range: None, ..Axis::linear("displacement", "mm") })
-        .with_overlay(markers, OverlayKind::Markers(plot::Marker::Disc), palette::INK, 3.0)
+    Scene::new(ABOVE)
+        .with_values(&whole.points, &outer, &far, ColourBar::linear("displacement", "mm"))
+        .with_overlay(markers, OverlayKind::Markers(Marker::Disc), palette::INK, 4.0)
         .with_scale_bar(20.0 * MILLIMETRE)
 }
 
-/// The skin that is wanted as four small faces each, and its mirror image of a half model.
-fn drawn(solid: &QuadraticMesh, points: &[Point3], wanted: fn(Skin) -> bool) -> Sheet {
-    let chosen = solid.skin.iter().filter(|f| wanted(f.on));
-    mirrored(solid, points, chosen.flat_map(|f| quarters(f.nodes)).collect())
+/// The film's frame, cut to where the tail moves, with the markers as they were tracked.
+fn filmed(still: &Still) -> Placed {
+    let [left, top, right, bottom] = still.seen.window_px;
+    let crop = still.held.crop(left, top, right - left, bottom - top);
+    let at: Vec<Point2> =
+        still.seen.held_px.iter().map(|p| [p[0] - left as f64 + 0.5, p[1] - top as f64 + 0.5]).collect();
+    let picture = Picture::new(crop.width, crop.height, crop.pixels)
+        .with(Mark::points(at, Marker::Plus, palette::PRESSURE).sized(6.5))
+        .with_scale_bar(0.02 * still.seen.px_per_m, "20 mm");
+    let pressure = still.seen.pressures_pa.iter().copied().fold(0.0, f64::max);
+    Panel::Picture(picture).titled(&format!(
+        "filmed: {:.0} mbar asked, {:.0} held",
+        still.seen.command_pa / MILLIBAR,
+        pressure / MILLIBAR
+    ))
 }
 
-/// Faces of one region towards anything else: the skin's faces whose corners all belong to it.
-fn region_faces(solid: &QuadraticMesh, region: u16) -> Sheet {
-    let faces = [[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6]];
-    let mut seen = std::collections::BTreeMap::new();
-    for (tet, _) in solid.tets.iter().zip(&solid.regions).filter(|(_, r)| **r == region) {
-        for face in faces {
-            let nodes = face.map(|i: usize| tet[i]);
-            let mut key = [nodes[0], nodes[1], nodes[2]];
-            key.sort_unstable();
-            seen.entry(key).and_modify(|(count, _)| *count += 1).or_insert((1, nodes));
-        }
+/// The section at mid height, inflated, over the one at rest.
+fn section(mesh: &Mesh, inflation: &Inflation, shape: &Shape) -> Scene {
+    let moved = inflation.moved(mesh, shape);
+    let cut = |bounds: Bounds| bounds.is_cut().then(|| bounds.colour());
+    let rest = Surfaces::lower(&mesh.solid, &mesh.solid.nodes);
+    let low = |s: &mut Surfaces, by: f64| s.points.iter_mut().for_each(|p| p[2] = by);
+    let (mut rest, mut now) = (rest, Surfaces::lower(&mesh.solid, &moved));
+    low(&mut rest, -1e-3);
+    low(&mut now, 0.0);
+    let faint = |b: Bounds| cut(b).map(|c| Paint::Solid(c.towards(palette::PAPER, 0.75)));
+    let scene = rest.onto(Scene::new(ABOVE), faint);
+    now.onto(scene, |b| cut(b).map(Paint::Solid)).with_scale_bar(20.0 * MILLIMETRE)
+}
+
+fn walls(shape: &Shape) -> String {
+    let walls = shape.walls;
+    format!(
+        "section: filled side bulges {:.1} mm, the other dents {:.2} mm",
+        walls.bulge_m / MILLIMETRE,
+        walls.dent_m / MILLIMETRE
+    )
+}
+
+fn leaving(inflation: &Inflation) -> Axes {
+    let curve = |of: fn(&Shape) -> f64| -> Vec<Point2> {
+        let points = inflation.shapes.iter().map(|s| [s.pressure() / MILLIBAR, of(s) / MILLIMETRE]);
+        std::iter::once([0.0, 0.0]).chain(points).collect()
+    };
+    let (bulge, dent) = (curve(|s| s.walls.bulge_m), curve(|s| s.walls.dent_m));
+    let marked = |points: Vec<Point2>, marker, colour, label: &str| {
+        [Mark::line(points.clone(), colour), Mark::points(points, marker, colour).sized(3.0).labelled(label)]
+    };
+    let axes = Axes::new(Axis::linear("pressure in one side", "mbar"), Axis::linear("away from the sheet", "mm"));
+    let both = [
+        marked(bulge, Marker::Disc, palette::PRESSURE, "bulge of the filled side"),
+        marked(dent, Marker::Triangle, palette::SIMULATED, "dent of the other side"),
+    ];
+    let axes = both.into_iter().flatten().fold(axes, Axes::with);
+    match shown(inflation) {
+        Some(shape) => axes.with(Mark::upright(shape.pressure() / MILLIBAR, palette::MUTED).dashed(plot::Dash::Dashed)),
+        None => axes,
     }
-    let own = seen.into_values().filter(|(count, _)| *count == 1).flat_map(|(_, nodes)| quarters(nodes)).collect();
-    mirrored(solid, &solid.nodes, own)
-}
-
-fn quarters([a, b, c, ab, bc, ca]: [u32; 6]) -> [[u32; 3]; 4] {
-    [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
-}
-
-fn mirrored(solid: &QuadraticMesh, points: &[Point3], faces: Vec<[u32; 3]>) -> Sheet {
-    if !solid.half {
-        return Sheet { points: points.to_vec(), faces };
-    }
-    let shift = points.len() as u32;
-    let reflected = points.iter().map(|&[x, y, z]| [x, y, -z]);
-    let back = faces.iter().map(|&[a, b, c]| [a + shift, c + shift, b + shift]).collect::<Vec<_>>();
-    Sheet { points: points.iter().copied().chain(reflected).collect(), faces: [faces, back].concat() }
 }

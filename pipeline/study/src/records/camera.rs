@@ -1,9 +1,11 @@
 //! Camera: the lens and where the camera stands over the specimen.
 
 use serde::{Deserialize, Serialize};
+use si::{Metre, Point2};
 use track::calibrate::OF_CAMERA;
 use track::lens::{Bend, Lens};
 use track::pose::Pose;
+use track::sight::Sight;
 
 use crate::metric::Metric;
 use crate::record::{Parcel, Record, RecordError};
@@ -24,6 +26,17 @@ pub struct Camera {
     pub size_px: [usize; 2],
     /// Boards that were seen.
     pub views: usize,
+}
+
+impl Camera {
+    /// What it sees of a height in air, m: the corners of its picture, from the left upper one around; empty where a corner sees
+    /// no such place.
+    pub fn field(&self, height: Metre) -> Vec<Point2> {
+        let sight = Sight { lens: self.lens, pose: self.pose, water: None };
+        let [w, h] = self.size_px.map(|v| v as f64);
+        let corners = [[0.0, 0.0], [w, 0.0], [w, h], [0.0, h]].map(|px| sight.meet(px, height));
+        corners.into_iter().collect::<Option<Vec<_>>>().unwrap_or_default()
+    }
 }
 
 #[derive(Serialize, Deserialize)]

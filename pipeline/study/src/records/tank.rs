@@ -1,7 +1,7 @@
 //! The tank: its standing waves, as still water shows them.
 
 use serde::{Deserialize, Serialize};
-use si::{Hertz, Newton};
+use si::{Hertz, Metre, Newton};
 use signal::wave::Wave;
 
 use crate::metric::Metric;
@@ -17,12 +17,15 @@ pub struct Tank {
     pub noise: Newton,
     /// By how much a fit lessens the waves, dB.
     pub suppression_db: f64,
+    /// Length along the tail and depth of the water, as they were told, m.
+    pub size_m: [Metre; 2],
 }
 
 #[derive(Serialize, Deserialize)]
 struct Scalars {
     noise_n: f64,
     suppression_db: f64,
+    size_m: [Metre; 2],
     waves: Vec<One>,
 }
 
@@ -50,7 +53,7 @@ impl Record for Tank {
             phase: w.phase,
         };
         let waves = self.waves.iter().map(one).collect();
-        let scalars = Scalars { noise_n: self.noise, suppression_db: self.suppression_db, waves };
+        let scalars = Scalars { noise_n: self.noise, suppression_db: self.suppression_db, size_m: self.size_m, waves };
         Parcel::default().scalars("tank.json", &scalars)
     }
 
@@ -65,7 +68,7 @@ impl Record for Tank {
             phase: w.phase,
         };
         let waves = s.waves.into_iter().map(one).collect();
-        Ok(Self { waves, noise: s.noise_n, suppression_db: s.suppression_db })
+        Ok(Self { waves, noise: s.noise_n, suppression_db: s.suppression_db, size_m: s.size_m })
     }
 
     fn metrics(&self, of: &Specimen) -> Vec<Metric> {

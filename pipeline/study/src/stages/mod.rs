@@ -12,6 +12,7 @@ mod findings;
 mod fitting;
 mod four_parameters;
 mod identify;
+mod inflate;
 mod landscape;
 mod levels;
 mod load_cell;
@@ -21,12 +22,14 @@ mod mesh_honesty;
 mod plateaus;
 mod recovery;
 mod repeats;
+mod still;
 mod stop;
 mod swing;
 mod tank;
 mod thrust;
 mod track;
 mod validate;
+mod wall;
 mod wave;
 
 use crate::entry::{Entry, stage};
@@ -41,7 +44,9 @@ pub const ALL: &[Entry] = &[
     stage::<load_cell::LoadCell>(), // hammer taps               → how the load cell rings
     stage::<tank::Tank>(),          // still water                 → the tank's waves
     stage::<wave::Wave>(),          // force log                   → force without waves and drift
+    stage::<still::Still>(),        // one film                    → two of its frames
     stage::<identify::Identify>(),  // quasi-static motion         → Young's moduli
+    stage::<inflate::Inflate>(),    // the identified model        → its shapes under pressure
     stage::<four_parameters::FourParameters>(), // the same levels    → both moduli, both Poisson's ratios
     stage::<mesh_honesty::MeshHonesty>(), // the same levels       → moduli by other meshes
     stage::<damping::Damping>(),    // a release               → how fast a swing dies

@@ -36,7 +36,7 @@ impl Stage for Tank {
     type Needs = ();
     type Makes = records::Tank;
     const STORY: &'static str = "still water shows the tank's standing waves";
-    const EDITION: u32 = 1;
+    const EDITION: u32 = 2;
 
     fn raw(of: &Specimen) -> Vec<RawFile> {
         let still = of.card.fixture.iter().filter(|f| f.of == FixtureOf::StillWater);
@@ -48,7 +48,12 @@ impl Stage for Tank {
         let expected: Vec<Hertz> = (1..=set.modes).map(|n| wave::foretold(set.length, set.depth, n)).collect();
         let found = wave::still(&log.series(), &expected)
             .map_err(|e| Fault::from_tool(format!("{}: {e}", desk.place("still water"))))?;
-        Ok(records::Tank { waves: found.waves, noise: found.noise, suppression_db: found.suppression_db })
+        Ok(records::Tank {
+            waves: found.waves,
+            noise: found.noise,
+            suppression_db: found.suppression_db,
+            size_m: [set.length, set.depth],
+        })
     }
 }
 

@@ -1,0 +1,89 @@
+//! Figure `designs`: the specimens cut open at mid height, beside each other at one scale. Paper, figure 3.
+//!
+//! Drawn from the meshes of their STL files, whose surfaces they follow; what the card and the mesh say stands under each.
+//!
+//! Stands on: plot, the surfaces of solids. Never knows: how a mesh was made.
+
+use plot::{DOUBLE_COLUMN_MM, Figure, OverlayKind, Panel, Placed, Scene, Side, palette};
+use si::{MILLIMETRE, Point3};
+
+use super::order::{in_order, title};
+use super::origin_note;
+use super::solid::{Bounds, Surfaces};
+use crate::fault::{Fault, Outcome};
+use crate::figure;
+use crate::needs::Every;
+use crate::records::Mesh;
+use crate::subject::Specimen;
+
+/// The figure.
+pub struct Designs;
+
+/// Panels in a row.
+const ACROSS: usize = 3;
+
+impl figure::Figure for Designs {
+    type Needs = Every<Mesh>;
+    const NAME: &'static str = "designs";
+    const SHOWS: &'static str = "the actuators cut open: their chambers, ribs, walls and sheet";
+    const EDITION: u32 = 1;
+
+    fn card(study: &crate::subject::Study) -> serde_json::Value {
+        let solid = |s: &lab::card::Solid| serde_json::json!([s.material, s.youngs_modulus]);
+        let all = study.specimens.iter().map(|s| [solid(&s.card.solid.body), solid(&s.card.solid.spine)]);
+        serde_json::json!(all.collect::<Vec<_>>())
+    }
+
+    fn draw(Every(meshes): Self::Needs) -> Outcome<Figure> {
+        if meshes.is_empty() {
+            return Err(Fault::new("there is no design to show", "no specimen has a mesh", "study run mesh"));
+        }
+        let meshes = in_order(meshes);
+        let window = window(meshes.iter().map(|(_, mesh)| mesh));
+        let mut figure = Figure::new(DOUBLE_COLUMN_MM);
+        for row in meshes.chunks(ACROSS) {
+            figure = figure.row(62.0, row.iter().map(|(s, mesh)| design(s, mesh, window)).collect::<Vec<Placed>>());
+        }
+        Ok(figure.noted(&origin_note(meshes.iter().map(|(s, _)| s.card.as_ref()))))
+    }
+}
+
+/// Two corners of a box around all solids, so that they are drawn at one scale.
+fn window<'a>(meshes: impl Iterator<Item = &'a Mesh>) -> [Point3; 2] {
+    let far = meshes.flat_map(|m| m.solid.nodes.iter().copied());
+    let [low, high] = far.fold([[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]], |[low, high], p| {
+        [[0, 1, 2].map(|k| p[k].min(low[k])), [0, 1, 2].map(|k| p[k].max(high[k]))]
+    });
+    let tall = high[2].max(-low[2]);
+    [[low[0], low[1], -tall], [high[0], high[1], 0.0]]
+}
+
+fn design(specimen: &Specimen, mesh: &Mesh, [low, high]: [Point3; 2]) -> Placed {
+    let lower = Surfaces::lower(&mesh.solid, &mesh.solid.nodes);
+    let scene = lower.onto(Scene::new(super::CUT_VIEW), Bounds::painted);
+    // all corners of the box count, not two alone: the view turns it
+    let corner = |i: usize| [0, 1, 2].map(|k| if i >> k & 1 == 0 { low[k] } else { high[k] });
+    let rim = (0..8).map(corner).collect();
+    let card = &specimen.card;
+    let said = [
+        format!(
+            "body: E {:.2} MPa, nominal; spine: {:.1} GPa",
+            1e-6 * card.solid.body.youngs_modulus,
+            1e-9 * card.solid.spine.youngs_modulus
+        ),
+        format!("air: {}", air(mesh)),
+    ];
+    let place = |down: f64| [0.5 * (low[0] + high[0]), low[1], low[2] - down];
+    let scene = scene
+        .with_overlay(rim, OverlayKind::Line(plot::Dash::Solid), palette::PAPER, 0.0)
+        .with_overlay(vec![place(0.006)], OverlayKind::Text(said[0].clone(), Side::Below), palette::INK, 6.0)
+        .with_overlay(vec![place(0.013)], OverlayKind::Text(said[1].clone(), Side::Below), palette::INK, 6.0)
+        .with_scale_bar(20.0 * MILLIMETRE);
+    Panel::Scene(scene).titled(&title(&card.name))
+}
+
+/// The volume of each chamber.
+fn air(mesh: &Mesh) -> String {
+    let one = |c: &crate::records::Cavity| format!("{} {:.1} ml", c.name, 1e6 * c.volume_m3);
+    mesh.chambers.iter().map(one).collect::<Vec<_>>().join(", ")
+}

@@ -1,0 +1,75 @@
+//! Order: the paper's tails come first and keep their colours, whatever else was recorded and whatever is missing.
+//!
+//! Stands on: subject, plot's palette. Never knows: a record.
+
+use plot::{Colour, palette};
+
+use crate::subject::{Specimen, Trial};
+
+/// The tails of the paper, in its order; others follow by name.
+const PAPER: [&str; 3] = ["nemo", "bruce", "dory"];
+
+/// Anything that belongs to a specimen.
+pub trait Belongs {
+    /// The specimen's name.
+    fn tail(&self) -> &str;
+}
+
+impl Belongs for Specimen {
+    fn tail(&self) -> &str {
+        &self.card.name
+    }
+}
+
+impl Belongs for Trial {
+    fn tail(&self) -> &str {
+        &self.card.name
+    }
+}
+
+fn rank(name: &str) -> usize {
+    PAPER.iter().position(|p| *p == name).unwrap_or(PAPER.len())
+}
+
+/// Subjects and what belongs to them, in the paper's order of tails.
+pub fn in_order<S: Belongs, R>(mut all: Vec<(S, R)>) -> Vec<(S, R)> {
+    all.sort_by(|(a, _), (b, _)| rank(a.tail()).cmp(&rank(b.tail())).then_with(|| a.tail().cmp(b.tail())));
+    all
+}
+
+/// The colour of a tail; one for all that are not the paper's.
+pub fn colour(name: &str) -> Colour {
+    palette::series(rank(name))
+}
+
+/// A specimen's name as a sentence has it: Nemo.
+pub fn title(name: &str) -> String {
+    let mut letters = name.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+/// The record that belongs to a tail.
+pub fn of<'a, S: Belongs, R>(all: &'a [(S, R)], name: &str) -> Option<&'a R> {
+    all.iter().find(|(subject, _)| subject.tail() == name).map(|(_, record)| record)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    impl Belongs for &str {
+        fn tail(&self) -> &str {
+            self
+        }
+    }
+
+    #[test]
+    fn the_papers_tails_come_first_and_a_missing_one_changes_no_colour() {
+        let names = |all: Vec<&'static str>| -> Vec<&str> {
+            in_order(all.into_iter().map(|n| (n, ())).collect()).into_iter().map(|(n, ())| n).collect()
+        };
+        assert_eq!(names(vec!["dory", "arm", "nemo"]), ["nemo", "dory", "arm"]);
+        assert_ne!(colour("nemo"), colour("dory"));
+        assert_eq!(title("nemo"), "Nemo");
+    }
+}

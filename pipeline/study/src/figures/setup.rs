@@ -1,0 +1,308 @@
+//! Figure `setup`: the bench with its dimensions, as the card and the calibration say. Paper, figure 4.
+//!
+//! (a) the bench from the side, to scale; (b) the tail from the side; (c) what the camera sees; (d) the instruments.
+//!
+//! Stands on: plot, the surfaces of solids. Never knows: how a camera was calibrated.
+
+use lab::card::Card;
+use plot::{
+    DOUBLE_COLUMN_MM, Dash, Diagram, Figure, Mark, Marker, Panel, Part, Picture, Placed, Scene, Side, View, palette,
+};
+use si::{MILLIMETRE, Point2, Point3};
+
+use super::order::{in_order, of, title};
+use super::origin_note;
+use super::solid::{Bounds, Surfaces};
+use crate::fault::{Fault, Outcome};
+use crate::figure;
+use crate::needs::Every;
+use crate::records::{Camera, LoadCell, Mesh, Still, Tank};
+use crate::subject::{Specimen, Study};
+
+/// The figure.
+pub struct Setup;
+
+/// What is known of one specimen's bench.
+struct Bench<'a> {
+    card: &'a Card,
+    camera: &'a Camera,
+    mesh: &'a Mesh,
+    still: Option<&'a Still>,
+    cell: Option<&'a LoadCell>,
+    tank: Option<&'a Tank>,
+}
+
+impl figure::Figure for Setup {
+    type Needs = (Every<Camera>, Every<Mesh>, Every<Still>, (Every<LoadCell>, Every<Tank>));
+    const NAME: &'static str = "setup";
+    const SHOWS: &'static str = "the bench: tank, camera, tail, load cell and lamp, with their dimensions";
+    const EDITION: u32 = 1;
+
+    fn is_made_for(study: &Study) -> bool {
+        Every::<Camera>::any(study)
+    }
+
+    fn card(study: &Study) -> serde_json::Value {
+        let told = |s: &Specimen| {
+            let c = &s.card;
+            let (plane, water, led) = (&c.camera.plane, &c.water, &c.led);
+            serde_json::json!([
+                c.clamp.below_x,
+                plane.height,
+                plane.origin,
+                water.as_ref().map(|w| [w.surface, w.index]),
+                led.centre,
+                led.radius,
+                c.camera.readout,
+                c.camera.board.square,
+                c.marker.iter().map(|m| serde_json::json!([m.name, m.at])).collect::<Vec<_>>(),
+            ])
+        };
+        serde_json::json!(study.specimens.iter().map(told).collect::<Vec<_>>())
+    }
+
+    fn draw(
+        (Every(cameras), Every(meshes), Every(stills), (Every(cells), Every(tanks))): Self::Needs,
+    ) -> Outcome<Figure> {
+        let cameras = in_order(cameras);
+        let Some((specimen, camera)) = cameras.first() else { return Err(no_bench()) };
+        let name = &specimen.card.name;
+        let mesh = of(&meshes, name).ok_or_else(no_bench)?;
+        let card = specimen.card.as_ref();
+        let bench =
+            Bench { card, camera, mesh, still: of(&stills, name), cell: of(&cells, name), tank: of(&tanks, name) };
+        let view = bench.still.map(|still| picture(&bench, still).titled("what the camera sees"));
+        let figure = Figure::new(DOUBLE_COLUMN_MM)
+            .row(
+                74.0,
+                [
+                    Panel::Diagram(whole(&bench)).titled("the bench from the side, to scale").share(1.55),
+                    Panel::Diagram(close(&bench)).titled(&format!("{} from the side", title(name))),
+                ],
+            )
+            .row(
+                62.0,
+                view.into_iter()
+                    .chain([Panel::Diagram(instruments(&bench)).titled("instruments")])
+                    .collect::<Vec<Placed>>(),
+            );
+        Ok(figure.noted(&origin_note(std::iter::once(card))))
+    }
+}
+
+fn no_bench() -> Fault {
+    Fault::new("there is no bench to show", "no specimen has a calibrated camera and a mesh", "study run camera mesh")
+}
+
+fn mm(metres: f64) -> f64 {
+    metres / MILLIMETRE
+}
+
+fn line(points: Vec<Point2>, colour: plot::Colour, width: f64, dash: Dash) -> Part {
+    Part::Line { points, colour, width, dash }
+}
+
+fn words(at: Point2, text: &str, side: Side) -> Part {
+    Part::Text { at, text: text.into(), side, colour: palette::INK }
+}
+
+fn sized(from: Point2, to: Point2, metres: f64, side: Side) -> Part {
+    Part::Dimension { from, to, text: format!("{:.0} mm", mm(metres)), side }
+}
+
+/// The tail from the side between two corners (m), as large as its sheet has them, mm.
+fn silhouette(bench: &Bench, from: Point2) -> Part {
+    let nodes = &bench.mesh.solid.nodes;
+    let surfaces = Surfaces::whole(&bench.mesh.solid, nodes);
+    let ends = |k: usize| {
+        let all = surfaces.points.iter().map(|p| p[k]);
+        [all.clone().fold(f64::INFINITY, f64::min), all.fold(f64::NEG_INFINITY, f64::max)]
+    };
+    let ([x0, x1], [z0, z1]) = (ends(0), ends(2));
+    let scene =
+        surfaces.onto(Scene::new(View::SIDE), |b| b.painted().filter(|_| matches!(b, Bounds::Body | Bounds::Sheet)));
+    let scene = scene.with_window([x0, 0.0, z0], [x1, 0.0, z1]);
+    let at = [from[0] + 0.5 * mm(x0 + x1), from[1] + 0.5 * mm(z0 + z1)];
+    Part::Inset { at, size: [mm(x1 - x0), mm(z1 - z0)], panel: Panel::Scene(scene) }
+}
+
+/// The whole bench; the sheet is in millimetres of the bench.
+fn whole(bench: &Bench) -> Diagram {
+    let (card, eye) = (bench.card, bench.camera.pose.centre());
+    let (length, depth) = bench.tank.map_or((0.45, 0.15), |t| (t.size_m[0], t.size_m[1]));
+    let surface = card.water.as_ref().map(|w| w.surface);
+    let bottom = surface.map_or(card.camera.plane.height, |s| s - depth).min(card.camera.plane.height);
+    // the sheet: the tank in its middle, the tail's middle over the tank's, room for dimensions around
+    let (wide, margin) = (mm(length) + 150.0, 26.0);
+    let origin = [0.5 * wide - 0.5 * mm(card.length), margin - mm(bottom)];
+    let tall = origin[1] + mm(eye[2]) + 34.0;
+    let at = |x: f64, z: f64| [origin[0] + mm(x), origin[1] + mm(z)];
+    let mid = 0.5 * card.length;
+    let (left, right) = (mid - 0.5 * length, mid + 0.5 * length);
+    let mut d = Diagram::new(wide, tall);
+    if let (Some(surface), true) = (surface, bench.tank.is_some()) {
+        let pale = palette::BODY.towards(palette::PAPER, 0.8);
+        d = d.with(Part::Polygon {
+            points: vec![at(left, bottom), at(right, bottom), at(right, surface), at(left, surface)],
+            fill: pale,
+        });
+        let rim = surface + 0.03;
+        d = d.with(line(
+            vec![at(left, rim), at(left, bottom), at(right, bottom), at(right, rim)],
+            palette::INK,
+            1.2,
+            Dash::Solid,
+        ));
+        d = d.with(words(at(left + 0.01, surface - 0.012), "water", Side::Right));
+        d = d.with(sized(at(left, bottom - 0.014), at(right, bottom - 0.014), length, Side::Below));
+        d = d.with(sized(at(right + 0.014, bottom), at(right + 0.014, surface), surface - bottom, Side::Left));
+        d = d.with(sized(at(left - 0.014, 0.0), at(left - 0.014, surface), surface, Side::Left));
+    }
+    d = seen_field(d, bench, &at);
+    d = d.with(line(
+        vec![at(left + 0.01, card.camera.plane.height), at(right - 0.01, card.camera.plane.height)],
+        palette::MUTED,
+        1.0,
+        Dash::Dotted,
+    ));
+    d = d.with(words(at(right - 0.012, card.camera.plane.height + 0.008), "calibrated plane", Side::Left));
+    d = holder(d, bench, &at);
+    d = d.with(silhouette(bench, origin));
+    camera(d, eye, &at).with(sized(at(right + 0.04, 0.0), at(right + 0.04, eye[2]), eye[2], Side::Right))
+}
+
+/// Two rays from the camera to the ends of what it sees of the plane, in air.
+fn seen_field(mut d: Diagram, bench: &Bench, at: &dyn Fn(f64, f64) -> Point2) -> Diagram {
+    let (eye, height) = (bench.camera.pose.centre(), bench.card.camera.plane.height);
+    let field = bench.camera.field(height);
+    let ends = [f64::min as fn(f64, f64) -> f64, f64::max].map(|pick| field.iter().map(|p| p[0]).reduce(pick));
+    for x in ends.into_iter().flatten() {
+        d = d.with(line(vec![at(eye[0], eye[2]), at(x, height)], palette::PRESSURE, 0.7, Dash::Dashed));
+    }
+    d
+}
+
+fn camera(d: Diagram, eye: Point3, at: &dyn Fn(f64, f64) -> Point2) -> Diagram {
+    let [x, z] = [eye[0], eye[2]];
+    let lens =
+        vec![at(x - 0.006, z + 0.003), at(x + 0.006, z + 0.003), at(x + 0.009, z - 0.004), at(x - 0.009, z - 0.004)];
+    d.with(Part::Box { at: at(x, z + 0.013), size: [40.0, 20.0], lines: vec![], fill: palette::MUTED })
+        .with(Part::Polygon { points: lens, fill: palette::INK })
+        .with(words(at(x + 0.024, z + 0.013), "camera", Side::Right))
+}
+
+/// The clamp, the rods and the load cell; only the clamp's edge is known, the rest is a sketch.
+fn holder(d: Diagram, bench: &Bench, at: &dyn Fn(f64, f64) -> Point2) -> Diagram {
+    let edge = bench.card.clamp.below_x;
+    let grey = palette::MUTED.towards(palette::PAPER, 0.5);
+    let rod = |z: f64| line(vec![at(edge - 0.1, z), at(edge - 0.03, z)], palette::MUTED, 1.6, Dash::Solid);
+    d.with(rod(0.012))
+        .with(rod(-0.012))
+        .with(Part::Box { at: at(edge - 0.02, 0.0), size: [36.0, 56.0], lines: vec![], fill: grey })
+        .with(words(at(edge - 0.02, -0.028), "holder", Side::Below))
+        .with(Part::Box {
+            at: at(edge - 0.115, 0.0),
+            size: [34.0, 34.0],
+            lines: vec!["load".into(), "cell".into()],
+            fill: palette::FAINT,
+        })
+}
+
+/// The tail with its marks, clamp and water; the sheet is in millimetres of the bench.
+fn close(bench: &Bench) -> Diagram {
+    let card = bench.card;
+    let above = card.water.as_ref().map_or(0.03, |w| w.surface);
+    let (low, wide) = (44.0, 166.0);
+    let origin = [24.0, low];
+    let at = |x: f64, z: f64| [origin[0] + mm(x), origin[1] + mm(z)];
+    let mut d = Diagram::new(wide, low + mm(above) + 14.0);
+    if card.water.is_some() {
+        d = d.with(line(vec![at(-0.02, above), at(0.122, above)], palette::SIMULATED, 1.0, Dash::Solid));
+        d = d.with(words(at(0.095, above + 0.001), "surface of the water", Side::Above));
+    }
+    let edge = card.clamp.below_x;
+    let grip = palette::MUTED.towards(palette::PAPER, 0.4);
+    d = d.with(silhouette(bench, origin));
+    d = d.with(Part::Polygon {
+        points: vec![at(-0.02, -0.027), at(edge, -0.027), at(edge, 0.027), at(-0.02, 0.027)],
+        fill: grip,
+    });
+    d = d.with(words(at(0.5 * (edge - 0.02), 0.0), "held", Side::Centre));
+    for marker in &card.marker {
+        let [x, _, z] = marker.at;
+        d = d.with(Part::Disc { at: at(x, z), radius: 0.5 * mm(marker.diameter), fill: palette::INK });
+        d = d.with(words(at(x, z + 0.0015), &marker.name, Side::Above));
+    }
+    let down = |k: usize| -0.032 - 0.0065 * k as f64;
+    if let (Some(first), Some(last)) = (card.marker.first(), card.marker.last()) {
+        let z = 0.034;
+        d = d.with(sized(at(first.at[0], z), at(last.at[0], z), last.at[0] - first.at[0], Side::Above));
+    }
+    d.with(sized(at(0.0, down(0)), at(card.length, down(0)), card.length, Side::Below)).with(sized(
+        at(0.116, 0.0),
+        at(0.116, above),
+        above,
+        Side::Right,
+    ))
+}
+
+/// The first frame with what is looked for in it.
+fn picture(bench: &Bench, still: &Still) -> Panel {
+    let rest = &still.rest;
+    let led = &bench.card.led;
+    let shift = |p: &Point2| [p[0] + 0.5, p[1] + 0.5];
+    let markers: Vec<Point2> = still.seen.rest_px.iter().map(shift).collect();
+    // at the right, because films may have words at the left
+    let end = [0.96 * rest.width as f64, 0.95 * rest.height as f64];
+    let bar = [[end[0] - 0.02 * still.seen.px_per_m, end[1]], end];
+    let mut picture = Picture::new(rest.width, rest.height, rest.pixels.clone())
+        .with(Mark::points(markers.clone(), Marker::Plus, palette::PRESSURE).sized(6.0))
+        .with(Mark::points(vec![shift(&led.centre)], Marker::Plus, palette::PRESSURE).sized(8.0))
+        .with(Mark::text(
+            [led.centre[0], led.centre[1] - 0.03 * rest.height as f64],
+            "lamp",
+            Side::Above,
+            palette::PAPER,
+        ))
+        .with(Mark::line(bar.to_vec(), palette::PAPER).sized(1.6))
+        .with(Mark::text([0.5 * (bar[0][0] + bar[1][0]), bar[0][1]], "20 mm", Side::Above, palette::PAPER));
+    for (marker, at) in bench.card.marker.iter().zip(&markers) {
+        let over = [at[0], at[1] - 0.015 * rest.height as f64];
+        picture = picture.with(Mark::text(over, &marker.name, Side::Above, palette::PAPER));
+    }
+    Panel::Picture(picture)
+}
+
+/// What the instruments are, as lines of words.
+fn instruments(bench: &Bench) -> Diagram {
+    let (c, card) = (bench.camera, bench.card);
+    let mut said = vec![
+        format!("camera: {} × {} px, focal length {:.0} px", c.size_px[0], c.size_px[1], c.lens.fx),
+        format!(
+            "calibration: {} boards of {:.0} mm squares, {:.2} px off",
+            c.views,
+            mm(card.camera.board.square),
+            c.reprojection_px
+        ),
+        format!("rows are read in {:.1} ms", 1e3 * card.camera.readout),
+    ];
+    said.extend(bench.still.map(|s| format!("scale at the marks: {:.2} px/mm", s.seen.px_per_m * MILLIMETRE)));
+    said.extend(card.water.as_ref().map(|w| format!("water: refractive index {:.3}", w.index)));
+    said.extend(bench.cell.map(|l| {
+        format!(
+            "load cell: {:.2} Hz, damping ratio {:.4}, noise {:.2} mN",
+            l.in_time.natural_frequency_hz,
+            l.in_time.damping_ratio,
+            1e3 * l.noise
+        )
+    }));
+    said.extend(bench.tank.map(|t| {
+        let waves: Vec<String> = t.waves.iter().map(|w| format!("{:.2} Hz", w.frequency)).collect();
+        format!("waves of the tank: {}", waves.join(", "))
+    }));
+    said.push(format!("air: {}", card.chamber.iter().map(|c| c.name.as_str()).collect::<Vec<_>>().join(" and ")));
+    let line = |i: usize| 50.0 - 6.0 * i as f64;
+    said.iter()
+        .enumerate()
+        .fold(Diagram::new(84.0, 56.0), |d, (i, text)| d.with(words([1.0, line(i)], text, Side::Right)))
+}

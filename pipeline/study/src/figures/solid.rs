@@ -1,0 +1,174 @@
+//! Solids for figures: surfaces of a mesh by what they bound, whole or cut open at mid height.
+//!
+//! Stands on: the mesh record, plot. Never knows: which figure shows them.
+
+use std::collections::BTreeMap;
+
+use plot::{Colour, Paint, Scene, palette};
+use shape::{QuadraticMesh, SPINE, Skin};
+use si::Point3;
+
+/// What a surface bounds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Bounds {
+    /// The soft body against the outside.
+    Body,
+    /// The stiff sheet against the outside.
+    Sheet,
+    /// A chamber.
+    Chamber(u16),
+    /// Nothing: the body is cut here.
+    CutBody,
+    /// Nothing: the sheet is cut here.
+    CutSheet,
+}
+
+/// Surfaces by what they bound: faces of three points each.
+pub struct Surfaces {
+    /// m.
+    pub points: Vec<Point3>,
+    /// By index of their points.
+    pub faces: BTreeMap<Bounds, Vec<[u32; 3]>>,
+}
+
+/// The six nodes of each face of an element: corners, then middles of the edges between them.
+const FACES: [[usize; 6]; 4] = [[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6]];
+
+impl Surfaces {
+    /// The lower half of a solid, cut open at mid height; `points` are its nodes, at rest or moved.
+    pub fn lower(solid: &QuadraticMesh, points: &[Point3]) -> Self {
+        let below = |tet: &[u32; 10]| tet[..4].iter().map(|&n| solid.nodes[n as usize][2]).sum::<f64>() < 0.0;
+        let all = boundary(solid, |tet| solid.half || below(tet));
+        // a half model is the upper half: its mirror image is the lower one
+        let (points, turn) = if solid.half { (reflected(points), true) } else { (points.to_vec(), false) };
+        Self { points, faces: split(all, turn) }
+    }
+
+    /// The whole solid.
+    pub fn whole(solid: &QuadraticMesh, points: &[Point3]) -> Self {
+        let all: Vec<_> = boundary(solid, |_| true).into_iter().filter(|(on, _)| !on.is_cut()).collect();
+        if !solid.half {
+            return Self { points: points.to_vec(), faces: split(all, false) };
+        }
+        let shift = points.len() as u32;
+        let mut faces = split(all.clone(), false);
+        for (on, mirrored) in split(all, true) {
+            faces.entry(on).or_default().extend(mirrored.into_iter().map(|f| f.map(|i| i + shift)));
+        }
+        Self { points: [points.to_vec(), reflected(points)].concat(), faces }
+    }
+
+    /// A scene with these surfaces added, each painted as `paint` says; none where it says nothing.
+    pub fn onto(&self, scene: Scene, paint: impl Fn(Bounds) -> Option<Paint>) -> Scene {
+        self.faces.iter().fold(scene, |scene, (on, faces)| match paint(*on) {
+            Some(paint) => scene.with_surface(&self.points, faces, paint),
+            None => scene,
+        })
+    }
+}
+
+impl Bounds {
+    /// Whether the solid goes on beyond.
+    pub fn is_cut(self) -> bool {
+        matches!(self, Self::CutBody | Self::CutSheet)
+    }
+
+    /// The colour that it has in every figure.
+    pub fn colour(self) -> Colour {
+        match self {
+            Self::Body => palette::BODY,
+            Self::Sheet | Self::CutSheet => palette::SPINE,
+            Self::Chamber(_) => palette::PRESSURE.towards(palette::PAPER, 0.35),
+            Self::CutBody => palette::BODY.towards(palette::INK, 0.25),
+        }
+    }
+
+    /// Covered by that colour.
+    pub fn painted(self) -> Option<Paint> {
+        Some(Paint::Solid(self.colour()))
+    }
+}
+
+/// The faces around the elements that are wanted, six nodes each, with what they bound.
+fn boundary(solid: &QuadraticMesh, wanted: impl Fn(&[u32; 10]) -> bool) -> Vec<(Bounds, [u32; 6])> {
+    let key = |nodes: &[u32; 6]| {
+        let mut corners = [nodes[0], nodes[1], nodes[2]];
+        corners.sort_unstable();
+        corners
+    };
+    let skin: BTreeMap<[u32; 3], Skin> = solid.skin.iter().map(|f| (key(&f.nodes), f.on)).collect();
+    let mut seen: BTreeMap<[u32; 3], (usize, u16, [u32; 6])> = BTreeMap::new();
+    for (tet, region) in solid.tets.iter().zip(&solid.regions).filter(|(tet, _)| wanted(tet)) {
+        for face in FACES {
+            let nodes = face.map(|i| tet[i]);
+            seen.entry(key(&nodes)).and_modify(|(count, ..)| *count += 1).or_insert((1, *region, nodes));
+        }
+    }
+    let once = seen.into_iter().filter(|(_, (count, ..))| *count == 1);
+    once.map(|(corners, (_, region, nodes))| (bounds(skin.get(&corners), region), nodes)).collect()
+}
+
+fn bounds(on: Option<&Skin>, region: u16) -> Bounds {
+    match (on, region == SPINE) {
+        (Some(Skin::Chamber(k)), _) => Bounds::Chamber(*k),
+        (Some(Skin::Outer), false) => Bounds::Body,
+        (Some(Skin::Outer), true) => Bounds::Sheet,
+        (_, false) => Bounds::CutBody,
+        (_, true) => Bounds::CutSheet,
+    }
+}
+
+/// Faces of six nodes as four of three each, by what they bound; turned around where the points are mirrored.
+fn split(all: Vec<(Bounds, [u32; 6])>, turn: bool) -> BTreeMap<Bounds, Vec<[u32; 3]>> {
+    let mut faces: BTreeMap<Bounds, Vec<[u32; 3]>> = BTreeMap::new();
+    for (on, [a, b, c, ab, bc, ca]) in all {
+        let four = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]];
+        let turned = four.map(|[i, j, k]| if turn { [i, k, j] } else { [i, j, k] });
+        faces.entry(on).or_default().extend(turned);
+    }
+    faces
+}
+
+fn reflected(points: &[Point3]) -> Vec<Point3> {
+    points.iter().map(|&[x, y, z]| [x, y, -z]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use shape::QuadraticFace;
+
+    use super::*;
+
+    /// One element that stands on z = 0, as the upper half of a body.
+    fn half() -> QuadraticMesh {
+        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let edges = [[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]];
+        let middle = |[a, b]: [usize; 2]| [0, 1, 2].map(|k| 0.5 * (corners[a][k] + corners[b][k]));
+        let skin = |f: usize, on| QuadraticFace { nodes: FACES[f].map(|i| i as u32), on };
+        QuadraticMesh {
+            nodes: corners.into_iter().chain(edges.map(middle)).collect(),
+            tets: vec![std::array::from_fn(|i| i as u32)],
+            regions: vec![0],
+            skin: vec![skin(0, Skin::Symmetry), skin(1, Skin::Outer), skin(2, Skin::Outer), skin(3, Skin::Chamber(1))],
+            half: true,
+        }
+    }
+
+    #[test]
+    fn the_lower_half_of_a_half_model_is_its_mirror_image_with_the_cut_open() {
+        let solid = half();
+        let lower = Surfaces::lower(&solid, &solid.nodes);
+        assert!(lower.points.iter().all(|p| p[2] <= 0.0));
+        let count = |on| lower.faces.get(&on).map_or(0, Vec::len);
+        assert_eq!((count(Bounds::CutBody), count(Bounds::Body), count(Bounds::Chamber(1))), (4, 8, 4));
+    }
+
+    #[test]
+    fn the_whole_of_a_half_model_is_twice_its_skin_and_has_no_cut() {
+        let solid = half();
+        let whole = Surfaces::whole(&solid, &solid.nodes);
+        assert_eq!(whole.points.len(), 20);
+        assert!(whole.faces.keys().all(|on| !on.is_cut()));
+        assert_eq!(whole.faces[&Bounds::Body].len(), 16);
+    }
+}

@@ -1,0 +1,148 @@
+//! Inflation: the skin of the identified model at rising pressures on one side, and how its walls leave their shape.
+
+use serde::{Deserialize, Serialize};
+use si::{Metre, Pascal, Point3, vec3};
+
+use super::Mesh;
+use crate::columns::Columns;
+use crate::metric::Metric;
+use crate::record::{Parcel, Record, RecordError};
+use crate::subject::Specimen;
+
+/// The shapes of a specimen under pressure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Inflation {
+    /// The nodes of the skin, by their number in the mesh.
+    pub nodes: Vec<u32>,
+    /// The shapes, from the lowest pressure up.
+    pub shapes: Vec<Shape>,
+    /// The shape under the pressure of the film's frame, where there is one.
+    pub filmed: Option<usize>,
+    /// The highest pressure that was asked for, Pa: the last shape lies lower where no equilibrium was found.
+    pub asked_pa: Pascal,
+}
+
+/// One shape.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shape {
+    /// Pressures in the order of the card's chambers, Pa.
+    pub pressures_pa: Vec<Pascal>,
+    /// Displacement of each of the nodes, m.
+    pub moved: Vec<Point3>,
+    /// How its walls left their shape.
+    pub walls: Walls,
+}
+
+/// By how much the outer wall has come nearer to the sheet or gone away from it, at mid height, and where.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Walls {
+    /// Deepest dent of the side without pressure, m.
+    pub dent_m: Metre,
+    /// Where that is at rest, m.
+    pub dent_at: Point3,
+    /// Highest bulge of the side under pressure, m.
+    pub bulge_m: Metre,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Scalars {
+    pressures_pa: Vec<Vec<Pascal>>,
+    walls: Vec<Walls>,
+    filmed: Option<usize>,
+    asked_pa: Pascal,
+}
+
+impl Inflation {
+    /// The mesh's nodes with the skin moved as in a shape; nodes inside stay.
+    pub fn moved(&self, mesh: &Mesh, shape: &Shape) -> Vec<Point3> {
+        let mut nodes = mesh.solid.nodes.clone();
+        for (&node, &by) in self.nodes.iter().zip(&shape.moved) {
+            nodes[node as usize] = vec3::add(nodes[node as usize], by);
+        }
+        nodes
+    }
+}
+
+impl Shape {
+    /// The highest of its pressures, Pa.
+    pub fn pressure(&self) -> Pascal {
+        self.pressures_pa.iter().copied().fold(0.0, f64::max)
+    }
+}
+
+impl Record for Inflation {
+    type Of = Specimen;
+    const STAGE: &'static str = "inflate";
+
+    fn is_made_for(of: &Specimen) -> bool {
+        of.highest_staircase().is_some()
+    }
+
+    fn pack(&self) -> Result<Parcel, RecordError> {
+        let columns = self.shapes.iter().enumerate().fold(
+            Columns::default().counts("node", self.nodes.clone()),
+            |columns, (i, shape)| {
+                let axis = |k: usize| shape.moved.iter().map(|u| u[k]).collect();
+                columns
+                    .numbers(&format!("x{i}_m"), axis(0))
+                    .numbers(&format!("y{i}_m"), axis(1))
+                    .numbers(&format!("z{i}_m"), axis(2))
+            },
+        );
+        let scalars = Scalars {
+            pressures_pa: self.shapes.iter().map(|s| s.pressures_pa.clone()).collect(),
+            walls: self.shapes.iter().map(|s| s.walls).collect(),
+            filmed: self.filmed,
+            asked_pa: self.asked_pa,
+        };
+        Parcel::default().table("shapes.parquet", &columns)?.scalars("inflation.json", &scalars)
+    }
+
+    fn unpack(parcel: &Parcel) -> Result<Self, RecordError> {
+        let scalars: Scalars = parcel.read_scalars("inflation.json")?;
+        let columns = parcel.read_table("shapes.parquet")?;
+        let moved = |i: usize| -> Result<Vec<Point3>, RecordError> {
+            let axis = |k: &str| columns.f64(&format!("{k}{i}_m"));
+            let (x, y, z) = (axis("x")?, axis("y")?, axis("z")?);
+            Ok(x.into_iter().zip(y).zip(z).map(|((x, y), z)| [x, y, z]).collect())
+        };
+        let levels = scalars.pressures_pa.into_iter().zip(scalars.walls).enumerate();
+        let shape = |(i, (pressures_pa, walls))| Ok(Shape { pressures_pa, moved: moved(i)?, walls });
+        Ok(Self {
+            nodes: columns.u32("node")?,
+            shapes: levels.map(shape).collect::<Result<_, RecordError>>()?,
+            filmed: scalars.filmed,
+            asked_pa: scalars.asked_pa,
+        })
+    }
+
+    fn metrics(&self, of: &Specimen) -> Vec<Metric> {
+        let id = |what: &str| format!("inflate.{}.{what}", of.card.name);
+        let Some(shape) = self.filmed.map_or(self.shapes.last(), |i| self.shapes.get(i)) else { return Vec::new() };
+        vec![
+            Metric::new(id("pressure_mbar"), shape.pressure() / si::MILLIBAR, "mbar"),
+            Metric::new(id("dent_mm"), shape.walls.dent_m / si::MILLIMETRE, "mm"),
+            Metric::new(id("bulge_mm"), shape.walls.bulge_m / si::MILLIMETRE, "mm"),
+        ]
+    }
+
+    fn telling(&self) -> String {
+        let Some(last) = self.shapes.last() else { return "no shape".into() };
+        let (count, top, dent) = (self.shapes.len(), last.pressure() / si::MILLIBAR, last.walls.dent_m);
+        format!("{count} shapes up to {top:.0} mbar, the other wall dents by {:.2} mm", dent / si::MILLIMETRE)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shapes_survive_their_record() {
+        let walls = Walls { dent_m: 1e-3, dent_at: [0.02, -0.01, 0.0], bulge_m: 2e-3 };
+        let shape = |p: f64| Shape { pressures_pa: vec![p, 0.0], moved: vec![[p * 1e-6, 0.0, 1e-3]; 2], walls };
+        let inflation =
+            Inflation { nodes: vec![3, 8], shapes: vec![shape(1e4), shape(2e4)], filmed: Some(1), asked_pa: 3e4 };
+        assert_eq!(Inflation::unpack(&inflation.pack().unwrap()).unwrap(), inflation);
+    }
+}
