@@ -4,8 +4,8 @@
 
 use std::path::Path;
 
-use typst::World;
 use typst::diag::SourceDiagnostic;
+use typst::{World, WorldExt};
 use typst_as_lib::TypstEngine;
 use typst_layout::PagedDocument;
 
@@ -60,6 +60,43 @@ fn words(world: &dyn World, fault: &SourceDiagnostic) -> String {
 fn place(world: &dyn World, fault: &SourceDiagnostic) -> Option<String> {
     let id = fault.span.id()?;
     let source = world.source(id).ok()?;
-    let line = source.range(fault.span).map_or(0, |range| source.lines().byte_to_line(range.start).unwrap_or(0) + 1);
+    let start = world.range(fault.span).map_or(0, |range| range.start);
+    let line = source.lines().byte_to_line(start).unwrap_or(0) + 1;
     Some(format!("{}:{line}: ", id.vpath().get_without_slash()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A folder of its own with one page.
+    fn folder(name: &str, page: &str) -> std::path::PathBuf {
+        let folder = std::env::temp_dir().join(format!("typeset_{name}_{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::write(folder.join("main.typ"), page).unwrap();
+        folder
+    }
+
+    #[test]
+    fn the_same_page_gives_the_same_bytes() {
+        let root = folder("same", "= One\nTwo $x^2$.");
+        let [first, second] = [0, 1].map(|_| set(&root, "main.typ", &[]).unwrap());
+        assert!(first.pages == 1 && first.pdf == second.pdf);
+        std::fs::remove_dir_all(root).unwrap();
+    }
+
+    #[test]
+    fn a_fault_names_its_page_and_line() {
+        let root = folder("fault", "one\n#nothing");
+        let fault = set(&root, "main.typ", &[]).err().unwrap();
+        assert!(fault.contains("main.typ:2: unknown variable: nothing"), "{fault}");
+        std::fs::remove_dir_all(root).unwrap();
+    }
+
+    #[test]
+    fn a_font_that_is_missing_is_a_fault() {
+        let root = folder("font", "#set text(font: \"No Such Font\")\none");
+        assert!(set(&root, "main.typ", &[]).is_err());
+        std::fs::remove_dir_all(root).unwrap();
+    }
 }

@@ -37,20 +37,22 @@ fn heads(head: &[String]) -> Vec<String> {
     if split.iter().all(|(group, _)| group.is_empty()) {
         return head.iter().map(|h| literal(h)).collect();
     }
-    let (mut upper, mut lower, mut k) = (Vec::new(), Vec::new(), 0);
+    let (mut upper, mut rules, mut lower, mut k) = (Vec::new(), Vec::new(), Vec::new(), 0);
     while k < split.len() {
         let (group, title) = split[k];
         let span = split[k..].iter().take_while(|(g, _)| *g == group && !group.is_empty()).count().max(1);
         if group.is_empty() {
-            upper.push(format!("table.cell(rowspan: 2, {})", literal(title)));
+            upper.push(format!("table.cell(rowspan: 2, align: bottom + left, strong({}))", literal(title)));
         } else {
             let unit = title.find('(').map_or("", |at| &title[at..]);
-            upper.push(format!("table.cell(colspan: {span}, {})", literal(format!("{group} {unit}").trim_end())));
+            let words = literal(format!("{group} {unit}").trim_end());
+            upper.push(format!("table.cell(colspan: {span}, align: center, strong({words}))"));
+            rules.push(format!("table.hline(y: 1, start: {k}, end: {}, stroke: 0.3pt)", k + span));
             lower.extend(split[k..k + span].iter().map(|(_, t)| literal(t.split(" (").next().unwrap_or(t))));
         }
         k += span;
     }
-    [upper, lower].concat()
+    [upper, rules, lower].concat()
 }
 
 #[cfg(test)]
@@ -60,9 +62,9 @@ mod tests {
     #[test]
     fn a_table_has_a_head_over_columns_that_belong_together() {
         let made = typst("tabular", "t", "a,b: ours (s),b: published (s)\nx,1,\n\"y, \"\"z\"\"\",2,3\n").unwrap();
-        assert!(
-            made.contains("table.cell(rowspan: 2, \"a\"), table.cell(colspan: 2, \"b (s)\"), \"ours\", \"published\"")
-        );
+        assert!(made.contains("align: bottom + left, strong(\"a\"))"), "{made}");
+        assert!(made.contains("table.cell(colspan: 2, align: center, strong(\"b (s)\"))"), "{made}");
+        assert!(made.contains("start: 1, end: 3, stroke: 0.3pt), \"ours\", \"published\""), "{made}");
         assert!(
             made.contains("(left, right, right,)") && made.contains("\"x\", \"1\", \"–\", \"y, \\\"z\\\"\""),
             "{made}"

@@ -18,26 +18,21 @@ pub fn all(facts: &Facts) -> String {
     format!("#claim-table(({},))", rows.join(", "))
 }
 
-/// A list of the claims that do not reproduce, and one of those that this profile does not measure.
+/// A list of the claims that do not reproduce, and how many this profile leaves open.
 pub fn failing(facts: &Facts) -> String {
-    let list = |verdict: Verdict| {
-        let of = facts.claims.iter().filter(|c| c.verdict(&facts.metrics) == verdict);
-        let item = |c: &Claim| {
-            format!("- #{}\n", literal(&format!("{} (published: {}; ours: {}).", c.says, c.published, ours(c, facts))))
-        };
-        of.map(item).collect::<String>()
+    let of = |verdict: Verdict| facts.claims.iter().filter(move |c| c.verdict(&facts.metrics) == verdict);
+    let words = |c: &Claim| format!("{} (published: {}; ours: {}).", c.says, c.published, ours(c, facts));
+    let items: String = of(Verdict::Fails).map(|c| format!("- #{};\n", literal(&words(c)))).collect();
+    let (all, open) = (facts.claims.len(), of(Verdict::NotMeasured).count());
+    let failing = match items.is_empty() {
+        true => "Every claim that was measured reproduces.\n".to_owned(),
+        false => format!("These do not reproduce:\n\n{items}"),
     };
-    let said = |text: String, none: &str, some: &str| match text.is_empty() {
-        true => format!("{none}\n\n"),
-        false => format!("{some}\n\n{text}\n"),
+    let open = match open {
+        0 => "All claims were measured.".to_owned(),
+        open => format!("Of {all} claims {open} are not measured in this profile, or not whole; the table marks them."),
     };
-    let failing = said(list(Verdict::Fails), "Every claim that was measured reproduces.", "These do not:");
-    let open = said(
-        list(Verdict::NotMeasured),
-        "All were measured.",
-        "These were not measured in this profile, or not whole:",
-    );
-    failing + &open
+    format!("{failing}\n{open}\n")
 }
 
 fn ours(claim: &Claim, facts: &Facts) -> String {
@@ -63,6 +58,6 @@ mod tests {
     #[test]
     fn without_numbers_every_claim_is_said_to_be_unmeasured() {
         let bare = Facts { metrics: Vec::new(), ..facts() };
-        assert!(failing(&bare).contains("not measured in this profile, or not whole:\n\n- #\"it is good"));
+        assert!(failing(&bare).contains("Of 2 claims 2 are not measured in this profile"), "{}", failing(&bare));
     }
 }

@@ -58,7 +58,7 @@ impl std::fmt::Display for Problem {
 /// Puts everything into its place.
 ///
 /// # Errors
-/// Every [`Problem`] found, in the order of the pages.
+/// Every [`Problem`] found, each once.
 pub fn resolve(pages: &[Page], facts: &Facts) -> Result<Vec<Page>, Vec<Problem>> {
     let mut problems = Vec::new();
     let mut shown = Vec::new();
@@ -70,6 +70,8 @@ pub fn resolve(pages: &[Page], facts: &Facts) -> Result<Vec<Page>, Vec<Problem>>
     let seen = |name: &str| shown.iter().any(|s| s == name);
     problems.extend(facts.figures.iter().filter(|f| !seen(&f.name)).map(|f| unused("figure", &f.name)));
     problems.extend(facts.tables.iter().filter(|t| !seen(&t.name)).map(|t| unused("table", &t.name)));
+    let mut said = std::collections::BTreeSet::new();
+    problems.retain(|problem| said.insert(problem.what.clone()));
     if problems.is_empty() { Ok(resolved) } else { Err(problems) }
 }
 
@@ -93,7 +95,7 @@ mod tests {
     fn a_whole_page_has_its_numbers_in_place() {
         let text = format!("{WHOLE}It is #val(\"a.rmse_mm\", digits: 1) off.");
         let resolved = resolve(&[page(&text)], &facts()).unwrap();
-        assert!(resolved[0].text.ends_with("It is #\"0.5 mm\" off."), "{}", resolved[0].text);
+        assert!(resolved[0].text.ends_with("It is #\"0.5\u{a0}mm\"; off."), "{}", resolved[0].text);
     }
 
     #[test]
@@ -133,7 +135,7 @@ mod tests {
             "{WHOLE}#verdict(\"good\")[It is #num(\"a.rmse_mm\", digits: 2)][no][open]#verdict(\"bad\")[yes][No.][open]"
         );
         let resolved = resolve(&[page(&text)], &facts()).unwrap();
-        assert!(resolved[0].text.ends_with("It is #\"0.50\"No."), "{}", resolved[0].text);
+        assert!(resolved[0].text.ends_with("It is #\"0.50\";No."), "{}", resolved[0].text);
     }
 
     #[test]

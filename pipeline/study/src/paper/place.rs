@@ -119,12 +119,13 @@ fn value<'a>(call: &Call, facts: &'a Facts) -> Result<Option<(f64, &'a str)>, St
     }
 }
 
+/// A string of typst, ended by the semicolon that it would otherwise take from the sentence.
 fn number_in_words(value: f64, call: &Call, unit: &str) -> String {
     let digits = call.digits.map_or_else(|| told(value), |digits| format!("{value:.digits$}"));
-    let unit = if call.word == "val" && !unit.is_empty() { format!(" {unit}") } else { String::new() };
+    let unit = if call.word == "val" && !unit.is_empty() { format!("\u{a0}{unit}") } else { String::new() };
     match digits.split_once('e') {
-        Some((mantissa, power)) => format!("${mantissa} dot 10^({power})$#\"{unit}\""),
-        None => format!("#\"{}{unit}\"", digits.replace('-', "−")),
+        Some((mantissa, power)) => format!("${mantissa} dot 10^({power})$#\"{unit}\";"),
+        None => format!("#\"{}{unit}\";", digits.replace('-', "−")),
     }
 }
 

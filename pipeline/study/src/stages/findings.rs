@@ -6,9 +6,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::fault::Outcome;
 use crate::needs::Every;
-use crate::records::{Finding, Findings as Record, Identified, LoadCell, Surface, Thrust, Validation};
+use crate::records::{Finding, Findings as Record, Identified, LoadCell, Thrust, Validation};
 use crate::stage::{Desk, Stage};
 use crate::subject::{Scope, Study};
+
+/// χ² by which two minima must be parted to be two: one standard deviation, less is the films' noise.
+const RISE: f64 = 1.0;
 
 /// The stage.
 pub struct Findings;
@@ -54,7 +57,7 @@ fn of_identified(found: &Identified) -> [(&'static str, f64, &'static str); 2] {
     let levels = found.levels.iter().map(|level| (level.pressure(), level.largest_error()));
     let (pressures, errors): (Vec<f64>, Vec<f64>) = levels.unzip();
     [
-        ("minima", minima(&found.surface) as f64, ""),
+        ("minima", found.profiles.iter().map(|p| minima(&p.chi_square)).max().unwrap_or(0) as f64, ""),
         ("static_error_rank_correlation", correlation(&ranks(&pressures), &ranks(&errors)), ""),
     ]
 }
@@ -82,16 +85,17 @@ fn negative_share(force: &[f64]) -> f64 {
     100.0 * force.iter().map(|f| (-f).max(0.0)).sum::<f64>() / all.max(f64::MIN_POSITIVE)
 }
 
-/// Points of the landscape that lie below all their neighbours, corners included.
-fn minima(surface: &Surface) -> usize {
-    let (columns, rows) = (surface.body_e_pa.len(), surface.spine_e_pa.len());
-    let loss = |row: usize, column: usize| surface.loss[row * columns + column];
-    let around = |at: usize, len: usize| at.saturating_sub(1)..(at + 2).min(len);
-    let lowest = |row: usize, column: usize| {
-        around(row, rows)
-            .all(|r| around(column, columns).all(|c| (r, c) == (row, column) || loss(r, c) > loss(row, column)))
-    };
-    (0..rows).map(|row| (0..columns).filter(|&column| lowest(row, column)).count()).sum()
+/// Minima of a profile, each parted from the next by a rise and a fall of more than [`RISE`]; a flat valley is one.
+fn minima(chi_square: &[f64]) -> usize {
+    let (mut count, mut falling, mut extreme) = (0, true, f64::INFINITY);
+    for &value in chi_square {
+        extreme = if falling { extreme.min(value) } else { extreme.max(value) };
+        if (value - extreme).abs() > RISE {
+            count += usize::from(falling);
+            (falling, extreme) = (!falling, value);
+        }
+    }
+    count + usize::from(falling)
 }
 
 /// Places in rising order; equal values share the mean of their places.
@@ -115,21 +119,18 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    fn surface(loss: impl Fn(f64, f64) -> f64) -> Surface {
-        let axis: Vec<f64> = (0..9).map(|i| f64::from(i) / 8.0).collect();
-        let values = axis.iter().flat_map(|y| axis.iter().map(|x| loss(*x, *y)).collect::<Vec<_>>()).collect();
-        Surface { body_e_pa: axis.clone(), spine_e_pa: axis.clone(), loss: values }
-    }
-
     #[test]
     fn a_bowl_has_one_minimum_and_two_bowls_have_two() {
-        assert_eq!(minima(&surface(|x, y| (x - 0.5).powi(2) + (y - 0.25).powi(2))), 1);
-        assert_eq!(minima(&surface(|x, y| (x * (x - 1.0)).powi(2) + (y - 0.25).powi(2))), 2);
+        let along = |f: fn(f64) -> f64| minima(&(0..41).map(|i| f(f64::from(i) / 20.0 - 1.0)).collect::<Vec<_>>());
+        assert_eq!(along(|x| 100.0 * x * x), 1);
+        assert_eq!(along(|x| 100.0 * (x * x - 0.4).powi(2)), 2);
     }
 
     #[test]
-    fn a_bowl_that_falls_to_a_corner_has_its_minimum_there() {
-        assert_eq!(minima(&surface(|x, y| x + y)), 1);
+    fn ripples_in_a_valley_and_ends_of_a_slope_are_no_second_minimum() {
+        let along = |f: fn(f64) -> f64| minima(&(0..41).map(|i| f(f64::from(i) / 20.0 - 1.0)).collect::<Vec<_>>());
+        assert_eq!(along(|x| 100.0 * x * x + 0.3 * (40.0 * x).cos()), 1);
+        assert_eq!((along(|x| 10.0 * x), along(|x| -10.0 * x), along(|_| 0.0)), (1, 1, 1));
     }
 
     #[test]

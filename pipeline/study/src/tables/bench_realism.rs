@@ -18,8 +18,6 @@ use crate::table::Table;
 /// The table.
 pub struct BenchRealism;
 
-/// A hold is a staircase's when it is longer, s; a beat's when it is shorter.
-const LONG: f64 = 1.0;
 /// Levels count as one when they are so near, mbar.
 const NEAR: f64 = 15.0;
 /// mbar, and the time constants measured from there, ms.
@@ -80,9 +78,9 @@ fn valve(motions: &[(Trial, Motion)]) -> Vec<Line> {
         .flat_map(|(t, m)| m.gauges.iter().flat_map(move |g| pulses(&m.log_time, g).into_iter().map(move |p| (t, p))))
         .collect();
     let near = |p: &Pulse, mbar: f64| (p.held / MILLIBAR - mbar).abs() < NEAR;
-    let long = |of: &dyn Fn(&Pulse) -> Option<f64>| {
-        range(all.iter().filter(|(_, p)| p.hold > LONG).filter_map(|(_, p)| of(p)))
-    };
+    let stair = |t: &Trial| matches!(t.trial.experiment, Experiment::Staircase { .. });
+    let long =
+        |of: &dyn Fn(&Pulse) -> Option<f64>| range(all.iter().filter(|(t, _)| stair(t)).filter_map(|(_, p)| of(p)));
     let at = |mbar, value: fn(&Pulse) -> f64| long(&move |p| near(p, mbar).then(|| value(p)));
     let low = |p: &Pulse| p.asked < 260.0 * MILLIBAR;
     let line = |what: &str, unit, real, ours| Line(what.into(), unit, 0, real, ours);

@@ -20,8 +20,6 @@ pub(super) struct Pulse {
     pub asked: Pascal,
     /// Mean of the last half second, or of the last fifth of a short hold, Pa.
     pub held: Pascal,
-    /// How long it was asked for, s.
-    pub hold: Second,
     /// From the command to the first movement, s.
     pub fill_dead: Second,
     /// From the command until it is within 5 % of `held` for the first time, s.
@@ -54,7 +52,6 @@ fn pulse(time: &[Second], gauge: &Gauge, start: usize, end: usize) -> Option<Pul
     Some(Pulse {
         asked: gauge.command[start],
         held,
-        hold,
         fill_dead: since(start, end, &|v| v > MOVED * held)?,
         fill: since(start, end, &|v| v > (1.0 - MOVED) * held)?,
         empty_dead,
@@ -100,7 +97,7 @@ mod tests {
         // a sample is 5 ms, and 5 % of a movement has to have happened
         assert!((found.fill_dead - 0.045).abs() < 0.006 && (found.fill - 0.135).abs() < 0.006, "{found:?}");
         assert!((found.empty_dead - 0.052).abs() < 0.006 && (found.empty - 0.038).abs() < 0.006, "{found:?}");
-        assert!((found.held / MILLIBAR - 200.0).abs() < 1e-9 && (found.hold - 5.0).abs() < 0.006);
+        assert!((found.held / MILLIBAR - 200.0).abs() < 1e-9);
     }
 
     #[test]
