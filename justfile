@@ -33,6 +33,10 @@ table NAME: build
     {{programs}}/rig record
     {{programs}}/study table {{NAME}}
 
+# one page to look at, figures/index.html, from the records at hand (of the paper profile: just page paper)
+page PROFILE="quick": build
+    {{programs}}/study page --profile {{PROFILE}}
+
 # a coarse and short version of the main path, of one tail, under target/quick
 quick: build
     {{programs}}/rig record nemo --profile quick

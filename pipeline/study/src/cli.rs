@@ -74,6 +74,8 @@ pub enum Command {
         /// Its name, as in paper/tables/NAME.csv.
         name: String,
     },
+    /// Write figures/index.html from the records at hand: everything that there is to look at, in one file.
+    Page,
     /// Simulate a body under loads of one's own: a page of TOML that names a mesh, materials, clamps and loads.
     #[command(after_long_help = crate::case::KEYS)]
     Simulate {

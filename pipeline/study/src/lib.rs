@@ -23,6 +23,7 @@ pub mod follow;
 pub mod metric;
 pub mod model;
 pub mod needs;
+pub mod page;
 pub mod paper;
 pub mod record;
 pub mod records;

@@ -27,11 +27,18 @@ fn run(cli: &Cli) -> Outcome<bool> {
         Command::Run { names, specimen, fresh } => {
             let (runner, faults) = open()?;
             let goal = Goal { entries: names.clone(), specimen: specimen.clone() };
-            Ok(tell(&faults) & well(runner.run(&goal, *fresh)?))
+            let tally = runner.run(&goal, *fresh)?;
+            runner.page()?;
+            Ok(tell(&faults) & well(tally))
         }
         Command::Fig { name } | Command::Table { name } => {
             let (runner, faults) = open()?;
             Ok(tell(&faults) & well(runner.run(&Goal { entries: vec![name.clone()], specimen: None }, false)?))
+        }
+        Command::Page => {
+            let (runner, faults) = open()?;
+            println!("{}", runner.page()?.display());
+            Ok(tell(&faults))
         }
         Command::Plan { names, specimen } => {
             let (runner, faults) = open()?;

@@ -28,15 +28,18 @@ const BAR: f64 = 2.5;
 pub fn card(canvas: &mut Canvas, area: Area, title: &str, words: &str, fill: Colour) {
     canvas.filled(area, fill, 1.0);
     canvas.outline(area, LINE, palette::INK);
-    let lines = wrapped(words, area.width() - 2.0 * RIM, WORDS);
-    let high = LEADING + lines.len() as f64 * LEADING;
+    let room = area.width() - 2.0 * RIM;
+    let (heads, lines) = (wrapped(title, room, TITLE * text::BOLD), wrapped(words, room, WORDS));
+    let high = (heads.len() + lines.len()) as f64 * LEADING;
     let (x, top) = (area.centre()[0], area.centre()[1] - 0.5 * high + 0.5 * LEADING);
     let at = |line: usize| [x, top + line as f64 * LEADING];
-    let (text, side) = (title.to_owned(), Side::Centre);
-    let bold = Words { at: at(0), text, size: TITLE, side, upright: false, bold: true, colour: palette::INK };
-    canvas.items.push(Item::Text(bold));
+    for (i, line) in heads.iter().enumerate() {
+        let (text, side) = (line.clone(), Side::Centre);
+        let bold = Words { at: at(i), text, size: TITLE, side, upright: false, bold: true, colour: palette::INK };
+        canvas.items.push(Item::Text(bold));
+    }
     for (i, line) in lines.iter().enumerate() {
-        canvas.words(at(i + 1), line, WORDS, Side::Centre, palette::INK);
+        canvas.words(at(heads.len() + i), line, WORDS, Side::Centre, palette::INK);
     }
 }
 

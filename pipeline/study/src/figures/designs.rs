@@ -26,7 +26,7 @@ impl figure::Figure for Designs {
     type Needs = Every<Mesh>;
     const NAME: &'static str = "designs";
     const SHOWS: &'static str = "the actuators cut open: their chambers, ribs, walls and sheet";
-    const EDITION: u32 = 1;
+    const EDITION: u32 = 2;
 
     fn card(study: &crate::subject::Study) -> serde_json::Value {
         let solid = |s: &lab::card::Solid| serde_json::json!([s.material, s.youngs_modulus]);

@@ -5,14 +5,16 @@
 //!
 //! Stands on: plot. Never knows: how a number was computed.
 
-use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Dash, Figure, Mark, Panel, palette};
+use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Dash, Figure, Legend, Mark, Panel, Placed, palette};
 use si::{MILLIBAR, MILLIMETRE, Point2};
 
+use super::order::{in_order, title};
 use super::origin_note;
 use crate::fault::{Fault, Outcome};
 use crate::figure;
 use crate::needs::Every;
 use crate::records::Validation;
+use crate::subject::Trial;
 
 /// The figure.
 pub struct Dynamics;
@@ -21,28 +23,34 @@ impl figure::Figure for Dynamics {
     type Needs = Every<Validation>;
     const NAME: &'static str = "dynamics";
     const SHOWS: &'static str = "the identified model follows trials it never saw";
-    const EDITION: u32 = 2;
+    const EDITION: u32 = 3;
 
     fn draw(Every(trials): Self::Needs) -> Outcome<Figure> {
         if trials.is_empty() {
             return Err(Fault::new("there is no validation to show", "no trial has that role", "add one to a card"));
         }
+        let trials = in_order(trials);
         let mut figure = Figure::new(DOUBLE_COLUMN_MM);
-        for (trial, validation) in &trials {
-            let title = format!(
-                "{} {} (N = {}): RMSE {:.2} mm, {:.2} % of the length",
-                trial.card.name,
-                trial.condition().replace('_', " "),
-                validation.repeats,
-                validation.rmse / MILLIMETRE,
-                validation.rmse_percent()
-            );
-            figure = figure
-                .row(52.0, [motion(validation).titled(&title)])
-                .row(30.0, [Panel::Axes(pressures(validation)).titled("chamber pressures").unlettered()]);
+        for pair in trials.chunks(2) {
+            let moved: Vec<Placed> = pair.iter().map(|(t, v)| motion(v).titled(&said(t, v))).collect();
+            let driven: Vec<Placed> =
+                pair.iter().map(|(t, v)| Placed::from(Panel::Axes(pressures(t, v))).unlettered()).collect();
+            figure = figure.row(46.0, moved).row(28.0, driven);
         }
         Ok(figure.noted(&origin_note(trials.iter().map(|(t, _)| t.card.as_ref()))))
     }
+}
+
+/// The condition, its repeats and the error.
+fn said(trial: &Trial, v: &Validation) -> String {
+    format!(
+        "{} {} (N = {}): RMSE {:.2} mm, {:.2} %",
+        title(&trial.card.name),
+        trial.condition().replace("mbar_", " mbar ").replace("hz", " Hz").replace('_', " "),
+        v.repeats,
+        v.rmse / MILLIMETRE,
+        v.rmse_percent()
+    )
 }
 
 fn curve(time: &[f64], value: impl Iterator<Item = f64>) -> Vec<Point2> {
@@ -56,17 +64,21 @@ fn motion(v: &Validation) -> Panel {
         let both = v.measured.iter().zip(&v.deviation);
         both.map(|(m, d)| (m[1] + sign * d[1]) / MILLIMETRE).collect::<Vec<f64>>()
     };
-    let axes = Axes::new(Axis::linear("time", "s"), Axis::linear(&label, "mm"))
+    let axes = Axes::new(Axis::linear("time", "s").unwritten(), Axis::linear(&label, "mm"))
         .with(Mark::band(v.time.clone(), edge(-1.0), edge(1.0), palette::MEASURED))
         .with(Mark::line(sideways(&v.measured), palette::MEASURED).sized(1.4).labelled("measured"))
         .with(Mark::line(sideways(&v.simulated), palette::SIMULATED).dashed(Dash::Dashed).labelled("simulated"));
-    Panel::Axes(axes)
+    Panel::Axes(axes.legend(Legend::Over))
 }
 
-fn pressures(v: &Validation) -> Axes {
+fn pressures(trial: &Trial, v: &Validation) -> Axes {
     let axes = Axes::new(Axis::linear("time", "s"), Axis::linear("pressure", "mbar"));
-    v.pressures.iter().enumerate().fold(axes, |axes, (i, pressure)| {
-        let line = Mark::line(curve(&v.time, pressure.iter().map(|p| p / MILLIBAR)), palette::series(i + 1));
-        axes.with(line.labelled(&format!("chamber {}", i + 1)))
-    })
+    let looks = [(palette::PRESSURE, Dash::Solid), (palette::PRESSURE.towards(palette::INK, 0.5), Dash::Dashed)];
+    let names = trial.card.chamber.iter().map(|c| c.name.as_str());
+    let axes = v.pressures.iter().zip(names).enumerate().fold(axes, |axes, (i, (pressure, name))| {
+        let (colour, dash) = looks[i % looks.len()];
+        let line = Mark::line(curve(&v.time, pressure.iter().map(|p| p / MILLIBAR)), colour).dashed(dash);
+        axes.with(line.labelled(name))
+    });
+    axes.legend(Legend::Over)
 }

@@ -1,13 +1,14 @@
 //! Figure `four_parameters`: both moduli and both Poisson's ratios, searched at once. Paper, figure 6.
 //!
 //! One panel a parameter: its value at each simulation, the plausible range as a band, and the final point. Each specimen has
-//! two rows of its own.
+//! a row of its own.
 //!
 //! Stands on: plot. Never knows: how a number was computed.
 
-use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Figure, Mark, Marker, Panel, palette};
+use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Figure, Legend, Mark, Marker, Panel, palette};
 use si::Point2;
 
+use super::order::{in_order, title};
 use super::origin_note;
 use crate::fault::{Fault, Outcome};
 use crate::figure;
@@ -21,17 +22,18 @@ impl figure::Figure for FourParameters {
     type Needs = Every<records::FourParameters>;
     const NAME: &'static str = "four_parameters";
     const SHOWS: &'static str = "both moduli and both Poisson's ratios, sought at once";
-    const EDITION: u32 = 1;
+    const EDITION: u32 = 2;
 
     fn draw(Every(all): Self::Needs) -> Outcome<Figure> {
         if all.is_empty() {
             return Err(Fault::new("there is no search to show", "no specimen has one", "study run four_parameters"));
         }
+        let all = in_order(all);
         let mut figure = Figure::new(DOUBLE_COLUMN_MM);
         for (specimen, found) in &all {
-            let name = &specimen.card.name;
-            let of = |k: usize| parameter(found, k).titled(&format!("{name}: {}", TITLES[k]));
-            figure = figure.row(44.0, [of(0), of(1)]).row(44.0, [of(2), of(3)]);
+            let name = title(&specimen.card.name);
+            figure =
+                figure.row(44.0, [0, 1, 2, 3].map(|k| parameter(found, k).titled(&format!("{name}: {}", TITLES[k]))));
         }
         Ok(figure.noted(&origin_note(all.iter().map(|(s, _)| s.card.as_ref()))))
     }
@@ -48,10 +50,11 @@ fn parameter(found: &records::FourParameters, k: usize) -> Panel {
     let [low, high] = found.plausible[k].map(|v| SCALES[k] * v);
     let room = 0.08 * (high - low);
     let axes = Axes::new(
-        Axis::linear("simulations of all levels", "").range(1.0, last),
+        Axis::linear("simulations", "").range(1.0, last),
         Axis::linear(TITLES[k], UNITS[k]).range(low - room, high + room),
     );
     let end = vec![[last, found.best.shown()[k]]];
+    let axes = axes.legend(if k == 0 { Legend::Over } else { Legend::None });
     Panel::Axes(
         axes.with(Mark::band(vec![1.0, last], vec![low; 2], vec![high; 2], palette::MUTED).labelled("plausible"))
             .with(Mark::line(points.clone(), palette::method("gauss_newton")))

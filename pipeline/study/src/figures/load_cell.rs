@@ -8,6 +8,7 @@
 use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Dash, Diagram, Figure, Mark, Marker, Panel, Part, Side, palette};
 use si::Point2;
 
+use super::order::{in_order, title};
 use super::origin_note;
 use crate::fault::{Fault, Outcome};
 use crate::figure;
@@ -22,25 +23,30 @@ impl figure::Figure for LoadCell {
     type Needs = Every<records::LoadCell>;
     const NAME: &'static str = "load_cell";
     const SHOWS: &'static str = "the load cell rings, taps say how, and the ringing is undone";
-    const EDITION: u32 = 1;
+    const EDITION: u32 = 2;
 
     fn is_made_for(study: &Study) -> bool {
         Every::<records::LoadCell>::any(study)
     }
 
     fn draw(Every(all): Self::Needs) -> Outcome<Figure> {
+        let all = in_order(all);
         let Some((specimen, cell)) = all.first() else {
             return Err(Fault::new("there is no load cell to show", "no card has taps", "study run load_cell"));
         };
         let it = &cell.in_time;
-        let title = format!(
+        let said = format!(
             "{}: {:.3} ± {:.4} Hz, ζ {:.5} ± {:.5}",
-            specimen.card.name, it.natural_frequency_hz, it.frequency_sigma_hz, it.damping_ratio, it.damping_sigma
+            title(&specimen.card.name),
+            it.natural_frequency_hz,
+            it.frequency_sigma_hz,
+            it.damping_ratio,
+            it.damping_sigma
         );
         let figure = Figure::new(DOUBLE_COLUMN_MM)
             .row(
                 54.0,
-                [Panel::Diagram(schematic()).titled("measurement dynamics"), size(cell).titled(&title).share(1.4)],
+                [Panel::Diagram(schematic()).titled("measurement dynamics"), size(cell).titled(&said).share(1.4)],
             )
             .row(44.0, [phase(cell).titled("phase"), coherence(cell).titled("coherence")])
             .row(52.0, [shown(cell).titled("a thrust that is never negative")]);

@@ -30,7 +30,7 @@ impl figure::Figure for Overview {
     type Needs = (Flow, Seen);
     const NAME: &'static str = "overview";
     const SHOWS: &'static str = "what becomes what, from two STL files and films to thrust";
-    const EDITION: u32 = 1;
+    const EDITION: u32 = 2;
 
     fn card(study: &Study) -> serde_json::Value {
         Flow::of(study, crate::stages::ALL).as_json()
@@ -51,8 +51,10 @@ impl figure::Figure for Overview {
 }
 
 /// Sides of a card, and the room beside it, mm.
-const CARD: Point2 = [22.5, 12.4];
-const APART: Point2 = [5.6, 2.2];
+const CARD: Point2 = [22.4, 14.6];
+const APART: Point2 = [4.6, 2.2];
+/// Height of a recording's card, mm.
+const SOURCE: f64 = 7.6;
 
 /// The flow as a diagram; `said` may say something else than a stage's story.
 pub fn graph(flow: &Flow, said: &dyn Fn(&str) -> Option<String>) -> Diagram {
@@ -72,7 +74,8 @@ pub fn graph(flow: &Flow, said: &dyn Fn(&str) -> Option<String>) -> Diagram {
     for (i, room) in flow.rooms.iter().enumerate() {
         let words = said(&room.name).unwrap_or_else(|| room.story.clone());
         let title = room.name.replace('_', " ");
-        let (at, size, fill) = (middle(&laid.rooms[i]), [CARD[0], CARD[1]], ground(flow, i));
+        let tall = if i < flow.recordings { SOURCE } else { CARD[1] };
+        let (at, size, fill) = (middle(&laid.rooms[i]), [CARD[0], tall], ground(flow, i));
         diagram = diagram.with(Part::Card { at, size, title, words, fill });
     }
     diagram

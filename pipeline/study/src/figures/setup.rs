@@ -36,7 +36,7 @@ impl figure::Figure for Setup {
     type Needs = (Every<Camera>, Every<Mesh>, Every<Still>, (Every<LoadCell>, Every<Tank>));
     const NAME: &'static str = "setup";
     const SHOWS: &'static str = "the bench: tank, camera, tail, load cell and lamp, with their dimensions";
-    const EDITION: u32 = 1;
+    const EDITION: u32 = 2;
 
     fn is_made_for(study: &Study) -> bool {
         Every::<Camera>::any(study)
@@ -132,9 +132,9 @@ fn whole(bench: &Bench) -> Diagram {
     let (length, depth) = bench.tank.map_or((0.45, 0.15), |t| (t.size_m[0], t.size_m[1]));
     let surface = card.water.as_ref().map(|w| w.surface);
     let bottom = surface.map_or(card.camera.plane.height, |s| s - depth).min(card.camera.plane.height);
-    // the sheet: the tank in its middle, the tail's middle over the tank's, room for dimensions around
-    let (wide, margin) = (mm(length) + 150.0, 26.0);
-    let origin = [0.5 * wide - 0.5 * mm(card.length), margin - mm(bottom)];
+    // the sheet: the tail's middle over the tank's, room for dimensions around
+    let (wide, margin) = (mm(length) + 205.0, 26.0);
+    let origin = [70.0 + 0.5 * mm(length - card.length), margin - mm(bottom)];
     let tall = origin[1] + mm(eye[2]) + 34.0;
     let at = |x: f64, z: f64| [origin[0] + mm(x), origin[1] + mm(z)];
     let mid = 0.5 * card.length;
@@ -155,7 +155,7 @@ fn whole(bench: &Bench) -> Diagram {
         ));
         d = d.with(words(at(left + 0.01, surface - 0.012), "water", Side::Right));
         d = d.with(sized(at(left, bottom - 0.014), at(right, bottom - 0.014), length, Side::Below));
-        d = d.with(sized(at(right + 0.014, bottom), at(right + 0.014, surface), surface - bottom, Side::Left));
+        d = d.with(sized(at(right + 0.014, bottom), at(right + 0.014, surface), surface - bottom, Side::Right));
         d = d.with(sized(at(left - 0.014, 0.0), at(left - 0.014, surface), surface, Side::Left));
     }
     d = seen_field(d, bench, &at);
@@ -165,10 +165,12 @@ fn whole(bench: &Bench) -> Diagram {
         1.0,
         Dash::Dotted,
     ));
-    d = d.with(words(at(right - 0.012, card.camera.plane.height + 0.008), "calibrated plane", Side::Left));
+    d = d.with(words(at(left + 0.01, card.camera.plane.height - 0.012), "calibrated plane", Side::Right));
+    let level = |x: f64, z: f64| line(vec![at(x, z), at(right + 0.08, z)], palette::MUTED, 0.4, Dash::Dotted);
+    d = d.with(level(card.length, 0.0)).with(level(eye[0], eye[2]));
     d = holder(d, bench, &at);
     d = d.with(silhouette(bench, origin));
-    camera(d, eye, &at).with(sized(at(right + 0.04, 0.0), at(right + 0.04, eye[2]), eye[2], Side::Right))
+    camera(d, eye, &at).with(sized(at(right + 0.075, 0.0), at(right + 0.075, eye[2]), eye[2], Side::Right))
 }
 
 /// Two rays from the camera to the ends of what it sees of the plane, in air.
@@ -300,7 +302,6 @@ fn instruments(bench: &Bench) -> Diagram {
         let waves: Vec<String> = t.waves.iter().map(|w| format!("{:.2} Hz", w.frequency)).collect();
         format!("waves of the tank: {}", waves.join(", "))
     }));
-    said.push(format!("air: {}", card.chamber.iter().map(|c| c.name.as_str()).collect::<Vec<_>>().join(" and ")));
     let line = |i: usize| 50.0 - 6.0 * i as f64;
     said.iter()
         .enumerate()

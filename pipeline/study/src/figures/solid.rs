@@ -58,6 +58,20 @@ impl Surfaces {
         Self { points: [points.to_vec(), reflected(points)].concat(), faces }
     }
 
+    /// All of a mesh's skin and cuts as it was meshed, coarse: one face of three points for each face of six.
+    pub fn coarse(solid: &QuadraticMesh) -> BTreeMap<Bounds, Vec<[u32; 3]>> {
+        let mut faces: BTreeMap<Bounds, Vec<[u32; 3]>> = BTreeMap::new();
+        for (on, [a, b, c, ..]) in boundary(solid, |_| true) {
+            faces.entry(on).or_default().push([a, b, c]);
+        }
+        faces
+    }
+
+    /// As [`Surfaces::coarse`], with four faces of three points for each face of six.
+    pub fn fine(solid: &QuadraticMesh) -> BTreeMap<Bounds, Vec<[u32; 3]>> {
+        split(boundary(solid, |_| true), false)
+    }
+
     /// A scene with these surfaces added, each painted as `paint` says; none where it says nothing.
     pub fn onto(&self, scene: Scene, paint: impl Fn(Bounds) -> Option<Paint>) -> Scene {
         self.faces.iter().fold(scene, |scene, (on, faces)| match paint(*on) {

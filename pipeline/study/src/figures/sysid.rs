@@ -1,18 +1,20 @@
 //! Figure `sysid`: the loss has one minimum and the gradient finds it. Paper, figure 5.
 //!
 //! (a) the loss over both moduli with the way of Adam; (b) the lowest loss of each method against simulations; (c) static
-//! shapes of the back, measured against simulated, with the largest error at each pressure.
+//! shapes of the back, measured against simulated; (d) the largest error of each tail at each pressure.
 //!
 //! Stands on: plot. Never knows: how a number was computed.
 
-use plot::{Axes, Axis, ColourBar, DOUBLE_COLUMN_MM, Figure, Landscape, Mark, Marker, Panel, palette};
+use plot::{Axes, Axis, ColourBar, DOUBLE_COLUMN_MM, Dash, Figure, Landscape, Mark, Marker, Panel, Side, palette};
 use si::{MILLIBAR, MILLIMETRE, Point2};
 
+use super::order::{colour, in_order, title};
 use super::origin_note;
 use crate::fault::{Fault, Outcome};
 use crate::figure;
 use crate::needs::Every;
 use crate::records::{Identified, Level, Point};
+use crate::subject::{Specimen, Study};
 
 /// The figure.
 pub struct Sysid;
@@ -21,17 +23,29 @@ impl figure::Figure for Sysid {
     type Needs = Every<Identified>;
     const NAME: &'static str = "sysid";
     const SHOWS: &'static str = "the loss has one minimum, and the gradient finds it";
-    const EDITION: u32 = 3;
+    const EDITION: u32 = 4;
+
+    fn card(study: &Study) -> serde_json::Value {
+        let widest = |s: &Specimen| s.card.marker.iter().map(|m| m.diameter).fold(0.0, f64::max);
+        serde_json::json!(study.specimens.iter().map(widest).collect::<Vec<_>>())
+    }
 
     fn draw(Every(all): Self::Needs) -> Outcome<Figure> {
-        let Some((_, first)) = all.first() else {
+        let all = in_order(all);
+        let Some((specimen, first)) = all.first() else {
             return Err(Fault::new("there is no identification to show", "no specimen has one", "study run identify"));
         };
-        let top =
-            [landscape(first).titled("loss over both moduli").share(1.15), convergence(first).titled("convergence")];
-        let figure = Figure::new(DOUBLE_COLUMN_MM)
-            .row(68.0, top)
-            .row(62.0, [shapes(first).titled("static shapes"), errors(first).titled("static error")]);
+        let name = title(&specimen.card.name);
+        let wide = specimen.card.marker.iter().map(|m| m.diameter).fold(0.0, f64::max) / MILLIMETRE;
+        let top = [
+            landscape(first).titled(&format!("{name}: loss over both moduli")).share(1.15),
+            convergence(first).titled(&format!("{name}: lowest loss so far")),
+        ];
+        let bottom = [
+            shapes(first).titled(&format!("{name}: the back at each pressure (mbar)")).share(1.3),
+            errors(&all).titled(&format!("static error (a marker is {wide:.0} mm wide)")),
+        ];
+        let figure = Figure::new(DOUBLE_COLUMN_MM).row(68.0, top).row(56.0, bottom);
         Ok(figure.noted(&origin_note(all.iter().map(|(s, _)| s.card.as_ref()))))
     }
 }
@@ -62,16 +76,18 @@ fn landscape(found: &Identified) -> Panel {
 }
 
 fn convergence(found: &Identified) -> Panel {
-    let axes = Axes::new(Axis::linear("simulations of all levels", ""), Axis::log("lowest loss", ""));
-    let curves = found.searches.iter().map(|search| {
-        let lowest = (1..=search.tried.len()).map(|n| [n as f64, search.loss_after(n)]).collect();
-        Mark::line(lowest, palette::method(&search.method)).labelled(&title(&search.method))
+    let axes = Axes::new(Axis::log("simulations of all levels", ""), Axis::log("lowest loss", ""));
+    let curves = found.searches.iter().flat_map(|search| {
+        let lowest: Vec<Point2> = (1..=search.tried.len()).map(|n| [n as f64, search.loss_after(n)]).collect();
+        let colour = palette::method(&search.method);
+        let line = Mark::line(lowest.clone(), colour).sized(1.2).labelled(&method(&search.method));
+        [line, Mark::points(lowest, Marker::Disc, colour).sized(2.4)]
     });
     Panel::Axes(curves.fold(axes, Axes::with))
 }
 
-fn title(method: &str) -> String {
-    match method {
+fn method(name: &str) -> String {
+    match name {
         "adam" => "Adam".into(),
         "gauss_newton" => "Gauss-Newton".into(),
         "grid" => "grid search".into(),
@@ -82,20 +98,24 @@ fn title(method: &str) -> String {
 
 /// The back at each level: the clamp and the markers, seen from above, mm.
 fn shapes(found: &Identified) -> Panel {
-    let mut axes = Axes::new(Axis::linear("x", "mm"), Axis::linear("y", "mm"));
-    axes.equal = true;
+    let mut axes = Axes::new(Axis::linear("x", "mm"), Axis::linear("y", "mm")).equal();
+    let most = found.levels.iter().map(Level::pressure).fold(f64::MIN_POSITIVE, f64::max);
     for (i, level) in found.levels.iter().enumerate() {
-        let colour = palette::heat(0.85 * i as f64 / found.levels.len().max(1) as f64);
-        let simulated = Mark::line(back(level, &level.simulated_m), colour);
-        let measured =
-            Mark::points(back(level, &level.measured_m)[1..].to_vec(), Marker::Ring, palette::MEASURED).sized(4.0);
-        let (simulated, measured) = match i {
-            0 => (simulated.labelled("simulated"), measured.labelled("measured")),
-            _ => (simulated, measured),
+        let colour = palette::heat(0.85 * level.pressure() / most);
+        let simulated = Mark::line(back(level, &level.simulated_m), colour).sized(1.3);
+        let measured = back(level, &level.measured_m);
+        let points = Mark::points(measured[1..].to_vec(), Marker::Ring, palette::MEASURED).sized(4.0);
+        let (simulated, points) = match i {
+            0 => (simulated.labelled("simulated"), points.labelled("measured")),
+            _ => (simulated, points),
         };
-        axes = axes.with(simulated).with(measured);
+        axes = axes.with(simulated).with(points);
+        if let Some(&[x, y]) = measured.last() {
+            let said = format!("{:.0}", level.pressure() / MILLIBAR);
+            axes = axes.with(Mark::text([x + 1.5, y], &said, Side::Right, palette::INK).sized(6.0));
+        }
     }
-    Panel::Axes(axes)
+    Panel::Axes(axes.legend(plot::Legend::Over))
 }
 
 fn back(level: &Level, moved: &[Point2]) -> Vec<Point2> {
@@ -103,20 +123,30 @@ fn back(level: &Level, moved: &[Point2]) -> Vec<Point2> {
     std::iter::once([0.0, 0.0]).chain(level.rest_m.iter().zip(moved).map(at)).collect()
 }
 
-fn errors(found: &Identified) -> Panel {
-    let axes =
-        Axes::new(Axis::linear("pressure", "mbar"), Axis::linear("largest error", "mm").range(0.0, ceiling(found)));
-    let films = found.levels.chunk_by(|a, b| a.trial == b.trial).enumerate();
-    Panel::Axes(films.fold(axes, |axes, (i, film)| {
-        let points: Vec<Point2> =
-            film.iter().map(|l| [l.pressure() / MILLIBAR, l.largest_error() / MILLIMETRE]).collect();
-        let label = film.first().map(|l| l.trial.replace('_', " ")).unwrap_or_default();
-        axes.with(Mark::line(points.clone(), palette::series(i)).labelled(&label))
-            .with(Mark::points(points, Marker::Disc, palette::series(i)).sized(4.0))
-    }))
+/// The largest error at each pressure: a colour a tail, films of the left solid and of the right broken.
+fn errors(all: &[(Specimen, Identified)]) -> Panel {
+    let top = 1.2 * all.iter().map(|(_, found)| largest(found)).fold(LEAST_MM, f64::max);
+    let axes = Axes::new(Axis::linear("pressure", "mbar"), Axis::linear("largest error", "mm").range(0.0, top));
+    let axes = all.iter().fold(axes, |axes, (specimen, found)| {
+        let films = found.levels.chunk_by(|a, b| a.trial == b.trial).enumerate();
+        films.fold(axes, |axes, (i, film)| film_errors(axes, specimen, film, i))
+    });
+    Panel::Axes(axes.legend(plot::Legend::Over))
 }
 
-fn ceiling(found: &Identified) -> f64 {
-    let largest = found.levels.iter().map(Level::largest_error).fold(0.0, f64::max) / MILLIMETRE;
-    (1.2 * largest).max(0.03)
+/// The error axis reaches at least so far.
+const LEAST_MM: f64 = 0.025;
+
+fn film_errors(axes: Axes, specimen: &Specimen, film: &[Level], index: usize) -> Axes {
+    let points: Vec<Point2> = film.iter().map(|l| [l.pressure() / MILLIBAR, l.largest_error() / MILLIMETRE]).collect();
+    let colour = colour(&specimen.card.name);
+    let said = film.first().map(|l| l.trial.replace("static_", "")).unwrap_or_default();
+    let (dash, marker) = if index % 2 == 0 { (Dash::Solid, Marker::Disc) } else { (Dash::Dashed, Marker::Ring) };
+    let line = Mark::line(points.clone(), colour).dashed(dash);
+    axes.with(line.labelled(&format!("{} {said}", title(&specimen.card.name).replace('_', " "))))
+        .with(Mark::points(points, marker, colour).sized(4.0))
+}
+
+fn largest(found: &Identified) -> f64 {
+    found.levels.iter().map(Level::largest_error).fold(0.0, f64::max) / MILLIMETRE
 }

@@ -28,7 +28,7 @@ impl figure::Figure for Tail {
     const NAME: &'static str = "tail";
     const SHOWS: &'static str =
         "a tail cut open, inflated by its identified model and on film, and where its wall buckles";
-    const EDITION: u32 = 2;
+    const EDITION: u32 = 3;
 
     fn draw((Every(meshes), Every(inflations), Every(stills)): Self::Needs) -> Outcome<Figure> {
         let (meshes, inflations) = (in_order(meshes), in_order(inflations));

@@ -8,6 +8,7 @@
 use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Dash, Figure, Legend, Mark, Marker, Panel, Placed, palette};
 use si::{MILLIMETRE, Point2};
 
+use super::order::{in_order, title};
 use super::origin_note;
 use crate::fault::{Fault, Outcome};
 use crate::figure;
@@ -22,7 +23,7 @@ impl figure::Figure for Thrust {
     type Needs = Every<records::Thrust>;
     const NAME: &'static str = "thrust";
     const SHOWS: &'static str = "theory and a network tell thrust on runs they saw and runs they did not";
-    const EDITION: u32 = 1;
+    const EDITION: u32 = 2;
 
     fn is_made_for(study: &Study) -> bool {
         Every::<records::Thrust>::any(study)
@@ -32,6 +33,7 @@ impl figure::Figure for Thrust {
         if all.is_empty() {
             return Err(Fault::new("there is no thrust to show", "no card has a split of weighed trials", "add one"));
         }
+        let all = in_order(all);
         let mut figure = Figure::new(DOUBLE_COLUMN_MM);
         for (specimen, thrust) in &all {
             let moved: Vec<Placed> = thrust.traces.iter().map(|t| motion(specimen, t)).collect();
@@ -51,11 +53,9 @@ fn curve(trace: &Trace, values: &[f64], by: f64) -> Vec<Point2> {
 
 fn motion(specimen: &Specimen, trace: &Trace) -> Placed {
     let kind = if trace.learnt { "training" } else { "test" };
-    let mut time = Axis::linear("time", "s");
-    time.written = false;
-    let axes = Axes::new(time, Axis::linear("tail", "mm"))
+    let axes = Axes::new(Axis::linear("time", "s").unwritten(), Axis::linear("tail", "mm"))
         .with(Mark::line(curve(trace, &trace.moved, 1.0 / MILLIMETRE), palette::DISPLACEMENT));
-    Panel::Axes(axes).titled(&format!("{} {kind}: {}", specimen.card.name, trace.run))
+    Panel::Axes(axes).titled(&format!("{} {kind}: {}", title(&specimen.card.name), trace.run.replace('_', " ")))
 }
 
 fn forces(trace: &Trace) -> Placed {
@@ -88,5 +88,5 @@ fn means(specimen: &Specimen, thrust: &records::Thrust) -> Placed {
         .with(Mark::line(vec![[0.0, 0.0], [most, most]], palette::MUTED).dashed(Dash::Dotted))
         .with(Mark::points(points(|m| m.theory_n), Marker::Triangle, palette::ELONGATED_BODY).labelled("theory"))
         .with(Mark::points(points(|m| m.network_n), Marker::Disc, palette::NETWORK).labelled("network"));
-    Panel::Axes(axes.legend(Legend::Over)).titled(&format!("{}: runs held out", specimen.card.name))
+    Panel::Axes(axes.legend(Legend::Over)).titled(&format!("{}: runs held out", title(&specimen.card.name)))
 }

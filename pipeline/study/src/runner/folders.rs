@@ -72,6 +72,11 @@ impl Folders {
         }
     }
 
+    /// The page that shows everything.
+    pub fn page(&self) -> PathBuf {
+        self.base.join("figures").join("index.html")
+    }
+
     /// The numbers that leave the house.
     pub fn metrics(&self) -> PathBuf {
         self.processed().join("metrics.json")

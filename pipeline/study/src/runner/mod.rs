@@ -10,6 +10,7 @@ mod inputs;
 mod lock;
 mod manifest;
 mod metrics_file;
+mod page_file;
 mod paper_files;
 mod plan;
 mod pool;
@@ -22,6 +23,8 @@ pub use folders::Folders;
 pub use graph::Goal;
 pub use metrics_file::{Entry as MetricEntry, read as read_metrics};
 pub use paper_files::{resolve as resolve_paper, unresolved as unresolved_paper, write as write_paper};
+
+use std::path::PathBuf;
 
 use crate::entry::Entry;
 use crate::fault::{Fault, Outcome};
@@ -92,6 +95,14 @@ impl Runner {
     pub fn why(&self, entry: &str) -> Outcome<String> {
         let goal = Goal { entries: vec![entry.into()], specimen: None };
         Ok(plan::why(self, &self.jobs_of(&goal)?, entry))
+    }
+
+    /// Writes the page that shows everything; says where it lies.
+    ///
+    /// # Errors
+    /// A [`Fault`] when it cannot be written or a record is damaged.
+    pub fn page(&self) -> Outcome<PathBuf> {
+        page_file::write(self)
     }
 
     fn jobs_of(&self, goal: &Goal) -> Outcome<Vec<Job>> {
