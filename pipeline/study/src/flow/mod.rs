@@ -116,7 +116,7 @@ mod tests {
 
     #[test]
     fn every_stage_of_the_pipeline_reads_only_what_comes_before_it() {
-        let card = lab::card::parse(include_str!("../../tests/card.toml")).unwrap();
+        let card = lab::card::parse(include_str!("../../tests/card.toml"), std::path::Path::new("card.toml")).unwrap();
         let study = Study { specimens: vec![crate::subject::Specimen { card: card.into() }] };
         let flow = Flow::of(&study, crate::stages::ALL);
         assert!(flow.rooms.iter().enumerate().all(|(i, room)| room.reads.iter().all(|&r| r < i)), "{flow:?}");

@@ -131,13 +131,3 @@ fn bodies(runner: &Runner, store: &Store) -> Outcome<Vec<Body>> {
     }
     Ok(bodies)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_keep_four_digits_that_count() {
-        assert_eq!([0.2345678, 23.45678, 1234.5678, 0.0].map(rounded), ["0.2346", "23.46", "1235", "0"]);
-    }
-}

@@ -26,7 +26,7 @@ impl Stage for Findings {
     type Needs = (Every<Identified>, Every<Validation>, Every<Thrust>, Every<LoadCell>);
     type Makes = Record;
     const STORY: &'static str = "what was found is put into the words of the claims";
-    const EDITION: u32 = 1;
+    const EDITION: u32 = 2;
 
     fn run(_: &Study, _: &Settings, needs: Self::Needs, _: &dyn Desk) -> Outcome<Record> {
         let (Every(identified), Every(validated), Every(thrusts), Every(cells)) = needs;
