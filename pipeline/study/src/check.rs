@@ -1,23 +1,25 @@
 //! The check: every number against its expectation and every claim against its rule, as a page of text.
 //!
-//! Stands on: claims, expected. Never knows: how a number was computed.
+//! Stands on: claims, expected, paper. Never knows: how a number was computed.
 
-use crate::claims::Claim;
+use crate::claims::{Claim, Verdict};
 use crate::expected::Expected;
+use crate::paper::Problem;
 use crate::runner::MetricEntry;
 
 /// The outcome of a check.
 pub struct Checked {
     /// What to print.
     pub text: String,
-    /// Whether any number drifted or is missing.
+    /// Whether any number drifted or is missing, or the paper cannot be built.
     pub drifted: bool,
 }
 
-/// Sets numbers beside expectations and claims beside their verdicts.
-pub fn check(metrics: &[MetricEntry], expected: &Expected, claims: &[Claim]) -> Checked {
+/// Sets numbers beside expectations and claims beside their verdicts, and says what keeps the paper from being built.
+pub fn check(metrics: &[MetricEntry], expected: &Expected, claims: &[Claim], problems: &[Problem]) -> Checked {
     let missing: Vec<&str> = expected.missing(metrics).collect();
-    let drifted = !missing.is_empty() || metrics.iter().any(|m| m.status == "drifted");
+    let off = metrics.iter().any(|m| m.status == "drifted");
+    let drifted = !missing.is_empty() || off || !problems.is_empty();
     let mut lines = vec![format!(
         "{:<52} {:>12} {:<6} {:>10} {:>12} {:>10}  status",
         "metric", "ours", "unit", "published", "expected", "within"
@@ -27,6 +29,9 @@ pub fn check(metrics: &[MetricEntry], expected: &Expected, claims: &[Claim]) -> 
     lines.push(String::new());
     lines.extend(claims.iter().map(|claim| claim_line(claim, metrics)));
     lines.push(String::new());
+    lines.extend(plainly(claims, metrics));
+    lines.push(String::new());
+    lines.extend(problems.iter().map(Problem::to_string));
     lines.push(summary(metrics, &missing, claims));
     Checked { text: lines.join("\n"), drifted }
 }
@@ -46,36 +51,41 @@ fn metric_line(entry: &MetricEntry) -> String {
 }
 
 fn claim_line(claim: &Claim, metrics: &[MetricEntry]) -> String {
-    let ours = metrics.iter().find(|m| m.metric.id == claim.metric);
-    let ours = ours.map_or_else(|| "not computed".into(), |m| format!("{} {}", tell(m.metric.value), m.metric.unit));
-    let verdict = match claim.reproduces(metrics) {
-        Some(true) => "REPRODUCES",
-        Some(false) => "DOES NOT REPRODUCE",
-        None => "OPEN",
-    };
     format!(
-        "{verdict:<18}  {}\n{:20}rule: {} {}; ours: {}; published: {}",
+        "{:<30}{}\n{:30}rule: {} {}; ours: {}; published: {}",
+        claim.verdict(metrics).in_words().to_uppercase(),
         claim.says,
         "",
-        claim.metric,
-        claim.rule_in_words(),
-        ours.trim_end(),
+        claim.metrics().map(String::as_str).collect::<Vec<_>>().join(" and "),
+        claim.rule.in_words(),
+        claim.ours(metrics).join(", "),
         claim.published
     )
 }
 
+/// What does not reproduce, a line each.
+fn plainly(claims: &[Claim], metrics: &[MetricEntry]) -> Vec<String> {
+    let of = |verdict| claims.iter().filter(move |c| c.verdict(metrics) == verdict);
+    let list = |verdict: Verdict| {
+        let lines =
+            of(verdict).map(|c| format!("  {} ({}; published {})", c.says, c.ours(metrics).join(", "), c.published));
+        std::iter::once(format!("{}: {}", verdict.in_words(), of(verdict).count())).chain(lines).collect::<Vec<_>>()
+    };
+    [list(Verdict::Fails), list(Verdict::NotMeasured)].concat()
+}
+
 fn summary(metrics: &[MetricEntry], missing: &[&str], claims: &[Claim]) -> String {
     let count = |status: &str| metrics.iter().filter(|m| m.status == status).count();
-    let claims_that = |verdict| claims.iter().filter(|c| c.reproduces(metrics) == verdict).count();
+    let claims_that = |verdict| claims.iter().filter(|c| c.verdict(metrics) == verdict).count();
     format!(
-        "{} numbers as expected, {} drifted, {} missing, {} not compared; {} claims reproduce, {} do not, {} open",
+        "{} numbers as expected, {} drifted, {} missing, {} not compared; {} claims reproduce, {} do not, {} not measured",
         count("as expected"),
         count("drifted"),
         missing.len(),
         count("not compared"),
-        claims_that(Some(true)),
-        claims_that(Some(false)),
-        claims_that(None)
+        claims_that(Verdict::Reproduces),
+        claims_that(Verdict::Fails),
+        claims_that(Verdict::NotMeasured)
     )
 }
 

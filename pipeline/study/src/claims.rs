@@ -16,10 +16,15 @@ use crate::runner::MetricEntry;
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Claim {
+    /// Its short name, by which the paper's text asks for its verdict.
+    pub name: String,
     /// What is claimed, in one sentence.
     pub says: String,
     /// The metric that decides it.
     pub metric: String,
+    /// Others that the same rule must hold for.
+    #[serde(default)]
+    pub also: Vec<String>,
     /// How it decides.
     pub rule: Rule,
     /// What was published, in words.
@@ -38,6 +43,30 @@ pub enum Rule {
     Within([f64; 2]),
     /// Smaller than another metric.
     SmallerThan(String),
+    /// Smaller than a metric that is smaller than the next, and so on.
+    Ascending(Vec<String>),
+}
+
+/// What the numbers say of a claim.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// Its rule holds for every metric.
+    Reproduces,
+    /// Its rule does not hold for at least one.
+    Fails,
+    /// A number that it needs was not measured in this profile, and those that were do not speak against it.
+    NotMeasured,
+}
+
+impl Verdict {
+    /// As `study check` and the paper print it.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Reproduces => "reproduces",
+            Self::Fails => "does not reproduce",
+            Self::NotMeasured => "not measured in this profile",
+        }
+    }
 }
 
 #[derive(Deserialize)]
@@ -56,30 +85,85 @@ pub fn read(path: &Path) -> Outcome<Vec<Claim>> {
     };
     let text = std::fs::read_to_string(path).map_err(|e| fault(&e))?;
     let page: Page = toml::from_str(&text).map_err(|e| fault(&e))?;
-    Ok(page.claim)
+    let twice = (1..page.claim.len()).find(|&i| page.claim[..i].iter().any(|c| c.name == page.claim[i].name));
+    match twice {
+        Some(i) => Err(fault(&format!("two claims are called `{}`", page.claim[i].name))),
+        None => Ok(page.claim),
+    }
 }
 
 impl Claim {
-    /// Whether it reproduces; nothing when a metric it needs was not computed.
-    pub fn reproduces(&self, metrics: &[MetricEntry]) -> Option<bool> {
+    /// Every metric that it is decided by.
+    pub fn metrics(&self) -> impl Iterator<Item = &String> {
+        std::iter::once(&self.metric).chain(&self.also)
+    }
+
+    /// What the numbers say.
+    pub fn verdict(&self, metrics: &[MetricEntry]) -> Verdict {
+        let each: Vec<Option<bool>> = self.metrics().map(|id| self.rule.holds(id, metrics)).collect();
+        match () {
+            () if each.contains(&Some(false)) => Verdict::Fails,
+            () if each.contains(&None) => Verdict::NotMeasured,
+            () => Verdict::Reproduces,
+        }
+    }
+
+    /// Our numbers with their units, those that were measured.
+    pub fn ours(&self, metrics: &[MetricEntry]) -> Vec<String> {
+        let of = |id: &String| {
+            let found = metrics.iter().find(|m| m.metric.id == *id).map(|m| &m.metric);
+            found.map_or_else(|| "–".into(), |m| format!("{} {}", told(m.value), m.unit).trim_end().to_owned())
+        };
+        self.metrics().chain(self.rule.others()).map(of).collect()
+    }
+}
+
+impl Rule {
+    /// Whether it holds for a metric; nothing when a number is missing.
+    fn holds(&self, id: &str, metrics: &[MetricEntry]) -> Option<bool> {
         let value = |id: &str| metrics.iter().find(|m| m.metric.id == id).map(|m| m.metric.value);
-        let ours = value(&self.metric)?;
-        Some(match &self.rule {
-            Rule::AtMost(limit) => ours <= *limit,
-            Rule::AtLeast(limit) => ours >= *limit,
-            Rule::Within([low, high]) => (*low..=*high).contains(&ours),
-            Rule::SmallerThan(other) => ours < value(other)?,
+        let ours = value(id)?;
+        Some(match self {
+            Self::AtMost(limit) => ours <= *limit,
+            Self::AtLeast(limit) => ours >= *limit,
+            Self::Within([low, high]) => (*low..=*high).contains(&ours),
+            Self::SmallerThan(other) => ours < value(other)?,
+            Self::Ascending(others) => {
+                let others: Vec<f64> = others.iter().map(|id| value(id)).collect::<Option<_>>()?;
+                std::iter::once(&ours).chain(&others).is_sorted_by(|a, b| a < b)
+            }
         })
     }
 
-    /// The rule in words.
-    pub fn rule_in_words(&self) -> String {
-        match &self.rule {
-            Rule::AtMost(limit) => format!("≤ {limit}"),
-            Rule::AtLeast(limit) => format!("≥ {limit}"),
-            Rule::Within([low, high]) => format!("{low} … {high}"),
-            Rule::SmallerThan(other) => format!("< {other}"),
+    /// The metrics that it compares with.
+    pub fn others(&self) -> &[String] {
+        match self {
+            Self::SmallerThan(other) => std::slice::from_ref(other),
+            Self::Ascending(others) => others,
+            Self::AtMost(_) | Self::AtLeast(_) | Self::Within(_) => &[],
         }
+    }
+
+    /// In words.
+    pub fn in_words(&self) -> String {
+        match self {
+            Self::AtMost(limit) => format!("≤ {limit}"),
+            Self::AtLeast(limit) => format!("≥ {limit}"),
+            Self::Within([low, high]) => format!("{low} … {high}"),
+            Self::SmallerThan(other) => format!("< {other}"),
+            Self::Ascending(others) => others.iter().map(|o| format!("< {o}")).collect::<Vec<_>>().join(" "),
+        }
+    }
+}
+
+/// A number in the digits that a reader can use.
+pub fn told(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".into(),
+        v if !(1e-3..1e5).contains(&v) => format!("{value:.2e}"),
+        v if v >= 100.0 => format!("{value:.0}"),
+        v if v >= 1.0 => format!("{value:.2}"),
+        _ => format!("{value:.4}"),
     }
 }
 
@@ -89,17 +173,37 @@ mod tests {
     use crate::expected::Expected;
     use crate::metric::Metric;
 
-    fn claim(rule: Rule) -> Claim {
-        Claim { says: "a".into(), metric: "a".into(), rule, published: String::new() }
+    fn claim(rule: Rule, also: &[&str]) -> Claim {
+        let also = also.iter().map(|s| (*s).to_owned()).collect();
+        Claim { name: "a".into(), says: "a".into(), metric: "a".into(), also, rule, published: String::new() }
+    }
+
+    fn metrics() -> Vec<MetricEntry> {
+        [("a", 2.0), ("b", 3.0), ("d", 4.0)].map(|(id, v)| Expected::default().judge(Metric::new(id, v, ""))).into()
     }
 
     #[test]
     fn a_claim_is_decided_by_its_rule_and_open_without_its_metric() {
-        let metrics: Vec<_> =
-            [("a", 2.0), ("b", 3.0)].map(|(id, v)| Expected::default().judge(Metric::new(id, v, ""))).into();
-        assert_eq!(claim(Rule::AtMost(1.0)).reproduces(&metrics), Some(false));
-        assert_eq!(claim(Rule::Within([1.0, 2.0])).reproduces(&metrics), Some(true));
-        assert_eq!(claim(Rule::SmallerThan("b".into())).reproduces(&metrics), Some(true));
-        assert_eq!(claim(Rule::SmallerThan("c".into())).reproduces(&metrics), None);
+        let verdict = |rule| claim(rule, &[]).verdict(&metrics());
+        assert_eq!(verdict(Rule::AtMost(1.0)), Verdict::Fails);
+        assert_eq!(verdict(Rule::Within([1.0, 2.0])), Verdict::Reproduces);
+        assert_eq!(verdict(Rule::SmallerThan("b".into())), Verdict::Reproduces);
+        assert_eq!(verdict(Rule::SmallerThan("c".into())), Verdict::NotMeasured);
+    }
+
+    #[test]
+    fn a_chain_holds_when_every_link_does() {
+        let chain = |ids: [&str; 2]| claim(Rule::Ascending(ids.map(str::to_owned).into()), &[]).verdict(&metrics());
+        assert_eq!(chain(["b", "d"]), Verdict::Reproduces);
+        assert_eq!(chain(["d", "b"]), Verdict::Fails);
+        assert_eq!(chain(["b", "c"]), Verdict::NotMeasured);
+    }
+
+    #[test]
+    fn a_claim_of_several_numbers_fails_by_one_and_is_open_when_only_good_ones_are_there() {
+        assert_eq!(claim(Rule::AtMost(2.5), &["b"]).verdict(&metrics()), Verdict::Fails);
+        assert_eq!(claim(Rule::AtMost(2.5), &["c"]).verdict(&metrics()), Verdict::NotMeasured);
+        assert_eq!(claim(Rule::AtMost(3.5), &["b"]).verdict(&metrics()), Verdict::Reproduces);
+        assert_eq!(claim(Rule::AtMost(1.0), &["c"]).verdict(&metrics()), Verdict::Fails);
     }
 }

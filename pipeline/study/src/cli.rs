@@ -93,6 +93,8 @@ pub enum Command {
         #[command(subcommand)]
         what: Option<Checked>,
     },
+    /// Put the numbers, figures and tables of the last run into the paper's source; `typeset` makes the PDF of it.
+    Paper,
     /// List the stages, figures and tables, each with its story.
     List,
 }

@@ -140,7 +140,10 @@ pub const fn table<T: Table>() -> Entry {
         story: T::SHOWS,
         kind: Kind::Table,
         edition: T::EDITION,
-        subjects: |study| if T::is_made_for(study) { study.name_if_any() } else { Vec::new() },
+        subjects: |study| {
+            let named = if T::is_made_for(study) { study.name_if_any() } else { Vec::new() };
+            named.into_iter().map(|name| format!("{name}/table")).collect()
+        },
         ingredients: |study, _, _| Ok(shown(T::Needs::wanted(study))),
         reads: |study| shows(T::Needs::wanted(study)),
         make: |study, _, _, shelf, _| {
@@ -185,4 +188,23 @@ fn as_json(value: &impl serde::Serialize) -> Outcome<Value> {
 
 fn unwritable(error: RecordError) -> Fault {
     Fault::new("the record cannot be written", error, "report it: a stage made a table with ragged columns")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::subject::Specimen;
+
+    #[test]
+    fn no_two_entries_make_the_same_record() {
+        let card = lab::card::parse(include_str!("../tests/card.toml"), std::path::Path::new("card.toml")).unwrap();
+        let study = Study { specimens: vec![Specimen { card: card.into() }] };
+        let entries = crate::LISTS.iter().flat_map(|list| list.iter());
+        let mut ids: Vec<(&str, String)> =
+            entries.flat_map(|e| (e.subjects)(&study).into_iter().map(|subject| (e.name, subject))).collect();
+        let all = ids.len();
+        ids.sort();
+        ids.dedup();
+        assert_eq!(ids.len(), all);
+    }
 }

@@ -2,7 +2,7 @@
 //!
 //! Stands on: metric. Never knows: how a number was computed.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use serde::Deserialize;
@@ -17,6 +17,7 @@ use crate::settings::Profile;
 pub struct Expected {
     published: BTreeMap<String, f64>,
     expected: BTreeMap<String, Expectation>,
+    named: BTreeSet<String>,
 }
 
 /// What one number should be.
@@ -32,6 +33,8 @@ pub struct Expectation {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Page {
+    #[serde(default)]
+    not_in_every_profile: BTreeSet<String>,
     #[serde(default)]
     published: BTreeMap<String, f64>,
     #[serde(default)]
@@ -51,11 +54,13 @@ impl Expected {
         };
         let text = std::fs::read_to_string(path).map_err(|e| fault(&e))?;
         let page: Page = toml::from_str(&text).map_err(|e| fault(&e))?;
+        let listed = [&page.paper, &page.quick].into_iter().flat_map(BTreeMap::keys).chain(page.published.keys());
+        let named = page.not_in_every_profile.iter().chain(listed).cloned().collect();
         let expected = match profile {
             Profile::Paper => page.paper,
             Profile::Quick => page.quick,
         };
-        Ok(Self { published: page.published, expected })
+        Ok(Self { published: page.published, expected, named })
     }
 
     /// A number beside what is known of it.
@@ -75,6 +80,11 @@ impl Expected {
         }
     }
 
+    /// Names of all numbers that the page lists, in whichever profile.
+    pub fn named(&self) -> &BTreeSet<String> {
+        &self.named
+    }
+
     /// Names that are expected but were not computed.
     pub fn missing<'a>(&'a self, computed: &'a [MetricEntry]) -> impl Iterator<Item = &'a str> {
         self.expected.keys().map(String::as_str).filter(|name| !computed.iter().any(|m| m.metric.id == *name))
@@ -88,7 +98,7 @@ mod tests {
     #[test]
     fn a_number_outside_its_tolerance_has_drifted() {
         let expectation = Expectation { value: 1.0, within: 0.1 };
-        let expected = Expected { published: BTreeMap::new(), expected: BTreeMap::from([("a".into(), expectation)]) };
+        let expected = Expected { expected: BTreeMap::from([("a".into(), expectation)]), ..Expected::default() };
         let status = |value| expected.judge(Metric::new("a", value, "mm")).status;
         assert_eq!((status(1.05).as_str(), status(1.2).as_str()), ("as expected", "drifted"));
         assert_eq!(expected.missing(&[]).collect::<Vec<_>>(), ["a"]);

@@ -24,6 +24,7 @@ pub mod metric;
 pub mod model;
 pub mod needs;
 pub mod page;
+pub mod paper;
 pub mod record;
 pub mod records;
 pub mod runner;
@@ -36,7 +37,7 @@ pub mod table;
 pub mod tables;
 pub mod thrust;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use check::Checked;
@@ -75,7 +76,25 @@ pub fn open(root: &Path, profile: Profile, quiet: bool, jobs: usize) -> Outcome<
 pub fn check(runner: &Runner) -> Outcome<Checked> {
     let expected = Expected::read(&runner.folders.expected(), runner.profile)?;
     let metrics: Vec<_> = runner::read_metrics(runner)?.into_iter().map(|m| expected.judge(m.metric)).collect();
-    Ok(check::check(&metrics, &expected, &claims::read(&runner.folders.claims())?))
+    let problems = runner::resolve_paper(runner)?.err().unwrap_or_default();
+    Ok(check::check(&metrics, &expected, &claims::read(&runner.folders.claims())?, &problems))
+}
+
+/// Puts every number, verdict, figure and table of the last run into the paper's source, and lays it where a typesetter
+/// finds it; says where.
+///
+/// # Errors
+/// A [`Fault`] with every problem, when the source names something that is not there or leaves out something that is.
+pub fn paper(runner: &Runner) -> Outcome<PathBuf> {
+    runner::write_paper(runner)
+}
+
+/// The paper's source in the project at `root`, and what it may name before anything was computed.
+///
+/// # Errors
+/// A [`Fault`] when a file of the project cannot be read.
+pub fn paper_source(root: &Path) -> Outcome<(Vec<paper::Page>, paper::Facts)> {
+    runner::unresolved_paper(&Folders::new(root, Profile::Quick), LISTS)
 }
 
 /// The list of stages, figures and tables, a line each.

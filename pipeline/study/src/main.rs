@@ -65,6 +65,14 @@ fn run(cli: &Cli) -> Outcome<bool> {
         Command::Check { what: Some(Checked::Gradients { cases, steps }) } => {
             certify(&cli.place.root, cases, *steps, cli.place.quiet)
         }
+        Command::Paper => {
+            let (runner, faults) = open()?;
+            let place = study::paper(&runner)?;
+            if !cli.place.quiet {
+                println!("{}", runner.folders.tell(&place));
+            }
+            Ok(tell(&faults))
+        }
         Command::List => {
             print!("{}", study::story());
             Ok(true)

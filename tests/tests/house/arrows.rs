@@ -20,7 +20,11 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("lab", &["si"]),
     ("rig", &["si", "lab", "shape", "fem", "track", "signal"]),
     ("study", &["si", "lab", "shape", "fem", "track", "signal", "fit", "hydro", "plot"]),
+    ("typeset", &[]),
 ];
+
+/// Crates that `cargo build` leaves out: their dependencies take long, and nothing of the house needs them.
+const LEFT_OUT: &[&str] = &["typeset"];
 
 /// What a manifest uses of the house beyond its arrows.
 fn wrong_arrows(name: &str, manifest: &str) -> Vec<String> {
@@ -70,6 +74,15 @@ fn every_crate_is_named_in_the_table_of_contributing() {
     if !page.is_empty() {
         nobody_complains(unnamed(&crates(), &page));
     }
+}
+
+#[test]
+fn every_crate_but_those_left_out_is_built_by_default() {
+    let manifest: toml::Table = text("Cargo.toml").parse().unwrap();
+    let listed = manifest["workspace"]["default-members"].as_array().unwrap();
+    let built = |name: &str| listed.iter().any(|l| l.as_str() == Some(&format!("pipeline/{name}")));
+    let wrong = crates().into_iter().filter(|name| built(name) == LEFT_OUT.contains(&name.as_str()));
+    nobody_complains(wrong.map(|name| format!("default-members are wrong about `{name}`")).collect());
 }
 
 #[test]

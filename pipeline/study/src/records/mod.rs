@@ -5,6 +5,7 @@
 mod camera;
 mod cell;
 mod damping;
+mod findings;
 mod four_parameters;
 mod identified;
 mod inflation;
@@ -25,6 +26,7 @@ mod vtu;
 pub use camera::Camera;
 pub use cell::{Fixture, LoadCell, Shown};
 pub use damping::Damping;
+pub use findings::{Finding, Findings};
 pub use four_parameters::{Four, FourParameters};
 pub use identified::{Certainty, Doubt, Identified, Level, Point, Profile, Search, Surface, Tried};
 pub use inflation::{Inflation, Shape, Walls};

@@ -102,6 +102,21 @@ impl Folders {
         self.project.join("paper").join("expected.toml")
     }
 
+    /// The paper's source, the project's in both profiles.
+    pub fn paper_source(&self) -> PathBuf {
+        self.project.join("paper")
+    }
+
+    /// The paper's source with everything in place.
+    pub fn paper_in_place(&self) -> PathBuf {
+        self.processed().join("paper")
+    }
+
+    /// The crates, where the tests stand that the paper's equations name.
+    pub fn crates(&self) -> PathBuf {
+        self.project.join("pipeline")
+    }
+
     /// A path as a person in the project's folder would type it.
     pub fn tell(&self, path: &Path) -> String {
         path.strip_prefix(&self.project).unwrap_or(path).display().to_string()

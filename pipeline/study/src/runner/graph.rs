@@ -74,7 +74,10 @@ fn check_goal(entries: &[&'static Entry], study: &Study, goal: &Goal) -> Outcome
 /// The goal's own records and, going back through the list, everything that they read.
 fn needed(all: &[Job], goal: &Goal) -> BTreeSet<Id> {
     let of_specimen = |id: &Id| match &goal.specimen {
-        Some(name) => id.subject.split('/').next() == Some(name) || id.subject == "all" && !goal.entries.is_empty(),
+        Some(name) => {
+            let first = id.subject.split('/').next();
+            first == Some(name) || first == Some("all") && !goal.entries.is_empty()
+        }
         None => true,
     };
     let asked = |id: &Id| goal.entries.is_empty() || goal.entries.iter().any(|name| name == id.stage);

@@ -11,6 +11,7 @@ mod lock;
 mod manifest;
 mod metrics_file;
 mod page_file;
+mod paper_files;
 mod plan;
 mod pool;
 mod report;
@@ -21,6 +22,7 @@ mod verdict;
 pub use folders::Folders;
 pub use graph::Goal;
 pub use metrics_file::{Entry as MetricEntry, read as read_metrics};
+pub use paper_files::{resolve as resolve_paper, unresolved as unresolved_paper, write as write_paper};
 
 use std::path::PathBuf;
 

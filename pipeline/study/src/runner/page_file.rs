@@ -77,22 +77,17 @@ fn shown(jobs: &[Job], store: &Store, kind: Kind, ending: &str) -> Vec<Shown> {
 }
 
 fn verdict(claim: &Claim, metrics: &[MetricEntry]) -> Verdict {
-    let ours = metrics.iter().find(|m| m.metric.id == claim.metric);
+    let by: Vec<&str> = claim.metrics().map(String::as_str).collect();
     Verdict {
         says: claim.says.clone(),
-        reproduces: claim.reproduces(metrics),
-        rule: format!("{} {}", claim.metric, claim.rule_in_words()),
-        ours: ours.map_or_else(String::new, |m| format!("{} {}", rounded(m.metric.value), m.metric.unit)),
+        reproduces: match claim.verdict(metrics) {
+            claims::Verdict::Reproduces => Some(true),
+            claims::Verdict::Fails => Some(false),
+            claims::Verdict::NotMeasured => None,
+        },
+        rule: format!("{} {}", by.join(" and "), claim.rule.in_words()),
+        ours: claim.ours(metrics).join(", "),
         published: claim.published.clone(),
-    }
-}
-
-/// Four digits that count.
-fn rounded(value: f64) -> String {
-    match value.abs() {
-        0.0 => "0".into(),
-        v if !(1e-3..1e5).contains(&v) => format!("{value:.2e}"),
-        v => format!("{value:.*}", (3 - v.log10().floor() as i32).max(0) as usize),
     }
 }
 
@@ -141,14 +136,4 @@ fn bodies(runner: &Runner, store: &Store) -> Outcome<Vec<Body>> {
         bodies.push(Body::new(&specimen.card.name, &mesh, &inflation));
     }
     Ok(bodies)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_keep_four_digits_that_count() {
-        assert_eq!([0.2345678, 23.45678, 1234.5678, 0.0].map(rounded), ["0.2346", "23.46", "1235", "0"]);
-    }
 }

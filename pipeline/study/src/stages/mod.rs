@@ -8,6 +8,7 @@ mod camera;
 mod certainty;
 mod clock;
 mod damping;
+mod findings;
 mod fitting;
 mod four_parameters;
 mod identify;
@@ -53,5 +54,6 @@ pub const ALL: &[Entry] = &[
     stage::<damping::Damping>(),    // a release               → how fast a swing dies
     stage::<validate::Validate>(),  // flapping never seen         → error of the prediction
     stage::<thrust::Thrust>(),      // motion, pressure, force     → models of thrust
+    stage::<findings::Findings>(),  // what was found              → what claims need
     stage::<recovery::Recovery>(),  // what was found, what was true → how close
 ];

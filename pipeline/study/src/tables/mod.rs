@@ -3,9 +3,14 @@
 //! Stands on: the contract in `table.rs` and its members. Never knows: a file name, a stage's code.
 //! A new table: its file and its line in [`ALL`].
 
+mod bench_realism;
+mod cells;
+mod instruments;
 mod mesh_honesty;
 mod methods;
 mod optics;
+mod prototypes;
+mod recovery;
 mod thrust_models;
 mod trials;
 
@@ -13,9 +18,12 @@ use crate::entry::{Entry, table};
 
 /// Every table.
 pub const ALL: &[Entry] = &[
-    table::<methods::Methods>(),
-    table::<mesh_honesty::MeshHonesty>(),
-    table::<optics::Optics>(),
+    table::<prototypes::Prototypes>(),
     table::<trials::Trials>(),
+    table::<methods::Methods>(),
     table::<thrust_models::ThrustModels>(),
+    table::<recovery::Recovery>(),
+    table::<mesh_honesty::MeshHonesty>(),
+    table::<bench_realism::BenchRealism>(),
+    table::<optics::Optics>(),
 ];

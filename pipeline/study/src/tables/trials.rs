@@ -3,7 +3,7 @@
 //! Stands on: plot. Never knows: how a number was computed.
 
 use lab::card::{Experiment, Split};
-use plot::Column;
+use plot::{Alignment, Column};
 use si::MILLIBAR;
 
 use crate::fault::{Fault, Outcome};
@@ -19,7 +19,7 @@ impl Table for Trials {
     type Needs = Every<Thrust>;
     const NAME: &'static str = "trials";
     const SHOWS: &'static str = "what thrust is learnt from and judged by";
-    const EDITION: u32 = 1;
+    const EDITION: u32 = 2;
 
     fn is_made_for(study: &Study) -> bool {
         Every::<Thrust>::any(study)
@@ -29,11 +29,16 @@ impl Table for Trials {
         let columns = [Column::words("specimen"), Column::words("mode")]
             .into_iter()
             .chain(Column::beside_published("trials", ""))
-            .chain([Column::words("pressure (mbar)"), Column::words("frequency (Hz)")])
+            .chain(words_beside_published("pressure", "mbar"))
+            .chain(words_beside_published("frequency", "Hz"))
             .collect();
         let rows = all.iter().flat_map(|(s, _)| [Split::Train, Split::Test].map(|split| row(s, split)));
         plot::Table::new(columns, rows.collect()).map_err(Fault::from_tool)
     }
+}
+
+fn words_beside_published(group: &str, unit: &str) -> [Column; 2] {
+    Column::beside_published(group, unit).map(|column| Column { alignment: Alignment::Left, ..column })
 }
 
 fn row(specimen: &Specimen, split: Split) -> Vec<String> {
@@ -45,8 +50,10 @@ fn row(specimen: &Specimen, split: Split) -> Vec<String> {
     });
     let (pressures, frequencies): (Vec<f64>, Vec<f64>) = beats.unzip();
     let mode = if split == Split::Train { "training" } else { "test" };
-    let published = published(&specimen.name(), split).to_owned();
-    vec![specimen.name(), mode.into(), of.len().to_string(), published, distinct(pressures), distinct(frequencies)]
+    let theirs = published(&specimen.name(), split);
+    let ours = [of.len().to_string(), distinct(pressures), distinct(frequencies)];
+    let pairs = ours.into_iter().zip(theirs).flat_map(|(a, b)| [a, b.to_owned()]);
+    [specimen.name(), mode.into()].into_iter().chain(pairs).collect()
 }
 
 fn distinct(mut values: Vec<f64>) -> String {
@@ -55,13 +62,13 @@ fn distinct(mut values: Vec<f64>) -> String {
     values.iter().map(|v| format!("{v:.0}")).collect::<Vec<_>>().join(", ")
 }
 
-/// The paper's table II.
-fn published(specimen: &str, split: Split) -> &'static str {
+/// The paper's table II: trials, mbar, Hz.
+fn published(specimen: &str, split: Split) -> [&'static str; 3] {
     match (specimen, split) {
-        ("nemo", Split::Train) => "32",
-        ("nemo", Split::Test) => "8",
-        ("bruce", Split::Train) => "30",
-        ("bruce", Split::Test) => "10",
-        _ => "",
+        ("nemo", Split::Train) => ["32", "200, 300", "1, 2, 3, 4"],
+        ("nemo", Split::Test) => ["8", "200, 300", "1, 2, 3, 4"],
+        ("bruce", Split::Train) => ["30", "500, 750", "1, 2, 3"],
+        ("bruce", Split::Test) => ["10", "500, 750", "4"],
+        _ => [""; 3],
     }
 }

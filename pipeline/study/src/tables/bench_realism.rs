@@ -1,0 +1,174 @@
+//! Table `bench_realism`: what the recordings show of the instruments, beside what real ones showed.
+//!
+//! The measured column is of a proportional valve and a 1 kg load cell on such a tail, beside a tank of the same kind.
+//!
+//! Stands on: plot, instruments. Never knows: how a recording was made.
+
+use lab::card::{Experiment, Medium};
+use plot::Column;
+use si::MILLIBAR;
+
+use super::instruments::{Pulse, pulses, range, scatter};
+use crate::fault::{Fault, Outcome};
+use crate::needs::Every;
+use crate::records::{Motion, Pull, Tank, Thrust};
+use crate::subject::{Scope, Specimen, Trial};
+use crate::table::Table;
+
+/// The table.
+pub struct BenchRealism;
+
+/// Levels count as one when they are so near, mbar.
+const NEAR: f64 = 15.0;
+/// mbar, and the time constants measured from there, ms.
+const EMPTIED: [(f64, [f64; 2]); 3] = [(90.0, [25.0, 29.0]), (190.0, [38.0, 40.0]), (240.0, [44.0, 48.0])];
+/// Hz, and what a square wave of 300 mbar is held at, mbar.
+const HELD: [(f64, f64); 5] = [(1.0, 276.0), (2.0, 265.0), (3.0, 258.0), (3.5, 245.0), (4.0, 237.0)];
+/// Specimen, mbar, N after five seconds in still water.
+const STILL: [(&str, f64, [f64; 2]); 5] = [
+    ("nemo", 100.0, [0.017, 0.017]),
+    ("nemo", 200.0, [0.056, 0.056]),
+    ("nemo", 250.0, [0.163, 0.232]),
+    ("dory", 400.0, [0.07, 0.07]),
+    ("bruce", 500.0, [0.071, 0.071]),
+];
+
+/// One line: what, its unit, digits, what real ones showed, what these show.
+struct Line(String, &'static str, usize, [f64; 2], Option<[f64; 2]>);
+
+impl Table for BenchRealism {
+    type Needs = (Every<Motion>, Every<Pull>, Every<Tank>, Every<Thrust>);
+    const NAME: &'static str = "bench_realism";
+    const SHOWS: &'static str = "what the recordings show of the instruments, beside real ones";
+    const EDITION: u32 = 2;
+
+    fn fill((Every(motions), Every(pulls), Every(tanks), Every(thrusts)): Self::Needs) -> Outcome<plot::Table> {
+        let columns = [Column::words("quantity"), Column::words("unit")]
+            .into_iter()
+            .chain(Column::beside_published("range", "").map(real))
+            .chain([Column::words("verdict")])
+            .collect();
+        let lines = [valve(&motions), cell(&pulls), waves(&tanks), still(&thrusts)].into_iter().flatten();
+        let table = plot::Table::new(columns, lines.filter_map(row).collect()).map_err(Fault::from_tool)?;
+        Ok(table
+            .noted("Real ones: a proportional valve, a 1 kg load cell and a tank of this kind; not from the paper."))
+    }
+}
+
+/// What was not published in the paper but measured on such instruments.
+fn real(column: Column) -> Column {
+    if column.published { Column { title: "real ones".into(), ..column } } else { column }
+}
+
+fn row(Line(quantity, unit, digits, real, ours): Line) -> Option<Vec<String>> {
+    let ours = ours?;
+    let told = |[low, high]: [f64; 2]| match high - low < 0.5 * 10_f64.powi(-(digits as i32)) {
+        true => format!("{low:.digits$}"),
+        false => format!("{low:.digits$} to {high:.digits$}"),
+    };
+    let apart = ours[1] < real[0] || real[1] < ours[0];
+    let inside = real[0] <= ours[0] && ours[1] <= real[1];
+    let verdict = if inside {
+        "inside"
+    } else if apart {
+        "outside"
+    } else {
+        "overlaps"
+    };
+    Some(vec![quantity, unit.into(), told(ours), told(real), verdict.into()])
+}
+
+fn valve(motions: &[(Trial, Motion)]) -> Vec<Line> {
+    let all: Vec<(&Trial, Pulse)> = motions
+        .iter()
+        .flat_map(|(t, m)| m.gauges.iter().flat_map(move |g| pulses(&m.log_time, g).into_iter().map(move |p| (t, p))))
+        .collect();
+    let near = |p: &Pulse, mbar: f64| (p.held / MILLIBAR - mbar).abs() < NEAR;
+    let stair = |t: &Trial| matches!(t.trial.experiment, Experiment::Staircase { .. });
+    let long =
+        |of: &dyn Fn(&Pulse) -> Option<f64>| range(all.iter().filter(|(t, _)| stair(t)).filter_map(|(_, p)| of(p)));
+    let at = |mbar, value: fn(&Pulse) -> f64| long(&move |p| near(p, mbar).then(|| value(p)));
+    let low = |p: &Pulse| p.asked < 260.0 * MILLIBAR;
+    let line = |what: &str, unit, real, ours| Line(what.into(), unit, 0, real, ours);
+    let mut lines = vec![
+        line("fill near 100 mbar: dead time", "ms", [70.0, 85.0], at(90.0, |p| 1e3 * p.fill_dead)),
+        line("fill near 200 mbar: dead time", "ms", [40.0, 45.0], at(190.0, |p| 1e3 * p.fill_dead)),
+        line("fill up to 250 mbar: within 5 %", "ms", [150.0, 230.0], long(&|p| low(p).then_some(1e3 * p.fill))),
+        line("settles under the command by", "mbar", [5.0, 15.0], long(&|p| Some((p.asked - p.held) / MILLIBAR))),
+        line("exhaust near 200 mbar: dead time", "ms", [38.0, 58.0], at(190.0, |p| 1e3 * p.empty_dead)),
+    ];
+    lines.extend(EMPTIED.map(|(mbar, real)| {
+        line(&format!("exhaust from {mbar} mbar: time constant"), "ms", real, at(mbar, |p| 1e3 * p.empty))
+    }));
+    lines.extend(HELD.map(|(hz, mbar)| {
+        let same = |t: &Trial, p: &Pulse| beats_at(t, hz) && (p.asked / MILLIBAR - 300.0).abs() < 1.0;
+        let ours = range(all.iter().filter(|(t, p)| same(t, p)).map(|(_, p)| p.held / MILLIBAR));
+        line(&format!("square wave of 300 mbar at {hz} Hz: held"), "mbar", [mbar - 6.0, mbar + 6.0], ours)
+    }));
+    lines
+}
+
+fn beats_at(trial: &Trial, hz: f64) -> bool {
+    matches!(trial.trial.experiment, Experiment::Flapping { frequency, .. } if (frequency - hz).abs() < 0.01)
+}
+
+fn cell(pulls: &[(Trial, Pull)]) -> Vec<Line> {
+    let before = |pull: &Pull| {
+        let rest = pull.time.iter().zip(&pull.raw).filter(|(t, _)| **t < pull.commanded[0]);
+        1e3 * scatter(&rest.map(|(_, f)| *f).collect::<Vec<_>>())
+    };
+    let drift = |pull: &Pull| Some(1e3 * (pull.zero.last()? - pull.zero.first()?).abs());
+    let in_water = || pulls.iter().filter(|(t, _)| t.trial.medium == Medium::Water);
+    vec![
+        Line("noise in water".into(), "mN", 1, [1.0, 3.0], range(in_water().map(|(_, p)| before(p)))),
+        Line(
+            "drift of the zero in a run".into(),
+            "mN",
+            1,
+            [0.0, 45.0],
+            range(pulls.iter().filter_map(|(_, p)| drift(p))),
+        ),
+    ]
+}
+
+fn waves(tanks: &[(Specimen, Tank)]) -> Vec<Line> {
+    let of = |k: usize| range(tanks.iter().filter_map(|(_, tank)| tank.waves.get(k).map(|w| w.frequency)));
+    vec![
+        Line("tank: first wave".into(), "Hz", 2, [1.0, 1.2], of(0)),
+        Line("tank: second wave".into(), "Hz", 2, [1.8, 2.0], of(1)),
+    ]
+}
+
+/// What the cross-talk's curve says at pressures at which real tails were held still.
+fn still(thrusts: &[(Specimen, Thrust)]) -> Vec<Line> {
+    let ours = |name: &str, mbar: f64| {
+        let (_, thrust) = thrusts.iter().find(|(s, _)| s.name() == name)?;
+        let curve = thrust.crosstalk.pressures_pa.iter().zip(&thrust.crosstalk.forces_n);
+        range(curve.filter(|(p, _)| (**p / MILLIBAR - mbar).abs() < NEAR).map(|(_, f)| *f))
+    };
+    let line = |(name, mbar, real): (&str, f64, [f64; 2])| {
+        Line(format!("{name} still in water at {mbar} mbar"), "N", 3, real, ours(name, mbar))
+    };
+    STILL.map(line).into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn verdict(real: [f64; 2], ours: [f64; 2]) -> String {
+        row(Line("a".into(), "ms", 0, real, Some(ours))).unwrap().pop().unwrap()
+    }
+
+    #[test]
+    fn a_range_lies_inside_overlaps_or_lies_outside() {
+        assert_eq!(verdict([1.0, 4.0], [2.0, 3.0]), "inside");
+        assert_eq!(verdict([1.0, 4.0], [3.0, 5.0]), "overlaps");
+        assert_eq!(verdict([1.0, 4.0], [5.0, 6.0]), "outside");
+    }
+
+    #[test]
+    fn what_was_not_recorded_has_no_line() {
+        assert!(row(Line("a".into(), "ms", 0, [0.0, 1.0], None)).is_none());
+    }
+}

@@ -1,0 +1,80 @@
+//! How many cells a side a meshed tail has: swellings of its first chamber along the tail, parted by the necks of a channel.
+//!
+//! Stands on: the mesh's record. Never knows: a table.
+
+use shape::Skin;
+
+use crate::records::Mesh;
+
+/// Slices along the chamber; a cell of the shortest tail is eight of them long.
+const SLICES: usize = 240;
+/// A neck is narrower than this share of the wider of two neighbouring cells.
+const NECK: f64 = 0.5;
+
+/// Cells of the first chamber; 0 where there is none.
+pub fn a_side(mesh: &Mesh) -> usize {
+    mesh.chambers.first().map_or(0, |chamber| swellings(&profile(mesh, Skin::Chamber(chamber.skin))))
+}
+
+/// Extent in y × extent in z of the chamber's skin, m², slice by slice along x; 0 between.
+fn profile(mesh: &Mesh, on: Skin) -> Vec<f64> {
+    let faces: Vec<[[f64; 3]; 3]> = mesh
+        .solid
+        .skin
+        .iter()
+        .filter(|face| face.on == on)
+        .map(|face| std::array::from_fn(|k| mesh.solid.nodes[face.nodes[k] as usize]))
+        .collect();
+    let along = |choose: fn(f64, f64) -> f64, from| faces.iter().flatten().map(|p| p[0]).fold(from, choose);
+    let (first, last) = (along(f64::min, f64::INFINITY), along(f64::max, f64::NEG_INFINITY));
+    let at = |i: usize| first + (last - first) * (i as f64 + 0.5) / SLICES as f64;
+    (0..SLICES).map(|i| section(&faces, at(i))).collect()
+}
+
+/// Of the cut through triangles at `x`, extent in y × extent in z, m².
+fn section(faces: &[[[f64; 3]; 3]], x: f64) -> f64 {
+    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    for [a, b] in faces.iter().flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]) {
+        if (a[0] < x) != (b[0] < x) {
+            let t = (x - a[0]) / (b[0] - a[0]);
+            for k in 0..2 {
+                let cut = a[k + 1] + t * (b[k + 1] - a[k + 1]);
+                (low[k], high[k]) = (low[k].min(cut), high[k].max(cut));
+            }
+        }
+    }
+    if low[0].is_finite() { (high[0] - low[0]) * (high[1] - low[1]) } else { 0.0 }
+}
+
+/// Peaks that are parted from the one before by a neck.
+fn swellings(profile: &[f64]) -> usize {
+    let (mut count, mut peak, mut neck) = (0, None, 0.0_f64);
+    for &width in profile {
+        match peak {
+            Some(widest) if width < NECK * widest => (peak, neck) = (None, width),
+            Some(widest) => peak = Some(width.max(widest)),
+            None if neck < NECK * width => (peak, count) = (Some(width), count + 1),
+            None => neck = neck.min(width),
+        }
+    }
+    count
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn swellings_that_taper_are_counted_and_necks_are_not() {
+        let cells = (0..9).flat_map(|k| [vec![20.0 - 1.5 * f64::from(k); 20], vec![2.0; 6]].concat());
+        assert_eq!(swellings(&cells.collect::<Vec<_>>()), 9);
+        assert_eq!(swellings(&[0.0, 0.0]), 0);
+    }
+
+    #[test]
+    fn a_section_of_a_triangle_is_as_wide_as_its_cut() {
+        let faces = [[[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 4.0]]];
+        assert!((section(&faces, 1.0) - 2.0).abs() < 1e-12);
+        assert!(section(&faces, 3.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,81 @@
+//! Table `prototypes`: what the tails are, as found, beside the published column. Paper, table I.
+//!
+//! Stands on: plot, cells. Never knows: how a modulus was found.
+
+use lab::card::Experiment;
+use plot::Column;
+use si::MILLIBAR;
+
+use super::cells;
+use crate::fault::{Fault, Outcome};
+use crate::needs::Every;
+use crate::records::{Identified, Mesh};
+use crate::subject::{Scope, Specimen};
+use crate::table::Table;
+
+/// The table.
+pub struct Prototypes;
+
+impl Table for Prototypes {
+    type Needs = (Every<Identified>, Every<Mesh>);
+    const NAME: &'static str = "prototypes";
+    const SHOWS: &'static str = "what the tails are, as found and as published";
+    const EDITION: u32 = 1;
+
+    fn fill((Every(found), Every(meshes)): Self::Needs) -> Outcome<plot::Table> {
+        let quantities = [("E of the body", "MPa"), ("E of the spine", "GPa"), ("cells a side", "")];
+        let pairs = quantities.iter().flat_map(|(title, unit)| Column::beside_published(title, unit));
+        let columns = [Column::words("specimen"), published_words("material of the body")]
+            .into_iter()
+            .chain(pairs)
+            .chain(Column::beside_published("highest pressure", "bar"))
+            .collect();
+        let mesh_of = |s: &Specimen| meshes.iter().find(|(of, _)| of.name() == s.name()).map(|(_, mesh)| mesh);
+        let rows = found.iter().map(|(s, identified)| row(s, identified, mesh_of(s)));
+        let table = plot::Table::new(columns, rows.collect()).map_err(Fault::from_tool)?;
+        Ok(table.noted("Ours: found from the films, ± one standard deviation. Published: nominal values of table I."))
+    }
+}
+
+fn published_words(title: &str) -> Column {
+    Column { published: true, ..Column::words(title) }
+}
+
+fn row(specimen: &Specimen, found: &Identified, mesh: Option<&Mesh>) -> Vec<String> {
+    let [material, body, spine, chambers, pressure] = published(&specimen.name());
+    let with = |unit: f64, value: f64, sigma: f64| format!("{:.3} ± {:.3}", unit * value, unit * sigma);
+    let cells = mesh.map_or_else(String::new, |mesh| cells::a_side(mesh).to_string());
+    let (best, sigma) = (found.best, found.sigma);
+    [
+        specimen.name(),
+        material.to_owned(),
+        with(1e-6, best.body_e_pa, sigma.body_e_pa),
+        body.to_owned(),
+        with(1e-9, best.spine_e_pa, sigma.spine_e_pa),
+        spine.to_owned(),
+        cells,
+        chambers.to_owned(),
+        format!("{:.2}", 1e-3 * highest(specimen)),
+        pressure.to_owned(),
+    ]
+    .into()
+}
+
+/// The highest pressure that a trial asks for, mbar.
+fn highest(specimen: &Specimen) -> f64 {
+    let of = |experiment: &Experiment| match experiment {
+        Experiment::Flapping { amplitude, .. } => *amplitude,
+        Experiment::Staircase { levels, .. } => levels.iter().copied().fold(0.0, f64::max),
+    };
+    specimen.card.trial.iter().map(|trial| of(&trial.experiment) / MILLIBAR).fold(0.0, f64::max)
+}
+
+/// The paper's table I: silicone, MPa, GPa, chambers, bar.
+fn published(specimen: &str) -> [&'static str; 5] {
+    match specimen {
+        "nemo" => ["Dragon Skin 10", "0.1–0.25", "2.5–5", "9", "0.2"],
+        "dory" => ["Dragon Skin 10", "0.1–0.25", "2.5–5", "12", "0.35"],
+        "bruce" => ["Dragon Skin 20", "1.1", "2.5–5", "9", "0.5"],
+        _ => [""; 5],
+    }
+}

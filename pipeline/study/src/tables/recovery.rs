@@ -1,0 +1,104 @@
+//! Table `recovery`: what was found against what the virtual bench had hidden.
+//!
+//! Stands on: plot. Never knows: how a number was computed.
+
+use lab::card::Origin;
+use plot::Column;
+
+use crate::fault::{Fault, Outcome};
+use crate::needs::Every;
+use crate::records::{Identified, Recovered, RecoveredSpecimen};
+use crate::subject::{Scope, Study};
+use crate::table::Table;
+
+/// The table.
+pub struct Recovery;
+
+impl Table for Recovery {
+    type Needs = (Recovered, Every<Identified>);
+    const NAME: &'static str = "recovery";
+    const SHOWS: &'static str = "what was found against what the bench had hidden";
+    const EDITION: u32 = 1;
+
+    fn is_made_for(study: &Study) -> bool {
+        study.specimens.iter().any(|s| s.card.origin == Origin::VirtualBench)
+    }
+
+    fn fill((all, Every(identified)): Self::Needs) -> Outcome<plot::Table> {
+        let columns = vec![
+            Column::words("quantity"),
+            Column::words("of"),
+            Column::numbers("found", ""),
+            Column::numbers("hidden", ""),
+            Column::numbers("off by", ""),
+            Column::numbers("deviations", ""),
+        ];
+        let sigma = |name: &str| identified.iter().find(|(s, _)| s.name() == name).map(|(_, found)| found.sigma);
+        let moduli = all.specimens.iter().flat_map(|s| {
+            let sigma = sigma(&s.name);
+            moduli(s, sigma.map(|s| s.body_e_pa), sigma.map(|s| s.spine_e_pa))
+        });
+        let rows = moduli.chain(instruments(&all)).collect();
+        let table = plot::Table::new(columns, rows).map_err(Fault::from_tool)?;
+        Ok(table.noted("Deviations: the error over the standard deviation that the pipeline claims for itself."))
+    }
+}
+
+fn moduli(of: &RecoveredSpecimen, body_sigma: Option<f64>, spine_sigma: Option<f64>) -> [Vec<String>; 2] {
+    let row = |what: &str, unit: f64, [found, hidden]: [f64; 2], sigma: Option<f64>| {
+        vec![
+            what.to_owned(),
+            of.name.clone(),
+            format!("{:.4}", unit * found),
+            format!("{:.4}", unit * hidden),
+            format!("{:.1} %", 100.0 * (found / hidden - 1.0)),
+            sigma.map_or_else(String::new, |s| format!("{:.1}", (found - hidden).abs() / s)),
+        ]
+    };
+    [
+        row("E of the body (MPa)", 1e-6, of.body_e_pa, body_sigma),
+        row("E of the spine (GPa)", 1e-9, of.spine_e_pa, spine_sigma),
+    ]
+}
+
+/// Instruments: the worst trial or specimen each.
+fn instruments(all: &Recovered) -> Vec<Vec<String>> {
+    let row = |what: &str, value: f64, digits: usize, unit: &str| {
+        [what, "worst", "", "", &format!("{value:.digits$} {unit}"), ""].map(str::to_owned).to_vec()
+    };
+    let covered = |what: &str, [held, of]: [usize; 2]| {
+        let share = format!("{:.1} %", 100.0 * held as f64 / of.max(1) as f64);
+        [what, "all", &share, "95 %", "", ""].map(str::to_owned).to_vec()
+    };
+    let mut rows = vec![
+        row("tracked pixels", all.track_rms_px, 3, "px"),
+        row("displacements", all.marker_rms_mm, 4, "mm"),
+        row("clock", all.clock_error_ms, 2, "ms"),
+        row("focal length", all.focal_error_percent, 2, "%"),
+        covered("pixels inside their 95 % ellipse", all.track_covered),
+        covered("displacements inside theirs", all.marker_covered),
+    ];
+    rows.extend(all.load_cell_frequency_error_percent.map(|e| row("load cell's frequency", e, 2, "%")));
+    rows.extend(all.wave_residual_mn.map(|e| row("standing wave left", e, 2, "mN")));
+    rows
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_modulus_is_set_beside_the_hidden_one_with_sign_and_in_deviations() {
+        let of = RecoveredSpecimen { name: "a".into(), body_e_pa: [0.19e6, 0.2e6], spine_e_pa: [3e9, 3e9] };
+        let rows = moduli(&of, Some(0.005e6), None);
+        assert_eq!(rows[0][2..], ["0.1900", "0.2000", "-5.0 %", "2.0"]);
+        assert_eq!(rows[1][5], "");
+    }
+
+    #[test]
+    fn every_row_has_a_cell_a_column() {
+        let all = Recovered { wave_residual_mn: Some(1.0), ..Recovered::default() };
+        assert!(instruments(&all).iter().all(|row| row.len() == 6));
+        assert_eq!(instruments(&all).len(), 7);
+    }
+}
