@@ -156,6 +156,9 @@ pub struct TrueTrial {
     /// The silicone's moduli against those above, no unit.
     #[serde(default = "one")]
     pub softening: f64,
+    /// Where the camera was in it, when elsewhere than in the calibration's film: CAD frame → camera frame.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pose: Option<Pose>,
 }
 
 fn one() -> f64 {

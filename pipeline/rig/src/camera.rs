@@ -52,6 +52,18 @@ impl Camera {
         Self { lens, pose: hang(above, tilt), width: set.width, height: set.height, readout: set.readout }
     }
 
+    /// The same camera after a hand has started it: shifted and turned a little.
+    pub fn nudged(&self, by: &settings::Nudge, draw: &mut Draw) -> Self {
+        let mut within = |most: f64| [(); 3].map(|()| draw.between([-most, most]));
+        let (shift, turn) = (within(by.shift), within(by.turn.to_radians()));
+        let turn = Pose::from_vector(turn, shift);
+        let rows = self.pose.rotation;
+        let column = |j: usize| turn.apply(rows.map(|row| row[j]));
+        let columns = [0, 1, 2].map(|j| vec3::sub(column(j), shift));
+        let rotation = [0, 1, 2].map(|i| columns.map(|column| column[i]));
+        Self { pose: Pose { rotation, translation: turn.apply(self.pose.translation) }, ..*self }
+    }
+
     /// The pixel of a point in space (m, CAD frame), where the camera sees it.
     pub fn pixel(&self, at: Point3) -> Option<Point2> {
         self.lens.project(self.pose.apply(at))
@@ -101,6 +113,22 @@ pub fn flat_disc(centre: Point3, radius: Metre, corners: usize) -> Vec<Point3> {
 mod tests {
     use super::*;
     use crate::settings::Settings;
+
+    #[test]
+    fn a_nudged_camera_stands_and_looks_within_what_a_hand_may_do() {
+        let camera = Camera::drawn(&Settings::built_in().camera, &mut Draw::new(3, "camera"));
+        let by = settings::Nudge { shift: 3e-4, turn: 0.05 };
+        let nudged = camera.nudged(&by, &mut Draw::new(3, "nudge"));
+        // a turn about the pinhole leaves it where it is
+        let (was, is) = (camera.pose.centre(), nudged.pose.centre());
+        let moved = vec3::norm(vec3::sub(is, was));
+        assert!(moved > 0.0 && moved <= 3e-4 * 3f64.sqrt() + 1e-12, "{moved}");
+        let axes = |c: &Camera| c.pose.rotation;
+        for (a, b) in axes(&camera).iter().zip(axes(&nudged)) {
+            assert!(vec3::norm(vec3::sub(*a, b)) < 0.05f64.to_radians() * 3f64.sqrt());
+            assert!((vec3::norm(b) - 1.0).abs() < 1e-12);
+        }
+    }
 
     #[test]
     fn the_camera_hangs_where_it_is_put_and_sees_x_to_the_right_and_y_upwards() {

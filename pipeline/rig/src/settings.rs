@@ -14,7 +14,7 @@ use serde::Deserialize;
 use si::{Hertz, Metre, Pascal, Point2, Point3, Second};
 
 pub use force::{Buoyancy, Cell, Hammer, StillWater, Tank};
-pub use hidden::{Casting, Causes, Fluid, Material, Nominal};
+pub use hidden::{Casting, Causes, Fluid, Material, Nominal, Nudge};
 pub use pneumatics::{Log, Port, Valve};
 pub use water::Water;
 

@@ -6,6 +6,7 @@ use lab::card::Medium;
 use si::{Metre, Second};
 use track::Gray;
 use track::board::Board;
+use track::pose::Pose;
 
 use crate::camera::{Camera, Passing, View, Water};
 use crate::draw::Draw;
@@ -27,8 +28,9 @@ pub struct Studio {
     set: settings::Water,
     lamp: settings::Lamp,
     clamp: Metre,
+    plane: settings::Plane,
+    nudge: settings::Nudge,
     dry: Canvas,
-    wet: Canvas,
     sensor: Sensor,
 }
 
@@ -40,11 +42,12 @@ pub struct Subject {
     pub marks: Vec<Mark>,
 }
 
-/// The studio in one recording: dry, or under the ripples and glints of that recording.
+/// The studio in one recording: the camera as a hand left it that started it, dry, or under its own ripples and glints.
 pub struct Set<'a> {
     /// What the camera sees through.
-    pub view: View<'a>,
+    pub view: View,
     studio: &'a Studio,
+    still: Canvas,
     glints: Vec<Glint>,
 }
 
@@ -70,22 +73,24 @@ impl Studio {
         let camera = Camera::drawn(&set.camera, &mut Draw::new(seed, "camera"));
         let high = Draw::new(seed, "water").between(set.water.surface_error);
         let water = Water::still(set.water.surface + high, set.water.index);
-        let still = |water| backdrop::draw(&View { camera: &camera, water }, &set.plane, &set.lamp);
-        let (dry, wet) = (still(None), still(Some(water.clone())));
+        let dry = backdrop::draw(&View { camera, water: None }, &set.plane, &set.lamp);
         let sensor = Sensor::new(camera.width, camera.height, set.camera.noise, seed);
-        Self { camera, water, seed, set: set.water.clone(), lamp: set.lamp.clone(), clamp, dry, wet, sensor }
+        let (plane, nudge) = (set.plane.clone(), set.causes.nudge);
+        Self { camera, water, seed, set: set.water.clone(), lamp: set.lamp.clone(), clamp, plane, nudge, dry, sensor }
     }
 
     /// The studio in the recording `label`.
     pub fn set(&self, medium: Medium, label: &str) -> Set<'_> {
         let draw = |what: &str| Draw::new(self.seed, &format!("{what} {label}"));
-        let camera = &self.camera;
+        let camera = self.camera.nudged(&self.nudge, &mut draw("nudge"));
+        let at_rest = (medium == Medium::Water).then(|| self.water.clone());
+        let still = backdrop::draw(&View { camera, water: at_rest }, &self.plane, &self.lamp);
         match medium {
-            Medium::Air => Set { view: View { camera, water: None }, studio: self, glints: Vec::new() },
+            Medium::Air => Set { view: View { camera, water: None }, studio: self, still, glints: Vec::new() },
             Medium::Water => {
                 let water = self.water.rippled(&self.set, &mut draw("ripples"));
                 let glints = glints::drawn(&self.set, camera.width, camera.height, &mut draw("glints"));
-                Set { view: View { camera, water: Some(water) }, studio: self, glints }
+                Set { view: View { camera, water: Some(water) }, studio: self, still, glints }
             }
         }
     }
@@ -104,16 +109,22 @@ impl Studio {
 }
 
 impl Set<'_> {
+    /// Where the camera is.
+    pub fn pose(&self) -> lab::truth::Pose {
+        let Pose { rotation, translation } = self.view.camera.pose;
+        lab::truth::Pose { rotation, translation }
+    }
+
     /// How much later than the frame's time the lamp's rows are read, s.
     pub fn lamp_late(&self) -> Second {
         let lamp = self.view.still(self.studio.lamp.at);
-        lamp.map_or(0.0, |[_, v]| self.studio.camera.late(v))
+        lamp.map_or(0.0, |[_, v]| self.view.camera.late(v))
     }
 
     /// The tail as it passes, the lamp at `lit` (0 to 1); before the sensor.
     pub fn tail(&self, subject: &Subject, by: &Passing, lit: f64) -> Canvas {
         let (studio, view) = (self.studio, &self.view);
-        let mut canvas = if view.water.is_some() { studio.wet.clone() } else { studio.dry.clone() };
+        let mut canvas = self.still.clone();
         subject.skin.draw(&mut canvas, view, by);
         subject.marks.iter().for_each(|mark| mark.draw(&mut canvas, view, by));
         backdrop::holder(&mut canvas, view, studio.clamp);

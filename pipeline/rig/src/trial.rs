@@ -106,6 +106,7 @@ pub fn record(bench: &Bench, trial: &lab::card::Trial, folder: &Path) -> Result<
         led_on: script.led_on,
         supply: causes.unrest.supply,
         softening: causes.softening,
+        pose: Some(bench.studio.set(trial.medium, &trial.id).pose()),
     };
     let force = weighing::of_trial(bench, trial, motion.as_ref(), &script, &sides, folder)?;
     task.done(&format!("{} frames", frames(bench, &script)));

@@ -49,7 +49,7 @@ fn a_drawn_mark_has_its_centroid_at_the_true_pixel_to_a_hundredth() {
         assert!(off < 1e-4, "{off} m off the skin");
         for nodes in [mesh.nodes.clone(), bent(&mesh.nodes, 4.0), bent(&mesh.nodes, -9.0)] {
             let mut canvas = Canvas::filled(camera.width, camera.height, 255.0);
-            let view = View { camera: &camera, water: None };
+            let view = View { camera, water: None };
             let still = Passing::around(0.0, 1.0, &|_| nodes.clone());
             mark.draw(&mut canvas, &view, &still);
             let (drawn, truth) = (middle_of_darkness(&canvas), mark.pixel(&camera, &nodes).unwrap());
@@ -68,7 +68,7 @@ fn the_skin_covers_the_tail_and_nothing_beside_it() {
     let mesh = shape::quadratic(&tail.mesh(&resolution).unwrap());
     let camera = Studio::new(&set, own.seed, own.clamp).camera;
     let mut canvas = Canvas::filled(camera.width, camera.height, 0.0);
-    let view = View { camera: &camera, water: None };
+    let view = View { camera, water: None };
     Skin::new(&mesh).draw(&mut canvas, &view, &Passing::around(0.0, 1.0, &|_| mesh.nodes.clone()));
     let level = |at: Point3| {
         let [u, v] = camera.pixel(at).unwrap().map(|p| p.round() as usize);

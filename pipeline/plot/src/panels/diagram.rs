@@ -118,7 +118,7 @@ pub enum Part {
         /// Its sides, mm.
         size: Point2,
         /// The panel; its margins are left out.
-        panel: Panel,
+        panel: Box<Panel>,
     },
     /// Words.
     Text {
@@ -296,7 +296,7 @@ impl Draw for Diagram {
         }
         let insets =
             self.parts.iter().filter_map(|p| if let Part::Inset { panel, .. } = p { Some(panel) } else { None });
-        insets.map(Panel::as_draw).try_for_each(Draw::check)?;
+        insets.map(|panel| panel.as_draw()).try_for_each(Draw::check)?;
         match self.size.iter().position(|v| !(v.is_finite() && *v > 0.0)) {
             Some(index) => {
                 Err(PlotError::NotFinite { what: "a diagram's size".to_owned(), index, value: self.size[index] })

@@ -66,7 +66,7 @@ pub fn dimension(canvas: &mut Canvas, from: Point2, to: Point2) {
 /// Words in lines no wider than `room`, broken at spaces; a word that is wider alone has a line of its own.
 fn wrapped(words: &str, room: f64, size: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
-    for word in words.split_whitespace() {
+    for word in words.split(' ').filter(|word| !word.is_empty()) {
         match lines.last_mut() {
             Some(line) if text::width(line, size) + text::width(&format!(" {word}"), size) <= room => {
                 *line = format!("{line} {word}");

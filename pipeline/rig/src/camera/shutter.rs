@@ -17,9 +17,9 @@ const AGREED: f64 = 1e-6;
 
 /// The camera in one recording: through air, or through the water of that recording.
 #[derive(Debug, Clone)]
-pub struct View<'a> {
+pub struct View {
     /// The camera.
-    pub camera: &'a Camera,
+    pub camera: Camera,
     /// The water over the bench; none in air.
     pub water: Option<Water>,
 }
@@ -54,7 +54,7 @@ impl Passing {
     }
 }
 
-impl View<'_> {
+impl View {
     /// The pixel of a point (m) at time `t` (s).
     pub fn pixel(&self, at: Point3, t: Second) -> Option<Point2> {
         match &self.water {
@@ -121,7 +121,7 @@ mod tests {
     fn a_passing_point_is_drawn_where_it_is_at_the_time_of_its_row() {
         let camera = camera();
         let water = Water::still(0.05, 1.333).rippled(&Settings::built_in().water, &mut Draw::new(4, "ripples"));
-        for view in [View { camera: &camera, water: None }, View { camera: &camera, water: Some(water) }] {
+        for view in [View { camera, water: None }, View { camera, water: Some(water) }] {
             let by = Passing::around(0.02, 1.0 / 60.0, &swing);
             let places = by.nodes.clone().map(|nodes| nodes[0]);
             let seen = view.passing(&by, places).unwrap();

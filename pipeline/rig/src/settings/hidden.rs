@@ -59,6 +59,18 @@ pub struct Causes {
     pub jitter: Second,
     /// Greatest share by which the silicone is softer or stiffer in a run, no unit.
     pub warmth: f64,
+    /// How far the camera is moved when it is started.
+    pub nudge: Nudge,
+}
+
+/// What a hand does to a camera.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Nudge {
+    /// Greatest shift along each axis, m.
+    pub shift: Metre,
+    /// Greatest turn about each axis, degrees.
+    pub turn: f64,
 }
 
 /// The water around the tail, as ranges.

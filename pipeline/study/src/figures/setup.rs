@@ -123,7 +123,7 @@ fn silhouette(bench: &Bench, from: Point2) -> Part {
         surfaces.onto(Scene::new(View::SIDE), |b| b.painted().filter(|_| matches!(b, Bounds::Body | Bounds::Sheet)));
     let scene = scene.with_window([x0, 0.0, z0], [x1, 0.0, z1]);
     let at = [from[0] + 0.5 * mm(x0 + x1), from[1] + 0.5 * mm(z0 + z1)];
-    Part::Inset { at, size: [mm(x1 - x0), mm(z1 - z0)], panel: Panel::Scene(scene) }
+    Part::Inset { at, size: [mm(x1 - x0), mm(z1 - z0)], panel: Box::new(Panel::Scene(scene)) }
 }
 
 /// The whole bench; the sheet is in millimetres of the bench.

@@ -141,7 +141,8 @@ fn film_errors(axes: Axes, specimen: &Specimen, film: &[Level], index: usize) ->
     let points: Vec<Point2> = film.iter().map(|l| [l.pressure() / MILLIBAR, l.largest_error() / MILLIMETRE]).collect();
     let colour = colour(&specimen.card.name);
     let said = film.first().map(|l| l.trial.replace("static_", "")).unwrap_or_default();
-    let (dash, marker) = if index % 2 == 0 { (Dash::Solid, Marker::Disc) } else { (Dash::Dashed, Marker::Ring) };
+    let (dash, marker) =
+        if index.is_multiple_of(2) { (Dash::Solid, Marker::Disc) } else { (Dash::Dashed, Marker::Ring) };
     let line = Mark::line(points.clone(), colour).dashed(dash);
     axes.with(line.labelled(&format!("{} {said}", title(&specimen.card.name).replace('_', " "))))
         .with(Mark::points(points, marker, colour).sized(4.0))

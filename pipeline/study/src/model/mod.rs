@@ -3,6 +3,7 @@
 //! Stands on: fem, shape, the mesh record, the card. Never knows: a measurement, an optimiser.
 
 mod ladder;
+mod reduced;
 mod solid_angle;
 
 use std::sync::Arc;
@@ -17,6 +18,7 @@ use crate::fault::{Fault, Outcome};
 use crate::records::{Cavity, Mesh};
 
 pub use ladder::{Ladder, Rung, Simulated, Want};
+pub use reduced::Small;
 pub use solid_angle::{chamber_at, chamber_holding};
 
 /// A specimen ready to be simulated.

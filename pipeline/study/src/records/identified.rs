@@ -39,7 +39,7 @@ pub struct Search {
 }
 
 /// The loss over the plane of both moduli, between the grid's points.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Surface {
     /// Columns, Pa.
     pub body_e_pa: Vec<Pascal>,
@@ -110,13 +110,13 @@ pub struct Identified {
     pub sigma: Point,
     /// The loss there.
     pub loss: f64,
-    /// Largest difference of the adjoint gradient from central differences, over the gradient.
-    pub gradient_difference: f64,
+    /// Largest difference of the adjoint gradient from central differences, over the gradient; of compared specimens.
+    pub gradient_difference: Option<f64>,
     /// Time of a loss with gradient over the time of the loss alone.
     pub gradient_over_forward: f64,
-    /// The methods, in the order of `optimisers`.
+    /// The methods, in the order of `optimisers`: all of them, or Gauss-Newton alone.
     pub searches: Vec<Search>,
-    /// The landscape.
+    /// The landscape; empty where no grid was searched.
     pub surface: Surface,
     /// The levels.
     pub levels: Vec<Level>,
@@ -137,7 +137,7 @@ struct Scalars {
     best: Point,
     sigma: Point,
     loss: f64,
-    gradient_difference: f64,
+    gradient_difference: Option<f64>,
     length_m: f64,
     levels: Vec<Level>,
     methods: Vec<String>,
@@ -243,11 +243,11 @@ impl Record for Identified {
             Metric::new(id("spine_e_gpa"), 1e-9 * self.best.spine_e_pa, "GPa"),
             Metric::new(id("spine_e_gpa.sigma"), 1e-9 * self.sigma.spine_e_pa, "GPa"),
             Metric::new(id("loss"), self.loss, ""),
-            Metric::new(id("gradient_difference"), self.gradient_difference, ""),
             Metric::new(id("gradient_over_forward"), self.gradient_over_forward, ""),
             Metric::new(id("correlation"), self.certainty.correlation, ""),
             Metric::new(id("chi_square"), self.certainty.chi_square, ""),
         ];
+        metrics.extend(self.gradient_difference.map(|g| Metric::new(id("gradient_difference"), g, "")));
         metrics.extend(self.searches.iter().flat_map(|s| s.metrics(&id(&s.method))));
         let largest = self.levels.iter().map(Level::largest_error).fold(0.0, f64::max);
         metrics.push(Metric::new(format!("static.{}.max_error_mm", of.card.name), 1e3 * largest, "mm"));
@@ -332,7 +332,7 @@ mod tests {
             best: at(2e5),
             sigma: at(1e3),
             loss: 0.1,
-            gradient_difference: 1e-7,
+            gradient_difference: Some(1e-7),
             gradient_over_forward: 1.1,
             searches: vec![Search { method: "adam".into(), tried, seconds: 2.0 }],
             surface,

@@ -46,6 +46,10 @@ pub struct Validation {
     pub scored: Vec<Way>,
     /// The trivial baselines.
     pub baselines: Vec<Way>,
+    /// Root of the mean squared distance of the reduced model from the whole one, over the farthest motion, no unit.
+    pub reduction: f64,
+    /// Coordinates of the reduced model.
+    pub coordinates: usize,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -59,6 +63,8 @@ struct Scalars {
     lag_s: Option<f64>,
     scored: Vec<Way>,
     baselines: Vec<Way>,
+    reduction: f64,
+    coordinates: usize,
     note: String,
 }
 
@@ -103,6 +109,8 @@ impl Record for Validation {
             lag_s: self.lag,
             scored: self.scored.clone(),
             baselines: self.baselines.clone(),
+            reduction: self.reduction,
+            coordinates: self.coordinates,
             note: NOTE.into(),
         };
         Parcel::default().table("validation.parquet", &columns)?.scalars("validation.json", &scalars)
@@ -129,6 +137,8 @@ impl Record for Validation {
             lag: s.lag_s,
             scored: s.scored,
             baselines: s.baselines,
+            reduction: s.reduction,
+            coordinates: s.coordinates,
         })
     }
 
@@ -142,6 +152,8 @@ impl Record for Validation {
             Metric::new(id("rmse_percent"), self.rmse_percent(), "%"),
             Metric::new(id("rest_rmse_percent"), percent(self.rest_rmse), "%"),
             Metric::new(id("repeats"), self.repeats as f64, ""),
+            Metric::new(id("reduction_percent"), 100.0 * self.reduction, "%"),
+            Metric::new(id("reduced_coordinates"), self.coordinates as f64, ""),
         ];
         metrics.extend(self.lag.map(|lag| Metric::new(id("lag_ms"), 1e3 * lag, "ms")));
         metrics.extend(others);
@@ -153,9 +165,11 @@ impl Record for Validation {
         let others: Vec<String> = self.scored.iter().skip(1).chain(&self.baselines).map(said).collect();
         let (mm, percent) = (1e3 * self.rmse, self.rmse_percent());
         format!(
-            "RMSE {mm:.2} mm, {percent:.2} % of the length, {} repeats in air ({} mm)",
+            "RMSE {mm:.2} mm, {percent:.2} % of the length, {} repeats in air ({} mm); {} coordinates, {:.2} % off the whole model",
             self.repeats,
-            others.join(", ")
+            others.join(", "),
+            self.coordinates,
+            100.0 * self.reduction,
         )
     }
 }

@@ -94,12 +94,18 @@ fn verdict(claim: &Claim, metrics: &[MetricEntry]) -> Verdict {
 fn costs(runner: &Runner, jobs: &[Job], store: &Store) -> Vec<Cost> {
     let entries = runner.lists.iter().flat_map(|list| list.iter()).filter(|entry| entry.kind == Kind::Stage);
     let cost = |entry: &crate::entry::Entry| {
-        let own: Vec<&Job> = jobs.iter().filter(|job| job.entry.name == entry.name).collect();
+        let own: Vec<&Job> =
+            jobs.iter().filter(|job| job.entry.kind == Kind::Stage && job.entry.name == entry.name).collect();
         let found =
             own.iter().filter_map(|job| if let Found::Whole(m) = store.look(&job.id) { Some(m.seconds) } else { None });
         let seconds: Vec<f64> = found.collect();
         let records = [seconds.len(), own.len()];
-        Cost { name: entry.name.into(), story: entry.story.into(), records, seconds: seconds.iter().sum() }
+        Cost {
+            name: entry.name.into(),
+            story: entry.story.into(),
+            records,
+            seconds: seconds.iter().fold(0.0, |sum, s| sum + s),
+        }
     };
     entries.map(cost).filter(|cost| cost.records[1] > 0).collect()
 }
@@ -109,7 +115,7 @@ fn graph(runner: &Runner, costs: &[Cost]) -> Outcome<String> {
     let flow = Flow::of(&runner.study, runner.lists.first().copied().unwrap_or_default());
     let said = |name: &str| {
         let cost = costs.iter().find(|c| c.name == name)?;
-        Some(format!("{} of {} records, {:.1} s", cost.records[0], cost.records[1], cost.seconds))
+        Some(format!("{} of {} records, {:.1}\u{a0}s", cost.records[0], cost.records[1], cost.seconds))
     };
     let diagram = overview::graph(&flow, &said);
     let tall = plot::DOUBLE_COLUMN_MM * diagram.size[1] / diagram.size[0];

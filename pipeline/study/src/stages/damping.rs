@@ -1,15 +1,14 @@
 //! Damping: how fast the body's swing dies, from the last release of the films that identification may see.
 //!
-//! At the end of a staircase's last hold the chamber is opened and the tail swings back. The motion from there is simulated with
+//! At the end of a staircase's last hold the chamber is opened and the tail swings back. The motion from there is simulated, in reduced coordinates, with
 //! several stiffness dampings; the one whose tail follows the film best is kept. No validation film is touched.
 //!
 //! Stands on: the swing. Never knows: a validation trial; its needs hand it none.
 
-use fem::{Scheme, State, StaticSettings};
+use fem::Scheme;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use si::{Metre, Second};
-use signal::resample::Samples;
 
 use super::fitting::mean_rest;
 use super::swing::{self, Drive, Swing};
@@ -29,6 +28,8 @@ pub struct Damping;
 pub struct Settings {
     /// Time step of the second-order scheme, s.
     step: Second,
+    /// How long before the release the simulated tail is bent, s: gently against its swing.
+    ease: Second,
     /// How long after the release the film is followed, s.
     follow: Second,
     /// Least and greatest stiffness damping that are tried, s.
@@ -42,7 +43,7 @@ impl Stage for Damping {
     type Needs = (Mesh, Identified, Learning<Motion>);
     type Makes = records::Damping;
     const STORY: &'static str = "a released tail's swing becomes its damping";
-    const EDITION: u32 = 1;
+    const EDITION: u32 = 2;
 
     fn card(of: &Specimen) -> Value {
         let (solid, card) = (&of.card.solid, &of.card);
@@ -60,8 +61,9 @@ impl Stage for Damping {
         let swing = Swing { model: &model, elastic, marker: swing_marker(of) };
         let gauges = swing::gauges(motion)?;
         let begin = last_release(motion)?;
-        let drive =
-            Drive { begin, end: begin + set.follow, gauges: &gauges, start: Some(held(&swing, &gauges, begin)?) };
+        let drive = Drive { begin: begin - set.ease, end: begin + set.follow, eased: set.ease, gauges: &gauges };
+        desk.progress(0.1, "reducing the model");
+        let small = swing.reduced(&gauges, of.card.length)?;
         let measured = &motion.markers[swing.marker].at;
         let frames: Vec<usize> =
             (0..motion.time.len()).filter(|&i| motion.time[i] > begin && motion.time[i] < drive.end).collect();
@@ -69,7 +71,7 @@ impl Stage for Damping {
         for k in 0..set.tries {
             let part = k as f64 / (set.tries.max(2) - 1) as f64;
             let beta = set.range[0] * (set.range[1] / set.range[0]).powf(part);
-            let path = swing.run(&swing::march(Scheme::Bdf2, set.step, beta), &drive, &|_| ())?;
+            let path = swing.run(&small, &swing::march(Scheme::Bdf2, set.step, beta), &drive)?;
             let times: Vec<Second> = frames.iter().map(|&i| motion.time[i]).collect();
             let error = error(&swing::onto(&path, &times), &frames.iter().map(|&i| measured[i]).collect::<Vec<_>>());
             tried.push((beta, error));
@@ -92,16 +94,6 @@ fn last_release(motion: &Motion) -> Outcome<Second> {
     let last = (1..motion.log_time.len()).rev().find(|&i| asked(i - 1) && !asked(i));
     last.map(|i| motion.log_time[i])
         .ok_or_else(|| Fault::new("no chamber is ever released in the film", "its command never falls to 0", "film on"))
-}
-
-/// The shape at the pressures of that time, at rest.
-fn held(swing: &Swing, gauges: &[Samples], at: Second) -> Outcome<State> {
-    let mut solver = swing.model.system.solver();
-    swing.elastic.give(&mut solver)?;
-    let pressures: Vec<f64> = gauges.iter().map(|g| g.at(at)).collect();
-    let set = StaticSettings { tolerance: 1e-7, ..StaticSettings::default() };
-    let found = solver.equilibrium(&pressures, None, &set).map_err(Fault::from_tool)?;
-    Ok(State { displacement: found.displacement, ..State::rest(swing.model.system.mesh().nodes.len()) })
 }
 
 /// Root of the mean square of what is left when both are taken from their own means: where it swings about is not damping.

@@ -11,10 +11,12 @@ use si::{Pascal, Point2, Second};
 use super::identify::Settings;
 use super::levels::Levels;
 use super::plateaus::rungs;
+use super::softest::softest;
 use super::stop::Stop;
+use super::walk::near_to_near;
 use super::{certainty, landscape};
 use crate::fault::{Fault, Outcome};
-use crate::model::{Elastic, Ladder, Model, Rung, Simulated, Want, by_node};
+use crate::model::{Elastic, Ladder, Model, Simulated, Want, by_node};
 use crate::needs::Learning;
 use crate::records::{self, Doubt, Identified, Level, Markers, Mesh, Motion, Point, Tried};
 use crate::stage::Desk;
@@ -200,7 +202,7 @@ impl<'a> Fitting<'a> {
         history: &History,
         told: &[Told],
         searches: Vec<records::Search>,
-        gradient_difference: f64,
+        gradient_difference: Option<f64>,
         desk: &dyn Desk,
     ) -> Outcome<Identified> {
         desk.progress(0.95, "at the identified moduli");
@@ -231,8 +233,12 @@ impl<'a> Fitting<'a> {
         })
     }
 
-    /// The landscape and the profiles between the grid's points; the grid's own losses where some point has no equilibrium.
+    /// The landscape and the profiles between the grid's points; the grid's own losses where some point has no equilibrium, nothing
+    /// where no grid was searched.
     fn surface(&self, told: &[Told]) -> Outcome<(records::Surface, Vec<records::Profile>)> {
+        if told.is_empty() {
+            return Ok((records::Surface::default(), Vec::new()));
+        }
         let Bounds { low, high } = self.search.bounds();
         let axis = |k: usize| grid::axis(low[k], high[k], self.set.grid_points);
         if told.len() < self.set.grid_points * self.set.grid_points {
@@ -280,34 +286,6 @@ fn told_before(told: &[Told], want: Want) -> bool {
     want != Want::Gradient || !told.is_empty()
 }
 
-/// Step of the way from stiff to soft, in the logarithm of the body's modulus.
-const SOFTER: f64 = 0.1;
-
-/// Logarithm over the nominal value of the softest body that surely has a shape at the highest pressure of each film, with the
-/// nominal spine; the box's lower end where that has one.
-///
-/// Below it the films cannot be simulated, whatever is plausible: walls leave their shapes. It is come upon from the stiff side,
-/// each shape warm from the last, because a shape that is not there is sought longest.
-fn softest(model: &Model, rungs: &[Rung], bounds: &Bounds) -> f64 {
-    let settings = StaticSettings { tolerance: 1e-4, halvings: 0, iterations: 12, ..StaticSettings::default() };
-    let top = rungs.iter().map(Rung::top).fold(0.0, f64::max);
-    let highest: Vec<Rung> = rungs.iter().filter(|r| r.top() > 0.98 * top).cloned().collect();
-    let count = highest.len();
-    let mut ladder = Ladder::new(model.clone(), highest, settings, count);
-    let [body, spine] = model.nominal.youngs_moduli;
-    let bears = |ladder: &mut Ladder, at: f64| {
-        let youngs_moduli = [body * at.exp(), spine];
-        ladder.climb(&Elastic { youngs_moduli, ..model.nominal }, Want::Nothing).is_ok()
-    };
-    let (low, high) = (bounds.low[0], bounds.high[0]);
-    let steps = ((high - low) / SOFTER).ceil() as usize;
-    if !bears(&mut ladder, high) {
-        return low;
-    }
-    let lost = (1..=steps).find(|&k| !bears(&mut ladder, (high - SOFTER * k as f64).max(low)));
-    lost.map_or(low, |k| (high - SOFTER * (k as f64 - 1.0)).min(high - SOFTER))
-}
-
 /// Step of the central differences, in logarithms of moduli: its truncation error is far below the solver's tolerance.
 const DIFFERENCE: f64 = 1e-3;
 
@@ -328,38 +306,10 @@ pub fn mean_rest(films: &Learning<Motion>) -> Vec<Point2> {
     (0..first).map(|m| [mean(m, 0), mean(m, 1)]).collect()
 }
 
-/// An order of points in which each is the nearest of those left to the one before.
-fn near_to_near(points: &[Vec<f64>]) -> Vec<usize> {
-    let distance = |a: usize, b: usize| -> f64 { points[a].iter().zip(&points[b]).map(|(x, y)| (x - y).powi(2)).sum() };
-    let mut left: Vec<usize> = (0..points.len()).rev().collect();
-    let mut order: Vec<usize> = left.pop().into_iter().collect();
-    while let Some(&here) = order.last() {
-        let Some(next) = (0..left.len()).min_by(|&a, &b| distance(here, left[a]).total_cmp(&distance(here, left[b])))
-        else {
-            break;
-        };
-        order.push(left.remove(next));
-    }
-    order
-}
-
 fn no_film(of: &Specimen) -> Fault {
     Fault::new(
         format!("`{}` has no trial to identify from", of.card.name),
         "no [[trial]] on its card has role = \"identify\"",
         "give a staircase that role",
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_batch_is_walked_without_leaps() {
-        let grid: Vec<Vec<f64>> = (0..5).flat_map(|i| (0..5).map(move |j| vec![f64::from(i), f64::from(j)])).collect();
-        let order = near_to_near(&grid);
-        let leap = |w: &[usize]| (0..2).map(|k| (grid[w[0]][k] - grid[w[1]][k]).powi(2)).sum::<f64>();
-        assert!(order.windows(2).all(|w| leap(w) <= 1.0), "{order:?}");
-    }
 }

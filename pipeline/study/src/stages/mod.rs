@@ -22,6 +22,7 @@ mod mesh_honesty;
 mod plateaus;
 mod recovery;
 mod repeats;
+mod softest;
 mod still;
 mod stop;
 mod swing;
@@ -29,6 +30,7 @@ mod tank;
 mod thrust;
 mod track;
 mod validate;
+mod walk;
 mod wall;
 mod wave;
 

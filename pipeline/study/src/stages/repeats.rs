@@ -17,6 +17,8 @@ pub struct Seen {
     pub mean: Vec<Point2>,
     /// Standard deviation over the repeats, m; nothing where there is one.
     pub deviation: Vec<Point2>,
+    /// When the first command was given, s.
+    pub moves: Second,
     /// Mean measured pressure of each chamber, Pa, on the first film's clock.
     pub gauges: Vec<Samples>,
 }
@@ -44,7 +46,7 @@ pub fn gather(films: &[Motion], marker: usize) -> Outcome<Seen> {
         paths.push(swing::onto(&[axis(0)?, axis(1)?], &there));
     }
     let (mean, deviation) = (0..time.len()).map(|i| moments(&paths, i)).unzip();
-    Ok(Seen { gauges: mean_gauges(films, &late)?, time, mean, deviation })
+    Ok(Seen { gauges: mean_gauges(films, &late)?, moves: *begin, time, mean, deviation })
 }
 
 /// When the first command above nothing was given, s.

@@ -1,16 +1,16 @@
-//! Swing: a motion under measured pressures, simulated with identified moduli.
+//! Swing: a motion under measured pressures, simulated with identified moduli: in reduced coordinates, or by the whole model.
 //!
 //! Stands on: the model, fem. Never knows: what is done with it.
 
 use fem::{March, Scheme, State};
-use si::{Pascal, Point2, Second};
+use si::{Metre, Pascal, Point2, Second};
 use signal::resample::Samples;
 
 use crate::fault::{Fault, Outcome};
-use crate::model::{Elastic, Model};
+use crate::model::{Elastic, Model, Small};
 use crate::records::{Identified, Motion};
 
-/// A model with its moduli, and how it is stepped.
+/// A model with its moduli, and the marker that is watched.
 pub struct Swing<'a> {
     /// The model, its markers where films saw them.
     pub model: &'a Model,
@@ -20,41 +20,75 @@ pub struct Swing<'a> {
     pub marker: usize,
 }
 
-/// What drives a motion: from when to when on the film's clock, pressures there, and the shape that it starts from.
+/// What drives a motion from rest: from when to when on the film's clock, and pressures there.
 pub struct Drive<'a> {
     /// s.
     pub begin: Second,
     /// s.
     pub end: Second,
+    /// How long the pressures take to rise from nothing to what was measured, s: a shape held at `begin` is come to gently.
+    pub eased: Second,
     /// One a chamber, Pa.
     pub gauges: &'a [Samples],
-    /// At rest where there is none.
-    pub start: Option<State>,
+}
+
+impl Drive<'_> {
+    /// Pressures (Pa) `t` s after the begin.
+    fn pressures(&self, t: Second) -> Vec<Pascal> {
+        let part = if self.eased > 0.0 { (t / self.eased).clamp(0.0, 1.0) } else { 1.0 };
+        let ease = part * part * (3.0 - 2.0 * part);
+        self.gauges.iter().map(|g| ease * g.at(self.begin + t)).collect()
+    }
+
+    fn steps(&self, step: Second) -> usize {
+        ((self.end - self.begin) / step).ceil() as usize
+    }
+
+    /// A path by steps of `step` s, as functions of the film's time.
+    fn told(&self, step: Second, path: &[Point2]) -> Outcome<[Samples; 2]> {
+        let times: Vec<Second> = (0..=path.len()).map(|i| self.begin + i as f64 * step).collect();
+        let axis = |k: usize| {
+            let at = std::iter::once(0.0).chain(path.iter().map(|p| p[k])).collect();
+            Samples::new(times.clone(), at).map_err(Fault::from_tool)
+        };
+        Ok([axis(0)?, axis(1)?])
+    }
 }
 
 impl Swing<'_> {
-    /// Displacement of the watched marker, m, as functions of the film's time: along x and y.
+    /// The model reduced for motions under `gauges`; `length` is the specimen's, m.
     ///
     /// # Errors
-    /// A [`Fault`] when the solver finds no motion.
-    pub fn run(&self, march: &March, drive: &Drive, said: &dyn Fn(f64)) -> Outcome<[Samples; 2]> {
+    /// A [`Fault`] when a shape that it is reduced from is not found.
+    pub fn reduced(&self, gauges: &[Samples], length: Metre) -> Outcome<Small> {
+        let highest = |g: &Samples| g.values().iter().copied().fold(1.0, f64::max);
+        let top: Vec<Pascal> = gauges.iter().map(highest).collect();
+        Small::train(self.model, &self.elastic, &top, length)
+    }
+
+    /// Displacement of the watched marker, m, along x and y: in reduced coordinates.
+    ///
+    /// # Errors
+    /// A [`Fault`] when a step finds no motion.
+    pub fn run(&self, small: &Small, march: &March, drive: &Drive) -> Outcome<[Samples; 2]> {
+        let steps = drive.steps(march.step);
+        let path = small.march(march, self.marker, &|t| drive.pressures(t), steps)?;
+        drive.told(march.step, &path)
+    }
+
+    /// The same by the whole model.
+    ///
+    /// # Errors
+    /// A [`Fault`] when a step finds no motion.
+    pub fn whole(&self, march: &March, drive: &Drive) -> Outcome<[Samples; 2]> {
         let mut solver = self.model.system.solver();
         self.elastic.give(&mut solver)?;
-        let (begin, length) = (drive.begin, drive.end - drive.begin);
-        let steps = (length / march.step).ceil() as usize;
         let rest = State::rest(self.model.system.mesh().nodes.len());
-        let start = drive.start.as_ref().unwrap_or(&rest);
-        let spot = &self.model.markers[self.marker];
-        let (mut times, mut path) = (vec![begin], vec![Model::in_plane(spot, &start.displacement)]);
-        let pressures = |t: Second| -> Vec<Pascal> { drive.gauges.iter().map(|g| g.at(begin + t)).collect() };
-        let mut observe = |t: Second, state: &State| {
-            times.push(begin + t);
-            path.push(Model::in_plane(spot, &state.displacement));
-            said(t / length);
-        };
-        solver.march(march, start, &pressures, steps, &mut observe).map_err(Fault::from_tool)?;
-        let axis = |k: usize| Samples::new(times.clone(), path.iter().map(|p| p[k]).collect());
-        Ok([axis(0).map_err(Fault::from_tool)?, axis(1).map_err(Fault::from_tool)?])
+        let (spot, mut path) = (&self.model.markers[self.marker], Vec::new());
+        let mut observe = |_: Second, state: &State| path.push(Model::in_plane(spot, &state.displacement));
+        let steps = drive.steps(march.step);
+        solver.march(march, &rest, &|t| drive.pressures(t), steps, &mut observe).map_err(Fault::from_tool)?;
+        drive.told(march.step, &path)
     }
 }
 
