@@ -7,13 +7,14 @@ use std::path::Path;
 use study::paper::{Page, Problem, resolve};
 
 fn problems(change: impl Fn(&mut Vec<Page>)) -> Vec<String> {
-    let (mut pages, facts) = study::paper_source(&Path::new(env!("CARGO_MANIFEST_DIR")).join("..")).unwrap();
+    let source = study::paper_source(&Path::new(env!("CARGO_MANIFEST_DIR")).join(".."));
+    let (mut pages, facts) = source.expect("the paper's source lies in the project");
     change(&mut pages);
     resolve(&pages, &facts).err().unwrap_or_default().iter().map(Problem::to_string).collect()
 }
 
 fn page<'a>(pages: &'a mut [Page], name: &str) -> &'a mut String {
-    &mut pages.iter_mut().find(|page| page.name == name).unwrap().text
+    &mut pages.iter_mut().find(|page| page.name == name).expect("the paper has this page").text
 }
 
 fn append(name: &'static str, text: &'static str) -> impl Fn(&mut Vec<Page>) {

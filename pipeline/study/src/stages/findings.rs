@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::fault::Outcome;
 use crate::needs::Every;
-use crate::records::{Finding, Findings as Record, Identified, LoadCell, Thrust, Validation};
+use crate::records::{Finding, Findings as Record, Identified, LoadCell, Surface, Thrust, Validation};
 use crate::stage::{Desk, Stage};
 use crate::subject::{Scope, Study};
 
@@ -26,7 +26,7 @@ impl Stage for Findings {
     type Needs = (Every<Identified>, Every<Validation>, Every<Thrust>, Every<LoadCell>);
     type Makes = Record;
     const STORY: &'static str = "what was found is put into the words of the claims";
-    const EDITION: u32 = 2;
+    const EDITION: u32 = 3;
 
     fn run(_: &Study, _: &Settings, needs: Self::Needs, _: &dyn Desk) -> Outcome<Record> {
         let (Every(identified), Every(validated), Every(thrusts), Every(cells)) = needs;
@@ -53,11 +53,12 @@ fn finding(of: &str, what: &str, value: f64, unit: &str) -> Finding {
     Finding { name: format!("{of}.{what}"), value, unit: unit.into() }
 }
 
-fn of_identified(found: &Identified) -> [(&'static str, f64, &'static str); 2] {
+fn of_identified(found: &Identified) -> [(&'static str, f64, &'static str); 3] {
     let levels = found.levels.iter().map(|level| (level.pressure(), level.largest_error()));
     let (pressures, errors): (Vec<f64>, Vec<f64>) = levels.unzip();
     [
         ("minima", found.profiles.iter().map(|p| minima(&p.chi_square)).max().unwrap_or(0) as f64, ""),
+        ("landscape_minima", landscape_minima(&found.surface) as f64, ""),
         ("static_error_rank_correlation", correlation(&ranks(&pressures), &ranks(&errors)), ""),
     ]
 }
@@ -98,6 +99,18 @@ fn minima(chi_square: &[f64]) -> usize {
     count + usize::from(falling)
 }
 
+/// Points of the landscape that lie below all their neighbours, corners included; a valley between the grid's points has many.
+fn landscape_minima(surface: &Surface) -> usize {
+    let (columns, rows) = (surface.body_e_pa.len(), surface.spine_e_pa.len());
+    let loss = |row: usize, column: usize| surface.loss[row * columns + column];
+    let around = |at: usize, len: usize| at.saturating_sub(1)..(at + 2).min(len);
+    let lowest = |row: usize, column: usize| {
+        let mut cells = around(row, rows).flat_map(|r| around(column, columns).map(move |c| (r, c)));
+        cells.all(|(r, c)| (r, c) == (row, column) || loss(r, c) > loss(row, column))
+    };
+    (0..rows).map(|row| (0..columns).filter(|&column| lowest(row, column)).count()).sum()
+}
+
 /// Places in rising order; equal values share the mean of their places.
 fn ranks(values: &[f64]) -> Vec<f64> {
     let below = |v: f64| values.iter().filter(|w| **w < v).count() as f64;
@@ -124,6 +137,17 @@ mod tests {
         let along = |f: fn(f64) -> f64| minima(&(0..41).map(|i| f(f64::from(i) / 20.0 - 1.0)).collect::<Vec<_>>());
         assert_eq!(along(|x| 100.0 * x * x), 1);
         assert_eq!(along(|x| 100.0 * (x * x - 0.4).powi(2)), 2);
+    }
+
+    #[test]
+    fn a_landscape_of_one_bowl_has_one_lowest_point_and_of_two_bowls_two() {
+        let axis: Vec<f64> = (0..9).map(|i| f64::from(i) / 8.0).collect();
+        let count = |f: fn(f64, f64) -> f64| {
+            let loss = axis.iter().flat_map(|y| axis.iter().map(|x| f(*x, *y)).collect::<Vec<_>>()).collect();
+            landscape_minima(&Surface { body_e_pa: axis.clone(), spine_e_pa: axis.clone(), loss })
+        };
+        assert_eq!(count(|x, y| (x - 0.5).powi(2) + (y - 0.25).powi(2)), 1);
+        assert_eq!(count(|x, y| (x * (x - 1.0)).powi(2) + (y - 0.25).powi(2)), 2);
     }
 
     #[test]
