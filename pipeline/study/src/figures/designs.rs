@@ -42,7 +42,7 @@ impl figure::Figure for Designs {
         let window = window(meshes.iter().map(|(_, mesh)| mesh));
         let mut figure = Figure::new(DOUBLE_COLUMN_MM);
         for row in meshes.chunks(ACROSS) {
-            figure = figure.row(62.0, row.iter().map(|(s, mesh)| design(s, mesh, window)).collect::<Vec<Placed>>());
+            figure = figure.row(52.0, row.iter().map(|(s, mesh)| design(s, mesh, window)).collect::<Vec<Placed>>());
         }
         Ok(figure.noted(&origin_note(meshes.iter().map(|(s, _)| s.card.as_ref()))))
     }

@@ -30,7 +30,7 @@ impl figure::Figure for Overview {
     type Needs = (Flow, Seen);
     const NAME: &'static str = "overview";
     const SHOWS: &'static str = "what becomes what, from two STL files and films to thrust";
-    const EDITION: u32 = 2;
+    const EDITION: u32 = 3;
 
     fn card(study: &Study) -> serde_json::Value {
         Flow::of(study, crate::stages::ALL).as_json()

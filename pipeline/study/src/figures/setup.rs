@@ -36,7 +36,7 @@ impl figure::Figure for Setup {
     type Needs = (Every<Camera>, Every<Mesh>, Every<Still>, (Every<LoadCell>, Every<Tank>));
     const NAME: &'static str = "setup";
     const SHOWS: &'static str = "the bench: tank, camera, tail, load cell and lamp, with their dimensions";
-    const EDITION: u32 = 2;
+    const EDITION: u32 = 3;
 
     fn is_made_for(study: &Study) -> bool {
         Every::<Camera>::any(study)
@@ -133,8 +133,8 @@ fn whole(bench: &Bench) -> Diagram {
     let surface = card.water.as_ref().map(|w| w.surface);
     let bottom = surface.map_or(card.camera.plane.height, |s| s - depth).min(card.camera.plane.height);
     // the sheet: the tail's middle over the tank's, room for dimensions around
-    let (wide, margin) = (mm(length) + 205.0, 26.0);
-    let origin = [70.0 + 0.5 * mm(length - card.length), margin - mm(bottom)];
+    let (wide, margin) = (mm(length) + 222.0, 26.0);
+    let origin = [88.0 + 0.5 * mm(length - card.length), margin - mm(bottom)];
     let tall = origin[1] + mm(eye[2]) + 34.0;
     let at = |x: f64, z: f64| [origin[0] + mm(x), origin[1] + mm(z)];
     let mid = 0.5 * card.length;
@@ -201,10 +201,10 @@ fn holder(d: Diagram, bench: &Bench, at: &dyn Fn(f64, f64) -> Point2) -> Diagram
     d.with(rod(0.012))
         .with(rod(-0.012))
         .with(Part::Box { at: at(edge - 0.02, 0.0), size: [36.0, 56.0], lines: vec![], fill: grey })
-        .with(words(at(edge - 0.02, -0.028), "holder", Side::Below))
+        .with(words(at(edge - 0.02, 0.028), "holder", Side::Above))
         .with(Part::Box {
             at: at(edge - 0.115, 0.0),
-            size: [34.0, 34.0],
+            size: [44.0, 38.0],
             lines: vec!["load".into(), "cell".into()],
             fill: palette::FAINT,
         })

@@ -37,10 +37,12 @@ impl figure::Figure for Sysid {
         };
         let name = title(&specimen.card.name);
         let wide = specimen.card.marker.iter().map(|m| m.diameter).fold(0.0, f64::max) / MILLIMETRE;
-        let top = [
-            landscape(first).titled(&format!("{name}: loss over both moduli")).share(1.15),
-            convergence(first).titled(&format!("{name}: lowest loss so far")),
-        ];
+        let curves = convergence(first).titled(&format!("{name}: lowest loss so far"));
+        // a specimen that was not compared has no landscape
+        let top = match first.surface.loss.is_empty() {
+            true => vec![curves],
+            false => vec![landscape(first).titled(&format!("{name}: loss over both moduli")).share(1.15), curves],
+        };
         let bottom = [
             shapes(first).titled(&format!("{name}: the back at each pressure (mbar)")).share(1.3),
             errors(&all).titled(&format!("static error (a marker is {wide:.0} mm wide)")),

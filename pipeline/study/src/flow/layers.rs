@@ -50,9 +50,12 @@ pub fn lay_out(reads: &[Vec<usize>], sources: usize) -> Laid {
     let mut order: Vec<Vec<usize>> =
         (0..count).map(|c| (0..items.len()).filter(|&i| items[i].column == c).collect()).collect();
     for sweep in 0..SWEEPS {
-        let heights = heights(&items, &order);
-        let turn = |k: usize| if sweep % 2 == 0 { k } else { count - 1 - k };
-        (0..count).map(turn).for_each(|c| settle(&items, &heights, &mut order[c]));
+        // each column sees where the others stand now: two that moved at once would only change places
+        for step in 0..count {
+            let column = if sweep.is_multiple_of(2) { step } else { count - 1 - step };
+            let now = heights(&items, &order);
+            settle(&items, &now, &mut order[column]);
+        }
     }
     let downs = heights(&items, &order);
     let place = |i: usize| Place { column: items[i].column, down: downs[i] };
