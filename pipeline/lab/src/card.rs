@@ -15,6 +15,7 @@ mod write;
 use serde::Deserialize;
 use si::{KilogramPerCubicMetre, Metre, Pascal, Point2, Point3, Second};
 
+pub use check::is_name;
 pub use fixture::{Fixture, FixtureOf};
 pub use marks::{Axes, Order, Search, Sought, Tracks};
 pub use read::{parse, read};

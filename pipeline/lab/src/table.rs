@@ -10,7 +10,7 @@ use crate::Refusal;
 use crate::nearest::nearest;
 
 /// Where the keys of a card are explained.
-pub(crate) const SEE: &str = "see the keys and their units in the documentation of `lab`";
+pub(crate) const SEE: &str = "data/raw/README.md has every key with its unit";
 
 /// The line, from 1, of byte `offset`.
 pub(crate) fn line_of_offset(text: &str, offset: usize) -> usize {

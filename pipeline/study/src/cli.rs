@@ -40,6 +40,17 @@ pub struct Place {
 /// What to do.
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// Begin a specimen: a card with every key explained, and its folders, under data/raw. Nothing is written over.
+    Init {
+        /// Its name: letters, digits, `_` and `-`.
+        name: String,
+    },
+    /// Look at recordings before anything is made of them: card, surfaces, films, logs, clocks, markers, disk. A line for each
+    /// finding with what to do; exit code 1 when something must be mended.
+    Doctor {
+        /// One specimen; all of them when none is named.
+        name: Option<String>,
+    },
     /// Make what is stale: everything, or the named stages, figures or tables with what they need.
     Run {
         /// Stages, figures or tables.

@@ -24,6 +24,17 @@ fn main() -> ExitCode {
 fn run(cli: &Cli) -> Outcome<bool> {
     let open = || study::open(&cli.place.root, cli.place.profile.into(), cli.place.quiet, cli.place.jobs);
     match &cli.command {
+        Command::Init { name } => {
+            let begun = study::init::run(&cli.place.root, cli.place.profile.into(), name)?;
+            println!("{begun}");
+            Ok(true)
+        }
+        Command::Doctor { name } => {
+            let (runner, _) = open()?;
+            let told = study::doctor::run(&runner, name.as_deref())?;
+            print!("{told}");
+            Ok(told.is_well())
+        }
         Command::Run { names, specimen, fresh } => {
             let (runner, faults) = open()?;
             let goal = Goal { entries: names.clone(), specimen: specimen.clone() };

@@ -29,6 +29,7 @@ use std::path::PathBuf;
 use crate::entry::Entry;
 use crate::fault::{Fault, Outcome};
 use crate::settings::{Profile, Settings};
+use crate::stage::{Desk, RawFile};
 use crate::subject::Study;
 use graph::Job;
 use lock::Lock;
@@ -128,4 +129,9 @@ impl Tally {
 
 fn is_named(goal: &Goal, job: &Job) -> bool {
     goal.entries.is_empty() || goal.entries.iter().any(|name| name == job.id.stage)
+}
+
+/// A desk for a look at recordings from which no record is made: without a progress line.
+pub fn desk<'a>(folders: &'a Folders, raw: &'a [RawFile]) -> impl Desk + 'a {
+    desk::Laid::new(folders, raw, report::Line::hidden())
 }

@@ -102,6 +102,11 @@ impl Report {
 }
 
 impl Line {
+    /// A line that nobody sees.
+    pub fn hidden() -> Self {
+        Self { bar: ProgressBar::hidden() }
+    }
+
     /// How far it is, from 0 to 1, and at what.
     pub fn progress(&self, part: f64, at: &str) {
         self.bar.set_position((part.clamp(0.0, 1.0) * 1000.0) as u64);

@@ -89,7 +89,8 @@ impl Stage for Camera {
     }
 }
 
-fn target(board: &card::Board) -> Target {
+/// The board of a card as the finder takes it.
+pub(crate) fn target(board: &card::Board) -> Target {
     let (columns, rows) = (board.columns, board.rows);
     match board.kind {
         BoardKind::Checkerboard => Target::Checkerboard(Board { columns, rows, square: board.square }),

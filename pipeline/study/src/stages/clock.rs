@@ -61,9 +61,7 @@ impl Stage for Clock {
         let log = read_log(desk)?;
         let shutter = |c: Camera| Shutter { readout: of.card.camera.readout, height: c.size_px[1] };
         let late = camera.map_or(0.0, |c| shutter(c).late(of.card.led.centre[1]));
-        let (clock, lamp, sigma) = match_clocks(&tracks, late, &log, set).map_err(|e| named(desk, &e))?;
-        let log_time: Vec<Second> = log.time.iter().map(|&t| clock.here(t)).collect();
-        let gauges: Vec<Gauge> = of.card.chamber.iter().map(|chamber| gauge(chamber, &log)).collect();
+        let Met { clock, lamp, sigma, log_time, gauges } = met(of, &tracks, late, &log, set, desk)?;
         let rest_frames = rest_frames(&markers.time, &log_time, &gauges, set, desk)?;
         let rest: Vec<Point2> = markers.markers.iter().map(|m| m.mean(0..rest_frames)).collect();
         let paths = markers.markers.iter().zip(&markers.parts).zip(&rest);
@@ -71,6 +69,32 @@ impl Stage for Clock {
         let clock = records::Clock { offset: clock.offset, scale: clock.scale, lamp, sigma };
         Ok(Motion { time: markers.time, markers: moved, rest, gauges, log_time, clock })
     }
+}
+
+/// Film and log on the film's clock.
+struct Met {
+    clock: Match,
+    lamp: Second,
+    sigma: Second,
+    log_time: Vec<Second>,
+    gauges: Vec<Gauge>,
+}
+
+fn met(of: &Trial, tracks: &Tracks, late: Second, log: &PressureLog, set: &Settings, desk: &dyn Desk) -> Outcome<Met> {
+    let (clock, lamp, sigma) = match_clocks(tracks, late, log, set).map_err(|e| named(desk, &e))?;
+    let log_time = log.time.iter().map(|&t| clock.here(t)).collect();
+    let gauges = of.card.chamber.iter().map(|chamber| gauge(chamber, log)).collect();
+    Ok(Met { clock, lamp, sigma, log_time, gauges })
+}
+
+/// Whether a film's lamp, in pictures of `height` rows, and its log meet, with enough rest before the first command.
+///
+/// # Errors
+/// A [`Fault`] that says which of the two has no edge, or what they disagree in.
+pub(crate) fn meet(of: &Trial, set: &Settings, tracks: &Tracks, height: usize, desk: &dyn Desk) -> Outcome<()> {
+    let late = Shutter { readout: of.card.camera.readout, height }.late(of.card.led.centre[1]);
+    let met = met(of, tracks, late, &read_log(desk)?, set, desk)?;
+    rest_frames(&tracks.time, &met.log_time, &met.gauges, set, desk).map(drop)
 }
 
 fn read_log(desk: &dyn Desk) -> Outcome<PressureLog> {

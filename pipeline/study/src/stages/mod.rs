@@ -4,9 +4,9 @@
 //! A new stage: its file, its record, its line in [`ALL`].
 
 mod baselines;
-mod camera;
+pub(crate) mod camera;
 mod certainty;
-mod clock;
+pub(crate) mod clock;
 mod damping;
 mod findings;
 mod fitting;
@@ -17,7 +17,7 @@ mod landscape;
 mod levels;
 mod load_cell;
 mod markers;
-mod mesh;
+pub(crate) mod mesh;
 mod mesh_honesty;
 mod plateaus;
 mod recovery;
@@ -28,7 +28,7 @@ mod stop;
 mod swing;
 mod tank;
 mod thrust;
-mod track;
+pub(crate) mod track;
 mod validate;
 mod walk;
 mod wall;

@@ -95,6 +95,20 @@ impl Stage for Track {
     }
 }
 
+/// Looks at one frame alone: whether every marker passes the gates with which a film is begun.
+///
+/// # Errors
+/// A [`Fault`] that names the first marker that does not, or says how many were found.
+pub(crate) fn first_look(of: &Trial, set: &Settings, frame: &Frame, rate: Hertz, desk: &dyn Desk) -> Outcome<()> {
+    begin(of, set.tracker(rate), frame, desk).map(drop)
+}
+
+/// The tracker of a trial on its first frame.
+fn begin(of: &Trial, set: klt::Settings, frame: &Frame, desk: &dyn Desk) -> Outcome<Tracker> {
+    let starts = search::starts(of, &frame.gray, &set, &desk.place("video"))?;
+    Tracker::new(&frame.gray, &starts, set).map_err(|lost| named(of, desk, &lost))
+}
+
 /// Tracks in the film's own pixels that another program made of it.
 fn in_pixels(of: &Trial) -> Option<&lab::card::Tracks> {
     of.made_elsewhere().filter(|tracks| tracks.space.is_none())
@@ -128,12 +142,10 @@ impl<'a> Log<'a> {
 
     fn see(&mut self, frame: &Frame, desk: &dyn Desk) -> Outcome<()> {
         let of = self.of;
-        let told = |lost: klt::Lost| named(of, desk, &lost);
         let sightings = match &mut self.tracker {
-            Some(tracker) => tracker.step(&frame.gray).map_err(told)?,
+            Some(tracker) => tracker.step(&frame.gray).map_err(|lost| named(of, desk, &lost))?,
             None => {
-                let starts = search::starts(of, &frame.gray, &self.set, &desk.place("video"))?;
-                let tracker = Tracker::new(&frame.gray, &starts, self.set).map_err(told)?;
+                let tracker = begin(of, self.set, frame, desk)?;
                 let first = tracker.sightings().to_vec();
                 self.tracker = Some(tracker);
                 first
