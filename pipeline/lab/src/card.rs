@@ -259,6 +259,9 @@ pub struct Plane {
     pub along: Point2,
     /// z of the plane, m, CAD frame.
     pub height: Metre,
+    /// Pitch of bright lines on it along x and y of the CAD frame, one of each through its origin, m: by them it is found where
+    /// the camera stands in each film.
+    pub grid: Option<Metre>,
 }
 
 /// `[water]`: the still surface above the specimen, in the trials whose medium is water.

@@ -179,6 +179,7 @@ fn camera(set: &Settings, film: &Calibration) -> card::Camera {
             origin: plane.corner,
             along: [1.0, 0.0],
             height: plane.height,
+            grid: Some(plane.pitch),
         },
     }
 }

@@ -158,13 +158,15 @@ impl Tracker {
         let frame = self.frame + 1;
         let mut found: Vec<Result<Seen, Lost>> = Vec::with_capacity(self.tracks.len());
         for (marker, track) in self.tracks.iter().enumerate() {
-            let near = [track.at[0] + track.step[0], track.at[1] + track.step[1]];
+            let near = track.expected();
             let seen = match &track.hidden {
                 None => self.sight(picture, track, near),
                 Some(since) => self.sight_again(picture, marker, track, frame - since.frame),
             };
             found.push(seen.map_err(|why| Lost::at(picture, marker, frame, near, why)));
         }
+        self.part(picture, frame, &mut found);
+        self.retry(picture, &mut found);
         for (track, found) in self.tracks.iter().zip(&found) {
             let Err(lost) = found else { continue };
             let since = track.hidden.as_ref().unwrap_or(lost);
@@ -186,6 +188,44 @@ impl Tracker {
     /// [`Lost`] when a marker is hidden to its end.
     pub fn finish(self) -> Result<(), Lost> {
         self.tracks.into_iter().find_map(|track| track.hidden).map_or(Ok(()), Err)
+    }
+
+    /// Of two markers that were found in one place, the one that came farther from where it was expected is not there.
+    fn part(&self, picture: &Gray, frame: usize, found: &mut [Result<Seen, Lost>]) {
+        let limit = self.settings.radius;
+        for one in 0..found.len() {
+            for other in 0..one {
+                let (Ok(a), Ok(b)) = (&found[one], &found[other]) else { continue };
+                let measured = distance(a.sighting.at, b.sighting.at);
+                if measured < limit {
+                    let strayed = |k: usize, at: Point2| distance(at, self.tracks[k].expected());
+                    let farther = strayed(one, a.sighting.at) >= strayed(other, b.sighting.at);
+                    let (marker, other) = if farther { (one, other) } else { (other, one) };
+                    let why = Why::Merged { other, measured, limit };
+                    found[marker] = Err(Lost::at(picture, marker, frame, self.tracks[marker].at, why));
+                }
+            }
+        }
+    }
+
+    /// Looks again for markers that were missed, where they are if they moved as their nearest neighbour did.
+    fn retry(&self, picture: &Gray, found: &mut [Result<Seen, Lost>]) {
+        for marker in 0..found.len() {
+            let track = &self.tracks[marker];
+            if found[marker].is_ok() || track.hidden.is_some() {
+                continue;
+            }
+            let seen = found.iter().zip(&self.tracks).filter_map(|(f, t)| Some((f.as_ref().ok()?.sighting.at, t)));
+            let seen: Vec<(Point2, &Track)> = seen.filter(|(_, t)| t.hidden.is_none()).collect();
+            let away = |t: &Track| distance(t.at, track.at);
+            let Some((there, near)) = seen.iter().min_by(|a, b| away(a.1).total_cmp(&away(b.1))) else { continue };
+            let guess = [0, 1].map(|k| track.at[k] + there[k] - near.at[k]);
+            let Ok(again) = self.sight(picture, track, guess) else { continue };
+            let free = seen.iter().all(|(at, _)| distance(*at, again.sighting.at) >= self.settings.radius);
+            if free {
+                found[marker] = Ok(again);
+            }
+        }
     }
 
     /// Looks for a marker that has been hidden for some frames, by how it looked, and lets it pass the gates of looks and leaps.
@@ -265,6 +305,11 @@ impl Tracker {
 }
 
 impl Track {
+    /// Where it is expected in the next frame, px.
+    fn expected(&self) -> Point2 {
+        [self.at[0] + self.step[0], self.at[1] + self.step[1]]
+    }
+
     /// Takes in what a frame showed of it.
     fn take(&mut self, frame: usize, found: Result<Seen, Lost>, sighting: &mut Sighting) {
         match found {

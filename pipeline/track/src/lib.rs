@@ -9,6 +9,7 @@
 pub mod board;
 pub mod calibrate;
 mod gray;
+pub mod grid;
 pub mod klt;
 pub mod led;
 pub mod lens;

@@ -91,7 +91,8 @@ fn camera(card: &Card) -> Checked {
     within("camera.plane.origin.1", camera.plane.origin[1], -1.0, 1.0, "m")?;
     let [x, y] = camera.plane.along;
     within("camera.plane.along", x.hypot(y), 0.999, 1.001, "(its length)")?;
-    within("camera.plane.height", camera.plane.height, -1.0, 1.0, "m")
+    within("camera.plane.height", camera.plane.height, -1.0, 1.0, "m")?;
+    camera.plane.grid.map_or(Ok(()), |pitch| within("camera.plane.grid", pitch, 1e-3, 0.2, "m"))
 }
 
 /// A trial in water is seen through a surface, whose height must be known.

@@ -101,6 +101,14 @@ fn camera(text: &mut String, camera: &Camera) {
         ),
     );
     put(text, format_args!("height = {:?}  # m, z of the plane\n", plane.height));
+    if let Some(pitch) = plane.grid {
+        put(
+            text,
+            format_args!(
+                "grid = {pitch:?}  # m, pitch of its bright lines along x and y; one of each through the origin\n"
+            ),
+        );
+    }
 }
 
 fn trial(text: &mut String, trial: &Trial) {

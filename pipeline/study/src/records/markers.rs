@@ -19,6 +19,23 @@ pub struct Markers {
     pub parts: Vec<Parts>,
     /// What would have been wrong without one correction.
     pub left_out: Vec<LeftOut>,
+    /// Where the camera stood in this film, by the grid's lines; none where no grid is named or seen.
+    pub stand: Option<Stand>,
+}
+
+/// Where the camera stood in a film.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Stand {
+    /// Rotation of the pose, CAD frame → camera frame, rows.
+    pub rotation: [[f64; 3]; 3],
+    /// Its shift, m.
+    pub translation_m: [f64; 3],
+    /// Pieces of lines that told it.
+    pub pieces: usize,
+    /// Root of the mean squared distance of their middles from their lines, m.
+    pub off_m: f64,
+    /// How far the camera stood from where it was calibrated, m.
+    pub moved_m: f64,
 }
 
 /// The covariance of a marker in two parts, m².
@@ -45,6 +62,7 @@ pub struct LeftOut {
 struct Scalars {
     markers: Vec<String>,
     left_out: Vec<LeftOut>,
+    stand: Option<Stand>,
 }
 
 impl Record for Markers {
@@ -61,22 +79,26 @@ impl Record for Markers {
         let markers = self.markers.iter().map(|m| m.name.clone()).collect();
         Parcel::default()
             .table("markers.parquet", &columns)?
-            .scalars("markers.json", &Scalars { markers, left_out: self.left_out.clone() })
+            .scalars("markers.json", &Scalars { markers, left_out: self.left_out.clone(), stand: self.stand.clone() })
     }
 
     fn unpack(parcel: &Parcel) -> Result<Self, RecordError> {
-        let Scalars { markers, left_out } = parcel.read_scalars("markers.json")?;
+        let Scalars { markers, left_out, stand } = parcel.read_scalars("markers.json")?;
         let columns = parcel.read_table("markers.parquet")?;
         let part = |name: &String, word: &str| paths::unpack_spread(&columns, &format!("{name}_{word}"), "m");
         let parts = |name: &String| Ok(Parts { noise: part(name, "noise")?, shared: part(name, "shared")? });
         let parts = markers.iter().map(parts).collect::<Result<_, RecordError>>()?;
         let paths = paths::unpack(&columns, &markers, "m")?;
-        Ok(Self { time: columns.f64("time_s")?, markers: paths, parts, left_out })
+        Ok(Self { time: columns.f64("time_s")?, markers: paths, parts, left_out, stand })
     }
 
     fn metrics(&self, of: &Trial) -> Vec<Metric> {
         let id = |l: &LeftOut| format!("markers.{}_{}.without_{}_mm", of.card.name, of.trial.id, l.correction);
-        self.left_out.iter().map(|l| Metric::new(id(l), 1e3 * l.motion_m, "mm")).collect()
+        let moved = |s: &Stand| {
+            Metric::new(format!("markers.{}_{}.camera_moved_mm", of.card.name, of.trial.id), 1e3 * s.moved_m, "mm")
+        };
+        let left_out = self.left_out.iter().map(|l| Metric::new(id(l), 1e3 * l.motion_m, "mm"));
+        left_out.chain(self.stand.iter().map(moved)).collect()
     }
 
     fn telling(&self) -> String {
@@ -85,6 +107,10 @@ impl Record for Markers {
             .iter()
             .filter_map(|m| Some((m, m.at.first()?)))
             .flat_map(|(m, first)| m.at.iter().map(|p| (p[0] - first[0]).hypot(p[1] - first[1])));
-        format!("they move up to {:.1} mm", 1e3 * reach.fold(0.0, f64::max))
+        let stood = self
+            .stand
+            .as_ref()
+            .map(|s| format!("; camera {:.2} mm off its place, {} pieces of lines", 1e3 * s.moved_m, s.pieces));
+        format!("they move up to {:.1} mm{}", 1e3 * reach.fold(0.0, f64::max), stood.unwrap_or_default())
     }
 }

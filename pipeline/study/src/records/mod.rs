@@ -30,7 +30,7 @@ pub use findings::{Finding, Findings};
 pub use four_parameters::{Four, FourParameters};
 pub use identified::{Certainty, Doubt, Identified, Level, Point, Profile, Search, Surface, Tried};
 pub use inflation::{Inflation, Shape, Walls};
-pub use markers::{LeftOut, Markers, Parts};
+pub use markers::{LeftOut, Markers, Parts, Stand};
 pub use mesh::{Cavity, Mesh, Quality};
 pub use mesh_honesty::{Honest, MeshHonesty};
 pub use motion::{Clock, Gauge, Motion};

@@ -15,6 +15,9 @@ pub struct Recovered {
     pub track_rms_px: f64,
     /// Root of the mean squared error of displacements in the plane, the worst trial, mm.
     pub marker_rms_mm: f64,
+    /// Largest error of a marker's own place in a film's first frame, mm.
+    #[serde(default)]
+    pub marker_place_mm: f64,
     /// Tracked pixels whose 95 % ellipse holds the true one: held, and all.
     #[serde(default)]
     pub track_covered: [usize; 2],
@@ -72,6 +75,7 @@ impl Record for Recovered {
         let mut metrics = vec![
             Metric::new("recovery.track_rms_px", self.track_rms_px, "px"),
             Metric::new("recovery.marker_rms_mm", self.marker_rms_mm, "mm"),
+            Metric::new("recovery.marker_place_mm", self.marker_place_mm, "mm"),
             Metric::new("recovery.track_covered_percent", percent(self.track_covered), "%"),
             Metric::new("recovery.marker_covered_percent", percent(self.marker_covered), "%"),
             Metric::new("recovery.clock_error_ms", self.clock_error_ms, "ms"),

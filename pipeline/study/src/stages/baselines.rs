@@ -82,7 +82,7 @@ mod tests {
     fn a_periodic_motion_is_what_it_was_a_beat_before() {
         let time: Vec<f64> = (0..180).map(|i| f64::from(i) / 60.0).collect();
         let mean = time.iter().map(|t| [0.0, (std::f64::consts::TAU * 2.0 * t).sin()]).collect();
-        let seen = Seen { deviation: Vec::new(), gauges: Vec::new(), time, mean };
+        let seen = Seen { moves: 0.0, deviation: Vec::new(), gauges: Vec::new(), time, mean };
         assert!(last_cycle(&seen, 0.5) < 1e-9);
         assert!(last_cycle(&seen, 0.25) > 1.0);
     }

@@ -9,14 +9,16 @@ mod elsewhere;
 use lab::card::Medium;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use si::{Metre, Point2, Radian, Second};
+use si::{Metre, Point2, Radian, Second, vec3};
+use track::grid::{self, Grid};
 use track::lens::Lens;
+use track::pose::Pose;
 use track::shutter::{self, Shutter};
 use track::sight::{Sight, Water};
 
 use crate::fault::{Fault, Outcome};
 use crate::needs::Maybe;
-use crate::records::{self, Camera, LeftOut, Parts, Path, Tracks};
+use crate::records::{self, Camera, LeftOut, Parts, Path, Stand, Tracks};
 use crate::stage::{Desk, RawFile, Stage};
 use crate::subject::Trial;
 use carry::{Doubts, Shared};
@@ -46,10 +48,12 @@ impl Stage for Markers {
     type Needs = (Maybe<Camera>, Tracks);
     type Makes = records::Markers;
     const STORY: &'static str = "pixels become metres in the plane";
-    const EDITION: u32 = 2;
+    const EDITION: u32 = 3;
 
     fn raw(of: &Trial) -> Vec<RawFile> {
-        of.in_space().iter().map(|(tracks, _)| RawFile::new(elsewhere::WORD, &of.card.name, &tracks.file)).collect()
+        let space = of.in_space().map(|(tracks, _)| RawFile::new(elsewhere::WORD, &of.card.name, &tracks.file));
+        let film = grid(of).map(|_| RawFile::new("video", &of.card.name, &of.trial.video));
+        space.into_iter().chain(film).collect()
     }
 
     fn card(of: &Trial) -> Value {
@@ -57,6 +61,7 @@ impl Stage for Markers {
         json!({
             "heights": of.card.marker.iter().map(|m| m.at[2]).collect::<Vec<_>>(),
             "plane": of.card.camera.plane.height,
+            "grid": grid(of).map(|g| g.pitch),
             "readout": of.card.camera.readout,
             "water": water,
             "space": elsewhere::card(of),
@@ -72,7 +77,10 @@ impl Stage for Markers {
         let Some(camera) = camera.filter(|_| of.in_space().is_none()) else {
             return elsewhere::places(of, &tracks.time, set.mark_sigma, desk);
         };
-        let sight = Sight { lens: camera.lens, pose: camera.pose, water: water(of) };
+        let hung = Sight { lens: camera.lens, pose: camera.pose, water: water(of) };
+        let stand = stood(of, &hung, desk)?;
+        let pose = stand.as_ref().map_or(hung.pose, |s| Pose { rotation: s.rotation, translation: s.translation_m });
+        let sight = Sight { pose, ..hung };
         let shutter = Shutter { readout: of.card.camera.readout, height: camera.size_px[1] };
         let heights: Vec<Metre> = of.card.marker.iter().map(|m| m.at[2]).collect();
         let whole = places(&sight, &shutter, &tracks, &heights)?;
@@ -91,8 +99,29 @@ impl Stage for Markers {
         }
         let named = tracks.markers.iter().zip(whole).zip(spreads);
         let markers = named.map(|((path, at), spread)| Path { name: path.name.clone(), at, spread }).collect();
-        Ok(records::Markers { time: tracks.time, markers, parts, left_out })
+        Ok(records::Markers { time: tracks.time, markers, parts, left_out, stand })
     }
+}
+
+/// The lines under the specimen, where a film is looked at and the card names them.
+fn grid(of: &Trial) -> Option<Grid> {
+    let plane = &of.card.camera.plane;
+    plane.grid.filter(|_| of.made_elsewhere().is_none()).map(|pitch| Grid { pitch, height: plane.height })
+}
+
+/// Where the camera stood in the film's first frame.
+fn stood(of: &Trial, hung: &Sight, desk: &dyn Desk) -> Outcome<Option<Stand>> {
+    let Some(grid) = grid(of) else { return Ok(None) };
+    let Some(frame) = desk.film("video")?.nth(of.trial.first_frame) else { return Ok(None) };
+    let frame = frame.map_err(Fault::from_tool)?;
+    let found = grid::stand(&frame.gray, hung, &grid);
+    Ok(found.map(|found| Stand {
+        rotation: found.pose.rotation,
+        translation_m: found.pose.translation,
+        pieces: found.pieces,
+        off_m: found.off,
+        moved_m: vec3::norm(vec3::sub(found.pose.centre(), hung.pose.centre())),
+    }))
 }
 
 /// The water that a trial is seen through.

@@ -77,7 +77,7 @@ mod tests {
     /// Noise of 1e-10 m² a frame and 1e-12 m² that stays.
     fn markers() -> Markers {
         let parts = vec![Parts { noise: vec![[1e-10; 3]; 400], shared: vec![[1e-12; 3]; 400] }];
-        Markers { time: Vec::new(), markers: Vec::new(), parts, left_out: Vec::new() }
+        Markers { time: Vec::new(), markers: Vec::new(), parts, left_out: Vec::new(), stand: None }
     }
 
     #[test]

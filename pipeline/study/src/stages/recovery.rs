@@ -11,12 +11,17 @@ use si::{Point2, Second};
 
 use crate::fault::{Fault, Outcome};
 use crate::needs::Every;
-use crate::records::{Camera, Identified, LoadCell, Motion, Path, Pull, Recovered, RecoveredSpecimen, Tank, Tracks};
+use crate::records::{
+    Camera, Identified, LoadCell, Markers, Motion, Path, Pull, Recovered, RecoveredSpecimen, Tank, Tracks,
+};
 use crate::stage::{Desk, RawFile, Stage};
 use crate::subject::{Scope, Specimen, Study, Trial};
 
 /// The stage.
 pub struct Recovery;
+
+/// What was made of all films: pixels, places, motions.
+type Films = (Every<Tracks>, Every<Markers>, Every<Motion>);
 
 /// `[recovery]` in `study.toml`: nothing to set.
 #[derive(Debug, Serialize, Deserialize)]
@@ -25,18 +30,17 @@ pub struct Settings {}
 
 impl Stage for Recovery {
     type Settings = Settings;
-    type Needs =
-        ((Every<Camera>, Every<Tracks>, Every<Motion>, Every<Identified>), (Every<LoadCell>, Every<Tank>, Every<Pull>));
+    type Needs = ((Every<Camera>, Films, Every<Identified>), (Every<LoadCell>, Every<Tank>, Every<Pull>));
     type Makes = Recovered;
     const STORY: &'static str = "what was found is compared with what was true";
-    const EDITION: u32 = 2;
+    const EDITION: u32 = 3;
 
     fn raw(of: &Study) -> Vec<RawFile> {
         virtual_specimens(of).flat_map(files).collect()
     }
 
     fn run(of: &Study, _: &Settings, needs: Self::Needs, desk: &dyn Desk) -> Outcome<Recovered> {
-        let ((Every(cameras), Every(tracks), Every(motions), Every(identified)), weighed) = needs;
+        let ((Every(cameras), films, Every(identified)), weighed) = needs;
         let mut recovered = Recovered::default();
         for specimen in virtual_specimens(of) {
             let truth = read(desk, &specimen.card.name)?;
@@ -56,7 +60,7 @@ impl Stage for Recovery {
                 let Some(true_trial) = truth.trial.iter().find(|t| t.id == trial.trial.id) else {
                     return Err(no_trial(&trial));
                 };
-                judge(&mut recovered, &trial, true_trial, &tracks, &motions, desk)?;
+                judge(&mut recovered, &trial, true_trial, &films, desk)?;
             }
         }
         Ok(recovered)
@@ -149,8 +153,7 @@ fn judge(
     recovered: &mut Recovered,
     trial: &Trial,
     truth: &TrueTrial,
-    tracks: &[(Trial, Tracks)],
-    motions: &[(Trial, Motion)],
+    (Every(tracks), Every(places), Every(motions)): &Films,
     desk: &dyn Desk,
 ) -> Outcome<()> {
     let (text, place) = text(desk, &tracks_word(&trial.card.name, &trial.trial.id))?;
@@ -162,6 +165,9 @@ fn judge(
         cover(&mut recovered.track_covered, &tracks.markers, &tracks.time, &true_tracks, &pixels);
         recovered.track_rms_px = recovered.track_rms_px.max(off);
     }
+    for (_, places) in places.iter().filter(|(t, _)| this(t)) {
+        recovered.marker_place_mm = recovered.marker_place_mm.max(1e3 * off_at_rest(&places.markers, &true_tracks));
+    }
     for (_, motion) in motions.iter().filter(|(t, _)| this(t)) {
         let moved = |t: &TrueTrack, i: usize| [t.at[i][0] - t.at[0][0], t.at[i][1] - t.at[0][1]];
         let off = worst_rms(&motion.markers, &motion.time, &true_tracks, &moved);
@@ -170,6 +176,16 @@ fn judge(
         recovered.clock_error_ms = recovered.clock_error_ms.max(1e3 * clock_error(motion, truth));
     }
     Ok(())
+}
+
+/// Largest distance of a marker's first place from the true one, m.
+fn off_at_rest(paths: &[Path], truth: &[TrueTrack]) -> f64 {
+    let one = |path: &Path| {
+        let track = truth.iter().find(|t| t.marker == path.name)?;
+        let (found, real) = (path.at.first()?, track.at.first()?);
+        Some((found[0] - real[0]).hypot(found[1] - real[1]))
+    };
+    paths.iter().filter_map(one).fold(0.0, f64::max)
 }
 
 /// Root of the mean squared distance from the truth, of the marker with the largest.

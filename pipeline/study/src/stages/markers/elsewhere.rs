@@ -62,7 +62,7 @@ pub fn places(of: &Trial, film: &[Second], mark: Metre, desk: &dyn Desk) -> Outc
         markers.push(Path { name: marker.name.clone(), at, spread });
     }
     let parts = Parts { noise: vec![noise; time.len()], shared: vec![mark; time.len()] };
-    Ok(Markers { parts: vec![parts; markers.len()], time, markers, left_out: Vec::new() })
+    Ok(Markers { parts: vec![parts; markers.len()], time, markers, left_out: Vec::new(), stand: None })
 }
 
 /// x and y of the CAD frame, m, of a place in the file's axes (m).

@@ -1,0 +1,259 @@
+//! Grid: the lines on the plane under a bench, found in one picture, and where the camera stands by them.
+//!
+//! A pose that is nearly right says where each line should be seen. Across it, between two crossings, the line's middle is looked
+//! for; rays through these middles must meet the plane on their lines. Six numbers of the pose are moved until they do.
+//!
+//! Stands on: pictures, the sight, nalgebra. Never knows: what lies on the grid.
+
+use nalgebra::{Matrix6, Vector6};
+use si::{Metre, Point2};
+
+use crate::gray::Gray;
+use crate::pose::Pose;
+use crate::sight::Sight;
+
+/// Lines along x and y through every multiple of the pitch.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grid {
+    /// Distance of neighbouring lines, m.
+    pub pitch: Metre,
+    /// z of the plane, m.
+    pub height: Metre,
+}
+
+/// Where a camera stands by a grid.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stand {
+    /// World → camera.
+    pub pose: Pose,
+    /// Pieces of lines that were used.
+    pub pieces: usize,
+    /// Root of the mean squared distance of their middles from their lines, m on the plane.
+    pub off: Metre,
+}
+
+/// A middle of a line: where it is seen, and what its ray must meet.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Tie {
+    pixel: Point2,
+    /// 0 when the line lies at one x, 1 at one y.
+    axis: usize,
+    at: Metre,
+}
+
+/// A line is looked for this far to both sides of where it should be, over the pitch.
+const REACH: f64 = 0.3;
+/// Samples across, to each side.
+const SAMPLES: usize = 24;
+/// Along a piece between two crossings: where lines are cut, over the pitch.
+const CUTS: [f64; 3] = [0.35, 0.5, 0.65];
+/// A line is this much brighter than its ground, grey levels, and darker ground lies on both of its sides.
+const CONTRAST: f64 = 40.0;
+/// A line is at most this wide, over the pitch: what is wider is no line.
+const WIDEST: f64 = 0.16;
+/// Ties fewer than this fix no pose.
+const FEWEST: usize = 24;
+/// Ties farther off than so many times the typical one are left out.
+const STRAY: f64 = 4.0;
+/// Gauss-Newton steps, and rounds of leaving strays out.
+const STEPS: usize = 6;
+const ROUNDS: usize = 4;
+/// Steps of the differences: turn, rad; shift, m.
+const TURN_STEP: f64 = 1e-6;
+const SHIFT_STEP: f64 = 1e-7;
+
+/// Where the camera of `sight` truly stands, when its pose is off by less than a third of a pitch seen on the plane.
+///
+/// None where too few pieces of lines are seen.
+pub fn stand(picture: &Gray, sight: &Sight, grid: &Grid) -> Option<Stand> {
+    let mut ties = ties(picture, sight, grid);
+    let mut pose = sight.pose;
+    for _ in 0..ROUNDS {
+        if ties.len() < FEWEST {
+            return None;
+        }
+        pose = settled(&ties, &Sight { pose, ..*sight }, grid.height)?;
+        let now = Sight { pose, ..*sight };
+        let off = |tie: &Tie| left(&now, tie, grid.height).map_or(f64::INFINITY, f64::abs);
+        let mut sizes: Vec<f64> = ties.iter().map(off).collect();
+        sizes.sort_by(f64::total_cmp);
+        let limit = STRAY * sizes[sizes.len() / 2].max(1e-7);
+        let before = ties.len();
+        ties.retain(|tie| off(tie) <= limit);
+        if ties.len() == before {
+            break;
+        }
+    }
+    let now = Sight { pose, ..*sight };
+    let squares: f64 = ties.iter().filter_map(|tie| left(&now, tie, grid.height)).map(|off| off * off).sum();
+    Some(Stand { pose, pieces: ties.len(), off: (squares / ties.len() as f64).sqrt() })
+}
+
+/// Middles of all pieces that the picture shows.
+fn ties(picture: &Gray, sight: &Sight, grid: &Grid) -> Vec<Tie> {
+    let Some([low, high]) = shown(picture, sight, grid) else { return Vec::new() };
+    let mut ties = Vec::new();
+    for axis in [0, 1] {
+        let other = 1 - axis;
+        for line in low[axis]..=high[axis] {
+            for piece in low[other]..high[other] {
+                for cut in CUTS {
+                    let mut at = [0.0; 2];
+                    at[axis] = line as f64 * grid.pitch;
+                    at[other] = (piece as f64 + cut) * grid.pitch;
+                    let pixel = middle(picture, sight, grid, at, axis);
+                    ties.extend(pixel.map(|pixel| Tie { pixel, axis, at: at[axis] }));
+                }
+            }
+        }
+    }
+    ties
+}
+
+/// The least and greatest number of a line along each axis that the picture can show.
+fn shown(picture: &Gray, sight: &Sight, grid: &Grid) -> Option<[[i64; 2]; 2]> {
+    let (right, bottom) = (picture.width as f64 - 1.0, picture.height as f64 - 1.0);
+    let corners = [[0.0, 0.0], [right, 0.0], [right, bottom], [0.0, bottom]];
+    let met: Vec<Point2> = corners.iter().map(|c| sight.meet(*c, grid.height)).collect::<Option<_>>()?;
+    let end = |axis: usize, most: fn(f64, f64) -> f64, from: f64| met.iter().map(|p| p[axis]).fold(from, most);
+    let low = [0, 1].map(|k| (end(k, f64::min, f64::INFINITY) / grid.pitch).ceil() as i64);
+    let high = [0, 1].map(|k| (end(k, f64::max, f64::NEG_INFINITY) / grid.pitch).floor() as i64);
+    Some([low, high])
+}
+
+/// The middle of the bright line across `at`, px; none where there is no line alone.
+fn middle(picture: &Gray, sight: &Sight, grid: &Grid, at: Point2, axis: usize) -> Option<Point2> {
+    let across = |part: f64| {
+        let mut there = at;
+        there[axis] += part * REACH * grid.pitch;
+        there
+    };
+    let ends = [pixel_of(sight, across(-1.0), grid.height)?, pixel_of(sight, across(1.0), grid.height)?];
+    if ends.iter().any(|end| !picture.holds(*end, 1.0)) {
+        return None;
+    }
+    let count = 2 * SAMPLES + 1;
+    let place = |i: f64| [0, 1].map(|k| ends[0][k] + (ends[1][k] - ends[0][k]) * i / (count - 1) as f64);
+    let levels: Vec<f64> = (0..count).map(|i| picture.level(place(i as f64))).collect();
+    let sides =
+        [&levels[..SAMPLES / 3], &levels[count - SAMPLES / 3..]].map(|s| s.iter().sum::<f64>() / s.len() as f64);
+    let (ground, top) = (0.5 * (sides[0] + sides[1]), levels.iter().copied().fold(f64::MIN, f64::max));
+    if top - ground < CONTRAST || (sides[0] - sides[1]).abs() > 0.25 * (top - ground) {
+        return None;
+    }
+    let weight = |level: &f64| (level - ground - 0.25 * (top - ground)).max(0.0);
+    let sum: f64 = levels.iter().map(weight).sum();
+    let mean = levels.iter().enumerate().map(|(i, l)| i as f64 * weight(l)).sum::<f64>() / sum;
+    let spread = levels.iter().enumerate().map(|(i, l)| (i as f64 - mean).powi(2) * weight(l)).sum::<f64>() / sum;
+    let width = (12.0 * spread).sqrt() / (count - 1) as f64 * 2.0 * REACH;
+    (width <= WIDEST).then(|| place(mean))
+}
+
+/// The pixel whose ray meets `at` on the plane: the air's pixel, moved until it does.
+fn pixel_of(sight: &Sight, at: Point2, height: Metre) -> Option<Point2> {
+    let mut pixel = sight.lens.project(sight.pose.apply([at[0], at[1], height]))?;
+    for _ in 0..4 {
+        let (met, [[a, b], [c, d]]) = (sight.meet(pixel, height)?, sight.by_pixel(pixel, height)?);
+        let (x, y, whole) = (at[0] - met[0], at[1] - met[1], a * d - b * c);
+        let step = [(d * x - b * y) / whole, (a * y - c * x) / whole];
+        pixel = [pixel[0] + step[0], pixel[1] + step[1]];
+        if step[0].hypot(step[1]) < 1e-3 {
+            break;
+        }
+    }
+    Some(pixel)
+}
+
+/// By how much a tie's ray misses its line, m.
+fn left(sight: &Sight, tie: &Tie, height: Metre) -> Option<Metre> {
+    sight.meet(tie.pixel, height).map(|met| met[tie.axis] - tie.at)
+}
+
+/// Gauss-Newton over turn and shift.
+fn settled(ties: &[Tie], from: &Sight, height: Metre) -> Option<Pose> {
+    let mut pose = from.pose;
+    for _ in 0..STEPS {
+        let (mut normal, mut right) = (Matrix6::zeros(), Vector6::zeros());
+        for tie in ties {
+            let Some((off, slope)) = sloped(tie, &Sight { pose, ..*from }, height) else { continue };
+            normal += slope * slope.transpose();
+            right -= slope * off;
+        }
+        let step = normal.cholesky()?.solve(&right);
+        pose = pose.moved([step[0], step[1], step[2]], [step[3], step[4], step[5]]);
+        if step.norm() < 1e-10 {
+            break;
+        }
+    }
+    Some(pose)
+}
+
+/// A tie's miss (m) and its slope by turn (rad) and shift (m), by central differences.
+fn sloped(tie: &Tie, sight: &Sight, height: Metre) -> Option<(Metre, Vector6<f64>)> {
+    let moved = |k: usize, by: f64| {
+        let axis = |from: usize| std::array::from_fn(|i| if from + i == k { by } else { 0.0 });
+        left(&Sight { pose: sight.pose.moved(axis(0), axis(3)), ..*sight }, tie, height)
+    };
+    let mut slope = Vector6::zeros();
+    for k in 0..6 {
+        let step = if k < 3 { TURN_STEP } else { SHIFT_STEP };
+        slope[k] = (moved(k, step)? - moved(k, -step)?) / (2.0 * step);
+    }
+    Some((left(sight, tie, height)?, slope))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lens::Lens;
+    use crate::sight::Water;
+
+    const GRID: Grid = Grid { pitch: 0.010, height: -0.045 };
+
+    fn sight(water: bool) -> Sight {
+        let lens = Lens { k1: -0.11, k2: 0.03, p1: 4e-4, ..Lens::pinhole(980.0, 983.0, 646.0, 361.0) };
+        let down = Pose {
+            rotation: [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]],
+            translation: [-0.058, 0.002, 0.205],
+        };
+        let water = water.then_some(Water { surface: 0.05, index: 1.333 });
+        Sight { lens, pose: down.moved([0.02, -0.03, 0.01], [0.0; 3]), water }
+    }
+
+    /// A plate seen by that sight: lines 0.8 mm wide, a dark body on a part of it, uneven light.
+    fn plate(sight: &Sight) -> Gray {
+        let line = |x: f64| ((x / 0.010).round() * 0.010 - x).abs() < 0.0004;
+        let level = |pixel: Point2| match sight.meet(pixel, GRID.height) {
+            Some([x, y]) if (0.0..0.1).contains(&x) && y.abs() < 0.02 => 30.0,
+            Some([x, y]) if line(x) || line(y) => 176.0,
+            _ => 46.0,
+        };
+        let parts = [-0.375, -0.125, 0.125, 0.375];
+        Gray::from_fn(1280, 720, |u, v| {
+            let all = parts.iter().flat_map(|a| parts.map(|b| level([u as f64 + a, v as f64 + b])));
+            all.sum::<f64>() / 16.0 * (1.0 - 1e-4 * u as f64)
+        })
+    }
+
+    #[test]
+    fn a_nudged_camera_is_found_by_the_lines_under_it_in_air_and_through_water() {
+        for water in [false, true] {
+            let truth = sight(water);
+            let nudged = Sight { pose: truth.pose.moved([8e-4, -6e-4, 5e-4], [2e-4, -3e-4, 2e-4]), ..truth };
+            let found = stand(&plate(&truth), &nudged, &GRID).unwrap();
+            // what a height over the plane is seen at moves by less than a hundredth of a millimetre
+            let off = |s: &Sight, pixel: Point2| s.meet(pixel, 0.01).unwrap();
+            let now = Sight { pose: found.pose, ..truth };
+            for pixel in [[300.0, 200.0], [640.0, 360.0], [1000.0, 500.0]] {
+                let (a, b, c) = (off(&now, pixel), off(&truth, pixel), off(&nudged, pixel));
+                assert!((a[0] - b[0]).hypot(a[1] - b[1]) < 1.5e-5, "{water} {a:?} {b:?} {}", found.pieces);
+                assert!((c[0] - b[0]).hypot(c[1] - b[1]) > 5e-5);
+            }
+        }
+    }
+
+    #[test]
+    fn a_plate_without_lines_tells_no_pose() {
+        assert_eq!(stand(&Gray::filled(1280, 720, 46), &sight(false), &GRID), None);
+    }
+}
