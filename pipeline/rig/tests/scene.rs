@@ -41,12 +41,12 @@ fn bent(nodes: &[Point3], bend: f64) -> Vec<Point3> {
 fn a_drawn_mark_has_its_centroid_at_the_true_pixel_to_a_hundredth() {
     let (set, specimen) = (Settings::built_in(), &ALL[0]);
     let (own, tail) = (&set.specimen[specimen.name], (specimen.tail)());
-    let resolution = Resolution { edge: 0.006, per_chamber: 1, per_rib: 1 };
+    let resolution = Resolution { edge: 0.004, per_chamber: 1, per_rib: 1 };
     let mesh = shape::quadratic(&tail.mesh(&resolution).unwrap());
     let camera = Studio::new(&set, own.seed, own.clamp).camera;
     for (_, at) in card::marks(&tail, own) {
         let (mark, off) = Mark::paint(&mesh, at, own.marker_diameter);
-        assert!(off < 1e-4, "{off} m off the skin");
+        assert!(off < 5e-4, "{off} m off the skin"); // chords of a rib-long element under a round back
         for nodes in [mesh.nodes.clone(), bent(&mesh.nodes, 4.0), bent(&mesh.nodes, -9.0)] {
             let mut canvas = Canvas::filled(camera.width, camera.height, 255.0);
             let view = View { camera, water: None };
