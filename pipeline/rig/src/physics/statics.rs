@@ -9,6 +9,9 @@ use si::Pascal;
 use super::Body;
 use crate::fault::Fault;
 
+/// The last Newton step of an equilibrium is no longer than this part of the body: the one after it would be its square.
+pub(super) const SETTLED: f64 = 1e-6;
+
 /// Shapes at rising pressures on one side.
 #[derive(Debug, Clone)]
 pub struct Ladder {
@@ -21,14 +24,14 @@ pub struct Ladder {
 impl Ladder {
     /// Of `body` with `side` filled to `top` (Pa) in `rungs` even steps.
     ///
-    /// Each rung starts from the two before it, carried on in a straight line. `tick` is called after each.
+    /// Each rung starts from the three before it, carried on in a parabola. `tick` is called after each.
     ///
     /// # Errors
     /// [`Fault`] when no equilibrium is found on a rung.
     pub fn climb(body: &Body, side: Side, top: Pascal, rungs: usize, tick: &(dyn Fn() + Sync)) -> Result<Self, Fault> {
         let pressures: Vec<Pascal> = (0..=rungs).map(|i| top * i as f64 / rungs as f64).collect();
         let mut solver = body.system.solver();
-        let settings = StaticSettings { load_steps: 1, ..StaticSettings::default() };
+        let settings = StaticSettings { load_steps: 1, tolerance: SETTLED, ..StaticSettings::default() };
         let mut shapes = vec![vec![0.0; 3 * body.mesh.nodes.len()]];
         for (rung, pressure) in pressures.iter().enumerate().skip(1) {
             let start = carried_on(&shapes);
@@ -50,9 +53,16 @@ impl Ladder {
     }
 }
 
-/// The line through the last two rungs, at the next.
+/// The parabola through the last three rungs, at the next; a straight line through two.
 fn carried_on(shapes: &[Vec<f64>]) -> Vec<f64> {
-    let last = shapes.len() - 1;
-    let Some(before) = last.checked_sub(1) else { return shapes[last].clone() };
-    shapes[last].iter().zip(&shapes[before]).map(|(b, a)| 2.0 * b - a).collect()
+    let weights: &[f64] = match shapes.len() {
+        1 => &[1.0],
+        2 => &[-1.0, 2.0],
+        _ => &[1.0, -3.0, 3.0],
+    };
+    let mut next = vec![0.0; shapes[0].len()];
+    for (weight, shape) in weights.iter().zip(&shapes[shapes.len() - weights.len()..]) {
+        next.iter_mut().zip(shape).for_each(|(sum, u)| *sum += weight * u);
+    }
+    next
 }

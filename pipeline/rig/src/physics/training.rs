@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use si::{Metre, Pascal};
 
 use super::line::{CentreLine, Station};
+use super::statics::SETTLED;
 use super::{Body, Ladder};
 use crate::fault::Fault;
 
@@ -34,24 +35,27 @@ pub fn shapes(
 ) -> Result<Vec<Vec<f64>>, Fault> {
     let top = ladders[0].pressures.last().copied().unwrap_or(0.0);
     let pulls = pulls(body, line)?;
-    let one = |(share, pull, far): &([f64; 2], usize, Metre)| {
-        let found = equilibrium(body, ladders, share.map(|s| s * top), &pulls[*pull], *far);
-        tick();
-        found
+    let one = |share: &[f64; 2]| -> Result<Vec<Vec<f64>>, Fault> {
+        let mut pulled = Pulled::under(body, ladders, share.map(|s| s * top))?;
+        let asked = asked(*share);
+        let found = asked.iter().map(|(pull, far)| pulled.by(&pulls[*pull], *far).inspect(|_| tick())).collect();
+        match asked.is_empty() {
+            true => Ok(vec![pulled.rest]).inspect(|_| tick()),
+            false => found,
+        }
     };
-    asked().par_iter().map(one).collect()
+    let each: Result<Vec<_>, Fault> = PULLED.par_iter().chain(&BOTH).map(one).collect();
+    Ok(each?.into_iter().flatten().collect())
 }
 
-/// Shares of the highest pressure on both sides, which pull, and how far.
-fn asked() -> Vec<([f64; 2], usize, Metre)> {
-    let along = |share: [f64; 2]| (share[1] - share[0]).signum();
-    let far = |share: [f64; 2], sign: f64| {
-        let with = share[0] == share[1] || sign == along(share);
-        sign * if with { PULLS[0] } else { PULLS[1] }
-    };
-    let both_ways = |share: [f64; 2]| [1.0, -1.0].map(|s| [(share, 0, far(share, s)), (share, 1, s * PULLS[2])]);
-    let pulled = PULLED.into_iter().flat_map(both_ways).flatten();
-    pulled.chain(BOTH.into_iter().map(|share| (share, 0, 0.0))).collect()
+/// Which pulls, and how far (m), under shares of the highest pressure: with and against the bend, and to both sides; none in [`BOTH`].
+fn asked(share: [f64; 2]) -> Vec<(usize, Metre)> {
+    if !PULLED.contains(&share) {
+        return Vec::new();
+    }
+    let along = (share[1] - share[0]).signum();
+    let far = |sign: f64| sign * if share[0] == share[1] || sign == along { PULLS[0] } else { PULLS[1] };
+    [1.0, -1.0].into_iter().flat_map(|sign| [(0, far(sign)), (1, sign * PULLS[2])]).collect()
 }
 
 /// Nodal forces (3 a node, N a metre of the tip) of a pull to one side, and of one to both.
@@ -74,28 +78,43 @@ fn pulls(body: &Body, line: &CentreLine) -> Result<[Vec<f64>; 2], Fault> {
     Ok([scaled(&one)?, scaled(&both)?])
 }
 
-/// The shape under `pressures` (left, right; Pa) and `far` × `pull`, reached by way of half the pull.
-fn equilibrium(
-    body: &Body,
-    ladders: &[Ladder; 2],
+/// A body under the pressures of both sides, to be pulled.
+struct Pulled {
+    solver: fem::Solver,
     pressures: [Pascal; 2],
-    pull: &[f64],
-    far: Metre,
-) -> Result<Vec<f64>, Fault> {
-    let mut solver = body.system.solver();
-    let settings = StaticSettings { load_steps: 1, ..StaticSettings::default() };
-    let [left, right] = pressures;
-    let side = usize::from(right > left);
-    let mut shape = ladders[side].nearest(pressures[side]).to_vec();
-    let parts: &[f64] = if far == 0.0 { &[0.0] } else { &[0.0, 0.5, 1.0] };
-    for part in parts {
-        let forces: Vec<f64> = pull.iter().map(|f| part * far * f).collect();
-        let place = || {
-            format!("shape under {:.0} and {:.0} mbar, pulled {:.1} mm", left / 100.0, right / 100.0, part * far * 1e3)
-        };
-        solver.set_forces(&forces).map_err(|e| Fault::at(place(), e))?;
-        let found = solver.equilibrium(&body.pressures(left, right), Some(&shape), &settings);
-        shape = found.map_err(|e| Fault::at(place(), e))?.displacement;
+    given: Vec<Pascal>,
+    /// Without a pull, m.
+    rest: Vec<f64>,
+}
+
+impl Pulled {
+    fn under(body: &Body, ladders: &[Ladder; 2], pressures: [Pascal; 2]) -> Result<Self, Fault> {
+        let [left, right] = pressures;
+        let side = usize::from(right > left);
+        let near = ladders[side].nearest(pressures[side]).to_vec();
+        let (solver, given) = (body.system.solver(), body.pressures(left, right));
+        let mut pulled = Self { solver, pressures, given, rest: near.clone() };
+        pulled.rest = pulled.step(&vec![0.0; near.len()], 0.0, &near)?;
+        Ok(pulled)
     }
-    Ok(shape)
+
+    /// The shape under `far` × `pull`; by way of half the pull where it is not found at once.
+    fn by(&mut self, pull: &[f64], far: Metre) -> Result<Vec<f64>, Fault> {
+        let rest = self.rest.clone();
+        self.step(pull, far, &rest).or_else(|_| {
+            let half = self.step(pull, 0.5 * far, &rest)?;
+            self.step(pull, far, &half)
+        })
+    }
+
+    fn step(&mut self, pull: &[f64], far: Metre, start: &[f64]) -> Result<Vec<f64>, Fault> {
+        let [left, right] = self.pressures;
+        let place =
+            || format!("shape under {:.0} and {:.0} mbar, pulled {:.1} mm", left / 100.0, right / 100.0, far * 1e3);
+        let settings = StaticSettings { load_steps: 1, tolerance: SETTLED, ..StaticSettings::default() };
+        let forces: Vec<f64> = pull.iter().map(|f| far * f).collect();
+        self.solver.set_forces(&forces).map_err(|e| Fault::at(place(), e))?;
+        let found = self.solver.equilibrium(&self.given, Some(start), &settings);
+        Ok(found.map_err(|e| Fault::at(place(), e))?.displacement)
+    }
 }

@@ -39,7 +39,7 @@ impl Stage for LoadCell {
     type Needs = ();
     type Makes = records::LoadCell;
     const STORY: &'static str = "taps say how the load cell's fixture rings, and it is undone";
-    const EDITION: u32 = 2;
+    const EDITION: u32 = 3;
 
     fn raw(of: &Specimen) -> Vec<RawFile> {
         let name = &of.card.name;
@@ -74,13 +74,17 @@ const FINE: usize = 25;
 const PUSHES: f64 = 0.4;
 /// Signal over noise at 40 dB, where the inverse is judged apart from the log's own noise.
 const FAINT: f64 = 100.0;
-/// How long the thrust that is shown lasts, s.
-const LONG: Second = 6.0;
+/// How long what is shown lasts, s.
+const LONG: Second = 8.0;
+/// When its pushes end, s: as in a trial, the log runs on until the fixture has rung down.
+const PUSHED: Second = 6.0;
+/// How long the pushes take to begin and to end, s.
+const RAMP: Second = 0.5;
 
 /// Two pushes a beat, each the square of a sine over a part of its time, never negative.
 fn push(t: Second, set: &Settings) -> Newton {
     let part = (2.0 * set.shown_beat * t).fract();
-    let ramp = (t / 0.5).clamp(0.0, 1.0);
+    let ramp = (t / RAMP).clamp(0.0, 1.0) * ((PUSHED - t) / RAMP).clamp(0.0, 1.0);
     if part < PUSHES { ramp * set.shown_peak * (std::f64::consts::PI * part / PUSHES).sin().powi(2) } else { 0.0 }
 }
 
