@@ -35,6 +35,12 @@ pub struct Place {
     /// How many records are made side by side.
     #[arg(long, global = true, default_value_t = 2)]
     pub jobs: usize,
+    /// After a fault, make everything that does not need what failed.
+    #[arg(long, global = true)]
+    pub keep_going: bool,
+    /// Begin no second record while less memory is free, GiB.
+    #[arg(long, global = true, value_name = "GIB", default_value_t = crate::SPARE)]
+    pub spare: f64,
 }
 
 /// What to do.
@@ -62,13 +68,16 @@ pub enum Command {
         #[arg(long)]
         fresh: bool,
     },
-    /// Say for each record whether it would be kept or made, and why; write nothing.
+    /// Say for each record whether it would be kept or made, and why; write nothing but the drawing that is asked for.
     Plan {
         /// Stages, figures or tables.
         names: Vec<String>,
         /// One specimen alone.
         #[arg(long)]
         specimen: Option<String>,
+        /// Show the stages as a tree of what reads what instead; with a file, draw them there as SVG.
+        #[arg(long, value_name = "FILE.svg", num_args = 0..=1, require_equals = true)]
+        graph: Option<Option<PathBuf>>,
     },
     /// Say from what each record of a stage was made.
     Why {

@@ -53,6 +53,9 @@ use subject::{Specimen, Study};
 /// Everything that the study makes: stages in the order of the data, then figures, then tables.
 pub const LISTS: &[&[Entry]] = &[stages::ALL, figures::ALL, tables::ALL];
 
+/// Memory that stays free before a second record is begun, GiB: what the largest one takes.
+pub const SPARE: f64 = 2.0;
+
 /// Opens a project: its settings, and the card of each specimen. Cards that cannot be read are returned as faults; the other
 /// specimens are not harmed.
 ///
@@ -68,7 +71,8 @@ pub fn open(root: &Path, profile: Profile, quiet: bool, jobs: usize) -> Outcome<
     let settings = Settings::read(&text, profile, &names)?;
     let (specimens, faults) = specimens(&folders)?;
     let study = Study { specimens };
-    Ok((Runner { lists: LISTS, study, settings, profile, folders, quiet, jobs }, faults))
+    let (keep_going, spare) = (false, SPARE);
+    Ok((Runner { lists: LISTS, study, settings, profile, folders, quiet, jobs, keep_going, spare }, faults))
 }
 
 /// Compares the numbers of the last run with expectations and claims.

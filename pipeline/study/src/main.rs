@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
-use study::cli::{Checked, Cli, Command};
+use study::cli::{Checked, Cli, Command, Place};
 use study::fault::{Fault, Outcome};
 use study::runner::{Goal, Runner, Tally};
 
@@ -22,7 +22,7 @@ fn main() -> ExitCode {
 
 /// Does what is asked; says whether all of it went well.
 fn run(cli: &Cli) -> Outcome<bool> {
-    let open = || study::open(&cli.place.root, cli.place.profile.into(), cli.place.quiet, cli.place.jobs);
+    let open = || open(&cli.place);
     match &cli.command {
         Command::Init { name } => {
             let begun = study::init::run(&cli.place.root, cli.place.profile.into(), name)?;
@@ -51,9 +51,9 @@ fn run(cli: &Cli) -> Outcome<bool> {
             println!("{}", runner.page()?.display());
             Ok(tell(&faults))
         }
-        Command::Plan { names, specimen } => {
+        Command::Plan { names, specimen, graph } => {
             let (runner, faults) = open()?;
-            println!("{}", runner.plan(&Goal { entries: names.clone(), specimen: specimen.clone() })?);
+            plan(&runner, &Goal { entries: names.clone(), specimen: specimen.clone() }, graph.as_ref())?;
             Ok(tell(&faults))
         }
         Command::Why { name } => {
@@ -89,6 +89,24 @@ fn run(cli: &Cli) -> Outcome<bool> {
             Ok(true)
         }
     }
+}
+
+fn open(place: &Place) -> Outcome<(Runner, Vec<Fault>)> {
+    let (mut runner, faults) = study::open(&place.root, place.profile.into(), place.quiet, place.jobs)?;
+    (runner.keep_going, runner.spare) = (place.keep_going, place.spare);
+    Ok((runner, faults))
+}
+
+/// Prints the plan, as a list or a tree, or draws it.
+fn plan(runner: &Runner, goal: &Goal, graph: Option<&Option<PathBuf>>) -> Outcome<()> {
+    match graph {
+        None => println!("{}", runner.plan(goal)?),
+        Some(None) => println!("{}", runner.tree(goal)?),
+        Some(Some(file)) => std::fs::write(file, runner.drawing(goal)?).map_err(|e| {
+            Fault::new(format!("{} cannot be written", file.display()), e, "choose another place for the drawing")
+        })?,
+    }
+    Ok(())
 }
 
 fn check(runner: &Runner) -> Outcome<bool> {

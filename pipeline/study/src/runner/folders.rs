@@ -82,6 +82,16 @@ impl Folders {
         self.processed().join("metrics.json")
     }
 
+    /// What runs remember of the files that they read.
+    pub fn hashes(&self) -> PathBuf {
+        self.processed().join(".hashes.json")
+    }
+
+    /// The description of everything for archives.
+    pub fn crate_file(&self) -> PathBuf {
+        self.processed().join("ro-crate-metadata.json")
+    }
+
     /// Held by the one run that may write.
     pub fn lock(&self) -> PathBuf {
         self.processed().join(".lock")

@@ -3,11 +3,11 @@
 //! Stands on: store, manifest, verdict. Never knows: how a record is made.
 
 use std::collections::BTreeMap;
-use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::Runner;
 use super::graph::Job;
+use super::hashes::Hashes;
 use super::manifest::{MadeFrom, Manifest};
 use super::store::{Found, Store};
 use super::verdict::differences;
@@ -29,11 +29,11 @@ pub enum State {
 ///
 /// # Errors
 /// A [`Fault`] when the ingredients cannot be said or a recording is missing.
-pub fn made_from(runner: &Runner, job: &Job, contents: &BTreeMap<Id, String>) -> Outcome<MadeFrom> {
+pub fn made_from(runner: &Runner, job: &Job, contents: &BTreeMap<Id, String>, hashes: &Hashes) -> Outcome<MadeFrom> {
     let ingredients = job.ingredients.clone().map_err(|fault| fault.of(&job.id))?;
     let mut raw = BTreeMap::new();
     for file in &ingredients.raw {
-        raw.insert(file.place.clone(), hash(runner, file).map_err(|fault| fault.of(&job.id))?);
+        raw.insert(file.place.clone(), hash(runner, file, hashes).map_err(|fault| fault.of(&job.id))?);
     }
     let content = |id: &Id| (id.to_string(), contents.get(id).cloned().unwrap_or_default());
     Ok(MadeFrom {
@@ -46,8 +46,8 @@ pub fn made_from(runner: &Runner, job: &Job, contents: &BTreeMap<Id, String>) ->
 }
 
 /// Compares what lies on disk with what a job would be made from now.
-pub fn state(runner: &Runner, job: &Job, now: &MadeFrom) -> State {
-    match Store::new(&runner.folders).look(&job.id) {
+pub fn state(runner: &Runner, job: &Job, now: &MadeFrom, hashes: &Hashes) -> State {
+    match Store::new(&runner.folders).look_by(&job.id, hashes) {
         Found::Nothing => State::Stale(vec!["it was never made".into()]),
         Found::Damaged(damage) => State::Damaged(damage),
         Found::Whole(manifest) if manifest.key == now.key() => State::Kept(manifest),
@@ -55,11 +55,11 @@ pub fn state(runner: &Runner, job: &Job, now: &MadeFrom) -> State {
     }
 }
 
-fn hash(runner: &Runner, file: &RawFile) -> Outcome<String> {
+fn hash(runner: &Runner, file: &RawFile, hashes: &Hashes) -> Outcome<String> {
     let path = runner.folders.raw_file(&file.place);
-    let read = if path.is_dir() { hash_folder(&path) } else { hash_file(&path) };
+    let read = if path.is_dir() { hash_folder(&path, hashes) } else { hashes.of(&path) };
     match read {
-        Ok(hash) => Ok(hash.to_hex().to_string()),
+        Ok(hash) => Ok(hash),
         Err(e) if file.optional && e.kind() == std::io::ErrorKind::NotFound => Ok("absent".into()),
         Err(e) => Err(Fault::new(
             format!("the {} {} cannot be read", file.word, runner.folders.tell(&path)),
@@ -69,19 +69,16 @@ fn hash(runner: &Runner, file: &RawFile) -> Outcome<String> {
     }
 }
 
-fn hash_file(path: &Path) -> std::io::Result<blake3::Hash> {
-    fs::File::open(path).and_then(|f| blake3::Hasher::new().update_reader(f).map(|h| h.finalize()))
-}
-
 /// Of a folder of pictures: names and contents of its files, in the order of their names.
-fn hash_folder(path: &Path) -> std::io::Result<blake3::Hash> {
-    let mut files = fs::read_dir(path)?.map(|entry| entry.map(|e| e.path())).collect::<std::io::Result<Vec<_>>>()?;
+fn hash_folder(path: &Path, hashes: &Hashes) -> std::io::Result<String> {
+    let entries = std::fs::read_dir(path)?.map(|entry| entry.map(|e| e.path()));
+    let mut files = entries.collect::<std::io::Result<Vec<PathBuf>>>()?;
     files.sort();
     let mut whole = blake3::Hasher::new();
     for file in files.iter().filter(|file| file.is_file()) {
-        whole.update(file.file_name().unwrap_or_default().as_encoded_bytes()).update(hash_file(file)?.as_bytes());
+        whole.update(file.file_name().unwrap_or_default().as_encoded_bytes()).update(hashes.of(file)?.as_bytes());
     }
-    Ok(whole.finalize())
+    Ok(whole.finalize().to_hex().to_string())
 }
 
 fn job_specimen(place: &str) -> &str {

@@ -3,9 +3,11 @@
 //!
 //! Stands on: the entries of stages, figures and tables. Never knows: what any of them computes.
 
+mod crate_file;
 mod desk;
 mod folders;
 mod graph;
+mod hashes;
 mod inputs;
 mod lock;
 mod manifest;
@@ -15,8 +17,10 @@ mod paper_files;
 mod plan;
 mod pool;
 mod report;
+mod room;
 mod show;
 mod store;
+mod tree;
 mod verdict;
 
 pub use folders::Folders;
@@ -32,6 +36,7 @@ use crate::settings::{Profile, Settings};
 use crate::stage::{Desk, RawFile};
 use crate::subject::Study;
 use graph::Job;
+use hashes::Hashes;
 use lock::Lock;
 use report::Report;
 
@@ -51,6 +56,10 @@ pub struct Runner {
     pub quiet: bool,
     /// Records made side by side.
     pub jobs: usize,
+    /// Whether a record that fails stops only those that need it, or the run.
+    pub keep_going: bool,
+    /// No second record is begun while less memory is free, GiB.
+    pub spare: f64,
 }
 
 /// How a run ended.
@@ -75,8 +84,10 @@ impl Runner {
         let jobs = self.jobs_of(goal)?;
         let _lock = Lock::take(&self.folders)?;
         let report = Report::new(jobs.len(), self.quiet);
-        let tally = pool::run(self, &jobs, &|job: &Job| fresh && is_named(goal, job), &report);
-        self.write_metrics(&report)?;
+        let hashes = Hashes::default();
+        let mut tally = pool::run(self, &jobs, &|job: &Job| fresh && is_named(goal, job), &hashes, &report);
+        tally.skipped = jobs.len() - tally.made - tally.kept - tally.failed;
+        self.write_metrics(&hashes, &report)?;
         report.end(&tally.in_words());
         Ok(tally)
     }
@@ -87,6 +98,22 @@ impl Runner {
     /// A [`Fault`] when the goal is unknown.
     pub fn plan(&self, goal: &Goal) -> Outcome<String> {
         Ok(plan::text(self, &self.jobs_of(goal)?))
+    }
+
+    /// The stages as a tree of what reads what, with how many records of each a run would keep and make.
+    ///
+    /// # Errors
+    /// A [`Fault`] when the goal is unknown.
+    pub fn tree(&self, goal: &Goal) -> Outcome<String> {
+        Ok(tree::text(self, &self.jobs_of(goal)?))
+    }
+
+    /// The same as a drawing, SVG.
+    ///
+    /// # Errors
+    /// A [`Fault`] when the goal is unknown or the graph cannot be drawn.
+    pub fn drawing(&self, goal: &Goal) -> Outcome<String> {
+        tree::svg(self, &self.jobs_of(goal)?)
     }
 
     /// From what each record of a stage was made, and what would make it stale now.
@@ -110,10 +137,16 @@ impl Runner {
         graph::jobs(self.lists, &self.study, &self.settings, goal)
     }
 
-    fn write_metrics(&self, report: &Report) -> Outcome<()> {
+    fn write_metrics(&self, hashes: &Hashes, report: &Report) -> Outcome<()> {
         let all = self.jobs_of(&Goal::default())?;
+        let place = self.folders.processed();
         metrics_file::write(self, &all, report)
-            .map_err(|e| Fault::new("metrics.json cannot be written", e, "free some disk space and run again"))
+            .and_then(|()| crate_file::write(self, &all))
+            .and_then(|()| hashes.write(&self.folders.hashes()))
+            .map_err(|e| {
+                let what = format!("the numbers cannot be written to {}", self.folders.tell(&place));
+                Fault::new(what, e, "free some disk space and run again")
+            })
     }
 }
 

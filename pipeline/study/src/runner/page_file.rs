@@ -117,7 +117,12 @@ fn graph(runner: &Runner, costs: &[Cost]) -> Outcome<String> {
         let cost = costs.iter().find(|c| c.name == name)?;
         Some(format!("{} of {} records, {:.1}\u{a0}s", cost.records[0], cost.records[1], cost.seconds))
     };
-    let diagram = overview::graph(&flow, &said);
+    drawn(&flow, &said)
+}
+
+/// A graph of stages with what is `said` of each, as SVG.
+pub(super) fn drawn(flow: &Flow, said: &dyn Fn(&str) -> Option<String>) -> Outcome<String> {
+    let diagram = overview::graph(flow, said);
     let tall = plot::DOUBLE_COLUMN_MM * diagram.size[1] / diagram.size[0];
     let figure = plot::Figure::new(plot::DOUBLE_COLUMN_MM).row(tall, [plot::Panel::Diagram(diagram)]);
     figure.svg().map_err(Fault::from_tool)

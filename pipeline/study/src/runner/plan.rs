@@ -6,8 +6,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::Runner;
 use super::graph::Job;
+use super::hashes::Hashes;
 use super::inputs::{State, made_from, state};
 use super::store::{Found, Store};
+use super::tree;
 use crate::fault::Fault;
 use crate::needs::Id;
 
@@ -35,12 +37,44 @@ pub fn why(runner: &Runner, jobs: &[Job], entry: &str) -> String {
     of_entry.map(|(job, fate)| format!("{}\n{}", line(job, fate), history(runner, job))).collect::<Vec<_>>().join("\n")
 }
 
+/// How many records of a stage would be kept and made.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Share {
+    kept: usize,
+    made: usize,
+}
+
+impl Share {
+    /// As a person says it.
+    pub fn in_words(self) -> String {
+        match (self.kept, self.made) {
+            (kept, 0) => format!("{kept} kept"),
+            (0, made) => format!("{made} to make"),
+            (kept, made) => format!("{kept} kept, {made} to make"),
+        }
+    }
+}
+
+/// The share of each stage.
+pub fn shares(runner: &Runner, jobs: &[Job]) -> BTreeMap<&'static str, Share> {
+    let mut shares: BTreeMap<&'static str, Share> = BTreeMap::new();
+    for (job, fate) in jobs.iter().zip(fates(runner, jobs)).filter(|(job, _)| tree::is_stage(job)) {
+        let share = shares.entry(job.id.stage).or_default();
+        match fate {
+            Fate::Kept(_) => share.kept += 1,
+            _ => share.made += 1,
+        }
+    }
+    shares
+}
+
 fn fates(runner: &Runner, jobs: &[Job]) -> Vec<Fate> {
+    let hashes = Hashes::remembered(&runner.folders.hashes());
     let mut contents = BTreeMap::new();
     let mut changing = BTreeSet::new();
     jobs.iter()
         .map(|job| {
-            let fate = fate(runner, job, &contents, &changing);
+            let fate = fate(runner, job, &contents, &changing, &hashes);
             match &fate {
                 Fate::Kept(content) => {
                     contents.insert(job.id.clone(), content.clone());
@@ -54,13 +88,13 @@ fn fates(runner: &Runner, jobs: &[Job]) -> Vec<Fate> {
         .collect()
 }
 
-fn fate(runner: &Runner, job: &Job, contents: &BTreeMap<Id, String>, changing: &BTreeSet<Id>) -> Fate {
-    let now = match made_from(runner, job, contents) {
+fn fate(runner: &Runner, job: &Job, contents: &BTreeMap<Id, String>, changing: &BTreeSet<Id>, hashes: &Hashes) -> Fate {
+    let now = match made_from(runner, job, contents, hashes) {
         Ok(now) => now,
         Err(fault) => return Fate::Impossible(fault),
     };
     let upstream = job.reads().iter().find(|id| changing.contains(*id));
-    match (state(runner, job, &now), upstream) {
+    match (state(runner, job, &now, hashes), upstream) {
         (_, Some(id)) => Fate::Waits(id.clone()),
         (State::Kept(manifest), None) => Fate::Kept(manifest.content),
         (State::Stale(reasons), None) => Fate::Stale(reasons),

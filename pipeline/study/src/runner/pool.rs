@@ -1,6 +1,7 @@
 //! The pool: stale records are made as soon as what they read is there, several side by side.
 //!
-//! A record that fails stops only those that need it. The outcome does not depend on the order in which workers finish.
+//! A record that fails ends the run once those at work are done, or, where the run is to keep going, stops only those that need
+//! it. The outcome does not depend on the order in which workers finish. A second record waits while memory is short.
 //!
 //! Stands on: inputs, store, desk, report. Never knows: what a stage computes.
 
@@ -10,9 +11,11 @@ use std::sync::{Condvar, Mutex};
 
 use super::desk::Laid;
 use super::graph::Job;
+use super::hashes::Hashes;
 use super::inputs::{State, made_from, state};
 use super::manifest::{MadeFrom, Manifest};
 use super::report::Report;
+use super::room;
 use super::show;
 use super::store::Store;
 use super::{Runner, Tally};
@@ -26,6 +29,7 @@ struct Board {
     running: usize,
     contents: BTreeMap<Id, String>,
     lost: BTreeSet<Id>,
+    stopped: bool,
     tally: Tally,
 }
 
@@ -36,13 +40,19 @@ enum End {
     Failed,
 }
 
-/// Makes every stale job; `forced` names those made even when fresh.
-pub fn run(runner: &Runner, jobs: &[Job], forced: &(dyn Fn(&Job) -> bool + Sync), report: &Report) -> Tally {
+/// Makes every stale job; `forced` names those made even when fresh. `hashes` gather what was read.
+pub fn run(
+    runner: &Runner,
+    jobs: &[Job],
+    forced: &(dyn Fn(&Job) -> bool + Sync),
+    hashes: &Hashes,
+    report: &Report,
+) -> Tally {
     let board = Mutex::new(Board { waiting: (0..jobs.len()).collect(), ..Board::default() });
     let changed = Condvar::new();
     std::thread::scope(|scope| {
         for _ in 0..runner.jobs.max(1) {
-            scope.spawn(|| work(runner, jobs, forced, report, &board, &changed));
+            scope.spawn(|| work(runner, jobs, forced, hashes, report, &board, &changed));
         }
     });
     board.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner()).tally
@@ -52,6 +62,7 @@ fn work(
     runner: &Runner,
     jobs: &[Job],
     forced: &(dyn Fn(&Job) -> bool + Sync),
+    hashes: &Hashes,
     report: &Report,
     board: &Mutex<Board>,
     changed: &Condvar,
@@ -60,8 +71,8 @@ fn work(
     loop {
         let mut now = lock();
         skip_lost(&mut now, jobs, report);
-        let Some(next) = ready(&now, jobs) else {
-            if now.waiting.is_empty() || now.running == 0 {
+        let Some(next) = ready(&now, jobs, runner.spare) else {
+            if now.waiting.is_empty() || now.stopped || now.running == 0 {
                 changed.notify_all();
                 return;
             }
@@ -72,15 +83,20 @@ fn work(
         now.running += 1;
         let contents = now.contents.clone();
         drop(now);
-        let end = make(runner, &jobs[next], &contents, forced(&jobs[next]), report);
+        let end = make(runner, &jobs[next], &contents, forced(&jobs[next]), hashes, report);
         let mut now = lock();
         now.running -= 1;
+        now.stopped |= matches!(end, End::Failed) && !runner.keep_going;
         settle(&mut now, &jobs[next].id, end);
         changed.notify_all();
     }
 }
 
-fn ready(board: &Board, jobs: &[Job]) -> Option<usize> {
+/// The next record that can be begun; none while another is at work and less than `spare` GiB are free.
+fn ready(board: &Board, jobs: &[Job], spare: f64) -> Option<usize> {
+    if board.stopped || board.running > 0 && !room::is_left(spare) {
+        return None;
+    }
     let there = |job: &Job| job.reads().iter().all(|id| board.contents.contains_key(id));
     board.waiting.iter().copied().find(|&i| there(&jobs[i]))
 }
@@ -114,8 +130,15 @@ fn settle(board: &mut Board, id: &Id, end: End) {
     }
 }
 
-fn make(runner: &Runner, job: &Job, contents: &BTreeMap<Id, String>, forced: bool, report: &Report) -> End {
-    match keep_or_make(runner, job, contents, forced, report) {
+fn make(
+    runner: &Runner,
+    job: &Job,
+    contents: &BTreeMap<Id, String>,
+    forced: bool,
+    hashes: &Hashes,
+    report: &Report,
+) -> End {
+    match keep_or_make(runner, job, contents, forced, hashes, report) {
         Ok(end) => end,
         Err(fault) => {
             report.failed(&shown(runner, &job.id, fault).of(&job.id));
@@ -141,10 +164,11 @@ fn keep_or_make(
     job: &Job,
     contents: &BTreeMap<Id, String>,
     forced: bool,
+    hashes: &Hashes,
     report: &Report,
 ) -> Outcome<End> {
-    let now = made_from(runner, job, contents)?;
-    match state(runner, job, &now) {
+    let now = made_from(runner, job, contents, hashes)?;
+    match state(runner, job, &now, hashes) {
         State::Kept(manifest) if !forced => {
             show::lay_out(runner, job, &manifest)?;
             report.kept(&job.id);

@@ -10,6 +10,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use super::folders::Folders;
+use super::hashes::Hashes;
 use super::manifest::{FILE, Manifest};
 use crate::fault::{Fault, Outcome};
 use crate::needs::{Id, Shelf};
@@ -38,6 +39,11 @@ impl<'a> Store<'a> {
 
     /// Looks at a record and checks each of its files against its hash.
     pub fn look(&self, id: &Id) -> Found {
+        self.look_by(id, &Hashes::default())
+    }
+
+    /// Looks at a record and checks each of its files against its hash, as `hashes` have it.
+    pub fn look_by(&self, id: &Id, hashes: &Hashes) -> Found {
         let folder = self.folders.record(id);
         let text = match fs::read(folder.join(FILE)) {
             Ok(text) => text,
@@ -48,7 +54,7 @@ impl<'a> Store<'a> {
             Ok(manifest) => manifest,
             Err(e) => return Found::Damaged(format!("its {FILE} is not understood ({e})")),
         };
-        match first_damage(&folder, &manifest) {
+        match first_damage(&folder, &manifest, hashes) {
             Some(damage) => Found::Damaged(damage),
             None => Found::Whole(Box::new(manifest)),
         }
@@ -120,9 +126,9 @@ pub fn write_at_once(path: &Path, bytes: &[u8]) -> io::Result<()> {
     fs::rename(&unfinished, path)
 }
 
-fn first_damage(folder: &Path, manifest: &Manifest) -> Option<String> {
-    manifest.files.iter().find_map(|(name, hash)| match fs::read(folder.join(name)) {
-        Ok(bytes) if blake3::hash(&bytes).to_hex().as_str() == hash => None,
+fn first_damage(folder: &Path, manifest: &Manifest, hashes: &Hashes) -> Option<String> {
+    manifest.files.iter().find_map(|(name, hash)| match hashes.of(&folder.join(name)) {
+        Ok(now) if now == *hash => None,
         Ok(_) => Some(format!("the bytes of its {name} are not those that were written")),
         Err(e) => Some(format!("its {name} cannot be read ({e})")),
     })

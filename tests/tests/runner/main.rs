@@ -3,146 +3,14 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod faults;
+mod shown;
+mod small;
+
 use std::fs;
-use std::path::PathBuf;
 
-use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
-use study::entry::{Entry, stage};
-use study::fault::{Fault, Outcome};
-use study::record::{Parcel, Record, RecordError};
-use study::runner::{Folders, Goal, Runner, Tally};
-use study::settings::{Profile, Settings};
-use study::stage::{Desk, RawFile, Stage};
-use study::subject::{Specimen, Study};
-
-#[derive(Serialize, Deserialize)]
-struct Count(usize);
-
-macro_rules! count_record {
-    ($record:ident, $stage:literal) => {
-        struct $record(usize);
-        impl Record for $record {
-            type Of = Specimen;
-            const STAGE: &'static str = $stage;
-            fn pack(&self) -> Result<Parcel, RecordError> {
-                Parcel::default().scalars("count.json", &Count(self.0))
-            }
-            fn unpack(parcel: &Parcel) -> Result<Self, RecordError> {
-                Ok(Self(parcel.read_scalars::<Count>("count.json")?.0))
-            }
-        }
-    };
-}
-
-count_record!(Letters, "letters");
-count_record!(Halved, "halved");
-count_record!(Alone, "alone");
-
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Step {
-    step: usize,
-}
-
-struct CountLetters;
-impl Stage for CountLetters {
-    type Settings = Step;
-    type Needs = ();
-    type Makes = Letters;
-    const STORY: &'static str = "text becomes its length";
-    const EDITION: u32 = 1;
-    fn raw(of: &Specimen) -> Vec<RawFile> {
-        vec![RawFile::new("text", &of.card.name, "cad/body.stl")]
-    }
-    fn card(of: &Specimen) -> Value {
-        json!({ "length": of.card.length })
-    }
-    fn run(_: &Specimen, set: &Step, (): (), desk: &dyn Desk) -> Outcome<Letters> {
-        Ok(Letters(desk.bytes("text")?.len() / set.step))
-    }
-}
-
-struct Halve;
-impl Stage for Halve {
-    type Settings = Step;
-    type Needs = Letters;
-    type Makes = Halved;
-    const STORY: &'static str = "a length becomes its half";
-    const EDITION: u32 = 1;
-    fn run(_: &Specimen, set: &Step, letters: Letters, _: &dyn Desk) -> Outcome<Halved> {
-        match set.step {
-            13 => Err(Fault::new("thirteen is not a step", "it brings bad luck", "choose another")),
-            14 => panic!("fourteen breaks an assertion"),
-            step => Ok(Halved(letters.0 / (2 * step))),
-        }
-    }
-}
-
-struct StandAlone;
-impl Stage for StandAlone {
-    type Settings = Step;
-    type Needs = ();
-    type Makes = Alone;
-    const STORY: &'static str = "nothing becomes a number";
-    const EDITION: u32 = 1;
-    fn run(_: &Specimen, set: &Step, (): (), _: &dyn Desk) -> Outcome<Alone> {
-        Ok(Alone(set.step))
-    }
-}
-
-const STAGES: &[Entry] = &[stage::<CountLetters>(), stage::<Halve>(), stage::<StandAlone>()];
-const LISTS: &[&[Entry]] = &[STAGES];
-const SETTINGS: &str = "[letters]\nstep = 1\n[halved]\nstep = 1\n[alone]\nstep = 1\n";
-
-/// A project of its own for each test, removed at the end.
-struct Project(PathBuf);
-
-impl Project {
-    fn new(name: &str) -> Self {
-        let root = std::env::temp_dir().join(format!("runner-{name}-{}", std::process::id()));
-        let folder = root.join("data/raw/fish");
-        fs::create_dir_all(folder.join("cad")).unwrap();
-        fs::write(folder.join("cad/body.stl"), "twelve bytes").unwrap();
-        fs::write(folder.join("specimen.toml"), tests::CARD).unwrap();
-        Self(root)
-    }
-
-    fn runner(&self, settings: &str) -> Runner {
-        let card = lab::card::read(&self.0.join("data/raw/fish/specimen.toml")).unwrap();
-        Runner {
-            lists: LISTS,
-            study: Study { specimens: vec![Specimen { card: card.into() }] },
-            settings: Settings::read(settings, Profile::Paper, &["letters", "halved", "alone"]).unwrap(),
-            profile: Profile::Paper,
-            folders: Folders::new(&self.0, Profile::Paper),
-            quiet: true,
-            jobs: 2,
-        }
-    }
-
-    fn run(&self, settings: &str) -> Tally {
-        self.runner(settings).run(&Goal::default(), false).unwrap()
-    }
-
-    fn plan(&self, settings: &str) -> String {
-        self.runner(settings).plan(&Goal::default()).unwrap()
-    }
-
-    fn record(&self, stage: &str) -> PathBuf {
-        self.0.join("data/processed").join(stage).join("fish/record")
-    }
-}
-
-impl Drop for Project {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
-
-fn tally(made: usize, kept: usize, failed: usize, skipped: usize) -> Tally {
-    Tally { made, kept, failed, skipped }
-}
+use small::{Project, SETTINGS, tally};
+use study::runner::Goal;
 
 #[test]
 fn a_second_run_makes_nothing_again() {
@@ -278,4 +146,62 @@ fn an_unknown_goal_is_refused_with_what_there_is() {
     let goal = Goal { entries: vec!["halfed".into()], specimen: None };
     let fault = project.runner(SETTINGS).plan(&goal).unwrap_err();
     assert!(fault.what.contains("letters, halved, alone"), "{fault}");
+}
+
+#[test]
+fn without_leave_to_keep_going_a_fault_ends_the_run_and_what_was_made_is_kept() {
+    let project = Project::new("stopping");
+    let mut runner = project.runner(&SETTINGS.replace("[letters]\nstep = 1", "[letters]\nstep = 0"));
+    (runner.keep_going, runner.jobs) = (false, 1);
+    assert_eq!(runner.run(&Goal::default(), false).unwrap(), tally(0, 0, 1, 2));
+    assert_eq!(project.run(SETTINGS), tally(3, 0, 0, 0));
+}
+
+#[test]
+fn a_machine_without_room_makes_one_record_after_the_other() {
+    let project = Project::new("room");
+    let mut runner = project.runner(SETTINGS);
+    runner.spare = f64::INFINITY;
+    assert_eq!(runner.run(&Goal::default(), false).unwrap(), tally(3, 0, 0, 0));
+}
+
+#[test]
+fn a_changed_comment_makes_nothing_stale() {
+    let project = Project::new("comment");
+    project.run(SETTINGS);
+    let card = project.0.join("data/raw/fish/specimen.toml");
+    fs::write(&card, format!("# said otherwise\n{}", tests::CARD)).unwrap();
+    assert_eq!(project.run(&format!("# said otherwise\n{SETTINGS}")), tally(0, 3, 0, 0));
+}
+
+#[test]
+fn a_file_of_the_same_length_with_other_bytes_is_seen_even_when_its_date_is_set_back() {
+    let project = Project::new("included");
+    project.run(SETTINGS);
+    let body = project.0.join("data/raw/fish/cad/body.stl");
+    let date = fs::metadata(&body).unwrap().modified().unwrap();
+    fs::write(&body, "12 other byt").unwrap();
+    fs::File::options().append(true).open(&body).unwrap().set_modified(date).unwrap();
+    assert_eq!(project.run(SETTINGS), tally(1, 2, 0, 0));
+}
+
+#[test]
+fn a_renamed_product_is_made_again_under_its_name() {
+    let project = Project::new("renamed");
+    project.run(SETTINGS);
+    let record = project.record("halved");
+    fs::rename(&record, record.with_file_name("elsewhere")).unwrap();
+    assert_eq!(project.run(SETTINGS), tally(1, 2, 0, 0));
+    assert!(record.join("count.json").exists());
+}
+
+#[test]
+fn looking_at_a_study_changes_nothing_in_it() {
+    let project = Project::new("looking");
+    project.run(SETTINGS);
+    let before = shown::bytes(&project.0);
+    project.plan(SETTINGS);
+    project.runner(SETTINGS).tree(&Goal::default()).unwrap();
+    project.runner(SETTINGS).why("halved").unwrap();
+    assert!(before == shown::bytes(&project.0));
 }

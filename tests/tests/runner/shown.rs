@@ -1,0 +1,57 @@
+//! What a study shows of itself: the tree and the drawing of its stages, and its description for archives.
+//!
+//! Stands on: the small study. Never knows: how a record is made.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use study::runner::Goal;
+
+use crate::small::{Project, SETTINGS};
+
+/// Every file of a folder with its bytes.
+pub fn bytes(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let (folders, files): (Vec<_>, Vec<_>) = entries.partition(|path| path.is_dir());
+    let own = files.into_iter().map(|file| (file.clone(), fs::read(file).unwrap()));
+    own.chain(folders.iter().flat_map(|folder| bytes(folder))).collect()
+}
+
+#[test]
+fn the_tree_hangs_each_stage_under_what_it_reads_and_says_what_would_be_made() {
+    let project = Project::new("tree");
+    let tree = |settings: &str| project.runner(settings).tree(&Goal::default()).unwrap();
+    assert!(tree(SETTINGS).contains("└─ halved  1 to make"), "{}", tree(SETTINGS));
+    project.run(SETTINGS);
+    let lines = tree(SETTINGS);
+    let (letters, halved) = (lines.find("letters  1 kept").unwrap(), lines.find("halved  1 kept").unwrap());
+    assert!(letters < halved && lines.contains("alone  1 kept"), "{lines}");
+}
+
+#[test]
+fn the_drawing_names_every_stage() {
+    let project = Project::new("drawing");
+    let svg = project.runner(SETTINGS).drawing(&Goal::default()).unwrap();
+    assert!(
+        svg.starts_with("<svg") && ["letters", "halved", "alone", "1 to make"].iter().all(|word| svg.contains(word))
+    );
+}
+
+#[test]
+fn the_description_for_archives_names_each_record_its_ingredients_and_its_maker() {
+    let project = Project::new("crate");
+    project.run(SETTINGS);
+    let text = fs::read(project.0.join("data/processed/ro-crate-metadata.json")).unwrap();
+    let told: serde_json::Value = serde_json::from_slice(&text).unwrap();
+    let graph = told["@graph"].as_array().unwrap();
+    let named = |id: &str| graph.iter().find(|thing| thing["@id"] == id).unwrap_or_else(|| panic!("{id} is missing"));
+    assert_eq!(named("./")["hasPart"].as_array().unwrap().len(), 3);
+    let made = named("#made/halved/fish");
+    assert_eq!(
+        (&made["instrument"]["@id"], &made["object"][0]["@id"]),
+        (&"#halved".into(), &"#record/letters/fish".into())
+    );
+    assert_eq!(named("#made/letters/fish")["object"][0]["@id"], "#recording/fish/cad/body.stl");
+    assert!(named("#letters")["softwareVersion"].as_str().unwrap().ends_with("edition 1"));
+}
