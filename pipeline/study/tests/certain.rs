@@ -1,0 +1,144 @@
+//! How sure an identification is, on a case small enough to be repeated: a bar of two materials under three pulls, of which a few
+//! places are seen through noise.
+//!
+//! Stands on: `fem`, `fit`. Never knows: a film, a card.
+
+#![allow(clippy::unwrap_used)] // a test may fail where it stands
+
+use std::f64::consts::{LN_10, TAU};
+
+use fem::{
+    Clamps, Equilibrium, Forces, Mesh, Parameter, RegionProperties, Solver, StaticSettings, System, boxes, materials,
+};
+use fit::optimisers::gauss_newton::{GaussNewton, Settings};
+use fit::posterior::WITHIN_95;
+use fit::{Bounds, Evaluation, FitError, History, Needs, Optimiser, Residuals, Search, minimise};
+
+/// Of a soft body and a stiffer sheet, Pa.
+const E: [f64; 2] = [2.1e5, 8e5];
+/// Pulls across the end of the half that is meshed, N.
+const PULLS: [f64; 3] = [0.1, 0.2, 0.3];
+/// Deviation of a seen place, m.
+const SIGMA: f64 = 2e-5;
+
+/// A bar of 60 × 20 × 20 mm, half of it meshed, with a sheet in the outer part of its lower side: the inner part bends as the
+/// body lets it, the outer one as the sheet does.
+fn bar() -> Mesh {
+    let place = |at: [f64; 3]| [0.06 * at[0], 0.02 * at[1], 0.01 * at[2]];
+    let region = |cell: [usize; 3]| Some(u16::from(cell[1] == 0 && cell[0] >= 1));
+    boxes::with_middles(&boxes::grid([5, 3, 1], true, place, region))
+}
+
+/// A bar on the bench: its system, where it is pulled, where it is seen, and its last shapes.
+struct Bench {
+    solver: Solver,
+    mesh: Mesh,
+    seen: Vec<usize>,
+    shapes: Vec<Option<Equilibrium>>,
+}
+
+impl Bench {
+    fn new() -> Self {
+        let mesh = bar();
+        let material = materials::by_name("neo_hookean").unwrap();
+        let region = |(e, nu)| RegionProperties { material, youngs_modulus: e, poissons_ratio: nu, density: 1e3 };
+        let clamps = Clamps::below_x(&mesh, 1e-9);
+        let system = System::new(mesh.clone(), [(E[0], 0.47), (E[1], 0.35)].map(region).to_vec(), clamps).unwrap();
+        let top = |x: f64| (0..mesh.nodes.len()).find(|&n| is_at(mesh.nodes[n], [x, 0.02, 0.0])).unwrap();
+        let seen = [0.012, 0.024, 0.036, 0.048, 0.06].map(top).to_vec();
+        Self { solver: system.solver(), seen, mesh, shapes: vec![None; PULLS.len()] }
+    }
+
+    /// Places (m) and their derivatives by the logarithms of the moduli, at moduli e^`at` times the true ones.
+    fn look(&mut self, at: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let (mut places, mut slopes) = (Vec::new(), Vec::new());
+        let end = (0..self.mesh.nodes.len()).max_by(|&a, &b| self.mesh.nodes[a][0].total_cmp(&self.mesh.nodes[b][0]));
+        let settings = StaticSettings { tolerance: 1e-9, ..StaticSettings::default() };
+        for (region, nu) in [0.47, 0.35].into_iter().enumerate() {
+            self.solver.set_elastic(region, E[region] * at[region].exp(), nu).unwrap();
+        }
+        for (pull, known) in PULLS.iter().zip(&mut self.shapes) {
+            let forces = Forces::none(&self.mesh).on_node(end.unwrap() as u32, [0.0, *pull, 0.0]);
+            self.solver.set_forces(forces.as_slice()).unwrap();
+            let start = known.as_ref().map(|shape| shape.displacement.as_slice());
+            let shape = self.solver.equilibrium(&[], start, &settings).unwrap();
+            let by: Vec<Vec<f64>> =
+                (0..2).map(|r| self.solver.sensitivity(&shape, Parameter::YoungsModulus(r)).unwrap()).collect();
+            for freedom in self.seen.iter().flat_map(|n| [3 * n, 3 * n + 1]) {
+                places.push(shape.displacement[freedom]);
+                slopes.extend((0..2).map(|r| by[r][freedom] * E[r] * at[r].exp()));
+            }
+            *known = Some(shape);
+        }
+        (places, slopes)
+    }
+
+    /// Gauss-Newton from `start` over two decades of each modulus.
+    fn identify(&mut self, measured: &[f64], start: [f64; 2]) -> History {
+        let bounds = Bounds { low: vec![-LN_10; 2], high: vec![LN_10; 2] };
+        let search = Search::new(&["body", "sheet"], start.to_vec(), bounds).unwrap();
+        let set = Settings { step_tolerance: 1e-5, ..Settings::default() };
+        let mut walk = GaussNewton::new(&search, &set).unwrap();
+        let mut problem = |batch: &[Vec<f64>], _: Needs| -> Result<Vec<Evaluation>, FitError> {
+            Ok(batch.iter().map(|at| self.weigh(at, measured)).collect())
+        };
+        minimise(&mut walk as &mut dyn Optimiser, &mut problem).unwrap()
+    }
+
+    fn weigh(&mut self, at: &[f64], measured: &[f64]) -> Evaluation {
+        let (places, slopes) = self.look(at);
+        let values = places.iter().zip(measured).map(|(ours, theirs)| (ours - theirs) / SIGMA).collect();
+        let residuals = Residuals { values, jacobian: slopes.iter().map(|slope| slope / SIGMA).collect() };
+        let (loss, gradient) = (residuals.half_square(), Some(residuals.gradient(2)));
+        Evaluation { at: at.to_vec(), loss, gradient, residuals: Some(residuals) }
+    }
+}
+
+fn is_at(a: [f64; 3], b: [f64; 3]) -> bool {
+    (0..3).all(|k| (a[k] - b[k]).abs() < 1e-9)
+}
+
+/// What a camera with noise sees: SplitMix64 and the polar form of Box and Muller.
+fn noisy(places: &[f64], seed: u64) -> Vec<f64> {
+    let mut state = seed.wrapping_mul(0xd134_2543_de82_ef95);
+    let mut unit = || {
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let mut normal = || (-2.0 * (1.0 - unit()).ln()).sqrt() * (TAU * unit()).cos();
+    places.iter().map(|place| place + SIGMA * normal()).collect()
+}
+
+#[test]
+fn from_anywhere_in_two_decades_of_both_moduli_the_same_minimum_is_reached() {
+    let mut bench = Bench::new();
+    let measured = noisy(&bench.look(&[0.0, 0.0]).0, 1);
+    let best = bench.identify(&measured, [0.0, 0.0]).best;
+    let starts =
+        (0..20).map(|i| [0.7549, 0.5698].map(|step| LN_10 * (2.0 * (0.5 + step * f64::from(i)).fract() - 1.0)));
+    let reached = |start: [f64; 2]| {
+        bench.shapes.fill(None);
+        let found = bench.identify(&measured, start).best;
+        found.at.iter().zip(&best.at).all(|(a, b)| (a - b).abs() < 1e-3)
+    };
+    let reached = starts.map(reached).filter(|same| *same).count();
+    assert!(reached >= 19, "{reached} of 20");
+}
+
+#[test]
+fn intervals_of_95_percent_hold_the_truth_in_90_to_98_percent_of_200_repeats() {
+    let mut bench = Bench::new();
+    let places = bench.look(&[0.0, 0.0]).0;
+    let mut held = [0; 2];
+    for seed in 0..200 {
+        let best = bench.identify(&noisy(&places, 7 + seed), [0.02, -0.02]).best;
+        let covariance = best.residuals.unwrap().posterior(2).unwrap();
+        let sigmas: [f64; 2] = std::array::from_fn(|k| covariance.sigma(k));
+        // a few per cent at most, so that the straight-line posterior is the whole one
+        assert!(sigmas.iter().all(|sigma| (1e-4..0.05).contains(sigma)), "{sigmas:?}");
+        (0..2).for_each(|k| held[k] += usize::from(best.at[k].abs() < WITHIN_95 * sigmas[k]));
+    }
+    assert!(held.iter().all(|count| (180..=196).contains(count)), "{held:?} of 200");
+}
