@@ -51,14 +51,14 @@ enum Task {
         /// Whose recordings are looked at: paper or quick.
         #[arg(long, default_value = "paper")]
         profile: String,
-        /// Write the table to paper/tables/bench_realism.csv under the root as well.
+        /// Write the table to paper/tables/bench_check.csv under the root as well.
         #[arg(long)]
         write: bool,
     },
 }
 
 /// Where the table of the instruments goes under the project's folder.
-const REALISM: &str = "paper/tables/bench_realism.csv";
+const REALISM: &str = "paper/tables/bench_check.csv";
 /// Exit code for a command that cannot be understood; clap ends with the same.
 const USAGE: u8 = 2;
 

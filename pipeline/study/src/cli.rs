@@ -105,6 +105,20 @@ pub enum Command {
         #[arg(long)]
         out: Option<PathBuf>,
     },
+    /// Identify a body that was held straight and let go: its Young's modulus from where it settles, its damping from how its swing
+    /// dies; a page of TOML names recordings, marks and a case. The swing itself is foretold.
+    Fit {
+        /// The page, or the name of one that comes with the project.
+        page: PathBuf,
+        /// Folder for the table and the figure, instead of PAGE.out beside the page.
+        #[arg(long)]
+        out: Option<PathBuf>,
+    },
+    /// Bring the recordings that a page of `study fit` names from their public source.
+    Fetch {
+        /// The page, or the name of one that comes with the project.
+        page: PathBuf,
+    },
     /// Follow dark markers through any film: a CSV of their pixels with covariances, and a strip of pictures to look at.
     Track(Follow),
     /// Compare every number with what is expected and published, and every claim with its rule; or certify gradients.

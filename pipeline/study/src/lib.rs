@@ -29,6 +29,7 @@ pub mod page;
 pub mod paper;
 pub mod record;
 pub mod records;
+pub mod released;
 pub mod runner;
 pub mod settings;
 pub mod simulate;

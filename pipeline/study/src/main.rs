@@ -65,6 +65,19 @@ fn run(cli: &Cli) -> Outcome<bool> {
             study::simulate::run(case, out.as_deref(), cli.place.quiet)?;
             Ok(true)
         }
+        Command::Fit { page, out } => {
+            let page = study::released::page(&cli.place.root, page);
+            let (report, folder) = study::released::run(&cli.place.root, &page, out.as_deref())?;
+            println!("{report}results: {}", folder.display());
+            Ok(true)
+        }
+        Command::Fetch { page } => {
+            let page = study::released::page(&cli.place.root, page);
+            for place in study::released::fetch(&cli.place.root, &page)? {
+                println!("{}", place.display());
+            }
+            Ok(true)
+        }
         Command::Track(asked) => {
             let summary = study::follow::run(asked)?;
             if !cli.place.quiet {

@@ -24,7 +24,7 @@ use crate::fault::{Fault, Outcome};
 pub(crate) use body::Body;
 use frames::Frames;
 use probes::Table;
-pub(crate) use solid::load;
+pub(crate) use solid::{Loaded, load};
 
 /// What a simulation says at its end.
 #[derive(Debug, Clone, PartialEq)]

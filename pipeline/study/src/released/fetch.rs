@@ -1,0 +1,56 @@
+//! Fetch: recordings that others published, brought from where the page says and held to their checksum.
+//!
+//! The transfer is left to `curl`, found at run time, as films of foreign codecs are left to `ffmpeg`.
+//!
+//! Stands on: blake3, the page. Never knows: what a recording holds.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use super::page::{Page, Recording};
+use super::recorded;
+use crate::fault::{Fault, Outcome};
+
+/// Brings what is missing of the page in the file `path` into the first of its folders below `root`; says what lies where.
+///
+/// # Errors
+/// A [`Fault`] when there is no network, no `curl`, no source, or other bytes than the page expects.
+pub fn fetch(root: &Path, path: &Path) -> Outcome<Vec<PathBuf>> {
+    let page = Page::read(path).map_err(Fault::from_tool)?;
+    let own = |recording| match recorded::find(&page, recording, root) {
+        Ok(there) => Ok(there),
+        Err(_) => bring(&page, recording, root),
+    };
+    page.recording.iter().map(own).collect()
+}
+
+fn bring(page: &Page, recording: &Recording, root: &Path) -> Outcome<PathBuf> {
+    let (Some(source), Some(file), Some(folder)) = (&recording.source, recording.files.last(), page.folders.first())
+    else {
+        let what = format!("a recording of `{}` has no source", page.name);
+        return Err(Fault::new(what, "the page names none", "ask those who recorded it"));
+    };
+    let place = root.join(folder).join(file);
+    let unfinished = place.with_extension("unfinished");
+    let lost = |e: std::io::Error| Fault::new(format!("{} cannot be written", place.display()), e, "mend the folder");
+    std::fs::create_dir_all(root.join(folder)).map_err(lost)?;
+    let ended = Command::new("curl").args(["-fsSL", "--retry", "2", "-o"]).arg(&unfinished).arg(source).output();
+    let why = match ended {
+        Ok(output) if output.status.success() => None,
+        Ok(output) => Some(String::from_utf8_lossy(&output.stderr).trim().to_owned()),
+        Err(e) => Some(format!("curl cannot be run: {e}")),
+    };
+    if let Some(why) = why {
+        let next = format!("fetch it elsewhere and put it to {}", place.display());
+        return Err(Fault::new(format!("{source} cannot be fetched"), why, next));
+    }
+    let bytes = std::fs::read(&unfinished).map_err(lost)?;
+    let hash = blake3::hash(&bytes).to_hex().to_string();
+    if recording.blake3.as_ref().is_some_and(|wanted| *wanted != hash) {
+        let _ = std::fs::remove_file(&unfinished);
+        let why = format!("its BLAKE3 is {hash}; the page has another");
+        return Err(Fault::new(format!("{source} is not what was published"), why, "ask its publisher"));
+    }
+    std::fs::rename(&unfinished, &place).map_err(lost)?;
+    Ok(place)
+}

@@ -1,0 +1,189 @@
+//! Recorded: how marks moved when a body was let go, in the body's own frame.
+//!
+//! The frame is found by the least squares turn and shift of the marks' mean places, while the body is held, onto those of the
+//! page. [kabsch1976] Displacements count from there, so that an error of the frame enters them by its small turn alone.
+//!
+//! Stands on: lab (tracks in space), nalgebra, signal's swings. Never knows: a simulation.
+
+use std::path::{Path, PathBuf};
+
+use nalgebra::{Matrix3, Vector3};
+use si::{Metre, Point3, Second, Series};
+use signal::wave;
+
+use super::page::{Marker, Page, Recording};
+use crate::fault::{Fault, Outcome};
+
+/// One release as it was seen.
+pub struct Recorded {
+    /// Its file's name.
+    pub name: String,
+    /// Fall of the compared marks, their mean, along the page's axis since the release, m.
+    pub fall: Series,
+    /// Fall of each compared mark once the body rests, m.
+    pub settled: Vec<Metre>,
+}
+
+/// How something swings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Swing {
+    /// Hz.
+    pub frequency: f64,
+    /// Its standard deviation, Hz.
+    pub frequency_sigma: f64,
+    /// 1/s.
+    pub decay: f64,
+    /// Lowest point of the first swing, m.
+    pub lowest: Metre,
+    /// When, s after the release.
+    pub when: Second,
+}
+
+impl Swing {
+    /// Of critical damping, no unit.
+    pub fn damping_ratio(&self) -> f64 {
+        let omega = std::f64::consts::TAU * self.frequency;
+        self.decay / self.decay.hypot(omega)
+    }
+}
+
+/// Reads every recording of a page from the first folder below `root` that has them.
+///
+/// # Errors
+/// A [`Fault`] when one lies nowhere, is refused, or is shorter than the page says.
+pub fn read(page: &Page, root: &Path) -> Outcome<Vec<Recorded>> {
+    page.recording.iter().map(|recording| one(page, recording, &find(page, recording, root)?)).collect()
+}
+
+/// The file of a recording.
+///
+/// # Errors
+/// A [`Fault`] that says where it was looked for and how to fetch it.
+pub fn find(page: &Page, recording: &Recording, root: &Path) -> Outcome<PathBuf> {
+    let places = page.folders.iter().flat_map(|folder| recording.files.iter().map(move |f| root.join(folder).join(f)));
+    places.clone().find(|place| place.is_file()).ok_or_else(|| {
+        let tried: Vec<String> = places.map(|place| place.display().to_string()).collect();
+        let next =
+            format!("study fetch {} brings it from its public source, or put it into one of these places", page.name);
+        Fault::new(
+            format!("a recording of `{}` is not there", page.name),
+            format!("looked for {}", tried.join(", ")),
+            next,
+        )
+    })
+}
+
+fn one(page: &Page, recording: &Recording, path: &Path) -> Outcome<Recorded> {
+    let place = || path.display().to_string();
+    let bytes = std::fs::read(path).map_err(|e| Fault::new(format!("{} cannot be read", place()), e, "mend it"))?;
+    let space = lab::space::read(&bytes, path).map_err(Fault::from_tool)?;
+    let track = |marker: &Marker| -> Outcome<Vec<Point3>> {
+        let known = |name: &&String| space.markers.iter().any(|seen| seen.name.trim() == name.trim());
+        let name = marker.names.iter().find(known).unwrap_or(&marker.names[0]);
+        space.whole(name, path).map_err(Fault::from_tool)
+    };
+    let tracks: Vec<Vec<Point3>> = page.marker.iter().map(track).collect::<Outcome<_>>()?;
+    let rate = (space.time.len() - 1) as f64 / (space.time[space.time.len() - 1] - space.time[0]);
+    let frame = |time: Second| ((time * rate).round() as usize).min(space.time.len());
+    let (held, release, rest) =
+        (frame(page.held), frame(recording.release), space.time.len() - frame(page.settled).min(space.time.len()));
+    if held == 0 || held > release || rest <= frame(recording.release + page.swing[1]) {
+        let what = format!("{} holds {:.2} s", place(), space.time[space.time.len() - 1]);
+        return Err(Fault::new(
+            what,
+            "held, release, swing and settled do not fit into it",
+            "correct the page's times",
+        ));
+    }
+    let before: Vec<Vector3<f64>> = tracks.iter().map(|track| mean(&track[..held])).collect();
+    let turn = turn(&before, &page.marker);
+    let axis = page.along as usize;
+    let moved = |track: &[Point3], from: &Vector3<f64>| {
+        track.iter().map(|p| (turn * (Vector3::from(*p) - from))[axis]).collect::<Vec<f64>>()
+    };
+    let compared: Vec<Vec<f64>> = (tracks.iter().zip(&before).zip(&page.marker))
+        .filter(|(_, marker)| marker.compared)
+        .map(|((track, from), _)| moved(track, from))
+        .collect();
+    let count = compared.len() as f64;
+    let fall = (release..space.time.len()).map(|i| compared.iter().map(|m| m[i]).sum::<f64>() / count).collect();
+    let settled = compared.iter().map(|m| m[rest..].iter().sum::<f64>() / (m.len() - rest) as f64).collect();
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    Ok(Recorded { name, fall: Series::new(0.0, rate, fall).map_err(Fault::from_tool)?, settled })
+}
+
+fn mean(places: &[Point3]) -> Vector3<f64> {
+    places.iter().map(|p| Vector3::from(*p)).sum::<Vector3<f64>>() / places.len() as f64
+}
+
+/// The turn that brings what was seen closest to the page's places, both about their middles.
+fn turn(seen: &[Vector3<f64>], markers: &[Marker]) -> Matrix3<f64> {
+    let wanted: Vec<Vector3<f64>> = markers.iter().map(|marker| Vector3::from(marker.at)).collect();
+    let middle = |of: &[Vector3<f64>]| of.iter().sum::<Vector3<f64>>() / of.len() as f64;
+    let (a, b) = (middle(seen), middle(&wanted));
+    let spread: Matrix3<f64> = seen.iter().zip(&wanted).map(|(s, w)| (w - b) * (s - a).transpose()).sum();
+    let svd = spread.svd(true, true);
+    let (Some(u), Some(v)) = (svd.u, svd.v_t) else { return Matrix3::identity() };
+    // never a mirror image
+    u * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, (u * v).determinant().signum())) * v
+}
+
+/// How a fall swings in the window of the page.
+///
+/// # Errors
+/// A [`Fault`] when no decaying swing fits it.
+pub fn swing(page: &Page, fall: &Series) -> Outcome<Swing> {
+    let sample = |time: Second| ((time * fall.rate()).round() as usize).min(fall.values().len() - 1);
+    let [from, to] = page.swing.map(sample);
+    let window = Series::new(0.0, fall.rate(), fall.values()[from..=to].to_vec()).map_err(Fault::from_tool)?;
+    let (when, lowest) = first_turn(fall);
+    let found = wave::still(&window, &[0.5 / when]).map_err(Fault::from_tool)?;
+    let Some(wave) = found.waves.first() else {
+        return Err(Fault::new("nothing swings", "the fit found no wave", "correct the page's `swing`"));
+    };
+    Ok(Swing { frequency: wave.frequency, frequency_sigma: wave.frequency_sigma, decay: wave.decay, lowest, when })
+}
+
+/// Where a fall first turns back: time (s) and place (m), by the parabola through the three samples around.
+fn first_turn(fall: &Series) -> (Second, Metre) {
+    let values = fall.values();
+    let largest = values.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+    let turns = |i: &usize| {
+        let [a, b, c] = [values[i - 1], values[*i], values[i + 1]];
+        b.abs() > 0.5 * largest && (b - a) * (c - b) <= 0.0
+    };
+    let at = (1..values.len() - 1).find(turns).unwrap_or(1);
+    let [a, b, c] = [values[at - 1], values[at], values[at + 1]];
+    let bend = a - 2.0 * b + c;
+    let off = if bend == 0.0 { 0.0 } else { 0.5 * (a - c) / bend };
+    ((at as f64 + off) / fall.rate(), b - 0.25 * (a - c) * off)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_turn_of_the_camera_is_undone_and_a_mirror_image_is_not_made() {
+        let at = [[0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1], [0.05, 0.02, 0.0]];
+        let marker = |at| Marker { names: Vec::new(), at, on: None, compared: false };
+        let turned = nalgebra::Rotation3::from_euler_angles(0.3, -1.0, 2.0);
+        let seen: Vec<Vector3<f64>> =
+            at.iter().map(|p| turned * Vector3::from(*p) + Vector3::new(1.0, 2.0, 3.0)).collect();
+        let back = turn(&seen, &at.map(marker));
+        assert!((back * turned.matrix() - Matrix3::identity()).norm() < 1e-12);
+    }
+
+    #[test]
+    fn a_swing_of_known_kind_is_found() {
+        let (f, decay) = (7.73, 2.4);
+        let fall = |i: usize| {
+            let t = i as f64 / 100.0;
+            -6.4e-3 * (1.0 - (-decay * t).exp() * (std::f64::consts::TAU * f * t).cos())
+        };
+        let fall = Series::new(0.0, 100.0, (0..300).map(fall).collect()).unwrap();
+        let (when, lowest) = first_turn(&fall);
+        // the first turn lies half a period after the release, and lower by what has not decayed
+        assert!((when - 0.5 / f).abs() < 1e-3 && (lowest + 6.4e-3 * (1.0 + (-decay * 0.5 / f).exp())).abs() < 5e-5);
+    }
+}
