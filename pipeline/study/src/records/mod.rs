@@ -16,10 +16,12 @@ mod motion;
 mod paths;
 mod pull;
 mod recovered;
+mod runs;
 mod still;
 mod tank;
 mod thrust;
 mod tracks;
+mod transfer;
 mod validation;
 mod vtu;
 
@@ -41,4 +43,5 @@ pub use still::{Seen, Still};
 pub use tank::Tank;
 pub use thrust::{Crosstalk, Means, Scored, Thrust, Trace};
 pub use tracks::Tracks;
+pub use transfer::{HeldOut, Transfer};
 pub use validation::{Validation, Way};

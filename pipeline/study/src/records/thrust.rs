@@ -3,10 +3,12 @@
 use serde::{Deserialize, Serialize};
 use si::{Newton, Pascal, Second};
 
+use super::runs::{self, Head};
 use crate::columns::Columns;
 use crate::metric::Metric;
 use crate::record::{Parcel, Record, RecordError};
 use crate::subject::Specimen;
+use crate::thrust::Run;
 use crate::thrust::score::Score;
 
 /// What was learnt of a specimen's thrust.
@@ -24,12 +26,14 @@ pub struct Thrust {
     pub coefficients: Vec<f64>,
     /// The network as safetensors.
     pub network: Vec<u8>,
+    /// Every beating trial as it was learnt from or judged by.
+    pub runs: Vec<Run>,
 }
 
 /// One rung on one parting of the runs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Scored {
-    /// `card`, `frequency` or `pressure`.
+    /// `card`, `frequency`, `pressure` or `tail`.
     pub parting: String,
     /// The rung's name.
     pub rung: String,
@@ -99,6 +103,7 @@ struct Scalars {
     traces: Vec<(String, bool)>,
     crosstalk: Crosstalk,
     coefficients: Vec<f64>,
+    runs: Vec<Head>,
 }
 
 impl Thrust {
@@ -124,9 +129,11 @@ impl Record for Thrust {
             traces: self.traces.iter().map(|t| (t.run.clone(), t.learnt)).collect(),
             crosstalk: self.crosstalk.clone(),
             coefficients: self.coefficients.clone(),
+            runs: self.runs.iter().map(Head::of).collect(),
         };
         let parcel =
             Parcel::default().scalars("thrust.json", &scalars)?.file("network.safetensors", self.network.clone());
+        let parcel = parcel.table("runs.parquet", &runs::table(&self.runs))?;
         self.traces.iter().enumerate().try_fold(parcel, |parcel, (i, trace)| {
             let columns = Columns::default()
                 .numbers("time_s", trace.time.clone())
@@ -159,6 +166,7 @@ impl Record for Thrust {
             crosstalk: s.crosstalk,
             coefficients: s.coefficients,
             network: parcel.bytes("network.safetensors")?.to_vec(),
+            runs: runs::read(&s.runs, &parcel.read_table("runs.parquet")?)?,
         })
     }
 

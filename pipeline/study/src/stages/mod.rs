@@ -29,6 +29,7 @@ mod swing;
 mod tank;
 mod thrust;
 pub(crate) mod track;
+mod transfer;
 mod validate;
 mod walk;
 mod wall;
@@ -54,6 +55,7 @@ pub const ALL: &[Entry] = &[
     stage::<damping::Damping>(),    // a release               → how fast a swing dies
     stage::<validate::Validate>(),  // flapping never seen         → error of the prediction
     stage::<thrust::Thrust>(),      // motion, pressure, force     → models of thrust
+    stage::<transfer::Transfer>(),  // all tails' runs             → models judged on a tail never seen
     stage::<findings::Findings>(),  // what was found              → what claims need
     stage::<recovery::Recovery>(),  // what was found, what was true → how close
 ];

@@ -67,10 +67,16 @@ pub struct Settings {
 }
 
 impl Settings {
-    fn lesson(&self, seed: u64) -> Lesson {
+    /// What the network is taught by, and with which first weights.
+    pub(super) fn lesson(&self, seed: u64) -> Lesson {
         let (hidden, step, batch) = (self.hidden.clone(), self.step as f32, self.batch.max(1));
         let training = Training { hidden, step, batch, epochs: self.epochs, patience: self.patience, seed };
         Lesson { training, aside: self.aside, rest_hidden: self.rest_hidden.clone() }
+    }
+
+    /// The networks' seeds, at least one.
+    pub(super) fn seeds(&self) -> &[u64] {
+        if self.seeds.is_empty() { &[1] } else { &self.seeds }
     }
 }
 
@@ -79,7 +85,7 @@ impl Stage for Thrust {
     type Needs = (Mesh, Maybe<LoadCell>, Weighed);
     type Makes = Record;
     const STORY: &'static str = "motion and pressure learn to tell thrust";
-    const EDITION: u32 = 1;
+    const EDITION: u32 = 2;
 
     fn card(of: &Specimen) -> Value {
         let trial =
@@ -111,7 +117,7 @@ impl Stage for Thrust {
         let crosstalk =
             Crosstalk { pressures_pa: talk.pressures, forces_n: talk.forces, lag_s: talk.lag, left_n: talk.left };
         let (means, traces) = (means(&runs, &taken, &models), traces(&runs, &models));
-        Ok(Record { scores, means, traces, crosstalk, coefficients, network })
+        Ok(Record { scores, means, traces, crosstalk, coefficients, network, runs })
     }
 }
 
@@ -291,7 +297,7 @@ type Models = Vec<(Rung, Fitted)>;
 /// Every rung on every parting; the models of the card's parting and first seed are kept.
 fn ladder(runs: &[Run], set: &Settings, desk: &dyn Desk) -> Outcome<(Vec<Scored>, Models)> {
     let (mut scores, mut models) = (Vec::new(), Vec::new());
-    let seeds = if set.seeds.is_empty() { &[1][..] } else { &set.seeds };
+    let seeds = set.seeds();
     for (number, parting) in splits::ALL.into_iter().enumerate() {
         let Some((train, test)) = parting.part(runs) else { continue };
         for rung in LADDER {
