@@ -3,7 +3,8 @@
 //!
 //! Stands on: the model, fem. Never knows: a trial, a measurement.
 
-use fem::{Drive, March, Reduced, Reduction, Solver, StaticSettings, Still};
+use fem::{Around, Drive, March, Reduced, Reduction, Solver, StaticSettings, Still};
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use si::{Metre, Pascal, Point2, Second};
 
@@ -79,6 +80,28 @@ impl Small {
             })
             .map_err(Fault::from_tool)?;
         Ok(path)
+    }
+
+    /// Moves from rest through `steps` steps in what is `around`, `pressures` at a time (s); `see` is shown each new q and q̇.
+    ///
+    /// # Errors
+    /// A [`Fault`] when a step finds no motion.
+    pub fn swim(
+        &self,
+        march: &March,
+        around: &mut dyn Around,
+        pressures: &dyn Fn(Second) -> Vec<Pascal>,
+        steps: usize,
+        see: &mut dyn FnMut(&DVector<f64>, &DVector<f64>),
+    ) -> Outcome<()> {
+        let drive = |t: Second| Drive { pressures: pressures(t) };
+        let mut shown = |_: Second, q: &DVector<f64>, v: &DVector<f64>| see(q, v);
+        self.reduced.march(march, &self.scale, &drive, around, steps, &mut shown).map_err(Fault::from_tool)
+    }
+
+    /// How far each coordinate moves markers along x and y, m: (markers × 2) × coordinates, in the order of `markers`.
+    pub fn rows(&self, markers: &[usize]) -> DMatrix<f64> {
+        DMatrix::from_fn(2 * markers.len(), self.coordinates(), |i, j| self.rows[markers[i / 2]][i % 2][j])
     }
 
     /// How many coordinates there are.

@@ -2,6 +2,7 @@
 //!
 //! Stands on: the contract in `record.rs`. Never knows: how a record is computed.
 
+mod best_flap;
 mod camera;
 mod cell;
 mod damping;
@@ -25,6 +26,7 @@ mod transfer;
 mod validation;
 mod vtu;
 
+pub use best_flap::{Best, BestFlap, Check, Flap};
 pub use camera::Camera;
 pub use cell::{Fixture, LoadCell, Shown};
 pub use damping::Damping;

@@ -1,7 +1,7 @@
 //! Thrust: how well each rung of the ladder tells it, the traces that show it, and the network.
 
 use serde::{Deserialize, Serialize};
-use si::{Newton, Pascal, Second};
+use si::{KilogramPerCubicMetre, Newton, Pascal, Second};
 
 use super::runs::{self, Head};
 use crate::columns::Columns;
@@ -28,6 +28,10 @@ pub struct Thrust {
     pub network: Vec<u8>,
     /// Every beating trial as it was learnt from or judged by.
     pub runs: Vec<Run>,
+    /// Of the water, as theory was told it, kg/m³.
+    pub density: KilogramPerCubicMetre,
+    /// Sections of the tail in theory.
+    pub sections: usize,
 }
 
 /// One rung on one parting of the runs.
@@ -104,6 +108,8 @@ struct Scalars {
     crosstalk: Crosstalk,
     coefficients: Vec<f64>,
     runs: Vec<Head>,
+    density_kg_m3: f64,
+    sections: usize,
 }
 
 impl Thrust {
@@ -130,6 +136,8 @@ impl Record for Thrust {
             crosstalk: self.crosstalk.clone(),
             coefficients: self.coefficients.clone(),
             runs: self.runs.iter().map(Head::of).collect(),
+            density_kg_m3: self.density,
+            sections: self.sections,
         };
         let parcel =
             Parcel::default().scalars("thrust.json", &scalars)?.file("network.safetensors", self.network.clone());
@@ -167,6 +175,8 @@ impl Record for Thrust {
             coefficients: s.coefficients,
             network: parcel.bytes("network.safetensors")?.to_vec(),
             runs: runs::read(&s.runs, &parcel.read_table("runs.parquet")?)?,
+            density: s.density_kg_m3,
+            sections: s.sections,
         })
     }
 
