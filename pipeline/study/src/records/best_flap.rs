@@ -11,7 +11,7 @@ use crate::subject::Specimen;
 /// What was found for a specimen.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BestFlap {
-    /// The highest pressure that was ever weighed, Pa: the limit.
+    /// The highest pressure that was both weighed and identified by, Pa: the limit.
     pub highest_pa: Pascal,
     /// The lowest and highest frequency that were ever weighed, Hz: the limits.
     pub frequencies_hz: [Hertz; 2],
@@ -34,6 +34,8 @@ pub struct Best {
     pub way: Vec<Flap>,
     /// What every model tells of the best, N, in the order of the scan.
     pub told_n: Vec<Newton>,
+    /// Half the way of the last mark sideways in the best, over the most that was filmed, no unit: beyond 1 the models guess.
+    pub swing_over_filmed: f64,
     /// Motions simulated, those of the scan among them.
     pub marches: usize,
 }
@@ -52,7 +54,7 @@ pub struct Flap {
 /// A weighed run beside its simulation under the pressures that were measured in it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Check {
-    /// The run's id: the one of the most mean force.
+    /// The run's id: of those within the limit the one of the most mean force.
     pub run: String,
     /// Half the way of the last mark sideways, simulated and measured, m.
     pub swing_m: [Metre; 2],
@@ -98,6 +100,7 @@ impl Record for BestFlap {
             all.push(Metric::new(id("amplitude_mbar"), wave.amplitude_pa / si::MILLIBAR, "mbar"));
             all.push(Metric::new(id("frequency_hz"), wave.frequency_hz, "Hz"));
             all.push(Metric::new(id("thrust_mn"), 1e3 * wave.thrust_n[0], "mN"));
+            all.push(Metric::new(id("swing_over_filmed"), best.swing_over_filmed, ""));
             all.push(Metric::new(id("marches"), best.marches as f64, ""));
         }
         all
@@ -128,7 +131,13 @@ mod tests {
     #[test]
     fn a_best_flap_survives_its_record() {
         let flap = Flap { amplitude_pa: 2e4, frequency_hz: 2.5, thrust_n: vec![0.1] };
-        let best = Best { model: "theory".into(), way: vec![flap.clone()], told_n: vec![0.1, 0.2], marches: 30 };
+        let best = Best {
+            model: "theory".into(),
+            way: vec![flap.clone()],
+            told_n: vec![0.1, 0.2],
+            swing_over_filmed: 1.5,
+            marches: 30,
+        };
         let check = Check { run: "a".into(), swing_m: [0.011, 0.01], mean_n: [0.1, 0.2, 0.3] };
         let whole = BestFlap {
             highest_pa: 3e4,

@@ -1,8 +1,8 @@
 //! Best flap: which amplitude and frequency of a square wave of pressure give the most thrust, asked of the simulator.
 //!
 //! The identified model, reduced, flaps in still water; models of thrust that were learnt from real motions are told of the
-//! simulated ones. No wave leaves the pressures and frequencies that were weighed: beyond these no model of thrust has learnt
-//! anything. A coarse scan comes first, then steps uphill along differences.
+//! simulated ones. No wave leaves the pressures and frequencies that were weighed, beyond which no model of thrust has learnt
+//! anything, nor the pressures by which moduli were identified, beyond which a slack wall may leave its shape. A coarse scan comes first, then steps uphill along differences.
 //!
 //! Stands on: the swing, the room `thrust`. Never knows: how moduli, damping or models of thrust were found.
 
@@ -10,12 +10,12 @@ use fit::network::Network;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use si::{Second, Series};
+use si::{Metre, Pascal, Second, Series};
 
 use super::{swing, thrust};
 use crate::fault::{Fault, Outcome};
 use crate::model::{Model, Small};
-use crate::records::{Best, BestFlap as Record, Check, Damping, Flap, Identified, Mesh, Thrust};
+use crate::records::{Best, BestFlap as Record, Check, Damping, Flap, Identified, Level, Mesh, Thrust};
 use crate::stage::{Desk, Stage};
 use crate::subject::Specimen;
 use crate::thrust::climb::{Limits, climb};
@@ -67,7 +67,7 @@ impl Stage for BestFlap {
 
     fn run(of: &Specimen, set: &Settings, needs: Self::Needs, desk: &dyn Desk) -> Outcome<Record> {
         let (mesh, identified, damping, learnt) = needs;
-        let limits = limits(&learnt.runs, set.rounds);
+        let limits = limits(&learnt.runs, &identified, set.rounds)?;
         let model = Model::new(&mesh, &of.card)?;
         let elastic = swing::identified(&model, &identified);
         desk.progress(0.1, "reducing the model");
@@ -89,24 +89,39 @@ impl Stage for BestFlap {
         let models = models(&learnt)?;
         let scan = scan(&swimmer, &models, &limits, set, &|part| desk.progress(0.2 + 0.3 * part, "scanning"))?;
         desk.progress(0.5, "climbing");
-        let climbed = |place: usize| uphill(&swimmer, &models, place, &scan, limits, set);
+        let filmed = learnt.runs.iter().map(Run::swing).fold(f64::MIN_POSITIVE, f64::max);
+        let climbed = |place: usize| uphill(&swimmer, &models, place, &scan, filmed, limits, set);
         let best = (0..models.len()).into_par_iter().map(climbed).collect::<Outcome<_>>()?;
         Ok(Record {
             highest_pa: limits.amplitude,
             frequencies_hz: limits.frequency,
             best,
             scan,
-            check: check(&swimmer, &models[0].1, &learnt.runs)?,
+            check: check(&swimmer, &models[0].1, &learnt.runs, &limits)?,
             coordinates: small.coordinates(),
         })
     }
 }
 
-/// What was weighed bounds what is asked.
-fn limits(runs: &[Run], rounds: usize) -> Limits {
+/// What was weighed bounds what is asked, and of pressures also what moduli were identified by.
+fn limits(runs: &[Run], identified: &Identified, rounds: usize) -> Outcome<Limits> {
     let most = |of: fn(&Run) -> f64| runs.iter().map(of).fold(0.0, f64::max);
     let slowest = runs.iter().map(|r| r.frequency).fold(f64::INFINITY, f64::min);
-    Limits { amplitude: most(|r| r.amplitude), frequency: [slowest, most(|r| r.frequency)], rounds }
+    let known = identified.levels.iter().map(Level::pressure).fold(0.0, f64::max);
+    let amplitude = most(highest).min(known);
+    if amplitude <= 0.0 || !slowest.is_finite() {
+        return Err(Fault::new(
+            "no wave may be asked for",
+            "no pressure was both weighed and identified by",
+            "weigh a run",
+        ));
+    }
+    Ok(Limits { amplitude, frequency: [slowest, most(|r| r.frequency)], rounds })
+}
+
+/// The highest pressure that was measured in a run, Pa: less than was commanded where there is no time to fill.
+fn highest(run: &Run) -> Pascal {
+    run.pressure.iter().flatten().copied().fold(0.0, f64::max)
 }
 
 type Named = (Rung, Fitted);
@@ -148,12 +163,13 @@ fn flap(wave: &Wave, thrust_n: Vec<f64>) -> Flap {
     Flap { amplitude_pa: wave.amplitude, frequency_hz: wave.frequency, thrust_n }
 }
 
-/// From the best of the scan uphill, as the model at `place` tells it.
+/// From the best of the scan uphill, as the model at `place` tells it; `filmed` is the largest swing that was (m).
 fn uphill(
     swimmer: &Swimmer,
     models: &[Named],
     place: usize,
     scan: &[Flap],
+    filmed: Metre,
     limits: Limits,
     set: &Settings,
 ) -> Outcome<Best> {
@@ -169,15 +185,22 @@ fn uphill(
         model: rung.name().into(),
         way: way.iter().map(|(wave, thrust)| flap(wave, vec![*thrust])).collect(),
         told_n: models.iter().map(|(_, model)| mean(model, &run)).collect(),
+        swing_over_filmed: run.swing() / filmed,
         marches,
     })
 }
 
-/// The run of the most mean force beside its simulation under its measured pressures, whole beats of which go round.
-fn check(swimmer: &Swimmer, theory: &Fitted, runs: &[Run]) -> Outcome<Check> {
+/// A square wave overshoots what a held step reaches: a run counts as within the limits up to this part of them.
+const NEAR: f64 = 1.05;
+
+/// Of the runs within the limits, that of the most mean force beside its simulation under its measured pressures, whole beats of which go round.
+fn check(swimmer: &Swimmer, theory: &Fitted, runs: &[Run], limits: &Limits) -> Outcome<Check> {
     let force = |run: &Run| run.force.iter().sum::<f64>() / run.len().max(1) as f64;
-    let run = runs.iter().max_by(|a, b| force(a).total_cmp(&force(b)));
-    let run = run.ok_or_else(|| Fault::new("no run was weighed", "the record of thrust holds none", "weigh one"))?;
+    let within = runs.iter().filter(|r| highest(r) <= NEAR * limits.amplitude);
+    let run = within.max_by(|a, b| force(a).total_cmp(&force(b))).ok_or_else(|| {
+        let limit = format!("moduli were identified up to {:.0} Pa", limits.amplitude);
+        Fault::new("no weighed run can be held against the simulator", limit, "weigh one at a lower pressure")
+    })?;
     let column = |c: usize| Series::new(0.0, run.rate, run.pressure.iter().map(|p| p[c]).collect());
     let gauges: Vec<Series> =
         (0..swimmer.sides.len()).map(column).collect::<Result<_, _>>().map_err(Fault::from_tool)?;

@@ -1,4 +1,7 @@
-//! Table `best_flap`: the square wave of the most thrust in the simulator, under the highest pressure that was weighed.
+//! Table `best_flap`: the square wave of the most thrust in the simulator, under the highest pressure that was weighed and identified by.
+//!
+//! Limits are what was weighed and, of pressures, what moduli were identified by. Swing over filmed is against the largest swing of any
+//! filmed run; swing off is of the simulated tail beside the filmed one under the pressures measured in one run.
 //!
 //! Stands on: plot. Never knows: how a number was computed.
 
@@ -32,15 +35,14 @@ impl Table for BestFlap {
             Column::numbers("pressure", "mbar"),
             Column::numbers("frequency", "Hz"),
             Column::numbers("thrust", "mN"),
+            Column::numbers("swing over filmed", ""),
             Column::numbers("motions", ""),
             Column::numbers("swing off", "%"),
         ];
         let rows = all.iter().flat_map(|(s, found)| found.best.iter().map(|best| row(&s.name(), found, best)));
         let table = plot::Table::new(columns, rows.collect()).map_err(Fault::from_tool)?;
         Ok(table.noted(
-            "Mean thrust as learnt models tell it of simulated motions in still water; a prediction, not a measurement. Limits are what \
-             was weighed. Swing off: by how much more the simulated tail swings than the filmed one under the pressures measured in the \
-             strongest run.",
+            "A prediction of learnt models. Swing over filmed: beyond 1 they guess. Swing off: simulated over filmed, same pressures.",
         ))
     }
 }
@@ -59,6 +61,7 @@ fn row(specimen: &str, found: &records::BestFlap, best: &records::Best) -> Vec<S
         wave.map_or(String::new(), |w| mbar(w.amplitude_pa)),
         told(|w| w.frequency_hz, 2),
         told(|w| 1e3 * w.thrust_n[0], 0),
+        format!("{:.1}", best.swing_over_filmed),
         format!("{}", best.marches),
         format!("{:+.0}", found.check.swing_off_percent()),
     ]

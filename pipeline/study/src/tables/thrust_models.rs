@@ -45,8 +45,7 @@ impl Table for ThrustModels {
         });
         let table = plot::Table::new(columns, rows.collect()).map_err(Fault::from_tool)?;
         Ok(table.noted(
-            "NRMSE over the standard deviation of the measured force; intervals by bootstrap over beats. Held out by tail: \
-             learnt from all runs of all other tails, judged by all runs of this one.",
+            "NRMSE over the standard deviation of the measured force; intervals by bootstrap over beats. Tail: learnt from all others' runs.",
         ))
     }
 }
