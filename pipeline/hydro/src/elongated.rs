@@ -9,7 +9,7 @@
 //!
 //! Stands on: `Section`. Never knows: how the tail is bent along its length.
 
-use si::{KilogramPerCubicMetre, Metre};
+use si::{KilogramPerCubicMetre, Metre, Point2};
 
 use crate::{Section, Sloped};
 
@@ -36,6 +36,21 @@ pub fn shed(mass: f64, edge: &Section) -> Sloped {
     slides.plus(w.by(w).by(Sloped::tangent_x(edge)).times(0.5 * mass))
 }
 
+/// m w n, kg/s: the momentum a length of the water that moves with a section.
+pub fn held(mass: f64, section: &Section) -> Point2 {
+    normal(section).map(|n| mass * section.across().value * n)
+}
+
+/// m u w n − ½ m w² r', N: what a section that slides along itself leaves behind, and the suction there.
+pub fn flux(mass: f64, section: &Section) -> Point2 {
+    let (w, u, n) = (section.across().value, section.along().value, normal(section));
+    [0, 1].map(|k| mass * u * w * n[k] - 0.5 * mass * w * w * section.tangent[k])
+}
+
+fn normal(section: &Section) -> Point2 {
+    [-section.tangent[1], section.tangent[0]]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -46,6 +61,14 @@ mod tests {
         slopes_are_differences(&|s| trailing_edge(2.1, s));
         slopes_are_differences(&|s| momentum(2.1, s));
         slopes_are_differences(&|s| shed(2.1, s));
+    }
+
+    #[test]
+    fn the_flux_s_reaction_is_the_thrust_that_is_shed() {
+        for section in sections() {
+            assert!((flux(2.1, &section)[0] + shed(2.1, &section).value).abs() < 1e-15);
+            assert!((held(2.1, &section)[0] - momentum(2.1, &section).value).abs() < 1e-15);
+        }
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //!
 //! Stands on: `Section`. Never knows: the whole tail.
 
-use si::{KilogramPerCubicMetre, Metre};
+use si::{KilogramPerCubicMetre, Metre, Point2};
 
 use crate::{Section, Sloped};
 
@@ -12,6 +12,12 @@ use crate::{Section, Sloped};
 pub fn drag(density: KilogramPerCubicMetre, depth: Metre, section: &Section) -> Sloped {
     let w = section.across();
     w.size().by(w).by(Sloped::normal_x(section)).times(0.5 * density * depth)
+}
+
+/// −½ ρ s |w| w n, N/m for c = 1: all of it.
+pub fn push(density: KilogramPerCubicMetre, depth: Metre, section: &Section) -> Point2 {
+    let (w, [tx, ty]) = (section.across().value, section.tangent);
+    [-ty, tx].map(|n| -0.5 * density * depth * w.abs() * w * n)
 }
 
 #[cfg(test)]
@@ -22,6 +28,12 @@ mod tests {
     #[test]
     fn its_slope_is_what_differences_say() {
         slopes_are_differences(&|s| drag(1000.0, 0.03, s));
+    }
+
+    #[test]
+    fn the_thrust_is_the_push_s_part_forwards() {
+        let section = Section { tangent: [0.8, 0.6], velocity: [0.1, -0.3] };
+        assert!((push(1000.0, 0.03, &section)[0] + drag(1000.0, 0.03, &section).value).abs() < 1e-15);
     }
 
     #[test]

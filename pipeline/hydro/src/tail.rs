@@ -61,6 +61,15 @@ pub struct Terms {
     pub drag: Part,
 }
 
+/// What still water does to the marks: its push is `push` less the rate in time of `momentum`; marks × 2 each.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Water {
+    /// Of the water that moves with the tail, N s.
+    pub momentum: Vec<Point2>,
+    /// Of what slides along the tail and leaves it, and of drag, N.
+    pub push: Vec<Point2>,
+}
+
 impl Tail {
     /// A tail held up to `clamp` (m) with marks at `marks` (m, rising) and its trailing edge at `edge` (m), cut into `count`
     /// sections whose depth (m) at a place (m) is `depth`.
@@ -99,20 +108,50 @@ impl Tail {
         Terms { simple: at_edge(elongated::trailing_edge), shed: at_edge(elongated::shed), momentum, drag }
     }
 
+    /// What still water does to the marks while they move so, each pushed as far as its displacement moves the sections.
+    ///
+    /// f = −∂(m w n)/∂t + ∂(m u w n − ½ m w² r')/∂a − ½ ρ c s |w| w n      [lighthill1971], [taylor1952]
+    ///
+    /// The flux is summed by parts, so that what leaves at the trailing edge is pushed there. The first term's rate is the caller's.
+    pub fn water(&self, moved: &[Point2], speed: &[Point2], drag: f64) -> Water {
+        let mut water = Water { momentum: vec![[0.0; 2]; self.marks], push: vec![[0.0; 2]; self.marks] };
+        for slice in &self.sections {
+            let section = slice.section(moved, speed);
+            let mass = elongated::virtual_mass(self.density, slice.depth);
+            let resists = resistive::push(self.density, slice.depth, &section).map(|f| drag * f);
+            let (held, flux) = (elongated::held(mass, &section), elongated::flux(mass, &section));
+            let Weights { value, slope } = &slice.weights;
+            for (mark, k) in (0..self.marks).flat_map(|m| [(m, 0), (m, 1)]) {
+                water.momentum[mark][k] += slice.length * value[mark] * held[k];
+                water.push[mark][k] += slice.length * (value[mark] * resists[k] - slope[mark] * flux[k]);
+            }
+        }
+        let edge = self.edge.section(moved, speed);
+        let leaves = elongated::flux(elongated::virtual_mass(self.density, self.edge.depth), &edge);
+        for (push, weight) in water.push.iter_mut().zip(&self.edge.weights.value) {
+            (0..2).for_each(|k| push[k] += weight * leaves[k]);
+        }
+        water
+    }
+
     fn nothing(&self) -> Part {
         Part { value: 0.0, by_place: vec![[0.0; 2]; self.marks], by_velocity: vec![[0.0; 2]; self.marks] }
     }
 }
 
 impl Slice {
-    /// Adds `times` what `force` is here to a part.
-    fn add(&self, part: &mut Part, moved: &[Point2], speed: &[Point2], times: f64, force: &dyn Fn(&Section) -> Sloped) {
+    fn section(&self, moved: &[Point2], speed: &[Point2]) -> Section {
         let of =
             |weights: &[f64], marks: &[Point2], k: usize| weights.iter().zip(marks).map(|(w, m)| w * m[k]).sum::<f64>();
         let Weights { value, slope } = &self.weights;
         let tangent = [1.0 + of(slope, moved, 0), of(slope, moved, 1)];
-        let velocity = [of(value, speed, 0), of(value, speed, 1)];
-        let found = force(&Section { tangent, velocity }).times(times);
+        Section { tangent, velocity: [of(value, speed, 0), of(value, speed, 1)] }
+    }
+
+    /// Adds `times` what `force` is here to a part.
+    fn add(&self, part: &mut Part, moved: &[Point2], speed: &[Point2], times: f64, force: &dyn Fn(&Section) -> Sloped) {
+        let Weights { value, slope } = &self.weights;
+        let found = force(&self.section(moved, speed)).times(times);
         part.value += found.value;
         for mark in 0..value.len() {
             for k in 0..2 {
@@ -185,6 +224,64 @@ mod tests {
             shed += terms.shed.value / f64::from(n);
         }
         assert!((shed / simple - 1.0).abs() < 1e-3, "{shed} {simple}");
+    }
+
+    /// Marks of a tail that keeps its length while it bends by `angle` at its end, and their velocities for that angle's `rate`.
+    fn bent(angle: f64, rate: f64) -> ([Point2; 3], [Point2; 3]) {
+        let place = |a: f64, angle: f64| {
+            let (n, l) = (400, a - 0.01);
+            (0..n).fold([0.0; 2], |[x, y], i| {
+                let s = (f64::from(i) + 0.5) / f64::from(n) * l;
+                let turn = angle * (s / 0.1) * (2.0 - s / 0.1);
+                [x + (turn.cos() - 1.0) * l / f64::from(n), y + turn.sin() * l / f64::from(n)]
+            })
+        };
+        let moved = [0.05, 0.08, 0.11].map(|a| place(a, angle));
+        let speed = [0.05, 0.08, 0.11].map(|a| {
+            let (ahead, back) = (place(a, angle + 1e-5), place(a, angle - 1e-5));
+            [0, 1].map(|k| rate * (ahead[k] - back[k]) / 2e-5)
+        });
+        (moved, speed)
+    }
+
+    /// Sum over marks of a force times a velocity, W.
+    fn power(force: &[Point2], speed: &[Point2]) -> f64 {
+        force.iter().zip(speed).map(|(f, v)| f[0] * v[0] + f[1] * v[1]).sum()
+    }
+
+    #[test]
+    fn the_water_gains_what_the_tail_spends_but_for_what_leaves_at_the_edge() {
+        // P = d/dt ∫ ½ m w² da − ½ m w² u at the edge, of a tail that keeps its length [lighthill1971]
+        let tail = Tail::new(1000.0, 0.01, &[0.05, 0.08, 0.11], 0.11, 200, &|a| 0.06 - 0.2 * a).unwrap();
+        let swing = |t: f64| bent(0.6 * (9.0 * t).sin(), 5.4 * (9.0 * t).cos());
+        let water = |t: f64| {
+            let (moved, speed) = swing(t);
+            tail.water(&moved, &speed, 0.0)
+        };
+        let energy = |t: f64| {
+            let (moved, speed) = swing(t);
+            0.5 * power(&tail.water(&moved, &speed, 0.0).momentum, &speed)
+        };
+        let (t, step) = (0.07, 1e-5);
+        let (moved, speed) = swing(t);
+        let (ahead, back) = (water(t + step).momentum, water(t - step).momentum);
+        let rate: Vec<Point2> =
+            ahead.iter().zip(&back).map(|(a, b)| [0, 1].map(|k| (a[k] - b[k]) / (2.0 * step))).collect();
+        let spent = power(&rate, &speed) - power(&water(t).push, &speed);
+        let gained = (energy(t + step) - energy(t - step)) / (2.0 * step);
+        let edge = tail.edge.section(&moved, &speed);
+        let mass = elongated::virtual_mass(1000.0, tail.edge.depth);
+        let leaves = 0.5 * mass * edge.across().value.powi(2) * edge.along().value;
+        // the spline through three marks keeps its length to a few hundredths
+        assert!((spent - gained + leaves).abs() < 0.05 * leaves.abs(), "{spent} {gained} {leaves}");
+    }
+
+    #[test]
+    fn drag_takes_power_whatever_the_motion_and_nothing_else_changes() {
+        let tail = tail(24);
+        let (free, dragged) = (tail.water(&MOVED, &SPEED, 0.0), tail.water(&MOVED, &SPEED, 2.0));
+        assert_eq!(free.momentum, dragged.momentum);
+        assert!(power(&dragged.push, &SPEED) < power(&free.push, &SPEED));
     }
 
     #[test]

@@ -61,8 +61,10 @@ pub struct Made {
 
 /// One line of a list of stages, figures or tables.
 pub struct Entry {
-    /// Its name, also its section in `study.toml`.
+    /// Its name.
     pub name: &'static str,
+    /// Its section in `study.toml`; a figure or table has none.
+    pub section: Option<&'static str>,
     /// What becomes what.
     pub story: &'static str,
     /// What it is.
@@ -83,13 +85,14 @@ pub struct Entry {
 pub const fn stage<S: Stage>() -> Entry {
     Entry {
         name: S::Makes::STAGE,
+        section: Some(S::SECTION),
         story: S::STORY,
         kind: Kind::Stage,
         edition: S::EDITION,
         subjects: |study| of_stage::<S>(study).iter().map(Scope::name).collect(),
         ingredients: |study, name, settings| {
             let of = find(of_stage::<S>(study), name)?;
-            let section: S::Settings = settings.section(S::Makes::STAGE)?;
+            let section: S::Settings = settings.section(S::SECTION)?;
             Ok(Ingredients {
                 raw: S::raw(&of),
                 card: S::card(&of),
@@ -107,7 +110,7 @@ pub const fn stage<S: Stage>() -> Entry {
         make: |study, name, settings, shelf, desk| {
             let of = find(of_stage::<S>(study), name)?;
             let needs = S::Needs::fetch(&of, shelf)?;
-            let record = S::run(&of, &settings.section(S::Makes::STAGE)?, needs, desk)?;
+            let record = S::run(&of, &settings.section(S::SECTION)?, needs, desk)?;
             let parcel = record.pack().map_err(unwritable)?;
             Ok(Made { parcel, metrics: record.metrics(&of), telling: record.telling() })
         },
@@ -118,6 +121,7 @@ pub const fn stage<S: Stage>() -> Entry {
 pub const fn figure<F: Figure>() -> Entry {
     Entry {
         name: F::NAME,
+        section: None,
         story: F::SHOWS,
         kind: Kind::Figure,
         edition: F::EDITION,
@@ -137,6 +141,7 @@ pub const fn figure<F: Figure>() -> Entry {
 pub const fn table<T: Table>() -> Entry {
     Entry {
         name: T::NAME,
+        section: None,
         story: T::SHOWS,
         kind: Kind::Table,
         edition: T::EDITION,

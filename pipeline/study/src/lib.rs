@@ -68,7 +68,7 @@ pub fn open(root: &Path, profile: Profile, quiet: bool, jobs: usize) -> Outcome<
         let what = format!("{} cannot be read", folders.settings().display());
         Fault::new(what, e, "run in the project's folder, or name it with --root")
     })?;
-    let names: Vec<&str> = stages::ALL.iter().map(|entry| entry.name).collect();
+    let names: Vec<&str> = stages::ALL.iter().filter_map(|entry| entry.section).collect();
     let settings = Settings::read(&text, profile, &names)?;
     let (specimens, faults) = specimens(&folders)?;
     let study = Study { specimens };

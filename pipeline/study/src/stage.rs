@@ -14,7 +14,7 @@ use crate::record::Record;
 
 /// One stage of the pipeline.
 pub trait Stage {
-    /// Its section in `study.toml`.
+    /// What stands in its section of `study.toml`.
     type Settings: Serialize + DeserializeOwned;
     /// The records that it reads.
     type Needs: Needs<<Self::Makes as Record>::Of>;
@@ -24,6 +24,9 @@ pub trait Stage {
     const STORY: &'static str;
     /// Counted up when the same inputs give another record than before.
     const EDITION: u32;
+
+    /// Its section in `study.toml`: its own, or that of a stage whose settings it shares.
+    const SECTION: &'static str = Self::Makes::STAGE;
 
     /// The raw recordings that it reads.
     fn raw(of: &<Self::Makes as Record>::Of) -> Vec<RawFile> {

@@ -4,13 +4,28 @@
 
 #![allow(clippy::unwrap_used)] // a test may fail where it stands
 
+use std::sync::Arc;
+
 use fem::{Clamps, March, Mesh, RegionProperties, Scheme, Solver, System, boxes, materials};
 use fit::network::{Network, Scale};
 use hydro::Tail;
-use study::thrust::simulated::{Bench, Limits, Teller, Wave, best_wave};
+use lab::card::Side;
+use nalgebra::DMatrix;
+use shape::Spot;
+use study::model::{Elastic, Model, Small};
+use study::thrust::climb::{Hill, Limits, climb};
+use study::thrust::rungs::linear::Weighted;
+use study::thrust::simulated::{Bench, Climbed, Teller, Wave};
+use study::thrust::swim::{Asked, Swimmer};
+use study::thrust::{Fitted, Rung};
 
 /// A bar of 80 × 20 × 20 mm, half of it meshed, with an air chamber on either side of a stiff sheet.
 fn body() -> (Solver, Mesh) {
+    let (system, mesh) = held();
+    (system.solver(), mesh)
+}
+
+fn held() -> (Arc<System>, Mesh) {
     let air = |c: [usize; 3], y: usize| (1..7).contains(&c[0]) && c[1] == y && c[2] == 0;
     let place = |at: [f64; 3]| [0.08 * at[0], 0.02 * (at[1] - 0.5), 0.01 * at[2]];
     let region = move |c: [usize; 3]| if air(c, 1) || air(c, 3) { None } else { Some(u16::from(c[1] == 2)) };
@@ -19,8 +34,7 @@ fn body() -> (Solver, Mesh) {
     let soft = RegionProperties { material, youngs_modulus: 2e5, poissons_ratio: 0.45, density: 1e3 };
     let stiff = RegionProperties { youngs_modulus: 5e6, poissons_ratio: 0.35, ..soft };
     let clamps = Clamps::below_x(&mesh, 1e-9);
-    let system = std::sync::Arc::new(System::new(mesh.clone(), vec![soft, stiff], clamps).unwrap());
-    (system.solver(), mesh)
+    (Arc::new(System::new(mesh.clone(), vec![soft, stiff], clamps).unwrap()), mesh)
 }
 
 /// The nodes on the middle plane nearest to three places along the bar.
@@ -104,9 +118,76 @@ fn the_best_wave_climbs_to_the_limit_of_pressure() {
     let limits = Limits { amplitude: 8e3, frequency: [2.0, 8.0], rounds: 6 };
     let start = Wave { amplitude: 4e3, ..WAVE };
     let tail = tail();
-    let way = best_wave(&bench, &mut solver, &Teller::Theory(&tail, [1.0, 1.0, 0.0, 0.0, 0.0]), start, limits).unwrap();
+    let teller = Teller::Theory(&tail, [1.0, 1.0, 0.0, 0.0, 0.0]);
+    let mut hill = Climbed { bench: &bench, solver: &mut solver, teller: &teller };
+    let way = climb(&mut hill, start, &limits).unwrap();
     assert!(way.len() > 2 && way.windows(2).all(|w| w[1].1 > w[0].1));
     let best = way[way.len() - 1].0;
     // more pressure always gives more thrust in theory without drag
     assert!(best.amplitude > 0.9 * limits.amplitude, "{best:?}");
+}
+
+/// The body as a model: marks as [`marks`], its two chambers left and right.
+fn model() -> Model {
+    let (system, mesh) = held();
+    let markers = marks(&mesh).into_iter().map(|weights| Spot { weights }).collect();
+    Model { system, markers, nominal: Elastic { youngs_moduli: [2e5, 5e6], poissons_ratios: [0.45, 0.35] } }
+}
+
+/// Tuned theory's weights with nothing that stands for a fixture.
+const TUNED: [f64; 5] = [0.9, 0.8, 1.2, 0.0, 0.0];
+
+/// Asks something of the model in reduced coordinates in a fluid of `density` (kg/m³): one beat after `settle` others.
+fn swimming<T>(model: &Model, density: f64, settle: usize, ask: &dyn Fn(&Swimmer) -> T) -> T {
+    let small = Small::train(model, &model.nominal, &[1.2 * WAVE.amplitude; 2], 0.08).unwrap();
+    let tail = Tail::new(density, 0.0, &[0.04, 0.06, 0.08], 0.08, 12, &|_| 0.02).unwrap();
+    let rows: DMatrix<f64> = small.rows(&[0, 1, 2]);
+    ask(&Swimmer {
+        small: &small,
+        tail: &tail,
+        rows: &rows,
+        sides: vec![Side::Left, Side::Right],
+        drag: 2.0,
+        half: true,
+        stiffness_damping: 1e-3,
+        per_beat: 50,
+        beats: [settle, 1],
+    })
+}
+
+/// So thin that it pushes nothing; theory's thrust goes with the density.
+const THIN: f64 = 1e-6;
+
+#[test]
+fn the_reduced_model_s_thrust_and_slope_are_the_whole_one_s_where_nothing_surrounds_it() {
+    let model = model();
+    let (reduced, slope) = swimming(&model, THIN, 1, &|swimmer| {
+        let theory = Fitted::Weighted(Weighted { rung: Rung::Theory, weights: TUNED.to_vec() });
+        let limits = Limits { amplitude: 1.2 * WAVE.amplitude, frequency: [2.0, 8.0], rounds: 0 };
+        let mut asked = Asked { swimmer, model: &theory, limits, marches: 0 };
+        (asked.height(&WAVE).unwrap(), asked.slope(&WAVE).unwrap())
+    });
+    let marks: Vec<Vec<(u32, f64)>> = model.markers.iter().map(|m| m.weights.clone()).collect();
+    let nodes = model.system.mesh().nodes.len();
+    let march = March { step: 5e-3, scheme: Scheme::Bdf2, mass_damping: 0.0, stiffness_damping: 1e-3, tolerance: 1e-9 };
+    let bench = Bench { nodes, marks: &marks, march, steps: 100, settled: 50 };
+    let tail = Tail::new(THIN, 0.0, &[0.04, 0.06, 0.08], 0.08, 12, &|_| 0.02).unwrap();
+    let teller = Teller::Theory(&tail, TUNED);
+    let told = bench.gradient(&mut model.system.solver(), &WAVE, &teller).unwrap();
+    // reduced motions are some hundredths off, and thrust goes with their square
+    assert!((reduced / told.mean - 1.0).abs() < 0.1, "{reduced:e} {:e}", told.mean);
+    assert!((slope[0] / told.by_amplitude - 1.0).abs() < 0.1, "{:e} {:e}", slope[0], told.by_amplitude);
+}
+
+#[test]
+fn a_tail_in_water_is_slower_to_leave_its_rest() {
+    let model = model();
+    // one side is filled at once and watched for 20 ms, less than half a swing of this bar at some 10 Hz
+    let left = |_: f64| vec![WAVE.amplitude, 0.0];
+    let swing = |density: f64| {
+        swimming(&model, density, 0, &|swimmer| swimmer.flap(50.0, WAVE.amplitude, &left).unwrap().swing())
+    };
+    let (free, wet) = (swing(THIN), swing(1e3));
+    // the bar weighs 0.3 kg a metre and carries as much water: half as far, were all of it equally quick
+    assert!(wet < 0.85 * free && wet > 0.2 * free, "{wet} {free}");
 }

@@ -3,7 +3,8 @@
 //!
 //! Stands on: the model, fem. Never knows: a trial, a measurement.
 
-use fem::{Drive, March, Reduced, Reduction, Solver, StaticSettings, Still};
+use fem::{Around, Drive, March, Reduced, Reduction, Solver, StaticSettings, Still};
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use si::{Metre, Pascal, Point2, Second};
 
@@ -30,10 +31,10 @@ pub struct Small {
     rows: Vec<[Vec<f64>; 2]>,
 }
 
-/// A shape to be found: pressures, and how far it is pulled to one side over the body's length.
+/// Shapes to be found: pressures, and how far the body is then pulled to one side over its length; by nothing where empty.
 struct Wish {
     pressures: Vec<Pascal>,
-    pull: f64,
+    pulls: Vec<f64>,
 }
 
 impl Small {
@@ -43,10 +44,10 @@ impl Small {
     /// A [`Fault`] when an equilibrium is not found.
     pub fn train(model: &Model, elastic: &Elastic, top: &[Pascal], length: Metre) -> Outcome<Self> {
         let pull = pull(model, elastic)?;
-        let find = |wish: &Wish| shape(model, elastic, wish, &pull, length);
         let filled: Vec<Vec<Vec<f64>>> =
             (0..top.len()).into_par_iter().map(|k| climb(model, elastic, top, k)).collect::<Outcome<_>>()?;
         let bends: Vec<f64> = filled.iter().map(|shapes| bend(&shapes[STEPS - 1], &pull)).collect();
+        let find = |wish: &Wish| shape(model, elastic, wish, nearest(&filled, top, &wish.pressures), &pull, length);
         let others: Vec<Vec<Vec<f64>>> = wishes(top, &bends).par_iter().map(find).collect::<Outcome<_>>()?;
         let shapes: Vec<&[f64]> = filled.iter().chain(&others).flatten().map(Vec::as_slice).collect();
         let coordinates = (KEPT * shapes.len() as f64) as usize;
@@ -79,6 +80,28 @@ impl Small {
             })
             .map_err(Fault::from_tool)?;
         Ok(path)
+    }
+
+    /// Moves from rest through `steps` steps in what is `around`, `pressures` at a time (s); `see` is shown each new q and q̇.
+    ///
+    /// # Errors
+    /// A [`Fault`] when a step finds no motion.
+    pub fn swim(
+        &self,
+        march: &March,
+        around: &mut dyn Around,
+        pressures: &dyn Fn(Second) -> Vec<Pascal>,
+        steps: usize,
+        see: &mut dyn FnMut(&DVector<f64>, &DVector<f64>),
+    ) -> Outcome<()> {
+        let drive = |t: Second| Drive { pressures: pressures(t) };
+        let mut shown = |_: Second, q: &DVector<f64>, v: &DVector<f64>| see(q, v);
+        self.reduced.march(march, &self.scale, &drive, around, steps, &mut shown).map_err(Fault::from_tool)
+    }
+
+    /// How far each coordinate moves markers along x and y, m: (markers × 2) × coordinates, in the order of `markers`.
+    pub fn rows(&self, markers: &[usize]) -> DMatrix<f64> {
+        DMatrix::from_fn(2 * markers.len(), self.coordinates(), |i, j| self.rows[markers[i / 2]][i % 2][j])
     }
 
     /// How many coordinates there are.
@@ -119,39 +142,56 @@ fn bend(shape: &[f64], pull: &[f64]) -> f64 {
     shape.iter().zip(pull).map(|(u, f)| u * f).sum::<f64>().signum()
 }
 
+/// Of the shapes of each chamber `filled` alone, the one nearest to `pressures`; none where another is filled as much.
+fn nearest<'a>(filled: &'a [Vec<Vec<f64>>], top: &[Pascal], pressures: &[Pascal]) -> Option<&'a [f64]> {
+    let shares: Vec<f64> = pressures.iter().zip(top).map(|(p, top)| p / top).collect();
+    let most = (0..shares.len()).max_by(|a, b| shares[*a].total_cmp(&shares[*b]))?;
+    let alone = shares.iter().enumerate().all(|(k, share)| k == most || *share < shares[most]);
+    let step = ((shares[most] * STEPS as f64).round() as usize).clamp(1, STEPS);
+    alone.then(|| filled[most][step - 1].as_slice())
+}
+
 /// Pulled to both sides at rest and with each chamber held, which `bends` it to one; neighbouring chambers filled at once.
 fn wishes(top: &[Pascal], bends: &[f64]) -> Vec<Wish> {
     let [with, against] = PULLS;
-    let rest = [with, -with].map(|pull| Wish { pressures: vec![0.0; top.len()], pull });
+    let rest = Wish { pressures: vec![0.0; top.len()], pulls: vec![with, -with] };
     let held = bends.iter().enumerate().flat_map(|(k, bend)| {
-        HELD.into_iter().flat_map(move |share| {
-            [with, -against].map(|pull| Wish { pressures: alone(top, k, share), pull: pull * bend })
-        })
+        HELD.map(|share| Wish { pressures: alone(top, k, share), pulls: vec![with * bend, -against * bend] })
     });
     let pairs = (1..top.len()).flat_map(|k| {
         BOTH.map(|[a, b]| {
             let mut pressures = alone(top, k, b);
             pressures[k - 1] = a * top[k - 1];
-            Wish { pressures, pull: 0.0 }
+            Wish { pressures, pulls: Vec::new() }
         })
     });
-    rest.into_iter().chain(held).chain(pairs).collect()
+    std::iter::once(rest).chain(held).chain(pairs).collect()
 }
 
-/// The shapes on the way to a wish: with half the pull and the whole, from the pressures alone; those alone where nothing pulls.
-fn shape(model: &Model, elastic: &Elastic, wish: &Wish, pull: &[f64], length: Metre) -> Outcome<Vec<Vec<f64>>> {
+/// The shapes on the way to a wish, begun `near` it: with half of each pull and the whole; from the pressures alone where nothing pulls.
+fn shape(
+    model: &Model,
+    elastic: &Elastic,
+    wish: &Wish,
+    near: Option<&[f64]>,
+    pull: &[f64],
+    length: Metre,
+) -> Outcome<Vec<Vec<f64>>> {
     let mut solver = ready(model, elastic)?;
-    let found = solver.equilibrium(&wish.pressures, None, &settings()).map_err(Fault::from_tool)?;
-    if wish.pull == 0.0 {
-        return Ok(vec![found.displacement]);
+    let held = solver.equilibrium(&wish.pressures, near, &settings()).map_err(Fault::from_tool)?.displacement;
+    if wish.pulls.is_empty() {
+        return Ok(vec![held]);
     }
-    let (mut last, mut shapes) = (found.displacement, Vec::new());
-    for part in [0.5, 1.0] {
-        let forces: Vec<f64> = pull.iter().map(|f| part * wish.pull * length * f).collect();
-        solver.set_forces(&forces).map_err(Fault::from_tool)?;
-        let found = solver.equilibrium(&wish.pressures, Some(&last), &settings());
-        last = found.map_err(Fault::from_tool)?.displacement;
-        shapes.push(last.clone());
+    let mut shapes: Vec<Vec<f64>> = Vec::new();
+    for far in &wish.pulls {
+        let mut last = held.clone();
+        for part in [0.5, 1.0] {
+            let forces: Vec<f64> = pull.iter().map(|f| part * far * length * f).collect();
+            solver.set_forces(&forces).map_err(Fault::from_tool)?;
+            let found = solver.equilibrium(&wish.pressures, Some(&last), &settings());
+            last = found.map_err(Fault::from_tool)?.displacement;
+            shapes.push(last.clone());
+        }
     }
     Ok(shapes)
 }

@@ -2,6 +2,7 @@
 //!
 //! Stands on: the contract in `record.rs`. Never knows: how a record is computed.
 
+mod best_flap;
 mod camera;
 mod cell;
 mod damping;
@@ -16,13 +17,16 @@ mod motion;
 mod paths;
 mod pull;
 mod recovered;
+mod runs;
 mod still;
 mod tank;
 mod thrust;
 mod tracks;
+mod transfer;
 mod validation;
 mod vtu;
 
+pub use best_flap::{Best, BestFlap, Check, Flap};
 pub use camera::Camera;
 pub use cell::{Fixture, LoadCell, Shown};
 pub use damping::Damping;
@@ -41,4 +45,5 @@ pub use still::{Seen, Still};
 pub use tank::Tank;
 pub use thrust::{Crosstalk, Means, Scored, Thrust, Trace};
 pub use tracks::Tracks;
+pub use transfer::{HeldOut, Transfer};
 pub use validation::{Validation, Way};

@@ -1,12 +1,14 @@
 //! Thrust: how well each rung of the ladder tells it, the traces that show it, and the network.
 
 use serde::{Deserialize, Serialize};
-use si::{Newton, Pascal, Second};
+use si::{KilogramPerCubicMetre, Newton, Pascal, Second};
 
+use super::runs::{self, Head};
 use crate::columns::Columns;
 use crate::metric::Metric;
 use crate::record::{Parcel, Record, RecordError};
 use crate::subject::Specimen;
+use crate::thrust::Run;
 use crate::thrust::score::Score;
 
 /// What was learnt of a specimen's thrust.
@@ -24,12 +26,18 @@ pub struct Thrust {
     pub coefficients: Vec<f64>,
     /// The network as safetensors.
     pub network: Vec<u8>,
+    /// Every beating trial as it was learnt from or judged by.
+    pub runs: Vec<Run>,
+    /// Of the water, as theory was told it, kg/m³.
+    pub density: KilogramPerCubicMetre,
+    /// Sections of the tail in theory.
+    pub sections: usize,
 }
 
 /// One rung on one parting of the runs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Scored {
-    /// `card`, `frequency` or `pressure`.
+    /// `card`, `frequency`, `pressure` or `tail`.
     pub parting: String,
     /// The rung's name.
     pub rung: String,
@@ -99,6 +107,9 @@ struct Scalars {
     traces: Vec<(String, bool)>,
     crosstalk: Crosstalk,
     coefficients: Vec<f64>,
+    runs: Vec<Head>,
+    density_kg_m3: f64,
+    sections: usize,
 }
 
 impl Thrust {
@@ -124,9 +135,13 @@ impl Record for Thrust {
             traces: self.traces.iter().map(|t| (t.run.clone(), t.learnt)).collect(),
             crosstalk: self.crosstalk.clone(),
             coefficients: self.coefficients.clone(),
+            runs: self.runs.iter().map(Head::of).collect(),
+            density_kg_m3: self.density,
+            sections: self.sections,
         };
         let parcel =
             Parcel::default().scalars("thrust.json", &scalars)?.file("network.safetensors", self.network.clone());
+        let parcel = parcel.table("runs.parquet", &runs::table(&self.runs))?;
         self.traces.iter().enumerate().try_fold(parcel, |parcel, (i, trace)| {
             let columns = Columns::default()
                 .numbers("time_s", trace.time.clone())
@@ -159,6 +174,9 @@ impl Record for Thrust {
             crosstalk: s.crosstalk,
             coefficients: s.coefficients,
             network: parcel.bytes("network.safetensors")?.to_vec(),
+            runs: runs::read(&s.runs, &parcel.read_table("runs.parquet")?)?,
+            density: s.density_kg_m3,
+            sections: s.sections,
         })
     }
 

@@ -43,7 +43,7 @@ impl Stage for Damping {
     type Needs = (Mesh, Identified, Learning<Motion>);
     type Makes = records::Damping;
     const STORY: &'static str = "a released tail's swing becomes its damping";
-    const EDITION: u32 = 2;
+    const EDITION: u32 = 3;
 
     fn card(of: &Specimen) -> Value {
         let (solid, card) = (&of.card.solid, &of.card);

@@ -4,6 +4,7 @@
 //! A new stage: its file, its record, its line in [`ALL`].
 
 mod baselines;
+mod best_flap;
 pub(crate) mod camera;
 mod certainty;
 pub(crate) mod clock;
@@ -29,6 +30,7 @@ mod swing;
 mod tank;
 mod thrust;
 pub(crate) mod track;
+mod transfer;
 mod validate;
 mod walk;
 mod wall;
@@ -54,6 +56,8 @@ pub const ALL: &[Entry] = &[
     stage::<damping::Damping>(),    // a release               → how fast a swing dies
     stage::<validate::Validate>(),  // flapping never seen         → error of the prediction
     stage::<thrust::Thrust>(),      // motion, pressure, force     → models of thrust
+    stage::<transfer::Transfer>(),  // all tails' runs             → models judged on a tail never seen
+    stage::<best_flap::BestFlap>(), // the model, models of thrust → the flap of the most thrust
     stage::<findings::Findings>(),  // what was found              → what claims need
     stage::<recovery::Recovery>(),  // what was found, what was true → how close
 ];

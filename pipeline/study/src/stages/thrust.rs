@@ -67,10 +67,16 @@ pub struct Settings {
 }
 
 impl Settings {
-    fn lesson(&self, seed: u64) -> Lesson {
+    /// What the network is taught by, and with which first weights.
+    pub(super) fn lesson(&self, seed: u64) -> Lesson {
         let (hidden, step, batch) = (self.hidden.clone(), self.step as f32, self.batch.max(1));
         let training = Training { hidden, step, batch, epochs: self.epochs, patience: self.patience, seed };
         Lesson { training, aside: self.aside, rest_hidden: self.rest_hidden.clone() }
+    }
+
+    /// The networks' seeds, at least one.
+    pub(super) fn seeds(&self) -> &[u64] {
+        if self.seeds.is_empty() { &[1] } else { &self.seeds }
     }
 }
 
@@ -79,7 +85,7 @@ impl Stage for Thrust {
     type Needs = (Mesh, Maybe<LoadCell>, Weighed);
     type Makes = Record;
     const STORY: &'static str = "motion and pressure learn to tell thrust";
-    const EDITION: u32 = 1;
+    const EDITION: u32 = 2;
 
     fn card(of: &Specimen) -> Value {
         let trial =
@@ -91,7 +97,7 @@ impl Stage for Thrust {
 
     fn run(of: &Specimen, set: &Settings, needs: Self::Needs, desk: &dyn Desk) -> Outcome<Record> {
         let (mesh, Maybe(cell), weighed) = needs;
-        let tail = tail(of, set, &mesh)?;
+        let tail = tail(of, set.density, set.sections, &mesh)?;
         let talk = talk(&weighed.0, set)?;
         let mut runs = Vec::new();
         for (trial, motion, pull) in &weighed.0 {
@@ -111,7 +117,17 @@ impl Stage for Thrust {
         let crosstalk =
             Crosstalk { pressures_pa: talk.pressures, forces_n: talk.forces, lag_s: talk.lag, left_n: talk.left };
         let (means, traces) = (means(&runs, &taken, &models), traces(&runs, &models));
-        Ok(Record { scores, means, traces, crosstalk, coefficients, network })
+        Ok(Record {
+            scores,
+            means,
+            traces,
+            crosstalk,
+            coefficients,
+            network,
+            runs,
+            density: set.density,
+            sections: set.sections,
+        })
     }
 }
 
@@ -135,11 +151,11 @@ impl crate::needs::Needs<Specimen> for Weighed {
 }
 
 /// The tail as theory sees it: depths from the mesh, marks from the card.
-fn tail(of: &Specimen, set: &Settings, mesh: &Mesh) -> Outcome<Tail> {
+pub(super) fn tail(of: &Specimen, density: KilogramPerCubicMetre, sections: usize, mesh: &Mesh) -> Outcome<Tail> {
     let nodes = &mesh.solid.nodes;
     let edge = nodes.iter().map(|n| n[0]).fold(f64::NEG_INFINITY, f64::max);
     let clamp = of.card.clamp.below_x;
-    let reach = 0.5 * (edge - clamp) / set.sections as f64;
+    let reach = 0.5 * (edge - clamp) / sections as f64;
     let depth = |a: Metre| -> Metre {
         let near = nodes.iter().filter(|n| (n[0] - a).abs() <= reach.max(2e-3)).map(|n| n[2]);
         let (low, high) = near.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| (l.min(z), h.max(z)));
@@ -154,11 +170,11 @@ fn tail(of: &Specimen, set: &Settings, mesh: &Mesh) -> Outcome<Tail> {
     let places: Vec<Metre> = (0..=200).map(|i| clamp + (edge - clamp) * f64::from(i) / 200.0).collect();
     let rear = places.iter().copied().filter(|a| *a >= marks[marks.len() - 1]);
     let trailing = rear.max_by(|a, b| depth(*a).total_cmp(&depth(*b))).unwrap_or(edge);
-    Tail::new(set.density, clamp, &marks, trailing, set.sections, &depth).map_err(Fault::from_tool)
+    Tail::new(density, clamp, &marks, trailing, sections, &depth).map_err(Fault::from_tool)
 }
 
 /// The card's markers from the head to the fin.
-fn order(of: &Specimen) -> Vec<usize> {
+pub(super) fn order(of: &Specimen) -> Vec<usize> {
     let mut order: Vec<usize> = (0..of.card.marker.len()).collect();
     order.sort_by(|&a, &b| of.card.marker[a].at[0].total_cmp(&of.card.marker[b].at[0]));
     order
@@ -291,7 +307,7 @@ type Models = Vec<(Rung, Fitted)>;
 /// Every rung on every parting; the models of the card's parting and first seed are kept.
 fn ladder(runs: &[Run], set: &Settings, desk: &dyn Desk) -> Outcome<(Vec<Scored>, Models)> {
     let (mut scores, mut models) = (Vec::new(), Vec::new());
-    let seeds = if set.seeds.is_empty() { &[1][..] } else { &set.seeds };
+    let seeds = set.seeds();
     for (number, parting) in splits::ALL.into_iter().enumerate() {
         let Some((train, test)) = parting.part(runs) else { continue };
         for rung in LADDER {

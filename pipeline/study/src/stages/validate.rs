@@ -44,7 +44,7 @@ impl Stage for Validate {
     type Needs = (Mesh, Identified, Damping, Repeats<Motion>);
     type Makes = Validation;
     const STORY: &'static str = "flapping never seen is predicted and compared";
-    const EDITION: u32 = 3;
+    const EDITION: u32 = 4;
 
     fn card(of: &Trial) -> Value {
         let (solid, card) = (&of.card.solid, &of.card);

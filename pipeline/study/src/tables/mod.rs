@@ -4,6 +4,7 @@
 //! A new table: its file and its line in [`ALL`].
 
 mod bench_realism;
+mod best_flap;
 mod cells;
 mod instruments;
 mod mesh_honesty;
@@ -22,6 +23,7 @@ pub const ALL: &[Entry] = &[
     table::<trials::Trials>(),
     table::<methods::Methods>(),
     table::<thrust_models::ThrustModels>(),
+    table::<best_flap::BestFlap>(),
     table::<recovery::Recovery>(),
     table::<mesh_honesty::MeshHonesty>(),
     table::<bench_realism::BenchRealism>(),

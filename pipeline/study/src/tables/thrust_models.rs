@@ -5,8 +5,8 @@
 use plot::Column;
 
 use crate::fault::{Fault, Outcome};
-use crate::needs::Every;
-use crate::records::{Scored, Thrust};
+use crate::needs::{Every, Maybe};
+use crate::records::{Scored, Thrust, Transfer};
 use crate::subject::{Scope, Study};
 use crate::table::Table;
 
@@ -14,16 +14,16 @@ use crate::table::Table;
 pub struct ThrustModels;
 
 impl Table for ThrustModels {
-    type Needs = Every<Thrust>;
+    type Needs = (Every<Thrust>, Maybe<Transfer>);
     const NAME: &'static str = "thrust_models";
     const SHOWS: &'static str = "how well each model tells thrust it never saw";
-    const EDITION: u32 = 2;
+    const EDITION: u32 = 3;
 
     fn is_made_for(study: &Study) -> bool {
         Every::<Thrust>::any(study)
     }
 
-    fn fill(Every(all): Self::Needs) -> Outcome<plot::Table> {
+    fn fill((Every(all), Maybe(transfer)): Self::Needs) -> Outcome<plot::Table> {
         let columns = vec![
             Column::words("specimen"),
             Column::words("held out by"),
@@ -36,9 +36,17 @@ impl Table for ThrustModels {
             Column::numbers("phase", "°"),
             Column { published: true, ..Column::words("published") },
         ];
-        let rows = all.iter().flat_map(|(s, t)| t.scores.iter().map(|scored| row(&s.name(), scored)));
+        let across = transfer.iter().flat_map(|t| &t.scores);
+        let rows = all.iter().flat_map(|(specimen, thrust)| {
+            let name = specimen.name();
+            let across: Vec<&Scored> =
+                across.clone().filter(|held| held.tail == name).map(|held| &held.scored).collect();
+            thrust.scores.iter().chain(across).map(|scored| row(&name, scored)).collect::<Vec<_>>()
+        });
         let table = plot::Table::new(columns, rows.collect()).map_err(Fault::from_tool)?;
-        Ok(table.noted("NRMSE over the standard deviation of the measured force; intervals by bootstrap over beats."))
+        Ok(table.noted(
+            "NRMSE over the standard deviation of the measured force; intervals by bootstrap over beats. Tail: learnt from all others' runs.",
+        ))
     }
 }
 

@@ -13,6 +13,7 @@ use hydro::{Tail, Terms};
 use si::{Hertz, Newton, Pascal, Point2, Second};
 use std::f64::consts::TAU;
 
+use super::climb::Hill;
 use crate::fault::{Fault, Outcome};
 
 /// Bytes that a recorded motion may take.
@@ -240,46 +241,23 @@ fn of_theory(terms: &Terms, c: &[f64; 5], part: f64, ends: f64, speed: &[Point2]
     Instant { value, by_place, by_velocity, ..Instant::default() }
 }
 
-/// What a search for the best wave may choose from.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Limits {
-    /// Highest amplitude, Pa.
-    pub amplitude: Pascal,
-    /// Lowest and highest frequency, Hz.
-    pub frequency: [Hertz; 2],
-    /// Gradient steps.
-    pub rounds: usize,
+/// A body as a hill to climb: its slope comes through the finite elements.
+pub struct Climbed<'a> {
+    /// What is read of it.
+    pub bench: &'a Bench<'a>,
+    /// It.
+    pub solver: &'a mut Solver,
+    /// Who tells its thrust.
+    pub teller: &'a Teller<'a>,
 }
 
-/// The wave with the most mean thrust within limits, uphill from `start`: steps along the gradient in units of the limits,
-/// halved whenever one does not climb. Returns every wave that climbed with its thrust, the best last.
-///
-/// # Errors
-/// As [`Bench::gradient`].
-pub fn best_wave(
-    bench: &Bench,
-    solver: &mut Solver,
-    teller: &Teller,
-    start: Wave,
-    limits: Limits,
-) -> Outcome<Vec<(Wave, Newton)>> {
-    let [low, high] = limits.frequency;
-    let mut told = bench.gradient(solver, &start, teller)?;
-    let (mut way, mut stride) = (vec![(start, told.mean)], 0.25);
-    for _ in 0..limits.rounds {
-        let (from, best) = way[way.len() - 1];
-        let uphill = [told.by_amplitude * limits.amplitude, told.by_frequency * (high - low)];
-        let size = uphill[0].hypot(uphill[1]).max(f64::MIN_POSITIVE);
-        let amplitude = (from.amplitude + stride * limits.amplitude * uphill[0] / size).clamp(0.0, limits.amplitude);
-        let frequency = (from.frequency + stride * (high - low) * uphill[1] / size).clamp(low, high);
-        let next = Wave { amplitude, frequency, ..from };
-        let found = bench.gradient(solver, &next, teller)?;
-        if found.mean > best {
-            way.push((next, found.mean));
-            told = found;
-        } else {
-            stride *= 0.5;
-        }
+impl Hill for Climbed<'_> {
+    fn height(&mut self, wave: &Wave) -> Outcome<Newton> {
+        self.bench.mean(self.solver, wave, self.teller)
     }
-    Ok(way)
+
+    fn slope(&mut self, wave: &Wave) -> Outcome<[f64; 2]> {
+        let told = self.bench.gradient(self.solver, wave, self.teller)?;
+        Ok([told.by_amplitude, told.by_frequency])
+    }
 }

@@ -1,0 +1,153 @@
+//! Runs: beating trials as one table below one another, so that another stage can learn from them without gathering anew.
+//!
+//! Stands on: columns, the room `thrust`. Never knows: what is learnt from them.
+
+use lab::card::Split;
+use serde::{Deserialize, Serialize};
+use si::{Hertz, Pascal, Point2};
+
+use crate::columns::Columns;
+use crate::record::RecordError;
+use crate::thrust::Run;
+use crate::thrust::run::Parts;
+
+/// What is said of a run once.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Head {
+    id: String,
+    amplitude_pa: Pascal,
+    frequency_hz: Hertz,
+    split: Option<String>,
+    rate_hz: Hertz,
+    samples: usize,
+    marks: usize,
+    chambers: usize,
+}
+
+impl Head {
+    /// Of a run.
+    pub fn of(run: &Run) -> Self {
+        Self {
+            id: run.id.clone(),
+            amplitude_pa: run.amplitude,
+            frequency_hz: run.frequency,
+            split: run.split.map(|s| s.word().to_owned()),
+            rate_hz: run.rate,
+            samples: run.len(),
+            marks: run.moved.first().map_or(0, Vec::len),
+            chambers: run.pressure.first().map_or(0, Vec::len),
+        }
+    }
+
+    fn split(&self) -> Option<Split> {
+        [Split::Train, Split::Test].into_iter().find(|split| self.split.as_deref() == Some(split.word()))
+    }
+}
+
+/// One number of a part.
+type Part = (&'static str, fn(&Parts) -> f64);
+/// The parts of theory, by their columns.
+const PARTS: [Part; 5] = [
+    ("simple_n", |p| p.simple),
+    ("shed_n", |p| p.shed),
+    ("gained_n", |p| p.gained),
+    ("drag_n", |p| p.drag),
+    ("jerked_m_s2", |p| p.jerked),
+];
+
+/// Runs of one specimen below one another.
+pub(super) fn table(runs: &[Run]) -> Columns {
+    let heads: Vec<Head> = runs.iter().map(Head::of).collect();
+    let (marks, chambers) = heads.first().map_or((0, 0), |h| (h.marks, h.chambers));
+    let each = |of: &dyn Fn(&Run, usize) -> f64| -> Vec<f64> {
+        runs.iter().flat_map(|run| (0..run.len()).map(|i| of(run, i)).collect::<Vec<_>>()).collect()
+    };
+    let mut table = Columns::default().numbers("time_s", each(&|r, i| r.time[i]));
+    table = table.numbers("force_n", each(&|r, i| r.force[i]));
+    for (mark, (k, axis)) in (0..marks).flat_map(|m| [(m, (0, "x")), (m, (1, "y"))]) {
+        table = table
+            .numbers(&format!("{axis}{mark}_m"), each(&|r, i| r.moved[i][mark][k]))
+            .numbers(&format!("v{axis}{mark}_m_s"), each(&|r, i| r.speed[i][mark][k]));
+    }
+    for chamber in 0..chambers {
+        table = table
+            .numbers(&format!("p{chamber}_pa"), each(&|r, i| r.pressure[i][chamber]))
+            .numbers(&format!("vp{chamber}_pa_s"), each(&|r, i| r.pressure_rate[i][chamber]));
+    }
+    PARTS.iter().fold(table, |table, (name, of)| table.numbers(name, each(&|r, i| of(&r.terms[i]))))
+}
+
+/// The runs of a table.
+///
+/// # Errors
+/// [`RecordError`] when a column is absent or shorter than the heads say.
+pub(super) fn read(heads: &[Head], table: &Columns) -> Result<Vec<Run>, RecordError> {
+    let rows: usize = heads.iter().map(|h| h.samples).sum();
+    let column = |name: &str| -> Result<Vec<f64>, RecordError> {
+        let values = table.f64(name)?;
+        if values.len() == rows { Ok(values) } else { Err(RecordError::Absent(format!("{name} of {rows} samples"))) }
+    };
+    let (marks, chambers) = heads.first().map_or((0, 0), |h| (h.marks, h.chambers));
+    let several = |names: Vec<String>| names.iter().map(|n| column(n)).collect::<Result<Vec<_>, _>>();
+    let of_marks = |before: &str, unit: &str| {
+        several((0..marks).flat_map(|m| ["x", "y"].map(|a| format!("{before}{a}{m}_{unit}"))).collect())
+    };
+    let of_chambers =
+        |before: &str, unit: &str| several((0..chambers).map(|c| format!("{before}{c}_{unit}")).collect());
+    let (time, force) = (column("time_s")?, column("force_n")?);
+    let (moved, speed) = (of_marks("", "m")?, of_marks("v", "m_s")?);
+    let (pressure, pressure_rate) = (of_chambers("p", "pa")?, of_chambers("vp", "pa_s")?);
+    let parts = PARTS.iter().map(|(name, _)| column(name)).collect::<Result<Vec<_>, _>>()?;
+    let points = |of: &[Vec<f64>], i: usize| of.chunks_exact(2).map(|xy| [xy[0][i], xy[1][i]]).collect::<Vec<Point2>>();
+    let numbers = |of: &[Vec<f64>], i: usize| of.iter().map(|c| c[i]).collect::<Vec<f64>>();
+    let part = |i: usize| Parts {
+        simple: parts[0][i],
+        shed: parts[1][i],
+        gained: parts[2][i],
+        drag: parts[3][i],
+        jerked: parts[4][i],
+    };
+    let mut from = 0;
+    let one = |head: &Head| {
+        let rows = from..from + head.samples;
+        from = rows.end;
+        Run {
+            id: head.id.clone(),
+            amplitude: head.amplitude_pa,
+            frequency: head.frequency_hz,
+            split: head.split(),
+            rate: head.rate_hz,
+            time: time[rows.clone()].to_vec(),
+            force: force[rows.clone()].to_vec(),
+            moved: rows.clone().map(|i| points(&moved, i)).collect(),
+            speed: rows.clone().map(|i| points(&speed, i)).collect(),
+            pressure: rows.clone().map(|i| numbers(&pressure, i)).collect(),
+            pressure_rate: rows.clone().map(|i| numbers(&pressure_rate, i)).collect(),
+            terms: rows.map(part).collect(),
+        }
+    };
+    Ok(heads.iter().map(one).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::thrust::rungs::testing::run;
+
+    #[test]
+    fn runs_survive_their_table_bit_for_bit() {
+        let mut runs = vec![run(1.0, 2e4, 1), run(2.0, 1e4, 2)];
+        (runs[0].split, runs[1].split) = (Some(Split::Train), Some(Split::Test));
+        runs[1].pressure_rate.iter_mut().enumerate().for_each(|(i, p)| p[1] = i as f64 / 7.0);
+        let heads: Vec<Head> = runs.iter().map(Head::of).collect();
+        let bytes = table(&runs).to_parquet().unwrap();
+        assert_eq!(read(&heads, &Columns::from_parquet(&bytes).unwrap()).unwrap(), runs);
+    }
+
+    #[test]
+    fn a_table_shorter_than_its_heads_is_refused() {
+        let runs = [run(1.0, 2e4, 1)];
+        let heads = [Head { samples: 401, ..Head::of(&runs[0]) }];
+        assert!(read(&heads, &table(&runs)).is_err());
+    }
+}
