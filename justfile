@@ -13,6 +13,7 @@ build:
 # everything: record the virtual bench, run every stage, draw every figure and table (paper profile)
 all: build
     {{programs}}/rig record
+    {{programs}}/rig check --write
     {{programs}}/study run
     {{programs}}/study check
     @just paper
@@ -36,6 +37,12 @@ table NAME: build
 # one page to look at, figures/index.html, from the records at hand (of the paper profile: just page paper)
 page PROFILE="quick": build
     {{programs}}/study page --profile {{PROFILE}}
+
+# a bar that others recorded, let go: its modulus and damping, a table and a figure (study fetch beam_ds10 brings the recordings)
+real: build
+    {{programs}}/study fit beam_ds10 --out target/real
+    cp target/real/real_beam_ds10.svg figures/real_beam.svg
+    mkdir -p paper/tables && cp target/real/real_beam_ds10.csv paper/tables/real_beam.csv
 
 # a coarse and short version of the main path, of one tail, under target/quick
 quick: build
