@@ -54,3 +54,21 @@ fn bring(page: &Page, recording: &Recording, root: &Path) -> Outcome<PathBuf> {
     std::fs::rename(&unfinished, &place).map_err(lost)?;
     Ok(place)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_cannot_be_fetched_says_where_to_put_it_and_leaves_nothing_behind() {
+        let root = std::env::temp_dir().join(format!("fetch-{}", std::process::id()));
+        std::fs::create_dir_all(&root).unwrap();
+        let page = include_str!("../../examples/real/beam_ds10.toml");
+        let path = root.join("page.toml");
+        std::fs::write(&path, page.replace("https://", "file:///nowhere/")).unwrap();
+        let fault = fetch(&root, &path).unwrap_err().to_string();
+        let left = std::fs::read_dir(root.join("data/raw/beam_ds10")).unwrap().count();
+        std::fs::remove_dir_all(&root).unwrap();
+        assert!(fault.contains("cannot be fetched") && fault.contains("beam_gravity_a.c3d") && left == 0, "{fault}");
+    }
+}

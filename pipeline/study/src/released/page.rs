@@ -116,3 +116,40 @@ impl Page {
 }
 
 const SEE: &str = "pipeline/study/examples/real holds a page with every key";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PAGE: &str = include_str!("../../examples/real/beam_ds10.toml");
+
+    /// What is said of the page with one text in place of another.
+    fn said(name: &str, from: &str, to: &str) -> String {
+        let path = std::env::temp_dir().join(format!("page-{name}-{}.toml", std::process::id()));
+        std::fs::write(&path, PAGE.replace(from, to)).unwrap();
+        let read = Page::read(&path);
+        std::fs::remove_file(&path).unwrap();
+        read.map(|page| page.name).unwrap_or_else(|refusal| refusal.to_string())
+    }
+
+    #[test]
+    fn the_page_that_comes_along_is_read() {
+        assert_eq!(said("whole", "", ""), "beam_ds10");
+    }
+
+    #[test]
+    fn a_slip_of_the_pen_is_refused_with_what_it_is() {
+        let slips = [
+            ("sigma = 1e-4", "sigmaa = 1e-4", "sigmaa"),
+            ("range = [5e4, 2e6]", "range = [2e6, 5e4]", "two rising moduli"),
+            ("step = 0.0025", "step = 0.0", "not positive"),
+            ("swing = [0.1, 1.4]", "swing = [1.4, 0.1]", "two rising times"),
+            ("compared = true", "compared = false", "is compared"),
+            ("along = \"z\"", "along = \"w\"", "w"),
+        ];
+        for (i, (from, to, told)) in slips.into_iter().enumerate() {
+            let said = said(&i.to_string(), from, to);
+            assert!(said.contains(told) && said.contains("do:"), "{said}");
+        }
+    }
+}

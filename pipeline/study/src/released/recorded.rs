@@ -74,42 +74,62 @@ pub fn find(page: &Page, recording: &Recording, root: &Path) -> Outcome<PathBuf>
 }
 
 fn one(page: &Page, recording: &Recording, path: &Path) -> Outcome<Recorded> {
-    let place = || path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|e| Fault::new(format!("{} cannot be read", place()), e, "mend it"))?;
+    let (rate, tracks) = tracks(page, path)?;
+    let parts = Parts::of(page, recording, rate, tracks[0].len(), path)?;
+    let moved = moved(page, &tracks, parts.held);
+    let mean = |i: usize| moved.iter().map(|m| m[i]).sum::<f64>() / moved.len() as f64;
+    let fall = (parts.release..tracks[0].len()).map(mean).collect();
+    let settled = moved.iter().map(|m| m[parts.rest..].iter().sum::<f64>() / (m.len() - parts.rest) as f64).collect();
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    Ok(Recorded { name, fall: Series::new(0.0, rate, fall).map_err(Fault::from_tool)?, settled })
+}
+
+/// Frames a second, and the place of each of the page's marks in each frame, m.
+fn tracks(page: &Page, path: &Path) -> Outcome<(f64, Vec<Vec<Point3>>)> {
+    let bytes =
+        std::fs::read(path).map_err(|e| Fault::new(format!("{} cannot be read", path.display()), e, "mend it"))?;
     let space = lab::space::read(&bytes, path).map_err(Fault::from_tool)?;
     let track = |marker: &Marker| -> Outcome<Vec<Point3>> {
         let known = |name: &&String| space.markers.iter().any(|seen| seen.name.trim() == name.trim());
         let name = marker.names.iter().find(known).unwrap_or(&marker.names[0]);
         space.whole(name, path).map_err(Fault::from_tool)
     };
-    let tracks: Vec<Vec<Point3>> = page.marker.iter().map(track).collect::<Outcome<_>>()?;
     let rate = (space.time.len() - 1) as f64 / (space.time[space.time.len() - 1] - space.time[0]);
-    let frame = |time: Second| ((time * rate).round() as usize).min(space.time.len());
-    let (held, release, rest) =
-        (frame(page.held), frame(recording.release), space.time.len() - frame(page.settled).min(space.time.len()));
-    if held == 0 || held > release || rest <= frame(recording.release + page.swing[1]) {
-        let what = format!("{} holds {:.2} s", place(), space.time[space.time.len() - 1]);
-        return Err(Fault::new(
-            what,
-            "held, release, swing and settled do not fit into it",
-            "correct the page's times",
-        ));
+    Ok((rate, page.marker.iter().map(track).collect::<Outcome<_>>()?))
+}
+
+/// Where the parts of a recording begin or end, frames.
+struct Parts {
+    held: usize,
+    release: usize,
+    rest: usize,
+}
+
+impl Parts {
+    fn of(page: &Page, recording: &Recording, rate: f64, frames: usize, path: &Path) -> Outcome<Self> {
+        let frame = |time: Second| ((time * rate).round() as usize).min(frames);
+        let (held, release) = (frame(page.held), frame(recording.release));
+        let rest = frames - frame(page.settled);
+        match held > 0 && held <= release && rest > frame(recording.release + page.swing[1]) {
+            true => Ok(Self { held, release, rest }),
+            false => Err(Fault::new(
+                format!("{} holds {:.2} s", path.display(), frames as f64 / rate),
+                "held, release, swing and settled do not fit into it one after the other",
+                "correct the page's times",
+            )),
+        }
     }
+}
+
+/// How far each compared mark is along the page's axis from where it was `held`, m.
+fn moved(page: &Page, tracks: &[Vec<Point3>], held: usize) -> Vec<Vec<Metre>> {
     let before: Vec<Vector3<f64>> = tracks.iter().map(|track| mean(&track[..held])).collect();
-    let turn = turn(&before, &page.marker);
-    let axis = page.along as usize;
-    let moved = |track: &[Point3], from: &Vector3<f64>| {
-        track.iter().map(|p| (turn * (Vector3::from(*p) - from))[axis]).collect::<Vec<f64>>()
+    let (turn, axis) = (turn(&before, &page.marker), page.along as usize);
+    let along = |(track, from): (&Vec<Point3>, &Vector3<f64>)| {
+        track.iter().map(|p| (turn * (Vector3::from(*p) - from))[axis]).collect()
     };
-    let compared: Vec<Vec<f64>> = (tracks.iter().zip(&before).zip(&page.marker))
-        .filter(|(_, marker)| marker.compared)
-        .map(|((track, from), _)| moved(track, from))
-        .collect();
-    let count = compared.len() as f64;
-    let fall = (release..space.time.len()).map(|i| compared.iter().map(|m| m[i]).sum::<f64>() / count).collect();
-    let settled = compared.iter().map(|m| m[rest..].iter().sum::<f64>() / (m.len() - rest) as f64).collect();
-    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    Ok(Recorded { name, fall: Series::new(0.0, rate, fall).map_err(Fault::from_tool)?, settled })
+    let marks = tracks.iter().zip(&before).zip(&page.marker);
+    marks.filter(|(_, marker)| marker.compared).map(|(pair, _)| along(pair)).collect()
 }
 
 fn mean(places: &[Point3]) -> Vector3<f64> {

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use fem::{March, Parameter, State, StaticSettings};
+use fem::{Equilibrium, March, Parameter, Solver, State, StaticSettings};
 use fit::optimisers::gauss_newton::{GaussNewton, Settings};
 use fit::{Bounds, Evaluation, FitError, Needs, Residuals, Search, minimise};
 use si::{Metre, Pascal, Second, Series};
@@ -59,45 +59,29 @@ impl<'a> Bench<'a> {
     pub fn fit(&self, law: &str, measured: &[Vec<Metre>]) -> Outcome<Found> {
         let case = self.with(law);
         let body = Body::new(&case, &self.loaded)?;
-        let marks = self.marks(&body)?;
-        let mut solver = body.solver(&case)?;
-        let mut last: Option<Vec<f64>> = None;
-        let nu = case.region[0].poissons_ratio;
-        let pressures = body.pressures(&case, |chamber| chamber.pressure.at_level(1.0));
-        let mut settled = Vec::new();
-        let mut evaluate = |at: &[f64]| -> Outcome<Evaluation> {
-            let e = at[0].exp();
-            solver.set_elastic(0, e, nu).map_err(Fault::from_tool)?;
-            let found = solver.equilibrium(&pressures, last.as_deref(), &StaticSettings::default());
-            let found = found.map_err(|e| Fault::from_tool(format!("{law}: {e}")))?;
-            let slope = solver.sensitivity(&found, Parameter::YoungsModulus(0)).map_err(Fault::from_tool)?;
-            settled = marks.iter().map(|mark| mark.of(&found.displacement)).collect::<Vec<f64>>();
-            let slopes: Vec<f64> = marks.iter().map(|mark| e * mark.of(&slope) / self.page.sigma).collect();
-            let off =
-                |seen: &Vec<f64>| settled.iter().zip(seen).map(|(s, m)| (s - m) / self.page.sigma).collect::<Vec<_>>();
-            let values = measured.iter().flat_map(off).collect();
-            let residuals = Residuals { values, jacobian: slopes.repeat(measured.len()) };
-            last = Some(found.displacement);
-            let (loss, gradient) = (residuals.half_square(), Some(residuals.gradient(1)));
-            Ok(Evaluation { at: at.to_vec(), loss, gradient, residuals: Some(residuals) })
+        let mut resting = Resting {
+            marks: self.marks(&body)?,
+            solver: body.solver(&case)?,
+            pressures: body.pressures(&case, |chamber| chamber.pressure.at_level(1.0)),
+            poissons_ratio: case.region[0].poissons_ratio,
+            shape: None,
         };
         let mut fault = None;
         let history = minimise(&mut self.search()?, &mut |batch: &[Vec<f64>], _: Needs| {
-            let answers: Outcome<Vec<_>> = batch.iter().map(|at| evaluate(at)).collect();
+            let answers: Outcome<Vec<_>> =
+                batch.iter().map(|at| resting.weigh(at, measured, self.page.sigma)).collect();
             answers.map_err(|lost| {
-                fault = Some(lost);
+                fault = Some(Fault::from_tool(format!("{law}: {lost}")));
                 FitError::Length { what: "the answers", found: 0, expected: batch.len() }
             })
         });
         let history = history.map_err(|e| fault.unwrap_or_else(|| Fault::from_tool(e)))?;
-        let residuals = history.best.residuals.clone().ok_or_else(|| Fault::from_tool("the fit kept no residuals"))?;
+        let Evaluation { at, residuals: Some(residuals), .. } = &history.best else {
+            return Err(Fault::from_tool("the fit kept no residuals"));
+        };
         let sigma = residuals.posterior(1).map_err(Fault::from_tool)?.sigma(0);
-        Ok(Found {
-            youngs_modulus: history.best.at[0].exp(),
-            sigma,
-            simulations: history.tried.len(),
-            settled: settled.iter().sum::<f64>() / settled.len() as f64,
-        })
+        let (youngs_modulus, simulations) = (at[0].exp(), history.tried.len());
+        Ok(Found { youngs_modulus, sigma, simulations, settled: resting.settled(youngs_modulus)? })
     }
 
     fn search(&self) -> Outcome<GaussNewton> {
@@ -133,6 +117,48 @@ impl<'a> Bench<'a> {
         let compared = self.page.marker.iter().filter(|marker| marker.compared);
         let on = compared.filter_map(|marker| marker.on);
         Ok(on.map(|at| Mark { weights: body.solid.embed(at).0.weights, axis: self.page.along as usize }).collect())
+    }
+}
+
+/// A body that comes to rest under its loads, with one modulus after the other.
+struct Resting {
+    marks: Vec<Mark>,
+    solver: Solver,
+    pressures: Vec<Pascal>,
+    poissons_ratio: f64,
+    /// The last one found.
+    shape: Option<Equilibrium>,
+}
+
+impl Resting {
+    /// The shape with Young's modulus `e` (Pa), from the one before.
+    fn rest(&mut self, e: Pascal) -> Outcome<Equilibrium> {
+        self.solver.set_elastic(0, e, self.poissons_ratio).map_err(Fault::from_tool)?;
+        let start = self.shape.as_ref().map(|shape| shape.displacement.as_slice());
+        let found = self.solver.equilibrium(&self.pressures, start, &StaticSettings::default());
+        let found = found.map_err(Fault::from_tool)?;
+        self.shape = Some(found.clone());
+        Ok(found)
+    }
+
+    /// Mean fall of the marks, m.
+    fn settled(&mut self, e: Pascal) -> Outcome<Metre> {
+        let shape = self.rest(e)?;
+        Ok(self.marks.iter().map(|mark| mark.of(&shape.displacement)).sum::<f64>() / self.marks.len() as f64)
+    }
+
+    /// Residuals against what was `measured` (recordings × marks, m) at a logarithm of the modulus, in deviations `sigma` (m).
+    fn weigh(&mut self, at: &[f64], measured: &[Vec<Metre>], sigma: Metre) -> Outcome<Evaluation> {
+        let e = at[0].exp();
+        let shape = self.rest(e)?;
+        let slope = self.solver.sensitivity(&shape, Parameter::YoungsModulus(0)).map_err(Fault::from_tool)?;
+        let falls: Vec<f64> = self.marks.iter().map(|mark| mark.of(&shape.displacement)).collect();
+        let slopes: Vec<f64> = self.marks.iter().map(|mark| e * mark.of(&slope) / sigma).collect();
+        let off = |seen: &Vec<f64>| falls.iter().zip(seen).map(|(s, m)| (s - m) / sigma).collect::<Vec<_>>();
+        let values = measured.iter().flat_map(off).collect();
+        let residuals = Residuals { values, jacobian: slopes.repeat(measured.len()) };
+        let (loss, gradient) = (residuals.half_square(), Some(residuals.gradient(1)));
+        Ok(Evaluation { at: at.to_vec(), loss, gradient, residuals: Some(residuals) })
     }
 }
 
