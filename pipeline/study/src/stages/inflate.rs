@@ -37,7 +37,7 @@ impl Stage for Inflate {
     type Needs = (Mesh, Identified, OfTrials<Still>);
     type Makes = Inflation;
     const STORY: &'static str = "the identified model is blown up as high as a film shows";
-    const EDITION: u32 = 1;
+    const EDITION: u32 = 2;
 
     fn card(of: &Specimen) -> Value {
         let region = |s: &lab::card::Solid| json!([s.material, s.poissons_ratio]);
@@ -59,7 +59,12 @@ impl Stage for Inflate {
         let model = Model::new(&mesh, &of.card)?;
         let mut solver = model.system.solver();
         swing::identified(&model, &found).give(&mut solver)?;
-        let statics = StaticSettings { tolerance: set.static_tolerance, halvings: 8, ..StaticSettings::default() };
+        let statics = StaticSettings {
+            tolerance: set.static_tolerance,
+            halvings: HALVINGS,
+            iterations: DIRECTIONS,
+            ..StaticSettings::default()
+        };
         let shapes = climb(&mut solver, &levels, &statics, &mesh, desk)?;
         let filmed = filmed.and_then(|wanted| shapes.iter().position(|s| s.pressures_pa == wanted));
         let nodes = skin(&mesh);
@@ -78,6 +83,10 @@ fn levels(trial: &Trial, highest: Pascal, count: usize, filmed: Option<&[Pascal]
     all.sort_by(|a, b| top(a).total_cmp(&top(b)));
     all
 }
+
+/// A shape from the one before it: halvings of the way, and Newton directions on each part. A shape that is not there is sought longest.
+const HALVINGS: usize = 2;
+const DIRECTIONS: usize = 25;
 
 /// The shapes, each from the one before, until there is none any more.
 fn climb(
