@@ -13,6 +13,12 @@ pub struct Recovered {
     pub specimens: Vec<Specimen>,
     /// Root of the mean squared distance of tracked from true pixels, the worst trial, px.
     pub track_rms_px: f64,
+    /// That trial, as `specimen/trial`.
+    #[serde(default)]
+    pub track_worst: String,
+    /// Trials in which a marker strays by more than a pixel: it has been swapped or lost.
+    #[serde(default)]
+    pub track_strayed: Vec<String>,
     /// Root of the mean squared error of displacements in the plane, the worst trial, mm.
     pub marker_rms_mm: f64,
     /// Largest error of a marker's own place in a film's first frame, mm.

@@ -33,7 +33,7 @@ impl Stage for Recovery {
     type Needs = ((Every<Camera>, Films, Every<Identified>), (Every<LoadCell>, Every<Tank>, Every<Pull>));
     type Makes = Recovered;
     const STORY: &'static str = "what was found is compared with what was true";
-    const EDITION: u32 = 3;
+    const EDITION: u32 = 4;
 
     fn raw(of: &Study) -> Vec<RawFile> {
         virtual_specimens(of).flat_map(files).collect()
@@ -163,7 +163,12 @@ fn judge(
         let pixels = |t: &TrueTrack, i: usize| t.pixel[i];
         let off = worst_rms(&tracks.markers, &tracks.time, &true_tracks, &pixels);
         cover(&mut recovered.track_covered, &tracks.markers, &tracks.time, &true_tracks, &pixels);
-        recovered.track_rms_px = recovered.track_rms_px.max(off);
+        if off > recovered.track_rms_px {
+            (recovered.track_rms_px, recovered.track_worst) = (off, trial.name());
+        }
+        if off > STRAYED {
+            recovered.track_strayed.push(format!("{} ({off:.2} px)", trial.name()));
+        }
     }
     for (_, places) in places.iter().filter(|(t, _)| this(t)) {
         recovered.marker_place_mm = recovered.marker_place_mm.max(1e3 * off_at_rest(&places.markers, &true_tracks));
@@ -177,6 +182,9 @@ fn judge(
     }
     Ok(())
 }
+
+/// A marker whose root mean square error is larger has been swapped or lost, px.
+const STRAYED: f64 = 1.0;
 
 /// Largest distance of a marker's first place from the true one, m.
 fn off_at_rest(paths: &[Path], truth: &[TrueTrack]) -> f64 {

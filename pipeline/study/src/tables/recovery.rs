@@ -18,7 +18,7 @@ impl Table for Recovery {
     type Needs = (Recovered, Every<Identified>);
     const NAME: &'static str = "recovery";
     const SHOWS: &'static str = "what was found against what the bench had hidden";
-    const EDITION: u32 = 1;
+    const EDITION: u32 = 2;
 
     fn is_made_for(study: &Study) -> bool {
         study.specimens.iter().any(|s| s.card.origin == Origin::VirtualBench)
@@ -66,12 +66,16 @@ fn instruments(all: &Recovered) -> Vec<Vec<String>> {
     let row = |what: &str, value: f64, digits: usize, unit: &str| {
         [what, "worst", "", "", &format!("{value:.digits$} {unit}"), ""].map(str::to_owned).to_vec()
     };
+    let named = |mut row: Vec<String>, of: &str| {
+        row[1] = if of.is_empty() { row[1].clone() } else { of.to_owned() };
+        row
+    };
     let covered = |what: &str, [held, of]: [usize; 2]| {
         let share = format!("{:.1} %", 100.0 * held as f64 / of.max(1) as f64);
         [what, "all", &share, "95 %", "", ""].map(str::to_owned).to_vec()
     };
     let mut rows = vec![
-        row("tracked pixels", all.track_rms_px, 3, "px"),
+        named(row("tracked pixels", all.track_rms_px, 3, "px"), &all.track_worst),
         row("displacements", all.marker_rms_mm, 4, "mm"),
         row("clock", all.clock_error_ms, 2, "ms"),
         row("focal length", all.focal_error_percent, 2, "%"),
