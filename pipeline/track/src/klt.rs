@@ -56,7 +56,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             radius: 18.0,
-            reach: 16.0,
+            reach: 9.0,
             contrast_limit: 25.0,
             residual_limit: 12.0,
             jump_limit: 20.0,
