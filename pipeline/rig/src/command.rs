@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use rayon::prelude::*;
 
 use crate::fault::Fault;
 use crate::folder;
@@ -101,7 +102,7 @@ fn record_all(specimens: &[String], set: &Settings, profile: &str, into: &Path, 
         Err(said) => return fail(&said, USAGE),
     };
     let progress = Progress::new(quiet);
-    match chosen.into_iter().try_for_each(|specimen| one(specimen, set, profile, into, &progress)) {
+    match chosen.into_par_iter().try_for_each(|specimen| one(specimen, set, profile, into, &progress)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(fault) => fail(&fault.to_string(), 1),
     }

@@ -244,6 +244,10 @@ planted! {
         => "mend", ["video.mp4", "marker `m1` at (500, 120) px is out of the picture"];
     a_marker_that_is_elsewhere_is_found: |p| p.write("specimen.toml", &changed(&card(), "clicked = [200.0, 120.0]", "clicked = [100.0, 190.0]"))
         => "mend", ["video.mp4", "marker `m1`", "frame 0"];
+    a_mark_close_to_an_edge_is_told: |p| p.film(FILM, 66, |k| {
+        let light = picture(k);
+        Gray::from_fn(320, 240, |u, v| if v > 138 { 40.0 } else { light.at(u, v) })
+    }) => "know", ["video.mp4", "marker `m1` is dark and not its own", "farther from the body's edge"];
     a_calibration_without_a_board_is_found: |p| p.film("camera/calibration.mp4", 30, |_| Gray::filled(320, 240, 128))
         => "mend", ["calibration.mp4 shows no board between 0 and 0.4 s"];
     a_lamp_that_is_not_in_the_log_is_found: |p| p.write(LOG, &rows(|_, row| row[5] = 0.0))

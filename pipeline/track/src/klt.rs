@@ -8,10 +8,12 @@
 //! Stands on: kornia's pyramidal flow, grey pictures. Never knows: which material point a marker is. Paper: section IV.
 
 pub(crate) mod blob;
+mod company;
 mod corners;
 mod find;
 mod flow;
 mod gaps;
+mod gates;
 mod ground;
 mod lost;
 mod scatter;
@@ -19,10 +21,11 @@ mod search;
 mod template;
 
 use crate::Gray;
-use blob::{Blob, Miss};
+pub use blob::beside;
 pub use corners::corners;
 pub use find::find;
 pub use gaps::fill;
+use gates::sum;
 pub use lost::{Lost, Why};
 use si::{Point2, Radian};
 use template::Template;
@@ -44,6 +47,8 @@ pub struct Settings {
     pub agreement_limit: f64,
     /// Largest distance from its start at which flow that is followed there and back may end, px.
     pub return_limit: f64,
+    /// Largest change of the distance between neighbouring markers from one frame to the next, as a share of it.
+    pub company_limit: f64,
     /// Least correlation with the marker of the first frame at which a hidden marker is found again, no unit.
     pub likeness_limit: f64,
     /// How many frames in a row a marker may be hidden.
@@ -62,6 +67,7 @@ impl Default for Settings {
             jump_limit: 20.0,
             agreement_limit: 2.0,
             return_limit: 1.0,
+            company_limit: 0.35,
             likeness_limit: 0.8,
             patience: 0,
             quantiser: 20,
@@ -112,8 +118,6 @@ struct Seen {
 
 /// The least radius of a window, px.
 pub const LEAST_RADIUS: f64 = 4.0;
-/// Share of a window's rim that may be dark: noise, but no other object.
-const SPREAD_LIMIT: f64 = 0.1;
 
 impl Tracker {
     /// Begins with the first frame: each clicked position (px) is moved to the middle of the dark spot within reach.
@@ -166,6 +170,7 @@ impl Tracker {
             found.push(seen.map_err(|why| Lost::at(picture, marker, frame, near, why)));
         }
         self.part(picture, frame, &mut found);
+        self.keep_company(picture, frame, &mut found);
         self.retry(picture, &mut found);
         for (track, found) in self.tracks.iter().zip(&found) {
             let Err(lost) = found else { continue };
@@ -188,119 +193,6 @@ impl Tracker {
     /// [`Lost`] when a marker is hidden to its end.
     pub fn finish(self) -> Result<(), Lost> {
         self.tracks.into_iter().find_map(|track| track.hidden).map_or(Ok(()), Err)
-    }
-
-    /// Of two markers that were found in one place, the one that came farther from where it was expected is not there.
-    fn part(&self, picture: &Gray, frame: usize, found: &mut [Result<Seen, Lost>]) {
-        let limit = self.settings.radius;
-        for one in 0..found.len() {
-            for other in 0..one {
-                let (Ok(a), Ok(b)) = (&found[one], &found[other]) else { continue };
-                let measured = distance(a.sighting.at, b.sighting.at);
-                if measured < limit {
-                    let strayed = |k: usize, at: Point2| distance(at, self.tracks[k].expected());
-                    let farther = strayed(one, a.sighting.at) >= strayed(other, b.sighting.at);
-                    let (marker, other) = if farther { (one, other) } else { (other, one) };
-                    let why = Why::Merged { other, measured, limit };
-                    found[marker] = Err(Lost::at(picture, marker, frame, self.tracks[marker].at, why));
-                }
-            }
-        }
-    }
-
-    /// Looks again for markers that were missed, where they are if they moved as their nearest neighbour did.
-    fn retry(&self, picture: &Gray, found: &mut [Result<Seen, Lost>]) {
-        for marker in 0..found.len() {
-            let track = &self.tracks[marker];
-            if found[marker].is_ok() || track.hidden.is_some() {
-                continue;
-            }
-            let seen = found.iter().zip(&self.tracks).filter_map(|(f, t)| Some((f.as_ref().ok()?.sighting.at, t)));
-            let seen: Vec<(Point2, &Track)> = seen.filter(|(_, t)| t.hidden.is_none()).collect();
-            let away = |t: &Track| distance(t.at, track.at);
-            let Some((there, near)) = seen.iter().min_by(|a, b| away(a.1).total_cmp(&away(b.1))) else { continue };
-            let guess = [0, 1].map(|k| track.at[k] + there[k] - near.at[k]);
-            let Ok(again) = self.sight(picture, track, guess) else { continue };
-            let free = seen.iter().all(|(at, _)| distance(*at, again.sighting.at) >= self.settings.radius);
-            if free {
-                found[marker] = Ok(again);
-            }
-        }
-    }
-
-    /// Looks for a marker that has been hidden for some frames, by how it looked, and lets it pass the gates of looks and leaps.
-    fn sight_again(&self, picture: &Gray, marker: usize, track: &Track, frames: usize) -> Result<Seen, Why> {
-        let others = self.tracks.iter().enumerate().filter(|(other, t)| *other != marker && t.hidden.is_none());
-        let taken: Vec<Point2> = others.map(|(_, t)| t.at).collect();
-        let reach = (self.settings.jump_limit * (frames + 1) as f64).min(search::FARTHEST);
-        let (place, likeness) = search::like(picture, &track.template, track.at, reach, &taken);
-        let limit = self.settings.likeness_limit;
-        if likeness < limit {
-            return Err(Why::Unlike { measured: likeness, limit });
-        }
-        let blob = self.spot(picture, place)?;
-        self.judged(picture, track, blob)
-    }
-
-    /// Looks for one marker near the place (px) where it is expected and lets it pass the gates.
-    fn sight(&self, picture: &Gray, track: &Track, near: Point2) -> Result<Seen, Why> {
-        let (width, height) = (picture.width, picture.height);
-        if (width, height) != (self.before.width, self.before.height) {
-            return Err(Why::Resized { width, height });
-        }
-        let flow = flow::follow(&self.before, picture, track.at, near);
-        let limit = self.settings.jump_limit;
-        let back = flow.and_then(|there| flow::follow(picture, &self.before, there, track.at));
-        let off = back.map_or(f64::INFINITY, |back| distance(back, track.at));
-        within(off, self.settings.return_limit, |measured, limit| Why::NotBack { measured, limit })?;
-        let guess = flow.filter(|&place| distance(place, track.at) <= limit).unwrap_or(near);
-        let blob = self.spot(picture, guess)?;
-        within(distance(blob.at, track.at), limit, |measured, limit| Why::Jumped { measured, limit })?;
-        let apart = flow.map_or(f64::INFINITY, |place| distance(place, blob.at));
-        within(apart, self.settings.agreement_limit, |measured, limit| Why::Disagrees { measured, limit })?;
-        self.judged(picture, track, blob)
-    }
-
-    /// A spot that must look as the marker did in the first frame.
-    fn judged(&self, picture: &Gray, track: &Track, blob: Blob) -> Result<Seen, Why> {
-        let difference = track.template.compare(picture, &blob, track.turn);
-        within(difference.mean, self.settings.residual_limit, |measured, limit| Why::Changed { measured, limit })?;
-        let now = scatter::of_sectors(picture, &blob, &track.template, difference.turn);
-        let scatter = track.scatter.map_or(now, |old| mix(old, now));
-        let coded = scatter::at_least(scatter, scatter::of_codec(&blob, self.settings.quantiser));
-        let covariance = sum(coded, scatter::of_pixels(&blob));
-        let sighting = Sighting { at: blob.at, covariance, residual: difference.mean, seen: true };
-        Ok(Seen { sighting, turn: difference.turn, scatter })
-    }
-
-    /// The dark spot near a place, when it is one.
-    fn spot(&self, picture: &Gray, near: Point2) -> Result<Blob, Why> {
-        let radius = self.settings.radius;
-        let limit = self.settings.contrast_limit;
-        let blob = blob::find(picture, near, radius).map_err(|miss| match miss {
-            Miss::Outside => Why::LeavesFrame { radius, width: picture.width, height: picture.height },
-            Miss::Empty => Why::Faint { measured: 0.0, limit },
-        })?;
-        if blob.contrast < limit {
-            return Err(Why::Faint { measured: blob.contrast, limit });
-        }
-        within(blob.spread, SPREAD_LIMIT, |measured, limit| Why::Spreads { measured, limit })?;
-        Ok(blob)
-    }
-
-    /// Refuses two tracks on one marker.
-    fn apart(&self) -> Result<(), Lost> {
-        let seen = |(_, track): &(usize, &Track)| track.hidden.is_none();
-        for (marker, track) in self.tracks.iter().enumerate().filter(seen) {
-            for (other, before) in self.tracks[..marker].iter().enumerate().filter(seen) {
-                let (measured, limit) = (distance(track.at, before.at), self.settings.radius);
-                if measured < limit {
-                    let why = Why::Merged { other, measured, limit };
-                    return Err(Lost::at(&self.before, marker, self.frame, track.at, why));
-                }
-            }
-        }
-        Ok(())
     }
 }
 
@@ -326,22 +218,6 @@ impl Track {
             }
         }
     }
-}
-
-/// Share of the last frames' scatter that is kept in each new one: a covariance from one frame alone is itself noisy.
-const KEPT: f64 = 0.9;
-
-fn within(measured: f64, limit: f64, why: fn(f64, f64) -> Why) -> Result<(), Why> {
-    if measured <= limit { Ok(()) } else { Err(why(measured, limit)) }
-}
-
-/// The scatter of late with a new frame in it.
-fn mix(old: [[f64; 2]; 2], new: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
-    [0, 1].map(|i| [0, 1].map(|j| KEPT * old[i][j] + (1.0 - KEPT) * new[i][j]))
-}
-
-fn sum(a: [[f64; 2]; 2], b: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
-    [0, 1].map(|i| [0, 1].map(|j| a[i][j] + b[i][j]))
 }
 
 fn distance(a: Point2, b: Point2) -> f64 {

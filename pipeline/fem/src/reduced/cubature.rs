@@ -6,6 +6,7 @@
 //! Stands on: `parts`, `nonnegative`. Never knows: a mass, a pressure.
 
 use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 use super::forces::{Points, Slopes, deformation};
 use super::nonnegative::{self, Columns};
@@ -76,7 +77,7 @@ fn works(all: &[(f64, Slopes)], elastic: &Elastic, shapes: &[DVector<f64>], nudg
     let r = shapes[0].len();
     let rows = (shapes.len() + nudges.len()) * r + 1;
     let mut columns = Columns::new(rows, all.len());
-    for ((weight, slopes), column) in all.iter().zip(columns.each()) {
+    all.par_iter().zip(columns.each()).for_each(|((weight, slopes), column)| {
         for (q, part) in shapes.iter().chain(nudges).zip(column.chunks_exact_mut(r)) {
             let (_, stress) = elastic.material.stress(&deformation(slopes, q), elastic.lame);
             for (work, along) in part.iter_mut().zip(slopes.column_iter()) {
@@ -84,7 +85,7 @@ fn works(all: &[(f64, Slopes)], elastic: &Elastic, shapes: &[DVector<f64>], nudg
             }
         }
         column[rows - 1] = *weight as f32;
-    }
+    });
     columns.weigh(&weights(&columns, r, shapes.len()));
     columns
 }

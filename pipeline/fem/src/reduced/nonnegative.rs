@@ -3,9 +3,13 @@
 //! Active sets as in [lawson1974], a few columns at a time by their angle to what is left, until the rest is small: the first
 //! set that is good enough is taken, not the best one. Columns are kept in single precision; sums are taken in double.
 //!
-//! Stands on: `nalgebra`. Never knows: what a column holds.
+//! Stands on: `nalgebra`, `faer`'s dense factor, `rayon`. Never knows: what a column holds.
 
-use nalgebra::{Cholesky, DMatrix, DVector};
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::{factor, solve};
+use faer::{MatMut, Par};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
 
 /// The set grows by its own number over this at a time, and by one.
 const AT_ONCE: usize = 25;
@@ -22,9 +26,9 @@ impl Columns {
         Self { rows, values: vec![0.0; rows * count] }
     }
 
-    /// Each in turn.
-    pub fn each(&mut self) -> impl Iterator<Item = &mut [f32]> {
-        self.values.chunks_exact_mut(self.rows)
+    /// Each, side by side.
+    pub fn each(&mut self) -> impl IndexedParallelIterator<Item = &mut [f32]> {
+        self.values.par_chunks_exact_mut(self.rows)
     }
 
     /// Multiplies each row by its weight.
@@ -48,7 +52,7 @@ impl Columns {
     /// The `count` columns that point most along `rest`, among those not `taken`; fewer where fewer do.
     fn nearest(&self, rest: &[f32], lengths: &[f32], taken: &[bool], count: usize) -> Vec<usize> {
         let along = |(at, column): (usize, &[f32])| (inner(column, rest) / lengths[at], at);
-        let all = self.values.chunks_exact(self.rows).enumerate().filter(|(at, _)| !taken[*at]).map(along);
+        let all = self.values.par_chunks_exact(self.rows).enumerate().filter(|(at, _)| !taken[*at]).map(along);
         let mut found: Vec<(f32, usize)> = all.filter(|(along, _)| *along > 0.0).collect();
         found.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         found.into_iter().take(count).map(|(_, at)| at).collect()
@@ -147,7 +151,7 @@ impl<'a> Set<'a> {
         let mut products = self.products.clone();
         let ridge = 1e-13 * products.diagonal().max();
         products.diagonal().iter().enumerate().for_each(|(i, d)| products[(i, i)] = d + ridge);
-        Cholesky::new(products).map(|factor| factor.solve(&along))
+        solved(products, along)
     }
 
     /// Lets columns go that are at no weight and would go below.
@@ -161,6 +165,20 @@ impl<'a> Set<'a> {
     }
 }
 
+/// A⁻¹ b for a symmetric A by its factor, in one thread, so that it is the same on any number of them; none where A is not
+/// positive definite.
+#[allow(non_snake_case)]
+fn solved(mut A: DMatrix<f64>, mut b: DVector<f64>) -> Option<DVector<f64>> {
+    let n = b.len();
+    let mut memory = MemBuffer::new(factor::cholesky_in_place_scratch::<f64>(n, Par::Seq, Default::default()));
+    let memory = MemStack::new(&mut memory);
+    let mut whole = MatMut::from_column_major_slice_mut(A.as_mut_slice(), n, n);
+    factor::cholesky_in_place(whole.as_mut(), Default::default(), Par::Seq, memory, Default::default()).ok()?;
+    let x = MatMut::from_column_major_slice_mut(b.as_mut_slice(), n, 1);
+    solve::solve_in_place(whole.as_ref(), x, Par::Seq, MemStack::new(&mut []));
+    Some(b)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -169,7 +187,7 @@ mod tests {
     fn a_sum_of_many_columns_is_met_by_as_many_as_it_has_rows() {
         let (rows, count) = (6, 400);
         let mut columns = Columns::new(rows, count);
-        for (i, column) in columns.each().enumerate() {
+        for (i, column) in columns.values.chunks_exact_mut(rows).enumerate() {
             let x = i as f32 / count as f32;
             column.iter_mut().enumerate().for_each(|(k, value)| *value = x.powi(k as i32) / count as f32);
         }

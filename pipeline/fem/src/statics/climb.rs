@@ -47,7 +47,6 @@ impl Solver {
             let mut direct = self.begin(pressures);
             direct.displacement.copy_from_slice(&self.with_held_at_rest(start));
             let rule = self.rule(settings.tolerance, settings);
-            let rule = Rule { fresh: !settings.reuse_factor, ..rule };
             if settings.reuse_factor && self.glide(&mut direct, pressures, &rule) {
                 return Ok(self.finished(direct, false));
             }

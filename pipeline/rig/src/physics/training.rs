@@ -90,8 +90,9 @@ struct Pulled {
 impl Pulled {
     fn under(body: &Body, ladders: &[Ladder; 2], pressures: [Pascal; 2]) -> Result<Self, Fault> {
         let [left, right] = pressures;
-        let side = usize::from(right > left);
-        let near = ladders[side].nearest(pressures[side]).to_vec();
+        // the bends of both sides add up to a small one: nearer than either alone
+        let near: Vec<f64> =
+            ladders[0].nearest(left).iter().zip(ladders[1].nearest(right)).map(|(l, r)| l + r).collect();
         let (solver, given) = (body.system.solver(), body.pressures(left, right));
         let mut pulled = Self { solver, pressures, given, rest: near.clone() };
         pulled.rest = pulled.step(&vec![0.0; near.len()], 0.0, &near)?;

@@ -4,8 +4,8 @@
 
 use si::Point2;
 use track::Gray;
-use track::led;
 use track::video::{Film, Frame, Info};
+use track::{klt, led};
 
 use super::finding::Finding;
 use super::{Look, log};
@@ -27,6 +27,9 @@ pub struct Seen {
 
 /// A twentieth of a picture must be at least so light, of 255.
 const LIGHT: u8 = 60;
+/// A window so many times as wide should still hold a mark and light ground alone, but for this share.
+const MARGIN: f64 = 1.3;
+const BESIDE: f64 = 0.03;
 /// A lamp that lights is at least so much lighter than before, of 255.
 const LAMP: f64 = 10.0;
 /// Frames a beat below which a motion cannot be told.
@@ -130,7 +133,33 @@ fn at_first(frame: &Frame, info: &Info, of: &Trial, set: &Settings, desk: &dyn D
     if !out.is_empty() {
         return out;
     }
-    first_look(of, set, frame, info.rate, desk).err().map(Finding::from).into_iter().collect()
+    match first_look(of, set, frame, info.rate, desk) {
+        Err(fault) => vec![fault.into()],
+        Ok(places) => at_edges(&desk.place("video"), of, &places, &frame.gray, MARGIN * set.radius()),
+    }
+}
+
+/// Marks beside something else that is dark, which will pull at their middle once the body moves.
+fn at_edges(place: &str, of: &Trial, marks: &[Point2], picture: &Gray, radius: f64) -> Vec<Finding> {
+    let beside = of.card.marker.iter().zip(marks).map(|(marker, at)| (marker, klt::beside(picture, *at, radius)));
+    let told = beside.filter(|(_, share)| *share > BESIDE).map(|(marker, share)| {
+        let what = format!(
+            "{place}: {:.0} % of what lies within {radius:.0} px of marker `{}` is dark and not its own",
+            100.0 * share,
+            marker.name
+        );
+        let why = format!(
+            "{:.0} % is the most; as the body moves it comes into the mark's window of {:.0} px",
+            100.0 * BESIDE,
+            radius / MARGIN
+        );
+        Finding::note(
+            what,
+            why,
+            "put the mark farther from the body's edge, or lower radius under [track] in study.toml",
+        )
+    });
+    told.collect()
 }
 
 fn out_of_view(place: &str, name: &str, [u, v]: Point2, info: &Info) -> Finding {

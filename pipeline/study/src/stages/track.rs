@@ -7,7 +7,7 @@ mod search;
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use si::{Hertz, Second};
+use si::{Hertz, Point2, Second};
 use track::klt::{self, Sighting, Tracker};
 use track::led;
 use track::video::Frame;
@@ -38,6 +38,8 @@ pub struct Settings {
     agreement_limit: f64,
     /// Largest distance from its start at which flow there and back may end, px.
     return_limit: f64,
+    /// Largest change of the distance between neighbouring markers from frame to frame, as a share of it.
+    company_limit: f64,
     /// Least correlation with its first view at which a hidden marker is found again, no unit.
     likeness_limit: f64,
     /// How long a marker may be hidden, s.
@@ -51,7 +53,7 @@ impl Stage for Track {
     type Needs = ();
     type Makes = Tracks;
     const STORY: &'static str = "a film becomes the markers' places in pixels";
-    const EDITION: u32 = 3;
+    const EDITION: u32 = 4;
 
     fn raw(of: &Trial) -> Vec<RawFile> {
         let foreign = in_pixels(of).map(|tracks| RawFile::new("tracks", &of.card.name, &tracks.file));
@@ -95,12 +97,19 @@ impl Stage for Track {
     }
 }
 
-/// Looks at one frame alone: whether every marker passes the gates with which a film is begun.
+/// Looks at one frame alone: where every marker is, px, when each passes the gates with which a film is begun.
 ///
 /// # Errors
 /// A [`Fault`] that names the first marker that does not, or says how many were found.
-pub(crate) fn first_look(of: &Trial, set: &Settings, frame: &Frame, rate: Hertz, desk: &dyn Desk) -> Outcome<()> {
-    begin(of, set.tracker(rate), frame, desk).map(drop)
+pub(crate) fn first_look(
+    of: &Trial,
+    set: &Settings,
+    frame: &Frame,
+    rate: Hertz,
+    desk: &dyn Desk,
+) -> Outcome<Vec<Point2>> {
+    let tracker = begin(of, set.tracker(rate), frame, desk)?;
+    Ok(tracker.sightings().iter().map(|sighting| sighting.at).collect())
 }
 
 /// The tracker of a trial on its first frame.
@@ -177,6 +186,11 @@ impl<'a> Log<'a> {
 }
 
 impl Settings {
+    /// Radius of a marker's window, px.
+    pub(crate) fn radius(&self) -> f64 {
+        self.radius
+    }
+
     /// What the tracker expects in a film of this rate.
     pub fn tracker(&self, rate: Hertz) -> klt::Settings {
         klt::Settings {
@@ -187,6 +201,7 @@ impl Settings {
             jump_limit: self.jump_limit,
             agreement_limit: self.agreement_limit,
             return_limit: self.return_limit,
+            company_limit: self.company_limit,
             likeness_limit: self.likeness_limit,
             quantiser: self.quantiser,
             patience: (self.hidden_limit * rate).round() as usize,

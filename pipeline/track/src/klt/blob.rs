@@ -102,6 +102,20 @@ pub(crate) fn find(picture: &Gray, near: Point2, radius: f64) -> Result<Blob, Mi
     Ok(blob)
 }
 
+/// Share of a window of `radius` (px) around the spot near a place that is as dark as a spot and does not hang together with it,
+/// no unit; 0 where there is no window or no spot.
+pub fn beside(picture: &Gray, near: Point2, radius: f64) -> f64 {
+    let Ok(blob) = find(picture, near, radius) else { return 0.0 };
+    if !picture.holds(blob.at, radius + RING + 1.0) {
+        return 0.0;
+    }
+    let window = Window::open(picture, blob.at, radius);
+    let inside = window.cells.iter().filter(|c| c.r2.is_finite()).count();
+    let dark = window.cells.iter().filter(|c| c.weight > 0.5).count();
+    let own = window.nearest().map_or(0, |spot| spot.iter().filter(|c| c.weight > 0.5).count());
+    (dark - own) as f64 / inside as f64
+}
+
 /// One pixel of a window: its place from the middle, px, that squared, its darkness (no unit) and its weight once known.
 #[derive(Clone, Copy)]
 struct Cell {
@@ -147,11 +161,16 @@ impl Window {
         Self { middle, radius, side, cells, ground, contrast, soft }
     }
 
-    /// The connected spot nearest to the middle.
-    fn blob(&self) -> Option<Blob> {
+    /// The pixels of the spot nearest to the middle.
+    fn nearest(&self) -> Option<Vec<Cell>> {
         let seeds = (0..self.cells.len()).filter(|&i| self.cells[i].weight > 0.5);
         let seed = seeds.min_by(|&a, &b| self.cells[a].r2.total_cmp(&self.cells[b].r2))?;
-        let spot = self.connected(seed);
+        Some(self.connected(seed))
+    }
+
+    /// That spot's middle and what is known of it.
+    fn blob(&self) -> Option<Blob> {
+        let spot = self.nearest()?;
         let sum: f64 = spot.iter().map(|c| c.weight).sum();
         let mean = |value: fn(&Cell) -> f64| spot.iter().map(|c| c.weight * value(c)).sum::<f64>() / sum;
         let [x, y] = [mean(|c| c.x), mean(|c| c.y)];

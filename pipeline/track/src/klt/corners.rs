@@ -6,7 +6,8 @@ use kornia_image::{Image, ImageSize};
 use kornia_imgproc::features::gftt_response;
 use si::Point2;
 
-use super::{SPREAD_LIMIT, Settings, blob};
+use super::gates::SPREAD_LIMIT;
+use super::{Settings, blob};
 use crate::Gray;
 
 /// Sides of the derivative's window and of the window it is summed over, px.

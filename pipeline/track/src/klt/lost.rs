@@ -94,6 +94,16 @@ pub enum Why {
         /// Limit, no unit.
         limit: f64,
     },
+    /// A leap away from a neighbour, or towards it.
+    #[error("its distance from marker {other} changed by {:.0} % since the frame before; the limit is {:.0} (company_limit)", 100.0 * .measured, 100.0 * .limit)]
+    Strayed {
+        /// The neighbour.
+        other: usize,
+        /// Measured, no unit.
+        measured: f64,
+        /// Limit, no unit.
+        limit: f64,
+    },
     /// Two clicks or two tracks on one marker.
     #[error("it is {measured:.1} px from marker {other}; two markers cannot be nearer than {limit:.1} px (radius)")]
     Merged {
