@@ -15,7 +15,7 @@ pub mod line;
 pub mod resistive;
 mod tail;
 
-pub use tail::{Part, Tail, TailError, Terms, Water};
+pub use tail::{Coefficients, Part, Tail, TailError, Terms, Water};
 
 /// A section of the tail in motion.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -70,6 +70,15 @@ pub struct Water {
     pub push: Vec<Point2>,
 }
 
+/// By how much the water around a tail differs from theory's.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coefficients {
+    /// Of the mass that elongated-body theory adds, no unit: 1 is theory.
+    pub added: f64,
+    /// Of drag across the flow, no unit: about 2 for a plate held in a stream.
+    pub drag: f64,
+}
+
 impl Tail {
     /// A tail held up to `clamp` (m) with marks at `marks` (m, rising) and its trailing edge at `edge` (m), cut into `count`
     /// sections whose depth (m) at a place (m) is `depth`.
@@ -113,12 +122,12 @@ impl Tail {
     /// f = −∂(m w n)/∂t + ∂(m u w n − ½ m w² r')/∂a − ½ ρ c s |w| w n      [lighthill1971], [taylor1952]
     ///
     /// The flux is summed by parts, so that what leaves at the trailing edge is pushed there. The first term's rate is the caller's.
-    pub fn water(&self, moved: &[Point2], speed: &[Point2], drag: f64) -> Water {
+    pub fn water(&self, moved: &[Point2], speed: &[Point2], by: Coefficients) -> Water {
         let mut water = Water { momentum: vec![[0.0; 2]; self.marks], push: vec![[0.0; 2]; self.marks] };
         for slice in &self.sections {
             let section = slice.section(moved, speed);
-            let mass = elongated::virtual_mass(self.density, slice.depth);
-            let resists = resistive::push(self.density, slice.depth, &section).map(|f| drag * f);
+            let mass = by.added * elongated::virtual_mass(self.density, slice.depth);
+            let resists = resistive::push(self.density, slice.depth, &section).map(|f| by.drag * f);
             let (held, flux) = (elongated::held(mass, &section), elongated::flux(mass, &section));
             let Weights { value, slope } = &slice.weights;
             for (mark, k) in (0..self.marks).flat_map(|m| [(m, 0), (m, 1)]) {
@@ -127,7 +136,7 @@ impl Tail {
             }
         }
         let edge = self.edge.section(moved, speed);
-        let leaves = elongated::flux(elongated::virtual_mass(self.density, self.edge.depth), &edge);
+        let leaves = elongated::flux(by.added * elongated::virtual_mass(self.density, self.edge.depth), &edge);
         for (push, weight) in water.push.iter_mut().zip(&self.edge.weights.value) {
             (0..2).for_each(|k| push[k] += weight * leaves[k]);
         }
@@ -171,6 +180,7 @@ mod tests {
         Tail::new(1000.0, 0.01, &[0.05, 0.07, 0.09], 0.11, count, &|a| 0.06 - 0.2 * a).unwrap()
     }
 
+    const FREE: Coefficients = Coefficients { added: 1.0, drag: 0.0 };
     const MOVED: [Point2; 3] = [[-1e-3, 5e-3], [-3e-3, 12e-3], [-6e-3, 20e-3]];
     const SPEED: [Point2; 3] = [[-0.01, 0.1], [-0.03, 0.18], [-0.05, 0.3]];
 
@@ -256,11 +266,11 @@ mod tests {
         let swing = |t: f64| bent(0.6 * (9.0 * t).sin(), 5.4 * (9.0 * t).cos());
         let water = |t: f64| {
             let (moved, speed) = swing(t);
-            tail.water(&moved, &speed, 0.0)
+            tail.water(&moved, &speed, FREE)
         };
         let energy = |t: f64| {
             let (moved, speed) = swing(t);
-            0.5 * power(&tail.water(&moved, &speed, 0.0).momentum, &speed)
+            0.5 * power(&tail.water(&moved, &speed, FREE).momentum, &speed)
         };
         let (t, step) = (0.07, 1e-5);
         let (moved, speed) = swing(t);
@@ -279,7 +289,8 @@ mod tests {
     #[test]
     fn drag_takes_power_whatever_the_motion_and_nothing_else_changes() {
         let tail = tail(24);
-        let (free, dragged) = (tail.water(&MOVED, &SPEED, 0.0), tail.water(&MOVED, &SPEED, 2.0));
+        let (free, dragged) =
+            (tail.water(&MOVED, &SPEED, FREE), tail.water(&MOVED, &SPEED, Coefficients { drag: 2.0, ..FREE }));
         assert_eq!(free.momentum, dragged.momentum);
         assert!(power(&dragged.push, &SPEED) < power(&free.push, &SPEED));
     }

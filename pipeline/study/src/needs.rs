@@ -135,6 +135,44 @@ where
     }
 }
 
+/// A record that is read for trials in water alone.
+pub struct InWater<R>(pub Option<R>);
+
+impl<R> Needs<Trial> for InWater<R>
+where
+    R: Record,
+    R::Of: SeenFrom<Trial>,
+{
+    fn wanted(of: &Trial) -> Vec<Id> {
+        if of.is_in_water() { vec![id::<R>(&R::Of::seen_from(of))] } else { Vec::new() }
+    }
+
+    fn fetch(of: &Trial, shelf: &dyn Shelf) -> Outcome<Self> {
+        let found = of.is_in_water().then(|| fetch_one(&R::Of::seen_from(of), shelf));
+        Ok(Self(found.transpose()?))
+    }
+}
+
+/// A kind of record over a specimen's staircases in water.
+pub struct Waded<R: Record>(pub Vec<(R::Of, R)>);
+
+impl<R: Record<Of = Trial>> Waded<R> {
+    fn subjects(of: &Specimen) -> Vec<Trial> {
+        of.trials().into_iter().filter(|t| t.is_staircase_in_water() && R::is_made_for(t)).collect()
+    }
+}
+
+impl<R: Record<Of = Trial>> Needs<Specimen> for Waded<R> {
+    fn wanted(of: &Specimen) -> Vec<Id> {
+        Self::subjects(of).iter().map(id::<R>).collect()
+    }
+
+    fn fetch(of: &Specimen, shelf: &dyn Shelf) -> Outcome<Self> {
+        let fetched = Self::subjects(of).into_iter().map(|s| fetch_one(&s, shelf).map(|r| (s, r)));
+        Ok(Self(fetched.collect::<Outcome<_>>()?))
+    }
+}
+
 /// A kind of record over every trial of a specimen that has one.
 pub struct OfTrials<R: Record>(pub Vec<(R::Of, R)>);
 

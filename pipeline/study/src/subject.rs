@@ -38,7 +38,17 @@ impl Trial {
 
     /// Whether it was weighed under water, so that there is thrust in its force log.
     pub fn is_weighed_in_water(&self) -> bool {
-        self.trial.force.is_some() && self.trial.medium == card::Medium::Water
+        self.trial.force.is_some() && self.is_in_water()
+    }
+
+    /// Whether it was filmed under water.
+    pub fn is_in_water(&self) -> bool {
+        self.trial.medium == card::Medium::Water
+    }
+
+    /// Whether it is a staircase in water: what its releases show is the water's.
+    pub fn is_staircase_in_water(&self) -> bool {
+        self.is_in_water() && matches!(self.trial.experiment, card::Experiment::Staircase { .. })
     }
 
     /// Tracks on the card that another program or instrument made of it.

@@ -10,7 +10,8 @@ use std::f64::consts::{LN_10, TAU};
 use fem::{
     Clamps, Equilibrium, Forces, Mesh, Parameter, RegionProperties, Solver, StaticSettings, System, boxes, materials,
 };
-use fit::optimisers::gauss_newton::{GaussNewton, Settings};
+use fit::optimisers::gauss_newton::{self, GaussNewton, Settings};
+use fit::optimisers::{self, adam, cma_es};
 use fit::posterior::WITHIN_95;
 use fit::{Bounds, Evaluation, FitError, History, Needs, Optimiser, Residuals, Search, minimise};
 
@@ -94,6 +95,36 @@ impl Bench {
     }
 }
 
+/// Simulations of a method from `start` until its loss is no more than `enough`.
+fn simulations(bench: &mut Bench, name: &str, measured: &[f64], start: [f64; 2], enough: f64) -> usize {
+    let bounds = Bounds { low: vec![-LN_10; 2], high: vec![LN_10; 2] };
+    let search = Search::new(&["body", "sheet"], start.to_vec(), bounds).unwrap();
+    let set = optimisers::Settings {
+        adam: adam::Settings {
+            step: 0.2,
+            step_decay: 0.05,
+            iterations: 400,
+            step_tolerance: 1e-9,
+            ..adam::Settings::default()
+        },
+        cma_es: cma_es::Settings { generations: 60, step_tolerance: 1e-9, ..cma_es::Settings::default() },
+        ..optimisers::Settings::default()
+    };
+    let mut walk = (optimisers::by_name(name).unwrap().build)(&search, &set).unwrap();
+    let (mut count, mut reached) = (0, None);
+    let mut problem = |batch: &[Vec<f64>], _: Needs| -> Result<Vec<Evaluation>, FitError> {
+        let each = batch.iter().map(|at| {
+            let found = bench.weigh(at, measured);
+            count += 1;
+            reached = reached.or((found.loss <= enough).then_some(count));
+            found
+        });
+        Ok(each.collect())
+    };
+    minimise(walk.as_mut(), &mut problem).unwrap();
+    reached.unwrap_or(usize::MAX)
+}
+
 fn is_at(a: [f64; 3], b: [f64; 3]) -> bool {
     (0..3).all(|k| (a[k] - b[k]).abs() < 1e-9)
 }
@@ -141,4 +172,19 @@ fn intervals_of_95_percent_hold_the_truth_in_90_to_98_percent_of_200_repeats() {
         (0..2).for_each(|k| held[k] += usize::from(best.at[k].abs() < WITHIN_95 * sigmas[k]));
     }
     assert!(held.iter().all(|count| (180..=196).contains(count)), "{held:?} of 200");
+}
+
+#[test]
+fn gauss_newton_is_there_within_a_fifth_of_adam_s_simulations_and_a_fifteenth_of_cma_es_s() {
+    let mut bench = Bench::new();
+    let measured = noisy(&bench.look(&[0.0, 0.0]).0, 1);
+    let best = bench.identify(&measured, [0.0, 0.0]).best;
+    // half of χ² is one standard deviation off: what the films tell apart
+    let enough = best.loss + 0.5;
+    let mut count = |name: &str| {
+        bench.shapes.fill(None);
+        simulations(&mut bench, name, &measured, [0.4, -0.5], enough)
+    };
+    let [newton, adam, cma_es] = [gauss_newton::NAME, adam::NAME, cma_es::NAME].map(&mut count);
+    assert!(5 * newton <= adam && 15 * newton <= cma_es, "{newton}, {adam}, {cma_es} simulations");
 }

@@ -147,7 +147,7 @@ fn swimming<T>(model: &Model, density: f64, settle: usize, ask: &dyn Fn(&Swimmer
         tail: &tail,
         rows: &rows,
         sides: vec![Side::Left, Side::Right],
-        drag: 2.0,
+        by: hydro::Coefficients { added: 1.0, drag: 2.0 },
         half: true,
         stiffness_damping: 1e-3,
         per_beat: 50,

@@ -17,12 +17,14 @@ use crate::motion::stencil::{Stencil, extrapolation};
 
 /// Directions in one step before it is given up.
 const LIMIT: usize = 60;
-/// A direction that leaves more of the one before than this asks for a new tangent.
-const SLOW: f64 = 0.1;
-/// So does a first one that is longer than this, against the shapes that the body was reduced from.
+/// A direction that leaves more of the one before than this asks for a new tangent, which costs as much as twenty directions.
+const SLOW: f64 = 0.3;
+/// So does a first one by a new tangent that is longer than this, against the shapes that the body was reduced from.
 const NEAR: f64 = 1e-3;
 /// Directions shorter than this, against the same, are gone whole: their pull is too close to rounding to be searched along.
 const SHORT: f64 = 1e-6;
+/// Steps whose γ differ by less have one stencil, of the size of γ.
+const SAME: f64 = 1e-9;
 /// How often a direction is halved at most.
 const HALVINGS: usize = 20;
 /// A step is found when its last direction is this small against the shapes that the body was reduced from.
@@ -114,6 +116,12 @@ struct Past {
     forces: VecDeque<DVector<f64>>,
 }
 
+/// A factor of the tangent, and the γ that it was made with.
+struct Kept {
+    factor: LU<f64, Dyn, Dyn>,
+    gamma: Hertz,
+}
+
 /// One step's equations.
 struct Step<'a> {
     body: &'a Reduced,
@@ -146,6 +154,7 @@ impl Reduced {
     ) -> Result<(), ReducedError> {
         march::check(march)?;
         let mut past = Past::at_rest(self.coordinates());
+        let mut kept = None;
         for step in 1..=steps {
             let time = step as f64 * march.step;
             let stencil = past.stencil(march, time);
@@ -160,7 +169,7 @@ impl Reduced {
                 past: past.history(&stencil),
             };
             let shape = equations
-                .solve(past.guess(time), &past.shapes[0])
+                .solve(past.guess(time), &past.shapes[0], &mut kept)
                 .map_err(|change| ReducedError::NoMotion { time: past.times[0], limit: LIMIT, change })?;
             let speed = equations.speed(&shape);
             around.accept(&Moment { shape: &shape, speed: &speed, gamma: stencil.gamma, weights: &stencil.weights });
@@ -213,19 +222,25 @@ impl Step<'_> {
     /// The shape at the end of the step, from a first `guess` after the shape `before`, or the last relative change when none is
     /// found.
     ///
-    /// The tangent is made anew when a direction leaves too much of the one before it: a stiff sheet that turns makes an old one
-    /// misleading, and the stress of a shape that is not yet in balance a fresh one (see `bend`).
-    fn solve(&self, guess: DVector<f64>, before: &DVector<f64>) -> Result<DVector<f64>, f64> {
+    /// The last step's tangent is `kept` while it serves. It is made anew when a direction leaves too much of the one before it: a
+    /// stiff sheet that turns makes an old one misleading, and the stress of a shape that is not yet in balance a fresh one (see
+    /// `bend`).
+    fn solve(&self, guess: DVector<f64>, before: &DVector<f64>, kept: &mut Option<Kept>) -> Result<DVector<f64>, f64> {
         let (mut shape, mut from) = (guess, before.clone());
         let mut residual = self.residual(&shape);
-        let (mut factor, mut last) = (None, f64::INFINITY);
+        if kept.as_ref().is_some_and(|k| (k.gamma / self.stencil.gamma - 1.0).abs() > SAME) {
+            *kept = None;
+        }
+        let (mut last, carried) = (f64::INFINITY, kept.is_some());
         for _ in 0..LIMIT {
-            let tangent: &LU<f64, Dyn, Dyn> =
-                factor.get_or_insert_with(|| self.slopes(&shape, Stress::ForeseenFrom(&from)).lu());
-            let mut change = tangent.solve(&residual).ok_or(last)?;
+            let tangent = kept.get_or_insert_with(|| {
+                let factor = self.slopes(&shape, Stress::ForeseenFrom(&from)).lu();
+                Kept { factor, gamma: self.stencil.gamma }
+            });
+            let mut change = tangent.factor.solve(&residual).ok_or(last)?;
             if residual.dot(&change) <= 0.0 {
                 change = self.slopes(&shape, Stress::Convex).lu().solve(&residual).ok_or(last)?;
-                factor = None;
+                *kept = None;
             }
             let short = change.amax() < SHORT * self.body.size;
             let (part, next) =
@@ -239,11 +254,12 @@ impl Step<'_> {
             if part == 1.0 && size < TOLERANCE {
                 return Ok(shape);
             }
-            if part < 1.0 || size > SLOW * last || last.is_infinite() && size > NEAR {
-                factor = None;
+            if part < 1.0 || size > SLOW * last || last.is_infinite() && !carried && size > NEAR {
+                *kept = None;
             }
             last = size;
         }
+        *kept = None;
         Err(last)
     }
 

@@ -1,4 +1,4 @@
-//! Figure `dynamics`: the identified model follows trials it never saw. Paper, figure 7.
+//! Figures `dynamics` and `dynamics_water`: the identified model follows trials it never saw, in air and in water. Paper, figure 7.
 //!
 //! One panel a condition: sideways displacement of the marker farthest out, measured (mean and deviation of the repeats) and
 //! simulated, with the pressures under it.
@@ -13,8 +13,9 @@ use super::origin_note;
 use crate::fault::{Fault, Outcome};
 use crate::figure;
 use crate::needs::Every;
+use crate::record::Record;
 use crate::records::Validation;
-use crate::subject::Trial;
+use crate::subject::{Scope, Study, Trial};
 
 /// The figure.
 pub struct Dynamics;
@@ -23,22 +24,45 @@ impl figure::Figure for Dynamics {
     type Needs = Every<Validation>;
     const NAME: &'static str = "dynamics";
     const SHOWS: &'static str = "the identified model follows trials it never saw";
-    const EDITION: u32 = 3;
+    const EDITION: u32 = 4;
 
     fn draw(Every(trials): Self::Needs) -> Outcome<Figure> {
-        if trials.is_empty() {
-            return Err(Fault::new("there is no validation to show", "no trial has that role", "add one to a card"));
-        }
-        let trials = in_order(trials);
-        let mut figure = Figure::new(DOUBLE_COLUMN_MM);
-        for pair in trials.chunks(2) {
-            let moved: Vec<Placed> = pair.iter().map(|(t, v)| motion(v).titled(&said(t, v))).collect();
-            let driven: Vec<Placed> =
-                pair.iter().map(|(t, v)| Placed::from(Panel::Axes(pressures(t, v))).unlettered()).collect();
-            figure = figure.row(46.0, moved).row(28.0, driven);
-        }
-        Ok(figure.noted(&origin_note(trials.iter().map(|(t, _)| t.card.as_ref()))))
+        drawn(trials.into_iter().filter(|(trial, _)| !trial.is_in_water()).collect())
     }
+}
+
+/// The figure of trials in water.
+pub struct DynamicsWater;
+
+impl figure::Figure for DynamicsWater {
+    type Needs = Every<Validation>;
+    const NAME: &'static str = "dynamics_water";
+    const SHOWS: &'static str = "with the water that a release told it follows them there too";
+    const EDITION: u32 = 1;
+
+    fn is_made_for(study: &Study) -> bool {
+        Trial::all(study).iter().any(|trial| trial.is_in_water() && Validation::is_made_for(trial))
+    }
+
+    fn draw(Every(trials): Self::Needs) -> Outcome<Figure> {
+        drawn(trials.into_iter().filter(|(trial, _)| trial.is_in_water()).collect())
+    }
+}
+
+/// Two conditions a row, each over its pressures.
+fn drawn(trials: Vec<(Trial, Validation)>) -> Outcome<Figure> {
+    if trials.is_empty() {
+        return Err(Fault::new("there is no validation to show", "no trial has that role", "add one to a card"));
+    }
+    let trials = in_order(trials);
+    let mut figure = Figure::new(DOUBLE_COLUMN_MM);
+    for pair in trials.chunks(2) {
+        let moved: Vec<Placed> = pair.iter().map(|(t, v)| motion(v).titled(&said(t, v))).collect();
+        let driven: Vec<Placed> =
+            pair.iter().map(|(t, v)| Placed::from(Panel::Axes(pressures(t, v))).unlettered()).collect();
+        figure = figure.row(46.0, moved).row(28.0, driven);
+    }
+    Ok(figure.noted(&origin_note(trials.iter().map(|(t, _)| t.card.as_ref()))))
 }
 
 /// The condition, its repeats and the error.

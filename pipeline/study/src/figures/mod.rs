@@ -7,7 +7,7 @@ mod designs;
 mod dynamics;
 mod four_parameters;
 mod load_cell;
-mod order;
+pub mod order;
 pub mod overview;
 mod setup;
 pub mod solid;
@@ -26,6 +26,7 @@ pub const ALL: &[Entry] = &[
     figure::<sysid::Sysid>(),
     figure::<four_parameters::FourParameters>(),
     figure::<dynamics::Dynamics>(),
+    figure::<dynamics::DynamicsWater>(),
     figure::<thrust::Thrust>(),
     figure::<load_cell::LoadCell>(),
 ];

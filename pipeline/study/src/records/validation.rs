@@ -6,7 +6,8 @@ use si::{Metre, Pascal, Point2, Second};
 use crate::columns::Columns;
 use crate::metric::Metric;
 use crate::record::{Parcel, Record, RecordError};
-use crate::subject::Trial;
+use crate::records::Drag;
+use crate::subject::{Specimen, Trial};
 
 /// A way of telling the motion, and its error.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -46,8 +47,8 @@ pub struct Validation {
     pub scored: Vec<Way>,
     /// The trivial baselines.
     pub baselines: Vec<Way>,
-    /// Root of the mean squared distance of the reduced model from the whole one, over the farthest motion, no unit.
-    pub reduction: f64,
+    /// Root of the mean squared distance of the reduced model from the whole one, over the farthest motion, no unit; in air.
+    pub reduction: Option<f64>,
     /// Coordinates of the reduced model.
     pub coordinates: usize,
 }
@@ -63,14 +64,13 @@ struct Scalars {
     lag_s: Option<f64>,
     scored: Vec<Way>,
     baselines: Vec<Way>,
-    reduction: f64,
+    reduction: Option<f64>,
     coordinates: usize,
     note: String,
 }
 
 /// What a reader of the record must know.
-const NOTE: &str =
-    "one simulation of all repeats in air; repeats in water are not simulated here: no water acts on this model";
+const NOTE: &str = "one simulation of all repeats; in water with the added mass and drag that a release told, never with a flapping film's";
 
 impl Validation {
     /// The error in per cent of the specimen's length.
@@ -84,7 +84,8 @@ impl Record for Validation {
     const STAGE: &'static str = "validate";
 
     fn is_made_for(of: &Trial) -> bool {
-        of.is_for_validation() && of.trial.medium == lab::card::Medium::Air && of.is_first_repeat()
+        let wet = || Drag::is_made_for(&Specimen { card: of.card.clone() });
+        of.is_for_validation() && of.is_first_repeat() && (!of.is_in_water() || wet())
     }
 
     fn pack(&self) -> Result<Parcel, RecordError> {
@@ -152,9 +153,9 @@ impl Record for Validation {
             Metric::new(id("rmse_percent"), self.rmse_percent(), "%"),
             Metric::new(id("rest_rmse_percent"), percent(self.rest_rmse), "%"),
             Metric::new(id("repeats"), self.repeats as f64, ""),
-            Metric::new(id("reduction_percent"), 100.0 * self.reduction, "%"),
             Metric::new(id("reduced_coordinates"), self.coordinates as f64, ""),
         ];
+        metrics.extend(self.reduction.map(|off| Metric::new(id("reduction_percent"), 100.0 * off, "%")));
         metrics.extend(self.lag.map(|lag| Metric::new(id("lag_ms"), 1e3 * lag, "ms")));
         metrics.extend(others);
         metrics
@@ -165,11 +166,11 @@ impl Record for Validation {
         let others: Vec<String> = self.scored.iter().skip(1).chain(&self.baselines).map(said).collect();
         let (mm, percent) = (1e3 * self.rmse, self.rmse_percent());
         format!(
-            "RMSE {mm:.2} mm, {percent:.2} % of the length, {} repeats in air ({} mm); {} coordinates, {:.2} % off the whole model",
+            "RMSE {mm:.2} mm, {percent:.2} % of the length, {} repeats ({} mm); {} coordinates{}",
             self.repeats,
             others.join(", "),
             self.coordinates,
-            100.0 * self.reduction,
+            self.reduction.map_or(String::new(), |off| format!(", {:.2} % off the whole model", 100.0 * off)),
         )
     }
 }

@@ -1,12 +1,13 @@
 //! Best flap: which amplitude and frequency of a square wave of pressure give the most thrust, asked of the simulator.
 //!
-//! The identified model, reduced, flaps in still water; models of thrust that were learnt from real motions are told of the
+//! The identified model, reduced, flaps in still water, its drag as a release told it; models of thrust that were learnt from real motions are told of the
 //! simulated ones. No wave leaves the pressures and frequencies that were weighed, beyond which no model of thrust has learnt
 //! anything, nor the pressures by which moduli were identified, beyond which a slack wall may leave its shape. A coarse scan comes first, then steps uphill along differences.
 //!
 //! Stands on: the swing, the room `thrust`. Never knows: how moduli, damping or models of thrust were found.
 
 use fit::network::Network;
+use hydro::Coefficients;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -15,7 +16,8 @@ use si::{Metre, Pascal, Second, Series};
 use super::{swing, thrust};
 use crate::fault::{Fault, Outcome};
 use crate::model::{Model, Small};
-use crate::records::{Best, BestFlap as Record, Check, Damping, Flap, Identified, Level, Mesh, Thrust};
+use crate::needs::Maybe;
+use crate::records::{Best, BestFlap as Record, Check, Damping, Drag, Flap, Identified, Level, Mesh, Thrust};
 use crate::stage::{Desk, Stage};
 use crate::subject::Specimen;
 use crate::thrust::climb::{Limits, climb};
@@ -31,7 +33,7 @@ pub struct BestFlap;
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
-    /// Coefficient of the water's drag across the flow, no unit.
+    /// Of the water's drag across the flow where no release in water told it, no unit.
     drag: f64,
     /// How square the wave is: k of σ(k sin 2πft), no unit.
     sharpness: f64,
@@ -47,10 +49,10 @@ pub struct Settings {
 
 impl Stage for BestFlap {
     type Settings = Settings;
-    type Needs = (Mesh, Identified, Damping, Thrust);
+    type Needs = (Mesh, Identified, Damping, (Thrust, Maybe<Drag>));
     type Makes = Record;
     const STORY: &'static str = "the simulator is asked for the flap of the most thrust";
-    const EDITION: u32 = 1;
+    const EDITION: u32 = 2;
 
     fn card(of: &Specimen) -> Value {
         let (solid, card) = (&of.card.solid, &of.card);
@@ -66,7 +68,7 @@ impl Stage for BestFlap {
     }
 
     fn run(of: &Specimen, set: &Settings, needs: Self::Needs, desk: &dyn Desk) -> Outcome<Record> {
-        let (mesh, identified, damping, learnt) = needs;
+        let (mesh, identified, damping, (learnt, Maybe(water))) = needs;
         let limits = limits(&learnt.runs, &identified, set.rounds)?;
         let model = Model::new(&mesh, &of.card)?;
         let elastic = swing::identified(&model, &identified);
@@ -80,7 +82,7 @@ impl Stage for BestFlap {
             tail: &tail,
             rows: &rows,
             sides: of.card.chamber.iter().map(|c| c.log).collect(),
-            drag: set.drag,
+            by: water.map_or(Coefficients { added: 1.0, drag: set.drag }, |w| w.by),
             half: model.system.mesh().symmetry_plane_z,
             stiffness_damping: damping.stiffness_damping,
             per_beat: set.per_beat,

@@ -9,6 +9,7 @@ pub(crate) mod camera;
 mod certainty;
 pub(crate) mod clock;
 mod damping;
+mod drag;
 mod findings;
 mod fitting;
 mod four_parameters;
@@ -54,6 +55,7 @@ pub const ALL: &[Entry] = &[
     stage::<four_parameters::FourParameters>(), // the same levels    → both moduli, both Poisson's ratios
     stage::<mesh_honesty::MeshHonesty>(), // the same levels       → moduli by other meshes
     stage::<damping::Damping>(),    // a release               → how fast a swing dies
+    stage::<drag::Drag>(),          // a release under water     → its added mass and drag
     stage::<validate::Validate>(),  // flapping never seen         → error of the prediction
     stage::<thrust::Thrust>(),      // motion, pressure, force     → models of thrust
     stage::<transfer::Transfer>(),  // all tails' runs             → models judged on a tail never seen

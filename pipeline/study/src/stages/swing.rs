@@ -34,18 +34,18 @@ pub struct Drive<'a> {
 
 impl Drive<'_> {
     /// Pressures (Pa) `t` s after the begin.
-    fn pressures(&self, t: Second) -> Vec<Pascal> {
+    pub(super) fn pressures(&self, t: Second) -> Vec<Pascal> {
         let part = if self.eased > 0.0 { (t / self.eased).clamp(0.0, 1.0) } else { 1.0 };
         let ease = part * part * (3.0 - 2.0 * part);
         self.gauges.iter().map(|g| ease * g.at(self.begin + t)).collect()
     }
 
-    fn steps(&self, step: Second) -> usize {
+    pub(super) fn steps(&self, step: Second) -> usize {
         ((self.end - self.begin) / step).ceil() as usize
     }
 
     /// A path by steps of `step` s, as functions of the film's time.
-    fn told(&self, step: Second, path: &[Point2]) -> Outcome<[Samples; 2]> {
+    pub(super) fn told(&self, step: Second, path: &[Point2]) -> Outcome<[Samples; 2]> {
         let times: Vec<Second> = (0..=path.len()).map(|i| self.begin + i as f64 * step).collect();
         let axis = |k: usize| {
             let at = std::iter::once(0.0).chain(path.iter().map(|p| p[k])).collect();

@@ -3,9 +3,10 @@
 //!
 //! One simulation serves all repeats of a condition: it is driven by the mean of their measured pressures, laid over one another
 //! at the first command. It runs in reduced coordinates; its first part is marched by the whole model too, and how far the two
-//! are apart is said. Trials in water are not simulated: they belong to thrust.
+//! are apart is said. In water the reduced model swings with the added mass and the drag that a release told; the whole one has
+//! no water, and is not asked.
 //!
-//! Stands on: the swing. Never knows: how the moduli were found.
+//! Stands on: the swing, the bath of `drag`. Never knows: how the moduli were found.
 
 use fem::{March, Scheme};
 use lab::card::Experiment;
@@ -15,12 +16,13 @@ use si::{Point2, Second};
 use signal::resample::Samples;
 
 use super::damping::swing_marker;
+use super::drag::Bath;
 use super::swing::{self, Drive, Swing};
-use super::{baselines, repeats};
+use super::{baselines, repeats, thrust};
 use crate::fault::Outcome;
 use crate::model::{Model, Small};
-use crate::needs::Repeats;
-use crate::records::{Damping, Identified, Mesh, Motion, Validation, Way};
+use crate::needs::{InWater, Repeats};
+use crate::records::{Damping, Drag, Identified, Mesh, Motion, Validation, Way};
 use crate::stage::{Desk, Stage};
 use crate::subject::{Specimen, Trial};
 
@@ -41,10 +43,10 @@ pub struct Settings {
 
 impl Stage for Validate {
     type Settings = Settings;
-    type Needs = (Mesh, Identified, Damping, Repeats<Motion>);
+    type Needs = ((Mesh, Identified), Damping, InWater<Drag>, Repeats<Motion>);
     type Makes = Validation;
     const STORY: &'static str = "flapping never seen is predicted and compared";
-    const EDITION: u32 = 4;
+    const EDITION: u32 = 5;
 
     fn card(of: &Trial) -> Value {
         let (solid, card) = (&of.card.solid, &of.card);
@@ -60,8 +62,9 @@ impl Stage for Validate {
     }
 
     fn run(of: &Trial, set: &Settings, needs: Self::Needs, desk: &dyn Desk) -> Outcome<Validation> {
-        let (mesh, identified, damping, Repeats(films)) = needs;
-        let marker = swing_marker(&Specimen { card: of.card.clone() });
+        let ((mesh, identified), damping, InWater(drag), Repeats(films)) = needs;
+        let specimen = Specimen { card: of.card.clone() };
+        let marker = swing_marker(&specimen);
         let rest = films.first().map(|m| m.rest.clone()).unwrap_or_default();
         let model = Model::new(&mesh, &of.card)?.seen_at(&mesh, &of.card, &rest);
         let swing = Swing { model: &model, elastic: swing::identified(&model, &identified), marker };
@@ -70,24 +73,29 @@ impl Stage for Validate {
         let drive = Drive { begin: ends.0, end: ends.1, eased: 0.0, gauges: &seen.gauges };
         desk.progress(0.1, "reducing the model");
         let small = swing.reduced(&seen.gauges, of.card.length)?;
+        let damped = swing::march(Scheme::Bdf2, set.step, damping.stiffness_damping);
         let ways = [
-            ("bdf2", Scheme::Bdf2, set.step, damping.stiffness_damping),
-            ("bdf2_undamped", Scheme::Bdf2, set.step, 0.0),
-            ("implicit_euler", Scheme::ImplicitEuler, set.euler_step, 0.0),
+            ("bdf2", damped),
+            ("bdf2_undamped", swing::march(Scheme::Bdf2, set.step, 0.0)),
+            ("implicit_euler", swing::march(Scheme::ImplicitEuler, set.euler_step, 0.0)),
         ];
+        let tail = drag.as_ref().map(|d| thrust::tail(&specimen, d.density, d.sections, &mesh)).transpose()?;
+        let rows = small.rows(&thrust::order(&specimen));
+        let march = |march: March| match (&drag, &tail) {
+            (Some(Drag { by, .. }), Some(tail)) => {
+                Bath { small: &small, tail, rows: rows.clone(), march, half: mesh.solid.half }.path(*by, &drive)
+            }
+            _ => swing.run(&small, &march, &drive),
+        };
         let (mut scored, mut paths) = (Vec::new(), Vec::new());
-        for (name, scheme, step, beta) in ways {
-            let path = swing::onto(&swing.run(&small, &swing::march(scheme, step, beta), &drive)?, &seen.time);
+        for (name, way) in ways {
+            let path = swing::onto(&march(way)?, &seen.time);
             scored.push(Way { name: name.into(), rmse: repeats::rms(&seen.mean, &path) });
             paths.push(path);
         }
         desk.progress(0.6, "checking it against the whole model");
-        let reduction = reduction(
-            &swing,
-            &small,
-            &swing::march(Scheme::Bdf2, set.step, damping.stiffness_damping),
-            &Drive { end: (seen.moves + set.checked).min(ends.1), begin: seen.moves, ..drive },
-        )?;
+        let checked = Drive { end: (seen.moves + set.checked).min(ends.1), begin: seen.moves, ..drive };
+        let dry = drag.is_none().then(|| reduction(&swing, &small, &damped, &checked));
         let simulated = paths.swap_remove(0);
         let pressures: Vec<Vec<f64>> = seen.gauges.iter().map(|g| g.onto(&seen.time)).collect();
         let guesses = baselines::all(&seen, &pressures, &identified, marker, frequency(of));
@@ -100,7 +108,7 @@ impl Stage for Validate {
             rest_rmse: repeats::rms(&seen.mean, &vec![[0.0; 2]; seen.mean.len()]),
             scored,
             baselines: guesses,
-            reduction,
+            reduction: dry.transpose()?,
             coordinates: small.coordinates(),
             time: seen.time,
             measured: seen.mean,

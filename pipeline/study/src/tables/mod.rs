@@ -14,6 +14,7 @@ mod prototypes;
 mod recovery;
 mod thrust_models;
 mod trials;
+mod validation;
 
 use crate::entry::{Entry, table};
 
@@ -22,6 +23,7 @@ pub const ALL: &[Entry] = &[
     table::<prototypes::Prototypes>(),
     table::<trials::Trials>(),
     table::<methods::Methods>(),
+    table::<validation::Validation>(),
     table::<thrust_models::ThrustModels>(),
     table::<best_flap::BestFlap>(),
     table::<recovery::Recovery>(),

@@ -4,7 +4,7 @@
 //! Stands on: the reduced model, hydro, run. Never knows: which rung is asked, how moduli were found.
 
 use fem::{March, Scheme};
-use hydro::Tail;
+use hydro::{Coefficients, Tail};
 use lab::card::Side;
 use nalgebra::DMatrix;
 use si::{Hertz, Newton, Pascal, Point2, Second};
@@ -26,8 +26,8 @@ pub struct Swimmer<'a> {
     pub rows: &'a DMatrix<f64>,
     /// The side of each chamber.
     pub sides: Vec<Side>,
-    /// Of the water's drag across the flow, no unit.
-    pub drag: f64,
+    /// The water's.
+    pub by: Coefficients,
     /// Whether half of the body is modelled.
     pub half: bool,
     /// β, s.
@@ -93,7 +93,7 @@ impl Swimmer<'_> {
             stiffness_damping: self.stiffness_damping,
             ..March::default()
         };
-        let mut water = Water::around(self.tail, self.rows, self.drag, self.half);
+        let mut water = Water::around(self.tail, self.rows, self.by, self.half);
         let (mut moved, mut speed) = (Vec::with_capacity(steps), Vec::with_capacity(steps));
         self.small.swim(&march, &mut water, pressures, steps, &mut |q, v| {
             moved.push(super::water::points(self.rows * q));

@@ -7,7 +7,7 @@
 use std::collections::VecDeque;
 
 use fem::{Around, Moment};
-use hydro::Tail;
+use hydro::{Coefficients, Tail};
 use nalgebra::{DMatrix, DVector};
 use si::Point2;
 
@@ -16,8 +16,7 @@ pub struct Water<'a> {
     tail: &'a Tail,
     /// (marks × 2) × coordinates, m.
     rows: &'a DMatrix<f64>,
-    /// Coefficient of the drag across the flow, no unit.
-    drag: f64,
+    by: Coefficients,
     /// Share of the tail that the coordinates' equations stand for: ½ of a half model.
     share: f64,
     /// Momenta of past steps, newest first, N s.
@@ -26,13 +25,13 @@ pub struct Water<'a> {
 
 impl<'a> Water<'a> {
     /// Around a tail whose marks move by `rows`; a `half` model bears half of the water.
-    pub fn around(tail: &'a Tail, rows: &'a DMatrix<f64>, drag: f64, half: bool) -> Self {
+    pub fn around(tail: &'a Tail, rows: &'a DMatrix<f64>, by: Coefficients, half: bool) -> Self {
         let share = if half { 0.5 } else { 1.0 };
-        Self { tail, rows, drag, share, past: VecDeque::from([DVector::zeros(rows.nrows())]) }
+        Self { tail, rows, by, share, past: VecDeque::from([DVector::zeros(rows.nrows())]) }
     }
 
     fn water(&self, at: &Moment) -> hydro::Water {
-        self.tail.water(&points(self.rows * at.shape), &points(self.rows * at.speed), self.drag)
+        self.tail.water(&points(self.rows * at.shape), &points(self.rows * at.speed), self.by)
     }
 }
 
@@ -70,7 +69,7 @@ mod tests {
             (tail(), DMatrix::from_fn(6, 2, |i, j| if i % 2 == j { 0.01 * (i / 2 + 1) as f64 } else { 0.0 }));
         let (shape, speed) = (DVector::from_vec(vec![-0.1, 0.5]), DVector::from_vec(vec![-0.2, 3.0]));
         let at = Moment { shape: &shape, speed: &speed, gamma: 100.0, weights: &[-100.0] };
-        let force = |half: bool| Water::around(&tail, &rows, 1.0, half).force(&at);
+        let force = |half: bool| Water::around(&tail, &rows, Coefficients { added: 1.0, drag: 1.0 }, half).force(&at);
         assert!((force(true) * 2.0 - force(false)).norm() < 1e-12 * force(false).norm());
         // a swing that begins is held back
         assert!(force(false)[1] < 0.0);
@@ -81,7 +80,7 @@ mod tests {
         let (tail, rows) = (tail(), DMatrix::identity(6, 6) * 0.01);
         let (shape, speed) = (DVector::zeros(6), DVector::from_fn(6, |i, _| if i % 2 == 1 { 1.0 } else { 0.0 }));
         let at = Moment { shape: &shape, speed: &speed, gamma: 100.0, weights: &[-100.0] };
-        let mut water = Water::around(&tail, &rows, 0.0, false);
+        let mut water = Water::around(&tail, &rows, Coefficients { added: 1.0, drag: 0.0 }, false);
         water.accept(&at);
         let push = rows.tr_mul(&flat(&water.water(&at).push));
         assert!((water.force(&at) - push).norm() < 1e-12 && water.past.len() == 2);
