@@ -168,8 +168,11 @@ fn coefficients(at: &[f64]) -> Coefficients {
     Coefficients { added: at[0].exp(), drag: at[1].exp() }
 }
 
+/// The residuals at each of some places.
+type Told<'a> = dyn FnMut(&[Vec<f64>]) -> Outcome<Vec<Vec<f64>>> + 'a;
+
 /// Gauss-Newton over both logarithms; `told` gives the residuals at some places.
-fn sought(set: &Settings, told: &mut dyn FnMut(&[Vec<f64>]) -> Outcome<Vec<Vec<f64>>>) -> Outcome<Evaluation> {
+fn sought(set: &Settings, told: &mut Told) -> Outcome<Evaluation> {
     let edge = |k: usize| [set.added[k].ln(), set.drag[k].ln()].to_vec();
     let start = bounds_middle(set);
     let search = Search::new(&NAMES, start, Bounds { low: edge(0), high: edge(1) }).map_err(Fault::from_tool)?;
