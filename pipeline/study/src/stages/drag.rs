@@ -250,9 +250,9 @@ mod tests {
                 })
                 .collect()
         };
-        let truth = path(&[0.7_f64.ln(), 12.0_f64.ln()]);
+        let hidden = path(&[0.7_f64.ln(), 12.0_f64.ln()]);
         let mut told =
-            |at: &[Vec<f64>]| Ok(at.iter().map(|a| path(a).iter().zip(&truth).map(|(x, y)| x - y).collect()).collect());
+            |at: &[Vec<f64>]| Ok(at.iter().map(|a| path(a).iter().zip(&hidden).map(|(x, y)| x - y).collect()).collect());
         let found = coefficients(&sought(&settings(), &mut told).unwrap().at);
         assert!((found.added - 0.7).abs() < 1e-3 && (found.drag - 12.0).abs() < 2e-2, "{found:?}");
     }
