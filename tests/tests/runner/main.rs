@@ -46,7 +46,7 @@ fn a_changed_recording_makes_what_reads_it_stale_and_its_readers_wait() {
     project.run(SETTINGS);
     fs::write(project.0.join("data/raw/fish/cad/body.stl"), "many more bytes than before").unwrap();
     let plan = project.plan(SETTINGS);
-    assert!(plan.contains("recording `fish/cad/body.stl` has other content"), "{plan}");
+    assert!(plan.contains("recording `fish/cad/body.stl` is of other content"), "{plan}");
     assert!(plan.contains("it reads letters/fish, which will be made"), "{plan}");
     assert_eq!(project.run(SETTINGS), tally(2, 1, 0, 0));
 }

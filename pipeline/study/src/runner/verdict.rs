@@ -48,16 +48,21 @@ fn shown(value: &Value) -> String {
 }
 
 fn hashes(what: &str, before: &BTreeMap<String, String>, now: &BTreeMap<String, String>, found: &mut Vec<String>) {
-    for (name, hash) in now {
-        match before.get(name) {
-            None => found.push(format!("{what} `{name}` is new to it")),
-            Some(old) if old != hash => found.push(format!("{what} `{name}` has other content")),
-            Some(_) => {}
-        }
-    }
-    for name in before.keys().filter(|name| !now.contains_key(*name)) {
-        found.push(format!("{what} `{name}` is no longer read"));
-    }
+    let new = now.keys().filter(|name| !before.contains_key(*name));
+    let other = now.iter().filter(|(name, hash)| before.get(*name).is_some_and(|old| old != *hash));
+    let gone = before.keys().filter(|name| !now.contains_key(*name));
+    found.extend(named(what, new.collect(), "new to it"));
+    found.extend(named(what, other.map(|(name, _)| name).collect(), "of other content"));
+    found.extend(named(what, gone.collect(), "no longer read"));
+}
+
+/// One sentence about all these names, of which few are said.
+fn named(what: &str, names: Vec<&String>, how: &str) -> Option<String> {
+    let first = names.first()?;
+    Some(match names.len() {
+        1 => format!("{what} `{first}` is {how}"),
+        count => format!("{what} `{first}` and {} more are {how}", count - 1),
+    })
 }
 
 #[cfg(test)]
@@ -81,6 +86,14 @@ mod tests {
         let (a, b) = (made_from(json!({"edge": 1})), made_from(json!({"edge": 1})));
         assert!(differences(&a, &b).is_empty());
         assert_eq!(a.key(), b.key());
+    }
+
+    #[test]
+    fn many_records_that_changed_alike_are_told_in_one_sentence() {
+        let of = |hash: &str| -> BTreeMap<String, String> { ["a", "b", "c"].map(|n| (n.into(), hash.into())).into() };
+        let (mut before, mut now) = (made_from(Value::Null), made_from(Value::Null));
+        (before.records, now.records) = (of("old"), of("new"));
+        assert_eq!(differences(&before, &now), ["record `a` and 2 more are of other content"]);
     }
 
     #[test]
