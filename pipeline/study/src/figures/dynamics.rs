@@ -26,6 +26,10 @@ impl figure::Figure for Dynamics {
     const SHOWS: &'static str = "the identified model follows trials it never saw";
     const EDITION: u32 = 4;
 
+    fn is_made_for(study: &Study) -> bool {
+        validated(study, false)
+    }
+
     fn draw(Every(trials): Self::Needs) -> Outcome<Figure> {
         drawn(trials.into_iter().filter(|(trial, _)| !trial.is_in_water()).collect())
     }
@@ -41,12 +45,17 @@ impl figure::Figure for DynamicsWater {
     const EDITION: u32 = 1;
 
     fn is_made_for(study: &Study) -> bool {
-        Trial::all(study).iter().any(|trial| trial.is_in_water() && Validation::is_made_for(trial))
+        validated(study, true)
     }
 
     fn draw(Every(trials): Self::Needs) -> Outcome<Figure> {
         drawn(trials.into_iter().filter(|(trial, _)| trial.is_in_water()).collect())
     }
+}
+
+/// Whether a trial in water, or one in air, is foretold at all.
+fn validated(study: &Study, wet: bool) -> bool {
+    Trial::all(study).iter().any(|trial| trial.is_in_water() == wet && Validation::is_made_for(trial))
 }
 
 /// Two conditions a row, each over its pressures.
