@@ -146,6 +146,7 @@ fn swimming<T>(model: &Model, density: f64, settle: usize, ask: &dyn Fn(&Swimmer
         small: &small,
         tail: &tail,
         rows: &rows,
+        wet: (&tail, &rows),
         sides: vec![Side::Left, Side::Right],
         by: hydro::Coefficients { added: 1.0, drag: 2.0 },
         half: true,

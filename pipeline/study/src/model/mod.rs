@@ -94,6 +94,12 @@ impl Model {
         Self { markers: card.marker.iter().zip(rest).map(spot).collect(), ..self }
     }
 
+    /// The model with further places behind its markers.
+    pub fn and(mut self, spots: Vec<Spot>) -> Self {
+        self.markers.extend(spots);
+        self
+    }
+
     /// Displacement of a marker in the plane, m, from the displacement of all nodes (3 a node).
     pub fn in_plane(spot: &Spot, displacement: &[f64]) -> Point2 {
         let sum = |k: usize| spot.weights.iter().map(|&(node, w)| w * displacement[3 * node as usize + k]).sum();

@@ -104,6 +104,11 @@ impl Small {
         DMatrix::from_fn(2 * markers.len(), self.coordinates(), |i, j| self.rows[markers[i / 2]][i % 2][j])
     }
 
+    /// How many markers and further places it knows.
+    pub fn markers(&self) -> usize {
+        self.rows.len()
+    }
+
     /// How many coordinates there are.
     pub fn coordinates(&self) -> usize {
         self.reduced.coordinates()

@@ -52,7 +52,7 @@ impl Stage for BestFlap {
     type Needs = (Mesh, Identified, Damping, (Thrust, Maybe<Drag>));
     type Makes = Record;
     const STORY: &'static str = "the simulator is asked for the flap of the most thrust";
-    const EDITION: u32 = 2;
+    const EDITION: u32 = 3;
 
     fn card(of: &Specimen) -> Value {
         let (solid, card) = (&of.card.solid, &of.card);
@@ -70,17 +70,20 @@ impl Stage for BestFlap {
     fn run(of: &Specimen, set: &Settings, needs: Self::Needs, desk: &dyn Desk) -> Outcome<Record> {
         let (mesh, identified, damping, (learnt, Maybe(water))) = needs;
         let limits = limits(&learnt.runs, &identified, set.rounds)?;
-        let model = Model::new(&mesh, &of.card)?;
+        let (wet, spots) = thrust::stations(of, learnt.density, learnt.sections, &mesh)?;
+        let model = Model::new(&mesh, &of.card)?.and(spots);
         let elastic = swing::identified(&model, &identified);
         desk.progress(0.1, "reducing the model");
         let top = vec![limits.amplitude; of.card.chamber.len()];
         let small = Small::train(&model, &elastic, &top, of.card.length)?;
         let tail = thrust::tail(of, learnt.density, learnt.sections, &mesh)?;
         let rows = small.rows(&thrust::order(of));
+        let stations = small.rows(&(of.card.marker.len()..small.markers()).collect::<Vec<_>>());
         let swimmer = Swimmer {
             small: &small,
             tail: &tail,
             rows: &rows,
+            wet: (&wet, &stations),
             sides: of.card.chamber.iter().map(|c| c.log).collect(),
             by: water.map_or(Coefficients { added: 1.0, drag: set.drag }, |w| w.by),
             half: model.system.mesh().symmetry_plane_z,

@@ -66,7 +66,7 @@ impl Stage for Drag {
     type Needs = (Mesh, Identified, Damping, Waded<Motion>);
     type Makes = records::Drag;
     const STORY: &'static str = "a release under water becomes added mass and drag";
-    const EDITION: u32 = 1;
+    const EDITION: u32 = 2;
 
     fn card(of: &Specimen) -> Value {
         let (solid, card) = (&of.card.solid, &of.card);
@@ -80,7 +80,8 @@ impl Stage for Drag {
         let Some((_, motion)) = films.0.first() else {
             return Err(Fault::new("there is no staircase in water", "no trial of the card is one", "film one"));
         };
-        let model = Model::new(&mesh, &of.card)?.seen_at(&mesh, &of.card, &motion.rest);
+        let (tail, spots) = thrust::stations(of, set.density, set.sections, &mesh)?;
+        let model = Model::new(&mesh, &of.card)?.seen_at(&mesh, &of.card, &motion.rest).and(spots);
         let swing = Swing { elastic: swing::identified(&model, &identified), model: &model, marker: swing_marker(of) };
         let known = identified.levels.iter().map(Level::pressure).fold(0.0, f64::max);
         let (begin, released) = release(motion, known)?;
@@ -88,14 +89,8 @@ impl Stage for Drag {
         let drive = Drive { begin: begin - set.ease, end: begin + set.follow, eased: set.ease, gauges: &gauges };
         desk.progress(0.1, "reducing the model");
         let small = Small::train(&model, &swing.elastic, &vec![known; gauges.len()], of.card.length)?;
-        let tail = thrust::tail(of, set.density, set.sections, &mesh)?;
-        let bath = Bath {
-            rows: small.rows(&thrust::order(of)),
-            march: swing::march(Scheme::Bdf2, set.step, damping.stiffness_damping),
-            half: mesh.solid.half,
-            small: &small,
-            tail: &tail,
-        };
+        let march = swing::march(Scheme::Bdf2, set.step, damping.stiffness_damping);
+        let bath = Bath::new(&small, &tail, swing.marker, of.card.marker.len(), march, mesh.solid.half);
         let frames = |t: &&Second| **t > begin && **t < drive.end;
         let times: Vec<Second> = motion.time.iter().filter(frames).copied().collect();
         let seen = motion.time.iter().zip(&motion.markers[swing.marker].at).filter(|(t, _)| frames(t));
@@ -130,34 +125,36 @@ impl Stage for Drag {
 
 /// A reduced tail in water.
 pub(super) struct Bath<'a> {
-    /// The model in its coordinates.
-    pub small: &'a Small,
-    /// The tail as theory sees it.
-    pub tail: &'a Tail,
-    /// Rows of the marks from the head to the fin: the last is the farthest out.
-    pub rows: DMatrix<f64>,
-    /// How it is marched.
-    pub march: March,
-    /// Whether half of the body is modelled.
-    pub half: bool,
+    small: &'a Small,
+    tail: &'a Tail,
+    /// Rows of the tail's stations, and of the marker that is watched, m.
+    stations: DMatrix<f64>,
+    watched: DMatrix<f64>,
+    march: March,
+    half: bool,
 }
 
-impl Bath<'_> {
-    /// The farthest marker's displacement, m along x and y, as functions of the film's time.
+impl<'a> Bath<'a> {
+    /// The tail's stations stand behind the card's `marks` in the model; one marker is watched, half of the body may be modelled.
+    pub fn new(small: &'a Small, tail: &'a Tail, marker: usize, marks: usize, march: March, half: bool) -> Self {
+        let stations = small.rows(&(marks..small.markers()).collect::<Vec<_>>());
+        Self { small, tail, stations, watched: small.rows(&[marker]), march, half }
+    }
+
+    /// The watched marker's displacement, m along x and y, as functions of the film's time.
     ///
     /// # Errors
     /// A [`Fault`] when a step finds no motion.
     pub fn path(&self, by: Coefficients, drive: &Drive) -> Outcome<[signal::resample::Samples; 2]> {
-        let mut water = crate::thrust::water::Water::around(self.tail, &self.rows, by, self.half);
+        let mut water = crate::thrust::water::Water::around(self.tail, &self.stations, by, self.half);
         let mut path: Vec<Point2> = Vec::new();
-        let last = self.rows.nrows() - 2;
         self.small.swim(
             &self.march,
             &mut water,
             &|t| drive.pressures(t),
             drive.steps(self.march.step),
             &mut |q, _| {
-                path.push([0, 1].map(|k| (self.rows.row(last + k) * q)[0]));
+                path.push([0, 1].map(|k| (self.watched.row(k) * q)[0]));
             },
         )?;
         drive.told(self.march.step, &path)
@@ -251,8 +248,9 @@ mod tests {
                 .collect()
         };
         let hidden = path(&[0.7_f64.ln(), 12.0_f64.ln()]);
-        let mut told =
-            |at: &[Vec<f64>]| Ok(at.iter().map(|a| path(a).iter().zip(&hidden).map(|(x, y)| x - y).collect()).collect());
+        let mut told = |at: &[Vec<f64>]| {
+            Ok(at.iter().map(|a| path(a).iter().zip(&hidden).map(|(x, y)| x - y).collect()).collect())
+        };
         let found = coefficients(&sought(&settings(), &mut told).unwrap().at);
         assert!((found.added - 0.7).abs() < 1e-3 && (found.drag - 12.0).abs() < 2e-2, "{found:?}");
     }

@@ -10,6 +10,7 @@ use hydro::Tail;
 use lab::card::Experiment;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
+use shape::Spot;
 use si::{Hertz, KilogramPerCubicMetre, Metre, Pascal, Point2, Second, Series};
 use signal::cell::Regularised;
 use signal::crosstalk::{self, CrossTalk, Still};
@@ -152,25 +153,68 @@ impl crate::needs::Needs<Specimen> for Weighed {
 
 /// The tail as theory sees it: depths from the mesh, marks from the card.
 pub(super) fn tail(of: &Specimen, density: KilogramPerCubicMetre, sections: usize, mesh: &Mesh) -> Outcome<Tail> {
-    let nodes = &mesh.solid.nodes;
-    let edge = nodes.iter().map(|n| n[0]).fold(f64::NEG_INFINITY, f64::max);
-    let clamp = of.card.clamp.below_x;
-    let reach = 0.5 * (edge - clamp) / sections as f64;
-    let depth = |a: Metre| -> Metre {
-        let near = nodes.iter().filter(|n| (n[0] - a).abs() <= reach.max(2e-3)).map(|n| n[2]);
+    let outline = Outline::new(of, mesh, sections);
+    let marks: Vec<Metre> = order(of).iter().map(|&i| of.card.marker[i].at[0]).collect();
+    let trailing = outline.trailing(of);
+    Tail::new(density, outline.clamp, &marks, trailing, sections, &|a| outline.depth(a)).map_err(Fault::from_tool)
+}
+
+/// The same by places of the model itself on the back and the fin: where marks end, a line through them would take the fin as straight.
+pub(super) fn stations(
+    of: &Specimen,
+    density: KilogramPerCubicMetre,
+    sections: usize,
+    mesh: &Mesh,
+) -> Outcome<(Tail, Vec<Spot>)> {
+    let outline = Outline::new(of, mesh, sections);
+    let (clamp, trailing) = (outline.clamp, outline.trailing(of));
+    let places: Vec<Metre> =
+        (1..=STATIONS).map(|i| (clamp + (trailing - clamp) * i as f64 / STATIONS as f64).min(trailing)).collect();
+    let spot = |a: &Metre| shape::embed(&mesh.solid, [*a, 0.0, 0.5 * outline.depth(*a)]).0;
+    let spots = places.iter().map(spot).collect();
+    let tail =
+        Tail::new(density, clamp, &places, trailing, sections, &|a| outline.depth(a)).map_err(Fault::from_tool)?;
+    Ok((tail, spots))
+}
+
+/// Places of the model by which water sees it.
+const STATIONS: usize = 12;
+
+/// How deep a tail is along its length.
+struct Outline<'a> {
+    mesh: &'a Mesh,
+    /// m.
+    clamp: Metre,
+    /// The end of the fin, m.
+    edge: Metre,
+    /// How far nodes may lie from a place whose depth they tell, m.
+    reach: Metre,
+}
+
+impl<'a> Outline<'a> {
+    fn new(of: &Specimen, mesh: &'a Mesh, sections: usize) -> Self {
+        let edge = mesh.solid.nodes.iter().map(|n| n[0]).fold(f64::NEG_INFINITY, f64::max);
+        let clamp = of.card.clamp.below_x;
+        Self { mesh, clamp, edge, reach: (0.5 * (edge - clamp) / sections as f64).max(2e-3) }
+    }
+
+    fn depth(&self, a: Metre) -> Metre {
+        let near = self.mesh.solid.nodes.iter().filter(|n| (n[0] - a).abs() <= self.reach).map(|n| n[2]);
         let (low, high) = near.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| (l.min(z), h.max(z)));
-        match (high > low, mesh.solid.half) {
+        match (high > low, self.mesh.solid.half) {
             (true, true) => 2.0 * high,
             (true, false) => high - low,
             (false, _) => 0.0,
         }
-    };
-    let marks: Vec<Metre> = order(of).iter().map(|&i| of.card.marker[i].at[0]).collect();
-    // the trailing edge is where the fin is deepest: behind it the fin only narrows and sheds nothing more
-    let places: Vec<Metre> = (0..=200).map(|i| clamp + (edge - clamp) * f64::from(i) / 200.0).collect();
-    let rear = places.iter().copied().filter(|a| *a >= marks[marks.len() - 1]);
-    let trailing = rear.max_by(|a, b| depth(*a).total_cmp(&depth(*b))).unwrap_or(edge);
-    Tail::new(density, clamp, &marks, trailing, sections, &depth).map_err(Fault::from_tool)
+    }
+
+    /// Where the fin is deepest: behind it the fin only narrows and sheds nothing more.
+    fn trailing(&self, of: &Specimen) -> Metre {
+        let last = order(of).last().map_or(self.clamp, |&i| of.card.marker[i].at[0]);
+        let place = |i: i32| self.clamp + (self.edge - self.clamp) * f64::from(i) / 200.0;
+        let rear = (0..=200).map(place).filter(|a| *a >= last);
+        rear.max_by(|a, b| self.depth(*a).total_cmp(&self.depth(*b))).unwrap_or(self.edge)
+    }
 }
 
 /// The card's markers from the head to the fin.

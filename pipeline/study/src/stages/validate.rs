@@ -46,7 +46,7 @@ impl Stage for Validate {
     type Needs = ((Mesh, Identified), Damping, InWater<Drag>, Repeats<Motion>);
     type Makes = Validation;
     const STORY: &'static str = "flapping never seen is predicted and compared";
-    const EDITION: u32 = 5;
+    const EDITION: u32 = 6;
 
     fn card(of: &Trial) -> Value {
         let (solid, card) = (&of.card.solid, &of.card);
@@ -66,7 +66,9 @@ impl Stage for Validate {
         let specimen = Specimen { card: of.card.clone() };
         let marker = swing_marker(&specimen);
         let rest = films.first().map(|m| m.rest.clone()).unwrap_or_default();
-        let model = Model::new(&mesh, &of.card)?.seen_at(&mesh, &of.card, &rest);
+        let wet = drag.as_ref().map(|d| thrust::stations(&specimen, d.density, d.sections, &mesh)).transpose()?;
+        let (tail, spots) = wet.unzip();
+        let model = Model::new(&mesh, &of.card)?.seen_at(&mesh, &of.card, &rest).and(spots.unwrap_or_default());
         let swing = Swing { model: &model, elastic: swing::identified(&model, &identified), marker };
         let seen = repeats::gather(&films, marker)?;
         let ends = (seen.time[0], seen.time[seen.time.len() - 1]);
@@ -79,11 +81,9 @@ impl Stage for Validate {
             ("bdf2_undamped", swing::march(Scheme::Bdf2, set.step, 0.0)),
             ("implicit_euler", swing::march(Scheme::ImplicitEuler, set.euler_step, 0.0)),
         ];
-        let tail = drag.as_ref().map(|d| thrust::tail(&specimen, d.density, d.sections, &mesh)).transpose()?;
-        let rows = small.rows(&thrust::order(&specimen));
         let march = |march: March| match (&drag, &tail) {
             (Some(Drag { by, .. }), Some(tail)) => {
-                Bath { small: &small, tail, rows: rows.clone(), march, half: mesh.solid.half }.path(*by, &drive)
+                Bath::new(&small, tail, marker, of.card.marker.len(), march, mesh.solid.half).path(*by, &drive)
             }
             _ => swing.run(&small, &march, &drive),
         };

@@ -24,6 +24,8 @@ pub struct Swimmer<'a> {
     pub tail: &'a Tail,
     /// Rows of the marks from the head to the fin, (marks × 2) × coordinates, m.
     pub rows: &'a DMatrix<f64>,
+    /// The tail as the water feels it, and the rows of its own places.
+    pub wet: (&'a Tail, &'a DMatrix<f64>),
     /// The side of each chamber.
     pub sides: Vec<Side>,
     /// The water's.
@@ -93,7 +95,7 @@ impl Swimmer<'_> {
             stiffness_damping: self.stiffness_damping,
             ..March::default()
         };
-        let mut water = Water::around(self.tail, self.rows, self.by, self.half);
+        let mut water = Water::around(self.wet.0, self.wet.1, self.by, self.half);
         let (mut moved, mut speed) = (Vec::with_capacity(steps), Vec::with_capacity(steps));
         self.small.swim(&march, &mut water, pressures, steps, &mut |q, v| {
             moved.push(super::water::points(self.rows * q));
