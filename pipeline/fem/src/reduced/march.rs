@@ -18,7 +18,9 @@ use crate::motion::stencil::{Stencil, extrapolation};
 /// Directions in one step before it is given up.
 const LIMIT: usize = 60;
 /// A direction that leaves more of the one before than this asks for a new tangent, which costs as much as twenty directions.
-const SLOW: f64 = 0.3;
+const PATIENT: f64 = 0.3;
+/// The same for a step that was not found so: it is tried once more from a tangent of its own.
+const STRICT: f64 = 0.1;
 /// So does a first one by a new tangent that is longer than this, against the shapes that the body was reduced from.
 const NEAR: f64 = 1e-3;
 /// Directions shorter than this, against the same, are gone whole: their pull is too close to rounding to be searched along.
@@ -169,7 +171,8 @@ impl Reduced {
                 past: past.history(&stencil),
             };
             let shape = equations
-                .solve(past.guess(time), &past.shapes[0], &mut kept)
+                .solve(past.guess(time), &past.shapes[0], &mut kept, PATIENT)
+                .or_else(|_| equations.solve(past.guess(time), &past.shapes[0], &mut None, STRICT))
                 .map_err(|change| ReducedError::NoMotion { time: past.times[0], limit: LIMIT, change })?;
             let speed = equations.speed(&shape);
             around.accept(&Moment { shape: &shape, speed: &speed, gamma: stencil.gamma, weights: &stencil.weights });
@@ -225,7 +228,13 @@ impl Step<'_> {
     /// The last step's tangent is `kept` while it serves. It is made anew when a direction leaves too much of the one before it: a
     /// stiff sheet that turns makes an old one misleading, and the stress of a shape that is not yet in balance a fresh one (see
     /// `bend`).
-    fn solve(&self, guess: DVector<f64>, before: &DVector<f64>, kept: &mut Option<Kept>) -> Result<DVector<f64>, f64> {
+    fn solve(
+        &self,
+        guess: DVector<f64>,
+        before: &DVector<f64>,
+        kept: &mut Option<Kept>,
+        slow: f64,
+    ) -> Result<DVector<f64>, f64> {
         let (mut shape, mut from) = (guess, before.clone());
         let mut residual = self.residual(&shape);
         if kept.as_ref().is_some_and(|k| (k.gamma / self.stencil.gamma - 1.0).abs() > SAME) {
@@ -254,7 +263,7 @@ impl Step<'_> {
             if part == 1.0 && size < TOLERANCE {
                 return Ok(shape);
             }
-            if part < 1.0 || size > SLOW * last || last.is_infinite() && !carried && size > NEAR {
+            if part < 1.0 || size > slow * last || last.is_infinite() && !carried && size > NEAR {
                 *kept = None;
             }
             last = size;
