@@ -3,9 +3,16 @@
 //! Stands on: folders. Never knows: what is run.
 
 use std::fs::{self, File, TryLockError};
+use std::thread::sleep;
+use std::time::Duration;
 
 use super::folders::Folders;
 use crate::fault::{Fault, Outcome};
+
+/// How often a lock that is held is asked for again, and how long after: a run that ends, and a program that was started beside it, still
+/// hold it for an instant.
+const TRIES: usize = 20;
+const PAUSE: Duration = Duration::from_millis(10);
 
 /// Held while a run writes.
 pub struct Lock {
@@ -26,7 +33,15 @@ impl Lock {
         let file = open().map_err(|e| {
             Fault::new(format!("{} cannot be made", folders.tell(&path)), e, "mend the folder's permissions")
         })?;
-        match file.try_lock() {
+        let mut asked = file.try_lock();
+        for _ in 0..TRIES {
+            if !matches!(asked, Err(TryLockError::WouldBlock)) {
+                break;
+            }
+            sleep(PAUSE);
+            asked = file.try_lock();
+        }
+        match asked {
             Ok(()) => Ok(Self { _file: file }),
             Err(TryLockError::WouldBlock) => Err(Fault::new(
                 "another run is at work in this study",

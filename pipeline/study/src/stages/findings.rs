@@ -26,13 +26,15 @@ impl Stage for Findings {
     type Needs = (Every<Identified>, Every<Validation>, Every<Thrust>, Every<LoadCell>);
     type Makes = Record;
     const STORY: &'static str = "what was found is put into the words of the claims";
-    const EDITION: u32 = 3;
+    const EDITION: u32 = 4;
 
     fn run(_: &Study, _: &Settings, needs: Self::Needs, _: &dyn Desk) -> Outcome<Record> {
         let (Every(identified), Every(validated), Every(thrusts), Every(cells)) = needs;
         let mut found = Vec::new();
         for (specimen, one) in &identified {
-            found.extend(of_identified(one).map(|(what, value, unit)| finding(&specimen.name(), what, value, unit)));
+            found.extend(
+                of_identified(one).into_iter().map(|(what, value, unit)| finding(&specimen.name(), what, value, unit)),
+            );
         }
         for (trial, one) in &validated {
             let name = format!("{}_{}", trial.card.name, trial.condition());
@@ -53,14 +55,17 @@ fn finding(of: &str, what: &str, value: f64, unit: &str) -> Finding {
     Finding { name: format!("{of}.{what}"), value, unit: unit.into() }
 }
 
-fn of_identified(found: &Identified) -> [(&'static str, f64, &'static str); 3] {
+/// Minima are counted where the search left profiles: a grid with a hole leaves none.
+fn of_identified(found: &Identified) -> Vec<(&'static str, f64, &'static str)> {
     let levels = found.levels.iter().map(|level| (level.pressure(), level.largest_error()));
     let (pressures, errors): (Vec<f64>, Vec<f64>) = levels.unzip();
-    [
-        ("minima", found.profiles.iter().map(|p| minima(&p.chi_square)).max().unwrap_or(0) as f64, ""),
+    let counted = found.profiles.iter().map(|p| minima(&p.chi_square)).max();
+    let mut all = vec![
         ("landscape_minima", landscape_minima(&found.surface) as f64, ""),
         ("static_error_rank_correlation", correlation(&ranks(&pressures), &ranks(&errors)), ""),
-    ]
+    ];
+    all.extend(counted.map(|count| ("minima", count as f64, "")));
+    all
 }
 
 /// By how much the error grows when damping is left out, % of the length.
