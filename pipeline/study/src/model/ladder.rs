@@ -93,11 +93,6 @@ impl Ladder {
         Self { model, rungs, settings, solvers, last }
     }
 
-    /// Begins anew from rest: a last solution may lie on a branch that leads no further.
-    pub fn forget(&mut self) {
-        self.last.fill(None);
-    }
-
     /// All levels with these constants of body and spine.
     ///
     /// # Errors

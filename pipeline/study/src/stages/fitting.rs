@@ -145,11 +145,7 @@ impl<'a> Fitting<'a> {
             Needs::Residuals => Want::Slopes,
         };
         let elastic = self.elastic(at);
-        let climbed = ladder.climb(&elastic, want).or_else(|_| {
-            ladder.forget();
-            ladder.climb(&elastic, want)
-        });
-        let levels = match climbed {
+        let levels = match ladder.climb(&elastic, want) {
             Err(_) if told_before(told, want) => return Ok(Evaluation::of_loss(at.to_vec(), f64::INFINITY)),
             levels => levels?,
         };

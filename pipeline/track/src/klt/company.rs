@@ -114,3 +114,49 @@ fn carried(track: &Track, seen: &[(Point2, &Track)]) -> Option<Point2> {
     let arm = [0, 1].map(|k| track.at[k] - near.at[k]);
     Some([there[0] + cosine * arm[0] - sine * arm[1], there[1] + sine * arm[0] + cosine * arm[1]])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::Settings;
+    use super::*;
+
+    /// Three dark discs in a row.
+    fn three() -> Gray {
+        Gray::from_fn(260, 100, |x, y| {
+            let near = |at: f64| (x as f64 - at).hypot(y as f64 - 50.0) < 9.0;
+            if [50.0, 110.0, 170.0].into_iter().any(near) { 40.0 } else { 200.0 }
+        })
+    }
+
+    #[test]
+    fn a_marker_that_leaps_from_its_neighbours_is_not_there_and_the_others_are() {
+        let picture = three();
+        let tracker =
+            Tracker::new(&picture, &[[50.0, 50.0], [110.0, 50.0], [170.0, 50.0]], Settings::default()).unwrap();
+        let found = |by: f64| {
+            let seen = |(k, track): (usize, &Track)| {
+                let mut seen = tracker.sight(&picture, track, track.at).unwrap();
+                seen.sighting.at[0] += if k == 2 { by } else { 0.0 };
+                Ok(seen)
+            };
+            let mut found: Vec<Result<Seen, Lost>> = tracker.tracks.iter().enumerate().map(seen).collect();
+            tracker.keep_company(&picture, 1, &mut found);
+            found.iter().map(Result::is_ok).collect::<Vec<_>>()
+        };
+        // 60 px apart: a third of that may come or go, more may not
+        assert_eq!((found(15.0), found(30.0)), (vec![true; 3], vec![true, true, false]));
+    }
+
+    #[test]
+    fn a_missed_marker_is_sought_where_its_neighbours_turn_and_motion_carry_it() {
+        let picture = three();
+        let tracker =
+            Tracker::new(&picture, &[[50.0, 50.0], [110.0, 50.0], [170.0, 50.0]], Settings::default()).unwrap();
+        let [first, second, third] = &tracker.tracks[..] else { panic!("three were clicked") };
+        // a quarter turn about the first, which moved by (5, 7)
+        let turned = |track: &Track| [first.at[0] + 5.0, first.at[1] + 7.0 + track.at[0] - first.at[0]];
+        let guess = carried(third, &[(turned(second), second), (turned(first), first)]).unwrap();
+        assert!(distance(guess, turned(third)) < 0.1, "{guess:?}");
+        assert!(carried(third, &[]).is_none());
+    }
+}
