@@ -1,8 +1,8 @@
 //! The physics of the bench: a specimen as finite elements, at rest under pressure and in motion in air and water.
 //!
-//! Quadratic neo-Hookean elements on the bench's own swept mesh of the half z ≥ 0, which no pipeline ever sees. Staircases climb a
-//! ladder of equilibria of the whole body; the many flapping trials move in coordinates that it was reduced to, which
-//! tests hold against the whole body's march.
+//! Quadratic neo-Hookean elements on the bench's own swept mesh of the half z ≥ 0, which no pipeline ever sees. What is held rests on
+//! a ladder of equilibria of the whole body; what moves does so in coordinates that it was reduced to, which tests hold
+//! against the whole body's march.
 //!
 //! Stands on: `fem`, `shape`. Never knows: a camera, a log, a file.
 
@@ -11,6 +11,7 @@ mod dynamics;
 mod flap;
 mod line;
 mod motion;
+mod stairs;
 mod statics;
 pub mod training;
 mod water;
@@ -20,5 +21,6 @@ pub use dynamics::march;
 pub use flap::{Conditions, Flap, Swimmer};
 pub use line::{CentreLine, Station};
 pub use motion::{Motion, Quasistatic, Recorded};
+pub use stairs::Stairs;
 pub use statics::Ladder;
 pub use water::{Fluid, Push, Water};

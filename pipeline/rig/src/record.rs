@@ -6,7 +6,7 @@
 
 use std::path::Path;
 
-use lab::card::{Experiment, Side, Trial};
+use lab::card::{Side, Trial};
 use lab::truth::{self, Lens, Pose, TrueForce, TrueTrial, Truth};
 use rayon::prelude::*;
 use shape::tail::Tail;
@@ -83,11 +83,7 @@ fn fill(
     let marks: Vec<String> = places.into_iter().map(|(name, _)| name).collect();
     let ladders = climb(name, &body, set, own, profile, progress)?;
     let trials = card::trials(own, profile);
-    let to_flap =
-        |t: &Trial| matches!(t.experiment, Experiment::Flapping { .. }) && receipts::find(folder, &t.id).is_none();
-    let swims = trials.iter().any(to_flap);
-    let train = || train(name, &body, &hidden.cast(&tail), own.clamp, &ladders, progress);
-    let swimmer = swims.then(train).transpose()?;
+    let swimmer = train(name, &body, &hidden.cast(&tail), own.clamp, &ladders, progress)?;
     let bench = Bench {
         set,
         profile,
@@ -95,7 +91,7 @@ fn fill(
         seed: own.seed,
         body: &body,
         ladders: &ladders,
-        swimmer: swimmer.as_ref(),
+        swimmer: &swimmer,
         fluid: fluid(set, own.seed),
         studio: &studio,
         subject: &subject,
@@ -145,7 +141,7 @@ fn climb(
     Ok([left?, right?])
 }
 
-/// The specimen in the coordinates in which it flaps.
+/// The specimen in the coordinates in which it moves.
 fn train<'a>(
     name: &str,
     body: &'a Body,

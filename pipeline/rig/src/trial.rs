@@ -13,7 +13,7 @@ use crate::camera::Passing;
 use crate::draw::Draw;
 use crate::fault::Fault;
 use crate::logger::{self, Clock};
-use crate::physics::{Body, Conditions, Fluid, Ladder, Motion, Quasistatic, Swimmer};
+use crate::physics::{Body, Conditions, Fluid, Ladder, Motion, Swimmer};
 use crate::progress::Progress;
 use crate::script::{self, Script};
 use crate::settings::{Profile, Settings};
@@ -35,9 +35,9 @@ pub struct Bench<'a> {
     pub body: &'a Body,
     /// Its shapes by pressure, left and right.
     pub ladders: &'a [Ladder; 2],
-    /// The specimen in the coordinates in which it flaps; none where no trial flaps.
-    pub swimmer: Option<&'a Swimmer<'a>>,
-    /// The water that it flaps in.
+    /// The specimen in the coordinates in which it moves.
+    pub swimmer: &'a Swimmer<'a>,
+    /// The water that it moves in.
     pub fluid: Fluid,
     /// The camera and its surroundings.
     pub studio: &'a Studio,
@@ -126,19 +126,19 @@ fn solve<'a>(
     sides: &[Trace; 2],
     softening: f64,
 ) -> Result<Box<dyn Motion + 'a>, Fault> {
+    let swimmer = bench.swimmer;
+    let fluid = (trial.medium == Medium::Water).then_some(bench.fluid);
+    let (span, step) = ([script.led_on, script.length], bench.profile.step);
     match &trial.experiment {
         Experiment::Staircase { side, .. } => {
-            let side = usize::from(*side == Side::Right);
-            let (rest, ladder) = (&bench.body.mesh.nodes[..], &bench.ladders[side]);
-            Ok(Box::new(Quasistatic { rest, ladder, trace: sides[side].clone() }))
+            let of = usize::from(*side == Side::Right);
+            let (ladder, trace) = (&bench.ladders[of], sides[of].clone());
+            Ok(Box::new(swimmer.stairs(*side, ladder, trace, span, step, fluid)?))
         }
         Experiment::Flapping { .. } => {
-            let fluid = (trial.medium == Medium::Water).then_some(bench.fluid);
             let pressures = |t: Second| [sides[0].at(t), sides[1].at(t)];
             let conditions = Conditions { fluid, softening };
-            let span = [script.led_on, script.length];
-            let swimmer = bench.swimmer.expect("a recording with a trial that flaps has trained its tail");
-            Ok(Box::new(swimmer.flap(span, bench.profile.step, &pressures, &conditions)?))
+            Ok(Box::new(swimmer.flap(span, step, &pressures, &conditions)?))
         }
     }
 }

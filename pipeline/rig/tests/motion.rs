@@ -96,6 +96,31 @@ fn in_air_the_reduced_tail_beats_as_the_whole_one_to_two_per_cent() {
     }
 }
 
+#[test]
+fn a_tail_on_its_stairs_swings_as_the_whole_one_and_rests_where_that_rests() {
+    let coarse = Coarse::nemo();
+    let (swimmer, ladders) = (coarse.swimmer(), coarse.ladders());
+    let commands = [Command { time: 0.0, pressure: 1.7e4 }, Command { time: 0.5, pressure: 0.0 }];
+    let trace = follow(&coarse.set.valve, &commands, Unrest::default(), &mut Draw::new(1, "valve"));
+    let stairs = swimmer.stairs(Side::Left, &ladders[0], trace.clone(), [0.0, 0.8], STEP, None).unwrap();
+    let whole = march(&coarse.body, [0.0, 0.8], 60.0, STEP, &|t| [trace.at(t), 0.0], &|| ()).unwrap();
+    let (size, off) = apart(&coarse, &whole, &stairs, 0.8);
+    let held = trace.at(0.49);
+    let at_rest = coarse.body.system.solver().equilibrium(
+        &coarse.body.one_side(Side::Left, held),
+        Some(ladders[0].nearest(held)),
+        &fem::StaticSettings::default(),
+    );
+    let tip = coarse.tip();
+    let rests = at_rest.unwrap().displacement[3 * tip + 1] + coarse.body.mesh.nodes[tip][1];
+    let still = (stairs.nodes(0.49)[tip][1] - rests).abs();
+    println!("the tip moves {:.2} mm, off by {:.3} mm, held {:.4} mm off", size * 1e3, off * 1e3, still * 1e3);
+    assert!(size > 5e-3 && off < 0.02 * size, "off by {off} of {size} m");
+    assert!(still < 2e-5, "held {still} m off the whole body's equilibrium");
+    let seen = stairs.seen(0.53, &[tip as u32]);
+    assert_eq!(seen[tip], stairs.nodes(0.53)[tip]);
+}
+
 /// Implicit Euler, so that the whole body can be given the water's force step by step.
 #[test]
 fn in_water_the_whole_tail_moves_as_the_reduced_one_says_to_two_per_cent() {

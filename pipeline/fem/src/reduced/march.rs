@@ -18,7 +18,7 @@ use crate::motion::stencil::{Stencil, extrapolation};
 /// Directions in one step before it is given up.
 const LIMIT: usize = 60;
 /// A direction that leaves more of the one before than this asks for a new tangent, which costs as much as twenty directions.
-const PATIENT: f64 = 0.3;
+pub(super) const PATIENT: f64 = 0.3;
 /// The same for a step that was not found so: it is tried once more from a tangent of its own.
 const STRICT: f64 = 0.1;
 /// So does a first one by a new tangent that is longer than this, against the shapes that the body was reduced from.
@@ -30,7 +30,7 @@ const SAME: f64 = 1e-9;
 /// How often a direction is halved at most.
 const HALVINGS: usize = 20;
 /// A step is found when its last direction is this small against the shapes that the body was reduced from.
-const TOLERANCE: f64 = 1e-9;
+const TOLERANCE: f64 = 1e-8;
 /// Step of the differences by which surroundings are linearised, against the same.
 const NUDGE: f64 = 1e-6;
 
@@ -67,6 +67,12 @@ pub enum ReducedError {
         /// The last one, no unit.
         change: f64,
     },
+}
+
+impl ReducedError {
+    pub(super) fn no_motion(time: Second, change: f64) -> Self {
+        Self::NoMotion { time, limit: LIMIT, change }
+    }
 }
 
 /// What pushes from inside at one time.
@@ -119,21 +125,21 @@ struct Past {
 }
 
 /// A factor of the tangent, and the γ that it was made with.
-struct Kept {
+pub(super) struct Kept {
     factor: LU<f64, Dyn, Dyn>,
     gamma: Hertz,
 }
 
 /// One step's equations.
-struct Step<'a> {
-    body: &'a Reduced,
-    march: &'a March,
-    stencil: &'a Stencil,
-    pressures: &'a [Pascal],
-    scale: &'a [f64],
-    around: &'a dyn Around,
+pub(super) struct Step<'a> {
+    pub body: &'a Reduced,
+    pub march: &'a March,
+    pub stencil: &'a Stencil,
+    pub pressures: &'a [Pascal],
+    pub scale: &'a [f64],
+    pub around: &'a dyn Around,
     /// v̂, â, f̂.
-    past: [DVector<f64>; 3],
+    pub past: [DVector<f64>; 3],
 }
 
 /// What sees each new q and q̇ with its time, s.
@@ -173,7 +179,7 @@ impl Reduced {
             let shape = equations
                 .solve(past.guess(time), &past.shapes[0], &mut kept, PATIENT)
                 .or_else(|_| equations.solve(past.guess(time), &past.shapes[0], &mut None, STRICT))
-                .map_err(|change| ReducedError::NoMotion { time: past.times[0], limit: LIMIT, change })?;
+                .map_err(|change| ReducedError::no_motion(past.times[0], change))?;
             let speed = equations.speed(&shape);
             around.accept(&Moment { shape: &shape, speed: &speed, gamma: stencil.gamma, weights: &stencil.weights });
             observe(time, &shape, &speed);
@@ -228,7 +234,7 @@ impl Step<'_> {
     /// The last step's tangent is `kept` while it serves. It is made anew when a direction leaves too much of the one before it: a
     /// stiff sheet that turns makes an old one misleading, and the stress of a shape that is not yet in balance a fresh one (see
     /// `bend`).
-    fn solve(
+    pub fn solve(
         &self,
         guess: DVector<f64>,
         before: &DVector<f64>,

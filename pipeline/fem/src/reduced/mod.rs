@@ -7,6 +7,7 @@
 //!
 //! Stands on: `body`, `loads`, `nalgebra`. Never knows: where shapes come from, a pressure in time, what surrounds a body.
 
+mod balance;
 mod basis;
 mod cubature;
 mod forces;

@@ -132,6 +132,21 @@ fn coordinates_of(body: &Reduced, system: &System, u: &[f64]) -> DVector<f64> {
 }
 
 #[test]
+fn under_a_pressure_between_its_shapes_it_rests_where_the_whole_body_rests() {
+    let system = hollow();
+    let shapes = shapes(&system);
+    let body = reduced(&system, &shapes);
+    let whole = system.solver().equilibrium(&[2e4], Some(&shapes[1]), &StaticSettings::default()).expect("a soft load");
+    let found = body.equilibrium(&[2e4], &[1.0], &DVector::zeros(body.coordinates())).expect("a soft load");
+    let rests = body.displacement(&found);
+    let off = rests.iter().zip(&whole.displacement).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+    let size = whole.displacement.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+    assert!(off < 5e-3 * size, "off by {off} of {size} m");
+    let again = body.equilibrium(&[2e4], &[1.0], &found).expect("it is at rest");
+    assert!((again - found).amax() < 1e-7 * body.size, "what rests does not move");
+}
+
+#[test]
 fn the_stiffness_is_the_slope_of_the_forces() {
     let system = hollow();
     let body = reduced(&system, &shapes(&system));

@@ -3,6 +3,7 @@
 //! Stands on: `fem`'s reduced march (BDF2, the rate of the elastic force as damping), the water. Never knows: what is commanded.
 
 use fem::{Drive, March, Scheme, Still};
+use lab::card::Side;
 use nalgebra::{DMatrix, DVector};
 use shape::tail::Tail;
 use si::{Hertz, Metre, Newton, Pascal, Point2, Point3, Second};
@@ -10,8 +11,9 @@ use si::{Hertz, Metre, Newton, Pascal, Point2, Point3, Second};
 use super::line::CentreLine;
 use super::training;
 use super::water::{Fluid, Push, Water};
-use super::{Body, Ladder, Motion};
+use super::{Body, Ladder, Motion, Quasistatic, Stairs};
 use crate::fault::Fault;
+use crate::valve::Trace;
 
 /// A body in the coordinates of the shapes that it was trained on.
 pub struct Swimmer<'a> {
@@ -28,6 +30,8 @@ pub struct Swimmer<'a> {
     modes: Vec<Vec<f32>>,
     /// Σ m x of the whole tail by coordinate, kg m.
     moments: DVector<f64>,
+    /// Its own equilibria on the rungs of both ladders (left, right).
+    rests: [Vec<DVector<f64>>; 2],
 }
 
 /// What differs from trial to trial.
@@ -77,7 +81,33 @@ impl<'a> Swimmer<'a> {
             halves * x.map(|(m, u)| m * f64::from(*u)).sum::<f64>()
         };
         let moments = DVector::from_iterator(modes.len(), modes.iter().map(moment));
-        Ok(Self { body, reduced, line, rest_line, rows, modes, moments })
+        let rests = [(Side::Left, &ladders[0]), (Side::Right, &ladders[1])]
+            .map(|(side, ladder)| rests(body, &reduced, side, &ladder.pressures));
+        let [left, right] = rests;
+        Ok(Self { body, reduced, line, rest_line, rows, modes, moments, rests: [left?, right?] })
+    }
+
+    /// Moves from rest at the start of `span` (s) while one `side` is filled and opened, beside the whole body's `ladder` on that side,
+    /// the reference of its temperature.
+    ///
+    /// # Errors
+    /// [`Fault`] when a step finds no motion.
+    pub fn stairs(
+        &'a self,
+        side: Side,
+        ladder: &'a Ladder,
+        trace: Trace,
+        span: [Second; 2],
+        step: Second,
+        fluid: Option<Fluid>,
+    ) -> Result<Stairs<'a>, Fault> {
+        let pressures = |t: Second| match side {
+            Side::Left => [trace.at(t), 0.0],
+            Side::Right => [0.0, trace.at(t)],
+        };
+        let flap = self.flap(span, step, &pressures, &Conditions { fluid, softening: 1.0 })?;
+        let still = Quasistatic { rest: &self.body.mesh.nodes, ladder, trace };
+        Ok(Stairs { still, flap, rests: &self.rests[usize::from(side == Side::Right)] })
     }
 
     /// Moves from rest at `start` until `end` (s) in steps of `step` (s), under the pressures (left, right; Pa) at any time.
@@ -137,6 +167,19 @@ impl<'a> Swimmer<'a> {
     }
 }
 
+/// The reduced body's equilibria with `side` filled to rising `pressures` (Pa), the first of them 0.
+fn rests(body: &Body, reduced: &fem::Reduced, side: Side, pressures: &[Pascal]) -> Result<Vec<DVector<f64>>, Fault> {
+    let mut found = vec![DVector::zeros(reduced.coordinates())];
+    for pressure in &pressures[1..] {
+        let near = found.iter().rev().take(2).collect::<Vec<_>>();
+        let guess = if let [last, before] = near[..] { last * 2.0 - before } else { found[0].clone() };
+        let rest = reduced.equilibrium(&body.one_side(side, *pressure), &[1.0, 1.0], &guess);
+        let place = || format!("the reduced body at rest under {:.0} mbar", pressure / si::MILLIBAR);
+        found.push(rest.map_err(|e| Fault::at(place(), e))?);
+    }
+    Ok(found)
+}
+
 /// Water that notes its push after each step.
 struct Followed<'a, 'b> {
     water: Water<'a>,
@@ -168,8 +211,13 @@ impl Flap<'_> {
         at(place.floor()) * (1.0 - share) + at(place.floor() + 1.0) * share
     }
 
+    /// Coordinates × (nodes × 3), m.
+    pub(super) fn modes(&self) -> &[Vec<f32>] {
+        &self.swimmer.modes
+    }
+
     /// Coordinates at time `t` (s): straight between steps, the first before them, the last after.
-    fn coordinates(&self, t: Second) -> DVector<f64> {
+    pub(super) fn coordinates(&self, t: Second) -> DVector<f64> {
         let last = self.shapes.len() - 1;
         let place = ((t - self.start) * self.rate).clamp(0.0, last as f64);
         let first = (place.floor() as usize).min(last.saturating_sub(1));
@@ -204,7 +252,7 @@ impl Motion for Flap<'_> {
 }
 
 /// Displacements of all nodes, nodes × 3, m.
-fn moved(modes: &[Vec<f32>], q: &DVector<f64>) -> Vec<f32> {
+pub(super) fn moved(modes: &[Vec<f32>], q: &DVector<f64>) -> Vec<f32> {
     let mut moved = vec![0.0; modes.first().map_or(0, Vec::len)];
     for (mode, q) in modes.iter().zip(q.iter()) {
         moved.iter_mut().zip(mode).for_each(|(moved, u)| *moved += *q as f32 * u);
@@ -213,7 +261,7 @@ fn moved(modes: &[Vec<f32>], q: &DVector<f64>) -> Vec<f32> {
 }
 
 /// Displacements of the nodes `of`, m: the same sums as [`moved`] in the same order, so the same numbers.
-fn moved_of(modes: &[Vec<f32>], q: &DVector<f64>, of: &[u32]) -> Vec<[f32; 3]> {
+pub(super) fn moved_of(modes: &[Vec<f32>], q: &DVector<f64>, of: &[u32]) -> Vec<[f32; 3]> {
     let mut moved = vec![[0.0; 3]; of.len()];
     for (mode, q) in modes.iter().zip(q.iter()) {
         let (mode, _) = mode.as_chunks::<3>();

@@ -40,19 +40,36 @@ pub struct Quasistatic<'a> {
     pub trace: Trace,
 }
 
-impl Motion for Quasistatic<'_> {
-    /// Cubic through the four rungs around the pressure (Lagrange); held beyond the ladder.
-    fn nodes(&self, t: Second) -> Vec<Point3> {
-        let Ladder { pressures, shapes } = self.ladder;
+impl Quasistatic<'_> {
+    /// The first of the four rungs around the pressure at time `t` (s), and the weights of the cubic through them (Lagrange); held
+    /// beyond the ladder.
+    pub fn rungs(&self, t: Second) -> (usize, [f64; 4]) {
+        let pressures = &self.ladder.pressures;
         let last = pressures.len() - 1;
         let pressure = self.trace.at(t).clamp(pressures[0], pressures[last]);
         let above = pressures.partition_point(|p| *p <= pressure);
         let first = above.saturating_sub(2).min(last - 3);
-        let weights = lagrange(&pressures[first..first + 4], pressure);
-        let rungs = &shapes[first..first + 4];
+        (first, lagrange(&pressures[first..first + 4], pressure))
+    }
+
+    /// Where node `i` is between the rungs from `first` on, m.
+    fn node(&self, i: usize, first: usize, weights: &[f64; 4]) -> Point3 {
+        let rungs = &self.ladder.shapes[first..first + 4];
         let moved = |k: usize| (0..4).map(|r| weights[r] * rungs[r][k]).sum::<f64>();
-        let node = |(i, x): (usize, &Point3)| [x[0] + moved(3 * i), x[1] + moved(3 * i + 1), x[2] + moved(3 * i + 2)];
-        self.rest.iter().enumerate().map(node).collect()
+        [0, 1, 2].map(|axis| self.rest[i][axis] + moved(3 * i + axis))
+    }
+}
+
+impl Motion for Quasistatic<'_> {
+    fn nodes(&self, t: Second) -> Vec<Point3> {
+        let (first, weights) = self.rungs(t);
+        (0..self.rest.len()).map(|i| self.node(i, first, &weights)).collect()
+    }
+
+    fn seen(&self, t: Second, of: &[u32]) -> Vec<Point3> {
+        let ((first, weights), mut nodes) = (self.rungs(t), self.rest.to_vec());
+        of.iter().for_each(|i| nodes[*i as usize] = self.node(*i as usize, first, &weights));
+        nodes
     }
 }
 
