@@ -27,6 +27,8 @@ pub struct Tail {
     density: KilogramPerCubicMetre,
     sections: Vec<Slice>,
     edge: Slice,
+    /// Sections of the fin behind its trailing edge: they carry water and resist, but shed nothing more.
+    behind: Vec<Slice>,
     marks: usize,
 }
 
@@ -80,25 +82,30 @@ pub struct Coefficients {
 }
 
 impl Tail {
-    /// A tail held up to `clamp` (m) with marks at `marks` (m, rising) and its trailing edge at `edge` (m), cut into `count`
-    /// sections whose depth (m) at a place (m) is `depth`.
+    /// A tail held up to `clamp` (m) with marks at `marks` (m, rising), its trailing edge and the end of its fin at `edge` and `end`
+    /// (m, the same where nothing is behind), cut before the edge into `count` sections whose depth (m) at a place (m) is `depth`.
     ///
     /// # Errors
-    /// [`TailError`] when the marks do not rise from the clamp to the edge.
+    /// [`TailError`] when the marks do not rise from the clamp to the end.
     pub fn new(
         density: KilogramPerCubicMetre,
         clamp: Metre,
         marks: &[Metre],
-        edge: Metre,
+        [edge, end]: [Metre; 2],
         count: usize,
         depth: &dyn Fn(Metre) -> Metre,
     ) -> Result<Self, TailError> {
-        let refused = || TailError { clamp, edge, marks: marks.to_vec() };
-        let line = CentreLine::new(clamp, marks).filter(|_| marks.iter().all(|m| *m <= edge)).ok_or_else(refused)?;
+        let refused = || TailError { clamp, edge: end, marks: marks.to_vec() };
+        let line = CentreLine::new(clamp, marks).filter(|_| marks.iter().all(|m| *m <= end)).ok_or_else(refused)?;
+        let slices = |from: Metre, to: Metre, count: usize| -> Vec<Slice> {
+            let length = (to - from) / count as f64;
+            let middles = (0..count).map(|i| from + (i as f64 + 0.5) * length);
+            middles.map(|a| Slice { weights: line.at(a), depth: depth(a), length }).collect()
+        };
         let length = (edge - clamp) / count as f64;
-        let slice = |a: Metre| Slice { weights: line.at(a), depth: depth(a), length };
-        let sections = (0..count).map(|i| slice(clamp + (i as f64 + 0.5) * length)).collect();
-        Ok(Self { density, sections, edge: slice(edge), marks: marks.len() })
+        let behind = slices(edge, end, ((end - edge) / length).ceil().max(0.0) as usize);
+        let edge_slice = Slice { weights: line.at(edge), depth: depth(edge), length };
+        Ok(Self { density, sections: slices(clamp, edge, count), edge: edge_slice, behind, marks: marks.len() })
     }
 
     /// The terms while the marks are displaced by `moved` (m) and move with `speed` (m/s), a pair a mark.
@@ -124,11 +131,14 @@ impl Tail {
     /// The flux is summed by parts, so that what leaves at the trailing edge is pushed there. The first term's rate is the caller's.
     pub fn water(&self, moved: &[Point2], speed: &[Point2], by: Coefficients) -> Water {
         let mut water = Water { momentum: vec![[0.0; 2]; self.marks], push: vec![[0.0; 2]; self.marks] };
-        for slice in &self.sections {
+        let sheds =
+            self.sections.iter().map(|slice| (slice, true)).chain(self.behind.iter().map(|slice| (slice, false)));
+        for (slice, sheds) in sheds {
             let section = slice.section(moved, speed);
             let mass = by.added * elongated::virtual_mass(self.density, slice.depth);
             let resists = resistive::push(self.density, slice.depth, &section).map(|f| by.drag * f);
-            let (held, flux) = (elongated::held(mass, &section), elongated::flux(mass, &section));
+            let held = elongated::held(mass, &section);
+            let flux = if sheds { elongated::flux(mass, &section) } else { [0.0; 2] };
             let Weights { value, slope } = &slice.weights;
             for (mark, k) in (0..self.marks).flat_map(|m| [(m, 0), (m, 1)]) {
                 water.momentum[mark][k] += slice.length * value[mark] * held[k];
@@ -177,7 +187,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     fn tail(count: usize) -> Tail {
-        Tail::new(1000.0, 0.01, &[0.05, 0.07, 0.09], 0.11, count, &|a| 0.06 - 0.2 * a).unwrap()
+        Tail::new(1000.0, 0.01, &[0.05, 0.07, 0.09], [0.11, 0.11], count, &|a| 0.06 - 0.2 * a).unwrap()
     }
 
     const FREE: Coefficients = Coefficients { added: 1.0, drag: 0.0 };
@@ -262,7 +272,7 @@ mod tests {
     #[test]
     fn the_water_gains_what_the_tail_spends_but_for_what_leaves_at_the_edge() {
         // P = d/dt ∫ ½ m w² da − ½ m w² u at the edge, of a tail that keeps its length [lighthill1971]
-        let tail = Tail::new(1000.0, 0.01, &[0.05, 0.08, 0.11], 0.11, 200, &|a| 0.06 - 0.2 * a).unwrap();
+        let tail = Tail::new(1000.0, 0.01, &[0.05, 0.08, 0.11], [0.11, 0.11], 200, &|a| 0.06 - 0.2 * a).unwrap();
         let swing = |t: f64| bent(0.6 * (9.0 * t).sin(), 5.4 * (9.0 * t).cos());
         let water = |t: f64| {
             let (moved, speed) = swing(t);
@@ -296,7 +306,20 @@ mod tests {
     }
 
     #[test]
-    fn a_mark_beyond_the_edge_is_refused() {
-        assert!(Tail::new(1e3, 0.0, &[0.05, 0.2], 0.1, 10, &|_| 0.05).is_err());
+    fn a_fin_behind_the_edge_carries_water_and_resists_but_sheds_nothing_more() {
+        let of =
+            |end: Metre| Tail::new(1000.0, 0.01, &[0.05, 0.07, 0.09], [0.09, end], 16, &|a| 0.5 * (0.11 - a)).unwrap();
+        let (short, long) = (of(0.09), of(0.11));
+        let water = |tail: &Tail, drag: f64| tail.water(&MOVED, &SPEED, Coefficients { drag, ..FREE });
+        let kinetic = |tail: &Tail| 0.5 * power(&water(tail, 0.0).momentum, &SPEED);
+        assert!(kinetic(&long) > 1.05 * kinetic(&short));
+        assert_eq!(water(&long, 0.0).push, water(&short, 0.0).push);
+        let spent = |tail: &Tail| power(&water(tail, 1.0).push, &SPEED) - power(&water(tail, 0.0).push, &SPEED);
+        assert!(spent(&long) < 1.05 * spent(&short) && spent(&short) < 0.0);
+    }
+
+    #[test]
+    fn a_mark_beyond_the_end_is_refused() {
+        assert!(Tail::new(1e3, 0.0, &[0.05, 0.2], [0.1, 0.1], 10, &|_| 0.05).is_err());
     }
 }

@@ -56,7 +56,7 @@ fn bench<'a>(mesh: &Mesh, marks: &'a [Vec<(u32, f64)>]) -> Bench<'a> {
 const WAVE: Wave = Wave { amplitude: 6e3, frequency: 4.0, sharpness: 4.0 };
 
 fn tail() -> Tail {
-    Tail::new(1000.0, 0.0, &[0.04, 0.06, 0.08], 0.08, 12, &|_| 0.02).unwrap()
+    Tail::new(1000.0, 0.0, &[0.04, 0.06, 0.08], [0.08; 2], 12, &|_| 0.02).unwrap()
 }
 
 fn network() -> Network {
@@ -140,7 +140,7 @@ const TUNED: [f64; 5] = [0.9, 0.8, 1.2, 0.0, 0.0];
 /// Asks something of the model in reduced coordinates in a fluid of `density` (kg/m³): one beat after `settle` others.
 fn swimming<T>(model: &Model, density: f64, settle: usize, ask: &dyn Fn(&Swimmer) -> T) -> T {
     let small = Small::train(model, &model.nominal, &[1.2 * WAVE.amplitude; 2], 0.08).unwrap();
-    let tail = Tail::new(density, 0.0, &[0.04, 0.06, 0.08], 0.08, 12, &|_| 0.02).unwrap();
+    let tail = Tail::new(density, 0.0, &[0.04, 0.06, 0.08], [0.08; 2], 12, &|_| 0.02).unwrap();
     let rows: DMatrix<f64> = small.rows(&[0, 1, 2]);
     ask(&Swimmer {
         small: &small,
@@ -172,7 +172,7 @@ fn the_reduced_model_s_thrust_and_slope_are_the_whole_one_s_where_nothing_surrou
     let nodes = model.system.mesh().nodes.len();
     let march = March { step: 5e-3, scheme: Scheme::Bdf2, mass_damping: 0.0, stiffness_damping: 1e-3, tolerance: 1e-9 };
     let bench = Bench { nodes, marks: &marks, march, steps: 100, settled: 50 };
-    let tail = Tail::new(THIN, 0.0, &[0.04, 0.06, 0.08], 0.08, 12, &|_| 0.02).unwrap();
+    let tail = Tail::new(THIN, 0.0, &[0.04, 0.06, 0.08], [0.08; 2], 12, &|_| 0.02).unwrap();
     let teller = Teller::Theory(&tail, TUNED);
     let told = bench.gradient(&mut model.system.solver(), &WAVE, &teller).unwrap();
     // reduced motions are some hundredths off, and thrust goes with their square

@@ -1,4 +1,4 @@
-//! Figure `dynamics`: the identified model follows trials it never saw. Paper, figure 7.
+//! Figures `dynamics` and `dynamics_water`: the identified model follows trials it never saw, in air and in water. Paper, figure 7.
 //!
 //! One panel a condition: sideways displacement of the marker farthest out, measured (mean and deviation of the repeats) and
 //! simulated, with the pressures under it.
@@ -27,12 +27,35 @@ impl figure::Figure for Dynamics {
     const EDITION: u32 = 4;
 
     fn is_made_for(study: &Study) -> bool {
-        Trial::all(study).iter().any(|trial| !trial.is_in_water() && Validation::is_made_for(trial))
+        validated(study, false)
     }
 
     fn draw(Every(trials): Self::Needs) -> Outcome<Figure> {
         drawn(trials.into_iter().filter(|(trial, _)| !trial.is_in_water()).collect())
     }
+}
+
+/// The figure of trials in water.
+pub struct DynamicsWater;
+
+impl figure::Figure for DynamicsWater {
+    type Needs = Every<Validation>;
+    const NAME: &'static str = "dynamics_water";
+    const SHOWS: &'static str = "with the water that a release told it follows them there too";
+    const EDITION: u32 = 1;
+
+    fn is_made_for(study: &Study) -> bool {
+        validated(study, true)
+    }
+
+    fn draw(Every(trials): Self::Needs) -> Outcome<Figure> {
+        drawn(trials.into_iter().filter(|(trial, _)| trial.is_in_water()).collect())
+    }
+}
+
+/// Whether a trial in water, or one in air, is foretold at all.
+fn validated(study: &Study, wet: bool) -> bool {
+    Trial::all(study).iter().any(|trial| trial.is_in_water() == wet && Validation::is_made_for(trial))
 }
 
 /// Two conditions a row, each over its pressures.

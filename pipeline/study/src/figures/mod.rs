@@ -26,6 +26,7 @@ pub const ALL: &[Entry] = &[
     figure::<sysid::Sysid>(),
     figure::<four_parameters::FourParameters>(),
     figure::<dynamics::Dynamics>(),
+    figure::<dynamics::DynamicsWater>(),
     figure::<thrust::Thrust>(),
     figure::<load_cell::LoadCell>(),
 ];

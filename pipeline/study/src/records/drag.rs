@@ -48,9 +48,7 @@ impl Record for Drag {
     const STAGE: &'static str = "drag";
 
     fn is_made_for(of: &Specimen) -> bool {
-        // the bench's staircases go from equilibrium to equilibrium: a release there shows no water
-        let filmed = of.card.origin == lab::card::Origin::Laboratory;
-        filmed && of.trials().iter().any(crate::subject::Trial::is_staircase_in_water)
+        of.trials().iter().any(crate::subject::Trial::is_staircase_in_water)
     }
 
     fn pack(&self) -> Result<Parcel, RecordError> {

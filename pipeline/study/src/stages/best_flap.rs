@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use si::{Metre, Pascal, Second, Series};
 
-use super::{swing, thrust};
+use super::swing;
 use crate::fault::{Fault, Outcome};
 use crate::model::{Model, Small};
 use crate::needs::Maybe;
@@ -21,6 +21,7 @@ use crate::records::{Best, BestFlap as Record, Check, Damping, Drag, Flap, Ident
 use crate::stage::{Desk, Stage};
 use crate::subject::Specimen;
 use crate::thrust::climb::{Limits, climb};
+use crate::thrust::outline::{self, Outline};
 use crate::thrust::rungs::linear::Weighted;
 use crate::thrust::simulated::Wave;
 use crate::thrust::swim::{Asked, Swimmer, mean};
@@ -52,7 +53,7 @@ impl Stage for BestFlap {
     type Needs = (Mesh, Identified, Damping, (Thrust, Maybe<Drag>));
     type Makes = Record;
     const STORY: &'static str = "the simulator is asked for the flap of the most thrust";
-    const EDITION: u32 = 3;
+    const EDITION: u32 = 4;
 
     fn card(of: &Specimen) -> Value {
         let (solid, card) = (&of.card.solid, &of.card);
@@ -70,14 +71,15 @@ impl Stage for BestFlap {
     fn run(of: &Specimen, set: &Settings, needs: Self::Needs, desk: &dyn Desk) -> Outcome<Record> {
         let (mesh, identified, damping, (learnt, Maybe(water))) = needs;
         let limits = limits(&learnt.runs, &identified, set.rounds)?;
-        let (wet, spots) = thrust::stations(of, learnt.density, learnt.sections, &mesh)?;
+        let outline = Outline::new(&of.card, &mesh.solid);
+        let (wet, spots) = outline.whole(learnt.density, learnt.sections).map_err(Fault::from_tool)?;
         let model = Model::new(&mesh, &of.card)?.and(spots);
         let elastic = swing::identified(&model, &identified);
         desk.progress(0.1, "reducing the model");
         let top = vec![limits.amplitude; of.card.chamber.len()];
         let small = Small::train(&model, &elastic, &top, of.card.length)?;
-        let tail = thrust::tail(of, learnt.density, learnt.sections, &mesh)?;
-        let rows = small.rows(&thrust::order(of));
+        let tail = outline.marked(learnt.density, learnt.sections).map_err(Fault::from_tool)?;
+        let rows = small.rows(&outline::order(&of.card));
         let stations = small.rows(&(of.card.marker.len()..small.markers()).collect::<Vec<_>>());
         let swimmer = Swimmer {
             small: &small,

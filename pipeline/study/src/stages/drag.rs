@@ -19,13 +19,13 @@ use si::{KilogramPerCubicMetre, Metre, Pascal, Point2, Second};
 use super::damping::swing_marker;
 use super::stop::Stop;
 use super::swing::{self, Drive, Swing};
-use super::thrust;
 use crate::fault::{Fault, Outcome};
 use crate::model::{Model, Small};
 use crate::needs::Waded;
 use crate::records::{self, Damping, Identified, Level, Mesh, Motion};
 use crate::stage::{Desk, Stage};
 use crate::subject::Specimen;
+use crate::thrust::outline::Outline;
 
 /// The stage.
 pub struct Drag;
@@ -66,7 +66,7 @@ impl Stage for Drag {
     type Needs = (Mesh, Identified, Damping, Waded<Motion>);
     type Makes = records::Drag;
     const STORY: &'static str = "a release under water becomes added mass and drag";
-    const EDITION: u32 = 2;
+    const EDITION: u32 = 3;
 
     fn card(of: &Specimen) -> Value {
         let (solid, card) = (&of.card.solid, &of.card);
@@ -77,10 +77,9 @@ impl Stage for Drag {
 
     fn run(of: &Specimen, set: &Settings, needs: Self::Needs, desk: &dyn Desk) -> Outcome<records::Drag> {
         let (mesh, identified, damping, films) = needs;
-        let Some((_, motion)) = films.0.first() else {
-            return Err(Fault::new("there is no staircase in water", "no trial of the card is one", "film one"));
-        };
-        let (tail, spots) = thrust::stations(of, set.density, set.sections, &mesh)?;
+        let (_, motion) = films.0.first().ok_or_else(no_staircase)?;
+        let outline = Outline::new(&of.card, &mesh.solid);
+        let (tail, spots) = outline.whole(set.density, set.sections).map_err(Fault::from_tool)?;
         let model = Model::new(&mesh, &of.card)?.seen_at(&mesh, &of.card, &motion.rest).and(spots);
         let swing = Swing { elastic: swing::identified(&model, &identified), model: &model, marker: swing_marker(of) };
         let known = identified.levels.iter().map(Level::pressure).fold(0.0, f64::max);
@@ -91,36 +90,68 @@ impl Stage for Drag {
         let small = Small::train(&model, &swing.elastic, &vec![known; gauges.len()], of.card.length)?;
         let march = swing::march(Scheme::Bdf2, set.step, damping.stiffness_damping);
         let bath = Bath::new(&small, &tail, swing.marker, of.card.marker.len(), march, mesh.solid.half);
-        let frames = |t: &&Second| **t > begin && **t < drive.end;
-        let times: Vec<Second> = motion.time.iter().filter(frames).copied().collect();
-        let seen = motion.time.iter().zip(&motion.markers[swing.marker].at).filter(|(t, _)| frames(t));
-        let seen = about_mean(&seen.map(|(_, at)| *at).collect::<Vec<_>>());
+        let film = Film::of(motion, swing.marker, [begin, drive.end]);
         let mut marches = 0;
         let mut told = |at: &[Vec<f64>]| -> Outcome<Vec<Vec<f64>>> {
             marches += at.len();
             desk.progress(0.2 + 0.8 * (marches as f64 / (3 * set.iterations) as f64).min(1.0), "releasing");
-            let off = |at: &Vec<f64>| {
-                let path = about_mean(&swing::onto(&bath.path(coefficients(at), &drive)?, &times));
-                Ok(path.iter().zip(&seen).map(|(a, b)| (a - b) / set.sigma).collect())
-            };
+            let off = |at: &Vec<f64>| Ok(film.off(&bath.path(coefficients(at), &drive)?, set.sigma));
             at.par_iter().map(off).collect()
         };
         let best = sought(set, &mut told)?;
-        let residuals = best.residuals.as_ref().ok_or_else(|| Fault::from_tool("the best march left no residuals"))?;
-        let posterior = residuals.posterior(NAMES.len()).map_err(Fault::from_tool)?;
-        let by = coefficients(&best.at);
-        let rms = |of: &[f64]| (of.iter().map(|v| v * v).sum::<f64>() / (of.len() / 2).max(1) as f64).sqrt();
-        Ok(records::Drag {
-            by,
-            sigma: Coefficients { added: by.added * posterior.sigma(0), drag: by.drag * posterior.sigma(1) },
-            released,
-            rmse: set.sigma * rms(&residuals.values),
-            moved: rms(&seen),
-            marches,
-            density: set.density,
-            sections: set.sections,
-        })
+        concluded(set, &best, film.moved(), released, marches)
     }
+}
+
+/// The watched marker of the film after its release.
+struct Film {
+    times: Vec<Second>,
+    /// See [`about_mean`].
+    seen: Vec<Metre>,
+}
+
+impl Film {
+    /// Between two times, s on the film's clock.
+    fn of(motion: &Motion, marker: usize, [begin, end]: [Second; 2]) -> Self {
+        let inside = motion.time.iter().zip(&motion.markers[marker].at).filter(|(t, _)| **t > begin && **t < end);
+        let (times, places): (Vec<Second>, Vec<Point2>) = inside.map(|(t, at)| (*t, *at)).unzip();
+        Self { times, seen: about_mean(&places) }
+    }
+
+    /// How far a simulated path is off, in deviations `sigma` (m).
+    fn off(&self, path: &[signal::resample::Samples; 2], sigma: Metre) -> Vec<f64> {
+        let path = about_mean(&swing::onto(path, &self.times));
+        path.iter().zip(&self.seen).map(|(a, b)| (a - b) / sigma).collect()
+    }
+
+    /// How far the marker moved, m.
+    fn moved(&self) -> Metre {
+        rms(&self.seen)
+    }
+}
+
+/// Root of the mean square of a path's distances, x and y one after the other.
+fn rms(of: &[f64]) -> f64 {
+    (of.iter().map(|v| v * v).sum::<f64>() / (of.len() / 2).max(1) as f64).sqrt()
+}
+
+fn concluded(
+    set: &Settings,
+    best: &Evaluation,
+    moved: Metre,
+    released: Pascal,
+    marches: usize,
+) -> Outcome<records::Drag> {
+    let residuals = best.residuals.as_ref().ok_or_else(|| Fault::from_tool("the best march left no residuals"))?;
+    let posterior = residuals.posterior(NAMES.len()).map_err(Fault::from_tool)?;
+    let by = coefficients(&best.at);
+    let sigma = Coefficients { added: by.added * posterior.sigma(0), drag: by.drag * posterior.sigma(1) };
+    let rmse = set.sigma * rms(&residuals.values);
+    Ok(records::Drag { by, sigma, released, rmse, moved, marches, density: set.density, sections: set.sections })
+}
+
+fn no_staircase() -> Fault {
+    Fault::new("there is no staircase in water", "no trial of the card is one", "film one")
 }
 
 /// A reduced tail in water.

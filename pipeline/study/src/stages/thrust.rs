@@ -10,8 +10,7 @@ use hydro::Tail;
 use lab::card::Experiment;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use shape::Spot;
-use si::{Hertz, KilogramPerCubicMetre, Metre, Pascal, Point2, Second, Series};
+use si::{Hertz, KilogramPerCubicMetre, Pascal, Point2, Second, Series};
 use signal::cell::Regularised;
 use signal::crosstalk::{self, CrossTalk, Still};
 use signal::resample::Samples;
@@ -22,6 +21,7 @@ use crate::needs::{Maybe, OfTrials};
 use crate::records::{Crosstalk, LoadCell, Means, Mesh, Motion, Pull, Scored, Thrust as Record, Trace};
 use crate::stage::{Desk, Stage};
 use crate::subject::{Scope, Specimen, Trial};
+use crate::thrust::outline::{Outline, order};
 use crate::thrust::rungs::linear::Weighted;
 use crate::thrust::score::score;
 use crate::thrust::{Fitted, LADDER, Lesson, Run, Rung, run, splits};
@@ -86,7 +86,7 @@ impl Stage for Thrust {
     type Needs = (Mesh, Maybe<LoadCell>, Weighed);
     type Makes = Record;
     const STORY: &'static str = "motion and pressure learn to tell thrust";
-    const EDITION: u32 = 2;
+    const EDITION: u32 = 3;
 
     fn card(of: &Specimen) -> Value {
         let trial =
@@ -98,7 +98,7 @@ impl Stage for Thrust {
 
     fn run(of: &Specimen, set: &Settings, needs: Self::Needs, desk: &dyn Desk) -> Outcome<Record> {
         let (mesh, Maybe(cell), weighed) = needs;
-        let tail = tail(of, set.density, set.sections, &mesh)?;
+        let tail = Outline::new(&of.card, &mesh.solid).marked(set.density, set.sections).map_err(Fault::from_tool)?;
         let talk = talk(&weighed.0, set)?;
         let mut runs = Vec::new();
         for (trial, motion, pull) in &weighed.0 {
@@ -149,79 +149,6 @@ impl crate::needs::Needs<Specimen> for Weighed {
         };
         Ok(Self(pulls.into_iter().map(one).collect::<Outcome<_>>()?))
     }
-}
-
-/// The tail as theory sees it: depths from the mesh, marks from the card.
-pub(super) fn tail(of: &Specimen, density: KilogramPerCubicMetre, sections: usize, mesh: &Mesh) -> Outcome<Tail> {
-    let outline = Outline::new(of, mesh, sections);
-    let marks: Vec<Metre> = order(of).iter().map(|&i| of.card.marker[i].at[0]).collect();
-    let trailing = outline.trailing(of);
-    Tail::new(density, outline.clamp, &marks, trailing, sections, &|a| outline.depth(a)).map_err(Fault::from_tool)
-}
-
-/// The same by places of the model itself on the back and the fin: where marks end, a line through them would take the fin as straight.
-pub(super) fn stations(
-    of: &Specimen,
-    density: KilogramPerCubicMetre,
-    sections: usize,
-    mesh: &Mesh,
-) -> Outcome<(Tail, Vec<Spot>)> {
-    let outline = Outline::new(of, mesh, sections);
-    let (clamp, trailing) = (outline.clamp, outline.trailing(of));
-    let places: Vec<Metre> =
-        (1..=STATIONS).map(|i| (clamp + (trailing - clamp) * i as f64 / STATIONS as f64).min(trailing)).collect();
-    let spot = |a: &Metre| shape::embed(&mesh.solid, [*a, 0.0, 0.5 * outline.depth(*a)]).0;
-    let spots = places.iter().map(spot).collect();
-    let tail =
-        Tail::new(density, clamp, &places, trailing, sections, &|a| outline.depth(a)).map_err(Fault::from_tool)?;
-    Ok((tail, spots))
-}
-
-/// Places of the model by which water sees it.
-const STATIONS: usize = 12;
-
-/// How deep a tail is along its length.
-struct Outline<'a> {
-    mesh: &'a Mesh,
-    /// m.
-    clamp: Metre,
-    /// The end of the fin, m.
-    edge: Metre,
-    /// How far nodes may lie from a place whose depth they tell, m.
-    reach: Metre,
-}
-
-impl<'a> Outline<'a> {
-    fn new(of: &Specimen, mesh: &'a Mesh, sections: usize) -> Self {
-        let edge = mesh.solid.nodes.iter().map(|n| n[0]).fold(f64::NEG_INFINITY, f64::max);
-        let clamp = of.card.clamp.below_x;
-        Self { mesh, clamp, edge, reach: (0.5 * (edge - clamp) / sections as f64).max(2e-3) }
-    }
-
-    fn depth(&self, a: Metre) -> Metre {
-        let near = self.mesh.solid.nodes.iter().filter(|n| (n[0] - a).abs() <= self.reach).map(|n| n[2]);
-        let (low, high) = near.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| (l.min(z), h.max(z)));
-        match (high > low, self.mesh.solid.half) {
-            (true, true) => 2.0 * high,
-            (true, false) => high - low,
-            (false, _) => 0.0,
-        }
-    }
-
-    /// Where the fin is deepest: behind it the fin only narrows and sheds nothing more.
-    fn trailing(&self, of: &Specimen) -> Metre {
-        let last = order(of).last().map_or(self.clamp, |&i| of.card.marker[i].at[0]);
-        let place = |i: i32| self.clamp + (self.edge - self.clamp) * f64::from(i) / 200.0;
-        let rear = (0..=200).map(place).filter(|a| *a >= last);
-        rear.max_by(|a, b| self.depth(*a).total_cmp(&self.depth(*b))).unwrap_or(self.edge)
-    }
-}
-
-/// The card's markers from the head to the fin.
-pub(super) fn order(of: &Specimen) -> Vec<usize> {
-    let mut order: Vec<usize> = (0..of.card.marker.len()).collect();
-    order.sort_by(|&a, &b| of.card.marker[a].at[0].total_cmp(&of.card.marker[b].at[0]));
-    order
 }
 
 fn gauges(motion: &Motion) -> Outcome<Vec<Samples>> {
@@ -296,7 +223,7 @@ fn gathered(
     let time: Vec<Second> = samples.iter().map(|&i| clean.time(i)).collect();
     let specimen = Specimen { card: trial.card.clone() };
     let paths: Vec<[Series; 2]> =
-        order(&specimen).iter().map(|&m| path(motion, m, set.smooth)).collect::<Outcome<_>>()?;
+        order(&specimen.card).iter().map(|&m| path(motion, m, set.smooth)).collect::<Outcome<_>>()?;
     let read =
         |of: &[[Series; 2]], t: Second| of.iter().map(|axes| [axes[0].at(t), axes[1].at(t)]).collect::<Vec<Point2>>();
     let quick: Vec<[Series; 2]> = paths.iter().map(|axes| axes.each_ref().map(rate_of)).collect();

@@ -18,13 +18,14 @@ use signal::resample::Samples;
 use super::damping::swing_marker;
 use super::drag::Bath;
 use super::swing::{self, Drive, Swing};
-use super::{baselines, repeats, thrust};
-use crate::fault::Outcome;
+use super::{baselines, repeats};
+use crate::fault::{Fault, Outcome};
 use crate::model::{Model, Small};
 use crate::needs::{InWater, Repeats};
 use crate::records::{Damping, Drag, Identified, Mesh, Motion, Validation, Way};
 use crate::stage::{Desk, Stage};
 use crate::subject::{Specimen, Trial};
+use crate::thrust::outline::Outline;
 
 /// The stage.
 pub struct Validate;
@@ -46,7 +47,7 @@ impl Stage for Validate {
     type Needs = ((Mesh, Identified), Damping, InWater<Drag>, Repeats<Motion>);
     type Makes = Validation;
     const STORY: &'static str = "flapping never seen is predicted and compared";
-    const EDITION: u32 = 6;
+    const EDITION: u32 = 7;
 
     fn card(of: &Trial) -> Value {
         let (solid, card) = (&of.card.solid, &of.card);
@@ -66,7 +67,9 @@ impl Stage for Validate {
         let specimen = Specimen { card: of.card.clone() };
         let marker = swing_marker(&specimen);
         let rest = films.first().map(|m| m.rest.clone()).unwrap_or_default();
-        let wet = drag.as_ref().map(|d| thrust::stations(&specimen, d.density, d.sections, &mesh)).transpose()?;
+        let whole =
+            |d: &Drag| Outline::new(&of.card, &mesh.solid).whole(d.density, d.sections).map_err(Fault::from_tool);
+        let wet = drag.as_ref().map(whole).transpose()?;
         let (tail, spots) = wet.unzip();
         let model = Model::new(&mesh, &of.card)?.seen_at(&mesh, &of.card, &rest).and(spots.unwrap_or_default());
         let swing = Swing { model: &model, elastic: swing::identified(&model, &identified), marker };

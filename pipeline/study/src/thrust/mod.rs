@@ -1,6 +1,6 @@
 //! Thrust: models that tell it from motion and pressure, from the mean to a network, fitted and judged alike.
 //!
-//! [`run`] is one beating trial as evenly spaced samples; `rungs/` holds one file a kind of model and the list `LADDER`;
+//! [`outline`] is the tail as water sees it; [`run`] is one beating trial as evenly spaced samples; `rungs/` holds one file a kind of model and the list `LADDER`;
 //! [`score`] judges what a rung says of runs it never saw; [`splits`] chooses which those are; [`simulated`] evaluates a
 //! trained model on the whole body's motion, with gradients through the finite elements; [`swim`] on the reduced body's in
 //! [`water`]; [`climb`] goes uphill by either.
@@ -8,6 +8,7 @@
 //! Stands on: hydro, fit, signal, the reduced model. Never knows: a file, a record, a stage. Paper: section V.
 
 pub mod climb;
+pub mod outline;
 pub mod run;
 pub mod rungs;
 pub mod score;

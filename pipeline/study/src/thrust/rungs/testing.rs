@@ -11,7 +11,7 @@ use crate::thrust::run::{self, Run};
 
 /// A tail of 0.1 m with three marks.
 pub(crate) fn tail() -> Tail {
-    Tail::new(1000.0, 0.01, &[0.05, 0.07, 0.09], 0.105, 16, &|_| 0.04).unwrap()
+    Tail::new(1000.0, 0.01, &[0.05, 0.07, 0.09], [0.105, 0.105], 16, &|_| 0.04).unwrap()
 }
 
 /// 5 s of a run at `frequency` (Hz) and `amplitude` (Pa), a little different for each seed.

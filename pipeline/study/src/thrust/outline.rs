@@ -1,0 +1,97 @@
+//! Outline: a tail as water sees it, how deep it is along its length and where its fin is deepest.
+//!
+//! Stands on: hydro, shape, the card. Never knows: a film, a wave, a model of thrust.
+
+use hydro::{Tail, TailError};
+use lab::card::Card;
+use shape::{QuadraticMesh, Spot};
+use si::{KilogramPerCubicMetre, Metre, Point3};
+
+/// Places of the model by which water sees it.
+const STATIONS: usize = 14;
+/// Places among which the deepest is sought.
+const PLACES: usize = 200;
+
+/// A tail's outline seen from the side.
+pub struct Outline<'a> {
+    card: &'a Card,
+    solid: &'a QuadraticMesh,
+    /// Of the skin's triangles, the lower end first along x.
+    edges: Vec<[Point3; 2]>,
+    /// Where the fin is deepest: behind it the fin only narrows and sheds nothing more, m.
+    trailing: Metre,
+    /// The end of the fin, m.
+    end: Metre,
+}
+
+impl<'a> Outline<'a> {
+    /// Of the tail on `card`, meshed as `solid`.
+    pub fn new(card: &'a Card, solid: &'a QuadraticMesh) -> Self {
+        let corner = |face: &shape::QuadraticFace, i: usize| solid.nodes[face.nodes[i % 3] as usize];
+        let rising = |[a, b]: [Point3; 2]| if a[0] <= b[0] { [a, b] } else { [b, a] };
+        let of = |face| [0, 1, 2].map(|i| rising([corner(face, i), corner(face, i + 1)]));
+        let edges = solid.skin.iter().flat_map(of).collect();
+        let end = solid.nodes.iter().map(|n| n[0]).fold(f64::NEG_INFINITY, f64::max);
+        let mut outline = Self { card, solid, edges, trailing: end, end };
+        outline.trailing = outline.deepest();
+        outline
+    }
+
+    /// The tail by the card's markers, from the head to the fin, up to its trailing edge: what films show of it.
+    ///
+    /// # Errors
+    /// [`TailError`] when the markers do not rise from the clamp to the edge.
+    pub fn marked(&self, density: KilogramPerCubicMetre, sections: usize) -> Result<Tail, TailError> {
+        let marks: Vec<Metre> = order(self.card).iter().map(|&i| self.card.marker[i].at[0]).collect();
+        let (clamp, edge) = (self.card.clamp.below_x, self.trailing);
+        Tail::new(density, clamp, &marks, [edge, edge], sections, &|a| self.depth(a))
+    }
+
+    /// The tail by places of the model itself, the fin behind the trailing edge among them, and those places: a line through marks
+    /// that end before it would take the fin as straight.
+    ///
+    /// # Errors
+    /// [`TailError`] when there is no tail behind the clamp.
+    pub fn whole(&self, density: KilogramPerCubicMetre, sections: usize) -> Result<(Tail, Vec<Spot>), TailError> {
+        let clamp = self.card.clamp.below_x;
+        let place = |i: usize| clamp + (self.end - clamp) * i as f64 / STATIONS as f64;
+        let places: Vec<Metre> = (1..=STATIONS).map(place).collect();
+        // halfway up the half, where the mean over the height is
+        let spot = |a: &Metre| shape::embed(self.solid, [*a, 0.0, 0.25 * self.depth(*a)]).0;
+        let spots = places.iter().map(spot).collect();
+        let tail = Tail::new(density, clamp, &places, [self.trailing, self.end], sections, &|a| self.depth(a))?;
+        Ok((tail, spots))
+    }
+
+    /// Of the section at `a` (m), m.
+    fn depth(&self, a: Metre) -> Metre {
+        let crossing = self.edges.iter().filter(|[from, to]| from[0] <= a && a <= to[0]);
+        let height = |[from, to]: &[Point3; 2]| {
+            let share = if to[0] > from[0] { (a - from[0]) / (to[0] - from[0]) } else { 0.0 };
+            from[2] + share * (to[2] - from[2])
+        };
+        let (low, high) =
+            crossing.map(height).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| (l.min(z), h.max(z)));
+        match (high > low, self.solid.half) {
+            (true, true) => 2.0 * high,
+            (true, false) => high - low,
+            (false, _) => 0.0,
+        }
+    }
+
+    /// Behind the last marker, m.
+    fn deepest(&self) -> Metre {
+        let clamp = self.card.clamp.below_x;
+        let last = order(self.card).last().map_or(clamp, |&i| self.card.marker[i].at[0]);
+        let place = |i: usize| clamp + (self.end - clamp) * i as f64 / PLACES as f64;
+        let rear = (0..=PLACES).map(place).filter(|a| *a >= last);
+        rear.max_by(|a, b| self.depth(*a).total_cmp(&self.depth(*b))).unwrap_or(self.end)
+    }
+}
+
+/// The card's markers from the head to the fin.
+pub fn order(card: &Card) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..card.marker.len()).collect();
+    order.sort_by(|&a, &b| card.marker[a].at[0].total_cmp(&card.marker[b].at[0]));
+    order
+}
