@@ -66,7 +66,7 @@ impl Stage for Identify {
     type Needs = (Mesh, Films);
     type Makes = Identified;
     const STORY: &'static str = "quasi-static motion becomes Young's moduli";
-    const EDITION: u32 = 4;
+    const EDITION: u32 = 5;
 
     fn card(of: &Specimen) -> Value {
         let (solid, card) = (&of.card.solid, &of.card);

@@ -1,16 +1,20 @@
 //! Plateaus: the stretches of a quasi-static trial in which a pressure is held, and the shape that it holds.
 //!
+//! A tail that was filled in an instant still swings a little about that shape. Means are weighed by Hann's window, which a swing
+//! of two periods and more falls out of.
+//!
 //! Stands on: the motion record. Never knows: a simulation.
 
+use std::f64::consts::PI;
 use std::ops::Range;
 
 use si::{Pascal, Point2, Second};
 
 use crate::fault::{Fault, Outcome};
 use crate::model::Rung;
-use crate::records::{Markers, Motion, Parts, Spread};
+use crate::records::{Markers, Motion, Parts, Path, Spread};
 
-/// The shape at each held pressure: means over the last `settled` (0 … 1) of each hold that lasts at least `shortest` (s).
+/// The shape at each held pressure: weighed means over the last `settled` (0 … 1) of each hold that lasts at least `shortest` (s).
 ///
 /// # Errors
 /// A [`Fault`] when the log holds no pressure or the film ends before the first hold.
@@ -45,23 +49,33 @@ fn rung(motion: &Motion, markers: &Markers, hold: Range<usize>, settled: f64) ->
     if frames.is_empty() || samples.is_empty() {
         return None;
     }
-    let pressure = |measured: &[Pascal]| samples.iter().map(|&i| measured[i]).sum::<f64>() / samples.len() as f64;
-    let measured: Vec<Point2> = motion.markers.iter().map(|m| m.mean(frames.clone())).collect();
-    let spread = markers.parts.iter().map(|parts| spread(parts, frames.clone())).collect();
+    let (of_samples, of_frames) = (hann(samples.len()), hann(frames.len()));
+    let pressure = |measured: &[Pascal]| samples.iter().zip(&of_samples).map(|(&i, w)| w * measured[i]).sum();
+    let place = |m: &Path| [0, 1].map(|k| frames.clone().zip(&of_frames).map(|(i, w)| w * m.at[i][k]).sum());
+    let measured: Vec<Point2> = motion.markers.iter().map(place).collect();
+    let spread = markers.parts.iter().map(|parts| spread(parts, frames.start, &of_frames)).collect();
     Some(Rung { pressures: motion.gauges.iter().map(|g| pressure(&g.measured)).collect(), measured, spread })
 }
 
-/// Of the mean over frames: their noise is averaged, what stays through the film is not.
-fn spread(parts: &Parts, frames: Range<usize>) -> Spread {
-    let count = frames.len() as f64;
-    let mean = |of: &[Spread], k: usize| of[frames.clone()].iter().map(|s| s[k]).sum::<f64>() / count;
-    [0, 1, 2].map(|k| mean(&parts.noise, k) / count + mean(&parts.shared, k))
+/// Hann's window over `count` even samples; they sum to 1.
+fn hann(count: usize) -> Vec<f64> {
+    let weight = |k: usize| (PI * (k as f64 + 0.5) / count as f64).sin().powi(2);
+    let sum: f64 = (0..count).map(weight).sum();
+    (0..count).map(|k| weight(k) / sum).collect()
+}
+
+/// Of the weighed mean over the frames from `first` on: their noise is averaged, what stays through the film is not.
+fn spread(parts: &Parts, first: usize, weights: &[f64]) -> Spread {
+    let sum = |of: &[Spread], k: usize, power: i32| {
+        of[first..].iter().zip(weights).map(|(s, w)| w.powi(power) * s[k]).sum::<f64>()
+    };
+    [0, 1, 2].map(|k| sum(&parts.noise, k, 2) + sum(&parts.shared, k, 1))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::records::{Clock, Gauge, Path};
+    use crate::records::{Clock, Gauge};
 
     /// One chamber: off for 1 s, held at 100 Pa for 1 s, off, held at 200 Pa for 1 s; the marker follows at 1e-5 m/Pa.
     fn motion() -> Motion {
@@ -86,8 +100,18 @@ mod tests {
         assert_eq!(rungs.len(), 2);
         assert!((rungs[1].pressures[0] - 200.0).abs() < 1e-9);
         assert!((rungs[1].measured[0][1] - 2e-3).abs() < 1e-12);
-        // some forty of a hundred frames
-        assert!((rungs[1].spread[0][0] - (1e-12 + 1e-10 / 40.0)).abs() < 2e-13, "{:?}", rungs[1].spread);
+        // some forty of a hundred frames, of which Hann's window weighs as many as two thirds would weigh alike
+        assert!((rungs[1].spread[0][0] - (1e-12 + 1.5 * 1e-10 / 40.0)).abs() < 3e-13, "{:?}", rungs[1].spread);
+    }
+
+    #[test]
+    fn a_swing_about_the_held_shape_falls_out_of_it() {
+        let mut swinging = motion();
+        let swing = |t: f64| 1e-3 * (-2.5 * (t - 1.0)).exp() * (50.0 * t).sin();
+        let times = swinging.time.clone();
+        swinging.markers[0].at.iter_mut().zip(times).filter(|(_, t)| *t >= 1.0).for_each(|(at, t)| at[1] += swing(t));
+        let (held, still) = (rungs(&swinging, &markers(), 0.5, 0.5).unwrap(), swing(1.5 + 0.03).abs().max(2e-4));
+        assert!((held[0].measured[0][1] - 1e-3).abs() < 0.02 * still, "{:?}", held[0].measured);
     }
 
     #[test]
