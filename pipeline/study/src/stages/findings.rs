@@ -55,7 +55,7 @@ fn finding(of: &str, what: &str, value: f64, unit: &str) -> Finding {
     Finding { name: format!("{of}.{what}"), value, unit: unit.into() }
 }
 
-/// Minima are counted where the search left profiles: a grid with a hole leaves none.
+/// Minima are counted where the search left profiles: a grid with two holes in a row leaves none.
 fn of_identified(found: &Identified) -> Vec<(&'static str, f64, &'static str)> {
     let levels = found.levels.iter().map(|level| (level.pressure(), level.largest_error()));
     let (pressures, errors): (Vec<f64>, Vec<f64>) = levels.unzip();

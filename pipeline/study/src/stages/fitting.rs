@@ -233,19 +233,20 @@ impl<'a> Fitting<'a> {
         })
     }
 
-    /// The landscape and the profiles between the grid's points; the grid's own losses where some point has no equilibrium, nothing
-    /// where no grid was searched.
+    /// The landscape and the profiles between the grid's points, a lone one without equilibrium carried on from its row; the grid's own
+    /// losses where more are missing, nothing where no grid was searched.
     fn surface(&self, told: &[Told]) -> Outcome<(records::Surface, Vec<records::Profile>)> {
         if told.is_empty() {
             return Ok((records::Surface::default(), Vec::new()));
         }
         let Bounds { low, high } = self.search.bounds();
         let axis = |k: usize| grid::axis(low[k], high[k], self.set.grid_points);
-        if told.len() < self.set.grid_points * self.set.grid_points {
-            return Ok((self.coarse(told, &axis(0), &axis(1)), Vec::new()));
-        }
         let points: Vec<(&[f64], &[Vec<Point2>])> =
             told.iter().map(|t| (t.at.as_slice(), t.markers.as_slice())).collect();
+        let Some(full) = landscape::completed(&points, &axis(0), &axis(1)) else {
+            return Ok((self.coarse(told, &axis(0), &axis(1)), Vec::new()));
+        };
+        let points: Vec<(&[f64], &[Vec<Point2>])> = full.iter().map(|(at, m)| (at.as_slice(), m.as_slice())).collect();
         let judge = |at: &[Vec<Point2>]| vec![self.levels.loss(at), self.levels.chi_square(at).unwrap_or(f64::NAN)];
         let fine = landscape::between(&points, self.set.landscape_points, &judge);
         let moduli = self.model.nominal.youngs_moduli;

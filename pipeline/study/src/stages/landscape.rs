@@ -52,6 +52,29 @@ pub fn between(points: &[(&[f64], &[Vec<Point2>])], fine: usize, judge: &dyn Fn(
     Fine { across, up, values: (0..kinds).map(|k| judged.iter().map(|j| j[k]).collect()).collect() }
 }
 
+/// One place of the grid: both logarithms, and the displacements there (levels × markers).
+pub type Place = (Vec<f64>, Vec<Vec<Point2>>);
+
+/// The full grid over `across` and `up`, where a point without equilibrium is carried on from its row by the polynomial through the
+/// row's others. None where a row lacks more than one of its points, or has fewer than three left.
+pub fn completed(points: &[(&[f64], &[Vec<Point2>])], across: &[f64], up: &[f64]) -> Option<Vec<Place>> {
+    let row = |v: f64| points.iter().copied().filter(|p| p.0[1] == v).collect::<Vec<_>>();
+    let at = |u: f64, v: f64| -> Option<Place> {
+        let row = row(v);
+        if let Some(here) = row.iter().find(|p| p.0[0] == u) {
+            return Some((here.0.to_vec(), here.1.to_vec()));
+        }
+        let nodes: Vec<f64> = row.iter().map(|p| p.0[0]).collect();
+        let weights = lagrange(&nodes, u);
+        let weight = |at: &[f64]| weights[place(&nodes, at[0])];
+        (nodes.len() >= LEAST && nodes.len() + 1 == across.len()).then(|| (vec![u, v], blend(&row, &weight)))
+    };
+    up.iter().flat_map(|&v| across.iter().map(move |&u| (u, v))).map(|(u, v)| at(u, v)).collect()
+}
+
+/// Fewer points of a row than this carry nothing on.
+const LEAST: usize = 3;
+
 fn spread(axis: &[f64], count: usize) -> Vec<f64> {
     let (low, high) = (axis[0], axis[axis.len() - 1]);
     (0..count).map(|i| low + (high - low) * i as f64 / (count - 1).max(1) as f64).collect()
@@ -98,5 +121,22 @@ mod tests {
         let fine = between(&points, 5, &|simulated| vec![loss(&rung, simulated, 1.0)]);
         assert_eq!((fine.across[1], fine.up[3]), (0.5, 1.5));
         assert!(fine.values[0][3 * 5 + 1] < 1e-12, "{}", fine.values[0][16]);
+    }
+
+    #[test]
+    fn a_hole_is_carried_on_from_its_row_and_two_in_a_row_are_not() {
+        let axis = [0.0, 1.0, 2.0, 3.0];
+        let simulate = |u: f64, v: f64| vec![vec![[u * u - v, u * v]]];
+        let all: Vec<Place> = axis.iter().flat_map(|&v| axis.map(|u| (vec![u, v], simulate(u, v)))).collect();
+        let without = |gone: &[usize]| -> Option<Vec<Place>> {
+            let kept = all.iter().enumerate().filter(|(i, _)| !gone.contains(i)).map(|(_, p)| p);
+            completed(&kept.map(|(a, m)| (a.as_slice(), m.as_slice())).collect::<Vec<_>>(), &axis, &axis)
+        };
+        let filled = without(&[0, 7]).unwrap();
+        for ((at, found), (wanted, whole)) in filled.iter().zip(&all) {
+            assert_eq!(at, wanted);
+            assert!((0..2).all(|k| (found[0][0][k] - whole[0][0][k]).abs() < 1e-12));
+        }
+        assert!(without(&[0, 1]).is_none());
     }
 }
