@@ -50,6 +50,11 @@ pub fn id<R: Record>(of: &R::Of) -> Id {
     Id { stage: R::STAGE, subject: of.name() }
 }
 
+/// Every subject with its record.
+fn fetch_each<R: Record>(subjects: Vec<R::Of>, shelf: &dyn Shelf) -> Outcome<Vec<(R::Of, R)>> {
+    subjects.into_iter().map(|s| fetch_one(&s, shelf).map(|r| (s, r))).collect()
+}
+
 fn fetch_one<R: Record>(of: &R::Of, shelf: &dyn Shelf) -> Outcome<R> {
     let id = id::<R>(of);
     R::unpack(&shelf.parcel(&id)?)
@@ -85,8 +90,7 @@ impl<R: Record<Of = crate::subject::Trial>> Needs<Specimen> for Learning<R> {
     }
 
     fn fetch(of: &Specimen, shelf: &dyn Shelf) -> Outcome<Self> {
-        let fetched = Self::subjects(of).into_iter().map(|s| fetch_one(&s, shelf).map(|r| (s, r)));
-        Ok(Self(fetched.collect::<Outcome<_>>()?))
+        fetch_each(Self::subjects(of), shelf).map(Self)
     }
 }
 
@@ -110,8 +114,7 @@ impl<R: Record> Needs<Study> for Every<R> {
     }
 
     fn fetch(of: &Study, shelf: &dyn Shelf) -> Outcome<Self> {
-        let fetched = Self::subjects(of).into_iter().map(|s| fetch_one(&s, shelf).map(|r| (s, r)));
-        Ok(Self(fetched.collect::<Outcome<_>>()?))
+        fetch_each(Self::subjects(of), shelf).map(Self)
     }
 }
 
@@ -168,8 +171,7 @@ impl<R: Record<Of = Trial>> Needs<Specimen> for Waded<R> {
     }
 
     fn fetch(of: &Specimen, shelf: &dyn Shelf) -> Outcome<Self> {
-        let fetched = Self::subjects(of).into_iter().map(|s| fetch_one(&s, shelf).map(|r| (s, r)));
-        Ok(Self(fetched.collect::<Outcome<_>>()?))
+        fetch_each(Self::subjects(of), shelf).map(Self)
     }
 }
 
@@ -188,8 +190,7 @@ impl<R: Record<Of = crate::subject::Trial>> Needs<Specimen> for OfTrials<R> {
     }
 
     fn fetch(of: &Specimen, shelf: &dyn Shelf) -> Outcome<Self> {
-        let fetched = Self::subjects(of).into_iter().map(|s| fetch_one(&s, shelf).map(|r| (s, r)));
-        Ok(Self(fetched.collect::<Outcome<_>>()?))
+        fetch_each(Self::subjects(of), shelf).map(Self)
     }
 }
 

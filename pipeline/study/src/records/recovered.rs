@@ -49,13 +49,32 @@ pub struct Specimen {
     pub body_e_pa: [f64; 2],
     /// Found and true Young's modulus of the spine, Pa.
     pub spine_e_pa: [f64; 2],
+    /// Found and true stiffness damping, s; none where no release was filmed.
+    #[serde(default)]
+    pub stiffness_damping: Option<[f64; 2]>,
+    /// Found and true share of theory's added mass, no unit; none where no release was filmed in water.
+    #[serde(default)]
+    pub added: Option<[f64; 2]>,
+    /// Found and true drag across the flow, no unit; as for `added`.
+    #[serde(default)]
+    pub drag: Option<[f64; 2]>,
 }
 
 impl Specimen {
     /// Errors of body and spine, %, without sign.
     pub fn errors_percent(&self) -> [f64; 2] {
-        [self.body_e_pa, self.spine_e_pa].map(|[found, hidden]| 100.0 * (found / hidden - 1.0).abs())
+        [self.body_e_pa, self.spine_e_pa].map(off_percent)
     }
+
+    /// Errors of what moves, where it was learnt, by the names of their metrics; %, without sign.
+    fn moving_percent(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        let all = [("damping", self.stiffness_damping), ("added", self.added), ("drag", self.drag)];
+        all.into_iter().filter_map(|(name, pair)| pair.map(|pair| (name, off_percent(pair))))
+    }
+}
+
+fn off_percent([found, hidden]: [f64; 2]) -> f64 {
+    100.0 * (found / hidden - 1.0).abs()
 }
 
 fn percent([held, all]: [usize; 2]) -> f64 {
@@ -94,6 +113,8 @@ impl Record for Recovered {
             let [body, spine] = specimen.errors_percent();
             metrics.push(Metric::new(format!("recovery.{}.body_e_error_percent", specimen.name), body, "%"));
             metrics.push(Metric::new(format!("recovery.{}.spine_e_error_percent", specimen.name), spine, "%"));
+            let id = |what| format!("recovery.{}.{what}_error_percent", specimen.name);
+            metrics.extend(specimen.moving_percent().map(|(what, off)| Metric::new(id(what), off, "%")));
         }
         metrics
     }

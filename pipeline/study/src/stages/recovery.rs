@@ -12,13 +12,17 @@ use si::{Point2, Second};
 use crate::fault::{Fault, Outcome};
 use crate::needs::Every;
 use crate::records::{
-    Camera, Identified, LoadCell, Markers, Motion, Path, Pull, Recovered, RecoveredSpecimen, Tank, Tracks,
+    Camera, Damping, Drag, Identified, LoadCell, Markers, Motion, Path, Pull, Recovered, RecoveredSpecimen, Tank,
+    Tracks,
 };
 use crate::stage::{Desk, RawFile, Stage};
 use crate::subject::{Scope, Specimen, Study, Trial};
 
 /// The stage.
 pub struct Recovery;
+
+/// What was learnt of the specimens: elasticity, damping, water.
+type Learnt = (Every<Identified>, Every<Damping>, Every<Drag>);
 
 /// What was made of all films: pixels, places, motions.
 type Films = (Every<Tracks>, Every<Markers>, Every<Motion>);
@@ -30,27 +34,21 @@ pub struct Settings {}
 
 impl Stage for Recovery {
     type Settings = Settings;
-    type Needs = ((Every<Camera>, Films, Every<Identified>), (Every<LoadCell>, Every<Tank>, Every<Pull>));
+    type Needs = ((Every<Camera>, Films, Learnt), (Every<LoadCell>, Every<Tank>, Every<Pull>));
     type Makes = Recovered;
     const STORY: &'static str = "what was found is compared with what was true";
-    const EDITION: u32 = 4;
+    const EDITION: u32 = 5;
 
     fn raw(of: &Study) -> Vec<RawFile> {
         virtual_specimens(of).flat_map(files).collect()
     }
 
     fn run(of: &Study, _: &Settings, needs: Self::Needs, desk: &dyn Desk) -> Outcome<Recovered> {
-        let ((Every(cameras), films, Every(identified)), weighed) = needs;
+        let ((Every(cameras), films, learnt), weighed) = needs;
         let mut recovered = Recovered::default();
         for specimen in virtual_specimens(of) {
             let truth = read(desk, &specimen.card.name)?;
-            for (_, found) in identified.iter().filter(|(s, _)| s.name() == specimen.name()) {
-                recovered.specimens.push(RecoveredSpecimen {
-                    name: specimen.name(),
-                    body_e_pa: [found.best.body_e_pa, truth.body.youngs_modulus],
-                    spine_e_pa: [found.best.spine_e_pa, truth.spine.youngs_modulus],
-                });
-            }
+            recovered.specimens.extend(beside(specimen, &truth, &learnt));
             for (_, camera) in cameras.iter().filter(|(s, _)| s.name() == specimen.name()) {
                 let off = 100.0 * (camera.lens.fx / truth.lens.fx - 1.0).abs();
                 recovered.focal_error_percent = recovered.focal_error_percent.max(off);
@@ -65,6 +63,26 @@ impl Stage for Recovery {
         }
         Ok(recovered)
     }
+}
+
+/// What was learnt of a specimen beside what it hides; nothing where its moduli were not identified.
+fn beside(
+    specimen: &Specimen,
+    truth: &truth::Truth,
+    (Every(identified), Every(damped), Every(dragged)): &Learnt,
+) -> Option<RecoveredSpecimen> {
+    let this = |s: &Specimen| s.name() == specimen.name();
+    let found = identified.iter().find(|(s, _)| this(s)).map(|(_, found)| found)?;
+    let damping = damped.iter().find(|(s, _)| this(s)).map(|(_, d)| [d.stiffness_damping, truth.damping.stiffness]);
+    let drag = dragged.iter().find(|(s, _)| this(s)).map(|(_, d)| d).zip(truth.fluid.as_ref());
+    Some(RecoveredSpecimen {
+        name: specimen.name(),
+        body_e_pa: [found.best.body_e_pa, truth.body.youngs_modulus],
+        spine_e_pa: [found.best.spine_e_pa, truth.spine.youngs_modulus],
+        stiffness_damping: damping,
+        added: drag.map(|(found, hidden)| [found.by.added, hidden.added]),
+        drag: drag.map(|(found, hidden)| [found.by.drag, hidden.drag]),
+    })
 }
 
 /// The worst of a specimen's force instruments, laid over the worst so far.

@@ -7,7 +7,7 @@ use plot::Column;
 
 use crate::fault::{Fault, Outcome};
 use crate::needs::Every;
-use crate::records::{Identified, Recovered, RecoveredSpecimen};
+use crate::records::{Drag, Identified, Recovered, RecoveredSpecimen};
 use crate::subject::{Scope, Study};
 use crate::table::Table;
 
@@ -15,16 +15,16 @@ use crate::table::Table;
 pub struct Recovery;
 
 impl Table for Recovery {
-    type Needs = (Recovered, Every<Identified>);
+    type Needs = (Recovered, Every<Identified>, Every<Drag>);
     const NAME: &'static str = "recovery";
     const SHOWS: &'static str = "what was found against what the bench had hidden";
-    const EDITION: u32 = 2;
+    const EDITION: u32 = 3;
 
     fn is_made_for(study: &Study) -> bool {
         study.specimens.iter().any(|s| s.card.origin == Origin::VirtualBench)
     }
 
-    fn fill((all, Every(identified)): Self::Needs) -> Outcome<plot::Table> {
+    fn fill((all, Every(identified), Every(dragged)): Self::Needs) -> Outcome<plot::Table> {
         let columns = vec![
             Column::words("quantity"),
             Column::words("of"),
@@ -34,9 +34,11 @@ impl Table for Recovery {
             Column::numbers("deviations", ""),
         ];
         let sigma = |name: &str| identified.iter().find(|(s, _)| s.name() == name).map(|(_, found)| found.sigma);
+        let water = |name: &str| dragged.iter().find(|(s, _)| s.name() == name).map(|(_, found)| found.sigma);
         let moduli = all.specimens.iter().flat_map(|s| {
-            let sigma = sigma(&s.name);
-            moduli(s, sigma.map(|s| s.body_e_pa), sigma.map(|s| s.spine_e_pa))
+            let (sigma, water) = (sigma(&s.name), water(&s.name));
+            let rows = moduli(s, sigma.map(|s| s.body_e_pa), sigma.map(|s| s.spine_e_pa));
+            rows.into_iter().chain(moving(s, water.map(|w| w.added), water.map(|w| w.drag)))
         });
         let rows = moduli.chain(instruments(&all)).collect();
         let table = plot::Table::new(columns, rows).map_err(Fault::from_tool)?;
@@ -45,19 +47,30 @@ impl Table for Recovery {
 }
 
 fn moduli(of: &RecoveredSpecimen, body_sigma: Option<f64>, spine_sigma: Option<f64>) -> [Vec<String>; 2] {
-    let row = |what: &str, unit: f64, [found, hidden]: [f64; 2], sigma: Option<f64>| {
-        vec![
-            what.to_owned(),
-            of.name.clone(),
-            format!("{:.4}", unit * found),
-            format!("{:.4}", unit * hidden),
-            format!("{:.1} %", 100.0 * (found / hidden - 1.0)),
-            sigma.map_or_else(String::new, |s| format!("{:.1}", (found - hidden).abs() / s)),
-        ]
-    };
     [
-        row("E of the body (MPa)", 1e-6, of.body_e_pa, body_sigma),
-        row("E of the spine (GPa)", 1e-9, of.spine_e_pa, spine_sigma),
+        row(of, "E of the body (MPa)", 1e-6, of.body_e_pa, body_sigma),
+        row(of, "E of the spine (GPa)", 1e-9, of.spine_e_pa, spine_sigma),
+    ]
+}
+
+/// What releases told, where there were any.
+fn moving(of: &RecoveredSpecimen, added_sigma: Option<f64>, drag_sigma: Option<f64>) -> Vec<Vec<String>> {
+    let all = [
+        ("damping of stiffness (ms)", 1e3, of.stiffness_damping, None),
+        ("added mass over theory's", 1.0, of.added, added_sigma),
+        ("drag across the flow", 1.0, of.drag, drag_sigma),
+    ];
+    all.into_iter().filter_map(|(what, unit, pair, sigma)| pair.map(|pair| row(of, what, unit, pair, sigma))).collect()
+}
+
+fn row(of: &RecoveredSpecimen, what: &str, unit: f64, [found, hidden]: [f64; 2], sigma: Option<f64>) -> Vec<String> {
+    vec![
+        what.to_owned(),
+        of.name.clone(),
+        format!("{:.4}", unit * found),
+        format!("{:.4}", unit * hidden),
+        format!("{:.1} %", 100.0 * (found / hidden - 1.0)),
+        sigma.map_or_else(String::new, |s| format!("{:.1}", (found - hidden).abs() / s)),
     ]
 }
 
@@ -93,10 +106,19 @@ mod tests {
 
     #[test]
     fn a_modulus_is_set_beside_the_hidden_one_with_sign_and_in_deviations() {
-        let of = RecoveredSpecimen { name: "a".into(), body_e_pa: [0.19e6, 0.2e6], spine_e_pa: [3e9, 3e9] };
+        let of = RecoveredSpecimen {
+            name: "a".into(),
+            body_e_pa: [0.19e6, 0.2e6],
+            spine_e_pa: [3e9, 3e9],
+            stiffness_damping: None,
+            added: None,
+            drag: Some([16.0, 15.0]),
+        };
         let rows = moduli(&of, Some(0.005e6), None);
         assert_eq!(rows[0][2..], ["0.1900", "0.2000", "-5.0 %", "2.0"]);
         assert_eq!(rows[1][5], "");
+        let moving = moving(&of, None, Some(0.5));
+        assert_eq!((moving.len(), &moving[0][4][..], &moving[0][5][..]), (1, "6.7 %", "2.0"));
     }
 
     #[test]
