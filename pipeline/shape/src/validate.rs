@@ -137,7 +137,7 @@ pub(crate) fn validate(
         half: mesh.half,
     };
     check_volumes(&report, cavities, limits.volume)?;
-    if interface.is_empty() {
+    if interface.is_empty() && !spine.faces.is_empty() {
         return Err(Unfit::Loose);
     }
     if hausdorff_m > limits.distance {

@@ -4,8 +4,10 @@
 
 #![allow(clippy::unwrap_used)]
 
+use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
+use shape::Surface;
 use shape::foreign::vtu;
 use study::simulate::{Summary, run};
 
@@ -203,17 +205,65 @@ pressure = 1000.0
 [static]
 "#;
 
+/// By what share the cavity of a ball between two radii (m) grows under 1 kPa, of 1 MPa and Poisson's ratio 0.4.
+fn lame(a: f64, b: f64) -> f64 {
+    let (e, nu, p) = (1e6, 0.4, 1000.0);
+    let (a3, b3) = (a.powi(3), b.powi(3));
+    let wall = p * a3 / (b3 - a3) / e * ((1.0 - 2.0 * nu) * a + (1.0 + nu) * b3 / (2.0 * a * a));
+    3.0 * wall / a
+}
+
 #[test]
 fn a_hollow_ball_swells_as_lame_has_it() {
     let (_, table) = simulate("ball", &BALL.replace("[static]", "[static]\nlevels = [1e-9, 1.0]")).unwrap();
     let volume = table.column("chamber_0_volume_m3");
-    let (a, b, e, nu, p) = (0.006_f64, 0.01_f64, 1e6, 0.4, 1000.0);
-    let (a3, b3) = (a.powi(3), b.powi(3));
-    let wall = p * a3 / (b3 - a3) / e * ((1.0 - 2.0 * nu) * a + (1.0 + nu) * b3 / (2.0 * a * a));
-    let swollen = 3.0 * wall / a;
+    let swollen = lame(0.006, 0.01);
     let found = volume[1] / volume[0] - 1.0;
     // 140 elements; the ball is not quite round
     assert!((found / swollen - 1.0).abs() < 0.05, "{found:e} where {swollen:e} was expected");
+}
+
+/// A ball of `radius` (m) about the origin as rings of triangles, its normals inwards when it is a cavity.
+fn sphere(radius: f64, cavity: bool) -> Surface {
+    let (rings, around) = (25, 48);
+    let angles = (0..rings).map(|i| PI * (f64::from(i) + 0.5) / f64::from(rings));
+    let ring = |polar: f64| (0..around).map(move |k| (polar, 2.0 * PI * f64::from(k) / f64::from(around)));
+    let place = |(p, a): (f64, f64)| [-p.cos(), p.sin() * a.cos(), p.sin() * a.sin()].map(|x| radius * x);
+    let mut points: Vec<[f64; 3]> = angles.flat_map(ring).map(place).collect();
+    points.extend([[-radius, 0.0, 0.0], [radius, 0.0, 0.0]]);
+    let at = |i: u32, k: u32| i * around as u32 + k % around as u32;
+    let (last, poles) = (rings as u32 - 1, [rings as u32 * around as u32, rings as u32 * around as u32 + 1]);
+    let mut faces = Vec::new();
+    for k in 0..around as u32 {
+        faces.extend([[poles[0], at(0, k + 1), at(0, k)], [poles[1], at(last, k), at(last, k + 1)]]);
+        let quad = |i: u32| [[at(i - 1, k), at(i - 1, k + 1), at(i, k + 1)], [at(i - 1, k), at(i, k + 1), at(i, k)]];
+        faces.extend((1..=last).flat_map(quad));
+    }
+    if cavity {
+        faces.iter_mut().for_each(|face| face.swap(1, 2));
+    }
+    Surface { points, faces }
+}
+
+#[test]
+fn a_ball_from_its_surface_alone_swells_as_lame_has_it() {
+    let cad = folder("ball_cad");
+    let (mut ball, hollow) = (sphere(0.02, false), sphere(0.014, true));
+    let first = ball.points.len() as u32;
+    ball.points.extend(hollow.points);
+    ball.faces.extend(hollow.faces.iter().map(|face| face.map(|p| p + first)));
+    std::fs::write(cad.join("ball.stl"), shape::stl::write(&ball, 1e-3, "a ball")).unwrap();
+    let case = format!(
+        "[mesh]\nbody = \"{}\"\nedge = 0.004\nunit = \"mm\"\n[[region]]\nmaterial = \"neo_hookean\"\n\
+         youngs_modulus = 1e6\npoissons_ratio = 0.4\ndensity = 1000.0\n[[clamp]]\n\
+         box = {{ low = [-0.021, -0.003, -0.003], high = [-0.019, 0.003, 0.003] }}\n\
+         [[chamber]]\nnumber = 0\npressure = 1e3\n[static]\nlevels = [1e-9, 1.0]\n",
+        cad.join("ball.stl").display(),
+    );
+    let (_, table) = simulate("ball_alone", &case).unwrap();
+    let volume = table.column("chamber_0_volume_m3");
+    let (found, swollen) = (volume[1] / volume[0] - 1.0, lame(0.014, 0.02));
+    assert!((found / swollen - 1.0).abs() < 0.03, "{found:e} where {swollen:e} was expected");
 }
 
 #[test]

@@ -46,7 +46,7 @@ pub enum MeshError {
         at: Point3,
     },
     /// Layers without a common order.
-    #[error("the layers at {} and at {} have no common order\n  why: one lies below the other in one place and above it in another, so the body is no stack of layers over the sheet\n  do:  mesh it outside (a folded part cannot be meshed in columns)", place(.lower), place(.upper))]
+    #[error("the layers at {} and at {} have no common order\n  why: one lies below the other in one place and above it in another, so the body is no stack of layers over the sheet\n  do:  mesh it with gmsh, TetGen or TetWild, and name that file in a case ([mesh] file)", place(.lower), place(.upper))]
     Folded {
         /// A point of one layer, m.
         lower: Point3,

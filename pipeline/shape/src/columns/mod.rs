@@ -28,7 +28,7 @@ use crate::{Report, Surface, TetMesh};
 use arrange::{Graph, arrange};
 use chains::{Spacing, respace};
 use chambers::Chambers;
-use patches::{Part, Patch, dominant_axis, patches, seams};
+use patches::{Part, Patch, dominant_axes, patches, seams};
 use plane::{Plane, triangulate};
 use sequence::{Reading, Sequence};
 use settle::settle;
@@ -74,8 +74,28 @@ const ROUNDS: usize = 3;
 /// [`MeshError`], which names the surface and the place.
 pub fn mesh(body: &Surface, spine: &Surface, set: &Settings) -> Result<(TetMesh, Report), MeshError> {
     let part = |role, surface| Part::new(surface).map_err(|source| MeshError::Surface { role, source });
-    let parts = [part("body", body)?, part("spine", spine)?];
-    let frame = dominant_axis(spine);
+    let [normal, ..] = dominant_axes(spine);
+    stand([part("body", body)?, part("spine", spine)?], normal, set)
+}
+
+/// Meshes a body without a sheet, in columns along whichever axis it stands on: the one that most of its area looks along, or
+/// another where that one fails.
+///
+/// # Errors
+/// [`MeshError`] of the first axis, where no axis serves.
+pub fn mesh_alone(body: &Surface, set: &Settings) -> Result<(TetMesh, Report), MeshError> {
+    let none = Surface::default();
+    let along = |frame| {
+        let part = Part::new(body).map_err(|source| MeshError::Surface { role: "body", source })?;
+        stand([part, Part::none(&none)], frame, set)
+    };
+    let [first, second, third] = dominant_axes(body);
+    along(first).or_else(|why| along(second).or_else(|_| along(third)).map_err(|_| why))
+}
+
+/// Columns of both parts along `frame`'s normal.
+fn stand(parts: [Part; 2], frame: Frame, set: &Settings) -> Result<(TetMesh, Report), MeshError> {
+    let [body, spine] = parts.each_ref().map(|p| p.surface);
     let tolerance = set.tolerance * body.length().max(spine.length());
     let patches: Vec<Patch> = parts.iter().enumerate().flat_map(|(i, p)| patches(p, i, frame)).collect();
     let chambers = Chambers::new(&parts, frame);

@@ -30,6 +30,11 @@ impl<'a> Part<'a> {
         Ok(Self { surface, shells, shell_of, joints: surface.joints()? })
     }
 
+    /// No sheet at all.
+    pub fn none(empty: &'a Surface) -> Self {
+        Self { surface: empty, shells: Vec::new(), shell_of: Vec::new(), joints: Vec::new() }
+    }
+
     /// −1, 0 or 1 for a face that looks down, a wall, one that looks up.
     pub fn direction(&self, frame: Frame, face: u32) -> i8 {
         let normal = self.surface.normal(face as usize);
@@ -38,15 +43,16 @@ impl<'a> Part<'a> {
     }
 }
 
-/// The axis that most of the sheet's area looks along.
-pub(crate) fn dominant_axis(spine: &Surface) -> Frame {
+/// The axes, first the one that most of the surface's area looks along: a sheet's normal.
+pub(crate) fn dominant_axes(surface: &Surface) -> [Frame; 3] {
     let mut areas = [0.0; 3];
-    for face in 0..spine.faces.len() {
-        let normal = spine.normal(face);
+    for face in 0..surface.faces.len() {
+        let normal = surface.normal(face);
         (0..3).for_each(|k| areas[k] += normal[k].abs());
     }
-    let normal = (0..3).fold(0, |best, k| if areas[k] > areas[best] { k } else { best });
-    Frame { normal }
+    let mut axes = [0, 1, 2];
+    axes.sort_by(|a, b| areas[*b].total_cmp(&areas[*a]));
+    axes.map(|normal| Frame { normal })
 }
 
 /// A height field, part of one surface.
@@ -141,7 +147,7 @@ mod tests {
     fn a_hollow_box_has_four_patches_and_their_outlines_are_seams() {
         let hollow = with_cavity(block([0.0; 3], [0.04, 0.01, 0.03]), [0.01, 0.002, 0.01], [0.02, 0.008, 0.02]);
         let part = Part::new(&hollow).unwrap();
-        let frame = dominant_axis(&hollow);
+        let [frame, ..] = dominant_axes(&hollow);
         assert_eq!(frame.normal, 1);
         let patches = patches(&part, 0, frame);
         assert_eq!(patches.len(), 4);

@@ -39,9 +39,9 @@ fn each<T>(table: &str, list: &[T], check: impl Fn(&str, &T) -> Checked) -> Chec
 }
 
 fn source(mesh: &Source) -> Checked {
-    let surfaces = [mesh.body.is_some(), mesh.spine.is_some(), mesh.edge.is_some()];
-    let either = surfaces == [mesh.file.is_none(); 3];
-    only("mesh", either, "[mesh] has file alone, or body, spine and edge together")?;
+    let surfaces = [mesh.body.is_some(), mesh.edge.is_some()];
+    let either = surfaces == [mesh.file.is_none(); 2] && (mesh.file.is_none() || mesh.spine.is_none());
+    only("mesh", either, "[mesh] has file alone, or body and edge together, and spine where there is one")?;
     mesh.edge.map_or(Ok(()), |edge| within("mesh.edge", edge, 1e-5, 1.0, "m"))
 }
 

@@ -64,9 +64,9 @@ pub struct Source {
     pub file: Option<String>,
     /// The soft body's STL file, relative to the case.
     pub body: Option<String>,
-    /// The stiff sheet's STL file, relative to the case.
+    /// The stiff sheet's STL file, relative to the case, where there is one.
     pub spine: Option<String>,
-    /// Length of edges for the two STL files, m.
+    /// Length of edges for STL files, m.
     pub edge: Option<Metre>,
     /// Unit of the files' numbers.
     pub unit: Unit,

@@ -64,15 +64,20 @@ fn draft(path: &Path) -> Outcome<Result<Draft, Malformed>> {
 }
 
 fn from_surfaces(mesh: &Source, folder: &Path) -> Outcome<Loaded> {
-    let surface = |name: &Option<String>| -> Outcome<Surface> {
-        let path = folder.join(name.as_deref().unwrap_or_default());
+    let surface = |name: &String| -> Outcome<Surface> {
+        let path = folder.join(name);
         shape::stl::read(&bytes(&path)?, mesh.unit.metres()).map_err(|fault| named(&path, &fault))
     };
-    let (body, spine) = (surface(&mesh.body)?, surface(&mesh.spine)?);
+    let body = surface(mesh.body.as_ref().unwrap_or(&String::new()))?;
+    let spine = mesh.spine.as_ref().map(surface).transpose()?;
     let edge = mesh.edge.unwrap_or_default();
     let meshed = |use_symmetry: bool| {
         let set = shape::Settings { use_symmetry, ..shape::Settings::new(edge) };
-        shape::mesh(&body, &spine, &set).map(|(mesh, _)| mesh).map_err(Fault::from_tool)
+        let made = match &spine {
+            Some(spine) => shape::mesh(&body, spine, &set),
+            None => shape::mesh_alone(&body, &set),
+        };
+        made.map(|(mesh, _)| mesh).map_err(Fault::from_tool)
     };
     let mut linear = meshed(true)?;
     let mut notes = Vec::new();
@@ -90,7 +95,8 @@ fn from_surfaces(mesh: &Source, folder: &Path) -> Outcome<Loaded> {
         elements: linear.regions.iter().filter(|region| **region == tag).count(),
         volume: linear.region_volume(tag),
     };
-    let regions = [(shape::BODY, "body"), (shape::SPINE, "spine")].map(region).to_vec();
+    let parts = [(shape::BODY, "body"), (shape::SPINE, "spine")];
+    let regions = parts.into_iter().take(1 + usize::from(spine.is_some())).map(region).collect();
     let solid = Solid::Quadratic(Solid::Linear(linear).raised());
     Ok(Loaded { solid, regions, cavities: Vec::new(), notes })
 }
