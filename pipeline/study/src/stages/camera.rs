@@ -40,7 +40,7 @@ impl Stage for Camera {
     type Settings = Settings;
     type Needs = ();
     type Makes = records::Camera;
-    const STORY: &'static str = "a film of a checkerboard becomes the lens and the camera's place";
+    const STORY: &'static str = "a checkerboard's film becomes lens and place";
     const EDITION: u32 = 2;
 
     fn raw(of: &Specimen) -> Vec<RawFile> {

@@ -47,7 +47,7 @@ impl Stage for FourParameters {
     type Settings = Settings;
     type Needs = (Mesh, Identified);
     type Makes = records::FourParameters;
-    const STORY: &'static str = "both moduli and both Poisson's ratios are sought at once";
+    const STORY: &'static str = "both Poisson's ratios are sought as well";
     const EDITION: u32 = 1;
 
     fn card(of: &Specimen) -> Value {

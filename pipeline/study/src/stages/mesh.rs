@@ -33,7 +33,7 @@ impl Stage for Mesh {
     type Settings = Settings;
     type Needs = ();
     type Makes = records::Mesh;
-    const STORY: &'static str = "two surfaces become tetrahedra with regions, chambers and marker points";
+    const STORY: &'static str = "two surfaces become tetrahedra with chambers and marks";
     const EDITION: u32 = 1;
 
     fn raw(of: &Specimen) -> Vec<RawFile> {
