@@ -30,7 +30,7 @@ impl figure::Figure for Overview {
     type Needs = (Flow, Seen);
     const NAME: &'static str = "overview";
     const SHOWS: &'static str = "what becomes what, from two STL files and films to thrust";
-    const EDITION: u32 = 3;
+    const EDITION: u32 = 4;
 
     fn card(study: &Study) -> serde_json::Value {
         Flow::of(study, crate::stages::ALL).as_json()
@@ -51,10 +51,10 @@ impl figure::Figure for Overview {
 }
 
 /// Sides of a card, and the room beside it, mm.
-const CARD: Point2 = [22.4, 14.6];
-const APART: Point2 = [4.6, 2.2];
+const CARD: Point2 = [23.4, 18.2];
+const APART: Point2 = [3.6, 2.2];
 /// Height of a recording's card, mm.
-const SOURCE: f64 = 7.6;
+const SOURCE: f64 = 9.8;
 
 /// The flow as a diagram; `said` may say something else than a stage's story.
 pub fn graph(flow: &Flow, said: &dyn Fn(&str) -> Option<String>) -> Diagram {
