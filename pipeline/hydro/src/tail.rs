@@ -131,9 +131,8 @@ impl Tail {
     /// The flux is summed by parts, so that what leaves at the trailing edge is pushed there. The first term's rate is the caller's.
     pub fn water(&self, moved: &[Point2], speed: &[Point2], by: Coefficients) -> Water {
         let mut water = Water { momentum: vec![[0.0; 2]; self.marks], push: vec![[0.0; 2]; self.marks] };
-        let sheds =
-            self.sections.iter().map(|slice| (slice, true)).chain(self.behind.iter().map(|slice| (slice, false)));
-        for (slice, sheds) in sheds {
+        let before = self.sections.iter().map(|slice| (slice, true));
+        for (slice, sheds) in before.chain(self.behind.iter().map(|slice| (slice, false))) {
             let section = slice.section(moved, speed);
             let mass = by.added * elongated::virtual_mass(self.density, slice.depth);
             let resists = resistive::push(self.density, slice.depth, &section).map(|f| by.drag * f);

@@ -81,10 +81,9 @@ impl<'a> Swimmer<'a> {
             halves * x.map(|(m, u)| m * f64::from(*u)).sum::<f64>()
         };
         let moments = DVector::from_iterator(modes.len(), modes.iter().map(moment));
-        let rests = [(Side::Left, &ladders[0]), (Side::Right, &ladders[1])]
-            .map(|(side, ladder)| rests(body, &reduced, side, &ladder.pressures));
-        let [left, right] = rests;
-        Ok(Self { body, reduced, line, rest_line, rows, modes, moments, rests: [left?, right?] })
+        let rests = |side: Side, ladder: &Ladder| rests(body, &reduced, side, &ladder.pressures);
+        let rests = [rests(Side::Left, &ladders[0])?, rests(Side::Right, &ladders[1])?];
+        Ok(Self { body, reduced, line, rest_line, rows, modes, moments, rests })
     }
 
     /// Moves from rest at the start of `span` (s) while one `side` is filled and opened, beside the whole body's `ladder` on that side,

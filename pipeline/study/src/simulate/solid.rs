@@ -64,12 +64,12 @@ fn draft(path: &Path) -> Outcome<Result<Draft, Malformed>> {
 }
 
 fn from_surfaces(mesh: &Source, folder: &Path) -> Outcome<Loaded> {
-    let surface = |name: &String| -> Outcome<Surface> {
+    let surface = |name: &str| -> Outcome<Surface> {
         let path = folder.join(name);
         shape::stl::read(&bytes(&path)?, mesh.unit.metres()).map_err(|fault| named(&path, &fault))
     };
-    let body = surface(mesh.body.as_ref().unwrap_or(&String::new()))?;
-    let spine = mesh.spine.as_ref().map(surface).transpose()?;
+    let body = surface(mesh.body.as_deref().unwrap_or_default())?;
+    let spine = mesh.spine.as_deref().map(surface).transpose()?;
     let edge = mesh.edge.unwrap_or_default();
     let meshed = |use_symmetry: bool| {
         let set = shape::Settings { use_symmetry, ..shape::Settings::new(edge) };
