@@ -5,7 +5,7 @@
 //!
 //! Stands on: blake3. Never knows: what a file is for.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::fs::{self, File, Metadata};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -29,14 +29,15 @@ struct Seen {
 #[derive(Debug, Default)]
 pub struct Hashes {
     seen: Mutex<BTreeMap<PathBuf, Seen>>,
-    believes: bool,
+    /// By path; believed.
+    remembered: HashMap<String, Seen>,
 }
 
 impl Hashes {
     /// Those that a run wrote at `place`, believed where length and date fit; none where there are none.
     pub fn remembered(place: &Path) -> Self {
-        let seen = fs::read(place).ok().and_then(|text| serde_json::from_slice(&text).ok()).unwrap_or_default();
-        Self { seen: Mutex::new(seen), believes: true }
+        let remembered = fs::read(place).ok().and_then(|text| serde_json::from_slice(&text).ok()).unwrap_or_default();
+        Self { remembered, ..Self::default() }
     }
 
     /// The hash of a file's bytes, as hexadecimal digits.
@@ -45,9 +46,7 @@ impl Hashes {
     /// When the file cannot be read.
     pub fn of(&self, path: &Path) -> io::Result<String> {
         let now = seen(&fs::metadata(path)?);
-        if self.believes
-            && let Some(hash) = self.known(path, &now)
-        {
+        if let Some(hash) = self.known(path, &now) {
             return Ok(hash);
         }
         let mut hasher = blake3::Hasher::new();
@@ -66,7 +65,8 @@ impl Hashes {
     }
 
     fn known(&self, path: &Path, now: &Seen) -> Option<String> {
-        self.lock().get(path).filter(|then| (then.length, then.date) == (now.length, now.date)).map(|s| s.hash.clone())
+        let then = self.remembered.get(path.to_str()?)?;
+        ((then.length, then.date) == (now.length, now.date)).then(|| then.hash.clone())
     }
 
     fn lock(&self) -> std::sync::MutexGuard<'_, BTreeMap<PathBuf, Seen>> {

@@ -47,7 +47,12 @@ pub fn made_from(runner: &Runner, job: &Job, contents: &BTreeMap<Id, String>, ha
 
 /// Compares what lies on disk with what a job would be made from now.
 pub fn state(runner: &Runner, job: &Job, now: &MadeFrom, hashes: &Hashes) -> State {
-    match Store::new(&runner.folders).look_by(&job.id, hashes) {
+    judged(Store::new(&runner.folders).look_by(&job.id, hashes), now)
+}
+
+/// Compares what was found with what a job would be made from now.
+pub fn judged(found: Found, now: &MadeFrom) -> State {
+    match found {
         Found::Nothing => State::Stale(vec!["it was never made".into()]),
         Found::Damaged(damage) => State::Damaged(damage),
         Found::Whole(manifest) if manifest.key == now.key() => State::Kept(manifest),

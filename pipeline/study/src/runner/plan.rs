@@ -4,13 +4,16 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use rayon::prelude::*;
+
 use super::Runner;
 use super::graph::Job;
 use super::hashes::Hashes;
-use super::inputs::{State, made_from, state};
+use super::inputs::{State, judged, made_from};
+use super::manifest::MadeFrom;
 use super::store::{Found, Store};
 use super::tree;
-use crate::fault::Fault;
+use crate::fault::{Fault, Outcome};
 use crate::needs::Id;
 
 /// What would become of one record.
@@ -70,11 +73,14 @@ pub fn shares(runner: &Runner, jobs: &[Job]) -> BTreeMap<&'static str, Share> {
 
 fn fates(runner: &Runner, jobs: &[Job]) -> Vec<Fate> {
     let hashes = Hashes::remembered(&runner.folders.hashes());
+    let store = Store::new(&runner.folders);
+    let found: Vec<Found> = jobs.par_iter().map(|job| store.look_by(&job.id, &hashes)).collect();
     let mut contents = BTreeMap::new();
     let mut changing = BTreeSet::new();
     jobs.iter()
-        .map(|job| {
-            let fate = fate(runner, job, &contents, &changing, &hashes);
+        .zip(found)
+        .map(|(job, found)| {
+            let fate = fate(job, made_from(runner, job, &contents, &hashes), found, &changing);
             match &fate {
                 Fate::Kept(content) => {
                     contents.insert(job.id.clone(), content.clone());
@@ -88,13 +94,13 @@ fn fates(runner: &Runner, jobs: &[Job]) -> Vec<Fate> {
         .collect()
 }
 
-fn fate(runner: &Runner, job: &Job, contents: &BTreeMap<Id, String>, changing: &BTreeSet<Id>, hashes: &Hashes) -> Fate {
-    let now = match made_from(runner, job, contents, hashes) {
+fn fate(job: &Job, now: Outcome<MadeFrom>, found: Found, changing: &BTreeSet<Id>) -> Fate {
+    let now = match now {
         Ok(now) => now,
         Err(fault) => return Fate::Impossible(fault),
     };
     let upstream = job.reads().iter().find(|id| changing.contains(*id));
-    match (state(runner, job, &now, hashes), upstream) {
+    match (judged(found, &now), upstream) {
         (_, Some(id)) => Fate::Waits(id.clone()),
         (State::Kept(manifest), None) => Fate::Kept(manifest.content),
         (State::Stale(reasons), None) => Fate::Stale(reasons),
