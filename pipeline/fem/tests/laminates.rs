@@ -7,7 +7,7 @@
 
 #![allow(clippy::unwrap_used)] // a test may fail where it stands
 
-use fem::{Clamps, Equilibrium, Forces, Mesh, RegionProperties, StaticSettings, System, boxes, materials};
+use fem::{Clamps, Equilibrium, Forces, Mesh, RegionProperties, Solver, StaticSettings, System, boxes, materials};
 
 const LENGTH: f64 = 0.08;
 const WIDTH: f64 = 0.003;
@@ -100,23 +100,36 @@ fn pushed(mesh: &Mesh, layers: Layers, ratio: f64, force: f64) -> Vec<f64> {
     forces.as_slice().to_vec()
 }
 
-/// The tip's deflection over the theory's, when the theory's is `part` of the length, and the shape.
-fn bend(layers: Layers, ratio: f64, part: f64) -> (f64, Equilibrium) {
-    let (bending, shear) = compliance(layers, ratio);
-    let wanted = part * LENGTH;
-    let force = wanted / (LENGTH.powi(3) * bending / 3.0 + LENGTH * shear);
+/// The beam, ready to be pushed by a force at its end (N); the node at the tip of its stiff layer.
+fn ready(layers: Layers, ratio: f64) -> (Solver, impl Fn(&mut Solver, f64), usize) {
     let (mesh, clamps) = beam(layers);
-    let forces = pushed(&mesh, layers, ratio, force);
+    let unit = pushed(&mesh, layers, ratio, 1.0);
     let tip = [LENGTH, 0.5 * WIDTH, middle(layers)];
     let tip = mesh.nodes.iter().position(|at| (0..3).all(|axis| (at[axis] - tip[axis]).abs() < 1e-9)).unwrap();
     let material = materials::by_name("neo_hookean").unwrap();
     let soft = RegionProperties { material, youngs_modulus: E, poissons_ratio: NU, density: 1070.0 };
     let stiff = RegionProperties { youngs_modulus: ratio * E, ..soft };
-    let mut solver = System::new(mesh, vec![soft, stiff], clamps).unwrap().solver();
-    solver.set_forces(&forces).unwrap();
+    let solver = System::new(mesh, vec![soft, stiff], clamps).unwrap().solver();
+    let push = move |solver: &mut Solver, force: f64| {
+        let forces: Vec<f64> = unit.iter().map(|f| force * f).collect();
+        solver.set_forces(&forces).unwrap();
+    };
+    (solver, push, tip)
+}
+
+/// The force under which the theory's deflection is `part` of the length, N.
+fn force(layers: Layers, ratio: f64, part: f64) -> f64 {
+    let (bending, shear) = compliance(layers, ratio);
+    part * LENGTH / (LENGTH.powi(3) * bending / 3.0 + LENGTH * shear)
+}
+
+/// The tip's deflection over the theory's, when the theory's is `part` of the length, and the shape.
+fn bend(layers: Layers, ratio: f64, part: f64) -> (f64, Equilibrium) {
+    let (mut solver, push, tip) = ready(layers, ratio);
+    push(&mut solver, force(layers, ratio, part));
     let settings = StaticSettings { load_steps: 1, ..Default::default() };
     let found = solver.equilibrium(&[], None, &settings).unwrap();
-    (found.displacement[3 * tip + 2] / wanted, found)
+    (found.displacement[3 * tip + 2] / (part * LENGTH), found)
 }
 
 #[test]
@@ -136,4 +149,39 @@ fn a_long_bend_takes_fifteen_directions_at_most_whatever_the_ratio_of_the_moduli
         assert!(tip > 0.9 && tip < 0.95, "ratio {ratio:e}: {tip}");
         assert!(found.iterations <= 15, "ratio {ratio:e}: {} directions", found.iterations);
     }
+}
+
+#[test]
+fn a_shape_foretold_by_three_others_is_nearer_than_the_last() {
+    let (layers, ratio) = (CASES[0], 1e4);
+    let (mut solver, push, _) = ready(layers, ratio);
+    let settings = StaticSettings::default();
+    let at = |part: f64, solver: &mut Solver| {
+        push(solver, force(layers, ratio, part));
+        solver.equilibrium(&[], None, &settings).unwrap()
+    };
+    let [first, second, third, rested] = [0.24, 0.26, 0.28, 0.3].map(|part| at(part, &mut solver).displacement);
+    let parabola = |i: usize| 3.0 * (third[i] - second[i]) + first[i];
+    let foretold: Vec<f64> = (0..rested.len()).map(parabola).collect();
+    let ahead = solver.equilibrium_ahead(&[], &third, &foretold, &settings).unwrap();
+    let largest = |of: &mut dyn Iterator<Item = f64>| of.fold(0.0, |most: f64, x| most.max(x.abs()));
+    let off = largest(&mut rested.iter().zip(&ahead.displacement).map(|(a, b)| a - b));
+    assert!(off < 1e-6 * largest(&mut rested.iter().copied()), "off by {off} m");
+    let near = solver.equilibrium(&[], Some(&third), &settings).unwrap();
+    assert!(ahead.iterations < near.iterations, "{} directions, not {}", ahead.iterations, near.iterations);
+}
+
+#[test]
+fn a_shape_foretold_that_is_none_costs_nothing_but_time() {
+    let (layers, ratio) = (CASES[0], 1e4);
+    let (mut solver, push, _) = ready(layers, ratio);
+    push(&mut solver, force(layers, ratio, 0.1));
+    let settings = StaticSettings::default();
+    let rested = solver.equilibrium(&[], None, &settings).unwrap();
+    let inside_out: Vec<f64> = rested.displacement.iter().map(|u| -40.0 * u).collect();
+    let found = solver.equilibrium_ahead(&[], &rested.displacement, &inside_out, &settings).unwrap();
+    let off =
+        rested.displacement.iter().zip(&found.displacement).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+    assert!(off < 1e-9, "off by {off} m");
+    assert!(solver.equilibrium_ahead(&[], &rested.displacement, &[0.0; 3], &settings).is_err());
 }

@@ -57,6 +57,34 @@ impl Solver {
         self.climb(pressures, settings)
     }
 
+    /// The same from a shape that was `found` nearby, by way of the one that is `foretold` from that and others (3 a node, m).
+    ///
+    /// A shape put together from others stretches a stiff sheet where it turns; the stress of such a stretch is left out, as
+    /// along a load step.
+    ///
+    /// # Errors
+    /// As [`Solver::equilibrium`].
+    pub fn equilibrium_ahead(
+        &mut self,
+        pressures: &[Pascal],
+        found: &[f64],
+        foretold: &[f64],
+        settings: &StaticSettings,
+    ) -> Result<Equilibrium, SolveError> {
+        self.check_pressures(pressures)?;
+        check_settings(settings)?;
+        self.check_field("the shape found", found)?;
+        self.check_field("the shape foretold", foretold)?;
+        self.linearised = None;
+        let mut ahead = self.begin(pressures);
+        ahead.displacement = self.with_held_at_rest(foretold);
+        let (before, rule) = (self.with_held_at_rest(found), self.rule(settings.tolerance, settings));
+        if self.descend(&mut ahead, Some(&before), pressures, 1.0, &rule).is_ok() {
+            return Ok(self.finished(ahead, false));
+        }
+        self.equilibrium(pressures, Some(found), settings)
+    }
+
     /// Moves `at` to its equilibrium by the factor there is, and says whether it got there.
     fn glide(&mut self, at: &mut Equilibrium, pressures: &[Pascal], rule: &Rule) -> bool {
         let potential = self.given.at_rest(&self.parts, pressures, 1.0);

@@ -1,12 +1,13 @@
-//! The ladder: equilibria at several pressure levels, solved side by side and warm from the last solution of each level.
+//! The ladder: equilibria at several pressure levels, solved side by side, each from what the ones before foretell of it.
 //!
-//! Stands on: the model, fem. Never knows: an optimiser, a trial.
+//! Stands on: the model, known, fem. Never knows: an optimiser, a trial.
 
 use std::time::Instant;
 
 use fem::{Equilibrium, Parameter, SolveError, Solver, StaticSettings};
 use si::{Pascal, Point2};
 
+use super::known::{Known, Load};
 use super::{BODY, Elastic, Model, SPINE};
 use crate::fault::{Fault, Outcome};
 use crate::records::Spread;
@@ -65,32 +66,23 @@ pub enum Want {
     AllSlopes,
 }
 
-/// Solvers that keep the last solution of each level.
+/// How often a load step is halved where no shape is known to begin from; what is asked of later solves may be less.
+const COLD_HALVINGS: usize = 6;
+
+/// Solvers, and the shapes that they found.
 pub struct Ladder {
     model: Model,
     rungs: Vec<Rung>,
     settings: StaticSettings,
     solvers: Vec<Solver>,
-    last: Vec<Option<Known>>,
-}
-
-/// A filled chamber, and its pressure over the body's modulus.
-type Load = (usize, f64);
-
-/// A solution and what it was solved for.
-#[derive(Debug, Clone)]
-struct Known {
-    /// The chamber that is filled most, and its pressure over the body's modulus: what bends a soft body, most of all.
-    load: Load,
-    displacement: Vec<f64>,
+    known: Known,
 }
 
 impl Ladder {
     /// A ladder over the levels with so many solvers side by side.
     pub fn new(model: Model, rungs: Vec<Rung>, settings: StaticSettings, side_by_side: usize) -> Self {
         let solvers = (0..side_by_side.clamp(1, rungs.len().max(1))).map(|_| model.system.solver()).collect();
-        let last = vec![None; rungs.len()];
-        Self { model, rungs, settings, solvers, last }
+        Self { model, rungs, settings, solvers, known: Known::default() }
     }
 
     /// All levels with these constants of body and spine.
@@ -98,17 +90,14 @@ impl Ladder {
     /// # Errors
     /// A [`Fault`] that names the level for which no equilibrium was found.
     pub fn climb(&mut self, elastic: &Elastic, want: Want) -> Outcome<Vec<Simulated>> {
-        let body_e = elastic.youngs_moduli[0];
-        let count = self.solvers.len();
-        let (model, rungs, settings, last) = (&self.model, &self.rungs, &self.settings, &self.last);
+        let shares = shares(&self.rungs, self.solvers.len());
+        let Self { model, rungs, settings, solvers, known } = self;
+        let part = Part { model, rungs, settings, known, elastic: *elastic, want };
         let mut parts: Vec<Outcome<Vec<(usize, Simulated)>>> = Vec::new();
         std::thread::scope(|scope| {
-            let climb_part = |(first, solver): (usize, &'_ mut Solver)| {
-                elastic.give(solver)?;
-                climb_every(model, rungs, settings, last, solver, want, body_e, first, count)
-            };
-            let handles: Vec<_> =
-                self.solvers.iter_mut().enumerate().map(|part| scope.spawn(move || climb_part(part))).collect();
+            let part = &part;
+            let climb = |(solver, share): (&'_ mut Solver, &'_ Vec<usize>)| part.climb(solver, share);
+            let handles: Vec<_> = solvers.iter_mut().zip(&shares).map(|one| scope.spawn(move || climb(one))).collect();
             parts.extend(handles.into_iter().map(|h| h.join().unwrap_or_else(|_| Err(broke_down()))));
         });
         let mut all: Vec<(usize, Simulated)> = Vec::new();
@@ -116,77 +105,86 @@ impl Ladder {
             all.extend(part?);
         }
         all.sort_by_key(|(level, _)| *level);
-        for (level, simulated) in &all {
-            let load = load(&self.rungs[*level], body_e);
-            self.last[*level] = Some(Known { load, displacement: simulated.displacement.clone() });
+        let loads: Vec<Load> = (0..all.len()).map(|level| part.load(level)).collect();
+        for (load, (_, simulated)) in loads.into_iter().zip(&all) {
+            self.known.learn(load, simulated.displacement.clone());
         }
         Ok(all.into_iter().map(|(_, simulated)| simulated).collect())
     }
 }
 
-/// Every `stride`th level from `first` on, each from the known solution whose load is nearest.
-#[allow(clippy::too_many_arguments)]
-fn climb_every(
-    model: &Model,
-    rungs: &[Rung],
-    settings: &StaticSettings,
-    last: &[Option<Known>],
-    solver: &mut Solver,
+/// The levels by filled chamber and rising pressure, in so many parts of like length: what follows begins near what was found.
+fn shares(rungs: &[Rung], count: usize) -> Vec<Vec<usize>> {
+    let mut order: Vec<usize> = (0..rungs.len()).collect();
+    let key = |level: usize| (rungs[level].filled(), rungs[level].top());
+    order.sort_by(|&a, &b| key(a).0.cmp(&key(b).0).then(key(a).1.total_cmp(&key(b).1)));
+    let end = |part: usize| part * order.len() / count;
+    (0..count).map(|part| order[end(part)..end(part + 1)].to_vec()).collect()
+}
+
+/// One climb, as each of its solvers sees it.
+struct Part<'a> {
+    model: &'a Model,
+    rungs: &'a [Rung],
+    settings: &'a StaticSettings,
+    /// From earlier climbs.
+    known: &'a Known,
+    elastic: Elastic,
     want: Want,
-    body_e: Pascal,
-    first: usize,
-    stride: usize,
-) -> Outcome<Vec<(usize, Simulated)>> {
-    let mut done: Vec<(usize, Simulated)> = Vec::new();
-    for level in (first..rungs.len()).step_by(stride) {
-        let known = last.iter().flatten().map(|known| (known.load, known.displacement.as_slice()));
-        let known = known.chain(done.iter().map(|(i, s)| (load(&rungs[*i], body_e), s.displacement.as_slice())));
-        let (chamber, here) = load(&rungs[level], body_e);
-        let away = |other: f64| (other / here).ln().abs();
-        let known = known.filter(|((filled, _), _)| *filled == chamber);
-        let start = known.min_by(|a, b| away(a.0.1).total_cmp(&away(b.0.1))).map(|(_, displacement)| displacement);
-        let simulated = climb_one(model, &rungs[level], rungs.len(), settings, start, solver, want);
-        done.push((level, simulated.map_err(|e| no_equilibrium(&rungs[level], &e))?));
+}
+
+impl Part<'_> {
+    /// Some levels, each from the shape that earlier climbs and the levels before it foretell.
+    fn climb(&self, solver: &mut Solver, levels: &[usize]) -> Outcome<Vec<(usize, Simulated)>> {
+        self.elastic.give(solver)?;
+        let (mut done, mut found) = (Vec::new(), Known::default());
+        for &level in levels {
+            let (rung, load) = (&self.rungs[level], self.load(level));
+            let start = found.foretell(self.known, load);
+            let simulated = self.climb_one(rung, start, solver).map_err(|e| no_equilibrium(rung, &e))?;
+            found.learn(load, simulated.displacement.clone());
+            done.push((level, simulated));
+        }
+        Ok(done)
     }
-    Ok(done)
-}
 
-/// How often a load step is halved where no shape is known to begin from; what is asked of later solves may be less.
-const COLD_HALVINGS: usize = 6;
+    fn load(&self, level: usize) -> Load {
+        let highest = self.rungs.iter().map(Rung::top).fold(f64::MIN_POSITIVE, f64::max);
+        let unit = highest / self.model.nominal.youngs_moduli[BODY];
+        Load::new(self.rungs[level].filled(), self.rungs[level].top(), &self.elastic, unit)
+    }
 
-fn load(rung: &Rung, body_e: Pascal) -> Load {
-    (rung.filled(), rung.top() / body_e)
-}
-
-fn climb_one(
-    model: &Model,
-    rung: &Rung,
-    rungs: usize,
-    settings: &StaticSettings,
-    start: Option<&[f64]>,
-    solver: &mut Solver,
-    want: Want,
-) -> Result<Simulated, SolveError> {
-    let patient = StaticSettings { tolerance: settings.tolerance, ..StaticSettings::default() };
-    let settings = if start.is_some() { settings } else { &StaticSettings { halvings: COLD_HALVINGS, ..patient } };
-    let began = Instant::now();
-    let equilibrium = solver.equilibrium(&rung.pressures, start, settings)?;
-    let forward_seconds = began.elapsed().as_secs_f64();
-    let markers: Vec<Point2> =
-        model.markers.iter().map(|spot| Model::in_plane(spot, &equilibrium.displacement)).collect();
-    let began = Instant::now();
-    let gradient = match want {
-        Want::Gradient => gradient(model, rung, rungs, &markers, &equilibrium, solver)?,
-        _ => Vec::new(),
-    };
-    let slopes = match want {
-        Want::Slopes => slopes(model, &equilibrium, solver, &MODULI)?,
-        Want::AllSlopes => slopes(model, &equilibrium, solver, &CONSTANTS)?,
-        _ => Vec::new(),
-    };
-    let derivative_seconds = began.elapsed().as_secs_f64();
-    let displacement = equilibrium.displacement;
-    Ok(Simulated { markers, gradient, slopes, displacement, forward_seconds, derivative_seconds })
+    fn climb_one(
+        &self,
+        rung: &Rung,
+        start: Option<(&[f64], Vec<f64>)>,
+        solver: &mut Solver,
+    ) -> Result<Simulated, SolveError> {
+        let Self { model, settings, .. } = self;
+        let patient = StaticSettings { tolerance: settings.tolerance, ..StaticSettings::default() };
+        let cold = StaticSettings { halvings: COLD_HALVINGS, ..patient };
+        let began = Instant::now();
+        let equilibrium = match start {
+            Some((found, foretold)) => solver.equilibrium_ahead(&rung.pressures, found, &foretold, settings)?,
+            None => solver.equilibrium(&rung.pressures, None, &cold)?,
+        };
+        let forward_seconds = began.elapsed().as_secs_f64();
+        let markers: Vec<Point2> =
+            model.markers.iter().map(|spot| Model::in_plane(spot, &equilibrium.displacement)).collect();
+        let began = Instant::now();
+        let gradient = match self.want {
+            Want::Gradient => gradient(model, rung, self.rungs.len(), &markers, &equilibrium, solver)?,
+            _ => Vec::new(),
+        };
+        let slopes = match self.want {
+            Want::Slopes => slopes(model, &equilibrium, solver, &MODULI)?,
+            Want::AllSlopes => slopes(model, &equilibrium, solver, &CONSTANTS)?,
+            _ => Vec::new(),
+        };
+        let derivative_seconds = began.elapsed().as_secs_f64();
+        let displacement = equilibrium.displacement;
+        Ok(Simulated { markers, gradient, slopes, displacement, forward_seconds, derivative_seconds })
+    }
 }
 
 /// Gradient by the moduli of this level's part of the mean distance, 1/(rungs · markers) Σ |simulated − measured|.

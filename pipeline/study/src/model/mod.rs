@@ -2,6 +2,7 @@
 //!
 //! Stands on: fem, shape, the mesh record, the card. Never knows: a measurement, an optimiser.
 
+mod known;
 mod ladder;
 mod reduced;
 mod solid_angle;

@@ -16,7 +16,7 @@ use super::stop::Stop;
 use super::walk::near_to_near;
 use super::{certainty, landscape};
 use crate::fault::{Fault, Outcome};
-use crate::model::{Elastic, Ladder, Model, Simulated, Want, by_node};
+use crate::model::{Elastic, Ladder, Model, Rung, Simulated, Want, by_node};
 use crate::needs::Learning;
 use crate::records::{self, Doubt, Identified, Level, Markers, Mesh, Motion, Point, Tried};
 use crate::stage::Desk;
@@ -27,17 +27,26 @@ pub struct Fitting<'a> {
     card: &'a Card,
     set: &'a Settings,
     model: Model,
-    levels: Levels,
+    pub(super) levels: Levels,
     doubt: Doubt,
     /// Trial and rest places of each level.
     origins: Vec<(String, Vec<Point2>)>,
-    search: Search,
+    pub(super) search: Search,
 }
 
 /// What one point of a search showed, kept for the landscape.
 pub struct Told {
     at: Vec<f64>,
     markers: Vec<Vec<Point2>>,
+}
+
+/// What a search found, and the ladder that it climbed.
+pub struct Searched {
+    /// All that was tried.
+    pub history: History,
+    /// What each point showed.
+    pub told: Vec<Told>,
+    ladder: Ladder,
 }
 
 /// The films of a specimen: motion, and what the markers' covariance is made of.
@@ -75,7 +84,7 @@ impl<'a> Fitting<'a> {
         Ok(Self { card: &of.card, set, model, levels, doubt, origins, search })
     }
 
-    fn elastic(&self, at: &[f64]) -> Elastic {
+    pub(super) fn elastic(&self, at: &[f64]) -> Elastic {
         let nominal = self.model.nominal;
         let [body, spine] = nominal.youngs_moduli;
         Elastic { youngs_moduli: [body * at[0].exp(), spine * at[1].exp()], ..nominal }
@@ -86,19 +95,23 @@ impl<'a> Fitting<'a> {
         Point { body_e_pa, spine_e_pa }
     }
 
-    fn ladder(&self, tolerance: f64) -> Ladder {
+    pub(super) fn static_tolerance(&self) -> f64 {
+        self.set.static_tolerance
+    }
+
+    pub(super) fn ladder(&self, rungs: &[Rung], tolerance: f64) -> Ladder {
         let settings =
             StaticSettings { tolerance, halvings: HALVINGS, iterations: DIRECTIONS, ..StaticSettings::default() };
-        Ladder::new(self.model.clone(), self.levels.rungs.clone(), settings, self.set.side_by_side)
+        Ladder::new(self.model.clone(), rungs.to_vec(), settings, self.set.side_by_side)
     }
 
     /// Runs one method over the plane; a batch is walked from near point to near point.
     ///
     /// # Errors
     /// A [`Fault`] when the method cannot go on, or Adam meets a point without equilibrium.
-    pub fn search(&self, member: &optimisers::Member) -> Outcome<(History, Vec<Told>)> {
+    pub fn search(&self, member: &optimisers::Member) -> Outcome<Searched> {
         let mut optimiser = (member.build)(&self.search, &self.methods()).map_err(Fault::from_tool)?;
-        let mut ladder = self.ladder(self.set.static_tolerance);
+        let mut ladder = self.ladder(&self.levels.rungs, self.set.static_tolerance);
         let mut told = Vec::new();
         let mut problem = |batch: &[Vec<f64>], needs: Needs| -> Result<Vec<Evaluation>, Stop> {
             let mut answers: Vec<Option<Evaluation>> = vec![None; batch.len()];
@@ -109,7 +122,7 @@ impl<'a> Fitting<'a> {
             Ok(answers.into_iter().flatten().collect())
         };
         let history = fit::minimise(optimiser.as_mut(), &mut problem).map_err(|stop| stop.0)?;
-        Ok((history, told))
+        Ok(Searched { history, told, ladder })
     }
 
     fn methods(&self) -> optimisers::Settings {
@@ -138,7 +151,13 @@ impl<'a> Fitting<'a> {
         }
     }
 
-    fn evaluate(&self, ladder: &mut Ladder, at: &[f64], needs: Needs, told: &mut Vec<Told>) -> Outcome<Evaluation> {
+    pub(super) fn evaluate(
+        &self,
+        ladder: &mut Ladder,
+        at: &[f64],
+        needs: Needs,
+        told: &mut Vec<Told>,
+    ) -> Outcome<Evaluation> {
         let want = match needs {
             Needs::Loss => Want::Nothing,
             Needs::Gradient => Want::Gradient,
@@ -170,47 +189,22 @@ impl<'a> Fitting<'a> {
         records::Search { method: method.into(), tried: tried.collect(), seconds }
     }
 
-    /// Adjoint gradient against central differences at the start, over the size of the gradient.
-    ///
-    /// # Errors
-    /// A [`Fault`] when there is no equilibrium at the start.
-    pub fn gradient_difference(&self) -> Outcome<f64> {
-        let mut ladder = self.ladder(EXACT);
-        let start = [self.search.start()[0], self.search.start()[1]];
-        let mut loss = |at: [f64; 2], needs: Needs| self.evaluate(&mut ladder, &at, needs, &mut Vec::new());
-        let adjoint = loss(start, Needs::Gradient)?.gradient.unwrap_or_default();
-        let size = adjoint.iter().fold(0.0_f64, |s, g| s.max(g.abs()));
-        let mut worst = 0.0_f64;
-        for k in 0..2 {
-            let mut at = |sign: f64| {
-                let mut at = start;
-                at[k] += sign * DIFFERENCE;
-                loss(at, Needs::Loss).map(|e| e.loss)
-            };
-            let difference = (at(1.0)? - at(-1.0)?) / (2.0 * DIFFERENCE);
-            worst = worst.max((difference - adjoint[k]).abs() / size);
-        }
-        Ok(worst)
-    }
-
     /// The record, from the best of the last search and what the grid showed.
     ///
     /// # Errors
     /// A [`Fault`] when there is no equilibrium at the best moduli, or the data do not fix them.
     pub fn conclude(
         &self,
-        history: &History,
+        mut found: Searched,
         told: &[Told],
         searches: Vec<records::Search>,
         gradient_difference: Option<f64>,
         desk: &dyn Desk,
     ) -> Outcome<Identified> {
         desk.progress(0.95, "at the identified moduli");
-        let best = &history.best;
+        let best = &found.history.best;
         let elastic = self.elastic(&best.at);
-        let levels = self.ladder(self.set.static_tolerance).climb(&elastic, Want::Gradient)?;
-        let seconds = |part: fn(&Simulated) -> f64| levels.iter().map(part).sum::<f64>();
-        let (forward, derivative) = (seconds(|l| l.forward_seconds), seconds(|l| l.derivative_seconds));
+        let levels = found.ladder.climb(&elastic, Want::Nothing)?;
         let markers: Vec<Vec<Point2>> = levels.iter().map(|l| l.markers.clone()).collect();
         let highest = levels.iter().zip(&self.levels.rungs).max_by(|a, b| a.1.top().total_cmp(&b.1.top()));
         let certainty = certainty::of(self.card, best, &self.search)?;
@@ -221,7 +215,7 @@ impl<'a> Fitting<'a> {
             sigma: Point { body_e_pa: body, spine_e_pa: spine },
             loss: self.levels.loss(&markers),
             gradient_difference,
-            gradient_over_forward: (forward + derivative) / forward,
+            gradient_over_forward: self.gradient_over_forward(&elastic)?,
             searches,
             surface,
             levels: self.shown(&markers),
@@ -287,17 +281,11 @@ fn told_before(told: &[Told], want: Want) -> bool {
     want != Want::Gradient || !told.is_empty()
 }
 
-/// Step of the central differences, in logarithms of moduli: its truncation error is far below the solver's tolerance.
-const DIFFERENCE: f64 = 1e-3;
-
 /// A level whose load steps must be halved more often than this has given way: a search has better points to try.
 const HALVINGS: usize = 1;
 
 /// Newton directions in a load step after which it is given up: where there is a shape, eight do.
 const DIRECTIONS: usize = 16;
-
-/// Tolerance of the equilibria between which differences are taken, as a part of the specimen's size.
-const EXACT: f64 = 1e-9;
 
 /// Where the markers were seen at rest: the mean over films, m.
 pub fn mean_rest(films: &Learning<Motion>) -> Vec<Point2> {

@@ -66,7 +66,7 @@ impl Stage for Identify {
     type Needs = (Mesh, Films);
     type Makes = Identified;
     const STORY: &'static str = "quasi-static motion becomes Young's moduli";
-    const EDITION: u32 = 5;
+    const EDITION: u32 = 6;
 
     fn card(of: &Specimen) -> Value {
         let (solid, card) = (&of.card.solid, &of.card);
@@ -83,11 +83,11 @@ impl Stage for Identify {
         for (i, member) in chosen().enumerate() {
             desk.progress((i + 1) as f64 / (chosen().count() + 1) as f64, member.name);
             let began = desk.seconds();
-            let (history, tried) = fitting.search(member)?;
-            searches.push(fitting.record(member.name, &history, desk.seconds() - began));
+            let found = fitting.search(member)?;
+            searches.push(fitting.record(member.name, &found.history, desk.seconds() - began));
             match member.name {
-                grid::NAME => told = tried,
-                gauss_newton::NAME => best = Some(history),
+                grid::NAME => told = found.told,
+                gauss_newton::NAME => best = Some(found),
                 _ => {}
             }
         }
@@ -95,6 +95,6 @@ impl Stage for Identify {
             return Err(Fault::new("identification needs gauss_newton", "`fit` does not list it", "restore it"));
         };
         let gradient_difference = compared.then(|| fitting.gradient_difference()).transpose()?;
-        fitting.conclude(&best, &told, searches, gradient_difference, desk)
+        fitting.conclude(best, &told, searches, gradient_difference, desk)
     }
 }

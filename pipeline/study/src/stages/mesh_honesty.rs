@@ -44,7 +44,7 @@ impl Stage for MeshHonesty {
     type Needs = Identified;
     type Makes = records::MeshHonesty;
     const STORY: &'static str = "the same films tell other meshes other moduli";
-    const EDITION: u32 = 1;
+    const EDITION: u32 = 2;
 
     fn raw(of: &Specimen) -> Vec<RawFile> {
         mesh::Mesh::raw(of)

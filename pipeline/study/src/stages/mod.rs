@@ -13,6 +13,7 @@ mod drag;
 mod findings;
 mod fitting;
 mod four_parameters;
+mod gradients;
 mod identify;
 mod inflate;
 mod landscape;

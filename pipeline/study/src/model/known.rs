@@ -1,0 +1,150 @@
+//! Known: shapes that were found before, and the shape that they foretell for another load.
+//!
+//! Without gravity the shape of a body of two materials follows from which chamber is filled, from its pressure over the body's
+//! modulus, from the sheet's modulus over the body's, and from both Poisson's ratios. Shapes found anywhere in that small space
+//! foretell others by ordinary kriging with a wide Gaussian: near to a polynomial through them.     [krige1951]
+//!
+//! Stands on: the model's constants. Never knows: a solver, a measurement.
+
+use nalgebra::{DMatrix, DVector};
+use si::Pascal;
+
+use super::{BODY, Elastic, SPINE};
+
+/// How far shapes are alike: the width of the Gaussian, in units of [`Load::away`].
+const WIDTH: f64 = 2.0;
+/// Share of the variance that is taken for noise: it keeps weights small where shapes lie close together.
+const NOISE: f64 = 1e-9;
+/// Of all shapes, so many of the nearest foretell.
+const NEAREST: usize = 20;
+/// Shapes kept: the newest.
+const KEPT: usize = 400;
+/// Weights whose sizes add up to more would stretch what they are made of: the nearest shape is then the better start.
+const STRETCHED: f64 = 6.0;
+/// How much a Poisson's ratio counts beside the logarithm of a modulus, body and sheet.
+const BY_RATIO: [f64; 2] = [10.0, 1.0];
+
+/// What shapes a body: the filled chamber, and a place in the space of the constants that matter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Load {
+    chamber: usize,
+    at: [f64; 4],
+}
+
+impl Load {
+    /// Of a body with these constants whose `chamber` is filled with `pressure`; `unit` is the pressure over a modulus that counts as one.
+    pub fn new(chamber: usize, pressure: Pascal, elastic: &Elastic, unit: f64) -> Self {
+        let (e, nu) = (elastic.youngs_moduli, elastic.poissons_ratios);
+        let ratios = [BODY, SPINE].map(|region| BY_RATIO[region] * nu[region]);
+        Self { chamber, at: [pressure / e[BODY] / unit, (e[SPINE] / e[BODY]).ln(), ratios[0], ratios[1]] }
+    }
+
+    /// The same body at rest.
+    fn without(self) -> Self {
+        Self { at: [0.0, self.at[1], self.at[2], self.at[3]], ..self }
+    }
+
+    fn away(&self, other: &Self) -> f64 {
+        self.at.iter().zip(&other.at).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+    }
+}
+
+/// Shapes (3 a node, m) and what they were found for.
+#[derive(Debug, Clone, Default)]
+pub struct Known {
+    shapes: Vec<(Load, Vec<f64>)>,
+}
+
+impl Known {
+    /// Keeps a shape.
+    pub fn learn(&mut self, load: Load, shape: Vec<f64>) {
+        if self.shapes.len() == KEPT {
+            self.shapes.remove(0);
+        }
+        self.shapes.push((load, shape));
+    }
+
+    /// The nearest shape of this and what `others` knows, and the one that all of them foretell; none where neither has one of the
+    /// same chamber.
+    pub fn foretell<'a>(&'a self, others: &'a Self, load: Load) -> Option<(&'a [f64], Vec<f64>)> {
+        let alike = self.shapes.iter().chain(&others.shapes).filter(|(known, _)| known.chamber == load.chamber);
+        let mut near: Vec<(f64, &(Load, Vec<f64>))> = alike.map(|shape| (shape.0.away(&load), shape)).collect();
+        near.sort_by(|a, b| a.0.total_cmp(&b.0));
+        near.truncate(NEAREST);
+        let (_, (_, nearest)) = near.first()?;
+        let places: Vec<Load> = near.iter().map(|(_, (known, _))| *known).chain([load.without()]).collect();
+        let Some(weights) = weights(&places, &load) else { return Some((nearest, nearest.clone())) };
+        let mut foretold = vec![0.0; nearest.len()];
+        for ((_, (_, shape)), weight) in near.iter().zip(weights.iter()) {
+            foretold.iter_mut().zip(shape).for_each(|(sum, u)| *sum += weight * u);
+        }
+        Some((nearest, foretold))
+    }
+}
+
+/// Weights of the shapes at `places` in that at `load`: they add up to one; none where they would stretch.
+fn weights(places: &[Load], load: &Load) -> Option<DVector<f64>> {
+    let n = places.len();
+    let alike = |a: &Load, b: &Load| (-0.5 * (a.away(b) / WIDTH).powi(2)).exp();
+    let among = DMatrix::from_fn(n, n, |i, j| alike(&places[i], &places[j]) + if i == j { NOISE } else { 0.0 });
+    let factor = among.cholesky()?;
+    let (towards, level) =
+        (factor.solve(&DVector::from_fn(n, |i, _| alike(&places[i], load))), factor.solve(&DVector::repeat(n, 1.0)));
+    let weights = &towards + &level * ((1.0 - towards.sum()) / level.sum());
+    (weights.iter().map(|w| w.abs()).sum::<f64>() < STRETCHED).then_some(weights)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn load(pressure: f64, body: f64, spine: f64) -> Load {
+        Load::new(0, pressure, &Elastic { youngs_moduli: [body, spine], poissons_ratios: [0.49, 0.38] }, 0.1)
+    }
+
+    /// A smooth function of what shapes a body, zero at rest.
+    fn shape(of: &Load) -> Vec<f64> {
+        let [s, r, ..] = of.at;
+        vec![s + 0.3 * s * s - 0.2 * s * r, (0.4 * s).sin()]
+    }
+
+    #[test]
+    fn shapes_on_a_grid_foretell_what_lies_between() {
+        let mut known = Known::default();
+        for (body, spine) in [(1e5, 2e9), (1.5e5, 2e9), (1e5, 3e9), (1.5e5, 3e9)] {
+            for pressure in [4e3, 8e3, 1.2e4, 1.6e4] {
+                let at = load(pressure, body, spine);
+                known.learn(at, shape(&at));
+            }
+        }
+        let at = load(1.1e4, 1.2e5, 2.4e9);
+        let foretold = known.foretell(&Known::default(), at).expect("shapes are known").1;
+        foretold.iter().zip(shape(&at)).for_each(|(a, b)| assert!((a - b).abs() < 1e-3, "{a} for {b}"));
+    }
+
+    #[test]
+    fn one_shape_alone_foretells_that_twice_the_load_bends_about_twice_as_far() {
+        let mut known = Known::default();
+        known.learn(load(4e3, 1e5, 2e9), vec![1.0]);
+        let foretold = known.foretell(&Known::default(), load(8e3, 1e5, 2e9)).expect("a shape is known").1[0];
+        assert!((1.5..2.1).contains(&foretold), "{foretold}");
+    }
+
+    #[test]
+    fn another_chamber_tells_nothing() {
+        let mut known = Known::default();
+        known.learn(Load { chamber: 1, ..load(4e3, 1e5, 2e9) }, vec![1.0]);
+        assert_eq!(known.foretell(&Known::default(), load(4e3, 1e5, 2e9)), None);
+    }
+
+    #[test]
+    fn shapes_found_twice_do_not_break_it() {
+        let (mut mine, mut others) = (Known::default(), Known::default());
+        for _ in 0..3 {
+            mine.learn(load(4e3, 1e5, 2e9), vec![1.0]);
+            others.learn(load(4e3, 1e5, 2e9), vec![1.0]);
+        }
+        let foretold = mine.foretell(&others, load(4e3, 1e5, 2e9)).expect("a shape is known").1[0];
+        assert!((foretold - 1.0).abs() < 1e-6, "{foretold}");
+    }
+}
