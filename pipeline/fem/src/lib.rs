@@ -50,7 +50,7 @@ pub use motion::trajectory::Trajectory;
 pub use options::Options;
 pub use parameter::Parameter;
 pub use projective::{Projective, ProjectiveError, ProjectiveSettings};
-pub use reduced::{Around, Drive, Moment, Reduced, ReducedError, Reduction, Still};
+pub use reduced::{Around, Drive, Kept, Moment, Reduced, ReducedError, Reduction, Still};
 pub use refusal::SetupError;
 pub use region::RegionProperties;
 pub use solver::Solver;

@@ -12,7 +12,7 @@ use hydro::Tail;
 use lab::card::Side;
 use nalgebra::DMatrix;
 use shape::Spot;
-use study::model::{Elastic, Model, Small};
+use study::model::{Elastic, Model, Small, reduce};
 use study::thrust::climb::{Hill, Limits, climb};
 use study::thrust::rungs::linear::Weighted;
 use study::thrust::simulated::{Bench, Climbed, Teller, Wave};
@@ -139,7 +139,8 @@ const TUNED: [f64; 5] = [0.9, 0.8, 1.2, 0.0, 0.0];
 
 /// Asks something of the model in reduced coordinates in a fluid of `density` (kg/m³): one beat after `settle` others.
 fn swimming<T>(model: &Model, density: f64, settle: usize, ask: &dyn Fn(&Swimmer) -> T) -> T {
-    let small = Small::train(model, &model.nominal, &[1.2 * WAVE.amplitude; 2], 0.08).unwrap();
+    let kept = reduce(model, &model.nominal, &[1.2 * WAVE.amplitude; 2], 0.08, 5e-4).unwrap();
+    let small = Small::of(model, &model.nominal, &kept).unwrap();
     let tail = Tail::new(density, 0.0, &[0.04, 0.06, 0.08], [0.08; 2], 12, &|_| 0.02).unwrap();
     let rows: DMatrix<f64> = small.rows(&[0, 1, 2]);
     ask(&Swimmer {

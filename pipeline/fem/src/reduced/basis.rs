@@ -12,33 +12,30 @@ use crate::body::bend::Bend;
 use crate::given::Given;
 use crate::parts::Parts;
 
-/// V, VᵀMV, and the shapes' own coordinates.
+/// V, and the shapes' own coordinates.
 pub(super) struct Basis {
     pub modes: DMatrix<f64>,
-    pub mass: DMatrix<f64>,
     pub coordinates: Vec<DVector<f64>>,
 }
 
 /// The basis of `shapes` (3 a node each).
 pub(super) fn draw(parts: &Parts, shapes: &[&[f64]], by: &Reduction) -> Basis {
-    let pattern = &parts.pattern;
-    let free = columns(pattern.freedoms(), shapes, |shape| {
-        let mut free = Vec::new();
-        pattern.gather(shape, &mut free);
-        free
-    });
-    let pushed = product(&free, |x, y| parts.mass.multiply(pattern, x, y));
+    let free = gathered(parts, shapes);
+    let pushed = product(&free, |x, y| parts.mass.multiply(&parts.pattern, x, y));
     let turn = principal(&(free.transpose() * &pushed), by);
     let (orthogonal, along) = (&free * &turn, pushed.transpose());
     let factor = stiffness_factor(parts, &orthogonal);
     let back = factor.transpose();
     let scaled = right_divided(&orthogonal, &back);
     let coordinates = (0..shapes.len()).map(|s| &back * (turn.transpose() * &free_weights(&along, &free, s))).collect();
-    let mass = {
-        let pushed = product(&scaled, |x, y| parts.mass.multiply(pattern, x, y));
-        scaled.transpose() * pushed
-    };
-    Basis { modes: spread(parts, &scaled), mass, coordinates }
+    Basis { modes: spread(parts, &scaled), coordinates }
+}
+
+/// VᵀMV of modes of all freedoms, 3 a node.
+pub(super) fn mass(parts: &Parts, modes: &DMatrix<f64>) -> DMatrix<f64> {
+    let columns: Vec<&[f64]> = modes.as_slice().chunks_exact(modes.nrows()).collect();
+    let free = gathered(parts, &columns);
+    free.transpose() * product(&free, |x, y| parts.mass.multiply(&parts.pattern, x, y))
 }
 
 /// uᵀ M u_s over all shapes u.
@@ -82,8 +79,14 @@ fn product(of: &DMatrix<f64>, multiply: impl Fn(&[f64], &mut [f64])) -> DMatrix<
     image
 }
 
-fn columns(rows: usize, shapes: &[&[f64]], of: impl Fn(&[f64]) -> Vec<f64>) -> DMatrix<f64> {
-    DMatrix::from_iterator(rows, shapes.len(), shapes.iter().flat_map(|shape| of(shape)))
+/// Shapes of all freedoms as shapes of the free ones.
+fn gathered(parts: &Parts, shapes: &[&[f64]]) -> DMatrix<f64> {
+    let free = |shape: &&[f64]| {
+        let mut free = Vec::new();
+        parts.pattern.gather(shape, &mut free);
+        free
+    };
+    DMatrix::from_iterator(parts.pattern.freedoms(), shapes.len(), shapes.iter().flat_map(free))
 }
 
 /// Modes of free freedoms as modes of all, 3 a node.

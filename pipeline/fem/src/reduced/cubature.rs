@@ -7,6 +7,7 @@
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
+use si::CubicMetre;
 
 use super::forces::{Points, Slopes, deformation};
 use super::nonnegative::{self, Columns};
@@ -20,40 +21,51 @@ const FAINT: f64 = 0.05;
 /// How much an error along a nudge counts against one of a shape.
 const NUDGED: f64 = 0.1;
 
-/// The points of each region.
-#[allow(non_snake_case)]
-pub(super) fn choose(parts: &Parts, modes: &DMatrix<f64>, shapes: &[DVector<f64>], tolerance: f64) -> Vec<Points> {
+/// The chosen quadrature points of each region: number in the whole body, weight, m³.
+pub(super) fn choose(
+    parts: &Parts,
+    modes: &DMatrix<f64>,
+    shapes: &[DVector<f64>],
+    tolerance: f64,
+) -> Vec<Vec<(u32, CubicMetre)>> {
     let elastic = Given::new(parts).elastic;
     let nudges = nudges(shapes);
     let choose = |(region, elastic): (usize, &Elastic)| {
-        let all = candidates(parts, modes, region);
+        let numbers = of_region(parts, region);
+        let all: Vec<(CubicMetre, Slopes)> =
+            numbers.iter().map(|&point| (parts.rest.weights[point as usize], slopes(parts, point, modes))).collect();
         let mut works = works(&all, elastic, shapes, &nudges);
         let weights = nonnegative::fit(&mut works, tolerance);
-        let weighed = |(point, weight): (usize, f64)| (weight * all[point].0, all[point].1.clone());
-        let at: Vec<(f64, Slopes)> = weights.into_iter().map(weighed).collect();
-        Points::new(*elastic, &at, modes.ncols())
+        weights.into_iter().map(|(point, weight)| (numbers[point], weight * all[point].0)).collect()
     };
     elastic.iter().enumerate().map(choose).collect()
 }
 
-/// Every quadrature point of a region: its weight, m³, and G.
-fn candidates(parts: &Parts, modes: &DMatrix<f64>, region: usize) -> Vec<(f64, Slopes)> {
-    let mut all = Vec::new();
-    for element in (0..parts.mesh.elements.len()).filter(|e| parts.mesh.regions[*e] as usize == region) {
-        let nodes = match &parts.mesh.elements {
-            Elements::Linear(tets) => &tets[element][..],
-            Elements::Quadratic(tets) => &tets[element][..],
-        };
-        for point in element * parts.rest.points..(element + 1) * parts.rest.points {
-            let gradients = &parts.rest.gradients[point * nodes.len()..(point + 1) * nodes.len()];
-            all.push((parts.rest.weights[point], slopes(nodes, gradients, modes)));
-        }
-    }
-    all
+/// The chosen points of each region, ready to push.
+pub(super) fn points(parts: &Parts, modes: &DMatrix<f64>, chosen: &[Vec<(u32, CubicMetre)>]) -> Vec<Points> {
+    let elastic = Given::new(parts).elastic;
+    let points = |(elastic, chosen): (&Elastic, &Vec<(u32, CubicMetre)>)| {
+        let at: Vec<(f64, Slopes)> =
+            chosen.iter().map(|&(point, weight)| (weight, slopes(parts, point, modes))).collect();
+        Points::new(*elastic, &at, modes.ncols())
+    };
+    elastic.iter().zip(chosen).map(points).collect()
 }
 
-/// G: column m holds Σ_a V_a,m ⊗ ∇N_a.
-fn slopes(nodes: &[u32], gradients: &[si::Point3], modes: &DMatrix<f64>) -> Slopes {
+/// Every quadrature point of a region by its number in the whole body.
+fn of_region(parts: &Parts, region: usize) -> Vec<u32> {
+    let inside = (0..parts.mesh.elements.len()).filter(|e| parts.mesh.regions[*e] as usize == region);
+    inside.flat_map(|e| e * parts.rest.points..(e + 1) * parts.rest.points).map(|point| point as u32).collect()
+}
+
+/// G of a quadrature point: column m holds Σ_a V_a,m ⊗ ∇N_a.
+fn slopes(parts: &Parts, point: u32, modes: &DMatrix<f64>) -> Slopes {
+    let (point, element) = (point as usize, point as usize / parts.rest.points);
+    let nodes = match &parts.mesh.elements {
+        Elements::Linear(tets) => &tets[element][..],
+        Elements::Quadratic(tets) => &tets[element][..],
+    };
+    let gradients = &parts.rest.gradients[point * nodes.len()..(point + 1) * nodes.len()];
     let mut slopes = Slopes::zeros(modes.ncols());
     for (node, gradient) in nodes.iter().zip(gradients) {
         let rows = modes.rows(3 * *node as usize, 3);

@@ -52,6 +52,12 @@ pub enum ReducedError {
         "a region averages its dilatation over each element\n  why: chosen points stand alone\n  do:  reduce without mean_dilatation"
     )]
     MeanDilatation,
+    /// Kept of another system, or spoilt.
+    #[error("the kept reduced body is not of this system\n  why: {what}\n  do:  reduce this system anew")]
+    Foreign {
+        /// What does not fit.
+        what: String,
+    },
     /// Settings out of range.
     #[error(transparent)]
     Settings(#[from] crate::stall::SolveError),

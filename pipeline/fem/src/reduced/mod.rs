@@ -11,6 +11,7 @@ mod balance;
 mod basis;
 mod cubature;
 mod forces;
+mod kept;
 mod march;
 mod nonnegative;
 mod volume;
@@ -22,6 +23,8 @@ use basis::Basis;
 use forces::{Points, Stress};
 use volume::CubicVolume;
 
+use kept::Chosen;
+pub use kept::Kept;
 pub use march::{Around, Drive, Moment, ReducedError, Still};
 
 /// How far a body is reduced.
@@ -54,6 +57,8 @@ pub struct Reduced {
     chambers: Vec<CubicVolume>,
     /// Largest |q| among the shapes that it was drawn from.
     size: f64,
+    /// Where its points lie, as they are kept.
+    chosen: Chosen,
 }
 
 impl System {
@@ -68,14 +73,18 @@ impl System {
         if shapes.is_empty() || shapes.iter().any(|shape| shape.len() != right) {
             return Err(ReducedError::Shapes { count: shapes.len(), right });
         }
-        if parts.options.mean_dilatation.contains(&true) {
-            return Err(ReducedError::MeanDilatation);
-        }
-        let Basis { modes, mass, coordinates } = basis::draw(parts, shapes, by);
+        self.check_reducible()?;
+        let Basis { modes, coordinates } = basis::draw(parts, shapes, by);
         let points = cubature::choose(parts, &modes, &coordinates, by.tolerance);
         let size = coordinates.iter().flat_map(|q| q.iter()).fold(0.0, |most: f64, q| most.max(q.abs()));
-        let chambers = parts.chambers.iter().map(|chamber| CubicVolume::of(chamber, &modes, size)).collect();
-        Ok(Reduced { modes, mass, points, chambers, size })
+        let modes = modes.column_iter().map(|mode| mode.iter().copied().collect()).collect();
+        self.restore(&Kept { modes, points, size })
+    }
+
+    /// # Errors
+    /// [`ReducedError::MeanDilatation`]
+    fn check_reducible(&self) -> Result<(), ReducedError> {
+        if self.parts.options.mean_dilatation.contains(&true) { Err(ReducedError::MeanDilatation) } else { Ok(()) }
     }
 }
 

@@ -5,7 +5,7 @@
 use nalgebra::DVector;
 
 use super::forces::Stress;
-use super::{Drive, Reduced, Reduction, Still};
+use super::{Drive, Kept, Reduced, Reduction, Still};
 use crate::{Chamber, Clamps, Elements, Faces, March, Mesh, RegionProperties, Scheme, State, StaticSettings, System};
 use crate::{boxes, materials};
 
@@ -144,6 +144,33 @@ fn under_a_pressure_between_its_shapes_it_rests_where_the_whole_body_rests() {
     assert!(off < 5e-3 * size, "off by {off} of {size} m");
     let again = body.equilibrium(&[2e4], &[1.0], &found).expect("it is at rest");
     assert!((again - found).amax() < 1e-7 * body.size, "what rests does not move");
+}
+
+#[test]
+fn what_is_kept_is_restored_to_the_same_body() {
+    let system = hollow();
+    let body = reduced(&system, &shapes(&system));
+    let again = system.restore(&body.kept()).expect("kept of this system");
+    let q = some_shape(body.coordinates(), 0.2 * body.size);
+    assert_eq!(again.elastic_forces(&q, &[1.3]), body.elastic_forces(&q, &[1.3]));
+    assert_eq!(again.mass, body.mass);
+    assert_eq!(again.chamber_volume(0, &q), body.chamber_volume(0, &q));
+    assert_eq!(again.kept(), body.kept());
+}
+
+#[test]
+fn what_was_kept_of_another_body_is_refused() {
+    let system = hollow();
+    let kept = reduced(&system, &shapes(&system)).kept();
+    let refused = |kept: Kept, of: &str| {
+        let error = system.restore(&kept).expect_err("it does not fit").to_string();
+        assert!(error.contains(of), "{error}");
+    };
+    refused(Kept { modes: vec![vec![0.0; 3]], ..kept.clone() }, "3 a node");
+    refused(Kept { points: Vec::new(), ..kept.clone() }, "points of 0 regions");
+    refused(Kept { points: vec![vec![(u32::MAX, 1e-9)]], ..kept.clone() }, "is not one of region 0");
+    refused(Kept { points: vec![vec![(0, f64::NAN)]], ..kept.clone() }, "is not one of region 0");
+    refused(Kept { size: f64::NAN, ..kept.clone() }, "not finite");
 }
 
 #[test]

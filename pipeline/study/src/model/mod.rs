@@ -19,7 +19,7 @@ use crate::fault::{Fault, Outcome};
 use crate::records::{Cavity, Mesh};
 
 pub use ladder::{Ladder, Rung, Simulated, Want};
-pub use reduced::Small;
+pub use reduced::{Small, reduce};
 pub use solid_angle::{chamber_at, chamber_holding};
 
 /// A specimen ready to be simulated.

@@ -3,7 +3,7 @@
 //!
 //! Stands on: the model, fem. Never knows: a trial, a measurement.
 
-use fem::{Around, Drive, March, Reduced, Reduction, Solver, StaticSettings, Still};
+use fem::{Around, Drive, Kept, March, Reduced, Reduction, Solver, StaticSettings, Still};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use si::{Metre, Pascal, Point2, Second};
@@ -37,22 +37,31 @@ struct Wish {
     pulls: Vec<f64>,
 }
 
+/// Reduces `model` with `elastic` by equilibria up to the pressures `top` (one a chamber, Pa); `length` is the specimen's, m,
+/// `tolerance` how far the forces of the points that are chosen may be off, relative.
+///
+/// # Errors
+/// A [`Fault`] when an equilibrium is not found.
+pub fn reduce(model: &Model, elastic: &Elastic, top: &[Pascal], length: Metre, tolerance: f64) -> Outcome<Kept> {
+    let pull = pull(model, elastic)?;
+    let filled: Vec<Vec<Vec<f64>>> =
+        (0..top.len()).into_par_iter().map(|k| climb(model, elastic, top, k)).collect::<Outcome<_>>()?;
+    let bends: Vec<f64> = filled.iter().map(|shapes| bend(&shapes[STEPS - 1], &pull)).collect();
+    let find = |wish: &Wish| shape(model, elastic, wish, nearest(&filled, top, &wish.pressures), &pull, length);
+    let others: Vec<Vec<Vec<f64>>> = wishes(top, &bends).par_iter().map(find).collect::<Outcome<_>>()?;
+    let shapes: Vec<&[f64]> = filled.iter().chain(&others).flatten().map(Vec::as_slice).collect();
+    let coordinates = (KEPT * shapes.len() as f64) as usize;
+    let by = Reduction { coordinates, tolerance, ..Reduction::default() };
+    Ok(model.system.reduce(&shapes, &by).map_err(Fault::from_tool)?.kept())
+}
+
 impl Small {
-    /// Trains on equilibria of `model` with `elastic` up to the pressures `top` (one a chamber, Pa).
+    /// What was kept of a reduced `model`, with `elastic` and the model's own markers.
     ///
     /// # Errors
-    /// A [`Fault`] when an equilibrium is not found.
-    pub fn train(model: &Model, elastic: &Elastic, top: &[Pascal], length: Metre) -> Outcome<Self> {
-        let pull = pull(model, elastic)?;
-        let filled: Vec<Vec<Vec<f64>>> =
-            (0..top.len()).into_par_iter().map(|k| climb(model, elastic, top, k)).collect::<Outcome<_>>()?;
-        let bends: Vec<f64> = filled.iter().map(|shapes| bend(&shapes[STEPS - 1], &pull)).collect();
-        let find = |wish: &Wish| shape(model, elastic, wish, nearest(&filled, top, &wish.pressures), &pull, length);
-        let others: Vec<Vec<Vec<f64>>> = wishes(top, &bends).par_iter().map(find).collect::<Outcome<_>>()?;
-        let shapes: Vec<&[f64]> = filled.iter().chain(&others).flatten().map(Vec::as_slice).collect();
-        let coordinates = (KEPT * shapes.len() as f64) as usize;
-        let by = Reduction { coordinates, tolerance: 5e-4, ..Reduction::default() };
-        let reduced = model.system.reduce(&shapes, &by).map_err(Fault::from_tool)?;
+    /// A [`Fault`] when it was kept of another mesh.
+    pub fn of(model: &Model, elastic: &Elastic, kept: &Kept) -> Outcome<Self> {
+        let reduced = model.system.restore(kept).map_err(Fault::from_tool)?;
         let made = model.system.regions();
         let scale = made.iter().zip(elastic.youngs_moduli).map(|(r, e)| e / r.youngs_modulus).collect();
         let rows = model.markers.iter().map(|spot| rows(&reduced, spot)).collect();

@@ -17,7 +17,7 @@ use super::swing;
 use crate::fault::{Fault, Outcome};
 use crate::model::{Model, Small};
 use crate::needs::Maybe;
-use crate::records::{Best, BestFlap as Record, Check, Damping, Drag, Flap, Identified, Level, Mesh, Thrust};
+use crate::records::{Best, BestFlap as Record, Check, Damping, Drag, Flap, Identified, Level, Mesh, Reduced, Thrust};
 use crate::stage::{Desk, Stage};
 use crate::subject::Specimen;
 use crate::thrust::climb::{Limits, climb};
@@ -50,10 +50,10 @@ pub struct Settings {
 
 impl Stage for BestFlap {
     type Settings = Settings;
-    type Needs = (Mesh, Identified, Damping, (Thrust, Maybe<Drag>));
+    type Needs = ((Mesh, Identified, Reduced), Damping, (Thrust, Maybe<Drag>));
     type Makes = Record;
     const STORY: &'static str = "the simulator is asked for the flap of the most thrust";
-    const EDITION: u32 = 4;
+    const EDITION: u32 = 5;
 
     fn card(of: &Specimen) -> Value {
         let (solid, card) = (&of.card.solid, &of.card);
@@ -69,15 +69,13 @@ impl Stage for BestFlap {
     }
 
     fn run(of: &Specimen, set: &Settings, needs: Self::Needs, desk: &dyn Desk) -> Outcome<Record> {
-        let (mesh, identified, damping, (learnt, Maybe(water))) = needs;
+        let ((mesh, identified, reduced), damping, (learnt, Maybe(water))) = needs;
         let limits = limits(&learnt.runs, &identified, set.rounds)?;
         let outline = Outline::new(&of.card, &mesh.solid);
         let (wet, spots) = outline.whole(learnt.density, learnt.sections).map_err(Fault::from_tool)?;
         let model = Model::new(&mesh, &of.card)?.and(spots);
         let elastic = swing::identified(&model, &identified);
-        desk.progress(0.1, "reducing the model");
-        let top = vec![limits.amplitude; of.card.chamber.len()];
-        let small = Small::train(&model, &elastic, &top, of.card.length)?;
+        let small = Small::of(&model, &elastic, &reduced.kept)?;
         let tail = outline.marked(learnt.density, learnt.sections).map_err(Fault::from_tool)?;
         let rows = small.rows(&outline::order(&of.card));
         let stations = small.rows(&(of.card.marker.len()..small.markers()).collect::<Vec<_>>());

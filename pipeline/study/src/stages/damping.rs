@@ -13,9 +13,9 @@ use si::{Metre, Second};
 use super::fitting::mean_rest;
 use super::swing::{self, Drive, Swing};
 use crate::fault::{Fault, Outcome};
-use crate::model::Model;
+use crate::model::{Model, Small};
 use crate::needs::Learning;
-use crate::records::{self, Identified, Mesh, Motion};
+use crate::records::{self, Identified, Mesh, Motion, Reduced};
 use crate::stage::{Desk, Stage};
 use crate::subject::Specimen;
 
@@ -40,10 +40,10 @@ pub struct Settings {
 
 impl Stage for Damping {
     type Settings = Settings;
-    type Needs = (Mesh, Identified, Learning<Motion>);
+    type Needs = (Mesh, Identified, Reduced, Learning<Motion>);
     type Makes = records::Damping;
     const STORY: &'static str = "a released tail's swing becomes its damping";
-    const EDITION: u32 = 3;
+    const EDITION: u32 = 4;
 
     fn card(of: &Specimen) -> Value {
         let (solid, card) = (&of.card.solid, &of.card);
@@ -52,7 +52,7 @@ impl Stage for Damping {
     }
 
     fn run(of: &Specimen, set: &Settings, needs: Self::Needs, desk: &dyn Desk) -> Outcome<records::Damping> {
-        let (mesh, identified, films) = needs;
+        let (mesh, identified, reduced, films) = needs;
         let Some((_, motion)) = films.0.first() else {
             return Err(Fault::new("there is no film to learn damping from", "no trial has that role", "add one"));
         };
@@ -62,8 +62,7 @@ impl Stage for Damping {
         let gauges = swing::gauges(motion)?;
         let begin = last_release(motion)?;
         let drive = Drive { begin: begin - set.ease, end: begin + set.follow, eased: set.ease, gauges: &gauges };
-        desk.progress(0.1, "reducing the model");
-        let small = swing.reduced(&gauges, of.card.length)?;
+        let small = Small::of(&model, &elastic, &reduced.kept)?;
         let measured = &motion.markers[swing.marker].at;
         let frames: Vec<usize> =
             (0..motion.time.len()).filter(|&i| motion.time[i] > begin && motion.time[i] < drive.end).collect();

@@ -22,7 +22,7 @@ use super::swing::{self, Drive, Swing};
 use crate::fault::{Fault, Outcome};
 use crate::model::{Model, Small};
 use crate::needs::Waded;
-use crate::records::{self, Damping, Identified, Level, Mesh, Motion};
+use crate::records::{self, Damping, Identified, Level, Mesh, Motion, Reduced};
 use crate::stage::{Desk, Stage};
 use crate::subject::Specimen;
 use crate::thrust::outline::Outline;
@@ -63,10 +63,10 @@ const NUDGE: f64 = 0.02;
 
 impl Stage for Drag {
     type Settings = Settings;
-    type Needs = (Mesh, Identified, Damping, Waded<Motion>);
+    type Needs = ((Mesh, Identified, Reduced), Damping, Waded<Motion>);
     type Makes = records::Drag;
     const STORY: &'static str = "a release under water becomes added mass and drag";
-    const EDITION: u32 = 3;
+    const EDITION: u32 = 4;
 
     fn card(of: &Specimen) -> Value {
         let (solid, card) = (&of.card.solid, &of.card);
@@ -76,7 +76,7 @@ impl Stage for Drag {
     }
 
     fn run(of: &Specimen, set: &Settings, needs: Self::Needs, desk: &dyn Desk) -> Outcome<records::Drag> {
-        let (mesh, identified, damping, films) = needs;
+        let ((mesh, identified, reduced), damping, films) = needs;
         let (_, motion) = films.0.first().ok_or_else(no_staircase)?;
         let outline = Outline::new(&of.card, &mesh.solid);
         let (tail, spots) = outline.whole(set.density, set.sections).map_err(Fault::from_tool)?;
@@ -86,8 +86,7 @@ impl Stage for Drag {
         let (begin, released) = release(motion, known)?;
         let gauges = swing::gauges(motion)?;
         let drive = Drive { begin: begin - set.ease, end: begin + set.follow, eased: set.ease, gauges: &gauges };
-        desk.progress(0.1, "reducing the model");
-        let small = Small::train(&model, &swing.elastic, &vec![known; gauges.len()], of.card.length)?;
+        let small = Small::of(&model, &swing.elastic, &reduced.kept)?;
         let march = swing::march(Scheme::Bdf2, set.step, damping.stiffness_damping);
         let bath = Bath::new(&small, &tail, swing.marker, of.card.marker.len(), march, mesh.solid.half);
         let film = Film::of(motion, swing.marker, [begin, drive.end]);

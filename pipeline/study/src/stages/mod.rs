@@ -24,6 +24,7 @@ pub(crate) mod mesh;
 mod mesh_honesty;
 mod plateaus;
 mod recovery;
+mod reduce;
 mod repeats;
 mod softest;
 mod still;
@@ -55,6 +56,7 @@ pub const ALL: &[Entry] = &[
     stage::<inflate::Inflate>(),    // the identified model        → its shapes under pressure
     stage::<four_parameters::FourParameters>(), // the same levels    → both moduli, both Poisson's ratios
     stage::<mesh_honesty::MeshHonesty>(), // the same levels       → moduli by other meshes
+    stage::<reduce::Reduce>(),      // the identified model        → the same in a few dozen coordinates
     stage::<damping::Damping>(),    // a release               → how fast a swing dies
     stage::<drag::Drag>(),          // a release under water     → its added mass and drag
     stage::<validate::Validate>(),  // flapping never seen         → error of the prediction

@@ -3,7 +3,7 @@
 //! Stands on: the model, fem. Never knows: what is done with it.
 
 use fem::{March, Scheme, State};
-use si::{Metre, Pascal, Point2, Second};
+use si::{Pascal, Point2, Second};
 use signal::resample::Samples;
 
 use crate::fault::{Fault, Outcome};
@@ -56,16 +56,6 @@ impl Drive<'_> {
 }
 
 impl Swing<'_> {
-    /// The model reduced for motions under `gauges`; `length` is the specimen's, m.
-    ///
-    /// # Errors
-    /// A [`Fault`] when a shape that it is reduced from is not found.
-    pub fn reduced(&self, gauges: &[Samples], length: Metre) -> Outcome<Small> {
-        let highest = |g: &Samples| g.values().iter().copied().fold(1.0, f64::max);
-        let top: Vec<Pascal> = gauges.iter().map(highest).collect();
-        Small::train(self.model, &self.elastic, &top, length)
-    }
-
     /// Displacement of the watched marker, m, along x and y: in reduced coordinates.
     ///
     /// # Errors

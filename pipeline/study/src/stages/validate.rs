@@ -22,7 +22,7 @@ use super::{baselines, repeats};
 use crate::fault::{Fault, Outcome};
 use crate::model::{Model, Small};
 use crate::needs::{InWater, Repeats};
-use crate::records::{Damping, Drag, Identified, Mesh, Motion, Validation, Way};
+use crate::records::{Damping, Drag, Identified, Mesh, Motion, Reduced, Validation, Way};
 use crate::stage::{Desk, Stage};
 use crate::subject::{Specimen, Trial};
 use crate::thrust::outline::Outline;
@@ -44,10 +44,10 @@ pub struct Settings {
 
 impl Stage for Validate {
     type Settings = Settings;
-    type Needs = ((Mesh, Identified), Damping, InWater<Drag>, Repeats<Motion>);
+    type Needs = ((Mesh, Identified, Reduced), Damping, InWater<Drag>, Repeats<Motion>);
     type Makes = Validation;
     const STORY: &'static str = "flapping never seen is predicted and compared";
-    const EDITION: u32 = 7;
+    const EDITION: u32 = 8;
 
     fn card(of: &Trial) -> Value {
         let (solid, card) = (&of.card.solid, &of.card);
@@ -63,7 +63,7 @@ impl Stage for Validate {
     }
 
     fn run(of: &Trial, set: &Settings, needs: Self::Needs, desk: &dyn Desk) -> Outcome<Validation> {
-        let ((mesh, identified), damping, InWater(drag), Repeats(films)) = needs;
+        let ((mesh, identified, reduced), damping, InWater(drag), Repeats(films)) = needs;
         let specimen = Specimen { card: of.card.clone() };
         let marker = swing_marker(&specimen);
         let rest = films.first().map(|m| m.rest.clone()).unwrap_or_default();
@@ -76,8 +76,7 @@ impl Stage for Validate {
         let seen = repeats::gather(&films, marker)?;
         let ends = (seen.time[0], seen.time[seen.time.len() - 1]);
         let drive = Drive { begin: ends.0, end: ends.1, eased: 0.0, gauges: &seen.gauges };
-        desk.progress(0.1, "reducing the model");
-        let small = swing.reduced(&seen.gauges, of.card.length)?;
+        let small = Small::of(&model, &swing.elastic, &reduced.kept)?;
         let damped = swing::march(Scheme::Bdf2, set.step, damping.stiffness_damping);
         let ways = [
             ("bdf2", damped),
