@@ -30,7 +30,7 @@ impl figure::Figure for Overview {
     type Needs = (Flow, Seen);
     const NAME: &'static str = "overview";
     const SHOWS: &'static str = "what becomes what, from two STL files and films to thrust";
-    const EDITION: u32 = 4;
+    const EDITION: u32 = 5;
 
     fn card(study: &Study) -> serde_json::Value {
         Flow::of(study, crate::stages::ALL).as_json()
@@ -51,10 +51,10 @@ impl figure::Figure for Overview {
 }
 
 /// Sides of a card, and the room beside it, mm.
-const CARD: Point2 = [23.4, 18.2];
-const APART: Point2 = [3.6, 2.2];
+const CARD: Point2 = [24.4, 24.0];
+const APART: Point2 = [2.6, 2.4];
 /// Height of a recording's card, mm.
-const SOURCE: f64 = 9.8;
+const SOURCE: f64 = 12.0;
 
 /// The flow as a diagram; `said` may say something else than a stage's story.
 pub fn graph(flow: &Flow, said: &dyn Fn(&str) -> Option<String>) -> Diagram {

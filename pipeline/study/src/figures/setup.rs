@@ -8,7 +8,7 @@ use lab::card::Card;
 use plot::{
     DOUBLE_COLUMN_MM, Dash, Diagram, Figure, Mark, Marker, Panel, Part, Picture, Placed, Scene, Side, View, palette,
 };
-use si::{MILLIMETRE, Point2, Point3};
+use si::{MILLIMETRE, Metre, Point2, Point3};
 
 use super::order::{in_order, of, title};
 use super::origin_note;
@@ -36,7 +36,7 @@ impl figure::Figure for Setup {
     type Needs = (Every<Camera>, Every<Mesh>, Every<Still>, (Every<LoadCell>, Every<Tank>));
     const NAME: &'static str = "setup";
     const SHOWS: &'static str = "the bench: tank, camera, tail, load cell and lamp, with their dimensions";
-    const EDITION: u32 = 3;
+    const EDITION: u32 = 4;
 
     fn is_made_for(study: &Study) -> bool {
         Every::<Camera>::any(study)
@@ -202,13 +202,12 @@ fn holder(d: Diagram, bench: &Bench, at: &dyn Fn(f64, f64) -> Point2) -> Diagram
         .with(rod(-0.012))
         .with(Part::Box { at: at(edge - 0.02, 0.0), size: [36.0, 56.0], lines: vec![], fill: grey })
         .with(words(at(edge - 0.02, 0.028), "holder", Side::Above))
-        .with(Part::Box {
-            at: at(edge - 0.115, 0.0),
-            size: [44.0, 38.0],
-            lines: vec!["load".into(), "cell".into()],
-            fill: palette::FAINT,
-        })
+        .with(Part::Box { at: at(edge - 0.115, 0.0), size: [44.0, 38.0], lines: vec![], fill: palette::FAINT })
+        .with(words(at(edge - 0.115, -0.019), "load cell", Side::Below))
 }
+
+/// Marks nearer than this to the last one that is named stay without a name, m.
+const ROOM: Metre = 0.01;
 
 /// The tail with its marks, clamp and water; the sheet is in millimetres of the bench.
 fn close(bench: &Bench) -> Diagram {
@@ -230,10 +229,14 @@ fn close(bench: &Bench) -> Diagram {
         fill: grip,
     });
     d = d.with(words(at(0.5 * (edge - 0.02), 0.0), "held", Side::Centre));
+    let mut named = f64::NEG_INFINITY;
     for marker in &card.marker {
         let [x, _, z] = marker.at;
         d = d.with(Part::Disc { at: at(x, z), radius: 0.5 * mm(marker.diameter), fill: palette::INK });
-        d = d.with(words(at(x, z + 0.0015), &marker.name, Side::Above));
+        if x - named >= ROOM {
+            d = d.with(words(at(x, z + 0.0015), &marker.name, Side::Above));
+            named = x;
+        }
     }
     let down = |k: usize| -0.032 - 0.0065 * k as f64;
     if let (Some(first), Some(last)) = (card.marker.first(), card.marker.last()) {
@@ -268,9 +271,10 @@ fn picture(bench: &Bench, still: &Still) -> Panel {
         ))
         .with(Mark::line(bar.to_vec(), palette::PAPER).sized(1.6))
         .with(Mark::text([0.5 * (bar[0][0] + bar[1][0]), bar[0][1]], "20 mm", Side::Above, palette::PAPER));
-    for (marker, at) in bench.card.marker.iter().zip(&markers) {
-        let over = [at[0], at[1] - 0.015 * rest.height as f64];
-        picture = picture.with(Mark::text(over, &marker.name, Side::Above, palette::PAPER));
+    let away = 0.015 * rest.height as f64;
+    for (i, (marker, at)) in bench.card.marker.iter().zip(&markers).enumerate() {
+        let (side, by) = if i % 2 == 0 { (Side::Above, -away) } else { (Side::Below, away) };
+        picture = picture.with(Mark::text([at[0], at[1] + by], &marker.name, side, palette::PAPER));
     }
     Panel::Picture(picture)
 }
