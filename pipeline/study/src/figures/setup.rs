@@ -207,7 +207,7 @@ fn holder(d: Diagram, bench: &Bench, at: &dyn Fn(f64, f64) -> Point2) -> Diagram
 }
 
 /// Marks nearer than this to the last one that is named stay without a name, m.
-const ROOM: Metre = 0.01;
+const ROOM: Metre = 0.0105;
 
 /// The tail with its marks, clamp and water; the sheet is in millimetres of the bench.
 fn close(bench: &Bench) -> Diagram {
