@@ -49,6 +49,9 @@ pub struct Reads {
     pub stages: BTreeSet<&'static str>,
 }
 
+/// One record to be: the name of its subject, and what it is made from or why that cannot be said.
+pub type Planned = (String, Outcome<Ingredients>);
+
 /// A record just made.
 pub struct Made {
     /// Its files.
@@ -73,8 +76,8 @@ pub struct Entry {
     pub edition: u32,
     /// The names of its subjects.
     pub subjects: fn(&Study) -> Vec<String>,
-    /// What its record on a subject is made from.
-    pub ingredients: fn(&Study, &str, &Settings) -> Outcome<Ingredients>,
+    /// Its records, one a subject: all at once, since a subject is found among all of its kind.
+    pub planned: fn(&Study, &Settings) -> Vec<Planned>,
     /// What it reads, over all its subjects.
     pub reads: fn(&Study) -> Reads,
     /// Makes the record.
@@ -90,15 +93,13 @@ pub const fn stage<S: Stage>() -> Entry {
         kind: Kind::Stage,
         edition: S::EDITION,
         subjects: |study| of_stage::<S>(study).iter().map(Scope::name).collect(),
-        ingredients: |study, name, settings| {
-            let of = find(of_stage::<S>(study), name)?;
-            let section: S::Settings = settings.section(S::SECTION)?;
-            Ok(Ingredients {
-                raw: S::raw(&of),
-                card: S::card(&of),
-                settings: as_json(&section)?,
-                records: S::Needs::wanted(&of),
-            })
+        planned: |study, settings| {
+            let section = settings.section::<S::Settings>(S::SECTION).and_then(|section| as_json(&section));
+            let of_one = |of: &<S::Makes as Record>::Of| {
+                let settings = section.clone()?;
+                Ok(Ingredients { raw: S::raw(of), card: S::card(of), settings, records: S::Needs::wanted(of) })
+            };
+            of_stage::<S>(study).iter().map(|of| (of.name(), of_one(of))).collect()
         },
         reads: |study| {
             let all = of_stage::<S>(study);
@@ -125,8 +126,11 @@ pub const fn figure<F: Figure>() -> Entry {
         story: F::SHOWS,
         kind: Kind::Figure,
         edition: F::EDITION,
-        subjects: |study| if F::is_made_for(study) { study.name_if_any() } else { Vec::new() },
-        ingredients: |study, _, _| Ok(Ingredients { card: F::card(study), ..shown(F::Needs::wanted(study)) }),
+        subjects: |study| figure_subject::<F>(study).into_iter().collect(),
+        planned: |study, _| {
+            let of_one = |name| (name, Ok(Ingredients { card: F::card(study), ..shown(F::Needs::wanted(study)) }));
+            figure_subject::<F>(study).into_iter().map(of_one).collect()
+        },
         reads: |study| shows(F::Needs::wanted(study)),
         make: |study, _, _, shelf, _| {
             let svg = F::draw(F::Needs::fetch(study, shelf)?)?.svg().map_err(Fault::from_tool)?;
@@ -145,11 +149,11 @@ pub const fn table<T: Table>() -> Entry {
         story: T::SHOWS,
         kind: Kind::Table,
         edition: T::EDITION,
-        subjects: |study| {
-            let named = if T::is_made_for(study) { study.name_if_any() } else { Vec::new() };
-            named.into_iter().map(|name| format!("{name}/table")).collect()
+        subjects: |study| table_subject::<T>(study).into_iter().collect(),
+        planned: |study, _| {
+            let of_one = |name| (name, Ok(shown(T::Needs::wanted(study))));
+            table_subject::<T>(study).into_iter().map(of_one).collect()
         },
-        ingredients: |study, _, _| Ok(shown(T::Needs::wanted(study))),
         reads: |study| shows(T::Needs::wanted(study)),
         make: |study, _, _, shelf, _| {
             let table = T::fill(T::Needs::fetch(study, shelf)?)?;
@@ -162,11 +166,13 @@ pub const fn table<T: Table>() -> Entry {
     }
 }
 
-impl Study {
-    /// The study's name, or nothing where no specimen was found and so nothing can be shown.
-    fn name_if_any(&self) -> Vec<String> {
-        if self.specimens.is_empty() { Vec::new() } else { vec![self.name()] }
-    }
+/// The study's name where the figure is made for it: where no specimen was found nothing can be shown.
+fn figure_subject<F: Figure>(study: &Study) -> Option<String> {
+    (!study.specimens.is_empty() && F::is_made_for(study)).then(|| study.name())
+}
+
+fn table_subject<T: Table>(study: &Study) -> Option<String> {
+    (!study.specimens.is_empty() && T::is_made_for(study)).then(|| format!("{}/table", study.name()))
 }
 
 fn of_stage<S: Stage>(study: &Study) -> Vec<<S::Makes as Record>::Of> {

@@ -45,8 +45,7 @@ pub fn jobs(lists: &[&'static [Entry]], study: &Study, settings: &Settings, goal
     check_goal(&entries, study, goal)?;
     let mut all: Vec<Job> = Vec::new();
     for entry in &entries {
-        for subject in (entry.subjects)(study) {
-            let ingredients = (entry.ingredients)(study, &subject, settings);
+        for (subject, ingredients) in (entry.planned)(study, settings) {
             all.push(Job { entry, id: Id { stage: entry.name, subject }, ingredients });
         }
     }
