@@ -161,8 +161,8 @@ impl Part<'_> {
         solver: &mut Solver,
     ) -> Result<Simulated, SolveError> {
         let Self { model, settings, .. } = self;
-        let patient = StaticSettings { tolerance: settings.tolerance, ..StaticSettings::default() };
-        let cold = StaticSettings { halvings: COLD_HALVINGS, ..patient };
+        let cold =
+            StaticSettings { tolerance: settings.tolerance, halvings: COLD_HALVINGS, ..StaticSettings::default() };
         let began = Instant::now();
         let equilibrium = match start {
             Some((found, foretold)) => solver.equilibrium_ahead(&rung.pressures, found, &foretold, settings)?,
