@@ -25,6 +25,13 @@ struct Seen {
     hash: String,
 }
 
+impl Seen {
+    /// Whether length and date are those of `now`.
+    fn fits(&self, now: &Self) -> bool {
+        (self.length, self.date) == (now.length, now.date)
+    }
+}
+
 /// The hashes of files.
 #[derive(Debug, Default)]
 pub struct Hashes {
@@ -36,8 +43,7 @@ pub struct Hashes {
 impl Hashes {
     /// Those that a run wrote at `place`, believed where length and date fit; none where there are none.
     pub fn remembered(place: &Path) -> Self {
-        let remembered = fs::read(place).ok().and_then(|text| serde_json::from_slice(&text).ok()).unwrap_or_default();
-        Self { remembered, ..Self::default() }
+        Self { remembered: written(place), ..Self::default() }
     }
 
     /// The hash of a file's bytes, as hexadecimal digits.
@@ -55,18 +61,23 @@ impl Hashes {
         Ok(hash)
     }
 
-    /// Writes what was seen, for plans to come.
+    /// Writes what was seen, for plans to come, beside what was written there of other files that are as they were: a run of a part
+    /// forgets nothing of the rest.
     ///
     /// # Errors
     /// When the disk refuses.
     pub fn write(&self, place: &Path) -> io::Result<()> {
-        let text = serde_json::to_vec(&*self.lock()).map_err(io::Error::other)?;
+        let mut all: BTreeMap<PathBuf, Seen> =
+            written(place).into_iter().map(|(path, then)| (PathBuf::from(path), then)).collect();
+        all.retain(|path, then| fs::metadata(path).is_ok_and(|now| then.fits(&seen(&now))));
+        all.append(&mut self.lock().clone());
+        let text = serde_json::to_vec(&all).map_err(io::Error::other)?;
         write_at_once(place, &text)
     }
 
     fn known(&self, path: &Path, now: &Seen) -> Option<String> {
         let then = self.remembered.get(path.to_str()?)?;
-        ((then.length, then.date) == (now.length, now.date)).then(|| then.hash.clone())
+        then.fits(now).then(|| then.hash.clone())
     }
 
     fn lock(&self) -> std::sync::MutexGuard<'_, BTreeMap<PathBuf, Seen>> {
@@ -74,7 +85,39 @@ impl Hashes {
     }
 }
 
+/// What a run wrote at `place`; nothing where that cannot be read.
+fn written(place: &Path) -> HashMap<String, Seen> {
+    fs::read(place).ok().and_then(|text| serde_json::from_slice(&text).ok()).unwrap_or_default()
+}
+
 fn seen(of: &Metadata) -> Seen {
     let date = of.modified().ok().and_then(|date| date.duration_since(UNIX_EPOCH).ok());
     Seen { length: of.len(), date: date.map_or(0, |d| d.as_nanos() as u64), hash: String::new() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_of_a_part_forgets_nothing_of_the_rest_but_what_has_changed() {
+        let folder = std::env::temp_dir().join(format!("hashes_{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        let [place, first, second, third] = ["hashes.json", "first", "second", "third"].map(|name| folder.join(name));
+        for file in [&first, &second, &third] {
+            fs::write(file, "as it was").unwrap();
+        }
+        let whole = Hashes::default();
+        let hash = [&first, &second, &third].map(|file| whole.of(file).unwrap())[0].clone();
+        whole.write(&place).unwrap();
+        fs::write(&third, "longer than it was").unwrap();
+        let part = Hashes::default();
+        part.of(&first).unwrap();
+        part.write(&place).unwrap();
+        let remembered = Hashes::remembered(&place);
+        let known = |file: &Path| remembered.known(file, &seen(&fs::metadata(file).unwrap()));
+        assert_eq!([&first, &second, &third].map(|file| known(file)), [Some(hash.clone()), Some(hash), None]);
+        assert_eq!(remembered.remembered.len(), 2, "what has changed is not kept");
+        fs::remove_dir_all(&folder).unwrap();
+    }
 }
