@@ -18,7 +18,7 @@ all: build
     {{programs}}/study check
     @just paper
 
-# the paper as PDF from the numbers at hand (the typesetter takes 17 minutes of one core to build, once)
+# the paper as PDF from the numbers at hand (the typesetter takes 13 minutes of one core to build, once)
 paper PROFILE="paper": build
     {{programs}}/study paper --profile {{PROFILE}}
     cargo build --release --locked --package typeset
