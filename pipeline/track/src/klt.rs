@@ -15,6 +15,7 @@ mod flow;
 mod gaps;
 mod gates;
 mod ground;
+mod lane;
 mod lost;
 mod scatter;
 mod search;
@@ -26,6 +27,7 @@ pub use corners::corners;
 pub use find::find;
 pub use gaps::fill;
 use gates::sum;
+use lane::Lane;
 pub use lost::{Lost, Why};
 use si::{Point2, Radian};
 use template::Template;
@@ -95,6 +97,7 @@ pub struct Tracker {
     frame: usize,
     tracks: Vec<Track>,
     sightings: Vec<Sighting>,
+    lane: Lane,
 }
 
 /// What is remembered of one marker.
@@ -129,7 +132,8 @@ impl Tracker {
     /// When the window's radius is under [`LEAST_RADIUS`]: no marker and its ground fit into that.
     pub fn new(first: &Gray, clicked: &[Point2], settings: Settings) -> Result<Self, Lost> {
         assert!(settings.radius >= LEAST_RADIUS, "a window of radius {} px holds no marker", settings.radius);
-        let mut new = Self { settings, before: first.clone(), frame: 0, tracks: Vec::new(), sightings: Vec::new() };
+        let (tracks, sightings, lane) = (Vec::new(), Vec::new(), Lane::new());
+        let mut new = Self { settings, before: first.clone(), frame: 0, tracks, sightings, lane };
         for (marker, &near) in clicked.iter().enumerate() {
             let lost = |why| Lost::at(first, marker, 0, near, why);
             let blob = new.spot(first, near).map_err(lost)?;
@@ -160,15 +164,7 @@ impl Tracker {
     /// [`Lost`] when a marker fails a gate for longer than the settings are patient, with the first frame in which it did.
     pub fn step(&mut self, picture: &Gray) -> Result<Vec<Sighting>, Lost> {
         let frame = self.frame + 1;
-        let mut found: Vec<Result<Seen, Lost>> = Vec::with_capacity(self.tracks.len());
-        for (marker, track) in self.tracks.iter().enumerate() {
-            let near = track.expected();
-            let seen = match &track.hidden {
-                None => self.sight(picture, track, near),
-                Some(since) => self.sight_again(picture, marker, track, frame - since.frame),
-            };
-            found.push(seen.map_err(|why| Lost::at(picture, marker, frame, near, why)));
-        }
+        let mut found = self.lane.run(|| self.look(picture, frame));
         self.part(picture, frame, &mut found);
         self.keep_company(picture, frame, &mut found);
         self.retry(picture, &mut found);
@@ -185,6 +181,19 @@ impl Tracker {
         self.before.clone_from(picture);
         self.apart()?;
         Ok(self.sightings.clone())
+    }
+
+    /// Every marker by itself, past its own gates.
+    fn look(&self, picture: &Gray, frame: usize) -> Vec<Result<Seen, Lost>> {
+        let look = |(marker, track): (usize, &Track)| {
+            let near = track.expected();
+            let seen = match &track.hidden {
+                None => self.sight(picture, track, near),
+                Some(since) => self.sight_again(picture, marker, track, frame - since.frame),
+            };
+            seen.map_err(|why| Lost::at(picture, marker, frame, near, why))
+        };
+        self.tracks.iter().enumerate().map(look).collect()
     }
 
     /// Ends the film.
