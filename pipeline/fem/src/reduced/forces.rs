@@ -101,12 +101,27 @@ impl Points {
     }
 }
 
+/// Rows of Gᵀ C that are made at once: as many as a wide register holds.
+const ROWS: usize = 8;
+
 /// `image` = Gᵀ C of one point; both 9 columns of r, one below the other.
 fn mix(tangent: &Tangent, slopes: &[f64], image: &mut [f64]) {
     let r = slopes.len() / 9;
-    image.fill(0.0);
+    let whole = r - r % ROWS;
+    (0..whole).step_by(ROWS).for_each(|first| mix_rows::<ROWS>(tangent, slopes, first, image));
+    (whole..r).for_each(|row| mix_rows::<1>(tangent, slopes, row, image));
+}
+
+/// N rows of that, from row `first` on: read once, written once.
+fn mix_rows<const N: usize>(tangent: &Tangent, slopes: &[f64], first: usize, image: &mut [f64]) {
+    let r = slopes.len() / 9;
+    let rows: [[f64; N]; 9] = std::array::from_fn(|k| std::array::from_fn(|i| slopes[k * r + first + i]));
     for (column, image) in tangent.column_iter().zip(image.chunks_exact_mut(r)) {
-        column.iter().zip(slopes.chunks_exact(r)).for_each(|(share, slope)| add(*share, slope, image));
+        let mut sums = [0.0; N];
+        for (share, row) in column.iter().zip(&rows) {
+            (0..N).for_each(|i| sums[i] += share * row[i]);
+        }
+        image[first..first + N].copy_from_slice(&sums);
     }
 }
 
