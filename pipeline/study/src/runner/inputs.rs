@@ -30,7 +30,7 @@ pub enum State {
 /// # Errors
 /// A [`Fault`] when the ingredients cannot be said or a recording is missing.
 pub fn made_from(runner: &Runner, job: &Job, contents: &BTreeMap<Id, String>, hashes: &Hashes) -> Outcome<MadeFrom> {
-    let ingredients = job.ingredients.clone().map_err(|fault| fault.of(&job.id))?;
+    let ingredients = job.ingredients.as_ref().map_err(|fault| fault.clone().of(&job.id))?;
     let mut raw = BTreeMap::new();
     for file in &ingredients.raw {
         raw.insert(file.place.clone(), hash(runner, file, hashes).map_err(|fault| fault.of(&job.id))?);
@@ -39,8 +39,8 @@ pub fn made_from(runner: &Runner, job: &Job, contents: &BTreeMap<Id, String>, ha
     Ok(MadeFrom {
         edition: job.entry.edition,
         raw,
-        card: ingredients.card,
-        settings: ingredients.settings,
+        card: ingredients.card.clone(),
+        settings: ingredients.settings.clone(),
         records: ingredients.records.iter().map(content).collect(),
     })
 }

@@ -10,7 +10,6 @@ use super::Runner;
 use super::graph::Job;
 use super::hashes::Hashes;
 use super::inputs::{State, judged, made_from};
-use super::manifest::MadeFrom;
 use super::store::{Found, Store};
 use super::tree;
 use crate::fault::{Fault, Outcome};
@@ -18,7 +17,7 @@ use crate::needs::Id;
 
 /// What would become of one record.
 enum Fate {
-    Kept(String),
+    Kept,
     Stale(Vec<String>),
     Waits(Id),
     Impossible(Fault),
@@ -28,7 +27,7 @@ enum Fate {
 pub fn text(runner: &Runner, jobs: &[Job]) -> String {
     let fates = fates(runner, jobs);
     let mut lines: Vec<String> = jobs.iter().zip(&fates).map(|(job, fate)| line(job, fate)).collect();
-    let stale = fates.iter().filter(|fate| !matches!(fate, Fate::Kept(_))).count();
+    let stale = fates.iter().filter(|fate| !matches!(fate, Fate::Kept)).count();
     lines.push(format!("{} of {} records would be made", stale, jobs.len()));
     lines.join("\n")
 }
@@ -64,54 +63,49 @@ pub fn shares(runner: &Runner, jobs: &[Job]) -> BTreeMap<&'static str, Share> {
     for (job, fate) in jobs.iter().zip(fates(runner, jobs)).filter(|(job, _)| tree::is_stage(job)) {
         let share = shares.entry(job.id.stage).or_default();
         match fate {
-            Fate::Kept(_) => share.kept += 1,
+            Fate::Kept => share.kept += 1,
             _ => share.made += 1,
         }
     }
     shares
 }
 
+/// What a record would be made from is compared with what lies there, side by side: a record that reads one that is kept finds its
+/// content on the disk, and one that reads another waits, whatever it was made from.
 fn fates(runner: &Runner, jobs: &[Job]) -> Vec<Fate> {
     let hashes = Hashes::remembered(&runner.folders.hashes());
     let store = Store::new(&runner.folders);
     let found: Vec<Found> = jobs.par_iter().map(|job| store.look_by(&job.id, &hashes)).collect();
-    let mut contents = BTreeMap::new();
+    let whole = |(job, found): (&Job, &Found)| Some((job.id.clone(), found.manifest()?.content.clone()));
+    let contents: BTreeMap<Id, String> = jobs.iter().zip(&found).filter_map(whole).collect();
+    let judge = |(job, found)| Ok(judged(found, &made_from(runner, job, &contents, &hashes)?));
+    let states: Vec<Outcome<State>> = jobs.par_iter().zip(found).map(judge).collect();
     let mut changing = BTreeSet::new();
-    jobs.iter()
-        .zip(found)
-        .map(|(job, found)| {
-            let fate = fate(job, made_from(runner, job, &contents, &hashes), found, &changing);
-            match &fate {
-                Fate::Kept(content) => {
-                    contents.insert(job.id.clone(), content.clone());
-                }
-                _ => {
-                    changing.insert(job.id.clone());
-                }
-            }
-            fate
-        })
-        .collect()
+    let mut settle = |(job, state): (&Job, Outcome<State>)| {
+        let fate = fate(job, state, &changing);
+        if !matches!(fate, Fate::Kept) {
+            changing.insert(job.id.clone());
+        }
+        fate
+    };
+    jobs.iter().zip(states).map(&mut settle).collect()
 }
 
-fn fate(job: &Job, now: Outcome<MadeFrom>, found: Found, changing: &BTreeSet<Id>) -> Fate {
-    let now = match now {
-        Ok(now) => now,
-        Err(fault) => return Fate::Impossible(fault),
-    };
+fn fate(job: &Job, state: Outcome<State>, changing: &BTreeSet<Id>) -> Fate {
     let upstream = job.reads().iter().find(|id| changing.contains(*id));
-    match (judged(found, &now), upstream) {
+    match (state, upstream) {
+        (Err(fault), _) => Fate::Impossible(fault),
         (_, Some(id)) => Fate::Waits(id.clone()),
-        (State::Kept(manifest), None) => Fate::Kept(manifest.content),
-        (State::Stale(reasons), None) => Fate::Stale(reasons),
-        (State::Damaged(damage), None) => Fate::Stale(vec![damage]),
+        (Ok(State::Kept(_)), None) => Fate::Kept,
+        (Ok(State::Stale(reasons)), None) => Fate::Stale(reasons),
+        (Ok(State::Damaged(damage)), None) => Fate::Stale(vec![damage]),
     }
 }
 
 fn line(job: &Job, fate: &Fate) -> String {
     let name = format!("{:<16} {:<28}", job.id.stage, job.id.subject);
     match fate {
-        Fate::Kept(_) => format!("{name} kept"),
+        Fate::Kept => format!("{name} kept"),
         Fate::Stale(reasons) => format!("{name} stale: {}", reasons.join("; ")),
         Fate::Waits(id) => format!("{name} stale: it reads {id}, which will be made"),
         Fate::Impossible(fault) => format!("{name} cannot be made: {}", fault.what),

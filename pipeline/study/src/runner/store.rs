@@ -31,6 +31,16 @@ pub enum Found {
     Damaged(String),
 }
 
+impl Found {
+    /// What stands beside a record that can be trusted.
+    pub fn manifest(&self) -> Option<&Manifest> {
+        match self {
+            Self::Whole(manifest) => Some(manifest),
+            Self::Nothing | Self::Damaged(_) => None,
+        }
+    }
+}
+
 impl<'a> Store<'a> {
     /// The store in these folders.
     pub fn new(folders: &'a Folders) -> Self {
