@@ -71,11 +71,14 @@ fn check_goal(entries: &[&'static Entry], study: &Study, goal: &Goal) -> Outcome
 }
 
 /// The goal's own records and, going back through the list, everything that they read.
+///
+/// Of a name that has a record of the specimen alone, that one; of a name that has only one of the whole study, that.
 fn needed(all: &[Job], goal: &Goal) -> BTreeSet<Id> {
+    let is_of = |id: &Id, name: &str| id.subject.split('/').next() == Some(name);
     let of_specimen = |id: &Id| match &goal.specimen {
         Some(name) => {
-            let first = id.subject.split('/').next();
-            first == Some(name) || first == Some("all") && !goal.entries.is_empty()
+            let has_own = || all.iter().any(|job| job.id.stage == id.stage && is_of(&job.id, name));
+            is_of(id, name) || is_of(id, "all") && !goal.entries.is_empty() && !has_own()
         }
         None => true,
     };
@@ -88,4 +91,29 @@ fn needed(all: &[Job], goal: &Goal) -> BTreeSet<Id> {
         }
     }
     needed
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::Value;
+
+    fn job(stage: &'static str, subject: &str) -> Job {
+        let ingredients =
+            Ingredients { raw: Vec::new(), card: Value::Null, settings: Value::Null, records: Vec::new() };
+        Job { entry: &crate::stages::ALL[0], id: Id { stage, subject: subject.into() }, ingredients: Ok(ingredients) }
+    }
+
+    #[test]
+    fn of_a_stage_and_a_figure_of_one_name_a_specimen_asks_for_its_own_record_alone() {
+        let all = [job("both", "nemo"), job("both", "dory"), job("both", "all"), job("drawn", "all")];
+        let needed = |names: &[&str]| {
+            let entries = names.iter().map(|name| (*name).into()).collect();
+            let ids = needed(&all, &Goal { entries, specimen: Some("dory".into()) });
+            ids.iter().map(|id| id.to_string()).collect::<Vec<_>>()
+        };
+        assert_eq!(needed(&["both"]), ["both/dory"]);
+        assert_eq!(needed(&["drawn"]), ["drawn/all"]);
+        assert_eq!(needed(&[]), ["both/dory"]);
+    }
 }
