@@ -14,30 +14,28 @@ use super::plateaus::rungs;
 use super::softest::softest;
 use super::stop::Stop;
 use super::walk::near_to_near;
-use super::{certainty, landscape};
 use crate::fault::{Fault, Outcome};
-use crate::model::{Elastic, Ladder, Model, Rung, Simulated, Want, by_node};
+use crate::model::{Elastic, Ladder, Model, Rung, Simulated, Want};
 use crate::needs::Learning;
-use crate::records::{self, Doubt, Identified, Level, Markers, Mesh, Motion, Point, Tried};
-use crate::stage::Desk;
+use crate::records::{self, Doubt, Markers, Mesh, Motion, Point, Tried};
 use crate::subject::Specimen;
 
 /// Everything that a search needs to simulate.
 pub struct Fitting<'a> {
-    card: &'a Card,
-    set: &'a Settings,
-    model: Model,
+    pub(super) card: &'a Card,
+    pub(super) set: &'a Settings,
+    pub(super) model: Model,
     pub(super) levels: Levels,
-    doubt: Doubt,
+    pub(super) doubt: Doubt,
     /// Trial and rest places of each level.
-    origins: Vec<(String, Vec<Point2>)>,
+    pub(super) origins: Vec<(String, Vec<Point2>)>,
     pub(super) search: Search,
 }
 
 /// What one point of a search showed, kept for the landscape.
 pub struct Told {
-    at: Vec<f64>,
-    markers: Vec<Vec<Point2>>,
+    pub(super) at: Vec<f64>,
+    pub(super) markers: Vec<Vec<Point2>>,
 }
 
 /// What a search found, and the ladder that it climbed.
@@ -46,7 +44,7 @@ pub struct Searched {
     pub history: History,
     /// What each point showed.
     pub told: Vec<Told>,
-    ladder: Ladder,
+    pub(super) ladder: Ladder,
 }
 
 /// The films of a specimen: motion, and what the markers' covariance is made of.
@@ -90,7 +88,7 @@ impl<'a> Fitting<'a> {
         Elastic { youngs_moduli: [body * at[0].exp(), spine * at[1].exp()], ..nominal }
     }
 
-    fn point(&self, at: &[f64]) -> Point {
+    pub(super) fn point(&self, at: &[f64]) -> Point {
         let [body_e_pa, spine_e_pa] = self.elastic(at).youngs_moduli;
         Point { body_e_pa, spine_e_pa }
     }
@@ -187,92 +185,6 @@ impl<'a> Fitting<'a> {
     pub fn record(&self, method: &str, history: &History, seconds: Second) -> records::Search {
         let tried = history.tried.iter().map(|t| Tried { at: self.point(&t.evaluation.at), loss: t.evaluation.loss });
         records::Search { method: method.into(), tried: tried.collect(), seconds }
-    }
-
-    /// The record, from the best of the last search and what the grid showed.
-    ///
-    /// # Errors
-    /// A [`Fault`] when there is no equilibrium at the best moduli, or the data do not fix them.
-    pub fn conclude(
-        &self,
-        mut found: Searched,
-        told: &[Told],
-        searches: Vec<records::Search>,
-        gradient_difference: Option<f64>,
-        desk: &dyn Desk,
-    ) -> Outcome<Identified> {
-        desk.progress(0.95, "at the identified moduli");
-        let best = &found.history.best;
-        let elastic = self.elastic(&best.at);
-        let levels = found.ladder.climb(&elastic, Want::Nothing)?;
-        let markers: Vec<Vec<Point2>> = levels.iter().map(|l| l.markers.clone()).collect();
-        let highest = levels.iter().zip(&self.levels.rungs).max_by(|a, b| a.1.top().total_cmp(&b.1.top()));
-        let certainty = certainty::of(self.card, best, &self.search)?;
-        let [body, spine] = [0, 1].map(|k| elastic.youngs_moduli[k] * certainty.sigma[k]);
-        let (surface, profiles) = self.surface(told)?;
-        Ok(Identified {
-            best: self.point(&best.at),
-            sigma: Point { body_e_pa: body, spine_e_pa: spine },
-            loss: self.levels.loss(&markers),
-            gradient_difference,
-            gradient_over_forward: self.gradient_over_forward(&elastic)?,
-            searches,
-            surface,
-            levels: self.shown(&markers),
-            inflated: highest.map(|(level, _)| by_node(&level.displacement)).unwrap_or_default(),
-            length: self.card.length,
-            doubt: self.doubt,
-            certainty,
-            profiles,
-        })
-    }
-
-    /// The landscape and the profiles between the grid's points, a lone one without equilibrium carried on from its row; the grid's own
-    /// losses where more are missing, nothing where no grid was searched.
-    fn surface(&self, told: &[Told]) -> Outcome<(records::Surface, Vec<records::Profile>)> {
-        if told.is_empty() {
-            return Ok((records::Surface::default(), Vec::new()));
-        }
-        let Bounds { low, high } = self.search.bounds();
-        let axis = |k: usize| grid::axis(low[k], high[k], self.set.grid_points);
-        let points: Vec<(&[f64], &[Vec<Point2>])> =
-            told.iter().map(|t| (t.at.as_slice(), t.markers.as_slice())).collect();
-        let Some(full) = landscape::completed(&points, &axis(0), &axis(1)) else {
-            return Ok((self.coarse(told, &axis(0), &axis(1)), Vec::new()));
-        };
-        let points: Vec<(&[f64], &[Vec<Point2>])> = full.iter().map(|(at, m)| (at.as_slice(), m.as_slice())).collect();
-        let judge = |at: &[Vec<Point2>]| vec![self.levels.loss(at), self.levels.chi_square(at).unwrap_or(f64::NAN)];
-        let fine = landscape::between(&points, self.set.landscape_points, &judge);
-        let moduli = self.model.nominal.youngs_moduli;
-        let along = |axis: &[f64], k: usize| axis.iter().map(|x| moduli[k] * x.exp()).collect::<Vec<f64>>();
-        let (body_e_pa, spine_e_pa) = (along(&fine.across, 0), along(&fine.up, 1));
-        let profiles = certainty::profiles(&body_e_pa, &spine_e_pa, &fine.values[1]);
-        Ok((records::Surface { body_e_pa, spine_e_pa, loss: fine.values[0].clone() }, profiles))
-    }
-
-    fn coarse(&self, told: &[Told], across: &[f64], up: &[f64]) -> records::Surface {
-        let loss = |x: f64, y: f64| {
-            let here = told.iter().find(|t| t.at == [x, y]);
-            here.map_or(f64::NAN, |t| self.levels.loss(&t.markers))
-        };
-        records::Surface {
-            body_e_pa: across.iter().map(|&x| self.point(&[x, 0.0]).body_e_pa).collect(),
-            spine_e_pa: up.iter().map(|&y| self.point(&[0.0, y]).spine_e_pa).collect(),
-            loss: up.iter().flat_map(|&y| across.iter().map(move |&x| (x, y))).map(|(x, y)| loss(x, y)).collect(),
-        }
-    }
-
-    fn shown(&self, markers: &[Vec<Point2>]) -> Vec<Level> {
-        let all = self.levels.rungs.iter().zip(markers).zip(&self.origins);
-        all.map(|((rung, simulated), (trial, rest))| Level {
-            trial: trial.clone(),
-            pressures_pa: rung.pressures.clone(),
-            rest_m: rest.clone(),
-            measured_m: rung.measured.clone(),
-            spread_m2: rung.spread.clone(),
-            simulated_m: simulated.clone(),
-        })
-        .collect()
     }
 }
 

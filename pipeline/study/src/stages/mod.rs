@@ -8,6 +8,7 @@ mod best_flap;
 pub(crate) mod camera;
 mod certainty;
 pub(crate) mod clock;
+mod conclude;
 mod damping;
 mod drag;
 mod findings;
