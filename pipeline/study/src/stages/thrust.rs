@@ -3,28 +3,25 @@
 //! Staircases under water give the static cross-talk of pressure, which is taken out; the fixture's ringing is undone; what is
 //! left is what every rung of the ladder is fitted to and judged by, on the same runs.
 //!
-//! Stands on: the room `thrust`, signal. Never knows: how a rung works.
+//! Stands on: the room `thrust`, `gather`. Never knows: how a rung works.
+
+mod gather;
 
 use fit::network::Training;
-use hydro::Tail;
-use lab::card::Experiment;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use si::{Hertz, KilogramPerCubicMetre, Pascal, Point2, Second, Series};
-use signal::cell::Regularised;
-use signal::crosstalk::{self, CrossTalk, Still};
-use signal::resample::Samples;
-use signal::smooth;
+use si::{Hertz, KilogramPerCubicMetre, Second};
 
 use crate::fault::{Fault, Outcome};
-use crate::needs::{Maybe, OfTrials};
-use crate::records::{Crosstalk, LoadCell, Means, Mesh, Motion, Pull, Scored, Thrust as Record, Trace};
+use crate::needs::Maybe;
+use crate::records::{Crosstalk, LoadCell, Means, Mesh, Scored, Thrust as Record, Trace};
 use crate::stage::{Desk, Stage};
-use crate::subject::{Scope, Specimen, Trial};
-use crate::thrust::outline::{Outline, order};
+use crate::subject::{Specimen, Trial};
+use crate::thrust::outline::Outline;
 use crate::thrust::rungs::linear::Weighted;
 use crate::thrust::score::score;
-use crate::thrust::{Fitted, LADDER, Lesson, Run, Rung, run, splits};
+use crate::thrust::{Fitted, LADDER, Lesson, Run, Rung, splits};
+use gather::{Apparatus, Weighed};
 
 /// The stage.
 pub struct Thrust;
@@ -99,13 +96,8 @@ impl Stage for Thrust {
     fn run(of: &Specimen, set: &Settings, needs: Self::Needs, desk: &dyn Desk) -> Outcome<Record> {
         let (mesh, Maybe(cell), weighed) = needs;
         let tail = Outline::new(&of.card, &mesh.solid).marked(set.density, set.sections).map_err(Fault::from_tool)?;
-        let talk = talk(&weighed.0, set)?;
-        let mut runs = Vec::new();
-        for (trial, motion, pull) in &weighed.0 {
-            runs.extend(gathered(trial, motion, pull, &tail, &talk, cell.as_ref(), set)?);
-        }
-        let runs: Vec<(Run, f64)> = runs;
-        let (runs, taken): (Vec<Run>, Vec<f64>) = runs.into_iter().unzip();
+        let apparatus = Apparatus::of(&weighed, cell.as_ref(), set)?;
+        let (runs, taken) = weighed.runs(&tail, &apparatus, set)?;
         let (scores, models) = ladder(&runs, set, desk)?;
         let network = match models.iter().find(|(rung, _)| *rung == Rung::Network) {
             Some((_, Fitted::Network(network))) => network.to_safetensors().map_err(Fault::from_tool)?,
@@ -115,6 +107,7 @@ impl Stage for Thrust {
             Some((_, Fitted::Weighted(Weighted { weights, .. }))) => weights.clone(),
             _ => Vec::new(),
         };
+        let talk = apparatus.talk;
         let crosstalk =
             Crosstalk { pressures_pa: talk.pressures, forces_n: talk.forces, lag_s: talk.lag, left_n: talk.left };
         let (means, traces) = (means(&runs, &taken, &models), traces(&runs, &models));
@@ -130,147 +123,6 @@ impl Stage for Thrust {
             sections: set.sections,
         })
     }
-}
-
-/// Motion and force of every trial weighed in water.
-pub struct Weighed(Vec<(Trial, Motion, Pull)>);
-
-impl crate::needs::Needs<Specimen> for Weighed {
-    fn wanted(of: &Specimen) -> Vec<crate::needs::Id> {
-        let both = |t: &Trial| [crate::needs::id::<Motion>(t), crate::needs::id::<Pull>(t)];
-        of.trials().iter().filter(|t| t.is_weighed_in_water()).flat_map(both).collect()
-    }
-
-    fn fetch(of: &Specimen, shelf: &dyn crate::needs::Shelf) -> Outcome<Self> {
-        let OfTrials(pulls) = OfTrials::<Pull>::fetch(of, shelf)?;
-        let one = |(trial, pull): (Trial, Pull)| {
-            let motion = <Motion as crate::needs::Needs<Trial>>::fetch(&trial, shelf)?;
-            Ok((trial, motion, pull))
-        };
-        Ok(Self(pulls.into_iter().map(one).collect::<Outcome<_>>()?))
-    }
-}
-
-fn gauges(motion: &Motion) -> Outcome<Vec<Samples>> {
-    let samples = motion.gauges.iter().map(|g| Samples::new(motion.log_time.clone(), g.measured.clone()));
-    samples.collect::<Result<_, _>>().map_err(Fault::from_tool)
-}
-
-/// The static cross-talk from the staircases; none where there is no staircase.
-fn talk(weighed: &[(Trial, Motion, Pull)], set: &Settings) -> Outcome<CrossTalk> {
-    let mut knots: Vec<Pascal> = vec![0.0];
-    let mut runs = Vec::new();
-    for (trial, motion, pull) in weighed {
-        if let Experiment::Staircase { levels, .. } = &trial.trial.experiment {
-            knots.extend(levels);
-            runs.push(Still { force: pull.force(), pressures: gauges(motion)? });
-        }
-    }
-    if runs.is_empty() {
-        return Ok(CrossTalk::none());
-    }
-    knots.sort_by(f64::total_cmp);
-    knots.dedup();
-    // flapping may press harder than any step was held: the last slope then runs on
-    let most = weighed.iter().filter_map(|(t, ..)| match t.trial.experiment {
-        Experiment::Flapping { amplitude, .. } => Some(amplitude),
-        Experiment::Staircase { .. } => None,
-    });
-    let most = most.fold(0.0, f64::max);
-    let mut found = crosstalk::fit(&runs, &knots, &set.lags).map_err(Fault::from_tool)?;
-    let last = knots.len() - 1;
-    if most > knots[last] {
-        let slope = (found.forces[last] - found.forces[last - 1]) / (knots[last] - knots[last - 1]);
-        found.pressures.push(most);
-        found.forces.push(found.forces[last] + slope * (most - knots[last]));
-    }
-    Ok(found)
-}
-
-/// A beating trial as a run, with the cross-talk taken out of it on the mean (N); nothing of a staircase.
-fn gathered(
-    trial: &Trial,
-    motion: &Motion,
-    pull: &Pull,
-    tail: &Tail,
-    talk: &CrossTalk,
-    cell: Option<&LoadCell>,
-    set: &Settings,
-) -> Outcome<Option<(Run, f64)>> {
-    let Experiment::Flapping { amplitude, frequency, .. } = trial.trial.experiment else { return Ok(None) };
-    let gauges = gauges(motion)?;
-    let force = pull.force();
-    let still: Vec<f64> = pull.time.iter().map(|&t| talk.of(&gauges, t)).collect();
-    let clean = force.values().iter().zip(&still).map(|(f, s)| f - s).collect();
-    let clean = Series::new(force.start(), force.rate(), clean).map_err(Fault::from_tool)?;
-    let clean = match cell {
-        Some(cell) if set.undo => {
-            let held = Regularised { weight: set.undo_weight, smooth: set.undo_smooth };
-            cell.in_time.cell().undo(&clean, cell.noise, held).force
-        }
-        _ => clean,
-    };
-    let [first, last] = pull.commanded;
-    let first = (first + set.settle_beats / frequency).max(motion.time[0]);
-    let last = last.min(motion.time[motion.time.len() - 1]);
-    let whole = first + ((last - first) * frequency).floor() / frequency;
-    let inside = |i: &usize| (first..whole).contains(&clean.time(*i));
-    let samples: Vec<usize> = (0..clean.values().len()).filter(inside).collect();
-    if samples.len() < 8 {
-        let what = format!("{} has {} samples of force while it beats", trial.name(), samples.len());
-        return Err(Fault::new(what, "a run needs at least 8", "record the trial for longer"));
-    }
-    let time: Vec<Second> = samples.iter().map(|&i| clean.time(i)).collect();
-    let specimen = Specimen { card: trial.card.clone() };
-    let paths: Vec<[Series; 2]> =
-        order(&specimen.card).iter().map(|&m| path(motion, m, set.smooth)).collect::<Outcome<_>>()?;
-    let read =
-        |of: &[[Series; 2]], t: Second| of.iter().map(|axes| [axes[0].at(t), axes[1].at(t)]).collect::<Vec<Point2>>();
-    let quick: Vec<[Series; 2]> = paths.iter().map(|axes| axes.each_ref().map(rate_of)).collect();
-    let moved: Vec<Vec<Point2>> = time.iter().map(|&t| read(&paths, t)).collect();
-    let speed: Vec<Vec<Point2>> = time.iter().map(|&t| read(&quick, t)).collect();
-    let pressed: Vec<Series> = gauges.iter().map(|g| even(g, set.smooth)).collect::<Outcome<_>>()?;
-    let pressed_rate: Vec<Series> = pressed.iter().map(rate_of).collect();
-    let at = |of: &[Series], t: Second| of.iter().map(|s| s.at(t)).collect::<Vec<f64>>();
-    let taken = samples.iter().map(|&i| still[i]).sum::<f64>() / samples.len() as f64;
-    let terms = run::parts(tail, &moved, &speed, clean.rate());
-    let run = Run {
-        id: trial.trial.id.clone(),
-        amplitude,
-        frequency,
-        split: trial.trial.split,
-        rate: clean.rate(),
-        force: samples.iter().map(|&i| clean.values()[i]).collect(),
-        pressure: time.iter().map(|&t| at(&pressed, t)).collect(),
-        pressure_rate: time.iter().map(|&t| at(&pressed_rate, t)).collect(),
-        time,
-        moved,
-        speed,
-        terms,
-    };
-    Ok(Some((run, taken)))
-}
-
-/// x and y of a marker, smoothed.
-fn path(motion: &Motion, marker: usize, cutoff: Hertz) -> Outcome<[Series; 2]> {
-    let axis = |k: usize| {
-        let values = motion.markers[marker].at.iter().map(|p| p[k]).collect();
-        let samples = Samples::new(motion.time.clone(), values).map_err(Fault::from_tool)?;
-        even(&samples, cutoff)
-    };
-    Ok([axis(0)?, axis(1)?])
-}
-
-fn even(samples: &Samples, cutoff: Hertz) -> Outcome<Series> {
-    let times = samples.times();
-    let rate = (times.len() - 1) as f64 / (times[times.len() - 1] - times[0]);
-    let even = samples.even(rate).map_err(Fault::from_tool)?;
-    smooth::low_pass(&even, cutoff, 2).map_err(Fault::from_tool)
-}
-
-fn rate_of(series: &Series) -> Series {
-    let rates = run::rates(series.values(), series.rate());
-    Series::new(series.start(), series.rate(), rates).expect("differences of finite values")
 }
 
 type Models = Vec<(Rung, Fitted)>;
