@@ -66,12 +66,10 @@ impl Points {
 
     /// Adds f, J.
     pub fn add_forces(&self, q: &DVector<f64>, scale: f64, forces: &mut DVector<f64>) {
-        let (lame, r) = (self.lame(scale), q.len());
+        let lame = self.lame(scale);
         for (weight, slopes) in self.each() {
             let (_, stress) = self.elastic.material.stress(&gradient(slopes, q), lame);
-            for (column, p) in slopes.chunks_exact(r).zip(stress.as_slice()) {
-                add(weight * p, column, forces.as_mut_slice());
-            }
+            pull(&(stress * weight), slopes, forces.as_mut_slice());
         }
     }
 
@@ -135,27 +133,45 @@ fn add_lower(A: &[f64], B: &[f64], sum: &mut [f64]) {
     triangular::matmul(sum, low, Accum::Add, matrix(A), whole, matrix(B).transpose(), whole, 1.0, Par::Seq);
 }
 
-/// sum ← sum + share × column
-fn add(share: f64, column: &[f64], sum: &mut [f64]) {
-    sum.iter_mut().zip(column).for_each(|(sum, entry)| *sum += share * entry);
+/// Adds Gᵀ P of one point, whose Gᵀ is 9 columns of r one below the other, to `forces`.
+#[allow(non_snake_case)]
+fn pull(P: &Matrix3<f64>, slopes: &[f64], forces: &mut [f64]) {
+    let r = forces.len();
+    let whole = r - r % ROWS;
+    (0..whole).step_by(ROWS).for_each(|first| pull_rows::<ROWS>(P, slopes, first, forces));
+    (whole..r).for_each(|row| pull_rows::<1>(P, slopes, row, forces));
 }
+
+/// N rows of that, from row `first` on.
+#[allow(non_snake_case)]
+fn pull_rows<const N: usize>(P: &Matrix3<f64>, slopes: &[f64], first: usize, forces: &mut [f64]) {
+    let r = forces.len();
+    let mut sums: [f64; N] = std::array::from_fn(|i| forces[first + i]);
+    for (share, column) in P.iter().zip(slopes.chunks_exact(r)) {
+        let slopes = &column[first..first + N];
+        (0..N).for_each(|i| sums[i] += share * slopes[i]);
+    }
+    forces[first..first + N].copy_from_slice(&sums);
+}
+
+/// Entries of q whose share in F is summed side by side; always in the same order.
+const LANES: usize = 4;
 
 /// F = I + G q of one point, whose Gᵀ is 9 columns of r, one below the other.
 fn gradient(slopes: &[f64], q: &DVector<f64>) -> Matrix3<f64> {
-    let r = q.len();
-    let change: [f64; 9] = std::array::from_fn(|k| inner(&slopes[k * r..(k + 1) * r], q.as_slice()));
-    Matrix3::from_column_slice(&change) + Matrix3::identity()
-}
-
-/// In four sums side by side, for speed; always in the same order.
-fn inner(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 4];
-    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
-    for (a, b) in a.iter().zip(b) {
-        (0..4).for_each(|i| sums[i] += a[i] * b[i]);
+    let (r, q) = (q.len(), q.as_slice());
+    let mut sums = [[0.0; LANES]; 9];
+    let whole = r - r % LANES;
+    for first in (0..whole).step_by(LANES) {
+        let part = &q[first..first + LANES];
+        for (sums, column) in sums.iter_mut().zip(slopes.chunks_exact(r)) {
+            let slopes = &column[first..first + LANES];
+            (0..LANES).for_each(|i| sums[i] += slopes[i] * part[i]);
+        }
     }
-    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
-    sums.iter().sum::<f64>() + rest
+    let rest = |column: &[f64]| column[whole..].iter().zip(&q[whole..]).map(|(a, b)| a * b).sum::<f64>();
+    let change = sums.iter().zip(slopes.chunks_exact(r)).map(|(sums, column)| sums.iter().sum::<f64>() + rest(column));
+    Matrix3::from_iterator(change) + Matrix3::identity()
 }
 
 /// F = I + G q
