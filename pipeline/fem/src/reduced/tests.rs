@@ -169,7 +169,9 @@ fn what_was_kept_of_another_body_is_refused() {
     refused(Kept { modes: vec![vec![0.0; 3]], ..kept.clone() }, "3 a node");
     refused(Kept { points: Vec::new(), ..kept.clone() }, "points of 0 regions");
     refused(Kept { points: vec![vec![(u32::MAX, 1e-9)]], ..kept.clone() }, "is not one of region 0");
-    refused(Kept { points: vec![vec![(0, f64::NAN)]], ..kept.clone() }, "is not one of region 0");
+    for weight in [f64::NAN, 0.0, -1e-9] {
+        refused(Kept { points: vec![vec![(0, weight)]], ..kept.clone() }, "is not one of region 0");
+    }
     refused(Kept { size: f64::NAN, ..kept.clone() }, "not finite");
 }
 

@@ -131,6 +131,13 @@ mod tests {
     }
 
     #[test]
+    fn weights_add_up_to_one_far_from_all_that_is_known() {
+        let places = [2e7, 2e9, 2e11].map(|spine| load(8e3, 1e5, spine));
+        let sum = weights(&places, &load(8e3, 1e5, 2e15)).expect("nothing stretches").sum();
+        assert!((sum - 1.0).abs() < 1e-9, "{sum}");
+    }
+
+    #[test]
     fn another_chamber_tells_nothing() {
         let mut known = Known::default();
         known.learn(Load { chamber: 1, ..load(4e3, 1e5, 2e9) }, vec![1.0]);
