@@ -1,7 +1,7 @@
 "use strict";
 (function () {
-  const seen = { faults: [], pressures: [] };
-  window.onerror = (message) => { seen.faults.push(String(message)); };
+  const seen = { errors: [], pressures: [] };
+  window.onerror = (message) => { seen.errors.push(String(message)); };
   // nothing is shown, so nothing asks for frames: the clock does
   window.requestAnimationFrame = (draw) => setTimeout(() => draw(performance.now()), 16);
   let canvas = null;

@@ -6,9 +6,9 @@
 use std::path::PathBuf;
 use std::process::Command;
 
+use publish::page::{Body, Page, Surface};
 use serde_json::Value;
 use study::figures::solid::Bounds;
-use study::page::{Body, Page};
 
 /// Plays the reader's part and writes what was seen into the page.
 const READER: &str = include_str!("browser.js");
@@ -25,7 +25,8 @@ fn wedge(name: &str, rise: f64) -> Body {
     let rest = vec![[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.05, 0.0], [0.02, 0.02, 0.04]];
     let bent = rest.iter().map(|&[x, y, z]| [x, y + 5.0 * x * x, z * (1.0 + rise)]).collect();
     let skin = vec![[0, 1, 3], [1, 2, 3], [2, 0, 3]];
-    let surfaces = vec![(Bounds::Body, skin), (Bounds::CutBody, vec![[0, 2, 1]])];
+    let surface = |on: Bounds, faces| Surface { colour: on.colour(), inside: on.is_cut(), faces };
+    let surfaces = vec![surface(Bounds::Body, skin), surface(Bounds::CutBody, vec![[0, 2, 1]])];
     Body { name: name.into(), half: true, levels: vec![0.0, 250.0], points: vec![rest, bent], surfaces }
 }
 
@@ -37,17 +38,17 @@ fn seen(program: PathBuf) -> Value {
     let file = folder.join("index.html");
     std::fs::write(&file, page.html().replace("<body>", &format!("<body><script>{READER}</script>"))).unwrap();
     let quiet = ["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking"];
-    let told = Command::new(program)
+    let run = Command::new(program)
         .args(quiet)
         .arg(format!("--user-data-dir={}", folder.join("profile").display()))
         .args(["--window-size=900,900", "--virtual-time-budget=20000", "--dump-dom"])
         .arg(format!("file://{}", file.display()))
         .output()
         .unwrap();
-    let dom = String::from_utf8_lossy(&told.stdout).into_owned();
+    let dom = String::from_utf8_lossy(&run.stdout).into_owned();
     std::fs::remove_dir_all(&folder).unwrap();
     let answer = dom.split("<pre id=\"seen\">").nth(1).and_then(|rest| rest.split("</pre>").next());
-    serde_json::from_str(answer.unwrap_or_else(|| panic!("the page told nothing:\n{dom}"))).unwrap()
+    serde_json::from_str(answer.unwrap_or_else(|| panic!("the page wrote nothing:\n{dom}"))).unwrap()
 }
 
 #[test]
@@ -57,7 +58,7 @@ fn a_reader_inflates_turns_cuts_and_colours_the_tail() {
         return;
     };
     let seen = seen(program);
-    assert_eq!(seen["faults"], Value::Array(Vec::new()), "{seen}");
+    assert_eq!(seen["errors"], Value::Array(Vec::new()), "{seen}");
     assert_eq!(seen["pressures"], serde_json::json!(["250 mbar", "0 mbar", "125 mbar"]), "{seen}");
     assert!(seen["dots"].as_u64().unwrap() > 1000, "the tail covers {} dots", seen["dots"]);
     for act in ["inflated", "turned", "nearer", "cut", "coloured", "another"] {

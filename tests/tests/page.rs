@@ -5,8 +5,11 @@
 use std::fs;
 use std::path::PathBuf;
 
-use study::runner::Runner;
-use study::settings::Profile;
+use study::Runner;
+use workflow::runner::Options;
+use workflow::settings::Profile;
+
+const OPTIONS: Options = Options { quiet: true, jobs: 1, keep_going: false, min_free_memory: 0.0 };
 
 /// A project with one small specimen, removed at the end.
 struct Project(PathBuf);
@@ -25,8 +28,8 @@ impl Project {
     }
 
     fn open(&self) -> Runner {
-        let (runner, faults) = study::open(&self.0, Profile::Paper, true, 1).unwrap();
-        assert!(faults.is_empty(), "{faults:?}");
+        let (runner, diagnostics) = study::open(&self.0, Profile::Paper, OPTIONS).unwrap();
+        assert!(diagnostics.is_empty(), "{diagnostics:?}");
         runner
     }
 }
@@ -41,15 +44,15 @@ impl Drop for Project {
 fn every_figure_table_stage_and_claim_has_its_place_on_the_page() {
     let project = Project::new("places");
     let runner = project.open();
-    let html = fs::read_to_string(runner.page().unwrap()).unwrap();
-    let made = |entry: &study::entry::Entry| !(entry.subjects)(&runner.study).is_empty();
+    let html = fs::read_to_string(study::page(&runner).unwrap()).unwrap();
+    let made = |entry: &workflow::entry::Entry<study::subject::Study>| !(entry.subjects)(&runner.universe).is_empty();
     for (list, kind) in [(study::figures::ALL, "figure"), (study::tables::ALL, "table"), (study::stages::ALL, "stage")]
     {
         let missing = list.iter().filter(|e| made(e)).map(|e| format!("id=\"{kind}-{}\"", e.name));
         let missing: Vec<String> = missing.filter(|id| !html.contains(id)).collect();
         assert!(missing.is_empty(), "{missing:?}");
     }
-    let claims = study::claims::read(&runner.folders.claims()).unwrap();
+    let claims = publish::claims::read(&runner.folders.claims()).unwrap();
     assert_eq!(html.matches("<td class=\"verdict").count(), claims.len());
 }
 
@@ -57,8 +60,8 @@ fn every_figure_table_stage_and_claim_has_its_place_on_the_page() {
 fn the_page_asks_no_network_and_is_the_same_twice() {
     let project = Project::new("network");
     let runner = project.open();
-    let first = fs::read_to_string(runner.page().unwrap()).unwrap();
-    assert_eq!(first, fs::read_to_string(runner.page().unwrap()).unwrap());
+    let first = fs::read_to_string(study::page(&runner).unwrap()).unwrap();
+    assert_eq!(first, fs::read_to_string(study::page(&runner).unwrap()).unwrap());
     assert!(!first.contains("http:") && !first.contains("https:") && !first.contains("@import"));
     assert!(first.contains("default-src 'none'"));
 }

@@ -1,10 +1,8 @@
 //! The paper's source, held to what it may name before anything was computed.
-//!
-//! Stands on: `study`. Never knows: a number, a typesetter.
 
 use std::path::Path;
 
-use study::paper::{Page, Problem, resolve};
+use publish::paper::{Page, Problem, resolve};
 
 fn problems(change: impl Fn(&mut Vec<Page>)) -> Vec<String> {
     let source = study::paper_source(&Path::new(env!("CARGO_MANIFEST_DIR")).join(".."));

@@ -1,60 +1,81 @@
-//! Finite elements for soft bodies: statics and dynamics under chamber pressure, with gradients.
+//! Nonlinear finite elements for soft bodies with pressurised chambers: statics, dynamics, gradients and reduced-order
+//! models.
 //!
-//! A [`Mesh`] with [`RegionProperties`] and [`Clamps`] becomes a [`System`], checked once and then immutable: shape
-//! gradients, sparsity, elimination order and the structure of the factor. Each thread takes a [`Solver`] from it, which
-//! owns the numbers: `equilibrium` under given pressures, `adjoint` and `sensitivity` there, `march` through time.
+//! A [`Mesh`] of 4- or 10-node tetrahedra with [`RegionProperties`] and [`Clamps`] becomes a [`System`], validated once
+//! and then immutable: reference geometry, sparsity, elimination order and symbolic factorisation. Each thread takes a
+//! [`Solver`] from it: [`Solver::equilibrium`] under given pressures (Newton's method with load stepping),
+//! [`Solver::integrate`] in time (implicit Euler or BDF2), adjoint gradients and forward sensitivities of both.
+//! [`System::reduce`] makes a [`ReducedModel`] (POD with hyper-reduction), [`Projective`] is projective dynamics for
+//! comparison.
 //!
-//! Stands on: `si`, `faer` (Cholesky), `nalgebra` (3 × 3 matrices). Never knows: a mesher, a file, a specimen.
+//! All quantities are in SI units; vectors of nodal quantities hold 3 entries per node.
+//!
+//! ```
+//! use fem::{Clamps, RegionProperties, StaticSettings, System, box_mesh, materials};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let mesh = box_mesh::quadratic([0.06, 0.01, 0.01], [6, 1, 1]);
+//! let clamps = Clamps::below_x(&mesh, 1e-9);
+//! let material = materials::by_name("neo_hookean").ok_or("no such law")?;
+//! let silicone = RegionProperties { material, youngs_modulus: 2e5, poissons_ratio: 0.45, density: 1070.0 };
+//! let system = System::new(mesh, vec![silicone], clamps)?;
+//!
+//! let mut solver = system.solver();
+//! solver.set_gravity([0.0, 0.0, -9.81])?;
+//! let equilibrium = solver.equilibrium(&[], None, &StaticSettings::default())?;
+//!
+//! // The derivative of L = ½ |u|² by Young's modulus: a stiffer beam sags less.
+//! let gradient = solver.adjoint(&equilibrium, &equilibrium.displacement)?;
+//! assert!(gradient[0].youngs_modulus < 0.0);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! Depends on `si`; on `faer` (Cholesky factors), `nalgebra` (small dense matrices), `rayon` and `thiserror`.
 
-mod algebra;
-mod attached;
-mod body;
-pub mod boxes;
-mod checks;
-mod clamps;
-mod descent;
-mod energy;
-mod forces;
-mod gas;
-mod given;
+mod adjoint;
+mod assembly;
+mod dynamics;
+mod inputs;
 mod linear;
-mod load;
 mod loads;
 pub mod material;
 pub mod materials;
 mod mesh;
-mod motion;
-mod options;
-mod parameter;
-mod parts;
+mod newton;
 mod projective;
-mod reduced;
-mod refusal;
-mod region;
+mod properties;
+mod rom;
+mod setup_error;
+mod solve_error;
 mod solver;
-mod stall;
+mod solver_state;
 mod statics;
 mod system;
+mod system_data;
+mod validation;
 
-pub use attached::Masses;
-pub use clamps::Clamps;
-pub use descent::search::Stall;
-pub use forces::Forces;
-pub use linear::LowerTriangle;
+pub use adjoint::dynamics::LossGradient;
+pub use adjoint::gradient::{Gradient, MotionGradient, RegionGradient};
+pub use adjoint::parameter::Parameter;
+pub use dynamics::settings::{DynamicSettings, InitialValueProblem, Scheme, State, StepControl};
+pub use dynamics::trajectory::Trajectory;
+pub use linear::cholesky::FactorError;
+pub use linear::sparsity::LowerTriangle;
+pub use loads::Forces;
 pub use material::Material;
+pub use mesh::box_mesh;
+pub use mesh::clamps::Clamps;
 pub use mesh::{Chamber, Elements, Faces, Mesh};
-pub use motion::backward::Slope;
-pub use motion::gather::MotionGradient;
-pub use motion::march::{Adaptive, March, Scheme, State};
-pub use motion::trajectory::Trajectory;
-pub use options::Options;
-pub use parameter::Parameter;
+pub use newton::options::NonConvergence;
 pub use projective::{Projective, ProjectiveError, ProjectiveSettings};
-pub use reduced::{Around, Drive, Kept, Moment, Reduced, ReducedError, Reduction, Still};
-pub use refusal::SetupError;
-pub use region::RegionProperties;
+pub use properties::{Masses, Options, RegionProperties};
+pub use rom::{
+    Actuation, ExternalForce, NoForce, ReducedError, ReducedModel, ReducedModelData, ReducedMotion, ReductionSettings,
+    StepState,
+};
+pub use setup_error::SetupError;
+pub use solve_error::SolveError;
 pub use solver::Solver;
-pub use stall::SolveError;
-pub use statics::adjoint::{Gradient, RegionGradient};
 pub use statics::equilibrium::{Equilibrium, StaticSettings};
 pub use system::System;

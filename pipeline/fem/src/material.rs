@@ -1,10 +1,9 @@
-//! Materials: how hard a piece of silicone pulls back when it is stretched.
+//! Hyperelastic laws as energy densities: the contract of the family in `materials`.
 //!
-//! A material is an energy per rest volume ψ(F), in J/m³, with its first and second derivative.
-//! F (3 × 3, no unit) maps rest edges to present edges; F = I is rest.
+//! A law is an energy ψ(F) per reference volume, J/m³, with its first and second derivative. The deformation gradient F
+//! (3 × 3, no unit) maps reference to current line elements; F = I is the undeformed state.
 //!
-//! Stands on: `nalgebra`. Never knows: a mesh, a time step, a specimen.
-//! A new material: one file in `materials/` and its line in `ALL`; the tests find it there.
+//! To add a law: one file in `materials/` and its line in `ALL`; the conformance tests find it there.
 
 use nalgebra::{Matrix3, SMatrix};
 use si::Pascal;
@@ -12,12 +11,12 @@ use si::Pascal;
 /// ∂P/∂F, 9 × 9, Pa: row i + 3J and column k + 3L hold ∂P_iJ/∂F_kL (columns of F one below the other).
 pub type Tangent = SMatrix<f64, 9, 9>;
 
-/// Lamé's constants, Pa: the pair that energies are written in.
+/// Lamé's constants, Pa: the pair in which the energies are written.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lame {
     /// Shear modulus μ.
     pub mu: Pascal,
-    /// λ, the resistance to a change of volume beside μ.
+    /// λ; the bulk modulus is λ + 2μ/3.
     pub lambda: Pascal,
 }
 
@@ -41,7 +40,7 @@ impl Lame {
     }
 }
 
-/// Everything a Newton step needs from one point of a material.
+/// Energy, stress and tangent at one quadrature point.
 #[derive(Debug, Clone, Copy)]
 pub struct Response {
     /// ψ, J/m³.
@@ -55,23 +54,23 @@ pub struct Response {
 /// A hyperelastic law: an energy density of the deformation gradient.
 #[allow(non_snake_case)]
 pub trait Material: std::fmt::Debug + Send + Sync {
-    /// The name that a card uses.
+    /// The name of the law on a card.
     fn name(&self) -> &'static str;
 
-    /// Whether a rigid turn of any size costs nothing (false: of a small size only).
-    fn turns_freely(&self) -> bool {
+    /// Whether a rigid rotation of any size leaves the energy unchanged (false: infinitesimal rotations only).
+    fn is_objective(&self) -> bool {
         true
     }
 
-    /// ψ (J/m³) and P = ∂ψ/∂F (Pa); ψ is infinite where `F` turns the material inside out and the law forbids it.
+    /// ψ (J/m³) and P = ∂ψ/∂F (Pa); ψ is infinite where det F ≤ 0 and the law forbids inversion.
     fn stress(&self, F: &Matrix3<f64>, lame: Lame) -> (f64, Matrix3<f64>);
 
     /// ψ, P and ∂P/∂F together.
     fn response(&self, F: &Matrix3<f64>, lame: Lame) -> Response;
 
-    /// ∂P/∂μ and ∂P/∂λ, no unit: every law is linear in both, P = μ ∂P/∂μ + λ ∂P/∂λ. Gradients and mean dilatation rest
-    /// on that.
-    fn stress_slopes(&self, F: &Matrix3<f64>) -> [Matrix3<f64>; 2] {
+    /// ∂P/∂μ and ∂P/∂λ, no unit: every law is linear in both, P = μ ∂P/∂μ + λ ∂P/∂λ. Parameter gradients
+    /// and mean dilatation rely on this.
+    fn stress_by_lame(&self, F: &Matrix3<f64>) -> [Matrix3<f64>; 2] {
         let by = |mu, lambda| self.stress(F, Lame { mu, lambda }).1;
         [by(1.0, 0.0), by(0.0, 1.0)]
     }

@@ -1,45 +1,47 @@
-//! Solvers: the numbers of one thread on a shared system.
-//!
-//! What a solver can do stands beside this file: `statics`, `motion`, `linear`.
-//!
-//! Stands on: `parts`, `given`, `newton`. Never knows: another solver.
+//! Solvers: the public face of statics, dynamics and adjoints on one system. Each thread takes its own.
 
-use crate::body::mass::Mass;
-use crate::checks;
-use crate::descent::newton::Newton;
-use crate::gas::Gas;
-use crate::given::Given;
+use crate::adjoint::dynamics::LossGradient;
+use crate::adjoint::gradient::{Gradient, MotionGradient, RegionGradient};
+use crate::adjoint::parameter::Parameter;
+use crate::assembly::mass::Mass;
+use crate::dynamics::settings::{InitialValueProblem, State, StepControl};
+use crate::dynamics::trajectory::Trajectory;
+use crate::linear::sparsity::LowerTriangle;
+use crate::loads::gas::Gas;
 use crate::material::Lame;
-use crate::parts::Parts;
-use crate::refusal::SetupError;
-use crate::region::RegionProperties;
-use crate::stall::SolveError;
-use crate::statics::equilibrium::Equilibrium;
-use si::{KilogramPerCubicMetre, MetrePerSecondSquared, Pascal};
+use crate::properties::RegionProperties;
+use crate::setup_error::SetupError;
+use crate::solve_error::SolveError;
+use crate::solver_state::{SolverState, check};
+use crate::statics::equilibrium::{Equilibrium, StaticSettings};
+use crate::system_data::SystemData;
+use crate::validation;
+use si::{Joule, KilogramPerCubicMetre, MetrePerSecondSquared, Pascal, Second};
 use std::sync::Arc;
 
-/// Solves one system; `Send`, so that each thread can have its own.
+/// Solves one system. `Send`, so that each thread can have its own.
 pub struct Solver {
-    pub(crate) parts: Arc<Parts>,
-    pub(crate) given: Given,
-    pub(crate) newton: Newton,
-    /// The equilibrium whose exact tangent stands in `newton.values`.
-    pub(crate) linearised: Option<Equilibrium>,
+    pub(crate) state: SolverState,
 }
 
 impl std::fmt::Debug for Solver {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        out.debug_struct("Solver").field("properties", &self.given.properties).finish_non_exhaustive()
+        out.debug_struct("Solver").field("properties", &self.properties()).finish_non_exhaustive()
     }
 }
 
+/// Materials and loads.
 impl Solver {
-    pub(crate) fn new(parts: Arc<Parts>) -> Self {
-        let (given, newton) = (Given::new(&parts), Newton::new(&parts));
-        Self { parts, given, newton, linearised: None }
+    pub(crate) fn new(data: Arc<SystemData>) -> Self {
+        Self { state: SolverState::new(data) }
     }
 
-    /// Gives `region` another E (Pa) and ν from here on; the factor's structure and its last numbers are kept.
+    /// Current properties of the regions.
+    pub fn properties(&self) -> &[RegionProperties] {
+        &self.state.inputs.properties
+    }
+
+    /// Sets E (Pa) and ν of `region`. The last factor is kept and can still precondition a warm start.
     ///
     /// # Errors
     /// [`SetupError`] when there is no such region or the constants are out of range; nothing is then changed.
@@ -50,57 +52,58 @@ impl Solver {
         poissons_ratio: f64,
     ) -> Result<(), SetupError> {
         self.check_region(region)?;
-        checks::elastic(region, youngs_modulus, poissons_ratio)?;
-        self.given.properties[region].youngs_modulus = youngs_modulus;
-        self.given.properties[region].poissons_ratio = poissons_ratio;
-        self.given.elastic[region].lame = Lame::of(youngs_modulus, poissons_ratio);
-        self.linearised = None;
+        validation::elastic(region, youngs_modulus, poissons_ratio)?;
+        let inputs = &mut self.state.inputs;
+        inputs.properties[region].youngs_modulus = youngs_modulus;
+        inputs.properties[region].poissons_ratio = poissons_ratio;
+        inputs.elastic[region].lame = Lame::of(youngs_modulus, poissons_ratio);
+        self.state.linearised = None;
         Ok(())
     }
 
-    /// Gives `region` another density from here on.
+    /// Sets the density of `region`.
     ///
     /// # Errors
     /// As [`Solver::set_elastic`].
     pub fn set_density(&mut self, region: usize, density: KilogramPerCubicMetre) -> Result<(), SetupError> {
         self.check_region(region)?;
-        checks::density(region, density)?;
-        self.given.properties[region].density = density;
-        let densities: Vec<f64> = self.given.properties.iter().map(|region| region.density).collect();
-        let Parts { mesh, pattern, places, overlaps, options, .. } = &*self.parts;
-        self.given.mass = Arc::new(Mass::new(mesh, pattern, places, overlaps, &densities, &options.masses));
-        self.given.gather_dead();
-        self.linearised = None;
+        validation::density(region, density)?;
+        let SolverState { data, inputs, linearised, .. } = &mut self.state;
+        inputs.properties[region].density = density;
+        let densities: Vec<f64> = inputs.properties.iter().map(|region| region.density).collect();
+        inputs.mass = Arc::new(Mass::new(&data.mass_assembly(), &densities, &data.options.masses));
+        inputs.update_dead_forces();
+        *linearised = None;
         Ok(())
     }
 
-    /// Pushes with dead forces (3 a node, N) from here on, beside all pressures; an empty list takes them away.
+    /// Sets dead forces (3 entries per node, N), in addition to all pressures; an empty list removes them.
     ///
     /// # Errors
-    /// [`SolveError`] when the list is neither empty nor 3 a node, or holds a number that is not finite.
+    /// [`SolveError`] when the list is neither empty nor 3 entries per node, or an entry is not finite.
     pub fn set_forces(&mut self, forces: &[f64]) -> Result<(), SolveError> {
         if !forces.is_empty() {
-            self.check_field("a list of forces", forces)?;
+            self.state.check_field("a list of forces", forces)?;
         }
-        self.given.forces = forces.to_vec();
-        self.given.gather_dead();
-        self.linearised = None;
+        self.state.inputs.forces = forces.to_vec();
+        self.state.inputs.update_dead_forces();
+        self.state.linearised = None;
         Ok(())
     }
 
-    /// Lets `gravity` pull at the body and at what is attached, from here on.
+    /// Sets the gravity that acts on the body and on the attached masses.
     ///
     /// # Errors
     /// [`SolveError`] when a component is not finite.
     pub fn set_gravity(&mut self, gravity: [MetrePerSecondSquared; 3]) -> Result<(), SolveError> {
         check("gravity", &gravity, 3)?;
-        self.given.gravity = gravity;
-        self.given.gather_dead();
-        self.linearised = None;
+        self.state.inputs.gravity = gravity;
+        self.state.inputs.update_dead_forces();
+        self.state.linearised = None;
         Ok(())
     }
 
-    /// Seals `chamber` in surroundings of this absolute pressure, or opens it again (`None`).
+    /// Seals `chamber` at this absolute ambient pressure, or opens it again (`None`).
     ///
     /// The pressure that is given for a sealed chamber is the gauge pressure of its gas at rest volume; from there it
     /// follows (p + pₐ) V₀ = (g + pₐ) V, see [`Solver::chamber_pressure`].
@@ -108,19 +111,19 @@ impl Solver {
     /// # Errors
     /// [`SetupError`] when there is no such chamber, or the ambient pressure is not positive.
     pub fn set_sealed(&mut self, chamber: usize, ambient: Option<Pascal>) -> Result<(), SetupError> {
-        let count = self.given.ambient.len();
+        let count = self.state.inputs.ambient.len();
         if chamber >= count {
-            return Err(SetupError::NoSuch { part: "chamber", index: chamber, count });
+            return Err(SetupError::NoSuchIndex { part: "chamber", index: chamber, count });
         }
         if let Some(ambient) = ambient.filter(|ambient| !(*ambient > 0.0 && *ambient < 1e8)) {
-            return Err(SetupError::Ambient { chamber, ambient });
+            return Err(SetupError::AmbientPressure { chamber, ambient });
         }
-        self.given.ambient[chamber] = ambient;
-        self.linearised = None;
+        self.state.inputs.ambient[chamber] = ambient;
+        self.state.linearised = None;
         Ok(())
     }
 
-    /// Gauge pressure in `chamber` at `displacement` (3 a node, m) when `pressures` are given, Pa.
+    /// Gauge pressure in `chamber` at `displacement` (3 entries per node, m) when `pressures` are given, Pa.
     ///
     /// # Errors
     /// [`SolveError`] when a list has the wrong length, or there is no such chamber.
@@ -130,51 +133,266 @@ impl Solver {
         displacement: &[f64],
         pressures: &[Pascal],
     ) -> Result<Pascal, SolveError> {
-        self.check_field("a displacement", displacement)?;
-        self.check_pressures(pressures)?;
+        self.state.check_field("a displacement", displacement)?;
+        self.state.check_pressures(pressures)?;
         if chamber >= pressures.len() {
-            return Err(SolveError::Setting {
-                what: "a chamber number",
-                value: chamber as f64,
-                range: "below their number",
-            });
+            let (what, range) = ("a chamber number", "below the number of chambers");
+            return Err(SolveError::Setting { what, value: chamber as f64, range });
         }
-        let (pressure, ambient) = (pressures[chamber], self.given.ambient[chamber]);
-        Ok(Gas { chamber: &self.parts.chambers[chamber], pressure, ambient }.gauge_at(displacement))
-    }
-
-    /// What the regions are made of now.
-    pub fn properties(&self) -> &[RegionProperties] {
-        &self.given.properties
+        let (pressure, ambient) = (pressures[chamber], self.state.inputs.ambient[chamber]);
+        Ok(Gas { chamber: &self.state.data.chambers[chamber], pressure, ambient }.gauge_at(displacement))
     }
 
     fn check_region(&self, region: usize) -> Result<(), SetupError> {
-        let count = self.given.properties.len();
-        if region < count { Ok(()) } else { Err(SetupError::NoSuch { part: "region", index: region, count }) }
-    }
-
-    pub(crate) fn check_field(&self, what: &'static str, values: &[f64]) -> Result<(), SolveError> {
-        check(what, values, 3 * self.parts.mesh.nodes.len())
-    }
-
-    pub(crate) fn check_pressures(&self, pressures: &[Pascal]) -> Result<(), SolveError> {
-        check("a list of pressures", pressures, self.parts.chambers.len())?;
-        for (&pressure, ambient) in pressures.iter().zip(&self.given.ambient) {
-            if ambient.is_some_and(|ambient| pressure <= -ambient) {
-                let (what, range) = ("the pressure of a sealed chamber", "above a vacuum");
-                return Err(SolveError::Setting { what, value: pressure, range });
-            }
-        }
-        Ok(())
+        let count = self.properties().len();
+        if region < count { Ok(()) } else { Err(SetupError::NoSuchIndex { part: "region", index: region, count }) }
     }
 }
 
-fn check(what: &'static str, values: &[f64], asked: usize) -> Result<(), SolveError> {
-    if values.len() != asked {
-        return Err(SolveError::Length { what, given: values.len(), asked });
+/// Statics.
+impl Solver {
+    /// The equilibrium under `pressures` (one per chamber, Pa) and the dead forces set before.
+    ///
+    /// `initial_guess`: a nearby displacement (3 entries per node, m), as of another pressure level or slightly other
+    /// properties. Newton's method starts there with the whole load; without it, or when that fails, the load is
+    /// applied in steps from rest.
+    ///
+    /// # Errors
+    /// [`SolveError`]; `NoEquilibrium` holds the last converged state.
+    pub fn equilibrium(
+        &mut self,
+        pressures: &[Pascal],
+        initial_guess: Option<&[f64]>,
+        settings: &StaticSettings,
+    ) -> Result<Equilibrium, SolveError> {
+        self.state.equilibrium(pressures, initial_guess, settings)
     }
-    match values.iter().find(|value| !value.is_finite()) {
-        Some(&value) => Err(SolveError::NotANumber { what, value }),
-        None => Ok(()),
+
+    /// As [`Solver::equilibrium`], from an initial guess `predicted` from several earlier shapes, of which `nearby` is
+    /// the nearest one (3 entries per node, m).
+    ///
+    /// An interpolated shape stretches a stiff sheet where it rotates. The first tangent leaves the stress of that
+    /// stretch out, as after a load step. When it does not converge, Newton's method starts at `nearby`.
+    ///
+    /// # Errors
+    /// As [`Solver::equilibrium`].
+    pub fn equilibrium_from_prediction(
+        &mut self,
+        pressures: &[Pascal],
+        nearby: &[f64],
+        predicted: &[f64],
+        settings: &StaticSettings,
+    ) -> Result<Equilibrium, SolveError> {
+        self.state.equilibrium_from_prediction(pressures, nearby, predicted, settings)
+    }
+
+    /// ∂L/∂E, ∂L/∂ν and ∂L/∂ρ of every region by the adjoint method, from `dloss_du` = ∂L/∂u (3 entries per node, unit
+    /// of L per m) at the equilibrium `at`.
+    ///
+    /// # Errors
+    /// [`SolveError`] when the equilibrium is not stable or a list has the wrong length.
+    pub fn adjoint(&mut self, at: &Equilibrium, dloss_du: &[f64]) -> Result<Vec<RegionGradient>, SolveError> {
+        self.gradient(at, dloss_du).map(|gradient| gradient.regions)
+    }
+
+    /// As [`Solver::adjoint`], with ∂L/∂p of every chamber and ∂L/∂f of every dead force.
+    ///
+    /// # Errors
+    /// As [`Solver::adjoint`].
+    pub fn gradient(&mut self, at: &Equilibrium, dloss_du: &[f64]) -> Result<Gradient, SolveError> {
+        self.state.equilibrium_gradient(at, dloss_du)
+    }
+
+    /// du/dθ at the equilibrium `at` (forward sensitivity), 3 entries per node, m per unit of the parameter.
+    ///
+    /// # Errors
+    /// [`SolveError`] when the equilibrium is not stable, or the parameter does not exist.
+    pub fn sensitivity(&mut self, at: &Equilibrium, parameter: Parameter) -> Result<Vec<f64>, SolveError> {
+        self.state.equilibrium_sensitivity(at, parameter)
+    }
+}
+
+/// Dynamics.
+impl Solver {
+    /// Integrates `problem` in time over `steps` steps of equal length; `observe` is called with each new state and its
+    /// time. Returns the last state.
+    ///
+    /// # Errors
+    /// [`SolveError`] when a list has the wrong length, a setting is out of range, or a step does not converge.
+    pub fn integrate(
+        &mut self,
+        problem: &InitialValueProblem,
+        steps: usize,
+        observe: &mut dyn FnMut(Second, &State),
+    ) -> Result<State, SolveError> {
+        self.state.integrate(problem, steps, observe)
+    }
+
+    /// Integrates `problem` to the time `until` (s) with steps chosen by an error estimate; the step of its settings is
+    /// not used.
+    ///
+    /// `observe` as in [`Solver::integrate`]. Returns the last state and the times of all states, s.
+    ///
+    /// # Errors
+    /// As [`Solver::integrate`]; a step that does not converge is first repeated with a shorter one.
+    pub fn integrate_adaptive(
+        &mut self,
+        problem: &InitialValueProblem,
+        control: &StepControl,
+        until: Second,
+        observe: &mut dyn FnMut(Second, &State),
+    ) -> Result<(State, Vec<Second>), SolveError> {
+        self.state.integrate_adaptive(problem, control, until, observe)
+    }
+
+    /// As [`Solver::integrate`], and records the motion for replay and adjoint; its states take at most `memory` bytes.
+    /// When they do not fit, checkpoints are stored and the states between are recomputed.
+    ///
+    /// # Errors
+    /// As [`Solver::integrate`]; also when the checkpoints do not fit into `memory`.
+    pub fn record(
+        &mut self,
+        problem: &InitialValueProblem,
+        steps: usize,
+        memory: usize,
+    ) -> Result<Trajectory, SolveError> {
+        let times = (0..=steps).map(|step| step as f64 * problem.settings.step).collect();
+        self.record_at(problem, times, memory)
+    }
+
+    /// As [`Solver::record`], at given `times` (s, rising from 0), such as [`Solver::integrate_adaptive`] returns.
+    ///
+    /// # Errors
+    /// As [`Solver::record`]; also when the times do not rise.
+    pub fn record_at(
+        &mut self,
+        problem: &InitialValueProblem,
+        times: Vec<Second>,
+        memory: usize,
+    ) -> Result<Trajectory, SolveError> {
+        self.state.record_at(problem, times, memory)
+    }
+
+    /// Calls `observe` with each state of a recorded motion, the initial one first.
+    ///
+    /// # Errors
+    /// [`SolveError`] when a checkpoint segment cannot be recomputed: the properties are then not those of the
+    /// recording.
+    pub fn replay(
+        &mut self,
+        trajectory: &Trajectory,
+        observe: &mut dyn FnMut(Second, &State),
+    ) -> Result<(), SolveError> {
+        self.state.replay(trajectory, observe)
+    }
+
+    /// The gradient of a loss of a recorded motion by the adjoint method. `loss_gradient` returns the derivative of the
+    /// loss by the state after each step (numbered from 1; 0 is the initial state).
+    ///
+    /// # Errors
+    /// [`SolveError`] when a list has the wrong length or the tangent of a step is not positive definite.
+    pub fn trajectory_adjoint(
+        &mut self,
+        trajectory: &Trajectory,
+        loss_gradient: &mut dyn FnMut(usize, &State) -> LossGradient,
+    ) -> Result<MotionGradient, SolveError> {
+        self.state.trajectory_adjoint(trajectory, loss_gradient)
+    }
+
+    /// du/dθ and dv/dθ (forward sensitivity) of every state of a recorded motion for each of `parameters`; `observe` is
+    /// called with the number of the step (0 for the initial state) and one pair per parameter, 3 entries per node, per
+    /// unit of the parameter.
+    ///
+    /// # Errors
+    /// [`SolveError`] when a parameter does not exist, or the tangent of a step is not positive definite.
+    pub fn trajectory_sensitivity(
+        &mut self,
+        trajectory: &Trajectory,
+        parameters: &[Parameter],
+        observe: &mut dyn FnMut(usize, &[&State]),
+    ) -> Result<(), SolveError> {
+        self.state.trajectory_sensitivity(trajectory, parameters, observe)
+    }
+}
+
+/// Energies and forces.
+impl Solver {
+    /// Elastic energy Ψ(u) of displacement `u` (3 entries per node, m), J; of a half model, of the half. Infinite where
+    /// an element is inverted and its law forbids that.
+    ///
+    /// # Errors
+    /// [`SolveError`] when `u` is not of this system.
+    pub fn elastic_energy(&self, u: &[f64]) -> Result<Joule, SolveError> {
+        self.state.check_field("the displacement", u)?;
+        let mut forces = vec![0.0; u.len()];
+        Ok(self.state.data.body(&self.state.inputs.elastic).energy(u, 0.0, &mut forces))
+    }
+
+    /// Kinetic energy ½ vᵀ M v of velocity `v` (3 entries per node, m/s), J; of a half model, of the half.
+    ///
+    /// # Errors
+    /// [`SolveError`] when `v` is not of this system.
+    pub fn kinetic_energy(&self, v: &[f64]) -> Result<Joule, SolveError> {
+        self.state.check_field("the velocity", v)?;
+        let SolverState { data, inputs, .. } = &self.state;
+        let free = data.pattern.gather(v);
+        let mut momentum = vec![0.0; free.len()];
+        inputs.mass.multiply(&data.pattern, &free, &mut momentum);
+        Ok(0.5 * free.iter().zip(&momentum).map(|(v, p)| v * p).sum::<f64>())
+    }
+
+    /// Elastic force ∂Ψ/∂u at `u` (3 entries per node, m), 3 entries per node, N.
+    ///
+    /// # Errors
+    /// [`SolveError`] when `u` is not of this system.
+    pub fn elastic_force(&self, u: &[f64]) -> Result<Vec<f64>, SolveError> {
+        self.state.check_field("the displacement", u)?;
+        Ok(self.state.elastic_forces(u))
+    }
+}
+
+/// The tangent as a linear problem of its own, for modes, condensation and timings. Newton's method and the adjoint do
+/// not need it.
+impl Solver {
+    /// Assembles the exact tangent ∂²Π/∂u² at `at`, without the rank-one terms of sealed chambers.
+    ///
+    /// # Errors
+    /// [`SolveError`] when `at` is not of this system.
+    pub fn assemble(&mut self, at: &Equilibrium) -> Result<LowerTriangle<'_>, SolveError> {
+        self.state.check_field("the displacement", &at.displacement)?;
+        self.state.check_pressures(&at.pressures)?;
+        self.state.linearised = None;
+        let SolverState { data, inputs, newton, .. } = &mut self.state;
+        let potential = inputs.at_rest(data, &at.pressures);
+        potential.elastic_stiffness(&at.displacement, &mut newton.tangent);
+        potential.add_inertia_and_loads(&at.displacement, &mut newton.tangent);
+        Ok(data.pattern.lower_triangle(&newton.tangent))
+    }
+
+    /// Factorises the tangent assembled last at `at`, and checks the factor on one solve.
+    ///
+    /// # Errors
+    /// [`SolveError::NotStable`] when it is not positive definite.
+    pub fn factorise(&mut self, at: &Equilibrium) -> Result<(), SolveError> {
+        let SolverState { data, inputs, newton, .. } = &mut self.state;
+        let potential = inputs.at_rest(data, &at.pressures);
+        let mut probe = vec![0.0; data.pattern.dofs()];
+        data.pattern.multiply(&newton.tangent, &vec![1.0; probe.len()], &mut probe);
+        newton.factorise(&potential, &at.displacement, &probe).map_err(|_| SolveError::NotStable)
+    }
+
+    /// x with K x = `b` by the last factor, both 3 entries per node; zero at constrained dofs.
+    ///
+    /// # Errors
+    /// [`SolveError`] when `b` has the wrong length, or nothing was factorised yet.
+    pub fn solve(&mut self, b: &[f64]) -> Result<Vec<f64>, SolveError> {
+        self.state.check_field("the right-hand side", b)?;
+        let SolverState { data, newton, .. } = &mut self.state;
+        if !newton.is_ready() {
+            return Err(SolveError::NotStable);
+        }
+        let mut free = data.pattern.gather(b);
+        newton.solve(data, &mut free);
+        Ok(data.pattern.scattered(&free, 1.0, b.len()))
     }
 }

@@ -1,53 +1,50 @@
-//! Systems: a checked mesh with everything that no parameter changes.
+//! Systems: a validated mesh with everything that no parameter changes.
 //!
-//! Rest shapes, mass, loads, sparsity, elimination order and the structure of the factor are worked out once and
+//! Reference geometry, mass, chambers, sparsity, elimination order and symbolic factorisation are computed once and
 //! shared by all solvers on all threads.
-//!
-//! Stands on: `checks`, `parts`, `solver`. Never knows: a displacement, a pressure.
 
-use crate::algebra::factor::Symbolic;
-use crate::algebra::graph::Graph;
-use crate::algebra::sparse::Pattern;
-use crate::body::mass::{Mass, Overlaps};
-use crate::body::rest::Rest;
-use crate::checks;
-use crate::clamps::Clamps;
+use crate::assembly::mass::{Mass, MassAssembly, ShapeProducts};
+use crate::assembly::reference::ReferenceElements;
+use crate::linear::cholesky::Symbolic;
+use crate::linear::node_graph::NodeGraph;
+use crate::linear::sparsity::Pattern;
 use crate::loads::ChamberPressure;
 use crate::mesh::Mesh;
-use crate::options::Options;
-use crate::parts::Parts;
-use crate::refusal::SetupError;
-use crate::region::RegionProperties;
+use crate::mesh::clamps::Clamps;
+use crate::properties::{Options, RegionProperties};
+use crate::setup_error::SetupError;
 use crate::solver::Solver;
+use crate::system_data::{SystemData, block_positions};
+use crate::validation;
 use si::CubicMetre;
 use std::sync::Arc;
 
-/// A body ready to be solved. Immutable and shared: a clone costs nothing.
+/// A body ready to be solved. Immutable and shared: a clone copies a pointer.
 #[derive(Clone)]
 pub struct System {
-    pub(crate) parts: Arc<Parts>,
+    pub(crate) data: Arc<SystemData>,
 }
 
 impl std::fmt::Debug for System {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let (nodes, elements) = (self.parts.mesh.nodes.len(), self.parts.mesh.elements.len());
-        write!(out, "System of {nodes} nodes, {elements} elements, {} freedoms", self.freedoms())
+        let (nodes, elements) = (self.data.mesh.nodes.len(), self.data.mesh.elements.len());
+        write!(out, "System of {nodes} nodes, {elements} elements, {} dofs", self.dofs())
     }
 }
 
 impl System {
-    /// Checks `mesh` and prepares it.
+    /// Validates and prepares `mesh`.
     ///
-    /// `regions`: properties by region number. `clamped`: node numbers (`&[u32]`, held along all axes) or [`Clamps`];
-    /// nodes on the plane of a half model are held in z beside them.
+    /// `regions`: properties by region number. `clamped`: node numbers (`&[u32]`, constrained along all axes) or
+    /// [`Clamps`]; the nodes of a half model's symmetry plane are constrained in z as well.
     ///
     /// # Errors
-    /// [`SetupError`], which names the element, face, node or region that is refused.
+    /// [`SetupError`], which names the invalid element, face, node or region.
     pub fn new(mesh: Mesh, regions: Vec<RegionProperties>, clamped: impl Into<Clamps>) -> Result<Self, SetupError> {
         Self::with(mesh, regions, clamped, Options::default())
     }
 
-    /// The same with `options`.
+    /// As [`System::new`], with `options`.
     ///
     /// # Errors
     /// As [`System::new`]; also when a mass is attached to no node, or is not a positive number.
@@ -58,117 +55,116 @@ impl System {
         options: Options,
     ) -> Result<Self, SetupError> {
         let clamps: Clamps = clamped.into();
-        checks::nodes(&mesh, &clamps)?;
-        checks::regions(&mesh, &regions)?;
-        checks::masses(&mesh, &options.masses)?;
+        validation::nodes(&mesh, &clamps)?;
+        validation::regions(&mesh, &regions)?;
+        validation::masses(&mesh, &options.masses)?;
         let clamps = clamps.with_symmetry(&mesh);
-        let graph = Graph::new(mesh.nodes.len(), &mesh.elements);
-        let rest = Rest::new(&mesh);
-        checks::elements(&mesh, &rest, &graph)?;
-        checks::held(&mesh, &graph, &clamps)?;
+        let graph = NodeGraph::new(mesh.nodes.len(), &mesh.elements);
+        let reference = ReferenceElements::new(&mesh);
+        validation::elements(&mesh, &reference, &graph)?;
+        validation::constraints(&mesh, &graph, &clamps)?;
         let chambers = chambers(&mesh, &graph)?;
         let pattern = Pattern::new(&mesh.nodes, &graph, &clamps);
-        let places = places(&mesh, &pattern);
-        if pattern.freedoms() == 0 {
-            return Err(SetupError::AllHeld { nodes: mesh.nodes.len() });
+        let block_positions = block_positions(&mesh, &pattern);
+        if pattern.dofs() == 0 {
+            return Err(SetupError::FullyConstrained { nodes: mesh.nodes.len() });
         }
         let densities: Vec<f64> = regions.iter().map(|region| region.density).collect();
-        let overlaps = Overlaps::new(&mesh, options.lumped_mass);
-        let mass = Arc::new(Mass::new(&mesh, &pattern, &places, &overlaps, &densities, &options.masses));
-        let symbolic = Symbolic::new(&pattern)
-            .map_err(|fault| SetupError::TooLarge { freedoms: pattern.freedoms(), why: fault.to_string() })?;
+        let products = ShapeProducts::new(&mesh, options.lumped_mass);
+        let assembly =
+            MassAssembly { mesh: &mesh, pattern: &pattern, block_positions: &block_positions, products: &products };
+        let mass = Arc::new(Mass::new(&assembly, &densities, &options.masses));
+        let symbolic = Symbolic::new(&pattern).map_err(|cause| SetupError::TooLarge { dofs: pattern.dofs(), cause })?;
         let size = mesh.size();
-        let volumes = volumes(&mesh, &rest, regions.len());
-        let parts =
-            Parts { mesh, regions, rest, volumes, pattern, places, symbolic, options, overlaps, mass, chambers, size };
-        Ok(Self { parts: Arc::new(parts) })
+        let volumes = volumes(&mesh, &reference, regions.len());
+        let data = SystemData {
+            mesh,
+            regions,
+            reference,
+            volumes,
+            pattern,
+            block_positions,
+            symbolic,
+            options,
+            products,
+            mass,
+            chambers,
+            size,
+        };
+        Ok(Self { data: Arc::new(data) })
     }
 
-    /// Mass of the body at rest and of what is attached, kg; of a half model, of the half.
+    /// Mass of the body and of the attached masses, kg; of a half model, of the half.
     pub fn mass(&self) -> si::Kilogram {
-        self.parts.mass.weights.iter().sum()
+        self.data.mass.nodal.iter().sum()
     }
 
-    /// Mass that each node stands for, kg: Σ of them times node places is the mass times the centre of mass. `nodes` long;
-    /// the corners of quadratic elements may stand for less than nothing.
+    /// Mass of each node, kg: row sums of the mass matrix. Their sum with node positions is the mass times the centre
+    /// of mass; the corners of quadratic elements may have negative ones.
     pub fn node_masses(&self) -> &[si::Kilogram] {
-        &self.parts.mass.weights
+        &self.data.mass.nodal
     }
 
-    /// A solver of its own numbers on this system; make one for each thread.
+    /// A new solver on this system; each thread takes its own.
     pub fn solver(&self) -> Solver {
-        Solver::new(Arc::clone(&self.parts))
+        Solver::new(Arc::clone(&self.data))
     }
 
     /// The mesh at rest.
     pub fn mesh(&self) -> &Mesh {
-        &self.parts.mesh
+        &self.data.mesh
     }
 
-    /// What the regions were made of when the system was made.
+    /// The properties of the regions that the system was made with.
     pub fn regions(&self) -> &[RegionProperties] {
-        &self.parts.regions
+        &self.data.regions
     }
 
-    /// Degrees of freedom: 3 a node less the held ones.
-    pub fn freedoms(&self) -> usize {
-        self.parts.pattern.freedoms()
+    /// Number of degrees of freedom: 3 per node less the constrained ones.
+    pub fn dofs(&self) -> usize {
+        self.data.pattern.dofs()
     }
 
-    /// Entries of the stiffness matrix's lower triangle, and of its factor.
+    /// Number of entries of the lower triangle of the stiffness matrix, and of its factor.
     pub fn entries(&self) -> (usize, usize) {
-        (self.parts.pattern.entries(), self.parts.symbolic.entries())
+        (self.data.pattern.entries(), self.data.symbolic.entries())
     }
 
     /// Volume of the solid at rest, m³; of a half model, of the half.
     pub fn volume(&self) -> CubicMetre {
-        self.parts.rest.volumes.iter().sum()
+        self.data.reference.volumes.iter().sum()
     }
 
-    /// Volume of the cavity of `chamber` at `displacement` (3 a node, m), m³; of a half model, of the half.
+    /// Volume of the cavity of `chamber` at `displacement` (3 per node, m), m³; of a half model, of the half.
     ///
     /// # Panics
-    /// When there is no such chamber, or the displacement is not 3 a node.
+    /// When there is no such chamber, or the displacement does not have 3 entries per node.
     pub fn chamber_volume(&self, chamber: usize, displacement: &[f64]) -> CubicMetre {
-        assert_eq!(displacement.len(), 3 * self.parts.mesh.nodes.len(), "a displacement has 3 numbers a node");
-        self.parts.chambers[chamber].volume(displacement)
+        assert_eq!(displacement.len(), 3 * self.data.mesh.nodes.len(), "a displacement has 3 entries per node");
+        self.data.chambers[chamber].volume(displacement)
     }
 }
 
 /// By region, m³.
-fn volumes(mesh: &Mesh, rest: &Rest, regions: usize) -> Vec<f64> {
+fn volumes(mesh: &Mesh, reference: &ReferenceElements, regions: usize) -> Vec<f64> {
     let mut volumes = vec![0.0; regions];
-    for (&region, volume) in mesh.regions.iter().zip(&rest.volumes) {
+    for (&region, volume) in mesh.regions.iter().zip(&reference.volumes) {
         volumes[region as usize] += volume;
     }
     volumes
 }
 
-fn chambers(mesh: &Mesh, graph: &Graph) -> Result<Vec<ChamberPressure>, SetupError> {
+fn chambers(mesh: &Mesh, graph: &NodeGraph) -> Result<Vec<ChamberPressure>, SetupError> {
     let mut found = Vec::new();
     for (index, chamber) in mesh.chambers.iter().enumerate() {
-        checks::closed(mesh, index, chamber)?;
-        checks::on_elements(graph, index, chamber)?;
+        validation::closed(mesh, index, chamber)?;
+        validation::on_elements(graph, index, chamber)?;
         let pressure = ChamberPressure::new(mesh, chamber);
         let volume = pressure.at_rest;
         if volume.is_nan() || volume <= 0.0 {
-            return Err(SetupError::ChamberInsideOut { chamber: index, volume });
+            return Err(SetupError::InvertedChamber { chamber: index, volume });
         }
         found.push(pressure);
     }
     Ok(found)
-}
-
-/// elements × pairs (a ≥ b): places of the blocks.
-pub(crate) fn places(mesh: &Mesh, pattern: &Pattern) -> Vec<u32> {
-    let mut places = Vec::new();
-    for element in 0..mesh.elements.len() {
-        let nodes = mesh.elements.nodes(element);
-        for a in 0..nodes.len() {
-            for b in 0..=a {
-                places.push(pattern.place(nodes[a], nodes[b]).expect("nodes of one element are neighbours"));
-            }
-        }
-    }
-    places
 }

@@ -1,15 +1,13 @@
-//! How fast the error falls with the mesh: a shape made up beforehand, held by the forces that it asks for.
+//! Rate of convergence with the mesh, by the method of manufactured solutions.
 //!
 //! u = A d sin(πx/L) sin(πy/L) sin(πz/L) vanishes on all sides of a cube of side L, which are clamped. In linear
 //! elasticity the body force b = −(λ + μ) ∇(div u) − μ Δu holds it. Forces and errors are integrated here, with shape
 //! functions and quadrature of the test's own.
-//!
-//! Stands on: `fem` as its users see it. Never knows: how the crate integrates.
 
 #![allow(clippy::unwrap_used)] // a test may fail where it stands
 
 use fem::material::Lame;
-use fem::{Clamps, Mesh, RegionProperties, StaticSettings, System, boxes, materials};
+use fem::{Clamps, Mesh, RegionProperties, StaticSettings, System, box_mesh, materials};
 use std::f64::consts::PI;
 
 const SIDE: f64 = 0.1;
@@ -76,7 +74,7 @@ fn functions(nodes: usize, part: [f64; 4]) -> Vec<f64> {
 }
 
 /// Visits every point of every (straight) element: nodes, shape functions, place (m) and weight (m³).
-fn each_point(mesh: &Mesh, mut visit: impl FnMut(&[u32], &[f64], [f64; 3], f64)) {
+fn for_each_point(mesh: &Mesh, mut visit: impl FnMut(&[u32], &[f64], [f64; 3], f64)) {
     let rule: Vec<_> =
         points().into_iter().map(|(part, w)| (part, functions(mesh.elements.nodes_each(), part), w)).collect();
     for element in 0..mesh.elements.len() {
@@ -95,7 +93,7 @@ fn each_point(mesh: &Mesh, mut visit: impl FnMut(&[u32], &[f64], [f64; 3], f64))
 fn error(mesh: &Mesh) -> f64 {
     let lame = Lame::of(E, NU);
     let mut forces = vec![0.0; 3 * mesh.nodes.len()];
-    each_point(mesh, |nodes, functions, at, weight| {
+    for_each_point(mesh, |nodes, functions, at, weight| {
         let force = body_force(at, lame);
         for (&node, share) in nodes.iter().zip(functions) {
             (0..3).for_each(|axis| forces[3 * node as usize + axis] += weight * share * force[axis]);
@@ -110,7 +108,7 @@ fn error(mesh: &Mesh) -> f64 {
     let settings = StaticSettings { load_steps: 1, tolerance: 1e-12, ..Default::default() };
     let found = solver.equilibrium(&[], None, &settings).unwrap().displacement;
     let (mut wrong, mut whole) = (0.0, 0.0);
-    each_point(mesh, |nodes, functions, at, weight| {
+    for_each_point(mesh, |nodes, functions, at, weight| {
         for (axis, exact) in shape(at).into_iter().enumerate() {
             let here: f64 = nodes.iter().zip(functions).map(|(&node, n)| n * found[3 * node as usize + axis]).sum();
             wrong += weight * (here - exact).powi(2);
@@ -132,7 +130,7 @@ fn slope(cells: &[usize], errors: &[f64]) -> f64 {
 #[test]
 fn halving_a_mesh_of_linear_elements_quarters_the_error() {
     let cells = [8, 12, 16, 20];
-    let errors = cells.map(|n| error(&boxes::linear([SIDE; 3], [n; 3])));
+    let errors = cells.map(|n| error(&box_mesh::linear([SIDE; 3], [n; 3])));
     let order = slope(&cells, &errors);
     assert!(order >= 1.8, "{order} {errors:?}");
 }
@@ -140,7 +138,7 @@ fn halving_a_mesh_of_linear_elements_quarters_the_error() {
 #[test]
 fn halving_a_mesh_of_quadratic_elements_leaves_an_eighth_of_the_error() {
     let cells = [4, 6, 8, 10];
-    let errors = cells.map(|n| error(&boxes::quadratic([SIDE; 3], [n; 3])));
+    let errors = cells.map(|n| error(&box_mesh::quadratic([SIDE; 3], [n; 3])));
     let order = slope(&cells, &errors);
     assert!(order >= 2.8, "{order} {errors:?}");
 }

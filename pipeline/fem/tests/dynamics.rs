@@ -1,10 +1,11 @@
-//! Dynamics against the theory of beams, and against statics where the motion has died.
-//!
-//! Stands on: `fem` as its users see it. Never knows: how a step is made.
+//! Dynamics against beam theory, and against statics after the motion has decayed.
 
 #![allow(clippy::unwrap_used)] // a test may fail where it stands
 
-use fem::{Clamps, March, RegionProperties, Scheme, State, StaticSettings, System, boxes, materials};
+use fem::{
+    Clamps, DynamicSettings, InitialValueProblem, RegionProperties, Scheme, State, StaticSettings, System, box_mesh,
+    materials,
+};
 use std::f64::consts::PI;
 
 const LENGTH: f64 = 0.1;
@@ -24,7 +25,7 @@ fn first_frequency() -> f64 {
 
 /// A clamped beam let go from a small bend: the tip's height at each of `steps` steps, `each` of them a period.
 fn ring(scheme: Scheme, mass_damping: f64, stiffness_damping: f64, each: usize, steps: usize) -> Vec<f64> {
-    let mesh = boxes::quadratic([LENGTH, SIDE, SIDE], [10, 1, 1]);
+    let mesh = box_mesh::quadratic([LENGTH, SIDE, SIDE], [10, 1, 1]);
     let clamps = Clamps::below_x(&mesh, 1e-9);
     let tip = mesh.nodes.iter().position(|at| at[0] > LENGTH - 1e-9).unwrap();
     let mut forces = vec![0.0; 3 * mesh.nodes.len()];
@@ -34,17 +35,23 @@ fn ring(scheme: Scheme, mass_damping: f64, stiffness_damping: f64, each: usize, 
     solver.set_forces(&forces).unwrap();
     let bent = solver.equilibrium(&[], None, &StaticSettings { tolerance: 1e-10, ..Default::default() }).unwrap();
     solver.set_forces(&[]).unwrap();
-    let march = March {
+    let settings = DynamicSettings {
         step: 1.0 / first_frequency() / each as f64,
         scheme,
         mass_damping,
         stiffness_damping,
-        ..March::default()
+        ..DynamicSettings::default()
     };
     let start = State { velocity: vec![0.0; bent.displacement.len()], displacement: bent.displacement };
     let mut heights = vec![start.displacement[3 * tip + 1]];
     let mut see = |_: f64, state: &State| heights.push(state.displacement[3 * tip + 1]);
-    solver.march(&march, &start, &|_| Vec::new(), steps, &mut see).unwrap();
+    solver
+        .integrate(
+            &InitialValueProblem { settings: &settings, initial: &start, pressures: &|_| Vec::new() },
+            steps,
+            &mut see,
+        )
+        .unwrap();
     heights
 }
 
@@ -61,7 +68,7 @@ fn kept(signal: &[f64], each: usize) -> f64 {
 }
 
 #[test]
-fn an_undamped_beam_rings_at_its_first_frequency_and_keeps_its_amplitude() {
+fn an_undamped_beam_vibrates_at_its_first_frequency_with_constant_amplitude() {
     let heights = ring(Scheme::Bdf2, 0.0, 0.0, 100, 300);
     let falls = falls(&heights);
     let period = (falls[falls.len() - 1] - falls[0]) / (falls.len() - 1) as f64;
@@ -71,7 +78,7 @@ fn an_undamped_beam_rings_at_its_first_frequency_and_keeps_its_amplitude() {
 }
 
 #[test]
-fn implicit_euler_damps_falsely_as_its_theory_says() {
+fn the_numerical_damping_of_implicit_euler_is_that_of_its_theory() {
     let kept = kept(&ring(Scheme::ImplicitEuler, 0.0, 0.0, 100, 300), 100);
     // |1 / (1 − iωh)| a step: (1 + (2π/100)²)^-50
     let theory = (1.0 + (2.0 * PI / 100.0_f64).powi(2)).powi(-50);
@@ -80,7 +87,7 @@ fn implicit_euler_damps_falsely_as_its_theory_says() {
 }
 
 #[test]
-fn rayleigh_damping_gives_the_first_mode_the_ratio_that_it_should() {
+fn rayleigh_damping_gives_the_first_mode_its_damping_ratio() {
     let omega = 2.0 * PI * first_frequency();
     for (mass, stiffness) in [(0.1 * omega, 0.0), (0.0, 0.1 / omega)] {
         let kept = kept(&ring(Scheme::Bdf2, mass, stiffness, 100, 300), 100);
@@ -95,7 +102,7 @@ fn bar() -> System {
     let air = |cell: [usize; 3]| (1..5).contains(&cell[0]) && cell[1] == 3 && cell[2] == 0;
     let place = |at: [f64; 3]| [0.06 * at[0], 0.02 * at[1], 0.01 * at[2]];
     let region = move |cell: [usize; 3]| if air(cell) { None } else { Some(u16::from(cell[1] == 1)) };
-    let mesh = boxes::with_middles(&boxes::grid([6, 5, 2], true, place, region));
+    let mesh = box_mesh::to_quadratic(&box_mesh::grid([6, 5, 2], true, place, region));
     let clamps = Clamps::below_x(&mesh, 1e-9);
     System::new(mesh, vec![properties(0.45), RegionProperties { youngs_modulus: 1e7, ..properties(0.4) }], clamps)
         .unwrap()
@@ -106,7 +113,7 @@ fn apart(a: &[f64], b: &[f64]) -> f64 {
 }
 
 #[test]
-fn a_damped_bar_comes_to_rest_in_its_equilibrium_whatever_the_scheme_and_the_time_step() {
+fn a_damped_bar_comes_to_rest_at_its_equilibrium_with_either_scheme_and_any_time_step() {
     let system = bar();
     let mut solver = system.solver();
     let pressure = 1.5e4;
@@ -115,22 +122,46 @@ fn a_damped_bar_comes_to_rest_in_its_equilibrium_whatever_the_scheme_and_the_tim
     for (scheme, step, steps) in
         [(Scheme::ImplicitEuler, 2e-2, 60), (Scheme::Bdf2, 1e-2, 120), (Scheme::Bdf2, 4e-3, 300)]
     {
-        let march = March { step, scheme, mass_damping: 40.0, stiffness_damping: 1e-3, ..March::default() };
+        let settings =
+            DynamicSettings { step, scheme, mass_damping: 40.0, stiffness_damping: 1e-3, ..DynamicSettings::default() };
         let raised = |time: f64| vec![pressure * (time / 0.1).min(1.0)];
-        let end =
-            solver.march(&march, &State::rest(rest.displacement.len() / 3), &raised, steps, &mut |_, _| ()).unwrap();
+        let end = solver
+            .integrate(
+                &InitialValueProblem {
+                    settings: &settings,
+                    initial: &State::rest(rest.displacement.len() / 3),
+                    pressures: &raised,
+                },
+                steps,
+                &mut |_, _| (),
+            )
+            .unwrap();
         let apart = apart(&end.displacement, &rest.displacement) / most;
         assert!(apart < 1e-3, "{scheme:?} {step} {apart:e}");
     }
 }
 
 #[test]
-fn a_march_twice_over_gives_the_same_bytes() {
+fn two_integrations_give_the_same_bytes() {
     let system = bar();
-    let march =
-        March { step: 5e-3, scheme: Scheme::Bdf2, mass_damping: 1.0, stiffness_damping: 1e-3, ..March::default() };
+    let settings = DynamicSettings {
+        step: 5e-3,
+        scheme: Scheme::Bdf2,
+        mass_damping: 1.0,
+        stiffness_damping: 1e-3,
+        ..DynamicSettings::default()
+    };
     let beat = |time: f64| vec![1e4 * (1.0 - (2.0 * PI * 2.0 * time).cos())];
     let nodes = system.mesh().nodes.len();
-    let run = || system.solver().march(&march, &State::rest(nodes), &beat, 20, &mut |_, _| ()).unwrap();
+    let run = || {
+        system
+            .solver()
+            .integrate(
+                &InitialValueProblem { settings: &settings, initial: &State::rest(nodes), pressures: &beat },
+                20,
+                &mut |_, _| (),
+            )
+            .unwrap()
+    };
     assert_eq!(run(), run());
 }

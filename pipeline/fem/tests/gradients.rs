@@ -1,11 +1,9 @@
 //! Gradients of an equilibrium against differences of equilibria, on a box of two materials with a chamber.
-//!
-//! Stands on: `fem` as its users see it. Never knows: how a gradient is made.
 
 #![allow(clippy::unwrap_used)] // a test may fail where it stands
 
 use fem::{
-    Clamps, Equilibrium, Forces, Mesh, Options, Parameter, RegionProperties, Solver, StaticSettings, System, boxes,
+    Clamps, Equilibrium, Forces, Mesh, Options, Parameter, RegionProperties, Solver, StaticSettings, System, box_mesh,
     materials,
 };
 
@@ -18,7 +16,7 @@ fn bar() -> Mesh {
     let air = |cell: [usize; 3]| (1..5).contains(&cell[0]) && cell[1] == 3 && cell[2] == 0;
     let place = |at: [f64; 3]| [0.06 * at[0], 0.02 * at[1] * (0.6 + 0.4 * at[1]), 0.01 * at[2]];
     let region = move |cell: [usize; 3]| if air(cell) { None } else { Some(u16::from(cell[1] == 1)) };
-    boxes::with_middles(&boxes::grid([6, 5, 2], true, place, region))
+    box_mesh::to_quadratic(&box_mesh::grid([6, 5, 2], true, place, region))
 }
 
 fn system() -> System {
@@ -38,7 +36,7 @@ fn tight() -> StaticSettings {
     StaticSettings { tolerance: 1e-12, load_steps: 4, ..Default::default() }
 }
 
-/// A crooked scalar of the displacement, and its derivative.
+/// A nonlinear scalar of the displacement, and its derivative.
 fn loss(u: &[f64]) -> (f64, Vec<f64>) {
     let weight = |at: usize| (0.37 * at as f64).sin();
     let value = u.iter().enumerate().map(|(at, u)| weight(at) * u + 40.0 * u * u).sum();
@@ -170,7 +168,7 @@ fn the_adjoint_gradient_passes_the_taylor_test() {
 }
 
 #[test]
-fn a_solver_that_reuses_its_factor_finds_the_same_shape() {
+fn a_warm_start_on_the_lagged_factor_finds_the_same_equilibrium() {
     let system = system();
     let (mut new, mut old) = (system.solver(), system.solver());
     let settings = StaticSettings::default();

@@ -2,12 +2,10 @@
 //!
 //! A narrow beam under a force at its tip: plane sections about the neutral axis of all layers together, and the shear
 //! that the flow q = V/(EI) ∫ E z dA stores, w = F L³ / 3EI + F L / κGA.
-//!
-//! Stands on: `fem` as its users see it. Never knows: how a solve is made.
 
 #![allow(clippy::unwrap_used)] // a test may fail where it stands
 
-use fem::{Clamps, Equilibrium, Forces, Mesh, RegionProperties, Solver, StaticSettings, System, boxes, materials};
+use fem::{Clamps, Equilibrium, Forces, Mesh, RegionProperties, Solver, StaticSettings, System, box_mesh, materials};
 
 const LENGTH: f64 = 0.08;
 const WIDTH: f64 = 0.003;
@@ -63,8 +61,8 @@ fn beam(layers: Layers) -> (Mesh, Clamps) {
     let (heights, stiff) = rows(layers);
     let count = stiff.len();
     let place = |at: [f64; 3]| [LENGTH * at[0], WIDTH * at[1], heights[(count as f64 * at[2]).round() as usize]];
-    let mesh = boxes::grid([40, 2, count], false, place, |cell| Some(u16::from(stiff[cell[2]])));
-    let mesh = boxes::with_middles(&mesh);
+    let mesh = box_mesh::grid([40, 2, count], false, place, |cell| Some(u16::from(stiff[cell[2]])));
+    let mesh = box_mesh::to_quadratic(&mesh);
     let middle = middle(layers);
     let end = |at: [f64; 3]| at[0] < 1e-9;
     let in_line = |at: [f64; 3]| end(at) && (at[1] - 0.5 * WIDTH).abs() < 1e-9;
@@ -133,26 +131,26 @@ fn bend(layers: Layers, ratio: f64, part: f64) -> (f64, Equilibrium) {
 }
 
 #[test]
-fn laminate_beams_bend_as_their_theory_says_whatever_the_ratio_of_their_moduli() {
+fn laminate_beams_agree_with_theory_at_any_ratio_of_their_moduli() {
     for (layers, ratio) in CASES.iter().flat_map(|layers| RATIOS.map(|ratio| (layers, ratio))) {
         // a hundredth of the length: the curve's own shortening is a ten-thousandth
         let (tip, found) = bend(layers, ratio, 0.01);
         assert!((tip - 1.0).abs() < 0.005, "ratio {ratio:e}: {tip}");
-        assert!(found.iterations <= 10, "ratio {ratio:e}: {} directions", found.iterations);
+        assert!(found.iterations <= 10, "ratio {ratio:e}: {} iterations", found.iterations);
     }
 }
 
 #[test]
-fn a_long_bend_takes_fifteen_directions_at_most_whatever_the_ratio_of_the_moduli() {
+fn a_large_deflection_takes_fifteen_iterations_at_most_at_any_ratio_of_the_moduli() {
     for (layers, ratio) in CASES.iter().flat_map(|layers| RATIOS.map(|ratio| (layers, ratio))) {
         let (tip, found) = bend(layers, ratio, 0.3);
         assert!(tip > 0.9 && tip < 0.95, "ratio {ratio:e}: {tip}");
-        assert!(found.iterations <= 15, "ratio {ratio:e}: {} directions", found.iterations);
+        assert!(found.iterations <= 15, "ratio {ratio:e}: {} iterations", found.iterations);
     }
 }
 
 #[test]
-fn a_shape_foretold_by_three_others_is_nearer_than_the_last() {
+fn a_prediction_from_three_shapes_saves_iterations() {
     let (layers, ratio) = (CASES[0], 1e4);
     let (mut solver, push, _) = ready(layers, ratio);
     let settings = StaticSettings::default();
@@ -162,26 +160,31 @@ fn a_shape_foretold_by_three_others_is_nearer_than_the_last() {
     };
     let [first, second, third, rested] = [0.24, 0.26, 0.28, 0.3].map(|part| at(part, &mut solver).displacement);
     let parabola = |i: usize| 3.0 * (third[i] - second[i]) + first[i];
-    let foretold: Vec<f64> = (0..rested.len()).map(parabola).collect();
-    let ahead = solver.equilibrium_ahead(&[], &third, &foretold, &settings).unwrap();
+    let predicted: Vec<f64> = (0..rested.len()).map(parabola).collect();
+    let extrapolated = solver.equilibrium_from_prediction(&[], &third, &predicted, &settings).unwrap();
     let largest = |of: &mut dyn Iterator<Item = f64>| of.fold(0.0, |most: f64, x| most.max(x.abs()));
-    let off = largest(&mut rested.iter().zip(&ahead.displacement).map(|(a, b)| a - b));
+    let off = largest(&mut rested.iter().zip(&extrapolated.displacement).map(|(a, b)| a - b));
     assert!(off < 1e-6 * largest(&mut rested.iter().copied()), "off by {off} m");
     let near = solver.equilibrium(&[], Some(&third), &settings).unwrap();
-    assert!(ahead.iterations < near.iterations, "{} directions, not {}", ahead.iterations, near.iterations);
+    assert!(
+        extrapolated.iterations < near.iterations,
+        "{} iterations, not {}",
+        extrapolated.iterations,
+        near.iterations
+    );
 }
 
 #[test]
-fn a_shape_foretold_that_is_none_costs_nothing_but_time() {
+fn a_useless_prediction_leads_to_the_same_equilibrium() {
     let (layers, ratio) = (CASES[0], 1e4);
     let (mut solver, push, _) = ready(layers, ratio);
     push(&mut solver, force(layers, ratio, 0.1));
     let settings = StaticSettings::default();
     let rested = solver.equilibrium(&[], None, &settings).unwrap();
     let inside_out: Vec<f64> = rested.displacement.iter().map(|u| -40.0 * u).collect();
-    let found = solver.equilibrium_ahead(&[], &rested.displacement, &inside_out, &settings).unwrap();
+    let found = solver.equilibrium_from_prediction(&[], &rested.displacement, &inside_out, &settings).unwrap();
     let off =
         rested.displacement.iter().zip(&found.displacement).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
     assert!(off < 1e-9, "off by {off} m");
-    assert!(solver.equilibrium_ahead(&[], &rested.displacement, &[0.0; 3], &settings).is_err());
+    assert!(solver.equilibrium_from_prediction(&[], &rested.displacement, &[0.0; 3], &settings).is_err());
 }

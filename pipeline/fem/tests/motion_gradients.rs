@@ -1,23 +1,24 @@
-//! Gradients of a motion against differences of motions, backwards and forwards, kept whole and in stretches.
-//!
-//! Stands on: `fem` as its users see it. Never knows: how a gradient is made.
+//! Gradients of a motion against differences of motions, by the adjoint and by forward sensitivity, stored whole and in checkpoint segments.
 
 #![allow(clippy::unwrap_used)] // a test may fail where it stands
 
-use fem::{Clamps, Forces, March, Masses, Mesh, MotionGradient, Options, Parameter, RegionProperties, Scheme, Slope};
-use fem::{Solver, State, System, Trajectory, boxes, materials};
+use fem::{
+    Clamps, DynamicSettings, Forces, InitialValueProblem, LossGradient, Masses, Mesh, MotionGradient, Options,
+    Parameter, RegionProperties, Scheme,
+};
+use fem::{Solver, State, System, Trajectory, box_mesh, materials};
 
 const STEPS: usize = 12;
 const STEP: f64 = 4e-3;
 const PLENTY: usize = usize::MAX;
 
-/// A bar of 60 × 20 × 20 mm, half of it meshed: a chamber beside a stiff sheet, and a weight on its end; its body is freed
-/// from locking.
+/// A bar of 60 × 20 × 20 mm, half of it meshed: a chamber beside a stiff sheet, and a weight on its end; its body uses mean
+/// dilatation.
 fn system() -> System {
     let air = |cell: [usize; 3]| (1..5).contains(&cell[0]) && cell[1] == 3 && cell[2] == 0;
     let place = |at: [f64; 3]| [0.06 * at[0], 0.02 * at[1] * (0.6 + 0.4 * at[1]), 0.01 * at[2]];
     let region = move |cell: [usize; 3]| if air(cell) { None } else { Some(u16::from(cell[1] == 1)) };
-    let mesh = boxes::with_middles(&boxes::grid([6, 5, 2], true, place, region));
+    let mesh = box_mesh::to_quadratic(&box_mesh::grid([6, 5, 2], true, place, region));
     let material = materials::by_name("neo_hookean").unwrap();
     let is = RegionProperties { material, youngs_modulus: 2.1e5, poissons_ratio: 0.45, density: 1e3 };
     let clamps = Clamps::below_x(&mesh, 1e-9);
@@ -64,9 +65,9 @@ const SET: Set = Set {
 /// The one step whose pressure is higher by `bump`, Pa.
 const BUMPED: usize = 5;
 
-fn march(set: Set) -> March {
+fn settings(set: Set) -> DynamicSettings {
     let Set { scheme, alpha, beta, .. } = set;
-    March { step: STEP, scheme, mass_damping: alpha, stiffness_damping: beta, tolerance: 5e-12 }
+    DynamicSettings { step: STEP, scheme, mass_damping: alpha, stiffness_damping: beta, tolerance: 5e-12 }
 }
 
 fn give(solver: &mut Solver, mesh: &Mesh, set: Set) -> State {
@@ -89,26 +90,28 @@ fn record(solver: &mut Solver, mesh: &Mesh, set: Set, steps: usize, memory: usiz
     let start = give(solver, mesh, set);
     let bump = move |time: f64| if (time / STEP).round() as usize == BUMPED { set.bump } else { 0.0 };
     let beat = move |time: f64| vec![set.gain * (8e3 * (1.0 + (40.0 * time).sin()) + bump(time))];
-    solver.record(&march(set), &start, &beat, steps, memory).unwrap()
+    solver
+        .record(&InitialValueProblem { settings: &settings(set), initial: &start, pressures: &beat }, steps, memory)
+        .unwrap()
 }
 
 /// A crooked loss of all states: Σₙ (w · uₙ + 20 |uₙ|²) + 0.01 z · vₙ over every third state and the last.
-fn asks(n: usize, state: &State) -> (f64, Slope) {
+fn loss_of_state(n: usize, state: &State) -> (f64, LossGradient) {
     if !n.is_multiple_of(3) {
-        return (0.0, Slope::default());
+        return (0.0, LossGradient::default());
     }
     let (w, z) = (|at: usize| (0.37 * at as f64 + n as f64).sin(), |at: usize| 0.01 * (0.61 * at as f64).cos());
     let value = state.displacement.iter().enumerate().map(|(at, u)| w(at) * u + 20.0 * u * u).sum::<f64>()
         + state.velocity.iter().enumerate().map(|(at, v)| z(at) * v).sum::<f64>();
     let displacement = state.displacement.iter().enumerate().map(|(at, u)| w(at) + 40.0 * u).collect();
-    (value, Slope { displacement, velocity: (0..state.velocity.len()).map(z).collect() })
+    (value, LossGradient { displacement, velocity: (0..state.velocity.len()).map(z).collect() })
 }
 
 fn loss(solver: &mut Solver, mesh: &Mesh, set: Set) -> f64 {
     let made = record(solver, mesh, set, STEPS, PLENTY);
     let (mut sum, mut n) = (0.0, 0);
     let mut see = |_: f64, state: &State| {
-        sum += asks(n, state).0;
+        sum += loss_of_state(n, state).0;
         n += 1;
     };
     solver.replay(&made, &mut see).unwrap();
@@ -117,7 +120,7 @@ fn loss(solver: &mut Solver, mesh: &Mesh, set: Set) -> f64 {
 
 fn gradient(solver: &mut Solver, mesh: &Mesh, set: Set, memory: usize) -> MotionGradient {
     let made = record(solver, mesh, set, STEPS, memory);
-    solver.backward(&made, &mut |n, state| asks(n, state).1).unwrap()
+    solver.trajectory_adjoint(&made, &mut |n, state| loss_of_state(n, state).1).unwrap()
 }
 
 /// (name, the number, what the gradient says, step of the difference as a part of the number)
@@ -145,7 +148,7 @@ const CASES: [Case; 13] = [
 ];
 
 #[test]
-fn the_backward_pass_agrees_with_converged_central_differences_for_every_parameter() {
+fn the_adjoint_agrees_with_converged_central_differences_for_every_parameter() {
     let system = system();
     let mesh = system.mesh();
     for scheme in [Scheme::ImplicitEuler, Scheme::Bdf2] {
@@ -169,13 +172,13 @@ fn the_backward_pass_agrees_with_converged_central_differences_for_every_paramet
 }
 
 #[test]
-fn forward_sensitivities_and_the_backward_pass_say_the_same() {
+fn forward_sensitivities_agree_with_the_adjoint() {
     let system = system();
     let mesh = system.mesh();
     let (node, axis) = (far_node(mesh), 1);
     let mut solver = system.solver();
     let made = record(&mut solver, mesh, SET, STEPS, PLENTY);
-    let by = solver.backward(&made, &mut |n, state| asks(n, state).1).unwrap();
+    let by = solver.trajectory_adjoint(&made, &mut |n, state| loss_of_state(n, state).1).unwrap();
     let cases = [
         (Parameter::YoungsModulus(1), by.regions[1].youngs_modulus),
         (Parameter::PoissonsRatio(0), by.regions[0].poissons_ratio),
@@ -189,7 +192,7 @@ fn forward_sensitivities_and_the_backward_pass_say_the_same() {
         (Parameter::InitialVelocity { node, axis }, by.initial.velocity[3 * node + axis]),
     ];
     let mut slopes = Vec::new();
-    let mut see = |_: f64, state: &State| slopes.push(asks(slopes.len(), state).1);
+    let mut see = |_: f64, state: &State| slopes.push(loss_of_state(slopes.len(), state).1);
     solver.replay(&made, &mut see).unwrap();
     let mut sums = [0.0; 10];
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
@@ -198,7 +201,7 @@ fn forward_sensitivities_and_the_backward_pass_say_the_same() {
             *sum += dot(&slopes[n].displacement, &change.displacement) + dot(&slopes[n].velocity, &change.velocity);
         }
     };
-    solver.sensitivities(&made, &cases.map(|(parameter, _)| parameter), &mut add).unwrap();
+    solver.trajectory_sensitivity(&made, &cases.map(|(parameter, _)| parameter), &mut add).unwrap();
     for ((parameter, backward), forward) in cases.iter().zip(sums) {
         assert!((forward / backward - 1.0).abs() < 1e-7, "{parameter:?} {forward:e} {backward:e}");
     }
@@ -232,19 +235,20 @@ fn the_gradient_of_a_motion_passes_the_taylor_test() {
 }
 
 #[test]
-fn a_motion_in_stretches_has_the_gradient_of_the_whole_and_the_same_states() {
+fn a_motion_in_checkpoint_segments_has_the_same_states_and_gradient() {
     let system = system();
     let mesh = system.mesh();
     let mut solver = system.solver();
     let state = 16 * 3 * mesh.nodes.len();
     let (steps, memory) = (40, 22 * state);
     let cut = record(&mut solver, mesh, SET, steps, memory);
-    assert!(cut.stretches() > 1, "{}", cut.stretches());
+    assert!(cut.segments() > 1, "{}", cut.segments());
     let (mut one, mut two) = (Vec::new(), Vec::new());
     solver.replay(&cut, &mut |_, state| one.push(state.clone())).unwrap();
     solver.replay(&cut, &mut |_, state| two.push(state.clone())).unwrap();
-    assert!(one == two && one.len() == steps + 1, "a stretch is repeated to the byte");
-    let mut gradient = |made: &Trajectory| solver.backward(made, &mut |n, state| asks(n, state).1).unwrap();
+    assert!(one == two && one.len() == steps + 1, "a segment is recomputed to the byte");
+    let mut gradient =
+        |made: &Trajectory| solver.trajectory_adjoint(made, &mut |n, state| loss_of_state(n, state).1).unwrap();
     let cut = gradient(&cut);
     let mut other = system.solver();
     let whole = record(&mut other, mesh, SET, steps, PLENTY);
@@ -254,6 +258,12 @@ fn a_motion_in_stretches_has_the_gradient_of_the_whole_and_the_same_states() {
     assert!(near(whole.regions[1].density, cut.regions[1].density));
     assert!(near(whole.stiffness_damping, cut.stiffness_damping));
     let start = give(&mut solver, mesh, SET);
-    let refused = solver.record(&march(SET), &start, &|_| vec![0.0], steps, 3 * state).unwrap_err();
+    let refused = solver
+        .record(
+            &InitialValueProblem { settings: &settings(SET), initial: &start, pressures: &|_| vec![0.0] },
+            steps,
+            3 * state,
+        )
+        .unwrap_err();
     assert!(refused.to_string().contains("memory"), "{refused}");
 }

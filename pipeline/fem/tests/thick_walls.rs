@@ -1,15 +1,13 @@
-//! Thick walls under pressure: spheres and tubes, at small strain and blown up to one and a half times their bore.
+//! Thick walls under pressure: spheres and tubes, at small strain and inflated to one and a half times their bore.
 //!
 //! The exact answer at large strain is that of the very same compressible law: with the stretches r' and r/R of a radial
 //! motion r(R), (Pᵣ)' + n (Pᵣ − Pₜ)/R = 0, n = 1 for a tube and 2 for a sphere, Pᵣ = 0 outside and p = −Pᵣ (R/r)ⁿ
 //! inside, is integrated from the inner wall to the outer one.
-//!
-//! Stands on: `fem` as its users see it. Never knows: how a solve is made.
 
 #![allow(clippy::unwrap_used)] // a test may fail where it stands
 
 use fem::material::Lame;
-use fem::{Clamps, Elements, Mesh, RegionProperties, StaticSettings, System, boxes, materials};
+use fem::{Clamps, Elements, Mesh, RegionProperties, StaticSettings, System, box_mesh, materials};
 
 /// Inner and outer radius, m.
 const INNER: f64 = 0.01;
@@ -20,10 +18,10 @@ const E: f64 = 2e5;
 const HALF: usize = 2;
 const LAYERS: usize = 3;
 
-/// What is blown up.
+/// The inflated body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Body {
-    /// About z, its ends held along z; a lid that is as good as nothing closes its upper end.
+    /// About z, its ends held along z; a lid of negligible stiffness closes its upper end.
     Tube,
     Sphere,
 }
@@ -70,7 +68,7 @@ impl Body {
             let middle = (HALF + LAYERS) as f64;
             self.place([(2.0 * at[0] - 1.0) * middle, (2.0 * at[1] - 1.0) * middle, high as f64 * at[2]])
         };
-        self.rounded(boxes::with_middles(&boxes::grid([wide, wide, high], true, place, region)))
+        self.rounded(box_mesh::to_quadratic(&box_mesh::grid([wide, wide, high], true, place, region)))
     }
 
     /// Middle nodes go out to the radius that the two ends of their edge share, if they do.
@@ -144,11 +142,11 @@ impl Body {
         let mut at = [bore * INNER, -pressure * bore.powi(self.n())];
         for step in 0..steps {
             let radius = INNER + h * f64::from(step);
-            let ahead = |slope: [f64; 2], part: f64| [at[0] + part * h * slope[0], at[1] + part * h * slope[1]];
+            let extrapolated = |slope: [f64; 2], part: f64| [at[0] + part * h * slope[0], at[1] + part * h * slope[1]];
             let first = rate(radius, at);
-            let second = rate(radius + 0.5 * h, ahead(first, 0.5));
-            let third = rate(radius + 0.5 * h, ahead(second, 0.5));
-            let fourth = rate(radius + h, ahead(third, 1.0));
+            let second = rate(radius + 0.5 * h, extrapolated(first, 0.5));
+            let third = rate(radius + 0.5 * h, extrapolated(second, 0.5));
+            let fourth = rate(radius + h, extrapolated(third, 1.0));
             at = std::array::from_fn(|k| at[k] + h / 6.0 * (first[k] + 2.0 * (second[k] + third[k]) + fourth[k]));
         }
         (at[0] / OUTER, at[1])
@@ -167,7 +165,7 @@ impl Body {
 }
 
 #[test]
-fn thick_walls_widen_by_half_their_bore_and_more_as_their_own_law_says() {
+fn thick_walls_at_large_strain_agree_with_the_radial_solution_of_their_law() {
     for (body, bore) in [(Body::Tube, 1.6), (Body::Sphere, 1.5)] {
         for nu in [0.45, 0.499] {
             let (pressure, outer) = body.exact(Lame::of(E, nu), bore);
@@ -179,7 +177,7 @@ fn thick_walls_widen_by_half_their_bore_and_more_as_their_own_law_says() {
 }
 
 #[test]
-fn an_almost_incompressible_wall_follows_the_closed_forms_of_rubber() {
+fn a_nearly_incompressible_wall_agrees_with_the_closed_forms_of_rubber() {
     // p/μ = ln(a/b) + ½ (b⁻² − a⁻²) of a tube, ½ b⁻⁴ + 2 b⁻¹ − ½ a⁻⁴ − 2 a⁻¹ of a sphere; a, b: stretches inside, outside
     let lame = Lame::of(E, 0.499_999);
     let thick = OUTER / INNER;
@@ -198,7 +196,7 @@ fn an_almost_incompressible_wall_follows_the_closed_forms_of_rubber() {
 }
 
 #[test]
-fn thick_walls_widen_a_little_as_lame_says() {
+fn thick_walls_at_small_strain_agree_with_lames_solution() {
     let (nu, pressure) = (0.45, 100.0);
     let (a, b) = (INNER, OUTER);
     let tube = |r: f64| (1.0 + nu) * pressure * a * a / (E * (b * b - a * a)) * ((1.0 - 2.0 * nu) * r + b * b / r);

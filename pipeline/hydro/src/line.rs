@@ -1,9 +1,7 @@
-//! The centre line of a tail from a few marks on it: a spline of displacements that leaves the clamp straight.
+//! The centre line of a tail from a few markers: a cubic spline of displacements, clamped at the root.
 //!
-//! d(a) is a cubic spline with d = 0, d' = 0 at the clamp, through the marks' displacements, with d'' = 0 at the last mark
-//! and straight beyond. It is linear in the displacements, so each place has fixed weights.
-//!
-//! Stands on: `si`. Never knows: which component is interpolated.
+//! d(a) is a cubic spline with d = 0, d' = 0 at the clamp, through the markers' displacements, with d'' = 0 at the last marker
+//! and linear beyond. It is linear in the displacements, so each place has constant weights.
 
 use si::Metre;
 
@@ -13,12 +11,12 @@ pub struct CentreLine {
     knots: Vec<Metre>,
 }
 
-/// What a place takes of each mark.
+/// Weights of the markers at a place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Weights {
-    /// Of its displacement, no unit.
+    /// For the displacement, no unit.
     pub value: Vec<f64>,
-    /// Of the displacement's slope along the tail, 1/m.
+    /// For the slope of the displacement along the tail, 1/m.
     pub slope: Vec<f64>,
 }
 
@@ -41,7 +39,7 @@ impl CentreLine {
         Weights { value, slope }
     }
 
-    /// d' at the knots: d'₀ = 0, d'' continuous between, d'' = 0 at the last (Thomas's elimination).
+    /// d' at the knots: d'₀ = 0, d'' continuous between, d'' = 0 at the last (Thomas algorithm).
     fn slopes(&self, values: &[f64]) -> Vec<f64> {
         let n = self.knots.len();
         let (mut main, mut right, mut upper) = (vec![1.0; n], vec![0.0; n], vec![0.0; n]);
@@ -99,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn marks_are_met_and_the_clamp_is_left_straight() {
+    fn the_spline_interpolates_the_marks_and_has_no_slope_at_the_clamp() {
         for (k, a) in [0.05, 0.07, 0.085].into_iter().enumerate() {
             let weights = line().at(a);
             assert!(weights.value.iter().enumerate().all(|(i, w)| (w - f64::from(u8::from(i == k))).abs() < 1e-12));
@@ -108,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn the_slope_is_the_value_s_difference_and_runs_on_smoothly() {
+    fn the_slope_is_the_derivative_of_the_value_and_is_continuous() {
         for a in [0.02, 0.05, 0.06, 0.07, 0.08, 0.085, 0.1] {
             let (up, down, at) = (line().at(a + 1e-7), line().at(a - 1e-7), line().at(a));
             for k in 0..3 {
@@ -119,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bend_that_a_spline_can_be_is_found_between_its_marks() {
+    fn a_cubic_deflection_is_reproduced_between_the_marks() {
         // d = a²(3L − a): a beam under an end load, cubic, without curvature at the last mark L
         let beam = |a: f64| (a - 0.01).powi(2) * (3.0 * 0.075 - (a - 0.01));
         let marks = [0.05, 0.07, 0.085].map(beam);

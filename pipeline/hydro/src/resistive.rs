@@ -1,43 +1,41 @@
-//! Resistive forces: drag of a section across the flow, which has a part along the tail when the section is turned.
+//! Resistive forces: drag of a section by the velocity normal to it \[taylor1952\].
 //!
-//! dF = −½ ρ c s |w| w n da; its thrust is ½ ρ c s |w| w n_x da [taylor1952]. c stays a factor outside.
-//!
-//! Stands on: `Section`. Never knows: the whole tail.
+//! dF = −½ ρ c s |w| w n da; its thrust is ½ ρ c s |w| w n_x da. The drag coefficient c is a factor outside.
 
 use si::{KilogramPerCubicMetre, Metre, Point2};
 
-use crate::{Section, Sloped};
+use crate::{Section, ValueWithGradient};
 
 /// ½ ρ s |w| w n_x, N/m for c = 1, of a section of depth `depth` (m) in a fluid of `density` (kg/m³).
-pub fn drag(density: KilogramPerCubicMetre, depth: Metre, section: &Section) -> Sloped {
-    let w = section.across();
-    w.size().by(w).by(Sloped::normal_x(section)).times(0.5 * density * depth)
+pub fn drag(density: KilogramPerCubicMetre, depth: Metre, section: &Section) -> ValueWithGradient {
+    let w = section.normal_velocity();
+    w.abs().mul(w).mul(ValueWithGradient::normal_x(section)).scaled(0.5 * density * depth)
 }
 
-/// −½ ρ s |w| w n, N/m for c = 1: all of it.
-pub fn push(density: KilogramPerCubicMetre, depth: Metre, section: &Section) -> Point2 {
-    let (w, [tx, ty]) = (section.across().value, section.tangent);
+/// −½ ρ s |w| w n, N/m for c = 1: the force as a vector.
+pub fn force(density: KilogramPerCubicMetre, depth: Metre, section: &Section) -> Point2 {
+    let (w, [tx, ty]) = (section.normal_velocity().value, section.tangent);
     [-ty, tx].map(|n| -0.5 * density * depth * w.abs() * w * n)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::slopes_are_differences;
+    use crate::testing::gradient_is_difference;
 
     #[test]
-    fn its_slope_is_what_differences_say() {
-        slopes_are_differences(&|s| drag(1000.0, 0.03, s));
+    fn the_gradient_is_that_of_central_differences() {
+        gradient_is_difference(&|s| drag(1000.0, 0.03, s));
     }
 
     #[test]
-    fn the_thrust_is_the_push_s_part_forwards() {
+    fn the_thrust_is_the_forward_component_of_the_force() {
         let section = Section { tangent: [0.8, 0.6], velocity: [0.1, -0.3] };
-        assert!((push(1000.0, 0.03, &section)[0] + drag(1000.0, 0.03, &section).value).abs() < 1e-15);
+        assert!((force(1000.0, 0.03, &section)[0] + drag(1000.0, 0.03, &section).value).abs() < 1e-15);
     }
 
     #[test]
-    fn a_tail_that_swings_out_is_pushed_back_and_one_that_swings_home_forwards() {
+    fn drag_opposes_an_outward_stroke_and_propels_on_the_return() {
         let moving = |vy: f64| Section { tangent: [0.8, 0.6], velocity: [0.0, vy] };
         assert!(drag(1000.0, 0.03, &moving(0.2)).value < 0.0);
         assert!(drag(1000.0, 0.03, &moving(-0.2)).value > 0.0);

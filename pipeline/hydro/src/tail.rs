@@ -1,24 +1,35 @@
-//! A tail in motion: marks on its centre line in, the parts of its thrust out, each with its derivatives.
+//! A tail in motion: from markers on its centre line to the terms of its thrust, each with its derivatives.
 //!
-//! Sections stand at the middles of equal lengths between clamp and trailing edge, each with its depth; integrals along the
+//! Sections lie at the middles of equal lengths between clamp and trailing edge, each with its depth; integrals along the
 //! tail are sums over them (midpoint rule).
-//!
-//! Stands on: `elongated`, `resistive`, `line`. Never knows: coefficients.
 
 use si::{KilogramPerCubicMetre, Metre, Point2};
 
 use crate::line::{CentreLine, Weights};
-use crate::{Section, Sloped, elongated, resistive};
+use crate::{Section, ValueWithGradient, elongated, resistive};
 
-/// Why there is no tail.
+/// Why stations do not define a tail.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(
-    "marks at {marks:?} m between a clamp at {clamp} m and an edge at {edge} m make no centre line\n  why: they must rise from the clamp to the edge\n  do:  correct the markers or the clamp on the card"
+    "marks at {marks:?} m between a clamp at {clamp} m and an edge at {edge} m are not on a centre line\n  why: they must rise from the clamp to the edge\n  do:  correct the markers or the clamp on the card"
 )]
 pub struct TailError {
     clamp: Metre,
     edge: Metre,
     marks: Vec<Metre>,
+}
+
+/// Stations along a tail, m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stations<'a> {
+    /// End of the clamp.
+    pub clamp: Metre,
+    /// Markers, rising from the clamp.
+    pub marks: &'a [Metre],
+    /// Trailing edge.
+    pub edge: Metre,
+    /// End of the fin behind the trailing edge; the edge itself where there is none.
+    pub end: Metre,
 }
 
 /// A tail by its sections.
@@ -27,7 +38,8 @@ pub struct Tail {
     density: KilogramPerCubicMetre,
     sections: Vec<Slice>,
     edge: Slice,
-    /// Sections of the fin behind its trailing edge: they carry water and resist, but shed nothing more.
+    /// Sections of the fin behind its trailing edge: they have added mass and drag, but no flux leaves there. Without them the estimated
+    /// added mass and drag were twice too large.
     behind: Vec<Slice>,
     marks: usize,
 }
@@ -39,62 +51,60 @@ struct Slice {
     length: Metre,
 }
 
-/// A part of the thrust and its derivatives by every mark's displacement (per m) and velocity (per m/s): marks × 2 each.
+/// A term of the thrust and its derivatives by every mark's displacement (per m) and velocity (per m/s): marks × 2 each.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Part {
+pub struct Term {
     /// N, or N s for a momentum.
     pub value: f64,
     /// By displacement.
-    pub by_place: Vec<Point2>,
+    pub by_displacement: Vec<Point2>,
     /// By velocity.
     pub by_velocity: Vec<Point2>,
 }
 
-/// The parts of the thrust.
+/// The terms of the thrust.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Terms {
     /// ½ m ẏ² at the trailing edge: the paper's, N.
-    pub simple: Part,
+    pub trailing_edge: Term,
     /// Lighthill's terms at the trailing edge, N.
-    pub shed: Part,
+    pub edge_flux: Term,
     /// ∫ m w n_x da, N s: its rate is the rest of Lighthill's thrust.
-    pub momentum: Part,
+    pub momentum: Term,
     /// Drag of all sections for a coefficient of one, N.
-    pub drag: Part,
+    pub drag: Term,
 }
 
-/// What still water does to the marks: its push is `push` less the rate in time of `momentum`; marks × 2 each.
+/// The force of still water on the marks: the force is `force` less the rate in time of `momentum`; marks × 2 each.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Water {
-    /// Of the water that moves with the tail, N s.
+    /// Momentum of the water that moves with the tail, N s.
     pub momentum: Vec<Point2>,
-    /// Of what slides along the tail and leaves it, and of drag, N.
-    pub push: Vec<Point2>,
+    /// Force by momentum flux and drag, N.
+    pub force: Vec<Point2>,
 }
 
-/// By how much the water around a tail differs from theory's.
+/// Coefficients of the water's force relative to theory.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coefficients {
-    /// Of the mass that elongated-body theory adds, no unit: 1 is theory.
+    /// Ratio of the added mass to that of elongated-body theory, no unit.
     pub added: f64,
-    /// Of drag across the flow, no unit: about 2 for a plate held in a stream.
+    /// Normal drag coefficient, no unit: about 2 for a plate in a stream.
     pub drag: f64,
 }
 
 impl Tail {
-    /// A tail held up to `clamp` (m) with marks at `marks` (m, rising), its trailing edge and the end of its fin at `edge` and `end`
-    /// (m, the same where nothing is behind), cut before the edge into `count` sections whose depth (m) at a place (m) is `depth`.
+    /// A tail cut before its trailing edge into `count` sections whose depth (m) at a place (m) is `depth`.
     ///
     /// # Errors
     /// [`TailError`] when the marks do not rise from the clamp to the end.
     pub fn new(
         density: KilogramPerCubicMetre,
-        clamp: Metre,
-        marks: &[Metre],
-        [edge, end]: [Metre; 2],
+        stations: &Stations,
         count: usize,
         depth: &dyn Fn(Metre) -> Metre,
     ) -> Result<Self, TailError> {
+        let Stations { clamp, marks, edge, end } = *stations;
         let refused = || TailError { clamp, edge: end, marks: marks.to_vec() };
         let line = CentreLine::new(clamp, marks).filter(|_| marks.iter().all(|m| *m <= end)).ok_or_else(refused)?;
         let slices = |from: Metre, to: Metre, count: usize| -> Vec<Slice> {
@@ -111,49 +121,55 @@ impl Tail {
     /// The terms while the marks are displaced by `moved` (m) and move with `speed` (m/s), a pair a mark.
     pub fn terms(&self, moved: &[Point2], speed: &[Point2]) -> Terms {
         let mass = |slice: &Slice| elongated::virtual_mass(self.density, slice.depth);
-        let at_edge = |force: fn(f64, &Section) -> Sloped| {
+        let at_edge = |force: fn(f64, &Section) -> ValueWithGradient| {
             let mut part = self.nothing();
-            self.edge.add(&mut part, moved, speed, 1.0, &|s| force(mass(&self.edge), s));
+            self.edge.add(&mut part, moved, speed, &|s| force(mass(&self.edge), s));
             part
         };
         let (mut momentum, mut drag) = (self.nothing(), self.nothing());
         for slice in &self.sections {
-            slice.add(&mut momentum, moved, speed, slice.length, &|s| elongated::momentum(mass(slice), s));
-            slice.add(&mut drag, moved, speed, slice.length, &|s| resistive::drag(self.density, slice.depth, s));
+            slice.add(&mut momentum, moved, speed, &|s| elongated::momentum(mass(slice), s).scaled(slice.length));
+            slice.add(&mut drag, moved, speed, &|s| resistive::drag(self.density, slice.depth, s).scaled(slice.length));
         }
-        Terms { simple: at_edge(elongated::trailing_edge), shed: at_edge(elongated::shed), momentum, drag }
+        Terms {
+            trailing_edge: at_edge(elongated::trailing_edge),
+            edge_flux: at_edge(elongated::edge_thrust),
+            momentum,
+            drag,
+        }
     }
 
-    /// What still water does to the marks while they move so, each pushed as far as its displacement moves the sections.
+    /// The force of still water on the marks while they move so: virtual work of the sections by the marks' displacements.
     ///
-    /// f = −∂(m w n)/∂t + ∂(m u w n − ½ m w² r')/∂a − ½ ρ c s |w| w n      [lighthill1971], [taylor1952]
+    /// f = −∂(m w n)/∂t + ∂(m u w n − ½ m w² r')/∂a − ½ ρ c s |w| w n      \[lighthill1971\], \[taylor1952\]
     ///
-    /// The flux is summed by parts, so that what leaves at the trailing edge is pushed there. The first term's rate is the caller's.
+    /// The flux term is integrated by parts, so that the flux through the trailing edge acts there. The time derivative of the first
+    /// term is taken by the caller.
     pub fn water(&self, moved: &[Point2], speed: &[Point2], by: Coefficients) -> Water {
-        let mut water = Water { momentum: vec![[0.0; 2]; self.marks], push: vec![[0.0; 2]; self.marks] };
+        let mut water = Water { momentum: vec![[0.0; 2]; self.marks], force: vec![[0.0; 2]; self.marks] };
         let before = self.sections.iter().map(|slice| (slice, true));
         for (slice, sheds) in before.chain(self.behind.iter().map(|slice| (slice, false))) {
             let section = slice.section(moved, speed);
             let mass = by.added * elongated::virtual_mass(self.density, slice.depth);
-            let resists = resistive::push(self.density, slice.depth, &section).map(|f| by.drag * f);
-            let held = elongated::held(mass, &section);
-            let flux = if sheds { elongated::flux(mass, &section) } else { [0.0; 2] };
+            let resists = resistive::force(self.density, slice.depth, &section).map(|f| by.drag * f);
+            let held = elongated::momentum_vector(mass, &section);
+            let flux = if sheds { elongated::flux_vector(mass, &section) } else { [0.0; 2] };
             let Weights { value, slope } = &slice.weights;
             for (mark, k) in (0..self.marks).flat_map(|m| [(m, 0), (m, 1)]) {
                 water.momentum[mark][k] += slice.length * value[mark] * held[k];
-                water.push[mark][k] += slice.length * (value[mark] * resists[k] - slope[mark] * flux[k]);
+                water.force[mark][k] += slice.length * (value[mark] * resists[k] - slope[mark] * flux[k]);
             }
         }
         let edge = self.edge.section(moved, speed);
-        let leaves = elongated::flux(by.added * elongated::virtual_mass(self.density, self.edge.depth), &edge);
-        for (push, weight) in water.push.iter_mut().zip(&self.edge.weights.value) {
+        let leaves = elongated::flux_vector(by.added * elongated::virtual_mass(self.density, self.edge.depth), &edge);
+        for (push, weight) in water.force.iter_mut().zip(&self.edge.weights.value) {
             (0..2).for_each(|k| push[k] += weight * leaves[k]);
         }
         water
     }
 
-    fn nothing(&self) -> Part {
-        Part { value: 0.0, by_place: vec![[0.0; 2]; self.marks], by_velocity: vec![[0.0; 2]; self.marks] }
+    fn nothing(&self) -> Term {
+        Term { value: 0.0, by_displacement: vec![[0.0; 2]; self.marks], by_velocity: vec![[0.0; 2]; self.marks] }
     }
 }
 
@@ -166,14 +182,14 @@ impl Slice {
         Section { tangent, velocity: [of(value, speed, 0), of(value, speed, 1)] }
     }
 
-    /// Adds `times` what `force` is here to a part.
-    fn add(&self, part: &mut Part, moved: &[Point2], speed: &[Point2], times: f64, force: &dyn Fn(&Section) -> Sloped) {
+    /// Adds the `force` of this section to a term.
+    fn add(&self, part: &mut Term, moved: &[Point2], speed: &[Point2], force: &dyn Fn(&Section) -> ValueWithGradient) {
         let Weights { value, slope } = &self.weights;
-        let found = force(&self.section(moved, speed)).times(times);
+        let found = force(&self.section(moved, speed));
         part.value += found.value;
         for mark in 0..value.len() {
             for k in 0..2 {
-                part.by_place[mark][k] += slope[mark] * found.by_tangent[k];
+                part.by_displacement[mark][k] += slope[mark] * found.by_tangent[k];
                 part.by_velocity[mark][k] += value[mark] * found.by_velocity[k];
             }
         }
@@ -186,7 +202,10 @@ mod tests {
     use std::f64::consts::TAU;
 
     fn tail(count: usize) -> Tail {
-        Tail::new(1000.0, 0.01, &[0.05, 0.07, 0.09], [0.11, 0.11], count, &|a| 0.06 - 0.2 * a).unwrap()
+        Tail::new(1000.0, &Stations { clamp: 0.01, marks: &[0.05, 0.07, 0.09], edge: 0.11, end: 0.11 }, count, &|a| {
+            0.06 - 0.2 * a
+        })
+        .unwrap()
     }
 
     const FREE: Coefficients = Coefficients { added: 1.0, drag: 0.0 };
@@ -194,9 +213,9 @@ mod tests {
     const SPEED: [Point2; 3] = [[-0.01, 0.1], [-0.03, 0.18], [-0.05, 0.3]];
 
     #[test]
-    fn every_slope_is_what_differences_say() {
+    fn every_gradient_is_that_of_central_differences() {
         let (tail, step) = (tail(12), 1e-6);
-        let parts = |t: Terms| [t.simple, t.shed, t.momentum, t.drag];
+        let parts = |t: Terms| [t.trailing_edge, t.edge_flux, t.momentum, t.drag];
         let found = parts(tail.terms(&MOVED, &SPEED));
         for (mark, k) in (0..3).flat_map(|m| [(m, 0), (m, 1)]) {
             let moved = |by: f64| {
@@ -211,10 +230,10 @@ mod tests {
             };
             let (places, speeds) = ([moved(step), moved(-step)], [quicker(step), quicker(-step)]);
             for (i, part) in found.iter().enumerate() {
-                let by = |two: &[[Part; 4]; 2]| (two[0][i].value - two[1][i].value) / (2.0 * step);
+                let by = |two: &[[Term; 4]; 2]| (two[0][i].value - two[1][i].value) / (2.0 * step);
                 let near = |a: f64, b: f64| (a - b).abs() < 1e-6 * a.abs().max(b.abs()).max(1e-3);
                 assert!(
-                    near(by(&places), part.by_place[mark][k]) && near(by(&speeds), part.by_velocity[mark][k]),
+                    near(by(&places), part.by_displacement[mark][k]) && near(by(&speeds), part.by_velocity[mark][k]),
                     "part {i}"
                 );
             }
@@ -230,17 +249,17 @@ mod tests {
     }
 
     #[test]
-    fn over_a_whole_beat_of_small_amplitude_the_mean_thrust_is_the_paper_s() {
+    fn over_a_beat_of_small_amplitude_the_mean_thrust_is_that_of_the_paper() {
         // small bends: [½ m w² x'] is ½ m ẏ², the sliding is of fourth order, the momentum's rate has no mean
         let tail = tail(24);
         let (mut simple, mut shed, n) = (0.0, 0.0, 400);
         for i in 0..n {
             let angle = TAU * f64::from(i) / f64::from(n);
-            let swing = |amplitude: f64| [0.0, amplitude * angle.sin()];
+            let motion = |amplitude: f64| [0.0, amplitude * angle.sin()];
             let rate = |amplitude: f64| [0.0, 4.0 * TAU * amplitude * angle.cos()];
-            let terms = tail.terms(&[1e-4, 2e-4, 3e-4].map(swing), &[1e-4, 2e-4, 3e-4].map(rate));
-            simple += terms.simple.value / f64::from(n);
-            shed += terms.shed.value / f64::from(n);
+            let terms = tail.terms(&[1e-4, 2e-4, 3e-4].map(motion), &[1e-4, 2e-4, 3e-4].map(rate));
+            simple += terms.trailing_edge.value / f64::from(n);
+            shed += terms.edge_flux.value / f64::from(n);
         }
         assert!((shed / simple - 1.0).abs() < 1e-3, "{shed} {simple}");
     }
@@ -269,56 +288,68 @@ mod tests {
     }
 
     #[test]
-    fn the_water_gains_what_the_tail_spends_but_for_what_leaves_at_the_edge() {
+    fn the_power_of_the_tail_is_the_rate_of_energy_of_the_water_and_the_flux_at_the_edge() {
         // P = d/dt ∫ ½ m w² da − ½ m w² u at the edge, of a tail that keeps its length [lighthill1971]
-        let tail = Tail::new(1000.0, 0.01, &[0.05, 0.08, 0.11], [0.11, 0.11], 200, &|a| 0.06 - 0.2 * a).unwrap();
-        let swing = |t: f64| bent(0.6 * (9.0 * t).sin(), 5.4 * (9.0 * t).cos());
+        let tail = Tail::new(
+            1000.0,
+            &Stations { clamp: 0.01, marks: &[0.05, 0.08, 0.11], edge: 0.11, end: 0.11 },
+            200,
+            &|a| 0.06 - 0.2 * a,
+        )
+        .unwrap();
+        let motion = |t: f64| bent(0.6 * (9.0 * t).sin(), 5.4 * (9.0 * t).cos());
         let water = |t: f64| {
-            let (moved, speed) = swing(t);
+            let (moved, speed) = motion(t);
             tail.water(&moved, &speed, FREE)
         };
         let energy = |t: f64| {
-            let (moved, speed) = swing(t);
+            let (moved, speed) = motion(t);
             0.5 * power(&tail.water(&moved, &speed, FREE).momentum, &speed)
         };
         let (t, step) = (0.07, 1e-5);
-        let (moved, speed) = swing(t);
+        let (moved, speed) = motion(t);
         let (ahead, back) = (water(t + step).momentum, water(t - step).momentum);
         let rate: Vec<Point2> =
             ahead.iter().zip(&back).map(|(a, b)| [0, 1].map(|k| (a[k] - b[k]) / (2.0 * step))).collect();
-        let spent = power(&rate, &speed) - power(&water(t).push, &speed);
+        let spent = power(&rate, &speed) - power(&water(t).force, &speed);
         let gained = (energy(t + step) - energy(t - step)) / (2.0 * step);
         let edge = tail.edge.section(&moved, &speed);
         let mass = elongated::virtual_mass(1000.0, tail.edge.depth);
-        let leaves = 0.5 * mass * edge.across().value.powi(2) * edge.along().value;
+        let leaves = 0.5 * mass * edge.normal_velocity().value.powi(2) * edge.tangential_velocity().value;
         // the spline through three marks keeps its length to a few hundredths
         assert!((spent - gained + leaves).abs() < 0.05 * leaves.abs(), "{spent} {gained} {leaves}");
     }
 
     #[test]
-    fn drag_takes_power_whatever_the_motion_and_nothing_else_changes() {
+    fn drag_dissipates_power_and_changes_nothing_else() {
         let tail = tail(24);
         let (free, dragged) =
             (tail.water(&MOVED, &SPEED, FREE), tail.water(&MOVED, &SPEED, Coefficients { drag: 2.0, ..FREE }));
         assert_eq!(free.momentum, dragged.momentum);
-        assert!(power(&dragged.push, &SPEED) < power(&free.push, &SPEED));
+        assert!(power(&dragged.force, &SPEED) < power(&free.force, &SPEED));
     }
 
     #[test]
-    fn a_fin_behind_the_edge_carries_water_and_resists_but_sheds_nothing_more() {
-        let of =
-            |end: Metre| Tail::new(1000.0, 0.01, &[0.05, 0.07, 0.09], [0.09, end], 16, &|a| 0.5 * (0.11 - a)).unwrap();
+    fn a_fin_behind_the_edge_has_added_mass_and_drag_but_no_flux() {
+        let of = |end: Metre| {
+            Tail::new(1000.0, &Stations { clamp: 0.01, marks: &[0.05, 0.07, 0.09], edge: 0.09, end }, 16, &|a| {
+                0.5 * (0.11 - a)
+            })
+            .unwrap()
+        };
         let (short, long) = (of(0.09), of(0.11));
         let water = |tail: &Tail, drag: f64| tail.water(&MOVED, &SPEED, Coefficients { drag, ..FREE });
         let kinetic = |tail: &Tail| 0.5 * power(&water(tail, 0.0).momentum, &SPEED);
         assert!(kinetic(&long) > 1.05 * kinetic(&short));
-        assert_eq!(water(&long, 0.0).push, water(&short, 0.0).push);
-        let spent = |tail: &Tail| power(&water(tail, 1.0).push, &SPEED) - power(&water(tail, 0.0).push, &SPEED);
+        assert_eq!(water(&long, 0.0).force, water(&short, 0.0).force);
+        let spent = |tail: &Tail| power(&water(tail, 1.0).force, &SPEED) - power(&water(tail, 0.0).force, &SPEED);
         assert!(spent(&long) < 1.05 * spent(&short) && spent(&short) < 0.0);
     }
 
     #[test]
     fn a_mark_beyond_the_end_is_refused() {
-        assert!(Tail::new(1e3, 0.0, &[0.05, 0.2], [0.1, 0.1], 10, &|_| 0.05).is_err());
+        assert!(
+            Tail::new(1e3, &Stations { clamp: 0.0, marks: &[0.05, 0.2], edge: 0.1, end: 0.1 }, 10, &|_| 0.05).is_err()
+        );
     }
 }

@@ -1,8 +1,6 @@
-//! Sections for tests, and slopes by differences.
-//!
-//! Stands on: `Section`. Never knows: which force it tests.
+//! Sections for tests, and gradients by central differences.
 
-use crate::{Section, Sloped};
+use crate::{Section, ValueWithGradient};
 
 /// Some sections in motion.
 pub(crate) fn sections() -> Vec<Section> {
@@ -10,8 +8,8 @@ pub(crate) fn sections() -> Vec<Section> {
     vec![bent(0.0, 0.0, 0.2), bent(0.4, -0.05, 0.3), bent(-0.9, 0.1, -0.25), bent(1.2, -0.2, 0.02)]
 }
 
-/// Compares the slopes of `force` with central differences at every section.
-pub(crate) fn slopes_are_differences(force: &dyn Fn(&Section) -> Sloped) {
+/// Compares the gradient of `force` with central differences at every section.
+pub(crate) fn gradient_is_difference(force: &dyn Fn(&Section) -> ValueWithGradient) {
     for section in sections() {
         let found = force(&section);
         for k in 0..2 {

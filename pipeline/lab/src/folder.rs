@@ -1,11 +1,10 @@
-//! Specimens as folders: which lie under `data/raw`, and where the files of a card are.
-//!
-//! Stands on: the card. Never knows: what the files hold.
+//! Specimens as folders: those under `data/raw`, and the paths of a card's files.
 
 use std::path::{Path, PathBuf};
 
 use crate::card::FixtureOf;
-use crate::{Card, Refusal, card};
+use crate::{Card, card};
+use diagnostics::Diagnostic;
 
 /// The name of the card in its folder.
 pub const CARD: &str = "specimen.toml";
@@ -26,7 +25,7 @@ impl Specimen {
     ///
     /// # Errors
     /// As [`card::read`].
-    pub fn open(folder: &Path) -> Result<Self, Refusal> {
+    pub fn open(folder: &Path) -> Result<Self, Diagnostic> {
         Ok(Self { folder: folder.to_owned(), card: card::read(&folder.join(CARD))? })
     }
 
@@ -55,27 +54,27 @@ impl Specimen {
         files
     }
 
-    /// One refusal for each file that the card names and that is not there.
-    pub fn missing(&self) -> Vec<Refusal> {
+    /// One diagnostic for each file that the card names and that is not there.
+    pub fn missing(&self) -> Vec<Diagnostic> {
         let absent = |(_, file): &(String, &str)| !self.file(file).exists();
-        let refusal = |(key, file): (String, &str)| {
+        let diagnostic = |(key, file): (String, &str)| {
             let why = format!("{} names it as {key}", self.folder.join(CARD).display());
-            Refusal::file(&self.file(file), "the file is missing", why, "put it there, or correct the card")
+            Diagnostic::file(&self.file(file), "the file is missing", why, "put it there, or correct the card")
         };
-        self.files().into_iter().filter(absent).map(refusal).collect()
+        self.files().into_iter().filter(absent).map(diagnostic).collect()
     }
 }
 
 /// The folders under `raw` that hold a card, by name.
 ///
 /// # Errors
-/// [`Refusal`] when `raw` cannot be listed.
-pub fn list(raw: &Path) -> Result<Vec<PathBuf>, Refusal> {
-    let act = "put a specimen's folder there, or let `rig record` make one";
-    let entries = std::fs::read_dir(raw).map_err(|e| Refusal::io(raw, &e, act))?;
+/// [`Diagnostic`] when `raw` cannot be listed.
+pub fn list(raw: &Path) -> Result<Vec<PathBuf>, Diagnostic> {
+    let action = "put a specimen's folder there, or let `rig record` make one";
+    let entries = std::fs::read_dir(raw).map_err(|e| Diagnostic::io(raw, e, action))?;
     let mut folders = Vec::new();
     for entry in entries {
-        let path = entry.map_err(|e| Refusal::io(raw, &e, act))?.path();
+        let path = entry.map_err(|e| Diagnostic::io(raw, e, action))?.path();
         let hidden = path.file_name().and_then(|n| n.to_str()).is_none_or(|n| n.starts_with('.'));
         if !hidden && path.join(CARD).is_file() {
             folders.push(path);

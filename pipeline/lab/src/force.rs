@@ -5,39 +5,37 @@
 //! time_s,force_n
 //! 0.000000,0.012
 //! ```
-//! `force.csv` is what the load cell says, some 10 or 80 times a second. `hammer.csv` is what an instrumented hammer says of
-//! its blows on the cell's fixture, much faster, on the same clock. Both hold newtons to a millinewton, thrust positive
+//! `force.csv` is the load cell's force at about 10 or 80 Hz. `hammer.csv` is the force of an instrumented hammer on the
+//! cell's fixture, at a much higher rate, on the same clock. Both hold newtons to a millinewton, thrust positive
 //! forwards (along −x of the CAD frame). A log of a filmed trial has a third column, `led`: the drive of the lamp from 0 to 1, a
 //! mean over the sampling interval around each time, which ties its clock to the film's. Lines that open with `#` are remarks;
 //! other columns may stand beside these.
-//!
-//! Stands on: `si`, the form of logs. Never knows: the clocks of the video and of the pressure log.
 
 use std::fmt::Write;
 use std::path::Path;
 
 use si::{Hertz, Newton, Second, Series};
 
-use crate::Refusal;
-use crate::log::{self, Form, TIMES};
+use crate::log::{self, LogFormat, TIMES};
+use diagnostics::Diagnostic;
 
 /// The columns that every force log has, in the order in which they are written.
 pub const COLUMNS: [&str; 2] = ["time_s", "force_n"];
 
-/// Forces outside this range (N) are no soft tail's and no light hammer's.
+/// Plausible forces of a soft tail and of a light hammer, N.
 pub const RANGE: [Newton; 2] = [-50.0, 50.0];
 
 /// The column of the lamp, where there is one.
 pub const LAMP: &str = "led";
 
-const WITH_LAMP: Form<3> = Form {
+const WITH_LAMP: LogFormat<3> = LogFormat {
     kind: FORM.kind,
     columns: [COLUMNS[0], COLUMNS[1], LAMP],
     ranges: [TIMES, (RANGE[0], RANGE[1], "N"), (0.0, 1.0, "(off to on)")],
     absent: FORM.absent,
 };
 
-const FORM: Form<2> = Form {
+const FORM: LogFormat<2> = LogFormat {
     kind: "force log",
     columns: COLUMNS,
     ranges: [TIMES, (RANGE[0], RANGE[1], "N")],
@@ -49,7 +47,7 @@ const FORM: Form<2> = Form {
 pub struct ForceLog {
     /// Time on the amplifier's clock, s, strictly increasing and even to a fifth of a step.
     pub time: Vec<Second>,
-    /// N, the zero of the amplifier in it.
+    /// Force with the amplifier's zero offset, N.
     pub force: Vec<Newton>,
     /// Drive of the lamp, 0 to 1; empty where the log has no such column.
     pub led: Vec<f64>,
@@ -72,28 +70,28 @@ impl ForceLog {
 /// The log in the file `path`, checked.
 ///
 /// # Errors
-/// [`Refusal`] when the file cannot be read, lacks a column, holds a NaN, a decimal comma, a number out of range, or
+/// [`Diagnostic`] when the file cannot be read, lacks a column, holds a NaN, a decimal comma, a number out of range, or
 /// time that does not rise evenly.
-pub fn read(path: &Path) -> Result<ForceLog, Refusal> {
-    let bytes = std::fs::read(path).map_err(|e| Refusal::io(path, &e, FORM.absent))?;
+pub fn read(path: &Path) -> Result<ForceLog, Diagnostic> {
+    let bytes = std::fs::read(path).map_err(|e| Diagnostic::io(path, e, FORM.absent))?;
     match String::from_utf8(bytes) {
         Ok(text) => parse(&text, path),
-        Err(_) => log::read(&FORM, path).map(gathered),
+        Err(_) => log::read(&FORM, path).map(from_rows),
     }
 }
 
-/// The log in `text`; `path` is only quoted in refusals.
+/// The log in `text`; `path` appears only in diagnostics.
 ///
 /// # Errors
 /// As [`read`].
-pub fn parse(text: &str, path: &Path) -> Result<ForceLog, Refusal> {
+pub fn parse(text: &str, path: &Path) -> Result<ForceLog, Diagnostic> {
     let header = text.lines().find(|line| !line.starts_with('#') && !line.trim().is_empty()).unwrap_or_default();
     if !header.split(',').any(|name| name.trim() == LAMP) {
-        return log::parse(&FORM, text, path).map(gathered);
+        return log::parse(&FORM, text, path).map(from_rows);
     }
     let rows = log::parse(&WITH_LAMP, text, path)?;
     let led = rows.iter().map(|row| row[2]).collect();
-    Ok(ForceLog { led, ..gathered(rows.into_iter().map(|[time, force, _]| [time, force]).collect()) })
+    Ok(ForceLog { led, ..from_rows(rows.into_iter().map(|[time, force, _]| [time, force]).collect()) })
 }
 
 /// The text of a force log, with fixed digits; `remark` becomes its first line, after a `#`.
@@ -111,7 +109,7 @@ pub fn write(log: &ForceLog, remark: &str) -> String {
     text
 }
 
-fn gathered(rows: Vec<[f64; 2]>) -> ForceLog {
+fn from_rows(rows: Vec<[f64; 2]>) -> ForceLog {
     let (time, force) = rows.into_iter().map(|[time, force]| (time, force)).unzip();
     ForceLog { time, force, led: Vec::new() }
 }

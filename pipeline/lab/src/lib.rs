@@ -1,10 +1,25 @@
-//! What lies in `data/raw`: the card of a specimen, the logs of its trials, and the truth that a virtual bench hides.
+//! The data format of `data/raw`: specimen cards, pressure and force logs, marker trajectories, and the hidden truth of a
+//! virtual bench.
 //!
-//! A specimen is a folder: `specimen.toml` (the card: what the laboratory knows of it), `cad/`, `camera/`,
-//! `trials/<trial>/{video.mp4, pressure.csv, force.csv, hammer.csv}`. Everything is read into SI and range-checked, so that a slip of unit
-//! breaks here and loudly. Whatever can be read can be written, with the same bytes every time.
+//! A specimen is a folder with `specimen.toml` (the card), `cad/`, `camera/` and
+//! `trials/<trial>/{video.mp4, pressure.csv, force.csv, hammer.csv}`. All values are converted to SI and range-checked, so
+//! that a wrong unit is refused with file, line and key. Everything that can be read can be written; the same data give the
+//! same bytes.
 //!
-//! Stands on: `si`, csv, c3dio. Never knows: a mesh, a picture, who wrote the files or who reads them.
+//! ```
+//! use lab::pressure;
+//! use std::path::Path;
+//!
+//! let text = "time_s,left_command_mbar,right_command_mbar,left_mbar,right_mbar,led\n0.0,0,0,0.5,0,0\n0.1,200,0,180,0,1\n";
+//! let log = pressure::parse(text, Path::new("pressure.csv"))?;
+//! assert_eq!(log.left.measured, [50.0, 18_000.0]);
+//!
+//! let wrong = pressure::parse(&text.replace("180", "1.8e4"), Path::new("pressure.csv")).unwrap_err();
+//! assert!(wrong.to_string().starts_with("pressure.csv, line 3: left_mbar = 18000 is out of range"));
+//! # Ok::<(), diagnostics::Diagnostic>(())
+//! ```
+//!
+//! Depends on `si`, `diagnostics` and the parsers of TOML, CSV and C3D.
 
 pub mod card;
 pub mod folder;
@@ -13,7 +28,6 @@ mod log;
 mod nearest;
 pub mod pressure;
 pub mod range;
-mod refusal;
 pub mod space;
 pub mod table;
 pub mod truth;
@@ -22,9 +36,8 @@ pub use card::Card;
 pub use folder::Specimen;
 pub use force::ForceLog;
 pub use pressure::PressureLog;
-pub use refusal::Refusal;
-pub use space::Space;
+pub use space::Trajectories;
 pub use truth::Truth;
 
-/// What `origin` says in everything that the virtual bench writes.
+/// The value of `origin` in all files of the virtual bench.
 pub const VIRTUAL_BENCH: &str = "virtual bench";

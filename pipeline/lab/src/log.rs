@@ -1,73 +1,76 @@
-//! Logs as CSV: named columns of numbers over even time; every refusal names the file, the line, the column and the next move.
+//! Logs as CSV: named columns of numbers, evenly sampled; every diagnostic has the file, the line, the column and the action.
 //!
 //! Lines that open with `#` are remarks. Columns may stand in any order and others may stand beside them. A byte-order
 //! mark and CRLF are tolerated; the decimal sign is a point.
-//!
-//! Stands on: `csv`. Never knows: what a column means.
 
 use std::path::Path;
 
-use crate::Refusal;
 use crate::nearest::nearest;
+use diagnostics::Diagnostic;
 
-/// What a log of one kind must hold; the first column is time in s.
-pub(crate) struct Form<const N: usize> {
+/// The columns of one kind of log; the first one is time in s.
+pub(crate) struct LogFormat<const N: usize> {
     /// What the log is called in messages.
     pub kind: &'static str,
     /// The columns.
     pub columns: [&'static str; N],
     /// The lowest and the highest number in each of them, and the unit, in the units of the file.
     pub ranges: [(f64, f64, &'static str); N],
-    /// The next move when there is no such file.
+    /// What to do when there is no such file.
     pub absent: &'static str,
 }
 
-/// Times outside this range (s) are no time of a log.
+/// Plausible times of a log, s.
 pub(crate) const TIMES: (f64, f64, &str) = (-1e6, 1e6, "s");
 
 /// Rows of the log in the file `path`, in the order of the form's columns.
 ///
 /// # Errors
-/// [`Refusal`] when the file cannot be read, lacks a column, holds a NaN, a decimal comma, a number out of range, or
+/// [`Diagnostic`] when the file cannot be read, lacks a column, holds a NaN, a decimal comma, a number out of range, or
 /// time that does not rise evenly.
-pub(crate) fn read<const N: usize>(form: &Form<N>, path: &Path) -> Result<Vec<[f64; N]>, Refusal> {
-    let bytes = std::fs::read(path).map_err(|e| Refusal::io(path, &e, form.absent))?;
+pub(crate) fn read<const N: usize>(form: &LogFormat<N>, path: &Path) -> Result<Vec<[f64; N]>, Diagnostic> {
+    let bytes = std::fs::read(path).map_err(|e| Diagnostic::io(path, e, form.absent))?;
     let text = String::from_utf8(bytes).map_err(|_| {
-        Refusal::file(path, "the file is no text", "a log is UTF-8 text", "export it again as CSV in UTF-8")
+        Diagnostic::file(path, "the file is no text", "a log is UTF-8 text", "export it again as CSV in UTF-8")
     })?;
     parse(form, &text, path)
 }
 
-/// Rows of the log in `text`; `path` is only quoted in refusals.
+/// Rows of the log in `text`; `path` appears only in diagnostics.
 ///
 /// # Errors
 /// As [`read`].
-pub(crate) fn parse<const N: usize>(form: &Form<N>, text: &str, path: &Path) -> Result<Vec<[f64; N]>, Refusal> {
+pub(crate) fn parse<const N: usize>(form: &LogFormat<N>, text: &str, path: &Path) -> Result<Vec<[f64; N]>, Diagnostic> {
     let text = text.trim_start_matches('\u{feff}');
     let mut reader =
         csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).flexible(true).from_reader(text.as_bytes());
-    let header = reader.headers().cloned().map_err(|e| broken(path, &e))?;
+    let header = reader.headers().cloned().map_err(|e| csv_error(path, &e))?;
     let header_line = 1 + text.lines().take_while(|l| l.starts_with('#') || l.trim().is_empty()).count();
     let places = columns(form, path, &header).map_err(|r| r.at_line(header_line))?;
+    let layout = Layout { form, path, width: header.len(), places };
     let mut rows: Vec<[f64; N]> = Vec::new();
     for record in reader.records() {
-        let record = record.map_err(|e| broken(path, &e))?;
+        let record = record.map_err(|e| csv_error(path, &e))?;
         let line = record.position().map(|p| p.line() as usize);
-        let row = row(form, path, &header, &record, &places).map_err(|r| r.at_line(line))?;
-        later(path, rows.last().map(|before| before[0]), row[0]).map_err(|r| r.at_line(line))?;
+        let row = layout.row(&record).map_err(|r| r.at_line(line))?;
+        check_increasing(path, rows.last().map(|before| before[0]), row[0]).map_err(|r| r.at_line(line))?;
         rows.push(row);
     }
-    even(path, &rows.iter().map(|row| row[0]).collect::<Vec<_>>())?;
+    check_even(path, &rows.iter().map(|row| row[0]).collect::<Vec<_>>())?;
     Ok(rows)
 }
 
-fn broken(path: &Path, error: &csv::Error) -> Refusal {
+fn csv_error(path: &Path, error: &csv::Error) -> Diagnostic {
     let line = error.position().map(|p| p.line() as usize);
-    Refusal::file(path, "the line is no CSV", error.to_string().to_lowercase(), "export the log again").at_line(line)
+    Diagnostic::file(path, "the line is no CSV", error.to_string().to_lowercase(), "export the log again").at_line(line)
 }
 
-/// Where each of the form's columns stands.
-fn columns<const N: usize>(form: &Form<N>, path: &Path, header: &csv::StringRecord) -> Result<[usize; N], Refusal> {
+/// The index of each column of the format in the file.
+fn columns<const N: usize>(
+    form: &LogFormat<N>,
+    path: &Path,
+    header: &csv::StringRecord,
+) -> Result<[usize; N], Diagnostic> {
     let mut places = [0; N];
     for (place, name) in places.iter_mut().zip(form.columns) {
         *place = header.iter().position(|h| h == name).ok_or_else(|| missing(form, path, header, name))?;
@@ -75,39 +78,45 @@ fn columns<const N: usize>(form: &Form<N>, path: &Path, header: &csv::StringReco
     Ok(places)
 }
 
-fn missing<const N: usize>(form: &Form<N>, path: &Path, header: &csv::StringRecord, name: &str) -> Refusal {
+fn missing<const N: usize>(form: &LogFormat<N>, path: &Path, header: &csv::StringRecord, name: &str) -> Diagnostic {
     let present: Vec<&str> = header.iter().filter(|h| !form.columns.contains(h)).collect();
-    let act = match nearest(name, &present) {
+    let action = match nearest(name, &present) {
         Some(near) => format!("rename the column `{near}` to `{name}`"),
         None if header.len() == 1 && header[0].contains(';') => "export with commas between columns".to_owned(),
         None => format!("add the column `{name}`"),
     };
     let why = format!("a {} has the columns {}", form.kind, form.columns.join(", "));
-    Refusal::file(path, format!("the column `{name}` is missing"), why, act)
+    Diagnostic::file(path, format!("the column `{name}` is missing"), why, action)
 }
 
-fn row<const N: usize>(
-    form: &Form<N>,
-    path: &Path,
-    header: &csv::StringRecord,
-    record: &csv::StringRecord,
-    places: &[usize; N],
-) -> Result<[f64; N], Refusal> {
-    if record.len() != header.len() {
-        let what = format!("the line has {} fields", record.len());
-        let why = format!("the header names {}; a decimal comma also looks like this", header.len());
-        return Err(Refusal::file(path, what, why, "write decimal points, and as many fields as columns"));
-    }
-    let mut row = [0.0; N];
-    for (k, place) in places.iter().enumerate() {
-        row[k] = number(path, form.columns[k], &record[*place])?;
-        range(path, form.columns[k], form.ranges[k], row[k])?;
-    }
-    Ok(row)
+/// The columns of one file.
+struct Layout<'a, const N: usize> {
+    form: &'a LogFormat<N>,
+    path: &'a Path,
+    /// Number of columns in the file.
+    width: usize,
+    /// Index of each column of the format in the file.
+    places: [usize; N],
 }
 
-fn number(path: &Path, column: &str, text: &str) -> Result<f64, Refusal> {
-    let refused = |why: &str, act: &str| Refusal::file(path, format!("{column} is `{text}`"), why, act);
+impl<const N: usize> Layout<'_, N> {
+    fn row(&self, record: &csv::StringRecord) -> Result<[f64; N], Diagnostic> {
+        if record.len() != self.width {
+            let what = format!("the line has {} fields", record.len());
+            let why = format!("the header has {}; a decimal comma also looks like this", self.width);
+            return Err(Diagnostic::file(self.path, what, why, "write decimal points, and as many fields as columns"));
+        }
+        let mut row = [0.0; N];
+        for (k, place) in self.places.iter().enumerate() {
+            row[k] = number(self.path, self.form.columns[k], &record[*place])?;
+            range(self.path, self.form.columns[k], self.form.ranges[k], row[k])?;
+        }
+        Ok(row)
+    }
+}
+
+fn number(path: &Path, column: &str, text: &str) -> Result<f64, Diagnostic> {
+    let refused = |why: &str, action: &str| Diagnostic::file(path, format!("{column} is `{text}`"), why, action);
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
         Ok(_) => Err(refused("every sample must be a finite number", "cut the log there, or record the trial again")),
@@ -116,29 +125,34 @@ fn number(path: &Path, column: &str, text: &str) -> Result<f64, Refusal> {
     }
 }
 
-fn range(path: &Path, column: &str, (low, high, unit): (f64, f64, &str), value: f64) -> Result<(), Refusal> {
+fn range(path: &Path, column: &str, (low, high, unit): (f64, f64, &str), value: f64) -> Result<(), Diagnostic> {
     if (low..=high).contains(&value) {
         return Ok(());
     }
     let what = format!("{column} = {value} is out of range");
-    Err(Refusal::file(path, what, format!("the range is {low} to {high} {unit}"), "check the unit of the column"))
+    Err(Diagnostic::file(path, what, format!("the range is {low} to {high} {unit}"), "check the unit of the column"))
 }
 
-fn later(path: &Path, before: Option<f64>, time: f64) -> Result<(), Refusal> {
+fn check_increasing(path: &Path, before: Option<f64>, time: f64) -> Result<(), Diagnostic> {
     match before {
         Some(before) if time <= before => {
             let what = format!("time_s goes from {before} to {time}");
-            Err(Refusal::file(path, what, "time must rise from line to line", "take the repeated or swapped lines out"))
+            Err(Diagnostic::file(
+                path,
+                what,
+                "time must rise from line to line",
+                "take the repeated or swapped lines out",
+            ))
         }
         _ => Ok(()),
     }
 }
 
-/// At least two samples, and no step a fifth off the mean one.
-fn even(path: &Path, time: &[f64]) -> Result<(), Refusal> {
+/// At least two samples, and every step within a fifth of the mean one.
+fn check_even(path: &Path, time: &[f64]) -> Result<(), Diagnostic> {
     if time.len() < 2 {
         let what = format!("the log has {} samples", time.len());
-        return Err(Refusal::file(path, what, "at least two are needed", "record the trial again"));
+        return Err(Diagnostic::file(path, what, "at least two are needed", "record the trial again"));
     }
     let step = (time[time.len() - 1] - time[0]) / (time.len() - 1) as f64;
     match time.windows(2).position(|t| (t[1] - t[0] - step).abs() > 0.2 * step) {
@@ -147,7 +161,7 @@ fn even(path: &Path, time: &[f64]) -> Result<(), Refusal> {
             let late = time[i + 1] - time[i];
             let what = format!("after time_s = {} the next sample comes {late:.4} s later", time[i]);
             let why = format!("samples come every {step:.4} s, and a step may be a fifth off that");
-            Err(Refusal::file(path, what, why, "fill the gap from the logger, or cut the log there"))
+            Err(Diagnostic::file(path, what, why, "fill the gap from the logger, or cut the log there"))
         }
     }
 }

@@ -1,8 +1,6 @@
-//! The known word nearest to a misspelt one, for messages that say what was probably meant.
-//!
-//! Stands on: nothing. Never knows: where the words come from.
+//! The known word closest to a misspelt one, for suggestions in diagnostics.
 
-/// Levenshtein's distance between two words: the fewest letters put in, left out or changed.
+/// Levenshtein distance between two words.
 fn distance(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();
@@ -18,7 +16,7 @@ fn distance(a: &str, b: &str) -> usize {
     row[b.len()]
 }
 
-/// The word of `known` that is nearest to `word`, if it is near enough to be a slip (a third of its letters or two).
+/// The word of `known` that is nearest to `word`, if it is close enough to be a typing error (a third of its letters, or two).
 pub(crate) fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
     let (steps, best) = known.iter().map(|k| (distance(word, k), *k)).min()?;
     (steps <= 2.max(word.chars().count() / 3)).then_some(best)
@@ -29,7 +27,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_slip_of_two_letters_finds_its_word_and_a_strange_word_finds_none() {
+    fn a_word_with_two_wrong_letters_is_found_and_an_unrelated_one_is_not() {
         let known = ["youngs_modulus", "poissons_ratio", "density"];
         assert_eq!(nearest("young_modulus", &known), Some("youngs_modulus"));
         assert_eq!(nearest("colour", &known), None);

@@ -7,31 +7,28 @@
 //! ```
 //! Lines that open with `#` are remarks. Columns may stand in any order and others may stand beside them. A byte-order
 //! mark and CRLF are tolerated; the decimal sign is a point.
-//!
-//! Stands on: `si`. Never knows: the video's clock.
 
-mod read;
-mod write;
+use std::fmt::Write;
+use std::path::Path;
 
 use si::{Hertz, MILLIBAR, Pascal, Second, Series};
 
 use crate::card::Side;
-
-pub use read::{parse, read};
-pub use write::write;
+use crate::log::{self, LogFormat, TIMES};
+use diagnostics::Diagnostic;
 
 /// The columns that every log has, in the order in which they are written.
 pub const COLUMNS: [&str; 6] = ["time_s", "left_command_mbar", "right_command_mbar", "left_mbar", "right_mbar", "led"];
 
-/// Measured or commanded pressures outside this range (Pa) are no soft actuator's.
+/// Plausible pressures of a soft actuator, Pa.
 pub const RANGE: [Pascal; 2] = [-20_000.0, 500_000.0];
 
 /// One side of a log: `samples` each.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Channel {
-    /// What the valve was asked for, Pa over ambient.
+    /// Command of the valve, Pa over ambient.
     pub command: Vec<Pascal>,
-    /// What the sensor read, Pa over ambient.
+    /// Reading of the sensor, Pa over ambient.
     pub measured: Vec<Pascal>,
 }
 
@@ -88,4 +85,56 @@ impl PressureLog {
         self.right.measured.push(row[4] * MILLIBAR);
         self.led.push(row[5]);
     }
+}
+
+const MBAR: (f64, f64, &str) = (RANGE[0] / MILLIBAR, RANGE[1] / MILLIBAR, "mbar");
+
+const FORM: LogFormat<6> = LogFormat {
+    kind: "pressure log",
+    columns: COLUMNS,
+    ranges: [TIMES, MBAR, MBAR, MBAR, MBAR, (0.0, 1.0, "(off to on)")],
+    absent: "put the trial's log there, or correct `pressure` of the trial in specimen.toml",
+};
+
+/// The log in the file `path`, checked.
+///
+/// # Errors
+/// [`Diagnostic`] when the file cannot be read, lacks a column, holds a NaN, a decimal comma, a number out of range, or
+/// time that does not rise evenly.
+pub fn read(path: &Path) -> Result<PressureLog, Diagnostic> {
+    log::read(&FORM, path).map(from_rows)
+}
+
+/// The log in `text`; `path` appears only in diagnostics.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(text: &str, path: &Path) -> Result<PressureLog, Diagnostic> {
+    log::parse(&FORM, text, path).map(from_rows)
+}
+
+fn from_rows(rows: Vec<[f64; 6]>) -> PressureLog {
+    let mut log = PressureLog::default();
+    rows.into_iter().for_each(|row| log.push(row));
+    log
+}
+
+/// The text of `pressure.csv`; `remark` becomes its first line, after a `#`.
+pub fn write(log: &PressureLog, remark: &str) -> String {
+    let mut text = format!("# {remark}\n{}\n", COLUMNS.join(","));
+    for (i, time) in log.time.iter().enumerate() {
+        let mbar = |values: &[f64]| values[i] / MILLIBAR;
+        let (left, right) = (&log.left, &log.right);
+        writeln!(
+            text,
+            "{time:.6},{:.2},{:.2},{:.2},{:.2},{}",
+            mbar(&left.command),
+            mbar(&right.command),
+            mbar(&left.measured),
+            mbar(&right.measured),
+            log.led[i]
+        )
+        .expect("a string takes any text");
+    }
+    text
 }

@@ -1,13 +1,11 @@
-//! TOML texts: where a key stands, and any error of the parser as a refusal with its line and the nearest known key.
-//!
-//! Stands on: `toml`. Never knows: what the keys mean.
+//! TOML texts: the line of a key, and errors of the parser as diagnostics with the line and the closest known key.
 
 use std::path::Path;
 
 use toml::de::{DeTable, DeValue};
 
-use crate::Refusal;
 use crate::nearest::nearest;
+use diagnostics::Diagnostic;
 
 /// Where the keys of a card are explained.
 pub(crate) const SEE: &str = "data/raw/README.md has every key with its unit";
@@ -36,9 +34,9 @@ pub fn line_of_path(text: &str, path: &str) -> Option<usize> {
     Some(line_of_offset(text, here.span().start))
 }
 
-/// Any TOML error as a refusal: the parser's message, the words it expected, the nearest one; `see` says where the keys are
+/// Any TOML error as a diagnostic: the parser's message, the words it expected, the nearest one; `see` says where the keys are
 /// explained.
-pub fn refused(text: &str, path: &Path, error: &toml::de::Error, see: &str) -> Refusal {
+pub fn toml_error(text: &str, path: &Path, error: &toml::de::Error, see: &str) -> Diagnostic {
     let message = error.message().lines().collect::<Vec<_>>().join(" ");
     let (what, expected) = message.split_once(", expected ").unwrap_or((&message, ""));
     let why = match expected {
@@ -46,10 +44,10 @@ pub fn refused(text: &str, path: &Path, error: &toml::de::Error, see: &str) -> R
         words => format!("expected {words}"),
     };
     let line = error.span().map(|span| line_of_offset(text, span.start));
-    Refusal::file(path, what, why, next_move(what, expected, see)).at_line(line)
+    Diagnostic::file(path, what, why, action_for(what, expected, see)).at_line(line)
 }
 
-fn next_move(what: &str, expected: &str, see: &str) -> String {
+fn action_for(what: &str, expected: &str, see: &str) -> String {
     let quoted = |text: &str| text.split('`').skip(1).step_by(2).map(str::to_owned).collect::<Vec<_>>();
     let known = quoted(expected);
     let known: Vec<&str> = known.iter().map(String::as_str).collect();

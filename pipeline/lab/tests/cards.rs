@@ -1,6 +1,4 @@
-//! Cards: what is written is read back, and each slip is refused with its line and the next move.
-//!
-//! Stands on: `lab`. Never knows: a real specimen.
+//! Cards: round trip, and each error with its line and action.
 #![allow(clippy::unwrap_used)] // a test may fail where it stands
 
 use std::path::Path;
@@ -151,7 +149,7 @@ fn a_trial_in_water_without_the_water_s_surface_is_refused() {
 }
 
 #[test]
-fn a_card_that_is_silent_about_the_shutter_has_a_global_one() {
+fn the_default_shutter_is_global() {
     let card = card::parse(&GOOD.replacen("readout = 0.006\n", "", 1), at()).unwrap();
     assert_eq!(card.camera.readout, 0.0);
     assert!(!card::write(&card).contains("readout"));
@@ -272,7 +270,7 @@ fn two_trials_of_one_name_are_refused() {
 }
 
 #[test]
-fn a_force_log_is_a_trial_s_own_choice_and_a_fixture_is_read_by_its_kind() {
+fn a_force_log_is_optional_and_a_fixture_is_read_by_its_kind() {
     let card = good();
     assert_eq!((&card.trial[0].force, card.trial[1].force.as_deref()), (&None, Some("trials/flap/force.csv")));
     assert!(matches!(&card.fixture[0].of, FixtureOf::Taps { hammer } if hammer == "trials/taps/hammer.csv"));
@@ -280,7 +278,7 @@ fn a_force_log_is_a_trial_s_own_choice_and_a_fixture_is_read_by_its_kind() {
 }
 
 #[test]
-fn a_card_without_any_force_log_is_as_good_as_before() {
+fn a_card_without_any_force_log_is_valid() {
     let (before, _) = GOOD.split_once("force = ").unwrap();
     let card = card::parse(before, at()).unwrap();
     assert!(card.fixture.is_empty() && card.trial.iter().all(|t| t.force.is_none()));
@@ -336,7 +334,7 @@ fn in_space(rest: &str) -> String {
 }
 
 #[test]
-fn tracks_in_space_say_how_their_axes_lie() {
+fn tracks_in_space_are_read_with_their_axes() {
     let text = in_space("sigma = 2e-4\n[tracks.space]\nstart = 0.25\nx = [0.0, 1.0, 0.0]\n");
     let card = card::parse(&text, at()).unwrap();
     let axes = card.tracks[0].space.clone().unwrap();

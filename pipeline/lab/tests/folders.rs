@@ -1,6 +1,4 @@
 //! Folders and truths: what lies under `data/raw` is found by name, and a truth is read back as it was written.
-//!
-//! Stands on: `lab`. Never knows: a real specimen.
 #![allow(clippy::unwrap_used)] // a test may fail where it stands
 
 use std::path::PathBuf;

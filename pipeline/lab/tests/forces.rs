@@ -1,6 +1,4 @@
-//! Force logs: what is written is read back, and each fault is refused with its file, line and column.
-//!
-//! Stands on: `lab`. Never knows: a real log.
+//! Force logs: round trip, and each error with its file, line and column.
 #![allow(clippy::unwrap_used)] // a test may fail where it stands
 
 use std::path::Path;
@@ -71,7 +69,7 @@ fn numbers_that_are_none_are_refused_with_their_line_and_column() {
 }
 
 #[test]
-fn time_that_stands_still_or_leaps_is_refused() {
+fn repeated_times_and_gaps_are_refused() {
     assert!(refusal("0.012500", "0.000000").contains("time must rise"));
     assert!(refusal("0.025000", "0.075000").contains("samples come every"));
     assert!(parse("time_s,force_n\n0,0\n").unwrap_err().contains("1 samples"));

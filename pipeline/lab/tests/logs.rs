@@ -1,6 +1,4 @@
-//! Pressure logs: what is written is read back, and each fault is refused with its line and the next move.
-//!
-//! Stands on: `lab`. Never knows: a real log.
+//! Pressure logs: round trip, and each error with its line and action.
 #![allow(clippy::unwrap_used)] // a test may fail where it stands
 
 use std::path::Path;
@@ -95,7 +93,7 @@ fn a_lamp_that_is_neither_on_nor_off_is_refused() {
 }
 
 #[test]
-fn decimal_commas_are_refused_with_that_word() {
+fn decimal_commas_are_refused_by_name() {
     let bare = refusal("90.25", "90,25");
     assert!(bare.contains("line 5:") && bare.contains("decimal comma"), "{bare}");
     let quoted = refusal("90.25", "\"90,25\"");

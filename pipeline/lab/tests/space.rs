@@ -1,11 +1,9 @@
 //! Places in space: a `.c3d` written here byte by byte and a CSV are read to the same metres, and each flaw is refused.
-//!
-//! Stands on: `lab`. Never knows: a real recording.
 #![allow(clippy::unwrap_used)] // a test may fail where it stands
 
 use std::path::Path;
 
-use lab::space::{self, Space};
+use lab::space::{self, Trajectories};
 
 /// A file of two markers at 100 frames/s, in the form of an Intel processor with real numbers.
 struct Capture {
@@ -68,11 +66,11 @@ fn whole_blocks(mut bytes: Vec<u8>) -> Vec<u8> {
     bytes
 }
 
-fn read(bytes: &[u8]) -> Result<Space, lab::Refusal> {
+fn read(bytes: &[u8]) -> Result<Trajectories, diagnostics::Diagnostic> {
     space::read(bytes, Path::new("trials/flap/mocap.c3d"))
 }
 
-fn refusal(capture: &Capture) -> String {
+fn diagnostic(capture: &Capture) -> String {
     read(&capture.bytes()).unwrap_err().to_string()
 }
 
@@ -81,7 +79,7 @@ fn millimetres_of_a_c3d_are_read_in_metres_with_their_times() {
     let space = read(&Capture::new().bytes()).unwrap();
     assert_eq!(space.markers.iter().map(|m| m.name.as_str()).collect::<Vec<_>>(), ["m1", "tip"]);
     assert!((space.time[3] - 0.03).abs() < 1e-12);
-    let at = space.whole("tip", Path::new("a.c3d")).unwrap();
+    let at = space.complete("tip", Path::new("a.c3d")).unwrap();
     // single precision holds a place of 0.1 m to some nanometres
     assert!((at[2][0] - 0.082).abs() < 1e-8 && (at[2][1] + 0.0025).abs() < 1e-9, "{at:?}");
 }
@@ -95,8 +93,8 @@ fn a_csv_in_metres_says_the_same_as_a_c3d_in_millimetres() {
             text += &format!("{k},{:.2},{name},{x},{y},{z}\n", k as f64 / 100.0);
         }
     }
-    let told = space::read(text.as_bytes(), Path::new("places.csv")).unwrap();
-    for (one, other) in told.markers.iter().zip(&read(&Capture::new().bytes()).unwrap().markers) {
+    let announced = space::read(text.as_bytes(), Path::new("places.csv")).unwrap();
+    for (one, other) in announced.markers.iter().zip(&read(&Capture::new().bytes()).unwrap().markers) {
         for (a, b) in one.at.iter().zip(&other.at) {
             let (a, b) = (a.unwrap(), b.unwrap());
             assert!(one.name == other.name && (0..3).all(|i| (a[i] - b[i]).abs() < 1e-8));
@@ -107,20 +105,20 @@ fn a_csv_in_metres_says_the_same_as_a_c3d_in_millimetres() {
 #[test]
 fn a_plane_s_csv_needs_no_z_and_its_slips_are_refused_with_their_line() {
     let good = "frame,time_s,marker,x_mm,y_mm\n0,0,m1,50,1\n1,0.01,m1,51,1\n";
-    let refusal = |from: &str, to: &str| {
+    let diagnostic = |from: &str, to: &str| {
         assert!(good.contains(from));
         space::read(good.replacen(from, to, 1).as_bytes(), Path::new("places.csv")).unwrap_err().to_string()
     };
     let read = space::read(good.as_bytes(), Path::new("places.csv")).unwrap();
     let [x, y, z] = read.markers[0].at[1].unwrap();
     assert!((x - 0.051).abs() < 1e-15 && (y - 0.001).abs() < 1e-15 && z == 0.0);
-    assert!(refusal("x_mm", "x").contains("line 1"), "a column without a unit");
-    assert!(refusal("x_mm", "x_m").contains("one unit"), "columns of two units");
+    assert!(diagnostic("x_mm", "x").contains("line 1"), "a column without a unit");
+    assert!(diagnostic("x_mm", "x_m").contains("one unit"), "columns of two units");
     assert!(
-        refusal("0.01,m1,51", "0.01,m1,5l").contains("line 3: the places cannot be read\n  why: `5l` is no number")
+        diagnostic("0.01,m1,51", "0.01,m1,5l").contains("line 3: the places cannot be read\n  why: `5l` is no number")
     );
-    assert!(refusal("1,0.01", "1,0").contains("line 3"), "a time that stands still");
-    assert!(refusal("_mm,y_mm\n0,0,m1,50", "_m,y_m\n0,0,m1,50").contains("[50.0, 1.0, 0.0] m in frame 0"));
+    assert!(diagnostic("1,0.01", "1,0").contains("line 3"), "a time that stands still");
+    assert!(diagnostic("_mm,y_mm\n0,0,m1,50", "_m,y_m\n0,0,m1,50").contains("[50.0, 1.0, 0.0] m in frame 0"));
 }
 
 #[test]
@@ -129,15 +127,15 @@ fn a_lost_marker_and_a_number_that_is_none_are_refused_with_their_frame() {
         let mut capture = Capture::new();
         capture.points[2][1] = point;
         let space = read(&capture.bytes()).unwrap();
-        let said = space.whole("tip", Path::new("a.c3d")).unwrap_err().to_string();
+        let said = space.complete("tip", Path::new("a.c3d")).unwrap_err().to_string();
         assert!(said.contains("marker `tip` is lost in frame 2 (0.020 s)") && said.contains("1 of 4 frames"), "{said}");
-        assert!(space.whole("m1", Path::new("a.c3d")).is_ok());
+        assert!(space.complete("m1", Path::new("a.c3d")).is_ok());
     }
 }
 
 #[test]
 fn a_marker_of_another_name_is_refused_with_the_nearest() {
-    let said = read(&Capture::new().bytes()).unwrap().whole("tip2", Path::new("a.c3d")).unwrap_err().to_string();
+    let said = read(&Capture::new().bytes()).unwrap().complete("tip2", Path::new("a.c3d")).unwrap_err().to_string();
     assert!(
         said.contains("no marker `tip2`") && said.contains("the file has m1, tip") && said.contains("`tip`"),
         "{said}"
@@ -146,8 +144,8 @@ fn a_marker_of_another_name_is_refused_with_the_nearest() {
 
 #[test]
 fn a_c3d_without_a_unit_of_length_or_without_points_is_refused() {
-    assert!(refusal(&Capture { unit: "V ", ..Capture::new() }).contains("POINT:UNITS is `V`"));
-    assert!(refusal(&Capture { points: Vec::new(), ..Capture::new() }).contains("no point data"));
+    assert!(diagnostic(&Capture { unit: "V ", ..Capture::new() }).contains("POINT:UNITS is `V`"));
+    assert!(diagnostic(&Capture { points: Vec::new(), ..Capture::new() }).contains("no point data"));
 }
 
 #[test]
@@ -156,7 +154,7 @@ fn a_c3d_that_was_cut_is_refused_with_the_frame_at_which_it_ends() {
     capture.points = (0..40).map(|_| capture.points[0]).collect();
     let bytes = capture.bytes();
     let said = read(&bytes[..bytes.len() - 512]).unwrap_err().to_string();
-    assert!(said.contains("ends in frame 32") && said.contains("tells of 40"), "{said}");
+    assert!(said.contains("ends in frame 32") && said.contains("its header has 40"), "{said}");
 }
 
 #[test]

@@ -1,32 +1,30 @@
 //! Axes: a label, a unit, a scale, and the range that is shown.
-//!
-//! Stands on: the error type. Never knows: what is drawn over it, or how long it is on paper.
 
 use crate::PlotError;
 
-/// How a number finds its place.
+/// The scale of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
-    /// Equal differences, equal lengths.
+    /// Equal differences have equal lengths.
     Linear,
-    /// Equal ratios, equal lengths.
+    /// Equal ratios have equal lengths.
     Log,
 }
 
 impl Scale {
-    /// The number in which places are even: itself, or its decimal logarithm.
-    pub(crate) fn even(self, value: f64) -> f64 {
+    /// The quantity that is linear along the axis: the value, or its decimal logarithm.
+    pub(crate) fn linearised(self, value: f64) -> f64 {
         match self {
             Self::Linear => value,
             Self::Log => value.log10(),
         }
     }
 
-    /// The number at an even place.
-    pub(crate) fn value(self, even: f64) -> f64 {
+    /// The inverse of [`Scale::linearised`].
+    pub(crate) fn value(self, linearised: f64) -> f64 {
         match self {
-            Self::Linear => even,
-            Self::Log => 10f64.powf(even),
+            Self::Linear => linearised,
+            Self::Log => 10f64.powf(linearised),
         }
     }
 }
@@ -34,26 +32,26 @@ impl Scale {
 /// One axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
-    /// What is shown.
+    /// Name of the quantity.
     pub label: String,
-    /// Its unit; empty for a number without one.
+    /// Its unit; empty for a dimensionless quantity.
     pub unit: String,
-    /// How numbers find their place.
+    /// Linear or logarithmic.
     pub scale: Scale,
-    /// Both ends; without it the axis holds what is drawn.
+    /// Both ends; without it, the range of the data.
     pub range: Option<(f64, f64)>,
-    /// Whether its numbers and its label are written; `false` where the panel below repeats them.
-    pub written: bool,
+    /// Whether it has tick labels and an axis label; `false` where the panel below has them.
+    pub tick_labels: bool,
 }
 
 impl Axis {
-    /// A linear axis that holds what is drawn.
+    /// A linear axis with the range of the data.
     pub fn linear(label: &str, unit: &str) -> Self {
         let (label, unit) = (label.to_owned(), unit.to_owned());
-        Self { label, unit, scale: Scale::Linear, range: None, written: true }
+        Self { label, unit, scale: Scale::Linear, range: None, tick_labels: true }
     }
 
-    /// A logarithmic axis that holds what is drawn.
+    /// A logarithmic axis with the range of the data.
     pub fn log(label: &str, unit: &str) -> Self {
         Self { scale: Scale::Log, ..Self::linear(label, unit) }
     }
@@ -63,9 +61,9 @@ impl Axis {
         Self { range: Some((low, high)), ..self }
     }
 
-    /// The same axis with its ticks alone, where the panel below has its numbers.
-    pub fn unwritten(self) -> Self {
-        Self { written: false, ..self }
+    /// The same axis without tick labels and axis label, where the panel below has them.
+    pub fn without_tick_labels(self) -> Self {
+        Self { tick_labels: false, ..self }
     }
 
     /// Label and unit: `time (s)`.
@@ -76,7 +74,7 @@ impl Axis {
         }
     }
 
-    /// The ends that are shown: those that were set, or those of the values with a margin (a part of the range).
+    /// The ends that are shown: those that were set, or those of the values with a margin (a fraction of the range).
     pub(crate) fn ends(&self, values: impl Iterator<Item = f64>, margin: f64) -> Result<(f64, f64), PlotError> {
         let (low, high) = match self.range {
             Some(range) => range,
@@ -95,7 +93,7 @@ impl Axis {
     }
 
     fn widened(&self, low: f64, high: f64, margin: f64) -> (f64, f64) {
-        let (a, b) = (self.scale.even(low), self.scale.even(high));
+        let (a, b) = (self.scale.linearised(low), self.scale.linearised(high));
         let pad = match b - a {
             0.0 if a == 0.0 || self.scale == Scale::Log => 0.5,
             0.0 => 0.1 * a.abs(),
@@ -110,7 +108,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_axis_holds_what_is_drawn_with_its_margin() {
+    fn the_range_is_that_of_the_data_with_a_margin() {
         let (low, high) = Axis::linear("x", "m").ends([3.0, 1.0, 2.0].into_iter(), 0.1).unwrap();
         assert!((low - 0.8).abs() < 1e-12 && (high - 3.2).abs() < 1e-12);
     }
@@ -122,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn an_axis_with_one_value_still_has_a_length() {
+    fn an_axis_with_one_value_has_a_positive_range() {
         for value in [0.0, -4.0, 1e-9] {
             let (low, high) = Axis::linear("x", "m").ends([value].into_iter(), 0.05).unwrap();
             assert!(low < value && value < high);
@@ -130,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn an_axis_with_nothing_on_it_is_refused() {
+    fn an_axis_without_data_is_refused() {
         assert!(matches!(Axis::linear("x", "m").ends([].into_iter(), 0.0), Err(PlotError::Range { .. })));
     }
 }

@@ -1,15 +1,13 @@
-//! The canvas: what is drawn, in order, in points of print (1/72 inch, y downwards), before it becomes SVG.
-//!
-//! Stands on: `si`, the palette and `text`. Never knows: SVG, or what a mark or a panel is.
+//! The canvas: drawing items in order, in points of print (1/72 inch, y downwards), before they become SVG.
 
 use si::Point2;
 
-use crate::{Colour, Dash, Side, text};
+use crate::{Colour, Dash, Side, palette, text};
 
 /// Points of print in a millimetre.
 pub const POINTS_PER_MM: f64 = 72.0 / 25.4;
 
-/// An upright rectangle, in points of print.
+/// An axis-aligned rectangle, in points of print.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Area {
     /// Left and upper ends.
@@ -24,17 +22,17 @@ impl Area {
         Self { from, to: [from[0] + size[0], from[1] + size[1]] }
     }
 
-    /// Across.
+    /// Its horizontal side.
     pub fn width(&self) -> f64 {
         self.to[0] - self.from[0]
     }
 
-    /// Up.
+    /// Its vertical side.
     pub fn height(&self) -> f64 {
         self.to[1] - self.from[1]
     }
 
-    /// Its middle.
+    /// Its centre.
     pub fn centre(&self) -> Point2 {
         [0.5 * (self.from[0] + self.to[0]), 0.5 * (self.from[1] + self.to[1])]
     }
@@ -45,12 +43,12 @@ impl Area {
     }
 
     /// Whether a point lies in it.
-    pub fn holds(&self, p: Point2) -> bool {
+    pub fn contains(&self, p: Point2) -> bool {
         (0..2).all(|k| p[k] >= self.from[k] && p[k] <= self.to[k])
     }
 
     /// Whether two share a point.
-    pub fn meets(&self, other: &Self) -> bool {
+    pub fn intersects(&self, other: &Self) -> bool {
         (0..2).all(|k| self.from[k] <= other.to[k] && self.to[k] >= other.from[k])
     }
 
@@ -60,27 +58,58 @@ impl Area {
     }
 }
 
-/// Words on paper.
+/// One line of text.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Words {
-    /// Left, middle or right of the words' middle height, as `side` says.
+pub struct TextItem {
+    /// Its anchor at half of its height; `side` decides how the text is aligned to it.
     pub at: Point2,
-    /// The words.
+    /// Its characters.
     pub text: String,
     /// Font size.
     pub size: f64,
-    /// Where the words stand: `Left` ends at the point, `Right` begins there, any other is centred.
+    /// Its alignment: `Left` ends at the anchor, `Right` begins there, any other is centred.
     pub side: Side,
-    /// Read from below.
-    pub upright: bool,
-    /// Heavy letters.
+    /// Rotated by 90°, read upwards.
+    pub vertical: bool,
+    /// In bold type.
     pub bold: bool,
-    /// Their colour.
+    /// Its colour.
     pub colour: Colour,
 }
 
-impl Words {
-    /// The rectangle that the words fill.
+impl TextItem {
+    /// Horizontal black text of normal weight, centred at a point.
+    pub fn new(at: Point2, text: &str, size: f64) -> Self {
+        let (text, side, colour) = (text.to_owned(), Side::Centre, palette::BLACK);
+        Self { at, text, size, side, vertical: false, bold: false, colour }
+    }
+
+    /// The same text with another alignment.
+    pub fn side(self, side: Side) -> Self {
+        Self { side, ..self }
+    }
+
+    /// The same text in another colour.
+    pub fn colour(self, colour: Colour) -> Self {
+        Self { colour, ..self }
+    }
+
+    /// The same text in bold type.
+    pub fn bold(self) -> Self {
+        Self { bold: true, ..self }
+    }
+
+    /// The same text, rotated by 90°.
+    pub fn vertical(self) -> Self {
+        Self { vertical: true, ..self }
+    }
+
+    /// The same text with its anchor moved.
+    pub fn moved(self, by: Point2) -> Self {
+        Self { at: [self.at[0] + by[0], self.at[1] + by[1]], ..self }
+    }
+
+    /// The bounding box of the text.
     pub fn area(&self) -> Area {
         let width = text::width(&self.text, self.size) * if self.bold { text::BOLD } else { 1.0 };
         let begin = match self.side {
@@ -90,14 +119,14 @@ impl Words {
         };
         let half = 0.5 * self.size;
         let [x, y] = self.at;
-        match self.upright {
+        match self.vertical {
             false => Area { from: [x + begin, y - half], to: [x + begin + width, y + half] },
             true => Area { from: [x - half, y - begin - width], to: [x + half, y - begin] },
         }
     }
 }
 
-/// One thing on the canvas.
+/// One drawing item.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Item {
     /// A line through points.
@@ -106,11 +135,11 @@ pub enum Item {
         points: Vec<Point2>,
         /// Line width.
         width: f64,
-        /// How it is broken.
+        /// Its dash pattern.
         dash: Dash,
         /// Its colour.
         colour: Colour,
-        /// 1 covers.
+        /// Opacity, 0 to 1.
         opacity: f64,
     },
     /// A filled polygon.
@@ -119,7 +148,7 @@ pub enum Item {
         points: Vec<Point2>,
         /// Its colour.
         colour: Colour,
-        /// 1 covers.
+        /// Opacity, 0 to 1.
         opacity: f64,
     },
     /// A circle.
@@ -132,11 +161,11 @@ pub enum Item {
         line: Option<f64>,
         /// Its colour.
         colour: Colour,
-        /// 1 covers.
+        /// Opacity, 0 to 1.
         opacity: f64,
     },
-    /// Words.
-    Text(Words),
+    /// A line of text.
+    Text(TextItem),
     /// A picture that fills a rectangle.
     Picture {
         /// The rectangle.
@@ -146,10 +175,10 @@ pub enum Item {
     },
 }
 
-/// What is drawn, in order.
+/// Drawing items in order.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Canvas {
-    /// The things, the last one on top.
+    /// The items, the last one on top.
     pub items: Vec<Item>,
 }
 
@@ -168,7 +197,7 @@ impl Canvas {
     pub fn outline(&mut self, area: Area, width: f64, colour: Colour) {
         let mut points = area.corners();
         points.push(area.from);
-        points.push([area.to[0], area.from[1]]); // once more round the corner, so that it is mitred like the others
+        points.push([area.to[0], area.from[1]]); // the first side is repeated, so that the last corner is mitred like the others
         self.path(points, width, Dash::Solid, colour);
     }
 
@@ -177,10 +206,9 @@ impl Canvas {
         self.items.push(Item::Polygon { points: area.corners(), colour, opacity });
     }
 
-    /// Words of normal weight, read from the left.
-    pub fn words(&mut self, at: Point2, text: &str, size: f64, side: Side, colour: Colour) {
-        let text = text.to_owned();
-        self.items.push(Item::Text(Words { at, text, size, side, upright: false, bold: false, colour }));
+    /// A line of text.
+    pub fn text(&mut self, text: TextItem) {
+        self.items.push(Item::Text(text));
     }
 }
 
@@ -189,20 +217,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn upright_words_fill_a_standing_rectangle() {
-        let mut words = Words {
-            at: [10.0, 50.0],
-            text: "mmmm".to_owned(),
-            size: 8.0,
-            side: Side::Centre,
-            upright: false,
-            bold: false,
-            colour: Colour(0, 0, 0),
-        };
-        let lying = words.area();
-        words.upright = true;
-        let standing = words.area();
-        assert!((lying.width() - standing.height()).abs() < 1e-12 && (lying.height() - 8.0).abs() < 1e-12);
-        assert_eq!(lying.centre(), standing.centre());
+    fn rotated_text_has_a_bounding_box_with_swapped_sides() {
+        let text = TextItem::new([10.0, 50.0], "mmmm", 8.0);
+        let (horizontal, vertical) = (text.area(), text.vertical().area());
+        assert!((horizontal.width() - vertical.height()).abs() < 1e-12 && (horizontal.height() - 8.0).abs() < 1e-12);
+        assert_eq!(horizontal.centre(), vertical.centre());
     }
 }

@@ -1,12 +1,12 @@
-//! Clipping: what of a line or polygon lies inside of a rectangle.
+//! Clipping: the part of a line or polygon inside of a rectangle.
 //!
-//! Stands on: `canvas`' rectangle. Never knows: what is drawn.
+//! Lines are clipped by the algorithm of Liang and Barsky, polygons by that of Sutherland and Hodgman.
 
 use si::Point2;
 
 use crate::canvas::Area;
 
-/// The pieces of a line that lie inside (Liang and Barsky, segment by segment).
+/// The pieces of a line inside of the rectangle (Liang–Barsky, segment by segment).
 pub fn line(points: &[Point2], area: &Area) -> Vec<Vec<Point2>> {
     let mut pieces: Vec<Vec<Point2>> = Vec::new();
     for pair in points.windows(2) {
@@ -19,13 +19,13 @@ pub fn line(points: &[Point2], area: &Area) -> Vec<Vec<Point2>> {
     pieces
 }
 
-/// The part of a segment that lies inside; none when it misses the rectangle.
+/// The part of a segment inside of the rectangle; none when it misses it.
 pub fn segment(a: Point2, b: Point2, area: &Area) -> Option<[Point2; 2]> {
     let (mut enter, mut leave) = (0.0f64, 1.0f64);
     for k in 0..2 {
-        let way = b[k] - a[k];
-        for (wall, sign) in [(area.from[k], 1.0), (area.to[k], -1.0)] {
-            let (into, gap) = (sign * way, sign * (wall - a[k]));
+        let step = b[k] - a[k];
+        for (bound, sign) in [(area.from[k], 1.0), (area.to[k], -1.0)] {
+            let (into, gap) = (sign * step, sign * (bound - a[k]));
             if into == 0.0 && gap > 0.0 {
                 return None;
             }
@@ -36,6 +36,7 @@ pub fn segment(a: Point2, b: Point2, area: &Area) -> Option<[Point2; 2]> {
             }
         }
     }
+    // the ends are returned bit by bit, so that pieces that meet at an end are joined into one line
     let along = |t: f64| {
         if t == 0.0 {
             a
@@ -48,11 +49,11 @@ pub fn segment(a: Point2, b: Point2, area: &Area) -> Option<[Point2; 2]> {
     (enter <= leave).then(|| [along(enter), along(leave)])
 }
 
-/// The part of a polygon that lies inside (Sutherland and Hodgman, wall by wall).
+/// The part of a polygon inside of the rectangle (Sutherland–Hodgman, side by side).
 pub fn polygon(points: &[Point2], area: &Area) -> Vec<Point2> {
-    let walls = [(0, area.from[0], 1.0), (0, area.to[0], -1.0), (1, area.from[1], 1.0), (1, area.to[1], -1.0)];
-    walls.into_iter().fold(points.to_vec(), |points, (k, wall, sign)| {
-        let inside = |p: Point2| sign * (p[k] - wall) >= 0.0;
+    let sides = [(0, area.from[0], 1.0), (0, area.to[0], -1.0), (1, area.from[1], 1.0), (1, area.to[1], -1.0)];
+    sides.into_iter().fold(points.to_vec(), |points, (k, bound, sign)| {
+        let inside = |p: Point2| sign * (p[k] - bound) >= 0.0;
         let mut kept = Vec::new();
         for i in 0..points.len() {
             let (a, b) = (points[i], points[(i + 1) % points.len()]);
@@ -60,7 +61,7 @@ pub fn polygon(points: &[Point2], area: &Area) -> Vec<Point2> {
                 kept.push(a);
             }
             if inside(a) != inside(b) {
-                let t = (wall - a[k]) / (b[k] - a[k]);
+                let t = (bound - a[k]) / (b[k] - a[k]);
                 kept.push([a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])]);
             }
         }

@@ -1,17 +1,15 @@
-//! Contours: the lines of equal value over a grid, by marching squares.
-//!
-//! Stands on: `si`. Never knows: what the value is, or where the grid lies on paper.
+//! Contours: lines of equal value over a grid, by marching squares.
 
 use si::Point2;
 
-/// Values on an even grid; a point of the grid is [column, row].
+/// Values on a uniform grid; a point of the grid is [column, row].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Field {
     /// Columns.
     pub columns: usize,
     /// Rows.
     pub rows: usize,
-    /// rows × columns; NaN where there is none.
+    /// rows × columns; NaN for a missing value.
     pub values: Vec<f64>,
 }
 
@@ -20,11 +18,12 @@ impl Field {
         self.values[row * self.columns + column]
     }
 
-    /// The value between grid points, linear in both directions; NaN beside a missing one.
+    /// Bilinear interpolation; NaN beside a missing value.
     pub fn between(&self, p: Point2) -> f64 {
         let cell = |v: f64, most: usize| (v.floor().max(0.0) as usize).min(most.saturating_sub(2));
         let (i, j) = (cell(p[0], self.columns), cell(p[1], self.rows));
         let (s, t) = (p[0] - i as f64, p[1] - j as f64);
+        // at a grid line the other neighbour has no weight: 0 × NaN must not erase a value that exists
         let mix = |a: f64, b: f64, part: f64| {
             if part == 0.0 {
                 a
@@ -44,7 +43,7 @@ impl Field {
         Self { columns, rows, values: (0..columns * rows).map(|k| self.between(place(k))).collect() }
     }
 
-    /// The lines where the field has a value, in grid coordinates.
+    /// The contour lines of one level, in grid coordinates.
     pub fn lines(&self, level: f64) -> Vec<Vec<Point2>> {
         let mut segments = Vec::new();
         for row in 0..self.rows - 1 {
@@ -55,7 +54,7 @@ impl Field {
         joined(segments)
     }
 
-    /// The pieces of a level's line inside of one cell.
+    /// The segments of a contour line inside of one cell.
     fn cross_cell(&self, column: usize, row: usize, level: f64, segments: &mut Vec<[Point2; 2]>) {
         let corners = [(column, row), (column + 1, row), (column + 1, row + 1), (column, row + 1)];
         let values = corners.map(|(i, j)| self.at(i, j));
@@ -67,7 +66,7 @@ impl Field {
             if (values[a] > level) == (values[b] > level) {
                 return None;
             }
-            // from the lower index, so that neighbours compute the same bits
+            // always from the lower index: both cells at an edge compute the same crossing, bit by bit, and segments join
             let (a, b) = if corners[a] <= corners[b] { (a, b) } else { (b, a) };
             let t = (level - values[a]) / (values[b] - values[a]);
             let (p, q) = (corners[a], corners[b]);
@@ -76,7 +75,7 @@ impl Field {
         let found: Vec<Point2> = (0..4).filter_map(crossing).collect();
         match found[..] {
             [a, b] => segments.push([a, b]),
-            // a saddle: its middle says which corners belong together
+            // a saddle is ambiguous: the mean of the corners decides which of them are connected
             [a, b, c, d] if (0.25 * values.iter().sum::<f64>() > level) == (values[0] > level) => {
                 segments.extend([[a, b], [c, d]]);
             }

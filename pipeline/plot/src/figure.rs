@@ -1,16 +1,12 @@
-//! Figures: rows of panels on a page of given width, lettered and aligned.
-//!
-//! Stands on: `panels`, `layout`, `svg`. Never knows: where the figure is stored.
+//! Figures: rows of panels on a page of given width.
 
-use crate::canvas::Canvas;
 use crate::panels::Panel;
-use crate::{PlotError, layout, svg};
 
 /// Width of one column of the paper, mm.
 pub const SINGLE_COLUMN_MM: f64 = 88.0;
 /// Width of both columns of the paper, mm.
 pub const DOUBLE_COLUMN_MM: f64 = 181.0;
-/// No figure may be larger: the repository keeps them and the paper loads them.
+/// Largest size of a figure, bytes: figures are stored in the repository and loaded by the paper.
 pub const SVG_BYTES_LIMIT: usize = 400 * 1024;
 
 /// A panel in its row.
@@ -18,39 +14,39 @@ pub const SVG_BYTES_LIMIT: usize = 400 * 1024;
 pub struct Placed {
     /// The panel.
     pub panel: Panel,
-    /// Its part of the row's width, against the shares of its neighbours.
+    /// Its share of the row's width, relative to the shares of its neighbours.
     pub share: f64,
-    /// Words beside its letter.
+    /// Its title, beside its label.
     pub title: Option<String>,
-    /// Whether it has a letter, when the figure has more than one panel.
-    pub lettered: bool,
+    /// Whether it has a label, (a), (b), …; a figure of one panel has none.
+    pub has_panel_label: bool,
 }
 
 impl From<Panel> for Placed {
     fn from(panel: Panel) -> Self {
-        Self { panel, share: 1.0, title: None, lettered: true }
+        Self { panel, share: 1.0, title: None, has_panel_label: true }
     }
 }
 
 impl Placed {
-    /// The same panel with words beside its letter.
+    /// The same panel with a title.
     pub fn titled(self, title: &str) -> Self {
         Self { title: Some(title.to_owned()), ..self }
     }
 
-    /// The same panel with another part of the row's width.
+    /// The same panel with another share of the row's width.
     pub fn share(self, share: f64) -> Self {
         Self { share, ..self }
     }
 
-    /// The same panel without a letter, because it continues the one before.
-    pub fn unlettered(self) -> Self {
-        Self { lettered: false, ..self }
+    /// The same panel without a label, because it continues the one before.
+    pub fn without_panel_label(self) -> Self {
+        Self { has_panel_label: false, ..self }
     }
 }
 
 impl Panel {
-    /// The panel with words beside its letter.
+    /// The panel with a title.
     pub fn titled(self, title: &str) -> Placed {
         Placed::from(self).titled(title)
     }
@@ -68,9 +64,9 @@ pub(crate) struct Row {
 /// A figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
-    /// Words over everything; papers have captions instead.
+    /// A title over all panels; papers have captions instead.
     pub title: Option<String>,
-    /// A small line under everything, such as where the data come from.
+    /// A small line under all panels, such as the origin of the data.
     pub note: Option<String>,
     pub(crate) width_mm: f64,
     pub(crate) rows: Vec<Row>,
@@ -88,27 +84,13 @@ impl Figure {
         self
     }
 
-    /// The same figure with words over everything.
+    /// The same figure with a title over all panels.
     pub fn titled(self, title: &str) -> Self {
         Self { title: Some(title.to_owned()), ..self }
     }
 
-    /// The same figure with a small line under everything.
+    /// The same figure with a small line under all panels.
     pub fn noted(self, note: &str) -> Self {
         Self { note: Some(note.to_owned()), ..self }
-    }
-
-    /// The figure as SVG text. The same figure gives the same bytes.
-    ///
-    /// # Errors
-    /// [`PlotError`] when a number has no place, a frame no room, or the text is above [`SVG_BYTES_LIMIT`].
-    pub fn svg(&self) -> Result<String, PlotError> {
-        let mut canvas = Canvas::default();
-        let page = layout::draw(self, &mut canvas)?;
-        let text = svg::write(&canvas, page)?;
-        match text.len() {
-            bytes if bytes > SVG_BYTES_LIMIT => Err(PlotError::TooLarge { bytes, limit: SVG_BYTES_LIMIT }),
-            _ => Ok(text),
-        }
     }
 }

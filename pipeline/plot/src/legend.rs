@@ -1,18 +1,16 @@
-//! Legends: one line a labelled mark, in a corner where nothing is drawn, or over the frame.
-//!
-//! Stands on: `mark`, `canvas`, `ink`. Never knows: axes.
+//! Legends: one entry for each labelled mark, in an empty corner of the frame, or over the frame.
 
 use si::Point2;
 
-use crate::canvas::{Area, Canvas, Item};
+use crate::canvas::{Area, Canvas, Item, TextItem};
 use crate::frame::SMALL;
 use crate::mark::{Mark, Shape, Side};
-use crate::mark_ink::draw_marker;
+use crate::mark_painter::draw_marker;
 use crate::{palette, text};
 
 /// Length of a sample line.
 const SAMPLE: f64 = 13.0;
-/// Between sample and words.
+/// Between sample and label.
 const GAP: f64 = 3.0;
 /// Height of a line.
 const LINE: f64 = 8.6;
@@ -26,26 +24,27 @@ pub fn listed(marks: &[Mark]) -> Vec<&Mark> {
     marks.iter().filter(|m| m.label.is_some()).collect()
 }
 
-fn words(mark: &Mark) -> &str {
+fn label(mark: &Mark) -> &str {
     mark.label.as_deref().unwrap_or("")
 }
 
 fn entry_width(mark: &Mark) -> f64 {
-    SAMPLE + GAP + text::width(words(mark), SMALL)
+    SAMPLE + GAP + text::width(label(mark), SMALL)
 }
 
-/// The first place in a frame where the legend covers nothing of what `drawn` holds.
+/// The first place in a frame where the legend covers nothing that is drawn.
 pub fn free_place(entries: &[&Mark], frame: Area, drawn: &Canvas) -> Option<Area> {
     let width = entries.iter().map(|m| entry_width(m)).fold(0.0, f64::max);
     let size = [width, entries.len() as f64 * LINE];
     let inner = frame.grown(-CLEAR);
-    let room = [inner.width() - size[0], inner.height() - size[1]];
-    if room[0] < 0.0 || room[1] < 0.0 {
+    let free = [inner.width() - size[0], inner.height() - size[1]];
+    if free[0] < 0.0 || free[1] < 0.0 {
         return None;
     }
-    let parts = [[1.0, 0.0], [0.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.0], [0.5, 1.0], [1.0, 0.5], [0.0, 0.5]];
-    let place = |part: &Point2| Area::new([inner.from[0] + part[0] * room[0], inner.from[1] + part[1] * room[1]], size);
-    parts.iter().map(place).find(|area| !drawn.touches(&area.grown(0.8 * CLEAR)))
+    // corners first, then the middles of the sides; the right upper corner is the usual place
+    let fractions = [[1.0, 0.0], [0.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.0], [0.5, 1.0], [1.0, 0.5], [0.0, 0.5]];
+    let place = |f: &Point2| Area::new([inner.from[0] + f[0] * free[0], inner.from[1] + f[1] * free[1]], size);
+    fractions.iter().map(place).find(|area| !drawn.touches(&area.grown(0.8 * CLEAR)))
 }
 
 /// Draws the entries under each other.
@@ -108,18 +107,18 @@ fn entry(canvas: &mut Canvas, mark: &Mark, at: Point2) {
             canvas.filled(swatch, mark.colour, mark.opacity);
         }
         Shape::Text { .. } => {}
-        Shape::Line(_) | Shape::Level(_) | Shape::Upright(_) => line_sample(canvas, mark, at),
+        Shape::Line(_) | Shape::HorizontalLine(_) | Shape::VerticalLine(_) => line_sample(canvas, mark, at),
     }
-    canvas.words([at[0] + SAMPLE + GAP, at[1]], words(mark), SMALL, Side::Right, palette::INK);
+    canvas.text(TextItem::new([at[0] + SAMPLE + GAP, at[1]], label(mark), SMALL).side(Side::Right));
 }
 
-/// A piece of the mark's line, with a dark rim when paper would hide it.
+/// A sample of the mark's line, with a dark outline when it has the colour of the paper.
 fn line_sample(canvas: &mut Canvas, mark: &Mark, at: Point2) {
     let points = vec![at, [at[0] + SAMPLE, at[1]]];
     let Mark { size: width, dash, colour, opacity, .. } = *mark;
     if colour == palette::PAPER {
-        let rim = Item::Path { points: points.clone(), width: width + 0.9, dash, colour: palette::INK, opacity };
-        canvas.items.push(rim);
+        let outline = Item::Path { points: points.clone(), width: width + 0.9, dash, colour: palette::BLACK, opacity };
+        canvas.items.push(outline);
     }
     canvas.items.push(Item::Path { points, width, dash, colour, opacity });
 }
@@ -136,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn a_legend_stands_where_no_line_passes() {
+    fn a_legend_is_placed_where_no_line_passes() {
         let (a, b) = (mark("measured"), mark("simulated"));
         let mut drawn = Canvas::default();
         drawn.path(vec![[0.0, 90.0], [190.0, 0.0]], 1.0, Dash::Solid, Colour(0, 0, 0));

@@ -1,8 +1,15 @@
 //! Figures and tables: panels with axes, heat maps, meshes and diagrams become one SVG text each.
 //!
-//! One visual language for the whole paper: [`palette`] gives each role its colour, and fonts, line widths, ticks,
-//! letters and legends are decided here once, so that a figure says only what it shows. The same figure gives the same
-//! bytes. Coordinates are written on a grid of a twentieth of a point, and text stays text.
+//! All figures of the paper have one style: [`palette`] assigns colours to roles; fonts, line widths, ticks, panel labels
+//! and legends are defined here once. A figure is a pure function of its data: the same figure gives the same bytes.
+//! Coordinates have a resolution of a twentieth of a point, and text is stored as text.
+//!
+//! | item | content |
+//! |------|---------|
+//! | [`Figure`] | rows of panels, aligned and labelled |
+//! | [`Panel`] | [`Axes`], [`Landscape`] (heat map), [`Scene`] (triangles in space), [`Diagram`], [`Picture`] |
+//! | [`Mark`] | a line, points, a band or text on axes |
+//! | [`Table`] | CSV, LaTeX and SVG |
 //!
 //! ```
 //! use plot::{Axes, Axis, Figure, Mark, Panel, palette};
@@ -15,20 +22,20 @@
 //! # Ok::<(), plot::PlotError>(())
 //! ```
 //!
-//! Stands on: `si`, plotters for the drawing, image for PNG. Never knows: a specimen, a stage, a file.
+//! Depends on `si`, plotters (SVG) and image (PNG); on no specimen, stage or file.
 
 mod axis;
 mod canvas;
 mod clip;
 mod contour;
+mod coverage;
 mod error;
 mod figure;
 mod frame;
-mod ink;
 mod layout;
 mod legend;
 mod mark;
-mod mark_ink;
+mod mark_painter;
 pub mod palette;
 mod panel;
 pub mod panels;

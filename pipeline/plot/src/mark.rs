@@ -1,15 +1,13 @@
-//! Marks: what is drawn on axes, in the units of the axes.
-//!
-//! Stands on: the palette. Never knows: where on the paper its axes lie.
+//! Marks: lines, points, bands and text in the units of the axes.
 
 use si::Point2;
 
 use crate::{Colour, PlotError};
 
-/// How a line is broken.
+/// The dash pattern of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Dash {
-    /// Not at all.
+    /// A continuous line.
     #[default]
     Solid,
     /// Long dashes.
@@ -18,7 +16,7 @@ pub enum Dash {
     Dotted,
 }
 
-/// What stands at a point.
+/// The symbol at a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Marker {
     /// A filled disc.
@@ -29,40 +27,40 @@ pub enum Marker {
     Square,
     /// A filled triangle, point up.
     Triangle,
-    /// A lying cross: ×.
+    /// A diagonal cross: ×.
     Cross,
-    /// A standing cross: +.
+    /// An upright cross: +.
     Plus,
 }
 
-/// On which side of its point a text stands.
+/// On which side of its point a text is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Side {
-    /// Over it, centred.
+    /// Above it, centred.
     Above,
-    /// Under it, centred.
+    /// Below it, centred.
     Below,
     /// Ends before it.
     Left,
     /// Begins after it.
     Right,
-    /// On it.
+    /// Centred at it.
     Centre,
 }
 
-/// What a mark looks like.
+/// The geometry of a mark.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shape {
     /// A line through points.
     Line(Vec<Point2>),
-    /// Markers at points, each with the half length of its upright error bar (none: no bars).
+    /// Markers at points, each with the half length of its vertical error bar.
     Points {
-        /// Where.
+        /// The points.
         at: Vec<Point2>,
-        /// What stands there.
+        /// Their symbol.
         marker: Marker,
         /// Half lengths of the error bars, one a point.
-        spread: Option<Vec<f64>>,
+        error_bars: Option<Vec<f64>>,
     },
     /// The area between two curves over the same x.
     Band {
@@ -75,7 +73,7 @@ pub enum Shape {
     },
     /// A filled polygon.
     Area(Vec<Point2>),
-    /// Words beside a point.
+    /// Text beside a point.
     Text {
         /// The point.
         at: Point2,
@@ -84,28 +82,28 @@ pub enum Shape {
         /// Where they stand.
         side: Side,
     },
-    /// A line across the panel at one y.
-    Level(f64),
-    /// A line up the panel at one x.
-    Upright(f64),
-    /// The whole height between two x.
+    /// A horizontal line over the whole width, at y.
+    HorizontalLine(f64),
+    /// A vertical line over the whole height, at x.
+    VerticalLine(f64),
+    /// The whole height between two values of x.
     Span(f64, f64),
 }
 
 /// Something drawn on axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mark {
-    /// What it looks like.
+    /// Its geometry.
     pub shape: Shape,
     /// Its colour.
     pub colour: Colour,
-    /// Its line in the legend; none: it is not listed.
+    /// Its entry in the legend; none: it is not listed.
     pub label: Option<String>,
-    /// How its lines are broken.
+    /// The dash pattern of its lines.
     pub dash: Dash,
     /// Width of lines, or diameter of markers, in points of print.
     pub size: f64,
-    /// 1 covers, 0 is not seen.
+    /// Opacity, 0 (invisible) to 1.
     pub opacity: f64,
 }
 
@@ -121,7 +119,7 @@ impl Mark {
 
     /// Markers.
     pub fn points(at: Vec<Point2>, marker: Marker, colour: Colour) -> Self {
-        Self::new(Shape::Points { at, marker, spread: None }, colour, 3.4, 1.0)
+        Self::new(Shape::Points { at, marker, error_bars: None }, colour, 3.4, 1.0)
     }
 
     /// A large cross ×, for the best point.
@@ -139,22 +137,22 @@ impl Mark {
         Self::new(Shape::Area(points), colour, 0.0, 1.0)
     }
 
-    /// Words beside a point.
+    /// Text beside a point.
     pub fn text(at: Point2, text: &str, side: Side, colour: Colour) -> Self {
         Self::new(Shape::Text { at, text: text.to_owned(), side }, colour, 7.0, 1.0)
     }
 
-    /// A line across the panel.
-    pub fn level(y: f64, colour: Colour) -> Self {
-        Self::new(Shape::Level(y), colour, 0.7, 1.0)
+    /// A horizontal line over the whole width.
+    pub fn horizontal_line(y: f64, colour: Colour) -> Self {
+        Self::new(Shape::HorizontalLine(y), colour, 0.7, 1.0)
     }
 
-    /// A line up the panel.
-    pub fn upright(x: f64, colour: Colour) -> Self {
-        Self::new(Shape::Upright(x), colour, 0.7, 1.0)
+    /// A vertical line over the whole height.
+    pub fn vertical_line(x: f64, colour: Colour) -> Self {
+        Self::new(Shape::VerticalLine(x), colour, 0.7, 1.0)
     }
 
-    /// The whole height between two x, for a time window.
+    /// The whole height between two values of x, such as a time window.
     pub fn span(from: f64, to: f64, colour: Colour) -> Self {
         Self::new(Shape::Span(from, to), colour, 0.0, 0.14)
     }
@@ -164,7 +162,7 @@ impl Mark {
         Self { label: Some(label.to_owned()), ..self }
     }
 
-    /// The same mark with broken lines.
+    /// The same mark with a dash pattern.
     pub fn dashed(self, dash: Dash) -> Self {
         Self { dash, ..self }
     }
@@ -174,15 +172,15 @@ impl Mark {
         Self { size, ..self }
     }
 
-    /// The same mark, seen through.
-    pub fn faded(self, opacity: f64) -> Self {
+    /// The same mark with an opacity.
+    pub fn with_opacity(self, opacity: f64) -> Self {
         Self { opacity, ..self }
     }
 
-    /// The same markers with upright error bars (half lengths, one a point).
-    pub fn with_spread(mut self, halves: Vec<f64>) -> Self {
-        if let Shape::Points { spread, .. } = &mut self.shape {
-            *spread = Some(halves);
+    /// The same markers with vertical error bars (half lengths, one for each point).
+    pub fn with_error_bars(mut self, halves: Vec<f64>) -> Self {
+        if let Shape::Points { error_bars, .. } = &mut self.shape {
+            *error_bars = Some(halves);
         }
         self
     }
@@ -194,8 +192,8 @@ impl Mark {
             Shape::Points { at, .. } => at.iter().map(|p| p[0]).collect(),
             Shape::Band { x, .. } => x.clone(),
             Shape::Text { at, .. } => vec![at[0]],
-            Shape::Level(_) => vec![],
-            Shape::Upright(x) => vec![*x],
+            Shape::HorizontalLine(_) => vec![],
+            Shape::VerticalLine(x) => vec![*x],
             Shape::Span(from, to) => vec![*from, *to],
         }
     }
@@ -204,18 +202,18 @@ impl Mark {
     pub(crate) fn all_y(&self) -> Vec<f64> {
         match &self.shape {
             Shape::Line(points) | Shape::Area(points) => points.iter().map(|p| p[1]).collect(),
-            Shape::Points { at, spread: None, .. } => at.iter().map(|p| p[1]).collect(),
-            Shape::Points { at, spread: Some(half), .. } => {
+            Shape::Points { at, error_bars: None, .. } => at.iter().map(|p| p[1]).collect(),
+            Shape::Points { at, error_bars: Some(half), .. } => {
                 at.iter().zip(half).flat_map(|(p, h)| [p[1] - h, p[1] + h]).collect()
             }
             Shape::Band { low, high, .. } => [&low[..], &high[..]].concat(),
             Shape::Text { at, .. } => vec![at[1]],
-            Shape::Level(y) => vec![*y],
-            Shape::Upright(_) | Shape::Span(..) => vec![],
+            Shape::HorizontalLine(y) => vec![*y],
+            Shape::VerticalLine(_) | Shape::Span(..) => vec![],
         }
     }
 
-    /// Refuses numbers without a place, and lists that do not belong together.
+    /// Refuses numbers that are not finite, and lists of different lengths.
     pub(crate) fn check(&self) -> Result<(), PlotError> {
         let what = || format!("the mark `{}`", self.label.as_deref().unwrap_or("without a label"));
         let same = |found: usize, expected: usize| match found == expected {
@@ -223,7 +221,7 @@ impl Mark {
             false => Err(PlotError::Length { what: what(), found, expected }),
         };
         match &self.shape {
-            Shape::Points { at, spread: Some(half), .. } => same(half.len(), at.len())?,
+            Shape::Points { at, error_bars: Some(half), .. } => same(half.len(), at.len())?,
             Shape::Band { x, low, high } => same(low.len(), x.len()).and(same(high.len(), x.len()))?,
             _ => {}
         }

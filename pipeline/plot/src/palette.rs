@@ -1,9 +1,7 @@
-//! Colours by role: what a colour means is the same in every figure.
+//! Colours by role: a colour has the same meaning in every figure.
 //!
-//! The hues are Okabe and Ito's, which people with any common colour blindness tell apart.      [okabe2008]
-//! The map for heat maps is viridis, even in lightness and safe in grey print.      [vanderwalt2015]
-//!
-//! Stands on: nothing. Never knows: a specimen; tails take [`series`] in the order of the data.
+//! The hues are those of \[okabe2008\], which remain distinct with the common kinds of colour blindness. The colour map of
+//! heat maps is viridis \[vanderwalt2015\]: perceptually uniform, and its lightness increases monotonically.
 
 /// A colour of the screen: red, green, blue, 0 to 255.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,20 +14,20 @@ const PURPLE: Colour = Colour(204, 121, 167);
 const VERMILLION: Colour = Colour(213, 94, 0);
 const SKY: Colour = Colour(86, 180, 233);
 
-/// Text, axes and whatever was measured.
-pub const INK: Colour = Colour(26, 26, 26);
+/// Text, axes and measurements.
+pub const BLACK: Colour = Colour(26, 26, 26);
 /// Secondary text.
 pub const MUTED: Colour = Colour(105, 105, 105);
 /// Grid lines.
 pub const FAINT: Colour = Colour(228, 228, 228);
 /// The paper.
 pub const PAPER: Colour = Colour(255, 255, 255);
-/// A cell without a value.
+/// A missing value.
 pub const MISSING: Colour = Colour(200, 200, 200);
 
-/// What an instrument recorded.
-pub const MEASURED: Colour = INK;
-/// What the model gives.
+/// Measurements.
+pub const MEASURED: Colour = BLACK;
+/// Simulations.
 pub const SIMULATED: Colour = BLUE;
 /// The soft body.
 pub const BODY: Colour = SKY;
@@ -37,34 +35,34 @@ pub const BODY: Colour = SKY;
 pub const SPINE: Colour = VERMILLION;
 /// Air under pressure.
 pub const PRESSURE: Colour = ORANGE;
-/// A displacement shown beside a force.
+/// A displacement beside a force.
 pub const DISPLACEMENT: Colour = SKY;
-/// The learned predictor.
+/// The neural network.
 pub const NETWORK: Colour = GREEN;
 /// Elongated-body theory.
 pub const ELONGATED_BODY: Colour = PURPLE;
 /// A trivial baseline.
 pub const BASELINE: Colour = Colour(95, 95, 95);
-/// The best point of a search.
+/// The optimum.
 pub const OPTIMUM: Colour = Colour(214, 39, 40);
 
-/// The colour of an optimiser by its name; [`INK`] for one that has none yet.
+/// The colour of an optimiser by its name; [`BLACK`] for an unknown one.
 pub fn method(name: &str) -> Colour {
     match name {
         "adam" => VERMILLION,
         "grid" => BASELINE,
         "gauss_newton" => GREEN,
         "cma_es" => PURPLE,
-        _ => INK,
+        _ => BLACK,
     }
 }
 
-/// Colours for things that have no role but an order (tails, pressures); they repeat after six.
+/// Colours by index (specimens, pressures); they repeat after six.
 pub fn series(index: usize) -> Colour {
     [BLUE, ORANGE, GREEN, PURPLE, VERMILLION, SKY][index % 6]
 }
 
-/// Viridis at ninths of its way, dark to light.
+/// Viridis at nine equidistant points, dark to light.
 const VIRIDIS: [Colour; 9] = [
     Colour(68, 1, 84),
     Colour(71, 44, 122),
@@ -77,7 +75,7 @@ const VIRIDIS: [Colour; 9] = [
     Colour(253, 231, 37),
 ];
 
-/// The heat map's colour for a part 0 to 1 of the range; low is dark.
+/// The heat map's colour at a fraction 0 to 1 of the range; low is dark.
 pub fn heat(part: f64) -> Colour {
     let place = part.clamp(0.0, 1.0) * (VIRIDIS.len() - 1) as f64;
     let left = (place.floor() as usize).min(VIRIDIS.len() - 2);
@@ -85,7 +83,7 @@ pub fn heat(part: f64) -> Colour {
 }
 
 impl Colour {
-    /// The colour a part 0 to 1 of the way to another.
+    /// Linear interpolation to another colour, 0 to 1.
     pub fn towards(self, other: Self, part: f64) -> Self {
         let mix = |a: u8, b: u8| (f64::from(a) * (1.0 - part) + f64::from(b) * part).round() as u8;
         Self(mix(self.0, other.0), mix(self.1, other.1), mix(self.2, other.2))
@@ -101,7 +99,7 @@ mod tests {
         [c.0, c.1, c.2].map(|v| (f64::from(v) / 255.0).powf(2.2))
     }
 
-    /// What an eye without red (or green) cones sees, Viénot, Brettel and Mollon 1999, in linear light.
+    /// The colour as seen without red (or green) cones (Viénot, Brettel and Mollon 1999), in linear light.
     fn seen(c: Colour, matrix: [[f64; 3]; 3]) -> [f64; 3] {
         let l = linear(c);
         matrix.map(|row| (row[0] * l[0] + row[1] * l[1] + row[2] * l[2]).max(0.0).powf(1.0 / 2.2) * 255.0)
@@ -112,13 +110,13 @@ mod tests {
     const NO_GREEN: [[f64; 3]; 3] = [[0.29275, 0.70725, 0.0], [0.29275, 0.70725, 0.0], [-0.02234, 0.02234, 1.0]];
 
     #[test]
-    fn colours_that_meet_in_a_panel_differ_for_eyes_without_red_or_green() {
+    fn colours_of_one_panel_differ_with_protanopia_and_deuteranopia() {
         let methods = ["grid", "cma_es", "adam", "gauss_newton"].map(method);
         let sets: [&[Colour]; 4] = [
             &[MEASURED, SIMULATED, PRESSURE],
             &[MEASURED, NETWORK, ELONGATED_BODY, DISPLACEMENT],
             &methods,
-            &[BODY, SPINE, INK],
+            &[BODY, SPINE, BLACK],
         ];
         for (set, eye) in sets.iter().flat_map(|s| [FULL, NO_RED, NO_GREEN].map(|eye| (s, eye))) {
             for (i, a) in set.iter().enumerate() {
@@ -132,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn the_heat_map_grows_lighter_all_the_way() {
+    fn the_lightness_of_the_heat_map_increases_monotonically() {
         let light = |i: i32| {
             let l = linear(heat(f64::from(i) / 64.0));
             0.2126 * l[0] + 0.7152 * l[1] + 0.0722 * l[2]

@@ -1,34 +1,32 @@
-//! Rulers: an axis laid onto paper, and the numbers that stand beside it.
-//!
-//! Stands on: `axis` and `text`. Never knows: whether it lies or stands.
+//! Rulers: the map from an axis to points of print, and the choice of its ticks.
 
 use crate::axis::Scale;
 use crate::text::{number, power_of_ten};
 
-/// An axis between two places on paper (points of print).
+/// An axis between two places on the page (points of print).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ruler {
-    /// How numbers find their place.
+    /// Linear or logarithmic.
     pub scale: Scale,
-    /// The numbers at both ends.
+    /// The values at both ends.
     pub ends: (f64, f64),
     /// The places of both ends; the second may be the smaller one.
     pub places: (f64, f64),
 }
 
-/// The numbers beside a ruler.
+/// The ticks of an axis.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Ticks {
-    /// Numbers with their texts.
+    /// Values with their tick labels.
     pub major: Vec<(f64, String)>,
-    /// Numbers with a short line alone.
+    /// Values without a label.
     pub minor: Vec<f64>,
 }
 
-/// A number this near to an end, as a part of the range, is taken to lie on it.
-const ON_THE_END: f64 = 1e-9;
+/// A value this close to an end, as a fraction of the range, counts as inside: round-off must not drop the last tick.
+const END_TOLERANCE: f64 = 1e-9;
 
-/// The numbers of a logarithmic axis, from many to few: digits, and every how many decades they stand.
+/// Candidates for the ticks of a logarithmic axis, from many to few: leading digits, and the step in decades.
 const FAMILIES: [(&[f64], i32); 8] = [
     (&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0], 1),
     (&[1.0, 2.0, 3.0, 5.0], 1),
@@ -41,17 +39,18 @@ const FAMILIES: [(&[f64], i32); 8] = [
 ];
 
 impl Ruler {
-    /// The place of a number.
+    /// The place of a value.
     pub fn place(&self, value: f64) -> f64 {
-        let even = |v| self.scale.even(v);
-        let part = (even(value) - even(self.ends.0)) / (even(self.ends.1) - even(self.ends.0));
+        let linearised = |v| self.scale.linearised(v);
+        let start = linearised(self.ends.0);
+        let part = (linearised(value) - start) / (linearised(self.ends.1) - start);
         self.places.0 + part * (self.places.1 - self.places.0)
     }
 
-    /// The number at a place.
+    /// The value at a place.
     pub fn value(&self, place: f64) -> f64 {
         let part = (place - self.places.0) / (self.places.1 - self.places.0);
-        let (a, b) = (self.scale.even(self.ends.0), self.scale.even(self.ends.1));
+        let (a, b) = (self.scale.linearised(self.ends.0), self.scale.linearised(self.ends.1));
         self.scale.value(a + part * (b - a))
     }
 
@@ -67,7 +66,7 @@ impl Ruler {
         let step = nice_step((self.ends.1 - self.ends.0) / most);
         let values = multiples(step, self.ends);
         let largest = self.ends.0.abs().max(self.ends.1.abs());
-        let text = |v: f64| written(v, step, largest);
+        let text = |v: f64| tick_label(v, step, largest);
         Ticks { major: values.into_iter().map(|v| (v, text(v))).collect(), minor: vec![] }
     }
 
@@ -76,7 +75,7 @@ impl Ruler {
         let family = |digits: &[f64], every: i32| -> Vec<f64> {
             let exponents = (from..=to).filter(|e| e % every == 0);
             let values = exponents.flat_map(|e| digits.iter().map(move |d| d * 10f64.powi(e)));
-            values.filter(|v| self.holds(*v)).collect()
+            values.filter(|v| self.contains(*v)).collect()
         };
         let gap = |pair: &[f64]| (self.place(pair[1]) - self.place(pair[0])).abs();
         let fits = |values: &Vec<f64>| values.windows(2).all(|pair| gap(pair) >= apart);
@@ -87,12 +86,12 @@ impl Ruler {
         }
         let plain = self.ends.0 >= 1e-3 && self.ends.1 <= 1e4;
         let minor = family(FAMILIES[0].0, 1).into_iter().filter(|v| !values.contains(v) && to - from < 6).collect();
-        Ticks { major: values.into_iter().map(|v| (v, log_text(v, plain))).collect(), minor }
+        Ticks { major: values.into_iter().map(|v| (v, log_tick_label(v, plain))).collect(), minor }
     }
 
-    /// Whether a number lies between the ends.
-    pub fn holds(&self, value: f64) -> bool {
-        let slack = ON_THE_END * (self.ends.1 - self.ends.0).abs();
+    /// Whether a value lies between the ends.
+    pub fn contains(&self, value: f64) -> bool {
+        let slack = END_TOLERANCE * (self.ends.1 - self.ends.0).abs();
         value >= self.ends.0 - slack && value <= self.ends.1 + slack
     }
 }
@@ -104,14 +103,14 @@ fn nice_step(least: f64) -> f64 {
     digit.unwrap_or(10.0) * decade
 }
 
-/// The multiples of a step between two ends, which count when met to a part in 10⁹.
+/// The multiples of a step between two ends, with a tolerance of 10⁻⁹ of the step.
 fn multiples(step: f64, (low, high): (f64, f64)) -> Vec<f64> {
     let (from, to) = ((low / step - 1e-9).ceil() as i64, (high / step + 1e-9).floor() as i64);
     (from..=to).map(|k| k as f64 * step).collect()
 }
 
-/// A tick's text: plain while it is short, else a digit and a power of ten.
-fn written(value: f64, step: f64, largest: f64) -> String {
+/// A tick label: a decimal number while it is short, else a mantissa with a power of ten.
+fn tick_label(value: f64, step: f64, largest: f64) -> String {
     let decimals = (-(step * 1.0001).log10().floor()).max(0.0) as usize;
     if value == 0.0 && decimals > 3 {
         return "0".to_owned();
@@ -124,7 +123,7 @@ fn written(value: f64, step: f64, largest: f64) -> String {
     format!("{}·{}", number(value / 10f64.powi(exponent), digits), power_of_ten(exponent))
 }
 
-fn log_text(value: f64, plain: bool) -> String {
+fn log_tick_label(value: f64, plain: bool) -> String {
     let exponent = (value * 1.0001).log10().floor() as i32;
     let digit = (value / 10f64.powi(exponent)).round();
     match (plain, digit) {
@@ -150,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn tiny_numbers_are_written_with_a_power_of_ten() {
+    fn small_numbers_have_a_power_of_ten() {
         assert_eq!(texts(Scale::Linear, (0.0, 2e-6), 60.0), ["0", "1·10⁻⁶", "2·10⁻⁶"]);
     }
 
@@ -167,12 +166,12 @@ mod tests {
     }
 
     #[test]
-    fn a_log_axis_shorter_than_its_digits_falls_back_to_round_steps() {
+    fn a_log_axis_over_a_fraction_of_a_decade_has_linear_steps() {
         assert_eq!(texts(Scale::Log, (0.21, 0.28), 80.0), ["0.22", "0.24", "0.26", "0.28"]);
     }
 
     #[test]
-    fn a_place_and_its_number_are_inverse() {
+    fn value_is_the_inverse_of_place() {
         let ruler = Ruler { scale: Scale::Log, ends: (0.02, 3.0), places: (90.0, 10.0) };
         assert!((ruler.value(ruler.place(0.7)) - 0.7).abs() < 1e-12);
         assert!((ruler.place(0.02) - 90.0).abs() < 1e-12);

@@ -1,35 +1,33 @@
 //! From the canvas to SVG text, through plotters.
 //!
-//! plotters writes whole pixels, so the canvas is handed over [`GRID`] times as large and the viewBox says so: a curve
-//! is written to a twentieth of a point (0.018 mm) and shows no stairs. The root element carries what plotters repeats
-//! or cannot say (font, size in millimetres, round joints); pictures and the pattern of broken lines are set between
-//! what it writes.
-//!
-//! Stands on: plotters, `canvas`, `raster`. Never knows: panels or marks.
+//! plotters writes integer coordinates, so the canvas is scaled by [`GRID`] and the viewBox with it: curves have a
+//! resolution of a twentieth of a point (0.018 mm). The root element holds the attributes that plotters repeats or does
+//! not support (font, size in millimetres, round joints); pictures and dash patterns are inserted between its elements.
 
-use plotters::drawing::{DrawingArea, IntoDrawingArea};
+use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
 use plotters::element::{Circle, PathElement, Polygon, Text};
 use plotters::prelude::{Color, RGBColor, SVGBackend, ShapeStyle};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{FontDesc, FontFamily, FontStyle, FontTransform, TextStyle};
 use si::Point2;
 
-use crate::canvas::{Canvas, Item, POINTS_PER_MM, Words};
+use crate::canvas::{Canvas, Item, POINTS_PER_MM, TextItem};
 use crate::raster::base64;
 use crate::{Colour, Dash, PlotError, Side, thin};
 
-/// The fonts that are asked for, in order; the last resort is any sans-serif.
+/// Font families in order of preference; the fallback is any sans-serif.
 pub const FONT_FAMILIES: &str = "Helvetica, Arial, 'Liberation Sans', Arimo, 'DejaVu Sans', sans-serif";
 
 /// Units of the SVG in a point of print.
 const GRID: f64 = 20.0;
-/// Half of the grid: a point this near to the line would be written onto it anyway.
+/// Half of a grid step: points this close to a line are rounded onto it anyway.
 const TOLERANCE: f64 = 0.5 / GRID;
 /// plotters divides a font size by this before it writes it.
 const PLOTTERS_FONT_SCALE: f64 = 1.24;
 /// Middle height of digits above the base line, less the quarter em by which plotters lowers centred text.
 const LIFT: f64 = 0.36 - 0.25;
 
+type DrawingError = DrawingAreaErrorKind<std::io::Error>;
 type Page<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 
 /// The canvas, `size` points of print large, as SVG text.
@@ -39,7 +37,7 @@ type Page<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 pub fn write(canvas: &Canvas, size: Point2) -> Result<String, PlotError> {
     let grid = size.map(|v| (v * GRID).round() as u32);
     let mut body = String::new();
-    for run in canvas.items.chunk_by(|a, b| !alone(a) && !alone(b)) {
+    for run in canvas.items.chunk_by(|a, b| !is_special(a) && !is_special(b)) {
         body += &match &run[0] {
             Item::Picture { area, png } => picture(area.from, [area.width(), area.height()], png),
             Item::Path { dash, width, .. } if *dash != Dash::Solid => dashed(&shapes(run, grid)?, *dash, *width),
@@ -55,8 +53,8 @@ pub fn write(canvas: &Canvas, size: Point2) -> Result<String, PlotError> {
     ))
 }
 
-/// Whether an item needs more than plotters can say.
-fn alone(item: &Item) -> bool {
+/// Whether an item has attributes that plotters does not support.
+fn is_special(item: &Item) -> bool {
     match item {
         Item::Picture { .. } => true,
         Item::Path { dash, .. } => *dash != Dash::Solid,
@@ -64,7 +62,7 @@ fn alone(item: &Item) -> bool {
     }
 }
 
-/// A line as plotters wrote it, broken.
+/// A line of plotters with a dash pattern.
 fn dashed(line: &str, dash: Dash, width: f64) -> String {
     let (on, off) = match dash {
         Dash::Dotted => (width.max(0.6), 1.5),
@@ -74,25 +72,25 @@ fn dashed(line: &str, dash: Dash, width: f64) -> String {
     line.replacen("<polyline ", &pattern, 1)
 }
 
-/// A run of shapes as plotters writes them, without its root element and without what the root says once.
+/// A run of shapes as plotters writes them, without its root element and without attributes that the root holds.
 fn shapes(run: &[Item], grid: [u32; 2]) -> Result<String, PlotError> {
     let mut text = String::new();
     {
         let page = SVGBackend::with_string(&mut text, (grid[0], grid[1])).into_drawing_area();
         for item in run {
-            draw(&page, item).map_err(|reason| PlotError::Encoder { encoder: "svg", reason })?;
+            draw(&page, item).map_err(|error| PlotError::Encoder { encoder: "svg", source: error.into() })?;
         }
-        page.present().map_err(|e| PlotError::Encoder { encoder: "svg", reason: e.to_string() })?;
+        page.present().map_err(|error| PlotError::Encoder { encoder: "svg", source: error.into() })?;
     }
     let lines = text.lines().filter(|line| !line.starts_with("<svg") && *line != "</svg>");
     let mut kept: String = lines.flat_map(|line| [line, "\n"]).collect();
-    for said_once in [" font-family=\"sans-serif\"", " opacity=\"1\"", " stroke=\"none\""] {
-        kept = kept.replace(said_once, "");
+    for repeated in [" font-family=\"sans-serif\"", " opacity=\"1\"", " stroke=\"none\""] {
+        kept = kept.replace(repeated, "");
     }
     Ok(kept.replace("\n</text>", "</text>"))
 }
 
-fn draw(page: &Page, item: &Item) -> Result<(), String> {
+fn draw(page: &Page, item: &Item) -> Result<(), DrawingError> {
     match item {
         Item::Path { points, width, colour, opacity, .. } => {
             page.draw(&PathElement::new(snapped(&thin::line(points, TOLERANCE)), stroke(*colour, *opacity, *width)))
@@ -105,10 +103,9 @@ fn draw(page: &Page, item: &Item) -> Result<(), String> {
             let style = if line.is_none() { style.filled() } else { style };
             page.draw(&Circle::new(snap(*at), (radius * GRID).round() as u32, style))
         }
-        Item::Text(words) => page.draw(&Text::new(words.text.as_str(), text_place(words), text_style(words))),
+        Item::Text(text) => page.draw(&Text::new(text.text.as_str(), text_place(text), text_style(text))),
         Item::Picture { .. } => Ok(()),
     }
-    .map_err(|e| e.to_string())
 }
 
 fn snap(p: Point2) -> (i32, i32) {
@@ -122,33 +119,33 @@ fn snapped(points: &[Point2]) -> Vec<(i32, i32)> {
     points
 }
 
-fn ink(colour: Colour) -> RGBColor {
+fn rgb(colour: Colour) -> RGBColor {
     RGBColor(colour.0, colour.1, colour.2)
 }
 
 fn stroke(colour: Colour, opacity: f64, width: f64) -> ShapeStyle {
-    ShapeStyle { color: ink(colour).mix(opacity), filled: false, stroke_width: (width * GRID).round() as u32 }
+    ShapeStyle { color: rgb(colour).mix(opacity), filled: false, stroke_width: (width * GRID).round() as u32 }
 }
 
-/// Where plotters must set the words so that their middle height is at their point.
-fn text_place(words: &Words) -> (i32, i32) {
-    let lift = LIFT * words.size;
-    snap(match words.upright {
-        false => [words.at[0], words.at[1] + lift],
-        true => [words.at[0] + lift, words.at[1]],
+/// The anchor for plotters at which half of the text's height is at its point.
+fn text_place(text: &TextItem) -> (i32, i32) {
+    let lift = LIFT * text.size;
+    snap(match text.vertical {
+        false => [text.at[0], text.at[1] + lift],
+        true => [text.at[0] + lift, text.at[1]],
     })
 }
 
-fn text_style(words: &Words) -> TextStyle<'static> {
-    let weight = if words.bold { FontStyle::Bold } else { FontStyle::Normal };
-    let font = FontDesc::new(FontFamily::SansSerif, (words.size * GRID).round() * PLOTTERS_FONT_SCALE, weight);
-    let turn = if words.upright { FontTransform::Rotate270 } else { FontTransform::None };
-    let side = match words.side {
+fn text_style(text: &TextItem) -> TextStyle<'static> {
+    let weight = if text.bold { FontStyle::Bold } else { FontStyle::Normal };
+    let font = FontDesc::new(FontFamily::SansSerif, (text.size * GRID).round() * PLOTTERS_FONT_SCALE, weight);
+    let turn = if text.vertical { FontTransform::Rotate270 } else { FontTransform::None };
+    let side = match text.side {
         Side::Left => HPos::Right,
         Side::Right => HPos::Left,
         _ => HPos::Center,
     };
-    TextStyle { pos: Pos::new(side, VPos::Center), ..font.transform(turn).color(&ink(words.colour)) }
+    TextStyle { pos: Pos::new(side, VPos::Center), ..font.transform(turn).color(&rgb(text.colour)) }
 }
 
 fn picture(at: Point2, size: Point2, png: &[u8]) -> String {

@@ -1,15 +1,13 @@
-//! Tables: rows of cells under headed columns, each column of ours beside what was published.
-//!
-//! Stands on: the error type. Never knows: how it is written (`table_text`), or where numbers come from.
+//! Tables: rows of cells under column heads; a column can have published values beside it.
 
 use crate::PlotError;
 
-/// On which side the cells of a column are even.
+/// The alignment of a column's cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Alignment {
-    /// Words.
+    /// For text.
     Left,
-    /// Numbers.
+    /// For numbers.
     Right,
 }
 
@@ -22,13 +20,13 @@ pub struct Column {
     pub unit: String,
     /// A head over this and its neighbours of the same group; empty for none.
     pub group: String,
-    /// How its cells are set.
+    /// The alignment of its cells.
     pub alignment: Alignment,
-    /// Whether its cells were published by others; they are set apart.
+    /// Whether its values were published by others; they are printed in another colour.
     pub published: bool,
 }
 
-/// A table: what it says is text, digits chosen.
+/// A table of text; numbers are formatted by the caller.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     /// The columns.
@@ -40,18 +38,18 @@ pub struct Table {
 }
 
 impl Column {
-    /// A column of words.
-    pub fn words(title: &str) -> Self {
+    /// A column of text.
+    pub fn text(title: &str) -> Self {
         let (title, empty) = (title.to_owned(), String::new());
         Self { title, unit: empty.clone(), group: empty, alignment: Alignment::Left, published: false }
     }
 
     /// A column of numbers.
     pub fn numbers(title: &str, unit: &str) -> Self {
-        Self { unit: unit.to_owned(), alignment: Alignment::Right, ..Self::words(title) }
+        Self { unit: unit.to_owned(), alignment: Alignment::Right, ..Self::text(title) }
     }
 
-    /// A column of our numbers and the column of the published ones, under one head.
+    /// A column of our values and a column of published ones, under one head.
     pub fn beside_published(group: &str, unit: &str) -> [Self; 2] {
         let ours = Self { group: group.to_owned(), ..Self::numbers("ours", unit) };
         [ours.clone(), Self { title: "published".to_owned(), published: true, ..ours }]
@@ -67,10 +65,10 @@ impl Column {
 }
 
 impl Table {
-    /// A table, checked.
+    /// A table with one cell for each row and column.
     ///
     /// # Errors
-    /// [`PlotError::Empty`] without columns, [`PlotError::Length`] when a row has not one cell a column.
+    /// [`PlotError::Empty`] without columns, [`PlotError::Length`] when a row has more or fewer cells than there are columns.
     pub fn new(columns: Vec<Column>, rows: Vec<Vec<String>>) -> Result<Self, PlotError> {
         let expected = columns.len();
         if expected == 0 {
@@ -106,7 +104,7 @@ mod tests {
 
     #[test]
     fn a_row_with_a_missing_cell_is_refused() {
-        let columns = vec![Column::words("method"), Column::numbers("time", "s")];
+        let columns = vec![Column::text("method"), Column::numbers("time", "s")];
         let error = Table::new(columns, vec![vec!["adam".to_owned()]]).unwrap_err();
         assert!(matches!(error, PlotError::Length { found: 1, expected: 2, .. }));
     }
@@ -114,7 +112,7 @@ mod tests {
     #[test]
     fn neighbours_of_one_group_share_their_head() {
         let [ours, published] = Column::beside_published("loss", "");
-        let table = Table::new(vec![Column::words("method"), ours, published], vec![]).unwrap();
+        let table = Table::new(vec![Column::text("method"), ours, published], vec![]).unwrap();
         assert_eq!(table.groups(), [("", 0, 1), ("loss", 1, 3)]);
     }
 }

@@ -1,11 +1,9 @@
-//! Tables as text: CSV for programs, LaTeX booktabs for the paper, SVG for a look.
-//!
-//! Stands on: `table`, `canvas`, `svg`. Never knows: where the table is stored.
+//! Tables as text: CSV for programs, LaTeX (booktabs) for the paper, SVG for the browser.
 
-use crate::canvas::{Canvas, Item, POINTS_PER_MM, Words};
+use crate::canvas::{Canvas, POINTS_PER_MM, TextItem};
 use crate::frame::{NORMAL, SMALL};
 use crate::table::{Alignment, Column, Table};
-use crate::{Colour, PlotError, Side, palette, svg, text};
+use crate::{PlotError, Side, palette, svg, text};
 
 /// What an empty cell shows.
 const NONE: &str = "–";
@@ -61,26 +59,27 @@ impl Table {
         let right = ends.last().map_or(0.0, |e| e.1);
         let mut canvas = Canvas::default();
         let mut y = EDGE;
-        rule(&mut canvas, EDGE, right, y, 0.9);
+        rule(&mut canvas, (EDGE, right), y, 0.9);
         if self.columns.iter().any(|c| !c.group.is_empty()) {
             y += ROW;
             self.draw_groups(&mut canvas, &ends, y);
         }
         y += ROW;
         for (column, end) in self.columns.iter().zip(&ends) {
-            cell(&mut canvas, column, *end, y - 0.5 * ROW, &column.head(), true);
+            canvas.text(cell(column, *end, y - 0.5 * ROW, &column.head()).bold());
         }
-        rule(&mut canvas, EDGE, right, y, 0.6);
+        rule(&mut canvas, (EDGE, right), y, 0.6);
         for row in &self.rows {
             y += ROW;
             for ((column, end), text) in self.columns.iter().zip(&ends).zip(row) {
-                cell(&mut canvas, column, *end, y - 0.5 * ROW, shown(text), false);
+                canvas.text(cell(column, *end, y - 0.5 * ROW, shown(text)));
             }
         }
-        rule(&mut canvas, EDGE, right, y + 0.5, 0.9);
+        rule(&mut canvas, (EDGE, right), y + 0.5, 0.9);
         if let Some(note) = &self.note {
             y += ROW;
-            canvas.words([EDGE, y - 0.35 * ROW], note, SMALL, Side::Right, palette::MUTED);
+            let text = TextItem::new([EDGE, y - 0.35 * ROW], note, SMALL);
+            canvas.text(text.side(Side::Right).colour(palette::MUTED));
         }
         let note = self.note.as_ref().map_or(0.0, |n| text::width(n, SMALL) + EDGE);
         svg::write(&canvas, [right.max(note) + EDGE, y + EDGE + 0.01 * POINTS_PER_MM])
@@ -111,27 +110,24 @@ impl Table {
         for (head, from, to) in self.groups().into_iter().filter(|g| !g.0.is_empty()) {
             let (left, right) = (ends[from].0, ends[to - 1].1);
             let at = [0.5 * (left + right), y - 0.5 * ROW];
-            canvas.items.push(Item::Text(words(at, head, Side::Centre, true, palette::INK)));
-            rule(canvas, left, right, y, 0.4);
+            canvas.text(TextItem::new(at, head, NORMAL).bold());
+            rule(canvas, (left, right), y, 0.4);
         }
     }
 }
 
-fn rule(canvas: &mut Canvas, from: f64, to: f64, y: f64, width: f64) {
-    canvas.segment([from, y], [to, y], width, palette::INK);
+fn rule(canvas: &mut Canvas, (from, to): (f64, f64), y: f64, width: f64) {
+    canvas.segment([from, y], [to, y], width, palette::BLACK);
 }
 
-fn words(at: si::Point2, text: &str, side: Side, bold: bool, colour: Colour) -> Words {
-    Words { at, text: text.to_owned(), size: NORMAL, side, upright: false, bold, colour }
-}
-
-fn cell(canvas: &mut Canvas, column: &Column, (left, right): (f64, f64), y: f64, text: &str, bold: bool) {
-    let colour = if column.published { palette::MUTED } else { palette::INK };
+/// The text of a cell, aligned in its column.
+fn cell(column: &Column, (left, right): (f64, f64), y: f64, text: &str) -> TextItem {
+    let colour = if column.published { palette::MUTED } else { palette::BLACK };
     let (x, side) = match column.alignment {
         Alignment::Left => (left, Side::Right),
         Alignment::Right => (right, Side::Left),
     };
-    canvas.items.push(Item::Text(words([x, y], text, side, bold, colour)));
+    TextItem::new([x, y], text, NORMAL).side(side).colour(colour)
 }
 
 fn shown(cell: &str) -> &str {
@@ -146,8 +142,8 @@ fn quoted(cell: &str) -> String {
     }
 }
 
-/// Words as LaTeX prints them.
-fn escaped(words: &str) -> String {
+/// Text with LaTeX's special characters escaped.
+fn escaped(text: &str) -> String {
     let one = |c: char| match c {
         '&' | '%' | '$' | '#' | '_' | '{' | '}' => format!("\\{c}"),
         '~' => "\\textasciitilde{}".to_owned(),
@@ -160,7 +156,7 @@ fn escaped(words: &str) -> String {
         '–' => "--".to_owned(),
         _ => c.to_string(),
     };
-    words.chars().map(one).collect()
+    text.chars().map(one).collect()
 }
 
 #[cfg(test)]
@@ -169,14 +165,14 @@ mod tests {
 
     fn table() -> Table {
         let [ours, published] = Column::beside_published("total_time", "min");
-        let columns = vec![Column::words("method"), ours, published];
+        let columns = vec![Column::text("method"), ours, published];
         let row = |cells: [&str; 3]| cells.map(str::to_owned).to_vec();
         let rows = vec![row(["Adam, 4 steps", "1.2", "22"]), row(["R&D 50 % \\ {x}", "−3 ± 1", ""])];
         Table::new(columns, rows).unwrap().noted("virtual bench")
     }
 
     #[test]
-    fn latex_escapes_every_special_letter() {
+    fn latex_escapes_every_special_character() {
         let tex = table().latex();
         assert!(tex.contains("R\\&D 50 \\% \\textbackslash{} \\{x\\} & $-$3 $\\pm$ 1 & -- \\\\"), "{tex}");
         assert!(tex.contains("\\multicolumn{2}{c}{total\\_time}") && tex.contains("\\cmidrule(lr){2-3}"), "{tex}");

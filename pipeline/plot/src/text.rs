@@ -1,8 +1,7 @@
-//! How wide a text is, before anybody has chosen its font, and how a number is written.
+//! Widths of texts, and numbers as text.
 //!
-//! Widths are DejaVu Sans', the widest of the fonts that [`crate::FONT_FAMILIES`] names: what fits here fits in each.
-//!
-//! Stands on: nothing. Never knows: where the text will stand.
+//! The viewer chooses the font. Widths are those of DejaVu Sans, the widest font of [`crate::FONT_FAMILIES`], so that a
+//! text is never wider than its bounding box.
 
 /// Widths of the characters ' ' to '~' in thousandths of the font size.
 const WIDTHS: [u16; 95] = [
@@ -13,7 +12,7 @@ const WIDTHS: [u16; 95] = [
     337, 636, 838,
 ];
 
-/// How much wider heavy letters are.
+/// Width of bold text relative to normal text.
 pub const BOLD: f64 = 1.16;
 
 /// The width of a text, in the unit of its font size.

@@ -1,18 +1,17 @@
-//! Thinning: leaves out the points of a line that nobody could see.
-//!
-//! Stands on: nothing. Never knows: what the line is.
+//! Simplification of lines: points below the resolution of print are left out.
 
 use si::Point2;
 
-/// More points than this are first reduced to the extremes of each column of ink.
+/// Lines with more points are first reduced to the extremes of each column: Ramer–Douglas–Peucker is quadratic in the
+/// worst case.
 const MANY: usize = 4000;
 /// Width of a column, in points of print: half of the finest line.
 const COLUMN: f64 = 0.25;
 
-/// The same line with fewer points, nowhere farther off than `tolerance` (Ramer, Douglas and Peucker).
+/// The same line with fewer points, at most `tolerance` away from it (Ramer–Douglas–Peucker).
 ///
 /// Above [`MANY`] points, a line that runs to the right is first reduced to the first, lowest, highest and last point
-/// of each [`COLUMN`], which covers the same ink.
+/// of each [`COLUMN`], which covers the same area of print.
 pub fn line(points: &[Point2], tolerance: f64) -> Vec<Point2> {
     let rightwards = points.windows(2).all(|p| p[1][0] >= p[0][0]);
     let points = if points.len() > MANY && rightwards { extremes(points) } else { points.to_vec() };
@@ -62,13 +61,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_straight_line_keeps_its_ends_alone() {
+    fn a_straight_line_keeps_its_two_ends() {
         let points: Vec<Point2> = (0..100).map(|i| [f64::from(i), 2.0 * f64::from(i)]).collect();
         assert_eq!(line(&points, 0.01), vec![[0.0, 0.0], [99.0, 198.0]]);
     }
 
     #[test]
-    fn no_dropped_point_is_farther_off_than_the_tolerance() {
+    fn every_dropped_point_is_within_the_tolerance() {
         let points: Vec<Point2> = (0..500).map(|i| f64::from(i) * 0.1).map(|x| [x, 10.0 * x.sin()]).collect();
         let thin = line(&points, 0.05);
         assert!(thin.len() < points.len() / 2);

@@ -1,6 +1,4 @@
-//! What every figure keeps: the same bytes twice, fine coordinates, text as text, a bounded size, room for its content.
-//!
-//! Stands on: `plot` as others use it.
+//! Invariants of every figure: equal bytes, resolution of coordinates, text as text, bounded size, least frame.
 
 use plot::{
     Axes, Axis, DOUBLE_COLUMN_MM, Dash, Figure, Landscape, Mark, Marker, Paint, Panel, PlotError, SINGLE_COLUMN_MM,
@@ -15,14 +13,14 @@ fn wave(samples: u32) -> Vec<[f64; 2]> {
 fn curves(samples: u32) -> Axes {
     Axes::new(Axis::linear("time", "s"), Axis::linear("tip", "mm"))
         .with(Mark::line(wave(samples), palette::SIMULATED).labelled("simulated <&>"))
-        .with(Mark::level(0.0, palette::MUTED).dashed(Dash::Dashed))
+        .with(Mark::horizontal_line(0.0, palette::MUTED).dashed(Dash::Dashed))
 }
 
 fn landscape() -> Landscape {
     let axis: Vec<f64> = (0..9).map(|i| 0.1 * 1.2f64.powi(i)).collect();
     let values = (0..81).map(|k| 0.01 + f64::from((k % 9 - 4i32).pow(2) + (k / 9 - 4i32).pow(2))).collect();
     let (x, y) = (Axis::log("body", "MPa"), Axis::log("spine", "GPa"));
-    Landscape::new(x, y, axis.clone(), axis, values, Axis::log("loss", ""))
+    Landscape::new((x, axis.clone()), (y, axis), values, Axis::log("loss", ""))
 }
 
 /// A wavy sheet of `cells` × `cells` × 2 triangles.
@@ -47,11 +45,11 @@ fn figure() -> Figure {
 
 #[test]
 fn the_same_figure_gives_the_same_bytes() {
-    assert!(figure().svg() == figure().svg());
+    assert!(figure().svg().unwrap() == figure().svg().unwrap());
 }
 
 #[test]
-fn a_curve_is_written_finer_than_a_point_of_print() {
+fn coordinates_have_a_resolution_below_a_point_of_print() {
     let svg = Figure::new(SINGLE_COLUMN_MM).row(40.0, [Panel::Axes(curves(500))]).svg().unwrap();
     // 88 mm are 249.4 points, the viewBox counts twentieths
     assert!(svg.contains("viewBox=\"0 0 4989 "), "{}", &svg[..300]);
@@ -62,7 +60,7 @@ fn a_curve_is_written_finer_than_a_point_of_print() {
 }
 
 #[test]
-fn text_stays_text() {
+fn text_is_stored_as_text() {
     let svg = figure().svg().unwrap();
     for words in ["(a)", "(c)", "200 mbar", "tip (mm)", "body (MPa)", "virtual bench", "simulated &lt;&amp;&gt;"] {
         assert!(svg.contains(&format!("{words}</text>")), "{words} is missing");
@@ -70,12 +68,12 @@ fn text_stays_text() {
 }
 
 #[test]
-fn the_first_of_the_asked_fonts_is_a_sans() {
+fn the_first_font_family_is_helvetica() {
     assert!(figure().svg().unwrap().contains("font-family=\"Helvetica, Arial, "));
 }
 
 #[test]
-fn a_heavy_figure_stays_small() {
+fn a_figure_of_many_points_stays_below_the_limit() {
     // 20 000 rough triangles and 200 000 samples
     let svg = Figure::new(DOUBLE_COLUMN_MM)
         .row(60.0, [Panel::Scene(sheet(100)), Panel::Axes(curves(200_000))])
@@ -85,14 +83,14 @@ fn a_heavy_figure_stays_small() {
 }
 
 #[test]
-fn a_panel_without_room_is_refused_with_its_number() {
+fn a_panel_below_the_least_size_is_refused_with_its_number() {
     let narrow = Figure::new(SINGLE_COLUMN_MM).row(12.0, [Panel::Axes(curves(10))]).svg();
     assert!(matches!(narrow, Err(PlotError::TooSmall { panel: 1, .. })), "{narrow:?}");
 }
 
 #[test]
 fn a_point_that_is_not_a_number_is_refused_by_its_label() {
-    let bad = Mark::points(vec![[0.0, 1.0], [1.0, f64::NAN]], Marker::Disc, palette::INK).labelled("measured");
+    let bad = Mark::points(vec![[0.0, 1.0], [1.0, f64::NAN]], Marker::Disc, palette::BLACK).labelled("measured");
     let axes = Axes::new(Axis::linear("x", "").range(0.0, 1.0), Axis::linear("y", "").range(0.0, 1.0)).with(bad);
     let error = Figure::new(SINGLE_COLUMN_MM).row(40.0, [Panel::Axes(axes)]).svg().unwrap_err().to_string();
     assert!(error.starts_with("the mark `measured` has NaN as value 1"), "{error}");
@@ -104,7 +102,7 @@ fn an_empty_figure_is_refused() {
 }
 
 #[test]
-fn a_figure_says_its_width_in_millimetres() {
+fn the_width_is_stored_in_millimetres() {
     let svg = figure().svg().unwrap();
     assert!(svg.contains("width=\"181.00mm\""), "{}", &svg[..200.min(svg.len())]);
 }

@@ -1,17 +1,15 @@
-//! What a film costs: frames a second of one core, drawn through air and water, and encoded.
-//!
-//! Stands on: `rig`. Never knows: physics: the tail swings by formula.
+//! Cost of a film: frames a second on one core for drawing in air and water, exposure and encoding.
 #![allow(clippy::print_stdout)] // a bench prints
 
 use std::time::Instant;
 
 use lab::card::Medium;
-use rig::camera::Passing;
-use rig::scene::paint::Mark;
+use rig::camera::FrameMotion;
+use rig::renderer::{Renderer, Subject};
+use rig::scene::mark::Mark;
 use rig::scene::skin::Skin;
 use rig::settings::Settings;
-use rig::studio::{Studio, Subject};
-use shape::tail::Resolution;
+use tail_cad::Resolution;
 use track::video::{Quality, Writer};
 
 const FRAMES: usize = 120;
@@ -23,28 +21,28 @@ fn main() {
     for (name, profile) in &set.profile {
         let r = profile.resolution;
         let resolution = Resolution { edge: r.edge, per_chamber: r.per_chamber, per_rib: r.per_rib };
-        let mesh = shape::quadratic(&tail.mesh(&resolution).expect("the specimen's own shape"));
-        let studio = Studio::new(&set, own.seed, own.clamp);
+        let mesh = mesh::quadratic(&tail.mesh(&resolution).expect("the specimen's own shape"));
+        let renderer = Renderer::new(&set, own.seed, own.clamp);
         let paint = |x: &f64| Mark::paint(&mesh, tail.back_point(*x), own.marker_diameter).0;
         let subject = Subject { skin: Skin::new(&mesh), marks: own.markers.iter().map(paint).collect() };
-        let swing = |t: f64| {
+        let oscillation = |t: f64| {
             let bend = 4.0 * (25.0 * t).sin();
             mesh.nodes.iter().map(|[x, y, z]| [*x, y + bend * x * x, *z]).collect()
         };
         for medium in [Medium::Air, Medium::Water] {
-            let film = studio.set(medium, "bench");
+            let recording = renderer.of_recording(medium, "bench");
             let file = std::env::temp_dir().join("rig-bench.mp4");
             let quality = Quality::Quantiser(set.camera.quantiser);
-            let mut writer = Writer::create(&file, set.camera.width, set.camera.height, set.camera.rate, quality)
-                .expect("a place for a film");
+            let mut writer = Writer::create(&file, (set.camera.width, set.camera.height), set.camera.rate, quality)
+                .expect("a writable folder");
             let (mut drawn, mut exposed, mut encoded) = (0.0, 0.0, 0.0);
             for frame in 0..FRAMES {
                 let start = Instant::now();
-                let by = Passing::around(frame as f64 / set.camera.rate, 1.0 / set.camera.rate, &swing);
-                let canvas = film.tail(&subject, &by, 0.5);
+                let motion = FrameMotion::sample(frame as f64 / set.camera.rate, 1.0 / set.camera.rate, &oscillation);
+                let canvas = recording.tail(&subject, &motion, 0.5);
                 drawn += start.elapsed().as_secs_f64();
                 let start = Instant::now();
-                let picture = studio.expose(&canvas, "bench", frame);
+                let picture = renderer.expose(&canvas, "bench", frame);
                 exposed += start.elapsed().as_secs_f64();
                 let start = Instant::now();
                 writer.push(&picture).expect("an encoder");

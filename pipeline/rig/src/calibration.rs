@@ -1,32 +1,31 @@
-//! The calibration recording: the checkerboard in many poses, each held for some frames, then flat on the plane.
-//!
-//! Stands on: the studio, the scene's board. Never knows: a specimen.
+//! The calibration film: the checkerboard in many poses, each held for several frames, then flat on the plane.
 
 use std::path::Path;
 
+use diagnostics::Result;
 use si::Second;
 
-use crate::draw::Draw;
-use crate::fault::Fault;
-use crate::film;
-use crate::scene::board::{self, Place};
+use crate::film::{self, Frames};
+use crate::random::RandomStream;
+use crate::renderer::Renderer;
+use crate::scene::board::{self, BoardPose};
 use crate::settings::Settings;
-use crate::studio::Studio;
 
-/// Where the board is in every frame.
-pub struct Calibration {
-    places: Vec<Place>,
-    /// First and last second in which the board lies still on the plane.
-    pub flat: [Second; 2],
-    /// The board is still in every frame whose number is a multiple of this.
-    pub every: usize,
+/// The pose of the board in every frame.
+pub(crate) struct Calibration {
+    places: Vec<BoardPose>,
+    /// Start and end of the interval in which the board lies on the plane, s.
+    pub(crate) flat: [Second; 2],
+    /// The board is at rest in every frame whose number is a multiple of this.
+    pub(crate) every: usize,
 }
 
 impl Calibration {
     /// A recording of `poses` poses, drawn with `seed`.
-    pub fn new(set: &Settings, studio: &Studio, poses: usize, seed: u64) -> Self {
+    pub(crate) fn new(set: &Settings, renderer: &Renderer, poses: usize, seed: u64) -> Self {
         let layout = board::layout(&set.plane);
-        let mut stops = board::poses(&studio.camera, &layout, poses, &mut Draw::new(seed, "board"));
+        let mut stops =
+            board::calibration_poses(&renderer.camera, &layout, poses, &mut RandomStream::new(seed, "board"));
         stops.push(board::flat(&set.plane));
         let (held, moving) = (set.calibration.held, set.calibration.moving);
         let mut places = Vec::new();
@@ -40,18 +39,18 @@ impl Calibration {
         Self { places, flat, every: held + moving }
     }
 
-    /// Frames in all.
-    pub fn frames(&self) -> usize {
+    /// Number of frames.
+    pub(crate) fn frames(&self) -> usize {
         self.places.len()
     }
 
-    /// Films it.
+    /// Writes the film to `path`.
     ///
     /// # Errors
-    /// [`Fault`] when the encoder or the disk refuses.
-    pub fn shoot(&self, path: &Path, set: &Settings, studio: &Studio, tick: &dyn Fn()) -> Result<(), Fault> {
+    /// When the encoder fails or the file cannot be written.
+    pub(crate) fn write(&self, path: &Path, set: &Settings, renderer: &Renderer, tick: &dyn Fn()) -> Result<()> {
         let layout = board::layout(&set.plane);
-        let draw = |frame: usize| studio.expose(&studio.board(&layout, &self.places[frame]), "calibration", frame);
-        film::shoot(path, &set.camera, self.frames(), &draw, tick)
+        let draw = |frame: usize| renderer.expose(&renderer.board(&layout, &self.places[frame]), "calibration", frame);
+        film::write(path, &set.camera, &Frames { count: self.frames(), draw: &draw }, tick)
     }
 }

@@ -1,71 +1,78 @@
-//! The card that leaves the bench: what a laboratory would know, and nothing of what is hidden.
-//!
-//! Stands on: `lab` (the card), `shape` (the tail's outline). Never knows: the true properties.
+//! The card that the bench writes: the public data of a specimen, without its hidden properties.
 
 use lab::card::{self, Card, Experiment, Fixture, FixtureOf, Medium, Origin, Role, Side, Split, Trial};
-use shape::tail::Tail;
 use si::{Metre, Pascal, Point2, Point3};
+use tail_cad::Tail;
 
 use crate::calibration::Calibration;
-use crate::settings::{self, Profile, Settings, Splits};
+use crate::settings::{self, Profile, RepeatSplit, Settings};
 use crate::specimen::SHEET;
 
 /// The STL files.
-pub const BODY_FILE: &str = "cad/body.stl";
+pub(crate) const BODY_FILE: &str = "cad/body.stl";
 /// The STL files.
-pub const SPINE_FILE: &str = "cad/spine.stl";
-/// The calibration recording.
-pub const CALIBRATION_FILE: &str = "camera/calibration.mp4";
-/// The disc in which the lamp's light is collected is this share of the lamp, so that its edge stays outside.
-const LAMP_SHARE: f64 = 0.8;
-/// Clicked places are written to a tenth of a pixel, as a person at a zoomed picture gives them.
+pub(crate) const SPINE_FILE: &str = "cad/spine.stl";
+/// The calibration film.
+pub(crate) const CALIBRATION_FILE: &str = "camera/calibration.mp4";
+/// Radius of the disc in which the lamp is read, relative to the lamp: the lamp's blurred edge stays outside.
+const LAMP_FRACTION: f64 = 0.8;
+/// Clicked pixels are rounded to a tenth, the resolution of a manual click in an enlarged picture.
 const CLICK: f64 = 10.0;
 
-/// What the camera shows of the marks and the lamp before anything moves.
-pub struct Seen {
+/// The pixels of the marks and of the lamp at rest.
+pub(crate) struct RestObservation {
     /// Each mark in the first frame, px.
     pub marks: Vec<Point2>,
-    /// The lamp's middle and its radius, px.
+    /// The lamp's centre and its radius, px.
     pub lamp: (Point2, f64),
 }
 
-/// Where the marks should be: on the back, above the sheet, m.
+/// Nominal places of the marks: on the back, above the sheet, m.
 pub fn marks(tail: &Tail, set: &settings::Specimen) -> Vec<(String, Point3)> {
     let place = |(i, x): (usize, &Metre)| (format!("m{}", i + 1), tail.back_point(*x));
     set.markers.iter().enumerate().map(place).collect()
 }
 
-/// Where the marks are painted, `off` their places along and across, m.
-pub fn painted(tail: &Tail, set: &settings::Specimen, off: &[Point2]) -> Vec<(String, Point3)> {
-    let shifted = |((name, at), off): ((String, Point3), &Point2)| {
-        let [x, y, z] = tail.back_point(at[0] + off[0]);
-        (name, [x, y + off[1], z])
+/// Actual places of the marks, displaced by `offset` along and across, m.
+pub(crate) fn painted(tail: &Tail, set: &settings::Specimen, offset: &[Point2]) -> Vec<(String, Point3)> {
+    let shifted = |((name, at), offset): ((String, Point3), &Point2)| {
+        let [x, y, z] = tail.back_point(at[0] + offset[0]);
+        (name, [x, y + offset[1], z])
     };
-    marks(tail, set).into_iter().zip(off).map(shifted).collect()
+    marks(tail, set).into_iter().zip(offset).map(shifted).collect()
 }
 
-/// The trials of a specimen: staircases on both sides in air to identify it, one in water for what follows pressure alone, and
-/// flapping, each repeated.
-pub fn trials(set: &settings::Specimen, profile: &Profile) -> Vec<Trial> {
+/// Use of a trial in the study.
+#[derive(Clone, Copy)]
+struct Purpose {
+    role: Role,
+    split: Option<Split>,
+}
+
+/// The trials of a specimen: staircases on both sides in air for the identification, one in water for the static force, and flapping
+/// trials, each repeated.
+pub(crate) fn trials(set: &settings::Specimen, profile: &Profile) -> Vec<Trial> {
     let stairs = |side: Side, levels: &[Pascal]| Experiment::Staircase {
         side,
         levels: levels.to_vec(),
         hold: profile.hold,
         pause: profile.pause,
     };
+    let identify = Purpose { role: Role::Identify, split: None };
     let mut trials = vec![
-        trial("static_left".to_owned(), Role::Identify, Medium::Air, None, stairs(Side::Left, &set.levels)),
-        trial("static_right".to_owned(), Role::Identify, Medium::Air, None, stairs(Side::Right, &set.levels)),
+        trial("static_left".to_owned(), identify, Medium::Air, stairs(Side::Left, &set.levels)),
+        trial("static_right".to_owned(), identify, Medium::Air, stairs(Side::Right, &set.levels)),
     ];
     let wet = stairs(Side::Left, &set.levels_in_water);
-    trials.push(trial("static_left_water".to_owned(), Role::Thrust, Medium::Water, None, wet));
+    let thrust = Purpose { role: Role::Thrust, split: None };
+    trials.push(trial("static_left_water".to_owned(), thrust, Medium::Water, wet));
     for flap in set.flaps.iter().filter(|flap| flap.brief || !profile.brief) {
         trials.extend((1..=profile.repeats).map(|repeat| flapping(flap, profile, repeat)));
     }
     trials
 }
 
-fn flapping(flap: &settings::Flap, profile: &Profile, repeat: usize) -> Trial {
+fn flapping(flap: &settings::FlappingTrial, profile: &Profile, repeat: usize) -> Trial {
     let (pressure, medium) = (flap.pressure / si::MILLIBAR, flap.medium.word());
     let id = format!("{pressure:.0}mbar_{:.0}hz_{medium}_{repeat:02}", flap.frequency);
     let experiment = Experiment::Flapping {
@@ -75,31 +82,46 @@ fn flapping(flap: &settings::Flap, profile: &Profile, repeat: usize) -> Trial {
         cycles: profile.cycles,
     };
     let split = flap.split.map(|splits| match splits {
-        Splits::Test => Split::Test,
-        Splits::Last if repeat == profile.repeats => Split::Test,
-        Splits::Train | Splits::Last => Split::Train,
+        RepeatSplit::Test => Split::Test,
+        RepeatSplit::Last if repeat == profile.repeats => Split::Test,
+        RepeatSplit::Train | RepeatSplit::Last => Split::Train,
     });
-    trial(id, if flap.validate { Role::Validate } else { Role::Thrust }, flap.medium, split, experiment)
+    let role = if flap.validate { Role::Validate } else { Role::Thrust };
+    trial(id, Purpose { role, split }, flap.medium, experiment)
 }
 
-/// The recordings of the load cell's fixture alone: hammer taps, and what a run leaves in the tank.
-pub fn fixtures() -> Vec<Fixture> {
+/// The recordings of the load cell's fixture alone: hammer taps, and the waves after a run.
+pub(crate) fn fixtures() -> Vec<Fixture> {
     let file = |id: &str, log: &str| format!("trials/{id}/{log}.csv");
     let fixture = |id: &str, medium, of| Fixture { id: id.to_owned(), medium, force: file(id, "force"), of };
     let taps = FixtureOf::Taps { hammer: file("taps", "hammer") };
     vec![fixture("taps", Medium::Air, taps), fixture("still_water", Medium::Water, FixtureOf::StillWater)]
 }
 
-/// Everything but a staircase in air is weighed.
-fn trial(id: String, role: Role, medium: Medium, split: Option<Split>, experiment: Experiment) -> Trial {
+/// Every trial but a staircase in air has a force log.
+fn trial(id: String, purpose: Purpose, medium: Medium, experiment: Experiment) -> Trial {
+    let Purpose { role, split } = purpose;
     let (video, pressure) = (format!("trials/{id}/video.mp4"), format!("trials/{id}/pressure.csv"));
-    let weighed = medium == Medium::Water || matches!(experiment, Experiment::Flapping { .. });
-    let force = weighed.then(|| format!("trials/{id}/force.csv"));
+    let has_force = medium == Medium::Water || matches!(experiment, Experiment::Flapping { .. });
+    let force = has_force.then(|| format!("trials/{id}/force.csv"));
     Trial { id, role, split, medium, video, pressure, force, first_frame: 0, last_frame: None, experiment }
 }
 
+/// What a card is written from.
+pub(crate) struct CardContent<'a> {
+    /// The specimen's name.
+    pub(crate) name: &'a str,
+    /// The settings of the bench.
+    pub(crate) set: &'a Settings,
+    /// The nominal shape.
+    pub(crate) tail: &'a Tail,
+    /// Its trials.
+    pub(crate) trials: &'a [Trial],
+}
+
 /// The whole card.
-pub fn write(name: &str, set: &Settings, tail: &Tail, trials: &[Trial], seen: &Seen, film: &Calibration) -> Card {
+pub(crate) fn write(content: &CardContent, observed: &RestObservation, film: &Calibration) -> Card {
+    let CardContent { name, set, tail, trials } = *content;
     let specimen = &set.specimen[name];
     Card {
         name: name.to_owned(),
@@ -108,10 +130,10 @@ pub fn write(name: &str, set: &Settings, tail: &Tail, trials: &[Trial], seen: &S
         solid: solids(set, specimen),
         clamp: card::Clamp { below_x: specimen.clamp },
         chamber: vec![chamber(tail, Side::Left), chamber(tail, Side::Right)],
-        marker: markers(tail, specimen, &seen.marks),
+        marker: markers(tail, specimen, &observed.marks),
         camera: camera(set, film),
         water: Some(card::Water { surface: set.water.surface, index: set.water.index }),
-        led: card::Led { centre: seen.lamp.0.map(rounded), radius: rounded(LAMP_SHARE * seen.lamp.1) },
+        led: card::Led { centre: observed.lamp.0.map(rounded), radius: rounded(LAMP_FRACTION * observed.lamp.1) },
         trial: trials.to_vec(),
         search: None,
         tracks: Vec::new(),
@@ -149,7 +171,7 @@ fn chamber(tail: &Tail, side: Side) -> card::Chamber {
     card::Chamber { name: side.word().to_owned(), at: [micrometre(x), sign * micrometre(y), 0.0], log: side }
 }
 
-fn markers(tail: &Tail, set: &settings::Specimen, seen: &[Point2]) -> Vec<card::Marker> {
+fn markers(tail: &Tail, set: &settings::Specimen, observed: &[Point2]) -> Vec<card::Marker> {
     let micrometre = |x: Metre| (x * 1e6).round() / 1e6;
     let marker = |((name, at), clicked): ((String, Point3), &Point2)| card::Marker {
         name,
@@ -157,7 +179,7 @@ fn markers(tail: &Tail, set: &settings::Specimen, seen: &[Point2]) -> Vec<card::
         clicked: Some(clicked.map(rounded)),
         diameter: set.marker_diameter,
     };
-    marks(tail, set).into_iter().zip(seen).map(marker).collect()
+    marks(tail, set).into_iter().zip(observed).map(marker).collect()
 }
 
 fn camera(set: &Settings, film: &Calibration) -> card::Camera {

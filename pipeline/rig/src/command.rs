@@ -1,23 +1,21 @@
 //! The command line: `rig record [SPECIMEN…] [--profile NAME] [--root DIR] [--into DIR] [--quiet]`, `rig check [--profile NAME] [--write]`.
-//!
-//! Stands on: `clap`, the recorder, the realism of the instruments. Never knows: how anything is recorded.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use diagnostics::{Diagnostic, Result};
 use rayon::prelude::*;
 
-use crate::fault::Fault;
 use crate::folder;
 use crate::progress::Progress;
 use crate::realism;
-use crate::record::{Outcome, record};
+use crate::record::{Request, Status, record};
 use crate::settings::Settings;
 use crate::specimen::Specimen;
 use crate::specimens::ALL;
 
-/// The virtual bench: makes data/raw as a laboratory would, with hidden properties.
+/// The virtual bench: simulates experiments on specimens with hidden properties and writes them to data/raw.
 #[derive(Parser)]
 #[command(name = "rig", version)]
 struct Line {
@@ -27,130 +25,128 @@ struct Line {
 
 #[derive(Subcommand)]
 enum Task {
-    /// Record specimens (all of them when none is named); finished recordings are kept.
+    /// Record specimens. Without a name, all are recorded. Recordings that are up to date are kept.
     Record {
         /// Names of specimens.
         specimens: Vec<String>,
-        /// How much and how finely: paper or quick.
+        /// Extent and resolution of the recordings: paper or quick.
         #[arg(long, default_value = "paper")]
         profile: String,
         /// The project's folder.
         #[arg(long, default_value = ".")]
         root: PathBuf,
-        /// Where the specimens' folders go; by default data/raw under the root, or target/quick/data/raw.
+        /// Folder for the specimens. The default is data/raw under the root, or target/quick/data/raw for the quick profile.
         #[arg(long)]
         into: Option<PathBuf>,
-        /// No progress.
+        /// Do not print progress.
         #[arg(long)]
         quiet: bool,
     },
-    /// Compare the valve, the load cell and the forces of recordings in water with what was measured on real ones.
+    /// Compare the simulated valve, load cell and forces in water with measurements of real instruments.
     Check {
         /// The project's folder.
         #[arg(long, default_value = ".")]
         root: PathBuf,
-        /// Whose recordings are looked at: paper or quick.
+        /// Profile of the recordings: paper or quick.
         #[arg(long, default_value = "paper")]
         profile: String,
-        /// Write the table to paper/tables/bench_check.csv under the root as well.
+        /// Also write the table to paper/tables/bench_check.csv under the root.
         #[arg(long)]
         write: bool,
     },
 }
 
-/// Where the table of the instruments goes under the project's folder.
-const REALISM: &str = "paper/tables/bench_check.csv";
-/// Exit code for a command that cannot be understood; clap ends with the same.
+/// The table of the comparison, under the project's folder.
+const CHECK_TABLE: &str = "paper/tables/bench_check.csv";
+/// Exit code for an invalid command line, the same as clap's.
 const USAGE: u8 = 2;
+/// Exit code for a failed command.
+const FAILURE: u8 = 1;
 
-/// Reads the command line and obeys it.
+/// Parses the command line and runs the command.
 pub fn run() -> ExitCode {
     let set = Settings::built_in();
     match Line::parse().task {
         Task::Record { specimens, profile, root, into, quiet } => {
-            let into = into.unwrap_or_else(|| home(&root, &profile));
-            record_all(&specimens, &set, &profile, &into, quiet)
+            let into = into.unwrap_or_else(|| raw_folder(&root, &profile));
+            let progress = Progress::new(quiet);
+            record_all(&specimens, &Request { set: &set, profile: &profile, into: &into, progress: &progress })
         }
-        Task::Check { root, profile, write } => check(&set, &home(&root, &profile), write.then_some(root)),
+        Task::Check { root, profile, write } => {
+            match check(&set, &raw_folder(&root, &profile), write.then_some(root)) {
+                Ok(()) => ExitCode::SUCCESS,
+                Err(error) => fail(&error, FAILURE),
+            }
+        }
     }
 }
 
-/// Prints the table of the instruments and of the recordings under `raw`, and writes it under `root` where that is asked for.
-fn check(set: &Settings, raw: &Path, root: Option<PathBuf>) -> ExitCode {
-    let figures = match realism::with_recordings(set, raw) {
-        Ok(figures) => figures,
-        Err(fault) => return fail(&fault.to_string(), 1),
-    };
-    print!("{}", realism::table(&figures));
-    if let Some(Err(fault)) = root.map(|root| folder::write(&root, REALISM, realism::csv(&figures).as_bytes())) {
-        return fail(&fault.to_string(), 1);
+/// Prints the comparison for the instruments and the recordings under `raw`, and writes it under `root` if one is given.
+fn check(set: &Settings, raw: &Path, root: Option<PathBuf>) -> Result<()> {
+    let comparisons = realism::with_recordings(set, raw)?;
+    print!("{}", realism::table(&comparisons));
+    if let Some(root) = root {
+        folder::write(&root, CHECK_TABLE, realism::csv(&comparisons).as_bytes())?;
     }
-    match figures.iter().filter(|f| !f.inside()).count() {
-        0 => ExitCode::SUCCESS,
-        outside => fail(&outside_of(outside), 1),
+    match comparisons.iter().filter(|c| !c.inside()).count() {
+        0 => Ok(()),
+        outside => Err(Diagnostic::new(
+            format!("{outside} quantities of the bench lie outside the measured ranges"),
+            "the bench should be no better and no worse than real instruments",
+            "correct bench.toml",
+        )),
     }
 }
 
-fn outside_of(count: usize) -> String {
-    let why = "the bench should be no better and no worse than real instruments";
-    format!("{count} of the bench's figures lie outside what was measured\n  why: {why}\n  do:  correct bench.toml")
-}
-
-fn record_all(specimens: &[String], set: &Settings, profile: &str, into: &Path, quiet: bool) -> ExitCode {
-    let chosen = match choose(specimens, profile, set) {
+fn record_all(specimens: &[String], request: &Request) -> ExitCode {
+    let chosen = match choose(specimens, request.profile, request.set) {
         Ok(chosen) => chosen,
-        Err(said) => return fail(&said, USAGE),
+        Err(error) => return fail(&error, USAGE),
     };
-    let progress = Progress::new(quiet);
-    match chosen.into_par_iter().try_for_each(|specimen| one(specimen, set, profile, into, &progress)) {
+    match chosen.into_par_iter().try_for_each(|specimen| record_one(specimen, request)) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(fault) => fail(&fault.to_string(), 1),
+        Err(error) => fail(&error, FAILURE),
     }
 }
 
-fn one(specimen: &Specimen, set: &Settings, profile: &str, into: &Path, progress: &Progress) -> Result<(), Fault> {
-    let task = progress.begin("record", specimen.name, 1);
-    match record(specimen, set, profile, into, progress)? {
-        Outcome::Made => task.done(&into.join(specimen.name).display().to_string()),
-        Outcome::Kept => progress.say("record", specimen.name, "kept"),
+fn record_one(specimen: &Specimen, request: &Request) -> Result<()> {
+    let task = request.progress.begin("record", specimen.name, 1);
+    match record(specimen, request)? {
+        Status::Recorded => task.done(&request.into.join(specimen.name).display().to_string()),
+        Status::UpToDate => request.progress.line("record", specimen.name, "up to date"),
     }
     Ok(())
 }
 
-fn fail(said: &str, code: u8) -> ExitCode {
-    eprintln!("error: {said}");
+fn fail(error: &Diagnostic, code: u8) -> ExitCode {
+    eprintln!("error: {error}");
     ExitCode::from(code)
 }
 
-/// Where recordings of a profile go under the project's folder.
-fn home(root: &Path, profile: &str) -> PathBuf {
+/// The folder of a profile's recordings under the project's folder.
+fn raw_folder(root: &Path, profile: &str) -> PathBuf {
     let base = if profile == "paper" { root.to_owned() } else { root.join("target").join(profile) };
     base.join("data").join("raw")
 }
 
-/// The specimens of these names, all for none.
-fn choose(names: &[String], profile: &str, set: &Settings) -> Result<Vec<&'static Specimen>, String> {
+/// The specimens of these names, or all if `names` is empty.
+fn choose(names: &[String], profile: &str, set: &Settings) -> Result<Vec<&'static Specimen>> {
     if !set.profile.contains_key(profile) {
         let known: Vec<&str> = set.profile.keys().map(String::as_str).collect();
-        return Err(format!(
-            "there is no profile `{profile}`\n  why: the profiles are {}\n  do:  name one of them",
-            known.join(", ")
-        ));
+        return Err(unknown(&format!("the profile `{profile}`"), &known));
     }
     if names.is_empty() {
         return Ok(ALL.iter().collect());
     }
     let known: Vec<&str> = ALL.iter().map(|s| s.name).collect();
     let find = |name: &String| {
-        let unknown = || {
-            format!(
-                "there is no specimen `{name}` on the bench\n  why: it has {}\n  do:  name one of them",
-                known.join(", ")
-            )
-        };
-        ALL.iter().find(|s| s.name == name).ok_or_else(unknown)
+        ALL.iter().find(|s| s.name == name).ok_or_else(|| unknown(&format!("the specimen `{name}`"), &known))
     };
     names.iter().map(find).collect()
+}
+
+fn unknown(what: &str, known: &[&str]) -> Diagnostic {
+    Diagnostic::new(format!("{what} is unknown"), format!("the bench has {}", known.join(", ")), "name one of these")
 }
 
 #[cfg(test)]
@@ -158,21 +154,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_unknown_specimen_or_profile_is_refused_with_the_known_ones() {
+    fn an_unknown_specimen_or_profile_is_an_error_that_lists_the_known_ones() {
         let set = Settings::built_in();
-        let said = |names: &[&str], profile: &str| {
+        let message = |names: &[&str], profile: &str| {
             let names: Vec<String> = names.iter().map(ToString::to_string).collect();
-            choose(&names, profile, &set).err().unwrap_or_default()
+            choose(&names, profile, &set).err().map(|error| error.to_string()).unwrap_or_default()
         };
-        assert!(said(&["goldfish"], "quick").contains("it has nemo"));
-        assert!(said(&[], "slow").contains("paper, quick"));
-        assert_eq!(said(&[], "quick"), "");
+        assert!(message(&["goldfish"], "quick").contains("the bench has nemo"));
+        assert!(message(&[], "slow").contains("paper, quick"));
+        assert_eq!(message(&[], "quick"), "");
     }
 
     #[test]
-    fn every_profile_but_the_paper_s_lives_under_target() {
-        let root = Path::new("house");
-        assert_eq!(home(root, "paper"), Path::new("house/data/raw"));
-        assert_eq!(home(root, "quick"), Path::new("house/target/quick/data/raw"));
+    fn recordings_of_other_profiles_than_paper_are_under_target() {
+        let root = Path::new("project");
+        assert_eq!(raw_folder(root, "paper"), Path::new("project/data/raw"));
+        assert_eq!(raw_folder(root, "quick"), Path::new("project/target/quick/data/raw"));
     }
 }

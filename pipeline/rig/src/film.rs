@@ -1,49 +1,47 @@
-//! Films: frames are drawn on one side while they are encoded on the other.
+//! Films: one thread renders the frames, another encodes them.
 //!
-//! Frames are drawn and encoded in their order; films side by side keep all cores busy.
-//!
-//! Stands on: `track` (the encoder). Never knows: what is drawn.
+//! Frames are rendered and encoded in order. Several films at once keep all cores busy, so one film uses no more than two threads.
 
 use std::path::Path;
 use std::sync::mpsc::sync_channel;
 
+use diagnostics::Result;
 use track::Gray;
 use track::video::{Quality, Writer};
 
-use crate::fault::Fault;
 use crate::settings;
 
 /// Frames that may wait for the encoder; one of 1280 × 720 px is 1 MB.
 const WAITING: usize = 8;
 
-/// Writes `frames` frames to `path`, each drawn by `draw`; `tick` is called after each.
+/// The frames of a film.
+pub(crate) struct Frames<'a> {
+    /// Their number.
+    pub(crate) count: usize,
+    /// Renders one.
+    pub(crate) draw: &'a (dyn Fn(usize) -> Gray + Sync),
+}
+
+/// Writes `frames` to `path`; `tick` is called after each.
 ///
 /// # Errors
-/// [`Fault`] when the encoder or the disk refuses.
-pub fn shoot(
-    path: &Path,
-    set: &settings::Camera,
-    frames: usize,
-    draw: &(dyn Fn(usize) -> Gray + Sync),
-    tick: &dyn Fn(),
-) -> Result<(), Fault> {
-    let failed = |e| Fault::at(path.display().to_string(), e);
-    let mut writer =
-        Writer::create(path, set.width, set.height, set.rate, Quality::Quantiser(set.quantiser)).map_err(failed)?;
-    std::thread::scope(|scope| {
+/// When the encoder fails or the file cannot be written.
+pub(crate) fn write(path: &Path, set: &settings::Camera, frames: &Frames, tick: &dyn Fn()) -> Result<()> {
+    let mut writer = Writer::create(path, (set.width, set.height), set.rate, Quality::Quantiser(set.quantiser))?;
+    std::thread::scope(|scope| -> Result<()> {
         let (send, receive) = sync_channel::<Gray>(WAITING);
         scope.spawn(move || {
-            for frame in 0..frames {
-                if send.send(draw(frame)).is_err() {
-                    return; // the encoder has failed and says why
+            for frame in 0..frames.count {
+                if send.send((frames.draw)(frame)).is_err() {
+                    return; // the encoder failed; its error is returned below
                 }
             }
         });
         for picture in receive {
-            writer.push(&picture).map_err(failed)?;
+            writer.push(&picture)?;
             tick();
         }
         Ok(())
     })?;
-    writer.finish().map_err(failed)
+    Ok(writer.finish()?)
 }

@@ -1,6 +1,4 @@
-//! `rig`: the virtual bench as a program.
-//!
-//! Stands on: its library. Never knows: anything else.
+//! The program `rig`.
 
 use std::process::ExitCode;
 

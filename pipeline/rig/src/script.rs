@@ -1,30 +1,51 @@
-//! A trial's script: what is commanded on each side, and when the lamp shines, on the video's clock.
-//!
-//! Stands on: the card's experiments. Never knows: what the valve makes of it.
+//! The script of a trial: the pressure commands of each side and the lamp, on the video's clock, and the valve's response to them.
 
 use lab::card::{Experiment, Side};
 use si::{Pascal, Second};
 
-use crate::valve::Command;
+use crate::random::RandomStream;
+use crate::settings;
+use crate::valve::{Command, Trace, ValveDisturbance, respond};
 
 /// Commands and lamp of one trial; time 0 is the video's first frame.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Script {
+pub(crate) struct Script {
     /// Commands to the left side, rising in time.
-    pub left: Vec<Command>,
+    pub(crate) left: Vec<Command>,
     /// Commands to the right side, rising in time.
-    pub right: Vec<Command>,
-    /// When the lamp lights, which is when the first command is given, s.
-    pub led_on: Second,
-    /// When it goes out, which is when the last command ends, s.
-    pub led_off: Second,
-    /// How long the camera runs, s.
-    pub length: Second,
+    pub(crate) right: Vec<Command>,
+    /// Time at which the lamp is switched on, the time of the first command, s.
+    pub(crate) led_on: Second,
+    /// Time at which it is switched off, the end of the last command, s.
+    pub(crate) led_off: Second,
+    /// Duration of the film, s.
+    pub(crate) length: Second,
 }
 
-/// The script of `experiment`, whose first command comes at `start` (s) and after whose end the camera runs on for
-/// `rest` (s).
-pub fn write(experiment: &Experiment, start: Second, rest: Second) -> Script {
+/// A script and the chamber pressures that result from it.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Pneumatics {
+    /// The commands.
+    pub(crate) script: Script,
+    /// The pressure in the chambers, left and right.
+    pub(crate) sides: [Trace; 2],
+}
+
+impl Pneumatics {
+    /// The response of `valve` to `script` in a run with `disturbance`.
+    pub(crate) fn respond(
+        valve: &settings::Valve,
+        script: Script,
+        disturbance: ValveDisturbance,
+        random: &mut RandomStream,
+    ) -> Self {
+        let sides = [&script.left, &script.right].map(|commands| respond(valve, commands, disturbance, random));
+        Self { script, sides }
+    }
+}
+
+/// The script of `experiment`: its first command is given at `start` (s), and the film ends `rest` (s) after its last.
+pub(crate) fn write(experiment: &Experiment, start: Second, rest: Second) -> Script {
     let mut script = Script { left: Vec::new(), right: Vec::new(), led_on: start, led_off: start, length: start };
     match experiment {
         Experiment::Staircase { side, levels, hold, pause } => {
@@ -46,20 +67,20 @@ pub fn write(experiment: &Experiment, start: Second, rest: Second) -> Script {
 
 impl Script {
     /// The commands of a side.
-    pub fn side(&self, side: Side) -> &[Command] {
+    pub(crate) fn side(&self, side: Side) -> &[Command] {
         match side {
             Side::Left => &self.left,
             Side::Right => &self.right,
         }
     }
 
-    /// Share of the interval from − half to + half around `t` (all s) during which the lamp shines, 0 to 1.
-    pub fn lamp(&self, t: Second, half: Second) -> f64 {
+    /// Fraction of the interval from `t` − `half` to `t` + `half` (s) during which the lamp is on, 0 to 1.
+    pub(crate) fn lamp(&self, t: Second, half: Second) -> f64 {
         let lit = (t + half).min(self.led_off) - (t - half).max(self.led_on);
         (lit / (2.0 * half)).clamp(0.0, 1.0)
     }
 
-    /// Commands `pressure` on `side` for `time` s from where the script ends now, then ambient.
+    /// Appends a command of `pressure` on `side` for `time` (s), followed by ambient pressure.
     fn pulse(&mut self, side: Side, pressure: Pascal, time: Second) {
         let commands = match side {
             Side::Left => &mut self.left,
@@ -86,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lamp_that_lights_in_mid_exposure_is_collected_by_its_share() {
+    fn a_lamp_switched_on_during_an_exposure_is_seen_by_the_lit_fraction() {
         let stairs = Experiment::Staircase { side: Side::Left, levels: vec![1e4], hold: 1.0, pause: 0.5 };
         let script = write(&stairs, 0.5, 0.5);
         assert!((script.lamp(0.502, 0.008) - 0.625).abs() < 1e-9);

@@ -1,19 +1,17 @@
-//! A specimen on the bench: its shape, and what is hidden in it.
+//! A specimen of the bench: its shape and its hidden properties.
 //!
-//! The shape is public (it leaves the bench as two STL files); the properties are drawn from the seed's ranges and leave
-//! the bench in `truth.toml` alone.
-//!
-//! Stands on: `shape` (the parametric tail), the settings. Never knows: a trial.
+//! The shape is public: it is written as two STL files. The properties are drawn from the ranges of the settings and written to
+//! `truth.toml` alone.
 
 use si::{Point2, Second};
 
 use lab::truth::{Damping, Properties};
-use shape::tail::Tail;
+use tail_cad::Tail;
 
-use crate::draw::Draw;
+use crate::random::RandomStream;
 use crate::settings;
 
-/// A member of the bench's family: a name in `bench.toml` and a shape.
+/// A specimen: a name in `bench.toml` and a shape.
 pub struct Specimen {
     /// Its name, and its folder's.
     pub name: &'static str,
@@ -24,36 +22,36 @@ pub struct Specimen {
 /// The sheet's material.
 pub const SHEET: &str = "acetal";
 
-/// What is hidden in a specimen.
+/// The hidden properties of a specimen.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Hidden {
+pub struct HiddenProperties {
     /// The silicone.
     pub body: Properties,
     /// The sheet.
     pub spine: Properties,
-    /// What loses energy.
+    /// Rayleigh damping.
     pub damping: Damping,
-    /// The right outer wall is thicker and the left one thinner by this share, no unit.
+    /// Relative excess thickness of the right outer wall; the left one is thinner by the same, no unit.
     pub asymmetry: f64,
-    /// How far each mark is off its nominal place along and across, m.
+    /// Offset of each mark from its nominal place along and across, m.
     pub marks: Vec<Point2>,
 }
 
-impl Hidden {
+impl HiddenProperties {
     /// Properties drawn from the ranges of the specimen's materials, and from its own seed.
     pub fn drawn(all: &settings::Settings, set: &settings::Specimen) -> Self {
         let (body, damping) = solid(&all.material[&set.body]);
         let (spine, _) = solid(&all.material[SHEET]);
-        let mut draw = Draw::new(set.seed, "casting");
+        let mut random = RandomStream::new(set.seed, "casting");
         let most = all.casting.asymmetry;
-        let share = draw.between([0.5, 1.0]);
-        let asymmetry = if draw.unit() < 0.5 { share } else { -share } * most;
-        let mut off = || all.casting.markers_off * draw.normal();
-        let marks = set.markers.iter().map(|_| [off(), off()]).collect();
+        let fraction = random.uniform([0.5, 1.0]);
+        let asymmetry = if random.unit() < 0.5 { fraction } else { -fraction } * most;
+        let mut offset = || all.casting.markers_off * random.normal();
+        let marks = set.markers.iter().map(|_| [offset(), offset()]).collect();
         Self { body, spine, damping, asymmetry, marks }
     }
 
-    /// The tail as it was cast, where `tail` is what was drawn.
+    /// The tail as it was cast from the nominal `tail`.
     pub fn cast(&self, tail: &Tail) -> Tail {
         let [right, left] = tail.wall;
         Tail { wall: [right * (1.0 + self.asymmetry), left * (1.0 - self.asymmetry)], ..tail.clone() }
@@ -61,13 +59,13 @@ impl Hidden {
 }
 
 fn solid(set: &settings::Material) -> (Properties, Damping) {
-    let mut draw = Draw::new(set.seed, "hidden");
+    let mut random = RandomStream::new(set.seed, "hidden");
     let properties = Properties {
-        youngs_modulus: draw.between(set.youngs_modulus),
-        poissons_ratio: draw.between(set.poissons_ratio),
+        youngs_modulus: random.uniform(set.youngs_modulus),
+        poissons_ratio: random.uniform(set.poissons_ratio),
         density: set.density,
     };
-    let ratio = draw.between(set.damping_ratio);
+    let ratio = random.uniform(set.damping_ratio);
     (properties, Damping { mass: 0.0, stiffness: stiffness_damping(ratio, set.ring_down) })
 }
 

@@ -1,23 +1,21 @@
-//! The bench as a whole, on a recording small enough for a test: same bytes, readable by `lab`, never over a stranger.
-//!
-//! Stands on: `rig`, `lab`, `track`. Never knows: the pipeline.
-#![allow(clippy::unwrap_used)] // a test may fail where it stands
+//! A small recording of the whole bench: reproducible, readable by `lab`, and never over a folder of another origin.
+#![allow(clippy::unwrap_used)] // a panic fails the test
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use lab::{Specimen, truth};
 use rig::progress::Progress;
-use rig::record::{Outcome, record};
+use rig::record::{Request, Status, record};
 use rig::settings::{Profile, Resolution, Settings};
 use rig::specimens::ALL;
 use rig::stamp;
 use track::video::Reader;
 
 /// A folder of its own for one test, gone afterwards.
-struct World(PathBuf);
+struct TestFolder(PathBuf);
 
-impl World {
+impl TestFolder {
     fn new(name: &str) -> Self {
         let path = std::env::temp_dir().join(format!("rig_{name}_{}", std::process::id()));
         std::fs::create_dir_all(&path).unwrap();
@@ -25,18 +23,18 @@ impl World {
     }
 }
 
-impl Drop for World {
+impl Drop for TestFolder {
     fn drop(&mut self) {
         std::fs::remove_dir_all(&self.0).unwrap();
     }
 }
 
-/// The built-in bench with a profile of a few frames and elements.
+/// The built-in settings with a profile of a few frames and elements.
 fn tiny() -> Settings {
     let mut set = Settings::built_in();
     let profile = Profile {
         resolution: Resolution { edge: 0.010, per_chamber: 1, per_rib: 1 },
-        rungs: 4,
+        levels: 4,
         step: 1.0 / 60.0,
         rest: 0.05,
         hold: 0.1,
@@ -54,8 +52,13 @@ fn tiny() -> Settings {
     set
 }
 
-fn recorded(into: &Path) -> Outcome {
-    record(&ALL[0], &tiny(), "tiny", into, &Progress::new(true)).unwrap_or_else(|fault| panic!("{fault}"))
+fn record_tiny(into: &Path) -> diagnostics::Result<Status> {
+    let progress = Progress::new(true);
+    record(&ALL[0], &Request { set: &tiny(), profile: "tiny", into, progress: &progress })
+}
+
+fn recorded(into: &Path) -> Status {
+    record_tiny(into).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Every file under `folder` with its bytes.
@@ -73,19 +76,22 @@ fn bytes(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
 }
 
 #[test]
-fn a_recording_is_read_by_lab_and_has_the_same_bytes_when_made_again() {
-    let world = World::new("twice");
-    let (first, second) = (world.0.join("a"), world.0.join("b"));
-    assert_eq!((recorded(&first), recorded(&second), recorded(&first)), (Outcome::Made, Outcome::Made, Outcome::Kept));
+fn a_recording_is_read_by_lab_and_is_reproducible_to_the_byte() {
+    let folder = TestFolder::new("twice");
+    let (first, second) = (folder.0.join("a"), folder.0.join("b"));
+    assert_eq!(
+        (recorded(&first), recorded(&second), recorded(&first)),
+        (Status::Recorded, Status::Recorded, Status::UpToDate)
+    );
     let (a, b) = (bytes(&first), bytes(&second));
     assert_eq!(a.keys().collect::<Vec<_>>(), b.keys().collect::<Vec<_>>());
     let differing: Vec<&PathBuf> = a.keys().filter(|name| a[*name] != b[*name]).collect();
     assert!(differing.is_empty(), "{differing:?}");
-    the_folder_is_whole(&first.join(ALL[0].name));
+    assert_complete(&first.join(ALL[0].name));
 }
 
-/// Logs of the load cell and their truth fit each other, and the taps are in both logs at once.
-fn the_cell_was_read(specimen: &Specimen) {
+/// Logs of the load cell agree with their ground truth, and the taps are in both logs at the same time.
+fn assert_force_logs(specimen: &Specimen) {
     let truth = truth::read(&specimen.folder.join(lab::folder::TRUTH)).unwrap();
     let cell = truth.cell.unwrap();
     assert!((10.0..20.0).contains(&((cell.stiffness / cell.mass).sqrt() / std::f64::consts::TAU)));
@@ -102,11 +108,11 @@ fn the_cell_was_read(specimen: &Specimen) {
     }
 }
 
-/// Card, log, film, truth and tracks fit each other.
-fn the_folder_is_whole(folder: &Path) {
+/// Card, logs, film, ground truth and tracks agree.
+fn assert_complete(folder: &Path) {
     let specimen = Specimen::open(folder).unwrap();
     assert_eq!(specimen.missing(), []);
-    the_cell_was_read(&specimen);
+    assert_force_logs(&specimen);
     let truth = truth::read(&folder.join(lab::folder::TRUTH)).unwrap();
     for (trial, hidden) in specimen.card.trial.iter().zip(&truth.trial) {
         let log = lab::pressure::read(&specimen.file(&trial.pressure)).unwrap();
@@ -116,29 +122,29 @@ fn the_folder_is_whole(folder: &Path) {
         assert!(log.time[log.time.len() - 1] > hidden.clock_offset + film.frames as f64 / film.rate);
         for (marker, track) in specimen.card.marker.iter().zip(&tracks) {
             let [du, dv] = [0, 1].map(|k| marker.clicked.unwrap()[k] - track.pixel[0][k]);
-            let near = if trial.medium == lab::card::Medium::Water { 60.0 } else { 10.0 }; // clicked in air, once
+            let near = if trial.medium == lab::card::Medium::Water { 60.0 } else { 10.0 }; // clicked in air
             assert!(marker.name == track.marker && du.hypot(dv) < near, "{} {du} {dv}", track.marker);
         }
     }
 }
 
 #[test]
-fn a_folder_that_the_bench_did_not_make_is_refused_and_left_alone() {
-    let world = World::new("stranger");
-    let folder = world.0.join(ALL[0].name);
-    std::fs::create_dir_all(&folder).unwrap();
-    std::fs::write(folder.join("specimen.toml"), "a laboratory's card").unwrap();
-    let fault = record(&ALL[0], &tiny(), "tiny", &world.0, &Progress::new(true)).unwrap_err().to_string();
-    assert!(fault.contains("was not made by the virtual bench") && fault.contains("do:"), "{fault}");
-    assert_eq!(bytes(&world.0).len(), 1);
+fn a_folder_that_the_bench_did_not_make_is_an_error_and_is_not_changed() {
+    let folder = TestFolder::new("other");
+    let own = folder.0.join(ALL[0].name);
+    std::fs::create_dir_all(&own).unwrap();
+    std::fs::write(own.join("specimen.toml"), "a laboratory's card").unwrap();
+    let error = record_tiny(&folder.0).unwrap_err().to_string();
+    assert!(error.contains("was not made by the virtual bench") && error.contains("do:"), "{error}");
+    assert_eq!(bytes(&folder.0).len(), 1);
 }
 
 #[test]
-fn a_recording_with_other_settings_or_with_a_lost_file_is_stale() {
-    let world = World::new("stale");
+fn a_recording_with_other_settings_or_a_missing_file_is_stale() {
+    let folder = TestFolder::new("stale");
     let stamped = stamp::text(&ALL[0], "quick");
-    std::fs::write(world.0.join(stamp::FILE), &stamped).unwrap();
-    assert_eq!(stamp::look(&world.0, &stamped).unwrap(), stamp::Found::Stale, "its card is lost");
+    std::fs::write(folder.0.join(stamp::FILE), &stamped).unwrap();
+    assert_eq!(stamp::inspect(&folder.0, &stamped).unwrap(), stamp::FolderState::Stale, "its card is missing");
     assert_ne!(stamped, stamp::text(&ALL[0], "paper"));
-    assert_eq!(stamp::look(&world.0.join("absent"), &stamped).unwrap(), stamp::Found::Nothing);
+    assert_eq!(stamp::inspect(&folder.0.join("absent"), &stamped).unwrap(), stamp::FolderState::Absent);
 }

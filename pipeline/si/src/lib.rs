@@ -1,9 +1,18 @@
-//! The ground floor: units as words, points, and evenly sampled series.
+//! SI units as type aliases, points, and evenly sampled series.
 //!
-//! Everything in the house is in SI: metre, second, pascal, newton, radian. The aliases carry no checking; they say
-//! in a signature what a number is. `paper/symbols.md` has the letters that formulas use.
+//! All quantities are in SI units: metre, second, pascal, newton, radian. The aliases are not checked by the compiler; they document
+//! a signature. `paper/symbols.md` lists the symbols of formulas.
 //!
-//! Stands on: nothing of the house. Never knows: a tail, a mesh, a file.
+//! ```
+//! use si::{Second, Series};
+//!
+//! let pressure = Series::new(0.0, 200.0, vec![0.0, 100.0, 300.0])?;
+//! let time: Second = 0.0075;
+//! assert_eq!(pressure.at(time), 200.0);
+//! # Ok::<(), si::SeriesError>(())
+//! ```
+//!
+//! Depends on no other crate of the workspace.
 
 mod series;
 pub mod vec3;
@@ -35,9 +44,9 @@ pub type Kilogram = f64;
 /// Acceleration, m/s².
 pub type MetrePerSecondSquared = f64;
 
-/// A point or vector in a plane; its unit is said where it is used (m in `shape` and `lab`, px in `track`).
+/// A point or vector in a plane; its unit is stated where it is used (px in `track`, m elsewhere).
 pub type Point2 = [f64; 2];
-/// A point or vector in space, m unless said otherwise.
+/// A point or vector in space, m unless stated otherwise.
 pub type Point3 = [f64; 3];
 
 /// One millibar in pascal, for the logs of valves and the axes of figures.

@@ -1,6 +1,4 @@
-//! A quantity sampled at an even rate, which knows its rate.
-//!
-//! Stands on: the unit aliases. Never knows: what was measured, or which clock it is on.
+//! A quantity sampled at an even rate.
 
 use crate::{Hertz, Second};
 
@@ -16,17 +14,21 @@ pub struct Series {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SeriesError {
     /// A rate that is not a positive number.
-    #[error("a series needs a positive sampling rate, not {0} Hz")]
+    #[error(
+        "the sampling rate is {0} Hz\n  why: it must be positive and finite\n  do:  correct the rate, or the times that it is computed from"
+    )]
     Rate(f64),
     /// No samples at all.
-    #[error("a series needs at least one sample")]
+    #[error("the series has no sample\n  why: at least one is needed\n  do:  check that the recording is not empty")]
     Empty,
     /// A sample that is not a number.
-    #[error("sample {index} of the series is {value}, not a number")]
+    #[error(
+        "sample {index} of the series is {value}\n  why: every sample must be finite\n  do:  check the recording there"
+    )]
     NotANumber {
         /// Which sample.
         index: usize,
-        /// What stands there.
+        /// Its value.
         value: f64,
     },
 }
@@ -89,7 +91,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_straight_line_is_met_between_samples_and_held_outside() {
+    fn a_straight_line_is_interpolated_between_samples_and_held_outside() {
         let line = Series::new(1.0, 10.0, vec![0.0, 1.0, 2.0]).unwrap();
         assert!((line.at(1.15) - 1.5).abs() < 1e-12);
         assert_eq!((line.at(0.0), line.at(9.0)), (0.0, 2.0));

@@ -1,6 +1,4 @@
-//! Sums and products of vectors in space, for the crates that need no matrix.
-//!
-//! Stands on: nothing. Never knows: what a vector means.
+//! Sums and products of vectors in space, for crates that need no matrix.
 
 use crate::Point3;
 
@@ -39,7 +37,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_cross_product_stands_upright_on_both_factors() {
+    fn a_cross_product_is_orthogonal_to_both_factors() {
         let (a, b) = ([1.0, 2.0, 3.0], [-2.0, 0.5, 4.0]);
         let c = cross(a, b);
         assert_eq!(dot(a, c), 0.0);

@@ -1,29 +1,27 @@
-//! Two clocks that saw the same events: how one's times read on the other.
-//!
-//! Stands on: `si`. Never knows: what the events were.
+//! An affine map between two clocks that recorded the same events.
 
 use si::Second;
 
-/// Turns times of one clock into times of another: t' = offset + scale · t.
+/// Maps times of one clock to times of another: t' = offset + scale · t.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Clock {
-    /// What the other clock shows when this one shows 0, s.
+    /// Time of the other clock when this one is 0, s.
     pub offset: Second,
     /// Seconds of the other clock in a second of this one, no unit.
     pub scale: f64,
 }
 
-/// Why two lists of events do not make a clock.
+/// Why two lists of events do not define a map.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ClockError {
     /// Nothing to match.
     #[error(
-        "two clocks share no edge\n  why: neither saw one\n  do:  check that the lamp is in the picture and the log has its column"
+        "two clocks have no common edge\n  why: neither recorded one\n  do:  check that the lamp is in the picture and the log has its column"
     )]
     NoEdge,
-    /// One clock saw events that the other did not.
+    /// One clock recorded events that the other did not.
     #[error(
-        "two clocks saw different edges\n  why: one saw {} at {}, the other {} at {}\n  do:  keep the edges that both saw, or mend the recording that missed one", .here.len(), list(.here), .there.len(), list(.there)
+        "two clocks recorded different edges\n  why: one recorded {} at {}, the other {} at {}\n  do:  keep the edges that both recorded, or correct the recording that missed one", .here.len(), list(.here), .there.len(), list(.there)
     )]
     Counts {
         /// Times on this clock, s.
@@ -43,11 +41,11 @@ pub enum ClockError {
     },
 }
 
-/// Largest drift that is taken for a clock's, s a second: a poor crystal drifts by 1e-4.
+/// Largest drift that is accepted, s a second: a poor crystal drifts by 1e-4.
 pub const DRIFT_LIMIT: f64 = 0.01;
 
 impl Clock {
-    /// The clock that shows what this one shows.
+    /// The identity.
     pub const SAME: Self = Self { offset: 0.0, scale: 1.0 };
 
     /// Matches the times `here` with the times `there` (s) of the same edges in the same order.
@@ -74,8 +72,8 @@ impl Clock {
         Ok(Self { offset: goal - scale * middle, scale })
     }
 
-    /// How well [`Clock::there`] is known at the time `at` (s), standard deviation, s: the edges `here` (s) are each known to
-    /// `sigma` (s), both clocks together. Of one edge's offset; the drift is not known from one.
+    /// Standard deviation of [`Clock::there`] at the time `at` (s), s: the edges `here` (s) are each known to
+    /// `sigma` (s), both clocks together. Of one edge's offset; one edge does not determine the drift.
     pub fn sigma(here: &[Second], sigma: &[Second], at: Second) -> Second {
         let count = here.len() as f64;
         let middle = here.iter().sum::<f64>() / count;
@@ -94,8 +92,8 @@ impl Clock {
         (there - self.offset) / self.scale
     }
 
-    /// Root of the mean squared miss over matched edges, s.
-    pub fn miss(&self, here: &[Second], there: &[Second]) -> Second {
+    /// Root of the mean squared residual over matched edges, s.
+    pub fn rms_error(&self, here: &[Second], there: &[Second]) -> Second {
         let squares: f64 = here.iter().zip(there).map(|(&t, u)| (self.there(t) - u).powi(2)).sum();
         (squares / here.len().min(there.len()).max(1) as f64).sqrt()
     }
@@ -128,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn a_clock_is_known_as_well_as_its_edges_and_worse_beyond_them() {
+    fn the_uncertainty_of_a_clock_is_that_of_its_edges_and_grows_beyond_them() {
         let (here, sigma) = ([2.0, 12.0], [1e-3, 2e-3]);
         for (at, truth) in [(2.0, 1e-3), (12.0, 2e-3), (7.0, 0.5 * 5e-6_f64.sqrt()), (22.0, 17e-6_f64.sqrt())] {
             assert!((Clock::sigma(&here, &sigma, at) - truth).abs() < 1e-12, "at {at}");
@@ -137,12 +135,12 @@ mod tests {
     }
 
     #[test]
-    fn many_edges_share_out_their_noise() {
+    fn the_noise_of_many_edges_averages_out() {
         let here: Vec<_> = (0..20).map(f64::from).collect();
         let there: Vec<_> = here.iter().map(|t| t + 5.0 + 1e-3 * (t * 7.7).sin()).collect();
         let clock = Clock::from_edges(&here, &there).unwrap();
         assert!((clock.there(10.0) - 15.0).abs() < 3e-4);
-        assert!(clock.miss(&here, &there) < 1e-3);
+        assert!(clock.rms_error(&here, &there) < 1e-3);
     }
 
     #[test]

@@ -1,34 +1,33 @@
-//! Static cross-talk: a force that follows a pressure although nothing moves, as a rising curve and a delay.
+//! Static cross-talk of pressure into force: a monotone curve and a delay.
 //!
-//! Force = Σ over chambers of C(p(t − τ)) + drift. C rises from (0, 0), straight between knots; its rises are fitted by least
-//! squares that are at least zero, for each τ of a list, and the τ with the least error is kept.
-//!
-//! Stands on: resample, squares. Never knows: which chamber, which medium. Paper: section IV, spurious forces.
+//! Force = Σ over chambers of C(p(t − τ)) + drift. C rises from (0, 0) and is linear between knots; its increments are estimated by
+//! non-negative least squares for each τ of a list, and the τ with the least residual is kept. Paper, section IV, spurious forces.
 
 use si::{Newton, Pascal, Second, Series};
 
+use crate::polynomial::{self, EstimationError};
 use crate::resample::Samples;
-use crate::squares::{self, FitFailed};
+use optimize::linear;
 
 /// Degree of the drift of the zero in one recording.
 const DRIFT: usize = 3;
 
-/// What pressure alone does to the force.
+/// Force as a function of pressure without motion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CrossTalk {
     /// Pressures of the knots, rising, the first is 0, Pa.
     pub pressures: Vec<Pascal>,
     /// Force at each knot, N; the first is 0 and none is lower than the one before.
     pub forces: Vec<Newton>,
-    /// How much later than the pressure the force comes, s.
+    /// Delay of the force behind the pressure, s.
     pub lag: Second,
-    /// Standard deviation of what curve and drift leave, N.
-    pub left: Newton,
+    /// Standard deviation of the residuals, N.
+    pub residual: Newton,
 }
 
 /// One quasi-static recording: force and pressures on one clock.
 #[derive(Debug, Clone)]
-pub struct Still {
+pub struct Staircase {
     /// N.
     pub force: Series,
     /// One a chamber, Pa.
@@ -36,9 +35,9 @@ pub struct Still {
 }
 
 impl CrossTalk {
-    /// None at all.
+    /// No cross-talk.
     pub fn none() -> Self {
-        Self { pressures: vec![0.0], forces: vec![0.0], lag: 0.0, left: 0.0 }
+        Self { pressures: vec![0.0], forces: vec![0.0], lag: 0.0, residual: 0.0 }
     }
 
     /// C(p), N; held beyond the last knot, zero below the first.
@@ -53,7 +52,7 @@ impl CrossTalk {
     }
 }
 
-/// How much of the way between two knots a pressure has gone, 0 to 1.
+/// Position of a pressure between two knots, 0 to 1.
 fn part(pressure: Pascal, knots: &[Pascal]) -> f64 {
     ((pressure - knots[0]) / (knots[1] - knots[0])).clamp(0.0, 1.0)
 }
@@ -61,25 +60,25 @@ fn part(pressure: Pascal, knots: &[Pascal]) -> f64 {
 /// The cross-talk of quasi-static recordings, with `knots` (Pa, rising, beginning at 0) and the best of `lags` (s).
 ///
 /// # Errors
-/// [`FitFailed`] when there is no recording, knots do not rise from 0, or no lag was given.
-pub fn fit(runs: &[Still], knots: &[Pascal], lags: &[Second]) -> Result<CrossTalk, FitFailed> {
+/// [`EstimationError`] when there is no recording, knots do not rise from 0, or no lag was given.
+pub fn fit(runs: &[Staircase], knots: &[Pascal], lags: &[Second]) -> Result<CrossTalk, EstimationError> {
     let rising = knots.first() == Some(&0.0) && knots.windows(2).all(|w| w[1] > w[0]);
     if runs.is_empty() || !rising || knots.len() < 2 {
         return Err(failed(format!("there are {} recordings and the knots are {knots:?} Pa", runs.len())));
     }
     let tried = lags.iter().filter_map(|&lag| with_lag(runs, knots, lag));
-    tried.min_by(|a, b| a.left.total_cmp(&b.left)).ok_or_else(|| failed("no lag gives a solution".into()))
+    tried.min_by(|a, b| a.residual.total_cmp(&b.residual)).ok_or_else(|| failed("no lag gives a solution".into()))
 }
 
-fn failed(why: String) -> FitFailed {
-    FitFailed {
+fn failed(why: String) -> EstimationError {
+    EstimationError {
         what: "the cross-talk of pressure into force",
         why,
-        remedy: "record staircases of pressure with a force log",
+        action: "record staircases of pressure with a force log",
     }
 }
 
-fn with_lag(runs: &[Still], knots: &[Pascal], lag: Second) -> Option<CrossTalk> {
+fn with_lag(runs: &[Staircase], knots: &[Pascal], lag: Second) -> Option<CrossTalk> {
     let (rises, total) = (knots.len() - 1, runs.iter().map(|r| r.force.values().len()).sum::<usize>());
     let mut columns = vec![Vec::with_capacity(total); rises];
     let mut target = Vec::with_capacity(total);
@@ -95,20 +94,21 @@ fn with_lag(runs: &[Still], knots: &[Pascal], lag: Second) -> Option<CrossTalk> 
             }
         }
         target.extend(run.force.values());
-        for column in squares::drift(samples, DRIFT) {
+        for column in polynomial::columns(samples, DRIFT) {
             let mut own = vec![0.0; total];
             own[before..before + samples].copy_from_slice(&column);
             drifts.push(own);
         }
         before += samples;
     }
+    // Non-negative increments make C monotone, as an inflated volume is: free increments could fall between knots through noise and drift.
     columns.extend(drifts);
-    let weights = squares::at_least_zero(&columns, &target, rises)?;
-    let sum = squares::sum(&columns, &weights);
-    let left = (sum.iter().zip(&target).map(|(s, t)| (s - t).powi(2)).sum::<f64>() / total as f64).sqrt();
+    let weights = linear::nnls(&columns, &target, rises)?;
+    let sum = linear::weighted_sum(&columns, &weights);
+    let residual = (sum.iter().zip(&target).map(|(s, t)| (s - t).powi(2)).sum::<f64>() / total as f64).sqrt();
     let mut forces = vec![0.0];
     weights[..rises].iter().for_each(|rise| forces.push(forces[forces.len() - 1] + rise));
-    Some(CrossTalk { pressures: knots.to_vec(), forces, lag, left })
+    Some(CrossTalk { pressures: knots.to_vec(), forces, lag, residual })
 }
 
 #[cfg(test)]
@@ -126,7 +126,7 @@ mod tests {
         0.056 * (p / 2e4).powi(2)
     }
 
-    fn recorded(seed: u64) -> Still {
+    fn recorded(seed: u64) -> Staircase {
         let mut noise = Noise::new(seed);
         let times: Vec<f64> = (0..8200).map(|i| f64::from(i) / 200.0 - 0.5).collect();
         let values = times.iter().map(|&t| if t < 0.0 { 0.0 } else { steps(t) }).collect();
@@ -136,17 +136,17 @@ mod tests {
             curve(p) + 2e-3 * noise.normal() + 0.02 - 0.02 * (t / 40.0).powi(2)
         });
         let force = Series::new(0.0, 80.0, force.collect()).unwrap();
-        Still { force, pressures: vec![Samples::new(times, values).unwrap()] }
+        Staircase { force, pressures: vec![Samples::new(times, values).unwrap()] }
     }
 
     #[test]
-    fn curve_and_lag_come_back_through_noise_and_drift() {
+    fn curve_and_lag_are_recovered_from_noise_and_drift() {
         let knots: Vec<f64> = (0..=5).map(|i| 5000.0 * f64::from(i)).collect();
         let lags: Vec<f64> = (0..=30).map(|i| 0.02 * f64::from(i)).collect();
         let found = fit(&[recorded(1), recorded(2)], &knots, &lags).unwrap();
         assert!((found.lag - 0.28).abs() < 0.011, "{}", found.lag);
         for p in &knots {
-            // 400 samples of 2 mN a level; the drift takes its share
+            // 400 samples of 2 mN a level; the drift takes a part
             assert!((found.at(*p) - curve(*p)).abs() < 1e-3, "{p} Pa: {}", found.at(*p));
         }
         assert!(found.forces.windows(2).all(|f| f[1] >= f[0]));

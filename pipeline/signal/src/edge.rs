@@ -1,13 +1,11 @@
-//! Edges of a signal with two levels, to a fraction of a sample.
+//! Edges of a two-level signal, to a fraction of a sample.
 //!
-//! A camera's sample is a mean over its exposure, so a lamp that lights in mid exposure gives a level between dark and
-//! bright, and the level tells when. A log's sample is an instant: the edge then lies half way between two samples.
-//!
-//! Stands on: `si`. Never knows: what lights or why.
+//! A camera's sample is a mean over its exposure, so a lamp that lights during an exposure gives an intermediate level, from which the
+//! time of the edge follows. A log's sample is an instant: the edge is then placed half way between two samples.
 
 use si::{Second, Series};
 
-/// What the value of a sample at time t means: the mean over t − `lead` … t − `lead` + `width`.
+/// The averaging window of a sample at time t: the mean over t − `lead` … t − `lead` + `width`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Window {
     /// How long before the sample's time it begins, s.
@@ -17,21 +15,21 @@ pub struct Window {
 }
 
 impl Window {
-    /// A sample that is taken in no time, as a log's.
+    /// An instantaneous sample, as a log's.
     pub const INSTANT: Self = Self { lead: 0.0, width: 0.0 };
 
-    /// A sample whose time is the begin of an exposure of `width` (s), as a camera's.
+    /// A sample whose time is the start of an exposure of `width` (s), as a camera's.
     pub fn exposure(width: Second) -> Self {
         Self { lead: 0.0, width }
     }
 }
 
-/// Why a signal has no edges.
+/// Why edges cannot be located.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum EdgeError {
     /// One level only, or too much noise.
     #[error(
-        "the signal has no two levels\n  why: they would be {low:.4} and {high:.4}, while {noise:.4} is noise; {limit} times the noise are needed\n  do:  check that the disc lies on the lamp, or the column is the lamp's"
+        "the signal does not have two levels\n  why: they would be {low:.4} and {high:.4} with a noise of {noise:.4}; the difference must be {limit} times the noise\n  do:  check that the disc covers the lamp, or that the column is the lamp's"
     )]
     NoLevels {
         /// Lower level, in the signal's unit.
@@ -78,16 +76,16 @@ pub struct Edge {
     pub time: Second,
     /// Whether to the upper level.
     pub up: bool,
-    /// How well its time is known, standard deviation, s.
+    /// Standard deviation of its time, s.
     pub sigma: Second,
 }
 
-/// Both levels must lie this many times their own scatter apart.
+/// Least difference of the two levels, as a multiple of their scatter.
 const LEVELS_APART: f64 = 6.0;
-/// Nearer to a level than this share of the way, a sample counts as that level: lamps flicker by a level or two of 255.
+/// Within this share of the difference from a level, a sample counts as that level: lamps flicker by a level or two of 255.
 const NEAR: f64 = 0.02;
 
-/// No level is known better than to this share of the way between the two: half a step of 200.
+/// Least uncertainty of a level, as a share of the difference: half a quantisation step of 200.
 const LEVEL: f64 = 2.5e-3;
 
 /// All edges in the order of time.
@@ -99,7 +97,7 @@ pub fn edges(signal: &Series, window: Window) -> Result<Vec<Edge>, EdgeError> {
     edges_at(&times, signal.values(), |_| window)
 }
 
-/// All edges of samples `values` at uneven `times` (s), in their order; `window` says what sample k means.
+/// All edges of samples `values` at uneven `times` (s), in their order; `window` gives the window of sample k.
 ///
 /// # Errors
 /// As [`edges`].
@@ -122,11 +120,11 @@ pub fn edges_at(times: &[Second], values: &[f64], window: impl Fn(usize) -> Wind
     Ok(crossings.map(edge).collect())
 }
 
-/// The time of the edge between samples `i` − 1 and `i`, which lie on different sides of the middle.
+/// The time of the edge between samples `i` − 1 and `i`, which lie on different sides of the mean level.
 ///
 /// The sample that lies between the levels has the edge inside its window, a share of the new level before the window's
-/// end. Without such a sample the edge lies between the two windows, half way for want of more. The second value is how
-/// well that is known: by the `flicker` of the level (a share of the way), or as any time in the gap is as likely.
+/// end. Without such a sample the edge lies between the two windows and is placed half way. The second value is the standard
+/// deviation: from the `flicker` of the level (a share), or that of a uniform distribution over the gap.
 fn crossing(
     times: &[Second],
     share: &[f64],
@@ -142,8 +140,8 @@ fn crossing(
         (begin(nearest) + (1.0 - new(nearest)) * width, flicker.hypot(LEVEL) * width)
     } else {
         let (from, to) = (begin(i - 1) + window(i - 1).width, begin(i));
-        let hidden = to - from + NEAR * (window(i - 1).width + window(i).width);
-        (0.5 * (from + to), hidden / 12.0_f64.sqrt())
+        let gap = to - from + NEAR * (window(i - 1).width + window(i).width);
+        (0.5 * (from + to), gap / 12.0_f64.sqrt())
     }
 }
 
@@ -199,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn an_exposure_tells_the_edge_to_a_fraction_of_a_frame() {
+    fn an_exposure_gives_the_edge_to_a_fraction_of_a_frame() {
         let window = Window::exposure(1.0 / 120.0);
         for k in 0..20 {
             let on = 1.0002 + 0.0004 * f64::from(k); // inside the exposure of the frame at 1.0 s, which ends at 1.0083
@@ -211,14 +209,14 @@ mod tests {
     }
 
     #[test]
-    fn an_edge_in_the_dark_between_exposures_is_put_half_way() {
+    fn an_edge_between_exposures_is_placed_half_way() {
         let window = Window::exposure(1.0 / 120.0);
         let signal = lamp(60.0, window, 1.0 + 1.3 / 120.0, 3.0);
         assert!((rising(&signal, window).unwrap()[0] - (1.0 + 1.5 / 120.0)).abs() < 1e-12);
     }
 
     #[test]
-    fn exposures_without_a_gap_tell_every_edge() {
+    fn exposures_without_a_gap_give_every_edge() {
         let window = Window { lead: 1.0 / 60.0, width: 1.0 / 60.0 };
         for k in 0..50 {
             let (on, off) = (1.0 + 0.0011 * f64::from(k), 3.0 + 0.0007 * f64::from(k));
@@ -231,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn an_instant_log_tells_the_edge_to_half_a_sample() {
+    fn an_instantaneous_log_gives_the_edge_to_half_a_sample() {
         let found = edges(&lamp(200.0, Window::INSTANT, 0.9713, 1.2), Window::INSTANT).unwrap();
         assert!((found[0].time - 0.9713).abs() <= 0.0025 && found[0].up);
     }
@@ -243,7 +241,7 @@ mod tests {
             for k in 0..60 {
                 let on = 1.0 + 0.00031 * f64::from(k);
                 let edge = edges(&lamp(60.0, window, on, 3.1), window).unwrap()[0];
-                // an error that is evenly spread reaches 1.74 deviations
+                // a uniformly distributed error reaches 1.74 deviations
                 assert!((edge.time - on).abs() <= 1.75 * edge.sigma + 1e-12, "{width} {on}: {edge:?}");
                 assert!(edge.sigma < most);
             }
@@ -251,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn uneven_frames_tell_an_edge_by_their_own_times() {
+    fn uneven_frames_give_an_edge_by_their_own_times() {
         let times: Vec<f64> = (0..80).map(|k| f64::from(k) / 60.0 + 0.004 * (1.7 * f64::from(k)).sin()).collect();
         let width = 0.5 / 60.0;
         let on = times[31] + 0.3 * width;
@@ -262,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_moves_no_edge_by_more_than_its_own_size() {
+    fn noise_shifts_an_edge_by_no_more_than_its_own_size() {
         let window = Window::exposure(1.0 / 60.0);
         let clean = lamp(60.0, window, 1.0042, 3.1);
         let noisy = clean.values().iter().enumerate().map(|(i, v)| v + 2.0 * (i as f64 * 12.9898).sin()).collect();

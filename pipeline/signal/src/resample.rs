@@ -1,7 +1,6 @@
-//! A signal on other times: linear between its samples.
+//! Unevenly sampled signals, and linear interpolation.
 //!
-//! Linear reading does not hold back frequencies above half the new rate; [`crate::smooth`] does, before.
-//! Stands on: `si`. Never knows: whose times these are.
+//! Interpolation does not attenuate frequencies above half the new rate; [`crate::smooth`] does, before.
 
 use si::{Hertz, Second, Series, SeriesError};
 
@@ -12,12 +11,12 @@ pub struct Samples {
     values: Vec<f64>,
 }
 
-/// Why times and values make no signal.
+/// Why times and values are not a signal.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SampleError {
     /// Not as many times as values, or none.
     #[error(
-        "{times} times and {values} values make no signal\n  why: each value needs its time, and at least one is needed\n  do:  check the columns of the log"
+        "{times} times and {values} values are not a signal\n  why: each value needs its time, and at least one is needed\n  do:  check the columns of the log"
     )]
     Lengths {
         /// Number of times.
@@ -25,7 +24,7 @@ pub enum SampleError {
         /// Number of values.
         values: usize,
     },
-    /// A time that does not lie behind the one before.
+    /// A time that is not after the one before.
     #[error(
         "time runs backwards at sample {sample}\n  why: it is {at} s, the sample before {before} s\n  do:  check the log there: a clock that was set back, or two logs in one file"
     )]
@@ -103,7 +102,7 @@ impl Samples {
     /// [`SeriesError`] when the rate is not positive.
     pub fn even(&self, rate: Hertz) -> Result<Series, SeriesError> {
         let (start, end) = (self.times[0], self.times[self.times.len() - 1]);
-        // half a millionth of a sample is taken as whole: times of a log are rounded
+        // half a millionth of a sample counts as whole, because times of a log are rounded
         let last = ((end - start) * rate + 5e-7).floor().max(0.0) as usize;
         Series::new(start, rate, (0..=last).map(|i| self.at(start + i as f64 / rate)).collect())
     }
@@ -119,7 +118,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_straight_line_is_met_between_uneven_samples_and_held_outside() {
+    fn a_straight_line_is_interpolated_between_uneven_samples_and_held_outside() {
         let line = Samples::new(vec![0.0, 0.1, 0.4, 1.0], vec![0.0, 0.2, 0.8, 2.0]).unwrap();
         for (t, value) in line.onto(&[0.05, 0.3, 0.99]).iter().zip([0.1, 0.6, 1.98]) {
             assert!((t - value).abs() < 1e-15);
@@ -128,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn an_even_log_comes_back_at_its_own_rate() {
+    fn an_even_log_is_unchanged_at_its_own_rate() {
         let times: Vec<_> = (0..100).map(|i| 3.0 + f64::from(i) / 200.0).collect();
         let values: Vec<_> = times.iter().map(|t| t.sin()).collect();
         let series = Samples::new(times.clone(), values.clone()).unwrap().even(200.0).unwrap();

@@ -1,16 +1,15 @@
-//! Smoothing without delay: a Butterworth low-pass run forwards and then backwards.
+//! Zero-phase low-pass filtering: a Butterworth filter run forwards and backwards.
 //!
-//! Second-order sections, ends continued by reflection in their last point, start in the steady state of the first value:
-//! the same conventions as SciPy's `sosfiltfilt`, so that numbers can be compared.
-//! Stands on: `si`. Never knows: what is smoothed.
+//! Second-order sections; the ends are continued by point reflection; each pass starts in the steady state of its first value: the
+//! conventions of SciPy's `sosfiltfilt`, so that numbers can be compared.
 
 use si::{Hertz, Series};
 use std::f64::consts::PI;
 
-/// Why a signal cannot be smoothed.
+/// Why a signal cannot be filtered.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum SmoothError {
-    /// A cutoff that the sampling cannot hold.
+    /// A cutoff at or above the Nyquist frequency.
     #[error(
         "a cutoff of {cutoff} Hz cannot be used\n  why: the signal has {rate} samples a second; the cutoff must lie between 0 and {half} Hz\n  do:  lower the cutoff"
     )]
@@ -43,7 +42,7 @@ struct Section {
     a: [f64; 2],
 }
 
-/// The signal without what swings faster than `cutoff` (Hz): Butterworth of order 2 × `sections`, forwards and backwards.
+/// Low-pass filter with `cutoff` (Hz): Butterworth of order 2 × `sections`, forwards and backwards.
 ///
 /// |H|² of each pass: 1 / (1 + (tan(πf/r) / tan(πf꜀/r))^(4n)), n sections, so one half is left at the cutoff and nothing
 /// is delayed.
@@ -81,7 +80,7 @@ fn butterworth(cutoff: f64, sections: usize) -> Vec<Section> {
     (0..sections).map(section).collect()
 }
 
-/// The values with `pad` more on each side, the signal turned about its end points.
+/// The values with `pad` more on each side, by point reflection.
 fn continued(values: &[f64], pad: usize) -> Vec<f64> {
     let (first, last, n) = (values[0], values[values.len() - 1], values.len());
     let before = (1..=pad).rev().map(|i| 2.0 * first - values[i]);
@@ -89,7 +88,7 @@ fn continued(values: &[f64], pad: usize) -> Vec<f64> {
     before.chain(values.iter().copied()).chain(after).collect()
 }
 
-/// One pass of all sections in place (transposed direct form II), begun as if the first value had always been there.
+/// One pass of all sections in place (transposed direct form II), started in the steady state of the first value.
 fn pass(chain: &[Section], values: &mut [f64]) {
     for Section { b, a } in chain {
         let steady = values[0]; // each section has unit gain at rest
@@ -118,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wave_keeps_its_phase_and_loses_what_the_formula_says() {
+    fn a_wave_keeps_its_phase_and_has_the_gain_of_the_formula() {
         for (frequency, sections) in [(2.0, 2), (8.0, 2), (20.0, 1), (20.0, 3)] {
             let (rate, cutoff) = (200.0, 8.0);
             let wave = |t: f64| (2.0 * PI * frequency * t).sin();

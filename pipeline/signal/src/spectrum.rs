@@ -1,6 +1,4 @@
-//! Spectra: a signal as sines, and back.
-//!
-//! Stands on: realfft. Never knows: what is analysed.
+//! Discrete Fourier transforms of real signals.
 
 use realfft::RealFftPlanner;
 use si::{Hertz, Second};
@@ -19,8 +17,8 @@ pub fn forward(values: &[f64]) -> Vec<Phasor> {
     output
 }
 
-/// The `samples` values whose spectrum is `bins`, divided by N so that it undoes [`forward`].
-pub fn back(mut bins: Vec<Phasor>, samples: usize) -> Vec<f64> {
+/// The `samples` values whose spectrum is `bins`, divided by N so that it inverts [`forward`].
+pub fn inverse(mut bins: Vec<Phasor>, samples: usize) -> Vec<f64> {
     let plan = RealFftPlanner::<f64>::new().plan_fft_inverse(samples);
     // the first bin and, of an even number, the last have no imaginary part in a real signal
     bins[0].im = 0.0;
@@ -34,11 +32,11 @@ pub fn back(mut bins: Vec<Phasor>, samples: usize) -> Vec<f64> {
 
 /// Σ x_n e^(−iω t_n) Δt at one frequency (Hz), of samples at `rate` (Hz) of which the first was taken at `start` (s).
 pub fn at(values: &[f64], start: Second, rate: Hertz, frequency: Hertz) -> Phasor {
-    let turn = |n: usize| Phasor::from_polar(1.0 / rate, -TAU * frequency * (start + n as f64 / rate));
-    values.iter().enumerate().map(|(n, x)| turn(n) * x).sum()
+    let rotation = |n: usize| Phasor::from_polar(1.0 / rate, -TAU * frequency * (start + n as f64 / rate));
+    values.iter().enumerate().map(|(n, x)| rotation(n) * x).sum()
 }
 
-/// The frequency (Hz) between `low` and `high` at which `values` (at `rate`, Hz) hold most, from a spectrum padded eightfold.
+/// The frequency (Hz) between `low` and `high` of the highest peak of `values` (at `rate`, Hz), from a spectrum padded eightfold.
 pub fn peak(values: &[f64], rate: Hertz, [low, high]: [Hertz; 2]) -> Hertz {
     let n = (8 * values.len()).next_power_of_two();
     let mut padded = values.to_vec();
@@ -54,16 +52,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_signal_survives_its_spectrum() {
+    fn a_signal_is_recovered_from_its_spectrum() {
         for n in [7, 8, 100, 101] {
             let values: Vec<f64> = (0..n).map(|i| (0.7 * f64::from(i)).sin() + 0.2 * f64::from(i)).collect();
-            let again = back(forward(&values), values.len());
+            let again = inverse(forward(&values), values.len());
             assert!(values.iter().zip(&again).all(|(a, b)| (a - b).abs() < 1e-10));
         }
     }
 
     #[test]
-    fn one_bin_is_what_the_sum_says() {
+    fn a_bin_is_the_sum_of_its_definition() {
         let values: Vec<f64> = (0..64).map(|i| (0.3 * f64::from(i)).cos()).collect();
         let (bins, rate) = (forward(&values), 80.0);
         for k in [0, 3, 17] {

@@ -1,6 +1,4 @@
-//! Noise for the tests of this crate: repeatable, nearly normal.
-//!
-//! Stands on: nothing. Never knows: what it disturbs.
+//! Repeatable, nearly normal noise for the tests of this crate.
 
 /// A source of noise from a seed.
 pub(crate) struct Noise(u64);

@@ -1,128 +1,170 @@
-//! The study: recordings in, tracks, identified materials, validation, figures and tables out.
+//! The study: recordings in; tracks, identified materials, validation, figures and tables out.
 //!
-//! `stages/` tells the story in the order of the data; `figures/` and `tables/` show it; the runner makes what is stale. It
-//! knows nothing but `data/raw`; the hidden truth of a virtual bench is read by the stage `recovery` alone.
+//! `stages/` holds the pipeline in the order of the data, `records/` what each stage makes, `figures/` and `tables/` what the paper shows.
+//! The study reads `data/raw` alone; the hidden truth of a virtual bench is read by the stage `recovery` only.
 //!
-//! `case/` and `simulate/` stand beside that: one body under loads of one's own, without a project.
+//! ```
+//! // the stages in the order of the data, each with what becomes what
+//! assert!(study::description().lines().next().is_some_and(|line| line.starts_with("mesh")));
+//! ```
 //!
-//! Stands on: every tool crate. Never knows: the virtual bench.
+//! Depends on every tool crate, on `workflow`, `sysid`, `thrust`, `simulate` and `publish`; never on the virtual bench.
 
-pub mod case;
-pub mod certify;
-pub mod check;
-pub mod claims;
-pub mod cli;
-pub mod columns;
-pub mod doctor;
-pub mod entry;
-pub mod expected;
-pub mod fault;
-pub mod figure;
 pub mod figures;
-pub mod flow;
-pub mod follow;
-pub mod init;
-pub mod metric;
-pub mod model;
-pub mod needs;
-pub mod page;
-pub mod paper;
-pub mod record;
+mod page;
 pub mod records;
-pub mod released;
-pub mod runner;
-pub mod settings;
-pub mod simulate;
-pub mod stage;
+mod renamed;
+mod selections;
 pub mod stages;
 pub mod subject;
-pub mod table;
 pub mod tables;
-pub mod thrust;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use check::Checked;
-use entry::Entry;
-use expected::Expected;
-use fault::{Fault, Outcome};
-use runner::{Folders, Runner};
-use settings::{Profile, Settings};
+use diagnostics::{Diagnostic, Result};
+use publish::check::Checked;
+use publish::expected::Expected;
+use publish::{claims, metrics_file, page_file, paper, paper_files, ro_crate};
 use subject::{Specimen, Study};
+use workflow::entry::Entry;
+use workflow::runner::{Folders, Goal, Options, RunSummary};
+use workflow::settings::{Profile, Schema, Settings};
+
+/// A runner over the study's stages, figures and tables.
+pub type Runner = workflow::runner::Runner<Study>;
 
 /// Everything that the study makes: stages in the order of the data, then figures, then tables.
-pub const LISTS: &[&[Entry]] = &[stages::ALL, figures::ALL, tables::ALL];
+pub const LISTS: &[&[Entry<Study>]] = &[stages::ALL, figures::ALL, tables::ALL];
 
-/// Memory that stays free before a second record is begun, GiB: what the largest one takes.
-pub const SPARE: f64 = 2.0;
+/// Free memory required before a further record is started, GiB: the peak of the largest record.
+pub const MIN_FREE_MEMORY: f64 = 2.0;
 
-/// Opens a project: its settings, and the card of each specimen. Cards that cannot be read are returned as faults; the other
-/// specimens are not harmed.
+/// Opens a project: its settings, and the card of each specimen. Cards that cannot be read are returned as diagnostics; the other
+/// specimens are not affected.
 ///
 /// # Errors
-/// A [`Fault`] when the settings cannot be read or there is no specimen at all.
-pub fn open(root: &Path, profile: Profile, quiet: bool, jobs: usize) -> Outcome<(Runner, Vec<Fault>)> {
+/// A [`Diagnostic`] when the settings cannot be read or there is no specimen at all.
+pub fn open(root: &Path, profile: Profile, options: Options) -> Result<(Runner, Vec<Diagnostic>)> {
     let folders = Folders::new(root, profile);
     let text = std::fs::read_to_string(folders.settings()).map_err(|e| {
         let what = format!("{} cannot be read", folders.settings().display());
-        Fault::new(what, e, "run in the project's folder, or name it with --root")
+        Diagnostic::new(what, &e, "run in the project's folder, or name it with --root").caused_by(e)
     })?;
     let names: Vec<&str> = stages::ALL.iter().filter_map(|entry| entry.section).collect();
-    let settings = Settings::read(&text, profile, &names)?;
-    let (specimens, faults) = specimens(&folders)?;
-    let study = Study { specimens };
-    let (keep_going, spare) = (false, SPARE);
-    Ok((Runner { lists: LISTS, study, settings, profile, folders, quiet, jobs, keep_going, spare }, faults))
+    let settings = Settings::read(&text, profile, Schema { sections: &names, renamed: renamed::RENAMED })?;
+    let (specimens, unreadable) = specimens(&folders)?;
+    let universe = Study { specimens };
+    Ok((Runner { lists: LISTS, universe, settings, profile, folders, options }, unreadable))
+}
+
+/// Makes every stale record that the goal needs, then the numbers, the archive's description and the page.
+///
+/// # Errors
+/// A [`Diagnostic`] when the goal is unknown, another run is in progress, or a file cannot be written.
+pub fn run(runner: &Runner, goal: &Goal, fresh: bool) -> Result<RunSummary> {
+    runner.run(goal, fresh, &|runner| metrics_file::write(runner).and_then(|()| ro_crate::write(runner)))
 }
 
 /// Compares the numbers of the last run with expectations and claims.
 ///
 /// # Errors
-/// A [`Fault`] when there has been no run, or a page of `paper/` is not understood.
-pub fn check(runner: &Runner) -> Outcome<Checked> {
+/// A [`Diagnostic`] when there has been no run, or a file of `paper/` is not understood.
+pub fn check(runner: &Runner) -> Result<Checked> {
     let expected = Expected::read(&runner.folders.expected(), runner.profile)?;
-    let metrics: Vec<_> = runner::read_metrics(runner)?.into_iter().map(|m| expected.judge(m.metric)).collect();
-    let problems = runner::resolve_paper(runner)?.err().unwrap_or_default();
-    Ok(check::check(&metrics, &expected, &claims::read(&runner.folders.claims())?, &problems))
+    let metrics: Vec<_> = metrics_file::read(runner)?.into_iter().map(|m| expected.judge(m.metric)).collect();
+    let problems = paper_files::resolve(runner)?.err().unwrap_or_default();
+    Ok(publish::check::check(&metrics, &expected, &claims::read(&runner.folders.claims())?, &problems))
 }
 
-/// Puts every number, verdict, figure and table of the last run into the paper's source, and lays it where a typesetter
-/// finds it; says where.
+/// Writes the page that shows everything; returns its path.
 ///
 /// # Errors
-/// A [`Fault`] with every problem, when the source names something that is not there or leaves out something that is.
-pub fn paper(runner: &Runner) -> Outcome<PathBuf> {
-    runner::write_paper(runner)
+/// A [`Diagnostic`] when it cannot be written or a record is damaged.
+pub fn page(runner: &Runner) -> Result<PathBuf> {
+    page_file::write(runner, page::contents(runner)?)
 }
 
-/// The paper's source in the project at `root`, and what it may name before anything was computed.
+/// The stages as a drawing (SVG) of what reads what, with how many records of each a run would keep and make.
 ///
 /// # Errors
-/// A [`Fault`] when a file of the project cannot be read.
-pub fn paper_source(root: &Path) -> Outcome<(Vec<paper::Page>, paper::Facts)> {
-    runner::unresolved_paper(&Folders::new(root, Profile::Quick), LISTS)
+/// A [`Diagnostic`] when the goal is unknown or the graph cannot be drawn.
+pub fn plan_svg(runner: &Runner, goal: &Goal) -> Result<String> {
+    let shares = runner.shares(goal)?;
+    page_file::drawn(&runner.stage_graph(), &|name: &str| Some(shares.get(name)?.in_words()))
+}
+
+/// Puts every number, verdict, figure and table of the last run into the paper's source for the typesetter; returns its path.
+///
+/// # Errors
+/// A [`Diagnostic`] with every problem, when the source names a missing item or omits an existing one.
+pub fn paper(runner: &Runner) -> Result<PathBuf> {
+    paper_files::write(runner)
+}
+
+/// The paper's source in the project at `root`, with the names that it may use; nothing needs to have been computed.
+///
+/// # Errors
+/// A [`Diagnostic`] when a file of the project cannot be read.
+pub fn paper_source(root: &Path) -> Result<(Vec<paper::Page>, paper::Facts)> {
+    paper_files::unresolved(&Folders::new(root, Profile::Quick), LISTS)
 }
 
 /// The list of stages, figures and tables, a line each.
-pub fn story() -> String {
-    let line = |entry: &Entry| format!("{:<16} {}\n", entry.name, entry.story);
+pub fn description() -> String {
+    let line = |entry: &Entry<Study>| format!("{:<18} {}\n", entry.name, entry.description);
     LISTS.iter().flat_map(|list| list.iter()).map(line).collect()
 }
 
-fn specimens(folders: &Folders) -> Outcome<(Vec<Specimen>, Vec<Fault>)> {
+fn specimens(folders: &Folders) -> Result<(Vec<Specimen>, Vec<Diagnostic>)> {
     let raw = folders.raw();
-    let found = lab::folder::list(&raw).map_err(Fault::from_tool)?;
-    let (mut specimens, mut faults) = (Vec::new(), Vec::new());
+    let found = lab::folder::list(&raw)?;
+    let (mut specimens, mut unreadable) = (Vec::new(), Vec::new());
     for folder in &found {
         match lab::Specimen::open(folder) {
             Ok(specimen) => specimens.push(Specimen { card: Arc::new(specimen.card) }),
-            Err(refusal) => faults.push(Fault::from_tool(refusal)),
+            Err(diagnostic) => unreadable.push(diagnostic),
         }
     }
     if found.is_empty() {
-        let what = format!("there is no specimen in {}", folders.tell(&raw));
-        return Err(Fault::new(what, "no folder there holds a specimen.toml", "rig record, or add your own actuator"));
+        let what = format!("there is no specimen in {}", folders.display(&raw));
+        return Err(Diagnostic::new(
+            what,
+            "no folder there holds a specimen.toml",
+            "rig record, or add your own actuator",
+        ));
     }
-    Ok((specimens, faults))
+    Ok((specimens, unreadable))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use workflow::stage_graph::StageGraph;
+
+    fn study() -> Study {
+        let card = lab::card::parse(include_str!("../tests/card.toml"), Path::new("card.toml")).unwrap();
+        Study { specimens: vec![Specimen { card: card.into() }] }
+    }
+
+    #[test]
+    fn no_two_entries_make_the_same_record() {
+        let study = study();
+        let entries = LISTS.iter().flat_map(|list| list.iter());
+        let mut ids: Vec<(&str, String)> =
+            entries.flat_map(|e| (e.subjects)(&study).into_iter().map(|subject| (e.name, subject))).collect();
+        let all = ids.len();
+        ids.sort();
+        ids.dedup();
+        assert_eq!(ids.len(), all);
+    }
+
+    #[test]
+    fn every_stage_reads_only_what_comes_before_it() {
+        let graph = StageGraph::of(&study(), stages::ALL);
+        assert!(graph.nodes.iter().enumerate().all(|(i, node)| node.reads.iter().all(|&r| r < i)), "{graph:?}");
+        let stage = |name: &str| graph.nodes.iter().position(|r| r.name == name);
+        let identify = stage("identify").unwrap();
+        assert!(graph.nodes[identify].reads.contains(&stage("mesh").unwrap()));
+    }
 }

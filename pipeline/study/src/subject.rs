@@ -1,11 +1,12 @@
-//! Subjects: what a record is a record of — the whole study, one specimen, or one trial of a specimen.
-//!
-//! Stands on: the cards of `lab`. Never knows: a stage, a path.
+//! Subjects of records: the whole study, one specimen, or one trial of a specimen.
 
 use std::sync::Arc;
 
 use lab::card::{self, Card};
+use serde::Serialize;
 use si::Pascal;
+use sysid::Body;
+use workflow::subject::{Part, Subject, SubjectOf, Universe};
 
 /// All specimens whose cards were found.
 #[derive(Debug, Clone)]
@@ -24,9 +25,9 @@ pub struct Specimen {
 /// One recording of an actuator.
 #[derive(Debug, Clone)]
 pub struct Trial {
-    /// The card it stands in.
+    /// Its specimen's card.
     pub card: Arc<Card>,
-    /// Its own entry there.
+    /// Its entry there.
     pub trial: Arc<card::Trial>,
 }
 
@@ -36,8 +37,8 @@ impl Trial {
         self.trial.role == card::Role::Identify
     }
 
-    /// Whether it was weighed under water, so that there is thrust in its force log.
-    pub fn is_weighed_in_water(&self) -> bool {
+    /// Whether it has a force log under water.
+    pub fn has_force_in_water(&self) -> bool {
         self.trial.force.is_some() && self.is_in_water()
     }
 
@@ -46,7 +47,7 @@ impl Trial {
         self.trial.medium == card::Medium::Water
     }
 
-    /// Whether it is a staircase in water: what its releases show is the water's.
+    /// Whether it is a staircase in water, whose releases determine added mass and drag.
     pub fn is_staircase_in_water(&self) -> bool {
         self.is_in_water() && matches!(self.trial.experiment, card::Experiment::Staircase { .. })
     }
@@ -56,7 +57,7 @@ impl Trial {
         self.card.tracks.iter().find(|tracks| tracks.trial == self.trial.id)
     }
 
-    /// Tracks of it that are places in space already, with no lens between, and how their axes lie.
+    /// Imported positions of it in space, without a camera model, and the orientation of their axes.
     pub fn in_space(&self) -> Option<(&card::Tracks, &card::Axes)> {
         self.made_elsewhere().and_then(|tracks| Some((tracks, tracks.space.as_ref()?)))
     }
@@ -75,7 +76,7 @@ impl Trial {
         self.repeats().first().is_some_and(|first| first.trial.id == self.trial.id)
     }
 
-    /// The highest pressure that a staircase asks for, Pa; none of a trial that flaps.
+    /// The highest commanded pressure of a staircase, Pa; none of a flapping trial.
     pub fn highest_level(&self) -> Option<Pascal> {
         match &self.trial.experiment {
             card::Experiment::Staircase { levels, .. } => levels.iter().copied().reduce(f64::max),
@@ -83,41 +84,26 @@ impl Trial {
         }
     }
 
-    /// Whether no staircase of the specimen goes higher, and none before it on the card as high.
+    /// Whether it is the first of the specimen's staircases with the highest level.
     pub fn is_highest_staircase(&self) -> bool {
         let of = Specimen { card: self.card.clone() };
         of.highest_staircase().is_some_and(|highest| highest.trial.id == self.trial.id)
     }
 
-    /// What its repeats have in common, as metrics name it: its id without its number, and without "air".
+    /// What its repeats have in common, as figures and tables name it.
     pub fn condition(&self) -> String {
-        let id = self.trial.id.trim_end_matches(|c: char| c.is_ascii_digit());
-        let id = if id.ends_with('_') { id.trim_end_matches('_') } else { &self.trial.id };
-        id.strip_suffix("_air").unwrap_or(id).to_owned()
+        condition_of(&self.trial.id)
     }
 
-    /// Whether a model is judged by it.
+    /// Whether it is a validation trial.
     pub fn is_for_validation(&self) -> bool {
         self.trial.role == card::Role::Validate
     }
 }
 
-/// Anything that records are made of.
-pub trait Scope: Clone + Send + Sync {
-    /// Every subject of this kind, in a fixed order.
-    fn all(study: &Study) -> Vec<Self>;
+impl Subject for Study {
+    type Universe = Study;
 
-    /// Its name in the names of records: "all", "nemo" or "nemo/static_left".
-    fn name(&self) -> String;
-}
-
-/// A subject that can be found from another: a trial knows its specimen.
-pub trait SeenFrom<Other>: Scope {
-    /// This subject, as seen from the other.
-    fn seen_from(other: &Other) -> Self;
-}
-
-impl Scope for Study {
     fn all(study: &Study) -> Vec<Self> {
         vec![study.clone()]
     }
@@ -127,7 +113,17 @@ impl Scope for Study {
     }
 }
 
-impl Scope for Specimen {
+impl Universe for Study {
+    const GROUP: &'static str = "specimen";
+
+    fn groups(&self) -> Vec<String> {
+        self.specimens.iter().map(Subject::name).collect()
+    }
+}
+
+impl Subject for Specimen {
+    type Universe = Study;
+
     fn all(study: &Study) -> Vec<Self> {
         study.specimens.clone()
     }
@@ -144,7 +140,7 @@ impl Specimen {
         self.card.trial.iter().map(of).collect()
     }
 
-    /// The first of the staircases that go highest.
+    /// The first of the staircases with the highest level.
     pub fn highest_staircase(&self) -> Option<Trial> {
         let higher = |best: Option<Trial>, next: Trial| match &best {
             Some(before) if before.highest_level() >= next.highest_level() => best,
@@ -154,7 +150,9 @@ impl Specimen {
     }
 }
 
-impl Scope for Trial {
+impl Subject for Trial {
+    type Universe = Study;
+
     fn all(study: &Study) -> Vec<Self> {
         study.specimens.iter().flat_map(Specimen::trials).collect()
     }
@@ -164,14 +162,82 @@ impl Scope for Trial {
     }
 }
 
-impl<S: Scope> SeenFrom<S> for S {
-    fn seen_from(other: &S) -> Self {
-        other.clone()
+impl SubjectOf<Trial> for Specimen {
+    fn subject_of(trial: &Trial) -> Self {
+        Specimen { card: trial.card.clone() }
     }
 }
 
-impl SeenFrom<Trial> for Specimen {
-    fn seen_from(trial: &Trial) -> Self {
-        Specimen { card: trial.card.clone() }
+/// The id of a trial, as the card has it.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(transparent)]
+pub struct TrialId(pub String);
+
+impl Part<Trial> for TrialId {
+    fn part_of(trial: &Trial) -> Self {
+        Self(trial.trial.id.clone())
+    }
+}
+
+impl Part<Specimen> for Body {
+    fn part_of(specimen: &Specimen) -> Self {
+        Body::of(&specimen.card)
+    }
+}
+
+impl Part<Trial> for Body {
+    fn part_of(trial: &Trial) -> Self {
+        Body::of(&trial.card)
+    }
+}
+
+/// What the repeats of a trial have in common: its id without its number, and without "air".
+fn condition_of(id: &str) -> String {
+    let bare = id.trim_end_matches(|c: char| c.is_ascii_digit());
+    let bare = if bare.ends_with('_') { bare.trim_end_matches('_') } else { id };
+    bare.strip_suffix("_air").unwrap_or(bare).to_owned()
+}
+
+/// Specimen and condition of a trial, as metrics name them.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(transparent)]
+pub struct Condition(pub String);
+
+impl Condition {
+    /// Of the trial whose subject has this name.
+    pub fn of(subject: &str) -> Self {
+        let (specimen, id) = subject.split_once('/').unwrap_or(("", subject));
+        Self(format!("{specimen}_{}", condition_of(id)))
+    }
+}
+
+impl Part<Trial> for Condition {
+    fn part_of(trial: &Trial) -> Self {
+        Self::of(&trial.name())
+    }
+}
+
+/// Figures and tables are keyed by whole cards: drawing them takes milliseconds, so a finer key would gain nothing.
+impl Part<Specimen> for Specimen {
+    fn part_of(specimen: &Specimen) -> Self {
+        specimen.clone()
+    }
+}
+
+impl Part<Trial> for Trial {
+    fn part_of(trial: &Trial) -> Self {
+        trial.clone()
+    }
+}
+
+impl Serialize for Specimen {
+    fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        self.card.serialize(to)
+    }
+}
+
+impl Serialize for Trial {
+    fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        (self.card.as_ref(), &self.trial.id).serialize(to)
     }
 }

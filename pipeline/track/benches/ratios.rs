@@ -1,6 +1,4 @@
-//! What tracking costs: frames a second of one core, 1280 × 720 px with three markers, from the file and without it.
-//!
-//! Stands on: `track` as its users see it. Never knows: a specimen.
+//! Cost of tracking: frames a second on one core, 1280 × 720 px with three markers, from the file and without it.
 #![allow(clippy::print_stdout)] // a bench prints
 
 use std::time::Instant;
@@ -42,7 +40,7 @@ fn main() -> Result<(), VideoError> {
     let file = std::env::temp_dir().join("track-bench.mp4");
     let pictures: Vec<Gray> = (0..FRAMES).map(picture).collect();
     for quantiser in [20, 28] {
-        let mut writer = Writer::create(&file, SIZE.0, SIZE.1, 60.0, Quality::Quantiser(quantiser))?;
+        let mut writer = Writer::create(&file, SIZE, 60.0, Quality::Quantiser(quantiser))?;
         pictures.iter().try_for_each(|p| writer.push(p))?;
         writer.finish()?;
         let start = Instant::now();

@@ -1,10 +1,8 @@
-//! A grey picture: one byte a pixel, row after row.
-//!
-//! Stands on: `image` for PNG. Never knows: where the picture came from.
+//! Grey pictures of 8 bits.
 
 use std::io::Cursor;
 
-/// A grey picture of `width` × `height` pixels; pixel (x, y) stands at `pixels[y * width + x]`, 0 is black, 255 is white.
+/// A grey picture of `width` × `height` pixels; pixel (x, y) is at `pixels[y * width + x]`, 0 is black, 255 is white.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Gray {
     /// Pixels in a row.
@@ -15,7 +13,7 @@ pub struct Gray {
     pub pixels: Vec<u8>,
 }
 
-/// Why bytes are no picture, or a picture no bytes.
+/// FailedGate bytes are no picture, or a picture no bytes.
 #[derive(Debug, thiserror::Error)]
 pub enum PictureError {
     /// The bytes are not a PNG that can be read, or could not be made.

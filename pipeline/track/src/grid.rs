@@ -1,16 +1,14 @@
-//! Grid: the lines on the plane under a bench, found in one picture, and where the camera stands by them.
+//! Camera pose from the grid of lines under a scene, in one picture.
 //!
-//! A pose that is nearly right says where each line should be seen. Across it, between two crossings, the line's middle is looked
-//! for; rays through these middles must meet the plane on their lines. Six numbers of the pose are moved until they do.
-//!
-//! Stands on: pictures, the sight, nalgebra. Never knows: what lies on the grid.
+//! An approximate pose predicts where each line is seen. Between two crossings the middle of the line is measured across it; the rays
+//! through these points must intersect the plane on their lines. The six parameters of the pose are adjusted by Gauss–Newton.
 
 use nalgebra::{Matrix6, Vector6};
 use si::{Metre, Point2};
 
 use crate::gray::Gray;
 use crate::pose::Pose;
-use crate::sight::Sight;
+use crate::refraction::RefractiveCamera;
 
 /// Lines along x and y through every multiple of the pitch.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,18 +19,18 @@ pub struct Grid {
     pub height: Metre,
 }
 
-/// Where a camera stands by a grid.
+/// Camera pose estimated from a grid.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Stand {
+pub struct CameraPose {
     /// World → camera.
     pub pose: Pose,
     /// Pieces of lines that were used.
-    pub pieces: usize,
+    pub segments: usize,
     /// Root of the mean squared distance of their middles from their lines, m on the plane.
-    pub off: Metre,
+    pub rms_error: Metre,
 }
 
-/// A middle of a line: where it is seen, and what its ray must meet.
+/// A middle of a line: where it is seen, and what its ray must intersect.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Tie {
     pixel: Point2,
@@ -62,18 +60,18 @@ const ROUNDS: usize = 4;
 const TURN_STEP: f64 = 1e-6;
 const SHIFT_STEP: f64 = 1e-7;
 
-/// Where the camera of `sight` truly stands, when its pose is off by less than a third of a pitch seen on the plane.
+/// The pose of a camera whose approximate pose is off by less than a third of a pitch on the plane.
 ///
-/// None where too few pieces of lines are seen.
-pub fn stand(picture: &Gray, sight: &Sight, grid: &Grid) -> Option<Stand> {
+/// None where too few segments of lines are seen.
+pub fn find_pose(picture: &Gray, sight: &RefractiveCamera, grid: &Grid) -> Option<CameraPose> {
     let mut ties = ties(picture, sight, grid);
     let mut pose = sight.pose;
     for _ in 0..ROUNDS {
         if ties.len() < FEWEST {
             return None;
         }
-        pose = settled(&ties, &Sight { pose, ..*sight }, grid.height)?;
-        let now = Sight { pose, ..*sight };
+        pose = settled(&ties, &RefractiveCamera { pose, ..*sight }, grid.height)?;
+        let now = RefractiveCamera { pose, ..*sight };
         let off = |tie: &Tie| left(&now, tie, grid.height).map_or(f64::INFINITY, f64::abs);
         let mut sizes: Vec<f64> = ties.iter().map(off).collect();
         sizes.sort_by(f64::total_cmp);
@@ -84,13 +82,13 @@ pub fn stand(picture: &Gray, sight: &Sight, grid: &Grid) -> Option<Stand> {
             break;
         }
     }
-    let now = Sight { pose, ..*sight };
+    let now = RefractiveCamera { pose, ..*sight };
     let squares: f64 = ties.iter().filter_map(|tie| left(&now, tie, grid.height)).map(|off| off * off).sum();
-    Some(Stand { pose, pieces: ties.len(), off: (squares / ties.len() as f64).sqrt() })
+    Some(CameraPose { pose, segments: ties.len(), rms_error: (squares / ties.len() as f64).sqrt() })
 }
 
-/// Middles of all pieces that the picture shows.
-fn ties(picture: &Gray, sight: &Sight, grid: &Grid) -> Vec<Tie> {
+/// Middles of all segments that the picture shows.
+fn ties(picture: &Gray, sight: &RefractiveCamera, grid: &Grid) -> Vec<Tie> {
     let Some([low, high]) = shown(picture, sight, grid) else { return Vec::new() };
     let mut ties = Vec::new();
     for axis in [0, 1] {
@@ -111,10 +109,10 @@ fn ties(picture: &Gray, sight: &Sight, grid: &Grid) -> Vec<Tie> {
 }
 
 /// The least and greatest number of a line along each axis that the picture can show.
-fn shown(picture: &Gray, sight: &Sight, grid: &Grid) -> Option<[[i64; 2]; 2]> {
+fn shown(picture: &Gray, sight: &RefractiveCamera, grid: &Grid) -> Option<[[i64; 2]; 2]> {
     let (right, bottom) = (picture.width as f64 - 1.0, picture.height as f64 - 1.0);
     let corners = [[0.0, 0.0], [right, 0.0], [right, bottom], [0.0, bottom]];
-    let met: Vec<Point2> = corners.iter().map(|c| sight.meet(*c, grid.height)).collect::<Option<_>>()?;
+    let met: Vec<Point2> = corners.iter().map(|c| sight.intersect(*c, grid.height)).collect::<Option<_>>()?;
     let end = |axis: usize, most: fn(f64, f64) -> f64, from: f64| met.iter().map(|p| p[axis]).fold(from, most);
     let low = [0, 1].map(|k| (end(k, f64::min, f64::INFINITY) / grid.pitch).ceil() as i64);
     let high = [0, 1].map(|k| (end(k, f64::max, f64::NEG_INFINITY) / grid.pitch).floor() as i64);
@@ -122,7 +120,7 @@ fn shown(picture: &Gray, sight: &Sight, grid: &Grid) -> Option<[[i64; 2]; 2]> {
 }
 
 /// The middle of the bright line across `at`, px; none where there is no line alone.
-fn middle(picture: &Gray, sight: &Sight, grid: &Grid, at: Point2, axis: usize) -> Option<Point2> {
+fn middle(picture: &Gray, sight: &RefractiveCamera, grid: &Grid, at: Point2, axis: usize) -> Option<Point2> {
     let across = |part: f64| {
         let mut there = at;
         there[axis] += part * REACH * grid.pitch;
@@ -150,10 +148,10 @@ fn middle(picture: &Gray, sight: &Sight, grid: &Grid, at: Point2, axis: usize) -
 }
 
 /// The pixel whose ray meets `at` on the plane: the air's pixel, moved until it does.
-fn pixel_of(sight: &Sight, at: Point2, height: Metre) -> Option<Point2> {
+fn pixel_of(sight: &RefractiveCamera, at: Point2, height: Metre) -> Option<Point2> {
     let mut pixel = sight.lens.project(sight.pose.apply([at[0], at[1], height]))?;
     for _ in 0..4 {
-        let (met, [[a, b], [c, d]]) = (sight.meet(pixel, height)?, sight.by_pixel(pixel, height)?);
+        let (met, [[a, b], [c, d]]) = (sight.intersect(pixel, height)?, sight.by_pixel(pixel, height)?);
         let (x, y, whole) = (at[0] - met[0], at[1] - met[1], a * d - b * c);
         let step = [(d * x - b * y) / whole, (a * y - c * x) / whole];
         pixel = [pixel[0] + step[0], pixel[1] + step[1]];
@@ -165,17 +163,17 @@ fn pixel_of(sight: &Sight, at: Point2, height: Metre) -> Option<Point2> {
 }
 
 /// By how much a tie's ray misses its line, m.
-fn left(sight: &Sight, tie: &Tie, height: Metre) -> Option<Metre> {
-    sight.meet(tie.pixel, height).map(|met| met[tie.axis] - tie.at)
+fn left(sight: &RefractiveCamera, tie: &Tie, height: Metre) -> Option<Metre> {
+    sight.intersect(tie.pixel, height).map(|met| met[tie.axis] - tie.at)
 }
 
 /// Gauss-Newton over turn and shift.
-fn settled(ties: &[Tie], from: &Sight, height: Metre) -> Option<Pose> {
+fn settled(ties: &[Tie], from: &RefractiveCamera, height: Metre) -> Option<Pose> {
     let mut pose = from.pose;
     for _ in 0..STEPS {
         let (mut normal, mut right) = (Matrix6::zeros(), Vector6::zeros());
         for tie in ties {
-            let Some((off, slope)) = sloped(tie, &Sight { pose, ..*from }, height) else { continue };
+            let Some((off, slope)) = sloped(tie, &RefractiveCamera { pose, ..*from }, height) else { continue };
             normal += slope * slope.transpose();
             right -= slope * off;
         }
@@ -189,10 +187,10 @@ fn settled(ties: &[Tie], from: &Sight, height: Metre) -> Option<Pose> {
 }
 
 /// A tie's miss (m) and its slope by turn (rad) and shift (m), by central differences.
-fn sloped(tie: &Tie, sight: &Sight, height: Metre) -> Option<(Metre, Vector6<f64>)> {
+fn sloped(tie: &Tie, sight: &RefractiveCamera, height: Metre) -> Option<(Metre, Vector6<f64>)> {
     let moved = |k: usize, by: f64| {
         let axis = |from: usize| std::array::from_fn(|i| if from + i == k { by } else { 0.0 });
-        left(&Sight { pose: sight.pose.moved(axis(0), axis(3)), ..*sight }, tie, height)
+        left(&RefractiveCamera { pose: sight.pose.moved(axis(0), axis(3)), ..*sight }, tie, height)
     };
     let mut slope = Vector6::zeros();
     for k in 0..6 {
@@ -206,24 +204,24 @@ fn sloped(tie: &Tie, sight: &Sight, height: Metre) -> Option<(Metre, Vector6<f64
 mod tests {
     use super::*;
     use crate::lens::Lens;
-    use crate::sight::Water;
+    use crate::refraction::Water;
 
     const GRID: Grid = Grid { pitch: 0.010, height: -0.045 };
 
-    fn sight(water: bool) -> Sight {
+    fn sight(water: bool) -> RefractiveCamera {
         let lens = Lens { k1: -0.11, k2: 0.03, p1: 4e-4, ..Lens::pinhole(980.0, 983.0, 646.0, 361.0) };
         let down = Pose {
             rotation: [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]],
             translation: [-0.058, 0.002, 0.205],
         };
         let water = water.then_some(Water { surface: 0.05, index: 1.333 });
-        Sight { lens, pose: down.moved([0.02, -0.03, 0.01], [0.0; 3]), water }
+        RefractiveCamera { lens, pose: down.moved([0.02, -0.03, 0.01], [0.0; 3]), water }
     }
 
     /// A plate seen by that sight: lines 0.8 mm wide, a dark body on a part of it, uneven light.
-    fn plate(sight: &Sight) -> Gray {
+    fn plate(sight: &RefractiveCamera) -> Gray {
         let line = |x: f64| ((x / 0.010).round() * 0.010 - x).abs() < 0.0004;
-        let level = |pixel: Point2| match sight.meet(pixel, GRID.height) {
+        let level = |pixel: Point2| match sight.intersect(pixel, GRID.height) {
             Some([x, y]) if (0.0..0.1).contains(&x) && y.abs() < 0.02 => 30.0,
             Some([x, y]) if line(x) || line(y) => 176.0,
             _ => 46.0,
@@ -239,14 +237,14 @@ mod tests {
     fn a_nudged_camera_is_found_by_the_lines_under_it_in_air_and_through_water() {
         for water in [false, true] {
             let truth = sight(water);
-            let nudged = Sight { pose: truth.pose.moved([8e-4, -6e-4, 5e-4], [2e-4, -3e-4, 2e-4]), ..truth };
-            let found = stand(&plate(&truth), &nudged, &GRID).unwrap();
+            let nudged = RefractiveCamera { pose: truth.pose.moved([8e-4, -6e-4, 5e-4], [2e-4, -3e-4, 2e-4]), ..truth };
+            let found = find_pose(&plate(&truth), &nudged, &GRID).unwrap();
             // what a height over the plane is seen at moves by less than a hundredth of a millimetre
-            let off = |s: &Sight, pixel: Point2| s.meet(pixel, 0.01).unwrap();
-            let now = Sight { pose: found.pose, ..truth };
+            let off = |s: &RefractiveCamera, pixel: Point2| s.intersect(pixel, 0.01).unwrap();
+            let now = RefractiveCamera { pose: found.pose, ..truth };
             for pixel in [[300.0, 200.0], [640.0, 360.0], [1000.0, 500.0]] {
                 let (a, b, c) = (off(&now, pixel), off(&truth, pixel), off(&nudged, pixel));
-                assert!((a[0] - b[0]).hypot(a[1] - b[1]) < 1.5e-5, "{water} {a:?} {b:?} {}", found.pieces);
+                assert!((a[0] - b[0]).hypot(a[1] - b[1]) < 1.5e-5, "{water} {a:?} {b:?} {}", found.segments);
                 assert!((c[0] - b[0]).hypot(c[1] - b[1]) > 5e-5);
             }
         }
@@ -254,6 +252,6 @@ mod tests {
 
     #[test]
     fn a_plate_without_lines_tells_no_pose() {
-        assert_eq!(stand(&Gray::filled(1280, 720, 46), &sight(false), &GRID), None);
+        assert_eq!(find_pose(&Gray::filled(1280, 720, 46), &sight(false), &GRID), None);
     }
 }

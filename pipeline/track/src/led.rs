@@ -1,6 +1,4 @@
-//! A lamp in the picture: how bright it shines.
-//!
-//! Stands on: a grey picture. Never knows: when a lamp should be on.
+//! Brightness of a lamp in a picture.
 
 use crate::Gray;
 use si::Point2;

@@ -1,7 +1,6 @@
-//! A pose: where a camera stands, as the turn and shift from the world's frame to the camera's.
+//! Camera poses: rotation and translation from the world's frame to the camera's.
 //!
-//! The camera's frame: x to the right of the picture, y down, z along the view.
-//! Stands on: `si`, nalgebra. Never knows: a lens, a board.
+//! The camera's frame: x to the right of the picture, y down, z along the optical axis.
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use si::{Point3, vec3};
@@ -33,12 +32,12 @@ impl Pose {
     }
 
     /// A point of the camera's frame (m) in the world (m).
-    pub fn undo(&self, point: Point3) -> Point3 {
-        self.undo_direction(vec3::sub(point, self.translation))
+    pub fn to_world(&self, point: Point3) -> Point3 {
+        self.direction_to_world(vec3::sub(point, self.translation))
     }
 
     /// A direction of the camera's frame as one of the world: Rᵀ d.
-    pub fn undo_direction(&self, direction: Point3) -> Point3 {
+    pub fn direction_to_world(&self, direction: Point3) -> Point3 {
         #[allow(non_snake_case)]
         let R = self.rotation;
         [0, 1, 2].map(|i| R[0][i] * direction[0] + R[1][i] * direction[1] + R[2][i] * direction[2])
@@ -51,9 +50,9 @@ impl Pose {
         Self::from_matrix(&turned, vec3::add(self.translation, shift).into())
     }
 
-    /// Where the camera stands in the world, m.
+    /// Position of the camera in the world, m.
     pub fn centre(&self) -> Point3 {
-        self.undo([0.0; 3])
+        self.to_world([0.0; 3])
     }
 
     /// R as a matrix.
@@ -88,7 +87,7 @@ mod tests {
     fn a_pose_undoes_itself() {
         let pose = Pose::from_vector([0.3, -2.0, 0.7], [0.1, -0.2, 0.9]);
         let point = [0.03, -0.11, 0.02];
-        assert!(vec3::norm(vec3::sub(pose.undo(pose.apply(point)), point)) < 1e-15);
+        assert!(vec3::norm(vec3::sub(pose.to_world(pose.apply(point)), point)) < 1e-15);
         assert!(vec3::norm(pose.apply(pose.centre())) < 1e-15);
     }
 

@@ -1,13 +1,14 @@
-//! A rolling shutter undone: places seen at the times of their rows become places at the times of the frames.
+//! Correction of a rolling shutter: a path seen at the times of its rows is interpolated at the times of the frames.
 //!
-//! Stands on: `si`. Never knows: a lens.
+//! A frame's time is that of its middle row. Tracks keep what was seen; only positions are interpolated, by a cubic, because a linear
+//! interpolation over a tenth of a frame would lose the acceleration of a flapping tail.
 
 use si::{Point2, Second};
 
-/// How a camera reads its rows.
+/// A rolling shutter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shutter {
-    /// From the first row's time to the last one's, s.
+    /// Time from the first row to the last, s.
     pub readout: Second,
     /// Rows of a picture.
     pub height: usize,
@@ -15,7 +16,7 @@ pub struct Shutter {
 
 impl Shutter {
     /// How much later than its frame's time, which is the middle row's, row `v` (px) is read, s.
-    pub fn late(&self, v: f64) -> Second {
+    pub fn delay(&self, v: f64) -> Second {
         let last = self.height.max(2) as f64 - 1.0;
         self.readout * (v / last - 0.5)
     }
@@ -49,17 +50,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_swing_of_4_hz_read_late_is_met_at_its_frames_to_a_hundredth_of_its_shift() {
+    fn a_wave_of_4_hz_read_late_is_met_at_its_frames_to_a_hundredth_of_its_shift() {
         let shutter = Shutter { readout: 0.006, height: 720 };
-        let swing = |t: Second| [360.0 + 10.0 * t, 360.0 + 300.0 * (25.0 * t).sin()];
+        let wave = |t: Second| [360.0 + 10.0 * t, 360.0 + 300.0 * (25.0 * t).sin()];
         let wanted: Vec<Second> = (0..90).map(|k| f64::from(k) / 60.0).collect();
-        let row = |t: &Second| (0..20).fold(*t, |read, _| t + shutter.late(swing(read)[1]));
+        let row = |t: &Second| (0..20).fold(*t, |read, _| t + shutter.delay(wave(read)[1]));
         let read: Vec<Second> = wanted.iter().map(row).collect();
-        let seen: Vec<Point2> = read.iter().map(|t| swing(*t)).collect();
+        let seen: Vec<Point2> = read.iter().map(|t| wave(*t)).collect();
         let found = at_times(&wanted, &read, &seen);
         // at the film's ends the cubic has places on one side only
         let off = |path: &[Point2]| {
-            wanted.iter().zip(path).skip(2).take(86).map(|(t, p)| (p[1] - swing(*t)[1]).abs()).fold(0.0, f64::max)
+            wanted.iter().zip(path).skip(2).take(86).map(|(t, p)| (p[1] - wave(*t)[1]).abs()).fold(0.0, f64::max)
         };
         assert!(off(&found) < 0.02 * off(&seen), "{} {}", off(&found), off(&seen));
     }
@@ -67,7 +68,7 @@ mod tests {
     #[test]
     fn the_middle_row_is_read_at_the_frame_s_time_and_the_ends_half_a_read_out_away() {
         let shutter = Shutter { readout: 0.006, height: 721 };
-        assert_eq!(shutter.late(360.0), 0.0);
-        assert!((shutter.late(0.0) + 0.003).abs() < 1e-15 && (shutter.late(720.0) - 0.003).abs() < 1e-15);
+        assert_eq!(shutter.delay(360.0), 0.0);
+        assert!((shutter.delay(0.0) + 0.003).abs() < 1e-15 && (shutter.delay(720.0) - 0.003).abs() < 1e-15);
     }
 }

@@ -8,9 +8,9 @@ use noise::Noise;
 use si::Point2;
 use track::Gray;
 use track::board::{Board, BoardError, find};
-use track::lens::{Bend, Lens};
+use track::lens::{Distortion, Lens};
 use track::pose::Pose;
-use track::sight::Sight;
+use track::refraction::RefractiveCamera;
 
 const BOARD: Board = Board { columns: 9, rows: 6, square: 0.02 };
 const LENS: Lens = Lens {
@@ -24,7 +24,7 @@ const LENS: Lens = Lens {
     p2: -3e-4,
     k3: 0.0,
     k4: 0.0,
-    bend: Bend::BrownConrady,
+    distortion: Distortion::BrownConrady,
 };
 const SIZE: (usize, usize) = (1280, 720);
 /// Samples along each side of a pixel.
@@ -46,9 +46,9 @@ fn above(tilt: f64, around: f64, roll: f64, far: f64, aside: Point2) -> Pose {
 /// The board as the camera sees it: light ground, a wooden table around it, levels softened by `FINE`² rays a pixel.
 fn render(board: &Board, pose: &Pose, seed: u64, noise: f64) -> Gray {
     let mut random = Noise(seed);
-    let sight = Sight { lens: LENS, pose: *pose, water: None };
-    let meet = |i: usize| sight.meet([(i % (SIZE.0 + 1)) as f64, (i / (SIZE.0 + 1)) as f64], 0.0).unwrap();
-    let grid: Vec<Point2> = (0..(SIZE.0 + 1) * (SIZE.1 + 1)).map(meet).collect();
+    let sight = RefractiveCamera { lens: LENS, pose: *pose, water: None };
+    let intersect = |i: usize| sight.intersect([(i % (SIZE.0 + 1)) as f64, (i / (SIZE.0 + 1)) as f64], 0.0).unwrap();
+    let grid: Vec<Point2> = (0..(SIZE.0 + 1) * (SIZE.1 + 1)).map(intersect).collect();
     // where the pixel's middle lies on the board, and what a pixel to the right and one down add
     let met = |x: usize, y: usize| {
         let at = |i: usize, j: usize| grid[(y + j) * (SIZE.0 + 1) + x + i];

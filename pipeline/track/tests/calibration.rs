@@ -8,7 +8,7 @@ use noise::Noise;
 use si::Point2;
 use track::board::Board;
 use track::calibrate::{CalibrateError, View, calibrate, joint_covariance, pose_from_plane, reprojection};
-use track::lens::{Bend, Lens};
+use track::lens::{Distortion, Lens};
 use track::pose::Pose;
 
 const BOARD: Board = Board { columns: 9, rows: 6, square: 0.025 };
@@ -24,7 +24,7 @@ const LENS: Lens = Lens {
     p2: -3e-4,
     k3: -0.01,
     k4: 0.0,
-    bend: Bend::BrownConrady,
+    distortion: Distortion::BrownConrady,
 };
 
 /// Poses that look down on the board in different tilts, as a person holds it.
@@ -54,7 +54,7 @@ fn views(noise: f64, seed: u64) -> Vec<View> {
 
 #[test]
 fn clean_corners_give_the_lens_back() {
-    let found = calibrate(&views(0.0, 0), &BOARD.corners(), Bend::BrownConrady, SIZE).unwrap();
+    let found = calibrate(&views(0.0, 0), &BOARD.corners(), Distortion::BrownConrady, SIZE).unwrap();
     let (a, b) = (found.lens, LENS);
     for (name, x, y) in [("fx", a.fx, b.fx), ("fy", a.fy, b.fy), ("cx", a.cx, b.cx), ("cy", a.cy, b.cy)] {
         assert!((x / y - 1.0).abs() < 1e-6, "{name} {x} {y}");
@@ -71,7 +71,7 @@ fn clean_corners_give_the_lens_back() {
 #[test]
 fn a_tenth_of_a_pixel_of_noise_moves_the_focal_length_by_less_than_half_a_percent() {
     for seed in 1..4 {
-        let found = calibrate(&views(0.1, seed), &BOARD.corners(), Bend::BrownConrady, SIZE).unwrap();
+        let found = calibrate(&views(0.1, seed), &BOARD.corners(), Distortion::BrownConrady, SIZE).unwrap();
         assert!((found.lens.fx / LENS.fx - 1.0).abs() < 5e-3 && (found.lens.fy / LENS.fy - 1.0).abs() < 5e-3);
         assert!((found.reprojection_px / (0.1 * 2.0_f64.sqrt()) - 1.0).abs() < 0.1, "{}", found.reprojection_px);
     }
@@ -80,16 +80,16 @@ fn a_tenth_of_a_pixel_of_noise_moves_the_focal_length_by_less_than_half_a_percen
 #[test]
 fn the_standard_deviations_tell_the_scatter_over_repeated_calibrations() {
     let found: Vec<_> = (1..=24)
-        .map(|seed| calibrate(&views(0.1, seed), &BOARD.corners(), Bend::BrownConrady, SIZE).unwrap())
+        .map(|seed| calibrate(&views(0.1, seed), &BOARD.corners(), Distortion::BrownConrady, SIZE).unwrap())
         .collect();
     let scatter = |value: usize| {
         let mean = found.iter().map(|c| c.lens.values()[value]).sum::<f64>() / 24.0;
         (found.iter().map(|c| (c.lens.values()[value] - mean).powi(2)).sum::<f64>() / 23.0).sqrt()
     };
     for value in [0, 3, 4, 7] {
-        let told = found[0].sigma()[value];
+        let stated = found[0].sigma()[value];
         // the scatter of 24 draws is itself known to 15 %: three of that
-        assert!((scatter(value) / told - 1.0).abs() < 0.45, "{} {told}", scatter(value));
+        assert!((scatter(value) / stated - 1.0).abs() < 0.45, "{} {stated}", scatter(value));
     }
 }
 
@@ -124,7 +124,7 @@ fn points_off_the_plane_or_on_a_line_are_refused() {
 #[test]
 fn two_views_or_views_of_one_tilt_are_refused() {
     let all = views(0.05, 9);
-    let two = calibrate(&all[..2], &BOARD.corners(), Bend::BrownConrady, SIZE);
+    let two = calibrate(&all[..2], &BOARD.corners(), Distortion::BrownConrady, SIZE);
     assert!(matches!(two, Err(CalibrateError::TooFewViews { given: 2, needed: 3 })));
     let flat = Pose::from_vector([std::f64::consts::PI, 0.0, 0.0], [-0.08, 0.05, 0.5]);
     let mut random = Noise(5);
@@ -133,7 +133,7 @@ fn two_views_or_views_of_one_tilt_are_refused() {
         View { corners: BOARD.corners().iter().map(corner).collect() }
     };
     let alike: Vec<_> = (0..5).map(|_| see()).collect();
-    let found = calibrate(&alike, &BOARD.corners(), Bend::BrownConrady, SIZE);
+    let found = calibrate(&alike, &BOARD.corners(), Distortion::BrownConrady, SIZE);
     assert!(matches!(found, Err(CalibrateError::Degenerate { .. })), "{found:?}");
 }
 
@@ -141,23 +141,23 @@ fn two_views_or_views_of_one_tilt_are_refused() {
 fn a_view_with_missing_corners_is_refused_by_its_number() {
     let mut all = views(0.0, 0);
     all[3].corners.pop();
-    let error = calibrate(&all, &BOARD.corners(), Bend::BrownConrady, SIZE).unwrap_err();
+    let error = calibrate(&all, &BOARD.corners(), Distortion::BrownConrady, SIZE).unwrap_err();
     assert_eq!(error, CalibrateError::Corners { view: 3, given: 39, expected: 40 });
 }
 
 #[test]
 fn a_fisheye_comes_back_from_its_own_corners() {
-    let lens = Lens { bend: Bend::Fisheye, ..Lens::default() };
+    let lens = Lens { distortion: Distortion::Fisheye, ..Lens::default() };
     let lens = lens.with([880.0, 883.0, 961.0, 538.0, 0.04, -0.012, 3e-3, -1e-3, 0.0]);
     let see = |pose: &Pose| BOARD.corners().iter().map(|&c| lens.project(pose.apply(c)).unwrap()).collect::<Vec<_>>();
     let nearer = |pose: Pose| Pose { translation: pose.translation.map(|x| 0.45 * x), ..pose };
     let views: Vec<_> = poses().into_iter().map(|pose| View { corners: see(&nearer(pose)) }).collect();
-    let found = calibrate(&views, &BOARD.corners(), Bend::Fisheye, SIZE).unwrap();
+    let found = calibrate(&views, &BOARD.corners(), Distortion::Fisheye, SIZE).unwrap();
     assert!(found.reprojection_px < 1e-4, "{}", found.reprojection_px);
     for (value, truth) in found.lens.values().iter().zip(lens.values()).take(5) {
         assert!((value - truth).abs() < 1e-3 * truth.abs(), "{value} {truth}");
     }
-    let brown = calibrate(&views, &BOARD.corners(), Bend::BrownConrady, SIZE).unwrap();
+    let brown = calibrate(&views, &BOARD.corners(), Distortion::BrownConrady, SIZE).unwrap();
     assert!(brown.reprojection_px > 10.0 * found.reprojection_px);
 }
 
@@ -168,21 +168,21 @@ fn the_joint_covariance_tells_the_scatter_of_where_the_camera_stands() {
     let seen = |random: &mut Noise| -> Vec<Point2> {
         points.iter().map(|&p| LENS.project(pose.apply(p)).unwrap().map(|v| v + 0.1 * random.next())).collect()
     };
-    let mut told = [0.0; 3];
+    let mut stated = [0.0; 3];
     let found: Vec<Pose> = (1..=24)
         .map(|seed| {
-            let camera = calibrate(&views(0.1, seed), &points, Bend::BrownConrady, SIZE).unwrap();
+            let camera = calibrate(&views(0.1, seed), &points, Distortion::BrownConrady, SIZE).unwrap();
             let pixels = seen(&mut Noise(100 + seed));
             let pose = pose_from_plane(&camera.lens, &points, &pixels).unwrap();
             let joint = joint_covariance((&camera.lens, &camera.covariance), &pose, &points, &pixels).unwrap();
-            told = [12, 13, 14].map(|k| joint[k][k].sqrt());
+            stated = [12, 13, 14].map(|k| joint[k][k].sqrt());
             pose
         })
         .collect();
-    for (k, told) in told.iter().enumerate() {
+    for (k, stated) in stated.iter().enumerate() {
         let mean = found.iter().map(|p| p.translation[k]).sum::<f64>() / 24.0;
         let scatter = (found.iter().map(|p| (p.translation[k] - mean).powi(2)).sum::<f64>() / 23.0).sqrt();
-        // 24 draws tell a scatter to 15 %, and one view's misses its own noise to 10 %
-        assert!((scatter / told - 1.0).abs() < 0.5, "{k}: {scatter} {told}");
+        // 24 draws give a standard deviation to 15 %, and one view's misses its own noise to 10 %
+        assert!((scatter / stated - 1.0).abs() < 0.5, "{k}: {scatter} {stated}");
     }
 }

@@ -1,20 +1,19 @@
-//! The conformance set of trackers: what any tracker of dark markers must bear, one sentence a member.
+//! The conformance set of trackers: the disturbances that a tracker of dark markers must pass, one test each.
 //!
 //! Each member is a film made by a formula, with the true places known; a new tracker is held to the same list.
-//!
-//! Stands on: `track`. Never knows: how a tracker works.
-#![allow(clippy::unwrap_used)] // a test may fail where it stands
+
+#![allow(clippy::unwrap_used)] // a test may unwrap
 
 mod noise;
 mod stage;
 
 use si::Point2;
 use stage::{Scene, Show};
-use track::klt::{Settings, Sighting, Tracker, fill};
+use track::klt::{Observation, Settings, Tracker, fill_gaps};
 
-/// What a film of the set was tracked to: sightings against the true places, frames × markers.
+/// What a film of the set was tracked to: observations against the true places, frames × markers.
 struct Tracked {
-    sightings: Vec<Vec<Sighting>>,
+    observations: Vec<Vec<Observation>>,
     truth: Vec<Vec<Point2>>,
 }
 
@@ -22,21 +21,21 @@ struct Tracked {
 fn track(scene: &Scene, frames: usize) -> Tracked {
     let settings = Settings { patience: 30, quantiser: scene.codec.unwrap_or(0), ..Settings::default() };
     let mut tracker = Tracker::new(&scene.picture(0), &scene.places(0), settings).unwrap();
-    let mut sightings: Vec<Vec<Sighting>> = tracker.sightings().iter().map(|s| vec![*s]).collect();
+    let mut observations: Vec<Vec<Observation>> = tracker.observations().iter().map(|s| vec![*s]).collect();
     for k in 1..frames {
         let seen = tracker.step(&scene.picture(k)).unwrap();
-        sightings.iter_mut().zip(seen).for_each(|(track, s)| track.push(s));
+        observations.iter_mut().zip(seen).for_each(|(track, s)| track.push(s));
     }
     tracker.finish().unwrap();
-    sightings.iter_mut().for_each(|track| fill(track));
-    let truth = (0..sightings.len()).map(|m| (0..frames).map(|k| scene.places(k)[m]).collect()).collect();
-    Tracked { sightings, truth }
+    observations.iter_mut().for_each(|track| fill_gaps(track));
+    let truth = (0..observations.len()).map(|m| (0..frames).map(|k| scene.places(k)[m]).collect()).collect();
+    Tracked { observations, truth }
 }
 
 impl Tracked {
-    /// Every sighting with its true place.
-    fn pairs(&self) -> impl Iterator<Item = (&Sighting, &Point2)> {
-        self.sightings.iter().flatten().zip(self.truth.iter().flatten())
+    /// Every observation with its true place.
+    fn pairs(&self) -> impl Iterator<Item = (&Observation, &Point2)> {
+        self.observations.iter().flatten().zip(self.truth.iter().flatten())
     }
 
     /// Root mean square distance of what was seen from the truth, px.
@@ -47,7 +46,7 @@ impl Tracked {
 
     /// Share of single axes whose 95 % interval holds the truth, hidden frames as well.
     fn covered(&self) -> f64 {
-        let inside = |(s, p): (&Sighting, &Point2)| {
+        let inside = |(s, p): (&Observation, &Point2)| {
             [0, 1].iter().filter(|&&k| (s.at[k] - p[k]).abs() < 1.96 * s.covariance[k][k].sqrt()).count()
         };
         let held: usize = self.pairs().map(inside).sum();
@@ -63,7 +62,7 @@ fn away(a: Point2, b: Point2) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
-/// A scene of two markers on slow paths, unless told otherwise.
+/// A scene of two markers on slow paths, unless stated otherwise.
 fn slow() -> Scene {
     Scene::new(|k| vec![([100.3 + 0.9 * k as f64, 80.2], 0.0), ([120.4 + 0.4 * k as f64, 160.7 - 0.3 * k as f64], 0.0)])
 }
@@ -100,8 +99,8 @@ fn a_marker_covered_for_half_a_second_is_found_again_and_the_gap_is_filled_with_
             stage::cover(picture, [60.0, 40.0, 190.0, 125.0], 150);
         }
     };
-    let swing = |k: usize| [120.0 + 30.0 * (0.1 * k as f64).sin(), 80.0];
-    let scene = Scene { show, ..Scene::new(move |k| vec![(swing(k), 0.0), ([220.0, 170.0], 0.0)]) };
+    let path = |k: usize| [120.0 + 30.0 * (0.1 * k as f64).sin(), 80.0];
+    let scene = Scene { show, ..Scene::new(move |k| vec![(path(k), 0.0), ([220.0, 170.0], 0.0)]) };
     let found = track(&scene, 90);
     assert!((24..=32).contains(&found.hidden()), "{}", found.hidden());
     assert!(found.rms() < 0.03, "{}", found.rms());
@@ -175,11 +174,12 @@ fn nothing_drifts_by_half_a_pixel_over_three_thousand_frames() {
 }
 
 /// Films of three marks at a codec's quantiser: with light that bends over the back and a glare that wanders, or without.
-fn swinging(quantiser: u8, flank: f64) -> Scene {
+fn flapping(quantiser: u8, flank: f64) -> Scene {
     let scene = Scene::new(|k| {
         let phase = 0.21 * k as f64;
-        let mark =
-            |x: f64, swing: f64, lag: f64| ([x + 4.0 * (phase - lag).cos(), 120.3 + swing * (phase - lag).sin()], 0.0);
+        let mark = |x: f64, amplitude: f64, lag: f64| {
+            ([x + 4.0 * (phase - lag).cos(), 120.3 + amplitude * (phase - lag).sin()], 0.0)
+        };
         vec![mark(60.4, 8.0, 0.0), mark(150.1, 15.0, 0.4), mark(250.7, 24.0, 0.8)]
     });
     let glare: Show = |k, picture| stage::glare(picture, [30.0 + 2.0 * k as f64, 100.0], 24.0, 16.0);
@@ -191,7 +191,7 @@ fn swinging(quantiser: u8, flank: f64) -> Scene {
 fn intervals_of_95_percent_hold_90_to_98_percent_of_the_truth_through_the_codec() {
     let films = [(18, 30.0, 0.10), (28, 30.0, 0.25), (18, 0.0, 0.10), (23, 0.0, 0.10), (28, 0.0, 0.25)];
     let covered = |(quantiser, flank, most): (u8, f64, f64)| {
-        let found = track(&swinging(quantiser, flank), 120);
+        let found = track(&flapping(quantiser, flank), 120);
         println!("quantiser {quantiser}, light {flank}: rms {:.4} px, covered {:.3}", found.rms(), found.covered());
         assert!(found.rms() < most, "quantiser {quantiser}: {}", found.rms());
         found.covered()

@@ -1,7 +1,6 @@
 //! A board of dots is found in pictures as a camera takes them, and a lens comes out of them.
-//!
-//! Stands on: `track`. Never knows: a checkerboard.
-#![allow(clippy::unwrap_used)] // a test may fail where it stands
+
+#![allow(clippy::unwrap_used)] // a test may unwrap
 
 mod noise;
 
@@ -11,9 +10,9 @@ use track::Gray;
 use track::board::dots::{Dots, find};
 use track::board::{BoardError, Target};
 use track::calibrate::{View, calibrate};
-use track::lens::{Bend, Lens};
+use track::lens::{Distortion, Lens};
 use track::pose::Pose;
-use track::sight::Sight;
+use track::refraction::RefractiveCamera;
 
 const BOARD: Dots = Dots { columns: 9, rows: 6, pitch: 0.016 };
 /// Of a dot, m.
@@ -30,7 +29,7 @@ const LENS: Lens = Lens {
     p2: -2e-4,
     k3: 0.0,
     k4: 0.0,
-    bend: Bend::BrownConrady,
+    distortion: Distortion::BrownConrady,
 };
 
 /// A camera over the board's middle, tilted by `tilt` towards `around`, rolled by `roll` (rad), `far` away (m).
@@ -62,9 +61,9 @@ fn paint([x, y]: Point2) -> f64 {
 /// What the camera sees: 5 × 5 rays a pixel, and noise of 1.5 grey levels.
 fn render(pose: &Pose, seed: u64) -> Gray {
     let (mut random, fine) = (Noise(seed), 5);
-    let sight = Sight { lens: LENS, pose: *pose, water: None };
+    let sight = RefractiveCamera { lens: LENS, pose: *pose, water: None };
     Gray::from_fn(SIZE.0, SIZE.1, |x, y| {
-        let at = |i: f64, j: f64| sight.meet([x as f64 + i, y as f64 + j], 0.0).unwrap();
+        let at = |i: f64, j: f64| sight.intersect([x as f64 + i, y as f64 + j], 0.0).unwrap();
         let (o, a, b) = (at(0.0, 0.0), at(0.5, 0.0), at(0.0, 0.5));
         let ray = |k: usize| {
             let [i, j] = [k % fine, k / fine].map(|n| 2.0 * ((n as f64 + 0.5) / fine as f64 - 0.5));
@@ -103,7 +102,7 @@ fn dots_are_found_to_a_tenth_of_a_pixel_in_one_order_and_give_the_lens_back() {
         assert!(miss < 0.1, "view {k}: {miss} px");
         views.push(View { corners: found });
     }
-    let found = calibrate(&views, &Target::Dots(BOARD).points(), Bend::BrownConrady, SIZE).unwrap();
+    let found = calibrate(&views, &Target::Dots(BOARD).points(), Distortion::BrownConrady, SIZE).unwrap();
     assert!((found.lens.fx / LENS.fx - 1.0).abs() < 5e-3, "{}", found.lens.fx);
     assert!(found.reprojection_px < 0.2, "{}", found.reprojection_px);
 }

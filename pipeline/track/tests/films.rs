@@ -1,7 +1,6 @@
-//! Films as they come from cameras, from the file to the marker's place: on their side, in uneven time, as pictures, cut short.
-//!
-//! Stands on: `track`. Never knows: who wrote a film.
-#![allow(clippy::unwrap_used)] // a test may fail where it stands
+//! Films as cameras write them, from the file to the marker's position: rotated, unevenly timed, as pictures, truncated.
+
+#![allow(clippy::unwrap_used)] // a test may unwrap
 
 use std::path::{Path, PathBuf};
 
@@ -27,7 +26,7 @@ impl Scratch {
     /// A coded film, its bytes changed by `change`.
     fn film(&self, change: impl Fn(Vec<u8>) -> Vec<u8>) -> PathBuf {
         let path = self.0.join("film.mp4");
-        let mut writer = Writer::create(&path, SIZE.0, SIZE.1, 60.0, Quality::Quantiser(18)).unwrap();
+        let mut writer = Writer::create(&path, SIZE, 60.0, Quality::Quantiser(18)).unwrap();
         (0..FRAMES).for_each(|k| writer.push(&picture(k)).unwrap());
         writer.finish().unwrap();
         let bytes = std::fs::read(&path).unwrap();
@@ -70,13 +69,13 @@ fn followed(path: &Path, start: Point2) -> Result<Followed, VideoError> {
             Some(tracker) => drop(tracker.step(&frame.gray).unwrap()),
             None => tracker = Some(Tracker::new(&frame.gray, &[start], Settings::default()).unwrap()),
         }
-        places.extend(tracker.iter().map(|t| t.sightings()[0].at));
+        places.extend(tracker.iter().map(|t| t.observations()[0].at));
         times.push(frame.time);
     }
     Ok((size, times, places))
 }
 
-/// The largest distance of places from what `truth` says of each frame, px.
+/// The largest distance of positions from `truth` in each frame, px.
 fn worst(places: &[Point2], truth: impl Fn(usize) -> Point2) -> f64 {
     assert_eq!(places.len(), FRAMES);
     let away = |(k, p): (usize, &Point2)| (p[0] - truth(k)[0]).hypot(p[1] - truth(k)[1]);
@@ -89,7 +88,7 @@ fn content(film: &[u8], name: &[u8; 4]) -> usize {
     index + film[index..].windows(4).position(|w| w == name).unwrap() + 4
 }
 
-/// The film of a camera that was held on its side: its track wants a quarter turn clockwise.
+/// The film of a camera that was held on its side: its track has a quarter turn clockwise.
 fn on_its_side(mut film: Vec<u8>) -> Vec<u8> {
     let header = content(&film, b"tkhd");
     let matrix = header + if film[header] == 1 { 52 } else { 40 };

@@ -1,4 +1,4 @@
-//! Markers are tracked to a small part of a pixel, and never lost in silence.
+//! Markers are tracked to a small part of a pixel, and a lost marker is always an error.
 
 #![allow(clippy::unwrap_used)]
 
@@ -7,7 +7,7 @@ mod noise;
 use noise::Noise;
 use si::Point2;
 use track::Gray;
-use track::klt::{Lost, Settings, Sighting, Tracker, Why};
+use track::klt::{FailedGate, Observation, Settings, Tracker, TrackingError};
 use track::video::{Quality, Reader, Writer};
 
 /// Samples along each side of a pixel at a marker's edge.
@@ -85,7 +85,7 @@ fn a_picture_shifted_by_a_third_of_a_pixel_is_tracked_to_a_hundredth() {
         };
         let mut tracker =
             Tracker::new(&picture(SMALL, &marks([0.0; 2]), 1.0, 0.0, 1), &starts, Settings::default()).unwrap();
-        let first = tracker.sightings().to_vec();
+        let first = tracker.observations().to_vec();
         let next = tracker.step(&picture(SMALL, &marks(shift), 1.0, 0.0, 1)).unwrap();
         for (a, b) in first.iter().zip(&next) {
             let moved = [b.at[0] - a.at[0], b.at[1] - a.at[1]];
@@ -101,8 +101,8 @@ fn a_click_eight_pixels_off_finds_its_marker() {
     for angle in [0.0, 1.0, 2.5, 4.0, 5.5_f64] {
         let clicks = marks.map(|m| [m.at[0] + 7.9 * angle.cos(), m.at[1] + 7.9 * angle.sin()]);
         let tracker = Tracker::new(&first, &clicks, Settings::default()).unwrap();
-        for (sighting, mark) in tracker.sightings().iter().zip(&marks) {
-            assert!(away(sighting.at, mark.at) < 0.05, "{angle}: {:?} {:?}", sighting.at, mark.at);
+        for (observation, mark) in tracker.observations().iter().zip(&marks) {
+            assert!(away(observation.at, mark.at) < 0.05, "{angle}: {:?} {:?}", observation.at, mark.at);
         }
     }
 }
@@ -111,27 +111,30 @@ fn a_click_eight_pixels_off_finds_its_marker() {
 fn a_click_on_empty_ground_or_far_from_a_marker_is_refused() {
     let first = picture(SMALL, &[disc([100.0, 120.0])], 1.0, 2.0, 1);
     let refused = |click| Tracker::new(&first, &[[100.0, 120.0], click], Settings::default()).err().unwrap();
-    assert!(matches!(refused([220.0, 80.0]), Lost { marker: 1, frame: 0, why: Why::Faint { .. }, .. }));
-    assert!(matches!(refused([113.0, 120.0]).why, Why::Far { .. }));
-    assert!(matches!(refused([103.0, 120.0]).why, Why::Merged { other: 0, .. }));
-    assert!(matches!(refused([5.0, 120.0]).why, Why::LeavesFrame { .. }));
+    assert!(matches!(
+        refused([220.0, 80.0]),
+        TrackingError { marker: 1, frame: 0, why: FailedGate::LowContrast { .. }, .. }
+    ));
+    assert!(matches!(refused([113.0, 120.0]).why, FailedGate::FarFromClick { .. }));
+    assert!(matches!(refused([103.0, 120.0]).why, FailedGate::Merged { other: 0, .. }));
+    assert!(matches!(refused([5.0, 120.0]).why, FailedGate::LeavesFrame { .. }));
 }
 
-/// Tracks marks that move as `motion` says over `frames` frames; returns the root mean square miss, px, of each, and the last sightings.
+/// Tracks marks that move by `motion` over `frames` frames; returns the root mean square miss, px, of each, and the last observations.
 fn follow(
     frames: usize,
     noise: f64,
     light: impl Fn(usize) -> f64,
     motion: impl Fn(usize) -> Vec<Mark>,
-) -> Result<(f64, Vec<Sighting>), Lost> {
+) -> Result<(f64, Vec<Observation>), TrackingError> {
     let at = |k: usize| picture(SMALL, &motion(k), light(k), noise, k as u64 + 1);
     let clicks: Vec<Point2> = motion(0).iter().map(|m| m.at).collect();
     let mut tracker = Tracker::new(&at(0), &clicks, Settings::default())?;
     let (mut squares, mut number, mut last) = (0.0, 0.0, Vec::new());
     for k in 1..frames {
         last = tracker.step(&at(k))?;
-        for (sighting, mark) in last.iter().zip(motion(k)) {
-            squares += away(sighting.at, mark.at).powi(2);
+        for (observation, mark) in last.iter().zip(motion(k)) {
+            squares += away(observation.at, mark.at).powi(2);
             number += 1.0;
         }
     }
@@ -209,13 +212,19 @@ fn a_marker_half_covered_by_glare_is_lost() {
     };
     let mut tracker = Tracker::new(&show(0), &[[160.0, 120.0]], Settings::default()).unwrap();
     let lost = (1..30).find_map(|k| tracker.step(&show(k)).err()).unwrap();
-    assert!(matches!(lost.why, Why::Changed { .. } | Why::Disagrees { .. } | Why::Spreads { .. }), "{lost}");
+    assert!(
+        matches!(
+            lost.why,
+            FailedGate::HighResidual { .. } | FailedGate::FlowCentroid { .. } | FailedGate::DarkRim { .. }
+        ),
+        "{lost}"
+    );
 }
 
 #[test]
 fn a_marker_that_leaves_the_frame_is_lost_there() {
     let error = follow(80, 1.0, |_| 1.0, |k| vec![disc([200.0 + 2.0 * k as f64, 120.0])]).unwrap_err();
-    assert!(matches!(error.why, Why::LeavesFrame { .. }), "{error}");
+    assert!(matches!(error.why, FailedGate::LeavesFrame { .. }), "{error}");
     assert!((40..50).contains(&error.frame), "{error}");
 }
 
@@ -228,9 +237,9 @@ fn a_leap_is_refused() {
 /// Three markers at a tail's rear half as it flaps at 4 Hz, turning with it.
 fn flapping(k: usize) -> [Mark; 3] {
     let phase = std::f64::consts::TAU * 4.0 * k as f64 / 60.0;
-    let mark = |x: f64, swing: f64, turn: f64, lag: f64| {
+    let mark = |x: f64, amplitude: f64, turn: f64, lag: f64| {
         let (s, c) = ((phase - lag).sin(), (phase - lag).cos());
-        cross([x + 4.0 * c, 140.3 + swing * s], turn * c)
+        cross([x + 4.0 * c, 140.3 + amplitude * s], turn * c)
     };
     [mark(120.4, 12.0, 0.2, 0.0), mark(260.1, 19.0, 0.4, 0.4), mark(403.7, 27.0, 0.61, 0.8)]
 }
@@ -239,7 +248,7 @@ fn flapping(k: usize) -> [Mark; 3] {
 fn a_flapping_tail_is_tracked_to_a_tenth_of_a_pixel_through_the_codec() {
     let file = std::env::temp_dir().join(format!("track-{}-flap.mp4", std::process::id()));
     let frames = 60;
-    let mut writer = Writer::create(&file, 512, 288, 60.0, Quality::Quantiser(20)).unwrap();
+    let mut writer = Writer::create(&file, (512, 288), 60.0, Quality::Quantiser(20)).unwrap();
     (0..frames).for_each(|k| writer.push(&picture((512, 288), &flapping(k), 1.0, 2.0, k as u64 + 1)).unwrap());
     writer.finish().unwrap();
     let mut reader = Reader::open(&file).unwrap();
@@ -260,7 +269,7 @@ fn a_flapping_tail_is_tracked_to_a_tenth_of_a_pixel_through_the_codec() {
     let _ = std::fs::remove_file(&file);
     let rms = (squares / f64::from(number)).sqrt();
     assert!(rms < 0.1, "{rms}");
-    // 95 % intervals of 118 sightings a marker, which share their scatter: 88 to 99.5 %
+    // 95 % intervals of 118 observations a marker, which share their scatter: 88 to 99.5 %
     let share = f64::from(inside as u32) / f64::from(2 * number);
     assert!((0.88..0.995).contains(&share), "{share}");
 }

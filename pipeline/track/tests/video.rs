@@ -1,4 +1,4 @@
-//! Films written by the house are read back whole, and broken ones are refused with their frame.
+//! Films are read as they were written, and damaged ones are refused with the frame.
 
 #![allow(clippy::unwrap_used)]
 
@@ -23,7 +23,7 @@ impl Drop for Scratch {
     }
 }
 
-/// A light ground with a soft pattern and a dark disc that moves by 3 px a frame; its level tells the frame's number.
+/// A light ground with a soft pattern and a dark disc that moves by 3 px a frame; its level encodes the frame's number.
 fn scene(width: usize, height: usize, frame: usize) -> Gray {
     let centre = [40.0 + 3.0 * frame as f64 % (width as f64 - 80.0), height as f64 / 2.0];
     Gray::from_fn(width, height, |x, y| {
@@ -36,7 +36,7 @@ fn scene(width: usize, height: usize, frame: usize) -> Gray {
 
 /// Writes `frames` pictures of the scene.
 fn film(path: &Path, width: usize, height: usize, frames: usize, quality: Quality) {
-    let mut writer = Writer::create(path, width, height, RATE, quality).unwrap();
+    let mut writer = Writer::create(path, (width, height), RATE, quality).unwrap();
     for frame in 0..frames {
         writer.push(&scene(width, height, frame)).unwrap();
     }
@@ -72,7 +72,7 @@ fn every_frame_comes_back_in_order_and_close_to_what_was_written() {
 fn black_and_white_keep_their_full_range() {
     let file = Scratch::new("range.mp4");
     let picture = Gray::from_fn(64, 64, |x, _| if x < 32 { 0.0 } else { 255.0 });
-    let mut writer = Writer::create(&file.0, 64, 64, 30.0, Quality::Quantiser(12)).unwrap();
+    let mut writer = Writer::create(&file.0, (64, 64), 30.0, Quality::Quantiser(12)).unwrap();
     writer.push(&picture).unwrap();
     writer.finish().unwrap();
     let back = Reader::open(&file.0).unwrap().next().unwrap().unwrap().gray;
@@ -183,6 +183,6 @@ fn damaged_frames_are_never_passed_over() {
 #[test]
 fn a_film_of_odd_size_is_refused_before_it_is_begun() {
     let file = Scratch::new("odd.mp4");
-    assert!(matches!(Writer::create(&file.0, 321, 192, RATE, Quality::Quantiser(20)), Err(VideoError::Unfit { .. })));
+    assert!(matches!(Writer::create(&file.0, (321, 192), RATE, Quality::Quantiser(20)), Err(VideoError::Unfit { .. })));
     assert!(!file.0.exists());
 }

@@ -1,22 +1,25 @@
-//! Typeset: the paper's source with its numbers in place → PDF. The same source gives the same bytes.
+//! Compiles the paper's resolved source to PDF with typst. The same source gives the same bytes.
 //!
-//! `study paper` has put every number, figure and table into the source and refused what was wrong; here pages are set, and
-//! nothing else. Fonts are those that come with typst and those in `paper/fonts`; none of the machine's is looked at.
+//! `study paper` has inserted and checked every number, figure and table before. The fonts are those that come with typst and those in
+//! `paper/fonts`; fonts of the system are not used. The typesetter is a program of its own because its dependencies take minutes to build
+//! and nothing else needs them.
 //!
-//! Stands on: typst. Never knows: a number, a claim, where either came from.
+//! Depends on no crate of the workspace.
 
-mod press;
+mod compiler;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
 
-/// Sets the paper that `study paper` has prepared.
+use compiler::TypesetError;
+
+/// Compiles the paper that `study paper` has prepared.
 #[derive(Debug, Parser)]
 #[command(name = "typeset", version)]
 struct Cli {
-    /// Whose paper: quick lives under target/quick.
+    /// Profile of the paper: paper, or quick under target/quick.
     #[arg(long, value_enum, default_value_t = Profile::Paper)]
     profile: Profile,
     /// The project's folder.
@@ -47,26 +50,26 @@ fn main() -> ExitCode {
         Profile::Quick => cli.root.join("target").join("quick"),
     };
     match run(&cli.root, &base) {
-        Ok(said) => {
-            println!("{said}");
+        Ok(report) => {
+            println!("{report}");
             ExitCode::SUCCESS
         }
-        Err(why) => {
-            eprintln!("error: {why}");
+        Err(error) => {
+            eprintln!("error: {error}");
             ExitCode::FAILURE
         }
     }
 }
 
-fn run(root: &Path, base: &Path) -> Result<String, String> {
+fn run(root: &Path, base: &Path) -> Result<String, TypesetError> {
     if !base.join(SOURCE).is_file() {
-        return Err(format!("{} is not there\n  do:  study paper", base.join(SOURCE).display()));
+        return Err(TypesetError::NotPrepared(base.join(SOURCE)));
     }
-    let set = press::set(base, SOURCE, &press::fonts(&root.join(FONTS))?)?;
+    let document = compiler::compile(base, SOURCE, &compiler::fonts(&root.join(FONTS))?)?;
     let to = base.join(PDF);
-    let unwritable = |e: std::io::Error| format!("{} cannot be written\n  why: {e}", to.display());
-    let beside = to.with_extension("pdf.unfinished");
+    let unwritable = |source: std::io::Error| TypesetError::Unwritable { path: to.clone(), source };
+    let unfinished = to.with_extension("pdf.unfinished");
     std::fs::create_dir_all(to.parent().unwrap_or(base)).map_err(unwritable)?;
-    std::fs::write(&beside, &set.pdf).and_then(|()| std::fs::rename(&beside, &to)).map_err(unwritable)?;
-    Ok(format!("{}: {} pages, {} KiB", to.display(), set.pages, set.pdf.len().div_ceil(1024)))
+    std::fs::write(&unfinished, &document.pdf).and_then(|()| std::fs::rename(&unfinished, &to)).map_err(unwritable)?;
+    Ok(format!("{}: {} pages, {} KiB", to.display(), document.pages, document.pdf.len().div_ceil(1024)))
 }

@@ -1,17 +1,15 @@
 //! What a run must survive: being killed at any moment, a bit that flips, a disk that is full.
 //!
 //! The runs that are killed or starved are this very program, called again for one test that does nothing unless it is asked to.
-//!
-//! Stands on: the small study. Never knows: how a record is written.
 
 use std::fs;
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-use study::runner::Goal;
+use workflow::runner::Goal;
 
-use crate::small::{Project, SETTINGS, tally};
+use crate::small::{Project, SETTINGS, summary};
 
 /// Names the project in which a second program is to run.
 const ASKED: &str = "A_STUDY_TO_RUN_AGAIN_AND_AGAIN";
@@ -28,8 +26,8 @@ fn a_second_program_runs_the_study_until_it_is_killed() {
     let Some(root) = std::env::var_os(ASKED) else { return };
     let project = std::mem::ManuallyDrop::new(Project(PathBuf::from(root)));
     for turn in 1.. {
-        match project.runner(&turned(turn)).run(&Goal::default(), false) {
-            Ok(tally) if tally.failed == 0 => {}
+        match study::run(&project.runner(&turned(turn)), &Goal::default(), false) {
+            Ok(summary) if summary.failed == 0 => {}
             _ => std::process::exit(1),
         }
     }
@@ -52,7 +50,7 @@ fn it_ends_as_if_nothing_had_happened(project: &Project) {
     for (stage, count) in counts {
         assert_eq!(fs::read_to_string(project.record(stage).join("count.json")).unwrap().trim(), count);
     }
-    assert_eq!(project.run(SETTINGS), tally(0, 3, 0, 0));
+    assert_eq!(project.run(SETTINGS), summary(0, 3, 0, 0));
 }
 
 #[test]
@@ -91,6 +89,6 @@ fn a_disk_that_takes_no_more_ends_a_run_and_harms_no_record() {
     project.run(SETTINGS);
     let ended = second(&project, "trap '' XFSZ; ulimit -f 0;").wait().unwrap();
     assert_eq!(ended.code(), Some(1), "no file can grow, so that the run has to say so");
-    assert_eq!(project.run(SETTINGS), tally(0, 3, 0, 0));
+    assert_eq!(project.run(SETTINGS), summary(0, 3, 0, 0));
     it_ends_as_if_nothing_had_happened(&project);
 }

@@ -9,14 +9,14 @@ mod small;
 
 use std::fs;
 
-use small::{Project, SETTINGS, tally};
-use study::runner::Goal;
+use small::{Project, SETTINGS, summary};
+use workflow::runner::Goal;
 
 #[test]
 fn a_second_run_makes_nothing_again() {
     let project = Project::new("second");
-    assert_eq!(project.run(SETTINGS), tally(3, 0, 0, 0));
-    assert_eq!(project.run(SETTINGS), tally(0, 3, 0, 0));
+    assert_eq!(project.run(SETTINGS), summary(3, 0, 0, 0));
+    assert_eq!(project.run(SETTINGS), summary(0, 3, 0, 0));
 }
 
 #[test]
@@ -26,7 +26,7 @@ fn a_touched_file_makes_nothing_stale() {
     let body = project.0.join("data/raw/fish/cad/body.stl");
     let later = std::time::SystemTime::now() + std::time::Duration::from_secs(3600);
     fs::File::options().append(true).open(&body).unwrap().set_modified(later).unwrap();
-    assert_eq!(project.run(SETTINGS), tally(0, 3, 0, 0));
+    assert_eq!(project.run(SETTINGS), summary(0, 3, 0, 0));
 }
 
 #[test]
@@ -37,7 +37,7 @@ fn a_changed_setting_makes_just_what_depends_on_it_stale_and_the_plan_says_why()
     let plan = project.plan(&changed);
     assert!(plan.contains("setting `step` was 1 and is 2"), "{plan}");
     assert!(plan.contains("1 of 3 records would be made"), "{plan}");
-    assert_eq!(project.run(&changed), tally(1, 2, 0, 0));
+    assert_eq!(project.run(&changed), summary(1, 2, 0, 0));
 }
 
 #[test]
@@ -48,7 +48,7 @@ fn a_changed_recording_makes_what_reads_it_stale_and_its_readers_wait() {
     let plan = project.plan(SETTINGS);
     assert!(plan.contains("recording `fish/cad/body.stl` is of other content"), "{plan}");
     assert!(plan.contains("it reads letters/fish, which will be made"), "{plan}");
-    assert_eq!(project.run(SETTINGS), tally(2, 1, 0, 0));
+    assert_eq!(project.run(SETTINGS), summary(2, 1, 0, 0));
 }
 
 #[test]
@@ -56,7 +56,7 @@ fn a_stage_made_again_to_the_same_content_leaves_its_readers_fresh() {
     let project = Project::new("cutoff");
     project.run(SETTINGS);
     fs::write(project.0.join("data/raw/fish/cad/body.stl"), "12 other byt").unwrap();
-    assert_eq!(project.run(SETTINGS), tally(1, 2, 0, 0));
+    assert_eq!(project.run(SETTINGS), summary(1, 2, 0, 0));
 }
 
 #[test]
@@ -84,7 +84,7 @@ fn a_damaged_record_is_made_again_and_never_read() {
     project.run(SETTINGS);
     fs::write(project.record("letters").join("count.json"), "99\n").unwrap();
     assert!(project.plan(SETTINGS).contains("the bytes of its count.json are not those that were written"));
-    assert_eq!(project.run(SETTINGS), tally(1, 2, 0, 0));
+    assert_eq!(project.run(SETTINGS), summary(1, 2, 0, 0));
     assert_eq!(fs::read_to_string(project.record("letters").join("count.json")).unwrap(), "12\n");
 }
 
@@ -96,7 +96,7 @@ fn what_a_killed_run_left_half_written_is_ignored() {
     let unfinished = project.record("halved").with_file_name("record.unfinished");
     fs::create_dir_all(&unfinished).unwrap();
     fs::write(unfinished.join("count.json"), "4").unwrap();
-    assert_eq!(project.run(SETTINGS), tally(1, 2, 0, 0));
+    assert_eq!(project.run(SETTINGS), summary(1, 2, 0, 0));
     assert!(!unfinished.exists());
 }
 
@@ -104,22 +104,22 @@ fn what_a_killed_run_left_half_written_is_ignored() {
 fn a_failing_stage_stops_only_those_that_need_it_and_keeps_what_was_made() {
     let project = Project::new("failing");
     let bad = SETTINGS.replace("[halved]\nstep = 1", "[halved]\nstep = 13");
-    assert_eq!(project.run(&bad), tally(2, 0, 1, 0));
-    assert_eq!(project.run(SETTINGS), tally(1, 2, 0, 0));
+    assert_eq!(project.run(&bad), summary(2, 0, 1, 0));
+    assert_eq!(project.run(SETTINGS), summary(1, 2, 0, 0));
 }
 
 #[test]
 fn a_stage_that_breaks_down_is_a_fault_and_not_the_end() {
     let project = Project::new("panic");
     let bad = SETTINGS.replace("[halved]\nstep = 1", "[halved]\nstep = 14");
-    assert_eq!(project.run(&bad), tally(2, 0, 1, 0));
+    assert_eq!(project.run(&bad), summary(2, 0, 1, 0));
 }
 
 #[test]
 fn a_missing_recording_fails_its_stage_and_skips_its_readers() {
     let project = Project::new("missing");
     fs::remove_file(project.0.join("data/raw/fish/cad/body.stl")).unwrap();
-    assert_eq!(project.run(SETTINGS), tally(1, 0, 1, 1));
+    assert_eq!(project.run(SETTINGS), summary(1, 0, 1, 1));
 }
 
 #[test]
@@ -128,41 +128,41 @@ fn two_runs_at_once_are_kept_apart() {
     project.run(SETTINGS);
     let lock = fs::File::open(project.0.join("data/processed/.lock")).unwrap();
     lock.lock().unwrap();
-    let fault = project.runner(SETTINGS).run(&Goal::default(), false).unwrap_err();
-    assert!(fault.what.contains("another run is at work"), "{fault}");
+    let diagnostic = study::run(&project.runner(SETTINGS), &Goal::default(), false).unwrap_err();
+    assert!(diagnostic.what.contains("another run is at work"), "{diagnostic}");
 }
 
 #[test]
 fn fresh_makes_the_named_stage_again_and_only_that() {
     let project = Project::new("fresh");
     project.run(SETTINGS);
-    let goal = Goal { entries: vec!["halved".into()], specimen: None };
-    assert_eq!(project.runner(SETTINGS).run(&goal, true).unwrap(), tally(1, 1, 0, 0));
+    let goal = Goal { entries: vec!["halved".into()], group: None };
+    assert_eq!(study::run(&project.runner(SETTINGS), &goal, true).unwrap(), summary(1, 1, 0, 0));
 }
 
 #[test]
 fn an_unknown_goal_is_refused_with_what_there_is() {
     let project = Project::new("goal");
-    let goal = Goal { entries: vec!["halfed".into()], specimen: None };
-    let fault = project.runner(SETTINGS).plan(&goal).unwrap_err();
-    assert!(fault.what.contains("letters, halved, alone"), "{fault}");
+    let goal = Goal { entries: vec!["halfed".into()], group: None };
+    let diagnostic = project.runner(SETTINGS).plan(&goal).unwrap_err();
+    assert!(diagnostic.action.contains("letters, halved, alone"), "{diagnostic}");
 }
 
 #[test]
 fn without_leave_to_keep_going_a_fault_ends_the_run_and_what_was_made_is_kept() {
     let project = Project::new("stopping");
     let mut runner = project.runner(&SETTINGS.replace("[letters]\nstep = 1", "[letters]\nstep = 0"));
-    (runner.keep_going, runner.jobs) = (false, 1);
-    assert_eq!(runner.run(&Goal::default(), false).unwrap(), tally(0, 0, 1, 2));
-    assert_eq!(project.run(SETTINGS), tally(3, 0, 0, 0));
+    (runner.options.keep_going, runner.options.jobs) = (false, 1);
+    assert_eq!(study::run(&runner, &Goal::default(), false).unwrap(), summary(0, 0, 1, 2));
+    assert_eq!(project.run(SETTINGS), summary(3, 0, 0, 0));
 }
 
 #[test]
 fn a_machine_without_room_makes_one_record_after_the_other() {
     let project = Project::new("room");
     let mut runner = project.runner(SETTINGS);
-    runner.spare = f64::INFINITY;
-    assert_eq!(runner.run(&Goal::default(), false).unwrap(), tally(3, 0, 0, 0));
+    runner.options.min_free_memory = f64::INFINITY;
+    assert_eq!(study::run(&runner, &Goal::default(), false).unwrap(), summary(3, 0, 0, 0));
 }
 
 #[test]
@@ -171,7 +171,7 @@ fn a_changed_comment_makes_nothing_stale() {
     project.run(SETTINGS);
     let card = project.0.join("data/raw/fish/specimen.toml");
     fs::write(&card, format!("# said otherwise\n{}", tests::CARD)).unwrap();
-    assert_eq!(project.run(&format!("# said otherwise\n{SETTINGS}")), tally(0, 3, 0, 0));
+    assert_eq!(project.run(&format!("# said otherwise\n{SETTINGS}")), summary(0, 3, 0, 0));
 }
 
 #[test]
@@ -182,7 +182,7 @@ fn a_file_of_the_same_length_with_other_bytes_is_seen_even_when_its_date_is_set_
     let date = fs::metadata(&body).unwrap().modified().unwrap();
     fs::write(&body, "12 other byt").unwrap();
     fs::File::options().append(true).open(&body).unwrap().set_modified(date).unwrap();
-    assert_eq!(project.run(SETTINGS), tally(1, 2, 0, 0));
+    assert_eq!(project.run(SETTINGS), summary(1, 2, 0, 0));
 }
 
 #[test]
@@ -191,7 +191,7 @@ fn a_renamed_product_is_made_again_under_its_name() {
     project.run(SETTINGS);
     let record = project.record("halved");
     fs::rename(&record, record.with_file_name("elsewhere")).unwrap();
-    assert_eq!(project.run(SETTINGS), tally(1, 2, 0, 0));
+    assert_eq!(project.run(SETTINGS), summary(1, 2, 0, 0));
     assert!(record.join("count.json").exists());
 }
 

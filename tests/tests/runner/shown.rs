@@ -1,12 +1,10 @@
 //! What a study shows of itself: the tree and the drawing of its stages, and its description for archives.
-//!
-//! Stands on: the small study. Never knows: how a record is made.
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use study::runner::Goal;
+use workflow::runner::Goal;
 
 use crate::small::{Project, SETTINGS};
 
@@ -32,7 +30,7 @@ fn the_tree_hangs_each_stage_under_what_it_reads_and_says_what_would_be_made() {
 #[test]
 fn the_drawing_names_every_stage() {
     let project = Project::new("drawing");
-    let svg = project.runner(SETTINGS).drawing(&Goal::default()).unwrap();
+    let svg = study::plan_svg(&project.runner(SETTINGS), &Goal::default()).unwrap();
     assert!(
         svg.starts_with("<svg") && ["letters", "halved", "alone", "1 to make"].iter().all(|word| svg.contains(word))
     );
@@ -53,5 +51,5 @@ fn the_description_for_archives_names_each_record_its_ingredients_and_its_maker(
         (&"#halved".into(), &"#record/letters/fish".into())
     );
     assert_eq!(named("#made/letters/fish")["object"][0]["@id"], "#recording/fish/cad/body.stl");
-    assert!(named("#letters")["softwareVersion"].as_str().unwrap().ends_with("edition 1"));
+    assert!(named("#letters")["softwareVersion"].as_str().unwrap().ends_with("version 1"));
 }

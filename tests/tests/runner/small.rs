@@ -1,19 +1,17 @@
 //! A study of three small stages in a project of its own: text becomes its length, a length its half, nothing a number.
-//!
-//! Stands on: `study`. Never knows: what is tried with it.
 
 use std::fs;
 use std::path::PathBuf;
 
+use diagnostics::{Diagnostic, Result};
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
-use study::entry::{Entry, stage};
-use study::fault::{Fault, Outcome};
-use study::record::{Parcel, Record, RecordError};
-use study::runner::{Folders, Goal, Runner, Tally};
-use study::settings::{Profile, Settings};
-use study::stage::{Desk, RawFile, Stage};
 use study::subject::{Specimen, Study};
+use workflow::entry::{Entry, stage};
+use workflow::record::{Record, RecordError, RecordFiles};
+use workflow::runner::{Folders, Goal, Options, RunSummary, Runner};
+use workflow::settings::{Profile, Schema, Settings};
+use workflow::stage::{RawFile, Stage, StageContext};
+use workflow::subject::Part;
 
 #[derive(Serialize, Deserialize)]
 struct Count(usize);
@@ -24,11 +22,11 @@ macro_rules! count_record {
         impl Record for $record {
             type Of = Specimen;
             const STAGE: &'static str = $stage;
-            fn pack(&self) -> Result<Parcel, RecordError> {
-                Parcel::default().scalars("count.json", &Count(self.0))
+            fn pack(&self) -> Result<RecordFiles, RecordError> {
+                RecordFiles::default().scalars("count.json", &Count(self.0))
             }
-            fn unpack(parcel: &Parcel) -> Result<Self, RecordError> {
-                Ok(Self(parcel.read_scalars::<Count>("count.json")?.0))
+            fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+                Ok(Self(files.read_scalars::<Count>("count.json")?.0))
             }
         }
     };
@@ -44,34 +42,44 @@ struct Step {
     step: usize,
 }
 
+#[derive(Serialize)]
+struct Length {
+    length: f64,
+}
+
+impl Part<Specimen> for Length {
+    fn part_of(of: &Specimen) -> Self {
+        Self { length: of.card.length }
+    }
+}
+
 struct CountLetters;
 impl Stage for CountLetters {
     type Settings = Step;
+    type Card = Length;
     type Needs = ();
     type Makes = Letters;
-    const STORY: &'static str = "text becomes its length";
-    const EDITION: u32 = 1;
+    const DESCRIPTION: &'static str = "text becomes its length";
+    const VERSION: u32 = 1;
     fn raw(of: &Specimen) -> Vec<RawFile> {
         vec![RawFile::new("text", &of.card.name, "cad/body.stl")]
     }
-    fn card(of: &Specimen) -> Value {
-        json!({ "length": of.card.length })
-    }
-    fn run(_: &Specimen, set: &Step, (): (), desk: &dyn Desk) -> Outcome<Letters> {
-        Ok(Letters(desk.bytes("text")?.len() / set.step))
+    fn run(_: &Length, set: &Step, (): (), context: &dyn StageContext) -> Result<Letters> {
+        Ok(Letters(context.bytes("text")?.len() / set.step))
     }
 }
 
 struct Halve;
 impl Stage for Halve {
     type Settings = Step;
+    type Card = ();
     type Needs = Letters;
     type Makes = Halved;
-    const STORY: &'static str = "a length becomes its half";
-    const EDITION: u32 = 1;
-    fn run(_: &Specimen, set: &Step, letters: Letters, _: &dyn Desk) -> Outcome<Halved> {
+    const DESCRIPTION: &'static str = "a length becomes its half";
+    const VERSION: u32 = 1;
+    fn run((): &(), set: &Step, letters: Letters, _: &dyn StageContext) -> Result<Halved> {
         match set.step {
-            13 => Err(Fault::new("thirteen is not a step", "it brings bad luck", "choose another")),
+            13 => Err(Diagnostic::new("thirteen is not a step", "it brings bad luck", "choose another")),
             14 => panic!("fourteen breaks an assertion"),
             step => Ok(Halved(letters.0 / (2 * step))),
         }
@@ -81,18 +89,21 @@ impl Stage for Halve {
 struct StandAlone;
 impl Stage for StandAlone {
     type Settings = Step;
+    type Card = ();
     type Needs = ();
     type Makes = Alone;
-    const STORY: &'static str = "nothing becomes a number";
-    const EDITION: u32 = 1;
-    fn run(_: &Specimen, set: &Step, (): (), _: &dyn Desk) -> Outcome<Alone> {
+    const DESCRIPTION: &'static str = "nothing becomes a number";
+    const VERSION: u32 = 1;
+    fn run((): &(), set: &Step, (): (), _: &dyn StageContext) -> Result<Alone> {
         Ok(Alone(set.step))
     }
 }
 
-const STAGES: &[Entry] = &[stage::<CountLetters>(), stage::<Halve>(), stage::<StandAlone>()];
-const LISTS: &[&[Entry]] = &[STAGES];
+const STAGES: &[Entry<Study>] = &[stage::<CountLetters>(), stage::<Halve>(), stage::<StandAlone>()];
+const LISTS: &[&[Entry<Study>]] = &[STAGES];
 pub const SETTINGS: &str = "[letters]\nstep = 1\n[halved]\nstep = 1\n[alone]\nstep = 1\n";
+
+const SCHEMA: Schema = Schema { sections: &["letters", "halved", "alone"], renamed: &[] };
 
 /// A project of its own for each test, removed at the end.
 pub struct Project(pub PathBuf);
@@ -107,23 +118,20 @@ impl Project {
         Self(root)
     }
 
-    pub fn runner(&self, settings: &str) -> Runner {
+    pub fn runner(&self, settings: &str) -> Runner<Study> {
         let card = lab::card::read(&self.0.join("data/raw/fish/specimen.toml")).unwrap();
         Runner {
             lists: LISTS,
-            study: Study { specimens: vec![Specimen { card: card.into() }] },
-            settings: Settings::read(settings, Profile::Paper, &["letters", "halved", "alone"]).unwrap(),
+            universe: Study { specimens: vec![Specimen { card: card.into() }] },
+            settings: Settings::read(settings, Profile::Paper, SCHEMA).unwrap(),
             profile: Profile::Paper,
             folders: Folders::new(&self.0, Profile::Paper),
-            quiet: true,
-            jobs: 2,
-            keep_going: true,
-            spare: 0.0,
+            options: Options { quiet: true, jobs: 2, keep_going: true, min_free_memory: 0.0 },
         }
     }
 
-    pub fn run(&self, settings: &str) -> Tally {
-        self.runner(settings).run(&Goal::default(), false).unwrap()
+    pub fn run(&self, settings: &str) -> RunSummary {
+        study::run(&self.runner(settings), &Goal::default(), false).unwrap()
     }
 
     pub fn plan(&self, settings: &str) -> String {
@@ -141,6 +149,6 @@ impl Drop for Project {
     }
 }
 
-pub fn tally(made: usize, kept: usize, failed: usize, skipped: usize) -> Tally {
-    Tally { made, kept, failed, skipped }
+pub fn summary(made: usize, kept: usize, failed: usize, skipped: usize) -> RunSummary {
+    RunSummary { made, kept, failed, skipped }
 }

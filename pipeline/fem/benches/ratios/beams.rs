@@ -1,9 +1,7 @@
 //! Two hollow beams with ribs, chambers on both sides and a stiff sheet in the middle plane; their upper halves.
-//!
-//! Stands on: `fem`. Never knows: what is timed.
 
 use crate::Outcome;
-use fem::{Clamps, Mesh, RegionProperties, System, boxes, materials};
+use fem::{Clamps, Mesh, RegionProperties, System, box_mesh, materials};
 
 /// Boundaries of the long beam's layers across, m: wall, chamber, silicone, sheet, silicone, chamber, wall.
 const ACROSS: [f64; 10] = [-0.010, -0.008, -0.0045, -0.001, -0.00025, 0.00025, 0.001, 0.0045, 0.008, 0.010];
@@ -24,7 +22,7 @@ pub fn slender(cells: usize) -> Mesh {
         [0.010 * pitch + inside, ACROSS[(9.0 * at[1]).round() as usize], UP[(5.0 * at[2]).round() as usize]]
     };
     let region = move |cell: [usize; 3]| if air(cell) { None } else { Some(u16::from(cell[1] == 4)) };
-    boxes::grid([along, 9, 5], true, place, region)
+    box_mesh::grid([along, 9, 5], true, place, region)
 }
 
 /// Boundaries of the fine beam's layers across and upwards from the middle, m.
@@ -50,7 +48,7 @@ pub fn fine() -> Mesh {
         [CELL * along as f64 * at[0], FINE_ACROSS[y], FINE_UP[z]]
     };
     let region = move |cell: [usize; 3]| if air(cell) { None } else { Some(u16::from(cell[1] == 7)) };
-    boxes::grid([along, 15, 9], true, place, region)
+    box_mesh::grid([along, 15, 9], true, place, region)
 }
 
 /// A beam of silicone with a sheet `ratio` times as stiff, clamped at its end.

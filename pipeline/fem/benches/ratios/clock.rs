@@ -1,14 +1,12 @@
-//! Seconds and ratios: how they are taken and printed.
-//!
-//! Stands on: nothing. Never knows: what is timed.
+//! Timing and printing of seconds and ratios.
 
 use crate::Outcome;
 use std::time::Instant;
 
-/// Seconds that this thread has run, from the kernel where it tells, else from the wall clock.
+/// Seconds that this thread has run, from the kernel where available, else from the wall clock.
 fn cpu(start: Instant) -> f64 {
-    let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
-    let nanoseconds = told.and_then(|line| line.split(' ').next().and_then(|word| word.parse::<f64>().ok()));
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
+    let nanoseconds = text.and_then(|line| line.split(' ').next().and_then(|word| word.parse::<f64>().ok()));
     nanoseconds.map_or_else(|| start.elapsed().as_secs_f64(), |ns| 1e-9 * ns)
 }
 

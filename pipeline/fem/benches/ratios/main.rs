@@ -1,17 +1,15 @@
 //! What a solve costs, in CPU seconds and as ratios taken in one run, on hollow beams with ribs and a stiff sheet.
 //!
 //! `just bench` runs it; `-- --long` behind its command takes a motion of 2000 steps and its gradient instead, some ten minutes.
-//!
-//! Stands on: `fem` as its users see it, `faer`. Never knows: a specimen.
 
 mod beams;
 mod clock;
+mod iteration;
 mod linear;
-mod parts;
 mod projective;
 mod quadratic;
 
-use fem::boxes;
+use fem::box_mesh;
 
 type Outcome<T> = Result<T, Box<dyn std::error::Error>>;
 
@@ -22,12 +20,12 @@ fn main() -> Outcome<()> {
     if std::env::args().any(|word| word == "--long") {
         return linear::long_motion();
     }
-    let system = beams::system(boxes::with_middles(&beams::slender(5)), 12500.0)?;
+    let system = beams::system(box_mesh::to_quadratic(&beams::slender(5)), 12500.0)?;
     println!("10-node hollow beam: {system:?}");
-    parts::iteration(&system)?;
+    iteration::iteration(&system)?;
     quadratic::solves(&system)?;
     quadratic::two_cores(&system)?;
     quadratic::memory_of_another()?;
     linear::as_diffpd()?;
-    projective::beside_newton()
+    projective::against_newton()
 }

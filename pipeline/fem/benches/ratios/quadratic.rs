@@ -1,14 +1,12 @@
 //! Whole equilibria with 10-node elements: cold, warm, with their gradient, on both cores.
-//!
-//! Stands on: `fem`. Never knows: how a solve is made.
 
 use crate::Outcome;
 use crate::beams::{slender, system};
 use crate::clock::{say, timed};
-use fem::{Equilibrium, StaticSettings, System, boxes};
+use fem::{Equilibrium, StaticSettings, System, box_mesh};
 use std::time::Instant;
 
-/// Cold and warm solves, and the gradient, and the same tetrahedra without middle nodes.
+/// Cold and warm solves, and the gradient, and the same tetrahedra without mid-edge nodes.
 pub fn solves(system: &System) -> Outcome<()> {
     let set = StaticSettings::default();
     let mut solver = system.solver();
@@ -55,24 +53,24 @@ pub fn two_cores(system: &System) -> Outcome<()> {
     Ok(())
 }
 
-/// Prints the peak memory of another process that solves about 150 thousand freedoms.
+/// Prints the peak memory of another process that solves about 150 thousand dofs.
 pub fn memory_of_another() -> Outcome<()> {
-    let told = std::process::Command::new(std::env::current_exe()?).arg("--memory").output()?;
-    print!("{}", String::from_utf8_lossy(&told.stdout));
+    let output = std::process::Command::new(std::env::current_exe()?).arg("--memory").output()?;
+    print!("{}", String::from_utf8_lossy(&output.stdout));
     Ok(())
 }
 
-/// Solves about 150 thousand freedoms, and prints the peak memory of this process.
+/// Solves about 150 thousand dofs, and prints the peak memory of this process.
 pub fn memory() -> Outcome<()> {
-    let system = system(boxes::with_middles(&slender(17)), 12500.0)?;
+    let system = system(box_mesh::to_quadratic(&slender(17)), 12500.0)?;
     let set = StaticSettings { load_steps: 1, ..StaticSettings::default() };
     let (time, at) = timed(1, || Ok(system.solver().equilibrium(&[0.0, 5e3], None, &set)?))?;
     let peak = peak_memory();
-    println!("{} freedoms, {}: {time:.1} s, peak memory {peak}", system.freedoms(), counted("50 mbar", &at));
+    println!("{} dofs, {}: {time:.1} s, peak memory {peak}", system.dofs(), counted("50 mbar", &at));
     Ok(())
 }
 
-/// The most memory that this process has had, as the kernel tells it.
+/// The most memory that this process has had, as reported by the kernel.
 pub fn peak_memory() -> String {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     status.lines().find_map(|line| line.strip_prefix("VmHWM:")).map_or("unknown", str::trim).to_owned()

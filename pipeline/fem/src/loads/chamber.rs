@@ -1,16 +1,14 @@
-//! Chamber pressure: a follower load that stays normal to the wall however far it bends.
+//! Chamber pressure: a follower load that stays normal to the deformed wall.
 //!
 //! W = −V(u), so that strength p gives −p V. The volume of the cavity is V = −⅓ ∮ x · n dA over its wall, whose normals
 //! n point out of the solid. On a triangle x · n dA = x · (x_ξ × x_η) dξ dη, a polynomial of the node positions that
-//! the quadrature integrates exactly: the Hessian summed here is symmetric by construction.
+//! the quadrature integrates exactly.
 //!
 //! In a half model the wall ends on z = 0. The missing lid lies in that plane with the origin, so x · n = 0 on it.
-//!
-//! Stands on: `load`, `elements`, `quadrature`. Never knows: a material, what the pressure is.
 
-use crate::body::elements::triangle;
-use crate::body::quadrature::{triangle_1, triangle_7};
-use crate::load::Load;
+use crate::assembly::quadrature::{triangle_1, triangle_7};
+use crate::assembly::shape_functions::triangle;
+use crate::loads::Load;
 use crate::mesh::{Chamber, Faces, Mesh};
 use nalgebra::{Matrix3, Vector3};
 use si::{CubicMetre, Point2};
@@ -21,11 +19,11 @@ pub(crate) struct ChamberPressure {
     /// Volume of the cavity at rest, m³; of a half model, of the half.
     pub at_rest: CubicMetre,
     faces: Faces,
-    /// Rest positions relative to a point inside, 3 a node of the mesh; only the wall's are used.
-    places: Vec<(u32, Vector3<f64>)>,
-    /// Face corner → its place in `places`.
+    /// Node numbers of the wall and their rest positions relative to a point inside.
+    positions: Vec<(u32, Vector3<f64>)>,
+    /// Face node → its index in `positions`.
     local: Vec<u32>,
-    rule: Vec<(Vec<(f64, Point2)>, f64)>,
+    quadrature: Vec<(Vec<(f64, Point2)>, f64)>,
 }
 
 impl ChamberPressure {
@@ -42,13 +40,13 @@ impl ChamberPressure {
             centre.z = 0.0;
         }
         let local = corners.iter().map(|node| nodes.partition_point(|other| other < node) as u32).collect();
-        let places = nodes.iter().map(|node| (*node, at(node) - centre)).collect();
+        let positions = nodes.iter().map(|node| (*node, at(node) - centre)).collect();
         let (count, points) = match faces {
             Faces::Linear(_) => (3, triangle_1()),
             Faces::Quadratic(_) => (6, triangle_7()),
         };
-        let rule = points.into_iter().map(|(at, weight)| (triangle(count, at), weight)).collect();
-        let mut chamber = Self { at_rest: 0.0, faces, places, local, rule };
+        let quadrature = points.into_iter().map(|(at, weight)| (triangle(count, at), weight)).collect();
+        let mut chamber = Self { at_rest: 0.0, faces, positions, local, quadrature };
         chamber.at_rest = chamber.volume(&vec![0.0; 3 * mesh.nodes.len()]);
         chamber
     }
@@ -56,29 +54,31 @@ impl ChamberPressure {
     /// Volume of the cavity at displacement `u`, m³; of a half model, of the half.
     pub fn volume(&self, u: &[f64]) -> CubicMetre {
         let mut volume = 0.0;
-        self.each_point(u, |_, _, weight, [x, by_xi, by_eta]| {
+        self.for_each_point(u, |_, _, weight, [x, by_xi, by_eta]| {
             volume -= weight / 3.0 * x.dot(&by_xi.cross(&by_eta));
         });
         volume
     }
 
-    /// Visits every quadrature point: node numbers, shape functions, weight, and (x, ∂x/∂ξ, ∂x/∂η).
-    fn each_point(&self, u: &[f64], mut visit: impl FnMut(&[u32], &[(f64, Point2)], f64, [Vector3<f64>; 3])) {
+    /// Calls `visit` at every quadrature point: node numbers, shape functions, weight, and (x, ∂x/∂ξ, ∂x/∂η).
+    fn for_each_point(&self, u: &[f64], mut visit: impl FnMut(&[u32], &[(f64, Point2)], f64, [Vector3<f64>; 3])) {
         let now: Vec<Vector3<f64>> = self
-            .places
+            .positions
             .iter()
-            .map(|(node, place)| place + Vector3::from_column_slice(&u[3 * *node as usize..3 * *node as usize + 3]))
+            .map(|(node, position)| {
+                position + Vector3::from_column_slice(&u[3 * *node as usize..3 * *node as usize + 3])
+            })
             .collect();
         for face in 0..self.faces.len() {
             let nodes = self.faces.nodes(face);
             let local = &self.local[face * nodes.len()..(face + 1) * nodes.len()];
-            for (shape, weight) in &self.rule {
+            for (shape, weight) in &self.quadrature {
                 let mut frame = [Vector3::zeros(); 3];
-                for ((value, slope), &place) in shape.iter().zip(local) {
-                    let x = now[place as usize];
+                for ((value, derivative), &at) in shape.iter().zip(local) {
+                    let x = now[at as usize];
                     frame[0] += x * *value;
-                    frame[1] += x * slope[0];
-                    frame[2] += x * slope[1];
+                    frame[1] += x * derivative[0];
+                    frame[2] += x * derivative[1];
                 }
                 visit(nodes, shape, *weight, frame);
             }
@@ -93,34 +93,37 @@ impl Load for ChamberPressure {
 
     /// ∂V/∂x_a = −⅓ ∮ N_a (x_ξ × x_η) + N_a,ξ (x_η × x) + N_a,η (x × x_ξ)
     fn add_gradient(&self, u: &[f64], strength: f64, gradient: &mut [f64]) {
-        self.each_point(u, |nodes, shape, weight, [x, by_xi, by_eta]| {
+        self.for_each_point(u, |nodes, shape, weight, [x, by_xi, by_eta]| {
             let (normal, over_xi, over_eta) = (by_xi.cross(&by_eta), by_eta.cross(&x), x.cross(&by_xi));
-            for (&node, (value, slope)) in nodes.iter().zip(shape) {
-                let push = (normal * *value + over_xi * slope[0] + over_eta * slope[1]) * (strength * weight / 3.0);
-                (0..3).for_each(|axis| gradient[3 * node as usize + axis] += push[axis]);
+            for (&node, (value, derivative)) in nodes.iter().zip(shape) {
+                let force =
+                    (normal * *value + over_xi * derivative[0] + over_eta * derivative[1]) * (strength * weight / 3.0);
+                (0..3).for_each(|axis| gradient[3 * node as usize + axis] += force[axis]);
             }
         });
     }
 
+    // The Hessian of the volume is assembled, not the derivative of face forces: summed over a closed surface it is
+    // symmetric by construction (to 1e-15), so that one Cholesky factor serves Newton and the adjoint.
     /// ∂²V/∂x_a∂x_b = [w_ab]×,
     /// w_ab = −⅓ ∮ (N_a,ξ N_b − N_a N_b,ξ) x_η + (N_a N_b,η − N_a,η N_b) x_ξ + (N_a,η N_b,ξ − N_a,ξ N_b,η) x
     fn add_hessian(&self, u: &[f64], strength: f64, add: &mut dyn FnMut(u32, u32, &Matrix3<f64>)) {
         let mut axes = [Vector3::zeros(); 15];
         let mut visited = 0;
-        self.each_point(u, |nodes, shape, weight, [x, by_xi, by_eta]| {
+        self.for_each_point(u, |nodes, shape, weight, [x, by_xi, by_eta]| {
             let mut pair = 0;
             for (a, (na, da)) in shape.iter().enumerate() {
                 for (nb, db) in &shape[..a] {
-                    let turn = by_eta * (da[0] * nb - na * db[0])
+                    let axis = by_eta * (da[0] * nb - na * db[0])
                         + by_xi * (na * db[1] - da[1] * nb)
                         + x * (da[1] * db[0] - da[0] * db[1]);
-                    axes[pair] += turn * (strength * weight / 3.0);
+                    axes[pair] += axis * (strength * weight / 3.0);
                     pair += 1;
                 }
             }
             visited += 1;
-            if visited == self.rule.len() {
-                hand_over(nodes, &axes, add);
+            if visited == self.quadrature.len() {
+                add_blocks(nodes, &axes, add);
                 (axes, visited) = ([Vector3::zeros(); 15], 0);
             }
         });
@@ -128,7 +131,7 @@ impl Load for ChamberPressure {
 }
 
 /// The blocks [w_ab]× of one face, a > b.
-fn hand_over(nodes: &[u32], axes: &[Vector3<f64>; 15], add: &mut dyn FnMut(u32, u32, &Matrix3<f64>)) {
+fn add_blocks(nodes: &[u32], axes: &[Vector3<f64>; 15], add: &mut dyn FnMut(u32, u32, &Matrix3<f64>)) {
     let mut pair = 0;
     for (a, &node) in nodes.iter().enumerate() {
         for &other in &nodes[..a] {

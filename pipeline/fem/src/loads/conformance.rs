@@ -1,10 +1,8 @@
-//! What every load must satisfy, and what a chamber's volume must be.
-//!
-//! Stands on: the contract, `boxes`. Never knows: a material.
+//! Properties that every load must have, and closed forms for the volume of a chamber.
 
 use super::{ChamberPressure, DeadForces};
-use crate::boxes;
-use crate::load::Load;
+use crate::loads::Load;
+use crate::mesh::box_mesh;
 use crate::mesh::{Faces, Mesh};
 use nalgebra::Matrix3;
 use std::f64::consts::PI;
@@ -25,12 +23,12 @@ fn ball(quadratic: bool, half: bool) -> Mesh {
         let cube = [4.0 * at[0] - 2.0, 4.0 * at[1] - 2.0, if half { 2.0 * at[2] } else { 4.0 * at[2] - 2.0 }];
         round(cube).map(|x| RADIUS * x)
     };
-    let mesh = boxes::grid([CELLS, CELLS, layers], half, place, |cell| (!air(cell)).then_some(0));
+    let mesh = box_mesh::grid([CELLS, CELLS, layers], half, place, |cell| (!air(cell)).then_some(0));
     if !quadratic {
         return mesh;
     }
-    let mut mesh = boxes::with_middles(&mesh);
-    let Faces::Quadratic(faces) = &mesh.chambers[0].faces else { unreachable!("middles were made") };
+    let mut mesh = box_mesh::to_quadratic(&mesh);
+    let Faces::Quadratic(faces) = &mesh.chambers[0].faces else { unreachable!("the mesh is quadratic") };
     for node in faces.iter().flatten() {
         let at = mesh.nodes[*node as usize];
         let size = at.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -39,14 +37,14 @@ fn ball(quadratic: bool, half: bool) -> Mesh {
     mesh
 }
 
-/// Moves every point of a cube's shell onto the sphere of the shell's half width.
+/// Maps every point of a cube's surface onto the sphere of half its width.
 fn round(at: [f64; 3]) -> [f64; 3] {
     let most = at.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     let size = at.iter().map(|x| x * x).sum::<f64>().sqrt();
     at.map(|x| if size > 0.0 { x * most / size } else { 0.0 })
 }
 
-/// A wavy displacement, a fifth of the radius high, that leaves the plane z = 0 in itself.
+/// A wavy displacement, a fifth of the radius high, that maps the plane z = 0 to itself.
 fn wave(mesh: &Mesh) -> Vec<f64> {
     let bend = |x: f64, phase: f64| 0.2 * RADIUS * (x / RADIUS + phase).sin();
     mesh.nodes.iter().flat_map(|at| [bend(at[1], 0.3), bend(at[0] + at[2], 1.0), 0.7 * bend(at[2], 0.0)]).collect()
@@ -111,7 +109,7 @@ fn the_hessian_of_every_load_is_the_difference_of_its_gradient() {
 }
 
 #[test]
-fn a_curved_cavity_has_the_volume_of_the_ball_that_it_stands_for() {
+fn a_curved_cavity_has_the_volume_of_its_ball() {
     let mesh = ball(true, false);
     let volume = ChamberPressure::new(&mesh, &mesh.chambers[0]).volume(&vec![0.0; 3 * mesh.nodes.len()]);
     let exact = 4.0 / 3.0 * PI * RADIUS.powi(3);
@@ -135,24 +133,24 @@ fn mirrored(half: &Mesh, u: &[f64]) -> (Mesh, Vec<f64>) {
     let of = |nodes: &[u32]| -> Vec<u32> { nodes.iter().map(|&node| image[node as usize]).collect() };
     whole.chambers[0].faces = match &half.chambers[0].faces {
         Faces::Linear(faces) => {
-            let turned = faces.iter().map(|face| [0, 2, 1].map(|n| of(face)[n]));
-            Faces::Linear(faces.iter().copied().chain(turned).collect())
+            let reversed = faces.iter().map(|face| [0, 2, 1].map(|n| of(face)[n]));
+            Faces::Linear(faces.iter().copied().chain(reversed).collect())
         }
         Faces::Quadratic(faces) => {
-            let turned = faces.iter().map(|face| [0, 2, 1, 5, 4, 3].map(|n| of(face)[n]));
-            Faces::Quadratic(faces.iter().copied().chain(turned).collect())
+            let reversed = faces.iter().map(|face| [0, 2, 1, 5, 4, 3].map(|n| of(face)[n]));
+            Faces::Quadratic(faces.iter().copied().chain(reversed).collect())
         }
     };
     (whole, moved)
 }
 
 #[test]
-fn half_a_model_has_exactly_half_the_volume_also_when_it_is_bent() {
+fn a_half_model_has_half_the_volume_at_rest_and_deformed() {
     for quadratic in [false, true] {
         let half = ball(quadratic, true);
         let u = wave(&half);
         let (whole, moved) = mirrored(&half, &u);
-        crate::checks::closed(&whole, 0, &whole.chambers[0]).unwrap();
+        crate::validation::closed(&whole, 0, &whole.chambers[0]).unwrap();
         let part = ChamberPressure::new(&half, &half.chambers[0]).volume(&u);
         let all = ChamberPressure::new(&whole, &whole.chambers[0]).volume(&moved);
         assert!((2.0 * part / all - 1.0).abs() < 1e-13, "{part} {all}");
@@ -160,12 +158,12 @@ fn half_a_model_has_exactly_half_the_volume_also_when_it_is_bent() {
 }
 
 #[test]
-fn pressure_in_a_closed_chamber_pushes_the_body_nowhere() {
+fn pressure_in_a_closed_chamber_has_no_resultant() {
     let mesh = ball(true, false);
-    let mut push = vec![0.0; 3 * mesh.nodes.len()];
-    ChamberPressure::new(&mesh, &mesh.chambers[0]).add_gradient(&wave(&mesh), 1.0, &mut push);
+    let mut force = vec![0.0; 3 * mesh.nodes.len()];
+    ChamberPressure::new(&mesh, &mesh.chambers[0]).add_gradient(&wave(&mesh), 1.0, &mut force);
     for axis in 0..3 {
-        let sum: f64 = push.iter().skip(axis).step_by(3).sum();
+        let sum: f64 = force.iter().skip(axis).step_by(3).sum();
         assert!(sum.abs() < 1e-15 * RADIUS);
     }
 }

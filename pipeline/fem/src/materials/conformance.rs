@@ -1,6 +1,4 @@
-//! What every law must satisfy, walked over `ALL`.
-//!
-//! Stands on: the contract. Never knows: which law it is looking at.
+//! Properties that every law must have, tested on each law of `ALL`.
 
 use super::{ALL, by_name};
 use crate::material::{Lame, Material};
@@ -9,12 +7,12 @@ use nalgebra::{Matrix3, Rotation3, SMatrix, Vector3};
 const E: f64 = 2.3e5;
 const NU: f64 = 0.42;
 
-/// Three states: a small strain, a bent one, a far one with a turn; written out, so that they never change.
+/// Three states: a small strain, a large one, and a large one with a rotation; written out, so that they never change.
 fn states() -> [Matrix3<f64>; 3] {
     let small = Matrix3::new(0.01, 0.02, -0.01, 0.0, -0.03, 0.02, 0.015, 0.01, 0.02);
     let large = Matrix3::new(0.3, 0.2, -0.1, 0.1, -0.25, 0.2, 0.15, 0.1, 0.2);
-    let turn = Rotation3::from_scaled_axis(Vector3::new(0.7, -0.4, 1.2)).into_inner();
-    [Matrix3::identity() + small, Matrix3::identity() + large, turn * (Matrix3::identity() + large.transpose())]
+    let rotation = Rotation3::from_scaled_axis(Vector3::new(0.7, -0.4, 1.2)).into_inner();
+    [Matrix3::identity() + small, Matrix3::identity() + large, rotation * (Matrix3::identity() + large.transpose())]
 }
 
 fn each(check: impl Fn(&dyn Material, Matrix3<f64>)) {
@@ -24,7 +22,7 @@ fn each(check: impl Fn(&dyn Material, Matrix3<f64>)) {
 }
 
 /// Central difference of `value` along entry (i, j) of `at`; step 1e-6, so about 1e-9 relative for smooth laws.
-fn slope<T>(at: Matrix3<f64>, i: usize, j: usize, value: impl Fn(&Matrix3<f64>) -> T) -> T
+fn difference<T>(at: Matrix3<f64>, i: usize, j: usize, value: impl Fn(&Matrix3<f64>) -> T) -> T
 where
     T: std::ops::Sub<Output = T> + std::ops::Mul<f64, Output = T>,
 {
@@ -41,7 +39,7 @@ fn stress_is_the_gradient_of_energy_for_every_material() {
     each(|law, at| {
         let stress = law.stress(&at, lame).1;
         for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
-            let difference = slope(at, i, j, |x| law.stress(x, lame).0);
+            let difference = difference(at, i, j, |x| law.stress(x, lame).0);
             assert!((stress[(i, j)] - difference).abs() < 1e-8 * E, "{}", law.name());
         }
     });
@@ -51,7 +49,7 @@ fn stress_is_the_gradient_of_energy_for_every_material() {
 fn stress_is_linear_in_both_constants_for_every_material() {
     let Lame { mu, lambda } = Lame::of(E, NU);
     each(|law, at| {
-        let [by_mu, by_lambda] = law.stress_slopes(&at);
+        let [by_mu, by_lambda] = law.stress_by_lame(&at);
         let apart = law.stress(&at, Lame { mu, lambda }).1 - (by_mu * mu + by_lambda * lambda);
         assert!(apart.norm() < 1e-12 * E, "{}", law.name());
     });
@@ -63,7 +61,7 @@ fn tangent_is_the_gradient_of_stress_for_every_material() {
     each(|law, at| {
         let tangent = law.response(&at, lame).tangent;
         for (k, l) in (0..3).flat_map(|k| (0..3).map(move |l| (k, l))) {
-            let column = slope(at, k, l, |x| law.stress(x, lame).1);
+            let column = difference(at, k, l, |x| law.stress(x, lame).1);
             let difference = SMatrix::<f64, 9, 1>::from_column_slice(column.as_slice());
             assert!((tangent.column(k + 3 * l) - difference).norm() < 1e-7 * E, "{}", law.name());
         }
@@ -82,26 +80,26 @@ fn response_repeats_energy_and_stress_and_its_tangent_is_symmetric() {
 }
 
 #[test]
-fn a_rigid_turn_costs_no_energy() {
+fn a_rigid_rotation_has_no_energy() {
     let lame = Lame::of(E, NU);
     for law in ALL {
-        let angle = if law.turns_freely() { 1.3 } else { 1e-5 };
-        let turn = Rotation3::from_scaled_axis(Vector3::new(0.6, -0.64, 0.48) * angle).into_inner();
-        let (energy, stress) = law.stress(&turn, lame);
+        let angle = if law.is_objective() { 1.3 } else { 1e-5 };
+        let rotation = Rotation3::from_scaled_axis(Vector3::new(0.6, -0.64, 0.48) * angle).into_inner();
+        let (energy, stress) = law.stress(&rotation, lame);
         assert!(energy.abs() < 1e-12 * E, "{}: {energy}", law.name());
         assert!(stress.norm() < 1e-9 * E, "{}", law.name());
     }
 }
 
 #[test]
-fn a_turn_after_a_stretch_changes_neither_energy_nor_the_size_of_stress() {
+fn a_rotation_after_a_stretch_leaves_the_energy_and_rotates_the_stress() {
     let lame = Lame::of(E, NU);
-    let turn = Rotation3::from_scaled_axis(Vector3::new(0.2, 0.9, -1.4)).into_inner();
-    for law in ALL.iter().filter(|law| law.turns_freely()) {
+    let rotation = Rotation3::from_scaled_axis(Vector3::new(0.2, 0.9, -1.4)).into_inner();
+    for law in ALL.iter().filter(|law| law.is_objective()) {
         for at in states() {
-            let (before, after) = (law.stress(&at, lame), law.stress(&(turn * at), lame));
+            let (before, after) = (law.stress(&at, lame), law.stress(&(rotation * at), lame));
             assert!((before.0 - after.0).abs() < 1e-11 * E, "{}", law.name());
-            assert!((turn * before.1 - after.1).norm() < 1e-10 * E, "{}", law.name());
+            assert!((rotation * before.1 - after.1).norm() < 1e-10 * E, "{}", law.name());
         }
     }
 }
@@ -117,7 +115,7 @@ fn every_material_is_linear_elasticity_at_rest() {
 }
 
 #[test]
-fn stress_at_the_change_of_lames_constants_is_the_derivative_by_both_elastic_constants() {
+fn stress_at_the_derivatives_of_lames_constants_is_the_derivative_by_both_elastic_constants() {
     each(|law, at| {
         let stress = |e, nu| law.stress(&at, Lame::of(e, nu)).1;
         let (step_e, step_nu) = (1e-4 * E, 1e-6);

@@ -1,6 +1,4 @@
 //! Linear elasticity: the small-strain limit of every other law, for tests and closed forms.
-//!
-//! Stands on: `material`. Never knows: a mesh.
 
 use crate::material::{Lame, Material, Response, Tangent};
 use nalgebra::Matrix3;
@@ -15,15 +13,15 @@ impl Material for Linear {
         "linear"
     }
 
-    fn turns_freely(&self) -> bool {
+    fn is_objective(&self) -> bool {
         false
     }
 
     fn stress(&self, F: &Matrix3<f64>, Lame { mu, lambda }: Lame) -> (f64, Matrix3<f64>) {
         let strain = (F + F.transpose()) * 0.5 - Matrix3::identity();
-        let swell = strain.trace();
-        let energy = mu * strain.norm_squared() + 0.5 * lambda * swell * swell;
-        (energy, strain * (2.0 * mu) + Matrix3::identity() * (lambda * swell))
+        let volumetric = strain.trace();
+        let energy = mu * strain.norm_squared() + 0.5 * lambda * volumetric * volumetric;
+        (energy, strain * (2.0 * mu) + Matrix3::identity() * (lambda * volumetric))
     }
 
     fn response(&self, F: &Matrix3<f64>, lame: Lame) -> Response {

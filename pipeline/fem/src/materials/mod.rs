@@ -1,6 +1,4 @@
-//! The family of materials: every law that a card can name.
-//!
-//! Stands on: the contract in `material.rs` and its members. Never knows: which region is made of what.
+//! Constitutive laws, listed in [`ALL`]; the contract is [`Material`].
 
 mod corotated;
 mod linear;
@@ -9,11 +7,11 @@ mod neo_hookean;
 #[cfg(test)]
 mod conformance;
 
-pub(crate) use corotated::turn_of;
+pub(crate) use corotated::polar_rotation;
 
 use crate::material::Material;
 
-/// All laws; the conformance suite walks this list.
+/// All laws. The conformance tests run on each.
 pub const ALL: &[&dyn Material] = &[&corotated::Corotated, &neo_hookean::NeoHookean, &linear::Linear];
 
 /// The law called `name`, as cards write it: `corotated`, `neo_hookean` or `linear`.

@@ -1,6 +1,4 @@
-//! Compressible neo-Hookean rubber: the energy of a network of chains, and a barrier against inversion.
-//!
-//! Stands on: `material`. Never knows: a mesh.
+//! Compressible neo-Hookean law: rubber elasticity with a logarithmic barrier against inversion.
 
 use crate::material::{Lame, Material, Response, Tangent};
 use nalgebra::Matrix3;
@@ -9,9 +7,9 @@ use nalgebra::Matrix3;
 #[derive(Debug)]
 pub(crate) struct NeoHookean;
 
-/// ψ, P, ln J and G = F⁻ᵀ; nothing where J ≤ 0.
+/// ψ, P, ln J and G = F⁻ᵀ; none where J ≤ 0.
 #[allow(non_snake_case)]
-fn parts(F: &Matrix3<f64>, Lame { mu, lambda }: Lame) -> Option<(f64, Matrix3<f64>, f64, Matrix3<f64>)> {
+fn terms(F: &Matrix3<f64>, Lame { mu, lambda }: Lame) -> Option<(f64, Matrix3<f64>, f64, Matrix3<f64>)> {
     let J = F.determinant();
     if J.is_nan() || J <= 0.0 {
         return None;
@@ -29,7 +27,7 @@ impl Material for NeoHookean {
     }
 
     fn stress(&self, F: &Matrix3<f64>, lame: Lame) -> (f64, Matrix3<f64>) {
-        match parts(F, lame) {
+        match terms(F, lame) {
             Some((energy, stress, _, _)) => (energy, stress),
             None => (f64::INFINITY, Matrix3::zeros()),
         }
@@ -37,17 +35,17 @@ impl Material for NeoHookean {
 
     /// ∂P_iJ/∂F_kL = μ δ_ik δ_JL + (μ − λ ln J) G_iL G_kJ + λ G_iJ G_kL
     fn response(&self, F: &Matrix3<f64>, lame: Lame) -> Response {
-        let Some((energy, stress, ln_J, G)) = parts(F, lame) else {
+        let Some((energy, stress, ln_J, G)) = terms(F, lame) else {
             return Response { energy: f64::INFINITY, stress: Matrix3::zeros(), tangent: Tangent::zeros() };
         };
-        let turn = lame.mu - lame.lambda * ln_J;
+        let geometric = lame.mu - lame.lambda * ln_J;
         let mut tangent = Tangent::zeros();
         for L in 0..3 {
             for k in 0..3 {
                 for J in 0..3 {
                     for i in 0..3 {
                         tangent[(i + 3 * J, k + 3 * L)] =
-                            turn * G[(i, L)] * G[(k, J)] + lame.lambda * G[(i, J)] * G[(k, L)];
+                            geometric * G[(i, L)] * G[(k, J)] + lame.lambda * G[(i, J)] * G[(k, L)];
                     }
                 }
             }

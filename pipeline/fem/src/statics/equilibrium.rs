@@ -1,46 +1,45 @@
-//! A shape at rest, and how it is sought.
-//!
-//! Stands on: `si`. Never knows: a solver.
+//! Static equilibria and the settings of their solution.
 
 use si::Pascal;
 
-/// How an equilibrium is sought.
+/// How an equilibrium is solved for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StaticSettings {
-    /// The last step moves no node further than this part of the body's size.
+    /// The last Newton step moves no node further than this fraction of the body's size.
     pub tolerance: f64,
-    /// Steps in which the load is raised from rest, when all goes well.
+    /// Load steps from rest, when none fails.
     pub load_steps: usize,
-    /// Newton directions at most, in each load step.
-    pub iterations: usize,
-    /// How often a load step may be halved before the equilibrium is given up.
-    pub halvings: usize,
-    /// Begin with the factor of the last solve: pays after changes of a few percent.
+    /// Newton iterations at most, in each load step.
+    pub max_iterations: usize,
+    /// Halvings of a load step at most.
+    pub max_halvings: usize,
+    /// Warm start: try PCG preconditioned by the factor of the previous solve first. Pays after changes of a few per
+    /// cent.
     pub reuse_factor: bool,
 }
 
 impl Default for StaticSettings {
     fn default() -> Self {
-        Self { tolerance: 1e-8, load_steps: 3, iterations: 40, halvings: 40, reuse_factor: false }
+        Self { tolerance: 1e-8, load_steps: 3, max_iterations: 40, max_halvings: 40, reuse_factor: false }
     }
 }
 
-/// A shape at rest.
+/// A static equilibrium.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equilibrium {
-    /// 3 a node, m.
+    /// 3 entries per node, m.
     pub displacement: Vec<f64>,
-    /// One a chamber, Pa.
+    /// One per chamber, Pa.
     pub pressures: Vec<Pascal>,
-    /// Newton directions, over all load steps.
+    /// Newton iterations, over all load steps.
     pub iterations: usize,
-    /// Factors made, over all load steps.
+    /// Factorisations, over all load steps.
     pub factorisations: usize,
-    /// Unbalanced force over the load's own force, both as root of the sum of squares; no unit.
+    /// Norm of the unbalanced force over that of the elastic force; no unit.
     pub residual: f64,
-    /// Whether the load was raised in steps from rest.
-    pub stepped: bool,
-    /// Where the body snapped: parts of the load (0 to 1) at which tangents on the way were not positive definite, and
-    /// the shape beyond was found downhill.
-    pub snaps: Vec<f64>,
+    /// Whether the load was applied in steps from rest.
+    pub load_stepped: bool,
+    /// Snap-through: load factors (0 to 1) at which tangents on the way were not positive definite, and the shape
+    /// beyond was found by descent.
+    pub snap_through: Vec<f64>,
 }

@@ -1,9 +1,5 @@
-//! Shapes at rest: found by raising the load, by creeping where that fails, and differentiated.
-//!
-//! Stands on: `solver`, `descent`. Never knows: time, a measurement.
+//! Static equilibria: incremental loading with Newton's method, and pseudo-transient continuation where it fails.
 
-pub(crate) mod adjoint;
-mod climb;
-mod creep;
-mod descend;
 pub(crate) mod equilibrium;
+mod load_stepping;
+mod pseudo_transient;

@@ -1,53 +1,47 @@
-//! Ranges: each number of a card against what its unit allows, so that a slip of unit breaks loudly.
+//! Checks of a card: each number against the range of its unit, and each name against the others.
 //!
-//! The limits are wide for any soft actuator a person can hold, and narrow against a factor of a thousand.
-//!
-//! Stands on: the card's types. Never knows: a file, a line.
+//! The ranges include every soft actuator of hand size and exclude a factor of a thousand, so that a wrong unit is found.
 
-use std::collections::BTreeSet;
+use crate::range::{Checked, violation, within};
 
-use crate::range::{Checked, found, within};
+use super::entry::{name, pixel, point, relative, some, unique};
+use super::{Card, Experiment, FixtureOf, Marker, Medium, Solid, Trial, marker_sources};
 
-use super::{Card, Experiment, FixtureOf, Marker, Medium, Solid, Trial, marks};
-
-/// Number of pixels that no picture exceeds.
-const PICTURE: f64 = 20_000.0;
-
-/// Everything on a card, and that its name is that of `folder` where that is known.
+/// Checks everything on a card, and that its name is that of `folder` where that is known.
 pub(super) fn card(card: &Card, folder: Option<&str>) -> Checked {
     name("name", &card.name)?;
     if let Some(folder) = folder.filter(|f| *f != card.name) {
         let what = format!("name is `{}`, but the folder is `{folder}`", card.name);
-        return found("name", what, "a specimen is found by its folder", "make the two equal");
+        return violation("name", what, "a specimen is found by its folder", "make the two equal");
     }
-    within("length", card.length, 0.01, 1.0, "m")?;
+    within("length", card.length, 0.01..=1.0, "m")?;
     solid("solid.body", &card.solid.body)?;
     solid("solid.spine", &card.solid.spine)?;
-    within("clamp.below_x", card.clamp.below_x, -1.0, 1.0, "m")?;
+    within("clamp.below_x", card.clamp.below_x, -1.0..=1.0, "m")?;
     chambers(card)?;
     markers(card)?;
     camera(card)?;
     water(card)?;
     led(card)?;
     trials(card)?;
-    marks::markers(card)?;
-    marks::tracks(card)?;
+    marker_sources::markers(card)?;
+    marker_sources::tracks(card)?;
     fixtures(card)
 }
 
 fn solid(key: &str, solid: &Solid) -> Checked {
     relative(&format!("{key}.file"), &solid.file)?;
     name(&format!("{key}.material"), &solid.material)?;
-    within(&format!("{key}.youngs_modulus"), solid.youngs_modulus, 1e3, 1e12, "Pa")?;
-    within(&format!("{key}.poissons_ratio"), solid.poissons_ratio, -1.0, 0.499, "")?;
-    within(&format!("{key}.density"), solid.density, 100.0, 20_000.0, "kg/m³")?;
+    within(&format!("{key}.youngs_modulus"), solid.youngs_modulus, 1e3..=1e12, "Pa")?;
+    within(&format!("{key}.poissons_ratio"), solid.poissons_ratio, -1.0..=0.499, "")?;
+    within(&format!("{key}.density"), solid.density, 100.0..=20_000.0, "kg/m³")?;
     let [low, high] = solid.plausible;
-    within(&format!("{key}.plausible.0"), low, 1e3, 1e12, "Pa")?;
-    within(&format!("{key}.plausible.1"), high, 1e3, 1e12, "Pa")?;
+    within(&format!("{key}.plausible.0"), low, 1e3..=1e12, "Pa")?;
+    within(&format!("{key}.plausible.1"), high, 1e3..=1e12, "Pa")?;
     if !(low < solid.youngs_modulus && solid.youngs_modulus < high) {
         let what = format!("{key}.plausible is [{low}, {high}] Pa around youngs_modulus = {} Pa", solid.youngs_modulus);
         let why = "an identification starts at youngs_modulus and searches inside plausible";
-        return found(&format!("{key}.plausible"), what, why, "widen plausible, or correct youngs_modulus");
+        return violation(&format!("{key}.plausible"), what, why, "widen plausible, or correct youngs_modulus");
     }
     Ok(())
 }
@@ -70,7 +64,7 @@ fn markers(card: &Card) -> Checked {
 fn one_marker(key: &str, marker: &Marker) -> Checked {
     point(&format!("{key}.at"), &marker.at)?;
     marker.clicked.iter().try_for_each(|at| pixel(&format!("{key}.clicked"), at))?;
-    within(&format!("{key}.diameter"), marker.diameter, 2e-4, 0.05, "m")
+    within(&format!("{key}.diameter"), marker.diameter, 2e-4..=0.05, "m")
 }
 
 fn camera(card: &Card) -> Checked {
@@ -79,41 +73,41 @@ fn camera(card: &Card) -> Checked {
     if let Some(file) = &camera.coefficients {
         relative("camera.coefficients", file)?;
     }
-    within("camera.frame_every", camera.frame_every as f64, 1.0, 1000.0, "frames")?;
-    within("camera.readout", camera.readout, 0.0, 0.1, "s")?;
-    within("camera.board.columns", camera.board.columns as f64, 3.0, 100.0, "squares")?;
-    within("camera.board.rows", camera.board.rows as f64, 3.0, 100.0, "squares")?;
-    within("camera.board.square", camera.board.square, 1e-3, 0.2, "m")?;
+    within("camera.frame_every", camera.frame_every as f64, 1.0..=1000.0, "frames")?;
+    within("camera.readout", camera.readout, 0.0..=0.1, "s")?;
+    within("camera.board.columns", camera.board.columns as f64, 3.0..=100.0, "squares")?;
+    within("camera.board.rows", camera.board.rows as f64, 3.0..=100.0, "squares")?;
+    within("camera.board.square", camera.board.square, 1e-3..=0.2, "m")?;
     let [from, to] = camera.plane.seconds;
-    within("camera.plane.seconds.0", from, 0.0, 3600.0, "s")?;
-    within("camera.plane.seconds.1", to, from, 3600.0, "s")?;
-    within("camera.plane.origin.0", camera.plane.origin[0], -1.0, 1.0, "m")?;
-    within("camera.plane.origin.1", camera.plane.origin[1], -1.0, 1.0, "m")?;
+    within("camera.plane.seconds.0", from, 0.0..=3600.0, "s")?;
+    within("camera.plane.seconds.1", to, from..=3600.0, "s")?;
+    within("camera.plane.origin.0", camera.plane.origin[0], -1.0..=1.0, "m")?;
+    within("camera.plane.origin.1", camera.plane.origin[1], -1.0..=1.0, "m")?;
     let [x, y] = camera.plane.along;
-    within("camera.plane.along", x.hypot(y), 0.999, 1.001, "(its length)")?;
-    within("camera.plane.height", camera.plane.height, -1.0, 1.0, "m")?;
-    camera.plane.grid.map_or(Ok(()), |pitch| within("camera.plane.grid", pitch, 1e-3, 0.2, "m"))
+    within("camera.plane.along", x.hypot(y), 0.999..=1.001, "(its length)")?;
+    within("camera.plane.height", camera.plane.height, -1.0..=1.0, "m")?;
+    camera.plane.grid.map_or(Ok(()), |pitch| within("camera.plane.grid", pitch, 1e-3..=0.2, "m"))
 }
 
-/// A trial in water is seen through a surface, whose height must be known.
+/// A trial in water needs the height of the water surface, which refracts every ray.
 fn water(card: &Card) -> Checked {
     if let Some(water) = &card.water {
-        within("water.surface", water.surface, -1.0, 1.0, "m")?;
-        return within("water.index", water.index, 1.3, 1.4, "(no unit)");
+        within("water.surface", water.surface, -1.0..=1.0, "m")?;
+        return within("water.index", water.index, 1.3..=1.4, "(no unit)");
     }
     match card.trial.iter().position(|t| t.medium == Medium::Water) {
         None => Ok(()),
         Some(i) => {
             let what = format!("trial `{}` is in water, but the card has no [water]", card.trial[i].id);
-            let why = "the camera looks through its surface, which bends every ray";
-            found(&format!("trial.{i}.medium"), what, why, "add [water] with surface (m, z) and index (1.333)")
+            let why = "the camera looks through its surface, which refracts every ray";
+            violation(&format!("trial.{i}.medium"), what, why, "add [water] with surface (m, z) and index (1.333)")
         }
     }
 }
 
 fn led(card: &Card) -> Checked {
     pixel("led.centre", &card.led.centre)?;
-    within("led.radius", card.led.radius, 1.0, 500.0, "px")
+    within("led.radius", card.led.radius, 1.0..=500.0, "px")
 }
 
 fn trials(card: &Card) -> Checked {
@@ -129,99 +123,43 @@ fn one_trial(key: &str, trial: &Trial) -> Checked {
     if trial.split.is_some() && trial.force.is_none() {
         let what = format!("trial `{}` has a split for learning thrust, but no force log", trial.id);
         let why = "thrust is learned from measured force";
-        return found(&format!("{key}.split"), what, why, "name its force log, or leave split out");
+        return violation(&format!("{key}.split"), what, why, "name its force log, or leave split out");
     }
     if let Some(force) = &trial.force {
         relative(&format!("{key}.force"), force)?;
     }
     if let Some(last) = trial.last_frame {
-        within(&format!("{key}.last_frame"), last as f64, trial.first_frame as f64 + 1.0, 1e7, "")?;
+        within(&format!("{key}.last_frame"), last as f64, trial.first_frame as f64 + 1.0..=1e7, "")?;
     }
     match &trial.experiment {
         Experiment::Staircase { levels, hold, pause, .. } => {
             some(&format!("{key}.levels"), levels.len())?;
             for (j, level) in levels.iter().enumerate() {
-                within(&format!("{key}.levels.{j}"), *level, 0.0, 5e5, "Pa")?;
+                within(&format!("{key}.levels.{j}"), *level, 0.0..=5e5, "Pa")?;
             }
-            within(&format!("{key}.hold"), *hold, 0.05, 3600.0, "s")?;
-            within(&format!("{key}.pause"), *pause, 0.0, 3600.0, "s")
+            within(&format!("{key}.hold"), *hold, 0.05..=3600.0, "s")?;
+            within(&format!("{key}.pause"), *pause, 0.0..=3600.0, "s")
         }
         Experiment::Flapping { amplitude, frequency, cycles, .. } => {
-            within(&format!("{key}.amplitude"), *amplitude, 0.0, 5e5, "Pa")?;
-            within(&format!("{key}.frequency"), *frequency, 0.05, 50.0, "Hz")?;
-            within(&format!("{key}.cycles"), *cycles as f64, 1.0, 1e5, "")
+            within(&format!("{key}.amplitude"), *amplitude, 0.0..=5e5, "Pa")?;
+            within(&format!("{key}.frequency"), *frequency, 0.05..=50.0, "Hz")?;
+            within(&format!("{key}.cycles"), *cycles as f64, 1.0..=1e5, "")
         }
     }
 }
 
-/// Their ids stand among those of the trials, because files and results are named by both.
+/// Ids of fixtures differ from those of trials, because files and results are named by both.
 fn fixtures(card: &Card) -> Checked {
     unique("fixture", "id", card.fixture.iter().map(|f| f.id.as_str()))?;
     for (i, fixture) in card.fixture.iter().enumerate() {
         let key = format!("fixture.{i}");
         if card.trial.iter().any(|t| t.id == fixture.id) {
             let what = format!("fixture id `{}` is a trial's as well", fixture.id);
-            return found(&format!("{key}.id"), what, "results are filed under it", "rename one of them");
+            return violation(&format!("{key}.id"), what, "results are filed under it", "rename one of them");
         }
         relative(&format!("{key}.force"), &fixture.force)?;
         if let FixtureOf::Taps { hammer } = &fixture.of {
             relative(&format!("{key}.hammer"), hammer)?;
-        }
-    }
-    Ok(())
-}
-
-pub(super) fn point(key: &str, at: &[f64; 3]) -> Checked {
-    at.iter().enumerate().try_for_each(|(i, x)| within(&format!("{key}.{i}"), *x, -1.0, 1.0, "m"))
-}
-
-pub(super) fn pixel(key: &str, at: &[f64; 2]) -> Checked {
-    at.iter().enumerate().try_for_each(|(i, x)| within(&format!("{key}.{i}"), *x, 0.0, PICTURE, "px"))
-}
-
-/// Whether a text can name a specimen, a trial or a part: it becomes part of file names.
-pub fn is_name(text: &str) -> bool {
-    !text.is_empty() && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-')
-}
-
-/// A name becomes part of file names: letters, digits, `_` and `-`.
-fn name(key: &str, text: &str) -> Checked {
-    if is_name(text) {
-        return Ok(());
-    }
-    let why = "a name becomes part of file names: letters, digits, `_` and `-`";
-    found(key, format!("{key} = `{text}` is no name"), why, "choose another name")
-}
-
-/// Files lie in the specimen's folder, so that the folder can be moved.
-pub(super) fn relative(key: &str, file: &str) -> Checked {
-    let plain = file.split('/').all(|part| !part.is_empty() && part != "." && part != "..");
-    if plain && !file.contains('\\') && !file.contains(':') {
-        return Ok(());
-    }
-    let why = "files lie in the specimen's folder and are named relative to it, parts parted by `/`";
-    found(
-        key,
-        format!("{key} = `{file}` leaves the folder"),
-        why,
-        "move the file into the folder and name it relative to the card",
-    )
-}
-
-fn some(key: &str, count: usize) -> Checked {
-    match count {
-        0 => found(key, format!("`{key}` is empty"), "at least one is needed", "add one"),
-        _ => Ok(()),
-    }
-}
-
-fn unique<'a>(table: &str, key: &str, names: impl Iterator<Item = &'a str>) -> Checked {
-    let mut seen = BTreeSet::new();
-    for (i, word) in names.enumerate() {
-        name(&format!("{table}.{i}.{key}"), word)?;
-        if !seen.insert(word) {
-            let what = format!("{table} {key} `{word}` stands twice");
-            return found(&format!("{table}.{i}.{key}"), what, "results are filed under it", "rename one of them");
         }
     }
     Ok(())

@@ -1,18 +1,16 @@
 //! `[[fixture]]`: a recording of the load cell and its fixture alone, without a film: hammer taps, and still water.
 //!
-//! What the cell says of a tail went through its fixture first, a light mass on a spring, and stands on the waves that an
-//! earlier run left in the tank. Taps show the one, still water the other. They stand in a table of their own because
-//! nothing is filmed and no pressure is commanded in them.
-//!
-//! Stands on: `serde`. Never knows: what the logs hold.
+//! The measured force of a tail is filtered by the fixture, a light mass on a spring, and superposed by the waves that an
+//! earlier run left in the tank. Taps identify the transfer function, still water the waves. They have a table of their own
+//! because nothing is filmed and no pressure is commanded in them.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::Medium;
 
 /// One recording of the fixture.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(try_from = "Flat")]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(try_from = "Entry")]
 pub struct Fixture {
     /// Its name, unique among trials and fixtures.
     pub id: String,
@@ -25,7 +23,7 @@ pub struct Fixture {
 }
 
 /// What was done to the fixture.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum FixtureOf {
     /// An instrumented hammer tapped it.
     Taps {
@@ -37,7 +35,7 @@ pub enum FixtureOf {
 }
 
 impl FixtureOf {
-    /// The word on the card.
+    /// The value on the card.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Taps { .. } => "taps",
@@ -56,7 +54,7 @@ enum Kind {
 /// A fixture's recording as it stands on the card.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Flat {
+struct Entry {
     id: String,
     kind: Kind,
     medium: Medium,
@@ -64,22 +62,22 @@ struct Flat {
     hammer: Option<String>,
 }
 
-impl TryFrom<Flat> for Fixture {
+impl TryFrom<Entry> for Fixture {
     type Error = String;
 
-    fn try_from(flat: Flat) -> Result<Self, String> {
-        let of = match (flat.kind, flat.hammer) {
+    fn try_from(entry: Entry) -> Result<Self, String> {
+        let of = match (entry.kind, entry.hammer) {
             (Kind::Taps, Some(hammer)) => FixtureOf::Taps { hammer },
             (Kind::StillWater, None) => FixtureOf::StillWater,
             (Kind::Taps, None) => {
                 let said = "kind `taps` needs the key `hammer`, which is missing";
-                return Err(format!("{said} in fixture `{}`", flat.id));
+                return Err(format!("{said} in fixture `{}`", entry.id));
             }
             (Kind::StillWater, Some(_)) => {
                 let said = "kind `still_water` has no key `hammer`, but it is given";
-                return Err(format!("{said} in fixture `{}`", flat.id));
+                return Err(format!("{said} in fixture `{}`", entry.id));
             }
         };
-        Ok(Self { id: flat.id, medium: flat.medium, force: flat.force, of })
+        Ok(Self { id: entry.id, medium: entry.medium, force: entry.force, of })
     }
 }

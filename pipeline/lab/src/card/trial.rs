@@ -1,19 +1,17 @@
-//! `[[trial]]`: one recording, and what was asked of the specimen in it.
-//!
-//! Stands on: `si`. Never knows: what was measured in it.
+//! `[[trial]]`: one recording and its commanded pressures.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use si::{Hertz, Pascal, Second};
 
 /// One recording.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(try_from = "Flat")]
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(try_from = "Entry")]
 pub struct Trial {
     /// Its name, unique on the card.
     pub id: String,
-    /// What its motion may be used for.
+    /// The use of its motion.
     pub role: Role,
-    /// What its force may be used for, where thrust is learned from it.
+    /// The use of its force in the training of thrust models.
     pub split: Option<Split>,
     /// What surrounds the specimen.
     pub medium: Medium,
@@ -23,16 +21,16 @@ pub struct Trial {
     pub pressure: String,
     /// Force log, relative to the card, where the specimen hung on a load cell.
     pub force: Option<String>,
-    /// First frame worth using; the markers are clicked in this one. 0 when the card is silent.
+    /// First frame worth using; the markers are clicked in this one. 0 by default.
     pub first_frame: usize,
-    /// Last frame worth using; the end of the video when the card is silent.
+    /// Last frame worth using; the end of the video by default.
     pub last_frame: Option<usize>,
     /// What was done.
     pub experiment: Experiment,
 }
 
 /// What was done in a trial.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum Experiment {
     /// One side is filled to a level, held, emptied, and filled to the next.
     Staircase {
@@ -58,30 +56,30 @@ pub enum Experiment {
     },
 }
 
-/// What a trial may be used for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+/// The use of a trial.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Role {
     /// Parameters may be fitted to it.
     Identify,
-    /// Never fitted to; a model is judged by it.
+    /// Validation data, never fitted to.
     Validate,
     /// Neither: recorded for its force.
     Thrust,
 }
 
-/// On which side of the learning of thrust a trial stands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+/// The part of the data of thrust models to which a trial belongs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Split {
-    /// Learned from.
+    /// Training data.
     Train,
-    /// Never learned from; what was learned is judged by it.
+    /// Test data, never used in training.
     Test,
 }
 
 /// What surrounds the specimen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Medium {
     /// Air.
@@ -91,7 +89,7 @@ pub enum Medium {
 }
 
 /// A side of the specimen: its chambers and its columns in the pressure log.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Side {
     /// Positive y.
@@ -101,7 +99,7 @@ pub enum Side {
 }
 
 impl Role {
-    /// The word on the card.
+    /// The value on the card.
     pub fn word(self) -> &'static str {
         match self {
             Self::Identify => "identify",
@@ -112,7 +110,7 @@ impl Role {
 }
 
 impl Split {
-    /// The word on the card.
+    /// The value on the card.
     pub fn word(self) -> &'static str {
         match self {
             Self::Train => "train",
@@ -122,7 +120,7 @@ impl Split {
 }
 
 impl Medium {
-    /// The word on the card.
+    /// The value on the card.
     pub fn word(self) -> &'static str {
         match self {
             Self::Air => "air",
@@ -150,7 +148,7 @@ impl Side {
 }
 
 impl Experiment {
-    /// The word on the card.
+    /// The value on the card.
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Staircase { .. } => "staircase",
@@ -173,10 +171,10 @@ enum Kind {
     Flapping,
 }
 
-/// A trial as it stands on the card: the keys of every kind side by side.
+/// The keys of a trial on the card, of all kinds.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Flat {
+struct Entry {
     id: String,
     kind: Kind,
     role: Role,
@@ -196,27 +194,27 @@ struct Flat {
     cycles: Option<usize>,
 }
 
-impl TryFrom<Flat> for Trial {
+impl TryFrom<Entry> for Trial {
     type Error = String;
 
-    fn try_from(flat: Flat) -> Result<Self, String> {
-        let experiment = flat.experiment().map_err(|said| format!("{said} in trial `{}`", flat.id))?;
+    fn try_from(entry: Entry) -> Result<Self, String> {
+        let experiment = entry.experiment().map_err(|said| format!("{said} in trial `{}`", entry.id))?;
         Ok(Self {
             experiment,
-            id: flat.id,
-            role: flat.role,
-            split: flat.split,
-            medium: flat.medium,
-            video: flat.video,
-            pressure: flat.pressure,
-            force: flat.force,
-            first_frame: flat.first_frame.unwrap_or(0),
-            last_frame: flat.last_frame,
+            id: entry.id,
+            role: entry.role,
+            split: entry.split,
+            medium: entry.medium,
+            video: entry.video,
+            pressure: entry.pressure,
+            force: entry.force,
+            first_frame: entry.first_frame.unwrap_or(0),
+            last_frame: entry.last_frame,
         })
     }
 }
 
-impl Flat {
+impl Entry {
     fn experiment(&self) -> Result<Experiment, String> {
         let side = self.side;
         match self.kind {

@@ -1,6 +1,4 @@
 //! Writing a card: the TOML that [`super::read`] reads, with units as comments and the same bytes every time.
-//!
-//! Stands on: the card's types. Never knows: where the file goes.
 
 use std::fmt::Write;
 
@@ -91,7 +89,10 @@ fn camera(text: &mut String, camera: &Camera) {
     };
     put(text, format_args!("\n[camera.board]\n{kind}columns = {}  # {what}\nrows = {}\n", board.columns, board.rows));
     put(text, format_args!("square = {:?}  # m\n", board.square));
-    put(text, format_args!("\n[camera.plane]\nseconds = {:?}  # s, the board lies flat on the plane\n", plane.seconds));
+    put(
+        text,
+        format_args!("\n[camera.plane]\nseconds = {:?}  # s, the board lies entry on the plane\n", plane.seconds),
+    );
     put(text, format_args!("origin = {:?}  # m, its inner corner (0, 0)\n", plane.origin));
     put(
         text,

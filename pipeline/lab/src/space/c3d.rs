@@ -1,9 +1,7 @@
-//! `.c3d` of motion capture: c3dio reads its sections; what it would pass over in silence is held against the header here.
+//! `.c3d` of motion capture: c3dio reads its sections; a truncated file, which it accepts, is refused here by the header.
 //!
 //! A point is lost where its fourth word is −1. c3dio reads that word's low byte as signed, so that a residual over 127 units
 //! looks negative: only −1 with every camera's bit set counts as lost.
-//!
-//! Stands on: c3dio. Never knows: what the points sit on.
 
 use std::panic::catch_unwind;
 use std::path::Path;
@@ -11,8 +9,8 @@ use std::path::Path;
 use c3dio::prelude::{C3d, MarkerPoint};
 use si::Point3;
 
-use super::{EXPORT, Seen, Space, in_metres, unit};
-use crate::Refusal;
+use super::{EXPORT, Trajectories, Trajectory, in_metres, unit};
+use diagnostics::Diagnostic;
 
 /// Bytes of a block.
 const BLOCK: usize = 512;
@@ -25,41 +23,41 @@ const COUNTLESS: u16 = u16::MAX;
 ///
 /// # Errors
 /// As [`super::read`].
-pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Space, Refusal> {
+pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Trajectories, Diagnostic> {
     if bytes.len() < 2 * BLOCK || bytes[1] != KEY || usize::from(bytes[0]) < 2 {
         let what = format!("{} bytes are no .c3d", bytes.len());
-        return Err(Refusal::file(path, what, "such a file begins with a block of 512 bytes, marked 80", EXPORT));
+        return Err(Diagnostic::file(path, what, "such a file begins with a block of 512 bytes, marked 80", EXPORT));
     }
-    let cannot = |why: String| Refusal::file(path, "the .c3d cannot be read", why, EXPORT);
+    let unreadable = |why: String| Diagnostic::file(path, "the .c3d cannot be read", why, EXPORT);
     // a damaged section leads c3dio out of its bytes, which it answers with a panic
     let parsed = catch_unwind(|| C3d::from_bytes(bytes).map(|c3d| c3d.points).map_err(|e| format!("{e:?}")));
-    let parsed = parsed.map_err(|_| cannot("a section leads out of the file".into()))?;
-    let points = parsed.map_err(cannot)?;
+    let parsed = parsed.map_err(|_| unreadable("a section leads out of the file".into()))?;
+    let points = parsed.map_err(unreadable)?;
     let frames = points.rows();
-    let told = (usize::from(points.last_frame) + 1).saturating_sub(usize::from(points.first_frame));
-    if points.cols() > 0 && frames < told && points.last_frame != COUNTLESS {
-        let what = format!("the file ends in frame {frames}, and its header tells of {told}");
-        return Err(Refusal::file(path, what, "the file was cut", "copy it again"));
+    let announced = (usize::from(points.last_frame) + 1).saturating_sub(usize::from(points.first_frame));
+    if points.cols() > 0 && frames < announced && points.last_frame != COUNTLESS {
+        let what = format!("the file ends in frame {frames}, and its header has {announced}");
+        return Err(Diagnostic::file(path, what, "the file was cut", "copy it again"));
     }
     let word: String = points.units.iter().collect();
     let unit = unit(&word).ok_or_else(|| {
         let what = format!("POINT:UNITS is `{}`", word.trim());
-        Refusal::file(path, what, "places are read in m, cm, mm or inch", "export again with a unit of length")
+        Diagnostic::file(path, what, "places are read in m, cm, mm or inch", "export again with a unit of length")
     })?;
     let rate = f64::from(points.frame_rate);
     if !(0.1..=1e5).contains(&rate) {
         let what = format!("POINT:RATE is {rate} frames/s");
-        return Err(Refusal::file(path, what, "the rate lies in 0.1 to 100000 frames/s", EXPORT));
+        return Err(Diagnostic::file(path, what, "the rate lies in 0.1 to 100000 frames/s", EXPORT));
     }
     let lost = |point: &MarkerPoint| point.residual == -points.scale_factor && point.cameras.iter().all(|seen| *seen);
     let place = |point: &MarkerPoint| {
         let at: Point3 = point.point.map(f64::from);
         if lost(point) { None } else { in_metres(at, unit) }
     };
-    let seen = |(column, name): (usize, &String)| Seen {
+    let seen = |(column, name): (usize, &String)| Trajectory {
         name: name.trim().to_owned(),
         at: (0..frames).map(|frame| place(&points[frame][column])).collect(),
     };
     let markers = points.labels.iter().take(points.cols()).enumerate().map(seen).collect();
-    Ok(Space { time: (0..frames).map(|frame| frame as f64 / rate).collect(), markers })
+    Ok(Trajectories { time: (0..frames).map(|frame| frame as f64 / rate).collect(), markers })
 }

@@ -1,25 +1,23 @@
 //! Places in space as CSV: one line a frame and marker, the unit in the titles.
-//!
-//! Stands on: `csv`. Never knows: a `.c3d`.
 
 use std::path::Path;
 
 use csv::StringRecord;
 use si::Second;
 
-use super::{EXPORT, Seen, Space, in_metres, unit};
-use crate::Refusal;
+use super::{EXPORT, Trajectories, Trajectory, in_metres, unit};
 use crate::card::LengthUnit;
+use diagnostics::Diagnostic;
 
 /// The places in a file's `bytes`.
 ///
 /// # Errors
 /// As [`super::read`].
-pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Space, Refusal> {
+pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Trajectories, Diagnostic> {
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(bytes);
     let titles = reader.headers().map_err(|e| refused(path, 1, e.to_string()))?.clone();
     let columns = Columns::of(&titles, path)?;
-    let mut space = Space { time: Vec::new(), markers: Vec::new() };
+    let mut space = Trajectories { time: Vec::new(), markers: Vec::new() };
     for (row, record) in reader.records().enumerate() {
         let record = record.map_err(|e| refused(path, row + 2, e.to_string()))?;
         columns.take(&record, &mut space).map_err(|why| refused(path, row + 2, why))?;
@@ -28,7 +26,7 @@ pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Space, Refusal> {
         None => Ok(space),
         Some(seen) => {
             let what = format!("marker `{}` has {} places in {} frames", seen.name, seen.at.len(), space.time.len());
-            Err(Refusal::file(path, what, "every marker has a line in every frame", EXPORT))
+            Err(Diagnostic::file(path, what, "every marker has a line in every frame", EXPORT))
         }
     }
 }
@@ -43,7 +41,7 @@ struct Columns {
 }
 
 impl Columns {
-    fn of(titles: &StringRecord, path: &Path) -> Result<Self, Refusal> {
+    fn of(titles: &StringRecord, path: &Path) -> Result<Self, Diagnostic> {
         let column = |title: &str| titles.iter().position(|t| t == title);
         let axis = |axis: &str| titles.iter().position(|t| t.split_once('_').is_some_and(|(name, _)| name == axis));
         let (Some(time), Some(marker), Some(x), Some(y)) = (column("time_s"), column("marker"), axis("x"), axis("y"))
@@ -60,7 +58,7 @@ impl Columns {
     }
 
     /// Takes in a line.
-    fn take(&self, record: &StringRecord, space: &mut Space) -> Result<(), String> {
+    fn take(&self, record: &StringRecord, space: &mut Trajectories) -> Result<(), String> {
         let number = |column: usize| {
             let word = record.get(column).unwrap_or_default();
             word.parse::<f64>().map_err(|_| format!("`{word}` is no number"))
@@ -74,7 +72,7 @@ impl Columns {
         let place = match space.markers.iter().position(|seen| seen.name == name) {
             Some(place) => place,
             None => {
-                space.markers.push(Seen { name: name.to_owned(), at: Vec::new() });
+                space.markers.push(Trajectory { name: name.to_owned(), at: Vec::new() });
                 space.markers.len() - 1
             }
         };
@@ -89,6 +87,6 @@ impl Columns {
     }
 }
 
-fn refused(path: &Path, line: usize, why: String) -> Refusal {
-    Refusal::file(path, "the places cannot be read", why, EXPORT).at_line(line)
+fn refused(path: &Path, line: usize, why: String) -> Diagnostic {
+    Diagnostic::file(path, "the places cannot be read", why, EXPORT).at_line(line)
 }

@@ -1,6 +1,4 @@
 //! The hidden truth of the force instruments: the fixture, the tank, and what drifted in each log.
-//!
-//! Stands on: `si`. Never knows: how it was measured.
 
 use serde::{Deserialize, Serialize};
 use si::{Hertz, Kilogram, Metre, Newton, Second};

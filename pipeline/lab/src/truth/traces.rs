@@ -1,6 +1,4 @@
 //! True forces: what truly pulled on the fixture through a trial, part by part.
-//!
-//! Stands on: `csv`. Never knows: the load cell that is judged by it.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -8,7 +6,7 @@ use std::path::Path;
 use serde::Deserialize;
 use si::{Newton, Second};
 
-use crate::Refusal;
+use diagnostics::Diagnostic;
 
 /// Forces at even times, every list as long as `time`; N, forwards.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -44,28 +42,28 @@ pub fn write_forces(forces: &TrueForces, remark: &str) -> String {
     text
 }
 
-const ACT: &str = "record the specimen on the virtual bench again";
+const ACTION: &str = "record the specimen on the virtual bench again";
 
 /// The forces in the file `path`.
 ///
 /// # Errors
-/// [`Refusal`] when the file cannot be read or a line is broken.
-pub fn read_forces(path: &Path) -> Result<TrueForces, Refusal> {
-    let text = std::fs::read_to_string(path).map_err(|e| Refusal::io(path, &e, ACT))?;
+/// [`Diagnostic`] when the file cannot be read or a line is broken.
+pub fn read_forces(path: &Path) -> Result<TrueForces, Diagnostic> {
+    let text = std::fs::read_to_string(path).map_err(|e| Diagnostic::io(path, e, ACTION))?;
     parse_forces(&text, path)
 }
 
-/// The forces in a text; `path` is only named in refusals.
+/// The forces in a text; `path` appears only in diagnostics.
 ///
 /// # Errors
-/// [`Refusal`] when a line is broken.
-pub fn parse_forces(text: &str, path: &Path) -> Result<TrueForces, Refusal> {
+/// [`Diagnostic`] when a line is broken.
+pub fn parse_forces(text: &str, path: &Path) -> Result<TrueForces, Diagnostic> {
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
     let mut forces = TrueForces::default();
     for row in reader.deserialize::<Row>() {
         let row = row.map_err(|e| {
             let line = e.position().map(|p| p.line() as usize);
-            Refusal::file(path, "the line holds no true forces", e.to_string().to_lowercase(), ACT).at_line(line)
+            Diagnostic::file(path, "the line holds no true forces", e.to_string().to_lowercase(), ACTION).at_line(line)
         })?;
         forces.time.push(row.time_s);
         forces.pull.push(row.pull_n);

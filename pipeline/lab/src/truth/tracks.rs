@@ -1,6 +1,4 @@
 //! True tracks: where every marker truly was in every frame, in pixels and in metres.
-//!
-//! Stands on: `csv`. Never knows: the tracker that is judged by it.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -8,7 +6,7 @@ use std::path::Path;
 use serde::Deserialize;
 use si::{Point2, Point3, Second};
 
-use crate::Refusal;
+use diagnostics::Diagnostic;
 
 /// One marker through a trial, every list `frames` long.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -52,25 +50,25 @@ pub fn write_tracks(tracks: &[TrueTrack], remark: &str) -> String {
 /// The tracks in the file `path`, markers in the file's order.
 ///
 /// # Errors
-/// [`Refusal`] when the file cannot be read or a line is broken.
-pub fn read_tracks(path: &Path) -> Result<Vec<TrueTrack>, Refusal> {
-    let text = std::fs::read_to_string(path).map_err(|e| Refusal::io(path, &e, ACT))?;
+/// [`Diagnostic`] when the file cannot be read or a line is broken.
+pub fn read_tracks(path: &Path) -> Result<Vec<TrueTrack>, Diagnostic> {
+    let text = std::fs::read_to_string(path).map_err(|e| Diagnostic::io(path, e, ACTION))?;
     parse_tracks(&text, path)
 }
 
-const ACT: &str = "record the specimen on the virtual bench again";
+const ACTION: &str = "record the specimen on the virtual bench again";
 
-/// The tracks in a text, markers in its order; `path` is only named in refusals.
+/// The tracks in a text, markers in its order; `path` appears only in diagnostics.
 ///
 /// # Errors
-/// [`Refusal`] when a line is broken.
-pub fn parse_tracks(text: &str, path: &Path) -> Result<Vec<TrueTrack>, Refusal> {
+/// [`Diagnostic`] when a line is broken.
+pub fn parse_tracks(text: &str, path: &Path) -> Result<Vec<TrueTrack>, Diagnostic> {
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
     let mut tracks: Vec<TrueTrack> = Vec::new();
     for row in reader.deserialize::<Row>() {
         let row = row.map_err(|e| {
             let line = e.position().map(|p| p.line() as usize);
-            Refusal::file(path, "the line is no true track", e.to_string().to_lowercase(), ACT).at_line(line)
+            Diagnostic::file(path, "the line is no true track", e.to_string().to_lowercase(), ACTION).at_line(line)
         })?;
         push(&mut tracks, row);
     }

@@ -1,6 +1,4 @@
-//! The gallery's figures, each from made-up numbers of the kind that the paper shows.
-//!
-//! Stands on: `plot`. Never knows: files or PNGs.
+//! The gallery's figures, from synthetic data.
 
 use std::f64::consts::TAU;
 
@@ -34,7 +32,7 @@ fn flapping(frequency: f64, amplitude: f64, labelled: bool) -> Axes {
     let band = |by: f64| measured.iter().map(|p| p[1] + by * (1.0 + 0.5 * (9.0 * p[0]).sin())).collect::<Vec<_>>();
     let label = |mark: Mark, text: &str| if labelled { mark.labelled(text) } else { mark };
     Axes::new(Axis::linear("time", "s"), Axis::linear("tip displacement", "mm"))
-        .with(label(Mark::band(x, band(-0.9), band(0.9), palette::MEASURED).faded(0.2), "five trials"))
+        .with(label(Mark::band(x, band(-0.9), band(0.9), palette::MEASURED).with_opacity(0.2), "five trials"))
         .with(label(Mark::line(measured, palette::MEASURED), "measured"))
         .with(label(Mark::line(simulated, palette::SIMULATED).dashed(Dash::Dashed), "simulated"))
 }
@@ -67,7 +65,7 @@ fn landscape() -> Landscape {
     let x = Axis::log("body modulus", "MPa");
     let y = Axis::log("spine modulus", "GPa");
     let way = vec![[0.33, 5.0], [0.27, 4.4], [0.22, 3.7], [0.19, 3.3], [0.181, 3.12]];
-    Landscape::new(x, y, body, spine, values, Axis::log("loss", ""))
+    Landscape::new((x, body), (y, spine), values, Axis::log("loss", ""))
         .with_path(way, palette::PAPER, "Adam")
         .with(Mark::cross([0.18, 3.1], palette::OPTIMUM).labelled("lowest loss on the grid"))
 }
@@ -98,7 +96,7 @@ fn search() -> Result<String, PlotError> {
         .with(Mark::line(simulated, palette::SIMULATED).labelled("simulated"))
         .with(
             Mark::points(measured, Marker::Ring, palette::MEASURED)
-                .with_spread(vec![0.4, 0.5, 0.7, 0.9, 1.2])
+                .with_error_bars(vec![0.4, 0.5, 0.7, 0.9, 1.2])
                 .labelled("measured"),
         );
     Figure::new(SINGLE_COLUMN_MM)
@@ -113,11 +111,11 @@ fn thrust() -> Result<String, PlotError> {
     let force = |by: f64, lag: f64| -> Vec<[f64; 2]> {
         wave(2.0, 1.0, lag).into_iter().map(|[t, v]| [t, by * (v * v - 0.2) + 0.02 * (60.0 * t).sin()]).collect()
     };
-    let tail = Axes::new(Axis::linear("time", "s").unwritten(), Axis::linear("tip", "mm"))
+    let tail = Axes::new(Axis::linear("time", "s").without_tick_labels(), Axis::linear("tip", "mm"))
         .with(Mark::span(0.0, 0.4, palette::MUTED))
         .with(Mark::line(wave(2.0, 9.0, 0.4), palette::DISPLACEMENT));
     let thrust = Axes::new(Axis::linear("time", "s"), Axis::linear("thrust", "N"))
-        .with(Mark::level(0.0, palette::MUTED))
+        .with(Mark::horizontal_line(0.0, palette::MUTED))
         .with(Mark::span(0.0, 0.4, palette::MUTED))
         .with(Mark::line(force(0.21, 0.0), palette::MEASURED).labelled("measured"))
         .with(Mark::line(force(0.33, 0.1), palette::ELONGATED_BODY).labelled("elongated-body theory"))
@@ -126,8 +124,8 @@ fn thrust() -> Result<String, PlotError> {
         (1..200).map(|i| f64::from(i) * 0.05).map(|f| [f, 1.0 / ((1.0 - f * f / 16.0).powi(2) + 0.02 * f * f).sqrt()]);
     let resonance = Axes::new(Axis::log("frequency", "Hz"), Axis::log("gain", ""))
         .with(Mark::line(spectrum.collect(), palette::series(0)).labelled("load cell"))
-        .with(Mark::upright(4.0, palette::MUTED).dashed(Dash::Dotted).labelled("natural frequency"))
-        .with(Mark::text([1.0, 3.0], "1 Hz beat", Side::Above, palette::INK));
+        .with(Mark::vertical_line(4.0, palette::MUTED).dashed(Dash::Dotted).labelled("natural frequency"))
+        .with(Mark::text([1.0, 3.0], "1 Hz beat", Side::Above, palette::BLACK));
     Figure::new(DOUBLE_COLUMN_MM)
         .row(26.0, [Panel::Axes(tail.clone()).titled("training"), Panel::Axes(tail).titled("held out")])
         .row(46.0, [Panel::Axes(thrust.clone()), Panel::Axes(thrust.legend(Legend::None))])
@@ -160,9 +158,9 @@ fn mesh() -> Result<String, PlotError> {
     let markers = vec![[0.055, 0.0, 0.016], [0.07, 0.0, 0.014], [0.085, 0.0, 0.012]];
     let (points, faces) = tube(0.0, 0.0, 0.1, 1.0);
     let rest = Scene::new(View::CORNER)
-        .with_surface(&points, &faces, Paint::Clear(palette::BODY, 0.45))
+        .with_surface(&points, &faces, Paint::Transparent(palette::BODY, 0.45))
         .with_surface(&tube(0.0, 0.0, 0.1, 0.4).0, &faces, Paint::Solid(palette::SPINE))
-        .with_overlay(markers, OverlayKind::Markers(Marker::Cross), palette::INK, 5.0)
+        .with_overlay(markers, OverlayKind::Markers(Marker::Cross), palette::BLACK, 5.0)
         .with_scale_bar(0.02);
     let (bent, faces) = tube(0.03, 0.0, 0.1, 1.0);
     let lengths: Vec<f64> = bent.iter().map(|p| 1e3 * 0.03 * (p[0] / 0.1).powi(2)).collect();
@@ -195,7 +193,7 @@ fn diagram() -> Result<String, PlotError> {
     let arrow = |points: Vec<[f64; 2]>, text: Option<(&str, Side)>| Part::Arrow {
         points,
         text: text.map(|(t, s)| (t.to_owned(), s)),
-        colour: palette::INK,
+        colour: palette::BLACK,
         dash: Dash::Solid,
     };
     let flow = Diagram::new(86.0, 50.0)
@@ -217,8 +215,8 @@ fn diagram() -> Result<String, PlotError> {
         .with(Part::Spring { from: [10.0, 32.0], to: [42.0, 32.0] })
         .with(Part::Damper { from: [42.0, 18.0], to: [10.0, 18.0] })
         .with(boxed(55.5, 25.0, &["m"], light(palette::BODY)))
-        .with(Part::Text { at: [26.0, 37.0], text: "k".to_owned(), side: Side::Centre, colour: palette::INK })
-        .with(Part::Text { at: [26.0, 11.0], text: "b".to_owned(), side: Side::Centre, colour: palette::INK })
+        .with(Part::Text { at: [26.0, 37.0], text: "k".to_owned(), side: Side::Centre, colour: palette::BLACK })
+        .with(Part::Text { at: [26.0, 11.0], text: "b".to_owned(), side: Side::Centre, colour: palette::BLACK })
         .with(arrow(vec![[69.0, 25.0], [82.0, 25.0]], Some(("thrust", Side::Above))))
         .with(Part::Disc { at: [55.5, 12.0], radius: 2.0, fill: palette::PAPER });
     Figure::new(DOUBLE_COLUMN_MM).row(54.0, [Panel::Diagram(flow), Panel::Diagram(cell)]).svg()
@@ -262,7 +260,7 @@ fn table() -> Result<String, PlotError> {
     let [ours, published] = Column::beside_published("loss after 4 iterations", "");
     let [time, published_time] = Column::beside_published("total time", "min");
     let columns =
-        vec![Column::words("method"), Column::numbers("iterations", ""), time, published_time, ours, published];
+        vec![Column::text("method"), Column::numbers("iterations", ""), time, published_time, ours, published];
     let row = |cells: [&str; 6]| cells.map(str::to_owned).to_vec();
     let rows = vec![
         row(["Grid search", "25", "0.41", "132.9", "0.0231", "0.023"]),

@@ -1,8 +1,6 @@
-//! A gallery: one figure of each kind as SVG, for a look at the visual language in any browser.
+//! A gallery: one figure of each kind as SVG, to be opened in a browser.
 //!
 //! `cargo run --release -p plot --example gallery -- FOLDER` writes them.
-//!
-//! Stands on: `plot`. Never knows: a recording; every curve here is made up.
 
 mod drawn;
 

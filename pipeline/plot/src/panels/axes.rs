@@ -1,11 +1,9 @@
-//! Axes: curves, points, bands and words on two axes.
-//!
-//! Stands on: `frame`, `legend`, `mark_ink`. Never knows: what is compared with what.
+//! Axes: curves, points, bands and text on two axes.
 
 use crate::canvas::{Area, Canvas};
-use crate::frame::Frame;
+use crate::frame::{AxisRange, Frame};
 use crate::mark::{Mark, Shape};
-use crate::panel::{Draw, Margins, Where};
+use crate::panel::{Draw, LegendPlacement, Margins};
 use crate::{Axis, PlotError, legend};
 
 /// Where labelled marks are listed.
@@ -23,19 +21,19 @@ pub enum Legend {
 /// Curves and points on two axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axes {
-    /// Along.
+    /// Horizontal axis.
     pub x: Axis,
-    /// Up.
+    /// Vertical axis.
     pub y: Axis,
-    /// What is drawn, the last one on top.
+    /// The marks, the last one on top.
     pub marks: Vec<Mark>,
     /// Where labelled marks are listed.
     pub legend: Legend,
-    /// One length of paper for one unit on both axes: a true shape. The shorter axis is widened.
+    /// The same scale on both axes (equal aspect ratio); the range of the shorter axis is widened.
     pub equal: bool,
 }
 
-/// Empty room at the ends of an axis that has no range of its own, as a part of the data's range.
+/// Margin at both ends of an axis without a given range, as a fraction of the data's range.
 const MARGIN: f64 = 0.05;
 
 impl Axes {
@@ -55,16 +53,16 @@ impl Axes {
         Self { legend, ..self }
     }
 
-    /// The same axes with one length of paper for one unit on both.
+    /// The same axes with equal aspect ratio.
     pub fn equal(self) -> Self {
         Self { equal: true, ..self }
     }
 
-    /// The frame on a piece of paper.
+    /// The frame in a rectangle of the page.
     fn frame(&self, area: Area) -> Result<Frame<'_>, PlotError> {
-        // lines run from side to side, points need room around them
-        let pointed = self.marks.iter().any(|m| matches!(m.shape, Shape::Points { .. }));
-        let x_margin = if pointed { MARGIN } else { 0.0 };
+        // curves may begin and end at the frame; a marker there would be cut by it
+        let has_markers = self.marks.iter().any(|m| matches!(m.shape, Shape::Points { .. }));
+        let x_margin = if has_markers { MARGIN } else { 0.0 };
         let mut x = self.x.ends(self.marks.iter().flat_map(Mark::all_x), x_margin)?;
         let mut y = self.y.ends(self.marks.iter().flat_map(Mark::all_y), MARGIN)?;
         if self.equal {
@@ -72,12 +70,12 @@ impl Axes {
             x = widened(x, across, up);
             y = widened(y, up, across);
         }
-        Ok(Frame::new(area, &self.x, x, &self.y, y))
+        Ok(Frame::new(area, AxisRange { axis: &self.x, ends: x }, AxisRange { axis: &self.y, ends: y }))
     }
 
-    fn marks_alone(&self, frame: &Frame) -> Canvas {
+    fn painted_marks(&self, frame: &Frame) -> Canvas {
         let mut canvas = Canvas::default();
-        self.marks.iter().for_each(|mark| frame.ground.draw(&mut canvas, mark));
+        self.marks.iter().for_each(|mark| frame.plot_area.draw(&mut canvas, mark));
         canvas
     }
 
@@ -86,7 +84,7 @@ impl Axes {
     }
 }
 
-/// Ends moved apart evenly until a length of paper shows `wanted` instead of `now` units.
+/// Both ends moved outwards until a point of print shows `wanted` units instead of `now`.
 fn widened((low, high): (f64, f64), now: f64, wanted: f64) -> (f64, f64) {
     let more = 0.5 * (high - low) * (wanted / now - 1.0).max(0.0);
     (low - more, high + more)
@@ -95,17 +93,18 @@ fn widened((low, high): (f64, f64), now: f64, wanted: f64) -> (f64, f64) {
 impl Draw for Axes {
     fn check(&self) -> Result<(), PlotError> {
         let frame = self.frame(Area::new([0.0; 2], [100.0; 2]))?;
-        self.marks.iter().try_for_each(|mark| frame.ground.check(mark))
+        self.marks.iter().try_for_each(|mark| frame.plot_area.check(mark))
     }
 
-    fn margins(&self, cell: Area, legend: Where) -> Result<Option<Margins>, PlotError> {
+    fn margins(&self, cell: Area, legend: LegendPlacement) -> Result<Option<Margins>, PlotError> {
+        // tick labels decide the margins, and the frame's size decides the ticks: two passes
         let first = self.frame(cell)?.margins();
         let inner = Area {
             from: [cell.from[0] + first.left, cell.from[1]],
             to: [cell.to[0] - first.right, (cell.to[1] - first.bottom).max(cell.from[1] + 1.0)],
         };
         let mut margins = self.frame(inner)?.margins();
-        if legend == Where::Over {
+        if legend == LegendPlacement::Over {
             margins.top += legend::height_over(&self.listed(), inner.width());
         }
         Ok(Some(margins))
@@ -113,22 +112,22 @@ impl Draw for Axes {
 
     fn legend_fits(&self, frame: Area) -> Result<bool, PlotError> {
         let listed = self.listed();
-        let drawn = self.marks_alone(&self.frame(frame)?);
+        let drawn = self.painted_marks(&self.frame(frame)?);
         let fits = self.legend == Legend::Free && legend::free_place(&listed, frame, &drawn).is_some();
         Ok(listed.is_empty() || fits)
     }
 
-    fn draw(&self, canvas: &mut Canvas, area: Area, place: Where) -> Result<(), PlotError> {
+    fn draw(&self, canvas: &mut Canvas, area: Area, place: LegendPlacement) -> Result<(), PlotError> {
         let frame = self.frame(area)?;
         frame.draw_grid(canvas);
-        let drawn = self.marks_alone(&frame);
+        let drawn = self.painted_marks(&frame);
         let free = legend::free_place(&self.listed(), area, &drawn);
         canvas.items.extend(drawn.items);
         frame.draw(canvas);
         match (place, free) {
-            (Where::Over, _) => legend::draw_over(canvas, &self.listed(), area),
-            (Where::Inside, Some(free)) => legend::draw_inside(canvas, &self.listed(), free),
-            (Where::Inside, None) => {}
+            (LegendPlacement::Over, _) => legend::draw_over(canvas, &self.listed(), area),
+            (LegendPlacement::Inside, Some(free)) => legend::draw_inside(canvas, &self.listed(), free),
+            (LegendPlacement::Inside, None) => {}
         }
         Ok(())
     }
@@ -141,7 +140,7 @@ mod tests {
 
     const FRAME: Area = Area { from: [20.0, 10.0], to: [220.0, 110.0] };
 
-    /// A curve whose way is different for each seed.
+    /// A curve that is different for each seed.
     fn curve(seed: u32) -> Mark {
         let phase = f64::from(seed) * 0.71;
         let y = |x: f64| (x + phase).sin() + 0.6 * (1.7 * x - 2.0 * phase).cos();
@@ -151,7 +150,7 @@ mod tests {
 
     fn axes(seed: u32) -> Axes {
         let (x, y) = (Axis::linear("time", "s"), Axis::linear("tip", "mm"));
-        Axes::new(x, y).with(curve(seed)).with(Mark::points(vec![[2.0, 0.1]], crate::Marker::Disc, palette::INK))
+        Axes::new(x, y).with(curve(seed)).with(Mark::points(vec![[2.0, 0.1]], crate::Marker::Disc, palette::BLACK))
     }
 
     #[test]
@@ -159,21 +158,21 @@ mod tests {
         let mut inside = 0;
         for seed in 0..40 {
             let axes = axes(seed);
-            let drawn = axes.marks_alone(&axes.frame(FRAME).unwrap());
+            let drawn = axes.painted_marks(&axes.frame(FRAME).unwrap());
             if let Some(place) = legend::free_place(&axes.listed(), FRAME, &drawn) {
                 inside += 1;
                 assert!(!drawn.touches(&place), "seed {seed}");
             }
         }
-        assert!(inside > 10, "the test should meet free corners");
+        assert!(inside > 10, "the seeds include free corners");
     }
 
     #[test]
-    fn a_legend_without_a_free_corner_gets_room_over_the_frame() {
-        let full = axes(0).with(Mark::span(0.0, 6.0, palette::INK));
+    fn a_legend_without_a_free_corner_is_placed_over_the_frame() {
+        let full = axes(0).with(Mark::span(0.0, 6.0, palette::BLACK));
         assert!(!full.legend_fits(FRAME).unwrap());
         let top = |place| full.margins(FRAME, place).unwrap().unwrap().top;
-        assert!(top(Where::Over) > top(Where::Inside) + 5.0);
+        assert!(top(LegendPlacement::Over) > top(LegendPlacement::Inside) + 5.0);
     }
 
     #[test]
@@ -181,18 +180,18 @@ mod tests {
         let circle = (0..=64).map(|i| f64::from(i) * 0.1).map(|a| [3.0 * a.cos(), 3.0 * a.sin()]).collect();
         let axes = Axes::new(Axis::linear("x", "mm"), Axis::linear("y", "mm"));
         let axes = axes.with(Mark::line(circle, palette::BODY)).equal();
-        let ground = axes.frame(FRAME).unwrap().ground;
-        let across = ground.x.place(3.0) - ground.x.place(-3.0);
-        let up = ground.y.place(-3.0) - ground.y.place(3.0);
+        let plot_area = axes.frame(FRAME).unwrap().plot_area;
+        let across = plot_area.x.place(3.0) - plot_area.x.place(-3.0);
+        let up = plot_area.y.place(-3.0) - plot_area.y.place(3.0);
         assert!((across - up).abs() < 1e-9);
     }
 
     #[test]
-    fn words_near_the_frame_stay_inside_of_it() {
-        let corner = Mark::text([6.0, 2.0], "a long remark", crate::Side::Right, palette::INK);
+    fn text_near_the_frame_is_moved_inside() {
+        let corner = Mark::text([6.0, 2.0], "a long remark", crate::Side::Right, palette::BLACK);
         let axes = Axes::new(Axis::linear("x", "").range(0.0, 6.0), Axis::linear("y", "").range(0.0, 2.0)).with(corner);
-        let drawn = axes.marks_alone(&axes.frame(FRAME).unwrap());
-        let [crate::canvas::Item::Text(words)] = &drawn.items[..] else { panic!("one text is drawn") };
-        assert!(FRAME.holds(words.area().from) && FRAME.holds(words.area().to));
+        let drawn = axes.painted_marks(&axes.frame(FRAME).unwrap());
+        let [crate::canvas::Item::Text(text)] = &drawn.items[..] else { panic!("one text is drawn") };
+        assert!(FRAME.contains(text.area().from) && FRAME.contains(text.area().to));
     }
 }

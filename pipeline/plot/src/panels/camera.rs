@@ -1,39 +1,37 @@
-//! Cameras: from space onto paper, in parallel, as seen from far away.
-//!
-//! Stands on: `si`, `canvas`' rectangle. Never knows: what is seen.
+//! Cameras: orthographic projection from space onto the page.
 
 use si::vec3::{cross, dot, norm, scale};
 use si::{Point2, Point3};
 
 use crate::canvas::Area;
 
-/// Where the eye looks, and which way is up.
+/// The direction of view, and which direction is up.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
     /// From the eye into the scene.
-    pub towards: Point3,
-    /// What stands upright on paper, as far as the view allows.
+    pub direction: Point3,
+    /// The direction that is vertical on the page, after projection.
     pub up: Point3,
 }
 
 impl View {
     /// From above, x to the right and y upwards.
-    pub const TOP: Self = Self { towards: [0.0, 0.0, -1.0], up: [0.0, 1.0, 0.0] };
+    pub const TOP: Self = Self { direction: [0.0, 0.0, -1.0], up: [0.0, 1.0, 0.0] };
     /// From the side, x to the right and z upwards.
-    pub const SIDE: Self = Self { towards: [0.0, 1.0, 0.0], up: [0.0, 0.0, 1.0] };
-    /// From above, before and beside.
-    pub const CORNER: Self = Self { towards: [-0.45, 0.75, -0.5], up: [0.0, 0.0, 1.0] };
+    pub const SIDE: Self = Self { direction: [0.0, 1.0, 0.0], up: [0.0, 0.0, 1.0] };
+    /// Oblique, from above.
+    pub const CORNER: Self = Self { direction: [-0.45, 0.75, -0.5], up: [0.0, 0.0, 1.0] };
 
     /// Unit vectors to the right, upwards and away from the eye.
     pub(crate) fn basis(&self) -> [Point3; 3] {
         let unit = |v: Point3| scale(v, 1.0 / norm(v));
-        let away = unit(self.towards);
+        let away = unit(self.direction);
         let right = unit(cross(away, self.up));
         [right, cross(right, away), away]
     }
 }
 
-/// How points in space come onto paper.
+/// The projection from space onto the page.
 pub(crate) struct Camera {
     /// Unit vectors to the right, upwards and away from the eye.
     pub basis: [Point3; 3],
@@ -41,12 +39,12 @@ pub(crate) struct Camera {
     pub zoom: f64,
     middle: Point2,
     centre: Point2,
-    /// What it fills.
+    /// The rectangle of the page that it fills.
     pub area: Area,
 }
 
 impl Camera {
-    /// A camera that shows a rectangle of the plane of view (m) as large as an area of paper allows.
+    /// A camera that shows a rectangle of the plane of view (m) as large as a rectangle of the page allows.
     pub fn new(view: &View, [low, high]: [Point2; 2], area: Area) -> Self {
         let [wide, tall] = [high[0] - low[0], high[1] - low[1]];
         let zoom = (area.width() / wide).min(area.height() / tall);
@@ -54,7 +52,7 @@ impl Camera {
         Self { basis: view.basis(), zoom, middle, centre: area.centre(), area }
     }
 
-    /// Place on paper.
+    /// Place on the page.
     pub fn place(&self, p: Point3) -> Point2 {
         let [right, up, _] = self.basis;
         [
@@ -64,7 +62,7 @@ impl Camera {
     }
 
     /// Place and depth in the picture, in points of print.
-    pub fn dot_place(&self, p: Point3) -> Point3 {
+    pub fn pixel_place(&self, p: Point3) -> Point3 {
         let [x, y] = self.place(p);
         [x - self.area.from[0], y - self.area.from[1], self.zoom * dot(p, self.basis[2])]
     }
@@ -84,7 +82,7 @@ mod tests {
     fn what_is_higher_is_nearer_when_seen_from_above() {
         let area = Area { from: [0.0; 2], to: [100.0, 50.0] };
         let camera = Camera::new(&View::TOP, [[0.0, 0.0], [0.1, 0.1]], area);
-        let ([x, y, low], [_, _, high]) = (camera.dot_place([0.05, 0.1, 0.0]), camera.dot_place([0.05, 0.1, 0.02]));
+        let ([x, y, low], [_, _, high]) = (camera.pixel_place([0.05, 0.1, 0.0]), camera.pixel_place([0.05, 0.1, 0.02]));
         assert!((x - 50.0).abs() < 1e-9 && y.abs() < 1e-9 && high < low);
     }
 }

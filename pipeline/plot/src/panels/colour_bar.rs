@@ -1,25 +1,23 @@
-//! Colour bars: what the colours of a heat map or of a painted mesh mean.
-//!
-//! Stands on: `ruler`, `frame`, the palette. Never knows: what is painted.
+//! Colour bars: the scale of the colours of a heat map or of a painted mesh.
 
 use crate::axis::{Axis, Scale};
-use crate::canvas::{Area, Canvas, Item};
-use crate::frame::{NORMAL, SMALL, standing_ticks, upright, widest};
+use crate::canvas::{Area, Canvas, Item, TextItem};
+use crate::frame::{NORMAL, SMALL, vertical_ticks, widest};
 use crate::raster::Raster;
 use crate::ruler::Ruler;
 use crate::{Colour, PlotError, Side, palette};
 
-/// What colours mean: an axis without a place of its own.
+/// The scale of the colours: an axis whose length and place follow from its frame.
 pub type ColourBar = Axis;
 
 /// Between the frame and its bar.
 const AWAY: f64 = 6.0;
 /// Width of the bar.
 const WIDE: f64 = 6.5;
-/// Length of a tick and of the gaps around numbers.
+/// Length of a tick and of the gaps around tick labels.
 const GAP: f64 = 2.0;
-/// Dots of the bar's picture; a map of 9 colours between which is mixed needs no more.
-const DOTS: usize = 256;
+/// Pixels of the bar's picture; 256 levels are enough for a linear interpolation between 9 colours.
+const PIXELS: usize = 256;
 
 /// A colour bar with its ends.
 #[derive(Debug, Clone, Copy)]
@@ -29,55 +27,55 @@ pub struct Bar<'a> {
 }
 
 impl<'a> Bar<'a> {
-    /// A bar that holds these values (those that are not finite are passed over).
+    /// A bar whose range holds these values; values that are not finite are ignored.
     pub fn new(axis: &'a ColourBar, values: impl Iterator<Item = f64>) -> Result<Self, PlotError> {
         Ok(Self { axis, ends: axis.ends(values.filter(|v| v.is_finite()), 0.0)? })
     }
 
-    /// Where a value lies between the ends, 0 to 1 inside.
-    pub fn part(&self, value: f64) -> f64 {
+    /// The fraction of the range at a value, 0 to 1 inside.
+    pub fn fraction(&self, value: f64) -> f64 {
         Ruler { scale: self.axis.scale, ends: self.ends, places: (0.0, 1.0) }.place(value)
     }
 
-    /// The colour of a value; grey where there is none.
+    /// The colour of a value; grey for a missing one.
     pub fn colour(&self, value: f64) -> Colour {
         match self.axis.scale {
             _ if !value.is_finite() => palette::MISSING,
             Scale::Log if value <= 0.0 => palette::heat(0.0),
-            _ => palette::heat(self.part(value)),
+            _ => palette::heat(self.fraction(value)),
         }
     }
 
-    /// Round values for contours, as many as a bar of this height has numbers.
+    /// Levels of contours: the tick values of a bar of this height.
     pub fn levels(&self, height: f64) -> Vec<f64> {
-        standing_ticks(&self.ruler(height, 0.0)).major.into_iter().map(|(value, _)| value).collect()
+        vertical_ticks(&self.ruler(height, 0.0)).major.into_iter().map(|(value, _)| value).collect()
     }
 
     fn ruler(&self, from: f64, to: f64) -> Ruler {
         Ruler { scale: self.axis.scale, ends: self.ends, places: (from, to) }
     }
 
-    /// The room that the bar takes to the right of a frame of this height.
+    /// The width that the bar takes to the right of a frame of this height.
     pub fn width(&self, height: f64) -> f64 {
-        let numbers = widest(&standing_ticks(&self.ruler(height, 0.0)));
+        let numbers = widest(&vertical_ticks(&self.ruler(height, 0.0)));
         AWAY + WIDE + GAP + GAP + numbers + GAP + NORMAL
     }
 
     /// Draws the bar to the right of a frame.
     pub fn draw(&self, canvas: &mut Canvas, frame: Area) -> Result<(), PlotError> {
         let area = Area { from: [frame.to[0] + AWAY, frame.from[1]], to: [frame.to[0] + AWAY + WIDE, frame.to[1]] };
-        let dots = (0..DOTS).map(|i| palette::heat(1.0 - i as f64 / (DOTS - 1) as f64));
-        let dots = dots.flat_map(|c| [c.0, c.1, c.2, 255]).collect();
-        canvas.items.push(Item::Picture { area, png: Raster { width: 1, height: DOTS, dots }.png()? });
-        canvas.outline(area, 0.5, palette::INK);
-        let ticks = standing_ticks(&self.ruler(area.to[1], area.from[1]));
+        let pixels = (0..PIXELS).map(|i| palette::heat(1.0 - i as f64 / (PIXELS - 1) as f64));
+        let pixels = pixels.flat_map(|c| [c.0, c.1, c.2, 255]).collect();
+        canvas.items.push(Item::Picture { area, png: Raster { width: 1, height: PIXELS, pixels }.png()? });
+        canvas.outline(area, 0.5, palette::BLACK);
+        let ticks = vertical_ticks(&self.ruler(area.to[1], area.from[1]));
         for (value, text) in &ticks.major {
             let y = self.ruler(area.to[1], area.from[1]).place(*value);
-            canvas.segment([area.to[0], y], [area.to[0] + GAP, y], 0.5, palette::INK);
-            canvas.words([area.to[0] + 2.0 * GAP, y], text, SMALL, Side::Right, palette::INK);
+            canvas.segment([area.to[0], y], [area.to[0] + GAP, y], 0.5, palette::BLACK);
+            canvas.text(TextItem::new([area.to[0] + 2.0 * GAP, y], text, SMALL).side(Side::Right));
         }
         let x = area.to[0] + 3.0 * GAP + widest(&ticks) + 0.5 * NORMAL;
-        canvas.items.push(Item::Text(upright([x, area.centre()[1]], &self.axis.title())));
+        canvas.text(TextItem::new([x, area.centre()[1]], &self.axis.title(), NORMAL).vertical());
         Ok(())
     }
 }

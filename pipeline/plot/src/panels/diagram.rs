@@ -1,42 +1,40 @@
-//! Diagrams: boxes, arrows, springs and words, for how something is built or what follows what.
+//! Diagrams: boxes, arrows, springs and text on a sheet.
 //!
-//! Coordinates are millimetres of the diagram's own sheet, x to the right and y upwards; the sheet is fitted into the
-//! panel, words keep their size.
-//!
-//! Stands on: `parts`, `symbols`, `canvas`. Never knows: what its boxes mean.
+//! Coordinates are millimetres on the diagram's sheet, x to the right and y upwards. The sheet is scaled to fit the
+//! panel; text keeps its size.
 
 use si::Point2;
 
-use crate::canvas::{Area, Canvas, Item, Words};
+use crate::canvas::{Area, Canvas, Item, TextItem};
 use crate::frame::NORMAL;
 use crate::mark::Side;
-use crate::panel::{Draw, Margins, Where};
+use crate::panel::{Draw, LegendPlacement, Margins};
 use crate::panels::{Panel, parts, symbols};
 use crate::{Colour, Dash, PlotError, palette};
 
 /// One part of a diagram.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Part {
-    /// A rectangle with words in its middle, one line each.
+    /// A rectangle with centred lines of text.
     Box {
-        /// Its middle, mm.
+        /// Its centre, mm.
         at: Point2,
         /// Its sides, mm.
         size: Point2,
-        /// The words, one line each; the first one is bold when there are more.
+        /// The lines of text; the first one is bold when there are more.
         lines: Vec<String>,
-        /// Its ground.
+        /// Its fill colour.
         fill: Colour,
     },
-    /// A line with a head at its end, and words beside its middle piece.
+    /// A line with a head at its end, and text beside its middle segment.
     Arrow {
         /// Its points, mm.
         points: Vec<Point2>,
-        /// Words beside its middle.
+        /// Text beside its middle.
         text: Option<(String, Side)>,
         /// Its colour.
         colour: Colour,
-        /// How it is broken.
+        /// Its dash pattern.
         dash: Dash,
     },
     /// A line.
@@ -47,23 +45,23 @@ pub enum Part {
         colour: Colour,
         /// Its width, points of print.
         width: f64,
-        /// How it is broken.
+        /// Its dash pattern.
         dash: Dash,
     },
-    /// A filled polygon with a thin rim.
+    /// A filled polygon with a thin outline.
     Polygon {
         /// Its corners, mm.
         points: Vec<Point2>,
-        /// Its ground.
+        /// Its fill colour.
         fill: Colour,
     },
-    /// A filled circle with a thin rim.
+    /// A filled circle with a thin outline.
     Disc {
-        /// Its middle, mm.
+        /// Its centre, mm.
         at: Point2,
         /// Its radius, mm.
         radius: f64,
-        /// Its ground.
+        /// Its fill colour.
         fill: Colour,
     },
     /// A zigzag between two points, mm.
@@ -87,66 +85,66 @@ pub enum Part {
         /// Other end.
         to: Point2,
     },
-    /// A rectangle with a bold line and small words under it, wrapped to its width.
+    /// A rectangle with a bold title and small text under it, wrapped to its width.
     Card {
-        /// Its middle, mm.
+        /// Its centre, mm.
         at: Point2,
         /// Its sides, mm.
         size: Point2,
-        /// The bold line.
+        /// The bold title.
         title: String,
-        /// The words.
-        words: String,
-        /// Its ground.
+        /// The text under the title.
+        text: String,
+        /// Its fill colour.
         fill: Colour,
     },
-    /// A line between two points with a bar and a head at each end, and words beside its middle: how long something is.
+    /// A dimension line: a bar and an arrow head at each end, and text beside its middle.
     Dimension {
         /// One end, mm.
         from: Point2,
         /// Other end, mm.
         to: Point2,
-        /// The words.
+        /// The text.
         text: String,
-        /// Where they stand.
+        /// On which side of the line it is.
         side: Side,
     },
-    /// A panel of its own in a rectangle: a scene, a picture.
+    /// A panel inside of the diagram, such as a scene or a picture.
     Inset {
-        /// The rectangle's middle, mm.
+        /// The rectangle's centre, mm.
         at: Point2,
         /// Its sides, mm.
         size: Point2,
         /// The panel; its margins are left out.
         panel: Box<Panel>,
     },
-    /// Words.
+    /// Text beside a point.
     Text {
-        /// Where, mm.
+        /// The point, mm.
         at: Point2,
-        /// The words.
+        /// The text.
         text: String,
-        /// On which side of the point they stand.
+        /// On which side of the point it is.
         side: Side,
-        /// Their colour.
+        /// Its colour.
         colour: Colour,
     },
 }
 
-/// A drawing of parts on a sheet.
+/// Parts on a sheet.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Diagram {
-    /// Sides of its sheet, mm; the panel shows all of it, in print at true size when the panel is as large.
+    /// Sides of its sheet, mm; printed at true size when the panel is as large.
     pub size: Point2,
-    /// What is drawn, the last one on top.
+    /// The parts, the last one on top.
     pub parts: Vec<Part>,
 }
 
-/// Line width of rims, springs and arrows.
+/// Line width of outlines, springs and arrows.
 const LINE: f64 = 0.8;
 /// Length of an arrow's head.
 const HEAD: f64 = 5.0;
-/// Height of a line of words in a box.
+/// Height of a line of text in a box.
 const LEADING: f64 = 8.6;
 
 impl Diagram {
@@ -162,7 +160,7 @@ impl Diagram {
     }
 }
 
-/// How the sheet lies on paper.
+/// The map from the sheet to the page.
 struct Sheet {
     origin: Point2,
     zoom: f64,
@@ -190,64 +188,59 @@ impl Sheet {
 
     fn draw(&self, canvas: &mut Canvas, part: &Part) -> Result<(), PlotError> {
         match part {
-            Part::Card { at, size, title, words, fill } => {
-                parts::card(canvas, self.area(*at, *size), title, words, *fill);
+            Part::Card { at, size, title, text, fill } => {
+                let area = self.area(*at, *size);
+                parts::filled_box(canvas, area, *fill, parts::LINE);
+                parts::card_text(canvas, area, title, text);
             }
             Part::Dimension { from, to, text, side } => {
                 parts::dimension(canvas, self.place(*from), self.place(*to));
                 let ([a, b], [c, d]) = (self.place(*from), self.place(*to));
-                beside(canvas, [0.5 * (a + c), 0.5 * (b + d)], text, *side, palette::INK);
+                canvas.text(beside(TextItem::new([0.5 * (a + c), 0.5 * (b + d)], text, NORMAL).side(*side)));
             }
             Part::Inset { at, size, panel } => {
-                panel.as_draw().draw(canvas, self.area(*at, *size), Where::Inside)?;
+                panel.as_draw().draw(canvas, self.area(*at, *size), LegendPlacement::Inside)?;
             }
-            Part::Box { at, size, lines, fill } => self.boxed(canvas, *at, *size, lines, *fill),
-            Part::Arrow { points, text, colour, dash } => self.arrow(canvas, points, text.as_ref(), *colour, *dash),
+            Part::Box { at, size, lines, fill } => {
+                parts::filled_box(canvas, self.area(*at, *size), *fill, LINE);
+                centred_lines(canvas, self.place(*at), lines);
+            }
+            Part::Arrow { points, text, colour, dash } => {
+                let middle = self.arrow(canvas, points, *colour, *dash);
+                if let (Some(middle), Some((text, side))) = (middle, text) {
+                    canvas.text(beside(TextItem::new(middle, text, NORMAL).side(*side)));
+                }
+            }
             Part::Line { points, colour, width, dash } => canvas.path(self.places(points), *width, *dash, *colour),
             Part::Polygon { points, fill } => self.polygon(canvas, points, *fill),
             Part::Disc { at, radius, fill } => {
                 let (at, radius) = (self.place(*at), self.zoom * radius);
                 canvas.items.push(Item::Disc { at, radius, line: None, colour: *fill, opacity: 1.0 });
-                canvas.items.push(Item::Disc { at, radius, line: Some(0.6), colour: palette::INK, opacity: 1.0 });
+                canvas.items.push(Item::Disc { at, radius, line: Some(0.6), colour: palette::BLACK, opacity: 1.0 });
             }
             Part::Spring { from, to } => {
                 let line = symbols::spring(self.place(*from), self.place(*to), 5, 4.0);
-                canvas.path(line, LINE, Dash::Solid, palette::INK);
+                canvas.path(line, LINE, Dash::Solid, palette::BLACK);
             }
             Part::Damper { from, to } => {
                 for line in symbols::damper(self.place(*from), self.place(*to), 5.0) {
-                    canvas.path(line, LINE, Dash::Solid, palette::INK);
+                    canvas.path(line, LINE, Dash::Solid, palette::BLACK);
                 }
             }
             Part::Wall { from, to } => self.wall(canvas, *from, *to),
-            Part::Text { at, text, side, colour } => beside(canvas, self.place(*at), text, *side, *colour),
+            Part::Text { at, text, side, colour } => {
+                canvas.text(beside(TextItem::new(self.place(*at), text, NORMAL).side(*side).colour(*colour)));
+            }
         }
         Ok(())
     }
 
-    fn boxed(&self, canvas: &mut Canvas, at: Point2, size: Point2, lines: &[String], fill: Colour) {
-        let ([x, y], area) = (self.place(at), self.area(at, size));
-        canvas.filled(area, fill, 1.0);
-        canvas.outline(area, LINE, palette::INK);
-        for (i, line) in lines.iter().enumerate() {
-            let down = (i as f64 - 0.5 * (lines.len() as f64 - 1.0)) * LEADING;
-            canvas.items.push(Item::Text(Words {
-                at: [x, y + down],
-                text: line.clone(),
-                size: NORMAL,
-                side: Side::Centre,
-                upright: false,
-                bold: i == 0 && lines.len() > 1,
-                colour: palette::INK,
-            }));
-        }
-    }
-
-    fn arrow(&self, canvas: &mut Canvas, points: &[Point2], text: Option<&(String, Side)>, colour: Colour, dash: Dash) {
+    /// Draws an arrow and returns the middle of its middle segment.
+    fn arrow(&self, canvas: &mut Canvas, points: &[Point2], colour: Colour, dash: Dash) -> Option<Point2> {
         let mut places = self.places(points);
-        let Some([.., from, to]) = places.last_chunk::<2>().copied() else { return };
+        let [from, to] = places.last_chunk::<2>().copied()?;
         let head = symbols::arrow_head(from, to, HEAD);
-        // the line ends inside of the head, so that its blunt end does not show
+        // the line ends at the base of the head, so that its square end does not show at the tip
         let last = places.len() - 1;
         places[last] = [0.5 * (head[1][0] + head[2][0]), 0.5 * (head[1][1] + head[2][1])];
         let middle = places[(places.len() - 1) / 2..]
@@ -256,37 +249,44 @@ impl Sheet {
             .fold([0.0; 2], |s, p| [s[0] + 0.5 * p[0], s[1] + 0.5 * p[1]]);
         canvas.path(places, LINE, dash, colour);
         canvas.items.push(Item::Polygon { points: head, colour, opacity: 1.0 });
-        if let Some((text, side)) = text {
-            beside(canvas, middle, text, *side, palette::INK);
-        }
+        Some(middle)
     }
 
     fn polygon(&self, canvas: &mut Canvas, points: &[Point2], fill: Colour) {
         let places = self.places(points);
         let closed = [&places[..], &places[..places.len().min(2)]].concat();
         canvas.items.push(Item::Polygon { points: places, colour: fill, opacity: 1.0 });
-        canvas.path(closed, 0.6, Dash::Solid, palette::INK);
+        canvas.path(closed, 0.6, Dash::Solid, palette::BLACK);
     }
 
     fn wall(&self, canvas: &mut Canvas, from: Point2, to: Point2) {
         let (from, to) = (self.place(from), self.place(to));
-        canvas.segment(from, to, 1.2, palette::INK);
+        canvas.segment(from, to, 1.2, palette::BLACK);
         for [a, b] in symbols::hatching(to, from, 4.0, 4.0) {
-            canvas.segment(a, b, 0.6, palette::INK);
+            canvas.segment(a, b, 0.6, palette::BLACK);
         }
     }
 }
 
-/// Words beside a point, with a small gap.
-fn beside(canvas: &mut Canvas, at: Point2, text: &str, side: Side, colour: Colour) {
-    let away = match side {
+/// Lines of text, centred at a point; the first one is bold when there are more.
+fn centred_lines(canvas: &mut Canvas, [x, y]: Point2, lines: &[String]) {
+    for (i, line) in lines.iter().enumerate() {
+        let down = (i as f64 - 0.5 * (lines.len() as f64 - 1.0)) * LEADING;
+        let text = TextItem::new([x, y + down], line, NORMAL);
+        canvas.text(if i == 0 && lines.len() > 1 { text.bold() } else { text });
+    }
+}
+
+/// A text moved from its point to its side, with a small gap.
+fn beside(text: TextItem) -> TextItem {
+    let gap = match text.side {
         Side::Above => [0.0, -6.0],
         Side::Below => [0.0, 6.0],
         Side::Left => [-3.5, 0.0],
         Side::Right => [3.5, 0.0],
         Side::Centre => [0.0, 0.0],
     };
-    canvas.words([at[0] + away[0], at[1] + away[1]], text, NORMAL, side, colour);
+    text.moved(gap)
 }
 
 impl Draw for Diagram {
@@ -305,11 +305,11 @@ impl Draw for Diagram {
         }
     }
 
-    fn margins(&self, _cell: Area, _legend: Where) -> Result<Option<Margins>, PlotError> {
+    fn margins(&self, _cell: Area, _legend: LegendPlacement) -> Result<Option<Margins>, PlotError> {
         Ok(None)
     }
 
-    fn draw(&self, canvas: &mut Canvas, cell: Area, _legend: Where) -> Result<(), PlotError> {
+    fn draw(&self, canvas: &mut Canvas, cell: Area, _legend: LegendPlacement) -> Result<(), PlotError> {
         let sheet = Sheet::new(self.size, cell);
         self.parts.iter().try_for_each(|part| sheet.draw(canvas, part))
     }

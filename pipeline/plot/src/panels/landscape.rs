@@ -1,16 +1,15 @@
-//! Landscapes: a heat map over two parameters with contours, and the ways that searches took over it.
+//! Landscapes: a heat map over two parameters with contours, and the paths of optimisers over it.
 //!
-//! The map is one embedded picture as large as the frame, so no seam can show between cells.
-//!
-//! Stands on: `frame`, `colour_bar`, `contour`, `legend`. Never knows: that the value is a loss.
+//! The map is one embedded picture as large as the frame. Cells drawn as polygons would show seams between them,
+//! because viewers anti-alias each edge.
 
 use si::Point2;
 
 use crate::canvas::{Area, Canvas, Item};
 use crate::contour::Field;
-use crate::frame::Frame;
+use crate::frame::{AxisRange, Frame};
 use crate::mark::Mark;
-use crate::panel::{Draw, Margins, Where};
+use crate::panel::{Draw, LegendPlacement, Margins};
 use crate::panels::colour_bar::{Bar, ColourBar};
 use crate::raster::Raster;
 use crate::{Axis, Colour, Marker, PlotError, legend, palette};
@@ -21,22 +20,22 @@ pub enum Shading {
     /// Linear between grid points, on the scale of the colour bar.
     #[default]
     Smooth,
-    /// One even cell around each grid point.
+    /// One cell of constant colour around each grid point.
     Cells,
 }
 
 /// A heat map with contours.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Landscape {
-    /// Along; its range is that of the columns.
+    /// Horizontal axis; its range is that of the columns.
     pub x: Axis,
-    /// Up; its range is that of the rows.
+    /// Vertical axis; its range is that of the rows.
     pub y: Axis,
-    /// x of the grid's columns, rising, evenly spaced on the axis' scale.
+    /// x of the grid's columns, increasing, evenly spaced on the axis' scale.
     pub columns: Vec<f64>,
-    /// y of the grid's rows, rising, evenly spaced on the axis' scale.
+    /// y of the grid's rows, increasing, evenly spaced on the axis' scale.
     pub rows: Vec<f64>,
-    /// rows × columns; not finite where there is no value.
+    /// rows × columns; NaN or infinite where there is no value.
     pub values: Vec<f64>,
     /// What the colours mean.
     pub bar: ColourBar,
@@ -44,18 +43,19 @@ pub struct Landscape {
     pub shading: Shading,
     /// Whether lines of equal value are drawn at the bar's numbers.
     pub contours: bool,
-    /// What is drawn over it; labelled marks are listed over the frame.
+    /// Marks over the map; labelled marks are listed over the frame.
     pub marks: Vec<Mark>,
 }
 
-/// Dots of the heat map in a point of print: 216 dots an inch.
-const DOTS_PER_POINT: f64 = 3.0;
-/// Contours are found on a grid at least so fine, so that they bend like the shading does.
+/// Pixels of the heat map in a point of print: 216 an inch.
+const PIXELS_PER_POINT: f64 = 3.0;
+/// Least resolution of the grid for contours. The shading is bilinear between grid points; marching squares on the
+/// coarse grid would replace its curved level lines by straight segments.
 const FINE_COLUMNS: usize = 120;
 
 impl Landscape {
-    /// A heat map with smooth shading and contours.
-    pub fn new(x: Axis, y: Axis, columns: Vec<f64>, rows: Vec<f64>, values: Vec<f64>, bar: ColourBar) -> Self {
+    /// A heat map with smooth shading and contours, from both axes with the grid on each, and values (rows × columns).
+    pub fn new((x, columns): (Axis, Vec<f64>), (y, rows): (Axis, Vec<f64>), values: Vec<f64>, bar: ColourBar) -> Self {
         Self { x, y, columns, rows, values, bar, shading: Shading::Smooth, contours: true, marks: Vec::new() }
     }
 
@@ -65,49 +65,51 @@ impl Landscape {
         self
     }
 
-    /// The way of a search: a line with a dark rim, a small dot at each step and a large one where it starts.
+    /// The path of an optimiser: a line with a dark outline, a small disc at each iterate and a large one at the start.
     pub fn with_path(self, points: Vec<Point2>, colour: Colour, label: &str) -> Self {
         let start = points.first().copied().into_iter().collect();
-        let rim = Mark::line(points.clone(), palette::INK).sized(2.2);
+        let outline = Mark::line(points.clone(), palette::BLACK).sized(2.2);
         let line = Mark::line(points.clone(), colour).sized(1.3).labelled(label);
         let steps = Mark::points(points, Marker::Disc, colour).sized(2.6);
-        let begin = Mark::points(start, Marker::Disc, palette::INK).sized(6.4);
+        let begin = Mark::points(start, Marker::Disc, palette::BLACK).sized(6.4);
         let inner = Mark { colour, size: 4.6, ..begin.clone() };
-        self.with(rim).with(line).with(steps).with(begin).with(inner)
+        self.with(outline).with(line).with(steps).with(begin).with(inner)
     }
 
-    fn cell_rim(&self) -> f64 {
+    /// Extent of a cell beyond its grid point, in grid steps.
+    fn half_cell(&self) -> f64 {
         if self.shading == Shading::Cells { 0.5 } else { 0.0 }
     }
 
     /// Both ends of an axis: those that were set, or those of the grid (with half a cell around it).
     fn ends(&self, axis: &Axis, grid: &[f64]) -> Result<(f64, f64), PlotError> {
         let (low, high) = axis.ends(grid.iter().copied(), 0.0)?;
-        let (a, b) = (axis.scale.even(low), axis.scale.even(high));
-        let half = self.cell_rim() * (b - a) / (grid.len() - 1) as f64;
+        let (a, b) = (axis.scale.linearised(low), axis.scale.linearised(high));
+        let half = self.half_cell() * (b - a) / (grid.len() - 1) as f64;
         Ok(if axis.range.is_some() { (low, high) } else { (axis.scale.value(a - half), axis.scale.value(b + half)) })
     }
 
     fn frame(&self, area: Area) -> Result<Frame<'_>, PlotError> {
-        let (x, y) = (self.ends(&self.x, &self.columns)?, self.ends(&self.y, &self.rows)?);
-        Ok(Frame::new(area, &self.x, x, &self.y, y))
+        let x = AxisRange { axis: &self.x, ends: self.ends(&self.x, &self.columns)? };
+        let y = AxisRange { axis: &self.y, ends: self.ends(&self.y, &self.rows)? };
+        Ok(Frame::new(area, x, y))
     }
 
     fn bar(&self) -> Result<Bar<'_>, PlotError> {
         Bar::new(&self.bar, self.values.iter().copied())
     }
 
-    /// The values as parts of the bar, on the grid.
+    /// The values on the grid, as fractions of the colour bar's range.
     fn field(&self, bar: &Bar) -> Field {
-        let part = |v: &f64| if v.is_finite() { bar.part(*v) } else { f64::NAN };
+        let part = |v: &f64| if v.is_finite() { bar.fraction(*v) } else { f64::NAN };
         Field { columns: self.columns.len(), rows: self.rows.len(), values: self.values.iter().map(part).collect() }
     }
 
-    /// The picture: one dot a place of the frame.
+    /// The picture: one colour for each pixel of the frame.
     fn picture(&self, frame: &Frame, field: &Field) -> Raster {
-        let area = frame.ground.frame;
-        let size = [area.width(), area.height()].map(|v| (v * DOTS_PER_POINT).round().max(1.0) as usize);
-        let mut dots = Vec::with_capacity(size[0] * size[1] * 4);
+        let area = frame.plot_area.frame;
+        let size = [area.width(), area.height()].map(|v| (v * PIXELS_PER_POINT).round().max(1.0) as usize);
+        let mut pixels = Vec::with_capacity(size[0] * size[1] * 4);
         for row in 0..size[1] {
             for column in 0..size[0] {
                 let at = |k: usize, index: usize| {
@@ -115,10 +117,10 @@ impl Landscape {
                 };
                 let part = self.shaded(field, self.grid_place(frame, [at(0, column), at(1, row)]));
                 let colour = if part.is_nan() { palette::MISSING } else { palette::heat(part) };
-                dots.extend([colour.0, colour.1, colour.2, 255]);
+                pixels.extend([colour.0, colour.1, colour.2, 255]);
             }
         }
-        Raster { width: size[0], height: size[1], dots }
+        Raster { width: size[0], height: size[1], pixels }
     }
 
     fn shaded(&self, field: &Field, p: Point2) -> f64 {
@@ -130,20 +132,20 @@ impl Landscape {
         field.between([p[0].clamp(0.0, most[0]), p[1].clamp(0.0, most[1])])
     }
 
-    /// A place on paper as [column, row] of the grid.
+    /// A point of the page as [column, row] of the grid.
     fn grid_place(&self, frame: &Frame, p: Point2) -> Point2 {
         let along = |axis: &Axis, grid: &[f64], value: f64| {
-            let (a, b) = (axis.scale.even(grid[0]), axis.scale.even(grid[grid.len() - 1]));
-            (axis.scale.even(value) - a) / (b - a) * (grid.len() - 1) as f64
+            let (a, b) = (axis.scale.linearised(grid[0]), axis.scale.linearised(grid[grid.len() - 1]));
+            (axis.scale.linearised(value) - a) / (b - a) * (grid.len() - 1) as f64
         };
-        let (x, y) = (frame.ground.x.value(p[0]), frame.ground.y.value(p[1]));
+        let (x, y) = (frame.plot_area.x.value(p[0]), frame.plot_area.y.value(p[1]));
         [along(&self.x, &self.columns, x), along(&self.y, &self.rows, y)]
     }
 
-    /// A place of the grid in the units of the axes.
+    /// [column, row] of the grid in the units of the axes.
     fn grid_value(&self, p: Point2) -> Point2 {
         let along = |axis: &Axis, grid: &[f64], place: f64| {
-            let (a, b) = (axis.scale.even(grid[0]), axis.scale.even(grid[grid.len() - 1]));
+            let (a, b) = (axis.scale.linearised(grid[0]), axis.scale.linearised(grid[grid.len() - 1]));
             axis.scale.value(a + place / (grid.len() - 1) as f64 * (b - a))
         };
         [along(&self.x, &self.columns, p[0]), along(&self.y, &self.rows, p[1])]
@@ -152,17 +154,17 @@ impl Landscape {
     fn draw_contours(&self, canvas: &mut Canvas, frame: &Frame, bar: &Bar, field: &Field) {
         let times = FINE_COLUMNS.div_ceil(self.columns.len().max(self.rows.len()));
         let fine = field.refined(times);
-        for level in bar.levels(frame.ground.frame.height()) {
-            for line in fine.lines(bar.part(level)) {
+        for level in bar.levels(frame.plot_area.frame.height()) {
+            for line in fine.lines(bar.fraction(level)) {
                 let points = line.iter().map(|p| self.grid_value(p.map(|v| v / times as f64))).collect();
-                let mark = Mark::line(points, palette::PAPER).sized(0.45).faded(0.75);
-                frame.ground.draw(canvas, &mark);
+                let mark = Mark::line(points, palette::PAPER).sized(0.45).with_opacity(0.75);
+                frame.plot_area.draw(canvas, &mark);
             }
         }
     }
 
     fn check_grid(&self, axis: &Axis, grid: &[f64]) -> Result<(), PlotError> {
-        let even: Vec<f64> = grid.iter().map(|v| axis.scale.even(*v)).collect();
+        let even: Vec<f64> = grid.iter().map(|v| axis.scale.linearised(*v)).collect();
         let step = (even[even.len() - 1] - even[0]) / (even.len() - 1) as f64;
         let off = |i: usize| (even[i] - even[0] - i as f64 * step).abs();
         let uneven = |i: &usize| off(*i).is_nan() || off(*i) > 1e-6 * step;
@@ -189,15 +191,15 @@ impl Draw for Landscape {
         self.bar()?;
         self.check_grid(&self.x, &self.columns)?;
         self.check_grid(&self.y, &self.rows)?;
-        self.marks.iter().try_for_each(|mark| frame.ground.check(mark))
+        self.marks.iter().try_for_each(|mark| frame.plot_area.check(mark))
     }
 
-    fn margins(&self, cell: Area, place: Where) -> Result<Option<Margins>, PlotError> {
+    fn margins(&self, cell: Area, place: LegendPlacement) -> Result<Option<Margins>, PlotError> {
         let mut margins = self.frame(cell)?.margins();
         let height = cell.height() - margins.top - margins.bottom;
         margins.beyond = self.bar()?.width(height.max(1.0));
         let width = cell.width() - margins.left - margins.right - margins.beyond;
-        if place == Where::Over {
+        if place == LegendPlacement::Over {
             margins.top += legend::height_over(&legend::listed(&self.marks), width);
         }
         Ok(Some(margins))
@@ -207,14 +209,14 @@ impl Draw for Landscape {
         Ok(legend::listed(&self.marks).is_empty()) // a heat map has no free corner
     }
 
-    fn draw(&self, canvas: &mut Canvas, area: Area, _place: Where) -> Result<(), PlotError> {
+    fn draw(&self, canvas: &mut Canvas, area: Area, _place: LegendPlacement) -> Result<(), PlotError> {
         let (frame, bar) = (self.frame(area)?, self.bar()?);
         let field = self.field(&bar);
         canvas.items.push(Item::Picture { area, png: self.picture(&frame, &field).png()? });
         if self.contours && self.shading == Shading::Smooth {
             self.draw_contours(canvas, &frame, &bar, &field);
         }
-        self.marks.iter().for_each(|mark| frame.ground.draw(canvas, mark));
+        self.marks.iter().for_each(|mark| frame.plot_area.draw(canvas, mark));
         frame.draw(canvas);
         bar.draw(canvas, area)?;
         legend::draw_over(canvas, &legend::listed(&self.marks), area);
@@ -229,10 +231,10 @@ mod tests {
     const CELL: Area = Area { from: [30.0, 10.0], to: [150.0, 90.0] };
 
     /// Loss |x − 2| + |y − 20| over x 1, 2, 3 and y 10, 20.
-    fn small(shading: Shading) -> Landscape {
+    fn three_by_two(shading: Shading) -> Landscape {
         let (x, y, bar) = (Axis::linear("x", "m"), Axis::linear("y", "s"), Axis::linear("loss", ""));
         let values = vec![11.0, 10.0, 11.0, 1.0, 0.0, 1.0];
-        Landscape { shading, ..Landscape::new(x, y, vec![1.0, 2.0, 3.0], vec![10.0, 20.0], values, bar) }
+        Landscape { shading, ..Landscape::new((x, vec![1.0, 2.0, 3.0]), (y, vec![10.0, 20.0]), values, bar) }
     }
 
     fn picture(landscape: &Landscape) -> Raster {
@@ -242,42 +244,42 @@ mod tests {
 
     #[test]
     fn cells_of_a_heat_map_leave_no_gap() {
-        let picture = picture(&small(Shading::Cells));
+        let picture = picture(&three_by_two(Shading::Cells));
         let colours = [11.0, 10.0, 1.0, 0.0].map(|v| palette::heat(v / 11.0));
-        for dot in picture.dots.chunks(4) {
-            assert!(dot[3] == 255 && colours.contains(&Colour(dot[0], dot[1], dot[2])), "{dot:?}");
+        for pixel in picture.pixels.chunks(4) {
+            assert!(pixel[3] == 255 && colours.contains(&Colour(pixel[0], pixel[1], pixel[2])), "{pixel:?}");
         }
     }
 
     #[test]
     fn the_picture_of_a_heat_map_fills_its_frame() {
         let mut canvas = Canvas::default();
-        small(Shading::Smooth).draw(&mut canvas, CELL, Where::Over).unwrap();
+        three_by_two(Shading::Smooth).draw(&mut canvas, CELL, LegendPlacement::Over).unwrap();
         assert!(matches!(&canvas.items[0], Item::Picture { area, .. } if *area == CELL));
     }
 
     #[test]
     fn the_first_row_of_values_lies_at_the_bottom() {
-        let picture = picture(&small(Shading::Cells));
-        let last = picture.dots.len() - 4;
+        let picture = picture(&three_by_two(Shading::Cells));
+        let last = picture.pixels.len() - 4;
         let (top, bottom) = (palette::heat(1.0 / 11.0), palette::heat(1.0));
-        assert_eq!(picture.dots[..3], [top.0, top.1, top.2]);
-        assert_eq!(picture.dots[last..last + 3], [bottom.0, bottom.1, bottom.2]);
+        assert_eq!(picture.pixels[..3], [top.0, top.1, top.2]);
+        assert_eq!(picture.pixels[last..last + 3], [bottom.0, bottom.1, bottom.2]);
     }
 
     #[test]
     fn a_grid_that_is_not_even_is_refused() {
-        let mut landscape = small(Shading::Smooth);
+        let mut landscape = three_by_two(Shading::Smooth);
         landscape.columns[1] = 2.2;
         assert!(landscape.check().unwrap_err().to_string().contains("rise evenly"));
     }
 
     #[test]
-    fn a_grid_point_and_its_place_on_paper_are_inverse() {
-        let landscape = small(Shading::Smooth);
+    fn grid_place_is_the_inverse_of_grid_value() {
+        let landscape = three_by_two(Shading::Smooth);
         let frame = landscape.frame(CELL).unwrap();
         let value = landscape.grid_value([0.7, 0.4]);
-        let back = landscape.grid_place(&frame, [frame.ground.x.place(value[0]), frame.ground.y.place(value[1])]);
+        let back = landscape.grid_place(&frame, [frame.plot_area.x.place(value[0]), frame.plot_area.y.place(value[1])]);
         assert!((back[0] - 0.7).abs() < 1e-12 && (back[1] - 0.4).abs() < 1e-12);
     }
 }

@@ -1,6 +1,4 @@
-//! The family of panels: one file each, and the list that a figure chooses from.
-//!
-//! Stands on: the contract in `panel.rs` and its members. Never knows: a figure.
+//! The kinds of panels: one file each, and the enum of all.
 
 pub mod axes;
 pub mod camera;
@@ -23,9 +21,9 @@ pub enum Panel {
     Axes(axes::Axes),
     /// A heat map with contours: a loss over two parameters.
     Landscape(landscape::Landscape),
-    /// Triangles in space, seen from one side.
+    /// Triangles in space in orthographic projection.
     Scene(scene::Scene),
-    /// Boxes, arrows, springs: how something is built.
+    /// Boxes, arrows, springs and text.
     Diagram(diagram::Diagram),
     /// A grey picture, such as a frame of a video.
     Picture(picture::Picture),

@@ -1,15 +1,13 @@
-//! Pictures: a grey frame of a video, with marks in its own dots laid over it.
-//!
-//! Stands on: `raster`, `mark_ink`. Never knows: a camera, or what is in the picture.
+//! Pictures: a grey frame of a video, with marks in pixel coordinates over it.
 
 use si::Point2;
 
 use crate::axis::Scale;
-use crate::canvas::{Area, Canvas, Item};
+use crate::canvas::{Area, Canvas, Item, TextItem};
 use crate::frame::SMALL;
-use crate::mark::{Mark, Side};
-use crate::mark_ink::Ground;
-use crate::panel::{Draw, Margins, Where};
+use crate::mark::Mark;
+use crate::mark_painter::PlotArea;
+use crate::panel::{Draw, LegendPlacement, Margins};
 use crate::raster::grey_png;
 use crate::ruler::Ruler;
 use crate::{PlotError, palette};
@@ -17,20 +15,20 @@ use crate::{PlotError, palette};
 /// A grey picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
-    /// Dots across.
+    /// Pixels in a row.
     pub width: usize,
-    /// Dots down.
+    /// Pixels in a column.
     pub height: usize,
     /// height × width, rows from the top, 0 black to 255 white.
     pub grey: Vec<u8>,
-    /// What is laid over, in dots from the left upper corner, y downwards; a dot's middle is at half numbers.
+    /// Marks over the picture, in pixels from the left upper corner, y downwards; the centre of a pixel is at half numbers.
     pub marks: Vec<Mark>,
-    /// A scale bar: its length in dots and its words.
+    /// A scale bar: its length in pixels and its text.
     pub scale_bar: Option<(f64, String)>,
 }
 
-/// Most dots in a point of print (216 an inch); finer pictures are averaged down.
-const DOTS_PER_POINT: f64 = 3.0;
+/// Most pixels in a point of print (216 an inch); finer pictures are averaged down.
+const PIXELS_PER_POINT: f64 = 3.0;
 
 impl Picture {
     /// A grey picture: height × width, rows from the top.
@@ -38,18 +36,18 @@ impl Picture {
         Self { width, height, grey, marks: Vec::new(), scale_bar: None }
     }
 
-    /// The same picture with one more mark, in dots.
+    /// The same picture with one more mark, in pixels.
     pub fn with(mut self, mark: Mark) -> Self {
         self.marks.push(mark);
         self
     }
 
-    /// The same picture with a scale bar: its length in dots and its words.
-    pub fn with_scale_bar(self, dots: f64, words: &str) -> Self {
-        Self { scale_bar: Some((dots, words.to_owned())), ..self }
+    /// The same picture with a scale bar: its length in pixels and its text.
+    pub fn with_scale_bar(self, pixels: f64, text: &str) -> Self {
+        Self { scale_bar: Some((pixels, text.to_owned())), ..self }
     }
 
-    /// The largest rectangle of the picture's shape in the middle of a cell.
+    /// The largest rectangle with the picture's aspect ratio in the middle of a cell.
     fn fitted(&self, cell: Area) -> Area {
         let size: Point2 = [self.width as f64, self.height as f64];
         let zoom = (cell.width() / size[0]).min(cell.height() / size[1]);
@@ -58,26 +56,26 @@ impl Picture {
         Area { from: [x - half[0], y - half[1]], to: [x + half[0], y + half[1]] }
     }
 
-    /// The picture with blocks of `by` × `by` dots averaged (dots beyond the last whole block are left out).
+    /// The picture with blocks of `by` × `by` pixels averaged (pixels beyond the last whole block are left out).
     fn averaged(&self, by: usize) -> (usize, usize, Vec<u8>) {
         let (width, height) = (self.width / by, self.height / by);
         let mean = |k: usize| {
             let (row, column) = (k / width * by, k % width * by);
-            let dots = (0..by * by).map(|i| (row + i / by) * self.width + column + i % by);
-            let sum: usize = dots.map(|i| usize::from(self.grey[i])).sum();
+            let pixels = (0..by * by).map(|i| (row + i / by) * self.width + column + i % by);
+            let sum: usize = pixels.map(|i| usize::from(self.grey[i])).sum();
             ((sum + by * by / 2) / (by * by)) as u8
         };
         (width, height, (0..width * height).map(mean).collect())
     }
 
     fn draw_scale_bar(&self, canvas: &mut Canvas, area: Area) {
-        let Some((dots, words)) = &self.scale_bar else { return };
-        let length = dots / self.width as f64 * area.width();
+        let Some((pixels, text)) = &self.scale_bar else { return };
+        let length = pixels / self.width as f64 * area.width();
         let (from, y) = (area.from[0] + 5.0, area.to[1] - 6.0);
         let label = Area::new([from - 2.5, y - 11.5], [length.max(22.0) + 5.0, 15.0]);
         canvas.filled(label, palette::PAPER, 0.8);
-        canvas.segment([from, y], [from + length, y], 1.4, palette::INK);
-        canvas.words([from + 0.5 * length.max(22.0), y - 5.5], words, SMALL, Side::Centre, palette::INK);
+        canvas.segment([from, y], [from + length, y], 1.4, palette::BLACK);
+        canvas.text(TextItem::new([from + 0.5 * length.max(22.0), y - 5.5], text, SMALL));
     }
 }
 
@@ -91,13 +89,13 @@ impl Draw for Picture {
         }
     }
 
-    fn margins(&self, _cell: Area, _legend: Where) -> Result<Option<Margins>, PlotError> {
+    fn margins(&self, _cell: Area, _legend: LegendPlacement) -> Result<Option<Margins>, PlotError> {
         Ok(None)
     }
 
-    fn draw(&self, canvas: &mut Canvas, cell: Area, _legend: Where) -> Result<(), PlotError> {
+    fn draw(&self, canvas: &mut Canvas, cell: Area, _legend: LegendPlacement) -> Result<(), PlotError> {
         let area = self.fitted(cell);
-        let by = (self.width as f64 / (area.width() * DOTS_PER_POINT)).floor().max(1.0) as usize;
+        let by = (self.width as f64 / (area.width() * PIXELS_PER_POINT)).floor().max(1.0) as usize;
         let (width, height, grey) = self.averaged(by);
         canvas.items.push(Item::Picture { area, png: grey_png(&grey, width, height)? });
         let ruler = |most: usize, k: usize| Ruler {
@@ -105,10 +103,10 @@ impl Draw for Picture {
             ends: (0.0, most as f64),
             places: (area.from[k], area.to[k]),
         };
-        let ground = Ground { x: ruler(self.width, 0), y: ruler(self.height, 1), frame: area };
-        self.marks.iter().for_each(|mark| ground.draw(canvas, mark));
+        let plot_area = PlotArea { x: ruler(self.width, 0), y: ruler(self.height, 1), frame: area };
+        self.marks.iter().for_each(|mark| plot_area.draw(canvas, mark));
         self.draw_scale_bar(canvas, area);
-        canvas.outline(area, 0.5, palette::INK);
+        canvas.outline(area, 0.5, palette::BLACK);
         Ok(())
     }
 }
@@ -124,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_keeps_its_shape_in_any_cell() {
+    fn a_picture_keeps_its_aspect_ratio_in_any_cell() {
         let picture = Picture::new(200, 100, vec![0; 20_000]);
         let area = picture.fitted(Area::new([0.0; 2], [50.0, 300.0]));
         assert!((area.width() - 50.0).abs() < 1e-12 && (area.height() - 25.0).abs() < 1e-12);

@@ -1,31 +1,29 @@
-//! Scenes: triangles in space, seen from far away in one direction, with a scale bar and words over them.
+//! Scenes: triangles in space in orthographic projection, with a scale bar and overlays.
 //!
-//! The triangles become one picture through a depth buffer, so a mesh of any size gives a small figure; what is laid
-//! over it stays lines and text.
-//!
-//! Stands on: `camera`, `z_buffer`, `shading`, `colour_bar`, `canvas`. Never knows: what the triangles belong to.
+//! The triangles are rendered into one picture with a depth buffer, so that the size of the figure does not depend on the
+//! size of the mesh; overlays stay vector graphics.
 
 use si::vec3::{add, dot, norm, scale};
 use si::{MILLIMETRE, Metre, Point2, Point3};
 
-use crate::canvas::{Area, Canvas, Item};
+use crate::canvas::{Area, Canvas, Item, TextItem};
 use crate::frame::SMALL;
 use crate::mark::{Mark, Marker, Side};
-use crate::mark_ink::draw_marker;
-use crate::panel::{Draw, Margins, Where};
+use crate::mark_painter::draw_marker;
+use crate::panel::{Draw, LegendPlacement, Margins};
 use crate::panels::camera::{Camera, View};
 use crate::panels::colour_bar::{Bar, ColourBar};
 use crate::panels::shading::{lit, normals};
 use crate::panels::z_buffer::{Facet, render};
 use crate::{Colour, Dash, PlotError, palette, text};
 
-/// What colour a triangle has.
+/// The colour of a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Paint {
     /// One colour.
     Solid(Colour),
-    /// One colour that lets through what is behind; 1 covers.
-    Clear(Colour, f64),
+    /// One colour with an opacity, 0 to 1.
+    Transparent(Colour, f64),
     /// A value at each corner, shown by the scene's colour bar.
     Values([f64; 3]),
 }
@@ -39,23 +37,23 @@ pub struct Triangle {
     pub paint: Paint,
 }
 
-/// What is laid over a scene.
+/// The kind of an overlay.
 #[derive(Debug, Clone, PartialEq)]
 pub enum OverlayKind {
     /// A line through the points.
     Line(Dash),
     /// A marker at each point.
     Markers(Marker),
-    /// Words at the first point.
+    /// Text at the first point.
     Text(String, Side),
 }
 
-/// Lines, markers and words at points in space, never hidden.
+/// Lines, markers and text at points in space; the triangles do not hide them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Overlay {
-    /// Where, m.
+    /// The points, m.
     pub points: Vec<Point3>,
-    /// What.
+    /// Its kind.
     pub kind: OverlayKind,
     /// Its colour.
     pub colour: Colour,
@@ -63,31 +61,31 @@ pub struct Overlay {
     pub size: f64,
 }
 
-/// Triangles seen from one side.
+/// Triangles in orthographic projection.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
     /// The triangles.
     pub triangles: Vec<Triangle>,
-    /// Where the eye looks.
+    /// The direction of view.
     pub view: View,
-    /// What [`Paint::Values`] mean.
+    /// The scale of [`Paint::Values`].
     pub bar: Option<ColourBar>,
     /// Length of a scale bar, m.
     pub scale_bar: Option<Metre>,
-    /// What is laid over.
+    /// Lines, markers and text over the triangles.
     pub overlays: Vec<Overlay>,
-    /// Two corners in space that are shown whatever the triangles are, so that several scenes have one scale, m.
+    /// Two corners of the volume that is shown, so that several scenes have one scale, m; without it, all triangles are.
     pub window: Option<[Point3; 2]>,
 }
 
-/// Dots in a point of print at first (288 an inch); fewer when the picture gets too heavy.
-const DOTS_PER_POINT: f64 = 4.0;
-/// A picture may weigh so many bytes for each square point of its cell: at most 200 kB on a whole column of 60 mm.
+/// Pixels in a point of print at first (288 an inch); fewer when the picture takes too many bytes.
+const PIXELS_PER_POINT: f64 = 4.0;
+/// Limit of the PNG's size for each square point of its cell: 200 kB for a column of 60 mm.
 const BYTES_PER_SQUARE_POINT: f64 = 4.5;
-/// An outline is drawn where depth jumps by this part of the scene's size.
+/// An outline is drawn where the depth jumps by this fraction of the scene's size.
 const JUMP: f64 = 0.02;
-/// Room under the triangles for the scale bar.
-const BAR_ROOM: f64 = 12.0;
+/// Height of the scale bar under the triangles.
+const SCALE_BAR_HEIGHT: f64 = 12.0;
 
 impl Scene {
     /// An empty scene.
@@ -112,7 +110,7 @@ impl Scene {
         Self { bar: Some(bar), ..self }
     }
 
-    /// The same scene with something laid over.
+    /// The same scene with an overlay.
     pub fn with_overlay(mut self, points: Vec<Point3>, kind: OverlayKind, colour: Colour, size: f64) -> Self {
         self.overlays.push(Overlay { points, kind, colour, size });
         self
@@ -123,7 +121,7 @@ impl Scene {
         Self { scale_bar: Some(length), ..self }
     }
 
-    /// The same scene with two corners in space that are shown in any case, m.
+    /// The same scene with the volume that is shown, given by two corners, m.
     pub fn with_window(self, low: Point3, high: Point3) -> Self {
         Self { window: Some([low, high]), ..self }
     }
@@ -155,14 +153,14 @@ impl Scene {
         self.bar.as_ref().map(|axis| Bar::new(axis, values)).transpose()
     }
 
-    /// The projection onto a cell, less the room for the scale bar.
+    /// The projection onto a cell without the height of the scale bar.
     fn camera(&self, cell: Area) -> Camera {
-        let area = Area { from: cell.from, to: [cell.to[0], cell.to[1] - self.bar_room()] };
+        let area = Area { from: cell.from, to: [cell.to[0], cell.to[1] - self.scale_bar_height()] };
         Camera::new(&self.view, self.shown(), area)
     }
 
-    fn bar_room(&self) -> f64 {
-        if self.scale_bar.is_some() { BAR_ROOM } else { 0.0 }
+    fn scale_bar_height(&self) -> f64 {
+        if self.scale_bar.is_some() { SCALE_BAR_HEIGHT } else { 0.0 }
     }
 
     /// Places and colours of all triangles, with light from above and left of the eye.
@@ -174,30 +172,31 @@ impl Scene {
         let facet = |(triangle, normals): (&Triangle, [Point3; 3])| {
             let (plain, opacity) = match triangle.paint {
                 Paint::Solid(colour) => ([colour; 3], 1.0),
-                Paint::Clear(colour, opacity) => ([colour; 3], opacity),
+                Paint::Transparent(colour, opacity) => ([colour; 3], opacity),
                 Paint::Values(values) => (values.map(|v| bar.map_or(palette::MISSING, |b| b.colour(v))), 1.0),
             };
             let colours = std::array::from_fn(|k| lit(plain[k], normals[k], lamp, eye));
-            Facet { corners: triangle.corners.map(|p| camera.dot_place(p)), colours, opacity }
+            Facet { corners: triangle.corners.map(|p| camera.pixel_place(p)), colours, opacity }
         };
         self.triangles.iter().zip(normals(&corners)).map(facet).collect()
     }
 
-    /// The picture, with as many dots as its weight allows.
+    /// The picture, with as many pixels as the limit of its size allows.
     fn picture(&self, camera: &Camera, bar: Option<&Bar>) -> Result<Vec<u8>, PlotError> {
         let facets = self.facets(camera, bar);
         let size = [camera.area.width(), camera.area.height()];
         let jump = JUMP * size[0].max(size[1]);
         let limit = (BYTES_PER_SQUARE_POINT * size[0] * size[1]) as usize;
-        let mut dots = DOTS_PER_POINT;
+        // the size of a PNG is not predictable from the mesh: render, measure, reduce the resolution
+        let mut resolution = PIXELS_PER_POINT;
         loop {
-            let scaled: Vec<Facet> = facets.iter().map(|f| f.scaled(dots)).collect();
-            let [w, h] = size.map(|v| (v * dots).round().max(1.0) as usize);
+            let scaled: Vec<Facet> = facets.iter().map(|f| f.scaled(resolution)).collect();
+            let [w, h] = size.map(|v| (v * resolution).round().max(1.0) as usize);
             let png = render(&scaled, w, h, jump).png()?;
-            if png.len() <= limit || dots <= 1.5 {
+            if png.len() <= limit || resolution <= 1.5 {
                 return Ok(png);
             }
-            dots *= 0.8;
+            resolution *= 0.8;
         }
     }
 
@@ -205,18 +204,18 @@ impl Scene {
         let Some(length) = self.scale_bar else { return };
         let (from, y) = ([camera.area.from[0] + 2.0, camera.area.to[1] + 4.0], camera.area.to[1] + 4.0);
         let to = [from[0] + length * camera.zoom, y];
-        canvas.segment(from, to, 1.2, palette::INK);
+        canvas.segment(from, to, 1.2, palette::BLACK);
         for end in [from, to] {
-            canvas.segment([end[0], y - 1.8], [end[0], y + 1.8], 0.8, palette::INK);
+            canvas.segment([end[0], y - 1.8], [end[0], y + 1.8], 0.8, palette::BLACK);
         }
-        let words = format!("{} mm", text::number(length / MILLIMETRE, 0));
-        canvas.words([to[0] + 3.5, y], &words, SMALL, Side::Right, palette::INK);
+        let text = format!("{} mm", text::number(length / MILLIMETRE, 0));
+        canvas.text(TextItem::new([to[0] + 3.5, y], &text, SMALL).side(Side::Right));
     }
 }
 
 impl Facet {
-    fn scaled(&self, dots: f64) -> Self {
-        Self { corners: self.corners.map(|[x, y, depth]| [x * dots, y * dots, depth]), ..*self }
+    fn scaled(&self, resolution: f64) -> Self {
+        Self { corners: self.corners.map(|[x, y, depth]| [x * resolution, y * resolution, depth]), ..*self }
     }
 }
 
@@ -236,24 +235,24 @@ impl Draw for Scene {
         self.bar().map(drop)
     }
 
-    fn margins(&self, _cell: Area, _legend: Where) -> Result<Option<Margins>, PlotError> {
+    fn margins(&self, _cell: Area, _legend: LegendPlacement) -> Result<Option<Margins>, PlotError> {
         Ok(None)
     }
 
-    fn draw(&self, canvas: &mut Canvas, cell: Area, _legend: Where) -> Result<(), PlotError> {
+    fn draw(&self, canvas: &mut Canvas, cell: Area, _legend: LegendPlacement) -> Result<(), PlotError> {
         let bar = self.bar()?;
         let height = 0.8 * cell.height();
         let wide = bar.as_ref().map_or(0.0, |b| b.width(height));
-        let room = Area { from: cell.from, to: [cell.to[0] - wide, cell.to[1]] };
-        let camera = self.camera(room);
+        let remaining = Area { from: cell.from, to: [cell.to[0] - wide, cell.to[1]] };
+        let camera = self.camera(remaining);
         canvas.items.push(Item::Picture { area: camera.area, png: self.picture(&camera, bar.as_ref())? });
         for overlay in &self.overlays {
             overlay.draw(canvas, &camera);
         }
         self.draw_scale_bar(canvas, &camera);
         let beside = Area {
-            from: [room.from[0], cell.centre()[1] - 0.5 * height],
-            to: [room.to[0], cell.centre()[1] + 0.5 * height],
+            from: [remaining.from[0], cell.centre()[1] - 0.5 * height],
+            to: [remaining.to[0], cell.centre()[1] + 0.5 * height],
         };
         bar.map_or(Ok(()), |b| b.draw(canvas, beside))
     }
@@ -270,7 +269,7 @@ impl Overlay {
             }
             OverlayKind::Text(text, side) => {
                 if let Some(place) = places.first() {
-                    canvas.words(*place, text, self.size, *side, self.colour);
+                    canvas.text(TextItem::new(*place, text, self.size).side(*side).colour(self.colour));
                 }
             }
         }

@@ -1,6 +1,4 @@
-//! Light: how bright a surface is where its normal points somewhere.
-//!
-//! Stands on: `si`. Never knows: dots or colours' meaning.
+//! Shading: the brightness of a surface from its normal (Lambert's law with ambient light).
 
 use std::collections::BTreeMap;
 
@@ -9,11 +7,11 @@ use si::vec3::{add, cross, dot, norm, scale, sub};
 
 use crate::Colour;
 
-/// Light that comes from everywhere.
+/// Ambient light, as a fraction of the whole.
 const AMBIENT: f64 = 0.42;
-/// Neighbours whose normals differ by more than this (cosine) are parted by an edge, not bent into each other.
+/// Cosine of the crease angle: neighbours whose normals differ by more are separated by a sharp edge.
 const CREASE: f64 = 0.77;
-/// Brightness is written in so many steps, so that even surfaces pack well as PNG and no eye sees a step.
+/// Levels of brightness: few enough for smooth surfaces to compress well as PNG, too many for a step to be visible.
 const STEPS: f64 = 64.0;
 
 /// A key that is equal for corners at the same place, bit by bit.
@@ -67,7 +65,7 @@ mod tests {
     }
 
     #[test]
-    fn a_surface_towards_the_lamp_is_brighter_than_one_aside() {
+    fn a_surface_that_faces_the_light_is_brighter() {
         let eye = [0.0, 0.0, 1.0];
         let grey = Colour(150, 150, 150);
         let (facing, aside) = (lit(grey, eye, eye, eye), lit(grey, [1.0, 0.0, 0.0], eye, eye));

@@ -1,6 +1,4 @@
 //! Symbols of mechanics as lines: springs, dampers, arrow heads, hatched walls.
-//!
-//! Stands on: `si`. Never knows: paper or colours.
 
 use si::Point2;
 

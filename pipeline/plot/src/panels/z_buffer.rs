@@ -1,28 +1,26 @@
-//! A small renderer: flat triangles on a grid of dots, the nearest one seen, edges drawn where depth jumps.
+//! A small renderer with a depth buffer: triangles on a grid of pixels, with outlines where the depth jumps.
 //!
-//! Each dot is `FINE` × `FINE` samples, which are averaged in the end.
-//!
-//! Stands on: `raster`. Never knows: space, light or a camera; it gets places, depths and colours.
+//! Each pixel is the mean of `FINE` × `FINE` samples.
 
 use si::Point3;
 
 use crate::Colour;
 use crate::raster::Raster;
 
-/// A triangle ready to be filled: corners [across, down, depth] in dots, depth growing away from the eye.
+/// A triangle ready to be filled: corners [across, down, depth] in pixels, depth increasing away from the eye.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Facet {
     /// The corners.
     pub corners: [Point3; 3],
     /// The colours of the corners, between which is mixed.
     pub colours: [Colour; 3],
-    /// 1 covers what is behind.
+    /// 1 hides what is behind.
     pub opacity: f64,
 }
 
-/// Samples of a dot in each direction.
+/// Samples of a pixel in each direction.
 const FINE: usize = 3;
-/// How much darker an outline is than its surface.
+/// Brightness of an outline, relative to its surface.
 const OUTLINE: f64 = 0.45;
 
 /// The samples of a picture.
@@ -30,11 +28,12 @@ struct Samples {
     width: usize,
     height: usize,
     depth: Vec<f64>,
-    /// red, green, blue, 0 to 255, multiplied by cover; and cover.
+    /// red, green, blue, 0 to 255, multiplied by alpha; and alpha.
     light: Vec<[f64; 4]>,
 }
 
-/// Fills all facets; solid ones hide, clear ones (opacity below 1) are laid over from far to near.
+/// Renders all facets; opaque ones first, then transparent ones from far to near (painter's algorithm), which do not
+/// write to the depth buffer.
 ///
 /// An outline is drawn where the depth of solid facets jumps by more than `jump` (in the facets' unit of depth).
 pub fn render(facets: &[Facet], width: usize, height: usize, jump: f64) -> Raster {
@@ -78,9 +77,9 @@ impl Samples {
             return;
         }
         let channel = |of: fn(&Colour) -> u8| (0..3).map(|k| parts[k] * f64::from(of(&facet.colours[k]))).sum::<f64>();
-        let (new, cover) = ([channel(|c| c.0), channel(|c| c.1), channel(|c| c.2), 1.0], facet.opacity.min(1.0));
+        let (new, alpha) = ([channel(|c| c.0), channel(|c| c.1), channel(|c| c.2), 1.0], facet.opacity.min(1.0));
         for (old, new) in self.light[index].iter_mut().zip(new) {
-            *old = *old * (1.0 - cover) + new * cover;
+            *old = *old * (1.0 - alpha) + new * alpha;
         }
         if facet.opacity >= 1.0 {
             self.depth[index] = depth;
@@ -106,7 +105,7 @@ impl Samples {
     }
 
     fn averaged(&self, width: usize, height: usize) -> Raster {
-        let mut dots = Vec::with_capacity(width * height * 4);
+        let mut pixels = Vec::with_capacity(width * height * 4);
         for (row, column) in (0..height).flat_map(|r| (0..width).map(move |c| (r, c))) {
             let mut sum = [0.0; 4];
             for k in 0..FINE * FINE {
@@ -116,9 +115,9 @@ impl Samples {
             let cover = sum[3];
             let shown = |v: f64| if cover > 0.0 { (v / cover).round().clamp(0.0, 255.0) as u8 } else { 255 };
             let alpha = (255.0 * cover / (FINE * FINE) as f64).round() as u8;
-            dots.extend([shown(sum[0]), shown(sum[1]), shown(sum[2]), alpha]);
+            pixels.extend([shown(sum[0]), shown(sum[1]), shown(sum[2]), alpha]);
         }
-        Raster { width, height, dots }
+        Raster { width, height, pixels }
     }
 }
 
@@ -136,7 +135,7 @@ mod tests {
 
     fn middle(facets: &[Facet]) -> Vec<u8> {
         let picture = render(facets, 5, 5, f64::INFINITY);
-        picture.dots[4 * 12..4 * 13].to_vec()
+        picture.pixels[4 * 12..4 * 13].to_vec()
     }
 
     #[test]
@@ -162,17 +161,17 @@ mod tests {
         };
         let picture = render(&[half(0, 1, 2), half(0, 2, 3)], 9, 9, f64::INFINITY);
         for (row, column) in (1..8).flat_map(|r| (1..8).map(move |c| (r, c))) {
-            assert_eq!(picture.dots[4 * (9 * row + column) + 3], 255);
+            assert_eq!(picture.pixels[4 * (9 * row + column) + 3], 255);
         }
     }
 
     #[test]
-    fn half_a_dot_is_half_covered() {
+    fn half_a_pixel_is_half_covered() {
         let corners = [[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [0.5, 3.0, 0.0]];
         let other = [[0.0, 0.0, 0.0], [0.5, 3.0, 0.0], [0.0, 3.0, 0.0]];
         let facets = [corners, other].map(|corners| Facet { corners, colours: [RED; 3], opacity: 1.0 });
         // 3 samples a dot: a half is met as one or two thirds
-        let cover = render(&facets, 1, 1, f64::INFINITY).dots[3];
+        let cover = render(&facets, 1, 1, f64::INFINITY).pixels[3];
         assert!((80..=175).contains(&cover), "{cover}");
     }
 }

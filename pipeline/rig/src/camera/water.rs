@@ -1,22 +1,20 @@
-//! Water between camera and bench: a surface that bends every ray, and ripples that travel over it.
+//! Refraction at the water surface, with travelling ripples.
 //!
-//! The surface is flat but for slopes of a few milliradians, whose heights (tens of micrometres) are left out. Where a
-//! point is seen is found against the light, by where its ray crosses the surface.
-//!
-//! Stands on: `si`, seeded chance. Never knows: a lens, a pixel, how anyone else follows a ray.
+//! The ripples have slopes of a few milliradians; their heights (tens of micrometres) are neglected. The apparent position of a point is found
+//! from the point to the camera, by solving for the crossing of its ray with the surface. The pipeline traces rays from the camera
+//! instead: the two share no code.
 
 use si::{Metre, Point2, Point3, Radian, Second, vec3};
 
-use crate::draw::Draw;
+use crate::random::RandomStream;
 use crate::settings;
 
-/// Waves of which the ripples are made.
+/// Number of plane waves in the ripples.
 const WAVES: usize = 5;
-/// Newton steps for a crossing at most, and the share of its distance under which a step is the last: the next one would be
-/// its square.
+/// Most Newton steps for a crossing, and the relative step at which the iteration stops: convergence is quadratic.
 const STEPS: usize = 6;
-const MET: f64 = 1e-6;
-/// Of gravity, m/s², and of the surface of water over its density, m³/s².
+const TOLERANCE: f64 = 1e-6;
+/// Gravity, m/s², and surface tension of water over its density, m³/s².
 const GRAVITY: f64 = 9.81;
 const TENSION: f64 = 7.3e-5;
 
@@ -30,38 +28,38 @@ pub struct Water {
     waves: Vec<Wave>,
 }
 
-/// One travelling wave of slope.
+/// One travelling wave.
 #[derive(Debug, Clone, Copy)]
 struct Wave {
-    /// Unit vector × wave number, rad/m.
-    number: Point2,
-    /// Largest slope, rad.
-    steep: Radian,
+    /// Wave vector, rad/m.
+    wave_vector: Point2,
+    /// Amplitude of the slope, rad.
+    slope: Radian,
     /// rad/s.
-    pace: f64,
+    angular_frequency: f64,
     phase: Radian,
 }
 
 impl Water {
     /// A surface without ripples.
-    pub fn still(surface: Metre, index: f64) -> Self {
+    pub fn at_rest(surface: Metre, index: f64) -> Self {
         Self { surface, index, waves: Vec::new() }
     }
 
-    /// The same surface at rest.
-    pub fn flat(&self) -> Self {
-        Self::still(self.surface, self.index)
+    /// The same surface without ripples.
+    pub fn without_ripples(&self) -> Self {
+        Self::at_rest(self.surface, self.index)
     }
 
     /// The same surface with the ripples of one recording, drawn from the settings' ranges.
-    pub fn rippled(&self, set: &settings::Water, draw: &mut Draw) -> Self {
-        let steep = draw.between(set.ripple) * (2.0 / WAVES as f64).sqrt();
+    pub fn rippled(&self, set: &settings::Water, random: &mut RandomStream) -> Self {
+        let slope = random.uniform(set.ripple) * (2.0 / WAVES as f64).sqrt();
         let wave = |_| {
-            let way = draw.between([0.0, std::f64::consts::TAU]);
-            let k = std::f64::consts::TAU / draw.between(set.wavelength);
-            let pace = (GRAVITY * k + TENSION * k.powi(3)).sqrt();
-            let phase = draw.between([0.0, std::f64::consts::TAU]);
-            Wave { number: [k * way.cos(), k * way.sin()], steep, pace, phase }
+            let direction = random.uniform([0.0, std::f64::consts::TAU]);
+            let k = std::f64::consts::TAU / random.uniform(set.wavelength);
+            let angular_frequency = (GRAVITY * k + TENSION * k.powi(3)).sqrt();
+            let phase = random.uniform([0.0, std::f64::consts::TAU]);
+            Wave { wave_vector: [k * direction.cos(), k * direction.sin()], slope, angular_frequency, phase }
         };
         Self { waves: (0..WAVES).map(wave).collect(), ..self.clone() }
     }
@@ -69,17 +67,16 @@ impl Water {
     /// Slope of the surface along x and y at a place (m) and time (s), rad.
     pub fn slope(&self, [x, y]: Point2, t: Second) -> Point2 {
         self.waves.iter().fold([0.0; 2], |sum, wave| {
-            let [kx, ky] = wave.number;
-            let now = wave.steep * (kx * x + ky * y - wave.pace * t + wave.phase).cos() / kx.hypot(ky);
+            let [kx, ky] = wave.wave_vector;
+            let now = wave.slope * (kx * x + ky * y - wave.angular_frequency * t + wave.phase).cos() / kx.hypot(ky);
             [sum[0] + now * kx, sum[1] + now * ky]
         })
     }
 
     /// The point in air (m) in whose direction a camera at `eye` (m) sees `at` (m) at time `t` (s).
     ///
-    /// That is where the ray crosses the surface at rest; what lies above the surface is seen where it is. With ripples,
-    /// the ray towards a crossing lands beside `at`; the crossing is moved by that much, once: what is left is the
-    /// second order in slopes of milliradians.
+    /// It is the crossing of the ray with the surface at rest, or `at` itself above the surface. With ripples, the ray through that crossing
+    /// misses `at`; the crossing is corrected by the miss once. The remaining error is of second order in the slopes.
     pub fn apparent(&self, eye: Point3, at: Point3, t: Second) -> Point3 {
         if at[2] >= self.surface {
             return at;
@@ -92,22 +89,22 @@ impl Water {
         self.crossing(eye, [2.0 * at[0] - landed[0], 2.0 * at[1] - landed[1], at[2]])
     }
 
-    /// The same to some micrometres, in half the time: ripples move the point by d (1 − 1/n) of their slope.
-    pub fn roughly(&self, eye: Point3, at: Point3, t: Second) -> Point3 {
+    /// The same to some micrometres, in half the time: ripples displace the point by their slope times d (1 − 1/n).
+    pub fn apparent_approx(&self, eye: Point3, at: Point3, t: Second) -> Point3 {
         if at[2] >= self.surface {
             return at;
         }
         let (high, deep) = (eye[2] - self.surface, self.surface - at[2]);
-        let share = high / (high + deep);
-        let over = [0, 1].map(|k| eye[k] + share * (at[k] - eye[k]));
+        let fraction = high / (high + deep);
+        let over = [0, 1].map(|k| eye[k] + fraction * (at[k] - eye[k]));
         let [sx, sy] = self.slope(over, t);
         let lift = deep * (1.0 - 1.0 / self.index);
         self.crossing(eye, [at[0] - lift * sx, at[1] - lift * sy, at[2]])
     }
 
-    /// Where the ray from `eye` to `at` crosses the flat surface.
+    /// The crossing of the ray from `eye` to `at` with the flat surface.
     ///
-    /// Snell: r / √(r² + h²) = n (R − r) / √((R − r)² + d²), r from the camera's foot, by Newton from the paraxial r.
+    /// Snell: r / √(r² + h²) = n (R − r) / √((R − r)² + d²), r measured from the point below the camera, by Newton from the paraxial r.
     fn crossing(&self, eye: Point3, at: Point3) -> Point3 {
         let (h, d, n) = (eye[2] - self.surface, self.surface - at[2], self.index);
         let way = [at[0] - eye[0], at[1] - eye[1]];
@@ -118,25 +115,25 @@ impl Water {
             let miss = r / a - n * (whole - r) / b;
             let step = miss / (h * h / (a * a * a) + n * d * d / (b * b * b));
             r -= step;
-            if step.abs() < MET * whole {
+            if step.abs() < TOLERANCE * whole {
                 break;
             }
         }
-        let share = if whole > 0.0 { r / whole } else { 0.0 };
-        [eye[0] + share * way[0], eye[1] + share * way[1], self.surface]
+        let fraction = if whole > 0.0 { r / whole } else { 0.0 };
+        [eye[0] + fraction * way[0], eye[1] + fraction * way[1], self.surface]
     }
 
-    /// Where the ray from `eye` through the point `through` of the rippled surface reaches the height `z` (m).
+    /// The point at height `z` (m) on the ray from `eye` through the point `through` of the rippled surface.
     ///
     /// t = i / n + (c / n − √(1 − (1 − c²) / n²)) N with c = −i · N    (Snell as vectors)
     fn landing(&self, eye: Point3, through: Point3, t: Second, z: Metre) -> Point2 {
         let [sx, sy] = self.slope([through[0], through[1]], t);
-        let upright = vec3::scale([-sx, -sy, 1.0], 1.0 / (1.0 + sx * sx + sy * sy).sqrt());
+        let normal = vec3::scale([-sx, -sy, 1.0], 1.0 / (1.0 + sx * sx + sy * sy).sqrt());
         let ray = vec3::sub(through, eye);
         let ray = vec3::scale(ray, 1.0 / vec3::norm(ray));
-        let (c, n) = (-vec3::dot(ray, upright), self.index);
-        let bend = c / n - (1.0 - (1.0 - c * c) / (n * n)).sqrt();
-        let on = vec3::add(vec3::scale(ray, 1.0 / n), vec3::scale(upright, bend));
+        let (c, n) = (-vec3::dot(ray, normal), self.index);
+        let along_normal = c / n - (1.0 - (1.0 - c * c) / (n * n)).sqrt();
+        let on = vec3::add(vec3::scale(ray, 1.0 / n), vec3::scale(normal, along_normal));
         let far = (z - through[2]) / on[2];
         [through[0] + far * on[0], through[1] + far * on[1]]
     }
@@ -151,8 +148,8 @@ mod tests {
     const AT: Point3 = [0.12, -0.03, 0.01];
 
     #[test]
-    fn light_takes_the_quickest_way_through_the_surface() {
-        let water = Water::still(0.05, 1.333);
+    fn the_crossing_minimises_the_travel_time_of_light() {
+        let water = Water::at_rest(0.05, 1.333);
         let found = water.apparent(EYE, AT, 0.0);
         let time = |x: f64, y: f64| {
             let there = [x, y, water.surface];
@@ -167,25 +164,25 @@ mod tests {
     }
 
     #[test]
-    fn a_ray_towards_the_apparent_place_lands_on_the_point_under_ripples() {
+    fn a_ray_towards_the_apparent_position_meets_the_point_under_ripples() {
         let set = Settings::built_in().water;
-        let water = Water::still(0.05, 1.333).rippled(&set, &mut Draw::new(4, "ripples"));
+        let water = Water::at_rest(0.05, 1.333).rippled(&set, &mut RandomStream::new(4, "ripples"));
         for i in 0..20 {
             let t = 0.07 * f64::from(i);
-            let seen = water.apparent(EYE, AT, t);
-            let [x, y] = water.landing(EYE, seen, t, AT[2]);
+            let apparent = water.apparent(EYE, AT, t);
+            let [x, y] = water.landing(EYE, apparent, t, AT[2]);
             // a tenth of a micrometre is 0.0005 px here
             assert!((x - AT[0]).hypot(y - AT[1]) < 1e-7, "at {t}: {} {}", x - AT[0], y - AT[1]);
         }
     }
 
     #[test]
-    fn a_rough_look_through_ripples_is_off_by_less_than_a_tenth_of_a_pixel() {
+    fn the_approximate_refraction_is_within_a_tenth_of_a_pixel() {
         let set = Settings::built_in().water;
-        let water = Water::still(0.05, 1.333).rippled(&set, &mut Draw::new(4, "ripples"));
+        let water = Water::at_rest(0.05, 1.333).rippled(&set, &mut RandomStream::new(4, "ripples"));
         for i in 0..20 {
             let t = 0.07 * f64::from(i);
-            let (fine, rough) = (water.apparent(EYE, AT, t), water.roughly(EYE, AT, t));
+            let (fine, rough) = (water.apparent(EYE, AT, t), water.apparent_approx(EYE, AT, t));
             let off = (fine[0] - rough[0]).hypot(fine[1] - rough[1]);
             // of a pixel of 0.16 mm at the surface; the ripples themselves move the point by 20 µm
             assert!(off < 1.5e-5, "{off}");
@@ -193,15 +190,15 @@ mod tests {
     }
 
     #[test]
-    fn what_is_above_the_surface_is_seen_where_it_is() {
+    fn a_point_above_the_surface_is_not_refracted() {
         let lamp = [0.13, 0.04, 0.055];
-        assert_eq!(Water::still(0.05, 1.333).apparent(EYE, lamp, 1.0), lamp);
+        assert_eq!(Water::at_rest(0.05, 1.333).apparent(EYE, lamp, 1.0), lamp);
     }
 
     #[test]
-    fn ripples_are_as_steep_as_they_are_drawn() {
+    fn ripples_have_the_mean_squared_slope_of_the_settings() {
         let set = settings::Water { ripple: [2e-3, 2e-3], ..Settings::built_in().water };
-        let water = Water::still(0.05, 1.333).rippled(&set, &mut Draw::new(4, "ripples"));
+        let water = Water::at_rest(0.05, 1.333).rippled(&set, &mut RandomStream::new(4, "ripples"));
         let count = 4000;
         let squares = (0..count).map(|i| {
             let [x, y] = water.slope([0.013 * f64::from(i % 7), 0.011 * f64::from(i % 5)], 0.037 * f64::from(i));

@@ -1,6 +1,4 @@
-//! The instrumented hammer: half-sine blows, and its own fast log of them on the amplifier's clock.
-//!
-//! Stands on: chance, `lab` (the log). Never knows: what the blows set swinging.
+//! The instrumented hammer: half-sine taps on the fixture, and their log on the amplifier's clock.
 
 use std::f64::consts::{FRAC_2_PI, PI};
 
@@ -8,49 +6,49 @@ use lab::ForceLog;
 use lab::truth::TrueTap;
 use si::{Newton, Second};
 
-use crate::draw::Draw;
-use crate::logger::Clock;
+use crate::pressure_log::Clock;
+use crate::random::RandomStream;
 use crate::settings;
 
-/// Blows between beginning and end, s after the period's: people are not metronomes.
-const UNEVEN: Second = 0.2;
+/// Greatest deviation of a tap from the regular interval, s: the taps are given by hand.
+const JITTER: Second = 0.2;
 
-/// The blows of one run.
+/// The taps of one run.
 #[derive(Debug, Clone)]
-pub struct Blows {
+pub(crate) struct HammerTaps {
     contact: Second,
-    /// When each begins (s) and its greatest force (N).
-    blows: Vec<(Second, Newton)>,
+    /// Start (s) and peak force (N) of each.
+    taps: Vec<(Second, Newton)>,
 }
 
-impl Blows {
-    /// As a person gives them.
-    pub fn drawn(set: &settings::Hammer, draw: &mut Draw) -> Self {
-        let mut blow =
-            |i: usize| ((i + 1) as f64 * set.every + draw.between([-UNEVEN, UNEVEN]), draw.between(set.peak));
-        Self { contact: set.contact, blows: (0..set.taps).map(&mut blow).collect() }
+impl HammerTaps {
+    /// Taps drawn from the settings' ranges.
+    pub(crate) fn drawn(set: &settings::Hammer, random: &mut RandomStream) -> Self {
+        let mut tap =
+            |i: usize| ((i + 1) as f64 * set.every + random.uniform([-JITTER, JITTER]), random.uniform(set.peak));
+        Self { contact: set.contact, taps: (0..set.taps).map(&mut tap).collect() }
     }
 
     /// Force on the fixture at `t` (s), N.
-    pub fn at(&self, t: Second) -> Newton {
+    pub(crate) fn at(&self, t: Second) -> Newton {
         let force = |(begin, peak): &(Second, Newton)| {
-            let share = (t - begin) / self.contact;
-            if (0.0..=1.0).contains(&share) { peak * (PI * share).sin() } else { 0.0 }
+            let phase = (t - begin) / self.contact;
+            if (0.0..=1.0).contains(&phase) { peak * (PI * phase).sin() } else { 0.0 }
         };
-        self.blows.iter().map(force).sum()
+        self.taps.iter().map(force).sum()
     }
 
-    /// What was hidden: when each begins, and its impulse 2/π × peak × contact.
-    pub fn truth(&self) -> Vec<TrueTap> {
+    /// The start of each tap, and its impulse 2/π × peak × contact time.
+    pub(crate) fn truth(&self) -> Vec<TrueTap> {
         let tap = |(time, peak): &(Second, Newton)| TrueTap { time: *time, impulse: FRAC_2_PI * peak * self.contact };
-        self.blows.iter().map(tap).collect()
+        self.taps.iter().map(tap).collect()
     }
 
     /// The hammer's log until true time `end` (s), on the amplifier's `clock`.
-    pub fn log(&self, set: &settings::Hammer, clock: Clock, end: Second, draw: &mut Draw) -> ForceLog {
+    pub(crate) fn log(&self, set: &settings::Hammer, clock: Clock, end: Second, random: &mut RandomStream) -> ForceLog {
         let samples = ((clock.offset + clock.scale * end) * set.rate) as usize;
         let time: Vec<Second> = (0..samples).map(|i| i as f64 / set.rate).collect();
-        let mut force = |t: &Second| self.at((t - clock.offset) / clock.scale) + set.noise * draw.normal();
+        let mut force = |t: &Second| self.at((t - clock.offset) / clock.scale) + set.noise * random.normal();
         let force = time.iter().map(|t| (force(t) * 1e3).round() / 1e3).collect();
         ForceLog { time, force, led: Vec::new() }
     }
@@ -62,14 +60,14 @@ mod tests {
     use crate::settings::Settings;
 
     #[test]
-    fn the_log_holds_the_impulses_that_were_given() {
+    fn the_log_contains_the_true_impulses() {
         let set = settings::Hammer { noise: 0.0, ..Settings::built_in().hammer };
-        let blows = Blows::drawn(&set, &mut Draw::new(5, "hammer"));
+        let taps = HammerTaps::drawn(&set, &mut RandomStream::new(5, "hammer"));
         let end = set.every * (set.taps + 1) as f64;
-        let log = blows.log(&set, Clock { offset: 0.5, scale: 1.0 }, end, &mut Draw::new(5, "log"));
+        let log = taps.log(&set, Clock { offset: 0.5, scale: 1.0 }, end, &mut RandomStream::new(5, "log"));
         let sum = log.force.iter().sum::<f64>() / set.rate;
-        let given = blows.truth().iter().map(|tap| tap.impulse).sum::<f64>();
+        let given = taps.truth().iter().map(|tap| tap.impulse).sum::<f64>();
         // a half-sine of six samples is summed to a few percent
-        assert!(blows.truth().len() == set.taps && (sum / given - 1.0).abs() < 0.05, "{sum} for {given} N s");
+        assert!(taps.truth().len() == set.taps && (sum / given - 1.0).abs() < 0.05, "{sum} for {given} N s");
     }
 }

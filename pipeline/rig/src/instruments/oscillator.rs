@@ -1,70 +1,72 @@
-//! A mass on a damped spring, pulled by a force that is straight between samples: followed exactly.
+//! A damped oscillator under a piecewise linear force, integrated exactly (first-order hold).
 //!
-//! m ẍ + b ẋ + k x = u(t). Over an interval with u = u₀ + g t the motion is the particular one,
-//! x = (u₀ + g t)/k − b g/k², ẋ = g/k, and what of the start is not on it, which rings down freely (first-order hold).
-//!
-//! Stands on: `si`. Never knows: what swings.
+//! m ẍ + b ẋ + k x = u(t). Over an interval with u = u₀ + g t the motion is the particular solution x = (u₀ + g t)/k − b g/k², ẋ = g/k, plus
+//! the free decay of the difference to the initial state.
 
 use si::{Kilogram, Newton, Second};
 
 /// m, b and k, underdamped.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Oscillator {
+pub(crate) struct Oscillator {
     /// m, kg.
-    pub mass: Kilogram,
+    pub(crate) mass: Kilogram,
     /// b, N s/m.
-    pub damping: f64,
+    pub(crate) damping: f64,
     /// k, N/m.
-    pub stiffness: f64,
+    pub(crate) stiffness: f64,
 }
 
-/// Place (m) and speed (m/s).
+/// Displacement (m) and velocity (m/s).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Swing {
+pub(crate) struct OscillatorState {
     /// x, m.
-    pub place: f64,
+    pub(crate) displacement: f64,
     /// ẋ, m/s.
-    pub speed: f64,
+    pub(crate) velocity: f64,
 }
 
 impl Oscillator {
     /// The oscillator of mass `mass` (kg), undamped angular frequency `omega` (rad/s) and damping ratio `ratio` < 1.
-    pub fn tuned(mass: Kilogram, omega: f64, ratio: f64) -> Self {
+    pub(crate) fn tuned(mass: Kilogram, omega: f64, ratio: f64) -> Self {
         assert!(ratio < 1.0 && omega > 0.0 && mass > 0.0, "an underdamped oscillator");
         Self { mass, damping: 2.0 * ratio * omega * mass, stiffness: omega * omega * mass }
     }
 
     /// Undamped angular frequency, rad/s.
-    pub fn omega(&self) -> f64 {
+    pub(crate) fn omega(&self) -> f64 {
         (self.stiffness / self.mass).sqrt()
     }
 
-    /// Rate of decay, 1/s, and damped angular frequency, rad/s.
-    pub fn decay_and_beat(&self) -> (f64, f64) {
+    /// Decay rate, 1/s, and damped angular frequency, rad/s.
+    pub(crate) fn decay_and_frequency(&self) -> (f64, f64) {
         let decay = 0.5 * self.damping / self.mass;
         (decay, (self.stiffness / self.mass - decay * decay).sqrt())
     }
 
-    /// Where `swing` is `step` (s) later while the force goes straight from `from` to `to` (N). Exact but for rounding.
-    pub fn after(&self, swing: Swing, [from, to]: [Newton; 2], step: Second) -> Swing {
+    /// The state `step` (s) later, while the force changes linearly from `from` to `to` (N). Exact but for rounding.
+    pub(crate) fn step(&self, state: OscillatorState, [from, to]: [Newton; 2], step: Second) -> OscillatorState {
         let slope = (to - from) / step;
         let offset = self.damping * slope / (self.stiffness * self.stiffness);
-        let steady = |u: Newton| Swing { place: u / self.stiffness - offset, speed: slope / self.stiffness };
+        let steady =
+            |u: Newton| OscillatorState { displacement: u / self.stiffness - offset, velocity: slope / self.stiffness };
         let (begin, end) = (steady(from), steady(to));
-        let left = Swing { place: swing.place - begin.place, speed: swing.speed - begin.speed };
-        let free = self.free(left, step);
-        Swing { place: end.place + free.place, speed: end.speed + free.speed }
+        let left = OscillatorState {
+            displacement: state.displacement - begin.displacement,
+            velocity: state.velocity - begin.velocity,
+        };
+        let free = self.free_decay(left, step);
+        OscillatorState { displacement: end.displacement + free.displacement, velocity: end.velocity + free.velocity }
     }
 
-    /// Where `swing` is `step` (s) later with no force.
-    pub fn free(&self, swing: Swing, step: Second) -> Swing {
-        let (decay, beat) = self.decay_and_beat();
-        let (sin, cos) = (beat * step).sin_cos();
-        let lead = (swing.speed + decay * swing.place) / beat;
-        let place = swing.place * cos + lead * sin;
-        let turned = beat * (lead * cos - swing.place * sin);
+    /// The state `step` (s) later without a force.
+    pub(crate) fn free_decay(&self, state: OscillatorState, step: Second) -> OscillatorState {
+        let (decay, frequency) = self.decay_and_frequency();
+        let (sin, cos) = (frequency * step).sin_cos();
+        let lead = (state.velocity + decay * state.displacement) / frequency;
+        let displacement = state.displacement * cos + lead * sin;
+        let turned = frequency * (lead * cos - state.displacement * sin);
         let shrunk = (-decay * step).exp();
-        Swing { place: shrunk * place, speed: shrunk * (turned - decay * place) }
+        OscillatorState { displacement: shrunk * displacement, velocity: shrunk * (turned - decay * displacement) }
     }
 }
 
@@ -79,35 +81,39 @@ mod tests {
     }
 
     #[test]
-    fn a_step_of_force_is_answered_as_in_the_textbook() {
+    fn the_step_response_equals_the_analytical_one() {
         let it = fixture();
-        let ((decay, beat), mut swing) = (it.decay_and_beat(), Swing::default());
+        let ((decay, frequency), mut state) = (it.decay_and_frequency(), OscillatorState::default());
         for i in 1..=2000 {
-            swing = it.after(swing, [1.0, 1.0], STEP);
+            state = it.step(state, [1.0, 1.0], STEP);
             let t = STEP * f64::from(i);
-            let ring = (-decay * t).exp() * ((beat * t).cos() + decay / beat * (beat * t).sin());
-            assert!((swing.place * it.stiffness - (1.0 - ring)).abs() < 1e-10, "at {t} s");
+            let ring = (-decay * t).exp() * ((frequency * t).cos() + decay / frequency * (frequency * t).sin());
+            assert!((state.displacement * it.stiffness - (1.0 - ring)).abs() < 1e-10, "at {t} s");
         }
     }
 
     #[test]
-    fn a_ramp_is_answered_the_same_in_one_step_as_in_a_thousand() {
+    fn a_ramp_gives_the_same_state_in_one_step_and_in_a_thousand() {
         let it = fixture();
-        let mut swing = Swing { place: 1e-4, speed: -0.02 };
-        let at_once = it.after(swing, [0.5, 2.5], 1.0);
+        let mut state = OscillatorState { displacement: 1e-4, velocity: -0.02 };
+        let at_once = it.step(state, [0.5, 2.5], 1.0);
         for i in 0..1000 {
             let u = [f64::from(i), f64::from(i + 1)].map(|n| 0.5 + 2.0 * n * STEP);
-            swing = it.after(swing, u, STEP);
+            state = it.step(state, u, STEP);
         }
-        assert!((swing.place - at_once.place).abs() < 1e-12 && (swing.speed - at_once.speed).abs() < 1e-10);
+        assert!(
+            (state.displacement - at_once.displacement).abs() < 1e-12
+                && (state.velocity - at_once.velocity).abs() < 1e-10
+        );
     }
 
     #[test]
-    fn a_ring_down_loses_energy_at_its_damping_ratio() {
+    fn a_free_decay_has_the_decay_rate_of_its_damping_ratio() {
         let it = fixture();
-        let ((decay, beat), start) = (it.decay_and_beat(), Swing { place: 1e-3, speed: 0.0 });
-        let period = std::f64::consts::TAU / beat;
-        let later = it.free(start, period);
-        assert!((later.place / start.place - (-decay * period).exp()).abs() < 1e-12);
+        let ((decay, frequency), start) =
+            (it.decay_and_frequency(), OscillatorState { displacement: 1e-3, velocity: 0.0 });
+        let period = std::f64::consts::TAU / frequency;
+        let later = it.free_decay(start, period);
+        assert!((later.displacement / start.displacement - (-decay * period).exp()).abs() < 1e-12);
     }
 }

@@ -1,17 +1,17 @@
-//! A specimen as a system of finite elements: its mesh, its chambers by side, its hidden properties.
-//!
-//! Stands on: `shape` (the mesh), `fem` (the system). Never knows: a pressure in time.
+//! A specimen as a finite-element system: its mesh, the chambers of each side, its hidden properties.
 
-use fem::{Chamber, Clamps, Elements, Faces, Mesh, RegionProperties, System};
+use std::path::Path;
+
+use diagnostics::{Diagnostic, Result};
+use fem::{Clamps, RegionProperties, System};
 use lab::card::Side;
 use lab::truth::Properties;
-use shape::tail::{Resolution, Tail};
-use shape::{QuadraticMesh, Skin};
+use mesh::{QuadraticMesh, Skin, Solid};
 use si::{Metre, Pascal};
+use tail_cad::{Resolution, Tail};
 
-use crate::fault::Fault;
 use crate::settings;
-use crate::specimen::Hidden;
+use crate::specimen::HiddenProperties;
 
 /// A specimen, ready to be solved.
 pub struct Body {
@@ -21,33 +21,38 @@ pub struct Body {
     pub system: System,
     /// Which chamber of the mesh lies on the left.
     left: usize,
-    /// What loses energy when it moves.
+    /// Stiffness-proportional Rayleigh damping, s.
     pub stiffness_damping: f64,
 }
 
-/// Nodes this close to the holder's edge (m) are held by it.
-const TOUCH: Metre = 1e-9;
+/// Nodes this close to the holder's edge (m) are clamped.
+const TOLERANCE: Metre = 1e-9;
+
+/// How a body is meshed and held.
+pub struct BodySettings<'a> {
+    /// Resolution of the mesh.
+    pub resolution: &'a settings::Resolution,
+    /// Everything at or below this x is clamped, m.
+    pub clamp: Metre,
+    /// Constitutive laws of body and sheet, by their names in `fem`.
+    pub laws: [&'a str; 2],
+}
 
 impl Body {
-    /// The system of `tail`, as it was cast, with its hidden properties, held as far as `clamp` (m).
+    /// The system of `tail` as it was cast, with its hidden properties.
     ///
     /// # Errors
-    /// [`Fault`] when the tail's numbers leave no room for a part, the law is unknown, or the mesh cannot be trusted.
-    pub fn new(
-        tail: &Tail,
-        fineness: &settings::Resolution,
-        clamp: Metre,
-        [body, sheet]: [&settings::Material; 2],
-        hidden: &Hidden,
-    ) -> Result<Self, Fault> {
-        let resolution =
-            Resolution { edge: fineness.edge, per_chamber: fineness.per_chamber, per_rib: fineness.per_rib };
-        let mesh =
-            shape::quadratic(&hidden.cast(tail).mesh(&resolution).map_err(|e| Fault::at("the bench's mesh", e))?);
-        let model = model(&mesh);
-        let clamped = Clamps::below_x(&model, clamp + TOUCH);
-        let regions = vec![region(&body.law, &hidden.body)?, region(&sheet.law, &hidden.spine)?];
-        let system = System::new(model, regions, clamped).map_err(|e| Fault::at("the bench's mesh", e))?;
+    /// When the tail's dimensions are inconsistent, a material law is unknown, or the mesh is invalid.
+    pub fn new(tail: &Tail, settings: &BodySettings, hidden: &HiddenProperties) -> Result<Self> {
+        let settings::Resolution { edge, per_chamber, per_rib } = *settings.resolution;
+        let in_mesh = |e: Diagnostic| e.while_doing("the bench's mesh");
+        let tets = hidden.cast(tail).mesh(&Resolution { edge, per_chamber, per_rib }).map_err(|e| in_mesh(e.into()))?;
+        let mesh = mesh::quadratic(&tets);
+        let model = simulate::fem_mesh(&Solid::Quadratic(mesh.clone()), &[0, 1]);
+        let clamped = Clamps::below_x(&model, settings.clamp + TOLERANCE);
+        let [body, sheet] = settings.laws;
+        let regions = vec![region(body, &hidden.body)?, region(sheet, &hidden.spine)?];
+        let system = System::new(model, regions, clamped).map_err(|e| in_mesh(e.into()))?;
         let left = usize::from(mean_y(&mesh, 0) < mean_y(&mesh, 1));
         Ok(Self { mesh, system, left, stiffness_damping: hidden.damping.stiffness })
     }
@@ -68,24 +73,11 @@ impl Body {
     }
 }
 
-/// The mesh as `fem` takes it: chambers in the order of their numbers.
-fn model(mesh: &QuadraticMesh) -> Mesh {
-    let faces =
-        |chamber: u16| mesh.skin.iter().filter(move |f| f.on == Skin::Chamber(chamber)).map(|f| f.nodes).collect();
-    Mesh {
-        nodes: mesh.nodes.clone(),
-        elements: Elements::Quadratic(mesh.tets.clone()),
-        regions: mesh.regions.clone(),
-        chambers: (0..2).map(|c| Chamber { faces: Faces::Quadratic(faces(c)) }).collect(),
-        symmetry_plane_z: mesh.half,
-    }
-}
-
-fn region(material: &str, properties: &Properties) -> Result<RegionProperties, Fault> {
+fn region(material: &str, properties: &Properties) -> Result<RegionProperties> {
     let known = || fem::materials::ALL.iter().map(|m| m.name()).collect::<Vec<_>>().join(", ");
     let material = fem::materials::by_name(material).ok_or_else(|| {
-        let what = format!("the material `{material}` is unknown");
-        Fault::new("bench.toml", &what, &format!("fem has {}", known()), "name one of them")
+        let (file, what) = (Path::new("bench.toml"), format!("the material law `{material}` is unknown"));
+        Diagnostic::file(file, what, format!("fem has {}", known()), "name one of these")
     })?;
     Ok(RegionProperties {
         material,

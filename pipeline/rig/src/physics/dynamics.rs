@@ -1,52 +1,63 @@
-//! Dynamics: a body's motion while the pressures of both sides change.
-//!
-//! Stands on: `fem`'s march (BDF2, Rayleigh damping). Never knows: what is commanded.
+//! Time integration of the whole body, the reference for the reduced model.
 
-use fem::{March, Scheme, State};
+use diagnostics::{Diagnostic, Result};
+use fem::{DynamicSettings, InitialValueProblem, Scheme, State};
 use si::{Hertz, Pascal, Second};
 
-use super::{Body, Recorded};
-use crate::fault::Fault;
+use super::{Body, SampledMotion};
 
-/// The motion from rest at `start` (s) until `end` (s), kept `rate` times a second from `start` on, under the pressures
-/// (left, right; Pa) at any time (s). `step` (s) divides the time between kept shapes. `tick` is called after each of them.
+/// The interval of a motion and its sampling.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sampling {
+    /// The body is at rest until then, s.
+    pub start: Second,
+    /// s.
+    pub end: Second,
+    /// Stored shapes a second, from `start` on.
+    pub rate: Hertz,
+    /// Largest time step, s; the step used divides the time between stored shapes.
+    pub step: Second,
+}
+
+/// The motion under the pressures (left, right; Pa) at any time (s), by BDF2 with stiffness-proportional damping. `tick` is called after
+/// each stored shape.
 ///
 /// # Errors
-/// [`Fault`] when a step does not converge.
-pub fn march(
+/// When a step does not converge.
+pub fn integrate(
     body: &Body,
-    [start, end]: [Second; 2],
-    rate: Hertz,
-    step: Second,
+    sampling: &Sampling,
     pressures: &dyn Fn(Second) -> [Pascal; 2],
     tick: &dyn Fn(),
-) -> Result<Recorded, Fault> {
+) -> Result<SampledMotion> {
+    let Sampling { start, end, rate, step } = *sampling;
     let each = (1.0 / (rate * step)).round().max(1.0) as usize;
-    let kept = ((end - start) * rate).ceil() as usize;
-    let settings = March {
+    let stored = ((end - start) * rate).ceil() as usize;
+    let settings = DynamicSettings {
         step: 1.0 / (rate * each as f64),
         scheme: Scheme::Bdf2,
         mass_damping: 0.0,
         stiffness_damping: body.stiffness_damping,
-        ..March::default()
+        ..DynamicSettings::default()
     };
     let rest = State::rest(body.mesh.nodes.len());
     let mut shapes = vec![rest.displacement.iter().map(|u| *u as f32).collect::<Vec<f32>>()];
-    let mut done = 0;
+    let mut steps = 0;
     let mut observe = |_: Second, state: &State| {
-        done += 1;
-        if done % each == 0 {
+        steps += 1;
+        if steps % each == 0 {
             shapes.push(state.displacement.iter().map(|u| *u as f32).collect());
             tick();
         }
     };
-    let inside = |t: Second| {
+    let chambers = |t: Second| {
         let [left, right] = pressures(start + t);
         body.pressures(left, right)
     };
-    let mut solver = body.system.solver();
-    solver
-        .march(&settings, &rest, &inside, kept * each, &mut observe)
-        .map_err(|e| Fault::at(format!("motion between {start:.3} s and {end:.3} s"), e))?;
-    Ok(Recorded { rest: body.mesh.nodes.clone(), start, rate, shapes })
+    let problem = InitialValueProblem { settings: &settings, initial: &rest, pressures: &chambers };
+    body.system
+        .solver()
+        .integrate(&problem, stored * each, &mut observe)
+        .map_err(|e| Diagnostic::from(e).while_doing(format!("motion between {start:.3} s and {end:.3} s")))?;
+    Ok(SampledMotion { rest: body.mesh.nodes.clone(), start, rate, shapes })
 }

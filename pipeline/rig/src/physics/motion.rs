@@ -1,10 +1,8 @@
-//! Motions: where every node of a body is at any time, however it was computed.
-//!
-//! Stands on: `si`, the valve's trace. Never knows: finite elements, a camera.
+//! Motions: the position of every node of a body at any time, however it was computed.
 
 use si::{Hertz, Newton, Point3, Second};
 
-use super::Ladder;
+use super::PressureSweep;
 
 use crate::valve::Trace;
 
@@ -13,38 +11,38 @@ pub trait Motion: Sync {
     /// Positions of all nodes at time `t` (s), m.
     fn nodes(&self, t: Second) -> Vec<Point3>;
 
-    /// As [`Motion::nodes`], but only the nodes `of` need be where they are: of many thousand, a film sees the skin's.
-    fn seen(&self, t: Second, of: &[u32]) -> Vec<Point3> {
+    /// As [`Motion::nodes`], but only the positions of the nodes `of` need be correct: a film shows the skin alone.
+    fn nodes_of(&self, t: Second, of: &[u32]) -> Vec<Point3> {
         let _ = of;
         self.nodes(t)
     }
 
-    /// Forwards on the holder at time `t` (s), N.
+    /// Force on the holder at time `t` (s), positive forwards, N.
     fn pull(&self, _: Second) -> Newton {
         0.0
     }
 
-    /// Of the pull, the water's thrust, N.
+    /// Thrust of the water at time `t` (s), N.
     fn thrust(&self, _: Second) -> Newton {
         0.0
     }
 }
 
-/// So slow that the body is always in equilibrium: shapes up a ladder of pressures, and the pressure in time.
-pub struct Quasistatic<'a> {
+/// A motion through equilibria: the shapes of a pressure sweep, interpolated at the present pressure.
+pub struct QuasistaticMotion<'a> {
     /// Nodes at rest, m.
     pub rest: &'a [Point3],
     /// Shapes by pressure.
-    pub ladder: &'a Ladder,
+    pub sweep: &'a PressureSweep,
     /// The pressure.
     pub trace: Trace,
 }
 
-impl Quasistatic<'_> {
-    /// The first of the four rungs around the pressure at time `t` (s), and the weights of the cubic through them (Lagrange); held
-    /// beyond the ladder.
-    pub fn rungs(&self, t: Second) -> (usize, [f64; 4]) {
-        let pressures = &self.ladder.pressures;
+impl QuasistaticMotion<'_> {
+    /// Index of the first of the four levels around the pressure at time `t` (s), and the weights of the cubic through them (Lagrange);
+    /// the pressure is clamped to the range of the sweep.
+    pub fn interpolation(&self, t: Second) -> (usize, [f64; 4]) {
+        let pressures = &self.sweep.pressures;
         let last = pressures.len() - 1;
         let pressure = self.trace.at(t).clamp(pressures[0], pressures[last]);
         let above = pressures.partition_point(|p| *p <= pressure);
@@ -52,35 +50,35 @@ impl Quasistatic<'_> {
         (first, lagrange(&pressures[first..first + 4], pressure))
     }
 
-    /// Where node `i` is between the rungs from `first` on, m.
+    /// Position of node `i`, interpolated between the levels from `first` on, m.
     fn node(&self, i: usize, first: usize, weights: &[f64; 4]) -> Point3 {
-        let rungs = &self.ladder.shapes[first..first + 4];
-        let moved = |k: usize| (0..4).map(|r| weights[r] * rungs[r][k]).sum::<f64>();
+        let shapes = &self.sweep.shapes[first..first + 4];
+        let moved = |k: usize| (0..4).map(|r| weights[r] * shapes[r][k]).sum::<f64>();
         [0, 1, 2].map(|axis| self.rest[i][axis] + moved(3 * i + axis))
     }
 }
 
-impl Motion for Quasistatic<'_> {
+impl Motion for QuasistaticMotion<'_> {
     fn nodes(&self, t: Second) -> Vec<Point3> {
-        let (first, weights) = self.rungs(t);
+        let (first, weights) = self.interpolation(t);
         (0..self.rest.len()).map(|i| self.node(i, first, &weights)).collect()
     }
 
-    fn seen(&self, t: Second, of: &[u32]) -> Vec<Point3> {
-        let ((first, weights), mut nodes) = (self.rungs(t), self.rest.to_vec());
+    fn nodes_of(&self, t: Second, of: &[u32]) -> Vec<Point3> {
+        let ((first, weights), mut nodes) = (self.interpolation(t), self.rest.to_vec());
         of.iter().for_each(|i| nodes[*i as usize] = self.node(*i as usize, first, &weights));
         nodes
     }
 }
 
-/// Weights of the values at four places `at` in the cubic through them, at `x`.
+/// Lagrange weights at `x` of the values at the four abscissae `at`.
 fn lagrange(at: &[f64], x: f64) -> [f64; 4] {
     let others = |i: usize| (0..4).filter(move |j| *j != i);
     [0, 1, 2, 3].map(|i| others(i).map(|j| (x - at[j]) / (at[i] - at[j])).product())
 }
 
-/// A motion kept at even times.
-pub struct Recorded {
+/// A motion stored at even times.
+pub struct SampledMotion {
     /// Nodes at rest, m.
     pub rest: Vec<Point3>,
     /// Time of the first shape, s; at rest before it.
@@ -91,14 +89,14 @@ pub struct Recorded {
     pub shapes: Vec<Vec<f32>>,
 }
 
-impl Motion for Recorded {
-    /// Linear between kept shapes; the first before them, the last after.
+impl Motion for SampledMotion {
+    /// Linear between stored shapes, constant outside.
     fn nodes(&self, t: Second) -> Vec<Point3> {
         let place = ((t - self.start) * self.rate).clamp(0.0, (self.shapes.len() - 1) as f64);
         let first = (place.floor() as usize).min(self.shapes.len().saturating_sub(2));
         let (before, after) = (&self.shapes[first], &self.shapes[(first + 1).min(self.shapes.len() - 1)]);
-        let share = place - first as f64;
-        let moved = |k: usize| f64::from(before[k]) * (1.0 - share) + f64::from(after[k]) * share;
+        let fraction = place - first as f64;
+        let moved = |k: usize| f64::from(before[k]) * (1.0 - fraction) + f64::from(after[k]) * fraction;
         let node = |(i, x): (usize, &Point3)| [x[0] + moved(3 * i), x[1] + moved(3 * i + 1), x[2] + moved(3 * i + 2)];
         self.rest.iter().enumerate().map(node).collect()
     }
@@ -107,19 +105,24 @@ impl Motion for Recorded {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::draw::Draw;
+    use crate::random::RandomStream;
     use crate::settings::Settings;
-    use crate::valve::{Command, Unrest, follow};
+    use crate::valve::{Command, ValveDisturbance, respond};
 
     #[test]
-    fn a_cubic_in_pressure_is_met_between_rungs() {
+    fn a_cubic_in_pressure_is_interpolated_exactly() {
         let shape = |p: f64| 1.0 + p - 2.0 * p * p + 0.5 * p * p * p;
         let pressures: Vec<f64> = [0.0, 700.0, 1800.0, 3000.0, 4000.0].to_vec();
         let shapes = pressures.iter().map(|p| vec![shape(p / 1000.0), 0.0, 0.0]).collect();
-        let ladder = Ladder { pressures, shapes };
+        let sweep = PressureSweep { pressures, shapes };
         let commands = [Command { time: 0.0, pressure: 2500.0 }];
-        let trace = follow(&Settings::built_in().valve, &commands, Unrest::default(), &mut Draw::new(3, "valve"));
-        let motion = Quasistatic { rest: &[[1.0, 2.0, 3.0]], ladder: &ladder, trace: trace.clone() };
+        let trace = respond(
+            &Settings::built_in().valve,
+            &commands,
+            ValveDisturbance::default(),
+            &mut RandomStream::new(3, "valve"),
+        );
+        let motion = QuasistaticMotion { rest: &[[1.0, 2.0, 3.0]], sweep: &sweep, trace: trace.clone() };
         for t in [0.0, 0.06, 0.08, 0.1, 2.0] {
             let x = motion.nodes(t)[0][0];
             assert!((x - 1.0 - shape(trace.at(t) / 1000.0)).abs() < 1e-12, "{t}: {x}");
@@ -127,9 +130,9 @@ mod tests {
     }
 
     #[test]
-    fn a_recorded_motion_is_met_at_its_times_and_rests_before() {
+    fn a_sampled_motion_is_interpolated_linearly_and_constant_outside() {
         let motion =
-            Recorded { rest: vec![[0.0; 3]], start: 0.5, rate: 10.0, shapes: vec![vec![0.0; 3], vec![1.0; 3]] };
+            SampledMotion { rest: vec![[0.0; 3]], start: 0.5, rate: 10.0, shapes: vec![vec![0.0; 3], vec![1.0; 3]] };
         for (t, x) in [(0.0, 0.0), (0.55, 0.5), (0.6, 1.0), (9.0, 1.0)] {
             assert!((motion.nodes(t)[0][0] - x).abs() < 1e-12, "at {t}");
         }

@@ -1,90 +1,101 @@
-//! Water around a tail that flaps on the spot: the momentum that it gives to each slice of water, and what it sheds.
+//! Hydrodynamic force on a tail that flaps without forward speed.
 //!
-//! Large-amplitude elongated-body theory [lighthill1971] with a resistive force across the flow. With w the speed of a section
-//! along its normal n, u along its tangent t (towards the fin), m = ¼ π ρ s² a length of water as deep as the section:
+//! Large-amplitude elongated-body theory \[lighthill1971\] with a resistive force normal to the section. With w the velocity of a section
+//! along its normal n, u along its tangent t (towards the fin), and m = ¼ π ρ s² the added mass per length at depth s:
 //!
 //! f = −∂(m w n)/∂t + ∂(m u w n − ½ m w² t)/∂s − ½ ρ C s |w| w n
 //!
-//! The flux ends at the trailing edge, where the fin is deepest: what leaves there is shed for good, and its reaction along the
-//! tail is the thrust. Behind it the fin still carries water and resists.
-//!
-//! Stands on: the centre line. Never knows: elasticity, what is done with the force.
+//! The flux ends at the trailing edge, where the fin is deepest: momentum that leaves there is shed, and its reaction along the tail is the
+//! thrust. Behind the trailing edge the fin still has added mass and drag; without them the identified added mass and drag were too large
+//! by a factor of two.
 
 use std::collections::VecDeque;
 
-use fem::{Around, Moment};
+use fem::{ExternalForce, StepState};
 use nalgebra::{DMatrix, DVector};
 use si::{Newton, Point2};
 
-use super::line::CentreLine;
+use super::centre_line::CentreLine;
 
-/// What the water is like.
+/// Properties of the water.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fluid {
     /// kg/m³.
     pub density: f64,
-    /// Of the added mass of the theory, no unit.
+    /// Added mass relative to the theory's, no unit.
     pub added: f64,
-    /// C, no unit.
+    /// Drag coefficient C normal to the section, no unit.
     pub drag: f64,
 }
 
-/// The stations' water at one moment.
+/// Momentum, flux and drag at the stations at one time.
 struct Slices {
     /// m w n, kg/s: x₀, y₀, x₁, …
     momentum: DVector<f64>,
     /// m u w n − ½ m w² t, N.
     flux: Vec<Point2>,
-    /// − ½ ρ C s |w| w n a length, N/m.
+    /// −½ ρ C s |w| w n per length, N/m.
     drag: Vec<Point2>,
 }
 
-/// The force of water on a tail.
+/// The resultant force of the water on a tail.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Push {
-    /// The reaction of what is shed at the trailing edge, forwards; N.
+pub struct WaterForce {
+    /// Reaction of the momentum shed at the trailing edge, positive forwards, N.
     pub thrust: Newton,
-    /// All of it, forwards (along −x); N.
-    pub forwards: Newton,
+    /// Resultant force, positive forwards (along −x), N.
+    pub total: Newton,
 }
 
-/// Water around a tail whose shape is given by coordinates.
+/// The motion of a centre line in reduced coordinates.
+pub(super) struct Kinematics<'a> {
+    pub(super) line: &'a CentreLine,
+    /// Positions at rest, m.
+    pub(super) rest: &'a [Point2],
+    /// (stations × 2) × coordinates.
+    pub(super) rows: &'a DMatrix<f64>,
+    /// Whether the coordinates describe half of the tail.
+    pub(super) half: bool,
+}
+
+/// Water around a tail in reduced coordinates.
 pub struct Water<'a> {
     line: &'a CentreLine,
     fluid: Fluid,
     rest: DVector<f64>,
     /// (stations × 2) × coordinates.
     rows: &'a DMatrix<f64>,
-    /// Share of the tail that the coordinates' equations stand for: ½ of a half model.
-    share: f64,
+    /// Fraction of the tail in the equations of the coordinates: ½ for a half model.
+    fraction: f64,
     /// Momenta of past steps, newest first.
     past: VecDeque<DVector<f64>>,
     /// At the last step.
-    pub push: Push,
+    pub total: WaterForce,
     /// On each station at the last step, N: x₀, y₀, x₁, …
     pub forces: DVector<f64>,
 }
 
 impl<'a> Water<'a> {
-    /// Still water around a tail at rest at `rest`.
-    pub fn around(line: &'a CentreLine, fluid: Fluid, rest: &[Point2], rows: &'a DMatrix<f64>, half: bool) -> Self {
+    /// Water at rest around a tail at rest.
+    pub(super) fn at_rest(fluid: Fluid, kinematics: &Kinematics<'a>) -> Self {
+        let Kinematics { line, rest, rows, half } = *kinematics;
         let rest = DVector::from_iterator(2 * rest.len(), rest.iter().flatten().copied());
-        let still = DVector::zeros(rest.len());
-        let share = if half { 0.5 } else { 1.0 };
+        let zero = DVector::zeros(rest.len());
+        let fraction = if half { 0.5 } else { 1.0 };
         Self {
             line,
             fluid,
             rows,
-            share,
-            past: VecDeque::from([still.clone()]),
+            fraction,
+            past: VecDeque::from([zero.clone()]),
             rest,
-            push: Push::default(),
-            forces: still,
+            total: WaterForce::default(),
+            forces: zero,
         }
     }
 
-    fn slices(&self, at: &Moment) -> Slices {
-        let (place, speed) = (&self.rest + self.rows * at.shape, self.rows * at.speed);
+    fn slices(&self, at: &StepState) -> Slices {
+        let (place, speed) = (&self.rest + self.rows * at.coordinates, self.rows * at.velocity);
         let count = self.line.stations.len();
         let mut slices = Slices { momentum: DVector::zeros(2 * count), flux: Vec::new(), drag: Vec::new() };
         for (k, station) in self.line.stations.iter().enumerate() {
@@ -95,14 +106,14 @@ impl<'a> Water<'a> {
             let m = self.fluid.added * 0.25 * std::f64::consts::PI * self.fluid.density * station.depth.powi(2);
             (0..2).for_each(|axis| slices.momentum[2 * k + axis] = m * w * n[axis]);
             slices.flux.push([0, 1].map(|axis| m * u * w * n[axis] - 0.5 * m * w * w * t[axis]));
-            let resist = -0.5 * self.fluid.density * self.fluid.drag * station.depth * w.abs() * w;
-            slices.drag.push(n.map(|n| resist * n));
+            let drag = -0.5 * self.fluid.density * self.fluid.drag * station.depth * w.abs() * w;
+            slices.drag.push(n.map(|n| drag * n));
         }
         slices
     }
 
-    /// On each station, N: x₀, y₀, x₁, …
-    fn pushes(&self, at: &Moment, slices: &Slices) -> DVector<f64> {
+    /// Force on each station, N: x₀, y₀, x₁, …
+    fn forces(&self, at: &StepState, slices: &Slices) -> DVector<f64> {
         let (spacing, trailing) = (self.line.spacing, self.line.trailing);
         let mut rate = &slices.momentum * at.gamma;
         self.past.iter().zip(at.weights).for_each(|(past, weight)| rate.axpy(*weight, past, 1.0));
@@ -123,22 +134,22 @@ impl<'a> Water<'a> {
     }
 }
 
-impl Around for Water<'_> {
-    fn force(&self, at: &Moment) -> DVector<f64> {
-        self.rows.tr_mul(&self.pushes(at, &self.slices(at))) * self.share
+impl ExternalForce for Water<'_> {
+    fn force(&self, at: &StepState) -> DVector<f64> {
+        self.rows.tr_mul(&self.forces(at, &self.slices(at))) * self.fraction
     }
 
-    fn accept(&mut self, at: &Moment) {
+    fn accept(&mut self, at: &StepState) {
         let slices = self.slices(at);
-        self.forces = self.pushes(at, &slices);
-        let forwards = -self.forces.iter().step_by(2).sum::<f64>();
-        self.push = Push { thrust: -slices.flux[self.line.trailing][0], forwards };
+        self.forces = self.forces(at, &slices);
+        let total = -self.forces.iter().step_by(2).sum::<f64>();
+        self.total = WaterForce { thrust: -slices.flux[self.line.trailing][0], total };
         self.past.push_front(slices.momentum);
         self.past.truncate(2);
     }
 }
 
-/// Along the line at station `k`, of length 1.
+/// Unit tangent of the line at station `k`.
 fn tangent(place: &DVector<f64>, k: usize, count: usize) -> Point2 {
     let (a, b) = (k.saturating_sub(1), (k + 1).min(count - 1));
     let d = [place[2 * b] - place[2 * a], place[2 * b + 1] - place[2 * a + 1]];

@@ -1,68 +1,70 @@
-//! The valve's figures: dead times, overshoot, settling, emptying, and what is held of a square wave.
-//!
-//! Stands on: the valve. Never knows: how it makes its traces.
+//! Comparisons of the valve: dead times, overshoot, settling, emptying, and the pressure reached in a square wave.
 
 use si::{MILLIBAR, Pascal, Second};
 
-use super::{Figure, range};
-use crate::draw::Draw;
+use super::{Comparison, range};
+use crate::random::RandomStream;
 use crate::settings::Valve;
-use crate::valve::{Command, Trace, Unrest, follow};
+use crate::valve::{Command, Trace, ValveDisturbance, respond};
 
-/// Times are found to this, s.
+/// Resolution of the times, s.
 const STEP: Second = 1e-4;
-/// A pressure moves when it is so far from where it was, Pa.
-const MOVED: Pascal = 1.0;
-/// Seeds over which chance is looked at.
+/// Change of a pressure that counts as the end of the dead time, Pa.
+const CHANGE: Pascal = 1.0;
+/// Number of seeds.
 const SEEDS: u64 = 200;
-/// What a 300 mbar square wave was held at: Hz, mbar. No spread was given; the five figures scatter by 6 mbar about a straight
-/// line, and so much may ours.
-const HELD: [(f64, f64); 5] = [(1.0, 276.0), (2.0, 265.0), (3.0, 258.0), (3.5, 245.0), (4.0, 237.0)];
+/// Pressure reached in a square wave of 300 mbar: Hz, mbar. No range was measured; the five values scatter by 6 mbar about a straight line,
+/// which is taken as the tolerance.
+const REACHED: [(f64, f64); 5] = [(1.0, 276.0), (2.0, 265.0), (3.0, 258.0), (3.5, 245.0), (4.0, 237.0)];
 const SCATTER: f64 = 6.0;
-/// mbar, and the time constants measured from there, ms.
-const EMPTIED: [(f64, [f64; 2]); 3] = [(90.0, [25.0, 29.0]), (190.0, [38.0, 40.0]), (240.0, [44.0, 48.0])];
+/// Initial pressure, mbar, and the measured range of the time constant of emptying, ms.
+const EXHAUST: [(f64, [f64; 2]); 3] = [(90.0, [25.0, 29.0]), (190.0, [38.0, 40.0]), (240.0, [44.0, 48.0])];
 
-pub(super) fn figures(valve: &Valve) -> Vec<Figure> {
-    let one = |quantity: &str, measured, ours: f64| Figure::new(quantity, measured, [ours; 2]);
-    let mut figures = vec![
-        one("fill of 100 mbar: dead time (ms)", [70.0, 85.0], 1e3 * moves(&pulse(valve, 100.0, 0), 0.0)),
-        one("fill of 200 mbar: dead time (ms)", [40.0, 45.0], 1e3 * moves(&pulse(valve, 200.0, 0), 0.0)),
-        Figure::new("fill of 100 to 250 mbar: within 5 % after (s)", [0.15, 0.23], fills(valve)),
-        Figure::new("fill: overshoot at the valve's port (%)", [0.0, 70.0], overshoots(valve)),
-        Figure::new("staircase to 250 mbar: settles under by (mbar)", [5.0, 15.0], under(valve)),
-        one("exhaust of 200 mbar: dead time (ms)", [38.0, 58.0], 1e3 * moves(&pulse(valve, 200.0, 0), 5.0)),
+pub(super) fn comparisons(valve: &Valve) -> Vec<Comparison> {
+    let one = |quantity: &str, measured, bench: f64| Comparison::new(quantity, measured, [bench; 2]);
+    let mut comparisons = vec![
+        one("fill of 100 mbar: dead time (ms)", [70.0, 85.0], 1e3 * dead_time(&pulse(valve, 100.0, 0), 0.0)),
+        one("fill of 200 mbar: dead time (ms)", [40.0, 45.0], 1e3 * dead_time(&pulse(valve, 200.0, 0), 0.0)),
+        Comparison::new("fill of 100 to 250 mbar: within 5 % after (s)", [0.15, 0.23], fill_times(valve)),
+        Comparison::new("fill: overshoot at the valve's port (%)", [0.0, 70.0], overshoots(valve)),
+        Comparison::new(
+            "staircase to 250 mbar: steady difference below the command (mbar)",
+            [5.0, 15.0],
+            steady_differences(valve),
+        ),
+        one("exhaust of 200 mbar: dead time (ms)", [38.0, 58.0], 1e3 * dead_time(&pulse(valve, 200.0, 0), 5.0)),
     ];
-    for (from, measured) in EMPTIED {
-        figures.push(one(
+    for (from, measured) in EXHAUST {
+        comparisons.push(one(
             &format!("exhaust from {from} mbar: time constant (ms)"),
             measured,
-            1e3 * empties(valve, from),
+            1e3 * exhaust_time_constant(valve, from),
         ));
     }
-    for (frequency, mbar) in HELD {
-        let quantity = format!("square wave of 300 mbar at {frequency} Hz: held (mbar)");
-        figures.push(one(&quantity, [mbar - SCATTER, mbar + SCATTER], held(valve, frequency)));
+    for (frequency, mbar) in REACHED {
+        let quantity = format!("square wave of 300 mbar at {frequency} Hz: pressure reached (mbar)");
+        comparisons.push(one(&quantity, [mbar - SCATTER, mbar + SCATTER], reached(valve, frequency)));
     }
-    figures
+    comparisons
 }
 
-/// `mbar` from 0 s to 5 s.
+/// A command of `mbar` from 0 s to 5 s.
 fn pulse(valve: &Valve, mbar: f64, seed: u64) -> Trace {
     let commands = [Command { time: 0.0, pressure: mbar * MILLIBAR }, Command { time: 5.0, pressure: 0.0 }];
-    follow(valve, &commands, Unrest::default(), &mut Draw::new(seed, "valve"))
+    respond(valve, &commands, ValveDisturbance::default(), &mut RandomStream::new(seed, "valve"))
 }
 
-/// How long after `from` (s) something holds for the first time, s.
+/// Time after `from` (s) at which a condition holds first, s.
 fn first(from: Second, holds: impl Fn(Second) -> bool) -> Second {
     (0..50_000).map(|i| STEP * f64::from(i)).find(|t| holds(from + t)).unwrap_or(f64::NAN)
 }
 
-fn moves(trace: &Trace, from: Second) -> Second {
+fn dead_time(trace: &Trace, from: Second) -> Second {
     let before = trace.at(from);
-    first(from, |t| (trace.at(t) - before).abs() > MOVED)
+    first(from, |t| (trace.at(t) - before).abs() > CHANGE)
 }
 
-fn fills(valve: &Valve) -> [Second; 2] {
+fn fill_times(valve: &Valve) -> [Second; 2] {
     range([100.0, 150.0, 200.0, 250.0].map(|mbar| {
         let trace = pulse(valve, mbar, 0);
         first(0.0, |t| trace.at(t) > 0.95 * trace.at(4.9))
@@ -78,29 +80,29 @@ fn overshoots(valve: &Valve) -> [f64; 2] {
 }
 
 /// 50 to 250 mbar in steps of 50, 5 s each, 3 s pauses.
-fn under(valve: &Valve) -> [f64; 2] {
+fn steady_differences(valve: &Valve) -> [f64; 2] {
     let levels = [50.0, 100.0, 150.0, 200.0, 250.0];
     let begin = |i: usize| 8.0 * i as f64;
     let step = |(i, mbar): (usize, &f64)| {
         [Command { time: begin(i), pressure: mbar * MILLIBAR }, Command { time: begin(i) + 5.0, pressure: 0.0 }]
     };
     let commands: Vec<Command> = levels.iter().enumerate().flat_map(step).collect();
-    let trace = follow(valve, &commands, Unrest::default(), &mut Draw::new(0, "valve"));
+    let trace = respond(valve, &commands, ValveDisturbance::default(), &mut RandomStream::new(0, "valve"));
     range(levels.iter().enumerate().map(|(i, mbar)| mbar - trace.at(begin(i) + 4.9) / MILLIBAR))
 }
 
-/// From `mbar` settled to 1/e of it.
-fn empties(valve: &Valve, mbar: f64) -> Second {
+/// Time from `mbar` to 1/e of it.
+fn exhaust_time_constant(valve: &Valve, mbar: f64) -> Second {
     let trace = pulse(valve, mbar + valve.droop / MILLIBAR, 0);
-    let (full, dead) = (trace.at(5.0), moves(&trace, 5.0));
+    let (full, dead) = (trace.at(5.0), dead_time(&trace, 5.0));
     first(5.0 + dead, |t| trace.at(t) < full / std::f64::consts::E)
 }
 
-/// As the last of ten half cycles of one side ends.
-fn held(valve: &Valve, frequency: f64) -> f64 {
+/// Pressure at the end of the last of ten half cycles of one side, mbar.
+fn reached(valve: &Valve, frequency: f64) -> f64 {
     let half =
         |i: u32| Command { time: f64::from(i) * 0.5 / frequency, pressure: f64::from((i + 1) % 2) * 300.0 * MILLIBAR };
     let commands: Vec<Command> = (0..20).map(half).collect();
-    let trace = follow(valve, &commands, Unrest::default(), &mut Draw::new(0, "valve"));
+    let trace = respond(valve, &commands, ValveDisturbance::default(), &mut RandomStream::new(0, "valve"));
     trace.at(commands[19].time + valve.dead_exhaust - STEP) / MILLIBAR
 }

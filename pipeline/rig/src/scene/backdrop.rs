@@ -1,11 +1,7 @@
-//! The backdrop: what stands still under and beside the tail.
+//! The backdrop: the fixed objects below and beside the tail.
 //!
-//! A dark plate with a white grid, the unlit lamp, and the words that say who recorded it; over the tail's head, the
-//! holder's block and its two rods.
-//!
-//! Under water all of it is seen through the surface at rest: what does not move is drawn once.
-//!
-//! Stands on: the canvas and the camera. Never knows: the tail.
+//! A dark plate with a white grid, the unlit lamp and the label "virtual bench"; over the head of the tail, the holder's block and its two
+//! rods. In water all of it is refracted at the surface at rest, so that it is drawn once a recording.
 
 use si::{Metre, Point3};
 
@@ -21,78 +17,85 @@ const ROD: f32 = 118.0;
 const DARK_LAMP: f32 = 60.0;
 const BEZEL: f32 = 20.0;
 const WORDS: f32 = 150.0;
-/// A lit lamp stays under the sensor's white, so that a part of an exposure can be read from it.
+/// The lit lamp stays below saturation, so that a partial exposure can be measured.
 const LIT_LAMP: f32 = 232.0;
 
-/// The grid reaches this far from the CAD frame's origin, m, x and y.
+/// Extent of the grid in the CAD frame, m, x and y.
 const REACH: [[Metre; 2]; 2] = [[-0.11, 0.26], [-0.14, 0.14]];
-/// Corners of a grid line on each side, so that the lens may bend it.
+/// Points along each side of a grid line, so that lens distortion bends it.
 const BENDS: usize = 60;
+/// Corners of a disc.
+const CORNERS: usize = 48;
 
-/// Everything that stands still and lies under the tail.
-pub fn draw(view: &View, plane: &settings::Plane, lamp: &settings::Lamp) -> Canvas {
+/// The fixed objects below the tail.
+pub(crate) fn draw(view: &View, plane: &settings::Plane, lamp: &settings::Lamp) -> Canvas {
     let mut canvas = Canvas::filled(view.camera.width, view.camera.height, PLATE);
     for (axis, reach) in REACH.iter().enumerate() {
         let [low, high] = reach.map(|end| (end / plane.pitch).round() as i32);
         for i in low..=high {
-            line(&mut canvas, view, plane, axis, f64::from(i) * plane.pitch);
+            grid_line(&mut canvas, view, plane, &GridLine { axis, place: f64::from(i) * plane.pitch });
         }
     }
-    disc(&mut canvas, view, lamp, 1.5, BEZEL);
-    disc(&mut canvas, view, lamp, 1.0, DARK_LAMP);
-    sign(&mut canvas, view.camera.height as f64);
+    fill(&mut canvas, view, &flat_disc(lamp.at, 1.5 * lamp.radius, CORNERS), BEZEL);
+    fill(&mut canvas, view, &flat_disc(lamp.at, lamp.radius, CORNERS), DARK_LAMP);
+    label(&mut canvas, view.camera.height as f64);
     canvas
 }
 
-/// A label at the bottom left that says who recorded it.
-fn sign(canvas: &mut Canvas, height: f64) {
+/// The label at the bottom left.
+fn label(canvas: &mut Canvas, height: f64) {
     let (left, right, top, bottom) = (14.0, 244.0, height - 44.0, height - 8.0);
     canvas.fill(&[[left, top], [right, top], [right, bottom], [left, bottom]], BLOCK);
-    letters::write(canvas, &lab::VIRTUAL_BENCH.to_uppercase(), [24.0, height - 34.0], 16.0, WORDS);
+    let style = letters::Style { at: [24.0, height - 34.0], size: 16.0, level: WORDS };
+    letters::write(canvas, &lab::VIRTUAL_BENCH.to_uppercase(), &style);
 }
 
-/// The lamp at `share` (0 to 1) of its full light.
-pub fn light(canvas: &mut Canvas, view: &View, lamp: &settings::Lamp, share: f64) {
-    disc(canvas, view, lamp, 1.0, DARK_LAMP + (LIT_LAMP - DARK_LAMP) * share as f32);
+/// The lamp at a `brightness` of 0 to 1.
+pub(crate) fn light(canvas: &mut Canvas, view: &View, lamp: &settings::Lamp, brightness: f64) {
+    let level = DARK_LAMP + (LIT_LAMP - DARK_LAMP) * brightness as f32;
+    fill(canvas, view, &flat_disc(lamp.at, lamp.radius, CORNERS), level);
 }
 
-/// The holder: a block that grips the head as far as `edge` (m), and the two rods that carry it.
-pub fn holder(canvas: &mut Canvas, view: &View, edge: Metre) {
+/// The holder: a block that clamps the head up to x = `edge` (m), and its two rods.
+pub(crate) fn holder(canvas: &mut Canvas, view: &View, edge: Metre) {
     for y in [-0.011, 0.011] {
-        slab(canvas, view, [-0.12, y - 0.004], [-0.02, y + 0.004], 0.020, ROD);
-        slab(canvas, view, [-0.12, y - 0.001], [-0.02, y + 0.0015], 0.024, 1.5 * ROD);
+        fill(canvas, view, &rectangle([-0.12, y - 0.004], [-0.02, y + 0.004], 0.020), ROD);
+        fill(canvas, view, &rectangle([-0.12, y - 0.001], [-0.02, y + 0.0015], 0.024), 1.5 * ROD);
     }
-    slab(canvas, view, [-0.030, -0.024], [edge, 0.024], 0.0255, BLOCK);
-    slab(canvas, view, [-0.026, -0.020], [edge - 0.004, 0.020], 0.0265, 1.5 * BLOCK);
+    fill(canvas, view, &rectangle([-0.030, -0.024], [edge, 0.024], 0.0255), BLOCK);
+    fill(canvas, view, &rectangle([-0.026, -0.020], [edge - 0.004, 0.020], 0.0265), 1.5 * BLOCK);
 }
 
-/// A flat rectangle from `low` to `high` (m, x and y) at height `z`.
-fn slab(canvas: &mut Canvas, view: &View, low: [Metre; 2], high: [Metre; 2], z: Metre, level: f32) {
-    let corners = [[low[0], low[1], z], [high[0], low[1], z], [high[0], high[1], z], [low[0], high[1], z]];
-    if let Some(outline) = view.outline(&corners) {
+/// A horizontal rectangle from `low` to `high` (m, x and y) at height `z`.
+fn rectangle(low: [Metre; 2], high: [Metre; 2], z: Metre) -> [Point3; 4] {
+    [[low[0], low[1], z], [high[0], low[1], z], [high[0], high[1], z], [low[0], high[1], z]]
+}
+
+/// Fills a fixed polygon (m); nothing if a corner has no pixel.
+fn fill(canvas: &mut Canvas, view: &View, polygon: &[Point3], level: f32) {
+    if let Some(outline) = view.outline(polygon) {
         canvas.fill(&outline, level);
     }
 }
 
-/// The grid line at `place` (m) across `axis`, as long as the picture shows it.
-fn line(canvas: &mut Canvas, view: &View, plane: &settings::Plane, axis: usize, place: Metre) {
+/// The grid line at `place` (m) on `axis`.
+struct GridLine {
+    axis: usize,
+    place: Metre,
+}
+
+/// Draws the visible part of a grid line.
+fn grid_line(canvas: &mut Canvas, view: &View, plane: &settings::Plane, line: &GridLine) {
+    let GridLine { axis, place } = *line;
     let [from, to] = REACH[1 - axis];
     let at = |i: usize, side: f64| -> Point3 {
         let along = from + (to - from) * i as f64 / BENDS as f64;
         let across = place + 0.5 * side * plane.line;
         if axis == 0 { [across, along, plane.height] } else { [along, across, plane.height] }
     };
-    let seen = |i: &usize| view.still(at(*i, 0.0)).is_some();
-    let shown: Vec<usize> = (0..=BENDS).filter(seen).collect();
+    let visible = |i: &usize| view.project_static(at(*i, 0.0)).is_some();
+    let shown: Vec<usize> = (0..=BENDS).filter(visible).collect();
     let there = shown.iter().map(|i| at(*i, -1.0));
     let corners: Vec<Point3> = there.chain(shown.iter().rev().map(|i| at(*i, 1.0))).collect();
-    if let Some(outline) = view.outline(&corners) {
-        canvas.fill(&outline, LINE);
-    }
-}
-
-fn disc(canvas: &mut Canvas, view: &View, lamp: &settings::Lamp, size: f64, level: f32) {
-    if let Some(outline) = view.outline(&flat_disc(lamp.at, size * lamp.radius, 48)) {
-        canvas.fill(&outline, level);
-    }
+    fill(canvas, view, &corners, LINE);
 }

@@ -1,7 +1,6 @@
-//! A canvas: grey levels as real numbers, filled with polygons by exact area.
+//! A canvas: real-valued grey levels, filled with polygons by exact coverage.
 //!
-//! Pixels are `track`'s: the centre of the first is (0, 0), u to the right, v down.
-//! Stands on: `ab_glyph_rasterizer`. Never knows: what a polygon shows.
+//! Pixel coordinates as in `track`: the centre of the first pixel is (0, 0), u to the right, v down.
 
 use ab_glyph_rasterizer::{Rasterizer, point};
 use si::Point2;
@@ -17,7 +16,7 @@ pub struct Canvas {
     pub levels: Vec<f32>,
 }
 
-/// Polygons that reach further out of the picture than this (px) are not drawn: they would cost memory and show nothing.
+/// Polygons that extend further out of the picture than this (px) are not drawn: they would cost memory without effect.
 const REACH: f64 = 3000.0;
 
 impl Canvas {
@@ -26,17 +25,17 @@ impl Canvas {
         Self { width, height, levels: vec![level; width * height] }
     }
 
-    /// Moves pixel (`x`, `y`), which may lie outside, by `share` (0 to 1) towards `level`.
-    pub fn blend(&mut self, x: i64, y: i64, level: f32, share: f32) {
+    /// Blends pixel (`x`, `y`), which may lie outside, with `level` by the weight `coverage` (0 to 1).
+    pub fn blend(&mut self, x: i64, y: i64, level: f32, coverage: f32) {
         if x >= 0 && y >= 0 && (x as usize) < self.width && (y as usize) < self.height {
             let here = &mut self.levels[y as usize * self.width + x as usize];
-            *here += share * (level - *here);
+            *here += coverage * (level - *here);
         }
     }
 
-    /// Fills a polygon (px), which may reach out of the picture, with `level`; a pixel takes its covered share of it.
+    /// Fills a polygon (px), which may extend beyond the picture, with `level`, weighted by each pixel's coverage.
     pub fn fill(&mut self, polygon: &[Point2], level: f32) {
-        self.cover(polygon, |canvas, x, y, share| canvas.blend(x, y, level, share));
+        self.cover(polygon, |canvas, x, y, coverage| canvas.blend(x, y, level, coverage));
     }
 
     /// Fills a line of `width` px between two points.
@@ -48,7 +47,7 @@ impl Canvas {
         self.fill(&[corner(from, 1.0), corner(to, 1.0), corner(to, -1.0), corner(from, -1.0)], level);
     }
 
-    /// Tells every pixel that the polygon touches, and its covered share.
+    /// Calls `touch` with every pixel that the polygon covers and the coverage.
     fn cover(&mut self, polygon: &[Point2], mut touch: impl FnMut(&mut Self, i64, i64, f32)) {
         let Some((low, high)) = bounds(polygon) else { return };
         if high[0] < -0.5 || high[1] < -0.5 || low[0] > self.width as f64 || low[1] > self.height as f64 {
@@ -61,15 +60,15 @@ impl Canvas {
         for (i, from) in polygon.iter().enumerate() {
             raster.draw_line(place(*from), place(polygon[(i + 1) % polygon.len()]));
         }
-        raster.for_each_pixel_2d(|x, y, share| {
-            if share > 0.0 {
-                touch(self, corner[0] + i64::from(x), corner[1] + i64::from(y), share.min(1.0));
+        raster.for_each_pixel_2d(|x, y, coverage| {
+            if coverage > 0.0 {
+                touch(self, corner[0] + i64::from(x), corner[1] + i64::from(y), coverage.min(1.0));
             }
         });
     }
 }
 
-/// Least and greatest corner of a polygon, none when it is no area or reaches out of all reason.
+/// Bounding box of a polygon; none if it has no area or extends beyond [`REACH`].
 fn bounds(polygon: &[Point2]) -> Option<(Point2, Point2)> {
     let fold = |k: usize, start: f64, pick: fn(f64, f64) -> f64| polygon.iter().map(|p| p[k]).fold(start, pick);
     let low = [fold(0, f64::INFINITY, f64::min), fold(1, f64::INFINITY, f64::min)];
@@ -79,7 +78,7 @@ fn bounds(polygon: &[Point2]) -> Option<(Point2, Point2)> {
 }
 
 /// Centroid of a polygon's area, px.
-pub fn centroid(polygon: &[Point2]) -> Point2 {
+pub(crate) fn centroid(polygon: &[Point2]) -> Point2 {
     let (mut area, mut sum) = (0.0, [0.0; 2]);
     let first = polygon[0];
     for (i, p) in polygon.iter().enumerate() {
@@ -116,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn a_polygon_that_leaves_the_picture_fills_what_is_inside() {
+    fn a_polygon_that_extends_beyond_the_picture_is_clipped() {
         let mut canvas = Canvas::filled(10, 10, 0.0);
         canvas.fill(&[[-50.0, 4.5], [50.0, 4.5], [50.0, 50.0], [-50.0, 50.0]], 8.0);
         assert_eq!((canvas.levels[44], canvas.levels[55]), (0.0, 8.0));

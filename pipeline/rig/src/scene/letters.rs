@@ -1,6 +1,4 @@
-//! Letters: the words "virtual bench" in every frame, in strokes.
-//!
-//! Stands on: the canvas. Never knows: what is filmed.
+//! The label "virtual bench" in every frame, drawn in strokes.
 
 use si::Point2;
 
@@ -25,8 +23,19 @@ fn strokes(letter: char) -> &'static [[u8; 4]] {
     }
 }
 
-/// Writes `text` (capitals) with its top left corner at `at` (px) in letters of `size` px height.
-pub fn write(canvas: &mut Canvas, text: &str, at: Point2, size: f64, level: f32) {
+/// Position and look of a text.
+pub(crate) struct Style {
+    /// Its top left corner, px.
+    pub(crate) at: Point2,
+    /// Height of the letters, px.
+    pub(crate) size: f64,
+    /// Grey level.
+    pub(crate) level: f32,
+}
+
+/// Writes `text` (capitals).
+pub(crate) fn write(canvas: &mut Canvas, text: &str, style: &Style) {
+    let Style { at, size, level } = *style;
     let unit = size / 6.0;
     for (i, letter) in text.chars().enumerate() {
         let left = at[0] + 6.0 * unit * i as f64;
@@ -42,10 +51,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_letter_of_virtual_bench_leaves_ink() {
+    fn every_letter_of_the_label_is_drawn() {
         for letter in lab::VIRTUAL_BENCH.to_uppercase().chars().filter(|c| *c != ' ') {
             let mut canvas = Canvas::filled(40, 40, 0.0);
-            write(&mut canvas, &letter.to_string(), [10.0, 10.0], 18.0, 1.0);
+            write(&mut canvas, &letter.to_string(), &Style { at: [10.0, 10.0], size: 18.0, level: 1.0 });
             assert!(canvas.levels.iter().sum::<f32>() > 30.0, "{letter}");
         }
     }

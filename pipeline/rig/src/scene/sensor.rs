@@ -1,27 +1,25 @@
-//! The sensor: uneven light and noise, and a canvas becomes a picture of whole grey levels.
-//!
-//! Stands on: the canvas, `track` (the picture), seeded chance. Never knows: what is in the picture.
+//! The sensor: uneven illumination, noise and quantisation to grey levels.
 
 use track::Gray;
 
 use super::Canvas;
-use crate::draw::Draw;
+use crate::random::RandomStream;
 
-/// The share of the light that reaches each pixel, and the noise of one.
-pub struct Sensor {
+/// The relative illumination of each pixel, and the noise.
+pub(crate) struct Sensor {
     light: Vec<f32>,
     /// Normal noise at 256 even steps of probability, grey levels.
     noise: [f32; 256],
     seed: u64,
 }
 
-/// How much darker the picture's far corner is than its brightest place, and how much one side is than the other.
+/// Vignetting: loss of light at the far corner. Illumination gradient: difference between the two sides.
 const FALL_OFF: f64 = 0.16;
 const SLOPE: f64 = 0.07;
 
 impl Sensor {
     /// A sensor of `width` × `height` px with noise of deviation `noise` grey levels.
-    pub fn new(width: usize, height: usize, noise: f64, seed: u64) -> Self {
+    pub(crate) fn new(width: usize, height: usize, noise: f64, seed: u64) -> Self {
         let light = (0..width * height).map(|i| {
             let u = 2.0 * (i % width) as f64 / width as f64 - 1.0;
             let v = 2.0 * (i / width) as f64 / height as f64 - 1.0;
@@ -34,18 +32,18 @@ impl Sensor {
         Self { light: light.collect(), noise: table, seed }
     }
 
-    /// The picture that the sensor makes of `canvas`; `label` and `frame` name its noise.
-    pub fn expose(&self, canvas: &Canvas, label: &str, frame: usize) -> Gray {
-        let mut dice = vec![0; canvas.levels.len()];
-        Draw::new(self.seed, &format!("sensor {label} {frame}")).bytes(&mut dice);
-        let lit = canvas.levels.iter().zip(&self.light).zip(&dice);
+    /// The picture of `canvas`; `label` and `frame` select its noise.
+    pub(crate) fn expose(&self, canvas: &Canvas, label: &str, frame: usize) -> Gray {
+        let mut bytes = vec![0; canvas.levels.len()];
+        RandomStream::new(self.seed, &format!("sensor {label} {frame}")).bytes(&mut bytes);
+        let lit = canvas.levels.iter().zip(&self.light).zip(&bytes);
         let pixel =
-            |((level, light), die): ((&f32, &f32), &u8)| (level * light + self.noise[*die as usize] + 0.5) as u8;
+            |((level, light), byte): ((&f32, &f32), &u8)| (level * light + self.noise[*byte as usize] + 0.5) as u8;
         Gray { width: canvas.width, height: canvas.height, pixels: lit.map(pixel).collect() }
     }
 }
 
-/// The normal deviate below which lies the share `p`, by bisection of its cumulative sum.
+/// The quantile of the standard normal distribution at `p`, from its cumulative sum.
 fn quantile(p: f64) -> f64 {
     let steps = 12_000;
     let width = 12.0 / f64::from(steps);
@@ -66,7 +64,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn noise_has_its_deviation_and_is_the_same_again() {
+    fn noise_has_its_standard_deviation_and_is_reproducible() {
         let (width, height) = (200, 150);
         let sensor = Sensor { light: vec![1.0; width * height], ..Sensor::new(width, height, 2.0, 9) };
         let canvas = Canvas::filled(width, height, 100.0);

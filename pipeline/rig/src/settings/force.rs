@@ -1,6 +1,4 @@
-//! What is built into the force instruments: the load cell, its amplifier, the tank, and the two runs of the fixture alone.
-//!
-//! Stands on: `si`. Never knows: what is drawn from its ranges.
+//! Settings of the force instruments: load cell, amplifier, tank, and the two recordings of the fixture alone.
 
 use std::collections::BTreeMap;
 
@@ -11,33 +9,33 @@ use si::{Hertz, Kilogram, Metre, Newton, Second};
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cell {
-    /// Range of the mass that hangs on the cell's spring, kg.
+    /// Range of the fixture's mass, kg.
     pub mass: [Kilogram; 2],
     /// Range of the fixture's natural frequency, Hz.
     pub frequency: [Hertz; 2],
     /// Range of its damping ratio, no unit.
     pub damping_ratio: [f64; 2],
-    /// Samples a second, at the fast and at the slow setting.
+    /// Sampling rates of the fast and the slow setting.
     pub rates: [Hertz; 2],
-    /// Which of the two is set.
+    /// Whether the fast one is set.
     pub fast: bool,
     /// Greatest drift of its clock, either way, no unit.
     pub clock_drift: f64,
-    /// How much earlier than the camera it starts, s.
+    /// Range of the time by which it starts before the camera, s.
     pub offset: [Second; 2],
     /// Range of the noise's standard deviation in air, N.
     pub noise_in_air: [Newton; 2],
     /// The same in water, N.
     pub noise_in_water: [Newton; 2],
-    /// Greatest ramp of the zero in a run, either way, N.
+    /// Greatest linear drift of the zero in a run, either way, N.
     pub ramp: Newton,
-    /// Greatest wandering of the zero about that ramp, N.
+    /// Greatest deviation of the zero from that drift, N.
     pub wander: Newton,
-    /// Stored to this, N.
+    /// Resolution of the stored values, N.
     pub quantum: Newton,
 }
 
-/// The tank, and how its waves reach the cell.
+/// The tank and its standing waves.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tank {
@@ -51,17 +49,17 @@ pub struct Tank {
     pub amplitude: [Newton; 2],
 }
 
-/// The force that follows pressure although nothing moves.
+/// The static force, which depends on pressure without any motion.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Buoyancy {
-    /// How much later than the pressure it comes, in all, s.
+    /// Total delay after the pressure, s.
     pub lag: Second,
-    /// How much of that is slow rather than late: the time constant of the inflation, s.
+    /// Part of the delay that is a first-order lag, the time constant of the inflation, s.
     pub slow: Second,
-    /// How much of it is left in air, no unit.
+    /// Ratio of the force in air to that in water, no unit.
     pub air: f64,
-    /// Force in water (N) by pressure (Pa), rising, for each tail; straight between, from (0, 0), held beyond.
+    /// Force in water (N) by rising pressure (Pa) for each tail; piecewise linear from (0, 0), constant beyond.
     pub water: BTreeMap<String, Vec<[f64; 2]>>,
 }
 
@@ -69,32 +67,32 @@ pub struct Buoyancy {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Hammer {
-    /// Blows.
+    /// Number of taps.
     pub taps: usize,
-    /// Between them, s.
+    /// Interval between taps, s.
     pub every: Second,
-    /// How long one lasts, s.
+    /// Contact time, s.
     pub contact: Second,
-    /// Range of a blow's greatest force, N.
+    /// Range of the peak force, N.
     pub peak: [Newton; 2],
-    /// Samples a second of its log.
+    /// Sampling rate of its log.
     pub rate: Hertz,
     /// Standard deviation of its noise, N.
     pub noise: Newton,
 }
 
-/// The run whose waves are left, and how long they are listened to.
+/// The recording of the tank's waves after a run.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StillWater {
-    /// How long the run before lasted, s.
+    /// Duration of the run, s.
     pub run: Second,
-    /// Its beats a second, Hz.
+    /// Frequency of the run, Hz.
     pub frequency: Hertz,
     /// Amplitude of its force, N.
     pub force: Newton,
-    /// Between its end and the log, s.
+    /// Time between its end and the log, s.
     pub wait: Second,
-    /// Of the log, s.
+    /// Duration of the log, s.
     pub length: Second,
 }

@@ -1,15 +1,13 @@
-//! What is hidden in a specimen and in a run, as ranges.
-//!
-//! Stands on: `si`. Never knows: what is drawn from its ranges.
+//! Ranges of the hidden properties of a specimen and of a run.
 
 use serde::Deserialize;
 use si::{Hertz, KilogramPerCubicMetre, Metre, Pascal, Second};
 
-/// A material, as ranges, and what a laboratory would write of it on a card.
+/// A material: the ranges of its true properties, and the nominal properties for the card.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Material {
-    /// Its properties are drawn from it, the same for all specimens.
+    /// Seed of its properties, which are the same for all specimens.
     pub seed: u64,
     /// Constitutive law, by its name in `fem`.
     pub law: String,
@@ -23,11 +21,11 @@ pub struct Material {
     pub damping_ratio: [f64; 2],
     /// Frequency at which that ratio holds, Hz.
     pub ring_down: Hertz,
-    /// The card's first guess.
+    /// The properties on the card.
     pub nominal: Nominal,
 }
 
-/// What the card says of a solid.
+/// Properties of a solid on the card.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Nominal {
@@ -39,37 +37,37 @@ pub struct Nominal {
     pub plausible: [Pascal; 2],
 }
 
-/// What a casting hides, and its STL files do not show.
+/// Deviations of a casting from its STL files.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Casting {
-    /// Greatest share by which one outer wall is thicker and the other thinner, no unit.
+    /// Greatest relative difference of the outer walls from their nominal thickness, one thicker and one thinner, no unit.
     pub asymmetry: f64,
-    /// Standard deviation of a marker's place along and across, m.
+    /// Standard deviation of a marker's position along and across, m.
     pub markers_off: Metre,
 }
 
-/// Why no two runs are alike.
+/// Variations between runs.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Causes {
-    /// Greatest share by which the regulated pressure is off in a run, no unit.
+    /// Greatest relative error of the regulated pressure in a run, no unit.
     pub supply: f64,
-    /// Greatest time by which the valve is early or late, each time it switches, s.
+    /// Greatest timing error of each switching of the valve, s.
     pub jitter: Second,
-    /// Greatest share by which the silicone is softer or stiffer in a run, no unit.
+    /// Greatest relative change of the silicone's modulus with temperature in a run, no unit.
     pub warmth: f64,
-    /// How far the camera is moved when it is started.
-    pub nudge: Nudge,
+    /// Change of the camera's pose between runs.
+    pub nudge: PosePerturbation,
 }
 
-/// What a hand does to a camera.
+/// Change of the camera's pose when it is started.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Nudge {
-    /// Greatest shift along each axis, m.
+pub struct PosePerturbation {
+    /// Greatest translation along each axis, m.
     pub shift: Metre,
-    /// Greatest turn about each axis, degrees.
+    /// Greatest rotation about each axis, degrees.
     pub turn: f64,
 }
 
@@ -79,8 +77,8 @@ pub struct Nudge {
 pub struct Fluid {
     /// kg/m³.
     pub density: KilogramPerCubicMetre,
-    /// Of the added mass of elongated-body theory, no unit.
+    /// Added mass relative to elongated-body theory's, no unit.
     pub added: [f64; 2],
-    /// Coefficient of drag across the flow, no unit.
+    /// Normal drag coefficient, no unit.
     pub drag: [f64; 2],
 }

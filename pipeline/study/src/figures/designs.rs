@@ -1,8 +1,6 @@
 //! Figure `designs`: the specimens cut open at mid height, beside each other at one scale. Paper, figure 3.
 //!
-//! Drawn from the meshes of their STL files, whose surfaces they follow; what the card and the mesh say stands under each.
-//!
-//! Stands on: plot, the surfaces of solids. Never knows: how a mesh was made.
+//! Drawn from the meshes of their STL files, whose surfaces they follow; the properties of card and mesh are printed under each.
 
 use plot::{DOUBLE_COLUMN_MM, Figure, OverlayKind, Panel, Placed, Scene, Side, palette};
 use si::{MILLIMETRE, Point3};
@@ -10,11 +8,11 @@ use si::{MILLIMETRE, Point3};
 use super::order::{in_order, title};
 use super::origin_note;
 use super::solid::{Bounds, Surfaces};
-use crate::fault::{Fault, Outcome};
-use crate::figure;
-use crate::needs::Every;
 use crate::records::Mesh;
-use crate::subject::Specimen;
+use crate::subject::{Specimen, Study};
+use diagnostics::{Diagnostic, Result};
+use workflow::figure;
+use workflow::needs::Every;
 
 /// The figure.
 pub struct Designs;
@@ -23,20 +21,15 @@ pub struct Designs;
 const ACROSS: usize = 3;
 
 impl figure::Figure for Designs {
-    type Needs = Every<Mesh>;
+    type Of = Study;
+    type Needs = Every<Mesh, Specimen>;
     const NAME: &'static str = "designs";
-    const SHOWS: &'static str = "the actuators cut open: their chambers, ribs, walls and sheet";
-    const EDITION: u32 = 2;
+    const CAPTION: &'static str = "the actuators cut open: their chambers, ribs, walls and sheet";
+    const VERSION: u32 = 2;
 
-    fn card(study: &crate::subject::Study) -> serde_json::Value {
-        let solid = |s: &lab::card::Solid| serde_json::json!([s.material, s.youngs_modulus]);
-        let all = study.specimens.iter().map(|s| [solid(&s.card.solid.body), solid(&s.card.solid.spine)]);
-        serde_json::json!(all.collect::<Vec<_>>())
-    }
-
-    fn draw(Every(meshes): Self::Needs) -> Outcome<Figure> {
+    fn draw(Every(meshes): Self::Needs) -> Result<Figure> {
         if meshes.is_empty() {
-            return Err(Fault::new("there is no design to show", "no specimen has a mesh", "study run mesh"));
+            return Err(Diagnostic::new("there is no design to show", "no specimen has a mesh", "study run mesh"));
         }
         let meshes = in_order(meshes);
         let window = window(meshes.iter().map(|(_, mesh)| mesh));
@@ -61,11 +54,11 @@ fn window<'a>(meshes: impl Iterator<Item = &'a Mesh>) -> [Point3; 2] {
 fn design(specimen: &Specimen, mesh: &Mesh, [low, high]: [Point3; 2]) -> Placed {
     let lower = Surfaces::lower(&mesh.solid, &mesh.solid.nodes);
     let scene = lower.onto(Scene::new(super::CUT_VIEW), Bounds::painted);
-    // all corners of the box count, not two alone: the view turns it
+    // all corners of the box count, not two alone: the view rotates it
     let corner = |i: usize| [0, 1, 2].map(|k| if i >> k & 1 == 0 { low[k] } else { high[k] });
     let rim = (0..8).map(corner).collect();
     let card = &specimen.card;
-    let said = [
+    let text = [
         format!(
             "body: E {:.2} MPa, nominal; spine: {:.1} GPa",
             1e-6 * card.solid.body.youngs_modulus,
@@ -76,8 +69,8 @@ fn design(specimen: &Specimen, mesh: &Mesh, [low, high]: [Point3; 2]) -> Placed 
     let place = |down: f64| [0.5 * (low[0] + high[0]), low[1], low[2] - down];
     let scene = scene
         .with_overlay(rim, OverlayKind::Line(plot::Dash::Solid), palette::PAPER, 0.0)
-        .with_overlay(vec![place(0.006)], OverlayKind::Text(said[0].clone(), Side::Below), palette::INK, 6.0)
-        .with_overlay(vec![place(0.013)], OverlayKind::Text(said[1].clone(), Side::Below), palette::INK, 6.0)
+        .with_overlay(vec![place(0.006)], OverlayKind::Text(text[0].clone(), Side::Below), palette::BLACK, 6.0)
+        .with_overlay(vec![place(0.013)], OverlayKind::Text(text[1].clone(), Side::Below), palette::BLACK, 6.0)
         .with_scale_bar(20.0 * MILLIMETRE);
     Panel::Scene(scene).titled(&title(&card.name))
 }

@@ -1,32 +1,36 @@
-//! Figure `four_parameters`: both moduli and both Poisson's ratios, searched at once. Paper, figure 6.
+//! Figure `four_parameters`: both moduli and both Poisson's ratios, identified together. Paper, figure 6.
 //!
 //! One panel a parameter: its value at each simulation, the plausible range as a band, and the final point. Each specimen has
 //! a row of its own.
-//!
-//! Stands on: plot. Never knows: how a number was computed.
 
 use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Figure, Legend, Mark, Marker, Panel, palette};
 use si::Point2;
 
 use super::order::{in_order, title};
 use super::origin_note;
-use crate::fault::{Fault, Outcome};
-use crate::figure;
-use crate::needs::Every;
 use crate::records;
+use crate::subject::{Specimen, Study};
+use diagnostics::{Diagnostic, Result};
+use workflow::figure;
+use workflow::needs::Every;
 
 /// The figure.
 pub struct FourParameters;
 
 impl figure::Figure for FourParameters {
-    type Needs = Every<records::FourParameters>;
+    type Of = Study;
+    type Needs = Every<records::FourParameters, Specimen>;
     const NAME: &'static str = "four_parameters";
-    const SHOWS: &'static str = "both moduli and both Poisson's ratios, sought at once";
-    const EDITION: u32 = 2;
+    const CAPTION: &'static str = "both moduli and both Poisson's ratios, identified together";
+    const VERSION: u32 = 2;
 
-    fn draw(Every(all): Self::Needs) -> Outcome<Figure> {
+    fn draw(Every(all): Self::Needs) -> Result<Figure> {
         if all.is_empty() {
-            return Err(Fault::new("there is no search to show", "no specimen has one", "study run four_parameters"));
+            return Err(Diagnostic::new(
+                "there is no search to show",
+                "no specimen has one",
+                "study run four_parameters",
+            ));
         }
         let all = in_order(all);
         let mut figure = Figure::new(DOUBLE_COLUMN_MM);
@@ -45,15 +49,15 @@ const SCALES: [f64; 4] = [1e-6, 1e-9, 1.0, 1.0];
 
 fn parameter(found: &records::FourParameters, k: usize) -> Panel {
     let points: Vec<Point2> =
-        found.iterates.iter().enumerate().map(|(i, (four, _))| [(i + 1) as f64, four.shown()[k]]).collect();
+        found.iterates.iter().enumerate().map(|(i, (four, _))| [(i + 1) as f64, four.in_display_units()[k]]).collect();
     let last = points.len().max(2) as f64;
     let [low, high] = found.plausible[k].map(|v| SCALES[k] * v);
-    let room = 0.08 * (high - low);
+    let margin = 0.08 * (high - low);
     let axes = Axes::new(
         Axis::linear("simulations", "").range(1.0, last),
-        Axis::linear(TITLES[k], UNITS[k]).range(low - room, high + room),
+        Axis::linear(TITLES[k], UNITS[k]).range(low - margin, high + margin),
     );
-    let end = vec![[last, found.best.shown()[k]]];
+    let end = vec![[last, found.best.in_display_units()[k]]];
     let axes = axes.legend(if k == 0 { Legend::Over } else { Legend::None });
     Panel::Axes(
         axes.with(Mark::band(vec![1.0, last], vec![low; 2], vec![high; 2], palette::MUTED).labelled("plausible"))

@@ -1,41 +1,40 @@
-//! Figure `load_cell`: the fixture rings, taps say how, and the ringing is undone. Paper, appendix.
+//! Figure `load_cell`: the fixture's transfer function from hammer taps, and its deconvolution. Paper, appendix.
 //!
 //! (a) mass, spring and damper between the force and the cell; (b), (c) size and phase of the response, measured and fitted,
-//! with the coherence; (d) a thrust that is never negative, the cell that goes below zero for it, and the inverse.
-//!
-//! Stands on: plot. Never knows: how a number was computed.
+//! with the coherence; (d) a non-negative example thrust, the simulated measurement, and its deconvolution.
 
 use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Dash, Diagram, Figure, Mark, Marker, Panel, Part, Side, palette};
 use si::Point2;
 
 use super::order::{in_order, title};
 use super::origin_note;
-use crate::fault::{Fault, Outcome};
-use crate::figure;
-use crate::needs::Every;
 use crate::records;
-use crate::subject::Study;
+use crate::subject::{Specimen, Study};
+use diagnostics::{Diagnostic, Result};
+use workflow::figure;
+use workflow::needs::Every;
 
 /// The figure.
 pub struct LoadCell;
 
 impl figure::Figure for LoadCell {
-    type Needs = Every<records::LoadCell>;
+    type Of = Study;
+    type Needs = Every<records::LoadCell, Specimen>;
     const NAME: &'static str = "load_cell";
-    const SHOWS: &'static str = "the load cell rings, taps say how, and the ringing is undone";
-    const EDITION: u32 = 2;
+    const CAPTION: &'static str = "the fixture's response to hammer taps, and its deconvolution";
+    const VERSION: u32 = 2;
 
     fn is_made_for(study: &Study) -> bool {
         Every::<records::LoadCell>::any(study)
     }
 
-    fn draw(Every(all): Self::Needs) -> Outcome<Figure> {
+    fn draw(Every(all): Self::Needs) -> Result<Figure> {
         let all = in_order(all);
         let Some((specimen, cell)) = all.first() else {
-            return Err(Fault::new("there is no load cell to show", "no card has taps", "study run load_cell"));
+            return Err(Diagnostic::new("there is no load cell to show", "no card has taps", "study run load_cell"));
         };
         let it = &cell.in_time;
-        let said = format!(
+        let text = format!(
             "{}: {:.3} ± {:.4} Hz, ζ {:.5} ± {:.5}",
             title(&specimen.card.name),
             it.natural_frequency_hz,
@@ -46,10 +45,10 @@ impl figure::Figure for LoadCell {
         let figure = Figure::new(DOUBLE_COLUMN_MM)
             .row(
                 54.0,
-                [Panel::Diagram(schematic()).titled("measurement dynamics"), size(cell).titled(&said).share(1.4)],
+                [Panel::Diagram(schematic()).titled("measurement dynamics"), size(cell).titled(&text).share(1.4)],
             )
             .row(44.0, [phase(cell).titled("phase"), coherence(cell).titled("coherence")])
-            .row(52.0, [shown(cell).titled("a thrust that is never negative")]);
+            .row(52.0, [deconvolution(cell).titled("deconvolution of a non-negative thrust")]);
         Ok(figure.noted(&origin_note(all.iter().map(|(s, _)| s.card.as_ref()))))
     }
 }
@@ -58,11 +57,11 @@ fn schematic() -> Diagram {
     let arrow = |points: Vec<Point2>, text: &str| Part::Arrow {
         points,
         text: Some((text.to_owned(), Side::Above)),
-        colour: palette::INK,
+        colour: palette::BLACK,
         dash: Dash::Solid,
     };
     let words =
-        |at: Point2, text: &str| Part::Text { at, text: text.to_owned(), side: Side::Above, colour: palette::INK };
+        |at: Point2, text: &str| Part::Text { at, text: text.to_owned(), side: Side::Above, colour: palette::BLACK };
     let lines = vec!["m".to_owned()];
     Diagram::new(76.0, 42.0)
         .with(Part::Wall { from: [16.0, 6.0], to: [16.0, 36.0] })
@@ -75,7 +74,7 @@ fn schematic() -> Diagram {
         .with(words([26.0, 32.5], "b"))
 }
 
-fn of(cell: &records::LoadCell, part: impl Fn(&signal::cell::Response) -> f64) -> Vec<Point2> {
+fn of(cell: &records::LoadCell, part: impl Fn(&signal::cell::FrequencyResponse) -> f64) -> Vec<Point2> {
     cell.response.iter().map(|r| [r.frequency, part(r)]).collect()
 }
 
@@ -112,27 +111,29 @@ fn coherence(cell: &records::LoadCell) -> Panel {
     Panel::Axes(axes)
 }
 
-/// From when on the trace is shown, and for how long, s.
+/// Start and duration of the plotted trace, s.
 const FROM: f64 = 2.0;
 const LONG: f64 = 1.5;
 
-fn shown(cell: &records::LoadCell) -> Panel {
-    let s = &cell.shown;
+fn deconvolution(cell: &records::LoadCell) -> Panel {
+    let s = &cell.example;
     let cut = |values: &[f64]| -> Vec<Point2> {
         let all = s.time.iter().zip(values).map(|(t, v)| [*t, *v]);
         all.filter(|p| (FROM..FROM + LONG).contains(&p[0])).collect()
     };
-    let undone = cut(&s.undone);
-    let edge = |by: f64| undone.iter().map(|p| p[1] + by * s.sigma).collect::<Vec<f64>>();
-    let x = undone.iter().map(|p| p[0]).collect();
+    let deconvolved = cut(&s.deconvolved);
+    let edge = |by: f64| deconvolved.iter().map(|p| p[1] + by * s.sigma).collect::<Vec<f64>>();
+    let x = deconvolved.iter().map(|p| p[0]).collect();
     let label = |what: &str, nrmse: f64| format!("{what}, NRMSE {nrmse:.2}");
     let axes = Axes::new(Axis::linear("time", "s"), Axis::linear("force", "N"))
-        .with(Mark::level(0.0, palette::MUTED))
+        .with(Mark::horizontal_line(0.0, palette::MUTED))
         .with(Mark::band(x, edge(-2.0), edge(2.0), palette::SIMULATED))
-        .with(Mark::line(cut(&s.felt), palette::MEASURED).labelled(&label("felt", s.nrmse[0])))
+        .with(Mark::line(cut(&s.measured), palette::MEASURED).labelled(&label("measured", s.nrmse[0])))
         .with(Mark::line(cut(&s.thrust), palette::NETWORK).sized(1.6).labelled("thrust"))
         .with(
-            Mark::line(undone.clone(), palette::SIMULATED).dashed(Dash::Dashed).labelled(&label("undone", s.nrmse[1])),
+            Mark::line(deconvolved.clone(), palette::SIMULATED)
+                .dashed(Dash::Dashed)
+                .labelled(&label("deconvolved", s.nrmse[1])),
         );
     Panel::Axes(axes.legend(plot::Legend::Over))
 }

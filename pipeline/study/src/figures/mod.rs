@@ -1,7 +1,4 @@
 //! The figures of the paper, in its order.
-//!
-//! Stands on: the contract in `figure.rs` and its members. Never knows: a file name, a stage's code.
-//! A new figure: its file and its line in [`ALL`].
 
 mod designs;
 mod dynamics;
@@ -15,10 +12,11 @@ mod sysid;
 mod tail;
 mod thrust;
 
-use crate::entry::{Entry, figure};
+use crate::subject::Study;
+use workflow::entry::{Entry, figure};
 
 /// Every figure.
-pub const ALL: &[Entry] = &[
+pub const ALL: &[Entry<Study>] = &[
     figure::<tail::Tail>(),
     figure::<overview::Overview>(),
     figure::<designs::Designs>(),
@@ -32,12 +30,12 @@ pub const ALL: &[Entry] = &[
 ];
 
 /// From where a body cut open at mid height shows its inside: from above, before and beside.
-const CUT_VIEW: plot::View = plot::View { towards: [-0.25, 0.62, -0.75], up: [0.0, 0.0, 1.0] };
+const CUT_VIEW: plot::View = plot::View { direction: [-0.25, 0.62, -0.75], up: [0.0, 0.0, 1.0] };
 
-/// What a reader must know of where the data come from.
+/// The origin of the data, as a note for the reader.
 fn origin_note<'a>(mut cards: impl Iterator<Item = &'a lab::Card>) -> String {
     match cards.all(|card| card.origin == lab::card::Origin::Laboratory) {
         true => String::new(),
-        false => "All data from the virtual bench: nothing here was measured.".into(),
+        false => "All data are from the virtual bench; nothing was measured.".into(),
     }
 }

@@ -1,6 +1,4 @@
-//! Order: the paper's tails come first and keep their colours, whatever else was recorded and whatever is missing.
-//!
-//! Stands on: subject, plot's palette. Never knows: a record.
+//! Order of specimens in figures: the paper's tails come first, each with a fixed colour.
 
 use plot::{Colour, palette};
 
@@ -42,7 +40,7 @@ pub fn colour(name: &str) -> Colour {
     palette::series(rank(name))
 }
 
-/// A specimen's name as a sentence has it: Nemo.
+/// A specimen's name capitalised: Nemo.
 pub fn title(name: &str) -> String {
     let mut letters = name.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())

@@ -1,98 +1,73 @@
-//! Figure `overview`: what becomes what, from the recordings to thrust, as the list of stages has it. Paper, figure 2.
+//! Figure `overview`: the stages from the recordings to thrust and what each reads. Paper, figure 2.
 //!
-//! (a) every stage with its story and what it reads, drawn from the list itself; then what some of them made, of one tail.
-//!
-//! Stands on: plot, the flow, the surfaces of solids. Never knows: a stage's code.
+//! (a) every stage with its description and what it reads, drawn from the list of stages; then records of one tail.
 
-use plot::{
-    Axes, Axis, Colour, DOUBLE_COLUMN_MM, Dash, Diagram, Figure, Legend, Mark, Marker, Panel, Part, Picture, Placed,
-};
+use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Dash, Figure, Legend, Mark, Marker, Panel, Picture, Placed};
 use plot::{Scene, View, palette};
 use si::{MILLIBAR, MILLIMETRE, Point2};
 
 use super::order::{in_order, of, title};
 use super::origin_note;
 use super::solid::{Bounds, Surfaces};
-use crate::fault::{Fault, Outcome};
-use crate::figure;
-use crate::flow::{Flow, Place, lay_out};
-use crate::needs::Every;
-use crate::records::{Inflation, Mesh, Still, Thrust, Validation};
-use crate::subject::Study;
+use crate::records::{ExampleFrames, Inflation, Mesh, Thrust, Validation};
+use crate::subject::{Specimen, Study, Trial};
+use diagnostics::{Diagnostic, Result};
+use publish::stage_diagram::stage_diagram;
+use workflow::figure;
+use workflow::needs::{Every, Needs, RecordId, RecordReader};
+use workflow::stage_graph::StageGraph;
 
 /// The figure.
 pub struct Overview;
 
-/// What the thumbnails show.
-type Seen = (Every<Mesh>, Every<Still>, Every<Inflation>, (Every<Validation>, Every<Thrust>));
+/// What reads what in the pipeline, for the figure that shows it.
+pub struct Pipeline(StageGraph);
 
-impl figure::Figure for Overview {
-    type Needs = (Flow, Seen);
-    const NAME: &'static str = "overview";
-    const SHOWS: &'static str = "what becomes what, from two STL files and films to thrust";
-    const EDITION: u32 = 5;
-
-    fn card(study: &Study) -> serde_json::Value {
-        Flow::of(study, crate::stages::ALL).as_json()
+impl Needs<Study> for Pipeline {
+    fn ids(_: &Study) -> Vec<RecordId> {
+        Vec::new()
     }
 
-    fn draw((flow, seen): Self::Needs) -> Outcome<Figure> {
+    fn parts(of: &Study) -> serde_json::Value {
+        serde_json::to_value(StageGraph::of(of, crate::stages::ALL)).unwrap_or_default()
+    }
+
+    fn read(of: &Study, _: &dyn RecordReader) -> diagnostics::Result<Self> {
+        Ok(Self(StageGraph::of(of, crate::stages::ALL)))
+    }
+}
+
+/// The records that the thumbnails show.
+type Seen = (
+    Every<Mesh, Specimen>,
+    Every<ExampleFrames, Trial>,
+    Every<Inflation, Specimen>,
+    (Every<Validation, Trial>, Every<Thrust, Specimen>),
+);
+
+impl figure::Figure for Overview {
+    type Of = Study;
+    type Needs = (Pipeline, Seen);
+    const NAME: &'static str = "overview";
+    const CAPTION: &'static str = "the stages of the pipeline and the records that each reads";
+    const VERSION: u32 = 5;
+
+    fn draw((Pipeline(graph), seen): Self::Needs) -> Result<Figure> {
         let (Every(meshes), ..) = &seen;
         if meshes.is_empty() {
-            return Err(Fault::new("there is no pipeline to show", "no specimen was found", "rig record"));
+            return Err(Diagnostic::new("there is no pipeline to show", "no specimen was found", "rig record"));
         }
         let note = origin_note(meshes.iter().map(|(s, _)| s.card.as_ref()));
-        let chart = graph(&flow, &|_| None);
+        let chart = stage_diagram(&graph, &|_| None);
         let tall = (DOUBLE_COLUMN_MM - 1.0) * chart.size[1] / chart.size[0];
         let figure = Figure::new(DOUBLE_COLUMN_MM)
-            .row(tall + 4.0, [Panel::Diagram(chart).titled("the stages, and what each reads")]);
+            .row(tall + 4.0, [Panel::Diagram(chart).titled("the stages and what each reads")]);
         Ok(figure.row(37.0, thumbnails(seen)).noted(&note))
     }
 }
 
-/// Sides of a card, and the room beside it, mm.
-const CARD: Point2 = [24.4, 24.0];
-const APART: Point2 = [2.6, 2.4];
-/// Height of a recording's card, mm.
-const SOURCE: f64 = 12.0;
-
-/// The flow as a diagram; `said` may say something else than a stage's story.
-pub fn graph(flow: &Flow, said: &dyn Fn(&str) -> Option<String>) -> Diagram {
-    let direct = flow.direct();
-    let laid = lay_out(&direct, flow.recordings);
-    let pitch = [CARD[0] + APART[0], CARD[1] + APART[1]];
-    let size = [laid.columns as f64 * pitch[0] - APART[0] + 1.0, laid.height * pitch[1]];
-    let middle = |p: &Place| [0.5 + 0.5 * CARD[0] + p.column as f64 * pitch[0], 0.5 * size[1] - p.down * pitch[1]];
-    let mut diagram = Diagram::new(size[0], size[1]);
-    for (from, to, between) in &laid.lines {
-        let (a, b) = (middle(&laid.rooms[*from]), middle(&laid.rooms[*to]));
-        let through = between.iter().map(middle).flat_map(|[x, y]| [[x - 0.5 * CARD[0], y], [x + 0.5 * CARD[0], y]]);
-        let ends = ([a[0] + 0.5 * CARD[0], a[1]], [b[0] - 0.5 * CARD[0], b[1]]);
-        let points = std::iter::once(ends.0).chain(through).chain([ends.1]).collect();
-        diagram = diagram.with(Part::Arrow { points, text: None, colour: palette::MUTED, dash: Dash::Solid });
-    }
-    for (i, room) in flow.rooms.iter().enumerate() {
-        let words = said(&room.name).unwrap_or_else(|| room.story.clone());
-        let title = room.name.replace('_', " ");
-        let tall = if i < flow.recordings { SOURCE } else { CARD[1] };
-        let (at, size, fill) = (middle(&laid.rooms[i]), [CARD[0], tall], ground(flow, i));
-        diagram = diagram.with(Part::Card { at, size, title, words, fill });
-    }
-    diagram
-}
-
-/// Recordings are grey, what ends the story is green, all between is blue.
-fn ground(flow: &Flow, room: usize) -> Colour {
-    let read = flow.rooms.iter().any(|r| r.reads.contains(&room));
-    match (room < flow.recordings, read) {
-        (true, _) => palette::FAINT,
-        (false, true) => palette::BODY.towards(palette::PAPER, 0.72),
-        (false, false) => palette::NETWORK.towards(palette::PAPER, 0.72),
-    }
-}
-
 fn thumbnails(
-    (Every(meshes), Every(stills), Every(inflations), (Every(validations), Every(thrusts))): Seen,
+    (Every(meshes), Every(examples), Every(inflations), (Every(validations), Every(thrusts))): Seen,
 ) -> Vec<Placed> {
     let (meshes, validations) = (in_order(meshes), in_order(validations));
     let Some((specimen, mesh)) = meshes.first() else { return Vec::new() };
@@ -100,18 +75,18 @@ fn thumbnails(
     let lower = Surfaces::lower(&mesh.solid, &mesh.solid.nodes);
     let cut = lower.onto(Scene::new(super::CUT_VIEW), Bounds::painted);
     let mut all = vec![Panel::Scene(cut).titled(&format!("mesh: {}", title(name)))];
-    all.extend(of(&stills, name).map(|s| Panel::Picture(frame(s)).titled("track: markers")));
+    all.extend(of(&examples, name).map(|s| Panel::Picture(frame(s)).titled("track: markers")));
     all.extend(of(&inflations, name).and_then(|i| blown(mesh, i)));
-    all.extend(of(&validations, name).map(|v| Panel::Axes(beat(v)).titled("validate")));
+    all.extend(of(&validations, name).map(|v| Panel::Axes(validation_axes(v)).titled("validate")));
     let pull = of(&thrusts, name).and_then(|t| t.traces.last());
     all.extend(pull.map(|t| Panel::Axes(thrust(t)).titled("thrust")));
     all
 }
 
-fn frame(still: &Still) -> Picture {
-    let [left, top, right, bottom] = still.seen.window_px;
-    let crop = still.held.crop(left, top, right - left, bottom - top);
-    let at = still.seen.held_px.iter().map(|p| [p[0] - left as f64 + 0.5, p[1] - top as f64 + 0.5]).collect();
+fn frame(example: &ExampleFrames) -> Picture {
+    let [left, top, right, bottom] = example.seen.window_px;
+    let crop = example.held.crop(left, top, right - left, bottom - top);
+    let at = example.seen.held_px.iter().map(|p| [p[0] - left as f64 + 0.5, p[1] - top as f64 + 0.5]).collect();
     Picture::new(crop.width, crop.height, crop.pixels)
         .with(Mark::points(at, Marker::Plus, palette::PRESSURE).sized(5.0))
 }
@@ -123,7 +98,7 @@ fn blown(mesh: &Mesh, inflation: &Inflation) -> Option<Placed> {
     Some(Panel::Scene(scene).titled(&format!("inflate: {:.0} mbar", shape.pressure() / MILLIBAR)))
 }
 
-fn beat(v: &Validation) -> Axes {
+fn validation_axes(v: &Validation) -> Axes {
     let curve = |path: &[Point2]| v.time.iter().zip(path).map(|(t, p)| [*t, p[1] / MILLIMETRE]).collect();
     Axes::new(Axis::linear("time", "s"), Axis::linear("tip", "mm"))
         .with(Mark::line(curve(&v.measured), palette::MEASURED).sized(1.3))

@@ -1,8 +1,6 @@
-//! Figure `setup`: the bench with its dimensions, as the card and the calibration say. Paper, figure 4.
+//! Figure `setup`: the bench with its dimensions from the card and the calibration. Paper, figure 4.
 //!
-//! (a) the bench from the side, to scale; (b) the tail from the side; (c) what the camera sees; (d) the instruments.
-//!
-//! Stands on: plot, the surfaces of solids. Never knows: how a camera was calibrated.
+//! (a) the bench from the side, to scale; (b) the tail from the side; (c) the camera's image; (d) the instruments.
 
 use lab::card::Card;
 use plot::{
@@ -13,11 +11,11 @@ use si::{MILLIMETRE, Metre, Point2, Point3};
 use super::order::{in_order, of, title};
 use super::origin_note;
 use super::solid::{Bounds, Surfaces};
-use crate::fault::{Fault, Outcome};
-use crate::figure;
-use crate::needs::Every;
-use crate::records::{Camera, LoadCell, Mesh, Still, Tank};
-use crate::subject::{Specimen, Study};
+use crate::records::{Camera, ExampleFrames, LoadCell, Mesh, Tank};
+use crate::subject::{Specimen, Study, Trial};
+use diagnostics::{Diagnostic, Result};
+use workflow::figure;
+use workflow::needs::Every;
 
 /// The figure.
 pub struct Setup;
@@ -27,51 +25,38 @@ struct Bench<'a> {
     card: &'a Card,
     camera: &'a Camera,
     mesh: &'a Mesh,
-    still: Option<&'a Still>,
+    example: Option<&'a ExampleFrames>,
     cell: Option<&'a LoadCell>,
     tank: Option<&'a Tank>,
 }
 
 impl figure::Figure for Setup {
-    type Needs = (Every<Camera>, Every<Mesh>, Every<Still>, (Every<LoadCell>, Every<Tank>));
+    type Of = Study;
+    type Needs = (
+        Every<Camera, Specimen>,
+        Every<Mesh, Specimen>,
+        Every<ExampleFrames, Trial>,
+        (Every<LoadCell, Specimen>, Every<Tank, Specimen>),
+    );
     const NAME: &'static str = "setup";
-    const SHOWS: &'static str = "the bench: tank, camera, tail, load cell and lamp, with their dimensions";
-    const EDITION: u32 = 4;
+    const CAPTION: &'static str = "the bench: tank, camera, tail, load cell and lamp, with their dimensions";
+    const VERSION: u32 = 4;
 
     fn is_made_for(study: &Study) -> bool {
         Every::<Camera>::any(study)
     }
 
-    fn card(study: &Study) -> serde_json::Value {
-        let told = |s: &Specimen| {
-            let c = &s.card;
-            let (plane, water, led) = (&c.camera.plane, &c.water, &c.led);
-            serde_json::json!([
-                c.clamp.below_x,
-                plane.height,
-                plane.origin,
-                water.as_ref().map(|w| [w.surface, w.index]),
-                led.centre,
-                led.radius,
-                c.camera.readout,
-                c.camera.board.square,
-                c.marker.iter().map(|m| serde_json::json!([m.name, m.at])).collect::<Vec<_>>(),
-            ])
-        };
-        serde_json::json!(study.specimens.iter().map(told).collect::<Vec<_>>())
-    }
-
     fn draw(
-        (Every(cameras), Every(meshes), Every(stills), (Every(cells), Every(tanks))): Self::Needs,
-    ) -> Outcome<Figure> {
+        (Every(cameras), Every(meshes), Every(examples), (Every(cells), Every(tanks))): Self::Needs,
+    ) -> Result<Figure> {
         let cameras = in_order(cameras);
         let Some((specimen, camera)) = cameras.first() else { return Err(no_bench()) };
         let name = &specimen.card.name;
         let mesh = of(&meshes, name).ok_or_else(no_bench)?;
         let card = specimen.card.as_ref();
         let bench =
-            Bench { card, camera, mesh, still: of(&stills, name), cell: of(&cells, name), tank: of(&tanks, name) };
-        let view = bench.still.map(|still| picture(&bench, still).titled("what the camera sees"));
+            Bench { card, camera, mesh, example: of(&examples, name), cell: of(&cells, name), tank: of(&tanks, name) };
+        let view = bench.example.map(|example| picture(&bench, example).titled("the camera's image"));
         let figure = Figure::new(DOUBLE_COLUMN_MM)
             .row(
                 74.0,
@@ -90,8 +75,12 @@ impl figure::Figure for Setup {
     }
 }
 
-fn no_bench() -> Fault {
-    Fault::new("there is no bench to show", "no specimen has a calibrated camera and a mesh", "study run camera mesh")
+fn no_bench() -> Diagnostic {
+    Diagnostic::new(
+        "there is no bench to show",
+        "no specimen has a calibrated camera and a mesh",
+        "study run camera mesh",
+    )
 }
 
 fn mm(metres: f64) -> f64 {
@@ -103,7 +92,7 @@ fn line(points: Vec<Point2>, colour: plot::Colour, width: f64, dash: Dash) -> Pa
 }
 
 fn words(at: Point2, text: &str, side: Side) -> Part {
-    Part::Text { at, text: text.into(), side, colour: palette::INK }
+    Part::Text { at, text: text.into(), side, colour: palette::BLACK }
 }
 
 fn sized(from: Point2, to: Point2, metres: f64, side: Side) -> Part {
@@ -132,7 +121,7 @@ fn whole(bench: &Bench) -> Diagram {
     let (length, depth) = bench.tank.map_or((0.45, 0.15), |t| (t.size_m[0], t.size_m[1]));
     let surface = card.water.as_ref().map(|w| w.surface);
     let bottom = surface.map_or(card.camera.plane.height, |s| s - depth).min(card.camera.plane.height);
-    // the sheet: the tail's middle over the tank's, room for dimensions around
+    // the sheet: the tail's middle over the tank's, with a margin for dimensions
     let (wide, margin) = (mm(length) + 222.0, 26.0);
     let origin = [88.0 + 0.5 * mm(length - card.length), margin - mm(bottom)];
     let tall = origin[1] + mm(eye[2]) + 34.0;
@@ -149,7 +138,7 @@ fn whole(bench: &Bench) -> Diagram {
         let rim = surface + 0.03;
         d = d.with(line(
             vec![at(left, rim), at(left, bottom), at(right, bottom), at(right, rim)],
-            palette::INK,
+            palette::BLACK,
             1.2,
             Dash::Solid,
         ));
@@ -173,7 +162,7 @@ fn whole(bench: &Bench) -> Diagram {
     camera(d, eye, &at).with(sized(at(right + 0.075, 0.0), at(right + 0.075, eye[2]), eye[2], Side::Right))
 }
 
-/// Two rays from the camera to the ends of what it sees of the plane, in air.
+/// Two rays from the camera to the ends of its view of the plane, in air.
 fn seen_field(mut d: Diagram, bench: &Bench, at: &dyn Fn(f64, f64) -> Point2) -> Diagram {
     let (eye, height) = (bench.camera.pose.centre(), bench.card.camera.plane.height);
     let field = bench.camera.field(height);
@@ -189,7 +178,7 @@ fn camera(d: Diagram, eye: Point3, at: &dyn Fn(f64, f64) -> Point2) -> Diagram {
     let lens =
         vec![at(x - 0.006, z + 0.003), at(x + 0.006, z + 0.003), at(x + 0.009, z - 0.004), at(x - 0.009, z - 0.004)];
     d.with(Part::Box { at: at(x, z + 0.013), size: [40.0, 20.0], lines: vec![], fill: palette::MUTED })
-        .with(Part::Polygon { points: lens, fill: palette::INK })
+        .with(Part::Polygon { points: lens, fill: palette::BLACK })
         .with(words(at(x + 0.024, z + 0.013), "camera", Side::Right))
 }
 
@@ -206,10 +195,10 @@ fn holder(d: Diagram, bench: &Bench, at: &dyn Fn(f64, f64) -> Point2) -> Diagram
         .with(words(at(edge - 0.115, -0.019), "load cell", Side::Below))
 }
 
-/// Marks nearer than this to the last one that is named stay without a name, m.
-const ROOM: Metre = 0.0105;
+/// Markers nearer than this to the last labelled one are not labelled, m.
+const LABEL_SPACING: Metre = 0.0105;
 
-/// The tail with its marks, clamp and water; the sheet is in millimetres of the bench.
+/// The tail with its markers, clamp and water; the sheet is in millimetres of the bench.
 fn close(bench: &Bench) -> Diagram {
     let card = bench.card;
     let above = card.water.as_ref().map_or(0.03, |w| w.surface);
@@ -232,8 +221,8 @@ fn close(bench: &Bench) -> Diagram {
     let mut named = f64::NEG_INFINITY;
     for marker in &card.marker {
         let [x, _, z] = marker.at;
-        d = d.with(Part::Disc { at: at(x, z), radius: 0.5 * mm(marker.diameter), fill: palette::INK });
-        if x - named >= ROOM {
+        d = d.with(Part::Disc { at: at(x, z), radius: 0.5 * mm(marker.diameter), fill: palette::BLACK });
+        if x - named >= LABEL_SPACING {
             d = d.with(words(at(x, z + 0.0015), &marker.name, Side::Above));
             named = x;
         }
@@ -251,15 +240,15 @@ fn close(bench: &Bench) -> Diagram {
     ))
 }
 
-/// The first frame with what is looked for in it.
-fn picture(bench: &Bench, still: &Still) -> Panel {
-    let rest = &still.rest;
+/// The first frame with the markers and a scale bar.
+fn picture(bench: &Bench, example: &ExampleFrames) -> Panel {
+    let rest = &example.rest;
     let led = &bench.card.led;
     let shift = |p: &Point2| [p[0] + 0.5, p[1] + 0.5];
-    let markers: Vec<Point2> = still.seen.rest_px.iter().map(shift).collect();
-    // at the right, because films may have words at the left
+    let markers: Vec<Point2> = example.seen.rest_px.iter().map(shift).collect();
+    // at the right: films may have an overlay of text at the left
     let end = [0.96 * rest.width as f64, 0.95 * rest.height as f64];
-    let bar = [[end[0] - 0.02 * still.seen.px_per_m, end[1]], end];
+    let bar = [[end[0] - 0.02 * example.seen.px_per_m, end[1]], end];
     let mut picture = Picture::new(rest.width, rest.height, rest.pixels.clone())
         .with(Mark::points(markers.clone(), Marker::Plus, palette::PRESSURE).sized(6.0))
         .with(Mark::points(vec![shift(&led.centre)], Marker::Plus, palette::PRESSURE).sized(8.0))
@@ -279,22 +268,22 @@ fn picture(bench: &Bench, still: &Still) -> Panel {
     Panel::Picture(picture)
 }
 
-/// What the instruments are, as lines of words.
+/// Properties of the instruments, as lines of text.
 fn instruments(bench: &Bench) -> Diagram {
     let (c, card) = (bench.camera, bench.card);
-    let mut said = vec![
+    let mut text = vec![
         format!("camera: {} × {} px, focal length {:.0} px", c.size_px[0], c.size_px[1], c.lens.fx),
         format!(
-            "calibration: {} boards of {:.0} mm squares, {:.2} px off",
+            "calibration: {} boards of {:.0} mm squares, reprojection error {:.2} px",
             c.views,
             mm(card.camera.board.square),
             c.reprojection_px
         ),
-        format!("rows are read in {:.1} ms", 1e3 * card.camera.readout),
+        format!("sensor readout {:.1} ms", 1e3 * card.camera.readout),
     ];
-    said.extend(bench.still.map(|s| format!("scale at the marks: {:.2} px/mm", s.seen.px_per_m * MILLIMETRE)));
-    said.extend(card.water.as_ref().map(|w| format!("water: refractive index {:.3}", w.index)));
-    said.extend(bench.cell.map(|l| {
+    text.extend(bench.example.map(|s| format!("scale at the markers: {:.2} px/mm", s.seen.px_per_m * MILLIMETRE)));
+    text.extend(card.water.as_ref().map(|w| format!("water: refractive index {:.3}", w.index)));
+    text.extend(bench.cell.map(|l| {
         format!(
             "load cell: {:.2} Hz, damping ratio {:.4}, noise {:.2} mN",
             l.in_time.natural_frequency_hz,
@@ -302,12 +291,12 @@ fn instruments(bench: &Bench) -> Diagram {
             1e3 * l.noise
         )
     }));
-    said.extend(bench.tank.map(|t| {
+    text.extend(bench.tank.map(|t| {
         let waves: Vec<String> = t.waves.iter().map(|w| format!("{:.2} Hz", w.frequency)).collect();
-        format!("waves of the tank: {}", waves.join(", "))
+        format!("standing waves of the tank: {}", waves.join(", "))
     }));
     let line = |i: usize| 50.0 - 6.0 * i as f64;
-    said.iter()
+    text.iter()
         .enumerate()
         .fold(Diagram::new(84.0, 56.0), |d, (i, text)| d.with(words([1.0, line(i)], text, Side::Right)))
 }

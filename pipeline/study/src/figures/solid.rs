@@ -1,11 +1,9 @@
 //! Solids for figures: surfaces of a mesh by what they bound, whole or cut open at mid height.
-//!
-//! Stands on: the mesh record, plot. Never knows: which figure shows them.
 
 use std::collections::BTreeMap;
 
+use mesh::{QuadraticMesh, SPINE, Skin};
 use plot::{Colour, Paint, Scene, palette};
-use shape::{QuadraticMesh, SPINE, Skin};
 use si::Point3;
 
 /// What a surface bounds.
@@ -72,7 +70,7 @@ impl Surfaces {
         split(boundary(solid, |_| true), false)
     }
 
-    /// A scene with these surfaces added, each painted as `paint` says; none where it says nothing.
+    /// A scene with these surfaces added, each painted as `paint` returns; surfaces for which it returns none are left out.
     pub fn onto(&self, scene: Scene, paint: impl Fn(Bounds) -> Option<Paint>) -> Scene {
         self.faces.iter().fold(scene, |scene, (on, faces)| match paint(*on) {
             Some(paint) => scene.with_surface(&self.points, faces, paint),
@@ -93,7 +91,7 @@ impl Bounds {
             Self::Body => palette::BODY,
             Self::Sheet | Self::CutSheet => palette::SPINE,
             Self::Chamber(_) => palette::PRESSURE.towards(palette::PAPER, 0.35),
-            Self::CutBody => palette::BODY.towards(palette::INK, 0.25),
+            Self::CutBody => palette::BODY.towards(palette::BLACK, 0.25),
         }
     }
 
@@ -103,7 +101,7 @@ impl Bounds {
     }
 }
 
-/// The faces around the elements that are wanted, six nodes each, with what they bound.
+/// The boundary faces of the selected elements, six nodes each, with what they bound.
 fn boundary(solid: &QuadraticMesh, wanted: impl Fn(&[u32; 10]) -> bool) -> Vec<(Bounds, [u32; 6])> {
     let key = |nodes: &[u32; 6]| {
         let mut corners = [nodes[0], nodes[1], nodes[2]];
@@ -149,7 +147,7 @@ fn reflected(points: &[Point3]) -> Vec<Point3> {
 
 #[cfg(test)]
 mod tests {
-    use shape::QuadraticFace;
+    use mesh::QuadraticFace;
 
     use super::*;
 

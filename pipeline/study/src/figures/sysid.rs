@@ -1,39 +1,37 @@
-//! Figure `sysid`: the loss has one minimum and the gradient finds it. Paper, figure 5.
+//! Figure `sysid`: the loss over both moduli and the convergence of each method. Paper, figure 5.
 //!
-//! (a) the loss over both moduli with the way of Adam; (b) the lowest loss of each method against simulations; (c) static
+//! (a) the loss over both moduli with the iterates of Adam; (b) the lowest loss of each method against simulations; (c) static
 //! shapes of the back, measured against simulated; (d) the largest error of each tail at each pressure.
-//!
-//! Stands on: plot. Never knows: how a number was computed.
 
 use plot::{Axes, Axis, ColourBar, DOUBLE_COLUMN_MM, Dash, Figure, Landscape, Mark, Marker, Panel, Side, palette};
 use si::{MILLIBAR, MILLIMETRE, Point2};
 
 use super::order::{colour, in_order, title};
 use super::origin_note;
-use crate::fault::{Fault, Outcome};
-use crate::figure;
-use crate::needs::Every;
 use crate::records::{Identified, Level, Point};
 use crate::subject::{Specimen, Study};
+use diagnostics::{Diagnostic, Result};
+use workflow::figure;
+use workflow::needs::Every;
 
 /// The figure.
 pub struct Sysid;
 
 impl figure::Figure for Sysid {
-    type Needs = Every<Identified>;
+    type Of = Study;
+    type Needs = Every<Identified, Specimen>;
     const NAME: &'static str = "sysid";
-    const SHOWS: &'static str = "the loss has one minimum, and the gradient finds it";
-    const EDITION: u32 = 4;
+    const CAPTION: &'static str = "the loss over both moduli, and convergence of the methods";
+    const VERSION: u32 = 4;
 
-    fn card(study: &Study) -> serde_json::Value {
-        let widest = |s: &Specimen| s.card.marker.iter().map(|m| m.diameter).fold(0.0, f64::max);
-        serde_json::json!(study.specimens.iter().map(widest).collect::<Vec<_>>())
-    }
-
-    fn draw(Every(all): Self::Needs) -> Outcome<Figure> {
+    fn draw(Every(all): Self::Needs) -> Result<Figure> {
         let all = in_order(all);
         let Some((specimen, first)) = all.first() else {
-            return Err(Fault::new("there is no identification to show", "no specimen has one", "study run identify"));
+            return Err(Diagnostic::new(
+                "there is no identification to show",
+                "no specimen has one",
+                "study run identify",
+            ));
         };
         let name = title(&specimen.card.name);
         let wide = specimen.card.marker.iter().map(|m| m.diameter).fold(0.0, f64::max) / MILLIMETRE;
@@ -63,15 +61,13 @@ fn landscape(found: &Identified) -> Panel {
     let grid = found.searches.iter().find(|s| s.method == "grid");
     let grid: Vec<Point2> = grid.map(|s| s.tried.iter().map(|t| place(&t.at)).collect()).unwrap_or_default();
     let map = Landscape::new(
-        Axis::log("E of the body", "MPa"),
-        Axis::log("E of the spine", "GPa"),
-        surface.body_e_pa.iter().map(|e| 1e-6 * e).collect(),
-        surface.spine_e_pa.iter().map(|e| 1e-9 * e).collect(),
+        (Axis::log("E of the body", "MPa"), surface.body_e_pa.iter().map(|e| 1e-6 * e).collect()),
+        (Axis::log("E of the spine", "GPa"), surface.spine_e_pa.iter().map(|e| 1e-9 * e).collect()),
         surface.loss.clone(),
         ColourBar::log("loss", ""),
     );
     let map = map
-        .with(Mark::points(grid, Marker::Plus, palette::INK).sized(3.6).labelled("grid"))
+        .with(Mark::points(grid, Marker::Plus, palette::BLACK).sized(3.6).labelled("grid"))
         .with_path(path, palette::PAPER, "Adam")
         .with(Mark::cross(place(&found.best), palette::OPTIMUM).sized(8.0).labelled("identified"));
     Panel::Landscape(map)
@@ -113,8 +109,8 @@ fn shapes(found: &Identified) -> Panel {
         };
         axes = axes.with(simulated).with(points);
         if let Some(&[x, y]) = measured.last() {
-            let said = format!("{:.0}", level.pressure() / MILLIBAR);
-            axes = axes.with(Mark::text([x + 1.5, y], &said, Side::Right, palette::INK).sized(6.0));
+            let text = format!("{:.0}", level.pressure() / MILLIBAR);
+            axes = axes.with(Mark::text([x + 1.5, y], &text, Side::Right, palette::BLACK).sized(6.0));
         }
     }
     Panel::Axes(axes.legend(plot::Legend::Over))
@@ -125,7 +121,7 @@ fn back(level: &Level, moved: &[Point2]) -> Vec<Point2> {
     std::iter::once([0.0, 0.0]).chain(level.rest_m.iter().zip(moved).map(at)).collect()
 }
 
-/// The largest error at each pressure: a colour a tail, films of the left solid and of the right broken.
+/// The largest error at each pressure: a colour a tail, solid lines for films of the left side, dashed for the right.
 fn errors(all: &[(Specimen, Identified)]) -> Panel {
     let top = 1.2 * all.iter().map(|(_, found)| largest(found)).fold(LEAST_MM, f64::max);
     let axes = Axes::new(Axis::linear("pressure", "mbar"), Axis::linear("largest error", "mm").range(0.0, top));
@@ -142,11 +138,11 @@ const LEAST_MM: f64 = 0.025;
 fn film_errors(axes: Axes, specimen: &Specimen, film: &[Level], index: usize) -> Axes {
     let points: Vec<Point2> = film.iter().map(|l| [l.pressure() / MILLIBAR, l.largest_error() / MILLIMETRE]).collect();
     let colour = colour(&specimen.card.name);
-    let said = film.first().map(|l| l.trial.replace("static_", "")).unwrap_or_default();
+    let text = film.first().map(|l| l.trial.replace("static_", "")).unwrap_or_default();
     let (dash, marker) =
         if index.is_multiple_of(2) { (Dash::Solid, Marker::Disc) } else { (Dash::Dashed, Marker::Ring) };
     let line = Mark::line(points.clone(), colour).dashed(dash);
-    axes.with(line.labelled(&format!("{} {said}", title(&specimen.card.name).replace('_', " "))))
+    axes.with(line.labelled(&format!("{} {text}", title(&specimen.card.name).replace('_', " "))))
         .with(Mark::points(points, marker, colour).sized(4.0))
 }
 

@@ -1,7 +1,5 @@
-//! Figure `tail`: one tail cut open, the same inflated as its identified model has it and as it was filmed, and how its walls
-//! leave their shape. Paper, figure 1.
-//!
-//! Stands on: plot, the surfaces of solids. Never knows: how a shape was computed.
+//! Figure `tail`: one tail cut open, the same inflated in simulation and on film, and the displacement
+//! of its walls. Paper, figure 1.
 
 use plot::{Axes, Axis, ColourBar, DOUBLE_COLUMN_MM, Figure, Mark, Marker, OverlayKind, Paint, Panel, Picture, Placed};
 use plot::{Scene, View, palette};
@@ -10,10 +8,11 @@ use si::{MILLIBAR, MILLIMETRE, Point2, Point3, vec3};
 use super::order::{in_order, of, title};
 use super::origin_note;
 use super::solid::{Bounds, Surfaces};
-use crate::fault::{Fault, Outcome};
-use crate::figure;
-use crate::needs::Every;
-use crate::records::{Inflation, Mesh, Shape, Still};
+use crate::records::{ExampleFrames, Inflation, Mesh, Shape};
+use crate::subject::{Specimen, Study, Trial};
+use diagnostics::{Diagnostic, Result};
+use workflow::figure;
+use workflow::needs::Every;
 
 /// The figure.
 pub struct Tail;
@@ -24,38 +23,38 @@ const ABOVE: View = View::TOP;
 const ROWS: [f64; 2] = [58.0, 50.0];
 
 impl figure::Figure for Tail {
-    type Needs = (Every<Mesh>, Every<Inflation>, Every<Still>);
+    type Of = Study;
+    type Needs = (Every<Mesh, Specimen>, Every<Inflation, Specimen>, Every<ExampleFrames, Trial>);
     const NAME: &'static str = "tail";
-    const SHOWS: &'static str =
-        "a tail cut open, inflated by its identified model and on film, and where its wall buckles";
-    const EDITION: u32 = 3;
+    const CAPTION: &'static str = "a tail cut open, inflated in simulation and on film, and the buckling of its wall";
+    const VERSION: u32 = 3;
 
-    fn draw((Every(meshes), Every(inflations), Every(stills)): Self::Needs) -> Outcome<Figure> {
+    fn draw((Every(meshes), Every(inflations), Every(examples)): Self::Needs) -> Result<Figure> {
         let (meshes, inflations) = (in_order(meshes), in_order(inflations));
         let Some((specimen, inflation)) = inflations.first() else { return Err(no_tail()) };
         let name = &specimen.card.name;
-        let (Some(mesh), Some(shape)) = (of(&meshes, name), shown(inflation)) else { return Err(no_tail()) };
+        let (Some(mesh), Some(shape)) = (of(&meshes, name), shape_to_draw(inflation)) else { return Err(no_tail()) };
         let simulated = format!("simulated at {:.0} mbar", shape.pressure() / MILLIBAR);
         let mut top = vec![
             Panel::Scene(cut(mesh)).titled(&format!("{}, cut open at mid height", title(name))),
             Panel::Scene(inflated(mesh, inflation, shape)).titled(&simulated).share(1.15),
         ];
-        top.extend(of(&stills, name).map(filmed));
+        top.extend(of(&examples, name).map(filmed));
         let bottom = [
             Panel::Scene(section(mesh, inflation, shape)).titled(&walls(shape)),
-            Panel::Axes(leaving(inflation)).titled("how far the walls leave their shape"),
+            Panel::Axes(leaving(inflation)).titled("displacement of the walls relative to the sheet"),
         ];
         let figure = Figure::new(DOUBLE_COLUMN_MM).row(ROWS[0], top).row(ROWS[1], bottom);
         Ok(figure.noted(&origin_note([specimen.card.as_ref()].into_iter())))
     }
 }
 
-fn no_tail() -> Fault {
-    Fault::new("there is no tail to show", "no specimen was identified and inflated", "study run inflate")
+fn no_tail() -> Diagnostic {
+    Diagnostic::new("there is no tail to show", "no specimen was identified and inflated", "study run inflate")
 }
 
 /// The shape that was filmed, else the last one.
-fn shown(inflation: &Inflation) -> Option<&Shape> {
+fn shape_to_draw(inflation: &Inflation) -> Option<&Shape> {
     inflation.filmed.and_then(|i| inflation.shapes.get(i)).or(inflation.shapes.last())
 }
 
@@ -75,23 +74,23 @@ fn inflated(mesh: &Mesh, inflation: &Inflation, shape: &Shape) -> Scene {
     let markers: Vec<Point3> = mesh.markers.iter().map(|spot| spot.at(&moved)).collect();
     Scene::new(ABOVE)
         .with_values(&whole.points, &outer, &far, ColourBar::linear("displacement", "mm"))
-        .with_overlay(markers, OverlayKind::Markers(Marker::Disc), palette::INK, 4.0)
+        .with_overlay(markers, OverlayKind::Markers(Marker::Disc), palette::BLACK, 4.0)
         .with_scale_bar(20.0 * MILLIMETRE)
 }
 
 /// The film's frame, cut to where the tail moves, with the markers as they were tracked.
-fn filmed(still: &Still) -> Placed {
-    let [left, top, right, bottom] = still.seen.window_px;
-    let crop = still.held.crop(left, top, right - left, bottom - top);
+fn filmed(example: &ExampleFrames) -> Placed {
+    let [left, top, right, bottom] = example.seen.window_px;
+    let crop = example.held.crop(left, top, right - left, bottom - top);
     let at: Vec<Point2> =
-        still.seen.held_px.iter().map(|p| [p[0] - left as f64 + 0.5, p[1] - top as f64 + 0.5]).collect();
+        example.seen.held_px.iter().map(|p| [p[0] - left as f64 + 0.5, p[1] - top as f64 + 0.5]).collect();
     let picture = Picture::new(crop.width, crop.height, crop.pixels)
         .with(Mark::points(at, Marker::Plus, palette::PRESSURE).sized(6.5))
-        .with_scale_bar(0.02 * still.seen.px_per_m, "20 mm");
-    let pressure = still.seen.pressures_pa.iter().copied().fold(0.0, f64::max);
+        .with_scale_bar(0.02 * example.seen.px_per_m, "20 mm");
+    let pressure = example.seen.pressures_pa.iter().copied().fold(0.0, f64::max);
     Panel::Picture(picture).titled(&format!(
-        "filmed: {:.0} mbar asked, {:.0} held",
-        still.seen.command_pa / MILLIBAR,
+        "filmed: {:.0} mbar commanded, {:.0} measured",
+        example.seen.command_pa / MILLIBAR,
         pressure / MILLIBAR
     ))
 }
@@ -128,14 +127,16 @@ fn leaving(inflation: &Inflation) -> Axes {
     let marked = |points: Vec<Point2>, marker, colour, label: &str| {
         [Mark::line(points.clone(), colour), Mark::points(points, marker, colour).sized(3.0).labelled(label)]
     };
-    let axes = Axes::new(Axis::linear("pressure in one side", "mbar"), Axis::linear("away from the sheet", "mm"));
+    let axes = Axes::new(Axis::linear("pressure in one side", "mbar"), Axis::linear("distance from the sheet", "mm"));
     let both = [
         marked(bulge, Marker::Disc, palette::PRESSURE, "bulge of the filled side"),
         marked(dent, Marker::Triangle, palette::SIMULATED, "dent of the other side"),
     ];
     let axes = both.into_iter().flatten().fold(axes, Axes::with);
-    match shown(inflation) {
-        Some(shape) => axes.with(Mark::upright(shape.pressure() / MILLIBAR, palette::MUTED).dashed(plot::Dash::Dashed)),
+    match shape_to_draw(inflation) {
+        Some(shape) => {
+            axes.with(Mark::vertical_line(shape.pressure() / MILLIBAR, palette::MUTED).dashed(plot::Dash::Dashed))
+        }
         None => axes,
     }
 }

@@ -1,37 +1,40 @@
-//! Figure `thrust`: motion, measured thrust, theory and network, on a run learnt from and on one held out. Paper, figure 8.
+//! Figure `thrust`: motion, measured thrust, theory and network, on a training run and on a held-out run. Paper, figure 8.
 //!
-//! A pair of panels a specimen (training, test): the last mark's sideways displacement over the forces; then the mean thrust of
-//! every run held out, told against measured.
-//!
-//! Stands on: plot. Never knows: how a number was computed.
+//! A pair of panels a specimen (training, test): the last marker's lateral displacement above the forces; then the mean thrust of
+//! every held-out run, predicted against measured.
 
 use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Dash, Figure, Legend, Mark, Marker, Panel, Placed, palette};
 use si::{MILLIMETRE, Point2};
 
 use super::order::{in_order, title};
 use super::origin_note;
-use crate::fault::{Fault, Outcome};
-use crate::figure;
-use crate::needs::Every;
 use crate::records::{self, Trace};
 use crate::subject::{Specimen, Study};
+use diagnostics::{Diagnostic, Result};
+use workflow::figure;
+use workflow::needs::Every;
 
 /// The figure.
 pub struct Thrust;
 
 impl figure::Figure for Thrust {
-    type Needs = Every<records::Thrust>;
+    type Of = Study;
+    type Needs = Every<records::Thrust, Specimen>;
     const NAME: &'static str = "thrust";
-    const SHOWS: &'static str = "theory and a network tell thrust on runs they saw and runs they did not";
-    const EDITION: u32 = 2;
+    const CAPTION: &'static str = "thrust of theory and network on training and test runs";
+    const VERSION: u32 = 2;
 
     fn is_made_for(study: &Study) -> bool {
         Every::<records::Thrust>::any(study)
     }
 
-    fn draw(Every(all): Self::Needs) -> Outcome<Figure> {
+    fn draw(Every(all): Self::Needs) -> Result<Figure> {
         if all.is_empty() {
-            return Err(Fault::new("there is no thrust to show", "no card has a split of weighed trials", "add one"));
+            return Err(Diagnostic::new(
+                "there is no thrust to show",
+                "no card has a split of trials with a force log",
+                "add one",
+            ));
         }
         let all = in_order(all);
         let mut figure = Figure::new(DOUBLE_COLUMN_MM);
@@ -52,8 +55,8 @@ fn curve(trace: &Trace, values: &[f64], by: f64) -> Vec<Point2> {
 }
 
 fn motion(specimen: &Specimen, trace: &Trace) -> Placed {
-    let kind = if trace.learnt { "training" } else { "test" };
-    let axes = Axes::new(Axis::linear("time", "s").unwritten(), Axis::linear("tail", "mm"))
+    let kind = if trace.training { "training" } else { "test" };
+    let axes = Axes::new(Axis::linear("time", "s").without_tick_labels(), Axis::linear("tail", "mm"))
         .with(Mark::line(curve(trace, &trace.moved, 1.0 / MILLIMETRE), palette::DISPLACEMENT));
     Panel::Axes(axes).titled(&format!("{} {kind}: {}", title(&specimen.card.name), trace.run.replace('_', " ")))
 }
@@ -62,7 +65,7 @@ fn forces(trace: &Trace) -> Placed {
     let mean = |values: &[f64]| 1e3 * values.iter().sum::<f64>() / values.len().max(1) as f64;
     let label = |what: &str, values: &[f64]| format!("{what}, mean {:.0} mN", mean(values));
     let axes = Axes::new(Axis::linear("time", "s"), Axis::linear("thrust", "mN"))
-        .with(Mark::level(0.0, palette::MUTED))
+        .with(Mark::horizontal_line(0.0, palette::MUTED))
         .with(
             Mark::line(curve(trace, &trace.theory, 1e3), palette::ELONGATED_BODY)
                 .dashed(Dash::Dashed)
@@ -76,17 +79,17 @@ fn forces(trace: &Trace) -> Placed {
         .with(
             Mark::line(curve(trace, &trace.network, 1e3), palette::NETWORK).labelled(&label("network", &trace.network)),
         );
-    Placed::from(Panel::Axes(axes.legend(Legend::Over))).unlettered()
+    Placed::from(Panel::Axes(axes.legend(Legend::Over))).without_panel_label()
 }
 
 fn means(specimen: &Specimen, thrust: &records::Thrust) -> Placed {
-    let points = |told: fn(&records::Means) -> f64| -> Vec<Point2> {
-        thrust.means.iter().map(|m| [1e3 * m.measured_n, 1e3 * told(m)]).collect()
+    let points = |evaluated: fn(&records::Means) -> f64| -> Vec<Point2> {
+        thrust.means.iter().map(|m| [1e3 * m.measured_n, 1e3 * evaluated(m)]).collect()
     };
     let most = thrust.means.iter().map(|m| 1e3 * m.measured_n).fold(0.0, f64::max);
-    let axes = Axes::new(Axis::linear("measured mean", "mN"), Axis::linear("told mean", "mN"))
+    let axes = Axes::new(Axis::linear("measured mean", "mN"), Axis::linear("predicted mean", "mN"))
         .with(Mark::line(vec![[0.0, 0.0], [most, most]], palette::MUTED).dashed(Dash::Dotted))
         .with(Mark::points(points(|m| m.theory_n), Marker::Triangle, palette::ELONGATED_BODY).labelled("theory"))
         .with(Mark::points(points(|m| m.network_n), Marker::Disc, palette::NETWORK).labelled("network"));
-    Panel::Axes(axes.legend(Legend::Over)).titled(&format!("{}: runs held out", title(&specimen.card.name)))
+    Panel::Axes(axes.legend(Legend::Over)).titled(&format!("{}: held-out runs", title(&specimen.card.name)))
 }

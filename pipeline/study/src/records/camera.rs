@@ -1,15 +1,15 @@
-//! Camera: the lens and where the camera stands over the specimen.
+//! Camera: the lens and the pose of the camera relative to the specimen.
 
 use serde::{Deserialize, Serialize};
 use si::{Metre, Point2};
-use track::calibrate::OF_CAMERA;
-use track::lens::{Bend, Lens};
+use track::calibrate::CAMERA_PARAMETERS;
+use track::lens::{Distortion, Lens};
 use track::pose::Pose;
-use track::sight::Sight;
+use track::refraction::RefractiveCamera;
 
-use crate::metric::Metric;
-use crate::record::{Parcel, Record, RecordError};
 use crate::subject::Specimen;
+use workflow::metric::Metric;
+use workflow::record::{Record, RecordError, RecordFiles};
 
 /// A calibrated camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,21 +20,21 @@ pub struct Camera {
     pub pose: Pose,
     /// Root of the mean squared distance between seen and projected corners, px.
     pub reprojection_px: f64,
-    /// How well lens and pose are known together: the order and units are those of [`OF_CAMERA`].
-    pub covariance: [[f64; OF_CAMERA]; OF_CAMERA],
+    /// Joint covariance of lens and pose: order and units as in [`CAMERA_PARAMETERS`].
+    pub covariance: [[f64; CAMERA_PARAMETERS]; CAMERA_PARAMETERS],
     /// Width and height of its pictures, px.
     pub size_px: [usize; 2],
-    /// Boards that were seen.
+    /// Number of detected boards.
     pub views: usize,
 }
 
 impl Camera {
-    /// What it sees of a height in air, m: the corners of its picture, from the left upper one around; empty where a corner sees
-    /// no such place.
+    /// The corners of its image on the plane of a height in air, m, from the upper left one around; empty where a corner's ray
+    /// does not meet that plane.
     pub fn field(&self, height: Metre) -> Vec<Point2> {
-        let sight = Sight { lens: self.lens, pose: self.pose, water: None };
+        let sight = RefractiveCamera { lens: self.lens, pose: self.pose, water: None };
         let [w, h] = self.size_px.map(|v| v as f64);
-        let corners = [[0.0, 0.0], [w, 0.0], [w, h], [0.0, h]].map(|px| sight.meet(px, height));
+        let corners = [[0.0, 0.0], [w, 0.0], [w, h], [0.0, h]].map(|px| sight.intersect(px, height));
         corners.into_iter().collect::<Option<Vec<_>>>().unwrap_or_default()
     }
 }
@@ -49,16 +49,16 @@ struct Scalars {
     rotation: [[f64; 3]; 3],
     translation_m: [f64; 3],
     reprojection_px: f64,
-    covariance: [[f64; OF_CAMERA]; OF_CAMERA],
+    covariance: [[f64; CAMERA_PARAMETERS]; CAMERA_PARAMETERS],
     size_px: [usize; 2],
     views: usize,
 }
 
-/// The record's word for how a lens bends rays.
-fn word(bend: Bend) -> &'static str {
+/// The record's name of a distortion model.
+fn word(bend: Distortion) -> &'static str {
     match bend {
-        Bend::BrownConrady => "brown_conrady",
-        Bend::Fisheye => "fisheye",
+        Distortion::BrownConrady => "brown_conrady",
+        Distortion::Fisheye => "fisheye",
     }
 }
 
@@ -70,12 +70,12 @@ impl Record for Camera {
         !of.trials().iter().all(|trial| trial.in_space().is_some())
     }
 
-    fn pack(&self) -> Result<Parcel, RecordError> {
+    fn pack(&self) -> Result<RecordFiles, RecordError> {
         let lens = self.lens;
-        Parcel::default().scalars(
+        RecordFiles::default().scalars(
             "camera.json",
             &Scalars {
-                bend: word(lens.bend).into(),
+                bend: word(lens.distortion).into(),
                 focal_px: [lens.fx, lens.fy],
                 principal_point_px: [lens.cx, lens.cy],
                 radial: [lens.k1, lens.k2, lens.k3, lens.k4],
@@ -90,13 +90,13 @@ impl Record for Camera {
         )
     }
 
-    fn unpack(parcel: &Parcel) -> Result<Self, RecordError> {
-        let s: Scalars = parcel.read_scalars("camera.json")?;
-        let bend = if s.bend == word(Bend::Fisheye) { Bend::Fisheye } else { Bend::BrownConrady };
+    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+        let s: Scalars = files.read_scalars("camera.json")?;
+        let bend = if s.bend == word(Distortion::Fisheye) { Distortion::Fisheye } else { Distortion::BrownConrady };
         let ([fx, fy], [cx, cy], [k1, k2, k3, k4], [p1, p2]) =
             (s.focal_px, s.principal_point_px, s.radial, s.tangential);
         Ok(Self {
-            lens: Lens { bend, fx, fy, cx, cy, k1, k2, p1, p2, k3, k4 },
+            lens: Lens { distortion: bend, fx, fy, cx, cy, k1, k2, p1, p2, k3, k4 },
             pose: Pose { rotation: s.rotation, translation: s.translation_m },
             reprojection_px: s.reprojection_px,
             covariance: s.covariance,
@@ -105,14 +105,14 @@ impl Record for Camera {
         })
     }
 
-    fn metrics(&self, _: &Specimen) -> Vec<Metric> {
+    fn metrics(&self, _: &str) -> Vec<Metric> {
         vec![
             Metric::new("camera.reprojection_px", self.reprojection_px, "px"),
             Metric::new("camera.focal_sigma_px", self.covariance[0][0].sqrt(), "px"),
         ]
     }
 
-    fn telling(&self) -> String {
+    fn summary(&self) -> String {
         format!("{} boards, reprojection {:.3} px", self.views, self.reprojection_px)
     }
 }

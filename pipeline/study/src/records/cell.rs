@@ -1,30 +1,30 @@
-//! The load cell's fixture: what taps say of it, and the inverse shown at work.
+//! The load cell's fixture: its transfer function from hammer taps, and an example of its deconvolution.
 
 use serde::{Deserialize, Serialize};
 use si::{Hertz, Newton, Second};
-use signal::cell::{Cell, Estimate, Response};
+use signal::cell::{Cell, Estimate, FrequencyResponse};
 use signal::spectrum::Phasor;
 
-use crate::columns::Columns;
-use crate::metric::Metric;
-use crate::record::{Parcel, Record, RecordError};
 use crate::subject::Specimen;
+use workflow::columns::Columns;
+use workflow::metric::Metric;
+use workflow::record::{Record, RecordError, RecordFiles};
 
-/// A fixture, and the traces that show it.
+/// A fixture's identified dynamics, with the traces for the figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoadCell {
-    /// From the time domain: the one to use.
+    /// Identified in the time domain; used by later stages.
     pub in_time: Fixture,
-    /// From the frequency domain.
+    /// Identified in the frequency domain.
     pub in_frequency: Fixture,
     /// How many taps.
     pub taps: usize,
     /// Standard deviation of the log before the first tap, N.
     pub noise: Newton,
     /// The measured response, rising in frequency.
-    pub response: Vec<Response>,
-    /// A thrust that is never negative, what the cell would feel of it, and what the inverse makes of that.
-    pub shown: Shown,
+    pub response: Vec<FrequencyResponse>,
+    /// A non-negative thrust, the simulated measurement of it, and its deconvolution.
+    pub example: DeconvolutionExample,
 }
 
 /// An estimate as it is written.
@@ -42,21 +42,21 @@ pub struct Fixture {
     pub gain: f64,
 }
 
-/// The inverse at work on a thrust made for it.
+/// Deconvolution of a synthetic thrust.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Shown {
+pub struct DeconvolutionExample {
     /// s.
     pub time: Vec<Second>,
     /// Never negative, N.
     pub thrust: Vec<Newton>,
-    /// By the fixture as found, with the log's noise, N.
-    pub felt: Vec<Newton>,
-    /// By the inverse, N.
-    pub undone: Vec<Newton>,
-    /// Standard deviation that noise gives the inverse, N.
+    /// Simulated measurement: by the identified fixture, with the log's noise, N.
+    pub measured: Vec<Newton>,
+    /// After deconvolution, N.
+    pub deconvolved: Vec<Newton>,
+    /// Standard deviation of the deconvolved force due to noise, N.
     pub sigma: Newton,
-    /// Root of the mean squared error over the thrust's standard deviation: as felt, undone, and undone where the
-    /// noise is 40 dB under the signal.
+    /// Root mean square error over the thrust's standard deviation: measured, deconvolved, and deconvolved where the
+    /// noise is 40 dB below the signal.
     pub nrmse: [f64; 3],
 }
 
@@ -73,7 +73,7 @@ impl From<Estimate> for Fixture {
 }
 
 impl Fixture {
-    /// As `signal` knows it.
+    /// As the type of `signal`.
     pub fn cell(&self) -> Cell {
         Cell { natural_frequency: self.natural_frequency_hz, damping_ratio: self.damping_ratio }
     }
@@ -97,63 +97,67 @@ impl Record for LoadCell {
         of.card.fixture.iter().any(|f| matches!(f.of, lab::card::FixtureOf::Taps { .. }))
     }
 
-    fn pack(&self) -> Result<Parcel, RecordError> {
-        let of = |part: fn(&Response) -> f64| self.response.iter().map(part).collect::<Vec<f64>>();
+    fn pack(&self) -> Result<RecordFiles, RecordError> {
+        let of = |part: fn(&FrequencyResponse) -> f64| self.response.iter().map(part).collect::<Vec<f64>>();
         let response = Columns::default()
             .numbers("frequency_hz", of(|r| r.frequency))
             .numbers("real", of(|r| r.transfer.re))
             .numbers("imaginary", of(|r| r.transfer.im))
             .numbers("coherence", of(|r| r.coherence));
-        let shown = Columns::default()
-            .numbers("time_s", self.shown.time.clone())
-            .numbers("thrust_n", self.shown.thrust.clone())
-            .numbers("felt_n", self.shown.felt.clone())
-            .numbers("undone_n", self.shown.undone.clone());
+        let example = Columns::default()
+            .numbers("time_s", self.example.time.clone())
+            .numbers("thrust_n", self.example.thrust.clone())
+            .numbers("measured_n", self.example.measured.clone())
+            .numbers("deconvolved_n", self.example.deconvolved.clone());
         let scalars = Scalars {
             in_time: self.in_time,
             in_frequency: self.in_frequency,
             taps: self.taps,
             noise_n: self.noise,
-            sigma_n: self.shown.sigma,
-            nrmse: self.shown.nrmse,
+            sigma_n: self.example.sigma,
+            nrmse: self.example.nrmse,
         };
-        Parcel::default()
+        RecordFiles::default()
             .table("response.parquet", &response)?
-            .table("shown.parquet", &shown)?
+            .table("example.parquet", &example)?
             .scalars("load_cell.json", &scalars)
     }
 
-    fn unpack(parcel: &Parcel) -> Result<Self, RecordError> {
-        let s: Scalars = parcel.read_scalars("load_cell.json")?;
-        let (table, shown) = (parcel.read_table("response.parquet")?, parcel.read_table("shown.parquet")?);
+    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+        let s: Scalars = files.read_scalars("load_cell.json")?;
+        let (table, example) = (files.read_table("response.parquet")?, files.read_table("example.parquet")?);
         let [f, re, im, coherence] = ["frequency_hz", "real", "imaginary", "coherence"].map(|name| table.f64(name));
         let (f, re, im, coherence) = (f?, re?, im?, coherence?);
-        let one = |i: usize| Response { frequency: f[i], transfer: Phasor::new(re[i], im[i]), coherence: coherence[i] };
-        let shown = Shown {
-            time: shown.f64("time_s")?,
-            thrust: shown.f64("thrust_n")?,
-            felt: shown.f64("felt_n")?,
-            undone: shown.f64("undone_n")?,
+        let one = |i: usize| FrequencyResponse {
+            frequency: f[i],
+            transfer: Phasor::new(re[i], im[i]),
+            coherence: coherence[i],
+        };
+        let example = DeconvolutionExample {
+            time: example.f64("time_s")?,
+            thrust: example.f64("thrust_n")?,
+            measured: example.f64("measured_n")?,
+            deconvolved: example.f64("deconvolved_n")?,
             sigma: s.sigma_n,
             nrmse: s.nrmse,
         };
         let response = (0..f.len()).map(one).collect();
-        Ok(Self { in_time: s.in_time, in_frequency: s.in_frequency, taps: s.taps, noise: s.noise_n, response, shown })
+        Ok(Self { in_time: s.in_time, in_frequency: s.in_frequency, taps: s.taps, noise: s.noise_n, response, example })
     }
 
-    fn metrics(&self, of: &Specimen) -> Vec<Metric> {
+    fn metrics(&self, subject: &str) -> Vec<Metric> {
         let it = &self.in_time;
         let mut all = Vec::new();
-        for id in ["load_cell".to_owned(), format!("load_cell.{}", of.card.name)] {
+        for id in ["load_cell".to_owned(), format!("load_cell.{subject}")] {
             all.push(Metric::new(format!("{id}.natural_frequency_hz"), it.natural_frequency_hz, "Hz"));
             all.push(Metric::new(format!("{id}.damping_ratio"), it.damping_ratio, ""));
-            all.push(Metric::new(format!("{id}.round_trip_nrmse"), self.shown.nrmse[2], ""));
-            all.push(Metric::new(format!("{id}.round_trip_own_noise_nrmse"), self.shown.nrmse[1], ""));
+            all.push(Metric::new(format!("{id}.deconvolution_nrmse"), self.example.nrmse[2], ""));
+            all.push(Metric::new(format!("{id}.deconvolution_own_noise_nrmse"), self.example.nrmse[1], ""));
         }
         all
     }
 
-    fn telling(&self) -> String {
+    fn summary(&self) -> String {
         let it = &self.in_time;
         format!(
             "{:.3} ± {:.4} Hz, damping {:.5} ± {:.5}",

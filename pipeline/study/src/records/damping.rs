@@ -1,20 +1,20 @@
-//! Damping: how fast a specimen's swing dies.
+//! Damping: the decay of a specimen's free vibration.
 
 use serde::{Deserialize, Serialize};
 use si::{Metre, Second};
 
-use crate::metric::Metric;
-use crate::record::{Parcel, Record, RecordError};
 use crate::subject::Specimen;
+use workflow::metric::Metric;
+use workflow::record::{Record, RecordError, RecordFiles};
 
-/// Rayleigh's damping of a specimen, from a release.
+/// Rayleigh damping of a specimen, from a release.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Damping {
     /// β, proportional to stiffness, s.
     pub stiffness_damping: Second,
-    /// What is left of the release, m.
+    /// Root mean square error of the free vibration, m.
     pub rmse: Metre,
-    /// Every β that was tried, s, and what it left, m.
+    /// Every β evaluated, s, with its root mean square error, m.
     pub tried: Vec<(Second, Metre)>,
 }
 
@@ -22,24 +22,24 @@ impl Record for Damping {
     type Of = Specimen;
     const STAGE: &'static str = "damping";
 
-    fn pack(&self) -> Result<Parcel, RecordError> {
-        Parcel::default().scalars("damping.json", self)
+    fn pack(&self) -> Result<RecordFiles, RecordError> {
+        RecordFiles::default().scalars("damping.json", self)
     }
 
-    fn unpack(parcel: &Parcel) -> Result<Self, RecordError> {
-        parcel.read_scalars("damping.json")
+    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+        files.read_scalars("damping.json")
     }
 
-    fn metrics(&self, of: &Specimen) -> Vec<Metric> {
-        let id = |what: &str| format!("damping.{}.{what}", of.card.name);
+    fn metrics(&self, subject: &str) -> Vec<Metric> {
+        let id = |what: &str| format!("damping.{subject}.{what}");
         vec![
             Metric::new(id("stiffness_ms"), 1e3 * self.stiffness_damping, "ms"),
             Metric::new(id("rmse_mm"), 1e3 * self.rmse, "mm"),
         ]
     }
 
-    fn telling(&self) -> String {
-        format!("β = {:.2} ms, {:.2} mm are left of the release", 1e3 * self.stiffness_damping, 1e3 * self.rmse)
+    fn summary(&self) -> String {
+        format!("β = {:.2} ms, RMSE {:.2} mm of the release", 1e3 * self.stiffness_damping, 1e3 * self.rmse)
     }
 }
 

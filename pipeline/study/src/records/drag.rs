@@ -1,28 +1,28 @@
-//! Drag: what a specimen's water weighs and how it resists.
+//! Drag: added mass and normal drag of a specimen in water.
 
 use hydro::Coefficients;
 use serde::{Deserialize, Serialize};
 use si::{KilogramPerCubicMetre, Metre, Pascal};
 
-use crate::metric::Metric;
-use crate::record::{Parcel, Record, RecordError};
 use crate::subject::Specimen;
+use workflow::metric::Metric;
+use workflow::record::{Record, RecordError, RecordFiles};
 
-/// The water around a specimen, from a release in it.
+/// Hydrodynamic coefficients of a specimen, from a release in water.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drag {
-    /// Of added mass and of drag across the flow, no unit.
+    /// Added mass ratio and normal drag coefficient, no unit.
     pub by: Coefficients,
     /// Standard deviations of both, no unit.
     pub sigma: Coefficients,
     /// The pressure that was released, Pa.
     pub released: Pascal,
-    /// What is left of the release, m.
+    /// Root mean square error of the free vibration, m.
     pub rmse: Metre,
-    /// How far the marker moved in it, root of the mean square about its mean, m.
+    /// Amplitude of the marker in it: root mean square about its mean, m.
     pub moved: Metre,
     /// Simulations.
-    pub marches: usize,
+    pub simulations: usize,
     /// Density of the water, kg/m³.
     pub density: KilogramPerCubicMetre,
     /// Sections of the tail.
@@ -38,7 +38,7 @@ struct Scalars {
     released_pa: Pascal,
     rmse_m: Metre,
     moved_m: Metre,
-    marches: usize,
+    simulations: usize,
     density_kg_m3: KilogramPerCubicMetre,
     sections: usize,
 }
@@ -51,7 +51,7 @@ impl Record for Drag {
         of.trials().iter().any(crate::subject::Trial::is_staircase_in_water)
     }
 
-    fn pack(&self) -> Result<Parcel, RecordError> {
+    fn pack(&self) -> Result<RecordFiles, RecordError> {
         let scalars = Scalars {
             added: self.by.added,
             drag: self.by.drag,
@@ -60,40 +60,40 @@ impl Record for Drag {
             released_pa: self.released,
             rmse_m: self.rmse,
             moved_m: self.moved,
-            marches: self.marches,
+            simulations: self.simulations,
             density_kg_m3: self.density,
             sections: self.sections,
         };
-        Parcel::default().scalars("drag.json", &scalars)
+        RecordFiles::default().scalars("drag.json", &scalars)
     }
 
-    fn unpack(parcel: &Parcel) -> Result<Self, RecordError> {
-        let s: Scalars = parcel.read_scalars("drag.json")?;
+    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+        let s: Scalars = files.read_scalars("drag.json")?;
         Ok(Self {
             by: Coefficients { added: s.added, drag: s.drag },
             sigma: Coefficients { added: s.sigma_added, drag: s.sigma_drag },
             released: s.released_pa,
             rmse: s.rmse_m,
             moved: s.moved_m,
-            marches: s.marches,
+            simulations: s.simulations,
             density: s.density_kg_m3,
             sections: s.sections,
         })
     }
 
-    fn metrics(&self, of: &Specimen) -> Vec<Metric> {
-        let id = |what: &str| format!("drag.{}.{what}", of.card.name);
+    fn metrics(&self, subject: &str) -> Vec<Metric> {
+        let id = |what: &str| format!("drag.{subject}.{what}");
         vec![
-            Metric::new(id("added"), self.by.added, ""),
-            Metric::new(id("across"), self.by.drag, ""),
+            Metric::new(id("added_mass_ratio"), self.by.added, ""),
+            Metric::new(id("normal_drag_coefficient"), self.by.drag, ""),
             Metric::new(id("rmse_mm"), 1e3 * self.rmse, "mm"),
-            Metric::new(id("rmse_over_moved"), self.rmse / self.moved, ""),
+            Metric::new(id("rmse_over_amplitude"), self.rmse / self.moved, ""),
         ]
     }
 
-    fn telling(&self) -> String {
+    fn summary(&self) -> String {
         format!(
-            "added mass {:.2} ± {:.2} of theory's, drag {:.1} ± {:.1}; {:.2} of {:.2} mm are left of the release from {:.0} mbar, {} marches",
+            "added mass ratio {:.2} ± {:.2}, normal drag {:.1} ± {:.1}; RMSE {:.2} mm at {:.2} mm amplitude, release from {:.0} mbar, {} simulations",
             self.by.added,
             self.sigma.added,
             self.by.drag,
@@ -101,7 +101,7 @@ impl Record for Drag {
             1e3 * self.rmse,
             1e3 * self.moved,
             self.released / si::MILLIBAR,
-            self.marches,
+            self.simulations,
         )
     }
 }
@@ -118,7 +118,7 @@ mod tests {
             released: 2e4,
             rmse: 1e-4,
             moved: 8e-3,
-            marches: 12,
+            simulations: 12,
             density: 998.0,
             sections: 30,
         };

@@ -1,10 +1,10 @@
-//! Findings: numbers that decide claims of the paper and follow from records that are there already.
+//! Findings: metrics that decide claims of the paper, derived from other records.
 
 use serde::{Deserialize, Serialize};
 
-use crate::metric::Metric;
-use crate::record::{Parcel, Record, RecordError};
 use crate::subject::Study;
+use workflow::metric::Metric;
+use workflow::record::{Record, RecordError, RecordFiles};
 
 /// All of them, each with its name below `findings.` and its unit.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -28,20 +28,20 @@ impl Record for Findings {
     type Of = Study;
     const STAGE: &'static str = "findings";
 
-    fn pack(&self) -> Result<Parcel, RecordError> {
-        Parcel::default().scalars("findings.json", self)
+    fn pack(&self) -> Result<RecordFiles, RecordError> {
+        RecordFiles::default().scalars("findings.json", self)
     }
 
-    fn unpack(parcel: &Parcel) -> Result<Self, RecordError> {
-        parcel.read_scalars("findings.json")
+    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+        files.read_scalars("findings.json")
     }
 
-    fn metrics(&self, _: &Study) -> Vec<Metric> {
+    fn metrics(&self, _: &str) -> Vec<Metric> {
         self.found.iter().map(|f| Metric::new(format!("findings.{}", f.name), f.value, &f.unit)).collect()
     }
 
-    fn telling(&self) -> String {
-        format!("{} numbers that decide claims", self.found.len())
+    fn summary(&self) -> String {
+        format!("{} metrics that decide claims", self.found.len())
     }
 }
 
@@ -54,6 +54,6 @@ mod tests {
         let finding = Finding { name: "a.minima".into(), value: 1.0, unit: String::new() };
         let whole = Findings { found: vec![finding] };
         assert_eq!(Findings::unpack(&whole.pack().unwrap()).unwrap(), whole);
-        assert_eq!(whole.metrics(&Study { specimens: Vec::new() }), [Metric::new("findings.a.minima", 1.0, "")]);
+        assert_eq!(whole.metrics("all"), [Metric::new("findings.a.minima", 1.0, "")]);
     }
 }

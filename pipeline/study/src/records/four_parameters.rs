@@ -1,12 +1,12 @@
-//! Four parameters: both moduli and both Poisson's ratios, found at once, and the way there.
+//! Four parameters: both moduli and both Poisson's ratios, identified together, with the iterates.
 
 use serde::{Deserialize, Serialize};
 use si::Pascal;
 
-use super::identified::Certainty;
-use crate::metric::Metric;
-use crate::record::{Parcel, Record, RecordError};
+use super::identified::Uncertainty;
 use crate::subject::Specimen;
+use workflow::metric::Metric;
+use workflow::record::{Record, RecordError, RecordFiles};
 
 /// The elastic constants of a specimen.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -23,7 +23,7 @@ pub struct Four {
 
 impl Four {
     /// In the order of the fields: MPa, GPa and no unit.
-    pub fn shown(&self) -> [f64; 4] {
+    pub fn in_display_units(&self) -> [f64; 4] {
         [1e-6 * self.body_e_pa, 1e-9 * self.spine_e_pa, self.body_nu, self.spine_nu]
     }
 }
@@ -40,24 +40,24 @@ pub struct FourParameters {
     /// Lowest and highest plausible value of each parameter: Pa, Pa, no unit, no unit.
     pub plausible: [[f64; 2]; 4],
     /// Deviations of ln E and of ln (½ − ν).
-    pub certainty: Certainty,
+    pub uncertainty: Uncertainty,
 }
 
 impl Record for FourParameters {
     type Of = Specimen;
     const STAGE: &'static str = "four_parameters";
 
-    fn pack(&self) -> Result<Parcel, RecordError> {
-        Parcel::default().scalars("four_parameters.json", self)
+    fn pack(&self) -> Result<RecordFiles, RecordError> {
+        RecordFiles::default().scalars("four_parameters.json", self)
     }
 
-    fn unpack(parcel: &Parcel) -> Result<Self, RecordError> {
-        parcel.read_scalars("four_parameters.json")
+    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+        files.read_scalars("four_parameters.json")
     }
 
-    fn metrics(&self, of: &Specimen) -> Vec<Metric> {
-        let id = |what: &str| format!("four_parameters.{}.{what}", of.card.name);
-        let [body, spine, body_nu, spine_nu] = self.best.shown();
+    fn metrics(&self, subject: &str) -> Vec<Metric> {
+        let id = |what: &str| format!("four_parameters.{subject}.{what}");
+        let [body, spine, body_nu, spine_nu] = self.best.in_display_units();
         vec![
             Metric::new(id("body_e_mpa"), body, "MPa"),
             Metric::new(id("spine_e_gpa"), spine, "GPa"),
@@ -68,9 +68,9 @@ impl Record for FourParameters {
         ]
     }
 
-    fn telling(&self) -> String {
-        let [body, spine, body_nu, spine_nu] = self.best.shown();
-        let words = &self.certainty.words;
+    fn summary(&self) -> String {
+        let [body, spine, body_nu, spine_nu] = self.best.in_display_units();
+        let words = &self.uncertainty.words;
         format!("body {body:.4} MPa, ν {body_nu:.4}; spine {spine:.3} GPa, ν {spine_nu:.3}; {words}")
     }
 }
@@ -83,8 +83,8 @@ mod tests {
     fn four_parameters_survive_their_record() {
         let best = Four { body_e_pa: 2e5, spine_e_pa: 3e9, body_nu: 0.48, spine_nu: 0.37 };
         let plausible = [[1e5, 3e5], [1e9, 6e9], [0.45, 0.495], [0.3, 0.45]];
-        let certainty = Certainty { sigma: vec![0.1; 4], ..Certainty::default() };
-        let whole = FourParameters { best, loss: 1e-3, iterates: vec![(best, 1e-3)], plausible, certainty };
+        let uncertainty = Uncertainty { sigma: vec![0.1; 4], ..Uncertainty::default() };
+        let whole = FourParameters { best, loss: 1e-3, iterates: vec![(best, 1e-3)], plausible, uncertainty };
         assert_eq!(FourParameters::unpack(&whole.pack().unwrap()).unwrap(), whole);
     }
 }

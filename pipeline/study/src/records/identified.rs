@@ -1,13 +1,13 @@
-//! Identified: the Young's moduli with which the simulation follows the quasi-static films best, and how they were found.
+//! Identified: the Young's moduli that minimise the quasi-static misfit, with their uncertainty and the searches.
 
 use serde::{Deserialize, Serialize};
-use si::{Metre, Pascal, Point2, Point3, Second};
+use si::{Metre, Pascal, Point3, Second};
 
-use super::Spread;
-use crate::columns::Columns;
-use crate::metric::Metric;
-use crate::record::{Parcel, Record, RecordError};
 use crate::subject::Specimen;
+use sysid::{Level, NoiseModel};
+use workflow::columns::Columns;
+use workflow::metric::Metric;
+use workflow::record::{Record, RecordError, RecordFiles};
 
 /// Young's moduli of the two regions, Pa.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -20,20 +20,20 @@ pub struct Point {
 
 /// One simulation of all levels at one point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tried {
-    /// Where.
+pub struct EvaluatedPoint {
+    /// The point.
     pub at: Point,
     /// Mean distance of simulated from measured displacement over the specimen's length.
     pub loss: f64,
 }
 
-/// How one method went.
+/// The evaluations of one method.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Search {
     /// "grid", "cma_es", "adam", "gauss_newton".
     pub method: String,
     /// Every simulation, in order.
-    pub tried: Vec<Tried>,
+    pub tried: Vec<EvaluatedPoint>,
     /// How long it took.
     pub seconds: Second,
 }
@@ -49,55 +49,29 @@ pub struct Surface {
     pub loss: Vec<f64>,
 }
 
-/// One pressure level, measured and simulated with the identified moduli.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Level {
-    /// The trial it belongs to.
-    pub trial: String,
-    /// Measured pressures in the order of the card's chambers, Pa.
-    pub pressures_pa: Vec<Pascal>,
-    /// Where the markers are at rest, m.
-    pub rest_m: Vec<Point2>,
-    /// Measured displacements, m.
-    pub measured_m: Vec<Point2>,
-    /// How well they are known, m².
-    pub spread_m2: Vec<Spread>,
-    /// Simulated displacements, m.
-    pub simulated_m: Vec<Point2>,
-}
-
-/// What the covariance of the markers does not know.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct Doubt {
-    /// Standard deviation of each displacement for what the model leaves out, m.
-    pub discrepancy_m: Metre,
-    /// Standard deviation of the share by which all displacements of a film are off together, no unit.
-    pub share: f64,
-}
-
-/// How sure the parameters are.
+/// Uncertainty of the parameters.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct Certainty {
+pub struct Uncertainty {
     /// Standard deviations of the logarithms of the parameters.
     pub sigma: Vec<f64>,
     /// Correlation of the first two.
     pub correlation: f64,
-    /// χ² over the freedoms: near 1 when the covariance told the truth.
+    /// Reduced χ² (over the degrees of freedom): near 1 when the covariance is right.
     pub chi_square: f64,
-    /// What is certain and what is not.
+    /// A sentence on which parameters are determined.
     pub words: String,
-    /// What would tell more, and what lies outside of what is plausible.
+    /// Which data would reduce the uncertainty, and which estimates reached the end of the plausible range.
     pub advice: Vec<String>,
 }
 
-/// χ² over one parameter, the other at its best for each value.
+/// Profile likelihood: χ² over one parameter, minimised over the other.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Profile {
     /// "body_e" or "spine_e".
     pub parameter: String,
     /// Pa.
     pub value: Vec<f64>,
-    /// Above the lowest.
+    /// χ² above its minimum.
     pub chi_square: Vec<f64>,
 }
 
@@ -112,7 +86,7 @@ pub struct Identified {
     pub loss: f64,
     /// Largest difference of the adjoint gradient from central differences, over the gradient; of compared specimens.
     pub gradient_difference: Option<f64>,
-    /// Time of a loss with gradient over the time of the loss alone.
+    /// Time of a loss with its gradient over the time of the loss alone.
     pub gradient_over_forward: f64,
     /// The methods, in the order of `optimisers`: all of them, or Gauss-Newton alone.
     pub searches: Vec<Search>,
@@ -124,10 +98,10 @@ pub struct Identified {
     pub inflated: Vec<Point3>,
     /// The specimen's length, m.
     pub length: Metre,
-    /// What was taken into account beside the markers' covariance.
-    pub doubt: Doubt,
-    /// How sure the moduli are.
-    pub certainty: Certainty,
+    /// Noise model beside the markers' covariance.
+    pub noise: NoiseModel,
+    /// Uncertainty of the moduli.
+    pub uncertainty: Uncertainty,
     /// Profile likelihoods of both moduli.
     pub profiles: Vec<Profile>,
 }
@@ -141,8 +115,8 @@ struct Scalars {
     length_m: f64,
     levels: Vec<Level>,
     methods: Vec<String>,
-    doubt: Doubt,
-    certainty: Certainty,
+    noise: NoiseModel,
+    uncertainty: Uncertainty,
     profiles: Vec<Profile>,
 }
 
@@ -169,24 +143,11 @@ impl Search {
     }
 }
 
-impl Level {
-    /// The largest distance of a simulated from a measured displacement, m.
-    pub fn largest_error(&self) -> Metre {
-        let off = |(m, s): (&Point2, &Point2)| (m[0] - s[0]).hypot(m[1] - s[1]);
-        self.measured_m.iter().zip(&self.simulated_m).map(off).fold(0.0, f64::max)
-    }
-
-    /// The highest of its pressures, Pa.
-    pub fn pressure(&self) -> Pascal {
-        self.pressures_pa.iter().copied().fold(f64::MIN, f64::max)
-    }
-}
-
 impl Record for Identified {
     type Of = Specimen;
     const STAGE: &'static str = "identify";
 
-    fn pack(&self) -> Result<Parcel, RecordError> {
+    fn pack(&self) -> Result<RecordFiles, RecordError> {
         let scalars = Scalars {
             best: self.best,
             sigma: self.sigma,
@@ -195,8 +156,8 @@ impl Record for Identified {
             length_m: self.length,
             levels: self.levels.clone(),
             methods: self.searches.iter().map(|s| s.method.clone()).collect(),
-            doubt: self.doubt,
-            certainty: self.certainty.clone(),
+            noise: self.noise,
+            uncertainty: self.uncertainty.clone(),
             profiles: self.profiles.clone(),
         };
         let durations = Durations {
@@ -205,7 +166,7 @@ impl Record for Identified {
         };
         let axis = |k: usize| self.inflated.iter().map(|u| u[k]).collect();
         let inflated = Columns::default().numbers("x_m", axis(0)).numbers("y_m", axis(1)).numbers("z_m", axis(2));
-        Parcel::default()
+        RecordFiles::default()
             .scalars("identified.json", &scalars)?
             .durations("durations.json", &durations)?
             .table("searches.parquet", &tried_columns(&self.searches))?
@@ -213,10 +174,10 @@ impl Record for Identified {
             .table("inflated.parquet", &inflated)
     }
 
-    fn unpack(parcel: &Parcel) -> Result<Self, RecordError> {
-        let s: Scalars = parcel.read_scalars("identified.json")?;
-        let d: Durations = parcel.read_scalars("durations.json")?;
-        let inflated = parcel.read_table("inflated.parquet")?;
+    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+        let s: Scalars = files.read_scalars("identified.json")?;
+        let d: Durations = files.read_scalars("durations.json")?;
+        let inflated = files.read_table("inflated.parquet")?;
         let (x, y, z) = (inflated.f64("x_m")?, inflated.f64("y_m")?, inflated.f64("z_m")?);
         Ok(Self {
             best: s.best,
@@ -224,19 +185,19 @@ impl Record for Identified {
             loss: s.loss,
             gradient_difference: s.gradient_difference,
             gradient_over_forward: d.gradient_over_forward,
-            searches: read_searches(&parcel.read_table("searches.parquet")?, &s.methods, &d.seconds)?,
-            surface: read_surface(&parcel.read_table("landscape.parquet")?)?,
+            searches: read_searches(&files.read_table("searches.parquet")?, &s.methods, &d.seconds)?,
+            surface: read_surface(&files.read_table("landscape.parquet")?)?,
             levels: s.levels,
             inflated: x.into_iter().zip(y).zip(z).map(|((x, y), z)| [x, y, z]).collect(),
             length: s.length_m,
-            doubt: s.doubt,
-            certainty: s.certainty,
+            noise: s.noise,
+            uncertainty: s.uncertainty,
             profiles: s.profiles,
         })
     }
 
-    fn metrics(&self, of: &Specimen) -> Vec<Metric> {
-        let id = |what: &str| format!("identify.{}.{what}", of.card.name);
+    fn metrics(&self, subject: &str) -> Vec<Metric> {
+        let id = |what: &str| format!("identify.{subject}.{what}");
         let mut metrics = vec![
             Metric::new(id("body_e_mpa"), 1e-6 * self.best.body_e_pa, "MPa"),
             Metric::new(id("body_e_mpa.sigma"), 1e-6 * self.sigma.body_e_pa, "MPa"),
@@ -244,20 +205,20 @@ impl Record for Identified {
             Metric::new(id("spine_e_gpa.sigma"), 1e-9 * self.sigma.spine_e_pa, "GPa"),
             Metric::new(id("loss"), self.loss, ""),
             Metric::new(id("gradient_over_forward"), self.gradient_over_forward, ""),
-            Metric::new(id("correlation"), self.certainty.correlation, ""),
-            Metric::new(id("chi_square"), self.certainty.chi_square, ""),
+            Metric::new(id("correlation"), self.uncertainty.correlation, ""),
+            Metric::new(id("chi_square"), self.uncertainty.chi_square, ""),
         ];
         metrics.extend(self.gradient_difference.map(|g| Metric::new(id("gradient_difference"), g, "")));
         metrics.extend(self.searches.iter().flat_map(|s| s.metrics(&id(&s.method))));
         let largest = self.levels.iter().map(Level::largest_error).fold(0.0, f64::max);
-        metrics.push(Metric::new(format!("static.{}.max_error_mm", of.card.name), 1e3 * largest, "mm"));
+        metrics.push(Metric::new(format!("static.{subject}.max_error_mm"), 1e3 * largest, "mm"));
         metrics
     }
 
-    fn telling(&self) -> String {
+    fn summary(&self) -> String {
         let (body, spine) = (1e-6 * self.best.body_e_pa, 1e-9 * self.best.spine_e_pa);
-        let advice: String = self.certainty.advice.iter().map(|a| format!("; {a}")).collect();
-        format!("loss {:.1e}, body {body:.4} MPa, spine {spine:.3} GPa; {}{advice}", self.loss, self.certainty.words)
+        let advice: String = self.uncertainty.advice.iter().map(|a| format!("; {a}")).collect();
+        format!("loss {:.1e}, body {body:.4} MPa, spine {spine:.3} GPa; {}{advice}", self.loss, self.uncertainty.words)
     }
 }
 
@@ -286,7 +247,7 @@ fn tried_columns(searches: &[Search]) -> Columns {
 fn read_searches(columns: &Columns, methods: &[String], seconds: &[f64]) -> Result<Vec<Search>, RecordError> {
     let names = columns.text("method")?;
     let (body, spine, loss) = (columns.f64("body_e_pa")?, columns.f64("spine_e_pa")?, columns.f64("loss")?);
-    let tried = |i: usize| Tried { at: Point { body_e_pa: body[i], spine_e_pa: spine[i] }, loss: loss[i] };
+    let tried = |i: usize| EvaluatedPoint { at: Point { body_e_pa: body[i], spine_e_pa: spine[i] }, loss: loss[i] };
     let search = |(method, &seconds): (&String, &f64)| Search {
         method: method.clone(),
         tried: (0..names.len()).filter(|&i| names[i] == *method).map(tried).collect(),
@@ -322,7 +283,7 @@ mod tests {
     #[test]
     fn an_identification_survives_its_record() {
         let at = |b: f64| Point { body_e_pa: b, spine_e_pa: 3e9 };
-        let tried = vec![Tried { at: at(2e5), loss: 0.1 }, Tried { at: at(1e5), loss: 0.2 }];
+        let tried = vec![EvaluatedPoint { at: at(2e5), loss: 0.1 }, EvaluatedPoint { at: at(1e5), loss: 0.2 }];
         let surface = Surface {
             body_e_pa: vec![1e5, 2e5],
             spine_e_pa: vec![1e9, 2e9, 3e9],
@@ -339,8 +300,8 @@ mod tests {
             levels: Vec::new(),
             inflated: vec![[0.0, 1.0, 2.0]],
             length: 0.1,
-            doubt: Doubt { discrepancy_m: 1e-4, share: 0.02 },
-            certainty: Certainty { sigma: vec![0.01, 0.1], words: "all".into(), ..Certainty::default() },
+            noise: NoiseModel { discrepancy_m: 1e-4, scale_sigma: 0.02 },
+            uncertainty: Uncertainty { sigma: vec![0.01, 0.1], words: "all".into(), ..Uncertainty::default() },
             profiles: vec![Profile { parameter: "body_e".into(), value: vec![1e5], chi_square: vec![0.0] }],
         };
         assert_eq!(Identified::unpack(&whole.pack().unwrap()).unwrap(), whole);

@@ -1,13 +1,13 @@
-//! Inflation: the skin of the identified model at rising pressures on one side, and how its walls leave their shape.
+//! Inflation: the skin of the identified model at rising pressures on one side, and the displacement of its walls.
 
 use serde::{Deserialize, Serialize};
 use si::{Metre, Pascal, Point3, vec3};
 
 use super::Mesh;
-use crate::columns::Columns;
-use crate::metric::Metric;
-use crate::record::{Parcel, Record, RecordError};
 use crate::subject::Specimen;
+use workflow::columns::Columns;
+use workflow::metric::Metric;
+use workflow::record::{Record, RecordError, RecordFiles};
 
 /// The shapes of a specimen under pressure.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,7 +18,7 @@ pub struct Inflation {
     pub shapes: Vec<Shape>,
     /// The shape under the pressure of the film's frame, where there is one.
     pub filmed: Option<usize>,
-    /// The highest pressure that was asked for, Pa: the last shape lies lower where no equilibrium was found.
+    /// The highest requested pressure, Pa: the last shape has less where no equilibrium was found.
     pub asked_pa: Pascal,
 }
 
@@ -29,11 +29,11 @@ pub struct Shape {
     pub pressures_pa: Vec<Pascal>,
     /// Displacement of each of the nodes, m.
     pub moved: Vec<Point3>,
-    /// How its walls left their shape.
+    /// Displacement of its walls.
     pub walls: Walls,
 }
 
-/// By how much the outer wall has come nearer to the sheet or gone away from it, at mid height, and where.
+/// Change of the distance between outer wall and sheet at mid height, and where.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Walls {
     /// Deepest dent of the side without pressure, m.
@@ -78,7 +78,7 @@ impl Record for Inflation {
         of.highest_staircase().is_some()
     }
 
-    fn pack(&self) -> Result<Parcel, RecordError> {
+    fn pack(&self) -> Result<RecordFiles, RecordError> {
         let columns = self.shapes.iter().enumerate().fold(
             Columns::default().counts("node", self.nodes.clone()),
             |columns, (i, shape)| {
@@ -95,12 +95,12 @@ impl Record for Inflation {
             filmed: self.filmed,
             asked_pa: self.asked_pa,
         };
-        Parcel::default().table("shapes.parquet", &columns)?.scalars("inflation.json", &scalars)
+        RecordFiles::default().table("shapes.parquet", &columns)?.scalars("inflation.json", &scalars)
     }
 
-    fn unpack(parcel: &Parcel) -> Result<Self, RecordError> {
-        let scalars: Scalars = parcel.read_scalars("inflation.json")?;
-        let columns = parcel.read_table("shapes.parquet")?;
+    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+        let scalars: Scalars = files.read_scalars("inflation.json")?;
+        let columns = files.read_table("shapes.parquet")?;
         let moved = |i: usize| -> Result<Vec<Point3>, RecordError> {
             let axis = |k: &str| columns.f64(&format!("{k}{i}_m"));
             let (x, y, z) = (axis("x")?, axis("y")?, axis("z")?);
@@ -116,8 +116,8 @@ impl Record for Inflation {
         })
     }
 
-    fn metrics(&self, of: &Specimen) -> Vec<Metric> {
-        let id = |what: &str| format!("inflate.{}.{what}", of.card.name);
+    fn metrics(&self, subject: &str) -> Vec<Metric> {
+        let id = |what: &str| format!("inflate.{subject}.{what}");
         let Some(shape) = self.filmed.map_or(self.shapes.last(), |i| self.shapes.get(i)) else { return Vec::new() };
         vec![
             Metric::new(id("pressure_mbar"), shape.pressure() / si::MILLIBAR, "mbar"),
@@ -126,10 +126,10 @@ impl Record for Inflation {
         ]
     }
 
-    fn telling(&self) -> String {
+    fn summary(&self) -> String {
         let Some(last) = self.shapes.last() else { return "no shape".into() };
         let (count, top, dent) = (self.shapes.len(), last.pressure() / si::MILLIBAR, last.walls.dent_m);
-        format!("{count} shapes up to {top:.0} mbar, the other wall dents by {:.2} mm", dent / si::MILLIMETRE)
+        format!("{count} shapes up to {top:.0} mbar, dent of the other wall {:.2} mm", dent / si::MILLIMETRE)
     }
 }
 

@@ -1,13 +1,14 @@
 //! Mesh: the specimen's solid as quadratic tetrahedra, its chambers, and its markers as material points.
 
+use mesh::{QuadraticFace, QuadraticMesh, Skin, Solid, Spot};
 use serde::{Deserialize, Serialize};
-use shape::{QuadraticFace, QuadraticMesh, Skin, Spot};
 use si::CubicMetre;
+use sysid::{Body, Model};
 
-use crate::columns::Columns;
-use crate::metric::Metric;
-use crate::record::{Parcel, Record, RecordError};
 use crate::subject::Specimen;
+use workflow::columns::Columns;
+use workflow::metric::Metric;
+use workflow::record::{Record, RecordError, RecordFiles};
 
 /// A meshed specimen.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,7 +19,7 @@ pub struct Mesh {
     pub chambers: Vec<Cavity>,
     /// The card's markers on the skin, in its order.
     pub markers: Vec<Spot>,
-    /// How good the mesh is.
+    /// Quality of the mesh.
     pub quality: Quality,
 }
 
@@ -33,11 +34,11 @@ pub struct Cavity {
     pub volume_m3: CubicMetre,
 }
 
-/// What the mesher's own check found.
+/// Measures of mesh quality.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Quality {
     /// Degrees of freedom before clamping.
-    pub freedoms: usize,
+    pub dofs: usize,
     /// Whether the surfaces are symmetric and only z ≥ 0 is meshed.
     pub half: bool,
     /// Smallest angle between two faces of an element, degrees.
@@ -61,11 +62,26 @@ const OUTER: u32 = 0;
 const SYMMETRY: u32 = 1;
 const FIRST_CHAMBER: u32 = 2;
 
+impl Mesh {
+    /// The model of the specimen with the card's `body`.
+    ///
+    /// # Errors
+    /// A [`diagnostics::Diagnostic`] when a material is unknown or the simulator refuses the mesh.
+    pub fn model(&self, body: &Body) -> diagnostics::Result<Model> {
+        Model::new(&Solid::Quadratic(self.solid.clone()), &self.skins(), self.markers.clone(), body)
+    }
+
+    /// The skin index of each chamber, in the order of the card.
+    pub fn skins(&self) -> Vec<u16> {
+        self.chambers.iter().map(|c| c.skin).collect()
+    }
+}
+
 impl Record for Mesh {
     type Of = Specimen;
     const STAGE: &'static str = "mesh";
 
-    fn pack(&self) -> Result<Parcel, RecordError> {
+    fn pack(&self) -> Result<RecordFiles, RecordError> {
         let solid = &self.solid;
         let axis = |k: usize| solid.nodes.iter().map(|n| n[k]).collect();
         let nodes = Columns::default().numbers("x_m", axis(0)).numbers("y_m", axis(1)).numbers("z_m", axis(2));
@@ -75,18 +91,18 @@ impl Record for Mesh {
         let skin = Columns::default().counts("on", solid.skin.iter().map(|f| code(f.on)).collect());
         let markers = self.markers.iter().map(|m| m.weights.clone()).collect();
         let scalars = Scalars { chambers: self.chambers.clone(), quality: self.quality.clone(), markers };
-        Parcel::default()
+        RecordFiles::default()
             .table("nodes.parquet", &nodes)?
             .table("tetrahedra.parquet", &tets)?
             .table("skin.parquet", &whole(skin, "n", &faces))?
             .scalars("mesh.json", &scalars)
-            .map(|parcel| parcel.file("mesh.vtu", super::vtu::write(solid).into_bytes()))
+            .map(|files| files.file("mesh.vtu", super::vtu::write(solid).into_bytes()))
     }
 
-    fn unpack(parcel: &Parcel) -> Result<Self, RecordError> {
-        let scalars: Scalars = parcel.read_scalars("mesh.json")?;
-        let (nodes, tets) = (parcel.read_table("nodes.parquet")?, parcel.read_table("tetrahedra.parquet")?);
-        let skin = parcel.read_table("skin.parquet")?;
+    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+        let scalars: Scalars = files.read_scalars("mesh.json")?;
+        let (nodes, tets) = (files.read_table("nodes.parquet")?, files.read_table("tetrahedra.parquet")?);
+        let skin = files.read_table("skin.parquet")?;
         let (x, y, z) = (nodes.f64("x_m")?, nodes.f64("y_m")?, nodes.f64("z_m")?);
         let faces = skin.u32("on")?.into_iter().zip(rows::<6>(&skin, "n")?);
         Ok(Self {
@@ -103,21 +119,21 @@ impl Record for Mesh {
         })
     }
 
-    fn metrics(&self, of: &Specimen) -> Vec<Metric> {
-        let id = |what: &str| format!("mesh.{}.{what}", of.card.name);
+    fn metrics(&self, subject: &str) -> Vec<Metric> {
+        let id = |what: &str| format!("mesh.{subject}.{what}");
         vec![
             Metric::new(id("tets"), self.solid.tets.len() as f64, ""),
-            Metric::new(id("dofs"), self.quality.freedoms as f64, ""),
+            Metric::new(id("dofs"), self.quality.dofs as f64, ""),
             Metric::new(id("min_dihedral_deg"), self.quality.min_dihedral_deg, "°"),
             Metric::new(id("hausdorff_mm"), 1e3 * self.quality.hausdorff_m, "mm"),
         ]
     }
 
-    fn telling(&self) -> String {
+    fn summary(&self) -> String {
         let half = if self.quality.half { "half model, " } else { "" };
-        let (tets, dofs) = (self.solid.tets.len(), self.quality.freedoms);
+        let (tets, dofs) = (self.solid.tets.len(), self.quality.dofs);
         let (angle, off) = (self.quality.min_dihedral_deg, 1e3 * self.quality.hausdorff_m);
-        format!("{half}{tets} tetrahedra, {dofs} dofs, ≥ {angle:.1}°, within {off:.2} mm")
+        format!("{half}{tets} tetrahedra, {dofs} dofs, smallest angle {angle:.1}°, surface distance {off:.2} mm")
     }
 }
 
@@ -162,7 +178,7 @@ mod tests {
             half: true,
         };
         let quality = Quality {
-            freedoms: 30,
+            dofs: 30,
             half: true,
             min_dihedral_deg: 5.0,
             hausdorff_m: 1e-4,

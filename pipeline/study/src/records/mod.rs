@@ -1,26 +1,24 @@
 //! The records of the pipeline, one file each, in the order of the data.
-//!
-//! Stands on: the contract in `record.rs`. Never knows: how a record is computed.
 
-mod best_flap;
 mod camera;
 mod cell;
+mod corrected_force;
 mod damping;
 mod drag;
+mod example_frames;
 mod findings;
 mod four_parameters;
 mod identified;
 mod inflation;
 mod markers;
 mod mesh;
-mod mesh_honesty;
+mod mesh_sensitivity;
 mod motion;
+mod optimal_actuation;
 mod paths;
-mod pull;
 mod recovered;
 mod reduced;
 mod runs;
-mod still;
 mod tank;
 mod thrust;
 mod tracks;
@@ -28,26 +26,32 @@ mod transfer;
 mod validation;
 mod vtu;
 
-pub use best_flap::{Best, BestFlap, Check, Flap};
+pub use self::thrust::{Crosstalk, Means, Scored, Thrust, Trace};
 pub use camera::Camera;
-pub use cell::{Fixture, LoadCell, Shown};
+pub use cell::{DeconvolutionExample, Fixture, LoadCell};
+pub use corrected_force::CorrectedForce;
 pub use damping::Damping;
 pub use drag::Drag;
+pub use example_frames::{ExampleFrames, FrameData};
 pub use findings::{Finding, Findings};
 pub use four_parameters::{Four, FourParameters};
-pub use identified::{Certainty, Doubt, Identified, Level, Point, Profile, Search, Surface, Tried};
+pub use identified::{EvaluatedPoint, Identified, Point, Profile, Search, Surface, Uncertainty};
 pub use inflation::{Inflation, Shape, Walls};
-pub use markers::{LeftOut, Markers, Parts, Stand};
+pub use markers::{CovarianceParts, FilmPose, Markers, OmittedCorrection};
 pub use mesh::{Cavity, Mesh, Quality};
-pub use mesh_honesty::{Honest, MeshHonesty};
+pub use mesh_sensitivity::{MeshResult, MeshSensitivity};
 pub use motion::{Clock, Gauge, Motion};
-pub use paths::{Path, Spread};
-pub use pull::Pull;
+pub use optimal_actuation::{ActuationPoint, Best, Check, OptimalActuation};
+pub use paths::Path;
 pub use recovered::{Recovered, Specimen as RecoveredSpecimen};
 pub use reduced::Reduced;
-pub use still::{Seen, Still};
+pub use sysid::{Covariance2, Level, NoiseModel};
 pub use tank::Tank;
-pub use thrust::{Crosstalk, Means, Scored, Thrust, Trace};
 pub use tracks::Tracks;
-pub use transfer::{HeldOut, Transfer};
-pub use validation::{Validation, Way};
+pub use transfer::{HeldOut, Layout, Transfer};
+pub use validation::{ScoredModel, Validation};
+
+/// A subject's name inside a metric's id.
+fn flat(subject: &str) -> String {
+    subject.replace('/', "_")
+}

@@ -1,28 +1,28 @@
-//! Motion: displacements of the markers and pressures of the chambers on one clock, the video's.
+//! Motion: displacements of the markers and pressures of the chambers on the video's clock.
 
 use serde::{Deserialize, Serialize};
 use si::{Pascal, Point2, Second};
 
 use super::paths::{self, Path};
-use crate::columns::Columns;
-use crate::metric::Metric;
-use crate::record::{Parcel, Record, RecordError};
 use crate::subject::Trial;
+use workflow::columns::Columns;
+use workflow::metric::Metric;
+use workflow::record::{Record, RecordError, RecordFiles};
 
-/// What moved, and what moved it.
+/// Displacements and pressures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motion {
     /// Time of each frame on the video's clock, s: frames.
     pub time: Vec<Second>,
     /// Displacements from rest, m: frames × markers.
     pub markers: Vec<Path>,
-    /// Where the markers are at rest, m: markers.
+    /// Positions of the markers at rest, m: markers.
     pub rest: Vec<Point2>,
     /// The pressures, in the order of the card's chambers.
     pub gauges: Vec<Gauge>,
     /// Time of each sample of the log, brought to the video's clock, s: samples.
     pub log_time: Vec<Second>,
-    /// How the log's clock runs.
+    /// The log's clock against the video's.
     pub clock: Clock,
 }
 
@@ -31,9 +31,9 @@ pub struct Motion {
 pub struct Gauge {
     /// The chamber's name.
     pub chamber: String,
-    /// What the valve was asked for, Pa.
+    /// Commanded, Pa.
     pub command: Vec<Pascal>,
-    /// What was measured, Pa.
+    /// Measured, Pa.
     pub measured: Vec<Pascal>,
 }
 
@@ -46,7 +46,7 @@ pub struct Clock {
     pub scale: f64,
     /// When the lamp lights, s on the video's clock.
     pub lamp: Second,
-    /// How well log times are known over the film, the largest standard deviation, s.
+    /// Largest standard deviation of log times over the film, s.
     pub sigma: Second,
 }
 
@@ -62,7 +62,7 @@ impl Record for Motion {
     type Of = Trial;
     const STAGE: &'static str = "clock";
 
-    fn pack(&self) -> Result<Parcel, RecordError> {
+    fn pack(&self) -> Result<RecordFiles, RecordError> {
         let motion = Columns::default().numbers("time_s", self.time.clone());
         let log = self.gauges.iter().fold(Columns::default().numbers("time_s", self.log_time.clone()), |log, gauge| {
             log.numbers(&format!("{}_command_pa", gauge.chamber), gauge.command.clone())
@@ -74,15 +74,15 @@ impl Record for Motion {
             chambers: self.gauges.iter().map(|g| g.chamber.clone()).collect(),
             clock: self.clock,
         };
-        Parcel::default()
+        RecordFiles::default()
             .table("motion.parquet", &paths::pack(motion, &self.markers, "m"))?
             .table("pressure.parquet", &log)?
             .scalars("motion.json", &scalars)
     }
 
-    fn unpack(parcel: &Parcel) -> Result<Self, RecordError> {
-        let scalars: Scalars = parcel.read_scalars("motion.json")?;
-        let (motion, log) = (parcel.read_table("motion.parquet")?, parcel.read_table("pressure.parquet")?);
+    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+        let scalars: Scalars = files.read_scalars("motion.json")?;
+        let (motion, log) = (files.read_table("motion.parquet")?, files.read_table("pressure.parquet")?);
         let gauge = |chamber: &String| -> Result<Gauge, RecordError> {
             let command = log.f64(&format!("{chamber}_command_pa"))?;
             Ok(Gauge { chamber: chamber.clone(), command, measured: log.f64(&format!("{chamber}_pa"))? })
@@ -97,13 +97,13 @@ impl Record for Motion {
         })
     }
 
-    fn metrics(&self, of: &Trial) -> Vec<Metric> {
-        let id = format!("clock.{}_{}.offset_s", of.card.name, of.trial.id);
-        let sigma = format!("clock.{}_{}.sigma_ms", of.card.name, of.trial.id);
+    fn metrics(&self, subject: &str) -> Vec<Metric> {
+        let id = format!("clock.{}.offset_s", super::flat(subject));
+        let sigma = format!("clock.{}.sigma_ms", super::flat(subject));
         vec![Metric::new(id, self.clock.offset, "s"), Metric::new(sigma, 1e3 * self.clock.sigma, "ms")]
     }
 
-    fn telling(&self) -> String {
-        format!("the log runs {:+.1} ± {:.2} ms from the video", 1e3 * self.clock.offset, 1e3 * self.clock.sigma)
+    fn summary(&self) -> String {
+        format!("offset of the log {:+.1} ± {:.2} ms", 1e3 * self.clock.offset, 1e3 * self.clock.sigma)
     }
 }

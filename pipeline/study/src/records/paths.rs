@@ -1,28 +1,24 @@
 //! Paths of markers in a plane, frame by frame, with a covariance each; shared by tracks (px), markers and motion (m).
-//!
-//! Stands on: columns. Never knows: what the plane is.
 
 use si::Point2;
 
-use crate::columns::Columns;
-use crate::record::RecordError;
-
-/// A symmetric 2 × 2 covariance: xx, xy, yy, in the square of the path's unit.
-pub type Spread = [f64; 3];
+use sysid::Covariance2;
+use workflow::columns::Columns;
+use workflow::record::RecordError;
 
 /// One marker through a film.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Path {
     /// The marker's name on the card.
     pub name: String,
-    /// Where it is: frames × 2.
+    /// Positions: frames × 2.
     pub at: Vec<Point2>,
-    /// How well that is known: frames × 3.
-    pub spread: Vec<Spread>,
+    /// Covariances of the positions: frames × 3.
+    pub spread: Vec<Covariance2>,
 }
 
 impl Path {
-    /// The mean place over the frames of a range.
+    /// The mean position over a range of frames.
     pub fn mean(&self, frames: std::ops::Range<usize>) -> Point2 {
         let count = frames.len().max(1) as f64;
         let sum = self.at[frames].iter().fold([0.0; 2], |s, p| [s[0] + p[0], s[1] + p[1]]);
@@ -41,14 +37,14 @@ pub fn pack(columns: Columns, paths: &[Path], unit: &str) -> Columns {
 }
 
 /// Adds three columns of a covariance, named `<name>_xx_<unit>2` and so on.
-pub fn pack_spread(columns: Columns, name: &str, spread: &[Spread], unit: &str) -> Columns {
+pub fn pack_spread(columns: Columns, name: &str, spread: &[Covariance2], unit: &str) -> Columns {
     ["xx", "xy", "yy"].iter().enumerate().fold(columns, |columns, (k, part)| {
         columns.numbers(&format!("{name}_{part}_{unit}2"), spread.iter().map(|s| s[k]).collect())
     })
 }
 
 /// Reads what [`pack_spread`] wrote.
-pub fn unpack_spread(columns: &Columns, name: &str, unit: &str) -> Result<Vec<Spread>, RecordError> {
+pub fn unpack_spread(columns: &Columns, name: &str, unit: &str) -> Result<Vec<Covariance2>, RecordError> {
     let column = |part: &str| columns.f64(&format!("{name}_{part}_{unit}2"));
     let (xx, xy, yy) = (column("xx")?, column("xy")?, column("yy")?);
     Ok(xx.into_iter().zip(xy).zip(yy).map(|((a, b), c)| [a, b, c]).collect())

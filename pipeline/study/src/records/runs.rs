@@ -1,17 +1,15 @@
-//! Runs: beating trials as one table below one another, so that another stage can learn from them without gathering anew.
-//!
-//! Stands on: columns, the room `thrust`. Never knows: what is learnt from them.
+//! Runs: flapping trials stacked in one table, so that other stages can train on them without preparing them again.
 
 use lab::card::Split;
 use serde::{Deserialize, Serialize};
 use si::{Hertz, Pascal, Point2};
 
-use crate::columns::Columns;
-use crate::record::RecordError;
-use crate::thrust::Run;
-use crate::thrust::run::Parts;
+use ::thrust::Run;
+use ::thrust::run::TheoryTerms;
+use workflow::columns::Columns;
+use workflow::record::RecordError;
 
-/// What is said of a run once.
+/// Data of a run beside its samples.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Head {
     id: String,
@@ -20,7 +18,7 @@ pub(super) struct Head {
     split: Option<String>,
     rate_hz: Hertz,
     samples: usize,
-    marks: usize,
+    markers: usize,
     chambers: usize,
 }
 
@@ -34,7 +32,7 @@ impl Head {
             split: run.split.map(|s| s.word().to_owned()),
             rate_hz: run.rate,
             samples: run.len(),
-            marks: run.moved.first().map_or(0, Vec::len),
+            markers: run.moved.first().map_or(0, Vec::len),
             chambers: run.pressure.first().map_or(0, Vec::len),
         }
     }
@@ -44,68 +42,68 @@ impl Head {
     }
 }
 
-/// One number of a part.
-type Part = (&'static str, fn(&Parts) -> f64);
-/// The parts of theory, by their columns.
-const PARTS: [Part; 5] = [
-    ("simple_n", |p| p.simple),
-    ("shed_n", |p| p.shed),
-    ("gained_n", |p| p.gained),
+/// One term of theory.
+type Column = (&'static str, fn(&TheoryTerms) -> f64);
+/// The terms of theory, by their columns.
+const COLUMNS: [Column; 5] = [
+    ("simplified_n", |p| p.trailing_edge),
+    ("edge_flux_n", |p| p.edge_flux),
+    ("momentum_rate_n", |p| p.momentum_rate),
     ("drag_n", |p| p.drag),
-    ("jerked_m_s2", |p| p.jerked),
+    ("tip_acceleration_m_s2", |p| p.tip_acceleration),
 ];
 
-/// Runs of one specimen below one another.
+/// Runs of one specimen, stacked.
 pub(super) fn table(runs: &[Run]) -> Columns {
     let heads: Vec<Head> = runs.iter().map(Head::of).collect();
-    let (marks, chambers) = heads.first().map_or((0, 0), |h| (h.marks, h.chambers));
+    let (markers, chambers) = heads.first().map_or((0, 0), |h| (h.markers, h.chambers));
     let each = |of: &dyn Fn(&Run, usize) -> f64| -> Vec<f64> {
         runs.iter().flat_map(|run| (0..run.len()).map(|i| of(run, i)).collect::<Vec<_>>()).collect()
     };
     let mut table = Columns::default().numbers("time_s", each(&|r, i| r.time[i]));
     table = table.numbers("force_n", each(&|r, i| r.force[i]));
-    for (mark, (k, axis)) in (0..marks).flat_map(|m| [(m, (0, "x")), (m, (1, "y"))]) {
+    for (marker, (k, axis)) in (0..markers).flat_map(|m| [(m, (0, "x")), (m, (1, "y"))]) {
         table = table
-            .numbers(&format!("{axis}{mark}_m"), each(&|r, i| r.moved[i][mark][k]))
-            .numbers(&format!("v{axis}{mark}_m_s"), each(&|r, i| r.speed[i][mark][k]));
+            .numbers(&format!("{axis}{marker}_m"), each(&|r, i| r.moved[i][marker][k]))
+            .numbers(&format!("v{axis}{marker}_m_s"), each(&|r, i| r.speed[i][marker][k]));
     }
     for chamber in 0..chambers {
         table = table
             .numbers(&format!("p{chamber}_pa"), each(&|r, i| r.pressure[i][chamber]))
             .numbers(&format!("vp{chamber}_pa_s"), each(&|r, i| r.pressure_rate[i][chamber]));
     }
-    PARTS.iter().fold(table, |table, (name, of)| table.numbers(name, each(&|r, i| of(&r.terms[i]))))
+    COLUMNS.iter().fold(table, |table, (name, of)| table.numbers(name, each(&|r, i| of(&r.terms[i]))))
 }
 
 /// The runs of a table.
 ///
 /// # Errors
-/// [`RecordError`] when a column is absent or shorter than the heads say.
+/// [`RecordError`] when a column is absent or its length differs from that of the heads.
 pub(super) fn read(heads: &[Head], table: &Columns) -> Result<Vec<Run>, RecordError> {
     let rows: usize = heads.iter().map(|h| h.samples).sum();
     let column = |name: &str| -> Result<Vec<f64>, RecordError> {
         let values = table.f64(name)?;
         if values.len() == rows { Ok(values) } else { Err(RecordError::Absent(format!("{name} of {rows} samples"))) }
     };
-    let (marks, chambers) = heads.first().map_or((0, 0), |h| (h.marks, h.chambers));
+    let (markers, chambers) = heads.first().map_or((0, 0), |h| (h.markers, h.chambers));
     let several = |names: Vec<String>| names.iter().map(|n| column(n)).collect::<Result<Vec<_>, _>>();
     let of_marks = |before: &str, unit: &str| {
-        several((0..marks).flat_map(|m| ["x", "y"].map(|a| format!("{before}{a}{m}_{unit}"))).collect())
+        several((0..markers).flat_map(|m| ["x", "y"].map(|a| format!("{before}{a}{m}_{unit}"))).collect())
     };
     let of_chambers =
         |before: &str, unit: &str| several((0..chambers).map(|c| format!("{before}{c}_{unit}")).collect());
     let (time, force) = (column("time_s")?, column("force_n")?);
     let (moved, speed) = (of_marks("", "m")?, of_marks("v", "m_s")?);
     let (pressure, pressure_rate) = (of_chambers("p", "pa")?, of_chambers("vp", "pa_s")?);
-    let parts = PARTS.iter().map(|(name, _)| column(name)).collect::<Result<Vec<_>, _>>()?;
+    let parts = COLUMNS.iter().map(|(name, _)| column(name)).collect::<Result<Vec<_>, _>>()?;
     let points = |of: &[Vec<f64>], i: usize| of.chunks_exact(2).map(|xy| [xy[0][i], xy[1][i]]).collect::<Vec<Point2>>();
     let numbers = |of: &[Vec<f64>], i: usize| of.iter().map(|c| c[i]).collect::<Vec<f64>>();
-    let part = |i: usize| Parts {
-        simple: parts[0][i],
-        shed: parts[1][i],
-        gained: parts[2][i],
+    let part = |i: usize| TheoryTerms {
+        trailing_edge: parts[0][i],
+        edge_flux: parts[1][i],
+        momentum_rate: parts[2][i],
         drag: parts[3][i],
-        jerked: parts[4][i],
+        tip_acceleration: parts[4][i],
     };
     let mut from = 0;
     let one = |head: &Head| {
@@ -132,7 +130,7 @@ pub(super) fn read(heads: &[Head], table: &Columns) -> Result<Vec<Run>, RecordEr
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::thrust::rungs::testing::run;
+    use ::thrust::models::testing::run;
 
     #[test]
     fn runs_survive_their_table_bit_for_bit() {

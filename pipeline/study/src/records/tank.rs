@@ -1,23 +1,23 @@
-//! The tank: its standing waves, as still water shows them.
+//! The tank: its standing waves, identified in water at rest.
 
 use serde::{Deserialize, Serialize};
 use si::{Hertz, Metre, Newton};
 use signal::wave::Wave;
 
-use crate::metric::Metric;
-use crate::record::{Parcel, Record, RecordError};
 use crate::subject::Specimen;
+use workflow::metric::Metric;
+use workflow::record::{Record, RecordError, RecordFiles};
 
 /// The waves of a tank.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tank {
     /// Slowest first.
     pub waves: Vec<Wave>,
-    /// Standard deviation of what is neither wave nor drift, N.
+    /// Standard deviation of the residual without waves and drift, N.
     pub noise: Newton,
-    /// By how much a fit lessens the waves, dB.
+    /// Suppression of the waves by the fit, dB.
     pub suppression_db: f64,
-    /// Length along the tail and depth of the water, as they were told, m.
+    /// Length along the tail and depth of the water, from the settings, m.
     pub size_m: [Metre; 2],
 }
 
@@ -45,7 +45,7 @@ impl Record for Tank {
         of.card.fixture.iter().any(|f| f.of == lab::card::FixtureOf::StillWater)
     }
 
-    fn pack(&self) -> Result<Parcel, RecordError> {
+    fn pack(&self) -> Result<RecordFiles, RecordError> {
         let one = |w: &Wave| One {
             frequency_hz: [w.frequency, w.frequency_sigma],
             decay: [w.decay, w.decay_sigma],
@@ -54,11 +54,11 @@ impl Record for Tank {
         };
         let waves = self.waves.iter().map(one).collect();
         let scalars = Scalars { noise_n: self.noise, suppression_db: self.suppression_db, size_m: self.size_m, waves };
-        Parcel::default().scalars("tank.json", &scalars)
+        RecordFiles::default().scalars("tank.json", &scalars)
     }
 
-    fn unpack(parcel: &Parcel) -> Result<Self, RecordError> {
-        let s: Scalars = parcel.read_scalars("tank.json")?;
+    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+        let s: Scalars = files.read_scalars("tank.json")?;
         let one = |w: One| Wave {
             frequency: w.frequency_hz[0],
             frequency_sigma: w.frequency_hz[1],
@@ -71,8 +71,8 @@ impl Record for Tank {
         Ok(Self { waves, noise: s.noise_n, suppression_db: s.suppression_db, size_m: s.size_m })
     }
 
-    fn metrics(&self, of: &Specimen) -> Vec<Metric> {
-        let name = &of.card.name;
+    fn metrics(&self, subject: &str) -> Vec<Metric> {
+        let name = subject;
         let mut all = vec![Metric::new(format!("wave.{name}.suppression_db"), self.suppression_db, "dB")];
         all.push(Metric::new("wave.suppression_db", self.suppression_db, "dB"));
         for (i, wave) in self.waves.iter().enumerate() {
@@ -83,9 +83,9 @@ impl Record for Tank {
         all
     }
 
-    fn telling(&self) -> String {
+    fn summary(&self) -> String {
         let waves: Vec<String> =
             self.waves.iter().map(|w| format!("{:.3} ± {:.3} Hz", w.frequency, w.frequency_sigma)).collect();
-        format!("waves of {}, {:.0} dB lower", waves.join(" and "), self.suppression_db)
+        format!("standing waves at {}, suppressed by {:.0} dB", waves.join(" and "), self.suppression_db)
     }
 }

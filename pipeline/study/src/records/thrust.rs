@@ -1,55 +1,55 @@
-//! Thrust: how well each rung of the ladder tells it, the traces that show it, and the network.
+//! Thrust: scores of each thrust model, traces for the figure, and the training network.
 
 use serde::{Deserialize, Serialize};
 use si::{KilogramPerCubicMetre, Newton, Pascal, Second};
 
 use super::runs::{self, Head};
-use crate::columns::Columns;
-use crate::metric::Metric;
-use crate::record::{Parcel, Record, RecordError};
 use crate::subject::Specimen;
-use crate::thrust::Run;
-use crate::thrust::score::Score;
+use ::thrust::Run;
+use ::thrust::score::Score;
+use workflow::columns::Columns;
+use workflow::metric::Metric;
+use workflow::record::{Record, RecordError, RecordFiles};
 
-/// What was learnt of a specimen's thrust.
+/// The training thrust models of a specimen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Thrust {
-    /// Every parting and rung.
+    /// Scores by split rule and model.
     pub scores: Vec<Scored>,
-    /// Mean forces of the runs that the card holds out.
+    /// Mean forces of the runs held out by the card.
     pub means: Vec<Means>,
-    /// Traces: one run that was learnt from and one that was not.
+    /// Traces of one training run and one held-out run.
     pub traces: Vec<Trace>,
-    /// The static cross-talk that was taken out.
+    /// The static cross-talk that was subtracted.
     pub crosstalk: Crosstalk,
-    /// The coefficients of tuned theory: shed, gained, drag, inertia, constant.
+    /// The coefficients of fitted theory: edge flux, momentum rate, drag, inertia, constant.
     pub coefficients: Vec<f64>,
     /// The network as safetensors.
     pub network: Vec<u8>,
-    /// Every beating trial as it was learnt from or judged by.
+    /// Every flapping trial, as used for training or evaluation.
     pub runs: Vec<Run>,
-    /// Of the water, as theory was told it, kg/m³.
+    /// Density of the water in theory, kg/m³.
     pub density: KilogramPerCubicMetre,
     /// Sections of the tail in theory.
     pub sections: usize,
 }
 
-/// One rung on one parting of the runs.
+/// One model on one split of the runs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Scored {
     /// `card`, `frequency`, `pressure` or `tail`.
-    pub parting: String,
-    /// The rung's name.
-    pub rung: String,
-    /// Which of the seeds; 0 for what needs none.
+    pub split_rule: String,
+    /// The model's name.
+    pub model: String,
+    /// Index of the seed; 0 for models without one.
     pub seed: u64,
-    /// Its errors on the runs held out.
+    /// Its errors on the held-out runs.
     pub score: Score,
-    /// How many runs it learnt from and was judged by.
+    /// Numbers of training and of held-out runs.
     pub runs: [usize; 2],
 }
 
-/// The mean force of one run, measured and told.
+/// The mean force of one run, measured and predicted.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Means {
     /// The run's id.
@@ -64,7 +64,7 @@ pub struct Means {
     pub theory_n: Newton,
     /// By the network, N.
     pub network_n: Newton,
-    /// What cross-talk was taken out, on the mean, N.
+    /// Mean of the subtracted cross-talk, N.
     pub crosstalk_n: Newton,
 }
 
@@ -73,11 +73,11 @@ pub struct Means {
 pub struct Trace {
     /// The run's id.
     pub run: String,
-    /// Whether it was learnt from.
-    pub learnt: bool,
+    /// Whether it is a training run.
+    pub training: bool,
     /// s.
     pub time: Vec<Second>,
-    /// Sideways displacement of the last mark, m.
+    /// Lateral displacement of the last marker, m.
     pub moved: Vec<f64>,
     /// N.
     pub measured: Vec<Newton>,
@@ -96,7 +96,7 @@ pub struct Crosstalk {
     pub forces_n: Vec<Newton>,
     /// s.
     pub lag_s: Second,
-    /// What curve and drift leave, N.
+    /// Residual of curve and drift, N.
     pub left_n: Newton,
 }
 
@@ -113,9 +113,9 @@ struct Scalars {
 }
 
 impl Thrust {
-    /// The score of a rung on the card's own parting, first seed.
-    pub fn of(&self, rung: &str) -> Option<&Scored> {
-        self.scores.iter().find(|s| s.parting == "card" && s.rung == rung)
+    /// The score of a model on the card's own split, first seed.
+    pub fn of(&self, model: &str) -> Option<&Scored> {
+        self.scores.iter().find(|s| s.split_rule == "card" && s.model == model)
     }
 }
 
@@ -124,42 +124,42 @@ impl Record for Thrust {
     const STAGE: &'static str = "thrust";
 
     fn is_made_for(of: &Specimen) -> bool {
-        let has = |split| of.trials().iter().any(|t| t.is_weighed_in_water() && t.trial.split == Some(split));
+        let has = |split| of.trials().iter().any(|t| t.has_force_in_water() && t.trial.split == Some(split));
         has(lab::card::Split::Train) && has(lab::card::Split::Test)
     }
 
-    fn pack(&self) -> Result<Parcel, RecordError> {
+    fn pack(&self) -> Result<RecordFiles, RecordError> {
         let scalars = Scalars {
             scores: self.scores.clone(),
             means: self.means.clone(),
-            traces: self.traces.iter().map(|t| (t.run.clone(), t.learnt)).collect(),
+            traces: self.traces.iter().map(|t| (t.run.clone(), t.training)).collect(),
             crosstalk: self.crosstalk.clone(),
             coefficients: self.coefficients.clone(),
             runs: self.runs.iter().map(Head::of).collect(),
             density_kg_m3: self.density,
             sections: self.sections,
         };
-        let parcel =
-            Parcel::default().scalars("thrust.json", &scalars)?.file("network.safetensors", self.network.clone());
-        let parcel = parcel.table("runs.parquet", &runs::table(&self.runs))?;
-        self.traces.iter().enumerate().try_fold(parcel, |parcel, (i, trace)| {
+        let files =
+            RecordFiles::default().scalars("thrust.json", &scalars)?.file("network.safetensors", self.network.clone());
+        let files = files.table("runs.parquet", &runs::table(&self.runs))?;
+        self.traces.iter().enumerate().try_fold(files, |files, (i, trace)| {
             let columns = Columns::default()
                 .numbers("time_s", trace.time.clone())
                 .numbers("moved_m", trace.moved.clone())
                 .numbers("measured_n", trace.measured.clone())
                 .numbers("theory_n", trace.theory.clone())
                 .numbers("network_n", trace.network.clone());
-            parcel.table(&format!("trace{i}.parquet"), &columns)
+            files.table(&format!("trace{i}.parquet"), &columns)
         })
     }
 
-    fn unpack(parcel: &Parcel) -> Result<Self, RecordError> {
-        let s: Scalars = parcel.read_scalars("thrust.json")?;
-        let trace = |(i, (run, learnt)): (usize, (String, bool))| -> Result<Trace, RecordError> {
-            let columns = parcel.read_table(&format!("trace{i}.parquet"))?;
+    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+        let s: Scalars = files.read_scalars("thrust.json")?;
+        let trace = |(i, (run, training)): (usize, (String, bool))| -> Result<Trace, RecordError> {
+            let columns = files.read_table(&format!("trace{i}.parquet"))?;
             Ok(Trace {
                 run,
-                learnt,
+                training,
                 time: columns.f64("time_s")?,
                 moved: columns.f64("moved_m")?,
                 measured: columns.f64("measured_n")?,
@@ -173,20 +173,20 @@ impl Record for Thrust {
             traces: s.traces.into_iter().enumerate().map(trace).collect::<Result<_, _>>()?,
             crosstalk: s.crosstalk,
             coefficients: s.coefficients,
-            network: parcel.bytes("network.safetensors")?.to_vec(),
-            runs: runs::read(&s.runs, &parcel.read_table("runs.parquet")?)?,
+            network: files.bytes("network.safetensors")?.to_vec(),
+            runs: runs::read(&s.runs, &files.read_table("runs.parquet")?)?,
             density: s.density_kg_m3,
             sections: s.sections,
         })
     }
 
-    fn metrics(&self, of: &Specimen) -> Vec<Metric> {
-        let name = &of.card.name;
+    fn metrics(&self, subject: &str) -> Vec<Metric> {
+        let name = subject;
         let mut all = vec![Metric::new(format!("thrust.{name}.crosstalk_lag_s"), self.crosstalk.lag_s, "s")];
         for scored in self.scores.iter().filter(|s| s.seed == 0) {
-            let id = match scored.parting.as_str() {
-                "card" => format!("thrust.{name}.{}", scored.rung),
-                parting => format!("thrust.{name}.{}.by_{parting}", scored.rung),
+            let id = match scored.split_rule.as_str() {
+                "card" => format!("thrust.{name}.{}", scored.model),
+                split_rule => format!("thrust.{name}.{}.by_{split_rule}", scored.model),
             };
             let s = &scored.score;
             all.push(Metric::new(format!("{id}.nrmse"), s.nrmse, ""));
@@ -196,9 +196,9 @@ impl Record for Thrust {
         all
     }
 
-    fn telling(&self) -> String {
-        let said = ["mean", "ebt", "theory", "network"].iter().filter_map(|rung| self.of(rung));
-        let said: Vec<String> = said.map(|s| format!("{} {:.2}", s.rung, s.score.nrmse)).collect();
-        format!("NRMSE {}", said.join(", "))
+    fn summary(&self) -> String {
+        let text = ["mean", "ebt", "theory", "network"].iter().filter_map(|model| self.of(model));
+        let text: Vec<String> = text.map(|s| format!("{} {:.2}", s.model, s.score.nrmse)).collect();
+        format!("NRMSE {}", text.join(", "))
     }
 }

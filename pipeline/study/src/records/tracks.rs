@@ -1,13 +1,13 @@
-//! Tracks: the markers of one film in pixels, and how bright the lamp shone.
+//! Tracks: the markers of one film in pixels, and the brightness of the lamp.
 
 use serde::{Deserialize, Serialize};
 
 use super::paths::{self, Path};
-use crate::columns::Columns;
-use crate::record::{Parcel, Record, RecordError};
 use crate::subject::Trial;
+use workflow::columns::Columns;
+use workflow::record::{Record, RecordError, RecordFiles};
 
-/// What was seen in one film.
+/// Tracks of one film.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tracks {
     /// Time of each frame on the video's clock, s: frames.
@@ -30,17 +30,17 @@ impl Record for Tracks {
     type Of = Trial;
     const STAGE: &'static str = "track";
 
-    fn pack(&self) -> Result<Parcel, RecordError> {
+    fn pack(&self) -> Result<RecordFiles, RecordError> {
         let columns = Columns::default().numbers("time_s", self.time.clone()).numbers("led", self.led.clone());
         let markers = self.markers.iter().map(|m| m.name.clone()).collect();
-        Parcel::default()
+        RecordFiles::default()
             .table("tracks.parquet", &paths::pack(columns, &self.markers, "px"))?
             .scalars("tracks.json", &Scalars { markers, worst_residual: self.worst_residual })
     }
 
-    fn unpack(parcel: &Parcel) -> Result<Self, RecordError> {
-        let scalars: Scalars = parcel.read_scalars("tracks.json")?;
-        let columns = parcel.read_table("tracks.parquet")?;
+    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+        let scalars: Scalars = files.read_scalars("tracks.json")?;
+        let columns = files.read_table("tracks.parquet")?;
         Ok(Self {
             time: columns.f64("time_s")?,
             led: columns.f64("led")?,
@@ -49,7 +49,7 @@ impl Record for Tracks {
         })
     }
 
-    fn telling(&self) -> String {
+    fn summary(&self) -> String {
         let (markers, frames) = (self.markers.len(), self.time.len());
         format!("{markers} markers × {frames} frames, worst residual {:.1}", self.worst_residual)
     }

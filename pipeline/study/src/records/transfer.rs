@@ -1,40 +1,61 @@
-//! Transfer: how well models of thrust that learnt from all other tails tell it of a tail that they never saw.
+//! Transfer: thrust models trained on all other tails, evaluated on a held-out tail.
 
 use serde::{Deserialize, Serialize};
 
 use super::{Scored, Thrust};
-use crate::metric::Metric;
-use crate::record::{Parcel, Record, RecordError};
 use crate::subject::{Specimen, Study};
+use workflow::metric::Metric;
+use workflow::record::{Record, RecordError, RecordFiles};
+use workflow::subject::Part;
 
 /// Every tail held out in turn.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Transfer {
-    /// One a tail and rung.
+    /// One a tail and model.
     pub scores: Vec<HeldOut>,
-    /// Tails whose marks or chambers are not as many as most others': no model could take both.
+    /// Tails left out because their numbers of markers or chambers differ from those of most others.
     pub left_out: Vec<String>,
 }
 
-/// One rung that never saw one tail.
+/// One model on one held-out tail.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct HeldOut {
     /// The tail's name.
     pub tail: String,
-    /// How the rung tells it; its runs are counted over all other tails and over this one.
+    /// Its score; runs are counted over all other tails (training) and this one (test).
     pub scored: Scored,
 }
 
-impl Transfer {
-    /// The weighed specimens that are seen by equally many marks and chambers: the most of them, else the first.
-    pub fn alike(study: &Study) -> Vec<Specimen> {
-        let weighed: Vec<&Specimen> = study.specimens.iter().filter(|s| Thrust::is_made_for(s)).collect();
-        let layout = |s: &Specimen| (s.card.marker.len(), s.card.chamber.len());
-        let like = |s: &Specimen| weighed.iter().filter(|o| layout(o) == layout(s)).count();
-        let most = weighed.iter().rev().max_by_key(|s| like(s));
-        let found =
-            |of: &&Specimen| weighed.iter().filter(|s| layout(s) == layout(of)).map(|s| (**s).clone()).collect();
+/// Numbers of markers and chambers of a specimen: thrust models transfer between specimens with equal numbers only.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Layout {
+    /// The specimen's name.
+    pub name: String,
+    /// Markers.
+    pub markers: usize,
+    /// Chambers.
+    pub chambers: usize,
+}
+
+impl Part<Specimen> for Layout {
+    fn part_of(of: &Specimen) -> Self {
+        Self { name: of.card.name.clone(), markers: of.card.marker.len(), chambers: of.card.chamber.len() }
+    }
+}
+
+impl Layout {
+    /// The names of the largest group with equal numbers of markers and chambers; of equal groups, the first.
+    pub fn alike(all: &[Layout]) -> Vec<String> {
+        let same = |a: &Layout, b: &Layout| (a.markers, a.chambers) == (b.markers, b.chambers);
+        let like = |s: &Layout| all.iter().filter(|o| same(o, s)).count();
+        let most = all.iter().rev().max_by_key(|s| like(s));
+        let found = |of: &Layout| all.iter().filter(|s| same(s, of)).map(|s| s.name.clone()).collect();
         most.map(found).unwrap_or_default()
+    }
+
+    /// Those of specimens with force measurements.
+    fn with_force(study: &Study) -> Vec<Layout> {
+        study.specimens.iter().filter(|s| Thrust::is_made_for(s)).map(Part::part_of).collect()
     }
 }
 
@@ -43,20 +64,20 @@ impl Record for Transfer {
     const STAGE: &'static str = "transfer";
 
     fn is_made_for(of: &Study) -> bool {
-        Self::alike(of).len() > 1
+        Layout::alike(&Layout::with_force(of)).len() > 1
     }
 
-    fn pack(&self) -> Result<Parcel, RecordError> {
-        Parcel::default().scalars("transfer.json", self)
+    fn pack(&self) -> Result<RecordFiles, RecordError> {
+        RecordFiles::default().scalars("transfer.json", self)
     }
 
-    fn unpack(parcel: &Parcel) -> Result<Self, RecordError> {
-        parcel.read_scalars("transfer.json")
+    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+        files.read_scalars("transfer.json")
     }
 
-    fn metrics(&self, _: &Study) -> Vec<Metric> {
+    fn metrics(&self, _: &str) -> Vec<Metric> {
         let both = |held: &HeldOut| {
-            let (id, score) = (format!("transfer.{}.{}", held.tail, held.scored.rung), &held.scored.score);
+            let (id, score) = (format!("transfer.{}.{}", held.tail, held.scored.model), &held.scored.score);
             [
                 Metric::new(format!("{id}.nrmse"), score.nrmse, ""),
                 Metric::new(format!("{id}.mean_error_percent"), score.mean_error_percent, "%"),
@@ -65,18 +86,19 @@ impl Record for Transfer {
         self.scores.iter().flat_map(both).collect()
     }
 
-    fn telling(&self) -> String {
+    fn summary(&self) -> String {
         let mut tails: Vec<&str> = self.scores.iter().map(|held| held.tail.as_str()).collect();
         tails.dedup();
         let best = |tail: &&str| {
             let of = self.scores.iter().filter(|held| held.tail == *tail).map(|held| &held.scored);
             let best = of.min_by(|a, b| a.score.nrmse.total_cmp(&b.score.nrmse));
-            best.map(|b| format!("{tail} best by {} (NRMSE {:.2})", b.rung, b.score.nrmse))
+            best.map(|b| format!("{tail} best by {} (NRMSE {:.2})", b.model, b.score.nrmse))
         };
-        let mut said: Vec<String> = tails.iter().filter_map(best).collect();
-        let out = |tail: &String| format!("{tail} left out: its marks or chambers are not as many as the others'");
-        said.extend(self.left_out.iter().map(out));
-        said.join(", ")
+        let mut text: Vec<String> = tails.iter().filter_map(best).collect();
+        let out =
+            |tail: &String| format!("{tail} left out: its number of markers or chambers differs from the others'");
+        text.extend(self.left_out.iter().map(out));
+        text.join(", ")
     }
 }
 
@@ -85,12 +107,12 @@ mod tests {
     use super::*;
     use lab::card::{Card, Medium, Role, Split};
 
-    /// A weighed tail with so many marks.
-    fn tail(name: &str, marks: usize) -> Specimen {
+    /// A tail with force measurements and so many markers.
+    fn tail(name: &str, markers: usize) -> Specimen {
         let text = include_str!("../../tests/card.toml");
         let mut card: Card = lab::card::parse(text, std::path::Path::new("card.toml")).unwrap();
         card.name = name.into();
-        card.marker = std::iter::repeat_n(card.marker[0].clone(), marks).collect();
+        card.marker = std::iter::repeat_n(card.marker[0].clone(), markers).collect();
         card.trial.truncate(1);
         card.trial.push(card.trial[0].clone());
         for (trial, split) in card.trial.iter_mut().zip([Split::Train, Split::Test]) {
@@ -101,11 +123,11 @@ mod tests {
     }
 
     fn alike(specimens: Vec<Specimen>) -> Vec<String> {
-        Transfer::alike(&Study { specimens }).iter().map(|s| s.card.name.clone()).collect()
+        Layout::alike(&Layout::with_force(&Study { specimens }))
     }
 
     #[test]
-    fn a_tail_with_other_marks_than_most_is_left_out() {
+    fn a_tail_with_another_number_of_markers_is_left_out() {
         assert_eq!(alike(vec![tail("a", 3), tail("b", 6), tail("c", 6)]), ["b", "c"]);
         assert_eq!(alike(vec![tail("a", 6), tail("b", 3)]), ["a"]);
         assert!(!Transfer::is_made_for(&Study { specimens: vec![tail("a", 6), tail("b", 3)] }));

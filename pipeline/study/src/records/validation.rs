@@ -1,24 +1,24 @@
-//! Validation: a motion that identification never saw, measured and simulated.
+//! Validation: a motion that identification did not use, measured and simulated.
 
 use serde::{Deserialize, Serialize};
 use si::{Metre, Pascal, Point2, Second};
 
-use crate::columns::Columns;
-use crate::metric::Metric;
-use crate::record::{Parcel, Record, RecordError};
 use crate::records::Drag;
 use crate::subject::{Specimen, Trial};
+use workflow::columns::Columns;
+use workflow::metric::Metric;
+use workflow::record::{Record, RecordError, RecordFiles};
 
-/// A way of telling the motion, and its error.
+/// A prediction of the motion, and its error.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Way {
+pub struct ScoredModel {
     /// A scheme: "bdf2", "bdf2_undamped", "implicit_euler"; or a baseline: "rest", "quasi_static", "last_cycle".
     pub name: String,
     /// Root of the mean squared distance from the measured mean, m.
     pub rmse: Metre,
 }
 
-/// The marker farthest out, through the repeats of one condition.
+/// The tip marker over the repeats of one condition.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Validation {
     /// Its name.
@@ -37,17 +37,17 @@ pub struct Validation {
     pub rmse: Metre,
     /// The specimen's length, m.
     pub length: Metre,
-    /// Root of the mean squared measured displacement, m: the error of a model that says nothing moves.
-    pub rest_rmse: Metre,
+    /// Root mean square of the measured displacement, m: the error of predicting no motion.
+    pub zero_motion_rmse: Metre,
     /// How many repeats there are.
     pub repeats: usize,
-    /// By how much the simulation is behind at the beat's frequency, s.
+    /// Lag of the simulation at the flapping frequency, s.
     pub lag: Option<Second>,
     /// The schemes.
-    pub scored: Vec<Way>,
+    pub scored: Vec<ScoredModel>,
     /// The trivial baselines.
-    pub baselines: Vec<Way>,
-    /// Root of the mean squared distance of the reduced model from the whole one, over the farthest motion, no unit; in air.
+    pub baselines: Vec<ScoredModel>,
+    /// Root mean square difference of the reduced from the full model over the largest displacement, no unit; in air.
     pub reduction: Option<f64>,
     /// Coordinates of the reduced model.
     pub coordinates: usize,
@@ -58,19 +58,19 @@ struct Scalars {
     marker: String,
     rmse_m: f64,
     length_m: f64,
-    rest_rmse_m: f64,
+    zero_motion_rmse_m: f64,
     chambers: usize,
     repeats: usize,
     lag_s: Option<f64>,
-    scored: Vec<Way>,
-    baselines: Vec<Way>,
+    scored: Vec<ScoredModel>,
+    baselines: Vec<ScoredModel>,
     reduction: Option<f64>,
     coordinates: usize,
     note: String,
 }
 
-/// What a reader of the record must know.
-const NOTE: &str = "one simulation of all repeats; in water with the added mass and drag that a release told, never with a flapping film's";
+/// A note for readers of the record.
+const NOTE: &str = "one simulation for all repeats; in water with added mass and drag identified from a release, never from a flapping film";
 
 impl Validation {
     /// The error in per cent of the specimen's length.
@@ -88,7 +88,7 @@ impl Record for Validation {
         of.is_for_validation() && of.is_first_repeat() && (!of.is_in_water() || wet())
     }
 
-    fn pack(&self) -> Result<Parcel, RecordError> {
+    fn pack(&self) -> Result<RecordFiles, RecordError> {
         let part = |path: &[Point2], k: usize| path.iter().map(|p| p[k]).collect();
         let columns = Columns::default()
             .numbers("time_s", self.time.clone())
@@ -104,7 +104,7 @@ impl Record for Validation {
             marker: self.marker.clone(),
             rmse_m: self.rmse,
             length_m: self.length,
-            rest_rmse_m: self.rest_rmse,
+            zero_motion_rmse_m: self.zero_motion_rmse,
             chambers: self.pressures.len(),
             repeats: self.repeats,
             lag_s: self.lag,
@@ -114,12 +114,12 @@ impl Record for Validation {
             coordinates: self.coordinates,
             note: NOTE.into(),
         };
-        Parcel::default().table("validation.parquet", &columns)?.scalars("validation.json", &scalars)
+        RecordFiles::default().table("validation.parquet", &columns)?.scalars("validation.json", &scalars)
     }
 
-    fn unpack(parcel: &Parcel) -> Result<Self, RecordError> {
-        let s: Scalars = parcel.read_scalars("validation.json")?;
-        let columns = parcel.read_table("validation.parquet")?;
+    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+        let s: Scalars = files.read_scalars("validation.json")?;
+        let columns = files.read_table("validation.parquet")?;
         let path = |who: &str| -> Result<Vec<Point2>, RecordError> {
             let (x, y) = (columns.f64(&format!("{who}_x_m"))?, columns.f64(&format!("{who}_y_m"))?);
             Ok(x.into_iter().zip(y).map(|(x, y)| [x, y]).collect())
@@ -133,7 +133,7 @@ impl Record for Validation {
             pressures: (0..s.chambers).map(|i| columns.f64(&format!("chamber{i}_pa"))).collect::<Result<_, _>>()?,
             rmse: s.rmse_m,
             length: s.length_m,
-            rest_rmse: s.rest_rmse_m,
+            zero_motion_rmse: s.zero_motion_rmse_m,
             repeats: s.repeats,
             lag: s.lag_s,
             scored: s.scored,
@@ -143,15 +143,15 @@ impl Record for Validation {
         })
     }
 
-    fn metrics(&self, of: &Trial) -> Vec<Metric> {
-        let id = |what: &str| format!("validate.{}_{}.{what}", of.card.name, of.condition());
+    fn metrics(&self, subject: &str) -> Vec<Metric> {
+        let id = |what: &str| format!("validate.{}.{what}", crate::subject::Condition::of(subject).0);
         let percent = |m: Metre| 100.0 * m / self.length;
         let others = self.scored.iter().chain(&self.baselines);
         let others = others.map(|s| Metric::new(id(&format!("{}.rmse_percent", s.name)), percent(s.rmse), "%"));
         let mut metrics = vec![
             Metric::new(id("rmse_mm"), 1e3 * self.rmse, "mm"),
             Metric::new(id("rmse_percent"), self.rmse_percent(), "%"),
-            Metric::new(id("rest_rmse_percent"), percent(self.rest_rmse), "%"),
+            Metric::new(id("zero_motion_rmse_percent"), percent(self.zero_motion_rmse), "%"),
             Metric::new(id("repeats"), self.repeats as f64, ""),
             Metric::new(id("reduced_coordinates"), self.coordinates as f64, ""),
         ];
@@ -161,16 +161,16 @@ impl Record for Validation {
         metrics
     }
 
-    fn telling(&self) -> String {
-        let said = |s: &Way| format!("{} {:.2}", s.name, 1e3 * s.rmse);
-        let others: Vec<String> = self.scored.iter().skip(1).chain(&self.baselines).map(said).collect();
+    fn summary(&self) -> String {
+        let text = |s: &ScoredModel| format!("{} {:.2}", s.name, 1e3 * s.rmse);
+        let others: Vec<String> = self.scored.iter().skip(1).chain(&self.baselines).map(text).collect();
         let (mm, percent) = (1e3 * self.rmse, self.rmse_percent());
         format!(
             "RMSE {mm:.2} mm, {percent:.2} % of the length, {} repeats ({} mm); {} coordinates{}",
             self.repeats,
             others.join(", "),
             self.coordinates,
-            self.reduction.map_or(String::new(), |off| format!(", {:.2} % off the whole model", 100.0 * off)),
+            self.reduction.map_or(String::new(), |off| format!(", {:.2} % from the full model", 100.0 * off)),
         )
     }
 }

@@ -1,12 +1,10 @@
 //! VTU: a quadratic mesh as a text file that ParaView and meshio open.
-//!
-//! Stands on: nothing but the mesh. Never knows: a record. Format: VTK XML UnstructuredGrid, cell type 24.
 
 use std::fmt::Write;
 
-use shape::QuadraticMesh;
+use mesh::QuadraticMesh;
 
-/// VTK's number for the tetrahedron of ten nodes; its node order is the house's.
+/// VTK's number for the tetrahedron of ten nodes; its node order equals `fem`'s.
 const QUADRATIC_TETRAHEDRON: u8 = 24;
 
 /// The mesh with its regions as cell data.

@@ -1,14 +1,12 @@
-//! Baselines: what a motion would be told to be without a simulation of it.
+//! Baselines: predictions of a motion without a simulation.
 //!
-//! Rest: nothing moves. Quasi-static: at each instant the shape that the pressures would hold. Last cycle: what was seen one beat
+//! Rest: nothing moves. Quasi-static: at each instant the equilibrium under the pressures. Last cycle: the measurement one cycle
 //! before, which no simulation may use.
-//!
-//! Stands on: the identification's levels. Never knows: a mesh.
 
 use si::{Metre, Pascal, Point2, Second};
 
 use super::repeats::{Seen, rms};
-use crate::records::{Identified, Way};
+use crate::records::{Identified, ScoredModel};
 
 /// The error of each baseline.
 pub fn all(
@@ -17,8 +15,8 @@ pub fn all(
     found: &Identified,
     marker: usize,
     frequency: Option<f64>,
-) -> Vec<Way> {
-    let scored = |name: &str, rmse: Metre| Way { name: name.into(), rmse };
+) -> Vec<ScoredModel> {
+    let scored = |name: &str, rmse: Metre| ScoredModel { name: name.into(), rmse };
     let count = seen.mean.len();
     let mut scores = vec![
         scored("rest", rms(&seen.mean, &vec![[0.0; 2]; count])),
@@ -28,7 +26,7 @@ pub fn all(
     scores
 }
 
-/// The sum of what each chamber's pressure alone would hold, between the simulated levels.
+/// The sum of the static displacements under each chamber's pressure alone, interpolated between the simulated levels.
 fn quasi_static(pressures: &[Vec<Pascal>], found: &Identified, marker: usize, frames: usize) -> Vec<Point2> {
     let curve = |chamber: usize| -> Vec<(Pascal, Point2)> {
         let filled = |l: &&crate::records::Level| l.pressures_pa[chamber] >= l.pressure();
@@ -57,7 +55,7 @@ fn between(curve: &[(Pascal, Point2)], pressure: Pascal) -> Point2 {
     [0, 1].map(|k| a[k] + part * (b[k] - a[k]))
 }
 
-/// From the second beat on.
+/// From the second cycle on.
 fn last_cycle(seen: &Seen, period: Second) -> Metre {
     let apart = (seen.time[seen.time.len() - 1] - seen.time[0]) / (seen.time.len() - 1).max(1) as f64;
     let back = (period / apart).round() as usize;
@@ -79,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn a_periodic_motion_is_what_it_was_a_beat_before() {
+    fn a_periodic_motion_equals_that_of_the_cycle_before() {
         let time: Vec<f64> = (0..180).map(|i| f64::from(i) / 60.0).collect();
         let mean = time.iter().map(|t| [0.0, (std::f64::consts::TAU * 2.0 * t).sin()]).collect();
         let seen = Seen { moves: 0.0, deviation: Vec::new(), gauges: Vec::new(), time, mean };

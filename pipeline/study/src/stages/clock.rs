@@ -1,23 +1,22 @@
-//! Clock: the lamp lights in the film and in the log; its edges bring motion and pressure onto the video's clock.
+//! Clock: the edges of the lamp in film and log put motion and pressure onto the video's clock.
 //! Paper: section IV, synchronisation by an LED.
-//!
-//! Stands on: signal, the shutter of track. Never knows: pixels, a mesh.
 
 use std::path::Path as FilePath;
 
 use lab::PressureLog;
+use lab::card::Side;
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
 use si::{Point2, Second};
 use signal::clock::Clock as Match;
 use signal::edge::{self, Edge, Window};
 use track::shutter::Shutter;
 
-use crate::fault::{Fault, Outcome};
-use crate::needs::Maybe;
-use crate::records::{self, Camera, Gauge, Markers, Motion, Parts, Path, Spread, Tracks};
-use crate::stage::{Desk, RawFile, Stage};
+use crate::records::{self, Camera, Covariance2, CovarianceParts, Gauge, Markers, Motion, Path, Tracks};
 use crate::subject::Trial;
+use diagnostics::{Diagnostic, Result};
+use workflow::needs::Maybe;
+use workflow::stage::{RawFile, Stage, StageContext};
+use workflow::subject::Part;
 
 /// The stage.
 pub struct Clock;
@@ -28,41 +27,63 @@ pub struct Clock;
 pub struct Settings {
     /// How long the shutter is open, as a part of the time between frames.
     exposure: f64,
-    /// Over which part of its sampling interval the log's column of the lamp is a mean; 0 for an instant.
-    log_mean: f64,
+    /// Fraction of its sampling interval over which the log's lamp column is averaged; 0 for an instant.
+    log_averaging: f64,
     /// Frames before the first command that count as rest, at least.
     rest_frames: usize,
 }
 
+/// What it reads of the card.
+#[derive(Debug, Serialize)]
+pub struct Card {
+    chambers: Vec<Channel>,
+    /// The lamp's row in the picture, px.
+    lamp_row: f64,
+    /// How long a picture's rows take to be read, s.
+    readout: Second,
+}
+
+/// A chamber and its channel in the log.
+#[derive(Debug, Serialize)]
+struct Channel {
+    name: String,
+    side: Side,
+}
+
+impl Part<Trial> for Card {
+    fn part_of(of: &Trial) -> Self {
+        let channel = |c: &lab::card::Chamber| Channel { name: c.name.clone(), side: c.log };
+        Self {
+            chambers: of.card.chamber.iter().map(channel).collect(),
+            lamp_row: of.card.led.centre[1],
+            readout: of.card.camera.readout,
+        }
+    }
+}
+
 impl Stage for Clock {
     type Settings = Settings;
+    type Card = Card;
     type Needs = (Maybe<Camera>, Tracks, Markers);
     type Makes = Motion;
-    const STORY: &'static str = "the lamp's edges bring film and logs onto one clock";
-    const EDITION: u32 = 3;
+    const DESCRIPTION: &'static str = "the LED's edges synchronise film and logs";
+    const VERSION: u32 = 4;
 
     fn raw(of: &Trial) -> Vec<RawFile> {
         vec![RawFile::new("pressure", &of.card.name, &of.trial.pressure)]
     }
 
-    fn card(of: &Trial) -> Value {
-        json!({
-            "chambers": of.card.chamber.iter().map(|c| json!([c.name, c.log.word()])).collect::<Vec<_>>(),
-            "lamp": [of.card.led.centre[1], of.card.camera.readout],
-        })
-    }
-
     fn run(
-        of: &Trial,
+        card: &Self::Card,
         set: &Settings,
         (Maybe(camera), tracks, markers): Self::Needs,
-        desk: &dyn Desk,
-    ) -> Outcome<Motion> {
-        let log = read_log(desk)?;
-        let shutter = |c: Camera| Shutter { readout: of.card.camera.readout, height: c.size_px[1] };
-        let late = camera.map_or(0.0, |c| shutter(c).late(of.card.led.centre[1]));
-        let Met { clock, lamp, sigma, log_time, gauges } = met(of, &tracks, late, &log, set, desk)?;
-        let rest_frames = rest_frames(&markers.time, &log_time, &gauges, set, desk)?;
+        context: &dyn StageContext,
+    ) -> Result<Motion> {
+        let log = read_log(context)?;
+        let shutter = |c: Camera| Shutter { readout: card.readout, height: c.size_px[1] };
+        let late = camera.map_or(0.0, |c| shutter(c).delay(card.lamp_row));
+        let Met { clock, lamp, sigma, log_time, gauges } = met(card, &tracks, late, &log, set, context)?;
+        let rest_frames = rest_frames(&markers.time, &log_time, &gauges, set, context)?;
         let rest: Vec<Point2> = markers.markers.iter().map(|m| m.mean(0..rest_frames)).collect();
         let paths = markers.markers.iter().zip(&markers.parts).zip(&rest);
         let moved = paths.map(|((path, parts), rest)| displaced(path, parts, *rest, rest_frames)).collect();
@@ -80,58 +101,60 @@ struct Met {
     gauges: Vec<Gauge>,
 }
 
-fn met(of: &Trial, tracks: &Tracks, late: Second, log: &PressureLog, set: &Settings, desk: &dyn Desk) -> Outcome<Met> {
-    let (clock, lamp, sigma) = match_clocks(tracks, late, log, set).map_err(|e| named(desk, &e))?;
+fn met(
+    card: &Card,
+    tracks: &Tracks,
+    late: Second,
+    log: &PressureLog,
+    set: &Settings,
+    context: &dyn StageContext,
+) -> Result<Met> {
+    let (clock, lamp, sigma) = match_clocks(tracks, late, log, set).map_err(|e| named(context, e))?;
     let log_time = log.time.iter().map(|&t| clock.here(t)).collect();
-    let gauges = of.card.chamber.iter().map(|chamber| gauge(chamber, log)).collect();
+    let gauges = card.chambers.iter().map(|chamber| gauge(chamber, log)).collect();
     Ok(Met { clock, lamp, sigma, log_time, gauges })
 }
 
-/// Whether a film's lamp, in pictures of `height` rows, and its log meet, with enough rest before the first command.
+/// Checks that the lamp's edges in a film, in pictures of `height` rows, and in its log match, with enough rest before the first command.
 ///
 /// # Errors
-/// A [`Fault`] that says which of the two has no edge, or what they disagree in.
-pub(crate) fn meet(of: &Trial, set: &Settings, tracks: &Tracks, height: usize, desk: &dyn Desk) -> Outcome<()> {
-    let late = Shutter { readout: of.card.camera.readout, height }.late(of.card.led.centre[1]);
-    let met = met(of, tracks, late, &read_log(desk)?, set, desk)?;
-    rest_frames(&tracks.time, &met.log_time, &met.gauges, set, desk).map(drop)
+/// A [`Diagnostic`] that names which of the two has no edge, or where they disagree.
+pub fn meet(card: &Card, set: &Settings, tracks: &Tracks, height: usize, context: &dyn StageContext) -> Result<()> {
+    let late = Shutter { readout: card.readout, height }.delay(card.lamp_row);
+    let met = met(card, tracks, late, &read_log(context)?, set, context)?;
+    rest_frames(&tracks.time, &met.log_time, &met.gauges, set, context).map(drop)
 }
 
-fn read_log(desk: &dyn Desk) -> Outcome<PressureLog> {
-    let place = desk.place("pressure");
-    let bytes = desk.bytes("pressure")?;
+fn read_log(context: &dyn StageContext) -> Result<PressureLog> {
+    let place = context.display_path("pressure");
+    let bytes = context.bytes("pressure")?;
     let text = String::from_utf8(bytes)
-        .map_err(|e| Fault::new(format!("{place} is not text"), e, "export the log as CSV in UTF-8"))?;
-    lab::pressure::parse(&text, FilePath::new(&place)).map_err(Fault::from_tool)
+        .map_err(|e| Diagnostic::new(format!("{place} is not text"), e, "export the log as CSV in UTF-8"))?;
+    lab::pressure::parse(&text, FilePath::new(&place))
 }
 
-fn gauge(chamber: &lab::card::Chamber, log: &PressureLog) -> Gauge {
-    let channel = log.side(chamber.log);
+fn gauge(chamber: &Channel, log: &PressureLog) -> Gauge {
+    let channel = log.side(chamber.side);
     Gauge { chamber: chamber.name.clone(), command: channel.command.clone(), measured: channel.measured.clone() }
 }
 
-/// A sample whose time is the middle of what it collects.
+/// A sample whose time is the middle of its averaging interval.
 fn centred(width: Second) -> Window {
     Window { lead: 0.5 * width, width }
 }
 
 /// The video's clock against the log's, when the lamp lights in the film, and the largest deviation of the clock in it; the
 /// lamp's rows are read `late` s after a frame's time.
-fn match_clocks(
-    tracks: &Tracks,
-    late: Second,
-    log: &PressureLog,
-    set: &Settings,
-) -> Result<(Match, Second, Second), String> {
+fn match_clocks(tracks: &Tracks, late: Second, log: &PressureLog, set: &Settings) -> Result<(Match, Second, Second)> {
     let time: Vec<Second> = tracks.time.iter().map(|t| t + late).collect();
     let apart = time.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
     let in_film = edge::edges_at(&time, &tracks.led, |_| centred(set.exposure * apart));
-    let in_film = in_film.map_err(|e| format!("the lamp in the film: {e}"))?;
-    let in_log = edge::edges(&log.series(&log.led), centred(set.log_mean / log.rate()));
-    let in_log = in_log.map_err(|e| format!("the lamp in the log: {e}"))?;
+    let in_film = in_film.map_err(|e| Diagnostic::from(e).while_doing("the lamp in the film"))?;
+    let in_log = edge::edges(&log.series(&log.led), centred(set.log_averaging / log.rate()));
+    let in_log = in_log.map_err(|e| Diagnostic::from(e).while_doing("the lamp in the log"))?;
     let times = |edges: &[Edge]| -> Vec<Second> { edges.iter().map(|e| e.time).collect() };
     let here = times(&in_film);
-    let clock = Match::from_edges(&here, &times(&in_log)).map_err(|e| e.to_string())?;
+    let clock = Match::from_edges(&here, &times(&in_log))?;
     let sigma: Vec<Second> = in_film.iter().zip(&in_log).map(|(a, b)| a.sigma.hypot(b.sigma)).collect();
     let most = [tracks.time[0], tracks.time[tracks.time.len() - 1]].map(|t| Match::sigma(&here, &sigma, t));
     Ok((clock, here[0], most[0].max(most[1])))
@@ -143,30 +166,30 @@ fn rest_frames(
     log_time: &[Second],
     gauges: &[Gauge],
     set: &Settings,
-    desk: &dyn Desk,
-) -> Outcome<usize> {
+    context: &dyn StageContext,
+) -> Result<usize> {
     let asked = |i: &usize| gauges.iter().any(|g| g.command[*i] > 0.0);
     let first = (0..log_time.len()).find(asked).map_or(f64::INFINITY, |i| log_time[i]);
     let frames = time.iter().take_while(|&&t| t < first).count();
     if frames >= set.rest_frames {
         return Ok(frames);
     }
-    Err(Fault::new(
-        format!("{} commands pressure after {frames} frames of the film", desk.place("pressure")),
+    Err(Diagnostic::new(
+        format!("{} commands pressure after {frames} frames of the film", context.display_path("pressure")),
         format!("rest is known from at least {} frames (study.toml, [clock] rest_frames)", set.rest_frames),
         "let the film begin earlier, before the first command",
     ))
 }
 
-/// Displacements from the mean of the first frames, with the noise of both and the errors that grow with the displacement.
-fn displaced(path: &Path, parts: &Parts, rest: Point2, rest_frames: usize) -> Path {
+/// Displacements from the mean of the first frames, with the noise of both and the shared errors.
+fn displaced(path: &Path, parts: &CovarianceParts, rest: Point2, rest_frames: usize) -> Path {
     let at = path.at.iter().map(|p| [p[0] - rest[0], p[1] - rest[1]]).collect();
     let share = 1.0 / (rest_frames * rest_frames) as f64;
-    let of_rest: Spread = [0, 1, 2].map(|k| share * parts.noise[..rest_frames].iter().map(|s| s[k]).sum::<f64>());
-    let whole = |(noise, shared): (&Spread, &Spread)| [0, 1, 2].map(|k| noise[k] + shared[k] + of_rest[k]);
+    let of_rest: Covariance2 = [0, 1, 2].map(|k| share * parts.noise[..rest_frames].iter().map(|s| s[k]).sum::<f64>());
+    let whole = |(noise, shared): (&Covariance2, &Covariance2)| [0, 1, 2].map(|k| noise[k] + shared[k] + of_rest[k]);
     Path { name: path.name.clone(), at, spread: parts.noise.iter().zip(&parts.shared).map(whole).collect() }
 }
 
-fn named(desk: &dyn Desk, error: &str) -> Fault {
-    Fault::from_tool(format!("{} and its film do not meet: {error}", desk.place("pressure")))
+fn named(context: &dyn StageContext, error: Diagnostic) -> Diagnostic {
+    error.while_doing(format!("{} and its film do not match", context.display_path("pressure")))
 }

@@ -1,23 +1,19 @@
-//! Damping: how fast the body's swing dies, from the last release of the films that identification may see.
+//! Damping: the decay of the body's free vibration, from the last release of the films that identification may use.
 //!
-//! At the end of a staircase's last hold the chamber is opened and the tail swings back. The motion from there is simulated, in reduced coordinates, with
-//! several stiffness dampings; the one whose tail follows the film best is kept. No validation film is touched.
-//!
-//! Stands on: the swing. Never knows: a validation trial; its needs hand it none.
+//! At the end of a staircase's last hold the chamber is opened and the tail vibrates freely. This motion is simulated in reduced coordinates with
+//! several values of stiffness damping; the one with the smallest error is kept. No validation film is read.
 
 use fem::Scheme;
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
 use si::{Metre, Second};
 
 use super::fitting::mean_rest;
-use super::swing::{self, Drive, Swing};
-use crate::fault::{Fault, Outcome};
-use crate::model::{Model, Small};
-use crate::needs::Learning;
+use super::simulation::{self, Actuation, MotionSimulation};
 use crate::records::{self, Identified, Mesh, Motion, Reduced};
-use crate::stage::{Desk, Stage};
-use crate::subject::Specimen;
+use crate::selections::IdentificationTrials;
+use diagnostics::{Diagnostic, Result};
+use sysid::{Body, ReducedBody};
+use workflow::stage::{Stage, StageContext};
 
 /// The stage.
 pub struct Damping;
@@ -28,74 +24,79 @@ pub struct Damping;
 pub struct Settings {
     /// Time step of the second-order scheme, s.
     step: Second,
-    /// How long before the release the simulated tail is bent, s: gently against its swing.
-    ease: Second,
-    /// How long after the release the film is followed, s.
-    follow: Second,
-    /// Least and greatest stiffness damping that are tried, s.
+    /// Duration of the pressure ramp before the release, s: slow against the free vibration.
+    ramp: Second,
+    /// Duration after the release that is compared, s.
+    duration: Second,
+    /// Least and greatest stiffness damping, s.
     range: [Second; 2],
-    /// How many are tried between them, evenly in their logarithm.
-    tries: usize,
+    /// Number of samples between them, even in the logarithm.
+    samples: usize,
 }
 
 impl Stage for Damping {
     type Settings = Settings;
-    type Needs = (Mesh, Identified, Reduced, Learning<Motion>);
+    type Card = Body;
+    type Needs = (Mesh, Identified, Reduced, IdentificationTrials<Motion>);
     type Makes = records::Damping;
-    const STORY: &'static str = "a released tail's swing becomes its damping";
-    const EDITION: u32 = 4;
+    const DESCRIPTION: &'static str = "the decay of a free vibration gives the damping";
+    const VERSION: u32 = 5;
 
-    fn card(of: &Specimen) -> Value {
-        let (solid, card) = (&of.card.solid, &of.card);
-        let region = |s: &lab::card::Solid| json!([s.material, s.poissons_ratio, s.density]);
-        json!({ "body": region(&solid.body), "spine": region(&solid.spine), "clamp": card.clamp.below_x })
-    }
-
-    fn run(of: &Specimen, set: &Settings, needs: Self::Needs, desk: &dyn Desk) -> Outcome<records::Damping> {
+    fn run(
+        card: &Self::Card,
+        set: &Settings,
+        needs: Self::Needs,
+        context: &dyn StageContext,
+    ) -> Result<records::Damping> {
         let (mesh, identified, reduced, films) = needs;
         let Some((_, motion)) = films.0.first() else {
-            return Err(Fault::new("there is no film to learn damping from", "no trial has that role", "add one"));
+            return Err(Diagnostic::new(
+                "there is no film to identify damping from",
+                "no trial has that role",
+                "add one",
+            ));
         };
-        let model = Model::new(&mesh, &of.card)?.seen_at(&mesh, &of.card, &mean_rest(&films));
-        let elastic = swing::identified(&model, &identified);
-        let swing = Swing { model: &model, elastic, marker: swing_marker(of) };
-        let gauges = swing::gauges(motion)?;
+        let model = mesh.model(card)?.with_markers_at(&mesh.solid, card, &mean_rest(&films));
+        let elastic = simulation::identified(&model, &identified);
+        let simulation = MotionSimulation { model: &model, elastic, marker: card.tip_marker() };
+        let gauges = simulation::gauges(motion)?;
         let begin = last_release(motion)?;
-        let drive = Drive { begin: begin - set.ease, end: begin + set.follow, eased: set.ease, gauges: &gauges };
-        let small = Small::of(&model, &elastic, &reduced.kept)?;
-        let measured = &motion.markers[swing.marker].at;
+        let actuation =
+            Actuation { begin: begin - set.ramp, end: begin + set.duration, ramp: set.ramp, gauges: &gauges };
+        let reduced_body = ReducedBody::of(&model, &elastic, &reduced.data)?;
+        let measured = &motion.markers[simulation.marker].at;
         let frames: Vec<usize> =
-            (0..motion.time.len()).filter(|&i| motion.time[i] > begin && motion.time[i] < drive.end).collect();
+            (0..motion.time.len()).filter(|&i| motion.time[i] > begin && motion.time[i] < actuation.end).collect();
         let mut tried = Vec::new();
-        for k in 0..set.tries {
-            let part = k as f64 / (set.tries.max(2) - 1) as f64;
+        for k in 0..set.samples {
+            let part = k as f64 / (set.samples.max(2) - 1) as f64;
             let beta = set.range[0] * (set.range[1] / set.range[0]).powf(part);
-            let path = swing.run(&small, &swing::march(Scheme::Bdf2, set.step, beta), &drive)?;
+            let path = simulation.run(
+                &reduced_body,
+                &simulation::dynamic_settings(Scheme::Bdf2, set.step, beta),
+                &actuation,
+            )?;
             let times: Vec<Second> = frames.iter().map(|&i| motion.time[i]).collect();
-            let error = error(&swing::onto(&path, &times), &frames.iter().map(|&i| measured[i]).collect::<Vec<_>>());
+            let error =
+                error(&simulation::onto(&path, &times), &frames.iter().map(|&i| measured[i]).collect::<Vec<_>>());
             tried.push((beta, error));
-            desk.progress((k + 1) as f64 / set.tries as f64, "releasing");
+            context.progress((k + 1) as f64 / set.samples as f64, "releasing");
         }
         let (stiffness_damping, rmse) = lowest(&tried);
         Ok(records::Damping { stiffness_damping, rmse, tried })
     }
 }
 
-/// The marker farthest out.
-pub fn swing_marker(of: &Specimen) -> usize {
-    let order = |a: &usize, b: &usize| of.card.marker[*a].at[0].total_cmp(&of.card.marker[*b].at[0]);
-    (0..of.card.marker.len()).max_by(order).unwrap_or(0)
-}
-
 /// When the last command fell to nothing, s on the film's clock.
-fn last_release(motion: &Motion) -> Outcome<Second> {
+fn last_release(motion: &Motion) -> Result<Second> {
     let asked = |i: usize| motion.gauges.iter().any(|g| g.command[i] > 0.0);
     let last = (1..motion.log_time.len()).rev().find(|&i| asked(i - 1) && !asked(i));
-    last.map(|i| motion.log_time[i])
-        .ok_or_else(|| Fault::new("no chamber is ever released in the film", "its command never falls to 0", "film on"))
+    last.map(|i| motion.log_time[i]).ok_or_else(|| {
+        Diagnostic::new("no chamber is ever released in the film", "its command never falls to 0", "film on")
+    })
 }
 
-/// Root of the mean square of what is left when both are taken from their own means: where it swings about is not damping.
+/// Root mean square difference of both about their own means: the equilibrium position does not depend on damping.
 fn error(simulated: &[[f64; 2]], measured: &[[f64; 2]]) -> Metre {
     let off: Vec<[f64; 2]> = simulated.iter().zip(measured).map(|(s, m)| [s[0] - m[0], s[1] - m[1]]).collect();
     let count = off.len().max(1) as f64;
@@ -103,7 +104,7 @@ fn error(simulated: &[[f64; 2]], measured: &[[f64; 2]]) -> Metre {
     (off.iter().map(|o| (o[0] - mean[0]).powi(2) + (o[1] - mean[1]).powi(2)).sum::<f64>() / count).sqrt()
 }
 
-/// The lowest point of the parabola through the lowest try and its neighbours, over the logarithm.
+/// The vertex of the parabola through the lowest sample and its neighbours, over the logarithm.
 fn lowest(tried: &[(Second, Metre)]) -> (Second, Metre) {
     let best = (0..tried.len()).min_by(|&a, &b| tried[a].1.total_cmp(&tried[b].1)).unwrap_or(0);
     if best == 0 || best + 1 >= tried.len() {

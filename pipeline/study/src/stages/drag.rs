@@ -1,31 +1,26 @@
-//! Drag: what the water around a tail weighs and how it resists, from a release under water. Validation in water stands on it.
+//! Drag: added mass and normal drag of a tail, from a release under water. Validation in water uses them.
 //!
-//! A staircase in water ends each hold by opening the chamber, and the tail swings back through the water. The highest release that
-//! moduli were identified up to is simulated in reduced coordinates with elongated-body theory's added mass and a drag across the
-//! flow; Gauss-Newton finds the share of the one and the coefficient of the other. No flapping film is touched.
-//!
-//! Stands on: the swing, the room `thrust`, fit. Never knows: a validation trial; its needs hand it none.
+//! A staircase in water ends each hold by opening the chamber, and the tail vibrates freely in the water. The highest release
+//! within the pressures of identification is simulated in reduced coordinates with elongated-body theory's added mass and a normal
+//! drag; Gauss-Newton identifies the ratio of the one and the coefficient of the other. No flapping film is read.
 
-use fem::{March, Scheme};
-use fit::optimisers::gauss_newton::{GaussNewton, Settings as Newton};
-use fit::{Bounds, Evaluation, Needs, Optimiser, Residuals, Search};
+use fem::{DynamicSettings, Scheme};
 use hydro::{Coefficients, Tail};
 use nalgebra::DMatrix;
+use optimize::optimisers::gauss_newton::{GaussNewton, Settings as Newton};
+use optimize::{Bounds, Evaluation, Needs, Optimiser, Problem, Residuals};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
 use si::{KilogramPerCubicMetre, Metre, Pascal, Point2, Second};
 
-use super::damping::swing_marker;
-use super::stop::Stop;
-use super::swing::{self, Drive, Swing};
-use crate::fault::{Fault, Outcome};
-use crate::model::{Model, Small};
-use crate::needs::Waded;
+use super::simulation::{self, Actuation, MotionSimulation};
 use crate::records::{self, Damping, Identified, Level, Mesh, Motion, Reduced};
-use crate::stage::{Desk, Stage};
-use crate::subject::Specimen;
-use crate::thrust::outline::Outline;
+use crate::selections::{OfTrials, UnderwaterStaircases};
+use ::thrust::outline::Outline;
+use diagnostics::{Diagnostic, Result};
+use sysid::Interrupted;
+use sysid::{Body, ReducedBody};
+use workflow::stage::{Stage, StageContext};
 
 /// The stage.
 pub struct Drag;
@@ -40,69 +35,75 @@ pub struct Settings {
     sections: usize,
     /// Time step of the second-order scheme, s.
     step: Second,
-    /// How long before the release the simulated tail is bent, s.
-    ease: Second,
-    /// How long after the release the film is followed, s.
-    follow: Second,
-    /// Least and greatest share of theory's added mass.
-    added: [f64; 2],
-    /// Least and greatest coefficient of drag.
-    drag: [f64; 2],
-    /// Deviation of a marker's place, m.
+    /// Duration of the pressure ramp before the release, s.
+    ramp: Second,
+    /// Duration after the release that is compared, s.
+    duration: Second,
+    /// Least and greatest ratio of theory's added mass.
+    added_mass_ratio: [f64; 2],
+    /// Least and greatest coefficient of normal drag.
+    normal_drag_coefficient: [f64; 2],
+    /// Standard deviation of a marker's position, m.
     sigma: Metre,
     /// Simulations at most, three an iteration.
     iterations: usize,
-    /// It has converged when no logarithm moves by more.
+    /// Tolerance of a step: converged when no logarithm changes by more.
     step_tolerance: f64,
 }
 
-/// The parameters, as messages name them.
+/// Names of the parameters in messages.
 const NAMES: [&str; 2] = ["added mass", "drag"];
-/// Width of a difference, of a logarithm.
+/// Step of the finite difference, in the logarithm.
 const NUDGE: f64 = 0.02;
 
 impl Stage for Drag {
     type Settings = Settings;
-    type Needs = ((Mesh, Identified, Reduced), Damping, Waded<Motion>);
+    type Card = Body;
+    type Needs = ((Mesh, Identified, Reduced), Damping, OfTrials<Motion, UnderwaterStaircases>);
     type Makes = records::Drag;
-    const STORY: &'static str = "a release under water becomes added mass and drag";
-    const EDITION: u32 = 4;
+    const DESCRIPTION: &'static str = "a release under water gives added mass and drag";
+    const VERSION: u32 = 5;
 
-    fn card(of: &Specimen) -> Value {
-        let (solid, card) = (&of.card.solid, &of.card);
-        let region = |s: &lab::card::Solid| json!([s.material, s.poissons_ratio, s.density]);
-        let markers = card.marker.iter().map(|m| m.at).collect::<Vec<_>>();
-        json!({ "body": region(&solid.body), "spine": region(&solid.spine), "clamp": card.clamp.below_x, "markers": markers })
-    }
-
-    fn run(of: &Specimen, set: &Settings, needs: Self::Needs, desk: &dyn Desk) -> Outcome<records::Drag> {
+    fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<records::Drag> {
         let ((mesh, identified, reduced), damping, films) = needs;
         let (_, motion) = films.0.first().ok_or_else(no_staircase)?;
-        let outline = Outline::new(&of.card, &mesh.solid);
-        let (tail, spots) = outline.whole(set.density, set.sections).map_err(Fault::from_tool)?;
-        let model = Model::new(&mesh, &of.card)?.seen_at(&mesh, &of.card, &motion.rest).and(spots);
-        let swing = Swing { elastic: swing::identified(&model, &identified), model: &model, marker: swing_marker(of) };
+        let outline = Outline::new(card, &mesh.solid);
+        let (tail, spots) = outline.whole(set.density, set.sections)?;
+        let model = mesh.model(card)?.with_markers_at(&mesh.solid, card, &motion.rest).with_spots(spots);
+        let simulation = MotionSimulation {
+            elastic: simulation::identified(&model, &identified),
+            model: &model,
+            marker: card.tip_marker(),
+        };
         let known = identified.levels.iter().map(Level::pressure).fold(0.0, f64::max);
         let (begin, released) = release(motion, known)?;
-        let gauges = swing::gauges(motion)?;
-        let drive = Drive { begin: begin - set.ease, end: begin + set.follow, eased: set.ease, gauges: &gauges };
-        let small = Small::of(&model, &swing.elastic, &reduced.kept)?;
-        let march = swing::march(Scheme::Bdf2, set.step, damping.stiffness_damping);
-        let bath = Bath::new(&small, &tail, swing.marker, of.card.marker.len(), march, mesh.solid.half);
-        let film = Film::of(motion, swing.marker, [begin, drive.end]);
-        let mut marches = 0;
-        let mut told = |at: &[Vec<f64>]| -> Outcome<Vec<Vec<f64>>> {
-            marches += at.len();
-            desk.progress(0.2 + 0.8 * (marches as f64 / (3 * set.iterations) as f64).min(1.0), "releasing");
-            let off = |at: &Vec<f64>| Ok(film.off(&bath.path(coefficients(at), &drive)?, set.sigma));
+        let gauges = simulation::gauges(motion)?;
+        let actuation =
+            Actuation { begin: begin - set.ramp, end: begin + set.duration, ramp: set.ramp, gauges: &gauges };
+        let reduced_body = ReducedBody::of(&model, &simulation.elastic, &reduced.data)?;
+        let settings = simulation::dynamic_settings(Scheme::Bdf2, set.step, damping.stiffness_damping);
+        let underwater = UnderwaterModel::new(
+            &reduced_body,
+            &tail,
+            simulation.marker,
+            card.markers.len(),
+            settings,
+            mesh.solid.half,
+        );
+        let film = Film::of(motion, simulation.marker, [begin, actuation.end]);
+        let mut simulations = 0;
+        let mut evaluated = |at: &[Vec<f64>]| -> Result<Vec<Vec<f64>>> {
+            simulations += at.len();
+            context.progress(0.2 + 0.8 * (simulations as f64 / (3 * set.iterations) as f64).min(1.0), "releasing");
+            let off = |at: &Vec<f64>| Ok(film.off(&underwater.path(coefficients(at), &actuation)?, set.sigma));
             at.par_iter().map(off).collect()
         };
-        let best = sought(set, &mut told)?;
-        concluded(set, &best, film.moved(), released, marches)
+        let best = sought(set, &mut evaluated)?;
+        concluded(set, &best, film.moved(), released, simulations)
     }
 }
 
-/// The watched marker of the film after its release.
+/// The observed marker of the film after its release.
 struct Film {
     times: Vec<Second>,
     /// See [`about_mean`].
@@ -117,13 +118,13 @@ impl Film {
         Self { times, seen: about_mean(&places) }
     }
 
-    /// How far a simulated path is off, in deviations `sigma` (m).
+    /// Residuals of a simulated path in units of `sigma` (m).
     fn off(&self, path: &[signal::resample::Samples; 2], sigma: Metre) -> Vec<f64> {
-        let path = about_mean(&swing::onto(path, &self.times));
+        let path = about_mean(&simulation::onto(path, &self.times));
         path.iter().zip(&self.seen).map(|(a, b)| (a - b) / sigma).collect()
     }
 
-    /// How far the marker moved, m.
+    /// Amplitude of the marker, m.
     fn moved(&self) -> Metre {
         rms(&self.seen)
     }
@@ -139,55 +140,68 @@ fn concluded(
     best: &Evaluation,
     moved: Metre,
     released: Pascal,
-    marches: usize,
-) -> Outcome<records::Drag> {
-    let residuals = best.residuals.as_ref().ok_or_else(|| Fault::from_tool("the best march left no residuals"))?;
-    let posterior = residuals.posterior(NAMES.len()).map_err(Fault::from_tool)?;
+    simulations: usize,
+) -> Result<records::Drag> {
+    let residuals = best.residuals.as_ref().ok_or_else(|| {
+        Diagnostic::new(
+            "the best simulation left no residuals",
+            "it was evaluated without them",
+            "report it with the recordings",
+        )
+    })?;
+    let posterior = residuals.posterior(NAMES.len())?;
     let by = coefficients(&best.at);
     let sigma = Coefficients { added: by.added * posterior.sigma(0), drag: by.drag * posterior.sigma(1) };
     let rmse = set.sigma * rms(&residuals.values);
-    Ok(records::Drag { by, sigma, released, rmse, moved, marches, density: set.density, sections: set.sections })
+    Ok(records::Drag { by, sigma, released, rmse, moved, simulations, density: set.density, sections: set.sections })
 }
 
-fn no_staircase() -> Fault {
-    Fault::new("there is no staircase in water", "no trial of the card is one", "film one")
+fn no_staircase() -> Diagnostic {
+    Diagnostic::new("there is no staircase in water", "no trial of the card is one", "film one")
 }
 
-/// A reduced tail in water.
-pub(super) struct Bath<'a> {
-    small: &'a Small,
+/// A reduced model in water.
+pub(super) struct UnderwaterModel<'a> {
+    reduced_body: &'a ReducedBody,
     tail: &'a Tail,
-    /// Rows of the tail's stations, and of the marker that is watched, m.
+    /// Rows of the tail's stations and of the observed marker, m.
     stations: DMatrix<f64>,
     watched: DMatrix<f64>,
-    march: March,
+    settings: DynamicSettings,
     half: bool,
 }
 
-impl<'a> Bath<'a> {
-    /// The tail's stations stand behind the card's `marks` in the model; one marker is watched, half of the body may be modelled.
-    pub fn new(small: &'a Small, tail: &'a Tail, marker: usize, marks: usize, march: March, half: bool) -> Self {
-        let stations = small.rows(&(marks..small.markers()).collect::<Vec<_>>());
-        Self { small, tail, stations, watched: small.rows(&[marker]), march, half }
+impl<'a> UnderwaterModel<'a> {
+    /// The tail's stations follow the card's `markers` in the model; one marker is observed, and the model may be a half model.
+    pub fn new(
+        reduced_body: &'a ReducedBody,
+        tail: &'a Tail,
+        marker: usize,
+        marker_count: usize,
+        settings: DynamicSettings,
+        half: bool,
+    ) -> Self {
+        let stations = reduced_body.rows(&(marker_count..reduced_body.markers()).collect::<Vec<_>>());
+        Self { reduced_body, tail, stations, watched: reduced_body.rows(&[marker]), settings, half }
     }
 
-    /// The watched marker's displacement, m along x and y, as functions of the film's time.
+    /// Displacement of the observed marker along x and y, m, as functions of the film's time.
     ///
     /// # Errors
-    /// A [`Fault`] when a step finds no motion.
-    pub fn path(&self, by: Coefficients, drive: &Drive) -> Outcome<[signal::resample::Samples; 2]> {
-        let mut water = crate::thrust::water::Water::around(self.tail, &self.stations, by, self.half);
+    /// A [`Diagnostic`] when a step finds no motion.
+    pub fn path(&self, by: Coefficients, actuation: &Actuation) -> Result<[signal::resample::Samples; 2]> {
+        let mut water = ::thrust::water::Water::around(self.tail, &self.stations, by, self.half);
         let mut path: Vec<Point2> = Vec::new();
-        self.small.swim(
-            &self.march,
+        self.reduced_body.integrate_in_fluid(
+            &self.settings,
             &mut water,
-            &|t| drive.pressures(t),
-            drive.steps(self.march.step),
+            &|t| actuation.pressures(t),
+            actuation.steps(self.settings.step),
             &mut |q, _| {
                 path.push([0, 1].map(|k| (self.watched.row(k) * q)[0]));
             },
         )?;
-        drive.told(self.march.step, &path)
+        actuation.sampled(self.settings.step, &path)
     }
 }
 
@@ -195,56 +209,61 @@ fn coefficients(at: &[f64]) -> Coefficients {
     Coefficients { added: at[0].exp(), drag: at[1].exp() }
 }
 
-/// The residuals at each of some places.
-type Told<'a> = dyn FnMut(&[Vec<f64>]) -> Outcome<Vec<Vec<f64>>> + 'a;
+/// The residuals at each of several points.
+type Evaluated<'a> = dyn FnMut(&[Vec<f64>]) -> Result<Vec<Vec<f64>>> + 'a;
 
-/// Gauss-Newton over both logarithms; `told` gives the residuals at some places.
-fn sought(set: &Settings, told: &mut Told) -> Outcome<Evaluation> {
-    let edge = |k: usize| [set.added[k].ln(), set.drag[k].ln()].to_vec();
+/// Gauss-Newton over both logarithms; `evaluated` gives the residuals at several points.
+fn sought(set: &Settings, evaluated: &mut Evaluated) -> Result<Evaluation> {
+    let edge = |k: usize| [set.added_mass_ratio[k].ln(), set.normal_drag_coefficient[k].ln()].to_vec();
     let start = bounds_middle(set);
-    let search = Search::new(&NAMES, start, Bounds { low: edge(0), high: edge(1) }).map_err(Fault::from_tool)?;
+    let search = Problem::new(&NAMES, start, Bounds { low: edge(0), high: edge(1) })?;
     let newton = Newton { step_tolerance: set.step_tolerance, iterations: set.iterations, ..Newton::default() };
-    let mut walk = GaussNewton::new(&search, &newton).map_err(Fault::from_tool)?;
-    let mut evaluate = |at: &Vec<f64>| -> Outcome<Evaluation> {
+    let mut optimiser = GaussNewton::new(&search, &newton)?;
+    let mut evaluate = |at: &Vec<f64>| -> Result<Evaluation> {
         let nudged = |k: usize| at.iter().enumerate().map(|(i, x)| x + if i == k { NUDGE } else { 0.0 }).collect();
-        let mut found = told(&[at.clone(), nudged(0), nudged(1)])?.into_iter();
+        let mut found = evaluated(&[at.clone(), nudged(0), nudged(1)])?.into_iter();
         let values = found.next().unwrap_or_default();
         let columns: Vec<Vec<f64>> = found.collect();
         let slope = |i: usize| columns.iter().map(|c| (c[i] - values[i]) / NUDGE).collect::<Vec<f64>>();
         let jacobian = (0..values.len()).flat_map(slope).collect();
         let residuals = Residuals { values, jacobian };
-        Ok(Evaluation { loss: residuals.half_square(), at: at.clone(), gradient: None, residuals: Some(residuals) })
+        Ok(Evaluation {
+            loss: residuals.half_sum_of_squares(),
+            at: at.clone(),
+            gradient: None,
+            residuals: Some(residuals),
+        })
     };
-    let mut problem = |batch: &[Vec<f64>], _: Needs| -> Result<Vec<Evaluation>, Stop> {
-        batch.iter().map(|at| evaluate(at).map_err(Stop)).collect()
+    let mut problem = |batch: &[Vec<f64>], _: Needs| -> Result<Vec<Evaluation>, Interrupted> {
+        batch.iter().map(|at| evaluate(at).map_err(Interrupted)).collect()
     };
-    Ok(fit::minimise(&mut walk as &mut dyn Optimiser, &mut problem).map_err(|stop| stop.0)?.best)
+    Ok(optimize::minimise(&mut optimiser as &mut dyn Optimiser, &mut problem).map_err(|stop| stop.0)?.best)
 }
 
 /// The middle of both ranges, in logarithms.
 fn bounds_middle(set: &Settings) -> Vec<f64> {
-    [set.added, set.drag].map(|[low, high]| 0.5 * (low * high).ln()).to_vec()
+    [set.added_mass_ratio, set.normal_drag_coefficient].map(|[low, high]| 0.5 * (low * high).ln()).to_vec()
 }
 
-/// x and y of a path one after the other, each about its mean: where it comes to rest is not the water's.
+/// x and y of a path one after the other, each about its mean: the equilibrium does not depend on the water.
 fn about_mean(path: &[Point2]) -> Vec<f64> {
     let count = path.len().max(1) as f64;
     let mean = [0, 1].map(|k| path.iter().map(|p| p[k]).sum::<f64>() / count);
     path.iter().flat_map(|p| [p[0] - mean[0], p[1] - mean[1]]).collect()
 }
 
-/// When the highest hold that is not above `known` (Pa) was released, s on the film's clock, and from which command, Pa.
-fn release(motion: &Motion, known: Pascal) -> Outcome<(Second, Pascal)> {
+/// Time of the release of the highest hold that is not above `known` (Pa), s on the film's clock, and its command, Pa.
+fn release(motion: &Motion, known: Pascal) -> Result<(Second, Pascal)> {
     let asked = |i: usize| motion.gauges.iter().map(|g| g.command[i]).fold(0.0, f64::max);
     let falls = (1..motion.log_time.len()).filter(|&i| asked(i) == 0.0 && asked(i - 1) > 0.0);
     let within = falls.map(|i| (motion.log_time[i], asked(i - 1))).filter(|(_, p)| *p <= NEAR * known);
     within.max_by(|a, b| a.1.total_cmp(&b.1)).ok_or_else(|| {
         let why = format!("moduli were identified up to {:.0} Pa, and no hold within is released", known);
-        Fault::new("the staircase in water cannot tell drag", why, "film a lower level in water")
+        Diagnostic::new("drag cannot be identified from the staircase in water", why, "film a lower level in water")
     })
 }
 
-/// A hold settles a little under its command.
+/// A hold settles slightly below its command.
 const NEAR: f64 = 1.1;
 
 #[cfg(test)]
@@ -256,10 +275,10 @@ mod tests {
             density: 998.0,
             sections: 10,
             step: 0.01,
-            ease: 0.1,
-            follow: 0.5,
-            added: [0.3, 2.0],
-            drag: [0.5, 50.0],
+            ramp: 0.1,
+            duration: 0.5,
+            added_mass_ratio: [0.3, 2.0],
+            normal_drag_coefficient: [0.5, 50.0],
             sigma: 1e-4,
             iterations: 12,
             step_tolerance: 1e-4,
@@ -267,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn a_path_s_own_coefficients_are_found_again() {
+    fn the_coefficients_of_a_simulated_path_are_identified() {
         let path = |at: &[f64]| -> Vec<f64> {
             let by = coefficients(at);
             (0..60)
@@ -278,10 +297,10 @@ mod tests {
                 .collect()
         };
         let hidden = path(&[0.7_f64.ln(), 12.0_f64.ln()]);
-        let mut told = |at: &[Vec<f64>]| {
+        let mut evaluated = |at: &[Vec<f64>]| {
             Ok(at.iter().map(|a| path(a).iter().zip(&hidden).map(|(x, y)| x - y).collect()).collect())
         };
-        let found = coefficients(&sought(&settings(), &mut told).unwrap().at);
+        let found = coefficients(&sought(&settings(), &mut evaluated).unwrap().at);
         assert!((found.added - 0.7).abs() < 1e-3 && (found.drag - 12.0).abs() < 2e-2, "{found:?}");
     }
 

@@ -1,16 +1,14 @@
-//! Findings: what claims of the paper need beside the stages' own numbers, from records that are there already.
-//!
-//! Stands on: the records of identification, validation, thrust and load cell. Never knows: a claim, the truth.
+//! Findings: metrics of the paper's claims that are derived from several records.
 
 use serde::{Deserialize, Serialize};
 
-use crate::fault::Outcome;
-use crate::needs::Every;
 use crate::records::{Finding, Findings as Record, Identified, LoadCell, Surface, Thrust, Validation};
-use crate::stage::{Desk, Stage};
-use crate::subject::{Scope, Study};
+use crate::subject::Condition;
+use diagnostics::Result;
+use workflow::needs::Every;
+use workflow::stage::{Stage, StageContext};
 
-/// χ² by which two minima must be parted to be two: one standard deviation, less is the films' noise.
+/// Rise of χ² that separates two minima: one standard deviation; less is noise.
 const RISE: f64 = 1.0;
 
 /// The stage.
@@ -23,29 +21,29 @@ pub struct Settings {}
 
 impl Stage for Findings {
     type Settings = Settings;
-    type Needs = (Every<Identified>, Every<Validation>, Every<Thrust>, Every<LoadCell>);
+    type Card = ();
+    type Needs = (Every<Identified>, Every<Validation, Condition>, Every<Thrust>, Every<LoadCell>);
     type Makes = Record;
-    const STORY: &'static str = "what was found is put into the words of the claims";
-    const EDITION: u32 = 4;
+    const DESCRIPTION: &'static str = "metrics that decide claims are derived";
+    const VERSION: u32 = 5;
 
-    fn run(_: &Study, _: &Settings, needs: Self::Needs, _: &dyn Desk) -> Outcome<Record> {
+    fn run((): &(), _: &Settings, needs: Self::Needs, _: &dyn StageContext) -> Result<Record> {
         let (Every(identified), Every(validated), Every(thrusts), Every(cells)) = needs;
         let mut found = Vec::new();
         for (specimen, one) in &identified {
             found.extend(
-                of_identified(one).into_iter().map(|(what, value, unit)| finding(&specimen.name(), what, value, unit)),
+                of_identified(one).into_iter().map(|(what, value, unit)| finding(&specimen.0, what, value, unit)),
             );
         }
         for (trial, one) in &validated {
-            let name = format!("{}_{}", trial.card.name, trial.condition());
-            found.extend(undamped(one).map(|v| finding(&name, "undamped_worse_by_percent", v, "%")));
+            found.extend(undamped(one).map(|v| finding(&trial.0, "undamped_rmse_increase_percent", v, "%")));
         }
         for (specimen, one) in &thrusts {
-            found.extend(of_thrust(one).into_iter().map(|(what, v, unit)| finding(&specimen.name(), what, v, unit)));
+            found.extend(of_thrust(one).into_iter().map(|(what, v, unit)| finding(&specimen.0, what, v, unit)));
         }
         for (specimen, one) in &cells {
-            let lowest = one.shown.felt.iter().copied().fold(0.0, f64::min);
-            found.push(finding(&specimen.name(), "felt_lowest_in_noise", lowest / one.noise, ""));
+            let lowest = one.example.measured.iter().copied().fold(0.0, f64::min);
+            found.push(finding(&specimen.0, "measured_minimum_over_noise", lowest / one.noise, ""));
         }
         Ok(Record { found })
     }
@@ -55,7 +53,7 @@ fn finding(of: &str, what: &str, value: f64, unit: &str) -> Finding {
     Finding { name: format!("{of}.{what}"), value, unit: unit.into() }
 }
 
-/// Minima are counted where the search left profiles: a grid with two holes in a row leaves none.
+/// Minima are counted where profiles exist: a grid with two missing points in a row has none.
 fn of_identified(found: &Identified) -> Vec<(&'static str, f64, &'static str)> {
     let levels = found.levels.iter().map(|level| (level.pressure(), level.largest_error()));
     let (pressures, errors): (Vec<f64>, Vec<f64>) = levels.unzip();
@@ -74,11 +72,11 @@ fn undamped(validation: &Validation) -> Option<f64> {
     Some(100.0 * (way.rmse - validation.rmse) / validation.length)
 }
 
-/// Means are over the runs that the card holds out; the share of negative force is of the one that is shown.
+/// Means are over the runs held out by the card; the share of negative force is that of the plotted run.
 fn of_thrust(thrust: &Thrust) -> Vec<(&'static str, f64, &'static str)> {
     let sum = |of: fn(&crate::records::Means) -> f64| thrust.means.iter().map(of).sum::<f64>();
     let mut found = vec![("theory_over_measured", sum(|m| m.theory_n) / sum(|m| m.measured_n), "")];
-    for trace in thrust.traces.iter().filter(|trace| !trace.learnt) {
+    for trace in thrust.traces.iter().filter(|trace| !trace.training) {
         found.push(("theory_lowest_mn", 1e3 * trace.theory.iter().copied().fold(f64::INFINITY, f64::min), "mN"));
         found.push(("negative_share_percent", negative_share(&trace.measured), "%"));
     }
@@ -91,7 +89,7 @@ fn negative_share(force: &[f64]) -> f64 {
     100.0 * force.iter().map(|f| (-f).max(0.0)).sum::<f64>() / all.max(f64::MIN_POSITIVE)
 }
 
-/// Minima of a profile, each parted from the next by a rise and a fall of more than [`RISE`]; a flat valley is one.
+/// Minima of a profile, each separated from the next by a rise and a fall of more than [`RISE`]; a flat minimum counts once.
 fn minima(chi_square: &[f64]) -> usize {
     let (mut count, mut falling, mut extreme) = (0, true, f64::INFINITY);
     for &value in chi_square {
@@ -104,7 +102,7 @@ fn minima(chi_square: &[f64]) -> usize {
     count + usize::from(falling)
 }
 
-/// Points of the landscape that lie below all their neighbours, corners included; a valley between the grid's points has many.
+/// Points of the landscape below all their neighbours, corners included; a narrow minimum between grid points gives several.
 fn landscape_minima(surface: &Surface) -> usize {
     let (columns, rows) = (surface.body_e_pa.len(), surface.spine_e_pa.len());
     let loss = |row: usize, column: usize| surface.loss[row * columns + column];
@@ -116,14 +114,14 @@ fn landscape_minima(surface: &Surface) -> usize {
     (0..rows).map(|row| (0..columns).filter(|&column| lowest(row, column)).count()).sum()
 }
 
-/// Places in rising order; equal values share the mean of their places.
+/// Ranks in rising order; ties have the mean rank.
 fn ranks(values: &[f64]) -> Vec<f64> {
     let below = |v: f64| values.iter().filter(|w| **w < v).count() as f64;
     let same = |v: f64| values.iter().filter(|w| **w <= v).count() as f64 - below(v);
     values.iter().map(|&v| below(v) + 0.5 * (same(v) - 1.0)).collect()
 }
 
-/// Pearson's; 0 where one of both is constant.
+/// Pearson's correlation; 0 where one of both is constant.
 fn correlation(a: &[f64], b: &[f64]) -> f64 {
     let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len().max(1) as f64;
     let (ma, mb) = (mean(a), mean(b));

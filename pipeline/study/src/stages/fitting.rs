@@ -1,85 +1,139 @@
-//! Fitting: the levels of all films of a specimen, the model that simulates them, and the plane of moduli to be searched.
-//!
-//! Stands on: the ladder, the landscape, fit. Never knows: which methods there are.
+//! The identification problem: pressure levels of all films of a specimen, the model, and the bounds of both moduli.
 
 use fem::StaticSettings;
-use fit::optimisers::{self, adam, cma_es, gauss_newton, grid};
-use fit::{Bounds, Evaluation, History, Needs, Search};
-use lab::card::Card;
-use si::{Pascal, Point2, Second};
+use optimize::optimisers::{self, adam, cma_es, gauss_newton, grid};
+use optimize::{Bounds, Evaluation, EvaluationLog, Needs, Problem};
+use serde::{Deserialize, Serialize};
+use si::{Metre, Pascal, Point2, Second};
 
-use super::identify::Settings;
-use super::levels::Levels;
-use super::plateaus::rungs;
-use super::softest::softest;
-use super::stop::Stop;
-use super::walk::near_to_near;
-use crate::fault::{Fault, Outcome};
-use crate::model::{Elastic, Ladder, Model, Rung, Simulated, Want};
-use crate::needs::Learning;
-use crate::records::{self, Doubt, Markers, Mesh, Motion, Point, Tried};
+use super::plateaus::levels;
+use crate::records::{self, EvaluatedPoint, Markers, Mesh, Motion, NoiseModel, Point};
+use crate::selections::IdentificationTrials;
 use crate::subject::Specimen;
+use diagnostics::{Diagnostic, Result};
+use sysid::Interrupted;
+use sysid::Misfit;
+use sysid::feasible_lower_bound;
+use sysid::nearest_neighbour_order;
+use sysid::{Body, Derivatives, Elastic, LevelSolver, Model, PressureLevel, SimulatedLevel};
+use workflow::subject::Part;
 
-/// Everything that a search needs to simulate.
-pub struct Fitting<'a> {
-    pub(super) card: &'a Card,
-    pub(super) set: &'a Settings,
-    pub(super) model: Model,
-    pub(super) levels: Levels,
-    pub(super) doubt: Doubt,
-    /// Trial and rest places of each level.
-    pub(super) origins: Vec<(String, Vec<Point2>)>,
-    pub(super) search: Search,
+/// `[identify]` in `study.toml`.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Settings {
+    /// The fraction at the end of each hold that counts as settled, 0 to 1.
+    pub(super) settled_fraction: f64,
+    /// The shortest hold that counts, s.
+    pub(super) shortest_hold: Second,
+    /// Standard deviation of the model discrepancy, m, added to the covariance of a measured displacement.
+    pub(super) discrepancy: Metre,
+    /// Standard deviation of the common scale error of all displacements of a film, no unit.
+    pub(super) scale_sigma: f64,
+    /// Specimens on which every method is run for comparison; on the others Gauss-Newton alone.
+    pub(super) compared: Vec<String>,
+    /// Points an axis of the exhaustive search.
+    pub(super) grid_points: usize,
+    /// CMA-ES's generations at most, ten simulations each; the paper made four.
+    pub(super) cma_es_generations: usize,
+    /// Seed of its random numbers.
+    pub(super) cma_es_seed: u64,
+    /// Length of Adam's step, in logarithms of moduli.
+    pub(super) adam_step: f64,
+    /// Decay of the step, 1/iterations.
+    pub(super) adam_step_decay: f64,
+    /// β₁ of Adam.
+    pub(super) adam_mean_decay: f64,
+    /// β₂ of Adam.
+    pub(super) adam_square_decay: f64,
+    /// Adam's simulations at most.
+    pub(super) adam_iterations: usize,
+    /// Gauss-Newton's simulations at most.
+    pub(super) gauss_newton_iterations: usize,
+    /// Tolerance of a step: a search has converged when no logarithm of a modulus changes by more.
+    pub(super) step_tolerance: f64,
+    /// Tolerance of an equilibrium: Newton has converged when no node moves by more than this fraction of the specimen's size.
+    pub(super) static_tolerance: f64,
+    /// Equilibria solved in parallel.
+    pub(super) parallel_solves: usize,
+    /// Points an axis of the drawn landscape.
+    pub(super) landscape_points: usize,
 }
 
-/// What one point of a search showed, kept for the landscape.
-pub struct Told {
+/// What it reads of the card.
+#[derive(Debug, Serialize)]
+pub struct Card {
+    pub(super) name: String,
+    pub(super) body: Body,
+}
+
+impl Part<Specimen> for Card {
+    fn part_of(of: &Specimen) -> Self {
+        Self { name: of.card.name.clone(), body: Body::of(&of.card) }
+    }
+}
+
+/// Model and data of one identification.
+pub struct Fitting<'a> {
+    pub(super) body: &'a Body,
+    pub(super) set: &'a Settings,
+    pub(super) model: Model,
+    pub(super) levels: Misfit,
+    pub(super) noise: NoiseModel,
+    /// Trial and rest places of each level.
+    pub(super) origins: Vec<(String, Vec<Point2>)>,
+    pub(super) search: Problem,
+}
+
+/// The simulated markers at one point of a search, for the landscape.
+pub struct Evaluated {
     pub(super) at: Vec<f64>,
     pub(super) markers: Vec<Vec<Point2>>,
 }
 
-/// What a search found, and the ladder that it climbed.
-pub struct Searched {
-    /// All that was tried.
-    pub history: History,
-    /// What each point showed.
-    pub told: Vec<Told>,
-    pub(super) ladder: Ladder,
+/// The result of a search, with its solver.
+pub struct SearchResult {
+    /// All evaluations.
+    pub history: EvaluationLog,
+    /// The simulated markers at each point.
+    pub evaluated: Vec<Evaluated>,
+    pub(super) solver: LevelSolver,
 }
 
-/// The films of a specimen: motion, and what the markers' covariance is made of.
-pub type Films = (Learning<Motion>, Learning<Markers>);
+/// The films of a specimen: motion, and the markers with the contributions to their covariance.
+pub type Films = (IdentificationTrials<Motion>, IdentificationTrials<Markers>);
 
-/// The parameters, as messages and figures name them.
+/// Names of the parameters in messages and figures.
 pub const NAMES: [&str; 2] = ["body", "spine"];
 
 impl<'a> Fitting<'a> {
-    /// The levels of all films, the model, and the plane to be searched.
+    /// The levels of all films, the model, and the bounds of the search.
     ///
     /// # Errors
-    /// A [`Fault`] when there is no film, a film holds no pressure, or the simulator refuses the mesh.
-    pub fn new(of: &'a Specimen, set: &'a Settings, mesh: &Mesh, films: &Films) -> Outcome<Self> {
+    /// A [`Diagnostic`] when there is no film, a film holds no pressure, or the simulator refuses the mesh.
+    pub fn new(card: &'a Card, set: &'a Settings, mesh: &Mesh, films: &Films) -> Result<Self> {
         let (mut all, mut origins, mut counts) = (Vec::new(), Vec::new(), Vec::new());
         for ((trial, motion), (_, markers)) in films.0.0.iter().zip(&films.1.0) {
-            let rungs = rungs(motion, markers, set.settled, set.shortest_hold).map_err(|f| f.of(&trial.trial.id))?;
-            origins.extend(rungs.iter().map(|_| (trial.trial.id.clone(), motion.rest.clone())));
-            counts.push(rungs.len());
-            all.extend(rungs);
+            let levels = levels(motion, markers, set.settled_fraction, set.shortest_hold)
+                .map_err(|d| d.while_doing(&trial.0))?;
+            origins.extend(levels.iter().map(|_| (trial.0.clone(), motion.rest.clone())));
+            counts.push(levels.len());
+            all.extend(levels);
         }
         if all.is_empty() {
-            return Err(no_film(of));
+            return Err(no_film(&card.name));
         }
-        let solid = &of.card.solid;
-        let bound = |k: usize| [&solid.body, &solid.spine].map(|s| (s.plausible[k] / s.youngs_modulus).ln()).to_vec();
+        let bound =
+            |k: usize| card.body.materials.each_ref().map(|s| (s.plausible[k] / s.youngs_modulus).ln()).to_vec();
         let mut bounds = Bounds { low: bound(0), high: bound(1) };
-        let model = Model::new(mesh, &of.card)?.seen_at(mesh, &of.card, &mean_rest(&films.0));
-        let doubt = Doubt { discrepancy_m: set.discrepancy, share: set.share };
-        let levels = Levels::new(all, &counts, &doubt, of.card.length)?;
-        let softest = softest(&model, &levels.rungs, &bounds);
-        bounds.low[0] = softest;
-        let start = vec![softest.max(0.0) + if softest > 0.0 { 0.25 * (bounds.high[0] - softest) } else { 0.0 }, 0.0];
-        let search = Search::new(&NAMES, start, bounds).map_err(Fault::from_tool)?;
-        Ok(Self { card: &of.card, set, model, levels, doubt, origins, search })
+        let model = mesh.model(&card.body)?.with_markers_at(&mesh.solid, &card.body, &mean_rest(&films.0));
+        let noise = NoiseModel { discrepancy_m: set.discrepancy, scale_sigma: set.scale_sigma };
+        let levels = Misfit::new(all, &counts, &noise, card.body.length)?;
+        let lower = feasible_lower_bound(&model, &levels.levels, &bounds);
+        bounds.low[0] = lower;
+        let start = vec![lower.max(0.0) + if lower > 0.0 { 0.25 * (bounds.high[0] - lower) } else { 0.0 }, 0.0];
+        let search = Problem::new(&NAMES, start, bounds)?;
+        Ok(Self { body: &card.body, set, model, levels, noise, origins, search })
     }
 
     pub(super) fn elastic(&self, at: &[f64]) -> Elastic {
@@ -97,30 +151,34 @@ impl<'a> Fitting<'a> {
         self.set.static_tolerance
     }
 
-    pub(super) fn ladder(&self, rungs: &[Rung], tolerance: f64) -> Ladder {
-        let settings =
-            StaticSettings { tolerance, halvings: HALVINGS, iterations: DIRECTIONS, ..StaticSettings::default() };
-        Ladder::new(self.model.clone(), rungs.to_vec(), settings, self.set.side_by_side)
+    pub(super) fn solver(&self, levels: &[PressureLevel], tolerance: f64) -> LevelSolver {
+        let settings = StaticSettings {
+            tolerance,
+            max_halvings: HALVINGS,
+            max_iterations: DIRECTIONS,
+            ..StaticSettings::default()
+        };
+        LevelSolver::new(self.model.clone(), levels.to_vec(), settings, self.set.parallel_solves)
     }
 
-    /// Runs one method over the plane; a batch is walked from near point to near point.
+    /// Runs one method; the points of a batch are evaluated in nearest-neighbour order.
     ///
     /// # Errors
-    /// A [`Fault`] when the method cannot go on, or Adam meets a point without equilibrium.
-    pub fn search(&self, member: &optimisers::Member) -> Outcome<Searched> {
-        let mut optimiser = (member.build)(&self.search, &self.methods()).map_err(Fault::from_tool)?;
-        let mut ladder = self.ladder(&self.levels.rungs, self.set.static_tolerance);
-        let mut told = Vec::new();
-        let mut problem = |batch: &[Vec<f64>], needs: Needs| -> Result<Vec<Evaluation>, Stop> {
+    /// A [`Diagnostic`] when the method cannot continue, or Adam reaches a point without equilibrium.
+    pub fn search(&self, member: &optimisers::Member) -> Result<SearchResult> {
+        let mut optimiser = (member.build)(&self.search, &self.methods())?;
+        let mut solver = self.solver(&self.levels.levels, self.set.static_tolerance);
+        let mut evaluated = Vec::new();
+        let mut problem = |batch: &[Vec<f64>], needs: Needs| -> Result<Vec<Evaluation>, Interrupted> {
             let mut answers: Vec<Option<Evaluation>> = vec![None; batch.len()];
-            for i in near_to_near(batch) {
-                let evaluation = self.evaluate(&mut ladder, &batch[i], needs, &mut told).map_err(Stop)?;
+            for i in nearest_neighbour_order(batch) {
+                let evaluation = self.evaluate(&mut solver, &batch[i], needs, &mut evaluated).map_err(Interrupted)?;
                 answers[i] = Some(evaluation);
             }
             Ok(answers.into_iter().flatten().collect())
         };
-        let history = fit::minimise(optimiser.as_mut(), &mut problem).map_err(|stop| stop.0)?;
-        Ok(Searched { history, told, ladder })
+        let history = optimize::minimise(optimiser.as_mut(), &mut problem).map_err(|stop| stop.0)?;
+        Ok(SearchResult { history, evaluated, solver })
     }
 
     fn methods(&self) -> optimisers::Settings {
@@ -136,8 +194,8 @@ impl<'a> Fitting<'a> {
             adam: adam::Settings {
                 step: set.adam_step,
                 step_decay: set.adam_step_decay,
-                mean_memory: set.adam_mean_memory,
-                square_memory: set.adam_square_memory,
+                mean_decay: set.adam_mean_decay,
+                square_decay: set.adam_square_decay,
                 step_tolerance: set.step_tolerance,
                 iterations: set.adam_iterations,
             },
@@ -151,65 +209,70 @@ impl<'a> Fitting<'a> {
 
     pub(super) fn evaluate(
         &self,
-        ladder: &mut Ladder,
+        solver: &mut LevelSolver,
         at: &[f64],
         needs: Needs,
-        told: &mut Vec<Told>,
-    ) -> Outcome<Evaluation> {
+        evaluated: &mut Vec<Evaluated>,
+    ) -> Result<Evaluation> {
         let want = match needs {
-            Needs::Loss => Want::Nothing,
-            Needs::Gradient => Want::Gradient,
-            Needs::Residuals => Want::Slopes,
+            Needs::Loss => Derivatives::None,
+            Needs::Gradient => Derivatives::Gradient,
+            Needs::Residuals => Derivatives::Sensitivities,
         };
         let elastic = self.elastic(at);
-        let levels = match ladder.climb(&elastic, want) {
-            Err(_) if told_before(told, want) => return Ok(Evaluation::of_loss(at.to_vec(), f64::INFINITY)),
+        let levels = match solver.solve(&elastic, want) {
+            // Without an equilibrium the loss is infinite: population and line searches then reject the point by themselves.
+            Err(_) if had_evaluation(evaluated, want) => return Ok(Evaluation::of_loss(at.to_vec(), f64::INFINITY)),
             levels => levels?,
         };
         let markers: Vec<Vec<Point2>> = levels.iter().map(|l| l.markers.clone()).collect();
         let loss = self.levels.loss(&markers);
-        told.push(Told { at: at.to_vec(), markers });
+        evaluated.push(Evaluated { at: at.to_vec(), markers });
         let moduli = elastic.youngs_moduli;
-        let residuals = (want == Want::Slopes).then(|| self.levels.residuals(&levels, &moduli)).transpose()?;
-        let gradient = (want == Want::Gradient).then(|| self.gradient(&levels, moduli));
+        let residuals =
+            (want == Derivatives::Sensitivities).then(|| self.levels.residuals(&levels, &moduli)).transpose()?;
+        let gradient = (want == Derivatives::Gradient).then(|| self.gradient(&levels, moduli));
         Ok(Evaluation { at: at.to_vec(), loss, gradient, residuals })
     }
 
     /// ∂loss/∂ln E.
-    fn gradient(&self, levels: &[Simulated], moduli: [Pascal; 2]) -> Vec<f64> {
+    fn gradient(&self, levels: &[SimulatedLevel], moduli: [Pascal; 2]) -> Vec<f64> {
         let sum = |k: usize| levels.iter().map(|l| l.gradient[k]).sum::<f64>();
-        (0..2).map(|k| sum(k) * moduli[k] / self.card.length).collect()
+        (0..2).map(|k| sum(k) * moduli[k] / self.body.length).collect()
     }
 
-    /// How the method went, as it is kept.
-    pub fn record(&self, method: &str, history: &History, seconds: Second) -> records::Search {
-        let tried = history.tried.iter().map(|t| Tried { at: self.point(&t.evaluation.at), loss: t.evaluation.loss });
+    /// The evaluations of a method, as recorded.
+    pub fn record(&self, method: &str, history: &EvaluationLog, seconds: Second) -> records::Search {
+        let tried = history
+            .entries
+            .iter()
+            .map(|t| EvaluatedPoint { at: self.point(&t.evaluation.at), loss: t.evaluation.loss });
         records::Search { method: method.into(), tried: tried.collect(), seconds }
     }
 }
 
-/// Whether a point without equilibrium may be told as one of infinite loss: a gradient must have been found before.
-fn told_before(told: &[Told], want: Want) -> bool {
-    want != Want::Gradient || !told.is_empty()
+/// Whether a point without equilibrium may have infinite loss: where a gradient is needed, one point must have been evaluated before.
+fn had_evaluation(evaluated: &[Evaluated], want: Derivatives) -> bool {
+    want != Derivatives::Gradient || !evaluated.is_empty()
 }
 
-/// A level whose load steps must be halved more often than this has given way: a search has better points to try.
+/// A level whose load steps must be halved more often than this counts as without equilibrium: a search need not evaluate it.
 const HALVINGS: usize = 1;
 
-/// Newton directions in a load step after which it is given up: where there is a shape, eight do.
+/// Newton iterations in a load step after which it is given up: where an equilibrium exists, eight suffice.
 const DIRECTIONS: usize = 16;
 
-/// Where the markers were seen at rest: the mean over films, m.
-pub fn mean_rest(films: &Learning<Motion>) -> Vec<Point2> {
+/// Measured positions of the markers at rest: the mean over films, m.
+pub fn mean_rest(films: &IdentificationTrials<Motion>) -> Vec<Point2> {
     let count = films.0.len().max(1) as f64;
     let first = films.0.first().map(|(_, m)| m.rest.len()).unwrap_or_default();
     let mean = |m: usize, k: usize| films.0.iter().map(|(_, motion)| motion.rest[m][k]).sum::<f64>() / count;
     (0..first).map(|m| [mean(m, 0), mean(m, 1)]).collect()
 }
 
-fn no_film(of: &Specimen) -> Fault {
-    Fault::new(
-        format!("`{}` has no trial to identify from", of.card.name),
+fn no_film(name: &str) -> Diagnostic {
+    Diagnostic::new(
+        format!("`{}` has no trial to identify from", name),
         "no [[trial]] on its card has role = \"identify\"",
         "give a staircase that role",
     )

@@ -1,12 +1,10 @@
-//! Gradients: the adjoint gradient of the loss against differences of it, and what it costs.
-//!
-//! Stands on: the fitting, the ladder. Never knows: an optimiser.
+//! Gradients: the adjoint gradient of the loss against finite differences, and its cost.
 
-use fit::Needs;
+use optimize::Needs;
 
 use super::fitting::Fitting;
-use crate::fault::Outcome;
-use crate::model::{Elastic, Rung, Want};
+use diagnostics::Result;
+use sysid::{Derivatives, Elastic, PressureLevel};
 
 /// Step of the central differences, in logarithms of moduli: its truncation error is far below the solver's tolerance.
 const DIFFERENCE: f64 = 1e-3;
@@ -18,11 +16,11 @@ impl Fitting<'_> {
     /// Adjoint gradient against central differences at the start, over the size of the gradient.
     ///
     /// # Errors
-    /// A [`Fault`](crate::fault::Fault) when there is no equilibrium at the start.
-    pub fn gradient_difference(&self) -> Outcome<f64> {
-        let mut ladder = self.ladder(&self.levels.rungs, EXACT);
+    /// A [`Diagnostic`](diagnostics::Diagnostic) when there is no equilibrium at the start.
+    pub fn gradient_difference(&self) -> Result<f64> {
+        let mut solver = self.solver(&self.levels.levels, EXACT);
         let start = [self.search.start()[0], self.search.start()[1]];
-        let mut loss = |at: [f64; 2], needs: Needs| self.evaluate(&mut ladder, &at, needs, &mut Vec::new());
+        let mut loss = |at: [f64; 2], needs: Needs| self.evaluate(&mut solver, &at, needs, &mut Vec::new());
         let adjoint = loss(start, Needs::Gradient)?.gradient.unwrap_or_default();
         let size = adjoint.iter().fold(0.0_f64, |s, g| s.max(g.abs()));
         let mut worst = 0.0_f64;
@@ -41,12 +39,12 @@ impl Fitting<'_> {
     /// Time of an equilibrium with its gradient over that of the equilibrium alone, from rest to the highest level.
     ///
     /// # Errors
-    /// A [`Fault`](crate::fault::Fault) when there is no equilibrium there.
-    pub fn gradient_over_forward(&self, elastic: &Elastic) -> Outcome<f64> {
-        let rungs = &self.levels.rungs;
-        let highest = (0..rungs.len()).max_by(|a, b| rungs[*a].top().total_cmp(&rungs[*b].top()));
-        let highest: Vec<Rung> = highest.map(|level| rungs[level].clone()).into_iter().collect();
-        let found = self.ladder(&highest, self.static_tolerance()).climb(elastic, Want::Gradient)?;
+    /// A [`Diagnostic`](diagnostics::Diagnostic) when there is no equilibrium there.
+    pub fn gradient_over_forward(&self, elastic: &Elastic) -> Result<f64> {
+        let levels = &self.levels.levels;
+        let highest = (0..levels.len()).max_by(|a, b| levels[*a].top().total_cmp(&levels[*b].top()));
+        let highest: Vec<PressureLevel> = highest.map(|level| levels[level].clone()).into_iter().collect();
+        let found = self.solver(&highest, self.static_tolerance()).solve(elastic, Derivatives::Gradient)?;
         let forward: f64 = found.iter().map(|level| level.forward_seconds).sum();
         let derivative: f64 = found.iter().map(|level| level.derivative_seconds).sum();
         Ok((forward + derivative) / forward)

@@ -1,23 +1,22 @@
 //! Inflate: the identified model under rising pressure on one side, up to the highest that a film shows; among them the pressure
-//! of the film's own frame, so that both can stand side by side. Paper: figure 1, the buckle.
-//!
-//! Stands on: the model, the walls. Never knows: what a frame looks like.
+//! of the film's example frame, so that both can be compared. Paper: figure 1, the buckle.
 
 use std::collections::BTreeSet;
 
 use fem::{Solver, StaticSettings};
+use lab::card::Side;
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
 use si::{Pascal, Point3, vec3};
 
-use super::swing;
+use super::simulation;
 use super::wall::Section;
-use crate::fault::{Fault, Outcome};
-use crate::model::{Model, by_node};
-use crate::needs::OfTrials;
-use crate::records::{Identified, Inflation, Mesh, Shape, Still, Walls};
-use crate::stage::{Desk, Stage};
+use crate::records::{ExampleFrames, Identified, Inflation, Mesh, Shape, Walls};
+use crate::selections::OfTrials;
 use crate::subject::{Specimen, Trial};
+use diagnostics::{Diagnostic, Result};
+use sysid::{Body, by_node};
+use workflow::stage::{Stage, StageContext};
+use workflow::subject::Part;
 
 /// The stage.
 pub struct Inflate;
@@ -28,44 +27,62 @@ pub struct Inflate;
 pub struct Settings {
     /// How many shapes, evenly up to the highest pressure.
     shapes: usize,
-    /// The last step of each equilibrium moves no node further than this part of the body's size.
+    /// Tolerance of an equilibrium: the last Newton step moves no node by more than this fraction of the body's size.
     static_tolerance: f64,
+}
+
+/// What it reads of the card.
+#[derive(Debug, Serialize)]
+pub struct Card {
+    body: Body,
+    /// The channel of each chamber.
+    sides: Vec<Side>,
+    staircase: Option<Staircase>,
+}
+
+/// The staircase with the highest level.
+#[derive(Debug, Serialize)]
+struct Staircase {
+    side: Side,
+    highest: Pascal,
+}
+
+impl Part<Specimen> for Card {
+    fn part_of(of: &Specimen) -> Self {
+        let staircase =
+            |t: Trial| Staircase { side: t.trial.experiment.side(), highest: t.highest_level().unwrap_or(0.0) };
+        Self {
+            body: Body::of(&of.card),
+            sides: of.card.chamber.iter().map(|c| c.log).collect(),
+            staircase: of.highest_staircase().map(staircase),
+        }
+    }
 }
 
 impl Stage for Inflate {
     type Settings = Settings;
-    type Needs = (Mesh, Identified, OfTrials<Still>);
+    type Card = Card;
+    type Needs = (Mesh, Identified, OfTrials<ExampleFrames>);
     type Makes = Inflation;
-    const STORY: &'static str = "the identified model is blown up as high as a film shows";
-    const EDITION: u32 = 2;
+    const DESCRIPTION: &'static str = "the identified model is inflated to the highest filmed pressure";
+    const VERSION: u32 = 3;
 
-    fn card(of: &Specimen) -> Value {
-        let region = |s: &lab::card::Solid| json!([s.material, s.poissons_ratio]);
-        json!({
-            "body": region(&of.card.solid.body),
-            "spine": region(&of.card.solid.spine),
-            "clamp": of.card.clamp.below_x,
-            "chambers": of.card.chamber.iter().map(|c| c.log.word()).collect::<Vec<_>>(),
-            "staircase": of.highest_staircase().map(|t| format!("{:?}", t.trial.experiment)),
-        })
-    }
-
-    fn run(of: &Specimen, set: &Settings, needs: Self::Needs, desk: &dyn Desk) -> Outcome<Inflation> {
-        let (mesh, found, OfTrials(stills)) = needs;
-        let trial = of.highest_staircase().ok_or_else(|| no_staircase(of))?;
-        let filmed = stills.first().map(|(_, still)| still.seen.pressures_pa.clone());
-        let asked_pa = trial.highest_level().unwrap_or(0.0);
-        let levels = levels(&trial, asked_pa, set.shapes, filmed.as_deref());
-        let model = Model::new(&mesh, &of.card)?;
+    fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<Inflation> {
+        let (mesh, found, OfTrials(examples, _)) = needs;
+        let staircase = card.staircase.as_ref().ok_or_else(no_staircase)?;
+        let filmed = examples.first().map(|(_, example)| example.seen.pressures_pa.clone());
+        let asked_pa = staircase.highest;
+        let levels = levels(card, staircase, set.shapes, filmed.as_deref());
+        let model = mesh.model(&card.body)?;
         let mut solver = model.system.solver();
-        swing::identified(&model, &found).give(&mut solver)?;
+        simulation::identified(&model, &found).apply(&mut solver)?;
         let statics = StaticSettings {
             tolerance: set.static_tolerance,
-            halvings: HALVINGS,
-            iterations: DIRECTIONS,
+            max_halvings: HALVINGS,
+            max_iterations: DIRECTIONS,
             ..StaticSettings::default()
         };
-        let shapes = climb(&mut solver, &levels, &statics, &mesh, desk)?;
+        let shapes = solve_levels(&mut solver, &levels, &statics, &mesh, context)?;
         let filmed = filmed.and_then(|wanted| shapes.iter().position(|s| s.pressures_pa == wanted));
         let nodes = skin(&mesh);
         let keep = |s: Shape| Shape { moved: nodes.iter().map(|&n| s.moved[n as usize]).collect(), ..s };
@@ -73,10 +90,10 @@ impl Stage for Inflate {
     }
 }
 
-/// Pressures of all chambers, from the lowest up: evenly, and those of the film.
-fn levels(trial: &Trial, highest: Pascal, count: usize, filmed: Option<&[Pascal]>) -> Vec<Vec<Pascal>> {
-    let side = trial.trial.experiment.side();
-    let at = |p: Pascal| trial.card.chamber.iter().map(|c| if c.log == side { p } else { 0.0 }).collect();
+/// Pressures of all chambers in rising order: even levels, and those of the film.
+fn levels(card: &Card, staircase: &Staircase, count: usize, filmed: Option<&[Pascal]>) -> Vec<Vec<Pascal>> {
+    let highest = staircase.highest;
+    let at = |p: Pascal| card.sides.iter().map(|side| if *side == staircase.side { p } else { 0.0 }).collect();
     let even = (1..=count).map(|i| at(highest * i as f64 / count as f64));
     let mut all: Vec<Vec<Pascal>> = even.chain(filmed.map(<[Pascal]>::to_vec)).collect();
     let top = |p: &Vec<Pascal>| p.iter().copied().fold(0.0, f64::max);
@@ -84,25 +101,25 @@ fn levels(trial: &Trial, highest: Pascal, count: usize, filmed: Option<&[Pascal]
     all
 }
 
-/// A shape from the one before it: halvings of the way, and Newton directions on each part. A shape that is not there is sought longest.
+/// A shape from the one before it: load-step halvings, and Newton iterations on each part. A level without equilibrium takes longest.
 const HALVINGS: usize = 2;
 const DIRECTIONS: usize = 25;
 
-/// The shapes, each from the one before, until there is none any more.
-fn climb(
+/// The shapes, each started from the one before, up to the first level without equilibrium.
+fn solve_levels(
     solver: &mut Solver,
     levels: &[Vec<Pascal>],
     statics: &StaticSettings,
     mesh: &Mesh,
-    desk: &dyn Desk,
-) -> Outcome<Vec<Shape>> {
+    context: &dyn StageContext,
+) -> Result<Vec<Shape>> {
     let section = Section::of(mesh);
     let (mut shapes, mut last): (Vec<Shape>, Option<Vec<f64>>) = (Vec::new(), None);
     for (i, pressures) in levels.iter().enumerate() {
-        desk.progress(i as f64 / levels.len() as f64, "blowing it up");
+        context.progress(i as f64 / levels.len() as f64, "inflating");
         let displacement = match solver.equilibrium(pressures, last.as_deref(), statics) {
             Ok(found) => found.displacement,
-            Err(error) if shapes.is_empty() => return Err(Fault::from_tool(error)),
+            Err(error) if shapes.is_empty() => return Err(Diagnostic::from(error)),
             Err(_) => break,
         };
         shapes.push(shape(mesh, section.as_ref(), pressures, by_node(&displacement)));
@@ -121,7 +138,7 @@ fn shape(mesh: &Mesh, section: Option<&Section>, pressures: &[Pascal], moved: Ve
 
 /// Whether a cavity lies at positive y.
 fn lies_left(mesh: &Mesh, cavity: u16) -> bool {
-    let on = mesh.solid.skin.iter().filter(|f| f.on == shape::Skin::Chamber(cavity));
+    let on = mesh.solid.skin.iter().filter(|f| f.on == mesh::Skin::Chamber(cavity));
     on.map(|f| mesh.solid.nodes[f.nodes[0] as usize][1]).sum::<f64>() > 0.0
 }
 
@@ -131,10 +148,6 @@ fn skin(mesh: &Mesh) -> Vec<u32> {
     nodes.into_iter().collect()
 }
 
-fn no_staircase(of: &Specimen) -> Fault {
-    Fault::new(
-        format!("`{}` is never held under pressure", of.card.name),
-        "no trial on its card is a staircase",
-        "record one",
-    )
+fn no_staircase() -> Diagnostic {
+    Diagnostic::new("the specimen is never held under pressure", "no trial on its card is a staircase", "record one")
 }

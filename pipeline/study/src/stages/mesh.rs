@@ -1,18 +1,17 @@
-//! Mesh: two surfaces become tetrahedra with regions, chambers and marker points. Paper: section V, the STL export.
-//!
-//! Stands on: shape. Never knows: how the actuator was designed; it sees the surfaces alone.
+//! Mesh: tetrahedra with regions, chambers and marker points from two surfaces. Paper: section V, the STL export.
 
-use lab::card::{Card, Chamber};
+use lab::card::LengthUnit;
+use mesh::{QuadraticMesh, Report, Spot, Surface};
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
-use shape::{QuadraticMesh, Report, Spot, Surface};
 use si::{Metre, Point3};
+use std::path::Path;
 
-use crate::fault::{Fault, Outcome};
-use crate::model::chamber_at;
 use crate::records::{self, Cavity, Quality};
-use crate::stage::{Desk, RawFile, Stage};
 use crate::subject::Specimen;
+use ::mesh::chamber_at;
+use diagnostics::{Diagnostic, Result};
+use workflow::stage::{RawFile, Stage, StageContext};
+use workflow::subject::Part;
 
 /// The stage.
 pub struct Mesh;
@@ -29,64 +28,87 @@ pub struct Settings {
     marker_distance_limit: Metre,
 }
 
+/// What it reads of the card.
+#[derive(Debug, Clone, Serialize)]
+pub struct Card {
+    unit: LengthUnit,
+    chambers: Vec<Point>,
+    markers: Vec<Point>,
+}
+
+/// A named point of the card, m.
+#[derive(Debug, Clone, Serialize)]
+struct Point {
+    name: String,
+    at: Point3,
+}
+
+impl Part<Specimen> for Card {
+    fn part_of(of: &Specimen) -> Self {
+        let card = &of.card;
+        Self {
+            unit: card.solid.unit,
+            chambers: card.chamber.iter().map(|c| Point { name: c.name.clone(), at: c.at }).collect(),
+            markers: card.marker.iter().map(|m| Point { name: m.name.clone(), at: m.at }).collect(),
+        }
+    }
+}
+
 impl Stage for Mesh {
     type Settings = Settings;
+    type Card = Card;
     type Needs = ();
     type Makes = records::Mesh;
-    const STORY: &'static str = "two surfaces become tetrahedra with chambers and marks";
-    const EDITION: u32 = 1;
+    const DESCRIPTION: &'static str = "two surfaces are meshed by tetrahedra, with chambers and markers";
+    const VERSION: u32 = 1;
 
     fn raw(of: &Specimen) -> Vec<RawFile> {
         let (name, solid) = (&of.card.name, &of.card.solid);
         vec![RawFile::new("body", name, &solid.body.file), RawFile::new("spine", name, &solid.spine.file)]
     }
 
-    fn card(of: &Specimen) -> Value {
-        let card = &of.card;
-        json!({
-            "unit": card.solid.unit.word(),
-            "chambers": card.chamber.iter().map(|c| json!([c.name, c.at])).collect::<Vec<_>>(),
-            "markers": card.marker.iter().map(|m| m.at).collect::<Vec<_>>(),
-        })
-    }
-
-    fn run(of: &Specimen, set: &Settings, (): (), desk: &dyn Desk) -> Outcome<records::Mesh> {
-        desk.progress(0.1, "meshing");
-        let mesher = shape::Settings { use_symmetry: set.use_symmetry, ..shape::Settings::new(set.edge) };
-        made(&of.card, &mesher, set.marker_distance_limit, desk)
+    fn run(card: &Self::Card, set: &Settings, (): (), context: &dyn StageContext) -> Result<records::Mesh> {
+        context.progress(0.1, "meshing");
+        let mesher = ::mesh::Settings { use_symmetry: set.use_symmetry, ..::mesh::Settings::new(set.edge) };
+        made(card, &mesher, set.marker_distance_limit, context)
     }
 }
 
 /// A specimen's mesh; a marker may lie so far (m) from the skin.
 ///
 /// # Errors
-/// A [`Fault`] when a surface cannot be read or meshed, or the card names a chamber or marker that is not there.
-pub fn made(card: &Card, by: &shape::Settings, marker_limit: Metre, desk: &dyn Desk) -> Outcome<records::Mesh> {
-    let (body, spine) = (surface(card, "body", desk)?, surface(card, "spine", desk)?);
-    let (linear, report) = shape::mesh(&body, &spine, by).map_err(Fault::from_tool)?;
-    let solid = shape::quadratic(&linear);
+/// A [`Diagnostic`] when a surface cannot be read or meshed, or the card names a chamber or marker that is not there.
+pub fn made(
+    card: &Card,
+    by: &::mesh::Settings,
+    marker_limit: Metre,
+    context: &dyn StageContext,
+) -> Result<records::Mesh> {
+    let (body, spine) = (surface(card, "body", context)?, surface(card, "spine", context)?);
+    let (linear, report) = ::mesh::mesh(&body, &spine, by)?;
+    let solid = ::mesh::quadratic(&linear);
     let chambers = chambers(card, &solid, &report)?;
     let (markers, marker_distance_m) = embed_markers(card, &solid, marker_limit)?;
     let quality = quality(&solid, &report, marker_distance_m);
     Ok(records::Mesh { solid, chambers, markers, quality })
 }
 
-fn surface(card: &Card, word: &str, desk: &dyn Desk) -> Outcome<Surface> {
-    let read = shape::stl::read(&desk.bytes(word)?, card.solid.unit.metres());
-    read.map_err(|e| Fault::from_tool(format!("{}: {e}", desk.place(word))))
+fn surface(card: &Card, word: &str, context: &dyn StageContext) -> Result<Surface> {
+    let read = ::mesh::stl::read(&context.bytes(word)?, card.unit.metres());
+    read.map_err(|e| Diagnostic::from(e).in_file(Path::new(&context.display_path(word))))
 }
 
-fn chambers(card: &Card, solid: &QuadraticMesh, report: &Report) -> Outcome<Vec<Cavity>> {
-    card.chamber.iter().map(|chamber| cavity(chamber, solid, report)).collect()
+fn chambers(card: &Card, solid: &QuadraticMesh, report: &Report) -> Result<Vec<Cavity>> {
+    card.chambers.iter().map(|chamber| cavity(chamber, solid, report)).collect()
 }
 
-fn cavity(chamber: &Chamber, solid: &QuadraticMesh, report: &Report) -> Outcome<Cavity> {
+fn cavity(chamber: &Point, solid: &QuadraticMesh, report: &Report) -> Result<Cavity> {
     match chamber_at(solid, chamber.at) {
         Some(skin) => {
             let volume_m3 = report.chambers[usize::from(skin)].volume;
             Ok(Cavity { name: chamber.name.clone(), skin, volume_m3 })
         }
-        None => Err(Fault::new(
+        None => Err(Diagnostic::new(
             format!("chamber `{}` is not where the card says, at {}", chamber.name, millimetres(chamber.at)),
             format!("the body has {} closed cavities and none holds that point", report.chambers.len()),
             format!("give a point inside one; their centres are {}", centres(report)),
@@ -98,12 +120,12 @@ fn centres(report: &Report) -> String {
     report.chambers.iter().map(|c| millimetres(c.centroid)).collect::<Vec<_>>().join("; ")
 }
 
-fn embed_markers(card: &Card, solid: &QuadraticMesh, limit: Metre) -> Outcome<(Vec<Spot>, Metre)> {
+fn embed_markers(card: &Card, solid: &QuadraticMesh, limit: Metre) -> Result<(Vec<Spot>, Metre)> {
     let (mut spots, mut worst) = (Vec::new(), 0.0_f64);
-    for marker in &card.marker {
-        let (spot, distance) = shape::embed(solid, marker.at);
+    for marker in &card.markers {
+        let (spot, distance) = ::mesh::embed(solid, marker.at);
         if distance > limit {
-            return Err(Fault::new(
+            return Err(Diagnostic::new(
                 format!("marker `{}` at {} is not on the skin", marker.name, millimetres(marker.at)),
                 format!(
                     "it lies {:.2} mm off; the limit is {:.2} mm (study.toml, [mesh] marker_distance_limit)",
@@ -122,7 +144,7 @@ fn embed_markers(card: &Card, solid: &QuadraticMesh, limit: Metre) -> Outcome<(V
 fn quality(solid: &QuadraticMesh, report: &Report, marker_distance_m: Metre) -> Quality {
     let error = |mesh: f64, stl: f64| mesh / stl - 1.0;
     Quality {
-        freedoms: 3 * solid.nodes.len(),
+        dofs: 3 * solid.nodes.len(),
         half: solid.half,
         min_dihedral_deg: report.min_dihedral_deg,
         hausdorff_m: report.hausdorff_m,

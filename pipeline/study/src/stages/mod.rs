@@ -1,69 +1,65 @@
-//! The story of the paper, in the order of the data.
+//! The stages of the pipeline, in the order of the data.
 //!
-//! Stands on: the contract in `stage.rs` and its members. Never knows: a path, an order of running.
-//! A new stage: its file, its record, its line in [`ALL`].
+//! To add a stage: its file here, its record in `records/`, its line in [`ALL`], its section in `study.toml`.
 
+mod assemble;
 mod baselines;
-mod best_flap;
-pub(crate) mod camera;
-mod certainty;
-pub(crate) mod clock;
-mod conclude;
+pub mod camera;
+pub mod clock;
 mod damping;
 mod drag;
+mod example_frames;
 mod findings;
 mod fitting;
 mod four_parameters;
 mod gradients;
 mod identify;
 mod inflate;
-mod landscape;
-mod levels;
 mod load_cell;
 mod markers;
-pub(crate) mod mesh;
-mod mesh_honesty;
+pub mod mesh;
+mod mesh_sensitivity;
+mod optimal_actuation;
 mod plateaus;
 mod recovery;
 mod reduce;
 mod repeats;
-mod softest;
-mod still;
-mod stop;
-mod swing;
+mod simulation;
 mod tank;
 mod thrust;
-pub(crate) mod track;
+pub mod track;
 mod transfer;
+mod uncertainty;
 mod validate;
-mod walk;
 mod wall;
 mod wave;
 
-use crate::entry::{Entry, stage};
+use crate::subject::Study;
+use workflow::entry::{Entry, stage};
 
 /// Every stage.
-pub const ALL: &[Entry] = &[
-    stage::<mesh::Mesh>(),          // two STLs                    → tetrahedra, chambers, marker points
-    stage::<camera::Camera>(),      // calibration video           → lens and plane
-    stage::<track::Track>(),        // video                       → pixels
-    stage::<markers::Markers>(),    // pixels                      → metres in the plane
-    stage::<clock::Clock>(),        // lamp, logs, metres          → motion and pressure on one clock
-    stage::<load_cell::LoadCell>(), // hammer taps               → how the load cell rings
-    stage::<tank::Tank>(),          // still water                 → the tank's waves
-    stage::<wave::Wave>(),          // force log                   → force without waves and drift
-    stage::<still::Still>(),        // one film                    → two of its frames
-    stage::<identify::Identify>(),  // quasi-static motion         → Young's moduli
-    stage::<inflate::Inflate>(),    // the identified model        → its shapes under pressure
-    stage::<four_parameters::FourParameters>(), // the same levels    → both moduli, both Poisson's ratios
-    stage::<mesh_honesty::MeshHonesty>(), // the same levels       → moduli by other meshes
-    stage::<reduce::Reduce>(),      // the identified model        → the same in a few dozen coordinates
-    stage::<damping::Damping>(),    // a release               → how fast a swing dies
-    stage::<drag::Drag>(),          // a release under water     → its added mass and drag
-    stage::<validate::Validate>(),  // flapping never seen         → error of the prediction
-    stage::<thrust::Thrust>(),      // motion, pressure, force     → models of thrust
-    stage::<transfer::Transfer>(),  // all tails' runs             → models judged on a tail never seen
-    stage::<best_flap::BestFlap>(), // the model, models of thrust → the flap of the most thrust
-    stage::<findings::Findings>(),  // what was found              → what claims need
-    stage::<recovery::Recovery>(),  // what was found, what was true → how close
+#[rustfmt::skip] // one line a stage, in the order of the data
+pub const ALL: &[Entry<Study>] = &[
+    stage::<mesh::Mesh>(),                          // two STL files                 → tetrahedra, chambers, marker points
+    stage::<camera::Camera>(),                      // calibration film              → lens and camera pose
+    stage::<track::Track>(),                        // film                          → marker tracks, px
+    stage::<markers::Markers>(),                    // pixels                        → positions in the plane, m
+    stage::<clock::Clock>(),                        // LED, logs, positions          → displacements and pressures on one clock
+    stage::<load_cell::LoadCell>(),                 // hammer taps                   → transfer function of the fixture
+    stage::<tank::Tank>(),                          // water at rest                 → standing waves of the tank
+    stage::<wave::Wave>(),                          // force log                     → force without waves and drift
+    stage::<example_frames::Example>(),             // one film                      → two of its frames
+    stage::<identify::Identify>(),                  // quasi-static displacements    → Young's moduli with their covariance
+    stage::<inflate::Inflate>(),                    // identified model              → its shapes under pressure
+    stage::<four_parameters::FourParameters>(),     // the same pressure levels      → both moduli and both Poisson's ratios
+    stage::<mesh_sensitivity::MeshSensitivity>(),   // the same pressure levels      → moduli on other meshes
+    stage::<reduce::Reduce>(),                      // identified model              → hyper-reduced model (POD with empirical cubature)
+    stage::<damping::Damping>(),                    // a release in air              → stiffness-proportional damping
+    stage::<drag::Drag>(),                          // a release under water         → added mass and normal drag
+    stage::<validate::Validate>(),                  // validation trials             → error of the prediction
+    stage::<thrust::Thrust>(),                      // motion, pressure, force       → thrust models
+    stage::<transfer::Transfer>(),                  // runs of all tails             → thrust models on a held-out tail
+    stage::<optimal_actuation::OptimalActuation>(), // reduced model, thrust models  → actuation of greatest mean thrust
+    stage::<findings::Findings>(),                  // records                       → metrics that decide claims
+    stage::<recovery::Recovery>(),                  // estimates, hidden truth       → errors of the estimates
 ];

@@ -1,37 +1,35 @@
-//! Plateaus: the stretches of a quasi-static trial in which a pressure is held, and the shape that it holds.
+//! Plateaus: intervals of constant pressure in a quasi-static trial, and the mean shape in each.
 //!
-//! A tail that was filled in an instant still swings a little about that shape. Means are weighed by Hann's window, which a swing
-//! of two periods and more falls out of.
-//!
-//! Stands on: the motion record. Never knows: a simulation.
+//! A tail that was filled fast still vibrates about that shape. Means are weighted by Hann's window, which suppresses vibrations
+//! of two and more periods.
 
 use std::f64::consts::PI;
 use std::ops::Range;
 
 use si::{Pascal, Point2, Second};
 
-use crate::fault::{Fault, Outcome};
-use crate::model::Rung;
-use crate::records::{Markers, Motion, Parts, Path, Spread};
+use crate::records::{Covariance2, CovarianceParts, Markers, Motion, Path};
+use diagnostics::{Diagnostic, Result};
+use sysid::PressureLevel;
 
-/// The shape at each held pressure: weighed means over the last `settled` (0 … 1) of each hold that lasts at least `shortest` (s).
+/// The shape at each held pressure: weighted means over the last `settled` (0 … 1) of each hold that lasts at least `shortest` (s).
 ///
 /// # Errors
-/// A [`Fault`] when the log holds no pressure or the film ends before the first hold.
-pub fn rungs(motion: &Motion, markers: &Markers, settled: f64, shortest: Second) -> Outcome<Vec<Rung>> {
+/// A [`Diagnostic`] when the log holds no pressure or the film ends before the first hold.
+pub fn levels(motion: &Motion, markers: &Markers, settled: f64, shortest: Second) -> Result<Vec<PressureLevel>> {
     let holds = holds(motion).into_iter().filter(|h| motion.log_time[h.end - 1] - motion.log_time[h.start] >= shortest);
-    let rungs: Vec<Rung> = holds.filter_map(|hold| rung(motion, markers, hold, settled)).collect();
-    if rungs.is_empty() {
-        return Err(Fault::new(
+    let levels: Vec<PressureLevel> = holds.filter_map(|hold| model(motion, markers, hold, settled)).collect();
+    if levels.is_empty() {
+        return Err(Diagnostic::new(
             "the trial holds no pressure that was filmed",
             format!("a hold lasts at least {shortest} s at one command (study.toml, [identify] shortest_hold)"),
             "identify from a staircase, or correct the role of the trial on the card",
         ));
     }
-    Ok(rungs)
+    Ok(levels)
 }
 
-/// Runs of samples with one and the same command, at least one chamber's above zero.
+/// Runs of samples with a constant command, at least one chamber's above zero.
 fn holds(motion: &Motion) -> Vec<Range<usize>> {
     let command = |i: usize| -> Vec<Pascal> { motion.gauges.iter().map(|g| g.command[i]).collect() };
     let samples = motion.log_time.len();
@@ -41,7 +39,7 @@ fn holds(motion: &Motion) -> Vec<Range<usize>> {
     runs.filter(|run| command(run.start).iter().any(|&p| p > 0.0)).collect()
 }
 
-fn rung(motion: &Motion, markers: &Markers, hold: Range<usize>, settled: f64) -> Option<Rung> {
+fn model(motion: &Motion, markers: &Markers, hold: Range<usize>, settled: f64) -> Option<PressureLevel> {
     let (from, to) = (motion.log_time[hold.start], motion.log_time[hold.end - 1]);
     let still = to - settled * (to - from);
     let samples: Vec<usize> = hold.filter(|&i| motion.log_time[i] >= still).collect();
@@ -54,7 +52,11 @@ fn rung(motion: &Motion, markers: &Markers, hold: Range<usize>, settled: f64) ->
     let place = |m: &Path| [0, 1].map(|k| frames.clone().zip(&of_frames).map(|(i, w)| w * m.at[i][k]).sum());
     let measured: Vec<Point2> = motion.markers.iter().map(place).collect();
     let spread = markers.parts.iter().map(|parts| spread(parts, frames.start, &of_frames)).collect();
-    Some(Rung { pressures: motion.gauges.iter().map(|g| pressure(&g.measured)).collect(), measured, spread })
+    Some(PressureLevel {
+        pressures: motion.gauges.iter().map(|g| pressure(&g.measured)).collect(),
+        measured,
+        covariance: spread,
+    })
 }
 
 /// Hann's window over `count` even samples; they sum to 1.
@@ -64,9 +66,9 @@ fn hann(count: usize) -> Vec<f64> {
     (0..count).map(|k| weight(k) / sum).collect()
 }
 
-/// Of the weighed mean over the frames from `first` on: their noise is averaged, what stays through the film is not.
-fn spread(parts: &Parts, first: usize, weights: &[f64]) -> Spread {
-    let sum = |of: &[Spread], k: usize, power: i32| {
+/// Covariance of the weighted mean over the frames from `first` on: noise is averaged, errors shared by a film are not.
+fn spread(parts: &CovarianceParts, first: usize, weights: &[f64]) -> Covariance2 {
+    let sum = |of: &[Covariance2], k: usize, power: i32| {
         of[first..].iter().zip(weights).map(|(s, w)| w.powi(power) * s[k]).sum::<f64>()
     };
     [0, 1, 2].map(|k| sum(&parts.noise, k, 2) + sum(&parts.shared, k, 1))
@@ -88,34 +90,43 @@ mod tests {
         Motion { log_time: time.clone(), time, markers, rest: vec![[0.0; 2]], gauges, clock }
     }
 
-    /// Noise of 1e-10 m² a frame and 1e-12 m² that stays.
+    /// Noise of 1e-10 m² a frame and a shared error of 1e-12 m².
     fn markers() -> Markers {
-        let parts = vec![Parts { noise: vec![[1e-10; 3]; 400], shared: vec![[1e-12; 3]; 400] }];
+        let parts = vec![CovarianceParts { noise: vec![[1e-10; 3]; 400], shared: vec![[1e-12; 3]; 400] }];
         Markers { time: Vec::new(), markers: Vec::new(), parts, left_out: Vec::new(), stand: None }
     }
 
     #[test]
-    fn each_held_pressure_becomes_one_rung() {
-        let rungs = rungs(&motion(), &markers(), 0.4, 0.5).unwrap();
-        assert_eq!(rungs.len(), 2);
-        assert!((rungs[1].pressures[0] - 200.0).abs() < 1e-9);
-        assert!((rungs[1].measured[0][1] - 2e-3).abs() < 1e-12);
-        // some forty of a hundred frames, of which Hann's window weighs as many as two thirds would weigh alike
-        assert!((rungs[1].spread[0][0] - (1e-12 + 1.5 * 1e-10 / 40.0)).abs() < 3e-13, "{:?}", rungs[1].spread);
+    fn each_held_pressure_becomes_one_level() {
+        let levels = levels(&motion(), &markers(), 0.4, 0.5).unwrap();
+        assert_eq!(levels.len(), 2);
+        assert!((levels[1].pressures[0] - 200.0).abs() < 1e-9);
+        assert!((levels[1].measured[0][1] - 2e-3).abs() < 1e-12);
+        // some forty of a hundred frames; Hann's window has the effective number of two thirds of them
+        assert!(
+            (levels[1].covariance[0][0] - (1e-12 + 1.5 * 1e-10 / 40.0)).abs() < 3e-13,
+            "{:?}",
+            levels[1].covariance
+        );
     }
 
     #[test]
-    fn a_swing_about_the_held_shape_falls_out_of_it() {
-        let mut swinging = motion();
-        let swing = |t: f64| 1e-3 * (-2.5 * (t - 1.0)).exp() * (50.0 * t).sin();
-        let times = swinging.time.clone();
-        swinging.markers[0].at.iter_mut().zip(times).filter(|(_, t)| *t >= 1.0).for_each(|(at, t)| at[1] += swing(t));
-        let (held, still) = (rungs(&swinging, &markers(), 0.5, 0.5).unwrap(), swing(1.5 + 0.03).abs().max(2e-4));
+    fn a_vibration_about_the_held_shape_does_not_change_its_mean() {
+        let mut vibrating = motion();
+        let vibration = |t: f64| 1e-3 * (-2.5 * (t - 1.0)).exp() * (50.0 * t).sin();
+        let times = vibrating.time.clone();
+        vibrating.markers[0]
+            .at
+            .iter_mut()
+            .zip(times)
+            .filter(|(_, t)| *t >= 1.0)
+            .for_each(|(at, t)| at[1] += vibration(t));
+        let (held, still) = (levels(&vibrating, &markers(), 0.5, 0.5).unwrap(), vibration(1.5 + 0.03).abs().max(2e-4));
         assert!((held[0].measured[0][1] - 1e-3).abs() < 0.02 * still, "{:?}", held[0].measured);
     }
 
     #[test]
     fn a_trial_without_a_long_hold_is_refused() {
-        assert!(rungs(&motion(), &markers(), 0.4, 5.0).unwrap_err().what.contains("holds no pressure"));
+        assert!(levels(&motion(), &markers(), 0.4, 5.0).unwrap_err().what.contains("holds no pressure"));
     }
 }

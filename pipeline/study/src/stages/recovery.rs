@@ -1,6 +1,4 @@
-//! Recovery: how close the pipeline came to what the virtual bench hid. The one stage that may read the truth.
-//!
-//! Stands on: the truth of `lab`, every record that has a true counterpart. Never knows: how they were computed.
+//! Recovery: errors of the pipeline's estimates against the hidden truth of the virtual bench. The one stage that may read it.
 
 use std::path::Path as FilePath;
 
@@ -9,22 +7,23 @@ use lab::truth::{self, TrueTrack, TrueTrial};
 use serde::{Deserialize, Serialize};
 use si::{Point2, Second};
 
-use crate::fault::{Fault, Outcome};
-use crate::needs::Every;
 use crate::records::{
-    Camera, Damping, Drag, Identified, LoadCell, Markers, Motion, Path, Pull, Recovered, RecoveredSpecimen, Tank,
-    Tracks,
+    Camera, CorrectedForce, Damping, Drag, Identified, LoadCell, Markers, Motion, Path, Recovered, RecoveredSpecimen,
+    Tank, Tracks,
 };
-use crate::stage::{Desk, RawFile, Stage};
-use crate::subject::{Scope, Specimen, Study, Trial};
+use crate::subject::{Specimen, Study};
+use diagnostics::{Diagnostic, Result};
+use workflow::needs::Every;
+use workflow::stage::{RawFile, Stage, StageContext};
+use workflow::subject::{Name, Part};
 
 /// The stage.
 pub struct Recovery;
 
-/// What was learnt of the specimens: elasticity, damping, water.
-type Learnt = (Every<Identified>, Every<Damping>, Every<Drag>);
+/// Identified parameters of the specimens: elasticity, damping, water.
+type Parameters = (Every<Identified>, Every<Damping>, Every<Drag>);
 
-/// What was made of all films: pixels, places, motions.
+/// Records of all films: pixels, positions, motions.
 type Films = (Every<Tracks>, Every<Markers>, Every<Motion>);
 
 /// `[recovery]` in `study.toml`: nothing to set.
@@ -32,51 +31,89 @@ type Films = (Every<Tracks>, Every<Markers>, Every<Motion>);
 #[serde(deny_unknown_fields)]
 pub struct Settings {}
 
+/// What it reads of the cards: the specimens of the virtual bench, whose truth is known.
+#[derive(Debug, Serialize)]
+#[serde(transparent)]
+pub struct Card(Vec<Virtual>);
+
+/// A specimen of the virtual bench.
+#[derive(Debug, Serialize)]
+struct Virtual {
+    name: String,
+    trials: Vec<String>,
+    /// The fixture's recording of water at rest.
+    still_water: Option<String>,
+}
+
+impl Part<Study> for Card {
+    fn part_of(of: &Study) -> Self {
+        Self(virtual_specimens(of).map(Virtual::of).collect())
+    }
+}
+
+impl Virtual {
+    fn of(specimen: &Specimen) -> Self {
+        let still = specimen.card.fixture.iter().find(|f| f.of == lab::card::FixtureOf::StillWater);
+        Self {
+            name: specimen.card.name.clone(),
+            trials: specimen.card.trial.iter().map(|t| t.id.clone()).collect(),
+            still_water: still.map(|f| f.id.clone()),
+        }
+    }
+
+    /// The subject of one of its trials.
+    fn subject(&self, trial: &str) -> Name {
+        Name(format!("{}/{trial}", self.name))
+    }
+}
+
 impl Stage for Recovery {
     type Settings = Settings;
-    type Needs = ((Every<Camera>, Films, Learnt), (Every<LoadCell>, Every<Tank>, Every<Pull>));
+    type Card = Card;
+    type Needs = ((Every<Camera>, Films, Parameters), (Every<LoadCell>, Every<Tank>, Every<CorrectedForce>));
     type Makes = Recovered;
-    const STORY: &'static str = "what was found is compared with what was true";
-    const EDITION: u32 = 5;
+    const DESCRIPTION: &'static str = "estimates are compared with the hidden truth";
+    const VERSION: u32 = 6;
 
     fn raw(of: &Study) -> Vec<RawFile> {
         virtual_specimens(of).flat_map(files).collect()
     }
 
-    fn run(of: &Study, _: &Settings, needs: Self::Needs, desk: &dyn Desk) -> Outcome<Recovered> {
-        let ((Every(cameras), films, learnt), weighed) = needs;
+    fn run(card: &Self::Card, _: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<Recovered> {
+        let ((Every(cameras), films, parameters), weighed) = needs;
         let mut recovered = Recovered::default();
-        for specimen in virtual_specimens(of) {
-            let truth = read(desk, &specimen.card.name)?;
-            recovered.specimens.extend(beside(specimen, &truth, &learnt));
-            for (_, camera) in cameras.iter().filter(|(s, _)| s.name() == specimen.name()) {
+        for specimen in &card.0 {
+            let truth = read(context, &specimen.name)?;
+            recovered.specimens.extend(beside(specimen, &truth, &parameters));
+            for (_, camera) in cameras.iter().filter(|(s, _)| s.0 == specimen.name) {
                 let off = 100.0 * (camera.lens.fx / truth.lens.fx - 1.0).abs();
                 recovered.focal_error_percent = recovered.focal_error_percent.max(off);
             }
             judge_forces(&mut recovered, specimen, &truth, &weighed);
-            for trial in specimen.trials() {
-                let Some(true_trial) = truth.trial.iter().find(|t| t.id == trial.trial.id) else {
-                    return Err(no_trial(&trial));
+            for id in &specimen.trials {
+                let Some(true_trial) = truth.trial.iter().find(|t| t.id == *id) else {
+                    return Err(no_trial(&specimen.name, id));
                 };
-                judge(&mut recovered, &trial, true_trial, &films, desk)?;
+                let true_tracks = true_tracks(context, &specimen.name, id)?;
+                judge(&mut recovered, &specimen.subject(id), (true_trial, &true_tracks), &films);
             }
         }
         Ok(recovered)
     }
 }
 
-/// What was learnt of a specimen beside what it hides; nothing where its moduli were not identified.
+/// Identified parameters of a specimen beside the true ones; none where its moduli were not identified.
 fn beside(
-    specimen: &Specimen,
+    specimen: &Virtual,
     truth: &truth::Truth,
-    (Every(identified), Every(damped), Every(dragged)): &Learnt,
+    (Every(identified), Every(damped), Every(dragged)): &Parameters,
 ) -> Option<RecoveredSpecimen> {
-    let this = |s: &Specimen| s.name() == specimen.name();
+    let this = |s: &Name| s.0 == specimen.name;
     let found = identified.iter().find(|(s, _)| this(s)).map(|(_, found)| found)?;
     let damping = damped.iter().find(|(s, _)| this(s)).map(|(_, d)| [d.stiffness_damping, truth.damping.stiffness]);
     let drag = dragged.iter().find(|(s, _)| this(s)).map(|(_, d)| d).zip(truth.fluid.as_ref());
     Some(RecoveredSpecimen {
-        name: specimen.name(),
+        name: specimen.name.clone(),
         body_e_pa: [found.best.body_e_pa, truth.body.youngs_modulus],
         spine_e_pa: [found.best.spine_e_pa, truth.spine.youngs_modulus],
         stiffness_damping: damping,
@@ -85,29 +122,30 @@ fn beside(
     })
 }
 
-/// The worst of a specimen's force instruments, laid over the worst so far.
+/// Updates the largest errors with those of a specimen's force instruments.
 fn judge_forces(
     recovered: &mut Recovered,
-    specimen: &Specimen,
+    specimen: &Virtual,
     truth: &truth::Truth,
-    (Every(cells), Every(tanks), Every(pulls)): &(Every<LoadCell>, Every<Tank>, Every<Pull>),
+    (Every(cells), Every(tanks), Every(pulls)): &(Every<LoadCell>, Every<Tank>, Every<CorrectedForce>),
 ) {
     let worse = |old: Option<f64>, new: f64| Some(old.map_or(new, |old| old.max(new)));
-    for ((_, cell), hidden) in cells.iter().filter(|(s, _)| s.name() == specimen.name()).zip(&truth.cell) {
+    for ((_, cell), hidden) in cells.iter().filter(|(s, _)| s.0 == specimen.name).zip(&truth.cell) {
         let frequency = (hidden.stiffness / hidden.mass).sqrt() / std::f64::consts::TAU;
         let off = 100.0 * (cell.in_time.natural_frequency_hz / frequency - 1.0).abs();
         recovered.load_cell_frequency_error_percent = worse(recovered.load_cell_frequency_error_percent, off);
     }
-    for (_, tank) in tanks.iter().filter(|(s, _)| s.name() == specimen.name()) {
-        let still = specimen.card.fixture.iter().find(|f| f.of == lab::card::FixtureOf::StillWater);
-        let Some(hidden) = still.and_then(|f| truth.force.iter().find(|t| t.id == f.id)) else { continue };
+    for (_, tank) in tanks.iter().filter(|(s, _)| s.0 == specimen.name) {
+        let still = specimen.still_water.as_ref();
+        let Some(hidden) = still.and_then(|id| truth.force.iter().find(|t| t.id == *id)) else { continue };
         for (found, real) in tank.waves.iter().zip(&hidden.waves) {
             let part = |turn: fn(f64) -> f64| found.amplitude * turn(found.phase) - real.amplitude * turn(real.phase);
             let left = part(f64::cos).hypot(part(f64::sin));
             recovered.wave_residual_mn = worse(recovered.wave_residual_mn, 1e3 * left);
         }
-        for (trial, pull) in pulls.iter().filter(|(t, _)| t.card.name == specimen.card.name) {
-            let waves = truth.force.iter().find(|t| t.id == trial.trial.id).map_or(&[][..], |t| &t.waves);
+        for (trial, pull) in pulls.iter() {
+            let Some(id) = specimen.trials.iter().find(|id| specimen.subject(id) == *trial) else { continue };
+            let waves = truth.force.iter().find(|t| t.id == *id).map_or(&[][..], |t| &t.waves);
             if !waves.is_empty() {
                 let left = 1e3 * left_of(pull, waves, tank);
                 recovered.wave_residual_mn = worse(recovered.wave_residual_mn, left);
@@ -116,8 +154,8 @@ fn judge_forces(
     }
 }
 
-/// Root of the mean square of what a trial's waves and their removal leave, N. The decay of a hidden wave is taken as found.
-fn left_of(pull: &Pull, waves: &[truth::TrueWave], tank: &Tank) -> f64 {
+/// Root mean square residual of a trial's standing waves after their removal, N. The decay of a true wave is taken as identified.
+fn left_of(pull: &CorrectedForce, waves: &[truth::TrueWave], tank: &Tank) -> f64 {
     let first = pull.time[0];
     let real = |t: Second| -> f64 {
         let one = |(real, found): (&truth::TrueWave, &signal::wave::Wave)| {
@@ -134,7 +172,7 @@ fn virtual_specimens(of: &Study) -> impl Iterator<Item = &Specimen> {
     of.specimens.iter().filter(|s| s.card.origin == Origin::VirtualBench)
 }
 
-/// The truth's own file, and one of true tracks a trial.
+/// The truth's file, and one file of true tracks a trial.
 fn files(specimen: &Specimen) -> Vec<RawFile> {
     let name = &specimen.card.name;
     let tracks =
@@ -154,57 +192,58 @@ fn tracks_place(trial: &str) -> String {
     format!("truth/{trial}.csv")
 }
 
-fn read(desk: &dyn Desk, specimen: &str) -> Outcome<truth::Truth> {
-    let (text, place) = text(desk, &truth_word(specimen))?;
-    truth::parse(&text, FilePath::new(&place)).map_err(Fault::from_tool)
+fn read(context: &dyn StageContext, specimen: &str) -> Result<truth::Truth> {
+    let (text, place) = text(context, &truth_word(specimen))?;
+    truth::parse(&text, FilePath::new(&place))
 }
 
-fn text(desk: &dyn Desk, word: &str) -> Outcome<(String, String)> {
-    let place = desk.place(word);
-    let text = String::from_utf8(desk.bytes(word)?);
-    let text = text.map_err(|e| Fault::new(format!("{place} is not text"), e, "record the specimen again"))?;
+fn text(context: &dyn StageContext, word: &str) -> Result<(String, String)> {
+    let place = context.display_path(word);
+    let text = String::from_utf8(context.bytes(word)?);
+    let text = text.map_err(|e| Diagnostic::new(format!("{place} is not text"), e, "record the specimen again"))?;
     Ok((text, place))
 }
 
-/// The worst of a trial's errors, laid over the worst so far.
+/// Updates the largest errors with those of a trial.
 fn judge(
     recovered: &mut Recovered,
-    trial: &Trial,
-    truth: &TrueTrial,
+    trial: &Name,
+    (truth, true_tracks): (&TrueTrial, &[TrueTrack]),
     (Every(tracks), Every(places), Every(motions)): &Films,
-    desk: &dyn Desk,
-) -> Outcome<()> {
-    let (text, place) = text(desk, &tracks_word(&trial.card.name, &trial.trial.id))?;
-    let true_tracks = truth::parse_tracks(&text, FilePath::new(&place)).map_err(Fault::from_tool)?;
-    let this = |t: &Trial| t.name() == trial.name();
+) {
+    let this = |t: &Name| t == trial;
     for (_, tracks) in tracks.iter().filter(|(t, _)| this(t)) {
         let pixels = |t: &TrueTrack, i: usize| t.pixel[i];
-        let off = worst_rms(&tracks.markers, &tracks.time, &true_tracks, &pixels);
-        cover(&mut recovered.track_covered, &tracks.markers, &tracks.time, &true_tracks, &pixels);
+        let off = worst_rms(&tracks.markers, &tracks.time, true_tracks, &pixels);
+        cover(&mut recovered.track_coverage, &tracks.markers, &tracks.time, true_tracks, &pixels);
         if off > recovered.track_rms_px {
-            (recovered.track_rms_px, recovered.track_worst) = (off, trial.name());
+            (recovered.track_rms_px, recovered.track_worst) = (off, trial.0.clone());
         }
         if off > STRAYED {
-            recovered.track_strayed.push(format!("{} ({off:.2} px)", trial.name()));
+            recovered.track_strayed.push(format!("{} ({off:.2} px)", trial.0.clone()));
         }
     }
     for (_, places) in places.iter().filter(|(t, _)| this(t)) {
-        recovered.marker_place_mm = recovered.marker_place_mm.max(1e3 * off_at_rest(&places.markers, &true_tracks));
+        recovered.marker_place_mm = recovered.marker_place_mm.max(1e3 * off_at_rest(&places.markers, true_tracks));
     }
     for (_, motion) in motions.iter().filter(|(t, _)| this(t)) {
         let moved = |t: &TrueTrack, i: usize| [t.at[i][0] - t.at[0][0], t.at[i][1] - t.at[0][1]];
-        let off = worst_rms(&motion.markers, &motion.time, &true_tracks, &moved);
-        cover(&mut recovered.marker_covered, &motion.markers, &motion.time, &true_tracks, &moved);
+        let off = worst_rms(&motion.markers, &motion.time, true_tracks, &moved);
+        cover(&mut recovered.marker_coverage, &motion.markers, &motion.time, true_tracks, &moved);
         recovered.marker_rms_mm = recovered.marker_rms_mm.max(1e3 * off);
         recovered.clock_error_ms = recovered.clock_error_ms.max(1e3 * clock_error(motion, truth));
     }
-    Ok(())
+}
+
+fn true_tracks(context: &dyn StageContext, specimen: &str, trial: &str) -> Result<Vec<TrueTrack>> {
+    let (text, place) = text(context, &tracks_word(specimen, trial))?;
+    truth::parse_tracks(&text, FilePath::new(&place))
 }
 
 /// A marker whose root mean square error is larger has been swapped or lost, px.
 const STRAYED: f64 = 1.0;
 
-/// Largest distance of a marker's first place from the true one, m.
+/// Largest distance of a marker's first position from the true one, m.
 fn off_at_rest(paths: &[Path], truth: &[TrueTrack]) -> f64 {
     let one = |path: &Path| {
         let track = truth.iter().find(|t| t.marker == path.name)?;
@@ -214,7 +253,7 @@ fn off_at_rest(paths: &[Path], truth: &[TrueTrack]) -> f64 {
     paths.iter().filter_map(one).fold(0.0, f64::max)
 }
 
-/// Root of the mean squared distance from the truth, of the marker with the largest.
+/// Root mean square distance from the truth, of the marker with the largest.
 fn worst_rms(
     paths: &[Path],
     time: &[Second],
@@ -234,10 +273,10 @@ fn worst_rms(
     paths.iter().map(one).fold(0.0, f64::max)
 }
 
-/// Square of the distance, in deviations, within which 95 % of the errors of a place in the plane lie.
+/// The 95 % quantile of χ² with two degrees of freedom.
 const ELLIPSE_95: f64 = 5.991;
 
-/// Counts the places whose ellipse holds the true place.
+/// Counts the positions whose 95 % ellipse contains the true one.
 fn cover(
     [held, all]: &mut [usize; 2],
     paths: &[Path],
@@ -271,10 +310,10 @@ fn clock_error(motion: &Motion, truth: &TrueTrial) -> Second {
     motion.time.iter().map(|&t| off(t)).fold(0.0, f64::max)
 }
 
-fn no_trial(trial: &Trial) -> Fault {
-    Fault::new(
-        format!("the truth knows no trial `{}`", trial.trial.id),
+fn no_trial(specimen: &str, trial: &str) -> Diagnostic {
+    Diagnostic::new(
+        format!("the truth has no trial `{trial}`"),
         "card and truth of a virtual specimen are written together",
-        format!("rig record {}", trial.card.name),
+        format!("rig record {specimen}"),
     )
 }

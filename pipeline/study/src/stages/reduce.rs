@@ -1,22 +1,20 @@
-//! Reduce: the identified model in the few dozen coordinates of shapes that it takes under pressure and under sideways pulls.
+//! Reduce: hyper-reduction of the identified model (POD of shapes under pressure and lateral loads, with empirical cubature).
 //!
-//! Every motion that is foretold (a release, flapping in air and in water, a flap that nobody asked for) is marched in them. The
-//! shapes reach to the highest pressure that moduli were identified by or that a motion to be foretold is commanded to.
-//!
-//! Stands on: the model. Never knows: a motion.
+//! Every predicted motion (a release, flapping in air and in water, optimal actuation) is integrated in these coordinates. The
+//! snapshots extend to the highest pressure of identification and of the predicted motions.
 
-use fem::Kept;
+use fem::ReducedModelData;
 use lab::card::Experiment;
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
 use si::Pascal;
 
-use super::swing;
-use crate::fault::Outcome;
-use crate::model::{self, Model};
+use super::simulation;
 use crate::records::{Identified, Level, Mesh, Reduced};
-use crate::stage::{Desk, Stage};
 use crate::subject::{Specimen, Trial};
+use diagnostics::Result;
+use sysid::Body;
+use workflow::stage::{Stage, StageContext};
+use workflow::subject::Part;
 
 /// The stage.
 pub struct Reduce;
@@ -25,43 +23,51 @@ pub struct Reduce;
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
-    /// How far the forces of the chosen points may be off over all shapes, relative, no unit.
+    /// Tolerance of the empirical cubature: relative error of the forces over all snapshots, no unit.
     tolerance: f64,
+}
+
+/// What it reads of the card.
+#[derive(Debug, Serialize)]
+pub struct Card {
+    body: Body,
+    chambers: usize,
+    /// The highest commanded pressure of the predicted motions, Pa; 0 where none is.
+    commanded: Pascal,
+}
+
+impl Part<Specimen> for Card {
+    fn part_of(of: &Specimen) -> Self {
+        Self { body: Body::of(&of.card), chambers: of.card.chamber.len(), commanded: commanded(of) }
+    }
 }
 
 impl Stage for Reduce {
     type Settings = Settings;
+    type Card = Card;
     type Needs = (Mesh, Identified);
     type Makes = Reduced;
-    const STORY: &'static str = "the identified model becomes one of a few dozen coordinates";
-    const EDITION: u32 = 1;
+    const DESCRIPTION: &'static str = "the identified model is reduced to a few dozen coordinates";
+    const VERSION: u32 = 2;
 
-    fn card(of: &Specimen) -> Value {
-        let (solid, card) = (&of.card.solid, &of.card);
-        let region = |s: &lab::card::Solid| json!([s.material, s.youngs_modulus, s.poissons_ratio, s.density]);
-        json!({
-            "body": region(&solid.body),
-            "spine": region(&solid.spine),
-            "clamp": card.clamp.below_x,
-            "length": card.length,
-            "chambers": card.chamber.len(),
-            "commanded": commanded(of),
-        })
-    }
-
-    fn run(of: &Specimen, set: &Settings, (mesh, identified): Self::Needs, desk: &dyn Desk) -> Outcome<Reduced> {
-        let model = Model::new(&mesh, &of.card)?;
+    fn run(
+        card: &Self::Card,
+        set: &Settings,
+        (mesh, identified): Self::Needs,
+        context: &dyn StageContext,
+    ) -> Result<Reduced> {
+        let model = mesh.model(&card.body)?;
         let known = identified.levels.iter().map(Level::pressure).fold(0.0, f64::max);
-        let top = known.max(commanded(of));
-        desk.progress(0.1, "bending it under pressures and pulls");
-        let tops = vec![top; of.card.chamber.len()];
-        let elastic = swing::identified(&model, &identified);
-        let kept: Kept = model::reduce(&model, &elastic, &tops, of.card.length, set.tolerance)?;
-        Ok(Reduced { kept, highest: top })
+        let top = known.max(card.commanded);
+        context.progress(0.1, "snapshots under pressures and loads");
+        let tops = vec![top; card.chambers];
+        let elastic = simulation::identified(&model, &identified);
+        let data: ReducedModelData = sysid::reduce(&model, &elastic, &tops, card.body.length, set.tolerance)?;
+        Ok(Reduced { data, highest: top })
     }
 }
 
-/// The highest pressure that a motion to be foretold is commanded to, Pa; 0 where none is.
+/// The highest commanded pressure of the predicted motions, Pa; 0 where none is.
 fn commanded(of: &Specimen) -> Pascal {
     let asked = |trial: &Trial| match trial.trial.experiment {
         Experiment::Flapping { amplitude, .. } => amplitude,

@@ -1,36 +1,34 @@
-//! Repeats: several films of one experiment laid over one another at their first command.
-//!
-//! Stands on: the motion record, signal's resampling. Never knows: a simulation.
+//! Repeats: several films of one experiment, aligned at their first command.
 
 use si::{Metre, Point2, Second};
 use signal::resample::Samples;
 
-use super::swing;
-use crate::fault::{Fault, Outcome};
+use super::simulation;
 use crate::records::Motion;
+use diagnostics::{Diagnostic, Result};
 
-/// What repeats of one experiment showed.
+/// Mean and deviation of the repeats of one experiment.
 pub struct Seen {
     /// Times of the first film's frames that all films cover, s on its clock.
     pub time: Vec<Second>,
-    /// Mean displacement of the watched marker, m.
+    /// Mean displacement of the observed marker, m.
     pub mean: Vec<Point2>,
     /// Standard deviation over the repeats, m; nothing where there is one.
     pub deviation: Vec<Point2>,
-    /// When the first command was given, s.
+    /// Time of the first command, s.
     pub moves: Second,
     /// Mean measured pressure of each chamber, Pa, on the first film's clock.
     pub gauges: Vec<Samples>,
 }
 
-/// Lays films over one another; `marker` is watched.
+/// Aligns films; `marker` is observed.
 ///
 /// # Errors
-/// A [`Fault`] when there is no film, or one commands nothing.
-pub fn gather(films: &[Motion], marker: usize) -> Outcome<Seen> {
-    let begins: Vec<Second> = films.iter().map(first_command).collect::<Outcome<_>>()?;
+/// A [`Diagnostic`] when there is no film, or one commands nothing.
+pub fn gather(films: &[Motion], marker: usize) -> Result<Seen> {
+    let begins: Vec<Second> = films.iter().map(first_command).collect::<Result<_>>()?;
     let Some((first, begin)) = films.first().zip(begins.first()) else {
-        return Err(Fault::new("there is no film to compare with", "the trial has no repeats", "record one"));
+        return Err(Diagnostic::new("there is no film to compare with", "the trial has no repeats", "record one"));
     };
     let late: Vec<Second> = begins.iter().map(|b| b - begin).collect();
     let covered =
@@ -41,19 +39,19 @@ pub fn gather(films: &[Motion], marker: usize) -> Outcome<Seen> {
         let there: Vec<Second> = time.iter().map(|t| t + late).collect();
         let axis = |k: usize| {
             let at = film.markers[marker].at.iter().map(|p| p[k]).collect();
-            Samples::new(film.time.clone(), at).map_err(Fault::from_tool)
+            Samples::new(film.time.clone(), at).map_err(Diagnostic::from)
         };
-        paths.push(swing::onto(&[axis(0)?, axis(1)?], &there));
+        paths.push(simulation::onto(&[axis(0)?, axis(1)?], &there));
     }
     let (mean, deviation) = (0..time.len()).map(|i| moments(&paths, i)).unzip();
     Ok(Seen { gauges: mean_gauges(films, &late)?, moves: *begin, time, mean, deviation })
 }
 
-/// When the first command above nothing was given, s.
-fn first_command(film: &Motion) -> Outcome<Second> {
+/// Time of the first command above zero, s.
+fn first_command(film: &Motion) -> Result<Second> {
     let asked = |i: &usize| film.gauges.iter().any(|g| g.command[*i] > 0.0);
     (0..film.log_time.len()).find(asked).map(|i| film.log_time[i]).ok_or_else(|| {
-        Fault::new("a film to be compared commands nothing", "its log holds no command above 0", "check its log")
+        Diagnostic::new("a film to be compared commands nothing", "its log holds no command above 0", "check its log")
     })
 }
 
@@ -66,12 +64,12 @@ fn moments(paths: &[Vec<Point2>], frame: usize) -> (Point2, Point2) {
     (mean, deviation)
 }
 
-fn mean_gauges(films: &[Motion], late: &[Second]) -> Outcome<Vec<Samples>> {
-    let all: Vec<Vec<Samples>> = films.iter().map(swing::gauges).collect::<Outcome<_>>()?;
+fn mean_gauges(films: &[Motion], late: &[Second]) -> Result<Vec<Samples>> {
+    let all: Vec<Vec<Samples>> = films.iter().map(simulation::gauges).collect::<Result<_>>()?;
     let (times, count) = (&films[0].log_time, films.len() as f64);
     let mean = |chamber: usize| {
         let at = |t: Second| all.iter().zip(late).map(|(g, l)| g[chamber].at(t + l)).sum::<f64>() / count;
-        Samples::new(times.clone(), times.iter().map(|&t| at(t)).collect()).map_err(Fault::from_tool)
+        Samples::new(times.clone(), times.iter().map(|&t| at(t)).collect()).map_err(Diagnostic::from)
     };
     (0..films[0].gauges.len()).map(mean).collect()
 }
@@ -87,7 +85,7 @@ mod tests {
     use super::*;
     use crate::records::{Clock, Gauge, Path};
 
-    /// A marker that follows a command given `late` s after 1 s, `by` times as far.
+    /// A marker that follows a command `late` s after 1 s, scaled by `by`.
     fn film(late: f64, by: f64) -> Motion {
         let time: Vec<f64> = (0..300).map(|i| 0.01 * f64::from(i)).collect();
         let command: Vec<f64> = time.iter().map(|t| f64::from(u8::from(*t >= 1.0 + late - 1e-9))).collect();
@@ -99,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn repeats_that_begin_at_other_times_are_laid_over_one_another() {
+    fn repeats_that_begin_at_other_times_are_aligned() {
         let seen = gather(&[film(0.0, 1.0), film(0.2, 1.2)], 0).unwrap();
         let last = seen.time.len() - 1;
         let after = seen.time[last] - 1.0;

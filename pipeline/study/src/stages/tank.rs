@@ -1,8 +1,6 @@
-//! Tank: still water after a run shows the tank's standing waves. Paper: section IV, the standing wave.
+//! Tank: the standing waves of the tank, identified in water at rest after a run. Paper: section IV, the standing wave.
 //!
-//! Where the size of the tank is set, the dispersion relation says where to look.
-//!
-//! Stands on: signal. Never knows: a tail.
+//! Where the size of the tank is set, the dispersion relation gives the initial frequencies.
 
 use std::path::Path as FilePath;
 
@@ -11,10 +9,10 @@ use serde::{Deserialize, Serialize};
 use si::{Hertz, Metre};
 use signal::wave;
 
-use crate::fault::{Fault, Outcome};
 use crate::records;
-use crate::stage::{Desk, RawFile, Stage};
 use crate::subject::Specimen;
+use diagnostics::{Diagnostic, Result};
+use workflow::stage::{RawFile, Stage, StageContext};
 
 /// The stage.
 pub struct Tank;
@@ -27,27 +25,28 @@ pub struct Settings {
     length: Metre,
     /// Of the water, m.
     depth: Metre,
-    /// How many standing waves are looked for.
+    /// Number of standing waves.
     modes: u32,
 }
 
 impl Stage for Tank {
     type Settings = Settings;
+    type Card = ();
     type Needs = ();
     type Makes = records::Tank;
-    const STORY: &'static str = "still water shows the tank's standing waves";
-    const EDITION: u32 = 2;
+    const DESCRIPTION: &'static str = "the tank's standing waves are identified in water at rest";
+    const VERSION: u32 = 2;
 
     fn raw(of: &Specimen) -> Vec<RawFile> {
         let still = of.card.fixture.iter().filter(|f| f.of == FixtureOf::StillWater);
         still.take(1).map(|f| RawFile::new("still water", &of.card.name, &f.force)).collect()
     }
 
-    fn run(_: &Specimen, set: &Settings, (): (), desk: &dyn Desk) -> Outcome<records::Tank> {
-        let log = read_force("still water", desk)?;
-        let expected: Vec<Hertz> = (1..=set.modes).map(|n| wave::foretold(set.length, set.depth, n)).collect();
-        let found = wave::still(&log.series(), &expected)
-            .map_err(|e| Fault::from_tool(format!("{}: {e}", desk.place("still water"))))?;
+    fn run((): &(), set: &Settings, (): (), context: &dyn StageContext) -> Result<records::Tank> {
+        let log = read_force("still water", context)?;
+        let expected: Vec<Hertz> = (1..=set.modes).map(|n| wave::natural_frequency(set.length, set.depth, n)).collect();
+        let found = wave::identify(&log.series(), &expected)
+            .map_err(|e| Diagnostic::from(e).in_file(FilePath::new(&context.display_path("still water"))))?;
         Ok(records::Tank {
             waves: found.waves,
             noise: found.noise,
@@ -57,10 +56,10 @@ impl Stage for Tank {
     }
 }
 
-/// A force log of the desk.
-pub(super) fn read_force(word: &str, desk: &dyn Desk) -> Outcome<lab::ForceLog> {
-    let place = desk.place(word);
-    let text = String::from_utf8(desk.bytes(word)?)
-        .map_err(|e| Fault::new(format!("{place} is not text"), e, "export the log as CSV in UTF-8"))?;
-    lab::force::parse(&text, FilePath::new(&place)).map_err(Fault::from_tool)
+/// A force log of the context.
+pub(super) fn read_force(word: &str, context: &dyn StageContext) -> Result<lab::ForceLog> {
+    let place = context.display_path(word);
+    let text = String::from_utf8(context.bytes(word)?)
+        .map_err(|e| Diagnostic::new(format!("{place} is not text"), e, "export the log as CSV in UTF-8"))?;
+    lab::force::parse(&text, FilePath::new(&place))
 }

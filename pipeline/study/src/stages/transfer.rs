@@ -1,21 +1,17 @@
-//! Transfer: each tail is held out in turn; every rung of the ladder learns from all runs of the others and is judged by all of it.
+//! Transfer: each tail is held out in turn; every thrust model is trained on all runs of the others and evaluated on all of its runs.
 //!
-//! Marks, velocities and pressures stay in their units, as the paper's network takes them; what brings them to one size is
-//! measured on the tails that are learnt from.
-//!
-//! Stands on: the runs that stage `thrust` gathered, the room `thrust`. Never knows: a recording, how a run was gathered.
+//! Markers, velocities and pressures stay in their units, as in the paper's network; their normalisation is computed on the training
+//! tails.
 
 use rayon::prelude::*;
-use serde_json::{Value, json};
 
 use super::thrust;
-use crate::fault::Outcome;
-use crate::needs::Every;
-use crate::records::{HeldOut, Scored, Thrust, Transfer as Record};
-use crate::stage::{Desk, Stage};
-use crate::subject::{Scope, Study};
-use crate::thrust::score::score;
-use crate::thrust::{LADDER, Lesson, Run, Rung};
+use crate::records::{HeldOut, Layout, Scored, Thrust, Transfer as Record};
+use ::thrust::score::score;
+use ::thrust::{MODELS, Run, ThrustModel, TrainingSettings};
+use diagnostics::Result;
+use workflow::needs::Every;
+use workflow::stage::{Stage, StageContext};
 
 /// The stage.
 pub struct Transfer;
@@ -25,50 +21,55 @@ type Tail<'a> = (String, &'a [Run]);
 
 impl Stage for Transfer {
     type Settings = thrust::Settings;
-    type Needs = Every<Thrust>;
+    type Card = ();
+    type Needs = Every<Thrust, Layout>;
     type Makes = Record;
-    const STORY: &'static str = "models of thrust are tried on a tail they never saw";
-    const EDITION: u32 = 1;
+    const DESCRIPTION: &'static str = "thrust models are evaluated on a held-out tail";
+    const VERSION: u32 = 2;
     const SECTION: &'static str = "thrust";
 
-    fn card(of: &Study) -> Value {
-        json!(Record::alike(of).iter().map(Scope::name).collect::<Vec<_>>())
-    }
-
-    fn run(of: &Study, set: &thrust::Settings, needs: Every<Thrust>, desk: &dyn Desk) -> Outcome<Record> {
-        let alike: Vec<String> = Record::alike(of).iter().map(Scope::name).collect();
+    fn run((): &(), set: &thrust::Settings, Every(needs): Self::Needs, context: &dyn StageContext) -> Result<Record> {
+        let alike = Layout::alike(&needs.iter().map(|(layout, _)| layout.clone()).collect::<Vec<_>>());
         let is_alike = |name: &String| alike.contains(name);
-        let tails: Vec<Tail> = needs.0.iter().map(|(s, t)| (s.name(), t.runs.as_slice())).collect();
+        let tails: Vec<Tail> = needs.iter().map(|(layout, t)| (layout.name.clone(), t.runs.as_slice())).collect();
         let (tails, others): (Vec<Tail>, Vec<Tail>) = tails.into_iter().partition(|(name, _)| is_alike(name));
-        let lesson = set.lesson(set.seeds()[0]);
-        let scores = held_out(&tails, &lesson, &|part, said| desk.progress(part, said));
+        let training = set.training(set.seeds()[0]);
+        let scores = held_out(&tails, &training, &|part, text| context.progress(part, text));
         Ok(Record { scores, left_out: others.into_iter().map(|(name, _)| name).collect() })
     }
 }
 
-/// Every rung on every tail; `progress` hears how far it is and at what.
-fn held_out(tails: &[Tail], lesson: &Lesson, progress: &(dyn Fn(f64, &str) + Sync)) -> Vec<HeldOut> {
-    let pairs: Vec<(usize, Rung)> = (0..tails.len()).flat_map(|tail| LADDER.map(|rung| (tail, rung))).collect();
-    let judged = |(number, (tail, rung)): (usize, &(usize, Rung))| {
+/// Every model on every tail; `progress` receives the fraction done and the current item.
+fn held_out(tails: &[Tail], training: &TrainingSettings, progress: &(dyn Fn(f64, &str) + Sync)) -> Vec<HeldOut> {
+    let pairs: Vec<(usize, ThrustModel)> =
+        (0..tails.len()).flat_map(|tail| MODELS.map(|model| (tail, model))).collect();
+    let judged = |(number, (tail, model)): (usize, &(usize, ThrustModel))| {
         let (name, test) = &tails[*tail];
-        let said = format!("{} without {name}", rung.name());
-        let heard = |part: f64| progress((number as f64 + part) / pairs.len() as f64, &said);
-        HeldOut { tail: name.clone(), scored: judge(tails, *tail, test, *rung, lesson, &heard) }
+        let text = format!("{} without {name}", model.name());
+        let heard = |part: f64| progress((number as f64 + part) / pairs.len() as f64, &text);
+        HeldOut { tail: name.clone(), scored: judge(tails, *tail, test, *model, training, &heard) }
     };
     pairs.par_iter().enumerate().map(judged).collect()
 }
 
-fn judge(tails: &[Tail], out: usize, test: &[Run], rung: Rung, lesson: &Lesson, heard: &dyn Fn(f64)) -> Scored {
+fn judge(
+    tails: &[Tail],
+    out: usize,
+    test: &[Run],
+    kind: ThrustModel,
+    training: &TrainingSettings,
+    heard: &dyn Fn(f64),
+) -> Scored {
     let others = tails.iter().enumerate().filter(|(tail, _)| *tail != out);
     let train: Vec<&Run> = others.flat_map(|(_, (_, runs))| runs.iter()).collect();
     let test: Vec<&Run> = test.iter().collect();
-    let model = rung.fit(&train, lesson, heard);
-    let told: Vec<Vec<f64>> = test.iter().map(|run| model.tell(run)).collect();
+    let model = kind.fit(&train, training, heard);
+    let predicted: Vec<Vec<f64>> = test.iter().map(|run| model.predict(run)).collect();
     Scored {
-        parting: "tail".into(),
-        rung: rung.name().into(),
+        split_rule: "tail".into(),
+        model: kind.name().into(),
         seed: 0,
-        score: score(&test, &told),
+        score: score(&test, &predicted),
         runs: [train.len(), test.len()],
     }
 }
@@ -76,9 +77,9 @@ fn judge(tails: &[Tail], out: usize, test: &[Run], rung: Rung, lesson: &Lesson, 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::thrust::rungs::testing;
+    use ::thrust::models::testing;
 
-    /// Runs of a tail whose force is theory's own, `times` as strong.
+    /// Runs of a tail whose force is theory's prediction multiplied by `times`.
     fn runs(amplitude: f64, times: f64) -> Vec<Run> {
         let one = |i: u64| {
             let mut run = testing::run([1.0, 2.0, 3.0][i as usize % 3], amplitude, i);
@@ -91,32 +92,32 @@ mod tests {
     fn scores(third: &[Run]) -> Vec<HeldOut> {
         let (first, second) = (runs(2e4, 1.0), runs(3e4, 1.0));
         let tails = [("a".to_owned(), &first[..]), ("b".to_owned(), &second[..]), ("c".to_owned(), third)];
-        let mut lesson = testing::lesson();
-        lesson.training.epochs = 2;
-        held_out(&tails, &lesson, &|_, _| {})
+        let mut training = testing::training();
+        training.training.epochs = 2;
+        held_out(&tails, &training, &|_, _| {})
     }
 
-    fn of(scores: &[HeldOut], tail: &str, rung: Rung) -> Scored {
-        scores.iter().find(|h| h.tail == tail && h.scored.rung == rung.name()).unwrap().scored.clone()
+    fn of(scores: &[HeldOut], tail: &str, model: ThrustModel) -> Scored {
+        scores.iter().find(|h| h.tail == tail && h.scored.model == model.name()).unwrap().scored.clone()
     }
 
     #[test]
     fn a_law_that_all_tails_share_is_carried_to_the_one_held_out() {
         let found = scores(&runs(1.5e4, 1.0));
-        assert_eq!(found.len(), 3 * LADDER.len());
+        assert_eq!(found.len(), 3 * MODELS.len());
         for tail in ["a", "b", "c"] {
-            // the noise is some hundredths of these forces' deviation; the mean's error is at least 1 by what NRMSE is
-            let (theory, mean) = (of(&found, tail, Rung::Theory), of(&found, tail, Rung::Mean));
+            // the noise is some hundredths of the forces' deviation; the NRMSE of the mean is at least 1 by definition
+            let (theory, mean) = (of(&found, tail, ThrustModel::Theory), of(&found, tail, ThrustModel::Mean));
             assert!(theory.score.nrmse < 0.15 && mean.score.nrmse >= 1.0, "{tail}: {:?}", theory.score);
             assert_eq!(theory.runs, [6, 3]);
         }
     }
 
     #[test]
-    fn a_tail_that_is_held_out_teaches_nothing_about_itself() {
+    fn a_held_out_tail_is_not_trained_on() {
         let found = scores(&runs(1e4, -3.0));
-        // its force is turned and three times as strong: who had seen it would tell it better than an error of 4/3 of its size
-        let theory = of(&found, "c", Rung::Theory).score;
+        // its force has the opposite sign and three times the size: a model trained on it would have an error below 4/3 of its size
+        let theory = of(&found, "c", ThrustModel::Theory).score;
         assert!(theory.nrmse > 1.2, "{theory:?}");
     }
 }

@@ -1,31 +1,28 @@
-//! Validate: a flapping motion that identification never saw, simulated with the identified moduli and compared, at the marker
-//! farthest out, with the mean of its repeats. Paper: section VI, dynamic experiments.
+//! Validate: a flapping motion that identification did not use, simulated with the identified moduli and compared at the tip
+//! marker with the mean of its repeats. Paper: section VI, dynamic experiments.
 //!
-//! One simulation serves all repeats of a condition: it is driven by the mean of their measured pressures, laid over one another
-//! at the first command. It runs in reduced coordinates; its first part is marched by the whole model too, and how far the two
-//! are apart is said. In water the reduced model swings with the added mass and the drag that a release told; the whole one has
-//! no water, and is not asked.
-//!
-//! Stands on: the swing, the bath of `drag`. Never knows: how the moduli were found.
+//! One simulation serves all repeats of a condition: its actuation is the mean of their measured pressures, aligned
+//! at the first command. It uses the reduced model; its first part is integrated by the full model too, and the difference is
+//! reported. In water the reduced model has the added mass and the drag identified from a release; the full model has
+//! no water, and is not compared.
 
-use fem::{March, Scheme};
+use fem::{DynamicSettings, Scheme};
 use lab::card::Experiment;
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
-use si::{Point2, Second};
+use si::{Hertz, Point2, Second};
 use signal::resample::Samples;
 
-use super::damping::swing_marker;
-use super::drag::Bath;
-use super::swing::{self, Drive, Swing};
+use super::drag::UnderwaterModel;
+use super::simulation::{self, Actuation, MotionSimulation};
 use super::{baselines, repeats};
-use crate::fault::{Fault, Outcome};
-use crate::model::{Model, Small};
-use crate::needs::{InWater, Repeats};
-use crate::records::{Damping, Drag, Identified, Mesh, Motion, Reduced, Validation, Way};
-use crate::stage::{Desk, Stage};
-use crate::subject::{Specimen, Trial};
-use crate::thrust::outline::Outline;
+use crate::records::{Damping, Drag, Identified, Mesh, Motion, Reduced, ScoredModel, Validation};
+use crate::selections::{InWater, Repeats};
+use crate::subject::Trial;
+use ::thrust::outline::Outline;
+use diagnostics::{Diagnostic, Result};
+use sysid::{Body, ReducedBody};
+use workflow::stage::{Stage, StageContext};
+use workflow::subject::Part;
 
 /// The stage.
 pub struct Validate;
@@ -38,80 +35,87 @@ pub struct Settings {
     step: Second,
     /// Time step of implicit Euler, the paper's scheme, s.
     euler_step: Second,
-    /// How long after the first command the whole model is marched as well, to say how far the reduced one is off, s.
-    checked: Second,
+    /// Duration after the first command that is also integrated by the full model, to measure the error of the reduction, s.
+    whole_model_duration: Second,
+}
+
+/// What it reads of the card.
+#[derive(Debug, Serialize)]
+pub struct Card {
+    body: Body,
+    /// The flapping frequency that was commanded, Hz.
+    frequency: Option<Hertz>,
+}
+
+impl Part<Trial> for Card {
+    fn part_of(of: &Trial) -> Self {
+        Self { body: Body::of(&of.card), frequency: frequency(of) }
+    }
 }
 
 impl Stage for Validate {
     type Settings = Settings;
+    type Card = Card;
     type Needs = ((Mesh, Identified, Reduced), Damping, InWater<Drag>, Repeats<Motion>);
     type Makes = Validation;
-    const STORY: &'static str = "flapping never seen is predicted and compared";
-    const EDITION: u32 = 8;
+    const DESCRIPTION: &'static str = "flapping is predicted and compared with validation trials";
+    const VERSION: u32 = 9;
 
-    fn card(of: &Trial) -> Value {
-        let (solid, card) = (&of.card.solid, &of.card);
-        let region = |s: &lab::card::Solid| json!([s.material, s.poissons_ratio, s.density]);
-        json!({
-            "body": region(&solid.body),
-            "spine": region(&solid.spine),
-            "clamp": card.clamp.below_x,
-            "length": card.length,
-            "markers": card.marker.iter().map(|m| m.at).collect::<Vec<_>>(),
-            "frequency": frequency(of),
-        })
-    }
-
-    fn run(of: &Trial, set: &Settings, needs: Self::Needs, desk: &dyn Desk) -> Outcome<Validation> {
+    fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<Validation> {
         let ((mesh, identified, reduced), damping, InWater(drag), Repeats(films)) = needs;
-        let specimen = Specimen { card: of.card.clone() };
-        let marker = swing_marker(&specimen);
+        let marker = card.body.tip_marker();
         let rest = films.first().map(|m| m.rest.clone()).unwrap_or_default();
         let whole =
-            |d: &Drag| Outline::new(&of.card, &mesh.solid).whole(d.density, d.sections).map_err(Fault::from_tool);
+            |d: &Drag| Outline::new(&card.body, &mesh.solid).whole(d.density, d.sections).map_err(Diagnostic::from);
         let wet = drag.as_ref().map(whole).transpose()?;
         let (tail, spots) = wet.unzip();
-        let model = Model::new(&mesh, &of.card)?.seen_at(&mesh, &of.card, &rest).and(spots.unwrap_or_default());
-        let swing = Swing { model: &model, elastic: swing::identified(&model, &identified), marker };
+        let model = mesh
+            .model(&card.body)?
+            .with_markers_at(&mesh.solid, &card.body, &rest)
+            .with_spots(spots.unwrap_or_default());
+        let simulation =
+            MotionSimulation { model: &model, elastic: simulation::identified(&model, &identified), marker };
         let seen = repeats::gather(&films, marker)?;
         let ends = (seen.time[0], seen.time[seen.time.len() - 1]);
-        let drive = Drive { begin: ends.0, end: ends.1, eased: 0.0, gauges: &seen.gauges };
-        let small = Small::of(&model, &swing.elastic, &reduced.kept)?;
-        let damped = swing::march(Scheme::Bdf2, set.step, damping.stiffness_damping);
+        let actuation = Actuation { begin: ends.0, end: ends.1, ramp: 0.0, gauges: &seen.gauges };
+        let reduced_body = ReducedBody::of(&model, &simulation.elastic, &reduced.data)?;
+        let damped = simulation::dynamic_settings(Scheme::Bdf2, set.step, damping.stiffness_damping);
         let ways = [
             ("bdf2", damped),
-            ("bdf2_undamped", swing::march(Scheme::Bdf2, set.step, 0.0)),
-            ("implicit_euler", swing::march(Scheme::ImplicitEuler, set.euler_step, 0.0)),
+            ("bdf2_undamped", simulation::dynamic_settings(Scheme::Bdf2, set.step, 0.0)),
+            ("implicit_euler", simulation::dynamic_settings(Scheme::ImplicitEuler, set.euler_step, 0.0)),
         ];
-        let march = |march: March| match (&drag, &tail) {
+        let simulate = |settings: DynamicSettings| match (&drag, &tail) {
             (Some(Drag { by, .. }), Some(tail)) => {
-                Bath::new(&small, tail, marker, of.card.marker.len(), march, mesh.solid.half).path(*by, &drive)
+                UnderwaterModel::new(&reduced_body, tail, marker, card.body.markers.len(), settings, mesh.solid.half)
+                    .path(*by, &actuation)
             }
-            _ => swing.run(&small, &march, &drive),
+            _ => simulation.run(&reduced_body, &settings, &actuation),
         };
         let (mut scored, mut paths) = (Vec::new(), Vec::new());
         for (name, way) in ways {
-            let path = swing::onto(&march(way)?, &seen.time);
-            scored.push(Way { name: name.into(), rmse: repeats::rms(&seen.mean, &path) });
+            let path = simulation::onto(&simulate(way)?, &seen.time);
+            scored.push(ScoredModel { name: name.into(), rmse: repeats::rms(&seen.mean, &path) });
             paths.push(path);
         }
-        desk.progress(0.6, "checking it against the whole model");
-        let checked = Drive { end: (seen.moves + set.checked).min(ends.1), begin: seen.moves, ..drive };
-        let dry = drag.is_none().then(|| reduction(&swing, &small, &damped, &checked));
+        context.progress(0.6, "comparing with the full model");
+        let checked =
+            Actuation { end: (seen.moves + set.whole_model_duration).min(ends.1), begin: seen.moves, ..actuation };
+        let dry = drag.is_none().then(|| reduction(&simulation, &reduced_body, &damped, &checked));
         let simulated = paths.swap_remove(0);
         let pressures: Vec<Vec<f64>> = seen.gauges.iter().map(|g| g.onto(&seen.time)).collect();
-        let guesses = baselines::all(&seen, &pressures, &identified, marker, frequency(of));
+        let guesses = baselines::all(&seen, &pressures, &identified, marker, card.frequency);
         Ok(Validation {
             marker: films.first().map(|m| m.markers[marker].name.clone()).unwrap_or_default(),
             repeats: films.len(),
-            lag: frequency(of).map(|f| lag(&seen.time, &seen.mean, &simulated, f)),
+            lag: card.frequency.map(|f| lag(&seen.time, &seen.mean, &simulated, f)),
             rmse: scored[0].rmse,
-            length: of.card.length,
-            rest_rmse: repeats::rms(&seen.mean, &vec![[0.0; 2]; seen.mean.len()]),
+            length: card.body.length,
+            zero_motion_rmse: repeats::rms(&seen.mean, &vec![[0.0; 2]; seen.mean.len()]),
             scored,
             baselines: guesses,
             reduction: dry.transpose()?,
-            coordinates: small.coordinates(),
+            coordinates: reduced_body.coordinates(),
             time: seen.time,
             measured: seen.mean,
             deviation: seen.deviation,
@@ -121,9 +125,14 @@ impl Stage for Validate {
     }
 }
 
-/// Root of the mean squared distance of the reduced model's motion from the whole one's, over the farthest that the whole moves.
-fn reduction(swing: &Swing, small: &Small, march: &March, drive: &Drive) -> Outcome<f64> {
-    let (whole, reduced) = (swing.whole(march, drive)?, swing.run(small, march, drive)?);
+/// Root mean square difference of the reduced from the full model's motion, over the largest displacement of the latter.
+fn reduction(
+    simulation: &MotionSimulation,
+    reduced_body: &ReducedBody,
+    settings: &DynamicSettings,
+    actuation: &Actuation,
+) -> Result<f64> {
+    let (whole, reduced) = (simulation.whole(settings, actuation)?, simulation.run(reduced_body, settings, actuation)?);
     let steps = whole[0].values().len();
     let path = |[x, y]: &[Samples; 2]| (0..steps).map(|i| [x.values()[i], y.values()[i]]).collect::<Vec<Point2>>();
     let (whole, reduced) = (path(&whole), path(&reduced));
@@ -131,7 +140,7 @@ fn reduction(swing: &Swing, small: &Small, march: &March, drive: &Drive) -> Outc
     Ok(repeats::rms(&whole, &reduced) / farthest)
 }
 
-/// The flapping frequency that was asked for, Hz.
+/// The commanded flapping frequency, Hz.
 fn frequency(of: &Trial) -> Option<f64> {
     match of.trial.experiment {
         Experiment::Flapping { frequency, .. } => Some(frequency),
@@ -139,7 +148,7 @@ fn frequency(of: &Trial) -> Option<f64> {
     }
 }
 
-/// By how much the simulated sideways motion is behind the measured one at the beat's frequency, s.
+/// Lag of the simulated lateral motion behind the measured one at the flapping frequency, s.
 fn lag(time: &[Second], measured: &[Point2], simulated: &[Point2], frequency: f64) -> Second {
     let turn = std::f64::consts::TAU * frequency;
     let phase = |path: &[Point2]| {
@@ -156,12 +165,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_motion_ten_milliseconds_behind_is_said_to_be() {
+    fn a_lag_of_ten_milliseconds_is_measured() {
         let time: Vec<f64> = (0..120).map(|i| f64::from(i) / 60.0).collect();
         let path = |late: f64| -> Vec<Point2> {
             time.iter().map(|t| [0.0, (std::f64::consts::TAU * 2.0 * (t - late)).sin()]).collect()
         };
-        // two seconds at 2 Hz are whole beats: no leak
+        // two seconds at 2 Hz are whole cycles: no spectral leakage
         assert!((lag(&time, &path(0.0), &path(0.01), 2.0) - 0.01).abs() < 1e-9);
     }
 }

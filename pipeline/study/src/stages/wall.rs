@@ -1,12 +1,10 @@
-//! Wall: by how much the outer wall of a tail comes nearer to its sheet, or goes away from it, when the tail bends.
+//! Wall: change of the distance between the outer wall of a tail and its sheet when the tail bends.
 //!
-//! Measured in the section at mid height, so that bending itself, which carries wall and sheet alike, does not count.
-//!
-//! Stands on: the mesh record. Never knows: how a shape was found.
+//! Measured in the section at mid height relative to the sheet, so that bending, which moves wall and sheet alike, does not count.
 
 use std::collections::BTreeSet;
 
-use shape::{SPINE, Skin};
+use mesh::{SPINE, Skin};
 use si::{Metre, Point2, Point3, vec3};
 
 use crate::records::{Mesh, Walls};
@@ -44,7 +42,7 @@ impl Section {
         whole.then_some(section)
     }
 
-    /// How the walls left their shape: `filled` says whether the side of positive y is under pressure.
+    /// Displacement of the walls: `filled` tells whether the side of positive y is under pressure.
     pub fn walls(&self, moved: &[Point3], filled: bool) -> Walls {
         let (full, empty) = if filled { (0, 1) } else { (1, 0) };
         let least = |best: (Metre, Point3), next: (Metre, Point3)| if next.0 < best.0 { next } else { best };
@@ -53,7 +51,7 @@ impl Section {
         Walls { dent_m: -dent, dent_at, bulge_m }
     }
 
-    /// How much farther from the sheet each node of one side's wall is than at rest, m, and where it is at rest.
+    /// Change of the distance from the sheet of each node of one side's wall, m, and its position at rest.
     fn change<'a>(&'a self, moved: &'a [Point3], side: usize) -> impl Iterator<Item = (Metre, Point3)> + 'a {
         let apart = move |nodes: &[Point3], wall: u32| distance(flat(nodes[wall as usize]), &self.sheet[side], nodes);
         self.outer[side].iter().map(move |&n| (apart(moved, n) - apart(&self.rest, n), self.rest[n as usize]))

@@ -1,24 +1,22 @@
-//! Wave: the force log comes onto the film's clock, and loses the tank's standing waves and the drift of its zero.
+//! Wave: the force log is put onto the film's clock; the tank's standing waves and the drift of its zero are removed.
 //! Paper: section IV, the standing wave.
 //!
-//! Beat and waves are fitted together and only the waves are subtracted, so the beat keeps amplitude and phase; where the
-//! beat lies in a wave's line that cannot be, and the record says so.
-//!
-//! Stands on: signal. Never knows: a mesh, a model of thrust.
+//! Harmonics of the actuation and waves are fitted together and only the waves are subtracted, so the periodic force keeps amplitude
+//! and phase. Where a harmonic coincides with a wave the two cannot be separated, and the record has a warning.
 
 use lab::card::Experiment;
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
-use si::{Second, Series};
+use si::{Hertz, Second, Series};
 use signal::edge::{self, Window};
-use signal::wave::{self, Beat};
+use signal::wave::{self, Beat, Removal};
 
 use super::tank::read_force;
-use crate::fault::{Fault, Outcome};
-use crate::needs::Maybe;
-use crate::records::{Motion, Pull, Tank};
-use crate::stage::{Desk, RawFile, Stage};
+use crate::records::{CorrectedForce, Motion, Tank};
 use crate::subject::Trial;
+use diagnostics::{Diagnostic, Result};
+use workflow::needs::Maybe;
+use workflow::stage::{RawFile, Stage, StageContext};
+use workflow::subject::Part;
 
 /// The stage.
 pub struct Wave;
@@ -27,56 +25,72 @@ pub struct Wave;
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
-    /// Harmonics of the beat that are fitted beside the waves.
+    /// Harmonics of the actuation that are fitted beside the waves.
     harmonics: usize,
-    /// Harmonics of the beat that must not lie in a wave's line without a warning.
-    guarded: usize,
-    /// After the last command, the zero is read from so much later on, s.
-    settle: Second,
+    /// Harmonics that are checked for coincidence with a wave.
+    guarded_harmonics: usize,
+    /// Settling time after the last command before the zero is read, s.
+    settling_time: Second,
+}
+
+/// What it reads of the card.
+#[derive(Debug, Serialize)]
+pub struct Card {
+    /// The commanded frequency of a flapping trial, Hz.
+    frequency: Option<Hertz>,
+}
+
+impl Part<Trial> for Card {
+    fn part_of(of: &Trial) -> Self {
+        Self { frequency: beat(&of.trial.experiment) }
+    }
 }
 
 impl Stage for Wave {
     type Settings = Settings;
+    type Card = Card;
     type Needs = (Maybe<Tank>, Motion);
-    type Makes = Pull;
-    const STORY: &'static str = "the force log loses the tank's waves and its zero's drift";
-    const EDITION: u32 = 1;
+    type Makes = CorrectedForce;
+    const DESCRIPTION: &'static str = "the tank's waves and the drift of zero are removed from the force";
+    const VERSION: u32 = 2;
 
     fn raw(of: &Trial) -> Vec<RawFile> {
         of.trial.force.iter().map(|file| RawFile::new("force", &of.card.name, file)).collect()
     }
 
-    fn card(of: &Trial) -> Value {
-        json!(beat(&of.trial.experiment))
-    }
-
-    fn run(of: &Trial, set: &Settings, (Maybe(tank), motion): Self::Needs, desk: &dyn Desk) -> Outcome<Pull> {
-        let log = read_force("force", desk)?;
-        let offset = lamp(&log, desk)? - motion.clock.lamp;
-        let on_film = Series::new(log.time[0] - offset, log.rate(), log.force.clone()).map_err(Fault::from_tool)?;
+    fn run(
+        card: &Self::Card,
+        set: &Settings,
+        (Maybe(tank), motion): Self::Needs,
+        context: &dyn StageContext,
+    ) -> Result<CorrectedForce> {
+        let log = read_force("force", context)?;
+        let offset = lamp(&log, context)? - motion.clock.lamp;
+        let on_film = Series::new(log.time[0] - offset, log.rate(), log.force.clone())?;
         let commanded = commanded(&motion).unwrap_or([on_film.start(), on_film.end()]);
-        let beat =
-            beat(&of.trial.experiment).map(|frequency| Beat { frequency, harmonics: set.harmonics, within: commanded });
+        let beat = card.frequency.map(|frequency| Beat { frequency, harmonics: set.harmonics, within: commanded });
         let waves = tank.map_or(Vec::new(), |t| t.waves);
         let length = on_film.end() - on_film.start();
-        let near = beat.map_or(Vec::new(), |b| wave::near(b.frequency, set.guarded, &waves, length));
+        let near =
+            beat.map_or(Vec::new(), |b| wave::close_harmonics(b.frequency, set.guarded_harmonics, &waves, length));
         let onsets = [on_film.start()];
-        // a staircase is no beat: what it pushes would be taken for a wave
+        // a staircase is not periodic: its force would be taken for a wave
         let (rest, found) = match beat {
             None => (on_film.clone(), vec![0.0; on_film.values().len()]),
             Some(_) => {
-                let parted = wave::remove(&on_film, &waves, &onsets, beat, 2).map_err(|e| named(desk, &e))?;
+                let parted = wave::remove(&on_film, &waves, &Removal { onsets: &onsets, beat, drift_degree: 2 })
+                    .map_err(|e| named(context, e))?;
                 (parted.rest, parted.waves)
             }
         };
         let time: Vec<Second> = (0..rest.values().len()).map(|i| rest.time(i)).collect();
-        let zero = zero(&rest, commanded, set.settle);
+        let zero = zero(&rest, commanded, set.settling_time);
         let warnings = near.iter().map(ToString::to_string).collect();
-        Ok(Pull { time, raw: log.force, waves: found, zero, offset, commanded, warnings })
+        Ok(CorrectedForce { time, raw: log.force, waves: found, zero, offset, commanded, warnings })
     }
 }
 
-/// Beats a second of a trial that beats.
+/// The frequency of a flapping trial, Hz.
 fn beat(experiment: &Experiment) -> Option<f64> {
     match experiment {
         Experiment::Flapping { frequency, .. } => Some(*frequency),
@@ -85,16 +99,20 @@ fn beat(experiment: &Experiment) -> Option<f64> {
 }
 
 /// When the lamp lights, s on the log's clock.
-fn lamp(log: &lab::ForceLog, desk: &dyn Desk) -> Outcome<Second> {
-    let place = desk.place("force");
+fn lamp(log: &lab::ForceLog, context: &dyn StageContext) -> Result<Second> {
+    let place = context.display_path("force");
     if log.led.is_empty() {
-        let why = "its clock is tied to the film's by the lamp alone";
-        return Err(Fault::new(format!("{place} has no column `led`"), why, "record the lamp on the amplifier too"));
+        let why = "its clock is synchronised with the film's by the lamp alone";
+        return Err(Diagnostic::new(
+            format!("{place} has no column `led`"),
+            why,
+            "record the lamp on the amplifier too",
+        ));
     }
     let width = 1.0 / log.rate();
-    let series = Series::new(log.time[0], log.rate(), log.led.clone()).map_err(Fault::from_tool)?;
+    let series = Series::new(log.time[0], log.rate(), log.led.clone())?;
     let edges = edge::edges(&series, Window { lead: 0.5 * width, width })
-        .map_err(|e| Fault::from_tool(format!("{place}, the lamp: {e}")))?;
+        .map_err(|e| Diagnostic::from(e).while_doing(format!("{place}, the lamp")))?;
     Ok(edges[0].time)
 }
 
@@ -106,7 +124,7 @@ fn commanded(motion: &Motion) -> Option<[Second; 2]> {
     Some([motion.log_time[first], motion.log_time[last]])
 }
 
-/// A line through what rests before the first command and after the last has settled; a level where only the first does.
+/// A line through the mean at rest before the first command and after settling; a constant where only the first exists.
 fn zero(rest: &Series, [first, last]: [Second; 2], settle: Second) -> Vec<f64> {
     let mean = |from: Second, to: Second| {
         let of: Vec<usize> = (0..rest.values().len()).filter(|&i| (from..to).contains(&rest.time(i))).collect();
@@ -124,6 +142,6 @@ fn zero(rest: &Series, [first, last]: [Second; 2], settle: Second) -> Vec<f64> {
     (0..rest.values().len()).map(|i| line(rest.time(i))).collect()
 }
 
-fn named(desk: &dyn Desk, error: &signal::FitFailed) -> Fault {
-    Fault::from_tool(format!("{}: {error}", desk.place("force")))
+fn named(context: &dyn StageContext, error: signal::EstimationError) -> Diagnostic {
+    Diagnostic::from(error).while_doing(context.display_path("force"))
 }

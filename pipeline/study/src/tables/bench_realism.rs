@@ -1,24 +1,23 @@
-//! Table `bench_realism`: what the recordings show of the instruments, beside what real ones showed.
+//! Table `bench_realism`: properties of the instruments in the recordings, beside those of real ones.
 //!
-//! The measured column is of a proportional valve and a 1 kg load cell on such a tail, beside a tank of the same kind.
-//!
-//! Stands on: plot, instruments. Never knows: how a recording was made.
+//! The measured column is of a proportional valve and a 1 kg load cell on such a tail, and of a similar tank.
 
 use lab::card::{Experiment, Medium};
 use plot::Column;
 use si::MILLIBAR;
 
 use super::instruments::{Pulse, pulses, range, scatter};
-use crate::fault::{Fault, Outcome};
-use crate::needs::Every;
-use crate::records::{Motion, Pull, Tank, Thrust};
-use crate::subject::{Scope, Specimen, Trial};
-use crate::table::Table;
+use crate::records::{CorrectedForce, Motion, Tank, Thrust};
+use crate::subject::{Specimen, Study, Trial};
+use diagnostics::Result;
+use workflow::needs::Every;
+use workflow::subject::Subject;
+use workflow::table::Table;
 
 /// The table.
 pub struct BenchRealism;
 
-/// Levels count as one when they are so near, mbar.
+/// Levels count as equal within this difference, mbar.
 const NEAR: f64 = 15.0;
 /// mbar, and the time constants measured from there, ms.
 const EMPTIED: [(f64, [f64; 2]); 3] = [(90.0, [25.0, 29.0]), (190.0, [38.0, 40.0]), (240.0, [44.0, 48.0])];
@@ -33,36 +32,37 @@ const STILL: [(&str, f64, [f64; 2]); 5] = [
     ("bruce", 500.0, [0.071, 0.071]),
 ];
 
-/// One line: what, its unit, digits, what real ones showed, what these show.
+/// One line: quantity, unit, digits, range of real instruments, range in these recordings.
 struct Line(String, &'static str, usize, [f64; 2], Option<[f64; 2]>);
 
 impl Table for BenchRealism {
-    type Needs = (Every<Motion>, Every<Pull>, Every<Tank>, Every<Thrust>);
+    type Of = Study;
+    type Needs = (Every<Motion, Trial>, Every<CorrectedForce, Trial>, Every<Tank, Specimen>, Every<Thrust, Specimen>);
     const NAME: &'static str = "bench_realism";
-    const SHOWS: &'static str = "what the recordings show of the instruments, beside real ones";
-    const EDITION: u32 = 2;
+    const CAPTION: &'static str = "instruments in the recordings and real instruments";
+    const VERSION: u32 = 2;
 
-    fn fill((Every(motions), Every(pulls), Every(tanks), Every(thrusts)): Self::Needs) -> Outcome<plot::Table> {
-        let columns = [Column::words("quantity"), Column::words("unit")]
+    fn fill((Every(motions), Every(pulls), Every(tanks), Every(thrusts)): Self::Needs) -> Result<plot::Table> {
+        let columns = [Column::text("quantity"), Column::text("unit")]
             .into_iter()
             .chain(Column::beside_published("range", "").map(real))
-            .chain([Column::words("verdict")])
+            .chain([Column::text("verdict")])
             .collect();
         let lines = [valve(&motions), cell(&pulls), waves(&tanks), still(&thrusts)].into_iter().flatten();
-        let table = plot::Table::new(columns, lines.filter_map(row).collect()).map_err(Fault::from_tool)?;
+        let table = plot::Table::new(columns, lines.filter_map(row).collect())?;
         Ok(table
-            .noted("Real ones: a proportional valve, a 1 kg load cell and a tank of this kind; not from the paper."))
+            .noted("Real: a proportional valve, a 1 kg load cell and a similar tank, measured; not from the paper."))
     }
 }
 
-/// What was not published in the paper but measured on such instruments.
+/// The column of values measured on such instruments, not published in the paper.
 fn real(column: Column) -> Column {
-    if column.published { Column { title: "real ones".into(), ..column } } else { column }
+    if column.published { Column { title: "real".into(), ..column } } else { column }
 }
 
 fn row(Line(quantity, unit, digits, real, ours): Line) -> Option<Vec<String>> {
     let ours = ours?;
-    let told = |[low, high]: [f64; 2]| match high - low < 0.5 * 10_f64.powi(-(digits as i32)) {
+    let evaluated = |[low, high]: [f64; 2]| match high - low < 0.5 * 10_f64.powi(-(digits as i32)) {
         true => format!("{low:.digits$}"),
         false => format!("{low:.digits$} to {high:.digits$}"),
     };
@@ -75,7 +75,7 @@ fn row(Line(quantity, unit, digits, real, ours): Line) -> Option<Vec<String>> {
     } else {
         "overlaps"
     };
-    Some(vec![quantity, unit.into(), told(ours), told(real), verdict.into()])
+    Some(vec![quantity, unit.into(), evaluated(ours), evaluated(real), verdict.into()])
 }
 
 fn valve(motions: &[(Trial, Motion)]) -> Vec<Line> {
@@ -94,30 +94,35 @@ fn valve(motions: &[(Trial, Motion)]) -> Vec<Line> {
         line("fill near 100 mbar: dead time", "ms", [70.0, 85.0], at(90.0, |p| 1e3 * p.fill_dead)),
         line("fill near 200 mbar: dead time", "ms", [40.0, 45.0], at(190.0, |p| 1e3 * p.fill_dead)),
         line("fill up to 250 mbar: within 5 %", "ms", [150.0, 230.0], long(&|p| low(p).then_some(1e3 * p.fill))),
-        line("settles under the command by", "mbar", [5.0, 15.0], long(&|p| Some((p.asked - p.held) / MILLIBAR))),
+        line(
+            "steady pressure below the command by",
+            "mbar",
+            [5.0, 15.0],
+            long(&|p| Some((p.asked - p.held) / MILLIBAR)),
+        ),
         line("exhaust near 200 mbar: dead time", "ms", [38.0, 58.0], at(190.0, |p| 1e3 * p.empty_dead)),
     ];
     lines.extend(EMPTIED.map(|(mbar, real)| {
         line(&format!("exhaust from {mbar} mbar: time constant"), "ms", real, at(mbar, |p| 1e3 * p.empty))
     }));
     lines.extend(HELD.map(|(hz, mbar)| {
-        let same = |t: &Trial, p: &Pulse| beats_at(t, hz) && (p.asked / MILLIBAR - 300.0).abs() < 1.0;
+        let same = |t: &Trial, p: &Pulse| flaps_at(t, hz) && (p.asked / MILLIBAR - 300.0).abs() < 1.0;
         let ours = range(all.iter().filter(|(t, p)| same(t, p)).map(|(_, p)| p.held / MILLIBAR));
         line(&format!("square wave of 300 mbar at {hz} Hz: held"), "mbar", [mbar - 6.0, mbar + 6.0], ours)
     }));
     lines
 }
 
-fn beats_at(trial: &Trial, hz: f64) -> bool {
+fn flaps_at(trial: &Trial, hz: f64) -> bool {
     matches!(trial.trial.experiment, Experiment::Flapping { frequency, .. } if (frequency - hz).abs() < 0.01)
 }
 
-fn cell(pulls: &[(Trial, Pull)]) -> Vec<Line> {
-    let before = |pull: &Pull| {
+fn cell(pulls: &[(Trial, CorrectedForce)]) -> Vec<Line> {
+    let before = |pull: &CorrectedForce| {
         let rest = pull.time.iter().zip(&pull.raw).filter(|(t, _)| **t < pull.commanded[0]);
         1e3 * scatter(&rest.map(|(_, f)| *f).collect::<Vec<_>>())
     };
-    let drift = |pull: &Pull| Some(1e3 * (pull.zero.last()? - pull.zero.first()?).abs());
+    let drift = |pull: &CorrectedForce| Some(1e3 * (pull.zero.last()? - pull.zero.first()?).abs());
     let in_water = || pulls.iter().filter(|(t, _)| t.trial.medium == Medium::Water);
     vec![
         Line("noise in water".into(), "mN", 1, [1.0, 3.0], range(in_water().map(|(_, p)| before(p)))),
@@ -139,7 +144,7 @@ fn waves(tanks: &[(Specimen, Tank)]) -> Vec<Line> {
     ]
 }
 
-/// What the cross-talk's curve says at pressures at which real tails were held still.
+/// The cross-talk at pressures at which real tails were held.
 fn still(thrusts: &[(Specimen, Thrust)]) -> Vec<Line> {
     let ours = |name: &str, mbar: f64| {
         let (_, thrust) = thrusts.iter().find(|(s, _)| s.name() == name)?;
@@ -147,7 +152,7 @@ fn still(thrusts: &[(Specimen, Thrust)]) -> Vec<Line> {
         range(curve.filter(|(p, _)| (**p / MILLIBAR - mbar).abs() < NEAR).map(|(_, f)| *f))
     };
     let line = |(name, mbar, real): (&str, f64, [f64; 2])| {
-        Line(format!("{name} still in water at {mbar} mbar"), "N", 3, real, ours(name, mbar))
+        Line(format!("static force of {name} in water at {mbar} mbar"), "N", 3, real, ours(name, mbar))
     };
     STILL.map(line).into()
 }

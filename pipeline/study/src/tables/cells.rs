@@ -1,8 +1,6 @@
-//! How many cells a side a meshed tail has: swellings of its first chamber along the tail, parted by the necks of a channel.
-//!
-//! Stands on: the mesh's record. Never knows: a table.
+//! Number of cells a side of a meshed tail: wide sections of its first chamber along the tail, separated by the narrow channel.
 
-use shape::Skin;
+use mesh::Skin;
 
 use crate::records::Mesh;
 
@@ -46,7 +44,7 @@ fn section(faces: &[[[f64; 3]; 3]], x: f64) -> f64 {
     if low[0].is_finite() { (high[0] - low[0]) * (high[1] - low[1]) } else { 0.0 }
 }
 
-/// Peaks that are parted from the one before by a neck.
+/// Peaks that are separated from the one before by a neck.
 fn swellings(profile: &[f64]) -> usize {
     let (mut count, mut peak, mut neck) = (0, None, 0.0_f64);
     for &width in profile {

@@ -1,22 +1,20 @@
-//! What logs show of the instruments that made them: how a valve fills, holds and empties, and how a load cell scatters.
-//!
-//! Stands on: the records of motion and force. Never knows: what real instruments showed, a table.
+//! Properties of the instruments from their logs: filling, holding and emptying of a valve, noise of a load cell.
 
 use si::{MILLIBAR, Newton, Pascal, Second};
 
 use crate::records::Gauge;
 
-/// A command differs from nothing by more, Pa.
+/// Least command that counts as above zero, Pa.
 const ASKED: Pascal = 10.0 * MILLIBAR;
-/// A pressure has moved when it is off by this share of the step.
+/// Fraction of the step that counts as the first movement.
 const MOVED: f64 = 0.05;
-/// The end of a hold over which it is said to have settled, s.
+/// Interval at the end of a hold over which it counts as settled, s.
 const SETTLED: Second = 0.5;
 
 /// One filling of one chamber.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Pulse {
-    /// What was asked for, Pa.
+    /// Commanded pressure, Pa.
     pub asked: Pascal,
     /// Mean of the last half second, or of the last fifth of a short hold, Pa.
     pub held: Pascal,
@@ -52,7 +50,7 @@ fn pulse(time: &[Second], gauge: &Gauge, start: usize, end: usize) -> Option<Pul
         fill_dead: crossing(time, p, start..end, MOVED * held)? - time[start],
         fill: crossing(time, p, start..end, (1.0 - MOVED) * held)? - time[start],
         empty_dead,
-        // a fall that has lost its first 5 % already needs that much less than its time constant
+        // measured from the first 5 % of the fall on, the time to 1/e is shorter than the time constant by this
         empty: (gone - empty_dead) / (1.0 + (1.0 - MOVED).ln()),
     })
 }
@@ -65,7 +63,7 @@ fn crossing(time: &[Second], log: &[f64], within: std::ops::Range<usize>, level:
     Some(time[i - 1] + part * (time[i] - time[i - 1]))
 }
 
-/// Standard deviation of a log from neighbours' differences, which no drift touches, N.
+/// Standard deviation of a log from differences of neighbours, which drift does not affect, N.
 pub(super) fn scatter(log: &[Newton]) -> Newton {
     let squares: f64 = log.windows(2).map(|v| (v[1] - v[0]).powi(2)).sum();
     (0.5 * squares / log.len().saturating_sub(1).max(1) as f64).sqrt()

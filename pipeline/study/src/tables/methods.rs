@@ -1,14 +1,13 @@
-//! Table `methods`: what each way of searching costs and reaches, beside the published column. Paper, table III.
-//!
-//! Stands on: plot. Never knows: how a number was computed.
+//! Table `methods`: cost and result of each identification method, beside the published column. Paper, table III.
 
 use plot::Column;
 
-use crate::fault::{Fault, Outcome};
-use crate::needs::Every;
 use crate::records::{Identified, Search};
-use crate::subject::Scope;
-use crate::table::Table;
+use crate::subject::{Specimen, Study};
+use diagnostics::Result;
+use workflow::needs::Every;
+use workflow::subject::Subject;
+use workflow::table::Table;
 
 /// The table.
 pub struct Methods;
@@ -17,18 +16,19 @@ pub struct Methods;
 struct Published([&'static str; 4]);
 
 impl Table for Methods {
-    type Needs = Every<Identified>;
+    type Of = Study;
+    type Needs = Every<Identified, Specimen>;
     const NAME: &'static str = "methods";
-    const SHOWS: &'static str = "what each way of searching costs and reaches";
-    const EDITION: u32 = 1;
+    const CAPTION: &'static str = "cost and result of each identification method";
+    const VERSION: u32 = 1;
 
-    fn fill(Every(all): Self::Needs) -> Outcome<plot::Table> {
+    fn fill(Every(all): Self::Needs) -> Result<plot::Table> {
         let quantities = [("iterations", ""), ("time an iteration", "s"), ("total time", "min"), ("loss after 4", "")];
         let pairs = quantities.iter().flat_map(|(title, unit)| Column::beside_published(title, unit));
-        let columns = [Column::words("specimen"), Column::words("method")].into_iter().chain(pairs).collect();
+        let columns = [Column::text("specimen"), Column::text("method")].into_iter().chain(pairs).collect();
         let rows = all.iter().flat_map(|(s, found)| found.searches.iter().map(|search| row(&s.name(), search)));
-        let table = plot::Table::new(columns, rows.collect()).map_err(Fault::from_tool)?;
-        Ok(table.noted("An iteration is one simulation of all pressure levels. Ours: two cores, virtual bench."))
+        let table = plot::Table::new(columns, rows.collect())?;
+        Ok(table.noted("An iteration is one simulation of all pressure levels. This study: two cores, virtual bench."))
     }
 }
 

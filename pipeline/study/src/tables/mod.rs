@@ -1,33 +1,31 @@
 //! The tables of the paper, in its order.
-//!
-//! Stands on: the contract in `table.rs` and its members. Never knows: a file name, a stage's code.
-//! A new table: its file and its line in [`ALL`].
 
 mod bench_realism;
-mod best_flap;
 mod cells;
 mod instruments;
-mod mesh_honesty;
+mod mesh_sensitivity;
 mod methods;
 mod optics;
+mod optimal_actuation;
 mod prototypes;
 mod recovery;
 mod thrust_models;
 mod trials;
 mod validation;
 
-use crate::entry::{Entry, table};
+use crate::subject::Study;
+use workflow::entry::{Entry, table};
 
 /// Every table.
-pub const ALL: &[Entry] = &[
+pub const ALL: &[Entry<Study>] = &[
     table::<prototypes::Prototypes>(),
     table::<trials::Trials>(),
     table::<methods::Methods>(),
     table::<validation::Validation>(),
     table::<thrust_models::ThrustModels>(),
-    table::<best_flap::BestFlap>(),
+    table::<optimal_actuation::OptimalActuation>(),
     table::<recovery::Recovery>(),
-    table::<mesh_honesty::MeshHonesty>(),
+    table::<mesh_sensitivity::MeshSensitivity>(),
     table::<bench_realism::BenchRealism>(),
     table::<optics::Optics>(),
 ];

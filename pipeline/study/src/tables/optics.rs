@@ -1,42 +1,42 @@
-//! Table `optics`: the error of the markers if one correction between pixel and metre were left out, for the liveliest trial
+//! Table `optics`: the error of the markers without each correction between pixel and metre, for the trial of largest motion
 //! in each medium. Paper, section IV.
-//!
-//! Stands on: plot. Never knows: how a number was computed.
 
 use lab::card::Medium;
 use plot::Column;
 
-use crate::fault::{Fault, Outcome};
-use crate::needs::Every;
-use crate::records::{LeftOut, Markers};
-use crate::subject::{Scope, Trial};
-use crate::table::Table;
+use crate::records::{Markers, OmittedCorrection};
+use crate::subject::{Study, Trial};
+use diagnostics::Result;
+use workflow::needs::Every;
+use workflow::subject::Subject;
+use workflow::table::Table;
 
 /// The table.
 pub struct Optics;
 
 impl Table for Optics {
-    type Needs = Every<Markers>;
+    type Of = Study;
+    type Needs = Every<Markers, Trial>;
     const NAME: &'static str = "optics";
-    const SHOWS: &'static str = "what each correction between pixel and metre is worth";
-    const EDITION: u32 = 1;
+    const CAPTION: &'static str = "size of each correction between pixels and metres";
+    const VERSION: u32 = 1;
 
-    fn fill(Every(all): Self::Needs) -> Outcome<plot::Table> {
+    fn fill(Every(all): Self::Needs) -> Result<plot::Table> {
         let columns = vec![
-            Column::words("medium"),
-            Column::words("trial"),
-            Column::words("left out"),
-            Column::numbers("error of place", "mm"),
+            Column::text("medium"),
+            Column::text("trial"),
+            Column::text("left out"),
+            Column::numbers("error of position", "mm"),
             Column::numbers("error of displacement", "mm"),
         ];
         let rows = [Medium::Air, Medium::Water].into_iter().filter_map(|medium| liveliest(&all, medium));
         let rows = rows.flat_map(|(trial, markers)| markers.left_out.iter().map(|left| row(trial, left)));
-        let table = plot::Table::new(columns, rows.collect()).map_err(Fault::from_tool)?;
+        let table = plot::Table::new(columns, rows.collect())?;
         Ok(table.noted("Root mean square over markers and frames, against the same tracks with every correction."))
     }
 }
 
-/// The trial of a medium whose markers move furthest from the first frame.
+/// The trial of a medium with the largest marker displacement from the first frame.
 fn liveliest(all: &[(Trial, Markers)], medium: Medium) -> Option<(&Trial, &Markers)> {
     let of_medium = all.iter().filter(|(trial, _)| trial.trial.medium == medium);
     let far = of_medium.max_by(|(_, a), (_, b)| reach(a).total_cmp(&reach(b)));
@@ -50,7 +50,7 @@ fn reach(markers: &Markers) -> f64 {
     far.fold(0.0, f64::max)
 }
 
-fn row(trial: &Trial, left: &LeftOut) -> Vec<String> {
+fn row(trial: &Trial, left: &OmittedCorrection) -> Vec<String> {
     let millimetres = |metres: f64| format!("{:.4}", 1e3 * metres);
     let (medium, name) = (trial.trial.medium.word().to_owned(), trial.name());
     vec![medium, name, left.correction.replace('_', " "), millimetres(left.place_m), millimetres(left.motion_m)]

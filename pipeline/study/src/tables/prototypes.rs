@@ -1,44 +1,46 @@
-//! Table `prototypes`: what the tails are, as found, beside the published column. Paper, table I.
-//!
-//! Stands on: plot, cells. Never knows: how a modulus was found.
+//! Table `prototypes`: identified properties of the tails, beside the published column. Paper, table I.
 
 use lab::card::Experiment;
 use plot::Column;
 use si::MILLIBAR;
 
 use super::cells;
-use crate::fault::{Fault, Outcome};
-use crate::needs::Every;
 use crate::records::{Identified, Mesh};
-use crate::subject::{Scope, Specimen};
-use crate::table::Table;
+use crate::subject::{Specimen, Study};
+use diagnostics::Result;
+use workflow::needs::Every;
+use workflow::subject::Subject;
+use workflow::table::Table;
 
 /// The table.
 pub struct Prototypes;
 
 impl Table for Prototypes {
-    type Needs = (Every<Identified>, Every<Mesh>);
+    type Of = Study;
+    type Needs = (Every<Identified, Specimen>, Every<Mesh, Specimen>);
     const NAME: &'static str = "prototypes";
-    const SHOWS: &'static str = "what the tails are, as found and as published";
-    const EDITION: u32 = 1;
+    const CAPTION: &'static str = "the tails: measured and published properties";
+    const VERSION: u32 = 1;
 
-    fn fill((Every(found), Every(meshes)): Self::Needs) -> Outcome<plot::Table> {
+    fn fill((Every(found), Every(meshes)): Self::Needs) -> Result<plot::Table> {
         let quantities = [("E of the body", "MPa"), ("E of the spine", "GPa"), ("cells a side", "")];
         let pairs = quantities.iter().flat_map(|(title, unit)| Column::beside_published(title, unit));
-        let columns = [Column::words("specimen"), published_words("material of the body")]
+        let columns = [Column::text("specimen"), published_words("material of the body")]
             .into_iter()
             .chain(pairs)
             .chain(Column::beside_published("highest pressure", "bar"))
             .collect();
         let mesh_of = |s: &Specimen| meshes.iter().find(|(of, _)| of.name() == s.name()).map(|(_, mesh)| mesh);
         let rows = found.iter().map(|(s, identified)| row(s, identified, mesh_of(s)));
-        let table = plot::Table::new(columns, rows.collect()).map_err(Fault::from_tool)?;
-        Ok(table.noted("Ours: found from the films, ± one standard deviation. Published: nominal values of table I."))
+        let table = plot::Table::new(columns, rows.collect())?;
+        Ok(table.noted(
+            "This study: identified from the films, ± one standard deviation. Published: nominal values of table I.",
+        ))
     }
 }
 
 fn published_words(title: &str) -> Column {
-    Column { published: true, ..Column::words(title) }
+    Column { published: true, ..Column::text(title) }
 }
 
 fn row(specimen: &Specimen, found: &Identified, mesh: Option<&Mesh>) -> Vec<String> {
@@ -61,7 +63,7 @@ fn row(specimen: &Specimen, found: &Identified, mesh: Option<&Mesh>) -> Vec<Stri
     .into()
 }
 
-/// The highest pressure that a trial asks for, mbar.
+/// The highest commanded pressure of the trials, mbar.
 fn highest(specimen: &Specimen) -> f64 {
     let of = |experiment: &Experiment| match experiment {
         Experiment::Flapping { amplitude, .. } => *amplitude,

@@ -1,37 +1,37 @@
-//! Table `recovery`: what was found against what the virtual bench had hidden.
-//!
-//! Stands on: plot. Never knows: how a number was computed.
+//! Table `recovery`: estimates against the hidden truth of the virtual bench.
 
 use lab::card::Origin;
 use plot::Column;
 
-use crate::fault::{Fault, Outcome};
-use crate::needs::Every;
 use crate::records::{Drag, Identified, Recovered, RecoveredSpecimen};
-use crate::subject::{Scope, Study};
-use crate::table::Table;
+use crate::subject::{Specimen, Study};
+use diagnostics::Result;
+use workflow::needs::Every;
+use workflow::subject::Subject;
+use workflow::table::Table;
 
 /// The table.
 pub struct Recovery;
 
 impl Table for Recovery {
-    type Needs = (Recovered, Every<Identified>, Every<Drag>);
+    type Of = Study;
+    type Needs = (Recovered, Every<Identified, Specimen>, Every<Drag, Specimen>);
     const NAME: &'static str = "recovery";
-    const SHOWS: &'static str = "what was found against what the bench had hidden";
-    const EDITION: u32 = 3;
+    const CAPTION: &'static str = "identified and hidden parameters";
+    const VERSION: u32 = 3;
 
     fn is_made_for(study: &Study) -> bool {
         study.specimens.iter().any(|s| s.card.origin == Origin::VirtualBench)
     }
 
-    fn fill((all, Every(identified), Every(dragged)): Self::Needs) -> Outcome<plot::Table> {
+    fn fill((all, Every(identified), Every(dragged)): Self::Needs) -> Result<plot::Table> {
         let columns = vec![
-            Column::words("quantity"),
-            Column::words("of"),
-            Column::numbers("found", ""),
+            Column::text("quantity"),
+            Column::text("of"),
+            Column::numbers("identified", ""),
             Column::numbers("hidden", ""),
-            Column::numbers("off by", ""),
-            Column::numbers("deviations", ""),
+            Column::numbers("error", ""),
+            Column::numbers("error / σ", ""),
         ];
         let sigma = |name: &str| identified.iter().find(|(s, _)| s.name() == name).map(|(_, found)| found.sigma);
         let water = |name: &str| dragged.iter().find(|(s, _)| s.name() == name).map(|(_, found)| found.sigma);
@@ -41,8 +41,8 @@ impl Table for Recovery {
             rows.into_iter().chain(moving(s, water.map(|w| w.added), water.map(|w| w.drag)))
         });
         let rows = moduli.chain(instruments(&all)).collect();
-        let table = plot::Table::new(columns, rows).map_err(Fault::from_tool)?;
-        Ok(table.noted("Deviations: the error over the standard deviation that the pipeline claims for itself."))
+        let table = plot::Table::new(columns, rows)?;
+        Ok(table.noted("Error / σ: the error over the standard deviation estimated by the pipeline."))
     }
 }
 
@@ -53,12 +53,12 @@ fn moduli(of: &RecoveredSpecimen, body_sigma: Option<f64>, spine_sigma: Option<f
     ]
 }
 
-/// What releases told, where there were any.
+/// Parameters identified from releases, where there are any.
 fn moving(of: &RecoveredSpecimen, added_sigma: Option<f64>, drag_sigma: Option<f64>) -> Vec<Vec<String>> {
     let all = [
-        ("damping of stiffness (ms)", 1e3, of.stiffness_damping, None),
-        ("added mass over theory's", 1.0, of.added, added_sigma),
-        ("drag across the flow", 1.0, of.drag, drag_sigma),
+        ("stiffness damping (ms)", 1e3, of.stiffness_damping, None),
+        ("added mass ratio", 1.0, of.added, added_sigma),
+        ("normal drag coefficient", 1.0, of.drag, drag_sigma),
     ];
     all.into_iter().filter_map(|(what, unit, pair, sigma)| pair.map(|pair| row(of, what, unit, pair, sigma))).collect()
 }
@@ -92,11 +92,11 @@ fn instruments(all: &Recovered) -> Vec<Vec<String>> {
         row("displacements", all.marker_rms_mm, 4, "mm"),
         row("clock", all.clock_error_ms, 2, "ms"),
         row("focal length", all.focal_error_percent, 2, "%"),
-        covered("pixels inside their 95 % ellipse", all.track_covered),
-        covered("displacements inside theirs", all.marker_covered),
+        covered("pixels inside their 95 % ellipse", all.track_coverage),
+        covered("displacements inside their 95 % ellipse", all.marker_coverage),
     ];
     rows.extend(all.load_cell_frequency_error_percent.map(|e| row("load cell's frequency", e, 2, "%")));
-    rows.extend(all.wave_residual_mn.map(|e| row("standing wave left", e, 2, "mN")));
+    rows.extend(all.wave_residual_mn.map(|e| row("residual standing wave", e, 2, "mN")));
     rows
 }
 

@@ -1,39 +1,39 @@
-//! Table `trials`: what thrust is learnt from and judged by, beside the published column. Paper, table II.
-//!
-//! Stands on: plot. Never knows: how a number was computed.
+//! Table `trials`: training and test trials of the thrust models, beside the published column. Paper, table II.
 
 use lab::card::{Experiment, Split};
 use plot::{Alignment, Column};
 use si::MILLIBAR;
 
-use crate::fault::{Fault, Outcome};
-use crate::needs::Every;
 use crate::records::Thrust;
-use crate::subject::{Scope, Specimen, Study};
-use crate::table::Table;
+use crate::subject::{Specimen, Study};
+use diagnostics::{Diagnostic, Result};
+use workflow::needs::Every;
+use workflow::subject::Subject;
+use workflow::table::Table;
 
 /// The table.
 pub struct Trials;
 
 impl Table for Trials {
-    type Needs = Every<Thrust>;
+    type Of = Study;
+    type Needs = Every<Thrust, Specimen>;
     const NAME: &'static str = "trials";
-    const SHOWS: &'static str = "what thrust is learnt from and judged by";
-    const EDITION: u32 = 2;
+    const CAPTION: &'static str = "training and test trials of the thrust models";
+    const VERSION: u32 = 2;
 
     fn is_made_for(study: &Study) -> bool {
         Every::<Thrust>::any(study)
     }
 
-    fn fill(Every(all): Self::Needs) -> Outcome<plot::Table> {
-        let columns = [Column::words("specimen"), Column::words("mode")]
+    fn fill(Every(all): Self::Needs) -> Result<plot::Table> {
+        let columns = [Column::text("specimen"), Column::text("mode")]
             .into_iter()
             .chain(Column::beside_published("trials", ""))
             .chain(words_beside_published("pressure", "mbar"))
             .chain(words_beside_published("frequency", "Hz"))
             .collect();
         let rows = all.iter().flat_map(|(s, _)| [Split::Train, Split::Test].map(|split| row(s, split)));
-        plot::Table::new(columns, rows.collect()).map_err(Fault::from_tool)
+        plot::Table::new(columns, rows.collect()).map_err(Diagnostic::from)
     }
 }
 
@@ -43,12 +43,12 @@ fn words_beside_published(group: &str, unit: &str) -> [Column; 2] {
 
 fn row(specimen: &Specimen, split: Split) -> Vec<String> {
     let trials = specimen.trials();
-    let of: Vec<_> = trials.iter().filter(|t| t.is_weighed_in_water() && t.trial.split == Some(split)).collect();
-    let beats = of.iter().filter_map(|t| match t.trial.experiment {
+    let of: Vec<_> = trials.iter().filter(|t| t.has_force_in_water() && t.trial.split == Some(split)).collect();
+    let actuations = of.iter().filter_map(|t| match t.trial.experiment {
         Experiment::Flapping { amplitude, frequency, .. } => Some((amplitude / MILLIBAR, frequency)),
         Experiment::Staircase { .. } => None,
     });
-    let (pressures, frequencies): (Vec<f64>, Vec<f64>) = beats.unzip();
+    let (pressures, frequencies): (Vec<f64>, Vec<f64>) = actuations.unzip();
     let mode = if split == Split::Train { "training" } else { "test" };
     let theirs = published(&specimen.name(), split);
     let ours = [of.len().to_string(), distinct(pressures), distinct(frequencies)];

@@ -1,20 +1,18 @@
-//! Table `validation`: how far each motion never seen is told, by every scheme and by the baselines that simulate nothing.
-//!
-//! Stands on: plot. Never knows: how a number was computed.
+//! Table `validation`: error of the prediction of each validation motion, by every scheme and by the baselines without a simulation.
 
 use plot::Column;
 
-use crate::fault::{Fault, Outcome};
 use crate::figures::order::in_order;
-use crate::needs::Every;
 use crate::records;
 use crate::subject::{Study, Trial};
-use crate::table::Table;
+use diagnostics::Result;
+use workflow::needs::Every;
+use workflow::table::Table;
 
 /// The table.
 pub struct Validation;
 
-/// Schemes and baselines beside the first, as records name them, and what the table calls them.
+/// Schemes and baselines beside the first: names in records and in the table.
 const OTHERS: [(&str, &str); 5] = [
     ("bdf2_undamped", "undamped"),
     ("implicit_euler", "implicit Euler"),
@@ -24,28 +22,29 @@ const OTHERS: [(&str, &str); 5] = [
 ];
 
 impl Table for Validation {
-    type Needs = Every<records::Validation>;
+    type Of = Study;
+    type Needs = Every<records::Validation, Trial>;
     const NAME: &'static str = "validation";
-    const SHOWS: &'static str = "how far motions never seen are told, and by what else";
-    const EDITION: u32 = 1;
+    const CAPTION: &'static str = "error of the prediction and of the baselines on validation trials";
+    const VERSION: u32 = 1;
 
     fn is_made_for(study: &Study) -> bool {
         Every::<records::Validation>::any(study)
     }
 
-    fn fill(Every(all): Self::Needs) -> Outcome<plot::Table> {
+    fn fill(Every(all): Self::Needs) -> Result<plot::Table> {
         let head = [
-            Column::words("specimen"),
-            Column::words("medium"),
-            Column::words("condition"),
+            Column::text("specimen"),
+            Column::text("medium"),
+            Column::text("condition"),
             Column::numbers("repeats", ""),
         ];
         let ours = [Column::numbers("RMSE", "mm"), Column::numbers("of length", "%"), Column::numbers("lag", "ms")];
         let others = OTHERS.map(|(_, title)| Column::numbers(title, "%"));
         let columns = head.into_iter().chain(ours).chain(others).collect();
         let rows = in_order(all).iter().map(|(trial, found)| row(trial, found)).collect();
-        let table = plot::Table::new(columns, rows).map_err(Fault::from_tool)?;
-        Ok(table.noted("Of the marker farthest out, from the mean of the repeats. RMSE: second order, damping from a release, in water drag from a release too."))
+        let table = plot::Table::new(columns, rows)?;
+        Ok(table.noted("Of the tip marker, against the mean of the repeats. RMSE: second-order scheme, damping identified from a release, in water also drag."))
     }
 }
 

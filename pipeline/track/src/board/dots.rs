@@ -1,13 +1,11 @@
-//! A board of dark dots in a square grid: their middles, to a fraction of a pixel, in one order.
+//! Detection of a board of dark dots in a square grid: their centres, to a fraction of a pixel, in one order.
 //!
-//! The board's frame: dot (i, j) lies at (i · pitch, j · pitch, 0); i runs along the columns, j along the rows, and z stands on
-//! the printed side, towards the camera. A half turn leaves such a board as it was: the first dot is the one of the two ends
+//! The board's frame: dot (i, j) lies at (i · pitch, j · pitch, 0); i runs along the columns, j along the rows, and z points from
+//! the printed side towards the camera. The board is symmetric under a half turn: the first dot is the one of the two ends
 //! that lies nearer the picture's upper left corner (least u + v).
 //!
-//! A dot in perspective is an ellipse whose middle is not quite the dot's: at a tilt of 30°, dots of 5 mm at 0.4 m are off by
-//! 0.02 px of 1000 px focal length, far under what a lens is asked for.
-//!
-//! Stands on: dark spots, grids. Never knows: a lens, where the board stands.
+//! A dot in perspective is an ellipse whose centre is not quite the dot's: at a tilt of 30°, dots of 5 mm at 0.4 m are off by
+//! 0.02 px of 1000 px focal length, far below the accuracy that a lens needs.
 
 use si::{Metre, Point2, Point3};
 
@@ -118,7 +116,7 @@ fn darker(picture: &Gray) -> Vec<bool> {
     (0..width * height).map(is_darker).collect()
 }
 
-/// The dark pixels that hang together with `start` by their sides, taken out of `dark`.
+/// The dark pixels connected to `start` by their sides, removed from `dark`.
 fn patch(dark: &mut [bool], width: usize, start: usize) -> Vec<[usize; 2]> {
     let (mut found, mut open) = (Vec::new(), vec![start]);
     while let Some(i) = open.pop() {

@@ -1,6 +1,4 @@
-//! Corners to a grid: each looks for its neighbours where the ones before it say they should be.
-//!
-//! Stands on: a list of places. Never knows: black and white, a lens.
+//! Assembly of corners into a grid: each new neighbour is searched where the last step predicts it.
 
 use si::Point2;
 use std::collections::{BTreeMap, VecDeque};

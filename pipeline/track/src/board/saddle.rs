@@ -1,6 +1,4 @@
-//! Corners of a checkerboard one by one: places where the grey level is a saddle.
-//!
-//! Stands on: a grey picture. Never knows: a grid.
+//! Corners of a checkerboard one by one: saddle points of the grey level.
 
 use crate::Gray;
 use si::Point2;
@@ -49,7 +47,7 @@ pub(super) fn saddles(picture: &Gray, sigma: f64) -> Vec<Saddle> {
 /// The place of the saddle near `start`, to a hundredth of a pixel: the flat point of a quadratic fitted around it.
 ///
 /// Levels in a disc of `radius` (px), weighted to its edge by a cone; repeated around each new place. None when there is
-/// no saddle, or it lies further than `radius` away.        [lucchese2002]
+/// no saddle, or it lies further than `radius` away.        \[lucchese2002\]
 pub(super) fn refine(picture: &Gray, start: Point2, radius: f64) -> Option<Point2> {
     let mut at = start;
     for _ in 0..REFINEMENTS {
@@ -194,7 +192,7 @@ fn alternates(blurred: &Blurred, at: Point2, radius: f64) -> bool {
 mod tests {
     use super::*;
 
-    /// Four quarters that meet at `at`, turned and sheared, edges as a camera's (supersampled), light 200 and dark 50.
+    /// Four quarters that intersect at `at`, turned and sheared, edges as a camera's (supersampled), light 200 and dark 50.
     fn corner(at: Point2) -> Gray {
         const FINE: usize = 8;
         Gray::from_fn(60, 50, |x, y| {

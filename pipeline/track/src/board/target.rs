@@ -1,6 +1,4 @@
-//! What a camera is shown to be calibrated by: a board of either kind, by its points.
-//!
-//! Stands on: both kinds of board. Never knows: a lens.
+//! A calibration target of either kind, by its points.
 
 use si::{Point2, Point3};
 

@@ -1,6 +1,4 @@
-//! The map of a plane onto a picture, and the pose that is in it.
-//!
-//! Stands on: nalgebra. Never knows: distortion; it only starts what is refined later.
+//! Homographies, and the pose that a homography of a plane contains; both are initial values for the bundle adjustment.
 
 use crate::pose::Pose;
 use nalgebra::{Matrix3, SMatrix, Vector3};

@@ -1,20 +1,15 @@
-//! Levenberg–Marquardt over a lens and poses: the sum of squared misses between seen and projected points.
-//!
-//! Stands on: the lens, nalgebra. Never knows: where the start came from.
+//! Bundle adjustment of a lens and poses by Levenberg–Marquardt on the reprojection errors, and its covariance.
 
 use crate::lens::Lens;
 use crate::pose::Pose;
 use nalgebra::{DMatrix, DVector};
+use optimize::levenberg_marquardt::{LeastSquaresProblem, NormalEquations, Options, Scaling, minimise};
 use si::{Point2, Point3, vec3};
 
-/// Values of the lens: fx fy cx cy and the bend's five, of which a fisheye leaves the last one out.
+/// Values of the lens: fx fy cx cy and the distortion's five, of which a fisheye leaves the last one out.
 pub(super) const OF_LENS: usize = crate::lens::VALUES;
 /// Values of a pose: turn and shift.
 const OF_POSE: usize = 6;
-/// The least gain of a step that is worth another, relative to the sum of squares.
-const LEAST_GAIN: f64 = 1e-14;
-/// More steps than any healthy start needs.
-const STEPS: usize = 200;
 
 /// Points of the world (m) and their pixels (px) in one view.
 pub(super) struct Seen<'a> {
@@ -29,39 +24,47 @@ pub(super) struct Guess {
     pub(super) poses: Vec<Pose>,
 }
 
-/// Normal equations JᵀJ and Jᵀr, and the sum of squares rᵀr (px²).
-struct Normal {
-    matrix: DMatrix<f64>,
-    right: DVector<f64>,
-    squares: f64,
+/// Lens and poses as a least-squares problem; the lens is fixed unless `with_lens`.
+struct Reprojection<'a> {
+    seen: &'a [Seen<'a>],
+    with_lens: bool,
 }
 
-/// Refines `guess` in place; the lens stays as it is unless `with_lens`. Returns the sum of squares, px².
-pub(super) fn refine(guess: &mut Guess, seen: &[Seen], with_lens: bool) -> f64 {
-    let mut damping = 1e-3;
-    let mut normal = linearise(guess, seen, with_lens);
-    for _ in 0..STEPS {
-        let mut damped = normal.matrix.clone();
-        for i in 0..damped.nrows() {
-            damped[(i, i)] += damping * damped[(i, i)].max(1e-12);
-        }
-        let step = damped.cholesky().map(|factor| factor.solve(&normal.right));
-        let tried = step.map(|step| moved(guess, &step, with_lens));
-        match tried.map(|tried| (squares(&tried, seen), tried)) {
-            Some((less, tried)) if less < normal.squares => {
-                let gain = normal.squares - less;
-                *guess = tried;
-                damping = (damping * 0.1).max(1e-15);
-                let done = gain <= LEAST_GAIN * normal.squares;
-                normal = linearise(guess, seen, with_lens);
-                if done {
-                    break;
-                }
-            }
-            _ if damping > 1e12 => break,
-            _ => damping *= 10.0,
-        }
+impl LeastSquaresProblem for Reprojection<'_> {
+    type Point = Guess;
+
+    fn linearise(&self, at: &Guess) -> Option<NormalEquations> {
+        Some(linearise(at, self.seen, self.with_lens))
     }
+
+    fn sum_of_squares(&self, at: &Guess) -> Option<f64> {
+        Some(squares(at, self.seen))
+    }
+
+    fn moved(&self, at: &Guess, step: &DVector<f64>) -> Guess {
+        moved(at, step, self.with_lens)
+    }
+}
+
+/// The normal equations are accumulated point by point: with 15 views the Jacobian would have thousands of rows that are mostly zero.
+/// The floor fixes a coefficient on which no point depends. 200 trials are more than any reasonable start needs.
+const OPTIONS: Options = Options {
+    damping: 1e-3,
+    min_damping: 1e-15,
+    max_damping: 1e13,
+    scaling: Scaling::Floored(1e-12),
+    accept_equal: false,
+    gain_tolerance: 1e-14,
+    max_steps: usize::MAX,
+    max_trials: 200,
+};
+
+/// Refines `guess` in place; the lens is fixed unless `with_lens`. Returns the sum of squares, px².
+pub(super) fn refine(guess: &mut Guess, seen: &[Seen], with_lens: bool) -> f64 {
+    let Some((refined, normal)) = minimise(&Reprojection { seen, with_lens }, guess.clone(), &OPTIONS) else {
+        return f64::INFINITY;
+    };
+    *guess = refined;
     normal.squares
 }
 
@@ -134,10 +137,10 @@ pub(super) fn squares(guess: &Guess, seen: &[Seen]) -> f64 {
     seen.iter().zip(&guess.poses).map(of_view).sum()
 }
 
-fn linearise(guess: &Guess, seen: &[Seen], with_lens: bool) -> Normal {
+fn linearise(guess: &Guess, seen: &[Seen], with_lens: bool) -> NormalEquations {
     let lead = if with_lens { guess.lens.count() } else { 0 };
     let size = lead + OF_POSE * seen.len();
-    let mut normal = Normal { matrix: DMatrix::zeros(size, size), right: DVector::zeros(size), squares: 0.0 };
+    let mut normal = NormalEquations { matrix: DMatrix::zeros(size, size), right: DVector::zeros(size), squares: 0.0 };
     for (number, (view, pose)) in seen.iter().zip(&guess.poses).enumerate() {
         let at = lead + OF_POSE * number;
         let places: Vec<usize> = (0..lead).chain(at..at + OF_POSE).collect();
@@ -164,8 +167,8 @@ fn slopes(lens: &Lens, pose: &Pose, point: Point3) -> [[f64; OF_LENS + OF_POSE];
     let arm = vec3::sub(pose.apply(point), pose.translation);
     let at = vec3::add(arm, pose.translation);
     let [x, y] = [at[0] / at[2], at[1] / at[2]];
-    let (bends, there) = (lens.by_bends([x, y]), lens.distort([x, y]));
-    let by_point = lens.slope(at);
+    let (coefficients, there) = (lens.by_coefficients([x, y]), lens.distort([x, y]));
+    let by_point = lens.jacobian(at);
     [0, 1].map(|i| {
         let focal = [lens.fx, lens.fy][i];
         let turn = vec3::cross(arm, by_point[i]);
@@ -184,7 +187,7 @@ fn slopes(lens: &Lens, pose: &Pose, point: Point3) -> [[f64; OF_LENS + OF_POSE];
                     0.0
                 }
             }
-            4..OF_LENS => focal * bends[i][k - 4],
+            4..OF_LENS => focal * coefficients[i][k - 4],
             9..12 => turn[k - 9],
             _ => by_point[i][k - 12],
         })

@@ -1,24 +1,22 @@
-//! A dark spot on light ground: its middle as the centroid of its darkness.
+//! A dark spot on light background: its centroid, weighted by darkness.
 //!
-//! Darkness is read against the ground's own slope and cut softly, so that neither uneven light nor noise far from the
-//! spot moves the middle; a turn of the spot does not either. Only what hangs together counts.
-//!
-//! Stands on: the ground. Never knows: the frame before.
+//! Darkness is relative to the sloped background and cut off softly, so that neither uneven light nor noise far from the spot shifts the
+//! centroid, nor does a rotation of the spot. Only pixels connected to the spot count.
 
-use super::ground::{Ground, RING, visit};
+use super::background::{Background, RING, visit};
 use crate::Gray;
 use si::Point2;
 
-/// Less than this many times the ground's noise is ground.
+/// Less than this many times the background's noise is background.
 const NOISES: f64 = 3.5;
 /// Bounds of that, as a share of the full darkness: rounding to whole levels, and a quarter of the way.
 const CUT: (f64, f64) = (0.02, 0.25);
-/// The full darkness is the one that this share of the window reaches: the least part of it that a thin cross fills.
+/// The full darkness is the one that this share of the window reaches: the least share of it that a thin cross fills.
 const CORE: f64 = 0.08;
 /// Rounds of moving the window to the centroid.
 const ROUNDS: usize = 12;
-/// The window rests when it moves by less, px.
-const REST: f64 = 2e-3;
+/// The window has converged when it moves by less, px.
+const CONVERGED: f64 = 2e-3;
 /// Width of the rim inside the window that a spot must leave light, px.
 const RIM: f64 = 1.5;
 
@@ -29,12 +27,12 @@ pub(crate) struct Blob {
     pub(crate) at: Point2,
     /// Second moments of the pixels' pull on the centroid per grey level of noise, px² / level².
     pub(super) pull: [[f64; 2]; 2],
-    /// Difference between ground and spot, grey levels.
+    /// Difference between background and spot, grey levels.
     pub(crate) contrast: f64,
     /// Share of the window's rim that is dark, no unit.
     pub(super) spread: f64,
-    /// The ground around it.
-    pub(super) ground: Ground,
+    /// The background around it.
+    pub(super) background: Background,
     /// How darkness became weight.
     pub(super) soft: Soft,
     /// Sum of the weights, px².
@@ -42,24 +40,24 @@ pub(crate) struct Blob {
 }
 
 impl Blob {
-    /// The step from the place where the ground was read to the centroid, px.
+    /// The step from the place where the background was read to the centroid, px.
     pub(super) fn off(&self) -> Point2 {
-        let from = self.ground.middle();
+        let from = self.background.middle();
         [self.at[0] - from[0], self.at[1] - from[1]]
     }
 }
 
-/// A soft cut between ground and spot.
+/// A soft cut between background and spot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Soft {
     /// Darkness of the spot's core, no unit.
     full: f64,
-    /// Share of it that is still ground.
+    /// Share of it that is still background.
     cut: f64,
 }
 
 impl Soft {
-    /// Weight of a pixel, 0 for ground to 1 for spot, linear in its darkness.
+    /// Weight of a pixel, 0 for background to 1 for spot, linear in its darkness.
     pub(super) fn weight(&self, darkness: f64) -> f64 {
         if self.full <= 0.0 {
             return 0.0;
@@ -68,19 +66,19 @@ impl Soft {
     }
 }
 
-/// Why a window holds no spot.
+/// FailedGate a window holds no spot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Miss {
     /// The window, or the ring around it, reaches out of the picture.
     Outside,
-    /// Nothing is darker than the ground.
+    /// Nothing is darker than the background.
     Empty,
 }
 
 /// The spot nearest to `near` (px) in a window of `radius` (px) that follows it.
 ///
 /// # Errors
-/// [`Miss`] when the window leaves the picture or holds nothing darker than its ground.
+/// [`Miss`] when the window leaves the picture or holds nothing darker than its background.
 pub(crate) fn find(picture: &Gray, near: Point2, radius: f64) -> Result<Blob, Miss> {
     let look = |at: Point2| {
         // a pixel more for the template, which is cut between pixels
@@ -93,7 +91,7 @@ pub(crate) fn find(picture: &Gray, near: Point2, radius: f64) -> Result<Blob, Mi
     let mut blob = look(near)?;
     let mut from = near;
     for _ in 1..ROUNDS {
-        if (blob.at[0] - from[0]).hypot(blob.at[1] - from[1]) < REST {
+        if (blob.at[0] - from[0]).hypot(blob.at[1] - from[1]) < CONVERGED {
             break;
         }
         from = blob.at;
@@ -102,9 +100,9 @@ pub(crate) fn find(picture: &Gray, near: Point2, radius: f64) -> Result<Blob, Mi
     Ok(blob)
 }
 
-/// Share of a window of `radius` (px) around the spot near a place that is as dark as a spot and does not hang together with it,
+/// Share of a window of `radius` (px) around the spot near a place that is as dark as a spot and not connected to it,
 /// no unit; 0 where there is no window or no spot.
-pub fn beside(picture: &Gray, near: Point2, radius: f64) -> f64 {
+pub fn clutter(picture: &Gray, near: Point2, radius: f64) -> f64 {
     let Ok(blob) = find(picture, near, radius) else { return 0.0 };
     if !picture.holds(blob.at, radius + RING + 1.0) {
         return 0.0;
@@ -132,14 +130,14 @@ struct Window {
     radius: f64,
     side: usize,
     cells: Vec<Cell>,
-    ground: Ground,
+    background: Background,
     contrast: f64,
     soft: Soft,
 }
 
 impl Window {
     fn open(picture: &Gray, middle: Point2, radius: f64) -> Self {
-        let ground = Ground::around(picture, middle, radius);
+        let background = Background::around(picture, middle, radius);
         let half = radius.ceil() as usize + 1;
         let side = 2 * half + 1;
         let first = middle.map(|c| c.round() - half as f64);
@@ -147,18 +145,18 @@ impl Window {
         let mut cells = vec![outside; side * side];
         let mut core = Vec::new();
         visit(picture, middle, radius, 1, |x, y, r2, level| {
-            let darkness = 1.0 - level / ground.level(x, y);
+            let darkness = 1.0 - level / background.level(x, y);
             core.push(darkness);
             let [column, row] = [middle[0] + x - first[0], middle[1] + y - first[1]].map(|v| v.round() as usize);
             cells[row * side + column] = Cell { x, y, r2, darkness, weight: 0.0 };
         });
         let rank = core.len() - 1 - (CORE * core.len() as f64) as usize;
         let full = *core.select_nth_unstable_by(rank, f64::total_cmp).1;
-        let contrast = full * ground.level(0.0, 0.0);
-        let cut = (NOISES * ground.noise / contrast).clamp(CUT.0, CUT.1);
+        let contrast = full * background.level(0.0, 0.0);
+        let cut = (NOISES * background.noise / contrast).clamp(CUT.0, CUT.1);
         let soft = Soft { full, cut };
         cells.iter_mut().for_each(|cell| cell.weight = soft.weight(cell.darkness));
-        Self { middle, radius, side, cells, ground, contrast, soft }
+        Self { middle, radius, side, cells, background, contrast, soft }
     }
 
     /// The pixels of the spot nearest to the middle.
@@ -192,13 +190,13 @@ impl Window {
             pull,
             contrast: self.contrast,
             spread: dark as f64 / whole as f64,
-            ground: self.ground,
+            background: self.background,
             soft: self.soft,
             sum,
         })
     }
 
-    /// All cells of some weight that hang together with `seed`, sides or corners touching, in reading order.
+    /// All cells of positive weight connected to `seed` by sides or corners, in reading order.
     fn connected(&self, seed: usize) -> Vec<Cell> {
         let mut taken = vec![false; self.cells.len()];
         let mut open = vec![seed];
@@ -224,17 +222,17 @@ impl Window {
 mod tests {
     use super::*;
 
-    /// A disc of radius 11 px at `at`, edge pixels by their share, on a ground that slopes.
+    /// A disc of radius 11 px at `at`, edge pixels by their share, on a background that slopes.
     fn disc(at: Point2) -> Gray {
         Gray::from_fn(90, 80, |x, y| {
-            let ground = 170.0 + 0.5 * x as f64 + 0.3 * y as f64;
+            let background = 170.0 + 0.5 * x as f64 + 0.3 * y as f64;
             let share = (0..64)
                 .filter(|k| {
                     let fine = |v: usize, i: usize| v as f64 + (i as f64 + 0.5) / 8.0 - 0.5;
                     (fine(x, k % 8) - at[0]).hypot(fine(y, k / 8) - at[1]) < 11.0
                 })
                 .count();
-            ground * (1.0 - 0.7 * share as f64 / 64.0)
+            background * (1.0 - 0.7 * share as f64 / 64.0)
         })
     }
 
@@ -250,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn even_ground_holds_no_spot() {
+    fn an_even_background_contains_no_spot() {
         let blob = find(&Gray::filled(90, 80, 200), [45.0, 40.0], 18.0);
         assert!(blob.is_ok_and(|b| b.contrast < 1.0) || blob == Err(Miss::Empty));
     }

@@ -1,12 +1,13 @@
-//! Where a marker went: optical flow between two frames, on a crop around it.
+//! Optical flow of one marker between two frames, on a crop around it: kornia's pyramidal Lucas–Kanade (window 21 × 21).
 //!
-//! Stands on: kornia's pyramidal Lucas–Kanade (window 21 × 21). Never knows: dark or light.
+//! Crops, because pyramids and gradients of whole frames would cost as much for three markers as for three thousand.
 
 use crate::Gray;
 use kornia_image::{Image, ImageSize};
 use kornia_imgproc::optical_flow_pyr_lk::{
     PyrLKParams, build_lk_precomputed, calc_optical_flow_pyr_lk_with_precomputed,
 };
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use si::Point2;
 
 /// Pixels on either side of the middle of a crop: the window on the coarser level, and a step of 12 px.
@@ -36,7 +37,38 @@ fn corner(picture: &Gray, at: Point2) -> [usize; 2] {
 }
 
 fn crop(picture: &Gray, [left, top]: [usize; 2]) -> Option<Image<f32, 1>> {
-    let part = picture.crop(left, top, 2 * HALF + 1, 2 * HALF + 1);
-    let levels = part.pixels.iter().map(|&p| f32::from(p) / 255.0).collect();
-    Image::new(ImageSize { width: part.width, height: part.height }, levels).ok()
+    let region = picture.crop(left, top, 2 * HALF + 1, 2 * HALF + 1);
+    let levels = region.pixels.iter().map(|&p| f32::from(p) / 255.0).collect();
+    Image::new(ImageSize { width: region.width, height: region.height }, levels).ok()
+}
+
+/// A pool of one thread for the flow of small crops.
+///
+/// kornia hands every row of a pyramid to whichever core is free; for crops of 69 px the dispatch costs more than the rows. A film is
+/// therefore tracked on one thread, and films are tracked side by side.
+pub(super) struct SingleThread(Option<ThreadPool>);
+
+impl SingleThread {
+    /// A pool of its own; where the system gives no thread, work runs in the global pool.
+    pub(super) fn new() -> Self {
+        Self(ThreadPoolBuilder::new().num_threads(1).build().ok())
+    }
+
+    /// Runs `work` on this thread alone.
+    pub(super) fn run<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
+        match &self.0 {
+            Some(pool) => pool.install(work),
+            None => work(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parallel_work_stays_on_one_thread() {
+        assert_eq!(SingleThread::new().run(rayon::current_num_threads), 1);
+    }
 }

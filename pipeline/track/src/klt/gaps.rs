@@ -1,15 +1,13 @@
-//! Gaps of a track: where a marker was while it was hidden, from how it went before and after.
-//!
-//! Stands on: `si`. Never knows: pictures.
+//! Interpolation of a track over the frames in which the marker was hidden.
 
-use super::Sighting;
+use super::Observation;
 use si::Point2;
 
 /// Fills the frames in which a marker was hidden, in place: a cubic from the places and speeds on either side.
 ///
 /// How far a marker may leave that cubic in n frames grows with its acceleration: a n₁ n₂ / 2 with n₁, n₂ frames to either side
-/// and a the root mean square of the second differences of what was seen, and no less than the pixels' own scatter.
-pub fn fill(track: &mut [Sighting]) {
+/// and a the root mean square of the second differences of what was seen, and no less than the covariance of the observations.
+pub fn fill_gaps(track: &mut [Observation]) {
     let bend = acceleration(track);
     let mut frame = 0;
     while frame < track.len() {
@@ -26,7 +24,7 @@ pub fn fill(track: &mut [Sighting]) {
 }
 
 /// Root mean square of second differences along each axis, px a frame².
-fn acceleration(track: &[Sighting]) -> Point2 {
+fn acceleration(track: &[Observation]) -> Point2 {
     let (mut sum, mut count) = ([0.0; 2], 0.0_f64);
     for three in track.windows(3).filter(|three| three.iter().all(|s| s.seen)) {
         [0, 1].iter().for_each(|&k| sum[k] += (three[0].at[k] - 2.0 * three[1].at[k] + three[2].at[k]).powi(2));
@@ -35,7 +33,7 @@ fn acceleration(track: &[Sighting]) -> Point2 {
     sum.map(|s| (s / count.max(1.0)).sqrt())
 }
 
-fn bridge(track: &mut [Sighting], before: usize, after: usize, bend: Point2) {
+fn bridge(track: &mut [Observation], before: usize, after: usize, bend: Point2) {
     let (start, end) = (track[before], track[after]);
     let seen = |k: Option<usize>| k.and_then(|k| track.get(k)).filter(|s| s.seen).map(|s| s.at);
     let length = (after - before) as f64;
@@ -65,14 +63,14 @@ mod tests {
     #[test]
     fn a_swing_hidden_for_a_third_of_a_second_is_bridged_within_three_deviations() {
         let place = |k: usize| [100.0 + 2.0 * k as f64, 90.0 + 30.0 * (0.21 * k as f64).sin()];
-        let seen = |k: usize| Sighting {
+        let seen = |k: usize| Observation {
             at: if (30..50).contains(&k) { place(29) } else { place(k) },
             covariance: [[1e-4, 0.0], [0.0, 1e-4]],
             residual: 1.0,
             seen: !(30..50).contains(&k),
         };
-        let mut track: Vec<Sighting> = (0..90).map(seen).collect();
-        fill(&mut track);
+        let mut track: Vec<Observation> = (0..90).map(seen).collect();
+        fill_gaps(&mut track);
         for (k, here) in track.iter().enumerate() {
             let miss = [0, 1].map(|i| here.at[i] - place(k)[i]);
             let allowed = [0, 1].map(|i| 3.0 * here.covariance[i][i].sqrt());
@@ -83,11 +81,15 @@ mod tests {
     #[test]
     fn a_parabola_is_bridged_to_the_size_of_its_differences() {
         let place = |k: usize| [0.02 * (k * k) as f64, 1.0];
-        let seen =
-            |k: usize| Sighting { at: place(k), covariance: [[0.0; 2]; 2], residual: 0.0, seen: !(9..14).contains(&k) };
-        let mut track: Vec<Sighting> = (0..30).map(seen).collect();
+        let seen = |k: usize| Observation {
+            at: place(k),
+            covariance: [[0.0; 2]; 2],
+            residual: 0.0,
+            seen: !(9..14).contains(&k),
+        };
+        let mut track: Vec<Observation> = (0..30).map(seen).collect();
         (9..14).for_each(|k| track[k].at = [0.0; 2]);
-        fill(&mut track);
+        fill_gaps(&mut track);
         // speeds from differences of one frame are off by half a second difference, 0.02 px a frame, over a quarter of 6 frames
         assert!((9..14).all(|k| (track[k].at[0] - place(k)[0]).abs() < 0.03 + 1e-9), "{:?}", &track[9..14]);
     }

@@ -1,87 +1,116 @@
-//! The gates that a marker passes in each frame: flow there and back, its spot, its looks.
+//! The gates of a single marker: forward–backward flow, contrast, step, flow–centroid agreement, residual against its first view.
 //!
-//! Stands on: flow, spots, templates, their scatter. Never knows: the other markers' gates.
+//! No gate catches every failure, so all must pass. Each one is cheap beside the flow itself.
 
 use super::blob::{self, Blob, Miss};
-use super::lost::Why;
-use super::{Seen, Sighting, Track, Tracker, distance, flow, scatter, search};
+use super::error::FailedGate;
+use super::reacquisition::Region;
+use super::{Accepted, Observation, Track, Tracker, covariance, distance, flow, reacquisition};
 use crate::Gray;
 use si::Point2;
 
 /// Share of a window's rim that may be dark: noise, but no other object.
 pub(super) const SPREAD_LIMIT: f64 = 0.1;
-/// Share of the last frames' scatter that is kept in each new one: a covariance from one frame alone is itself noisy.
-const KEPT: f64 = 0.9;
+/// Weight of the earlier frames in the exponential mean of the covariance: one frame alone gives a noisy covariance.
+const SMOOTHING: f64 = 0.9;
 
 impl Tracker {
-    /// Looks for a marker that has been hidden for some frames, by how it looked, and lets it pass the gates of looks and leaps.
-    pub(super) fn sight_again(&self, picture: &Gray, marker: usize, track: &Track, frames: usize) -> Result<Seen, Why> {
+    /// Searches for a marker that has been hidden for some frames by correlation with its first view; contrast and residual gates apply.
+    pub(super) fn reacquire(
+        &self,
+        picture: &Gray,
+        marker: usize,
+        track: &Track,
+        frames: usize,
+    ) -> Result<Accepted, FailedGate> {
         let others = self.tracks.iter().enumerate().filter(|(other, t)| *other != marker && t.hidden.is_none());
         let taken: Vec<Point2> = others.map(|(_, t)| t.at).collect();
-        let reach = (self.settings.jump_limit * (frames + 1) as f64).min(search::FARTHEST);
-        let (place, likeness) = search::like(picture, &track.template, track.at, reach, &taken);
-        let limit = self.settings.likeness_limit;
-        if likeness < limit {
-            return Err(Why::Unlike { measured: likeness, limit });
+        let radius = (self.settings.jump_limit * (frames + 1) as f64).min(reacquisition::MAX_RADIUS);
+        let region = Region { centre: track.at, radius, excluded: &taken };
+        let (place, measured) = reacquisition::best_match(picture, &track.template, &region);
+        let limit = self.settings.correlation_limit;
+        if measured < limit {
+            return Err(FailedGate::LowCorrelation { measured, limit });
         }
         let blob = self.spot(picture, place)?;
-        self.judged(picture, track, blob)
+        self.check_residual(picture, track, blob)
     }
 
-    /// Looks for one marker near the place (px) where it is expected and lets it pass the gates.
-    pub(super) fn sight(&self, picture: &Gray, track: &Track, near: Point2) -> Result<Seen, Why> {
+    /// Measures one marker near its predicted place (px); all gates of a single marker apply.
+    pub(super) fn locate(&self, picture: &Gray, track: &Track, near: Point2) -> Result<Accepted, FailedGate> {
         let (width, height) = (picture.width, picture.height);
         if (width, height) != (self.before.width, self.before.height) {
-            return Err(Why::Resized { width, height });
+            return Err(FailedGate::Resized { width, height });
         }
         let flow = flow::follow(&self.before, picture, track.at, near);
         let limit = self.settings.jump_limit;
+        // Forward–backward gate: flow that slid along an edge or onto another structure does not lead back to its start.
         let back = flow.and_then(|there| flow::follow(picture, &self.before, there, track.at));
-        let off = back.map_or(f64::INFINITY, |back| distance(back, track.at));
-        within(off, self.settings.return_limit, |measured, limit| Why::NotBack { measured, limit })?;
+        let error = back.map_or(f64::INFINITY, |back| distance(back, track.at));
+        within(error, self.settings.forward_backward_limit, |measured, limit| FailedGate::ForwardBackward {
+            measured,
+            limit,
+        })?;
+        // Flow only predicts. A prediction beyond the largest step is dropped, and the spot is searched where the marker's last step
+        // leads.
         let guess = flow.filter(|&place| distance(place, track.at) <= limit).unwrap_or(near);
         let blob = self.spot(picture, guess)?;
-        within(distance(blob.at, track.at), limit, |measured, limit| Why::Jumped { measured, limit })?;
+        within(distance(blob.at, track.at), limit, |measured, limit| FailedGate::Jump { measured, limit })?;
+        // Flow–centroid gate: two independent measurements of one marker. They differ when a reflection, another dark object or an
+        // occluding edge shifts the centroid, or when flow followed something else.
         let apart = flow.map_or(f64::INFINITY, |place| distance(place, blob.at));
-        within(apart, self.settings.agreement_limit, |measured, limit| Why::Disagrees { measured, limit })?;
-        self.judged(picture, track, blob)
+        within(apart, self.settings.flow_centroid_limit, |measured, limit| FailedGate::FlowCentroid {
+            measured,
+            limit,
+        })?;
+        self.check_residual(picture, track, blob)
     }
 
-    /// A spot that must look as the marker did in the first frame.
-    fn judged(&self, picture: &Gray, track: &Track, blob: Blob) -> Result<Seen, Why> {
+    /// Residual gate: a spot must look as the marker did in the first frame.
+    ///
+    /// The template is that of the first frame and is never updated: an updated one drifts off with every small error and makes the
+    /// gate blind to it. The turn of the marker and the level of the background are fitted instead. The limit depends on the scene: at
+    /// the edge of a thin tail a window sees the grid pass behind the marker, so its residual is larger than amid the back.
+    fn check_residual(&self, picture: &Gray, track: &Track, blob: Blob) -> Result<Accepted, FailedGate> {
         let difference = track.template.compare(picture, &blob, track.turn);
-        within(difference.mean, self.settings.residual_limit, |measured, limit| Why::Changed { measured, limit })?;
-        let now = scatter::of_sectors(picture, &blob, &track.template, difference.turn);
-        let scatter = track.scatter.map_or(now, |old| mix(old, now));
-        let coded = scatter::at_least(scatter, scatter::of_codec(&blob, self.settings.quantiser));
-        let covariance = sum(coded, scatter::of_pixels(&blob));
-        let sighting = Sighting { at: blob.at, covariance, residual: difference.mean, seen: true };
-        Ok(Seen { sighting, turn: difference.turn, scatter })
+        within(difference.mean, self.settings.residual_limit, |measured, limit| FailedGate::HighResidual {
+            measured,
+            limit,
+        })?;
+        let now = covariance::of_sectors(picture, &blob, &track.template, difference.turn);
+        let by_sectors = track.by_sectors.map_or(now, |old| mix(old, now));
+        // A shift of the whole marker that the codec leaves out shows in no comparison with the first view; its variance is computed
+        // from the quantiser and the contrast.
+        let coded = covariance::at_least(by_sectors, covariance::of_codec(&blob, self.settings.quantiser));
+        let covariance = sum(coded, covariance::of_pixels(&blob));
+        let observation = Observation { at: blob.at, covariance, residual: difference.mean, seen: true };
+        Ok(Accepted { observation, turn: difference.turn, by_sectors })
     }
 
-    /// The dark spot near a place, when it is one.
-    pub(super) fn spot(&self, picture: &Gray, near: Point2) -> Result<Blob, Why> {
+    /// The dark spot near a place, with enough contrast and a light rim.
+    pub(super) fn spot(&self, picture: &Gray, near: Point2) -> Result<Blob, FailedGate> {
         let radius = self.settings.radius;
         let limit = self.settings.contrast_limit;
         let blob = blob::find(picture, near, radius).map_err(|miss| match miss {
-            Miss::Outside => Why::LeavesFrame { radius, width: picture.width, height: picture.height },
-            Miss::Empty => Why::Faint { measured: 0.0, limit },
+            Miss::Outside => FailedGate::LeavesFrame { radius, width: picture.width, height: picture.height },
+            Miss::Empty => FailedGate::LowContrast { measured: 0.0, limit },
         })?;
         if blob.contrast < limit {
-            return Err(Why::Faint { measured: blob.contrast, limit });
+            return Err(FailedGate::LowContrast { measured: blob.contrast, limit });
         }
-        within(blob.spread, SPREAD_LIMIT, |measured, limit| Why::Spreads { measured, limit })?;
+        // Rim gate: a dark region that continues beyond the window is no marker, and its centroid is that of the window.
+        within(blob.spread, SPREAD_LIMIT, |measured, limit| FailedGate::DarkRim { measured, limit })?;
         Ok(blob)
     }
 }
 
-fn within(measured: f64, limit: f64, why: fn(f64, f64) -> Why) -> Result<(), Why> {
+fn within(measured: f64, limit: f64, why: fn(f64, f64) -> FailedGate) -> Result<(), FailedGate> {
     if measured <= limit { Ok(()) } else { Err(why(measured, limit)) }
 }
 
-/// The scatter of late with a new frame in it.
+/// The exponential mean with a new frame.
 fn mix(old: [[f64; 2]; 2], new: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
-    [0, 1].map(|i| [0, 1].map(|j| KEPT * old[i][j] + (1.0 - KEPT) * new[i][j]))
+    [0, 1].map(|i| [0, 1].map(|j| SMOOTHING * old[i][j] + (1.0 - SMOOTHING) * new[i][j]))
 }
 
 pub(super) fn sum(a: [[f64; 2]; 2], b: [[f64; 2]; 2]) -> [[f64; 2]; 2] {

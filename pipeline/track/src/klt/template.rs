@@ -1,12 +1,10 @@
-//! How a marker looked in the first frame, and how much it looks so still.
+//! The first view of a marker, and the residual against it.
 //!
-//! The marker may have turned: the turn that fits best is followed from frame to frame. The light may have changed: levels
-//! are compared as shares of the ground.
-//!
-//! Stands on: spots and their ground. Never knows: where a marker should be.
+//! The rotation of the marker is estimated in each frame, starting from that of the frame before. Levels are compared as shares of the
+//! background, so that a change of light does not count.
 
+use super::background::visit;
 use super::blob::Blob;
-use super::ground::visit;
 use crate::Gray;
 use si::{Point2, Radian};
 
@@ -21,10 +19,10 @@ const SPARSE: usize = 2;
 /// The template is kept this much beyond the window, px, so that a turned window stays on it.
 const MARGIN: f64 = 2.0;
 
-/// A turn counts as found when it lowers the squares to this share.
+/// An angle is accepted when it lowers the sum of squares to this share.
 const BETTER: f64 = 0.98;
 
-/// A marker as it was seen first.
+/// First view of a marker.
 #[derive(Debug, Clone)]
 pub(super) struct Template {
     radius: f64,
@@ -32,7 +30,7 @@ pub(super) struct Template {
     side: usize,
     /// Place of the marker's middle in the square, px.
     middle: Point2,
-    /// Level over ground, no unit, `side` × `side`.
+    /// Level over background, no unit, `side` × `side`.
     shares: Vec<f64>,
 }
 
@@ -55,8 +53,8 @@ impl Template {
         let middle = [blob.at[0] - first[0], blob.at[1] - first[1]];
         let share = |k: usize| {
             let (x, y) = ((k % side) as f64, (k / side) as f64);
-            let ground = blob.ground.level(x - middle[0] + off[0], y - middle[1] + off[1]);
-            picture.level([first[0] + x, first[1] + y]) / ground
+            let background = blob.background.level(x - middle[0] + off[0], y - middle[1] + off[1]);
+            picture.level([first[0] + x, first[1] + y]) / background
         };
         Self { radius, side, middle, shares: (0..side * side).map(share).collect() }
     }
@@ -68,7 +66,7 @@ impl Template {
         let best = tries.map(|turn| (rough(turn), turn)).min_by(|a, b| a.0.total_cmp(&b.0));
         let start = best.map_or(last, |(_, turn)| turn);
         let turn = Self::vertex(rough, start);
-        // a disc fits at any turn: one that fits no better than the last tells nothing
+        // A disc fits at any rotation: an angle that fits no better than the last is not estimated and does not drift.
         let turn = if rough(turn) < BETTER * rough(last) { turn } else { last };
         Difference { turn, mean: self.distance(picture, blob, turn, 1).mean }
     }
@@ -83,12 +81,12 @@ impl Template {
 
     /// The distance between the window, turned by `turn` (rad), and the template, over every `stride`-th pixel each way.
     fn distance(&self, picture: &Gray, blob: &Blob, turn: Radian, stride: usize) -> Distance {
-        let (at, ground) = (blob.at, &blob.ground);
+        let (at, background) = (blob.at, &blob.background);
         let off = blob.off();
         let sine_cosine = turn.sin_cos();
         let (mut squares, mut sum, mut number) = (0.0, 0.0, 0.0);
         visit(picture, at, self.radius, stride, |x, y, _, level| {
-            let miss = level - self.share([x, y], sine_cosine) * ground.level(x + off[0], y + off[1]);
+            let miss = level - self.share([x, y], sine_cosine) * background.level(x + off[0], y + off[1]);
             squares += miss * miss;
             sum += miss.abs();
             number += 1.0;
@@ -101,7 +99,7 @@ impl Template {
         self.radius
     }
 
-    /// Level over ground at a place counted from the marker's middle (px), linear between pixels.
+    /// Level over background at a place counted from the marker's middle (px), linear between pixels.
     ///
     /// The marker is turned by the angle of which sine and cosine are given.
     pub(super) fn share(&self, [x, y]: Point2, (sine, cosine): (f64, f64)) -> f64 {

@@ -1,10 +1,8 @@
-//! Brown and Conrady's bend: radial and tangential polynomials of the normalised place.
-//!
-//! Stands on: `si`. Never knows: focal lengths.
+//! Brown–Conrady distortion: radial and tangential polynomials \[brown1971\].
 
 use si::Point2;
 
-/// x' = x (1 + k₁r² + k₂r⁴ + k₃r⁶) + 2p₁xy + p₂(r² + 2x²), y' alike with p₁ and p₂ exchanged    [brown1971]
+/// x' = x (1 + k₁r² + k₂r⁴ + k₃r⁶) + 2p₁xy + p₂(r² + 2x²), y' alike with p₁ and p₂ exchanged    \[brown1971\]
 pub(super) fn distort([k1, k2, p1, p2, k3]: &[f64; 5], [x, y]: Point2) -> Point2 {
     let r2 = x * x + y * y;
     let radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
@@ -12,19 +10,19 @@ pub(super) fn distort([k1, k2, p1, p2, k3]: &[f64; 5], [x, y]: Point2) -> Point2
 }
 
 /// d(distorted)/d(normalised), 2 × 2, no unit.
-pub(super) fn stretch([k1, k2, p1, p2, k3]: &[f64; 5], [x, y]: Point2) -> [[f64; 2]; 2] {
+pub(super) fn distortion_jacobian([k1, k2, p1, p2, k3]: &[f64; 5], [x, y]: Point2) -> [[f64; 2]; 2] {
     let r2 = x * x + y * y;
     let radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
-    let slope = 2.0 * (k1 + r2 * (2.0 * k2 + r2 * 3.0 * k3));
-    let cross = slope * x * y + 2.0 * p1 * x + 2.0 * p2 * y;
+    let jacobian = 2.0 * (k1 + r2 * (2.0 * k2 + r2 * 3.0 * k3));
+    let cross = jacobian * x * y + 2.0 * p1 * x + 2.0 * p2 * y;
     [
-        [radial + slope * x * x + 2.0 * p1 * y + 6.0 * p2 * x, cross],
-        [cross, radial + slope * y * y + 6.0 * p1 * y + 2.0 * p2 * x],
+        [radial + jacobian * x * x + 2.0 * p1 * y + 6.0 * p2 * x, cross],
+        [cross, radial + jacobian * y * y + 6.0 * p1 * y + 2.0 * p2 * x],
     ]
 }
 
 /// d(distorted)/d(k₁ k₂ p₁ p₂ k₃), 2 × 5, no unit.
-pub(super) fn by_bends([x, y]: Point2) -> [[f64; 5]; 2] {
+pub(super) fn by_coefficients([x, y]: Point2) -> [[f64; 5]; 2] {
     let r2 = x * x + y * y;
     [
         [x * r2, x * r2 * r2, 2.0 * x * y, r2 + 2.0 * x * x, x * r2 * r2 * r2],

@@ -1,8 +1,6 @@
-//! The fisheye's bend: the distance from the axis is a polynomial of the angle, not of its tangent.
+//! Fisheye distortion \[kannala2006\]: the distance from the axis is a polynomial of the angle, not of its tangent.
 //!
-//! θ' = θ (1 + k₁θ² + k₂θ⁴ + k₃θ⁶ + k₄θ⁸), θ = atan r; the place is moved along its own direction    [kannala2006]
-//!
-//! Stands on: `si`. Never knows: focal lengths.
+//! θ' = θ (1 + k₁θ² + k₂θ⁴ + k₃θ⁶ + k₄θ⁸), θ = atan r; the point is moved along its own direction.
 
 use si::{Point2, Radian};
 
@@ -27,18 +25,18 @@ pub(super) fn distort(k: &[f64; 5], [x, y]: Point2) -> Point2 {
 }
 
 /// d(distorted)/d(normalised), 2 × 2, no unit.
-pub(super) fn stretch(k: &[f64; 5], [x, y]: Point2) -> [[f64; 2]; 2] {
+pub(super) fn distortion_jacobian(k: &[f64; 5], [x, y]: Point2) -> [[f64; 2]; 2] {
     let r = (x * x + y * y).sqrt();
     if r < AXIS {
         return [[1.0, 0.0], [0.0, 1.0]];
     }
     let (share, rise) = angles(k, r);
-    let slope = (rise / (1.0 + r * r) - share) / (r * r);
-    [[share + slope * x * x, slope * x * y], [slope * x * y, share + slope * y * y]]
+    let jacobian = (rise / (1.0 + r * r) - share) / (r * r);
+    [[share + jacobian * x * x, jacobian * x * y], [jacobian * x * y, share + jacobian * y * y]]
 }
 
 /// d(distorted)/d(k₁ k₂ k₃ k₄ and nothing), 2 × 5, no unit.
-pub(super) fn by_bends([x, y]: Point2) -> [[f64; 5]; 2] {
+pub(super) fn by_coefficients([x, y]: Point2) -> [[f64; 5]; 2] {
     let r = (x * x + y * y).sqrt().max(AXIS);
     let t = r.atan();
     let powers = [t.powi(3), t.powi(5), t.powi(7), t.powi(9), 0.0];

@@ -1,10 +1,8 @@
 //! A lens from the YAML that OpenCV and ROS write: `camera_matrix` and `distortion_coefficients`.
-//!
-//! Stands on: the lens. Never knows: a file.
 
-use super::{Bend, Lens};
+use super::{Distortion, Lens};
 
-/// Why a text is no lens.
+/// FailedGate a text is no lens.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum YamlError {
     /// A matrix that is not there, or has another number of values.
@@ -36,7 +34,7 @@ pub enum YamlError {
 /// Numbers of the distortion that are read: k₁ k₂ p₁ p₂ k₃.
 const BENDS: usize = 5;
 
-/// The lens in a text; four coefficients are a fisheye's when `fisheye` says so or the text names that model.
+/// The lens in a text; four coefficients are a fisheye's when `fisheye` is set or the text names that model.
 ///
 /// # Errors
 /// [`YamlError`] when a matrix is missing or the distortion is of another kind.
@@ -46,20 +44,24 @@ pub fn read(text: &str, fisheye: bool) -> Result<Lens, YamlError> {
         return Err(YamlError::Values { key: "camera_matrix", found: matrix.len(), wanted: "9" });
     };
     let keys = ["distortion_coefficients", "Distortion_Coefficients", "distCoeffs", "dist_coeffs", "D"];
-    let bends = data(text, &keys).unwrap_or_default();
+    let coefficients = data(text, &keys).unwrap_or_default();
     let fisheye = fisheye || ["equidistant", "fisheye"].iter().any(|name| text.contains(name));
-    let beyond = |limit: usize| bends.iter().enumerate().skip(limit).find(|(_, value)| **value != 0.0);
+    let beyond = |limit: usize| coefficients.iter().enumerate().skip(limit).find(|(_, value)| **value != 0.0);
     let limit = if fisheye { 4 } else { BENDS };
     if let Some((at, value)) = beyond(limit) {
-        return Err(YamlError::Model { at: at + 1, count: bends.len(), value: *value });
+        return Err(YamlError::Model { at: at + 1, count: coefficients.len(), value: *value });
     }
-    if bends.len() < 4 {
-        return Err(YamlError::Values { key: "distortion_coefficients", found: bends.len(), wanted: "4 or more" });
+    if coefficients.len() < 4 {
+        return Err(YamlError::Values {
+            key: "distortion_coefficients",
+            found: coefficients.len(),
+            wanted: "4 or more",
+        });
     }
-    let bend = if fisheye { Bend::Fisheye } else { Bend::BrownConrady };
-    let fifth = if fisheye { 0.0 } else { bends.get(4).copied().unwrap_or(0.0) };
-    let lens = Lens { bend, ..Lens::default() };
-    Ok(lens.with([fx, fy, cx, cy, bends[0], bends[1], bends[2], bends[3], fifth]))
+    let distortion = if fisheye { Distortion::Fisheye } else { Distortion::BrownConrady };
+    let fifth = if fisheye { 0.0 } else { coefficients.get(4).copied().unwrap_or(0.0) };
+    let lens = Lens { distortion, ..Lens::default() };
+    Ok(lens.with([fx, fy, cx, cy, coefficients[0], coefficients[1], coefficients[2], coefficients[3], fifth]))
 }
 
 /// The numbers in the `data: […]` that follows one of the keys.
@@ -87,7 +89,7 @@ mod tests {
     fn a_lens_that_opencv_wrote_is_read() {
         let lens = read(TEXT, false).unwrap();
         assert_eq!(lens.values(), [1473.0, 1478.0, 969.0, 541.0, -0.25, 0.07, 1e-3, -5e-4, 0.3]);
-        assert_eq!(lens.bend, Bend::BrownConrady);
+        assert_eq!(lens.distortion, Distortion::BrownConrady);
     }
 
     #[test]
@@ -95,7 +97,7 @@ mod tests {
         let four = TEXT.replace(", 3.0e-01 ]", ",\n 0. ]").replace("---", "---\ndistortion_model: equidistant");
         let four = four.replace("-5.0e-04,\n 0. ]", "-5.0e-04 ]");
         let lens = read(&four, false).unwrap();
-        assert_eq!((lens.bend, lens.k3, lens.k4, lens.p1), (Bend::Fisheye, 1e-3, -5e-4, 0.0));
+        assert_eq!((lens.distortion, lens.k3, lens.k4, lens.p1), (Distortion::Fisheye, 1e-3, -5e-4, 0.0));
     }
 
     #[test]

@@ -1,6 +1,4 @@
-//! The outermost boxes of an MP4: is it one, is it whole, where is its index.
-//!
-//! Stands on: the file's bytes. Never knows: a codec.
+//! The outermost boxes of an MP4 file: whether it is one, whether it is complete, and where its index is.
 
 use super::VideoError;
 use std::fs::File;

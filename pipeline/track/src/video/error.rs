@@ -1,10 +1,8 @@
-//! What can be wrong with a film, and what to do about it.
-//!
-//! Stands on: nothing. Never knows: which trial the film belongs to.
+//! Errors of reading and writing films.
 
 use std::path::{Path, PathBuf};
 
-/// Why a film cannot be read or written.
+/// FailedGate a film cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum VideoError {
     /// No file of that name.
@@ -28,7 +26,7 @@ pub enum VideoError {
     NotMp4 {
         /// The file.
         path: PathBuf,
-        /// What stands there instead.
+        /// What is there instead.
         found: String,
     },
     /// A folder whose pictures and times do not belong together.

@@ -1,6 +1,4 @@
-//! A film, whatever it is made of: H.264 in an MP4, a folder of pictures, or anything that `ffmpeg` reads.
-//!
-//! Stands on: its three sources and quarter turns. Never knows: what is filmed.
+//! A film of any source: H.264 in an MP4, a folder of pictures, or what `ffmpeg` reads.
 
 use super::folder::Folder;
 use super::pipe::{self, Pipe};

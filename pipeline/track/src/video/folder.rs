@@ -1,6 +1,4 @@
 //! A folder of pictures as a film: PNG files in the order of their names, and `times.csv` with the time of each.
-//!
-//! Stands on: grey pictures. Never knows: what is filmed.
 
 use super::{Frame, Info, VideoError};
 use crate::Gray;

@@ -1,6 +1,4 @@
-//! The index of a film: where each coded frame lies in the file and when it is shown.
-//!
-//! Stands on: the mp4 crate for the boxes inside moov. Never knows: how a frame is decoded.
+//! The index of a film: where each coded frame is in the file and when it is shown.
 
 use super::{Quarter, VideoError, boxes};
 use mp4::{MoovBox, ReadBox};
@@ -16,7 +14,7 @@ pub(super) struct Sample {
     pub(super) size: u64,
 }
 
-/// All that the container says about the film.
+/// The metadata of the container.
 pub(super) struct Index {
     pub(super) width: usize,
     pub(super) height: usize,
@@ -87,7 +85,7 @@ pub(super) fn read(file: &mut File, path: &Path) -> Result<Index, VideoError> {
     })
 }
 
-/// The mp4 crate wants the box's header just passed: it computes the box's end from it.
+/// The mp4 crate must be called just after the box's header: it computes the box's end from that position.
 fn parse(moov: &[u8]) -> Result<MoovBox, mp4::Error> {
     let size = moov.len() as u64 + mp4::HEADER_SIZE;
     let mut whole = vec![0; mp4::HEADER_SIZE as usize];
@@ -105,7 +103,7 @@ fn codecs(moov: &[u8]) -> String {
     if names.is_empty() { "nothing known".into() } else { names.join(", ") }
 }
 
-/// Offset and size of every sample: chunks begin where the table says, samples follow each other inside a chunk.
+/// Offset and size of every sample: chunks begin at the offsets of the table, samples follow each other inside a chunk.
 ///
 /// `runs` holds (first chunk, from 1; samples in each chunk from there on). None when the tables do not fit together.
 fn samples(sizes: &[u64], chunks: &[u64], runs: &[(usize, u32)]) -> Option<Vec<Sample>> {

@@ -1,11 +1,8 @@
-//! Films: H.264 in an MP4, written and read as grey pictures without any system library; what else a camera makes, through an
-//! `ffmpeg` that is found on the PATH, and folders of pictures.
+//! Films: H.264 in an MP4, written and read as grey pictures without any system library; other codecs through an
+//! `ffmpeg` on the PATH; folders of pictures.
 //!
-//! Luma is kept as it is coded, 0 … 255: what the writer is given is what the reader hands out, up to the loss of the
-//! codec. Films of other cameras may use 16 … 235 of it; nothing in this crate depends on which.
-//!
-//! Stands on: openh264 (codec), mp4 (container). Never knows: what is filmed.
-//! A new container or codec: one file here that hands out [`Frame`]s.
+//! Luma is passed on as it is coded, 0 … 255. Films of other cameras may use 16 … 235 of it; nothing in this crate depends on which.
+//! A new container or codec needs one file here that yields [`Frame`]s.
 
 mod boxes;
 mod error;
@@ -26,7 +23,7 @@ pub use writer::{Quality, Writer};
 use crate::Gray;
 use si::{Hertz, Second};
 
-/// What a film says of itself.
+/// Metadata of a film.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Info {
     /// Pixels in a row.

@@ -1,7 +1,5 @@
-//! Films of any codec through `ffmpeg`, which is found on the PATH when it is needed: grey pictures come through a pipe, one
-//! after another, and their times from `ffprobe` beside it.
-//!
-//! Stands on: the system's processes. Never knows: a codec.
+//! Films of any codec through `ffmpeg` on the PATH: grey pictures come through a pipe, one after another, and their times from
+//! `ffprobe`.
 
 use super::{Frame, Info, VideoError};
 use crate::Gray;
@@ -31,7 +29,7 @@ pub(super) fn programs() -> Option<[PathBuf; 2]> {
 }
 
 impl Pipe {
-    /// Opens a film with the two programs; pictures come turned as the film wants to be shown.
+    /// Opens a film with the two programs; pictures are rotated as the film is displayed.
     pub(super) fn open(path: &Path, [ffmpeg, ffprobe]: [PathBuf; 2]) -> Result<Self, VideoError> {
         let times = times(path, &ffprobe)?;
         let mut command = Command::new(&ffmpeg);
@@ -87,12 +85,12 @@ impl Drop for Pipe {
 fn times(path: &Path, ffprobe: &Path) -> Result<Vec<Second>, VideoError> {
     let mut command = Command::new(ffprobe);
     command.args(["-v", "error", "-select_streams", "v:0", "-show_entries", "packet=pts_time", "-of", "csv=p=0"]);
-    let told = command.arg(path).stdin(Stdio::null()).output().map_err(|e| VideoError::reading(ffprobe, e))?;
-    let text = String::from_utf8_lossy(&told.stdout);
+    let output = command.arg(path).stdin(Stdio::null()).output().map_err(|e| VideoError::reading(ffprobe, e))?;
+    let text = String::from_utf8_lossy(&output.stdout);
     let mut times: Vec<Second> = text.lines().filter_map(|l| l.trim().trim_end_matches(',').parse().ok()).collect();
     times.sort_by(f64::total_cmp);
     match times.is_empty() {
-        true => Err(piped(path, 0, 0, String::from_utf8_lossy(&told.stderr).trim())),
+        true => Err(piped(path, 0, 0, String::from_utf8_lossy(&output.stderr).trim())),
         false => Ok(times),
     }
 }

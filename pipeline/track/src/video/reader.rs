@@ -1,6 +1,4 @@
-//! A film to grey pictures, one after another; memory does not grow with its length.
-//!
-//! Stands on: the film's index, openh264. Never knows: what is filmed.
+//! Decoding of a film to grey pictures, one after another; memory does not grow with its length.
 
 use super::index::{self, Index};
 use super::{Frame, Info, Quarter, VideoError};
@@ -21,10 +19,10 @@ pub struct Reader {
     decoder: Decoder,
     /// Samples given to the decoder so far.
     fed: usize,
-    /// Frames handed out so far.
+    /// Frames returned so far.
     shown: usize,
     /// Pictures that the decoder held back until the end.
-    late: VecDeque<Gray>,
+    delay: VecDeque<Gray>,
     ended: bool,
     packet: Vec<u8>,
 }
@@ -46,8 +44,8 @@ impl Reader {
             why: e.to_string(),
         };
         let decoder = decoder.map_err(damaged)?;
-        let (late, packet) = (VecDeque::new(), Vec::new());
-        Ok(Self { path: path.into(), file, index, decoder, fed: 0, shown: 0, late, ended: false, packet })
+        let (delay, packet) = (VecDeque::new(), Vec::new());
+        Ok(Self { path: path.into(), file, index, decoder, fed: 0, shown: 0, delay, ended: false, packet })
     }
 
     /// Size, length and rate of the film.
@@ -55,7 +53,7 @@ impl Reader {
         Info::of((self.index.width, self.index.height), &self.index.times)
     }
 
-    /// How its pictures want to be turned; they are handed out as they are coded.
+    /// Rotation with which its pictures are displayed; they are returned as coded.
     pub fn turn(&self) -> Quarter {
         self.index.turn
     }
@@ -76,12 +74,12 @@ impl Reader {
             self.ended = true;
             let rest = self.decoder.flush_remaining();
             let rest = rest.map_err(|e| damaged(&self.path, self.shown, &self.index, e.to_string()))?;
-            self.late = rest.iter().map(luma).collect();
+            self.delay = rest.iter().map(luma).collect();
         }
-        Ok(self.late.pop_front())
+        Ok(self.delay.pop_front())
     }
 
-    /// Puts sample `fed` into `packet` as the decoder wants it: start codes for lengths, parameter sets in front.
+    /// Puts sample `fed` into `packet` in the form of the decoder: start codes for lengths, parameter sets in front.
     fn load(&mut self) -> Result<(), VideoError> {
         let sample = self.index.samples[self.fed];
         let mut coded = vec![0; sample.size as usize];

@@ -1,6 +1,4 @@
-//! Quarter turns: how a film wants to be shown when its camera was held on its side.
-//!
-//! Stands on: grey pictures. Never knows: a container.
+//! Rotation of a film by quarter turns, for cameras that were held on their side.
 
 use crate::Gray;
 

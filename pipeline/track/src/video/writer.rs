@@ -1,7 +1,6 @@
-//! Grey pictures to a film: H.264 in an MP4, the same bytes each time.
+//! Encoding of grey pictures to a film: H.264 in an MP4, the same bytes each time.
 //!
 //! One encoder thread and no creation time, so equal pictures make equal files.
-//! Stands on: openh264, mp4. Never knows: what is filmed.
 
 use super::VideoError;
 use crate::Gray;
@@ -17,13 +16,13 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
-/// What stands in front of every NAL unit of a bare H.264 stream.
+/// Start code in front of every NAL unit of a bare H.264 stream.
 pub(super) const START_CODE: [u8; 4] = [0, 0, 0, 1];
 /// Ticks of one frame in the container, so that the clock runs in thousandths of the frame rate.
 const TICKS_A_FRAME: u32 = 1000;
 /// A key frame every two seconds at 60 frames/s, as cameras do; damage then stays within that.
 const KEY_FRAME_PERIOD: u32 = 120;
-/// At a bit rate the encoder wants to skip pictures while it is in debt; it is asked again this often, so none is lost.
+/// At a bit rate the encoder skips pictures while it exceeds the rate; it is called again up to this often, so that none is lost.
 const SKIPS: usize = 240;
 /// Neutral chroma.
 const NO_COLOUR: u8 = 128;
@@ -54,12 +53,13 @@ pub struct Writer {
 }
 
 impl Writer {
-    /// Begins a film of `width` × `height` px with `rate` frames a second; an older file of that name is replaced.
+    /// Begins a film of `size` (width, height; px) with `rate` frames a second; an older file of that name is replaced.
     ///
     /// # Errors
     /// [`VideoError`] when the size is odd or too large for the codec, the rate or quality has no meaning, or the disk refuses.
-    pub fn create(path: &Path, width: usize, height: usize, rate: Hertz, quality: Quality) -> Result<Self, VideoError> {
-        check(path, width, height, rate, quality)?;
+    pub fn create(path: &Path, size: (usize, usize), rate: Hertz, quality: Quality) -> Result<Self, VideoError> {
+        check(path, size, rate, quality)?;
+        let (width, height) = size;
         let config = settings(rate, quality);
         let encoder = Encoder::with_api_config(OpenH264API::from_source(), config).map_err(|e| codec(path, 0, &e))?;
         let chroma = vec![NO_COLOUR; width * height / 4];
@@ -159,7 +159,7 @@ impl Writer {
     }
 }
 
-/// Camera mode of the encoder in one thread, without the aids that move bits away from what stands still.
+/// Camera mode of the encoder in one thread, without options that take bits from still regions.
 fn settings(rate: Hertz, quality: Quality) -> EncoderConfig {
     let config = EncoderConfig::new()
         .max_frame_rate(FrameRate::from_hz(rate as f32))
@@ -175,7 +175,7 @@ fn settings(rate: Hertz, quality: Quality) -> EncoderConfig {
         Quality::BitsPerSecond(bits) => {
             config.rate_control_mode(RateControlMode::Bitrate).bitrate(BitRate::from_bps(bits))
         }
-        // this mode keeps the quantiser inside its range whatever the size, and says nothing on stderr
+        // this mode keeps the quantiser inside its range whatever the size, and prints nothing on stderr
         Quality::Quantiser(step) => {
             config.rate_control_mode(RateControlMode::Bufferbased).bitrate(UNBOUND).qp(QpRange::new(step, step))
         }
@@ -187,7 +187,7 @@ const UNBOUND: BitRate = BitRate::from_bps(50_000_000);
 /// The finest quantiser of the encoder.
 const FINEST: u8 = 12;
 
-fn check(path: &Path, width: usize, height: usize, rate: Hertz, quality: Quality) -> Result<(), VideoError> {
+fn check(path: &Path, (width, height): (usize, usize), rate: Hertz, quality: Quality) -> Result<(), VideoError> {
     let whole = |v: usize| v.is_multiple_of(2) && (16..=3840).contains(&v);
     if !whole(width) || !whole(height) {
         let why = format!("{width} × {height} px; H.264 takes even sizes of 16 … 3840 px");

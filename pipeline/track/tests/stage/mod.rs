@@ -63,7 +63,7 @@ impl Scene {
     pub fn coded(mut self, frames: usize) -> Self {
         let file = std::env::temp_dir().join(format!("track-{}-{:?}.mp4", std::process::id(), self.codec));
         let quality = Quality::Quantiser(self.codec.unwrap());
-        let mut writer = Writer::create(&file, self.size.0, self.size.1, 60.0, quality).unwrap();
+        let mut writer = Writer::create(&file, self.size, 60.0, quality).unwrap();
         (0..frames).for_each(|k| writer.push(&self.drawn(k)).unwrap());
         writer.finish().unwrap();
         self.frames = Reader::open(&file).unwrap().map(|frame| frame.unwrap().gray).collect();

@@ -1,47 +1,45 @@
-//! Carrying errors: from pixels, the camera's numbers, heights and ripples to a covariance in metres.
-//!
-//! Stands on: track. Never knows: a shutter, time.
+//! Propagation of uncertainty: from pixels, camera parameters, heights and ripples to a covariance in metres.
 
 use si::{Metre, Point2, Radian};
-use track::calibrate::OF_CAMERA;
-use track::sight::{CAUSES, HEIGHT, INDEX, SURFACE, Sight};
+use track::calibrate::CAMERA_PARAMETERS;
+use track::refraction::{ERROR_SOURCES, HEIGHT, INDEX, RefractiveCamera, SURFACE};
 
 use super::no_ray;
-use crate::fault::Outcome;
-use crate::records::{Parts, Path, Spread};
+use crate::records::{Covariance2, CovarianceParts, Path};
+use diagnostics::Result;
 
-/// Everything that is not known exactly.
-pub struct Doubts {
-    /// What stays through a film.
+/// Sources of uncertainty.
+pub struct UncertaintySources {
+    /// Sources that are constant in a film.
     pub shared: Shared,
     /// Root of the mean squared slope of the surface, rad.
     pub ripple: Radian,
-    /// Of a mark's middle against the point under it, along x and y, m.
+    /// Standard deviation of a marker's centre against the material point under it, along x and y, m.
     pub mark: Metre,
 }
 
-/// The covariance of the causes of [`CAUSES`].
-pub struct Shared(Vec<[f64; CAUSES]>);
+/// The covariance of the [`ERROR_SOURCES`].
+pub struct Shared(Vec<[f64; ERROR_SOURCES]>);
 
 impl Shared {
     /// From the camera's covariance and the standard deviations of surface (m), index and height (m).
-    pub fn new(camera: &[[f64; OF_CAMERA]; OF_CAMERA], [surface, index, height]: [f64; 3]) -> Self {
+    pub fn new(camera: &[[f64; CAMERA_PARAMETERS]; CAMERA_PARAMETERS], [surface, index, height]: [f64; 3]) -> Self {
         let alone = |cause: usize| match cause {
             SURFACE => surface * surface,
             INDEX => index * index,
             HEIGHT => height * height,
             _ => 0.0,
         };
-        let entry = |i: usize, j: usize| match (i < OF_CAMERA, j < OF_CAMERA) {
+        let entry = |i: usize, j: usize| match (i < CAMERA_PARAMETERS, j < CAMERA_PARAMETERS) {
             (true, true) => camera[i][j],
             _ if i == j => alone(i),
             _ => 0.0,
         };
-        Self((0..CAUSES).map(|i| std::array::from_fn(|j| entry(i, j))).collect())
+        Self((0..ERROR_SOURCES).map(|i| std::array::from_fn(|j| entry(i, j))).collect())
     }
 
     /// J C Jᵀ
-    fn carried(&self, slope: &[Point2; CAUSES]) -> Spread {
+    fn carried(&self, slope: &[Point2; ERROR_SOURCES]) -> Covariance2 {
         let mut sum = [0.0; 3];
         for (row, a) in self.0.iter().zip(slope) {
             for (c, b) in row.iter().zip(slope) {
@@ -54,39 +52,44 @@ impl Shared {
     }
 }
 
-/// The whole covariance of a marker's places, and its parts: frames each.
-pub fn all(sight: &Sight, path: &Path, height: Metre, doubts: &Doubts) -> Outcome<(Vec<Spread>, Parts)> {
-    let (mut whole, mut parts, mut first) = (Vec::new(), Parts::default(), None);
+/// The full covariance of a marker's positions, and its contributions: frames each.
+pub fn all(
+    sight: &RefractiveCamera,
+    path: &Path,
+    height: Metre,
+    sources: &UncertaintySources,
+) -> Result<(Vec<Covariance2>, CovarianceParts)> {
+    let (mut whole, mut parts, mut first) = (Vec::new(), CovarianceParts::default(), None);
     for (frame, (&pixel, spread)) in path.at.iter().zip(&path.spread).enumerate() {
-        let (by_pixel, by_causes) = (sight.by_pixel(pixel, height), sight.by_causes(pixel, height));
-        let (Some(by_pixel), Some(by_causes)) = (by_pixel, by_causes) else {
+        let (by_pixel, by_error_sources) = (sight.by_pixel(pixel, height), sight.by_error_sources(pixel, height));
+        let (Some(by_pixel), Some(by_error_sources)) = (by_pixel, by_error_sources) else {
             return Err(no_ray(&path.name, frame, pixel));
         };
-        let noise = sum(carried(by_pixel, spread), rippled(sight, height, doubts.ripple));
-        let first = first.get_or_insert(by_causes);
-        let since: [Point2; CAUSES] =
-            std::array::from_fn(|i| [by_causes[i][0] - first[i][0], by_causes[i][1] - first[i][1]]);
-        let mark = [doubts.mark.powi(2), 0.0, doubts.mark.powi(2)];
-        whole.push(sum(sum(noise, mark), doubts.shared.carried(&by_causes)));
+        let noise = sum(carried(by_pixel, spread), rippled(sight, height, sources.ripple));
+        let first = first.get_or_insert(by_error_sources);
+        let since: [Point2; ERROR_SOURCES] =
+            std::array::from_fn(|i| [by_error_sources[i][0] - first[i][0], by_error_sources[i][1] - first[i][1]]);
+        let mark = [sources.mark.powi(2), 0.0, sources.mark.powi(2)];
+        whole.push(sum(sum(noise, mark), sources.shared.carried(&by_error_sources)));
         parts.noise.push(noise);
-        parts.shared.push(sum(doubts.shared.carried(&since), mark));
+        parts.shared.push(sum(sources.shared.carried(&since), mark));
     }
     Ok((whole, parts))
 }
 
-/// A slope s of the surface moves what is d under it by d (1 − 1/n) s; half its square falls on each axis.
-fn rippled(sight: &Sight, height: Metre, ripple: Radian) -> Spread {
+/// A slope s of the surface shifts the image of a point at depth d by d (1 − 1/n) s; half its square falls on each axis.
+fn rippled(sight: &RefractiveCamera, height: Metre, ripple: Radian) -> Covariance2 {
     let moved = sight.water.map_or(0.0, |w| (w.surface - height).max(0.0) * (1.0 - 1.0 / w.index) * ripple);
     [0.5 * moved * moved, 0.0, 0.5 * moved * moved]
 }
 
 /// J C Jᵀ
-fn carried(j: [[f64; 2]; 2], [xx, xy, yy]: &Spread) -> Spread {
+fn carried(j: [[f64; 2]; 2], [xx, xy, yy]: &Covariance2) -> Covariance2 {
     let entry = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] * xx + (a[0] * b[1] + a[1] * b[0]) * xy + a[1] * b[1] * yy;
     [entry(j[0], j[0]), entry(j[0], j[1]), entry(j[1], j[1])]
 }
 
-fn sum(a: Spread, b: Spread) -> Spread {
+fn sum(a: Covariance2, b: Covariance2) -> Covariance2 {
     [0, 1, 2].map(|k| a[k] + b[k])
 }
 
@@ -101,9 +104,9 @@ mod tests {
     }
 
     #[test]
-    fn a_doubt_about_the_height_alone_moves_a_place_along_its_slope() {
-        let shared = Shared::new(&[[0.0; OF_CAMERA]; OF_CAMERA], [0.0, 0.0, 2e-4]);
-        let mut slope = [[0.0; 2]; CAUSES];
+    fn an_error_of_the_height_alone_moves_a_position_along_its_derivative() {
+        let shared = Shared::new(&[[0.0; CAMERA_PARAMETERS]; CAMERA_PARAMETERS], [0.0, 0.0, 2e-4]);
+        let mut slope = [[0.0; 2]; ERROR_SOURCES];
         slope[HEIGHT] = [0.3, -0.1];
         let found = shared.carried(&slope);
         for (value, known) in found.iter().zip([0.09, -0.03, 0.01]) {

@@ -1,67 +1,80 @@
-//! Markers that another instrument measured in space: turned into the CAD frame, with no lens between.
-//!
-//! Stands on: the places of `lab`. Never knows: a pixel.
+//! Markers that another instrument measured in three dimensions, transformed into the CAD frame without a camera model.
 
 use std::path::Path as FilePath;
 
-use lab::card::{Axes, Tracks};
-use serde_json::{Value, json};
+use lab::card::Axes;
+use serde::Serialize;
 use si::{Metre, Point2, Point3, Second, vec3};
 
-use crate::fault::{Fault, Outcome};
-use crate::records::{Markers, Parts, Path};
-use crate::stage::Desk;
+use crate::records::{CovarianceParts, Markers, Path};
 use crate::subject::Trial;
+use diagnostics::{Diagnostic, Result};
+use workflow::stage::StageContext;
 
-/// The word for the file.
+/// The name of the file in messages.
 pub const WORD: &str = "places";
-/// A marker may be this far from where it was painted in the first frame, as a share of the specimen's length: a slip of unit,
-/// origin or axis is farther.
+/// Largest distance of a marker from its card position in the first frame, as a fraction of the specimen's length: a wrong unit,
+/// origin or axis gives more.
 const ASTRAY: f64 = 0.2;
 
-/// What the card says of the file.
-pub fn card(of: &Trial) -> Value {
-    let said = |(tracks, axes): (&Tracks, &Axes)| {
-        json!({
-            "sigma": tracks.sigma,
-            "axes": [axes.origin, axes.x, axes.z],
-            "start": axes.start,
-            "painted": of.card.marker.iter().map(|m| json!([m.name, m.at])).collect::<Vec<_>>(),
-            "length": of.card.length,
-        })
-    };
-    of.in_space().map_or(Value::Null, said)
+/// What it reads of the card.
+#[derive(Debug, Serialize)]
+pub struct Card {
+    sigma: Metre,
+    axes: Axes,
+    painted: Vec<Painted>,
+    length: Metre,
 }
 
-/// The card's markers in the file, on the film's clock, whose frames are at `film` (s); `mark` (m) is how well a mark's middle
-/// stands for its point.
+/// A marker and its position on the card, m.
+#[derive(Debug, Serialize)]
+struct Painted {
+    name: String,
+    at: Point3,
+}
+
+impl Card {
+    /// The card's entry of a file of positions in space; none where it names none.
+    pub fn of(trial: &Trial) -> Option<Self> {
+        let painted = |m: &lab::card::Marker| Painted { name: m.name.clone(), at: m.at };
+        trial.in_space().map(|(tracks, axes)| Self {
+            sigma: tracks.sigma,
+            axes: axes.clone(),
+            painted: trial.card.marker.iter().map(painted).collect(),
+            length: trial.card.length,
+        })
+    }
+}
+
+/// The card's markers in the file, on the film's clock, whose frames are at `film` (s); `marker` (m) is the standard deviation of a
+/// marker's centre against its material point.
 ///
 /// # Errors
-/// A [`Fault`] when the file cannot be used, lies beside the film, or its markers are not where they were painted.
-pub fn places(of: &Trial, film: &[Second], mark: Metre, desk: &dyn Desk) -> Outcome<Markers> {
-    let Some((tracks, axes)) = of.in_space() else {
-        let what = "there is neither a camera nor places in space";
-        return Err(Fault::new(
+/// A [`Diagnostic`] when the file cannot be used, does not overlap the film, or its markers are not at their card positions.
+pub fn places(card: Option<&Card>, film: &[Second], mark: Metre, context: &dyn StageContext) -> Result<Markers> {
+    let Some(Card { sigma, axes, painted: all, length }) = card else {
+        let what = "there is neither a camera nor positions in space";
+        return Err(Diagnostic::new(
             what,
             "no tracks on the card have [tracks.space]",
             "report it: the camera was not made",
         ));
     };
-    let told = desk.place(WORD);
-    let file = FilePath::new(&told);
-    let space = lab::space::read(&desk.bytes(WORD)?, file).map_err(Fault::from_tool)?;
+    let evaluated = context.display_path(WORD);
+    let file = FilePath::new(&evaluated);
+    let space = lab::space::read(&context.bytes(WORD)?, file)?;
     let time: Vec<Second> = space.time.iter().map(|t| axes.start + t).collect();
-    meets(&time, film, &told)?;
-    let (noise, mark) = ([tracks.sigma.powi(2), 0.0, tracks.sigma.powi(2)], [mark.powi(2), 0.0, mark.powi(2)]);
+    meets(&time, film, &evaluated)?;
+    let (noise, mark) = ([sigma.powi(2), 0.0, sigma.powi(2)], [mark.powi(2), 0.0, mark.powi(2)]);
     let mut markers = Vec::new();
-    for marker in &of.card.marker {
-        let seen = space.whole(&marker.name, file).map_err(Fault::from_tool)?;
+    for marker in all {
+        let seen = space.complete(&marker.name, file)?;
         let at: Vec<Point2> = seen.iter().map(|p| in_cad(axes, *p)).collect();
-        painted(&told, &marker.name, at[0], [marker.at[0], marker.at[1]], of.card.length)?;
+        painted(&evaluated, &marker.name, at[0], [marker.at[0], marker.at[1]], *length)?;
         let spread = vec![[0, 1, 2].map(|k| noise[k] + mark[k]); at.len()];
         markers.push(Path { name: marker.name.clone(), at, spread });
     }
-    let parts = Parts { noise: vec![noise; time.len()], shared: vec![mark; time.len()] };
+    let parts = CovarianceParts { noise: vec![noise; time.len()], shared: vec![mark; time.len()] };
     Ok(Markers { parts: vec![parts; markers.len()], time, markers, left_out: Vec::new(), stand: None })
 }
 
@@ -71,28 +84,28 @@ fn in_cad(axes: &Axes, place: Point3) -> Point2 {
     [vec3::dot(from, axes.x), vec3::dot(from, vec3::cross(axes.z, axes.x))]
 }
 
-/// The file and the film have a moment in common.
-fn meets(time: &[Second], film: &[Second], told: &str) -> Outcome<()> {
+/// Checks that the file and the film overlap in time.
+fn meets(time: &[Second], film: &[Second], evaluated: &str) -> Result<()> {
     let span = |t: &[Second]| (t.first().copied().unwrap_or(0.0), t.last().copied().unwrap_or(0.0));
     let ((a, b), (from, to)) = (span(time), span(film));
     if a <= to && b >= from {
         return Ok(());
     }
-    Err(Fault::new(
-        format!("{told} runs from {a:.3} to {b:.3} s of the film's clock, the film from {from:.3} to {to:.3} s"),
+    Err(Diagnostic::new(
+        format!("{evaluated} runs from {a:.3} to {b:.3} s of the film's clock, the film from {from:.3} to {to:.3} s"),
         "the lamp in the film ties both to the logs, so they must overlap",
         "correct start of [tracks.space] on the card: the film's time of the file's first frame, in s",
     ))
 }
 
-fn painted(told: &str, name: &str, [x, y]: Point2, at: Point2, length: Metre) -> Outcome<()> {
+fn painted(evaluated: &str, name: &str, [x, y]: Point2, at: Point2, length: Metre) -> Result<()> {
     let (away, limit) = ((x - at[0]).hypot(y - at[1]), ASTRAY * length);
     if away <= limit {
         return Ok(());
     }
-    Err(Fault::new(
+    Err(Diagnostic::new(
         format!(
-            "{told} has marker `{name}` at ({x:.4}, {y:.4}) m in its first frame; it is painted at ({:.4}, {:.4}) m",
+            "{evaluated} has marker `{name}` at ({x:.4}, {y:.4}) m in its first frame; it is painted at ({:.4}, {:.4}) m",
             at[0], at[1]
         ),
         format!("that is {away:.4} m away; the limit is {limit:.4} m, a fifth of the specimen's length"),
@@ -113,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn millimetres_taken_for_metres_are_too_far_from_the_paint() {
+    fn millimetres_taken_for_metres_are_too_far_from_the_card() {
         assert!(painted("a.c3d", "m1", [0.052, 0.001], [0.05, 0.0], 0.1).is_ok());
         assert!(painted("a.c3d", "m1", [5e-5, 0.0], [0.05, 0.0], 0.1).is_err());
     }

@@ -1,51 +1,78 @@
-//! Gathering: trials weighed in water become the runs that thrust is learnt from and judged by.
+//! Preparation of runs: trials with force in water become the runs that thrust models are trained and evaluated on.
 //!
-//! Staircases tell the static cross-talk of pressure, which is taken out of the force; the fixture's ringing is undone; motion and
-//! pressure are read at the times of the force, over whole beats.
-//!
-//! Stands on: signal, the room `thrust`. Never knows: a rung.
+//! Staircases give the static cross-talk of pressure, which is subtracted from the force; the fixture's response is deconvolved; motion
+//! and pressure are sampled at the times of the force, over whole cycles.
 
 use hydro::Tail;
-use lab::card::Experiment;
+use lab::card::{Experiment, Split};
+use serde::Serialize;
 use si::{Hertz, Newton, Pascal, Point2, Second, Series};
-use signal::cell::Regularised;
-use signal::crosstalk::{self, CrossTalk, Still};
+use signal::cell::Regularisation;
+use signal::crosstalk::{self, CrossTalk, Staircase};
 use signal::resample::Samples;
 use signal::smooth;
 
 use super::Settings;
-use crate::fault::{Fault, Outcome};
-use crate::needs::{Id, Needs, OfTrials, Shelf, id};
-use crate::records::{LoadCell, Motion, Pull};
-use crate::subject::{Scope, Specimen, Trial};
-use crate::thrust::outline::order;
-use crate::thrust::{Run, run};
+use crate::records::{CorrectedForce, LoadCell, Motion};
+use crate::selections::OfTrials;
+use crate::subject::{Specimen, Trial};
+use ::thrust::{Run, run};
+use diagnostics::{Diagnostic, Result};
+use workflow::needs::{Needs, RecordId, RecordReader};
+use workflow::subject::Part;
 
-/// Motion and force of every trial weighed in water.
-pub struct Weighed(Vec<(Trial, Motion, Pull)>);
+/// Motion and force of every trial with a force log in water.
+pub struct TrialsWithForce(Vec<(TrialCard, Motion, CorrectedForce)>);
 
-impl Needs<Specimen> for Weighed {
-    fn wanted(of: &Specimen) -> Vec<Id> {
-        let both = |t: &Trial| [id::<Motion>(t), id::<Pull>(t)];
-        of.trials().iter().filter(|t| t.is_weighed_in_water()).flat_map(both).collect()
-    }
+/// The part of such a trial's card entry that is read.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct TrialCard {
+    id: String,
+    experiment: Experiment,
+    split: Option<Split>,
+}
 
-    fn fetch(of: &Specimen, shelf: &dyn Shelf) -> Outcome<Self> {
-        let OfTrials(pulls) = OfTrials::<Pull>::fetch(of, shelf)?;
-        let one = |(trial, pull): (Trial, Pull)| {
-            let motion = <Motion as Needs<Trial>>::fetch(&trial, shelf)?;
-            Ok((trial, motion, pull))
-        };
-        Ok(Self(pulls.into_iter().map(one).collect::<Outcome<_>>()?))
+impl Part<Trial> for TrialCard {
+    fn part_of(of: &Trial) -> Self {
+        let lab::card::Trial { id, experiment, split, .. } = of.trial.as_ref().clone();
+        Self { id, experiment, split }
     }
 }
 
-impl Weighed {
-    /// Every beating trial as a run, and the cross-talk taken out of each on the mean, N.
-    pub(super) fn runs(&self, tail: &Tail, by: &Apparatus, set: &Settings) -> Outcome<(Vec<Run>, Vec<Newton>)> {
+type Pulls = OfTrials<CorrectedForce, crate::selections::Any, TrialCard>;
+type Motions = OfTrials<Motion, ForceInWater, TrialCard>;
+
+/// Trials with a force log in water.
+struct ForceInWater;
+
+impl crate::selections::Selection for ForceInWater {
+    fn selects(trial: &Trial) -> bool {
+        trial.has_force_in_water()
+    }
+}
+
+impl Needs<Specimen> for TrialsWithForce {
+    fn ids(of: &Specimen) -> Vec<RecordId> {
+        [<Motions as Needs<Specimen>>::ids(of), <Pulls as Needs<Specimen>>::ids(of)].concat()
+    }
+
+    fn parts(of: &Specimen) -> serde_json::Value {
+        <Pulls as Needs<Specimen>>::parts(of)
+    }
+
+    fn read(of: &Specimen, reader: &dyn RecordReader) -> Result<Self> {
+        let (OfTrials(motions, _), OfTrials(pulls, _)) = (Motions::read(of, reader)?, Pulls::read(of, reader)?);
+        let both = pulls.into_iter().zip(motions);
+        Ok(Self(both.map(|((trial, pull), (_, motion))| (trial, motion, pull)).collect()))
+    }
+}
+
+impl TrialsWithForce {
+    /// Every flapping trial as a run, and the mean cross-talk subtracted from each, N.
+    pub(super) fn runs(&self, tail: &Tail, by: &Apparatus, set: &Settings) -> Result<(Vec<Run>, Vec<Newton>)> {
         let mut runs = Vec::new();
         for (trial, motion, pull) in &self.0 {
-            if let Experiment::Flapping { amplitude, frequency, .. } = trial.trial.experiment {
+            if let Experiment::Flapping { amplitude, frequency, .. } = trial.experiment {
                 runs.push(gathered(trial, motion, pull, [amplitude, frequency], tail, by, set)?);
             }
         }
@@ -53,28 +80,35 @@ impl Weighed {
     }
 }
 
-/// What stands between the tail and the force log.
+/// The measurement chain between tail and force log.
 pub(super) struct Apparatus<'a> {
     /// The cross-talk of pressure.
     pub(super) talk: CrossTalk,
-    /// How the load cell rings, where that was measured.
+    /// The load cell's dynamics, where they were identified.
     cell: Option<&'a LoadCell>,
+    /// The markers from the clamp to the tip.
+    order: Vec<usize>,
 }
 
 impl<'a> Apparatus<'a> {
     /// The cross-talk from the staircases, beside the load cell.
-    pub(super) fn of(weighed: &Weighed, cell: Option<&'a LoadCell>, set: &Settings) -> Outcome<Self> {
-        Ok(Self { talk: talk(&weighed.0, set)?, cell })
+    pub(super) fn of(
+        trials: &TrialsWithForce,
+        cell: Option<&'a LoadCell>,
+        order: Vec<usize>,
+        set: &Settings,
+    ) -> Result<Self> {
+        Ok(Self { talk: talk(&trials.0, set)?, cell, order })
     }
 
-    /// The force without cross-talk (N at each time of the log, given) and without ringing.
-    fn taken_out(&self, force: &Series, still: &[Newton], set: &Settings) -> Outcome<Series> {
+    /// The force without cross-talk (`still`, N at each time of the log) and without ringing.
+    fn taken_out(&self, force: &Series, still: &[Newton], set: &Settings) -> Result<Series> {
         let clean = force.values().iter().zip(still).map(|(f, s)| f - s).collect();
-        let clean = Series::new(force.start(), force.rate(), clean).map_err(Fault::from_tool)?;
+        let clean = Series::new(force.start(), force.rate(), clean)?;
         Ok(match self.cell {
-            Some(cell) if set.undo => {
-                let held = Regularised { weight: set.undo_weight, smooth: set.undo_smooth };
-                cell.in_time.cell().undo(&clean, cell.noise, held).force
+            Some(cell) if set.deconvolve => {
+                let held = Regularisation { weight: set.deconvolution_weight, corner: set.deconvolution_cutoff };
+                cell.in_time.cell().deconvolve(&clean, cell.noise, held).force
             }
             _ => clean,
         })
@@ -82,13 +116,13 @@ impl<'a> Apparatus<'a> {
 }
 
 /// The static cross-talk from the staircases; none where there is no staircase.
-fn talk(weighed: &[(Trial, Motion, Pull)], set: &Settings) -> Outcome<CrossTalk> {
+fn talk(trials: &[(TrialCard, Motion, CorrectedForce)], set: &Settings) -> Result<CrossTalk> {
     let mut knots: Vec<Pascal> = vec![0.0];
     let mut runs = Vec::new();
-    for (trial, motion, pull) in weighed {
-        if let Experiment::Staircase { levels, .. } = &trial.trial.experiment {
+    for (trial, motion, pull) in trials {
+        if let Experiment::Staircase { levels, .. } = &trial.experiment {
             knots.extend(levels);
-            runs.push(Still { force: pull.force(), pressures: gauges(motion)? });
+            runs.push(Staircase { force: pull.force(), pressures: gauges(motion)? });
         }
     }
     if runs.is_empty() {
@@ -96,13 +130,13 @@ fn talk(weighed: &[(Trial, Motion, Pull)], set: &Settings) -> Outcome<CrossTalk>
     }
     knots.sort_by(f64::total_cmp);
     knots.dedup();
-    // flapping may press harder than any step was held: the last slope then runs on
-    let most = weighed.iter().filter_map(|(t, ..)| match t.trial.experiment {
+    // flapping may exceed the highest held pressure: the last slope is then extrapolated
+    let most = trials.iter().filter_map(|(t, ..)| match t.experiment {
         Experiment::Flapping { amplitude, .. } => Some(amplitude),
         Experiment::Staircase { .. } => None,
     });
     let most = most.fold(0.0, f64::max);
-    let mut found = crosstalk::fit(&runs, &knots, &set.lags).map_err(Fault::from_tool)?;
+    let mut found = crosstalk::fit(&runs, &knots, &set.lags)?;
     let last = knots.len() - 1;
     if most > knots[last] {
         let slope = (found.forces[last] - found.forces[last - 1]) / (knots[last] - knots[last - 1]);
@@ -112,35 +146,33 @@ fn talk(weighed: &[(Trial, Motion, Pull)], set: &Settings) -> Outcome<CrossTalk>
     Ok(found)
 }
 
-/// A beating trial as a run, with the cross-talk taken out of it on the mean (N).
+/// A flapping trial as a run, with the mean of the subtracted cross-talk (N).
 fn gathered(
-    trial: &Trial,
+    trial: &TrialCard,
     motion: &Motion,
-    pull: &Pull,
+    pull: &CorrectedForce,
     [amplitude, frequency]: [f64; 2],
     tail: &Tail,
     by: &Apparatus,
     set: &Settings,
-) -> Outcome<(Run, Newton)> {
+) -> Result<(Run, Newton)> {
     let (gauges, force) = (gauges(motion)?, pull.force());
     let still: Vec<f64> = pull.time.iter().map(|&t| by.talk.of(&gauges, t)).collect();
     let clean = by.taken_out(&force, &still, set)?;
-    let samples = beating(trial, motion, pull, frequency, &clean, set)?;
+    let samples = flapping_samples(trial, motion, pull, frequency, &clean, set)?;
     let time: Vec<Second> = samples.iter().map(|&i| clean.time(i)).collect();
-    let specimen = Specimen { card: trial.card.clone() };
-    let paths: Vec<[Series; 2]> =
-        order(&specimen.card).iter().map(|&m| path(motion, m, set.smooth)).collect::<Outcome<_>>()?;
+    let paths: Vec<[Series; 2]> = by.order.iter().map(|&m| path(motion, m, set.cutoff)).collect::<Result<_>>()?;
     let rates: Vec<[Series; 2]> = paths.iter().map(|axes| axes.each_ref().map(rate_of)).collect();
     let [moved, speed] = [&paths, &rates].map(|of| time.iter().map(|&t| places(of, t)).collect::<Vec<_>>());
-    let pressed: Vec<Series> = gauges.iter().map(|g| even(g, set.smooth)).collect::<Outcome<_>>()?;
+    let pressed: Vec<Series> = gauges.iter().map(|g| even(g, set.cutoff)).collect::<Result<_>>()?;
     let pressed_rate: Vec<Series> = pressed.iter().map(rate_of).collect();
     let at = |of: &[Series], t: Second| of.iter().map(|s| s.at(t)).collect::<Vec<f64>>();
     let taken = samples.iter().map(|&i| still[i]).sum::<f64>() / samples.len() as f64;
     let run = Run {
-        id: trial.trial.id.clone(),
+        id: trial.id.clone(),
         amplitude,
         frequency,
-        split: trial.trial.split,
+        split: trial.split,
         rate: clean.rate(),
         force: samples.iter().map(|&i| clean.values()[i]).collect(),
         pressure: time.iter().map(|&t| at(&pressed, t)).collect(),
@@ -153,53 +185,53 @@ fn gathered(
     Ok((run, taken))
 }
 
-/// The samples of the force over whole beats that were filmed, once the first beats have settled.
-fn beating(
-    trial: &Trial,
+/// The samples of the force over whole filmed cycles after the settling cycles.
+fn flapping_samples(
+    trial: &TrialCard,
     motion: &Motion,
-    pull: &Pull,
+    pull: &CorrectedForce,
     frequency: Hertz,
     force: &Series,
     set: &Settings,
-) -> Outcome<Vec<usize>> {
+) -> Result<Vec<usize>> {
     let [first, last] = pull.commanded;
-    let first = (first + set.settle_beats / frequency).max(motion.time[0]);
+    let first = (first + set.settling_cycles / frequency).max(motion.time[0]);
     let last = last.min(motion.time[motion.time.len() - 1]);
     let whole = first + ((last - first) * frequency).floor() / frequency;
     let inside = |i: &usize| (first..whole).contains(&force.time(*i));
     let samples: Vec<usize> = (0..force.values().len()).filter(inside).collect();
     if samples.len() < 8 {
-        let what = format!("{} has {} samples of force while it beats", trial.name(), samples.len());
-        return Err(Fault::new(what, "a run needs at least 8", "record the trial for longer"));
+        let what = format!("{} has {} samples of force while flapping", trial.id, samples.len());
+        return Err(Diagnostic::new(what, "a run needs at least 8", "record the trial for longer"));
     }
     Ok(samples)
 }
 
-/// Where all marks are at a time, m; of rates, how fast, m/s.
+/// Positions of all markers at a time, m; of rates, their velocities, m/s.
 fn places(of: &[[Series; 2]], t: Second) -> Vec<Point2> {
     of.iter().map(|axes| [axes[0].at(t), axes[1].at(t)]).collect()
 }
 
-fn gauges(motion: &Motion) -> Outcome<Vec<Samples>> {
+fn gauges(motion: &Motion) -> Result<Vec<Samples>> {
     let samples = motion.gauges.iter().map(|g| Samples::new(motion.log_time.clone(), g.measured.clone()));
-    samples.collect::<Result<_, _>>().map_err(Fault::from_tool)
+    samples.collect::<Result<_, _>>().map_err(Diagnostic::from)
 }
 
 /// x and y of a marker, smoothed.
-fn path(motion: &Motion, marker: usize, cutoff: Hertz) -> Outcome<[Series; 2]> {
+fn path(motion: &Motion, marker: usize, cutoff: Hertz) -> Result<[Series; 2]> {
     let axis = |k: usize| {
         let values = motion.markers[marker].at.iter().map(|p| p[k]).collect();
-        let samples = Samples::new(motion.time.clone(), values).map_err(Fault::from_tool)?;
+        let samples = Samples::new(motion.time.clone(), values)?;
         even(&samples, cutoff)
     };
     Ok([axis(0)?, axis(1)?])
 }
 
-fn even(samples: &Samples, cutoff: Hertz) -> Outcome<Series> {
+fn even(samples: &Samples, cutoff: Hertz) -> Result<Series> {
     let times = samples.times();
     let rate = (times.len() - 1) as f64 / (times[times.len() - 1] - times[0]);
-    let even = samples.even(rate).map_err(Fault::from_tool)?;
-    smooth::low_pass(&even, cutoff, 2).map_err(Fault::from_tool)
+    let even = samples.even(rate)?;
+    smooth::low_pass(&even, cutoff, 2).map_err(Diagnostic::from)
 }
 
 fn rate_of(series: &Series) -> Series {

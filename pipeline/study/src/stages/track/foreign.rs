@@ -1,20 +1,20 @@
-//! Tracks made elsewhere: the CSV of `study track`, or DeepLabCut's, instead of our own tracker's.
-//!
-//! Stands on: records (paths). Never knows: a film.
+//! Imported tracks: a CSV of `study track` or of DeepLabCut instead of this tracker's.
 
 use si::Point2;
 
-use crate::records::{Path, Spread};
+use diagnostics::{Diagnostic, Result};
 
-/// A place that its maker believes less than this is not taken, no unit.
+use crate::records::{Covariance2, Path};
+
+/// Least likelihood of an imported position, no unit.
 const LIKELIHOOD: f64 = 0.6;
 
-/// The paths of the markers `names` in a text, px, one place in each of `frames` frames; `sigma` (px) is their deviation where
-/// the text tells none.
+/// The paths of the markers `names` in a text, px, one position in each of `frames` frames; `sigma` (px) is their standard deviation
+/// where the text has none.
 ///
 /// # Errors
 /// A text in three parts that names the marker and frame at which it fails.
-pub fn read(text: &str, names: &[String], frames: usize, sigma: f64) -> Result<Vec<Path>, String> {
+pub fn read(text: &str, names: &[String], frames: usize, sigma: f64) -> Result<Vec<Path>> {
     let first = text.lines().next().unwrap_or_default();
     let columns = match first.split(',').next().map(str::trim) {
         Some("scorer") => deeplabcut(text)?,
@@ -24,13 +24,13 @@ pub fn read(text: &str, names: &[String], frames: usize, sigma: f64) -> Result<V
     let path = |name: &String| {
         let places: Vec<&Place> = columns.iter().filter(|(n, _)| n == name).map(|(_, place)| place).collect();
         if places.len() != frames {
-            return Err(refused(format!("marker `{name}` has {} places, the film {frames} frames", places.len())));
+            return Err(refused(format!("marker `{name}` has {} positions, the film {frames} frames", places.len())));
         }
-        let doubted = places.iter().position(|p| p.likelihood < LIKELIHOOD || !p.at.iter().all(|x| x.is_finite()));
-        if let Some(frame) = doubted {
+        let unlikely = places.iter().position(|p| p.likelihood < LIKELIHOOD || !p.at.iter().all(|x| x.is_finite()));
+        if let Some(frame) = unlikely {
             let likely = places[frame].likelihood;
             return Err(refused(format!(
-                "marker `{name}` is believed to {likely:.2} only in frame {frame}; the limit is {LIKELIHOOD}"
+                "the likelihood of marker `{name}` is {likely:.2} in frame {frame}; the limit is {LIKELIHOOD}"
             )));
         }
         let (at, spread) =
@@ -43,12 +43,12 @@ pub fn read(text: &str, names: &[String], frames: usize, sigma: f64) -> Result<V
 /// A marker in a frame.
 struct Place {
     at: Point2,
-    spread: Option<Spread>,
+    spread: Option<Covariance2>,
     likelihood: f64,
 }
 
 /// `frame,time_s,marker,u_px,v_px,uu_px2,uv_px2,vv_px2,…`, frames rising.
-fn ours(text: &str) -> Result<Vec<(String, Place)>, String> {
+fn ours(text: &str) -> Result<Vec<(String, Place)>> {
     let place = |(row, line): (usize, &str)| {
         let words: Vec<&str> = line.split(',').map(str::trim).collect();
         let number = |k: usize| words.get(k).and_then(|w| w.parse::<f64>().ok());
@@ -62,7 +62,7 @@ fn ours(text: &str) -> Result<Vec<(String, Place)>, String> {
 }
 
 /// Three lines of titles (scorer, bodyparts, coords), then x, y and likelihood of each body part a frame.
-fn deeplabcut(text: &str) -> Result<Vec<(String, Place)>, String> {
+fn deeplabcut(text: &str) -> Result<Vec<(String, Place)>> {
     let mut lines = text.lines().skip(1);
     let titles = |line: Option<&str>| -> Vec<String> {
         line.unwrap_or_default().split(',').skip(1).map(|word| word.trim().to_owned()).collect()
@@ -74,7 +74,8 @@ fn deeplabcut(text: &str) -> Result<Vec<(String, Place)>, String> {
     }
     let mut all = Vec::new();
     for (frame, line) in lines.filter(|line| !line.trim().is_empty()).enumerate() {
-        let values: Result<Vec<f64>, _> = line.split(',').skip(1).map(|w| w.trim().parse::<f64>()).collect();
+        let values: std::result::Result<Vec<f64>, _> =
+            line.split(',').skip(1).map(|w| w.trim().parse::<f64>()).collect();
         let values = values.map_err(|e| refused(format!("frame {frame} has no numbers: {e}")))?;
         for (three, part) in values.chunks(3).zip(parts.chunks(3)) {
             let [u, v, likelihood] = three else {
@@ -86,9 +87,11 @@ fn deeplabcut(text: &str) -> Result<Vec<(String, Place)>, String> {
     Ok(all)
 }
 
-fn refused(why: String) -> String {
-    format!(
-        "tracks made elsewhere cannot be used\n  why: {why}\n  do:  export a place of every marker on the card in every frame, or let the film be tracked here"
+fn refused(why: String) -> Diagnostic {
+    Diagnostic::new(
+        "imported tracks cannot be used",
+        why,
+        "export a position of every marker on the card in every frame, or let the film be tracked here",
     )
 }
 
@@ -106,16 +109,18 @@ mod tests {
         let paths = read(text, &names(), 2, 9.0).unwrap();
         assert_eq!(paths[0].at, [[1.5, 2.5], [1.6, 2.5]]);
         assert_eq!(paths[0].spread[0], [0.01, 0.002, 0.04]);
-        assert!(read(text, &names(), 3, 9.0).unwrap_err().contains("`m1` has 2 places, the film 3 frames"));
+        assert!(read(text, &names(), 3, 9.0).unwrap_err().why.contains("`m1` has 2 positions, the film 3 frames"));
     }
 
     #[test]
-    fn deeplabcut_s_csv_is_read_by_body_part_and_its_doubts_are_refused() {
+    fn deeplabcut_s_csv_is_read_by_body_part_and_a_low_likelihood_is_refused() {
         let text = "scorer,net,net,net,net,net,net\nbodyparts,m2,m2,m2,m1,m1,m1\ncoords,x,y,likelihood,x,y,likelihood\n0,3,4,0.99,1,2,0.98\n1,3.5,4,0.99,1.5,2,0.97\n";
         let paths = read(text, &names(), 2, 0.5).unwrap();
         assert_eq!((paths[0].at[1], paths[1].at[1]), ([1.5, 2.0], [3.5, 4.0]));
         assert_eq!(paths[0].spread[0], [0.25, 0.0, 0.25]);
-        let doubted = text.replace("0.97", "0.30");
-        assert!(read(&doubted, &names(), 2, 0.5).unwrap_err().contains("`m1` is believed to 0.30 only in frame 1"));
+        let unlikely = text.replace("0.97", "0.30");
+        assert!(
+            read(&unlikely, &names(), 2, 0.5).unwrap_err().why.contains("likelihood of marker `m1` is 0.30 in frame 1")
+        );
     }
 }

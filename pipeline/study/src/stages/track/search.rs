@@ -1,43 +1,41 @@
-//! Where the markers are in the first frame: clicked, or found in the card's region and named by their order.
-//!
-//! Stands on: track. Never knows: the frames after.
+//! Positions of the markers in the first frame: clicked, or detected in the card's region and named by their order.
 
-use lab::card::{Order, Search, Sought};
+use lab::card::{Detector, Order, Search};
 use si::Point2;
 use track::Gray;
 use track::klt;
 
-use crate::fault::{Fault, Outcome};
-use crate::subject::Trial;
+use super::Card;
+use diagnostics::{Diagnostic, Result};
 
-/// Where to begin in the `first` frame of `film`, px, in the order of the card; nowhere when the tracks were made elsewhere.
+/// Initial positions in the `first` frame of `film`, px, in the order of the card; none when tracks are imported.
 ///
 /// # Errors
-/// A [`Fault`] with the region as a picture, when another number of markers is found in it than stands on the card.
-pub fn starts(of: &Trial, first: &Gray, set: &klt::Settings, film: &str) -> Outcome<Vec<Point2>> {
-    if of.made_elsewhere().is_some() {
+/// A [`Diagnostic`] with the region as a picture, when the number of markers found in it differs from the card's.
+pub fn starts(card: &Card, first: &Gray, set: &klt::Settings, film: &str) -> Result<Vec<Point2>> {
+    if card.elsewhere.is_some() {
         return Ok(Vec::new());
     }
-    let Some(search) = &of.card.search else {
-        return Ok(of.card.marker.iter().filter_map(|m| m.clicked).collect());
+    let Some(search) = &card.search else {
+        return Ok(card.markers.iter().filter_map(|m| m.clicked).collect());
     };
     let find = match search.by {
-        Sought::Spots => klt::find,
-        Sought::Corners => klt::corners,
+        Detector::Spots => klt::find_blobs,
+        Detector::Corners => klt::find_corners,
     };
     let found = find(first, search.region, usize::MAX, set);
-    if found.len() == of.card.marker.len() {
+    if found.len() == card.markers.len() {
         return Ok(ordered(found, search.order));
     }
-    let fault = another_number(of, search, &found, film);
+    let diagnostic = another_number(card, search, &found, film);
     let [left, top, right, bottom] = search.region.map(|c| c as usize);
     match first.crop(left, top, right - left, bottom - top).to_png() {
-        Ok(png) => Err(fault.showing(png)),
-        Err(_) => Err(fault),
+        Ok(png) => Err(diagnostic.showing(png)),
+        Err(_) => Err(diagnostic),
     }
 }
 
-/// The places as they follow each other on the card; equal ones stay as they came.
+/// The positions in the card's order; the sort is stable.
 fn ordered(mut places: Vec<Point2>, order: Order) -> Vec<Point2> {
     let along = |[x, y]: &Point2| match order {
         Order::Rightwards => *x,
@@ -49,13 +47,13 @@ fn ordered(mut places: Vec<Point2>, order: Order) -> Vec<Point2> {
     places
 }
 
-fn another_number(of: &Trial, search: &Search, found: &[Point2], film: &str) -> Fault {
-    let (frame, names) = (of.trial.first_frame, of.card.marker.len());
+fn another_number(card: &Card, search: &Search, found: &[Point2], film: &str) -> Diagnostic {
+    let (frame, names) = (card.first_frame, card.markers.len());
     let at: Vec<String> = found.iter().map(|[x, y]| format!("({x:.0}, {y:.0})")).collect();
     let places = if at.is_empty() { String::new() } else { format!(": {}", at.join(" ")) };
-    Fault::new(
+    Diagnostic::new(
         format!("{film} shows {} markers in frame {frame}{places}; the card has {names}", found.len()),
-        format!("it was looked for {} in [search] region = {:?} px of the card", search.by.word(), search.region),
+        format!("{} were searched in [search] region = {:?} px of the card", search.by.word(), search.region),
         "narrow or widen the region, try by = \"spots\" or \"corners\", or click the markers (clicked = [u, v])",
     )
 }

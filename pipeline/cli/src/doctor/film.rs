@@ -1,0 +1,222 @@
+//! Checks of films: readable to their end; brightness, length and frame rate; markers and board are visible.
+
+use si::Point2;
+use track::Gray;
+use track::video::{Film, Frame, Info};
+use track::{klt, led};
+
+use super::finding::Finding;
+use super::{Look, log};
+use lab::card::Experiment;
+use study::records::Tracks;
+use study::stages::camera::{Camera, target};
+use study::stages::track::{Settings, Track, first_look};
+use study::subject::{Specimen, Trial};
+use workflow::runner::inspection_context;
+use workflow::stage::{Stage, StageContext};
+use workflow::subject::Part;
+
+/// A film decoded to its end: times and lamp, without markers; rows of a picture.
+pub struct Seen {
+    /// Times and lamp.
+    pub tracks: Tracks,
+    /// Rows.
+    pub height: usize,
+}
+
+/// Least brightness of the lightest twentieth of a picture, of 255.
+const LIGHT: u8 = 60;
+/// A window wider by this factor should contain only a marker and light ground, except for this share.
+const MARGIN: f64 = 1.3;
+const BESIDE: f64 = 0.03;
+/// Least change of brightness of a lamp that lights, of 255.
+const LAMP: f64 = 10.0;
+/// Least number of frames a cycle.
+const FRAMES_A_CYCLE: f64 = 8.0;
+
+/// The film of a trial where it can be read to its end, and the findings on it.
+pub fn trial(look: &Look, of: &Trial, set: &Settings) -> (Option<Seen>, Vec<Finding>) {
+    let raw = Track::raw(of);
+    let context = inspection_context(look.folders, &raw);
+    if !look.path(&of.card.name, &of.trial.video).exists() {
+        return (None, Vec::new());
+    }
+    match context.path("video").and_then(|path| Ok(Film::open(&path)?)) {
+        Err(diagnostic) => (None, vec![diagnostic.into()]),
+        Ok(film) => watched(film, of, set, &context),
+    }
+}
+
+fn watched(film: Film, of: &Trial, set: &Settings, context: &dyn StageContext) -> (Option<Seen>, Vec<Finding>) {
+    let (info, place, lamp) = (film.info(), context.display_path("video"), &of.card.led);
+    let mut found = fitting(&place, &info, of);
+    let mut tracks = Tracks { time: Vec::new(), led: Vec::new(), worst_residual: 0.0, markers: Vec::new() };
+    let (first, last) = (of.trial.first_frame, of.trial.last_frame.unwrap_or(usize::MAX));
+    for frame in film {
+        let frame = match frame {
+            Ok(frame) => frame,
+            Err(e) => {
+                found.push(Finding::message(&e.to_string()));
+                return (None, found);
+            }
+        };
+        if frame.index == first {
+            found.extend(at_first(&frame, &info, of, set, context));
+        }
+        if (first..=last).contains(&frame.index) {
+            tracks.time.push(frame.time);
+            tracks.led.push(led::brightness(&frame.gray, lamp.centre, lamp.radius));
+        }
+    }
+    if tracks.time.len() < 2 {
+        let what = format!("{place} has {} frames to use", tracks.time.len());
+        let why = format!("it has {}, and the card lets the trial begin at frame {first}", info.frames);
+        found.push(Finding::fix(what, why, "correct first_frame and last_frame of this trial on the card"));
+        return (None, found);
+    }
+    let unlit = unlit(&place, &tracks.led);
+    let seen = unlit.is_none().then_some(Seen { tracks, height: info.height });
+    found.extend(unlit);
+    (seen, found)
+}
+
+/// A lamp whose brightness hardly changes in the film: it gives no clock.
+fn unlit(place: &str, led: &[f64]) -> Option<Finding> {
+    let (low, high) = led.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), &v| (low.min(v), high.max(v)));
+    (high - low < LAMP).then(|| {
+        let what = format!("{place}: the lamp does not light: its disc stays between {low:.1} and {high:.1} of 255");
+        let why = format!("a lamp that lights changes by {LAMP} at least");
+        let act =
+            "check centre and radius under [led] on the card, and that film and lamp were both on when the trial began";
+        Finding::fix(what, why, act)
+    })
+}
+
+/// Length, rate and size against the card.
+fn fitting(place: &str, info: &Info, of: &Trial) -> Vec<Finding> {
+    let mut found = Vec::new();
+    let (lasts, wanted) = (info.frames as f64 / info.rate, log::span(&of.trial.experiment));
+    if lasts < wanted {
+        let why = format!("the trial on the card lasts {wanted:.2} s");
+        let act = "correct the trial on the card, or record the film again at its true rate";
+        found.push(Finding::fix(format!("{place} lasts {lasts:.2} s ({} frames)", info.frames), why, act));
+    }
+    if let Experiment::Flapping { frequency, .. } = of.trial.experiment
+        && info.rate < FRAMES_A_CYCLE * frequency
+    {
+        let what = format!("{place} has {:.1} frames a second, {:.1} a cycle", info.rate, info.rate / frequency);
+        found.push(Finding::fix(what, format!("{FRAMES_A_CYCLE} a cycle are needed"), "film faster, or flap slower"));
+    }
+    let [u, v] = of.card.led.centre;
+    if u > info.width as f64 - 1.0 || v > info.height as f64 - 1.0 {
+        let what = format!("{place}: the lamp at ({u}, {v}) px is out of the picture");
+        let why = format!("pictures are {} × {} px", info.width, info.height);
+        found.push(Finding::fix(what, why, "correct centre under [led] on the card, or film with the lamp in view"));
+    }
+    found
+}
+
+/// Brightness and markers in the first frame.
+fn at_first(frame: &Frame, info: &Info, of: &Trial, set: &Settings, context: &dyn StageContext) -> Vec<Finding> {
+    let light = lightest(&frame.gray);
+    if light < LIGHT {
+        let what =
+            format!("{} is dark: its lightest twentieth begins at {light} of 255", context.display_path("video"));
+        let act = "light the scene evenly, open the aperture, and record again";
+        return vec![Finding::fix(what, format!("the least is {LIGHT}; markers are detected by their contrast"), act)];
+    }
+    let outside = |at: &Point2| at[0] > info.width as f64 - 1.0 || at[1] > info.height as f64 - 1.0;
+    let clicked = of.card.marker.iter().filter(|_| of.made_elsewhere().is_none());
+    let lost = clicked.filter_map(|m| Some((&m.name, m.clicked.filter(outside)?)));
+    let out: Vec<Finding> =
+        lost.map(|(name, at)| out_of_view(&context.display_path("video"), name, at, info)).collect();
+    if !out.is_empty() {
+        return out;
+    }
+    match first_look(&Part::part_of(of), set, frame, info.rate, context) {
+        Err(diagnostic) => vec![diagnostic.into()],
+        Ok(places) => at_edges(&context.display_path("video"), of, &places, &frame.gray, MARGIN * set.radius()),
+    }
+}
+
+/// Markers beside another dark region, which would bias their centroid when the body moves.
+fn at_edges(place: &str, of: &Trial, marks: &[Point2], picture: &Gray, radius: f64) -> Vec<Finding> {
+    let beside = of.card.marker.iter().zip(marks).map(|(marker, at)| (marker, klt::clutter(picture, *at, radius)));
+    let evaluated = beside.filter(|(_, share)| *share > BESIDE).map(|(marker, share)| {
+        let what = format!(
+            "{place}: {:.0} % of the pixels within {radius:.0} px of marker `{}` are dark and not its own",
+            100.0 * share,
+            marker.name
+        );
+        let why = format!(
+            "the limit is {:.0} %; as the body moves they enter the marker's window of {:.0} px",
+            100.0 * BESIDE,
+            radius / MARGIN
+        );
+        Finding::note(
+            what,
+            why,
+            "put the marker farther from the body's edge, or lower radius under [track] in study.toml",
+        )
+    });
+    evaluated.collect()
+}
+
+fn out_of_view(place: &str, name: &str, [u, v]: Point2, info: &Info) -> Finding {
+    let what = format!("{place}: marker `{name}` at ({u}, {v}) px is out of the picture");
+    let why = format!("pictures are {} × {} px", info.width, info.height);
+    Finding::fix(what, why, "click it in the first frame of this film, or film with every marker in view")
+}
+
+/// The 95 % quantile of the grey levels of a picture.
+fn lightest(picture: &Gray) -> u8 {
+    let mut counts = [0_usize; 256];
+    picture.pixels.iter().for_each(|p| counts[usize::from(*p)] += 1);
+    let mut left = picture.pixels.len() / 20;
+    let mut level = 255;
+    while level > 0 && counts[level] <= left {
+        left -= counts[level];
+        level -= 1;
+    }
+    level as u8
+}
+
+/// The calibration film: long enough, and the board is detected while it lies on the plane. Needed where a trial is tracked in pixels.
+pub fn calibration(look: &Look, of: &Specimen) -> Vec<Finding> {
+    let camera = &of.card.camera;
+    let there = look.path(&of.card.name, &camera.calibration).exists();
+    if !there || of.trials().iter().all(|trial| trial.in_space().is_some()) {
+        return Vec::new();
+    }
+    let raw = Camera::raw(of);
+    let context = inspection_context(look.folders, &raw);
+    board(of, &context).err().into_iter().collect()
+}
+
+fn board(of: &Specimen, context: &dyn StageContext) -> Result<(), Finding> {
+    let [from, to] = of.card.camera.plane.seconds;
+    let place = context.display_path("calibration");
+    let film = context.path("calibration").and_then(|path| Ok(Film::open(&path)?)).map_err(Finding::from)?;
+    let info = film.info();
+    let lasts = info.frames as f64 / info.rate;
+    if lasts < from {
+        let why = format!("on the card the board lies on the plane from {from} to {to} s");
+        let act = "correct seconds under [camera.plane] on the card";
+        return Err(Finding::fix(format!("{place} lasts {lasts:.2} s"), why, act));
+    }
+    let finder = target(&of.card.camera.board);
+    let mut message = String::from("no frame is in this interval");
+    for frame in film {
+        let frame = frame.map_err(|e| Finding::message(&e.to_string()))?;
+        if !(from..=to).contains(&frame.time) {
+            continue;
+        }
+        match finder.find(&frame.gray) {
+            Ok(_) => return Ok(()),
+            Err(e) => message = e.to_string(),
+        }
+    }
+    let why = message.replace("\n  why:", ";").replace("\n  do:", "; do:");
+    let act = "check columns, rows and seconds on the card, or film the board again, whole and sharp";
+    Err(Finding::fix(format!("{place} shows no board between {from} and {to} s"), why, act))
+}

@@ -1,0 +1,125 @@
+//! Checks of logs: readable, as long as the trial, and consistent with the card.
+
+use diagnostics::Diagnostic;
+use lab::card::{Experiment, FixtureOf};
+use lab::{ForceLog, PressureLog};
+use si::{Second, Series};
+use signal::edge::{self, Window};
+
+use super::finding::Finding;
+use super::{Look, sense};
+use study::subject::{Specimen, Trial};
+
+/// Duration of a trial by its card, s.
+pub fn span(experiment: &Experiment) -> Second {
+    match experiment {
+        Experiment::Staircase { levels, hold, pause, .. } => levels.len() as f64 * (hold + pause) - pause,
+        Experiment::Flapping { frequency, cycles, .. } => *cycles as f64 / frequency,
+    }
+}
+
+/// The pressure log of a trial where it can be read, and the findings on it.
+pub fn pressure(look: &Look, of: &Trial) -> (Option<PressureLog>, Vec<Finding>) {
+    let file = &of.trial.pressure;
+    let place = look.place(&of.card.name, file);
+    let (log, mut found) = read(look, &of.card.name, file, |text| lab::pressure::parse(text, place.as_ref()));
+    if let Some(log) = &log {
+        found.extend(short(&place, &log.time, of));
+        found.extend(sense::look(&place, log, &of.trial.experiment));
+    }
+    (log, found)
+}
+
+/// The force log of a trial, where there is one.
+pub fn force(look: &Look, of: &Trial) -> Vec<Finding> {
+    let Some(file) = &of.trial.force else { return Vec::new() };
+    let place = look.place(&of.card.name, file);
+    let (log, mut found) = forces(look, &of.card.name, file);
+    if let Some(log) = &log {
+        found.extend(short(&place, &log.time, of));
+        found.extend(lamp(&place, log));
+    }
+    found
+}
+
+/// The logs of the load cell's fixture.
+pub fn fixtures(look: &Look, of: &Specimen) -> Vec<Finding> {
+    let logs = of.card.fixture.iter().flat_map(|fixture| match &fixture.of {
+        FixtureOf::Taps { hammer } => vec![&fixture.force, hammer],
+        FixtureOf::StillWater => vec![&fixture.force],
+    });
+    logs.flat_map(|file| forces(look, &of.card.name, file).1).collect()
+}
+
+fn forces(look: &Look, name: &str, file: &str) -> (Option<ForceLog>, Vec<Finding>) {
+    let place = look.place(name, file);
+    read(look, name, file, |text| lab::force::parse(text, place.as_ref()))
+}
+
+/// A log through its reader; a missing file is reported with the card.
+fn read<T>(
+    look: &Look,
+    name: &str,
+    file: &str,
+    parse: impl FnOnce(&str) -> Result<T, Diagnostic>,
+) -> (Option<T>, Vec<Finding>) {
+    let place = look.place(name, file);
+    let Ok(bytes) = std::fs::read(look.path(name, file)) else { return (None, Vec::new()) };
+    let Ok(text) = String::from_utf8(bytes) else {
+        let act = "export it again as CSV in UTF-8";
+        return (None, vec![Finding::fix(format!("{place}: the file is no text"), "a log is UTF-8 text", act)]);
+    };
+    let mut found = oddities(&place, &text);
+    match parse(&text) {
+        Ok(log) => (Some(log), found),
+        Err(diagnostic) => {
+            found.push(diagnostic.into());
+            (None, found)
+        }
+    }
+}
+
+/// Notes on parts of a text that are skipped here but may fail in other programs.
+pub fn oddities(place: &str, text: &str) -> Vec<Finding> {
+    let note = |what: &str, why: &str, act: &str| Finding::note(format!("{place} {what}"), why, act);
+    let mark = text.starts_with('\u{feff}').then(|| {
+        note(
+            "begins with a byte-order mark",
+            "it is skipped",
+            "leave it, or save as UTF-8 without BOM for other programs",
+        )
+    });
+    let ends = text.contains("\r\n").then(|| {
+        note(
+            "has lines that end in CRLF",
+            "they are read as any other",
+            "leave them, or save with LF for other programs",
+        )
+    });
+    mark.into_iter().chain(ends).collect()
+}
+
+/// A log that ends before the trial does.
+fn short(place: &str, time: &[Second], of: &Trial) -> Option<Finding> {
+    let (lasts, wanted) = (time[time.len() - 1] - time[0], span(&of.trial.experiment));
+    (lasts < wanted).then(|| {
+        let why = format!("the trial on the card lasts {wanted:.2} s");
+        let act = "check that time_s is in seconds, or correct the trial on the card";
+        Finding::fix(format!("{place} lasts {lasts:.4} s"), why, act)
+    })
+}
+
+/// A force log of a filmed trial needs the lamp for synchronisation.
+fn lamp(place: &str, log: &ForceLog) -> Option<Finding> {
+    if log.led.is_empty() {
+        let act = "log the lamp's state (0 to 1) beside the force, as a column `led`";
+        return Some(Finding::fix(
+            format!("{place} has no column led"),
+            "its clock is synchronised with the film's by the lamp alone",
+            act,
+        ));
+    }
+    let series = Series::new(log.time[0], log.rate(), log.led.clone()).ok()?;
+    let edges = edge::edges(&series, Window::INSTANT);
+    edges.err().map(|e| Finding::message(&format!("{place}, column led: {e}")))
+}

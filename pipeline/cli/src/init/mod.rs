@@ -1,0 +1,66 @@
+//! `study init`: the card of a new specimen with every key explained, and the folders that it names. Nothing is overwritten.
+//!
+//! Values to be filled in are marked and are `nan`, which is outside every range of a card: a missing number is
+//! refused, never used.
+
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+
+use diagnostics::{Diagnostic, Result};
+use workflow::runner::Folders;
+use workflow::settings::Profile;
+
+/// The initial card of a specimen; `NAME` stands for its name.
+pub const CARD: &str = include_str!("card.toml");
+
+/// Folders of a specimen.
+const FOLDERS: [&str; 3] = ["cad", "camera", "trials/static_left"];
+
+/// Creates the specimen `name` in the project at `root`; returns a summary with the next step.
+///
+/// # Errors
+/// A [`Diagnostic`] when the name is invalid, there is no project, the card exists already, or a file cannot be written.
+pub fn run(root: &Path, profile: Profile, name: &str) -> Result<String> {
+    let folders = Folders::new(root, profile);
+    if !lab::card::is_name(name) {
+        let why = "it becomes part of file names: letters, digits, `_` and `-`";
+        return Err(Diagnostic::new(format!("`{name}` is not a valid name of a specimen"), why, "choose another name"));
+    }
+    if !folders.settings().is_file() {
+        let what = format!("{} is no project", root.display());
+        return Err(Diagnostic::new(
+            what,
+            "it has no study.toml",
+            "run in the project's folder, or name it with --root",
+        ));
+    }
+    write(&folders, name)
+}
+
+fn write(folders: &Folders, name: &str) -> Result<String> {
+    for folder in FOLDERS {
+        let path = folders.raw_file(&format!("{name}/{folder}"));
+        fs::create_dir_all(&path).map_err(|e| refused(&folders.display(&path), &e))?;
+    }
+    let path = folders.raw_file(&format!("{name}/{}", lab::folder::CARD));
+    let place = folders.display(&path);
+    let mut file = fs::File::create_new(&path).map_err(|e| refused(&place, &e))?;
+    file.write_all(CARD.replace("\"NAME\"", &format!("{name:?}")).as_bytes()).map_err(|e| refused(&place, &e))?;
+    let marked = CARD.lines().filter(|line| line.contains("# FILL IN;")).count();
+    Ok(format!(
+        "{place}: fill in the {marked} lines marked FILL IN; put the STL files into cad, the board's film into camera, films and logs into trials\nthen: study doctor {name}"
+    ))
+}
+
+fn refused(place: &str, error: &std::io::Error) -> Diagnostic {
+    if error.kind() == std::io::ErrorKind::AlreadyExists {
+        let why = "a card is never overwritten";
+        return Diagnostic::new(format!("{place} exists already"), why, "choose another name, or move the card away");
+    }
+    Diagnostic::new(
+        format!("{place} cannot be written"),
+        error,
+        "check the permissions and the free space of its folder",
+    )
+}

@@ -1,0 +1,17 @@
+//! The program `study`: its command line and what it does without the pipeline.
+//!
+//! [`doctor`] inspects recordings before anything is computed, [`init`] creates a specimen, [`track`] tracks markers through any film.
+//! Every other command calls `study`, `simulate` or `sysid`.
+//!
+//! ```
+//! use clap::Parser;
+//! let cli = cli::options::Cli::try_parse_from(["study", "run", "identify", "--specimen", "nemo"]).unwrap();
+//! assert!(matches!(cli.command, cli::options::Command::Run { .. }));
+//! ```
+//!
+//! Depends on `study` and on its dependencies.
+
+pub mod doctor;
+pub mod init;
+pub mod options;
+pub mod track;

@@ -1,0 +1,149 @@
+//! `study`: the pipeline's command line. Exit code 0 for success, 1 for bad input or drift, 2 for usage.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Parser;
+use cli::options::{Checked, Cli, Command, Place};
+use diagnostics::{Diagnostic, Result};
+use study::Runner;
+use workflow::runner::{Goal, Options};
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    match run(&cli) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(diagnostic) => {
+            eprintln!("error: {diagnostic}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Runs the command; returns whether all of it succeeded.
+fn run(cli: &Cli) -> Result<bool> {
+    let open = || open(&cli.place);
+    match &cli.command {
+        Command::Init { name } => {
+            println!("{}", cli::init::run(&cli.place.root, cli.place.profile.into(), name)?);
+            Ok(true)
+        }
+        Command::Doctor { name } => {
+            let (runner, _) = open()?;
+            let report = cli::doctor::run(&runner, name.as_deref())?;
+            print!("{report}");
+            Ok(report.is_well())
+        }
+        Command::Run { names, specimen, fresh } => {
+            let (runner, diagnostics) = open()?;
+            let goal = Goal { entries: names.clone(), group: specimen.clone() };
+            let summary = study::run(&runner, &goal, *fresh)?;
+            study::page(&runner)?;
+            Ok(report(&diagnostics) & summary.is_complete())
+        }
+        Command::Fig { name } | Command::Table { name } => {
+            let (runner, diagnostics) = open()?;
+            let goal = Goal { entries: vec![name.clone()], group: None };
+            Ok(report(&diagnostics) & study::run(&runner, &goal, false)?.is_complete())
+        }
+        Command::Page => {
+            let (runner, diagnostics) = open()?;
+            println!("{}", study::page(&runner)?.display());
+            Ok(report(&diagnostics))
+        }
+        Command::Plan { names, specimen, graph } => {
+            let (runner, diagnostics) = open()?;
+            plan(&runner, &Goal { entries: names.clone(), group: specimen.clone() }, graph.as_ref())?;
+            Ok(report(&diagnostics))
+        }
+        Command::Why { name } => {
+            let (runner, diagnostics) = open()?;
+            println!("{}", runner.why(name)?);
+            Ok(report(&diagnostics))
+        }
+        Command::Simulate { case, out } => {
+            simulate::run(case, out.as_deref(), cli.place.quiet)?;
+            Ok(true)
+        }
+        Command::Fit { page, out } => {
+            let page = sysid::free_vibration::page(&cli.place.root, page);
+            let (report, folder) = sysid::free_vibration::run(&cli.place.root, &page, out.as_deref())?;
+            println!("{report}results: {}", folder.display());
+            Ok(true)
+        }
+        Command::Fetch { page } => {
+            let page = sysid::free_vibration::page(&cli.place.root, page);
+            for place in sysid::free_vibration::fetch(&cli.place.root, &page)? {
+                println!("{}", place.display());
+            }
+            Ok(true)
+        }
+        Command::Track(asked) => {
+            let summary = cli::track::run(asked)?;
+            if !cli.place.quiet {
+                println!("{summary}");
+            }
+            Ok(true)
+        }
+        Command::Check { what: None } => check(&open()?.0),
+        Command::Check { what: Some(Checked::Gradients { cases, steps }) } => {
+            check_gradients(&cli.place.root, cases, *steps, cli.place.quiet)
+        }
+        Command::Paper => {
+            let (runner, diagnostics) = open()?;
+            let place = study::paper(&runner)?;
+            if !cli.place.quiet {
+                println!("{}", runner.folders.display(&place));
+            }
+            Ok(report(&diagnostics))
+        }
+        Command::List => {
+            print!("{}", study::description());
+            Ok(true)
+        }
+    }
+}
+
+fn open(place: &Place) -> Result<(Runner, Vec<Diagnostic>)> {
+    let Place { quiet, jobs, keep_going, min_free_memory, .. } = *place;
+    study::open(&place.root, place.profile.into(), Options { quiet, jobs, keep_going, min_free_memory })
+}
+
+/// Prints the plan, as a list or a tree, or draws it.
+fn plan(runner: &Runner, goal: &Goal, graph: Option<&Option<PathBuf>>) -> Result<()> {
+    match graph {
+        None => println!("{}", runner.plan(goal)?),
+        Some(None) => println!("{}", runner.tree(goal)?),
+        Some(Some(file)) => std::fs::write(file, study::plan_svg(runner, goal)?).map_err(|e| {
+            Diagnostic::new(format!("{} cannot be written", file.display()), e, "choose another place for the drawing")
+        })?,
+    }
+    Ok(())
+}
+
+fn check(runner: &Runner) -> Result<bool> {
+    let checked = study::check(runner)?;
+    println!("{}", checked.text);
+    Ok(!checked.drifted)
+}
+
+/// Checks the gradients of every case; returns whether all of them pass.
+fn check_gradients(root: &Path, cases: &[PathBuf], steps: usize, quiet: bool) -> Result<bool> {
+    let cases = if cases.is_empty() { simulate::gradient_check::examples(root)? } else { cases.to_vec() };
+    let mut hold = true;
+    for case in &cases {
+        let report = simulate::gradient_check::run(case, steps)?;
+        hold &= report.holds();
+        if !quiet || !report.holds() {
+            println!("{report}");
+        }
+    }
+    Ok(hold)
+}
+
+/// Prints the diagnostics; returns whether there was none.
+fn report(diagnostics: &[Diagnostic]) -> bool {
+    diagnostics.iter().for_each(|diagnostic| eprintln!("error: {diagnostic}"));
+    diagnostics.is_empty()
+}

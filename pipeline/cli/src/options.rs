@@ -1,0 +1,206 @@
+//! The command line of `study`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use workflow::settings;
+
+/// Recordings in, paper out: tracks, identified materials, validation, figures, tables.
+#[derive(Debug, Parser)]
+#[command(name = "study", version)]
+pub struct Cli {
+    /// The command.
+    #[command(subcommand)]
+    pub command: Command,
+    /// Location of the project.
+    #[command(flatten)]
+    pub place: Place,
+}
+
+/// Options of every command.
+#[derive(Debug, Args)]
+pub struct Place {
+    /// Settings and folders to use: quick is coarse and writes to target/quick.
+    #[arg(long, global = true, value_enum, default_value_t = Profile::Paper)]
+    pub profile: Profile,
+    /// The project's folder.
+    #[arg(long, global = true, default_value = ".")]
+    pub root: PathBuf,
+    /// Print only diagnostics, warnings and the last line.
+    #[arg(long, global = true)]
+    pub quiet: bool,
+    /// Number of records made in parallel.
+    #[arg(long, global = true, default_value_t = 2)]
+    pub jobs: usize,
+    /// After an error, make everything that does not depend on what failed.
+    #[arg(long, global = true)]
+    pub keep_going: bool,
+    /// Start no further record while less memory is free, GiB.
+    #[arg(long, global = true, value_name = "GIB", default_value_t = study::MIN_FREE_MEMORY)]
+    pub min_free_memory: f64,
+}
+
+/// The command.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Create a specimen: a card with every key explained, and its folders, under data/raw. Nothing is overwritten.
+    Init {
+        /// Its name: letters, digits, `_` and `-`.
+        name: String,
+    },
+    /// Check recordings before anything is computed: card, surfaces, films, logs, clocks, markers, disk. One line for each
+    /// finding with the next action; exit code 1 when something must be fixed.
+    Doctor {
+        /// One specimen; all of them when none is named.
+        name: Option<String>,
+    },
+    /// Make what is stale: everything, or the named stages, figures or tables with their inputs.
+    Run {
+        /// Stages, figures or tables.
+        names: Vec<String>,
+        /// Only this specimen.
+        #[arg(long)]
+        specimen: Option<String>,
+        /// Make the named ones even when they are not stale.
+        #[arg(long)]
+        fresh: bool,
+    },
+    /// Report for each record whether it would be kept or made, and why. Writes nothing except a requested drawing.
+    Plan {
+        /// Stages, figures or tables.
+        names: Vec<String>,
+        /// Only this specimen.
+        #[arg(long)]
+        specimen: Option<String>,
+        /// Show the stages as a dependency tree instead; with a file, draw it there as SVG.
+        #[arg(long, value_name = "FILE.svg", num_args = 0..=1, require_equals = true)]
+        graph: Option<Option<PathBuf>>,
+    },
+    /// Report the inputs of each record of a stage.
+    Why {
+        /// The stage, figure or table.
+        name: String,
+    },
+    /// Make one figure with its inputs.
+    Fig {
+        /// Its name, as in figures/NAME.svg.
+        name: String,
+    },
+    /// Make one table with its inputs.
+    Table {
+        /// Its name, as in paper/tables/NAME.csv.
+        name: String,
+    },
+    /// Write figures/index.html from the existing records: all figures, tables and numbers in one file.
+    Page,
+    /// Simulate a body described by a TOML file: mesh, materials, clamps and loads.
+    #[command(after_long_help = simulate::case::KEYS)]
+    Simulate {
+        /// The case; its keys are listed at the end of `study simulate --help`.
+        case: PathBuf,
+        /// Folder for the results, instead of CASE.out beside the case.
+        #[arg(long)]
+        out: Option<PathBuf>,
+    },
+    /// Identify a body from a free vibration test: Young's modulus from its static deflection, damping from the decay. A TOML file
+    /// names recordings, markers and a case. The frequency and the first amplitude are then predicted.
+    Fit {
+        /// The TOML file, or the name of one that comes with the project.
+        page: PathBuf,
+        /// Folder for the table and the figure, instead of PAGE.out beside the file.
+        #[arg(long)]
+        out: Option<PathBuf>,
+    },
+    /// Download the recordings that a file of `study fit` names from their public source.
+    Fetch {
+        /// The TOML file, or the name of one that comes with the project.
+        page: PathBuf,
+    },
+    /// Track dark markers in any film: writes a CSV of their pixels with covariances, and a strip of pictures.
+    Track(TrackFilm),
+    /// Compare every number with its expected and published values, and every claim with its rule; or check gradients.
+    Check {
+        /// Another check.
+        #[command(subcommand)]
+        what: Option<Checked>,
+    },
+    /// Put the numbers, figures and tables of the last run into the paper's source; `typeset` makes the PDF.
+    Paper,
+    /// List the stages, figures and tables, each with a description.
+    List,
+}
+
+/// Options of `study track`.
+#[derive(Debug, Args)]
+pub struct TrackFilm {
+    /// The film: H.264 in MP4, a folder of PNG pictures with times.csv, or any format read by an ffmpeg on the PATH.
+    pub film: PathBuf,
+    /// A marker in the first frame, px: `--at 512,360`; once for each marker.
+    #[arg(long, value_name = "U,V", value_parser = pair, required_unless_present = "find")]
+    pub at: Vec<[f64; 2]>,
+    /// Detect this number of markers: the most distinct dark spots, from left to right.
+    #[arg(long, value_name = "COUNT", conflicts_with = "at")]
+    pub find: Option<usize>,
+    /// Region of detection, px: left,top,right,bottom; the whole picture when not given.
+    #[arg(long, value_name = "L,T,R,B", value_parser = four, requires = "find")]
+    pub region: Option<[f64; 4]>,
+    /// Radius of the disc that holds a marker and a margin of light ground, px.
+    #[arg(long, default_value_t = 18.0)]
+    pub radius: f64,
+    /// Longest occlusion of a marker, s.
+    #[arg(long, default_value_t = 0.5)]
+    pub hidden: f64,
+    /// Also write the film with its tracks drawn over it.
+    #[arg(long)]
+    pub overlay: bool,
+    /// Folder for the results, instead of FILM.tracks beside the film.
+    #[arg(long)]
+    pub out: Option<PathBuf>,
+}
+
+fn pair(text: &str) -> Result<[f64; 2], String> {
+    numbers(text)
+}
+
+fn four(text: &str) -> Result<[f64; 4], String> {
+    numbers(text)
+}
+
+/// `N` numbers between commas.
+fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+    let read: Result<Vec<f64>, _> = text.split(',').map(|word| word.trim().parse()).collect();
+    let read = read.map_err(|e| format!("`{text}` is not {N} numbers between commas: {e}"))?;
+    read.try_into().map_err(|_| format!("`{text}` is not {N} numbers between commas"))
+}
+
+/// Checks beside the numbers.
+#[derive(Debug, Subcommand)]
+pub enum Checked {
+    /// Check every gradient of a case against converged differences, and by the Taylor test.
+    Gradients {
+        /// Cases as `study simulate` takes them; the examples that come with the project when none is named.
+        cases: Vec<PathBuf>,
+        /// Number of time steps of a motion.
+        #[arg(long, default_value_t = 12)]
+        steps: usize,
+    },
+}
+
+/// The profiles on the command line.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum Profile {
+    /// Full resolution.
+    Paper,
+    /// Coarse and short.
+    Quick,
+}
+
+impl From<Profile> for settings::Profile {
+    fn from(profile: Profile) -> Self {
+        match profile {
+            Profile::Paper => settings::Profile::Paper,
+            Profile::Quick => settings::Profile::Quick,
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! `study track`: tracks markers in any film, without a project.
+//!
+//! Writes `<film>.tracks/` beside the film with `tracks.csv`, `strip.png` and, when requested, `overlay.mp4`. A lost marker
+//! ends it with a diagnostic and `lost.png`.
+
+mod overlay;
+
+use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use si::{Point2, Second};
+use track::klt::{self, Observation, Tracker, TrackingError};
+use track::video::{Film, Frame};
+
+use crate::options::TrackFilm;
+use diagnostics::{Diagnostic, Result};
+use overlay::Overlay;
+
+/// Tracks the markers and writes the results; returns a summary line.
+///
+/// # Errors
+/// A [`Diagnostic`] when the film cannot be read, there is no marker at a clicked position, or one is lost.
+pub fn run(asked: &TrackFilm) -> Result<String> {
+    let film = Film::open(&asked.film)?;
+    let info = film.info();
+    let patience = (asked.hidden * info.rate).round().max(0.0) as usize;
+    let set = klt::Settings { radius: asked.radius, patience, jump_limit: 40.0, ..klt::Settings::default() };
+    let folder = folder(asked);
+    fs::create_dir_all(&folder).map_err(|e| cannot_write(&folder, &e))?;
+    let mut seen = Seen { folder: &folder, tracker: None, time: Vec::new(), tracks: Vec::new() };
+    let mut overlay = Overlay::begin(&folder, info, asked.overlay)?;
+    for frame in film {
+        let frame = frame?;
+        seen.look(&frame, asked, set)?;
+        overlay.frame(&frame.gray, seen.tracks.iter().filter_map(|t| t.last()))?;
+    }
+    let (time, tracks) = seen.end()?;
+    overlay.end()?;
+    write(&folder.join("tracks.csv"), csv(&time, &tracks).as_bytes())?;
+    let hidden = tracks.iter().flatten().filter(|s| !s.seen).count();
+    let (markers, frames) = (tracks.len(), time.len());
+    Ok(format!("{markers} markers × {frames} frames, occluded in {hidden}; results in {}", folder.display()))
+}
+
+fn folder(asked: &TrackFilm) -> PathBuf {
+    let mut name = asked.film.file_name().unwrap_or_default().to_owned();
+    name.push(".tracks");
+    asked.out.clone().unwrap_or_else(|| asked.film.with_file_name(name))
+}
+
+/// Tracks up to the current frame.
+struct Seen<'a> {
+    folder: &'a Path,
+    tracker: Option<Tracker>,
+    time: Vec<Second>,
+    /// Markers × frames.
+    tracks: Vec<Vec<Observation>>,
+}
+
+impl Seen<'_> {
+    fn look(&mut self, frame: &Frame, asked: &TrackFilm, set: klt::Settings) -> Result<()> {
+        let sightings = match &mut self.tracker {
+            Some(tracker) => tracker.step(&frame.gray).map_err(|lost| shown(self.folder, lost))?,
+            None => {
+                let tracker = Tracker::new(&frame.gray, &starts(frame, asked, &set)?, set);
+                let tracker = tracker.map_err(|lost| shown(self.folder, lost))?;
+                let first = tracker.observations().to_vec();
+                self.tracks = vec![Vec::new(); first.len()];
+                self.tracker = Some(tracker);
+                first
+            }
+        };
+        self.time.push(frame.time);
+        self.tracks.iter_mut().zip(sightings).for_each(|(track, sighting)| track.push(sighting));
+        Ok(())
+    }
+
+    fn end(mut self) -> Result<(Vec<Second>, Vec<Vec<Observation>>)> {
+        self.tracker.map_or(Ok(()), Tracker::finish).map_err(|lost| shown(self.folder, lost))?;
+        self.tracks.iter_mut().for_each(|track| klt::fill_gaps(track));
+        Ok((self.time, self.tracks))
+    }
+}
+
+/// Where the markers are in the first frame, clicked or found.
+fn starts(frame: &Frame, asked: &TrackFilm, set: &klt::Settings) -> Result<Vec<Point2>> {
+    let Some(count) = asked.find else { return Ok(asked.at.clone()) };
+    let whole = [0.0, 0.0, frame.gray.width as f64, frame.gray.height as f64];
+    let found = klt::find_blobs(&frame.gray, asked.region.unwrap_or(whole), count, set);
+    if found.len() == count {
+        return Ok(found);
+    }
+    Err(Diagnostic::new(
+        format!("{} of {count} markers are found in the first frame of {}", found.len(), asked.film.display()),
+        format!("a marker is a dark spot within a disc of {} px with light ground around it", set.radius),
+        "narrow --region, set --radius to hold a marker and its margin, or click them with --at U,V",
+    ))
+}
+
+/// One line a frame and marker.
+fn csv(time: &[Second], tracks: &[Vec<Observation>]) -> String {
+    let mut text = String::from("frame,time_s,marker,u_px,v_px,uu_px2,uv_px2,vv_px2,residual,seen\n");
+    for (frame, t) in time.iter().enumerate() {
+        for (marker, track) in tracks.iter().enumerate() {
+            let s = &track[frame];
+            let ([u, v], [[uu, uv], [_, vv]]) = (s.at, s.covariance);
+            let (name, seen) = (marker + 1, u8::from(s.seen));
+            let line = format_args!(
+                "{frame},{t:.6},m{name},{u:.4},{v:.4},{uu:.3e},{uv:.3e},{vv:.3e},{:.2},{seen}",
+                s.residual
+            );
+            writeln!(text, "{line}").expect("a string takes any text");
+        }
+    }
+    text
+}
+
+/// The diagnostic of a lost marker, with its picture written.
+fn shown(folder: &Path, lost: TrackingError) -> Diagnostic {
+    let path = folder.join("lost.png");
+    let written = lost.crop.to_png().is_ok_and(|png| fs::write(&path, png).is_ok());
+    let diagnostic = Diagnostic::from(lost);
+    if written { diagnostic.noting(format!("see: {}", path.display())) } else { diagnostic }
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<()> {
+    fs::write(path, bytes).map_err(|e| cannot_write(path, &e))
+}
+
+fn cannot_write(path: &Path, error: &std::io::Error) -> Diagnostic {
+    Diagnostic::new(format!("{} cannot be written", path.display()), error, "choose another folder with --out")
+}

@@ -1,0 +1,24 @@
+//! `study simulate` as a program: where it writes, and how it fails.
+
+#![allow(clippy::unwrap_used)]
+
+use std::path::Path;
+
+#[test]
+fn the_command_line_writes_where_it_is_told_and_fails_with_the_fault() {
+    let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("command");
+    let _ = std::fs::remove_dir_all(&out);
+    let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("../simulate/examples/cantilever.toml");
+    let study = |arguments: &[&str]| {
+        std::process::Command::new(env!("CARGO_BIN_EXE_study")).arg("simulate").args(arguments).output().unwrap()
+    };
+    let place = out.join("here");
+    let done = study(&[case.to_str().unwrap(), "--out", place.to_str().unwrap()]);
+    let said = String::from_utf8(done.stderr).unwrap();
+    assert!(done.status.success() && said.contains("level 0.1: moved") && said.contains("4200 dofs"), "{said}");
+    assert!(place.join("cantilever.csv").is_file() && place.join("cantilever.pvd").is_file());
+    let lost = study(&["nowhere.toml"]);
+    let said = String::from_utf8(lost.stderr).unwrap();
+    assert_eq!(lost.status.code(), Some(1));
+    assert!(said.starts_with("error: nowhere.toml: the file cannot be used"), "{said}");
+}

@@ -1,0 +1,189 @@
+//! `study doctor` on a small valid specimen, and with one error introduced at a time: no finding on the former, one line with the
+//! next action for each of the latter.
+#![allow(clippy::unwrap_used)]
+
+use std::fmt::Write;
+use std::fs;
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+use mesh::{Surface, stl};
+use tail_cad::Tail;
+use track::Gray;
+use track::video::{Quality, Writer};
+
+const RATE: f64 = 60.0;
+/// When the lamp lights and goes out, s in the film: half way between two frames.
+const LIT: [f64; 2] = [14.5 / RATE, 53.5 / RATE];
+/// How much later the log's clock is, s.
+const LATER: f64 = 0.1;
+
+/// A project with one specimen of one trial.
+struct Project(PathBuf);
+
+impl Project {
+    fn new(name: &str) -> Self {
+        let project = Self(std::env::temp_dir().join(format!("doctor-{name}-{}", std::process::id())));
+        for part in ["cad", "camera", "trials/static_left"] {
+            fs::create_dir_all(project.path(part)).unwrap();
+        }
+        fs::write(project.0.join("study.toml"), include_str!("../../../study.toml")).unwrap();
+        project.write("specimen.toml", &card());
+        let (body, spine) = solids();
+        project.solid("body", &body, 1e-3);
+        project.solid("spine", &spine, 1e-3);
+        project.film("camera/calibration.mp4", 30, board);
+        project.film(FILM, 66, picture);
+        project.write(LOG, &log());
+        project
+    }
+
+    fn path(&self, place: &str) -> PathBuf {
+        self.0.join("data/raw/fish").join(place)
+    }
+
+    fn write(&self, place: &str, text: &str) {
+        fs::write(self.path(place), text).unwrap();
+    }
+
+    fn solid(&self, word: &str, surface: &Surface, unit: f64) {
+        fs::write(self.path(&format!("cad/{word}.stl")), stl::write(surface, unit, word)).unwrap();
+    }
+
+    fn film(&self, place: &str, frames: usize, picture: impl Fn(usize) -> Gray) {
+        let mut film = Writer::create(&self.path(place), (320, 240), RATE, Quality::Quantiser(20)).unwrap();
+        (0..frames).for_each(|k| film.push(&picture(k)).unwrap());
+        film.finish().unwrap();
+    }
+
+    fn doctor(&self) -> Output {
+        Command::new(env!("CARGO_BIN_EXE_study")).args(["doctor", "fish", "--root"]).arg(&self.0).output().unwrap()
+    }
+
+    /// One line begins with this word and contains these pieces and an action; the exit code is that of its severity.
+    fn finds(&self, word: &str, pieces: &[&str]) {
+        let output = self.doctor();
+        let said = String::from_utf8_lossy(&output.stdout);
+        let holds = |line: &&str| {
+            line.starts_with(word) && line.contains("; do: ") && pieces.iter().all(|piece| line.contains(piece))
+        };
+        let evaluated = format!("{said}{}", String::from_utf8_lossy(&output.stderr));
+        assert_eq!(said.lines().filter(holds).count(), 1, "{pieces:?} is not in one line of:\n{evaluated}");
+        assert_eq!(output.status.code(), Some(i32::from(word == "fix")), "{evaluated}");
+    }
+}
+
+impl Drop for Project {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+const FILM: &str = "trials/static_left/video.mp4";
+const LOG: &str = "trials/static_left/pressure.csv";
+
+fn card() -> String {
+    let lamp = ("centre = [600.0, 40.0]", "centre = [40.0, 40.0]");
+    let times = ("hold = 1.0  # s\npause = 0.5", "hold = 0.2  # s\npause = 0.1");
+    let plane = ("seconds = [5.0, 6.0]", "seconds = [0.0, 0.4]");
+    let card = include_str!("../../study/tests/card.toml");
+    [lamp, times, plane].iter().fold(card.to_owned(), |text, (from, to)| changed(&text, from, to))
+}
+
+/// A text with a change; fails when nothing changes.
+fn changed(text: &str, from: &str, to: &str) -> String {
+    assert!(text.contains(from), "`{from}` is not there");
+    text.replace(from, to)
+}
+
+fn solids() -> (Surface, Surface) {
+    Tail::nine_chambers().solids(3e-3).unwrap()
+}
+
+/// Fraction of the sampling interval during which the lamp is lit.
+fn lit(film_time: f64, width: f64) -> f64 {
+    let (from, to) = (film_time - 0.5 * width, film_time + 0.5 * width);
+    ((to.min(LIT[1]) - from.max(LIT[0])) / width).clamp(0.0, 1.0)
+}
+
+/// One dark disc that moves by a quarter of a pixel a frame on light ground, and the lamp.
+fn picture(frame: usize) -> Gray {
+    with_lamp(frame, 110.0 + 140.0 * lit(frame as f64 / RATE, 0.9 / RATE))
+}
+
+fn with_lamp(frame: usize, lamp: f64) -> Gray {
+    let x = 200.0 + 0.25 * frame as f64;
+    Gray::from_fn(320, 240, |u, v| {
+        let from = |at: [f64; 2]| (u as f64 - at[0]).hypot(v as f64 - at[1]);
+        if from([40.0, 40.0]) < 16.0 {
+            lamp
+        } else if from([x, 120.0]) < 9.0 {
+            40.0
+        } else {
+            200.0
+        }
+    })
+}
+
+/// Nine by six squares.
+fn board(_: usize) -> Gray {
+    Gray::from_fn(320, 240, |u, v| {
+        let inside = (70..250).contains(&u) && (60..180).contains(&v);
+        let dark = inside && ((u.wrapping_sub(70)) / 20 + (v.wrapping_sub(60)) / 20).is_multiple_of(2);
+        if dark { 30.0 } else { 220.0 }
+    })
+}
+
+/// Two levels on the left, 200 samples a second.
+fn log() -> String {
+    let mut text = "time_s,left_command_mbar,right_command_mbar,left_mbar,right_mbar,led\n".to_owned();
+    let mut measured = 0.0;
+    for i in 0..260 {
+        let time = f64::from(i) * 0.005;
+        let asked = |from: f64| (from..from + 0.2).contains(&time);
+        let command = if asked(0.4) {
+            50.0
+        } else if asked(0.7) {
+            100.0
+        } else {
+            0.0
+        };
+        measured += (command - measured) * 0.2;
+        let lamp = lit(time - LATER, 0.005);
+        writeln!(text, "{time:.4},{command:.2},0.00,{measured:.2},0.20,{lamp:.3}").unwrap();
+    }
+    text
+}
+
+/// The log with every row changed.
+fn rows(change: impl Fn(usize, &mut [f64])) -> String {
+    let log = log();
+    let (head, rest) = log.split_once('\n').unwrap();
+    let row = |(i, line): (usize, &str)| {
+        let mut values: Vec<f64> = line.split(',').map(|word| word.parse().unwrap()).collect();
+        change(i, &mut values);
+        values.iter().map(|v| format!("{v:.4}")).collect::<Vec<_>>().join(",") + "\n"
+    };
+    format!("{head}\n{}", rest.lines().enumerate().map(row).collect::<String>())
+}
+
+#[test]
+fn nothing_is_found_on_a_sound_specimen() {
+    let output = Project::new("sound").doctor();
+    let said = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{said}");
+    assert_eq!(said, "fish: 1 trials checked, 0 to fix, 0 notes\n");
+}
+
+#[test]
+fn a_specimen_that_is_not_there_is_refused_with_those_that_are() {
+    let project = Project::new("other");
+    let output = Command::new(env!("CARGO_BIN_EXE_study")).args(["doctor", "whale", "--root"]).arg(&project.0).output();
+    let output = output.unwrap();
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(1) && said.contains("there are: fish"), "{said}");
+}
+
+macro_rules! planted { ($($name:ident: $plant:expr => $word:literal, $pieces:expr;)*) => {$( #[test] fn $name() { let project = Project::new(stringify!($name)); let plant: fn(&Project) = $plant; plant(&project); project.finds($word, &$pieces); } )*}; }
+
+planted! { an_unknown_key_is_found: |p| p.write("specimen.toml", &changed(&card(), "[led]", "[led]\ncenter = [1.0, 1.0]")) => "fix", ["specimen.toml, line", "unknown field `center`", "`centre`"]; a_length_in_millimetres_is_found: |p| p.write("specimen.toml", &changed(&card(), "length = 0.1", "length = 100.0")) => "fix", ["specimen.toml, line 3", "length = 100 m is out of range"]; a_surface_in_metres_is_found: |p| p.solid("body", &solids().0, 1.0) => "fix", ["body.stl", "an STL in metres read as millimetres?"]; a_surface_in_centimetres_is_found: |p| p.solid("body", &solids().0, 1e-2) => "fix", ["body.stl", "the card's length is 0.1 m", "read in mm"]; an_open_surface_is_found: |p| { let (mut body, _) = solids(); body.faces.pop(); p.solid("body", &body, 1e-3); } => "fix", ["body.stl", "open edge"]; normals_that_point_inwards_are_found: |p| { let (_, mut spine) = solids(); spine.faces.iter_mut().for_each(|face| face.swap(1, 2)); p.solid("spine", &spine, 1e-3); } => "fix", ["spine.stl", "inside out"]; a_spine_that_is_not_in_its_place_is_found: |p| { let (_, mut spine) = solids(); spine.points.iter_mut().for_each(|point| point[1] += 2e-3); p.solid("spine", &spine, 1e-3); } => "fix", ["fish: ", "body and spine"]; a_chamber_outside_of_its_cavity_is_found: |p| p.write("specimen.toml", &changed(&card(), "at = [0.02, 0.006, 0.0]", "at = [0.02, 0.06, 0.0]")) => "fix", ["chamber `left` is not where the card says"]; a_clamp_that_holds_nothing_is_found: |p| p.write("specimen.toml", &changed(&card(), "below_x = 0.004", "below_x = -0.4")) => "fix", ["clamp.below_x = -0.4 m constrains nothing"]; a_missing_film_is_found: |p| fs::remove_file(p.path(FILM)).unwrap() => "fix", ["video.mp4", "missing"]; a_film_cut_short_is_found: |p| { let whole = fs::read(p.path(FILM)).unwrap(); fs::write(p.path(FILM), &whole[..whole.len() * 2 / 3]).unwrap(); } => "fix", ["video.mp4", "cut short"]; a_film_shorter_than_what_was_done_is_found: |p| p.film(FILM, 20, picture) => "fix", ["video.mp4 lasts 0.33 s (20 frames)", "0.50 s"]; a_dark_film_is_found: |p| p.film(FILM, 66, |k| { let light = picture(k); Gray::from_fn(320, 240, |u, v| 0.1 * light.at(u, v)) }) => "fix", ["video.mp4 is dark", "of 255"]; a_lamp_that_never_lights_is_found: |p| p.film(FILM, 66, |k| with_lamp(k, 110.0)) => "fix", ["video.mp4: the lamp does not light", "of 255"]; a_lamp_out_of_the_picture_is_found: |p| p.write("specimen.toml", &changed(&card(), "centre = [40.0, 40.0]", "centre = [600.0, 40.0]")) => "fix", ["the lamp at (600, 40) px is out of the picture"]; a_marker_out_of_view_is_found: |p| p.write("specimen.toml", &changed(&card(), "clicked = [200.0, 120.0]", "clicked = [500.0, 120.0]")) => "fix", ["video.mp4", "marker `m1` at (500, 120) px is out of the picture"]; a_marker_that_is_elsewhere_is_found: |p| p.write("specimen.toml", &changed(&card(), "clicked = [200.0, 120.0]", "clicked = [100.0, 190.0]")) => "fix", ["video.mp4", "marker `m1`", "frame 0"]; a_marker_close_to_an_edge_is_noted: |p| p.film(FILM, 66, |k| { let light = picture(k); Gray::from_fn(320, 240, |u, v| if v > 138 { 40.0 } else { light.at(u, v) }) }) => "note", ["video.mp4", "marker `m1` are dark and not its own", "farther from the body's edge"]; a_calibration_without_a_board_is_found: |p| p.film("camera/calibration.mp4", 30, |_| Gray::filled(320, 240, 128)) => "fix", ["calibration.mp4 shows no board between 0 and 0.4 s"]; a_lamp_that_is_not_in_the_log_is_found: |p| p.write(LOG, &rows(|_, row| row[5] = 0.0)) => "fix", ["the lamp in the log", "does not have two levels"]; a_log_that_missed_an_edge_is_found: |p| p.write(LOG, &rows(|i, row| if i > 100 { row[5] = 1.0 })) => "fix", ["two clocks recorded different edges"]; a_command_before_the_film_shows_rest_is_found: |p| p.write(LOG, &rows(|i, row| if (30..60).contains(&i) { row[1] = 50.0 })) => "fix", ["commands pressure after", "rest"]; a_missing_column_is_found: |p| p.write(LOG, &changed(&log(), "left_mbar", "links_mbar")) => "fix", ["pressure.csv, line 1", "`left_mbar` is missing"]; measured_columns_that_are_swapped_are_found: |p| p.write(LOG, &rows(|_, row| row.swap(3, 4))) => "fix", ["pressure.csv", "left is filled, and right_mbar rises", "swapped"]; a_log_of_the_other_side_is_found: |p| p.write(LOG, &rows(|_, row| { row.swap(1, 2); row.swap(3, 4); })) => "fix", ["the first command is right_command_mbar's"]; a_log_in_kilopascals_is_found: |p| p.write(LOG, &rows(|_, row| (1..5).for_each(|k| row[k] *= 0.1))) => "fix", ["commands up to 10.0 mbar, the card 100.0 mbar"]; a_sensor_in_pounds_is_found: |p| p.write(LOG, &rows(|_, row| (3..5).for_each(|k| row[k] *= 0.0145))) => "fix", ["at a command of 100.0 mbar left_mbar reaches 1."]; decimal_commas_are_found: |p| p.write(LOG, &log().replace(',', ";").replace('.', ",")) => "fix", ["pressure.csv, line 1", "commas between columns"]; a_decimal_comma_in_a_field_is_found: |p| p.write(LOG, &changed(&log(), ",50.00,", ",\"50,00\",")) => "fix", ["pressure.csv, line 82", "left_command_mbar is `50,00`", "decimal points"]; a_byte_order_mark_is_noted_and_skipped: |p| p.write(LOG, &format!("\u{feff}{}", log())) => "note", ["pressure.csv begins with a byte-order mark"]; line_ends_of_another_system_are_noted_and_skipped: |p| p.write(LOG, &log().replace('\n', "\r\n")) => "note", ["pressure.csv has lines that end in CRLF"]; a_hole_in_the_numbers_is_found: |p| p.write(LOG, &rows(|i, row| if i == 7 { row[3] = f64::NAN })) => "fix", ["pressure.csv, line 9", "left_mbar is `NaN`"]; a_pressure_below_ambient_is_found: |p| p.write(LOG, &rows(|_, row| row[4] = -80.0)) => "fix", ["right_mbar is -80.0 mbar at time_s = 0.000"]; time_that_runs_backwards_is_found: |p| p.write(LOG, &rows(|i, row| if i == 20 { row[0] = 0.01 })) => "fix", ["pressure.csv, line 22", "time_s goes from"]; time_in_milliseconds_is_found: |p| p.write(LOG, &rows(|_, row| row[0] *= 1e3)) => "fix", ["the edges of two clocks do not belong together"]; a_log_that_is_too_short_is_found: |p| p.write(LOG, &log().lines().take(60).map(|line| format!("{line}\n")).collect::<String>()) => "fix", ["pressure.csv lasts 0.2900 s", "0.50 s"]; a_force_log_without_the_lamp_is_found: |p| { p.write("specimen.toml", &changed(&card(), "levels =", "force = \"trials/static_left/force.csv\"\nlevels =")); p.write("trials/static_left/force.csv", &(0..120).fold("time_s,force_n\n".to_owned(), |text, i| text + &format!("{:.4},0.01\n", 0.01 * f64::from(i)))); } => "fix", ["force.csv has no column led"]; }

@@ -1,0 +1,73 @@
+//! Adjoint and forward sensitivity of an equilibrium.
+//!
+//! With the residual r(u, θ) = ∂Π/∂u = 0 and the symmetric tangent K = ∂r/∂u:
+//! du/dθ = −K⁻¹ ∂r/∂θ,  dL/dθ = −λ · ∂r/∂θ with K λ = ∂L/∂u.
+
+use crate::adjoint::gradient::{Gradient, RegionGradient};
+use crate::adjoint::parameter::Parameter;
+use crate::linear::dot;
+use crate::linear::pcg::PcgOptions;
+use crate::solve_error::SolveError;
+use crate::solver_state::SolverState;
+use crate::statics::equilibrium::Equilibrium;
+
+/// Four digits below what a Taylor test resolves; beyond twelve iterations a factorisation of the exact tangent is
+/// cheaper.
+const ADJOINT: PcgOptions = PcgOptions { tolerance: 1e-11, max_iterations: 12 };
+
+impl SolverState {
+    /// See [`crate::Solver::gradient`].
+    pub(crate) fn equilibrium_gradient(&mut self, at: &Equilibrium, dloss_du: &[f64]) -> Result<Gradient, SolveError> {
+        self.check_field("the derivative of the loss", dloss_du)?;
+        // The tangent is symmetric, so the adjoint needs no transposed factor: the one that Newton's method left
+        // preconditions it.
+        let lambda = self.solve_at(at, dloss_du)?;
+        let by = |state: &Self, parameter| -dot(&lambda, &state.residual_derivative(at, parameter));
+        let region = |region| RegionGradient {
+            youngs_modulus: by(self, Parameter::YoungsModulus(region)),
+            poissons_ratio: by(self, Parameter::PoissonsRatio(region)),
+            density: by(self, Parameter::Density(region)),
+        };
+        let regions = (0..self.inputs.elastic.len()).map(region).collect();
+        let pressures = (0..self.data.chambers.len()).map(|chamber| by(self, Parameter::Pressure(chamber))).collect();
+        Ok(Gradient { regions, pressures, forces: lambda })
+    }
+
+    /// See [`crate::Solver::sensitivity`].
+    pub(crate) fn equilibrium_sensitivity(
+        &mut self,
+        at: &Equilibrium,
+        parameter: Parameter,
+    ) -> Result<Vec<f64>, SolveError> {
+        self.check_parameter(parameter)?;
+        self.check_field("the displacement", &at.displacement)?;
+        let mut right = self.residual_derivative(at, parameter);
+        right.iter_mut().for_each(|entry| *entry = -*entry);
+        self.solve_at(at, &right)
+    }
+
+    /// ∂r/∂θ at fixed u, 3 entries per node, N per unit of the parameter.
+    fn residual_derivative(&self, at: &Equilibrium, parameter: Parameter) -> Vec<f64> {
+        match parameter {
+            Parameter::YoungsModulus(_) | Parameter::PoissonsRatio(_) => {
+                self.elastic_residual_derivative(&at.displacement, parameter)
+            }
+            _ => self.load_residual_derivative(&at.displacement, &at.pressures, parameter),
+        }
+    }
+
+    /// K⁻¹ b at the equilibrium `at`, both 3 entries per node; zero at constrained dofs.
+    fn solve_at(&mut self, at: &Equilibrium, b: &[f64]) -> Result<Vec<f64>, SolveError> {
+        self.check_field("the displacement", &at.displacement)?;
+        self.check_pressures(&at.pressures)?;
+        let Self { data, inputs, newton, linearised } = self;
+        let potential = inputs.at_rest(data, &at.pressures);
+        if linearised.as_ref() != Some(at) {
+            newton.linearise(&potential, &at.displacement);
+            *linearised = Some(at.clone());
+        }
+        let free = data.pattern.gather(b);
+        let (x, _) = newton.tangent_solve(&potential, &at.displacement, &free, ADJOINT).ok_or(SolveError::NotStable)?;
+        Ok(data.pattern.scattered(&x, 1.0, b.len()))
+    }
+}

@@ -1,0 +1,214 @@
+//! Elastic energy, forces and stiffness of the mesh, summed element by element in a fixed order.
+//!
+//! Ψ(u) = Σ_e Σ_q w ψ(F),  F = I + Σ_a u_a ⊗ ∇N_a,  f_a = Σ w P ∇N_a,  K_ab = Σ w ∇N_aᵀ (∂P/∂F) ∇N_b
+
+use crate::assembly::kernels::{add_blocks, add_force, deformation, element_values, scatter};
+use crate::assembly::reference::ReferenceElements;
+use crate::assembly::tangent::TangentKind;
+use crate::linear::sparsity::Pattern;
+use crate::material::{Lame, Material};
+use crate::mesh::Mesh;
+use nalgebra::Matrix3;
+use si::{Joule, Point3};
+
+/// The law and the constants of one region.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Elastic {
+    /// The law.
+    pub material: &'static dyn Material,
+    /// Its constants.
+    pub lame: Lame,
+    /// Whether the λ part of the energy takes the element's mean deformation [hughes1980].
+    pub mean_dilatation: bool,
+}
+
+impl Elastic {
+    /// The constants that act at each quadrature point, and those that act at the element's mean deformation.
+    // Mean dilatation averages the deformation of the λ part alone. Every law is linear in μ and λ, so energy, forces
+    // and tangent remain those of one potential, for every law alike, and the tangent stays symmetric.
+    fn split(&self, lame: Lame) -> (Lame, Option<Lame>) {
+        if self.mean_dilatation { (Lame { lambda: 0.0, ..lame }, Some(Lame { mu: 0.0, ..lame })) } else { (lame, None) }
+    }
+}
+
+/// The domain of assembly, and the laws and constants on it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Body<'a> {
+    pub mesh: &'a Mesh,
+    pub reference: &'a ReferenceElements,
+    pub pattern: &'a Pattern,
+    /// elements × pairs (a ≥ b): position of each block in the matrix.
+    pub block_positions: &'a [u32],
+    /// One per region.
+    pub elastic: &'a [Elastic],
+}
+
+/// Calls the method for the order of the elements, with the number of nodes as a constant.
+macro_rules! by_order {
+    ($body:ident.$method:ident($($argument:expr),*)) => {
+        if $body.mesh.elements.nodes_each() == 4 {
+            $body.$method::<4>($($argument),*)
+        } else {
+            $body.$method::<10>($($argument),*)
+        }
+    };
+}
+
+impl Body<'_> {
+    /// Ψ (J); infinite when an element is inverted and its law forbids it. Adds `scale` f to `forces` (3 per node, N).
+    pub fn energy(&self, u: &[f64], scale: f64, forces: &mut [f64]) -> Joule {
+        by_order!(self.energy_of(u, scale, forces))
+    }
+
+    /// Adds `scale` K to the matrix `values`.
+    pub fn stiffness(&self, u: &[f64], scale: f64, kind: TangentKind, values: &mut [f64]) {
+        by_order!(self.stiffness_of(u, scale, kind, values));
+    }
+
+    /// Adds ∂f to `forces` when the constants of `region` change by `change` at fixed u.
+    pub fn force_derivative(&self, u: &[f64], region: usize, change: Lame, forces: &mut [f64]) {
+        by_order!(self.force_derivative_of(u, region, change, forces));
+    }
+
+    /// By region, the virtual work of the elastic forces: of ∂f/∂μ and ∂f/∂λ along `along`, and of f along `other`. All
+    /// vectors hold 3 entries per node.
+    pub fn virtual_work(&self, u: &[f64], along: &[f64], other: &[f64]) -> Vec<[f64; 3]> {
+        by_order!(self.virtual_work_of(u, along, other))
+    }
+
+    /// Calls `visit` with the nodes of each element and Σ w μ F over its quadrature points.
+    pub fn for_each_mean_gradient(&self, u: &[f64], visit: &mut dyn FnMut(&[u32], Matrix3<f64>)) {
+        by_order!(self.for_each_mean_gradient_of(u, visit));
+    }
+
+    /// Each element with its nodes and its region's law.
+    fn elements<const N: usize>(&self) -> impl Iterator<Item = (usize, &[u32; N], &Elastic)> {
+        let regions = self.mesh.regions.iter().map(|&region| &self.elastic[region as usize]);
+        self.mesh
+            .elements
+            .of_order::<N>()
+            .iter()
+            .zip(regions)
+            .enumerate()
+            .map(|(e, (nodes, elastic))| (e, nodes, elastic))
+    }
+
+    fn for_each_mean_gradient_of<const N: usize>(&self, u: &[f64], visit: &mut dyn FnMut(&[u32], Matrix3<f64>)) {
+        for (element, nodes, elastic) in self.elements::<N>() {
+            let moved = element_values(nodes, u);
+            let sum: Matrix3<f64> =
+                self.points::<N>(element).map(|(gradients, weight)| deformation(gradients, &moved) * weight).sum();
+            visit(nodes, sum * elastic.lame.mu);
+        }
+    }
+
+    /// Gradients and weight at each quadrature point of `element`.
+    fn points<const N: usize>(&self, element: usize) -> impl Iterator<Item = (&[Point3; N], f64)> {
+        let first = element * self.reference.points;
+        let (gradients, _) = self.reference.gradients[first * N..(first + self.reference.points) * N].as_chunks::<N>();
+        gradients.iter().zip(self.reference.weights[first..].iter().copied())
+    }
+
+    /// Gradients averaged over `element`, and its volume: the sample of mean dilatation.
+    fn mean<const N: usize>(&self, element: usize) -> ([Point3; N], f64) {
+        let volume = self.reference.volumes[element];
+        let mut mean = [[0.0; 3]; N];
+        for (gradients, weight) in self.points::<N>(element) {
+            for (mean, gradient) in mean.iter_mut().zip(gradients) {
+                (0..3).for_each(|axis| mean[axis] += weight / volume * gradient[axis]);
+            }
+        }
+        (mean, volume)
+    }
+
+    /// Calls `visit` at every sample of `element` with gradients, weight, and the part of the constants `lame` that
+    /// acts there.
+    fn for_each_sample<const N: usize>(
+        &self,
+        element: usize,
+        elastic: &Elastic,
+        lame: Lame,
+        mut visit: impl FnMut(&[Point3; N], f64, Lame),
+    ) {
+        let (pointwise, mean) = elastic.split(lame);
+        for (gradients, weight) in self.points::<N>(element) {
+            visit(gradients, weight, pointwise);
+        }
+        if let Some(lame) = mean {
+            let (gradients, volume) = self.mean::<N>(element);
+            visit(&gradients, volume, lame);
+        }
+    }
+
+    fn energy_of<const N: usize>(&self, u: &[f64], scale: f64, forces: &mut [f64]) -> Joule {
+        let mut total = 0.0;
+        for (element, nodes, elastic) in self.elements::<N>() {
+            let moved = element_values(nodes, u);
+            let mut force = [[0.0; 3]; N];
+            self.for_each_sample::<N>(element, elastic, elastic.lame, |gradients, weight, lame| {
+                let (energy, stress) = elastic.material.stress(&deformation(gradients, &moved), lame);
+                total += weight * energy;
+                add_force(&mut force, gradients, &stress, weight * scale);
+            });
+            scatter(nodes, &force, forces);
+        }
+        total
+    }
+
+    fn virtual_work_of<const N: usize>(&self, u: &[f64], along: &[f64], other: &[f64]) -> Vec<[f64; 3]> {
+        let mut sums = vec![[0.0; 3]; self.elastic.len()];
+        for (element, nodes, of) in self.elements::<N>() {
+            let sum = &mut sums[self.mesh.regions[element] as usize];
+            let (moved, along, other) =
+                (element_values(nodes, u), element_values(nodes, along), element_values(nodes, other));
+            let mut add = |gradients: &[Point3; N], weight: f64, acting: Lame| {
+                let [by_mu, by_lambda] = of.material.stress_by_lame(&deformation(gradients, &moved));
+                let (by_mu, by_lambda) = (by_mu * (acting.mu * weight), by_lambda * (acting.lambda * weight));
+                let virtual_gradient = deformation(gradients, &along) - Matrix3::identity();
+                sum[0] += by_mu.component_mul(&virtual_gradient).sum();
+                sum[1] += by_lambda.component_mul(&virtual_gradient).sum();
+                let virtual_gradient = deformation(gradients, &other) - Matrix3::identity();
+                sum[2] += (by_mu * of.lame.mu + by_lambda * of.lame.lambda).component_mul(&virtual_gradient).sum();
+            };
+            self.for_each_sample::<N>(element, of, Lame { mu: 1.0, lambda: 1.0 }, &mut add);
+        }
+        sums
+    }
+
+    fn force_derivative_of<const N: usize>(&self, u: &[f64], region: usize, change: Lame, forces: &mut [f64]) {
+        let inside = |element: usize| self.mesh.regions[element] as usize == region;
+        for (element, nodes, elastic) in self.elements::<N>().filter(|&(element, ..)| inside(element)) {
+            let moved = element_values(nodes, u);
+            let mut force = [[0.0; 3]; N];
+            self.for_each_sample::<N>(element, elastic, change, |gradients, weight, change| {
+                let stress = elastic.material.stress(&deformation(gradients, &moved), change).1;
+                add_force(&mut force, gradients, &stress, weight);
+            });
+            scatter(nodes, &force, forces);
+        }
+    }
+
+    fn stiffness_of<const N: usize>(&self, u: &[f64], scale: f64, kind: TangentKind, values: &mut [f64]) {
+        let pairs = N * (N + 1) / 2;
+        for (element, nodes, elastic) in self.elements::<N>() {
+            let material = elastic.material;
+            let moved = element_values(nodes, u);
+            let mut blocks = [[0.0; 9]; 55];
+            self.for_each_sample::<N>(element, elastic, elastic.lame, |gradients, weight, lame| {
+                let now = deformation(gradients, &moved);
+                let at = |u: &[f64]| deformation(gradients, &element_values(nodes, u));
+                let tangent = kind.tangent(material, lame, &now, at);
+                add_blocks(&mut blocks, gradients, &(tangent * (weight * scale)));
+            });
+            let positions = &self.block_positions[element * pairs..(element + 1) * pairs];
+            let mut pair = 0;
+            for a in 0..N {
+                for b in 0..=a {
+                    let block = Matrix3::from_row_slice(&blocks[pair]);
+                    self.pattern.add(values, positions[pair], (nodes[a], nodes[b]), &block);
+                    pair += 1;
+                }
+            }
+        }
+    }
+}

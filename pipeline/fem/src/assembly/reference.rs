@@ -1,0 +1,159 @@
+//! Reference geometry of every element, computed once: gradients and weights at its quadrature points, and integrals of
+//! its shape functions.
+//!
+//! A 10-node tetrahedron (P2) takes 4 points, a 4-node one (P1) a single point. P2 is recommended: on a
+//! hollow body with a thin stiff sheet P1 missed 81 % of the tip deflection at 241k dofs, P2 2.7 % at 39k; one layer of
+//! P2 through a sheet bends exactly. P1 remains for comparison and for projective dynamics.
+
+use crate::assembly::quadrature::{line_5, tetrahedron_1, tetrahedron_4, tetrahedron_125, triangle_25};
+use crate::assembly::shape_functions::{tetrahedron, triangle};
+use crate::mesh::Mesh;
+use nalgebra::{Matrix3, Vector3};
+use si::Point3;
+
+/// Gradients by reference coordinates and weights, by element and quadrature point.
+#[derive(Debug)]
+pub(crate) struct ReferenceElements {
+    /// Quadrature points of an element: 1 or 4.
+    pub points: usize,
+    /// elements × points, m³.
+    pub weights: Vec<f64>,
+    /// elements × points × nodes × axes, 1/m.
+    pub gradients: Vec<Point3>,
+    /// elements, m³.
+    pub volumes: Vec<f64>,
+}
+
+impl ReferenceElements {
+    /// From node positions; the weights of an inverted element are negative.
+    pub fn new(mesh: &Mesh) -> Self {
+        let nodes = mesh.elements.nodes_each();
+        let rule = if nodes == 4 { tetrahedron_1() } else { tetrahedron_4() };
+        let shapes: Vec<_> = rule.iter().map(|&(at, weight)| (tetrahedron(nodes, at), weight)).collect();
+        let count = mesh.elements.len();
+        let mut reference = Self {
+            points: rule.len(),
+            weights: Vec::with_capacity(count * rule.len()),
+            gradients: Vec::with_capacity(count * rule.len() * nodes),
+            volumes: Vec::with_capacity(count),
+        };
+        for element in 0..count {
+            let corners = mesh.elements.nodes(element);
+            let first = reference.weights.len();
+            for (shape, weight) in &shapes {
+                let jacobian = jacobian(mesh, corners, shape);
+                let inverse = jacobian.try_inverse().unwrap_or_else(Matrix3::zeros);
+                reference.weights.push(weight * jacobian.determinant());
+                reference.gradients.extend(shape.iter().map(|(_, derivative)| by_reference(&inverse, derivative)));
+            }
+            reference.volumes.push(reference.weights[first..].iter().sum());
+        }
+        reference
+    }
+}
+
+/// ∂X/∂ξ: column k holds the derivative of position by reference axis k.
+fn jacobian(mesh: &Mesh, nodes: &[u32], shape: &[(f64, Point3)]) -> Matrix3<f64> {
+    let mut jacobian = Matrix3::zeros();
+    for (&node, (_, derivative)) in nodes.iter().zip(shape) {
+        for axis in 0..3 {
+            for k in 0..3 {
+                jacobian[(axis, k)] += mesh.nodes[node as usize][axis] * derivative[k];
+            }
+        }
+    }
+    jacobian
+}
+
+/// ∂N/∂X = (∂ξ/∂X)ᵀ ∂N/∂ξ.
+fn by_reference(inverse: &Matrix3<f64>, derivative: &Point3) -> Point3 {
+    std::array::from_fn(|axis| (0..3).map(|k| inverse[(k, axis)] * derivative[k]).sum())
+}
+
+/// ∫ N_a N_b dV of one element, m³, row by row: nodes × nodes.
+pub(crate) fn shape_products(mesh: &Mesh, element: usize, rule: &[(Vec<(f64, Point3)>, f64)]) -> Vec<f64> {
+    let nodes = mesh.elements.nodes(element);
+    let mut products = vec![0.0; nodes.len() * nodes.len()];
+    for (shape, weight) in rule {
+        let volume = weight * jacobian(mesh, nodes, shape).determinant();
+        for (a, (left, _)) in shape.iter().enumerate() {
+            for (b, (right, _)) in shape.iter().enumerate() {
+                products[a * nodes.len() + b] += volume * left * right;
+            }
+        }
+    }
+    products
+}
+
+/// The quadrature of [`shape_products`]: products of two quadratic functions on a curved element.
+pub(crate) fn shape_product_rule(nodes: usize) -> Vec<(Vec<(f64, Point3)>, f64)> {
+    tetrahedron_125().into_iter().map(|(at, weight)| (tetrahedron(nodes, at), weight)).collect()
+}
+
+/// ∫ N_a N_b dA of one triangle at rest, m², row by row: 3 × 3 or 6 × 6.
+pub(crate) fn triangle_shape_products(mesh: &Mesh, face: &[u32]) -> Vec<f64> {
+    let mut products = vec![0.0; face.len() * face.len()];
+    for (at, weight) in triangle_25() {
+        let shape = triangle(face.len(), at);
+        let along = |k: usize| -> Vector3<f64> {
+            face.iter().zip(&shape).map(|(&node, (_, derivative))| position(mesh, node) * derivative[k]).sum()
+        };
+        let area = weight * along(0).cross(&along(1)).norm();
+        for (a, (left, _)) in shape.iter().enumerate() {
+            for (b, (right, _)) in shape.iter().enumerate() {
+                products[a * face.len() + b] += area * left * right;
+            }
+        }
+    }
+    products
+}
+
+/// ∫ N_a dA of one triangle at rest, m²: one per node.
+pub(crate) fn triangle_integrals(mesh: &Mesh, face: &[u32]) -> Vec<f64> {
+    triangle_shape_products(mesh, face).chunks_exact(face.len()).map(|row| row.iter().sum()).collect()
+}
+
+/// ∫ N_a ds along one edge at rest, m: ends first, then the mid-edge node where there is one.
+pub(crate) fn edge_integrals(mesh: &Mesh, edge: &[u32]) -> Vec<f64> {
+    let mut integrals = vec![0.0; edge.len()];
+    for (t, weight) in line_5() {
+        let (values, derivatives): (Vec<f64>, Vec<f64>) = if edge.len() == 2 {
+            (vec![1.0 - t, t], vec![-1.0, 1.0])
+        } else {
+            let values = vec![(1.0 - t) * (1.0 - 2.0 * t), t * (2.0 * t - 1.0), 4.0 * t * (1.0 - t)];
+            (values, vec![4.0 * t - 3.0, 4.0 * t - 1.0, 4.0 - 8.0 * t])
+        };
+        let along: Vector3<f64> =
+            edge.iter().zip(&derivatives).map(|(&node, derivative)| position(mesh, node) * *derivative).sum();
+        integrals.iter_mut().zip(&values).for_each(|(sum, value)| *sum += weight * along.norm() * value);
+    }
+    integrals
+}
+
+fn position(mesh: &Mesh, node: u32) -> Vector3<f64> {
+    Vector3::from(mesh.nodes[node as usize])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::box_mesh;
+
+    #[test]
+    fn volumes_of_a_box_sum_to_the_box() {
+        for mesh in [box_mesh::linear([0.1, 0.02, 0.03], [3, 2, 2]), box_mesh::quadratic([0.1, 0.02, 0.03], [3, 2, 2])]
+        {
+            let volume: f64 = ReferenceElements::new(&mesh).volumes.iter().sum();
+            assert!((volume - 6e-5).abs() < 1e-18);
+        }
+    }
+
+    #[test]
+    fn shape_products_of_an_element_sum_to_its_volume() {
+        for mesh in [box_mesh::linear([0.1; 3], [1, 1, 1]), box_mesh::quadratic([0.1; 3], [1, 1, 1])] {
+            let reference = ReferenceElements::new(&mesh);
+            let products = shape_products(&mesh, 2, &shape_product_rule(mesh.elements.nodes_each()));
+            assert!((products.iter().sum::<f64>() - reference.volumes[2]).abs() < 1e-18);
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! Shape functions of the 4- and 10-node tetrahedron and of the 3- and 6-node triangle, with their derivatives.
+//!
+//! Node order as in [`crate::Elements`] and [`crate::Faces`]: corners, then mid-edge nodes.
+
+use si::{Point2, Point3};
+
+/// Edges of a tetrahedron in the order of their mid-edge nodes.
+pub(crate) const EDGES: [(usize, usize); 6] = [(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)];
+
+/// Edges of a triangle in the order of their mid-edge nodes.
+pub(crate) const SIDES: [(usize, usize); 3] = [(0, 1), (1, 2), (2, 0)];
+
+/// Value and derivative by (ξ, η, ζ) of each shape function of a tetrahedron with 4 or 10 `nodes`.
+pub(crate) fn tetrahedron(nodes: usize, at: Point3) -> Vec<(f64, Point3)> {
+    let barycentric = [1.0 - at[0] - at[1] - at[2], at[0], at[1], at[2]];
+    let derivative = [[-1.0, -1.0, -1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    shapes(nodes == 10, &barycentric, &derivative, &EDGES)
+}
+
+/// Value and derivative by (ξ, η) of each shape function of a triangle with 3 or 6 `nodes`.
+pub(crate) fn triangle(nodes: usize, at: Point2) -> Vec<(f64, Point2)> {
+    let barycentric = [1.0 - at[0] - at[1], at[0], at[1]];
+    let derivative = [[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]];
+    shapes(nodes == 6, &barycentric, &derivative, &SIDES)
+}
+
+/// Linear: L_i. Quadratic: L_i (2 L_i − 1) at corners, 4 L_i L_j at mid-edge node ij.
+fn shapes<const D: usize>(
+    quadratic: bool,
+    barycentric: &[f64],
+    derivative: &[[f64; D]],
+    edges: &[(usize, usize)],
+) -> Vec<(f64, [f64; D])> {
+    let scaled = |s: f64, v: &[f64; D]| std::array::from_fn(|axis| s * v[axis]);
+    if !quadratic {
+        return barycentric.iter().zip(derivative).map(|(&p, s)| (p, *s)).collect();
+    }
+    let corners = barycentric.iter().zip(derivative).map(|(&p, s)| (p * (2.0 * p - 1.0), scaled(4.0 * p - 1.0, s)));
+    let middles = edges.iter().map(|&(i, j)| {
+        let derivative = std::array::from_fn(|axis| {
+            4.0 * (barycentric[i] * derivative[j][axis] + barycentric[j] * derivative[i][axis])
+        });
+        (4.0 * barycentric[i] * barycentric[j], derivative)
+    });
+    corners.chain(middles).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shape_functions_sum_to_one_and_their_derivatives_to_zero() {
+        for nodes in [4, 10] {
+            let all = tetrahedron(nodes, [0.13, 0.29, 0.41]);
+            assert!((all.iter().map(|(n, _)| n).sum::<f64>() - 1.0).abs() < 1e-15);
+            assert!((0..3).all(|axis| all.iter().map(|(_, d)| d[axis]).sum::<f64>().abs() < 1e-14));
+        }
+    }
+
+    #[test]
+    fn each_shape_function_is_one_at_its_own_node_and_zero_at_the_others() {
+        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let middle = |(i, j): (usize, usize)| std::array::from_fn(|axis| 0.5 * (corners[i][axis] + corners[j][axis]));
+        for (node, at) in corners.into_iter().chain(EDGES.into_iter().map(middle)).enumerate() {
+            let all = tetrahedron(10, at);
+            assert!((0..10).all(|other| (all[other].0 - f64::from(u8::from(other == node))).abs() < 1e-15));
+        }
+    }
+
+    #[test]
+    fn derivatives_agree_with_central_differences() {
+        let (at, h) = ([0.2, 0.3], 1e-6);
+        for nodes in [3, 6] {
+            for axis in 0..2 {
+                let (mut above, mut below) = (at, at);
+                above[axis] += h;
+                below[axis] -= h;
+                for node in 0..nodes {
+                    let difference = (triangle(nodes, above)[node].0 - triangle(nodes, below)[node].0) / (2.0 * h);
+                    assert!((triangle(nodes, at)[node].1[axis] - difference).abs() < 1e-9);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,197 @@
+//! One implicit time step of M a + α M v + f(u) + β ḟ(u) = pressure + dead forces, and steps of equal length.
+//!
+//! The stiffness part of Rayleigh damping is the rate of the elastic force, β ḟ = β K(u) v with the current tangent: a
+//! rigid rotation of an unstrained body is not damped, whereas the tangent at rest would brake a stiff sheet that
+//! rotates.
+//!
+//! Both schemes write v = γ u + v̂ and a = γ v + â, and ḟ = γ f + f̂, with v̂, â, f̂ from the past (see `stencil`).
+//! A step is then the minimum of an incremental potential (see `newton::potential`) with
+//! s = 1 + βγ,  c = γ² + αγ,  û = −(γ v̂ + â + α v̂)/c,  h = β f̂.
+
+use crate::dynamics::refactorisation::RefactorisationPolicy;
+use crate::dynamics::settings::{self, DynamicSettings, InitialValueProblem, State};
+use crate::dynamics::stencil::{Stencil, extrapolation};
+use crate::newton::options::{Globalisation, NewtonCounts, NewtonOptions, NonConvergence};
+use crate::newton::potential::Inertia;
+use crate::solve_error::SolveError;
+use crate::solver_state::SolverState;
+use si::{Pascal, Second};
+use std::collections::VecDeque;
+
+/// Newton iterations at most in one time step.
+const MAX_ITERATIONS: usize = 60;
+/// Within a step, a lagged factor is replaced when it is predicted to need more iterations than this.
+const MAX_PREDICTED: f64 = 10.0;
+/// Iterations on a lagged factor before its rate is judged.
+const MIN_STEPS: usize = 3;
+/// Cost of a factorisation in Newton iterations, each with its energy: from the timings of a body of 40k dofs.
+const FACTORISATION_COST: f64 = 8.0;
+/// Past shapes from which the initial guess of a step is extrapolated.
+const PAST: usize = 4;
+
+/// State of the stepper: what the next step needs of the past.
+#[derive(Debug, Clone)]
+pub(crate) struct StepperState {
+    /// Newest first.
+    pub states: VecDeque<State>,
+    /// The time of each, s.
+    pub times: VecDeque<Second>,
+    /// Elastic forces of the newest two, with stiffness damping.
+    forces: VecDeque<Vec<f64>>,
+    // One factor serves many steps: L-BFGS pairs of the steps correct it, and the policy replaces it when that pays.
+    policy: RefactorisationPolicy,
+}
+
+impl StepperState {
+    /// From states (newest first) at their times; the first step begins with a new factorisation.
+    pub fn new(states: Vec<State>, times: Vec<Second>) -> Self {
+        let policy = RefactorisationPolicy::new(FACTORISATION_COST);
+        Self { states: states.into(), times: times.into(), forces: VecDeque::new(), policy }
+    }
+
+    /// Restarts from the newest two states alone, as a checkpoint stores them: a stepper from these takes the same
+    /// steps to the byte.
+    pub fn restart(&mut self) {
+        let states = self.states.iter().take(2).cloned();
+        let times = self.times.iter().copied().take(2);
+        *self = Self::new(states.collect(), times.collect());
+    }
+
+    /// The stencil of a step to `time`.
+    fn stencil(&self, settings: &DynamicSettings, time: Second) -> Stencil {
+        let before = self.times.get(1).map(|then| self.times[0] - then);
+        Stencil::new(settings.scheme, time - self.times[0], before)
+    }
+
+    fn shapes(&self) -> impl Iterator<Item = &[f64]> {
+        self.states.iter().map(|state| state.displacement.as_slice())
+    }
+
+    /// Initial guess at `time`: the polynomial through the newest `count` shapes, or along the velocity from a single
+    /// one.
+    pub fn initial_guess(&self, count: usize, time: Second) -> Vec<f64> {
+        let count = count.min(self.states.len());
+        if count == 1 {
+            let State { displacement, velocity } = &self.states[0];
+            let step = time - self.times[0];
+            return displacement.iter().zip(velocity).map(|(u, v)| u + step * v).collect();
+        }
+        let times: Vec<Second> = self.times.iter().copied().take(count).collect();
+        let mut guess = vec![0.0; self.states[0].displacement.len()];
+        for (weight, shape) in extrapolation(&times, time).iter().zip(self.shapes()) {
+            guess.iter_mut().zip(shape).for_each(|(guess, u)| *guess += weight * u);
+        }
+        guess
+    }
+
+    /// The newest state.
+    pub fn into_newest(mut self) -> State {
+        self.states.swap_remove_front(0).expect("a stepper holds at least the initial state")
+    }
+}
+
+impl SolverState {
+    /// See [`crate::Solver::integrate`].
+    pub(crate) fn integrate(
+        &mut self,
+        problem: &InitialValueProblem,
+        steps: usize,
+        observe: &mut dyn FnMut(Second, &State),
+    ) -> Result<State, SolveError> {
+        let mut stepper = self.start(problem.settings, problem.initial)?;
+        for step in 1..=steps {
+            let time = step as f64 * problem.settings.step;
+            self.step_to(problem.settings, &mut stepper, time, &(problem.pressures)(time))?;
+            observe(time, &stepper.states[0]);
+        }
+        Ok(stepper.into_newest())
+    }
+
+    /// A stepper at `initial` at time 0.
+    pub(crate) fn start(&mut self, settings: &DynamicSettings, initial: &State) -> Result<StepperState, SolveError> {
+        settings::check(settings)?;
+        self.check_field("the initial displacement", &initial.displacement)?;
+        self.check_field("the initial velocity", &initial.velocity)?;
+        self.linearised = None;
+        let first = State {
+            displacement: self.with_constraints(&initial.displacement),
+            velocity: self.with_constraints(&initial.velocity),
+        };
+        Ok(StepperState::new(vec![first], vec![0.0]))
+    }
+
+    /// One step to `time`; the stepper is unchanged when it fails.
+    pub(crate) fn step_to(
+        &mut self,
+        settings: &DynamicSettings,
+        stepper: &mut StepperState,
+        time: Second,
+        pressures: &[Pascal],
+    ) -> Result<(), SolveError> {
+        self.check_pressures(pressures)?;
+        let (state, counts) = self.step(settings, stepper, time, pressures).map_err(|cause| {
+            let reached = stepper.times[0];
+            SolveError::TimeStep { time: reached, step: time - reached, cause }
+        })?;
+        if settings.stiffness_damping > 0.0 {
+            stepper.forces.push_front(self.elastic_forces(&state.displacement));
+            stepper.forces.truncate(2);
+        }
+        stepper.policy.count(counts.iterations, counts.factorisations > 0);
+        stepper.states.push_front(state);
+        stepper.states.truncate(PAST);
+        stepper.times.push_front(time);
+        stepper.times.truncate(PAST);
+        Ok(())
+    }
+
+    fn step(
+        &mut self,
+        settings: &DynamicSettings,
+        stepper: &mut StepperState,
+        time: Second,
+        pressures: &[Pascal],
+    ) -> Result<(State, NewtonCounts), NonConvergence> {
+        if settings.stiffness_damping > 0.0 && stepper.forces.is_empty() {
+            stepper.forces = stepper.shapes().take(2).map(|u| self.elastic_forces(u)).collect();
+        }
+        let stencil = stepper.stencil(settings, time);
+        let (inertia, elastic_scale) = self.inertia(settings, &stencil, stepper);
+        let potential = self.inputs.in_motion(&self.data, pressures, elastic_scale, &inertia);
+        // Inertia keeps the minimum close to the initial guess; the line search keeps the iteration safe where a
+        // pressure jumps.
+        let options = NewtonOptions {
+            tolerance: settings.tolerance * self.data.size,
+            max_iterations: MAX_ITERATIONS,
+            max_predicted: MAX_PREDICTED,
+            min_steps: MIN_STEPS,
+            refactorise: stepper.policy.refactorise,
+            globalisation: Globalisation::LineSearch,
+        };
+        let mut displacement = stepper.initial_guess(PAST, time);
+        // Extrapolation may invert an element after a jump of the pressure; the last shape does not.
+        let counts = self.newton.minimise(&potential, &mut displacement, None, &options).or_else(|_| {
+            displacement.clone_from(&stepper.states[0].displacement);
+            let options = NewtonOptions { refactorise: true, ..options };
+            self.newton.minimise(&potential, &mut displacement, None, &options)
+        })?;
+        let velocity = stencil.rate(&displacement, stepper.shapes());
+        Ok((State { displacement, velocity }, counts))
+    }
+
+    /// c, û and h of one step, and s.
+    fn inertia(&self, settings: &DynamicSettings, stencil: &Stencil, stepper: &StepperState) -> (Inertia, f64) {
+        let (alpha, beta, gamma) = (settings.mass_damping, settings.stiffness_damping, stencil.gamma);
+        let rate = gamma * gamma + alpha * gamma;
+        let v = stencil.history(stepper.shapes());
+        let a = stencil.history(stepper.states.iter().map(|state| state.velocity.as_slice()));
+        let centre: Vec<f64> = v.iter().zip(&a).map(|(v, a)| -((gamma + alpha) * v + a) / rate).collect();
+        let free = self.data.pattern.gather(&centre);
+        let mut history = Vec::new();
+        if beta > 0.0 {
+            history = stencil.history(stepper.forces.iter().map(Vec::as_slice));
+            history.iter_mut().for_each(|force| *force *= beta);
+        }
+        (Inertia { rate, centre: free, history }, 1.0 + beta * gamma)
+    }
+}

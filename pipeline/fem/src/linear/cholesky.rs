@@ -1,0 +1,187 @@
+//! Supernodal Cholesky factor of the stiffness matrix, by faer.
+//!
+//! The symbolic factorisation is computed once per [`crate::System`]; each solver owns the numbers and their workspace.
+//!
+//! Measured with faer 0.24 on one thread: 0.87 to 1.11 times the time of MKL PARDISO, 0.47 to 0.92 times that of
+//! CHOLMOD; the simplicial method is 26 times slower, so the supernodal one is forced. The factorisation is sequential,
+//! because the second core is better used by an independent solve.
+
+use crate::linear::sparsity::Pattern;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::LltRegularization;
+use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
+};
+use faer::sparse::{FaerError, SparseColMatRef, SymbolicSparseColMat};
+use faer::{Conj, MatMut, Par, Side};
+
+/// Symbolic factorisation: structure of the matrix and of its factor.
+#[derive(Debug)]
+pub(crate) struct Symbolic {
+    lower: SymbolicSparseColMat<u32>,
+    cholesky: SymbolicCholesky<u32>,
+}
+
+/// Why a factorisation failed.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum FactorError {
+    /// Memory or indices overflow in the symbolic factorisation.
+    #[error("the symbolic factorisation fails")]
+    Symbolic(#[source] FaerError),
+    /// A pivot is not positive: the equilibrium is not stable.
+    #[error("the matrix is not positive definite")]
+    NotPositiveDefinite,
+    /// The factor does not solve its own matrix.
+    #[error("the factor leaves a relative residual of {residual:.1e}; the limit is {RESIDUAL_LIMIT:.0e}")]
+    Inaccurate {
+        /// ‖Kx − b‖ over ‖b‖ or ‖diag(K) x‖, whichever is larger.
+        residual: f64,
+    },
+}
+
+/// Largest relative residual of the check solve: rounding leaves 1e-13 at a stiffness contrast of 10⁴.
+pub(crate) const RESIDUAL_LIMIT: f64 = 1e-9;
+
+impl Symbolic {
+    /// Analyses the pattern, which is in elimination order already.
+    ///
+    /// # Errors
+    /// [`FactorError::Symbolic`]
+    pub fn new(pattern: &Pattern) -> Result<Self, FactorError> {
+        let n = pattern.dofs();
+        let lower = SymbolicSparseColMat::new_checked(n, n, pattern.columns.clone(), None, pattern.rows.clone());
+        let (columns, rows) = upper(pattern);
+        let upper = SymbolicSparseColMat::new_checked(n, n, columns, None, rows);
+        let params = CholeskySymbolicParams {
+            supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+            ..Default::default()
+        };
+        let cholesky = factorize_symbolic_cholesky(upper.as_ref(), Side::Upper, SymmetricOrdering::Identity, params)
+            .map_err(FactorError::Symbolic)?;
+        Ok(Self { lower, cholesky })
+    }
+
+    /// Entries of the factor, with the zeros inside supernodes.
+    pub fn entries(&self) -> usize {
+        self.cholesky.len_val()
+    }
+}
+
+/// The transposed pattern: faer analyses an upper triangle, and factorises a lower one.
+fn upper(pattern: &Pattern) -> (Vec<u32>, Vec<u32>) {
+    let n = pattern.dofs();
+    let mut columns = vec![0u32; n + 1];
+    pattern.rows.iter().for_each(|&row| columns[row as usize + 1] += 1);
+    for row in 0..n {
+        columns[row + 1] += columns[row];
+    }
+    let mut next = columns.clone();
+    let mut rows = vec![0u32; pattern.rows.len()];
+    for column in 0..n {
+        for &row in &pattern.rows[pattern.columns[column] as usize..pattern.columns[column + 1] as usize] {
+            rows[next[row as usize] as usize] = column as u32;
+            next[row as usize] += 1;
+        }
+    }
+    (columns, rows)
+}
+
+/// Numbers of one factor, with the workspace to compute and apply it.
+pub(crate) struct Factor {
+    values: Vec<f64>,
+    factor_workspace: MemBuffer,
+    solve_workspace: MemBuffer,
+    ready: bool,
+}
+
+impl Factor {
+    /// Workspace for a factor of this structure.
+    pub fn new(symbolic: &Symbolic) -> Self {
+        let cholesky = &symbolic.cholesky;
+        Self {
+            values: vec![0.0; cholesky.len_val()],
+            factor_workspace: MemBuffer::new(
+                cholesky.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default()),
+            ),
+            solve_workspace: MemBuffer::new(cholesky.solve_in_place_scratch::<f64>(1, Par::Seq)),
+            ready: false,
+        }
+    }
+
+    /// Whether a factor exists.
+    pub fn is_ready(&self) -> bool {
+        self.ready
+    }
+
+    /// Factorises the lower triangle `values`, and checks the factor by solving K x = `probe`.
+    ///
+    /// # Errors
+    /// [`FactorError`]; no factor is then kept.
+    // The check costs one solve and one product; wrong results of parallel sparse factorisations have been reported
+    // elsewhere.
+    pub fn compute(
+        &mut self,
+        symbolic: &Symbolic,
+        pattern: &Pattern,
+        values: &[f64],
+        probe: &[f64],
+    ) -> Result<(), FactorError> {
+        self.ready = false;
+        let matrix = SparseColMatRef::new(symbolic.lower.as_ref(), values);
+        let computed = symbolic.cholesky.factorize_numeric_llt(
+            &mut self.values,
+            matrix,
+            Side::Lower,
+            LltRegularization::default(),
+            Par::Seq,
+            MemStack::new(&mut self.factor_workspace),
+            Default::default(),
+        );
+        match computed {
+            Ok(_) => self.ready = true,
+            Err(_) => return Err(FactorError::NotPositiveDefinite),
+        }
+        let residual = self.residual(symbolic, pattern, values, probe);
+        if residual <= RESIDUAL_LIMIT {
+            return Ok(());
+        }
+        self.ready = false;
+        Err(if residual.is_nan() { FactorError::NotPositiveDefinite } else { FactorError::Inaccurate { residual } })
+    }
+
+    /// ‖Kx − b‖ over ‖b‖ or ‖diag(K) x‖, whichever is larger, for b = `probe`.
+    fn residual(&mut self, symbolic: &Symbolic, pattern: &Pattern, values: &[f64], probe: &[f64]) -> f64 {
+        let size = norm(probe);
+        if size == 0.0 {
+            return 0.0;
+        }
+        let mut x = probe.to_vec();
+        self.solve(symbolic, &mut x);
+        let mut back = vec![0.0; x.len()];
+        pattern.multiply(values, &x, &mut back);
+        back.iter_mut().zip(probe).for_each(|(left, right)| *left -= right);
+        let diagonal = pattern.columns.iter().map(|&first| first as usize);
+        let terms: Vec<f64> = x.iter().zip(diagonal).map(|(x, first)| values[first] * x).collect();
+        norm(&back) / size.max(norm(&terms))
+    }
+
+    /// x ← K⁻¹ x, in elimination order.
+    ///
+    /// # Panics
+    /// When no factor was computed.
+    pub fn solve(&mut self, symbolic: &Symbolic, x: &mut [f64]) {
+        assert!(self.ready, "a factor is computed before it is used");
+        let n = x.len();
+        LltRef::new(&symbolic.cholesky, &self.values).solve_in_place_with_conj(
+            Conj::No,
+            MatMut::from_column_major_slice_mut(x, n, 1),
+            Par::Seq,
+            MemStack::new(&mut self.solve_workspace),
+        );
+    }
+}
+
+fn norm(x: &[f64]) -> f64 {
+    x.iter().map(|v| v * v).sum::<f64>().sqrt()
+}

@@ -1,0 +1,60 @@
+//! The node graph of a mesh: which nodes share an element.
+
+use crate::mesh::Elements;
+
+/// Neighbours of each node, in rising order, itself not among them.
+#[derive(Debug)]
+pub(crate) struct NodeGraph {
+    start: Vec<usize>,
+    neighbours: Vec<u32>,
+}
+
+impl NodeGraph {
+    /// From the elements between `nodes` nodes.
+    pub fn new(nodes: usize, elements: &Elements) -> Self {
+        let at = elements_at(nodes, elements);
+        let mut graph = Self { start: vec![0], neighbours: Vec::new() };
+        let mut around: Vec<u32> = Vec::new();
+        for node in 0..nodes {
+            around.clear();
+            for &element in &at.neighbours[at.start[node]..at.start[node + 1]] {
+                around.extend_from_slice(elements.nodes(element as usize));
+            }
+            around.sort_unstable();
+            around.dedup();
+            graph.neighbours.extend(around.iter().filter(|&&other| other as usize != node));
+            graph.start.push(graph.neighbours.len());
+        }
+        graph
+    }
+
+    /// How many nodes there are.
+    pub fn len(&self) -> usize {
+        self.start.len() - 1
+    }
+
+    /// The nodes that share an element with `node`.
+    pub fn of(&self, node: u32) -> &[u32] {
+        &self.neighbours[self.start[node as usize]..self.start[node as usize + 1]]
+    }
+}
+
+/// Elements at each node, in the same compressed form.
+fn elements_at(nodes: usize, elements: &Elements) -> NodeGraph {
+    let mut start = vec![0; nodes + 1];
+    for element in 0..elements.len() {
+        elements.nodes(element).iter().for_each(|&node| start[node as usize + 1] += 1);
+    }
+    for node in 0..nodes {
+        start[node + 1] += start[node];
+    }
+    let mut next = start.clone();
+    let mut list = vec![0; start[nodes]];
+    for element in 0..elements.len() {
+        for &node in elements.nodes(element) {
+            list[next[node as usize]] = element as u32;
+            next[node as usize] += 1;
+        }
+    }
+    NodeGraph { start, neighbours: list }
+}

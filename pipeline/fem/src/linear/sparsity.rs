@@ -1,0 +1,236 @@
+//! Sparsity pattern of the stiffness matrix: lower triangle by columns, rows and columns in elimination order.
+//!
+//! Each node contributes up to three consecutive dofs; constrained ones are left out. The position of a 3 × 3 block is
+//! one number, the offset of its row node within the column of its column node, so that assembly needs no search.
+
+use crate::linear::nested_dissection;
+use crate::linear::node_graph::NodeGraph;
+use crate::mesh::clamps::Clamps;
+use nalgebra::Matrix3;
+use si::Point3;
+
+/// Marks a constrained axis, or a block of a node without dofs.
+pub(crate) const CONSTRAINED: u32 = u32::MAX;
+
+/// A symmetric matrix by columns, its lower triangle alone: rows and columns in elimination order.
+#[derive(Debug, Clone, Copy)]
+pub struct LowerTriangle<'a> {
+    /// dofs + 1: where each column begins in `rows` and `values`.
+    pub columns: &'a [u32],
+    /// Row of each entry, rising within a column, the diagonal first.
+    pub rows: &'a [u32],
+    /// N/m.
+    pub values: &'a [f64],
+    /// Dof → 3 node + axis.
+    pub full_index: &'a [u32],
+}
+
+/// Position of every dof and every entry.
+#[derive(Debug)]
+pub(crate) struct Pattern {
+    /// nodes × axes: the row of the matrix, or [`CONSTRAINED`].
+    pub dof: Vec<[u32; 3]>,
+    /// dofs + 1: where each column begins.
+    pub columns: Vec<u32>,
+    /// Row of each entry, rising within a column, diagonal first.
+    pub rows: Vec<u32>,
+    /// Dof → 3 node + axis.
+    pub full_index: Vec<u32>,
+    rank: Vec<u32>,
+    node_columns: Vec<u32>,
+    node_rows: Vec<u32>,
+    node_offsets: Vec<u32>,
+}
+
+impl Pattern {
+    /// From the positions of the nodes (m), their graph and their clamps.
+    pub fn new(positions: &[Point3], graph: &NodeGraph, clamps: &Clamps) -> Self {
+        let mut constrained = vec![[false; 3]; graph.len()];
+        clamps.iter().for_each(|(node, axes)| constrained[node as usize] = axes);
+        let active = (0..graph.len() as u32).filter(|&node| constrained[node as usize] != [true; 3]).collect();
+        let order = nested_dissection::elimination_order(positions, graph, active);
+        let mut pattern = Self {
+            dof: vec![[CONSTRAINED; 3]; graph.len()],
+            columns: vec![0],
+            rows: Vec::new(),
+            full_index: Vec::new(),
+            rank: vec![CONSTRAINED; graph.len()],
+            node_columns: vec![0],
+            node_rows: Vec::new(),
+            node_offsets: Vec::new(),
+        };
+        for (rank, &node) in order.iter().enumerate() {
+            pattern.rank[node as usize] = rank as u32;
+            for axis in (0..3).filter(|&axis| !constrained[node as usize][axis]) {
+                pattern.dof[node as usize][axis] = pattern.full_index.len() as u32;
+                pattern.full_index.push(3 * node + axis as u32);
+            }
+        }
+        for &node in &order {
+            pattern.add_columns(node, graph, &order);
+        }
+        pattern
+    }
+
+    /// Appends the columns of one node: the node itself first, then its neighbours that are eliminated later.
+    fn add_columns(&mut self, node: u32, graph: &NodeGraph, order: &[u32]) {
+        let own = self.rank[node as usize];
+        let mut later: Vec<u32> = graph.of(node).iter().map(|&next| self.rank[next as usize]).collect();
+        later.retain(|&rank| rank != CONSTRAINED && rank > own);
+        later.push(own);
+        later.sort_unstable();
+        let mut block_rows = Vec::new();
+        for rank in later {
+            self.node_rows.push(rank);
+            self.node_offsets.push(block_rows.len() as u32);
+            block_rows.extend(self.dof[order[rank as usize] as usize].iter().filter(|&&row| row != CONSTRAINED));
+        }
+        self.node_columns.push(self.node_rows.len() as u32);
+        let dofs = self.dof[node as usize].iter().filter(|&&row| row != CONSTRAINED).count();
+        for column in 0..dofs {
+            self.rows.extend(&block_rows[column..]);
+            self.columns.push(self.rows.len() as u32);
+        }
+    }
+
+    /// Number of dofs.
+    pub fn dofs(&self) -> usize {
+        self.full_index.len()
+    }
+
+    /// Number of entries of the lower triangle.
+    pub fn entries(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Position of the block of nodes `a` and `b`: [`CONSTRAINED`] when one has no dof, `None` when they share no
+    /// element.
+    pub fn block_position(&self, a: u32, b: u32) -> Option<u32> {
+        let (low, high) = self.ranks(a, b);
+        if high == CONSTRAINED {
+            return Some(CONSTRAINED);
+        }
+        let (from, to) = (self.node_columns[low as usize] as usize, self.node_columns[low as usize + 1] as usize);
+        let found = self.node_rows[from..to].binary_search(&high).ok()?;
+        Some(self.node_offsets[from + found])
+    }
+
+    fn ranks(&self, a: u32, b: u32) -> (u32, u32) {
+        let (a, b) = (self.rank[a as usize], self.rank[b as usize]);
+        (a.min(b), a.max(b))
+    }
+
+    /// Adds the block ∂²/∂x_a∂x_b (rows: axes of `a`) at its `position`; blocks of a ≠ b are given once, not twice.
+    #[inline]
+    pub fn add(&self, values: &mut [f64], position: u32, (a, b): (u32, u32), block: &Matrix3<f64>) {
+        if position == CONSTRAINED {
+            return;
+        }
+        let transposed = self.rank[a as usize] < self.rank[b as usize];
+        let (row_node, column_node) = if transposed { (b, a) } else { (a, b) };
+        let rows = &self.dof[row_node as usize];
+        let columns = &self.dof[column_node as usize];
+        let (first_row, first_column) = (first(rows), first(columns));
+        for k in 0..3 {
+            if columns[k] == CONSTRAINED {
+                continue;
+            }
+            let start = self.columns[columns[k] as usize] + position - (columns[k] - first_column);
+            for i in 0..3 {
+                if rows[i] == CONSTRAINED || rows[i] < columns[k] {
+                    continue;
+                }
+                let entry = if transposed { block[(k, i)] } else { block[(i, k)] };
+                values[(start + rows[i] - first_row) as usize] += entry;
+            }
+        }
+    }
+
+    /// y = K x for the symmetric matrix whose lower triangle is `values`; both in elimination order.
+    pub fn multiply(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
+        y.fill(0.0);
+        for column in 0..self.dofs() {
+            let (from, to) = (self.columns[column] as usize, self.columns[column + 1] as usize);
+            let own = x[column];
+            let mut sum = values[from] * own;
+            for (&row, &value) in self.rows[from + 1..to].iter().zip(&values[from + 1..to]) {
+                y[row as usize] += value * own;
+                sum += value * x[row as usize];
+            }
+            y[column] += sum;
+        }
+    }
+
+    /// The entries `values` with their pattern.
+    pub fn lower_triangle<'a>(&'a self, values: &'a [f64]) -> LowerTriangle<'a> {
+        LowerTriangle { columns: &self.columns, rows: &self.rows, values, full_index: &self.full_index }
+    }
+
+    /// A vector with 3 entries per node from its free entries; zero at constrained dofs.
+    pub fn scattered(&self, free: &[f64], scale: f64, length: usize) -> Vec<f64> {
+        let mut full = vec![0.0; length];
+        self.scatter(free, scale, &mut full);
+        full
+    }
+
+    /// The free entries of a vector with 3 entries per node, in elimination order.
+    pub fn gather(&self, full: &[f64]) -> Vec<f64> {
+        self.full_index.iter().map(|&at| full[at as usize]).collect()
+    }
+
+    /// Adds `scale` times the free entries to a vector with 3 entries per node; the counterpart of [`Pattern::gather`].
+    pub fn scatter(&self, free: &[f64], scale: f64, full: &mut [f64]) {
+        for (&at, value) in self.full_index.iter().zip(free) {
+            full[at as usize] += scale * value;
+        }
+    }
+}
+
+fn first(dof: &[u32; 3]) -> u32 {
+    dof[0].min(dof[1]).min(dof[2])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::box_mesh;
+
+    fn clamped_bar() -> (crate::Mesh, Pattern) {
+        let mesh = box_mesh::quadratic([0.1, 0.02, 0.02], [3, 1, 1]);
+        let graph = NodeGraph::new(mesh.nodes.len(), &mesh.elements);
+        let mut clamps = Clamps::below_x(&mesh, 1e-9);
+        clamps.constrain(mesh.nodes.len() as u32 - 1, [false, true, false]);
+        let pattern = Pattern::new(&mesh.nodes, &graph, &clamps);
+        (mesh, pattern)
+    }
+
+    #[test]
+    fn columns_begin_on_the_diagonal_and_rise() {
+        let (_, pattern) = clamped_bar();
+        for column in 0..pattern.dofs() {
+            let rows = &pattern.rows[pattern.columns[column] as usize..pattern.columns[column + 1] as usize];
+            assert_eq!(rows[0] as usize, column);
+            assert!(rows.windows(2).all(|pair| pair[0] < pair[1]));
+        }
+    }
+
+    #[test]
+    fn a_block_lands_on_the_rows_and_columns_of_its_nodes() {
+        let (mesh, pattern) = clamped_bar();
+        let nodes = mesh.elements.nodes(10);
+        let block = Matrix3::new(1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0);
+        for (&a, &b) in nodes.iter().flat_map(|a| nodes.iter().map(move |b| (a, b))).filter(|(a, b)| a != b) {
+            let mut values = vec![0.0; pattern.entries()];
+            pattern.add(&mut values, pattern.block_position(a, b).unwrap(), (a, b), &block);
+            for (i, k) in (0..3).flat_map(|i| (0..3).map(move |k| (i, k))) {
+                let (row, column) = (pattern.dof[a as usize][i], pattern.dof[b as usize][k]);
+                if row != CONSTRAINED && column != CONSTRAINED {
+                    let (row, column) = (row.max(column), row.min(column) as usize);
+                    let (from, to) = (pattern.columns[column] as usize, pattern.columns[column + 1] as usize);
+                    let found = pattern.rows[from..to].binary_search(&row).unwrap();
+                    assert_eq!(values[from + found], block[(i, k)]);
+                }
+            }
+        }
+    }
+}

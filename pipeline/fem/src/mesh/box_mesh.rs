@@ -1,0 +1,197 @@
+//! Box meshes: boxes and hollow boxes cut into tetrahedra on a grid, bodies with closed-form solutions for tests and
+//! timings.
+//!
+//! Every cell is cut into six tetrahedra around its long diagonal (Kuhn), so that neighbours match. Cells before the
+//! middle are mirror images of those behind it: where the numbers of cells are even, the mesh has the symmetry of the
+//! body.
+
+use crate::assembly::shape_functions::{EDGES, SIDES};
+use crate::mesh::{Chamber, Elements, Faces, Mesh};
+use si::Point3;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// The six paths from corner (0,0,0) to (1,1,1) along cell edges, as permutations of the axes; even ones first.
+const PATHS: [([usize; 3], bool); 6] = [
+    ([0, 1, 2], true),
+    ([1, 2, 0], true),
+    ([2, 0, 1], true),
+    ([0, 2, 1], false),
+    ([2, 1, 0], false),
+    ([1, 0, 2], false),
+];
+
+/// A box [0, size] (m) of `cells` grid cells along x, y, z, as 4-node tetrahedra.
+pub fn linear(size: Point3, cells: [usize; 3]) -> Mesh {
+    grid(cells, false, |at| std::array::from_fn(|axis| size[axis] * at[axis]), |_| Some(0))
+}
+
+/// The same box as 10-node tetrahedra.
+pub fn quadratic(size: Point3, cells: [usize; 3]) -> Mesh {
+    to_quadratic(&linear(size, cells))
+}
+
+/// A grid of `cells` over [0, 1]³ mapped by `place` (to m); `region` gives the region of each cell, counted along x, y,
+/// z. Cells without a region are air; each connected part of the air that solid encloses is one chamber. With `half`,
+/// the mesh is the half z ≥ 0 of a symmetric body: its lowest layer must be placed at z = 0.
+pub fn grid(
+    cells: [usize; 3],
+    half: bool,
+    place: impl Fn(Point3) -> Point3,
+    region: impl Fn([usize; 3]) -> Option<u16>,
+) -> Mesh {
+    let mut numbers = BTreeMap::new();
+    let mut mesh = Mesh {
+        nodes: Vec::new(),
+        elements: Elements::Linear(Vec::new()),
+        regions: Vec::new(),
+        chambers: Vec::new(),
+        symmetry_plane_z: half,
+    };
+    let mut tets = Vec::new();
+    for cell in all(cells) {
+        let Some(material) = region(cell) else { continue };
+        let mirror = mirrored(cells, half, cell);
+        for path in PATHS {
+            let mut number = |corner: [usize; 3]| {
+                *numbers.entry(corner).or_insert_with(|| {
+                    mesh.nodes.push(place(std::array::from_fn(|axis| corner[axis] as f64 / cells[axis] as f64)));
+                    mesh.nodes.len() as u32 - 1
+                })
+            };
+            tets.push(corners(cell, path, mirror).map(&mut number));
+            mesh.regions.push(material);
+        }
+    }
+    mesh.chambers = chambers(cells, half, &region, &numbers);
+    mesh.elements = Elements::Linear(tets);
+    mesh
+}
+
+/// The same mesh with a node in the middle of each edge (10-node tetrahedra).
+///
+/// # Panics
+/// When `mesh` is quadratic already.
+pub fn to_quadratic(mesh: &Mesh) -> Mesh {
+    let Elements::Linear(tets) = &mesh.elements else { panic!("the mesh is quadratic already") };
+    let mut nodes = mesh.nodes.clone();
+    let mut numbers = BTreeMap::new();
+    let mut middle = |a: u32, b: u32| {
+        *numbers.entry((a.min(b), a.max(b))).or_insert_with(|| {
+            let (from, to) = (mesh.nodes[a as usize], mesh.nodes[b as usize]);
+            nodes.push(std::array::from_fn(|axis| 0.5 * (from[axis] + to[axis])));
+            nodes.len() as u32 - 1
+        })
+    };
+    let elements = tets
+        .iter()
+        .map(|tet| {
+            std::array::from_fn(|n| if n < 4 { tet[n] } else { middle(tet[EDGES[n - 4].0], tet[EDGES[n - 4].1]) })
+        })
+        .collect();
+    let mut walls = Vec::new();
+    for chamber in &mesh.chambers {
+        let Faces::Linear(faces) = &chamber.faces else { panic!("the mesh is quadratic already") };
+        let faces = faces.iter().map(|face| {
+            std::array::from_fn(|n| if n < 3 { face[n] } else { middle(face[SIDES[n - 3].0], face[SIDES[n - 3].1]) })
+        });
+        walls.push(Chamber { faces: Faces::Quadratic(faces.collect()) });
+    }
+    Mesh {
+        nodes,
+        elements: Elements::Quadratic(elements),
+        regions: mesh.regions.clone(),
+        chambers: walls,
+        symmetry_plane_z: mesh.symmetry_plane_z,
+    }
+}
+
+fn all(cells: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
+    (0..cells[2]).flat_map(move |k| (0..cells[1]).flat_map(move |j| (0..cells[0]).map(move |i| [i, j, k])))
+}
+
+/// The axes along which a cell is cut as a mirror image: those along which it lies before the middle of the body.
+fn mirrored(cells: [usize; 3], half: bool, cell: [usize; 3]) -> [bool; 3] {
+    std::array::from_fn(|axis| 2 * cell[axis] + 1 < cells[axis] && !(half && axis == 2))
+}
+
+/// The four corners on one path through a cell, ordered so that their volume is positive.
+fn corners(cell: [usize; 3], (order, even): ([usize; 3], bool), mirror: [bool; 3]) -> [[usize; 3]; 4] {
+    let mut at: [usize; 3] = std::array::from_fn(|axis| cell[axis] + usize::from(mirror[axis]));
+    let path: [[usize; 3]; 4] = std::array::from_fn(|step| {
+        if let Some(&axis) = step.checked_sub(1).map(|last| &order[last]) {
+            at[axis] = if mirror[axis] { at[axis] - 1 } else { at[axis] + 1 };
+        }
+        at
+    });
+    let even = mirror.iter().fold(even, |even, &mirrored| even != mirrored);
+    if even { path } else { [path[0], path[2], path[1], path[3]] }
+}
+
+/// Walls between solid cells and enclosed air, one chamber per connected air space that does not reach the outside.
+fn chambers(
+    cells: [usize; 3],
+    half: bool,
+    region: &impl Fn([usize; 3]) -> Option<u16>,
+    numbers: &BTreeMap<[usize; 3], u32>,
+) -> Vec<Chamber> {
+    let mut seen = BTreeSet::new();
+    let mut found = Vec::new();
+    for start in all(cells) {
+        if region(start).is_some() || seen.contains(&start) {
+            continue;
+        }
+        let (mut queue, mut faces, mut closed) = (vec![start], Vec::new(), true);
+        seen.insert(start);
+        while let Some(cell) = queue.pop() {
+            for (axis, ahead) in (0..3).flat_map(|axis| [(axis, true), (axis, false)]) {
+                match neighbour(cells, cell, axis, ahead) {
+                    None => closed &= half && axis == 2 && !ahead,
+                    Some(next) if region(next).is_some() => {
+                        let side = Side { cell, axis, ahead };
+                        faces.extend(wall(side, mirrored(cells, half, cell), numbers))
+                    }
+                    Some(next) => {
+                        if seen.insert(next) {
+                            queue.push(next);
+                        }
+                    }
+                }
+            }
+        }
+        if closed {
+            found.push(Chamber { faces: Faces::Linear(faces) });
+        }
+    }
+    found
+}
+
+fn neighbour(cells: [usize; 3], cell: [usize; 3], axis: usize, ahead: bool) -> Option<[usize; 3]> {
+    let mut next = cell;
+    next[axis] = if ahead { cell[axis] + 1 } else { cell[axis].checked_sub(1)? };
+    (next[axis] < cells[axis]).then_some(next)
+}
+
+/// A side of a cell: its axis, and whether it is the far one.
+#[derive(Clone, Copy)]
+struct Side {
+    cell: [usize; 3],
+    axis: usize,
+    ahead: bool,
+}
+
+/// The two triangles of an air cell's side, split as its solid neighbour is, normals into the air.
+fn wall(Side { cell, axis, ahead }: Side, mirror: [bool; 3], numbers: &BTreeMap<[usize; 3], u32>) -> [[u32; 3]; 2] {
+    let mut low = cell;
+    low[axis] += usize::from(ahead);
+    let (p, q) = ((axis + 1) % 3, (axis + 2) % 3);
+    let corner = |along_p: bool, along_q: bool| {
+        let mut at = low;
+        at[p] += usize::from(along_p != mirror[p]);
+        at[q] += usize::from(along_q != mirror[q]);
+        numbers[&at]
+    };
+    let (o, a, b, c) = (corner(false, false), corner(true, false), corner(false, true), corner(true, true));
+    // The normal of (o, a, c) points along +axis, or −axis when mirrored once; a far side needs −axis to point into the
+    // air.
+    if ahead != (mirror[p] != mirror[q]) { [[o, c, a], [o, b, c]] } else { [[o, a, c], [o, c, b]] }
+}

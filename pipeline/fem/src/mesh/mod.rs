@@ -1,0 +1,139 @@
+//! Mesh of a solid: nodes, tetrahedra with a region each, and the walls of its chambers.
+//!
+//! Plain arrays in SI units, so that any mesher can fill them. [`crate::System::new`] validates them.
+
+pub mod box_mesh;
+pub(crate) mod clamps;
+
+use si::Point3;
+
+/// Tetrahedra of one order, by node numbers.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Elements {
+    /// Four corners; corners 1, 2, 3 are counterclockwise as seen from corner 0's opposite side, so that the volume is
+    /// positive.
+    Linear(Vec<[u32; 4]>),
+    /// Four corners, then the mid-edge nodes of 01, 12, 02, 03, 13, 23 (the order of VTK).
+    Quadratic(Vec<[u32; 10]>),
+}
+
+impl Elements {
+    /// Number of tetrahedra.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Linear(tets) => tets.len(),
+            Self::Quadratic(tets) => tets.len(),
+        }
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Number of nodes of one tetrahedron: 4 or 10.
+    pub fn nodes_each(&self) -> usize {
+        match self {
+            Self::Linear(_) => 4,
+            Self::Quadratic(_) => 10,
+        }
+    }
+
+    /// The tetrahedra as lists of `N` nodes, `N` = [`Elements::nodes_each`].
+    pub(crate) fn of_order<const N: usize>(&self) -> &[[u32; N]] {
+        match self {
+            Self::Linear(tets) => tets.as_flattened(),
+            Self::Quadratic(tets) => tets.as_flattened(),
+        }
+        .as_chunks::<N>()
+        .0
+    }
+
+    /// Node numbers of tetrahedron `element`, 4 or 10 of them.
+    pub fn nodes(&self, element: usize) -> &[u32] {
+        match self {
+            Self::Linear(tets) => &tets[element],
+            Self::Quadratic(tets) => &tets[element],
+        }
+    }
+}
+
+/// Triangles of one order, by node numbers; the normal of (0, 1, 2) points out of the solid.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Faces {
+    /// Three corners.
+    Linear(Vec<[u32; 3]>),
+    /// Three corners, then the mid-edge nodes of 01, 12, 20.
+    Quadratic(Vec<[u32; 6]>),
+}
+
+impl Faces {
+    /// Number of triangles.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Linear(faces) => faces.len(),
+            Self::Quadratic(faces) => faces.len(),
+        }
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Node numbers of triangle `face`, 3 or 6 of them.
+    pub fn nodes(&self, face: usize) -> &[u32] {
+        match self {
+            Self::Linear(faces) => &faces[face],
+            Self::Quadratic(faces) => &faces[face],
+        }
+    }
+}
+
+/// The wall of one cavity, as part of the surface of the solid: normals point into the cavity.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chamber {
+    /// Closed, but for edges that lie on the symmetry plane of a half model.
+    pub faces: Faces,
+}
+
+/// A solid at rest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mesh {
+    /// Rest positions, m.
+    pub nodes: Vec<Point3>,
+    /// Tetrahedra.
+    pub elements: Elements,
+    /// Region of each element: an index into the list of [`crate::RegionProperties`].
+    pub regions: Vec<u16>,
+    /// Cavities that can be pressurised.
+    pub chambers: Vec<Chamber>,
+    /// Whether this is the half z ≥ 0 of a body that is symmetric about z = 0: nodes on the plane then stay on it.
+    pub symmetry_plane_z: bool,
+}
+
+impl Mesh {
+    /// The corners (least, greatest) of the bounding box of all nodes, m.
+    pub fn bounds(&self) -> (Point3, Point3) {
+        let mut low = [f64::INFINITY; 3];
+        let mut high = [f64::NEG_INFINITY; 3];
+        for node in &self.nodes {
+            for axis in 0..3 {
+                low[axis] = low[axis].min(node[axis]);
+                high[axis] = high[axis].max(node[axis]);
+            }
+        }
+        (low, high)
+    }
+
+    /// Largest side of the bounding box, m: the length that tolerances are relative to.
+    pub fn size(&self) -> f64 {
+        let (low, high) = self.bounds();
+        (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max)
+    }
+
+    /// Whether `node` lies on the plane z = 0, to a ten-millionth of the size.
+    pub(crate) fn on_symmetry_plane(&self, node: usize, size: f64) -> bool {
+        self.nodes[node][2].abs() <= 1e-7 * size
+    }
+}

@@ -1,0 +1,243 @@
+//! Newton's method with a lagged factor, quasi-Newton updates and a choice of globalisation.
+//!
+//! Direction −H g, where H is the inverse of the last factor, rotated with the body since ([`NodalRotations`]) and
+//! corrected by L-BFGS pairs of the steps since. A new factorisation is made only when the old factor converges too
+//! slowly.
+//!
+//! [`Globalisation::LineSearch`] lowers the energy in each step. [`Globalisation::FullStep`] takes whole steps with the
+//! mixed-integration-point tangent [magisano2017]: a large rotation of a stiff thin sheet stretches it in second order,
+//! and a line search on the energy would cut every step short.
+
+use crate::assembly::rotation::NodalRotations;
+use crate::linear::cholesky::{Factor, FactorError};
+use crate::linear::lbfgs::LbfgsHistory;
+use crate::linear::woodbury::RankOneUpdates;
+use crate::linear::{dot, max_abs};
+use crate::newton::line_search::{LineSearch, MAX_TRIALS};
+use crate::newton::options::{Globalisation, IterationState, NewtonCounts, NewtonOptions, NonConvergence};
+use crate::newton::potential::{Energy, HessianKind, Potential};
+use crate::system_data::SystemData;
+use si::Metre;
+
+/// Fraction of the body's size by which one step may move a node: beyond it the tangent predicts little.
+const MAX_STEP: f64 = 0.3;
+/// Halvings of a full step that inverts an element.
+const MAX_HALVINGS: usize = 6;
+
+/// Numbers of the iteration, kept from solve to solve.
+pub(crate) struct Newton {
+    /// Lower triangle of the last assembled tangent.
+    pub tangent: Vec<f64>,
+    /// Its rank-one terms (sealed chambers).
+    pub rank_one: RankOneUpdates,
+    factor: Factor,
+    /// Rank-one terms of the factorised tangent.
+    factor_rank_one: RankOneUpdates,
+    history: LbfgsHistory,
+    /// Displacement at the last factorisation, 3 entries per node.
+    factorised_at: Vec<f64>,
+    /// Rotation of the body since.
+    rotation: Option<NodalRotations>,
+    gradient: Vec<f64>,
+    trial_gradient: Vec<f64>,
+}
+
+/// A Newton direction.
+struct Direction {
+    /// −H g in elimination order.
+    step: Vec<f64>,
+    /// Largest change of a dof, m.
+    size: Metre,
+}
+
+impl Newton {
+    pub fn new(data: &SystemData) -> Self {
+        let full = data.full_length();
+        Self {
+            tangent: vec![0.0; data.pattern.entries()],
+            rank_one: RankOneUpdates::default(),
+            factor: Factor::new(&data.symbolic),
+            factor_rank_one: RankOneUpdates::default(),
+            history: LbfgsHistory::default(),
+            factorised_at: vec![0.0; full],
+            rotation: None,
+            gradient: vec![0.0; full],
+            trial_gradient: vec![0.0; full],
+        }
+    }
+
+    /// Whether a factor exists.
+    pub fn is_ready(&self) -> bool {
+        self.factor.is_ready()
+    }
+
+    /// Moves `u` (3 entries per node, m) to a minimum of `on`; `previous` is where a straight line to `u` began, if one
+    /// did.
+    ///
+    /// # Errors
+    /// [`NonConvergence`]; `u` is then somewhere on the way.
+    pub fn minimise(
+        &mut self,
+        on: &Potential,
+        u: &mut [f64],
+        previous: Option<&[f64]>,
+        options: &NewtonOptions,
+    ) -> Result<NewtonCounts, NonConvergence> {
+        let energy = on.energy(u, &mut self.gradient);
+        if !energy.value.is_finite() {
+            return Err(NonConvergence::InvertedElement);
+        }
+        let options = NewtonOptions { refactorise: options.refactorise || !self.is_ready(), ..*options };
+        let mut state = IterationState::new(options, previous, energy);
+        self.history.clear();
+        self.rotate_factor_to(on, u);
+        while state.counts.iterations < options.max_iterations {
+            if self.iterate(on, u, &mut state, &options)? {
+                return Ok(state.counts);
+            }
+        }
+        let NewtonCounts { iterations, .. } = state.counts;
+        Err(NonConvergence::IterationLimit { step: state.last_step, iterations, tolerance: options.tolerance })
+    }
+
+    /// One direction and the step along it; whether it was the last.
+    fn iterate(
+        &mut self,
+        on: &Potential,
+        u: &mut [f64],
+        state: &mut IterationState,
+        options: &NewtonOptions,
+    ) -> Result<bool, NonConvergence> {
+        let fresh = std::mem::take(&mut state.refactorise);
+        if fresh {
+            let full_steps = options.globalisation == Globalisation::FullStep;
+            let previous = state.previous.as_deref().filter(|_| full_steps);
+            state.count_factorisation(self.refactorise(on, u, previous)?);
+            state.check_stability(u, on.data.size)?;
+        }
+        let direction = self.direction(on)?;
+        let size = direction.size;
+        state.counts.iterations += 1;
+        if size <= options.tolerance {
+            on.data.pattern.scatter(&direction.step, 1.0, u);
+            return Ok(true);
+        }
+        if !fresh && state.needs_refactorisation(size) {
+            state.refactorise = true;
+            return Ok(false);
+        }
+        state.previous = Some(u.to_vec());
+        match self.step(on, u, &direction, (state.energy, options.globalisation)) {
+            Some((next, whole)) => {
+                state.energy = next;
+                // A shortened step means that the factor describes the energy badly here.
+                state.refactorise = !whole;
+                state.count_step(size);
+            }
+            None if !fresh => state.refactorise = true,
+            None if options.globalisation == Globalisation::FullStep => return Err(NonConvergence::InvertedElement),
+            None => return Err(NonConvergence::LineSearchFailed { iterations: state.counts.iterations }),
+        }
+        Ok(false)
+    }
+
+    /// Factorises the tangent at `u`, or the largest convex part of it; whether it was the tangent itself.
+    fn refactorise(&mut self, on: &Potential, u: &[f64], previous: Option<&[f64]>) -> Result<bool, NonConvergence> {
+        let probe = on.data.pattern.gather(&self.gradient);
+        // Each alternative keeps less of the second derivative. The last one is always positive definite, so that a
+        // body in snap-through, whose exact tangent is indefinite, still has a direction of descent.
+        let all = [HessianKind::MixedPoint, HessianKind::Exact, HessianKind::ConvexElastic, HessianKind::Convex];
+        for &kind in &all[usize::from(previous.is_none())..] {
+            on.hessian(u, previous.unwrap_or(&[]), kind, &mut self.tangent);
+            self.rank_one = RankOneUpdates::new(on.rank_one_terms(u));
+            match self.factorise(on, u, &probe) {
+                Ok(()) => return Ok(matches!(kind, HessianKind::MixedPoint | HessianKind::Exact)),
+                Err(FactorError::Inaccurate { residual }) => return Err(NonConvergence::InaccurateFactor { residual }),
+                Err(_) => {}
+            }
+        }
+        Err(NonConvergence::NotFinite)
+    }
+
+    /// Factorises `tangent`, assembled at `u`, and prepares its rank-one terms.
+    ///
+    /// # Errors
+    /// [`FactorError`]
+    pub fn factorise(&mut self, on: &Potential, u: &[f64], probe: &[f64]) -> Result<(), FactorError> {
+        let symbolic = &on.data.symbolic;
+        self.history.clear();
+        self.rotation = None;
+        self.factorised_at.copy_from_slice(u);
+        self.factor.compute(symbolic, &on.data.pattern, &self.tangent, probe)?;
+        self.factor_rank_one = RankOneUpdates::new(on.rank_one_terms(u));
+        let factor = &mut self.factor;
+        if self.factor_rank_one.prepare(|x| factor.solve(symbolic, x)) {
+            Ok(())
+        } else {
+            Err(FactorError::NotPositiveDefinite)
+        }
+    }
+
+    /// Rotates the lagged factor to `u`.
+    pub fn rotate_factor_to(&mut self, on: &Potential, u: &[f64]) {
+        let body = on.data.body(on.elastic);
+        self.rotation = self.is_ready().then(|| NodalRotations::between(&body, &self.factorised_at, u));
+    }
+
+    /// x ← H x by the rotated factor alone, in elimination order: the preconditioner of all solves.
+    pub fn solve(&mut self, data: &SystemData, x: &mut [f64]) {
+        let dofs = &data.pattern.dof;
+        self.rotation.iter().for_each(|rotation| rotation.apply(dofs, true, x));
+        self.factor.solve(&data.symbolic, x);
+        self.factor_rank_one.correct(x);
+        self.rotation.iter().for_each(|rotation| rotation.apply(dofs, false, x));
+    }
+
+    fn direction(&mut self, on: &Potential) -> Result<Direction, NonConvergence> {
+        let mut step = on.data.pattern.gather(&self.gradient);
+        let history = std::mem::take(&mut self.history);
+        history.apply(&mut step, |x| self.solve(on.data, x));
+        self.history = history;
+        step.iter_mut().for_each(|entry| *entry = -*entry);
+        if !step.iter().all(|entry| entry.is_finite()) {
+            return Err(NonConvergence::NotFinite);
+        }
+        let size = max_abs(&step);
+        Ok(Direction { step, size })
+    }
+
+    /// Goes along `direction` from the energy `start`: with a line search as far as the energy falls, with full steps
+    /// as far as no element is inverted. Returns the energy there, and whether it was the whole step.
+    fn step(
+        &mut self,
+        on: &Potential,
+        u: &mut [f64],
+        direction: &Direction,
+        (start, globalisation): (Energy, Globalisation),
+    ) -> Option<(Energy, bool)> {
+        let pattern = &on.data.pattern;
+        let old = pattern.gather(&self.gradient);
+        let search = LineSearch { start, slope: dot(&old, &direction.step) };
+        let mut part = (MAX_STEP * on.data.size / direction.size).min(1.0);
+        let mut trial = u.to_vec();
+        for _ in 0..if globalisation == Globalisation::LineSearch { MAX_TRIALS } else { MAX_HALVINGS } {
+            trial.copy_from_slice(u);
+            pattern.scatter(&direction.step, part, &mut trial);
+            let energy = on.energy(&trial, &mut self.trial_gradient);
+            let new = pattern.gather(&self.trial_gradient);
+            let accepted = match globalisation {
+                Globalisation::LineSearch => search.accepts(part, energy, dot(&new, &direction.step)),
+                Globalisation::FullStep => energy.value.is_finite(),
+            };
+            if accepted {
+                u.copy_from_slice(&trial);
+                std::mem::swap(&mut self.gradient, &mut self.trial_gradient);
+                let step = direction.step.iter().map(|entry| part * entry).collect();
+                self.history.push(step, new.iter().zip(&old).map(|(new, old)| new - old).collect());
+                return Some((energy, part == 1.0));
+            }
+            part *= search.shorten(part, energy);
+        }
+        None
+    }
+}

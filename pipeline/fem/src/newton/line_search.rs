@@ -1,0 +1,46 @@
+//! Backtracking line search on the energy: sufficient decrease [armijo1966], approximate near the minimum [hager2005].
+
+use crate::newton::potential::Energy;
+
+/// Trials along one direction before it is given up.
+pub(crate) const MAX_TRIALS: usize = 25;
+/// Sufficient decrease: fraction of the linear prediction.
+const ARMIJO: f64 = 1e-4;
+/// Energy differences below this fraction of the energy's terms are rounding.
+const ROUNDING: f64 = 1e-13;
+
+/// A direction of descent from the current iterate.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct LineSearch {
+    /// Energy at the iterate.
+    pub start: Energy,
+    /// Directional derivative there, J; negative.
+    pub slope: f64,
+}
+
+impl LineSearch {
+    /// Whether the step of length `part` to the energy `end`, with the directional derivative `end_slope` there, is
+    /// accepted.
+    pub fn accepts(&self, part: f64, end: Energy, end_slope: f64) -> bool {
+        if !end.value.is_finite() {
+            return false;
+        }
+        let change = end.value - self.start.value;
+        if change <= ARMIJO * part * self.slope {
+            return true;
+        }
+        // Near the minimum the differences of energy are rounding, and Armijo's test would reject every step. There the
+        // derivative decides instead, which keeps its digits.
+        change.abs() <= ROUNDING * self.start.size.max(end.size) && end_slope <= -0.8 * self.slope
+    }
+
+    /// Factor by which to shorten a rejected step: to the minimum of a parabola, between a tenth and a half.
+    pub fn shorten(&self, part: f64, end: Energy) -> f64 {
+        let curvature = end.value - self.start.value - part * self.slope;
+        if curvature.is_finite() && curvature > 0.0 {
+            (-part * self.slope / (2.0 * curvature)).clamp(0.1, 0.5)
+        } else {
+            0.5
+        }
+    }
+}

@@ -1,0 +1,166 @@
+//! The potential that a body minimises: elastic energy less the work of the loads, in dynamics with inertia.
+//!
+//! Π(u) = s Ψ(u) − Σ p_c V_c(u) − t f · u + ½ c (u − û)ᵀ M (u − û) + h · u
+//!
+//! An implicit time step minimises such an incremental potential with its own s, c, û and h; in statics s = 1, c = 0, h
+//! = 0.
+
+use crate::assembly::elastic::{Body, Elastic};
+use crate::assembly::mass::Mass;
+use crate::assembly::tangent::TangentKind;
+use crate::linear::dot;
+use crate::loads::gas::Gas;
+use crate::loads::{DeadForces, Load};
+use crate::system_data::SystemData;
+use si::Pascal;
+
+/// Inertial and history terms of one time step.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Inertia {
+    /// c, 1/s².
+    pub rate: f64,
+    /// û, the displacement without forces; in elimination order, m.
+    pub centre: Vec<f64>,
+    /// h, 3 entries per node, N.
+    pub history: Vec<f64>,
+}
+
+/// Which second derivative of Π is assembled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum HessianKind {
+    /// All of it.
+    Exact,
+    /// All of it, with the mixed-integration-point tangent of the elastic part.
+    MixedPoint,
+    /// The positive semi-definite part of the elastic tangent at each quadrature point.
+    ConvexElastic,
+    /// The same without the follower part of pressure: always positive definite.
+    Convex,
+}
+
+/// Π with all its parameters.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Potential<'a> {
+    pub data: &'a SystemData,
+    pub elastic: &'a [Elastic],
+    pub mass: &'a Mass,
+    /// s
+    pub elastic_scale: f64,
+    /// p, one per chamber, Pa.
+    pub pressures: &'a [Pascal],
+    /// One per chamber: ambient pressure where it is sealed, Pa.
+    pub ambient: &'a [Option<Pascal>],
+    pub dead: &'a DeadForces,
+    /// t
+    pub load_factor: f64,
+    pub inertia: Option<&'a Inertia>,
+}
+
+/// Π and the sum of the absolute values of its terms: differences below 1e-13 of that sum are rounding.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Energy {
+    pub value: f64,
+    pub size: f64,
+}
+
+impl Potential<'_> {
+    /// Π at `u` (3 entries per node, m), J; `gradient` becomes ∂Π/∂u, 3 entries per node, N.
+    pub fn energy(&self, u: &[f64], gradient: &mut [f64]) -> Energy {
+        gradient.fill(0.0);
+        let elastic = self.elastic_scale * self.body().energy(u, self.elastic_scale, gradient);
+        let mut energy = Energy { value: elastic, size: elastic.abs() + self.rounding() };
+        let mut add = |part: f64| energy = Energy { value: energy.value + part, size: energy.size + part.abs() };
+        for gas in self.gases() {
+            let part = gas.potential(u);
+            add(part);
+            if part.is_finite() {
+                gas.add_gradient(u, gradient);
+            }
+        }
+        add(self.load_factor * self.dead.potential(u));
+        self.dead.add_gradient(u, self.load_factor, gradient);
+        if let Some(inertia) = self.inertia {
+            self.add_inertia(inertia, u, gradient).into_iter().for_each(add);
+        }
+        energy
+    }
+
+    /// Rounding of the elastic energy, for `Energy::size`: laws that subtract the value at rest (F : F − 3) leave an
+    /// error of 1e-15 of moduli times volume, however small the strain.
+    fn rounding(&self) -> f64 {
+        let each = self.elastic.iter().zip(&self.data.volumes);
+        1e-2 * self.elastic_scale * each.map(|(is, volume)| volume * (is.lame.mu + is.lame.lambda.abs())).sum::<f64>()
+    }
+
+    fn add_inertia(&self, inertia: &Inertia, u: &[f64], gradient: &mut [f64]) -> [f64; 2] {
+        let pattern = &self.data.pattern;
+        let mut away = pattern.gather(u);
+        away.iter_mut().zip(&inertia.centre).for_each(|(at, centre)| *at -= centre);
+        let mut force = vec![0.0; away.len()];
+        self.mass.multiply(pattern, &away, &mut force);
+        pattern.scatter(&force, inertia.rate, gradient);
+        let kinetic = 0.5 * inertia.rate * dot(&away, &force);
+        if inertia.history.is_empty() {
+            return [kinetic, 0.0];
+        }
+        gradient.iter_mut().zip(&inertia.history).for_each(|(entry, force)| *entry += force);
+        [kinetic, dot(&inertia.history, u)]
+    }
+
+    /// ∂²Π/∂u² at `u` without rank-one terms, lower triangle, N/m.
+    /// `previous`: where the last step began, for [`HessianKind::MixedPoint`].
+    pub fn hessian(&self, u: &[f64], previous: &[f64], kind: HessianKind, values: &mut [f64]) {
+        values.fill(0.0);
+        let tangent = match kind {
+            HessianKind::Exact => TangentKind::Exact,
+            HessianKind::MixedPoint => TangentKind::MixedPoint(previous),
+            HessianKind::ConvexElastic | HessianKind::Convex => TangentKind::Convex,
+        };
+        self.body().stiffness(u, self.elastic_scale, tangent, values);
+        if kind == HessianKind::Convex {
+            self.add_mass(values);
+        } else {
+            self.add_inertia_and_loads(u, values);
+        }
+    }
+
+    /// s times the elastic part of ∂²Π/∂u² alone.
+    pub fn elastic_stiffness(&self, u: &[f64], values: &mut [f64]) {
+        values.fill(0.0);
+        self.body().stiffness(u, self.elastic_scale, TangentKind::Exact, values);
+    }
+
+    /// Adds all but the elastic part of ∂²Π/∂u².
+    pub fn add_inertia_and_loads(&self, u: &[f64], values: &mut [f64]) {
+        self.add_mass(values);
+        let pattern = &self.data.pattern;
+        for gas in self.gases() {
+            gas.add_hessian(u, &mut |a, b, block| {
+                let position = pattern.block_position(a, b).expect("chamber faces lie on elements");
+                pattern.add(values, position, (a, b), block);
+            });
+        }
+    }
+
+    fn add_mass(&self, values: &mut [f64]) {
+        if let Some(inertia) = self.inertia {
+            self.mass.add_to(inertia.rate, values);
+        }
+    }
+
+    /// The gas in each chamber; open chambers without pressure are left out.
+    pub fn gases(&self) -> impl Iterator<Item = Gas<'_>> {
+        let each = self.data.chambers.iter().zip(self.pressures).zip(self.ambient);
+        each.map(|((chamber, &pressure), &ambient)| Gas { chamber, pressure, ambient }).filter(|gas| !gas.is_idle())
+    }
+
+    /// The part that `hessian` leaves out: c and v (in elimination order) of each rank-one term c v vᵀ.
+    pub fn rank_one_terms(&self, u: &[f64]) -> Vec<(f64, Vec<f64>)> {
+        let terms = self.gases().filter_map(|gas| gas.rank_one_term(u));
+        terms.map(|(c, gradient)| (c, self.data.pattern.gather(&gradient))).collect()
+    }
+
+    fn body(&self) -> Body<'_> {
+        self.data.body(self.elastic)
+    }
+}

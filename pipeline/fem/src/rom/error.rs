@@ -1,0 +1,47 @@
+//! Errors of reducing a model, and of its integration.
+
+use crate::solve_error::SolveError;
+use si::Second;
+
+/// Why a body cannot be reduced, or a step of its reduced model fails.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ReducedError {
+    /// Snapshots of another system, or none.
+    #[error(
+        "{count} snapshots cannot span this body\n  why: each needs {required} numbers, 3 per node\n  do:  give displacements of this system"
+    )]
+    Snapshots {
+        /// Number of snapshots.
+        count: usize,
+        /// Numbers required in each.
+        required: usize,
+    },
+    /// A region with mean dilatation.
+    #[error(
+        "a region uses mean dilatation\n  why: hyper-reduction samples single quadrature points, not element means\n  do:  reduce without mean_dilatation"
+    )]
+    MeanDilatation,
+    /// Data of another system, or damaged data.
+    #[error("the reduced model does not belong to this system\n  why: {what}\n  do:  reduce this system again")]
+    Foreign {
+        /// What does not match.
+        what: String,
+    },
+    /// A setting out of range.
+    #[error(transparent)]
+    Settings(#[from] SolveError),
+    /// A step without a solution.
+    #[error(
+        "no step of the reduced model is found after {time:.4} s\n  why: {max_iterations} iterations leave a change of {change:.1e} of the largest snapshot; the limit is {tolerance:.0e}\n  do:  take shorter steps, or reduce from snapshots nearer to this motion"
+    )]
+    NoConvergence {
+        /// Time of the last step that converged, s.
+        time: Second,
+        /// Iterations made.
+        max_iterations: usize,
+        /// Size of the last one, no unit.
+        change: f64,
+        /// Size to reach, no unit.
+        tolerance: f64,
+    },
+}

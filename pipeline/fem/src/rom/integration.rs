@@ -1,0 +1,127 @@
+//! Time integration of a reduced model under pressures and external forces.
+//!
+//! VᵀMV q̈ + α VᵀMV q̇ + f(q) + β ḟ(q) = Σ p ∂V/∂q + Q, with the backward differences of the full model.
+
+use std::collections::VecDeque;
+
+use nalgebra::DVector;
+use si::{Pascal, Second};
+
+use super::error::ReducedError;
+use super::model::ReducedModel;
+use super::step::{ExternalForce, REFACTORISE_ABOVE, RETRY_ABOVE, Step, StepState, no_convergence};
+use crate::dynamics::settings::{self, DynamicSettings};
+use crate::dynamics::stencil::{Stencil, extrapolation};
+
+/// Actuation at one time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Actuation {
+    /// One per chamber, Pa.
+    pub pressures: Vec<Pascal>,
+}
+
+/// A motion of a reduced model from rest.
+#[derive(Clone, Copy)]
+pub struct ReducedMotion<'a> {
+    /// How it is integrated; the tolerance is the reduced model's own.
+    pub settings: &'a DynamicSettings,
+    /// Factor of the moduli, one per region.
+    pub modulus_scale: &'a [f64],
+    /// Actuation at a time (s from the start).
+    pub actuation: &'a dyn Fn(Second) -> Actuation,
+}
+
+/// What the next step needs of the past, newest first.
+struct Past {
+    times: VecDeque<Second>,
+    coordinates: VecDeque<DVector<f64>>,
+    velocities: VecDeque<DVector<f64>>,
+    forces: VecDeque<DVector<f64>>,
+}
+
+/// Called with each new q and q̇ and their time, s.
+type Observer<'a> = dyn FnMut(Second, &DVector<f64>, &DVector<f64>) + 'a;
+
+impl ReducedModel {
+    /// Integrates `motion` over `steps` steps; `observe` is called with each new q and q̇ and their time.
+    ///
+    /// # Errors
+    /// [`ReducedError`] when a setting is out of range or a step does not converge.
+    pub fn integrate(
+        &self,
+        motion: &ReducedMotion,
+        external: &mut dyn ExternalForce,
+        steps: usize,
+        observe: &mut Observer<'_>,
+    ) -> Result<(), ReducedError> {
+        let ReducedMotion { settings, modulus_scale: scale, actuation } = *motion;
+        settings::check(settings)?;
+        let mut past = Past::at_rest(self.coordinates());
+        let mut tangent = None;
+        for step in 1..=steps {
+            let time = step as f64 * settings.step;
+            let stencil = past.stencil(settings, time);
+            let Actuation { pressures } = actuation(time);
+            let equations = Step {
+                model: self,
+                settings,
+                stencil: &stencil,
+                pressures: &pressures,
+                scale,
+                external: &*external,
+                past: past.history(&stencil),
+            };
+            let previous = &past.coordinates[0];
+            // The second attempt starts without a lagged tangent and refactorises sooner.
+            let q = equations
+                .solve(past.initial_guess(time), previous, &mut tangent, REFACTORISE_ABOVE)
+                .or_else(|_| equations.solve(past.initial_guess(time), previous, &mut None, RETRY_ABOVE))
+                .map_err(|change| no_convergence(past.times[0], change))?;
+            let velocity = equations.velocity(&q);
+            let (gamma, weights) = (stencil.gamma, &stencil.weights);
+            external.accept(&StepState { coordinates: &q, velocity: &velocity, gamma, weights });
+            observe(time, &q, &velocity);
+            past.push(time, q, velocity, |q| self.elastic_forces(q, scale));
+        }
+        Ok(())
+    }
+}
+
+impl Past {
+    fn at_rest(r: usize) -> Self {
+        let zero = || VecDeque::from([DVector::zeros(r)]);
+        Self { times: VecDeque::from([0.0]), coordinates: zero(), velocities: zero(), forces: zero() }
+    }
+
+    fn stencil(&self, settings: &DynamicSettings, time: Second) -> Stencil {
+        Stencil::new(settings.scheme, time - self.times[0], self.times.get(1).map(|then| self.times[0] - then))
+    }
+
+    fn history(&self, stencil: &Stencil) -> [DVector<f64>; 3] {
+        [&self.coordinates, &self.velocities, &self.forces]
+            .map(|past| DVector::from_vec(stencil.history(past.iter().map(|x| x.as_slice()))))
+    }
+
+    /// The polynomial through the past coordinates.
+    fn initial_guess(&self, time: Second) -> DVector<f64> {
+        let times: Vec<Second> = self.times.iter().copied().collect();
+        let weights = extrapolation(&times, time);
+        let zero = DVector::zeros(self.coordinates[0].len());
+        self.coordinates.iter().zip(weights).fold(zero, |sum, (q, w)| sum + q * w)
+    }
+
+    fn push(
+        &mut self,
+        time: Second,
+        q: DVector<f64>,
+        velocity: DVector<f64>,
+        force: impl Fn(&DVector<f64>) -> DVector<f64>,
+    ) {
+        self.forces.push_front(force(&q));
+        self.coordinates.push_front(q);
+        self.velocities.push_front(velocity);
+        self.times.push_front(time);
+        [&mut self.coordinates, &mut self.velocities, &mut self.forces].into_iter().for_each(|past| past.truncate(3));
+        self.times.truncate(3);
+    }
+}

@@ -1,0 +1,26 @@
+//! Reduced-order models: the same nonlinear body in a few dozen generalised coordinates, for many simulations.
+//!
+//! u = V q with modes V by proper orthogonal decomposition (POD) of displacements that the full model took (`pod`).
+//! Hyper-reduction by energy-conserving sampling and weighting (ECSW) [farhat2014], [hernandez2017]: the elastic forces
+//! of q are summed over a few hundred quadrature points with weights that reproduce the virtual work of all points
+//! (`ecsw`, `nnls`). The mass is projected, and the volumes of chambers are cubic polynomials of q (`chamber_volume`).
+
+mod chamber_volume;
+mod ecsw;
+mod elastic_forces;
+mod error;
+mod integration;
+mod model;
+mod nnls;
+mod pod;
+mod reduction;
+mod step;
+
+pub use error::ReducedError;
+pub use integration::{Actuation, ReducedMotion};
+pub use model::{ReducedModel, ReducedModelData};
+pub use pod::ReductionSettings;
+pub use step::{ExternalForce, NoForce, StepState};
+
+#[cfg(test)]
+mod tests;

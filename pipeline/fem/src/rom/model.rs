@@ -1,0 +1,92 @@
+//! The reduced model: modes, projected mass, sampled elastic forces and chamber volumes.
+
+use nalgebra::{DMatrix, DVector};
+use si::CubicMetre;
+
+use super::chamber_volume::CubicVolume;
+use super::elastic_forces::{Points, ReducedTangent};
+
+/// By region: numbers of the sampled quadrature points in the full model, and their weights, m³.
+pub(super) type Sampled = Vec<Vec<(u32, CubicMetre)>>;
+
+/// The part of a reduced model that cannot be computed from its system again.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReducedModelData {
+    /// Columns of V, 3 entries per node, m per unit of q.
+    pub modes: Vec<Vec<f64>>,
+    /// By region: numbers of the sampled quadrature points in the full model, and their weights, m³.
+    pub points: Vec<Vec<(u32, CubicMetre)>>,
+    /// Largest |q| of the snapshots.
+    pub size: f64,
+}
+
+/// A body in r generalised coordinates q.
+#[derive(Debug)]
+pub struct ReducedModel {
+    /// V, (3 per node) × r, m per unit of q.
+    pub(super) modes: DMatrix<f64>,
+    /// r × r, kg m² in the units of q.
+    pub(super) mass: DMatrix<f64>,
+    /// One per region.
+    pub(super) points: Vec<Points>,
+    /// One per chamber.
+    pub(super) chambers: Vec<CubicVolume>,
+    /// Largest |q| of the snapshots: the size that tolerances are relative to.
+    pub(super) size: f64,
+    pub(super) sampled: Sampled,
+}
+
+impl ReducedModel {
+    /// Number of coordinates r.
+    pub fn coordinates(&self) -> usize {
+        self.modes.ncols()
+    }
+
+    /// Number of sampled quadrature points, by region.
+    pub fn points(&self) -> Vec<usize> {
+        self.points.iter().map(Points::count).collect()
+    }
+
+    /// Displacements V q, 3 entries per node, m.
+    pub fn displacement(&self, q: &DVector<f64>) -> Vec<f64> {
+        (&self.modes * q).data.into()
+    }
+
+    /// The row of V of the dof `index` (3 node + axis), m per unit of q.
+    pub fn row(&self, index: usize) -> impl Iterator<Item = f64> + '_ {
+        self.modes.row(index).into_iter().copied().collect::<Vec<_>>().into_iter()
+    }
+
+    /// Elastic forces ∂Ψ/∂q (J) at q, with the moduli of each region multiplied by `scale`.
+    ///
+    /// # Panics
+    /// When there is not one scale per region.
+    pub fn elastic_forces(&self, q: &DVector<f64>, scale: &[f64]) -> DVector<f64> {
+        assert_eq!(scale.len(), self.points.len(), "one scale per region");
+        let mut forces = DVector::zeros(self.coordinates());
+        self.points.iter().zip(scale).for_each(|(points, scale)| points.add_forces(q, *scale, &mut forces));
+        forces
+    }
+
+    /// ∂²Ψ/∂q² (J) at q, with the moduli of each region multiplied by `scale`.
+    pub(super) fn stiffness(&self, q: &DVector<f64>, kind: ReducedTangent, scale: &[f64]) -> DMatrix<f64> {
+        let r = self.coordinates();
+        let mut stiffness = DMatrix::zeros(r, r);
+        self.points.iter().zip(scale).for_each(|(points, scale)| points.add_stiffness(q, kind, *scale, &mut stiffness));
+        stiffness
+    }
+
+    /// Volume of `chamber` at q, m³; of a half model, of the half.
+    ///
+    /// # Panics
+    /// When there is no such chamber.
+    pub fn chamber_volume(&self, chamber: usize, q: &DVector<f64>) -> si::CubicMetre {
+        self.chambers[chamber].at(q)
+    }
+
+    /// The data from which [`crate::System::restore`] restores the model.
+    pub fn data(&self) -> ReducedModelData {
+        let modes = self.modes.column_iter().map(|mode| mode.iter().copied().collect()).collect();
+        ReducedModelData { modes, points: self.sampled.clone(), size: self.size }
+    }
+}

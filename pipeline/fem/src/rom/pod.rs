@@ -1,0 +1,105 @@
+//! Proper orthogonal decomposition (POD): a few modes that span many snapshots.
+//!
+//! In the metric of the mass, by the method of snapshots: eigenvectors of the products uᵢᵀ M uⱼ. The modes are then
+//! rotated and scaled so that VᵀK₀V = I, so that a force error along any coordinate is weighted by its elastic energy.
+
+use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
+
+use crate::assembly::tangent::TangentKind;
+use crate::inputs::Inputs;
+use crate::system_data::SystemData;
+
+/// How far a body is reduced.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReductionSettings {
+    /// Coordinates at most.
+    pub coordinates: usize,
+    /// Modes with less than this fraction of the sum of all eigenvalues are left out, no unit.
+    pub least_share: f64,
+    /// Relative error of the hyper-reduced forces over all snapshots, no unit.
+    pub tolerance: f64,
+}
+
+impl Default for ReductionSettings {
+    fn default() -> Self {
+        Self { coordinates: 30, least_share: 1e-10, tolerance: 1e-3 }
+    }
+}
+
+/// V, and the coordinates of the snapshots.
+pub(super) struct Pod {
+    pub modes: DMatrix<f64>,
+    pub coordinates: Vec<DVector<f64>>,
+}
+
+/// The modes of `snapshots` (3 entries per node each).
+pub(super) fn decompose(system: &SystemData, snapshots: &[&[f64]], settings: &ReductionSettings) -> Pod {
+    let free = gathered(system, snapshots);
+    let image = product(&free, |x, y| system.mass.multiply(&system.pattern, x, y));
+    let weights = principal(&(free.transpose() * &image), settings);
+    let (orthogonal, along) = (&free * &weights, image.transpose());
+    let factor = stiffness_factor(system, &orthogonal);
+    let back = factor.transpose();
+    let scaled = right_divided(&orthogonal, &back);
+    let projected = |s: usize| &back * (weights.transpose() * (&along * free.column(s)));
+    Pod { modes: scattered(system, &scaled), coordinates: (0..snapshots.len()).map(projected).collect() }
+}
+
+/// VᵀMV of modes with 3 entries per node.
+pub(super) fn projected_mass(system: &SystemData, modes: &DMatrix<f64>) -> DMatrix<f64> {
+    let columns: Vec<&[f64]> = modes.as_slice().chunks_exact(modes.nrows()).collect();
+    let free = gathered(system, &columns);
+    free.transpose() * product(&free, |x, y| system.mass.multiply(&system.pattern, x, y))
+}
+
+/// Snapshots × modes: weights of the snapshots in each mode of unit mass, in descending order of the eigenvalues.
+fn principal(products: &DMatrix<f64>, settings: &ReductionSettings) -> DMatrix<f64> {
+    let eigen = SymmetricEigen::new(products.clone());
+    let mut order: Vec<usize> = (0..eigen.eigenvalues.len()).collect();
+    order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
+    let least = settings.least_share * eigen.eigenvalues.iter().sum::<f64>();
+    let kept: Vec<usize> =
+        order.into_iter().take(settings.coordinates).filter(|i| eigen.eigenvalues[*i] > least).collect();
+    let column = |i: &usize| eigen.eigenvectors.column(*i) / eigen.eigenvalues[*i].sqrt();
+    DMatrix::from_columns(&kept.iter().map(column).collect::<Vec<_>>())
+}
+
+/// L with L Lᵀ = VᵀK₀V.
+fn stiffness_factor(system: &SystemData, modes: &DMatrix<f64>) -> DMatrix<f64> {
+    let inputs = Inputs::new(system);
+    let mut values = vec![0.0; system.pattern.entries()];
+    let rest = vec![0.0; 3 * system.mesh.nodes.len()];
+    system.body(&inputs.elastic).stiffness(&rest, 1.0, TangentKind::Exact, &mut values);
+    let stiffness = modes.transpose() * product(modes, |x, y| system.pattern.multiply(&values, x, y));
+    Cholesky::new(stiffness).expect("a constrained body at rest is stiff along every mode").l()
+}
+
+/// A B⁻¹ for an upper triangle B.
+fn right_divided(a: &DMatrix<f64>, upper: &DMatrix<f64>) -> DMatrix<f64> {
+    let lower = upper.transpose();
+    lower.solve_lower_triangular(&a.transpose()).expect("a Cholesky factor has no zero on its diagonal").transpose()
+}
+
+/// The image of each column.
+fn product(of: &DMatrix<f64>, multiply: impl Fn(&[f64], &mut [f64])) -> DMatrix<f64> {
+    let mut image = DMatrix::zeros(of.nrows(), of.ncols());
+    for column in 0..of.ncols() {
+        multiply(of.column(column).as_slice(), image.column_mut(column).as_mut_slice());
+    }
+    image
+}
+
+/// Vectors with 3 entries per node, at free dofs, as columns.
+fn gathered(system: &SystemData, full: &[&[f64]]) -> DMatrix<f64> {
+    let free = full.iter().flat_map(|column| system.pattern.gather(column));
+    DMatrix::from_iterator(system.pattern.dofs(), full.len(), free)
+}
+
+/// Columns of free dofs, as columns with 3 entries per node.
+fn scattered(system: &SystemData, free: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut all = DMatrix::zeros(3 * system.mesh.nodes.len(), free.ncols());
+    for column in 0..free.ncols() {
+        system.pattern.scatter(free.column(column).as_slice(), 1.0, all.column_mut(column).as_mut_slice());
+    }
+    all
+}

@@ -1,0 +1,236 @@
+//! Equations of one time step of a reduced model, and its static equilibrium: Newton's method with a lagged tangent.
+
+use nalgebra::{DMatrix, DVector, Dyn, LU};
+use si::{Hertz, Pascal, Second};
+
+use super::elastic_forces::ReducedTangent;
+use super::error::ReducedError;
+use super::model::ReducedModel;
+use crate::dynamics::settings::DynamicSettings;
+use crate::dynamics::stencil::Stencil;
+
+/// Newton iterations at most.
+const MAX_ITERATIONS: usize = 60;
+/// A step that leaves more than this fraction of the one before asks for a new tangent, which costs as much as about
+/// seven forces.
+pub(super) const REFACTORISE_ABOVE: f64 = 0.3;
+/// The same in the second attempt at a time step.
+pub(super) const RETRY_ABOVE: f64 = 0.1;
+/// A first step on a new tangent that is longer than this, relative to the snapshots, asks for another tangent.
+const NEAR: f64 = 1e-3;
+/// Steps shorter than this, relative to the snapshots, are taken whole: their slope is too close to rounding for a line
+/// search.
+const SHORT: f64 = 1e-6;
+/// Stencils whose γ differ by less than this, relative, are the same.
+const SAME_GAMMA: f64 = 1e-9;
+/// Bisections of a line search at most.
+const MAX_BISECTIONS: usize = 20;
+/// Largest size of the last step, relative to the snapshots.
+const TOLERANCE: f64 = 1e-8;
+/// Step of the differences by which external forces are linearised, relative to the snapshots.
+const DIFFERENCE: f64 = 1e-6;
+
+/// A trial state of one step.
+#[derive(Debug, Clone, Copy)]
+pub struct StepState<'a> {
+    /// q
+    pub coordinates: &'a DVector<f64>,
+    /// q̇, 1/s.
+    pub velocity: &'a DVector<f64>,
+    /// γ and w of ẋ = γ x + Σ wⱼ xₙ₋ⱼ, for external forces with a history of their own, newest first.
+    pub gamma: Hertz,
+    /// See `gamma`.
+    pub weights: &'a [Hertz],
+}
+
+/// An external force on a reduced model, such as that of water.
+pub trait ExternalForce {
+    /// Q, J per unit of q.
+    fn force(&self, at: &StepState) -> DVector<f64>;
+
+    /// Called when a step has converged to `at`.
+    fn accept(&mut self, at: &StepState);
+}
+
+/// No external force.
+#[derive(Debug, Clone, Copy)]
+pub struct NoForce;
+
+impl ExternalForce for NoForce {
+    fn force(&self, at: &StepState) -> DVector<f64> {
+        DVector::zeros(at.coordinates.len())
+    }
+
+    fn accept(&mut self, _: &StepState) {}
+}
+
+/// The error of a step from `time` whose last iteration was of size `change`.
+pub(super) fn no_convergence(time: Second, change: f64) -> ReducedError {
+    ReducedError::NoConvergence { time, max_iterations: MAX_ITERATIONS, change, tolerance: TOLERANCE }
+}
+
+/// Lagged tangent: its factor, and the γ that it was assembled with.
+pub(super) struct LaggedTangent {
+    factor: LU<f64, Dyn, Dyn>,
+    gamma: Hertz,
+}
+
+/// Equations of one step.
+pub(super) struct Step<'a> {
+    pub model: &'a ReducedModel,
+    pub settings: &'a DynamicSettings,
+    pub stencil: &'a Stencil,
+    pub pressures: &'a [Pascal],
+    pub scale: &'a [f64],
+    pub external: &'a dyn ExternalForce,
+    /// v̂, â, f̂.
+    pub past: [DVector<f64>; 3],
+}
+
+impl ReducedModel {
+    /// The equilibrium f(q) = Σ p ∂V/∂q under `pressures` (one per chamber, Pa), from the initial `guess`; `scale` (one
+    /// per region) multiplies moduli.
+    ///
+    /// # Errors
+    /// [`ReducedError::NoConvergence`] at time 0.
+    pub fn equilibrium(
+        &self,
+        pressures: &[Pascal],
+        scale: &[f64],
+        guess: &DVector<f64>,
+    ) -> Result<DVector<f64>, ReducedError> {
+        // A stencil without rates leaves the static equations.
+        let stencil = Stencil { gamma: 0.0, weights: Vec::new() };
+        let zero = || DVector::zeros(self.coordinates());
+        let equations = Step {
+            model: self,
+            settings: &DynamicSettings::default(),
+            stencil: &stencil,
+            pressures,
+            scale,
+            external: &NoForce,
+            past: [zero(), zero(), zero()],
+        };
+        let found = equations.solve(guess.clone(), guess, &mut None, REFACTORISE_ABOVE);
+        found.map_err(|change| no_convergence(0.0, change))
+    }
+}
+
+impl Step<'_> {
+    /// q at the end of the step, from an initial `guess` after the coordinates `previous`; or the size of the last
+    /// iteration when it does not converge.
+    ///
+    /// `lagged` is the tangent of the last step; it is replaced when an iteration leaves more than `refactorise_above`
+    /// of the one before.
+    // A stiff sheet that rotates makes a lagged tangent misleading, and the stress of a shape far from equilibrium
+    // spoils a new exact one: hence the mixed-integration-point tangent. Broyden's updates of the tangent were
+    // measured: as many tangents and iterations.
+    pub fn solve(
+        &self,
+        guess: DVector<f64>,
+        previous: &DVector<f64>,
+        lagged: &mut Option<LaggedTangent>,
+        refactorise_above: f64,
+    ) -> Result<DVector<f64>, f64> {
+        let (mut q, mut from) = (guess, previous.clone());
+        let mut residual = self.residual(&q);
+        if lagged.as_ref().is_some_and(|k| (k.gamma / self.stencil.gamma - 1.0).abs() > SAME_GAMMA) {
+            *lagged = None;
+        }
+        let (mut last, carried) = (f64::INFINITY, lagged.is_some());
+        for _ in 0..MAX_ITERATIONS {
+            let tangent = lagged.get_or_insert_with(|| {
+                let factor = self.tangent(&q, ReducedTangent::MixedPoint(&from)).lu();
+                LaggedTangent { factor, gamma: self.stencil.gamma }
+            });
+            let mut change = tangent.factor.solve(&residual).ok_or(last)?;
+            if residual.dot(&change) <= 0.0 {
+                // Not a direction of descent; the convex part of the tangent gives one.
+                change = self.tangent(&q, ReducedTangent::Convex).lu().solve(&residual).ok_or(last)?;
+                *lagged = None;
+            }
+            let short = change.amax() < SHORT * self.model.size;
+            let (part, next) =
+                if short { (1.0, self.residual(&(&q - &change))) } else { self.line_search(&q, &change, &residual) };
+            let size = part * change.amax() / self.model.size;
+            if !size.is_finite() {
+                return Err(last);
+            }
+            let moved = &q - change * part;
+            (from, q, residual) = (if part == 1.0 { q } else { moved.clone() }, moved, next);
+            if part == 1.0 && size < TOLERANCE {
+                return Ok(q);
+            }
+            if part < 1.0 || size > refactorise_above * last || last.is_infinite() && !carried && size > NEAR {
+                *lagged = None;
+            }
+            last = size;
+        }
+        *lagged = None;
+        Err(last)
+    }
+
+    /// Length of the step −`change` from `q`, and the residual there. The whole step, unless the slope at its end has
+    /// the opposite sign and exceeds the slope at the start; then bisection to a small slope.
+    // The slope decides, not the energy: external forces have no potential.
+    fn line_search(&self, q: &DVector<f64>, change: &DVector<f64>, residual: &DVector<f64>) -> (f64, DVector<f64>) {
+        let start = residual.dot(change);
+        let at = |part: f64| {
+            let left = self.residual(&(q - change * part));
+            let slope = -left.dot(change) / start;
+            (if slope.is_finite() { slope } else { f64::INFINITY }, left)
+        };
+        let (mut part, mut low, mut high) = (1.0, 0.0, 1.0);
+        let (mut slope, mut left) = at(part);
+        for _ in 0..MAX_BISECTIONS {
+            if slope.abs() <= 0.5 || part == 1.0 && slope <= 1.0 {
+                break;
+            }
+            (low, high) = if slope > 0.0 { (low, part) } else { (part, high) };
+            part = 0.5 * (low + high);
+            (slope, left) = at(part);
+        }
+        (part, left)
+    }
+
+    /// q̇ when the step ends at `q`.
+    pub fn velocity(&self, q: &DVector<f64>) -> DVector<f64> {
+        q * self.stencil.gamma + &self.past[0]
+    }
+
+    fn external_force(&self, q: &DVector<f64>) -> DVector<f64> {
+        let velocity = self.velocity(q);
+        let (gamma, weights) = (self.stencil.gamma, &self.stencil.weights);
+        self.external.force(&StepState { coordinates: q, velocity: &velocity, gamma, weights })
+    }
+
+    fn residual(&self, q: &DVector<f64>) -> DVector<f64> {
+        let (gamma, [_, a, f]) = (self.stencil.gamma, &self.past);
+        let (alpha, beta) = (self.settings.mass_damping, self.settings.stiffness_damping);
+        let velocity = self.velocity(q);
+        let mut residual = &self.model.mass * (&velocity * (gamma + alpha) + a) + f * beta - self.external_force(q);
+        residual += self.model.elastic_forces(q, self.scale) * (1.0 + beta * gamma);
+        for (chamber, pressure) in self.model.chambers.iter().zip(self.pressures) {
+            chamber.add_gradient(q, -pressure, &mut residual);
+        }
+        residual
+    }
+
+    /// ∂residual/∂q with the elastic tangent of this `kind`.
+    fn tangent(&self, q: &DVector<f64>, kind: ReducedTangent) -> DMatrix<f64> {
+        let gamma = self.stencil.gamma;
+        let (alpha, beta) = (self.settings.mass_damping, self.settings.stiffness_damping);
+        let mut tangent = &self.model.mass * (gamma * (gamma + alpha));
+        tangent += self.model.stiffness(q, kind, self.scale) * (1.0 + beta * gamma);
+        for (chamber, pressure) in self.model.chambers.iter().zip(self.pressures) {
+            chamber.add_hessian(q, -pressure, &mut tangent);
+        }
+        let (here, step) = (self.external_force(q), DIFFERENCE * self.model.size);
+        for (i, mut column) in tangent.column_iter_mut().enumerate() {
+            let mut perturbed = q.clone();
+            perturbed[i] += step;
+            column -= (self.external_force(&perturbed) - &here) / step;
+        }
+        tangent
+    }
+}

@@ -1,0 +1,220 @@
+//! The reduced model against the full model: volumes, forces and their derivatives, equilibria and motion.
+
+use nalgebra::DVector;
+
+use super::elastic_forces::ReducedTangent;
+use super::{Actuation, NoForce, ReducedModel, ReducedModelData, ReducedMotion, ReductionSettings};
+use crate::{
+    Chamber, Clamps, DynamicSettings, Elements, Faces, InitialValueProblem, Mesh, RegionProperties, Scheme, State,
+    StaticSettings, System,
+};
+use crate::{box_mesh, materials};
+
+/// A clamped beam with a cavity: a box without its inner cells.
+fn hollow() -> System {
+    let solid = box_mesh::quadratic([0.06, 0.02, 0.02], [6, 4, 4]);
+    let Elements::Quadratic(tets) = &solid.elements else { panic!("10-node elements") };
+    let inside = |tet: &[u32; 10]| {
+        let middle = |axis: usize| tet[..4].iter().map(|n| solid.nodes[*n as usize][axis]).sum::<f64>() / 4.0;
+        let within = |x: f64, [low, high]: [f64; 2]| low < x && x < high;
+        within(middle(0), [0.01, 0.05]) && within(middle(1), [0.01, 0.015]) && within(middle(2), [0.005, 0.015])
+    };
+    let (removed, solid_tets): (Vec<[u32; 10]>, Vec<[u32; 10]>) = tets.iter().partition(|tet| inside(tet));
+    let mesh = without_unused_nodes(Mesh {
+        regions: vec![0; solid_tets.len()],
+        chambers: vec![Chamber { faces: Faces::Quadratic(skin(&removed)) }],
+        elements: Elements::Quadratic(solid_tets),
+        ..solid
+    });
+    let material = materials::by_name("neo_hookean").expect("a law of this crate");
+    let rubber = RegionProperties { material, youngs_modulus: 2e5, poissons_ratio: 0.45, density: 1000.0 };
+    let clamps = Clamps::below_x(&mesh, 1e-9);
+    System::new(mesh, vec![rubber], clamps).expect("a beam with a cavity")
+}
+
+/// Faces of only one of `tets`, with normals into them.
+fn skin(tets: &[[u32; 10]]) -> Vec<[u32; 6]> {
+    let faces = [[0, 1, 2, 4, 5, 6], [0, 3, 1, 7, 8, 4], [1, 3, 2, 8, 9, 5], [0, 2, 3, 6, 9, 7]];
+    let all: Vec<[u32; 6]> = tets.iter().flat_map(|t| faces.map(|f| f.map(|i| t[i]))).collect();
+    let key = |face: &[u32; 6]| {
+        let mut key = [face[0], face[1], face[2]];
+        key.sort_unstable();
+        key
+    };
+    all.iter().filter(|face| all.iter().filter(|other| key(other) == key(face)).count() == 1).copied().collect()
+}
+
+fn without_unused_nodes(mesh: Mesh) -> Mesh {
+    let Elements::Quadratic(tets) = &mesh.elements else { panic!("10-node elements") };
+    let mut used = vec![u32::MAX; mesh.nodes.len()];
+    let mut nodes = Vec::new();
+    let mut number = |node: u32| {
+        if used[node as usize] == u32::MAX {
+            used[node as usize] = nodes.len() as u32;
+            nodes.push(mesh.nodes[node as usize]);
+        }
+        used[node as usize]
+    };
+    let tets = tets.iter().map(|tet| tet.map(&mut number)).collect();
+    let faces = |chamber: &Chamber| match &chamber.faces {
+        Faces::Quadratic(faces) => faces.clone(),
+        Faces::Linear(_) => panic!("6-node faces"),
+    };
+    let chambers: Vec<Vec<[u32; 6]>> = mesh.chambers.iter().map(faces).collect();
+    let renumbered = chambers.iter().map(|faces| faces.iter().map(|f| f.map(&mut number)).collect());
+    let chambers = renumbered.map(|faces| Chamber { faces: Faces::Quadratic(faces) }).collect();
+    Mesh { nodes, elements: Elements::Quadratic(tets), chambers, ..mesh }
+}
+
+/// Equilibria under rising pressures, with lateral gravity or without.
+fn snapshots(system: &System) -> Vec<Vec<f64>> {
+    let mut snapshots = Vec::new();
+    let count = system.mesh().nodes.len();
+    for pull in [0.0, -20.0, 20.0] {
+        let mut solver = system.solver();
+        solver.set_gravity([0.0, pull, 0.0]).expect("finite gravity");
+        for pressure in [0.0, 8e3, 1.6e4, 2.4e4, 3.2e4, 4e4] {
+            if pressure != 0.0 || pull != 0.0 {
+                let start =
+                    snapshots.last().filter(|_| pressure > 0.0).cloned().unwrap_or_else(|| vec![0.0; 3 * count]);
+                let found = solver.equilibrium(&[pressure], Some(&start), &StaticSettings::default());
+                snapshots.push(found.expect("a moderate load").displacement);
+            }
+        }
+    }
+    snapshots
+}
+
+fn reduced(system: &System, snapshots: &[Vec<f64>]) -> ReducedModel {
+    let snapshots: Vec<&[f64]> = snapshots.iter().map(Vec::as_slice).collect();
+    let settings = ReductionSettings { coordinates: 14, tolerance: 1e-4, ..ReductionSettings::default() };
+    system.reduce(&snapshots, &settings).expect("snapshots")
+}
+
+fn some_coordinates(r: usize, size: f64) -> DVector<f64> {
+    DVector::from_fn(r, |i, _| size * (1.0 + 2.3 * i as f64).sin())
+}
+
+#[test]
+fn the_volume_of_a_chamber_is_its_cubic_polynomial() {
+    let system = hollow();
+    let body = reduced(&system, &snapshots(&system));
+    let q = some_coordinates(body.coordinates(), 0.3 * body.size);
+    let full = system.chamber_volume(0, &body.displacement(&q));
+    assert!((body.chamber_volume(0, &q) / full - 1.0).abs() < 1e-10);
+}
+
+#[test]
+fn the_sampled_points_give_the_forces_of_all_points() {
+    let system = hollow();
+    let snapshots = snapshots(&system);
+    let body = reduced(&system, &snapshots);
+    assert!(body.points()[0] < 300, "{:?} points", body.points());
+    let between = |pair: &[Vec<f64>]| pair[0].iter().zip(&pair[1]).map(|(a, b)| 0.5 * (a + b)).collect();
+    let unseen: Vec<Vec<f64>> = snapshots.windows(2).map(between).collect();
+    for u in snapshots.iter().step_by(4).chain(unseen.iter().step_by(3)) {
+        let q = coordinates_of(&body, &system, u);
+        let near = body.displacement(&q);
+        let all = body.modes.tr_mul(&DVector::from_vec(system.solver().state.elastic_forces(&near)));
+        let sampled = body.elastic_forces(&q, &[1.0]);
+        assert!((&sampled - &all).norm() < 0.01 * all.norm(), "{} of {}", (&sampled - &all).norm(), all.norm());
+    }
+}
+
+/// q of the nearest V q in the mass metric.
+fn coordinates_of(body: &ReducedModel, system: &System, u: &[f64]) -> DVector<f64> {
+    let data = &system.data;
+    let free = data.pattern.gather(u);
+    let mut image = vec![0.0; free.len()];
+    data.mass.multiply(&data.pattern, &free, &mut image);
+    let mut full = vec![0.0; u.len()];
+    data.pattern.scatter(&image, 1.0, &mut full);
+    let right = body.modes.tr_mul(&DVector::from_vec(full));
+    body.mass.clone().lu().solve(&right).expect("the mass is positive definite")
+}
+
+#[test]
+fn between_its_snapshots_the_equilibrium_is_that_of_the_full_model() {
+    let system = hollow();
+    let snapshots = snapshots(&system);
+    let body = reduced(&system, &snapshots);
+    let full =
+        system.solver().equilibrium(&[2e4], Some(&snapshots[1]), &StaticSettings::default()).expect("a moderate load");
+    let found = body.equilibrium(&[2e4], &[1.0], &DVector::zeros(body.coordinates())).expect("a moderate load");
+    let reduced = body.displacement(&found);
+    let off = reduced.iter().zip(&full.displacement).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+    let size = full.displacement.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+    assert!(off < 5e-3 * size, "off by {off} of {size} m");
+    let again = body.equilibrium(&[2e4], &[1.0], &found).expect("an equilibrium");
+    assert!((again - found).amax() < 1e-7 * body.size, "an equilibrium is its own solution");
+}
+
+#[test]
+fn the_data_of_a_model_restore_the_same_model() {
+    let system = hollow();
+    let body = reduced(&system, &snapshots(&system));
+    let again = system.restore(&body.data()).expect("data of this system");
+    let q = some_coordinates(body.coordinates(), 0.2 * body.size);
+    assert_eq!(again.elastic_forces(&q, &[1.3]), body.elastic_forces(&q, &[1.3]));
+    assert_eq!(again.mass, body.mass);
+    assert_eq!(again.chamber_volume(0, &q), body.chamber_volume(0, &q));
+    assert_eq!(again.data(), body.data());
+}
+
+#[test]
+fn data_of_another_system_are_refused() {
+    let system = hollow();
+    let data = reduced(&system, &snapshots(&system)).data();
+    let refused = |data: ReducedModelData, of: &str| {
+        let error = system.restore(&data).expect_err("foreign data").to_string();
+        assert!(error.contains(of), "{error}");
+    };
+    refused(ReducedModelData { modes: vec![vec![0.0; 3]], ..data.clone() }, "3 per node");
+    refused(ReducedModelData { points: Vec::new(), ..data.clone() }, "points of 0 regions");
+    refused(ReducedModelData { points: vec![vec![(u32::MAX, 1e-9)]], ..data.clone() }, "is not in region 0");
+    for weight in [f64::NAN, 0.0, -1e-9] {
+        refused(ReducedModelData { points: vec![vec![(0, weight)]], ..data.clone() }, "is not in region 0");
+    }
+    refused(ReducedModelData { size: f64::NAN, ..data.clone() }, "not finite");
+}
+
+#[test]
+fn the_stiffness_is_the_derivative_of_the_forces() {
+    let system = hollow();
+    let body = reduced(&system, &snapshots(&system));
+    let q = some_coordinates(body.coordinates(), 0.2 * body.size);
+    let along = some_coordinates(body.coordinates(), 1.0).map(|x| x * x);
+    let h = 1e-5 * body.size;
+    let force = |x: f64| body.elastic_forces(&(&q + &along * x), &[1.3]);
+    let difference = (force(h) - force(-h)) / (2.0 * h);
+    let exact = body.stiffness(&q, ReducedTangent::Exact, &[1.3]) * &along;
+    assert!((&difference - &exact).norm() < 1e-7 * exact.norm());
+}
+
+#[test]
+fn under_an_oscillating_pressure_the_reduced_model_moves_as_the_full_one() {
+    let system = hollow();
+    let body = reduced(&system, &snapshots(&system));
+    let settings = DynamicSettings {
+        step: 1.0 / 200.0,
+        scheme: Scheme::Bdf2,
+        stiffness_damping: 0.002,
+        ..DynamicSettings::default()
+    };
+    let beat = |t: f64| 1.6e4 * (1.0 - (std::f64::consts::TAU * 3.0 * t).cos());
+    let tip = (0..system.mesh().nodes.len())
+        .max_by(|a, b| system.mesh().nodes[*a][0].total_cmp(&system.mesh().nodes[*b][0]))
+        .expect("nodes");
+    let (mut full, mut reduced) = (Vec::new(), Vec::new());
+    let rest = State::rest(system.mesh().nodes.len());
+    let mut keep = |_: f64, state: &State| full.push(state.displacement[3 * tip + 1]);
+    let problem = InitialValueProblem { settings: &settings, initial: &rest, pressures: &|t| vec![beat(t)] };
+    system.solver().integrate(&problem, 100, &mut keep).expect("a moderate load");
+    let mut keep = |_: f64, q: &DVector<f64>, _: &DVector<f64>| reduced.push(body.displacement(q)[3 * tip + 1]);
+    let actuation = |t: f64| Actuation { pressures: vec![beat(t)] };
+    let motion = ReducedMotion { settings: &settings, modulus_scale: &[1.0], actuation: &actuation };
+    body.integrate(&motion, &mut NoForce, 100, &mut keep).expect("a moderate load");
+    let largest = full.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
+    let off = full.iter().zip(&reduced).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+    assert!(largest > 1e-3 && off < 0.02 * largest, "off by {off} of {largest} m");
+}

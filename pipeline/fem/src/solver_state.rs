@@ -1,0 +1,98 @@
+//! State of a solver: shared system data, inputs, and the numbers of Newton's method.
+//!
+//! The modules `statics`, `dynamics` and `adjoint` implement their methods on it; [`crate::Solver`] is its public face.
+
+use crate::inputs::Inputs;
+use crate::newton::iteration::Newton;
+use crate::solve_error::SolveError;
+use crate::statics::equilibrium::Equilibrium;
+use crate::system_data::SystemData;
+use si::Pascal;
+use std::sync::Arc;
+
+/// Everything that one solver owns.
+pub(crate) struct SolverState {
+    pub data: Arc<SystemData>,
+    pub inputs: Inputs,
+    pub newton: Newton,
+    /// The equilibrium whose exact tangent is in `newton.tangent`.
+    pub linearised: Option<Equilibrium>,
+}
+
+impl std::fmt::Debug for SolverState {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        out.debug_struct("SolverState").field("properties", &self.inputs.properties).finish_non_exhaustive()
+    }
+}
+
+impl SolverState {
+    pub fn new(data: Arc<SystemData>) -> Self {
+        let (inputs, newton) = (Inputs::new(&data), Newton::new(&data));
+        Self { data, inputs, newton, linearised: None }
+    }
+
+    /// # Errors
+    /// [`SolveError`] when `values` do not have 3 entries per node, or one is not finite.
+    pub fn check_field(&self, what: &'static str, values: &[f64]) -> Result<(), SolveError> {
+        check(what, values, self.data.full_length())
+    }
+
+    /// # Errors
+    /// [`SolveError`] when there is not one finite pressure per chamber, or a sealed chamber has none left.
+    pub fn check_pressures(&self, pressures: &[Pascal]) -> Result<(), SolveError> {
+        check("a list of pressures", pressures, self.data.chambers.len())?;
+        for (&pressure, ambient) in pressures.iter().zip(&self.inputs.ambient) {
+            if ambient.is_some_and(|ambient| pressure <= -ambient) {
+                let (what, range) = ("the pressure of a sealed chamber", "above a vacuum");
+                return Err(SolveError::Setting { what, value: pressure, range });
+            }
+        }
+        Ok(())
+    }
+
+    /// The same displacement with zeros at constrained dofs.
+    pub fn with_constraints(&self, displacement: &[f64]) -> Vec<f64> {
+        let free = self.data.pattern.gather(displacement);
+        self.data.pattern.scattered(&free, 1.0, displacement.len())
+    }
+
+    /// f(u) = ∂Ψ/∂u, 3 entries per node, N.
+    pub fn elastic_forces(&self, u: &[f64]) -> Vec<f64> {
+        let mut forces = vec![0.0; u.len()];
+        self.data.body(&self.inputs.elastic).energy(u, 1.0, &mut forces);
+        forces
+    }
+
+    /// M x at free dofs, both 3 entries per node.
+    pub fn mass_times(&self, x: &[f64]) -> Vec<f64> {
+        let pattern = &self.data.pattern;
+        let free = pattern.gather(x);
+        let mut image = vec![0.0; free.len()];
+        self.inputs.mass.multiply(pattern, &free, &mut image);
+        pattern.scattered(&image, 1.0, x.len())
+    }
+
+    /// K_f(u) x at free dofs with the elastic stiffness K_f, both 3 entries per node; the assembled tangent is
+    /// overwritten.
+    pub fn elastic_stiffness_times(&mut self, u: &[f64], x: &[f64]) -> Vec<f64> {
+        let Self { data, inputs, newton, .. } = self;
+        let pressures = vec![0.0; data.chambers.len()];
+        inputs.at_rest(data, &pressures).elastic_stiffness(u, &mut newton.tangent);
+        let free = data.pattern.gather(x);
+        let mut image = vec![0.0; free.len()];
+        data.pattern.multiply(&newton.tangent, &free, &mut image);
+        data.pattern.scattered(&image, 1.0, x.len())
+    }
+}
+
+/// # Errors
+/// [`SolveError`] when `values` do not have the length `required`, or one is not finite.
+pub(crate) fn check(what: &'static str, values: &[f64], required: usize) -> Result<(), SolveError> {
+    if values.len() != required {
+        return Err(SolveError::Length { what, given: values.len(), required });
+    }
+    match values.iter().find(|value| !value.is_finite()) {
+        Some(&value) => Err(SolveError::NotFinite { what, value }),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,252 @@
+//! Incremental loading (load stepping) with Newton's method.
+//!
+//! From a nearby initial guess Newton's method solves for the whole load at once. From rest, or when that fails, the
+//! load factor is raised in steps with linear extrapolation; a failed step is halved, an easy one lengthens the next. A
+//! short step that still fails is solved with a line search, and at last by pseudo-transient continuation, which passes
+//! the snap-through of a thin wall.
+
+use crate::inputs::AppliedLoad;
+use crate::linear::dot;
+use crate::newton::options::{Globalisation, NewtonOptions, NonConvergence};
+use crate::solve_error::SolveError;
+use crate::solver_state::SolverState;
+use crate::statics::equilibrium::{Equilibrium, StaticSettings};
+use si::Pascal;
+
+/// Tolerance of intermediate load steps, as a fraction of the body's size: they only lead to the next.
+const INTERMEDIATE_TOLERANCE: f64 = 1e-5;
+/// Smallest load step, as a fraction of the load.
+const MIN_STEP: f64 = 1.0 / 256.0;
+/// A load step that full steps do not solve is halved while it is longer than this; then the line search is tried.
+const LINE_SEARCH_BELOW: f64 = 1.0 / 24.0;
+/// A load step with this many factorisations or fewer makes the next one half as long again.
+const EASY: usize = 8;
+/// Full-step iterations at most before the line search is tried: those that converge need 4 to 12.
+const MAX_FULL_STEPS: usize = 25;
+/// A lagged factor is replaced when it is predicted to need more iterations than this: a factorisation costs about as
+/// much.
+const MAX_PREDICTED: f64 = 8.0;
+
+/// States of the load path, each with its load factor.
+type Path = Vec<(f64, Equilibrium)>;
+
+impl SolverState {
+    /// See [`crate::Solver::equilibrium`].
+    pub(crate) fn equilibrium(
+        &mut self,
+        pressures: &[Pascal],
+        initial_guess: Option<&[f64]>,
+        settings: &StaticSettings,
+    ) -> Result<Equilibrium, SolveError> {
+        self.check_pressures(pressures)?;
+        check_settings(settings)?;
+        self.linearised = None;
+        if let Some(guess) = initial_guess {
+            self.check_field("the initial guess", guess)?;
+            let mut direct = self.at_rest(pressures);
+            direct.displacement.copy_from_slice(&self.with_constraints(guess));
+            let options = self.full_steps(settings.tolerance, settings);
+            if settings.reuse_factor && self.warm_start(&mut direct, pressures, &options) {
+                return Ok(self.finished(direct, false));
+            }
+            let load = AppliedLoad { pressures, load_factor: 1.0 };
+            if self.newton_solve(&mut direct, None, load, &options).is_ok() {
+                return Ok(self.finished(direct, false));
+            }
+        }
+        self.load_stepping(pressures, settings)
+    }
+
+    /// See [`crate::Solver::equilibrium_from_prediction`].
+    pub(crate) fn equilibrium_from_prediction(
+        &mut self,
+        pressures: &[Pascal],
+        nearby: &[f64],
+        predicted: &[f64],
+        settings: &StaticSettings,
+    ) -> Result<Equilibrium, SolveError> {
+        self.check_pressures(pressures)?;
+        check_settings(settings)?;
+        self.check_field("the nearby shape", nearby)?;
+        self.check_field("the predicted shape", predicted)?;
+        self.linearised = None;
+        let mut at = self.at_rest(pressures);
+        at.displacement = self.with_constraints(predicted);
+        let (previous, options) = (self.with_constraints(nearby), self.full_steps(settings.tolerance, settings));
+        let load = AppliedLoad { pressures, load_factor: 1.0 };
+        // The line from `nearby` to `predicted` plays the part of a load step's linear step: the
+        // mixed-integration-point tangent leaves out the stress of the stretch that interpolation puts into a rotated
+        // stiff sheet.
+        if self.newton_solve(&mut at, Some(&previous), load, &options).is_ok() {
+            return Ok(self.finished(at, false));
+        }
+        self.equilibrium(pressures, Some(nearby), settings)
+    }
+
+    /// Moves `at` to its equilibrium on the lagged factor; whether it converged.
+    fn warm_start(&mut self, at: &mut Equilibrium, pressures: &[Pascal], options: &NewtonOptions) -> bool {
+        let potential = self.inputs.at_rest(&self.data, pressures);
+        let ready = self.newton.is_ready();
+        let found = ready.then(|| self.newton.warm_start(&potential, &mut at.displacement, options)).flatten();
+        at.iterations += found.map_or(0, |found| found.iterations);
+        found.is_some()
+    }
+
+    /// Raises the load factor from 0 to 1.
+    fn load_stepping(&mut self, pressures: &[Pascal], settings: &StaticSettings) -> Result<Equilibrium, SolveError> {
+        let mut path = vec![(0.0, self.at_rest(pressures))];
+        let mut step = 1.0 / settings.load_steps.max(1) as f64;
+        let mut halved = 0;
+        loop {
+            let reached = path[path.len() - 1].0;
+            let target = if reached + step > 1.0 - MIN_STEP { 1.0 } else { reached + step };
+            match self.load_step(&path, target, pressures, settings) {
+                Ok((at, _)) if target == 1.0 => return Ok(self.finished(at, true)),
+                Ok((at, factorisations)) => {
+                    path.push((target, at));
+                    path.drain(..path.len() - 2);
+                    step *= if factorisations <= EASY { 1.5 } else { 1.0 };
+                }
+                Err(_) if step > MIN_STEP && halved < settings.max_halvings => {
+                    step *= 0.5;
+                    halved += 1;
+                }
+                Err(cause) => return Err(self.no_equilibrium(path, step, pressures, cause)),
+            }
+        }
+    }
+
+    /// One load step to the load factor `target`, from the extrapolated path or, when that inverts an element, from its
+    /// end.
+    fn load_step(
+        &mut self,
+        path: &[(f64, Equilibrium)],
+        target: f64,
+        pressures: &[Pascal],
+        settings: &StaticSettings,
+    ) -> Result<(Equilibrium, usize), NonConvergence> {
+        let tolerance = if target == 1.0 { settings.tolerance } else { settings.tolerance.max(INTERMEDIATE_TOLERANCE) };
+        let full_steps = self.full_steps(tolerance, settings);
+        let globalisation = Globalisation::LineSearch;
+        let line_search = NewtonOptions { globalisation, max_iterations: settings.max_iterations, ..full_steps };
+        let raised: Vec<Pascal> = pressures.iter().map(|pressure| target * pressure).collect();
+        let load = AppliedLoad { pressures: &raised, load_factor: target };
+        let (_, end) = &path[path.len() - 1];
+        let guess = extrapolated(path, target);
+        let previous = (path.len() > 1).then_some(end.displacement.as_slice());
+        let mut attempt = |from: &[f64], previous, options| {
+            let mut next = Equilibrium { displacement: from.to_vec(), pressures: raised.clone(), ..end.clone() };
+            self.newton_solve(&mut next, previous, load, options).map(|factorisations| (next, factorisations))
+        };
+        // Full steps first: for stiff sheets in large rotation they need 4 to 12 iterations where a line search on the
+        // energy needs many times as many. The line search is the fallback, because it converges through snap-through.
+        let full = attempt(&guess, previous, &full_steps);
+        if full.is_ok() || target - path[path.len() - 1].0 > LINE_SEARCH_BELOW {
+            return full;
+        }
+        let mut found = attempt(&guess, None, &line_search);
+        if found == Err(NonConvergence::InvertedElement) {
+            found = attempt(&end.displacement, None, &line_search);
+        }
+        found.or_else(|_| {
+            let mut next = Equilibrium { pressures: raised.clone(), ..end.clone() };
+            self.pseudo_transient(&mut next, load, &line_search).map(|factorisations| (next, factorisations))
+        })
+    }
+
+    /// Moves `at` to its equilibrium under `load` by Newton's method; returns the number of factorisations.
+    pub(crate) fn newton_solve(
+        &mut self,
+        at: &mut Equilibrium,
+        previous: Option<&[f64]>,
+        load: AppliedLoad,
+        options: &NewtonOptions,
+    ) -> Result<usize, NonConvergence> {
+        let potential = self.inputs.static_potential(&self.data, load);
+        let counts = self.newton.minimise(&potential, &mut at.displacement, previous, options)?;
+        at.iterations += counts.iterations;
+        at.factorisations += counts.factorisations;
+        if counts.indefinite > 0 {
+            at.snap_through.push(load.load_factor);
+        }
+        Ok(counts.factorisations)
+    }
+
+    fn at_rest(&self, pressures: &[Pascal]) -> Equilibrium {
+        Equilibrium {
+            displacement: vec![0.0; self.data.full_length()],
+            pressures: pressures.to_vec(),
+            iterations: 0,
+            factorisations: 0,
+            residual: 0.0,
+            load_stepped: false,
+            snap_through: Vec::new(),
+        }
+    }
+
+    /// Full steps beginning with a new factorisation.
+    fn full_steps(&self, tolerance: f64, settings: &StaticSettings) -> NewtonOptions {
+        NewtonOptions {
+            tolerance: tolerance * self.data.size,
+            max_iterations: settings.max_iterations.min(MAX_FULL_STEPS),
+            max_predicted: MAX_PREDICTED,
+            min_steps: 1,
+            refactorise: true,
+            globalisation: Globalisation::FullStep,
+        }
+    }
+
+    fn finished(&self, mut at: Equilibrium, load_stepped: bool) -> Equilibrium {
+        at.load_stepped = load_stepped;
+        at.residual = self.relative_residual(&at);
+        at
+    }
+
+    /// ‖∂Π/∂u‖ over ‖∂Ψ/∂u‖ at free dofs; 0 where there is no elastic force.
+    fn relative_residual(&self, at: &Equilibrium) -> f64 {
+        let norm = |full: &[f64]| {
+            let free = self.data.pattern.gather(full);
+            dot(&free, &free).sqrt()
+        };
+        let mut gradient = vec![0.0; at.displacement.len()];
+        self.inputs.at_rest(&self.data, &at.pressures).energy(&at.displacement, &mut gradient);
+        let unbalanced = norm(&gradient);
+        let elastic = norm(&self.elastic_forces(&at.displacement));
+        if elastic > 0.0 { unbalanced / elastic } else { 0.0 }
+    }
+
+    fn no_equilibrium(
+        &self,
+        mut path: Path,
+        load_step: f64,
+        pressures: &[Pascal],
+        cause: NonConvergence,
+    ) -> SolveError {
+        let (load_factor, at) = path.swap_remove(path.len() - 1);
+        let larger = |most: f64, pressure: &f64| if pressure.abs() > most.abs() { *pressure } else { most };
+        let pressure = pressures.iter().fold(0.0, larger);
+        let last_converged = (load_factor > 0.0).then(|| Box::new(self.finished(at, true)));
+        SolveError::NoEquilibrium { load_factor, load_step, pressure, cause, last_converged }
+    }
+}
+
+/// The straight line through the last two states of the path, at the load factor `target`.
+fn extrapolated(path: &[(f64, Equilibrium)], target: f64) -> Vec<f64> {
+    let (reached, end) = &path[path.len() - 1];
+    let Some((earlier, start)) = path.len().checked_sub(2).map(|at| &path[at]) else {
+        return end.displacement.clone();
+    };
+    let part = (target - reached) / (reached - earlier);
+    end.displacement.iter().zip(&start.displacement).map(|(now, then)| now + part * (now - then)).collect()
+}
+
+fn check_settings(settings: &StaticSettings) -> Result<(), SolveError> {
+    if !(settings.tolerance > 0.0 && settings.tolerance <= 1e-2) {
+        let (what, range) = ("the tolerance", "above 0 and at most 0.01 of the body's size");
+        return Err(SolveError::Setting { what, value: settings.tolerance, range });
+    }
+    if settings.max_iterations == 0 {
+        return Err(SolveError::Setting { what: "max_iterations", value: 0.0, range: "at least 1" });
+    }
+    Ok(())
+}

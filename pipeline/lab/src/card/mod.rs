@@ -1,0 +1,206 @@
+//! The card of a specimen (`specimen.toml`): everything that is known before the first computation.
+//!
+//! All numbers are SI; pixels are pixels of the video. The CAD frame is the frame of the STL files: x along the tail
+//! from the clamp to the fin's tip, y sideways, z up towards the camera.
+
+mod camera;
+mod check;
+mod entry;
+mod fixture;
+mod marker_sources;
+mod marks;
+mod read;
+mod trial;
+mod write;
+
+use serde::{Deserialize, Serialize};
+use si::{KilogramPerCubicMetre, Metre, Pascal, Point2, Point3};
+
+pub use camera::{Board, BoardKind, Camera, LensKind, Plane};
+pub use entry::is_name;
+pub use fixture::{Fixture, FixtureOf};
+pub use marks::{Axes, Detector, Order, Search, Tracks};
+pub use read::{parse, read};
+pub use trial::{Experiment, Medium, Role, Side, Split, Trial};
+pub use write::write;
+
+/// A specimen's card.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Card {
+    /// The specimen's name, equal to its folder's.
+    pub name: String,
+    /// Who recorded it.
+    pub origin: Origin,
+    /// Length by which errors are divided, m.
+    pub length: Metre,
+    /// The two solids.
+    pub solid: Solids,
+    /// The clamped part.
+    pub clamp: Clamp,
+    /// The air chambers, one entry each connected cavity.
+    pub chamber: Vec<Chamber>,
+    /// The tracked marks on the back, from the head to the fin.
+    pub marker: Vec<Marker>,
+    /// The search for markers that are not clicked.
+    #[serde(default)]
+    pub search: Option<Search>,
+    /// The camera and its calibration.
+    pub camera: Camera,
+    /// The water that the camera looks through, where a trial is in water.
+    #[serde(default)]
+    pub water: Option<Water>,
+    /// The LED that synchronises video and logs.
+    pub led: Led,
+    /// The recordings.
+    pub trial: Vec<Trial>,
+    /// Tracks of markers from other programs; a film without them is tracked by this pipeline.
+    #[serde(default)]
+    pub tracks: Vec<Tracks>,
+    /// Recordings of the load cell's fixture without a specimen; none by default.
+    #[serde(default)]
+    pub fixture: Vec<Fixture>,
+}
+
+/// Who recorded a specimen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+pub enum Origin {
+    /// Computed by the virtual bench; nothing in it was measured.
+    #[serde(rename = "virtual bench")]
+    VirtualBench,
+    /// Measured.
+    #[serde(rename = "laboratory")]
+    Laboratory,
+}
+
+impl Origin {
+    /// The value on the card.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::VirtualBench => crate::VIRTUAL_BENCH,
+            Self::Laboratory => "laboratory",
+        }
+    }
+}
+
+/// The unit of the coordinates in the STL files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LengthUnit {
+    /// Millimetres, as most CAD programs write.
+    Mm,
+    /// Centimetres.
+    Cm,
+    /// Metres.
+    M,
+    /// Inches.
+    Inch,
+}
+
+impl LengthUnit {
+    /// One of it in metres.
+    pub fn metres(self) -> Metre {
+        match self {
+            Self::Mm => 1e-3,
+            Self::Cm => 1e-2,
+            Self::M => 1.0,
+            Self::Inch => 0.0254,
+        }
+    }
+
+    /// The value on the card.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Mm => "mm",
+            Self::Cm => "cm",
+            Self::M => "m",
+            Self::Inch => "inch",
+        }
+    }
+}
+
+/// `[solid]`: the unit of both STL files, and the two solids.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Solids {
+    /// Unit of the STL files.
+    pub unit: LengthUnit,
+    /// The soft body with its chambers.
+    pub body: Solid,
+    /// The stiff sheet.
+    pub spine: Solid,
+}
+
+/// `[solid.body]`, `[solid.spine]`: a surface and its material, with the values of the data sheet.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Solid {
+    /// STL file, relative to the card.
+    pub file: String,
+    /// Name of the constitutive model, e.g. `neo_hookean`.
+    pub material: String,
+    /// Nominal Young's modulus, Pa: the initial guess of an identification.
+    pub youngs_modulus: Pascal,
+    /// Poisson's ratio, no unit.
+    pub poissons_ratio: f64,
+    /// Density, kg/m³.
+    pub density: KilogramPerCubicMetre,
+    /// Lowest and highest plausible Young's modulus, Pa: the bounds of an identification.
+    pub plausible: [Pascal; 2],
+}
+
+/// `[clamp]`: the clamped part of the specimen.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Clamp {
+    /// The specimen is clamped at and below this x (m, CAD frame).
+    pub below_x: Metre,
+}
+
+/// `[[chamber]]`: one connected cavity.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Chamber {
+    /// Its name.
+    pub name: String,
+    /// A point inside it, m, CAD frame.
+    pub at: Point3,
+    /// The columns of the pressure logs that belong to it.
+    pub log: Side,
+}
+
+/// `[[marker]]`: one dark mark on the back.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Marker {
+    /// Its name.
+    pub name: String,
+    /// Where it was painted, m, CAD frame.
+    pub at: Point3,
+    /// Where it was clicked in the first frame of every trial, px (u to the right, v down, centre of the first pixel 0, 0); none
+    /// where [`Search`] finds it.
+    #[serde(default)]
+    pub clicked: Option<Point2>,
+    /// Its diameter, m.
+    pub diameter: Metre,
+}
+
+/// `[water]`: the still surface above the specimen, in the trials whose medium is water.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Water {
+    /// z of the surface, m, CAD frame.
+    pub surface: Metre,
+    /// Refractive index, no unit: 1.333 for fresh water at 20 °C.
+    pub index: f64,
+}
+
+/// `[led]`: the LED that is on during a trial.
+#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Led {
+    /// Its centre in the picture, px.
+    pub centre: Point2,
+    /// Its radius in the picture, px.
+    pub radius: f64,
+}

@@ -1,0 +1,70 @@
+//! Errors of the mesher: the surface, the place and what to do.
+
+use crate::surface::place;
+use crate::{SurfaceError, ValidationError};
+use si::{Metre, Point3};
+
+/// Why two surfaces did not become a mesh.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum MeshError {
+    /// A surface that does not bound a solid.
+    #[error("{role} surface: {source}")]
+    Surface {
+        /// `body` or `spine`.
+        role: &'static str,
+        /// What is wrong with it.
+        source: SurfaceError,
+    },
+    /// Space between body and spine that neither fills.
+    #[error("a gap of {:.3} mm lies between body and spine at {}\n  why: they must touch to {:.3} mm (Settings::tolerance times the length)\n  do:  in the CAD program, extend the body to the spine's surface there", .width * 1e3, place(.at), .limit * 1e3)]
+    Gap {
+        /// Where, m.
+        at: Point3,
+        /// How wide, m.
+        width: Metre,
+        /// Widest gap that is closed, m.
+        limit: Metre,
+    },
+    /// Space that both body and spine fill.
+    #[error("body and spine overlap by {:.3} mm at {}\n  why: they must touch to {:.3} mm (Settings::tolerance times the length)\n  do:  in the CAD program, subtract the spine from the body", .width * 1e3, place(.at), .limit * 1e3)]
+    Overlap {
+        /// Where, m.
+        at: Point3,
+        /// How far, m.
+        width: Metre,
+        /// Widest overlap that is closed, m.
+        limit: Metre,
+    },
+    /// A line that enters a solid more often than it leaves it.
+    #[error("the {role} surface is crossed an odd number of times near {}\n  why: a line along the sheet's normal must leave a solid as often as it enters it\n  do:  look for faces there that fold over or cut each other, or for a shell turned inside out", place(.at))]
+    OddCrossings {
+        /// `body` or `spine`.
+        role: &'static str,
+        /// Where, m.
+        at: Point3,
+    },
+    /// Layers without a common order.
+    #[error("the layers at {} and at {} have no common order\n  why: one lies below the other in one place and above it in another, so the body is not a stack of layers over the sheet\n  do:  mesh it with gmsh, TetGen or TetWild, and name that file in a case ([mesh] file)", place(.lower), place(.upper))]
+    NoCommonOrder {
+        /// A point of one layer, m.
+        lower: Point3,
+        /// A point of the other layer, m.
+        upper: Point3,
+    },
+    /// Outlines that cross when they are drawn with edges of the target length.
+    #[error("the outlines of the parts cross each other near {} when drawn with edges of {:.2} mm\n  why: parts are closer to each other than the largest distance of an edge from its outline\n  do:  take a shorter edge (Settings::edge)", place(.at), .edge * 1e3)]
+    CrossingOutlines {
+        /// Where, m.
+        at: Point3,
+        /// Length of edges, m.
+        edge: Metre,
+    },
+    /// Nothing to mesh.
+    #[error(
+        "body and spine leave nothing to mesh\n  why: no line along the sheet's normal goes through a solid\n  do:  check that both files have the same unit and the same origin"
+    )]
+    Nothing,
+    /// A mesh that failed the validation.
+    #[error(transparent)]
+    Invalid(#[from] ValidationError),
+}

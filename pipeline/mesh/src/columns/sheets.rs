@@ -1,0 +1,78 @@
+//! Sheets: patches of body and spine that touch become one height field.
+
+use super::patches::Patch;
+use super::plane::Plane;
+use super::sequence::{Sequence, centroid};
+use crate::frame::turn;
+use crate::stack::Column;
+use crate::surface::components;
+use si::{Metre, Point2, Point3};
+
+/// All sheets of a stack.
+pub(crate) struct Sheets<'a> {
+    patches: &'a [Patch],
+    /// Sheet of each patch.
+    of_patch: Vec<u32>,
+    /// Patches of each sheet, those of the spine first: the sheet's faces are plane, so its heights are exact.
+    members: Vec<Vec<u32>>,
+}
+
+impl<'a> Sheets<'a> {
+    /// Patches that touch over some region are one sheet.
+    pub fn new(patches: &'a [Patch], regions: &[Option<Sequence>]) -> Self {
+        let levels = regions.iter().flatten().flat_map(|s| &s.levels);
+        let links = levels.filter(|l| l.patches.len() == 2).map(|l| [l.patches[0], l.patches[1]]);
+        let (of_patch, count) = components(patches.len(), links);
+        let mut members: Vec<Vec<u32>> = vec![Vec::new(); count as usize];
+        (0..patches.len()).for_each(|p| members[of_patch[p] as usize].push(p as u32));
+        members.iter_mut().for_each(|m| m.sort_by_key(|&p| (1 - patches[p as usize].part, p)));
+        Self { patches, of_patch, members }
+    }
+
+    pub fn count(&self) -> usize {
+        self.members.len()
+    }
+
+    /// A point on a sheet, for messages, m.
+    pub fn place(&self, sheet: u32) -> Point3 {
+        self.patches[self.members[sheet as usize][0] as usize].place
+    }
+
+    /// Height of a sheet, from its patch nearest in the plan, m.
+    pub fn height(&self, at: Point2, sheet: u32) -> Metre {
+        let heights = self.members[sheet as usize].iter().map(|&p| self.patches[p as usize].height(at));
+        heights.fold((0.0, f64::INFINITY), |best, h| if h.1 < best.1 { h } else { best }).0
+    }
+
+    /// The columns over all triangles whose region holds a solid.
+    pub fn columns(&self, plane: &Plane, regions: &[Option<Sequence>]) -> Vec<Column> {
+        let column = |(corners, region): (&[u32; 3], &u32)| {
+            let sequence = regions[*region as usize].as_ref()?;
+            let sheets = sequence.levels.iter().map(|l| self.of_patch[l.patches[0] as usize]).collect();
+            Some(Column { corners: *corners, sheets, fills: sequence.fills.clone() })
+        };
+        plane.triangles.iter().zip(&plane.regions).filter_map(column).collect()
+    }
+
+    /// Centroids of triangles over which a sheet deviates from its linear interpolation by more than `limit` (m);
+    /// triangles smaller than an equilateral one with edges of `least` (m) are not refined.
+    pub fn curved_triangles(
+        &self,
+        plane: &Plane,
+        regions: &[Option<Sequence>],
+        limit: Metre,
+        least: Metre,
+    ) -> Vec<Point2> {
+        let bent = |t: &usize| {
+            let corners = plane.triangles[*t].map(|v| plane.points[v as usize]);
+            let large = turn(corners[0], corners[1], corners[2]) > 0.87 * least * least;
+            let sequence = regions[plane.regions[*t] as usize].as_ref().filter(|_| large);
+            let sheets = sequence.iter().flat_map(|s| &s.levels).map(|l| self.of_patch[l.patches[0] as usize]);
+            sheets.into_iter().any(|sheet| {
+                let flat = corners.iter().map(|&c| self.height(c, sheet)).sum::<f64>() / 3.0;
+                (self.height(centroid(plane, *t), sheet) - flat).abs() > limit
+            })
+        };
+        (0..plane.triangles.len()).filter(bent).map(|t| centroid(plane, t)).collect()
+    }
+}

@@ -1,0 +1,76 @@
+//! Embedding: a point of the skin becomes a material point, a weighted sum of nodes.
+
+use crate::distance::Nearest;
+use crate::{QuadraticMesh, Skin, TetMesh};
+use si::{Metre, Point3};
+
+/// A material point: Σ weight · node, in the reference configuration and in every other.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spot {
+    /// Node and weight; the weights add up to 1.
+    pub weights: Vec<(u32, f64)>,
+}
+
+impl Spot {
+    /// Position of the point for given node positions, in their unit.
+    pub fn at(&self, nodes: &[Point3]) -> Point3 {
+        let sum = |k: usize| self.weights.iter().map(|&(n, w)| w * nodes[n as usize][k]).sum();
+        [sum(0), sum(1), sum(2)]
+    }
+}
+
+/// The point of the outer skin nearest to `at` (m), and how far away it is (m).
+///
+/// The nearest point is searched on the plane triangles of the corners; the weights are the six shape functions of the
+/// quadratic triangle there, which follow the face when it curves. Faces of cavities and of the plane of symmetry are not
+/// searched.
+/// A mesh without outer skin gives an empty spot at infinite distance.
+pub fn embed(mesh: &QuadraticMesh, at: Point3) -> (Spot, Metre) {
+    let outer: Vec<_> = mesh.skin.iter().filter(|face| face.on == Skin::Outer).collect();
+    let corner = |n: u32| mesh.nodes[n as usize];
+    let corners = outer.iter().map(|f| [corner(f.nodes[0]), corner(f.nodes[1]), corner(f.nodes[2])]).collect();
+    match Nearest::new(corners).find(at) {
+        None => (Spot { weights: Vec::new() }, f64::INFINITY),
+        Some(hit) => {
+            let weights = outer[hit.face].nodes.into_iter().zip(shape_functions(hit.shares));
+            (Spot { weights: weights.filter(|w| w.1 != 0.0).collect() }, hit.distance)
+        }
+    }
+}
+
+/// The same on a mesh of four-node elements, whose weights are the shares of a face's corners.
+pub(crate) fn embed_linear(mesh: &TetMesh, at: Point3) -> (Spot, Metre) {
+    let outer: Vec<_> = mesh.skin.iter().filter(|face| face.on == Skin::Outer).collect();
+    let corners = outer.iter().map(|face| face.nodes.map(|node| mesh.nodes[node as usize])).collect();
+    match Nearest::new(corners).find(at) {
+        None => (Spot { weights: Vec::new() }, f64::INFINITY),
+        Some(hit) => {
+            let weights = outer[hit.face].nodes.into_iter().zip(hit.shares);
+            (Spot { weights: weights.filter(|w| w.1 != 0.0).collect() }, hit.distance)
+        }
+    }
+}
+
+/// Shape functions of the quadratic triangle at shares (a, b, c) of its corners: a(2a−1), …, 4ab, 4bc, 4ca.
+fn shape_functions([a, b, c]: [f64; 3]) -> [f64; 6] {
+    let corner = |s: f64| s * (2.0 * s - 1.0);
+    [corner(a), corner(b), corner(c), 4.0 * a * b, 4.0 * b * c, 4.0 * c * a]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{SkinFace, quadratic};
+
+    #[test]
+    fn a_point_above_a_face_is_projected_and_its_weights_add_up_to_one() {
+        let nodes = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]];
+        let skin = vec![SkinFace { nodes: [0, 1, 2], on: Skin::Outer }];
+        let mesh = quadratic(&TetMesh { nodes, tets: vec![[0, 2, 1, 3]], regions: vec![0], skin, half: false });
+        let (spot, distance) = embed(&mesh, [0.2, 0.3, 0.05]);
+        assert!((distance - 0.05).abs() < 1e-15);
+        assert!((spot.weights.iter().map(|w| w.1).sum::<f64>() - 1.0).abs() < 1e-14);
+        let at = spot.at(&mesh.nodes);
+        assert!((at[0] - 0.2).abs() < 1e-14 && (at[1] - 0.3).abs() < 1e-14 && at[2] == 0.0);
+    }
+}

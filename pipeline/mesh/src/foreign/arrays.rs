@@ -1,0 +1,169 @@
+//! Arrays of VTK's XML: text, base64 or appended bytes, whole or in zlib's blocks, as numbers.
+//!
+//! Encoded arrays begin with a header of counts: the bytes that follow, or for blocks their number, size, the size of the
+//! last and the compressed size of each. Header and blocks may be encoded one after the other, each with its own padding.
+
+use super::raw_mesh::MeshFileError;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use roxmltree::Node;
+use std::io::Read;
+
+const AGAIN: &str = "save the mesh again, as text or base64 without lz4 and lzma";
+
+/// Bytes behind the XML.
+pub(super) struct Tail<'a> {
+    bytes: &'a [u8],
+    base64: bool,
+}
+
+impl<'a> Tail<'a> {
+    /// The XML before the appended bytes, and those behind their underscore, if the file has some.
+    pub fn cut_off(file: &'a [u8]) -> (&'a [u8], Option<Self>) {
+        let find = |from: usize, mark: &[u8]| {
+            file[from..].windows(mark.len()).position(|bytes| bytes == mark).map(|place| from + place)
+        };
+        let Some(start) = find(0, b"<AppendedData") else { return (file, None) };
+        let open = find(start, b">").unwrap_or(file.len());
+        let tag = String::from_utf8_lossy(&file[start..open]).replace('\'', "\"");
+        let begin = find(open, b"_").map_or(file.len(), |place| place + 1);
+        (&file[..start], Some(Self { bytes: &file[begin..], base64: tag.contains("\"base64\"") }))
+    }
+}
+
+/// How the arrays of one file are written.
+pub(super) struct Codec<'a> {
+    big: bool,
+    wide_header: bool,
+    blocks: bool,
+    tail: Option<Tail<'a>>,
+}
+
+impl<'a> Codec<'a> {
+    pub fn new(root: Node, tail: Option<Tail<'a>>) -> Result<Self, MeshFileError> {
+        let blocks = match root.attribute("compressor") {
+            None => false,
+            Some("vtkZLibDataCompressor") => true,
+            Some(other) => {
+                return Err(MeshFileError::new(format!("arrays are packed by {other}"), "zlib's are read", AGAIN));
+            }
+        };
+        let big = root.attribute("byte_order") == Some("BigEndian");
+        Ok(Self { big, wide_header: root.attribute("header_type") == Some("UInt64"), blocks, tail })
+    }
+
+    /// All numbers of a `DataArray`.
+    pub fn values(&self, array: Node) -> Result<Vec<f64>, MeshFileError> {
+        let text = || -> String { array.children().filter(Node::is_text).filter_map(|node| node.text()).collect() };
+        match array.attribute("format") {
+            Some("binary") => self.numbers(array, &self.unpacked(&decoded(text().as_bytes())?)?),
+            Some("appended") => self.numbers(array, &self.appended(array)?),
+            _ => text().split_ascii_whitespace().map(number).collect(),
+        }
+    }
+
+    fn appended(&self, array: Node) -> Result<Vec<u8>, MeshFileError> {
+        let offset: Option<usize> = array.attribute("offset").and_then(|word| word.trim().parse().ok());
+        let tail = self.tail.as_ref().and_then(|tail| Some((tail, tail.bytes.get(offset?..)?)));
+        match tail {
+            None => Err(cut()),
+            Some((Tail { base64: false, .. }, bytes)) => self.unpacked(bytes),
+            Some((_, bytes)) => self.unpacked(&decoded(bytes)?),
+        }
+    }
+
+    /// The array's own bytes from those that begin with its header.
+    fn unpacked(&self, bytes: &[u8]) -> Result<Vec<u8>, MeshFileError> {
+        let count = |place: usize| self.count(bytes, place);
+        let step = if self.wide_header { 8 } else { 4 };
+        if !self.blocks {
+            let length = count(0)?;
+            return Ok(bytes.get(step..).and_then(|rest| rest.get(..length)).ok_or_else(cut)?.to_vec());
+        }
+        let (blocks, size) = (count(0)?, count(1)?);
+        let mut rest = blocks.checked_add(3).and_then(|n| bytes.get(n.checked_mul(step)?..)).ok_or_else(cut)?;
+        let mut all = Vec::new();
+        for block in 0..blocks {
+            let (packed, after) = rest.split_at_checked(count(3 + block)?).ok_or_else(cut)?;
+            let read = flate2::read::ZlibDecoder::new(packed).take(size as u64).read_to_end(&mut all);
+            read.map_err(|fault| {
+                MeshFileError::new("a compressed block cannot be read", fault.to_string(), AGAIN).caused_by(fault)
+            })?;
+            rest = after;
+        }
+        Ok(all)
+    }
+
+    /// The header's count at `place`.
+    fn count(&self, bytes: &[u8], place: usize) -> Result<usize, MeshFileError> {
+        let kind = if self.wide_header { "UInt64" } else { "UInt32" };
+        let (step, read) = reader(kind, self.big).ok_or_else(cut)?;
+        let found = place.checked_mul(step).and_then(|start| bytes.get(start..start.checked_add(step)?));
+        Ok(read(found.ok_or_else(cut)?) as usize)
+    }
+
+    fn numbers(&self, array: Node, bytes: &[u8]) -> Result<Vec<f64>, MeshFileError> {
+        let kind = array.attribute("type").unwrap_or_default();
+        let (step, read) = reader(kind, self.big).ok_or_else(|| {
+            MeshFileError::new(format!("an array is of type `{kind}`"), "VTK has no such type", AGAIN)
+        })?;
+        Ok(bytes.chunks_exact(step).map(read).collect())
+    }
+}
+
+/// Bytes a number takes, and how they are read.
+type Reader = (usize, fn(&[u8]) -> f64);
+
+/// The reader of one of VTK's types.
+fn reader(kind: &str, big: bool) -> Option<Reader> {
+    macro_rules! of {
+        ($type:ty) => {{
+            const STEP: usize = size_of::<$type>();
+            fn little(bytes: &[u8]) -> f64 {
+                <$type>::from_le_bytes(bytes.first_chunk::<STEP>().copied().unwrap_or_default()) as f64
+            }
+            fn large(bytes: &[u8]) -> f64 {
+                <$type>::from_be_bytes(bytes.first_chunk::<STEP>().copied().unwrap_or_default()) as f64
+            }
+            Some((STEP, if big { large } else { little }))
+        }};
+    }
+    match kind {
+        "Float32" => of!(f32),
+        "Float64" => of!(f64),
+        "Int8" => of!(i8),
+        "UInt8" => of!(u8),
+        "Int16" => of!(i16),
+        "UInt16" => of!(u16),
+        "Int32" => of!(i32),
+        "UInt32" => of!(u32),
+        "Int64" => of!(i64),
+        "UInt64" => of!(u64),
+        _ => None,
+    }
+}
+
+/// Base64 in one or more parts, each with its own padding, up to the first byte that is none.
+fn decoded(text: &[u8]) -> Result<Vec<u8>, MeshFileError> {
+    let is_digit = |byte: &u8| byte.is_ascii_alphanumeric() || b"+/=".contains(byte);
+    let text: Vec<u8> = text.iter().copied().filter(|byte| !byte.is_ascii_whitespace()).take_while(is_digit).collect();
+    let mut all = Vec::new();
+    for quads in text.chunk_by(|a, b| *a != b'=' || *b == b'=') {
+        STANDARD.decode_vec(quads, &mut all).map_err(|fault| {
+            let why = fault.to_string().to_lowercase();
+            MeshFileError::new("an array is no base64", why, AGAIN).caused_by(fault)
+        })?;
+    }
+    Ok(all)
+}
+
+fn number(word: &str) -> Result<f64, MeshFileError> {
+    word.parse().map_err(|_| {
+        let what = format!("`{}` stands in an array", super::tokens::short(word));
+        MeshFileError::new(what, "it cannot be read as a number", AGAIN)
+    })
+}
+
+fn cut() -> MeshFileError {
+    MeshFileError::new("the file ends inside an array", "its header announces more bytes", AGAIN)
+}

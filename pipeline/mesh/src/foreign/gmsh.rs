@@ -1,0 +1,217 @@
+//! gmsh's `.msh`, version 4.1, as text or binary: sections of blocks, one block an entity of the geometry.
+//!
+//! The tag of a tetrahedron is the physical group of its volume (the lowest, if there are several), else the volume's
+//! number. The ten nodes of gmsh end with the middles of edges 23 and 13, those of this module with 13 and 23.
+
+use super::raw_mesh::{MeshFileError, RawMesh, other_solid, reordered};
+use super::stream::{AGAIN, Form, Stream};
+use super::tokens::{Tokens, short};
+use std::collections::HashMap;
+
+/// The places of this module's ten nodes in gmsh's list.
+const PLACES: [usize; 10] = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8];
+
+/// Reads a `.msh` of version 4.1.
+///
+/// # Errors
+/// [`MeshFileError`], with the line.
+pub fn gmsh(bytes: &[u8]) -> Result<RawMesh, MeshFileError> {
+    let mut file = File::open(bytes)?;
+    let mut raw = RawMesh::default();
+    while let Some(word) = file.from.tokens.next() {
+        let section = String::from_utf8_lossy(word).into_owned();
+        match section.as_str() {
+            "$PhysicalNames" => file.names(&mut raw)?,
+            "$Entities" => file.entities()?,
+            "$Nodes" => file.nodes(&mut raw)?,
+            "$Elements" => file.elements(&mut raw)?,
+            other if other.starts_with('$') => {
+                file.from.tokens.skip_to(&format!("$End{}", &other[1..]));
+                continue;
+            }
+            other => {
+                return Err(file.from.tokens.error(
+                    format!("`{}` is no section", short(other)),
+                    "a section was expected",
+                    AGAIN,
+                ));
+            }
+        }
+        file.from.end(&section[1..])?;
+    }
+    Ok(raw)
+}
+
+struct File<'a> {
+    from: Stream<'a>,
+    /// Place of each node, by its number.
+    places: HashMap<u64, u32>,
+    /// Physical group of each volume.
+    groups: HashMap<i64, i64>,
+}
+
+impl<'a> File<'a> {
+    fn open(bytes: &'a [u8]) -> Result<Self, MeshFileError> {
+        let mut tokens = Tokens::new(bytes, "", None);
+        if tokens.next() != Some(b"$MeshFormat") {
+            let what = "the file does not begin with $MeshFormat";
+            return Err(tokens.error(what, "files of gmsh do", AGAIN));
+        }
+        let version = tokens.word("the format's version")?;
+        if version != "4.1" {
+            let what = format!("the file has version {}", short(version));
+            return Err(tokens.error(what, "version 4.1 is read", AGAIN));
+        }
+        let binary = tokens.number::<u32>("whether the file is binary")? == 1;
+        let wide: u32 = tokens.number("the size of a number")?;
+        if wide != 8 {
+            return Err(tokens.error(format!("numbers have {wide} bytes"), "8 are read", AGAIN));
+        }
+        tokens.rest_of_line();
+        let mut from = Stream { tokens, form: Form::Text };
+        if binary {
+            from.find_form()?;
+        }
+        from.end("MeshFormat")?;
+        Ok(Self { from, places: HashMap::new(), groups: HashMap::new() })
+    }
+
+    /// Names of groups, which are text in binary files too.
+    fn names(&mut self, raw: &mut RawMesh) -> Result<(), MeshFileError> {
+        let count: u64 = self.from.tokens.number("the number of names")?;
+        for _ in 0..count {
+            let dimension: u32 = self.from.tokens.number("the dimension of a group")?;
+            let tag: i64 = self.from.tokens.number("the number of a group")?;
+            let line = String::from_utf8_lossy(self.from.tokens.rest_of_line()).into_owned();
+            if dimension == 3 {
+                raw.names.insert(tag, line.trim().trim_matches('"').to_owned());
+            }
+        }
+        Ok(())
+    }
+
+    /// Entities of the geometry, of which only the groups of volumes are kept.
+    fn entities(&mut self) -> Result<(), MeshFileError> {
+        self.from.begin();
+        let mut counts = [0; 4];
+        for count in &mut counts {
+            *count = self.from.size("the number of entities")?;
+        }
+        for (dimension, count) in counts.into_iter().enumerate() {
+            for _ in 0..count {
+                self.entity(dimension)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn entity(&mut self, dimension: usize) -> Result<(), MeshFileError> {
+        let tag = self.from.int("the number of an entity")?;
+        for _ in 0..if dimension == 0 { 3 } else { 6 } {
+            self.from.real("the bounds of an entity")?;
+        }
+        let groups = self.from.size("the number of groups")?;
+        for _ in 0..groups {
+            let group = self.from.int("a group of an entity")?;
+            if dimension == 3 {
+                let kept = self.groups.entry(tag).or_insert(group);
+                *kept = group.min(*kept);
+            }
+        }
+        if dimension > 0 {
+            for _ in 0..self.from.size("the number of bounding entities")? {
+                self.from.int("a bounding entity")?;
+            }
+        }
+        Ok(())
+    }
+
+    fn nodes(&mut self, raw: &mut RawMesh) -> Result<(), MeshFileError> {
+        self.from.begin();
+        let blocks = self.from.size("the number of blocks of nodes")?;
+        for what in ["the number of nodes", "the least number of a node", "the greatest number of a node"] {
+            self.from.size(what)?;
+        }
+        for _ in 0..blocks {
+            let dimension = self.from.int("the dimension of a block")?;
+            self.from.int("the entity of a block")?;
+            let parameters = if self.from.int("whether nodes have parameters")? == 0 { 0 } else { dimension };
+            let count = self.from.size("the number of nodes in a block")?;
+            let mut labels = Vec::new();
+            for _ in 0..count {
+                labels.push(self.from.size("the number of a node")?);
+            }
+            for label in labels {
+                let mut at = [0.0; 3];
+                for axis in &mut at {
+                    *axis = self.from.real("a coordinate of a node")?;
+                }
+                for _ in 0..parameters {
+                    self.from.real("a parameter of a node")?;
+                }
+                self.places.insert(label, raw.nodes.len() as u32);
+                raw.node(label, at);
+            }
+        }
+        Ok(())
+    }
+
+    fn elements(&mut self, raw: &mut RawMesh) -> Result<(), MeshFileError> {
+        self.from.begin();
+        let blocks = self.from.size("the number of blocks of elements")?;
+        for what in ["the number of elements", "the least number of an element", "the greatest number of an element"] {
+            self.from.size(what)?;
+        }
+        for _ in 0..blocks {
+            let dimension = self.from.int("the dimension of a block")?;
+            let entity = self.from.int("the entity of a block")?;
+            let kind = self.from.int("the type of a block's elements")?;
+            let count = self.from.size("the number of elements in a block")?;
+            let each = self.nodes_each(dimension, kind)?;
+            let tag = self.groups.get(&entity).copied().unwrap_or(entity);
+            for _ in 0..count {
+                self.element(raw, dimension == 3, each, tag)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn element(&mut self, raw: &mut RawMesh, solid: bool, each: usize, tag: i64) -> Result<(), MeshFileError> {
+        let label = self.from.size("the number of an element")?;
+        let mut nodes = Vec::with_capacity(each);
+        for _ in 0..each {
+            let node = self.from.size("a node of an element")?;
+            nodes.push(self.places.get(&node).copied().ok_or_else(|| {
+                let what = format!("element {label} names node {node}");
+                self.from.tokens.error(what, "the file has no such node", AGAIN)
+            })?);
+        }
+        if solid {
+            let placed = raw.tetrahedron(label, &reordered(&nodes, &PLACES), tag);
+            return placed.map_err(|fault| self.from.tokens.place(fault));
+        }
+        raw.ignored += 1;
+        Ok(())
+    }
+
+    /// Nodes of an element of gmsh's type `kind`.
+    fn nodes_each(&self, dimension: i64, kind: i64) -> Result<usize, MeshFileError> {
+        let count = match kind {
+            15 => 1,
+            1 => 2,
+            8 | 2 => 3,
+            3 | 4 | 26 => 4,
+            27 => 5,
+            9 | 28 => 6,
+            16 => 8,
+            10 => 9,
+            11 | 21 => 10,
+            _ => 0,
+        };
+        match (dimension, kind) {
+            (3, 4 | 11) => Ok(count),
+            (0..=2, _) if count > 0 => Ok(count),
+            _ => Err(self.from.tokens.place(other_solid(&format!("elements of gmsh's type {kind}")))),
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! Raw meshes: the content of a file of tetrahedra, before any check.
+
+use si::Point3;
+use std::collections::BTreeMap;
+use std::error::Error;
+
+/// A file that violates its format.
+#[derive(Debug, thiserror::Error)]
+#[error("{place}{what}\n  why: {why}\n  do:  {action}")]
+pub struct MeshFileError {
+    /// Where in the file, followed by a colon and a space; empty for the whole file.
+    pub place: String,
+    /// What is wrong.
+    pub what: String,
+    /// What was expected.
+    pub why: String,
+    /// What to do.
+    pub action: String,
+    /// The parser's error, where there was one.
+    #[source]
+    pub source: Option<Box<dyn Error + Send + Sync>>,
+}
+
+impl MeshFileError {
+    pub(super) fn new(what: impl Into<String>, why: impl Into<String>, action: impl Into<String>) -> Self {
+        let (what, why, action) = (what.into(), why.into(), action.into());
+        Self { place: String::new(), what, why, action, source: None }
+    }
+
+    pub(super) fn caused_by(self, source: impl Error + Send + Sync + 'static) -> Self {
+        Self { source: Some(Box::new(source)), ..self }
+    }
+
+    pub(super) fn at(mut self, place: impl Into<String>) -> Self {
+        self.place = place.into();
+        self
+    }
+}
+
+/// Nodes and tetrahedra as a file gives them.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct RawMesh {
+    /// Node positions, in the file's unit.
+    pub nodes: Vec<Point3>,
+    /// The file's own number of each node.
+    pub node_labels: Vec<u64>,
+    /// Nodes of all tetrahedra, one tetrahedron after the other, mid-edge nodes in the order of this module.
+    pub corners: Vec<u32>,
+    /// Nodes a tetrahedron: 4 or 10; 0 before the first.
+    pub each: usize,
+    /// The file's own number of each tetrahedron.
+    pub labels: Vec<u64>,
+    /// The tag of each tetrahedron: physical group, cell data, reference or attribute; 0 where the file has none.
+    pub tags: Vec<i64>,
+    /// The file's name of a tag.
+    pub names: BTreeMap<i64, String>,
+    /// Number of points, lines and faces, which are not read.
+    pub ignored: usize,
+}
+
+impl RawMesh {
+    /// Adds a node.
+    pub(super) fn node(&mut self, label: u64, at: Point3) {
+        self.nodes.push(at);
+        self.node_labels.push(label);
+    }
+
+    /// Adds a tetrahedron of 4 or 10 nodes.
+    ///
+    /// # Errors
+    /// [`MeshFileError`] when those before it have another number of nodes, or a node is not there.
+    pub(super) fn tetrahedron(&mut self, label: u64, nodes: &[u32], tag: i64) -> Result<(), MeshFileError> {
+        if self.each != 0 && self.each != nodes.len() {
+            let what = format!("element {label} has {} nodes where those before it have {}", nodes.len(), self.each);
+            return Err(MeshFileError::new(
+                what,
+                "a mesh is of one order",
+                "save it with 4-node or with 10-node tetrahedra alone",
+            ));
+        }
+        if let Some(node) = nodes.iter().find(|&&node| node as usize >= self.nodes.len()) {
+            let what = format!("element {label} names the node at place {node}");
+            let why = format!("the file has {} nodes, counted here from 0", self.nodes.len());
+            return Err(MeshFileError::new(what, why, "save the mesh again; the file was cut or edited"));
+        }
+        self.each = nodes.len();
+        self.corners.extend(nodes);
+        self.labels.push(label);
+        self.tags.push(tag);
+        Ok(())
+    }
+
+    /// Number of tetrahedra.
+    pub fn len(&self) -> usize {
+        self.labels.len()
+    }
+
+    /// Whether there are no tetrahedra.
+    pub fn is_empty(&self) -> bool {
+        self.labels.is_empty()
+    }
+
+    /// Nodes of one tetrahedron.
+    pub fn element(&self, element: usize) -> &[u32] {
+        &self.corners[element * self.each..(element + 1) * self.each]
+    }
+}
+
+/// The error of a solid element that is not a tetrahedron.
+pub(super) fn other_solid(name: &str) -> MeshFileError {
+    let what = format!("the file has {name}");
+    MeshFileError::new(
+        what,
+        "tetrahedra of 4 or 10 nodes are simulated",
+        "mesh the solid with tetrahedra of order 1 or 2",
+    )
+}
+
+/// Ten nodes in the order of this module: the file's places of corners and of the middles of 01, 12, 02, 03, 13, 23.
+pub(super) fn reordered(nodes: &[u32], places: &[usize; 10]) -> Vec<u32> {
+    if nodes.len() == 10 { places.iter().map(|&place| nodes[place]).collect() } else { nodes.to_vec() }
+}

@@ -1,0 +1,91 @@
+//! TetGen's `.node` and `.ele`: a line a node and a line a tetrahedron; the first attribute of a tetrahedron is its tag.
+//!
+//! Nodes are counted from whatever number the first of them has (0 or 1). With `-o2`, TetGen writes the middles of edges
+//! 23, 03, 01, 12, 13, 02.
+
+use super::raw_mesh::{MeshFileError, RawMesh, reordered};
+use super::tokens::Tokens;
+
+/// The places of this module's ten nodes in TetGen's list.
+const PLACES: [usize; 10] = [0, 1, 2, 3, 6, 7, 9, 5, 8, 4];
+
+/// Reads the text of both files.
+///
+/// # Errors
+/// [`MeshFileError`], with the file and the line.
+pub fn tetgen(node: &[u8], ele: &[u8]) -> Result<RawMesh, MeshFileError> {
+    let mut raw = RawMesh::default();
+    let first = nodes(Tokens::new(node, ".node file, ", Some(b'#')), &mut raw)?;
+    elements(Tokens::new(ele, ".ele file, ", Some(b'#')), first, &mut raw)?;
+    Ok(raw)
+}
+
+/// The nodes; returns the number of the first one.
+fn nodes(mut tokens: Tokens, raw: &mut RawMesh) -> Result<u64, MeshFileError> {
+    let count: u64 = tokens.number("the number of nodes")?;
+    let dimension: u32 = tokens.number("the dimension")?;
+    if dimension != 3 {
+        let what = format!("the nodes have {dimension} coordinates");
+        return Err(tokens.error(what, "a solid has 3 dimensions", "give the files of a solid"));
+    }
+    let attributes: usize = tokens.number("the number of attributes")?;
+    let more = attributes.saturating_add(tokens.number("the number of marks")?);
+    let mut first = 0;
+    for row in 0..count {
+        let label: u64 = tokens.number("the number of a node")?;
+        first = if row == 0 { label } else { first };
+        if label.checked_sub(first) != Some(row) {
+            let what = format!("node {label} stands where node {} was expected", first.saturating_add(row));
+            return Err(tokens.error(what, "nodes are counted on by one", "save the mesh again"));
+        }
+        let mut axis = || tokens.number::<f64>("a coordinate of a node");
+        let at = [axis()?, axis()?, axis()?];
+        for _ in 0..more {
+            tokens.word("an attribute of a node")?;
+        }
+        raw.node(label, at);
+    }
+    Ok(first)
+}
+
+fn elements(mut tokens: Tokens, first: u64, raw: &mut RawMesh) -> Result<(), MeshFileError> {
+    let count: u64 = tokens.number("the number of tetrahedra")?;
+    let each: usize = tokens.number("the number of nodes a tetrahedron")?;
+    let attributes: usize = tokens.number("the number of attributes")?;
+    if each != 4 && each != 10 {
+        let what = format!("tetrahedra have {each} nodes");
+        return Err(tokens.error(what, "4 or 10 are read", "write the mesh with order 1 or 2"));
+    }
+    for _ in 0..count {
+        let label: u64 = tokens.number("the number of a tetrahedron")?;
+        let mut nodes = Vec::with_capacity(each);
+        for _ in 0..each {
+            nodes.push(node(&mut tokens, label, first)?);
+        }
+        let tag = tag(&mut tokens, attributes)?;
+        raw.tetrahedron(label, &reordered(&nodes, &PLACES), tag).map_err(|fault| tokens.place(fault))?;
+    }
+    Ok(())
+}
+
+fn node(tokens: &mut Tokens, element: u64, first: u64) -> Result<u32, MeshFileError> {
+    let label: u64 = tokens.number("a node of a tetrahedron")?;
+    label.checked_sub(first).and_then(|place| u32::try_from(place).ok()).ok_or_else(|| {
+        let what = format!("element {element} names node {label}");
+        tokens.error(what, format!("the first node is {first}"), "give the .node file that was written with this .ele")
+    })
+}
+
+/// The first attribute of a row as a whole number.
+fn tag(tokens: &mut Tokens, attributes: usize) -> Result<i64, MeshFileError> {
+    let mut tag = 0;
+    for place in 0..attributes {
+        let value: f64 = tokens.number("an attribute of a tetrahedron")?;
+        if place == 0 && (value.fract() != 0.0 || value.abs() > 1e15) {
+            let why = "the first attribute is the region's number";
+            return Err(tokens.error(format!("the attribute is {value}"), why, "number the regions"));
+        }
+        tag = if place == 0 { value as i64 } else { tag };
+    }
+    Ok(tag)
+}

@@ -1,0 +1,157 @@
+//! VTK's unstructured grid (`.vtu`): XML with points, cells and data of the cells.
+//!
+//! Tetrahedra are cell types 10 and 24; type 24 has the order of nodes of this module. The tag of a cell is the first of the arrays
+//! in [`TAGS`] that the file has. Appended bytes are cut off before the rest is read as XML, which they need not be.
+
+use super::arrays::{Codec, Tail};
+use super::raw_mesh::{MeshFileError, RawMesh, other_solid};
+use roxmltree::{Document, Node};
+
+/// Names of arrays that hold the region of a cell, in lower case, by priority.
+const TAGS: [&str; 9] = [
+    "region",
+    "regions",
+    "gmsh:physical",
+    "cellentityids",
+    "medit:ref",
+    "tetgen:ref",
+    "cell_tags",
+    "material",
+    "gmsh:geometrical",
+];
+const AGAIN: &str = "save the mesh again";
+
+/// Reads a `.vtu`: text, inline base64, appended raw or base64, whole or in zlib's blocks.
+///
+/// # Errors
+/// [`MeshFileError`], with the line of the array.
+pub fn vtu(bytes: &[u8]) -> Result<RawMesh, MeshFileError> {
+    let (head, tail) = Tail::cut_off(bytes);
+    let head = std::str::from_utf8(head)
+        .map_err(|_| MeshFileError::new("the file is no text before its appended data", "XML is UTF-8", AGAIN))?;
+    let closed = if tail.is_some() { format!("{head}</VTKFile>") } else { head.to_owned() };
+    let document = Document::parse(&closed).map_err(|fault| {
+        let place = format!("line {}: ", fault.pos().row);
+        MeshFileError::new("the file is no XML", fault.to_string(), "save the mesh as .vtu").at(place).caused_by(fault)
+    })?;
+    let root = document.root_element();
+    if root.attribute("type") != Some("UnstructuredGrid") {
+        let what = format!("the file holds {}", root.attribute("type").unwrap_or("no VTK data"));
+        return Err(MeshFileError::new(what, "a solid is an UnstructuredGrid", "save the mesh as .vtu"));
+    }
+    let codec = Codec::new(root, tail)?;
+    let mut raw = RawMesh::default();
+    for piece in root.descendants().filter(|node| node.has_tag_name("Piece")) {
+        Piece { node: piece, codec: &codec }.read(&mut raw)?;
+    }
+    Ok(raw)
+}
+
+/// One piece of a file.
+struct Piece<'a, 'b> {
+    node: Node<'a, 'a>,
+    codec: &'b Codec<'b>,
+}
+
+/// A cell as the file has it.
+struct Cell<'a> {
+    kind: u8,
+    nodes: &'a [f64],
+    tag: i64,
+}
+
+impl Piece<'_, '_> {
+    fn read(&self, raw: &mut RawMesh) -> Result<(), MeshFileError> {
+        let first = raw.nodes.len();
+        for at in self.array("Points", |_| true, "the points")?.chunks_exact(3) {
+            raw.node(raw.nodes.len() as u64, [at[0], at[1], at[2]]);
+        }
+        let named = |name: &'static str| move |is: &str| is == name;
+        let nodes = self.array("Cells", named("connectivity"), "connectivity")?;
+        let ends = self.array("Cells", named("offsets"), "offsets")?;
+        let types = self.array("Cells", named("types"), "types")?;
+        let tags = self.tags()?;
+        if types.len() != ends.len() || tags.as_ref().is_some_and(|tags| tags.len() != ends.len()) {
+            let what =
+                format!("there are {} cells, {} types and {:?} tags", ends.len(), types.len(), tags.map(|t| t.len()));
+            return Err(self.error(what, "each cell has one of each"));
+        }
+        let mut begin = 0;
+        for (cell, (&end, &kind)) in ends.iter().zip(&types).enumerate() {
+            let list = self.whole(end).and_then(|end| nodes.get(begin..end).map(|list| (end, list)));
+            let (end, list) =
+                list.ok_or_else(|| self.error(format!("cell {cell} ends at {end}"), "no node is there"))?;
+            begin = end;
+            let tag = tags.as_ref().map_or(0, |tags| tags[cell] as i64);
+            self.cell(raw, first, &Cell { kind: kind as u8, nodes: list, tag })?;
+        }
+        Ok(())
+    }
+
+    /// Adds a cell of a piece whose nodes are counted from `first`.
+    fn cell(&self, raw: &mut RawMesh, first: usize, cell: &Cell) -> Result<(), MeshFileError> {
+        let Cell { kind, nodes: list, tag } = *cell;
+        let label = (raw.len() + raw.ignored) as u64;
+        match (kind, list.len()) {
+            (10, 4) | (24, 10) => {
+                let nodes: Option<Vec<u32>> =
+                    list.iter().map(|&node| u32::try_from(self.whole(node)? + first).ok()).collect();
+                let nodes =
+                    nodes.ok_or_else(|| self.error(format!("cell {label} names a broken node"), "it is no count"))?;
+                raw.tetrahedron(label, &nodes, tag).map_err(|fault| fault.at(self.place(self.node)))
+            }
+            // points, lines and faces of VTK, linear and quadratic
+            (1..=9 | 21..=23 | 28 | 30 | 34 | 36, _) => {
+                raw.ignored += 1;
+                Ok(())
+            }
+            _ => {
+                Err(other_solid(&format!("cells of VTK's type {kind} with {} nodes", list.len()))
+                    .at(self.place(self.node)))
+            }
+        }
+    }
+
+    fn whole(&self, value: f64) -> Option<usize> {
+        (value >= 0.0 && value.fract() == 0.0 && value < 4e9).then_some(value as usize)
+    }
+
+    /// The values of the first array below `part` whose name is chosen.
+    fn array(&self, part: &str, chosen: impl Fn(&str) -> bool, what: &str) -> Result<Vec<f64>, MeshFileError> {
+        let found = self.arrays(part).find(|array| chosen(array.attribute("Name").unwrap_or_default()));
+        let array = found.ok_or_else(|| self.error(format!("{part} has no array for {what}"), "a mesh needs it"))?;
+        self.values(array)
+    }
+
+    fn tags(&self) -> Result<Option<Vec<f64>>, MeshFileError> {
+        let is = |array: &Node, name: &str| array.attribute("Name").is_some_and(|own| own.to_lowercase() == name);
+        let found = TAGS.iter().find_map(|name| self.arrays("CellData").find(|array| is(array, name)));
+        let Some(array) = found else { return Ok(None) };
+        let tags = self.values(array)?;
+        match tags.iter().find(|tag| tag.fract() != 0.0 || tag.abs() > 1e15) {
+            Some(tag) => {
+                let fault =
+                    MeshFileError::new(format!("a tag is {tag}"), "tags are whole numbers", "number the regions");
+                Err(fault.at(self.place(array)))
+            }
+            None => Ok(Some(tags)),
+        }
+    }
+
+    fn arrays(&self, part: &str) -> impl Iterator<Item = Node<'_, '_>> {
+        let part = self.node.children().find(|node| node.has_tag_name(part));
+        part.into_iter().flat_map(|part| part.children()).filter(|node| node.has_tag_name("DataArray"))
+    }
+
+    fn values(&self, array: Node) -> Result<Vec<f64>, MeshFileError> {
+        self.codec.values(array).map_err(|fault| fault.at(self.place(array)))
+    }
+
+    fn place(&self, node: Node) -> String {
+        format!("line {}: ", node.document().text_pos_at(node.range().start).row)
+    }
+
+    fn error(&self, what: impl Into<String>, why: &str) -> MeshFileError {
+        MeshFileError::new(what, why, AGAIN).at(self.place(self.node))
+    }
+}

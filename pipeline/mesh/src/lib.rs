@@ -1,0 +1,57 @@
+//! Tetrahedral meshes with regions, from closed surfaces or from the files of other meshers.
+//!
+//! | task | item |
+//! |------|------|
+//! | STL files to welded [`Surface`]s, and back | [`stl`] |
+//! | a body and a plane sheet to a [`TetMesh`] | [`mesh`], [`mesh_without_sheet`] |
+//! | columns over a triangulated plan | [`stack`] |
+//! | ten-node elements | [`quadratic`] |
+//! | files of gmsh, VTK, MEDIT and TetGen | [`foreign`] |
+//! | material points on the skin | [`embed`] |
+//! | volumes and centroids of chambers | [`cavities`] |
+//!
+//! Lengths are in metres. The same input gives the same mesh, byte for byte.
+//!
+//! ```
+//! use mesh::{Settings, Surface, mesh_without_sheet};
+//!
+//! // a closed box of 40 × 10 × 20 mm, normals outwards
+//! let corner = |i: u32| [0, 1, 2].map(|k| if i >> k & 1 == 1 { [0.04, 0.01, 0.02][k] } else { 0.0 });
+//! let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+//! let faces = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+//! let body = Surface { points: (0..8).map(corner).collect(), faces };
+//!
+//! let (tetrahedra, report) = mesh_without_sheet(&body, &Settings::new(5e-3))?;
+//! assert!(tetrahedra.nonconformity().is_none());
+//! assert!((report.volume_body - 8e-6).abs() < 1e-15);
+//! # Ok::<(), mesh::MeshError>(())
+//! ```
+//!
+//! Depends on `si`, spade (constrained Delaunay triangulation of the plan) and the parsers of the file formats.
+
+mod cavities;
+mod columns;
+mod conforming;
+mod distance;
+mod embed;
+pub mod foreign;
+pub mod frame;
+mod quadratic;
+pub mod quality;
+mod solid;
+mod solid_angle;
+pub mod stack;
+pub mod stl;
+mod surface;
+mod tetrahedra;
+mod validate;
+
+pub use cavities::{Cavity, cavities};
+pub use columns::{MeshError, Settings, mesh, mesh_without_sheet};
+pub use embed::{Spot, embed};
+pub use quadratic::{QuadraticFace, QuadraticMesh, quadratic};
+pub use solid::Solid;
+pub use solid_angle::{chamber_at, chamber_containing};
+pub use surface::{SharedEdge, Shell, Surface, SurfaceError};
+pub use tetrahedra::{BODY, FACES, SPINE, Skin, SkinFace, TetMesh};
+pub use validate::{Chamber, Report, ValidationError};

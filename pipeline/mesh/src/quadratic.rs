@@ -1,0 +1,84 @@
+//! Quadratic elements: every edge of a linear mesh gets a mid-edge node.
+
+use crate::{Skin, TetMesh};
+use si::Point3;
+use std::collections::HashMap;
+
+/// A face of six nodes: three corners, then the middles of 01, 12, 20.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct QuadraticFace {
+    /// Corners, then middles.
+    pub nodes: [u32; 6],
+    /// What is on the other side.
+    pub on: Skin,
+}
+
+/// A [`TetMesh`] with ten nodes an element: four corners, then the middles of 01, 12, 02, 03, 13, 23 (VTK's order).
+#[derive(Debug, Clone, PartialEq)]
+pub struct QuadraticMesh {
+    /// Node positions, m: the corners of the linear mesh first, in its order.
+    pub nodes: Vec<Point3>,
+    /// Ten nodes an element.
+    pub tets: Vec<[u32; 10]>,
+    /// Region of each element.
+    pub regions: Vec<u16>,
+    /// The closed boundary of the solid, normals outwards.
+    pub skin: Vec<QuadraticFace>,
+    /// Whether only z ≥ 0 is meshed.
+    pub half: bool,
+}
+
+/// The edges whose middles are nodes 4 to 9.
+pub(crate) const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]];
+
+/// Mid-edge nodes, numbered in the order of first use.
+struct Middles {
+    nodes: Vec<Point3>,
+    known: HashMap<[u32; 2], u32>,
+}
+
+impl Middles {
+    fn of(&mut self, a: u32, b: u32) -> u32 {
+        let next = self.nodes.len() as u32;
+        let middle = *self.known.entry([a.min(b), a.max(b)]).or_insert(next);
+        if middle == next {
+            let (p, q) = (self.nodes[a as usize], self.nodes[b as usize]);
+            self.nodes.push([0, 1, 2].map(|k| (p[k] + q[k]) / 2.0));
+        }
+        middle
+    }
+}
+
+/// The same mesh with quadratic elements, edges straight.
+pub fn quadratic(mesh: &TetMesh) -> QuadraticMesh {
+    let mut middles = Middles { nodes: mesh.nodes.clone(), known: HashMap::new() };
+    let tets = mesh.tets.iter().map(|t| {
+        let m = EDGES.map(|[a, b]| middles.of(t[a], t[b]));
+        [t[0], t[1], t[2], t[3], m[0], m[1], m[2], m[3], m[4], m[5]]
+    });
+    let tets = tets.collect();
+    let skin = mesh.skin.iter().map(|face| {
+        let [a, b, c] = face.nodes;
+        let nodes = [a, b, c, middles.of(a, b), middles.of(b, c), middles.of(c, a)];
+        QuadraticFace { nodes, on: face.on }
+    });
+    let skin = skin.collect();
+    QuadraticMesh { nodes: middles.nodes, tets, regions: mesh.regions.clone(), skin, half: mesh.half }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::SkinFace;
+
+    #[test]
+    fn a_single_element_gets_six_middles_that_its_faces_share() {
+        let nodes = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let skin = vec![SkinFace { nodes: [1, 2, 3], on: Skin::Outer }];
+        let mesh = TetMesh { nodes, tets: vec![[0, 1, 2, 3]], regions: vec![0], skin, half: false };
+        let fine = quadratic(&mesh);
+        assert_eq!(fine.nodes.len(), 10);
+        assert_eq!(fine.nodes[fine.tets[0][8] as usize], [0.5, 0.0, 0.5]);
+        assert_eq!(fine.skin[0].nodes, [1, 2, 3, 5, 9, 8]);
+    }
+}

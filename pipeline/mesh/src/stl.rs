@@ -1,0 +1,157 @@
+//! STL: triangles of a file become a welded surface in metres, and back.
+//!
+//! The format has no unit, so the caller gives it, and the size is checked against the plausible lengths of an actuator.
+
+use crate::Surface;
+use si::{Metre, Point3};
+use std::collections::HashMap;
+use std::io::Cursor;
+
+/// Plausible lengths of an actuator, m.
+const PLAUSIBLE_LENGTH: [Metre; 2] = [5e-3, 5.0];
+/// Corners closer than this fraction of the bounding box are welded; STL has single precision, 6e-8.
+const WELD: f64 = 1e-6;
+
+/// A file that does not hold the surface of a solid.
+#[derive(Debug, thiserror::Error)]
+pub enum StlError {
+    /// Not an STL file.
+    #[error("the file is not an STL\n  why: {0}\n  do:  export it again as binary or ASCII STL")]
+    Format(#[from] std::io::Error),
+    /// No triangles, or a coordinate that is not a number.
+    #[error(
+        "the STL holds {faces} faces and {bad} coordinates that are no numbers\n  why: a solid needs at least 4 faces, all finite\n  do:  export the part again"
+    )]
+    Nothing {
+        /// Faces in the file.
+        faces: usize,
+        /// Coordinates that are NaN or infinite.
+        bad: usize,
+    },
+    /// Implausible size.
+    #[error(
+        "the solid is {length} m long; {guess}\n  why: the length must lie between {} m and {} m; the file was read with 1 unit = {unit} m\n  do:  set the STL's unit in the card (0.001 for millimetres, 1 for metres)", PLAUSIBLE_LENGTH[0], PLAUSIBLE_LENGTH[1]
+    )]
+    Size {
+        /// Longest side of the bounding box, m.
+        length: Metre,
+        /// Length of the file's unit, m.
+        unit: Metre,
+        /// The probable cause.
+        guess: &'static str,
+    },
+}
+
+/// Reads a binary or ASCII STL and welds its corners.
+///
+/// | name    | unit | meaning                                        |
+/// |---------|------|------------------------------------------------|
+/// | `bytes` |      | the file                                       |
+/// | `unit`  | m    | length of the file's unit, 1e-3 for millimetres |
+///
+/// Faces that the welding leaves without area (two equal corners) are dropped.
+///
+/// # Errors
+/// [`StlError`] when the bytes are no STL, hold no solid, or the solid's size is implausible.
+pub fn read(bytes: &[u8], unit: Metre) -> Result<Surface, StlError> {
+    let file = stl_io::read_stl(&mut Cursor::new(bytes))?;
+    let points: Vec<Point3> = file.vertices.iter().map(|v| v.0.map(|c| f64::from(c) * unit)).collect();
+    let bad = points.iter().flatten().filter(|c| !c.is_finite()).count();
+    if file.faces.len() < 4 || bad > 0 {
+        return Err(StlError::Nothing { faces: file.faces.len(), bad });
+    }
+    let faces = file.faces.iter().map(|f| f.vertices.map(|v| v as u32)).collect();
+    let raw = Surface { points, faces };
+    check_length(raw.length(), unit)?;
+    Ok(weld(&raw))
+}
+
+fn check_length(length: Metre, unit: Metre) -> Result<(), StlError> {
+    let guess = match length {
+        l if l < PLAUSIBLE_LENGTH[0] => "an STL in metres read as millimetres?",
+        l if l > PLAUSIBLE_LENGTH[1] => "an STL in millimetres read as metres?",
+        _ => return Ok(()),
+    };
+    Err(StlError::Size { length, unit, guess })
+}
+
+/// Joins corners that lie within [`WELD`] of each other; the first one stays.
+fn weld(raw: &Surface) -> Surface {
+    let near = WELD * raw.length();
+    let mut cells: HashMap<[i64; 3], u32> = HashMap::new();
+    let mut points = Vec::new();
+    let mut merged = Vec::with_capacity(raw.points.len());
+    for p in &raw.points {
+        // a cell is two radii wide, and a point also claims the cells that its radius reaches
+        let reach = |sx: f64, sy: f64, sz: f64| {
+            [p[0] + sx * near, p[1] + sy * near, p[2] + sz * near].map(|c| (c / (2.0 * near)).floor() as i64)
+        };
+        let signs = (0..8).map(|i| [0, 1, 2].map(|k| if i >> k & 1 == 1 { 0.5 } else { -0.5 }));
+        let claims: Vec<_> = signs.map(|[x, y, z]| reach(x, y, z)).collect();
+        let known = claims.iter().find_map(|c| cells.get(c).copied());
+        let index = known.unwrap_or(points.len() as u32);
+        if known.is_none() {
+            points.push(*p);
+        }
+        claims.into_iter().for_each(|c| {
+            cells.entry(c).or_insert(index);
+        });
+        merged.push(index);
+    }
+    let faces = raw.faces.iter().map(|f| f.map(|p| merged[p as usize]));
+    Surface { points, faces: faces.filter(|[a, b, c]| a != b && b != c && c != a).collect() }
+}
+
+/// Writes a binary STL with `title` in its header (first 80 bytes), 1 unit = `unit` m.
+pub fn write(surface: &Surface, unit: Metre, title: &str) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(84 + 50 * surface.faces.len());
+    bytes.extend(title.bytes().chain(std::iter::repeat(b' ')).take(80));
+    bytes.extend((surface.faces.len() as u32).to_le_bytes());
+    for face in 0..surface.faces.len() {
+        let n = surface.normal(face);
+        let length = si::vec3::norm(n).max(f64::MIN_POSITIVE);
+        let rows = [n.map(|c| c / length)].into_iter().chain(surface.corners(face).map(|p| p.map(|c| c / unit)));
+        rows.flatten().for_each(|c| bytes.extend((c as f32 + 0.0).to_le_bytes()));
+        bytes.extend([0, 0]);
+    }
+    bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::tests::block;
+
+    #[test]
+    fn a_written_surface_is_read_back() {
+        let solid = block([-0.02, 0.0, -0.01], [0.02, 0.01, 0.01]);
+        let again = read(&write(&solid, 1e-3, "a box"), 1e-3).unwrap();
+        assert_eq!((again.points.len(), again.faces.len()), (8, 12));
+        assert!((again.volume() - solid.volume()).abs() < 1e-6 * solid.volume());
+    }
+
+    #[test]
+    fn an_ascii_file_is_read_too() {
+        let solid = block([0.0; 3], [20.0; 3]);
+        let mut text = String::from("solid box\n");
+        for f in 0..solid.faces.len() {
+            text += "facet normal 0 0 0\nouter loop\n";
+            solid.corners(f).iter().for_each(|p| text += &format!("vertex {} {} {}\n", p[0], p[1], p[2]));
+            text += "endloop\nendfacet\n";
+        }
+        let read = read((text + "endsolid box\n").as_bytes(), 1e-3).unwrap();
+        assert!((read.volume() - 8e-6).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_file_in_metres_read_as_millimetres_is_refused() {
+        let bytes = write(&block([0.0; 3], [0.1; 3]), 1.0, "a box");
+        let error = read(&bytes, 1e-3).unwrap_err().to_string();
+        assert!(error.contains("an STL in metres read as millimetres?"), "{error}");
+    }
+
+    #[test]
+    fn text_that_is_no_stl_is_refused() {
+        assert!(read(b"nothing of the kind", 1e-3).is_err());
+    }
+}

@@ -1,0 +1,290 @@
+//! Foreign meshes: one hollow ball in every format, and what is refused.
+//!
+//! The ball of `data/` has radii of 10 and 6 mm, 140 curved elements of ten nodes, the group 7 "soft" where x < 0 and the group
+//! 3 "stiff" where x > 0. gmsh 4.15 wrote `ball.msh`, `ball_binary.msh` and `ball.mesh`, VTK 9.7 the grids; `ball.node` and
+//! `ball.ele` have the order of nodes that TetGen 1.6 writes with `-o2`.
+
+#![allow(clippy::unwrap_used)]
+
+use mesh::foreign::{ForeignMesh, MeshDefect, MeshFileError, RawMesh, gmsh, medit, tetgen, vtu};
+use mesh::{Skin, Solid};
+use std::f64::consts::PI;
+
+fn bytes(name: &str) -> Vec<u8> {
+    std::fs::read(format!("{}/tests/data/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
+fn text(name: &str) -> String {
+    String::from_utf8(bytes(name)).unwrap()
+}
+
+fn ball(name: &str) -> ForeignMesh {
+    let read = match name.rsplit_once('.').unwrap().1 {
+        "msh" => gmsh(&bytes(name)),
+        "mesh" => medit(&bytes(name)),
+        "vtu" => vtu(&bytes(name)),
+        _ => tetgen(&bytes("ball.node"), &bytes(name)),
+    };
+    read.unwrap_or_else(|fault| panic!("{name}: {fault}")).check(1.0, false).unwrap_or_else(|e| panic!("{name}: {e}"))
+}
+
+const BALLS: [&str; 10] = [
+    "ball.msh",
+    "ball_binary.msh",
+    "ball.mesh",
+    "ball.ele",
+    "ball_ascii.vtu",
+    "ball_inline.vtu",
+    "ball_inline_zlib.vtu",
+    "ball_raw.vtu",
+    "ball_appended.vtu",
+    "ball_zlib.vtu",
+];
+
+/// Places of all nodes of all elements, with the tag: the same for the same mesh, whatever its numbers.
+fn elements(foreign: &ForeignMesh) -> Vec<(i64, Vec<[f64; 3]>)> {
+    let solid = &foreign.solid;
+    let places = |element| solid.element(element).iter().map(|&n| solid.nodes()[n as usize]).collect();
+    (0..solid.len()).map(|e| (foreign.regions[usize::from(solid.regions()[e])].tag, places(e))).collect()
+}
+
+#[test]
+fn every_format_gives_the_same_ball() {
+    let reference = elements(&ball(BALLS[0]));
+    for name in BALLS {
+        let own = elements(&ball(name));
+        assert_eq!(own.len(), reference.len(), "{name}");
+        for (number, (a, b)) in own.iter().zip(&reference).enumerate() {
+            let distance =
+                a.1.iter().flatten().zip(b.1.iter().flatten()).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
+            // MEDIT's file has 14 digits
+            assert!(a.0 == b.0 && distance < 1e-15, "{name}, element {number}: {distance:e} m distance");
+        }
+    }
+}
+
+#[test]
+fn curved_elements_fill_the_ball_better_than_straight_ones() {
+    let foreign = ball("ball.msh");
+    let whole = 4.0 / 3.0 * PI * (1e-6 - 0.216e-6);
+    let curved: f64 = foreign.regions.iter().map(|region| region.volume).sum();
+    let straight: f64 = {
+        let mesh = foreign.solid.clone().to_linear();
+        (0..mesh.tets.len()).map(|tet| mesh.volume(tet)).sum()
+    };
+    // edges of 70 degrees: chords lose a sixth of the volume, parabolas a hundredth
+    assert!((curved / whole - 1.0).abs() < 0.02, "{curved:e} of {whole:e}");
+    assert!((straight / whole - 1.0).abs() > 0.1, "{straight:e} of {whole:e}");
+}
+
+#[test]
+fn the_skin_encloses_the_volume_of_the_elements() {
+    let foreign = ball("ball.msh");
+    let inner = foreign.cavities[0].volume;
+    let elements: f64 = foreign.regions.iter().map(|region| region.volume).sum();
+    let (nodes, faces) = (foreign.solid.nodes(), foreign.solid.faces());
+    let outer: Vec<_> = faces.iter().filter(|face| face.1 == Skin::Outer).collect();
+    assert!(outer.iter().all(|face| face.0.len() == 6));
+    let centre = |face: &[u32]| face[..3].iter().map(|&n| nodes[n as usize][0]).sum::<f64>();
+    assert!(outer.iter().any(|face| centre(face.0) > 0.0) && outer.iter().any(|face| centre(face.0) < 0.0));
+    // Gauss: what the outer shell encloses is the solid and the cavity; the ball's is known through its mirror, the chamber
+    let shell = outside_volume(&foreign);
+    assert!((shell - inner - elements).abs() < 1e-12 * shell, "{shell:e} {inner:e} {elements:e}");
+}
+
+/// The volume inside the outer faces: the cavity of the same mesh when its faces are turned and named a chamber.
+fn outside_volume(foreign: &ForeignMesh) -> f64 {
+    let Solid::Quadratic(mut mesh) = foreign.solid.clone() else { panic!("ten nodes were read") };
+    mesh.skin.retain(|face| face.on == Skin::Outer);
+    for face in &mut mesh.skin {
+        let [a, b, c, ab, bc, ca] = face.nodes;
+        (face.nodes, face.on) = ([a, c, b, ca, bc, ab], Skin::Chamber(0));
+    }
+    mesh::cavities(&Solid::Quadratic(mesh))[0].volume
+}
+
+#[test]
+fn the_chamber_lies_in_the_middle_and_the_regions_keep_tag_and_name() {
+    let foreign = ball("ball_binary.msh");
+    assert_eq!(foreign.cavities.len(), 1);
+    let cavity = &foreign.cavities[0];
+    assert!((cavity.volume / (4.0 / 3.0 * PI * 0.216e-6) - 1.0).abs() < 0.03, "{:e}", cavity.volume);
+    assert!(cavity.centroid.iter().all(|x| x.abs() < 2e-5), "{:?}", cavity.centroid);
+    let named: Vec<_> = foreign.regions.iter().map(|r| (r.tag, r.name.as_deref())).collect();
+    assert_eq!(named, [(3, Some("stiff")), (7, Some("soft"))]);
+    assert_eq!(foreign.solid.regions().iter().filter(|r| **r == 0).count(), foreign.regions[0].elements);
+}
+
+/// A cube of side `size` about the origin in twelve tetrahedra around its centre, in MEDIT's format.
+fn cube(size: f64) -> String {
+    let corner = |i: usize| (0..3).map(move |k| if i >> k & 1 == 1 { size / 2.0 } else { -size / 2.0 });
+    let row = |i: usize| format!("{} 0\n", corner(i).map(|x| x.to_string()).collect::<Vec<_>>().join(" "));
+    let nodes: String = (0..8).map(row).collect();
+    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let faces = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    let tets: String = faces.map(|[a, b, c]| format!("{} {} {} 9 1\n", a + 1, c + 1, b + 1)).collect();
+    format!("MeshVersionFormatted 2\nDimension 3\nVertices 9\n{nodes}0 0 0 0\nTetrahedra 12\n{tets}End\n")
+}
+
+fn refusal(text: &str) -> MeshDefect {
+    medit(text.as_bytes()).unwrap().check(1.0, false).unwrap_err()
+}
+
+fn fault(read: Result<RawMesh, MeshFileError>) -> String {
+    read.unwrap_err().to_string()
+}
+
+#[test]
+fn a_cube_is_accepted_in_millimetres_and_refused_in_metres() {
+    let raw = medit(cube(20.0).as_bytes()).unwrap();
+    let foreign = raw.clone().check(1e-3, false).unwrap();
+    assert!((foreign.regions[0].volume - 8e-6).abs() < 1e-18);
+    assert!(foreign.notes.iter().any(|note| note.contains("symmetric about z = 0")));
+    let said = raw.check(1.0, false).unwrap_err().to_string();
+    assert!(said.contains("2.000e1 m long") && said.contains("unit = \"mm\""), "{said}");
+}
+
+#[test]
+fn left_handed_elements_are_reordered_and_a_single_one_is_refused() {
+    let right = cube(0.02);
+    let swap = |line: &str| match line.split_whitespace().collect::<Vec<_>>()[..] {
+        [a, b, c, "9", "1"] => format!("{b} {a} {c} 9 1"),
+        _ => line.to_owned(),
+    };
+    let left: String = right.lines().map(|line| swap(line) + "\n").collect();
+    let foreign = medit(left.as_bytes()).unwrap().check(1.0, false).unwrap();
+    assert!(foreign.notes.iter().any(|note| note.contains("left-handed")), "{:?}", foreign.notes);
+    let last = right.lines().rev().nth(1).unwrap();
+    let one = right.replace(last, &swap(last));
+    assert!(matches!(refusal(&one), MeshDefect::InvertedElement { element: 12, .. }));
+}
+
+#[test]
+fn a_flat_element_a_double_one_and_doubled_nodes_are_named() {
+    let flat = cube(0.02).replace("\n0 0 0 0\n", "\n0 0 -0.01 0\n");
+    assert!(matches!(refusal(&flat), MeshDefect::DegenerateElement { element: 1, .. }));
+    let last = cube(0.02).lines().rev().nth(1).unwrap().to_owned();
+    let double = cube(0.02).replace("Tetrahedra 12", "Tetrahedra 13").replace("End", &format!("{last}\nEnd"));
+    assert_eq!(refusal(&double), MeshDefect::DuplicateElement { first: 12, second: 13 });
+    // the last element gets a centre of its own
+    let torn = cube(0.02)
+        .replace("Vertices 9", "Vertices 10")
+        .replace("\n0 0 0 0\n", "\n0 0 0 0\n0 0 0 0\n")
+        .replace(&last, &last.replace(" 9 1", " 10 1"));
+    assert_eq!(refusal(&torn), MeshDefect::CoincidentNodes { first: 9, second: 10, count: 1 });
+}
+
+#[test]
+fn a_node_that_nothing_uses_is_dropped_with_a_note_and_one_that_is_no_number_is_refused() {
+    let more = cube(0.02).replace("Vertices 9", "Vertices 10").replace("\n0 0 0 0\n", "\n0 0 0 0\n5 5 5 0\n");
+    let foreign = medit(more.as_bytes()).unwrap().check(1.0, false).unwrap();
+    assert_eq!(foreign.solid.nodes().len(), 9);
+    assert!(foreign.notes[0].contains("first of them node 10"), "{:?}", foreign.notes);
+    let nan = cube(0.02).replace("\n0 0 0 0\n", "\nnan 0 0 0\n");
+    assert!(matches!(refusal(&nan), MeshDefect::NotFinite { node: 9, .. }));
+}
+
+#[test]
+fn parts_that_touch_along_an_edge_alone_leave_the_skin_open() {
+    let two = "MeshVersionFormatted 2\nDimension 3\nVertices 6\n0 0 0 0\n0.01 0 0 0\n0 0.01 0 0\n0 0 0.01 0\n\
+               0.01 -0.01 -0.01 0\n0.02 0 -0.01 0\nTetrahedra 2\n1 2 3 4 1\n1 2 5 6 1\nEnd\n";
+    let said = refusal(two);
+    assert_eq!(said, MeshDefect::NonManifoldEdge { edge: [1, 2], count: 4 }, "{said}");
+}
+
+#[test]
+fn a_face_of_three_elements_is_refused() {
+    let three = "MeshVersionFormatted 2\nDimension 3\nVertices 6\n0 0 0 0\n0.01 0 0 0\n0 0.01 0 0\n0 0 0.01 0\n\
+                 0 0 -0.01 0\n0.001 0 0.02 0\nTetrahedra 3\n1 2 3 4 1\n1 3 2 5 1\n1 2 3 6 1\nEnd\n";
+    assert!(matches!(refusal(three), MeshDefect::NonManifoldFace { face: [1, 2, 3], count: 3, .. }));
+}
+
+#[test]
+fn a_half_model_has_faces_on_its_plane_and_nothing_below() {
+    let whole = medit(cube(0.02).as_bytes()).unwrap();
+    assert!(matches!(whole.clone().check(1.0, true), Err(MeshDefect::BelowPlane { .. })));
+    let mut above = whole;
+    above.nodes.iter_mut().for_each(|at| at[2] += 0.01 + 1e-10);
+    let foreign = above.clone().check(1.0, true).unwrap();
+    assert_eq!(foreign.solid.faces().iter().filter(|face| face.1 == Skin::Symmetry).count(), 2);
+    above.nodes.iter_mut().for_each(|at| at[2] += 0.001);
+    assert_eq!(above.check(1.0, true).unwrap_err(), MeshDefect::NoSymmetryPlane);
+}
+
+#[test]
+fn a_truncated_file_is_refused_with_its_line() {
+    for name in BALLS {
+        let whole = bytes(name);
+        for part in [1, 3, 7, 9] {
+            let cut = &whole[..whole.len() * part / 10];
+            let read = match name.rsplit_once('.').unwrap().1 {
+                "msh" => gmsh(cut),
+                "mesh" => medit(cut),
+                "vtu" => vtu(cut),
+                _ => tetgen(&bytes("ball.node"), cut),
+            };
+            let complete = |raw: &RawMesh| raw.len() == 140;
+            assert!(!read.as_ref().is_ok_and(complete), "{name} at {part}0 % is read whole");
+            if let Err(fault) = read {
+                let said = fault.to_string();
+                assert!(said.contains("why: ") && said.contains("do:  "), "{name}: {said}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_file_with_broken_bytes_is_refused_or_read_but_never_a_panic() {
+    let mut seed = 20_u64;
+    let mut chance = |below: usize| {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 33) as usize % below
+    };
+    let mut refused = 0;
+    for (round, name) in BALLS.iter().cycle().take(3000).enumerate() {
+        let mut broken = bytes(name);
+        for _ in 0..1 + round % 4 {
+            let place = chance(broken.len());
+            // the heads hold the counts
+            let place = if round % 2 == 0 { place } else { place % 400 };
+            broken[place] = [0, 255, b'-', b'9', b' ', b'e', b'"', b'<'][chance(8)];
+        }
+        let read = match name.rsplit_once('.').unwrap().1 {
+            "msh" => gmsh(&broken),
+            "mesh" => medit(&broken),
+            "vtu" => vtu(&broken),
+            _ => tetgen(&bytes("ball.node"), &broken),
+        };
+        refused += usize::from(read.map_or(true, |raw| raw.check(1.0, false).is_err()));
+    }
+    assert!(refused > 1000, "{refused} of 3000");
+}
+
+#[test]
+fn text_in_place_of_a_number_is_refused_with_its_line() {
+    let said = fault(gmsh(text("ball.msh").replacen("0.006 0 \n", "O.006 0 \n", 1).as_bytes()));
+    assert!(said.starts_with("line 11: `O.006` stands for the bounds of an entity"), "{said}");
+    let said = fault(medit(cube(0.02).replace("\n0 0 0 0\n", "\n0 x 0 0\n").as_bytes()));
+    assert!(said.starts_with("line 12: `x` stands for Vertices"), "{said}");
+    let node = text("ball.node").replacen("265 3", "265 2", 1);
+    let said = fault(tetgen(node.as_bytes(), &bytes("ball.ele")));
+    assert!(said.starts_with(".node file, line 2: the nodes have 2 coordinates"), "{said}");
+    let said = fault(vtu(text("ball_ascii.vtu").replacen("0.006", "0,006", 1).as_bytes()));
+    assert!(said.starts_with("line ") && said.contains("`0,006` stands in an array"), "{said}");
+}
+
+#[test]
+fn another_version_another_solid_and_another_compression_are_refused() {
+    let said = fault(gmsh(text("ball.msh").replacen("4.1 0 8", "2.2 0 8", 1).as_bytes()));
+    assert!(said.contains("version 2.2") && said.contains("-format msh41"), "{said}");
+    let said = fault(medit(cube(0.02).replace("End", "Hexahedra 1\n1 2 3 4 5 6 7 8 1\nEnd").as_bytes()));
+    assert!(said.contains("hexahedra") && said.contains("line "), "{said}");
+    let said = fault(vtu(text("ball_inline_zlib.vtu").replace("vtkZLib", "vtkLZ4").as_bytes()));
+    assert!(said.contains("vtkLZ4DataCompressor"), "{said}");
+}
+
+#[test]
+fn an_element_that_names_a_node_which_is_not_there_is_named() {
+    let said = fault(tetgen(&bytes("ball.node"), text("ball.ele").replacen("\n1 ", "\n1 9", 1).as_bytes()));
+    assert!(said.contains(".ele file, line 2: element 1 names the node at place"), "{said}");
+}

@@ -1,0 +1,50 @@
+//! The family of optimisers: one file each, and the list [`ALL`] by which settings and tests find them.
+//!
+//! A new optimiser needs its file, its settings in [`Settings`] and its line in [`ALL`]; the test suite walks the list.
+
+pub mod adam;
+pub mod cma_es;
+pub mod gauss_newton;
+pub mod grid;
+
+use crate::{OptimiseError, Optimiser, Problem};
+
+/// The settings of every member; each reads its own.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Settings {
+    /// For `grid`.
+    pub grid: grid::Settings,
+    /// For `cma_es`.
+    pub cma_es: cma_es::Settings,
+    /// For `adam`.
+    pub adam: adam::Settings,
+    /// For `gauss_newton`.
+    pub gauss_newton: gauss_newton::Settings,
+}
+
+/// Builds an optimiser for a problem.
+pub type Build = fn(&Problem, &Settings) -> Result<Box<dyn Optimiser>, OptimiseError>;
+
+/// One member of the family.
+pub struct Member {
+    /// Its name in settings, metrics and figures.
+    pub name: &'static str,
+    /// Builds it for a problem.
+    pub build: Build,
+}
+
+/// Every optimiser, from the one that needs least of an evaluation to the one that needs most.
+pub const ALL: &[Member] = &[
+    Member { name: grid::NAME, build: |problem, set| Ok(Box::new(grid::Grid::new(problem, &set.grid)?)) },
+    Member { name: cma_es::NAME, build: |problem, set| Ok(Box::new(cma_es::CmaEs::new(problem, &set.cma_es)?)) },
+    Member { name: adam::NAME, build: |problem, set| Ok(Box::new(adam::Adam::new(problem, &set.adam)?)) },
+    Member {
+        name: gauss_newton::NAME,
+        build: |problem, set| Ok(Box::new(gauss_newton::GaussNewton::new(problem, &set.gauss_newton)?)),
+    },
+];
+
+/// The member of this name.
+pub fn by_name(name: &str) -> Option<&'static Member> {
+    ALL.iter().find(|member| member.name == name)
+}

@@ -1,0 +1,120 @@
+//! The posterior of the parameters at the minimum, by Laplace's approximation [seber2003, chapter 2].
+//!
+//! Near its maximum the posterior is normal with the covariance (JᵀJ)⁻¹ of whitened residuals. Where the residuals are larger than
+//! their covariance predicts, it is scaled by χ²/(m − n); it is never narrowed, because a small χ² of few residuals is chance.
+
+use nalgebra::{DMatrix, SymmetricEigen};
+
+use crate::{Covariance, OptimiseError, Residuals};
+
+/// 95 % of a normal distribution lie within so many deviations.
+pub const WITHIN_95: f64 = 1.959_964;
+
+/// A standard deviation above this (no unit: parameters are logarithms) counts as uncertain.
+pub const UNCERTAIN: f64 = 0.1;
+
+/// One principal axis of the covariance ellipsoid.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PrincipalAxis {
+    /// Standard deviation along it, in units of the parameters.
+    pub sigma: f64,
+    /// Its unit vector (parameters), the largest component positive.
+    pub along: Vec<f64>,
+}
+
+impl Residuals {
+    /// The covariance of the parameters, for whitened residuals.
+    ///
+    /// # Errors
+    /// [`OptimiseError::Undetermined`] when there are not more residuals than parameters, or JᵀJ is singular.
+    pub fn posterior(&self, parameters: usize) -> Result<Covariance, OptimiseError> {
+        let by_scatter = self.covariance(parameters)?;
+        let widened = by_scatter.residual_variance.max(1.0) / by_scatter.residual_variance;
+        Ok(by_scatter.scaled(widened))
+    }
+
+    /// χ² over the degrees of freedom: near 1 when the residuals have the covariance that was assumed.
+    pub fn reduced_chi_square(&self, parameters: usize) -> f64 {
+        2.0 * self.half_sum_of_squares() / self.values.len().saturating_sub(parameters).max(1) as f64
+    }
+}
+
+impl Covariance {
+    /// The principal axes, the least certain first.
+    pub fn principal_axes(&self) -> Vec<PrincipalAxis> {
+        let n = self.parameters();
+        let split = SymmetricEigen::new(DMatrix::from_fn(n, n, |i, j| self.of(i, j)));
+        let axis = |k: usize| {
+            let along: Vec<f64> = split.eigenvectors.column(k).iter().copied().collect();
+            let largest = along.iter().copied().fold(0.0, |l: f64, v| if v.abs() > l.abs() { v } else { l });
+            let sigma = split.eigenvalues[k].max(0.0).sqrt();
+            PrincipalAxis { sigma, along: along.iter().map(|v| v * largest.signum()).collect() }
+        };
+        let mut all: Vec<PrincipalAxis> = (0..n).map(axis).collect();
+        all.sort_by(|a, b| b.sigma.total_cmp(&a.sigma));
+        all
+    }
+
+    /// Which combinations are certain, as text: parameters are logarithms, so an axis is a product of powers.
+    pub fn summary(&self, names: &[&str]) -> String {
+        let principal_axes = self.principal_axes();
+        let (loose, tight): (Vec<&PrincipalAxis>, Vec<&PrincipalAxis>) =
+            principal_axes.iter().partition(|d| d.sigma > UNCERTAIN);
+        let listed = |all: &[&PrincipalAxis]| -> Vec<String> {
+            all.iter().map(|d| format!("{} to {:.1} %", power(&d.along, names), 100.0 * d.sigma)).collect()
+        };
+        match (loose.is_empty(), tight.is_empty()) {
+            (true, _) => format!("all are certain: {}", listed(&tight).join(", ")),
+            (_, true) => format!("none is certain: {}", listed(&loose).join(", ")),
+            _ => format!("only {} certain; uncertain: {}", listed(&tight).join(", "), listed(&loose).join(", ")),
+        }
+    }
+}
+
+/// Components below this are left out of the text.
+const SHOWN: f64 = 0.15;
+
+/// An axis as text: "body", "the ratio of body and spine", "body^0.8 · spine^-0.6".
+fn power(along: &[f64], names: &[&str]) -> String {
+    let parts: Vec<(&str, f64)> =
+        names.iter().copied().zip(along.iter().copied()).filter(|p| p.1.abs() > SHOWN).collect();
+    match parts[..] {
+        [(one, _)] => one.to_owned(),
+        [(a, x), (b, y)] if (x.abs() / y.abs()).ln().abs() < 0.5 => {
+            format!("the {} of {a} and {b}", if x * y > 0.0 { "product" } else { "ratio" })
+        }
+        _ => parts.iter().map(|(name, by)| format!("{name}^{by:.2}")).collect::<Vec<_>>().join(" · "),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Residuals that depend on the sum of two parameters with one weight and on their difference with another.
+    fn residuals(sum: f64, difference: f64) -> Residuals {
+        Residuals { values: vec![0.5, -0.5, 0.5], jacobian: vec![sum, sum, difference, -difference, 0.0, 0.0] }
+    }
+
+    #[test]
+    fn residuals_of_the_difference_alone_leave_only_the_ratio_certain() {
+        let words = residuals(1.0, 100.0).posterior(2).unwrap().summary(&["body", "spine"]);
+        assert!(words.starts_with("only the ratio of body and spine to 0.7 % certain"), "{words}");
+        assert!(words.contains("uncertain: the product of body and spine"), "{words}");
+    }
+
+    #[test]
+    fn principal_axes_are_the_axes_of_the_ellipse() {
+        let axes = residuals(1.0, 100.0).posterior(2).unwrap().principal_axes();
+        // the sum is (1, 1)·θ = √2 along its axis: σ = 1/√2 of one deviation
+        assert!((axes[0].sigma - 0.5f64.sqrt()).abs() < 1e-9 && (axes[1].sigma - 0.005 * 2f64.sqrt()).abs() < 1e-9);
+        assert!(axes[0].along[0] * axes[0].along[1] > 0.0 && axes[1].along[0] * axes[1].along[1] < 0.0);
+    }
+
+    #[test]
+    fn a_larger_scatter_than_predicted_widens_and_a_smaller_one_never_narrows() {
+        let narrow = residuals(1.0, 1.0).posterior(2).unwrap().sigma(0);
+        let scattered = Residuals { values: vec![0.0, 0.0, 3.0], ..residuals(1.0, 1.0) };
+        assert!((scattered.posterior(2).unwrap().sigma(0) / narrow - 3.0).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,207 @@
+//! The claims of the paper: which number decides each, by which rule, and whether it reproduces.
+//!
+//! `paper/claims.toml` holds them. A claim that does not reproduce is printed as such; only a drift of a number from its
+//! expectation, or a number that was not computed, is a failure.
+
+use std::path::Path;
+
+use serde::Deserialize;
+
+use crate::expected::MetricEntry;
+use diagnostics::{Diagnostic, Result};
+
+/// One claim.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Claim {
+    /// Its short name, with which the paper's text refers to it.
+    pub name: String,
+    /// The claim, in one sentence.
+    pub says: String,
+    /// The metric that decides it.
+    pub metric: String,
+    /// Others that the same rule must hold for.
+    #[serde(default)]
+    pub also: Vec<String>,
+    /// How it decides.
+    pub rule: Rule,
+    /// The published statement.
+    pub published: String,
+}
+
+/// The rule of a claim.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Rule {
+    /// At most this value.
+    AtMost(f64),
+    /// At least this value.
+    AtLeast(f64),
+    /// Between two values.
+    Within([f64; 2]),
+    /// Smaller than another metric.
+    SmallerThan(String),
+    /// Smaller than a metric that is smaller than the next, and so on.
+    Ascending(Vec<String>),
+}
+
+/// The verdict on a claim.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// Its rule holds for every metric.
+    Reproduces,
+    /// Its rule does not hold for at least one.
+    Fails,
+    /// A metric of it was not measured in this profile, and the measured ones do not contradict it.
+    NotMeasured,
+}
+
+impl Verdict {
+    /// As `study check` and the paper print it.
+    pub fn in_words(self) -> &'static str {
+        match self {
+            Self::Reproduces => "reproduces",
+            Self::Fails => "does not reproduce",
+            Self::NotMeasured => "not measured in this profile",
+        }
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Page {
+    claim: Vec<Claim>,
+}
+
+/// Reads the claims.
+///
+/// # Errors
+/// A [`Diagnostic`] when the page is missing or not understood.
+pub fn read(path: &Path) -> Result<Vec<Claim>> {
+    let diagnostic = |e: &dyn std::fmt::Display| {
+        Diagnostic::new("paper/claims.toml cannot be read", e.to_string().trim_end(), "correct the line that it names")
+    };
+    let text = std::fs::read_to_string(path).map_err(|e| diagnostic(&e))?;
+    let page: Page = toml::from_str(&text).map_err(|e| diagnostic(&e))?;
+    let twice = (1..page.claim.len()).find(|&i| page.claim[..i].iter().any(|c| c.name == page.claim[i].name));
+    match twice {
+        Some(i) => Err(diagnostic(&format!("two claims are called `{}`", page.claim[i].name))),
+        None => Ok(page.claim),
+    }
+}
+
+impl Claim {
+    /// The metrics that decide it.
+    pub fn metrics(&self) -> impl Iterator<Item = &String> {
+        std::iter::once(&self.metric).chain(&self.also)
+    }
+
+    /// Its verdict.
+    pub fn verdict(&self, metrics: &[MetricEntry]) -> Verdict {
+        let each: Vec<Option<bool>> = self.metrics().map(|id| self.rule.holds(id, metrics)).collect();
+        match () {
+            () if each.contains(&Some(false)) => Verdict::Fails,
+            () if each.contains(&None) => Verdict::NotMeasured,
+            () => Verdict::Reproduces,
+        }
+    }
+
+    /// Our numbers with their units, those that were measured.
+    pub fn ours(&self, metrics: &[MetricEntry]) -> Vec<String> {
+        let of = |id: &String| {
+            let found = metrics.iter().find(|m| m.metric.id == *id).map(|m| &m.metric);
+            found.map_or_else(|| "–".into(), |m| format!("{} {}", formatted(m.value), m.unit).trim_end().to_owned())
+        };
+        self.metrics().chain(self.rule.others()).map(of).collect()
+    }
+}
+
+impl Rule {
+    /// Whether it holds for a metric; nothing when a number is missing.
+    fn holds(&self, id: &str, metrics: &[MetricEntry]) -> Option<bool> {
+        let value = |id: &str| metrics.iter().find(|m| m.metric.id == id).map(|m| m.metric.value);
+        let ours = value(id)?;
+        Some(match self {
+            Self::AtMost(limit) => ours <= *limit,
+            Self::AtLeast(limit) => ours >= *limit,
+            Self::Within([low, high]) => (*low..=*high).contains(&ours),
+            Self::SmallerThan(other) => ours < value(other)?,
+            Self::Ascending(others) => {
+                let others: Vec<f64> = others.iter().map(|id| value(id)).collect::<Option<_>>()?;
+                std::iter::once(&ours).chain(&others).is_sorted_by(|a, b| a < b)
+            }
+        })
+    }
+
+    /// The metrics that it compares with.
+    pub fn others(&self) -> &[String] {
+        match self {
+            Self::SmallerThan(other) => std::slice::from_ref(other),
+            Self::Ascending(others) => others,
+            Self::AtMost(_) | Self::AtLeast(_) | Self::Within(_) => &[],
+        }
+    }
+
+    /// In words.
+    pub fn in_words(&self) -> String {
+        match self {
+            Self::AtMost(limit) => format!("≤ {limit}"),
+            Self::AtLeast(limit) => format!("≥ {limit}"),
+            Self::Within([low, high]) => format!("{low} … {high}"),
+            Self::SmallerThan(other) => format!("< {other}"),
+            Self::Ascending(others) => others.iter().map(|o| format!("< {o}")).collect::<Vec<_>>().join(" "),
+        }
+    }
+}
+
+/// A number with a readable number of digits.
+pub fn formatted(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".into(),
+        v if !(1e-3..1e5).contains(&v) => format!("{value:.2e}"),
+        v if v >= 100.0 => format!("{value:.0}"),
+        v if v >= 1.0 => format!("{value:.2}"),
+        _ => format!("{value:.4}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::expected::Expected;
+    use workflow::metric::Metric;
+
+    fn claim(rule: Rule, also: &[&str]) -> Claim {
+        let also = also.iter().map(|s| (*s).to_owned()).collect();
+        Claim { name: "a".into(), says: "a".into(), metric: "a".into(), also, rule, published: String::new() }
+    }
+
+    fn metrics() -> Vec<MetricEntry> {
+        [("a", 2.0), ("b", 3.0), ("d", 4.0)].map(|(id, v)| Expected::default().judge(Metric::new(id, v, ""))).into()
+    }
+
+    #[test]
+    fn a_claim_is_decided_by_its_rule_and_open_without_its_metric() {
+        let verdict = |rule| claim(rule, &[]).verdict(&metrics());
+        assert_eq!(verdict(Rule::AtMost(1.0)), Verdict::Fails);
+        assert_eq!(verdict(Rule::Within([1.0, 2.0])), Verdict::Reproduces);
+        assert_eq!(verdict(Rule::SmallerThan("b".into())), Verdict::Reproduces);
+        assert_eq!(verdict(Rule::SmallerThan("c".into())), Verdict::NotMeasured);
+    }
+
+    #[test]
+    fn a_chain_holds_when_every_link_does() {
+        let chain = |ids: [&str; 2]| claim(Rule::Ascending(ids.map(str::to_owned).into()), &[]).verdict(&metrics());
+        assert_eq!(chain(["b", "d"]), Verdict::Reproduces);
+        assert_eq!(chain(["d", "b"]), Verdict::Fails);
+        assert_eq!(chain(["b", "c"]), Verdict::NotMeasured);
+    }
+
+    #[test]
+    fn a_claim_of_several_numbers_fails_by_one_and_is_open_when_only_good_ones_are_there() {
+        assert_eq!(claim(Rule::AtMost(2.5), &["b"]).verdict(&metrics()), Verdict::Fails);
+        assert_eq!(claim(Rule::AtMost(2.5), &["c"]).verdict(&metrics()), Verdict::NotMeasured);
+        assert_eq!(claim(Rule::AtMost(3.5), &["b"]).verdict(&metrics()), Verdict::Reproduces);
+        assert_eq!(claim(Rule::AtMost(1.0), &["c"]).verdict(&metrics()), Verdict::Fails);
+    }
+}

@@ -1,0 +1,29 @@
+//! From numbers to verdicts, paper, page and archive.
+//!
+//! [`expected`] compares metrics with expectations, [`claims`] decides the paper's claims, [`check`] prints both; [`paper`] resolves the
+//! paper's source, [`page`] is one HTML file with everything, [`ro_crate`] describes the records for archives.
+//!
+//! ```
+//! # fn main() -> diagnostics::Result<()> {
+//! use publish::expected::Expected;
+//! use workflow::{metric::Metric, settings::Profile};
+//!
+//! let expected = Expected::read(std::path::Path::new("../../paper/expected.toml"), Profile::Quick)?;
+//! let ratio = expected.judge(Metric::new("drag.nemo.added_mass_ratio", 2.0, ""));
+//! assert_eq!(ratio.status, "drifted");
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! Depends on `diagnostics`, `plot`, `si`, `workflow`.
+
+pub mod check;
+pub mod claims;
+pub mod expected;
+pub mod metrics_file;
+pub mod page;
+pub mod page_file;
+pub mod paper;
+pub mod paper_files;
+pub mod ro_crate;
+pub mod stage_diagram;

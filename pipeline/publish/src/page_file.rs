@@ -1,0 +1,127 @@
+//! `figures/index.html`: the results of the last run, collected from the existing records and written atomically.
+//!
+//! A missing record is marked as missing on the page.
+
+use std::path::PathBuf;
+use std::{fs, io};
+
+use crate::claims::{self, Claim};
+use crate::expected::MetricEntry;
+use crate::metrics_file;
+use crate::page::{Body, Cost, Page, Shown, Verdict};
+use crate::stage_diagram::stage_diagram;
+use diagnostics::{Diagnostic, Result};
+use workflow::entry::Kind;
+use workflow::needs::RecordReader;
+use workflow::runner::Runner;
+use workflow::runner::{Found, Store, write_atomically};
+use workflow::runner::{Goal, Job};
+use workflow::stage_graph::StageGraph;
+use workflow::subject::Universe;
+
+/// The project's own parts of the page.
+#[derive(Debug, Clone, Default)]
+pub struct Contents {
+    /// Under the title: the origin of the data.
+    pub note: String,
+    /// Bodies to be shown in space.
+    pub bodies: Vec<Body>,
+}
+
+/// Writes the page unless it is unchanged; returns its path.
+///
+/// # Errors
+/// A [`Diagnostic`] when the folder cannot be written or a record is damaged.
+pub fn write<U: Universe>(runner: &Runner<U>, own: Contents) -> Result<PathBuf> {
+    let jobs = runner.jobs_of(&Goal::default())?;
+    let text = gather(runner, &jobs, own)?.html();
+    let place = runner.folders.page();
+    if !fs::read(&place).is_ok_and(|old| old == text.as_bytes()) {
+        write_atomically(&place, text.as_bytes()).map_err(|e: io::Error| {
+            let what = format!("{} cannot be written", runner.folders.display(&place));
+            Diagnostic::new(what, e, "free some disk space or correct the folder's permissions")
+        })?;
+    }
+    Ok(place)
+}
+
+fn gather<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>], own: Contents) -> Result<Page> {
+    let store = Store::new(&runner.folders);
+    let costs = costs(runner, jobs, &store);
+    let metrics = metrics_file::read(runner).unwrap_or_default();
+    let claims = claims::read(&runner.folders.claims()).unwrap_or_default();
+    Ok(Page {
+        note: own.note,
+        bodies: own.bodies,
+        figures: shown(jobs, &store, Kind::Figure, "svg"),
+        tables: shown(jobs, &store, Kind::Table, "csv"),
+        claims: claims.iter().map(|claim| verdict(claim, &metrics)).collect(),
+        graph: Some(graph(runner, &costs)?),
+        costs,
+    })
+}
+
+/// Figures or tables, each as its file of one kind.
+fn shown<U: Universe>(jobs: &[Job<U>], store: &Store, kind: Kind, ending: &str) -> Vec<Shown> {
+    let text = |job: &Job<U>| {
+        let files = store.files(&job.id).ok()?;
+        let bytes = files.bytes(&format!("{}.{ending}", job.entry.name)).ok()?.to_vec();
+        String::from_utf8(bytes).ok()
+    };
+    let of_kind = jobs.iter().filter(|job| job.entry.kind == kind);
+    of_kind
+        .map(|job| Shown { name: job.entry.name.into(), description: job.entry.description.into(), text: text(job) })
+        .collect()
+}
+
+fn verdict(claim: &Claim, metrics: &[MetricEntry]) -> Verdict {
+    let by: Vec<&str> = claim.metrics().map(String::as_str).collect();
+    Verdict {
+        says: claim.says.clone(),
+        reproduces: match claim.verdict(metrics) {
+            claims::Verdict::Reproduces => Some(true),
+            claims::Verdict::Fails => Some(false),
+            claims::Verdict::NotMeasured => None,
+        },
+        rule: format!("{} {}", by.join(" and "), claim.rule.in_words()),
+        ours: claim.ours(metrics).join(", "),
+        published: claim.published.clone(),
+    }
+}
+
+fn costs<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>], store: &Store) -> Vec<Cost> {
+    let entries = runner.lists.iter().flat_map(|list| list.iter()).filter(|entry| entry.kind == Kind::Stage);
+    let cost = |entry: &workflow::entry::Entry<U>| {
+        let own: Vec<&Job<U>> =
+            jobs.iter().filter(|job| job.entry.kind == Kind::Stage && job.entry.name == entry.name).collect();
+        let found =
+            own.iter().filter_map(|job| if let Found::Whole(m) = store.find(&job.id) { Some(m.seconds) } else { None });
+        let seconds: Vec<f64> = found.collect();
+        let records = [seconds.len(), own.len()];
+        Cost {
+            name: entry.name.into(),
+            description: entry.description.into(),
+            records,
+            seconds: seconds.iter().fold(0.0, |sum, s| sum + s),
+        }
+    };
+    entries.map(cost).filter(|cost| cost.records[1] > 0).collect()
+}
+
+/// The graph of the stages, with the computing time of each instead of its description.
+fn graph<U: Universe>(runner: &Runner<U>, costs: &[Cost]) -> Result<String> {
+    let graph = runner.stage_graph();
+    let said = |name: &str| {
+        let cost = costs.iter().find(|c| c.name == name)?;
+        Some(format!("{} of {} records, {:.1}\u{a0}s", cost.records[0], cost.records[1], cost.seconds))
+    };
+    drawn(&graph, &said)
+}
+
+/// A graph of stages, each with the text `said`, as SVG.
+pub fn drawn(flow: &StageGraph, said: &dyn Fn(&str) -> Option<String>) -> Result<String> {
+    let diagram = stage_diagram(flow, said);
+    let tall = plot::DOUBLE_COLUMN_MM * diagram.size[1] / diagram.size[0];
+    let figure = plot::Figure::new(plot::DOUBLE_COLUMN_MM).row(tall, [plot::Panel::Diagram(diagram)]);
+    figure.svg().map_err(Diagnostic::from)
+}

@@ -1,0 +1,79 @@
+//! Digits: a decimal or a percentage in the prose must be computed (`#num`) or marked as from a source (`#said[…]`).
+
+use super::scan;
+use super::{Page, Problem};
+
+/// Every number typed by hand in a section.
+pub fn typed_by_hand(page: &Page) -> Vec<Problem> {
+    if page.name.ends_with("layout.typ") {
+        return Vec::new();
+    }
+    let prose = prose(&page.text);
+    let problem = |at: usize| Problem {
+        page: page.name.clone(),
+        line: scan::line(&prose, at),
+        what: format!("`{}` is typed by hand: take it from #num(…), or #said[…] if a source has it", shown(&prose, at)),
+    };
+    numbers(&prose).into_iter().map(problem).collect()
+}
+
+/// The page with strings, formulae, comments and `#said` blanked, line for line.
+fn prose(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(c) = rest.chars().next() {
+        let skip = match c {
+            '"' | '$' => rest[1..].find(c).map(|end| end + 2),
+            '/' if rest.starts_with("//") && !out.ends_with(':') => Some(rest.find('\n').unwrap_or(rest.len())),
+            '#' if rest.starts_with("#said[") => scan::block(rest, 5).map(|(_, end)| end),
+            _ => None,
+        };
+        let length = skip.unwrap_or(c.len_utf8());
+        match skip {
+            Some(length) => out.extend(rest[..length].chars().filter(|c| *c == '\n')),
+            None => out.push(c),
+        }
+        rest = &rest[length..];
+    }
+    out
+}
+
+/// Where a decimal or a percentage begins.
+fn numbers(prose: &str) -> Vec<usize> {
+    let bytes = prose.as_bytes();
+    let digit = |i: usize| bytes.get(i).is_some_and(u8::is_ascii_digit);
+    let starts = (0..bytes.len()).filter(|&i| digit(i) && (i == 0 || !(digit(i - 1) || bytes[i - 1] == b'.')));
+    let suspicious = |&i: &usize| {
+        let end = (i..).find(|&k| !digit(k)).unwrap_or(i);
+        let decimal = bytes.get(end) == Some(&b'.') && digit(end + 1);
+        let outside = i == 0 || !(bytes[i - 1].is_ascii_alphanumeric() || bytes[i - 1] == b'_');
+        outside && (decimal || prose[end..].trim_start_matches([' ', '~']).starts_with('%'))
+    };
+    starts.filter(suspicious).collect()
+}
+
+fn shown(prose: &str, at: usize) -> String {
+    prose[at..].chars().take_while(|c| !c.is_whitespace() && !"],;".contains(*c)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decimals_and_percentages_in_prose_are_found_and_counts_are_not() {
+        assert_eq!(numbers("nine or 12 cells, 2.5 mm, 3 % and 10~%").len(), 3);
+    }
+
+    #[test]
+    fn strings_formulae_comments_and_what_is_said_are_no_prose() {
+        assert!(numbers(&prose("#num(\"a.1.5\") $0.5$ #said[2.5] // 3.1\n")).is_empty());
+        assert_eq!(prose("$a\nb$\nx"), "\n\nx");
+    }
+
+    #[test]
+    fn the_layout_may_set_its_own_lengths() {
+        let layout = Page { name: "layout.typ".into(), text: "#set text(9.5pt)".into() };
+        assert!(typed_by_hand(&layout).is_empty());
+    }
+}

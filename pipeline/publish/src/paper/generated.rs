@@ -1,0 +1,61 @@
+//! Generated parts of the paper: all claims with their verdicts, and those that do not reproduce.
+
+use super::board::literal;
+use super::facts::Facts;
+use crate::claims::{Claim, Verdict};
+
+/// All claims as a table: what is claimed, published, ours, verdict.
+pub fn all(facts: &Facts) -> String {
+    let row = |claim: &Claim| {
+        let verdict = claim.verdict(&facts.metrics);
+        let cells = [claim.says.clone(), claim.published.clone(), ours(claim, facts), verdict.in_words().to_owned()];
+        let cells: Vec<String> = cells.iter().map(|cell| literal(cell)).collect();
+        format!("({}, {})", cells.join(", "), verdict == Verdict::Fails)
+    };
+    let rows: Vec<String> = facts.claims.iter().map(row).collect();
+    format!("#claim-table(({},))", rows.join(", "))
+}
+
+/// A list of the claims that do not reproduce, and the number that this profile does not measure.
+pub fn failing(facts: &Facts) -> String {
+    let of = |verdict: Verdict| facts.claims.iter().filter(move |c| c.verdict(&facts.metrics) == verdict);
+    let words = |c: &Claim| format!("{} (published: {}; ours: {}).", c.says, c.published, ours(c, facts));
+    let items: String = of(Verdict::Fails).map(|c| format!("- #{};\n", literal(&words(c)))).collect();
+    let (all, open) = (facts.claims.len(), of(Verdict::NotMeasured).count());
+    let failing = match items.is_empty() {
+        true => "Every claim that was measured reproduces.\n".to_owned(),
+        false => format!("These do not reproduce:\n\n{items}"),
+    };
+    let open = match open {
+        0 => "All claims were measured.".to_owned(),
+        open => format!("Of {all} claims {open} are not measured in this profile, or not whole; the table marks them."),
+    };
+    format!("{failing}\n{open}\n")
+}
+
+fn ours(claim: &Claim, facts: &Facts) -> String {
+    claim.ours(&facts.metrics).join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::facts::tests::facts;
+    use super::*;
+
+    #[test]
+    fn a_claim_that_fails_is_in_both_and_one_that_holds_is_in_the_table_alone() {
+        let (table, list) = (all(&facts()), failing(&facts()));
+        assert!(table.contains("\"it is good\", \"1 mm\", \"0.5000 mm\", \"reproduces\", false"), "{table}");
+        assert!(table.contains("\"does not reproduce\", true"));
+        assert!(
+            list.contains("it is bad (published: 1 mm; ours: 0.5000 mm).") && !list.contains("it is good"),
+            "{list}"
+        );
+    }
+
+    #[test]
+    fn without_numbers_every_claim_is_said_to_be_unmeasured() {
+        let bare = Facts { metrics: Vec::new(), ..facts() };
+        assert!(failing(&bare).contains("Of 2 claims 2 are not measured in this profile"), "{}", failing(&bare));
+    }
+}

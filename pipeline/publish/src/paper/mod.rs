@@ -1,0 +1,153 @@
+//! The paper: its source with every number, verdict, figure, table and citation in place, or one problem for each that
+//! cannot be resolved.
+//!
+//! A page is typst with a few additional words, each replaced or only checked:
+//!
+//! | word | becomes |
+//! |---|---|
+//! | `#num("metric", digits: 2)`, `#val(…)` | the number; with its unit |
+//! | `#verdict("claim")[holds][does not][not measured]` | the block that the numbers choose |
+//! | `#when("metric")[measured][not]` | the same by whether there is a number |
+//! | `#plate("figure")[caption]`, `#wide(…)` | the figure, in one column or two |
+//! | `#tabular("table")[caption]`, `#broad(…)` | the table |
+//! | `#eq("test")[$ … $]` | an equation and the test that holds it |
+//! | `#claims()`, `#failing()` | all claims with verdicts; those that do not reproduce |
+//! | `#said[3 %]` | a number from a source, not of this study |
+
+mod board;
+mod citations;
+mod digits;
+mod facts;
+mod generated;
+mod place;
+mod scan;
+
+pub use facts::{Facts, Made, cited_keys, test_names};
+
+/// One file of the source: its name below the paper's folder, and its text.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Page {
+    /// `sections/results.typ`.
+    pub name: String,
+    /// Its text.
+    pub text: String,
+}
+
+/// A problem that prevents building the paper.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Problem {
+    /// The page.
+    pub page: String,
+    /// The line, from 1; 0 where it is the whole paper.
+    pub line: usize,
+    /// The problem.
+    pub what: String,
+}
+
+impl std::fmt::Display for Problem {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.line {
+            0 => write!(f, "paper/{}: {}", self.page, self.what),
+            line => write!(f, "paper/{}:{line}: {}", self.page, self.what),
+        }
+    }
+}
+
+/// Resolves all words of the source.
+///
+/// # Errors
+/// Every [`Problem`] found, each once.
+pub fn resolve(pages: &[Page], facts: &Facts) -> Result<Vec<Page>, Vec<Problem>> {
+    let mut problems = Vec::new();
+    let mut shown = Vec::new();
+    let resolved = pages.iter().map(|page| place::page(page, facts, &mut shown, &mut problems)).collect();
+    problems.extend(pages.iter().flat_map(digits::typed_by_hand));
+    problems.extend(citations::problems(pages, facts));
+    let whole = |what| Problem { page: "main.typ".into(), line: 0, what };
+    let unused = |kind: &str, name: &str| whole(format!("{kind} `{name}` is made but not shown in the paper"));
+    let seen = |name: &str| shown.iter().any(|s| s == name);
+    problems.extend(facts.figures.iter().filter(|f| !seen(&f.name)).map(|f| unused("figure", &f.name)));
+    problems.extend(facts.tables.iter().filter(|t| !seen(&t.name)).map(|t| unused("table", &t.name)));
+    let mut said = std::collections::BTreeSet::new();
+    problems.retain(|problem| said.insert(problem.what.clone()));
+    if problems.is_empty() { Ok(resolved) } else { Err(problems) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::facts::tests::facts;
+    use super::*;
+
+    fn page(text: &str) -> Page {
+        Page { name: "main.typ".into(), text: text.into() }
+    }
+
+    const WHOLE: &str = "#plate(\"tail\")[Seen @du2021.] #tabular(\"trials\")[Runs.] ";
+
+    fn problems(text: &str) -> Vec<String> {
+        let all = resolve(&[page(&format!("{WHOLE}{text}"))], &facts()).err().unwrap_or_default();
+        all.iter().map(Problem::to_string).collect()
+    }
+
+    #[test]
+    fn a_whole_page_has_its_numbers_in_place() {
+        let text = format!("{WHOLE}It is #val(\"a.rmse_mm\", digits: 1) off.");
+        let resolved = resolve(&[page(&text)], &facts()).unwrap();
+        assert!(resolved[0].text.ends_with("It is #\"0.5\u{a0}mm\"; off."), "{}", resolved[0].text);
+    }
+
+    #[test]
+    fn an_undefined_number_is_one_problem_with_its_line() {
+        assert_eq!(
+            problems("\n#num(\"a.rsme_mm\")"),
+            [
+                "paper/main.typ:2: number `a.rsme_mm` is not defined: no stage makes it and paper/expected.toml does not list it"
+            ]
+        );
+    }
+
+    #[test]
+    fn an_unused_figure_is_one_problem() {
+        let bare = resolve(&[page("#tabular(\"trials\")[Runs.]")], &facts()).unwrap_err();
+        assert_eq!(bare.len(), 1);
+        assert!(bare[0].what.contains("figure `tail` is made but not shown"), "{}", bare[0]);
+    }
+
+    #[test]
+    fn a_missing_citation_is_one_problem() {
+        assert_eq!(
+            problems("As in @nobody1900."),
+            ["paper/main.typ:1: `@nobody1900` is neither in refs.bib nor a label"]
+        );
+    }
+
+    #[test]
+    fn an_equation_whose_test_is_gone_is_one_problem() {
+        assert_eq!(problems("#eq(\"a_test_that_is\")[$ a $]"), Vec::<String>::new());
+        assert_eq!(problems("#eq(\"gone\")[$ a $]").len(), 1);
+    }
+
+    #[test]
+    fn a_verdict_chooses_its_block_and_what_is_in_it_is_placed_too() {
+        let text = format!(
+            "{WHOLE}#verdict(\"good\")[It is #num(\"a.rmse_mm\", digits: 2)][no][open]#verdict(\"bad\")[yes][No.][open]"
+        );
+        let resolved = resolve(&[page(&text)], &facts()).unwrap();
+        assert!(resolved[0].text.ends_with("It is #\"0.50\";No."), "{}", resolved[0].text);
+    }
+
+    #[test]
+    fn a_number_typed_by_hand_is_one_problem_and_a_said_one_is_none() {
+        assert_eq!(problems("It is 0.5 mm off.").len(), 1);
+        assert_eq!(problems("They had #said[3 %] and $0.5 x$.").len(), 0);
+    }
+
+    #[test]
+    fn what_this_profile_does_not_measure_is_said_and_not_dropped() {
+        let text = format!("{WHOLE}#num(\"b.known\")");
+        let resolved = resolve(&[page(&text)], &facts()).unwrap();
+        assert!(resolved[0].text.contains("not measured in this profile"));
+        let strict = Facts { strict: true, ..facts() };
+        assert_eq!(resolve(&[page(&text)], &strict).unwrap_err().len(), 1);
+    }
+}

@@ -1,0 +1,148 @@
+//! Resolution of one page: each of its words is replaced.
+
+use super::facts::{Facts, Made};
+use super::scan::{self, Call};
+use super::{Page, Problem, board, generated};
+use crate::claims::{Verdict, formatted};
+
+const WORDS: &[&str] =
+    &["num", "val", "verdict", "when", "plate", "wide", "tabular", "broad", "eq", "claims", "failing"];
+/// The text for a number that this profile does not measure.
+const ABSENT: &str = "#emph[not measured in this profile]";
+
+/// The resolved page; used figures and tables, and problems, are added to the lists.
+pub fn page(page: &Page, facts: &Facts, shown: &mut Vec<String>, problems: &mut Vec<Problem>) -> Page {
+    let mut wrong = |at: usize, what: String| {
+        problems.push(Problem { page: page.name.clone(), line: scan::line(&page.text, at), what });
+    };
+    let text = placed(&page.text, 0, facts, shown, &mut wrong);
+    Page { name: page.name.clone(), text }
+}
+
+/// `text` begins at byte `offset` of its page.
+fn placed(
+    text: &str,
+    offset: usize,
+    facts: &Facts,
+    shown: &mut Vec<String>,
+    wrong: &mut dyn FnMut(usize, String),
+) -> String {
+    let (mut out, mut at) = (String::new(), 0);
+    while let Some(call) = scan::next(text, WORDS, at) {
+        out += &text[at..call.span.0];
+        let here = offset + call.span.0;
+        at = call.span.1;
+        match chosen(&call, facts) {
+            Some(Ok((which, of))) => {
+                let Some((blocks, end)) = blocks(text, at, of) else {
+                    wrong(here, format!("`#{}(…)` needs {of} blocks in brackets after it", call.word));
+                    continue;
+                };
+                let (inside, begin) = blocks[which];
+                out += &placed(inside, offset + begin, facts, shown, wrong);
+                at = end;
+            }
+            Some(Err(what)) => wrong(here, what),
+            None => match simple(&call, facts, shown) {
+                Ok(words) => out += &words,
+                Err(what) => wrong(here, what),
+            },
+        }
+    }
+    out + &text[at..]
+}
+
+/// Insides of `count` blocks with where they begin, and the end of the last.
+fn blocks(text: &str, from: usize, count: usize) -> Option<(Vec<(&str, usize)>, usize)> {
+    let (mut all, mut at) = (Vec::new(), from);
+    for _ in 0..count {
+        let (inside, end) = scan::block(text, at)?;
+        all.push((inside, at + 1));
+        at = end;
+    }
+    Some((all, at))
+}
+
+/// Index of the chosen block after a call and their number; none for words without blocks.
+fn chosen(call: &Call, facts: &Facts) -> Option<Result<(usize, usize), String>> {
+    match call.word {
+        "verdict" => {
+            let claim = facts.claims.iter().find(|c| c.name == call.name);
+            let verdict = claim.map(|c| match c.verdict(&facts.metrics) {
+                Verdict::Reproduces => (0, 3),
+                Verdict::Fails => (1, 3),
+                Verdict::NotMeasured => (2, 3),
+            });
+            Some(verdict.ok_or_else(|| format!("claim `{}` is not in claims.toml", call.name)))
+        }
+        "when" => Some(value(call, facts).map(|found| (usize::from(found.is_none()), 2))),
+        _ => None,
+    }
+}
+
+/// The replacement of a word without blocks.
+fn simple(call: &Call, facts: &Facts, shown: &mut Vec<String>) -> Result<String, String> {
+    match call.word {
+        "num" | "val" => Ok(match value(call, facts)? {
+            Some((number, unit)) => number_in_words(number, call, unit),
+            None => ABSENT.to_owned(),
+        }),
+        "plate" | "wide" => {
+            let made = made(call, &facts.figures, "figure", facts.strict, shown)?;
+            let word = if made.is_some() { call.word } else { "absent" };
+            Ok(format!("#{word}(\"{}\")", call.name))
+        }
+        "tabular" | "broad" => match made(call, &facts.tables, "table", facts.strict, shown)? {
+            Some(csv) => board::typst(call.word, call.name, csv),
+            None => Ok(format!("#absent(\"{}\")", call.name)),
+        },
+        "eq" if facts.tests.contains(call.name) => Ok(format!("#eq(\"{}\")", call.name)),
+        "eq" => Err(format!("no test is called `{}`", call.name)),
+        "claims" => Ok(generated::all(facts)),
+        _ => Ok(generated::failing(facts)),
+    }
+}
+
+/// The number and its unit; nothing where this profile does not measure it.
+fn value<'a>(call: &Call, facts: &'a Facts) -> Result<Option<(f64, &'a str)>, String> {
+    let found = facts.metrics.iter().find(|m| m.metric.id == call.name);
+    match found {
+        Some(entry) => Ok(Some((entry.metric.value, entry.metric.unit.as_str()))),
+        None if facts.known.contains(call.name) && !facts.strict => Ok(None),
+        None if facts.known.contains(call.name) => Err(format!("number `{}` was not computed: study run", call.name)),
+        None => Err(format!(
+            "number `{}` is not defined: no stage makes it and paper/expected.toml does not list it",
+            call.name
+        )),
+    }
+}
+
+/// A string of typst, ended by the semicolon that it would otherwise take from the sentence.
+fn number_in_words(value: f64, call: &Call, unit: &str) -> String {
+    let digits = call.digits.map_or_else(|| formatted(value), |digits| format!("{value:.digits$}"));
+    let unit = if call.word == "val" && !unit.is_empty() { format!("\u{a0}{unit}") } else { String::new() };
+    match digits.split_once('e') {
+        Some((mantissa, power)) => format!("${mantissa} dot 10^({power})$#\"{unit}\";"),
+        None => format!("#\"{}{unit}\";", digits.replace('-', "−")),
+    }
+}
+
+fn made<'a>(
+    call: &Call,
+    all: &'a [Made],
+    kind: &str,
+    strict: bool,
+    shown: &mut Vec<String>,
+) -> Result<Option<&'a str>, String> {
+    let name = call.name;
+    let found = all.iter().find(|m| m.name == name).ok_or_else(|| format!("there is no {kind} `{name}`"))?;
+    if shown.iter().any(|s| s == name) {
+        return Err(format!("{kind} `{name}` is shown twice"));
+    }
+    shown.push(name.to_owned());
+    match &found.text {
+        Some(text) => Ok(Some(text)),
+        None if strict => Err(format!("{kind} `{name}` was not made: study run {name}")),
+        None => Ok(None),
+    }
+}

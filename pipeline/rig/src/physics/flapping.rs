@@ -1,0 +1,279 @@
+//! Flapping: a tail in air or water under the pressures of both sides, in the coordinates of its reduced model.
+//!
+//! Time integration is BDF2 with stiffness-proportional damping; the pull on the holder follows from the balance of momentum.
+
+use diagnostics::{Diagnostic, Result};
+use fem::{Actuation, DynamicSettings, NoForce, ReducedMotion, Scheme};
+use lab::card::Side;
+use nalgebra::{DMatrix, DVector};
+use si::{Hertz, Newton, Pascal, Point2, Point3, Second};
+
+use super::centre_line::CentreLine;
+use super::snapshots;
+use super::water::{Fluid, Kinematics, Water, WaterForce};
+use super::{Body, Motion, PressureSweep};
+
+/// A tail in the coordinates of its reduced model.
+pub struct FlappingModel<'a> {
+    /// The whole body.
+    pub body: &'a Body,
+    /// The reduced model.
+    pub reduced: fem::ReducedModel,
+    /// The centre line.
+    pub line: CentreLine,
+    rest_line: Vec<Point2>,
+    /// (stations × 2) × coordinates.
+    rows: DMatrix<f64>,
+    /// Coordinates × (nodes × 3), m.
+    modes: Vec<Vec<f32>>,
+    /// Σ m x of the whole tail by coordinate, kg m.
+    moments: DVector<f64>,
+    /// Equilibria of the reduced model at the pressures of both sweeps (left, right).
+    pub(super) equilibria: [Vec<DVector<f64>>; 2],
+}
+
+/// Conditions that differ from trial to trial.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Conditions {
+    /// The water; none in air.
+    pub fluid: Option<Fluid>,
+    /// The silicone's moduli relative to those at the reference temperature, no unit.
+    pub softening: f64,
+}
+
+/// The interval of a motion and its time step, s.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TimeSpan {
+    /// The body is at rest until then.
+    pub start: Second,
+    /// End of the motion.
+    pub end: Second,
+    /// Time step.
+    pub step: Second,
+}
+
+/// A motion, and its force on the holder.
+pub struct FlappingMotion<'a> {
+    model: &'a FlappingModel<'a>,
+    start: Second,
+    rate: Hertz,
+    shapes: Vec<DVector<f64>>,
+    /// Force on the holder, forwards, and the thrust of the water in it, N.
+    pulls: Vec<(Newton, Newton)>,
+}
+
+impl<'a> FlappingModel<'a> {
+    /// Reduces `body` to the span of its equilibria in `sweeps` (left, right) and in the snapshots. `tick` is called after each
+    /// equilibrium.
+    ///
+    /// # Errors
+    /// When an equilibrium is not found.
+    pub fn reduce(
+        body: &'a Body,
+        line: CentreLine,
+        sweeps: &[PressureSweep; 2],
+        tick: &(dyn Fn() + Sync),
+    ) -> Result<Self> {
+        let loaded = snapshots::shapes(body, &line, sweeps, tick)?;
+        let swept = sweeps.iter().flat_map(|sweep| sweep.shapes.iter().skip(1).step_by(2));
+        let shapes: Vec<&[f64]> = swept.chain(&loaded).map(Vec::as_slice).collect();
+        let settings = fem::ReductionSettings {
+            coordinates: shapes.len() * 4 / 5,
+            tolerance: 5e-4,
+            ..fem::ReductionSettings::default()
+        };
+        let reduced = body.system.reduce(&shapes, &settings);
+        let reduced = reduced.map_err(|e| Diagnostic::from(e).while_doing("the reduced model"))?;
+        let (rest_line, rows) = (line.rest(body), line.rows(&reduced));
+        let unit = |k: usize| DVector::from_fn(reduced.coordinates(), |i, _| f64::from(u8::from(i == k)));
+        let mode = |k: usize| reduced.displacement(&unit(k)).into_iter().map(|u| u as f32).collect::<Vec<f32>>();
+        let modes: Vec<Vec<f32>> = (0..reduced.coordinates()).map(mode).collect();
+        let halves = if body.mesh.half { 2.0 } else { 1.0 };
+        let moment = |mode: &Vec<f32>| {
+            let x = body.system.node_masses().iter().zip(mode.iter().step_by(3));
+            halves * x.map(|(m, u)| m * f64::from(*u)).sum::<f64>()
+        };
+        let moments = DVector::from_iterator(modes.len(), modes.iter().map(moment));
+        let of_side = |side: Side, sweep: &PressureSweep| equilibria(body, &reduced, side, &sweep.pressures);
+        let equilibria = [of_side(Side::Left, &sweeps[0])?, of_side(Side::Right, &sweeps[1])?];
+        Ok(Self { body, reduced, line, rest_line, rows, modes, moments, equilibria })
+    }
+
+    /// The motion from rest under the pressures (left, right; Pa) at any time (s).
+    ///
+    /// # Errors
+    /// When a step does not converge.
+    pub fn flapping(
+        &'a self,
+        span: TimeSpan,
+        pressures: &dyn Fn(Second) -> [Pascal; 2],
+        conditions: &Conditions,
+    ) -> Result<FlappingMotion<'a>> {
+        let TimeSpan { start, end, step } = span;
+        let count = ((end - start) / step).ceil() as usize;
+        let settings = DynamicSettings {
+            step,
+            scheme: Scheme::Bdf2,
+            mass_damping: 0.0,
+            stiffness_damping: self.body.stiffness_damping,
+            ..DynamicSettings::default()
+        };
+        let actuation = |t: Second| {
+            let [left, right] = pressures(start + t);
+            Actuation { pressures: self.body.pressures(left, right) }
+        };
+        let motion =
+            ReducedMotion { settings: &settings, modulus_scale: &[conditions.softening, 1.0], actuation: &actuation };
+        let r = self.reduced.coordinates();
+        let (mut shapes, mut velocities) = (vec![DVector::zeros(r)], vec![DVector::zeros(r)]);
+        let mut observe = |_: Second, q: &DVector<f64>, v: &DVector<f64>| {
+            shapes.push(q.clone());
+            velocities.push(v.clone());
+        };
+        let mut forces = vec![WaterForce::default()];
+        let integrated = match conditions.fluid {
+            None => self.reduced.integrate(&motion, &mut NoForce, count, &mut observe),
+            Some(fluid) => {
+                let mut water = ObservedWater { water: self.water(fluid), forces: &mut forces };
+                self.reduced.integrate(&motion, &mut water, count, &mut observe)
+            }
+        };
+        integrated
+            .map_err(|e| Diagnostic::from(e).while_doing(format!("motion between {start:.3} s and {end:.3} s")))?;
+        forces.resize(shapes.len(), WaterForce::default());
+        let pulls = self.pulls(&velocities, &forces, 1.0 / step);
+        Ok(FlappingMotion { model: self, start, rate: 1.0 / step, shapes, pulls })
+    }
+
+    /// Water around the tail at rest.
+    pub fn water(&self, fluid: Fluid) -> Water<'_> {
+        let half = self.body.mesh.half;
+        Water::at_rest(fluid, &Kinematics { line: &self.line, rest: &self.rest_line, rows: &self.rows, half })
+    }
+
+    /// Force on the holder: the force of the water plus the rate of change of the tail's own momentum, which is counted rearwards.
+    fn pulls(&self, velocities: &[DVector<f64>], forces: &[WaterForce], rate: Hertz) -> Vec<(Newton, Newton)> {
+        let momentum: Vec<f64> = velocities.iter().map(|v| self.moments.dot(v)).collect();
+        let last = momentum.len() - 1;
+        let momentum_rate = |i: usize| {
+            let (a, b) = (i.saturating_sub(1), (i + 1).min(last));
+            (momentum[b] - momentum[a]) * rate / (b - a).max(1) as f64
+        };
+        forces.iter().enumerate().map(|(i, force)| (force.total + momentum_rate(i), force.thrust)).collect()
+    }
+}
+
+/// Equilibria of the reduced model with `side` at rising `pressures` (Pa), the first of them 0.
+fn equilibria(body: &Body, reduced: &fem::ReducedModel, side: Side, pressures: &[Pascal]) -> Result<Vec<DVector<f64>>> {
+    let mut found = vec![DVector::zeros(reduced.coordinates())];
+    for pressure in &pressures[1..] {
+        let near = found.iter().rev().take(2).collect::<Vec<_>>();
+        let guess = if let [last, before] = near[..] { last * 2.0 - before } else { found[0].clone() };
+        let rest = reduced.equilibrium(&body.one_side(side, *pressure), &[1.0, 1.0], &guess);
+        let doing = || format!("equilibrium of the reduced model at {:.0} mbar", pressure / si::MILLIBAR);
+        found.push(rest.map_err(|e| Diagnostic::from(e).while_doing(doing()))?);
+    }
+    Ok(found)
+}
+
+/// Water whose force is stored after each step.
+struct ObservedWater<'a, 'b> {
+    water: Water<'a>,
+    forces: &'b mut Vec<WaterForce>,
+}
+
+impl fem::ExternalForce for ObservedWater<'_, '_> {
+    fn force(&self, at: &fem::StepState) -> DVector<f64> {
+        self.water.force(at)
+    }
+
+    fn accept(&mut self, at: &fem::StepState) {
+        self.water.accept(at);
+        self.forces.push(self.water.total);
+    }
+}
+
+impl FlappingMotion<'_> {
+    /// Linear between steps, zero beyond.
+    fn between(&self, t: Second, of: impl Fn(&(Newton, Newton)) -> Newton) -> Newton {
+        let place = (t - self.start) * self.rate;
+        let at = |i: f64| if i < 0.0 { 0.0 } else { self.pulls.get(i as usize).map_or(0.0, &of) };
+        let fraction = place - place.floor();
+        at(place.floor()) * (1.0 - fraction) + at(place.floor() + 1.0) * fraction
+    }
+
+    /// Coordinates × (nodes × 3), m.
+    pub(super) fn modes(&self) -> &[Vec<f32>] {
+        &self.model.modes
+    }
+
+    /// Coordinates at time `t` (s): linear between steps, constant beyond.
+    pub(super) fn coordinates(&self, t: Second) -> DVector<f64> {
+        let last = self.shapes.len() - 1;
+        let place = ((t - self.start) * self.rate).clamp(0.0, last as f64);
+        let first = (place.floor() as usize).min(last.saturating_sub(1));
+        let fraction = place - first as f64;
+        &self.shapes[first] * (1.0 - fraction) + &self.shapes[(first + 1).min(last)] * fraction
+    }
+}
+
+impl Motion for FlappingMotion<'_> {
+    fn nodes(&self, t: Second) -> Vec<Point3> {
+        let (nodes, moved) = (&self.model.body.mesh.nodes, displacements(&self.model.modes, &self.coordinates(t)));
+        let (moved, _) = moved.as_chunks::<3>();
+        let node = |(x, u): (&Point3, &[f32; 3])| [0, 1, 2].map(|axis| x[axis] + f64::from(u[axis]));
+        nodes.iter().zip(moved).map(node).collect()
+    }
+
+    fn nodes_of(&self, t: Second, of: &[u32]) -> Vec<Point3> {
+        let mut nodes = self.model.body.mesh.nodes.clone();
+        for (node, u) in of.iter().zip(displacements_of(&self.model.modes, &self.coordinates(t), of)) {
+            nodes[*node as usize].iter_mut().zip(u).for_each(|(x, u)| *x += f64::from(u));
+        }
+        nodes
+    }
+
+    fn pull(&self, t: Second) -> Newton {
+        self.between(t, |pull| pull.0)
+    }
+
+    fn thrust(&self, t: Second) -> Newton {
+        self.between(t, |pull| pull.1)
+    }
+}
+
+/// Displacements of all nodes, nodes × 3, m.
+pub(super) fn displacements(modes: &[Vec<f32>], q: &DVector<f64>) -> Vec<f32> {
+    let mut moved = vec![0.0; modes.first().map_or(0, Vec::len)];
+    for (mode, q) in modes.iter().zip(q.iter()) {
+        moved.iter_mut().zip(mode).for_each(|(moved, u)| *moved += *q as f32 * u);
+    }
+    moved
+}
+
+/// Displacements of the nodes `of`, m: the same sums as [`moved`] in the same order, so the same numbers.
+pub(super) fn displacements_of(modes: &[Vec<f32>], q: &DVector<f64>, of: &[u32]) -> Vec<[f32; 3]> {
+    let mut moved = vec![[0.0; 3]; of.len()];
+    for (mode, q) in modes.iter().zip(q.iter()) {
+        let (mode, _) = mode.as_chunks::<3>();
+        for (moved, node) in moved.iter_mut().zip(of) {
+            moved.iter_mut().zip(mode[*node as usize]).for_each(|(moved, u)| *moved += *q as f32 * u);
+        }
+    }
+    moved
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn displacements_of_some_nodes_equal_those_of_all_nodes() {
+        let mode = |m: usize| (0..15).map(|k| ((7 * k + 3 * m) % 11) as f32 / 7.0 - 0.6).collect::<Vec<f32>>();
+        let (modes, q) = ((0..4).map(mode).collect::<Vec<_>>(), DVector::from_vec(vec![0.31, -1.7, 0.05, 2.2]));
+        let (all, of) = (displacements(&modes, &q), [0, 2, 4]);
+        for (some, node) in displacements_of(&modes, &q, &of).iter().zip(of) {
+            assert_eq!(some[..], all[3 * node as usize..][..3]);
+        }
+    }
+}

@@ -1,0 +1,70 @@
+//! Equilibria of a body at rising pressures on one side.
+
+use diagnostics::{Diagnostic, Result};
+use fem::StaticSettings;
+use lab::card::Side;
+use si::Pascal;
+
+use super::Body;
+
+/// Newton's iteration stops when a step is shorter than this, relative to the body: convergence is quadratic, so the next step would be
+/// of the order of its square.
+pub(super) const TOLERANCE: f64 = 1e-6;
+
+/// Equilibria at rising pressures on one side.
+#[derive(Debug, Clone)]
+pub struct PressureSweep {
+    /// Rising from 0, Pa; four or more.
+    pub pressures: Vec<Pascal>,
+    /// Displacements at those pressures, pressures × (nodes × 3), m.
+    pub shapes: Vec<Vec<f64>>,
+}
+
+/// Pressures from 0 to `top` (Pa) in `levels` equal steps.
+pub fn even_pressures(top: Pascal, levels: usize) -> Vec<Pascal> {
+    (0..=levels).map(|i| top * i as f64 / levels as f64).collect()
+}
+
+impl PressureSweep {
+    /// The equilibria of `body` with `side` at `pressures` (Pa, rising from 0).
+    ///
+    /// The initial guess of each is the parabola through the three before it. `tick` is called after each.
+    ///
+    /// # Errors
+    /// When an equilibrium is not found.
+    pub fn solve(body: &Body, side: Side, pressures: &[Pascal], tick: &(dyn Fn() + Sync)) -> Result<Self> {
+        let mut solver = body.system.solver();
+        let settings = StaticSettings { load_steps: 1, tolerance: TOLERANCE, ..StaticSettings::default() };
+        let mut shapes = vec![vec![0.0; 3 * body.mesh.nodes.len()]];
+        for pressure in &pressures[1..] {
+            let guess = extrapolated(&shapes);
+            let found = solver.equilibrium(&body.one_side(side, *pressure), Some(&guess), &settings);
+            let doing = || format!("equilibrium of the {} side at {:.0} mbar", side.word(), pressure / si::MILLIBAR);
+            shapes.push(found.map_err(|e| Diagnostic::from(e).while_doing(doing()))?.displacement);
+            tick();
+        }
+        Ok(Self { pressures: pressures.to_vec(), shapes })
+    }
+
+    /// The shape whose pressure is nearest to `pressure` (Pa).
+    pub fn nearest(&self, pressure: Pascal) -> &[f64] {
+        let above = self.pressures.partition_point(|p| *p < pressure).min(self.pressures.len() - 1);
+        let below = above.saturating_sub(1);
+        let closer = pressure - self.pressures[below] < self.pressures[above] - pressure;
+        &self.shapes[if closer { below } else { above }]
+    }
+}
+
+/// The parabola through the last three shapes, at the next level; a straight line through two.
+fn extrapolated(shapes: &[Vec<f64>]) -> Vec<f64> {
+    let weights: &[f64] = match shapes.len() {
+        1 => &[1.0],
+        2 => &[-1.0, 2.0],
+        _ => &[1.0, -3.0, 3.0],
+    };
+    let mut next = vec![0.0; shapes[0].len()];
+    for (weight, shape) in weights.iter().zip(&shapes[shapes.len() - weights.len()..]) {
+        next.iter_mut().zip(shape).for_each(|(sum, u)| *sum += weight * u);
+    }
+    next
+}

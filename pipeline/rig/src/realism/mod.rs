@@ -1,0 +1,114 @@
+//! Comparison of the bench's instruments with measurements of real ones.
+//!
+//! Short runs of the valve and the load cell, and the forces of recordings in water where there are some. Where a measurement is a single number
+//! without a range, the range used is justified at its constant. The drag of the bench's water was chosen so that mean forces agree with
+//! those measured; their comparison is no independent test of it.
+
+mod cell;
+mod valve;
+mod water;
+
+use std::fmt::Write;
+use std::path::Path;
+
+use diagnostics::Result;
+
+use crate::settings::Settings;
+use crate::specimens::ALL;
+
+/// One quantity of real instruments and of the bench.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Comparison {
+    /// Its name and unit.
+    pub(crate) quantity: String,
+    /// Measured range of real instruments.
+    pub(crate) measured: [f64; 2],
+    /// Range of the bench over levels or seeds.
+    pub(crate) bench: [f64; 2],
+}
+
+impl Comparison {
+    /// A comparison of two ranges.
+    pub(crate) fn new(quantity: impl Into<String>, measured: [f64; 2], bench: [f64; 2]) -> Self {
+        Self { quantity: quantity.into(), measured, bench }
+    }
+
+    /// Whether the bench's range is inside the measured one.
+    pub(crate) fn inside(&self) -> bool {
+        self.measured[0] <= self.bench[0] && self.bench[1] <= self.measured[1]
+    }
+}
+
+/// Least and greatest of `values`.
+fn range(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
+    values.into_iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)])
+}
+
+/// Rounded to the digits of the measurements.
+fn rounded(value: f64) -> f64 {
+    (value * 1e4).round() / 1e4
+}
+
+/// All comparisons of the instruments.
+pub(crate) fn comparisons(set: &Settings) -> Vec<Comparison> {
+    let mut comparisons = valve::comparisons(&set.valve);
+    comparisons.extend(cell::comparisons(set));
+    comparisons
+}
+
+/// All comparisons, with those of the recordings under `raw` where there are some.
+///
+/// # Errors
+/// When a recording of the bench cannot be read.
+pub(crate) fn with_recordings(set: &Settings, raw: &Path) -> Result<Vec<Comparison>> {
+    let mut all = comparisons(set);
+    all.extend(water::comparisons(raw, &ALL.iter().map(|specimen| specimen.name).collect::<Vec<_>>())?);
+    Ok(all)
+}
+
+/// The comparisons as CSV with fixed digits.
+pub(crate) fn csv(comparisons: &[Comparison]) -> String {
+    let mut text = String::from("# virtual bench compared with real instruments\n");
+    text.push_str("quantity,measured_low,measured_high,bench_low,bench_high,inside\n");
+    for f in comparisons {
+        let ([low, high], [from, to], inside) = (f.measured.map(rounded), f.bench, f.inside());
+        writeln!(text, "{},{low},{high},{from:.4},{to:.4},{inside}", f.quantity).expect("a string takes any text");
+    }
+    text
+}
+
+/// The comparisons as text, one a line.
+pub(crate) fn table(comparisons: &[Comparison]) -> String {
+    let mut text = format!("{:<52} {:>17} {:>19}\n", "quantity", "measured", "bench");
+    for f in comparisons {
+        let word = if f.inside() { "inside" } else { "OUTSIDE" };
+        let measured = format!("{} to {}", rounded(f.measured[0]), rounded(f.measured[1]));
+        let bench = format!("{:.3} to {:.3}", f.bench[0], f.bench[1]);
+        writeln!(text, "{:<52} {measured:>17} {bench:>19}  {word}", f.quantity).expect("a string takes any text");
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_quantity_of_the_bench_is_inside_the_measured_range() {
+        let outside: Vec<Comparison> = comparisons(&Settings::built_in()).into_iter().filter(|f| !f.inside()).collect();
+        assert!(outside.is_empty(), "{}", table(&outside));
+    }
+
+    #[test]
+    fn a_valve_that_is_too_slow_is_detected() {
+        let mut set = Settings::built_in();
+        set.valve.fill *= 2.0;
+        assert!(comparisons(&set).iter().any(|f| !f.inside() && f.quantity.contains("within 5 %")));
+    }
+
+    #[test]
+    fn the_comparisons_are_reproducible() {
+        let set = Settings::built_in();
+        assert_eq!(csv(&comparisons(&set)), csv(&comparisons(&set)));
+    }
+}

@@ -1,0 +1,205 @@
+//! The body of a case as a system of `fem`: mesh, materials, clamps, masses and forces, all independent of level and time.
+
+use std::collections::BTreeMap;
+
+use fem::{Clamps, Elements, Faces, Forces, Masses, Options, Solver, System};
+use mesh::foreign::Region;
+use mesh::{Cavity, Skin, Solid};
+use si::Pascal;
+
+use crate::case::{self, Axis, Case, Chamber, Place};
+use crate::materials::properties;
+use crate::reach::Reach;
+use crate::solid::Loaded;
+use diagnostics::{Diagnostic, Result};
+use mesh::chamber_containing;
+
+/// A case ready to be solved.
+pub struct Body<'a> {
+    /// The mesh.
+    pub solid: &'a Solid,
+    /// Its regions.
+    pub regions: &'a [Region],
+    /// Its closed cavities.
+    pub cavities: &'a [Cavity],
+    /// The system solved by `fem`.
+    pub system: System,
+    /// 3 a node, N.
+    pub forces: Vec<f64>,
+    /// The chamber of the mesh that each chamber of the case is.
+    pub numbers: Vec<usize>,
+    /// Warnings for the user.
+    pub notes: Vec<String>,
+}
+
+impl<'a> Body<'a> {
+    /// # Errors
+    /// A [`Diagnostic`] when the case and its mesh do not match, or the body is not clamped.
+    pub fn new(case: &Case, loaded: &'a Loaded) -> Result<Self> {
+        let Loaded { solid, regions, cavities, .. } = loaded;
+        let mesh = fem_mesh(solid, &(0..cavities.len() as u16).collect::<Vec<_>>());
+        let reach = Reach { solid, size: mesh.size() };
+        let (properties, mean_dilatation) = properties(case, regions)?;
+        let clamps = clamps(case, &reach)?;
+        let forces = forces(case, &reach, &mesh, &clamps)?;
+        let lumped_mass = case.dynamic.as_ref().is_some_and(|set| set.lumped_mass);
+        let options = Options { lumped_mass, mean_dilatation, masses: masses(case, &reach, &mesh)? };
+        let system = System::with(mesh, properties, &clamps, options)?;
+        let numbers = numbers(case, solid, cavities)?;
+        let notes = unnamed(&numbers, cavities);
+        Ok(Self { solid, regions, cavities, system, forces, numbers, notes })
+    }
+
+    /// A solver under gravity and all dead loads, with its chambers sealed.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when `fem` refuses one of them.
+    pub fn solver(&self, case: &Case) -> Result<Solver> {
+        let mut solver = self.system.solver();
+        solver.set_gravity(case.gravity)?;
+        solver.set_forces(&self.forces)?;
+        for (chamber, &number) in
+            case.chamber.iter().zip(&self.numbers).filter(|(chamber, _)| chamber.sealed_in.is_some())
+        {
+            solver.set_sealed(number, chamber.sealed_in)?;
+        }
+        Ok(solver)
+    }
+
+    /// One pressure a chamber of the mesh, Pa; 0 where the case names none.
+    pub fn pressures(&self, case: &Case, value: impl Fn(&Chamber) -> Pascal) -> Vec<Pascal> {
+        let mut pressures = vec![0.0; self.cavities.len()];
+        for (chamber, &number) in case.chamber.iter().zip(&self.numbers) {
+            pressures[number] = value(chamber);
+        }
+        pressures
+    }
+}
+
+/// A mesh as the solver takes it: nodes, elements, regions and the faces of each chamber, given by the chambers' skin indices. The one
+/// bridge between the mesher's types and the solver's plain arrays.
+pub fn fem_mesh(solid: &Solid, chambers: &[u16]) -> fem::Mesh {
+    let faces = solid.faces();
+    let wall = |skin: &u16| -> Vec<Vec<u32>> {
+        faces.iter().filter(|(_, on)| *on == Skin::Chamber(*skin)).map(|(nodes, _)| nodes.to_vec()).collect()
+    };
+    let linear = matches!(solid, Solid::Linear(_));
+    let walls = chambers.iter().map(wall);
+    let of_order = |wall: Vec<Vec<u32>>| match linear {
+        true => Faces::Linear(wall.iter().map(|nodes| std::array::from_fn(|k| nodes[k])).collect()),
+        false => Faces::Quadratic(wall.iter().map(|nodes| std::array::from_fn(|k| nodes[k])).collect()),
+    };
+    fem::Mesh {
+        nodes: solid.nodes().to_vec(),
+        elements: match solid {
+            Solid::Linear(mesh) => Elements::Linear(mesh.tets.clone()),
+            Solid::Quadratic(mesh) => Elements::Quadratic(mesh.tets.clone()),
+        },
+        regions: solid.regions().to_vec(),
+        chambers: walls.map(|wall| fem::Chamber { faces: of_order(wall) }).collect(),
+        symmetry_plane_z: solid.half(),
+    }
+}
+
+fn clamps(case: &Case, reach: &Reach) -> Result<Clamps> {
+    let mut clamps = Clamps::none();
+    for (i, clamp) in case.clamp.iter().enumerate() {
+        let held = [Axis::X, Axis::Y, Axis::Z].map(|axis| clamp.hold.contains(&axis));
+        let Some(place) = Place::of(clamp.plane, clamp.block) else { continue };
+        let nodes: Vec<u32> = (0..reach.solid.nodes().len() as u32).filter(|&node| reach.holds(&place, node)).collect();
+        if nodes.is_empty() {
+            let what = format!("clamp {i} holds no node: none lies on {place}");
+            return Err(Diagnostic::new(what, reach.extent(), "move the clamp onto the body"));
+        }
+        nodes.into_iter().for_each(|node| clamps.constrain(node, held));
+    }
+    Ok(clamps)
+}
+
+fn forces(case: &Case, reach: &Reach, mesh: &fem::Mesh, clamps: &Clamps) -> Result<Vec<f64>> {
+    let held: BTreeMap<u32, [bool; 3]> = clamps.iter().collect();
+    let plane = |node: u32| mesh.symmetry_plane_z && mesh.nodes[node as usize][2] == 0.0;
+    let still = |node: u32, axis: usize| held.get(&node).is_some_and(|axes| axes[axis]) || (axis == 2 && plane(node));
+    let mut all = vec![0.0; 3 * mesh.nodes.len()];
+    for (i, load) in case.load.iter().enumerate() {
+        let list = one_load(&format!("load {i}"), load, reach, mesh)?;
+        let moves = |(entry, force): (usize, &f64)| *force != 0.0 && !still((entry / 3) as u32, entry % 3);
+        if !list.iter().enumerate().any(moves) {
+            return Err(Diagnostic::new(
+                format!("load {i} pushes at held nodes alone"),
+                "what is held does not move, so that the load does nothing and the clamp contradicts it",
+                "move the load or the clamp, or hold fewer axes",
+            ));
+        }
+        all.iter_mut().zip(list).for_each(|(sum, force)| *sum += force);
+    }
+    Ok(all)
+}
+
+/// Forces of one load, 3 a node, N.
+fn one_load(name: &str, load: &case::Load, reach: &Reach, mesh: &fem::Mesh) -> Result<Vec<f64>> {
+    let none = Forces::none(mesh);
+    let place = Place::of(load.plane, load.block);
+    let forces = match (load.near, load.force, place, load.line_force, load.traction) {
+        (Some(at), Some(force), ..) => none.on_node(reach.nearest(name, at)?, force),
+        (.., Some(place), Some(along), _) => {
+            reach.edges(&place).iter().fold(none, |sum, edge| sum.on_edge(edge, along))
+        }
+        (.., Some(place), _, Some(over)) => reach.faces(&place).iter().fold(none, |sum, face| sum.on_face(face, over)),
+        _ => none,
+    };
+    match forces.as_slice().iter().any(|force| *force != 0.0) {
+        true => Ok(forces.as_slice().to_vec()),
+        false => Err(nothing_there(name, reach)),
+    }
+}
+
+fn masses(case: &Case, reach: &Reach, mesh: &fem::Mesh) -> Result<Masses> {
+    let mut all = Masses::none();
+    for (i, given) in case.mass.iter().enumerate() {
+        if let (Some(at), Some(mass)) = (given.near, given.mass) {
+            all = all.on_node(reach.nearest(&format!("mass {i}"), at)?, mass);
+        }
+        if let (Some(place), Some(layer)) = (Place::of(given.plane, given.block), given.area_density) {
+            let faces = reach.faces(&place);
+            if faces.is_empty() {
+                return Err(nothing_there(&format!("mass {i}"), reach));
+            }
+            all = faces.iter().fold(all, |sum, face| sum.on_face(mesh, face, layer));
+        }
+    }
+    Ok(all)
+}
+
+fn nothing_there(entry: &str, reach: &Reach) -> Diagnostic {
+    let what =
+        format!("{entry} meets nothing: no face or edge of the outer skin lies in its place with all its corners");
+    Diagnostic::new(what, reach.extent(), "move it onto the body's surface, or widen its box")
+}
+
+/// The chamber of the mesh that each chamber of the case is.
+fn numbers(case: &Case, solid: &Solid, cavities: &[Cavity]) -> Result<Vec<usize>> {
+    let mut numbers = Vec::new();
+    for (i, chamber) in case.chamber.iter().enumerate() {
+        let found = match (chamber.inside, chamber.number) {
+            (Some(at), _) => chamber_containing(solid, at).map(usize::from),
+            (None, number) => number.filter(|number| *number < cavities.len()),
+        };
+        let number = found.filter(|number| !numbers.contains(number)).ok_or_else(|| {
+            let centres: Vec<String> = cavities.iter().map(|c| format!("{:.4?} m", c.centroid)).collect();
+            Diagnostic::new(
+                format!("chamber {i} of the case is no chamber of the mesh, or stands twice"),
+                format!("the mesh closes {} chambers, with centres {}", cavities.len(), centres.join("; ")),
+                "give a point inside one, or its number; a cavity that is open to the outside is no chamber",
+            )
+        })?;
+        numbers.push(number);
+    }
+    Ok(numbers)
+}
+
+fn unnamed(numbers: &[usize], cavities: &[Cavity]) -> Vec<String> {
+    let free = (0..cavities.len()).filter(|number| !numbers.contains(number));
+    free.map(|number| format!("chamber {number} of the mesh stays at ambient pressure: the case does not name it"))
+        .collect()
+}

@@ -1,0 +1,205 @@
+//! Checks of a case: ranges of its numbers, and missing or contradictory entries.
+
+use std::collections::BTreeSet;
+
+use lab::range::{Checked, violation, within};
+
+use super::{Case, Chamber, Dynamic, History, Load, Mass, Output, Place, Region, Source, Static, Wave};
+
+/// Largest pressure, Pa.
+const PRESSURE: f64 = 1e8;
+/// Largest coordinate, m.
+const FAR: f64 = 10.0;
+
+/// Checks all entries of a case.
+pub(super) fn case(case: &Case) -> Checked {
+    vector("gravity", &case.gravity, 1e3, "m/s²")?;
+    source(&case.mesh)?;
+    let upright = !case.mesh.half || case.gravity[2] == 0.0;
+    only("gravity", upright, "gravity on a half model has no part along z: that would break the symmetry")?;
+    each("region", &case.region, region)?;
+    for (i, clamp) in case.clamp.iter().enumerate() {
+        place(&format!("clamp.{i}"), Place::of(clamp.plane, clamp.block))?;
+        only(&format!("clamp.{i}.hold"), !clamp.hold.is_empty(), "a clamp holds along at least one axis")?;
+    }
+    each("chamber", &case.chamber, chamber)?;
+    each("load", &case.load, load)?;
+    each("mass", &case.mass, mass)?;
+    only("static", case.statics.is_some() != case.dynamic.is_some(), "a case has either [static] or [dynamic]")?;
+    case.statics.as_ref().map_or(Ok(()), statics)?;
+    case.dynamic.as_ref().map_or(Ok(()), dynamic)?;
+    output(&case.output)?;
+    names(case)
+}
+
+fn each<T>(table: &str, list: &[T], check: impl Fn(&str, &T) -> Checked) -> Checked {
+    list.iter().enumerate().try_for_each(|(i, one)| check(&format!("{table}.{i}"), one))
+}
+
+fn source(mesh: &Source) -> Checked {
+    let surfaces = [mesh.body.is_some(), mesh.edge.is_some()];
+    let either = surfaces == [mesh.file.is_none(); 2] && (mesh.file.is_none() || mesh.spine.is_none());
+    only("mesh", either, "[mesh] has file alone, or body and edge together, and spine where there is one")?;
+    mesh.edge.map_or(Ok(()), |edge| within("mesh.edge", edge, 1e-5..=1.0, "m"))
+}
+
+fn region(key: &str, region: &Region) -> Checked {
+    within(&format!("{key}.youngs_modulus"), region.youngs_modulus, 1e2..=1e12, "Pa")?;
+    let what = "one below 0.5: incompressible solids are simulated with 0.49 to 0.499 and mean_dilatation = true";
+    only(&format!("{key}.poissons_ratio"), region.poissons_ratio < 0.5, what)?;
+    within(&format!("{key}.poissons_ratio"), region.poissons_ratio, -0.99..=0.4999, "")?;
+    within(&format!("{key}.density"), region.density, 1.0..=3e4, "kg/m³")?;
+    only(key, region.name.is_none() || region.tag.is_none(), "a region is named by name or by tag, not by both")
+}
+
+fn place(key: &str, place: Option<Place>) -> Checked {
+    match place {
+        None => only(key, false, "it has either plane = { x = 0.0 } (or y, or z) or box = { low = …, high = … }"),
+        Some(Place::Plane(_, at)) => within(&format!("{key}.plane"), at, -FAR..=FAR, "m"),
+        Some(Place::Block(block)) => {
+            vector(&format!("{key}.box.low"), &block.low, FAR, "m")?;
+            vector(&format!("{key}.box.high"), &block.high, FAR, "m")?;
+            let ordered = (0..3).all(|k| block.low[k] <= block.high[k]);
+            only(&format!("{key}.box"), ordered, "low is not above high on any axis")
+        }
+    }
+}
+
+fn chamber(key: &str, chamber: &Chamber) -> Checked {
+    let one = chamber.inside.is_some() != chamber.number.is_some();
+    only(key, one, "a chamber is chosen by inside = [x, y, z] or by number")?;
+    chamber.inside.map_or(Ok(()), |at| vector(&format!("{key}.inside"), &at, FAR, "m"))?;
+    chamber.sealed_in.map_or(Ok(()), |at| within(&format!("{key}.sealed_in"), at, 1.0..=PRESSURE, "Pa"))?;
+    history(&format!("{key}.pressure"), &chamber.pressure)
+}
+
+fn history(key: &str, history: &History) -> Checked {
+    let pressure = |value: f64| within(key, value, -PRESSURE..=PRESSURE, "Pa");
+    match history {
+        History::Constant(value) => pressure(*value),
+        History::Wave(Wave::Table { times, values }) => {
+            only(key, !times.is_empty() && times.len() == values.len(), "a table has as many values as times")?;
+            let rising = times.windows(2).all(|pair| pair[0] < pair[1]) && times.iter().all(|t| t.is_finite());
+            only(key, rising, "the times of a table rise")?;
+            values.iter().try_for_each(|value| pressure(*value))
+        }
+        History::Wave(Wave::Sine { mean, amplitude, frequency, phase }) => {
+            pressure(*mean)?;
+            pressure(*amplitude)?;
+            within(key, *phase, -100.0..=100.0, "rad")?;
+            within(key, *frequency, 1e-6..=1e5, "Hz")
+        }
+        History::Wave(Wave::Square { low, high, frequency, duty }) => {
+            pressure(*low)?;
+            pressure(*high)?;
+            within(key, *duty, 0.0..=1.0, "(its duty)")?;
+            within(key, *frequency, 1e-6..=1e5, "Hz")
+        }
+        History::Wave(Wave::Ramp { from, to, start, seconds }) => {
+            pressure(*from)?;
+            pressure(*to)?;
+            within(key, *start, -1e6..=1e6, "s")?;
+            within(key, *seconds, 1e-9..=1e6, "s")
+        }
+    }
+}
+
+fn load(key: &str, load: &Load) -> Checked {
+    let somewhere = Place::of(load.plane, load.block);
+    let spread = load.plane.is_some() || load.block.is_some();
+    let fits = match (load.near.is_some(), load.force.is_some(), load.line_force.is_some(), load.traction.is_some()) {
+        (true, true, false, false) => !spread,
+        (false, false, true, false) => load.block.is_some() && load.plane.is_none(),
+        (false, false, false, true) => spread,
+        _ => false,
+    };
+    only(key, fits, "it has near with force, box with line_force, or plane or box with traction")?;
+    if let Some(at) = load.near {
+        vector(&format!("{key}.near"), &at, FAR, "m")?;
+    } else {
+        place(key, somewhere)?;
+    }
+    let check = |word: &str, value: Option<[f64; 3]>, most: f64, unit: &str| match value {
+        Some(value) => {
+            vector(&format!("{key}.{word}"), &value, most, unit)?;
+            only(&format!("{key}.{word}"), value != [0.0; 3], "a load is not zero")
+        }
+        None => Ok(()),
+    };
+    check("force", load.force, 1e6, "N")?;
+    check("line_force", load.line_force, 1e8, "N/m")?;
+    check("traction", load.traction, 1e10, "Pa")
+}
+
+fn mass(key: &str, mass: &Mass) -> Checked {
+    let spread = mass.plane.is_some() || mass.block.is_some();
+    let at_point = mass.near.is_some() && mass.mass.is_some() && !spread && mass.area_density.is_none();
+    let on_faces = mass.near.is_none() && mass.mass.is_none() && spread && mass.area_density.is_some();
+    only(key, at_point || on_faces, "it has near with mass, or plane or box with area_density")?;
+    mass.near.map_or_else(
+        || place(key, Place::of(mass.plane, mass.block)),
+        |at| vector(&format!("{key}.near"), &at, FAR, "m"),
+    )?;
+    mass.mass.map_or(Ok(()), |mass| within(&format!("{key}.mass"), mass, 1e-9..=100.0, "kg"))?;
+    mass.area_density.map_or(Ok(()), |layer| within(&format!("{key}.area_density"), layer, 1e-6..=1e4, "kg/m²"))
+}
+
+fn statics(set: &Static) -> Checked {
+    only("static.levels", !set.levels.is_empty(), "at least one level is solved")?;
+    set.levels.iter().try_for_each(|level| within("static.levels", *level, -1e3..=1e3, ""))?;
+    within("static.load_steps", set.load_steps as f64, 1.0..=1e4, "")?;
+    within("static.tolerance", set.tolerance, 1e-13..=1e-2, "of the size")
+}
+
+fn dynamic(set: &Dynamic) -> Checked {
+    within("dynamic.duration", set.duration, 1e-9..=1e5, "s")?;
+    let one = set.step.is_some() != set.adaptive.is_some();
+    only("dynamic", one, "[dynamic] has either step or adaptive")?;
+    if let Some(step) = set.step {
+        within("dynamic.step", step, 1e-9..=set.duration, "s")?;
+        let steps = set.duration / step;
+        let whole = (steps - steps.round()).abs() <= 1e-6 * steps;
+        only("dynamic.step", whole, "the duration is a whole number of steps")?;
+        within("dynamic.step", steps, 1.0..=1e7, "steps")?;
+    }
+    if let Some(steps) = set.adaptive {
+        within("dynamic.adaptive.tolerance", steps.tolerance, 1e-12..=1.0, "m")?;
+        within("dynamic.adaptive.shortest", steps.shortest, 1e-9..=set.duration, "s")?;
+        within("dynamic.adaptive.longest", steps.longest, steps.shortest..=set.duration, "s")?;
+    }
+    within("dynamic.mass_damping", set.mass_damping, 0.0..=1e6, "1/s")?;
+    within("dynamic.stiffness_damping", set.stiffness_damping, 0.0..=1e3, "s")
+}
+
+fn output(output: &Output) -> Checked {
+    within("output.every", output.every as f64, 1.0..=1e7, "")?;
+    each("output.node", &output.node, |key, node| vector(&format!("{key}.near"), &node.near, FAR, "m"))?;
+    each("output.marker", &output.marker, |key, marker| vector(&format!("{key}.at"), &marker.at, FAR, "m"))
+}
+
+/// Names head columns: letters, digits and `_`, each once.
+fn names(case: &Case) -> Checked {
+    let chambers =
+        case.chamber.iter().enumerate().filter_map(|(i, c)| Some((format!("chamber.{i}.name"), c.name.as_ref()?)));
+    let nodes = case.output.node.iter().enumerate().map(|(i, n)| (format!("output.node.{i}.name"), &n.name));
+    let markers = case.output.marker.iter().enumerate().map(|(i, m)| (format!("output.marker.{i}.name"), &m.name));
+    let mut seen = BTreeSet::new();
+    for (key, name) in chambers.chain(nodes).chain(markers) {
+        let plain = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+        only(&key, plain, "a name heads columns: letters, digits and `_`")?;
+        only(&key, seen.insert(name.clone()), "names must be unique: they head columns")?;
+    }
+    Ok(())
+}
+
+fn vector(key: &str, value: &[f64; 3], most: f64, unit: &str) -> Checked {
+    value.iter().enumerate().try_for_each(|(i, x)| within(&format!("{key}.{i}"), *x, -most..=most, unit))
+}
+
+fn only(key: &str, holds: bool, rule: &str) -> Checked {
+    if holds {
+        return Ok(());
+    }
+    let what = format!("`{key}` cannot be followed");
+    violation(key, what, rule, "correct the entry")
+}

@@ -1,0 +1,170 @@
+//! Cases: one body under loads, described by a TOML file.
+//!
+//! Every key with its unit: [`KEYS`], which `study simulate --help` shows.
+
+mod check;
+mod history;
+mod loads;
+mod place;
+mod read;
+mod solve;
+
+use serde::Deserialize;
+use si::{KilogramPerCubicMetre, Metre, Pascal, Point3};
+
+pub use history::{History, Wave};
+pub use loads::{Chamber, Load, Mass};
+pub use place::{Block, Place, Plane};
+pub use read::{parse, read};
+pub use solve::{Dynamic, Marker, Node, Output, Scheme, Start, Static, Steps};
+
+/// The keys of a case, as an example.
+pub const KEYS: &str = include_str!("keys.txt");
+
+/// The contents of a case.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Case {
+    /// m/s²; acts in full at every level and time.
+    #[serde(default)]
+    pub gravity: Point3,
+    /// The mesh, or the surfaces to be meshed.
+    pub mesh: Source,
+    /// Materials of its regions.
+    pub region: Vec<Region>,
+    /// Its clamps.
+    #[serde(default)]
+    pub clamp: Vec<Clamp>,
+    /// Its chambers and their pressures.
+    #[serde(default)]
+    pub chamber: Vec<Chamber>,
+    /// Dead loads.
+    #[serde(default)]
+    pub load: Vec<Load>,
+    /// Attached masses.
+    #[serde(default)]
+    pub mass: Vec<Mass>,
+    /// Settings of equilibria.
+    #[serde(rename = "static")]
+    pub statics: Option<Static>,
+    /// Settings of a motion.
+    pub dynamic: Option<Dynamic>,
+    /// Settings of the output.
+    #[serde(default)]
+    pub output: Output,
+}
+
+/// `[mesh]`: a mesh, or two surfaces to be meshed.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Source {
+    /// A mesh file, relative to the case.
+    pub file: Option<String>,
+    /// The soft body's STL file, relative to the case.
+    pub body: Option<String>,
+    /// The stiff sheet's STL file, relative to the case, where there is one.
+    pub spine: Option<String>,
+    /// Length of edges for STL files, m.
+    pub edge: Option<Metre>,
+    /// Unit of the files' numbers.
+    pub unit: Unit,
+    /// Order of the elements; the file's own when it is not said, quadratic for STL files.
+    pub order: Option<Order>,
+    /// Whether the half z ≥ 0 of a symmetric body is simulated.
+    #[serde(default)]
+    pub half: bool,
+}
+
+/// Unit of a mesh file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Unit {
+    /// Metres.
+    M,
+    /// Millimetres.
+    Mm,
+}
+
+impl Unit {
+    /// One of it, m.
+    pub fn metres(self) -> Metre {
+        match self {
+            Self::M => 1.0,
+            Self::Mm => 1e-3,
+        }
+    }
+}
+
+/// Order of the elements.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Order {
+    /// Four nodes.
+    Linear,
+    /// Ten nodes.
+    Quadratic,
+}
+
+/// `[[region]]`: the material of one region of the mesh.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Region {
+    /// Its name in the file; `body` or `spine` for STL files.
+    pub name: Option<String>,
+    /// Its tag in the file.
+    pub tag: Option<i64>,
+    /// The law's name.
+    pub material: String,
+    /// E, Pa.
+    pub youngs_modulus: Pascal,
+    /// ν, no unit.
+    pub poissons_ratio: f64,
+    /// kg/m³.
+    pub density: KilogramPerCubicMetre,
+    /// Whether the volumetric energy uses each element's mean dilatation.
+    #[serde(default)]
+    pub mean_dilatation: bool,
+}
+
+/// `[[clamp]]`: constrained nodes and axes.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Clamp {
+    /// On a plane.
+    pub plane: Option<Plane>,
+    /// In a box.
+    #[serde(rename = "box")]
+    pub block: Option<Block>,
+    /// Axes; all when it is not said.
+    #[serde(default = "all_axes")]
+    pub hold: Vec<Axis>,
+}
+
+/// An axis of space.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Axis {
+    /// x
+    X,
+    /// y
+    Y,
+    /// z
+    Z,
+}
+
+fn all_axes() -> Vec<Axis> {
+    vec![Axis::X, Axis::Y, Axis::Z]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_keys_that_the_help_shows_are_those_that_are_read() {
+        let page = KEYS.split_once("\n\n").and_then(|(_, rest)| rest.split_once("A history is")).unwrap().0;
+        let case: Case = toml::from_str(page).unwrap();
+        assert!(case.statics.is_some() && case.dynamic.is_some());
+        assert_eq!((case.load.len(), case.mass.len(), case.output.marker.len()), (1, 1, 1));
+    }
+}

@@ -1,0 +1,132 @@
+//! Settings of the solution and of the output of a case.
+
+use serde::Deserialize;
+use si::{Hertz, Metre, Point3, Second};
+
+/// `[static]`: equilibria at rising loads.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Static {
+    /// Fractions of all loads except gravity, in the order in which they are solved.
+    #[serde(default = "full")]
+    pub levels: Vec<f64>,
+    /// Load steps from rest to a level.
+    #[serde(default = "three")]
+    pub load_steps: usize,
+    /// Tolerance: the last Newton step moves no node by more than this fraction of the body's size.
+    #[serde(default = "fine")]
+    pub tolerance: f64,
+}
+
+/// `[dynamic]`: a motion.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Dynamic {
+    /// s.
+    pub duration: Second,
+    /// s; steps of one length.
+    pub step: Option<Second>,
+    /// Adaptive steps.
+    pub adaptive: Option<Steps>,
+    /// The integration scheme.
+    #[serde(default)]
+    pub scheme: Scheme,
+    /// α of Rayleigh's damping, 1/s.
+    #[serde(default)]
+    pub mass_damping: Hertz,
+    /// β of Rayleigh's damping, s.
+    #[serde(default)]
+    pub stiffness_damping: Second,
+    /// Lumped mass matrix.
+    #[serde(default)]
+    pub lumped_mass: bool,
+    /// The initial state.
+    #[serde(default)]
+    pub start: Start,
+}
+
+/// Bounds of adaptive steps.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Steps {
+    /// Tolerance of the local error, m.
+    pub tolerance: Metre,
+    /// s.
+    pub shortest: Second,
+    /// s.
+    pub longest: Second,
+}
+
+/// The integration scheme.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Scheme {
+    /// First order.
+    ImplicitEuler,
+    /// Second order.
+    #[default]
+    Bdf2,
+}
+
+/// The initial state of a motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Start {
+    /// The undeformed shape; all loads are applied at once.
+    #[default]
+    Rest,
+    /// The equilibrium under the loads at time 0.
+    Equilibrium,
+}
+
+/// `[output]`: what is written.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Output {
+    /// Steps between rows of the table.
+    pub every: usize,
+    /// Steps or levels between frames; 0: none. Default: each level, each tenth step.
+    pub vtu_every: Option<usize>,
+    /// Nodes whose path is written.
+    pub node: Vec<Node>,
+    /// Material points of the outer skin whose path is written.
+    pub marker: Vec<Marker>,
+}
+
+impl Default for Output {
+    fn default() -> Self {
+        Self { every: 1, vtu_every: None, node: Vec::new(), marker: Vec::new() }
+    }
+}
+
+/// The node nearest to a point.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Node {
+    /// The prefix of its columns.
+    pub name: String,
+    /// m.
+    pub near: Point3,
+}
+
+/// The point of the skin nearest to a point.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Marker {
+    /// The prefix of its columns.
+    pub name: String,
+    /// m.
+    pub at: Point3,
+}
+
+fn full() -> Vec<f64> {
+    vec![1.0]
+}
+
+fn three() -> usize {
+    3
+}
+
+fn fine() -> f64 {
+    1e-8
+}

@@ -1,0 +1,161 @@
+//! Time integration of a motion.
+
+use fem::{DynamicSettings, InitialValueProblem, SolveError, Solver, State, StaticSettings, StepControl};
+use si::{Pascal, Second};
+
+use crate::body::Body;
+use crate::case::{Case, Dynamic, Scheme, Start};
+use crate::frames::Frame;
+use crate::{Console, Outputs, Summary};
+use diagnostics::{Diagnostic, Result};
+
+/// Default number of steps between frames.
+const FRAME_EVERY: usize = 10;
+/// Number of progress lines with a fixed step.
+const LINES: usize = 20;
+
+/// Integrates the whole duration.
+///
+/// # Errors
+/// A [`Diagnostic`] that names the time at which no motion was found; everything up to it, and the last state, is then written.
+pub(super) fn solve(
+    case: &Case,
+    set: &Dynamic,
+    body: &Body,
+    written: &mut Outputs,
+    console: &Console,
+) -> Result<Summary> {
+    let mut solver = body.solver(case)?;
+    let pressures = |time: Second| body.pressures(case, |chamber| chamber.pressure.at(time));
+    let initial = initial(set, body, &mut solver, &pressures(0.0))?;
+    // the output needs the solver's gas law while the integration borrows the solver
+    let reader = body.solver(case)?;
+    let mut watch = Watch {
+        case,
+        body,
+        reader: &reader,
+        written,
+        console,
+        steps: 0,
+        last: (0.0, initial.clone()),
+        diagnostic: None,
+    };
+    watch.see(0.0, &initial);
+    let lost = {
+        let mut observe = |time: Second, state: &State| watch.next(time, state);
+        integrate(set, &mut solver, &initial, &pressures, &mut observe).err()
+    };
+    watch.end(lost)
+}
+
+fn initial(set: &Dynamic, body: &Body, solver: &mut Solver, pressures: &[Pascal]) -> Result<State> {
+    let mut state = State::rest(body.solid.nodes().len());
+    if set.start == Start::Equilibrium {
+        let found = solver.equilibrium(pressures, None, &StaticSettings::default());
+        state.displacement = found.map_err(|e| Diagnostic::from(e).while_doing("the start"))?.displacement;
+    }
+    Ok(state)
+}
+
+fn integrate(
+    set: &Dynamic,
+    solver: &mut Solver,
+    initial: &State,
+    pressures: &dyn Fn(Second) -> Vec<Pascal>,
+    observe: &mut dyn FnMut(Second, &State),
+) -> Result<(), SolveError> {
+    let scheme = match set.scheme {
+        Scheme::ImplicitEuler => fem::Scheme::ImplicitEuler,
+        Scheme::Bdf2 => fem::Scheme::Bdf2,
+    };
+    let (mass_damping, stiffness_damping) = (set.mass_damping, set.stiffness_damping);
+    let settings = DynamicSettings { scheme, mass_damping, stiffness_damping, ..DynamicSettings::default() };
+    match (set.step, set.adaptive) {
+        (Some(step), _) => {
+            let steps = (set.duration / step).round() as usize;
+            solver
+                .integrate(
+                    &InitialValueProblem { settings: &DynamicSettings { step, ..settings }, initial, pressures },
+                    steps,
+                    observe,
+                )
+                .map(|_| ())
+        }
+        (None, Some(bounds)) => {
+            let bounds =
+                StepControl { tolerance: bounds.tolerance, shortest: bounds.shortest, longest: bounds.longest };
+            solver
+                .integrate_adaptive(
+                    &InitialValueProblem { settings: &settings, initial, pressures },
+                    &bounds,
+                    set.duration,
+                    observe,
+                )
+                .map(|_| ())
+        }
+        (None, None) => Ok(()),
+    }
+}
+
+/// Receives every state of the integration.
+struct Watch<'a> {
+    case: &'a Case,
+    body: &'a Body<'a>,
+    reader: &'a Solver,
+    written: &'a mut Outputs,
+    console: &'a Console,
+    steps: usize,
+    last: (Second, State),
+    /// The first error of writing.
+    diagnostic: Option<Diagnostic>,
+}
+
+impl Watch<'_> {
+    fn next(&mut self, time: Second, state: &State) {
+        self.steps += 1;
+        self.see(time, state);
+        let planned = self.case.dynamic.as_ref().and_then(|set| Some((set.duration / set.step?).round() as usize));
+        if self.steps.is_multiple_of(planned.map_or(LINES, |steps| steps.div_ceil(LINES).max(1))) {
+            let fastest = state.velocity.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+            self.console.line(&format!("step {} at {time:.6} s: fastest {fastest:.3e} m/s", self.steps));
+        }
+        self.last = (time, state.clone());
+    }
+
+    fn see(&mut self, time: Second, state: &State) {
+        if self.diagnostic.is_none() {
+            self.diagnostic = self.write(time, state).err();
+        }
+    }
+
+    fn write(&mut self, time: Second, state: &State) -> Result<()> {
+        if self.steps.is_multiple_of(self.case.output.every) {
+            let pressures = self.body.pressures(self.case, |chamber| chamber.pressure.at(time));
+            self.written.table.row(time, self.body, self.reader, &state.displacement, &pressures)?;
+        }
+        let every = self.case.output.vtu_every.unwrap_or(FRAME_EVERY);
+        if every > 0 && self.steps.is_multiple_of(every) {
+            let name = self.written.frames.next_name();
+            self.written.frames.write(&name, time, self.body, &frame(state, self.reader))?;
+        }
+        Ok(())
+    }
+
+    /// The summary, or the diagnostic with the last state kept.
+    fn end(mut self, lost: Option<SolveError>) -> Result<Summary> {
+        if let Some(diagnostic) = self.diagnostic.take() {
+            return Err(diagnostic);
+        }
+        let Some(lost) = lost else {
+            return Ok(Summary { dofs: 0, solved: self.steps, iterations: None, folder: Default::default() });
+        };
+        let (time, state) = &self.last;
+        let path = self.written.frames.write("last_converged.vtu", *time, self.body, &frame(state, self.reader))?;
+        Err(Diagnostic::from(lost).noting(format!("last converged state: {}", path.display())))
+    }
+}
+
+fn frame<'a>(state: &'a State, reader: &'a Solver) -> Frame<'a> {
+    let (displacement, velocity) = (&state.displacement, Some(state.velocity.as_slice()));
+    Frame { displacement, velocity, properties: reader.properties() }
+}

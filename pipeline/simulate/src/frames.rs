@@ -1,0 +1,128 @@
+//! Frames: the deformed body as a series of `.vtu` files, and the `.pvd` list that ParaView opens.
+//!
+//! Points are those at rest; warp them by `displacement_m`. Arrays are little-endian base64 with a header of four bytes. The
+//! list is written anew after each frame, so that it is whole whenever the program ends.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use fem::RegionProperties;
+
+use super::cannot_write;
+use crate::body::Body;
+use crate::stress::stress;
+use diagnostics::Result;
+
+/// VTK's numbers for tetrahedra of four and ten nodes.
+const TETRAHEDRA: [u8; 2] = [10, 24];
+
+/// One state of a body.
+pub(super) struct Frame<'a> {
+    /// 3 a node, m.
+    pub displacement: &'a [f64],
+    /// 3 a node, m/s.
+    pub velocity: Option<&'a [f64]>,
+    /// By region.
+    pub properties: &'a [RegionProperties],
+}
+
+/// The frames so far.
+pub(super) struct Frames {
+    folder: PathBuf,
+    list: PathBuf,
+    written: Vec<(f64, String)>,
+}
+
+impl Frames {
+    /// Begins a series in `folder`, from which the frames of an earlier run are taken away.
+    ///
+    /// # Errors
+    /// A [`diagnostics::Diagnostic`] when the folder cannot be changed.
+    pub fn begin(folder: &Path, stem: &str) -> Result<Self> {
+        for entry in std::fs::read_dir(folder).map_err(|e| cannot_write(folder, &e))?.flatten() {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            if name == "last_converged.vtu" || (name.starts_with("frame_") && name.ends_with(".vtu")) {
+                std::fs::remove_file(entry.path()).map_err(|e| cannot_write(&entry.path(), &e))?;
+            }
+        }
+        let frames = Self { folder: folder.to_owned(), list: folder.join(format!("{stem}.pvd")), written: Vec::new() };
+        frames.write_list()?;
+        Ok(frames)
+    }
+
+    /// The name of the next frame.
+    pub fn next_name(&self) -> String {
+        format!("frame_{:04}.vtu", self.written.len())
+    }
+
+    /// Writes a frame at a level or time (s), and the list; returns where it lies.
+    ///
+    /// # Errors
+    /// A [`diagnostics::Diagnostic`] when a file cannot be written.
+    pub fn write(&mut self, name: &str, at: f64, body: &Body, frame: &Frame) -> Result<PathBuf> {
+        let path = self.folder.join(name);
+        std::fs::write(&path, text(body, frame)).map_err(|e| cannot_write(&path, &e))?;
+        self.written.push((at, name.to_owned()));
+        self.write_list()?;
+        Ok(path)
+    }
+
+    fn write_list(&self) -> Result<()> {
+        let mut text =
+            String::from("<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\"><Collection>\n");
+        for (at, name) in &self.written {
+            let _ = writeln!(text, "<DataSet timestep=\"{at}\" part=\"0\" file=\"{name}\"/>");
+        }
+        text += "</Collection></VTKFile>\n";
+        std::fs::write(&self.list, text).map_err(|e| cannot_write(&self.list, &e))
+    }
+}
+
+fn text(body: &Body, frame: &Frame) -> String {
+    let solid = body.solid;
+    let (points, cells) = (solid.nodes().len(), solid.len());
+    let mut text = String::from("<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" ");
+    text += "byte_order=\"LittleEndian\" header_type=\"UInt32\"><UnstructuredGrid>\n";
+    let _ = writeln!(text, "<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">");
+    text += "<Points>\n";
+    reals(&mut text, "position_m", 3, &solid.nodes().concat());
+    text += "</Points>\n<Cells>\n";
+    let list: Vec<i32> = (0..cells).flat_map(|cell| solid.element(cell)).map(|&node| node as i32).collect();
+    let each = solid.element(0).len();
+    wholes(&mut text, "connectivity", &list);
+    wholes(&mut text, "offsets", &(1..=cells).map(|cell| (cell * each) as i32).collect::<Vec<_>>());
+    array(&mut text, "UInt8", "types", 1, &vec![TETRAHEDRA[usize::from(each == 10)]; cells]);
+    text += "</Cells>\n<PointData Vectors=\"displacement_m\">\n";
+    reals(&mut text, "displacement_m", 3, frame.displacement);
+    if let Some(velocity) = frame.velocity {
+        reals(&mut text, "velocity_m_per_s", 3, velocity);
+    }
+    text += "</PointData>\n<CellData Scalars=\"von_mises_pa\">\n";
+    let stress = stress(solid, frame.displacement, frame.properties);
+    wholes(
+        &mut text,
+        "region",
+        &solid.regions().iter().map(|&r| body.regions[usize::from(r)].tag as i32).collect::<Vec<_>>(),
+    );
+    reals(&mut text, "von_mises_pa", 1, &stress.iter().map(|at| at.von_mises).collect::<Vec<_>>());
+    reals(&mut text, "energy_density_j_per_m3", 1, &stress.iter().map(|at| at.energy_density).collect::<Vec<_>>());
+    text + "</CellData>\n</Piece></UnstructuredGrid></VTKFile>\n"
+}
+
+fn reals(text: &mut String, name: &str, parts: usize, values: &[f64]) {
+    array(text, "Float64", name, parts, &values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<_>>());
+}
+
+fn wholes(text: &mut String, name: &str, values: &[i32]) {
+    array(text, "Int32", name, 1, &values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<_>>());
+}
+
+fn array(text: &mut String, kind: &str, name: &str, parts: usize, bytes: &[u8]) {
+    let mut all = (bytes.len() as u32).to_le_bytes().to_vec();
+    all.extend(bytes);
+    let _ =
+        write!(text, "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{parts}\" format=\"binary\">");
+    let _ = writeln!(text, "{}</DataArray>", STANDARD.encode(all));
+}

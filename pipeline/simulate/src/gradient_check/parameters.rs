@@ -1,0 +1,64 @@
+//! The parameters of a case, each with its perturbation.
+
+use fem::Parameter;
+
+use crate::Body;
+use crate::case::{Case, Dynamic};
+
+/// One parameter of a case.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct CaseParameter {
+    /// Its name.
+    pub name: String,
+    pub parameter: Parameter,
+    /// Its value in the case.
+    pub value: f64,
+    /// Its perturbation, in the parameter's unit: small enough for a parabola, large enough against rounding.
+    pub turn: f64,
+}
+
+/// Relative perturbation of a modulus, a density, a pressure or a damping.
+const PART: f64 = 0.01;
+/// Perturbation of Poisson's ratio, relative to its distance from ½.
+const LEFT: f64 = 0.04;
+
+/// All parameters of the case's loss.
+pub(super) fn parameters(case: &Case, body: &Body) -> Vec<CaseParameter> {
+    let mut all = Vec::new();
+    let weighs = case.dynamic.is_some() || case.gravity != [0.0; 3];
+    for (region, is) in body.system.regions().iter().enumerate() {
+        let name = |what: &str| format!("{what} of region {region}");
+        all.push(part(name("E"), Parameter::YoungsModulus(region), is.youngs_modulus));
+        let (nu, turn) = (is.poissons_ratio, LEFT * (0.5 - is.poissons_ratio));
+        all.push(CaseParameter { name: name("ν"), parameter: Parameter::PoissonsRatio(region), value: nu, turn });
+        if weighs {
+            all.push(part(name("ρ"), Parameter::Density(region), is.density));
+        }
+    }
+    for (chamber, &number) in case.chamber.iter().zip(&body.numbers) {
+        let name = chamber.name.clone().unwrap_or_else(|| number.to_string());
+        all.push(part(format!("pressure gain of {name}"), Parameter::PressureGain(number), 1.0));
+    }
+    all.extend(force(body));
+    all.extend(case.dynamic.iter().flat_map(dampings));
+    all
+}
+
+fn part(name: String, parameter: Parameter, value: f64) -> CaseParameter {
+    CaseParameter { name, parameter, value, turn: PART * value }
+}
+
+/// The largest component of all dead forces.
+fn force(body: &Body) -> Option<CaseParameter> {
+    let largest = (0..body.forces.len()).max_by(|&a, &b| body.forces[a].abs().total_cmp(&body.forces[b].abs()))?;
+    let value = body.forces[largest];
+    let (node, axis) = (largest / 3, largest % 3);
+    let name = format!("force on node {node} along {}", ["x", "y", "z"][axis]);
+    (value != 0.0).then(|| part(name, Parameter::Force { node, axis }, value))
+}
+
+fn dampings(set: &Dynamic) -> impl Iterator<Item = CaseParameter> {
+    let alpha = part("mass damping".into(), Parameter::MassDamping, set.mass_damping);
+    let beta = part("stiffness damping".into(), Parameter::StiffnessDamping, set.stiffness_damping);
+    [alpha, beta].into_iter().filter(|parameter| parameter.value > 0.0)
+}

@@ -1,0 +1,116 @@
+//! One body under loads, from a case file to tables and frames, and the check of its gradients.
+//!
+//! A case ([`case`]) names a mesh, materials, clamps, chambers and loads. [`run`] solves it and writes `<case>.out/` with `<case>.csv`,
+//! `frame_0000.vtu`, … and `<case>.pvd`, which ParaView opens. [`gradient_check`] compares every gradient of a case with differences.
+//! No project is needed.
+//!
+//! ```
+//! # fn main() -> Result<(), diagnostics::Diagnostic> {
+//! let case = simulate::case::read(std::path::Path::new("examples/cantilever.toml"))?;
+//! assert!(case.statics.is_some() && case.dynamic.is_none());
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! Depends on `diagnostics`, `fem`, `lab` (tables and ranges), `mesh`, `si`.
+
+mod body;
+pub mod case;
+mod dynamics;
+mod frames;
+pub mod gradient_check;
+mod materials;
+mod probes;
+mod reach;
+mod solid;
+mod statics;
+mod stress;
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use crate::case::{Case, read};
+pub use body::{Body, fem_mesh};
+use diagnostics::{Diagnostic, Result};
+use frames::Frames;
+use probes::Table;
+pub use solid::{Loaded, load};
+
+/// The summary of a simulation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Summary {
+    /// Degrees of freedom.
+    pub dofs: usize,
+    /// Levels or steps.
+    pub solved: usize,
+    /// Newton iterations over all levels; none for motions, which do not count them.
+    pub iterations: Option<usize>,
+    /// Where the results lie.
+    pub folder: PathBuf,
+}
+
+/// Simulates the case in the file `path` and writes into `out`, or beside the case.
+///
+/// # Errors
+/// A [`Diagnostic`]: the case or its mesh is refused, or a level or step cannot be found; results up to then are written.
+pub fn run(path: &Path, out: Option<&Path>, quiet: bool) -> Result<Summary> {
+    let began = Instant::now();
+    let case = read(path)?;
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let parent = path.parent().unwrap_or(Path::new("."));
+    let folder = out.map_or_else(|| parent.join(format!("{stem}.out")), Path::to_owned);
+    let console = Console { stem: stem.clone(), quiet };
+    let loaded = solid::load(&case, parent)?;
+    loaded.notes.iter().for_each(|note| console.line(note));
+    let body = Body::new(&case, &loaded)?;
+    body.notes.iter().for_each(|note| console.line(note));
+    std::fs::create_dir_all(&folder).map_err(|e| cannot_write(&folder, &e))?;
+    let mut written =
+        Outputs { table: Table::create(&case, &body, &folder, &stem)?, frames: Frames::begin(&folder, &stem)? };
+    let solved = solve(&case, &body, &mut written, &console)?;
+    let summary = Summary { dofs: body.system.dofs(), folder, ..solved };
+    console.last(&summary, began.elapsed().as_secs_f64());
+    Ok(summary)
+}
+
+fn solve(case: &Case, body: &Body, written: &mut Outputs, console: &Console) -> Result<Summary> {
+    match (&case.statics, &case.dynamic) {
+        (Some(set), _) => statics::solve(case, set, body, written, console),
+        (None, Some(set)) => dynamics::solve(case, set, body, written, console),
+        (None, None) => {
+            Err(Diagnostic::new("nothing is asked for", "a case has [static] or [dynamic]", "add one of them"))
+        }
+    }
+}
+
+/// The output during a simulation.
+struct Outputs {
+    table: Table,
+    frames: Frames,
+}
+
+/// The progress output.
+struct Console {
+    stem: String,
+    quiet: bool,
+}
+
+impl Console {
+    fn line(&self, text: &str) {
+        if !self.quiet {
+            eprintln!("{:<10} {text}", self.stem);
+        }
+    }
+
+    fn last(&self, summary: &Summary, seconds: f64) {
+        let Summary { dofs, solved, folder, .. } = summary;
+        let iterations = summary.iterations.map_or(String::new(), |count| format!("{count} iterations, "));
+        let folder = folder.display();
+        eprintln!("{:<10} {solved} solved, {dofs} dofs, {iterations}{seconds:.1} s → {folder}", self.stem);
+    }
+}
+
+fn cannot_write(path: &Path, error: &std::io::Error) -> Diagnostic {
+    let what = format!("{} cannot be written", path.display());
+    Diagnostic::new(what, error.to_string().to_lowercase(), "name another folder with --out")
+}

@@ -1,0 +1,62 @@
+//! Assignment of the case's materials to the regions of the mesh.
+
+use fem::RegionProperties;
+use mesh::foreign::Region;
+
+use crate::case::{self, Case};
+use diagnostics::{Diagnostic, Result};
+
+/// What each region of the mesh is made of, and whether its dilatation is taken as a mean.
+///
+/// # Errors
+/// A [`Diagnostic`] when a region has no material or two, the case names one that is not there, or a law is unknown.
+pub(super) fn properties(case: &Case, regions: &[Region]) -> Result<(Vec<RegionProperties>, Vec<bool>)> {
+    let is = |given: &case::Region, region: &Region| match (&given.name, given.tag) {
+        (Some(name), _) => region.name.as_ref() == Some(name),
+        (_, Some(tag)) => region.tag == tag,
+        (None, None) => regions.len() == 1,
+    };
+    for (i, given) in case.region.iter().enumerate() {
+        if !regions.iter().any(|region| is(given, region)) {
+            let what =
+                format!("region {i} of the case ({}) is not in the mesh", called(given.tag, given.name.as_deref()));
+            return Err(Diagnostic::new(what, known(regions), "correct its name or tag"));
+        }
+    }
+    let mut found = (Vec::new(), Vec::new());
+    for region in regions {
+        let given: Vec<_> = case.region.iter().filter(|given| is(given, region)).collect();
+        let [one] = given[..] else {
+            let what =
+                format!("region {} has {} materials", called(Some(region.tag), region.name.as_deref()), given.len());
+            let act = "give each region of the mesh one [[region]] with its name or tag";
+            return Err(Diagnostic::new(what, known(regions), act));
+        };
+        let (youngs_modulus, poissons_ratio, density) = (one.youngs_modulus, one.poissons_ratio, one.density);
+        found.0.push(RegionProperties { material: material(&one.material)?, youngs_modulus, poissons_ratio, density });
+        found.1.push(one.mean_dilatation);
+    }
+    Ok(found)
+}
+
+fn material(name: &str) -> Result<&'static dyn fem::Material> {
+    fem::materials::by_name(name).ok_or_else(|| {
+        let known: Vec<&str> = fem::materials::ALL.iter().map(|law| law.name()).collect();
+        let why = format!("known materials: {}", known.join(", "));
+        Diagnostic::new(format!("there is no material `{name}`"), why, "correct the case")
+    })
+}
+
+fn called(tag: Option<i64>, name: Option<&str>) -> String {
+    match (tag, name) {
+        (Some(tag), Some(name)) => format!("`{name}`, tag {tag}"),
+        (Some(tag), None) => format!("tag {tag}"),
+        (None, Some(name)) => format!("`{name}`"),
+        (None, None) => "without name and tag".to_owned(),
+    }
+}
+
+fn known(regions: &[Region]) -> String {
+    let each = regions.iter().map(|region| called(Some(region.tag), region.name.as_deref()));
+    format!("the mesh has {} regions: {}", regions.len(), each.collect::<Vec<_>>().join("; "))
+}

@@ -1,0 +1,107 @@
+//! Probes: the paths of nodes and markers, and volume and pressure of chambers, as a table of numbers.
+//!
+//! `level` or `time_s`; for each node and marker its place (`tip_x_m`, …) and its displacement (`tip_ux_m`, …); for each
+//! chamber of the case `left_volume_m3` (both halves of one that the plane of symmetry cuts) and `left_pressure_pa` above
+//! ambient. Rows are on the disk as soon as they are written.
+
+use std::fs::File;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use fem::Solver;
+use si::{Pascal, Point3};
+
+use super::cannot_write;
+use crate::body::Body;
+use crate::case::Case;
+use crate::reach::Reach;
+use diagnostics::Result;
+
+/// A material point.
+struct Probe {
+    weights: Vec<(u32, f64)>,
+}
+
+impl Probe {
+    /// The sum over its nodes of what `of` says of each.
+    fn sum(&self, of: impl Fn(usize) -> Point3) -> Point3 {
+        let add = |sum: Point3, (node, w): &(u32, f64)| {
+            let at = of(*node as usize);
+            [0, 1, 2].map(|k| sum[k] + w * at[k])
+        };
+        self.weights.iter().fold([0.0; 3], add)
+    }
+}
+
+/// The table of a case.
+pub(super) struct Table {
+    file: File,
+    path: PathBuf,
+    probes: Vec<Probe>,
+}
+
+impl Table {
+    /// Begins `<stem>.csv` in `folder`.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when a marker is not on the skin, or the file cannot be written.
+    pub fn create(case: &Case, body: &Body, folder: &Path, stem: &str) -> Result<Self> {
+        let reach = Reach { solid: body.solid, size: body.system.mesh().size() };
+        let mut head = vec![if case.dynamic.is_some() { "time_s".to_owned() } else { "level".to_owned() }];
+        let mut probes = Vec::new();
+        let mut point = |name: &str, weights: Vec<(u32, f64)>| {
+            head.extend(["x", "y", "z", "ux", "uy", "uz"].map(|axis| format!("{name}_{axis}_m")));
+            probes.push(Probe { weights });
+        };
+        for node in &case.output.node {
+            point(&node.name, vec![(reach.nearest(&format!("`{}`", node.name), node.near)?, 1.0)]);
+        }
+        for marker in &case.output.marker {
+            let (spot, apart) = body.solid.embed(marker.at);
+            reach.on_body(&format!("`{}`", marker.name), apart)?;
+            point(&marker.name, spot.weights);
+        }
+        for (i, chamber) in case.chamber.iter().enumerate() {
+            let name = chamber.name.clone().unwrap_or_else(|| format!("chamber_{i}"));
+            head.extend([format!("{name}_volume_m3"), format!("{name}_pressure_pa")]);
+        }
+        let path = folder.join(format!("{stem}.csv"));
+        let file = File::create(&path).map_err(|e| cannot_write(&path, &e))?;
+        let mut table = Self { file, path, probes };
+        table.line(&head.join(","))?;
+        Ok(table)
+    }
+
+    /// Writes one row: the level or time, then everything at `displacement` (3 a node, m) under `pressures`.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when the file cannot be written.
+    pub fn row(
+        &mut self,
+        at: f64,
+        body: &Body,
+        solver: &Solver,
+        displacement: &[f64],
+        pressures: &[Pascal],
+    ) -> Result<()> {
+        let nodes = body.solid.nodes();
+        let moved = |node: usize| [0, 1, 2].map(|k| displacement[3 * node + k]);
+        let mut row = vec![at];
+        for probe in &self.probes {
+            let (rest, moved) = (probe.sum(|node| nodes[node]), probe.sum(moved));
+            row.extend([0, 1, 2].map(|k| rest[k] + moved[k]));
+            row.extend(moved);
+        }
+        for &number in &body.numbers {
+            let halves = if body.cavities[number].cut { 2.0 } else { 1.0 };
+            row.push(halves * body.system.chamber_volume(number, displacement));
+            row.push(solver.chamber_pressure(number, displacement, pressures)?);
+        }
+        let words: Vec<String> = row.iter().map(|value| format!("{value:.9e}")).collect();
+        self.line(&words.join(","))
+    }
+
+    fn line(&mut self, text: &str) -> Result<()> {
+        writeln!(self.file, "{text}").map_err(|e| cannot_write(&self.path, &e))
+    }
+}

@@ -1,0 +1,84 @@
+//! Resolution of places: the nodes, edges and faces of a mesh that a place of the case selects.
+
+use std::collections::BTreeMap;
+
+use mesh::{Skin, Solid};
+use si::vec3::{norm, sub};
+use si::{Metre, Point3};
+
+use crate::case::Place;
+use diagnostics::{Diagnostic, Result};
+
+/// Largest distance of a requested point from the body, relative to the body's size.
+const OFF: f64 = 0.05;
+
+/// A solid with the data for resolving places.
+pub(super) struct Reach<'a> {
+    pub solid: &'a Solid,
+    /// Longest side of its box, m.
+    pub size: Metre,
+}
+
+impl Reach<'_> {
+    /// The node nearest to a point that `name` asks for; the first of equally near ones.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when the point is off the body.
+    pub fn nearest(&self, name: &str, at: Point3) -> Result<u32> {
+        let apart = |node: &Point3| norm(sub(*node, at));
+        let nodes = self.solid.nodes().iter().enumerate();
+        let node = nodes.min_by(|a, b| apart(a.1).total_cmp(&apart(b.1))).map_or(0, |(node, _)| node);
+        self.on_body(name, apart(&self.solid.nodes()[node])).map(|()| node as u32)
+    }
+
+    /// # Errors
+    /// A [`Diagnostic`] when `name` asks for a point this far (m) from what it means.
+    pub fn on_body(&self, name: &str, apart: Metre) -> Result<()> {
+        if apart <= OFF * self.size {
+            return Ok(());
+        }
+        Err(Diagnostic::new(
+            format!("{name} is {:.3} mm off the body", 1e3 * apart),
+            format!("the limit is {:.3} mm, a twentieth of the body's size; {}", 1e3 * OFF * self.size, self.extent()),
+            "correct its place: metres, in the frame of the mesh",
+        ))
+    }
+
+    pub fn holds(&self, place: &Place, node: u32) -> bool {
+        place.holds(self.solid.nodes()[node as usize], self.size)
+    }
+
+    /// Faces of the outer skin whose corners all lie in a place.
+    pub fn faces(&self, place: &Place) -> Vec<Vec<u32>> {
+        let within = |nodes: &[u32]| nodes[..3].iter().all(|&node| self.holds(place, node));
+        let faces = self.solid.faces().into_iter().filter(|(nodes, on)| *on == Skin::Outer && within(nodes));
+        faces.map(|(nodes, _)| nodes.to_vec()).collect()
+    }
+
+    /// Edges of the outer skin whose ends both lie in a place: two ends, and the middle node if there is one.
+    pub fn edges(&self, place: &Place) -> Vec<Vec<u32>> {
+        let mut edges = BTreeMap::new();
+        for (nodes, _) in self.solid.faces().into_iter().filter(|face| face.1 == Skin::Outer) {
+            for (side, (a, b)) in [(0, 1), (1, 2), (2, 0)].into_iter().enumerate() {
+                let (low, high) = (nodes[a].min(nodes[b]), nodes[a].max(nodes[b]));
+                if self.holds(place, low) && self.holds(place, high) {
+                    edges.insert((low, high), nodes.get(3 + side).copied());
+                }
+            }
+        }
+        edges
+            .into_iter()
+            .map(|((low, high), middle)| [Some(low), Some(high), middle].into_iter().flatten().collect())
+            .collect()
+    }
+
+    /// The box around all nodes in words, for messages.
+    pub fn extent(&self) -> String {
+        let axis = |k: usize| {
+            let places = self.solid.nodes().iter().map(|at| at[k]);
+            let (low, high) = (places.clone().fold(f64::INFINITY, f64::min), places.fold(f64::NEG_INFINITY, f64::max));
+            format!("{} from {low:.6} to {high:.6}", ["x", "y", "z"][k])
+        };
+        format!("the mesh has {}, {}, {} m", axis(0), axis(1), axis(2))
+    }
+}

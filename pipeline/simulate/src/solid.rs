@@ -1,0 +1,118 @@
+//! The mesh of a case in the requested element order, with the names of its regions and chambers.
+
+use std::path::{Path, PathBuf};
+
+use mesh::foreign::{self, MeshFileError, RawMesh, Region};
+use mesh::{Cavity, Solid, Surface};
+
+use crate::case::{Case, Order, Source};
+use diagnostics::{Diagnostic, Result};
+
+/// The note on symmetric surfaces that could be simulated as a half model.
+const HALF: &str = "the surfaces are symmetric about z = 0: where clamps and loads are so too, their half z ≥ 0 would do (half = true)";
+
+/// A mesh with names.
+pub struct Loaded {
+    /// The mesh.
+    pub solid: Solid,
+    /// By region.
+    pub regions: Vec<Region>,
+    /// By chamber.
+    pub cavities: Vec<Cavity>,
+    /// Warnings for the user.
+    pub notes: Vec<String>,
+}
+
+/// The mesh of a case that lies in `folder`.
+///
+/// # Errors
+/// A [`Diagnostic`] that names the file, and the line, element or node in it.
+pub fn load(case: &Case, folder: &Path) -> Result<Loaded> {
+    let mesh = &case.mesh;
+    let mut loaded = match &mesh.file {
+        Some(file) => from_file(mesh, &folder.join(file))?,
+        None => from_surfaces(mesh, folder)?,
+    };
+    loaded.solid = match mesh.order {
+        Some(Order::Linear) => Solid::Linear(loaded.solid.to_linear()),
+        Some(Order::Quadratic) => Solid::Quadratic(loaded.solid.to_quadratic()),
+        None => loaded.solid,
+    };
+    loaded.cavities = mesh::cavities(&loaded.solid);
+    Ok(loaded)
+}
+
+fn from_file(mesh: &Source, path: &Path) -> Result<Loaded> {
+    let draft = draft(path)?.map_err(|error| named(path, error))?;
+    let found = draft.check(mesh.unit.metres(), mesh.half).map_err(|error| named(path, error))?;
+    Ok(Loaded { solid: found.solid, regions: found.regions, cavities: found.cavities, notes: found.notes })
+}
+
+fn draft(path: &Path) -> Result<Result<RawMesh, MeshFileError>> {
+    let bytes = bytes(path)?;
+    match path.extension().and_then(|word| word.to_str()) {
+        Some("msh") => Ok(foreign::gmsh(&bytes)),
+        Some("vtu") => Ok(foreign::vtu(&bytes)),
+        Some("mesh") => Ok(foreign::medit(&bytes)),
+        Some("ele") => Ok(foreign::tetgen(&self::bytes(&path.with_extension("node"))?, &bytes)),
+        other => Err(Diagnostic::new(
+            format!("{} is of an unknown kind (.{})", path.display(), other.unwrap_or_default()),
+            "meshes are read from .msh, .vtu, .mesh and .ele",
+            "save the mesh in one of these formats",
+        )),
+    }
+}
+
+fn from_surfaces(mesh: &Source, folder: &Path) -> Result<Loaded> {
+    let surface = |name: &str| -> Result<Surface> {
+        let path = folder.join(name);
+        mesh::stl::read(&bytes(&path)?, mesh.unit.metres()).map_err(|error| named(&path, error))
+    };
+    let body = surface(mesh.body.as_deref().unwrap_or_default())?;
+    let spine = mesh.spine.as_deref().map(surface).transpose()?;
+    let edge = mesh.edge.unwrap_or_default();
+    let meshed = |use_symmetry: bool| {
+        let set = mesh::Settings { use_symmetry, ..mesh::Settings::new(edge) };
+        let made = match &spine {
+            Some(spine) => mesh::mesh(&body, spine, &set),
+            None => mesh::mesh_without_sheet(&body, &set),
+        };
+        made.map(|(mesh, _)| mesh).map_err(Diagnostic::from)
+    };
+    let mut linear = meshed(true)?;
+    let mut notes = Vec::new();
+    if mesh.half && !linear.half {
+        let why = "the surfaces are not symmetric about z = 0";
+        return Err(Diagnostic::new("no half model can be made", why, "set half = false, or move the surfaces"));
+    }
+    if linear.half && !mesh.half {
+        notes.push(HALF.to_owned());
+        linear = meshed(false)?;
+    }
+    let region = |(tag, name): (u16, &str)| Region {
+        tag: tag.into(),
+        name: Some(name.to_owned()),
+        elements: linear.regions.iter().filter(|region| **region == tag).count(),
+        volume: linear.region_volume(tag),
+    };
+    let parts = [(mesh::BODY, "body"), (mesh::SPINE, "spine")];
+    let regions = parts.into_iter().take(1 + usize::from(spine.is_some())).map(region).collect();
+    let solid = Solid::Quadratic(Solid::Linear(linear).to_quadratic());
+    Ok(Loaded { solid, regions, cavities: Vec::new(), notes })
+}
+
+fn bytes(path: &Path) -> Result<Vec<u8>> {
+    std::fs::read(path).map_err(|e| {
+        let what = format!("{} cannot be read", path.display());
+        Diagnostic::new(
+            what,
+            e.to_string().to_lowercase(),
+            "name a file that lies beside the case, or below its folder",
+        )
+    })
+}
+
+fn named(path: &Path, error: impl std::error::Error + Send + Sync + 'static) -> Diagnostic {
+    let path: PathBuf = path.components().collect();
+    Diagnostic::from(error).in_file(&path)
+}

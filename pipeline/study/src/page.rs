@@ -1,0 +1,79 @@
+//! The study's part of the page: origin of the data, and the inflated tails in three dimensions.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use diagnostics::Result;
+use publish::page::{Body, Surface};
+use publish::page_file::Contents;
+use si::{MILLIBAR, Point3};
+use workflow::needs::{RecordReader, id};
+use workflow::record::Record;
+use workflow::runner::Store;
+
+use crate::Runner;
+use crate::figures::solid::{Bounds, Surfaces};
+use crate::records::{Inflation, Mesh};
+use crate::subject::Specimen;
+
+/// Above this number of faces, curved faces are drawn flat: drawing them one by one is too slow.
+const MAX_FACES: usize = 24_000;
+
+/// Note and bodies.
+///
+/// # Errors
+/// A [`diagnostics::Diagnostic`] when a record is not what this version writes.
+pub fn contents(runner: &Runner) -> Result<Contents> {
+    Ok(Contents { note: note(runner), bodies: bodies(runner)? })
+}
+
+fn note(runner: &Runner) -> String {
+    let specimens = &runner.universe.specimens;
+    let names: Vec<&str> = specimens.iter().map(|s| s.card.name.as_str()).collect();
+    let of_bench = |s: &&Specimen| s.card.origin == lab::card::Origin::VirtualBench;
+    let from = match specimens.iter().filter(of_bench).count() {
+        0 => "",
+        n if n == names.len() => " All data are from the virtual bench; nothing was measured.",
+        _ => " Some of the data are from the virtual bench.",
+    };
+    format!("Specimens: {}; profile: {}.{from}", names.join(", "), runner.profile.name())
+}
+
+/// The tails that have been inflated.
+fn bodies(runner: &Runner) -> Result<Vec<Body>> {
+    let store = Store::new(&runner.folders);
+    let mut bodies = Vec::new();
+    for specimen in &runner.universe.specimens {
+        let files = (store.files(&id::<Mesh>(specimen)), store.files(&id::<Inflation>(specimen)));
+        let (Ok(mesh), Ok(inflation)) = files else { continue };
+        bodies.push(body(&specimen.card.name, &Mesh::unpack(&mesh)?, &Inflation::unpack(&inflation)?));
+    }
+    Ok(bodies)
+}
+
+/// A specimen's skin at rest and in every shape.
+fn body(name: &str, mesh: &Mesh, inflation: &Inflation) -> Body {
+    let fine = Surfaces::fine(&mesh.solid);
+    let count = fine.values().map(Vec::len).sum::<usize>();
+    let faces = if count > MAX_FACES { Surfaces::coarse(&mesh.solid) } else { fine };
+    let known: BTreeSet<u32> = inflation.nodes.iter().copied().collect();
+    let moves = |f: &&[u32; 3]| f.iter().all(|n| known.contains(n));
+    let faces: Vec<(Bounds, Vec<[u32; 3]>)> =
+        faces.iter().map(|(on, all)| (*on, all.iter().filter(moves).copied().collect())).collect();
+    let used: BTreeSet<u32> = faces.iter().flat_map(|(_, all)| all.iter().flatten().copied()).collect();
+    let place: BTreeMap<u32, u32> = used.iter().enumerate().map(|(i, &n)| (n, i as u32)).collect();
+    let numbered = |all: Vec<[u32; 3]>| all.into_iter().map(|f| f.map(|n| place[&n])).collect();
+    let pick = |nodes: &[Point3]| used.iter().map(|&n| nodes[n as usize]).collect::<Vec<Point3>>();
+    let shapes = inflation.shapes.iter().map(|s| pick(&inflation.moved(mesh, s)));
+    let surface = |(on, all): (Bounds, Vec<[u32; 3]>)| Surface {
+        colour: on.colour(),
+        inside: on.is_cut() || matches!(on, Bounds::Chamber(_)),
+        faces: numbered(all),
+    };
+    Body {
+        name: name.into(),
+        half: mesh.solid.half,
+        levels: std::iter::once(0.0).chain(inflation.shapes.iter().map(|s| s.pressure() / MILLIBAR)).collect(),
+        points: std::iter::once(pick(&mesh.solid.nodes)).chain(shapes).collect(),
+        surfaces: faces.into_iter().map(surface).collect(),
+    }
+}

@@ -1,0 +1,94 @@
+//! ExampleFrames: two frames of one film, the tail at rest and under constant pressure, with the markers in them.
+
+use serde::{Deserialize, Serialize};
+use si::{Pascal, Point2, Second};
+use track::Gray;
+
+use crate::subject::Trial;
+use workflow::record::{Record, RecordError, RecordFiles};
+
+/// Two frames of a film.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ExampleFrames {
+    /// The first frame that is used: the tail at rest.
+    pub rest: Gray,
+    /// The tail under pressure.
+    pub held: Gray,
+    /// Measurements in both frames.
+    pub seen: FrameData,
+}
+
+/// Measurements in the frames.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FrameData {
+    /// When the frame under pressure was taken, s on the video's clock.
+    pub time_s: Second,
+    /// Commanded pressure there, Pa.
+    pub command_pa: Pascal,
+    /// Measured pressures in the order of the card's chambers, Pa.
+    pub pressures_pa: Vec<Pascal>,
+    /// The markers at rest, px.
+    pub rest_px: Vec<Point2>,
+    /// The markers under pressure, px.
+    pub held_px: Vec<Point2>,
+    /// Pixels per metre at the markers' height.
+    pub px_per_m: f64,
+    /// The part of the picture in which the tail moves: left, top, right, bottom, px.
+    pub window_px: [usize; 4],
+}
+
+impl Record for ExampleFrames {
+    type Of = Trial;
+    const STAGE: &'static str = "example_frames";
+
+    fn is_made_for(of: &Trial) -> bool {
+        of.in_space().is_none() && of.is_highest_staircase()
+    }
+
+    fn pack(&self) -> Result<RecordFiles, RecordError> {
+        let png = |name: &str, picture: &Gray| {
+            picture.to_png().map_err(|e| RecordError::Scalars { file: name.into(), cause: e.to_string() })
+        };
+        RecordFiles::default()
+            .file(REST, png(REST, &self.rest)?)
+            .file(HELD, png(HELD, &self.held)?)
+            .scalars("frames.json", &self.seen)
+    }
+
+    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+        let picture = |name: &str| {
+            Gray::from_png(files.bytes(name)?)
+                .map_err(|e| RecordError::Scalars { file: name.into(), cause: e.to_string() })
+        };
+        Ok(Self { rest: picture(REST)?, held: picture(HELD)?, seen: files.read_scalars("frames.json")? })
+    }
+
+    fn summary(&self) -> String {
+        let most = self.seen.pressures_pa.iter().copied().fold(0.0, f64::max);
+        format!("{:.0} mbar at {:.2} s", most / si::MILLIBAR, self.seen.time_s)
+    }
+}
+
+const REST: &str = "rest.png";
+const HELD: &str = "held.png";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_frames_survive_their_record() {
+        let picture = |by: usize| Gray::from_fn(5, 4, |x, y| (by * (x + 5 * y)) as f64);
+        let seen = FrameData {
+            time_s: 1.5,
+            command_pa: 25e3,
+            pressures_pa: vec![24.1e3, 0.0],
+            rest_px: vec![[1.0, 2.0]],
+            held_px: vec![[1.5, 2.5]],
+            px_per_m: 5200.0,
+            window_px: [0, 0, 5, 4],
+        };
+        let example = ExampleFrames { rest: picture(3), held: picture(7), seen };
+        assert_eq!(ExampleFrames::unpack(&example.pack().unwrap()).unwrap(), example);
+    }
+}

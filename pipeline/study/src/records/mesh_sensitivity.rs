@@ -1,0 +1,82 @@
+//! Mesh sensitivity: the moduli identified on each mesh from the same films.
+
+use serde::{Deserialize, Serialize};
+use si::Metre;
+
+use super::Point;
+use crate::subject::Specimen;
+use workflow::metric::Metric;
+use workflow::record::{Record, RecordError, RecordFiles};
+
+/// The moduli identified on one mesh.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MeshResult {
+    /// Target length of an edge, m.
+    pub edge: Metre,
+    /// Nodes an element, 10 or 4.
+    pub nodes: usize,
+    /// Degrees of freedom before clamping.
+    pub dofs: usize,
+    /// The moduli.
+    pub at: Point,
+    /// The loss there.
+    pub loss: f64,
+}
+
+/// All meshes of a specimen.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MeshSensitivity {
+    /// One a mesh.
+    pub rows: Vec<MeshResult>,
+}
+
+impl Record for MeshSensitivity {
+    type Of = Specimen;
+    const STAGE: &'static str = "mesh_sensitivity";
+
+    fn pack(&self) -> Result<RecordFiles, RecordError> {
+        RecordFiles::default().scalars("mesh_sensitivity.json", self)
+    }
+
+    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+        files.read_scalars("mesh_sensitivity.json")
+    }
+
+    fn metrics(&self, subject: &str) -> Vec<Metric> {
+        let id = |r: &MeshResult, what: &str| {
+            format!("mesh_sensitivity.{}.edge_{:.1}mm_{}_nodes.{what}", subject, 1e3 * r.edge, r.nodes)
+        };
+        let row = |r: &MeshResult| {
+            [
+                Metric::new(id(r, "body_e_mpa"), 1e-6 * r.at.body_e_pa, "MPa"),
+                Metric::new(id(r, "spine_e_gpa"), 1e-9 * r.at.spine_e_pa, "GPa"),
+            ]
+        };
+        self.rows.iter().flat_map(row).collect()
+    }
+
+    fn summary(&self) -> String {
+        let text = |r: &MeshResult| {
+            format!(
+                "{:.1} mm, {} nodes: {:.3} MPa, {:.2} GPa",
+                1e3 * r.edge,
+                r.nodes,
+                1e-6 * r.at.body_e_pa,
+                1e-9 * r.at.spine_e_pa
+            )
+        };
+        self.rows.iter().map(text).collect::<Vec<_>>().join("; ")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rows_survive_their_record() {
+        let at = Point { body_e_pa: 2e5, spine_e_pa: 3e9 };
+        let whole = MeshSensitivity { rows: vec![MeshResult { edge: 5e-3, nodes: 4, dofs: 99, at, loss: 0.1 }] };
+        assert_eq!(MeshSensitivity::unpack(&whole.pack().unwrap()).unwrap(), whole);
+    }
+}

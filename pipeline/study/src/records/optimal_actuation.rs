@@ -1,0 +1,154 @@
+//! Optimal actuation: the square wave of pressure with the greatest mean thrust in the simulator, by each thrust model.
+
+use serde::{Deserialize, Serialize};
+use si::{Hertz, Metre, Newton, Pascal};
+
+use super::Thrust;
+use crate::subject::Specimen;
+use workflow::metric::Metric;
+use workflow::record::{Record, RecordError, RecordFiles};
+
+/// The optima of a specimen.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OptimalActuation {
+    /// Upper limit: the highest pressure that occurs both in force measurements and in identification, Pa.
+    pub highest_pa: Pascal,
+    /// Limits: the lowest and highest frequency of the force measurements, Hz.
+    pub frequencies_hz: [Hertz; 2],
+    /// One a thrust model.
+    pub best: Vec<Best>,
+    /// The scan that gives the starting points.
+    pub scan: Vec<ActuationPoint>,
+    /// Check of the simulator under measured pressures.
+    pub check: Check,
+    /// Coordinates of the reduced model.
+    pub coordinates: usize,
+}
+
+/// The optimum of one thrust model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Best {
+    /// The model's name.
+    pub model: String,
+    /// The iterates of the ascent, the optimum last.
+    pub iterates: Vec<ActuationPoint>,
+    /// Prediction of every model at the optimum, N, in the order of the scan.
+    pub predicted_n: Vec<Newton>,
+    /// Lateral amplitude of the last marker at the optimum over the largest filmed one, no unit: above 1 the models extrapolate.
+    pub amplitude_ratio: f64,
+    /// Simulated motions, the scan included.
+    pub simulations: usize,
+}
+
+/// An actuation and its mean thrust.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ActuationPoint {
+    /// Pa.
+    pub amplitude_pa: Pascal,
+    /// Hz.
+    pub frequency_hz: Hertz,
+    /// One an evaluated model, N.
+    pub thrust_n: Vec<Newton>,
+}
+
+/// A run with measured force beside its simulation under the measured pressures.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Check {
+    /// The run's id: the one of greatest mean force within the limit.
+    pub run: String,
+    /// Lateral amplitude of the last marker, simulated and measured, m.
+    pub amplitude_m: [Metre; 2],
+    /// Mean force predicted by fitted theory from the simulated and from the measured motion, and the measured mean force, N.
+    pub mean_n: [Newton; 3],
+}
+
+impl Best {
+    /// The optimal actuation.
+    pub fn wave(&self) -> Option<&ActuationPoint> {
+        self.iterates.last()
+    }
+}
+
+impl Check {
+    /// Relative error of the simulated amplitude, %.
+    pub fn amplitude_error_percent(&self) -> f64 {
+        100.0 * (self.amplitude_m[0] / self.amplitude_m[1] - 1.0)
+    }
+}
+
+impl Record for OptimalActuation {
+    type Of = Specimen;
+    const STAGE: &'static str = "optimal_actuation";
+
+    fn is_made_for(of: &Specimen) -> bool {
+        Thrust::is_made_for(of)
+    }
+
+    fn pack(&self) -> Result<RecordFiles, RecordError> {
+        RecordFiles::default().scalars("optimal_actuation.json", self)
+    }
+
+    fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
+        files.read_scalars("optimal_actuation.json")
+    }
+
+    fn metrics(&self, subject: &str) -> Vec<Metric> {
+        let name = format!("optimal_actuation.{subject}");
+        let mut all =
+            vec![Metric::new(format!("{name}.amplitude_error_percent"), self.check.amplitude_error_percent(), "%")];
+        for (best, wave) in self.best.iter().filter_map(|b| Some((b, b.wave()?))) {
+            let id = |what: &str| format!("{name}.{}.{what}", best.model);
+            all.push(Metric::new(id("amplitude_mbar"), wave.amplitude_pa / si::MILLIBAR, "mbar"));
+            all.push(Metric::new(id("frequency_hz"), wave.frequency_hz, "Hz"));
+            all.push(Metric::new(id("thrust_mn"), 1e3 * wave.thrust_n[0], "mN"));
+            all.push(Metric::new(id("amplitude_ratio"), best.amplitude_ratio, ""));
+            all.push(Metric::new(id("simulations"), best.simulations as f64, ""));
+        }
+        all
+    }
+
+    fn summary(&self) -> String {
+        let text = |(best, wave): (&Best, &ActuationPoint)| {
+            let (mbar, mn) = (wave.amplitude_pa / si::MILLIBAR, 1e3 * wave.thrust_n[0]);
+            format!(
+                "{}: {mbar:.0} mbar at {:.2} Hz, {mn:.0} mN, {} simulations",
+                best.model, wave.frequency_hz, best.simulations
+            )
+        };
+        let mut all: Vec<String> = self.best.iter().filter_map(|b| Some(text((b, b.wave()?)))).collect();
+        all.push(format!(
+            "simulated amplitude {:+.0} % against {}",
+            self.check.amplitude_error_percent(),
+            self.check.run
+        ));
+        all.join("; ")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_optimum_survives_its_record() {
+        let actuation_point = ActuationPoint { amplitude_pa: 2e4, frequency_hz: 2.5, thrust_n: vec![0.1] };
+        let best = Best {
+            model: "theory".into(),
+            iterates: vec![actuation_point.clone()],
+            predicted_n: vec![0.1, 0.2],
+            amplitude_ratio: 1.5,
+            simulations: 30,
+        };
+        let check = Check { run: "a".into(), amplitude_m: [0.011, 0.01], mean_n: [0.1, 0.2, 0.3] };
+        let whole = OptimalActuation {
+            highest_pa: 3e4,
+            frequencies_hz: [1.0, 3.0],
+            best: vec![best],
+            scan: vec![ActuationPoint { thrust_n: vec![0.1, 0.2], ..actuation_point }],
+            check,
+            coordinates: 20,
+        };
+        assert_eq!(OptimalActuation::unpack(&whole.pack().unwrap()).unwrap(), whole);
+        assert!((whole.check.amplitude_error_percent() - 10.0).abs() < 1e-9);
+    }
+}

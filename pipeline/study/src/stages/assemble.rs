@@ -1,0 +1,101 @@
+//! Assembly of the record of [`super::identify`]: moduli and their uncertainty, landscape, simulated levels.
+
+use optimize::Bounds;
+use optimize::optimisers::grid;
+use si::Point2;
+
+use super::fitting::{Evaluated, Fitting, SearchResult};
+use super::uncertainty;
+use crate::records::{self, Identified, Level, Point};
+use diagnostics::Result;
+use sysid::landscape;
+use sysid::{Derivatives, by_node};
+use workflow::stage::StageContext;
+
+impl Fitting<'_> {
+    /// The record, from the best point of the last search and the evaluations of the grid.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when there is no equilibrium at the best moduli, or the data do not determine them.
+    pub fn assemble(
+        &self,
+        mut found: SearchResult,
+        evaluated: &[Evaluated],
+        searches: Vec<records::Search>,
+        gradient_difference: Option<f64>,
+        context: &dyn StageContext,
+    ) -> Result<Identified> {
+        context.progress(0.95, "at the identified moduli");
+        let best = &found.history.best;
+        let elastic = self.elastic(&best.at);
+        let levels = found.solver.solve(&elastic, Derivatives::None)?;
+        let markers: Vec<Vec<Point2>> = levels.iter().map(|l| l.markers.clone()).collect();
+        let highest = levels.iter().zip(&self.levels.levels).max_by(|a, b| a.1.top().total_cmp(&b.1.top()));
+        let uncertainty = uncertainty::of(self.body, best, &self.search)?;
+        let [body, spine] = [0, 1].map(|k| elastic.youngs_moduli[k] * uncertainty.sigma[k]);
+        let (surface, profiles) = self.surface(evaluated)?;
+        Ok(Identified {
+            best: self.point(&best.at),
+            sigma: Point { body_e_pa: body, spine_e_pa: spine },
+            loss: self.levels.loss(&markers),
+            gradient_difference,
+            gradient_over_forward: self.gradient_over_forward(&elastic)?,
+            searches,
+            surface,
+            levels: self.simulated_levels(&markers),
+            inflated: highest.map(|(level, _)| by_node(&level.displacement)).unwrap_or_default(),
+            length: self.body.length,
+            noise: self.noise,
+            uncertainty,
+            profiles,
+        })
+    }
+
+    /// The landscape and the profiles, interpolated between the grid's points. A single point without equilibrium is extrapolated from its
+    /// row; where more are missing, the grid's own losses are kept. Empty where no grid was searched.
+    fn surface(&self, evaluated: &[Evaluated]) -> Result<(records::Surface, Vec<records::Profile>)> {
+        if evaluated.is_empty() {
+            return Ok((records::Surface::default(), Vec::new()));
+        }
+        let Bounds { low, high } = self.search.bounds();
+        let axis = |k: usize| grid::axis(low[k], high[k], self.set.grid_points);
+        let points: Vec<(&[f64], &[Vec<Point2>])> =
+            evaluated.iter().map(|t| (t.at.as_slice(), t.markers.as_slice())).collect();
+        let Some(full) = landscape::completed(&points, &axis(0), &axis(1)) else {
+            return Ok((self.coarse(evaluated, &axis(0), &axis(1)), Vec::new()));
+        };
+        let points: Vec<(&[f64], &[Vec<Point2>])> = full.iter().map(|(at, m)| (at.as_slice(), m.as_slice())).collect();
+        let judge = |at: &[Vec<Point2>]| vec![self.levels.loss(at), self.levels.chi_square(at).unwrap_or(f64::NAN)];
+        let fine = landscape::between(&points, self.set.landscape_points, &judge);
+        let moduli = self.model.nominal.youngs_moduli;
+        let along = |axis: &[f64], k: usize| axis.iter().map(|x| moduli[k] * x.exp()).collect::<Vec<f64>>();
+        let (body_e_pa, spine_e_pa) = (along(&fine.across, 0), along(&fine.up, 1));
+        let profiles = uncertainty::profiles(&body_e_pa, &spine_e_pa, &fine.values[1]);
+        Ok((records::Surface { body_e_pa, spine_e_pa, loss: fine.values[0].clone() }, profiles))
+    }
+
+    fn coarse(&self, evaluated: &[Evaluated], across: &[f64], up: &[f64]) -> records::Surface {
+        let loss = |x: f64, y: f64| {
+            let here = evaluated.iter().find(|t| t.at == [x, y]);
+            here.map_or(f64::NAN, |t| self.levels.loss(&t.markers))
+        };
+        records::Surface {
+            body_e_pa: across.iter().map(|&x| self.point(&[x, 0.0]).body_e_pa).collect(),
+            spine_e_pa: up.iter().map(|&y| self.point(&[0.0, y]).spine_e_pa).collect(),
+            loss: up.iter().flat_map(|&y| across.iter().map(move |&x| (x, y))).map(|(x, y)| loss(x, y)).collect(),
+        }
+    }
+
+    fn simulated_levels(&self, markers: &[Vec<Point2>]) -> Vec<Level> {
+        let all = self.levels.levels.iter().zip(markers).zip(&self.origins);
+        all.map(|((model, simulated), (trial, rest))| Level {
+            trial: trial.clone(),
+            pressures_pa: model.pressures.clone(),
+            rest_m: rest.clone(),
+            measured_m: model.measured.clone(),
+            covariance_m2: model.covariance.clone(),
+            simulated_m: simulated.clone(),
+        })
+        .collect()
+    }
+}

@@ -1,0 +1,224 @@
+//! Markers: pixel tracks are projected to metres in the plane of the CAD frame, each marker at its own height over the calibrated
+//! plane, with lens distortion, refraction and rolling shutter. Paper: section IV.
+
+mod carry;
+mod elsewhere;
+
+use lab::card::Medium;
+use serde::{Deserialize, Serialize};
+use si::{Metre, Point2, Radian, Second, vec3};
+use track::grid::{self, Grid};
+use track::lens::Lens;
+use track::pose::Pose;
+use track::refraction::{RefractiveCamera, Water};
+use track::shutter::{self, Shutter};
+use track::video::Film;
+
+use crate::records::{self, Camera, CovarianceParts, FilmPose, OmittedCorrection, Path, Tracks};
+use crate::subject::Trial;
+use carry::{Shared, UncertaintySources};
+use diagnostics::{Diagnostic, Result};
+use workflow::needs::Maybe;
+use workflow::stage::{RawFile, Stage, StageContext};
+use workflow::subject::Part;
+
+/// The stage.
+pub struct Markers;
+
+/// `[markers]` in `study.toml`.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Settings {
+    /// Standard deviation of a marker's height over the calibrated plane, m.
+    height_sigma: Metre,
+    /// Standard deviation of a marker's centre against the material point under it, along x and y, m: the skin under
+    /// a marker stretches unevenly.
+    mark_sigma: Metre,
+    /// Standard deviation of the height of the water's surface, m.
+    surface_sigma: Metre,
+    /// Standard deviation of its refractive index, no unit.
+    index_sigma: f64,
+    /// Root mean square slope of ripples on the surface, rad.
+    ripple: Radian,
+}
+
+/// What it reads of the card.
+#[derive(Debug, Serialize)]
+pub struct Card {
+    /// z of each marker, m.
+    heights: Vec<Metre>,
+    /// z of the calibrated plane, m.
+    plane: Metre,
+    /// Pitch of the grid on the plane, m.
+    grid: Option<Metre>,
+    /// How long a picture's rows take to be read, s.
+    readout: Second,
+    /// The water between camera and specimen.
+    water: Option<lab::card::Water>,
+    first_frame: usize,
+    space: Option<elsewhere::Card>,
+}
+
+impl Part<Trial> for Card {
+    fn part_of(of: &Trial) -> Self {
+        let plane = &of.card.camera.plane;
+        Self {
+            heights: of.card.marker.iter().map(|m| m.at[2]).collect(),
+            plane: plane.height,
+            grid: plane.grid.filter(|_| of.made_elsewhere().is_none()),
+            readout: of.card.camera.readout,
+            water: of.card.water.clone().filter(|_| of.trial.medium == Medium::Water),
+            first_frame: of.trial.first_frame,
+            space: elsewhere::Card::of(of),
+        }
+    }
+}
+
+impl Stage for Markers {
+    type Settings = Settings;
+    type Card = Card;
+    type Needs = (Maybe<Camera>, Tracks);
+    type Makes = records::Markers;
+    const DESCRIPTION: &'static str = "pixels are projected to metres";
+    const VERSION: u32 = 4;
+
+    fn raw(of: &Trial) -> Vec<RawFile> {
+        let space = of.in_space().map(|(tracks, _)| RawFile::new(elsewhere::WORD, &of.card.name, &tracks.file));
+        let film = Card::part_of(of).grid.map(|_| RawFile::new("video", &of.card.name, &of.trial.video));
+        space.into_iter().chain(film).collect()
+    }
+
+    fn run(
+        card: &Self::Card,
+        set: &Settings,
+        (Maybe(camera), tracks): Self::Needs,
+        context: &dyn StageContext,
+    ) -> Result<records::Markers> {
+        let Some(camera) = camera.filter(|_| card.space.is_none()) else {
+            return elsewhere::places(card.space.as_ref(), &tracks.time, set.mark_sigma, context);
+        };
+        let hung = RefractiveCamera { lens: camera.lens, pose: camera.pose, water: card.water() };
+        let stand = stood(card, &hung, context)?;
+        let pose = stand.as_ref().map_or(hung.pose, |s| Pose { rotation: s.rotation, translation: s.translation_m });
+        let sight = RefractiveCamera { pose, ..hung };
+        let shutter = Shutter { readout: card.readout, height: camera.size_px[1] };
+        let heights = card.heights.clone();
+        let whole = places(&sight, &shutter, &tracks, &heights)?;
+        let sources = UncertaintySources {
+            shared: Shared::new(&camera.covariance, [set.surface_sigma, set.index_sigma, set.height_sigma]),
+            ripple: set.ripple,
+            mark: set.mark_sigma,
+        };
+        let carried =
+            tracks.markers.iter().zip(&heights).map(|(path, height)| carry::all(&sight, path, *height, &sources));
+        let (spreads, parts): (Vec<_>, Vec<CovarianceParts>) = carried.collect::<Result<Vec<_>>>()?.into_iter().unzip();
+        let mut left_out = Vec::new();
+        for (correction, sight, shutter, heights) in without(&sight, &shutter, &heights, card.plane) {
+            let other = places(&sight, &shutter, &tracks, &heights)?;
+            left_out.push(worth(correction, &whole, &other));
+        }
+        let named = tracks.markers.iter().zip(whole).zip(spreads);
+        let markers = named.map(|((path, at), spread)| Path { name: path.name.clone(), at, spread }).collect();
+        Ok(records::Markers { time: tracks.time, markers, parts, left_out, stand })
+    }
+}
+
+impl Card {
+    /// The lines under the specimen.
+    fn grid(&self) -> Option<Grid> {
+        self.grid.map(|pitch| Grid { pitch, height: self.plane })
+    }
+
+    fn water(&self) -> Option<Water> {
+        self.water.as_ref().map(|w| Water { surface: w.surface, index: w.index })
+    }
+}
+
+/// The camera pose in the film's first frame.
+fn stood(card: &Card, hung: &RefractiveCamera, context: &dyn StageContext) -> Result<Option<FilmPose>> {
+    let Some(grid) = card.grid() else { return Ok(None) };
+    let Some(frame) = Film::open(&context.path("video")?)?.nth(card.first_frame) else { return Ok(None) };
+    let frame = frame?;
+    let found = grid::find_pose(&frame.gray, hung, &grid);
+    Ok(found.map(|found| FilmPose {
+        rotation: found.pose.rotation,
+        translation_m: found.pose.translation,
+        pieces: found.segments,
+        off_m: found.rms_error,
+        moved_m: vec3::norm(vec3::sub(found.pose.centre(), hung.pose.centre())),
+    }))
+}
+
+/// Every marker in every frame, m, at the frame's own time.
+fn places(sight: &RefractiveCamera, shutter: &Shutter, tracks: &Tracks, heights: &[Metre]) -> Result<Vec<Vec<Point2>>> {
+    let one = |(path, height): (&Path, &Metre)| {
+        let met = path
+            .at
+            .iter()
+            .enumerate()
+            .map(|(frame, &pixel)| sight.intersect(pixel, *height).ok_or_else(|| no_ray(&path.name, frame, pixel)));
+        let read: Vec<Second> = tracks.time.iter().zip(&path.at).map(|(t, [_, v])| t + shutter.delay(*v)).collect();
+        Ok(shutter::at_times(&tracks.time, &read, &met.collect::<Result<Vec<_>>>()?))
+    };
+    tracks.markers.iter().zip(heights).map(one).collect()
+}
+
+/// The camera model without each of the corrections of the trial.
+fn without(
+    sight: &RefractiveCamera,
+    shutter: &Shutter,
+    heights: &[Metre],
+    plane: Metre,
+) -> Vec<(&'static str, RefractiveCamera, Shutter, Vec<Metre>)> {
+    let lens = Lens { fx: sight.lens.fx, fy: sight.lens.fy, cx: sight.lens.cx, cy: sight.lens.cy, ..Lens::default() };
+    let mut all = vec![
+        ("parallax", *sight, *shutter, vec![plane; heights.len()]),
+        ("distortion", RefractiveCamera { lens, ..*sight }, *shutter, heights.to_vec()),
+    ];
+    if sight.water.is_some() {
+        all.push(("refraction", RefractiveCamera { water: None, ..*sight }, *shutter, heights.to_vec()));
+    }
+    if shutter.readout > 0.0 {
+        all.push(("rolling_shutter", *sight, Shutter { readout: 0.0, ..*shutter }, heights.to_vec()));
+    }
+    all
+}
+
+/// Difference of positions and displacements without a correction from those with it.
+fn worth(correction: &str, whole: &[Vec<Point2>], other: &[Vec<Point2>]) -> OmittedCorrection {
+    let (mut place, mut motion, mut count) = (0.0, 0.0, 0.0_f64);
+    for (whole, other) in whole.iter().zip(other) {
+        let off: Vec<Point2> = whole.iter().zip(other).map(|(a, b)| [b[0] - a[0], b[1] - a[1]]).collect();
+        for d in &off {
+            place += d[0] * d[0] + d[1] * d[1];
+            motion += (d[0] - off[0][0]).powi(2) + (d[1] - off[0][1]).powi(2);
+            count += 1.0;
+        }
+    }
+    let root = |sum: f64| (sum / count.max(1.0)).sqrt();
+    OmittedCorrection { correction: correction.into(), place_m: root(place), motion_m: root(motion) }
+}
+
+fn no_ray(marker: &str, frame: usize, pixel: Point2) -> Diagnostic {
+    Diagnostic::new(
+        format!(
+            "marker `{marker}` at ({:.1}, {:.1}) px in frame {frame} meets no point of the plane",
+            pixel[0], pixel[1]
+        ),
+        "the calibrated lens has no ray there, or the ray does not meet the plane",
+        "film the board up to the frame's corners, or check the plane's height on the card",
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_that_stays_the_same_moves_places_and_not_displacements() {
+        let whole = vec![vec![[0.0, 0.0], [1.0, 0.0], [2.0, 0.0]]];
+        let other = vec![vec![[0.3, 0.4], [1.3, 0.4], [2.3, 0.4]]];
+        let found = worth("parallax", &whole, &other);
+        assert!((found.place_m - 0.5).abs() < 1e-15 && found.motion_m < 1e-15);
+    }
+}

@@ -1,0 +1,133 @@
+//! Mesh sensitivity: the moduli identified from the same films on finer and coarser meshes with elements of ten and of four nodes.
+//! A locking element is compensated by a lower modulus.
+
+use ::mesh::Solid;
+use fem::StaticSettings;
+use optimize::optimisers::gauss_newton;
+use optimize::{Bounds, Evaluation, Needs, Problem};
+use serde::{Deserialize, Serialize};
+use si::Metre;
+
+use super::mesh;
+use crate::records::{self, Identified, Mesh, MeshResult, Point};
+use crate::subject::Specimen;
+use diagnostics::Result;
+use sysid::Interrupted;
+use sysid::Misfit;
+use sysid::{Body, Derivatives, Elastic, LevelSolver, Model};
+use workflow::stage::{RawFile, Stage, StageContext};
+use workflow::subject::Part;
+
+/// The stage.
+pub struct MeshSensitivity;
+
+/// `[mesh_sensitivity]` in `study.toml`.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Settings {
+    /// Target lengths of an edge, m.
+    edges: Vec<Metre>,
+    /// Fraction of the highest pressure up to which levels are used: all meshes must have an equilibrium there.
+    pressure_fraction: f64,
+    /// Bounds: the largest factor between a modulus and the identified one.
+    modulus_factor: f64,
+    /// Simulations at most, each mesh.
+    iterations: usize,
+    /// Tolerance of a step: a search has converged when no logarithm of a modulus changes by more.
+    step_tolerance: f64,
+}
+
+/// What it reads of the card.
+#[derive(Debug, Serialize)]
+pub struct Card {
+    mesh: mesh::Card,
+    body: Body,
+}
+
+impl Part<Specimen> for Card {
+    fn part_of(of: &Specimen) -> Self {
+        Self { mesh: Part::part_of(of), body: Part::part_of(of) }
+    }
+}
+
+impl Stage for MeshSensitivity {
+    type Settings = Settings;
+    type Card = Card;
+    type Needs = Identified;
+    type Makes = records::MeshSensitivity;
+    const DESCRIPTION: &'static str = "identified moduli depend on the mesh";
+    const VERSION: u32 = 3;
+
+    fn raw(of: &Specimen) -> Vec<RawFile> {
+        mesh::Mesh::raw(of)
+    }
+
+    fn run(
+        card: &Self::Card,
+        set: &Settings,
+        found: Identified,
+        context: &dyn StageContext,
+    ) -> Result<records::MeshSensitivity> {
+        let top = found.levels.iter().map(records::Level::pressure).fold(0.0, f64::max);
+        let low: Vec<_> =
+            found.levels.iter().filter(|l| l.pressure() <= set.pressure_fraction * top).cloned().collect();
+        let levels = Misfit::kept(&low, &found.noise, found.length)?;
+        let mut rows = Vec::new();
+        for (i, &edge) in set.edges.iter().enumerate() {
+            context.progress(i as f64 / set.edges.len() as f64, &format!("edges of {:.1} mm", 1e3 * edge));
+            let mesher = ::mesh::Settings { use_symmetry: true, ..::mesh::Settings::new(edge) };
+            let made = mesh::made(&card.mesh, &mesher, MARKER_LIMIT, context)?;
+            for nodes in [10, 4] {
+                let model = model(&card.body, &made, nodes, &found)?;
+                let dofs = 3 * model.system.mesh().nodes.len();
+                let best = moduli(set, &model, &levels, &found)?;
+                rows.push(MeshResult { edge, nodes, dofs, loss: best.loss, at: point(&found, &best.at) });
+            }
+        }
+        Ok(records::MeshSensitivity { rows })
+    }
+}
+
+/// Largest distance of a coarse mesh's skin from a marker, m.
+const MARKER_LIMIT: Metre = 3e-3;
+
+fn model(body: &Body, mesh: &Mesh, nodes: usize, found: &Identified) -> Result<Model> {
+    let whole = Solid::Quadratic(mesh.solid.clone());
+    let solid = if nodes == 4 { Solid::Linear(whole.to_linear()) } else { whole };
+    let rest = found.levels.first().map(|l| l.rest_m.clone()).unwrap_or_default();
+    let spots = body.markers.iter().zip(&rest).map(|(m, at)| solid.embed([at[0], at[1], m[2]]).0);
+    Model::new(&solid, &mesh.skins(), spots.collect(), body)
+}
+
+fn point(found: &Identified, at: &[f64]) -> Point {
+    Point { body_e_pa: found.best.body_e_pa * at[0].exp(), spine_e_pa: found.best.spine_e_pa * at[1].exp() }
+}
+
+/// Gauss-Newton over the logarithms of both moduli over the identified ones.
+fn moduli(set: &Settings, model: &Model, levels: &Misfit, found: &Identified) -> Result<Evaluation> {
+    let wide = set.modulus_factor.ln();
+    let bounds = Bounds { low: vec![-wide; 2], high: vec![wide; 2] };
+    let search = Problem::new(&["body", "spine"], vec![0.0; 2], bounds)?;
+    let newton = gauss_newton::Settings {
+        step_tolerance: set.step_tolerance,
+        iterations: set.iterations,
+        ..gauss_newton::Settings::default()
+    };
+    let mut optimiser = gauss_newton::GaussNewton::new(&search, &newton)?;
+    let statics = StaticSettings { tolerance: 1e-6, max_halvings: 2, ..StaticSettings::default() };
+    let mut solver = LevelSolver::new(model.clone(), levels.levels.clone(), statics, 2);
+    let mut evaluate = |at: &Vec<f64>| -> Result<Evaluation> {
+        let Point { body_e_pa, spine_e_pa } = point(found, at);
+        let constants = Elastic { youngs_moduli: [body_e_pa, spine_e_pa], ..model.nominal };
+        let Ok(simulated) = solver.solve(&constants, Derivatives::Sensitivities) else {
+            return Ok(Evaluation::of_loss(at.clone(), f64::INFINITY));
+        };
+        let markers: Vec<_> = simulated.iter().map(|l| l.markers.clone()).collect();
+        let residuals = levels.residuals(&simulated, &constants.youngs_moduli)?;
+        Ok(Evaluation { residuals: Some(residuals), ..Evaluation::of_loss(at.clone(), levels.loss(&markers)) })
+    };
+    let mut problem = |batch: &[Vec<f64>], _: Needs| -> Result<Vec<Evaluation>, Interrupted> {
+        batch.iter().map(|at| evaluate(at).map_err(Interrupted)).collect()
+    };
+    Ok(optimize::minimise(&mut optimiser, &mut problem).map_err(|stop| stop.0)?.best)
+}

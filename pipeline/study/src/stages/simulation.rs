@@ -1,0 +1,114 @@
+//! Simulation of a motion under measured pressures with identified moduli: by the reduced or by the full model.
+
+use fem::{DynamicSettings, InitialValueProblem, Scheme, State};
+use si::{Pascal, Point2, Second};
+use signal::resample::Samples;
+
+use crate::records::{Identified, Motion};
+use diagnostics::{Diagnostic, Result};
+use sysid::{Elastic, Model, ReducedBody};
+
+/// A model with its moduli, and the observed marker.
+pub struct MotionSimulation<'a> {
+    /// The model, with its markers at their measured positions.
+    pub model: &'a Model,
+    /// The identified constants.
+    pub elastic: Elastic,
+    /// Index of the observed marker.
+    pub marker: usize,
+}
+
+/// The actuation of a motion from rest: its interval on the film's clock, and the pressures.
+pub struct Actuation<'a> {
+    /// s.
+    pub begin: Second,
+    /// s.
+    pub end: Second,
+    /// Duration of the ramp from zero to the measured pressures, s.
+    pub ramp: Second,
+    /// One a chamber, Pa.
+    pub gauges: &'a [Samples],
+}
+
+impl Actuation<'_> {
+    /// Pressures (Pa) `t` s after the begin.
+    pub(super) fn pressures(&self, t: Second) -> Vec<Pascal> {
+        let part = if self.ramp > 0.0 { (t / self.ramp).clamp(0.0, 1.0) } else { 1.0 };
+        let ease = part * part * (3.0 - 2.0 * part);
+        self.gauges.iter().map(|g| ease * g.at(self.begin + t)).collect()
+    }
+
+    pub(super) fn steps(&self, step: Second) -> usize {
+        ((self.end - self.begin) / step).ceil() as usize
+    }
+
+    /// A path sampled every `step` s, as functions of the film's time.
+    pub(super) fn sampled(&self, step: Second, path: &[Point2]) -> Result<[Samples; 2]> {
+        let times: Vec<Second> = (0..=path.len()).map(|i| self.begin + i as f64 * step).collect();
+        let axis = |k: usize| {
+            let at = std::iter::once(0.0).chain(path.iter().map(|p| p[k])).collect();
+            Samples::new(times.clone(), at).map_err(Diagnostic::from)
+        };
+        Ok([axis(0)?, axis(1)?])
+    }
+}
+
+impl MotionSimulation<'_> {
+    /// Displacement of the observed marker along x and y, m, by the reduced model.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when a step finds no motion.
+    pub fn run(
+        &self,
+        reduced_body: &ReducedBody,
+        settings: &DynamicSettings,
+        actuation: &Actuation,
+    ) -> Result<[Samples; 2]> {
+        let steps = actuation.steps(settings.step);
+        let path = reduced_body.integrate(settings, self.marker, &|t| actuation.pressures(t), steps)?;
+        actuation.sampled(settings.step, &path)
+    }
+
+    /// The same by the full model.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when a step finds no motion.
+    pub fn whole(&self, settings: &DynamicSettings, actuation: &Actuation) -> Result<[Samples; 2]> {
+        let mut solver = self.model.system.solver();
+        self.elastic.apply(&mut solver)?;
+        let rest = State::rest(self.model.system.mesh().nodes.len());
+        let (spot, mut path) = (&self.model.markers[self.marker], Vec::new());
+        let mut observe = |_: Second, state: &State| path.push(Model::in_plane(spot, &state.displacement));
+        let steps = actuation.steps(settings.step);
+        solver.integrate(
+            &InitialValueProblem { settings, initial: &rest, pressures: &|t| actuation.pressures(t) },
+            steps,
+            &mut observe,
+        )?;
+        actuation.sampled(settings.step, &path)
+    }
+}
+
+/// Settings of a fixed step with stiffness-proportional damping.
+pub fn dynamic_settings(scheme: Scheme, step: Second, stiffness_damping: Second) -> DynamicSettings {
+    DynamicSettings { step, scheme, stiffness_damping, ..DynamicSettings::default() }
+}
+
+/// The identified constants of a model.
+pub fn identified(model: &Model, found: &Identified) -> Elastic {
+    Elastic { youngs_moduli: [found.best.body_e_pa, found.best.spine_e_pa], ..model.nominal }
+}
+
+/// The measured pressures of a film.
+///
+/// # Errors
+/// A [`Diagnostic`] when the log's times do not rise.
+pub fn gauges(motion: &Motion) -> Result<Vec<Samples>> {
+    let samples = motion.gauges.iter().map(|g| Samples::new(motion.log_time.clone(), g.measured.clone()));
+    samples.collect::<Result<_, _>>().map_err(Diagnostic::from)
+}
+
+/// A path at other times.
+pub fn onto([x, y]: &[Samples; 2], times: &[Second]) -> Vec<Point2> {
+    times.iter().map(|&t| [x.at(t), y.at(t)]).collect()
+}

@@ -1,0 +1,61 @@
+//! Table `mesh_sensitivity`: the effect of locking on identified moduli.
+
+use plot::Column;
+
+use crate::records::{self, MeshResult};
+use crate::subject::{Specimen, Study};
+use diagnostics::Result;
+use workflow::needs::Every;
+use workflow::subject::Subject;
+use workflow::table::Table;
+
+/// The table.
+pub struct MeshSensitivity;
+
+impl Table for MeshSensitivity {
+    type Of = Study;
+    type Needs = Every<records::MeshSensitivity, Specimen>;
+    const NAME: &'static str = "mesh_sensitivity";
+    const CAPTION: &'static str = "identified moduli depend on the mesh";
+    const VERSION: u32 = 2;
+
+    fn fill(Every(all): Self::Needs) -> Result<plot::Table> {
+        let columns = vec![
+            Column::text("specimen"),
+            Column::numbers("edge", "mm"),
+            Column::numbers("nodes an element", ""),
+            Column::numbers("dofs", ""),
+        ];
+        let moduli = [("E of the body", "MPa"), ("E of the spine", "GPa")];
+        let pairs = moduli.iter().flat_map(|(title, unit)| Column::beside_published(title, unit));
+        let columns = columns.into_iter().chain(pairs).chain([Column::numbers("loss", "")]).collect();
+        let rows = all.iter().flat_map(|(s, honest)| honest.rows.iter().map(|r| row(&s.name(), r)));
+        let table = plot::Table::new(columns, rows.collect())?;
+        Ok(table.noted(
+            "Identified on each mesh from the levels up to a fraction of the highest pressure. Published: typical values.",
+        ))
+    }
+}
+
+fn row(specimen: &str, r: &MeshResult) -> Vec<String> {
+    vec![
+        specimen.to_owned(),
+        format!("{:.1}", 1e3 * r.edge),
+        r.nodes.to_string(),
+        r.dofs.to_string(),
+        format!("{:.4}", 1e-6 * r.at.body_e_pa),
+        published(specimen).to_owned(),
+        format!("{:.3}", 1e-9 * r.at.spine_e_pa),
+        "2.5–5".to_owned(),
+        format!("{:.2e}", r.loss),
+    ]
+}
+
+/// Typical Young's moduli of the silicone in the paper's table I, MPa.
+fn published(specimen: &str) -> &'static str {
+    match specimen {
+        "nemo" | "dory" => "0.1–0.25",
+        "bruce" => "1.1",
+        _ => "",
+    }
+}

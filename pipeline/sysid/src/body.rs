@@ -1,0 +1,70 @@
+//! The card of a body as its model reads it: materials, clamp, length, markers.
+
+use lab::card::{Card, Solid};
+use serde::Serialize;
+use si::{KilogramPerCubicMetre, Metre, Pascal, Point3};
+
+/// One solid's material.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Material {
+    /// The law's name in `fem`.
+    pub law: String,
+    /// Nominal E, Pa.
+    pub youngs_modulus: Pascal,
+    /// ν, no unit.
+    pub poissons_ratio: f64,
+    /// kg/m³.
+    pub density: KilogramPerCubicMetre,
+    /// Lowest and highest plausible E, Pa.
+    pub plausible: [Pascal; 2],
+}
+
+/// What a model reads of a specimen's card.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Body {
+    /// Of the soft body and of the spine.
+    pub materials: [Material; 2],
+    /// Nodes below this x are clamped, m.
+    pub clamp_below_x: Metre,
+    /// The specimen's length, m.
+    pub length: Metre,
+    /// Where the markers are on the undeformed body, m.
+    pub markers: Vec<Point3>,
+}
+
+impl Body {
+    /// The body on a card.
+    pub fn of(card: &Card) -> Self {
+        Self {
+            materials: [&card.solid.body, &card.solid.spine].map(Material::of),
+            clamp_below_x: card.clamp.below_x,
+            length: card.length,
+            markers: card.marker.iter().map(|m| m.at).collect(),
+        }
+    }
+
+    /// The markers from the clamp to the tip.
+    pub fn markers_by_x(&self) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..self.markers.len()).collect();
+        order.sort_by(|&a, &b| self.markers[a][0].total_cmp(&self.markers[b][0]));
+        order
+    }
+
+    /// The marker farthest from the clamp.
+    pub fn tip_marker(&self) -> usize {
+        let order = |a: &usize, b: &usize| self.markers[*a][0].total_cmp(&self.markers[*b][0]);
+        (0..self.markers.len()).max_by(order).unwrap_or(0)
+    }
+}
+
+impl Material {
+    fn of(solid: &Solid) -> Self {
+        Self {
+            law: solid.material.clone(),
+            youngs_modulus: solid.youngs_modulus,
+            poissons_ratio: solid.poissons_ratio,
+            density: solid.density,
+            plausible: solid.plausible,
+        }
+    }
+}

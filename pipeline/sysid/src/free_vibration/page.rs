@@ -1,0 +1,153 @@
+//! The page of a free vibration test: recordings, case, and the compared quantities.
+
+use std::path::{Path, PathBuf};
+
+use diagnostics::Diagnostic;
+use lab::table::toml_error;
+use serde::Deserialize;
+use si::{Pascal, Point3, Second};
+
+use simulate::case::Axis;
+
+/// The contents of a page.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Page {
+    /// Name of the results.
+    pub name: String,
+    /// The case, with `[static]`, whose loads act once the body is released; relative to the page.
+    pub case: String,
+    /// Laws that are fitted, one after the other, to the case's first region.
+    pub laws: Vec<String>,
+    /// Bounds of Young's modulus, Pa.
+    pub range: [Pascal; 2],
+    /// Folders of the recordings, relative to the project's folder; the first that has them is used.
+    pub folders: Vec<PathBuf>,
+    /// The axis along which the body falls.
+    pub along: Axis,
+    /// Duration at the beginning during which it is held straight, s.
+    pub held: Second,
+    /// Duration at the end during which it is at rest, s.
+    pub settled: Second,
+    /// The interval of the vibration that is compared, s after the release.
+    pub swing: [Second; 2],
+    /// Step of the simulated motion, s.
+    pub step: Second,
+    /// Standard deviation of a measured displacement, m.
+    pub sigma: f64,
+    /// Films or tracks of the same release.
+    pub recording: Vec<Recording>,
+    /// Markers on the body and on its holder.
+    pub marker: Vec<Marker>,
+    /// Published values.
+    pub published: Option<Published>,
+}
+
+/// One release.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Recording {
+    /// Tracks as `.csv` or `.c3d`; the first that lies there is read.
+    pub files: Vec<String>,
+    /// Time of the release, s.
+    pub release: Second,
+    /// Where the last of `files` can be downloaded.
+    pub source: Option<String>,
+    /// Its BLAKE3.
+    pub blake3: Option<String>,
+}
+
+/// A tracked marker.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Marker {
+    /// Its names in the recordings.
+    pub names: Vec<String>,
+    /// Its position while the body is held, m.
+    pub at: Point3,
+    /// The point of the body that carries it, m; none on what holds the body.
+    pub on: Option<Point3>,
+    /// Whether its displacement is compared: not for a marker at a distance from the body that moves with the body's rotation.
+    #[serde(default)]
+    pub compared: bool,
+}
+
+/// Published numbers.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Published {
+    /// E, Pa.
+    pub youngs_modulus: Pascal,
+    /// Where.
+    pub source: String,
+}
+
+impl Page {
+    /// The page in the file `path`.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] when it cannot be read, has an unknown or missing key, or an invalid number.
+    pub fn read(path: &Path) -> Result<Self, Diagnostic> {
+        let text = std::fs::read_to_string(path).map_err(|e| Diagnostic::io(path, e, "name a page of TOML"))?;
+        let page: Self = toml::from_str(&text).map_err(|e| toml_error(&text, path, &e, SEE))?;
+        match page.slip() {
+            Some(slip) => Err(Diagnostic::file(path, slip, "no fit is possible with it", "correct the page")),
+            None => Ok(page),
+        }
+    }
+
+    /// The first invalid entry.
+    fn slip(&self) -> Option<String> {
+        let [low, high] = self.range;
+        let rules = [
+            (!(low > 0.0 && high > low), "`range` is not two rising moduli, Pa"),
+            (self.laws.is_empty(), "`laws` names none"),
+            (self.recording.is_empty(), "there is no [[recording]]"),
+            (!self.marker.iter().any(|m| m.compared && m.on.is_some()), "no [[marker]] on the body is compared"),
+            (self.marker.len() < 3, "fewer than three [[marker]]s do not define a frame of reference"),
+            (!(self.held > 0.0 && self.settled > 0.0), "`held` and `settled` are not positive times, s"),
+            (!(self.step > 0.0 && self.sigma > 0.0), "`step` and `sigma` are not positive"),
+            (!(self.swing[0] >= 0.0 && self.swing[1] > self.swing[0]), "`swing` is not two rising times, s"),
+        ];
+        rules.iter().find(|(broken, _)| *broken).map(|(_, what)| (*what).to_owned())
+    }
+}
+
+const SEE: &str = "pipeline/sysid/examples/real has a page with every key";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PAGE: &str = include_str!("../../examples/real/beam_ds10.toml");
+
+    /// The diagnostic of the page with one text replaced by another.
+    fn said(name: &str, from: &str, to: &str) -> String {
+        let path = std::env::temp_dir().join(format!("page-{name}-{}.toml", std::process::id()));
+        std::fs::write(&path, PAGE.replace(from, to)).unwrap();
+        let read = Page::read(&path);
+        std::fs::remove_file(&path).unwrap();
+        read.map(|page| page.name).unwrap_or_else(|diagnostic| diagnostic.to_string())
+    }
+
+    #[test]
+    fn the_page_that_comes_along_is_read() {
+        assert_eq!(said("whole", "", ""), "beam_ds10");
+    }
+
+    #[test]
+    fn a_slip_of_the_pen_is_refused_with_what_it_is() {
+        let slips = [
+            ("sigma = 1e-4", "sigmaa = 1e-4", "sigmaa"),
+            ("range = [5e4, 2e6]", "range = [2e6, 5e4]", "two rising moduli"),
+            ("step = 0.0025", "step = 0.0", "not positive"),
+            ("swing = [0.1, 1.4]", "swing = [1.4, 0.1]", "two rising times"),
+            ("compared = true", "compared = false", "is compared"),
+            ("along = \"z\"", "along = \"w\"", "w"),
+        ];
+        for (i, (from, to, expected)) in slips.into_iter().enumerate() {
+            let said = said(&i.to_string(), from, to);
+            assert!(said.contains(expected) && said.contains("do:"), "{said}");
+        }
+    }
+}

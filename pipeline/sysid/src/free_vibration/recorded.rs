@@ -1,0 +1,217 @@
+//! Recorded displacements of the markers after a release, in the body's frame.
+//!
+//! The frame is found by the least squares turn and shift of the markers' mean places, while the body is held, onto those of the
+//! page. [kabsch1976] Displacements count from there, so that an error of the frame enters them by its reduced turn alone.
+
+use std::path::{Path, PathBuf};
+
+use nalgebra::{Matrix3, Vector3};
+use si::{Metre, Point3, Second, Series};
+use signal::wave;
+
+use super::page::{Marker, Page, Recording};
+use diagnostics::{Diagnostic, Result};
+
+/// One recorded release.
+pub struct Recorded {
+    /// Its file's name.
+    pub name: String,
+    /// Mean displacement of the compared markers along the page's axis since the release, m.
+    pub fall: Series,
+    /// Displacement of each compared marker at rest, m.
+    pub settled: Vec<Metre>,
+}
+
+/// A free vibration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FreeVibration {
+    /// Hz.
+    pub frequency: f64,
+    /// Its standard deviation, Hz.
+    pub frequency_sigma: f64,
+    /// 1/s.
+    pub decay: f64,
+    /// First extremum of the displacement, m.
+    pub lowest: Metre,
+    /// When, s after the release.
+    pub when: Second,
+}
+
+impl FreeVibration {
+    /// Of critical damping, no unit.
+    pub fn damping_ratio(&self) -> f64 {
+        let omega = std::f64::consts::TAU * self.frequency;
+        self.decay / self.decay.hypot(omega)
+    }
+}
+
+/// Reads every recording of a page from the first folder below `root` that has them.
+///
+/// # Errors
+/// A [`Diagnostic`] when one lies nowhere, is refused, or is shorter than the page says.
+pub fn read(page: &Page, root: &Path) -> Result<Vec<Recorded>> {
+    page.recording.iter().map(|recording| one(page, recording, &find(page, recording, root)?)).collect()
+}
+
+/// The file of a recording.
+///
+/// # Errors
+/// A [`Diagnostic`] with the searched folders and the command that downloads it.
+pub fn find(page: &Page, recording: &Recording, root: &Path) -> Result<PathBuf> {
+    let places = page.folders.iter().flat_map(|folder| recording.files.iter().map(move |f| root.join(folder).join(f)));
+    places.clone().find(|place| place.is_file()).ok_or_else(|| {
+        let tried: Vec<String> = places.map(|place| place.display().to_string()).collect();
+        let next = format!(
+            "study fetch {} downloads it from its public source; or put it into one of these folders",
+            page.name
+        );
+        Diagnostic::new(
+            format!("a recording of `{}` is not there", page.name),
+            format!("searched {}", tried.join(", ")),
+            next,
+        )
+    })
+}
+
+fn one(page: &Page, recording: &Recording, path: &Path) -> Result<Recorded> {
+    let (rate, tracks) = tracks(page, path)?;
+    let phases = Phases::of(page, recording, rate, tracks[0].len(), path)?;
+    let moved = moved(page, &tracks, phases.held);
+    let mean = |i: usize| moved.iter().map(|m| m[i]).sum::<f64>() / moved.len() as f64;
+    let fall = (phases.release..tracks[0].len()).map(mean).collect();
+    let settled = moved.iter().map(|m| m[phases.rest..].iter().sum::<f64>() / (m.len() - phases.rest) as f64).collect();
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    Ok(Recorded { name, fall: Series::new(0.0, rate, fall)?, settled })
+}
+
+/// Frames a second, and the place of each of the page's markers in each frame, m.
+fn tracks(page: &Page, path: &Path) -> Result<(f64, Vec<Vec<Point3>>)> {
+    let bytes =
+        std::fs::read(path).map_err(|e| Diagnostic::new(format!("{} cannot be read", path.display()), e, "mend it"))?;
+    let space = lab::space::read(&bytes, path)?;
+    let track = |marker: &Marker| -> Result<Vec<Point3>> {
+        let known = |name: &&String| space.markers.iter().any(|seen| seen.name.trim() == name.trim());
+        let name = marker.names.iter().find(known).unwrap_or(&marker.names[0]);
+        space.complete(name, path)
+    };
+    let rate = (space.time.len() - 1) as f64 / (space.time[space.time.len() - 1] - space.time[0]);
+    Ok((rate, page.marker.iter().map(track).collect::<Result<_>>()?))
+}
+
+/// Frames at which the phases of a recording begin or end.
+struct Phases {
+    held: usize,
+    release: usize,
+    rest: usize,
+}
+
+impl Phases {
+    fn of(page: &Page, recording: &Recording, rate: f64, frames: usize, path: &Path) -> Result<Self> {
+        let frame = |time: Second| ((time * rate).round() as usize).min(frames);
+        let (held, release) = (frame(page.held), frame(recording.release));
+        let rest = frames - frame(page.settled);
+        match held > 0 && held <= release && rest > frame(recording.release + page.swing[1]) {
+            true => Ok(Self { held, release, rest }),
+            false => Err(Diagnostic::new(
+                format!("{} holds {:.2} s", path.display(), frames as f64 / rate),
+                "held, release, swing and settled do not fit into it in this order",
+                "correct the page's times",
+            )),
+        }
+    }
+}
+
+/// Displacement of each compared marker along the page's axis from its position while `held`, m.
+fn moved(page: &Page, tracks: &[Vec<Point3>], held: usize) -> Vec<Vec<Metre>> {
+    let before: Vec<Vector3<f64>> = tracks.iter().map(|track| mean(&track[..held])).collect();
+    let (turn, axis) = (turn(&before, &page.marker), page.along as usize);
+    let along = |(track, from): (&Vec<Point3>, &Vector3<f64>)| {
+        track.iter().map(|p| (turn * (Vector3::from(*p) - from))[axis]).collect()
+    };
+    let markers = tracks.iter().zip(&before).zip(&page.marker);
+    markers.filter(|(_, marker)| marker.compared).map(|(pair, _)| along(pair)).collect()
+}
+
+fn mean(places: &[Point3]) -> Vector3<f64> {
+    places.iter().map(|p| Vector3::from(*p)).sum::<Vector3<f64>>() / places.len() as f64
+}
+
+/// The rotation of least squares from the measured to the page's positions, both about their means [kabsch1976].
+fn turn(seen: &[Vector3<f64>], markers: &[Marker]) -> Matrix3<f64> {
+    let wanted: Vec<Vector3<f64>> = markers.iter().map(|marker| Vector3::from(marker.at)).collect();
+    let middle = |of: &[Vector3<f64>]| of.iter().sum::<Vector3<f64>>() / of.len() as f64;
+    let (a, b) = (middle(seen), middle(&wanted));
+    let spread: Matrix3<f64> = seen.iter().zip(&wanted).map(|(s, w)| (w - b) * (s - a).transpose()).sum();
+    let svd = spread.svd(true, true);
+    let (Some(u), Some(v)) = (svd.u, svd.v_t) else { return Matrix3::identity() };
+    // a rotation, not a reflection
+    u * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, (u * v).determinant().signum())) * v
+}
+
+/// The free vibration in the window of the page.
+///
+/// # Errors
+/// A [`Diagnostic`] when no decaying vibration fits it.
+pub fn vibration(page: &Page, fall: &Series) -> Result<FreeVibration> {
+    let sample = |time: Second| ((time * fall.rate()).round() as usize).min(fall.values().len() - 1);
+    let [from, to] = page.swing.map(sample);
+    let window = Series::new(0.0, fall.rate(), fall.values()[from..=to].to_vec())?;
+    let (when, lowest) = first_turn(fall);
+    let found = wave::identify(&window, &[0.5 / when])?;
+    let Some(wave) = found.waves.first() else {
+        return Err(Diagnostic::new(
+            "there is no free vibration",
+            "the fit found no decaying wave",
+            "correct the page's `swing`",
+        ));
+    };
+    Ok(FreeVibration {
+        frequency: wave.frequency,
+        frequency_sigma: wave.frequency_sigma,
+        decay: wave.decay,
+        lowest,
+        when,
+    })
+}
+
+/// The first extremum of a displacement: time (s) and value (m), by the parabola through the three samples around.
+fn first_turn(fall: &Series) -> (Second, Metre) {
+    let values = fall.values();
+    let largest = values.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+    let turns = |i: &usize| {
+        let [a, b, c] = [values[i - 1], values[*i], values[i + 1]];
+        b.abs() > 0.5 * largest && (b - a) * (c - b) <= 0.0
+    };
+    let at = (1..values.len() - 1).find(turns).unwrap_or(1);
+    let [a, b, c] = [values[at - 1], values[at], values[at + 1]];
+    let bend = a - 2.0 * b + c;
+    let off = if bend == 0.0 { 0.0 } else { 0.5 * (a - c) / bend };
+    ((at as f64 + off) / fall.rate(), b - 0.25 * (a - c) * off)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_turn_of_the_camera_is_undone_and_a_mirror_image_is_not_made() {
+        let at = [[0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1], [0.05, 0.02, 0.0]];
+        let marker = |at| Marker { names: Vec::new(), at, on: None, compared: false };
+        let turned = nalgebra::Rotation3::from_euler_angles(0.3, -1.0, 2.0);
+        let seen: Vec<Vector3<f64>> =
+            at.iter().map(|p| turned * Vector3::from(*p) + Vector3::new(1.0, 2.0, 3.0)).collect();
+        let back = turn(&seen, &at.map(marker));
+        assert!((back * turned.matrix() - Matrix3::identity()).norm() < 1e-12);
+    }
+
+    #[test]
+    fn a_known_vibration_is_identified() {
+        let (omega, decay): (f64, f64) = (std::f64::consts::TAU * 7.73, 2.4);
+        let at = |t: f64| -6.4e-3 * (1.0 - (-decay * t).exp() * (omega * t).cos());
+        let fall = Series::new(0.0, 100.0, (0..300).map(|i| at(f64::from(i) / 100.0)).collect()).unwrap();
+        let (when, lowest) = first_turn(&fall);
+        let turn = (std::f64::consts::PI - (decay / omega).atan()) / omega;
+        // a parabola through samples a thirteenth of a turn apart misses the turn by a hundredth of their distance
+        assert!((when - turn).abs() < 3e-4 && (lowest - at(turn)).abs() < 3e-5, "{when} {turn} {lowest} {}", at(turn));
+    }
+}

@@ -1,0 +1,45 @@
+//! System identification: moduli, damping and their uncertainty from measured displacements.
+//!
+//! A [`Model`] is a meshed body with its materials and markers; a [`LevelSolver`] finds its equilibria at several pressure levels with
+//! their derivatives; a [`Misfit`] compares them with measured displacements. [`reduce`] projects the identified model onto a few dozen
+//! coordinates ([`ReducedBody`]), in which motions are integrated. [`free_vibration`] identifies a body that was held straight and
+//! released.
+//!
+//! ```
+//! // one marker at one pressure level, measured and simulated, m
+//! let level = sysid::Level {
+//!     trial: "static_left".into(),
+//!     pressures_pa: vec![20e3, 0.0],
+//!     rest_m: vec![[0.1, 0.0]],
+//!     measured_m: vec![[-0.001, 0.010]],
+//!     covariance_m2: vec![[1e-10, 0.0, 1e-10]],
+//!     simulated_m: vec![[-0.001, 0.012]],
+//! };
+//! assert!((level.largest_error() - 0.002).abs() < 1e-12);
+//! ```
+//!
+//! Depends on `diagnostics`, `fem`, `lab` (cards), `mesh`, `optimize`, `plot` (the figure of a free vibration test), `si`, `signal`,
+//! `simulate`.
+
+mod body;
+mod feasible;
+pub mod free_vibration;
+mod interrupted;
+pub mod landscape;
+mod levels;
+mod misfit;
+mod model;
+mod noise;
+mod order;
+mod reduced;
+mod surrogate;
+
+pub use body::{Body, Material};
+pub use feasible::feasible_lower_bound;
+pub use interrupted::Interrupted;
+pub use levels::{Derivatives, LevelSolver, PressureLevel, SimulatedLevel};
+pub use misfit::Misfit;
+pub use model::{BODY, Elastic, Model, SPINE, by_node};
+pub use noise::{Covariance2, Level, NoiseModel};
+pub use order::nearest_neighbour_order;
+pub use reduced::{ReducedBody, reduce};

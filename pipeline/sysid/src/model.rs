@@ -1,0 +1,111 @@
+//! The model: a meshed body with its materials, clamp, chambers and markers.
+
+use std::sync::Arc;
+
+use fem::{Clamps, RegionProperties, Solver, System};
+use mesh::{QuadraticMesh, Solid, Spot};
+use serde::{Deserialize, Serialize};
+use si::{Pascal, Point2, Point3};
+
+use crate::body::{Body, Material};
+use diagnostics::{Diagnostic, Result};
+
+/// The finite-element model of a specimen.
+#[derive(Clone)]
+pub struct Model {
+    /// What `fem` solves: region 0 is the body, region 1 the spine; chambers in the order of the card.
+    pub system: Arc<System>,
+    /// The card's markers as material points, in its order.
+    pub markers: Vec<Spot>,
+    /// Nominal constants of body and spine, from the card.
+    pub nominal: Elastic,
+}
+
+/// The elastic constants of body and spine.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Elastic {
+    /// E, Pa.
+    pub youngs_moduli: [Pascal; 2],
+    /// ν, no unit.
+    pub poissons_ratios: [f64; 2],
+}
+
+impl Elastic {
+    /// Sets them in a solver.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when a modulus is not positive or a ratio is not below one half.
+    pub fn apply(&self, solver: &mut Solver) -> Result<()> {
+        for (region, (e, nu)) in self.youngs_moduli.into_iter().zip(self.poissons_ratios).enumerate() {
+            solver.set_elastic(region, e, nu)?;
+        }
+        Ok(())
+    }
+}
+
+/// The region of the soft body.
+pub const BODY: usize = mesh::BODY as usize;
+/// The region of the stiff sheet.
+pub const SPINE: usize = mesh::SPINE as usize;
+
+impl Model {
+    /// The model of a meshed body. `chambers` are the skin indices of the chambers in the order of the card; markers are material points
+    /// of the mesh.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when a material is unknown or the simulator refuses the mesh.
+    pub fn new(solid: &Solid, chambers: &[u16], markers: Vec<Spot>, body: &Body) -> Result<Self> {
+        let mesh = simulate::fem_mesh(solid, chambers);
+        let [soft, stiff] = &body.materials;
+        let regions = vec![region("body", soft)?, region("spine", stiff)?];
+        let clamps = Clamps::below_x(&mesh, body.clamp_below_x);
+        let system = System::new(mesh, regions, clamps)?;
+        let nominal = Elastic {
+            youngs_moduli: [soft.youngs_modulus, stiff.youngs_modulus],
+            poissons_ratios: [soft.poissons_ratio, stiff.poissons_ratio],
+        };
+        Ok(Self { system: Arc::new(system), markers, nominal })
+    }
+
+    /// The model with its markers at their measured positions at rest (m, in the plane) instead of the card's.
+    ///
+    /// A marker beside its nominal position moves with the material at its actual position.
+    pub fn with_markers_at(self, mesh: &QuadraticMesh, body: &Body, rest: &[Point2]) -> Self {
+        let spot = |(marker, at): (&Point3, &Point2)| mesh::embed(mesh, [at[0], at[1], marker[2]]).0;
+        Self { markers: body.markers.iter().zip(rest).map(spot).collect(), ..self }
+    }
+
+    /// The model with further points after its markers.
+    pub fn with_spots(mut self, spots: Vec<Spot>) -> Self {
+        self.markers.extend(spots);
+        self
+    }
+
+    /// Displacement of a marker in the plane, m, from the displacement of all nodes (3 a node).
+    pub fn in_plane(spot: &Spot, displacement: &[f64]) -> Point2 {
+        let sum = |k: usize| spot.weights.iter().map(|&(node, w)| w * displacement[3 * node as usize + k]).sum();
+        [sum(0), sum(1)]
+    }
+}
+
+/// Displacements of all nodes, m, one point a node.
+pub fn by_node(displacement: &[f64]) -> Vec<Point3> {
+    displacement.chunks_exact(3).map(|u| [u[0], u[1], u[2]]).collect()
+}
+
+fn region(name: &str, material: &Material) -> Result<RegionProperties> {
+    let law = fem::materials::by_name(&material.law).ok_or_else(|| {
+        let known: Vec<&str> = fem::materials::ALL.iter().map(|m| m.name()).collect();
+        Diagnostic::new(
+            format!("the card gives solid.{name} the material `{}`", material.law),
+            format!("known materials: {}", known.join(", ")),
+            "correct the card",
+        )
+    })?;
+    Ok(RegionProperties {
+        material: law,
+        youngs_modulus: material.youngs_modulus,
+        poissons_ratio: material.poissons_ratio,
+        density: material.density,
+    })
+}

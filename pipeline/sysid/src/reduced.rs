@@ -1,0 +1,258 @@
+//! Hyper-reduction: POD of the shapes under the chambers' pressures and under lateral loads like those of inertia, with empirical
+//! cubature. Long motions are integrated in these coordinates; the error is measured against the full model.
+
+use fem::{
+    Actuation, DynamicSettings, ExternalForce, NoForce, ReducedModel, ReducedModelData, ReducedMotion,
+    ReductionSettings, Solver, StaticSettings,
+};
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+use si::{Metre, Pascal, Point2, Second};
+
+use crate::model::{Elastic, Model};
+use diagnostics::{Diagnostic, Result};
+
+/// Number of even steps in which each chamber is filled alone.
+const STEPS: usize = 6;
+/// Of the highest pressure: levels of a single filled chamber under lateral loads.
+const HELD: [f64; 2] = [0.4, 0.8];
+/// Of the highest pressures: two chambers filled at once.
+const BOTH: [[f64; 2]; 3] = [[0.3, 0.3], [0.6, 0.3], [0.3, 0.6]];
+/// Displacement of the tip by a lateral load over the length: with the bending by pressure, and against it.
+const PULLS: [f64; 2] = [0.1, 0.2];
+/// Coordinates for each shape that is given.
+const KEPT: f64 = 0.8;
+
+/// A model with its moduli in reduced coordinates.
+pub struct ReducedBody {
+    reduced: ReducedModel,
+    /// Moduli over those that the system was made with.
+    scale: Vec<f64>,
+    /// Displacement of each marker in the plane by coordinate, m: markers × 2 × coordinates.
+    rows: Vec<[Vec<f64>; 2]>,
+}
+
+/// A snapshot: pressures, and displacements by lateral loads over the length; none where empty.
+struct Wish {
+    pressures: Vec<Pascal>,
+    pulls: Vec<f64>,
+}
+
+/// Reduces `model` with `elastic` by equilibria up to the pressures `top` (one a chamber, Pa); `length` is the specimen's, m,
+/// `tolerance` the relative error of the forces at the cubature points.
+///
+/// # Errors
+/// A [`Diagnostic`] when an equilibrium is not found.
+pub fn reduce(
+    model: &Model,
+    elastic: &Elastic,
+    top: &[Pascal],
+    length: Metre,
+    tolerance: f64,
+) -> Result<ReducedModelData> {
+    let pull = pull(model, elastic)?;
+    let filled: Vec<Vec<Vec<f64>>> =
+        (0..top.len()).into_par_iter().map(|k| solve(model, elastic, top, k)).collect::<Result<_>>()?;
+    let bends: Vec<f64> = filled.iter().map(|shapes| bend(&shapes[STEPS - 1], &pull)).collect();
+    let find = |wish: &Wish| shape(model, elastic, wish, nearest(&filled, top, &wish.pressures), &pull, length);
+    let others: Vec<Vec<Vec<f64>>> = wishes(top, &bends).par_iter().map(find).collect::<Result<_>>()?;
+    let shapes: Vec<&[f64]> = filled.iter().chain(&others).flatten().map(Vec::as_slice).collect();
+    let coordinates = (KEPT * shapes.len() as f64) as usize;
+    let by = ReductionSettings { coordinates, tolerance, ..ReductionSettings::default() };
+    Ok(model.system.reduce(&shapes, &by)?.data())
+}
+
+impl ReducedBody {
+    /// Restores a reduced `model` from its data, with `elastic` and the model's markers.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when the data are of another mesh.
+    pub fn of(model: &Model, elastic: &Elastic, data: &ReducedModelData) -> Result<Self> {
+        let reduced = model.system.restore(data)?;
+        let made = model.system.regions();
+        let scale = made.iter().zip(elastic.youngs_moduli).map(|(r, e)| e / r.youngs_modulus).collect();
+        let rows = model.markers.iter().map(|spot| rows(&reduced, spot)).collect();
+        Ok(Self { reduced, scale, rows })
+    }
+
+    /// Displacement of a marker in the plane (m) after each of `steps` steps from rest, `pressures` at a time (s) from then.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when a step finds no motion.
+    pub fn integrate(
+        &self,
+        settings: &DynamicSettings,
+        marker: usize,
+        pressures: &dyn Fn(Second) -> Vec<Pascal>,
+        steps: usize,
+    ) -> Result<Vec<Point2>> {
+        let [x, y] = &self.rows[marker];
+        let along = |row: &[f64], q: &[f64]| row.iter().zip(q).map(|(r, q)| r * q).sum::<f64>();
+        let mut path = Vec::with_capacity(steps);
+        let actuation = |t: Second| Actuation { pressures: pressures(t) };
+        self.reduced.integrate(
+            &ReducedMotion { settings, modulus_scale: &self.scale, actuation: &actuation },
+            &mut NoForce,
+            steps,
+            &mut |_, q, _| {
+                path.push([along(x, q.as_slice()), along(y, q.as_slice())]);
+            },
+        )?;
+        Ok(path)
+    }
+
+    /// Integrates `steps` steps from rest under the external force `around`, `pressures` at a time (s); `see` receives each new q and q̇.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when a step finds no motion.
+    pub fn integrate_in_fluid(
+        &self,
+        settings: &DynamicSettings,
+        around: &mut dyn ExternalForce,
+        pressures: &dyn Fn(Second) -> Vec<Pascal>,
+        steps: usize,
+        see: &mut dyn FnMut(&DVector<f64>, &DVector<f64>),
+    ) -> Result<()> {
+        let actuation = |t: Second| Actuation { pressures: pressures(t) };
+        let mut shown = |_: Second, q: &DVector<f64>, v: &DVector<f64>| see(q, v);
+        self.reduced
+            .integrate(
+                &ReducedMotion { settings, modulus_scale: &self.scale, actuation: &actuation },
+                around,
+                steps,
+                &mut shown,
+            )
+            .map_err(Diagnostic::from)
+    }
+
+    /// Displacement of the markers along x and y by each coordinate, m: (markers × 2) × coordinates, in the order of `markers`.
+    pub fn rows(&self, markers: &[usize]) -> DMatrix<f64> {
+        DMatrix::from_fn(2 * markers.len(), self.coordinates(), |i, j| self.rows[markers[i / 2]][i % 2][j])
+    }
+
+    /// Number of markers and further points.
+    pub fn markers(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Number of coordinates.
+    pub fn coordinates(&self) -> usize {
+        self.reduced.coordinates()
+    }
+}
+
+fn rows(reduced: &ReducedModel, spot: &mesh::Spot) -> [Vec<f64>; 2] {
+    [0, 1].map(|axis| {
+        let mut row = vec![0.0; reduced.coordinates()];
+        for &(node, weight) in &spot.weights {
+            let here = reduced.row(3 * node as usize + axis);
+            row.iter_mut().zip(here).for_each(|(sum, part)| *sum += weight * part);
+        }
+        row
+    })
+}
+
+/// Chamber `filled` alone up to its highest pressure, each equilibrium started from the last.
+fn solve(model: &Model, elastic: &Elastic, top: &[Pascal], filled: usize) -> Result<Vec<Vec<f64>>> {
+    let mut solver = ready(model, elastic)?;
+    let mut shapes: Vec<Vec<f64>> = Vec::new();
+    for step in 1..=STEPS {
+        let pressures = alone(top, filled, step as f64 / STEPS as f64);
+        let found = solver.equilibrium(&pressures, shapes.last().map(Vec::as_slice), &settings());
+        shapes.push(found?.displacement);
+    }
+    Ok(shapes)
+}
+
+fn alone(top: &[Pascal], filled: usize, share: f64) -> Vec<Pascal> {
+    (0..top.len()).map(|k| if k == filled { share * top[k] } else { 0.0 }).collect()
+}
+
+/// The side to which a shape bends: that of positive work of the lateral load.
+fn bend(shape: &[f64], pull: &[f64]) -> f64 {
+    shape.iter().zip(pull).map(|(u, f)| u * f).sum::<f64>().signum()
+}
+
+/// Of the shapes with one chamber `filled`, the nearest to `pressures`; none where another is filled as much.
+fn nearest<'a>(filled: &'a [Vec<Vec<f64>>], top: &[Pascal], pressures: &[Pascal]) -> Option<&'a [f64]> {
+    let shares: Vec<f64> = pressures.iter().zip(top).map(|(p, top)| p / top).collect();
+    let most = (0..shares.len()).max_by(|a, b| shares[*a].total_cmp(&shares[*b]))?;
+    let alone = shares.iter().enumerate().all(|(k, share)| k == most || *share < shares[most]);
+    let step = ((shares[most] * STEPS as f64).round() as usize).clamp(1, STEPS);
+    alone.then(|| filled[most][step - 1].as_slice())
+}
+
+/// Snapshots under lateral loads to both sides, at rest and with each chamber filled; and with neighbouring chambers filled together.
+fn wishes(top: &[Pascal], bends: &[f64]) -> Vec<Wish> {
+    let [with, against] = PULLS;
+    let rest = Wish { pressures: vec![0.0; top.len()], pulls: vec![with, -with] };
+    let held = bends.iter().enumerate().flat_map(|(k, bend)| {
+        HELD.map(|share| Wish { pressures: alone(top, k, share), pulls: vec![with * bend, -against * bend] })
+    });
+    let pairs = (1..top.len()).flat_map(|k| {
+        BOTH.map(|[a, b]| {
+            let mut pressures = alone(top, k, b);
+            pressures[k - 1] = a * top[k - 1];
+            Wish { pressures, pulls: Vec::new() }
+        })
+    });
+    std::iter::once(rest).chain(held).chain(pairs).collect()
+}
+
+/// The shapes on the way to a wish, begun `near` it: with half of each pull and the whole; from the pressures alone where nothing pulls.
+fn shape(
+    model: &Model,
+    elastic: &Elastic,
+    wish: &Wish,
+    near: Option<&[f64]>,
+    pull: &[f64],
+    length: Metre,
+) -> Result<Vec<Vec<f64>>> {
+    let mut solver = ready(model, elastic)?;
+    let held = solver.equilibrium(&wish.pressures, near, &settings())?.displacement;
+    if wish.pulls.is_empty() {
+        return Ok(vec![held]);
+    }
+    let mut shapes: Vec<Vec<f64>> = Vec::new();
+    for far in &wish.pulls {
+        let mut last = held.clone();
+        for part in [0.5, 1.0] {
+            let forces: Vec<f64> = pull.iter().map(|f| part * far * length * f).collect();
+            solver.set_forces(&forces)?;
+            let found = solver.equilibrium(&wish.pressures, Some(&last), &settings());
+            last = found?.displacement;
+            shapes.push(last.clone());
+        }
+    }
+    Ok(shapes)
+}
+
+/// Lateral forces (3 a node, N/m) like the inertia of a rotation about the clamp, scaled to a unit displacement of the farthest node by
+/// the stiffness at rest.
+fn pull(model: &Model, elastic: &Elastic) -> Result<Vec<f64>> {
+    let system = &model.system;
+    let far = system.mesh().nodes.iter().map(|n| n[0]).fold(f64::MIN, f64::max);
+    let mut forces = vec![0.0; 3 * system.mesh().nodes.len()];
+    for (i, (node, mass)) in system.mesh().nodes.iter().zip(system.node_masses()).enumerate() {
+        forces[3 * i + 1] = mass * (node[0].max(0.0) / far).powi(2);
+    }
+    let mut solver = ready(model, elastic)?;
+    let rest = vec![0.0; system.mesh().chambers.len()];
+    let rest = solver.equilibrium(&rest, None, &settings())?;
+    solver.assemble(&rest)?;
+    solver.factorise(&rest)?;
+    let moved = solver.solve(&forces)?;
+    let most = moved.iter().skip(1).step_by(3).fold(0.0, |most: f64, y| most.max(y.abs()));
+    forces.iter_mut().for_each(|f| *f /= most);
+    Ok(forces)
+}
+
+fn ready(model: &Model, elastic: &Elastic) -> Result<Solver> {
+    let mut solver = model.system.solver();
+    elastic.apply(&mut solver)?;
+    Ok(solver)
+}
+
+fn settings() -> StaticSettings {
+    StaticSettings { tolerance: 1e-6, ..StaticSettings::default() }
+}

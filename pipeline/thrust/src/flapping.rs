@@ -1,0 +1,150 @@
+//! The reduced model flapping in still water under a square wave of pressure. Its motion is a [`Run`], so that every thrust model can
+//! be evaluated on it.
+
+use fem::{DynamicSettings, Scheme};
+use hydro::{Coefficients, Tail};
+use lab::card::Side;
+use nalgebra::DMatrix;
+use si::{Hertz, Newton, Pascal, Point2, Second};
+
+use super::{Fitted, Run, run};
+use crate::ascent::{Limits, Objective};
+use crate::square_wave::SquareWave;
+use crate::water::Water;
+use diagnostics::Result;
+use sysid::ReducedBody;
+
+/// A reduced model in water.
+pub struct FlappingModel<'a> {
+    /// The reduced model.
+    pub reduced_body: &'a ReducedBody,
+    /// The tail in elongated-body theory.
+    pub tail: &'a Tail,
+    /// Rows of the markers from the head to the fin, (markers × 2) × coordinates, m.
+    pub rows: &'a DMatrix<f64>,
+    /// The tail for the hydrodynamic force, and the rows of its stations.
+    pub wet: (&'a Tail, &'a DMatrix<f64>),
+    /// The side of each chamber.
+    pub sides: Vec<Side>,
+    /// Hydrodynamic coefficients.
+    pub by: Coefficients,
+    /// Whether half of the body is modelled.
+    pub half: bool,
+    /// β, s.
+    pub stiffness_damping: Second,
+    /// Time steps of one cycle.
+    pub steps_per_cycle: usize,
+    /// Settling cycles, and cycles over which thrust is averaged.
+    pub cycles: [usize; 2],
+}
+
+/// Places and velocities of the markers after each step, m and m/s: steps × markers.
+type Motion = (Vec<Vec<Point2>>, Vec<Vec<Point2>>);
+
+impl FlappingModel<'_> {
+    /// The averaged cycles of a wave, as a run without a measured force.
+    ///
+    /// # Errors
+    /// A [`diagnostics::Diagnostic`] when a step finds no motion.
+    pub fn run(&self, wave: &SquareWave) -> Result<Run> {
+        let pressures = |t: Second| {
+            let both = wave.at(t);
+            self.sides.iter().map(|side| both[usize::from(*side == Side::Right)]).collect()
+        };
+        self.run_under(wave.frequency, wave.amplitude, &pressures)
+    }
+
+    /// The same under any `pressures` (one a chamber, Pa, at a time in s) of period 1/`frequency` (Hz).
+    ///
+    /// # Errors
+    /// As [`FlappingModel::run`].
+    pub fn run_under(
+        &self,
+        frequency: Hertz,
+        amplitude: Pascal,
+        pressures: &dyn Fn(Second) -> Vec<Pascal>,
+    ) -> Result<Run> {
+        let rate = frequency * self.steps_per_cycle as f64;
+        let [settle, counted] = self.cycles;
+        let (moved, speed) = self.motion(rate, (settle + counted) * self.steps_per_cycle, pressures)?;
+        let time: Vec<Second> = (1..=moved.len()).map(|i| i as f64 / rate).collect();
+        let pressure: Vec<Vec<Pascal>> = time.iter().map(|&t| pressures(t)).collect();
+        let rates: Vec<Vec<f64>> = (0..self.sides.len())
+            .map(|c| run::rates(&pressure.iter().map(|p| p[c]).collect::<Vec<_>>(), rate))
+            .collect();
+        let pressure_rate: Vec<Vec<f64>> = (0..time.len()).map(|i| rates.iter().map(|c| c[i]).collect()).collect();
+        let terms = run::parts(self.tail, &moved, &speed, rate);
+        let from = settle * self.steps_per_cycle;
+        Ok(Run {
+            id: format!("{amplitude:.0} Pa at {frequency:.2} Hz"),
+            amplitude,
+            frequency,
+            split: None,
+            rate,
+            force: vec![0.0; time.len() - from],
+            time: time[from..].to_vec(),
+            moved: moved[from..].to_vec(),
+            speed: speed[from..].to_vec(),
+            pressure: pressure[from..].to_vec(),
+            pressure_rate: pressure_rate[from..].to_vec(),
+            terms: terms[from..].to_vec(),
+        })
+    }
+
+    fn motion(&self, rate: Hertz, steps: usize, pressures: &dyn Fn(Second) -> Vec<Pascal>) -> Result<Motion> {
+        let settings = DynamicSettings {
+            step: 1.0 / rate,
+            scheme: Scheme::Bdf2,
+            stiffness_damping: self.stiffness_damping,
+            ..DynamicSettings::default()
+        };
+        let mut water = Water::around(self.wet.0, self.wet.1, self.by, self.half);
+        let (mut moved, mut speed) = (Vec::with_capacity(steps), Vec::with_capacity(steps));
+        self.reduced_body.integrate_in_fluid(&settings, &mut water, pressures, steps, &mut |q, v| {
+            moved.push(super::water::points(self.rows * q));
+            speed.push(super::water::points(self.rows * v));
+        })?;
+        Ok((moved, speed))
+    }
+}
+
+/// Mean thrust of a flapping model by a fitted thrust model; counts its simulations.
+pub struct MeanThrust<'a> {
+    /// The flapping model.
+    pub flapping: &'a FlappingModel<'a>,
+    /// The thrust model.
+    pub model: &'a Fitted,
+    /// Limits of the search.
+    pub limits: Limits,
+    /// Number of simulations so far.
+    pub simulations: usize,
+}
+
+/// Half the width of a central difference, relative to the width of the limits.
+const NUDGE: f64 = 5e-3;
+
+/// The mean thrust of a run predicted by a model, N.
+pub fn mean(model: &Fitted, run: &Run) -> Newton {
+    let predicted = model.predict(run);
+    predicted.iter().sum::<f64>() / predicted.len().max(1) as f64
+}
+
+impl Objective for MeanThrust<'_> {
+    fn value(&mut self, wave: &SquareWave) -> Result<Newton> {
+        self.simulations += 1;
+        Ok(mean(self.model, &self.flapping.run(wave)?))
+    }
+
+    fn gradient(&mut self, wave: &SquareWave) -> Result<[f64; 2]> {
+        let place = self.limits.place(wave);
+        let mut along = |k: usize| -> Result<f64> {
+            let (mut low, mut high) = (place, place);
+            (low[k], high[k]) = ((place[k] - NUDGE).max(0.0), (place[k] + NUDGE).min(1.0));
+            let (from, to) = (self.limits.wave(low, *wave), self.limits.wave(high, *wave));
+            let width = [to.amplitude - from.amplitude, to.frequency - from.frequency][k];
+            let rise = self.value(&to)? - self.value(&from)?;
+            Ok(if width > 0.0 { rise / width } else { 0.0 })
+        };
+        Ok([along(0)?, along(1)?])
+    }
+}

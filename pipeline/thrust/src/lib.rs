@@ -1,0 +1,30 @@
+//! Thrust models: mean thrust and thrust over time from motion and pressure, from the mean to a neural network.
+//!
+//! [`outline`] is the shape of a tail for elongated-body theory; [`run`] is one flapping trial as evenly spaced samples; `models/` has one
+//! file a kind of model, and [`MODELS`] is their list; [`splits`] chooses training and test runs; [`score`] computes errors on test
+//! runs with bootstrap intervals. [`square_wave`] is the actuation. [`simulated`] evaluates a trained model on the motion of the full
+//! finite-element model with its adjoint gradient, [`flapping`] on that of the reduced model in [`water`]; [`ascent`] maximises either.
+//!
+//! ```
+//! use thrust::square_wave::SquareWave;
+//! // the two sides alternate: at every instant their pressures add up to the amplitude
+//! let wave = SquareWave { amplitude: 2e4, frequency: 2.0, sharpness: 5.0 };
+//! let pressures = wave.at(0.1);
+//! assert!((pressures[0] + pressures[1] - 2e4).abs() < 1e-9 && pressures[0] > pressures[1]);
+//! ```
+//!
+//! Depends on `diagnostics`, `fem`, `hydro`, `lab` (cards), `mesh`, `optimize`, `si`, `signal`, `sysid`.
+
+pub mod ascent;
+pub mod flapping;
+pub mod models;
+pub mod outline;
+pub mod run;
+pub mod score;
+pub mod simulated;
+pub mod splits;
+pub mod square_wave;
+pub mod water;
+
+pub use models::{Fitted, MODELS, ThrustModel, TrainingSettings};
+pub use run::Run;

@@ -1,0 +1,74 @@
+//! Models that are linear in their coefficients: features of a sample, weighted by ridge regression.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::{ThrustModel, theory};
+use crate::Run;
+
+/// Weights of a model's columns.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Weighted {
+    /// The model that gives the features.
+    pub model: ThrustModel,
+    /// Their weights, in the force's unit per theirs.
+    pub weights: Vec<f64>,
+}
+
+/// Relative ridge: 1e-6 of a feature's square makes nearly collinear features solvable.
+const RIDGE: f64 = 1e-6;
+/// Times relative to the sample at which the finite impulse response reads the markers, s.
+const TAPS: [f64; 7] = [-0.15, -0.1, -0.05, 0.0, 0.05, 0.1, 0.15];
+
+impl Weighted {
+    /// The weights of least squared error over runs; the last feature is constant and has no ridge.
+    pub fn fit(model: ThrustModel, runs: &[&Run]) -> Self {
+        let rows: Vec<Vec<f64>> = runs.iter().flat_map(|run| (0..run.len()).map(|i| columns(model, run, i))).collect();
+        let target = DVector::from_iterator(rows.len(), runs.iter().flat_map(|r| r.force.iter().copied()));
+        let width = rows.first().map_or(0, Vec::len);
+        let matrix = DMatrix::from_fn(rows.len(), width, |i, j| rows[i][j]);
+        let mut gram = matrix.tr_mul(&matrix);
+        for j in 0..width.saturating_sub(1) {
+            gram[(j, j)] *= 1.0 + RIDGE;
+            gram[(j, j)] += f64::MIN_POSITIVE;
+        }
+        let solved = gram.cholesky().map(|c| c.solve(&matrix.tr_mul(&target)));
+        let weights = solved.map_or_else(|| vec![0.0; width], |w| w.as_slice().to_vec());
+        Self { model, weights }
+    }
+
+    /// The force at every sample of a run, N.
+    pub fn predict(&self, run: &Run) -> Vec<f64> {
+        let dot = |row: Vec<f64>| row.iter().zip(&self.weights).map(|(c, w)| c * w).sum();
+        (0..run.len()).map(|i| dot(columns(self.model, run, i))).collect()
+    }
+}
+
+/// A model's columns at one sample, the constant last.
+fn columns(model: ThrustModel, run: &Run, sample: usize) -> Vec<f64> {
+    let mut all = match model {
+        ThrustModel::Linear => {
+            let speed = run.frequency * run.amplitude_of_tip();
+            vec![speed, speed * speed]
+        }
+        ThrustModel::Pressure => {
+            let bar = |p: &f64| p * 1e-5;
+            run.pressure[sample].iter().map(bar).flat_map(|p| [p, p * p]).collect()
+        }
+        ThrustModel::Fir => fir(run, sample),
+        ThrustModel::Theory => theory::columns(&run.terms[sample]),
+        _ => Vec::new(),
+    };
+    all.push(1.0);
+    all
+}
+
+/// Positions and velocities of the last and of the first marker at the taps.
+fn fir(run: &Run, sample: usize) -> Vec<f64> {
+    let last = run.len() - 1;
+    let at = |lag: &f64| (sample as f64 - lag * run.rate).round().clamp(0.0, last as f64) as usize;
+    let read = |i: usize| {
+        let ends = |of: &[[f64; 2]]| [of[0], of[of.len() - 1]].concat();
+        [ends(&run.moved[i]), ends(&run.speed[i])].concat()
+    };
+    TAPS.iter().flat_map(|lag| read(at(lag))).collect()
+}

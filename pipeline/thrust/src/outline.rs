@@ -1,0 +1,93 @@
+//! Outline: the depth of a tail along its length, and its trailing edge.
+
+use hydro::{Stations, Tail, TailError};
+use mesh::{QuadraticMesh, Spot};
+use si::{KilogramPerCubicMetre, Metre, Point3};
+use sysid::Body;
+
+/// Number of stations of the model.
+const STATIONS: usize = 14;
+/// Number of points among which the deepest is searched.
+const PLACES: usize = 200;
+
+/// A tail's outline seen from the side.
+pub struct Outline<'a> {
+    body: &'a Body,
+    solid: &'a QuadraticMesh,
+    /// Of the skin's triangles, the lower end first along x.
+    edges: Vec<[Point3; 2]>,
+    /// The trailing edge: the deepest section of the fin, behind which it narrows, m.
+    trailing: Metre,
+    /// The end of the fin, m.
+    end: Metre,
+}
+
+impl<'a> Outline<'a> {
+    /// Of the tail on `card`, meshed as `solid`.
+    pub fn new(body: &'a Body, solid: &'a QuadraticMesh) -> Self {
+        let corner = |face: &mesh::QuadraticFace, i: usize| solid.nodes[face.nodes[i % 3] as usize];
+        let rising = |[a, b]: [Point3; 2]| if a[0] <= b[0] { [a, b] } else { [b, a] };
+        let of = |face| [0, 1, 2].map(|i| rising([corner(face, i), corner(face, i + 1)]));
+        let edges = solid.skin.iter().flat_map(of).collect();
+        let end = solid.nodes.iter().map(|n| n[0]).fold(f64::NEG_INFINITY, f64::max);
+        let mut outline = Self { body, solid, edges, trailing: end, end };
+        outline.trailing = outline.deepest();
+        outline
+    }
+
+    /// The tail by the card's markers, from the head to the fin, up to its trailing edge.
+    ///
+    /// # Errors
+    /// [`TailError`] when the markers do not rise from the clamp to the edge.
+    pub fn marked(&self, density: KilogramPerCubicMetre, sections: usize) -> Result<Tail, TailError> {
+        let marks: Vec<Metre> = self.body.markers_by_x().iter().map(|&i| self.body.markers[i][0]).collect();
+        let (clamp, edge) = (self.body.clamp_below_x, self.trailing);
+        Tail::new(density, &Stations { clamp, marks: &marks, edge, end: edge }, sections, &|a| self.depth(a))
+    }
+
+    /// The tail by stations of the model, including the fin behind the trailing edge, and those stations: a line through the markers,
+    /// which end before the fin, would treat it as straight.
+    ///
+    /// # Errors
+    /// [`TailError`] when there is no tail behind the clamp.
+    pub fn whole(&self, density: KilogramPerCubicMetre, sections: usize) -> Result<(Tail, Vec<Spot>), TailError> {
+        let clamp = self.body.clamp_below_x;
+        let place = |i: usize| clamp + (self.end - clamp) * i as f64 / STATIONS as f64;
+        let places: Vec<Metre> = (1..=STATIONS).map(place).collect();
+        // halfway up the half, where the mean over the value is
+        let spot = |a: &Metre| mesh::embed(self.solid, [*a, 0.0, 0.25 * self.depth(*a)]).0;
+        let spots = places.iter().map(spot).collect();
+        let tail = Tail::new(
+            density,
+            &Stations { clamp, marks: &places, edge: self.trailing, end: self.end },
+            sections,
+            &|a| self.depth(a),
+        )?;
+        Ok((tail, spots))
+    }
+
+    /// Of the section at `a` (m), m.
+    fn depth(&self, a: Metre) -> Metre {
+        let crossing = self.edges.iter().filter(|[from, to]| from[0] <= a && a <= to[0]);
+        let value = |[from, to]: &[Point3; 2]| {
+            let share = if to[0] > from[0] { (a - from[0]) / (to[0] - from[0]) } else { 0.0 };
+            from[2] + share * (to[2] - from[2])
+        };
+        let (low, high) =
+            crossing.map(value).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| (l.min(z), h.max(z)));
+        match (high > low, self.solid.half) {
+            (true, true) => 2.0 * high,
+            (true, false) => high - low,
+            (false, _) => 0.0,
+        }
+    }
+
+    /// Behind the last marker, m.
+    fn deepest(&self) -> Metre {
+        let clamp = self.body.clamp_below_x;
+        let last = self.body.markers_by_x().last().map_or(clamp, |&i| self.body.markers[i][0]);
+        let place = |i: usize| clamp + (self.end - clamp) * i as f64 / PLACES as f64;
+        let rear = (0..=PLACES).map(place).filter(|a| *a >= last);
+        rear.max_by(|a, b| self.depth(*a).total_cmp(&self.depth(*b))).unwrap_or(self.end)
+    }
+}

@@ -1,0 +1,122 @@
+//! A run: one flapping trial as evenly spaced samples, each with force, markers, pressures and their rates.
+
+use hydro::{Tail, Terms};
+use lab::card::Split;
+use si::{Hertz, Metre, Newton, Pascal, Point2, Second};
+
+/// One trial, samples × each.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Run {
+    /// The trial's id.
+    pub id: String,
+    /// Commanded pressure, Pa.
+    pub amplitude: Pascal,
+    /// Flapping frequency, Hz.
+    pub frequency: Hertz,
+    /// Training or test, by the card.
+    pub split: Option<Split>,
+    /// Samples a second.
+    pub rate: Hertz,
+    /// s on the film's clock.
+    pub time: Vec<Second>,
+    /// Measured force, N.
+    pub force: Vec<Newton>,
+    /// Displacement of each marker, m: samples × markers.
+    pub moved: Vec<Vec<Point2>>,
+    /// Velocity of each marker, m/s: samples × markers.
+    pub speed: Vec<Vec<Point2>>,
+    /// Pressure of each chamber, Pa: samples × chambers.
+    pub pressure: Vec<Vec<Pascal>>,
+    /// Rate of each pressure, Pa/s: samples × chambers.
+    pub pressure_rate: Vec<Vec<f64>>,
+    /// The terms of theory, one set a sample.
+    pub terms: Vec<TheoryTerms>,
+}
+
+/// The terms of elongated-body theory at one sample, N, with coefficients of one \[lighthill1971\].
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct TheoryTerms {
+    /// ½ m ẏ² at the trailing edge, the form used in the paper.
+    pub trailing_edge: f64,
+    /// Momentum flux at the trailing edge.
+    pub edge_flux: f64,
+    /// Rate of the added-mass momentum.
+    pub momentum_rate: f64,
+    /// Drag for a coefficient of one.
+    pub drag: f64,
+    /// x acceleration of the last marker, m/s²: the inertia of the tail.
+    pub tip_acceleration: f64,
+}
+
+impl Run {
+    /// Samples.
+    pub fn len(&self) -> usize {
+        self.time.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.time.is_empty()
+    }
+
+    /// Samples of one cycle, at least one.
+    pub fn samples_per_cycle(&self) -> usize {
+        ((self.rate / self.frequency).round() as usize).max(1)
+    }
+
+    /// Lateral amplitude of the last marker, m.
+    pub fn amplitude_of_tip(&self) -> Metre {
+        let y = self.moved.iter().filter_map(|m| m.last()).map(|p| p[1]);
+        let (low, high) = y.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), y| (l.min(y), h.max(y)));
+        if high > low { 0.5 * (high - low) } else { 0.0 }
+    }
+
+    /// Positions and velocities of the markers, pressures and their rates, as the network takes them: one row.
+    pub fn row(&self, sample: usize) -> Vec<f32> {
+        let points = |of: &[Point2]| of.iter().flatten().map(|v| *v as f32).collect::<Vec<f32>>();
+        let numbers = |of: &[f64]| of.iter().map(|v| *v as f32).collect::<Vec<f32>>();
+        let marks = [points(&self.moved[sample]), points(&self.speed[sample])];
+        [&marks[0][..], &marks[1], &numbers(&self.pressure[sample]), &numbers(&self.pressure_rate[sample])].concat()
+    }
+}
+
+/// The terms of theory at every sample of a motion.
+pub fn parts(tail: &Tail, moved: &[Vec<Point2>], speed: &[Vec<Point2>], rate: Hertz) -> Vec<TheoryTerms> {
+    let terms: Vec<Terms> = moved.iter().zip(speed).map(|(m, v)| tail.terms(m, v)).collect();
+    let momentum_rate = rates(&terms.iter().map(|t| t.momentum.value).collect::<Vec<_>>(), rate);
+    let forward: Vec<f64> = speed.iter().map(|v| v.last().map_or(0.0, |p| p[0])).collect();
+    let tip_acceleration = rates(&forward, rate);
+    let one = |i: usize| {
+        let t = &terms[i];
+        TheoryTerms {
+            trailing_edge: t.trailing_edge.value,
+            edge_flux: t.edge_flux.value,
+            momentum_rate: momentum_rate[i],
+            drag: t.drag.value,
+            tip_acceleration: tip_acceleration[i],
+        }
+    };
+    (0..terms.len()).map(one).collect()
+}
+
+/// Rates by central differences, one-sided at the ends.
+pub fn rates(values: &[f64], rate: Hertz) -> Vec<f64> {
+    let last = values.len().saturating_sub(1);
+    let at = |i: usize| {
+        let (from, to) = (i.saturating_sub(1), (i + 1).min(last));
+        if to > from { (values[to] - values[from]) * rate / (to - from) as f64 } else { 0.0 }
+    };
+    (0..values.len()).map(at).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rates_of_a_parabola_are_exact_between_its_ends() {
+        let values: Vec<f64> = (0..20).map(|i| (f64::from(i) / 10.0).powi(2)).collect();
+        let found = rates(&values, 10.0);
+        assert!((1..19).all(|i| (found[i] - 2.0 * i as f64 / 10.0).abs() < 1e-12));
+    }
+}

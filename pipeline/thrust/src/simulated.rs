@@ -1,0 +1,233 @@
+//! Thrust of a simulated motion: its mean, and the gradient of that through the finite elements.
+//!
+//! A square wave of pressure moves a body; its markers are read at every step; a trained network or theory gives the thrust, whose
+//! mean over the steps after `settled` is L. The derivative of L by the markers enters the adjoint of the motion, which gives ∂L/∂E
+//! and ∂L/∂p of every step; the chain rule with the wave's derivatives gives ∂L/∂amplitude and ∂L/∂frequency. The mean of a rate in
+//! time is the difference of its end values, so no step is differentiated.
+
+use fem::{DynamicSettings, InitialValueProblem, LossGradient, Solver, State};
+use hydro::{Tail, Terms};
+use optimize::network::Network;
+use si::{Newton, Point2, Second};
+
+use crate::ascent::Objective;
+use crate::square_wave::SquareWave;
+use diagnostics::Result;
+
+/// Bytes that a recorded motion may take.
+const MEMORY: usize = 1 << 30;
+
+/// The model that gives the thrust.
+#[derive(Debug, Clone, Copy)]
+pub enum ThrustLaw<'a> {
+    /// The network: places and velocities of the markers, pressures and their rates.
+    Network(&'a Network),
+    /// Theory with its five coefficients, as `models::theory` has them.
+    Theory(&'a Tail, [f64; 5]),
+}
+
+/// Markers and time steps of an evaluation of mean thrust.
+#[derive(Debug, Clone, Copy)]
+pub struct Evaluation<'a> {
+    /// Nodes of the body.
+    pub nodes: usize,
+    /// Markers as weighted nodes, from the head to the fin.
+    pub marks: &'a [Vec<(u32, f64)>],
+    /// Settings of the time integration.
+    pub settings: DynamicSettings,
+    /// Number of steps.
+    pub steps: usize,
+    /// Steps before the mean begins.
+    pub settled: usize,
+}
+
+/// The mean thrust and its gradient.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ThrustGradient {
+    /// N.
+    pub mean: Newton,
+    /// By Young's modulus of each region, N/Pa.
+    pub by_youngs_modulus: Vec<f64>,
+    /// By the wave's amplitude, N/Pa.
+    pub by_amplitude: f64,
+    /// By its frequency, N/Hz.
+    pub by_frequency: f64,
+}
+
+/// The thrust at one step and its derivatives.
+#[derive(Debug, Clone, PartialEq, Default)]
+struct Instant {
+    value: f64,
+    by_place: Vec<Point2>,
+    by_velocity: Vec<Point2>,
+    by_pressure: Vec<f64>,
+    by_rate: Vec<f64>,
+}
+
+impl Evaluation<'_> {
+    /// The mean thrust (N) of a body under `wave`, without a gradient.
+    ///
+    /// # Errors
+    /// A [`diagnostics::Diagnostic`] when the body finds no motion.
+    pub fn mean(&self, solver: &mut Solver, wave: &SquareWave, law: &ThrustLaw) -> Result<Newton> {
+        let (mut sum, mut n) = (0.0, 0);
+        let rest = State::rest(self.nodes);
+        let mut observe = |t: Second, state: &State| {
+            n += 1;
+            sum += self.instant(n, t, state, wave, law).value;
+        };
+        let pressures = |t: Second| wave.at(t);
+        solver.integrate(
+            &InitialValueProblem { settings: &self.settings, initial: &rest, pressures: &pressures },
+            self.steps,
+            &mut observe,
+        )?;
+        Ok(sum)
+    }
+
+    /// The mean thrust and its gradient.
+    ///
+    /// # Errors
+    /// A [`diagnostics::Diagnostic`] when the body finds no motion or the adjoint of a step cannot be solved.
+    pub fn gradient(&self, solver: &mut Solver, wave: &SquareWave, law: &ThrustLaw) -> Result<ThrustGradient> {
+        let rest = State::rest(self.nodes);
+        let pressures = |t: Second| wave.at(t);
+        let made = solver.record(
+            &InitialValueProblem { settings: &self.settings, initial: &rest, pressures: &pressures },
+            self.steps,
+            MEMORY,
+        )?;
+        let mut predicted =
+            ThrustGradient { mean: 0.0, by_youngs_modulus: Vec::new(), by_amplitude: 0.0, by_frequency: 0.0 };
+        let times = made.times().to_vec();
+        let mut observe = |n: usize, state: &State| {
+            let here = self.instant(n, times[n], state, wave, law);
+            predicted.mean += here.value;
+            for (side, (p, r)) in [1.0, -1.0].iter().zip(here.by_pressure.iter().zip(&here.by_rate)) {
+                let at = wave.value_at(*side, times[n]);
+                predicted.by_amplitude += p * at.by_amplitude[0] + r * at.by_amplitude[1];
+                predicted.by_frequency += p * at.by_frequency[0] + r * at.by_frequency[1];
+            }
+            self.loss_gradient(&here, state)
+        };
+        let by = solver.trajectory_adjoint(&made, &mut observe)?;
+        for (n, step) in by.pressures.iter().enumerate() {
+            for (side, slope) in [1.0, -1.0].iter().zip(step) {
+                let at = wave.value_at(*side, times[n + 1]);
+                predicted.by_amplitude += slope * at.by_amplitude[0];
+                predicted.by_frequency += slope * at.by_frequency[0];
+            }
+        }
+        predicted.by_youngs_modulus = by.regions.iter().map(|r| r.youngs_modulus).collect();
+        Ok(predicted)
+    }
+
+    /// The share of step `n` in the mean.
+    fn instant(&self, n: usize, t: Second, state: &State, wave: &SquareWave, law: &ThrustLaw) -> Instant {
+        let first = self.settled + 1;
+        let ends = match n {
+            n if n == self.settled => -1.0,
+            n if n == self.steps => 1.0,
+            _ => 0.0,
+        };
+        let counted = f64::from(u8::from(n >= first));
+        if counted == 0.0 && ends == 0.0 {
+            return Instant::default();
+        }
+        let count = (self.steps - self.settled) as f64;
+        let (moved, speed) = (self.read(&state.displacement), self.read(&state.velocity));
+        match law {
+            ThrustLaw::Network(network) if counted > 0.0 => self.of_network(network, &moved, &speed, wave, t),
+            ThrustLaw::Network(_) => Instant::default(),
+            ThrustLaw::Theory(tail, c) => {
+                let terms = tail.terms(&moved, &speed);
+                of_theory(&terms, c, counted / count, ends / (count * self.settings.step), &speed)
+            }
+        }
+    }
+
+    fn of_network(
+        &self,
+        network: &Network,
+        moved: &[Point2],
+        speed: &[Point2],
+        wave: &SquareWave,
+        t: Second,
+    ) -> Instant {
+        let sides = [1.0, -1.0].map(|side| wave.value_at(side, t));
+        let flat = |points: &[Point2]| points.iter().flatten().copied().collect::<Vec<f64>>();
+        let row = [flat(moved), flat(speed), sides.map(|s| s.value).to_vec(), sides.map(|s| s.rate).to_vec()].concat();
+        let (value, by) = network.slope(&row);
+        let part = 1.0 / (self.steps - self.settled) as f64;
+        let by: Vec<f64> = by.iter().map(|b| part * b).collect();
+        let marks = 2 * moved.len();
+        let pairs = |of: &[f64]| of.chunks_exact(2).map(|p| [p[0], p[1]]).collect();
+        Instant {
+            value: part * value,
+            by_place: pairs(&by[..marks]),
+            by_velocity: pairs(&by[marks..2 * marks]),
+            by_pressure: by[2 * marks..2 * marks + 2].to_vec(),
+            by_rate: by[2 * marks + 2..].to_vec(),
+        }
+    }
+
+    /// x and y of every marker.
+    fn read(&self, field: &[f64]) -> Vec<Point2> {
+        let one = |mark: &Vec<(u32, f64)>| {
+            [0, 1].map(|k| mark.iter().map(|&(node, w)| w * field[3 * node as usize + k]).sum::<f64>())
+        };
+        self.marks.iter().map(one).collect()
+    }
+
+    /// Derivatives by nodes from derivatives by markers.
+    fn loss_gradient(&self, here: &Instant, state: &State) -> LossGradient {
+        if here.by_place.is_empty() {
+            return LossGradient::default();
+        }
+        let spread = |by: &[Point2]| {
+            let mut field = vec![0.0; state.displacement.len()];
+            for (mark, by) in self.marks.iter().zip(by) {
+                for &(node, w) in mark {
+                    (0..2).for_each(|k| field[3 * node as usize + k] += w * by[k]);
+                }
+            }
+            field
+        };
+        LossGradient { displacement: spread(&here.by_place), velocity: spread(&here.by_velocity) }
+    }
+}
+
+/// The contribution of theory: instantaneous terms weighted by `part`, rates in time by `ends`.
+fn of_theory(terms: &Terms, c: &[f64; 5], part: f64, ends: f64, speed: &[Point2]) -> Instant {
+    let last = speed.len() - 1;
+    let shares = [(&terms.edge_flux, part * c[0]), (&terms.drag, part * c[2]), (&terms.momentum, ends * c[1])];
+    let sum = |of: fn(&hydro::Term) -> &Vec<Point2>| {
+        (0..speed.len()).map(|m| [0, 1].map(|k| shares.iter().map(|(p, w)| w * of(p)[m][k]).sum())).collect()
+    };
+    let (by_place, mut by_velocity): (Vec<Point2>, Vec<Point2>) =
+        (sum(|p| &p.by_displacement), sum(|p| &p.by_velocity));
+    by_velocity[last][0] += ends * c[3];
+    let value = shares.iter().map(|(p, w)| w * p.value).sum::<f64>() + ends * c[3] * speed[last][0] + part * c[4];
+    Instant { value, by_place, by_velocity, ..Instant::default() }
+}
+
+/// Mean thrust of a full model as an objective, with the gradient through the finite elements.
+pub struct SimulatedThrust<'a> {
+    /// Markers and time steps.
+    pub bench: &'a Evaluation<'a>,
+    /// The body's solver.
+    pub solver: &'a mut Solver,
+    /// The model that gives the thrust.
+    pub law: &'a ThrustLaw<'a>,
+}
+
+impl Objective for SimulatedThrust<'_> {
+    fn value(&mut self, wave: &SquareWave) -> Result<Newton> {
+        self.bench.mean(self.solver, wave, self.law)
+    }
+
+    fn gradient(&mut self, wave: &SquareWave) -> Result<[f64; 2]> {
+        let predicted = self.bench.gradient(self.solver, wave, self.law)?;
+        Ok([predicted.by_amplitude, predicted.by_frequency])
+    }
+}

@@ -1,0 +1,44 @@
+//! Splits: the runs that a model is fitted to and those that it is evaluated on. No run is in both.
+
+use lab::card::Split;
+
+use super::Run;
+
+/// A split rule.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SplitRule {
+    /// By the card: the paper's table II.
+    Card,
+    /// The highest frequency is held out.
+    Frequency,
+    /// The highest pressure is held out.
+    Pressure,
+}
+
+/// Every rule, the paper's first.
+pub const ALL: [SplitRule; 3] = [SplitRule::Card, SplitRule::Frequency, SplitRule::Pressure];
+
+impl SplitRule {
+    /// Its name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Card => "card",
+            Self::Frequency => "frequency",
+            Self::Pressure => "pressure",
+        }
+    }
+
+    /// Training runs and test runs; none when either is empty.
+    pub fn part(self, runs: &[Run]) -> Option<(Vec<&Run>, Vec<&Run>)> {
+        let most = |of: fn(&Run) -> f64| runs.iter().map(of).fold(0.0, f64::max);
+        let held = |run: &Run| match self {
+            Self::Card => run.split == Some(Split::Test),
+            Self::Frequency => run.frequency > 0.999 * most(|r| r.frequency),
+            Self::Pressure => run.amplitude > 0.999 * most(|r| r.amplitude),
+        };
+        let in_training = |run: &Run| !held(run) && (self != Self::Card || run.split == Some(Split::Train));
+        let train: Vec<&Run> = runs.iter().filter(|r| in_training(r)).collect();
+        let test: Vec<&Run> = runs.iter().filter(|r| held(r)).collect();
+        (!train.is_empty() && !test.is_empty()).then_some((train, test))
+    }
+}

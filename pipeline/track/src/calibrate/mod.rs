@@ -1,0 +1,235 @@
+//! Camera calibration from views of a planar target: intrinsic parameters, distortion and poses. Paper, section IV.
+
+mod homography;
+mod refine;
+
+use crate::lens::{Distortion, Lens, VALUES};
+use crate::pose::Pose;
+use homography::{homography, mirrored, pose};
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
+use refine::{Guess, Seen, refine, squares};
+use si::{Metre, Point2, Point3};
+
+/// What one picture shows of a board.
+#[derive(Debug, Clone, PartialEq)]
+pub struct View {
+    /// Its points, px, in the board's own order.
+    pub corners: Vec<Point2>,
+}
+
+/// A calibrated camera.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Calibration {
+    /// The lens.
+    pub lens: Lens,
+    /// Camera pose of each view: board → camera.
+    pub poses: Vec<Pose>,
+    /// Root of the mean squared distance between seen and projected corners, px.
+    pub reprojection_px: f64,
+    /// Covariance of [`Lens::values`], in their units.
+    pub covariance: [[f64; VALUES]; VALUES],
+}
+
+impl Calibration {
+    /// Standard deviation of each of [`Lens::values`], in its own unit.
+    pub fn sigma(&self) -> [f64; VALUES] {
+        std::array::from_fn(|i| self.covariance[i][i].sqrt())
+    }
+}
+
+/// Numbers of a camera: those of its lens, then turn (rad) and shift (m) of its pose as [`Pose::moved`] takes them.
+pub const CAMERA_PARAMETERS: usize = VALUES + 6;
+
+/// FailedGate no lens or pose comes out.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum CalibrateError {
+    /// Fewer views than the lens needs.
+    #[error(
+        "{given} views are too few to calibrate a lens\n  why: {needed} are needed\n  do:  film the board in more and different tilts"
+    )]
+    TooFewViews {
+        /// Views given.
+        given: usize,
+        /// Views needed.
+        needed: usize,
+    },
+    /// A view with another number of corners than the board.
+    #[error(
+        "view {view} has {given} corners\n  why: the board has {expected}\n  do:  give whole boards only, in the order of its corners"
+    )]
+    Corners {
+        /// Which view.
+        view: usize,
+        /// Its corners.
+        given: usize,
+        /// The board's corners.
+        expected: usize,
+    },
+    /// Views or points that do not determine the unknowns.
+    #[error(
+        "the views do not determine the camera\n  why: {why}\n  do:  film the board in different tilts of 15 to 35 degrees, all over the frame"
+    )]
+    Degenerate {
+        /// What is missing.
+        why: String,
+    },
+    /// Points for a pose that are too few or not in a plane.
+    #[error(
+        "a pose cannot be found from these points\n  why: {why}\n  do:  give at least four points of one plane z = const and the pixel of each, spread over the frame"
+    )]
+    Points {
+        /// What is wrong.
+        why: String,
+    },
+}
+
+/// Least number of views of a plane that determine the parameters of a lens.
+const LEAST_VIEWS: usize = 3;
+
+/// Lens and poses from views of one board, whose `points` lie in its plane z = 0 (m), for pictures of `width` × `height` px.
+///
+/// Focal lengths from homographies with the optical axis in the middle of the picture [zhang2000, section 3.1], then
+/// Levenberg–Marquardt over everything, first without and then with the numbers of the lens.
+///
+/// # Errors
+/// [`CalibrateError`] when there are too few views, a view is not whole, or the tilts are too alike.
+pub fn calibrate(
+    views: &[View],
+    points: &[Point3],
+    distortion: Distortion,
+    (width, height): (usize, usize),
+) -> Result<Calibration, CalibrateError> {
+    let uneven = views.iter().position(|view| view.corners.len() != points.len());
+    if let Some(view) = uneven {
+        return Err(CalibrateError::Corners { view, given: views[view].corners.len(), expected: points.len() });
+    }
+    if views.len() < LEAST_VIEWS {
+        return Err(CalibrateError::TooFewViews { given: views.len(), needed: LEAST_VIEWS });
+    }
+    let middle = [0.5 * (width as f64 - 1.0), 0.5 * (height as f64 - 1.0)];
+    let lens = Lens { distortion, ..begin(views, points, middle)? };
+    let seen: Vec<_> = views.iter().map(|view| Seen { points, pixels: &view.corners }).collect();
+    let mut guess = Guess { lens, poses: initial_poses(&lens, views, points)? };
+    refine(&mut guess, &seen, false);
+    let sum = refine(&mut guess, &seen, true);
+    let covariance = refine::covariance(&guess, &seen);
+    let covariance = covariance.ok_or_else(|| degenerate("the equations of the lens are singular"))?;
+    let sigma = covariance[0][0].sqrt();
+    if sigma > FOCAL_SIGMA_LIMIT * guess.lens.fx {
+        let why = format!("the focal length would be {:.0} ± {sigma:.0} px", guess.lens.fx);
+        return Err(CalibrateError::Degenerate { why });
+    }
+    let reprojection_px = (sum / (views.len() * points.len()) as f64).sqrt();
+    Ok(Calibration { lens: guess.lens, poses: guess.poses, reprojection_px, covariance })
+}
+
+fn degenerate(why: &str) -> CalibrateError {
+    CalibrateError::Degenerate { why: why.into() }
+}
+
+/// A pinhole from the maps of the views, the optical axis at `middle` (px).
+fn begin(views: &[View], points: &[Point3], middle: Point2) -> Result<Lens, CalibrateError> {
+    let plane: Vec<Point2> = points.iter().map(|p| [p[0], p[1]]).collect();
+    let maps: Option<Vec<_>> = views.iter().map(|view| homography(&plane, &view.corners)).collect();
+    let maps = maps.ok_or_else(|| degenerate("the corners of a view lie on a line"))?;
+    focal_lengths(&maps, middle).ok_or_else(|| degenerate("the board is tilted alike in all views"))
+}
+
+/// Initial pose of each view, from the rays of its pixels through the initial lens.
+fn initial_poses(lens: &Lens, views: &[View], points: &[Point3]) -> Result<Vec<Pose>, CalibrateError> {
+    let plane: Vec<Point2> = points.iter().map(|p| [p[0], p[1]]).collect();
+    let one = |view: &View| {
+        let rays: Option<Vec<Point2>> = view.corners.iter().map(|pixel| lens.unproject(*pixel)).collect();
+        Some(pose(&homography(&plane, &rays?)?))
+    };
+    let poses: Option<Vec<Pose>> = views.iter().map(one).collect();
+    poses.ok_or_else(|| degenerate("a view reaches beyond the rays of its first lens"))
+}
+
+/// Joint covariance of a lens and a pose, when the pose was found from `points` (m) and `pixels` (px) with a lens
+/// of this covariance: 15 × 15, in the order and units of [`CAMERA_PARAMETERS`].
+///
+/// # Errors
+/// [`CalibrateError::Points`] when the points do not fix the pose.
+pub fn joint_covariance(
+    (lens, covariance): (&Lens, &[[f64; VALUES]; VALUES]),
+    pose: &Pose,
+    points: &[Point3],
+    pixels: &[Point2],
+) -> Result<[[f64; CAMERA_PARAMETERS]; CAMERA_PARAMETERS], CalibrateError> {
+    let guess = Guess { lens: *lens, poses: vec![*pose] };
+    let joint = refine::joint(covariance, &guess, &[Seen { points, pixels }]);
+    joint.ok_or_else(|| CalibrateError::Points { why: "the points lie on a line".into() })
+}
+
+/// Largest relative standard deviation of a focal length that is accepted.
+const FOCAL_SIGMA_LIMIT: f64 = 0.1;
+
+/// fx and fy from maps of a plane, the optical axis at `middle` (px): the columns of K⁻¹H are orthogonal and equally long.
+///
+/// Two equations a map in 1/fx² and 1/fy², least squares. None when they do not fix both or ask for an imaginary lens.
+fn focal_lengths(maps: &[Matrix3<f64>], middle: Point2) -> Option<Lens> {
+    let centre = Matrix3::new(1.0, 0.0, -middle[0], 0.0, 1.0, -middle[1], 0.0, 0.0, 1.0);
+    let (mut normal, mut right) = (Matrix2::zeros(), Vector2::zeros());
+    for map in maps {
+        let map = centre * map;
+        let size = 0.5 * (map.column(0).norm() + map.column(1).norm());
+        let (a, b): (Vector3<f64>, Vector3<f64>) = (map.column(0) / size, map.column(1) / size);
+        let (sum, difference) = (a + b, a - b);
+        for (row, value) in [
+            (Vector2::new(a.x * b.x, a.y * b.y), -a.z * b.z),
+            (Vector2::new(sum.x * difference.x, sum.y * difference.y), -sum.z * difference.z),
+        ] {
+            normal += row * row.transpose();
+            right += row * value;
+        }
+    }
+    let inverse = normal.try_inverse()? * right;
+    let lens = Lens::pinhole(inverse.x.recip().sqrt(), inverse.y.recip().sqrt(), middle[0], middle[1]);
+    (lens.fx.is_finite() && lens.fy.is_finite()).then_some(lens)
+}
+
+/// The camera pose from points of a plane z = const (m) and their pixels (px): world → camera.
+///
+/// # Errors
+/// [`CalibrateError::Points`] when there are fewer than four, they are not in such a plane, or lie on a line.
+pub fn pose_from_plane(lens: &Lens, points: &[Point3], pixels: &[Point2]) -> Result<Pose, CalibrateError> {
+    let height = plane_height(points, pixels)?;
+    let unseen = |i: usize| CalibrateError::Points { why: format!("no ray of the lens reaches pixel {:?}", pixels[i]) };
+    let rays: Result<Vec<Point2>, _> =
+        pixels.iter().enumerate().map(|(i, &pixel)| lens.unproject(pixel).ok_or_else(|| unseen(i))).collect();
+    let plane: Vec<Point2> = points.iter().map(|p| [p[0], p[1]]).collect();
+    let line = || CalibrateError::Points { why: "the points or pixels lie on a line".into() };
+    let flat = pose(&homography(&plane, &rays?).ok_or_else(line)?);
+    let n = points.len() as f64;
+    let middle = plane.iter().fold([0.0; 3], |m, p| [m[0] + p[0] / n, m[1] + p[1] / n, 0.0]);
+
+    let seen = [Seen { points: &points.iter().map(|p| [p[0], p[1], 0.0]).collect::<Vec<_>>(), pixels }];
+    let starts = [flat, mirrored(&flat, middle)];
+    let refined = starts.map(|start| {
+        let mut guess = Guess { lens: *lens, poses: vec![start] };
+        (refine(&mut guess, &seen, false), guess.poses[0])
+    });
+    let (_, Pose { rotation, translation }) = if refined[1].0 < refined[0].0 { refined[1] } else { refined[0] };
+    let lowered = si::vec3::sub(translation, rotation.map(|row| row[2] * height));
+    Ok(Pose { rotation, translation: lowered })
+}
+
+/// The common z of the points, m.
+fn plane_height(points: &[Point3], pixels: &[Point2]) -> Result<Metre, CalibrateError> {
+    if points.len() != pixels.len() || points.len() < 4 {
+        let why = format!("{} points and {} pixels", points.len(), pixels.len());
+        return Err(CalibrateError::Points { why });
+    }
+    let (low, high) = points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p[2]), h.max(p[2])));
+    if high - low > 1e-9 {
+        return Err(CalibrateError::Points { why: format!("their z runs from {low} to {high} m") });
+    }
+    Ok(low)
+}
+
+/// Root of the mean squared distance between `pixels` and the projected `points`, px.
+pub fn reprojection(lens: &Lens, pose: &Pose, points: &[Point3], pixels: &[Point2]) -> f64 {
+    let guess = Guess { lens: *lens, poses: vec![*pose] };
+    (squares(&guess, &[Seen { points, pixels }]) / points.len().max(1) as f64).sqrt()
+}

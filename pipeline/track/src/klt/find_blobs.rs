@@ -1,0 +1,112 @@
+//! Detection of markers as dark spots in a region, the most distinct first.
+
+use super::Settings;
+use super::blob;
+use crate::Gray;
+use si::Point2;
+
+/// A spot's middle is dark against the middle of this many px around it, as a share of the window's radius.
+const CORE: f64 = 0.45;
+/// Places are tried this far apart, as a share of the window's radius.
+const STRIDE: f64 = 0.35;
+/// A spot that is found from two places is one when they agree to this, px.
+const SAME: f64 = 2.0;
+/// Share of the window's rim that may be dark.
+const RIM: f64 = 0.02;
+
+/// The `count` most distinct dark spots inside a region (left, top, right, bottom, px), from left to right: px each.
+///
+/// Distinct is the contrast to a background that is even: spots on a patterned background come last. Fewer come back when there are
+/// fewer.
+pub fn find_blobs(
+    picture: &Gray,
+    [left, top, right, bottom]: [f64; 4],
+    count: usize,
+    settings: &Settings,
+) -> Vec<Point2> {
+    let sums = Sums::of(picture);
+    let step = (STRIDE * settings.radius).max(1.0);
+    let across = ((right - left) / step).max(0.0) as usize;
+    let down = ((bottom - top) / step).max(0.0) as usize;
+    let places = (0..=down).flat_map(|j| (0..=across).map(move |i| (i, j)));
+    let mut found: Vec<(Point2, f64)> = Vec::new();
+    for near in places.map(|(i, j)| [left + step * i as f64, top + step * j as f64]) {
+        if !picture.holds(near, settings.radius + 6.0)
+            || sums.darkness(near, settings.radius) < settings.contrast_limit / 3.0
+        {
+            continue;
+        }
+        let Ok(blob) = blob::find(picture, near, settings.radius) else { continue };
+        let [x, y] = blob.at;
+        let inside = (left..=right).contains(&x) && (top..=bottom).contains(&y);
+        let known = found.iter().any(|(at, _)| (at[0] - x).hypot(at[1] - y) < SAME);
+        if inside && !known && blob.contrast >= settings.contrast_limit && blob.spread <= RIM {
+            found.push((blob.at, blob.contrast / (1.0 + blob.background.noise)));
+        }
+    }
+    found.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let mut kept: Vec<Point2> = Vec::new();
+    for (at, _) in found {
+        let apart = kept.iter().all(|k| (k[0] - at[0]).hypot(k[1] - at[1]) >= settings.radius);
+        if apart && kept.len() < count {
+            kept.push(at);
+        }
+    }
+    kept.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    kept
+}
+
+/// Sums of a picture's levels over every rectangle from its corner.
+struct Sums {
+    width: usize,
+    sums: Vec<u64>,
+}
+
+impl Sums {
+    fn of(picture: &Gray) -> Self {
+        let width = picture.width + 1;
+        let mut sums = vec![0; width * (picture.height + 1)];
+        for y in 0..picture.height {
+            let mut row = 0;
+            for x in 0..picture.width {
+                row += u64::from(picture.pixels[y * picture.width + x]);
+                sums[(y + 1) * width + x + 1] = sums[y * width + x + 1] + row;
+            }
+        }
+        Self { width, sums }
+    }
+
+    /// Mean level of the square of half side `half` (px) around a place, which lies inside.
+    fn mean(&self, [x, y]: Point2, half: f64) -> f64 {
+        let [left, right] = [x - half, x + half + 1.0].map(|v| v.round() as usize);
+        let [top, bottom] = [y - half, y + half + 1.0].map(|v| v.round() as usize);
+        let at = |column: usize, row: usize| self.sums[row * self.width + column];
+        let sum = at(right, bottom) + at(left, top) - at(left, bottom) - at(right, top);
+        sum as f64 / ((right - left) * (bottom - top)) as f64
+    }
+
+    /// How much darker the core of a window is than the whole of it, grey levels.
+    fn darkness(&self, at: Point2, radius: f64) -> f64 {
+        self.mean(at, radius) - self.mean(at, CORE * radius)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn three_discs_are_found_from_left_to_right_and_neither_a_line_nor_what_lies_outside() {
+        let discs = [[200.4, 90.3], [80.2, 120.7], [140.8, 60.1], [290.0, 200.0]];
+        let picture = Gray::from_fn(320, 240, |x, y| {
+            let near = |p: &Point2| (10.5 - (x as f64 - p[0]).hypot(y as f64 - p[1])).clamp(0.0, 1.0);
+            let line = if (150..154).contains(&y) { 90.0 } else { 0.0 };
+            180.0 - line - 140.0 * discs.iter().map(near).fold(0.0, f64::max) + 0.02 * x as f64
+        });
+        let found = find_blobs(&picture, [30.0, 30.0, 260.0, 210.0], 5, &Settings::default());
+        assert_eq!(found.len(), 3, "{found:?}");
+        for (at, truth) in found.iter().zip([discs[1], discs[2], discs[0]]) {
+            assert!((at[0] - truth[0]).hypot(at[1] - truth[1]) < 0.05, "{at:?} {truth:?}");
+        }
+    }
+}

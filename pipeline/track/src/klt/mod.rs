@@ -1,0 +1,188 @@
+//! Marker tracking: dark crosses or discs on light ground, to a few hundredths of a pixel.
+//!
+//! Optical flow (pyramidal Lucas–Kanade) predicts where a marker is; the centroid of its darkness measures where it is. Flow alone
+//! accumulates drift from frame to frame, a centroid has no memory. An observation must pass every gate (`gates`, `neighbours`), or
+//! the marker counts as hidden. A hidden marker is searched by correlation with its first view for at most `patience` frames; after
+//! that it is an error that names the first hidden frame. A wrong position is never returned silently. Paper, section IV.
+
+mod background;
+pub(crate) mod blob;
+mod covariance;
+mod error;
+mod find_blobs;
+mod find_corners;
+mod flow;
+mod gaps;
+mod gates;
+mod neighbours;
+mod reacquisition;
+mod settings;
+mod template;
+
+use crate::Gray;
+pub use blob::clutter;
+pub use error::{FailedGate, TrackingError};
+pub use find_blobs::find_blobs;
+pub use find_corners::find_corners;
+use flow::SingleThread;
+pub use gaps::fill_gaps;
+use gates::sum;
+pub use settings::Settings;
+use si::{Point2, Radian};
+use template::Template;
+
+/// One marker in one frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Observation {
+    /// Its centre, px.
+    pub at: Point2,
+    /// Covariance of its centre, px².
+    pub covariance: [[f64; 2]; 2],
+    /// Mean difference from the marker of the first frame, grey levels a pixel.
+    pub residual: f64,
+    /// False while the marker is hidden: the other fields then hold its last observation, until [`fill_gaps`] replaces them.
+    pub seen: bool,
+}
+
+/// Tracks markers from frame to frame.
+pub struct Tracker {
+    settings: Settings,
+    before: Gray,
+    frame: usize,
+    tracks: Vec<Track>,
+    observations: Vec<Observation>,
+    single_thread: SingleThread,
+}
+
+/// State of one marker.
+struct Track {
+    template: Template,
+    at: Point2,
+    step: Point2,
+    turn: Radian,
+    /// Exponential mean of the covariance by sectors, px², from the second frame on.
+    by_sectors: Option<[[f64; 2]; 2]>,
+    /// FailedGate and since which frame it is hidden.
+    hidden: Option<TrackingError>,
+}
+
+/// One marker in the next frame, after all gates.
+struct Accepted {
+    observation: Observation,
+    turn: Radian,
+    by_sectors: [[f64; 2]; 2],
+}
+
+/// The least radius of a window, px.
+pub const LEAST_RADIUS: f64 = 4.0;
+
+impl Tracker {
+    /// Begins with the first frame: each clicked position (px) is moved to the middle of the dark spot within reach.
+    ///
+    /// # Errors
+    /// [`TrackingError`] at frame 0 when there is no dark spot within reach.
+    ///
+    /// # Panics
+    /// When the window's radius is under [`LEAST_RADIUS`]: no marker and its background fit into that.
+    pub fn new(first: &Gray, clicked: &[Point2], settings: Settings) -> Result<Self, TrackingError> {
+        assert!(settings.radius >= LEAST_RADIUS, "a window of radius {} px holds no marker", settings.radius);
+        let (tracks, observations, single_thread) = (Vec::new(), Vec::new(), SingleThread::new());
+        let mut new = Self { settings, before: first.clone(), frame: 0, tracks, observations, single_thread };
+        for (marker, &near) in clicked.iter().enumerate() {
+            let error = |why| TrackingError::at(first, marker, 0, near, why);
+            let blob = new.spot(first, near).map_err(error)?;
+            let away = distance(blob.at, near);
+            if away > settings.click_radius {
+                return Err(error(FailedGate::FarFromClick { measured: away, limit: settings.click_radius }));
+            }
+            let template = Template::cut(first, &blob, settings.radius);
+            let coded = covariance::at_least([[0.0; 2]; 2], covariance::of_codec(&blob, settings.quantiser));
+            let covariance = sum(coded, covariance::of_pixels(&blob));
+            let observation = Observation { at: blob.at, covariance, residual: 0.0, seen: true };
+            let (at, step, hidden) = (blob.at, [0.0; 2], None);
+            new.tracks.push(Track { template, at, step, turn: 0.0, by_sectors: None, hidden });
+            new.observations.push(observation);
+        }
+        new.apart()?;
+        Ok(new)
+    }
+
+    /// Where the markers are in the frame that was looked at last.
+    pub fn observations(&self) -> &[Observation] {
+        &self.observations
+    }
+
+    /// Looks at the next frame; one observation a marker, in the order of the clicks.
+    ///
+    /// # Errors
+    /// [`TrackingError`] when a marker fails a gate for longer than the settings are patient, with the first frame in which it did.
+    pub fn step(&mut self, picture: &Gray) -> Result<Vec<Observation>, TrackingError> {
+        let frame = self.frame + 1;
+        let mut found = self.single_thread.run(|| self.look(picture, frame));
+        self.check_separation(picture, frame, &mut found);
+        self.check_neighbours(picture, frame, &mut found);
+        self.relocate(picture, &mut found);
+        for (track, found) in self.tracks.iter().zip(&found) {
+            let Err(error) = found else { continue };
+            let since = track.hidden.as_ref().unwrap_or(error);
+            if frame - since.frame >= self.settings.patience {
+                return Err(since.clone());
+            }
+        }
+        self.frame = frame;
+        let pairs = self.tracks.iter_mut().zip(&mut self.observations);
+        pairs.zip(found).for_each(|((track, observation), found)| track.take(frame, found, observation));
+        self.before.clone_from(picture);
+        self.apart()?;
+        Ok(self.observations.clone())
+    }
+
+    /// Every marker by itself, past its own gates.
+    fn look(&self, picture: &Gray, frame: usize) -> Vec<Result<Accepted, TrackingError>> {
+        let look = |(marker, track): (usize, &Track)| {
+            let near = track.expected();
+            let seen = match &track.hidden {
+                None => self.locate(picture, track, near),
+                Some(since) => self.reacquire(picture, marker, track, frame - since.frame),
+            };
+            seen.map_err(|why| TrackingError::at(picture, marker, frame, near, why))
+        };
+        self.tracks.iter().enumerate().map(look).collect()
+    }
+
+    /// Ends the film.
+    ///
+    /// # Errors
+    /// [`TrackingError`] when a marker is hidden to its end.
+    pub fn finish(self) -> Result<(), TrackingError> {
+        self.tracks.into_iter().find_map(|track| track.hidden).map_or(Ok(()), Err)
+    }
+}
+
+impl Track {
+    /// Where it is expected in the next frame, px.
+    fn expected(&self) -> Point2 {
+        [self.at[0] + self.step[0], self.at[1] + self.step[1]]
+    }
+
+    /// Takes in what a frame showed of it.
+    fn take(&mut self, frame: usize, found: Result<Accepted, TrackingError>, observation: &mut Observation) {
+        match found {
+            Ok(seen) => {
+                let at = seen.observation.at;
+                let frames = self.hidden.take().map_or(1, |since| frame - since.frame + 1) as f64;
+                self.step = [0, 1].map(|k| (at[k] - self.at[k]) / frames);
+                (self.at, self.turn, self.by_sectors) = (at, seen.turn, Some(seen.by_sectors));
+                *observation = seen.observation;
+            }
+            Err(error) => {
+                self.hidden.get_or_insert(error);
+                observation.seen = false;
+            }
+        }
+    }
+}
+
+fn distance(a: Point2, b: Point2) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}

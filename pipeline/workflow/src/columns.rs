@@ -1,0 +1,178 @@
+//! Columns: a table of named columns of equal length, stored in a record as Parquet.
+//!
+//! Names carry their unit at the end (`time_s`, `x_m`), so that pandas or MATLAB can read a record without this code.
+
+use std::io::Cursor;
+
+use polars::prelude::{
+    Column, DataFrame, DataType, NamedFrom, ParquetCompression, ParquetReader, ParquetWriter, SerReader, Series,
+};
+
+/// A table with columns of numbers or words.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Columns {
+    columns: Vec<(String, Cells)>,
+}
+
+/// One column's cells.
+#[derive(Debug, Clone, PartialEq)]
+enum Cells {
+    Numbers(Vec<f64>),
+    Counts(Vec<u32>),
+    Words(Vec<String>),
+}
+
+/// An error of a record's table.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ColumnsError {
+    /// The bytes are not Parquet, or columns differ in length.
+    #[error("the table cannot be read or written: {0}")]
+    Format(String),
+    /// A column is absent or holds another type.
+    #[error("the table has no column `{0}` of the expected type")]
+    Missing(String),
+}
+
+impl Columns {
+    /// Adds a column of numbers.
+    pub fn numbers(mut self, name: &str, values: Vec<f64>) -> Self {
+        self.columns.push((name.into(), Cells::Numbers(values)));
+        self
+    }
+
+    /// Adds a column of whole numbers.
+    pub fn counts(mut self, name: &str, values: Vec<u32>) -> Self {
+        self.columns.push((name.into(), Cells::Counts(values)));
+        self
+    }
+
+    /// Adds a column of words.
+    pub fn words(mut self, name: &str, values: Vec<String>) -> Self {
+        self.columns.push((name.into(), Cells::Words(values)));
+        self
+    }
+
+    /// The numbers of a column.
+    ///
+    /// # Errors
+    /// [`ColumnsError::Missing`] when there is no such column of numbers.
+    pub fn f64(&self, name: &str) -> Result<Vec<f64>, ColumnsError> {
+        match self.cells(name)? {
+            Cells::Numbers(values) => Ok(values.clone()),
+            _ => Err(ColumnsError::Missing(name.into())),
+        }
+    }
+
+    /// The whole numbers of a column.
+    ///
+    /// # Errors
+    /// [`ColumnsError::Missing`] when there is no such column of whole numbers.
+    pub fn u32(&self, name: &str) -> Result<Vec<u32>, ColumnsError> {
+        match self.cells(name)? {
+            Cells::Counts(values) => Ok(values.clone()),
+            _ => Err(ColumnsError::Missing(name.into())),
+        }
+    }
+
+    /// The words of a column.
+    ///
+    /// # Errors
+    /// [`ColumnsError::Missing`] when there is no such column of words.
+    pub fn text(&self, name: &str) -> Result<Vec<String>, ColumnsError> {
+        match self.cells(name)? {
+            Cells::Words(values) => Ok(values.clone()),
+            _ => Err(ColumnsError::Missing(name.into())),
+        }
+    }
+
+    fn cells(&self, name: &str) -> Result<&Cells, ColumnsError> {
+        let found = self.columns.iter().find(|(n, _)| n == name);
+        found.map(|(_, cells)| cells).ok_or_else(|| ColumnsError::Missing(name.into()))
+    }
+
+    /// The table as the bytes of a Parquet file; the same table gives the same bytes.
+    ///
+    /// # Errors
+    /// [`ColumnsError::Format`] when columns differ in length.
+    pub fn to_parquet(&self) -> Result<Vec<u8>, ColumnsError> {
+        let height = self.columns.first().map_or(0, |(_, cells)| cells.len());
+        let columns = self.columns.iter().map(|(name, cells)| cells.column(name)).collect();
+        let mut frame = DataFrame::new(height, columns).map_err(format)?;
+        let mut bytes = Vec::new();
+        let writer = ParquetWriter::new(&mut bytes).with_compression(ParquetCompression::Uncompressed);
+        writer.set_parallel(false).finish(&mut frame).map_err(format)?;
+        Ok(bytes)
+    }
+
+    /// A table from the bytes of a Parquet file.
+    ///
+    /// # Errors
+    /// [`ColumnsError::Format`] when the bytes are not Parquet or hold another type of column.
+    pub fn from_parquet(bytes: &[u8]) -> Result<Self, ColumnsError> {
+        let frame = ParquetReader::new(Cursor::new(bytes)).finish().map_err(format)?;
+        let columns = frame.columns().iter().map(|c| Ok((c.name().to_string(), Cells::of(c)?)));
+        Ok(Self { columns: columns.collect::<Result<_, ColumnsError>>()? })
+    }
+}
+
+impl Cells {
+    fn len(&self) -> usize {
+        match self {
+            Cells::Numbers(v) => v.len(),
+            Cells::Counts(v) => v.len(),
+            Cells::Words(v) => v.len(),
+        }
+    }
+
+    fn column(&self, name: &str) -> Column {
+        match self {
+            Cells::Numbers(v) => Series::new(name.into(), v).into(),
+            Cells::Counts(v) => Series::new(name.into(), v).into(),
+            Cells::Words(v) => Series::new(name.into(), v).into(),
+        }
+    }
+
+    fn of(column: &Column) -> Result<Self, ColumnsError> {
+        match column.dtype() {
+            DataType::Float64 => {
+                Ok(Cells::Numbers(column.f64().map_err(format)?.iter().map(|v| v.unwrap_or(f64::NAN)).collect()))
+            }
+            DataType::UInt32 => {
+                Ok(Cells::Counts(column.u32().map_err(format)?.iter().map(Option::unwrap_or_default).collect()))
+            }
+            _ => {
+                let text = column.str().map_err(format)?;
+                Ok(Cells::Words(text.iter().map(|v| v.unwrap_or_default().to_string()).collect()))
+            }
+        }
+    }
+}
+
+fn format(error: polars::prelude::PolarsError) -> ColumnsError {
+    ColumnsError::Format(error.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn small() -> Columns {
+        Columns::default()
+            .numbers("x_m", vec![0.1, -2.0])
+            .counts("node", vec![7, 8])
+            .words("id", vec!["a".into(), "b".into()])
+    }
+
+    #[test]
+    fn a_table_survives_parquet_and_gives_the_same_bytes_twice() {
+        let bytes = small().to_parquet().unwrap();
+        assert_eq!(bytes, small().to_parquet().unwrap());
+        assert_eq!(Columns::from_parquet(&bytes).unwrap(), small());
+    }
+
+    #[test]
+    fn a_missing_column_is_named() {
+        assert_eq!(small().f64("y_m"), Err(ColumnsError::Missing("y_m".into())));
+        assert!(Columns::from_parquet(b"PAR0").is_err());
+    }
+}

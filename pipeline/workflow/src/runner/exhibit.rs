@@ -1,0 +1,33 @@
+//! Copies of figures and tables from their records into the folders for readers.
+
+use std::fs;
+
+use super::Runner;
+use super::atomic::write_atomically;
+use super::graph::Job;
+use super::manifest::Manifest;
+use crate::subject::Universe;
+use diagnostics::{Diagnostic, Result};
+
+/// Copies a figure's or table's files into its folder unless they are there already.
+///
+/// # Errors
+/// A [`Diagnostic`] when the folder cannot be written.
+pub fn write<U: Universe>(runner: &Runner<U>, job: &Job<U>, manifest: &Manifest) -> Result<()> {
+    let Some(folder) = runner.folders.shown(job.entry.kind) else {
+        return Ok(());
+    };
+    let record = runner.folders.record(&job.id);
+    for name in manifest.files.keys() {
+        let lay = || {
+            let bytes = fs::read(record.join(name))?;
+            let place = folder.join(name);
+            if fs::read(&place).is_ok_and(|old| old == bytes) { Ok(()) } else { write_atomically(&place, &bytes) }
+        };
+        lay().map_err(|e: std::io::Error| {
+            let what = format!("{} cannot be written to {}", name, runner.folders.display(&folder));
+            Diagnostic::new(what, e, "free some disk space or correct the folder's permissions")
+        })?;
+    }
+    Ok(())
+}

@@ -1,0 +1,132 @@
+//! Folders: the layout on disk. The one place that builds paths.
+//!
+//! The paper profile uses the project itself; the quick profile has the same folders under `target/quick`, so that it
+//! never changes tracked files. Settings, claims and expectations are the project's in both.
+
+use std::path::{Path, PathBuf};
+
+use crate::entry::Kind;
+use crate::needs::RecordId;
+use crate::settings::Profile;
+
+/// The folders of one profile of one project.
+#[derive(Debug, Clone)]
+pub struct Folders {
+    project: PathBuf,
+    base: PathBuf,
+}
+
+impl Folders {
+    /// The folders of a profile in the project at `project`.
+    pub fn new(project: &Path, profile: Profile) -> Self {
+        let base = match profile {
+            Profile::Paper => project.to_path_buf(),
+            Profile::Quick => project.join("target").join("quick"),
+        };
+        Self { project: project.to_path_buf(), base }
+    }
+
+    /// Recordings.
+    pub fn raw(&self) -> PathBuf {
+        self.base.join("data").join("raw")
+    }
+
+    /// One recording, from its place with `/` between folders.
+    pub fn raw_file(&self, place: &str) -> PathBuf {
+        place.split('/').fold(self.raw(), |path, part| path.join(part))
+    }
+
+    /// Records.
+    pub fn processed(&self) -> PathBuf {
+        self.base.join("data").join("processed")
+    }
+
+    /// One record's folder.
+    pub fn record(&self, id: &RecordId) -> PathBuf {
+        id.subject.split('/').fold(self.processed().join(id.stage), |path, part| path.join(part)).join("record")
+    }
+
+    /// The picture of a record's error.
+    pub fn picture(&self, id: &RecordId) -> PathBuf {
+        self.record(id).with_file_name("diagnostic.png")
+    }
+
+    /// The folder of a record while it is being written.
+    pub fn unfinished(&self, id: &RecordId) -> PathBuf {
+        self.record(id).with_file_name("record.unfinished")
+    }
+
+    /// The folder of an outdated record while its successor is renamed.
+    pub fn outdated(&self, id: &RecordId) -> PathBuf {
+        self.record(id).with_file_name("record.outdated")
+    }
+
+    /// The folder of a kind's copies for readers; none for stages.
+    pub fn shown(&self, kind: Kind) -> Option<PathBuf> {
+        match kind {
+            Kind::Stage => None,
+            Kind::Figure => Some(self.base.join("figures")),
+            Kind::Table => Some(self.base.join("paper").join("tables")),
+        }
+    }
+
+    /// The page that shows everything.
+    pub fn page(&self) -> PathBuf {
+        self.base.join("figures").join("index.html")
+    }
+
+    /// The file of metrics.
+    pub fn metrics(&self) -> PathBuf {
+        self.processed().join("metrics.json")
+    }
+
+    /// Hashes of the files read by runs.
+    pub fn hashes(&self) -> PathBuf {
+        self.processed().join(".hashes.json")
+    }
+
+    /// The description of everything for archives.
+    pub fn crate_file(&self) -> PathBuf {
+        self.processed().join("ro-crate-metadata.json")
+    }
+
+    /// Held by the one run that may write.
+    pub fn lock(&self) -> PathBuf {
+        self.processed().join(".lock")
+    }
+
+    /// The settings of both profiles.
+    pub fn settings(&self) -> PathBuf {
+        self.project.join("study.toml")
+    }
+
+    /// The claims of the paper.
+    pub fn claims(&self) -> PathBuf {
+        self.project.join("paper").join("claims.toml")
+    }
+
+    /// Expected and published values of the metrics.
+    pub fn expected(&self) -> PathBuf {
+        self.project.join("paper").join("expected.toml")
+    }
+
+    /// The paper's source, the project's in both profiles.
+    pub fn paper_source(&self) -> PathBuf {
+        self.project.join("paper")
+    }
+
+    /// The paper's source with everything in place.
+    pub fn paper_in_place(&self) -> PathBuf {
+        self.processed().join("paper")
+    }
+
+    /// The crates, with the tests named by the paper's equations.
+    pub fn crates(&self) -> PathBuf {
+        self.project.join("pipeline")
+    }
+
+    /// A path relative to the project's folder, for messages.
+    pub fn display(&self, path: &Path) -> String {
+        path.strip_prefix(&self.project).unwrap_or(path).display().to_string()
+    }
+}

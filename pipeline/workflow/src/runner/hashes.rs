@@ -1,0 +1,122 @@
+//! Hashes: the BLAKE3 of each file, and a cache of them written by runs so that a plan need not read every film again.
+//!
+//! A run hashes every byte that it reads, whatever the date of a file, and records the hashes. A plan takes a file of unchanged length
+//! and date as unchanged: a wrong date would change only what it prints, while a run decides what is published and may not depend on
+//! dates, which copies and version control rewrite.
+
+use std::collections::{BTreeMap, HashMap};
+use std::fs::{self, File, Metadata};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::time::UNIX_EPOCH;
+
+use serde::{Deserialize, Serialize};
+
+use super::atomic::write_atomically;
+
+/// Length, date and hash of a file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+struct Fingerprint {
+    length: u64,
+    /// ns since 1970.
+    date: u64,
+    hash: String,
+}
+
+impl Fingerprint {
+    /// Whether length and date are those of `now`.
+    fn fits(&self, now: &Self) -> bool {
+        (self.length, self.date) == (now.length, now.date)
+    }
+}
+
+/// The hashes of files.
+#[derive(Debug, Default)]
+pub struct Hashes {
+    seen: Mutex<BTreeMap<PathBuf, Fingerprint>>,
+    /// Of an earlier run, by path.
+    cached: HashMap<String, Fingerprint>,
+}
+
+impl Hashes {
+    /// Those that a run wrote at `place`, used where length and date are equal; none where the file does not exist.
+    pub fn cached(place: &Path) -> Self {
+        Self { cached: written(place), ..Self::default() }
+    }
+
+    /// The hash of a file's bytes, as hexadecimal digits.
+    ///
+    /// # Errors
+    /// When the file cannot be read.
+    pub fn of(&self, path: &Path) -> io::Result<String> {
+        let now = seen(&fs::metadata(path)?);
+        if let Some(hash) = self.known(path, &now) {
+            return Ok(hash);
+        }
+        let mut hasher = blake3::Hasher::new();
+        let hash = hasher.update_reader(File::open(path)?)?.finalize().to_hex().to_string();
+        self.lock().insert(path.to_path_buf(), Fingerprint { hash: hash.clone(), ..now });
+        Ok(hash)
+    }
+
+    /// Writes the hashes for later plans and keeps those of other unchanged files: a run of a part of the project does not remove the
+    /// others.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn write(&self, place: &Path) -> io::Result<()> {
+        let mut all: BTreeMap<PathBuf, Fingerprint> =
+            written(place).into_iter().map(|(path, then)| (PathBuf::from(path), then)).collect();
+        all.retain(|path, then| fs::metadata(path).is_ok_and(|now| then.fits(&seen(&now))));
+        all.append(&mut self.lock().clone());
+        let text = serde_json::to_vec(&all).map_err(io::Error::other)?;
+        write_atomically(place, &text)
+    }
+
+    fn known(&self, path: &Path, now: &Fingerprint) -> Option<String> {
+        let then = self.cached.get(path.to_str()?)?;
+        then.fits(now).then(|| then.hash.clone())
+    }
+
+    fn lock(&self) -> std::sync::MutexGuard<'_, BTreeMap<PathBuf, Fingerprint>> {
+        self.seen.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
+    }
+}
+
+/// The hashes that a run wrote at `place`; empty where they cannot be read.
+fn written(place: &Path) -> HashMap<String, Fingerprint> {
+    fs::read(place).ok().and_then(|text| serde_json::from_slice(&text).ok()).unwrap_or_default()
+}
+
+fn seen(of: &Metadata) -> Fingerprint {
+    let date = of.modified().ok().and_then(|date| date.duration_since(UNIX_EPOCH).ok());
+    Fingerprint { length: of.len(), date: date.map_or(0, |d| d.as_nanos() as u64), hash: String::new() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_of_a_part_forgets_nothing_of_the_rest_but_what_has_changed() {
+        let folder = std::env::temp_dir().join(format!("hashes_{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        let [place, first, second, third] = ["hashes.json", "first", "second", "third"].map(|name| folder.join(name));
+        for file in [&first, &second, &third] {
+            fs::write(file, "as it was").unwrap();
+        }
+        let whole = Hashes::default();
+        let hash = [&first, &second, &third].map(|file| whole.of(file).unwrap())[0].clone();
+        whole.write(&place).unwrap();
+        fs::write(&third, "longer than it was").unwrap();
+        let part = Hashes::default();
+        part.of(&first).unwrap();
+        part.write(&place).unwrap();
+        let cached = Hashes::cached(&place);
+        let known = |file: &Path| cached.known(file, &seen(&fs::metadata(file).unwrap()));
+        assert_eq!([&first, &second, &third].map(|file| known(file)), [Some(hash.clone()), Some(hash), None]);
+        assert_eq!(cached.cached.len(), 2, "changed files are not kept");
+        fs::remove_dir_all(&folder).unwrap();
+    }
+}

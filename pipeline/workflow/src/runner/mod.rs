@@ -1,0 +1,204 @@
+//! The runner: determines stale records and makes them in order. It alone chooses paths, reads and writes records,
+//! prints progress and reads clocks.
+
+mod atomic;
+mod context;
+mod differences;
+mod exhibit;
+mod folders;
+mod graph;
+mod hashes;
+mod lock;
+mod manifest;
+mod memory;
+mod plan;
+mod pool;
+mod report;
+mod staleness;
+mod store;
+mod tree;
+
+pub use atomic::write_atomically;
+pub use folders::Folders;
+pub use graph::{Goal, Job};
+pub use manifest::{MadeFrom, Manifest};
+pub use plan::Share;
+pub use store::{Found, Store};
+
+use std::collections::BTreeMap;
+
+use diagnostics::{Diagnostic, Result};
+
+use crate::entry::Entry;
+use crate::metric::Metric;
+use crate::settings::{Profile, Settings};
+use crate::stage::{RawFile, StageContext};
+use crate::stage_graph::StageGraph;
+use crate::subject::Universe;
+use hashes::Hashes;
+use lock::Lock;
+use report::Report;
+
+/// Everything that a run needs: lists of entries, the subjects, the settings, the folders.
+pub struct Runner<U: 'static> {
+    /// Stages, figures and tables, each list in the order of the data.
+    pub lists: &'static [&'static [Entry<U>]],
+    /// The subjects found.
+    pub universe: U,
+    /// The profile's settings.
+    pub settings: Settings,
+    /// The profile.
+    pub profile: Profile,
+    /// The profile's folders.
+    pub folders: Folders,
+    /// How it runs.
+    pub options: Options,
+}
+
+/// Options of a run.
+#[derive(Debug, Clone, Copy)]
+pub struct Options {
+    /// Whether progress is left out.
+    pub quiet: bool,
+    /// Number of records made in parallel.
+    pub jobs: usize,
+    /// Whether a record that fails stops only those that need it, or the run.
+    pub keep_going: bool,
+    /// No further record is started while less memory is free, GiB.
+    pub min_free_memory: f64,
+}
+
+/// Counts of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct RunSummary {
+    /// Records made.
+    pub made: usize,
+    /// Records that were up to date.
+    pub kept: usize,
+    /// Records that could not be made.
+    pub failed: usize,
+    /// Records left out because one that they read failed.
+    pub skipped: usize,
+}
+
+impl<U: Universe> Runner<U> {
+    /// Makes every stale record that the goal needs; with `fresh`, the goal's own records even when they are not stale.
+    ///
+    /// `publish` is called after the records are made and before the lock is released: it writes the files derived from all of them.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when the goal is unknown or another run is in progress. Records that fail are counted, not returned.
+    pub fn run(&self, goal: &Goal, fresh: bool, publish: &dyn Fn(&Self) -> Result<()>) -> Result<RunSummary> {
+        let jobs = self.jobs_of(goal)?;
+        let _lock = Lock::take(&self.folders)?;
+        let report = Report::new(jobs.len(), self.options.quiet);
+        let hashes = Hashes::default();
+        let forced = |job: &Job<U>| fresh && is_named(goal, job);
+        let mut summary =
+            pool::Pool { runner: self, jobs: &jobs, forced: &forced, hashes: &hashes, report: &report }.run();
+        summary.skipped = jobs.len() - summary.made - summary.kept - summary.failed;
+        publish(self)?;
+        hashes.write(&self.folders.hashes()).map_err(|e| {
+            let what = format!("the hashes cannot be written to {}", self.folders.display(&self.folders.processed()));
+            Diagnostic::new(what, &e, "free some disk space and run again").caused_by(e)
+        })?;
+        report.end(&summary.in_words());
+        Ok(summary)
+    }
+
+    /// What a run would do, one line a record, without doing it.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when the goal is unknown.
+    pub fn plan(&self, goal: &Goal) -> Result<String> {
+        Ok(plan::text(self, &self.jobs_of(goal)?))
+    }
+
+    /// The records that a run would make, by name.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when the goal is unknown.
+    pub fn stale(&self, goal: &Goal) -> Result<Vec<String>> {
+        Ok(plan::stale(self, &self.jobs_of(goal)?))
+    }
+
+    /// The dependency tree of the stages, with how many records of each a run would keep and make.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when the goal is unknown.
+    pub fn tree(&self, goal: &Goal) -> Result<String> {
+        Ok(tree::text(&self.stage_graph(), &self.shares(goal)?))
+    }
+
+    /// How many records of each stage a run would keep and make.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when the goal is unknown.
+    pub fn shares(&self, goal: &Goal) -> Result<BTreeMap<&'static str, Share>> {
+        Ok(plan::shares(self, &self.jobs_of(goal)?))
+    }
+
+    /// The inputs of each record of a stage, and the differences that make it stale.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when there is no such stage.
+    pub fn why(&self, entry: &str) -> Result<String> {
+        let goal = Goal { entries: vec![entry.into()], group: None };
+        Ok(plan::why(self, &self.jobs_of(&goal)?, entry))
+    }
+
+    /// What reads what.
+    pub fn stage_graph(&self) -> StageGraph {
+        StageGraph::of(&self.universe, self.lists.first().copied().unwrap_or_default())
+    }
+
+    /// Every record that the goal needs, in an order in which each comes after those that it reads.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when the goal is unknown.
+    pub fn jobs_of(&self, goal: &Goal) -> Result<Vec<Job<U>>> {
+        graph::jobs(self, goal)
+    }
+
+    /// The metrics of all existing records, by name; of a name shared by several subjects, the largest.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when the settings of a stage cannot be read.
+    pub fn metrics(&self) -> Result<BTreeMap<String, Metric>> {
+        let store = Store::new(&self.folders);
+        let mut all: BTreeMap<String, Metric> = BTreeMap::new();
+        for job in self.jobs_of(&Goal::default())? {
+            if let Found::Whole(manifest) = store.find(&job.id) {
+                for metric in manifest.metrics {
+                    let known = all.entry(metric.id.clone()).or_insert_with(|| metric.clone());
+                    known.value = known.value.max(metric.value);
+                }
+            }
+        }
+        Ok(all)
+    }
+}
+
+impl RunSummary {
+    /// Whether every record that was asked for was made or is up to date.
+    pub fn is_complete(self) -> bool {
+        self.failed + self.skipped == 0
+    }
+
+    fn in_words(self) -> String {
+        let mut words = format!("{} made, {} kept", self.made, self.kept);
+        if !self.is_complete() {
+            words += &format!(", {} failed, {} not made because of that", self.failed, self.skipped);
+        }
+        words
+    }
+}
+
+fn is_named<U>(goal: &Goal, job: &Job<U>) -> bool {
+    goal.entries.is_empty() || goal.entries.iter().any(|name| name == job.id.stage)
+}
+
+/// A context for an inspection of raw files from which no record is made: without a progress line.
+pub fn inspection_context<'a>(folders: &'a Folders, raw: &'a [RawFile]) -> impl StageContext + 'a {
+    context::RunContext::new(folders, raw, report::Line::hidden())
+}

@@ -1,0 +1,141 @@
+//! The plan: what a run would keep and make, and why, in words. It writes nothing.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use rayon::prelude::*;
+
+use super::Runner;
+use super::graph::Job;
+use super::hashes::Hashes;
+use super::staleness::{State, judged, made_from};
+use super::store::{Found, Store};
+use crate::entry::Kind;
+use crate::needs::RecordId;
+use crate::subject::Universe;
+use diagnostics::{Diagnostic, Result};
+
+/// The action for one record.
+enum Action {
+    Kept,
+    Stale(Vec<String>),
+    Waits(RecordId),
+    Impossible(Diagnostic),
+}
+
+/// One line a record, and a last line with the count.
+pub fn text<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> String {
+    let actions = actions(runner, jobs);
+    let mut lines: Vec<String> = jobs.iter().zip(&actions).map(|(job, action)| line(job, action)).collect();
+    let stale = actions.iter().filter(|action| !matches!(action, Action::Kept)).count();
+    lines.push(format!("{} of {} records would be made", stale, jobs.len()));
+    lines.join("\n")
+}
+
+/// The names of the records that would be made.
+pub fn stale<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> Vec<String> {
+    let actions = actions(runner, jobs);
+    let stale = jobs.iter().zip(&actions).filter(|(_, action)| !matches!(action, Action::Kept));
+    stale.map(|(job, _)| job.id.to_string()).collect()
+}
+
+/// The inputs of the records of one stage, and the differences that make them stale.
+pub fn why<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>], entry: &str) -> String {
+    let actions = actions(runner, jobs);
+    let of_entry = jobs.iter().zip(&actions).filter(|(job, _)| job.id.stage == entry);
+    of_entry
+        .map(|(job, action)| format!("{}\n{}", line(job, action), history(runner, job)))
+        .collect::<Vec<_>>()
+        .join("\n")
+}
+
+/// How many records of a stage would be kept and made.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Share {
+    kept: usize,
+    made: usize,
+}
+
+impl Share {
+    /// As text.
+    pub fn in_words(self) -> String {
+        match (self.kept, self.made) {
+            (kept, 0) => format!("{kept} kept"),
+            (0, made) => format!("{made} to make"),
+            (kept, made) => format!("{kept} kept, {made} to make"),
+        }
+    }
+}
+
+/// The share of each stage.
+pub fn shares<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> BTreeMap<&'static str, Share> {
+    let mut shares: BTreeMap<&'static str, Share> = BTreeMap::new();
+    for (job, action) in jobs.iter().zip(actions(runner, jobs)).filter(|(job, _)| job.entry.kind == Kind::Stage) {
+        let share = shares.entry(job.id.stage).or_default();
+        match action {
+            Action::Kept => share.kept += 1,
+            _ => share.made += 1,
+        }
+    }
+    shares
+}
+
+/// Compares the inputs of all records with their manifests, in parallel. A record that reads a kept one takes its content from the
+/// disk; one that reads a record to be made waits.
+fn actions<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> Vec<Action> {
+    let hashes = Hashes::cached(&runner.folders.hashes());
+    let store = Store::new(&runner.folders);
+    let found: Vec<Found> = jobs.par_iter().map(|job| store.find_with(&job.id, &hashes)).collect();
+    let whole = |(job, found): (&Job<U>, &Found)| Some((job.id.clone(), found.manifest()?.content.clone()));
+    let contents: BTreeMap<RecordId, String> = jobs.iter().zip(&found).filter_map(whole).collect();
+    let judge = |(job, found)| Ok(judged(found, &made_from(runner, job, &contents, &hashes)?));
+    let states: Vec<Result<State>> = jobs.par_iter().zip(found).map(judge).collect();
+    let mut changing = BTreeSet::new();
+    let mut settle = |(job, state): (&Job<U>, Result<State>)| {
+        let action = action(job, state, &changing);
+        if !matches!(action, Action::Kept) {
+            changing.insert(job.id.clone());
+        }
+        action
+    };
+    jobs.iter().zip(states).map(&mut settle).collect()
+}
+
+fn action<U: Universe>(job: &Job<U>, state: Result<State>, changing: &BTreeSet<RecordId>) -> Action {
+    let upstream = job.reads().iter().find(|id| changing.contains(*id));
+    match (state, upstream) {
+        (Err(diagnostic), _) => Action::Impossible(diagnostic),
+        (_, Some(id)) => Action::Waits(id.clone()),
+        (Ok(State::Kept(_)), None) => Action::Kept,
+        (Ok(State::Stale(reasons)), None) => Action::Stale(reasons),
+        (Ok(State::Damaged(damage)), None) => Action::Stale(vec![damage]),
+    }
+}
+
+fn line<U: Universe>(job: &Job<U>, action: &Action) -> String {
+    let name = format!("{:<16} {:<28}", job.id.stage, job.id.subject);
+    match action {
+        Action::Kept => format!("{name} kept"),
+        Action::Stale(reasons) => format!("{name} stale: {}", reasons.join("; ")),
+        Action::Waits(id) => format!("{name} stale: it reads {id}, which will be made"),
+        Action::Impossible(diagnostic) => format!("{name} cannot be made: {}", diagnostic.what),
+    }
+}
+
+fn history<U: Universe>(runner: &Runner<U>, job: &Job<U>) -> String {
+    match Store::new(&runner.folders).find(&job.id) {
+        Found::Whole(manifest) => {
+            let from = &manifest.made_from;
+            let mut lines = vec![format!(
+                "  version {}, made in {:.1} s, content {:.12}",
+                from.version, manifest.seconds, manifest.content
+            )];
+            lines.extend(from.raw.iter().map(|(place, hash)| format!("  recording {place}  {hash:.12}")));
+            lines.extend(from.records.iter().map(|(id, hash)| format!("  record    {id}  {hash:.12}")));
+            lines.push(format!("  settings  {}", from.settings));
+            lines.push(format!("  card      {}", from.card));
+            lines.join("\n")
+        }
+        Found::Nothing => "  it was never made".into(),
+        Found::Damaged(damage) => format!("  {damage}"),
+    }
+}

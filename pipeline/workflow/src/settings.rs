@@ -1,0 +1,162 @@
+//! Settings from `study.toml`, one section a stage.
+//!
+//! Plain sections are the paper profile; a section under `[quick]` overrides single keys of it. Nothing else differs
+//! between the two profiles.
+
+use serde::de::DeserializeOwned;
+use toml::{Table, Value};
+
+use diagnostics::{Diagnostic, Result};
+
+/// Which set of settings, and so which folders.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Profile {
+    /// Full resolution; its figures and tables are tracked.
+    Paper,
+    /// Coarse and short, for tests and continuous integration; its folders are under `target/quick`.
+    Quick,
+}
+
+impl Profile {
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Profile::Paper => "paper",
+            Profile::Quick => "quick",
+        }
+    }
+}
+
+/// The settings of one profile.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    sections: Table,
+    renamed: &'static [Renamed],
+}
+
+/// The allowed sections and keys.
+#[derive(Debug, Clone, Copy)]
+pub struct Schema<'a> {
+    /// The names of the sections.
+    pub sections: &'a [&'a str],
+    /// Sections and keys under their former names, which are refused with the new one.
+    pub renamed: &'static [Renamed],
+}
+
+/// A section or key that has another name now.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Renamed {
+    /// The section, by its present name; empty for a section itself.
+    pub section: &'static str,
+    /// The former name.
+    pub old: &'static str,
+    /// The present name.
+    pub new: &'static str,
+}
+
+impl Settings {
+    /// Reads `study.toml` for a profile; `schema` lists its sections.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] that names the line, or the unknown section and the nearest known ones.
+    pub fn read(text: &str, profile: Profile, schema: Schema) -> Result<Self> {
+        let mut table: Table = text.parse().map_err(|e| {
+            Diagnostic::new("study.toml cannot be read", format!("{e}").trim_end(), "correct the line that it names")
+        })?;
+        let quick = table.remove("quick");
+        if let (Profile::Quick, Some(Value::Table(over))) = (profile, quick) {
+            lay_over(&mut table, over);
+        }
+        match table.keys().find(|name| !schema.sections.contains(&name.as_str())) {
+            Some(name) => Err(unknown_section(name, schema)),
+            None => Ok(Self { sections: table, renamed: schema.renamed }),
+        }
+    }
+
+    /// One stage's section as its own type.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when a key is unknown, missing or of another type.
+    pub fn section<T: DeserializeOwned>(&self, name: &str) -> Result<T> {
+        let section = self.sections.get(name).cloned().unwrap_or_else(|| Value::Table(Table::new()));
+        if let Some(renamed) = self.renamed.iter().find(|r| r.section == name && section.get(r.old).is_some()) {
+            let Renamed { old, new, .. } = renamed;
+            let what = format!("study.toml, [{name}] has the key `{old}`");
+            return Err(Diagnostic::new(what, format!("it is called `{new}`"), format!("rename it to `{new}`")));
+        }
+        section.try_into().map_err(|e: toml::de::Error| {
+            Diagnostic::new(
+                format!("study.toml, [{name}] is not understood"),
+                e.to_string().trim_end(),
+                "correct the key; CONTRIBUTING.md says where each section's keys are documented",
+            )
+        })
+    }
+}
+
+fn lay_over(below: &mut Table, above: Table) {
+    for (key, value) in above {
+        match (below.get_mut(&key), value) {
+            (Some(Value::Table(old)), Value::Table(new)) => lay_over(old, new),
+            (_, value) => {
+                below.insert(key, value);
+            }
+        }
+    }
+}
+
+fn unknown_section(name: &str, schema: Schema) -> Diagnostic {
+    let what = format!("study.toml has a section [{name}] that no stage reads");
+    match schema.renamed.iter().find(|r| r.section.is_empty() && r.old == name) {
+        Some(Renamed { new, .. }) => {
+            Diagnostic::new(what, format!("it is called [{new}]"), format!("rename it to [{new}]"))
+        }
+        None => Diagnostic::new(what, format!("known sections: {}", schema.sections.join(", ")), "rename or remove it"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde::Deserialize;
+
+    #[derive(Deserialize, PartialEq, Debug)]
+    #[serde(deny_unknown_fields)]
+    struct Mesh {
+        edge: f64,
+        keep: bool,
+    }
+
+    const SCHEMA: Schema = Schema {
+        sections: &["mesh"],
+        renamed: &[
+            Renamed { section: "", old: "grid", new: "mesh" },
+            Renamed { section: "mesh", old: "size", new: "edge" },
+        ],
+    };
+    const TEXT: &str = "[mesh]\nedge = 0.002\nkeep = true\n[quick.mesh]\nedge = 0.004\n";
+
+    #[test]
+    fn the_quick_profile_overrides_single_keys_only() {
+        let quick = Settings::read(TEXT, Profile::Quick, SCHEMA).unwrap();
+        let paper = Settings::read(TEXT, Profile::Paper, SCHEMA).unwrap();
+        assert_eq!(quick.section::<Mesh>("mesh").unwrap(), Mesh { edge: 0.004, keep: true });
+        assert_eq!(paper.section::<Mesh>("mesh").unwrap(), Mesh { edge: 0.002, keep: true });
+    }
+
+    #[test]
+    fn an_unknown_section_or_key_is_refused_by_name() {
+        let section = Settings::read("[mush]\n", Profile::Paper, SCHEMA).unwrap_err();
+        assert!(section.what.contains("[mush]"));
+        let key = Settings::read("[mesh]\nedge = 1.0\nkeep = true\nhedge = 2.0\n", Profile::Paper, SCHEMA).unwrap();
+        assert!(key.section::<Mesh>("mesh").unwrap_err().why.contains("hedge"));
+    }
+
+    #[test]
+    fn a_former_name_is_refused_with_the_new_one() {
+        let section = Settings::read("[grid]\n", Profile::Paper, SCHEMA).unwrap_err();
+        assert!(section.action.contains("[mesh]"), "{section}");
+        let key = Settings::read("[mesh]\nsize = 1.0\nkeep = true\n", Profile::Paper, SCHEMA).unwrap();
+        assert!(key.section::<Mesh>("mesh").unwrap_err().action.contains("`edge`"));
+    }
+}
