@@ -2,6 +2,7 @@
 //!
 //! Each convention is a test; each checker is tried on a small bad example, so that it can fail.
 
+mod citations;
 mod contents;
 mod cycles;
 mod dependencies;
