@@ -56,7 +56,7 @@ impl Inputs {
     }
 
     /// Sums forces and weight.
-    pub fn update_dead_forces(&mut self) {
+    pub(crate) fn update_dead_forces(&mut self) {
         let mut all = self.forces.clone();
         if self.gravity != [0.0; 3] {
             all.resize(3 * self.mass.nodal.len(), 0.0);
@@ -66,7 +66,7 @@ impl Inputs {
     }
 
     /// The static potential under `load`.
-    pub fn static_potential<'a>(&'a self, data: &'a SystemData, load: AppliedLoad<'a>) -> Potential<'a> {
+    pub(crate) fn static_potential<'a>(&'a self, data: &'a SystemData, load: AppliedLoad<'a>) -> Potential<'a> {
         Potential {
             data,
             elastic: &self.elastic,
@@ -86,7 +86,7 @@ impl Inputs {
     }
 
     /// The incremental potential of one time step.
-    pub fn in_motion<'a>(
+    pub(crate) fn in_motion<'a>(
         &'a self,
         data: &'a SystemData,
         pressures: &'a [Pascal],

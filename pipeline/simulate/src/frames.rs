@@ -53,7 +53,7 @@ impl Frames {
     }
 
     /// The name of the next frame.
-    pub fn next_name(&self) -> String {
+    pub(crate) fn next_name(&self) -> String {
         format!("frame_{:04}.vtu", self.written.len())
     }
 

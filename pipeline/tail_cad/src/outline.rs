@@ -28,7 +28,7 @@ impl Tail {
     }
 
     /// Half the width of the flat strip along the back at `x`, m.
-    pub fn back_half_width(&self, x: Metre) -> Metre {
+    pub(crate) fn back_half_width(&self, x: Metre) -> Metre {
         self.half_width(x, self.half_height(x))
     }
 
@@ -38,7 +38,7 @@ impl Tail {
     }
 
     /// Half the height of the chambers at `x`, m.
-    pub fn chamber_half_height(&self, x: Metre) -> Metre {
+    pub(crate) fn chamber_half_height(&self, x: Metre) -> Metre {
         self.half_height(x) - self.top_wall
     }
 
@@ -52,7 +52,7 @@ impl Tail {
     }
 
     /// Half the height of the slot at rib `rib`, m; one height a slot, so that it is a box.
-    pub fn slot_half_height(&self, rib: usize) -> Metre {
+    pub(crate) fn slot_half_height(&self, rib: usize) -> Metre {
         let [from, to] = self.rib_at(rib);
         self.slot_share * self.half_height((from + to) / 2.0)
     }
@@ -63,7 +63,7 @@ impl Tail {
     }
 
     /// Where the sheet's edge comes out of the body's back, m.
-    pub fn fin_root(&self) -> Metre {
+    pub(crate) fn fin_root(&self) -> Metre {
         let buried = |x: Metre| self.sheet_half_height(x) < self.half_height(x);
         let (mut low, mut high) = (self.fin_start, self.body_end());
         if buried(high) {
@@ -77,7 +77,7 @@ impl Tail {
     }
 
     /// The fin's edge in the x–z plane from its upper root over the tip to its lower root, `points` a side, m.
-    pub fn fin_outline(&self, points: usize) -> Vec<Point2> {
+    pub(crate) fn fin_outline(&self, points: usize) -> Vec<Point2> {
         let (from, to) = (self.fin_root(), self.length());
         let at = |i: usize| from + (to - from) * i as f64 / points.max(1) as f64;
         let upper: Vec<Point2> = (0..=points).map(|i| [at(i), self.sheet_half_height(at(i))]).collect();

@@ -22,7 +22,7 @@ impl Metric {
     }
 
     /// Whether the number is a computing time, which is not compared between runs.
-    pub fn is_a_duration(&self) -> bool {
+    pub(crate) fn is_a_duration(&self) -> bool {
         self.unit == "s" && self.id.contains("second")
     }
 }

@@ -109,7 +109,7 @@ impl Potential<'_> {
 
     /// ∂²Π/∂u² at `u` without rank-one terms, lower triangle, N/m.
     /// `previous`: where the last step began, for [`HessianKind::MixedPoint`].
-    pub fn hessian(&self, u: &[f64], previous: &[f64], kind: HessianKind, values: &mut [f64]) {
+    pub(crate) fn hessian(&self, u: &[f64], previous: &[f64], kind: HessianKind, values: &mut [f64]) {
         values.fill(0.0);
         let tangent = match kind {
             HessianKind::Exact => TangentKind::Exact,
@@ -125,13 +125,13 @@ impl Potential<'_> {
     }
 
     /// s times the elastic part of ∂²Π/∂u² alone.
-    pub fn elastic_stiffness(&self, u: &[f64], values: &mut [f64]) {
+    pub(crate) fn elastic_stiffness(&self, u: &[f64], values: &mut [f64]) {
         values.fill(0.0);
         self.body().stiffness(u, self.elastic_scale, TangentKind::Exact, values);
     }
 
     /// Adds all but the elastic part of ∂²Π/∂u².
-    pub fn add_inertia_and_loads(&self, u: &[f64], values: &mut [f64]) {
+    pub(crate) fn add_inertia_and_loads(&self, u: &[f64], values: &mut [f64]) {
         self.add_mass(values);
         let pattern = &self.data.pattern;
         for gas in self.gases() {
@@ -149,13 +149,13 @@ impl Potential<'_> {
     }
 
     /// The gas in each chamber; open chambers without pressure are left out.
-    pub fn gases(&self) -> impl Iterator<Item = Gas<'_>> {
+    pub(crate) fn gases(&self) -> impl Iterator<Item = Gas<'_>> {
         let each = self.data.chambers.iter().zip(self.pressures).zip(self.ambient);
         each.map(|((chamber, &pressure), &ambient)| Gas { chamber, pressure, ambient }).filter(|gas| !gas.is_idle())
     }
 
     /// The part that `hessian` leaves out: c and v (in elimination order) of each rank-one term c v vᵀ.
-    pub fn rank_one_terms(&self, u: &[f64]) -> Vec<(f64, Vec<f64>)> {
+    pub(crate) fn rank_one_terms(&self, u: &[f64]) -> Vec<(f64, Vec<f64>)> {
         let terms = self.gases().filter_map(|gas| gas.rank_one_term(u));
         terms.map(|(c, gradient)| (c, self.data.pattern.gather(&gradient))).collect()
     }

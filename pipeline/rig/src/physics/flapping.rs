@@ -53,7 +53,7 @@ pub struct TimeSpan {
 }
 
 /// A motion, and its force on the holder.
-pub struct FlappingMotion<'a> {
+pub(crate) struct FlappingMotion<'a> {
     model: &'a FlappingModel<'a>,
     start: Second,
     rate: Hertz,

@@ -29,7 +29,7 @@ pub trait Motion: Sync {
 }
 
 /// A motion through equilibria: the shapes of a pressure sweep, interpolated at the present pressure.
-pub struct QuasistaticMotion<'a> {
+pub(crate) struct QuasistaticMotion<'a> {
     /// Nodes at rest, m.
     pub rest: &'a [Point3],
     /// Shapes by pressure.
@@ -41,7 +41,7 @@ pub struct QuasistaticMotion<'a> {
 impl QuasistaticMotion<'_> {
     /// Index of the first of the four levels around the pressure at time `t` (s), and the weights of the cubic through them (Lagrange);
     /// the pressure is clamped to the range of the sweep.
-    pub fn interpolation(&self, t: Second) -> (usize, [f64; 4]) {
+    pub(crate) fn interpolation(&self, t: Second) -> (usize, [f64; 4]) {
         let pressures = &self.sweep.pressures;
         let last = pressures.len() - 1;
         let pressure = self.trace.at(t).clamp(pressures[0], pressures[last]);
@@ -78,7 +78,7 @@ fn lagrange(at: &[f64], x: f64) -> [f64; 4] {
 }
 
 /// A motion stored at even times.
-pub struct SampledMotion {
+pub(crate) struct SampledMotion {
     /// Nodes at rest, m.
     pub rest: Vec<Point3>,
     /// Time of the first shape, s; at rest before it.

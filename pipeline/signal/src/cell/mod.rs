@@ -33,7 +33,7 @@ impl Cell {
     }
 
     /// b/m, 1/s, and k/m, 1/s².
-    pub fn per_mass(&self) -> [f64; 2] {
+    pub(crate) fn per_mass(&self) -> [f64; 2] {
         let omega = TAU * self.natural_frequency;
         [2.0 * self.damping_ratio * omega, omega * omega]
     }

@@ -9,7 +9,7 @@ use diagnostics::{Diagnostic, Result};
 use sysid::{Elastic, Model, ReducedBody};
 
 /// A model with its moduli, and the observed marker.
-pub struct MotionSimulation<'a> {
+pub(crate) struct MotionSimulation<'a> {
     /// The model, with its markers at their measured positions.
     pub model: &'a Model,
     /// The identified constants.
@@ -90,7 +90,7 @@ impl MotionSimulation<'_> {
 }
 
 /// Settings of a fixed step with stiffness-proportional damping.
-pub fn dynamic_settings(scheme: Scheme, step: Second, stiffness_damping: Second) -> DynamicSettings {
+pub(crate) fn dynamic_settings(scheme: Scheme, step: Second, stiffness_damping: Second) -> DynamicSettings {
     DynamicSettings { step, scheme, stiffness_damping, ..DynamicSettings::default() }
 }
 
@@ -103,7 +103,7 @@ pub fn identified(model: &Model, found: &Identified) -> Elastic {
 ///
 /// # Errors
 /// A [`Diagnostic`] when the log's times do not rise.
-pub fn gauges(motion: &Motion) -> Result<Vec<Samples>> {
+pub(crate) fn gauges(motion: &Motion) -> Result<Vec<Samples>> {
     let samples = motion.gauges.iter().map(|g| Samples::new(motion.log_time.clone(), g.measured.clone()));
     samples.collect::<Result<_, _>>().map_err(Diagnostic::from)
 }

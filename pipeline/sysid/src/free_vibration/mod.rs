@@ -35,7 +35,7 @@ const AS_FAST: f64 = 0.02;
 const TURNS: usize = 4;
 
 /// Results with one material law.
-pub struct ByLaw {
+pub(crate) struct ByLaw {
     /// Its name.
     pub law: String,
     /// From the static deflection.

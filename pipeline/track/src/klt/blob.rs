@@ -66,7 +66,7 @@ impl Soft {
     }
 }
 
-/// FailedGate a window holds no spot.
+/// Why a window holds no spot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Miss {
     /// The window, or the ring around it, reaches out of the picture.

@@ -62,7 +62,7 @@ struct Track {
     turn: Radian,
     /// Exponential mean of the covariance by sectors, px², from the second frame on.
     by_sectors: Option<[[f64; 2]; 2]>,
-    /// FailedGate and since which frame it is hidden.
+    /// Why and since which frame it is hidden.
     hidden: Option<TrackingError>,
 }
 
@@ -74,7 +74,7 @@ struct Accepted {
 }
 
 /// The least radius of a window, px.
-pub const LEAST_RADIUS: f64 = 4.0;
+pub(crate) const LEAST_RADIUS: f64 = 4.0;
 
 impl Tracker {
     /// Begins with the first frame: each clicked position (px) is moved to the middle of the dark spot within reach.

@@ -12,7 +12,7 @@ use diagnostics::{Diagnostic, Result};
 use workflow::stage::StageContext;
 
 /// The name of the file in messages.
-pub const WORD: &str = "places";
+pub(crate) const WORD: &str = "places";
 /// Largest distance of a marker from its card position in the first frame, as a fraction of the specimen's length: a wrong unit,
 /// origin or axis gives more.
 const ASTRAY: f64 = 0.2;
