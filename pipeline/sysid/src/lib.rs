@@ -42,4 +42,4 @@ pub use misfit::Misfit;
 pub use model::{BODY, Elastic, Model, SPINE, by_node};
 pub use noise::{Covariance2, Level, NoiseModel};
 pub use order::nearest_neighbour_order;
-pub use reduced::{ReducedBody, reduce};
+pub use reduced::{ForcedMotion, ReducedBody, Snapshots};
