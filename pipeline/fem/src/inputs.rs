@@ -4,7 +4,7 @@ use crate::assembly::elastic::Elastic;
 use crate::assembly::mass::Mass;
 use crate::loads::{DeadForces, add_gravity};
 use crate::material::Lame;
-use crate::newton::potential::{Inertia, Potential};
+use crate::newton::potential::Potential;
 use crate::properties::RegionProperties;
 use crate::system_data::SystemData;
 use si::{Pascal, Point3};
@@ -83,16 +83,5 @@ impl Inputs {
     /// The static potential under `pressures` and the whole dead load.
     pub fn at_rest<'a>(&'a self, data: &'a SystemData, pressures: &'a [Pascal]) -> Potential<'a> {
         self.static_potential(data, AppliedLoad { pressures, load_factor: 1.0 })
-    }
-
-    /// The incremental potential of one time step.
-    pub(crate) fn in_motion<'a>(
-        &'a self,
-        data: &'a SystemData,
-        pressures: &'a [Pascal],
-        elastic_scale: f64,
-        inertia: &'a Inertia,
-    ) -> Potential<'a> {
-        Potential { elastic_scale, inertia: Some(inertia), ..self.at_rest(data, pressures) }
     }
 }

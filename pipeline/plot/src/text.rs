@@ -1,6 +1,6 @@
 //! Widths of texts, and numbers as text.
 //!
-//! The viewer chooses the font. Widths are those of DejaVu Sans, the widest font of [`crate::FONT_FAMILIES`], so that a
+//! The viewer chooses the font. Widths are those of DejaVu Sans, the widest font of `svg::FONT_FAMILIES`, so that a
 //! text is never wider than its bounding box.
 
 /// Widths of the characters ' ' to '~' in thousandths of the font size.

@@ -171,7 +171,7 @@ impl SubjectOf<Trial> for Specimen {
 /// The id of a trial, as the card has it.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(transparent)]
-pub(crate) struct TrialId(pub String);
+pub struct TrialId(pub String);
 
 impl Part<Trial> for TrialId {
     fn part_of(trial: &Trial) -> Self {

@@ -37,5 +37,5 @@ pub use levels::{Derivatives, LevelSolver, PressureLevel, SimulatedLevel};
 pub use misfit::Misfit;
 pub use model::{BODY, Elastic, Model, SPINE, by_node};
 pub use noise::{Covariance2, Level, NoiseModel};
-pub use reduced::{ReducedBody, reduce};
+pub use reduced::{ForcedMotion, ReducedBody, Snapshots};
 pub use search::{Interrupted, feasible_lower_bound, nearest_neighbour_order};

@@ -34,7 +34,8 @@ fn example_words(source: &Source) -> Vec<String> {
 
 /// Whether a source belongs to the library of a crate.
 fn is_library(source: &Source, name: &str) -> bool {
-    let inside = source.path.strip_prefix("pipeline/").and_then(|p| p.strip_prefix(name)).and_then(|p| p.strip_prefix("/src/"));
+    let inside =
+        source.path.strip_prefix("pipeline/").and_then(|p| p.strip_prefix(name)).and_then(|p| p.strip_prefix("/src/"));
     inside.is_some_and(|file| file != "main.rs")
 }
 
@@ -46,7 +47,10 @@ fn declared(source: &Source) -> Vec<(usize, String)> {
         let kind = KINDS.iter().find(|kind| rest.strip_prefix(**kind).is_some_and(|r| r.starts_with(' ')))?;
         words(&rest[kind.len()..]).next()
     };
-    code.lines().enumerate().filter_map(|(i, line)| item(line).filter(|n| n != "fn").map(|name| (i + 1, name))).collect()
+    code.lines()
+        .enumerate()
+        .filter_map(|(i, line)| item(line).filter(|n| n != "fn").map(|name| (i + 1, name)))
+        .collect()
 }
 
 /// Public items of the library of a crate that nothing outside of it names.
@@ -54,7 +58,8 @@ fn without_use(name: &str, all: &[Source]) -> Vec<String> {
     let (own, others): (Vec<&Source>, Vec<&Source>) = all.iter().partition(|s| is_library(s, name));
     let mut used: BTreeSet<String> = others.iter().flat_map(|s| words(&s.code()).collect::<Vec<_>>()).collect();
     used.extend(all.iter().flat_map(example_words));
-    let items = own.iter().filter(|s| !s.test).flat_map(|s| declared(s).into_iter().map(|item| (s.path.as_str(), item)));
+    let items =
+        own.iter().filter(|s| !s.test).flat_map(|s| declared(s).into_iter().map(|item| (s.path.as_str(), item)));
     items.filter(|(_, (_, n))| !used.contains(n)).map(|(path, (line, n))| format!("{path}:{line} {n}")).collect()
 }
 
@@ -68,6 +73,7 @@ fn a_function_that_no_other_crate_uses_is_not_public() {
 #[test]
 fn a_public_function_without_use_is_found() {
     let text = "/// ```\n/// a::shown();\n/// ```\npub fn shown() {}\npub fn hidden() {}\npub const fn used() {}\npub(crate) fn own() {}\n";
-    let all = [Source::new("pipeline/a/src/lib.rs", text), Source::new("pipeline/b/src/lib.rs", "fn b() { a::used() }")];
+    let all =
+        [Source::new("pipeline/a/src/lib.rs", text), Source::new("pipeline/b/src/lib.rs", "fn b() { a::used() }")];
     assert_eq!(without_use("a", &all), ["pipeline/a/src/lib.rs:5 hidden"]);
 }

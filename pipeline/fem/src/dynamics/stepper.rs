@@ -157,7 +157,7 @@ impl SolverState {
         }
         let stencil = stepper.stencil(settings, time);
         let (inertia, elastic_scale) = self.inertia(settings, &stencil, stepper);
-        let potential = self.inputs.in_motion(&self.data, pressures, elastic_scale, &inertia);
+        let potential = self.inputs.at_rest(&self.data, pressures).in_motion(elastic_scale, &inertia);
         // Inertia keeps the minimum close to the initial guess; the line search keeps the iteration safe where a
         // pressure jumps.
         let options = NewtonOptions {

@@ -63,6 +63,13 @@ pub(crate) struct Energy {
     pub size: f64,
 }
 
+impl<'a> Potential<'a> {
+    /// The incremental potential of one time step, from the static one.
+    pub fn in_motion(self, elastic_scale: f64, inertia: &'a Inertia) -> Self {
+        Self { elastic_scale, inertia: Some(inertia), ..self }
+    }
+}
+
 impl Potential<'_> {
     /// Π at `u` (3 entries per node, m), J; `gradient` becomes ∂Π/∂u, 3 entries per node, N.
     pub fn energy(&self, u: &[f64], gradient: &mut [f64]) -> Energy {

@@ -72,7 +72,13 @@ impl Points {
     }
 
     /// Adds K, J.
-    pub(crate) fn add_stiffness(&self, q: &DVector<f64>, kind: ReducedTangent, scale: f64, stiffness: &mut DMatrix<f64>) {
+    pub(crate) fn add_stiffness(
+        &self,
+        q: &DVector<f64>,
+        kind: ReducedTangent,
+        scale: f64,
+        stiffness: &mut DMatrix<f64>,
+    ) {
         let (kind, previous) = match kind {
             #[cfg(test)]
             ReducedTangent::Exact => (TangentKind::Exact, q),

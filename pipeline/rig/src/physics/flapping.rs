@@ -53,7 +53,7 @@ pub struct TimeSpan {
 }
 
 /// A motion, and its force on the holder.
-pub(crate) struct FlappingMotion<'a> {
+pub struct FlappingMotion<'a> {
     model: &'a FlappingModel<'a>,
     start: Second,
     rate: Hertz,

@@ -29,7 +29,7 @@ pub trait Motion: Sync {
 }
 
 /// A motion through equilibria: the shapes of a pressure sweep, interpolated at the present pressure.
-pub(crate) struct QuasistaticMotion<'a> {
+pub struct QuasistaticMotion<'a> {
     /// Nodes at rest, m.
     pub rest: &'a [Point3],
     /// Shapes by pressure.
@@ -78,7 +78,7 @@ fn lagrange(at: &[f64], x: f64) -> [f64; 4] {
 }
 
 /// A motion stored at even times.
-pub(crate) struct SampledMotion {
+pub struct SampledMotion {
     /// Nodes at rest, m.
     pub rest: Vec<Point3>,
     /// Time of the first shape, s; at rest before it.

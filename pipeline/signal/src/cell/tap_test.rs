@@ -48,7 +48,7 @@ pub struct Estimate {
 
 /// Result of a tap test.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct TapTest {
+pub struct TapTest {
     /// From the time domain, where the noise is white: the one to use.
     pub in_time: Estimate,
     /// From the frequency domain.

@@ -6,7 +6,7 @@ use signal::resample::Samples;
 
 use crate::records::{Identified, Motion};
 use diagnostics::{Diagnostic, Result};
-use sysid::{Elastic, Model, ReducedBody};
+use sysid::{Elastic, ForcedMotion, Model, ReducedBody};
 
 /// A model with its moduli, and the observed marker.
 pub(crate) struct MotionSimulation<'a> {
@@ -65,7 +65,8 @@ impl MotionSimulation<'_> {
         actuation: &Actuation,
     ) -> Result<[Samples; 2]> {
         let steps = actuation.steps(settings.step);
-        let path = reduced_body.integrate(settings, self.marker, &|t| actuation.pressures(t), steps)?;
+        let motion = ForcedMotion { settings, pressures: &|t| actuation.pressures(t), steps };
+        let path = reduced_body.integrate(&motion, self.marker)?;
         actuation.sampled(settings.step, &path)
     }
 

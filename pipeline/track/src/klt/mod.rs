@@ -21,6 +21,7 @@ mod template;
 
 use crate::Gray;
 pub use blob::clutter;
+use error::Expected;
 pub use error::{FailedGate, TrackingError};
 pub use find_blobs::find_blobs;
 pub use find_corners::find_corners;
@@ -89,7 +90,7 @@ impl Tracker {
         let (tracks, observations, single_thread) = (Vec::new(), Vec::new(), SingleThread::new());
         let mut new = Self { settings, before: first.clone(), frame: 0, tracks, observations, single_thread };
         for (marker, &near) in clicked.iter().enumerate() {
-            let error = |why| TrackingError::at(first, marker, 0, near, why);
+            let error = |why| TrackingError::at(first, Expected { marker, frame: 0, near }, why);
             let blob = new.spot(first, near).map_err(error)?;
             let away = distance(blob.at, near);
             if away > settings.click_radius {
@@ -145,7 +146,7 @@ impl Tracker {
                 None => self.locate(picture, track, near),
                 Some(since) => self.reacquire(picture, marker, track, frame - since.frame),
             };
-            seen.map_err(|why| TrackingError::at(picture, marker, frame, near, why))
+            seen.map_err(|why| TrackingError::at(picture, Expected { marker, frame, near }, why))
         };
         self.tracks.iter().enumerate().map(look).collect()
     }
