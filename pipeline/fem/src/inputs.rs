@@ -4,7 +4,7 @@ use crate::assembly::elastic::Elastic;
 use crate::assembly::mass::Mass;
 use crate::loads::{DeadForces, add_gravity};
 use crate::material::Lame;
-use crate::newton::potential::{Inertia, Potential};
+use crate::newton::potential::Potential;
 use crate::properties::RegionProperties;
 use crate::system_data::SystemData;
 use si::{Pascal, Point3};
@@ -56,7 +56,7 @@ impl Inputs {
     }
 
     /// Sums forces and weight.
-    pub fn update_dead_forces(&mut self) {
+    pub(crate) fn update_dead_forces(&mut self) {
         let mut all = self.forces.clone();
         if self.gravity != [0.0; 3] {
             all.resize(3 * self.mass.nodal.len(), 0.0);
@@ -66,7 +66,7 @@ impl Inputs {
     }
 
     /// The static potential under `load`.
-    pub fn static_potential<'a>(&'a self, data: &'a SystemData, load: AppliedLoad<'a>) -> Potential<'a> {
+    pub(crate) fn static_potential<'a>(&'a self, data: &'a SystemData, load: AppliedLoad<'a>) -> Potential<'a> {
         Potential {
             data,
             elastic: &self.elastic,
@@ -83,16 +83,5 @@ impl Inputs {
     /// The static potential under `pressures` and the whole dead load.
     pub fn at_rest<'a>(&'a self, data: &'a SystemData, pressures: &'a [Pascal]) -> Potential<'a> {
         self.static_potential(data, AppliedLoad { pressures, load_factor: 1.0 })
-    }
-
-    /// The incremental potential of one time step.
-    pub fn in_motion<'a>(
-        &'a self,
-        data: &'a SystemData,
-        pressures: &'a [Pascal],
-        elastic_scale: f64,
-        inertia: &'a Inertia,
-    ) -> Potential<'a> {
-        Potential { elastic_scale, inertia: Some(inertia), ..self.at_rest(data, pressures) }
     }
 }

@@ -33,7 +33,7 @@ impl Lame {
     }
 
     /// (∂μ, ∂λ)/∂ν at E, ν; Pa.
-    pub fn by_poissons_ratio(youngs_modulus: Pascal, poissons_ratio: f64) -> Self {
+    pub(crate) fn by_poissons_ratio(youngs_modulus: Pascal, poissons_ratio: f64) -> Self {
         let (e, nu) = (youngs_modulus, poissons_ratio);
         let below = (1.0 + nu) * (1.0 - 2.0 * nu);
         Self { mu: -e / (2.0 * (1.0 + nu) * (1.0 + nu)), lambda: e * (1.0 + 2.0 * nu * nu) / (below * below) }

@@ -264,7 +264,7 @@ impl Solver {
     ///
     /// # Errors
     /// As [`Solver::record`]; also when the times do not rise.
-    pub fn record_at(
+    pub(crate) fn record_at(
         &mut self,
         problem: &InitialValueProblem,
         times: Vec<Second>,

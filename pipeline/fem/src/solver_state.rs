@@ -33,13 +33,13 @@ impl SolverState {
 
     /// # Errors
     /// [`SolveError`] when `values` do not have 3 entries per node, or one is not finite.
-    pub fn check_field(&self, what: &'static str, values: &[f64]) -> Result<(), SolveError> {
+    pub(crate) fn check_field(&self, what: &'static str, values: &[f64]) -> Result<(), SolveError> {
         check(what, values, self.data.full_length())
     }
 
     /// # Errors
     /// [`SolveError`] when there is not one finite pressure per chamber, or a sealed chamber has none left.
-    pub fn check_pressures(&self, pressures: &[Pascal]) -> Result<(), SolveError> {
+    pub(crate) fn check_pressures(&self, pressures: &[Pascal]) -> Result<(), SolveError> {
         check("a list of pressures", pressures, self.data.chambers.len())?;
         for (&pressure, ambient) in pressures.iter().zip(&self.inputs.ambient) {
             if ambient.is_some_and(|ambient| pressure <= -ambient) {
@@ -51,20 +51,20 @@ impl SolverState {
     }
 
     /// The same displacement with zeros at constrained dofs.
-    pub fn with_constraints(&self, displacement: &[f64]) -> Vec<f64> {
+    pub(crate) fn with_constraints(&self, displacement: &[f64]) -> Vec<f64> {
         let free = self.data.pattern.gather(displacement);
         self.data.pattern.scattered(&free, 1.0, displacement.len())
     }
 
     /// f(u) = ∂Ψ/∂u, 3 entries per node, N.
-    pub fn elastic_forces(&self, u: &[f64]) -> Vec<f64> {
+    pub(crate) fn elastic_forces(&self, u: &[f64]) -> Vec<f64> {
         let mut forces = vec![0.0; u.len()];
         self.data.body(&self.inputs.elastic).energy(u, 1.0, &mut forces);
         forces
     }
 
     /// M x at free dofs, both 3 entries per node.
-    pub fn mass_times(&self, x: &[f64]) -> Vec<f64> {
+    pub(crate) fn mass_times(&self, x: &[f64]) -> Vec<f64> {
         let pattern = &self.data.pattern;
         let free = pattern.gather(x);
         let mut image = vec![0.0; free.len()];
@@ -74,7 +74,7 @@ impl SolverState {
 
     /// K_f(u) x at free dofs with the elastic stiffness K_f, both 3 entries per node; the assembled tangent is
     /// overwritten.
-    pub fn elastic_stiffness_times(&mut self, u: &[f64], x: &[f64]) -> Vec<f64> {
+    pub(crate) fn elastic_stiffness_times(&mut self, u: &[f64], x: &[f64]) -> Vec<f64> {
         let Self { data, inputs, newton, .. } = self;
         let pressures = vec![0.0; data.chambers.len()];
         inputs.at_rest(data, &pressures).elastic_stiffness(u, &mut newton.tangent);

@@ -45,7 +45,7 @@ impl SystemData {
     }
 
     /// What mass matrices are assembled over.
-    pub fn mass_assembly(&self) -> MassAssembly<'_> {
+    pub(crate) fn mass_assembly(&self) -> MassAssembly<'_> {
         MassAssembly {
             mesh: &self.mesh,
             pattern: &self.pattern,
@@ -55,7 +55,7 @@ impl SystemData {
     }
 
     /// Length of a vector with 3 entries per node.
-    pub fn full_length(&self) -> usize {
+    pub(crate) fn full_length(&self) -> usize {
         3 * self.mesh.nodes.len()
     }
 }

@@ -12,7 +12,7 @@ use si::{KilogramPerCubicMetre, Metre, Point2};
 use crate::{Section, ValueWithGradient};
 
 /// Virtual mass a length, kg/m, of a section of depth `depth` (m) in a fluid of `density` (kg/m³).
-pub fn virtual_mass(density: KilogramPerCubicMetre, depth: Metre) -> f64 {
+pub(crate) fn virtual_mass(density: KilogramPerCubicMetre, depth: Metre) -> f64 {
     0.25 * std::f64::consts::PI * density * depth * depth
 }
 
@@ -28,19 +28,19 @@ pub fn momentum(mass: f64, section: &Section) -> ValueWithGradient {
 }
 
 /// −m u w n_x + ½ m w² x', N: thrust at the trailing edge from convected momentum and the pressure of the wake.
-pub fn edge_thrust(mass: f64, edge: &Section) -> ValueWithGradient {
+pub(crate) fn edge_thrust(mass: f64, edge: &Section) -> ValueWithGradient {
     let (w, u) = (edge.normal_velocity(), edge.tangential_velocity());
     let convected = u.mul(w).mul(ValueWithGradient::normal_x(edge)).scaled(-mass);
     convected.add(w.mul(w).mul(ValueWithGradient::tangent_x(edge)).scaled(0.5 * mass))
 }
 
 /// m w n, kg/s: momentum per length of the water that moves with a section.
-pub fn momentum_vector(mass: f64, section: &Section) -> Point2 {
+pub(crate) fn momentum_vector(mass: f64, section: &Section) -> Point2 {
     normal(section).map(|n| mass * section.normal_velocity().value * n)
 }
 
 /// m u w n − ½ m w² r', N: momentum flux that leaves at a section, and the wake's pressure there.
-pub fn flux_vector(mass: f64, section: &Section) -> Point2 {
+pub(crate) fn flux_vector(mass: f64, section: &Section) -> Point2 {
     let (w, u, n) = (section.normal_velocity().value, section.tangential_velocity().value, normal(section));
     [0, 1].map(|k| mass * u * w * n[k] - 0.5 * mass * w * w * section.tangent[k])
 }

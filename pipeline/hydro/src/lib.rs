@@ -52,13 +52,13 @@ pub struct ValueWithGradient {
 
 impl Section {
     /// w = ẏ x' − ẋ y', m/s.
-    pub fn normal_velocity(&self) -> ValueWithGradient {
+    pub(crate) fn normal_velocity(&self) -> ValueWithGradient {
         let ([tx, ty], [vx, vy]) = (self.tangent, self.velocity);
         ValueWithGradient { value: vy * tx - vx * ty, by_tangent: [vy, -vx], by_velocity: [-ty, tx] }
     }
 
     /// u = ẋ x' + ẏ y', m/s.
-    pub fn tangential_velocity(&self) -> ValueWithGradient {
+    pub(crate) fn tangential_velocity(&self) -> ValueWithGradient {
         let ([tx, ty], [vx, vy]) = (self.tangent, self.velocity);
         ValueWithGradient { value: vx * tx + vy * ty, by_tangent: [vx, vy], by_velocity: [tx, ty] }
     }
@@ -94,7 +94,7 @@ impl ValueWithGradient {
 
     /// The product of two.
     #[allow(clippy::should_implement_trait)] // one method among others of one line each, chained by name
-    pub fn mul(self, other: Self) -> Self {
+    pub(crate) fn mul(self, other: Self) -> Self {
         let (a, b) = (self.scaled(other.value), other.scaled(self.value));
         Self { value: self.value * other.value, ..a.add(b) }
     }

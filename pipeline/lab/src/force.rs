@@ -23,7 +23,7 @@ use diagnostics::Diagnostic;
 pub const COLUMNS: [&str; 2] = ["time_s", "force_n"];
 
 /// Plausible forces of a soft tail and of a light hammer, N.
-pub const RANGE: [Newton; 2] = [-50.0, 50.0];
+pub(crate) const RANGE: [Newton; 2] = [-50.0, 50.0];
 
 /// The column of the lamp, where there is one.
 pub const LAMP: &str = "led";

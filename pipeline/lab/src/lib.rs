@@ -25,7 +25,6 @@ pub mod card;
 pub mod folder;
 pub mod force;
 mod log;
-mod nearest;
 pub mod pressure;
 pub mod range;
 pub mod space;

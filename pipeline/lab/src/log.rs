@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use crate::nearest::nearest;
+use crate::table::nearest;
 use diagnostics::Diagnostic;
 
 /// The columns of one kind of log; the first one is time in s.

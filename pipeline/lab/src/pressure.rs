@@ -21,7 +21,7 @@ use diagnostics::Diagnostic;
 pub const COLUMNS: [&str; 6] = ["time_s", "left_command_mbar", "right_command_mbar", "left_mbar", "right_mbar", "led"];
 
 /// Plausible pressures of a soft actuator, Pa.
-pub const RANGE: [Pascal; 2] = [-20_000.0, 500_000.0];
+pub(crate) const RANGE: [Pascal; 2] = [-20_000.0, 500_000.0];
 
 /// One side of a log: `samples` each.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -4,7 +4,6 @@ use std::path::Path;
 
 use toml::de::{DeTable, DeValue};
 
-use crate::nearest::nearest;
 use diagnostics::Diagnostic;
 
 /// Where the keys of a card are explained.
@@ -61,6 +60,28 @@ fn action_for(what: &str, expected: &str, see: &str) -> String {
     }
 }
 
+/// Levenshtein distance between two words.
+fn distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, from) in a.chars().enumerate() {
+        let mut corner = row[0];
+        row[0] = i + 1;
+        for (j, to) in b.iter().enumerate() {
+            let change = corner + usize::from(from != *to);
+            corner = row[j + 1];
+            row[j + 1] = change.min(row[j] + 1).min(corner + 1);
+        }
+    }
+    row[b.len()]
+}
+
+/// The word of `known` that is nearest to `word`, if it is close enough to be a typing error (a third of its letters, or two).
+pub(crate) fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
+    let (steps, best) = known.iter().map(|k| (distance(word, k), *k)).min()?;
+    (steps <= 2.max(word.chars().count() / 3)).then_some(best)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -70,5 +91,12 @@ mod tests {
         let text = "a = 1\n[[trial]]\nid = 1\n[[trial]]\nid = 2\n";
         assert_eq!(line_of_path(text, "trial.1.id"), Some(5));
         assert_eq!(line_of_path(text, "absent"), None);
+    }
+
+    #[test]
+    fn a_word_with_two_wrong_letters_is_found_and_an_unrelated_one_is_not() {
+        let known = ["youngs_modulus", "poissons_ratio", "density"];
+        assert_eq!(nearest("young_modulus", &known), Some("youngs_modulus"));
+        assert_eq!(nearest("colour", &known), None);
     }
 }

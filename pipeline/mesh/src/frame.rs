@@ -28,7 +28,7 @@ impl Frame {
     }
 
     /// Index in a plan point of the space axis `axis`; none for the normal itself.
-    pub fn plan_axis(self, axis: usize) -> Option<usize> {
+    pub(crate) fn plan_axis(self, axis: usize) -> Option<usize> {
         (0..2).find(|k| (self.normal + 1 + k) % 3 == axis)
     }
 }

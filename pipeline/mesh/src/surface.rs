@@ -132,7 +132,7 @@ impl Surface {
     ///
     /// # Errors
     /// [`SurfaceError::Open`] with the first open edge and the number of them.
-    pub fn shared_edges(&self) -> Result<Vec<SharedEdge>, SurfaceError> {
+    pub(crate) fn shared_edges(&self) -> Result<Vec<SharedEdge>, SurfaceError> {
         let edges = self.edges();
         let groups: Vec<_> = edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).collect();
         let open = |g: &&&[(u32, u32, u32, bool)]| g.len() != 2 || g[0].3 == g[1].3;

@@ -42,7 +42,7 @@ impl Residuals {
     ///
     /// Returns δ (parameters), zero where `free` is false, or `None` when the matrix is singular.
     #[allow(non_snake_case)]
-    pub fn damped_step(&self, damping: f64, free: &[bool]) -> Option<Vec<f64>> {
+    pub(crate) fn damped_step(&self, damping: f64, free: &[bool]) -> Option<Vec<f64>> {
         let axes: Vec<usize> = (0..free.len()).filter(|&i| free[i]).collect();
         let J = self.jacobian_matrix(free.len()).select_columns(&axes);
         let right = -J.tr_mul(&DVector::from_column_slice(&self.values));
@@ -55,7 +55,7 @@ impl Residuals {
     }
 
     /// The reduction of ½ ‖r‖² that the linear model predicts for a step: −gᵀδ − ½ ‖Jδ‖².
-    pub fn predicted_reduction(&self, step: &[f64]) -> f64 {
+    pub(crate) fn predicted_reduction(&self, step: &[f64]) -> f64 {
         let step = DVector::from_column_slice(step);
         let change = self.jacobian_matrix(step.len()) * &step;
         -self.gradient_vector(step.len()).dot(&step) - 0.5 * change.norm_squared()

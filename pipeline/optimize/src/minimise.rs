@@ -29,18 +29,18 @@ impl EvaluationLog {
     }
 
     /// The lowest loss among the first `evaluations`.
-    pub fn loss_after_evaluations(&self, evaluations: usize) -> f64 {
+    pub(crate) fn loss_after_evaluations(&self, evaluations: usize) -> f64 {
         self.entries.iter().take(evaluations).map(|t| t.evaluation.loss).fold(f64::INFINITY, f64::min)
     }
 
     /// The lowest loss among the first `iterations`.
-    pub fn loss_after_iterations(&self, iterations: usize) -> f64 {
+    pub(crate) fn loss_after_iterations(&self, iterations: usize) -> f64 {
         let so_far = self.entries.iter().take_while(|t| t.iteration < iterations);
         so_far.map(|t| t.evaluation.loss).fold(f64::INFINITY, f64::min)
     }
 
     /// The lowest loss so far, one number an evaluation: a curve of convergence.
-    pub fn lowest_so_far(&self) -> Vec<f64> {
+    pub(crate) fn lowest_so_far(&self) -> Vec<f64> {
         let losses = self.entries.iter().map(|t| t.evaluation.loss);
         losses.scan(f64::INFINITY, |low, loss| Some(std::mem::replace(low, low.min(loss)).min(loss))).collect()
     }

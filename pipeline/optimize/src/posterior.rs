@@ -41,7 +41,7 @@ impl Residuals {
 
 impl Covariance {
     /// The principal axes, the least certain first.
-    pub fn principal_axes(&self) -> Vec<PrincipalAxis> {
+    pub(crate) fn principal_axes(&self) -> Vec<PrincipalAxis> {
         let n = self.parameters();
         let split = SymmetricEigen::new(DMatrix::from_fn(n, n, |i, j| self.of(i, j)));
         let axis = |k: usize| {

@@ -86,7 +86,7 @@ impl Problem {
     }
 
     /// A point as text: `body = -1.25, spine = 0.41`.
-    pub fn describe(&self, at: &[f64]) -> String {
+    pub(crate) fn describe(&self, at: &[f64]) -> String {
         let parts: Vec<String> = self.names.iter().zip(at).map(|(n, v)| format!("{n} = {v}")).collect();
         parts.join(", ")
     }

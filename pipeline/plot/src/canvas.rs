@@ -5,7 +5,7 @@ use si::Point2;
 use crate::{Colour, Dash, Side, palette, text};
 
 /// Points of print in a millimetre.
-pub const POINTS_PER_MM: f64 = 72.0 / 25.4;
+pub(crate) const POINTS_PER_MM: f64 = 72.0 / 25.4;
 
 /// An axis-aligned rectangle, in points of print.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,7 +48,7 @@ impl Area {
     }
 
     /// Whether two share a point.
-    pub fn intersects(&self, other: &Self) -> bool {
+    pub(crate) fn intersects(&self, other: &Self) -> bool {
         (0..2).all(|k| self.from[k] <= other.to[k] && self.to[k] >= other.from[k])
     }
 
@@ -95,12 +95,12 @@ impl TextItem {
     }
 
     /// The same text in bold type.
-    pub fn bold(self) -> Self {
+    pub(crate) fn bold(self) -> Self {
         Self { bold: true, ..self }
     }
 
     /// The same text, rotated by 90°.
-    pub fn vertical(self) -> Self {
+    pub(crate) fn vertical(self) -> Self {
         Self { vertical: true, ..self }
     }
 

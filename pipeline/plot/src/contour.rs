@@ -4,7 +4,7 @@ use si::Point2;
 
 /// Values on a uniform grid; a point of the grid is [column, row].
 #[derive(Debug, Clone, PartialEq)]
-pub struct Field {
+pub(crate) struct Field {
     /// Columns.
     pub columns: usize,
     /// Rows.

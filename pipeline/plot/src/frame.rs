@@ -9,7 +9,7 @@ use crate::{Axis, Side, palette, text};
 /// Font size of tick labels and legends.
 pub const SMALL: f64 = 6.5;
 /// Font size of axis labels.
-pub const NORMAL: f64 = 7.0;
+pub(crate) const NORMAL: f64 = 7.0;
 /// Width of the box.
 const BOX_LINE: f64 = 0.6;
 /// Width of grid lines.
@@ -50,7 +50,7 @@ impl<'a> Frame<'a> {
     }
 
     /// The margins for tick labels and axis labels.
-    pub fn margins(&self) -> Margins {
+    pub(crate) fn margins(&self) -> Margins {
         let (across, up) = (self.x_ticks(), vertical_ticks(&self.plot_area.y));
         let last = across.major.last().map_or(0.0, |(value, text)| {
             0.5 * text::width(text, SMALL) - (self.plot_area.frame.to[0] - self.plot_area.x.place(*value))
@@ -69,7 +69,7 @@ impl<'a> Frame<'a> {
     }
 
     /// Grid lines at the major ticks, under everything else.
-    pub fn draw_grid(&self, canvas: &mut Canvas) {
+    pub(crate) fn draw_grid(&self, canvas: &mut Canvas) {
         let Area { from, to } = self.plot_area.frame;
         for (value, _) in self.x_ticks().major {
             let x = self.plot_area.x.place(value);
@@ -130,7 +130,7 @@ impl<'a> Frame<'a> {
 }
 
 /// Ticks of a vertical axis.
-pub fn vertical_ticks(ruler: &Ruler) -> Ticks {
+pub(crate) fn vertical_ticks(ruler: &Ruler) -> Ticks {
     ruler.ticks(APART_Y)
 }
 

@@ -33,7 +33,7 @@ fn entry_width(mark: &Mark) -> f64 {
 }
 
 /// The first place in a frame where the legend covers nothing that is drawn.
-pub fn free_place(entries: &[&Mark], frame: Area, drawn: &Canvas) -> Option<Area> {
+pub(crate) fn free_place(entries: &[&Mark], frame: Area, drawn: &Canvas) -> Option<Area> {
     let width = entries.iter().map(|m| entry_width(m)).fold(0.0, f64::max);
     let size = [width, entries.len() as f64 * LINE];
     let inner = frame.grown(-CLEAR);
@@ -48,7 +48,7 @@ pub fn free_place(entries: &[&Mark], frame: Area, drawn: &Canvas) -> Option<Area
 }
 
 /// Draws the entries under each other.
-pub fn draw_inside(canvas: &mut Canvas, entries: &[&Mark], area: Area) {
+pub(crate) fn draw_inside(canvas: &mut Canvas, entries: &[&Mark], area: Area) {
     if entries.is_empty() {
         return;
     }
@@ -77,12 +77,12 @@ fn lines(entries: &[&Mark], width: f64) -> Vec<usize> {
 }
 
 /// The height that the legend takes over a frame of this width.
-pub fn height_over(entries: &[&Mark], width: f64) -> f64 {
+pub(crate) fn height_over(entries: &[&Mark], width: f64) -> f64 {
     if entries.is_empty() { 0.0 } else { lines(entries, width).len() as f64 * LINE + CLEAR - 1.0 }
 }
 
 /// Draws the entries over a frame, beginning at its left side.
-pub fn draw_over(canvas: &mut Canvas, entries: &[&Mark], frame: Area) {
+pub(crate) fn draw_over(canvas: &mut Canvas, entries: &[&Mark], frame: Area) {
     let lines = lines(entries, frame.width());
     let top = frame.from[1] - CLEAR + 1.0 - lines.len() as f64 * LINE;
     let mut rest = entries;

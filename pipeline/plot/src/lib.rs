@@ -60,5 +60,4 @@ pub use panels::diagram::{Diagram, Part};
 pub use panels::landscape::{Landscape, Shading};
 pub use panels::picture::Picture;
 pub use panels::scene::{Overlay, OverlayKind, Paint, Scene, Triangle};
-pub use svg::FONT_FAMILIES;
 pub use table::{Alignment, Column, Table};

@@ -135,7 +135,7 @@ fn error_bar(canvas: &mut Canvas, mark: &Mark, [low, high]: [Point2; 2], frame: 
 }
 
 /// One marker at a point of the page; also used for the legend's samples.
-pub fn draw_marker(canvas: &mut Canvas, mark: &Mark, at: Point2, marker: Marker) {
+pub(crate) fn draw_marker(canvas: &mut Canvas, mark: &Mark, at: Point2, marker: Marker) {
     let Mark { colour, opacity, size, .. } = *mark;
     let r = 0.5 * size;
     let line = (MARKER_LINE * size).max(0.6);

@@ -23,7 +23,7 @@ pub const FAINT: Colour = Colour(228, 228, 228);
 /// The paper.
 pub const PAPER: Colour = Colour(255, 255, 255);
 /// A missing value.
-pub const MISSING: Colour = Colour(200, 200, 200);
+pub(crate) const MISSING: Colour = Colour(200, 200, 200);
 
 /// Measurements.
 pub const MEASURED: Colour = BLACK;
@@ -42,7 +42,7 @@ pub const NETWORK: Colour = GREEN;
 /// Elongated-body theory.
 pub const ELONGATED_BODY: Colour = PURPLE;
 /// A trivial baseline.
-pub const BASELINE: Colour = Colour(95, 95, 95);
+pub(crate) const BASELINE: Colour = Colour(95, 95, 95);
 /// The optimum.
 pub const OPTIMUM: Colour = Colour(214, 39, 40);
 

@@ -24,7 +24,7 @@ impl Raster {
 }
 
 /// A grey picture (height × width, rows from the top) as a PNG file.
-pub fn grey_png(pixels: &[u8], width: usize, height: usize) -> Result<Vec<u8>, PlotError> {
+pub(crate) fn grey_png(pixels: &[u8], width: usize, height: usize) -> Result<Vec<u8>, PlotError> {
     encode(pixels, width, height, ExtendedColorType::L8)
 }
 

@@ -16,7 +16,7 @@ use crate::raster::base64;
 use crate::{Colour, Dash, PlotError, Side, thin};
 
 /// Font families in order of preference; the fallback is any sans-serif.
-pub const FONT_FAMILIES: &str = "Helvetica, Arial, 'Liberation Sans', Arimo, 'DejaVu Sans', sans-serif";
+pub(crate) const FONT_FAMILIES: &str = "Helvetica, Arial, 'Liberation Sans', Arimo, 'DejaVu Sans', sans-serif";
 
 /// Units of the SVG in a point of print.
 const GRID: f64 = 20.0;

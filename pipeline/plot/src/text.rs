@@ -1,6 +1,6 @@
 //! Widths of texts, and numbers as text.
 //!
-//! The viewer chooses the font. Widths are those of DejaVu Sans, the widest font of [`crate::FONT_FAMILIES`], so that a
+//! The viewer chooses the font. Widths are those of DejaVu Sans, the widest font of `svg::FONT_FAMILIES`, so that a
 //! text is never wider than its bounding box.
 
 /// Widths of the characters ' ' to '~' in thousandths of the font size.
@@ -13,7 +13,7 @@ const WIDTHS: [u16; 95] = [
 ];
 
 /// Width of bold text relative to normal text.
-pub const BOLD: f64 = 1.16;
+pub(crate) const BOLD: f64 = 1.16;
 
 /// The width of a text, in the unit of its font size.
 pub fn width(text: &str, size: f64) -> f64 {
@@ -39,7 +39,7 @@ pub fn number(value: f64, decimals: usize) -> String {
 }
 
 /// A power of ten as it is printed: 10⁻³.
-pub fn power_of_ten(exponent: i32) -> String {
+pub(crate) fn power_of_ten(exponent: i32) -> String {
     const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     let raised = |c: char| c.to_digit(10).map_or('⁻', |d| RAISED[d as usize]);
     format!("10{}", exponent.to_string().chars().map(raised).collect::<String>())

@@ -155,7 +155,7 @@ impl Rule {
 }
 
 /// A number with a readable number of digits.
-pub fn formatted(value: f64) -> String {
+pub(crate) fn formatted(value: f64) -> String {
     match value.abs() {
         0.0 => "0".into(),
         v if !(1e-3..1e5).contains(&v) => format!("{value:.2e}"),

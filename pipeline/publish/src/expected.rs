@@ -36,7 +36,7 @@ pub struct Expected {
 /// The expectation of one number.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Expectation {
+pub(crate) struct Expectation {
     /// In the metric's unit.
     pub value: f64,
     /// Its tolerance, in the metric's unit.

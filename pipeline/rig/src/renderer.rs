@@ -56,7 +56,7 @@ impl Subject {
     }
 
     /// Nodes of the mesh that carry marks, ascending.
-    pub fn mark_nodes(&self) -> Vec<u32> {
+    pub(crate) fn mark_nodes(&self) -> Vec<u32> {
         ascending(self.marks.iter().flat_map(Mark::nodes))
     }
 }
@@ -116,7 +116,7 @@ impl RecordingRenderer<'_> {
     }
 
     /// Delay of the lamp's rows after the frame's time, s.
-    pub fn lamp_delay(&self) -> Second {
+    pub(crate) fn lamp_delay(&self) -> Second {
         let lamp = self.view.project_static(self.renderer.lamp.at);
         lamp.map_or(0.0, |[_, v]| self.view.camera.row_delay(v))
     }

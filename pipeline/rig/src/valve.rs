@@ -119,7 +119,7 @@ impl Trace {
     }
 
     /// Reading of a gauge at the valve's port at time `t` (s), Pa over ambient.
-    pub fn at_valve(&self, t: Second) -> Pascal {
+    pub(crate) fn at_valve(&self, t: Second) -> Pascal {
         self.piece(t).map_or(0.0, |piece| piece.at_valve(t))
     }
 

@@ -42,7 +42,7 @@ pub enum ClockError {
 }
 
 /// Largest drift that is accepted, s a second: a poor crystal drifts by 1e-4.
-pub const DRIFT_LIMIT: f64 = 0.01;
+pub(crate) const DRIFT_LIMIT: f64 = 0.01;
 
 impl Clock {
     /// The identity.

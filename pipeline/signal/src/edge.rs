@@ -113,35 +113,45 @@ pub fn edges_at(times: &[Second], values: &[f64], window: impl Fn(usize) -> Wind
     let flicker = noise / (high - low);
     let upper: Vec<bool> = share.iter().map(|&s| s >= 0.5).collect();
     let crossings = (1..share.len()).filter(|&i| upper[i] != upper[i - 1]);
+    let normalised = NormalisedSignal { times, share: &share, window: &window, flicker };
     let edge = |i: usize| {
-        let (time, sigma) = crossing(times, &share, &window, flicker, i);
+        let (time, sigma) = normalised.crossing(i);
         Edge { time, up: upper[i], sigma }
     };
     Ok(crossings.map(edge).collect())
 }
 
-/// The time of the edge between samples `i` − 1 and `i`, which lie on different sides of the mean level.
-///
-/// The sample that lies between the levels has the edge inside its window, a share of the new level before the window's
-/// end. Without such a sample the edge lies between the two windows and is placed half way. The second value is the standard
-/// deviation: from the `flicker` of the level (a share), or that of a uniform distribution over the gap.
-fn crossing(
-    times: &[Second],
-    share: &[f64],
-    window: &impl Fn(usize) -> Window,
+/// A signal scaled so that its lower level is 0 and its upper level 1.
+struct NormalisedSignal<'a> {
+    /// Times of the samples, s.
+    times: &'a [Second],
+    /// Value of each sample, no unit.
+    share: &'a [f64],
+    /// The averaging window of each sample.
+    window: &'a dyn Fn(usize) -> Window,
+    /// Scatter within the levels, no unit.
     flicker: f64,
-    i: usize,
-) -> (Second, Second) {
-    let new = |k: usize| if share[i] >= 0.5 { share[k] } else { 1.0 - share[k] };
-    let begin = |k: usize| times[k] - window(k).lead;
-    let nearest = if (share[i - 1] - 0.5).abs() < (share[i] - 0.5).abs() { i - 1 } else { i };
-    if (NEAR..=1.0 - NEAR).contains(&share[nearest]) {
-        let width = window(nearest).width;
-        (begin(nearest) + (1.0 - new(nearest)) * width, flicker.hypot(LEVEL) * width)
-    } else {
-        let (from, to) = (begin(i - 1) + window(i - 1).width, begin(i));
-        let gap = to - from + NEAR * (window(i - 1).width + window(i).width);
-        (0.5 * (from + to), gap / 12.0_f64.sqrt())
+}
+
+impl NormalisedSignal<'_> {
+    /// The time of the edge between samples `i` − 1 and `i`, which lie on different sides of the mean level.
+    ///
+    /// The sample that lies between the levels has the edge inside its window, a share of the new level before the window's
+    /// end. Without such a sample the edge lies between the two windows and is placed half way. The second value is the standard
+    /// deviation: from the flicker of the level, or that of a uniform distribution over the gap.
+    fn crossing(&self, i: usize) -> (Second, Second) {
+        let Self { times, share, window, flicker } = *self;
+        let new = |k: usize| if share[i] >= 0.5 { share[k] } else { 1.0 - share[k] };
+        let begin = |k: usize| times[k] - window(k).lead;
+        let nearest = if (share[i - 1] - 0.5).abs() < (share[i] - 0.5).abs() { i - 1 } else { i };
+        if (NEAR..=1.0 - NEAR).contains(&share[nearest]) {
+            let width = window(nearest).width;
+            (begin(nearest) + (1.0 - new(nearest)) * width, flicker.hypot(LEVEL) * width)
+        } else {
+            let (from, to) = (begin(i - 1) + window(i - 1).width, begin(i));
+            let gap = to - from + NEAR * (window(i - 1).width + window(i).width);
+            (0.5 * (from + to), gap / 12.0_f64.sqrt())
+        }
     }
 }
 

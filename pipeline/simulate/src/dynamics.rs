@@ -4,9 +4,10 @@ use fem::{DynamicSettings, InitialValueProblem, SolveError, Solver, State, Stati
 use si::{Pascal, Second};
 
 use crate::body::Body;
-use crate::case::{Case, Dynamic, Scheme, Start};
+use crate::case::{Dynamic, Scheme, Start};
 use crate::frames::Frame;
-use crate::{Console, Outputs, Summary};
+use crate::probes::Solved;
+use crate::{Simulation, Summary};
 use diagnostics::{Diagnostic, Result};
 
 /// Default number of steps between frames.
@@ -18,32 +19,21 @@ const LINES: usize = 20;
 ///
 /// # Errors
 /// A [`Diagnostic`] that names the time at which no motion was found; everything up to it, and the last state, is then written.
-pub(super) fn solve(
-    case: &Case,
-    set: &Dynamic,
-    body: &Body,
-    written: &mut Outputs,
-    console: &Console,
-) -> Result<Summary> {
+pub(super) fn solve(set: &Dynamic, simulation: Simulation) -> Result<Summary> {
+    let Simulation { case, body, .. } = simulation;
     let mut solver = body.solver(case)?;
     let pressures = |time: Second| body.pressures(case, |chamber| chamber.pressure.at(time));
     let initial = initial(set, body, &mut solver, &pressures(0.0))?;
     // the output needs the solver's gas law while the integration borrows the solver
     let reader = body.solver(case)?;
-    let mut watch = Watch {
-        case,
-        body,
-        reader: &reader,
-        written,
-        console,
-        steps: 0,
-        last: (0.0, initial.clone()),
-        diagnostic: None,
-    };
+    let last = (0.0, initial.clone());
+    let mut watch = Watch { simulation, reader: &reader, steps: 0, last, diagnostic: None };
     watch.see(0.0, &initial);
     let lost = {
         let mut observe = |time: Second, state: &State| watch.next(time, state);
-        integrate(set, &mut solver, &initial, &pressures, &mut observe).err()
+        let settings = settings(set);
+        let problem = InitialValueProblem { settings: &settings, initial: &initial, pressures: &pressures };
+        integrate(set, &mut solver, &problem, &mut observe).err()
     };
     watch.end(lost)
 }
@@ -57,41 +47,31 @@ fn initial(set: &Dynamic, body: &Body, solver: &mut Solver, pressures: &[Pascal]
     Ok(state)
 }
 
-fn integrate(
-    set: &Dynamic,
-    solver: &mut Solver,
-    initial: &State,
-    pressures: &dyn Fn(Second) -> Vec<Pascal>,
-    observe: &mut dyn FnMut(Second, &State),
-) -> Result<(), SolveError> {
+fn settings(set: &Dynamic) -> DynamicSettings {
     let scheme = match set.scheme {
         Scheme::ImplicitEuler => fem::Scheme::ImplicitEuler,
         Scheme::Bdf2 => fem::Scheme::Bdf2,
     };
     let (mass_damping, stiffness_damping) = (set.mass_damping, set.stiffness_damping);
     let settings = DynamicSettings { scheme, mass_damping, stiffness_damping, ..DynamicSettings::default() };
+    DynamicSettings { step: set.step.unwrap_or(settings.step), ..settings }
+}
+
+fn integrate(
+    set: &Dynamic,
+    solver: &mut Solver,
+    problem: &InitialValueProblem,
+    observe: &mut dyn FnMut(Second, &State),
+) -> Result<(), SolveError> {
     match (set.step, set.adaptive) {
         (Some(step), _) => {
             let steps = (set.duration / step).round() as usize;
-            solver
-                .integrate(
-                    &InitialValueProblem { settings: &DynamicSettings { step, ..settings }, initial, pressures },
-                    steps,
-                    observe,
-                )
-                .map(|_| ())
+            solver.integrate(problem, steps, observe).map(|_| ())
         }
         (None, Some(bounds)) => {
             let bounds =
                 StepControl { tolerance: bounds.tolerance, shortest: bounds.shortest, longest: bounds.longest };
-            solver
-                .integrate_adaptive(
-                    &InitialValueProblem { settings: &settings, initial, pressures },
-                    &bounds,
-                    set.duration,
-                    observe,
-                )
-                .map(|_| ())
+            solver.integrate_adaptive(problem, &bounds, set.duration, observe).map(|_| ())
         }
         (None, None) => Ok(()),
     }
@@ -99,11 +79,8 @@ fn integrate(
 
 /// Receives every state of the integration.
 struct Watch<'a> {
-    case: &'a Case,
-    body: &'a Body<'a>,
+    simulation: Simulation<'a>,
     reader: &'a Solver,
-    written: &'a mut Outputs,
-    console: &'a Console,
     steps: usize,
     last: (Second, State),
     /// The first error of writing.
@@ -114,10 +91,11 @@ impl Watch<'_> {
     fn next(&mut self, time: Second, state: &State) {
         self.steps += 1;
         self.see(time, state);
-        let planned = self.case.dynamic.as_ref().and_then(|set| Some((set.duration / set.step?).round() as usize));
+        let planned =
+            self.simulation.case.dynamic.as_ref().and_then(|set| Some((set.duration / set.step?).round() as usize));
         if self.steps.is_multiple_of(planned.map_or(LINES, |steps| steps.div_ceil(LINES).max(1))) {
             let fastest = state.velocity.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
-            self.console.line(&format!("step {} at {time:.6} s: fastest {fastest:.3e} m/s", self.steps));
+            self.simulation.console.line(&format!("step {} at {time:.6} s: fastest {fastest:.3e} m/s", self.steps));
         }
         self.last = (time, state.clone());
     }
@@ -129,14 +107,16 @@ impl Watch<'_> {
     }
 
     fn write(&mut self, time: Second, state: &State) -> Result<()> {
-        if self.steps.is_multiple_of(self.case.output.every) {
-            let pressures = self.body.pressures(self.case, |chamber| chamber.pressure.at(time));
-            self.written.table.row(time, self.body, self.reader, &state.displacement, &pressures)?;
+        let Simulation { case, body, written, .. } = &mut self.simulation;
+        if self.steps.is_multiple_of(case.output.every) {
+            let pressures = body.pressures(case, |chamber| chamber.pressure.at(time));
+            let solved = Solved { at: time, displacement: &state.displacement, pressures: &pressures };
+            written.table.row(body, self.reader, &solved)?;
         }
-        let every = self.case.output.vtu_every.unwrap_or(FRAME_EVERY);
+        let every = case.output.vtu_every.unwrap_or(FRAME_EVERY);
         if every > 0 && self.steps.is_multiple_of(every) {
-            let name = self.written.frames.next_name();
-            self.written.frames.write(&name, time, self.body, &frame(state, self.reader))?;
+            let name = written.frames.next_name();
+            written.frames.write(&name, time, body, &frame(state, self.reader))?;
         }
         Ok(())
     }
@@ -150,7 +130,8 @@ impl Watch<'_> {
             return Ok(Summary { dofs: 0, solved: self.steps, iterations: None, folder: Default::default() });
         };
         let (time, state) = &self.last;
-        let path = self.written.frames.write("last_converged.vtu", *time, self.body, &frame(state, self.reader))?;
+        let Simulation { body, written, .. } = &mut self.simulation;
+        let path = written.frames.write("last_converged.vtu", *time, body, &frame(state, self.reader))?;
         Err(Diagnostic::from(lost).noting(format!("last converged state: {}", path.display())))
     }
 }

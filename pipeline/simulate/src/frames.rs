@@ -53,7 +53,7 @@ impl Frames {
     }
 
     /// The name of the next frame.
-    pub fn next_name(&self) -> String {
+    pub(crate) fn next_name(&self) -> String {
         format!("frame_{:04}.vtu", self.written.len())
     }
 
@@ -93,7 +93,8 @@ fn text(body: &Body, frame: &Frame) -> String {
     let each = solid.element(0).len();
     wholes(&mut text, "connectivity", &list);
     wholes(&mut text, "offsets", &(1..=cells).map(|cell| (cell * each) as i32).collect::<Vec<_>>());
-    array(&mut text, "UInt8", "types", 1, &vec![TETRAHEDRA[usize::from(each == 10)]; cells]);
+    let types = vec![TETRAHEDRA[usize::from(each == 10)]; cells];
+    DataArray { kind: "UInt8", name: "types", components: 1 }.write(&mut text, &types);
     text += "</Cells>\n<PointData Vectors=\"displacement_m\">\n";
     reals(&mut text, "displacement_m", 3, frame.displacement);
     if let Some(velocity) = frame.velocity {
@@ -111,18 +112,34 @@ fn text(body: &Body, frame: &Frame) -> String {
     text + "</CellData>\n</Piece></UnstructuredGrid></VTKFile>\n"
 }
 
-fn reals(text: &mut String, name: &str, parts: usize, values: &[f64]) {
-    array(text, "Float64", name, parts, &values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<_>>());
+fn reals(text: &mut String, name: &str, components: usize, values: &[f64]) {
+    let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+    DataArray { kind: "Float64", name, components }.write(text, &bytes);
 }
 
 fn wholes(text: &mut String, name: &str, values: &[i32]) {
-    array(text, "Int32", name, 1, &values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<_>>());
+    let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+    DataArray { kind: "Int32", name, components: 1 }.write(text, &bytes);
 }
 
-fn array(text: &mut String, kind: &str, name: &str, parts: usize, bytes: &[u8]) {
-    let mut all = (bytes.len() as u32).to_le_bytes().to_vec();
-    all.extend(bytes);
-    let _ =
-        write!(text, "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{parts}\" format=\"binary\">");
-    let _ = writeln!(text, "{}</DataArray>", STANDARD.encode(all));
+/// Header of a VTK data array.
+struct DataArray<'a> {
+    /// Its number type.
+    kind: &'a str,
+    name: &'a str,
+    /// Numbers a point or cell.
+    components: usize,
+}
+
+impl DataArray<'_> {
+    fn write(&self, text: &mut String, bytes: &[u8]) {
+        let Self { kind, name, components } = self;
+        let mut all = (bytes.len() as u32).to_le_bytes().to_vec();
+        all.extend(bytes);
+        let _ = write!(
+            text,
+            "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"binary\">"
+        );
+        let _ = writeln!(text, "{}</DataArray>", STANDARD.encode(all));
+    }
 }

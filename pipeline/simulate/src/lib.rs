@@ -65,22 +65,30 @@ pub fn run(path: &Path, out: Option<&Path>, quiet: bool) -> Result<Summary> {
     let body = Body::new(&case, &loaded)?;
     body.notes.iter().for_each(|note| console.line(note));
     std::fs::create_dir_all(&folder).map_err(|e| cannot_write(&folder, &e))?;
-    let mut written =
+    let written =
         Outputs { table: Table::create(&case, &body, &folder, &stem)?, frames: Frames::begin(&folder, &stem)? };
-    let solved = solve(&case, &body, &mut written, &console)?;
+    let solved = solve(Simulation { case: &case, body: &body, written, console: &console })?;
     let summary = Summary { dofs: body.system.dofs(), folder, ..solved };
     console.last(&summary, began.elapsed().as_secs_f64());
     Ok(summary)
 }
 
-fn solve(case: &Case, body: &Body, written: &mut Outputs, console: &Console) -> Result<Summary> {
-    match (&case.statics, &case.dynamic) {
-        (Some(set), _) => statics::solve(case, set, body, written, console),
-        (None, Some(set)) => dynamics::solve(case, set, body, written, console),
+fn solve(simulation: Simulation) -> Result<Summary> {
+    match (&simulation.case.statics, &simulation.case.dynamic) {
+        (Some(set), _) => statics::solve(set, simulation),
+        (None, Some(set)) => dynamics::solve(set, simulation),
         (None, None) => {
             Err(Diagnostic::new("nothing is asked for", "a case has [static] or [dynamic]", "add one of them"))
         }
     }
+}
+
+/// A case with its body, and where its results go.
+struct Simulation<'a> {
+    case: &'a Case,
+    body: &'a Body<'a>,
+    written: Outputs,
+    console: &'a Console,
 }
 
 /// The output during a simulation.

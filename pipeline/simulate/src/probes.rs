@@ -33,6 +33,16 @@ impl Probe {
     }
 }
 
+/// A solved state.
+pub(super) struct Solved<'a> {
+    /// Level, or time in s.
+    pub at: f64,
+    /// 3 a node, m.
+    pub displacement: &'a [f64],
+    /// One a chamber of the mesh, Pa.
+    pub pressures: &'a [Pascal],
+}
+
 /// The table of a case.
 pub(super) struct Table {
     file: File,
@@ -72,18 +82,12 @@ impl Table {
         Ok(table)
     }
 
-    /// Writes one row: the level or time, then everything at `displacement` (3 a node, m) under `pressures`.
+    /// Writes one row: the level or time, then every probe and chamber.
     ///
     /// # Errors
     /// A [`Diagnostic`] when the file cannot be written.
-    pub fn row(
-        &mut self,
-        at: f64,
-        body: &Body,
-        solver: &Solver,
-        displacement: &[f64],
-        pressures: &[Pascal],
-    ) -> Result<()> {
+    pub fn row(&mut self, body: &Body, solver: &Solver, solved: &Solved) -> Result<()> {
+        let Solved { at, displacement, pressures } = *solved;
         let nodes = body.solid.nodes();
         let moved = |node: usize| [0, 1, 2].map(|k| displacement[3 * node + k]);
         let mut row = vec![at];

@@ -33,7 +33,7 @@ impl Reach<'_> {
 
     /// # Errors
     /// A [`Diagnostic`] when `name` asks for a point this far (m) from what it means.
-    pub fn on_body(&self, name: &str, apart: Metre) -> Result<()> {
+    pub(crate) fn on_body(&self, name: &str, apart: Metre) -> Result<()> {
         if apart <= OFF * self.size {
             return Ok(());
         }
@@ -73,7 +73,7 @@ impl Reach<'_> {
     }
 
     /// The box around all nodes in words, for messages.
-    pub fn extent(&self) -> String {
+    pub(crate) fn extent(&self) -> String {
         let axis = |k: usize| {
             let places = self.solid.nodes().iter().map(|at| at[k]);
             let (low, high) = (places.clone().fold(f64::INFINITY, f64::min), places.fold(f64::NEG_INFINITY, f64::max));

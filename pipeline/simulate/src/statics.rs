@@ -2,45 +2,48 @@
 
 use fem::{Equilibrium, SolveError, Solver, StaticSettings};
 
-use crate::body::Body;
-use crate::case::{Case, Static};
+use crate::case::Static;
 use crate::frames::Frame;
-use crate::{Console, Outputs, Summary};
+use crate::probes::Solved;
+use crate::{Simulation, Summary};
 use diagnostics::{Diagnostic, Result};
 
 /// Solves all levels.
 ///
 /// # Errors
 /// A [`Diagnostic`] that names the level; the levels before it, and the last converged state, are then written.
-pub(super) fn solve(
-    case: &Case,
-    set: &Static,
-    body: &Body,
-    written: &mut Outputs,
-    console: &Console,
-) -> Result<Summary> {
+pub(super) fn solve(set: &Static, mut simulation: Simulation) -> Result<Summary> {
+    let Simulation { case, body, console, .. } = simulation;
     let mut solver = body.solver(case)?;
     let settings = StaticSettings { load_steps: set.load_steps, tolerance: set.tolerance, ..StaticSettings::default() };
     let frame_every = case.output.vtu_every.unwrap_or(1);
-    let mut start: Option<(f64, Vec<f64>)> = None;
+    let mut start: Option<Converged> = None;
     let mut iterations = 0;
     for (number, &level) in set.levels.iter().enumerate() {
         let forces: Vec<f64> = body.forces.iter().map(|force| level * force).collect();
         solver.set_forces(&forces)?;
         let pressures = body.pressures(case, |chamber| chamber.pressure.at_level(level));
-        let near = start.as_ref().map(|(_, shape)| shape.as_slice());
+        let near = start.as_ref().map(|before| before.displacement.as_slice());
         let found = solver.equilibrium(&pressures, near, &settings);
-        let found = found.map_err(|lost| keep_last(lost, level, start.take(), body, &solver, written))?;
+        let found = found.map_err(|lost| simulation.keep_last(&solver, lost, level, start.take()))?;
         iterations += found.iterations;
-        written.table.row(level, body, &solver, &found.displacement, &pressures)?;
+        let solved = Solved { at: level, displacement: &found.displacement, pressures: &pressures };
+        simulation.written.table.row(body, &solver, &solved)?;
         if frame_every > 0 && (number + 1) % frame_every == 0 {
-            let name = written.frames.next_name();
-            written.frames.write(&name, level, body, &frame(&found.displacement, &solver))?;
+            let name = simulation.written.frames.next_name();
+            simulation.written.frames.write(&name, level, body, &frame(&found.displacement, &solver))?;
         }
         console.line(&said(level, &found));
-        start = Some((level, found.displacement));
+        start = Some(Converged { level, displacement: found.displacement });
     }
     Ok(Summary { dofs: 0, solved: set.levels.len(), iterations: Some(iterations), folder: Default::default() })
+}
+
+/// A converged state.
+struct Converged {
+    level: f64,
+    /// 3 a node, m.
+    displacement: Vec<f64>,
 }
 
 fn frame<'a>(displacement: &'a [f64], solver: &'a Solver) -> Frame<'a> {
@@ -60,25 +63,20 @@ fn said(level: f64, found: &Equilibrium) -> String {
     )
 }
 
-/// Writes the last converged state, of this level or the one `before`, and says where it lies.
-fn keep_last(
-    lost: SolveError,
-    level: f64,
-    before: Option<(f64, Vec<f64>)>,
-    body: &Body,
-    solver: &Solver,
-    written: &mut Outputs,
-) -> Diagnostic {
-    let on_the_way = match (lost.last_converged(), &lost) {
-        (Some(last), SolveError::NoEquilibrium { load_factor, .. }) => {
-            Some((load_factor * level, last.displacement.clone()))
+impl Simulation<'_> {
+    /// Writes the last converged state, of this level or the one `before`, and says where it lies.
+    fn keep_last(&mut self, solver: &Solver, lost: SolveError, level: f64, before: Option<Converged>) -> Diagnostic {
+        let on_the_way = match (lost.last_converged(), &lost) {
+            (Some(last), SolveError::NoEquilibrium { load_factor, .. }) => {
+                Some(Converged { level: load_factor * level, displacement: last.displacement.clone() })
+            }
+            _ => None,
+        };
+        let diagnostic = Diagnostic::from(lost).while_doing(format!("level {level}"));
+        let Some(Converged { level: at, displacement }) = on_the_way.or(before) else { return diagnostic };
+        match self.written.frames.write("last_converged.vtu", at, self.body, &frame(&displacement, solver)) {
+            Ok(path) => diagnostic.noting(format!("last converged state: {}, at level {at:.6}", path.display())),
+            Err(unwritten) => diagnostic.noting(format!("its last converged state cannot be kept: {}", unwritten.what)),
         }
-        _ => None,
-    };
-    let diagnostic = Diagnostic::from(lost).while_doing(format!("level {level}"));
-    let Some((at, shape)) = on_the_way.or(before) else { return diagnostic };
-    match written.frames.write("last_converged.vtu", at, body, &frame(&shape, solver)) {
-        Ok(path) => diagnostic.noting(format!("last converged state: {}, at level {at:.6}", path.display())),
-        Err(unwritten) => diagnostic.noting(format!("its last converged state cannot be kept: {}", unwritten.what)),
     }
 }

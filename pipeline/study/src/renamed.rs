@@ -3,7 +3,7 @@
 use workflow::settings::Renamed;
 
 /// Each is refused with its present name.
-pub const RENAMED: &[Renamed] = &[
+pub(crate) const RENAMED: &[Renamed] = &[
     Renamed { section: "", old: "best_flap", new: "optimal_actuation" },
     Renamed { section: "", old: "mesh_honesty", new: "mesh_sensitivity" },
     Renamed { section: "", old: "still", new: "example_frames" },

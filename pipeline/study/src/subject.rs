@@ -33,22 +33,22 @@ pub struct Trial {
 
 impl Trial {
     /// Whether parameters may be fitted to it.
-    pub fn is_for_identification(&self) -> bool {
+    pub(crate) fn is_for_identification(&self) -> bool {
         self.trial.role == card::Role::Identify
     }
 
     /// Whether it has a force log under water.
-    pub fn has_force_in_water(&self) -> bool {
+    pub(crate) fn has_force_in_water(&self) -> bool {
         self.trial.force.is_some() && self.is_in_water()
     }
 
     /// Whether it was filmed under water.
-    pub fn is_in_water(&self) -> bool {
+    pub(crate) fn is_in_water(&self) -> bool {
         self.trial.medium == card::Medium::Water
     }
 
     /// Whether it is a staircase in water, whose releases determine added mass and drag.
-    pub fn is_staircase_in_water(&self) -> bool {
+    pub(crate) fn is_staircase_in_water(&self) -> bool {
         self.is_in_water() && matches!(self.trial.experiment, card::Experiment::Staircase { .. })
     }
 
@@ -72,12 +72,12 @@ impl Trial {
     }
 
     /// Whether it is the first of its repeats.
-    pub fn is_first_repeat(&self) -> bool {
+    pub(crate) fn is_first_repeat(&self) -> bool {
         self.repeats().first().is_some_and(|first| first.trial.id == self.trial.id)
     }
 
     /// The highest commanded pressure of a staircase, Pa; none of a flapping trial.
-    pub fn highest_level(&self) -> Option<Pascal> {
+    pub(crate) fn highest_level(&self) -> Option<Pascal> {
         match &self.trial.experiment {
             card::Experiment::Staircase { levels, .. } => levels.iter().copied().reduce(f64::max),
             card::Experiment::Flapping { .. } => None,
@@ -85,18 +85,18 @@ impl Trial {
     }
 
     /// Whether it is the first of the specimen's staircases with the highest level.
-    pub fn is_highest_staircase(&self) -> bool {
+    pub(crate) fn is_highest_staircase(&self) -> bool {
         let of = Specimen { card: self.card.clone() };
         of.highest_staircase().is_some_and(|highest| highest.trial.id == self.trial.id)
     }
 
     /// What its repeats have in common, as figures and tables name it.
-    pub fn condition(&self) -> String {
+    pub(crate) fn condition(&self) -> String {
         condition_of(&self.trial.id)
     }
 
     /// Whether it is a validation trial.
-    pub fn is_for_validation(&self) -> bool {
+    pub(crate) fn is_for_validation(&self) -> bool {
         self.trial.role == card::Role::Validate
     }
 }
@@ -141,7 +141,7 @@ impl Specimen {
     }
 
     /// The first of the staircases with the highest level.
-    pub fn highest_staircase(&self) -> Option<Trial> {
+    pub(crate) fn highest_staircase(&self) -> Option<Trial> {
         let higher = |best: Option<Trial>, next: Trial| match &best {
             Some(before) if before.highest_level() >= next.highest_level() => best,
             _ => next.highest_level().is_some().then_some(next).or(best),

@@ -174,7 +174,7 @@ impl Part<'_> {
             model.markers.iter().map(|spot| Model::in_plane(spot, &equilibrium.displacement)).collect();
         let began = Instant::now();
         let gradient = match self.derivatives {
-            Derivatives::Gradient => gradient(model, level, self.levels.len(), &markers, &equilibrium, solver)?,
+            Derivatives::Gradient => self.gradient(level, &markers, &equilibrium, solver)?,
             _ => Vec::new(),
         };
         let sensitivities = match self.derivatives {
@@ -186,30 +186,29 @@ impl Part<'_> {
         let displacement = equilibrium.displacement;
         Ok(SimulatedLevel { markers, gradient, sensitivities, displacement, forward_seconds, derivative_seconds })
     }
-}
 
-/// Gradient by the moduli of this level's part of the mean distance, 1/(levels · markers) Σ |simulated − measured|.
-fn gradient(
-    model: &Model,
-    level: &PressureLevel,
-    levels: usize,
-    markers: &[Point2],
-    equilibrium: &Equilibrium,
-    solver: &mut Solver,
-) -> Result<Vec<f64>, SolveError> {
-    let share = 1.0 / (levels * markers.len()) as f64;
-    let mut by_displacement = vec![0.0; equilibrium.displacement.len()];
-    for ((spot, simulated), measured) in model.markers.iter().zip(markers).zip(&level.measured) {
-        let off = [simulated[0] - measured[0], simulated[1] - measured[1]];
-        let distance = off[0].hypot(off[1]).max(f64::MIN_POSITIVE);
-        for &(node, weight) in &spot.weights {
-            for k in 0..2 {
-                by_displacement[3 * node as usize + k] += share * weight * off[k] / distance;
+    /// Gradient by the moduli of this level's part of the mean distance, 1/(levels · markers) Σ |simulated − measured|.
+    fn gradient(
+        &self,
+        level: &PressureLevel,
+        markers: &[Point2],
+        equilibrium: &Equilibrium,
+        solver: &mut Solver,
+    ) -> Result<Vec<f64>, SolveError> {
+        let share = 1.0 / (self.levels.len() * markers.len()) as f64;
+        let mut by_displacement = vec![0.0; equilibrium.displacement.len()];
+        for ((spot, simulated), measured) in self.model.markers.iter().zip(markers).zip(&level.measured) {
+            let off = [simulated[0] - measured[0], simulated[1] - measured[1]];
+            let distance = off[0].hypot(off[1]).max(f64::MIN_POSITIVE);
+            for &(node, weight) in &spot.weights {
+                for k in 0..2 {
+                    by_displacement[3 * node as usize + k] += share * weight * off[k] / distance;
+                }
             }
         }
+        let regions = solver.adjoint(equilibrium, &by_displacement)?;
+        Ok([BODY, SPINE].map(|region| regions[region].youngs_modulus).to_vec())
     }
-    let regions = solver.adjoint(equilibrium, &by_displacement)?;
-    Ok([BODY, SPINE].map(|region| regions[region].youngs_modulus).to_vec())
 }
 
 const MODULI: [Parameter; 2] = [Parameter::YoungsModulus(BODY), Parameter::YoungsModulus(SPINE)];

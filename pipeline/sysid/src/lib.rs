@@ -22,24 +22,20 @@
 //! `simulate`.
 
 mod body;
-mod feasible;
 pub mod free_vibration;
-mod interrupted;
 pub mod landscape;
 mod levels;
 mod misfit;
 mod model;
 mod noise;
-mod order;
 mod reduced;
+mod search;
 mod surrogate;
 
 pub use body::{Body, Material};
-pub use feasible::feasible_lower_bound;
-pub use interrupted::Interrupted;
 pub use levels::{Derivatives, LevelSolver, PressureLevel, SimulatedLevel};
 pub use misfit::Misfit;
 pub use model::{BODY, Elastic, Model, SPINE, by_node};
 pub use noise::{Covariance2, Level, NoiseModel};
-pub use order::nearest_neighbour_order;
-pub use reduced::{ReducedBody, reduce};
+pub use reduced::{ForcedMotion, ReducedBody, Snapshots};
+pub use search::{Interrupted, feasible_lower_bound, nearest_neighbour_order};

@@ -38,28 +38,82 @@ struct Wish {
     pulls: Vec<f64>,
 }
 
-/// Reduces `model` with `elastic` by equilibria up to the pressures `top` (one a chamber, Pa); `length` is the specimen's, m,
-/// `tolerance` the relative error of the forces at the cubature points.
-///
-/// # Errors
-/// A [`Diagnostic`] when an equilibrium is not found.
-pub fn reduce(
-    model: &Model,
-    elastic: &Elastic,
-    top: &[Pascal],
-    length: Metre,
-    tolerance: f64,
-) -> Result<ReducedModelData> {
-    let pull = pull(model, elastic)?;
-    let filled: Vec<Vec<Vec<f64>>> =
-        (0..top.len()).into_par_iter().map(|k| solve(model, elastic, top, k)).collect::<Result<_>>()?;
-    let bends: Vec<f64> = filled.iter().map(|shapes| bend(&shapes[STEPS - 1], &pull)).collect();
-    let find = |wish: &Wish| shape(model, elastic, wish, nearest(&filled, top, &wish.pressures), &pull, length);
-    let others: Vec<Vec<Vec<f64>>> = wishes(top, &bends).par_iter().map(find).collect::<Result<_>>()?;
-    let shapes: Vec<&[f64]> = filled.iter().chain(&others).flatten().map(Vec::as_slice).collect();
-    let coordinates = (KEPT * shapes.len() as f64) as usize;
-    let by = ReductionSettings { coordinates, tolerance, ..ReductionSettings::default() };
-    Ok(model.system.reduce(&shapes, &by)?.data())
+/// The model to be reduced, and the range of its snapshots.
+#[derive(Clone, Copy)]
+pub struct Snapshots<'a> {
+    /// The full model.
+    pub model: &'a Model,
+    /// Its constants.
+    pub elastic: &'a Elastic,
+    /// Highest pressure of each chamber, Pa.
+    pub top: &'a [Pascal],
+    /// Length of the specimen, m.
+    pub length: Metre,
+}
+
+impl Snapshots<'_> {
+    /// The reduced model of the equilibria up to the highest pressures; `tolerance` is the relative error of the forces at the cubature
+    /// points.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when an equilibrium is not found.
+    pub fn reduce(&self, tolerance: f64) -> Result<ReducedModelData> {
+        let Self { model, elastic, top, .. } = *self;
+        let pull = pull(model, elastic)?;
+        let filled: Vec<Vec<Vec<f64>>> =
+            (0..top.len()).into_par_iter().map(|k| self.solve(k)).collect::<Result<_>>()?;
+        let bends: Vec<f64> = filled.iter().map(|shapes| bend(&shapes[STEPS - 1], &pull)).collect();
+        let find = |wish: &Wish| self.shape(wish, nearest(&filled, top, &wish.pressures), &pull);
+        let others: Vec<Vec<Vec<f64>>> = wishes(top, &bends).par_iter().map(find).collect::<Result<_>>()?;
+        let shapes: Vec<&[f64]> = filled.iter().chain(&others).flatten().map(Vec::as_slice).collect();
+        let coordinates = (KEPT * shapes.len() as f64) as usize;
+        let by = ReductionSettings { coordinates, tolerance, ..ReductionSettings::default() };
+        Ok(model.system.reduce(&shapes, &by)?.data())
+    }
+
+    /// Chamber `filled` alone up to its highest pressure, each equilibrium started from the last.
+    fn solve(&self, filled: usize) -> Result<Vec<Vec<f64>>> {
+        let mut solver = ready(self.model, self.elastic)?;
+        let mut shapes: Vec<Vec<f64>> = Vec::new();
+        for step in 1..=STEPS {
+            let pressures = alone(self.top, filled, step as f64 / STEPS as f64);
+            let found = solver.equilibrium(&pressures, shapes.last().map(Vec::as_slice), &settings());
+            shapes.push(found?.displacement);
+        }
+        Ok(shapes)
+    }
+
+    /// The shapes on the way to a wish, begun `near` it: with half of each pull and the whole; from the pressures alone where nothing pulls.
+    fn shape(&self, wish: &Wish, near: Option<&[f64]>, pull: &[f64]) -> Result<Vec<Vec<f64>>> {
+        let mut solver = ready(self.model, self.elastic)?;
+        let held = solver.equilibrium(&wish.pressures, near, &settings())?.displacement;
+        if wish.pulls.is_empty() {
+            return Ok(vec![held]);
+        }
+        let mut shapes: Vec<Vec<f64>> = Vec::new();
+        for far in &wish.pulls {
+            let mut last = held.clone();
+            for part in [0.5, 1.0] {
+                let forces: Vec<f64> = pull.iter().map(|f| part * far * self.length * f).collect();
+                solver.set_forces(&forces)?;
+                let found = solver.equilibrium(&wish.pressures, Some(&last), &settings());
+                last = found?.displacement;
+                shapes.push(last.clone());
+            }
+        }
+        Ok(shapes)
+    }
+}
+
+/// A motion from rest forced by the chambers' pressures.
+#[derive(Clone, Copy)]
+pub struct ForcedMotion<'a> {
+    /// Settings of the time integration.
+    pub settings: &'a DynamicSettings,
+    /// One pressure a chamber (Pa) at a time (s from the start).
+    pub pressures: &'a dyn Fn(Second) -> Vec<Pascal>,
+    /// Number of time steps.
+    pub steps: usize,
 }
 
 impl ReducedBody {
@@ -75,54 +129,34 @@ impl ReducedBody {
         Ok(Self { reduced, scale, rows })
     }
 
-    /// Displacement of a marker in the plane (m) after each of `steps` steps from rest, `pressures` at a time (s) from then.
+    /// Displacement of a marker in the plane (m) after each step of a motion.
     ///
     /// # Errors
     /// A [`Diagnostic`] when a step finds no motion.
-    pub fn integrate(
-        &self,
-        settings: &DynamicSettings,
-        marker: usize,
-        pressures: &dyn Fn(Second) -> Vec<Pascal>,
-        steps: usize,
-    ) -> Result<Vec<Point2>> {
+    pub fn integrate(&self, motion: &ForcedMotion, marker: usize) -> Result<Vec<Point2>> {
         let [x, y] = &self.rows[marker];
         let along = |row: &[f64], q: &[f64]| row.iter().zip(q).map(|(r, q)| r * q).sum::<f64>();
-        let mut path = Vec::with_capacity(steps);
-        let actuation = |t: Second| Actuation { pressures: pressures(t) };
-        self.reduced.integrate(
-            &ReducedMotion { settings, modulus_scale: &self.scale, actuation: &actuation },
-            &mut NoForce,
-            steps,
-            &mut |_, q, _| {
-                path.push([along(x, q.as_slice()), along(y, q.as_slice())]);
-            },
-        )?;
+        let mut path = Vec::with_capacity(motion.steps);
+        self.integrate_in_fluid(motion, &mut NoForce, &mut |q, _| {
+            path.push([along(x, q.as_slice()), along(y, q.as_slice())]);
+        })?;
         Ok(path)
     }
 
-    /// Integrates `steps` steps from rest under the external force `around`, `pressures` at a time (s); `see` receives each new q and q̇.
+    /// Integrates a motion under the external force `around`; `see` receives each new q and q̇.
     ///
     /// # Errors
     /// A [`Diagnostic`] when a step finds no motion.
     pub fn integrate_in_fluid(
         &self,
-        settings: &DynamicSettings,
+        motion: &ForcedMotion,
         around: &mut dyn ExternalForce,
-        pressures: &dyn Fn(Second) -> Vec<Pascal>,
-        steps: usize,
         see: &mut dyn FnMut(&DVector<f64>, &DVector<f64>),
     ) -> Result<()> {
-        let actuation = |t: Second| Actuation { pressures: pressures(t) };
+        let actuation = |t: Second| Actuation { pressures: (motion.pressures)(t) };
+        let reduced = ReducedMotion { settings: motion.settings, modulus_scale: &self.scale, actuation: &actuation };
         let mut shown = |_: Second, q: &DVector<f64>, v: &DVector<f64>| see(q, v);
-        self.reduced
-            .integrate(
-                &ReducedMotion { settings, modulus_scale: &self.scale, actuation: &actuation },
-                around,
-                steps,
-                &mut shown,
-            )
-            .map_err(Diagnostic::from)
+        self.reduced.integrate(&reduced, around, motion.steps, &mut shown).map_err(Diagnostic::from)
     }
 
     /// Displacement of the markers along x and y by each coordinate, m: (markers × 2) × coordinates, in the order of `markers`.
@@ -150,18 +184,6 @@ fn rows(reduced: &ReducedModel, spot: &mesh::Spot) -> [Vec<f64>; 2] {
         }
         row
     })
-}
-
-/// Chamber `filled` alone up to its highest pressure, each equilibrium started from the last.
-fn solve(model: &Model, elastic: &Elastic, top: &[Pascal], filled: usize) -> Result<Vec<Vec<f64>>> {
-    let mut solver = ready(model, elastic)?;
-    let mut shapes: Vec<Vec<f64>> = Vec::new();
-    for step in 1..=STEPS {
-        let pressures = alone(top, filled, step as f64 / STEPS as f64);
-        let found = solver.equilibrium(&pressures, shapes.last().map(Vec::as_slice), &settings());
-        shapes.push(found?.displacement);
-    }
-    Ok(shapes)
 }
 
 fn alone(top: &[Pascal], filled: usize, share: f64) -> Vec<Pascal> {
@@ -197,34 +219,6 @@ fn wishes(top: &[Pascal], bends: &[f64]) -> Vec<Wish> {
         })
     });
     std::iter::once(rest).chain(held).chain(pairs).collect()
-}
-
-/// The shapes on the way to a wish, begun `near` it: with half of each pull and the whole; from the pressures alone where nothing pulls.
-fn shape(
-    model: &Model,
-    elastic: &Elastic,
-    wish: &Wish,
-    near: Option<&[f64]>,
-    pull: &[f64],
-    length: Metre,
-) -> Result<Vec<Vec<f64>>> {
-    let mut solver = ready(model, elastic)?;
-    let held = solver.equilibrium(&wish.pressures, near, &settings())?.displacement;
-    if wish.pulls.is_empty() {
-        return Ok(vec![held]);
-    }
-    let mut shapes: Vec<Vec<f64>> = Vec::new();
-    for far in &wish.pulls {
-        let mut last = held.clone();
-        for part in [0.5, 1.0] {
-            let forces: Vec<f64> = pull.iter().map(|f| part * far * length * f).collect();
-            solver.set_forces(&forces)?;
-            let found = solver.equilibrium(&wish.pressures, Some(&last), &settings());
-            last = found?.displacement;
-            shapes.push(last.clone());
-        }
-    }
-    Ok(shapes)
 }
 
 /// Lateral forces (3 a node, N/m) like the inertia of a rotation about the clamp, scaled to a unit displacement of the farthest node by

@@ -49,7 +49,7 @@ impl Load {
 
 /// Shapes (3 a node, m) and their loads.
 #[derive(Debug, Clone, Default)]
-pub struct Surrogate {
+pub(crate) struct Surrogate {
     shapes: Vec<(Load, Vec<f64>)>,
 }
 

@@ -198,7 +198,7 @@ impl Tail {
     }
 
     /// Length of a chamber along x, m; the first is longer by `first_longer`.
-    pub fn chamber_length(&self) -> Metre {
+    pub(crate) fn chamber_length(&self) -> Metre {
         let n = self.chambers as f64;
         (self.chambers_end - self.chambers_start - self.first_longer - (n - 1.0) * self.rib) / n
     }
@@ -212,7 +212,7 @@ impl Tail {
     }
 
     /// Where rib `index`, which follows the chamber of the same index, begins and ends, m.
-    pub fn rib_at(&self, index: usize) -> Point2 {
+    pub(crate) fn rib_at(&self, index: usize) -> Point2 {
         [self.chamber(index)[1], self.chamber(index + 1)[0]]
     }
 

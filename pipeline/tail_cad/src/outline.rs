@@ -2,7 +2,7 @@
 
 use super::Tail;
 use super::stations::Curve;
-use si::{Metre, Point2, Point3};
+use si::{Metre, Point3};
 
 impl Tail {
     /// Where the body ends, m.
@@ -27,18 +27,13 @@ impl Tail {
         middle * (1.0 - (1.0 - self.back_share) * up.powf(self.section_power))
     }
 
-    /// Half the width of the flat strip along the back at `x`, m.
-    pub fn back_half_width(&self, x: Metre) -> Metre {
-        self.half_width(x, self.half_height(x))
-    }
-
     /// The point of the back above the sheet at `x`: a place for a marker, m.
     pub fn back_point(&self, x: Metre) -> Point3 {
         [x, 0.0, self.half_height(x)]
     }
 
     /// Half the height of the chambers at `x`, m.
-    pub fn chamber_half_height(&self, x: Metre) -> Metre {
+    pub(crate) fn chamber_half_height(&self, x: Metre) -> Metre {
         self.half_height(x) - self.top_wall
     }
 
@@ -52,7 +47,7 @@ impl Tail {
     }
 
     /// Half the height of the slot at rib `rib`, m; one height a slot, so that it is a box.
-    pub fn slot_half_height(&self, rib: usize) -> Metre {
+    pub(crate) fn slot_half_height(&self, rib: usize) -> Metre {
         let [from, to] = self.rib_at(rib);
         self.slot_share * self.half_height((from + to) / 2.0)
     }
@@ -63,7 +58,7 @@ impl Tail {
     }
 
     /// Where the sheet's edge comes out of the body's back, m.
-    pub fn fin_root(&self) -> Metre {
+    pub(crate) fn fin_root(&self) -> Metre {
         let buried = |x: Metre| self.sheet_half_height(x) < self.half_height(x);
         let (mut low, mut high) = (self.fin_start, self.body_end());
         if buried(high) {
@@ -74,15 +69,6 @@ impl Tail {
             if buried(middle) { low = middle } else { high = middle }
         }
         low
-    }
-
-    /// The fin's edge in the x–z plane from its upper root over the tip to its lower root, `points` a side, m.
-    pub fn fin_outline(&self, points: usize) -> Vec<Point2> {
-        let (from, to) = (self.fin_root(), self.length());
-        let at = |i: usize| from + (to - from) * i as f64 / points.max(1) as f64;
-        let upper: Vec<Point2> = (0..=points).map(|i| [at(i), self.sheet_half_height(at(i))]).collect();
-        let lower = upper.iter().rev().skip(1).map(|p| [p[0], -p[1]]);
-        upper.iter().copied().chain(lower).collect()
     }
 }
 
@@ -97,7 +83,7 @@ mod tests {
         assert!((tail.half_width(45.78e-3, 0.0) - 13.325e-3).abs() < 1e-12);
         assert!((tail.sheet_half_height(84.53e-3) - 26.03e-3).abs() < 1e-12);
         assert!(tail.sheet_half_height(tail.length()).abs() < 1e-15);
-        assert!((tail.back_half_width(0.0) - 0.4 * 20.11e-3).abs() < 1e-12);
+        assert!((tail.half_width(0.0, tail.half_height(0.0)) - 0.4 * 20.11e-3).abs() < 1e-12);
     }
 
     #[test]

@@ -12,7 +12,7 @@ use crate::ascent::{Limits, Objective};
 use crate::square_wave::SquareWave;
 use crate::water::Water;
 use diagnostics::Result;
-use sysid::ReducedBody;
+use sysid::{ForcedMotion, ReducedBody};
 
 /// A reduced model in water.
 pub struct FlappingModel<'a> {
@@ -100,7 +100,8 @@ impl FlappingModel<'_> {
         };
         let mut water = Water::around(self.wet.0, self.wet.1, self.by, self.half);
         let (mut moved, mut speed) = (Vec::with_capacity(steps), Vec::with_capacity(steps));
-        self.reduced_body.integrate_in_fluid(&settings, &mut water, pressures, steps, &mut |q, v| {
+        let motion = ForcedMotion { settings: &settings, pressures, steps };
+        self.reduced_body.integrate_in_fluid(&motion, &mut water, &mut |q, v| {
             moved.push(super::water::points(self.rows * q));
             speed.push(super::water::points(self.rows * v));
         })?;

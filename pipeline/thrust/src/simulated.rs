@@ -54,6 +54,34 @@ pub struct ThrustGradient {
     pub by_frequency: f64,
 }
 
+/// One state of the recorded motion.
+#[derive(Clone, Copy)]
+struct Step<'a> {
+    /// From 0, the state at rest.
+    number: usize,
+    /// s.
+    time: Second,
+    /// Displacement and velocity of every node.
+    state: &'a State,
+}
+
+/// The markers at one step, x and y of each.
+struct MarkerMotion {
+    /// Displacement, m.
+    moved: Vec<Point2>,
+    /// Velocity, m/s.
+    speed: Vec<Point2>,
+}
+
+/// Factors of theory's terms in the mean over the steps.
+#[derive(Clone, Copy)]
+struct Weights {
+    /// Of an instantaneous term, no unit.
+    part: f64,
+    /// Of a quantity whose rate in time is a term, 1/s.
+    ends: f64,
+}
+
 /// The thrust at one step and its derivatives.
 #[derive(Debug, Clone, PartialEq, Default)]
 struct Instant {
@@ -74,7 +102,7 @@ impl Evaluation<'_> {
         let rest = State::rest(self.nodes);
         let mut observe = |t: Second, state: &State| {
             n += 1;
-            sum += self.instant(n, t, state, wave, law).value;
+            sum += self.instant(Step { number: n, time: t, state }, wave, law).value;
         };
         let pressures = |t: Second| wave.at(t);
         solver.integrate(
@@ -101,7 +129,7 @@ impl Evaluation<'_> {
             ThrustGradient { mean: 0.0, by_youngs_modulus: Vec::new(), by_amplitude: 0.0, by_frequency: 0.0 };
         let times = made.times().to_vec();
         let mut observe = |n: usize, state: &State| {
-            let here = self.instant(n, times[n], state, wave, law);
+            let here = self.instant(Step { number: n, time: times[n], state }, wave, law);
             predicted.mean += here.value;
             for (side, (p, r)) in [1.0, -1.0].iter().zip(here.by_pressure.iter().zip(&here.by_rate)) {
                 let at = wave.value_at(*side, times[n]);
@@ -122,38 +150,33 @@ impl Evaluation<'_> {
         Ok(predicted)
     }
 
-    /// The share of step `n` in the mean.
-    fn instant(&self, n: usize, t: Second, state: &State, wave: &SquareWave, law: &ThrustLaw) -> Instant {
+    /// The share of a step in the mean.
+    fn instant(&self, Step { number, time, state }: Step, wave: &SquareWave, law: &ThrustLaw) -> Instant {
         let first = self.settled + 1;
-        let ends = match n {
+        let ends = match number {
             n if n == self.settled => -1.0,
             n if n == self.steps => 1.0,
             _ => 0.0,
         };
-        let counted = f64::from(u8::from(n >= first));
+        let counted = f64::from(u8::from(number >= first));
         if counted == 0.0 && ends == 0.0 {
             return Instant::default();
         }
         let count = (self.steps - self.settled) as f64;
-        let (moved, speed) = (self.read(&state.displacement), self.read(&state.velocity));
+        let markers = MarkerMotion { moved: self.read(&state.displacement), speed: self.read(&state.velocity) };
         match law {
-            ThrustLaw::Network(network) if counted > 0.0 => self.of_network(network, &moved, &speed, wave, t),
+            ThrustLaw::Network(network) if counted > 0.0 => self.of_network(network, &markers, wave, time),
             ThrustLaw::Network(_) => Instant::default(),
             ThrustLaw::Theory(tail, c) => {
-                let terms = tail.terms(&moved, &speed);
-                of_theory(&terms, c, counted / count, ends / (count * self.settings.step), &speed)
+                let terms = tail.terms(&markers.moved, &markers.speed);
+                let weights = Weights { part: counted / count, ends: ends / (count * self.settings.step) };
+                of_theory(&terms, c, weights, &markers.speed)
             }
         }
     }
 
-    fn of_network(
-        &self,
-        network: &Network,
-        moved: &[Point2],
-        speed: &[Point2],
-        wave: &SquareWave,
-        t: Second,
-    ) -> Instant {
+    fn of_network(&self, network: &Network, markers: &MarkerMotion, wave: &SquareWave, t: Second) -> Instant {
+        let MarkerMotion { moved, speed } = markers;
         let sides = [1.0, -1.0].map(|side| wave.value_at(side, t));
         let flat = |points: &[Point2]| points.iter().flatten().copied().collect::<Vec<f64>>();
         let row = [flat(moved), flat(speed), sides.map(|s| s.value).to_vec(), sides.map(|s| s.rate).to_vec()].concat();
@@ -198,7 +221,7 @@ impl Evaluation<'_> {
 }
 
 /// The contribution of theory: instantaneous terms weighted by `part`, rates in time by `ends`.
-fn of_theory(terms: &Terms, c: &[f64; 5], part: f64, ends: f64, speed: &[Point2]) -> Instant {
+fn of_theory(terms: &Terms, c: &[f64; 5], Weights { part, ends }: Weights, speed: &[Point2]) -> Instant {
     let last = speed.len() - 1;
     let shares = [(&terms.edge_flux, part * c[0]), (&terms.drag, part * c[2]), (&terms.momentum, ends * c[1])];
     let sum = |of: fn(&hydro::Term) -> &Vec<Point2>| {

@@ -13,7 +13,7 @@ pub struct Gray {
     pub pixels: Vec<u8>,
 }
 
-/// FailedGate bytes are no picture, or a picture no bytes.
+/// Why bytes are no picture, or a picture no bytes.
 #[derive(Debug, thiserror::Error)]
 pub enum PictureError {
     /// The bytes are not a PNG that can be read, or could not be made.

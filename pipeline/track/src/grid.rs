@@ -64,7 +64,7 @@ const SHIFT_STEP: f64 = 1e-7;
 ///
 /// None where too few segments of lines are seen.
 pub fn find_pose(picture: &Gray, sight: &RefractiveCamera, grid: &Grid) -> Option<CameraPose> {
-    let mut ties = ties(picture, sight, grid);
+    let mut ties = View { picture, sight, grid }.ties();
     let mut pose = sight.pose;
     for _ in 0..ROUNDS {
         if ties.len() < FEWEST {
@@ -87,64 +87,76 @@ pub fn find_pose(picture: &Gray, sight: &RefractiveCamera, grid: &Grid) -> Optio
     Some(CameraPose { pose, segments: ties.len(), rms_error: (squares / ties.len() as f64).sqrt() })
 }
 
-/// Middles of all segments that the picture shows.
-fn ties(picture: &Gray, sight: &RefractiveCamera, grid: &Grid) -> Vec<Tie> {
-    let Some([low, high]) = shown(picture, sight, grid) else { return Vec::new() };
-    let mut ties = Vec::new();
-    for axis in [0, 1] {
-        let other = 1 - axis;
-        for line in low[axis]..=high[axis] {
-            for piece in low[other]..high[other] {
-                for cut in CUTS {
-                    let mut at = [0.0; 2];
-                    at[axis] = line as f64 * grid.pitch;
-                    at[other] = (piece as f64 + cut) * grid.pitch;
-                    let pixel = middle(picture, sight, grid, at, axis);
-                    ties.extend(pixel.map(|pixel| Tie { pixel, axis, at: at[axis] }));
+/// A picture of a grid by a camera with an approximate pose.
+#[derive(Clone, Copy)]
+struct View<'a> {
+    picture: &'a Gray,
+    sight: &'a RefractiveCamera,
+    grid: &'a Grid,
+}
+
+impl View<'_> {
+    /// Middles of all segments that the picture shows.
+    fn ties(&self) -> Vec<Tie> {
+        let Some([low, high]) = self.shown() else { return Vec::new() };
+        let mut ties = Vec::new();
+        for axis in [0, 1] {
+            let other = 1 - axis;
+            for line in low[axis]..=high[axis] {
+                for piece in low[other]..high[other] {
+                    for cut in CUTS {
+                        let mut at = [0.0; 2];
+                        at[axis] = line as f64 * self.grid.pitch;
+                        at[other] = (piece as f64 + cut) * self.grid.pitch;
+                        let pixel = self.middle(at, axis);
+                        ties.extend(pixel.map(|pixel| Tie { pixel, axis, at: at[axis] }));
+                    }
                 }
             }
         }
+        ties
     }
-    ties
-}
 
-/// The least and greatest number of a line along each axis that the picture can show.
-fn shown(picture: &Gray, sight: &RefractiveCamera, grid: &Grid) -> Option<[[i64; 2]; 2]> {
-    let (right, bottom) = (picture.width as f64 - 1.0, picture.height as f64 - 1.0);
-    let corners = [[0.0, 0.0], [right, 0.0], [right, bottom], [0.0, bottom]];
-    let met: Vec<Point2> = corners.iter().map(|c| sight.intersect(*c, grid.height)).collect::<Option<_>>()?;
-    let end = |axis: usize, most: fn(f64, f64) -> f64, from: f64| met.iter().map(|p| p[axis]).fold(from, most);
-    let low = [0, 1].map(|k| (end(k, f64::min, f64::INFINITY) / grid.pitch).ceil() as i64);
-    let high = [0, 1].map(|k| (end(k, f64::max, f64::NEG_INFINITY) / grid.pitch).floor() as i64);
-    Some([low, high])
-}
+    /// The least and greatest number of a line along each axis that the picture can show.
+    fn shown(&self) -> Option<[[i64; 2]; 2]> {
+        let Self { picture, sight, grid } = *self;
+        let (right, bottom) = (picture.width as f64 - 1.0, picture.height as f64 - 1.0);
+        let corners = [[0.0, 0.0], [right, 0.0], [right, bottom], [0.0, bottom]];
+        let met: Vec<Point2> = corners.iter().map(|c| sight.intersect(*c, grid.height)).collect::<Option<_>>()?;
+        let end = |axis: usize, most: fn(f64, f64) -> f64, from: f64| met.iter().map(|p| p[axis]).fold(from, most);
+        let low = [0, 1].map(|k| (end(k, f64::min, f64::INFINITY) / grid.pitch).ceil() as i64);
+        let high = [0, 1].map(|k| (end(k, f64::max, f64::NEG_INFINITY) / grid.pitch).floor() as i64);
+        Some([low, high])
+    }
 
-/// The middle of the bright line across `at`, px; none where there is no line alone.
-fn middle(picture: &Gray, sight: &RefractiveCamera, grid: &Grid, at: Point2, axis: usize) -> Option<Point2> {
-    let across = |part: f64| {
-        let mut there = at;
-        there[axis] += part * REACH * grid.pitch;
-        there
-    };
-    let ends = [pixel_of(sight, across(-1.0), grid.height)?, pixel_of(sight, across(1.0), grid.height)?];
-    if ends.iter().any(|end| !picture.holds(*end, 1.0)) {
-        return None;
+    /// The middle of the bright line across `at`, px; none where there is no line alone.
+    fn middle(&self, at: Point2, axis: usize) -> Option<Point2> {
+        let Self { picture, sight, grid } = *self;
+        let across = |part: f64| {
+            let mut there = at;
+            there[axis] += part * REACH * grid.pitch;
+            there
+        };
+        let ends = [pixel_of(sight, across(-1.0), grid.height)?, pixel_of(sight, across(1.0), grid.height)?];
+        if ends.iter().any(|end| !picture.holds(*end, 1.0)) {
+            return None;
+        }
+        let count = 2 * SAMPLES + 1;
+        let place = |i: f64| [0, 1].map(|k| ends[0][k] + (ends[1][k] - ends[0][k]) * i / (count - 1) as f64);
+        let levels: Vec<f64> = (0..count).map(|i| picture.level(place(i as f64))).collect();
+        let sides =
+            [&levels[..SAMPLES / 3], &levels[count - SAMPLES / 3..]].map(|s| s.iter().sum::<f64>() / s.len() as f64);
+        let (ground, top) = (0.5 * (sides[0] + sides[1]), levels.iter().copied().fold(f64::MIN, f64::max));
+        if top - ground < CONTRAST || (sides[0] - sides[1]).abs() > 0.25 * (top - ground) {
+            return None;
+        }
+        let weight = |level: &f64| (level - ground - 0.25 * (top - ground)).max(0.0);
+        let sum: f64 = levels.iter().map(weight).sum();
+        let mean = levels.iter().enumerate().map(|(i, l)| i as f64 * weight(l)).sum::<f64>() / sum;
+        let spread = levels.iter().enumerate().map(|(i, l)| (i as f64 - mean).powi(2) * weight(l)).sum::<f64>() / sum;
+        let width = (12.0 * spread).sqrt() / (count - 1) as f64 * 2.0 * REACH;
+        (width <= WIDEST).then(|| place(mean))
     }
-    let count = 2 * SAMPLES + 1;
-    let place = |i: f64| [0, 1].map(|k| ends[0][k] + (ends[1][k] - ends[0][k]) * i / (count - 1) as f64);
-    let levels: Vec<f64> = (0..count).map(|i| picture.level(place(i as f64))).collect();
-    let sides =
-        [&levels[..SAMPLES / 3], &levels[count - SAMPLES / 3..]].map(|s| s.iter().sum::<f64>() / s.len() as f64);
-    let (ground, top) = (0.5 * (sides[0] + sides[1]), levels.iter().copied().fold(f64::MIN, f64::max));
-    if top - ground < CONTRAST || (sides[0] - sides[1]).abs() > 0.25 * (top - ground) {
-        return None;
-    }
-    let weight = |level: &f64| (level - ground - 0.25 * (top - ground)).max(0.0);
-    let sum: f64 = levels.iter().map(weight).sum();
-    let mean = levels.iter().enumerate().map(|(i, l)| i as f64 * weight(l)).sum::<f64>() / sum;
-    let spread = levels.iter().enumerate().map(|(i, l)| (i as f64 - mean).powi(2) * weight(l)).sum::<f64>() / sum;
-    let width = (12.0 * spread).sqrt() / (count - 1) as f64 * 2.0 * REACH;
-    (width <= WIDEST).then(|| place(mean))
 }
 
 /// The pixel whose ray meets `at` on the plane: the air's pixel, moved until it does.

@@ -37,7 +37,7 @@ impl Pose {
     }
 
     /// A direction of the camera's frame as one of the world: Rᵀ d.
-    pub fn direction_to_world(&self, direction: Point3) -> Point3 {
+    pub(crate) fn direction_to_world(&self, direction: Point3) -> Point3 {
         #[allow(non_snake_case)]
         let R = self.rotation;
         [0, 1, 2].map(|i| R[0][i] * direction[0] + R[1][i] * direction[1] + R[2][i] * direction[2])

@@ -20,9 +20,4 @@ impl Metric {
     pub fn new(id: impl Into<String>, value: f64, unit: &str) -> Self {
         Self { id: id.into(), value, unit: unit.into() }
     }
-
-    /// Whether the number is a computing time, which is not compared between runs.
-    pub fn is_a_duration(&self) -> bool {
-        self.unit == "s" && self.id.contains("second")
-    }
 }

@@ -142,7 +142,7 @@ impl RecordFiles {
     }
 
     /// The files of durations, by name.
-    pub fn durations_files(&self) -> impl Iterator<Item = (&str, &[u8])> {
+    pub(crate) fn durations_files(&self) -> impl Iterator<Item = (&str, &[u8])> {
         self.durations.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice()))
     }
 }

@@ -6,8 +6,8 @@ use crate::tree::sources;
 
 /// From so many parameters on (`self` not counted) a struct with named fields reads better.
 const MANY: usize = 5;
-/// Functions with so many that stay: where each parameter is its own and no two travel together.
-const MAX_WITH_MANY: usize = 44;
+/// Number of functions that may take so many.
+const MAX_WITH_MANY: usize = 0;
 
 /// `path:line name` of every function with many parameters, outside of tests.
 fn with_many_parameters(source: &Source) -> Vec<String> {

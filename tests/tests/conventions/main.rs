@@ -11,6 +11,7 @@ mod functions;
 mod source;
 mod stages;
 mod tree;
+mod visibility;
 mod vocabulary;
 
 /// Fails with one line a complaint.

@@ -3,7 +3,7 @@
 use super::Look;
 use super::film::Seen;
 use super::finding::Finding;
-use study::stages::clock::{Clock, Settings, meet};
+use study::stages::clock::{Clock, Settings, Synchronisation};
 use study::subject::Trial;
 use workflow::runner::inspection_context;
 use workflow::stage::Stage;
@@ -13,5 +13,6 @@ use workflow::subject::Part;
 pub fn look(look: &Look, of: &Trial, seen: &Seen, set: &Settings) -> Vec<Finding> {
     let raw = Clock::raw(of);
     let context = inspection_context(look.folders, &raw);
-    meet(&Part::part_of(of), set, &seen.tracks, seen.height, &context).err().map(Finding::from).into_iter().collect()
+    let synchronisation = Synchronisation { card: &Part::part_of(of), set, context: &context };
+    synchronisation.check(&seen.tracks, seen.height).err().map(Finding::from).into_iter().collect()
 }

@@ -49,6 +49,7 @@ pub fn trial(look: &Look, of: &Trial, set: &Settings) -> (Option<Seen>, Vec<Find
 
 fn watched(film: Film, of: &Trial, set: &Settings, context: &dyn StageContext) -> (Option<Seen>, Vec<Finding>) {
     let (info, place, lamp) = (film.info(), context.display_path("video"), &of.card.led);
+    let check = FirstFrame { of, set, info: &info, context };
     let mut found = fitting(&place, &info, of);
     let mut tracks = Tracks { time: Vec::new(), led: Vec::new(), worst_residual: 0.0, markers: Vec::new() };
     let (first, last) = (of.trial.first_frame, of.trial.last_frame.unwrap_or(usize::MAX));
@@ -61,7 +62,7 @@ fn watched(film: Film, of: &Trial, set: &Settings, context: &dyn StageContext) -
             }
         };
         if frame.index == first {
-            found.extend(at_first(&frame, &info, of, set, context));
+            found.extend(check.findings(&frame));
         }
         if (first..=last).contains(&frame.index) {
             tracks.time.push(frame.time);
@@ -116,50 +117,65 @@ fn fitting(place: &str, info: &Info, of: &Trial) -> Vec<Finding> {
     found
 }
 
-/// Brightness and markers in the first frame.
-fn at_first(frame: &Frame, info: &Info, of: &Trial, set: &Settings, context: &dyn StageContext) -> Vec<Finding> {
-    let light = lightest(&frame.gray);
-    if light < LIGHT {
-        let what =
-            format!("{} is dark: its lightest twentieth begins at {light} of 255", context.display_path("video"));
-        let act = "light the scene evenly, open the aperture, and record again";
-        return vec![Finding::fix(what, format!("the least is {LIGHT}; markers are detected by their contrast"), act)];
-    }
-    let outside = |at: &Point2| at[0] > info.width as f64 - 1.0 || at[1] > info.height as f64 - 1.0;
-    let clicked = of.card.marker.iter().filter(|_| of.made_elsewhere().is_none());
-    let lost = clicked.filter_map(|m| Some((&m.name, m.clicked.filter(outside)?)));
-    let out: Vec<Finding> =
-        lost.map(|(name, at)| out_of_view(&context.display_path("video"), name, at, info)).collect();
-    if !out.is_empty() {
-        return out;
-    }
-    match first_look(&Part::part_of(of), set, frame, info.rate, context) {
-        Err(diagnostic) => vec![diagnostic.into()],
-        Ok(places) => at_edges(&context.display_path("video"), of, &places, &frame.gray, MARGIN * set.radius()),
-    }
+/// The check of the first frame of a trial.
+#[derive(Clone, Copy)]
+struct FirstFrame<'a> {
+    of: &'a Trial,
+    set: &'a Settings,
+    /// Of its film.
+    info: &'a Info,
+    context: &'a dyn StageContext,
 }
 
-/// Markers beside another dark region, which would bias their centroid when the body moves.
-fn at_edges(place: &str, of: &Trial, marks: &[Point2], picture: &Gray, radius: f64) -> Vec<Finding> {
-    let beside = of.card.marker.iter().zip(marks).map(|(marker, at)| (marker, klt::clutter(picture, *at, radius)));
-    let evaluated = beside.filter(|(_, share)| *share > BESIDE).map(|(marker, share)| {
-        let what = format!(
-            "{place}: {:.0} % of the pixels within {radius:.0} px of marker `{}` are dark and not its own",
-            100.0 * share,
-            marker.name
-        );
-        let why = format!(
-            "the limit is {:.0} %; as the body moves they enter the marker's window of {:.0} px",
-            100.0 * BESIDE,
-            radius / MARGIN
-        );
-        Finding::note(
-            what,
-            why,
-            "put the marker farther from the body's edge, or lower radius under [track] in study.toml",
-        )
-    });
-    evaluated.collect()
+impl FirstFrame<'_> {
+    /// Brightness and markers in the first frame.
+    fn findings(&self, frame: &Frame) -> Vec<Finding> {
+        let Self { of, set, info, context } = *self;
+        let place = context.display_path("video");
+        let light = lightest(&frame.gray);
+        if light < LIGHT {
+            let what = format!("{place} is dark: its lightest twentieth begins at {light} of 255");
+            let act = "light the scene evenly, open the aperture, and record again";
+            let why = format!("the least is {LIGHT}; markers are detected by their contrast");
+            return vec![Finding::fix(what, why, act)];
+        }
+        let outside = |at: &Point2| at[0] > info.width as f64 - 1.0 || at[1] > info.height as f64 - 1.0;
+        let clicked = of.card.marker.iter().filter(|_| of.made_elsewhere().is_none());
+        let lost = clicked.filter_map(|m| Some((&m.name, m.clicked.filter(outside)?)));
+        let out: Vec<Finding> = lost.map(|(name, at)| out_of_view(&place, name, at, info)).collect();
+        if !out.is_empty() {
+            return out;
+        }
+        match first_look(&Part::part_of(of), set.tracker(info.rate), frame, context) {
+            Err(diagnostic) => vec![diagnostic.into()],
+            Ok(places) => self.at_edges(&places, &frame.gray),
+        }
+    }
+
+    /// Markers beside another dark region, which would bias their centroid when the body moves.
+    fn at_edges(&self, marks: &[Point2], picture: &Gray) -> Vec<Finding> {
+        let (place, radius) = (self.context.display_path("video"), MARGIN * self.set.radius());
+        let beside =
+            self.of.card.marker.iter().zip(marks).map(|(marker, at)| (marker, klt::clutter(picture, *at, radius)));
+        let evaluated = beside.filter(|(_, share)| *share > BESIDE).map(|(marker, share)| {
+            let what = format!(
+                "{place}: {:.0} % of the pixels within {radius:.0} px of marker `{}` are dark and not its own",
+                100.0 * share,
+                marker.name
+            );
+            let why = format!(
+                "the limit is {:.0} %; as the body moves they enter the marker's window of {:.0} px",
+                100.0 * BESIDE,
+                radius / MARGIN
+            );
+            Finding::note(
+                what,
+                why,
+                "put the marker farther from the body's edge, or lower radius under [track] in study.toml",
+            )
+        });
+        evaluated.collect()
+    }
 }
 
 fn out_of_view(place: &str, name: &str, [u, v]: Point2, info: &Info) -> Finding {

@@ -80,7 +80,7 @@ fn read<T>(
 }
 
 /// Notes on parts of a text that are skipped here but may fail in other programs.
-pub fn oddities(place: &str, text: &str) -> Vec<Finding> {
+pub(crate) fn oddities(place: &str, text: &str) -> Vec<Finding> {
     let note = |what: &str, why: &str, act: &str| Finding::note(format!("{place} {what}"), why, act);
     let mark = text.starts_with('\u{feff}').then(|| {
         note(

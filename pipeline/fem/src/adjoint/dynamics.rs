@@ -140,7 +140,7 @@ impl SolverState {
         let inertia = Inertia { rate: gamma * gamma + settings.mass_damping * gamma, ..Inertia::default() };
         let elastic_scale = 1.0 + settings.stiffness_damping * gamma;
         let Self { data, inputs, newton, .. } = self;
-        let potential = inputs.in_motion(data, step.pressures(), elastic_scale, &inertia);
+        let potential = inputs.at_rest(data, step.pressures()).in_motion(elastic_scale, &inertia);
         let u = &step.state().displacement;
         let mut b = data.pattern.gather(right);
         potential.elastic_stiffness(u, &mut newton.tangent);

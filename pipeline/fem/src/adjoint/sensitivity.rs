@@ -126,7 +126,7 @@ impl SolverState {
         let inertia = Inertia { rate: gamma * gamma + settings.mass_damping * gamma, ..Inertia::default() };
         let Self { data, inputs, newton, .. } = self;
         let elastic_scale = 1.0 + settings.stiffness_damping * gamma;
-        let potential = inputs.in_motion(data, step.pressures(), elastic_scale, &inertia);
+        let potential = inputs.at_rest(data, step.pressures()).in_motion(elastic_scale, &inertia);
         newton.linearise(&potential, u);
         let b = data.pattern.gather(derivative);
         let options = pcg_options(settings);

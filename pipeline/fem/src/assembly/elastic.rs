@@ -66,18 +66,18 @@ impl Body<'_> {
     }
 
     /// Adds ∂f to `forces` when the constants of `region` change by `change` at fixed u.
-    pub fn force_derivative(&self, u: &[f64], region: usize, change: Lame, forces: &mut [f64]) {
+    pub(crate) fn force_derivative(&self, u: &[f64], region: usize, change: Lame, forces: &mut [f64]) {
         by_order!(self.force_derivative_of(u, region, change, forces));
     }
 
     /// By region, the virtual work of the elastic forces: of ∂f/∂μ and ∂f/∂λ along `along`, and of f along `other`. All
     /// vectors hold 3 entries per node.
-    pub fn virtual_work(&self, u: &[f64], along: &[f64], other: &[f64]) -> Vec<[f64; 3]> {
+    pub(crate) fn virtual_work(&self, u: &[f64], along: &[f64], other: &[f64]) -> Vec<[f64; 3]> {
         by_order!(self.virtual_work_of(u, along, other))
     }
 
     /// Calls `visit` with the nodes of each element and Σ w μ F over its quadrature points.
-    pub fn for_each_mean_gradient(&self, u: &[f64], visit: &mut dyn FnMut(&[u32], Matrix3<f64>)) {
+    pub(crate) fn for_each_mean_gradient(&self, u: &[f64], visit: &mut dyn FnMut(&[u32], Matrix3<f64>)) {
         by_order!(self.for_each_mean_gradient_of(u, visit));
     }
 

@@ -49,7 +49,7 @@ impl ShapeProducts {
     }
 
     /// By region, ∫ (Σ_a N_a x_a) · (Σ_b N_b y_b) dV; x and y hold 3 entries per node.
-    pub fn products(&self, mesh: &Mesh, regions: usize, x: &[f64], y: &[f64]) -> Vec<f64> {
+    pub(crate) fn products(&self, mesh: &Mesh, regions: usize, x: &[f64], y: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; regions];
         let inner = |a: u32, b: u32| {
             let (a, b) = (3 * a as usize, 3 * b as usize);
@@ -63,7 +63,7 @@ impl ShapeProducts {
     }
 
     /// Adds Σ_b ∫ N_a N_b dV x_b over the elements of `region` to `image`; both hold 3 entries per node.
-    pub fn add_product(&self, mesh: &Mesh, region: usize, x: &[f64], image: &mut [f64]) {
+    pub(crate) fn add_product(&self, mesh: &Mesh, region: usize, x: &[f64], image: &mut [f64]) {
         self.for_each_pair(mesh, |element, a, b, product| {
             if mesh.regions[element] as usize == region {
                 for axis in 0..3 {
@@ -76,7 +76,7 @@ impl ShapeProducts {
     }
 
     /// Adds `density` ∫ N_a dV over the elements of `region` to `nodal`, one per node.
-    pub fn add_nodal_mass(&self, mesh: &Mesh, region: usize, density: f64, nodal: &mut [f64]) {
+    pub(crate) fn add_nodal_mass(&self, mesh: &Mesh, region: usize, density: f64, nodal: &mut [f64]) {
         self.for_each_pair(mesh, |element, a, b, product| {
             if mesh.regions[element] as usize == region {
                 nodal[a as usize] += density * product;
@@ -142,12 +142,12 @@ impl Mass {
     }
 
     /// y = M x, both in elimination order.
-    pub fn multiply(&self, pattern: &Pattern, x: &[f64], y: &mut [f64]) {
+    pub(crate) fn multiply(&self, pattern: &Pattern, x: &[f64], y: &mut [f64]) {
         pattern.multiply(&self.values, x, y);
     }
 
     /// Adds `scale` M to a matrix of the same pattern.
-    pub fn add_to(&self, scale: f64, values: &mut [f64]) {
+    pub(crate) fn add_to(&self, scale: f64, values: &mut [f64]) {
         values.iter_mut().zip(&self.values).for_each(|(value, mass)| *value += scale * mass);
     }
 }

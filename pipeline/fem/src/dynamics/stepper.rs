@@ -51,7 +51,7 @@ impl StepperState {
 
     /// Restarts from the newest two states alone, as a checkpoint stores them: a stepper from these takes the same
     /// steps to the byte.
-    pub fn restart(&mut self) {
+    pub(crate) fn restart(&mut self) {
         let states = self.states.iter().take(2).cloned();
         let times = self.times.iter().copied().take(2);
         *self = Self::new(states.collect(), times.collect());
@@ -69,7 +69,7 @@ impl StepperState {
 
     /// Initial guess at `time`: the polynomial through the newest `count` shapes, or along the velocity from a single
     /// one.
-    pub fn initial_guess(&self, count: usize, time: Second) -> Vec<f64> {
+    pub(crate) fn initial_guess(&self, count: usize, time: Second) -> Vec<f64> {
         let count = count.min(self.states.len());
         if count == 1 {
             let State { displacement, velocity } = &self.states[0];
@@ -85,7 +85,7 @@ impl StepperState {
     }
 
     /// The newest state.
-    pub fn into_newest(mut self) -> State {
+    pub(crate) fn into_newest(mut self) -> State {
         self.states.swap_remove_front(0).expect("a stepper holds at least the initial state")
     }
 }
@@ -157,7 +157,7 @@ impl SolverState {
         }
         let stencil = stepper.stencil(settings, time);
         let (inertia, elastic_scale) = self.inertia(settings, &stencil, stepper);
-        let potential = self.inputs.in_motion(&self.data, pressures, elastic_scale, &inertia);
+        let potential = self.inputs.at_rest(&self.data, pressures).in_motion(elastic_scale, &inertia);
         // Inertia keeps the minimum close to the initial guess; the line search keeps the iteration safe where a
         // pressure jumps.
         let options = NewtonOptions {

@@ -110,7 +110,7 @@ impl Factor {
     }
 
     /// Whether a factor exists.
-    pub fn is_ready(&self) -> bool {
+    pub(crate) fn is_ready(&self) -> bool {
         self.ready
     }
 

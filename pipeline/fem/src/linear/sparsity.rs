@@ -105,7 +105,7 @@ impl Pattern {
 
     /// Position of the block of nodes `a` and `b`: [`CONSTRAINED`] when one has no dof, `None` when they share no
     /// element.
-    pub fn block_position(&self, a: u32, b: u32) -> Option<u32> {
+    pub(crate) fn block_position(&self, a: u32, b: u32) -> Option<u32> {
         let (low, high) = self.ranks(a, b);
         if high == CONSTRAINED {
             return Some(CONSTRAINED);
@@ -147,7 +147,7 @@ impl Pattern {
     }
 
     /// y = K x for the symmetric matrix whose lower triangle is `values`; both in elimination order.
-    pub fn multiply(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
+    pub(crate) fn multiply(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
         y.fill(0.0);
         for column in 0..self.dofs() {
             let (from, to) = (self.columns[column] as usize, self.columns[column + 1] as usize);
@@ -162,7 +162,7 @@ impl Pattern {
     }
 
     /// The entries `values` with their pattern.
-    pub fn lower_triangle<'a>(&'a self, values: &'a [f64]) -> LowerTriangle<'a> {
+    pub(crate) fn lower_triangle<'a>(&'a self, values: &'a [f64]) -> LowerTriangle<'a> {
         LowerTriangle { columns: &self.columns, rows: &self.rows, values, full_index: &self.full_index }
     }
 

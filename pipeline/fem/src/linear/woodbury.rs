@@ -26,7 +26,7 @@ impl RankOneUpdates {
     }
 
     /// Prepares solves with the inverse of K that `solve` applies; false when the sum is singular.
-    pub fn prepare(&mut self, mut solve: impl FnMut(&mut [f64])) -> bool {
+    pub(crate) fn prepare(&mut self, mut solve: impl FnMut(&mut [f64])) -> bool {
         self.solved = self.terms.iter().map(|(_, v)| v.clone()).collect();
         self.solved.iter_mut().for_each(|v| solve(v));
         let count = self.terms.len();
@@ -53,7 +53,7 @@ impl RankOneUpdates {
     }
 
     /// Adds Σ c v (v · x) to `image`.
-    pub fn multiply(&self, x: &[f64], image: &mut [f64]) {
+    pub(crate) fn multiply(&self, x: &[f64], image: &mut [f64]) {
         for (c, v) in &self.terms {
             let part = c * dot(v, x);
             image.iter_mut().zip(v).for_each(|(image, v)| *image += part * v);

@@ -21,12 +21,12 @@ pub(crate) struct Gas<'a> {
 
 impl Gas<'_> {
     /// Whether it is open at zero pressure.
-    pub fn is_idle(&self) -> bool {
+    pub(crate) fn is_idle(&self) -> bool {
         self.pressure == 0.0 && self.ambient.is_none()
     }
 
     /// Its part of Π, J; infinite when a sealed chamber has no volume.
-    pub fn potential(&self, u: &[f64]) -> f64 {
+    pub(crate) fn potential(&self, u: &[f64]) -> f64 {
         let volume = self.chamber.volume(u);
         let Some(ambient) = self.ambient else { return -self.pressure * volume };
         let rest = self.chamber.at_rest;
@@ -43,27 +43,27 @@ impl Gas<'_> {
     }
 
     /// g at the displacement `u`, Pa.
-    pub fn gauge_at(&self, u: &[f64]) -> Pascal {
+    pub(crate) fn gauge_at(&self, u: &[f64]) -> Pascal {
         if self.ambient.is_none() { self.pressure } else { self.gauge(self.chamber.volume(u)) }
     }
 
     /// ∂g/∂p at `u`, no unit.
-    pub fn gauge_by_pressure(&self, u: &[f64]) -> f64 {
+    pub(crate) fn gauge_by_pressure(&self, u: &[f64]) -> f64 {
         self.ambient.map_or(1.0, |_| self.chamber.at_rest / self.chamber.volume(u))
     }
 
     /// Adds its part of ∂Π/∂u.
-    pub fn add_gradient(&self, u: &[f64], gradient: &mut [f64]) {
+    pub(crate) fn add_gradient(&self, u: &[f64], gradient: &mut [f64]) {
         self.chamber.add_gradient(u, self.gauge_at(u), gradient);
     }
 
     /// Calls `add` with its part of ∂²Π/∂u_a∂u_b, without the rank-one term of a sealed chamber.
-    pub fn add_hessian(&self, u: &[f64], add: &mut dyn FnMut(u32, u32, &Matrix3<f64>)) {
+    pub(crate) fn add_hessian(&self, u: &[f64], add: &mut dyn FnMut(u32, u32, &Matrix3<f64>)) {
         self.chamber.add_hessian(u, self.gauge_at(u), add);
     }
 
     /// The rank-one term c v vᵀ: c (Pa/m³) and v = ∇V (3 entries per node, m²); none when the chamber is not sealed.
-    pub fn rank_one_term(&self, u: &[f64]) -> Option<(f64, Vec<f64>)> {
+    pub(crate) fn rank_one_term(&self, u: &[f64]) -> Option<(f64, Vec<f64>)> {
         let ambient = self.ambient?;
         let volume = self.chamber.volume(u);
         let mut gradient = vec![0.0; u.len()];

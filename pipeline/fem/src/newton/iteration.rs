@@ -67,7 +67,7 @@ impl Newton {
     }
 
     /// Whether a factor exists.
-    pub fn is_ready(&self) -> bool {
+    pub(crate) fn is_ready(&self) -> bool {
         self.factor.is_ready()
     }
 
@@ -179,7 +179,7 @@ impl Newton {
     }
 
     /// Rotates the lagged factor to `u`.
-    pub fn rotate_factor_to(&mut self, on: &Potential, u: &[f64]) {
+    pub(crate) fn rotate_factor_to(&mut self, on: &Potential, u: &[f64]) {
         let body = on.data.body(on.elastic);
         self.rotation = self.is_ready().then(|| NodalRotations::between(&body, &self.factorised_at, u));
     }

@@ -21,7 +21,12 @@ const DIRECTION: PcgOptions = PcgOptions { tolerance: 1e-3, max_iterations: 24 }
 impl Newton {
     /// Moves `u` (3 entries per node, m) to a minimum of `on` without a new factorisation; none when that takes too
     /// long, and `u` is then unchanged.
-    pub fn warm_start(&mut self, on: &Potential, u: &mut [f64], options: &NewtonOptions) -> Option<NewtonCounts> {
+    pub(crate) fn warm_start(
+        &mut self,
+        on: &Potential,
+        u: &mut [f64],
+        options: &NewtonOptions,
+    ) -> Option<NewtonCounts> {
         let mut at = u.to_vec();
         let mut previous: Option<Vec<f64>> = None;
         let mut gradient = vec![0.0; u.len()];

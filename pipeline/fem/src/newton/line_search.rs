@@ -21,7 +21,7 @@ pub(crate) struct LineSearch {
 impl LineSearch {
     /// Whether the step of length `part` to the energy `end`, with the directional derivative `end_slope` there, is
     /// accepted.
-    pub fn accepts(&self, part: f64, end: Energy, end_slope: f64) -> bool {
+    pub(crate) fn accepts(&self, part: f64, end: Energy, end_slope: f64) -> bool {
         if !end.value.is_finite() {
             return false;
         }
@@ -35,7 +35,7 @@ impl LineSearch {
     }
 
     /// Factor by which to shorten a rejected step: to the minimum of a parabola, between a tenth and a half.
-    pub fn shorten(&self, part: f64, end: Energy) -> f64 {
+    pub(crate) fn shorten(&self, part: f64, end: Energy) -> f64 {
         let curvature = end.value - self.start.value - part * self.slope;
         if curvature.is_finite() && curvature > 0.0 {
             (-part * self.slope / (2.0 * curvature)).clamp(0.1, 0.5)

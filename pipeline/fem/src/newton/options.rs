@@ -131,7 +131,7 @@ impl IterationState {
     }
 
     /// Counts a factorisation, of the tangent itself or of its convex part.
-    pub fn count_factorisation(&mut self, exact: bool) {
+    pub(crate) fn count_factorisation(&mut self, exact: bool) {
         self.counts.factorisations += 1;
         self.indefinite = if exact { 0 } else { self.indefinite + 1 };
         self.counts.indefinite += usize::from(!exact);
@@ -139,14 +139,14 @@ impl IterationState {
     }
 
     /// Counts a step of `size`.
-    pub fn count_step(&mut self, size: Metre) {
+    pub(crate) fn count_step(&mut self, size: Metre) {
         self.steps += 1;
         self.last_step = size;
     }
 
     /// Refactorisation policy within a solve: whether the lagged factor's linear rate, observed from the last step and
     /// the next one of `size`, predicts more iterations than a factorisation is worth.
-    pub fn needs_refactorisation(&self, size: Metre) -> bool {
+    pub(crate) fn needs_refactorisation(&self, size: Metre) -> bool {
         let ratio = size / self.last_step;
         let predicted = if ratio < 1.0 { (size / self.options.tolerance).ln() / -ratio.ln() } else { f64::INFINITY };
         self.steps >= self.options.min_steps && predicted > self.options.max_predicted
@@ -154,7 +154,7 @@ impl IterationState {
 
     /// # Errors
     /// [`NonConvergence::LossOfStability`] when the iteration is far from every shape that could be in equilibrium.
-    pub fn check_stability(&self, u: &[f64], size: Metre) -> Result<(), NonConvergence> {
+    pub(crate) fn check_stability(&self, u: &[f64], size: Metre) -> Result<(), NonConvergence> {
         let moved = crate::linear::max_abs(u);
         if self.indefinite >= MAX_INDEFINITE || moved > MAX_DISPLACEMENT * size {
             return Err(NonConvergence::LossOfStability { times: self.indefinite, moved });

@@ -63,6 +63,13 @@ pub(crate) struct Energy {
     pub size: f64,
 }
 
+impl<'a> Potential<'a> {
+    /// The incremental potential of one time step, from the static one.
+    pub fn in_motion(self, elastic_scale: f64, inertia: &'a Inertia) -> Self {
+        Self { elastic_scale, inertia: Some(inertia), ..self }
+    }
+}
+
 impl Potential<'_> {
     /// Π at `u` (3 entries per node, m), J; `gradient` becomes ∂Π/∂u, 3 entries per node, N.
     pub fn energy(&self, u: &[f64], gradient: &mut [f64]) -> Energy {
@@ -109,7 +116,7 @@ impl Potential<'_> {
 
     /// ∂²Π/∂u² at `u` without rank-one terms, lower triangle, N/m.
     /// `previous`: where the last step began, for [`HessianKind::MixedPoint`].
-    pub fn hessian(&self, u: &[f64], previous: &[f64], kind: HessianKind, values: &mut [f64]) {
+    pub(crate) fn hessian(&self, u: &[f64], previous: &[f64], kind: HessianKind, values: &mut [f64]) {
         values.fill(0.0);
         let tangent = match kind {
             HessianKind::Exact => TangentKind::Exact,
@@ -125,13 +132,13 @@ impl Potential<'_> {
     }
 
     /// s times the elastic part of ∂²Π/∂u² alone.
-    pub fn elastic_stiffness(&self, u: &[f64], values: &mut [f64]) {
+    pub(crate) fn elastic_stiffness(&self, u: &[f64], values: &mut [f64]) {
         values.fill(0.0);
         self.body().stiffness(u, self.elastic_scale, TangentKind::Exact, values);
     }
 
     /// Adds all but the elastic part of ∂²Π/∂u².
-    pub fn add_inertia_and_loads(&self, u: &[f64], values: &mut [f64]) {
+    pub(crate) fn add_inertia_and_loads(&self, u: &[f64], values: &mut [f64]) {
         self.add_mass(values);
         let pattern = &self.data.pattern;
         for gas in self.gases() {
@@ -149,13 +156,13 @@ impl Potential<'_> {
     }
 
     /// The gas in each chamber; open chambers without pressure are left out.
-    pub fn gases(&self) -> impl Iterator<Item = Gas<'_>> {
+    pub(crate) fn gases(&self) -> impl Iterator<Item = Gas<'_>> {
         let each = self.data.chambers.iter().zip(self.pressures).zip(self.ambient);
         each.map(|((chamber, &pressure), &ambient)| Gas { chamber, pressure, ambient }).filter(|gas| !gas.is_idle())
     }
 
     /// The part that `hessian` leaves out: c and v (in elimination order) of each rank-one term c v vᵀ.
-    pub fn rank_one_terms(&self, u: &[f64]) -> Vec<(f64, Vec<f64>)> {
+    pub(crate) fn rank_one_terms(&self, u: &[f64]) -> Vec<(f64, Vec<f64>)> {
         let terms = self.gases().filter_map(|gas| gas.rank_one_term(u));
         terms.map(|(c, gradient)| (c, self.data.pattern.gather(&gradient))).collect()
     }

@@ -16,7 +16,7 @@ impl Newton {
     }
 
     /// The second half of `linearise`, when `tangent` holds its elastic part alone.
-    pub fn complete_tangent(&mut self, on: &Potential, u: &[f64]) {
+    pub(crate) fn complete_tangent(&mut self, on: &Potential, u: &[f64]) {
         on.add_inertia_and_loads(u, &mut self.tangent);
         self.rank_one = RankOneUpdates::new(on.rank_one_terms(u));
         self.rotate_factor_to(on, u);
@@ -24,7 +24,7 @@ impl Newton {
 
     /// K⁻¹ b with the assembled tangent, both in elimination order, and the number of iterations; none where K is not
     /// positive definite. The tangent is factorised when PCG takes more iterations than `options` allow.
-    pub fn tangent_solve(
+    pub(crate) fn tangent_solve(
         &mut self,
         on: &Potential,
         u: &[f64],
@@ -48,7 +48,7 @@ impl Newton {
     }
 
     /// K⁻¹ b by PCG with the assembled tangent and the last factor.
-    pub fn preconditioned_solve(
+    pub(crate) fn preconditioned_solve(
         &mut self,
         on: &Potential,
         b: &[f64],

@@ -51,12 +51,12 @@ impl CubicVolume {
     }
 
     /// Adds `scale` ∂V/∂q.
-    pub fn add_gradient(&self, q: &DVector<f64>, scale: f64, gradient: &mut DVector<f64>) {
+    pub(crate) fn add_gradient(&self, q: &DVector<f64>, scale: f64, gradient: &mut DVector<f64>) {
         *gradient += (&self.linear + &self.quadratic * q + self.contracted(q) * 0.5) * scale;
     }
 
     /// Adds `scale` ∂²V/∂q².
-    pub fn add_hessian(&self, q: &DVector<f64>, scale: f64, hessian: &mut DMatrix<f64>) {
+    pub(crate) fn add_hessian(&self, q: &DVector<f64>, scale: f64, hessian: &mut DMatrix<f64>) {
         *hessian += &self.quadratic * scale;
         for ((i, j), cubic) in pairs(q.len()).zip(self.cubic.column_iter()) {
             hessian.column_mut(i).axpy(scale * q[j], &cubic, 1.0);

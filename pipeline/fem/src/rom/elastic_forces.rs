@@ -63,7 +63,7 @@ impl Points {
     }
 
     /// Adds f, J.
-    pub fn add_forces(&self, q: &DVector<f64>, scale: f64, forces: &mut DVector<f64>) {
+    pub(crate) fn add_forces(&self, q: &DVector<f64>, scale: f64, forces: &mut DVector<f64>) {
         let lame = self.lame(scale);
         for (weight, gradients) in self.each() {
             let (_, stress) = self.elastic.material.stress(&gradient(gradients, q), lame);
@@ -72,7 +72,13 @@ impl Points {
     }
 
     /// Adds K, J.
-    pub fn add_stiffness(&self, q: &DVector<f64>, kind: ReducedTangent, scale: f64, stiffness: &mut DMatrix<f64>) {
+    pub(crate) fn add_stiffness(
+        &self,
+        q: &DVector<f64>,
+        kind: ReducedTangent,
+        scale: f64,
+        stiffness: &mut DMatrix<f64>,
+    ) {
         let (kind, previous) = match kind {
             #[cfg(test)]
             ReducedTangent::Exact => (TangentKind::Exact, q),

@@ -61,7 +61,7 @@ impl ReducedModel {
     ///
     /// # Panics
     /// When there is not one scale per region.
-    pub fn elastic_forces(&self, q: &DVector<f64>, scale: &[f64]) -> DVector<f64> {
+    pub(crate) fn elastic_forces(&self, q: &DVector<f64>, scale: &[f64]) -> DVector<f64> {
         assert_eq!(scale.len(), self.points.len(), "one scale per region");
         let mut forces = DVector::zeros(self.coordinates());
         self.points.iter().zip(scale).for_each(|(points, scale)| points.add_forces(q, *scale, &mut forces));

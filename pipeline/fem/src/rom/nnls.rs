@@ -34,7 +34,7 @@ impl Columns {
     }
 
     /// Multiplies each row by its weight.
-    pub fn scale_rows(&mut self, weights: &[f32]) {
+    pub(crate) fn scale_rows(&mut self, weights: &[f32]) {
         self.each().for_each(|column| column.iter_mut().zip(weights).for_each(|(value, weight)| *value *= weight));
     }
 

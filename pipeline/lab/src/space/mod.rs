@@ -15,7 +15,7 @@ use std::path::Path;
 use si::{Point3, Second};
 
 use crate::card::LengthUnit;
-use crate::nearest::nearest;
+use crate::table::nearest;
 use diagnostics::Diagnostic;
 
 /// Largest plausible coordinate, m.

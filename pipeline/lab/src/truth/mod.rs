@@ -14,7 +14,7 @@ use crate::table::{SEE, toml_error};
 use diagnostics::Diagnostic;
 
 pub use force::{TrueCell, TrueForce, TrueTap, TrueWave};
-pub use traces::{TrueForces, parse_forces, read_forces, write_forces};
+pub use traces::{TrueForces, read_forces, write_forces};
 pub use tracks::{TrueTrack, parse_tracks, read_tracks, write_tracks};
 
 /// The hidden parameters of a specimen.

@@ -57,7 +57,7 @@ pub fn read_forces(path: &Path) -> Result<TrueForces, Diagnostic> {
 ///
 /// # Errors
 /// [`Diagnostic`] when a line is broken.
-pub fn parse_forces(text: &str, path: &Path) -> Result<TrueForces, Diagnostic> {
+pub(crate) fn parse_forces(text: &str, path: &Path) -> Result<TrueForces, Diagnostic> {
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
     let mut forces = TrueForces::default();
     for row in reader.deserialize::<Row>() {

@@ -56,7 +56,7 @@ impl<'a> Sheets<'a> {
 
     /// Centroids of triangles over which a sheet deviates from its linear interpolation by more than `limit` (m);
     /// triangles smaller than an equilateral one with edges of `least` (m) are not refined.
-    pub fn curved_triangles(
+    pub(crate) fn curved_triangles(
         &self,
         plane: &Plane,
         regions: &[Option<Sequence>],

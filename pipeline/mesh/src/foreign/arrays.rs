@@ -19,7 +19,7 @@ pub(super) struct Tail<'a> {
 
 impl<'a> Tail<'a> {
     /// The XML before the appended bytes, and those behind their underscore, if the file has some.
-    pub fn cut_off(file: &'a [u8]) -> (&'a [u8], Option<Self>) {
+    pub(crate) fn cut_off(file: &'a [u8]) -> (&'a [u8], Option<Self>) {
         let find = |from: usize, mark: &[u8]| {
             file[from..].windows(mark.len()).position(|bytes| bytes == mark).map(|place| from + place)
         };

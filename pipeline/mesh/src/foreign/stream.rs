@@ -22,7 +22,7 @@ pub(super) struct Stream<'a> {
 
 impl Stream<'_> {
     /// Reads the integer 1, from which the byte order of a binary file follows.
-    pub fn find_form(&mut self) -> Result<(), MeshFileError> {
+    pub(crate) fn find_form(&mut self) -> Result<(), MeshFileError> {
         let one: [u8; 4] = self.tokens.take("the mark of the byte order")?;
         self.form = if i32::from_le_bytes(one) == 1 { Form::Little } else { Form::Big };
         Ok(())
@@ -42,7 +42,7 @@ impl Stream<'_> {
     }
 
     /// A whole number of 4 bytes.
-    pub fn int(&mut self, what: &str) -> Result<i64, MeshFileError> {
+    pub(crate) fn int(&mut self, what: &str) -> Result<i64, MeshFileError> {
         match self.form {
             Form::Text => self.tokens.number(what),
             Form::Little => Ok(i32::from_le_bytes(self.tokens.take(what)?).into()),

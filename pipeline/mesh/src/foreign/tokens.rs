@@ -62,7 +62,7 @@ impl<'a> Tokens<'a> {
     }
 
     /// The rest of the line, without its end, which is read too.
-    pub fn rest_of_line(&mut self) -> &'a [u8] {
+    pub(crate) fn rest_of_line(&mut self) -> &'a [u8] {
         let rest = &self.bytes[self.at..];
         let length = rest.iter().position(|byte| *byte == b'\n').unwrap_or(rest.len());
         self.line += usize::from(length < rest.len());
@@ -78,7 +78,7 @@ impl<'a> Tokens<'a> {
     }
 
     /// Reads everything up to `mark` and the mark itself; returns whether it was found.
-    pub fn skip_to(&mut self, mark: &str) -> bool {
+    pub(crate) fn skip_to(&mut self, mark: &str) -> bool {
         let found = self.bytes[self.at..].windows(mark.len()).position(|bytes| bytes == mark.as_bytes());
         let length = found.map_or(self.bytes.len() - self.at, |place| place + mark.len());
         self.line += self.bytes[self.at..self.at + length].iter().filter(|byte| **byte == b'\n').count();

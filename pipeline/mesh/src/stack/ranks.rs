@@ -25,7 +25,7 @@ impl Order {
     }
 
     /// Notes one height of a sheet, m.
-    pub fn note_height(&mut self, sheet: u32, height: f64) {
+    pub(crate) fn note_height(&mut self, sheet: u32, height: f64) {
         let (sum, count) = self.heights.entry(sheet).or_default();
         *sum += height;
         *count += 1;

@@ -24,7 +24,7 @@ pub(super) struct LayerGradient {
 
 impl Layer {
     /// Weights and biases uniform within ±1/√inputs; `unit` draws between 0 and 1.
-    pub fn initialised(inputs: usize, outputs: usize, unit: &mut dyn FnMut() -> f32) -> Self {
+    pub(crate) fn initialised(inputs: usize, outputs: usize, unit: &mut dyn FnMut() -> f32) -> Self {
         let bound = 1.0 / (inputs as f32).sqrt();
         let mut draw = |count: usize| (0..count).map(|_| bound * (2.0 * unit() - 1.0)).collect::<Vec<f32>>();
         let weight = draw(inputs * outputs);
@@ -56,13 +56,13 @@ impl Layer {
     }
 
     /// W x + b of one sample in f64.
-    pub fn forward_f64(&self, x: &[f64]) -> Vec<f64> {
+    pub(crate) fn forward_f64(&self, x: &[f64]) -> Vec<f64> {
         let dot = |row: &[f32]| row.iter().zip(x).map(|(w, x)| f64::from(*w) * x).sum::<f64>();
         self.weight.chunks_exact(self.inputs).zip(&self.bias).map(|(row, b)| dot(row) + f64::from(*b)).collect()
     }
 
     /// Wᵀ y of one sample in f64.
-    pub fn backward_f64(&self, output_gradient: &[f64]) -> Vec<f64> {
+    pub(crate) fn backward_f64(&self, output_gradient: &[f64]) -> Vec<f64> {
         let mut input_gradient = vec![0.0; self.inputs];
         for (row, p) in self.weight.chunks_exact(self.inputs).zip(output_gradient) {
             input_gradient.iter_mut().zip(row).for_each(|(b, w)| *b += f64::from(*w) * p);
@@ -71,7 +71,7 @@ impl Layer {
     }
 
     /// The gradient of the loss by weights and biases, into `of`.
-    pub fn weight_gradient(&self, x: &[f32], output_gradient: &[f32], batch: usize, of: &mut LayerGradient) {
+    pub(crate) fn weight_gradient(&self, x: &[f32], output_gradient: &[f32], batch: usize, of: &mut LayerGradient) {
         of.weight.resize(self.weight.len(), 0.0);
         let into = MatMut::from_column_major_slice_mut(&mut of.weight, self.inputs, self.outputs);
         let x = MatRef::from_column_major_slice(x, self.inputs, batch);

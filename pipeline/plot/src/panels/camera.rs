@@ -62,7 +62,7 @@ impl Camera {
     }
 
     /// Place and depth in the picture, in points of print.
-    pub fn pixel_place(&self, p: Point3) -> Point3 {
+    pub(crate) fn pixel_place(&self, p: Point3) -> Point3 {
         let [x, y] = self.place(p);
         [x - self.area.from[0], y - self.area.from[1], self.zoom * dot(p, self.basis[2])]
     }

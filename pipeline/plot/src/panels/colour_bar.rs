@@ -21,7 +21,7 @@ const PIXELS: usize = 256;
 
 /// A colour bar with its ends.
 #[derive(Debug, Clone, Copy)]
-pub struct Bar<'a> {
+pub(crate) struct Bar<'a> {
     axis: &'a ColourBar,
     ends: (f64, f64),
 }

@@ -22,13 +22,13 @@ const HEAD: f64 = 4.0;
 const BAR: f64 = 2.5;
 
 /// A filled rectangle with an outline.
-pub fn filled_box(canvas: &mut Canvas, area: Area, fill: Colour, line: f64) {
+pub(crate) fn filled_box(canvas: &mut Canvas, area: Area, fill: Colour, line: f64) {
     canvas.filled(area, fill, 1.0);
     canvas.outline(area, line, palette::BLACK);
 }
 
 /// A bold title and small text under it, wrapped to the width of a card.
-pub fn card_text(canvas: &mut Canvas, area: Area, title: &str, text: &str) {
+pub(crate) fn card_text(canvas: &mut Canvas, area: Area, title: &str, text: &str) {
     let width = area.width() - 2.0 * PADDING;
     let (heads, lines) = (wrapped(title, width, TITLE * crate::text::BOLD), wrapped(text, width, BODY));
     let high = (heads.len() + lines.len()) as f64 * LEADING;

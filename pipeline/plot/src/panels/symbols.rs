@@ -11,7 +11,7 @@ fn along(from: Point2, to: Point2) -> impl Fn(f64, f64) -> Point2 {
 }
 
 /// A zigzag of `turns` between two points, `half` high on either side.
-pub fn spring(from: Point2, to: Point2, turns: usize, half: f64) -> Vec<Point2> {
+pub(crate) fn spring(from: Point2, to: Point2, turns: usize, half: f64) -> Vec<Point2> {
     let at = along(from, to);
     let corners = 2 * turns;
     let zigzag = (0..corners).map(|i| {
@@ -22,7 +22,7 @@ pub fn spring(from: Point2, to: Point2, turns: usize, half: f64) -> Vec<Point2> 
 }
 
 /// The lines of a damper between two points: rod, cup and piston, `half` high on either side.
-pub fn damper(from: Point2, to: Point2, half: f64) -> [Vec<Point2>; 4] {
+pub(crate) fn damper(from: Point2, to: Point2, half: f64) -> [Vec<Point2>; 4] {
     let at = along(from, to);
     let (open, shut, piston) = (0.36, 0.64, 0.5);
     [
@@ -34,7 +34,7 @@ pub fn damper(from: Point2, to: Point2, half: f64) -> [Vec<Point2>; 4] {
 }
 
 /// The head of an arrow that ends at `to`: a filled triangle.
-pub fn arrow_head(from: Point2, to: Point2, length: f64) -> Vec<Point2> {
+pub(crate) fn arrow_head(from: Point2, to: Point2, length: f64) -> Vec<Point2> {
     let reach = (to[0] - from[0]).hypot(to[1] - from[1]).max(f64::MIN_POSITIVE);
     let at = along(from, to);
     let back = 1.0 - length / reach;
@@ -42,7 +42,7 @@ pub fn arrow_head(from: Point2, to: Point2, length: f64) -> Vec<Point2> {
 }
 
 /// The short strokes behind a wall from one point to another, on its left side.
-pub fn hatching(from: Point2, to: Point2, apart: f64, depth: f64) -> Vec<[Point2; 2]> {
+pub(crate) fn hatching(from: Point2, to: Point2, apart: f64, depth: f64) -> Vec<[Point2; 2]> {
     let length = (to[0] - from[0]).hypot(to[1] - from[1]);
     let at = along(from, to);
     let count = (length / apart).floor().max(1.0) as usize;

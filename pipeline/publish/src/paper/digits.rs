@@ -4,7 +4,7 @@ use super::scan;
 use super::{Page, Problem};
 
 /// Every number typed by hand in a section.
-pub fn typed_by_hand(page: &Page) -> Vec<Problem> {
+pub(crate) fn typed_by_hand(page: &Page) -> Vec<Problem> {
     if page.name.ends_with("layout.typ") {
         return Vec::new();
     }

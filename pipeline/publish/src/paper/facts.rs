@@ -36,7 +36,7 @@ pub struct Made {
 }
 
 /// The keys of a BibTeX file.
-pub fn cited_keys(bib: &str) -> BTreeSet<String> {
+pub(crate) fn cited_keys(bib: &str) -> BTreeSet<String> {
     let key = |line: &str| {
         let (_, rest) = line.trim_start().strip_prefix('@')?.split_once('{')?;
         Some(rest.split_once(',')?.0.trim().to_owned())
@@ -45,7 +45,7 @@ pub fn cited_keys(bib: &str) -> BTreeSet<String> {
 }
 
 /// The names of the tests in a Rust source.
-pub fn test_names(source: &str) -> BTreeSet<String> {
+pub(crate) fn test_names(source: &str) -> BTreeSet<String> {
     let lines: Vec<&str> = source.lines().map(str::trim).collect();
     let named = |i: usize| {
         let below = lines[i + 1..].iter().take(3).find(|line| line.starts_with("fn "))?;

@@ -22,7 +22,8 @@ mod generated;
 mod place;
 mod scan;
 
-pub use facts::{Facts, Made, cited_keys, test_names};
+pub use facts::{Facts, Made};
+pub(crate) use facts::{cited_keys, test_names};
 
 /// One file of the source: its name below the paper's folder, and its text.
 #[derive(Debug, Clone, PartialEq, Eq)]

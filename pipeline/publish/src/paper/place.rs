@@ -12,44 +12,91 @@ const ABSENT: &str = "#emph[not measured in this profile]";
 
 /// The resolved page; used figures and tables, and problems, are added to the lists.
 pub fn page(page: &Page, facts: &Facts, shown: &mut Vec<String>, problems: &mut Vec<Problem>) -> Page {
-    let mut wrong = |at: usize, what: String| {
-        problems.push(Problem { page: page.name.clone(), line: scan::line(&page.text, at), what });
-    };
-    let text = placed(&page.text, 0, facts, shown, &mut wrong);
+    let text = Resolution { page, facts, shown, problems }.placed(&page.text, 0);
     Page { name: page.name.clone(), text }
 }
 
-/// `text` begins at byte `offset` of its page.
-fn placed(
-    text: &str,
-    offset: usize,
-    facts: &Facts,
-    shown: &mut Vec<String>,
-    wrong: &mut dyn FnMut(usize, String),
-) -> String {
-    let (mut out, mut at) = (String::new(), 0);
-    while let Some(call) = scan::next(text, WORDS, at) {
-        out += &text[at..call.span.0];
-        let here = offset + call.span.0;
-        at = call.span.1;
-        match chosen(&call, facts) {
-            Some(Ok((which, of))) => {
-                let Some((blocks, end)) = blocks(text, at, of) else {
-                    wrong(here, format!("`#{}(…)` needs {of} blocks in brackets after it", call.word));
-                    continue;
-                };
-                let (inside, begin) = blocks[which];
-                out += &placed(inside, offset + begin, facts, shown, wrong);
-                at = end;
+/// The resolution of one page.
+struct Resolution<'a> {
+    page: &'a Page,
+    facts: &'a Facts,
+    /// Names of the figures and tables so far.
+    shown: &'a mut Vec<String>,
+    problems: &'a mut Vec<Problem>,
+}
+
+impl<'a> Resolution<'a> {
+    /// `text` begins at byte `offset` of its page.
+    fn placed(&mut self, text: &str, offset: usize) -> String {
+        let (mut out, mut at) = (String::new(), 0);
+        while let Some(call) = scan::next(text, WORDS, at) {
+            out += &text[at..call.span.0];
+            let here = offset + call.span.0;
+            at = call.span.1;
+            match chosen(&call, self.facts) {
+                Some(Ok((which, of))) => {
+                    let Some((blocks, end)) = blocks(text, at, of) else {
+                        self.wrong(here, format!("`#{}(…)` needs {of} blocks in brackets after it", call.word));
+                        continue;
+                    };
+                    let (inside, begin) = blocks[which];
+                    out += &self.placed(inside, offset + begin);
+                    at = end;
+                }
+                Some(Err(what)) => self.wrong(here, what),
+                None => match self.simple(&call) {
+                    Ok(words) => out += &words,
+                    Err(what) => self.wrong(here, what),
+                },
             }
-            Some(Err(what)) => wrong(here, what),
-            None => match simple(&call, facts, shown) {
-                Ok(words) => out += &words,
-                Err(what) => wrong(here, what),
+        }
+        out + &text[at..]
+    }
+
+    /// The replacement of a word without blocks.
+    fn simple(&mut self, call: &Call) -> Result<String, String> {
+        let facts = self.facts;
+        match call.word {
+            "num" | "val" => Ok(match value(call, facts)? {
+                Some((number, unit)) => number_in_words(number, call, unit),
+                None => ABSENT.to_owned(),
+            }),
+            "plate" | "wide" => {
+                let made = self.made(call, &facts.figures, "figure")?;
+                let word = if made.is_some() { call.word } else { "absent" };
+                Ok(format!("#{word}(\"{}\")", call.name))
+            }
+            "tabular" | "broad" => match self.made(call, &facts.tables, "table")? {
+                Some(csv) => board::typst(call.word, call.name, csv),
+                None => Ok(format!("#absent(\"{}\")", call.name)),
             },
+            "eq" if facts.tests.contains(call.name) => Ok(format!("#eq(\"{}\")", call.name)),
+            "eq" => Err(format!("no test is called `{}`", call.name)),
+            "claims" => Ok(generated::all(facts)),
+            _ => Ok(generated::failing(facts)),
         }
     }
-    out + &text[at..]
+
+    /// The text of a figure or table, which counts as shown from now on; nothing where this profile does not make it.
+    fn made(&mut self, call: &Call, all: &'a [Made], kind: &str) -> Result<Option<&'a str>, String> {
+        let name = call.name;
+        let found = all.iter().find(|m| m.name == name).ok_or_else(|| format!("there is no {kind} `{name}`"))?;
+        if self.shown.iter().any(|s| s == name) {
+            return Err(format!("{kind} `{name}` is shown twice"));
+        }
+        self.shown.push(name.to_owned());
+        match &found.text {
+            Some(text) => Ok(Some(text)),
+            None if self.facts.strict => Err(format!("{kind} `{name}` was not made: study run {name}")),
+            None => Ok(None),
+        }
+    }
+
+    /// Records a problem at a byte of the page.
+    fn wrong(&mut self, at: usize, what: String) {
+        let line = scan::line(&self.page.text, at);
+        self.problems.push(Problem { page: self.page.name.clone(), line, what });
+    }
 }
 
 /// Insides of `count` blocks with where they begin, and the end of the last.
@@ -80,29 +127,6 @@ fn chosen(call: &Call, facts: &Facts) -> Option<Result<(usize, usize), String>> 
     }
 }
 
-/// The replacement of a word without blocks.
-fn simple(call: &Call, facts: &Facts, shown: &mut Vec<String>) -> Result<String, String> {
-    match call.word {
-        "num" | "val" => Ok(match value(call, facts)? {
-            Some((number, unit)) => number_in_words(number, call, unit),
-            None => ABSENT.to_owned(),
-        }),
-        "plate" | "wide" => {
-            let made = made(call, &facts.figures, "figure", facts.strict, shown)?;
-            let word = if made.is_some() { call.word } else { "absent" };
-            Ok(format!("#{word}(\"{}\")", call.name))
-        }
-        "tabular" | "broad" => match made(call, &facts.tables, "table", facts.strict, shown)? {
-            Some(csv) => board::typst(call.word, call.name, csv),
-            None => Ok(format!("#absent(\"{}\")", call.name)),
-        },
-        "eq" if facts.tests.contains(call.name) => Ok(format!("#eq(\"{}\")", call.name)),
-        "eq" => Err(format!("no test is called `{}`", call.name)),
-        "claims" => Ok(generated::all(facts)),
-        _ => Ok(generated::failing(facts)),
-    }
-}
-
 /// The number and its unit; nothing where this profile does not measure it.
 fn value<'a>(call: &Call, facts: &'a Facts) -> Result<Option<(f64, &'a str)>, String> {
     let found = facts.metrics.iter().find(|m| m.metric.id == call.name);
@@ -124,25 +148,5 @@ fn number_in_words(value: f64, call: &Call, unit: &str) -> String {
     match digits.split_once('e') {
         Some((mantissa, power)) => format!("${mantissa} dot 10^({power})$#\"{unit}\";"),
         None => format!("#\"{}{unit}\";", digits.replace('-', "−")),
-    }
-}
-
-fn made<'a>(
-    call: &Call,
-    all: &'a [Made],
-    kind: &str,
-    strict: bool,
-    shown: &mut Vec<String>,
-) -> Result<Option<&'a str>, String> {
-    let name = call.name;
-    let found = all.iter().find(|m| m.name == name).ok_or_else(|| format!("there is no {kind} `{name}`"))?;
-    if shown.iter().any(|s| s == name) {
-        return Err(format!("{kind} `{name}` is shown twice"));
-    }
-    shown.push(name.to_owned());
-    match &found.text {
-        Some(text) => Ok(Some(text)),
-        None if strict => Err(format!("{kind} `{name}` was not made: study run {name}")),
-        None => Ok(None),
     }
 }

@@ -68,7 +68,7 @@ impl Camera {
     }
 
     /// Delay of row `v` (px) after the frame's time, which is the middle row's, s.
-    pub fn row_delay(&self, v: f64) -> Second {
+    pub(crate) fn row_delay(&self, v: f64) -> Second {
         let last = self.height as f64 - 1.0;
         self.readout * (v.clamp(0.0, last) / last - 0.5)
     }
@@ -101,7 +101,7 @@ fn pose_at(above: Point3, tilt: Point3) -> Pose {
 }
 
 /// A horizontal disc of `radius` (m) around `centre` (m) as a polygon of `corners` corners.
-pub fn flat_disc(centre: Point3, radius: Metre, corners: usize) -> Vec<Point3> {
+pub(crate) fn flat_disc(centre: Point3, radius: Metre, corners: usize) -> Vec<Point3> {
     let angle = |i: usize| std::f64::consts::TAU * i as f64 / corners as f64;
     let corner = |i: usize| vec3::add(centre, [radius * angle(i).cos(), radius * angle(i).sin(), 0.0]);
     (0..corners).map(corner).collect()

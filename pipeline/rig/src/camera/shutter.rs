@@ -45,7 +45,7 @@ impl FrameMotion {
     }
 
     /// Position `delay` (s) after the frame's time of a point with the given positions at the three times.
-    pub fn interpolate(&self, [before, now, after]: [Point3; 3], delay: Second) -> Point3 {
+    pub(crate) fn interpolate(&self, [before, now, after]: [Point3; 3], delay: Second) -> Point3 {
         let s = delay / self.step;
         let curvature = |k: usize| 0.5 * (before[k] + after[k]) - now[k];
         [0, 1, 2].map(|k| now[k] + s * (0.5 * (after[k] - before[k]) + s * curvature(k)))
@@ -62,7 +62,7 @@ impl View {
     }
 
     /// The pixel of a moving point, given by its positions at the three times of `motion`, at the time of its own row.
-    pub fn project_moving(&self, motion: &FrameMotion, places: [Point3; 3]) -> Option<Point2> {
+    pub(crate) fn project_moving(&self, motion: &FrameMotion, places: [Point3; 3]) -> Option<Point2> {
         let mut pixel = self.pixel(places[1], motion.time)?;
         for _ in 0..ITERATIONS {
             let delay = self.camera.row_delay(pixel[1]);
@@ -79,7 +79,7 @@ impl View {
     /// The same for a point of the skin, approximately, with the point's position. The row is that in air without distortion, which is
     /// wrong by tens of rows at most (some tenths of a millisecond), and the refraction is [`Water::apparent_approx`]: the skin has
     /// thousands of points a frame and no track is compared with it.
-    pub fn project_skin(&self, motion: &FrameMotion, places: [Point3; 3]) -> Option<(Point2, Point3)> {
+    pub(crate) fn project_skin(&self, motion: &FrameMotion, places: [Point3; 3]) -> Option<(Point2, Point3)> {
         let [_, y, z] = self.camera.pose.apply(places[1]);
         let delay = self.camera.row_delay(self.camera.lens.cy + self.camera.lens.fy * y / z);
         let there = motion.interpolate(places, delay);
@@ -89,7 +89,7 @@ impl View {
     }
 
     /// The pixel of a fixed point without ripples.
-    pub fn project_static(&self, at: Point3) -> Option<Point2> {
+    pub(crate) fn project_static(&self, at: Point3) -> Option<Point2> {
         let apparent = self.water.as_ref().map_or(at, |w| w.without_ripples().apparent(self.camera.eye(), at, 0.0));
         self.camera.pixel(apparent)
     }

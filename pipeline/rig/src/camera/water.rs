@@ -47,7 +47,7 @@ impl Water {
     }
 
     /// The same surface without ripples.
-    pub fn without_ripples(&self) -> Self {
+    pub(crate) fn without_ripples(&self) -> Self {
         Self::at_rest(self.surface, self.index)
     }
 
@@ -77,7 +77,7 @@ impl Water {
     ///
     /// It is the crossing of the ray with the surface at rest, or `at` itself above the surface. With ripples, the ray through that crossing
     /// misses `at`; the crossing is corrected by the miss once. The remaining error is of second order in the slopes.
-    pub fn apparent(&self, eye: Point3, at: Point3, t: Second) -> Point3 {
+    pub(crate) fn apparent(&self, eye: Point3, at: Point3, t: Second) -> Point3 {
         if at[2] >= self.surface {
             return at;
         }
@@ -90,7 +90,7 @@ impl Water {
     }
 
     /// The same to some micrometres, in half the time: ripples displace the point by their slope times d (1 − 1/n).
-    pub fn apparent_approx(&self, eye: Point3, at: Point3, t: Second) -> Point3 {
+    pub(crate) fn apparent_approx(&self, eye: Point3, at: Point3, t: Second) -> Point3 {
         if at[2] >= self.surface {
             return at;
         }

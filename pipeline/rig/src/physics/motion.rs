@@ -41,7 +41,7 @@ pub struct QuasistaticMotion<'a> {
 impl QuasistaticMotion<'_> {
     /// Index of the first of the four levels around the pressure at time `t` (s), and the weights of the cubic through them (Lagrange);
     /// the pressure is clamped to the range of the sweep.
-    pub fn interpolation(&self, t: Second) -> (usize, [f64; 4]) {
+    pub(crate) fn interpolation(&self, t: Second) -> (usize, [f64; 4]) {
         let pressures = &self.sweep.pressures;
         let last = pressures.len() - 1;
         let pressure = self.trace.at(t).clamp(pressures[0], pressures[last]);

@@ -32,15 +32,8 @@ impl Cell {
         top / Phasor::new(1.0 - r * r, 2.0 * self.damping_ratio * r)
     }
 
-    /// b/m, 1/s, and k/m, 1/s².
-    pub fn per_mass(&self) -> [f64; 2] {
-        let omega = TAU * self.natural_frequency;
-        [2.0 * self.damping_ratio * omega, omega * omega]
-    }
-
     /// The measured force (N) at rising `times` (s) of a force that is linear between its samples and constant before the first;
-    /// the fixture begins at rest. Exact but for rounding. at rising `times` (s) of a force that is straight between its samples and constant before
-    /// the first; the fixture begins at rest. Exact but for rounding.
+    /// the fixture begins at rest. Exact but for rounding.
     pub fn simulate(&self, force: &Series, times: &[Second]) -> Vec<Newton> {
         let mut motion = Motion { place: force.values()[0], speed: 0.0 };
         let (mut now, mut pull, mut next) = (force.start(), force.values()[0], 1);

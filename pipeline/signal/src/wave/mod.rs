@@ -23,7 +23,7 @@ const GRAVITY: f64 = 9.81;
 /// A wave is searched for within this share of its expected frequency.
 const SEARCH_WIDTH: f64 = 0.15;
 /// Degree of the polynomial drift of an amplifier's zero in a recording of ten seconds.
-pub const DRIFT: usize = 4;
+pub(crate) const DRIFT: usize = 4;
 
 /// Frequency (Hz) of a mode (from 1) of a rectangular basin of `length` and `depth` (m).
 pub fn natural_frequency(length: Metre, depth: Metre, mode: u32) -> Hertz {

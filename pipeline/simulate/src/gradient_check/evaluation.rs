@@ -59,7 +59,7 @@ impl<'a> Evaluation<'a> {
     }
 
     /// L with one parameter perturbed by `part` of its step.
-    pub fn loss_at(&mut self, parameter: &CaseParameter, part: f64) -> Result<f64> {
+    pub(crate) fn loss_at(&mut self, parameter: &CaseParameter, part: f64) -> Result<f64> {
         let value = parameter.value + part * parameter.turn;
         self.set(parameter.parameter, value)?;
         let shape = match &self.solved {

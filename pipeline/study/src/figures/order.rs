@@ -30,7 +30,7 @@ fn rank(name: &str) -> usize {
 }
 
 /// Subjects and what belongs to them, in the paper's order of tails.
-pub fn in_order<S: Belongs, R>(mut all: Vec<(S, R)>) -> Vec<(S, R)> {
+pub(crate) fn in_order<S: Belongs, R>(mut all: Vec<(S, R)>) -> Vec<(S, R)> {
     all.sort_by(|(a, _), (b, _)| rank(a.tail()).cmp(&rank(b.tail())).then_with(|| a.tail().cmp(b.tail())));
     all
 }

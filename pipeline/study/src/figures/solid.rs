@@ -22,7 +22,7 @@ pub enum Bounds {
 }
 
 /// Surfaces by what they bound: faces of three points each.
-pub struct Surfaces {
+pub(crate) struct Surfaces {
     /// m.
     pub points: Vec<Point3>,
     /// By index of their points.

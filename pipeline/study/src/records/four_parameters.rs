@@ -23,7 +23,7 @@ pub struct Four {
 
 impl Four {
     /// In the order of the fields: MPa, GPa and no unit.
-    pub fn in_display_units(&self) -> [f64; 4] {
+    pub(crate) fn in_display_units(&self) -> [f64; 4] {
         [1e-6 * self.body_e_pa, 1e-9 * self.spine_e_pa, self.body_nu, self.spine_nu]
     }
 }

@@ -138,7 +138,7 @@ impl Search {
     }
 
     /// The lowest loss among the first simulations, the start included.
-    pub fn loss_after(&self, simulations: usize) -> f64 {
+    pub(crate) fn loss_after(&self, simulations: usize) -> f64 {
         self.tried.iter().take(simulations).map(|t| t.loss).fold(f64::INFINITY, f64::min)
     }
 }

@@ -71,7 +71,7 @@ impl Best {
 
 impl Check {
     /// Relative error of the simulated amplitude, %.
-    pub fn amplitude_error_percent(&self) -> f64 {
+    pub(crate) fn amplitude_error_percent(&self) -> f64 {
         100.0 * (self.amplitude_m[0] / self.amplitude_m[1] - 1.0)
     }
 }

@@ -37,14 +37,14 @@ pub fn pack(columns: Columns, paths: &[Path], unit: &str) -> Columns {
 }
 
 /// Adds three columns of a covariance, named `<name>_xx_<unit>2` and so on.
-pub fn pack_spread(columns: Columns, name: &str, spread: &[Covariance2], unit: &str) -> Columns {
+pub(crate) fn pack_spread(columns: Columns, name: &str, spread: &[Covariance2], unit: &str) -> Columns {
     ["xx", "xy", "yy"].iter().enumerate().fold(columns, |columns, (k, part)| {
         columns.numbers(&format!("{name}_{part}_{unit}2"), spread.iter().map(|s| s[k]).collect())
     })
 }
 
 /// Reads what [`pack_spread`] wrote.
-pub fn unpack_spread(columns: &Columns, name: &str, unit: &str) -> Result<Vec<Covariance2>, RecordError> {
+pub(crate) fn unpack_spread(columns: &Columns, name: &str, unit: &str) -> Result<Vec<Covariance2>, RecordError> {
     let column = |part: &str| columns.f64(&format!("{name}_{part}_{unit}2"));
     let (xx, xy, yy) = (column("xx")?, column("xy")?, column("yy")?);
     Ok(xx.into_iter().zip(xy).zip(yy).map(|((a, b), c)| [a, b, c]).collect())

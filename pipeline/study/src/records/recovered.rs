@@ -62,7 +62,7 @@ pub struct Specimen {
 
 impl Specimen {
     /// Absolute errors of body and spine, %.
-    pub fn errors_percent(&self) -> [f64; 2] {
+    pub(crate) fn errors_percent(&self) -> [f64; 2] {
         [self.body_e_pa, self.spine_e_pa].map(off_percent)
     }
 

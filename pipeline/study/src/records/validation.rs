@@ -74,7 +74,7 @@ const NOTE: &str = "one simulation for all repeats; in water with added mass and
 
 impl Validation {
     /// The error in per cent of the specimen's length.
-    pub fn rmse_percent(&self) -> f64 {
+    pub(crate) fn rmse_percent(&self) -> f64 {
         100.0 * self.rmse / self.length
     }
 }

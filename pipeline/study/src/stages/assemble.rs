@@ -12,20 +12,29 @@ use sysid::landscape;
 use sysid::{Derivatives, by_node};
 use workflow::stage::StageContext;
 
+/// The results of all searches.
+pub struct Searches {
+    /// Of Gauss-Newton.
+    pub best: SearchResult,
+    /// Evaluations of the grid; empty where none was searched.
+    pub grid: Vec<Evaluated>,
+    /// The record of each search.
+    pub records: Vec<records::Search>,
+}
+
 impl Fitting<'_> {
-    /// The record, from the best point of the last search and the evaluations of the grid.
+    /// The record, from the best point of Gauss-Newton and the evaluations of the grid.
     ///
     /// # Errors
     /// A [`Diagnostic`] when there is no equilibrium at the best moduli, or the data do not determine them.
     pub fn assemble(
         &self,
-        mut found: SearchResult,
-        evaluated: &[Evaluated],
-        searches: Vec<records::Search>,
+        searches: Searches,
         gradient_difference: Option<f64>,
         context: &dyn StageContext,
     ) -> Result<Identified> {
         context.progress(0.95, "at the identified moduli");
+        let Searches { best: mut found, grid, records } = searches;
         let best = &found.history.best;
         let elastic = self.elastic(&best.at);
         let levels = found.solver.solve(&elastic, Derivatives::None)?;
@@ -33,14 +42,14 @@ impl Fitting<'_> {
         let highest = levels.iter().zip(&self.levels.levels).max_by(|a, b| a.1.top().total_cmp(&b.1.top()));
         let uncertainty = uncertainty::of(self.body, best, &self.search)?;
         let [body, spine] = [0, 1].map(|k| elastic.youngs_moduli[k] * uncertainty.sigma[k]);
-        let (surface, profiles) = self.surface(evaluated)?;
+        let (surface, profiles) = self.surface(&grid)?;
         Ok(Identified {
             best: self.point(&best.at),
             sigma: Point { body_e_pa: body, spine_e_pa: spine },
             loss: self.levels.loss(&markers),
             gradient_difference,
             gradient_over_forward: self.gradient_over_forward(&elastic)?,
-            searches,
+            searches: records,
             surface,
             levels: self.simulated_levels(&markers),
             inflated: highest.map(|(level, _)| by_node(&level.displacement)).unwrap_or_default(),

@@ -3,45 +3,53 @@
 //! Rest: nothing moves. Quasi-static: at each instant the equilibrium under the pressures. Last cycle: the measurement one cycle
 //! before, which no simulation may use.
 
-use si::{Metre, Pascal, Point2, Second};
+use si::{Hertz, Metre, Pascal, Point2, Second};
 
 use super::repeats::{Seen, rms};
-use crate::records::{Identified, ScoredModel};
+use crate::records::{Identified, Level, ScoredModel};
 
-/// The error of each baseline.
-pub fn all(
-    seen: &Seen,
-    pressures: &[Vec<Pascal>],
-    found: &Identified,
-    marker: usize,
-    frequency: Option<f64>,
-) -> Vec<ScoredModel> {
+/// The quasi-static model of a motion.
+pub struct QuasiStatic<'a> {
+    /// Measured pressure at each frame, Pa: chambers × frames.
+    pub pressures: &'a [Vec<Pascal>],
+    /// The simulated levels.
+    pub identified: &'a Identified,
+    /// Index of the observed marker.
+    pub marker: usize,
+}
+
+/// The error of each baseline; `frequency` (Hz) is that of a periodic motion.
+pub fn all(seen: &Seen, quasi_static: &QuasiStatic, frequency: Option<Hertz>) -> Vec<ScoredModel> {
     let scored = |name: &str, rmse: Metre| ScoredModel { name: name.into(), rmse };
     let count = seen.mean.len();
     let mut scores = vec![
         scored("rest", rms(&seen.mean, &vec![[0.0; 2]; count])),
-        scored("quasi_static", rms(&seen.mean, &quasi_static(pressures, found, marker, count))),
+        scored("quasi_static", rms(&seen.mean, &quasi_static.path(count))),
     ];
     scores.extend(frequency.map(|f| scored("last_cycle", last_cycle(seen, 1.0 / f))));
     scores
 }
 
-/// The sum of the static displacements under each chamber's pressure alone, interpolated between the simulated levels.
-fn quasi_static(pressures: &[Vec<Pascal>], found: &Identified, marker: usize, frames: usize) -> Vec<Point2> {
-    let curve = |chamber: usize| -> Vec<(Pascal, Point2)> {
-        let filled = |l: &&crate::records::Level| l.pressures_pa[chamber] >= l.pressure();
-        let mut curve: Vec<(Pascal, Point2)> =
-            found.levels.iter().filter(filled).map(|l| (l.pressure(), l.simulated_m[marker])).collect();
+impl QuasiStatic<'_> {
+    /// The sum of the static displacements under each chamber's pressure alone, interpolated between the simulated levels.
+    fn path(&self, frames: usize) -> Vec<Point2> {
+        let curves: Vec<Vec<(Pascal, Point2)>> = (0..self.pressures.len()).map(|chamber| self.curve(chamber)).collect();
+        let at = |frame: usize| {
+            let parts = curves.iter().zip(self.pressures).map(|(curve, p)| between(curve, p[frame]));
+            parts.fold([0.0; 2], |sum, part| [sum[0] + part[0], sum[1] + part[1]])
+        };
+        (0..frames).map(at).collect()
+    }
+
+    /// Static displacement by the pressure of one chamber, in rising order.
+    fn curve(&self, chamber: usize) -> Vec<(Pascal, Point2)> {
+        let filled = |l: &&Level| l.pressures_pa[chamber] >= l.pressure();
+        let levels = self.identified.levels.iter().filter(filled);
+        let mut curve: Vec<(Pascal, Point2)> = levels.map(|l| (l.pressure(), l.simulated_m[self.marker])).collect();
         curve.push((0.0, [0.0; 2]));
         curve.sort_by(|a, b| a.0.total_cmp(&b.0));
         curve
-    };
-    let curves: Vec<Vec<(Pascal, Point2)>> = (0..pressures.len()).map(curve).collect();
-    let at = |frame: usize| {
-        let parts = curves.iter().zip(pressures).map(|(curve, p)| between(curve, p[frame]));
-        parts.fold([0.0; 2], |sum, part| [sum[0] + part[0], sum[1] + part[1]])
-    };
-    (0..frames).map(at).collect()
+    }
 }
 
 /// Linear between the points of a curve, and beyond its last one.

@@ -82,8 +82,10 @@ impl Stage for Clock {
         let log = read_log(context)?;
         let shutter = |c: Camera| Shutter { readout: card.readout, height: c.size_px[1] };
         let late = camera.map_or(0.0, |c| shutter(c).delay(card.lamp_row));
-        let Met { clock, lamp, sigma, log_time, gauges } = met(card, &tracks, late, &log, set, context)?;
-        let rest_frames = rest_frames(&markers.time, &log_time, &gauges, set, context)?;
+        let synchronisation = Synchronisation { card, set, context };
+        let met = synchronisation.met(&tracks, late, &log)?;
+        let rest_frames = synchronisation.rest_frames(&markers.time, &met)?;
+        let Met { clock, lamp, sigma, log_time, gauges } = met;
         let rest: Vec<Point2> = markers.markers.iter().map(|m| m.mean(0..rest_frames)).collect();
         let paths = markers.markers.iter().zip(&markers.parts).zip(&rest);
         let moved = paths.map(|((path, parts), rest)| displaced(path, parts, *rest, rest_frames)).collect();
@@ -101,28 +103,51 @@ struct Met {
     gauges: Vec<Gauge>,
 }
 
-fn met(
-    card: &Card,
-    tracks: &Tracks,
-    late: Second,
-    log: &PressureLog,
-    set: &Settings,
-    context: &dyn StageContext,
-) -> Result<Met> {
-    let (clock, lamp, sigma) = match_clocks(tracks, late, log, set).map_err(|e| named(context, e))?;
-    let log_time = log.time.iter().map(|&t| clock.here(t)).collect();
-    let gauges = card.chambers.iter().map(|chamber| gauge(chamber, log)).collect();
-    Ok(Met { clock, lamp, sigma, log_time, gauges })
+/// Synchronisation of the film and the log of one trial.
+pub struct Synchronisation<'a> {
+    /// What is read of the card.
+    pub card: &'a Card,
+    /// The settings.
+    pub set: &'a Settings,
+    /// Gives the log.
+    pub context: &'a dyn StageContext,
 }
 
-/// Checks that the lamp's edges in a film, in pictures of `height` rows, and in its log match, with enough rest before the first command.
-///
-/// # Errors
-/// A [`Diagnostic`] that names which of the two has no edge, or where they disagree.
-pub fn meet(card: &Card, set: &Settings, tracks: &Tracks, height: usize, context: &dyn StageContext) -> Result<()> {
-    let late = Shutter { readout: card.readout, height }.delay(card.lamp_row);
-    let met = met(card, tracks, late, &read_log(context)?, set, context)?;
-    rest_frames(&tracks.time, &met.log_time, &met.gauges, set, context).map(drop)
+impl Synchronisation<'_> {
+    /// Checks that the lamp's edges in a film, in pictures of `height` rows, and in its log match, with enough rest before the first
+    /// command.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] that names which of the two has no edge, or where they disagree.
+    pub fn check(&self, tracks: &Tracks, height: usize) -> Result<()> {
+        let late = Shutter { readout: self.card.readout, height }.delay(self.card.lamp_row);
+        let met = self.met(tracks, late, &read_log(self.context)?)?;
+        self.rest_frames(&tracks.time, &met).map(drop)
+    }
+
+    fn met(&self, tracks: &Tracks, late: Second, log: &PressureLog) -> Result<Met> {
+        let matched = match_clocks(tracks, late, log, self.set);
+        let (clock, lamp, sigma) = matched.map_err(|e| named(self.context, e))?;
+        let log_time = log.time.iter().map(|&t| clock.here(t)).collect();
+        let gauges = self.card.chambers.iter().map(|chamber| gauge(chamber, log)).collect();
+        Ok(Met { clock, lamp, sigma, log_time, gauges })
+    }
+
+    /// Frames, at `time` (s), before the first command of any chamber.
+    fn rest_frames(&self, time: &[Second], met: &Met) -> Result<usize> {
+        let (least, log_time) = (self.set.rest_frames, &met.log_time);
+        let asked = |i: &usize| met.gauges.iter().any(|g| g.command[*i] > 0.0);
+        let first = (0..log_time.len()).find(asked).map_or(f64::INFINITY, |i| log_time[i]);
+        let frames = time.iter().take_while(|&&t| t < first).count();
+        if frames >= least {
+            return Ok(frames);
+        }
+        Err(Diagnostic::new(
+            format!("{} commands pressure after {frames} frames of the film", self.context.display_path("pressure")),
+            format!("rest is known from at least {least} frames (study.toml, [clock] rest_frames)"),
+            "let the film begin earlier, before the first command",
+        ))
+    }
 }
 
 fn read_log(context: &dyn StageContext) -> Result<PressureLog> {
@@ -158,27 +183,6 @@ fn match_clocks(tracks: &Tracks, late: Second, log: &PressureLog, set: &Settings
     let sigma: Vec<Second> = in_film.iter().zip(&in_log).map(|(a, b)| a.sigma.hypot(b.sigma)).collect();
     let most = [tracks.time[0], tracks.time[tracks.time.len() - 1]].map(|t| Match::sigma(&here, &sigma, t));
     Ok((clock, here[0], most[0].max(most[1])))
-}
-
-/// Frames before the first command of any chamber.
-fn rest_frames(
-    time: &[Second],
-    log_time: &[Second],
-    gauges: &[Gauge],
-    set: &Settings,
-    context: &dyn StageContext,
-) -> Result<usize> {
-    let asked = |i: &usize| gauges.iter().any(|g| g.command[*i] > 0.0);
-    let first = (0..log_time.len()).find(asked).map_or(f64::INFINITY, |i| log_time[i]);
-    let frames = time.iter().take_while(|&&t| t < first).count();
-    if frames >= set.rest_frames {
-        return Ok(frames);
-    }
-    Err(Diagnostic::new(
-        format!("{} commands pressure after {frames} frames of the film", context.display_path("pressure")),
-        format!("rest is known from at least {} frames (study.toml, [clock] rest_frames)", set.rest_frames),
-        "let the film begin earlier, before the first command",
-    ))
 }
 
 /// Displacements from the mean of the first frames, with the noise of both and the shared errors.

@@ -19,7 +19,7 @@ use crate::selections::{OfTrials, UnderwaterStaircases};
 use ::thrust::outline::Outline;
 use diagnostics::{Diagnostic, Result};
 use sysid::Interrupted;
-use sysid::{Body, ReducedBody};
+use sysid::{Body, ForcedMotion, ReducedBody};
 use workflow::stage::{Stage, StageContext};
 
 /// The stage.
@@ -82,24 +82,18 @@ impl Stage for Drag {
             Actuation { begin: begin - set.ramp, end: begin + set.duration, ramp: set.ramp, gauges: &gauges };
         let reduced_body = ReducedBody::of(&model, &simulation.elastic, &reduced.data)?;
         let settings = simulation::dynamic_settings(Scheme::Bdf2, set.step, damping.stiffness_damping);
-        let underwater = UnderwaterModel::new(
-            &reduced_body,
-            &tail,
-            simulation.marker,
-            card.markers.len(),
-            settings,
-            mesh.solid.half,
-        );
-        let film = Film::of(motion, simulation.marker, [begin, actuation.end]);
+        let underwater = UnderwaterModel::new(&reduced_body, &tail, &simulation, card.markers.len());
+        let film = Film::of(motion, simulation.marker, [begin, actuation.end], released);
         let mut simulations = 0;
         let mut evaluated = |at: &[Vec<f64>]| -> Result<Vec<Vec<f64>>> {
             simulations += at.len();
             context.progress(0.2 + 0.8 * (simulations as f64 / (3 * set.iterations) as f64).min(1.0), "releasing");
-            let off = |at: &Vec<f64>| Ok(film.off(&underwater.path(coefficients(at), &actuation)?, set.sigma));
+            let off =
+                |at: &Vec<f64>| Ok(film.off(&underwater.path(&settings, coefficients(at), &actuation)?, set.sigma));
             at.par_iter().map(off).collect()
         };
         let best = sought(set, &mut evaluated)?;
-        concluded(set, &best, film.moved(), released, simulations)
+        concluded(set, &best, &film, simulations)
     }
 }
 
@@ -108,14 +102,16 @@ struct Film {
     times: Vec<Second>,
     /// See [`about_mean`].
     seen: Vec<Metre>,
+    /// The commanded pressure before the release, Pa.
+    released: Pascal,
 }
 
 impl Film {
     /// Between two times, s on the film's clock.
-    fn of(motion: &Motion, marker: usize, [begin, end]: [Second; 2]) -> Self {
+    fn of(motion: &Motion, marker: usize, [begin, end]: [Second; 2], released: Pascal) -> Self {
         let inside = motion.time.iter().zip(&motion.markers[marker].at).filter(|(t, _)| **t > begin && **t < end);
         let (times, places): (Vec<Second>, Vec<Point2>) = inside.map(|(t, at)| (*t, *at)).unzip();
-        Self { times, seen: about_mean(&places) }
+        Self { times, seen: about_mean(&places), released }
     }
 
     /// Residuals of a simulated path in units of `sigma` (m).
@@ -135,13 +131,7 @@ fn rms(of: &[f64]) -> f64 {
     (of.iter().map(|v| v * v).sum::<f64>() / (of.len() / 2).max(1) as f64).sqrt()
 }
 
-fn concluded(
-    set: &Settings,
-    best: &Evaluation,
-    moved: Metre,
-    released: Pascal,
-    simulations: usize,
-) -> Result<records::Drag> {
+fn concluded(set: &Settings, best: &Evaluation, film: &Film, simulations: usize) -> Result<records::Drag> {
     let residuals = best.residuals.as_ref().ok_or_else(|| {
         Diagnostic::new(
             "the best simulation left no residuals",
@@ -153,6 +143,7 @@ fn concluded(
     let by = coefficients(&best.at);
     let sigma = Coefficients { added: by.added * posterior.sigma(0), drag: by.drag * posterior.sigma(1) };
     let rmse = set.sigma * rms(&residuals.values);
+    let (moved, released) = (film.moved(), film.released);
     Ok(records::Drag { by, sigma, released, rmse, moved, simulations, density: set.density, sections: set.sections })
 }
 
@@ -167,41 +158,40 @@ pub(super) struct UnderwaterModel<'a> {
     /// Rows of the tail's stations and of the observed marker, m.
     stations: DMatrix<f64>,
     watched: DMatrix<f64>,
-    settings: DynamicSettings,
     half: bool,
 }
 
 impl<'a> UnderwaterModel<'a> {
-    /// The tail's stations follow the card's `markers` in the model; one marker is observed, and the model may be a half model.
+    /// The tail's stations follow the card's `marker_count` markers in the model of `simulation`.
     pub fn new(
         reduced_body: &'a ReducedBody,
         tail: &'a Tail,
-        marker: usize,
+        simulation: &MotionSimulation,
         marker_count: usize,
-        settings: DynamicSettings,
-        half: bool,
     ) -> Self {
         let stations = reduced_body.rows(&(marker_count..reduced_body.markers()).collect::<Vec<_>>());
-        Self { reduced_body, tail, stations, watched: reduced_body.rows(&[marker]), settings, half }
+        let half = simulation.model.system.mesh().symmetry_plane_z;
+        Self { reduced_body, tail, stations, watched: reduced_body.rows(&[simulation.marker]), half }
     }
 
     /// Displacement of the observed marker along x and y, m, as functions of the film's time.
     ///
     /// # Errors
     /// A [`Diagnostic`] when a step finds no motion.
-    pub fn path(&self, by: Coefficients, actuation: &Actuation) -> Result<[signal::resample::Samples; 2]> {
+    pub fn path(
+        &self,
+        settings: &DynamicSettings,
+        by: Coefficients,
+        actuation: &Actuation,
+    ) -> Result<[signal::resample::Samples; 2]> {
         let mut water = ::thrust::water::Water::around(self.tail, &self.stations, by, self.half);
         let mut path: Vec<Point2> = Vec::new();
-        self.reduced_body.integrate_in_fluid(
-            &self.settings,
-            &mut water,
-            &|t| actuation.pressures(t),
-            actuation.steps(self.settings.step),
-            &mut |q, _| {
-                path.push([0, 1].map(|k| (self.watched.row(k) * q)[0]));
-            },
-        )?;
-        actuation.sampled(self.settings.step, &path)
+        let steps = actuation.steps(settings.step);
+        let motion = ForcedMotion { settings, pressures: &|t| actuation.pressures(t), steps };
+        self.reduced_body.integrate_in_fluid(&motion, &mut water, &mut |q, _| {
+            path.push([0, 1].map(|k| (self.watched.row(k) * q)[0]));
+        })?;
+        actuation.sampled(settings.step, &path)
     }
 }
 

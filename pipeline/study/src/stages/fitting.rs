@@ -74,7 +74,7 @@ impl Part<Specimen> for Card {
 }
 
 /// Model and data of one identification.
-pub struct Fitting<'a> {
+pub(crate) struct Fitting<'a> {
     pub(super) body: &'a Body,
     pub(super) set: &'a Settings,
     pub(super) model: Model,
@@ -263,7 +263,7 @@ const HALVINGS: usize = 1;
 const DIRECTIONS: usize = 16;
 
 /// Measured positions of the markers at rest: the mean over films, m.
-pub fn mean_rest(films: &IdentificationTrials<Motion>) -> Vec<Point2> {
+pub(crate) fn mean_rest(films: &IdentificationTrials<Motion>) -> Vec<Point2> {
     let count = films.0.len().max(1) as f64;
     let first = films.0.first().map(|(_, m)| m.rest.len()).unwrap_or_default();
     let mean = |m: usize, k: usize| films.0.iter().map(|(_, motion)| motion.rest[m][k]).sum::<f64>() / count;

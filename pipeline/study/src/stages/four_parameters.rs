@@ -58,8 +58,7 @@ impl Stage for FourParameters {
         let model = mesh.model(card)?.with_markers_at(&mesh.solid, card, &rest);
         let levels = Misfit::kept(&found.levels, &found.noise, found.length)?;
         let search = search(card, set, &model, &found)?;
-        let mut losses = Vec::new();
-        let best = minimise(set, &model, &levels, &search, &mut losses, context)?;
+        let (best, losses) = Fit { set, model: &model, levels: &levels }.minimise(&search, context)?;
         let uncertainty = uncertainty(&best)?;
         let iterates = losses.iter().map(|(at, loss)| (four(&elastic(&model, at)), *loss)).collect();
         let four_best = four(&elastic(&model, &best.at));
@@ -94,44 +93,54 @@ fn four(at: &Elastic) -> Four {
     Four { body_e_pa, spine_e_pa, body_nu, spine_nu }
 }
 
-/// Gauss-Newton to convergence; every point and its loss is recorded.
-fn minimise(
-    set: &Settings,
-    model: &Model,
-    levels: &Misfit,
-    search: &Problem,
-    losses: &mut Vec<(Vec<f64>, f64)>,
-    context: &dyn StageContext,
-) -> Result<Evaluation> {
-    let statics = StaticSettings { tolerance: set.static_tolerance, max_halvings: 2, ..StaticSettings::default() };
-    let mut solver = LevelSolver::new(model.clone(), levels.levels.clone(), statics, set.parallel_solves);
-    let newton = gauss_newton::Settings {
-        step_tolerance: set.step_tolerance,
-        iterations: set.iterations,
-        ..gauss_newton::Settings::default()
-    };
-    let settings = optimisers::Settings { gauss_newton: newton, ..optimisers::Settings::default() };
-    let Some(member) = optimisers::by_name(gauss_newton::NAME) else {
-        return Err(Diagnostic::new("there is no gauss_newton", "`optimize` does not list it", "restore it"));
-    };
-    let mut optimiser = (member.build)(search, &settings)?;
-    let mut evaluate = |at: &Vec<f64>| -> Result<Evaluation> {
-        context.progress(losses.len() as f64 / set.iterations as f64, "four parameters");
-        let constants = elastic(model, at);
-        let Ok(simulated) = solver.solve(&constants, Derivatives::AllSensitivities) else {
-            return Ok(Evaluation::of_loss(at.clone(), f64::INFINITY));
+/// A point and its loss.
+type Iterate = (Vec<f64>, f64);
+
+/// The least squares problem of the four parameters.
+#[derive(Clone, Copy)]
+struct Fit<'a> {
+    set: &'a Settings,
+    model: &'a Model,
+    /// The levels that identification used.
+    levels: &'a Misfit,
+}
+
+impl Fit<'_> {
+    /// Gauss-Newton to convergence; every point with its loss is returned as well.
+    fn minimise(&self, search: &Problem, context: &dyn StageContext) -> Result<(Evaluation, Vec<Iterate>)> {
+        let Self { set, model, levels } = *self;
+        let mut losses = Vec::new();
+        let statics = StaticSettings { tolerance: set.static_tolerance, max_halvings: 2, ..StaticSettings::default() };
+        let mut solver = LevelSolver::new(model.clone(), levels.levels.clone(), statics, set.parallel_solves);
+        let newton = gauss_newton::Settings {
+            step_tolerance: set.step_tolerance,
+            iterations: set.iterations,
+            ..gauss_newton::Settings::default()
         };
-        let markers: Vec<_> = simulated.iter().map(|l| l.markers.clone()).collect();
-        let loss = levels.loss(&markers);
-        losses.push((at.clone(), loss));
-        let Elastic { youngs_moduli: [body, spine], poissons_ratios: [n, m] } = constants;
-        let residuals = levels.residuals(&simulated, &[body, spine, n - 0.5, m - 0.5])?;
-        Ok(Evaluation { residuals: Some(residuals), ..Evaluation::of_loss(at.clone(), loss) })
-    };
-    let mut problem = |batch: &[Vec<f64>], _: Needs| -> Result<Vec<Evaluation>, Interrupted> {
-        batch.iter().map(|at| evaluate(at).map_err(Interrupted)).collect()
-    };
-    Ok(optimize::minimise(optimiser.as_mut(), &mut problem).map_err(|stop| stop.0)?.best)
+        let settings = optimisers::Settings { gauss_newton: newton, ..optimisers::Settings::default() };
+        let Some(member) = optimisers::by_name(gauss_newton::NAME) else {
+            return Err(Diagnostic::new("there is no gauss_newton", "`optimize` does not list it", "restore it"));
+        };
+        let mut optimiser = (member.build)(search, &settings)?;
+        let mut evaluate = |at: &Vec<f64>| -> Result<Evaluation> {
+            context.progress(losses.len() as f64 / set.iterations as f64, "four parameters");
+            let constants = elastic(model, at);
+            let Ok(simulated) = solver.solve(&constants, Derivatives::AllSensitivities) else {
+                return Ok(Evaluation::of_loss(at.clone(), f64::INFINITY));
+            };
+            let markers: Vec<_> = simulated.iter().map(|l| l.markers.clone()).collect();
+            let loss = levels.loss(&markers);
+            losses.push((at.clone(), loss));
+            let Elastic { youngs_moduli: [body, spine], poissons_ratios: [n, m] } = constants;
+            let residuals = levels.residuals(&simulated, &[body, spine, n - 0.5, m - 0.5])?;
+            Ok(Evaluation { residuals: Some(residuals), ..Evaluation::of_loss(at.clone(), loss) })
+        };
+        let mut problem = |batch: &[Vec<f64>], _: Needs| -> Result<Vec<Evaluation>, Interrupted> {
+            batch.iter().map(|at| evaluate(at).map_err(Interrupted)).collect()
+        };
+        let best = optimize::minimise(optimiser.as_mut(), &mut problem).map_err(|stop| stop.0)?.best;
+        Ok((best, losses))
+    }
 }
 
 fn uncertainty(best: &Evaluation) -> Result<Uncertainty> {

@@ -17,7 +17,7 @@ impl Fitting<'_> {
     ///
     /// # Errors
     /// A [`Diagnostic`](diagnostics::Diagnostic) when there is no equilibrium at the start.
-    pub fn gradient_difference(&self) -> Result<f64> {
+    pub(crate) fn gradient_difference(&self) -> Result<f64> {
         let mut solver = self.solver(&self.levels.levels, EXACT);
         let start = [self.search.start()[0], self.search.start()[1]];
         let mut loss = |at: [f64; 2], needs: Needs| self.evaluate(&mut solver, &at, needs, &mut Vec::new());
@@ -40,7 +40,7 @@ impl Fitting<'_> {
     ///
     /// # Errors
     /// A [`Diagnostic`](diagnostics::Diagnostic) when there is no equilibrium there.
-    pub fn gradient_over_forward(&self, elastic: &Elastic) -> Result<f64> {
+    pub(crate) fn gradient_over_forward(&self, elastic: &Elastic) -> Result<f64> {
         let levels = &self.levels.levels;
         let highest = (0..levels.len()).max_by(|a, b| levels[*a].top().total_cmp(&levels[*b].top()));
         let highest: Vec<PressureLevel> = highest.map(|level| levels[level].clone()).into_iter().collect();

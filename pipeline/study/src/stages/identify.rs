@@ -5,6 +5,7 @@
 
 use optimize::optimisers::{self, gauss_newton, grid};
 
+use super::assemble::Searches;
 use super::fitting::{Card, Films, Fitting, Settings};
 use crate::records::{Identified, Mesh};
 use diagnostics::{Diagnostic, Result};
@@ -30,14 +31,14 @@ impl Stage for Identify {
         let fitting = Fitting::new(card, set, &mesh, &films)?;
         let compared = set.compared.contains(&card.name);
         let chosen = || optimisers::ALL.iter().filter(|member| compared || member.name == gauss_newton::NAME);
-        let (mut searches, mut best, mut evaluated) = (Vec::new(), None, Vec::new());
+        let (mut records, mut best, mut grid) = (Vec::new(), None, Vec::new());
         for (i, member) in chosen().enumerate() {
             context.progress((i + 1) as f64 / (chosen().count() + 1) as f64, member.name);
             let began = context.seconds();
             let found = fitting.search(member)?;
-            searches.push(fitting.record(member.name, &found.history, context.seconds() - began));
+            records.push(fitting.record(member.name, &found.history, context.seconds() - began));
             match member.name {
-                grid::NAME => evaluated = found.evaluated,
+                grid::NAME => grid = found.evaluated,
                 gauss_newton::NAME => best = Some(found),
                 _ => {}
             }
@@ -50,6 +51,6 @@ impl Stage for Identify {
             ));
         };
         let gradient_difference = compared.then(|| fitting.gradient_difference()).transpose()?;
-        fitting.assemble(best, &evaluated, searches, gradient_difference, context)
+        fitting.assemble(Searches { best, grid, records }, gradient_difference, context)
     }
 }

@@ -82,7 +82,10 @@ impl Stage for Inflate {
             max_iterations: DIRECTIONS,
             ..StaticSettings::default()
         };
-        let shapes = solve_levels(&mut solver, &levels, &statics, &mesh, context)?;
+        let displacements = solve_levels(&mut solver, &levels, &statics, context)?;
+        let section = Section::of(&mesh);
+        let solved = levels.iter().zip(&displacements);
+        let shapes: Vec<Shape> = solved.map(|(p, u)| shape(&mesh, section.as_ref(), p, by_node(u))).collect();
         let filmed = filmed.and_then(|wanted| shapes.iter().position(|s| s.pressures_pa == wanted));
         let nodes = skin(&mesh);
         let keep = |s: Shape| Shape { moved: nodes.iter().map(|&n| s.moved[n as usize]).collect(), ..s };
@@ -105,27 +108,23 @@ fn levels(card: &Card, staircase: &Staircase, count: usize, filmed: Option<&[Pas
 const HALVINGS: usize = 2;
 const DIRECTIONS: usize = 25;
 
-/// The shapes, each started from the one before, up to the first level without equilibrium.
+/// Displacements (3 a node, m), each started from the one before, up to the first level without equilibrium.
 fn solve_levels(
     solver: &mut Solver,
     levels: &[Vec<Pascal>],
     statics: &StaticSettings,
-    mesh: &Mesh,
     context: &dyn StageContext,
-) -> Result<Vec<Shape>> {
-    let section = Section::of(mesh);
-    let (mut shapes, mut last): (Vec<Shape>, Option<Vec<f64>>) = (Vec::new(), None);
+) -> Result<Vec<Vec<f64>>> {
+    let mut solved: Vec<Vec<f64>> = Vec::new();
     for (i, pressures) in levels.iter().enumerate() {
         context.progress(i as f64 / levels.len() as f64, "inflating");
-        let displacement = match solver.equilibrium(pressures, last.as_deref(), statics) {
-            Ok(found) => found.displacement,
-            Err(error) if shapes.is_empty() => return Err(Diagnostic::from(error)),
+        match solver.equilibrium(pressures, solved.last().map(Vec::as_slice), statics) {
+            Ok(found) => solved.push(found.displacement),
+            Err(error) if solved.is_empty() => return Err(Diagnostic::from(error)),
             Err(_) => break,
-        };
-        shapes.push(shape(mesh, section.as_ref(), pressures, by_node(&displacement)));
-        last = Some(displacement);
+        }
     }
-    Ok(shapes)
+    Ok(solved)
 }
 
 fn shape(mesh: &Mesh, section: Option<&Section>, pressures: &[Pascal], moved: Vec<Point3>) -> Shape {

@@ -96,10 +96,11 @@ impl Stage for OptimalActuation {
             cycles: set.cycles,
         };
         let models = models(&thrust)?;
-        let scan = scan(&flapping, &models, &limits, set, &|part| context.progress(0.2 + 0.3 * part, "scanning"))?;
+        let search = Search { flapping: &flapping, models: &models, limits, set };
+        let scan = search.scan(&|part| context.progress(0.2 + 0.3 * part, "scanning"))?;
         context.progress(0.5, "gradient ascent");
         let filmed = thrust.runs.iter().map(Run::amplitude_of_tip).fold(f64::MIN_POSITIVE, f64::max);
-        let optimised = |place: usize| ascend_from(&flapping, &models, place, &scan, filmed, limits, set);
+        let optimised = |place: usize| search.ascend_from(&scan, place, filmed);
         let best = (0..models.len()).into_par_iter().map(optimised).collect::<Result<_>>()?;
         Ok(Record {
             highest_pa: limits.amplitude,
@@ -145,63 +146,63 @@ fn models(thrust: &Thrust) -> Result<Vec<Named>> {
     ])
 }
 
-/// An even grid over the limits: amplitudes from half the highest, all frequencies.
-fn scan(
-    flapping: &FlappingModel,
-    models: &[Named],
-    limits: &Limits,
-    set: &Settings,
-    heard: &(dyn Fn(f64) + Sync),
-) -> Result<Vec<ActuationPoint>> {
-    let [amplitudes, frequencies] = set.scan.map(|n| n.max(1));
-    let frequencies = if limits.frequency[1] > limits.frequency[0] { frequencies } else { 1 };
-    let even = |i: usize, n: usize, from: f64| from + (1.0 - from) * i as f64 / (n.max(2) - 1) as f64;
-    let places: Vec<[f64; 2]> = (0..amplitudes)
-        .flat_map(|a| {
-            (0..frequencies).map(move |f| [even(amplitudes - 1 - a, amplitudes, 0.5), even(f, frequencies, 0.0)])
+/// The search of the optimal actuation.
+#[derive(Clone, Copy)]
+struct Search<'a> {
+    flapping: &'a FlappingModel<'a>,
+    models: &'a [Named],
+    limits: Limits,
+    set: &'a Settings,
+}
+
+impl Search<'_> {
+    /// An even grid over the limits: amplitudes from half the highest, all frequencies.
+    fn scan(&self, heard: &(dyn Fn(f64) + Sync)) -> Result<Vec<ActuationPoint>> {
+        let Self { flapping, models, limits, set } = *self;
+        let [amplitudes, frequencies] = set.scan.map(|n| n.max(1));
+        let frequencies = if limits.frequency[1] > limits.frequency[0] { frequencies } else { 1 };
+        let even = |i: usize, n: usize, from: f64| from + (1.0 - from) * i as f64 / (n.max(2) - 1) as f64;
+        let places: Vec<[f64; 2]> = (0..amplitudes)
+            .flat_map(|a| {
+                (0..frequencies).map(move |f| [even(amplitudes - 1 - a, amplitudes, 0.5), even(f, frequencies, 0.0)])
+            })
+            .collect();
+        let like = SquareWave { amplitude: 0.0, frequency: 0.0, sharpness: set.sharpness };
+        let one = |(number, place): (usize, &[f64; 2])| {
+            let wave = limits.wave(*place, like);
+            let run = flapping.run(&wave)?;
+            heard(number as f64 / places.len() as f64);
+            Ok(actuation_point(&wave, models.iter().map(|(_, model)| mean(model, &run)).collect()))
+        };
+        places.par_iter().enumerate().map(one).collect()
+    }
+
+    /// Gradient ascent from the best point of the scan by the model at `place`; `filmed` is the amplitude of the tip in films, m.
+    fn ascend_from(&self, scan: &[ActuationPoint], place: usize, filmed: Metre) -> Result<Best> {
+        let Self { flapping, models, limits, set } = *self;
+        let (kind, model) = &models[place];
+        let start = scan.iter().max_by(|a, b| a.thrust_n[place].total_cmp(&b.thrust_n[place]));
+        let start = start.ok_or_else(|| {
+            Diagnostic::new("no actuation was scanned", "`[optimal_actuation] scan` has no points", "set at least one")
+        })?;
+        let start =
+            SquareWave { amplitude: start.amplitude_pa, frequency: start.frequency_hz, sharpness: set.sharpness };
+        let mut objective = MeanThrust { flapping, model, limits, simulations: scan.len() };
+        let iterates = ascend(&mut objective, start, &limits)?;
+        let simulations = objective.simulations;
+        let run = flapping.run(&iterates[iterates.len() - 1].0)?;
+        Ok(Best {
+            model: kind.name().into(),
+            iterates: iterates.iter().map(|(wave, thrust)| actuation_point(wave, vec![*thrust])).collect(),
+            predicted_n: models.iter().map(|(_, model)| mean(model, &run)).collect(),
+            amplitude_ratio: run.amplitude_of_tip() / filmed,
+            simulations,
         })
-        .collect();
-    let like = SquareWave { amplitude: 0.0, frequency: 0.0, sharpness: set.sharpness };
-    let one = |(number, place): (usize, &[f64; 2])| {
-        let wave = limits.wave(*place, like);
-        let run = flapping.run(&wave)?;
-        heard(number as f64 / places.len() as f64);
-        Ok(actuation_point(&wave, models.iter().map(|(_, model)| mean(model, &run)).collect()))
-    };
-    places.par_iter().enumerate().map(one).collect()
+    }
 }
 
 fn actuation_point(wave: &SquareWave, thrust_n: Vec<f64>) -> ActuationPoint {
     ActuationPoint { amplitude_pa: wave.amplitude, frequency_hz: wave.frequency, thrust_n }
-}
-
-/// Gradient ascent from the best point of the scan by one model.
-fn ascend_from(
-    flapping: &FlappingModel,
-    models: &[Named],
-    place: usize,
-    scan: &[ActuationPoint],
-    filmed: Metre,
-    limits: Limits,
-    set: &Settings,
-) -> Result<Best> {
-    let (kind, model) = &models[place];
-    let start = scan.iter().max_by(|a, b| a.thrust_n[place].total_cmp(&b.thrust_n[place]));
-    let start = start.ok_or_else(|| {
-        Diagnostic::new("no actuation was scanned", "`[optimal_actuation] scan` has no points", "set at least one")
-    })?;
-    let start = SquareWave { amplitude: start.amplitude_pa, frequency: start.frequency_hz, sharpness: set.sharpness };
-    let mut objective = MeanThrust { flapping, model, limits, simulations: scan.len() };
-    let iterates = ascend(&mut objective, start, &limits)?;
-    let simulations = objective.simulations;
-    let run = flapping.run(&iterates[iterates.len() - 1].0)?;
-    Ok(Best {
-        model: kind.name().into(),
-        iterates: iterates.iter().map(|(wave, thrust)| actuation_point(wave, vec![*thrust])).collect(),
-        predicted_n: models.iter().map(|(_, model)| mean(model, &run)).collect(),
-        amplitude_ratio: run.amplitude_of_tip() / filmed,
-        simulations,
-    })
 }
 
 /// A square wave overshoots the pressure of a held step: a run counts as within the limits up to this factor.

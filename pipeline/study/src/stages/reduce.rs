@@ -12,7 +12,7 @@ use super::simulation;
 use crate::records::{Identified, Level, Mesh, Reduced};
 use crate::subject::{Specimen, Trial};
 use diagnostics::Result;
-use sysid::Body;
+use sysid::{Body, Snapshots};
 use workflow::stage::{Stage, StageContext};
 use workflow::subject::Part;
 
@@ -62,7 +62,8 @@ impl Stage for Reduce {
         context.progress(0.1, "snapshots under pressures and loads");
         let tops = vec![top; card.chambers];
         let elastic = simulation::identified(&model, &identified);
-        let data: ReducedModelData = sysid::reduce(&model, &elastic, &tops, card.body.length, set.tolerance)?;
+        let snapshots = Snapshots { model: &model, elastic: &elastic, top: &tops, length: card.body.length };
+        let data: ReducedModelData = snapshots.reduce(set.tolerance)?;
         Ok(Reduced { data, highest: top })
     }
 }

@@ -6,10 +6,10 @@ use signal::resample::Samples;
 
 use crate::records::{Identified, Motion};
 use diagnostics::{Diagnostic, Result};
-use sysid::{Elastic, Model, ReducedBody};
+use sysid::{Elastic, ForcedMotion, Model, ReducedBody};
 
 /// A model with its moduli, and the observed marker.
-pub struct MotionSimulation<'a> {
+pub(crate) struct MotionSimulation<'a> {
     /// The model, with its markers at their measured positions.
     pub model: &'a Model,
     /// The identified constants.
@@ -65,7 +65,8 @@ impl MotionSimulation<'_> {
         actuation: &Actuation,
     ) -> Result<[Samples; 2]> {
         let steps = actuation.steps(settings.step);
-        let path = reduced_body.integrate(settings, self.marker, &|t| actuation.pressures(t), steps)?;
+        let motion = ForcedMotion { settings, pressures: &|t| actuation.pressures(t), steps };
+        let path = reduced_body.integrate(&motion, self.marker)?;
         actuation.sampled(settings.step, &path)
     }
 
@@ -90,7 +91,7 @@ impl MotionSimulation<'_> {
 }
 
 /// Settings of a fixed step with stiffness-proportional damping.
-pub fn dynamic_settings(scheme: Scheme, step: Second, stiffness_damping: Second) -> DynamicSettings {
+pub(crate) fn dynamic_settings(scheme: Scheme, step: Second, stiffness_damping: Second) -> DynamicSettings {
     DynamicSettings { step, scheme, stiffness_damping, ..DynamicSettings::default() }
 }
 
@@ -103,7 +104,7 @@ pub fn identified(model: &Model, found: &Identified) -> Elastic {
 ///
 /// # Errors
 /// A [`Diagnostic`] when the log's times do not rise.
-pub fn gauges(motion: &Motion) -> Result<Vec<Samples>> {
+pub(crate) fn gauges(motion: &Motion) -> Result<Vec<Samples>> {
     let samples = motion.gauges.iter().map(|g| Samples::new(motion.log_time.clone(), g.measured.clone()));
     samples.collect::<Result<_, _>>().map_err(Diagnostic::from)
 }

@@ -44,32 +44,39 @@ fn held_out(tails: &[Tail], training: &TrainingSettings, progress: &(dyn Fn(f64,
     let pairs: Vec<(usize, ThrustModel)> =
         (0..tails.len()).flat_map(|tail| MODELS.map(|model| (tail, model))).collect();
     let judged = |(number, (tail, model)): (usize, &(usize, ThrustModel))| {
-        let (name, test) = &tails[*tail];
+        let name = &tails[*tail].0;
         let text = format!("{} without {name}", model.name());
         let heard = |part: f64| progress((number as f64 + part) / pairs.len() as f64, &text);
-        HeldOut { tail: name.clone(), scored: judge(tails, *tail, test, *model, training, &heard) }
+        HeldOut { tail: name.clone(), scored: judge(&Split::without(tails, *tail), *model, training, &heard) }
     };
     pairs.par_iter().enumerate().map(judged).collect()
 }
 
-fn judge(
-    tails: &[Tail],
-    out: usize,
-    test: &[Run],
-    kind: ThrustModel,
-    training: &TrainingSettings,
-    heard: &dyn Fn(f64),
-) -> Scored {
-    let others = tails.iter().enumerate().filter(|(tail, _)| *tail != out);
-    let train: Vec<&Run> = others.flat_map(|(_, (_, runs))| runs.iter()).collect();
-    let test: Vec<&Run> = test.iter().collect();
-    let model = kind.fit(&train, training, heard);
+/// Runs on which a model is trained, and those on which it is evaluated.
+struct Split<'a> {
+    train: Vec<&'a Run>,
+    test: Vec<&'a Run>,
+}
+
+impl<'a> Split<'a> {
+    /// One tail is held out.
+    fn without(tails: &[Tail<'a>], out: usize) -> Self {
+        let others = tails.iter().enumerate().filter(|(tail, _)| *tail != out);
+        let train = others.flat_map(|(_, (_, runs))| runs.iter()).collect();
+        Self { train, test: tails[out].1.iter().collect() }
+    }
+}
+
+/// Trains a model and evaluates it; `heard` receives the fraction done.
+fn judge(split: &Split, kind: ThrustModel, training: &TrainingSettings, heard: &dyn Fn(f64)) -> Scored {
+    let Split { train, test } = split;
+    let model = kind.fit(train, training, heard);
     let predicted: Vec<Vec<f64>> = test.iter().map(|run| model.predict(run)).collect();
     Scored {
         split_rule: "tail".into(),
         model: kind.name().into(),
         seed: 0,
-        score: score(&test, &predicted),
+        score: score(test, &predicted),
         runs: [train.len(), test.len()],
     }
 }

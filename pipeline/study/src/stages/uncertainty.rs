@@ -58,7 +58,7 @@ fn implausible(body: &Body, at: &[f64], bounds: &Bounds) -> Vec<String> {
 }
 
 /// Profile likelihoods: χ² over each modulus, minimised over the other, from χ² over both (spine × body).
-pub fn profiles(body: &[Pascal], spine: &[Pascal], chi_square: &[f64]) -> Vec<Profile> {
+pub(crate) fn profiles(body: &[Pascal], spine: &[Pascal], chi_square: &[f64]) -> Vec<Profile> {
     let lowest = chi_square.iter().copied().fold(f64::INFINITY, f64::min);
     let least = |cells: &mut dyn Iterator<Item = usize>| {
         cells.map(|cell| chi_square[cell]).fold(f64::INFINITY, f64::min) - lowest

@@ -12,9 +12,10 @@ use serde::{Deserialize, Serialize};
 use si::{Hertz, Point2, Second};
 use signal::resample::Samples;
 
+use super::baselines::{self, QuasiStatic};
 use super::drag::UnderwaterModel;
+use super::repeats;
 use super::simulation::{self, Actuation, MotionSimulation};
-use super::{baselines, repeats};
 use crate::records::{Damping, Drag, Identified, Mesh, Motion, Reduced, ScoredModel, Validation};
 use crate::selections::{InWater, Repeats};
 use crate::subject::Trial;
@@ -87,8 +88,8 @@ impl Stage for Validate {
         ];
         let simulate = |settings: DynamicSettings| match (&drag, &tail) {
             (Some(Drag { by, .. }), Some(tail)) => {
-                UnderwaterModel::new(&reduced_body, tail, marker, card.body.markers.len(), settings, mesh.solid.half)
-                    .path(*by, &actuation)
+                UnderwaterModel::new(&reduced_body, tail, &simulation, card.body.markers.len())
+                    .path(&settings, *by, &actuation)
             }
             _ => simulation.run(&reduced_body, &settings, &actuation),
         };
@@ -104,7 +105,8 @@ impl Stage for Validate {
         let dry = drag.is_none().then(|| reduction(&simulation, &reduced_body, &damped, &checked));
         let simulated = paths.swap_remove(0);
         let pressures: Vec<Vec<f64>> = seen.gauges.iter().map(|g| g.onto(&seen.time)).collect();
-        let guesses = baselines::all(&seen, &pressures, &identified, marker, card.frequency);
+        let quasi_static = QuasiStatic { pressures: &pressures, identified: &identified, marker };
+        let guesses = baselines::all(&seen, &quasi_static, card.frequency);
         Ok(Validation {
             marker: films.first().map(|m| m.markers[marker].name.clone()).unwrap_or_default(),
             repeats: films.len(),

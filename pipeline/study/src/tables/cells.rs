@@ -10,7 +10,7 @@ const SLICES: usize = 240;
 const NECK: f64 = 0.5;
 
 /// Cells of the first chamber; 0 where there is none.
-pub fn a_side(mesh: &Mesh) -> usize {
+pub(crate) fn a_side(mesh: &Mesh) -> usize {
     mesh.chambers.first().map_or(0, |chamber| swellings(&profile(mesh, Skin::Chamber(chamber.skin))))
 }
 

@@ -47,10 +47,9 @@ impl Table for Recovery {
 }
 
 fn moduli(of: &RecoveredSpecimen, body_sigma: Option<f64>, spine_sigma: Option<f64>) -> [Vec<String>; 2] {
-    [
-        row(of, "E of the body (MPa)", 1e-6, of.body_e_pa, body_sigma),
-        row(of, "E of the spine (GPa)", 1e-9, of.spine_e_pa, spine_sigma),
-    ]
+    let body = Parameter { name: "E of the body (MPa)", unit: 1e-6, pair: of.body_e_pa, sigma: body_sigma };
+    let spine = Parameter { name: "E of the spine (GPa)", unit: 1e-9, pair: of.spine_e_pa, sigma: spine_sigma };
+    [body.row(of), spine.row(of)]
 }
 
 /// Parameters identified from releases, where there are any.
@@ -60,18 +59,35 @@ fn moving(of: &RecoveredSpecimen, added_sigma: Option<f64>, drag_sigma: Option<f
         ("added mass ratio", 1.0, of.added, added_sigma),
         ("normal drag coefficient", 1.0, of.drag, drag_sigma),
     ];
-    all.into_iter().filter_map(|(what, unit, pair, sigma)| pair.map(|pair| row(of, what, unit, pair, sigma))).collect()
+    let known =
+        all.into_iter().filter_map(|(name, unit, pair, sigma)| Some(Parameter { name, unit, pair: pair?, sigma }));
+    known.map(|parameter| parameter.row(of)).collect()
 }
 
-fn row(of: &RecoveredSpecimen, what: &str, unit: f64, [found, hidden]: [f64; 2], sigma: Option<f64>) -> Vec<String> {
-    vec![
-        what.to_owned(),
-        of.name.clone(),
-        format!("{:.4}", unit * found),
-        format!("{:.4}", unit * hidden),
-        format!("{:.1} %", 100.0 * (found / hidden - 1.0)),
-        sigma.map_or_else(String::new, |s| format!("{:.1}", (found - hidden).abs() / s)),
-    ]
+/// A parameter of a specimen.
+struct Parameter<'a> {
+    /// Its name with the unit of the cells.
+    name: &'a str,
+    /// Number of the cells' units in the SI unit.
+    unit: f64,
+    /// Identified and hidden, SI.
+    pair: [f64; 2],
+    /// Standard deviation, SI.
+    sigma: Option<f64>,
+}
+
+impl Parameter<'_> {
+    fn row(&self, of: &RecoveredSpecimen) -> Vec<String> {
+        let [found, hidden] = self.pair;
+        vec![
+            self.name.to_owned(),
+            of.name.clone(),
+            format!("{:.4}", self.unit * found),
+            format!("{:.4}", self.unit * hidden),
+            format!("{:.1} %", 100.0 * (found / hidden - 1.0)),
+            self.sigma.map_or_else(String::new, |s| format!("{:.1}", (found - hidden).abs() / s)),
+        ]
+    }
 }
 
 /// Instruments: the worst trial or specimen each.

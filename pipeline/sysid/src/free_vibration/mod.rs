@@ -35,7 +35,7 @@ const AS_FAST: f64 = 0.02;
 const TURNS: usize = 4;
 
 /// Results with one material law.
-pub struct ByLaw {
+pub(crate) struct ByLaw {
     /// Its name.
     pub law: String,
     /// From the static deflection.
@@ -67,22 +67,23 @@ pub fn run(root: &Path, path: &Path, out: Option<&Path>) -> Result<(Report, Path
     let vibrations = recorded.iter().map(|r| recorded::vibration(&page, &r.fall)).collect::<Result<Vec<_>>>()?;
     let bench = Bench::new(&page, path.parent().unwrap_or(Path::new(".")))?;
     let decay = vibrations.iter().map(|s| s.decay).sum::<f64>() / vibrations.len() as f64;
-    let laws = page.laws.iter().map(|law| by_law(&bench, &page, law, &recorded, decay)).collect::<Result<Vec<_>>>()?;
+    let laws = page.laws.iter().map(|law| by_law(&bench, law, &recorded, decay)).collect::<Result<Vec<_>>>()?;
     let folder = out.map_or_else(|| path.with_extension("out"), Path::to_owned);
     let report = Report { page, recorded, vibrations, laws };
     shown::write(&report, &folder)?;
     Ok((report, folder))
 }
 
-fn by_law(bench: &Bench, page: &Page, law: &str, recorded: &[Recorded], decay: f64) -> Result<ByLaw> {
+fn by_law(bench: &Bench, law: &str, recorded: &[Recorded], decay: f64) -> Result<ByLaw> {
     let settled: Vec<Vec<f64>> = recorded.iter().map(|r| r.settled.clone()).collect();
     let found = bench.fit(law, &settled)?;
-    let (beta, fall, vibration) = damped(bench, page, law, found.youngs_modulus, decay)?;
+    let (beta, fall, vibration) = damped(bench, law, found.youngs_modulus, decay)?;
     Ok(ByLaw { law: law.to_owned(), found, beta, vibration, fall })
 }
 
 /// β with which the simulated vibration decays at `decay` (1/s): δ = β ω² / 2, corrected by the simulated decay.
-fn damped(bench: &Bench, page: &Page, law: &str, e: Pascal, decay: f64) -> Result<(Second, Series, FreeVibration)> {
+fn damped(bench: &Bench, law: &str, e: Pascal, decay: f64) -> Result<(Second, Series, FreeVibration)> {
+    let page = bench.page;
     let first = bench.release(law, e, 0.0)?;
     let omega = std::f64::consts::TAU * recorded::vibration(page, &first)?.frequency;
     let mut beta = 2.0 * decay / (omega * omega);
@@ -117,7 +118,7 @@ mod tests {
         let found = bench.fit("neo_hookean", &[vec![-6.4434e-3 * 277.53e3 / e; 2]]).unwrap();
         // the deflection of a bar that bends by a fifteenth of its length is proportional to 1 / E to some tenths of a per cent
         assert!((found.youngs_modulus / e - 1.0).abs() < 5e-3, "{found:?}");
-        let (again, _, vibration) = damped(&bench, &page, "neo_hookean", e, seen.decay).unwrap();
+        let (again, _, vibration) = damped(&bench, "neo_hookean", e, seen.decay).unwrap();
         assert!((again / beta - 1.0).abs() < 2.0 * AS_FAST, "{again}");
         assert!((vibration.frequency / seen.frequency - 1.0).abs() < 2e-3, "{vibration:?} {seen:?}");
     }

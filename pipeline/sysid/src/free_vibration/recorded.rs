@@ -75,7 +75,8 @@ pub fn find(page: &Page, recording: &Recording, root: &Path) -> Result<PathBuf> 
 
 fn one(page: &Page, recording: &Recording, path: &Path) -> Result<Recorded> {
     let (rate, tracks) = tracks(page, path)?;
-    let phases = Phases::of(page, recording, rate, tracks[0].len(), path)?;
+    let frames = tracks[0].len();
+    let phases = Phases::of(page, recording, rate, frames).ok_or_else(|| unfitting(path, frames as f64 / rate))?;
     let moved = moved(page, &tracks, phases.held);
     let mean = |i: usize| moved.iter().map(|m| m[i]).sum::<f64>() / moved.len() as f64;
     let fall = (phases.release..tracks[0].len()).map(mean).collect();
@@ -106,19 +107,22 @@ struct Phases {
 }
 
 impl Phases {
-    fn of(page: &Page, recording: &Recording, rate: f64, frames: usize, path: &Path) -> Result<Self> {
+    /// Of a recording of `frames` frames, `rate` a second; none where they do not follow one another within it.
+    fn of(page: &Page, recording: &Recording, rate: f64, frames: usize) -> Option<Self> {
         let frame = |time: Second| ((time * rate).round() as usize).min(frames);
         let (held, release) = (frame(page.held), frame(recording.release));
         let rest = frames - frame(page.settled);
-        match held > 0 && held <= release && rest > frame(recording.release + page.swing[1]) {
-            true => Ok(Self { held, release, rest }),
-            false => Err(Diagnostic::new(
-                format!("{} holds {:.2} s", path.display(), frames as f64 / rate),
-                "held, release, swing and settled do not fit into it in this order",
-                "correct the page's times",
-            )),
-        }
+        let in_order = held > 0 && held <= release && rest > frame(recording.release + page.swing[1]);
+        in_order.then_some(Self { held, release, rest })
     }
+}
+
+fn unfitting(path: &Path, duration: Second) -> Diagnostic {
+    Diagnostic::new(
+        format!("{} holds {duration:.2} s", path.display()),
+        "held, release, swing and settled do not fit into it in this order",
+        "correct the page's times",
+    )
 }
 
 /// Displacement of each compared marker along the page's axis from its position while `held`, m.

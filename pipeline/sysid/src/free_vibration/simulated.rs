@@ -14,7 +14,8 @@ use simulate::{Body, Loaded, load};
 
 /// A page's case with its mesh.
 pub struct Bench<'a> {
-    page: &'a Page,
+    /// The page.
+    pub page: &'a Page,
     case: Case,
     loaded: Loaded,
 }

@@ -2,8 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{ThrustModel, theory};
+use super::ThrustModel;
 use crate::Run;
+use crate::run::TheoryTerms;
 
 /// Weights of a model's columns.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,11 +56,18 @@ fn columns(model: ThrustModel, run: &Run, sample: usize) -> Vec<f64> {
             run.pressure[sample].iter().map(bar).flat_map(|p| [p, p * p]).collect()
         }
         ThrustModel::Fir => fir(run, sample),
-        ThrustModel::Theory => theory::columns(&run.terms[sample]),
+        ThrustModel::Theory => theory(&run.terms[sample]),
         _ => Vec::new(),
     };
     all.push(1.0);
     all
+}
+
+/// Theory with coefficients: Lighthill's terms, drag and the tail's own inertia; the constant is added by [`columns`].
+///
+/// F = c₁ F_edge + c₂ d/dt ∫ m w n_x da + c₃ F_drag + c₄ ẍ + c₅; c₁ = c₂ = 1 in \[lighthill1971\].
+fn theory(terms: &TheoryTerms) -> Vec<f64> {
+    vec![terms.edge_flux, terms.momentum_rate, terms.drag, terms.tip_acceleration]
 }
 
 /// Positions and velocities of the last and of the first marker at the taps.

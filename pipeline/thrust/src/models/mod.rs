@@ -4,7 +4,6 @@
 
 pub mod linear;
 pub mod network;
-pub mod theory;
 
 pub mod testing;
 

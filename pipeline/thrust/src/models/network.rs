@@ -24,7 +24,12 @@ impl TrainingSettings {
 }
 
 /// A network trained on the force of runs, or on its residual after `theory`. A fixed fraction of the runs is used for early stopping.
-pub fn learn(runs: &[&Run], theory: Option<&Weighted>, training: &TrainingSettings, progress: &dyn Fn(f64)) -> Network {
+pub(crate) fn learn(
+    runs: &[&Run],
+    theory: Option<&Weighted>,
+    training: &TrainingSettings,
+    progress: &dyn Fn(f64),
+) -> Network {
     let every = (1.0 / training.validation_fraction.clamp(1e-3, 0.5)).round() as usize;
     let is_aside = |i: usize| runs.len() > 1 && i % every == every / 2;
     let (mut samples, mut validation_fraction) = (Samples::default(), Samples::default());

@@ -7,11 +7,9 @@
 pub mod dots;
 mod lattice;
 mod saddle;
-mod target;
-
-pub use target::Target;
 
 use crate::Gray;
+use dots::Dots;
 use si::{Metre, Point2, Point3};
 
 /// A checkerboard of `columns` × `rows` squares (inner corners are one less each way).
@@ -25,7 +23,7 @@ pub struct Board {
     pub square: Metre,
 }
 
-/// FailedGate no board is found.
+/// Why no board is found.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum BoardError {
     /// A board whose corners have no unique order.
@@ -164,4 +162,34 @@ fn turned(picture: &Gray, mut corners: Vec<Point2>, board: &Board) -> Vec<Point2
         corners.reverse();
     }
     corners
+}
+
+/// A calibration target of either kind, by its points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Target {
+    /// Black and white squares: the points are the inner corners.
+    Checkerboard(Board),
+    /// Dark dots: the points are their middles.
+    Dots(Dots),
+}
+
+impl Target {
+    /// Its points in its own frame, m.
+    pub fn points(&self) -> Vec<Point3> {
+        match self {
+            Self::Checkerboard(board) => board.corners(),
+            Self::Dots(dots) => dots.points(),
+        }
+    }
+
+    /// Its points in a picture, px, in the order of [`Target::points`].
+    ///
+    /// # Errors
+    /// [`BoardError`] when it is not in the picture as a whole.
+    pub fn find(&self, picture: &Gray) -> Result<Vec<Point2>, BoardError> {
+        match self {
+            Self::Checkerboard(board) => find(picture, board),
+            Self::Dots(board) => dots::find(picture, board),
+        }
+    }
 }

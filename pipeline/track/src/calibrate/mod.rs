@@ -40,7 +40,7 @@ impl Calibration {
 /// Numbers of a camera: those of its lens, then turn (rad) and shift (m) of its pose as [`Pose::moved`] takes them.
 pub const CAMERA_PARAMETERS: usize = VALUES + 6;
 
-/// FailedGate no lens or pose comes out.
+/// Why no lens or pose comes out.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CalibrateError {
     /// Fewer views than the lens needs.

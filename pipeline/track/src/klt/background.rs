@@ -30,7 +30,7 @@ impl Background {
     /// The ring must lie inside the picture.
     pub(super) fn around(picture: &Gray, middle: Point2, radius: f64) -> Self {
         let mut ring = Vec::new();
-        visit(picture, middle, radius + RING, 1, |x, y, r2, level| {
+        Disc { middle, radius: radius + RING, stride: 1 }.visit(picture, |x, y, r2, level| {
             if r2 > radius * radius {
                 ring.push((x, y, level));
             }
@@ -58,25 +58,32 @@ impl Background {
     }
 }
 
-/// Calls `see` with (x, y, x² + y², level) of every pixel within `radius` (px) of `middle`, places counted from there.
-///
-/// `stride` 2 looks at every second pixel each way.
-pub(super) fn visit(
-    picture: &Gray,
-    middle: Point2,
-    radius: f64,
-    stride: usize,
-    mut see: impl FnMut(f64, f64, f64, f64),
-) {
-    let span =
-        |c: f64, size: usize| (c - radius).ceil().max(0.0) as usize..((c + radius).max(-1.0) as usize + 1).min(size);
-    for row in span(middle[1], picture.height).step_by(stride) {
-        let y = row as f64 - middle[1];
-        for column in span(middle[0], picture.width).step_by(stride) {
-            let x = column as f64 - middle[0];
-            let r2 = x * x + y * y;
-            if r2 <= radius * radius {
-                see(x, y, r2, picture.at(column, row));
+/// The pixels of a picture within a circle.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Disc {
+    /// Centre of the circle, px.
+    pub(super) middle: Point2,
+    /// Radius of the circle, px.
+    pub(super) radius: f64,
+    /// Distance of successive pixels each way, px: 2 takes every second one.
+    pub(super) stride: usize,
+}
+
+impl Disc {
+    /// Calls `see` with (x, y, x² + y², level) of every pixel, places counted from the middle.
+    pub(super) fn visit(self, picture: &Gray, mut see: impl FnMut(f64, f64, f64, f64)) {
+        let Self { middle, radius, stride } = self;
+        let span = |c: f64, size: usize| {
+            (c - radius).ceil().max(0.0) as usize..((c + radius).max(-1.0) as usize + 1).min(size)
+        };
+        for row in span(middle[1], picture.height).step_by(stride) {
+            let y = row as f64 - middle[1];
+            for column in span(middle[0], picture.width).step_by(stride) {
+                let x = column as f64 - middle[0];
+                let r2 = x * x + y * y;
+                if r2 <= radius * radius {
+                    see(x, y, r2, picture.at(column, row));
+                }
             }
         }
     }

@@ -3,7 +3,7 @@
 //! Darkness is relative to the sloped background and cut off softly, so that neither uneven light nor noise far from the spot shifts the
 //! centroid, nor does a rotation of the spot. Only pixels connected to the spot count.
 
-use super::background::{Background, RING, visit};
+use super::background::{Background, Disc, RING};
 use crate::Gray;
 use si::Point2;
 
@@ -66,7 +66,7 @@ impl Soft {
     }
 }
 
-/// FailedGate a window holds no spot.
+/// Why a window holds no spot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Miss {
     /// The window, or the ring around it, reaches out of the picture.
@@ -144,7 +144,7 @@ impl Window {
         let outside = Cell { x: 0.0, y: 0.0, r2: f64::INFINITY, darkness: 0.0, weight: 0.0 };
         let mut cells = vec![outside; side * side];
         let mut core = Vec::new();
-        visit(picture, middle, radius, 1, |x, y, r2, level| {
+        Disc { middle, radius, stride: 1 }.visit(picture, |x, y, r2, level| {
             let darkness = 1.0 - level / background.level(x, y);
             core.push(darkness);
             let [column, row] = [middle[0] + x - first[0], middle[1] + y - first[1]].map(|v| v.round() as usize);

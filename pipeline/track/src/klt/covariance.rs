@@ -4,7 +4,7 @@
 //! cut into sectors; the shift of the centroid that each one causes, against the marker of the first frame, is one sample of the error.
 //! Opposite sectors are added, so that a change of size or light, which shifts all outwards, cancels.
 
-use super::background::visit;
+use super::background::Disc;
 use super::blob::Blob;
 use super::template::Template;
 use crate::Gray;
@@ -61,7 +61,7 @@ pub(super) fn of_pixels(blob: &Blob) -> [[f64; 2]; 2] {
 pub(super) fn of_sectors(picture: &Gray, blob: &Blob, template: &Template, turn: Radian) -> [[f64; 2]; 2] {
     let mut pulls = [[0.0; 2]; PAIRS];
     let (off, turn) = (blob.off(), turn.sin_cos());
-    visit(picture, blob.at, template.radius(), 1, |x, y, _, level| {
+    Disc { middle: blob.at, radius: template.radius(), stride: 1 }.visit(picture, |x, y, _, level| {
         let now = blob.soft.weight(1.0 - level / blob.background.level(x + off[0], y + off[1]));
         let then = blob.soft.weight(1.0 - template.share([x, y], turn));
         if now != then {

@@ -22,9 +22,20 @@ pub struct TrackingError {
 /// Half the side of the crop around a lost marker, px.
 const SHOWN: usize = 64;
 
+/// Which marker is expected where in which frame.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Expected {
+    /// In the order of the clicks.
+    pub(super) marker: usize,
+    /// From 0.
+    pub(super) frame: usize,
+    /// Expected position, px.
+    pub(super) near: Point2,
+}
+
 impl TrackingError {
     /// What a frame shows of a marker that fails a gate.
-    pub(super) fn at(picture: &Gray, marker: usize, frame: usize, near: Point2, why: FailedGate) -> Self {
+    pub(super) fn at(picture: &Gray, Expected { marker, frame, near }: Expected, why: FailedGate) -> Self {
         let corner = near.map(|c| (c.round().max(0.0) as usize).saturating_sub(SHOWN));
         let crop = picture.crop(corner[0], corner[1], 2 * SHOWN + 1, 2 * SHOWN + 1);
         Self { marker, frame, near, why, crop }

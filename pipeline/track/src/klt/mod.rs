@@ -21,6 +21,7 @@ mod template;
 
 use crate::Gray;
 pub use blob::clutter;
+use error::Expected;
 pub use error::{FailedGate, TrackingError};
 pub use find_blobs::find_blobs;
 pub use find_corners::find_corners;
@@ -62,7 +63,7 @@ struct Track {
     turn: Radian,
     /// Exponential mean of the covariance by sectors, px², from the second frame on.
     by_sectors: Option<[[f64; 2]; 2]>,
-    /// FailedGate and since which frame it is hidden.
+    /// Why and since which frame it is hidden.
     hidden: Option<TrackingError>,
 }
 
@@ -74,7 +75,7 @@ struct Accepted {
 }
 
 /// The least radius of a window, px.
-pub const LEAST_RADIUS: f64 = 4.0;
+pub(crate) const LEAST_RADIUS: f64 = 4.0;
 
 impl Tracker {
     /// Begins with the first frame: each clicked position (px) is moved to the middle of the dark spot within reach.
@@ -89,7 +90,7 @@ impl Tracker {
         let (tracks, observations, single_thread) = (Vec::new(), Vec::new(), SingleThread::new());
         let mut new = Self { settings, before: first.clone(), frame: 0, tracks, observations, single_thread };
         for (marker, &near) in clicked.iter().enumerate() {
-            let error = |why| TrackingError::at(first, marker, 0, near, why);
+            let error = |why| TrackingError::at(first, Expected { marker, frame: 0, near }, why);
             let blob = new.spot(first, near).map_err(error)?;
             let away = distance(blob.at, near);
             if away > settings.click_radius {
@@ -145,7 +146,7 @@ impl Tracker {
                 None => self.locate(picture, track, near),
                 Some(since) => self.reacquire(picture, marker, track, frame - since.frame),
             };
-            seen.map_err(|why| TrackingError::at(picture, marker, frame, near, why))
+            seen.map_err(|why| TrackingError::at(picture, Expected { marker, frame, near }, why))
         };
         self.tracks.iter().enumerate().map(look).collect()
     }

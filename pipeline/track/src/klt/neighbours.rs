@@ -4,7 +4,7 @@
 //! a marker that jumps onto an identical neighbour passes them all. The distance is compared with the previous frame, not with the
 //! first, so that the body may stretch.
 
-use super::error::{FailedGate, TrackingError};
+use super::error::{Expected, FailedGate, TrackingError};
 use super::{Accepted, Track, Tracker, distance};
 use crate::Gray;
 use si::Point2;
@@ -25,7 +25,8 @@ impl Tracker {
                     let farther = prediction_error(one, a.observation.at) >= prediction_error(other, b.observation.at);
                     let (marker, other) = if farther { (one, other) } else { (other, one) };
                     let why = FailedGate::Merged { other, measured, limit };
-                    found[marker] = Err(TrackingError::at(picture, marker, frame, self.tracks[marker].at, why));
+                    let expected = Expected { marker, frame, near: self.tracks[marker].at };
+                    found[marker] = Err(TrackingError::at(picture, expected, why));
                 }
             }
         }
@@ -39,7 +40,8 @@ impl Tracker {
             let (marker, other) =
                 if prediction_error(one) >= prediction_error(other) { (one, other) } else { (other, one) };
             let why = FailedGate::NeighbourDistance { other, measured, limit: self.settings.neighbour_distance_limit };
-            found[marker] = Err(TrackingError::at(picture, marker, frame, self.tracks[marker].at, why));
+            let expected = Expected { marker, frame, near: self.tracks[marker].at };
+            found[marker] = Err(TrackingError::at(picture, expected, why));
         }
     }
 
@@ -103,7 +105,8 @@ impl Tracker {
                 let (measured, limit) = (distance(track.at, before.at), self.settings.radius);
                 if measured < limit {
                     let why = FailedGate::Merged { other, measured, limit };
-                    return Err(TrackingError::at(&self.before, marker, self.frame, track.at, why));
+                    let expected = Expected { marker, frame: self.frame, near: track.at };
+                    return Err(TrackingError::at(&self.before, expected, why));
                 }
             }
         }

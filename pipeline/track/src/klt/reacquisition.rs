@@ -3,7 +3,7 @@
 //! Correlation does not depend on brightness and contrast, which change when what covered the marker throws a shadow. Places on other
 //! markers are excluded, because all markers look alike.
 
-use super::background::visit;
+use super::background::Disc;
 use super::template::Template;
 use crate::Gray;
 use si::{Point2, Radian};
@@ -53,7 +53,7 @@ pub(super) fn best_match(picture: &Gray, template: &Template, region: &Region) -
 fn correlation(picture: &Gray, template: &Template, place: Point2, turn: Radian) -> f64 {
     let turn = turn.sin_cos();
     let (mut n, mut a, mut b, mut aa, mut bb, mut ab) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
-    visit(picture, place, template.radius(), SPARSE, |x, y, _, level| {
+    Disc { middle: place, radius: template.radius(), stride: SPARSE }.visit(picture, |x, y, _, level| {
         let share = template.share([x, y], turn);
         n += 1.0;
         a += level;

@@ -3,7 +3,7 @@
 //! The rotation of the marker is estimated in each frame, starting from that of the frame before. Levels are compared as shares of the
 //! background, so that a change of light does not count.
 
-use super::background::visit;
+use super::background::Disc;
 use super::blob::Blob;
 use crate::Gray;
 use si::{Point2, Radian};
@@ -85,7 +85,7 @@ impl Template {
         let off = blob.off();
         let sine_cosine = turn.sin_cos();
         let (mut squares, mut sum, mut number) = (0.0, 0.0, 0.0);
-        visit(picture, at, self.radius, stride, |x, y, _, level| {
+        Disc { middle: at, radius: self.radius, stride }.visit(picture, |x, y, _, level| {
             let miss = level - self.share([x, y], sine_cosine) * background.level(x + off[0], y + off[1]);
             squares += miss * miss;
             sum += miss.abs();

@@ -54,7 +54,7 @@ const RAY_TOLERANCE: f64 = 1e-13;
 
 impl Lens {
     /// A lens without distortion.
-    pub fn pinhole(fx: f64, fy: f64, cx: f64, cy: f64) -> Self {
+    pub(crate) fn pinhole(fx: f64, fy: f64, cx: f64, cy: f64) -> Self {
         Self { fx, fy, cx, cy, ..Self::default() }
     }
 
@@ -67,7 +67,7 @@ impl Lens {
     /// The undistorted ray [x/z, y/z] of a pixel, no unit; none where no ray of the lens reaches the pixel.
     ///
     /// Newton on the two equations of [`Lens::distort`].
-    pub fn unproject(&self, pixel: Point2) -> Option<Point2> {
+    pub(crate) fn unproject(&self, pixel: Point2) -> Option<Point2> {
         let goal = [(pixel[0] - self.cx) / self.fx, (pixel[1] - self.cy) / self.fy];
         let mut ray = match self.distortion {
             Distortion::BrownConrady => goal,
@@ -86,7 +86,7 @@ impl Lens {
     }
 
     /// Distortion of a normalised place, no unit: see the two ways.
-    pub fn distort(&self, place: Point2) -> Point2 {
+    pub(crate) fn distort(&self, place: Point2) -> Point2 {
         match self.distortion {
             Distortion::BrownConrady => brown::distort(&self.coefficients(), place),
             Distortion::Fisheye => fisheye::distort(&self.coefficients(), place),

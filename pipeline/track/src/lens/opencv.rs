@@ -2,7 +2,7 @@
 
 use super::{Distortion, Lens};
 
-/// FailedGate a text is no lens.
+/// Why a text is no lens.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum YamlError {
     /// A matrix that is not there, or has another number of values.

@@ -18,7 +18,7 @@ pub enum Quarter {
 
 impl Quarter {
     /// From the matrix of a track: the first two rows' first two numbers, in any one scale. None when it is no quarter turn.
-    pub fn of_matrix(a: i32, b: i32, c: i32, d: i32) -> Option<Self> {
+    pub(crate) fn of_matrix(a: i32, b: i32, c: i32, d: i32) -> Option<Self> {
         match (a.signum(), b.signum(), c.signum(), d.signum()) {
             (1, 0, 0, 1) => Some(Self::None),
             (0, 1, -1, 0) => Some(Self::Right),

@@ -8,7 +8,7 @@ use std::path::Path;
 ///
 /// # Errors
 /// When the file cannot be created or written.
-pub fn write_synced(path: &Path, bytes: &[u8]) -> io::Result<()> {
+pub(crate) fn write_synced(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let mut file = fs::File::create(path)?;
     file.write_all(bytes)?;
     file.sync_all()

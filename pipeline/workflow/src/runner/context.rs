@@ -11,7 +11,7 @@ use super::report::Line;
 use crate::stage::{RawFile, StageContext};
 
 /// The context that the runner gives to a stage.
-pub struct RunContext<'a> {
+pub(crate) struct RunContext<'a> {
     folders: &'a Folders,
     raw: &'a [RawFile],
     began: Instant,

@@ -1,6 +1,6 @@
 //! Differences between the inputs of a record and the present ones, in words.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::Value;
 
@@ -12,27 +12,27 @@ pub fn differences(before: &MadeFrom, now: &MadeFrom) -> Vec<String> {
     if before.version != now.version {
         found.push(format!("the stage is of version {}, the record of version {}", now.version, before.version));
     }
-    settings("setting", &before.settings, &now.settings, "", &mut found);
-    settings("card entry", &before.card, &now.card, "", &mut found);
+    found.extend(settings("setting", "", &before.settings, &now.settings));
+    found.extend(settings("card entry", "", &before.card, &now.card));
     hashes("recording", &before.raw, &now.raw, &mut found);
     hashes("record", &before.records, &now.records, &mut found);
     found
 }
 
-fn settings(what: &str, before: &Value, now: &Value, path: &str, found: &mut Vec<String>) {
+/// The differences between two values, of which `path` is the key.
+fn settings(what: &str, path: &str, before: &Value, now: &Value) -> Vec<String> {
     if before == now {
-        return;
+        return Vec::new();
     }
-    match (before, now) {
-        (Value::Object(a), Value::Object(b)) => {
-            let keys: std::collections::BTreeSet<&String> = a.keys().chain(b.keys()).collect();
-            for key in keys {
-                let deeper = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
-                settings(what, a.get(key).unwrap_or(&Value::Null), b.get(key).unwrap_or(&Value::Null), &deeper, found);
-            }
-        }
-        _ => found.push(format!("{what} `{path}` was {} and is {}", shown(before), shown(now))),
-    }
+    let (Value::Object(a), Value::Object(b)) = (before, now) else {
+        return vec![format!("{what} `{path}` was {} and is {}", shown(before), shown(now))];
+    };
+    let keys: BTreeSet<&String> = a.keys().chain(b.keys()).collect();
+    let of_key = |key: &String| {
+        let deeper = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+        settings(what, &deeper, a.get(key).unwrap_or(&Value::Null), b.get(key).unwrap_or(&Value::Null))
+    };
+    keys.into_iter().flat_map(of_key).collect()
 }
 
 fn shown(value: &Value) -> String {

@@ -57,7 +57,7 @@ impl Folders {
     }
 
     /// The folder of an outdated record while its successor is renamed.
-    pub fn outdated(&self, id: &RecordId) -> PathBuf {
+    pub(crate) fn outdated(&self, id: &RecordId) -> PathBuf {
         self.record(id).with_file_name("record.outdated")
     }
 

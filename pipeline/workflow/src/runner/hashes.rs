@@ -41,7 +41,7 @@ pub struct Hashes {
 
 impl Hashes {
     /// Those that a run wrote at `place`, used where length and date are equal; none where the file does not exist.
-    pub fn cached(place: &Path) -> Self {
+    pub(crate) fn cached(place: &Path) -> Self {
         Self { cached: written(place), ..Self::default() }
     }
 

@@ -12,7 +12,7 @@ const TRIES: usize = 20;
 const PAUSE: Duration = Duration::from_millis(10);
 
 /// Held while a run writes.
-pub struct Lock {
+pub(crate) struct Lock {
     _file: File,
 }
 

@@ -8,7 +8,7 @@ use std::fs;
 const KIB_IN_GIB: f64 = 1024.0 * 1024.0;
 
 /// Whether at least `min_free_memory` GiB of memory are free.
-pub fn is_free(min_free_memory: f64) -> bool {
+pub(crate) fn is_free(min_free_memory: f64) -> bool {
     free().is_none_or(|free| free >= min_free_memory)
 }
 

@@ -24,7 +24,7 @@ use crate::stage::StageContext;
 use crate::subject::Universe;
 
 /// What all workers share.
-pub struct Pool<'a, U: 'static> {
+pub(crate) struct Pool<'a, U: 'static> {
     /// Lists, settings, folders and options.
     pub runner: &'a Runner<U>,
     /// The records, each after those that it reads.

@@ -73,7 +73,7 @@ impl Report {
     }
 
     /// A warning.
-    pub fn warn(&self, text: &str) {
+    pub(crate) fn warn(&self, text: &str) {
         self.always(&format!("warning: {text}"));
     }
 

@@ -52,7 +52,7 @@ impl<'a> Store<'a> {
     }
 
     /// Finds a record and checks each of its files against its hash, as `hashes` have it.
-    pub fn find_with(&self, id: &RecordId, hashes: &Hashes) -> Found {
+    pub(crate) fn find_with(&self, id: &RecordId, hashes: &Hashes) -> Found {
         let folder = self.folders.record(id);
         let text = match fs::read(folder.join(FILE)) {
             Ok(text) => text,

@@ -75,7 +75,7 @@ impl CmaEs {
     ///
     /// # Errors
     /// [`OptimiseError`] when a setting permits no sample, or the state is of another problem.
-    pub fn resume(problem: &Problem, set: &Settings, state: State) -> Result<Self, OptimiseError> {
+    pub(crate) fn resume(problem: &Problem, set: &Settings, state: State) -> Result<Self, OptimiseError> {
         let refuse = |setting, value, needed| Err(OptimiseError::Setting { optimiser: NAME, setting, value, needed });
         if set.population < 4 {
             return refuse("population", set.population as f64, "at least 4");

@@ -12,7 +12,7 @@ use diagnostics::{Diagnostic, Result};
 use workflow::stage::StageContext;
 
 /// The name of the file in messages.
-pub const WORD: &str = "places";
+pub(crate) const WORD: &str = "places";
 /// Largest distance of a marker from its card position in the first frame, as a fraction of the specimen's length: a wrong unit,
 /// origin or axis gives more.
 const ASTRAY: f64 = 0.2;
@@ -70,7 +70,7 @@ pub fn places(card: Option<&Card>, film: &[Second], mark: Metre, context: &dyn S
     for marker in all {
         let seen = space.complete(&marker.name, file)?;
         let at: Vec<Point2> = seen.iter().map(|p| in_cad(axes, *p)).collect();
-        painted(&evaluated, &marker.name, at[0], [marker.at[0], marker.at[1]], *length)?;
+        check_start(&evaluated, marker, at[0], *length)?;
         let spread = vec![[0, 1, 2].map(|k| noise[k] + mark[k]); at.len()];
         markers.push(Path { name: marker.name.clone(), at, spread });
     }
@@ -98,7 +98,8 @@ fn meets(time: &[Second], film: &[Second], evaluated: &str) -> Result<()> {
     ))
 }
 
-fn painted(evaluated: &str, name: &str, [x, y]: Point2, at: Point2, length: Metre) -> Result<()> {
+/// Checks that a marker is near its card position in the first frame.
+fn check_start(evaluated: &str, Painted { name, at }: &Painted, [x, y]: Point2, length: Metre) -> Result<()> {
     let (away, limit) = ((x - at[0]).hypot(y - at[1]), ASTRAY * length);
     if away <= limit {
         return Ok(());
@@ -127,7 +128,8 @@ mod tests {
 
     #[test]
     fn millimetres_taken_for_metres_are_too_far_from_the_card() {
-        assert!(painted("a.c3d", "m1", [0.052, 0.001], [0.05, 0.0], 0.1).is_ok());
-        assert!(painted("a.c3d", "m1", [5e-5, 0.0], [0.05, 0.0], 0.1).is_err());
+        let marker = Painted { name: "m1".into(), at: [0.05, 0.0, 0.0] };
+        assert!(check_start("a.c3d", &marker, [0.052, 0.001], 0.1).is_ok());
+        assert!(check_start("a.c3d", &marker, [5e-5, 0.0], 0.1).is_err());
     }
 }

@@ -22,7 +22,14 @@ use workflow::needs::{Needs, RecordId, RecordReader};
 use workflow::subject::Part;
 
 /// Motion and force of every trial with a force log in water.
-pub struct TrialsWithForce(Vec<(TrialCard, Motion, CorrectedForce)>);
+pub struct TrialsWithForce(Vec<TrialWithForce>);
+
+/// A trial with a force log in water.
+struct TrialWithForce {
+    card: TrialCard,
+    motion: Motion,
+    force: CorrectedForce,
+}
 
 /// The part of such a trial's card entry that is read.
 #[derive(Debug, Clone, Serialize)]
@@ -63,24 +70,24 @@ impl Needs<Specimen> for TrialsWithForce {
     fn read(of: &Specimen, reader: &dyn RecordReader) -> Result<Self> {
         let (OfTrials(motions, _), OfTrials(pulls, _)) = (Motions::read(of, reader)?, Pulls::read(of, reader)?);
         let both = pulls.into_iter().zip(motions);
-        Ok(Self(both.map(|((trial, pull), (_, motion))| (trial, motion, pull)).collect()))
+        Ok(Self(both.map(|((card, force), (_, motion))| TrialWithForce { card, motion, force }).collect()))
     }
 }
 
 impl TrialsWithForce {
     /// Every flapping trial as a run, and the mean cross-talk subtracted from each, N.
-    pub(super) fn runs(&self, tail: &Tail, by: &Apparatus, set: &Settings) -> Result<(Vec<Run>, Vec<Newton>)> {
+    pub(super) fn runs(&self, tail: &Tail, by: &Apparatus) -> Result<(Vec<Run>, Vec<Newton>)> {
         let mut runs = Vec::new();
-        for (trial, motion, pull) in &self.0 {
-            if let Experiment::Flapping { amplitude, frequency, .. } = trial.experiment {
-                runs.push(gathered(trial, motion, pull, [amplitude, frequency], tail, by, set)?);
+        for trial in &self.0 {
+            if let Experiment::Flapping { amplitude, frequency, .. } = trial.card.experiment {
+                runs.push(by.gathered(trial, [amplitude, frequency], tail)?);
             }
         }
         Ok(runs.into_iter().unzip())
     }
 }
 
-/// The measurement chain between tail and force log.
+/// The measurement chain between tail and force log, and how its signals are processed.
 pub(super) struct Apparatus<'a> {
     /// The cross-talk of pressure.
     pub(super) talk: CrossTalk,
@@ -88,6 +95,7 @@ pub(super) struct Apparatus<'a> {
     cell: Option<&'a LoadCell>,
     /// The markers from the clamp to the tip.
     order: Vec<usize>,
+    set: &'a Settings,
 }
 
 impl<'a> Apparatus<'a> {
@@ -96,13 +104,14 @@ impl<'a> Apparatus<'a> {
         trials: &TrialsWithForce,
         cell: Option<&'a LoadCell>,
         order: Vec<usize>,
-        set: &Settings,
+        set: &'a Settings,
     ) -> Result<Self> {
-        Ok(Self { talk: talk(&trials.0, set)?, cell, order })
+        Ok(Self { talk: talk(&trials.0, set)?, cell, order, set })
     }
 
     /// The force without cross-talk (`still`, N at each time of the log) and without ringing.
-    fn taken_out(&self, force: &Series, still: &[Newton], set: &Settings) -> Result<Series> {
+    fn taken_out(&self, force: &Series, still: &[Newton]) -> Result<Series> {
+        let set = self.set;
         let clean = force.values().iter().zip(still).map(|(f, s)| f - s).collect();
         let clean = Series::new(force.start(), force.rate(), clean)?;
         Ok(match self.cell {
@@ -113,16 +122,49 @@ impl<'a> Apparatus<'a> {
             _ => clean,
         })
     }
+
+    /// A flapping trial as a run, with the mean of the subtracted cross-talk (N).
+    fn gathered(&self, trial: &TrialWithForce, [amplitude, frequency]: [f64; 2], tail: &Tail) -> Result<(Run, Newton)> {
+        let TrialWithForce { card, motion, force: pull } = trial;
+        let cutoff = self.set.cutoff;
+        let (gauges, force) = (gauges(motion)?, pull.force());
+        let still: Vec<f64> = pull.time.iter().map(|&t| self.talk.of(&gauges, t)).collect();
+        let clean = self.taken_out(&force, &still)?;
+        let samples = flapping_samples(trial, frequency, &clean, self.set)?;
+        let time: Vec<Second> = samples.iter().map(|&i| clean.time(i)).collect();
+        let paths: Vec<[Series; 2]> = self.order.iter().map(|&m| path(motion, m, cutoff)).collect::<Result<_>>()?;
+        let rates: Vec<[Series; 2]> = paths.iter().map(|axes| axes.each_ref().map(rate_of)).collect();
+        let [moved, speed] = [&paths, &rates].map(|of| time.iter().map(|&t| places(of, t)).collect::<Vec<_>>());
+        let pressed: Vec<Series> = gauges.iter().map(|g| even(g, cutoff)).collect::<Result<_>>()?;
+        let pressed_rate: Vec<Series> = pressed.iter().map(rate_of).collect();
+        let at = |of: &[Series], t: Second| of.iter().map(|s| s.at(t)).collect::<Vec<f64>>();
+        let taken = samples.iter().map(|&i| still[i]).sum::<f64>() / samples.len() as f64;
+        let run = Run {
+            id: card.id.clone(),
+            amplitude,
+            frequency,
+            split: card.split,
+            rate: clean.rate(),
+            force: samples.iter().map(|&i| clean.values()[i]).collect(),
+            pressure: time.iter().map(|&t| at(&pressed, t)).collect(),
+            pressure_rate: time.iter().map(|&t| at(&pressed_rate, t)).collect(),
+            terms: run::parts(tail, &moved, &speed, clean.rate()),
+            time,
+            moved,
+            speed,
+        };
+        Ok((run, taken))
+    }
 }
 
 /// The static cross-talk from the staircases; none where there is no staircase.
-fn talk(trials: &[(TrialCard, Motion, CorrectedForce)], set: &Settings) -> Result<CrossTalk> {
+fn talk(trials: &[TrialWithForce], set: &Settings) -> Result<CrossTalk> {
     let mut knots: Vec<Pascal> = vec![0.0];
     let mut runs = Vec::new();
-    for (trial, motion, pull) in trials {
-        if let Experiment::Staircase { levels, .. } = &trial.experiment {
+    for trial in trials {
+        if let Experiment::Staircase { levels, .. } = &trial.card.experiment {
             knots.extend(levels);
-            runs.push(Staircase { force: pull.force(), pressures: gauges(motion)? });
+            runs.push(Staircase { force: trial.force.force(), pressures: gauges(&trial.motion)? });
         }
     }
     if runs.is_empty() {
@@ -131,7 +173,7 @@ fn talk(trials: &[(TrialCard, Motion, CorrectedForce)], set: &Settings) -> Resul
     knots.sort_by(f64::total_cmp);
     knots.dedup();
     // flapping may exceed the highest held pressure: the last slope is then extrapolated
-    let most = trials.iter().filter_map(|(t, ..)| match t.experiment {
+    let most = trials.iter().filter_map(|trial| match trial.card.experiment {
         Experiment::Flapping { amplitude, .. } => Some(amplitude),
         Experiment::Staircase { .. } => None,
     });
@@ -146,50 +188,9 @@ fn talk(trials: &[(TrialCard, Motion, CorrectedForce)], set: &Settings) -> Resul
     Ok(found)
 }
 
-/// A flapping trial as a run, with the mean of the subtracted cross-talk (N).
-fn gathered(
-    trial: &TrialCard,
-    motion: &Motion,
-    pull: &CorrectedForce,
-    [amplitude, frequency]: [f64; 2],
-    tail: &Tail,
-    by: &Apparatus,
-    set: &Settings,
-) -> Result<(Run, Newton)> {
-    let (gauges, force) = (gauges(motion)?, pull.force());
-    let still: Vec<f64> = pull.time.iter().map(|&t| by.talk.of(&gauges, t)).collect();
-    let clean = by.taken_out(&force, &still, set)?;
-    let samples = flapping_samples(trial, motion, pull, frequency, &clean, set)?;
-    let time: Vec<Second> = samples.iter().map(|&i| clean.time(i)).collect();
-    let paths: Vec<[Series; 2]> = by.order.iter().map(|&m| path(motion, m, set.cutoff)).collect::<Result<_>>()?;
-    let rates: Vec<[Series; 2]> = paths.iter().map(|axes| axes.each_ref().map(rate_of)).collect();
-    let [moved, speed] = [&paths, &rates].map(|of| time.iter().map(|&t| places(of, t)).collect::<Vec<_>>());
-    let pressed: Vec<Series> = gauges.iter().map(|g| even(g, set.cutoff)).collect::<Result<_>>()?;
-    let pressed_rate: Vec<Series> = pressed.iter().map(rate_of).collect();
-    let at = |of: &[Series], t: Second| of.iter().map(|s| s.at(t)).collect::<Vec<f64>>();
-    let taken = samples.iter().map(|&i| still[i]).sum::<f64>() / samples.len() as f64;
-    let run = Run {
-        id: trial.id.clone(),
-        amplitude,
-        frequency,
-        split: trial.split,
-        rate: clean.rate(),
-        force: samples.iter().map(|&i| clean.values()[i]).collect(),
-        pressure: time.iter().map(|&t| at(&pressed, t)).collect(),
-        pressure_rate: time.iter().map(|&t| at(&pressed_rate, t)).collect(),
-        terms: run::parts(tail, &moved, &speed, clean.rate()),
-        time,
-        moved,
-        speed,
-    };
-    Ok((run, taken))
-}
-
 /// The samples of the force over whole filmed cycles after the settling cycles.
 fn flapping_samples(
-    trial: &TrialCard,
-    motion: &Motion,
-    pull: &CorrectedForce,
+    TrialWithForce { card, motion, force: pull }: &TrialWithForce,
     frequency: Hertz,
     force: &Series,
     set: &Settings,
@@ -201,7 +202,7 @@ fn flapping_samples(
     let inside = |i: &usize| (first..whole).contains(&force.time(*i));
     let samples: Vec<usize> = (0..force.values().len()).filter(inside).collect();
     if samples.len() < 8 {
-        let what = format!("{} has {} samples of force while flapping", trial.id, samples.len());
+        let what = format!("{} has {} samples of force while flapping", card.id, samples.len());
         return Err(Diagnostic::new(what, "a run needs at least 8", "record the trial for longer"));
     }
     Ok(samples)

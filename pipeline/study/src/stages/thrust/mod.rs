@@ -91,7 +91,7 @@ impl Stage for Thrust {
         let (mesh, Maybe(cell), trials) = needs;
         let tail = Outline::new(card, &mesh.solid).marked(set.density, set.sections)?;
         let apparatus = Apparatus::of(&trials, cell.as_ref(), card.markers_by_x(), set)?;
-        let (runs, taken) = trials.runs(&tail, &apparatus, set)?;
+        let (runs, taken) = trials.runs(&tail, &apparatus)?;
         let (scores, models) = fit_models(&runs, set, context)?;
         let network = match models.iter().find(|(model, _)| *model == ThrustModel::Network) {
             Some((_, Fitted::Network(network))) => network.to_safetensors()?,

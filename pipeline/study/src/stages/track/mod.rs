@@ -134,18 +134,12 @@ impl Stage for Track {
     }
 }
 
-/// The positions of all markers in one frame, px, when each passes the checks of a first frame.
+/// The positions of all markers in one frame, px, when each passes the checks of a first frame; `set` is of [`Settings::tracker`].
 ///
 /// # Errors
 /// A [`Diagnostic`] that names the first marker that does not, or gives the number found.
-pub fn first_look(
-    card: &Card,
-    set: &Settings,
-    frame: &Frame,
-    rate: Hertz,
-    context: &dyn StageContext,
-) -> Result<Vec<Point2>> {
-    let tracker = begin(card, set.tracker(rate), frame, context)?;
+pub fn first_look(card: &Card, set: klt::Settings, frame: &Frame, context: &dyn StageContext) -> Result<Vec<Point2>> {
+    let tracker = begin(card, set, frame, context)?;
     Ok(tracker.observations().iter().map(|sighting| sighting.at).collect())
 }
 
