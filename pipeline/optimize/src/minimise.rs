@@ -27,23 +27,6 @@ impl EvaluationLog {
     pub fn iterations(&self) -> usize {
         self.entries.last().map_or(0, |t| t.iteration + 1)
     }
-
-    /// The lowest loss among the first `evaluations`.
-    pub(crate) fn loss_after_evaluations(&self, evaluations: usize) -> f64 {
-        self.entries.iter().take(evaluations).map(|t| t.evaluation.loss).fold(f64::INFINITY, f64::min)
-    }
-
-    /// The lowest loss among the first `iterations`.
-    pub(crate) fn loss_after_iterations(&self, iterations: usize) -> f64 {
-        let so_far = self.entries.iter().take_while(|t| t.iteration < iterations);
-        so_far.map(|t| t.evaluation.loss).fold(f64::INFINITY, f64::min)
-    }
-
-    /// The lowest loss so far, one number an evaluation: a curve of convergence.
-    pub(crate) fn lowest_so_far(&self) -> Vec<f64> {
-        let losses = self.entries.iter().map(|t| t.evaluation.loss);
-        losses.scan(f64::INFINITY, |low, loss| Some(std::mem::replace(low, low.min(loss)).min(loss))).collect()
-    }
 }
 
 /// An objective: evaluates a batch of points, with what the optimiser needs at each, and returns the evaluations in the same order.
@@ -89,15 +72,8 @@ mod tests {
     }
 
     #[test]
-    fn the_lowest_loss_so_far_never_rises() {
-        let history = history(&[(0, 3.0), (0, 5.0), (1, 2.0), (2, 4.0)]);
-        assert_eq!(history.lowest_so_far(), vec![3.0, 3.0, 2.0, 2.0]);
-    }
-
-    #[test]
     fn a_batch_is_one_iteration() {
         let history = history(&[(0, 3.0), (0, 1.0), (1, 2.0)]);
         assert_eq!(history.iterations(), 2);
-        assert_eq!((history.loss_after_iterations(1), history.loss_after_evaluations(1)), (1.0, 3.0));
     }
 }
