@@ -5,17 +5,17 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use cli::options::{Checked, Cli, Command, Place};
-use diagnostics::{Diagnostic, Result};
+use diagnostics::{Diagnostic, Result, output};
 use study::Runner;
 use workflow::runner::{Goal, Options};
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
     match run(&cli) {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::FAILURE,
+        Ok(true) if !output::failed() => ExitCode::SUCCESS,
+        Ok(_) => ExitCode::FAILURE,
         Err(diagnostic) => {
-            eprintln!("error: {diagnostic}");
+            output::note(format_args!("error: {diagnostic}"));
             ExitCode::FAILURE
         }
     }
@@ -26,13 +26,13 @@ fn run(cli: &Cli) -> Result<bool> {
     let open = || open(&cli.place);
     match &cli.command {
         Command::Init { name } => {
-            println!("{}", cli::init::run(&cli.place.root, cli.place.profile.into(), name)?);
+            output::line(cli::init::run(&cli.place.root, cli.place.profile.into(), name)?);
             Ok(true)
         }
         Command::Doctor { name } => {
             let (runner, _) = open()?;
             let report = cli::doctor::run(&runner, name.as_deref())?;
-            print!("{report}");
+            output::text(&report);
             Ok(report.is_well())
         }
         Command::Run { names, specimen, fresh } => {
@@ -49,7 +49,7 @@ fn run(cli: &Cli) -> Result<bool> {
         }
         Command::Page => {
             let (runner, diagnostics) = open()?;
-            println!("{}", study::page(&runner)?.display());
+            output::line(study::page(&runner)?.display());
             Ok(report(&diagnostics))
         }
         Command::Plan { names, specimen, graph } => {
@@ -59,7 +59,7 @@ fn run(cli: &Cli) -> Result<bool> {
         }
         Command::Why { name } => {
             let (runner, diagnostics) = open()?;
-            println!("{}", runner.why(name)?);
+            output::line(runner.why(name)?);
             Ok(report(&diagnostics))
         }
         Command::Simulate { case, out } => {
@@ -69,20 +69,20 @@ fn run(cli: &Cli) -> Result<bool> {
         Command::Fit { page, out } => {
             let page = sysid::free_vibration::page(&cli.place.root, page);
             let (report, folder) = sysid::free_vibration::run(&cli.place.root, &page, out.as_deref())?;
-            println!("{report}results: {}", folder.display());
+            output::line(format_args!("{report}results: {}", folder.display()));
             Ok(true)
         }
         Command::Fetch { page } => {
             let page = sysid::free_vibration::page(&cli.place.root, page);
             for place in sysid::free_vibration::fetch(&cli.place.root, &page)? {
-                println!("{}", place.display());
+                output::line(place.display());
             }
             Ok(true)
         }
         Command::Track(asked) => {
             let summary = cli::track::run(asked)?;
             if !cli.place.quiet {
-                println!("{summary}");
+                output::line(&summary);
             }
             Ok(true)
         }
@@ -94,12 +94,12 @@ fn run(cli: &Cli) -> Result<bool> {
             let (runner, diagnostics) = open()?;
             let place = study::paper(&runner)?;
             if !cli.place.quiet {
-                println!("{}", runner.folders.display(&place));
+                output::line(runner.folders.display(&place));
             }
             Ok(report(&diagnostics))
         }
         Command::List => {
-            print!("{}", study::description());
+            output::text(study::description());
             Ok(true)
         }
     }
@@ -113,8 +113,8 @@ fn open(place: &Place) -> Result<(Runner, Vec<Diagnostic>)> {
 /// Prints the plan, as a list or a tree, or draws it.
 fn plan(runner: &Runner, goal: &Goal, graph: Option<&Option<PathBuf>>) -> Result<()> {
     match graph {
-        None => println!("{}", runner.plan(goal)?),
-        Some(None) => println!("{}", runner.tree(goal)?),
+        None => output::line(runner.plan(goal)?),
+        Some(None) => output::line(runner.tree(goal)?),
         Some(Some(file)) => std::fs::write(file, study::plan_svg(runner, goal)?).map_err(|e| {
             Diagnostic::new(format!("{} cannot be written", file.display()), e, "choose another place for the drawing")
         })?,
@@ -124,7 +124,7 @@ fn plan(runner: &Runner, goal: &Goal, graph: Option<&Option<PathBuf>>) -> Result
 
 fn check(runner: &Runner) -> Result<bool> {
     let checked = study::check(runner)?;
-    println!("{}", checked.text);
+    output::line(checked.text);
     Ok(!checked.drifted)
 }
 
@@ -136,7 +136,7 @@ fn check_gradients(root: &Path, cases: &[PathBuf], steps: usize, quiet: bool) ->
         let report = simulate::gradient_check::run(case, steps)?;
         hold &= report.holds();
         if !quiet || !report.holds() {
-            println!("{report}");
+            output::line(&report);
         }
     }
     Ok(hold)
@@ -144,6 +144,6 @@ fn check_gradients(root: &Path, cases: &[PathBuf], steps: usize, quiet: bool) ->
 
 /// Prints the diagnostics; returns whether there was none.
 fn report(diagnostics: &[Diagnostic]) -> bool {
-    diagnostics.iter().for_each(|diagnostic| eprintln!("error: {diagnostic}"));
+    diagnostics.iter().for_each(|diagnostic| output::note(format_args!("error: {diagnostic}")));
     diagnostics.is_empty()
 }

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use clap::builder::RangedU64ValueParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use workflow::settings;
@@ -31,13 +32,13 @@ pub struct Place {
     #[arg(long, global = true)]
     pub quiet: bool,
     /// Number of records made in parallel.
-    #[arg(long, global = true, default_value_t = 2)]
+    #[arg(long, global = true, default_value_t = 2, value_parser = count(1..=1024))]
     pub jobs: usize,
     /// After an error, make everything that does not depend on what failed.
     #[arg(long, global = true)]
     pub keep_going: bool,
     /// Start no further record while less memory is free, GiB.
-    #[arg(long, global = true, value_name = "GIB", default_value_t = study::MIN_FREE_MEMORY)]
+    #[arg(long, global = true, value_name = "GIB", default_value_t = study::MIN_FREE_MEMORY, value_parser = between(0.0, 1e6))]
     pub min_free_memory: f64,
 }
 
@@ -140,16 +141,16 @@ pub struct TrackFilm {
     #[arg(long, value_name = "U,V", value_parser = pair, required_unless_present = "find")]
     pub at: Vec<[f64; 2]>,
     /// Detect this number of markers: the most distinct dark spots, from left to right.
-    #[arg(long, value_name = "COUNT", conflicts_with = "at")]
+    #[arg(long, value_name = "COUNT", conflicts_with = "at", value_parser = count(1..=1000))]
     pub find: Option<usize>,
     /// Region of detection, px: left,top,right,bottom; the whole picture when not given.
     #[arg(long, value_name = "L,T,R,B", value_parser = four, requires = "find")]
     pub region: Option<[f64; 4]>,
     /// Radius of the disc that holds a marker and a margin of light ground, px.
-    #[arg(long, default_value_t = 18.0)]
+    #[arg(long, default_value_t = 18.0, value_parser = between(1.0, 1000.0))]
     pub radius: f64,
     /// Longest occlusion of a marker, s.
-    #[arg(long, default_value_t = 0.5)]
+    #[arg(long, default_value_t = 0.5, value_parser = between(0.0, 3600.0))]
     pub hidden: f64,
     /// Also write the film with its tracks drawn over it.
     #[arg(long)]
@@ -157,6 +158,20 @@ pub struct TrackFilm {
     /// Folder for the results, instead of FILM.tracks beside the film.
     #[arg(long)]
     pub out: Option<PathBuf>,
+}
+
+/// A whole number within a range.
+fn count(range: std::ops::RangeInclusive<u64>) -> RangedU64ValueParser<usize> {
+    RangedU64ValueParser::new().range(range)
+}
+
+/// A number from `low` to `high`.
+fn between(low: f64, high: f64) -> impl Fn(&str) -> Result<f64, String> + Clone {
+    move |text| {
+        let number: f64 = text.trim().parse().map_err(|e| format!("`{text}` is not a number: {e}"))?;
+        let refused = || format!("{text} is not in {low}..={high}");
+        (low..=high).contains(&number).then_some(number).ok_or_else(refused)
+    }
 }
 
 fn pair(text: &str) -> Result<[f64; 2], String> {
@@ -171,6 +186,9 @@ fn four(text: &str) -> Result<[f64; 4], String> {
 fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
     let read: Result<Vec<f64>, _> = text.split(',').map(|word| word.trim().parse()).collect();
     let read = read.map_err(|e| format!("`{text}` is not {N} numbers between commas: {e}"))?;
+    if read.iter().any(|number| !number.is_finite()) {
+        return Err(format!("`{text}` holds a number that is not finite"));
+    }
     read.try_into().map_err(|_| format!("`{text}` is not {N} numbers between commas"))
 }
 
@@ -182,7 +200,7 @@ pub enum Checked {
         /// Cases as `study simulate` takes them; the examples that come with the project when none is named.
         cases: Vec<PathBuf>,
         /// Number of time steps of a motion.
-        #[arg(long, default_value_t = 12)]
+        #[arg(long, default_value_t = 12, value_parser = count(1..=10_000))]
         steps: usize,
     },
 }

@@ -23,7 +23,12 @@
 //! assert!(levels("x").unwrap_err().downcast_ref::<std::num::ParseFloatError>().is_some());
 //! ```
 //!
+//! [`input`] reads regular files up to a limit; [`output`] prints, and a reader that goes away or a full disk ends no program.
+//!
 //! Depends on no other crate.
+
+pub mod input;
+pub mod output;
 
 use std::error::Error;
 use std::fmt;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::card::FixtureOf;
 use crate::{Card, card};
-use diagnostics::Diagnostic;
+use diagnostics::{Diagnostic, input};
 
 /// The name of the card in its folder.
 pub const CARD: &str = "specimen.toml";
@@ -47,21 +47,34 @@ impl Specimen {
         }
         for fixture in &card.fixture {
             files.push((format!("force of fixture `{}`", fixture.id), &fixture.force));
-            if let FixtureOf::Taps { hammer } = &fixture.of {
+            if let FixtureOf::Taps { hammer, .. } = &fixture.of {
                 files.push((format!("hammer of fixture `{}`", fixture.id), hammer));
             }
         }
         files
     }
 
-    /// One diagnostic for each file that the card names and that is not there.
+    /// One diagnostic for each file that the card names and that is not there, or is no file to be read.
     pub fn missing(&self) -> Vec<Diagnostic> {
-        let absent = |(_, file): &(String, &str)| !self.file(file).exists();
         let diagnostic = |(key, file): (String, &str)| {
+            let what = self.defect(&key, file)?;
             let why = format!("{} names it as {key}", self.folder.join(CARD).display());
-            Diagnostic::file(&self.file(file), "the file is missing", why, "put it there, or correct the card")
+            Some(Diagnostic::file(&self.file(file), what, why, "put it there, or correct the card"))
         };
-        self.files().into_iter().filter(absent).map(diagnostic).collect()
+        self.files().into_iter().filter_map(diagnostic).collect()
+    }
+
+    /// What is wrong with a file before it is read: it is missing, no regular file, or too large. A film may be a folder of pictures.
+    fn defect(&self, key: &str, file: &str) -> Option<String> {
+        let path = self.file(file);
+        let film = key.starts_with("video") || key == "camera.calibration";
+        match input::regular(&path) {
+            Ok(length) if film || length <= input::MESH => None,
+            Ok(_) => Some(format!("the file is larger than {} MiB", input::MESH >> 20)),
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => Some("the file is missing".into()),
+            Err(_) if film && path.is_dir() => None,
+            Err(e) => Some(format!("the file cannot be used: {e}")),
+        }
     }
 }
 

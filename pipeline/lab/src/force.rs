@@ -17,7 +17,7 @@ use std::path::Path;
 use si::{Hertz, Newton, Second, Series};
 
 use crate::log::{self, LogFormat, TIMES};
-use diagnostics::Diagnostic;
+use diagnostics::{Diagnostic, input};
 
 /// The columns that every force log has, in the order in which they are written.
 pub const COLUMNS: [&str; 2] = ["time_s", "force_n"];
@@ -73,7 +73,7 @@ impl ForceLog {
 /// [`Diagnostic`] when the file cannot be read, lacks a column, holds a NaN, a decimal comma, a number out of range, or
 /// time that does not rise evenly.
 pub fn read(path: &Path) -> Result<ForceLog, Diagnostic> {
-    let bytes = std::fs::read(path).map_err(|e| Diagnostic::io(path, e, FORM.absent))?;
+    let bytes = input::read(path, input::LOG).map_err(|e| Diagnostic::io(path, e, FORM.absent))?;
     match String::from_utf8(bytes) {
         Ok(text) => parse(&text, path),
         Err(_) => log::read(&FORM, path).map(from_rows),

@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use crate::table::nearest;
-use diagnostics::Diagnostic;
+use diagnostics::{Diagnostic, input};
 
 /// The columns of one kind of log; the first one is time in s.
 pub(crate) struct LogFormat<const N: usize> {
@@ -20,6 +20,9 @@ pub(crate) struct LogFormat<const N: usize> {
     pub absent: &'static str,
 }
 
+/// Lines before the last that show with how many decimals the log is written.
+const COMPARED: usize = 10;
+
 /// Plausible times of a log, s.
 pub(crate) const TIMES: (f64, f64, &str) = (-1e6, 1e6, "s");
 
@@ -29,7 +32,7 @@ pub(crate) const TIMES: (f64, f64, &str) = (-1e6, 1e6, "s");
 /// [`Diagnostic`] when the file cannot be read, lacks a column, holds a NaN, a decimal comma, a number out of range, or
 /// time that does not rise evenly.
 pub(crate) fn read<const N: usize>(form: &LogFormat<N>, path: &Path) -> Result<Vec<[f64; N]>, Diagnostic> {
-    let bytes = std::fs::read(path).map_err(|e| Diagnostic::io(path, e, form.absent))?;
+    let bytes = input::read(path, input::LOG).map_err(|e| Diagnostic::io(path, e, form.absent))?;
     let text = String::from_utf8(bytes).map_err(|_| {
         Diagnostic::file(path, "the file is no text", "a log is UTF-8 text", "export it again as CSV in UTF-8")
     })?;
@@ -56,6 +59,7 @@ pub(crate) fn parse<const N: usize>(form: &LogFormat<N>, text: &str, path: &Path
         check_increasing(path, rows.last().map(|before| before[0]), row[0]).map_err(|r| r.at_line(line))?;
         rows.push(row);
     }
+    check_whole(text, path)?;
     check_even(path, &rows.iter().map(|row| row[0]).collect::<Vec<_>>())?;
     Ok(rows)
 }
@@ -146,6 +150,27 @@ fn check_increasing(path: &Path, before: Option<f64>, time: f64) -> Result<(), D
         }
         _ => Ok(()),
     }
+}
+
+/// The last line is as long as the others: a file that was cut in the middle of a number ends without a line end and with fewer decimals
+/// than every other line, and would be read as another number.
+fn check_whole(text: &str, path: &Path) -> Result<(), Diagnostic> {
+    let decimals = |line: &str| -> Vec<usize> {
+        line.split(',').map(|field| field.trim().split_once('.').map_or(0, |(_, digits)| digits.len())).collect()
+    };
+    let mut lines = text.lines().rev();
+    let (Some(last), false) = (lines.next(), text.ends_with('\n')) else { return Ok(()) };
+    let before: Vec<Vec<usize>> =
+        lines.take(COMPARED).take_while(|line| !line.starts_with('#')).map(decimals).collect();
+    let found = decimals(last);
+    let uniform = before.len() == COMPARED && before.iter().all(|line| *line == before[0]);
+    if !uniform || before[0] == found {
+        return Ok(());
+    }
+    let why = "it has no line end and other decimals than the lines before it, as a file that was cut";
+    let refused =
+        Diagnostic::file(path, format!("the last line is `{last}`"), why, "copy the log again, or cut the line out");
+    Err(refused.at_line(text.lines().count()))
 }
 
 /// At least two samples, and every step within a fifth of the mean one.

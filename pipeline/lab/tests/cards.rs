@@ -273,7 +273,7 @@ fn two_trials_of_one_name_are_refused() {
 fn a_force_log_is_optional_and_a_fixture_is_read_by_its_kind() {
     let card = good();
     assert_eq!((&card.trial[0].force, card.trial[1].force.as_deref()), (&None, Some("trials/flap/force.csv")));
-    assert!(matches!(&card.fixture[0].of, FixtureOf::Taps { hammer } if hammer == "trials/taps/hammer.csv"));
+    assert!(matches!(&card.fixture[0].of, FixtureOf::Taps { hammer, .. } if hammer == "trials/taps/hammer.csv"));
     assert_eq!(card.fixture[1].of, FixtureOf::StillWater);
 }
 

@@ -91,10 +91,10 @@ fn flapping(flap: &settings::FlappingTrial, profile: &Profile, repeat: usize) ->
 }
 
 /// The recordings of the load cell's fixture alone: hammer taps, and the waves after a run.
-pub(crate) fn fixtures() -> Vec<Fixture> {
+pub(crate) fn fixtures(set: &Settings) -> Vec<Fixture> {
     let file = |id: &str, log: &str| format!("trials/{id}/{log}.csv");
     let fixture = |id: &str, medium, of| Fixture { id: id.to_owned(), medium, force: file(id, "force"), of };
-    let taps = FixtureOf::Taps { hammer: file("taps", "hammer") };
+    let taps = FixtureOf::Taps { hammer: file("taps", "hammer"), count: Some(set.hammer.taps) };
     vec![fixture("taps", Medium::Air, taps), fixture("still_water", Medium::Water, FixtureOf::StillWater)]
 }
 
@@ -137,7 +137,7 @@ pub(crate) fn write(content: &CardContent, observed: &RestObservation, film: &Ca
         trial: trials.to_vec(),
         search: None,
         tracks: Vec::new(),
-        fixture: fixtures(),
+        fixture: fixtures(set),
     }
 }
 

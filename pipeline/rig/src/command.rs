@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use diagnostics::{Diagnostic, Result};
+use diagnostics::{Diagnostic, Result, output};
 use rayon::prelude::*;
 
 use crate::folder;
@@ -74,6 +74,7 @@ pub fn run() -> ExitCode {
         }
         Task::Check { root, profile, write } => {
             match check(&set, &raw_folder(&root, &profile), write.then_some(root)) {
+                Ok(()) if output::failed() => ExitCode::from(FAILURE),
                 Ok(()) => ExitCode::SUCCESS,
                 Err(error) => fail(&error, FAILURE),
             }
@@ -84,7 +85,7 @@ pub fn run() -> ExitCode {
 /// Prints the comparison for the instruments and the recordings under `raw`, and writes it under `root` if one is given.
 fn check(set: &Settings, raw: &Path, root: Option<PathBuf>) -> Result<()> {
     let comparisons = realism::with_recordings(set, raw)?;
-    print!("{}", realism::table(&comparisons));
+    output::text(realism::table(&comparisons));
     if let Some(root) = root {
         folder::write(&root, CHECK_TABLE, realism::csv(&comparisons).as_bytes())?;
     }
@@ -103,7 +104,11 @@ fn record_all(specimens: &[String], request: &Request) -> ExitCode {
         Ok(chosen) => chosen,
         Err(error) => return fail(&error, USAGE),
     };
-    match chosen.into_par_iter().try_for_each(|specimen| record_one(specimen, request)) {
+    let record = || {
+        let _lock = folder::lock(request.into)?;
+        chosen.into_par_iter().try_for_each(|specimen| record_one(specimen, request))
+    };
+    match record() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => fail(&error, FAILURE),
     }
@@ -119,7 +124,7 @@ fn record_one(specimen: &Specimen, request: &Request) -> Result<()> {
 }
 
 fn fail(error: &Diagnostic, code: u8) -> ExitCode {
-    eprintln!("error: {error}");
+    output::note(format_args!("error: {error}"));
     ExitCode::from(code)
 }
 

@@ -1,5 +1,6 @@
 //! The folder of a recording while it is made: files are written into a partial folder, which replaces the old one at once.
 
+use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use diagnostics::{Diagnostic, Result};
@@ -11,6 +12,7 @@ use diagnostics::{Diagnostic, Result};
 /// When the folder cannot be made.
 pub(crate) fn begin(into: &Path, name: &str, mark: &str, stamp: &str) -> Result<PathBuf> {
     let partial = into.join(format!(".{name}.partial"));
+    remove(&outdated(&into.join(name)))?;
     if std::fs::read_to_string(partial.join(mark)).is_ok_and(|found| found == stamp) {
         return Ok(partial);
     }
@@ -25,8 +27,41 @@ pub(crate) fn begin(into: &Path, name: &str, mark: &str, stamp: &str) -> Result<
 /// # Errors
 /// When the old folder cannot be removed or the new one not renamed.
 pub(crate) fn finish(partial: &Path, at: &Path) -> Result<()> {
-    remove(at)?;
-    std::fs::rename(partial, at).map_err(|e| unusable(at, e))
+    let outdated = outdated(at);
+    if at.exists() {
+        // A removal that is interrupted would leave a folder without its stamp, which is refused as a laboratory's.
+        std::fs::rename(at, &outdated).map_err(|e| unusable(at, e))?;
+    }
+    std::fs::rename(partial, at).map_err(|e| unusable(at, e))?;
+    remove(&outdated)
+}
+
+/// The name of a recording that is being replaced.
+fn outdated(at: &Path) -> PathBuf {
+    at.with_file_name(format!(".{}.outdated", at.file_name().unwrap_or_default().to_string_lossy()))
+}
+
+/// The lock of a folder of recordings; the operating system releases it when the process ends.
+const LOCK: &str = ".lock";
+
+/// Locks `into` until the returned file is dropped, so that two processes never write the same recording.
+///
+/// # Errors
+/// When another process holds the lock, or its file cannot be made.
+pub(crate) fn lock(into: &Path) -> Result<File> {
+    let path = into.join(LOCK);
+    std::fs::create_dir_all(into).map_err(|e| unusable(into, e))?;
+    let file = File::options().create(true).append(true).open(&path).map_err(|e| unusable(&path, e))?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(TryLockError::Error(e)) => Err(Diagnostic::io(&path, e, "use a local disk")),
+        Err(TryLockError::WouldBlock) => Err(Diagnostic::file(
+            into,
+            "another recording is in progress in this folder",
+            format!("it holds {LOCK}"),
+            "wait until it has ended, or end it; its finished trials are kept",
+        )),
+    }
 }
 
 /// The path of `file` (parts separated by `/`) in `folder`; its parent folder is created.
@@ -63,4 +98,34 @@ pub(crate) fn remove(folder: &Path) -> Result<()> {
 /// A file or folder that cannot be used.
 pub(crate) fn unusable(path: &Path, error: std::io::Error) -> Diagnostic {
     Diagnostic::io(path, error, "check the permissions and the free space of its folder")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_recordings_into_one_folder_are_refused_until_the_first_has_ended() {
+        let into = std::env::temp_dir().join(format!("rig-lock-{}", std::process::id()));
+        let first = lock(&into).unwrap();
+        let refused = lock(&into).unwrap_err().to_string();
+        assert!(refused.contains("another recording is in progress") && refused.contains("do:"), "{refused}");
+        drop(first);
+        assert!(lock(&into).is_ok());
+        remove(&into).unwrap();
+    }
+
+    #[test]
+    fn a_replacement_that_was_interrupted_leaves_nothing_of_the_old_recording() {
+        let into = std::env::temp_dir().join(format!("rig-replace-{}", std::process::id()));
+        let at = into.join("tail");
+        write(&into.join(".tail.outdated"), "film.mp4", b"old").unwrap();
+        let partial = begin(&into, "tail", "stamp", "new").unwrap();
+        assert!(!into.join(".tail.outdated").exists());
+        write(&at, "film.mp4", b"old").unwrap();
+        finish(&partial, &at).unwrap();
+        assert_eq!(std::fs::read_to_string(at.join("stamp")).unwrap(), "new");
+        assert_eq!(std::fs::read_dir(&into).unwrap().count(), 1);
+        remove(&into).unwrap();
+    }
 }

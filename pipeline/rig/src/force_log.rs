@@ -102,7 +102,7 @@ pub(crate) fn record_fixture(set: &Settings, seed: u64, fixture: &Fixture, folde
     let mut random = RandomStream::new(seed, &format!("force {}", fixture.id));
     let recording = FixtureRecording { set, seed, fixture, folder };
     match &fixture.of {
-        FixtureOf::Taps { hammer } => recording.taps(hammer, &mut random),
+        FixtureOf::Taps { hammer, .. } => recording.taps(hammer, &mut random),
         FixtureOf::StillWater => recording.still_water(&mut random),
     }
 }

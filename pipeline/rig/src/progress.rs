@@ -3,6 +3,7 @@
 use std::io::IsTerminal;
 use std::time::Instant;
 
+use diagnostics::output;
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 
 /// The output of progress.
@@ -44,7 +45,7 @@ impl Progress {
         let line = format!("{step:10} {what:24} {note}");
         match &self.bars {
             Some(bars) => drop(bars.println(line)),
-            None if !self.quiet => eprintln!("{line}"),
+            None if !self.quiet => output::note(line),
             None => {}
         }
     }

@@ -12,7 +12,7 @@ use crate::specimen::Specimen;
 /// The stamp's file.
 pub const FILE: &str = ".virtual-bench";
 /// Incremented by hand whenever the bench writes other bytes for the same settings.
-pub const VERSION: u32 = 10;
+pub const VERSION: u32 = 11;
 
 /// State of the folder of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -99,7 +99,7 @@ fn assert_force_logs(specimen: &Specimen) {
         let log = lab::force::read(&specimen.file(&fixture.force)).unwrap();
         let hidden = truth.force.iter().find(|f| f.id == fixture.id).unwrap();
         assert!((log.rate() - 80.0).abs() < 1e-3);
-        if let lab::card::FixtureOf::Taps { hammer } = &fixture.of {
+        if let lab::card::FixtureOf::Taps { hammer, .. } = &fixture.of {
             let struck = lab::force::read(&specimen.file(hammer)).unwrap();
             let first = struck.time[struck.force.iter().position(|f| *f > 1.0).unwrap()];
             let begins = hidden.clock_offset + hidden.clock_scale * hidden.taps[0].time;

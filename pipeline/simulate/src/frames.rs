@@ -13,7 +13,7 @@ use fem::RegionProperties;
 use super::cannot_write;
 use crate::body::Body;
 use crate::stress::stress;
-use diagnostics::Result;
+use diagnostics::{Diagnostic, Result};
 
 /// VTK's numbers for tetrahedra of four and ten nodes.
 const TETRAHEDRA: [u8; 2] = [10, 24];
@@ -41,13 +41,21 @@ impl Frames {
     /// # Errors
     /// A [`diagnostics::Diagnostic`] when the folder cannot be changed.
     pub fn begin(folder: &Path, stem: &str) -> Result<Self> {
-        for entry in std::fs::read_dir(folder).map_err(|e| cannot_write(folder, &e))?.flatten() {
+        let own = format!("{stem}.pvd");
+        let entries: Vec<_> = std::fs::read_dir(folder).map_err(|e| cannot_write(folder, &e))?.flatten().collect();
+        for entry in &entries {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            if name.ends_with(".pvd") && name != own {
+                return Err(others(folder, &name));
+            }
+        }
+        for entry in entries {
             let name = entry.file_name().to_string_lossy().into_owned();
             if name == "last_converged.vtu" || (name.starts_with("frame_") && name.ends_with(".vtu")) {
                 std::fs::remove_file(entry.path()).map_err(|e| cannot_write(&entry.path(), &e))?;
             }
         }
-        let frames = Self { folder: folder.to_owned(), list: folder.join(format!("{stem}.pvd")), written: Vec::new() };
+        let frames = Self { folder: folder.to_owned(), list: folder.join(own), written: Vec::new() };
         frames.write_list()?;
         Ok(frames)
     }
@@ -78,6 +86,16 @@ impl Frames {
         text += "</Collection></VTKFile>\n";
         std::fs::write(&self.list, text).map_err(|e| cannot_write(&self.list, &e))
     }
+}
+
+/// A folder with the frames of another case.
+fn others(folder: &Path, list: &str) -> Diagnostic {
+    Diagnostic::file(
+        folder,
+        format!("the folder holds the results of another case, {list}"),
+        "frames of two cases in one folder have the same names",
+        "name another folder with --out, or remove this one",
+    )
 }
 
 fn text(body: &Body, frame: &Frame) -> String {

@@ -31,7 +31,7 @@ use std::time::Instant;
 
 use crate::case::{Case, read};
 pub use body::{Body, fem_mesh};
-use diagnostics::{Diagnostic, Result};
+use diagnostics::{Diagnostic, Result, output};
 use frames::Frames;
 use probes::Table;
 pub use solid::{Loaded, load};
@@ -66,7 +66,7 @@ pub fn run(path: &Path, out: Option<&Path>, quiet: bool) -> Result<Summary> {
     body.notes.iter().for_each(|note| console.line(note));
     std::fs::create_dir_all(&folder).map_err(|e| cannot_write(&folder, &e))?;
     let written =
-        Outputs { table: Table::create(&case, &body, &folder, &stem)?, frames: Frames::begin(&folder, &stem)? };
+        Outputs { frames: Frames::begin(&folder, &stem)?, table: Table::create(&case, &body, &folder, &stem)? };
     let solved = solve(Simulation { case: &case, body: &body, written, console: &console })?;
     let summary = Summary { dofs: body.system.dofs(), folder, ..solved };
     console.last(&summary, began.elapsed().as_secs_f64());
@@ -106,7 +106,7 @@ struct Console {
 impl Console {
     fn line(&self, text: &str) {
         if !self.quiet {
-            eprintln!("{:<10} {text}", self.stem);
+            output::note(format_args!("{:<10} {text}", self.stem));
         }
     }
 
@@ -114,7 +114,10 @@ impl Console {
         let Summary { dofs, solved, folder, .. } = summary;
         let iterations = summary.iterations.map_or(String::new(), |count| format!("{count} iterations, "));
         let folder = folder.display();
-        eprintln!("{:<10} {solved} solved, {dofs} dofs, {iterations}{seconds:.1} s → {folder}", self.stem);
+        output::note(format_args!(
+            "{:<10} {solved} solved, {dofs} dofs, {iterations}{seconds:.1} s → {folder}",
+            self.stem
+        ));
     }
 }
 

@@ -6,7 +6,7 @@ use mesh::foreign::{self, MeshFileError, RawMesh, Region};
 use mesh::{Cavity, Solid, Surface};
 
 use crate::case::{Case, Order, Source};
-use diagnostics::{Diagnostic, Result};
+use diagnostics::{Diagnostic, Result, input};
 
 /// The note on symmetric surfaces that could be simulated as a half model.
 const HALF: &str = "the surfaces are symmetric about z = 0: where clamps and loads are so too, their half z ≥ 0 would do (half = true)";
@@ -102,7 +102,7 @@ fn from_surfaces(mesh: &Source, folder: &Path) -> Result<Loaded> {
 }
 
 fn bytes(path: &Path) -> Result<Vec<u8>> {
-    std::fs::read(path).map_err(|e| {
+    input::read(path, input::MESH).map_err(|e| {
         let what = format!("{} cannot be read", path.display());
         Diagnostic::new(
             what,

@@ -387,3 +387,12 @@ fn two_surfaces_are_meshed_and_simulated() {
     assert!(summary.dofs > 1000);
     assert!(table.column("chamber_0_volume_m3")[0] > 1e-6);
 }
+
+#[test]
+fn a_second_case_is_not_mixed_into_the_frames_of_another() {
+    let out = folder("shared-out");
+    std::fs::write(out.join("beam.pvd"), "").unwrap();
+    let refused = run(&here("examples/cantilever.toml"), Some(&out), true).unwrap_err().to_string();
+    assert!(refused.contains("another case, beam.pvd") && refused.contains("--out"), "{refused}");
+    assert_eq!(std::fs::read_dir(&out).unwrap().count(), 1, "nothing is added");
+}

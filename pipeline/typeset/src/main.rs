@@ -4,7 +4,7 @@
 //! `paper/fonts`; fonts of the system are not used. The typesetter is a program of its own because its dependencies take minutes to build
 //! and nothing else needs them.
 //!
-//! Depends on no crate of the workspace.
+//! Depends on `diagnostics`.
 
 mod compiler;
 
@@ -14,6 +14,7 @@ use std::process::ExitCode;
 use clap::{Parser, ValueEnum};
 
 use compiler::TypesetError;
+use diagnostics::output;
 
 /// Compiles the paper that `study paper` has prepared.
 #[derive(Debug, Parser)]
@@ -51,11 +52,11 @@ fn main() -> ExitCode {
     };
     match run(&cli.root, &base) {
         Ok(report) => {
-            println!("{report}");
-            ExitCode::SUCCESS
+            output::line(&report);
+            if output::failed() { ExitCode::FAILURE } else { ExitCode::SUCCESS }
         }
         Err(error) => {
-            eprintln!("error: {error}");
+            output::note(format_args!("error: {error}"));
             ExitCode::FAILURE
         }
     }

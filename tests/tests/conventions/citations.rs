@@ -42,6 +42,7 @@ fn every_method_that_a_comment_cites_stands_in_the_bibliography() {
 #[test]
 fn a_citation_that_the_bibliography_lacks_is_found() {
     let known = keys("@book{lamb1932, author = {Lamb, Horace}}\n");
-    let source = Source::new("a.rs", "//! Waves [lamb1932, section 228].\n/// Drag \\[taylor1952\\].\nlet a = b[word1999];\n");
+    let source =
+        Source::new("a.rs", "//! Waves [lamb1932, section 228].\n/// Drag \\[taylor1952\\].\nlet a = b[word1999];\n");
     assert_eq!(uncited(&source, &known), ["a.rs:2 cites taylor1952"]);
 }

@@ -54,6 +54,13 @@ fn panics_on_the_way(source: &Source) -> Vec<String> {
     }
 }
 
+/// Printing past `diagnostics::output`, which alone survives a reader that has gone and a full disk.
+fn prints(source: &Source) -> Vec<String> {
+    let own = source.test || source.path.contains("/examples/") || source.path == "pipeline/diagnostics/src/output.rs";
+    let macros = ["print", "println", "eprint", "eprintln"].map(|name| [name, "!("].concat());
+    if own { vec![] } else { places(source, &source.outside_tests(&source.code()), &macros) }
+}
+
 /// Specimens named anywhere in a tool, in code, words or tests.
 fn specimens_in_tools(source: &Source) -> Vec<String> {
     let in_tool = TOOLS.iter().any(|tool| source.path.starts_with(&format!("pipeline/{tool}/")));
@@ -80,6 +87,18 @@ fn no_test_is_skipped() {
 #[test]
 fn nothing_is_unwrapped_outside_of_tests() {
     assert_none(everywhere(&["pipeline"], panics_on_the_way));
+}
+
+#[test]
+fn only_one_module_prints() {
+    assert_none(everywhere(&["pipeline"], prints));
+}
+
+#[test]
+fn a_line_printed_past_the_output_is_found() {
+    let call = ["eprint", "ln!(\"a\");"].concat();
+    assert_eq!(prints(&Source::new("pipeline/cli/src/main.rs", &format!("fn a() {{ {call} }}\n"))).len(), 1);
+    assert!(prints(&Source::new("pipeline/diagnostics/src/output.rs", &format!("fn a() {{ {call} }}\n"))).is_empty());
 }
 
 #[test]

@@ -61,7 +61,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "study",
         ],
     ),
-    ("typeset", &[]),
+    ("typeset", &["diagnostics"]),
 ];
 
 /// Crates that `cargo build` leaves out: their dependencies take long, and nothing else needs them.

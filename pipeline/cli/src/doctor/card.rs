@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use diagnostics::input;
 use lab::Specimen;
 use lab::card::{Card, Role};
 use lab::table::line_of_path;
@@ -13,7 +14,7 @@ use super::{Look, called, log};
 /// The specimen in a folder where its card can be read, and the findings on the card.
 pub fn look(look: &Look, folder: &Path) -> (Option<Specimen>, Vec<Finding>) {
     let place = look.place(&called(folder), lab::folder::CARD);
-    let text = std::fs::read_to_string(folder.join(lab::folder::CARD)).unwrap_or_default();
+    let text = input::read_text(&folder.join(lab::folder::CARD), input::PAGE).unwrap_or_default();
     let mut found = log::oddities(&place, &text);
     let open = unfilled(&text);
     if !open.is_empty() {

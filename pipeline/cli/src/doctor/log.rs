@@ -1,6 +1,6 @@
 //! Checks of logs: readable, as long as the trial, and consistent with the card.
 
-use diagnostics::Diagnostic;
+use diagnostics::{Result, input};
 use lab::card::{Experiment, FixtureOf};
 use lab::{ForceLog, PressureLog};
 use si::{Second, Series};
@@ -8,7 +8,13 @@ use signal::edge::{self, Window};
 
 use super::finding::Finding;
 use super::{Look, sense};
+use study::stages::load_cell::LoadCell;
+use study::stages::tank::Tank;
 use study::subject::{Specimen, Trial};
+use workflow::record::Record;
+use workflow::runner::inspection_context;
+use workflow::stage::Stage;
+use workflow::subject::Part;
 
 /// Duration of a trial by its card, s.
 pub fn span(experiment: &Experiment) -> Second {
@@ -37,15 +43,44 @@ pub fn force(look: &Look, of: &Trial) -> Vec<Finding> {
     let (log, mut found) = forces(look, &of.card.name, file);
     if let Some(log) = &log {
         found.extend(short(&place, &log.time, of));
-        found.extend(lamp(&place, log));
+        found.extend(lamp(&place, log, of));
     }
     found
 }
 
-/// The logs of the load cell's fixture.
-pub fn fixtures(look: &Look, of: &Specimen) -> Vec<Finding> {
+/// The logs of the load cell's fixture: readable, and with all taps and the water at rest, as the stages find them.
+///
+/// # Errors
+/// A diagnostic when the settings of a stage are invalid.
+pub fn fixtures(look: &Look, of: &Specimen) -> Result<Vec<Finding>> {
+    let mut found = fixture_logs(look, of);
+    if found.iter().any(|finding| finding.must) || of.card.fixture.is_empty() {
+        return Ok(found);
+    }
+    found.extend(refused::<LoadCell>(look, of)?);
+    found.extend(refused::<Tank>(look, of)?);
+    Ok(found)
+}
+
+/// What a stage that reads fixtures alone refuses.
+fn refused<S: Stage<Needs = ()>>(look: &Look, of: &Specimen) -> Result<Option<Finding>>
+where
+    S::Makes: Record<Of = Specimen>,
+    S::Card: Part<Specimen>,
+{
+    let raw = S::raw(of);
+    // A stage without recordings has nothing to do here; a missing file is reported with the card.
+    if raw.is_empty() || raw.iter().any(|file| !look.folders.raw_file(&file.path).exists()) {
+        return Ok(None);
+    }
+    let set = look.settings.section::<S::Settings>(<S::Makes as Record>::STAGE)?;
+    let context = inspection_context(look.folders, &raw);
+    Ok(S::run(&Part::part_of(of), &set, (), &context).err().map(Finding::from))
+}
+
+fn fixture_logs(look: &Look, of: &Specimen) -> Vec<Finding> {
     let logs = of.card.fixture.iter().flat_map(|fixture| match &fixture.of {
-        FixtureOf::Taps { hammer } => vec![&fixture.force, hammer],
+        FixtureOf::Taps { hammer, .. } => vec![&fixture.force, hammer],
         FixtureOf::StillWater => vec![&fixture.force],
     });
     logs.flat_map(|file| forces(look, &of.card.name, file).1).collect()
@@ -57,14 +92,9 @@ fn forces(look: &Look, name: &str, file: &str) -> (Option<ForceLog>, Vec<Finding
 }
 
 /// A log through its reader; a missing file is reported with the card.
-fn read<T>(
-    look: &Look,
-    name: &str,
-    file: &str,
-    parse: impl FnOnce(&str) -> Result<T, Diagnostic>,
-) -> (Option<T>, Vec<Finding>) {
+fn read<T>(look: &Look, name: &str, file: &str, parse: impl FnOnce(&str) -> Result<T>) -> (Option<T>, Vec<Finding>) {
     let place = look.place(name, file);
-    let Ok(bytes) = std::fs::read(look.path(name, file)) else { return (None, Vec::new()) };
+    let Ok(bytes) = input::read(&look.path(name, file), input::LOG) else { return (None, Vec::new()) };
     let Ok(text) = String::from_utf8(bytes) else {
         let act = "export it again as CSV in UTF-8";
         return (None, vec![Finding::fix(format!("{place}: the file is no text"), "a log is UTF-8 text", act)]);
@@ -110,7 +140,7 @@ fn short(place: &str, time: &[Second], of: &Trial) -> Option<Finding> {
 }
 
 /// A force log of a filmed trial needs the lamp for synchronisation.
-fn lamp(place: &str, log: &ForceLog) -> Option<Finding> {
+fn lamp(place: &str, log: &ForceLog, of: &Trial) -> Option<Finding> {
     if log.led.is_empty() {
         let act = "log the lamp's state (0 to 1) beside the force, as a column `led`";
         return Some(Finding::fix(
@@ -120,6 +150,18 @@ fn lamp(place: &str, log: &ForceLog) -> Option<Finding> {
         ));
     }
     let series = Series::new(log.time[0], log.rate(), log.led.clone()).ok()?;
-    let edges = edge::edges(&series, Window::INSTANT);
-    edges.err().map(|e| Finding::message(&format!("{place}, column led: {e}")))
+    match edge::edges(&series, Window::INSTANT) {
+        Err(e) => Some(Finding::message(&format!("{place}, column led: {e}"))),
+        Ok(edges) => ends_early(place, log, edges.first()?.time, of),
+    }
+}
+
+/// A force log that ends before the trial does, which begins when the lamp lights.
+fn ends_early(place: &str, log: &ForceLog, lit: Second, of: &Trial) -> Option<Finding> {
+    let (lasts, wanted) = (log.time[log.time.len() - 1] - lit, span(&of.trial.experiment));
+    (lasts < wanted).then(|| {
+        let what = format!("{place} ends {lasts:.3} s after the lamp has lit");
+        let why = format!("the trial on the card lasts {wanted:.2} s from then on");
+        Finding::fix(what, why, "copy the log again, or correct the trial on the card")
+    })
 }

@@ -102,7 +102,7 @@ impl Look<'_> {
         evaluated.findings.extend(findings([
             solid::look(self, &of)?,
             film::calibration(self, &of),
-            log::fixtures(self, &of),
+            log::fixtures(self, &of)?,
         ]));
         let trials = of.trials();
         evaluated.trials += trials.len();

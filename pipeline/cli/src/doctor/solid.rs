@@ -5,7 +5,7 @@ use si::Metre;
 
 use super::Look;
 use super::finding::Finding;
-use diagnostics::Result;
+use diagnostics::{Result, input};
 use study::stages::mesh::{Mesh, Settings};
 use study::subject::Specimen;
 use workflow::runner::inspection_context;
@@ -41,8 +41,8 @@ pub fn look(look: &Look, of: &Specimen) -> Result<Vec<Finding>> {
 /// A closed surface, m; a missing file is reported with the card.
 fn surface(look: &Look, of: &Specimen, file: &str, found: &mut Vec<Finding>) -> Option<Surface> {
     let place = look.place(&of.card.name, file);
-    let bytes = std::fs::read(look.path(&of.card.name, file)).ok()?;
     let message = |e: &dyn std::fmt::Display| Finding::message(&format!("{place}: {e}"));
+    let bytes = input::read(&look.path(&of.card.name, file), input::MESH).ok()?;
     match mesh::stl::read(&bytes, of.card.solid.unit.metres()) {
         Err(e) => found.push(message(&e)),
         Ok(surface) => match surface.shells() {

@@ -24,7 +24,7 @@ const FOLDERS: [&str; 3] = ["cad", "camera", "trials/static_left"];
 pub fn run(root: &Path, profile: Profile, name: &str) -> Result<String> {
     let folders = Folders::new(root, profile);
     if !lab::card::is_name(name) {
-        let why = "it becomes part of file names: letters, digits, `_` and `-`";
+        let why = "it becomes part of file names: letters, digits, `_` and `-`, the first no `-`";
         return Err(Diagnostic::new(format!("`{name}` is not a valid name of a specimen"), why, "choose another name"));
     }
     if !folders.settings().is_file() {

@@ -37,6 +37,7 @@ pub fn run(asked: &TrackFilm) -> Result<String> {
     }
     let (time, tracks) = seen.end()?;
     overlay.end()?;
+    remove(&folder, &["lost.png"]);
     write(&folder.join("tracks.csv"), csv(&time, &tracks).as_bytes())?;
     let hidden = tracks.iter().flatten().filter(|s| !s.seen).count();
     let (markers, frames) = (tracks.len(), time.len());
@@ -116,9 +117,16 @@ fn csv(time: &[Second], tracks: &[Vec<Observation>]) -> String {
     text
 }
 
+/// Removes results of an earlier run: beside those of another run they would be taken for one.
+fn remove(folder: &Path, names: &[&str]) {
+    // What is not there needs not be removed.
+    names.iter().for_each(|name| drop(fs::remove_file(folder.join(name))));
+}
+
 /// The diagnostic of a lost marker, with its picture written.
 fn shown(folder: &Path, lost: TrackingError) -> Diagnostic {
     let path = folder.join("lost.png");
+    remove(folder, &["tracks.csv", "strip.png", overlay::FILM]);
     let written = lost.crop.to_png().is_ok_and(|png| fs::write(&path, png).is_ok());
     let diagnostic = Diagnostic::from(lost);
     if written { diagnostic.noting(format!("see: {}", path.display())) } else { diagnostic }

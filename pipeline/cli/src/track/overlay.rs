@@ -7,14 +7,18 @@ use track::Gray;
 use track::klt::Observation;
 use track::video::{Info, Quality, Writer};
 
-use super::write;
-use diagnostics::{Diagnostic, Result};
+use super::{cannot_write, write};
+use diagnostics::Result;
 
 /// Frames of the strip.
 const STRIP: usize = 6;
 /// Half the length of a cross and its gap, px.
 const ARM: i64 = 14;
 const GAP: i64 = 5;
+/// Its film.
+pub const FILM: &str = "overlay.mp4";
+/// The film until it is complete.
+const UNFINISHED: &str = "overlay.unfinished.mp4";
 /// Of the film.
 const QUALITY: Quality = Quality::Quantiser(24);
 
@@ -30,7 +34,7 @@ pub struct Overlay {
 impl Overlay {
     /// Starts an overlay; with `film` also as a film.
     pub fn begin(folder: &Path, info: Info, film: bool) -> Result<Self> {
-        let open = || Writer::create(&folder.join("overlay.mp4"), (info.width, info.height), info.rate, QUALITY);
+        let open = || Writer::create(&folder.join(UNFINISHED), (info.width, info.height), info.rate, QUALITY);
         let film = film.then(open).transpose()?;
         let every = info.frames.div_ceil(STRIP).max(1);
         Ok(Self { folder: folder.into(), every, frame: 0, strip: Vec::new(), film })
@@ -55,13 +59,23 @@ impl Overlay {
     }
 
     /// Writes the strip and ends the film.
-    pub fn end(self) -> Result<()> {
+    pub fn end(mut self) -> Result<()> {
         let width = self.strip.first().map_or(0, |p| p.width);
         let height = self.strip.iter().map(|p| p.height).sum();
-        let pixels = self.strip.into_iter().flat_map(|p| p.pixels).collect();
+        let pixels = std::mem::take(&mut self.strip).into_iter().flat_map(|p| p.pixels).collect();
         let png = Gray { width, height, pixels }.to_png()?;
         write(&self.folder.join("strip.png"), &png)?;
-        self.film.map_or(Ok(()), Writer::finish).map_err(Diagnostic::from)
+        let Some(film) = self.film.take() else { return Ok(()) };
+        film.finish()?;
+        let (from, to) = (self.folder.join(UNFINISHED), self.folder.join(FILM));
+        std::fs::rename(from, &to).map_err(|e| cannot_write(&to, &e))
+    }
+}
+
+impl Drop for Overlay {
+    /// A run that fails leaves no part of a film.
+    fn drop(&mut self) {
+        drop(std::fs::remove_file(self.folder.join(UNFINISHED)));
     }
 }
 

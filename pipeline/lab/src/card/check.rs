@@ -158,8 +158,9 @@ fn fixtures(card: &Card) -> Checked {
             return violation(&format!("{key}.id"), what, "results are filed under it", "rename one of them");
         }
         relative(&format!("{key}.force"), &fixture.force)?;
-        if let FixtureOf::Taps { hammer } = &fixture.of {
+        if let FixtureOf::Taps { hammer, count } = &fixture.of {
             relative(&format!("{key}.hammer"), hammer)?;
+            count.map_or(Ok(()), |count| within(&format!("{key}.count"), count as f64, 1.0..=1000.0, "taps"))?;
         }
     }
     Ok(())

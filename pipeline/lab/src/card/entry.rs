@@ -15,17 +15,19 @@ pub(super) fn pixel(key: &str, at: &[f64; 2]) -> Checked {
     at.iter().enumerate().try_for_each(|(i, x)| within(&format!("{key}.{i}"), *x, 0.0..=PICTURE, "px"))
 }
 
-/// Whether a text can name a specimen, a trial or a part: it becomes part of file names.
+/// Whether a text can name a specimen, a trial or a part: it becomes part of file names and of command lines.
 pub fn is_name(text: &str) -> bool {
-    !text.is_empty() && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-')
+    !text.is_empty()
+        && !text.starts_with('-')
+        && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-')
 }
 
-/// A name becomes part of file names: letters, digits, `_` and `-`.
+/// A name becomes part of file names: letters, digits, `_` and `-`, the first no `-`.
 pub(super) fn name(key: &str, text: &str) -> Checked {
     if is_name(text) {
         return Ok(());
     }
-    let why = "a name becomes part of file names: letters, digits, `_` and `-`";
+    let why = "a name becomes part of file names: letters, digits, `_` and `-`, the first no `-`";
     violation(key, format!("{key} = `{text}` is no name"), why, "choose another name")
 }
 

@@ -29,6 +29,8 @@ pub enum FixtureOf {
     Taps {
         /// The hammer's log, relative to the card, on the clock of the force log.
         hammer: String,
+        /// Number of taps, where it is known: a log that was cut has fewer.
+        count: Option<usize>,
     },
     /// Nothing: the log begins a second after a run has ended and shows what is left in the tank.
     StillWater,
@@ -60,21 +62,22 @@ struct Entry {
     medium: Medium,
     force: String,
     hammer: Option<String>,
+    count: Option<usize>,
 }
 
 impl TryFrom<Entry> for Fixture {
     type Error = String;
 
     fn try_from(entry: Entry) -> Result<Self, String> {
-        let of = match (entry.kind, entry.hammer) {
-            (Kind::Taps, Some(hammer)) => FixtureOf::Taps { hammer },
-            (Kind::StillWater, None) => FixtureOf::StillWater,
-            (Kind::Taps, None) => {
+        let of = match (entry.kind, entry.hammer, entry.count) {
+            (Kind::Taps, Some(hammer), count) => FixtureOf::Taps { hammer, count },
+            (Kind::StillWater, None, None) => FixtureOf::StillWater,
+            (Kind::Taps, None, _) => {
                 let said = "kind `taps` needs the key `hammer`, which is missing";
                 return Err(format!("{said} in fixture `{}`", entry.id));
             }
-            (Kind::StillWater, Some(_)) => {
-                let said = "kind `still_water` has no key `hammer`, but it is given";
+            (Kind::StillWater, ..) => {
+                let said = "kind `still_water` has no key `hammer` or `count`, but one is given";
                 return Err(format!("{said} in fixture `{}`", entry.id));
             }
         };

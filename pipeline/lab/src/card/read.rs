@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::{Card, check};
 use crate::table::{SEE, line_of_path, toml_error};
-use diagnostics::Diagnostic;
+use diagnostics::{Diagnostic, input};
 
 /// The card in the file `path`, checked.
 ///
@@ -12,7 +12,7 @@ use diagnostics::Diagnostic;
 /// [`Diagnostic`] when the file cannot be read, is no TOML, has an unknown, missing or mistyped key, or a number outside
 /// the range that its unit allows.
 pub fn read(path: &Path) -> Result<Card, Diagnostic> {
-    let text = std::fs::read_to_string(path)
+    let text = input::read_text(path, input::PAGE)
         .map_err(|e| Diagnostic::io(path, e, "write a card there, or name a folder that holds one"))?;
     parse(&text, path)
 }

@@ -162,7 +162,8 @@ fn fixture(text: &mut String, fixture: &Fixture) {
     let (kind, medium) = (fixture.of.kind(), fixture.medium.word());
     put(text, format_args!("\n[[fixture]]\nid = {:?}\nkind = {kind:?}\nmedium = {medium:?}\n", fixture.id));
     put(text, format_args!("force = {:?}\n", fixture.force));
-    if let FixtureOf::Taps { hammer } = &fixture.of {
+    if let FixtureOf::Taps { hammer, count } = &fixture.of {
         put(text, format_args!("hammer = {hammer:?}  # on the clock of force\n"));
+        count.iter().for_each(|count| put(text, format_args!("count = {count}  # taps\n")));
     }
 }

@@ -19,6 +19,8 @@ const APART: Second = 0.5;
 const BEFORE: Second = 0.05;
 /// Degree of the drift of the zero through a whole recording.
 const DRIFT: usize = 5;
+/// Least time that both logs must last after a tap begins, s: a fixture of 5 Hz then still has one period to ring.
+const LEAST: Second = 0.2;
 /// Frequency step of the response, Hz.
 const STEP: Hertz = 0.25;
 
@@ -72,6 +74,7 @@ pub fn identify_from_taps(
     [low, high]: [Hertz; 2],
 ) -> Result<TapTest, EstimationError> {
     let begins = begins(hammer);
+    within(hammer, measured, &begins)?;
     let nyquist = 0.5 * measured.rate();
     if begins.is_empty() || !(0.0 < low && low < high && high < nyquist) {
         let why = format!("{} taps were found; the band is {low} to {high} Hz, under {nyquist} Hz", begins.len());
@@ -89,6 +92,22 @@ pub fn identify_from_taps(
     let (in_time, noise) = fit_in_time(hammer, measured, &start).ok_or_else(|| not_converged("time"))?;
     let noise = quiet(measured, begins[0]).unwrap_or(noise);
     Ok(TapTest { in_time, in_frequency, response, taps: begins.len(), noise })
+}
+
+/// Holds that both logs cover every tap, from before it begins until its ringing can be seen.
+fn within(hammer: &Series, measured: &Series, begins: &[Second]) -> Result<(), EstimationError> {
+    let (Some(first), Some(last)) = (begins.first(), begins.last()) else { return Ok(()) };
+    let (start, end) = (hammer.start().max(measured.start()), hammer.end().min(measured.end()));
+    let outside = |number: usize, time: f64| {
+        failed(format!(
+            "tap {number} begins at {time:.3} s; the logs overlap from {start:.3} to {end:.3} s, and a tap needs {LEAST} s"
+        ))
+    };
+    match () {
+        () if *first < start => Err(outside(1, *first)),
+        () if last + LEAST > end => Err(outside(begins.len(), *last)),
+        () => Ok(()),
+    }
 }
 
 fn failed(why: String) -> EstimationError {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use diagnostics::Diagnostic;
+use diagnostics::{Diagnostic, input};
 use lab::table::{line_of_path, toml_error};
 
 use super::{Case, check};
@@ -15,7 +15,8 @@ const SEE: &str = "`study simulate --help` shows every key with its unit";
 /// [`Diagnostic`] when the file cannot be read, is no TOML, has an unknown, missing or mistyped key, or a number outside the
 /// range that its unit allows.
 pub fn read(path: &Path) -> Result<Case, Diagnostic> {
-    let text = std::fs::read_to_string(path).map_err(|e| Diagnostic::io(path, e, "name a case, a page of TOML"))?;
+    let text =
+        input::read_text(path, input::PAGE).map_err(|e| Diagnostic::io(path, e, "name a case, a page of TOML"))?;
     parse(&text, path)
 }
 

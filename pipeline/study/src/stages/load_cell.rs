@@ -1,10 +1,10 @@
-//! Load cell: hammer taps give the transfer function of its fixture; its inverse is example on an example. Paper: appendix, load cell dynamics.
+//! Load cell: hammer taps give the transfer function of its fixture; its inverse is applied to an example. Paper: appendix, load cell dynamics.
 //!
 //! The example is a non-negative thrust whose measurement goes below zero through the fixture's ringing, as in the paper.
 
 use std::path::Path;
 
-use lab::card::FixtureOf;
+use lab::card::{Fixture, FixtureOf};
 use serde::{Deserialize, Serialize};
 use si::{Hertz, Newton, Second, Series};
 use signal::cell::{Cell, Regularisation, identify_from_taps};
@@ -14,6 +14,7 @@ use crate::records::{self, DeconvolutionExample};
 use crate::subject::Specimen;
 use diagnostics::{Diagnostic, Result};
 use workflow::stage::{RawFile, Stage, StageContext};
+use workflow::subject::Part;
 
 /// The stage.
 pub struct LoadCell;
@@ -34,9 +35,26 @@ pub struct Settings {
     example_peak: Newton,
 }
 
+/// What it reads of the card.
+#[derive(Debug, Serialize)]
+pub struct Card {
+    /// Number of taps, where the card has it.
+    count: Option<usize>,
+}
+
+impl Part<Specimen> for Card {
+    fn part_of(of: &Specimen) -> Self {
+        let count = |fixture: &Fixture| match fixture.of {
+            FixtureOf::Taps { count, .. } => Some(count),
+            FixtureOf::StillWater => None,
+        };
+        Self { count: of.card.fixture.iter().find_map(count).flatten() }
+    }
+}
+
 impl Stage for LoadCell {
     type Settings = Settings;
-    type Card = ();
+    type Card = Card;
     type Needs = ();
     type Makes = records::LoadCell;
     const DESCRIPTION: &'static str = "hammer taps give the transfer function of the load cell's fixture";
@@ -45,7 +63,7 @@ impl Stage for LoadCell {
     fn raw(of: &Specimen) -> Vec<RawFile> {
         let name = &of.card.name;
         let taps = of.card.fixture.iter().filter_map(|f| match &f.of {
-            FixtureOf::Taps { hammer } => {
+            FixtureOf::Taps { hammer, .. } => {
                 Some([RawFile::new("taps", name, &f.force), RawFile::new("hammer", name, hammer)])
             }
             FixtureOf::StillWater => None,
@@ -53,10 +71,16 @@ impl Stage for LoadCell {
         taps.take(1).flatten().collect()
     }
 
-    fn run((): &(), set: &Settings, (): (), context: &dyn StageContext) -> Result<records::LoadCell> {
+    fn run(card: &Card, set: &Settings, (): (), context: &dyn StageContext) -> Result<records::LoadCell> {
         let (measured, hammer) = (read_force("taps", context)?, read_force("hammer", context)?);
+        let place = context.display_path("taps");
         let found = identify_from_taps(&hammer.series(), &measured.series(), set.band)
-            .map_err(|e| Diagnostic::from(e).in_file(Path::new(&context.display_path("taps"))))?;
+            .map_err(|e| Diagnostic::from(e).in_file(Path::new(&place)))?;
+        if let Some(count) = card.count.filter(|count| *count != found.taps) {
+            let what = format!("{} taps are found in the hammer's log", found.taps);
+            let why = format!("the card has count = {count}; a log that was cut has fewer");
+            return Err(Diagnostic::file(Path::new(&place), what, why, "copy the logs again, or correct the card"));
+        }
         let example = example(found.in_time.cell, measured.rate(), found.noise, set)?;
         Ok(records::LoadCell {
             in_time: found.in_time.into(),

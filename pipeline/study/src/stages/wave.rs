@@ -4,6 +4,8 @@
 //! Harmonics of the actuation and waves are fitted together and only the waves are subtracted, so the periodic force keeps amplitude
 //! and phase. Where a harmonic coincides with a wave the two cannot be separated, and the record has a warning.
 
+use std::path::Path;
+
 use lab::card::Experiment;
 use serde::{Deserialize, Serialize};
 use si::{Hertz, Second, Series};
@@ -68,6 +70,7 @@ impl Stage for Wave {
         let offset = lamp(&log, context)? - motion.clock.lamp;
         let on_film = Series::new(log.time[0] - offset, log.rate(), log.force.clone())?;
         let commanded = commanded(&motion).unwrap_or([on_film.start(), on_film.end()]);
+        covers(&on_film, commanded, context)?;
         let beat = card.frequency.map(|frequency| Beat { frequency, harmonics: set.harmonics, within: commanded });
         let waves = tank.map_or(Vec::new(), |t| t.waves);
         let length = on_film.end() - on_film.start();
@@ -88,6 +91,23 @@ impl Stage for Wave {
         let warnings = near.iter().map(ToString::to_string).collect();
         Ok(CorrectedForce { time, raw: log.force, waves: found, zero, offset, commanded, warnings })
     }
+}
+
+/// Holds that a force log lasts from the first command to the last: of a part of a trial the mean force is not that of the trial.
+fn covers(on_film: &Series, [first, last]: [Second; 2], context: &dyn StageContext) -> Result<()> {
+    // Both clocks are synchronised to a fraction of the force log's step.
+    let step = 1.0 / on_film.rate();
+    if on_film.start() <= first + step && on_film.end() >= last - step {
+        return Ok(());
+    }
+    let what = format!("the log lasts from {:.3} to {:.3} s of the film", on_film.start(), on_film.end());
+    let why = format!("pressure is commanded from {first:.3} to {last:.3} s");
+    Err(Diagnostic::file(
+        Path::new(&context.display_path("force")),
+        what,
+        why,
+        "copy the log again, or record the trial again",
+    ))
 }
 
 /// The frequency of a flapping trial, Hz.

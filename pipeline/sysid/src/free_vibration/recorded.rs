@@ -10,7 +10,7 @@ use si::{Metre, Point3, Second, Series};
 use signal::wave;
 
 use super::page::{Marker, Page, Recording};
-use diagnostics::{Diagnostic, Result};
+use diagnostics::{Diagnostic, Result, input};
 
 /// One recorded release.
 pub struct Recorded {
@@ -87,8 +87,8 @@ fn one(page: &Page, recording: &Recording, path: &Path) -> Result<Recorded> {
 
 /// Frames a second, and the place of each of the page's markers in each frame, m.
 fn tracks(page: &Page, path: &Path) -> Result<(f64, Vec<Vec<Point3>>)> {
-    let bytes =
-        std::fs::read(path).map_err(|e| Diagnostic::new(format!("{} cannot be read", path.display()), e, "mend it"))?;
+    let bytes = input::read(path, input::MESH)
+        .map_err(|e| Diagnostic::io(path, e, "name a file of tracks, .csv or .c3d, on the page"))?;
     let space = lab::space::read(&bytes, path)?;
     let track = |marker: &Marker| -> Result<Vec<Point3>> {
         let known = |name: &&String| space.markers.iter().any(|seen| seen.name.trim() == name.trim());

@@ -1,10 +1,9 @@
 //! The context of one running stage: its raw files, its elapsed time, its progress line.
 
-use std::fs;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use diagnostics::{Diagnostic, Result};
+use diagnostics::{Diagnostic, Result, input};
 
 use super::folders::Folders;
 use super::report::Line;
@@ -28,7 +27,7 @@ impl<'a> RunContext<'a> {
 impl StageContext for RunContext<'_> {
     fn bytes(&self, name: &str) -> Result<Vec<u8>> {
         let path = self.path(name)?;
-        fs::read(&path).map_err(|e| {
+        input::read(&path, input::MESH).map_err(|e| {
             let what = format!("{} cannot be read", self.folders.display(&path));
             Diagnostic::new(what, &e, "put the file there, or correct its name on the card").caused_by(e)
         })

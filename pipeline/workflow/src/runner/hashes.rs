@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::UNIX_EPOCH;
 
+use diagnostics::input;
 use serde::{Deserialize, Serialize};
 
 use super::atomic::write_atomically;
@@ -50,6 +51,8 @@ impl Hashes {
     /// # Errors
     /// When the file cannot be read.
     pub fn of(&self, path: &Path) -> io::Result<String> {
+        // A FIFO would never end.
+        input::regular(path)?;
         let now = seen(&fs::metadata(path)?);
         if let Some(hash) = self.known(path, &now) {
             return Ok(hash);

@@ -3,9 +3,10 @@
 //! A record that fails ends the run once those in progress are done, or, with `keep_going`, stops only those that need it. The
 //! products do not depend on the order in which workers finish. A second record waits while memory is short.
 
+use std::any::Any;
 use std::collections::{BTreeMap, BTreeSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Condvar, Mutex, MutexGuard};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
 use diagnostics::{Diagnostic, Result};
 
@@ -64,7 +65,7 @@ struct Shared {
 impl Shared {
     /// A worker that panicked while it held the lock leaves counters that are still true: they are set in single steps.
     fn lock(&self) -> MutexGuard<'_, Progress> {
-        self.progress.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
+        self.progress.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -76,7 +77,7 @@ impl<U: Universe> Pool<'_, U> {
         // Scoped threads of their own, not rayon's: a worker blocks while it waits, and a blocked rayon thread would keep the stages'
         // own parallel loops from running.
         std::thread::scope(|scope| {
-            for _ in 0..self.runner.options.jobs.max(1) {
+            for _ in 0..self.runner.options.jobs.clamp(1, self.jobs.len().max(1)) {
                 scope.spawn(|| self.work(&shared));
             }
         });
@@ -84,30 +85,44 @@ impl<U: Universe> Pool<'_, U> {
     }
 
     fn work(&self, shared: &Shared) {
-        loop {
-            let mut progress = shared.lock();
-            self.skip_dependents(&mut progress);
-            let Some(next) = self.ready(&progress) else {
-                // Nothing can become ready once no record is in progress: what is left waits for one that was never made.
-                if progress.waiting.is_empty() || progress.stopped || progress.running == 0 {
-                    shared.changed.notify_all();
-                    return;
-                }
-                drop(shared.changed.wait(progress));
-                continue;
-            };
-            progress.waiting.remove(&next);
-            progress.running += 1;
-            // The contents are copied so that the lock is free while the record is made.
-            let contents = progress.contents.clone();
-            drop(progress);
-            let end = self.make(&self.jobs[next], &contents);
-            let mut progress = shared.lock();
-            progress.running -= 1;
-            progress.stopped |= matches!(end, End::Failed) && !self.runner.options.keep_going;
-            progress.settle(&self.jobs[next].id, end);
-            shared.changed.notify_all();
+        while let Some((next, contents)) = self.take(shared) {
+            let job = &self.jobs[next];
+            // A record is settled whatever happened to it: the other workers wait for that.
+            let end = catch_unwind(AssertUnwindSafe(|| self.make(job, &contents))).unwrap_or(End::Failed);
+            let skipped = self.settle(shared, job, end);
+            // Printing may block for as long as the reader likes, and so is done without the lock.
+            skipped.iter().for_each(|(id, needs)| self.report.skipped(id, needs));
         }
+    }
+
+    /// Waits for a record that can be begun; returns it with the contents of those that exist, or none when nothing is left to do.
+    fn take(&self, shared: &Shared) -> Option<(usize, BTreeMap<RecordId, String>)> {
+        let mut progress = shared.lock();
+        loop {
+            if let Some(next) = self.ready(&progress) {
+                progress.waiting.remove(&next);
+                progress.running += 1;
+                // The contents are copied so that the lock is free while the record is made.
+                return Some((next, progress.contents.clone()));
+            }
+            // Nothing can become ready once no record is in progress: what is left waits for one that was never made.
+            if progress.waiting.is_empty() || progress.stopped || progress.running == 0 {
+                shared.changed.notify_all();
+                return None;
+            }
+            progress = shared.changed.wait(progress).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    /// Enters the result of a record; returns the records that cannot be made because of it, each with one that it reads.
+    fn settle(&self, shared: &Shared, job: &Job<U>, end: End) -> Vec<(RecordId, RecordId)> {
+        let mut progress = shared.lock();
+        progress.running -= 1;
+        progress.stopped |= matches!(end, End::Failed) && !self.runner.options.keep_going;
+        progress.settle(&job.id, end);
+        let skipped = self.skip_dependents(&mut progress);
+        shared.changed.notify_all();
+        skipped
     }
 
     /// The next record that can be begun; none while another is in progress and memory is short.
@@ -121,7 +136,8 @@ impl<U: Universe> Pool<'_, U> {
         progress.waiting.iter().copied().find(|&i| available(&self.jobs[i]))
     }
 
-    fn skip_dependents(&self, progress: &mut Progress) {
+    fn skip_dependents(&self, progress: &mut Progress) -> Vec<(RecordId, RecordId)> {
+        let mut skipped = Vec::new();
         while let Some((i, needs)) = progress.waiting.iter().find_map(|&i| {
             let failed = self.jobs[i].reads().iter().find(|id| progress.failed.contains(*id))?;
             Some((i, failed.clone()))
@@ -129,18 +145,19 @@ impl<U: Universe> Pool<'_, U> {
             progress.waiting.remove(&i);
             progress.failed.insert(self.jobs[i].id.clone());
             progress.summary.skipped += 1;
-            self.report.skipped(&self.jobs[i].id, &needs);
+            skipped.push((self.jobs[i].id.clone(), needs));
         }
+        skipped
     }
 
     fn make(&self, job: &Job<U>, contents: &BTreeMap<RecordId, String>) -> End {
-        match self.keep_or_make(job, contents) {
-            Ok(end) => end,
-            Err(diagnostic) => {
-                self.report.failed(&self.with_picture(&job.id, diagnostic).of(&job.id));
-                End::Failed
-            }
-        }
+        // A stage that panics fails alone: its record is whole or absent, so nothing else can have been harmed.
+        let make = || self.keep_or_make(job, contents);
+        let ended = catch_unwind(AssertUnwindSafe(make)).unwrap_or_else(|panic| Err(panicked(&*panic)));
+        ended.unwrap_or_else(|diagnostic| {
+            self.report.failed(&self.with_picture(&job.id, diagnostic).of(&job.id));
+            End::Failed
+        })
     }
 
     /// A diagnostic whose picture has been written beside the record, with the picture's path.
@@ -178,9 +195,7 @@ impl<U: Universe> Pool<'_, U> {
         let store = Store::new(&runner.folders);
         let raw = job.inputs.as_ref().map_or(&[][..], |i| &i.raw);
         let context = RunContext::new(&runner.folders, raw, self.report.begin(&job.id));
-        let run = || (job.entry.make)(&runner.universe, &job.id.subject, &runner.settings, &store, &context);
-        // A stage that panics fails alone: its record is whole or absent, so nothing else can have been harmed.
-        let product = catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|_| Err(panicked()))?;
+        let product = (job.entry.make)(&runner.universe, &job.id.subject, &runner.settings, &store, &context)?;
         let manifest = Manifest::of(now, product, context.seconds());
         store.write(&job.id, &manifest.0, &manifest.1)?;
         Ok(manifest.0)
@@ -206,10 +221,8 @@ impl Progress {
     }
 }
 
-fn panicked() -> Diagnostic {
-    Diagnostic::new(
-        "the stage panicked",
-        "an assertion about its own computation did not hold; the lines above name the place",
-        "report it with the recordings; other records are not affected",
-    )
+fn panicked(panic: &(dyn Any + Send)) -> Diagnostic {
+    let text = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
+    let why = format!("an assertion about its own computation did not hold: {}", text.unwrap_or("no message"));
+    Diagnostic::new("the stage panicked", why, "report it with the recordings; other records are not affected")
 }

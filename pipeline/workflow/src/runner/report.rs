@@ -9,7 +9,7 @@ use std::time::Duration;
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::needs::RecordId;
-use diagnostics::Diagnostic;
+use diagnostics::{Diagnostic, output};
 
 /// Where progress goes.
 pub struct Report {
@@ -92,9 +92,9 @@ impl Report {
     fn always(&self, text: &str) {
         let text = text.trim_end();
         if self.live {
-            self.bars.suspend(|| eprintln!("{text}"));
+            self.bars.suspend(|| output::note(text));
         } else {
-            eprintln!("{text}");
+            output::note(text);
         }
     }
 }
