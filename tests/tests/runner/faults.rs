@@ -13,6 +13,8 @@ use crate::small::{Project, SETTINGS, summary};
 
 /// Names the project in which a second program is to run.
 const ASKED: &str = "A_STUDY_TO_RUN_AGAIN_AND_AGAIN";
+/// Holds the settings of every one of its runs; without it they alternate.
+const ITS_SETTINGS: &str = "SETTINGS_OF_THE_STUDY_TO_RUN";
 /// How often a run is killed.
 const KILLS: u64 = 50;
 
@@ -26,7 +28,8 @@ fn a_second_program_runs_the_study_until_it_is_killed() {
     let Some(root) = std::env::var_os(ASKED) else { return };
     let project = std::mem::ManuallyDrop::new(Project(PathBuf::from(root)));
     for turn in 1.. {
-        match study::run(&project.runner(&turned(turn)), &Goal::default(), false) {
+        let settings = std::env::var(ITS_SETTINGS).unwrap_or_else(|_| turned(turn));
+        match study::run(&project.runner(&settings), &Goal::default(), false) {
             Ok(summary) if summary.failed == 0 => {}
             _ => std::process::exit(1),
         }
@@ -35,11 +38,28 @@ fn a_second_program_runs_the_study_until_it_is_killed() {
 
 /// This program, made to run the study again and again in `project`, after the words of a shell.
 fn second(project: &Project, shell: &str) -> Child {
+    command(project, shell).spawn().unwrap()
+}
+
+fn command(project: &Project, shell: &str) -> Command {
     let own = std::env::current_exe().unwrap();
     let words = format!("{shell} exec {:?} --exact faults::a_second_program_runs_the_study_until_it_is_killed", own);
     let mut command = Command::new("sh");
     command.args(["-c", &words]).env(ASKED, &project.0).stdout(Stdio::null()).stderr(Stdio::null());
-    command.spawn().unwrap()
+    command
+}
+
+/// The exit code of a program that ends within a minute; none of one that hangs, which is killed.
+fn code(child: &mut Child) -> Option<i32> {
+    for _ in 0..6000 {
+        if let Some(status) = child.try_wait().unwrap() {
+            return status.code();
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    None
 }
 
 /// What a whole run of the study leaves, with no record but those of now.
@@ -91,4 +111,28 @@ fn a_disk_that_takes_no_more_ends_a_run_and_harms_no_record() {
     assert_eq!(ended.code(), Some(1), "no file can grow, so that the run has to say so");
     assert_eq!(project.run(SETTINGS), summary(0, 3, 0, 0));
     it_ends_as_if_nothing_had_happened(&project);
+}
+
+#[test]
+fn a_stage_that_fails_or_panics_while_nobody_reads_ends_the_run_and_releases_the_lock() {
+    let project = Project::new("unread");
+    for step in ["13", "14"] {
+        let settings = SETTINGS.replace("[halved]\nstep = 1", &format!("[halved]\nstep = {step}"));
+        let mut child = command(&project, "").env(ITS_SETTINGS, settings).stderr(Stdio::piped()).spawn().unwrap();
+        drop(child.stderr.take());
+        assert_eq!(code(&mut child), Some(1));
+        it_ends_as_if_nothing_had_happened(&project);
+    }
+}
+
+#[test]
+fn a_metric_that_is_altered_in_a_record_is_found_and_made_again() {
+    let project = Project::new("altered");
+    project.run(SETTINGS);
+    let file = project.record("letters").join("record.json");
+    let text = fs::read_to_string(&file).unwrap();
+    let altered = text.replace("\"seconds\": ", "\"seconds\": 1");
+    assert_ne!(altered, text);
+    fs::write(&file, altered).unwrap();
+    assert_eq!(project.run(SETTINGS), summary(1, 2, 0, 0));
 }

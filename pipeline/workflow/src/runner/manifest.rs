@@ -31,7 +31,12 @@ pub struct Manifest {
     pub summary: String,
     /// How long it took, s.
     pub seconds: f64,
+    /// BLAKE3 of the manifest's own text with this field empty.
+    pub seal: String,
 }
+
+/// The field of the seal in a manifest's text, before it is sealed.
+const OPEN: &str = "\"seal\": \"\"";
 
 /// Everything that decides what a record is, as hashes and values.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -68,6 +73,63 @@ impl Manifest {
         });
         let hashes = contents.into_iter().chain(files.durations_files().map(hash)).collect();
         let content = content.finalize().to_hex().to_string();
-        (Self { key: made_from.key(), content, made_from, files: hashes, metrics, summary, seconds }, files)
+        let (key, seal) = (made_from.key(), String::new());
+        (Self { key, content, made_from, files: hashes, metrics, summary, seconds, seal }, files)
+    }
+
+    /// The text of the manifest with its seal, so that an altered metric or duration is found like an altered file.
+    ///
+    /// The seal is no part of `content`: durations differ from run to run and must not make later records stale. It is taken of the
+    /// text, since a number may lose its last digit when it is read and written again.
+    ///
+    /// # Errors
+    /// When a value has no form in JSON.
+    pub(crate) fn to_text(&self) -> Result<String, serde_json::Error> {
+        let open = serde_json::to_string_pretty(&Self { seal: String::new(), ..self.clone() })?;
+        let seal = blake3::hash(open.as_bytes()).to_hex();
+        // The last occurrence: a part of the card may have a key of the same name.
+        let (before, after) = open.rsplit_once(OPEN).unwrap_or((&open, ""));
+        Ok(format!("{before}\"seal\": \"{seal}\"{after}"))
+    }
+
+    /// The manifest in a text.
+    ///
+    /// # Errors
+    /// What is wrong with the text: it is no manifest, or not the one that was written.
+    pub(crate) fn parse(text: &str) -> Result<Self, String> {
+        let manifest: Self = serde_json::from_str(text).map_err(|e| format!("its {FILE} is not understood ({e})"))?;
+        let (before, after) = text.rsplit_once(&format!("\"seal\": \"{}\"", manifest.seal)).unwrap_or((text, ""));
+        let seal = blake3::hash(format!("{before}{OPEN}{after}").as_bytes()).to_hex();
+        let whole = *manifest.seal == *seal;
+        whole.then_some(manifest).ok_or_else(|| format!("the contents of its {FILE} are not those that were written"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_altered_metric_is_found_and_an_untouched_manifest_is_read() {
+        let made_from = MadeFrom {
+            version: 1,
+            raw: BTreeMap::new(),
+            card: serde_json::json!({ "seal": "", "length": 0.1 }),
+            settings: Value::Null,
+            records: BTreeMap::new(),
+        };
+        let product = Product {
+            files: RecordFiles::default().file("a.bin", vec![1, 2]),
+            metrics: vec![Metric::new("a.b", 0.123_456_789_012_345_68, "m")],
+            summary: "made".into(),
+        };
+        let (manifest, _) = Manifest::of(made_from, product, 1.5);
+        let text = manifest.to_text().unwrap();
+        assert_eq!(Manifest::parse(&text).unwrap().content, manifest.content);
+        for altered in [text.replace("0.1234", "1.1234"), text.replace("1.5", "2.5"), text.replace("made\"", "mad\"")] {
+            assert_ne!(altered, text);
+            assert!(Manifest::parse(&altered).unwrap_err().contains("not those that were written"));
+        }
+        assert!(Manifest::parse("{}").unwrap_err().contains("not understood"));
     }
 }

@@ -54,14 +54,14 @@ impl<'a> Store<'a> {
     /// Finds a record and checks each of its files against its hash, as `hashes` have it.
     pub(crate) fn find_with(&self, id: &RecordId, hashes: &Hashes) -> Found {
         let folder = self.folders.record(id);
-        let text = match fs::read(folder.join(FILE)) {
+        let text = match fs::read_to_string(folder.join(FILE)) {
             Ok(text) => text,
             Err(e) if e.kind() == io::ErrorKind::NotFound && !folder.exists() => return Found::Nothing,
             Err(e) => return Found::Damaged(format!("its {FILE} cannot be read ({e})")),
         };
-        let manifest: Manifest = match serde_json::from_slice(&text) {
+        let manifest = match Manifest::parse(&text) {
             Ok(manifest) => manifest,
-            Err(e) => return Found::Damaged(format!("its {FILE} is not understood ({e})")),
+            Err(damage) => return Found::Damaged(damage),
         };
         match first_damage(&folder, &manifest, hashes) {
             Some(damage) => Found::Damaged(damage),
@@ -90,7 +90,7 @@ impl<'a> Store<'a> {
         for (name, bytes) in files.contents().chain(files.durations_files()) {
             write_synced(&unfinished.join(name), bytes)?;
         }
-        let text = serde_json::to_string_pretty(manifest).map_err(io::Error::other)?;
+        let text = manifest.to_text().map_err(io::Error::other)?;
         write_synced(&unfinished.join(FILE), text.as_bytes())?;
         let (record, outdated) = (self.folders.record(id), self.folders.outdated(id));
         remove(&outdated)?;
