@@ -2,12 +2,29 @@
 //!
 //! The transfer uses `curl`, found at run time, as other codecs use `ffmpeg`.
 
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::process::Command;
 
 use super::page::{Page, Recording};
 use super::recorded;
 use diagnostics::{Diagnostic, Result};
+
+/// Options of `curl`: redirections stay on https, a stalled transfer ends, and no file is larger than a long recording (2 GiB).
+const OPTIONS: [&str; 13] = [
+    "-fsSL",
+    "--retry",
+    "2",
+    "--proto",
+    "=https",
+    "--proto-redir",
+    "=https",
+    "--connect-timeout",
+    "30",
+    "--max-time",
+    "1800",
+    "--max-filesize",
+    "2147483648",
+];
 
 /// Downloads the missing recordings of the page in the file `path` into the first of its folders below `root`; returns their places.
 ///
@@ -17,61 +34,153 @@ pub fn fetch(root: &Path, path: &Path) -> Result<Vec<PathBuf>> {
     let page = Page::read(path)?;
     let own = |recording| match recorded::find(&page, recording, root) {
         Ok(there) => Ok(there),
-        Err(_) => bring(&page, recording, root),
+        Err(_) => Download::of(&page, recording, root)?.run(root),
     };
     page.recording.iter().map(own).collect()
 }
 
-fn bring(page: &Page, recording: &Recording, root: &Path) -> Result<PathBuf> {
-    let (Some(source), Some(file), Some(folder)) = (&recording.source, recording.files.last(), page.folders.first())
-    else {
-        let what = format!("a recording of `{}` has no source", page.name);
-        return Err(Diagnostic::new(what, "the page names none", "ask those who recorded it"));
-    };
-    let place = root.join(folder).join(file);
-    let unfinished = place.with_extension("unfinished");
-    let lost = |e: std::io::Error| {
-        Diagnostic::new(format!("{} cannot be written", place.display()), e, "correct the folder's permissions")
-    };
-    std::fs::create_dir_all(root.join(folder)).map_err(lost)?;
-    let ended = Command::new("curl").args(["-fsSL", "--retry", "2", "-o"]).arg(&unfinished).arg(source).output();
-    let why = match ended {
-        Ok(output) if output.status.success() => None,
-        Ok(output) => Some(String::from_utf8_lossy(&output.stderr).trim().to_owned()),
-        Err(e) => Some(format!("curl cannot be run: {e}")),
-    };
-    if let Some(why) = why {
-        let next = format!("download it elsewhere and put it at {}", place.display());
-        return Err(Diagnostic::new(format!("{source} cannot be fetched"), why, next));
+/// What is downloaded, from where to where; everything on a page is untrusted.
+struct Download<'a> {
+    source: &'a str,
+    blake3: &'a str,
+    place: PathBuf,
+}
+
+impl<'a> Download<'a> {
+    /// The download of a recording that lies in none of the page's folders.
+    fn of(page: &'a Page, recording: &'a Recording, root: &Path) -> Result<Self> {
+        let refused = |what: String, why: &str, action: &str| Err(Diagnostic::new(what, why, action));
+        let (Some(source), Some(file), Some(folder)) =
+            (&recording.source, recording.files.last(), page.folders.first())
+        else {
+            let what = format!("a recording of `{}` has no source", page.name);
+            return refused(what, "the page names none", "ask those who recorded it");
+        };
+        let Some(blake3) = recording.blake3.as_deref().filter(|hash| is_hash(hash)) else {
+            let why =
+                "without the BLAKE3 of its bytes (64 hexadecimal digits) a file that was altered is not recognised";
+            return refused(format!("the source {source:?} has no checksum"), why, "add `blake3` to the [[recording]]");
+        };
+        if !source.starts_with("https://") || source.contains(|c: char| c.is_whitespace() || c.is_control()) {
+            let what = format!("the source {source:?} is not an https address");
+            return refused(what, "recordings are downloaded from public sources only", "correct `source` on the page");
+        }
+        let place = folder.join(file);
+        if !place.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir)) {
+            let what = format!("{} lies outside of the project", place.display());
+            return refused(
+                what,
+                "downloads are written below the project's folder",
+                "correct `folders` and `files` on the page",
+            );
+        }
+        Ok(Self { source, blake3, place: root.join(place) })
     }
-    let bytes = std::fs::read(&unfinished).map_err(lost)?;
-    let hash = blake3::hash(&bytes).to_hex().to_string();
-    if recording.blake3.as_ref().is_some_and(|wanted| *wanted != hash) {
-        let _ = std::fs::remove_file(&unfinished);
-        let why = format!("its BLAKE3 is {hash}; the page has another");
-        return Err(Diagnostic::new(format!("{source} is not what was published"), why, "ask its publisher"));
+
+    /// Downloads beside the place, compares the checksum, and only then puts the file there.
+    fn run(&self, root: &Path) -> Result<PathBuf> {
+        let unfinished = self.place.with_extension("unfinished");
+        let ended =
+            self.folder_within(root).and_then(|()| self.transfer(&unfinished)).and_then(|()| self.accept(&unfinished));
+        if ended.is_err() {
+            // Where nothing was written there is nothing to remove.
+            let _ = std::fs::remove_file(&unfinished);
+        }
+        ended.map(|()| self.place.clone())
     }
-    std::fs::rename(&unfinished, &place).map_err(lost)?;
-    Ok(place)
+
+    /// Makes the folder, and refuses one that a link leads out of the project.
+    fn folder_within(&self, root: &Path) -> Result<()> {
+        let folder = self.place.parent().unwrap_or(root);
+        std::fs::create_dir_all(folder).map_err(|e| self.lost(e))?;
+        let [inner, outer] = [folder, root].map(Path::canonicalize);
+        match inner.map_err(|e| self.lost(e))?.starts_with(outer.map_err(|e| self.lost(e))?) {
+            true => Ok(()),
+            false => Err(Diagnostic::new(
+                format!("{} lies outside of the project", folder.display()),
+                "a link leads out of it",
+                "remove the link",
+            )),
+        }
+    }
+
+    fn transfer(&self, to: &Path) -> Result<()> {
+        let ended = Command::new("curl").args(OPTIONS).arg("-o").arg(to).arg("--").arg(self.source).output();
+        let why = match ended {
+            Ok(output) if output.status.success() => return Ok(()),
+            Ok(output) => String::from_utf8_lossy(&output.stderr).trim().to_owned(),
+            Err(e) => format!("curl cannot be run: {e}"),
+        };
+        let next = format!("download it elsewhere and put it at {}", self.place.display());
+        Err(Diagnostic::new(format!("{} cannot be fetched", self.source), why, next))
+    }
+
+    fn accept(&self, unfinished: &Path) -> Result<()> {
+        let bytes = std::fs::read(unfinished).map_err(|e| self.lost(e))?;
+        let hash = blake3::hash(&bytes).to_hex().to_string();
+        if !hash.eq_ignore_ascii_case(self.blake3) {
+            let why = format!("its BLAKE3 is {hash}; the page has {}", self.blake3);
+            return Err(Diagnostic::new(
+                format!("{} is not what was published", self.source),
+                why,
+                "ask its publisher",
+            ));
+        }
+        std::fs::rename(unfinished, &self.place).map_err(|e| self.lost(e))
+    }
+
+    fn lost(&self, e: std::io::Error) -> Diagnostic {
+        let what = format!("{} cannot be written", self.place.display());
+        Diagnostic::new(what, &e, "correct the folder's permissions").caused_by(e)
+    }
+}
+
+fn is_hash(text: &str) -> bool {
+    text.len() == 64 && text.bytes().all(|b| b.is_ascii_hexdigit())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn what_cannot_be_fetched_says_where_to_put_it_and_leaves_nothing_behind() {
-        let root = std::env::temp_dir().join(format!("fetch-{}", std::process::id()));
+    /// The diagnostic of a fetch with the page that comes along, one text replaced by another, and the files it left.
+    fn refused(name: &str, from: &str, to: &str) -> (String, usize) {
+        let root = std::env::temp_dir().join(format!("fetch-{name}-{}", std::process::id()));
         std::fs::create_dir_all(&root).unwrap();
         let page = include_str!("../../examples/real/beam_ds10.toml");
         let path = root.join("page.toml");
-        std::fs::write(&path, page.replace("https://", "file:///nowhere/")).unwrap();
+        std::fs::write(&path, page.replace(from, to).replace("\"../shared/real/beam_ds10\"", "\"nowhere\"")).unwrap();
         let diagnostic = fetch(&root, &path).unwrap_err().to_string();
-        let left = std::fs::read_dir(root.join("data/raw/beam_ds10")).unwrap().count();
+        let left = std::fs::read_dir(root.join("data/raw/beam_ds10")).map_or(0, Iterator::count);
         std::fs::remove_dir_all(&root).unwrap();
+        (diagnostic, left)
+    }
+
+    #[test]
+    fn what_cannot_be_fetched_says_where_to_put_it_and_leaves_nothing_behind() {
+        // Nothing listens at this port of this machine.
+        let (diagnostic, left) = refused("port", "https://", "https://127.0.0.1:9/");
         assert!(
             diagnostic.contains("cannot be fetched") && diagnostic.contains("beam_gravity_a.c3d") && left == 0,
             "{diagnostic}"
         );
+    }
+
+    #[test]
+    fn a_page_reaches_neither_other_folders_nor_local_files_nor_the_options_of_the_transfer() {
+        let cases = [
+            ("above", "\"data/raw/beam_ds10\"", "\"../victim\"", "outside of the project"),
+            ("absolute", "\"data/raw/beam_ds10\"", "\"/tmp/victim\"", "outside of the project"),
+            ("local", "https://", "file:///etc/", "not an https address"),
+            ("option", "https://", "-K/some/", "not an https address"),
+            ("plain", "https://", "http://", "not an https address"),
+            ("hash", "blake3 = \"be05", "# \"", "has no checksum"),
+            ("short", "blake3 = \"be05", "blake3 = \"", "has no checksum"),
+        ];
+        for (name, from, to, expected) in cases {
+            let (diagnostic, left) = refused(name, from, to);
+            assert!(diagnostic.contains(expected) && diagnostic.contains("do:"), "{diagnostic}");
+            assert_eq!(left, 0);
+        }
     }
 }
