@@ -2,13 +2,14 @@
 //! its damping; frequency and first amplitude are not used and are predicted.
 //!
 //! `page` describes the test, `recorded` reads the recordings, `simulated` is the finite-element model, `shown` writes a table and a
-//! figure.
+//! figure, and `warnings` finds results that should not be used as they are.
 
 mod fetch;
 mod page;
 mod recorded;
 mod shown;
 mod simulated;
+mod warnings;
 
 use std::path::{Path, PathBuf};
 
@@ -16,7 +17,7 @@ use si::{Pascal, Second, Series};
 
 use diagnostics::Result;
 pub use fetch::fetch;
-use page::Page;
+pub use page::Page;
 use recorded::{FreeVibration, Recorded};
 use simulated::{Bench, Found};
 

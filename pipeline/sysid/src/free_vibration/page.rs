@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use diagnostics::Diagnostic;
-use lab::table::toml_error;
+use diagnostics::{Diagnostic, input};
+use lab::range::{Checked, within};
+use lab::table::{line_of_path, toml_error};
 use serde::Deserialize;
 use si::{Pascal, Point3, Second};
 
@@ -88,12 +89,43 @@ impl Page {
     /// # Errors
     /// [`Diagnostic`] when it cannot be read, has an unknown or missing key, or an invalid number.
     pub fn read(path: &Path) -> Result<Self, Diagnostic> {
-        let text = std::fs::read_to_string(path).map_err(|e| Diagnostic::io(path, e, "name a page of TOML"))?;
-        let page: Self = toml::from_str(&text).map_err(|e| toml_error(&text, path, &e, SEE))?;
-        match page.slip() {
-            Some(slip) => Err(Diagnostic::file(path, slip, "no fit is possible with it", "correct the page")),
-            None => Ok(page),
+        let text = input::read_text(path, input::PAGE).map_err(|e| Diagnostic::io(path, e, "name a page of TOML"))?;
+        Self::parse(&text, path)
+    }
+
+    /// The page in `text`; `path` appears only in diagnostics.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] when it has an unknown or missing key, or an invalid number.
+    pub fn parse(text: &str, path: &Path) -> Result<Self, Diagnostic> {
+        let page: Self = toml::from_str(text).map_err(|e| toml_error(text, path, &e, SEE))?;
+        if let Some(slip) = page.slip() {
+            return Err(Diagnostic::file(path, slip, "no fit is possible with it", "correct the page"));
         }
+        page.ranges().map_err(|violation| {
+            let line = line_of_path(text, &violation.key);
+            Diagnostic::file(path, violation.what, violation.why, violation.action).at_line(line)
+        })?;
+        Ok(page)
+    }
+
+    /// Holds every number to the range of a test on a bench: a slip of a unit lies outside.
+    fn ranges(&self) -> Checked {
+        within("held", self.held, 1e-3..=3600.0, "s")?;
+        within("settled", self.settled, 1e-3..=3600.0, "s")?;
+        within("step", self.step, 1e-6..=1.0, "s")?;
+        within("sigma", self.sigma, 1e-9..=0.1, "m")?;
+        self.range.iter().try_for_each(|end| within("range", *end, 1e2..=1e12, "Pa"))?;
+        self.swing.iter().try_for_each(|time| within("swing", *time, 0.0..=3600.0, "s"))?;
+        for (i, recording) in self.recording.iter().enumerate() {
+            within(&format!("recording.{i}.release"), recording.release, 0.0..=3600.0, "s")?;
+        }
+        for (i, marker) in self.marker.iter().enumerate() {
+            marker.at.iter().try_for_each(|x| within(&format!("marker.{i}.at"), *x, -10.0..=10.0, "m"))?;
+            marker.on.iter().flatten().try_for_each(|x| within(&format!("marker.{i}.on"), *x, -10.0..=10.0, "m"))?;
+        }
+        let mut published = self.published.iter();
+        published.try_for_each(|p| within("published.youngs_modulus", p.youngs_modulus, 1e2..=1e12, "Pa"))
     }
 
     /// The first invalid entry.
@@ -102,6 +134,9 @@ impl Page {
         let rules = [
             (!(low > 0.0 && high > low), "`range` is not two rising moduli, Pa"),
             (self.laws.is_empty(), "`laws` names none"),
+            (self.folders.is_empty(), "`folders` names none"),
+            (self.recording.iter().any(|r| r.files.is_empty()), "a [[recording]] has no `files`"),
+            (self.marker.iter().any(|m| m.names.is_empty()), "a [[marker]] has no `names`"),
             (self.recording.is_empty(), "there is no [[recording]]"),
             (!self.marker.iter().any(|m| m.compared && m.on.is_some()), "no [[marker]] on the body is compared"),
             (self.marker.len() < 3, "fewer than three [[marker]]s do not define a frame of reference"),
@@ -141,6 +176,10 @@ mod tests {
             ("sigma = 1e-4", "sigmaa = 1e-4", "sigmaa"),
             ("range = [5e4, 2e6]", "range = [2e6, 5e4]", "two rising moduli"),
             ("step = 0.0025", "step = 0.0", "not positive"),
+            ("at = [0.1, -0.006, 0.024]", "at = [0.1, -1e308, 0.006]", "marker.1.at = -1e308 m is out of range"),
+            ("sigma = 1e-4", "sigma = inf", "sigma = inf m is out of range"),
+            ("release = 0.71", "release = -1.0", "the range is 0 to 3600 s"),
+            ("names = [\"base_1\", \"Base - 1\"]", "names = []", "has no `names`"),
             ("swing = [0.1, 1.4]", "swing = [1.4, 0.1]", "two rising times"),
             ("compared = true", "compared = false", "is compared"),
             ("along = \"z\"", "along = \"w\"", "w"),

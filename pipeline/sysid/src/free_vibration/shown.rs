@@ -7,6 +7,7 @@ use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Dash, Figure, Mark, Panel, palette};
 use si::Series;
 
 use super::Report;
+use super::warnings::warnings;
 use diagnostics::{Diagnostic, Result};
 
 /// One line of the table: what, unit, measured, one value a law, published.
@@ -96,6 +97,8 @@ fn csv(report: &Report) -> String {
         let (measured, published) = (word(line.measured), word(line.published));
         text += &format!("\"{}\",{},{measured},{},{published}\n", line.what, line.unit, laws.join(","));
     }
+    let none = ",".repeat(laws.len());
+    warnings(report).iter().for_each(|warning| text += &format!("\"warning: {warning}\",,,{none}\n"));
     text
 }
 
@@ -114,6 +117,7 @@ impl fmt::Display for Report {
         }
         let names: Vec<&str> = self.recorded.iter().map(|r| r.name.as_str()).collect();
         writeln!(f, "recorded: {}", names.join(", "))?;
+        warnings(self).iter().try_for_each(|warning| writeln!(f, "warning: {warning}"))?;
         self.page.published.iter().try_for_each(|p| writeln!(f, "published: {}", p.source))
     }
 }
