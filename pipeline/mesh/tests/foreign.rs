@@ -288,3 +288,41 @@ fn an_element_that_names_a_node_which_is_not_there_is_named() {
     let said = fault(tetgen(&bytes("ball.node"), text("ball.ele").replacen("\n1 ", "\n1 9", 1).as_bytes()));
     assert!(said.contains(".ele file, line 2: element 1 names the node at place"), "{said}");
 }
+
+/// A grid whose points are one block of zlib, with `declared` bytes in its header and `held` in the block.
+fn packed(declared: u32, held: usize) -> String {
+    use base64::Engine;
+    use std::io::Write;
+    let mut encoder = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::best());
+    encoder.write_all(&vec![0; held]).unwrap();
+    let block = encoder.finish().unwrap();
+    let header: Vec<u8> = [1, declared, 0, block.len() as u32].iter().flat_map(|count| count.to_le_bytes()).collect();
+    let encode = |bytes: &[u8]| base64::engine::general_purpose::STANDARD.encode(bytes);
+    let array = encode(&header) + &encode(&block);
+    format!(
+        "<VTKFile type=\"UnstructuredGrid\" compressor=\"vtkZLibDataCompressor\"><UnstructuredGrid><Piece><Points>\
+         <DataArray type=\"Float64\" format=\"binary\">{array}</DataArray></Points></Piece></UnstructuredGrid></VTKFile>"
+    )
+}
+
+#[test]
+fn a_block_that_swells_beyond_its_declared_size_is_refused_before_it_has() {
+    let said = |declared, held| vtu(packed(declared, held).as_bytes()).unwrap_err().to_string();
+    assert!(said(2400, 64 << 20).contains("holds more than 2400 bytes"), "{}", said(2400, 64 << 20));
+    assert!(said(2400, 240).contains("holds less than 2400 bytes"), "{}", said(2400, 240));
+    assert!(said(1 << 31, 240).contains("the limit is 134217728"), "{}", said(1 << 31, 240));
+}
+
+#[test]
+fn an_element_with_countless_attributes_is_refused_with_its_line() {
+    let attributes: String = (0..200_000).map(|i| format!(" a{i}=\"1\"")).collect();
+    let refused = vtu(format!("<VTKFile type=\"UnstructuredGrid\">\n<Piece{attributes}/></VTKFile>").as_bytes());
+    let said = refused.unwrap_err().to_string();
+    assert!(said.starts_with("line 2: an element has 200000 attributes") && said.contains("limit is 256"), "{said}");
+}
+
+#[test]
+fn elements_within_elements_without_end_are_refused() {
+    let deep = "<a>".repeat(200_000);
+    assert!(vtu(deep.as_bytes()).is_err());
+}

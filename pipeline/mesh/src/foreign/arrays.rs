@@ -10,6 +10,9 @@ use roxmltree::Node;
 use std::io::Read;
 
 const AGAIN: &str = "save the mesh again, as text or base64 without lz4 and lzma";
+/// Limit of the numbers in one array, and of its bytes for each of them: five million nodes, ten times what can be solved here.
+const MAX_NUMBERS: usize = 1 << 24;
+const MAX_BYTES: usize = 8 * MAX_NUMBERS;
 
 /// Bytes behind the XML.
 pub(super) struct Tail<'a> {
@@ -80,15 +83,15 @@ impl<'a> Codec<'a> {
             let length = count(0)?;
             return Ok(bytes.get(step..).and_then(|rest| rest.get(..length)).ok_or_else(cut)?.to_vec());
         }
-        let (blocks, size) = (count(0)?, count(1)?);
+        let (blocks, size, last) = (count(0)?, count(1)?, count(2)?);
+        bounded(blocks.saturating_mul(size), MAX_BYTES, "bytes")?;
         let mut rest = blocks.checked_add(3).and_then(|n| bytes.get(n.checked_mul(step)?..)).ok_or_else(cut)?;
         let mut all = Vec::new();
         for block in 0..blocks {
             let (packed, after) = rest.split_at_checked(count(3 + block)?).ok_or_else(cut)?;
-            let read = flate2::read::ZlibDecoder::new(packed).take(size as u64).read_to_end(&mut all);
-            read.map_err(|fault| {
-                MeshFileError::new("a compressed block cannot be read", fault.to_string(), AGAIN).caused_by(fault)
-            })?;
+            // The size of the last block is given where it is not full.
+            let declared = if block + 1 == blocks && last > 0 { last.min(size) } else { size };
+            inflate(packed, declared, &mut all)?;
             rest = after;
         }
         Ok(all)
@@ -107,7 +110,40 @@ impl<'a> Codec<'a> {
         let (step, read) = reader(kind, self.big).ok_or_else(|| {
             MeshFileError::new(format!("an array is of type `{kind}`"), "VTK has no such type", AGAIN)
         })?;
+        bounded(bytes.len() / step, MAX_NUMBERS, "numbers")?;
         Ok(bytes.chunks_exact(step).map(read).collect())
+    }
+}
+
+/// Appends a block that must hold exactly the bytes that its header declares.
+fn inflate(packed: &[u8], declared: usize, all: &mut Vec<u8>) -> Result<(), MeshFileError> {
+    // One byte more than declared is asked for, so that a block that holds more is noticed and never inflated whole.
+    let read = flate2::read::ZlibDecoder::new(packed).take(declared as u64 + 1).read_to_end(all);
+    let length = read.map_err(|fault| {
+        MeshFileError::new("a compressed block cannot be read", fault.to_string(), AGAIN).caused_by(fault)
+    })?;
+    match length == declared {
+        true => Ok(()),
+        false => Err(MeshFileError::new(
+            format!(
+                "a compressed block holds {} {declared} bytes",
+                if length > declared { "more than" } else { "less than" }
+            ),
+            format!("its header declares {declared}"),
+            AGAIN,
+        )),
+    }
+}
+
+/// Refuses an array that is larger than any mesh for which this program is made.
+fn bounded(count: usize, limit: usize, of: &str) -> Result<(), MeshFileError> {
+    match count <= limit {
+        true => Ok(()),
+        false => Err(MeshFileError::new(
+            format!("an array declares {count} {of}"),
+            format!("the limit is {limit}"),
+            "save a coarser mesh",
+        )),
     }
 }
 

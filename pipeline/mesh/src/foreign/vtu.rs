@@ -29,6 +29,7 @@ pub fn vtu(bytes: &[u8]) -> Result<RawMesh, MeshFileError> {
     let (head, tail) = Tail::cut_off(bytes);
     let head = std::str::from_utf8(head)
         .map_err(|_| MeshFileError::new("the file is no text before its appended data", "XML is UTF-8", AGAIN))?;
+    bounded_attributes(head)?;
     let closed = if tail.is_some() { format!("{head}</VTKFile>") } else { head.to_owned() };
     let document = Document::parse(&closed).map_err(|fault| {
         let place = format!("line {}: ", fault.pos().row);
@@ -45,6 +46,25 @@ pub fn vtu(bytes: &[u8]) -> Result<RawMesh, MeshFileError> {
         Piece { node: piece, codec: &codec }.read(&mut raw)?;
     }
     Ok(raw)
+}
+
+/// Limit of the attributes of one element; VTK writes about ten. The XML parser compares each with all others.
+const MAX_ATTRIBUTES: usize = 256;
+
+/// Refuses an element with so many attributes that they would be parsed in quadratic time.
+fn bounded_attributes(text: &str) -> Result<(), MeshFileError> {
+    let mut line = 1;
+    for tag in text.split('<') {
+        let count = tag.split('>').next().unwrap_or_default().bytes().filter(|byte| *byte == b'=').count();
+        if count > MAX_ATTRIBUTES {
+            let what = format!("an element has {count} attributes");
+            return Err(
+                MeshFileError::new(what, format!("the limit is {MAX_ATTRIBUTES}"), AGAIN).at(format!("line {line}: "))
+            );
+        }
+        line += tag.bytes().filter(|byte| *byte == b'\n').count();
+    }
+    Ok(())
 }
 
 /// One piece of a file.
