@@ -96,7 +96,7 @@ pub enum Command {
     /// Write figures/index.html from the existing records: all figures, tables and numbers in one file.
     Page,
     /// Simulate a body described by a TOML file: mesh, materials, clamps and loads.
-    #[command(after_long_help = simulate::case::KEYS)]
+    #[command(after_long_help = simulate::case::keys())]
     Simulate {
         /// The case; its keys are listed at the end of `study simulate --help`.
         case: PathBuf,

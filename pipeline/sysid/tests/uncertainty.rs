@@ -97,17 +97,15 @@ impl Bench {
 fn simulations(bench: &mut Bench, name: &str, measured: &[f64], start: [f64; 2], enough: f64) -> usize {
     let bounds = Bounds { low: vec![-LN_10; 2], high: vec![LN_10; 2] };
     let search = Problem::new(&["body", "sheet"], start.to_vec(), bounds).unwrap();
-    let set = optimisers::Settings {
-        adam: adam::Settings {
-            step: 0.2,
-            step_decay: 0.05,
-            iterations: 400,
-            step_tolerance: 1e-9,
-            ..adam::Settings::default()
-        },
-        cma_es: cma_es::Settings { generations: 60, step_tolerance: 1e-9, ..cma_es::Settings::default() },
-        ..optimisers::Settings::default()
+    let mut set = optimisers::Settings::default();
+    set.adam = adam::Settings {
+        step: 0.2,
+        step_decay: 0.05,
+        iterations: 400,
+        step_tolerance: 1e-9,
+        ..adam::Settings::default()
     };
+    set.cma_es = cma_es::Settings { generations: 60, step_tolerance: 1e-9, ..cma_es::Settings::default() };
     let mut optimiser = (optimisers::by_name(name).unwrap().build)(&search, &set).unwrap();
     let (mut count, mut reached) = (0, None);
     let mut problem = |batch: &[Vec<f64>], _: Needs| -> Result<Vec<Evaluation>, OptimiseError> {

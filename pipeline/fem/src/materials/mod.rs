@@ -14,7 +14,7 @@ use crate::material::Material;
 /// All laws. The conformance tests run on each.
 pub const ALL: &[&dyn Material] = &[&corotated::Corotated, &neo_hookean::NeoHookean, &linear::Linear];
 
-/// The law called `name`, as cards write it: `corotated`, `neo_hookean` or `linear`.
+/// The law called `name`, as cards and cases write it.
 pub fn by_name(name: &str) -> Option<&'static dyn Material> {
     ALL.iter().copied().find(|law| law.name() == name)
 }

@@ -9,8 +9,9 @@ pub mod grid;
 
 use crate::{OptimiseError, Optimiser, Problem};
 
-/// The settings of every member; each reads its own.
+/// The settings of every member; each reads its own. Others begin with the defaults, so that a new member changes none of them.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[non_exhaustive]
 pub struct Settings {
     /// For `grid`.
     pub grid: grid::Settings,

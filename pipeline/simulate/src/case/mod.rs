@@ -1,6 +1,6 @@
 //! Cases: one body under loads, described by a TOML file.
 //!
-//! Every key with its unit: [`KEYS`], which `study simulate --help` shows.
+//! Every key with its unit: [`keys`], which `study simulate --help` shows.
 
 mod check;
 mod history;
@@ -19,7 +19,13 @@ pub use read::{parse, read};
 pub use solve::{Dynamic, Marker, Node, Output, Scheme, Start, Static, Steps};
 
 /// The keys of a case, as an example.
-pub const KEYS: &str = include_str!("keys.txt");
+const KEYS: &str = include_str!("keys.txt");
+
+/// Every key of a case with its unit and, for the material, the names of all laws.
+pub fn keys() -> String {
+    let laws: Vec<&str> = fem::materials::ALL.iter().map(|law| law.name()).collect();
+    KEYS.replace("MATERIALS", &laws.join(", "))
+}
 
 /// The contents of a case.
 #[derive(Debug, Clone, PartialEq, Deserialize)]

@@ -1,7 +1,7 @@
 //! The identification problem: pressure levels of all films of a specimen, the model, and the bounds of both moduli.
 
 use fem::StaticSettings;
-use optimize::optimisers::{self, adam, cma_es, gauss_newton, grid};
+use optimize::optimisers::{self, adam, cma_es};
 use optimize::{Bounds, Evaluation, EvaluationLog, Needs, Problem};
 use serde::{Deserialize, Serialize};
 use si::{Metre, Pascal, Point2, Second};
@@ -183,28 +183,25 @@ impl<'a> Fitting<'a> {
 
     fn methods(&self) -> optimisers::Settings {
         let set = self.set;
-        optimisers::Settings {
-            grid: grid::Settings { points_per_axis: set.grid_points },
-            cma_es: cma_es::Settings {
-                step_tolerance: set.step_tolerance,
-                generations: set.cma_es_generations,
-                seed: set.cma_es_seed,
-                ..cma_es::Settings::default()
-            },
-            adam: adam::Settings {
-                step: set.adam_step,
-                step_decay: set.adam_step_decay,
-                mean_decay: set.adam_mean_decay,
-                square_decay: set.adam_square_decay,
-                step_tolerance: set.step_tolerance,
-                iterations: set.adam_iterations,
-            },
-            gauss_newton: gauss_newton::Settings {
-                step_tolerance: set.step_tolerance,
-                iterations: set.gauss_newton_iterations,
-                ..gauss_newton::Settings::default()
-            },
-        }
+        let mut methods = optimisers::Settings::default();
+        methods.grid.points_per_axis = set.grid_points;
+        methods.cma_es = cma_es::Settings {
+            step_tolerance: set.step_tolerance,
+            generations: set.cma_es_generations,
+            seed: set.cma_es_seed,
+            ..cma_es::Settings::default()
+        };
+        methods.adam = adam::Settings {
+            step: set.adam_step,
+            step_decay: set.adam_step_decay,
+            mean_decay: set.adam_mean_decay,
+            square_decay: set.adam_square_decay,
+            step_tolerance: set.step_tolerance,
+            iterations: set.adam_iterations,
+        };
+        methods.gauss_newton.step_tolerance = set.step_tolerance;
+        methods.gauss_newton.iterations = set.gauss_newton_iterations;
+        methods
     }
 
     pub(super) fn evaluate(

@@ -117,7 +117,8 @@ impl Fit<'_> {
             iterations: set.iterations,
             ..gauss_newton::Settings::default()
         };
-        let settings = optimisers::Settings { gauss_newton: newton, ..optimisers::Settings::default() };
+        let mut settings = optimisers::Settings::default();
+        settings.gauss_newton = newton;
         let Some(member) = optimisers::by_name(gauss_newton::NAME) else {
             return Err(Diagnostic::new("there is no gauss_newton", "`optimize` does not list it", "restore it"));
         };
