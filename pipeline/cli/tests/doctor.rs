@@ -187,3 +187,65 @@ fn a_specimen_that_is_not_there_is_refused_with_those_that_are() {
 macro_rules! planted { ($($name:ident: $plant:expr => $word:literal, $pieces:expr;)*) => {$( #[test] fn $name() { let project = Project::new(stringify!($name)); let plant: fn(&Project) = $plant; plant(&project); project.finds($word, &$pieces); } )*}; }
 
 planted! { an_unknown_key_is_found: |p| p.write("specimen.toml", &changed(&card(), "[led]", "[led]\ncenter = [1.0, 1.0]")) => "fix", ["specimen.toml, line", "unknown field `center`", "`centre`"]; a_length_in_millimetres_is_found: |p| p.write("specimen.toml", &changed(&card(), "length = 0.1", "length = 100.0")) => "fix", ["specimen.toml, line 3", "length = 100 m is out of range"]; a_surface_in_metres_is_found: |p| p.solid("body", &solids().0, 1.0) => "fix", ["body.stl", "an STL in metres read as millimetres?"]; a_surface_in_centimetres_is_found: |p| p.solid("body", &solids().0, 1e-2) => "fix", ["body.stl", "the card's length is 0.1 m", "read in mm"]; an_open_surface_is_found: |p| { let (mut body, _) = solids(); body.faces.pop(); p.solid("body", &body, 1e-3); } => "fix", ["body.stl", "open edge"]; normals_that_point_inwards_are_found: |p| { let (_, mut spine) = solids(); spine.faces.iter_mut().for_each(|face| face.swap(1, 2)); p.solid("spine", &spine, 1e-3); } => "fix", ["spine.stl", "inside out"]; a_spine_that_is_not_in_its_place_is_found: |p| { let (_, mut spine) = solids(); spine.points.iter_mut().for_each(|point| point[1] += 2e-3); p.solid("spine", &spine, 1e-3); } => "fix", ["fish: ", "body and spine"]; a_chamber_outside_of_its_cavity_is_found: |p| p.write("specimen.toml", &changed(&card(), "at = [0.02, 0.006, 0.0]", "at = [0.02, 0.06, 0.0]")) => "fix", ["chamber `left` is not where the card says"]; a_clamp_that_holds_nothing_is_found: |p| p.write("specimen.toml", &changed(&card(), "below_x = 0.004", "below_x = -0.4")) => "fix", ["clamp.below_x = -0.4 m constrains nothing"]; a_missing_film_is_found: |p| fs::remove_file(p.path(FILM)).unwrap() => "fix", ["video.mp4", "missing"]; a_film_cut_short_is_found: |p| { let whole = fs::read(p.path(FILM)).unwrap(); fs::write(p.path(FILM), &whole[..whole.len() * 2 / 3]).unwrap(); } => "fix", ["video.mp4", "cut short"]; a_film_shorter_than_what_was_done_is_found: |p| p.film(FILM, 20, picture) => "fix", ["video.mp4 lasts 0.33 s (20 frames)", "0.50 s"]; a_dark_film_is_found: |p| p.film(FILM, 66, |k| { let light = picture(k); Gray::from_fn(320, 240, |u, v| 0.1 * light.at(u, v)) }) => "fix", ["video.mp4 is dark", "of 255"]; a_lamp_that_never_lights_is_found: |p| p.film(FILM, 66, |k| with_lamp(k, 110.0)) => "fix", ["video.mp4: the lamp does not light", "of 255"]; a_lamp_out_of_the_picture_is_found: |p| p.write("specimen.toml", &changed(&card(), "centre = [40.0, 40.0]", "centre = [600.0, 40.0]")) => "fix", ["the lamp at (600, 40) px is out of the picture"]; a_marker_out_of_view_is_found: |p| p.write("specimen.toml", &changed(&card(), "clicked = [200.0, 120.0]", "clicked = [500.0, 120.0]")) => "fix", ["video.mp4", "marker `m1` at (500, 120) px is out of the picture"]; a_marker_that_is_elsewhere_is_found: |p| p.write("specimen.toml", &changed(&card(), "clicked = [200.0, 120.0]", "clicked = [100.0, 190.0]")) => "fix", ["video.mp4", "marker `m1`", "frame 0"]; a_marker_close_to_an_edge_is_noted: |p| p.film(FILM, 66, |k| { let light = picture(k); Gray::from_fn(320, 240, |u, v| if v > 138 { 40.0 } else { light.at(u, v) }) }) => "note", ["video.mp4", "marker `m1` are dark and not its own", "farther from the body's edge"]; a_calibration_without_a_board_is_found: |p| p.film("camera/calibration.mp4", 30, |_| Gray::filled(320, 240, 128)) => "fix", ["calibration.mp4 shows no board between 0 and 0.4 s"]; a_lamp_that_is_not_in_the_log_is_found: |p| p.write(LOG, &rows(|_, row| row[5] = 0.0)) => "fix", ["the lamp in the log", "does not have two levels"]; a_log_that_missed_an_edge_is_found: |p| p.write(LOG, &rows(|i, row| if i > 100 { row[5] = 1.0 })) => "fix", ["two clocks recorded different edges"]; a_command_before_the_film_shows_rest_is_found: |p| p.write(LOG, &rows(|i, row| if (30..60).contains(&i) { row[1] = 50.0 })) => "fix", ["commands pressure after", "rest"]; a_missing_column_is_found: |p| p.write(LOG, &changed(&log(), "left_mbar", "links_mbar")) => "fix", ["pressure.csv, line 1", "`left_mbar` is missing"]; measured_columns_that_are_swapped_are_found: |p| p.write(LOG, &rows(|_, row| row.swap(3, 4))) => "fix", ["pressure.csv", "left is filled, and right_mbar rises", "swapped"]; a_log_of_the_other_side_is_found: |p| p.write(LOG, &rows(|_, row| { row.swap(1, 2); row.swap(3, 4); })) => "fix", ["the first command is right_command_mbar's"]; a_log_in_kilopascals_is_found: |p| p.write(LOG, &rows(|_, row| (1..5).for_each(|k| row[k] *= 0.1))) => "fix", ["commands up to 10.0 mbar, the card 100.0 mbar"]; a_sensor_in_pounds_is_found: |p| p.write(LOG, &rows(|_, row| (3..5).for_each(|k| row[k] *= 0.0145))) => "fix", ["at a command of 100.0 mbar left_mbar reaches 1."]; decimal_commas_are_found: |p| p.write(LOG, &log().replace(',', ";").replace('.', ",")) => "fix", ["pressure.csv, line 1", "commas between columns"]; a_decimal_comma_in_a_field_is_found: |p| p.write(LOG, &changed(&log(), ",50.00,", ",\"50,00\",")) => "fix", ["pressure.csv, line 82", "left_command_mbar is `50,00`", "decimal points"]; a_byte_order_mark_is_noted_and_skipped: |p| p.write(LOG, &format!("\u{feff}{}", log())) => "note", ["pressure.csv begins with a byte-order mark"]; line_ends_of_another_system_are_noted_and_skipped: |p| p.write(LOG, &log().replace('\n', "\r\n")) => "note", ["pressure.csv has lines that end in CRLF"]; a_hole_in_the_numbers_is_found: |p| p.write(LOG, &rows(|i, row| if i == 7 { row[3] = f64::NAN })) => "fix", ["pressure.csv, line 9", "left_mbar is `NaN`"]; a_pressure_below_ambient_is_found: |p| p.write(LOG, &rows(|_, row| row[4] = -80.0)) => "fix", ["right_mbar is -80.0 mbar at time_s = 0.000"]; time_that_runs_backwards_is_found: |p| p.write(LOG, &rows(|i, row| if i == 20 { row[0] = 0.01 })) => "fix", ["pressure.csv, line 22", "time_s goes from"]; time_in_milliseconds_is_found: |p| p.write(LOG, &rows(|_, row| row[0] *= 1e3)) => "fix", ["the edges of two clocks do not belong together"]; a_log_that_is_too_short_is_found: |p| p.write(LOG, &log().lines().take(60).map(|line| format!("{line}\n")).collect::<String>()) => "fix", ["pressure.csv lasts 0.2900 s", "0.50 s"]; a_force_log_without_the_lamp_is_found: |p| { p.write("specimen.toml", &changed(&card(), "levels =", "force = \"trials/static_left/force.csv\"\nlevels =")); p.write("trials/static_left/force.csv", &(0..120).fold("time_s,force_n\n".to_owned(), |text, i| text + &format!("{:.4},0.01\n", 0.01 * f64::from(i)))); } => "fix", ["force.csv has no column led"]; }
+
+const FORCE: &str = "trials/static_left/force.csv";
+
+/// The card with a force log, and `fixture` behind it.
+fn with_force(fixture: &str) -> String {
+    let named = changed(&card(), "levels =", &format!("force = \"{FORCE}\"\nlevels ="));
+    format!("{named}\n{fixture}")
+}
+
+/// A force log of `samples` at 80 Hz with the lamp.
+fn forces(samples: usize) -> String {
+    let lamp = |i: usize| u8::from((24..80).contains(&i));
+    let line = |i: usize| format!("{:.4},0.010,{}.000\n", i as f64 / 80.0, lamp(i));
+    "time_s,force_n,led\n".to_owned() + &(0..samples).map(line).collect::<String>()
+}
+
+#[test]
+fn a_force_log_that_ends_before_its_trial_is_found() {
+    let project = Project::new("early");
+    project.write("specimen.toml", &with_force(""));
+    project.write(FORCE, &forces(100));
+    assert_eq!(project.doctor().status.code(), Some(0));
+    project.write(FORCE, &forces(50));
+    project.finds("fix", &["force.csv ends 0.3", "after the lamp has lit", "0.50 s"]);
+}
+
+#[test]
+fn a_log_that_was_cut_within_a_number_is_found() {
+    let project = Project::new("cut");
+    let whole = log();
+    project.write(LOG, &whole[..whole.len() - 3]);
+    project.finds("fix", &["pressure.csv, line 261", "the last line is", "no line end"]);
+}
+
+/// A fixture that was tapped `taps` times at 2 s and every two seconds then, its log ending at `end` (s).
+fn tapped(project: &Project, taps: usize, end: f64) {
+    let fixture = "[[fixture]]\nid = \"taps\"\nkind = \"taps\"\nmedium = \"air\"\nforce = \"trials/taps/force.csv\"\nhammer = \"trials/taps/hammer.csv\"\ncount = 3\n";
+    project.write("specimen.toml", &with_force(fixture));
+    project.write(FORCE, &forces(100));
+    fs::create_dir_all(project.path("trials/taps")).unwrap();
+    let since = |t: f64| (1..=taps).map(|k| t - 2.0 * k as f64);
+    let hammer = |t: f64| since(t).filter(|s| (0.0..6e-3).contains(s)).map(|s| 4.0 * (523.6 * s).sin()).sum::<f64>();
+    // An impulse of 15 mN s on a fixture of 14 Hz that is damped by 3 %.
+    let ring = |t: f64| since(t).filter(|s| *s > 0.0).map(|s| 1.3 * (-2.6 * s).exp() * (88.0 * s).sin()).sum::<f64>();
+    let log = |rate: f64, force: &dyn Fn(f64) -> f64| {
+        let line = |i: usize| format!("{:.6},{:.5}\n", i as f64 / rate, force(i as f64 / rate));
+        "time_s,force_n\n".to_owned() + &(0..(end * rate) as usize).map(line).collect::<String>()
+    };
+    project.write("trials/taps/hammer.csv", &log(1000.0, &hammer));
+    project.write("trials/taps/force.csv", &log(80.0, &ring));
+}
+
+#[test]
+fn taps_that_are_missing_or_cut_off_are_found() {
+    let project = Project::new("taps");
+    tapped(&project, 3, 8.0);
+    assert_eq!(project.doctor().status.code(), Some(0));
+    tapped(&project, 2, 8.0);
+    project.finds("fix", &["taps/force.csv", "2 taps are found", "count = 3"]);
+    tapped(&project, 3, 6.1);
+    project.finds("fix", &["taps/force.csv", "tap 3 begins at 6.0", "a tap needs 0.2 s"]);
+}

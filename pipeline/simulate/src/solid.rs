@@ -77,7 +77,8 @@ fn from_surfaces(mesh: &Source, folder: &Path) -> Result<Loaded> {
             Some(spine) => mesh::mesh(&body, spine, &set),
             None => mesh::mesh_without_sheet(&body, &set),
         };
-        made.map(|(mesh, _)| mesh).map_err(Diagnostic::from)
+        let files: Vec<&str> = mesh.body.iter().chain(&mesh.spine).map(String::as_str).collect();
+        made.map(|(mesh, _)| mesh).map_err(|e| Diagnostic::from(e).while_doing(files.join(" with ")))
     };
     let mut linear = meshed(true)?;
     let mut notes = Vec::new();

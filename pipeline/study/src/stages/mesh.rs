@@ -85,7 +85,10 @@ pub fn made(
     context: &dyn StageContext,
 ) -> Result<records::Mesh> {
     let (body, spine) = (surface(card, "body", context)?, surface(card, "spine", context)?);
-    let (linear, report) = ::mesh::mesh(&body, &spine, by)?;
+    let (linear, report) = ::mesh::mesh(&body, &spine, by).map_err(|e| {
+        let [body, spine] = ["body", "spine"].map(|word| context.display_path(word));
+        Diagnostic::from(e).while_doing(format!("{body} with {spine}"))
+    })?;
     let solid = ::mesh::quadratic(&linear);
     let chambers = chambers(card, &solid, &report)?;
     let (markers, marker_distance_m) = embed_markers(card, &solid, marker_limit)?;
