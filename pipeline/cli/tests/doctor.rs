@@ -249,3 +249,11 @@ fn taps_that_are_missing_or_cut_off_are_found() {
     tapped(&project, 3, 6.1);
     project.finds("fix", &["taps/force.csv", "tap 3 begins at 6.0", "a tap needs 0.2 s"]);
 }
+
+#[test]
+fn a_film_and_a_log_that_both_end_before_the_lamp_goes_out_are_found() {
+    let project = Project::new("both");
+    project.film(FILM, 40, picture);
+    project.write(LOG, &log().lines().take(160).map(|line| format!("{line}\n")).collect::<String>());
+    project.finds("fix", &["ends at 0.6", "by the card, the trial lasts until 0.7"]);
+}

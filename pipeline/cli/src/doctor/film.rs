@@ -6,7 +6,7 @@ use track::video::{Film, Frame, Info};
 use track::{klt, led};
 
 use super::finding::Finding;
-use super::{Look, log};
+use super::Look;
 use lab::card::Experiment;
 use study::records::Tracks;
 use study::stages::camera::{Camera, target};
@@ -96,7 +96,7 @@ fn unlit(place: &str, led: &[f64]) -> Option<Finding> {
 /// Length, rate and size against the card.
 fn fitting(place: &str, info: &Info, of: &Trial) -> Vec<Finding> {
     let mut found = Vec::new();
-    let (lasts, wanted) = (info.frames as f64 / info.rate, log::span(&of.trial.experiment));
+    let (lasts, wanted) = (info.frames as f64 / info.rate, of.trial.experiment.duration());
     if lasts < wanted {
         let why = format!("the trial on the card lasts {wanted:.2} s");
         let act = "correct the trial on the card, or record the film again at its true rate";

@@ -1,7 +1,7 @@
 //! Checks of logs: readable, as long as the trial, and consistent with the card.
 
 use diagnostics::{Result, input};
-use lab::card::{Experiment, FixtureOf};
+use lab::card::FixtureOf;
 use lab::{ForceLog, PressureLog};
 use si::{Second, Series};
 use signal::edge::{self, Window};
@@ -15,14 +15,6 @@ use workflow::record::Record;
 use workflow::runner::inspection_context;
 use workflow::stage::Stage;
 use workflow::subject::Part;
-
-/// Duration of a trial by its card, s.
-pub fn span(experiment: &Experiment) -> Second {
-    match experiment {
-        Experiment::Staircase { levels, hold, pause, .. } => levels.len() as f64 * (hold + pause) - pause,
-        Experiment::Flapping { frequency, cycles, .. } => *cycles as f64 / frequency,
-    }
-}
 
 /// The pressure log of a trial where it can be read, and the findings on it.
 pub fn pressure(look: &Look, of: &Trial) -> (Option<PressureLog>, Vec<Finding>) {
@@ -131,7 +123,7 @@ pub(crate) fn oddities(place: &str, text: &str) -> Vec<Finding> {
 
 /// A log that ends before the trial does.
 fn short(place: &str, time: &[Second], of: &Trial) -> Option<Finding> {
-    let (lasts, wanted) = (time[time.len() - 1] - time[0], span(&of.trial.experiment));
+    let (lasts, wanted) = (time[time.len() - 1] - time[0], of.trial.experiment.duration());
     (lasts < wanted).then(|| {
         let why = format!("the trial on the card lasts {wanted:.2} s");
         let act = "check that time_s is in seconds, or correct the trial on the card";
@@ -158,7 +150,7 @@ fn lamp(place: &str, log: &ForceLog, of: &Trial) -> Option<Finding> {
 
 /// A force log that ends before the trial does, which begins when the lamp lights.
 fn ends_early(place: &str, log: &ForceLog, lit: Second, of: &Trial) -> Option<Finding> {
-    let (lasts, wanted) = (log.time[log.time.len() - 1] - lit, span(&of.trial.experiment));
+    let (lasts, wanted) = (log.time[log.time.len() - 1] - lit, of.trial.experiment.duration());
     (lasts < wanted).then(|| {
         let what = format!("{place} ends {lasts:.3} s after the lamp has lit");
         let why = format!("the trial on the card lasts {wanted:.2} s from then on");

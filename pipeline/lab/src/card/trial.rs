@@ -148,6 +148,14 @@ impl Side {
 }
 
 impl Experiment {
+    /// From the first command to the end of the last, s.
+    pub fn duration(&self) -> Second {
+        match self {
+            Self::Staircase { levels, hold, pause, .. } => levels.len() as f64 * (hold + pause) - pause,
+            Self::Flapping { frequency, cycles, .. } => *cycles as f64 / frequency,
+        }
+    }
+
     /// The value on the card.
     pub fn kind(&self) -> &'static str {
         match self {

@@ -41,6 +41,8 @@ pub struct Card {
     lamp_row: f64,
     /// How long a picture's rows take to be read, s.
     readout: Second,
+    /// From the first command to the end of the last, s; none where the card ends the film before.
+    duration: Option<Second>,
 }
 
 /// A chamber and its channel in the log.
@@ -57,6 +59,7 @@ impl Part<Trial> for Card {
             chambers: of.card.chamber.iter().map(channel).collect(),
             lamp_row: of.card.led.centre[1],
             readout: of.card.camera.readout,
+            duration: of.trial.last_frame.is_none().then(|| of.trial.experiment.duration()),
         }
     }
 }
@@ -84,6 +87,7 @@ impl Stage for Clock {
         let late = camera.map_or(0.0, |c| shutter(c).delay(card.lamp_row));
         let synchronisation = Synchronisation { card, set, context };
         let met = synchronisation.met(&tracks, late, &log)?;
+        synchronisation.covers(&tracks.time, &met)?;
         let rest_frames = synchronisation.rest_frames(&markers.time, &met)?;
         let Met { clock, lamp, sigma, log_time, gauges } = met;
         let rest: Vec<Point2> = markers.markers.iter().map(|m| m.mean(0..rest_frames)).collect();
@@ -122,7 +126,27 @@ impl Synchronisation<'_> {
     pub fn check(&self, tracks: &Tracks, height: usize) -> Result<()> {
         let late = Shutter { readout: self.card.readout, height }.delay(self.card.lamp_row);
         let met = self.met(tracks, late, &read_log(self.context)?)?;
+        self.covers(&tracks.time, &met)?;
         self.rest_frames(&tracks.time, &met).map(drop)
+    }
+
+    /// Holds that film and log last until the trial on the card has ended: of a recording that was cut the rest would be missing in
+    /// silence. The trial begins when the lamp lights.
+    fn covers(&self, film: &[Second], met: &Met) -> Result<()> {
+        let Some(end) = self.card.duration.map(|duration| met.lamp + duration) else { return Ok(()) };
+        for (word, time) in [("the film", film), ("the log", &met.log_time)] {
+            let last = time[time.len() - 1];
+            // The last sample stands for the time until the next.
+            let step = (last - time[0]) / (time.len() - 1) as f64;
+            if last + step < end {
+                return Err(Diagnostic::new(
+                    format!("{word} of {} ends at {last:.3} s of the film", self.context.display_path("pressure")),
+                    format!("by the card, the trial lasts until {end:.3} s"),
+                    "copy the recording again, correct the trial, or set its last_frame on the card",
+                ));
+            }
+        }
+        Ok(())
     }
 
     fn met(&self, tracks: &Tracks, late: Second, log: &PressureLog) -> Result<Met> {
