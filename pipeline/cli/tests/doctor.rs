@@ -227,7 +227,7 @@ fn tapped(project: &Project, taps: usize, end: f64) {
     project.write("specimen.toml", &with_force(fixture));
     project.write(FORCE, &forces(100));
     fs::create_dir_all(project.path("trials/taps")).unwrap();
-    let since = |t: f64| (1..=taps).map(|k| t - 2.0 * k as f64);
+    let since = |t: f64| (1..=taps).map(move |k| t - 2.0 * k as f64);
     let hammer = |t: f64| since(t).filter(|s| (0.0..6e-3).contains(s)).map(|s| 4.0 * (523.6 * s).sin()).sum::<f64>();
     // An impulse of 15 mN s on a fixture of 14 Hz that is damped by 3 %.
     let ring = |t: f64| since(t).filter(|s| *s > 0.0).map(|s| 1.3 * (-2.6 * s).exp() * (88.0 * s).sin()).sum::<f64>();
