@@ -32,6 +32,7 @@ pub mod grid;
 pub mod klt;
 pub mod led;
 pub mod lens;
+mod limits;
 pub mod pose;
 pub mod refraction;
 pub mod shutter;

@@ -1,8 +1,9 @@
 //! Errors of reading and writing films.
 
+use crate::PictureError;
 use std::path::{Path, PathBuf};
 
-/// FailedGate a film cannot be read or written.
+/// Why a film cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum VideoError {
     /// No file of that name.
@@ -20,6 +21,14 @@ pub enum VideoError {
         doing: &'static str,
         /// What the system said.
         source: std::io::Error,
+    },
+    /// No regular file.
+    #[error("film {path} is {kind}\n  why: only regular files and folders of pictures are read\n  do:  copy the film to a file, and name that", path = .path.display())]
+    NotAFile {
+        /// What was named.
+        path: PathBuf,
+        /// What it is instead.
+        kind: &'static str,
     },
     /// Not an MP4 at all.
     #[error("film {path} is not an MP4\n  why: {found}\n  do:  put ffmpeg and ffprobe on the PATH, or convert it: ffmpeg -i {path} -c:v libx264 -crf 16 -an film.mp4", path = .path.display())]
@@ -41,7 +50,7 @@ pub enum VideoError {
     },
     /// The recording was cut off before its index was written.
     #[error(
-        "film {path} is cut short\n  why: it ends after {bytes} bytes without an index of its frames (no complete moov box)\n  do:  copy it from the camera again, or record the film again",
+        "film {path} is cut short\n  why: it ends after {bytes} bytes without an index of its frames (no complete box `moov`)\n  do:  copy it from the camera again, or record the film again",
         path = .path.display()
     )]
     NoIndex {
@@ -49,6 +58,24 @@ pub enum VideoError {
         path: PathBuf,
         /// Its length.
         bytes: u64,
+    },
+    /// More than is read.
+    #[error("film {path} is too large to be read\n  why: {why}\n  do:  {action}", path = .path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// What was found against its limit.
+        why: String,
+        /// The next move.
+        action: &'static str,
+    },
+    /// A picture of a folder that cannot be decoded.
+    #[error("picture {path} cannot be read\n  why: {}\n  do:  {}", .source.why(), .source.action(), path = .path.display())]
+    Picture {
+        /// The file.
+        path: PathBuf,
+        /// What the decoder said.
+        source: PictureError,
     },
     /// The index promises more frames than the file holds.
     #[error(

@@ -6,6 +6,7 @@
 
 mod boxes;
 mod error;
+mod files;
 mod film;
 mod folder;
 mod index;

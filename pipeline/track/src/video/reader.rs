@@ -1,7 +1,7 @@
 //! Decoding of a film to grey pictures, one after another; memory does not grow with its length.
 
 use super::index::{self, Index};
-use super::{Frame, Info, Quarter, VideoError};
+use super::{Frame, Info, Quarter, VideoError, files};
 use crate::Gray;
 use openh264::OpenH264API;
 use openh264::decoder::{DecodedYUV, Decoder, DecoderConfig, Flush};
@@ -33,7 +33,7 @@ impl Reader {
     /// # Errors
     /// [`VideoError`] when it is not there, not an MP4, cut short, or coded in another way than H.264.
     pub fn open(path: &Path) -> Result<Self, VideoError> {
-        let mut file = File::open(path).map_err(|e| VideoError::reading(path, e))?;
+        let (mut file, _) = files::open(path)?;
         let index = index::read(&mut file, path)?;
         let config = DecoderConfig::new().flush_after_decode(Flush::NoFlush);
         let decoder = Decoder::with_api_config(OpenH264API::from_source(), config);
