@@ -1,6 +1,7 @@
 //! Errors of reading and writing films.
 
 use crate::PictureError;
+use crate::limits::{MAX_PIXELS, MAX_SIDE};
 use std::path::{Path, PathBuf};
 
 /// Why a film cannot be read or written.
@@ -69,6 +70,20 @@ pub enum VideoError {
         /// The next move.
         action: &'static str,
     },
+    /// Pictures without pixels, or with too many.
+    #[error(
+        "film {path} has pictures of {width} × {height} px\n  why: the limits are 1 … {MAX_SIDE} px a side and {} Mpx a picture\n  do:  scale it: ffmpeg -i {path} -vf scale=3840:-2 film.mp4; if it is smaller in truth, copy it from the camera again",
+        MAX_PIXELS / 1_000_000,
+        path = .path.display()
+    )]
+    PictureSize {
+        /// The file.
+        path: PathBuf,
+        /// Columns.
+        width: u64,
+        /// Rows.
+        height: u64,
+    },
     /// A picture of a folder that cannot be decoded.
     #[error("picture {path} cannot be read\n  why: {}\n  do:  {}", .source.why(), .source.action(), path = .path.display())]
     Picture {
@@ -101,6 +116,20 @@ pub enum VideoError {
         path: PathBuf,
         /// The four letters of its codec.
         codec: String,
+    },
+    /// An ffmpeg or ffprobe that cannot be started, stays silent, or does not make pictures.
+    #[error(
+        "film {path} cannot be decoded by {program}\n  why: {why}\n  do:  try `{program} -i {path}`; if that fails too, install ffmpeg again or convert the film elsewhere: ffmpeg -i {path} -c:v libx264 -crf 16 -an film.mp4",
+        path = .path.display(),
+        program = .program.display()
+    )]
+    Program {
+        /// The film.
+        path: PathBuf,
+        /// The program.
+        program: PathBuf,
+        /// What it did, and its last words on stderr.
+        why: String,
     },
     /// Bytes that the decoder refuses.
     #[error("film {path} is damaged at frame {frame} of {expected}\n  why: {why}\n  do:  copy it from the camera again, or end the trial at frame {frame}", path = .path.display())]

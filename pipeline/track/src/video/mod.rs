@@ -5,6 +5,7 @@
 //! A new container or codec needs one file here that yields [`Frame`]s.
 
 mod boxes;
+mod child;
 mod error;
 mod files;
 mod film;
@@ -12,6 +13,7 @@ mod folder;
 mod index;
 mod pipe;
 mod reader;
+mod stream;
 mod turn;
 mod writer;
 
