@@ -9,10 +9,16 @@ pub(crate) const MAX_PIXELS: u64 = 200_000_000;
 pub(crate) const MAX_SIDE: u64 = 65_535;
 /// Bytes of a decoded picture before it is converted to grey levels: 200 Mpx grey, or 178 Mpx in colour.
 pub(crate) const MAX_DECODED_BYTES: u64 = 512 << 20;
+/// Bytes of an index (moov): 8 h at 1000 frames/s take 230 MB.
+pub(crate) const MAX_INDEX_BYTES: u64 = 256 << 20;
 /// Frames of a film: 46 h at 60 frames/s, 2.8 h at 1000 frames/s.
 pub(crate) const MAX_FRAMES: u64 = 10_000_000;
+/// Bytes of one coded frame: four times an uncompressed frame of the largest size of H.264, level 5.2.
+pub(crate) const MAX_CODED_BYTES: u64 = 64 << 20;
 /// Bytes of a table of times, of 13 bytes a frame and more.
 pub(crate) const MAX_TIMES_BYTES: u64 = 128 << 20;
+/// Boxes at the top of an MP4: each costs a read of the disk; fragments of a second for a day are 172,800.
+pub(crate) const MAX_OUTER_BOXES: usize = 200_000;
 
 /// Whether a picture of this size may be decoded.
 pub(crate) fn is_picture_size(width: u64, height: u64) -> bool {

@@ -51,7 +51,7 @@ pub enum VideoError {
     },
     /// The recording was cut off before its index was written.
     #[error(
-        "film {path} is cut short\n  why: it ends after {bytes} bytes without an index of its frames (no complete box `moov`)\n  do:  copy it from the camera again, or record the film again",
+        "film {path} is cut short\n  why: it ends after {bytes} bytes without an index of its frames (no complete box `moov`); its last box, {last}\n  do:  copy it from the camera again, or record the film again",
         path = .path.display()
     )]
     NoIndex {
@@ -59,6 +59,23 @@ pub enum VideoError {
         path: PathBuf,
         /// Its length.
         bytes: u64,
+        /// Name, offset and size of the last box that it begins.
+        last: String,
+    },
+    /// A box that cannot be right.
+    #[error(
+        "film {path} is damaged in its index: box `{name}` at byte {offset}\n  why: {why}\n  do:  copy it from the camera again, or let ffmpeg write a new index: ffmpeg -i {path} -c copy film.mp4",
+        path = .path.display()
+    )]
+    DamagedBox {
+        /// The file.
+        path: PathBuf,
+        /// The box, bytes that are no letters as `\x00`.
+        name: String,
+        /// Where the box begins in the file.
+        offset: u64,
+        /// What was found against what can be.
+        why: String,
     },
     /// More than is read.
     #[error("film {path} is too large to be read\n  why: {why}\n  do:  {action}", path = .path.display())]
@@ -156,6 +173,10 @@ pub enum VideoError {
 }
 
 impl VideoError {
+    pub(super) fn damaged_box(path: &Path, name: [u8; 4], offset: u64, why: String) -> Self {
+        Self::DamagedBox { path: path.into(), name: name.escape_ascii().to_string(), offset, why }
+    }
+
     pub(super) fn reading(path: &Path, source: std::io::Error) -> Self {
         match source.kind() {
             std::io::ErrorKind::NotFound => Self::NotFound { path: path.into() },

@@ -23,7 +23,7 @@ impl Film {
     /// Opens a film.
     ///
     /// # Errors
-    /// [`VideoError`] when it is not there, cut short, or needs an `ffmpeg` that is not on the PATH.
+    /// [`VideoError`] when it is not there, damaged, cut short, or needs an `ffmpeg` that is not on the PATH.
     pub fn open(path: &Path) -> Result<Self, VideoError> {
         if path.is_dir() {
             return Ok(Self { source: Source::Folder(Folder::open(path)?), turn: Quarter::None });

@@ -3,7 +3,11 @@
 //!
 //! Luma is passed on as it is coded, 0 … 255. Films of other cameras may use 16 … 235 of it; nothing in this crate depends on which.
 //! A new container or codec needs one file here that yields [`Frame`]s.
+//!
+//! Films are untrusted. Sizes and counts in a header are held against the file and the limits of this crate before memory is reserved,
+//! every loop over boxes, bits and frames advances, and a program that decodes has a time limit.
 
+mod avc;
 mod boxes;
 mod child;
 mod error;
@@ -11,9 +15,11 @@ mod files;
 mod film;
 mod folder;
 mod index;
+mod outermost;
 mod pipe;
 mod reader;
 mod stream;
+mod tables;
 mod turn;
 mod writer;
 
