@@ -109,6 +109,17 @@ pub enum VideoError {
         /// What the decoder said.
         source: PictureError,
     },
+    /// An edit list that is more than one part of the film.
+    #[error(
+        "film {path} has an edit list that is not read\n  why: {why}\n  do:  write its displayed frames to a new film: ffmpeg -i {path} -c:v libx264 -crf 16 -an film.mp4",
+        path = .path.display()
+    )]
+    Edits {
+        /// The file.
+        path: PathBuf,
+        /// What the list holds.
+        why: String,
+    },
     /// The index promises more frames than the file holds.
     #[error(
         "film {path} is cut short at frame {frame} of {expected}\n  why: that frame needs {needed} bytes of file, there are {bytes}\n  do:  copy it from the camera again, or record the film again",

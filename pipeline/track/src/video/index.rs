@@ -1,10 +1,12 @@
-//! The index of a film: where each coded frame is in the file, and when it is displayed.
+//! The index of a film: where each coded frame is in the file, which frames are displayed, and when.
 
 use super::boxes::Mp4Box;
+use super::edits::{self, Clocks};
 use super::outermost::Source;
 use super::tables::{self, Sample};
 use super::{Quarter, VideoError, avc};
 use si::Second;
+use std::ops::Range;
 use std::path::Path;
 
 /// The metadata of the container.
@@ -15,7 +17,9 @@ pub(super) struct Index {
     pub(super) turn: Quarter,
     /// In the order of decoding.
     pub(super) samples: Vec<Sample>,
-    /// In the order of display, from 0 s.
+    /// The frames of the film, of all samples in the order of display; the others are references of theirs.
+    pub(super) displayed: Range<usize>,
+    /// Of the frames of the film, from the first one on, behind the delay of its edit list.
     pub(super) times: Vec<Second>,
     /// SPS and PPS, each with its start code.
     pub(super) parameters: Vec<u8>,
@@ -37,10 +41,10 @@ pub(super) fn read(mut source: Source) -> Result<Index, VideoError> {
     let samples = tables::samples(&stbl, bytes)?;
     check_whole(&samples, bytes, path)?;
     let avc = avc::read(&avc1)?;
-    let times = times(&mdia, samples.len())?;
+    let (displayed, times) = displayed(&moov, &trak, samples.len())?;
     let turn = turn(&trak.need(b"tkhd")?)?;
     let avc::Avc { width, height, parameters, length_bytes } = avc;
-    Ok(Index { width, height, turn, samples, times, parameters, length_bytes })
+    Ok(Index { width, height, turn, samples, displayed, times, parameters, length_bytes })
 }
 
 /// The first track that is coded as H.264, and its sample entry.
@@ -73,15 +77,29 @@ fn check_whole(samples: &[Sample], bytes: u64, path: &Path) -> Result<(), VideoE
     Err(VideoError::Truncated { path: path.into(), frame, expected, needed, bytes })
 }
 
-/// When the frames are displayed.
-fn times(mdia: &Mp4Box, count: usize) -> Result<Vec<Second>, VideoError> {
+/// Which frames are displayed, and their times.
+fn displayed(moov: &Mp4Box, trak: &Mp4Box, count: usize) -> Result<(Range<usize>, Vec<Second>), VideoError> {
+    let mdia = trak.need(b"mdia")?;
     let ticks = tables::display_ticks(&mdia.need(b"minf")?.need(b"stbl")?, count)?;
-    let rate = f64::from(timescale(&mdia.need(b"mdhd")?)?);
-    let first = ticks.starts.first().copied().unwrap_or_default();
-    Ok(ticks.starts.iter().map(|tick| (tick - first) as f64 / rate).collect())
+    let edit = edits::read(trak)?;
+    let track = timescale(&mdia.need(b"mdhd")?)?;
+    let (frames, delay) = match edit {
+        None => (0..count, 0.0),
+        Some(edit) => {
+            let clocks = Clocks { movie: timescale(&moov.need(b"mvhd")?)?, track };
+            (edit.frames(&ticks, clocks), edit.delay(clocks))
+        }
+    };
+    let kept = &ticks.starts[frames.clone()];
+    let Some(&first) = kept.first() else {
+        let why = format!("its edit list displays none of its {count} frames");
+        return Err(VideoError::Edits { path: moov.path.into(), why });
+    };
+    let time = |&tick: &i64| delay + (tick - first) as f64 / f64::from(track);
+    Ok((frames, kept.iter().map(time).collect()))
 }
 
-/// Ticks a second of the header of a track's media (mdhd).
+/// Ticks a second of a header of the movie (mvhd) or of a track's media (mdhd).
 fn timescale(header: &Mp4Box) -> Result<u32, VideoError> {
     // two times of 32 or 64 bits stand in front
     let at = if header.version()? == 1 { 20 } else { 12 };

@@ -10,6 +10,7 @@
 mod avc;
 mod boxes;
 mod child;
+mod edits;
 mod error;
 mod files;
 mod film;
@@ -59,7 +60,7 @@ impl Info {
 pub struct Frame {
     /// Its number, from 0.
     pub index: usize,
-    /// When it is shown, counted from the first frame.
+    /// When it is shown, counted from the first frame; behind the delay of an edit list that begins with an empty edit.
     pub time: Second,
     /// Its luma.
     pub gray: Gray,

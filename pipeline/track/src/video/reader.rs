@@ -20,7 +20,7 @@ pub struct Reader {
     decoder: Decoder,
     /// Samples given to the decoder so far.
     fed: usize,
-    /// Pictures made by the decoder so far.
+    /// Pictures made by the decoder so far, frames that are not displayed among them.
     made: usize,
     /// Pictures that the decoder held back until the end.
     delay: VecDeque<Gray>,
@@ -116,13 +116,18 @@ impl Iterator for Reader {
     type Item = Result<Frame, VideoError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        let expected = self.index.samples.len();
-        if self.made == expected {
-            return None;
+        let displayed = self.index.displayed.clone();
+        while self.made < displayed.end {
+            // frames in front of the edit are references of later ones: decoded, and then left out
+            let index = self.made.saturating_sub(displayed.start);
+            let item = self.frame(index);
+            let is_displayed = displayed.contains(&self.made);
+            self.made = if item.is_ok() { self.made + 1 } else { displayed.end };
+            if is_displayed || item.is_err() {
+                return Some(item);
+            }
         }
-        let item = self.frame(self.made);
-        self.made = if item.is_ok() { self.made + 1 } else { expected };
-        Some(item)
+        None
     }
 }
 
@@ -133,8 +138,10 @@ fn split_unit(coded: &[u8], length_bytes: usize) -> Option<(&[u8], &[u8])> {
     rest.split_at_checked(length)
 }
 
-fn damaged(path: &Path, frame: usize, index: &Index, why: String) -> VideoError {
-    VideoError::Damaged { path: path.into(), frame, expected: index.samples.len(), why }
+/// Damage at a picture, numbered among the frames of the film.
+fn damaged(path: &Path, picture: usize, index: &Index, why: String) -> VideoError {
+    let frame = picture.saturating_sub(index.displayed.start);
+    VideoError::Damaged { path: path.into(), frame, expected: index.displayed.len(), why }
 }
 
 /// The luma of a decoded picture without the decoder's padding.

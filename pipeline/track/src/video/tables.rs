@@ -21,7 +21,6 @@ pub(super) struct DisplayTicks {
     /// Of each frame, ascending.
     pub(super) starts: Vec<i64>,
     /// Of the last frame's end.
-    #[allow(dead_code)]
     pub(super) end: i64,
 }
 
