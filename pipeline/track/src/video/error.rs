@@ -1,5 +1,6 @@
 //! Errors of reading and writing films.
 
+use super::Feature;
 use crate::PictureError;
 use crate::limits::{MAX_PIXELS, MAX_SIDE};
 use std::path::{Path, PathBuf};
@@ -144,6 +145,19 @@ pub enum VideoError {
         path: PathBuf,
         /// The four letters of its codec.
         codec: String,
+    },
+    /// H.264 or an MP4 of a kind that is left to ffmpeg.
+    #[error(
+        "film {path} is {feature}\n  why: {}, and no ffmpeg and ffprobe are on the PATH\n  do:  convert it with `ffmpeg -i {path} {} film.mp4`, or put ffmpeg and ffprobe on the PATH",
+        .feature.limit(),
+        .feature.conversion(),
+        path = .path.display()
+    )]
+    Unsupported {
+        /// The file.
+        path: PathBuf,
+        /// What it uses.
+        feature: Feature,
     },
     /// An ffmpeg or ffprobe that cannot be started, stays silent, or does not make pictures.
     #[error(

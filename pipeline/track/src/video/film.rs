@@ -56,6 +56,7 @@ impl Film {
 fn ffmpeg_options(refused: &VideoError) -> Option<&'static [&'static str]> {
     match refused {
         VideoError::UnknownCodec { .. } | VideoError::NotMp4 { .. } => Some(&[]),
+        VideoError::Unsupported { feature, .. } => Some(feature.filter()),
         _ => None,
     }
 }

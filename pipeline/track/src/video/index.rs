@@ -4,7 +4,7 @@ use super::boxes::Mp4Box;
 use super::edits::{self, Clocks};
 use super::outermost::Source;
 use super::tables::{self, Sample};
-use super::{Quarter, VideoError, avc};
+use super::{Feature, Quarter, VideoError, avc};
 use si::Second;
 use std::ops::Range;
 use std::path::Path;
@@ -35,6 +35,7 @@ pub(super) fn read(mut source: Source) -> Result<Index, VideoError> {
     let (bytes, path) = (source.bytes, source.path);
     let found = source.index()?;
     let moov = found.moov(path);
+    check_plain(&moov)?;
     let (trak, avc1) = film_track(&moov)?;
     let mdia = trak.need(b"mdia")?;
     let stbl = mdia.need(b"minf")?.need(b"stbl")?;
@@ -68,6 +69,16 @@ fn film_track<'a>(moov: &Mp4Box<'a>) -> Result<(Mp4Box<'a>, Mp4Box<'a>), VideoEr
         true => Err(moov.refuse("it holds no track (`trak`) with a sample entry")),
         false => Err(VideoError::UnknownCodec { path: moov.path.into(), codec: codecs.join(", ") }),
     }
+}
+
+/// Whether the index lists all frames, and in the open.
+fn check_plain(moov: &Mp4Box) -> Result<(), VideoError> {
+    for (name, feature) in [(b"mvex", Feature::Fragments), (b"cmov", Feature::CompressedIndex)] {
+        if moov.child(name)?.is_some() {
+            return Err(VideoError::Unsupported { path: moov.path.into(), feature });
+        }
+    }
+    Ok(())
 }
 
 fn check_whole(samples: &[Sample], bytes: u64, path: &Path) -> Result<(), VideoError> {

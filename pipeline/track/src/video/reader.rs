@@ -2,7 +2,7 @@
 
 use super::index::{self, Index};
 use super::outermost::Source;
-use super::{Frame, Info, Quarter, VideoError, files};
+use super::{Frame, Info, Quarter, VideoError, avc, files};
 use crate::Gray;
 use openh264::OpenH264API;
 use openh264::decoder::{DecodedYUV, Decoder, DecoderConfig, Flush};
@@ -92,6 +92,7 @@ impl Reader {
             let (unit, behind) =
                 found.ok_or_else(|| refused(format!("its {} bytes do not fall into whole units", coded.len())))?;
             rest = behind;
+            avc::check(&self.path, unit, || refused("its sequence parameter set is out of range".into()))?;
             self.packet.extend_from_slice(&super::writer::START_CODE);
             self.packet.extend_from_slice(unit);
         }
