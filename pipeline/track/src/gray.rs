@@ -1,6 +1,9 @@
 //! Grey pictures of 8 bits.
 
-use std::io::Cursor;
+use crate::limits::{MAX_DECODED_BYTES, MAX_PIXELS, MAX_SIDE, is_picture_size};
+use image::codecs::png::PngDecoder;
+use image::{DynamicImage, ImageDecoder, Limits};
+use std::io::{BufRead, Cursor, Read, Seek};
 
 /// A grey picture of `width` × `height` pixels; pixel (x, y) is at `pixels[y * width + x]`, 0 is black, 255 is white.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -17,8 +20,45 @@ pub struct Gray {
 #[derive(Debug, thiserror::Error)]
 pub enum PictureError {
     /// The bytes are not a PNG that can be read, or could not be made.
-    #[error("a picture cannot be converted\n  why: {0}\n  do:  give an 8-bit grey PNG")]
+    #[error("a picture cannot be converted\n  why: {}\n  do:  {}", self.why(), self.action())]
     Png(#[from] image::ImageError),
+    /// A picture without pixels, or with too many.
+    #[error("a picture of {width} × {height} px cannot be read\n  why: {}\n  do:  {}", self.why(), self.action())]
+    Size {
+        /// Columns.
+        width: u32,
+        /// Rows.
+        height: u32,
+    },
+    /// A picture that takes too much memory while it is decoded.
+    #[error("a picture of {bytes} bytes cannot be read\n  why: {}\n  do:  {}", self.why(), self.action())]
+    Memory {
+        /// Its bytes before it is converted to grey levels.
+        bytes: u64,
+    },
+}
+
+impl PictureError {
+    /// What was found against what can be.
+    pub(crate) fn why(&self) -> String {
+        match self {
+            Self::Png(source) => source.to_string(),
+            Self::Size { width, height } => {
+                let most = MAX_PIXELS / 1_000_000;
+                format!("it has {width} × {height} px; the limits are 1 … {MAX_SIDE} px a side and {most} Mpx")
+            }
+            Self::Memory { bytes } => format!("it takes {bytes} bytes when decoded; the limit is {MAX_DECODED_BYTES}"),
+        }
+    }
+
+    /// The next move.
+    pub(crate) fn action(&self) -> &'static str {
+        match self {
+            Self::Png(_) => "give an 8-bit grey PNG",
+            Self::Size { .. } => "scale the picture, or cut out the part with the markers",
+            Self::Memory { .. } => "convert it to an 8-bit grey PNG",
+        }
+    }
 }
 
 impl Gray {
@@ -89,11 +129,38 @@ impl Gray {
     /// A picture from the bytes of a PNG; colours become their luma.
     ///
     /// # Errors
-    /// [`PictureError`] when the bytes are not a PNG.
+    /// [`PictureError`] when the bytes are not a PNG, or one of too many pixels.
     pub fn from_png(bytes: &[u8]) -> Result<Self, PictureError> {
-        let luma = image::load_from_memory_with_format(bytes, image::ImageFormat::Png)?.into_luma8();
-        Ok(Self { width: luma.width() as usize, height: luma.height() as usize, pixels: luma.into_raw() })
+        Self::read_png(Cursor::new(bytes))
     }
+
+    /// A picture from a PNG that is being read; its size is held against the limits before a pixel is decoded.
+    pub(crate) fn read_png(mut from: impl BufRead + Seek) -> Result<Self, PictureError> {
+        // before the decoder sees it: its own limits name no number
+        if let Some([width, height]) = png_size(&mut from).map_err(image::ImageError::from)?
+            && !is_picture_size(width.into(), height.into())
+        {
+            return Err(PictureError::Size { width, height });
+        }
+        let mut limits = Limits::no_limits();
+        limits.max_alloc = Some(MAX_DECODED_BYTES);
+        let decoder = PngDecoder::with_limits(from, limits)?;
+        let ((width, height), bytes) = (decoder.dimensions(), decoder.total_bytes());
+        if bytes > MAX_DECODED_BYTES {
+            return Err(PictureError::Memory { bytes });
+        }
+        let pixels = DynamicImage::from_decoder(decoder)?.into_luma8().into_raw();
+        Ok(Self { width: width as usize, height: height as usize, pixels })
+    }
+}
+
+/// Width and height in the header of a PNG (IHDR, its first chunk), none where there is no such header; the reader is set back.
+fn png_size(from: &mut (impl BufRead + Seek)) -> std::io::Result<Option<[u32; 2]>> {
+    let mut head = Vec::with_capacity(24);
+    from.by_ref().take(24).read_to_end(&mut head)?;
+    from.rewind()?;
+    let number = |bytes: &[u8]| bytes.iter().fold(0, |sum, &byte| sum << 8 | u32::from(byte));
+    Ok((head.len() == 24 && &head[12..16] == b"IHDR").then(|| [number(&head[16..20]), number(&head[20..])]))
 }
 
 #[cfg(test)]
@@ -104,6 +171,38 @@ mod tests {
     fn a_picture_survives_png() {
         let picture = Gray::from_fn(31, 17, |x, y| (x * 7 + y * 11) as f64 % 256.0);
         assert_eq!(Gray::from_png(&picture.to_png().unwrap()).unwrap(), picture);
+    }
+
+    /// A chunk of a PNG with its check sum.
+    fn chunk(name: &[u8; 4], content: &[u8]) -> Vec<u8> {
+        let body = [&name[..], content].concat();
+        let step = |crc: u32, _| if crc & 1 == 1 { 0xedb8_8320 ^ crc >> 1 } else { crc >> 1 };
+        let crc = body.iter().fold(u32::MAX, |crc, &byte| (0..8).fold(crc ^ u32::from(byte), step));
+        [&(content.len() as u32).to_be_bytes(), &body[..], &(!crc).to_be_bytes()].concat()
+    }
+
+    /// A PNG of 8 bits with a header and no pixels; the kind of colour is 0 for grey and 2 for red, green and blue.
+    fn without_pixels(width: u32, height: u32, colour: u8) -> Vec<u8> {
+        let size = [width, height].map(u32::to_be_bytes).concat();
+        let header = chunk(b"IHDR", &[&size[..], &[8, colour, 0, 0, 0]].concat());
+        [b"\x89PNG\r\n\x1a\n".to_vec(), header, chunk(b"IDAT", &[])].concat()
+    }
+
+    #[test]
+    fn a_picture_of_too_many_pixels_is_refused_from_its_header() {
+        for (width, height) in [(22_000, 22_000), (1, 100_000_000), (0, 7), (u32::MAX, u32::MAX)] {
+            let error = Gray::from_png(&without_pixels(width, height, 0)).unwrap_err();
+            assert!(matches!(error, PictureError::Size { .. }), "{error}");
+            assert!(error.to_string().contains("200 Mpx"), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_picture_of_too_many_bytes_is_refused_before_it_is_decoded() {
+        let error = Gray::from_png(&without_pixels(15_000, 13_000, 2)).unwrap_err();
+        assert!(matches!(error, PictureError::Memory { bytes: 585_000_000 }), "{error}");
+        // with few enough, what is missing is the pixels
+        assert!(matches!(Gray::from_png(&without_pixels(150, 130, 2)), Err(PictureError::Png(_))));
     }
 
     #[test]

@@ -23,7 +23,7 @@
 //! # Ok::<(), track::klt::TrackingError>(())
 //! ```
 //!
-//! Depends on `si`, `optimize` (Levenberg–Marquardt), kornia (optical flow), openh264 and mp4 (video), nalgebra. Paper, section IV.
+//! Depends on `si`, `optimize` (Levenberg–Marquardt), kornia (optical flow), openh264 and, for writing, mp4 (video), nalgebra. Paper, section IV.
 
 pub mod board;
 pub mod calibrate;
@@ -32,6 +32,7 @@ pub mod grid;
 pub mod klt;
 pub mod led;
 pub mod lens;
+mod limits;
 pub mod pose;
 pub mod refraction;
 pub mod shutter;

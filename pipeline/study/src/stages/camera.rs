@@ -69,7 +69,7 @@ impl Stage for Camera {
     type Needs = ();
     type Makes = records::Camera;
     const DESCRIPTION: &'static str = "lens and pose are calibrated from a checkerboard";
-    const VERSION: u32 = 2;
+    const VERSION: u32 = 3;
 
     fn raw(of: &Specimen) -> Vec<RawFile> {
         let camera = &of.card.camera;

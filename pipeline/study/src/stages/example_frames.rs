@@ -51,7 +51,7 @@ impl Stage for Example {
     type Needs = (Camera, Tracks, Motion);
     type Makes = records::ExampleFrames;
     const DESCRIPTION: &'static str = "one frame at rest and one under pressure are extracted";
-    const VERSION: u32 = 2;
+    const VERSION: u32 = 3;
 
     fn raw(of: &Trial) -> Vec<RawFile> {
         vec![RawFile::new("video", &of.card.name, &of.trial.video)]

@@ -1,7 +1,7 @@
 //! A film of any source: H.264 in an MP4, a folder of pictures, or what `ffmpeg` reads.
 
 use super::folder::Folder;
-use super::pipe::{self, Pipe};
+use super::pipe::{Pipe, Programs};
 use super::reader::Reader;
 use super::turn::Quarter;
 use super::{Frame, Info, VideoError};
@@ -23,18 +23,20 @@ impl Film {
     /// Opens a film.
     ///
     /// # Errors
-    /// [`VideoError`] when it is not there, cut short, or needs an `ffmpeg` that is not on the PATH.
+    /// [`VideoError`] when it is not there, damaged, cut short, or needs an `ffmpeg` that is not on the PATH.
     pub fn open(path: &Path) -> Result<Self, VideoError> {
         if path.is_dir() {
             return Ok(Self { source: Source::Folder(Folder::open(path)?), turn: Quarter::None });
         }
-        match Reader::open(path) {
-            Ok(reader) => Ok(Self { turn: reader.turn(), source: Source::Mp4(Box::new(reader)) }),
-            Err(e @ (VideoError::UnknownCodec { .. } | VideoError::NotMp4 { .. })) => match pipe::programs() {
-                Some(both) => Ok(Self { source: Source::Pipe(Pipe::open(path, both)?), turn: Quarter::None }),
-                None => Err(e),
-            },
-            Err(e) => Err(e),
+        let refused = match Reader::open(path) {
+            Ok(reader) => return Ok(Self { turn: reader.turn(), source: Source::Mp4(Box::new(reader)) }),
+            Err(refused) => refused,
+        };
+        match ffmpeg_options(&refused).zip(Programs::on_path()) {
+            Some((options, both)) => {
+                Ok(Self { source: Source::Pipe(Pipe::open(path, both, options)?), turn: Quarter::None })
+            }
+            None => Err(refused),
         }
     }
 
@@ -47,6 +49,15 @@ impl Film {
         };
         let (width, height) = self.turn.size((info.width, info.height));
         Info { width, height, ..info }
+    }
+}
+
+/// Options with which `ffmpeg` reads a film that was refused; none where the film itself is wrong, which `ffmpeg` may pass over.
+fn ffmpeg_options(refused: &VideoError) -> Option<&'static [&'static str]> {
+    match refused {
+        VideoError::UnknownCodec { .. } | VideoError::NotMp4 { .. } => Some(&[]),
+        VideoError::Unsupported { feature, .. } => Some(feature.filter()),
+        _ => None,
     }
 }
 

@@ -1,8 +1,10 @@
 //! A folder of pictures as a film: PNG files in the order of their names, and `times.csv` with the time of each.
 
-use super::{Frame, Info, VideoError};
+use super::{Frame, Info, VideoError, files};
 use crate::Gray;
+use crate::limits::MAX_TIMES_BYTES;
 use si::Second;
+use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 
 /// The file of times: a line a picture, seconds; a first line that is no number is a title.
@@ -24,8 +26,7 @@ impl Folder {
         let mut files = listed.map_err(|e| VideoError::reading(path, e))?;
         files.retain(|f| f.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")));
         files.sort();
-        let text = std::fs::read_to_string(path.join(TIMES)).unwrap_or_default();
-        let times: Vec<Second> = text.lines().filter_map(|line| line.trim().parse().ok()).collect();
+        let times = times(&path.join(TIMES))?;
         let rising = times.windows(2).all(|pair| pair[0] < pair[1]);
         if files.is_empty() || times.len() != files.len() || !rising {
             let (pictures, times) = (files.len(), times.len());
@@ -51,13 +52,81 @@ impl Folder {
     }
 }
 
-fn picture(file: &Path) -> Result<Gray, VideoError> {
-    let bytes = std::fs::read(file).map_err(|e| VideoError::reading(file, e))?;
-    let damaged = |e: crate::PictureError| VideoError::Damaged {
-        path: file.into(),
-        frame: 0,
-        expected: 1,
-        why: e.to_string().replace('\n', " "),
+/// The times that are numbers, a line each; none when there is no such file.
+fn times(file: &Path) -> Result<Vec<Second>, VideoError> {
+    let (opened, length) = match files::open(file) {
+        Err(VideoError::NotFound { .. }) => return Ok(Vec::new()),
+        other => other?,
     };
-    Gray::from_png(&bytes).map_err(damaged)
+    if length > MAX_TIMES_BYTES {
+        let why = format!("it has {length} bytes; the limit is {MAX_TIMES_BYTES}");
+        return Err(VideoError::TooLarge {
+            path: file.into(),
+            why,
+            action: "put a line a picture into it: its second",
+        });
+    }
+    let mut bytes = Vec::new();
+    // the file may grow while it is read
+    opened.take(MAX_TIMES_BYTES).read_to_end(&mut bytes).map_err(|e| VideoError::reading(file, e))?;
+    let text = String::from_utf8_lossy(&bytes);
+    let times = text.lines().filter_map(|line| line.trim().parse().ok());
+    Ok(times.filter(|time: &Second| time.is_finite()).collect())
+}
+
+fn picture(file: &Path) -> Result<Gray, VideoError> {
+    let (opened, _) = files::open(file)?;
+    let damaged = |source| VideoError::Picture { path: file.into(), source };
+    Gray::read_png(BufReader::new(opened)).map_err(damaged)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A folder with one picture and a table of times.
+    fn folder(name: &str, picture: &[u8], times: &str) -> PathBuf {
+        let folder = std::env::temp_dir().join(format!("track-folder-{}-{name}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        std::fs::write(folder.join("000.png"), picture).unwrap();
+        std::fs::write(folder.join(TIMES), times).unwrap();
+        folder
+    }
+
+    fn refused(name: &str, picture: &[u8], times: &str) -> VideoError {
+        let folder = folder(name, picture, times);
+        let error = Folder::open(&folder).err().unwrap();
+        std::fs::remove_dir_all(&folder).unwrap();
+        error
+    }
+
+    #[test]
+    fn a_picture_that_cannot_be_decoded_is_named_with_its_reason() {
+        let error = refused("text", b"no picture", "0.0\n");
+        assert!(matches!(&error, VideoError::Picture { path, .. } if path.ends_with("000.png")), "{error}");
+        assert_eq!(error.to_string().matches("why:").count(), 1, "{error}");
+    }
+
+    #[test]
+    fn times_that_are_no_finite_numbers_are_no_times() {
+        let picture = Gray::filled(4, 4, 9).to_png().unwrap();
+        for times in ["inf\n", "nan\n", "0.0\n1.0\n", ""] {
+            let error = refused("times", &picture, times);
+            assert!(matches!(error, VideoError::NoTimes { pictures: 1, .. }), "{error}");
+        }
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn a_table_of_times_or_a_picture_that_is_a_device_is_refused() {
+        let picture = Gray::filled(4, 4, 9).to_png().unwrap();
+        for name in [TIMES, "000.png"] {
+            let folder = folder("device", &picture, "0.0\n");
+            std::fs::remove_file(folder.join(name)).unwrap();
+            std::os::unix::fs::symlink("/dev/zero", folder.join(name)).unwrap();
+            let error = Folder::open(&folder).err().unwrap();
+            std::fs::remove_dir_all(&folder).unwrap();
+            assert!(matches!(&error, VideoError::NotAFile { path, .. } if path.ends_with(name)), "{error}");
+        }
+    }
 }

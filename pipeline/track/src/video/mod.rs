@@ -3,18 +3,31 @@
 //!
 //! Luma is passed on as it is coded, 0 … 255. Films of other cameras may use 16 … 235 of it; nothing in this crate depends on which.
 //! A new container or codec needs one file here that yields [`Frame`]s.
+//!
+//! Films are untrusted. Sizes and counts in a header are held against the file and the limits of this crate before memory is reserved,
+//! every loop over boxes, bits and frames advances, and a program that decodes has a time limit.
 
+mod avc;
 mod boxes;
+mod child;
+mod edits;
 mod error;
+mod feature;
+mod files;
 mod film;
 mod folder;
 mod index;
+mod outermost;
 mod pipe;
 mod reader;
+mod sps;
+mod stream;
+mod tables;
 mod turn;
 mod writer;
 
 pub use error::VideoError;
+pub use feature::Feature;
 pub use film::Film;
 pub use reader::Reader;
 pub use turn::Quarter;
@@ -50,7 +63,7 @@ impl Info {
 pub struct Frame {
     /// Its number, from 0.
     pub index: usize,
-    /// When it is shown, counted from the first frame.
+    /// When it is shown, counted from the first frame; behind the delay of an edit list that begins with an empty edit.
     pub time: Second,
     /// Its luma.
     pub gray: Gray,

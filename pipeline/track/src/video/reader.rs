@@ -1,7 +1,8 @@
 //! Decoding of a film to grey pictures, one after another; memory does not grow with its length.
 
 use super::index::{self, Index};
-use super::{Frame, Info, Quarter, VideoError};
+use super::outermost::Source;
+use super::{Frame, Info, Quarter, VideoError, avc, files};
 use crate::Gray;
 use openh264::OpenH264API;
 use openh264::decoder::{DecodedYUV, Decoder, DecoderConfig, Flush};
@@ -19,8 +20,8 @@ pub struct Reader {
     decoder: Decoder,
     /// Samples given to the decoder so far.
     fed: usize,
-    /// Frames returned so far.
-    shown: usize,
+    /// Pictures made by the decoder so far, frames that are not displayed among them.
+    made: usize,
     /// Pictures that the decoder held back until the end.
     delay: VecDeque<Gray>,
     ended: bool,
@@ -33,19 +34,13 @@ impl Reader {
     /// # Errors
     /// [`VideoError`] when it is not there, not an MP4, cut short, or coded in another way than H.264.
     pub fn open(path: &Path) -> Result<Self, VideoError> {
-        let mut file = File::open(path).map_err(|e| VideoError::reading(path, e))?;
-        let index = index::read(&mut file, path)?;
+        let (mut file, bytes) = files::open(path)?;
+        let index = index::read(Source { path, file: &mut file, bytes })?;
         let config = DecoderConfig::new().flush_after_decode(Flush::NoFlush);
         let decoder = Decoder::with_api_config(OpenH264API::from_source(), config);
-        let damaged = |e: openh264::Error| VideoError::Damaged {
-            path: path.into(),
-            frame: 0,
-            expected: index.samples.len(),
-            why: e.to_string(),
-        };
-        let decoder = decoder.map_err(damaged)?;
+        let decoder = decoder.map_err(|e| damaged(path, 0, &index, e.to_string()))?;
         let (delay, packet) = (VecDeque::new(), Vec::new());
-        Ok(Self { path: path.into(), file, index, decoder, fed: 0, shown: 0, delay, ended: false, packet })
+        Ok(Self { path: path.into(), file, index, decoder, fed: 0, made: 0, delay, ended: false, packet })
     }
 
     /// Size, length and rate of the film.
@@ -73,7 +68,7 @@ impl Reader {
         if !self.ended {
             self.ended = true;
             let rest = self.decoder.flush_remaining();
-            let rest = rest.map_err(|e| damaged(&self.path, self.shown, &self.index, e.to_string()))?;
+            let rest = rest.map_err(|e| damaged(&self.path, self.made, &self.index, e.to_string()))?;
             self.delay = rest.iter().map(luma).collect();
         }
         Ok(self.delay.pop_front())
@@ -90,11 +85,31 @@ impl Reader {
         if self.fed == 0 {
             self.packet.extend_from_slice(&self.index.parameters);
         }
-        if !to_start_codes(&coded, self.index.length_bytes, &mut self.packet) {
-            let why = format!("its {} bytes do not fall into whole units", coded.len());
-            return Err(damaged(&self.path, self.fed, &self.index, why));
+        let mut rest = &coded[..];
+        while !rest.is_empty() {
+            let refused = |why: String| damaged(&self.path, self.fed, &self.index, why);
+            let found = split_unit(rest, self.index.length_bytes);
+            let (unit, behind) =
+                found.ok_or_else(|| refused(format!("its {} bytes do not fall into whole units", coded.len())))?;
+            rest = behind;
+            avc::check(&self.path, unit, || refused("its sequence parameter set is out of range".into()))?;
+            self.packet.extend_from_slice(&super::writer::START_CODE);
+            self.packet.extend_from_slice(unit);
         }
         Ok(())
+    }
+
+    /// The next picture as frame `index` of the film.
+    fn frame(&mut self, index: usize) -> Result<Frame, VideoError> {
+        let made = self.made;
+        match self.picture()? {
+            Some(gray) if (gray.width, gray.height) != (self.index.width, self.index.height) => {
+                let why = format!("it has {} × {} px, the film another size", gray.width, gray.height);
+                Err(damaged(&self.path, made, &self.index, why))
+            }
+            Some(gray) => Ok(Frame { index, time: self.index.times[index], gray }),
+            None => Err(damaged(&self.path, made, &self.index, format!("the decoder made {made} pictures in all"))),
+        }
     }
 }
 
@@ -102,39 +117,32 @@ impl Iterator for Reader {
     type Item = Result<Frame, VideoError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        let expected = self.index.samples.len();
-        if self.shown == expected {
-            return None;
-        }
-        let index = self.shown;
-        let item = self.picture().and_then(|picture| match picture {
-            Some(gray) if (gray.width, gray.height) != (self.index.width, self.index.height) => {
-                let why = format!("it has {} × {} px, the film another size", gray.width, gray.height);
-                Err(damaged(&self.path, index, &self.index, why))
+        let displayed = self.index.displayed.clone();
+        while self.made < displayed.end {
+            // frames in front of the edit are references of later ones: decoded, and then left out
+            let index = self.made.saturating_sub(displayed.start);
+            let item = self.frame(index);
+            let is_displayed = displayed.contains(&self.made);
+            self.made = if item.is_ok() { self.made + 1 } else { displayed.end };
+            if is_displayed || item.is_err() {
+                return Some(item);
             }
-            Some(gray) => Ok(Frame { index, time: self.index.times[index], gray }),
-            None => Err(damaged(&self.path, index, &self.index, format!("the decoder made {index} pictures in all"))),
-        });
-        self.shown = if item.is_ok() { index + 1 } else { expected };
-        Some(item)
+        }
+        None
     }
 }
 
-/// Replaces the length in front of each NAL unit by a start code; false when the lengths do not add up.
-fn to_start_codes(mut coded: &[u8], length_bytes: usize, packet: &mut Vec<u8>) -> bool {
-    while !coded.is_empty() {
-        let Some((length, rest)) = coded.split_at_checked(length_bytes) else { return false };
-        let length = length.iter().fold(0, |sum, &b| sum << 8 | usize::from(b));
-        let Some((unit, rest)) = rest.split_at_checked(length) else { return false };
-        packet.extend_from_slice(&super::writer::START_CODE);
-        packet.extend_from_slice(unit);
-        coded = rest;
-    }
-    true
+/// The first NAL unit of a sample without the length in front of it, and the rest; none when the length reaches past the end.
+fn split_unit(coded: &[u8], length_bytes: usize) -> Option<(&[u8], &[u8])> {
+    let (length, rest) = coded.split_at_checked(length_bytes)?;
+    let length = length.iter().fold(0, |sum, &b| sum << 8 | usize::from(b));
+    rest.split_at_checked(length)
 }
 
-fn damaged(path: &Path, frame: usize, index: &Index, why: String) -> VideoError {
-    VideoError::Damaged { path: path.into(), frame, expected: index.samples.len(), why }
+/// Damage at a picture, numbered among the frames of the film.
+fn damaged(path: &Path, picture: usize, index: &Index, why: String) -> VideoError {
+    let frame = picture.saturating_sub(index.displayed.start);
+    VideoError::Damaged { path: path.into(), frame, expected: index.displayed.len(), why }
 }
 
 /// The luma of a decoded picture without the decoder's padding.

@@ -26,8 +26,8 @@ const KEY_FRAME_PERIOD: u32 = 120;
 const SKIPS: usize = 240;
 /// Neutral chroma.
 const NO_COLOUR: u8 = 128;
-/// NAL unit types of the parameter sets and of a key frame's slice (H.264, table 7-1).
-const SEQUENCE_PARAMETERS: u8 = 7;
+/// NAL unit types of the parameter sets (H.264, table 7-1).
+pub(super) const SEQUENCE_PARAMETERS: u8 = 7;
 const PICTURE_PARAMETERS: u8 = 8;
 
 /// How much is kept.

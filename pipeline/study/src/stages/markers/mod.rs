@@ -80,7 +80,7 @@ impl Stage for Markers {
     type Needs = (Maybe<Camera>, Tracks);
     type Makes = records::Markers;
     const DESCRIPTION: &'static str = "pixels are projected to metres";
-    const VERSION: u32 = 4;
+    const VERSION: u32 = 5;
 
     fn raw(of: &Trial) -> Vec<RawFile> {
         let space = of.in_space().map(|(tracks, _)| RawFile::new(elsewhere::WORD, &of.card.name, &tracks.file));

@@ -101,7 +101,7 @@ impl Stage for Track {
     type Needs = ();
     type Makes = Tracks;
     const DESCRIPTION: &'static str = "markers are tracked in pixels";
-    const VERSION: u32 = 5;
+    const VERSION: u32 = 6;
 
     fn raw(of: &Trial) -> Vec<RawFile> {
         let foreign = in_pixels(of).map(|tracks| RawFile::new("tracks", &of.card.name, &tracks.file));
