@@ -1,6 +1,8 @@
 # A paper that rebuilds itself. `just` alone lists what there is.
 
 programs := "target/release"
+# the coverage counters of libFuzzer, as options of the stable compiler
+coverage := "-Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table -Cllvm-args=-sanitizer-coverage-trace-compares -Ccodegen-units=1 -Cdebug-assertions"
 
 # list what there is
 default:
@@ -56,6 +58,13 @@ check PROFILE="quick": build
 # all tests
 test:
     cargo test --release --workspace --exclude typeset --locked
+
+# search for inputs that break a reader of files from outside: TARGET is a folder of tests/fuzz/seeds
+fuzz TARGET SECONDS="60":
+    mkdir -p target/fuzz/corpus/{{TARGET}}
+    RUSTFLAGS="{{coverage}}" cargo build --release --locked --package fuzz --features engine --target-dir target/fuzz
+    FUZZ_TARGET={{TARGET}} target/fuzz/release/fuzz target/fuzz/corpus/{{TARGET}} tests/fuzz/seeds/{{TARGET}} \
+        -max_total_time={{SECONDS}} -timeout=5 -rss_limit_mb=1024 -artifact_prefix=target/fuzz/{{TARGET}}-
 
 # what a solve costs, as ratios taken in one run
 bench:

@@ -5,8 +5,8 @@ use track::Gray;
 use track::video::{Film, Frame, Info};
 use track::{klt, led};
 
-use super::finding::Finding;
 use super::Look;
+use super::finding::Finding;
 use lab::card::Experiment;
 use study::records::Tracks;
 use study::stages::camera::{Camera, target};

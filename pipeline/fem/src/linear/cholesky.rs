@@ -120,7 +120,7 @@ impl Factor {
     /// [`FactorError`]; no factor is then kept.
     // The check costs one solve and one product; wrong results of parallel sparse factorisations have been reported
     // elsewhere.
-    pub fn compute(
+    pub(crate) fn compute(
         &mut self,
         symbolic: &Symbolic,
         pattern: &Pattern,

@@ -65,7 +65,7 @@ pub(crate) struct Energy {
 
 impl<'a> Potential<'a> {
     /// The incremental potential of one time step, from the static one.
-    pub fn in_motion(self, elastic_scale: f64, inertia: &'a Inertia) -> Self {
+    pub(crate) fn in_motion(self, elastic_scale: f64, inertia: &'a Inertia) -> Self {
         Self { elastic_scale, inertia: Some(inertia), ..self }
     }
 }

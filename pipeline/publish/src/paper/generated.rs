@@ -17,7 +17,7 @@ pub fn all(facts: &Facts) -> String {
 }
 
 /// A list of the claims that do not reproduce, and the number that this profile does not measure.
-pub fn failing(facts: &Facts) -> String {
+pub(crate) fn failing(facts: &Facts) -> String {
     let of = |verdict: Verdict| facts.claims.iter().filter(move |c| c.verdict(&facts.metrics) == verdict);
     let words = |c: &Claim| format!("{} (published: {}; ours: {}).", c.says, c.published, ours(c, facts));
     let items: String = of(Verdict::Fails).map(|c| format!("- #{};\n", literal(&words(c)))).collect();

@@ -79,7 +79,7 @@ impl CentreLine {
     }
 
     /// Nodal forces (3 a node, N) of a lateral force at each station, given by `each`.
-    pub fn lateral(&self, nodes: usize, each: &dyn Fn(&Station) -> f64) -> Vec<f64> {
+    pub(crate) fn lateral(&self, nodes: usize, each: &dyn Fn(&Station) -> f64) -> Vec<f64> {
         let mut forces = vec![0.0; 3 * nodes];
         for station in &self.stations {
             let force = each(station);

@@ -19,7 +19,7 @@ const BOTH_SIDES: [[f64; 2]; 4] = [[0.3, 0.3], [0.6, 0.3], [0.3, 0.6], [0.55, 0.
 const TIP_DISPLACEMENTS: [Metre; 3] = [0.010, 0.024, 0.005];
 
 /// Number of equilibria that [`shapes`] solves.
-pub const COUNT: usize = 4 * UNDER_FORCE.len() + BOTH_SIDES.len();
+pub(crate) const COUNT: usize = 4 * UNDER_FORCE.len() + BOTH_SIDES.len();
 
 /// Displacements (3 a node, m). `tick` is called after each equilibrium.
 ///

@@ -96,7 +96,7 @@ pub(crate) fn dynamic_settings(scheme: Scheme, step: Second, stiffness_damping: 
 }
 
 /// The identified constants of a model.
-pub fn identified(model: &Model, found: &Identified) -> Elastic {
+pub(crate) fn identified(model: &Model, found: &Identified) -> Elastic {
     Elastic { youngs_moduli: [found.best.body_e_pa, found.best.spine_e_pa], ..model.nominal }
 }
 

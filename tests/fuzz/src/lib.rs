@@ -1,0 +1,95 @@
+//! Targets of the fuzzer: every reader of files from outside, as a function of bytes.
+//!
+//! A target may refuse its input, but must not panic, hang or take memory without bound; a refusal must name the file. The seeds under
+//! `seeds/TARGET` are small inputs, whole and broken, that `tests/seeds.rs` replays in every test run. `just fuzz TARGET SECONDS`
+//! searches for more.
+//!
+//! Depends on the crates whose readers it calls.
+
+use std::fmt::Display;
+use std::path::Path;
+
+use mesh::foreign::{self, MeshFileError, RawMesh};
+use sysid::free_vibration::Page;
+use track::video::Film;
+
+/// One reader.
+pub struct Target {
+    /// Its name, and that of the folder of its seeds.
+    pub name: &'static str,
+    /// Feeds it with bytes.
+    pub run: fn(&[u8]),
+}
+
+/// Every reader.
+pub const TARGETS: &[Target] = &[
+    Target { name: "mp4", run: mp4 },
+    Target { name: "stl", run: stl },
+    Target { name: "gmsh", run: |bytes| checked(foreign::gmsh(bytes)) },
+    Target { name: "vtu", run: |bytes| checked(foreign::vtu(bytes)) },
+    Target { name: "medit", run: |bytes| checked(foreign::medit(bytes)) },
+    Target { name: "tetgen", run: tetgen },
+    Target { name: "c3d", run: |bytes| named(lab::space::read(bytes, Path::new("input.c3d")), "input.c3d") },
+    Target { name: "pressure", run: |bytes| text(bytes, |t| named(lab::pressure::parse(t, Path::new(FILE)), FILE)) },
+    Target { name: "force", run: |bytes| text(bytes, |t| named(lab::force::parse(t, Path::new(FILE)), FILE)) },
+    Target { name: "card", run: |bytes| text(bytes, |t| named(lab::card::parse(t, Path::new(FILE)), FILE)) },
+    Target { name: "case", run: |bytes| text(bytes, |t| named(simulate::case::parse(t, Path::new(FILE)), FILE)) },
+    Target { name: "page", run: |bytes| text(bytes, |t| named(Page::parse(t, Path::new(FILE)), FILE)) },
+];
+
+/// The name under which inputs are read.
+const FILE: &str = "input";
+/// Separates the two files of TetGen in one input.
+const BETWEEN: u8 = 0;
+/// Frames that are decoded: the decoder is not the reader under test.
+const FRAMES: usize = 3;
+
+/// The target of this name.
+pub fn target(name: &str) -> Option<&'static Target> {
+    TARGETS.iter().find(|target| target.name == name)
+}
+
+fn text(bytes: &[u8], read: impl FnOnce(&str)) {
+    if let Ok(text) = std::str::from_utf8(bytes) {
+        read(text);
+    }
+}
+
+/// Holds that a refusal names the file and what to do.
+fn named<T>(read: Result<T, impl Display>, file: &str) {
+    if let Err(refusal) = read {
+        let message = refusal.to_string();
+        assert!(message.contains(file) && message.contains("do:"), "the refusal does not name {file}: {message}");
+    }
+}
+
+/// A mesh that is read is also checked, as every caller does.
+fn checked(read: Result<RawMesh, MeshFileError>) {
+    if let Ok(raw) = read {
+        drop(raw.check(1.0, false));
+    }
+}
+
+fn tetgen(bytes: &[u8]) {
+    let middle = bytes.iter().position(|byte| *byte == BETWEEN).unwrap_or(bytes.len());
+    checked(foreign::tetgen(&bytes[..middle], bytes.get(middle + 1..).unwrap_or_default()));
+}
+
+fn stl(bytes: &[u8]) {
+    if let Ok(surface) = mesh::stl::read(bytes, 1e-3) {
+        drop(surface.shells());
+    }
+}
+
+/// A film is read from a file of its own, since its index is sought in it.
+fn mp4(bytes: &[u8]) {
+    let path = std::env::temp_dir().join(format!("fuzz-{}-{:?}.mp4", std::process::id(), std::thread::current().id()));
+    if std::fs::write(&path, bytes).is_ok() {
+        match Film::open(&path) {
+            Ok(film) => film.take(FRAMES).for_each(drop),
+            Err(refusal) => named::<()>(Err(refusal), "fuzz-"),
+        }
+    }
+    // What could not be written needs not be removed.
+    drop(std::fs::remove_file(&path));
+}
