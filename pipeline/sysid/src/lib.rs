@@ -1,7 +1,7 @@
 //! System identification: moduli, damping and their uncertainty from measured displacements.
 //!
 //! A [`Model`] is a meshed body with its materials and markers; a [`LevelSolver`] finds its equilibria at several pressure levels with
-//! their derivatives; a [`Misfit`] compares them with measured displacements. [`reduce`] projects the identified model onto a few dozen
+//! their derivatives; a [`Misfit`] compares them with measured displacements. [`Snapshots::reduce`] projects the identified model onto a few dozen
 //! coordinates ([`ReducedBody`]), in which motions are integrated. [`free_vibration`] identifies a body that was held straight and
 //! released.
 //!

@@ -14,6 +14,11 @@ fn sees_the_truth(source: &Source) -> Vec<String> {
     if source.path == RECOVERY { vec![] } else { places(source, &view, &["truth".to_owned()]) }
 }
 
+/// A field that a stage reads and that its record is not keyed by: the key is the serialised part of the card and the settings.
+fn reads_past_its_key(source: &Source) -> Vec<String> {
+    places(source, &source.without_comments(), &["serde(skip".to_owned(), "skip_serializing".to_owned()])
+}
+
 /// Files, the screen or paths in a file that may use none.
 fn reaches_outside(source: &Source) -> Vec<String> {
     let words = ["std::fs", "fs::", "File::", "println!", "eprintln!", "print!", "eprint!", "PathBuf::"];
@@ -49,6 +54,15 @@ fn only_recovery_sees_the_truth() {
 #[test]
 fn stages_and_figures_open_no_file_print_nothing_and_build_no_path() {
     assert_none(pure_files().iter().flat_map(reaches_outside).collect());
+}
+
+#[test]
+fn every_field_that_a_stage_reads_is_part_of_its_key() {
+    assert_none(
+        sources(&["pipeline/study/src/stages", "pipeline/lab/src/card"]).iter().flat_map(reads_past_its_key).collect(),
+    );
+    let bad = "struct Card {\n    #[serde(skip)]\n    readout: f64,\n}\n";
+    assert_eq!(reads_past_its_key(&Source::new("pipeline/study/src/stages/clock.rs", bad)).len(), 1);
 }
 
 #[test]
