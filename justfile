@@ -61,9 +61,13 @@ test:
 
 # search for inputs that break a reader of files from outside: TARGET is a folder of tests/fuzz/seeds
 fuzz TARGET SECONDS="60":
+    #!/usr/bin/env bash
+    set -euo pipefail
+    # with the host named, build scripts and macros are built without the counters
+    host=$(rustc -vV | sed -n 's/^host: //p')
+    RUSTFLAGS="{{coverage}}" cargo build --release --locked --package fuzz --features engine --target "$host" --target-dir target/fuzz
     mkdir -p target/fuzz/corpus/{{TARGET}}
-    RUSTFLAGS="{{coverage}}" cargo build --release --locked --package fuzz --features engine --target-dir target/fuzz
-    FUZZ_TARGET={{TARGET}} target/fuzz/release/fuzz target/fuzz/corpus/{{TARGET}} tests/fuzz/seeds/{{TARGET}} \
+    FUZZ_TARGET={{TARGET}} "target/fuzz/$host/release/fuzz" target/fuzz/corpus/{{TARGET}} tests/fuzz/seeds/{{TARGET}} \
         -max_total_time={{SECONDS}} -timeout=5 -rss_limit_mb=1024 -artifact_prefix=target/fuzz/{{TARGET}}-
 
 # what a solve costs, as ratios taken in one run
