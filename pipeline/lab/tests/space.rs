@@ -165,3 +165,12 @@ fn bytes_that_are_no_c3d_are_refused_at_whatever_length() {
     }
     assert!(read("time,force\n0,1\n".repeat(200).as_bytes()).unwrap_err().to_string().contains("no .c3d"));
 }
+
+#[test]
+fn a_header_that_counts_more_points_than_the_file_holds_is_refused_before_room_is_made_for_them() {
+    let mut bytes = Capture::new().bytes();
+    bytes[2..4].copy_from_slice(&60_000_u16.to_le_bytes());
+    bytes[8..10].copy_from_slice(&50_000_u16.to_le_bytes());
+    let said = read(&bytes).unwrap_err().to_string();
+    assert!(said.contains("60000 points in 50000 frames") && said.contains("the file has 1536 bytes"), "{said}");
+}

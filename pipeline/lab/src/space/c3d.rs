@@ -28,6 +28,7 @@ pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Trajectories, Diagnostic
         let what = format!("{} bytes are no .c3d", bytes.len());
         return Err(Diagnostic::file(path, what, "such a file begins with a block of 512 bytes, marked 80", EXPORT));
     }
+    bounded(bytes, path)?;
     let unreadable = |why: String| Diagnostic::file(path, "the .c3d cannot be read", why, EXPORT);
     // a damaged section leads c3dio out of its bytes, which it answers with a panic
     let parsed = catch_unwind(|| C3d::from_bytes(bytes).map(|c3d| c3d.points).map_err(|e| format!("{e:?}")));
@@ -60,4 +61,24 @@ pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Trajectories, Diagnostic
     };
     let markers = points.labels.iter().take(points.cols()).enumerate().map(seen).collect();
     Ok(Trajectories { time: (0..frames).map(|frame| frame as f64 / rate).collect(), markers })
+}
+
+/// Refuses a header that counts more points than the file can hold, since c3dio makes room for all of them at once.
+///
+/// A point takes 8 or 16 bytes; a file that was cut to a sixteenth still passes, and is refused later with the frame at which it ends.
+fn bounded(bytes: &[u8], path: &Path) -> Result<(), Diagnostic> {
+    // The fourth byte of the parameters is 86 where the numbers are big-endian.
+    let big = bytes.get(BLOCK * (usize::from(bytes[0]) - 1) + 3) == Some(&86);
+    let word = |at: usize| {
+        let pair = [bytes[at], bytes[at + 1]];
+        if big { u16::from_be_bytes(pair) } else { u16::from_le_bytes(pair) }
+    };
+    // c3dio counts the frames in the words of the header, which wrap.
+    let (points, frames) = (usize::from(word(2)), usize::from(word(8).wrapping_sub(word(6)).wrapping_add(1)));
+    if points * frames <= bytes.len() {
+        return Ok(());
+    }
+    let what = format!("the header counts {points} points in {frames} frames");
+    let why = format!("the file has {} bytes, and a point takes 8 at least", bytes.len());
+    Err(Diagnostic::file(path, what, why, EXPORT))
 }
