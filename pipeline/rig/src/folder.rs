@@ -2,6 +2,7 @@
 
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use diagnostics::{Diagnostic, Result};
 
@@ -44,6 +45,10 @@ fn outdated(at: &Path) -> PathBuf {
 /// The lock of a folder of recordings; the operating system releases it when the process ends.
 const LOCK: &str = ".lock";
 
+/// Number and interval of the attempts to take it.
+const TRIES: usize = 50;
+const PAUSE: Duration = Duration::from_millis(20);
+
 /// Locks `into` until the returned file is dropped, so that two processes never write the same recording.
 ///
 /// # Errors
@@ -52,7 +57,16 @@ pub(crate) fn lock(into: &Path) -> Result<File> {
     let path = into.join(LOCK);
     std::fs::create_dir_all(into).map_err(|e| unusable(into, e))?;
     let file = File::options().create(true).append(true).open(&path).map_err(|e| unusable(&path, e))?;
-    match file.try_lock() {
+    let mut asked = file.try_lock();
+    // A process that was killed holds its lock until the system has freed its memory.
+    for _ in 0..TRIES {
+        if !matches!(asked, Err(TryLockError::WouldBlock)) {
+            break;
+        }
+        std::thread::sleep(PAUSE);
+        asked = file.try_lock();
+    }
+    match asked {
         Ok(()) => Ok(file),
         Err(TryLockError::Error(e)) => Err(Diagnostic::io(&path, e, "use a local disk")),
         Err(TryLockError::WouldBlock) => Err(Diagnostic::file(
