@@ -3,10 +3,11 @@
 use crate::assembly::elastic::Elastic;
 use crate::assembly::mass::Mass;
 use crate::loads::{DeadForces, add_gravity};
-use crate::material::Lame;
 use crate::newton::potential::Potential;
 use crate::properties::RegionProperties;
 use crate::system_data::SystemData;
+use crate::viscoelastic::history::History;
+use crate::viscoelastic::step::{ActingStress, RegionStep};
 use si::{Pascal, Point3};
 use std::sync::Arc;
 
@@ -15,6 +16,8 @@ use std::sync::Arc;
 pub(crate) struct Inputs {
     pub properties: Vec<RegionProperties>,
     pub elastic: Vec<Elastic>,
+    /// The laws as they act in the present step: the same, or with damping and relaxation.
+    pub acting: Option<ActingStress>,
     pub mass: Arc<Mass>,
     /// 3 entries per node, N; empty: none.
     pub forces: Vec<f64>,
@@ -41,12 +44,13 @@ impl Inputs {
         let mean = |region: usize| data.options.mean_dilatation.get(region).copied().unwrap_or(false);
         let elastic = data.regions.iter().enumerate().map(|(region, is)| Elastic {
             material: is.material,
-            lame: Lame::of(is.youngs_modulus, is.poissons_ratio),
+            moduli: is.moduli(),
             mean_dilatation: mean(region),
         });
         Self {
             properties: data.regions.clone(),
             elastic: elastic.collect(),
+            acting: None,
             mass: Arc::clone(&data.mass),
             forces: Vec::new(),
             gravity: [0.0; 3],
@@ -65,13 +69,28 @@ impl Inputs {
         self.dead.forces = all;
     }
 
+    /// Prepares a step in which the law's own stress is multiplied by `scale`, after the `past` of relaxing regions.
+    pub(crate) fn begin_step(&mut self, data: &SystemData, scale: f64, past: Option<(&[RegionStep], &History)>) {
+        let elastic = scale == 1.0 && past.is_none();
+        self.acting = (!elastic).then(|| ActingStress::new(data, &self.elastic, scale, past));
+    }
+
+    /// Ends the step: the laws act by themselves again.
+    pub(crate) fn end_step(&mut self) {
+        self.acting = None;
+    }
+
     /// The static potential under `load`.
     pub(crate) fn static_potential<'a>(&'a self, data: &'a SystemData, load: AppliedLoad<'a>) -> Potential<'a> {
+        let (elastic, held) = match &self.acting {
+            Some(acting) => (&acting.elastic, &acting.held[..]),
+            None => (&self.elastic, &[][..]),
+        };
         Potential {
             data,
-            elastic: &self.elastic,
+            elastic,
+            held,
             mass: &self.mass,
-            elastic_scale: 1.0,
             pressures: load.pressures,
             ambient: &self.ambient,
             dead: &self.dead,

@@ -17,7 +17,7 @@
 //! let mesh = box_mesh::quadratic([0.06, 0.01, 0.01], [6, 1, 1]);
 //! let clamps = Clamps::below_x(&mesh, 1e-9);
 //! let material = materials::by_name("neo_hookean").ok_or("no such law")?;
-//! let silicone = RegionProperties { material, youngs_modulus: 2e5, poissons_ratio: 0.45, density: 1070.0 };
+//! let silicone = RegionProperties::elastic(material, 2e5, 0.45, 1070.0);
 //! let system = System::new(mesh, vec![silicone], clamps)?;
 //!
 //! let mut solver = system.solver();
@@ -54,6 +54,7 @@ mod statics;
 mod system;
 mod system_data;
 mod validation;
+mod viscoelastic;
 
 pub use adjoint::dynamics::LossGradient;
 pub use adjoint::gradient::{Gradient, MotionGradient, RegionGradient};
@@ -79,3 +80,4 @@ pub use solve_error::SolveError;
 pub use solver::Solver;
 pub use statics::equilibrium::{Equilibrium, StaticSettings};
 pub use system::System;
+pub use viscoelastic::relaxation::{Branch, MAX_BRANCHES, Relaxation, Springpot};

@@ -11,32 +11,76 @@ use si::Pascal;
 /// ∂P/∂F, 9 × 9, Pa: row i + 3J and column k + 3L hold ∂P_iJ/∂F_kL (columns of F one below the other).
 pub type Tangent = SMatrix<f64, 9, 9>;
 
-/// Lamé's constants, Pa: the pair in which the energies are written.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Lame {
-    /// Shear modulus μ.
+/// The moduli in which every energy is linear, Pa.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Moduli {
+    /// Lamé's shear modulus μ.
     pub mu: Pascal,
-    /// λ; the bulk modulus is λ + 2μ/3.
+    /// Lamé's λ; the bulk modulus is λ + 2μ/3.
     pub lambda: Pascal,
+    /// C₂₀ and C₃₀ of (I₁ − 3)² and (I₁ − 3)³, for laws that stiffen.
+    pub stiffening: [Pascal; 2],
 }
 
-impl Lame {
+impl Moduli {
     /// μ = E / 2(1+ν), λ = Eν / (1+ν)(1−2ν), from Young's modulus E (Pa) and Poisson's ratio ν.
     pub fn of(youngs_modulus: Pascal, poissons_ratio: f64) -> Self {
         let (e, nu) = (youngs_modulus, poissons_ratio);
-        Self { mu: e / (2.0 * (1.0 + nu)), lambda: e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)) }
+        let (mu, lambda) = (e / (2.0 * (1.0 + nu)), e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)));
+        Self { mu, lambda, stiffening: [0.0; 2] }
     }
 
-    /// (∂μ, ∂λ)/∂E at E, ν; no unit.
+    /// ∂/∂E at E, ν; no unit.
     pub fn by_youngs_modulus(_youngs_modulus: Pascal, poissons_ratio: f64) -> Self {
         Self::of(1.0, poissons_ratio)
     }
 
-    /// (∂μ, ∂λ)/∂ν at E, ν; Pa.
+    /// ∂/∂ν at E, ν; Pa.
     pub(crate) fn by_poissons_ratio(youngs_modulus: Pascal, poissons_ratio: f64) -> Self {
         let (e, nu) = (youngs_modulus, poissons_ratio);
         let below = (1.0 + nu) * (1.0 - 2.0 * nu);
-        Self { mu: -e / (2.0 * (1.0 + nu) * (1.0 + nu)), lambda: e * (1.0 + 2.0 * nu * nu) / (below * below) }
+        let mu = -e / (2.0 * (1.0 + nu) * (1.0 + nu));
+        Self { mu, lambda: e * (1.0 + 2.0 * nu * nu) / (below * below), stiffening: [0.0; 2] }
+    }
+
+    /// The same with C₂₀ and C₃₀ in these `ratios` to C₁₀ = μ/2.
+    pub fn with_stiffening(self, ratios: [f64; 2]) -> Self {
+        Self { stiffening: ratios.map(|ratio| 0.5 * ratio * self.mu), ..self }
+    }
+
+    /// The moduli of shape change, without λ.
+    pub(crate) fn deviatoric(self) -> Self {
+        Self { lambda: 0.0, ..self }
+    }
+
+    /// λ alone.
+    pub(crate) fn volumetric(self) -> Self {
+        Self { lambda: self.lambda, ..Self::default() }
+    }
+
+    /// μ, λ, C₂₀, C₃₀.
+    pub(crate) fn to_array(self) -> [Pascal; 4] {
+        [self.mu, self.lambda, self.stiffening[0], self.stiffening[1]]
+    }
+
+    /// One of μ, λ, C₂₀, C₃₀ at 1, the others at 0.
+    pub(crate) fn unit(which: usize) -> Self {
+        let at = |n: usize| f64::from(u8::from(n == which));
+        Self { mu: at(0), lambda: at(1), stiffening: [at(2), at(3)] }
+    }
+
+    /// Every modulus multiplied by `factor`.
+    pub(crate) fn scaled(self, factor: f64) -> Self {
+        Self { mu: factor * self.mu, lambda: factor * self.lambda, stiffening: self.stiffening.map(|c| factor * c) }
+    }
+}
+
+impl std::ops::Add for Moduli {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        let [a, b] = [0, 1].map(|n| self.stiffening[n] + other.stiffening[n]);
+        Self { mu: self.mu + other.mu, lambda: self.lambda + other.lambda, stiffening: [a, b] }
     }
 }
 
@@ -63,15 +107,20 @@ pub trait Material: std::fmt::Debug + Send + Sync {
     }
 
     /// ψ (J/m³) and P = ∂ψ/∂F (Pa); ψ is infinite where det F ≤ 0 and the law forbids inversion.
-    fn stress(&self, F: &Matrix3<f64>, lame: Lame) -> (f64, Matrix3<f64>);
+    fn stress(&self, F: &Matrix3<f64>, moduli: Moduli) -> (f64, Matrix3<f64>);
 
     /// ψ, P and ∂P/∂F together.
-    fn response(&self, F: &Matrix3<f64>, lame: Lame) -> Response;
+    fn response(&self, F: &Matrix3<f64>, moduli: Moduli) -> Response;
 
-    /// ∂P/∂μ and ∂P/∂λ, no unit: every law is linear in both, P = μ ∂P/∂μ + λ ∂P/∂λ. Parameter gradients
-    /// and mean dilatation rely on this.
-    fn stress_by_lame(&self, F: &Matrix3<f64>) -> [Matrix3<f64>; 2] {
-        let by = |mu, lambda| self.stress(F, Lame { mu, lambda }).1;
-        [by(1.0, 0.0), by(0.0, 1.0)]
+    /// Whether C₂₀ and C₃₀ act.
+    fn is_stiffening(&self) -> bool {
+        false
+    }
+
+    /// ∂P by μ, λ, C₂₀ and C₃₀, no unit: every law is linear in them, and P is the sum of each times its derivative.
+    /// Parameter gradients, relaxation and mean dilatation rely on this.
+    fn stress_by_moduli(&self, F: &Matrix3<f64>) -> [Matrix3<f64>; 4] {
+        let count = if self.is_stiffening() { 4 } else { 2 };
+        std::array::from_fn(|n| if n < count { self.stress(F, Moduli::unit(n)).1 } else { Matrix3::zeros() })
     }
 }

@@ -1,22 +1,60 @@
 //! Properties of a system beside its mesh: regions, options of the discretisation, attached masses.
 
 use crate::assembly::reference::triangle_shape_products;
-use crate::material::Material;
+use crate::material::{Material, Moduli};
 use crate::mesh::Mesh;
+use crate::viscoelastic::relaxation::Relaxation;
 use si::{KilogramPerCubicMetre, Pascal};
 use std::collections::BTreeMap;
 
 /// Law and constants of one region.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct RegionProperties {
     /// The law.
     pub material: &'static dyn Material,
-    /// E, Pa.
+    /// E, Pa: the long-term modulus, which is left when all branches of `relaxation` have relaxed.
     pub youngs_modulus: Pascal,
     /// ν, no unit, below 0.5.
     pub poissons_ratio: f64,
     /// kg/m³.
     pub density: KilogramPerCubicMetre,
+    /// C₂₀ and C₃₀ over C₁₀ = μ/2, no unit; without effect on laws that do not stiffen.
+    pub stiffening: [f64; 2],
+    /// Relaxation of the shear part.
+    pub relaxation: Relaxation,
+}
+
+impl RegionProperties {
+    /// A region of `material` with E (Pa), ν and density, without stiffening and relaxation.
+    pub fn elastic(
+        material: &'static dyn Material,
+        youngs_modulus: Pascal,
+        poissons_ratio: f64,
+        density: KilogramPerCubicMetre,
+    ) -> Self {
+        let relaxation = Relaxation::default();
+        Self { material, youngs_modulus, poissons_ratio, density, stiffening: [0.0; 2], relaxation }
+    }
+
+    /// The long-term moduli.
+    pub fn moduli(&self) -> Moduli {
+        Moduli::of(self.youngs_modulus, self.poissons_ratio).with_stiffening(self.stiffening)
+    }
+
+    /// The derivative of the long-term moduli by E, at constant ratios of stiffening; no unit.
+    pub(crate) fn moduli_by_youngs_modulus(&self) -> Moduli {
+        Moduli::by_youngs_modulus(self.youngs_modulus, self.poissons_ratio).with_stiffening(self.stiffening)
+    }
+
+    /// The derivative of the long-term moduli by ν, Pa.
+    pub(crate) fn moduli_by_poissons_ratio(&self) -> Moduli {
+        Moduli::by_poissons_ratio(self.youngs_modulus, self.poissons_ratio).with_stiffening(self.stiffening)
+    }
+
+    /// The derivative of the long-term moduli by C₂₀/C₁₀ (0) or C₃₀/C₁₀ (1), Pa.
+    pub(crate) fn moduli_by_stiffening(&self, which: usize) -> Moduli {
+        Moduli::unit(2 + which).scaled(0.5 * self.moduli().mu)
+    }
 }
 
 /// Options of the discretisation; the default is none of them.

@@ -8,7 +8,6 @@ use crate::dynamics::settings::{InitialValueProblem, State, StepControl};
 use crate::dynamics::trajectory::Trajectory;
 use crate::linear::sparsity::LowerTriangle;
 use crate::loads::gas::Gas;
-use crate::material::Lame;
 use crate::properties::RegionProperties;
 use crate::setup_error::SetupError;
 use crate::solve_error::SolveError;
@@ -16,6 +15,7 @@ use crate::solver_state::{SolverState, check};
 use crate::statics::equilibrium::{Equilibrium, StaticSettings};
 use crate::system_data::SystemData;
 use crate::validation;
+use crate::viscoelastic::relaxation::Relaxation;
 use si::{Joule, KilogramPerCubicMetre, MetrePerSecondSquared, Pascal, Second};
 use std::sync::Arc;
 
@@ -56,8 +56,34 @@ impl Solver {
         let inputs = &mut self.state.inputs;
         inputs.properties[region].youngs_modulus = youngs_modulus;
         inputs.properties[region].poissons_ratio = poissons_ratio;
-        inputs.elastic[region].lame = Lame::of(youngs_modulus, poissons_ratio);
+        inputs.elastic[region].moduli = inputs.properties[region].moduli();
         self.state.linearised = None;
+        Ok(())
+    }
+
+    /// Sets C₂₀/C₁₀ and C₃₀/C₁₀ of `region`; without effect on laws that do not stiffen.
+    ///
+    /// # Errors
+    /// As [`Solver::set_elastic`].
+    pub fn set_stiffening(&mut self, region: usize, ratios: [f64; 2]) -> Result<(), SetupError> {
+        self.check_region(region)?;
+        validation::stiffening(region, ratios)?;
+        let inputs = &mut self.state.inputs;
+        inputs.properties[region].stiffening = ratios;
+        inputs.elastic[region].moduli = inputs.properties[region].moduli();
+        self.state.linearised = None;
+        Ok(())
+    }
+
+    /// Sets the relaxation of `region`; it acts in motions, quasi-static ones included. An equilibrium is that of long
+    /// times.
+    ///
+    /// # Errors
+    /// [`SetupError`] when there is no such region, or its law is not objective.
+    pub fn set_relaxation(&mut self, region: usize, relaxation: Relaxation) -> Result<(), SetupError> {
+        self.check_region(region)?;
+        validation::relaxation(region, self.properties()[region].material, &relaxation)?;
+        self.state.inputs.properties[region].relaxation = relaxation;
         Ok(())
     }
 
@@ -264,7 +290,7 @@ impl Solver {
     ///
     /// # Errors
     /// As [`Solver::record`]; also when the times do not rise.
-    pub(crate) fn record_at(
+    pub fn record_at(
         &mut self,
         problem: &InitialValueProblem,
         times: Vec<Second>,
@@ -325,7 +351,7 @@ impl Solver {
     pub fn elastic_energy(&self, u: &[f64]) -> Result<Joule, SolveError> {
         self.state.check_field("the displacement", u)?;
         let mut forces = vec![0.0; u.len()];
-        Ok(self.state.data.body(&self.state.inputs.elastic).energy(u, 0.0, &mut forces))
+        Ok(self.state.data.body(&self.state.inputs.elastic).energy(u, &mut forces))
     }
 
     /// Kinetic energy ½ vᵀ M v of velocity `v` (3 entries per node, m/s), J; of a half model, of the half.

@@ -2,6 +2,7 @@
 //!
 //! The modules `statics`, `dynamics` and `adjoint` implement their methods on it; [`crate::Solver`] is its public face.
 
+use crate::assembly::tangent::TangentKind;
 use crate::inputs::Inputs;
 use crate::newton::iteration::Newton;
 use crate::solve_error::SolveError;
@@ -59,7 +60,7 @@ impl SolverState {
     /// f(u) = ∂Ψ/∂u, 3 entries per node, N.
     pub(crate) fn elastic_forces(&self, u: &[f64]) -> Vec<f64> {
         let mut forces = vec![0.0; u.len()];
-        self.data.body(&self.inputs.elastic).energy(u, 1.0, &mut forces);
+        self.data.body(&self.inputs.elastic).energy(u, &mut forces);
         forces
     }
 
@@ -76,8 +77,8 @@ impl SolverState {
     /// overwritten.
     pub(crate) fn elastic_stiffness_times(&mut self, u: &[f64], x: &[f64]) -> Vec<f64> {
         let Self { data, inputs, newton, .. } = self;
-        let pressures = vec![0.0; data.chambers.len()];
-        inputs.at_rest(data, &pressures).elastic_stiffness(u, &mut newton.tangent);
+        newton.tangent.fill(0.0);
+        data.body(&inputs.elastic).stiffness(u, TangentKind::Exact, &mut newton.tangent);
         let free = data.pattern.gather(x);
         let mut image = vec![0.0; free.len()];
         data.pattern.multiply(&newton.tangent, &free, &mut image);

@@ -41,6 +41,8 @@ impl SystemData {
             pattern: &self.pattern,
             block_positions: &self.block_positions,
             elastic,
+            held: &[],
+            held_factor: 0.0,
         }
     }
 

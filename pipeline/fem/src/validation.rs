@@ -2,10 +2,12 @@
 
 use crate::assembly::reference::ReferenceElements;
 use crate::linear::node_graph::NodeGraph;
+use crate::material::Material;
 use crate::mesh::clamps::Clamps;
 use crate::mesh::{Chamber, Faces, Mesh};
 use crate::properties::{Masses, RegionProperties};
 use crate::setup_error::{LARGEST, SMALLEST, SetupError, THINNEST};
+use crate::viscoelastic::relaxation::Relaxation;
 use nalgebra::{Matrix6, SymmetricEigen, Vector6};
 use si::vec3;
 use std::collections::BTreeMap;
@@ -74,8 +76,29 @@ pub(crate) fn regions(mesh: &Mesh, regions: &[RegionProperties]) -> Result<(), S
     for (region, is) in regions.iter().enumerate() {
         elastic(region, is.youngs_modulus, is.poissons_ratio)?;
         density(region, is.density)?;
+        stiffening(region, is.stiffening)?;
+        relaxation(region, is.material, &is.relaxation)?;
     }
     Ok(())
+}
+
+/// Checks the ratios C₂₀/C₁₀ and C₃₀/C₁₀.
+pub(crate) fn stiffening(region: usize, ratios: [f64; 2]) -> Result<(), SetupError> {
+    match ratios.into_iter().find(|ratio| !(-10.0..=100.0).contains(ratio)) {
+        Some(value) => {
+            let (name, range) = ("a ratio of stiffening", "between -10 and 100 (C20/C10 of rubber: -0.1 to 0)");
+            Err(SetupError::Property { region, name, value, unit: "", range })
+        }
+        None => Ok(()),
+    }
+}
+
+/// Checks that a law can relax: at finite strain that needs an objective one.
+pub(crate) fn relaxation(region: usize, material: &dyn Material, of: &Relaxation) -> Result<(), SetupError> {
+    if of.is_none() || material.is_objective() {
+        return Ok(());
+    }
+    Err(SetupError::RelaxationLaw { region, law: material.name() })
 }
 
 /// Checks the range of a density (kg/m³).

@@ -23,7 +23,7 @@ fn a_thin_arched_roof_snaps_through_under_suction_to_the_equilibrium_beyond() {
     let material = materials::by_name("neo_hookean").unwrap();
     let clamps = Clamps::where_nodes(&mesh, [true; 3], |at| at[1] < 1e-9);
     let top = (0..mesh.nodes.len()).max_by(|&a, &b| mesh.nodes[a][1].total_cmp(&mesh.nodes[b][1])).unwrap();
-    let regions = vec![RegionProperties { material, youngs_modulus: 2e5, poissons_ratio: 0.45, density: 1070.0 }];
+    let regions = vec![RegionProperties::elastic(material, 2e5, 0.45, 1070.0)];
     let system = System::new(mesh, regions, clamps).unwrap();
     let mut solver = system.solver();
     let (mut heights, mut snapped_through) = (Vec::new(), Vec::new());
@@ -44,7 +44,7 @@ fn a_load_without_equilibrium_is_refused_with_the_last_converged_state() {
     let mesh = arched_box();
     let material = materials::by_name("neo_hookean").unwrap();
     let clamps = Clamps::where_nodes(&mesh, [true; 3], |at| at[1] < 1e-9);
-    let regions = vec![RegionProperties { material, youngs_modulus: 2e5, poissons_ratio: 0.45, density: 1070.0 }];
+    let regions = vec![RegionProperties::elastic(material, 2e5, 0.45, 1070.0)];
     let system = System::new(mesh, regions, clamps).unwrap();
     let settings = StaticSettings { max_halvings: 4, ..Default::default() };
     let refused = system.solver().equilibrium(&[2e4], None, &settings).unwrap_err();

@@ -6,7 +6,7 @@
 
 #![allow(clippy::unwrap_used)] // a test may fail where it stands
 
-use fem::material::Lame;
+use fem::material::Moduli;
 use fem::{Clamps, Mesh, RegionProperties, StaticSettings, System, box_mesh, materials};
 use std::f64::consts::PI;
 
@@ -31,14 +31,14 @@ fn shape(at: [f64; 3]) -> [f64; 3] {
 }
 
 /// b at a place, N/m³, from ∂²φ/∂x_i∂x_j: −φ κ² where i = j, else κ² cos cos sin; κ = π/L.
-fn body_force(at: [f64; 3], lame: Lame) -> [f64; 3] {
+fn body_force(at: [f64; 3], moduli: Moduli) -> [f64; 3] {
     let waves = [0, 1, 2].map(|axis| wave(at, axis));
     let phi: f64 = waves.iter().map(|wave| wave.0).product();
     let scale = MOST * (PI / SIDE).powi(2);
     let second = |i: usize, j: usize| if i == j { -phi } else { waves[i].1 * waves[j].1 * waves[3 - i - j].0 };
     std::array::from_fn(|i| {
         let slope_of_swell: f64 = (0..3).map(|j| second(i, j) * ALONG[j]).sum();
-        -scale * ((lame.lambda + lame.mu) * slope_of_swell - lame.mu * 3.0 * phi * ALONG[i])
+        -scale * ((moduli.lambda + moduli.mu) * slope_of_swell - moduli.mu * 3.0 * phi * ALONG[i])
     })
 }
 
@@ -91,10 +91,10 @@ fn for_each_point(mesh: &Mesh, mut visit: impl FnMut(&[u32], &[f64], [f64; 3], f
 
 /// √(∫ |u_h − u|² / ∫ |u|²) on a mesh.
 fn error(mesh: &Mesh) -> f64 {
-    let lame = Lame::of(E, NU);
+    let moduli = Moduli::of(E, NU);
     let mut forces = vec![0.0; 3 * mesh.nodes.len()];
     for_each_point(mesh, |nodes, functions, at, weight| {
-        let force = body_force(at, lame);
+        let force = body_force(at, moduli);
         for (&node, share) in nodes.iter().zip(functions) {
             (0..3).for_each(|axis| forces[3 * node as usize + axis] += weight * share * force[axis]);
         }
@@ -102,7 +102,7 @@ fn error(mesh: &Mesh) -> f64 {
     let outside = |at: [f64; 3]| at.iter().any(|x| x.abs() < 1e-9 || (x - SIDE).abs() < 1e-9);
     let clamps = Clamps::where_nodes(mesh, [true; 3], outside);
     let material = materials::by_name("linear").unwrap();
-    let region = RegionProperties { material, youngs_modulus: E, poissons_ratio: NU, density: 1070.0 };
+    let region = RegionProperties::elastic(material, E, NU, 1070.0);
     let mut solver = System::new(mesh.clone(), vec![region], clamps).unwrap().solver();
     solver.set_forces(&forces).unwrap();
     let settings = StaticSettings { load_steps: 1, tolerance: 1e-12, ..Default::default() };

@@ -15,7 +15,7 @@ const DENSITY: f64 = 1070.0;
 
 fn properties(poissons_ratio: f64) -> RegionProperties {
     let material = materials::by_name("corotated").unwrap();
-    RegionProperties { material, youngs_modulus: E, poissons_ratio, density: DENSITY }
+    RegionProperties::elastic(material, E, poissons_ratio, DENSITY)
 }
 
 /// First bending frequency of a slender clamped beam, Hz: (1.8751/L)² √(EI/ρA) / 2π

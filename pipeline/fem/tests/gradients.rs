@@ -26,8 +26,7 @@ fn system() -> System {
 fn with(options: Options) -> System {
     let mesh = bar();
     let material = materials::by_name("neo_hookean").unwrap();
-    let regions =
-        [0, 1].map(|n| RegionProperties { material, youngs_modulus: E[n], poissons_ratio: NU[n], density: 1e3 });
+    let regions = [0, 1].map(|n| RegionProperties::elastic(material, E[n], NU[n], 1e3));
     let clamps = Clamps::below_x(&mesh, 1e-9);
     System::with(mesh, regions.to_vec(), clamps, options).unwrap()
 }

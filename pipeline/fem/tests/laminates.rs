@@ -105,8 +105,8 @@ fn ready(layers: Layers, ratio: f64) -> (Solver, impl Fn(&mut Solver, f64), usiz
     let tip = [LENGTH, 0.5 * WIDTH, middle(layers)];
     let tip = mesh.nodes.iter().position(|at| (0..3).all(|axis| (at[axis] - tip[axis]).abs() < 1e-9)).unwrap();
     let material = materials::by_name("neo_hookean").unwrap();
-    let soft = RegionProperties { material, youngs_modulus: E, poissons_ratio: NU, density: 1070.0 };
-    let stiff = RegionProperties { youngs_modulus: ratio * E, ..soft };
+    let soft = RegionProperties::elastic(material, E, NU, 1070.0);
+    let stiff = RegionProperties { youngs_modulus: ratio * E, ..soft.clone() };
     let solver = System::new(mesh, vec![soft, stiff], clamps).unwrap().solver();
     let push = move |solver: &mut Solver, force: f64| {
         let forces: Vec<f64> = unit.iter().map(|f| force * f).collect();

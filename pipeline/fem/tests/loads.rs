@@ -13,7 +13,7 @@ const AIR: f64 = 101_325.0;
 
 fn silicone(poissons_ratio: f64) -> RegionProperties {
     let material = materials::by_name("neo_hookean").unwrap();
-    RegionProperties { material, youngs_modulus: 2e5, poissons_ratio, density: 1070.0 }
+    RegionProperties::elastic(material, 2e5, poissons_ratio, 1070.0)
 }
 
 /// A block of 30 × 30 × 30 mm with a cavity of 10 × 10 × 10 mm in its middle.
@@ -74,7 +74,7 @@ fn a_hanging_bar_elongates_by_its_own_weight_and_an_attached_mass() {
         .and(&Clamps::where_nodes(&mesh, [false, true, true], |at| at.iter().all(|x| *x < 1e-9)))
         .and(&Clamps::where_nodes(&mesh, [false, false, true], |at| at[0] < 1e-9 && at[2] < 1e-9));
     let material = materials::by_name("linear").unwrap();
-    let is = RegionProperties { material, youngs_modulus: 2e5, poissons_ratio: 0.0, density: 1070.0 };
+    let is = RegionProperties::elastic(material, 2e5, 0.0, 1070.0);
     let end = end_faces(&mesh, length);
     let masses = end.iter().fold(Masses::none(), |all, face| all.on_face(&mesh, face, weight / (side * side)));
     let options = Options { masses, ..Options::default() };
@@ -104,7 +104,7 @@ fn end_faces(mesh: &Mesh, end: f64) -> Vec<[u32; 6]> {
 fn a_tip_mass_lowers_the_frequency_of_a_beam_to_that_of_a_massless_spring() {
     let (length, side, e, mass) = (0.1f64, 0.008f64, 2e5, 0.05);
     let material = materials::by_name("corotated").unwrap();
-    let is = RegionProperties { material, youngs_modulus: e, poissons_ratio: 0.3, density: 1070.0 };
+    let is = RegionProperties::elastic(material, e, 0.3, 1070.0);
     let own = 1070.0 * length * side * side;
     // Rayleigh: k = 3EI/L³, 33/140 of the beam's own mass moves with its end
     let omega = (3.0 * e * side.powi(4) / 12.0 / length.powi(3) / (mass + 33.0 / 140.0 * own)).sqrt();
@@ -115,7 +115,7 @@ fn a_tip_mass_lowers_the_frequency_of_a_beam_to_that_of_a_massless_spring() {
         let masses = faces.iter().fold(Masses::none(), |all, face| all.on_face(&mesh, face, mass / (side * side)));
         let tip = mesh.nodes.iter().position(|at| at[0] > length - 1e-9).unwrap();
         let options = Options { lumped_mass, masses, ..Options::default() };
-        let system = System::with(mesh.clone(), vec![is], clamps, options).unwrap();
+        let system = System::with(mesh.clone(), vec![is.clone()], clamps, options).unwrap();
         let mut solver = system.solver();
         solver.set_forces(Forces::none(&mesh).on_node(tip as u32, [0.0, 1e-5, 0.0]).as_slice()).unwrap();
         let bent = solver.equilibrium(&[], None, &StaticSettings { tolerance: 1e-10, ..Default::default() }).unwrap();
@@ -191,7 +191,7 @@ fn mean_dilatation_removes_locking_of_thick_quadratic_elements() {
         let faces = end_faces(&mesh, 0.048);
         let push = faces.iter().fold(Forces::none(&mesh), |all, face| all.on_face(face, [0.0, 100.0, 0.0]));
         let material = materials::by_name("linear").unwrap();
-        let is = RegionProperties { material, youngs_modulus: 2e5, poissons_ratio: 0.4999, density: 1070.0 };
+        let is = RegionProperties::elastic(material, 2e5, 0.4999, 1070.0);
         let options = Options { mean_dilatation: vec![mean], ..Options::default() };
         let system = System::with(mesh.clone(), vec![is], clamps, options).unwrap();
         let mut solver = system.solver();

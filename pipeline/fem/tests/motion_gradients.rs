@@ -20,12 +20,17 @@ fn system() -> System {
     let region = move |cell: [usize; 3]| if air(cell) { None } else { Some(u16::from(cell[1] == 1)) };
     let mesh = box_mesh::to_quadratic(&box_mesh::grid([6, 5, 2], true, place, region));
     let material = materials::by_name("neo_hookean").unwrap();
-    let is = RegionProperties { material, youngs_modulus: 2.1e5, poissons_ratio: 0.45, density: 1e3 };
+    let is = RegionProperties::elastic(material, 2.1e5, 0.45, 1e3);
     let clamps = Clamps::below_x(&mesh, 1e-9);
     let masses = Masses::none().on_node(far_node(&mesh) as u32, 1e-3);
     let options = Options { masses, mean_dilatation: vec![true], lumped_mass: false };
-    System::with(mesh, vec![is, RegionProperties { youngs_modulus: 1e7, poissons_ratio: 0.35, ..is }], clamps, options)
-        .unwrap()
+    System::with(
+        mesh,
+        vec![is.clone(), RegionProperties { youngs_modulus: 1e7, poissons_ratio: 0.35, ..is }],
+        clamps,
+        options,
+    )
+    .unwrap()
 }
 
 fn far_node(mesh: &Mesh) -> usize {

@@ -13,7 +13,7 @@ const PRESSURE: f64 = 1e4;
 
 fn made_of(law: &str, youngs_modulus: f64, poissons_ratio: f64) -> RegionProperties {
     let material = materials::by_name(law).unwrap();
-    RegionProperties { material, youngs_modulus, poissons_ratio, density: 1070.0 }
+    RegionProperties::elastic(material, youngs_modulus, poissons_ratio, 1070.0)
 }
 
 /// A bar of 60 × 20 × 20 mm, half of it meshed, with a chamber beside a sheet of 1 mm.

@@ -6,7 +6,7 @@ use fem::{Chamber, Clamps, Elements, Faces, Mesh, RegionProperties, SetupError, 
 
 fn rubber() -> RegionProperties {
     let material = materials::by_name("neo_hookean").unwrap();
-    RegionProperties { material, youngs_modulus: 2e5, poissons_ratio: 0.45, density: 1070.0 }
+    RegionProperties::elastic(material, 2e5, 0.45, 1070.0)
 }
 
 fn hollow() -> Mesh {

@@ -6,7 +6,7 @@ use fem::{Clamps, Mesh, RegionProperties, StaticSettings, System, box_mesh, mate
 
 fn made_of(material: &str, youngs_modulus: f64, poissons_ratio: f64) -> RegionProperties {
     let material = materials::by_name(material).unwrap();
-    RegionProperties { material, youngs_modulus, poissons_ratio, density: 1070.0 }
+    RegionProperties::elastic(material, youngs_modulus, poissons_ratio, 1070.0)
 }
 
 /// 30 × 20 × 10 mm, with its inner nodes shaken so that no element is like another.

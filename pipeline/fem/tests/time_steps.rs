@@ -17,8 +17,8 @@ fn bar() -> System {
     let mesh = box_mesh::to_quadratic(&box_mesh::grid([5, 4, 2], true, place, region));
     let clamps = Clamps::below_x(&mesh, 1e-9);
     let material = materials::by_name("corotated").unwrap();
-    let body = RegionProperties { material, youngs_modulus: 2e5, poissons_ratio: 0.45, density: 1070.0 };
-    let sheet = RegionProperties { youngs_modulus: 4e6, poissons_ratio: 0.4, ..body };
+    let body = RegionProperties::elastic(material, 2e5, 0.45, 1070.0);
+    let sheet = RegionProperties { youngs_modulus: 4e6, poissons_ratio: 0.4, ..body.clone() };
     System::new(mesh, vec![body, sheet], clamps).unwrap()
 }
 

@@ -8,7 +8,7 @@ use mesh::{Cavity, Skin, Solid};
 use si::Pascal;
 
 use crate::case::{self, Axis, Case, Chamber, Place};
-use crate::materials::properties;
+use crate::materials::{fast_branches, properties};
 use crate::reach::Reach;
 use crate::solid::Loaded;
 use diagnostics::{Diagnostic, Result};
@@ -46,7 +46,8 @@ impl<'a> Body<'a> {
         let options = Options { lumped_mass, mean_dilatation, masses: masses(case, &reach, &mesh)? };
         let system = System::with(mesh, properties, &clamps, options)?;
         let numbers = numbers(case, solid, cavities)?;
-        let notes = unnamed(&numbers, cavities);
+        let mut notes = unnamed(&numbers, cavities);
+        notes.extend(fast_branches(system.regions(), case));
         Ok(Self { solid, regions, cavities, system, forces, numbers, notes })
     }
 

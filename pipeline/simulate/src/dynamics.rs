@@ -4,7 +4,7 @@ use fem::{DynamicSettings, InitialValueProblem, SolveError, Solver, State, Stati
 use si::{Pascal, Second};
 
 use crate::body::Body;
-use crate::case::{Dynamic, Scheme, Start};
+use crate::case::{Dynamic, Start};
 use crate::frames::Frame;
 use crate::probes::Solved;
 use crate::{Simulation, Summary};
@@ -48,10 +48,7 @@ fn initial(set: &Dynamic, body: &Body, solver: &mut Solver, pressures: &[Pascal]
 }
 
 fn settings(set: &Dynamic) -> DynamicSettings {
-    let scheme = match set.scheme {
-        Scheme::ImplicitEuler => fem::Scheme::ImplicitEuler,
-        Scheme::Bdf2 => fem::Scheme::Bdf2,
-    };
+    let scheme = set.scheme.into();
     let (mass_damping, stiffness_damping) = (set.mass_damping, set.stiffness_damping);
     let settings = DynamicSettings { scheme, mass_damping, stiffness_damping, ..DynamicSettings::default() };
     DynamicSettings { step: set.step.unwrap_or(settings.step), ..settings }

@@ -1,6 +1,6 @@
 //! Assignment of the case's materials to the regions of the mesh.
 
-use fem::RegionProperties;
+use fem::{Branch, RegionProperties, Relaxation, Springpot};
 use mesh::foreign::Region;
 
 use crate::case::{self, Case};
@@ -32,11 +32,48 @@ pub(super) fn properties(case: &Case, regions: &[Region]) -> Result<(Vec<RegionP
             let act = "give each region of the mesh one [[region]] with its name or tag";
             return Err(Diagnostic::new(what, known(regions), act));
         };
-        let (youngs_modulus, poissons_ratio, density) = (one.youngs_modulus, one.poissons_ratio, one.density);
-        found.0.push(RegionProperties { material: material(&one.material)?, youngs_modulus, poissons_ratio, density });
+        found.0.push(region_properties(one)?);
         found.1.push(one.mean_dilatation);
     }
     Ok(found)
+}
+
+fn region_properties(of: &case::Region) -> Result<RegionProperties> {
+    let relaxation = relaxation(of)?;
+    let youngs_modulus = of.youngs_modulus / of.modulus_time.map_or(1.0, |time| relaxation.modulus(time));
+    let elastic = RegionProperties::elastic(material(&of.material)?, youngs_modulus, of.poissons_ratio, of.density);
+    Ok(RegionProperties { stiffening: of.stiffening, relaxation, ..elastic })
+}
+
+fn relaxation(of: &case::Region) -> Result<Relaxation> {
+    let made = match of.springpot {
+        Some(case::Springpot { strength, exponent, decades }) => {
+            Relaxation::springpot(Springpot { strength, exponent, decades })
+        }
+        None => {
+            let branch = |branch: &case::Branch| Branch { strength: branch.strength, time: branch.time };
+            Relaxation::maxwell(&of.branch.iter().map(branch).collect::<Vec<_>>())
+        }
+    };
+    made.map_err(Diagnostic::from)
+}
+
+/// One line for each relaxation branch that the steps of a motion cannot follow.
+pub(super) fn fast_branches(properties: &[RegionProperties], case: &Case) -> Vec<String> {
+    let Some(set) = &case.dynamic else { return Vec::new() };
+    let Some(step) = set.step.or(set.adaptive.map(|steps| steps.longest)) else { return Vec::new() };
+    let of_region = |(region, is): (usize, &RegionProperties)| {
+        let fast = is.relaxation.branches().iter().enumerate().filter(|(_, branch)| branch.time < 0.1 * step);
+        let line = |(number, branch): (usize, &Branch)| {
+            let time = branch.time;
+            format!(
+                "branch {number} of region {region} relaxes in {time} s, a step takes {step} s: it acts as a damper; \
+                 shorten the step if faster motion matters"
+            )
+        };
+        fast.map(line).collect::<Vec<_>>()
+    };
+    properties.iter().enumerate().flat_map(of_region).collect()
 }
 
 fn material(name: &str) -> Result<&'static dyn fem::Material> {

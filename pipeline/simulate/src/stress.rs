@@ -4,7 +4,6 @@
 //! centroid like any other: that changes its mean stress, on which von Mises' stress does not depend.
 
 use fem::RegionProperties;
-use fem::material::Lame;
 use mesh::Solid;
 use nalgebra::{Matrix3, Vector3};
 use si::Pascal;
@@ -25,9 +24,9 @@ pub(super) fn stress(solid: &Solid, displacement: &[f64], properties: &[RegionPr
 #[allow(non_snake_case)]
 fn one(solid: &Solid, element: usize, displacement: &[f64], properties: &[RegionProperties]) -> Stress {
     let region = &properties[usize::from(solid.regions()[element])];
-    let lame = Lame::of(region.youngs_modulus, region.poissons_ratio);
+    let moduli = region.moduli();
     let F = deformation_gradient(solid, element, displacement);
-    let (energy_density, P) = region.material.stress(&F, lame);
+    let (energy_density, P) = region.material.stress(&F, moduli);
     let sigma = P * F.transpose() / F.determinant();
     let deviator = sigma - Matrix3::identity() * (sigma.trace() / 3.0);
     Stress { von_mises: (1.5 * deviator.norm_squared()).sqrt(), energy_density }

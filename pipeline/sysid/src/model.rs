@@ -102,10 +102,5 @@ fn region(name: &str, material: &Material) -> Result<RegionProperties> {
             "correct the card",
         )
     })?;
-    Ok(RegionProperties {
-        material: law,
-        youngs_modulus: material.youngs_modulus,
-        poissons_ratio: material.poissons_ratio,
-        density: material.density,
-    })
+    Ok(RegionProperties::elastic(law, material.youngs_modulus, material.poissons_ratio, material.density))
 }

@@ -154,7 +154,12 @@ impl ReducedBody {
         see: &mut dyn FnMut(&DVector<f64>, &DVector<f64>),
     ) -> Result<()> {
         let actuation = |t: Second| Actuation { pressures: (motion.pressures)(t) };
-        let reduced = ReducedMotion { settings: motion.settings, modulus_scale: &self.scale, actuation: &actuation };
+        let reduced = ReducedMotion {
+            settings: motion.settings,
+            modulus_scale: &self.scale,
+            relaxation: &[],
+            actuation: &actuation,
+        };
         let mut shown = |_: Second, q: &DVector<f64>, v: &DVector<f64>| see(q, v);
         self.reduced.integrate(&reduced, around, motion.steps, &mut shown).map_err(Diagnostic::from)
     }

@@ -40,7 +40,7 @@ impl Bench {
     fn new() -> Self {
         let mesh = bar();
         let material = materials::by_name("neo_hookean").unwrap();
-        let region = |(e, nu)| RegionProperties { material, youngs_modulus: e, poissons_ratio: nu, density: 1e3 };
+        let region = |(e, nu)| RegionProperties::elastic(material, e, nu, 1e3);
         let clamps = Clamps::below_x(&mesh, 1e-9);
         let system = System::new(mesh.clone(), [(E[0], 0.47), (E[1], 0.35)].map(region).to_vec(), clamps).unwrap();
         let top = |x: f64| (0..mesh.nodes.len()).find(|&n| is_at(mesh.nodes[n], [x, 0.02, 0.0])).unwrap();

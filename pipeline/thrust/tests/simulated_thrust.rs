@@ -30,8 +30,8 @@ fn held() -> (Arc<System>, Mesh) {
     let region = move |c: [usize; 3]| if air(c, 1) || air(c, 3) { None } else { Some(u16::from(c[1] == 2)) };
     let mesh = box_mesh::to_quadratic(&box_mesh::grid([8, 5, 2], true, place, region));
     let material = materials::by_name("neo_hookean").unwrap();
-    let soft = RegionProperties { material, youngs_modulus: 2e5, poissons_ratio: 0.45, density: 1e3 };
-    let stiff = RegionProperties { youngs_modulus: 5e6, poissons_ratio: 0.35, ..soft };
+    let soft = RegionProperties::elastic(material, 2e5, 0.45, 1e3);
+    let stiff = RegionProperties { youngs_modulus: 5e6, poissons_ratio: 0.35, ..soft.clone() };
     let clamps = Clamps::below_x(&mesh, 1e-9);
     (Arc::new(System::new(mesh.clone(), vec![soft, stiff], clamps).unwrap()), mesh)
 }

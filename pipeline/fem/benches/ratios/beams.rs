@@ -54,8 +54,9 @@ pub fn fine() -> Mesh {
 /// A beam of silicone with a sheet `ratio` times as stiff, clamped at its end.
 pub fn system(mesh: Mesh, ratio: f64) -> Outcome<System> {
     let material = materials::by_name("corotated").ok_or("no such material")?;
-    let silicone = RegionProperties { material, youngs_modulus: 2e5, poissons_ratio: 0.45, density: 1070.0 };
-    let sheet = RegionProperties { youngs_modulus: ratio * 2e5, poissons_ratio: 0.37, density: 1410.0, ..silicone };
+    let silicone = RegionProperties::elastic(material, 2e5, 0.45, 1070.0);
+    let sheet =
+        RegionProperties { youngs_modulus: ratio * 2e5, poissons_ratio: 0.37, density: 1410.0, ..silicone.clone() };
     let clamps = Clamps::below_x(&mesh, 1e-9);
     Ok(System::new(mesh, vec![silicone, sheet], clamps)?)
 }

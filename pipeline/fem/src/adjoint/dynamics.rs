@@ -16,10 +16,13 @@ use crate::dynamics::stencil::Stencil;
 use crate::dynamics::trajectory::{Trajectory, TrajectoryStep};
 use crate::linear::pcg::PcgOptions;
 use crate::linear::{add, dot};
-use crate::material::Lame;
+use crate::material::Moduli;
 use crate::newton::potential::Inertia;
 use crate::solve_error::SolveError;
 use crate::solver_state::SolverState;
+use crate::system_data::SystemData;
+use crate::viscoelastic::adjoint::{AdjointHistory, RelaxationSums};
+use crate::viscoelastic::step::{self, RegionStep};
 use std::collections::VecDeque;
 
 /// Derivative of a loss by one state; an empty list stands for zeros.
@@ -59,6 +62,22 @@ impl AdjointState {
     }
 }
 
+/// The adjoint of the histories, and the sums of the gradient through them.
+struct PastAdjoint {
+    /// The regions, without a step.
+    regions: Vec<RegionStep>,
+    history: AdjointHistory,
+    sums: Vec<RelaxationSums>,
+}
+
+impl PastAdjoint {
+    /// Adds what the first step hands back to the initial state at `u`, to `right` (3 entries per node).
+    fn finish(&mut self, data: &SystemData, u: &[f64], right: &mut [f64]) {
+        self.history.add_right_side(data, &self.regions, false, u, right);
+        self.history.add_initial(data, &self.regions, u, &mut self.sums);
+    }
+}
+
 impl SolverState {
     /// See [`crate::Solver::trajectory_adjoint`].
     pub(crate) fn trajectory_adjoint(
@@ -71,6 +90,7 @@ impl SolverState {
         let full = self.data.full_length();
         let mut states = VecDeque::from(vec![AdjointState::zero(full); 3]);
         let mut policy = RefactorisationPolicy::new(FACTORISATION_COST);
+        let mut past = self.adjoint_of_histories();
         for number in (0..trajectory.segments()).rev() {
             let segment = self.segment(trajectory, number)?;
             let (first, last) = trajectory.bounds(number);
@@ -79,7 +99,7 @@ impl SolverState {
                 self.check_loss_gradient(&loss)?;
                 states[0].add(&loss);
                 let step = TrajectoryStep::new(trajectory, &segment, n);
-                self.adjoint_step(&step, &mut states, &mut gradient, &mut policy)?;
+                self.adjoint_step(&step, (&mut states, past.as_mut()), &mut gradient, &mut policy)?;
                 states.pop_front();
                 states.push_back(AdjointState::zero(full));
             }
@@ -89,6 +109,10 @@ impl SolverState {
                 states[0].add(&loss);
                 let beta = trajectory.settings.stiffness_damping;
                 self.adjoint_of_initial_force(beta, segment.state(0), &mut states[0], &mut gradient);
+                if let Some(past) = &mut past {
+                    past.finish(&self.data, &segment.state(0).displacement, &mut states[0].displacement);
+                    self.add_relaxation_gradient(&past.sums, &mut gradient);
+                }
             }
         }
         self.linearised = None;
@@ -102,15 +126,28 @@ impl SolverState {
     fn adjoint_step(
         &mut self,
         step: &TrajectoryStep,
-        states: &mut VecDeque<AdjointState>,
+        (states, past): (&mut VecDeque<AdjointState>, Option<&mut PastAdjoint>),
         gradient: &mut MotionGradient,
         policy: &mut RefactorisationPolicy,
     ) -> Result<(), SolveError> {
+        let regions = step::regions(&self.inputs.properties, step.length());
         let Stencil { gamma, weights } = &step.stencil;
         let (alpha, beta) = (step.trajectory.settings.mass_damping, step.trajectory.settings.stiffness_damping);
         let AdjointState { displacement: mut right, velocity, rate } = states[0].clone();
         add(&mut right, *gamma, &velocity);
-        let lambda = self.adjoint_solve(step, &right, &rate, policy)?;
+        if let Some((past, regions)) = past.as_deref().zip(regions.as_deref()) {
+            past.history.add_right_side(&self.data, regions, true, &step.state().displacement, &mut right);
+        }
+        let before = regions.as_deref().zip(step.segment.history(step.n - 1));
+        self.inputs.begin_step(&self.data, 1.0 + beta * gamma, before);
+        let solved = self.adjoint_solve(step, &right, &rate, policy);
+        self.inputs.end_step();
+        let lambda = solved?;
+        if let (Some(past), Some((regions, before))) = (past, before) {
+            let now = step.segment.history(step.n).unwrap_or(before);
+            let on = (step.state().displacement.as_slice(), lambda.as_slice());
+            past.history.step_back(&self.data, regions, on, (before, now), &mut past.sums);
+        }
         let mass_lambda = self.mass_times(&lambda);
         for (weight, past) in weights.iter().zip(states.iter_mut().skip(1)) {
             add(&mut past.displacement, *weight, &velocity);
@@ -138,19 +175,15 @@ impl SolverState {
         let settings = &step.trajectory.settings;
         let gamma = step.stencil.gamma;
         let inertia = Inertia { rate: gamma * gamma + settings.mass_damping * gamma, ..Inertia::default() };
-        let elastic_scale = 1.0 + settings.stiffness_damping * gamma;
-        let Self { data, inputs, newton, .. } = self;
-        let potential = inputs.at_rest(data, step.pressures()).in_motion(elastic_scale, &inertia);
         let u = &step.state().displacement;
-        let mut b = data.pattern.gather(right);
-        potential.elastic_stiffness(u, &mut newton.tangent);
+        let mut b = self.data.pattern.gather(right);
         if settings.stiffness_damping > 0.0 {
-            // K_f φ by the elastic part of the tangent, which is assembled anyway.
-            let along = data.pattern.gather(rate);
-            let mut image = vec![0.0; b.len()];
-            data.pattern.multiply(&newton.tangent, &along, &mut image);
-            add(&mut b, -settings.stiffness_damping / elastic_scale, &image);
+            let image = self.elastic_stiffness_times(u, rate);
+            add(&mut b, -settings.stiffness_damping, &self.data.pattern.gather(&image));
         }
+        let Self { data, inputs, newton, .. } = self;
+        let potential = inputs.at_rest(data, step.pressures()).in_motion(&inertia);
+        potential.elastic_stiffness(u, &mut newton.tangent);
         newton.complete_tangent(&potential, u);
         if policy.refactorise {
             newton.factorise(&potential, u, &b).map_err(|_| SolveError::NotStable)?;
@@ -181,12 +214,35 @@ impl SolverState {
     /// Adds −λ · ∂r/∂θ of the elastic forces at `u` for E, ν and β.
     fn add_elastic_gradient(&self, u: &[f64], on_elastic: &[f64], on_rate: &[f64], gradient: &mut MotionGradient) {
         let work = self.data.body(&self.inputs.elastic).virtual_work(u, on_elastic, on_rate);
-        for ((of, is), [by_mu, by_lambda, rate]) in gradient.regions.iter_mut().zip(&self.inputs.properties).zip(work) {
-            let by = |change: Lame| change.mu * by_mu + change.lambda * by_lambda;
-            of.youngs_modulus -= by(Lame::by_youngs_modulus(is.youngs_modulus, is.poissons_ratio));
-            of.poissons_ratio -= by(Lame::by_poissons_ratio(is.youngs_modulus, is.poissons_ratio));
+        for ((of, is), (by_moduli, rate)) in gradient.regions.iter_mut().zip(&self.inputs.properties).zip(work) {
+            let by =
+                |change: Moduli| change.to_array().iter().zip(by_moduli).map(|(change, by)| change * by).sum::<f64>();
+            of.youngs_modulus -= by(is.moduli_by_youngs_modulus());
+            of.poissons_ratio -= by(is.moduli_by_poissons_ratio());
+            of.stiffening.iter_mut().enumerate().for_each(|(term, of)| *of -= by(is.moduli_by_stiffening(term)));
             gradient.stiffness_damping -= rate;
         }
+    }
+
+    /// The adjoint of the histories after the last step; none when no region relaxes.
+    fn adjoint_of_histories(&self) -> Option<PastAdjoint> {
+        let regions = step::regions(&self.inputs.properties, 0.0)?;
+        let sums = regions.iter().map(|region| RelaxationSums {
+            by_branch: vec![[0.0; 2]; region.branches.len()],
+            ..RelaxationSums::default()
+        });
+        let (sums, history) = (sums.collect(), AdjointHistory::zero(&self.data, &regions));
+        Some(PastAdjoint { regions, history, sums })
+    }
+
+    /// Adds the gradient through the branches.
+    fn add_relaxation_gradient(&self, sums: &[RelaxationSums], gradient: &mut MotionGradient) {
+        for ((of, is), sums) in gradient.regions.iter_mut().zip(&self.inputs.properties).zip(sums) {
+            of.youngs_modulus += sums.by_mu * is.moduli_by_youngs_modulus().mu;
+            of.poissons_ratio += sums.by_mu * is.moduli_by_poissons_ratio().mu;
+            of.stiffening.iter_mut().zip(sums.by_stiffening).for_each(|(of, by)| *of += by);
+        }
+        gradient.relaxation = sums.iter().map(|sums| sums.by_branch.clone()).collect();
     }
 
     /// Adds −λ · ∂r/∂θ of one step for all other parameters.

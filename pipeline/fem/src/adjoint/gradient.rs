@@ -2,7 +2,7 @@
 
 use crate::dynamics::settings::State;
 
-/// ∂L/∂E, ∂L/∂ν and ∂L/∂ρ of one region.
+/// ∂L by E, ν, ρ and stiffening of one region.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct RegionGradient {
     /// Unit of L per Pa.
@@ -11,6 +11,8 @@ pub struct RegionGradient {
     pub poissons_ratio: f64,
     /// Unit of L per kg/m³.
     pub density: f64,
+    /// By C₂₀/C₁₀ and C₃₀/C₁₀, unit of L.
+    pub stiffening: [f64; 2],
 }
 
 /// The gradient of one scalar L of an equilibrium.
@@ -29,6 +31,8 @@ pub struct Gradient {
 pub struct MotionGradient {
     /// One per region; density through inertia and gravity.
     pub regions: Vec<RegionGradient>,
+    /// ∂L by g (unit of L) and τ (per s) of each relaxation branch of each region.
+    pub relaxation: Vec<Vec<[f64; 2]>>,
     /// ∂L/∂α, unit of L · s.
     pub mass_damping: f64,
     /// ∂L/∂β, unit of L per s.
@@ -48,6 +52,7 @@ impl MotionGradient {
     pub(crate) fn zero(nodes: usize, regions: usize, chambers: usize, steps: usize) -> Self {
         Self {
             regions: vec![RegionGradient::default(); regions],
+            relaxation: vec![Vec::new(); regions],
             mass_damping: 0.0,
             stiffness_damping: 0.0,
             pressures: vec![vec![0.0; chambers]; steps],

@@ -2,7 +2,7 @@
 
 use crate::loads::gas::Gas;
 use crate::loads::{Load, add_gravity};
-use crate::material::Lame;
+use crate::material::Moduli;
 use crate::solve_error::SolveError;
 use crate::solver_state::SolverState;
 use si::Pascal;
@@ -14,6 +14,31 @@ pub enum Parameter {
     YoungsModulus(usize),
     /// ν of a region.
     PoissonsRatio(usize),
+    /// C₂₀/C₁₀ (term 0) or C₃₀/C₁₀ (term 1) of a region.
+    Stiffening {
+        /// Which region.
+        region: usize,
+        /// 0 or 1.
+        term: usize,
+    },
+    /// g of a relaxation branch; no effect on an equilibrium, which is that of long times.
+    RelaxationStrength {
+        /// Which region.
+        region: usize,
+        /// Which of its branches.
+        branch: usize,
+    },
+    /// τ of a relaxation branch, s; no effect on an equilibrium.
+    RelaxationTime {
+        /// Which region.
+        region: usize,
+        /// Which of its branches.
+        branch: usize,
+    },
+    /// Strength of a region's springpot; no effect on an equilibrium.
+    SpringpotStrength(usize),
+    /// Exponent of a region's springpot; no effect on an equilibrium.
+    SpringpotExponent(usize),
     /// ρ of a region, kg/m³: through gravity at rest, through inertia too in motion.
     Density(usize),
     /// p in a chamber, Pa; in motion, the same at all times.
@@ -52,7 +77,22 @@ impl SolverState {
     /// [`SolveError`] when the parameter's region, chamber, node or axis does not exist.
     pub(crate) fn check_parameter(&self, parameter: Parameter) -> Result<(), SolveError> {
         let (regions, chambers) = (self.inputs.properties.len(), self.data.chambers.len());
+        let branches = |region: usize| self.inputs.properties.get(region).map(|is| is.relaxation.branches().len());
+        let springpots = self.inputs.properties.iter().filter(|is| is.relaxation.as_springpot().is_some()).count();
+        let is_springpot =
+            |region: usize| self.inputs.properties.get(region).is_some_and(|is| is.relaxation.as_springpot().is_some());
         let (what, index, count) = match parameter {
+            Parameter::Stiffening { region, term } => {
+                ("the region number of a parameter", if term < 2 { region } else { usize::MAX }, regions)
+            }
+            Parameter::RelaxationStrength { region, branch } | Parameter::RelaxationTime { region, branch } => {
+                ("the branch number of a parameter", branch, branches(region).unwrap_or(0))
+            }
+            Parameter::SpringpotStrength(region) | Parameter::SpringpotExponent(region) => (
+                "the springpot of a parameter",
+                if is_springpot(region) { 0 } else { region.max(1) },
+                springpots.min(1),
+            ),
             Parameter::YoungsModulus(region) | Parameter::PoissonsRatio(region) | Parameter::Density(region) => {
                 ("the region number of a parameter", region, regions)
             }
@@ -74,26 +114,21 @@ impl SolverState {
         Err(SolveError::Setting { what, value: index as f64, range: "below their number" })
     }
 
-    /// The derivative of Lamé's constants by E or ν of a region; none for other parameters.
-    fn lame_derivative(&self, parameter: Parameter) -> Option<(usize, Lame)> {
+    /// The derivative of the long-term moduli of a region; none for parameters that they do not depend on.
+    fn moduli_derivative(&self, parameter: Parameter) -> Option<(usize, Moduli)> {
         let is = |region: usize| &self.inputs.properties[region];
         match parameter {
-            Parameter::YoungsModulus(region) => {
-                let (e, nu) = (is(region).youngs_modulus, is(region).poissons_ratio);
-                Some((region, Lame::by_youngs_modulus(e, nu)))
-            }
-            Parameter::PoissonsRatio(region) => {
-                let (e, nu) = (is(region).youngs_modulus, is(region).poissons_ratio);
-                Some((region, Lame::by_poissons_ratio(e, nu)))
-            }
+            Parameter::YoungsModulus(region) => Some((region, is(region).moduli_by_youngs_modulus())),
+            Parameter::PoissonsRatio(region) => Some((region, is(region).moduli_by_poissons_ratio())),
+            Parameter::Stiffening { region, term } => Some((region, is(region).moduli_by_stiffening(term))),
             _ => None,
         }
     }
 
-    /// ∂f/∂θ of the elastic forces at `u`, 3 entries per node, N per unit of θ; zero for all but E and ν.
+    /// ∂f/∂θ of the elastic forces at `u`, 3 entries per node, N per unit of θ; zero for all but E, ν and stiffening.
     pub(crate) fn elastic_residual_derivative(&self, u: &[f64], parameter: Parameter) -> Vec<f64> {
         let mut derivative = vec![0.0; u.len()];
-        if let Some((region, change)) = self.lame_derivative(parameter) {
+        if let Some((region, change)) = self.moduli_derivative(parameter) {
             self.data.body(&self.inputs.elastic).force_derivative(u, region, change, &mut derivative);
         }
         derivative

@@ -11,7 +11,10 @@ use crate::linear::add;
 use crate::newton::potential::Inertia;
 use crate::solve_error::SolveError;
 use crate::solver_state::SolverState;
+use crate::viscoelastic::sensitivity::{Direction, HistorySensitivity, HistoryStep};
+use crate::viscoelastic::step;
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 /// Derivatives by one parameter of the newest states, newest first.
 struct Sensitivity {
@@ -19,6 +22,10 @@ struct Sensitivity {
     states: VecDeque<State>,
     /// df/dθ = K_f δu + ∂f/∂θ of each, with stiffness damping.
     elastic: VecDeque<Vec<f64>>,
+    /// What it changes of the materials.
+    direction: Option<Direction>,
+    /// Of the newest history, where a region relaxes.
+    history: Option<HistorySensitivity>,
 }
 
 impl SolverState {
@@ -38,6 +45,10 @@ impl SolverState {
         for number in 0..trajectory.segments() {
             let segment = self.segment(trajectory, number)?;
             let (first, last) = trajectory.bounds(number);
+            if number == 0 {
+                let u = &segment.state(0).displacement;
+                all.iter_mut().for_each(|sensitivity| self.start_history(u, sensitivity));
+            }
             for n in first..=last {
                 for sensitivity in &mut all {
                     if trajectory.settings.stiffness_damping > 0.0 && n == 1 {
@@ -65,7 +76,16 @@ impl SolverState {
             displacement: self.with_constraints(&state.displacement),
             velocity: self.with_constraints(&state.velocity),
         };
-        Sensitivity { parameter, states: VecDeque::from([state]), elastic: VecDeque::new() }
+        let direction = Direction::of(parameter, &self.inputs.properties);
+        Sensitivity { parameter, states: VecDeque::from([state]), elastic: VecDeque::new(), direction, history: None }
+    }
+
+    /// The derivative of the initial history at the displacement `u`.
+    fn start_history(&self, u: &[f64], of: &mut Sensitivity) {
+        let du = &of.states[0].displacement;
+        let regions = step::regions(&self.inputs.properties, 0.0);
+        of.history =
+            regions.map(|regions| HistorySensitivity::relaxed(&self.data, &regions, (u, du), of.direction.as_ref()));
     }
 
     /// df/dθ = K_f δu + ∂f/∂θ at the newest state.
@@ -77,8 +97,31 @@ impl SolverState {
 
     /// Advances the derivatives by one step.
     fn sensitivity_step(&mut self, step: &TrajectoryStep, of: &mut Sensitivity) -> Result<(), SolveError> {
-        let derivative = self.step_residual_derivative(step, of);
-        let displacement = self.solve_step(step, &derivative)?;
+        let regions = step::regions(&self.inputs.properties, step.length());
+        let past = regions.as_deref().zip(step.segment.history(step.n - 1)).zip(step.segment.history(step.n));
+        let mut derivative = self.step_residual_derivative(step, of);
+        let history_step = past.map(|((regions, before), now)| HistoryStep {
+            data: &self.data,
+            regions,
+            before,
+            now,
+            displacement: &step.state().displacement,
+        });
+        if let Some((history, history_step)) = of.history.as_ref().zip(history_step.as_ref()) {
+            history.add_residual(history_step, of.direction.as_ref(), &mut derivative);
+        }
+        let data = Arc::clone(&self.data);
+        let scale = 1.0 + step.trajectory.settings.stiffness_damping * step.stencil.gamma;
+        self.inputs.begin_step(&data, scale, past.map(|(before, _)| before));
+        let solved = self.solve_step(step, &derivative);
+        self.inputs.end_step();
+        let displacement = solved?;
+        if let Some(((regions, before), now)) = past {
+            let displacement_now = &step.state().displacement;
+            let history_step = HistoryStep { data: &data, regions, before, now, displacement: displacement_now };
+            let history = of.history.as_mut();
+            history.into_iter().for_each(|all| all.advance(&history_step, &displacement, of.direction.as_ref()));
+        }
         let past = of.states.iter().map(|state| state.displacement.as_slice());
         let velocity = step.stencil.rate(&displacement, past);
         of.states.push_front(State { displacement, velocity });
@@ -99,6 +142,7 @@ impl SolverState {
         let mut derivative = self.load_residual_derivative(u, step.pressures(), of.parameter);
         add(&mut derivative, 1.0 + beta * stencil.gamma, &self.elastic_residual_derivative(u, of.parameter));
         let mut inertial = stencil.history(of.states.iter().map(|state| state.displacement.as_slice()));
+        inertial.resize(derivative.len(), 0.0);
         inertial.iter_mut().for_each(|entry| *entry *= stencil.gamma + alpha);
         add(&mut inertial, 1.0, &stencil.history(of.states.iter().map(|state| state.velocity.as_slice())));
         add(&mut derivative, 1.0, &self.mass_times(&inertial));
@@ -125,8 +169,7 @@ impl SolverState {
         let u = &step.state().displacement;
         let inertia = Inertia { rate: gamma * gamma + settings.mass_damping * gamma, ..Inertia::default() };
         let Self { data, inputs, newton, .. } = self;
-        let elastic_scale = 1.0 + settings.stiffness_damping * gamma;
-        let potential = inputs.at_rest(data, step.pressures()).in_motion(elastic_scale, &inertia);
+        let potential = inputs.at_rest(data, step.pressures()).in_motion(&inertia);
         newton.linearise(&potential, u);
         let b = data.pattern.gather(derivative);
         let options = pcg_options(settings);

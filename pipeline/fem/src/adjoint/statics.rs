@@ -27,6 +27,7 @@ impl SolverState {
             youngs_modulus: by(self, Parameter::YoungsModulus(region)),
             poissons_ratio: by(self, Parameter::PoissonsRatio(region)),
             density: by(self, Parameter::Density(region)),
+            stiffening: [0, 1].map(|term| by(self, Parameter::Stiffening { region, term })),
         };
         let regions = (0..self.inputs.elastic.len()).map(region).collect();
         let pressures = (0..self.data.chambers.len()).map(|chamber| by(self, Parameter::Pressure(chamber))).collect();
@@ -49,7 +50,7 @@ impl SolverState {
     /// ∂r/∂θ at fixed u, 3 entries per node, N per unit of the parameter.
     fn residual_derivative(&self, at: &Equilibrium, parameter: Parameter) -> Vec<f64> {
         match parameter {
-            Parameter::YoungsModulus(_) | Parameter::PoissonsRatio(_) => {
+            Parameter::YoungsModulus(_) | Parameter::PoissonsRatio(_) | Parameter::Stiffening { .. } => {
                 self.elastic_residual_derivative(&at.displacement, parameter)
             }
             _ => self.load_residual_derivative(&at.displacement, &at.pressures, parameter),

@@ -6,8 +6,9 @@ use crate::assembly::kernels::{add_blocks, add_force, deformation, element_value
 use crate::assembly::reference::ReferenceElements;
 use crate::assembly::tangent::TangentKind;
 use crate::linear::sparsity::Pattern;
-use crate::material::{Lame, Material};
+use crate::material::{Material, Moduli};
 use crate::mesh::Mesh;
+use crate::viscoelastic::symmetric::{Symmetric, matrix};
 use nalgebra::Matrix3;
 use si::{Joule, Point3};
 
@@ -17,7 +18,7 @@ pub(crate) struct Elastic {
     /// The law.
     pub material: &'static dyn Material,
     /// Its constants.
-    pub lame: Lame,
+    pub moduli: Moduli,
     /// Whether the λ part of the energy takes the element's mean deformation [hughes1980].
     pub mean_dilatation: bool,
 }
@@ -26,8 +27,8 @@ impl Elastic {
     /// The constants that act at each quadrature point, and those that act at the element's mean deformation.
     // Mean dilatation averages the deformation of the λ part alone. Every law is linear in μ and λ, so energy, forces
     // and tangent remain those of one potential, for every law alike, and the tangent stays symmetric.
-    fn split(&self, lame: Lame) -> (Lame, Option<Lame>) {
-        if self.mean_dilatation { (Lame { lambda: 0.0, ..lame }, Some(Lame { mu: 0.0, ..lame })) } else { (lame, None) }
+    fn split(&self, moduli: Moduli) -> (Moduli, Option<Moduli>) {
+        if self.mean_dilatation { (moduli.deviatoric(), Some(moduli.volumetric())) } else { (moduli, None) }
     }
 }
 
@@ -41,6 +42,23 @@ pub(crate) struct Body<'a> {
     pub block_positions: &'a [u32],
     /// One per region.
     pub elastic: &'a [Elastic],
+    /// H, the second Piola–Kirchhoff stress that relaxation holds in this step, of every quadrature point, Pa (see
+    /// `viscoelastic`); empty: none.
+    pub held: &'a [Symmetric],
+    /// Factor of H in load stepping.
+    pub held_factor: f64,
+}
+
+/// One sample of an element's energy.
+struct Sample<'a, const N: usize> {
+    /// 1/m.
+    gradients: &'a [Point3; N],
+    /// m³.
+    weight: f64,
+    /// The moduli that act here.
+    moduli: Moduli,
+    /// H, Pa.
+    held: Option<Matrix3<f64>>,
 }
 
 /// Calls the method for the order of the elements, with the number of nodes as a constant.
@@ -55,24 +73,24 @@ macro_rules! by_order {
 }
 
 impl Body<'_> {
-    /// Ψ (J); infinite when an element is inverted and its law forbids it. Adds `scale` f to `forces` (3 per node, N).
-    pub fn energy(&self, u: &[f64], scale: f64, forces: &mut [f64]) -> Joule {
-        by_order!(self.energy_of(u, scale, forces))
+    /// Ψ (J); infinite when an element is inverted and its law forbids it. Adds f to `forces` (3 per node, N).
+    pub fn energy(&self, u: &[f64], forces: &mut [f64]) -> Joule {
+        by_order!(self.energy_of(u, forces))
     }
 
-    /// Adds `scale` K to the matrix `values`.
-    pub fn stiffness(&self, u: &[f64], scale: f64, kind: TangentKind, values: &mut [f64]) {
-        by_order!(self.stiffness_of(u, scale, kind, values));
+    /// Adds K to the matrix `values`.
+    pub fn stiffness(&self, u: &[f64], kind: TangentKind, values: &mut [f64]) {
+        by_order!(self.stiffness_of(u, kind, values));
     }
 
     /// Adds ∂f to `forces` when the constants of `region` change by `change` at fixed u.
-    pub(crate) fn force_derivative(&self, u: &[f64], region: usize, change: Lame, forces: &mut [f64]) {
+    pub(crate) fn force_derivative(&self, u: &[f64], region: usize, change: Moduli, forces: &mut [f64]) {
         by_order!(self.force_derivative_of(u, region, change, forces));
     }
 
-    /// By region, the virtual work of the elastic forces: of ∂f/∂μ and ∂f/∂λ along `along`, and of f along `other`. All
-    /// vectors hold 3 entries per node.
-    pub(crate) fn virtual_work(&self, u: &[f64], along: &[f64], other: &[f64]) -> Vec<[f64; 3]> {
+    /// By region, the virtual work of the elastic forces: of ∂f by μ, λ, C₂₀ and C₃₀ along `along`, and of f along
+    /// `other`. All vectors hold 3 entries per node.
+    pub(crate) fn virtual_work(&self, u: &[f64], along: &[f64], other: &[f64]) -> Vec<([f64; 4], f64)> {
         by_order!(self.virtual_work_of(u, along, other))
     }
 
@@ -98,7 +116,7 @@ impl Body<'_> {
             let moved = element_values(nodes, u);
             let sum: Matrix3<f64> =
                 self.points::<N>(element).map(|(gradients, weight)| deformation(gradients, &moved) * weight).sum();
-            visit(nodes, sum * elastic.lame.mu);
+            visit(nodes, sum * elastic.moduli.mu);
         }
     }
 
@@ -121,84 +139,98 @@ impl Body<'_> {
         (mean, volume)
     }
 
-    /// Calls `visit` at every sample of `element` with gradients, weight, and the part of the constants `lame` that
-    /// acts there.
+    /// Calls `visit` at every sample of `element` with the part of `moduli` that acts there.
     fn for_each_sample<const N: usize>(
         &self,
         element: usize,
         elastic: &Elastic,
-        lame: Lame,
-        mut visit: impl FnMut(&[Point3; N], f64, Lame),
+        moduli: Moduli,
+        mut visit: impl FnMut(Sample<N>),
     ) {
-        let (pointwise, mean) = elastic.split(lame);
-        for (gradients, weight) in self.points::<N>(element) {
-            visit(gradients, weight, pointwise);
+        let (pointwise, mean) = elastic.split(moduli);
+        let first = element * self.reference.points;
+        for (point, (gradients, weight)) in self.points::<N>(element).enumerate() {
+            let held = self.held.get(first + point).map(|held| matrix(held) * self.held_factor);
+            visit(Sample { gradients, weight, moduli: pointwise, held });
         }
-        if let Some(lame) = mean {
-            let (gradients, volume) = self.mean::<N>(element);
-            visit(&gradients, volume, lame);
+        if let Some(moduli) = mean {
+            let (gradients, weight) = self.mean::<N>(element);
+            visit(Sample { gradients: &gradients, weight, moduli, held: None });
         }
     }
 
-    fn energy_of<const N: usize>(&self, u: &[f64], scale: f64, forces: &mut [f64]) -> Joule {
+    fn energy_of<const N: usize>(&self, u: &[f64], forces: &mut [f64]) -> Joule {
         let mut total = 0.0;
         for (element, nodes, elastic) in self.elements::<N>() {
             let moved = element_values(nodes, u);
             let mut force = [[0.0; 3]; N];
-            self.for_each_sample::<N>(element, elastic, elastic.lame, |gradients, weight, lame| {
-                let (energy, stress) = elastic.material.stress(&deformation(gradients, &moved), lame);
-                total += weight * energy;
-                add_force(&mut force, gradients, &stress, weight * scale);
-            });
+            self.for_each_sample::<N>(
+                element,
+                elastic,
+                elastic.moduli,
+                |Sample { gradients, weight, moduli, held }| {
+                    let now = deformation(gradients, &moved);
+                    let (mut energy, mut stress) = elastic.material.stress(&now, moduli);
+                    if let Some(held) = held {
+                        energy += 0.5 * held.component_mul(&(now.tr_mul(&now) - Matrix3::identity())).sum();
+                        stress += now * held;
+                    }
+                    total += weight * energy;
+                    add_force(&mut force, gradients, &stress, weight);
+                },
+            );
             scatter(nodes, &force, forces);
         }
         total
     }
 
-    fn virtual_work_of<const N: usize>(&self, u: &[f64], along: &[f64], other: &[f64]) -> Vec<[f64; 3]> {
-        let mut sums = vec![[0.0; 3]; self.elastic.len()];
+    fn virtual_work_of<const N: usize>(&self, u: &[f64], along: &[f64], other: &[f64]) -> Vec<([f64; 4], f64)> {
+        let mut sums = vec![([0.0; 4], 0.0); self.elastic.len()];
         for (element, nodes, of) in self.elements::<N>() {
-            let sum = &mut sums[self.mesh.regions[element] as usize];
+            let (by_moduli, by_force) = &mut sums[self.mesh.regions[element] as usize];
             let (moved, along, other) =
                 (element_values(nodes, u), element_values(nodes, along), element_values(nodes, other));
-            let mut add = |gradients: &[Point3; N], weight: f64, acting: Lame| {
-                let [by_mu, by_lambda] = of.material.stress_by_lame(&deformation(gradients, &moved));
-                let (by_mu, by_lambda) = (by_mu * (acting.mu * weight), by_lambda * (acting.lambda * weight));
-                let virtual_gradient = deformation(gradients, &along) - Matrix3::identity();
-                sum[0] += by_mu.component_mul(&virtual_gradient).sum();
-                sum[1] += by_lambda.component_mul(&virtual_gradient).sum();
-                let virtual_gradient = deformation(gradients, &other) - Matrix3::identity();
-                sum[2] += (by_mu * of.lame.mu + by_lambda * of.lame.lambda).component_mul(&virtual_gradient).sum();
-            };
-            self.for_each_sample::<N>(element, of, Lame { mu: 1.0, lambda: 1.0 }, &mut add);
+            let every = Moduli { mu: 1.0, lambda: 1.0, stiffening: [1.0; 2] };
+            self.for_each_sample::<N>(element, of, every, |Sample { gradients, weight, moduli: acting, .. }| {
+                let stress = of.material.stress_by_moduli(&deformation(gradients, &moved));
+                let along = deformation(gradients, &along) - Matrix3::identity();
+                let other = deformation(gradients, &other) - Matrix3::identity();
+                let each = stress.iter().zip(acting.to_array()).zip(of.moduli.to_array()).zip(by_moduli.iter_mut());
+                for (((stress, acts), modulus), sum) in each.filter(|(((_, acts), _), _)| *acts != 0.0) {
+                    let stress = stress * (acts * weight);
+                    *sum += stress.component_mul(&along).sum();
+                    *by_force += modulus * stress.component_mul(&other).sum();
+                }
+            });
         }
         sums
     }
 
-    fn force_derivative_of<const N: usize>(&self, u: &[f64], region: usize, change: Lame, forces: &mut [f64]) {
+    fn force_derivative_of<const N: usize>(&self, u: &[f64], region: usize, change: Moduli, forces: &mut [f64]) {
         let inside = |element: usize| self.mesh.regions[element] as usize == region;
         for (element, nodes, elastic) in self.elements::<N>().filter(|&(element, ..)| inside(element)) {
             let moved = element_values(nodes, u);
             let mut force = [[0.0; 3]; N];
-            self.for_each_sample::<N>(element, elastic, change, |gradients, weight, change| {
-                let stress = elastic.material.stress(&deformation(gradients, &moved), change).1;
+            self.for_each_sample::<N>(element, elastic, change, |Sample { gradients, weight, moduli, .. }| {
+                let stress = elastic.material.stress(&deformation(gradients, &moved), moduli).1;
                 add_force(&mut force, gradients, &stress, weight);
             });
             scatter(nodes, &force, forces);
         }
     }
 
-    fn stiffness_of<const N: usize>(&self, u: &[f64], scale: f64, kind: TangentKind, values: &mut [f64]) {
+    fn stiffness_of<const N: usize>(&self, u: &[f64], kind: TangentKind, values: &mut [f64]) {
         let pairs = N * (N + 1) / 2;
         for (element, nodes, elastic) in self.elements::<N>() {
             let material = elastic.material;
             let moved = element_values(nodes, u);
             let mut blocks = [[0.0; 9]; 55];
-            self.for_each_sample::<N>(element, elastic, elastic.lame, |gradients, weight, lame| {
+            self.for_each_sample::<N>(element, elastic, elastic.moduli, |sample| {
+                let Sample { gradients, weight, moduli, held } = sample;
                 let now = deformation(gradients, &moved);
                 let at = |u: &[f64]| deformation(gradients, &element_values(nodes, u));
-                let tangent = kind.tangent(material, lame, &now, at);
-                add_blocks(&mut blocks, gradients, &(tangent * (weight * scale)));
+                let tangent = kind.tangent(material, moduli, &now, held.as_ref(), at);
+                add_blocks(&mut blocks, gradients, &(tangent * weight));
             });
             let positions = &self.block_positions[element * pairs..(element + 1) * pairs];
             let mut pair = 0;

@@ -68,3 +68,15 @@ pub(crate) fn add_blocks<const N: usize>(blocks: &mut [[f64; 9]; 55], gradients:
         }
     }
 }
+
+/// The same for nodes and gradients in lists, from a vector `u` with 3 entries per node.
+pub(crate) fn deformation_of(nodes: &[u32], gradients: &[Point3], u: &[f64]) -> Matrix3<f64> {
+    let mut sum = Matrix3::identity();
+    for (&node, gradient) in nodes.iter().zip(gradients) {
+        let at = 3 * node as usize;
+        for (axis, derivative) in gradient.iter().enumerate() {
+            (0..3).for_each(|i| sum[(i, axis)] += u[at + i] * derivative);
+        }
+    }
+    sum
+}

@@ -6,7 +6,7 @@
 //! linear step predicted: Newton's method with full steps then takes 4 to 12 iterations per load step, where an energy
 //! line search cuts every step.
 
-use crate::material::{Lame, Material, Tangent};
+use crate::material::{Material, Moduli, Tangent};
 use nalgebra::{Matrix3, SVector, SymmetricEigen};
 
 /// The tangent that is assembled.
@@ -23,19 +23,23 @@ pub(crate) enum TangentKind<'a> {
 
 #[allow(non_snake_case)]
 impl TangentKind<'_> {
-    /// The tangent at `F`; `previous` gives the deformation gradient at a displacement (3 per node, m).
+    /// The tangent at `F` with the `held` stress H of relaxation; `previous` gives the deformation gradient at a
+    /// displacement (3 per node, m).
+    // H is the same before and after a linear step, so that it changes no predicted stress.
     pub fn tangent(
         &self,
         material: &'static dyn Material,
-        lame: Lame,
+        moduli: Moduli,
         F: &Matrix3<f64>,
+        held: Option<&Matrix3<f64>>,
         previous: impl Fn(&[f64]) -> Matrix3<f64>,
     ) -> Tangent {
-        match self {
-            Self::Exact => material.response(F, lame).tangent,
-            Self::Convex => positive_part(material.response(F, lame).tangent),
-            Self::MixedPoint(from) => mixed_point(material, lame, &previous(from), F),
-        }
+        let mut tangent = match self {
+            Self::Exact | Self::Convex => material.response(F, moduli).tangent,
+            Self::MixedPoint(from) => mixed_point(material, moduli, &previous(from), F),
+        };
+        held.iter().for_each(|held| add_geometric(&mut tangent, held));
+        if matches!(self, Self::Convex) { positive_part(tangent) } else { tangent }
     }
 }
 
@@ -43,8 +47,8 @@ impl TangentKind<'_> {
 ///
 /// ∂P : δF = δF S + F (C : sym Fᵀ δF), and S is taken as S₀ + F₀⁻¹ (∂P₀ : ΔF − ΔF S₀), ΔF = F − F₀.      [magisano2017]
 #[allow(non_snake_case)]
-fn mixed_point(material: &'static dyn Material, lame: Lame, before: &Matrix3<f64>, now: &Matrix3<f64>) -> Tangent {
-    let (then, here) = (material.response(before, lame), material.response(now, lame));
+fn mixed_point(material: &'static dyn Material, moduli: Moduli, before: &Matrix3<f64>, now: &Matrix3<f64>) -> Tangent {
+    let (then, here) = (material.response(before, moduli), material.response(now, moduli));
     let (Some(then_inverse), Some(inverse)) = (before.try_inverse(), now.try_inverse()) else {
         // A singular F has no second Piola–Kirchhoff stress; the exact tangent is as good as any there.
         return here.tangent;
@@ -57,12 +61,18 @@ fn mixed_point(material: &'static dyn Material, lame: Lame, before: &Matrix3<f64
     let change = predicted - inverse * here.stress;
     let change = (change + change.transpose()) * 0.5;
     let mut tangent = here.tangent;
+    add_geometric(&mut tangent, &change);
+    tangent
+}
+
+/// Adds δ_ik S_JL, the tangent of F S at a constant S.
+#[allow(non_snake_case)]
+fn add_geometric(tangent: &mut Tangent, S: &Matrix3<f64>) {
     for J in 0..3 {
         for L in 0..3 {
-            (0..3).for_each(|i| tangent[(i + 3 * J, i + 3 * L)] += change[(J, L)]);
+            (0..3).for_each(|i| tangent[(i + 3 * J, i + 3 * L)] += S[(J, L)]);
         }
     }
-    tangent
 }
 
 /// The nearest positive semi-definite tangent: Newton's direction is then always one of descent.     [teran2005]

@@ -11,6 +11,9 @@ pub enum Scheme {
     /// Second-order backward differences; damps only motions that the step does not resolve. Its first step is one of
     /// implicit Euler.
     Bdf2,
+    /// Without inertia and damping: each state is the equilibrium of its time, after all that relaxed before. The first
+    /// step may carry the whole load; states have no velocity.
+    QuasiStatic,
 }
 
 /// Settings of time integration.

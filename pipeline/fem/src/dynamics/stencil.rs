@@ -25,6 +25,7 @@ impl Stencil {
                 let gamma = (1.0 + 2.0 * r) / ((1.0 + r) * step);
                 Self { gamma, weights: vec![-(1.0 + r) / step, r * r / ((1.0 + r) * step)] }
             }
+            (Scheme::QuasiStatic, _) => Self { gamma: 0.0, weights: Vec::new() },
             _ => Self { gamma: 1.0 / step, weights: vec![-1.0 / step] },
         }
     }
@@ -49,6 +50,7 @@ impl Stencil {
     /// γ x + Σ wⱼ xₙ₋ⱼ
     pub fn rate<'a>(&self, now: &[f64], past: impl Iterator<Item = &'a [f64]>) -> Vec<f64> {
         let mut rate = self.history(past);
+        rate.resize(now.len(), 0.0);
         rate.iter_mut().zip(now).for_each(|(rate, now)| *rate += self.gamma * now);
         rate
     }

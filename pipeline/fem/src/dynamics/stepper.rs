@@ -6,15 +6,18 @@
 //!
 //! Both schemes write v = γ u + v̂ and a = γ v + â, and ḟ = γ f + f̂, with v̂, â, f̂ from the past (see `stencil`).
 //! A step is then the minimum of an incremental potential (see `newton::potential`) with
-//! s = 1 + βγ,  c = γ² + αγ,  û = −(γ v̂ + â + α v̂)/c,  h = β f̂.
+//! c = γ² + αγ,  û = −(γ v̂ + â + α v̂)/c,  h = β f̂,  the moduli multiplied by 1 + βγ, and what `viscoelastic` adds.
 
 use crate::dynamics::refactorisation::RefactorisationPolicy;
-use crate::dynamics::settings::{self, DynamicSettings, InitialValueProblem, State};
+use crate::dynamics::settings::{self, DynamicSettings, InitialValueProblem, Scheme, State};
 use crate::dynamics::stencil::{Stencil, extrapolation};
 use crate::newton::options::{Globalisation, NewtonCounts, NewtonOptions, NonConvergence};
 use crate::newton::potential::Inertia;
 use crate::solve_error::SolveError;
 use crate::solver_state::SolverState;
+use crate::statics::equilibrium::StaticSettings;
+use crate::viscoelastic::history::History;
+use crate::viscoelastic::step;
 use si::{Pascal, Second};
 use std::collections::VecDeque;
 
@@ -38,15 +41,18 @@ pub(crate) struct StepperState {
     pub times: VecDeque<Second>,
     /// Elastic forces of the newest two, with stiffness damping.
     forces: VecDeque<Vec<f64>>,
+    /// Of the newest state, where a region relaxes.
+    pub history: Option<History>,
     // One factor serves many steps: L-BFGS pairs of the steps correct it, and the policy replaces it when that pays.
     policy: RefactorisationPolicy,
 }
 
 impl StepperState {
-    /// From states (newest first) at their times; the first step begins with a new factorisation.
-    pub fn new(states: Vec<State>, times: Vec<Second>) -> Self {
+    /// From states (newest first) at their times, and the history of the newest; the first step begins with a new
+    /// factorisation.
+    pub fn new(states: Vec<State>, times: Vec<Second>, history: Option<History>) -> Self {
         let policy = RefactorisationPolicy::new(FACTORISATION_COST);
-        Self { states: states.into(), times: times.into(), forces: VecDeque::new(), policy }
+        Self { states: states.into(), times: times.into(), forces: VecDeque::new(), history, policy }
     }
 
     /// Restarts from the newest two states alone, as a checkpoint stores them: a stepper from these takes the same
@@ -54,7 +60,7 @@ impl StepperState {
     pub(crate) fn restart(&mut self) {
         let states = self.states.iter().take(2).cloned();
         let times = self.times.iter().copied().take(2);
-        *self = Self::new(states.collect(), times.collect());
+        *self = Self::new(states.collect(), times.collect(), self.history.take());
     }
 
     /// The stencil of a step to `time`.
@@ -117,7 +123,14 @@ impl SolverState {
             displacement: self.with_constraints(&initial.displacement),
             velocity: self.with_constraints(&initial.velocity),
         };
-        Ok(StepperState::new(vec![first], vec![0.0]))
+        let history = self.relaxed_history(&first.displacement);
+        Ok(StepperState::new(vec![first], vec![0.0], history))
+    }
+
+    /// The history of a body that has been held at `u` for ever; none when no region relaxes.
+    fn relaxed_history(&self, u: &[f64]) -> Option<History> {
+        let regions = step::regions(&self.inputs.properties, 0.0)?;
+        Some(History::relaxed(&self.data, &regions, u))
     }
 
     /// One step to `time`; the stepper is unchanged when it fails.
@@ -129,10 +142,16 @@ impl SolverState {
         pressures: &[Pascal],
     ) -> Result<(), SolveError> {
         self.check_pressures(pressures)?;
-        let (state, counts) = self.step(settings, stepper, time, pressures).map_err(|cause| {
-            let reached = stepper.times[0];
-            SolveError::TimeStep { time: reached, step: time - reached, cause }
-        })?;
+        let regions = step::regions(&self.inputs.properties, time - stepper.times[0]);
+        let past = regions.as_deref().zip(stepper.history.as_ref());
+        let stencil = stepper.stencil(settings, time);
+        self.inputs.begin_step(&self.data, 1.0 + settings.stiffness_damping * stencil.gamma, past);
+        let result = self.step(settings, stepper, time, pressures);
+        self.inputs.end_step();
+        let (state, counts) = result?;
+        if let Some((regions, history)) = regions.as_deref().zip(stepper.history.as_mut()) {
+            *history = history.advanced(&self.data, regions, &state.displacement);
+        }
         if settings.stiffness_damping > 0.0 {
             stepper.forces.push_front(self.elastic_forces(&state.displacement));
             stepper.forces.truncate(2);
@@ -145,7 +164,42 @@ impl SolverState {
         Ok(())
     }
 
+    /// The state at the end of a step that has begun.
     fn step(
+        &mut self,
+        settings: &DynamicSettings,
+        stepper: &mut StepperState,
+        time: Second,
+        pressures: &[Pascal],
+    ) -> Result<(State, NewtonCounts), SolveError> {
+        if settings.scheme == Scheme::QuasiStatic {
+            return self.quasi_static_step(settings, &stepper.states[0].displacement, pressures);
+        }
+        self.implicit_step(settings, stepper, time, pressures).map_err(|cause| {
+            let reached = stepper.times[0];
+            SolveError::TimeStep { time: reached, step: time - reached, cause }
+        })
+    }
+
+    /// The equilibrium after the history until then, from the shape before.
+    fn quasi_static_step(
+        &mut self,
+        settings: &DynamicSettings,
+        before: &[f64],
+        pressures: &[Pascal],
+    ) -> Result<(State, NewtonCounts), SolveError> {
+        let settings = StaticSettings { tolerance: settings.tolerance, ..StaticSettings::default() };
+        let guess = before.iter().any(|u| *u != 0.0).then_some(before);
+        let found = self.equilibrium(pressures, guess, &settings)?;
+        let counts = NewtonCounts {
+            iterations: found.iterations,
+            factorisations: found.factorisations,
+            ..NewtonCounts::default()
+        };
+        Ok((State { velocity: vec![0.0; before.len()], displacement: found.displacement }, counts))
+    }
+
+    fn implicit_step(
         &mut self,
         settings: &DynamicSettings,
         stepper: &mut StepperState,
@@ -156,8 +210,8 @@ impl SolverState {
             stepper.forces = stepper.shapes().take(2).map(|u| self.elastic_forces(u)).collect();
         }
         let stencil = stepper.stencil(settings, time);
-        let (inertia, elastic_scale) = self.inertia(settings, &stencil, stepper);
-        let potential = self.inputs.at_rest(&self.data, pressures).in_motion(elastic_scale, &inertia);
+        let inertia = self.inertia(settings, &stencil, stepper);
+        let potential = self.inputs.at_rest(&self.data, pressures).in_motion(&inertia);
         // Inertia keeps the minimum close to the initial guess; the line search keeps the iteration safe where a
         // pressure jumps.
         let options = NewtonOptions {
@@ -179,8 +233,8 @@ impl SolverState {
         Ok((State { displacement, velocity }, counts))
     }
 
-    /// c, û and h of one step, and s.
-    fn inertia(&self, settings: &DynamicSettings, stencil: &Stencil, stepper: &StepperState) -> (Inertia, f64) {
+    /// c, û and h of one step.
+    fn inertia(&self, settings: &DynamicSettings, stencil: &Stencil, stepper: &StepperState) -> Inertia {
         let (alpha, beta, gamma) = (settings.mass_damping, settings.stiffness_damping, stencil.gamma);
         let rate = gamma * gamma + alpha * gamma;
         let v = stencil.history(stepper.shapes());
@@ -192,6 +246,6 @@ impl SolverState {
             history = stencil.history(stepper.forces.iter().map(Vec::as_slice));
             history.iter_mut().for_each(|force| *force *= beta);
         }
-        (Inertia { rate, centre: free, history }, 1.0 + beta * gamma)
+        Inertia { rate, centre: free, history }
     }
 }

@@ -9,6 +9,8 @@ use crate::dynamics::stencil::Stencil;
 use crate::dynamics::stepper::StepperState;
 use crate::solve_error::SolveError;
 use crate::solver_state::SolverState;
+use crate::viscoelastic::history::History;
+use crate::viscoelastic::symmetric::Symmetric;
 use si::{Pascal, Second};
 
 /// A recorded motion.
@@ -19,24 +21,34 @@ pub struct Trajectory {
     times: Vec<Second>,
     /// Pressures of each step, one per chamber; those of step n at n − 1.
     pressures: Vec<Vec<Pascal>>,
-    /// States at the start of each segment, newest first.
-    checkpoints: Vec<Vec<State>>,
+    /// States at the start of each segment, newest first, and the history of the newest.
+    checkpoints: Vec<(Vec<State>, Option<History>)>,
     /// Checkpoint interval: steps of a segment.
     interval: usize,
     /// All states, the initial one first, when there is a single segment.
     stored: Vec<State>,
+    /// Their histories, where a region relaxes.
+    stored_histories: Vec<History>,
 }
 
 /// States of one checkpoint segment, oldest first, and the number of the first.
 pub(crate) struct Segment {
     first: usize,
     states: Vec<State>,
+    /// Of the last states, where a region relaxes; the last one's is that of the last state.
+    histories: Vec<History>,
 }
 
 impl Segment {
     /// The state after step `n`; the initial one for 0.
     pub fn state(&self, n: usize) -> &State {
         &self.states[n - self.first]
+    }
+
+    /// The history after step `n`, where a region relaxes.
+    pub fn history(&self, n: usize) -> Option<&History> {
+        // The second state of a checkpoint has no history, and none is asked for.
+        self.histories.get((n - self.first).checked_sub(self.states.len() - self.histories.len())?)
     }
 }
 
@@ -68,6 +80,11 @@ impl<'a> TrajectoryStep<'a> {
         &self.trajectory.pressures[self.n - 1]
     }
 
+    /// Length of the step, s.
+    pub fn length(&self) -> Second {
+        self.trajectory.times[self.n] - self.trajectory.times[self.n - 1]
+    }
+
     /// aₙ, 3 entries per node.
     pub fn acceleration(&self) -> Vec<f64> {
         self.stencil.rate(&self.state().velocity, self.past().map(|state| state.velocity.as_slice()))
@@ -95,6 +112,12 @@ impl Trajectory {
         Stencil::ending(self.settings.scheme, &self.times[n.saturating_sub(2)..=n])
     }
 
+    /// Stores the newest state.
+    fn store(&mut self, stepper: &StepperState) {
+        self.stored.push(stepper.states[0].clone());
+        self.stored_histories.extend(stepper.history.clone());
+    }
+
     /// First and last step of a segment.
     pub(crate) fn bounds(&self, segment: usize) -> (usize, usize) {
         (segment * self.interval + 1, ((segment + 1) * self.interval).min(self.steps()))
@@ -114,22 +137,23 @@ impl SolverState {
         }
         let steps = times.len().saturating_sub(1);
         let settings = *problem.settings;
-        let interval = checkpoint_interval(steps, 16 * problem.initial.displacement.len(), memory)?;
         let mut stepper = self.start(&settings, problem.initial)?;
+        let history = stepper.history.as_ref().map_or(0, |history| history.tensors.len() * size_of::<Symmetric>());
+        let interval = checkpoint_interval(steps, 16 * problem.initial.displacement.len() + history, memory)?;
         let pressures = times.iter().skip(1).map(|&time| (problem.pressures)(time)).collect();
-        let mut made = Trajectory { settings, times, pressures, checkpoints: Vec::new(), interval, stored: Vec::new() };
+        let mut made = Trajectory { settings, times, pressures, interval, ..Trajectory::default() };
         let all = interval >= steps;
         if all {
-            made.stored.push(stepper.states[0].clone());
+            made.store(&stepper);
         }
         for n in 1..=steps {
             if (n - 1).is_multiple_of(interval) {
                 stepper.restart();
-                made.checkpoints.push(stepper.states.iter().cloned().collect());
+                made.checkpoints.push((stepper.states.iter().cloned().collect(), stepper.history.clone()));
             }
             self.step_to(&settings, &mut stepper, made.times[n], &made.pressures[n - 1])?;
             if all {
-                made.stored.push(stepper.states[0].clone());
+                made.store(&stepper);
             }
         }
         Ok(made)
@@ -138,19 +162,22 @@ impl SolverState {
     /// The states of `segment` and the two before it, recomputed from its checkpoint where they are not stored.
     pub(crate) fn segment(&mut self, trajectory: &Trajectory, segment: usize) -> Result<Segment, SolveError> {
         if !trajectory.stored.is_empty() {
-            return Ok(Segment { first: 0, states: trajectory.stored.clone() });
+            let (states, histories) = (trajectory.stored.clone(), trajectory.stored_histories.clone());
+            return Ok(Segment { first: 0, states, histories });
         }
         let (first, last) = trajectory.bounds(segment);
-        let checkpoint = &trajectory.checkpoints[segment];
+        let (checkpoint, history) = &trajectory.checkpoints[segment];
         let before = checkpoint.len();
         let times = trajectory.times[first - before..first].iter().rev().copied().collect();
-        let mut stepper = StepperState::new(checkpoint.clone(), times);
+        let mut stepper = StepperState::new(checkpoint.clone(), times, history.clone());
         let mut states: Vec<State> = checkpoint.iter().rev().cloned().collect();
+        let mut histories: Vec<History> = history.iter().cloned().collect();
         for n in first..=last {
             self.step_to(&trajectory.settings, &mut stepper, trajectory.times[n], &trajectory.pressures[n - 1])?;
             states.push(stepper.states[0].clone());
+            histories.extend(stepper.history.clone());
         }
-        Ok(Segment { first: first - before, states })
+        Ok(Segment { first: first - before, states, histories })
     }
 
     /// See [`crate::Solver::replay`].

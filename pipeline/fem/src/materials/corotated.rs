@@ -1,6 +1,6 @@
 //! Corotated elasticity: linear in the stretch that remains after the rotation is removed; the law of the paper.
 
-use crate::material::{Lame, Material, Response, Tangent};
+use crate::material::{Material, Moduli, Response, Tangent};
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// ψ = μ ‖S − I‖² + λ/2 tr²(S − I) with F = R S        paper, equation 1
@@ -64,15 +64,15 @@ struct Terms {
 
 /// None where F is singular or inverted.
 #[allow(non_snake_case)]
-fn terms(F: &Matrix3<f64>, lame: Lame) -> Option<Terms> {
+fn terms(F: &Matrix3<f64>, moduli: Moduli) -> Option<Terms> {
     if F.determinant() <= 0.0 {
         return None;
     }
     let R = polar_rotation(F)?;
     let S = R.transpose() * F;
     let volumetric = S.trace() - 3.0;
-    let energy = lame.mu * (F - R).norm_squared() + 0.5 * lame.lambda * volumetric * volumetric;
-    let stress = (F - R) * (2.0 * lame.mu) + R * (lame.lambda * volumetric);
+    let energy = moduli.mu * (F - R).norm_squared() + 0.5 * moduli.lambda * volumetric * volumetric;
+    let stress = (F - R) * (2.0 * moduli.mu) + R * (moduli.lambda * volumetric);
     Some(Terms { energy, stress, R, S })
 }
 
@@ -84,22 +84,23 @@ impl Material for Corotated {
 
     // By the formula alone a mirrored tetrahedron has zero energy. Here det F ≤ 0 has infinite energy, so that no step
     // can accept it.
-    fn stress(&self, F: &Matrix3<f64>, lame: Lame) -> (f64, Matrix3<f64>) {
-        match terms(F, lame) {
+    fn stress(&self, F: &Matrix3<f64>, moduli: Moduli) -> (f64, Matrix3<f64>) {
+        match terms(F, moduli) {
             Some(terms) => (terms.energy, terms.stress),
             None => (f64::INFINITY, Matrix3::zeros()),
         }
     }
 
-    fn stress_by_lame(&self, F: &Matrix3<f64>) -> [Matrix3<f64>; 2] {
-        let unit = Lame { mu: 1.0, lambda: 1.0 };
-        terms(F, unit).map_or([Matrix3::zeros(); 2], |Terms { R, S, .. }| [(F - R) * 2.0, R * (S.trace() - 3.0)])
+    fn stress_by_moduli(&self, F: &Matrix3<f64>) -> [Matrix3<f64>; 4] {
+        let zero = Matrix3::zeros();
+        let by_moduli = |Terms { R, S, .. }| [(F - R) * 2.0, R * (S.trace() - 3.0), zero, zero];
+        terms(F, Moduli::default()).map_or([zero; 4], by_moduli)
     }
 
     /// dP = 2μ dF + λ (R : dF) R + (λ tr(S − I) − 2μ) dR,  dR = Σ_kl Q_k (tr(S) I − S)⁻¹_kl (Q_l : dF),  Q_k = R [e_k]×
-    fn response(&self, F: &Matrix3<f64>, lame: Lame) -> Response {
+    fn response(&self, F: &Matrix3<f64>, moduli: Moduli) -> Response {
         let inverted = Response { energy: f64::INFINITY, stress: Matrix3::zeros(), tangent: Tangent::zeros() };
-        let Some(Terms { energy, stress, R, S }) = terms(F, lame) else {
+        let Some(Terms { energy, stress, R, S }) = terms(F, moduli) else {
             return inverted;
         };
         let Some(inverse) = (Matrix3::identity() * S.trace() - S).try_inverse() else {
@@ -114,11 +115,11 @@ impl Material for Corotated {
                 Q[(i + 3 * after, k)] = -R[(i, before)];
             }
         }
-        let rotational = lame.lambda * (S.trace() - 3.0) - 2.0 * lame.mu;
+        let rotational = moduli.lambda * (S.trace() - 3.0) - 2.0 * moduli.mu;
         let r = SMatrix::<f64, 9, 1>::from_column_slice(R.as_slice());
-        let mut tangent = Q * (inverse * rotational) * Q.transpose() + r * r.transpose() * lame.lambda;
+        let mut tangent = Q * (inverse * rotational) * Q.transpose() + r * r.transpose() * moduli.lambda;
         for entry in 0..9 {
-            tangent[(entry, entry)] += 2.0 * lame.mu;
+            tangent[(entry, entry)] += 2.0 * moduli.mu;
         }
         Response { energy, stress, tangent }
     }
@@ -140,6 +141,6 @@ mod tests {
     #[test]
     fn a_mirrored_tetrahedron_has_infinite_energy() {
         let mirror = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, -1.0));
-        assert!(Corotated.stress(&mirror, Lame { mu: 1.0, lambda: 1.0 }).0.is_infinite());
+        assert!(Corotated.stress(&mirror, Moduli::of(1.0, 0.25)).0.is_infinite());
     }
 }

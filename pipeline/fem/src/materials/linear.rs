@@ -1,6 +1,6 @@
 //! Linear elasticity: the small-strain limit of every other law, for tests and closed forms.
 
-use crate::material::{Lame, Material, Response, Tangent};
+use crate::material::{Material, Moduli, Response, Tangent};
 use nalgebra::Matrix3;
 
 /// ψ = μ ε : ε + λ/2 tr²ε with ε = ½ (F + Fᵀ) − I.
@@ -17,21 +17,21 @@ impl Material for Linear {
         false
     }
 
-    fn stress(&self, F: &Matrix3<f64>, Lame { mu, lambda }: Lame) -> (f64, Matrix3<f64>) {
+    fn stress(&self, F: &Matrix3<f64>, Moduli { mu, lambda, .. }: Moduli) -> (f64, Matrix3<f64>) {
         let strain = (F + F.transpose()) * 0.5 - Matrix3::identity();
         let volumetric = strain.trace();
         let energy = mu * strain.norm_squared() + 0.5 * lambda * volumetric * volumetric;
         (energy, strain * (2.0 * mu) + Matrix3::identity() * (lambda * volumetric))
     }
 
-    fn response(&self, F: &Matrix3<f64>, lame: Lame) -> Response {
-        let (energy, stress) = self.stress(F, lame);
+    fn response(&self, F: &Matrix3<f64>, moduli: Moduli) -> Response {
+        let (energy, stress) = self.stress(F, moduli);
         let mut tangent = Tangent::zeros();
         for i in 0..3 {
             for j in 0..3 {
-                tangent[(i + 3 * j, i + 3 * j)] += lame.mu;
-                tangent[(i + 3 * j, j + 3 * i)] += lame.mu;
-                tangent[(4 * i, 4 * j)] += lame.lambda;
+                tangent[(i + 3 * j, i + 3 * j)] += moduli.mu;
+                tangent[(i + 3 * j, j + 3 * i)] += moduli.mu;
+                tangent[(4 * i, 4 * j)] += moduli.lambda;
             }
         }
         Response { energy, stress, tangent }

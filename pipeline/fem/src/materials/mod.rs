@@ -3,6 +3,7 @@
 mod corotated;
 mod linear;
 mod neo_hookean;
+mod yeoh;
 
 #[cfg(test)]
 mod conformance;
@@ -12,7 +13,7 @@ pub(crate) use corotated::polar_rotation;
 use crate::material::Material;
 
 /// All laws. The conformance tests run on each.
-pub const ALL: &[&dyn Material] = &[&corotated::Corotated, &neo_hookean::NeoHookean, &linear::Linear];
+pub const ALL: &[&dyn Material] = &[&corotated::Corotated, &neo_hookean::NeoHookean, &yeoh::Yeoh, &linear::Linear];
 
 /// The law called `name`, as cards and cases write it.
 pub fn by_name(name: &str) -> Option<&'static dyn Material> {

@@ -1,9 +1,9 @@
 //! The potential that a body minimises: elastic energy less the work of the loads, in dynamics with inertia.
 //!
-//! Π(u) = s Ψ(u) − Σ p_c V_c(u) − t f · u + ½ c (u − û)ᵀ M (u − û) + h · u
+//! Π(u) = Ψ(u) − Σ p_c V_c(u) − t f · u + ½ c (u − û)ᵀ M (u − û) + h · u
 //!
-//! An implicit time step minimises such an incremental potential with its own s, c, û and h; in statics s = 1, c = 0, h
-//! = 0.
+//! An implicit time step minimises such an incremental potential with its own c, û, h and moduli; in statics c = 0 and
+//! h = 0.
 
 use crate::assembly::elastic::{Body, Elastic};
 use crate::assembly::mass::Mass;
@@ -12,6 +12,7 @@ use crate::linear::dot;
 use crate::loads::gas::Gas;
 use crate::loads::{DeadForces, Load};
 use crate::system_data::SystemData;
+use crate::viscoelastic::symmetric::Symmetric;
 use si::Pascal;
 
 /// Inertial and history terms of one time step.
@@ -43,15 +44,15 @@ pub(crate) enum HessianKind {
 pub(crate) struct Potential<'a> {
     pub data: &'a SystemData,
     pub elastic: &'a [Elastic],
+    /// H of every quadrature point, Pa (see `viscoelastic`); empty: none.
+    pub held: &'a [Symmetric],
     pub mass: &'a Mass,
-    /// s
-    pub elastic_scale: f64,
     /// p, one per chamber, Pa.
     pub pressures: &'a [Pascal],
     /// One per chamber: ambient pressure where it is sealed, Pa.
     pub ambient: &'a [Option<Pascal>],
     pub dead: &'a DeadForces,
-    /// t
+    /// t, also of H
     pub load_factor: f64,
     pub inertia: Option<&'a Inertia>,
 }
@@ -65,8 +66,8 @@ pub(crate) struct Energy {
 
 impl<'a> Potential<'a> {
     /// The incremental potential of one time step, from the static one.
-    pub(crate) fn in_motion(self, elastic_scale: f64, inertia: &'a Inertia) -> Self {
-        Self { elastic_scale, inertia: Some(inertia), ..self }
+    pub(crate) fn in_motion(self, inertia: &'a Inertia) -> Self {
+        Self { inertia: Some(inertia), ..self }
     }
 }
 
@@ -74,7 +75,7 @@ impl Potential<'_> {
     /// Π at `u` (3 entries per node, m), J; `gradient` becomes ∂Π/∂u, 3 entries per node, N.
     pub fn energy(&self, u: &[f64], gradient: &mut [f64]) -> Energy {
         gradient.fill(0.0);
-        let elastic = self.elastic_scale * self.body().energy(u, self.elastic_scale, gradient);
+        let elastic = self.body().energy(u, gradient);
         let mut energy = Energy { value: elastic, size: elastic.abs() + self.rounding() };
         let mut add = |part: f64| energy = Energy { value: energy.value + part, size: energy.size + part.abs() };
         for gas in self.gases() {
@@ -96,7 +97,7 @@ impl Potential<'_> {
     /// error of 1e-15 of moduli times volume, however small the strain.
     fn rounding(&self) -> f64 {
         let each = self.elastic.iter().zip(&self.data.volumes);
-        1e-2 * self.elastic_scale * each.map(|(is, volume)| volume * (is.lame.mu + is.lame.lambda.abs())).sum::<f64>()
+        1e-2 * each.map(|(is, volume)| volume * (is.moduli.mu + is.moduli.lambda.abs())).sum::<f64>()
     }
 
     fn add_inertia(&self, inertia: &Inertia, u: &[f64], gradient: &mut [f64]) -> [f64; 2] {
@@ -123,7 +124,7 @@ impl Potential<'_> {
             HessianKind::MixedPoint => TangentKind::MixedPoint(previous),
             HessianKind::ConvexElastic | HessianKind::Convex => TangentKind::Convex,
         };
-        self.body().stiffness(u, self.elastic_scale, tangent, values);
+        self.body().stiffness(u, tangent, values);
         if kind == HessianKind::Convex {
             self.add_mass(values);
         } else {
@@ -131,10 +132,10 @@ impl Potential<'_> {
         }
     }
 
-    /// s times the elastic part of ∂²Π/∂u² alone.
+    /// The elastic part of ∂²Π/∂u² alone.
     pub(crate) fn elastic_stiffness(&self, u: &[f64], values: &mut [f64]) {
         values.fill(0.0);
-        self.body().stiffness(u, self.elastic_scale, TangentKind::Exact, values);
+        self.body().stiffness(u, TangentKind::Exact, values);
     }
 
     /// Adds all but the elastic part of ∂²Π/∂u².
@@ -168,6 +169,6 @@ impl Potential<'_> {
     }
 
     fn body(&self) -> Body<'_> {
-        self.data.body(self.elastic)
+        Body { held: self.held, held_factor: self.load_factor, ..self.data.body(self.elastic) }
     }
 }

@@ -106,8 +106,8 @@ impl GlobalMatrix<'_> {
         let data = self.data;
         let mut position = block_positions.iter();
         for (element, gradients) in data.reference.gradients.chunks_exact(4).enumerate() {
-            let lame = self.elastic[data.mesh.regions[element] as usize].lame;
-            let weight = data.reference.weights[element] * (2.0 * lame.mu + 3.0 * lame.lambda);
+            let moduli = self.elastic[data.mesh.regions[element] as usize].moduli;
+            let weight = data.reference.weights[element] * (2.0 * moduli.mu + 3.0 * moduli.lambda);
             let nodes = data.mesh.elements.nodes(element);
             for a in 0..4 {
                 for b in 0..=a {
@@ -147,7 +147,7 @@ mod tests {
         let clamps =
             Clamps::below_x(&mesh, 1e-9).and(&Clamps::where_nodes(&mesh, [false, false, true], |at| at[2] < 1e-9));
         let material = by_name("corotated").unwrap();
-        let region = RegionProperties { material, youngs_modulus: 2e5, poissons_ratio: 0.4, density: 1e3 };
+        let region = RegionProperties::elastic(material, 2e5, 0.4, 1e3);
         let system = System::new(mesh, vec![region], clamps).unwrap();
         let (data, state) = (&system.data, system.solver().state);
         let mut global = GlobalStep::new(data, &state.inputs.elastic, 0.0).unwrap();
@@ -161,12 +161,12 @@ mod tests {
         let now = data.pattern.gather(&u);
         // Σ V Gᵀ (2μ R + 3λ F' − (2μ + 3λ) I) with F' = F − (R : F − 3) R/3
         let mut projected = vec![0.0; u.len()];
-        let lame = state.inputs.elastic[0].lame;
+        let moduli = state.inputs.elastic[0].moduli;
         for element in 0..data.mesh.elements.len() {
             let F = deformation(data, element, &u);
             let R = polar_rotation(&F).unwrap();
             let near = F - R * ((R.dot(&F) - 3.0) / 3.0);
-            let (shear, volumetric) = (2.0 * lame.mu, 3.0 * lame.lambda);
+            let (shear, volumetric) = (2.0 * moduli.mu, 3.0 * moduli.lambda);
             let target = (R * shear + near * volumetric - Matrix3::identity() * (shear + volumetric))
                 * data.reference.weights[element];
             for (a, &node) in data.mesh.elements.nodes(element).iter().enumerate() {

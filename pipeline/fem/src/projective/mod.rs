@@ -185,7 +185,7 @@ fn potential<'a>(
     inertia: Option<&'a Inertia>,
 ) -> Potential<'a> {
     match inertia {
-        Some(inertia) => inputs.at_rest(data, pressures).in_motion(1.0, inertia),
+        Some(inertia) => inputs.at_rest(data, pressures).in_motion(inertia),
         None => inputs.at_rest(data, pressures),
     }
 }

@@ -116,7 +116,7 @@ fn size_of_forces(on: &Potential, u: &[f64]) -> f64 {
     on.gases().for_each(|gas| gas.add_gradient(u, &mut loads));
     on.dead.add_gradient(u, on.load_factor, &mut loads);
     let mut elastic = vec![0.0; u.len()];
-    on.data.body(on.elastic).energy(u, 1.0, &mut elastic);
+    on.data.body(on.elastic).energy(u, &mut elastic);
     let inertial = on.inertia.map_or(0.0, |inertia| {
         let mut away = on.data.pattern.gather(u);
         away.iter_mut().zip(&inertia.centre).for_each(|(at, centre)| *at -= centre);

@@ -99,7 +99,7 @@ fn training_matrix(
     let mut columns = Columns::new(rows, all.len());
     all.par_iter().zip(columns.each()).for_each(|((weight, gradients), column)| {
         for (q, part) in snapshots.iter().chain(perturbations).zip(column.chunks_exact_mut(r)) {
-            let (_, stress) = elastic.material.stress(&deformation(gradients, q), elastic.lame);
+            let (_, stress) = elastic.material.stress(&deformation(gradients, q), elastic.moduli);
             for (work, along) in part.iter_mut().zip(gradients.column_iter()) {
                 *work = (weight * stress.as_slice().iter().zip(along.iter()).map(|(p, g)| p * g).sum::<f64>()) as f32;
             }

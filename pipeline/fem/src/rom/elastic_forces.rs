@@ -6,9 +6,11 @@ use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::{Accum, MatMut, MatRef, Par};
 use nalgebra::{DMatrix, DVector, Matrix3, OMatrix};
 
+use super::relaxation::ActingRegion;
 use crate::assembly::elastic::Elastic;
 use crate::assembly::tangent::TangentKind;
-use crate::material::{Lame, Tangent};
+use crate::material::Tangent;
+use crate::viscoelastic::symmetric::matrix;
 
 /// G, 9 × r: derivative of F by each coordinate, columns of F one below the other.
 pub(super) type ModeGradient = OMatrix<f64, nalgebra::U9, nalgebra::Dyn>;
@@ -53,8 +55,14 @@ impl Points {
         self.weights.len()
     }
 
-    fn lame(&self, scale: f64) -> Lame {
-        Lame { mu: scale * self.elastic.lame.mu, lambda: scale * self.elastic.lame.lambda }
+    /// The law and its constants.
+    pub(super) fn elastic(&self) -> &Elastic {
+        &self.elastic
+    }
+
+    /// Calls `visit` with F of each point.
+    pub(super) fn for_each_deformation(&self, q: &DVector<f64>, mut visit: impl FnMut(&Matrix3<f64>)) {
+        self.each().for_each(|(_, gradients)| visit(&gradient(gradients, q)));
     }
 
     /// Weight and Gᵀ of each point, 9 columns of r one below the other.
@@ -63,20 +71,21 @@ impl Points {
     }
 
     /// Adds f, J.
-    pub(crate) fn add_forces(&self, q: &DVector<f64>, scale: f64, forces: &mut DVector<f64>) {
-        let lame = self.lame(scale);
-        for (weight, gradients) in self.each() {
-            let (_, stress) = self.elastic.material.stress(&gradient(gradients, q), lame);
+    pub(super) fn add_forces(&self, q: &DVector<f64>, acting: &ActingRegion, forces: &mut DVector<f64>) {
+        for (point, (weight, gradients)) in self.each().enumerate() {
+            let now = gradient(gradients, q);
+            let (_, mut stress) = self.elastic.material.stress(&now, acting.moduli);
+            acting.held.get(point).iter().for_each(|held| stress += now * matrix(held));
             add_point_force(&(stress * weight), gradients, forces.as_mut_slice());
         }
     }
 
     /// Adds K, J.
-    pub(crate) fn add_stiffness(
+    pub(super) fn add_stiffness(
         &self,
         q: &DVector<f64>,
         kind: ReducedTangent,
-        scale: f64,
+        acting: &ActingRegion,
         stiffness: &mut DMatrix<f64>,
     ) {
         let (kind, previous) = match kind {
@@ -85,14 +94,16 @@ impl Points {
             ReducedTangent::Convex => (TangentKind::Convex, q),
             ReducedTangent::MixedPoint(previous) => (TangentKind::MixedPoint(&[]), previous),
         };
-        let (lame, r) = (self.lame(scale), q.len());
+        let r = q.len();
         let (mut half, mut image) = (vec![0.0; r * r], vec![0.0; 9 * r * BLOCK]);
-        let all: Vec<(f64, &[f64])> = self.each().collect();
+        let all: Vec<(usize, (f64, &[f64]))> = self.each().enumerate().collect();
         for (block, gradients) in all.chunks(BLOCK).zip(self.gradients.as_slice().chunks(9 * r * BLOCK)) {
             let image = &mut image[..gradients.len()];
-            for ((weight, gradients), image) in block.iter().zip(image.chunks_exact_mut(9 * r)) {
+            for ((point, (weight, gradients)), image) in block.iter().zip(image.chunks_exact_mut(9 * r)) {
                 let now = gradient(gradients, q);
-                let tangent = kind.tangent(self.elastic.material, lame, &now, |_| gradient(gradients, previous));
+                let held = acting.held.get(*point).map(matrix);
+                let before = |_: &[f64]| gradient(gradients, previous);
+                let tangent = kind.tangent(self.elastic.material, acting.moduli, &now, held.as_ref(), before);
                 multiply_tangent(&(tangent * *weight), gradients, image);
             }
             add_lower(gradients, image, &mut half);

@@ -44,4 +44,12 @@ pub enum ReducedError {
         /// Size to reach, no unit.
         tolerance: f64,
     },
+    /// Relaxation that the model cannot have.
+    #[error(
+        "the reduced model cannot relax like this: {what}\n  why: it needs one relaxation per region, and an objective law where something relaxes\n  do:  give one relaxation per region, empty for elastic ones"
+    )]
+    Relaxation {
+        /// What is wrong.
+        what: String,
+    },
 }

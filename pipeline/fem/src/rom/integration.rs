@@ -12,6 +12,7 @@ use super::model::ReducedModel;
 use super::step::{ExternalForce, REFACTORISE_ABOVE, RETRY_ABOVE, Step, StepState, no_convergence};
 use crate::dynamics::settings::{self, DynamicSettings};
 use crate::dynamics::stencil::{Stencil, extrapolation};
+use crate::viscoelastic::relaxation::Relaxation;
 
 /// Actuation at one time.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,6 +28,8 @@ pub struct ReducedMotion<'a> {
     pub settings: &'a DynamicSettings,
     /// Factor of the moduli, one per region.
     pub modulus_scale: &'a [f64],
+    /// Relaxation of the shear part, one per region; empty: none.
+    pub relaxation: &'a [Relaxation],
     /// Actuation at a time (s from the start).
     pub actuation: &'a dyn Fn(Second) -> Actuation,
 }
@@ -54,20 +57,23 @@ impl ReducedModel {
         steps: usize,
         observe: &mut Observer<'_>,
     ) -> Result<(), ReducedError> {
-        let ReducedMotion { settings, modulus_scale: scale, actuation } = *motion;
+        let ReducedMotion { settings, modulus_scale: scale, relaxation, actuation } = *motion;
         settings::check(settings)?;
+        let regions = self.region_steps(scale, relaxation, settings.step)?;
         let mut past = Past::at_rest(self.coordinates());
+        let mut history = self.relaxed(&regions, &past.coordinates[0]);
         let mut tangent = None;
         for step in 1..=steps {
             let time = step as f64 * settings.step;
             let stencil = past.stencil(settings, time);
             let Actuation { pressures } = actuation(time);
+            let acting = self.acting(&regions, 1.0 + settings.stiffness_damping * stencil.gamma, &history);
             let equations = Step {
                 model: self,
                 settings,
                 stencil: &stencil,
                 pressures: &pressures,
-                scale,
+                acting: &acting,
                 external: &*external,
                 past: past.history(&stencil),
             };
@@ -81,6 +87,7 @@ impl ReducedModel {
             let (gamma, weights) = (stencil.gamma, &stencil.weights);
             external.accept(&StepState { coordinates: &q, velocity: &velocity, gamma, weights });
             observe(time, &q, &velocity);
+            self.advance(&regions, &q, &mut history);
             past.push(time, q, velocity, |q| self.elastic_forces(q, scale));
         }
         Ok(())

@@ -14,6 +14,7 @@ mod model;
 mod nnls;
 mod pod;
 mod reduction;
+mod relaxation;
 mod step;
 
 pub use error::ReducedError;

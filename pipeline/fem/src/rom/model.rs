@@ -4,7 +4,9 @@ use nalgebra::{DMatrix, DVector};
 use si::CubicMetre;
 
 use super::chamber_volume::CubicVolume;
-use super::elastic_forces::{Points, ReducedTangent};
+use super::elastic_forces::Points;
+#[cfg(test)]
+use super::elastic_forces::ReducedTangent;
 
 /// By region: numbers of the sampled quadrature points in the full model, and their weights, m³.
 pub(super) type Sampled = Vec<Vec<(u32, CubicMetre)>>;
@@ -62,18 +64,13 @@ impl ReducedModel {
     /// # Panics
     /// When there is not one scale per region.
     pub(crate) fn elastic_forces(&self, q: &DVector<f64>, scale: &[f64]) -> DVector<f64> {
-        assert_eq!(scale.len(), self.points.len(), "one scale per region");
-        let mut forces = DVector::zeros(self.coordinates());
-        self.points.iter().zip(scale).for_each(|(points, scale)| points.add_forces(q, *scale, &mut forces));
-        forces
+        self.acting_forces(q, &self.elastic(scale))
     }
 
     /// ∂²Ψ/∂q² (J) at q, with the moduli of each region multiplied by `scale`.
+    #[cfg(test)]
     pub(super) fn stiffness(&self, q: &DVector<f64>, kind: ReducedTangent, scale: &[f64]) -> DMatrix<f64> {
-        let r = self.coordinates();
-        let mut stiffness = DMatrix::zeros(r, r);
-        self.points.iter().zip(scale).for_each(|(points, scale)| points.add_stiffness(q, kind, *scale, &mut stiffness));
-        stiffness
+        self.acting_stiffness(q, kind, &self.elastic(scale))
     }
 
     /// Volume of `chamber` at q, m³; of a half model, of the half.

@@ -69,7 +69,7 @@ fn stiffness_factor(system: &SystemData, modes: &DMatrix<f64>) -> DMatrix<f64> {
     let inputs = Inputs::new(system);
     let mut values = vec![0.0; system.pattern.entries()];
     let rest = vec![0.0; 3 * system.mesh.nodes.len()];
-    system.body(&inputs.elastic).stiffness(&rest, 1.0, TangentKind::Exact, &mut values);
+    system.body(&inputs.elastic).stiffness(&rest, TangentKind::Exact, &mut values);
     let stiffness = modes.transpose() * product(modes, |x, y| system.pattern.multiply(&values, x, y));
     Cholesky::new(stiffness).expect("a constrained body at rest is stiff along every mode").l()
 }

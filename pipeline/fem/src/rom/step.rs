@@ -6,6 +6,7 @@ use si::{Hertz, Pascal, Second};
 use super::elastic_forces::ReducedTangent;
 use super::error::ReducedError;
 use super::model::ReducedModel;
+use super::relaxation::ActingRegion;
 use crate::dynamics::settings::DynamicSettings;
 use crate::dynamics::stencil::Stencil;
 
@@ -81,7 +82,8 @@ pub(super) struct Step<'a> {
     pub settings: &'a DynamicSettings,
     pub stencil: &'a Stencil,
     pub pressures: &'a [Pascal],
-    pub scale: &'a [f64],
+    /// What acts in each region, damping and relaxation included.
+    pub acting: &'a [ActingRegion],
     pub external: &'a dyn ExternalForce,
     /// v̂, â, f̂.
     pub past: [DVector<f64>; 3],
@@ -107,7 +109,7 @@ impl ReducedModel {
             settings: &DynamicSettings::default(),
             stencil: &stencil,
             pressures,
-            scale,
+            acting: &self.elastic(scale),
             external: &NoForce,
             past: [zero(), zero(), zero()],
         };
@@ -209,7 +211,7 @@ impl Step<'_> {
         let (alpha, beta) = (self.settings.mass_damping, self.settings.stiffness_damping);
         let velocity = self.velocity(q);
         let mut residual = &self.model.mass * (&velocity * (gamma + alpha) + a) + f * beta - self.external_force(q);
-        residual += self.model.elastic_forces(q, self.scale) * (1.0 + beta * gamma);
+        residual += self.model.acting_forces(q, self.acting);
         for (chamber, pressure) in self.model.chambers.iter().zip(self.pressures) {
             chamber.add_gradient(q, -pressure, &mut residual);
         }
@@ -219,9 +221,9 @@ impl Step<'_> {
     /// ∂residual/∂q with the elastic tangent of this `kind`.
     fn tangent(&self, q: &DVector<f64>, kind: ReducedTangent) -> DMatrix<f64> {
         let gamma = self.stencil.gamma;
-        let (alpha, beta) = (self.settings.mass_damping, self.settings.stiffness_damping);
+        let alpha = self.settings.mass_damping;
         let mut tangent = &self.model.mass * (gamma * (gamma + alpha));
-        tangent += self.model.stiffness(q, kind, self.scale) * (1.0 + beta * gamma);
+        tangent += self.model.acting_stiffness(q, kind, self.acting);
         for (chamber, pressure) in self.model.chambers.iter().zip(self.pressures) {
             chamber.add_hessian(q, -pressure, &mut tangent);
         }

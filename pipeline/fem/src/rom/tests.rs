@@ -5,8 +5,8 @@ use nalgebra::DVector;
 use super::elastic_forces::ReducedTangent;
 use super::{Actuation, NoForce, ReducedModel, ReducedModelData, ReducedMotion, ReductionSettings};
 use crate::{
-    Chamber, Clamps, DynamicSettings, Elements, Faces, InitialValueProblem, Mesh, RegionProperties, Scheme, State,
-    StaticSettings, System,
+    Chamber, Clamps, DynamicSettings, Elements, Faces, InitialValueProblem, Mesh, RegionProperties, Relaxation, Scheme,
+    Springpot, State, StaticSettings, System,
 };
 use crate::{box_mesh, materials};
 
@@ -27,7 +27,7 @@ fn hollow() -> System {
         ..solid
     });
     let material = materials::by_name("neo_hookean").expect("a law of this crate");
-    let rubber = RegionProperties { material, youngs_modulus: 2e5, poissons_ratio: 0.45, density: 1000.0 };
+    let rubber = RegionProperties::elastic(material, 2e5, 0.45, 1000.0);
     let clamps = Clamps::below_x(&mesh, 1e-9);
     System::new(mesh, vec![rubber], clamps).expect("a beam with a cavity")
 }
@@ -191,30 +191,68 @@ fn the_stiffness_is_the_derivative_of_the_forces() {
     assert!((&difference - &exact).norm() < 1e-7 * exact.norm());
 }
 
+fn oscillating(time: f64) -> f64 {
+    1.6e4 * (1.0 - (std::f64::consts::TAU * 3.0 * time).cos())
+}
+
+fn with_damping(stiffness_damping: f64) -> DynamicSettings {
+    DynamicSettings { step: 1.0 / 200.0, scheme: Scheme::Bdf2, stiffness_damping, ..DynamicSettings::default() }
+}
+
+/// Displacements of the full model under an oscillating pressure, m.
+fn full_motion(system: &System, damping: f64, relaxation: &Relaxation) -> Vec<Vec<f64>> {
+    let (settings, rest, mut states) = (with_damping(damping), State::rest(system.mesh().nodes.len()), Vec::new());
+    let pressures = |time: f64| vec![oscillating(time)];
+    let problem = InitialValueProblem { settings: &settings, initial: &rest, pressures: &pressures };
+    let mut solver = system.solver();
+    solver.set_relaxation(0, relaxation.clone()).expect("an objective law");
+    let mut keep = |_: f64, state: &State| states.push(state.displacement.clone());
+    solver.integrate(&problem, 100, &mut keep).expect("a moderate load");
+    states
+}
+
+/// The same of the reduced model `body`.
+fn reduced_motion(body: &ReducedModel, damping: f64, relaxation: &Relaxation) -> Vec<Vec<f64>> {
+    let (settings, relaxation, mut states) = (with_damping(damping), [relaxation.clone()], Vec::new());
+    let actuation = |time: f64| Actuation { pressures: vec![oscillating(time)] };
+    let motion =
+        ReducedMotion { settings: &settings, modulus_scale: &[1.0], relaxation: &relaxation, actuation: &actuation };
+    let mut keep = |_: f64, q: &DVector<f64>, _: &DVector<f64>| states.push(body.displacement(q));
+    body.integrate(&motion, &mut NoForce, 100, &mut keep).expect("a moderate load");
+    states
+}
+
 #[test]
 fn under_an_oscillating_pressure_the_reduced_model_moves_as_the_full_one() {
     let system = hollow();
-    let body = reduced(&system, &snapshots(&system));
-    let settings = DynamicSettings {
-        step: 1.0 / 200.0,
-        scheme: Scheme::Bdf2,
-        stiffness_damping: 0.002,
-        ..DynamicSettings::default()
-    };
-    let beat = |t: f64| 1.6e4 * (1.0 - (std::f64::consts::TAU * 3.0 * t).cos());
     let tip = (0..system.mesh().nodes.len())
         .max_by(|a, b| system.mesh().nodes[*a][0].total_cmp(&system.mesh().nodes[*b][0]))
         .expect("nodes");
-    let (mut full, mut reduced) = (Vec::new(), Vec::new());
-    let rest = State::rest(system.mesh().nodes.len());
-    let mut keep = |_: f64, state: &State| full.push(state.displacement[3 * tip + 1]);
-    let problem = InitialValueProblem { settings: &settings, initial: &rest, pressures: &|t| vec![beat(t)] };
-    system.solver().integrate(&problem, 100, &mut keep).expect("a moderate load");
-    let mut keep = |_: f64, q: &DVector<f64>, _: &DVector<f64>| reduced.push(body.displacement(q)[3 * tip + 1]);
-    let actuation = |t: f64| Actuation { pressures: vec![beat(t)] };
-    let motion = ReducedMotion { settings: &settings, modulus_scale: &[1.0], actuation: &actuation };
-    body.integrate(&motion, &mut NoForce, 100, &mut keep).expect("a moderate load");
-    let largest = full.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
-    let off = full.iter().zip(&reduced).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
-    assert!(largest > 1e-3 && off < 0.02 * largest, "off by {off} of {largest} m");
+    let elastic = full_motion(&system, 0.0, &Relaxation::default());
+    let shapes: Vec<Vec<f64>> = snapshots(&system).into_iter().chain(elastic.iter().step_by(7).cloned()).collect();
+    let body = reduced(&system, &shapes);
+    let difference = |a: &[Vec<f64>], b: &[Vec<f64>]| {
+        a.iter().zip(b).fold(0.0, |most: f64, (a, b)| most.max((a[3 * tip + 1] - b[3 * tip + 1]).abs()))
+    };
+    let springpot = Springpot { strength: 0.06, exponent: 0.27, decades: [-3, 1] };
+    let relaxing = Relaxation::springpot(springpot).expect("a spectrum of silicone");
+    for (damping, relaxation) in [(0.002, Relaxation::default()), (0.0, relaxing)] {
+        let full = full_motion(&system, damping, &relaxation);
+        let off = difference(&full, &reduced_motion(&body, damping, &relaxation));
+        let largest = full.iter().fold(0.0, |most: f64, u| most.max(u[3 * tip + 1].abs()));
+        assert!(largest > 1e-3 && off < 0.01 * largest, "off by {off} of {largest} m");
+        assert!(difference(&full, &elastic) > 0.05 * largest, "damping and relaxation matter");
+    }
+}
+
+#[test]
+fn relaxations_of_another_number_of_regions_are_refused() {
+    let system = hollow();
+    let body = reduced(&system, &snapshots(&system));
+    let none = [Relaxation::default(), Relaxation::default()];
+    let actuation = |_: f64| Actuation { pressures: vec![0.0] };
+    let settings = DynamicSettings::default();
+    let motion = ReducedMotion { settings: &settings, modulus_scale: &[1.0], relaxation: &none, actuation: &actuation };
+    let refused = body.integrate(&motion, &mut NoForce, 1, &mut |_, _, _| ()).expect_err("two for one region");
+    assert!(refused.to_string().contains("2 relaxations for 1 regions"), "{refused}");
 }

@@ -90,7 +90,7 @@ mod tests {
         let place = |at: [f64; 3]| [0.06 * at[0], 0.02 * at[1], 0.01 * at[2]];
         let mesh = box_mesh::to_quadratic(&box_mesh::grid([6, 4, 2], true, place, |cell| (!air(cell)).then_some(0)));
         let material = materials::by_name("corotated").expect("a law of this name");
-        let is = RegionProperties { material, youngs_modulus: 2e5, poissons_ratio: 0.45, density: 1e3 };
+        let is = RegionProperties::elastic(material, 2e5, 0.45, 1e3);
         let clamps = Clamps::below_x(&mesh, 1e-9);
         let system = System::new(mesh, vec![is], clamps).expect("a valid body");
         let mut solver = system.solver();

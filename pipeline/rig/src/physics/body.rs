@@ -79,12 +79,7 @@ fn region(material: &str, properties: &Properties) -> Result<RegionProperties> {
         let (file, what) = (Path::new("bench.toml"), format!("the material law `{material}` is unknown"));
         Diagnostic::file(file, what, format!("fem has {}", known()), "name one of these")
     })?;
-    Ok(RegionProperties {
-        material,
-        youngs_modulus: properties.youngs_modulus,
-        poissons_ratio: properties.poissons_ratio,
-        density: properties.density,
-    })
+    Ok(RegionProperties::elastic(material, properties.youngs_modulus, properties.poissons_ratio, properties.density))
 }
 
 /// Mean y of a chamber's wall, m.

@@ -122,8 +122,12 @@ impl<'a> FlappingModel<'a> {
             let [left, right] = pressures(start + t);
             Actuation { pressures: self.body.pressures(left, right) }
         };
-        let motion =
-            ReducedMotion { settings: &settings, modulus_scale: &[conditions.softening, 1.0], actuation: &actuation };
+        let motion = ReducedMotion {
+            settings: &settings,
+            modulus_scale: &[conditions.softening, 1.0],
+            relaxation: &[],
+            actuation: &actuation,
+        };
         let r = self.reduced.coordinates();
         let (mut shapes, mut velocities) = (vec![DVector::zeros(r)], vec![DVector::zeros(r)]);
         let mut observe = |_: Second, q: &DVector<f64>, v: &DVector<f64>| {

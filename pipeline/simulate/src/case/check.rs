@@ -49,7 +49,26 @@ fn region(key: &str, region: &Region) -> Checked {
     only(&format!("{key}.poissons_ratio"), region.poissons_ratio < 0.5, what)?;
     within(&format!("{key}.poissons_ratio"), region.poissons_ratio, -0.99..=0.4999, "")?;
     within(&format!("{key}.density"), region.density, 1.0..=3e4, "kg/m³")?;
+    region.stiffening.iter().try_for_each(|ratio| within(&format!("{key}.stiffening"), *ratio, -10.0..=100.0, ""))?;
+    relaxation(key, region)?;
     only(key, region.name.is_none() || region.tag.is_none(), "a region is named by name or by tag, not by both")
+}
+
+fn relaxation(key: &str, region: &Region) -> Checked {
+    let one = region.branch.is_empty() || region.springpot.is_none();
+    only(key, one, "a region relaxes by branches or by a springpot, not by both")?;
+    only(&format!("{key}.branch"), region.branch.len() <= fem::MAX_BRANCHES, "a region has at most 16 branches")?;
+    for (i, branch) in region.branch.iter().enumerate() {
+        within(&format!("{key}.branch.{i}.strength"), branch.strength, 0.0..=1e3, "of the long-term modulus")?;
+        within(&format!("{key}.branch.{i}.time"), branch.time, 1e-9..=1e9, "s")?;
+    }
+    if let Some(of) = region.springpot {
+        within(&format!("{key}.springpot.strength"), of.strength, 0.0..=1e3, "of the long-term modulus")?;
+        within(&format!("{key}.springpot.exponent"), of.exponent, 1e-3..=0.999, "")?;
+        let rising = of.decades[0] <= of.decades[1] && of.decades.iter().all(|decade| (-9..=9).contains(decade));
+        only(&format!("{key}.springpot.decades"), rising, "two powers of ten that rise, between -9 and 9")?;
+    }
+    region.modulus_time.map_or(Ok(()), |time| within(&format!("{key}.modulus_time"), time, 0.0..=1e9, "s"))
 }
 
 fn place(key: &str, place: Option<Place>) -> Checked {

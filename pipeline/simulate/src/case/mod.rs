@@ -10,7 +10,7 @@ mod read;
 mod solve;
 
 use serde::Deserialize;
-use si::{KilogramPerCubicMetre, Metre, Pascal, Point3};
+use si::{KilogramPerCubicMetre, Metre, Pascal, Point3, Second};
 
 pub use history::{History, Wave};
 pub use loads::{Chamber, Load, Mass};
@@ -130,6 +130,44 @@ pub struct Region {
     /// Whether the volumetric energy uses each element's mean dilatation.
     #[serde(default)]
     pub mean_dilatation: bool,
+    /// C₂₀/C₁₀ and C₃₀/C₁₀ of a law that stiffens.
+    #[serde(default)]
+    pub stiffening: [f64; 2],
+    /// Maxwell branches of its relaxation.
+    #[serde(default)]
+    pub branch: Vec<Branch>,
+    /// A springpot in the place of branches.
+    pub springpot: Option<Springpot>,
+    /// The time after loading at which `youngs_modulus` was measured, s; left out: so long that nothing relaxes any more.
+    pub modulus_time: Option<Second>,
+}
+
+/// A Maxwell branch of a region.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Branch {
+    /// Its modulus over the long-term one.
+    pub strength: f64,
+    /// Its relaxation time, s.
+    pub time: Second,
+}
+
+/// A springpot, laid out as one branch per decade.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Springpot {
+    /// Modulus of the branch of one second over the long-term one.
+    pub strength: f64,
+    /// Exponent, between 0 and 1.
+    pub exponent: f64,
+    /// Powers of ten of the fastest and the slowest branch, s.
+    #[serde(default = "decades")]
+    pub decades: [i32; 2],
+}
+
+/// From a millisecond to ten seconds: what a camera of some hundred frames a second sees in a trial of a minute.
+fn decades() -> [i32; 2] {
+    [-3, 1]
 }
 
 /// `[[clamp]]`: constrained nodes and axes.

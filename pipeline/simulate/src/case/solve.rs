@@ -66,6 +66,18 @@ pub enum Scheme {
     /// Second order.
     #[default]
     Bdf2,
+    /// Equilibria, one after the other, of a body that relaxes.
+    QuasiStatic,
+}
+
+impl From<Scheme> for fem::Scheme {
+    fn from(scheme: Scheme) -> Self {
+        match scheme {
+            Scheme::ImplicitEuler => Self::ImplicitEuler,
+            Scheme::Bdf2 => Self::Bdf2,
+            Scheme::QuasiStatic => Self::QuasiStatic,
+        }
+    }
 }
 
 /// The initial state of a motion.

@@ -1,15 +1,15 @@
 //! Evaluation of a case's loss for a gradient check, with tolerances tight enough for differences.
 
 use fem::{
-    DynamicSettings, Equilibrium, InitialValueProblem, LossGradient, MotionGradient, Parameter, Solver, State,
-    StaticSettings, Trajectory,
+    DynamicSettings, Equilibrium, InitialValueProblem, LossGradient, MotionGradient, Parameter, RegionProperties,
+    Relaxation, Solver, Springpot, State, StaticSettings, Trajectory,
 };
 use si::{Pascal, Second};
 
 use super::loss::Loss;
 use super::parameters::CaseParameter;
 use crate::Body;
-use crate::case::{Case, Scheme};
+use crate::case::Case;
 use diagnostics::{Diagnostic, Result};
 
 /// Tolerances of equilibria and steps, relative to the body's size, for differences of 1e-6.
@@ -74,8 +74,15 @@ impl<'a> Evaluation<'a> {
     }
 
     fn set(&mut self, parameter: Parameter, value: f64) -> Result<()> {
-        let is = |region: usize| self.body.system.regions()[region];
+        let body = self.body;
+        let is = |region: usize| &body.system.regions()[region];
         match parameter {
+            Parameter::Stiffening { region, term } => {
+                let mut ratios = is(region).stiffening;
+                ratios[term] = value;
+                self.solver.set_stiffening(region, ratios).map_err(Diagnostic::from)
+            }
+            _ if relaxing_region(parameter).is_some() => self.set_relaxation(parameter, value),
             Parameter::YoungsModulus(region) => {
                 self.solver.set_elastic(region, value, is(region).poissons_ratio).map_err(Diagnostic::from)
             }
@@ -90,6 +97,26 @@ impl<'a> Evaluation<'a> {
             }
             _ => Ok(()),
         }
+    }
+
+    /// Sets one number of a region's relaxation, the others being the case's.
+    fn set_relaxation(&mut self, parameter: Parameter, value: f64) -> Result<()> {
+        let region = relaxing_region(parameter).unwrap_or_default();
+        let own = &self.body.system.regions()[region].relaxation;
+        let relaxation = match (parameter, own.as_springpot()) {
+            (Parameter::SpringpotStrength(_), Some(of)) => Relaxation::springpot(Springpot { strength: value, ..of }),
+            (Parameter::SpringpotExponent(_), Some(of)) => Relaxation::springpot(Springpot { exponent: value, ..of }),
+            _ => {
+                let mut branches = own.branches().to_vec();
+                match parameter {
+                    Parameter::RelaxationStrength { branch, .. } => branches[branch].strength = value,
+                    Parameter::RelaxationTime { branch, .. } => branches[branch].time = value,
+                    _ => {}
+                }
+                Relaxation::maxwell(&branches)
+            }
+        };
+        self.solver.set_relaxation(region, relaxation?).map_err(Diagnostic::from)
     }
 
     /// Pressures of the last level, with one gain perturbed where requested.
@@ -114,7 +141,7 @@ impl<'a> Evaluation<'a> {
         };
         let settings = DynamicSettings {
             step: set.step.or(set.adaptive.map(|bounds| bounds.longest)).unwrap_or(DynamicSettings::default().step),
-            scheme: if set.scheme == Scheme::Bdf2 { fem::Scheme::Bdf2 } else { fem::Scheme::ImplicitEuler },
+            scheme: set.scheme.into(),
             mass_damping: value(Parameter::MassDamping, set.mass_damping),
             stiffness_damping: value(Parameter::StiffnessDamping, set.stiffness_damping),
             tolerance: IN_MOTION,
@@ -149,6 +176,17 @@ impl<'a> Evaluation<'a> {
     }
 }
 
+/// The region whose relaxation has this parameter.
+fn relaxing_region(parameter: Parameter) -> Option<usize> {
+    match parameter {
+        Parameter::RelaxationStrength { region, .. }
+        | Parameter::RelaxationTime { region, .. }
+        | Parameter::SpringpotStrength(region)
+        | Parameter::SpringpotExponent(region) => Some(region),
+        _ => None,
+    }
+}
+
 /// Perturbs the gain of one chamber.
 fn turn(pressures: &mut [Pascal], turned: Option<(Parameter, f64)>) {
     if let Some((Parameter::PressureGain(chamber), gain)) = turned {
@@ -169,6 +207,7 @@ fn rest_derivatives(
             Parameter::YoungsModulus(region) => by.regions[region].youngs_modulus,
             Parameter::PoissonsRatio(region) => by.regions[region].poissons_ratio,
             Parameter::Density(region) => by.regions[region].density,
+            Parameter::Stiffening { region, term } => by.regions[region].stiffening[term],
             Parameter::PressureGain(chamber) => by.pressures[chamber] * at.pressures[chamber],
             Parameter::Force { node, axis } => by.forces[3 * node + axis],
             _ => 0.0,
@@ -203,11 +242,22 @@ fn motion_derivatives(
         }
     };
     solver.trajectory_sensitivity(made, &parameters, &mut see)?;
-    Ok(parameters.iter().zip(forward).map(|(parameter, forward)| (of_motion(&by, *parameter), forward)).collect())
+    let regions = solver.properties();
+    let pair = |(parameter, forward): (&Parameter, f64)| (of_motion(&by, regions, *parameter), forward);
+    Ok(parameters.iter().zip(forward).map(pair).collect())
 }
 
-fn of_motion(by: &MotionGradient, parameter: Parameter) -> f64 {
+fn of_motion(by: &MotionGradient, regions: &[RegionProperties], parameter: Parameter) -> f64 {
+    let springpot = |region: usize, which: usize| {
+        let by_strength: Vec<f64> = by.relaxation[region].iter().map(|by| by[0]).collect();
+        regions[region].relaxation.springpot_gradient(&by_strength).map_or(0.0, |by| by[which])
+    };
     match parameter {
+        Parameter::Stiffening { region, term } => by.regions[region].stiffening[term],
+        Parameter::RelaxationStrength { region, branch } => by.relaxation[region][branch][0],
+        Parameter::RelaxationTime { region, branch } => by.relaxation[region][branch][1],
+        Parameter::SpringpotStrength(region) => springpot(region, 0),
+        Parameter::SpringpotExponent(region) => springpot(region, 1),
         Parameter::YoungsModulus(region) => by.regions[region].youngs_modulus,
         Parameter::PoissonsRatio(region) => by.regions[region].poissons_ratio,
         Parameter::Density(region) => by.regions[region].density,

@@ -1,9 +1,9 @@
 //! The parameters of a case, each with its perturbation.
 
-use fem::Parameter;
+use fem::{Branch, Parameter, Relaxation};
 
 use crate::Body;
-use crate::case::{Case, Dynamic};
+use crate::case::{Case, Dynamic, Scheme};
 
 /// One parameter of a case.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,12 +25,28 @@ const LEFT: f64 = 0.04;
 /// All parameters of the case's loss.
 pub(super) fn parameters(case: &Case, body: &Body) -> Vec<CaseParameter> {
     let mut all = Vec::new();
-    let weighs = case.dynamic.is_some() || case.gravity != [0.0; 3];
+    let inert = case.dynamic.as_ref().is_some_and(|set| set.scheme != Scheme::QuasiStatic);
+    let weighs = inert || case.gravity != [0.0; 3];
     for (region, is) in body.system.regions().iter().enumerate() {
         let name = |what: &str| format!("{what} of region {region}");
         all.push(part(name("E"), Parameter::YoungsModulus(region), is.youngs_modulus));
         let (nu, turn) = (is.poissons_ratio, LEFT * (0.5 - is.poissons_ratio));
         all.push(CaseParameter { name: name("ν"), parameter: Parameter::PoissonsRatio(region), value: nu, turn });
+        if is.material.is_stiffening() {
+            let term = |term: usize| {
+                let parameter = Parameter::Stiffening { region, term };
+                CaseParameter {
+                    name: name(["C20/C10", "C30/C10"][term]),
+                    parameter,
+                    value: is.stiffening[term],
+                    turn: PART,
+                }
+            };
+            all.extend((0..2).map(term));
+        }
+        if case.dynamic.is_some() {
+            all.extend(relaxation(region, &is.relaxation));
+        }
         if weighs {
             all.push(part(name("ρ"), Parameter::Density(region), is.density));
         }
@@ -46,6 +62,22 @@ pub(super) fn parameters(case: &Case, body: &Body) -> Vec<CaseParameter> {
 
 fn part(name: String, parameter: Parameter, value: f64) -> CaseParameter {
     CaseParameter { name, parameter, value, turn: PART * value }
+}
+
+/// The numbers of a region's relaxation.
+fn relaxation(region: usize, of: &Relaxation) -> Vec<CaseParameter> {
+    let name = |what: &str| format!("{what} of region {region}");
+    if let Some(springpot) = of.as_springpot() {
+        let strength = part(name("springpot strength"), Parameter::SpringpotStrength(region), springpot.strength);
+        let exponent = part(name("springpot exponent"), Parameter::SpringpotExponent(region), springpot.exponent);
+        return vec![strength, exponent];
+    }
+    let pair = |(branch, is): (usize, &Branch)| {
+        let name = |what: &str| name(&format!("{what} of branch {branch}"));
+        let strength = part(name("strength"), Parameter::RelaxationStrength { region, branch }, is.strength);
+        [strength, part(name("time"), Parameter::RelaxationTime { region, branch }, is.time)]
+    };
+    of.branches().iter().enumerate().flat_map(pair).collect()
 }
 
 /// The largest component of all dead forces.

@@ -1,0 +1,135 @@
+//! Relaxation in a reduced model: histories at the sampled quadrature points.
+//!
+//! As `viscoelastic` has it for the full model, with F = I + G q at each sampled point.
+
+use nalgebra::{DMatrix, DVector};
+use si::Second;
+
+use super::elastic_forces::ReducedTangent;
+use super::error::ReducedError;
+use super::model::ReducedModel;
+use crate::material::Moduli;
+use crate::viscoelastic::relaxation::Relaxation;
+use crate::viscoelastic::step::RegionStep;
+use crate::viscoelastic::symmetric::{Symmetric, add_scaled};
+
+/// What acts at the points of one region in one step.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct ActingRegion {
+    /// Those of the law, with damping and relaxation.
+    pub moduli: Moduli,
+    /// H of each point, Pa; empty: none.
+    pub held: Vec<Symmetric>,
+}
+
+/// The histories of all regions: those of a region's points one after the other, none where nothing relaxes.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct ReducedHistory {
+    regions: Vec<Vec<Symmetric>>,
+}
+
+impl ReducedModel {
+    /// The steps of all regions of length `step`, their moduli multiplied by `scale`.
+    ///
+    /// # Errors
+    /// [`ReducedError::Relaxation`] when relaxations are given, but not one per region, or a law cannot relax.
+    pub(super) fn region_steps(
+        &self,
+        scale: &[f64],
+        relaxation: &[Relaxation],
+        step: Second,
+    ) -> Result<Vec<RegionStep>, ReducedError> {
+        let (given, regions) = (relaxation.len(), self.points.len());
+        if given != 0 && given != regions {
+            return Err(ReducedError::Relaxation { what: format!("{given} relaxations for {regions} regions") });
+        }
+        let none = Relaxation::default();
+        let of = |(region, (points, scale)): (usize, (&super::elastic_forces::Points, &f64))| {
+            let (elastic, relaxation) = (points.elastic(), relaxation.get(region).unwrap_or(&none));
+            if relaxation.is_none() || elastic.material.is_objective() {
+                return Ok(RegionStep::new(elastic.material, elastic.moduli.scaled(*scale), relaxation, step));
+            }
+            Err(ReducedError::Relaxation { what: format!("region {region} has the law `{}`", elastic.material.name()) })
+        };
+        self.points.iter().zip(scale).enumerate().map(of).collect()
+    }
+
+    /// What acts in a step in which the law's own stress is multiplied by `damping`.
+    pub(super) fn acting(&self, regions: &[RegionStep], damping: f64, history: &ReducedHistory) -> Vec<ActingRegion> {
+        let of = |(region, tensors): (&RegionStep, &Vec<Symmetric>)| {
+            let own = region.moduli.scaled(damping);
+            let moduli = own + region.moduli.deviatoric().scaled(region.gain());
+            let held = |tensors: &[Symmetric]| {
+                let mut held = [0.0; 6];
+                add_scaled(&mut held, region.mu, &region.held(tensors));
+                held
+            };
+            ActingRegion { moduli, held: tensors.chunks_exact(1 + region.branches.len()).map(held).collect() }
+        };
+        regions.iter().zip(&history.regions).map(of).collect()
+    }
+
+    /// Of a body that has been held at `q` for ever.
+    pub(super) fn relaxed(&self, regions: &[RegionStep], q: &DVector<f64>) -> ReducedHistory {
+        let of = |(points, region): (&super::elastic_forces::Points, &RegionStep)| {
+            if region.branches.is_empty() {
+                return Vec::new();
+            }
+            let mut tensors = Vec::new();
+            points.for_each_deformation(q, |gradient| {
+                tensors.push(region.stress(gradient));
+                tensors.extend(region.branches.iter().map(|_| [0.0; 6]));
+            });
+            tensors
+        };
+        ReducedHistory { regions: self.points.iter().zip(regions).map(of).collect() }
+    }
+
+    /// Advances `history` by a step that ends at `q`.
+    pub(super) fn advance(&self, regions: &[RegionStep], q: &DVector<f64>, history: &mut ReducedHistory) {
+        for ((points, region), tensors) in self.points.iter().zip(regions).zip(&mut history.regions) {
+            let mut each = tensors.chunks_exact_mut(1 + region.branches.len());
+            if !region.branches.is_empty() {
+                points.for_each_deformation(q, |gradient| {
+                    each.next().into_iter().for_each(|own| region.advance(own, region.stress(gradient)));
+                });
+            }
+        }
+    }
+
+    /// Forces (J) at q of what acts in each region.
+    pub(super) fn acting_forces(&self, q: &DVector<f64>, acting: &[ActingRegion]) -> DVector<f64> {
+        let mut forces = DVector::zeros(self.coordinates());
+        self.points.iter().zip(acting).for_each(|(points, acting)| points.add_forces(q, acting, &mut forces));
+        forces
+    }
+
+    /// Their derivative by q (J).
+    pub(super) fn acting_stiffness(
+        &self,
+        q: &DVector<f64>,
+        kind: ReducedTangent,
+        acting: &[ActingRegion],
+    ) -> DMatrix<f64> {
+        let r = self.coordinates();
+        let mut stiffness = DMatrix::zeros(r, r);
+        self.points
+            .iter()
+            .zip(acting)
+            .for_each(|(points, acting)| points.add_stiffness(q, kind, acting, &mut stiffness));
+        stiffness
+    }
+
+    /// The law alone, its moduli multiplied by `scale`.
+    ///
+    /// # Panics
+    /// When there is not one scale per region.
+    pub(super) fn elastic(&self, scale: &[f64]) -> Vec<ActingRegion> {
+        assert_eq!(scale.len(), self.points.len(), "one scale per region");
+        let of = |(points, scale): (&super::elastic_forces::Points, &f64)| ActingRegion {
+            moduli: points.elastic().moduli.scaled(*scale),
+            held: Vec::new(),
+        };
+        self.points.iter().zip(scale).map(of).collect()
+    }
+}

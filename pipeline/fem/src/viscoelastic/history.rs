@@ -1,0 +1,111 @@
+//! Histories: the shear stress of the last step and the overstress of each branch, at every relaxing quadrature point.
+
+use crate::assembly::kernels::deformation_of;
+use crate::mesh::Elements;
+use crate::system_data::SystemData;
+use crate::viscoelastic::step::RegionStep;
+use crate::viscoelastic::symmetric::Symmetric;
+use nalgebra::Matrix3;
+use si::{CubicMetre, Point3};
+
+/// S_μ / μ, then the overstress of each branch per unit of μ: point by point, in the order of the elements.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct History {
+    pub(crate) tensors: Vec<Symmetric>,
+}
+
+/// One relaxing quadrature point.
+pub(crate) struct Point<'a> {
+    /// Its number among all points of the mesh.
+    pub number: usize,
+    pub region: usize,
+    pub nodes: &'a [u32],
+    /// Gradients of the shape functions, 1/m.
+    pub gradients: &'a [Point3],
+    /// m³.
+    pub weight: CubicMetre,
+}
+
+impl Point<'_> {
+    /// F at displacement `u`, 3 entries per node, m.
+    pub fn deformation(&self, u: &[f64]) -> Matrix3<f64> {
+        deformation_of(self.nodes, self.gradients, u)
+    }
+
+    /// Adds `scale` P ∇N_a to the force on each node, 3 entries per node.
+    pub fn add_force(&self, stress: &Matrix3<f64>, scale: f64, forces: &mut [f64]) {
+        for (&node, gradient) in self.nodes.iter().zip(self.gradients) {
+            for i in 0..3 {
+                let row = (0..3).map(|axis| stress[(i, axis)] * gradient[axis]).sum::<f64>();
+                forces[3 * node as usize + i] += scale * row;
+            }
+        }
+    }
+}
+
+/// Calls `visit` with every quadrature point of a region that relaxes.
+pub(crate) fn for_each_point(data: &SystemData, regions: &[RegionStep], mut visit: impl FnMut(&Point, &RegionStep)) {
+    let (reference, each) = (&data.reference, data.mesh.elements.nodes_each());
+    for (element, &region) in data.mesh.regions.iter().enumerate() {
+        let (region, of) = (region as usize, &regions[region as usize]);
+        if of.branches.is_empty() {
+            continue;
+        }
+        let nodes = match &data.mesh.elements {
+            Elements::Linear(tets) => &tets[element][..],
+            Elements::Quadratic(tets) => &tets[element][..],
+        };
+        for number in element * reference.points..(element + 1) * reference.points {
+            let gradients = &reference.gradients[number * each..(number + 1) * each];
+            visit(&Point { number, region, nodes, gradients, weight: reference.weights[number] }, of);
+        }
+    }
+}
+
+impl History {
+    /// Of a body that has been held at `u` for ever: nothing is left of any overstress.
+    pub(crate) fn relaxed(data: &SystemData, regions: &[RegionStep], u: &[f64]) -> Self {
+        let mut tensors = Vec::new();
+        for_each_point(data, regions, |point, region| {
+            tensors.push(region.stress(&point.deformation(u)));
+            tensors.extend(region.branches.iter().map(|_| [0.0; 6]));
+        });
+        Self { tensors }
+    }
+
+    /// The history after a step that ends at `u`.
+    pub(crate) fn advanced(&self, data: &SystemData, regions: &[RegionStep], u: &[f64]) -> Self {
+        let mut next = self.clone();
+        let mut rest = &mut next.tensors[..];
+        for_each_point(data, regions, |point, region| {
+            let (own, after) = std::mem::take(&mut rest).split_at_mut(1 + region.branches.len());
+            region.advance(own, region.stress(&point.deformation(u)));
+            rest = after;
+        });
+        next
+    }
+
+    /// Calls `visit` with the number, the region and the tensors of every relaxing point.
+    pub(crate) fn for_each(
+        &self,
+        data: &SystemData,
+        regions: &[RegionStep],
+        mut visit: impl FnMut(usize, &RegionStep, &[Symmetric]),
+    ) {
+        let mut rest = &self.tensors[..];
+        for_each_point(data, regions, |point, region| {
+            let (own, after) = rest.split_at(1 + region.branches.len());
+            visit(point.number, region, own);
+            rest = after;
+        });
+    }
+}
+
+/// Tensors of one history.
+pub(crate) fn tensors(data: &SystemData, regions: &[RegionStep]) -> usize {
+    let of = |region: &u16| {
+        let branches = regions[*region as usize].branches.len();
+        if branches == 0 { 0 } else { data.reference.points * (1 + branches) }
+    };
+    data.mesh.regions.iter().map(of).sum()
+}

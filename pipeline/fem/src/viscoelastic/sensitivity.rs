@@ -1,0 +1,172 @@
+//! Forward sensitivity of histories: their derivatives by one parameter, forwards in time.
+
+use crate::adjoint::parameter::Parameter;
+use crate::material::Moduli;
+use crate::properties::RegionProperties;
+use crate::system_data::SystemData;
+use crate::viscoelastic::history::{History, Point, for_each_point};
+use crate::viscoelastic::step::RegionStep;
+use crate::viscoelastic::symmetric::{Symmetric, add_scaled, matrix};
+use nalgebra::Matrix3;
+use si::Pascal;
+
+/// The derivatives of one region's numbers by a parameter.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Direction {
+    region: usize,
+    /// Of μ, Pa per unit.
+    mu: Pascal,
+    /// Of the moduli of shape change per unit of μ.
+    unit: Option<Moduli>,
+    /// Of g and τ of each branch.
+    branches: Vec<[f64; 2]>,
+}
+
+impl Direction {
+    /// Of `parameter`; none when it is not one of a material.
+    pub fn of(parameter: Parameter, properties: &[RegionProperties]) -> Option<Self> {
+        let none = |region: usize| vec![[0.0; 2]; properties[region].relaxation.branches().len()];
+        let only = |region: usize, branch: usize, which: usize| {
+            let mut branches = none(region);
+            branches[branch][which] = 1.0;
+            Self { region, branches, ..Self::default() }
+        };
+        let springpot = |region: usize, which: usize| {
+            let by = properties[region].relaxation.springpot_direction(which);
+            Self { region, branches: by.into_iter().map(|g| [g, 0.0]).collect(), ..Self::default() }
+        };
+        let elastic = |region: usize, mu: Pascal| Self { region, mu, branches: none(region), ..Self::default() };
+        Some(match parameter {
+            Parameter::YoungsModulus(region) => elastic(region, properties[region].moduli_by_youngs_modulus().mu),
+            Parameter::PoissonsRatio(region) => elastic(region, properties[region].moduli_by_poissons_ratio().mu),
+            Parameter::Stiffening { region, term } => {
+                Self { unit: Some(Moduli::unit(2 + term).scaled(0.5)), ..elastic(region, 0.0) }
+            }
+            Parameter::RelaxationStrength { region, branch } => only(region, branch, 0),
+            Parameter::RelaxationTime { region, branch } => only(region, branch, 1),
+            Parameter::SpringpotStrength(region) => springpot(region, 0),
+            Parameter::SpringpotExponent(region) => springpot(region, 1),
+            _ => return None,
+        })
+    }
+
+    /// ∂s at constant F.
+    fn stress(&self, point: &Point, region: &RegionStep, gradient: &Matrix3<f64>) -> Option<Symmetric> {
+        let unit = self.unit.filter(|_| point.region == self.region)?;
+        Some(region.stress_of(gradient, unit))
+    }
+
+    /// (∂d, ∂a) of a branch.
+    fn factors(&self, point: &Point, region: &RegionStep, branch: usize) -> [f64; 2] {
+        if point.region != self.region {
+            return [0.0; 2];
+        }
+        let ([strength, time], step) = (self.branches[branch], &region.branches[branch]);
+        let [decay, gain] = step.by_time();
+        [time * decay, time * gain + strength * step.gain_by_strength()]
+    }
+
+    fn mu_at(&self, point: &Point) -> Pascal {
+        if point.region == self.region { self.mu } else { 0.0 }
+    }
+}
+
+/// The derivative of a [`History`], point by point as there.
+#[derive(Debug, Clone)]
+pub(crate) struct HistorySensitivity {
+    tensors: Vec<Symmetric>,
+}
+
+/// The step that a history takes: its regions, and the histories before and after it.
+#[derive(Clone, Copy)]
+pub(crate) struct HistoryStep<'a> {
+    pub data: &'a SystemData,
+    pub regions: &'a [RegionStep],
+    pub before: &'a History,
+    pub now: &'a History,
+    /// Displacement at its end, 3 entries per node, m.
+    pub displacement: &'a [f64],
+}
+
+impl HistorySensitivity {
+    /// Of a body that has been held at `u` for ever, whose derivative is `du`.
+    pub fn relaxed(
+        data: &SystemData,
+        regions: &[RegionStep],
+        (u, du): (&[f64], &[f64]),
+        by: Option<&Direction>,
+    ) -> Self {
+        let mut tensors = Vec::new();
+        for_each_point(data, regions, |point, region| {
+            let gradient = point.deformation(u);
+            let change = point.deformation(du) - Matrix3::identity();
+            let mut stress = region.stress_change(&gradient, &change);
+            let explicit = by.and_then(|by| by.stress(point, region, &gradient));
+            explicit.iter().for_each(|explicit| add_scaled(&mut stress, 1.0, explicit));
+            tensors.push(stress);
+            tensors.extend(region.branches.iter().map(|_| [0.0; 6]));
+        });
+        Self { tensors }
+    }
+
+    /// Adds the derivative of the branches' force at constant displacement to `derivative` (3 entries per node).
+    pub(crate) fn add_residual(&self, step: &HistoryStep, by: Option<&Direction>, derivative: &mut [f64]) {
+        let mut at = 0;
+        for_each_point(step.data, step.regions, |point, region| {
+            let range = at..at + 1 + region.branches.len();
+            at = range.end;
+            let (before, now) = (&step.before.tensors[range.clone()], &step.now.tensors[range.clone()]);
+            let gradient = point.deformation(step.displacement);
+            let mut held = region.held(&self.tensors[range]);
+            let explicit = by.and_then(|by| by.stress(point, region, &gradient));
+            explicit.iter().for_each(|explicit| add_scaled(&mut held, region.gain(), explicit));
+            by.iter().for_each(|by| by.add_factors(point, region, (before, now), &mut held));
+            held.iter_mut().for_each(|entry| *entry *= region.mu);
+            let mu = by.map_or(0.0, |by| by.mu_at(point));
+            now[1..].iter().for_each(|overstress| add_scaled(&mut held, mu, overstress));
+            point.add_force(&(gradient * matrix(&held)), point.weight, derivative);
+        });
+    }
+
+    /// Advances by one step, at whose end the displacement has the derivative `du`.
+    pub(crate) fn advance(&mut self, step: &HistoryStep, du: &[f64], by: Option<&Direction>) {
+        let mut at = 0;
+        for_each_point(step.data, step.regions, |point, region| {
+            let range = at..at + 1 + region.branches.len();
+            at = range.end;
+            let (before, now) = (&step.before.tensors[range.clone()], &step.now.tensors[range.clone()]);
+            let gradient = point.deformation(step.displacement);
+            let change = point.deformation(du) - Matrix3::identity();
+            let mut stress = region.stress_change(&gradient, &change);
+            let explicit = by.and_then(|by| by.stress(point, region, &gradient));
+            explicit.iter().for_each(|explicit| add_scaled(&mut stress, 1.0, explicit));
+            let own = &mut self.tensors[range];
+            region.advance(own, stress);
+            for (number, overstress) in own[1..].iter_mut().enumerate() {
+                by.iter().for_each(|by| by.add_factor(point, region, number, (before, now), overstress));
+            }
+        });
+    }
+}
+
+impl Direction {
+    /// Adds Σ (∂d q + ∂a Δs) of all branches.
+    fn add_factors(&self, point: &Point, region: &RegionStep, step: (&[Symmetric], &[Symmetric]), sum: &mut Symmetric) {
+        (0..region.branches.len()).for_each(|branch| self.add_factor(point, region, branch, step, sum));
+    }
+
+    /// Adds ∂d q + ∂a Δs of one branch.
+    fn add_factor(
+        &self,
+        point: &Point,
+        region: &RegionStep,
+        branch: usize,
+        (before, now): (&[Symmetric], &[Symmetric]),
+        sum: &mut Symmetric,
+    ) {
+        let [decay, gain] = self.factors(point, region, branch);
+        add_scaled(sum, decay, &before[1 + branch]);
+        add_scaled(sum, gain, &now[0]);
+        add_scaled(sum, -gain, &before[0]);
+    }
+}
