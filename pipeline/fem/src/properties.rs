@@ -77,6 +77,8 @@ pub struct Options {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Masses {
     by_node: BTreeMap<u32, f64>,
+    /// Masses on threads, by node, and the axis along which each hangs.
+    hanging: BTreeMap<u32, (f64, usize)>,
 }
 
 impl Masses {
@@ -88,6 +90,13 @@ impl Masses {
     /// Adds `mass` (kg) at `node`.
     pub fn on_node(mut self, node: u32, mass: f64) -> Self {
         *self.by_node.entry(node).or_insert(0.0) += mass;
+        self
+    }
+
+    /// Hangs `mass` (kg) on a thread along `axis` (0, 1, 2: x, y, z) from `node`, in the place of what hung there: its
+    /// weight acts in full, its inertia along the thread alone. Swings across it are far slower than the body's.
+    pub fn hanging(mut self, node: u32, mass: f64, axis: usize) -> Self {
+        self.hanging.insert(node, (mass, axis.min(2)));
         self
     }
 
@@ -107,8 +116,15 @@ impl Masses {
         self
     }
 
-    /// Nodes with an attached mass, in ascending order, each with its mass in kg.
+    /// Nodes with an attached mass, in ascending order, each with its mass in kg; those with a hanging one follow.
     pub fn iter(&self) -> impl Iterator<Item = (u32, f64)> + '_ {
-        self.by_node.iter().map(|(&node, &mass)| (node, mass))
+        self.with_inertia().map(|(node, mass, _)| (node, mass))
+    }
+
+    /// The same with the axes along which each has inertia.
+    pub(crate) fn with_inertia(&self) -> impl Iterator<Item = (u32, f64, [bool; 3])> + '_ {
+        let attached = self.by_node.iter().map(|(&node, &mass)| (node, mass, [true; 3]));
+        let hanging = self.hanging.iter().map(|(&node, &(mass, axis))| (node, mass, [0, 1, 2].map(|n| n == axis)));
+        attached.chain(hanging)
     }
 }

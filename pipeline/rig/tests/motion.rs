@@ -152,7 +152,13 @@ fn in_water_the_reduced_model_moves_as_the_whole_body_to_two_per_cent() {
     flapping_model
         .reduced
         .integrate(
-            &ReducedMotion { settings: &settings, modulus_scale: &[1.0, 1.0], relaxation: &[], actuation: &actuation },
+            &ReducedMotion {
+                settings: &settings,
+                modulus_scale: &[1.0, 1.0],
+                relaxation: &[],
+                stiffening: &[],
+                actuation: &actuation,
+            },
             &mut observed,
             90,
             &mut keep,

@@ -159,7 +159,11 @@ fn masses(case: &Case, reach: &Reach, mesh: &fem::Mesh) -> Result<Masses> {
     let mut all = Masses::none();
     for (i, given) in case.mass.iter().enumerate() {
         if let (Some(at), Some(mass)) = (given.near, given.mass) {
-            all = all.on_node(reach.nearest(&format!("mass {i}"), at)?, mass);
+            let node = reach.nearest(&format!("mass {i}"), at)?;
+            all = match given.hangs {
+                Some(axis) => all.hanging(node, mass, axis as usize),
+                None => all.on_node(node, mass),
+            };
         }
         if let (Some(place), Some(layer)) = (Place::of(given.plane, given.block), given.area_density) {
             let faces = reach.faces(&place);

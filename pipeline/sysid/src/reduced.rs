@@ -158,6 +158,7 @@ impl ReducedBody {
             settings: motion.settings,
             modulus_scale: &self.scale,
             relaxation: &[],
+            stiffening: &[],
             actuation: &actuation,
         };
         let mut shown = |_: Second, q: &DVector<f64>, v: &DVector<f64>| see(q, v);

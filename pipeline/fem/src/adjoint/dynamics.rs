@@ -72,9 +72,8 @@ struct PastAdjoint {
 
 impl PastAdjoint {
     /// Adds what the first step hands back to the initial state at `u`, to `right` (3 entries per node).
-    fn finish(&mut self, data: &SystemData, u: &[f64], right: &mut [f64]) {
+    fn finish(&self, data: &SystemData, u: &[f64], right: &mut [f64]) {
         self.history.add_right_side(data, &self.regions, false, u, right);
-        self.history.add_initial(data, &self.regions, u, &mut self.sums);
     }
 }
 
@@ -109,7 +108,7 @@ impl SolverState {
                 states[0].add(&loss);
                 let beta = trajectory.settings.stiffness_damping;
                 self.adjoint_of_initial_force(beta, segment.state(0), &mut states[0], &mut gradient);
-                if let Some(past) = &mut past {
+                if let Some(past) = &past {
                     past.finish(&self.data, &segment.state(0).displacement, &mut states[0].displacement);
                     self.add_relaxation_gradient(&past.sums, &mut gradient);
                 }
@@ -240,7 +239,6 @@ impl SolverState {
         for ((of, is), sums) in gradient.regions.iter_mut().zip(&self.inputs.properties).zip(sums) {
             of.youngs_modulus += sums.by_mu * is.moduli_by_youngs_modulus().mu;
             of.poissons_ratio += sums.by_mu * is.moduli_by_poissons_ratio().mu;
-            of.stiffening.iter_mut().zip(sums.by_stiffening).for_each(|(of, by)| *of += by);
         }
         gradient.relaxation = sums.iter().map(|sums| sums.by_branch.clone()).collect();
     }

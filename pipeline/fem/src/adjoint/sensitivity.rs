@@ -84,8 +84,7 @@ impl SolverState {
     fn start_history(&self, u: &[f64], of: &mut Sensitivity) {
         let du = &of.states[0].displacement;
         let regions = step::regions(&self.inputs.properties, 0.0);
-        of.history =
-            regions.map(|regions| HistorySensitivity::relaxed(&self.data, &regions, (u, du), of.direction.as_ref()));
+        of.history = regions.map(|regions| HistorySensitivity::relaxed(&self.data, &regions, (u, du)));
     }
 
     /// df/dθ = K_f δu + ∂f/∂θ at the newest state.

@@ -7,7 +7,7 @@ use crate::assembly::reference::{shape_product_rule, shape_products};
 use crate::linear::sparsity::{CONSTRAINED, Pattern};
 use crate::mesh::Mesh;
 use crate::properties::Masses;
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector3};
 
 /// ∫ N_a N_b dV of every element: the part of the mass that does not depend on densities.
 #[derive(Debug)]
@@ -133,9 +133,10 @@ impl Mass {
         for (region, &density) in densities.iter().enumerate() {
             products.add_nodal_mass(mesh, region, density, &mut nodal);
         }
-        for (node, mass) in attached.iter() {
+        for (node, mass, axes) in attached.with_inertia() {
             let position = pattern.block_position(node, node).unwrap_or(CONSTRAINED);
-            pattern.add(&mut values, position, (node, node), &(Matrix3::identity() * mass));
+            let inertia = Vector3::from(axes.map(|acts| if acts { mass } else { 0.0 }));
+            pattern.add(&mut values, position, (node, node), &Matrix3::from_diagonal(&inertia));
             nodal[node as usize] += mass;
         }
         Self { values, nodal }

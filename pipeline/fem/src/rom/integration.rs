@@ -9,10 +9,13 @@ use si::{Pascal, Second};
 
 use super::error::ReducedError;
 use super::model::ReducedModel;
+use super::relaxation::ActingRegion;
 use super::step::{ExternalForce, REFACTORISE_ABOVE, RETRY_ABOVE, Step, StepState, no_convergence};
 use crate::dynamics::settings::{self, DynamicSettings};
 use crate::dynamics::stencil::{Stencil, extrapolation};
+use crate::solve_error::SolveError;
 use crate::viscoelastic::relaxation::Relaxation;
+use crate::viscoelastic::step::RegionStep;
 
 /// Actuation at one time.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,6 +33,8 @@ pub struct ReducedMotion<'a> {
     pub modulus_scale: &'a [f64],
     /// Relaxation of the shear part, one per region; empty: none.
     pub relaxation: &'a [Relaxation],
+    /// C₂₀/C₁₀ and C₃₀/C₁₀, one pair per region; empty: those of the system that was reduced.
+    pub stiffening: &'a [[f64; 2]],
     /// Actuation at a time (s from the start).
     pub actuation: &'a dyn Fn(Second) -> Actuation,
 }
@@ -46,7 +51,7 @@ struct Past {
 type Observer<'a> = dyn FnMut(Second, &DVector<f64>, &DVector<f64>) + 'a;
 
 impl ReducedModel {
-    /// Integrates `motion` over `steps` steps; `observe` is called with each new q and q̇ and their time.
+    /// Integrates `motion` over `steps` equal steps; `observe` is called with each new q and q̇ and their time.
     ///
     /// # Errors
     /// [`ReducedError`] when a setting is out of range or a step does not converge.
@@ -57,14 +62,38 @@ impl ReducedModel {
         steps: usize,
         observe: &mut Observer<'_>,
     ) -> Result<(), ReducedError> {
-        let ReducedMotion { settings, modulus_scale: scale, relaxation, actuation } = *motion;
+        let times: Vec<Second> = (1..=steps).map(|step| step as f64 * motion.settings.step).collect();
+        self.integrate_at(motion, external, &times, observe)
+    }
+
+    /// As [`ReducedModel::integrate`], with steps that end at the rising `times` (s after the start); the step of the
+    /// settings is not used. BDF2 is stable while no step is longer than 2.4 times the one before.
+    ///
+    /// # Errors
+    /// As [`ReducedModel::integrate`]; also when the times do not rise.
+    pub fn integrate_at(
+        &self,
+        motion: &ReducedMotion,
+        external: &mut dyn ExternalForce,
+        times: &[Second],
+        observe: &mut Observer<'_>,
+    ) -> Result<(), ReducedError> {
+        let ReducedMotion { settings, actuation, .. } = *motion;
         settings::check(settings)?;
-        let regions = self.region_steps(scale, relaxation, settings.step)?;
         let mut past = Past::at_rest(self.coordinates());
+        let mut regions = self.region_steps(motion, settings.step)?;
+        let law = bare(&regions);
         let mut history = self.relaxed(&regions, &past.coordinates[0]);
-        let mut tangent = None;
-        for step in 1..=steps {
-            let time = step as f64 * settings.step;
+        let (mut tangent, mut length) = (None, settings.step);
+        for &time in times {
+            let step = time - past.times[0];
+            if step.is_nan() || step <= 0.0 {
+                let (what, range) = ("a time", "above the time before it");
+                return Err(SolveError::Setting { what, value: time, range }.into());
+            }
+            if (step / length - 1.0).abs() > SAME_STEP {
+                (regions, length) = (self.region_steps(motion, step)?, step);
+            }
             let stencil = past.stencil(settings, time);
             let Actuation { pressures } = actuation(time);
             let acting = self.acting(&regions, 1.0 + settings.stiffness_damping * stencil.gamma, &history);
@@ -88,10 +117,18 @@ impl ReducedModel {
             external.accept(&StepState { coordinates: &q, velocity: &velocity, gamma, weights });
             observe(time, &q, &velocity);
             self.advance(&regions, &q, &mut history);
-            past.push(time, q, velocity, |q| self.elastic_forces(q, scale));
+            past.push(time, q, velocity, |q| self.acting_forces(q, &law));
         }
         Ok(())
     }
+}
+
+/// Steps whose lengths differ by less than this, relative, are equal: times are sums that round.
+const SAME_STEP: f64 = 1e-9;
+
+/// The law of each region alone.
+fn bare(regions: &[RegionStep]) -> Vec<ActingRegion> {
+    regions.iter().map(|region| ActingRegion { moduli: region.moduli, held: Vec::new() }).collect()
 }
 
 impl Past {

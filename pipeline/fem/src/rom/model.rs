@@ -63,7 +63,8 @@ impl ReducedModel {
     ///
     /// # Panics
     /// When there is not one scale per region.
-    pub(crate) fn elastic_forces(&self, q: &DVector<f64>, scale: &[f64]) -> DVector<f64> {
+    #[cfg(test)]
+    pub(super) fn elastic_forces(&self, q: &DVector<f64>, scale: &[f64]) -> DVector<f64> {
         self.acting_forces(q, &self.elastic(scale))
     }
 

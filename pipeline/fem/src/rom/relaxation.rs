@@ -5,8 +5,9 @@
 use nalgebra::{DMatrix, DVector};
 use si::Second;
 
-use super::elastic_forces::ReducedTangent;
+use super::elastic_forces::{Points, ReducedTangent};
 use super::error::ReducedError;
+use super::integration::ReducedMotion;
 use super::model::ReducedModel;
 use crate::material::Moduli;
 use crate::viscoelastic::relaxation::Relaxation;
@@ -29,36 +30,41 @@ pub(super) struct ReducedHistory {
 }
 
 impl ReducedModel {
-    /// The steps of all regions of length `step`, their moduli multiplied by `scale`.
+    /// The regions of `motion` over a step of `step` seconds.
     ///
     /// # Errors
-    /// [`ReducedError::Relaxation`] when relaxations are given, but not one per region, or a law cannot relax.
-    pub(super) fn region_steps(
-        &self,
-        scale: &[f64],
-        relaxation: &[Relaxation],
-        step: Second,
-    ) -> Result<Vec<RegionStep>, ReducedError> {
-        let (given, regions) = (relaxation.len(), self.points.len());
-        if given != 0 && given != regions {
-            return Err(ReducedError::Relaxation { what: format!("{given} relaxations for {regions} regions") });
+    /// [`ReducedError::Relaxation`] when there is not one relaxation and stiffening per region, or a law cannot relax.
+    ///
+    /// # Panics
+    /// When there is not one scale per region.
+    pub(super) fn region_steps(&self, motion: &ReducedMotion, step: Second) -> Result<Vec<RegionStep>, ReducedError> {
+        let ReducedMotion { modulus_scale, relaxation, stiffening, .. } = *motion;
+        let regions = self.points.len();
+        assert_eq!(modulus_scale.len(), regions, "one scale per region");
+        for (what, given) in [("relaxations", relaxation.len()), ("stiffenings", stiffening.len())] {
+            if given != 0 && given != regions {
+                return Err(ReducedError::Relaxation { what: format!("{given} {what} for {regions} regions") });
+            }
         }
         let none = Relaxation::default();
-        let of = |(region, (points, scale)): (usize, (&super::elastic_forces::Points, &f64))| {
+        let of = |(region, points): (usize, &Points)| {
             let (elastic, relaxation) = (points.elastic(), relaxation.get(region).unwrap_or(&none));
-            if relaxation.is_none() || elastic.material.is_objective() {
-                return Ok(RegionStep::new(elastic.material, elastic.moduli.scaled(*scale), relaxation, step));
+            if !relaxation.is_none() && !elastic.material.is_objective() {
+                let what = format!("region {region} has the law `{}`", elastic.material.name());
+                return Err(ReducedError::Relaxation { what });
             }
-            Err(ReducedError::Relaxation { what: format!("region {region} has the law `{}`", elastic.material.name()) })
+            let moduli = elastic.moduli.scaled(modulus_scale[region]);
+            let moduli = stiffening.get(region).map_or(moduli, |ratios| moduli.with_stiffening(*ratios));
+            Ok(RegionStep::new(elastic.material, moduli, relaxation, step))
         };
-        self.points.iter().zip(scale).enumerate().map(of).collect()
+        self.points.iter().enumerate().map(of).collect()
     }
 
     /// What acts in a step in which the law's own stress is multiplied by `damping`.
     pub(super) fn acting(&self, regions: &[RegionStep], damping: f64, history: &ReducedHistory) -> Vec<ActingRegion> {
         let of = |(region, tensors): (&RegionStep, &Vec<Symmetric>)| {
-            let own = region.moduli.scaled(damping);
-            let moduli = own + region.moduli.deviatoric().scaled(region.gain());
+            let mut moduli = region.moduli.scaled(damping);
+            moduli.mu += region.mu * region.gain();
             let held = |tensors: &[Symmetric]| {
                 let mut held = [0.0; 6];
                 add_scaled(&mut held, region.mu, &region.held(tensors));
@@ -71,7 +77,7 @@ impl ReducedModel {
 
     /// Of a body that has been held at `q` for ever.
     pub(super) fn relaxed(&self, regions: &[RegionStep], q: &DVector<f64>) -> ReducedHistory {
-        let of = |(points, region): (&super::elastic_forces::Points, &RegionStep)| {
+        let of = |(points, region): (&Points, &RegionStep)| {
             if region.branches.is_empty() {
                 return Vec::new();
             }
@@ -126,7 +132,7 @@ impl ReducedModel {
     /// When there is not one scale per region.
     pub(super) fn elastic(&self, scale: &[f64]) -> Vec<ActingRegion> {
         assert_eq!(scale.len(), self.points.len(), "one scale per region");
-        let of = |(points, scale): (&super::elastic_forces::Points, &f64)| ActingRegion {
+        let of = |(points, scale): (&Points, &f64)| ActingRegion {
             moduli: points.elastic().moduli.scaled(*scale),
             held: Vec::new(),
         };

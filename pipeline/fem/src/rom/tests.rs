@@ -215,8 +215,13 @@ fn full_motion(system: &System, damping: f64, relaxation: &Relaxation) -> Vec<Ve
 fn reduced_motion(body: &ReducedModel, damping: f64, relaxation: &Relaxation) -> Vec<Vec<f64>> {
     let (settings, relaxation, mut states) = (with_damping(damping), [relaxation.clone()], Vec::new());
     let actuation = |time: f64| Actuation { pressures: vec![oscillating(time)] };
-    let motion =
-        ReducedMotion { settings: &settings, modulus_scale: &[1.0], relaxation: &relaxation, actuation: &actuation };
+    let motion = ReducedMotion {
+        settings: &settings,
+        modulus_scale: &[1.0],
+        relaxation: &relaxation,
+        stiffening: &[],
+        actuation: &actuation,
+    };
     let mut keep = |_: f64, q: &DVector<f64>, _: &DVector<f64>| states.push(body.displacement(q));
     body.integrate(&motion, &mut NoForce, 100, &mut keep).expect("a moderate load");
     states
@@ -252,7 +257,13 @@ fn relaxations_of_another_number_of_regions_are_refused() {
     let none = [Relaxation::default(), Relaxation::default()];
     let actuation = |_: f64| Actuation { pressures: vec![0.0] };
     let settings = DynamicSettings::default();
-    let motion = ReducedMotion { settings: &settings, modulus_scale: &[1.0], relaxation: &none, actuation: &actuation };
+    let motion = ReducedMotion {
+        settings: &settings,
+        modulus_scale: &[1.0],
+        relaxation: &none,
+        stiffening: &[],
+        actuation: &actuation,
+    };
     let refused = body.integrate(&motion, &mut NoForce, 1, &mut |_, _, _| ()).expect_err("two for one region");
     assert!(refused.to_string().contains("2 relaxations for 1 regions"), "{refused}");
 }

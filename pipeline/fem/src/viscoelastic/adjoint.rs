@@ -5,7 +5,6 @@
 //! zᵢ,ₙ = dᵢ zᵢ,ₙ₊₁ − w μ sym(Fᵀ ∇λ), and the derivative by sₙ is σₙ = Σ (aᵢ zᵢ,ₙ − aᵢ,ₙ₊₁ zᵢ,ₙ₊₁).
 //! The part of σₙ that does not depend on λₙ belongs to the right-hand side of the step's adjoint equation.
 
-use crate::material::Moduli;
 use crate::system_data::SystemData;
 use crate::viscoelastic::history::{History, for_each_point, tensors};
 use crate::viscoelastic::step::RegionStep;
@@ -20,10 +19,8 @@ pub(crate) struct AdjointHistory {
 /// The gradient by the numbers of one region's relaxation.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct RelaxationSums {
-    /// By μ at constant ratios of the moduli.
+    /// By μ.
     pub by_mu: f64,
-    /// By C₂₀/C₁₀ and C₃₀/C₁₀.
-    pub by_stiffening: [f64; 2],
     /// By g and τ of each branch.
     pub by_branch: Vec<[f64; 2]>,
 }
@@ -75,53 +72,20 @@ impl AdjointHistory {
             let virtual_gradient = point.deformation(lambda) - nalgebra::Matrix3::identity();
             let mut work = symmetric(&(gradient.tr_mul(&virtual_gradient)));
             work.iter_mut().for_each(|entry| *entry *= point.weight);
-            let by_stress = region.step_back(&mut self.tensors[range], (before, now), &work, &mut sums[point.region]);
-            for (which, sum) in sums[point.region].by_stiffening.iter_mut().enumerate() {
-                let by = Moduli::unit(2 + which).scaled(0.5);
-                *sum += if region.material.is_stiffening() {
-                    contract(&by_stress, &region.stress_of(&gradient, by))
-                } else {
-                    0.0
-                };
-            }
-        });
-    }
-
-    /// Adds the derivative by the stiffening through the stress of the initial state at `u`.
-    pub(crate) fn add_initial(
-        &self,
-        data: &SystemData,
-        regions: &[RegionStep],
-        u: &[f64],
-        sums: &mut [RelaxationSums],
-    ) {
-        let mut rest = &self.tensors[..];
-        for_each_point(data, regions, |point, region| {
-            let (own, after) = rest.split_at(1 + region.branches.len());
-            rest = after;
-            let gradient = point.deformation(u);
-            for (which, sum) in sums[point.region].by_stiffening.iter_mut().enumerate() {
-                let by = Moduli::unit(2 + which).scaled(0.5);
-                *sum += if region.material.is_stiffening() {
-                    contract(&own[0], &region.stress_of(&gradient, by))
-                } else {
-                    0.0
-                };
-            }
+            region.step_back(&mut self.tensors[range], (before, now), &work, &mut sums[point.region]);
         });
     }
 }
 
 impl RegionStep {
-    /// One point: from what the later steps hand back to what this one does; returns σₙ. `work` is w sym(Fᵀ ∇λ).
+    /// One point: from what the later steps hand back to what this one does. `work` is w sym(Fᵀ ∇λ).
     fn step_back(
         &self,
         handed: &mut [Symmetric],
         (before, now): (&[Symmetric], &[Symmetric]),
         work: &Symmetric,
         sums: &mut RelaxationSums,
-    ) -> Symmetric {
-        let mut by_stress = handed[0];
+    ) {
         let mut gained = [0.0; 6];
         let mut change = now[0];
         add_scaled(&mut change, -1.0, &before[0]);
@@ -137,8 +101,6 @@ impl RegionStep {
             *time += by_decay * decay_by_time + by_gain * gain_by_time;
             z.iter_mut().for_each(|entry| *entry *= branch.decay);
         }
-        add_scaled(&mut by_stress, 1.0, &gained);
         handed[0] = gained.map(|entry| -entry);
-        by_stress
     }
 }

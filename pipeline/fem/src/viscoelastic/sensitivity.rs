@@ -1,7 +1,6 @@
 //! Forward sensitivity of histories: their derivatives by one parameter, forwards in time.
 
 use crate::adjoint::parameter::Parameter;
-use crate::material::Moduli;
 use crate::properties::RegionProperties;
 use crate::system_data::SystemData;
 use crate::viscoelastic::history::{History, Point, for_each_point};
@@ -16,8 +15,6 @@ pub(crate) struct Direction {
     region: usize,
     /// Of μ, Pa per unit.
     mu: Pascal,
-    /// Of the moduli of shape change per unit of μ.
-    unit: Option<Moduli>,
     /// Of g and τ of each branch.
     branches: Vec<[f64; 2]>,
 }
@@ -39,21 +36,12 @@ impl Direction {
         Some(match parameter {
             Parameter::YoungsModulus(region) => elastic(region, properties[region].moduli_by_youngs_modulus().mu),
             Parameter::PoissonsRatio(region) => elastic(region, properties[region].moduli_by_poissons_ratio().mu),
-            Parameter::Stiffening { region, term } => {
-                Self { unit: Some(Moduli::unit(2 + term).scaled(0.5)), ..elastic(region, 0.0) }
-            }
             Parameter::RelaxationStrength { region, branch } => only(region, branch, 0),
             Parameter::RelaxationTime { region, branch } => only(region, branch, 1),
             Parameter::SpringpotStrength(region) => springpot(region, 0),
             Parameter::SpringpotExponent(region) => springpot(region, 1),
             _ => return None,
         })
-    }
-
-    /// ∂s at constant F.
-    fn stress(&self, point: &Point, region: &RegionStep, gradient: &Matrix3<f64>) -> Option<Symmetric> {
-        let unit = self.unit.filter(|_| point.region == self.region)?;
-        Some(region.stress_of(gradient, unit))
     }
 
     /// (∂d, ∂a) of a branch.
@@ -90,19 +78,12 @@ pub(crate) struct HistoryStep<'a> {
 
 impl HistorySensitivity {
     /// Of a body that has been held at `u` for ever, whose derivative is `du`.
-    pub fn relaxed(
-        data: &SystemData,
-        regions: &[RegionStep],
-        (u, du): (&[f64], &[f64]),
-        by: Option<&Direction>,
-    ) -> Self {
+    pub fn relaxed(data: &SystemData, regions: &[RegionStep], (u, du): (&[f64], &[f64])) -> Self {
         let mut tensors = Vec::new();
         for_each_point(data, regions, |point, region| {
             let gradient = point.deformation(u);
             let change = point.deformation(du) - Matrix3::identity();
-            let mut stress = region.stress_change(&gradient, &change);
-            let explicit = by.and_then(|by| by.stress(point, region, &gradient));
-            explicit.iter().for_each(|explicit| add_scaled(&mut stress, 1.0, explicit));
+            let stress = region.stress_change(&gradient, &change);
             tensors.push(stress);
             tensors.extend(region.branches.iter().map(|_| [0.0; 6]));
         });
@@ -118,8 +99,6 @@ impl HistorySensitivity {
             let (before, now) = (&step.before.tensors[range.clone()], &step.now.tensors[range.clone()]);
             let gradient = point.deformation(step.displacement);
             let mut held = region.held(&self.tensors[range]);
-            let explicit = by.and_then(|by| by.stress(point, region, &gradient));
-            explicit.iter().for_each(|explicit| add_scaled(&mut held, region.gain(), explicit));
             by.iter().for_each(|by| by.add_factors(point, region, (before, now), &mut held));
             held.iter_mut().for_each(|entry| *entry *= region.mu);
             let mu = by.map_or(0.0, |by| by.mu_at(point));
@@ -137,9 +116,7 @@ impl HistorySensitivity {
             let (before, now) = (&step.before.tensors[range.clone()], &step.now.tensors[range.clone()]);
             let gradient = point.deformation(step.displacement);
             let change = point.deformation(du) - Matrix3::identity();
-            let mut stress = region.stress_change(&gradient, &change);
-            let explicit = by.and_then(|by| by.stress(point, region, &gradient));
-            explicit.iter().for_each(|explicit| add_scaled(&mut stress, 1.0, explicit));
+            let stress = region.stress_change(&gradient, &change);
             let own = &mut self.tensors[range];
             region.advance(own, stress);
             for (number, overstress) in own[1..].iter_mut().enumerate() {

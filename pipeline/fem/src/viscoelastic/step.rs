@@ -56,8 +56,6 @@ pub(crate) struct RegionStep {
     pub moduli: Moduli,
     /// μ, Pa.
     pub mu: Pascal,
-    /// The moduli of shape change per unit of μ.
-    pub unit: Moduli,
     /// Nothing: the region is elastic.
     pub branches: Vec<BranchStep>,
 }
@@ -67,7 +65,7 @@ impl RegionStep {
     /// Of a region with the long-term `moduli` over a step of `step` seconds.
     pub fn new(material: &'static dyn Material, moduli: Moduli, relaxation: &Relaxation, step: Second) -> Self {
         let branches = relaxation.branches().iter().map(|&branch| BranchStep::new(branch, step)).collect();
-        Self { material, moduli, mu: moduli.mu, unit: moduli.deviatoric().scaled(1.0 / moduli.mu), branches }
+        Self { material, moduli, mu: moduli.mu, branches }
     }
 
     fn of(is: &RegionProperties, step: Second) -> Self {
@@ -81,13 +79,8 @@ impl RegionStep {
 
     /// S_μ / μ = F⁻¹ P_μ / μ.
     pub(crate) fn stress(&self, F: &Matrix3<f64>) -> Symmetric {
-        self.stress_of(F, self.unit)
-    }
-
-    /// F⁻¹ P with other moduli.
-    pub(crate) fn stress_of(&self, F: &Matrix3<f64>, moduli: Moduli) -> Symmetric {
         match F.try_inverse() {
-            Some(inverse) => symmetric(&(inverse * self.material.stress(F, moduli).1)),
+            Some(inverse) => symmetric(&(inverse * self.material.stress(F, Moduli::unit(0)).1)),
             None => [0.0; 6],
         }
     }
@@ -95,7 +88,7 @@ impl RegionStep {
     /// ΔS_μ / μ = F⁻¹ (∂P_μ : ΔF − ΔF S_μ) / μ at F for a change ΔF.
     pub(crate) fn stress_change(&self, F: &Matrix3<f64>, change: &Matrix3<f64>) -> Symmetric {
         let Some(inverse) = F.try_inverse() else { return [0.0; 6] };
-        let response = self.material.response(F, self.unit);
+        let response = self.material.response(F, Moduli::unit(0));
         let dP = response.tangent * nalgebra::SVector::<f64, 9>::from_column_slice(change.as_slice());
         let dP = Matrix3::from_column_slice(dP.as_slice());
         symmetric(&(inverse * (dP - change * inverse * response.stress)))
@@ -104,7 +97,7 @@ impl RegionStep {
     /// ∂(T : S_μ / μ)/∂F for a symmetric T: the transpose of [`RegionStep::stress_change`].
     pub(crate) fn stress_pulled_back(&self, F: &Matrix3<f64>, T: &Symmetric) -> Matrix3<f64> {
         let Some(inverse) = F.try_inverse() else { return Matrix3::zeros() };
-        let response = self.material.response(F, self.unit);
+        let response = self.material.response(F, Moduli::unit(0));
         let left = inverse.transpose() * matrix(T);
         // ∂P is symmetric, so that its transpose is itself.
         let image = response.tangent * nalgebra::SVector::<f64, 9>::from_column_slice(left.as_slice());
@@ -154,7 +147,7 @@ impl ActingStress {
             elastic.iter().map(|is| Elastic { moduli: is.moduli.scaled(scale), ..*is }).collect();
         let Some((regions, history)) = past else { return Self { elastic: acting, held: Vec::new() } };
         for ((acting, is), region) in acting.iter_mut().zip(elastic).zip(regions) {
-            acting.moduli = acting.moduli + is.moduli.deviatoric().scaled(region.gain());
+            acting.moduli.mu += is.moduli.mu * region.gain();
         }
         let mut held = vec![[0.0; 6]; data.reference.weights.len()];
         history.for_each(data, regions, |point, region, tensors| {

@@ -126,6 +126,7 @@ impl<'a> FlappingModel<'a> {
             settings: &settings,
             modulus_scale: &[conditions.softening, 1.0],
             relaxation: &[],
+            stiffening: &[],
             actuation: &actuation,
         };
         let r = self.reduced.coordinates();

@@ -154,6 +154,7 @@ fn mass(key: &str, mass: &Mass) -> Checked {
     let spread = mass.plane.is_some() || mass.block.is_some();
     let at_point = mass.near.is_some() && mass.mass.is_some() && !spread && mass.area_density.is_none();
     let on_faces = mass.near.is_none() && mass.mass.is_none() && spread && mass.area_density.is_some();
+    only(key, at_point || mass.hangs.is_none(), "what hangs has near with mass")?;
     only(key, at_point || on_faces, "it has near with mass, or plane or box with area_density")?;
     mass.near.map_or_else(
         || place(key, Place::of(mass.plane, mass.block)),

@@ -1,6 +1,6 @@
 //! Loads of a case: chambers, dead loads, attached masses.
 
-use super::{Block, History, Plane};
+use super::{Axis, Block, History, Plane};
 use serde::Deserialize;
 use si::{Kilogram, Pascal, Point3};
 
@@ -53,6 +53,8 @@ pub struct Mass {
     pub block: Option<Block>,
     /// kg, at a point.
     pub mass: Option<Kilogram>,
+    /// It hangs on a thread along this axis: its inertia acts along it alone.
+    pub hangs: Option<Axis>,
     /// kg/m², over faces.
     pub area_density: Option<f64>,
 }

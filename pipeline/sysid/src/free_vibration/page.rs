@@ -16,10 +16,10 @@ use simulate::case::Axis;
 pub struct Page {
     /// Name of the results.
     pub name: String,
-    /// The case, with `[static]`, whose loads act once the body is released; relative to the page.
+    /// The case, with `[static]`, whose loads act once the body is released; relative to the page. Recordings may have their own.
     pub case: String,
-    /// Laws that are fitted, one after the other, to the case's first region.
-    pub laws: Vec<String>,
+    /// The time after loading to which Young's modulus belongs, s.
+    pub modulus_time: Second,
     /// Bounds of Young's modulus, Pa.
     pub range: [Pascal; 2],
     /// Folders of the recordings, relative to the project's folder; the first that has them is used.
@@ -52,10 +52,27 @@ pub struct Recording {
     pub files: Vec<String>,
     /// Time of the release, s.
     pub release: Second,
+    /// Its own case, in the place of the page's.
+    pub case: Option<String>,
+    /// Whether the laws are fitted to it; they predict it otherwise.
+    #[serde(default = "yes")]
+    pub fitted: bool,
     /// Where the last of `files` can be downloaded.
     pub source: Option<String>,
     /// Its BLAKE3.
     pub blake3: Option<String>,
+}
+
+fn yes() -> bool {
+    true
+}
+
+impl Recording {
+    /// The name of its first file, without the ending.
+    pub fn name(&self) -> &str {
+        let file = self.files.first().map_or("", String::as_str);
+        file.rsplit_once('.').map_or(file, |(stem, _)| stem)
+    }
 }
 
 /// A tracked marker.
@@ -112,6 +129,7 @@ impl Page {
     /// Holds every number to the range of a test on a bench: a slip of a unit lies outside.
     fn ranges(&self) -> Checked {
         within("held", self.held, 1e-3..=3600.0, "s")?;
+        within("modulus_time", self.modulus_time, 1e-3..=1e6, "s")?;
         within("settled", self.settled, 1e-3..=3600.0, "s")?;
         within("step", self.step, 1e-6..=1.0, "s")?;
         within("sigma", self.sigma, 1e-9..=0.1, "m")?;
@@ -133,11 +151,11 @@ impl Page {
         let [low, high] = self.range;
         let rules = [
             (!(low > 0.0 && high > low), "`range` is not two rising moduli, Pa"),
-            (self.laws.is_empty(), "`laws` names none"),
             (self.folders.is_empty(), "`folders` names none"),
             (self.recording.iter().any(|r| r.files.is_empty()), "a [[recording]] has no `files`"),
             (self.marker.iter().any(|m| m.names.is_empty()), "a [[marker]] has no `names`"),
             (self.recording.is_empty(), "there is no [[recording]]"),
+            (!self.recording.iter().any(|r| r.fitted), "no [[recording]] is fitted"),
             (!self.marker.iter().any(|m| m.compared && m.on.is_some()), "no [[marker]] on the body is compared"),
             (self.marker.len() < 3, "fewer than three [[marker]]s do not define a frame of reference"),
             (!(self.held > 0.0 && self.settled > 0.0), "`held` and `settled` are not positive times, s"),
@@ -175,7 +193,7 @@ mod tests {
         let slips = [
             ("sigma = 1e-4", "sigmaa = 1e-4", "sigmaa"),
             ("range = [5e4, 2e6]", "range = [2e6, 5e4]", "two rising moduli"),
-            ("step = 0.0025", "step = 0.0", "not positive"),
+            ("step = 0.00125", "step = 0.0", "not positive"),
             ("at = [0.1, -0.006, 0.024]", "at = [0.1, -1e308, 0.006]", "marker.1.at = -1e308 m is out of range"),
             ("sigma = 1e-4", "sigma = inf", "sigma = inf m is out of range"),
             ("release = 0.71", "release = -1.0", "the range is 0 to 3600 s"),

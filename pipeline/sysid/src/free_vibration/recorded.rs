@@ -22,6 +22,13 @@ pub struct Recorded {
     pub settled: Vec<Metre>,
 }
 
+impl Recorded {
+    /// Mean displacement at rest, m.
+    pub fn deflection(&self) -> Metre {
+        self.settled.iter().sum::<f64>() / self.settled.len() as f64
+    }
+}
+
 /// A free vibration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FreeVibration {
@@ -35,14 +42,6 @@ pub struct FreeVibration {
     pub lowest: Metre,
     /// When, s after the release.
     pub when: Second,
-}
-
-impl FreeVibration {
-    /// Of critical damping, no unit.
-    pub fn damping_ratio(&self) -> f64 {
-        let omega = std::f64::consts::TAU * self.frequency;
-        self.decay / self.decay.hypot(omega)
-    }
 }
 
 /// Reads every recording of a page from the first folder below `root` that has them.
@@ -161,7 +160,7 @@ pub fn vibration(page: &Page, fall: &Series) -> Result<FreeVibration> {
     let [from, to] = page.swing.map(sample);
     let window = Series::new(0.0, fall.rate(), fall.values()[from..=to].to_vec())?;
     let (when, lowest) = first_turn(fall);
-    let found = wave::identify(&window, &[0.5 / when])?;
+    let found = wave::identify(&window, &[0.5 / (second_turn(fall, when) - when)])?;
     let Some(wave) = found.waves.first() else {
         return Err(Diagnostic::new(
             "there is no free vibration",
@@ -176,6 +175,17 @@ pub fn vibration(page: &Page, fall: &Series) -> Result<FreeVibration> {
         lowest,
         when,
     })
+}
+
+/// When the displacement is furthest from its first extremum, at the time `first`, before the extremum after next, s. The time between
+/// both is half a period, however long the release took.
+fn second_turn(fall: &Series, first: Second) -> Second {
+    let values = fall.values();
+    let from = ((first * fall.rate()).round() as usize).min(values.len() - 1);
+    let to = (from + 8 * from / 5).min(values.len() - 1);
+    let away = |i: &usize| (values[*i] - values[from]).abs();
+    let at = (from + 1..=to).max_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(to);
+    fall.time(at)
 }
 
 /// The first extremum of a displacement: time (s) and value (m), by the parabola through the three samples around.

@@ -1,4 +1,4 @@
-//! A table of identified beside published values, and a figure of the displacements.
+//! The results of a page as text, table, metrics and figure.
 
 use std::fmt;
 use std::path::Path;
@@ -7,119 +7,210 @@ use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Dash, Figure, Mark, Panel, palette};
 use si::Series;
 
 use super::Report;
+use super::features::NAMES;
+use super::ladder::{Row, Rung, supported};
 use super::warnings::warnings;
 use diagnostics::{Diagnostic, Result};
 
-/// One line of the table: what, unit, measured, one value a law, published.
-struct Line {
-    what: &'static str,
-    unit: &'static str,
-    measured: Option<f64>,
-    laws: Vec<f64>,
-    published: Option<f64>,
-}
-
-/// Writes `real_<name>.csv` and `real_<name>.svg` into `folder`.
+/// Writes `real_<name>.csv`, `real_<name>.svg` and `metrics.json` into `folder`.
 ///
 /// # Errors
 /// A [`Diagnostic`] when the folder cannot be written.
-pub fn write(report: &Report, folder: &Path) -> Result<()> {
+pub(super) fn write(report: &Report, folder: &Path) -> Result<()> {
     let figure = figure(report).svg()?;
     let stem = format!("real_{}", report.page.name);
-    let write = |ending: &str, text: &str| std::fs::write(folder.join(format!("{stem}.{ending}")), text);
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text);
     std::fs::create_dir_all(folder)
-        .and_then(|()| write("csv", &csv(report)))
-        .and_then(|()| write("svg", &figure))
+        .and_then(|()| write(&format!("{stem}.csv"), &csv(report)))
+        .and_then(|()| write(&format!("{stem}.svg"), &figure))
+        .and_then(|()| write("metrics.json", &metrics(report)))
         .map_err(|e| {
             Diagnostic::new(format!("{} cannot be written", folder.display()), e, "name another folder with --out")
         })
 }
 
+/// One number of the table.
+struct Line {
+    law: String,
+    fitted: String,
+    recording: String,
+    quantity: String,
+    unit: String,
+    measured: Option<f64>,
+    value: f64,
+    half_width: Option<f64>,
+}
+
+impl Line {
+    fn error_percent(&self) -> Option<f64> {
+        self.measured.map(|measured| 100.0 * (self.value / measured - 1.0))
+    }
+}
+
 fn lines(report: &Report) -> Vec<Line> {
-    let mean = |values: &dyn Fn(usize) -> f64| {
-        (0..report.recorded.len()).map(values).sum::<f64>() / report.recorded.len() as f64
+    let of_rung = |rung: &Rung| {
+        let rows = std::iter::once(&rung.joint).chain(&rung.left_out);
+        let mut all: Vec<Line> =
+            rows.flat_map(|row| parameters(report, row).into_iter().chain(predictions(report, row))).collect();
+        all.extend(quality(report, rung));
+        all
     };
-    let each = |value: &dyn Fn(&super::ByLaw) -> f64| report.laws.iter().map(value).collect::<Vec<f64>>();
-    let published = report.page.published.as_ref().map(|p| 1e-3 * p.youngs_modulus);
-    let line = |what, unit, measured, laws, published| Line { what, unit, measured, laws, published };
-    let settled =
-        mean(&|i| 1e3 * report.recorded[i].settled.iter().sum::<f64>() / report.recorded[i].settled.len() as f64);
-    let vibrations = &report.vibrations;
-    vec![
-        line(
-            "Young's modulus, from the static deflection",
-            "kPa",
-            None,
-            each(&|l| 1e-3 * l.found.youngs_modulus),
-            published,
-        ),
-        line("its standard deviation", "%", None, each(&|l| 100.0 * l.found.sigma), None),
-        line("static deflection (used)", "mm", Some(settled), each(&|l| 1e3 * l.found.settled), None),
-        line("decay rate (used)", "1/s", Some(mean(&|i| vibrations[i].decay)), each(&|l| l.vibration.decay), None),
-        line("stiffness damping", "ms", None, each(&|l| 1e3 * l.beta), None),
-        line(
-            "frequency (predicted)",
-            "Hz",
-            Some(mean(&|i| vibrations[i].frequency)),
-            each(&|l| l.vibration.frequency),
-            None,
-        ),
-        line(
-            "damping ratio",
-            "",
-            Some(mean(&|i| vibrations[i].damping_ratio())),
-            each(&|l| l.vibration.damping_ratio()),
-            None,
-        ),
-        line(
-            "first extremum (predicted)",
-            "mm",
-            Some(mean(&|i| 1e3 * vibrations[i].lowest)),
-            each(&|l| 1e3 * l.vibration.lowest),
-            None,
-        ),
-        line(
-            "first extremum (predicted)",
-            "ms",
-            Some(mean(&|i| 1e3 * vibrations[i].when)),
-            each(&|l| 1e3 * l.vibration.when),
-            None,
-        ),
-    ]
+    report.rungs.iter().flat_map(of_rung).collect()
+}
+
+fn names(report: &Report, used: &[usize]) -> String {
+    used.iter().map(|k| report.page.recording[*k].name()).collect::<Vec<_>>().join(" + ")
+}
+
+fn parameters(report: &Report, row: &Row) -> Vec<Line> {
+    let fitted = &row.fitted;
+    let of = |(p, quantity): (usize, &super::laws::Quantity)| {
+        let scale = quantity.scale(report.page.range);
+        let sigma = fitted.covariance[(p, p)].sqrt();
+        let half_width = 1.96 * if scale.logarithmic { fitted.values[p] * sigma } else { sigma };
+        Line {
+            law: fitted.law.name.to_owned(),
+            fitted: names(report, &row.used),
+            recording: String::new(),
+            quantity: scale.name.to_owned(),
+            unit: scale.unit.to_owned(),
+            measured: None,
+            value: fitted.values[p],
+            half_width: Some(half_width),
+        }
+    };
+    fitted.law.parameters.iter().enumerate().map(of).collect()
+}
+
+fn predictions(report: &Report, row: &Row) -> Vec<Line> {
+    let of = |k: usize| {
+        let (measured, prediction) = (report.measured[k].to_array(), &row.predictions[k]);
+        let value = prediction.features.to_array();
+        let line = |n: usize| Line {
+            law: row.fitted.law.name.to_owned(),
+            fitted: names(report, &row.used),
+            recording: report.page.recording[k].name().to_owned(),
+            quantity: NAMES[n].0.to_owned(),
+            unit: NAMES[n].1.to_owned(),
+            measured: Some(measured[n]),
+            value: value[n],
+            half_width: Some(prediction.half_widths[n]),
+        };
+        [0, 1, 2, 3].map(line)
+    };
+    (0..report.recorded.len()).flat_map(of).collect()
+}
+
+fn quality(report: &Report, rung: &Rung) -> Vec<Line> {
+    let fitted = &rung.joint.fitted;
+    let line = |quantity: &str, unit: &str, value: f64| Line {
+        law: fitted.law.name.to_owned(),
+        fitted: names(report, &rung.joint.used),
+        recording: String::new(),
+        quantity: quantity.to_owned(),
+        unit: unit.to_owned(),
+        measured: None,
+        value,
+        half_width: None,
+    };
+    let mut all = vec![
+        line("discrepancy", "% of the static deflection", 100.0 * fitted.discrepancy),
+        line("correlation time of the discrepancy", "s", fitted.correlation_time),
+        line("information criterion over the best", "", rung.criterion),
+    ];
+    all.extend(
+        rung.left_out_difference().map(|d| line("difference when left out", "% of the static deflection", 100.0 * d)),
+    );
+    all
 }
 
 fn csv(report: &Report) -> String {
-    let laws: Vec<&str> = report.laws.iter().map(|l| l.law.as_str()).collect();
-    let mut text = format!("quantity,unit,measured,{},published\n", laws.join(","));
     let word = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:.5}"));
+    let mut text = "law,fitted,recording,quantity,unit,measured,value,half_width_95,error_percent\n".to_owned();
     for line in lines(report) {
-        let laws: Vec<String> = line.laws.iter().map(|v| word(Some(*v))).collect();
-        let (measured, published) = (word(line.measured), word(line.published));
-        text += &format!("\"{}\",{},{measured},{},{published}\n", line.what, line.unit, laws.join(","));
+        let Line { law, fitted, recording, quantity, unit, .. } = &line;
+        text += &format!(
+            "{law},{fitted},{recording},{quantity},{unit},{},{},{},{}\n",
+            word(line.measured),
+            word(Some(line.value)),
+            word(line.half_width),
+            word(line.error_percent())
+        );
     }
-    let none = ",".repeat(laws.len());
-    warnings(report).iter().for_each(|warning| text += &format!("\"warning: {warning}\",,,{none}\n"));
+    warnings(report).iter().for_each(|warning| text += &format!(",,,\"warning: {warning}\",,,,,\n"));
     text
+}
+
+/// Errors of the supported law at the recordings that were not fitted.
+fn metrics(report: &Report) -> String {
+    let rung = &report.rungs[supported(&report.rungs)];
+    let mut entries = Vec::new();
+    for (k, recording) in report.page.recording.iter().enumerate().filter(|(_, recording)| !recording.fitted) {
+        let (measured, value) = (report.measured[k].to_array(), rung.joint.predictions[k].features.to_array());
+        for n in 0..4 {
+            let id = format!("real.{}.{}.{}_error_percent", report.page.name, recording.name(), NAMES[n].0);
+            entries.push(serde_json::json!({
+                "id": id,
+                "value": 100.0 * (value[n] / measured[n] - 1.0).abs(),
+                "unit": "%",
+                "published": null,
+                "expected": null,
+                "tolerance": null,
+                "status": "not compared",
+            }));
+        }
+    }
+    serde_json::Value::Array(entries).to_string() + "\n"
 }
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:<42} {:>10}", self.page.name, "measured")?;
-        self.laws.iter().try_for_each(|law| write!(f, " {:>12}", law.law))?;
-        writeln!(f, " {:>10}", "published")?;
-        let word = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |v| format!("{v:.4}"));
-        for line in lines(self) {
-            let head =
-                if line.unit.is_empty() { line.what.to_owned() } else { format!("{} ({})", line.what, line.unit) };
-            write!(f, "{head:<42} {:>10}", word(line.measured))?;
-            line.laws.iter().try_for_each(|v| write!(f, " {:>12}", word(Some(*v))))?;
-            writeln!(f, " {:>10}", word(line.published))?;
+        for rung in &self.rungs {
+            let fitted = &rung.joint.fitted;
+            writeln!(f, "{} fitted to {}", fitted.law.name, names(self, &rung.joint.used))?;
+            for line in parameters(self, &rung.joint) {
+                let Line { quantity, unit, value, half_width, .. } = line;
+                writeln!(f, "  {quantity:<22} {value:>12.5} ± {:.5} {unit}", half_width.unwrap_or_default())?;
+            }
+            let left_out =
+                rung.left_out_difference().map_or_else(String::new, |d| format!(", {:.2} % left out", 100.0 * d));
+            writeln!(
+                f,
+                "  discrepancy {:.2} % of the static deflection{left_out}; information criterion + {:.1}",
+                100.0 * fitted.discrepancy,
+                rung.criterion
+            )?;
+            for row in std::iter::once(&rung.joint).chain(&rung.left_out) {
+                write_predictions(f, self, row)?;
+            }
         }
-        let names: Vec<&str> = self.recorded.iter().map(|r| r.name.as_str()).collect();
-        writeln!(f, "recorded: {}", names.join(", "))?;
+        writeln!(f, "supported: {}", self.rungs[supported(&self.rungs)].joint.fitted.law.name)?;
         warnings(self).iter().try_for_each(|warning| writeln!(f, "warning: {warning}"))?;
-        self.page.published.iter().try_for_each(|p| writeln!(f, "published: {}", p.source))
+        let published = self.page.published.iter();
+        published
+            .into_iter()
+            .try_for_each(|p| writeln!(f, "published: {:.1} kPa, {}", 1e-3 * p.youngs_modulus, p.source))
     }
+}
+
+fn write_predictions(f: &mut fmt::Formatter<'_>, report: &Report, row: &Row) -> fmt::Result {
+    for (k, prediction) in row.predictions.iter().enumerate() {
+        let role = if row.used.contains(&k) { "fitted" } else { "predicted" };
+        write!(f, "    {:<12} {role:<9} from {:<22}", report.page.recording[k].name(), names(report, &row.used))?;
+        let (measured, value) = (report.measured[k].to_array(), prediction.features.to_array());
+        for n in 0..4 {
+            let covered = (value[n] - measured[n]).abs() <= prediction.half_widths[n];
+            write!(
+                f,
+                "  {} {:+.1} %{}",
+                NAMES[n].0,
+                100.0 * (value[n] / measured[n] - 1.0),
+                if covered { "" } else { "!" }
+            )?;
+        }
+        writeln!(f)?;
+    }
+    Ok(())
 }
 
 fn figure(report: &Report) -> Figure {
@@ -128,18 +219,25 @@ fn figure(report: &Report) -> Figure {
         let until = fall.values().iter().enumerate().map(|(i, v)| [fall.time(i), 1e3 * v]);
         until.take_while(|p| p[0] <= window).collect::<Vec<_>>()
     };
-    let recorded = report.recorded.iter().enumerate().map(|(i, r)| {
-        let line = Mark::line(points(&r.fall), palette::MUTED);
-        if i == 0 { line.labelled("recorded") } else { line }
-    });
-    let colours = [palette::SIMULATED, palette::SPINE, palette::NETWORK];
-    let laws = report.laws.iter().zip(colours.into_iter().cycle());
-    let laws = laws
-        .map(|(l, colour)| Mark::line(points(&l.fall), colour).dashed(Dash::Dashed).labelled(&l.law.replace('_', "-")));
-    let axes = Axes::new(Axis::linear("time after the release", "s"), Axis::linear("displacement", "mm"));
-    let axes = recorded.chain(laws).fold(axes, Axes::with);
-    let title = format!("{}: static deflection and predicted vibration", report.page.name.replace('_', " "));
-    Figure::new(DOUBLE_COLUMN_MM)
-        .row(60.0, [Panel::Axes(axes).titled(&title)])
-        .noted("measured data, not from the virtual bench")
+    let shown = [(0, palette::SPINE), (supported(&report.rungs), palette::SIMULATED)];
+    let panel = |k: usize| {
+        let axes = Axes::new(Axis::linear("time after the release", "s"), Axis::linear("displacement", "mm"));
+        let axes = axes.with(Mark::line(points(&report.recorded[k].fall), palette::MUTED).labelled("recorded"));
+        let laws = shown.iter().map(|(rung, colour)| {
+            let row = &report.rungs[*rung].joint;
+            let name = row.fitted.law.name.replace('_', " ");
+            Mark::line(points(&row.predictions[k].fall), *colour).dashed(Dash::Dashed).labelled(&name)
+        });
+        let recording = &report.page.recording[k];
+        let role = if recording.fitted { "fitted" } else { "predicted" };
+        let title = format!("{}, {role}", recording.name().replace('_', " "));
+        Panel::Axes(laws.fold(axes, Axes::with)).titled(&title)
+    };
+    let panels: Vec<_> = (0..report.recorded.len()).map(panel).collect();
+    let mut figure = Figure::new(DOUBLE_COLUMN_MM);
+    let mut rest = panels.into_iter().peekable();
+    while rest.peek().is_some() {
+        figure = figure.row(55.0, rest.by_ref().take(2).collect::<Vec<_>>());
+    }
+    figure.noted("measured data, not from the virtual bench")
 }

@@ -1,0 +1,227 @@
+//! One loading condition of the body as a reduced model: released from its straight shape, it moves under its dead loads.
+//!
+//! A fit simulates each recording some hundred times with other moduli, dampings and spectra. The shapes hardly depend on these, so
+//! that one reduced model of a dozen coordinates serves all of them.
+
+use std::path::Path;
+
+use fem::{
+    Actuation, DynamicSettings, ExternalForce, InitialValueProblem, ReducedModel, ReducedMotion, ReductionSettings,
+    Relaxation, State, StaticSettings, StepState, System,
+};
+use nalgebra::DVector;
+use si::{Hertz, Metre, Pascal, Second};
+
+use super::page::Page;
+use diagnostics::{Diagnostic, Result};
+use simulate::case::{Case, read};
+use simulate::{Body, load};
+
+/// Fractions of the dead loads at which static shapes are taken.
+const FRACTIONS: [f64; 6] = [-0.3, 0.3, 0.7, 1.0, 1.5, 2.0];
+/// Steps of the motion of the whole body from which shapes are taken, their length relative to the simulated step, and which are taken.
+const WHOLE_STEPS: usize = 60;
+const WHOLE_STEP: f64 = 2.0;
+const EVERY: usize = 4;
+/// Coordinates of the reduced model, and its tolerance of forces.
+const REDUCTION: ReductionSettings = ReductionSettings { coordinates: 12, least_share: 1e-10, tolerance: 1e-3 };
+/// After the vibration, each step is longer than the one before by this factor, up to the longest, s.
+const GROWTH: f64 = 1.05;
+const LONGEST: Second = 0.02;
+
+/// The numbers that a law gives to the body.
+#[derive(Debug, Clone)]
+pub(super) struct Properties {
+    /// Long-term E, Pa.
+    pub youngs_modulus: Pascal,
+    /// C₂₀/C₁₀ and C₃₀/C₁₀.
+    pub stiffening: [f64; 2],
+    pub relaxation: Relaxation,
+    /// α, 1/s.
+    pub mass_damping: Hertz,
+    /// β, s.
+    pub stiffness_damping: Second,
+}
+
+/// A body under one set of dead loads.
+#[derive(Debug)]
+pub(super) struct Condition {
+    reduced: ReducedModel,
+    /// E of the case, Pa.
+    youngs_modulus: Pascal,
+    /// Vᵀ f of the dead loads.
+    load: DVector<f64>,
+    /// Mean displacement of the compared markers by each coordinate, m.
+    marker: DVector<f64>,
+}
+
+impl Condition {
+    /// Of the case in the file `path`.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when the case or its mesh is refused, or a shape or motion of the whole body is not found.
+    pub fn new(page: &Page, path: &Path) -> Result<Self> {
+        let mut case = read(path)?;
+        checked(&case, path)?;
+        // Yeoh's law without its further terms is the neo-Hookean one.
+        case.region[0].material = "yeoh".to_owned();
+        let loaded = load(&case, path.parent().unwrap_or(Path::new(".")))?;
+        let body = Body::new(&case, &loaded)?;
+        let shapes = shapes(page, &case, &body)?;
+        let shapes: Vec<&[f64]> = shapes.iter().map(Vec::as_slice).collect();
+        let reduced = body.system.reduce(&shapes, &REDUCTION)?;
+        let project = |nodal: &[f64]| {
+            let by = |k: usize| reduced.displacement(&unit(reduced.coordinates(), k));
+            DVector::from_fn(reduced.coordinates(), |k, _| by(k).iter().zip(nodal).map(|(u, f)| u * f).sum::<f64>())
+        };
+        let (load, marker) = (project(&dead_loads(&case, &body)), project(&marker(page, &body)));
+        Ok(Self { youngs_modulus: body.system.regions()[0].youngs_modulus, load, marker, reduced })
+    }
+
+    /// Mean displacement of the compared markers at `times` (s after the release, rising from 0), m: the loads rise smoothly within the
+    /// `ramp` (s) in which the hand lets go.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when a step finds no motion.
+    pub fn fall(&self, is: &Properties, ramp: Second, times: &[Second]) -> Result<Vec<Metre>> {
+        let settings = DynamicSettings {
+            mass_damping: is.mass_damping,
+            stiffness_damping: is.stiffness_damping,
+            ..DynamicSettings::default()
+        };
+        let motion = ReducedMotion {
+            settings: &DynamicSettings { step: times[1] - times[0], ..settings },
+            modulus_scale: &[is.youngs_modulus / self.youngs_modulus],
+            relaxation: std::slice::from_ref(&is.relaxation),
+            stiffening: &[is.stiffening],
+            actuation: &|_| Actuation { pressures: Vec::new() },
+        };
+        let factors = times.iter().map(|time| released(time / ramp)).collect();
+        let mut loads = DeadLoads { load: &self.load, factors, step: 1 };
+        let mut fall = vec![0.0];
+        let mut see = |_: Second, q: &DVector<f64>, _: &DVector<f64>| fall.push(self.marker.dot(q));
+        self.reduced.integrate_at(&motion, &mut loads, &times[1..], &mut see)?;
+        Ok(fall)
+    }
+}
+
+/// Times of the simulated states until `end`: equal steps during the vibration, then longer ones.
+pub(super) fn times(page: &Page, end: Second) -> Vec<Second> {
+    let mut times = vec![0.0];
+    let mut step = page.step;
+    while times[times.len() - 1] < end {
+        let last = times[times.len() - 1];
+        if last > page.swing[1] {
+            step = (step * GROWTH).min(LONGEST);
+        }
+        times.push(last + step);
+    }
+    times
+}
+
+/// Smooth rise from 0 to 1 over a relative time of 0 to 1.
+fn released(part: f64) -> f64 {
+    let part = part.clamp(0.0, 1.0);
+    part * part * (3.0 - 2.0 * part)
+}
+
+/// Dead loads whose factor depends on the step.
+struct DeadLoads<'a> {
+    load: &'a DVector<f64>,
+    factors: Vec<f64>,
+    /// The step that is being solved.
+    step: usize,
+}
+
+impl ExternalForce for DeadLoads<'_> {
+    fn force(&self, _: &StepState) -> DVector<f64> {
+        self.load * self.factors[self.step]
+    }
+
+    fn accept(&mut self, _: &StepState) {
+        self.step += 1;
+    }
+}
+
+fn checked(case: &Case, path: &Path) -> Result<()> {
+    let refused = |what: &str, why: &str, action: &str| Err(Diagnostic::file(path, what, why, action));
+    match &case.region[..] {
+        [one] if one.mean_dilatation => refused(
+            "its region uses mean_dilatation",
+            "a reduced model cannot",
+            "leave it out, with quadratic elements and poissons_ratio 0.49 at most",
+        ),
+        [one] if one.material == "neo_hookean" || one.material == "yeoh" => Ok(()),
+        [one] => refused(
+            &format!("its material is `{}`", one.material),
+            "the laws that are compared extend the neo-Hookean one",
+            "set material = \"neo_hookean\"",
+        ),
+        all => refused(&format!("it has {} regions", all.len()), "one body is identified", "fit a body of one region"),
+    }
+}
+
+/// 3 entries per node, N: all loads and the weight.
+fn dead_loads(case: &Case, body: &Body) -> Vec<f64> {
+    let mut loads = body.forces.clone();
+    for (force, mass) in loads.chunks_exact_mut(3).zip(body.system.node_masses()) {
+        (0..3).for_each(|axis| force[axis] += mass * case.gravity[axis]);
+    }
+    loads
+}
+
+/// Weights of all nodes in the mean displacement of the compared markers along the page's axis, 3 entries per node.
+fn marker(page: &Page, body: &Body) -> Vec<f64> {
+    let compared: Vec<_> = page.marker.iter().filter(|marker| marker.compared).filter_map(|marker| marker.on).collect();
+    let mut weights = vec![0.0; 3 * body.solid.nodes().len()];
+    for at in &compared {
+        for (node, weight) in body.solid.embed(*at).0.weights {
+            weights[3 * node as usize + page.along as usize] += weight / compared.len() as f64;
+        }
+    }
+    weights
+}
+
+fn unit(count: usize, k: usize) -> DVector<f64> {
+    DVector::from_fn(count, |row, _| f64::from(u8::from(row == k)))
+}
+
+/// Shapes of the whole body: at rest under fractions of its loads, and in the motion after a sudden release.
+fn shapes(page: &Page, case: &Case, body: &Body) -> Result<Vec<Vec<f64>>> {
+    let mut shapes = Vec::new();
+    for part in FRACTIONS {
+        let mut solver = body.solver(case)?;
+        solver.set_gravity(case.gravity.map(|g| part * g))?;
+        solver.set_forces(&body.forces.iter().map(|force| part * force).collect::<Vec<_>>())?;
+        let pressures = vec![0.0; body.cavities.len()];
+        shapes.push(solver.equilibrium(&pressures, None, &StaticSettings::default())?.displacement);
+    }
+    shapes.extend(motion(page, case, &body.system, body)?);
+    Ok(shapes)
+}
+
+fn motion(page: &Page, case: &Case, system: &System, body: &Body) -> Result<Vec<Vec<f64>>> {
+    let settings = DynamicSettings { step: WHOLE_STEP * page.step, ..DynamicSettings::default() };
+    let rest = State::rest(system.mesh().nodes.len());
+    let pressures = |_: Second| vec![0.0; body.cavities.len()];
+    let problem = InitialValueProblem { settings: &settings, initial: &rest, pressures: &pressures };
+    let (mut shapes, mut count) = (Vec::new(), 0);
+    let mut keep = |_: Second, state: &State| {
+        count += 1;
+        if count % EVERY == 0 {
+            shapes.push(state.displacement.clone());
+        }
+    };
+    body.solver(case)?.integrate(&problem, WHOLE_STEPS, &mut keep)?;
+    Ok(shapes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_loads_rise_smoothly_from_none_to_all() {
+        assert_eq!([-1.0, 0.0, 0.5, 1.0, 7.0].map(released), [0.0, 0.0, 0.5, 1.0, 1.0]);
+    }
+}

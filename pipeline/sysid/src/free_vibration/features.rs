@@ -1,0 +1,74 @@
+//! Features of a free vibration, of recorded and simulated displacements alike.
+
+use si::{Metre, Second, Series};
+
+use super::page::Page;
+use super::recorded::{FreeVibration, vibration};
+use diagnostics::Result;
+
+/// What a recording is compared by.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Features {
+    /// Mean displacement over the last seconds, m.
+    pub deflection: Metre,
+    pub vibration: FreeVibration,
+}
+
+/// Name and unit of each feature.
+pub(super) const NAMES: [(&str, &str); 4] =
+    [("frequency", "Hz"), ("static", "mm"), ("first_minimum", "mm"), ("decay", "1/s")];
+
+impl Features {
+    /// Of a displacement since the release.
+    ///
+    /// # Errors
+    /// A diagnostic when there is no vibration in the window of the page.
+    pub fn of(page: &Page, fall: &Series) -> Result<Self> {
+        let rest = fall.values().len() - ((page.settled * fall.rate()).round() as usize).min(fall.values().len() - 1);
+        let last = &fall.values()[rest..];
+        let deflection = last.iter().sum::<f64>() / last.len() as f64;
+        Ok(Self { deflection, vibration: vibration(page, fall)? })
+    }
+
+    /// In the units of [`NAMES`].
+    pub fn to_array(self) -> [f64; 4] {
+        let FreeVibration { frequency, decay, lowest, .. } = self.vibration;
+        [frequency, 1e3 * self.deflection, 1e3 * lowest, decay]
+    }
+
+    /// Standard deviations of the measurement itself, in the same units: those of the wave, and of a displacement `sigma` (m).
+    pub fn measurement_sigma(self, sigma: Metre) -> [f64; 4] {
+        [self.vibration.frequency_sigma, 1e3 * sigma, 1e3 * sigma, 0.0]
+    }
+}
+
+/// Largest difference in time by which a prediction may be shifted onto its recording, s: releases are read off by eye.
+const SHIFT: Second = 0.05;
+
+/// Root mean square difference over the deflection `scale` (m) of two displacements, one of them shifted in time so that it is least.
+pub(super) fn difference(predicted: &Series, recorded: &Series, scale: Metre) -> f64 {
+    let frames = (SHIFT * recorded.rate()).round() as i64;
+    let of = |shift: i64| {
+        let pairs = recorded.values().iter().enumerate().map(|(i, measured)| {
+            let at = (i as i64 - shift).clamp(0, predicted.values().len() as i64 - 1) as usize;
+            (predicted.values()[at] - measured).powi(2)
+        });
+        (pairs.sum::<f64>() / recorded.values().len() as f64).sqrt() / scale.abs()
+    };
+    (-frames..=frames).map(of).fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_shifted_copy_does_not_differ() {
+        let wave = |shift: f64| {
+            let at = |i: i32| if f64::from(i) < shift { 0.0 } else { (0.3 * (f64::from(i) - shift)).sin() };
+            Series::new(0.0, 100.0, (0..200).map(at).collect()).unwrap()
+        };
+        assert!(difference(&wave(3.0), &wave(0.0), 1.0) < 0.02);
+        assert!(difference(&wave(20.0), &wave(0.0), 1.0) > 0.1, "further than a release can be misread");
+    }
+}

@@ -1,0 +1,278 @@
+//! A joint fit of one law to several recordings, with the posterior of its parameters.
+//!
+//! Residuals are differences of displacement over the static deflection of each recording. They are not noise: a law that is not the
+//! silicone's own leaves a smooth discrepancy. Its size and its correlation time are estimated from the residuals, and the covariance
+//! of the parameters is that of so many independent residuals as the recordings are long in correlation times.
+
+use nalgebra::DMatrix;
+use optimize::optimisers::gauss_newton::{GaussNewton, Settings};
+use optimize::{Bounds, Evaluation, Needs, OptimiseError, Problem, Residuals, minimise};
+use rayon::prelude::*;
+use si::{Second, Series};
+
+use super::condition::{Condition, times};
+use super::laws::{Law, Scale};
+use super::page::Page;
+use super::recorded::Recorded;
+use diagnostics::{Diagnostic, Result};
+
+/// Bounds of the time in which the hand lets go, and of the error of the page's time of release, s.
+const RAMP: [Second; 2] = [1e-3, 0.25];
+const SHIFT: [Second; 2] = [-0.08, 0.08];
+/// Starts of both, s.
+const RAMP_START: Second = 0.04;
+const SHIFT_START: Second = -0.01;
+/// Forward differences, in units of the search.
+const DIFFERENCE: f64 = 3e-4;
+
+/// A recording with the condition under which it was made.
+#[derive(Clone, Copy)]
+pub(super) struct Trial<'a> {
+    pub recorded: &'a Recorded,
+    pub condition: &'a Condition,
+}
+
+/// The result of a fit.
+#[derive(Debug, Clone)]
+pub(super) struct Fitted {
+    pub law: Law,
+    /// Law's parameters in SI units, in its order.
+    pub values: Vec<f64>,
+    /// Point of the search: the law's parameters, then ramp and shift of each recording.
+    pub at: Vec<f64>,
+    /// Its covariance, in units of the search.
+    pub covariance: DMatrix<f64>,
+    /// Root mean square of the residuals over the static deflection.
+    pub discrepancy: f64,
+    /// Correlation time of the residuals, s.
+    pub correlation_time: Second,
+    /// Independent residuals.
+    pub independent: f64,
+    /// Names of parameters on their bounds.
+    pub on_bounds: Vec<String>,
+}
+
+/// One fit's problem.
+pub(super) struct Fit<'a> {
+    pub page: &'a Page,
+    pub law: Law,
+    pub trials: Vec<Trial<'a>>,
+}
+
+impl Fit<'_> {
+    fn scales(&self) -> Vec<Scale> {
+        self.law.parameters.iter().map(|quantity| quantity.scale(self.page.range)).collect()
+    }
+
+    /// Parameters of the law at a point of the search, SI.
+    pub fn values(&self, at: &[f64]) -> Vec<f64> {
+        let of = |(scale, x): (Scale, &f64)| if scale.logarithmic { x.exp() } else { *x };
+        self.scales().into_iter().zip(at).map(of).collect()
+    }
+
+    /// Ramp and shift of recording `k` at a point of the search, s.
+    fn release(&self, at: &[f64], k: usize) -> [Second; 2] {
+        let first = self.law.parameters.len() + 2 * k;
+        [at[first], at[first + 1]]
+    }
+
+    /// The ramp to expect of a release under `condition`, s: the mean of those fitted under it, or of all.
+    pub fn expected_ramp(&self, at: &[f64], condition: &Condition) -> Second {
+        let own = |k: &usize| std::ptr::eq(self.trials[*k].condition, condition);
+        let mut like: Vec<usize> = (0..self.trials.len()).filter(own).collect();
+        if like.is_empty() {
+            like = (0..self.trials.len()).collect();
+        }
+        like.iter().map(|k| self.release(at, *k)[0]).sum::<f64>() / like.len() as f64
+    }
+
+    fn problem(&self) -> Result<Problem> {
+        let line = |scale: &Scale, x: f64| if scale.logarithmic { x.ln() } else { x };
+        let scales = self.scales();
+        let (mut start, mut bounds) = (Vec::new(), Bounds { low: Vec::new(), high: Vec::new() });
+        let mut add = |from: f64, low: f64, high: f64| {
+            start.push(from);
+            bounds.low.push(low);
+            bounds.high.push(high);
+        };
+        scales.iter().for_each(|s| add(line(s, s.start), line(s, s.range[0]), line(s, s.range[1])));
+        for _ in &self.trials {
+            add(RAMP_START, RAMP[0], RAMP[1]);
+            add(SHIFT_START, SHIFT[0], SHIFT[1]);
+        }
+        let names = self.names();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        Problem::new(&names, start, bounds).map_err(Diagnostic::from)
+    }
+
+    fn names(&self) -> Vec<String> {
+        let law = self.scales().into_iter().map(|scale| scale.name.to_owned());
+        let each = self.trials.iter().flat_map(|trial| {
+            let name = &trial.recorded.name;
+            [format!("ramp of {name}"), format!("shift of {name}")]
+        });
+        law.chain(each).collect()
+    }
+
+    /// Simulated displacement of recording `k` at the times of its frames, m.
+    fn simulated(&self, at: &[f64], k: usize) -> Result<Vec<f64>> {
+        let [ramp, shift] = self.release(at, k);
+        let properties = self.law.properties(&self.values(at), self.page.modulus_time)?;
+        let Trial { recorded, condition } = self.trials[k];
+        let times = times(self.page, recorded.fall.end() - shift.min(0.0) + self.page.step);
+        let fall = condition.fall(&properties, ramp, &times)?;
+        Ok((0..recorded.fall.values().len())
+            .map(|i| interpolated(&times, &fall, recorded.fall.time(i) - shift))
+            .collect())
+    }
+
+    /// Residuals of all recordings and their Jacobian, by forward differences.
+    fn evaluate(&self, at: &[f64]) -> Result<Evaluation> {
+        let law = self.law.parameters.len();
+        let jobs: Vec<(usize, Option<usize>)> = (0..self.trials.len())
+            .flat_map(|k| {
+                let own = law + 2 * k..law + 2 * k + 2;
+                std::iter::once((k, None)).chain((0..law).chain(own).map(move |p| (k, Some(p))))
+            })
+            .collect();
+        let simulate = |&(k, perturbed): &(usize, Option<usize>)| {
+            let mut at = at.to_vec();
+            perturbed.iter().for_each(|p| at[*p] += DIFFERENCE);
+            self.simulated(&at, k)
+        };
+        let simulated: Vec<Vec<f64>> = jobs.par_iter().map(simulate).collect::<Result<_>>()?;
+        let mut residuals = Residuals { values: Vec::new(), jacobian: Vec::new() };
+        let each = law + 3;
+        for (k, simulated) in simulated.chunks_exact(each).enumerate() {
+            let scale = 1.0 / self.trials[k].recorded.deflection().abs();
+            for (i, measured) in self.trials[k].recorded.fall.values().iter().enumerate() {
+                residuals.values.push(scale * (simulated[0][i] - measured));
+                let mut row = vec![0.0; at.len()];
+                for (job, (_, perturbed)) in jobs[k * each..(k + 1) * each].iter().enumerate() {
+                    perturbed.iter().for_each(|p| row[*p] = scale * (simulated[job][i] - simulated[0][i]) / DIFFERENCE);
+                }
+                residuals.jacobian.extend(row);
+            }
+        }
+        let (loss, gradient) = (residuals.half_sum_of_squares(), Some(residuals.gradient(at.len())));
+        Ok(Evaluation { at: at.to_vec(), loss, gradient, residuals: Some(residuals) })
+    }
+
+    /// Fits the law to all recordings.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when a motion is not found or the recordings do not determine the parameters.
+    pub fn run(&self) -> Result<Fitted> {
+        let problem = self.problem()?;
+        let settings = Settings { damping: 1e-2, step_tolerance: 1e-3, iterations: 40 };
+        let mut optimiser = GaussNewton::new(&problem, &settings)?;
+        let mut diagnostic = None;
+        let log = minimise(&mut optimiser, &mut |batch: &[Vec<f64>], _: Needs| {
+            let answers: Result<Vec<_>> = batch.iter().map(|at| self.evaluate(at)).collect();
+            answers.map_err(|lost| {
+                diagnostic = Some(lost.while_doing(self.law.name));
+                OptimiseError::Length { what: "the answers", found: 0, expected: batch.len() }
+            })
+        });
+        let best = log.map_err(|e| diagnostic.unwrap_or_else(|| Diagnostic::from(e)))?.best;
+        let residuals = best.residuals.unwrap_or(Residuals { values: Vec::new(), jacobian: Vec::new() });
+        Ok(self.posterior(&problem, best.at, &residuals))
+    }
+
+    fn posterior(&self, problem: &Problem, at: Vec<f64>, residuals: &Residuals) -> Fitted {
+        let (count, parameters) = (residuals.values.len(), at.len());
+        let jacobian = DMatrix::from_row_slice(count, parameters, &residuals.jacobian);
+        let (correlation, rate) = (correlation(self, &residuals.values), self.trials[0].recorded.fall.rate());
+        let independent = (count as f64 / correlation).max(parameters as f64 + 1.0);
+        let variance = 2.0 * residuals.half_sum_of_squares() / count as f64 * independent
+            / (independent - parameters as f64).max(1.0);
+        // A weak prior, as wide as the bounds, keeps the covariance finite along a direction that the recordings do not tell.
+        let width = |p: usize| problem.bounds().high[p] - problem.bounds().low[p];
+        let mut information = jacobian.tr_mul(&jacobian) / (variance * correlation);
+        (0..parameters).for_each(|p| information[(p, p)] += 12.0 / (width(p) * width(p)));
+        let covariance = information.try_inverse().unwrap_or_else(|| DMatrix::identity(parameters, parameters));
+        let near = |p: &usize| {
+            let (low, high) = (problem.bounds().low[*p], problem.bounds().high[*p]);
+            (at[*p] - low).min(high - at[*p]) < 1e-4 * (high - low)
+        };
+        let on_bounds = (0..self.law.parameters.len()).filter(near).map(|p| self.names()[p].clone()).collect();
+        Fitted {
+            law: self.law,
+            values: self.values(&at),
+            covariance,
+            discrepancy: (2.0 * residuals.half_sum_of_squares() / count as f64).sqrt(),
+            correlation_time: correlation / rate,
+            independent,
+            on_bounds,
+            at,
+        }
+    }
+}
+
+impl Fitted {
+    /// Bayes' information criterion, of the residuals that are independent: the least is best.
+    pub fn information_criterion(&self, independent: f64) -> f64 {
+        2.0 * independent * self.discrepancy.ln() + self.at.len() as f64 * independent.ln()
+    }
+}
+
+/// Frames that tell as much as one independent one: 1 + 2 Σ ρ until ρ falls below zero, the mean of all recordings.
+fn correlation(fit: &Fit, residuals: &[f64]) -> f64 {
+    let mut rest = residuals;
+    let mut sum = 0.0;
+    for trial in &fit.trials {
+        let (own, after) = rest.split_at(trial.recorded.fall.values().len());
+        rest = after;
+        sum += integrated_correlation(own);
+    }
+    sum / fit.trials.len() as f64
+}
+
+fn integrated_correlation(of: &[f64]) -> f64 {
+    let square: f64 = of.iter().map(|x| x * x).sum();
+    let at = |lag: usize| of.iter().zip(&of[lag..]).map(|(a, b)| a * b).sum::<f64>() / square;
+    1.0 + 2.0 * (1..of.len()).map(at).take_while(|correlation| *correlation > 0.0).sum::<f64>()
+}
+
+/// The value at a time between samples; that of the first before it.
+fn interpolated(times: &[Second], values: &[f64], at: Second) -> f64 {
+    let next = times.partition_point(|time| *time < at);
+    if next == 0 {
+        return values[0];
+    }
+    let next = next.min(times.len() - 1);
+    let part = (at - times[next - 1]) / (times[next] - times[next - 1]);
+    values[next - 1] + part * (values[next] - values[next - 1])
+}
+
+/// A recording's simulated displacement as a series like the recorded one.
+///
+/// # Errors
+/// A [`Diagnostic`] when no motion is found.
+pub(super) fn predicted(page: &Page, law: Law, values: &[f64], ramp: Second, of: Trial) -> Result<Series> {
+    let properties = law.properties(values, page.modulus_time)?;
+    let recorded = &of.recorded.fall;
+    let times = times(page, recorded.end() + page.step);
+    let fall = of.condition.fall(&properties, ramp.max(RAMP[0]), &times)?;
+    let values = (0..recorded.values().len()).map(|i| interpolated(&times, &fall, recorded.time(i))).collect();
+    Series::new(0.0, recorded.rate(), values).map_err(Diagnostic::from)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_alternating_residual_is_independent_and_a_slow_one_is_not() {
+        let fast: Vec<f64> = (0..100).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 }).collect();
+        assert_eq!(integrated_correlation(&fast), 1.0);
+        let slow: Vec<f64> = (0..400).map(|i| (std::f64::consts::TAU * f64::from(i) / 40.0).cos()).collect();
+        assert!(integrated_correlation(&slow) > 10.0);
+    }
+
+    #[test]
+    fn a_line_is_interpolated_and_nothing_moves_before_the_release() {
+        let (times, values) = ([0.0, 0.1, 0.3], [0.0, 1.0, 5.0]);
+        assert_eq!([-0.2, 0.05, 0.2, 0.3].map(|at| interpolated(&times, &values, at)), [0.0, 0.5, 3.0, 5.0]);
+    }
+}
