@@ -64,16 +64,27 @@ fn a_deeper_channel_adds_its_depth_in_every_rib() {
         let tail = Tail { channel_depth: depth, ..Tail::nine_chambers() };
         tail.mesh(&Resolution::even(&tail, 4e-3)).unwrap().chamber_volume(0)
     };
-    // eight ribs of 2.5 mm, half a channel 2 mm high, deeper by 1 mm
-    near((volume(3e-3) - volume(2e-3)) * 1e9, 8.0 * 2.5 * 2.0);
+    // eight ribs of 2.5 mm, half a channel 2 mm high, deeper by 1 mm: 40 mm³
+    near((volume(3e-3) - volume(2e-3)) / 40e-9, 1.0);
+}
+
+/// The lines across the tail, µm.
+fn lines(tail: &Tail) -> Vec<i64> {
+    let mesh = tail.mesh(&Resolution::even(tail, 4e-3)).unwrap();
+    let mut lines: Vec<i64> = mesh.nodes.iter().map(|node| (node[0] * 1e6).round() as i64).collect();
+    lines.sort_unstable();
+    lines.dedup();
+    lines
 }
 
 #[test]
 fn the_lines_across_the_clamped_end_are_an_edge_apart() {
-    let tail = Tail::nine_chambers();
-    let mesh = tail.mesh(&Resolution::even(&tail, 4e-3)).unwrap();
-    let mut lines: Vec<i64> = mesh.nodes.iter().map(|node| (node[0] * 1e6).round() as i64).collect();
-    lines.sort_unstable();
-    lines.dedup();
-    assert_eq!(lines[..3], [0, 4000, 8000]);
+    assert_eq!(lines(&Tail::nine_chambers())[..3], [0, 4000, 8000]);
+}
+
+#[test]
+fn a_first_chamber_of_twice_the_length_has_twice_the_lines() {
+    // the others are (63 − 5 − 8 × 2.5) / 9 = 4.222 mm long, the first by 5 mm longer
+    let tail = Tail { first_longer: 5e-3, ..Tail::nine_chambers() };
+    assert_eq!(lines(&tail)[2..5], [8000, 12_611, 17_222]);
 }
