@@ -246,6 +246,12 @@ mod tests {
     }
 
     #[test]
+    fn what_was_being_done_comes_before_what_is_wrong_and_notes_come_last() {
+        let diagnostic = Diagnostic::new("a is b", "c", "d").while_doing("level 2").noting("see: e");
+        assert_eq!(diagnostic.to_string(), "level 2: a is b\n  why: c\n  do:  d\n  see: e");
+    }
+
+    #[test]
     fn the_first_file_is_kept() {
         let of = |error: Diagnostic| error.in_file_unless_named(Path::new("case.toml")).to_string();
         assert!(of(Diagnostic::new("a is b", "c", "d")).starts_with("case.toml: a is b"));
