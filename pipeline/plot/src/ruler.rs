@@ -180,6 +180,8 @@ mod tests {
     #[test]
     fn a_log_axis_over_a_fraction_of_a_decade_has_linear_steps() {
         assert_eq!(texts(Scale::Log, (0.21, 0.28), 80.0), ["0.22", "0.24", "0.26", "0.28"]);
+        let elsewhere = Ruler { scale: Scale::Log, ends: (0.21, 0.28), places: (180.0, 100.0) };
+        assert_eq!(elsewhere.ticks(20.0).major.len(), 4);
     }
 
     #[test]
