@@ -70,6 +70,24 @@ fuzz TARGET SECONDS="60":
     FUZZ_TARGET={{TARGET}} "target/fuzz/$host/release/fuzz" target/fuzz/corpus/{{TARGET}} tests/fuzz/seeds/{{TARGET}} \
         -max_total_time={{SECONDS}} -timeout=5 -rss_limit_mb=1024 -artifact_prefix=target/fuzz/{{TARGET}}-
 
+# change CRATE in one place at a time and see whether its tests notice: one mutant in SHARE (cargo install cargo-mutants --locked;
+# LEVEL is the crate's optimisation: 0 where building takes longer than its tests, 3 where its tests take longer)
+mutants CRATE SHARE="8" LEVEL="1":
+    #!/usr/bin/env bash
+    set -euo pipefail
+    # a copy of what is tracked, in one place, so that what was compiled for a crate serves the next
+    tree=target/mutants/tree
+    mkdir -p "$tree"
+    find "$tree" -mindepth 1 -maxdepth 1 ! -name target -exec rm -rf {} +
+    git ls-files -z -- ':!figures' ':!paper/*.pdf' | xargs -0 tar -cf - | tar -xf - -C "$tree"
+    # the last change of an earlier run was compiled later than the crate's files were written. Other crates are safe from it: they
+    # use this one at the profile's own level, 2
+    find "$tree/pipeline/{{CRATE}}" -name '*.rs' -exec touch {} +
+    # what tests alone use (testing.rs) needs no test
+    cargo mutants --dir "$tree" --in-place --package {{CRATE}} --exclude '**/testing.rs' --shard 0/{{SHARE}} --sharding round-robin \
+        --profile mutants --cargo-arg=--config=profile.mutants.package.{{CRATE}}.opt-level={{LEVEL}} \
+        --output target/mutants/{{CRATE}} -- --tests
+
 # what a solve costs, as ratios taken in one run
 bench:
     cargo bench --workspace --exclude typeset --locked --bench ratios

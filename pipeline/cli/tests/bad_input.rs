@@ -136,6 +136,13 @@ fn a_marker_clicked_far_off_is_named_with_its_frame() {
 }
 
 #[test]
+fn a_marker_that_is_lost_in_a_film_without_a_project_is_named_with_the_film() {
+    let project = Project::new("film");
+    let film = project.path("trials/static_left/video.mp4");
+    project.refuses(&["track", film.to_str().unwrap(), "--at", "60,60"], &["static_left/video.mp4: marker 0 is lost"]);
+}
+
+#[test]
 fn a_setting_that_no_stage_reads_is_refused() {
     let project = Project::new("setting");
     let text = include_str!("../../../study.toml").replace("[mesh]", "[mash]");

@@ -85,6 +85,16 @@ mod tests {
     }
 
     #[test]
+    fn a_long_page_log_and_mesh_are_within_their_limits() {
+        let path = std::env::temp_dir().join(format!("input-long-{}", std::process::id()));
+        for (length, limit) in [(2 << 20, PAGE), (32 << 20, LOG), (32 << 20, MESH)] {
+            File::create(&path).unwrap().set_len(length).unwrap();
+            assert_eq!(read(&path, limit).unwrap().len() as u64, length);
+        }
+        fs::remove_file(&path).unwrap();
+    }
+
+    #[test]
     fn a_file_above_the_limit_is_refused_with_both_sizes() {
         let path = std::env::temp_dir().join(format!("input-{}", std::process::id()));
         fs::write(&path, vec![b'1'; 3 << 20]).unwrap();

@@ -97,6 +97,11 @@ impl Diagnostic {
         Self { location: Some(Location { file: file.to_owned(), line: None }), ..self }
     }
 
+    /// The same diagnostic with its file, where it has none yet.
+    pub fn in_file_unless_named(self, file: &Path) -> Self {
+        if self.location.is_some() { self } else { self.in_file(file) }
+    }
+
     /// A file that could not be opened, read or written.
     pub fn io(file: &Path, error: std::io::Error, action: impl fmt::Display) -> Self {
         let why = error.to_string().to_lowercase();
@@ -238,6 +243,28 @@ mod tests {
         let diagnostic = Diagnostic::file(Path::new("force.csv"), "a is b", "c", "d").at_line(3);
         assert_eq!(diagnostic.to_string(), "force.csv, line 3: a is b\n  why: c\n  do:  d");
         assert_eq!(diagnostic.line(), Some(3));
+    }
+
+    #[test]
+    fn what_was_being_done_comes_before_what_is_wrong_and_notes_come_last() {
+        let diagnostic = Diagnostic::new("a is b", "c", "d").while_doing("level 2").noting("see: e");
+        assert_eq!(diagnostic.to_string(), "level 2: a is b\n  why: c\n  do:  d\n  see: e");
+    }
+
+    #[test]
+    fn the_first_file_is_kept() {
+        let of = |error: Diagnostic| error.in_file_unless_named(Path::new("case.toml")).to_string();
+        assert!(of(Diagnostic::new("a is b", "c", "d")).starts_with("case.toml: a is b"));
+        let mesh = Diagnostic::file(Path::new("body.msh"), "a is b", "c", "d").at_line(3);
+        assert!(of(mesh).starts_with("body.msh, line 3: a is b"));
+    }
+
+    #[test]
+    fn another_text_or_another_picture_is_another_diagnostic() {
+        let lost = |what: &str, picture: u8| Diagnostic::new(what, "c", "d").showing(vec![picture]);
+        assert_eq!(lost("a", 1), lost("a", 1));
+        assert_ne!(lost("a", 1), lost("a", 2));
+        assert_ne!(lost("a", 1), lost("b", 1));
     }
 
     #[test]

@@ -109,6 +109,13 @@ mod tests {
     }
 
     #[test]
+    fn a_program_learns_that_its_output_is_not_whole() {
+        assert!(!failed());
+        STDOUT.write(&mut Failing(ErrorKind::StorageFull), "a");
+        assert!(failed());
+    }
+
+    #[test]
     fn a_name_from_a_file_does_not_reach_the_terminal_as_a_command() {
         assert_eq!(escaped("a\u{1b}[2Jb\n"), "a\\u{1b}[2Jb\n");
         assert!(matches!(escaped("region `fäß`\n"), Cow::Borrowed(_)));

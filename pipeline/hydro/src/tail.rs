@@ -321,6 +321,15 @@ mod tests {
     }
 
     #[test]
+    fn twice_the_added_mass_doubles_the_momentum_of_the_water_and_its_flux() {
+        let of = |added: f64| tail(24).water(&MOVED, &SPEED, Coefficients { added, drag: 0.0 });
+        let doubled = |list: Vec<Point2>| list.into_iter().map(|at| at.map(|x| 2.0 * x)).collect::<Vec<_>>();
+        let (one, two) = (of(1.0), of(2.0));
+        // a factor of two is exact
+        assert_eq!((two.momentum, two.force), (doubled(one.momentum), doubled(one.force)));
+    }
+
+    #[test]
     fn drag_dissipates_power_and_changes_nothing_else() {
         let tail = tail(24);
         let (free, dragged) =

@@ -52,6 +52,8 @@ mod tests {
         let found = within("solid.density", 1.07, 100.0..=3e4, "kg/m³").unwrap_err();
         assert_eq!(found.what, "solid.density = 1.07 kg/m³ is out of range");
         assert!(found.why.starts_with("the range is 100 to 30000 kg/m³"));
+        let huge = |value: f64| within("x", value, 0.0..=1.0, "m").unwrap_err().what;
+        assert_eq!([999e12, 1e15].map(huge), ["999000000000000", "1e15"].map(|x| format!("x = {x} m is out of range")));
         assert!(within("x", f64::NAN, -1.0..=1.0, "").is_err() && within("x", 1.0, -1.0..=1.0, "").is_ok());
     }
 }

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use lab::card::{self, BoardKind, Card, Experiment, FixtureOf};
+use lab::card::{self, BoardKind, Card, Experiment, FixtureOf, Side};
 
 /// A card that is right in every line.
 const GOOD: &str = r#"name = "pike"
@@ -185,7 +185,7 @@ fn an_unknown_key_of_a_trial_is_refused_with_the_nearest_key() {
 #[test]
 fn a_missing_key_is_refused_with_its_name() {
     let said = refusal("below_x = 0.004", "");
-    assert!(said.contains("missing field `below_x`"), "{said}");
+    assert!(said.contains("missing field `below_x`") && said.contains("do:  add it"), "{said}");
 }
 
 #[test]
@@ -259,8 +259,11 @@ fn a_card_in_a_folder_of_another_name_is_refused() {
 
 #[test]
 fn a_first_guess_outside_the_plausible_box_is_refused() {
-    let said = refusal("plausible = [1e9, 6e9]", "plausible = [4e9, 6e9]");
-    assert!(said.contains("widen plausible"), "{said}");
+    // on the bound there is no way to one side
+    for bad in ["[4e9, 6e9]", "[3e9, 6e9]", "[1e9, 3e9]"] {
+        let said = refusal("plausible = [1e9, 6e9]", &format!("plausible = {bad}"));
+        assert!(said.contains("widen plausible"), "{said}");
+    }
 }
 
 #[test]
@@ -358,4 +361,71 @@ fn a_board_of_dots_is_read_back_the_same() {
     let card = card::parse(&text, at()).unwrap();
     assert_eq!((good().camera.board.kind, card.camera.board.kind), (BoardKind::Checkerboard, BoardKind::Dots));
     assert_eq!(card::parse(&card::write(&card), at()).unwrap(), card);
+}
+
+#[test]
+fn a_region_too_flat_or_too_narrow_for_a_marker_is_refused() {
+    for (region, size) in
+        [("[100.0, 200.0, 900.0, 204.0]", "800 × 4 px"), ("[100.0, 200.0, 104.0, 900.0]", "4 × 700 px")]
+    {
+        let card = searching(&format!("[search]\nregion = {region}"));
+        let said = card::parse(&card, at()).unwrap_err().to_string();
+        assert!(said.contains(size) && said.contains("every marker"), "{said}");
+    }
+}
+
+#[test]
+fn a_trial_of_one_frame_is_refused() {
+    let said = refusal("last_frame = 900", "last_frame = 0");
+    assert!(said.contains("last_frame = 0 is out of range") && said.contains("the range is 1 to"), "{said}");
+}
+
+#[test]
+fn a_staircase_lasts_from_its_first_hold_to_its_last() {
+    let stairs = |count| Experiment::Staircase { side: Side::Left, levels: vec![1e4; count], hold: 1.5, pause: 0.5 };
+    assert_eq!([1, 3].map(|count| stairs(count).duration()), [1.5, 5.5]);
+    let flaps = Experiment::Flapping { side: Side::Left, amplitude: 1e4, frequency: 2.0, cycles: 15 };
+    assert_eq!(flaps.duration(), 7.5);
+}
+
+/// The good card in a folder of its own, and its specimen.
+fn folder(test: &str) -> (std::path::PathBuf, lab::Specimen) {
+    let top = std::env::temp_dir().join(format!("lab_{test}_{}", std::process::id()));
+    let folder = top.join("pike");
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("specimen.toml"), GOOD).unwrap();
+    let specimen = lab::Specimen::open(&folder).unwrap();
+    (top, specimen)
+}
+
+#[test]
+fn files_that_a_card_names_and_that_are_not_there_are_named_with_their_key() {
+    let (top, specimen) = folder("missing");
+    let said: Vec<String> = specimen.missing().iter().map(ToString::to_string).collect();
+    assert_eq!(said.len(), 11, "{said:?}");
+    for key in ["solid.spine.file", "pressure of trial `flap`", "force of fixture `taps`", "hammer of fixture `taps`"] {
+        let named = |s: &String| s.contains("the file is missing") && s.contains(&format!("names it as {key}\n"));
+        assert_eq!(said.iter().filter(|s| named(s)).count(), 1, "{key}: {said:?}");
+    }
+    std::fs::remove_dir_all(top).unwrap();
+}
+
+#[test]
+fn a_film_may_be_a_folder_of_pictures_and_a_log_may_not() {
+    let (top, specimen) = folder("pictures");
+    for (key, file) in specimen.files() {
+        let path = specimen.file(file);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        match key.starts_with("video") {
+            true => std::fs::create_dir_all(path).unwrap(),
+            false => std::fs::write(path, "1").unwrap(),
+        }
+    }
+    assert_eq!(specimen.missing(), []);
+    let log = specimen.file("trials/flap/force.csv");
+    std::fs::remove_file(&log).unwrap();
+    std::fs::create_dir(&log).unwrap();
+    let said = specimen.missing().iter().map(ToString::to_string).collect::<String>();
+    assert!(said.contains("force.csv: the file cannot be used: it is a folder"), "{said}");
+    std::fs::remove_dir_all(top).unwrap();
 }

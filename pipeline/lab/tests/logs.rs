@@ -70,6 +70,26 @@ fn a_missing_column_is_refused_with_its_name() {
 }
 
 #[test]
+fn a_missing_column_that_resembles_no_other_is_to_be_added() {
+    let said = refusal(",led", ",temperature");
+    assert!(said.contains("`led` is missing") && said.contains("add the column `led`"), "{said}");
+}
+
+#[test]
+fn a_log_that_was_cut_in_the_middle_of_a_number_is_refused_with_its_last_line() {
+    let header = GOOD.lines().nth(1).unwrap();
+    let rows: String = (0..20).map(|i| format!("\n0.{:03},0.00,0.00,12.25,0.50,1", 5 * i)).collect();
+    let whole = format!("{header}{rows}");
+    assert!(parse(&whole).is_ok());
+    let said = parse(whole.strip_suffix("0,1").unwrap()).unwrap_err();
+    assert!(said.contains("the line has 5 fields"), "{said}");
+    let said =
+        parse(&format!("{header}{}", rows.replace("0.095,0.00,0.00,12.25,0.50,1", "0.095,0.00,0.00,12.25,0.5,1")))
+            .unwrap_err();
+    assert!(said.contains("line 21: the last line is `0.095,0.00,0.00,12.25,0.5,1`"), "{said}");
+}
+
+#[test]
 fn time_that_stands_still_is_refused_with_its_line() {
     let said = refusal("1.010", "1.005");
     assert!(said.contains("line 5:") && said.contains("time must rise"), "{said}");

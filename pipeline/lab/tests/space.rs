@@ -173,4 +173,10 @@ fn a_header_that_counts_more_points_than_the_file_holds_is_refused_before_room_i
     bytes[8..10].copy_from_slice(&50_000_u16.to_le_bytes());
     let said = read(&bytes).unwrap_err().to_string();
     assert!(said.contains("60000 points in 50000 frames") && said.contains("the file has 1536 bytes"), "{said}");
+    bytes[515] = 86; // big-endian: both bytes of each word change places
+    for word in [2, 6, 8] {
+        bytes[word..word + 2].reverse();
+    }
+    let said = read(&bytes).unwrap_err().to_string();
+    assert!(said.contains("60000 points in 50000 frames"), "{said}");
 }

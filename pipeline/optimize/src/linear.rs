@@ -98,4 +98,19 @@ mod tests {
         assert_eq!(found[0], 0.0);
         assert!((found[1] - least_squares(&columns[1..], &target).unwrap()[0]).abs() < 1e-12);
     }
+
+    #[test]
+    fn a_column_of_zeros_has_no_weight_and_leaves_the_others_theirs() {
+        let columns = vec![vec![1.0, 1.0, 2.0], vec![0.0; 3]];
+        let found = least_squares(&columns, &[3.0, 3.0, 6.0]).unwrap();
+        assert!((found[0] - 3.0).abs() < 1e-9 && found[1] == 0.0, "{found:?}");
+    }
+
+    #[test]
+    fn two_equal_columns_share_their_weight() {
+        let column = vec![1.0, 2.0, -1.0];
+        let found = least_squares(&[column.clone(), column.clone()], &weighted_sum(&[column], &[3.0])).unwrap();
+        // the relative ridge of 1e-12 leaves four digits of their difference
+        assert!(found.iter().all(|weight| (weight - 1.5).abs() < 1e-3), "{found:?}");
+    }
 }

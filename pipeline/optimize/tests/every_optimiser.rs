@@ -292,3 +292,55 @@ fn as_many_residuals_as_parameters_give_no_covariance() {
     let exact = Residuals { values: vec![0.1, 0.2], jacobian: vec![1.0, 0.0, 0.0, 1.0] };
     assert!(matches!(exact.covariance(2), Err(OptimiseError::Undetermined { parameters: 2, .. })));
 }
+
+#[test]
+fn the_correlation_is_that_of_the_ellipse() {
+    // JᵀJ = [2 1; 1 2], its inverse is [2 −1; −1 2] / 3
+    let bent = Residuals { values: vec![1.0, 1.0, 1.0], jacobian: vec![1.0, 0.0, 0.0, 1.0, 1.0, 1.0] };
+    let covariance = bent.covariance(2).unwrap();
+    assert!((covariance.correlation(0, 1) + 0.5).abs() < 1e-12);
+    assert!((covariance.correlation(1, 1) - 1.0).abs() < 1e-12);
+}
+
+/// The log of an optimiser on Rosenbrock's function with a budget that ends it before the optimum.
+fn cut_short(name: &str, change: fn(&mut Settings)) -> EvaluationLog {
+    let mut settings = reach(name).0;
+    change(&mut settings);
+    let mut optimiser = (optimisers::by_name(name).unwrap().build)(&PROBLEMS[1].problem(), &settings).unwrap();
+    let mut answer = |batch: &[Vec<f64>], needs| -> Result<Vec<Evaluation>, OptimiseError> {
+        Ok(batch.iter().map(|at| PROBLEMS[1].evaluate(at, needs)).collect())
+    };
+    minimise(optimiser.as_mut(), &mut answer).unwrap()
+}
+
+#[test]
+fn an_optimiser_ends_with_its_budget_of_iterations() {
+    for log in [
+        cut_short("gauss_newton", |set| set.gauss_newton.iterations = 3),
+        cut_short("adam", |set| set.adam.iterations = 3),
+        cut_short("cma_es", |set| set.cma_es.generations = 3),
+    ] {
+        assert_eq!((log.iterations(), log.finished), (3, Finished::Budget));
+    }
+}
+
+#[test]
+fn the_step_of_adam_decays_as_it_is_set() {
+    let log = cut_short("adam", |set| (set.adam.iterations, set.adam.step, set.adam.step_decay) = (3, 1e-4, 0.5));
+    let steps: Vec<f64> = log.entries.windows(2).map(|two| two[1].evaluation.at[0] - two[0].evaluation.at[0]).collect();
+    // so short a step leaves the gradient as it is: the step is α / (1 + d i)
+    assert!((steps[1] / steps[0] - 1.0 / 1.5).abs() < 1e-3, "{steps:?}");
+}
+
+#[test]
+fn gauss_newton_moves_a_parameter_on_its_bound_that_no_gradient_holds_there() {
+    // x0 stands on its bound with a gradient of zero: the fit of x1 draws it inwards
+    let problem = Case {
+        residuals: |x| vec![x[0] + x[1] - 1.0, x[1] - 1.0],
+        jacobian: |_| vec![1.0, 1.0, 0.0, 1.0],
+        start: [1.0, 0.0],
+        ..PROBLEMS[0]
+    };
+    let log = problem.solve("gauss_newton");
+    assert!(log.entries[1].evaluation.at[0] < 0.5, "{:?}", log.entries[1]);
+}

@@ -159,4 +159,23 @@ mod tests {
         assert_eq!(lines(&entries, 1000.0), vec![4]);
         assert_eq!(lines(&entries, 90.0), vec![2, 2]);
     }
+
+    #[test]
+    fn a_legend_inside_takes_a_line_an_entry() {
+        let (a, b) = (mark("measured"), mark("simulated"));
+        let place = free_place(&[&a, &b], FRAME, &Canvas::default()).unwrap();
+        assert!((place.height() - 2.0 * LINE).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_legend_over_a_frame_keeps_to_its_height() {
+        let (a, b) = (mark("measured in the tank"), mark("simulated with the drag of the tank"));
+        let (frame, entries) = (Area { from: [0.0, 100.0], to: [100.0, 200.0] }, [&a, &b]);
+        let mut canvas = Canvas::default();
+        draw_over(&mut canvas, &entries, frame);
+        let upper = 100.0 - height_over(&entries, 100.0);
+        let between = |from: f64, to: f64| Area { from: [-500.0, from], to: [500.0, to] };
+        assert!(!canvas.touches(&between(0.0, upper)) && !canvas.touches(&between(100.0 - CLEAR + 1.0, 300.0)));
+        assert!(canvas.touches(&between(upper, upper + LINE)) && canvas.touches(&between(upper + LINE, 100.0)));
+    }
 }

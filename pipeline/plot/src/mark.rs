@@ -233,3 +233,15 @@ impl Mark {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_axis_holds_both_ends_of_every_error_bar() {
+        let points = Mark::points(vec![[1.0, 10.0], [2.0, 20.0]], Marker::Disc, Colour(0, 0, 0));
+        assert_eq!(points.clone().all_y(), [10.0, 20.0]);
+        assert_eq!(points.with_error_bars(vec![3.0, 0.5]).all_y(), [7.0, 13.0, 19.5, 20.5]);
+    }
+}

@@ -163,3 +163,20 @@ pub(crate) fn draw_marker(canvas: &mut Canvas, mark: &Mark, at: Point2, marker: 
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Colour;
+
+    #[test]
+    fn an_upright_cross_reaches_its_size_to_all_sides() {
+        let mark = Mark::points(vec![], Marker::Plus, Colour(0, 0, 0)).sized(10.0);
+        let mut canvas = Canvas::default();
+        draw_marker(&mut canvas, &mark, [50.0, 50.0], Marker::Plus);
+        for [right, down] in [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]] {
+            let touched = |away: f64| canvas.touches(&Area::new([50.0 + away * right, 50.0 + away * down], [0.0; 2]));
+            assert!(touched(4.9) && !touched(8.0), "{right} {down}");
+        }
+    }
+}

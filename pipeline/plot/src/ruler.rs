@@ -166,8 +166,22 @@ mod tests {
     }
 
     #[test]
+    fn minor_ticks_are_left_out_beyond_six_decades() {
+        let minor = |from: f64| Ruler { scale: Scale::Log, ends: (from, 0.1), places: (0.0, 200.0) }.ticks(20.0).minor;
+        assert!(!minor(1e-4).is_empty() && minor(1e-9).is_empty());
+    }
+
+    #[test]
+    fn numbers_from_a_hundred_thousand_on_have_a_power_of_ten() {
+        let last = |most: f64| texts(Scale::Linear, (0.0, most), 60.0).pop().unwrap();
+        assert_eq!([last(5e4), last(1e5)], ["40000", "1.0·10⁵"]);
+    }
+
+    #[test]
     fn a_log_axis_over_a_fraction_of_a_decade_has_linear_steps() {
         assert_eq!(texts(Scale::Log, (0.21, 0.28), 80.0), ["0.22", "0.24", "0.26", "0.28"]);
+        let elsewhere = Ruler { scale: Scale::Log, ends: (0.21, 0.28), places: (180.0, 100.0) };
+        assert_eq!(elsewhere.ticks(20.0).major.len(), 4);
     }
 
     #[test]

@@ -189,4 +189,10 @@ mod tests {
         let svg = table().svg().unwrap();
         assert!(svg.contains("Adam, 4 steps</text>") && svg.contains("R&amp;D"), "{svg}");
     }
+
+    #[test]
+    fn what_latex_would_take_for_a_command_or_does_not_know_is_written_as_a_command() {
+        assert_eq!(escaped("a_1 × 5 % ± 2·x"), "a\\_1 $\\times$ 5 \\% $\\pm$ 2$\\cdot$x");
+        assert_eq!(escaped("−1–2 ~ ^ \\"), "$-$1--2 \\textasciitilde{} \\textasciicircum{} \\textbackslash{}");
+    }
 }

@@ -99,6 +99,13 @@ mod tests {
     }
 
     #[test]
+    fn samples_keep_their_order_and_count_from_the_start() {
+        let pressures = Series::new(2.5, 4.0, vec![3.0, 1.0]).unwrap();
+        assert_eq!((pressures.start(), pressures.rate(), pressures.values()), (2.5, 4.0, &[3.0, 1.0][..]));
+        assert_eq!((pressures.time(0), pressures.time(1)), (2.5, 2.75));
+    }
+
+    #[test]
     fn a_series_with_a_nan_is_refused_with_its_place() {
         let bad = Series::new(0.0, 1.0, vec![0.0, f64::NAN]).unwrap_err();
         assert!(matches!(bad, SeriesError::NotANumber { index: 1, .. }));

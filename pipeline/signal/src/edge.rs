@@ -259,6 +259,20 @@ mod tests {
     }
 
     #[test]
+    fn a_brighter_lamp_on_a_lighter_ground_has_the_same_edges_with_the_same_deviations() {
+        let window = Window { lead: 0.5 / 60.0, width: 0.5 / 60.0 };
+        let signal = lamp(60.0, window, 1.003, 3.1);
+        let flickering = |ground: f64, gain: f64| {
+            let value = |(k, v): (usize, &f64)| ground + gain * (v + if k % 2 == 0 { 3.0 } else { -3.0 });
+            let values = signal.values().iter().enumerate().map(value).collect();
+            edges(&Series::new(0.5, 60.0, values).unwrap(), window).unwrap()
+        };
+        for (dark, light) in flickering(0.0, 0.5).iter().zip(flickering(500.0, 2.0)) {
+            assert!((dark.time - light.time).abs() < 1e-9 && (dark.sigma / light.sigma - 1.0).abs() < 1e-9);
+        }
+    }
+
+    #[test]
     fn uneven_frames_give_an_edge_by_their_own_times() {
         let times: Vec<f64> = (0..80).map(|k| f64::from(k) / 60.0 + 0.004 * (1.7 * f64::from(k)).sin()).collect();
         let width = 0.5 / 60.0;

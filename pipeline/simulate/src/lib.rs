@@ -54,6 +54,11 @@ pub struct Summary {
 /// # Errors
 /// A [`Diagnostic`]: the case or its mesh is refused, or a level or step cannot be found; results up to then are written.
 pub fn run(path: &Path, out: Option<&Path>, quiet: bool) -> Result<Summary> {
+    // What does not concern one file alone is a matter of the case.
+    simulated(path, out, quiet).map_err(|e| e.in_file_unless_named(path))
+}
+
+fn simulated(path: &Path, out: Option<&Path>, quiet: bool) -> Result<Summary> {
     let began = Instant::now();
     let case = read(path)?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -62,7 +67,8 @@ pub fn run(path: &Path, out: Option<&Path>, quiet: bool) -> Result<Summary> {
     let console = Console { stem: stem.clone(), quiet };
     let loaded = solid::load(&case, parent)?;
     loaded.notes.iter().for_each(|note| console.line(note));
-    let body = Body::new(&case, &loaded)?;
+    // Where case and mesh do not match, either may be wrong.
+    let body = Body::new(&case, &loaded).map_err(|e| e.noting(format_args!("mesh: {}", case.mesh.name())))?;
     body.notes.iter().for_each(|note| console.line(note));
     std::fs::create_dir_all(&folder).map_err(|e| cannot_write(&folder, &e))?;
     let written =

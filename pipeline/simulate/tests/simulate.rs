@@ -304,7 +304,7 @@ fn a_load_without_equilibrium_keeps_the_last_state_and_names_the_level() {
     let burst =
         BALL.replace("pressure = 1000.0", "pressure = 1e6").replace("[static]", "[static]\nlevels = [0.1, 9.0]");
     let said = solve("burst", &burst).map(|_| ()).unwrap_err();
-    assert!(said.starts_with("level 9: no equilibrium is found beyond"), "{said}");
+    assert!(said.contains("case.toml: level 9: no equilibrium is found beyond"), "{said}");
     assert!(said.contains("why: ") && said.contains("last_converged.vtu"), "{said}");
     let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("burst/case.out");
     assert_eq!(Table::read(&out.join("case.csv")).rows.len(), 1);
@@ -345,6 +345,16 @@ fn what_does_not_fit_is_refused_with_one_clear_error() {
         let said = solve(&format!("refused_{number}"), &beam.replacen(old, new, 1)).map(|_| ()).unwrap_err();
         assert!(said.contains(expected), "{new}: {said}");
         assert!(said.contains("why: ") && said.contains("do:  "), "{said}");
+        assert!(said.starts_with('/') && (said.contains("case.toml") || said.contains(".msh")), "no file: {said}");
+    }
+}
+
+#[test]
+fn a_case_and_a_mesh_that_do_not_match_are_both_named() {
+    let beam = example("cantilever.toml");
+    for (old, new) in [("name = \"beam\"", "name = \"bean\""), ("plane = { x = 0.0 }", "plane = { x = 0.5 }")] {
+        let said = solve("both_named", &beam.replacen(old, new, 1)).map(|_| ()).unwrap_err();
+        assert!(said.contains("case.toml: ") && said.contains("mesh: ") && said.contains("cantilever.msh"), "{said}");
     }
 }
 

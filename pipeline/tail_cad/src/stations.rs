@@ -73,4 +73,20 @@ mod tests {
         assert!((0..=400).all(|i| (0.0..=1.1 + 1e-12).contains(&curve.value(f64::from(i) / 100.0))));
         assert_eq!(curve.value(9.0), 0.0);
     }
+
+    #[test]
+    fn uneven_stations_have_the_slopes_of_the_weighted_harmonic_mean() {
+        let curve = Curve::new(vec![(0.0, 0.0), (1.0, 1.0), (3.0, 2.0)]);
+        // by hand: 7/6 at the first, 9 / (5/1 + 4/0.5) at the middle and 1/6 at the last station
+        for (x, y) in [(0.5, 0.5 + (7.0 / 6.0 - 9.0 / 13.0) / 8.0), (2.0, 1.5 + (9.0 / 13.0 - 1.0 / 6.0) / 4.0)] {
+            assert!((curve.value(x) - y).abs() < 1e-12, "{} instead of {y}", curve.value(x));
+        }
+    }
+
+    #[test]
+    fn the_slope_at_an_end_before_a_fall_is_at_most_three_times_the_mean_slope() {
+        assert_eq!(end_slope(1.0, 1.0, Some((1.0, -4.0))), 3.0);
+        assert_eq!(end_slope(1.0, 1.0, Some((1.0, -2.0))), 2.5);
+        assert_eq!(end_slope(1.0, 1.0, Some((1.0, 4.0))), 0.0);
+    }
 }

@@ -124,4 +124,12 @@ mod tests {
         let found = top([9e4, 2.3]);
         assert!(found.amplitude == 3e4 && (found.frequency - 2.3).abs() < 0.02, "{found:?}");
     }
+
+    #[test]
+    fn a_gradient_is_measured_in_the_widths_of_the_limits_and_does_not_lead_out_of_them() {
+        let along = |place: [f64; 2]| LIMITS.projected_gradient(place, [1e-4, -2.0]);
+        assert_eq!(along([0.5, 0.5]), [3e4 * 1e-4, -4.0]);
+        assert_eq!(along([1.0, 0.0]), [0.0, 0.0]);
+        assert_eq!(along([0.0, 1.0]), [3e4 * 1e-4, -4.0]);
+    }
 }

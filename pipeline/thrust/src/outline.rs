@@ -91,3 +91,52 @@ impl<'a> Outline<'a> {
         rear.max_by(|a, b| self.depth(*a).total_cmp(&self.depth(*b))).unwrap_or(self.end)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use mesh::{Settings, Surface};
+    use sysid::Material;
+
+    /// A bar of 100 × 4 × 40 mm, clamped over its first 10 mm; so thin that its sides are nearer to a station than its end.
+    fn bar(use_symmetry: bool) -> (Body, QuadraticMesh) {
+        let (low, high) = ([0.0, -0.002, -0.02], [0.1, 0.002, 0.02]);
+        let corner = |i: usize| [0, 1, 2].map(|k| if i >> k & 1 == 1 { high[k] } else { low[k] });
+        let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let faces = quads.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+        let surface = Surface { points: (0..8).map(corner).collect(), faces };
+        let settings = Settings { use_symmetry, ..Settings::new(0.01) };
+        let (mesh, _) = mesh::mesh_without_sheet(&surface, &settings).unwrap();
+        let soft = Material {
+            law: "neo_hookean".into(),
+            youngs_modulus: 2e5,
+            poissons_ratio: 0.45,
+            density: 1e3,
+            plausible: [1e5, 1e6],
+        };
+        let markers = vec![[0.05, 0.0, 0.02], [0.08, 0.0, 0.02]];
+        let body = Body { materials: [soft.clone(), soft], clamp_below_x: 0.01, length: 0.1, markers };
+        (body, mesh::quadratic(&mesh))
+    }
+
+    #[test]
+    fn a_whole_bar_and_its_half_have_one_depth() {
+        for use_symmetry in [false, true] {
+            let (body, solid) = bar(use_symmetry);
+            let outline = Outline::new(&body, &solid);
+            assert!((outline.depth(0.053) - 0.04).abs() < 1e-12, "{}", outline.depth(0.053));
+        }
+    }
+
+    #[test]
+    fn the_stations_of_the_model_divide_the_tail_behind_the_clamp_evenly() {
+        let (body, solid) = bar(true);
+        let (_, spots) = Outline::new(&body, &solid).whole(1e3, 10).unwrap();
+        for (i, spot) in spots.iter().enumerate() {
+            let x = 0.01 + 0.09 * (i + 1) as f64 / STATIONS as f64;
+            let found = spot.at(&solid.nodes)[0];
+            assert!((found - x).abs() < 1e-9, "station {i} at {found} instead of {x} m");
+        }
+        assert_eq!(spots.len(), STATIONS);
+    }
+}

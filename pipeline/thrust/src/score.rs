@@ -131,6 +131,8 @@ mod tests {
         assert!(right.nrmse < 1e-12 && right.mean_error_percent < 1e-9 && right.phase_deg.abs() < 1e-9);
         let flat = score(&[&run], &[vec![mean; run.len()]]);
         assert!((flat.nrmse - 1.0).abs() < 1e-9 && flat.r2.abs() < 1e-9);
+        let half = score(&[&run], &[run.force.iter().map(|f| 0.5 * (f + mean)).collect()]);
+        assert!((half.nrmse - 0.5).abs() < 1e-9 && (half.r2 - 0.75).abs() < 1e-9);
     }
 
     #[test]

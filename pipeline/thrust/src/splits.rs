@@ -42,3 +42,32 @@ impl SplitRule {
         (!train.is_empty() && !test.is_empty()).then_some((train, test))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::models::testing::run;
+
+    /// Runs at 1, 2 and 3 Hz, of which the card keeps the second apart and leaves the third out.
+    fn runs() -> Vec<Run> {
+        let splits = [Some(Split::Train), Some(Split::Test), None];
+        [1.0, 2.0, 3.0].iter().zip(splits).map(|(f, split)| Run { split, ..run(*f, 1e4 * f, 1) }).collect()
+    }
+
+    #[test]
+    fn a_run_is_in_training_or_in_test_and_never_in_both() {
+        let of = |rule: SplitRule| {
+            let runs = runs();
+            let (train, test) = rule.part(&runs).unwrap();
+            [train, test].map(|part| part.iter().map(|run| run.frequency).collect::<Vec<f64>>())
+        };
+        assert_eq!(of(SplitRule::Card), [vec![1.0], vec![2.0]]);
+        assert_eq!(of(SplitRule::Frequency), [vec![1.0, 2.0], vec![3.0]]);
+        assert_eq!(of(SplitRule::Pressure), [vec![1.0, 2.0], vec![3.0]]);
+    }
+
+    #[test]
+    fn runs_of_one_frequency_leave_none_for_training() {
+        assert!(SplitRule::Frequency.part(&[run(2.0, 1e4, 1), run(2.0, 2e4, 2)]).is_none());
+    }
+}

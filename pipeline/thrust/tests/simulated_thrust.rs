@@ -111,6 +111,15 @@ fn the_gradient_of_theory_s_mean_thrust_is_what_differences_say() {
 }
 
 #[test]
+fn a_network_that_always_predicts_the_same_thrust_has_that_mean() {
+    let scale = Scale { input_mean: vec![0.0; 16], input_spread: vec![1.0; 16], answer_mean: 0.02, answer_spread: 0.0 };
+    let ((mut solver, mesh), network) = (body(), Network::new(scale, &[4], 1));
+    let marks = marks(&mesh);
+    let mean = bench(&mesh, &marks).mean(&mut solver, &WAVE, &ThrustLaw::Network(&network)).unwrap();
+    assert!((mean - f64::from(0.02_f32)).abs() < 1e-12, "{mean}");
+}
+
+#[test]
 fn the_gradient_of_the_network_s_mean_thrust_is_what_differences_say() {
     assert!(worst(&ThrustLaw::Network(&network())) < 1e-4);
 }

@@ -28,11 +28,11 @@ pub fn run(asked: &TrackFilm) -> Result<String> {
     let set = klt::Settings { radius: asked.radius, patience, jump_limit: 40.0, ..klt::Settings::default() };
     let folder = folder(asked);
     fs::create_dir_all(&folder).map_err(|e| cannot_write(&folder, &e))?;
-    let mut seen = Seen { folder: &folder, tracker: None, time: Vec::new(), tracks: Vec::new() };
+    let mut seen = Seen { asked, folder: &folder, tracker: None, time: Vec::new(), tracks: Vec::new() };
     let mut overlay = Overlay::begin(&folder, info, asked.overlay)?;
     for frame in film {
         let frame = frame?;
-        seen.look(&frame, asked, set)?;
+        seen.look(&frame, set)?;
         overlay.frame(&frame.gray, seen.tracks.iter().filter_map(|t| t.last()))?;
     }
     let (time, tracks) = seen.end()?;
@@ -52,6 +52,7 @@ fn folder(asked: &TrackFilm) -> PathBuf {
 
 /// Tracks up to the current frame.
 struct Seen<'a> {
+    asked: &'a TrackFilm,
     folder: &'a Path,
     tracker: Option<Tracker>,
     time: Vec<Second>,
@@ -60,12 +61,13 @@ struct Seen<'a> {
 }
 
 impl Seen<'_> {
-    fn look(&mut self, frame: &Frame, asked: &TrackFilm, set: klt::Settings) -> Result<()> {
+    fn look(&mut self, frame: &Frame, set: klt::Settings) -> Result<()> {
+        let (asked, folder) = (self.asked, self.folder);
+        let lost = |lost| shown(folder, lost).in_file(&asked.film);
         let sightings = match &mut self.tracker {
-            Some(tracker) => tracker.step(&frame.gray).map_err(|lost| shown(self.folder, lost))?,
+            Some(tracker) => tracker.step(&frame.gray).map_err(lost)?,
             None => {
-                let tracker = Tracker::new(&frame.gray, &starts(frame, asked, &set)?, set);
-                let tracker = tracker.map_err(|lost| shown(self.folder, lost))?;
+                let tracker = Tracker::new(&frame.gray, &starts(frame, asked, &set)?, set).map_err(lost)?;
                 let first = tracker.observations().to_vec();
                 self.tracks = vec![Vec::new(); first.len()];
                 self.tracker = Some(tracker);
@@ -78,7 +80,8 @@ impl Seen<'_> {
     }
 
     fn end(mut self) -> Result<(Vec<Second>, Vec<Vec<Observation>>)> {
-        self.tracker.map_or(Ok(()), Tracker::finish).map_err(|lost| shown(self.folder, lost))?;
+        let lost = |lost| shown(self.folder, lost).in_file(&self.asked.film);
+        self.tracker.map_or(Ok(()), Tracker::finish).map_err(lost)?;
         self.tracks.iter_mut().for_each(|track| klt::fill_gaps(track));
         Ok((self.time, self.tracks))
     }

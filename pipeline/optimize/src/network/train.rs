@@ -179,6 +179,23 @@ mod tests {
     }
 
     #[test]
+    fn the_error_is_a_mean_over_the_rows() {
+        let (once, network) = (samples(5, 0.0), Network::new(Scale::of(&samples(5, 0.0)), &[4], 1));
+        let (inputs, targets) = (once.inputs.repeat(2), once.targets.repeat(2));
+        assert_eq!(error(&network, &Samples { width: 2, inputs, targets }), error(&network, &once));
+    }
+
+    #[test]
+    fn the_error_is_a_share_of_the_variance_of_the_targets_in_training() {
+        let of = |factor: f32| {
+            let mut scaled = samples(50, 0.0);
+            scaled.targets.iter_mut().for_each(|y| *y *= factor);
+            error(&Network::new(Scale::of(&scaled), &[4], 1), &scaled)
+        };
+        assert!((of(10.0) / of(1.0) - 1.0).abs() < 1e-3, "{} {}", of(10.0), of(1.0));
+    }
+
+    #[test]
     fn the_same_seed_gives_the_same_bits_and_another_another() {
         let quick = Training { epochs: 3, ..set() };
         let of =

@@ -92,4 +92,16 @@ mod tests {
         assert_eq!(bar.colour(1e-1), palette::heat(1.0));
         assert_eq!(bar.colour(f64::INFINITY), palette::MISSING);
     }
+
+    #[test]
+    fn a_bar_is_drawn_within_the_width_that_it_takes() {
+        let axis = ColourBar::linear("load", "N");
+        let bar = Bar::new(&axis, [0.0, 12_345.0].into_iter()).unwrap();
+        let frame = Area { from: [0.0, 0.0], to: [100.0, 120.0] };
+        let mut canvas = Canvas::default();
+        bar.draw(&mut canvas, frame).unwrap();
+        let end = 100.0 + bar.width(120.0);
+        assert!(!canvas.touches(&Area { from: [end + 0.5, -50.0], to: [end + 500.0, 200.0] }));
+        assert!(canvas.touches(&Area { from: [end - NORMAL, -50.0], to: [end, 200.0] }));
+    }
 }

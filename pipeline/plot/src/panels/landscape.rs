@@ -243,6 +243,15 @@ mod tests {
     }
 
     #[test]
+    fn a_path_begins_with_a_disc_of_its_colour_in_a_dark_rim() {
+        let (landscape, red) = (three_by_two(Shading::Cells), Colour(200, 0, 0));
+        let marks = landscape.with_path(vec![[1.0, 10.0], [2.0, 20.0]], red, "path").marks;
+        let [.., rim, disc] = &marks[..] else { panic!("{} marks", marks.len()) };
+        assert!(rim.colour == palette::BLACK && disc.colour == red && disc.size < rim.size);
+        assert_eq!((disc.all_x(), disc.all_y()), (vec![1.0], vec![10.0]));
+    }
+
+    #[test]
     fn cells_of_a_heat_map_leave_no_gap() {
         let picture = picture(&three_by_two(Shading::Cells));
         let colours = [11.0, 10.0, 1.0, 0.0].map(|v| palette::heat(v / 11.0));

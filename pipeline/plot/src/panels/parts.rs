@@ -89,6 +89,15 @@ mod tests {
     }
 
     #[test]
+    fn a_line_is_broken_only_before_a_word_that_it_cannot_hold() {
+        let lines = wrapped("a film becomes the markers' places in pixels", 60.0, BODY);
+        for pair in lines.windows(2) {
+            let next = pair[1].split(' ').next().unwrap();
+            assert!(crate::text::width(&format!("{} {next}", pair[0]), BODY) > 60.0, "{lines:?}");
+        }
+    }
+
+    #[test]
     fn a_short_dimension_has_bars_and_no_heads() {
         let heads = |length: f64| {
             let mut canvas = Canvas::default();

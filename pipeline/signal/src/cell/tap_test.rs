@@ -285,6 +285,13 @@ mod tests {
     }
 
     #[test]
+    fn a_cell_rings_with_a_frequency_and_a_damping_below_the_critical_one() {
+        let plausible = |frequency: f64, damping: f64| cell_of(&[frequency, damping, 1.0]).is_some();
+        assert!(plausible(15.0, 0.03));
+        assert!([(-15.0, 0.03), (15.0, -0.03), (15.0, 0.95)].iter().all(|&(f, d)| !plausible(f, d)));
+    }
+
+    #[test]
     fn a_log_without_a_tap_is_refused() {
         let none = Series::new(0.0, 100.0, vec![0.0; 100]).unwrap();
         assert!(identify_from_taps(&none, &none, [3.0, 30.0]).unwrap_err().why.starts_with("0 taps"));

@@ -196,6 +196,15 @@ mod tests {
     }
 
     #[test]
+    fn the_initial_guess_lies_at_the_waves_under_a_strong_drift() {
+        let calm = recorded(1);
+        let drifting = calm.values().iter().enumerate().map(|(i, v)| v + 1.0 - 0.02 * i as f64).collect();
+        let start = begin(&Series::new(0.0, 80.0, drifting).unwrap(), &[1.2, 1.8]);
+        // the spectrum of ten seconds resolves a tenth of a hertz
+        assert!((start[0] - 1.163).abs() < 0.05 && (start[2] - 1.842).abs() < 0.05, "{start:?}");
+    }
+
+    #[test]
     fn a_recording_of_three_periods_is_refused() {
         let short = Series::new(0.0, 80.0, vec![0.0; 160]).unwrap();
         assert!(identify(&short, &[1.2]).unwrap_err().why.contains("at least 4"));

@@ -81,6 +81,13 @@ pub struct Source {
     pub half: bool,
 }
 
+impl Source {
+    /// The file that the mesh is read or made from.
+    pub fn name(&self) -> &str {
+        self.file.as_deref().or(self.body.as_deref()).unwrap_or_default()
+    }
+}
+
 /// Unit of a mesh file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]

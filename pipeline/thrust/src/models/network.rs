@@ -57,3 +57,15 @@ pub fn predict(network: &Network, run: &Run) -> Vec<f64> {
     let rows: Vec<f32> = (0..run.len()).flat_map(|i| run.row(i)).collect();
     network.predict(&rows).into_iter().map(f64::from).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::models::testing;
+
+    #[test]
+    fn the_network_of_the_residual_has_its_own_layers_and_the_training_of_the_other() {
+        let set = testing::training();
+        let small = set.small();
+        assert_eq!((small.hidden, small.epochs, small.seed), (set.residual_hidden_layers, 40, 5));
+    }
+}

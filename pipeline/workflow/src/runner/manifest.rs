@@ -109,8 +109,7 @@ impl Manifest {
 mod tests {
     use super::*;
 
-    #[test]
-    fn an_altered_metric_is_found_and_an_untouched_manifest_is_read() {
+    fn manifest() -> Manifest {
         let made_from = MadeFrom {
             version: 1,
             raw: BTreeMap::new(),
@@ -123,7 +122,12 @@ mod tests {
             metrics: vec![Metric::new("a.b", 0.123_456_789_012_345_68, "m")],
             summary: "made".into(),
         };
-        let (manifest, _) = Manifest::of(made_from, product, 1.5);
+        Manifest::of(made_from, product, 1.5).0
+    }
+
+    #[test]
+    fn an_altered_metric_is_found_and_an_untouched_manifest_is_read() {
+        let manifest = manifest();
         let text = manifest.to_text().unwrap();
         assert_eq!(Manifest::parse(&text).unwrap().content, manifest.content);
         for altered in [text.replace("0.1234", "1.1234"), text.replace("1.5", "2.5"), text.replace("made\"", "mad\"")] {
@@ -131,5 +135,17 @@ mod tests {
             assert!(Manifest::parse(&altered).unwrap_err().contains("not those that were written"));
         }
         assert!(Manifest::parse("{}").unwrap_err().contains("not understood"));
+    }
+
+    #[test]
+    fn a_manifest_that_is_altered_or_cut_at_any_byte_is_refused() {
+        let text = manifest().to_text().unwrap();
+        for at in 0..text.len() {
+            let mut bytes = text.clone().into_bytes();
+            bytes[at] ^= 1;
+            let altered = String::from_utf8(bytes).unwrap();
+            assert!(Manifest::parse(&altered).is_err(), "byte {at} is `{}`", &altered[at..=at]);
+            assert!(Manifest::parse(&text[..at]).is_err(), "cut at {at}");
+        }
     }
 }

@@ -102,3 +102,45 @@ impl State {
         self.covariance_path = pc.as_slice().to_vec();
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ONE_AXIS: Constants = Constants {
+        weights: Vec::new(),
+        effective_mass: 1.5,
+        sigma_rate: 0.5,
+        damping: 2.0,
+        covariance_rate: 0.25,
+        rank_one: 0.2,
+        rank_mu: 0.1,
+        expected: 0.8,
+    };
+
+    /// σ, C and p_c after a generation whose one better point lies a step of `y` from the mean.
+    fn adapted(generation: u64, y: f64) -> [f64; 3] {
+        let mut state = State {
+            generation,
+            mean: vec![0.5],
+            sigma: 0.1,
+            covariance: vec![1.0],
+            sigma_path: vec![0.3],
+            covariance_path: vec![0.4],
+            best: None,
+        };
+        state.adapt(&Constants { weights: vec![1.0], ..ONE_AXIS }, &[DVector::from_element(1, y)]);
+        [state.sigma, state.covariance[0], state.covariance_path[0]]
+    }
+
+    #[test]
+    fn one_generation_adapts_as_worked_out_by_hand() {
+        let near = |found: [f64; 3], by_hand: [f64; 3]| found.iter().zip(by_hand).all(|(a, b)| (a - b).abs() < 1e-12);
+        // p_σ = 0.5 × 0.3 + √1.125 y; after two generations its expected square has reached 15/16
+        assert!(near(adapted(1, 1.2), [0.121_485_237_143_380_98, 1.167_653_332_571_341_4, 1.272_111_104_761_179]));
+        // a long path stops p_c, and C gets back what p_c would have added
+        assert!(near(adapted(1, 1.9), [0.153_210_403_502_767_6, 1.1665, 0.3]));
+        // after one generation it has reached 3/4 alone: the same path counts as longer
+        assert!((adapted(0, 1.5)[2] - 0.3).abs() < 1e-12 && adapted(1, 1.5)[2] > 1.0);
+    }
+}
