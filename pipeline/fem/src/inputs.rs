@@ -7,7 +7,8 @@ use crate::newton::potential::Potential;
 use crate::properties::RegionProperties;
 use crate::system_data::SystemData;
 use crate::viscoelastic::history::History;
-use crate::viscoelastic::step::{ActingStress, RegionStep};
+use crate::viscoelastic::step::ActingStress;
+use materials::step::RegionStep;
 use si::{Pascal, Point3};
 use std::sync::Arc;
 

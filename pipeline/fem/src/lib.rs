@@ -31,7 +31,7 @@
 //! # }
 //! ```
 //!
-//! Depends on `si`; on `faer` (Cholesky factors), `nalgebra` (small dense matrices), `rayon` and `thiserror`.
+//! Depends on `si` and `materials`; on `faer` (Cholesky factors), `nalgebra` (small dense matrices), `rayon` and `thiserror`.
 
 mod adjoint;
 mod assembly;
@@ -39,8 +39,6 @@ mod dynamics;
 mod inputs;
 mod linear;
 mod loads;
-pub mod material;
-pub mod materials;
 mod mesh;
 mod newton;
 mod projective;
@@ -64,7 +62,7 @@ pub use dynamics::trajectory::Trajectory;
 pub use linear::cholesky::FactorError;
 pub use linear::sparsity::LowerTriangle;
 pub use loads::Forces;
-pub use material::Material;
+pub use materials::{self, Branch, MAX_BRANCHES, Material, Relaxation, RelaxationError, Springpot, material};
 pub use mesh::box_mesh;
 pub use mesh::clamps::Clamps;
 pub use mesh::{Chamber, Elements, Faces, Mesh};
@@ -80,4 +78,3 @@ pub use solve_error::SolveError;
 pub use solver::Solver;
 pub use statics::equilibrium::{Equilibrium, StaticSettings};
 pub use system::System;
-pub use viscoelastic::relaxation::{Branch, MAX_BRANCHES, Relaxation, Springpot};

@@ -1,9 +1,9 @@
 //! Properties of a system beside its mesh: regions, options of the discretisation, attached masses.
 
 use crate::assembly::reference::triangle_shape_products;
-use crate::material::{Material, Moduli};
 use crate::mesh::Mesh;
-use crate::viscoelastic::relaxation::Relaxation;
+use materials::Relaxation;
+use materials::material::{Material, Moduli};
 use si::{KilogramPerCubicMetre, Pascal};
 use std::collections::BTreeMap;
 

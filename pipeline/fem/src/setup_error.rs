@@ -116,18 +116,6 @@ pub enum SetupError {
         /// Its range.
         range: &'static str,
     },
-    /// A relaxation spectrum that no solid can have.
-    #[error(
-        "relaxation branch {branch}: {what}, not {value}\n  why: each branch adds strength × e^(−t/time) to the long-term modulus\n  do:  give a strength ≥ 0 (no unit, relative to the long-term modulus) and a time in seconds"
-    )]
-    Relaxation {
-        /// Which branch, from 0.
-        branch: usize,
-        /// What is wrong.
-        what: &'static str,
-        /// The number.
-        value: f64,
-    },
     /// Relaxation of a law that is not objective.
     #[error(
         "region {region} of the law `{law}` cannot relax\n  why: its stress changes in a rigid rotation\n  do:  take neo_hookean, yeoh or corotated"

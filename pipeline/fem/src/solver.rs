@@ -15,7 +15,7 @@ use crate::solver_state::{SolverState, check};
 use crate::statics::equilibrium::{Equilibrium, StaticSettings};
 use crate::system_data::SystemData;
 use crate::validation;
-use crate::viscoelastic::relaxation::Relaxation;
+use materials::Relaxation;
 use si::{Joule, KilogramPerCubicMetre, MetrePerSecondSquared, Pascal, Second};
 use std::sync::Arc;
 

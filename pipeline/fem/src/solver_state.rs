@@ -2,12 +2,12 @@
 //!
 //! The modules `statics`, `dynamics` and `adjoint` implement their methods on it; [`crate::Solver`] is its public face.
 
-use crate::assembly::tangent::TangentKind;
 use crate::inputs::Inputs;
 use crate::newton::iteration::Newton;
 use crate::solve_error::SolveError;
 use crate::statics::equilibrium::Equilibrium;
 use crate::system_data::SystemData;
+use materials::tangent::TangentKind;
 use si::Pascal;
 use std::sync::Arc;
 

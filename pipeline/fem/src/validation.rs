@@ -2,12 +2,12 @@
 
 use crate::assembly::reference::ReferenceElements;
 use crate::linear::node_graph::NodeGraph;
-use crate::material::Material;
 use crate::mesh::clamps::Clamps;
 use crate::mesh::{Chamber, Faces, Mesh};
 use crate::properties::{Masses, RegionProperties};
 use crate::setup_error::{LARGEST, SMALLEST, SetupError, THINNEST};
-use crate::viscoelastic::relaxation::Relaxation;
+use materials::Relaxation;
+use materials::material::Material;
 use nalgebra::{Matrix6, SymmetricEigen, Vector6};
 use si::vec3;
 use std::collections::BTreeMap;

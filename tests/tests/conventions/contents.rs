@@ -12,6 +12,7 @@ const TOOLS: &[&str] = &[
     "diagnostics",
     "mesh",
     "tail_cad",
+    "materials",
     "fem",
     "track",
     "signal",

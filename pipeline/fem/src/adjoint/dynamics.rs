@@ -16,14 +16,16 @@ use crate::dynamics::stencil::Stencil;
 use crate::dynamics::trajectory::{Trajectory, TrajectoryStep};
 use crate::linear::pcg::PcgOptions;
 use crate::linear::{add, dot};
-use crate::material::Moduli;
 use crate::newton::potential::Inertia;
 use crate::solve_error::SolveError;
 use crate::solver_state::SolverState;
 use crate::system_data::SystemData;
 use crate::viscoelastic::adjoint::{AdjointHistory, RelaxationSums};
-use crate::viscoelastic::step::{self, RegionStep};
+use crate::viscoelastic::step;
+use materials::material::Moduli;
+use materials::step::RegionStep;
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 /// Derivative of a loss by one state; an empty list stands for zeros.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -73,7 +75,7 @@ struct PastAdjoint {
 impl PastAdjoint {
     /// Adds what the first step hands back to the initial state at `u`, to `right` (3 entries per node).
     fn finish(&self, data: &SystemData, u: &[f64], right: &mut [f64]) {
-        self.history.add_right_side(data, &self.regions, false, u, right);
+        self.history.add_right_side((data, &self.regions), false, u, right);
     }
 }
 
@@ -135,17 +137,16 @@ impl SolverState {
         let AdjointState { displacement: mut right, velocity, rate } = states[0].clone();
         add(&mut right, *gamma, &velocity);
         if let Some((past, regions)) = past.as_deref().zip(regions.as_deref()) {
-            past.history.add_right_side(&self.data, regions, true, &step.state().displacement, &mut right);
+            past.history.add_right_side((&self.data, regions), true, &step.state().displacement, &mut right);
         }
-        let before = regions.as_deref().zip(step.segment.history(step.n - 1));
-        self.inputs.begin_step(&self.data, 1.0 + beta * gamma, before);
+        let data = Arc::clone(&self.data);
+        let histories = step.history_step(&data, regions.as_deref());
+        self.inputs.begin_step(&data, 1.0 + beta * gamma, histories.map(|of| (of.regions, of.before)));
         let solved = self.adjoint_solve(step, &right, &rate, policy);
         self.inputs.end_step();
         let lambda = solved?;
-        if let (Some(past), Some((regions, before))) = (past, before) {
-            let now = step.segment.history(step.n).unwrap_or(before);
-            let on = (step.state().displacement.as_slice(), lambda.as_slice());
-            past.history.step_back(&self.data, regions, on, (before, now), &mut past.sums);
+        if let Some((past, histories)) = past.zip(histories) {
+            past.history.step_back(&histories, &lambda, &mut past.sums);
         }
         let mass_lambda = self.mass_times(&lambda);
         for (weight, past) in weights.iter().zip(states.iter_mut().skip(1)) {

@@ -2,9 +2,9 @@
 
 use crate::loads::gas::Gas;
 use crate::loads::{Load, add_gravity};
-use crate::material::Moduli;
 use crate::solve_error::SolveError;
 use crate::solver_state::SolverState;
+use materials::material::Moduli;
 use si::Pascal;
 
 /// A parameter of an equilibrium or a motion.

@@ -11,7 +11,7 @@ use crate::linear::add;
 use crate::newton::potential::Inertia;
 use crate::solve_error::SolveError;
 use crate::solver_state::SolverState;
-use crate::viscoelastic::sensitivity::{Direction, HistorySensitivity, HistoryStep};
+use crate::viscoelastic::sensitivity::{Direction, HistorySensitivity};
 use crate::viscoelastic::step;
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -97,29 +97,19 @@ impl SolverState {
     /// Advances the derivatives by one step.
     fn sensitivity_step(&mut self, step: &TrajectoryStep, of: &mut Sensitivity) -> Result<(), SolveError> {
         let regions = step::regions(&self.inputs.properties, step.length());
-        let past = regions.as_deref().zip(step.segment.history(step.n - 1)).zip(step.segment.history(step.n));
-        let mut derivative = self.step_residual_derivative(step, of);
-        let history_step = past.map(|((regions, before), now)| HistoryStep {
-            data: &self.data,
-            regions,
-            before,
-            now,
-            displacement: &step.state().displacement,
-        });
-        if let Some((history, history_step)) = of.history.as_ref().zip(history_step.as_ref()) {
-            history.add_residual(history_step, of.direction.as_ref(), &mut derivative);
-        }
         let data = Arc::clone(&self.data);
+        let past = step.history_step(&data, regions.as_deref());
+        let mut derivative = self.step_residual_derivative(step, of);
+        if let Some((history, past)) = of.history.as_ref().zip(past.as_ref()) {
+            history.add_residual(past, of.direction.as_ref(), &mut derivative);
+        }
         let scale = 1.0 + step.trajectory.settings.stiffness_damping * step.stencil.gamma;
-        self.inputs.begin_step(&data, scale, past.map(|(before, _)| before));
+        self.inputs.begin_step(&data, scale, past.map(|past| (past.regions, past.before)));
         let solved = self.solve_step(step, &derivative);
         self.inputs.end_step();
         let displacement = solved?;
-        if let Some(((regions, before), now)) = past {
-            let displacement_now = &step.state().displacement;
-            let history_step = HistoryStep { data: &data, regions, before, now, displacement: displacement_now };
-            let history = of.history.as_mut();
-            history.into_iter().for_each(|all| all.advance(&history_step, &displacement, of.direction.as_ref()));
+        if let Some((history, past)) = of.history.as_mut().zip(past.as_ref()) {
+            history.advance(past, &displacement, of.direction.as_ref());
         }
         let past = of.states.iter().map(|state| state.displacement.as_slice());
         let velocity = step.stencil.rate(&displacement, past);

@@ -4,11 +4,11 @@
 
 use crate::assembly::kernels::{add_blocks, add_force, deformation, element_values, scatter};
 use crate::assembly::reference::ReferenceElements;
-use crate::assembly::tangent::TangentKind;
 use crate::linear::sparsity::Pattern;
-use crate::material::{Material, Moduli};
 use crate::mesh::Mesh;
-use crate::viscoelastic::symmetric::{Symmetric, matrix};
+use materials::material::{Material, Moduli};
+use materials::symmetric::{Symmetric, matrix};
+use materials::tangent::{PointState, TangentKind};
 use nalgebra::Matrix3;
 use si::{Joule, Point3};
 
@@ -229,7 +229,8 @@ impl Body<'_> {
                 let Sample { gradients, weight, moduli, held } = sample;
                 let now = deformation(gradients, &moved);
                 let at = |u: &[f64]| deformation(gradients, &element_values(nodes, u));
-                let tangent = kind.tangent(material, moduli, &now, held.as_ref(), at);
+                let state = PointState { material, moduli, F: &now, held: held.as_ref() };
+                let tangent = kind.tangent(&state, at);
                 add_blocks(&mut blocks, gradients, &(tangent * weight));
             });
             let positions = &self.block_positions[element * pairs..(element + 1) * pairs];

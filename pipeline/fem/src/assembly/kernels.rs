@@ -1,6 +1,6 @@
 //! Element kernels: the dense sums over the 4 or 10 nodes of one element.
 
-use crate::material::Tangent;
+use materials::material::Tangent;
 use nalgebra::Matrix3;
 use si::Point3;
 

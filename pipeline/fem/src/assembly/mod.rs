@@ -8,4 +8,3 @@ pub(crate) mod quadrature;
 pub(crate) mod reference;
 pub(crate) mod rotation;
 pub(crate) mod shape_functions;
-pub(crate) mod tangent;

@@ -8,7 +8,7 @@
 
 use crate::assembly::elastic::Body;
 use crate::linear::sparsity::CONSTRAINED;
-use crate::materials::polar_rotation;
+use materials::polar_rotation;
 use nalgebra::Matrix3;
 
 /// One rotation per node, acting on its dofs.

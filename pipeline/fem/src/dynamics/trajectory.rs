@@ -9,8 +9,10 @@ use crate::dynamics::stencil::Stencil;
 use crate::dynamics::stepper::StepperState;
 use crate::solve_error::SolveError;
 use crate::solver_state::SolverState;
-use crate::viscoelastic::history::History;
-use crate::viscoelastic::symmetric::Symmetric;
+use crate::system_data::SystemData;
+use crate::viscoelastic::history::{History, HistoryStep};
+use materials::step::RegionStep;
+use materials::symmetric::Symmetric;
 use si::{Pascal, Second};
 
 /// A recorded motion.
@@ -78,6 +80,16 @@ impl<'a> TrajectoryStep<'a> {
 
     pub fn pressures(&self) -> &[Pascal] {
         &self.trajectory.pressures[self.n - 1]
+    }
+
+    /// The histories before and after the step over `regions`, where a region relaxes.
+    pub(crate) fn history_step<'b>(
+        &'b self,
+        data: &'b SystemData,
+        regions: Option<&'b [RegionStep]>,
+    ) -> Option<HistoryStep<'b>> {
+        let (before, now) = self.segment.history(self.n - 1).zip(self.segment.history(self.n))?;
+        Some(HistoryStep { data, regions: regions?, before, now, displacement: &self.state().displacement })
     }
 
     /// Length of the step, s.

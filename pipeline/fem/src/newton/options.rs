@@ -9,7 +9,7 @@ pub(crate) enum Globalisation {
     /// Line search: each step lowers the energy. Slow along a stiff valley, but it converges through the snap-through
     /// of a wall.
     LineSearch,
-    /// Full steps with the mixed-integration-point tangent ([`crate::assembly::tangent::TangentKind`]): fast where it
+    /// Full steps with the mixed-integration-point tangent ([`materials::tangent::TangentKind`]): fast where it
     /// converges.
     FullStep,
 }

@@ -7,12 +7,12 @@
 
 use crate::assembly::elastic::{Body, Elastic};
 use crate::assembly::mass::Mass;
-use crate::assembly::tangent::TangentKind;
 use crate::linear::dot;
 use crate::loads::gas::Gas;
 use crate::loads::{DeadForces, Load};
 use crate::system_data::SystemData;
-use crate::viscoelastic::symmetric::Symmetric;
+use materials::symmetric::Symmetric;
+use materials::tangent::TangentKind;
 use si::Pascal;
 
 /// Inertial and history terms of one time step.

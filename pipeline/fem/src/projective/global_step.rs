@@ -123,10 +123,10 @@ impl GlobalMatrix<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::materials::{by_name, polar_rotation};
     use crate::properties::RegionProperties;
     use crate::system::System;
     use crate::{Clamps, box_mesh};
+    use materials::{by_name, polar_rotation};
 
     /// F of an element.
     fn deformation(data: &SystemData, element: usize, u: &[f64]) -> Matrix3<f64> {

@@ -6,11 +6,11 @@ use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::{Accum, MatMut, MatRef, Par};
 use nalgebra::{DMatrix, DVector, Matrix3, OMatrix};
 
-use super::relaxation::ActingRegion;
+use super::acting::ActingRegion;
 use crate::assembly::elastic::Elastic;
-use crate::assembly::tangent::TangentKind;
-use crate::material::Tangent;
-use crate::viscoelastic::symmetric::matrix;
+use materials::material::Tangent;
+use materials::symmetric::matrix;
+use materials::tangent::{PointState, TangentKind};
 
 /// G, 9 × r: derivative of F by each coordinate, columns of F one below the other.
 pub(super) type ModeGradient = OMatrix<f64, nalgebra::U9, nalgebra::Dyn>;
@@ -103,7 +103,9 @@ impl Points {
                 let now = gradient(gradients, q);
                 let held = acting.held.get(*point).map(matrix);
                 let before = |_: &[f64]| gradient(gradients, previous);
-                let tangent = kind.tangent(self.elastic.material, acting.moduli, &now, held.as_ref(), before);
+                let (material, moduli) = (self.elastic.material, acting.moduli);
+                let state = PointState { material, moduli, F: &now, held: held.as_ref() };
+                let tangent = kind.tangent(&state, before);
                 multiply_tangent(&(tangent * *weight), gradients, image);
             }
             add_lower(gradients, image, &mut half);

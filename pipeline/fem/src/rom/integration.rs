@@ -7,15 +7,15 @@ use std::collections::VecDeque;
 use nalgebra::DVector;
 use si::{Pascal, Second};
 
+use super::acting::ActingRegion;
 use super::error::ReducedError;
 use super::model::ReducedModel;
-use super::relaxation::ActingRegion;
 use super::step::{ExternalForce, REFACTORISE_ABOVE, RETRY_ABOVE, Step, StepState, no_convergence};
 use crate::dynamics::settings::{self, DynamicSettings};
 use crate::dynamics::stencil::{Stencil, extrapolation};
 use crate::solve_error::SolveError;
-use crate::viscoelastic::relaxation::Relaxation;
-use crate::viscoelastic::step::RegionStep;
+use materials::Relaxation;
+use materials::step::RegionStep;
 
 /// Actuation at one time.
 #[derive(Debug, Clone, PartialEq)]

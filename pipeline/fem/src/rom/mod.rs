@@ -5,6 +5,7 @@
 //! of q are summed over a few hundred quadrature points with weights that reproduce the virtual work of all points
 //! (`ecsw`, `nnls`). The mass is projected, and the volumes of chambers are cubic polynomials of q (`chamber_volume`).
 
+mod acting;
 mod chamber_volume;
 mod ecsw;
 mod elastic_forces;

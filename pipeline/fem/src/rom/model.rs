@@ -5,8 +5,6 @@ use si::CubicMetre;
 
 use super::chamber_volume::CubicVolume;
 use super::elastic_forces::Points;
-#[cfg(test)]
-use super::elastic_forces::ReducedTangent;
 
 /// By region: numbers of the sampled quadrature points in the full model, and their weights, m³.
 pub(super) type Sampled = Vec<Vec<(u32, CubicMetre)>>;
@@ -57,21 +55,6 @@ impl ReducedModel {
     /// The row of V of the dof `index` (3 node + axis), m per unit of q.
     pub fn row(&self, index: usize) -> impl Iterator<Item = f64> + '_ {
         self.modes.row(index).into_iter().copied().collect::<Vec<_>>().into_iter()
-    }
-
-    /// Elastic forces ∂Ψ/∂q (J) at q, with the moduli of each region multiplied by `scale`.
-    ///
-    /// # Panics
-    /// When there is not one scale per region.
-    #[cfg(test)]
-    pub(super) fn elastic_forces(&self, q: &DVector<f64>, scale: &[f64]) -> DVector<f64> {
-        self.acting_forces(q, &self.elastic(scale))
-    }
-
-    /// ∂²Ψ/∂q² (J) at q, with the moduli of each region multiplied by `scale`.
-    #[cfg(test)]
-    pub(super) fn stiffness(&self, q: &DVector<f64>, kind: ReducedTangent, scale: &[f64]) -> DMatrix<f64> {
-        self.acting_stiffness(q, kind, &self.elastic(scale))
     }
 
     /// Volume of `chamber` at q, m³; of a half model, of the half.

@@ -5,9 +5,9 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 
-use crate::assembly::tangent::TangentKind;
 use crate::inputs::Inputs;
 use crate::system_data::SystemData;
+use materials::tangent::TangentKind;
 
 /// How far a body is reduced.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,23 +5,14 @@
 use nalgebra::{DMatrix, DVector};
 use si::Second;
 
+use super::acting::ActingRegion;
 use super::elastic_forces::{Points, ReducedTangent};
 use super::error::ReducedError;
 use super::integration::ReducedMotion;
 use super::model::ReducedModel;
-use crate::material::Moduli;
-use crate::viscoelastic::relaxation::Relaxation;
-use crate::viscoelastic::step::RegionStep;
-use crate::viscoelastic::symmetric::{Symmetric, add_scaled};
-
-/// What acts at the points of one region in one step.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct ActingRegion {
-    /// Those of the law, with damping and relaxation.
-    pub moduli: Moduli,
-    /// H of each point, Pa; empty: none.
-    pub held: Vec<Symmetric>,
-}
+use materials::Relaxation;
+use materials::step::RegionStep;
+use materials::symmetric::{Symmetric, add_scaled};
 
 /// The histories of all regions: those of a region's points one after the other, none where nothing relaxes.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,10 +3,10 @@
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 use si::{Hertz, Pascal, Second};
 
+use super::acting::ActingRegion;
 use super::elastic_forces::ReducedTangent;
 use super::error::ReducedError;
 use super::model::ReducedModel;
-use super::relaxation::ActingRegion;
 use crate::dynamics::settings::DynamicSettings;
 use crate::dynamics::stencil::Stencil;
 

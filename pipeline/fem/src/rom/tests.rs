@@ -116,7 +116,7 @@ fn the_sampled_points_give_the_forces_of_all_points() {
         let q = coordinates_of(&body, &system, u);
         let near = body.displacement(&q);
         let all = body.modes.tr_mul(&DVector::from_vec(system.solver().state.elastic_forces(&near)));
-        let sampled = body.elastic_forces(&q, &[1.0]);
+        let sampled = body.acting_forces(&q, &body.elastic(&[1.0]));
         assert!((&sampled - &all).norm() < 0.01 * all.norm(), "{} of {}", (&sampled - &all).norm(), all.norm());
     }
 }
@@ -155,7 +155,7 @@ fn the_data_of_a_model_restore_the_same_model() {
     let body = reduced(&system, &snapshots(&system));
     let again = system.restore(&body.data()).expect("data of this system");
     let q = some_coordinates(body.coordinates(), 0.2 * body.size);
-    assert_eq!(again.elastic_forces(&q, &[1.3]), body.elastic_forces(&q, &[1.3]));
+    assert_eq!(again.acting_forces(&q, &again.elastic(&[1.3])), body.acting_forces(&q, &body.elastic(&[1.3])));
     assert_eq!(again.mass, body.mass);
     assert_eq!(again.chamber_volume(0, &q), body.chamber_volume(0, &q));
     assert_eq!(again.data(), body.data());
@@ -185,9 +185,9 @@ fn the_stiffness_is_the_derivative_of_the_forces() {
     let q = some_coordinates(body.coordinates(), 0.2 * body.size);
     let along = some_coordinates(body.coordinates(), 1.0).map(|x| x * x);
     let h = 1e-5 * body.size;
-    let force = |x: f64| body.elastic_forces(&(&q + &along * x), &[1.3]);
+    let force = |x: f64| body.acting_forces(&(&q + &along * x), &body.elastic(&[1.3]));
     let difference = (force(h) - force(-h)) / (2.0 * h);
-    let exact = body.stiffness(&q, ReducedTangent::Exact, &[1.3]) * &along;
+    let exact = body.acting_stiffness(&q, ReducedTangent::Exact, &body.elastic(&[1.3])) * &along;
     assert!((&difference - &exact).norm() < 1e-7 * exact.norm());
 }
 

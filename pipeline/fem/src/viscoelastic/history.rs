@@ -3,10 +3,11 @@
 use crate::assembly::kernels::deformation_of;
 use crate::mesh::Elements;
 use crate::system_data::SystemData;
-use crate::viscoelastic::step::RegionStep;
-use crate::viscoelastic::symmetric::Symmetric;
+use materials::step::RegionStep;
+use materials::symmetric::Symmetric;
 use nalgebra::Matrix3;
 use si::{CubicMetre, Point3};
+use std::ops::Range;
 
 /// S_μ / μ, then the overstress of each branch per unit of μ: point by point, in the order of the elements.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -24,16 +25,18 @@ pub(crate) struct Point<'a> {
     pub gradients: &'a [Point3],
     /// m³.
     pub weight: CubicMetre,
+    /// Place of its tensors in a history.
+    pub own: Range<usize>,
 }
 
 impl Point<'_> {
     /// F at displacement `u`, 3 entries per node, m.
-    pub fn deformation(&self, u: &[f64]) -> Matrix3<f64> {
+    pub(crate) fn deformation(&self, u: &[f64]) -> Matrix3<f64> {
         deformation_of(self.nodes, self.gradients, u)
     }
 
     /// Adds `scale` P ∇N_a to the force on each node, 3 entries per node.
-    pub fn add_force(&self, stress: &Matrix3<f64>, scale: f64, forces: &mut [f64]) {
+    pub(crate) fn add_force(&self, stress: &Matrix3<f64>, scale: f64, forces: &mut [f64]) {
         for (&node, gradient) in self.nodes.iter().zip(self.gradients) {
             for i in 0..3 {
                 let row = (0..3).map(|axis| stress[(i, axis)] * gradient[axis]).sum::<f64>();
@@ -46,6 +49,7 @@ impl Point<'_> {
 /// Calls `visit` with every quadrature point of a region that relaxes.
 pub(crate) fn for_each_point(data: &SystemData, regions: &[RegionStep], mut visit: impl FnMut(&Point, &RegionStep)) {
     let (reference, each) = (&data.reference, data.mesh.elements.nodes_each());
+    let mut end = 0;
     for (element, &region) in data.mesh.regions.iter().enumerate() {
         let (region, of) = (region as usize, &regions[region as usize]);
         if of.branches.is_empty() {
@@ -57,7 +61,9 @@ pub(crate) fn for_each_point(data: &SystemData, regions: &[RegionStep], mut visi
         };
         for number in element * reference.points..(element + 1) * reference.points {
             let gradients = &reference.gradients[number * each..(number + 1) * each];
-            visit(&Point { number, region, nodes, gradients, weight: reference.weights[number] }, of);
+            let own = end..end + 1 + of.branches.len();
+            end = own.end;
+            visit(&Point { number, region, nodes, gradients, weight: reference.weights[number], own }, of);
         }
     }
 }
@@ -76,36 +82,25 @@ impl History {
     /// The history after a step that ends at `u`.
     pub(crate) fn advanced(&self, data: &SystemData, regions: &[RegionStep], u: &[f64]) -> Self {
         let mut next = self.clone();
-        let mut rest = &mut next.tensors[..];
         for_each_point(data, regions, |point, region| {
-            let (own, after) = std::mem::take(&mut rest).split_at_mut(1 + region.branches.len());
-            region.advance(own, region.stress(&point.deformation(u)));
-            rest = after;
+            region.advance(&mut next.tensors[point.own.clone()], region.stress(&point.deformation(u)));
         });
         next
     }
 
-    /// Calls `visit` with the number, the region and the tensors of every relaxing point.
-    pub(crate) fn for_each(
-        &self,
-        data: &SystemData,
-        regions: &[RegionStep],
-        mut visit: impl FnMut(usize, &RegionStep, &[Symmetric]),
-    ) {
-        let mut rest = &self.tensors[..];
-        for_each_point(data, regions, |point, region| {
-            let (own, after) = rest.split_at(1 + region.branches.len());
-            visit(point.number, region, own);
-            rest = after;
-        });
+    /// The tensors of one point.
+    pub(crate) fn of(&self, point: &Point) -> &[Symmetric] {
+        &self.tensors[point.own.clone()]
     }
 }
 
-/// Tensors of one history.
-pub(crate) fn tensors(data: &SystemData, regions: &[RegionStep]) -> usize {
-    let of = |region: &u16| {
-        let branches = regions[*region as usize].branches.len();
-        if branches == 0 { 0 } else { data.reference.points * (1 + branches) }
-    };
-    data.mesh.regions.iter().map(of).sum()
+/// The step that a history takes: its regions, and the histories before and after it.
+#[derive(Clone, Copy)]
+pub(crate) struct HistoryStep<'a> {
+    pub data: &'a SystemData,
+    pub regions: &'a [RegionStep],
+    pub before: &'a History,
+    pub now: &'a History,
+    /// Displacement at its end, 3 entries per node, m.
+    pub displacement: &'a [f64],
 }

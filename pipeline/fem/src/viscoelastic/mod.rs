@@ -18,10 +18,5 @@
 
 pub(crate) mod adjoint;
 pub(crate) mod history;
-pub(crate) mod relaxation;
 pub(crate) mod sensitivity;
 pub(crate) mod step;
-pub(crate) mod symmetric;
-
-#[cfg(test)]
-mod tests;

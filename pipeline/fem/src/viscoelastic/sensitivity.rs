@@ -3,9 +3,9 @@
 use crate::adjoint::parameter::Parameter;
 use crate::properties::RegionProperties;
 use crate::system_data::SystemData;
-use crate::viscoelastic::history::{History, Point, for_each_point};
-use crate::viscoelastic::step::RegionStep;
-use crate::viscoelastic::symmetric::{Symmetric, add_scaled, matrix};
+use crate::viscoelastic::history::{HistoryStep, Point, for_each_point};
+use materials::step::RegionStep;
+use materials::symmetric::{Symmetric, add_scaled, matrix};
 use nalgebra::Matrix3;
 use si::Pascal;
 
@@ -32,7 +32,7 @@ impl Direction {
             let by = properties[region].relaxation.springpot_direction(which);
             Self { region, branches: by.into_iter().map(|g| [g, 0.0]).collect(), ..Self::default() }
         };
-        let elastic = |region: usize, mu: Pascal| Self { region, mu, branches: none(region), ..Self::default() };
+        let elastic = |region: usize, mu: Pascal| Self { region, mu, branches: none(region) };
         Some(match parameter {
             Parameter::YoungsModulus(region) => elastic(region, properties[region].moduli_by_youngs_modulus().mu),
             Parameter::PoissonsRatio(region) => elastic(region, properties[region].moduli_by_poissons_ratio().mu),
@@ -65,26 +65,14 @@ pub(crate) struct HistorySensitivity {
     tensors: Vec<Symmetric>,
 }
 
-/// The step that a history takes: its regions, and the histories before and after it.
-#[derive(Clone, Copy)]
-pub(crate) struct HistoryStep<'a> {
-    pub data: &'a SystemData,
-    pub regions: &'a [RegionStep],
-    pub before: &'a History,
-    pub now: &'a History,
-    /// Displacement at its end, 3 entries per node, m.
-    pub displacement: &'a [f64],
-}
-
 impl HistorySensitivity {
     /// Of a body that has been held at `u` for ever, whose derivative is `du`.
-    pub fn relaxed(data: &SystemData, regions: &[RegionStep], (u, du): (&[f64], &[f64])) -> Self {
+    pub(crate) fn relaxed(data: &SystemData, regions: &[RegionStep], (u, du): (&[f64], &[f64])) -> Self {
         let mut tensors = Vec::new();
         for_each_point(data, regions, |point, region| {
             let gradient = point.deformation(u);
             let change = point.deformation(du) - Matrix3::identity();
-            let stress = region.stress_change(&gradient, &change);
-            tensors.push(stress);
+            tensors.push(region.stress_change(&gradient, &change));
             tensors.extend(region.branches.iter().map(|_| [0.0; 6]));
         });
         Self { tensors }
@@ -92,14 +80,13 @@ impl HistorySensitivity {
 
     /// Adds the derivative of the branches' force at constant displacement to `derivative` (3 entries per node).
     pub(crate) fn add_residual(&self, step: &HistoryStep, by: Option<&Direction>, derivative: &mut [f64]) {
-        let mut at = 0;
         for_each_point(step.data, step.regions, |point, region| {
-            let range = at..at + 1 + region.branches.len();
-            at = range.end;
-            let (before, now) = (&step.before.tensors[range.clone()], &step.now.tensors[range.clone()]);
+            let (before, now) = (step.before.of(point), step.now.of(point));
             let gradient = point.deformation(step.displacement);
-            let mut held = region.held(&self.tensors[range]);
-            by.iter().for_each(|by| by.add_factors(point, region, (before, now), &mut held));
+            let mut held = region.held(&self.tensors[point.own.clone()]);
+            for (branch, by) in (0..region.branches.len()).flat_map(|branch| by.map(|by| (branch, by))) {
+                by.add_factor(point, (region, branch), (before, now), &mut held);
+            }
             held.iter_mut().for_each(|entry| *entry *= region.mu);
             let mu = by.map_or(0.0, |by| by.mu_at(point));
             now[1..].iter().for_each(|overstress| add_scaled(&mut held, mu, overstress));
@@ -109,35 +96,25 @@ impl HistorySensitivity {
 
     /// Advances by one step, at whose end the displacement has the derivative `du`.
     pub(crate) fn advance(&mut self, step: &HistoryStep, du: &[f64], by: Option<&Direction>) {
-        let mut at = 0;
         for_each_point(step.data, step.regions, |point, region| {
-            let range = at..at + 1 + region.branches.len();
-            at = range.end;
-            let (before, now) = (&step.before.tensors[range.clone()], &step.now.tensors[range.clone()]);
+            let (before, now) = (step.before.of(point), step.now.of(point));
             let gradient = point.deformation(step.displacement);
             let change = point.deformation(du) - Matrix3::identity();
-            let stress = region.stress_change(&gradient, &change);
-            let own = &mut self.tensors[range];
-            region.advance(own, stress);
+            let own = &mut self.tensors[point.own.clone()];
+            region.advance(own, region.stress_change(&gradient, &change));
             for (number, overstress) in own[1..].iter_mut().enumerate() {
-                by.iter().for_each(|by| by.add_factor(point, region, number, (before, now), overstress));
+                by.iter().for_each(|by| by.add_factor(point, (region, number), (before, now), overstress));
             }
         });
     }
 }
 
 impl Direction {
-    /// Adds Σ (∂d q + ∂a Δs) of all branches.
-    fn add_factors(&self, point: &Point, region: &RegionStep, step: (&[Symmetric], &[Symmetric]), sum: &mut Symmetric) {
-        (0..region.branches.len()).for_each(|branch| self.add_factor(point, region, branch, step, sum));
-    }
-
     /// Adds ∂d q + ∂a Δs of one branch.
     fn add_factor(
         &self,
         point: &Point,
-        region: &RegionStep,
-        branch: usize,
+        (region, branch): (&RegionStep, usize),
         (before, now): (&[Symmetric], &[Symmetric]),
         sum: &mut Symmetric,
     ) {

@@ -34,7 +34,7 @@ pub(super) struct Prediction {
 }
 
 /// Everything that is known of one law.
-pub(super) struct Rung {
+pub(super) struct LawResult {
     /// Fitted to all recordings that are marked so.
     pub joint: Row,
     /// With one of them left out each.
@@ -43,9 +43,9 @@ pub(super) struct Rung {
     pub criterion: f64,
 }
 
-impl Rung {
+impl LawResult {
     /// Root mean square of the differences at the recordings that were left out; none when only one is fitted.
-    pub fn left_out_difference(&self) -> Option<f64> {
+    pub(super) fn left_out_difference(&self) -> Option<f64> {
         let of = |row: &Row| {
             let omitted = self.joint.used.iter().find(|k| !row.used.contains(k)).copied().unwrap_or_default();
             row.predictions[omitted].difference.powi(2)
@@ -73,23 +73,23 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// A diagnostic when a motion is not found.
-    pub fn climb(&self) -> Result<Vec<Rung>> {
+    pub(super) fn fit_all(&self) -> Result<Vec<LawResult>> {
         let used: Vec<usize> = (0..self.recorded.len()).filter(|k| self.page.recording[*k].fitted).collect();
-        let mut rungs: Vec<Rung> = LADDER.iter().map(|law| self.rung(*law, &used)).collect::<Result<_>>()?;
+        let mut results: Vec<LawResult> = LADDER.iter().map(|law| self.result(*law, &used)).collect::<Result<_>>()?;
         // The laws are compared by residuals of one correlation time, that of the richest.
-        let independent = rungs.last().map_or(1.0, |rung| rung.joint.fitted.independent);
+        let independent = results.last().map_or(1.0, |result| result.joint.fitted.independent);
         let criteria: Vec<f64> =
-            rungs.iter().map(|rung| rung.joint.fitted.information_criterion(independent)).collect();
+            results.iter().map(|result| result.joint.fitted.information_criterion(independent)).collect();
         let best = criteria.iter().copied().fold(f64::INFINITY, f64::min);
-        rungs.iter_mut().zip(criteria).for_each(|(rung, criterion)| rung.criterion = criterion - best);
-        Ok(rungs)
+        results.iter_mut().zip(criteria).for_each(|(result, criterion)| result.criterion = criterion - best);
+        Ok(results)
     }
 
-    fn rung(&self, law: Law, used: &[usize]) -> Result<Rung> {
+    fn result(&self, law: Law, used: &[usize]) -> Result<LawResult> {
         let without = |omitted: &usize| used.iter().copied().filter(|k| k != omitted).collect::<Vec<_>>();
         let left_out = if used.len() > 1 { used.iter().map(without).collect() } else { Vec::new() };
         let left_out = left_out.iter().map(|used| self.row(law, used)).collect::<Result<_>>()?;
-        Ok(Rung { joint: self.row(law, used)?, left_out, criterion: 0.0 })
+        Ok(LawResult { joint: self.row(law, used)?, left_out, criterion: 0.0 })
     }
 
     fn row(&self, law: Law, used: &[usize]) -> Result<Row> {
@@ -104,7 +104,7 @@ impl Bench<'_> {
     fn prediction(&self, fit: &Fit, fitted: &Fitted, k: usize) -> Result<Prediction> {
         let trial = self.trial(k);
         let ramp = fit.expected_ramp(&fitted.at, trial.condition);
-        let fall = predicted(self.page, fitted.law, &fitted.values, ramp, trial)?;
+        let fall = predicted(self.page, (fitted.law, &fitted.values), ramp, trial)?;
         let features = Features::of(self.page, &fall)?;
         let half_widths = self.half_widths(fit, fitted, trial, features)?;
         let difference = difference(&fall, &trial.recorded.fall, trial.recorded.deflection());
@@ -117,7 +117,7 @@ impl Bench<'_> {
         let law = fitted.law.parameters.len();
         let ramp = fit.expected_ramp(&fitted.at, trial.condition);
         let features = |values: &[f64], ramp: f64| -> Result<[f64; 4]> {
-            let fall = predicted(self.page, fitted.law, values, ramp, trial)?;
+            let fall = predicted(self.page, (fitted.law, values), ramp, trial)?;
             Ok(Features::of(self.page, &fall)?.to_array())
         };
         let here = at.to_array();
@@ -156,7 +156,7 @@ fn ramp_variance(fitted: &Fitted, trials: usize) -> f64 {
 }
 
 /// The law that the recordings support: the least difference at recordings that were left out, or without these the least criterion.
-pub(super) fn supported(rungs: &[Rung]) -> usize {
-    let key = |rung: &Rung| rung.left_out_difference().unwrap_or(rung.criterion);
-    (0..rungs.len()).min_by(|a, b| key(&rungs[*a]).total_cmp(&key(&rungs[*b]))).unwrap_or_default()
+pub(super) fn supported(results: &[LawResult]) -> usize {
+    let key = |result: &LawResult| result.left_out_difference().unwrap_or(result.criterion);
+    (0..results.len()).min_by(|a, b| key(&results[*a]).total_cmp(&key(&results[*b]))).unwrap_or_default()
 }

@@ -24,7 +24,7 @@ use rayon::prelude::*;
 use condition::Condition;
 use features::Features;
 pub use fetch::fetch;
-use ladder::{Bench, Rung};
+use ladder::{Bench, LawResult};
 pub use page::Page;
 use recorded::Recorded;
 
@@ -42,7 +42,7 @@ pub struct Report {
     page: Page,
     recorded: Vec<Recorded>,
     measured: Vec<Features>,
-    rungs: Vec<Rung>,
+    results: Vec<LawResult>,
 }
 
 /// Identifies the body of the page in the file `path`; recordings are looked for below `root`. Writes a table, metrics and a figure
@@ -58,9 +58,9 @@ pub fn run(root: &Path, path: &Path, out: Option<&Path>) -> Result<(Report, Path
     let folder = path.parent().unwrap_or(Path::new("."));
     let conditions: Vec<Condition> =
         cases.par_iter().map(|case| Condition::new(&page, &folder.join(case))).collect::<Result<_>>()?;
-    let rungs = Bench { page: &page, recorded: &recorded, conditions: &conditions, of }.climb()?;
+    let results = Bench { page: &page, recorded: &recorded, conditions: &conditions, of }.fit_all()?;
     let folder = out.map_or_else(|| path.with_extension("out"), Path::to_owned);
-    let report = Report { page, recorded, measured, rungs };
+    let report = Report { page, recorded, measured, results };
     shown::write(&report, &folder)?;
     Ok((report, folder))
 }
@@ -109,7 +109,7 @@ mod tests {
             settled: vec![-6e-3],
         };
         let trial = fitting::Trial { recorded: &none, condition: &condition };
-        let fall = fitting::predicted(&page, law, &truth, 0.06, trial).unwrap();
+        let fall = fitting::predicted(&page, (law, &truth), 0.06, trial).unwrap();
         let made = Recorded { name: "made".into(), fall, settled: vec![-6e-3] };
         let trials = vec![fitting::Trial { recorded: &made, condition: &condition }];
         let fitted = Fit { page: &page, law, trials }.run().unwrap();

@@ -24,7 +24,7 @@ pub struct Recorded {
 
 impl Recorded {
     /// Mean displacement at rest, m.
-    pub fn deflection(&self) -> Metre {
+    pub(super) fn deflection(&self) -> Metre {
         self.settled.iter().sum::<f64>() / self.settled.len() as f64
     }
 }

@@ -8,7 +8,7 @@ use si::Series;
 
 use super::Report;
 use super::features::NAMES;
-use super::ladder::{Row, Rung, supported};
+use super::ladder::{LawResult, Row, supported};
 use super::warnings::warnings;
 use diagnostics::{Diagnostic, Result};
 
@@ -48,14 +48,14 @@ impl Line {
 }
 
 fn lines(report: &Report) -> Vec<Line> {
-    let of_rung = |rung: &Rung| {
-        let rows = std::iter::once(&rung.joint).chain(&rung.left_out);
+    let of_result = |result: &LawResult| {
+        let rows = std::iter::once(&result.joint).chain(&result.left_out);
         let mut all: Vec<Line> =
             rows.flat_map(|row| parameters(report, row).into_iter().chain(predictions(report, row))).collect();
-        all.extend(quality(report, rung));
+        all.extend(quality(report, result));
         all
     };
-    report.rungs.iter().flat_map(of_rung).collect()
+    report.results.iter().flat_map(of_result).collect()
 }
 
 fn names(report: &Report, used: &[usize]) -> String {
@@ -101,11 +101,11 @@ fn predictions(report: &Report, row: &Row) -> Vec<Line> {
     (0..report.recorded.len()).flat_map(of).collect()
 }
 
-fn quality(report: &Report, rung: &Rung) -> Vec<Line> {
-    let fitted = &rung.joint.fitted;
+fn quality(report: &Report, result: &LawResult) -> Vec<Line> {
+    let fitted = &result.joint.fitted;
     let line = |quantity: &str, unit: &str, value: f64| Line {
         law: fitted.law.name.to_owned(),
-        fitted: names(report, &rung.joint.used),
+        fitted: names(report, &result.joint.used),
         recording: String::new(),
         quantity: quantity.to_owned(),
         unit: unit.to_owned(),
@@ -116,10 +116,10 @@ fn quality(report: &Report, rung: &Rung) -> Vec<Line> {
     let mut all = vec![
         line("discrepancy", "% of the static deflection", 100.0 * fitted.discrepancy),
         line("correlation time of the discrepancy", "s", fitted.correlation_time),
-        line("information criterion over the best", "", rung.criterion),
+        line("information criterion over the best", "", result.criterion),
     ];
     all.extend(
-        rung.left_out_difference().map(|d| line("difference when left out", "% of the static deflection", 100.0 * d)),
+        result.left_out_difference().map(|d| line("difference when left out", "% of the static deflection", 100.0 * d)),
     );
     all
 }
@@ -143,10 +143,10 @@ fn csv(report: &Report) -> String {
 
 /// Errors of the supported law at the recordings that were not fitted.
 fn metrics(report: &Report) -> String {
-    let rung = &report.rungs[supported(&report.rungs)];
+    let result = &report.results[supported(&report.results)];
     let mut entries = Vec::new();
     for (k, recording) in report.page.recording.iter().enumerate().filter(|(_, recording)| !recording.fitted) {
-        let (measured, value) = (report.measured[k].to_array(), rung.joint.predictions[k].features.to_array());
+        let (measured, value) = (report.measured[k].to_array(), result.joint.predictions[k].features.to_array());
         for n in 0..4 {
             let id = format!("real.{}.{}.{}_error_percent", report.page.name, recording.name(), NAMES[n].0);
             entries.push(serde_json::json!({
@@ -165,26 +165,26 @@ fn metrics(report: &Report) -> String {
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for rung in &self.rungs {
-            let fitted = &rung.joint.fitted;
-            writeln!(f, "{} fitted to {}", fitted.law.name, names(self, &rung.joint.used))?;
-            for line in parameters(self, &rung.joint) {
+        for result in &self.results {
+            let fitted = &result.joint.fitted;
+            writeln!(f, "{} fitted to {}", fitted.law.name, names(self, &result.joint.used))?;
+            for line in parameters(self, &result.joint) {
                 let Line { quantity, unit, value, half_width, .. } = line;
                 writeln!(f, "  {quantity:<22} {value:>12.5} ± {:.5} {unit}", half_width.unwrap_or_default())?;
             }
             let left_out =
-                rung.left_out_difference().map_or_else(String::new, |d| format!(", {:.2} % left out", 100.0 * d));
+                result.left_out_difference().map_or_else(String::new, |d| format!(", {:.2} % left out", 100.0 * d));
             writeln!(
                 f,
                 "  discrepancy {:.2} % of the static deflection{left_out}; information criterion + {:.1}",
                 100.0 * fitted.discrepancy,
-                rung.criterion
+                result.criterion
             )?;
-            for row in std::iter::once(&rung.joint).chain(&rung.left_out) {
+            for row in std::iter::once(&result.joint).chain(&result.left_out) {
                 write_predictions(f, self, row)?;
             }
         }
-        writeln!(f, "supported: {}", self.rungs[supported(&self.rungs)].joint.fitted.law.name)?;
+        writeln!(f, "supported: {}", self.results[supported(&self.results)].joint.fitted.law.name)?;
         warnings(self).iter().try_for_each(|warning| writeln!(f, "warning: {warning}"))?;
         let published = self.page.published.iter();
         published
@@ -219,12 +219,12 @@ fn figure(report: &Report) -> Figure {
         let until = fall.values().iter().enumerate().map(|(i, v)| [fall.time(i), 1e3 * v]);
         until.take_while(|p| p[0] <= window).collect::<Vec<_>>()
     };
-    let shown = [(0, palette::SPINE), (supported(&report.rungs), palette::SIMULATED)];
+    let shown = [(0, palette::SPINE), (supported(&report.results), palette::SIMULATED)];
     let panel = |k: usize| {
         let axes = Axes::new(Axis::linear("time after the release", "s"), Axis::linear("displacement", "mm"));
         let axes = axes.with(Mark::line(points(&report.recorded[k].fall), palette::MUTED).labelled("recorded"));
-        let laws = shown.iter().map(|(rung, colour)| {
-            let row = &report.rungs[*rung].joint;
+        let laws = shown.iter().map(|(result, colour)| {
+            let row = &report.results[*result].joint;
             let name = row.fitted.law.name.replace('_', " ");
             Mark::line(points(&row.predictions[k].fall), *colour).dashed(Dash::Dashed).labelled(&name)
         });

@@ -3,7 +3,7 @@
 //! None of them is an error, since numbers were computed as asked; each stands in the report and in the table, beside the number.
 
 use super::Report;
-use super::ladder::Rung;
+use super::ladder::LawResult;
 use super::recorded::FreeVibration;
 use si::Metre;
 
@@ -15,7 +15,7 @@ const SAME_FREQUENCY: f64 = 0.01;
 
 /// All warnings of a report.
 pub(super) fn warnings(report: &Report) -> Vec<String> {
-    let of_laws = report.rungs.iter().flat_map(|rung| bounds(rung).into_iter().chain(uncertain(report, rung)));
+    let of_laws = report.results.iter().flat_map(|result| bounds(result).into_iter().chain(uncertain(report, result)));
     let (_, of) = super::cases(&report.page);
     let conditions = 0..of.iter().max().map_or(0, |last| last + 1);
     of_laws.chain(conditions.flat_map(|case| contradictions(report, &of, case))).collect()
@@ -29,8 +29,8 @@ fn contradictions(report: &Report, of: &[usize], case: usize) -> Vec<String> {
     deflections(&settled, report.page.sigma).into_iter().chain(frequencies(&vibrations)).collect()
 }
 
-fn bounds(rung: &Rung) -> Vec<String> {
-    let fitted = &rung.joint.fitted;
+fn bounds(result: &LawResult) -> Vec<String> {
+    let fitted = &result.joint.fitted;
     let said = |name: &String| {
         format!(
             "{name} ({}) lies on an end of its range: it is not identified; widen its range or record another condition",
@@ -41,8 +41,8 @@ fn bounds(rung: &Rung) -> Vec<String> {
 }
 
 /// Parameters that the recordings do not determine: their standard deviation is as large as themselves.
-fn uncertain(report: &Report, rung: &Rung) -> Vec<String> {
-    let fitted = &rung.joint.fitted;
+fn uncertain(report: &Report, result: &LawResult) -> Vec<String> {
+    let fitted = &result.joint.fitted;
     let said = |(p, quantity): (usize, &super::laws::Quantity)| {
         let scale = quantity.scale(report.page.range);
         let size = if scale.logarithmic { 1.0 } else { fitted.values[p].abs() };

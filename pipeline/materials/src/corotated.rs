@@ -5,7 +5,7 @@ use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// ψ = μ ‖S − I‖² + λ/2 tr²(S − I) with F = R S        paper, equation 1
 #[derive(Debug)]
-pub(crate) struct Corotated;
+pub struct Corotated;
 
 /// Iterations of the polar decomposition at most: a matrix of condition number 10⁶ needs 12.
 const POLAR_STEPS: usize = 60;
@@ -19,7 +19,7 @@ const FAR: f64 = 0.3;
 /// singular to rounding.
 // A singular value decomposition takes five times as long: 0.6 s per million matrices, this iteration 0.11 s.
 #[allow(non_snake_case)]
-pub(crate) fn polar_rotation(F: &Matrix3<f64>) -> Option<Matrix3<f64>> {
+pub fn polar_rotation(F: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     let mut R = *F;
     let mut change = f64::INFINITY;
     for _ in 0..POLAR_STEPS {

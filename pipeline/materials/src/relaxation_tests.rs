@@ -1,10 +1,10 @@
 //! One quadrature point on prescribed paths: harmonic shear, closed cycles, rotation.
 
-use super::relaxation::{Relaxation, Springpot};
-use super::step::RegionStep;
-use super::symmetric::{Symmetric, add_scaled, matrix};
+use crate::by_name;
 use crate::material::Moduli;
-use crate::materials::{self, by_name};
+use crate::relaxation::{Relaxation, Springpot};
+use crate::step::RegionStep;
+use crate::symmetric::{Symmetric, add_scaled, matrix};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use std::f64::consts::TAU;
 
@@ -34,7 +34,7 @@ fn shear(amount: f64) -> Matrix3<f64> {
 }
 
 fn relaxing_laws() -> impl Iterator<Item = &'static str> {
-    materials::ALL.iter().filter(|law| law.is_objective()).map(|law| law.name())
+    crate::ALL.iter().filter(|law| law.is_objective()).map(|law| law.name())
 }
 
 #[test]

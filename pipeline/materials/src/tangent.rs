@@ -11,7 +11,7 @@ use nalgebra::{Matrix3, SVector, SymmetricEigen};
 
 /// The tangent that is assembled.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum TangentKind<'a> {
+pub enum TangentKind<'a> {
     /// ∂²Ψ/∂u².
     Exact,
     /// The tangent of each quadrature point without its negative eigenvalues.
@@ -21,19 +21,26 @@ pub(crate) enum TangentKind<'a> {
     MixedPoint(&'a [f64]),
 }
 
+/// A point at which a tangent is taken.
+#[derive(Debug, Clone, Copy)]
+#[allow(non_snake_case)]
+pub struct PointState<'a> {
+    /// The law.
+    pub material: &'static dyn Material,
+    /// Its moduli, with what damping and relaxation add.
+    pub moduli: Moduli,
+    /// The deformation gradient.
+    pub F: &'a Matrix3<f64>,
+    /// H, the second Piola–Kirchhoff stress that relaxation holds, Pa.
+    pub held: Option<&'a Matrix3<f64>>,
+}
+
 #[allow(non_snake_case)]
 impl TangentKind<'_> {
-    /// The tangent at `F` with the `held` stress H of relaxation; `previous` gives the deformation gradient at a
-    /// displacement (3 per node, m).
+    /// The tangent at `at`; `previous` gives the deformation gradient at a displacement (3 per node, m).
     // H is the same before and after a linear step, so that it changes no predicted stress.
-    pub fn tangent(
-        &self,
-        material: &'static dyn Material,
-        moduli: Moduli,
-        F: &Matrix3<f64>,
-        held: Option<&Matrix3<f64>>,
-        previous: impl Fn(&[f64]) -> Matrix3<f64>,
-    ) -> Tangent {
+    pub fn tangent(&self, at: &PointState, previous: impl Fn(&[f64]) -> Matrix3<f64>) -> Tangent {
+        let PointState { material, moduli, F, held } = *at;
         let mut tangent = match self {
             Self::Exact | Self::Convex => material.response(F, moduli).tangent,
             Self::MixedPoint(from) => mixed_point(material, moduli, &previous(from), F),

@@ -36,7 +36,7 @@ impl Moduli {
     }
 
     /// ∂/∂ν at E, ν; Pa.
-    pub(crate) fn by_poissons_ratio(youngs_modulus: Pascal, poissons_ratio: f64) -> Self {
+    pub fn by_poissons_ratio(youngs_modulus: Pascal, poissons_ratio: f64) -> Self {
         let (e, nu) = (youngs_modulus, poissons_ratio);
         let below = (1.0 + nu) * (1.0 - 2.0 * nu);
         let mu = -e / (2.0 * (1.0 + nu) * (1.0 + nu));
@@ -49,28 +49,28 @@ impl Moduli {
     }
 
     /// The moduli of shape change, without λ.
-    pub(crate) fn deviatoric(self) -> Self {
+    pub fn deviatoric(self) -> Self {
         Self { lambda: 0.0, ..self }
     }
 
     /// λ alone.
-    pub(crate) fn volumetric(self) -> Self {
+    pub fn volumetric(self) -> Self {
         Self { lambda: self.lambda, ..Self::default() }
     }
 
     /// μ, λ, C₂₀, C₃₀.
-    pub(crate) fn to_array(self) -> [Pascal; 4] {
+    pub fn to_array(self) -> [Pascal; 4] {
         [self.mu, self.lambda, self.stiffening[0], self.stiffening[1]]
     }
 
     /// One of μ, λ, C₂₀, C₃₀ at 1, the others at 0.
-    pub(crate) fn unit(which: usize) -> Self {
+    pub fn unit(which: usize) -> Self {
         let at = |n: usize| f64::from(u8::from(n == which));
         Self { mu: at(0), lambda: at(1), stiffening: [at(2), at(3)] }
     }
 
     /// Every modulus multiplied by `factor`.
-    pub(crate) fn scaled(self, factor: f64) -> Self {
+    pub fn scaled(self, factor: f64) -> Self {
         Self { mu: factor * self.mu, lambda: factor * self.lambda, stiffening: self.stiffening.map(|c| factor * c) }
     }
 }

@@ -3,25 +3,26 @@
 use nalgebra::Matrix3;
 
 /// xx, yy, zz, yz, xz, xy.
-pub(crate) type Symmetric = [f64; 6];
+pub type Symmetric = [f64; 6];
 
 /// The symmetric part.
-pub(crate) fn symmetric(of: &Matrix3<f64>) -> Symmetric {
+pub fn symmetric(of: &Matrix3<f64>) -> Symmetric {
     let mean = |i: usize, k: usize| 0.5 * (of[(i, k)] + of[(k, i)]);
     [of[(0, 0)], of[(1, 1)], of[(2, 2)], mean(1, 2), mean(0, 2), mean(0, 1)]
 }
 
-pub(crate) fn matrix([xx, yy, zz, yz, xz, xy]: &Symmetric) -> Matrix3<f64> {
+/// The whole tensor.
+pub fn matrix([xx, yy, zz, yz, xz, xy]: &Symmetric) -> Matrix3<f64> {
     Matrix3::new(*xx, *xy, *xz, *xy, *yy, *yz, *xz, *yz, *zz)
 }
 
 /// a : b
-pub(crate) fn contract(a: &Symmetric, b: &Symmetric) -> f64 {
+pub fn contract(a: &Symmetric, b: &Symmetric) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + 2.0 * (a[3] * b[3] + a[4] * b[4] + a[5] * b[5])
 }
 
 /// `sum` += `factor` `term`.
-pub(crate) fn add_scaled(sum: &mut Symmetric, factor: f64, term: &Symmetric) {
+pub fn add_scaled(sum: &mut Symmetric, factor: f64, term: &Symmetric) {
     sum.iter_mut().zip(term).for_each(|(sum, term)| *sum += factor * term);
 }
 

@@ -1,7 +1,7 @@
 //! Properties that every law must have, tested on each law of `ALL`.
 
-use super::{ALL, by_name};
 use crate::material::{Material, Moduli};
+use crate::{ALL, by_name};
 use nalgebra::{Matrix3, Rotation3, SMatrix, Vector3};
 
 const E: f64 = 2.3e5;

@@ -1,7 +1,20 @@
 //! Relaxation spectra: Maxwell branches, given freely or as a springpot.
 
-use crate::setup_error::SetupError;
 use si::Second;
+
+/// A relaxation spectrum that no solid can have.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error(
+    "relaxation branch {branch}: {what}, not {value}\n  why: each branch adds strength × e^(−t/time) to the long-term modulus\n  do:  give a strength ≥ 0 (no unit, relative to the long-term modulus) and a time in seconds"
+)]
+pub struct RelaxationError {
+    /// Which branch, from 0.
+    pub branch: usize,
+    /// What is wrong.
+    pub what: &'static str,
+    /// The number.
+    pub value: f64,
+}
 
 /// One Maxwell branch.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -60,18 +73,18 @@ impl Relaxation {
     /// Free branches.
     ///
     /// # Errors
-    /// [`SetupError::Relaxation`] when a strength is negative or a time not positive, or there are too many.
-    pub fn maxwell(branches: &[Branch]) -> Result<Self, SetupError> {
+    /// [`RelaxationError`] when a strength is negative or a time not positive, or there are too many.
+    pub fn maxwell(branches: &[Branch]) -> Result<Self, RelaxationError> {
         Self { branches: branches.to_vec(), springpot: None }.checked()
     }
 
     /// A springpot.
     ///
     /// # Errors
-    /// [`SetupError::Relaxation`] when the strength is negative, the exponent not between 0 and 1, or the decades do
+    /// [`RelaxationError`] when the strength is negative, the exponent not between 0 and 1, or the decades do
     /// not rise within 10⁻⁹ to 10⁹ s.
-    pub fn springpot(of: Springpot) -> Result<Self, SetupError> {
-        let refused = |branch, what, value| Err(SetupError::Relaxation { branch, what, value });
+    pub fn springpot(of: Springpot) -> Result<Self, RelaxationError> {
+        let refused = |branch, what, value| Err(RelaxationError { branch, what, value });
         let [first, last] = of.decades;
         if !(of.exponent > 0.0 && of.exponent < 1.0) {
             return refused(0, "the exponent of a springpot must lie between 0 and 1", of.exponent);
@@ -82,8 +95,8 @@ impl Relaxation {
         Self { branches: of.branches(), springpot: Some(of) }.checked()
     }
 
-    fn checked(self) -> Result<Self, SetupError> {
-        let refused = |branch, what, value| Err(SetupError::Relaxation { branch, what, value });
+    fn checked(self) -> Result<Self, RelaxationError> {
+        let refused = |branch, what, value| Err(RelaxationError { branch, what, value });
         if self.branches.len() > MAX_BRANCHES {
             return refused(MAX_BRANCHES, "at most 16 branches are possible", self.branches.len() as f64);
         }
@@ -140,7 +153,7 @@ impl Relaxation {
     }
 
     /// ∂gᵢ by strength (0) or exponent (1) of the springpot, of each branch; nothing when the branches are free.
-    pub(crate) fn springpot_direction(&self, which: usize) -> Vec<f64> {
+    pub fn springpot_direction(&self, which: usize) -> Vec<f64> {
         self.springpot
             .iter()
             .flat_map(|springpot| springpot.derivatives().map(|by| by[which]).collect::<Vec<_>>())

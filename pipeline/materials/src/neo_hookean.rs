@@ -5,7 +5,7 @@ use nalgebra::Matrix3;
 
 /// ψ = μ/2 (I₁ − 3) − μ ln J + λ/2 ln²J with I₁ = F : F, J = det F        [bonet2008], equation 6.27
 #[derive(Debug)]
-pub(crate) struct NeoHookean;
+pub struct NeoHookean;
 
 /// ψ, P, ln J and G = F⁻ᵀ; none where J ≤ 0.
 #[allow(non_snake_case)]

@@ -5,7 +5,7 @@ use nalgebra::Matrix3;
 
 /// ψ = μ ε : ε + λ/2 tr²ε with ε = ½ (F + Fᵀ) − I.
 #[derive(Debug)]
-pub(crate) struct Linear;
+pub struct Linear;
 
 #[allow(non_snake_case)]
 impl Material for Linear {

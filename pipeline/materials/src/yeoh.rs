@@ -1,7 +1,7 @@
 //! Yeoh's law: rubber that softens at moderate strain and stiffens at large strain.
 
 use crate::material::{Material, Moduli, Response};
-use crate::materials::neo_hookean::NeoHookean;
+use crate::neo_hookean::NeoHookean;
 use nalgebra::{Matrix3, SVector};
 
 /// ψ = C₁₀ x + C₂₀ x² + C₃₀ x³ + λ/2 ln²J with x = I₁ − 3 − 2 ln J and C₁₀ = μ/2        [yeoh1993]
@@ -10,7 +10,7 @@ use nalgebra::{Matrix3, SVector};
 /// of volume included: the law has no stress at rest, its linear limit is exact, and its first term is the compressible
 /// neo-Hookean law.
 #[derive(Debug)]
-pub(crate) struct Yeoh;
+pub struct Yeoh;
 
 /// x.
 #[allow(non_snake_case)]
