@@ -137,7 +137,7 @@ fn a_marker_clicked_far_off_is_named_with_its_frame() {
 
 #[test]
 fn a_marker_that_is_lost_in_a_film_without_a_project_is_named_with_the_film() {
-    let project = Project::new("film");
+    let project = Project::new("lost");
     let film = project.path("trials/static_left/video.mp4");
     project.refuses(&["track", film.to_str().unwrap(), "--at", "60,60"], &["static_left/video.mp4: marker 0 is lost"]);
 }

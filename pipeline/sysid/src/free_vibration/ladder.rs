@@ -155,8 +155,13 @@ fn ramp_variance(fitted: &Fitted, trials: usize) -> f64 {
     own + if trials > 1 { scatter / (trials - 1) as f64 } else { 0.25 * mean * mean }
 }
 
-/// The law that the recordings support: the least difference at recordings that were left out, or without these the least criterion.
+/// The law that the recordings support: the least difference at recordings that were left out, where at least two remain to be
+/// fitted; one alone tells neither how the stress grows with strain nor how it depends on time, and the information criterion
+/// decides.
 pub(super) fn supported(results: &[LawResult]) -> usize {
-    let key = |result: &LawResult| result.left_out_difference().unwrap_or(result.criterion);
+    let key = |result: &LawResult| {
+        let left_out = result.left_out_difference().filter(|_| result.joint.used.len() > 2);
+        left_out.unwrap_or(result.criterion)
+    };
     (0..results.len()).min_by(|a, b| key(&results[*a]).total_cmp(&key(&results[*b]))).unwrap_or_default()
 }
