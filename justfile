@@ -40,7 +40,7 @@ table NAME: build
 page PROFILE="quick": build
     {{programs}}/study page --profile {{PROFILE}}
 
-# a recorded bar in free vibration: its modulus and damping, a table and a figure (study fetch beam_ds10 brings the recordings)
+# a recorded bar in free vibration: the laws that its recordings support, table, figure and target/real/metrics.json (study fetch beam_ds10 brings them)
 real: build
     {{programs}}/study fit beam_ds10 --out target/real
     cp target/real/real_beam_ds10.svg figures/real_beam.svg
