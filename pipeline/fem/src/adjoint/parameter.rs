@@ -78,7 +78,6 @@ impl SolverState {
     pub(crate) fn check_parameter(&self, parameter: Parameter) -> Result<(), SolveError> {
         let (regions, chambers) = (self.inputs.properties.len(), self.data.chambers.len());
         let branches = |region: usize| self.inputs.properties.get(region).map(|is| is.relaxation.branches().len());
-        let springpots = self.inputs.properties.iter().filter(|is| is.relaxation.as_springpot().is_some()).count();
         let is_springpot =
             |region: usize| self.inputs.properties.get(region).is_some_and(|is| is.relaxation.as_springpot().is_some());
         let (what, index, count) = match parameter {
@@ -88,11 +87,9 @@ impl SolverState {
             Parameter::RelaxationStrength { region, branch } | Parameter::RelaxationTime { region, branch } => {
                 ("the branch number of a parameter", branch, branches(region).unwrap_or(0))
             }
-            Parameter::SpringpotStrength(region) | Parameter::SpringpotExponent(region) => (
-                "the springpot of a parameter",
-                if is_springpot(region) { 0 } else { region.max(1) },
-                springpots.min(1),
-            ),
+            Parameter::SpringpotStrength(region) | Parameter::SpringpotExponent(region) => {
+                ("the springpot number of a parameter", 0, usize::from(is_springpot(region)))
+            }
             Parameter::YoungsModulus(region) | Parameter::PoissonsRatio(region) | Parameter::Density(region) => {
                 ("the region number of a parameter", region, regions)
             }

@@ -10,7 +10,7 @@ use crate::viscoelastic::history::{HistoryStep, for_each_point};
 use materials::step::RegionStep;
 use materials::symmetric::{Symmetric, add_scaled, contract, symmetric};
 
-/// What the steps after n hand back to it, point by point as in [`History`]: −Σ aᵢ zᵢ,ₙ₊₁, then dᵢ zᵢ,ₙ₊₁ of each branch.
+/// What the steps after n hand back to it, point by point as in a history: −Σ aᵢ zᵢ,ₙ₊₁, then dᵢ zᵢ,ₙ₊₁ of each branch.
 #[derive(Debug, Clone)]
 pub(crate) struct AdjointHistory {
     tensors: Vec<Symmetric>,
@@ -33,7 +33,7 @@ impl AdjointHistory {
     }
 
     /// Adds the derivative of the loss by sₙ that later steps hand back, carried to the nodes at `u`, to `right` (3
-    /// entries per node). `regions`: the steps that end in n; none for the initial state.
+    /// entries per node). `ends`: whether a step ends in n, over `regions`; none does in the initial state.
     pub(crate) fn add_right_side(
         &self,
         (data, regions): (&SystemData, &[RegionStep]),

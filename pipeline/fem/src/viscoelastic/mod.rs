@@ -5,8 +5,8 @@
 //! [simo1987, holzapfel1996] S is unchanged by a rotation of the body, and so are the branches.
 //!
 //! C₂₀ and C₃₀ do not relax: where a law softens with strain, its loss factor and the ratio of its dynamic to its static
-//! modulus rise, as they do in silicone (a bar under weights has damping ratios of 0.050, 0.064 and 0.084 while its
-//! frequency falls).
+//! modulus rise, as damping does in a silicone bar under weights (ratios of 0.050, 0.064 and 0.084 while the frequency
+//! falls).
 //!
 //! Over a step of length h in which S_μ changes at a constant rate, the branches are integrated exactly [taylor1970]:
 //! Qᵢ ← dᵢ Qᵢ + aᵢ (S_μ − S_μ,before), dᵢ = e^(−h/τᵢ), aᵢ = gᵢ (1 − dᵢ) τᵢ/h.

@@ -59,7 +59,7 @@ impl Direction {
     }
 }
 
-/// The derivative of a [`History`], point by point as there.
+/// The derivative of a history, point by point as there.
 #[derive(Debug, Clone)]
 pub(crate) struct HistorySensitivity {
     tensors: Vec<Symmetric>,

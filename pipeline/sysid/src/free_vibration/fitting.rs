@@ -186,7 +186,7 @@ impl Fit<'_> {
         let independent = (count as f64 / correlation).max(parameters as f64 + 1.0);
         let variance = 2.0 * residuals.half_sum_of_squares() / count as f64 * independent
             / (independent - parameters as f64).max(1.0);
-        // A weak prior, as wide as the bounds, keeps the covariance finite along a direction that the recordings do not tell.
+        // A weak prior, as wide as the bounds, keeps the covariance finite along a direction that the recordings do not determine.
         let width = |p: usize| problem.bounds().high[p] - problem.bounds().low[p];
         let mut information = jacobian.tr_mul(&jacobian) / (variance * correlation);
         (0..parameters).for_each(|p| information[(p, p)] += 12.0 / (width(p) * width(p)));
@@ -216,7 +216,7 @@ impl Fitted {
     }
 }
 
-/// Frames that tell as much as one independent one: 1 + 2 Σ ρ until ρ falls below zero, the mean of all recordings.
+/// Frames that count as one independent one: 1 + 2 Σ ρ until ρ falls below zero, the mean of all recordings.
 fn correlation(fit: &Fit, residuals: &[f64]) -> f64 {
     let mut rest = residuals;
     let mut sum = 0.0;

@@ -151,12 +151,12 @@ fn ramp_variance(fitted: &Fitted, trials: usize) -> f64 {
     let mean = ramps.iter().sum::<f64>() / trials as f64;
     let own = (0..trials).map(|k| fitted.covariance[(first + 2 * k, first + 2 * k)]).sum::<f64>() / trials as f64;
     let scatter = ramps.iter().map(|ramp| (ramp - mean).powi(2)).sum::<f64>();
-    // One release tells nothing of how others differ: they are taken to differ by half of it.
+    // One release does not show how others differ: they are taken to differ by half of it.
     own + if trials > 1 { scatter / (trials - 1) as f64 } else { 0.25 * mean * mean }
 }
 
 /// The law that the recordings support: the least difference at recordings that were left out, where at least two remain to be
-/// fitted; one alone tells neither how the stress grows with strain nor how it depends on time, and the information criterion
+/// fitted; one alone determines neither how the stress grows with strain nor how it depends on time, and the information criterion
 /// decides.
 pub(super) fn supported(results: &[LawResult]) -> usize {
     let key = |result: &LawResult| {

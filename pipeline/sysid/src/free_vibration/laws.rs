@@ -100,7 +100,7 @@ impl Law {
             _ => Relaxation::default(),
         };
         // C₃₀/C₁₀ = ½ (C₂₀/C₁₀)²: the least round multiple with which the stress rises at every strain, whatever C₂₀. Bars that bend
-        // by a tenth of their length tell C₂₀ alone.
+        // by a tenth of their length determine C₂₀ alone.
         let softening = value(Softening).unwrap_or(0.0);
         Ok(Properties {
             youngs_modulus: value(Modulus).unwrap_or(0.0) / relaxation.modulus(modulus_time),
