@@ -21,10 +21,12 @@
 
 mod corotated;
 mod linear;
+mod lopez_pamies;
 pub mod material;
 mod neo_hookean;
 pub mod relaxation;
 pub mod step;
+mod stretch;
 pub mod symmetric;
 pub mod tangent;
 mod yeoh;
@@ -39,7 +41,8 @@ pub use material::{Material, Moduli};
 pub use relaxation::{Branch, MAX_BRANCHES, Relaxation, RelaxationError, Springpot};
 
 /// All laws. The conformance tests run on each.
-pub const ALL: &[&dyn Material] = &[&corotated::Corotated, &neo_hookean::NeoHookean, &yeoh::Yeoh, &linear::Linear];
+pub const ALL: &[&dyn Material] =
+    &[&corotated::Corotated, &neo_hookean::NeoHookean, &yeoh::Yeoh, &lopez_pamies::LopezPamies, &linear::Linear];
 
 /// The law called `name`, as cards and cases write it.
 pub fn by_name(name: &str) -> Option<&'static dyn Material> {

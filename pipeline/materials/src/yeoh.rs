@@ -1,8 +1,8 @@
 //! Yeoh's law: rubber that softens at moderate strain and stiffens at large strain.
 
 use crate::material::{Material, Moduli, Response};
-use crate::neo_hookean::NeoHookean;
-use nalgebra::{Matrix3, SVector};
+use crate::stretch;
+use nalgebra::Matrix3;
 
 /// ψ = C₁₀ x + C₂₀ x² + C₃₀ x³ + λ/2 ln²J with x = I₁ − 3 − 2 ln J and C₁₀ = μ/2        [yeoh1993]
 ///
@@ -12,20 +12,9 @@ use nalgebra::{Matrix3, SVector};
 #[derive(Debug)]
 pub struct Yeoh;
 
-/// x.
-#[allow(non_snake_case)]
-fn stretch(F: &Matrix3<f64>) -> f64 {
-    F.norm_squared() - 3.0 - 2.0 * F.determinant().ln()
-}
-
 /// C₂₀ x² + C₃₀ x³ with its first and second derivative.
 fn series([c20, c30]: [f64; 2], x: f64) -> [f64; 3] {
     [(c20 + c30 * x) * x * x, (2.0 * c20 + 3.0 * c30 * x) * x, 2.0 * c20 + 6.0 * c30 * x]
-}
-
-/// The neo-Hookean moduli of the same stress: the slope of the series by x adds to C₁₀.
-fn secant(moduli: Moduli, slope: f64) -> Moduli {
-    Moduli { mu: moduli.mu + 2.0 * slope, ..moduli }
 }
 
 #[allow(non_snake_case)]
@@ -39,27 +28,11 @@ impl Material for Yeoh {
     }
 
     fn stress(&self, F: &Matrix3<f64>, moduli: Moduli) -> (f64, Matrix3<f64>) {
-        if F.determinant() <= 0.0 {
-            return (f64::INFINITY, Matrix3::zeros());
-        }
-        let x = stretch(F);
-        let [added, slope, _] = series(moduli.stiffening, x);
-        let (energy, stress) = NeoHookean.stress(F, secant(moduli, slope));
-        (energy - slope * x + added, stress)
+        stretch::stress(F, moduli, series)
     }
 
-    /// That of the neo-Hookean law of the same stress, and s' X ⊗ X with X = ∂x/∂F = 2 (F − F⁻ᵀ), s' the curvature of
-    /// the series.
     fn response(&self, F: &Matrix3<f64>, moduli: Moduli) -> Response {
-        let inverse = F.try_inverse().filter(|_| F.determinant() > 0.0);
-        let Some(inverse) = inverse else { return NeoHookean.response(F, moduli) };
-        let x = stretch(F);
-        let [added, slope, curvature] = series(moduli.stiffening, x);
-        let Response { energy, stress, mut tangent } = NeoHookean.response(F, secant(moduli, slope));
-        let X = (F - inverse.transpose()) * 2.0;
-        let X = SVector::<f64, 9>::from_column_slice(X.as_slice());
-        tangent += X * X.transpose() * curvature;
-        Response { energy: energy - slope * x + added, stress, tangent }
+        stretch::response(F, moduli, series)
     }
 }
 
