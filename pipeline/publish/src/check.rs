@@ -50,14 +50,15 @@ fn metric_line(entry: &MetricEntry) -> String {
 
 fn claim_line(claim: &Claim, metrics: &[MetricEntry]) -> String {
     format!(
-        "{:<30}{}\n{:30}rule: {} {}; ours: {}; published: {}",
+        "{:<30}{}\n{:30}rule: {} {}; ours: {}; published: {}{}",
         claim.verdict(metrics).in_words().to_uppercase(),
         claim.says,
         "",
         claim.metrics().map(String::as_str).collect::<Vec<_>>().join(" and "),
         claim.rule.in_words(),
         claim.ours(metrics).join(", "),
-        claim.published
+        claim.published,
+        claim.set_by.as_ref().map_or(String::new(), |setting| format!("; decided by {setting}"))
     )
 }
 
@@ -69,20 +70,21 @@ fn plainly(claims: &[Claim], metrics: &[MetricEntry]) -> Vec<String> {
             of(verdict).map(|c| format!("  {} ({}; published {})", c.says, c.ours(metrics).join(", "), c.published));
         std::iter::once(format!("{}: {}", verdict.in_words(), of(verdict).count())).chain(lines).collect::<Vec<_>>()
     };
-    [list(Verdict::Fails), list(Verdict::NotMeasured)].concat()
+    [list(Verdict::Fails), list(Verdict::SetByBench), list(Verdict::NotMeasured)].concat()
 }
 
 fn summary(metrics: &[MetricEntry], missing: &[&str], claims: &[Claim]) -> String {
     let count = |status: &str| metrics.iter().filter(|m| m.status == status).count();
     let claims_that = |verdict| claims.iter().filter(|c| c.verdict(metrics) == verdict).count();
     format!(
-        "{} numbers as expected, {} drifted, {} missing, {} not compared; {} claims reproduce, {} do not, {} not measured",
+        "{} numbers as expected, {} drifted, {} missing, {} not compared; {} claims reproduce, {} do not, {} are set by the bench, {} not measured",
         count("as expected"),
         count("drifted"),
         missing.len(),
         count("not compared"),
         claims_that(Verdict::Reproduces),
         claims_that(Verdict::Fails),
+        claims_that(Verdict::SetByBench),
         claims_that(Verdict::NotMeasured)
     )
 }

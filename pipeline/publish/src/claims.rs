@@ -25,6 +25,9 @@ pub struct Claim {
     pub also: Vec<String>,
     /// How it decides.
     pub rule: Rule,
+    /// The settings of the virtual bench that decide its outcome, where they do.
+    #[serde(default)]
+    pub set_by: Option<String>,
     /// The published statement.
     pub published: String,
 }
@@ -54,6 +57,8 @@ pub enum Verdict {
     Fails,
     /// A metric of it was not measured in this profile, and the measured ones do not contradict it.
     NotMeasured,
+    /// Settings of the virtual bench decide whether its rule holds: it counts neither as reproduced nor as not.
+    SetByBench,
 }
 
 impl Verdict {
@@ -63,6 +68,7 @@ impl Verdict {
             Self::Reproduces => "reproduces",
             Self::Fails => "does not reproduce",
             Self::NotMeasured => "not measured in this profile",
+            Self::SetByBench => "set by the bench",
         }
     }
 }
@@ -98,6 +104,15 @@ impl Claim {
 
     /// Its verdict.
     pub fn verdict(&self, metrics: &[MetricEntry]) -> Verdict {
+        match self.outcome(metrics) {
+            Verdict::NotMeasured => Verdict::NotMeasured,
+            _ if self.set_by.is_some() => Verdict::SetByBench,
+            decided => decided,
+        }
+    }
+
+    /// What its rule gives, whoever decides it.
+    pub(crate) fn outcome(&self, metrics: &[MetricEntry]) -> Verdict {
         let each: Vec<Option<bool>> = self.metrics().map(|id| self.rule.holds(id, metrics)).collect();
         match () {
             () if each.contains(&Some(false)) => Verdict::Fails,
@@ -173,7 +188,15 @@ mod tests {
 
     fn claim(rule: Rule, also: &[&str]) -> Claim {
         let also = also.iter().map(|s| (*s).to_owned()).collect();
-        Claim { name: "a".into(), says: "a".into(), metric: "a".into(), also, rule, published: String::new() }
+        Claim {
+            name: "a".into(),
+            says: "a".into(),
+            metric: "a".into(),
+            also,
+            rule,
+            set_by: None,
+            published: String::new(),
+        }
     }
 
     fn metrics() -> Vec<MetricEntry> {
@@ -187,6 +210,16 @@ mod tests {
         assert_eq!(verdict(Rule::Within([1.0, 2.0])), Verdict::Reproduces);
         assert_eq!(verdict(Rule::SmallerThan("b".into())), Verdict::Reproduces);
         assert_eq!(verdict(Rule::SmallerThan("c".into())), Verdict::NotMeasured);
+    }
+
+    #[test]
+    fn what_the_bench_decides_is_neither_reproduced_nor_not() {
+        let set = |rule| Claim { set_by: Some("material".into()), ..claim(rule, &[]) };
+        for rule in [Rule::AtMost(1.0), Rule::AtMost(5.0)] {
+            assert_eq!(set(rule.clone()).verdict(&metrics()), Verdict::SetByBench);
+            assert_eq!(set(rule.clone()).outcome(&metrics()), claim(rule, &[]).verdict(&metrics()));
+        }
+        assert_eq!(set(Rule::SmallerThan("c".into())).verdict(&metrics()), Verdict::NotMeasured);
     }
 
     #[test]

@@ -78,11 +78,7 @@ fn verdict(claim: &Claim, metrics: &[MetricEntry]) -> Verdict {
     let by: Vec<&str> = claim.metrics().map(String::as_str).collect();
     Verdict {
         says: claim.says.clone(),
-        reproduces: match claim.verdict(metrics) {
-            claims::Verdict::Reproduces => Some(true),
-            claims::Verdict::Fails => Some(false),
-            claims::Verdict::NotMeasured => None,
-        },
+        verdict: claim.verdict(metrics),
         rule: format!("{} {}", by.join(" and "), claim.rule.in_words()),
         ours: claim.ours(metrics).join(", "),
         published: claim.published.clone(),

@@ -5,6 +5,8 @@ mod body;
 
 use std::fmt::Write;
 
+use crate::claims;
+
 pub use body::{Body, Surface};
 
 /// A figure or table that is shown, or why it is not.
@@ -23,8 +25,8 @@ pub struct Shown {
 pub struct Verdict {
     /// What is claimed.
     pub says: String,
-    /// Whether it reproduces; none where a number is missing.
-    pub reproduces: Option<bool>,
+    /// Whether it reproduces.
+    pub verdict: claims::Verdict,
     /// Its metric and rule.
     pub rule: String,
     /// The computed number.
@@ -120,10 +122,11 @@ impl Page {
 
     fn all_claims(&self) -> String {
         let one = |claim: &Verdict| {
-            let (class, word) = match claim.reproduces {
-                Some(true) => ("reproduces", "reproduces"),
-                Some(false) => ("fails", "does not reproduce"),
-                None => ("open", "open"),
+            let (class, word) = match claim.verdict {
+                claims::Verdict::Reproduces => ("reproduces", "reproduces"),
+                claims::Verdict::Fails => ("fails", "does not reproduce"),
+                claims::Verdict::NotMeasured => ("open", "open"),
+                claims::Verdict::SetByBench => ("open", "set by the bench"),
             };
             let cells = [&claim.says, &claim.ours, &claim.rule, &claim.published].map(|text| escaped(text));
             format!(
@@ -239,9 +242,9 @@ mod tests {
             |name: &str, text: &str| Shown { name: name.into(), description: "a < b".into(), text: Some(text.into()) };
         let svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" \
                    width=\"1mm\"><image xlink:href=\"data:image/png;base64,AA==\"/></svg>";
-        let verdict = |reproduces| Verdict {
+        let verdict = |verdict| Verdict {
             says: "theory over-predicts".into(),
-            reproduces,
+            verdict,
             rule: "a ≥ 1".into(),
             ours: "2".into(),
             published: "yes".into(),
@@ -250,7 +253,12 @@ mod tests {
             note: "virtual".into(),
             figures: vec![shown("tail", svg)],
             tables: vec![shown("trials", "a,\"b, \"\"c\"\"\"\n1,2\n"), Shown { text: None, ..shown("methods", "") }],
-            claims: vec![verdict(Some(true)), verdict(Some(false)), verdict(None)],
+            claims: vec![
+                verdict(claims::Verdict::Reproduces),
+                verdict(claims::Verdict::Fails),
+                verdict(claims::Verdict::NotMeasured),
+                verdict(claims::Verdict::SetByBench),
+            ],
             costs: vec![Cost { name: "mesh".into(), description: "s".into(), records: [1, 1], seconds: 2.0 }],
             ..Page::default()
         }
@@ -278,7 +286,7 @@ mod tests {
     #[test]
     fn each_verdict_has_its_own_word_and_what_was_not_made_is_said() {
         let html = page().html();
-        for word in [">reproduces<", ">does not reproduce<", ">open<", "It was not made"] {
+        for word in [">reproduces<", ">does not reproduce<", ">open<", ">set by the bench<", "It was not made"] {
             assert_eq!(html.matches(word).count(), 1, "{word}");
         }
     }

@@ -69,6 +69,7 @@ pub(super) mod tests {
             metric: "a.rmse_mm".into(),
             also: Vec::new(),
             rule: Rule::AtMost(limit),
+            set_by: None,
             published: "1 mm".into(),
         };
         let set = |name: &str| BTreeSet::from([name.to_owned()]);

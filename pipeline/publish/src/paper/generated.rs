@@ -8,12 +8,19 @@ use crate::claims::{Claim, Verdict};
 pub fn all(facts: &Facts) -> String {
     let row = |claim: &Claim| {
         let verdict = claim.verdict(&facts.metrics);
-        let cells = [claim.says.clone(), claim.published.clone(), ours(claim, facts), verdict.in_words().to_owned()];
+        let cells = [claim.says.clone(), claim.published.clone(), ours(claim, facts), in_words(claim, verdict)];
         let cells: Vec<String> = cells.iter().map(|cell| literal(cell)).collect();
         format!("({}, {})", cells.join(", "), verdict == Verdict::Fails)
     };
     let rows: Vec<String> = facts.claims.iter().map(row).collect();
     format!("#claim-table(({},))", rows.join(", "))
+}
+
+fn in_words(claim: &Claim, verdict: Verdict) -> String {
+    match (&claim.set_by, verdict) {
+        (Some(setting), Verdict::SetByBench) => format!("{}: {setting}", verdict.in_words()),
+        _ => verdict.in_words().to_owned(),
+    }
 }
 
 /// A list of the claims that do not reproduce, and the number that this profile does not measure.
@@ -30,7 +37,16 @@ pub(crate) fn failing(facts: &Facts) -> String {
         0 => "All claims were measured.".to_owned(),
         open => format!("Of {all} claims {open} are not measured in this profile, or not whole; the table marks them."),
     };
-    format!("{failing}\n{open}\n")
+    let set: String = of(Verdict::SetByBench)
+        .map(|c| format!("- #{};\n", literal(&format!("{} {}", words(c), c.set_by.clone().unwrap_or_default()))))
+        .collect();
+    let set = match set.is_empty() {
+        true => String::new(),
+        false => {
+            format!("Settings of the virtual bench decide the outcome of these, which count neither way:\n\n{set}\n")
+        }
+    };
+    format!("{failing}\n{set}{open}\n")
 }
 
 fn ours(claim: &Claim, facts: &Facts) -> String {

@@ -115,8 +115,9 @@ fn chosen(call: &Call, facts: &Facts) -> Option<Result<(usize, usize), String>> 
     match call.word {
         "verdict" => {
             let claim = facts.claims.iter().find(|c| c.name == call.name);
-            let verdict = claim.map(|c| match c.verdict(&facts.metrics) {
-                Verdict::Reproduces => (0, 3),
+            // the text says what came out, the table of claims who decided it
+            let verdict = claim.map(|c| match c.outcome(&facts.metrics) {
+                Verdict::Reproduces | Verdict::SetByBench => (0, 3),
                 Verdict::Fails => (1, 3),
                 Verdict::NotMeasured => (2, 3),
             });
