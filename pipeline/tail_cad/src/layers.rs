@@ -35,7 +35,7 @@ pub(crate) fn fill(tail: &Tail, plan: &Plan, edge: Metre, half: bool) -> Result<
 /// Heights of the sheets of the +y side above one plan vertex, m.
 struct SheetHeights {
     outer: Metre,
-    face: Metre,
+    face: [Metre; 2],
     inner: Metre,
     channel: Metre,
     ceiling: [Metre; 2],
@@ -45,14 +45,15 @@ impl SheetHeights {
     fn new(tail: &Tail, x: Metre, z: Metre) -> Self {
         let (outer, inner) = (tail.half_width(x, z), tail.inner_face());
         let ceiling = tail.wall.map(|wall| outer - wall);
-        Self { outer, face: tail.sheet / 2.0, inner, channel: inner + tail.channel_depth, ceiling }
+        let face = [-1.0, 1.0].map(|side| tail.sheet / 2.0 + side * tail.sheet_offset);
+        Self { outer, face, inner, channel: inner + tail.channel_depth, ceiling }
     }
 
     fn height(&self, sheet: u32) -> Metre {
         let side = sheet % 2;
         let height = match sheet - side {
             OUTER => self.outer,
-            FACE => self.face,
+            FACE => self.face[side as usize],
             INNER => self.inner,
             CHANNEL => self.channel,
             _ => self.ceiling[side as usize],

@@ -72,6 +72,8 @@ pub struct Tail {
     pub channel_depth: Metre,
     /// Thickness of the sheet, m.
     pub sheet: Metre,
+    /// By how much the sheet lies off the middle, towards +y, m; less than the silicone between a chamber and the sheet.
+    pub sheet_offset: Metre,
     /// Half the height of the slot in the sheet at each rib, as a fraction of the body's half height there.
     pub slot_share: f64,
 }
@@ -164,6 +166,7 @@ impl Tail {
             channel_half_height: 2e-3,
             channel_depth: 2e-3,
             sheet: 0.5e-3,
+            sheet_offset: 0.0,
             slot_share: 0.4,
         }
     }
@@ -219,6 +222,8 @@ impl Tail {
     /// Refuses parameters that make a part smaller than its least size, with the first place.
     fn check(&self) -> Result<(), TailError> {
         let length = self.chamber_length();
+        let left = self.inner_wall - self.sheet_offset.abs();
+        require("the silicone between a chamber and the sheet", [left, 0.1e-3], 0.0, "lower sheet_offset")?;
         require("a chamber's length", [length, 0.5e-3], self.chambers_start, "take fewer chambers or thinner ribs")?;
         for chamber in 0..self.chambers {
             let x = self.chamber(chamber)[1];
