@@ -36,7 +36,6 @@ specimen = "pike"
 seed = 7
 body = { youngs_modulus = 2e5, poissons_ratio = 0.485, density = 1070.0 }
 spine = { youngs_modulus = 3e9, poissons_ratio = 0.37, density = 1410.0 }
-damping = { mass = 0.0, stiffness = 1e-3 }
 lens = { fx = 980.0, fy = 982.0, cx = 640.0, cy = 360.0, k1 = -0.1, k2 = 0.02, p1 = 1e-4, p2 = 0.0, k3 = 0.0 }
 pose = { rotation = [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0]], translation = [0.0, 0.0, 0.3] }
 trial = [{ id = "flap", tracks = "truth/flap.csv", clock_offset = 1.5, clock_scale = 1.00002, led_on = 0.5 }]

@@ -87,6 +87,13 @@ fn power(along: &[f64], names: &[&str]) -> String {
     }
 }
 
+/// Residuals of even spacing that count as one independent one: 1 + 2 Σ ρ, summed until the autocorrelation ρ falls below zero.
+pub fn integrated_correlation(of: &[f64]) -> f64 {
+    let square: f64 = of.iter().map(|x| x * x).sum();
+    let at = |lag: usize| of.iter().zip(&of[lag..]).map(|(a, b)| a * b).sum::<f64>() / square;
+    1.0 + 2.0 * (1..of.len()).map(at).take_while(|correlation| *correlation > 0.0).sum::<f64>()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -94,6 +101,14 @@ mod tests {
     /// Residuals that depend on the sum of two parameters with one weight and on their difference with another.
     fn residuals(sum: f64, difference: f64) -> Residuals {
         Residuals { values: vec![0.5, -0.5, 0.5], jacobian: vec![sum, sum, difference, -difference, 0.0, 0.0] }
+    }
+
+    #[test]
+    fn an_alternating_residual_is_independent_and_a_slow_one_is_not() {
+        let fast: Vec<f64> = (0..100).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 }).collect();
+        assert_eq!(integrated_correlation(&fast), 1.0);
+        let slow: Vec<f64> = (0..400).map(|i| (std::f64::consts::TAU * f64::from(i) / 40.0).cos()).collect();
+        assert!(integrated_correlation(&slow) > 10.0);
     }
 
     #[test]

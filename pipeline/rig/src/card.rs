@@ -148,7 +148,7 @@ fn rounded(pixel: f64) -> f64 {
 fn solids(all: &Settings, set: &settings::Specimen) -> card::Solids {
     let solid = |file: &str, of: &settings::Material| card::Solid {
         file: file.to_owned(),
-        material: of.law.clone(),
+        material: of.nominal.law.clone(),
         youngs_modulus: of.nominal.youngs_modulus,
         poissons_ratio: of.nominal.poissons_ratio,
         density: of.density,

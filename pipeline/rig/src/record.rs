@@ -227,8 +227,11 @@ fn truth(name: &str, seed: u64, hidden: &HiddenProperties, renderer: &Renderer) 
         water_surface: Some(renderer.water.surface),
         body: hidden.body.clone(),
         spine: hidden.spine.clone(),
-        damping: hidden.damping.clone(),
-        casting: Some(truth::Casting { asymmetry: hidden.asymmetry, markers: hidden.marks.clone() }),
+        casting: Some(truth::Casting {
+            asymmetry: hidden.asymmetry,
+            sheet_offset: hidden.sheet_offset,
+            markers: hidden.marks.clone(),
+        }),
         fluid: None,
         lens: Lens { fx: l.fx, fy: l.fy, cx: l.cx, cy: l.cy, k1: l.k1, k2: l.k2, p1: l.p1, p2: l.p2, k3: l.k3 },
         pose: Pose { rotation: camera.pose.rotation, translation: camera.pose.translation },

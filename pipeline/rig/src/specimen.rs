@@ -3,9 +3,9 @@
 //! The shape is public: it is written as two STL files. The properties are drawn from the ranges of the settings and written to
 //! `truth.toml` alone.
 
-use si::{Point2, Second};
+use si::{Metre, Point2};
 
-use lab::truth::{Damping, Properties};
+use lab::truth::{Properties, TrueBranch};
 use tail_cad::Tail;
 
 use crate::random::RandomStream;
@@ -29,10 +29,10 @@ pub struct HiddenProperties {
     pub body: Properties,
     /// The sheet.
     pub spine: Properties,
-    /// Rayleigh damping.
-    pub damping: Damping,
     /// Relative excess thickness of the right outer wall; the left one is thinner by the same, no unit.
     pub asymmetry: f64,
+    /// By how much the sheet lies off the middle, towards +y, m.
+    pub sheet_offset: Metre,
     /// Offset of each mark from its nominal place along and across, m.
     pub marks: Vec<Point2>,
 }
@@ -40,36 +40,41 @@ pub struct HiddenProperties {
 impl HiddenProperties {
     /// Properties drawn from the ranges of the specimen's materials, and from its own seed.
     pub fn drawn(all: &settings::Settings, set: &settings::Specimen) -> Self {
-        let (body, damping) = solid(&all.material[&set.body]);
-        let (spine, _) = solid(&all.material[SHEET]);
+        let (body, spine) = (properties(&all.material[&set.body]), properties(&all.material[SHEET]));
         let mut random = RandomStream::new(set.seed, "casting");
         let most = all.casting.asymmetry;
         let fraction = random.uniform([0.5, 1.0]);
         let asymmetry = if random.unit() < 0.5 { fraction } else { -fraction } * most;
         let mut offset = || all.casting.markers_off * random.normal();
         let marks = set.markers.iter().map(|_| [offset(), offset()]).collect();
-        Self { body, spine, damping, asymmetry, marks }
+        let sheet_offset = random.uniform([-1.0, 1.0]) * all.casting.sheet_offset;
+        Self { body, spine, asymmetry, marks, sheet_offset }
     }
 
     /// The tail as it was cast from the nominal `tail`.
     pub fn cast(&self, tail: &Tail) -> Tail {
         let [right, left] = tail.wall;
-        Tail { wall: [right * (1.0 + self.asymmetry), left * (1.0 - self.asymmetry)], ..tail.clone() }
+        Tail {
+            wall: [right * (1.0 + self.asymmetry), left * (1.0 - self.asymmetry)],
+            sheet_offset: self.sheet_offset,
+            ..tail.clone()
+        }
     }
 }
 
-fn solid(set: &settings::Material) -> (Properties, Damping) {
+/// Drawn properties; the range of Young's modulus holds at a time after loading, the truth has it after all relaxation.
+pub(crate) fn properties(set: &settings::Material) -> Properties {
     let mut random = RandomStream::new(set.seed, "hidden");
-    let properties = Properties {
-        youngs_modulus: random.uniform(set.youngs_modulus),
-        poissons_ratio: random.uniform(set.poissons_ratio),
+    let (held, poissons_ratio) = (random.uniform(set.youngs_modulus), random.uniform(set.poissons_ratio));
+    let factor = random.uniform(set.branch_factor);
+    let branch: Vec<TrueBranch> =
+        set.branches.iter().map(|[time, strength]| TrueBranch { strength: factor * strength, time: *time }).collect();
+    let left = branch.iter().map(|b| b.strength * (-set.modulus_time / b.time).exp()).sum::<f64>();
+    Properties {
+        youngs_modulus: held / (1.0 + left),
+        poissons_ratio,
         density: set.density,
-    };
-    let ratio = random.uniform(set.damping_ratio);
-    (properties, Damping { mass: 0.0, stiffness: stiffness_damping(ratio, set.ring_down) })
-}
-
-/// b of C = b K with damping ratio ζ at frequency f: ζ = π f b.
-fn stiffness_damping(ratio: f64, frequency: f64) -> Second {
-    ratio / (std::f64::consts::PI * frequency)
+        stiffening: set.stiffening,
+        branch,
+    }
 }

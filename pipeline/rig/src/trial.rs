@@ -35,14 +35,15 @@ struct RunVariation {
 }
 
 impl RunVariation {
-    // A staircase is recorded after the room has reached a steady temperature, so its silicone is at the reference temperature.
+    // A staircase is recorded after a rest in a room of steady temperature: its silicone is at the reference temperature and has recovered
+    // from the cycles before. Flapping softens it within the first cycle, which is less than the trial's rest and is not resolved.
     fn drawn(bench: &Bench, trial: &lab::card::Trial) -> Self {
         let (set, mut random) = (&bench.set.causes, RandomStream::new(bench.seed, &format!("causes {}", trial.id)));
         let mut within = |most: f64| random.uniform([-most, most]);
         let valve = ValveDisturbance { supply: within(set.supply), jitter: set.jitter };
         let warmth = within(set.warmth);
         let moves = matches!(trial.experiment, Experiment::Flapping { .. });
-        Self { valve, softening: if moves { 1.0 + warmth } else { 1.0 } }
+        Self { valve, softening: if moves { (1.0 + warmth) * set.mullins.softening() } else { 1.0 } }
     }
 }
 

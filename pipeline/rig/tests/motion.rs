@@ -114,18 +114,11 @@ fn in_a_staircase_the_tail_vibrates_and_rests_as_the_whole_body() {
     let motion = flapping_model.staircase(staircase, span(0.8), None).unwrap();
     let whole = integrate(&coarse.body, &sampling(0.8), &|t| [trace.at(t), 0.0], &|| ()).unwrap();
     let (size, off) = tip_difference(&coarse, &whole, &motion, 0.8);
-    let held = trace.at(0.49);
-    let at_rest = coarse.body.system.solver().equilibrium(
-        &coarse.body.one_side(Side::Left, held),
-        Some(sweeps[0].nearest(held)),
-        &fem::StaticSettings::default(),
-    );
     let tip = coarse.tip();
-    let rests = at_rest.unwrap().displacement[3 * tip + 1] + coarse.body.mesh.nodes[tip][1];
-    let deviation = (motion.nodes(0.49)[tip][1] - rests).abs();
+    let deviation = (motion.nodes(0.49)[tip][1] - whole.nodes(0.49)[tip][1]).abs();
     println!("the tip moves {:.2} mm, off by {:.3} mm, held {:.4} mm off", size * 1e3, off * 1e3, deviation * 1e3);
     assert!(size > 5e-3 && off < 0.02 * size, "off by {off} of {size} m");
-    assert!(deviation < 2e-5, "held {deviation} m off the whole body's equilibrium");
+    assert!(deviation < 5e-5, "held {deviation} m off the whole body's creep");
     let some = motion.nodes_of(0.53, &[tip as u32]);
     assert_eq!(some[tip], motion.nodes(0.53)[tip]);
 }
@@ -138,12 +131,7 @@ fn in_water_the_reduced_model_moves_as_the_whole_body_to_two_per_cent() {
     let fluid = Fluid { density: 998.0, added: 1.0, drag: 2.0 };
     let [left, right] = coarse.square_wave(2.0, 1);
     let mut observed = ObservedWater { water: flapping_model.water(fluid), forces: Vec::new() };
-    let settings = DynamicSettings {
-        step: STEP,
-        scheme: Scheme::ImplicitEuler,
-        stiffness_damping: coarse.body.stiffness_damping,
-        ..DynamicSettings::default()
-    };
+    let settings = DynamicSettings { step: STEP, scheme: Scheme::ImplicitEuler, ..DynamicSettings::default() };
     let pressures = |t: f64| coarse.body.pressures(left.at(t), right.at(t));
     let actuation = |t: f64| fem::Actuation { pressures: pressures(t) };
     let (tip, mut reduced) = (coarse.tip(), Vec::new());
@@ -206,6 +194,8 @@ fn whole_tip(forced: &Forced, pressures: &dyn Fn(f64) -> Vec<f64>, tip: usize) -
     let nodes = coarse.body.mesh.nodes.len();
     let fraction = if coarse.body.mesh.half { 0.5 } else { 1.0 };
     let mut solver = coarse.body.system.solver();
+    // each step is an integration of its own, which would begin with relaxed histories
+    solver.set_relaxation(0, fem::Relaxation::default()).unwrap();
     let mut state = State::rest(nodes);
     let mut tips = Vec::new();
     for (i, force) in forces.iter().enumerate() {
@@ -224,7 +214,8 @@ fn the_energy_balance_of_the_whole_body_closes_to_one_per_cent_over_a_cycle() {
     let coarse = Coarse::nemo();
     let [left, right] = coarse.square_wave(2.0, 1);
     let pressures = |t: f64| coarse.body.pressures(left.at(t), right.at(t));
-    let beta = coarse.body.stiffness_damping;
+    // its relaxation would dissipate inside of the material, where nothing is counted
+    let beta = 1.8e-3;
     let settings =
         DynamicSettings { step: STEP, scheme: Scheme::Bdf2, stiffness_damping: beta, ..DynamicSettings::default() };
     let system = &coarse.body.system;
@@ -246,8 +237,9 @@ fn the_energy_balance_of_the_whole_body_closes_to_one_per_cent_over_a_cycle() {
         stored = solver.elastic_energy(&state.displacement).unwrap() + solver.kinetic_energy(&state.velocity).unwrap();
         (before, force, time) = (state.displacement.clone(), elastic, t);
     };
-    system
-        .solver()
+    let mut moving = system.solver();
+    moving.set_relaxation(0, fem::Relaxation::default()).unwrap();
+    moving
         .integrate(&InitialValueProblem { settings: &settings, initial: &rest, pressures: &pressures }, 120, &mut keep)
         .unwrap();
     let residual = work - dissipated - stored;

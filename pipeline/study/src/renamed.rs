@@ -5,12 +5,10 @@ use workflow::settings::Renamed;
 /// Each is refused with its present name.
 pub(crate) const RENAMED: &[Renamed] = &[
     Renamed { section: "", old: "best_flap", new: "optimal_actuation" },
+    Renamed { section: "", old: "damping", new: "relaxation" },
     Renamed { section: "", old: "mesh_honesty", new: "mesh_sensitivity" },
     Renamed { section: "", old: "still", new: "example_frames" },
     Renamed { section: "clock", old: "log_mean", new: "log_averaging" },
-    Renamed { section: "damping", old: "ease", new: "ramp" },
-    Renamed { section: "damping", old: "follow", new: "duration" },
-    Renamed { section: "damping", old: "tries", new: "samples" },
     Renamed { section: "drag", old: "added", new: "added_mass_ratio" },
     Renamed { section: "drag", old: "drag", new: "normal_drag_coefficient" },
     Renamed { section: "drag", old: "ease", new: "ramp" },

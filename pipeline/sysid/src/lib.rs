@@ -2,8 +2,8 @@
 //!
 //! A [`Model`] is a meshed body with its materials and markers; a [`LevelSolver`] finds its equilibria at several pressure levels with
 //! their derivatives; a [`Misfit`] compares them with measured displacements. [`Snapshots::reduce`] projects the identified model onto a few dozen
-//! coordinates ([`ReducedBody`]), in which motions are integrated. [`free_vibration`] identifies a body that was held straight and
-//! released.
+//! coordinates ([`ReducedBody`]), in which motions are integrated. [`relaxation`] identifies the spectrum of the silicone from
+//! transients, [`free_vibration`] a body that was held straight and released.
 //!
 //! ```
 //! // one marker at one pressure level, measured and simulated, m
@@ -29,13 +29,14 @@ mod misfit;
 mod model;
 mod noise;
 mod reduced;
+pub mod relaxation;
 mod search;
 mod surrogate;
 
 pub use body::{Body, Material};
 pub use levels::{Derivatives, LevelSolver, PressureLevel, SimulatedLevel};
 pub use misfit::Misfit;
-pub use model::{BODY, Elastic, Model, SPINE, by_node};
+pub use model::{BODY, Elastic, Model, SPINE, Viscoelastic, by_node};
 pub use noise::{Covariance2, Level, NoiseModel};
-pub use reduced::{ForcedMotion, ReducedBody, Snapshots};
+pub use reduced::{ForcedMotion, ReducedBody, Snapshots, even_times};
 pub use search::{Interrupted, feasible_lower_bound, nearest_neighbour_order};

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use fem::{Clamps, RegionProperties, Solver, System};
+use fem::{Clamps, RegionProperties, Relaxation, Solver, System};
 use mesh::{QuadraticMesh, Solid, Spot};
 use serde::{Deserialize, Serialize};
-use si::{Pascal, Point2, Point3};
+use si::{Pascal, Point2, Point3, Second};
 
 use crate::body::{Body, Material};
 use diagnostics::{Diagnostic, Result};
@@ -40,6 +40,39 @@ impl Elastic {
             solver.set_elastic(region, e, nu)?;
         }
         Ok(())
+    }
+}
+
+/// Elastic constants after all relaxation, with the relaxation of the body's silicone.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Viscoelastic {
+    /// Long-term constants.
+    pub elastic: Elastic,
+    /// Of the body; the sheet does not relax.
+    pub relaxation: Relaxation,
+}
+
+impl From<Elastic> for Viscoelastic {
+    fn from(elastic: Elastic) -> Self {
+        Self { elastic, relaxation: Relaxation::default() }
+    }
+}
+
+impl Viscoelastic {
+    /// Of a body whose Young's modulus was measured `held` seconds after loading.
+    pub fn measured_at(held: Second, elastic: Elastic, relaxation: Relaxation) -> Self {
+        let mut long_term = elastic;
+        long_term.youngs_moduli[BODY] /= relaxation.modulus(held);
+        Self { elastic: long_term, relaxation }
+    }
+
+    /// Sets both in a solver.
+    ///
+    /// # Errors
+    /// As [`Elastic::apply`]; also when the body's law cannot relax.
+    pub fn apply(&self, solver: &mut Solver) -> Result<()> {
+        self.elastic.apply(solver)?;
+        Ok(solver.set_relaxation(BODY, self.relaxation.clone())?)
     }
 }
 

@@ -1,15 +1,17 @@
 //! Hyper-reduction: POD of the shapes under the chambers' pressures and under lateral loads like those of inertia, with empirical
 //! cubature. Long motions are integrated in these coordinates; the error is measured against the full model.
 
+use std::sync::Arc;
+
 use fem::{
     Actuation, DynamicSettings, ExternalForce, NoForce, ReducedModel, ReducedModelData, ReducedMotion,
-    ReductionSettings, Solver, StaticSettings,
+    ReductionSettings, Relaxation, Solver, StaticSettings,
 };
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use si::{Metre, Pascal, Point2, Second};
 
-use crate::model::{Elastic, Model};
+use crate::model::{Elastic, Model, Viscoelastic};
 use diagnostics::{Diagnostic, Result};
 
 /// Number of even steps in which each chamber is filled alone.
@@ -25,9 +27,11 @@ const KEPT: f64 = 0.8;
 
 /// A model with its moduli in reduced coordinates.
 pub struct ReducedBody {
-    reduced: ReducedModel,
+    reduced: Arc<ReducedModel>,
     /// Moduli over those that the system was made with.
     scale: Vec<f64>,
+    /// Of body and spine.
+    relaxation: [Relaxation; 2],
     /// Displacement of each marker in the plane by coordinate, m: markers × 2 × coordinates.
     rows: Vec<[Vec<f64>; 2]>,
 }
@@ -112,21 +116,26 @@ pub struct ForcedMotion<'a> {
     pub settings: &'a DynamicSettings,
     /// One pressure a chamber (Pa) at a time (s from the start).
     pub pressures: &'a dyn Fn(Second) -> Vec<Pascal>,
-    /// Number of time steps.
-    pub steps: usize,
+    /// Ends of the time steps, rising, s from the start.
+    pub times: &'a [Second],
+}
+
+/// Ends of `steps` equal time steps, s.
+pub fn even_times(step: Second, steps: usize) -> Vec<Second> {
+    (1..=steps).map(|i| i as f64 * step).collect()
 }
 
 impl ReducedBody {
-    /// Restores a reduced `model` from its data, with `elastic` and the model's markers.
+    /// Restores a reduced `model` from its data, with the `silicone`'s constants and the model's markers.
     ///
     /// # Errors
     /// A [`Diagnostic`] when the data are of another mesh.
-    pub fn of(model: &Model, elastic: &Elastic, data: &ReducedModelData) -> Result<Self> {
-        let reduced = model.system.restore(data)?;
-        let made = model.system.regions();
-        let scale = made.iter().zip(elastic.youngs_moduli).map(|(r, e)| e / r.youngs_modulus).collect();
+    pub fn of(model: &Model, silicone: &Viscoelastic, data: &ReducedModelData) -> Result<Self> {
+        let reduced = Arc::new(model.system.restore(data)?);
         let rows = model.markers.iter().map(|spot| rows(&reduced, spot)).collect();
-        Ok(Self { reduced, scale, rows })
+        let made =
+            Self { reduced, scale: Vec::new(), relaxation: [Relaxation::default(), Relaxation::default()], rows };
+        Ok(made.with(model, silicone))
     }
 
     /// Displacement of a marker in the plane (m) after each step of a motion.
@@ -136,7 +145,7 @@ impl ReducedBody {
     pub fn integrate(&self, motion: &ForcedMotion, marker: usize) -> Result<Vec<Point2>> {
         let [x, y] = &self.rows[marker];
         let along = |row: &[f64], q: &[f64]| row.iter().zip(q).map(|(r, q)| r * q).sum::<f64>();
-        let mut path = Vec::with_capacity(motion.steps);
+        let mut path = Vec::with_capacity(motion.times.len());
         self.integrate_in_fluid(motion, &mut NoForce, &mut |q, _| {
             path.push([along(x, q.as_slice()), along(y, q.as_slice())]);
         })?;
@@ -157,17 +166,26 @@ impl ReducedBody {
         let reduced = ReducedMotion {
             settings: motion.settings,
             modulus_scale: &self.scale,
-            relaxation: &[],
+            relaxation: &self.relaxation,
             stiffening: &[],
             actuation: &actuation,
         };
         let mut shown = |_: Second, q: &DVector<f64>, v: &DVector<f64>| see(q, v);
-        self.reduced.integrate(&reduced, around, motion.steps, &mut shown).map_err(Diagnostic::from)
+        self.reduced.integrate_at(&reduced, around, motion.times, &mut shown).map_err(Diagnostic::from)
     }
 
     /// Displacement of the markers along x and y by each coordinate, m: (markers × 2) × coordinates, in the order of `markers`.
     pub fn rows(&self, markers: &[usize]) -> DMatrix<f64> {
         DMatrix::from_fn(2 * markers.len(), self.coordinates(), |i, j| self.rows[markers[i / 2]][i % 2][j])
+    }
+
+    /// The same reduced model with other constants of the silicone; `model` is the one that was reduced.
+    #[must_use]
+    pub fn with(&self, model: &Model, silicone: &Viscoelastic) -> Self {
+        let made = model.system.regions();
+        let scale = made.iter().zip(silicone.elastic.youngs_moduli).map(|(r, e)| e / r.youngs_modulus).collect();
+        let relaxation = [silicone.relaxation.clone(), Relaxation::default()];
+        Self { reduced: Arc::clone(&self.reduced), scale, relaxation, rows: self.rows.clone() }
     }
 
     /// Number of markers and further points.

@@ -12,7 +12,7 @@ use crate::ascent::{Limits, Objective};
 use crate::square_wave::SquareWave;
 use crate::water::Water;
 use diagnostics::Result;
-use sysid::{ForcedMotion, ReducedBody};
+use sysid::{ForcedMotion, ReducedBody, even_times};
 
 /// A reduced model in water.
 pub struct FlappingModel<'a> {
@@ -30,8 +30,6 @@ pub struct FlappingModel<'a> {
     pub by: Coefficients,
     /// Whether half of the body is modelled.
     pub half: bool,
-    /// β, s.
-    pub stiffness_damping: Second,
     /// Time steps of one cycle.
     pub steps_per_cycle: usize,
     /// Settling cycles, and cycles over which thrust is averaged.
@@ -92,15 +90,11 @@ impl FlappingModel<'_> {
     }
 
     fn motion(&self, rate: Hertz, steps: usize, pressures: &dyn Fn(Second) -> Vec<Pascal>) -> Result<Motion> {
-        let settings = DynamicSettings {
-            step: 1.0 / rate,
-            scheme: Scheme::Bdf2,
-            stiffness_damping: self.stiffness_damping,
-            ..DynamicSettings::default()
-        };
+        let settings = DynamicSettings { step: 1.0 / rate, scheme: Scheme::Bdf2, ..DynamicSettings::default() };
         let mut water = Water::around(self.wet.0, self.wet.1, self.by, self.half);
         let (mut moved, mut speed) = (Vec::with_capacity(steps), Vec::with_capacity(steps));
-        let motion = ForcedMotion { settings: &settings, pressures, steps };
+        let times = even_times(settings.step, steps);
+        let motion = ForcedMotion { settings: &settings, pressures, times: &times };
         self.reduced_body.integrate_in_fluid(&motion, &mut water, &mut |q, v| {
             moved.push(super::water::points(self.rows * q));
             speed.push(super::water::points(self.rows * v));

@@ -8,7 +8,7 @@ mod tracks;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use si::{Hertz, KilogramPerCubicMetre, Metre, Pascal, Second};
+use si::{KilogramPerCubicMetre, Metre, Pascal, Second};
 
 use crate::table::{SEE, toml_error};
 use diagnostics::Diagnostic;
@@ -34,8 +34,6 @@ pub struct Truth {
     pub body: Properties,
     /// The stiff sheet.
     pub spine: Properties,
-    /// What loses energy.
-    pub damping: Damping,
     /// What the casting hides from the STL files.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub casting: Option<Casting>,
@@ -56,7 +54,7 @@ pub struct Truth {
     pub force: Vec<TrueForce>,
 }
 
-/// True properties of a solid.
+/// True properties of a solid; Young's modulus is the one after all relaxation.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Properties {
@@ -66,16 +64,22 @@ pub struct Properties {
     pub poissons_ratio: f64,
     /// kg/m³.
     pub density: KilogramPerCubicMetre,
+    /// C₂₀/C₁₀ and C₃₀/C₁₀ of its law, no unit.
+    #[serde(default)]
+    pub stiffening: [f64; 2],
+    /// Its relaxation; none where it is elastic.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub branch: Vec<TrueBranch>,
 }
 
-/// Rayleigh damping C = a M + b K.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// A Maxwell branch of a solid.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Damping {
-    /// a, 1/s.
-    pub mass: Hertz,
-    /// b, s.
-    pub stiffness: Second,
+pub struct TrueBranch {
+    /// Modulus over the long-term modulus, no unit.
+    pub strength: f64,
+    /// Relaxation time, s.
+    pub time: Second,
 }
 
 /// What a casting hides.
@@ -84,6 +88,9 @@ pub struct Damping {
 pub struct Casting {
     /// The right outer wall is thicker and the left one thinner by this share, no unit.
     pub asymmetry: f64,
+    /// By how much the sheet lies off the middle, towards +y, m.
+    #[serde(default)]
+    pub sheet_offset: Metre,
     /// How far each marker is off its place on the card, along and across, m.
     pub markers: Vec<[f64; 2]>,
 }

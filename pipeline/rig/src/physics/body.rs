@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use diagnostics::{Diagnostic, Result};
-use fem::{Clamps, RegionProperties, System};
+use fem::{Branch, Clamps, RegionProperties, Relaxation, System};
 use lab::card::Side;
 use lab::truth::Properties;
 use mesh::{QuadraticMesh, Skin, Solid};
@@ -21,8 +21,6 @@ pub struct Body {
     pub system: System,
     /// Which chamber of the mesh lies on the left.
     left: usize,
-    /// Stiffness-proportional Rayleigh damping, s.
-    pub stiffness_damping: f64,
 }
 
 /// Nodes this close to the holder's edge (m) are clamped.
@@ -54,7 +52,12 @@ impl Body {
         let regions = vec![region(body, &hidden.body)?, region(sheet, &hidden.spine)?];
         let system = System::new(model, regions, clamped).map_err(|e| in_mesh(e.into()))?;
         let left = usize::from(mean_y(&mesh, 0) < mean_y(&mesh, 1));
-        Ok(Self { mesh, system, left, stiffness_damping: hidden.damping.stiffness })
+        Ok(Self { mesh, system, left })
+    }
+
+    /// Relaxation of body and sheet.
+    pub fn relaxation(&self) -> Vec<Relaxation> {
+        self.system.regions().iter().map(|region| region.relaxation.clone()).collect()
     }
 
     /// Pressures of all chambers (Pa) when each side has its own.
@@ -65,7 +68,7 @@ impl Body {
     }
 
     /// Pressures of all chambers (Pa) when `side` alone is filled.
-    pub fn one_side(&self, side: Side, pressure: Pascal) -> Vec<Pascal> {
+    pub(crate) fn one_side(&self, side: Side, pressure: Pascal) -> Vec<Pascal> {
         match side {
             Side::Left => self.pressures(pressure, 0.0),
             Side::Right => self.pressures(0.0, pressure),
@@ -79,7 +82,12 @@ fn region(material: &str, properties: &Properties) -> Result<RegionProperties> {
         let (file, what) = (Path::new("bench.toml"), format!("the material law `{material}` is unknown"));
         Diagnostic::file(file, what, format!("fem has {}", known()), "name one of these")
     })?;
-    Ok(RegionProperties::elastic(material, properties.youngs_modulus, properties.poissons_ratio, properties.density))
+    let branches: Vec<Branch> =
+        properties.branch.iter().map(|b| Branch { strength: b.strength, time: b.time }).collect();
+    let relaxation = Relaxation::maxwell(&branches).map_err(|e| Diagnostic::from(e).while_doing("bench.toml"))?;
+    let Properties { youngs_modulus, poissons_ratio, density, stiffening, .. } = *properties;
+    let elastic = RegionProperties::elastic(material, youngs_modulus, poissons_ratio, density);
+    Ok(RegionProperties { stiffening, relaxation, ..elastic })
 }
 
 /// Mean y of a chamber's wall, m.

@@ -19,7 +19,7 @@ pub struct Sampling {
     pub step: Second,
 }
 
-/// The motion under the pressures (left, right; Pa) at any time (s), by BDF2 with stiffness-proportional damping. `tick` is called after
+/// The motion under the pressures (left, right; Pa) at any time (s), by BDF2. `tick` is called after
 /// each stored shape.
 ///
 /// # Errors
@@ -33,13 +33,8 @@ pub fn integrate(
     let Sampling { start, end, rate, step } = *sampling;
     let each = (1.0 / (rate * step)).round().max(1.0) as usize;
     let stored = ((end - start) * rate).ceil() as usize;
-    let settings = DynamicSettings {
-        step: 1.0 / (rate * each as f64),
-        scheme: Scheme::Bdf2,
-        mass_damping: 0.0,
-        stiffness_damping: body.stiffness_damping,
-        ..DynamicSettings::default()
-    };
+    let settings =
+        DynamicSettings { step: 1.0 / (rate * each as f64), scheme: Scheme::Bdf2, ..DynamicSettings::default() };
     let rest = State::rest(body.mesh.nodes.len());
     let mut shapes = vec![rest.displacement.iter().map(|u| *u as f32).collect::<Vec<f32>>()];
     let mut steps = 0;

@@ -1,6 +1,6 @@
 //! Flapping: a tail in air or water under the pressures of both sides, in the coordinates of its reduced model.
 //!
-//! Time integration is BDF2 with stiffness-proportional damping; the pull on the holder follows from the balance of momentum.
+//! Time integration is BDF2 with the relaxation of the silicone; the pull on the holder follows from the balance of momentum.
 
 use diagnostics::{Diagnostic, Result};
 use fem::{Actuation, DynamicSettings, NoForce, ReducedMotion, Scheme};
@@ -111,21 +111,16 @@ impl<'a> FlappingModel<'a> {
     ) -> Result<FlappingMotion<'a>> {
         let TimeSpan { start, end, step } = span;
         let count = ((end - start) / step).ceil() as usize;
-        let settings = DynamicSettings {
-            step,
-            scheme: Scheme::Bdf2,
-            mass_damping: 0.0,
-            stiffness_damping: self.body.stiffness_damping,
-            ..DynamicSettings::default()
-        };
+        let settings = DynamicSettings { step, scheme: Scheme::Bdf2, ..DynamicSettings::default() };
         let actuation = |t: Second| {
             let [left, right] = pressures(start + t);
             Actuation { pressures: self.body.pressures(left, right) }
         };
+        let relaxation = self.body.relaxation();
         let motion = ReducedMotion {
             settings: &settings,
             modulus_scale: &[conditions.softening, 1.0],
-            relaxation: &[],
+            relaxation: &relaxation,
             stiffening: &[],
             actuation: &actuation,
         };

@@ -5,6 +5,7 @@
 //! those measured; their comparison is no independent test of it.
 
 mod cell;
+mod silicone;
 mod valve;
 mod water;
 
@@ -53,6 +54,7 @@ fn rounded(value: f64) -> f64 {
 pub(crate) fn comparisons(set: &Settings) -> Vec<Comparison> {
     let mut comparisons = valve::comparisons(&set.valve);
     comparisons.extend(cell::comparisons(set));
+    comparisons.extend(silicone::comparisons(set));
     comparisons
 }
 

@@ -1,7 +1,7 @@
 //! Ranges of the hidden properties of a specimen and of a run.
 
 use serde::Deserialize;
-use si::{Hertz, KilogramPerCubicMetre, Metre, Pascal, Second};
+use si::{KilogramPerCubicMetre, Metre, Pascal, Second};
 
 /// A material: the ranges of its true properties, and the nominal properties for the card.
 #[derive(Debug, Clone, Deserialize)]
@@ -11,24 +11,38 @@ pub struct Material {
     pub seed: u64,
     /// Constitutive law, by its name in `fem`.
     pub law: String,
-    /// Pa.
+    /// Pa, `modulus_time` after loading.
     pub youngs_modulus: [Pascal; 2],
+    /// s.
+    #[serde(default)]
+    pub modulus_time: Second,
     /// No unit.
     pub poissons_ratio: [f64; 2],
+    /// C₂₀/C₁₀ and C₃₀/C₁₀ of the law, no unit.
+    #[serde(default)]
+    pub stiffening: [f64; 2],
+    /// Relaxation time (s) and strength over the long-term modulus of each Maxwell branch; none: elastic.
+    #[serde(default)]
+    pub branches: Vec<[f64; 2]>,
+    /// Factor of every strength, no unit.
+    #[serde(default = "unscaled")]
+    pub branch_factor: [f64; 2],
     /// kg/m³, on the card as it is.
     pub density: KilogramPerCubicMetre,
-    /// Damping ratio of a free ring-down, no unit.
-    pub damping_ratio: [f64; 2],
-    /// Frequency at which that ratio holds, Hz.
-    pub ring_down: Hertz,
     /// The properties on the card.
     pub nominal: Nominal,
+}
+
+fn unscaled() -> [f64; 2] {
+    [1.0; 2]
 }
 
 /// Properties of a solid on the card.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Nominal {
+    /// The law that the study assumes, by its name in `fem`.
+    pub law: String,
     /// Pa.
     pub youngs_modulus: Pascal,
     /// No unit.
@@ -43,6 +57,8 @@ pub struct Nominal {
 pub struct Casting {
     /// Greatest relative difference of the outer walls from their nominal thickness, one thicker and one thinner, no unit.
     pub asymmetry: f64,
+    /// Greatest offset of the sheet from the middle, m.
+    pub sheet_offset: Metre,
     /// Standard deviation of a marker's position along and across, m.
     pub markers_off: Metre,
 }
@@ -57,8 +73,32 @@ pub struct Causes {
     pub jitter: Second,
     /// Greatest relative change of the silicone's modulus with temperature in a run, no unit.
     pub warmth: f64,
+    /// Softening of the silicone in its first cycles.
+    pub mullins: Mullins,
     /// Change of the camera's pose between runs.
     pub nudge: PosePerturbation,
+}
+
+/// The Mullins effect after Ogden and Roxburgh \[ogden1999\], of the body as a whole: cycles up to an energy W soften it, at the energy
+/// w W, to 1 − erf((1 − w) / (m + β)) / r of its modulus. Rest restores it.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Mullins {
+    /// r, no unit.
+    pub r: f64,
+    /// m, over the highest energy, no unit.
+    pub m: f64,
+    /// β, no unit.
+    pub beta: f64,
+    /// w: the mean energy of a cycle over its highest, no unit.
+    pub energy: f64,
+}
+
+impl Mullins {
+    /// Modulus of a body that flaps over that of one that has rested, no unit.
+    pub fn softening(&self) -> f64 {
+        1.0 - libm::erf((1.0 - self.energy) / (self.m + self.beta)) / self.r
+    }
 }
 
 /// Change of the camera's pose when it is started.

@@ -15,7 +15,7 @@ use si::{Hertz, Metre, Pascal, Second};
 
 pub use camera::{Calibration, Camera, Lamp, Plane, Water};
 pub use force::{Buoyancy, Cell, Hammer, StillWater, Tank};
-pub use hidden::{Casting, Causes, Fluid, Material, Nominal, PosePerturbation};
+pub use hidden::{Casting, Causes, Fluid, Material, Mullins, Nominal, PosePerturbation};
 pub use pneumatics::{Log, Port, Valve};
 
 /// The text of the settings; the stamp of a recording is made from it.

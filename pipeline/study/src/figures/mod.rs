@@ -6,6 +6,7 @@ mod four_parameters;
 mod load_cell;
 pub mod order;
 pub mod overview;
+mod relaxation;
 mod setup;
 pub mod solid;
 mod sysid;
@@ -23,6 +24,7 @@ pub const ALL: &[Entry<Study>] = &[
     figure::<setup::Setup>(),
     figure::<sysid::Sysid>(),
     figure::<four_parameters::FourParameters>(),
+    figure::<relaxation::Relaxation>(),
     figure::<dynamics::Dynamics>(),
     figure::<dynamics::DynamicsWater>(),
     figure::<thrust::Thrust>(),

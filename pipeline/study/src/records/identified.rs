@@ -18,6 +18,13 @@ pub struct Point {
     pub spine_e_pa: Pascal,
 }
 
+impl Point {
+    /// Of body and sheet, Pa.
+    pub(crate) fn youngs_moduli(&self) -> [Pascal; 2] {
+        [self.body_e_pa, self.spine_e_pa]
+    }
+}
+
 /// One simulation of all levels at one point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EvaluatedPoint {
@@ -82,6 +89,8 @@ pub struct Identified {
     pub best: Point,
     /// Their standard deviations, Pa.
     pub sigma: Point,
+    /// Time after loading to which they belong, s: the mean over the holds.
+    pub modulus_time: Second,
     /// The loss there.
     pub loss: f64,
     /// Largest difference of the adjoint gradient from central differences, over the gradient; of compared specimens.
@@ -110,6 +119,7 @@ pub struct Identified {
 struct Scalars {
     best: Point,
     sigma: Point,
+    modulus_time_s: f64,
     loss: f64,
     gradient_difference: Option<f64>,
     length_m: f64,
@@ -151,6 +161,7 @@ impl Record for Identified {
         let scalars = Scalars {
             best: self.best,
             sigma: self.sigma,
+            modulus_time_s: self.modulus_time,
             loss: self.loss,
             gradient_difference: self.gradient_difference,
             length_m: self.length,
@@ -182,6 +193,7 @@ impl Record for Identified {
         Ok(Self {
             best: s.best,
             sigma: s.sigma,
+            modulus_time: s.modulus_time_s,
             loss: s.loss,
             gradient_difference: s.gradient_difference,
             gradient_over_forward: d.gradient_over_forward,
@@ -203,6 +215,7 @@ impl Record for Identified {
             Metric::new(id("body_e_mpa.sigma"), 1e-6 * self.sigma.body_e_pa, "MPa"),
             Metric::new(id("spine_e_gpa"), 1e-9 * self.best.spine_e_pa, "GPa"),
             Metric::new(id("spine_e_gpa.sigma"), 1e-9 * self.sigma.spine_e_pa, "GPa"),
+            Metric::new(id("modulus_time_s"), self.modulus_time, "s"),
             Metric::new(id("loss"), self.loss, ""),
             Metric::new(id("gradient_over_forward"), self.gradient_over_forward, ""),
             Metric::new(id("correlation"), self.uncertainty.correlation, ""),
@@ -218,7 +231,10 @@ impl Record for Identified {
     fn summary(&self) -> String {
         let (body, spine) = (1e-6 * self.best.body_e_pa, 1e-9 * self.best.spine_e_pa);
         let advice: String = self.uncertainty.advice.iter().map(|a| format!("; {a}")).collect();
-        format!("loss {:.1e}, body {body:.4} MPa, spine {spine:.3} GPa; {}{advice}", self.loss, self.uncertainty.words)
+        format!(
+            "loss {:.1e}, body {body:.4} MPa {:.1} s after loading, spine {spine:.3} GPa; {}{advice}",
+            self.loss, self.modulus_time, self.uncertainty.words
+        )
     }
 }
 
@@ -292,6 +308,7 @@ mod tests {
         let whole = Identified {
             best: at(2e5),
             sigma: at(1e3),
+            modulus_time: 4.0,
             loss: 0.1,
             gradient_difference: Some(1e-7),
             gradient_over_forward: 1.1,

@@ -3,7 +3,6 @@
 mod camera;
 mod cell;
 mod corrected_force;
-mod damping;
 mod drag;
 mod example_frames;
 mod findings;
@@ -18,6 +17,7 @@ mod optimal_actuation;
 mod paths;
 mod recovered;
 mod reduced;
+mod relaxation;
 mod runs;
 mod tank;
 mod thrust;
@@ -30,7 +30,6 @@ pub use self::thrust::{Crosstalk, Means, Scored, Thrust, Trace};
 pub use camera::Camera;
 pub use cell::{DeconvolutionExample, Fixture, LoadCell};
 pub use corrected_force::CorrectedForce;
-pub use damping::Damping;
 pub use drag::Drag;
 pub use example_frames::{ExampleFrames, FrameData};
 pub use findings::{Finding, Findings};
@@ -45,10 +44,13 @@ pub use optimal_actuation::{ActuationPoint, Best, Check, OptimalActuation};
 pub use paths::Path;
 pub use recovered::{Recovered, Specimen as RecoveredSpecimen};
 pub use reduced::Reduced;
+pub use relaxation::{IdentifiedBranch, Relaxation};
+pub(crate) use relaxation::{REPORTED, dynamic};
 pub use sysid::{Covariance2, Level, NoiseModel};
 pub use tank::Tank;
 pub use tracks::Tracks;
 pub use transfer::{HeldOut, Layout, Transfer};
+pub(crate) use validation::PAPER_MODEL;
 pub use validation::{ScoredModel, Validation};
 
 /// A subject's name inside a metric's id.

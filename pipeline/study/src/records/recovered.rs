@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::records::REPORTED;
 use crate::subject::Study;
 use workflow::metric::Metric;
 use workflow::record::{Record, RecordError, RecordFiles};
@@ -49,9 +50,13 @@ pub struct Specimen {
     pub body_e_pa: [f64; 2],
     /// Identified and true Young's modulus of the spine, Pa.
     pub spine_e_pa: [f64; 2],
-    /// Identified and true stiffness damping, s; none where no release was filmed.
+    /// Identified and true storage modulus over the modulus at its stated time, at each of [`REPORTED`]; empty where no transient was
+    /// filmed.
     #[serde(default)]
-    pub stiffness_damping: Option<[f64; 2]>,
+    pub storage_ratio: Vec<[f64; 2]>,
+    /// Identified and true loss factor at the same frequencies.
+    #[serde(default)]
+    pub loss_factor: Vec<[f64; 2]>,
     /// Identified and true added mass ratio, no unit; none where no release was filmed in water.
     #[serde(default)]
     pub added: Option<[f64; 2]>,
@@ -67,9 +72,15 @@ impl Specimen {
     }
 
     /// Absolute errors of the dynamic parameters that were identified, %, by the names of their metrics.
-    fn moving_percent(&self) -> impl Iterator<Item = (&'static str, f64)> {
-        let all = [("damping", self.stiffness_damping), ("added", self.added), ("drag", self.drag)];
-        all.into_iter().filter_map(|(name, pair)| pair.map(|pair| (name, off_percent(pair))))
+    fn moving_percent(&self) -> impl Iterator<Item = (String, f64)> {
+        let water = [("added", self.added), ("drag", self.drag)].into_iter();
+        let water = water.filter_map(|(name, pair)| Some((name.to_owned(), pair?)));
+        let silicone = [("storage_ratio", &self.storage_ratio), ("loss_factor", &self.loss_factor)];
+        let named = |(name, pairs): (&str, &Vec<[f64; 2]>)| {
+            let name = name.to_owned();
+            pairs.clone().into_iter().zip(REPORTED).map(move |(pair, f)| (format!("{name}_{f}hz"), pair))
+        };
+        silicone.into_iter().flat_map(named).chain(water).map(|(name, pair)| (name, off_percent(pair)))
     }
 }
 
@@ -113,7 +124,7 @@ impl Record for Recovered {
             let [body, spine] = specimen.errors_percent();
             metrics.push(Metric::new(format!("recovery.{}.body_e_error_percent", specimen.name), body, "%"));
             metrics.push(Metric::new(format!("recovery.{}.spine_e_error_percent", specimen.name), spine, "%"));
-            let id = |what| format!("recovery.{}.{what}_error_percent", specimen.name);
+            let id = |what: String| format!("recovery.{}.{what}_error_percent", specimen.name);
             metrics.extend(specimen.moving_percent().map(|(what, off)| Metric::new(id(what), off, "%")));
         }
         metrics

@@ -9,10 +9,13 @@ use workflow::columns::Columns;
 use workflow::metric::Metric;
 use workflow::record::{Record, RecordError, RecordFiles};
 
+/// The paper's own model: elastic, without damping, by implicit Euler.
+pub(crate) const PAPER_MODEL: &str = "paper_model";
+
 /// A prediction of the motion, and its error.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ScoredModel {
-    /// A scheme: "bdf2", "bdf2_undamped", "implicit_euler"; or a baseline: "rest", "quasi_static", "last_cycle".
+    /// A model: "viscoelastic", "elastic" or [`PAPER_MODEL`]; or a baseline: "rest", "quasi_static", "last_cycle".
     pub name: String,
     /// Root of the mean squared distance from the measured mean, m.
     pub rmse: Metre,
@@ -29,7 +32,7 @@ pub struct Validation {
     pub measured: Vec<Point2>,
     /// Standard deviation over the repeats, m: frames × 2.
     pub deviation: Vec<Point2>,
-    /// Simulated displacement, m: frames × 2; second order, with the identified damping.
+    /// Simulated displacement, m: frames × 2; second order, with the identified relaxation.
     pub simulated: Vec<Point2>,
     /// Measured pressures in the order of the card's chambers, Pa: chambers × frames.
     pub pressures: Vec<Vec<Pascal>>,
@@ -43,7 +46,7 @@ pub struct Validation {
     pub repeats: usize,
     /// Lag of the simulation at the flapping frequency, s.
     pub lag: Option<Second>,
-    /// The schemes.
+    /// The models.
     pub scored: Vec<ScoredModel>,
     /// The trivial baselines.
     pub baselines: Vec<ScoredModel>,

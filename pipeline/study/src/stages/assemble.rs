@@ -46,6 +46,7 @@ impl Fitting<'_> {
         Ok(Identified {
             best: self.point(&best.at),
             sigma: Point { body_e_pa: body, spine_e_pa: spine },
+            modulus_time: self.modulus_time,
             loss: self.levels.loss(&markers),
             gradient_difference,
             gradient_over_forward: self.gradient_over_forward(&elastic)?,

@@ -8,13 +8,14 @@ use fem::{DynamicSettings, Scheme};
 use hydro::{Coefficients, Tail};
 use nalgebra::DMatrix;
 use optimize::optimisers::gauss_newton::{GaussNewton, Settings as Newton};
+use optimize::posterior::integrated_correlation;
 use optimize::{Bounds, Evaluation, Needs, Optimiser, Problem, Residuals};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use si::{KilogramPerCubicMetre, Metre, Pascal, Point2, Second};
 
 use super::simulation::{self, Actuation, MotionSimulation};
-use crate::records::{self, Damping, Identified, Level, Mesh, Motion, Reduced};
+use crate::records::{self, Identified, Level, Mesh, Motion, Reduced, Relaxation};
 use crate::selections::{OfTrials, UnderwaterStaircases};
 use ::thrust::outline::Outline;
 use diagnostics::{Diagnostic, Result};
@@ -59,19 +60,19 @@ const NUDGE: f64 = 0.02;
 impl Stage for Drag {
     type Settings = Settings;
     type Card = Body;
-    type Needs = ((Mesh, Identified, Reduced), Damping, OfTrials<Motion, UnderwaterStaircases>);
+    type Needs = ((Mesh, Identified, Reduced), Relaxation, OfTrials<Motion, UnderwaterStaircases>);
     type Makes = records::Drag;
     const DESCRIPTION: &'static str = "a release under water gives added mass and drag";
-    const VERSION: u32 = 5;
+    const VERSION: u32 = 6;
 
     fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<records::Drag> {
-        let ((mesh, identified, reduced), damping, films) = needs;
+        let ((mesh, identified, reduced), relaxation, films) = needs;
         let (_, motion) = films.0.first().ok_or_else(no_staircase)?;
         let outline = Outline::new(card, &mesh.solid);
         let (tail, spots) = outline.whole(set.density, set.sections)?;
         let model = mesh.model(card)?.with_markers_at(&mesh.solid, card, &motion.rest).with_spots(spots);
         let simulation = MotionSimulation {
-            elastic: simulation::identified(&model, &identified),
+            silicone: relaxation.silicone(&model, &identified)?,
             model: &model,
             marker: card.tip_marker(),
         };
@@ -80,8 +81,8 @@ impl Stage for Drag {
         let gauges = simulation::gauges(motion)?;
         let actuation =
             Actuation { begin: begin - set.ramp, end: begin + set.duration, ramp: set.ramp, gauges: &gauges };
-        let reduced_body = ReducedBody::of(&model, &simulation.elastic, &reduced.data)?;
-        let settings = simulation::dynamic_settings(Scheme::Bdf2, set.step, damping.stiffness_damping);
+        let reduced_body = ReducedBody::of(&model, &simulation.silicone, &reduced.data)?;
+        let settings = simulation::dynamic_settings(Scheme::Bdf2, set.step);
         let underwater = UnderwaterModel::new(&reduced_body, &tail, &simulation, card.markers.len());
         let film = Film::of(motion, simulation.marker, [begin, actuation.end], released);
         let mut simulations = 0;
@@ -141,10 +142,22 @@ fn concluded(set: &Settings, best: &Evaluation, film: &Film, simulations: usize)
     })?;
     let posterior = residuals.posterior(NAMES.len())?;
     let by = coefficients(&best.at);
-    let sigma = Coefficients { added: by.added * posterior.sigma(0), drag: by.drag * posterior.sigma(1) };
+    let scale = discrepancy(residuals);
+    let sigma =
+        Coefficients { added: scale * by.added * posterior.sigma(0), drag: scale * by.drag * posterior.sigma(1) };
     let rmse = set.sigma * rms(&residuals.values);
     let (moved, released) = (film.moved(), film.released);
     Ok(records::Drag { by, sigma, released, rmse, moved, simulations, density: set.density, sections: set.sections })
+}
+
+/// By how much the deviations of the parameters exceed those of independent residuals of the set deviation: a model that is not the tail
+/// leaves a smooth discrepancy, whose size and correlation length are those of the residuals.
+fn discrepancy(residuals: &Residuals) -> f64 {
+    let count = residuals.values.len();
+    let size = (2.0 * residuals.half_sum_of_squares() / (count.max(3) - 2) as f64).sqrt();
+    let axes = residuals.values.chunks_exact((count / 2).max(1));
+    let length = axes.map(integrated_correlation).sum::<f64>() / 2.0;
+    size * length.sqrt()
 }
 
 fn no_staircase() -> Diagnostic {
@@ -186,12 +199,12 @@ impl<'a> UnderwaterModel<'a> {
     ) -> Result<[signal::resample::Samples; 2]> {
         let mut water = ::thrust::water::Water::around(self.tail, &self.stations, by, self.half);
         let mut path: Vec<Point2> = Vec::new();
-        let steps = actuation.steps(settings.step);
-        let motion = ForcedMotion { settings, pressures: &|t| actuation.pressures(t), steps };
+        let times = actuation.times(settings.step);
+        let motion = ForcedMotion { settings, pressures: &|t| actuation.pressures(t), times: &times };
         self.reduced_body.integrate_in_fluid(&motion, &mut water, &mut |q, _| {
             path.push([0, 1].map(|k| (self.watched.row(k) * q)[0]));
         })?;
-        actuation.sampled(settings.step, &path)
+        actuation.sampled(&times, &path)
     }
 }
 

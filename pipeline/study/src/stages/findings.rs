@@ -66,9 +66,9 @@ fn of_identified(found: &Identified) -> Vec<(&'static str, f64, &'static str)> {
     all
 }
 
-/// By how much the error grows when damping is left out, % of the length.
+/// By how much the error grows when the relaxation, and with it all damping, is left out, % of the length.
 fn undamped(validation: &Validation) -> Option<f64> {
-    let way = validation.scored.iter().find(|way| way.name == "bdf2_undamped")?;
+    let way = validation.scored.iter().find(|way| way.name == "elastic")?;
     Some(100.0 * (way.rmse - validation.rmse) / validation.length)
 }
 

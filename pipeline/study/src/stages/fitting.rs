@@ -6,7 +6,7 @@ use optimize::{Bounds, Evaluation, EvaluationLog, Needs, Problem};
 use serde::{Deserialize, Serialize};
 use si::{Metre, Pascal, Point2, Second};
 
-use super::plateaus::levels;
+use super::plateaus::{held_times, levels};
 use crate::records::{self, EvaluatedPoint, Markers, Mesh, Motion, NoiseModel, Point};
 use crate::selections::IdentificationTrials;
 use crate::subject::Specimen;
@@ -80,6 +80,8 @@ pub(crate) struct Fitting<'a> {
     pub(super) model: Model,
     pub(super) levels: Misfit,
     pub(super) noise: NoiseModel,
+    /// Time after loading to which the moduli belong, s.
+    pub(super) modulus_time: Second,
     /// Trial and rest places of each level.
     pub(super) origins: Vec<(String, Vec<Point2>)>,
     pub(super) search: Problem,
@@ -112,12 +114,13 @@ impl<'a> Fitting<'a> {
     /// # Errors
     /// A [`Diagnostic`] when there is no film, a film holds no pressure, or the simulator refuses the mesh.
     pub fn new(card: &'a Card, set: &'a Settings, mesh: &Mesh, films: &Films) -> Result<Self> {
-        let (mut all, mut origins, mut counts) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut all, mut origins, mut counts, mut held) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for ((trial, motion), (_, markers)) in films.0.0.iter().zip(&films.1.0) {
             let levels = levels(motion, markers, set.settled_fraction, set.shortest_hold)
                 .map_err(|d| d.while_doing(&trial.0))?;
             origins.extend(levels.iter().map(|_| (trial.0.clone(), motion.rest.clone())));
             counts.push(levels.len());
+            held.extend(held_times(motion, set.settled_fraction, set.shortest_hold));
             all.extend(levels);
         }
         if all.is_empty() {
@@ -133,7 +136,8 @@ impl<'a> Fitting<'a> {
         bounds.low[0] = lower;
         let start = vec![lower.max(0.0) + if lower > 0.0 { 0.25 * (bounds.high[0] - lower) } else { 0.0 }, 0.0];
         let search = Problem::new(&NAMES, start, bounds)?;
-        Ok(Self { body: &card.body, set, model, levels, noise, origins, search })
+        let modulus_time = held.iter().sum::<Second>() / held.len().max(1) as f64;
+        Ok(Self { body: &card.body, set, model, levels, noise, modulus_time, origins, search })
     }
 
     pub(super) fn elastic(&self, at: &[f64]) -> Elastic {

@@ -6,7 +6,6 @@ mod assemble;
 mod baselines;
 pub mod camera;
 pub mod clock;
-mod damping;
 mod drag;
 mod example_frames;
 mod findings;
@@ -23,6 +22,7 @@ mod optimal_actuation;
 mod plateaus;
 mod recovery;
 mod reduce;
+mod relaxation;
 mod repeats;
 mod simulation;
 pub mod tank;
@@ -54,7 +54,7 @@ pub const ALL: &[Entry<Study>] = &[
     stage::<four_parameters::FourParameters>(),     // the same pressure levels      → both moduli and both Poisson's ratios
     stage::<mesh_sensitivity::MeshSensitivity>(),   // the same pressure levels      → moduli on other meshes
     stage::<reduce::Reduce>(),                      // identified model              → hyper-reduced model (POD with empirical cubature)
-    stage::<damping::Damping>(),                    // a release in air              → stiffness-proportional damping
+    stage::<relaxation::Relaxation>(),              // transients in air             → relaxation of the silicone
     stage::<drag::Drag>(),                          // a release under water         → added mass and normal drag
     stage::<validate::Validate>(),                  // validation trials             → error of the prediction
     stage::<thrust::Thrust>(),                      // motion, pressure, force       → thrust models

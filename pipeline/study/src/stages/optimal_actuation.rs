@@ -12,9 +12,8 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use si::{Metre, Pascal, Second, Series};
 
-use super::simulation;
 use crate::records::{
-    ActuationPoint, Best, Check, Damping, Drag, Identified, Level, Mesh, OptimalActuation as Record, Reduced, Thrust,
+    ActuationPoint, Best, Check, Drag, Identified, Level, Mesh, OptimalActuation as Record, Reduced, Relaxation, Thrust,
 };
 use crate::subject::Specimen;
 use ::thrust::ascent::{Limits, ascend};
@@ -67,19 +66,18 @@ impl Part<Specimen> for Card {
 impl Stage for OptimalActuation {
     type Settings = Settings;
     type Card = Card;
-    type Needs = ((Mesh, Identified, Reduced), Damping, (Thrust, Maybe<Drag>));
+    type Needs = ((Mesh, Identified, Reduced), Relaxation, (Thrust, Maybe<Drag>));
     type Makes = Record;
     const DESCRIPTION: &'static str = "the actuation of greatest mean thrust is optimised";
-    const VERSION: u32 = 6;
+    const VERSION: u32 = 7;
 
     fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<Record> {
-        let ((mesh, identified, reduced), damping, (thrust, Maybe(water))) = needs;
+        let ((mesh, identified, reduced), relaxation, (thrust, Maybe(water))) = needs;
         let limits = limits(&thrust.runs, &identified, set.iterations)?;
         let outline = Outline::new(&card.body, &mesh.solid);
         let (wet, spots) = outline.whole(thrust.density, thrust.sections)?;
         let model = mesh.model(&card.body)?.with_spots(spots);
-        let elastic = simulation::identified(&model, &identified);
-        let reduced_body = ReducedBody::of(&model, &elastic, &reduced.data)?;
+        let reduced_body = ReducedBody::of(&model, &relaxation.silicone(&model, &identified)?, &reduced.data)?;
         let tail = outline.marked(thrust.density, thrust.sections)?;
         let rows = reduced_body.rows(&card.body.markers_by_x());
         let stations = reduced_body.rows(&(card.body.markers.len()..reduced_body.markers()).collect::<Vec<_>>());
@@ -91,7 +89,6 @@ impl Stage for OptimalActuation {
             sides: card.sides.clone(),
             by: water.map_or(Coefficients { added: 1.0, drag: set.normal_drag_coefficient }, |w| w.by),
             half: model.system.mesh().symmetry_plane_z,
-            stiffness_damping: damping.stiffness_damping,
             steps_per_cycle: set.steps_per_cycle,
             cycles: set.cycles,
         };

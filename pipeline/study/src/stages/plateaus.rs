@@ -17,8 +17,8 @@ use sysid::PressureLevel;
 /// # Errors
 /// A [`Diagnostic`] when the log holds no pressure or the film ends before the first hold.
 pub fn levels(motion: &Motion, markers: &Markers, settled: f64, shortest: Second) -> Result<Vec<PressureLevel>> {
-    let holds = holds(motion).into_iter().filter(|h| motion.log_time[h.end - 1] - motion.log_time[h.start] >= shortest);
-    let levels: Vec<PressureLevel> = holds.filter_map(|hold| model(motion, markers, hold, settled)).collect();
+    let levels: Vec<PressureLevel> =
+        long_holds(motion, shortest).filter_map(|hold| model(motion, markers, hold, settled)).collect();
     if levels.is_empty() {
         return Err(Diagnostic::new(
             "the trial holds no pressure that was filmed",
@@ -27,6 +27,18 @@ pub fn levels(motion: &Motion, markers: &Markers, settled: f64, shortest: Second
         ));
     }
     Ok(levels)
+}
+
+/// Time from the change of the command to the middle of what counts as settled, of each hold, s.
+pub(super) fn held_times(motion: &Motion, settled: f64, shortest: Second) -> Vec<Second> {
+    let length = |hold: Range<usize>| motion.log_time[hold.end - 1] - motion.log_time[hold.start];
+    long_holds(motion, shortest).map(|hold| (1.0 - 0.5 * settled) * length(hold)).collect()
+}
+
+/// The holds that last at least `shortest` (s).
+fn long_holds(motion: &Motion, shortest: Second) -> impl Iterator<Item = Range<usize>> {
+    let length = |hold: &Range<usize>| motion.log_time[hold.end - 1] - motion.log_time[hold.start];
+    holds(motion).into_iter().filter(move |hold| length(hold) >= shortest)
 }
 
 /// Runs of samples with a constant command, at least one chamber's above zero.

@@ -7,9 +7,10 @@ use lab::truth::{self, TrueTrack, TrueTrial};
 use serde::{Deserialize, Serialize};
 use si::{Point2, Second};
 
+use crate::records::dynamic;
 use crate::records::{
-    Camera, CorrectedForce, Damping, Drag, Identified, LoadCell, Markers, Motion, Path, Recovered, RecoveredSpecimen,
-    Tank, Tracks,
+    Camera, CorrectedForce, Drag, Identified, LoadCell, Markers, Motion, Path, REPORTED, Recovered, RecoveredSpecimen,
+    Relaxation, Tank, Tracks,
 };
 use crate::subject::{Specimen, Study};
 use diagnostics::{Diagnostic, Result};
@@ -20,8 +21,8 @@ use workflow::subject::{Name, Part};
 /// The stage.
 pub struct Recovery;
 
-/// Identified parameters of the specimens: elasticity, damping, water.
-type Parameters = (Every<Identified>, Every<Damping>, Every<Drag>);
+/// Identified parameters of the specimens: elasticity, relaxation, water.
+type Parameters = (Every<Identified>, Every<Relaxation>, Every<Drag>);
 
 /// Records of all films: pixels, positions, motions.
 type Films = (Every<Tracks>, Every<Markers>, Every<Motion>);
@@ -73,7 +74,7 @@ impl Stage for Recovery {
     type Needs = ((Every<Camera>, Films, Parameters), (Every<LoadCell>, Every<Tank>, Every<CorrectedForce>));
     type Makes = Recovered;
     const DESCRIPTION: &'static str = "estimates are compared with the hidden truth";
-    const VERSION: u32 = 6;
+    const VERSION: u32 = 7;
 
     fn raw(of: &Study) -> Vec<RawFile> {
         virtual_specimens(of).flat_map(files).collect()
@@ -84,7 +85,7 @@ impl Stage for Recovery {
         let mut recovered = Recovered::default();
         for specimen in &card.0 {
             let truth = read(context, &specimen.name)?;
-            recovered.specimens.extend(beside(specimen, &truth, &parameters));
+            recovered.specimens.extend(beside(specimen, &truth, &parameters)?);
             for (_, camera) in cameras.iter().filter(|(s, _)| s.0 == specimen.name) {
                 let off = 100.0 * (camera.lens.fx / truth.lens.fx - 1.0).abs();
                 recovered.focal_error_percent = recovered.focal_error_percent.max(off);
@@ -106,20 +107,37 @@ impl Stage for Recovery {
 fn beside(
     specimen: &Virtual,
     truth: &truth::Truth,
-    (Every(identified), Every(damped), Every(dragged)): &Parameters,
-) -> Option<RecoveredSpecimen> {
+    (Every(identified), Every(relaxed), Every(dragged)): &Parameters,
+) -> Result<Option<RecoveredSpecimen>> {
     let this = |s: &Name| s.0 == specimen.name;
-    let found = identified.iter().find(|(s, _)| this(s)).map(|(_, found)| found)?;
-    let damping = damped.iter().find(|(s, _)| this(s)).map(|(_, d)| [d.stiffness_damping, truth.damping.stiffness]);
+    let Some((_, found)) = identified.iter().find(|(s, _)| this(s)) else { return Ok(None) };
+    let real = spectrum(&truth.body)?;
+    let (mut storage_ratio, mut loss_factor) = (Vec::new(), Vec::new());
+    for (_, relaxation) in relaxed.iter().filter(|(s, _)| this(s)) {
+        for frequency in REPORTED {
+            let (found, real) = (relaxation.at(frequency)?, dynamic(&real, frequency, found.modulus_time));
+            storage_ratio.push([found[0], real[0]]);
+            loss_factor.push([found[1], real[1]]);
+        }
+    }
+    let held = truth.body.youngs_modulus * real.modulus(found.modulus_time);
     let drag = dragged.iter().find(|(s, _)| this(s)).map(|(_, d)| d).zip(truth.fluid.as_ref());
-    Some(RecoveredSpecimen {
+    Ok(Some(RecoveredSpecimen {
         name: specimen.name.clone(),
-        body_e_pa: [found.best.body_e_pa, truth.body.youngs_modulus],
+        body_e_pa: [found.best.body_e_pa, held],
         spine_e_pa: [found.best.spine_e_pa, truth.spine.youngs_modulus],
-        stiffness_damping: damping,
+        storage_ratio,
+        loss_factor,
         added: drag.map(|(found, hidden)| [found.by.added, hidden.added]),
         drag: drag.map(|(found, hidden)| [found.by.drag, hidden.drag]),
-    })
+    }))
+}
+
+/// The true relaxation.
+fn spectrum(of: &truth::Properties) -> Result<fem::Relaxation> {
+    let branches: Vec<fem::Branch> =
+        of.branch.iter().map(|b| fem::Branch { strength: b.strength, time: b.time }).collect();
+    fem::Relaxation::maxwell(&branches).map_err(Diagnostic::from)
 }
 
 /// Updates the largest errors with those of a specimen's force instruments.

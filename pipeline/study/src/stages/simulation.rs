@@ -6,14 +6,14 @@ use signal::resample::Samples;
 
 use crate::records::{Identified, Motion};
 use diagnostics::{Diagnostic, Result};
-use sysid::{Elastic, ForcedMotion, Model, ReducedBody};
+use sysid::{Elastic, ForcedMotion, Model, ReducedBody, Viscoelastic, even_times};
 
-/// A model with its moduli, and the observed marker.
+/// A model with its silicone, and the observed marker.
 pub(crate) struct MotionSimulation<'a> {
     /// The model, with its markers at their measured positions.
     pub model: &'a Model,
-    /// The identified constants.
-    pub elastic: Elastic,
+    /// The identified constants and the identified relaxation.
+    pub silicone: Viscoelastic,
     /// Index of the observed marker.
     pub marker: usize,
 }
@@ -38,13 +38,14 @@ impl Actuation<'_> {
         self.gauges.iter().map(|g| ease * g.at(self.begin + t)).collect()
     }
 
-    pub(super) fn steps(&self, step: Second) -> usize {
-        ((self.end - self.begin) / step).ceil() as usize
+    /// Ends of equal steps, s after the begin.
+    pub(super) fn times(&self, step: Second) -> Vec<Second> {
+        even_times(step, ((self.end - self.begin) / step).ceil() as usize)
     }
 
-    /// A path sampled every `step` s, as functions of the film's time.
-    pub(super) fn sampled(&self, step: Second, path: &[Point2]) -> Result<[Samples; 2]> {
-        let times: Vec<Second> = (0..=path.len()).map(|i| self.begin + i as f64 * step).collect();
+    /// A path from rest, sampled at the ends of steps (s after the begin), as functions of the film's time.
+    pub(super) fn sampled(&self, steps: &[Second], path: &[Point2]) -> Result<[Samples; 2]> {
+        let times: Vec<Second> = std::iter::once(&0.0).chain(steps).map(|t| self.begin + t).collect();
         let axis = |k: usize| {
             let at = std::iter::once(0.0).chain(path.iter().map(|p| p[k])).collect();
             Samples::new(times.clone(), at).map_err(Diagnostic::from)
@@ -64,10 +65,10 @@ impl MotionSimulation<'_> {
         settings: &DynamicSettings,
         actuation: &Actuation,
     ) -> Result<[Samples; 2]> {
-        let steps = actuation.steps(settings.step);
-        let motion = ForcedMotion { settings, pressures: &|t| actuation.pressures(t), steps };
+        let times = actuation.times(settings.step);
+        let motion = ForcedMotion { settings, pressures: &|t| actuation.pressures(t), times: &times };
         let path = reduced_body.integrate(&motion, self.marker)?;
-        actuation.sampled(settings.step, &path)
+        actuation.sampled(&times, &path)
     }
 
     /// The same by the full model.
@@ -76,28 +77,28 @@ impl MotionSimulation<'_> {
     /// A [`Diagnostic`] when a step finds no motion.
     pub fn whole(&self, settings: &DynamicSettings, actuation: &Actuation) -> Result<[Samples; 2]> {
         let mut solver = self.model.system.solver();
-        self.elastic.apply(&mut solver)?;
+        self.silicone.apply(&mut solver)?;
         let rest = State::rest(self.model.system.mesh().nodes.len());
         let (spot, mut path) = (&self.model.markers[self.marker], Vec::new());
         let mut observe = |_: Second, state: &State| path.push(Model::in_plane(spot, &state.displacement));
-        let steps = actuation.steps(settings.step);
+        let times = actuation.times(settings.step);
         solver.integrate(
             &InitialValueProblem { settings, initial: &rest, pressures: &|t| actuation.pressures(t) },
-            steps,
+            times.len(),
             &mut observe,
         )?;
-        actuation.sampled(settings.step, &path)
+        actuation.sampled(&times, &path)
     }
 }
 
-/// Settings of a fixed step with stiffness-proportional damping.
-pub(crate) fn dynamic_settings(scheme: Scheme, step: Second, stiffness_damping: Second) -> DynamicSettings {
-    DynamicSettings { step, scheme, stiffness_damping, ..DynamicSettings::default() }
+/// Settings of a fixed step: what dissipates is the silicone's relaxation alone.
+pub(crate) fn dynamic_settings(scheme: Scheme, step: Second) -> DynamicSettings {
+    DynamicSettings { step, scheme, ..DynamicSettings::default() }
 }
 
-/// The identified constants of a model.
+/// The identified constants of a model, at the time to which they belong.
 pub(crate) fn identified(model: &Model, found: &Identified) -> Elastic {
-    Elastic { youngs_moduli: [found.best.body_e_pa, found.best.spine_e_pa], ..model.nominal }
+    Elastic { youngs_moduli: found.best.youngs_moduli(), ..model.nominal }
 }
 
 /// The measured pressures of a film.

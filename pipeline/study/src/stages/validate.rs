@@ -16,7 +16,7 @@ use super::baselines::{self, QuasiStatic};
 use super::drag::UnderwaterModel;
 use super::repeats;
 use super::simulation::{self, Actuation, MotionSimulation};
-use crate::records::{Damping, Drag, Identified, Mesh, Motion, Reduced, ScoredModel, Validation};
+use crate::records::{Drag, Identified, Mesh, Motion, PAPER_MODEL, Reduced, Relaxation, ScoredModel, Validation};
 use crate::selections::{InWater, Repeats};
 use crate::subject::Trial;
 use ::thrust::outline::Outline;
@@ -57,13 +57,13 @@ impl Part<Trial> for Card {
 impl Stage for Validate {
     type Settings = Settings;
     type Card = Card;
-    type Needs = ((Mesh, Identified, Reduced), Damping, InWater<Drag>, Repeats<Motion>);
+    type Needs = ((Mesh, Identified, Reduced), Relaxation, InWater<Drag>, Repeats<Motion>);
     type Makes = Validation;
     const DESCRIPTION: &'static str = "flapping is predicted and compared with validation trials";
-    const VERSION: u32 = 9;
+    const VERSION: u32 = 10;
 
     fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<Validation> {
-        let ((mesh, identified, reduced), damping, InWater(drag), Repeats(films)) = needs;
+        let ((mesh, identified, reduced), relaxation, InWater(drag), Repeats(films)) = needs;
         let marker = card.body.tip_marker();
         let rest = films.first().map(|m| m.rest.clone()).unwrap_or_default();
         let whole =
@@ -74,35 +74,36 @@ impl Stage for Validate {
             .model(&card.body)?
             .with_markers_at(&mesh.solid, &card.body, &rest)
             .with_spots(spots.unwrap_or_default());
-        let simulation =
-            MotionSimulation { model: &model, elastic: simulation::identified(&model, &identified), marker };
+        let silicone = relaxation.silicone(&model, &identified)?;
+        let simulation = MotionSimulation { model: &model, silicone, marker };
         let seen = repeats::gather(&films, marker)?;
         let ends = (seen.time[0], seen.time[seen.time.len() - 1]);
         let actuation = Actuation { begin: ends.0, end: ends.1, ramp: 0.0, gauges: &seen.gauges };
-        let reduced_body = ReducedBody::of(&model, &simulation.elastic, &reduced.data)?;
-        let damped = simulation::dynamic_settings(Scheme::Bdf2, set.step, damping.stiffness_damping);
+        let reduced_body = ReducedBody::of(&model, &simulation.silicone, &reduced.data)?;
+        let elastic = reduced_body.with(&model, &simulation::identified(&model, &identified).into());
+        let second_order = simulation::dynamic_settings(Scheme::Bdf2, set.step);
+        // from this study's model back to the paper's own: without relaxation, then without a scheme of second order
         let ways = [
-            ("bdf2", damped),
-            ("bdf2_undamped", simulation::dynamic_settings(Scheme::Bdf2, set.step, 0.0)),
-            ("implicit_euler", simulation::dynamic_settings(Scheme::ImplicitEuler, set.euler_step, 0.0)),
+            ("viscoelastic", &reduced_body, second_order),
+            ("elastic", &elastic, second_order),
+            (PAPER_MODEL, &elastic, simulation::dynamic_settings(Scheme::ImplicitEuler, set.euler_step)),
         ];
-        let simulate = |settings: DynamicSettings| match (&drag, &tail) {
+        let simulate = |body: &ReducedBody, settings: DynamicSettings| match (&drag, &tail) {
             (Some(Drag { by, .. }), Some(tail)) => {
-                UnderwaterModel::new(&reduced_body, tail, &simulation, card.body.markers.len())
-                    .path(&settings, *by, &actuation)
+                UnderwaterModel::new(body, tail, &simulation, card.body.markers.len()).path(&settings, *by, &actuation)
             }
-            _ => simulation.run(&reduced_body, &settings, &actuation),
+            _ => simulation.run(body, &settings, &actuation),
         };
         let (mut scored, mut paths) = (Vec::new(), Vec::new());
-        for (name, way) in ways {
-            let path = simulation::onto(&simulate(way)?, &seen.time);
+        for (name, body, way) in ways {
+            let path = simulation::onto(&simulate(body, way)?, &seen.time);
             scored.push(ScoredModel { name: name.into(), rmse: repeats::rms(&seen.mean, &path) });
             paths.push(path);
         }
         context.progress(0.6, "comparing with the full model");
         let checked =
             Actuation { end: (seen.moves + set.whole_model_duration).min(ends.1), begin: seen.moves, ..actuation };
-        let dry = drag.is_none().then(|| reduction(&simulation, &reduced_body, &damped, &checked));
+        let dry = drag.is_none().then(|| reduction(&simulation, &reduced_body, &second_order, &checked));
         let simulated = paths.swap_remove(0);
         let pressures: Vec<Vec<f64>> = seen.gauges.iter().map(|g| g.onto(&seen.time)).collect();
         let quasi_static = QuasiStatic { pressures: &pressures, identified: &identified, marker };

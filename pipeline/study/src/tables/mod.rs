@@ -2,6 +2,7 @@
 
 mod bench_realism;
 mod cells;
+mod ingredients;
 mod instruments;
 mod mesh_sensitivity;
 mod methods;
@@ -21,6 +22,7 @@ pub const ALL: &[Entry<Study>] = &[
     table::<prototypes::Prototypes>(),
     table::<trials::Trials>(),
     table::<methods::Methods>(),
+    table::<ingredients::Ingredients>(),
     table::<validation::Validation>(),
     table::<thrust_models::ThrustModels>(),
     table::<optimal_actuation::OptimalActuation>(),

@@ -3,7 +3,7 @@
 use lab::card::Origin;
 use plot::Column;
 
-use crate::records::{Drag, Identified, Recovered, RecoveredSpecimen};
+use crate::records::{Drag, Identified, REPORTED, Recovered, RecoveredSpecimen, Relaxation};
 use crate::subject::{Specimen, Study};
 use diagnostics::Result;
 use workflow::needs::Every;
@@ -15,16 +15,16 @@ pub struct Recovery;
 
 impl Table for Recovery {
     type Of = Study;
-    type Needs = (Recovered, Every<Identified, Specimen>, Every<Drag, Specimen>);
+    type Needs = (Recovered, Every<Identified, Specimen>, Every<Relaxation, Specimen>, Every<Drag, Specimen>);
     const NAME: &'static str = "recovery";
     const CAPTION: &'static str = "identified and hidden parameters";
-    const VERSION: u32 = 3;
+    const VERSION: u32 = 4;
 
     fn is_made_for(study: &Study) -> bool {
         study.specimens.iter().any(|s| s.card.origin == Origin::VirtualBench)
     }
 
-    fn fill((all, Every(identified), Every(dragged)): Self::Needs) -> Result<plot::Table> {
+    fn fill((all, Every(identified), Every(relaxed), Every(dragged)): Self::Needs) -> Result<plot::Table> {
         let columns = vec![
             Column::text("quantity"),
             Column::text("of"),
@@ -38,7 +38,13 @@ impl Table for Recovery {
         let moduli = all.specimens.iter().flat_map(|s| {
             let (sigma, water) = (sigma(&s.name), water(&s.name));
             let rows = moduli(s, sigma.map(|s| s.body_e_pa), sigma.map(|s| s.spine_e_pa));
-            rows.into_iter().chain(moving(s, water.map(|w| w.added), water.map(|w| w.drag)))
+            let relaxed = relaxed.iter().find(|(of, _)| of.name() == s.name).map(|(_, found)| found);
+            let sigma = Sigma {
+                silicone: REPORTED.map(|f| relaxed.and_then(|r| r.sigma_at(f).ok())),
+                added: water.map(|w| w.added),
+                drag: water.map(|w| w.drag),
+            };
+            rows.into_iter().chain(moving(s, &sigma))
         });
         let rows = moduli.chain(instruments(&all)).collect();
         let table = plot::Table::new(columns, rows)?;
@@ -47,21 +53,35 @@ impl Table for Recovery {
 }
 
 fn moduli(of: &RecoveredSpecimen, body_sigma: Option<f64>, spine_sigma: Option<f64>) -> [Vec<String>; 2] {
-    let body = Parameter { name: "E of the body (MPa)", unit: 1e-6, pair: of.body_e_pa, sigma: body_sigma };
+    let body = Parameter { name: "E of the body at its time (MPa)", unit: 1e-6, pair: of.body_e_pa, sigma: body_sigma };
     let spine = Parameter { name: "E of the spine (GPa)", unit: 1e-9, pair: of.spine_e_pa, sigma: spine_sigma };
     [body.row(of), spine.row(of)]
 }
 
-/// Parameters identified from releases, where there are any.
-fn moving(of: &RecoveredSpecimen, added_sigma: Option<f64>, drag_sigma: Option<f64>) -> Vec<Vec<String>> {
-    let all = [
-        ("stiffness damping (ms)", 1e3, of.stiffness_damping, None),
-        ("added mass ratio", 1.0, of.added, added_sigma),
-        ("normal drag coefficient", 1.0, of.drag, drag_sigma),
-    ];
-    let known =
-        all.into_iter().filter_map(|(name, unit, pair, sigma)| Some(Parameter { name, unit, pair: pair?, sigma }));
-    known.map(|parameter| parameter.row(of)).collect()
+/// Parameters identified from motion, where there are any.
+fn moving(of: &RecoveredSpecimen, sigma: &Sigma) -> Vec<Vec<String>> {
+    let silicone = [("storage modulus over E", &of.storage_ratio, 0), ("loss factor", &of.loss_factor, 1)];
+    let named = |(name, pairs, which): (&'static str, &Vec<[f64; 2]>, usize)| {
+        let at = REPORTED.into_iter().zip(sigma.silicone);
+        let row = move |(pair, (f, sigma)): ([f64; 2], (f64, Option<[f64; 2]>))| {
+            (format!("{name} at {f} Hz"), Some(pair), sigma.map(|s| s[which]))
+        };
+        pairs.clone().into_iter().zip(at).map(row)
+    };
+    let silicone = silicone.into_iter().flat_map(named);
+    let water = [("added mass ratio", of.added, sigma.added), ("normal drag coefficient", of.drag, sigma.drag)];
+    let water = water.into_iter().map(|(name, pair, sigma)| (name.to_owned(), pair, sigma));
+    let known = silicone.chain(water).filter_map(|(name, pair, sigma)| Some((name, pair?, sigma)));
+    known.map(|(name, pair, sigma)| Parameter { name: &name, unit: 1.0, pair, sigma }.row(of)).collect()
+}
+
+/// Standard deviations of what was identified from motion; none where it was not.
+#[derive(Default)]
+struct Sigma {
+    /// Storage modulus ratio and loss factor at each of [`REPORTED`].
+    silicone: [Option<[f64; 2]>; 3],
+    added: Option<f64>,
+    drag: Option<f64>,
 }
 
 /// A parameter of a specimen.
@@ -126,14 +146,15 @@ mod tests {
             name: "a".into(),
             body_e_pa: [0.19e6, 0.2e6],
             spine_e_pa: [3e9, 3e9],
-            stiffness_damping: None,
+            storage_ratio: Vec::new(),
+            loss_factor: Vec::new(),
             added: None,
             drag: Some([16.0, 15.0]),
         };
         let rows = moduli(&of, Some(0.005e6), None);
         assert_eq!(rows[0][2..], ["0.1900", "0.2000", "-5.0 %", "2.0"]);
         assert_eq!(rows[1][5], "");
-        let moving = moving(&of, None, Some(0.5));
+        let moving = moving(&of, &Sigma { drag: Some(0.5), ..Sigma::default() });
         assert_eq!((moving.len(), &moving[0][4][..], &moving[0][5][..]), (1, "6.7 %", "2.0"));
     }
 

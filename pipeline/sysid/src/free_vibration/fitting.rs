@@ -6,6 +6,7 @@
 
 use nalgebra::DMatrix;
 use optimize::optimisers::gauss_newton::{GaussNewton, Settings};
+use optimize::posterior::integrated_correlation;
 use optimize::{Bounds, Evaluation, Needs, OptimiseError, Problem, Residuals, minimise};
 use rayon::prelude::*;
 use si::{Second, Series};
@@ -216,7 +217,7 @@ impl Fitted {
     }
 }
 
-/// Frames that count as one independent one: 1 + 2 Σ ρ until ρ falls below zero, the mean of all recordings.
+/// Frames that count as one independent one, the mean of all recordings.
 fn correlation(fit: &Fit, residuals: &[f64]) -> f64 {
     let mut rest = residuals;
     let mut sum = 0.0;
@@ -226,12 +227,6 @@ fn correlation(fit: &Fit, residuals: &[f64]) -> f64 {
         sum += integrated_correlation(own);
     }
     sum / fit.trials.len() as f64
-}
-
-fn integrated_correlation(of: &[f64]) -> f64 {
-    let square: f64 = of.iter().map(|x| x * x).sum();
-    let at = |lag: usize| of.iter().zip(&of[lag..]).map(|(a, b)| a * b).sum::<f64>() / square;
-    1.0 + 2.0 * (1..of.len()).map(at).take_while(|correlation| *correlation > 0.0).sum::<f64>()
 }
 
 /// The value at a time between samples; that of the first before it.
@@ -261,14 +256,6 @@ pub(super) fn predicted(page: &Page, (law, values): (Law, &[f64]), ramp: Second,
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn an_alternating_residual_is_independent_and_a_slow_one_is_not() {
-        let fast: Vec<f64> = (0..100).map(|i| if i % 2 == 0 { 1.0 } else { -1.0 }).collect();
-        assert_eq!(integrated_correlation(&fast), 1.0);
-        let slow: Vec<f64> = (0..400).map(|i| (std::f64::consts::TAU * f64::from(i) / 40.0).cos()).collect();
-        assert!(integrated_correlation(&slow) > 10.0);
-    }
 
     #[test]
     fn a_line_is_interpolated_and_nothing_moves_before_the_release() {

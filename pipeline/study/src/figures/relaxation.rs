@@ -1,0 +1,110 @@
+//! Figure `relaxation`: the relaxation of the silicone, and the transients that it was identified from.
+//!
+//! (a), (b) storage modulus over the identified modulus and loss factor of every specimen, with 95 % intervals; (c), (d) the tip marker
+//! of one specimen during its highest hold and after the release that follows, measured and simulated.
+
+use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Dash, Figure, Mark, Marker, Panel, palette};
+use si::{Hertz, MILLIBAR, MILLIMETRE, Point2, Second};
+
+use super::order::{colour, in_order, title};
+use super::origin_note;
+use crate::records;
+use crate::subject::{Specimen, Study};
+use diagnostics::{Diagnostic, Result};
+use sysid::relaxation::Transient;
+use workflow::figure;
+use workflow::needs::Every;
+
+/// The figure.
+pub struct Relaxation;
+
+/// Frequencies of (a) and (b), Hz: of the films, from a hold to the tail's free vibration.
+const FREQUENCIES: [Hertz; 2] = [0.1, 10.0];
+const POINTS: usize = 41;
+/// Half of a 95 % interval in standard deviations.
+const WIDTH: f64 = 1.96;
+/// Duration of (d), s.
+const SHOWN: Second = 0.8;
+
+type All = Vec<(Specimen, records::Relaxation)>;
+
+impl figure::Figure for Relaxation {
+    type Of = Study;
+    type Needs = Every<records::Relaxation, Specimen>;
+    const NAME: &'static str = "relaxation";
+    const CAPTION: &'static str = "storage modulus and loss factor of the silicones, and the transients behind them";
+    const VERSION: u32 = 1;
+
+    fn is_made_for(study: &Study) -> bool {
+        Every::<records::Relaxation>::any(study)
+    }
+
+    fn draw(Every(all): Self::Needs) -> Result<Figure> {
+        let all = in_order(all);
+        let (specimen, held, released) = shown(&all)?;
+        let name = title(&specimen.card.name);
+        let [storage, loss] = [
+            spectrum(&all, 0, Axis::linear("storage modulus over E", ""))?,
+            spectrum(&all, 1, Axis::linear("loss factor", ""))?,
+        ];
+        let hold = format!("{name}, {:.0} mbar held", held.command_pa / MILLIBAR);
+        let figure = Figure::new(DOUBLE_COLUMN_MM)
+            .row(50.0, [storage.titled("storage modulus"), loss.titled("loss factor")])
+            .row(50.0, [motion(held, held_time(held)).titled(&hold), motion(released, SHOWN).titled("released")]);
+        Ok(figure.noted(&origin_note(all.iter().map(|(s, _)| s.card.as_ref()))))
+    }
+}
+
+/// The first specimen with its highest hold and the window after it.
+fn shown(all: &All) -> Result<(&Specimen, &Transient, &Transient)> {
+    let highest = |windows: &[Transient]| {
+        let pairs = 0..windows.len().saturating_sub(1);
+        pairs
+            .filter(|&i| windows[i + 1].command_pa <= 0.0)
+            .max_by(|&a, &b| windows[a].command_pa.total_cmp(&windows[b].command_pa))
+    };
+    let of =
+        |(specimen, found): &'_ (Specimen, records::Relaxation)| Some((specimen.clone(), highest(&found.transients)?));
+    let first = all.iter().position(|one| of(one).is_some());
+    let none = || {
+        Diagnostic::new("there is no transient to show", "no film holds and releases a pressure", "film a staircase")
+    };
+    let (specimen, found) = &all[first.ok_or_else(none)?];
+    let at = highest(&found.transients).ok_or_else(none)?;
+    Ok((specimen, &found.transients[at], &found.transients[at + 1]))
+}
+
+fn held_time(window: &Transient) -> Second {
+    window.time_s.last().copied().unwrap_or(SHOWN)
+}
+
+/// Storage modulus over the identified one (0) or loss factor (1) of every specimen.
+fn spectrum(all: &All, which: usize, axis: Axis) -> Result<Panel> {
+    let [from, to] = FREQUENCIES;
+    let frequency = |i: usize| from * (to / from).powf(i as f64 / (POINTS - 1) as f64);
+    let frequencies: Vec<Hertz> = (0..POINTS).map(frequency).collect();
+    let mut axes = Axes::new(Axis::log("frequency", "Hz"), axis);
+    for (specimen, found) in all {
+        let name = &specimen.card.name;
+        let values: Vec<f64> = frequencies.iter().map(|f| Ok(found.at(*f)?[which])).collect::<Result<_>>()?;
+        let sigma: Vec<f64> = frequencies.iter().map(|f| Ok(found.sigma_at(*f)?[which])).collect::<Result<_>>()?;
+        let edge = |sign: f64| values.iter().zip(&sigma).map(|(v, s)| v + sign * WIDTH * s).collect::<Vec<_>>();
+        let line: Vec<Point2> = frequencies.iter().zip(&values).map(|(f, v)| [*f, *v]).collect();
+        axes = axes
+            .with(Mark::band(frequencies.clone(), edge(-1.0), edge(1.0), colour(name)))
+            .with(Mark::line(line, colour(name)).labelled(&title(name)));
+    }
+    Ok(Panel::Axes(axes))
+}
+
+/// The tip marker of a window about its mean, up to a time after the change of the command.
+fn motion(window: &Transient, until: Second) -> Panel {
+    let path = |of: &[f64]| -> Vec<Point2> {
+        let all = window.time_s.iter().zip(of).map(|(t, y)| [*t, y / MILLIMETRE]);
+        all.filter(|p| p[0] <= until).collect()
+    };
+    let axes = Axes::new(Axis::linear("time after the command", "s"), Axis::linear("lateral, about its mean", "mm"))
+        .with(Mark::points(path(&window.measured_m), Marker::Ring, palette::MEASURED).sized(1.6).labelled("measured"))
+        .with(Mark::line(path(&window.simulated_m), palette::SIMULATED).dashed(Dash::Solid).labelled("simulated"));
+    Panel::Axes(axes)
+}

@@ -1,0 +1,134 @@
+//! Relaxation: the spectrum of the silicone, from the transients of the films that identification may use.
+//!
+//! The tip marker's vibration after each change of the command of a staircase, its creep in each hold and its recovery after it are fitted
+//! by [`sysid::relaxation`]. No validation film is read.
+
+use serde::{Deserialize, Serialize};
+use si::{Metre, Second};
+
+use super::fitting::mean_rest;
+use super::simulation;
+use crate::records::{self, Identified, IdentifiedBranch, Mesh, Motion, Reduced};
+use crate::selections::IdentificationTrials;
+use crate::subject::TrialId;
+use diagnostics::Result;
+use sysid::relaxation::{Film, Spectrum, SpectrumProblem, SpectrumSettings, TimeSteps, Window};
+use sysid::{Body, Elastic, ReducedBody};
+use workflow::stage::{Stage, StageContext};
+
+/// The stage.
+pub struct Relaxation;
+
+/// `[relaxation]` in `study.toml`.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Settings {
+    /// Relaxation times of the branches, rising, s.
+    times: Vec<Second>,
+    /// Median of the prior of each strength, no unit.
+    prior_strength: f64,
+    /// Standard deviation of its logarithm.
+    prior_sigma: f64,
+    /// Time step after each change of the command, s.
+    step: Second,
+    /// How long that step is kept, s.
+    vibration: Second,
+    /// Longest time step of a hold, s.
+    longest_step: Second,
+    /// Standard deviation of a marker's position before that of the discrepancy is estimated, m.
+    sigma: Metre,
+    /// Iterations of Gauss-Newton at most.
+    iterations: usize,
+    /// Tolerance of a step: converged when no logarithm changes by more.
+    step_tolerance: f64,
+}
+
+impl Stage for Relaxation {
+    type Settings = Settings;
+    type Card = Body;
+    type Needs = (Mesh, Identified, Reduced, IdentificationTrials<Motion>);
+    type Makes = records::Relaxation;
+    const DESCRIPTION: &'static str = "transients of the staircases give the silicone's relaxation";
+    const VERSION: u32 = 1;
+
+    fn run(
+        card: &Self::Card,
+        set: &Settings,
+        (mesh, identified, reduced, films): Self::Needs,
+        context: &dyn StageContext,
+    ) -> Result<records::Relaxation> {
+        let model = mesh.model(card)?.with_markers_at(&mesh.solid, card, &mean_rest(&films));
+        let held = Elastic { youngs_moduli: identified.best.youngs_moduli(), ..model.nominal };
+        let reduced = ReducedBody::of(&model, &held.into(), &reduced.data)?;
+        let observed = |(trial, motion): &(TrialId, Motion)| {
+            set.film(motion, card.tip_marker()).map_err(|d| d.while_doing(&trial.0))
+        };
+        let films = films.0.iter().map(observed).collect::<Result<Vec<_>>>()?;
+        let (settings, modulus_time) = (set.spectrum(), identified.modulus_time);
+        let problem = SpectrumProblem {
+            settings: &settings,
+            model: &model,
+            reduced: &reduced,
+            held,
+            modulus_time,
+            films: &films,
+        };
+        let found = problem.identify(&|part| context.progress(part, "creeping"))?;
+        Ok(set.record(found, modulus_time))
+    }
+}
+
+impl Settings {
+    fn spectrum(&self) -> SpectrumSettings {
+        SpectrumSettings {
+            times: self.times.clone(),
+            prior_strength: self.prior_strength,
+            prior_sigma: self.prior_sigma,
+            sigma: self.sigma,
+            iterations: self.iterations,
+            step_tolerance: self.step_tolerance,
+        }
+    }
+
+    fn film(&self, motion: &Motion, marker: usize) -> Result<Film> {
+        let steps = TimeSteps { step: self.step, vibration: self.vibration, longest: self.longest_step };
+        Film::new(windows(motion, marker), simulation::gauges(motion)?, marker, steps)
+    }
+
+    fn record(&self, found: Spectrum, modulus_time: Second) -> records::Relaxation {
+        let count = found.strengths.len();
+        let deviation = |k: usize| found.covariance[(k, k)].sqrt();
+        let branch = |k: usize| IdentifiedBranch {
+            time_s: self.times[k],
+            strength: found.strengths[k],
+            sigma: deviation(k),
+            over_prior: deviation(k) / self.prior_sigma,
+        };
+        let pairs = (0..count).flat_map(|i| (0..count).map(move |j| (i, j)));
+        records::Relaxation {
+            branches: (0..count).map(branch).collect(),
+            correlation: pairs.map(|(i, j)| found.covariance[(i, j)] / (deviation(i) * deviation(j))).collect(),
+            modulus_time_s: modulus_time,
+            rmse_m: found.rmse,
+            elastic_rmse_m: found.elastic_rmse,
+            correlation_time_s: found.correlation_time,
+            transients: found.transients,
+        }
+    }
+}
+
+/// The frames from each change of the command to the next, of one marker.
+fn windows(motion: &Motion, marker: usize) -> Vec<Window> {
+    let differs = |i: usize| motion.gauges.iter().any(|g| g.command[i] != g.command[i - 1]);
+    let changes: Vec<usize> = (1..motion.log_time.len()).filter(|&i| differs(i)).collect();
+    let end = motion.time.last().copied().unwrap_or_default();
+    let ends = changes.iter().skip(1).map(|&i| motion.log_time[i]).chain([end]);
+    let window = |(&change, end): (&usize, Second)| {
+        let begin = motion.log_time[change];
+        let inside = motion.time.iter().zip(&motion.markers[marker].at).filter(|(t, _)| **t >= begin && **t < end);
+        let (times, seen) = inside.map(|(t, at)| (*t, *at)).unzip();
+        let command = motion.gauges.iter().map(|g| g.command[change]).fold(0.0, f64::max);
+        Window { begin, times, seen, command }
+    };
+    changes.iter().zip(ends).map(window).collect()
+}

@@ -1,0 +1,184 @@
+//! A film of transients: its windows between two changes of the command, and their simulation with uneven time steps.
+
+use fem::{DynamicSettings, Scheme};
+use serde::{Deserialize, Serialize};
+use si::{Metre, Pascal, Point2, Second};
+use signal::resample::Samples;
+
+use crate::reduced::{ForcedMotion, ReducedBody};
+use diagnostics::{Diagnostic, Result};
+
+/// A step may grow by this factor: BDF2 is stable up to 2.4.
+const GROWTH: f64 = 1.3;
+
+/// The frames between two changes of the command.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Window {
+    /// The change, s on the film's clock.
+    pub begin: Second,
+    /// Of the frames, rising, s on the film's clock.
+    pub times: Vec<Second>,
+    /// Displacement of the marker, m.
+    pub seen: Vec<Point2>,
+    /// The highest command, Pa.
+    pub command: Pascal,
+}
+
+/// A window as it is shown: lateral displacement of the marker about its mean, m.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Transient {
+    /// Frames, s after the change of the command.
+    pub time_s: Vec<Second>,
+    /// Measured, m.
+    pub measured_m: Vec<Metre>,
+    /// Simulated, m.
+    pub simulated_m: Vec<Metre>,
+    /// The highest command, Pa.
+    pub command_pa: Pascal,
+}
+
+/// Time steps of a simulated film, s.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TimeSteps {
+    /// After each change of the command.
+    pub step: Second,
+    /// How long that step is kept.
+    pub vibration: Second,
+    /// The longest, of a hold.
+    pub longest: Second,
+}
+
+/// A film of transients.
+pub struct Film {
+    gauges: Vec<Samples>,
+    windows: Vec<Window>,
+    /// Index of the observed marker.
+    marker: usize,
+    step: Second,
+    /// Ends of the time steps, s after the first change.
+    steps: Vec<Second>,
+}
+
+impl Film {
+    /// The `windows` of one marker, in the order of time, under the pressures of the chambers (`gauges`, Pa over s on the film's clock).
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when there is no window with three frames.
+    pub fn new(windows: Vec<Window>, gauges: Vec<Samples>, marker: usize, steps: TimeSteps) -> Result<Self> {
+        let windows: Vec<Window> = windows.into_iter().filter(|w| w.times.len() > 2).collect();
+        let Some(begin) = windows.first().map(|w| w.begin) else {
+            return Err(Diagnostic::new(
+                "the film shows no transient",
+                "its command never changes while it is filmed",
+                "film a staircase from before its first level on",
+            ));
+        };
+        let last = windows.iter().flat_map(|w| w.times.last()).copied().fold(begin, f64::max);
+        let events: Vec<Second> = windows.iter().map(|w| w.begin - begin).collect();
+        let ends = uneven_times(&events, last - begin, steps);
+        Ok(Self { gauges, windows, marker, step: steps.step, steps: ends })
+    }
+
+    /// Number of frames of each window.
+    pub(super) fn frames(&self) -> impl Iterator<Item = usize> + '_ {
+        self.windows.iter().map(|window| window.times.len())
+    }
+
+    /// Mean time between two frames, s.
+    pub(super) fn frame_interval(&self) -> Second {
+        let times = &self.windows[0].times;
+        (times[times.len() - 1] - times[0]) / (times.len() - 1) as f64
+    }
+
+    /// Simulated minus measured displacement about the mean of each window, m: window after window, x before y.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when a step finds no motion.
+    pub(super) fn residuals(&self, body: &ReducedBody) -> Result<Vec<f64>> {
+        let path = self.simulated(body)?;
+        let mut residuals = Vec::new();
+        for window in &self.windows {
+            for (k, along) in path.iter().enumerate() {
+                let off = window.times.iter().zip(&window.seen).map(|(t, seen)| along.at(*t) - seen[k]);
+                residuals.extend(about_mean(off.collect()));
+            }
+        }
+        Ok(residuals)
+    }
+
+    /// Every window with its simulation.
+    ///
+    /// # Errors
+    /// As [`Film::residuals`].
+    pub(super) fn transients(&self, body: &ReducedBody) -> Result<Vec<Transient>> {
+        let [_, y] = self.simulated(body)?;
+        let shown = |window: &Window| Transient {
+            time_s: window.times.iter().map(|t| t - window.begin).collect(),
+            measured_m: about_mean(window.seen.iter().map(|p| p[1]).collect()),
+            simulated_m: about_mean(window.times.iter().map(|t| y.at(*t)).collect()),
+            command_pa: window.command,
+        };
+        Ok(self.windows.iter().map(shown).collect())
+    }
+
+    /// Displacement of the marker along x and y, m, as functions of the film's time.
+    fn simulated(&self, body: &ReducedBody) -> Result<[Samples; 2]> {
+        let begin = self.windows[0].begin;
+        let settings = DynamicSettings { step: self.step, scheme: Scheme::Bdf2, ..DynamicSettings::default() };
+        let pressures = |t: Second| self.gauges.iter().map(|gauge| gauge.at(begin + t)).collect();
+        let motion = ForcedMotion { settings: &settings, pressures: &pressures, times: &self.steps };
+        let path = body.integrate(&motion, self.marker)?;
+        let times: Vec<Second> = std::iter::once(&0.0).chain(&self.steps).map(|t| begin + t).collect();
+        let axis = |k: usize| {
+            let places = std::iter::once(0.0).chain(path.iter().map(|p| p[k])).collect();
+            Samples::new(times.clone(), places).map_err(Diagnostic::from)
+        };
+        Ok([axis(0)?, axis(1)?])
+    }
+}
+
+fn about_mean(values: Vec<f64>) -> Vec<f64> {
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    values.into_iter().map(|v| v - mean).collect()
+}
+
+/// Ends of time steps up to `end` (s): each event is the end of one; after it steps are short for a while, then grow to the longest.
+fn uneven_times(events: &[Second], end: Second, TimeSteps { step, vibration, longest }: TimeSteps) -> Vec<Second> {
+    let mut times = Vec::new();
+    let stops = events.iter().skip(1).copied().filter(|&e| e < end).chain([end]);
+    for (&begin, stop) in events.iter().zip(stops) {
+        let (mut t, mut length) = (begin, step);
+        while stop - t > 1e-9 {
+            if t - begin > vibration {
+                length = (GROWTH * length).min(longest);
+            }
+            // two halves in place of a whole and a sliver: a following step must not be much longer than the one before it
+            let left = stop - t;
+            let taken = if left <= length {
+                left
+            } else if left < 2.0 * length {
+                0.5 * left
+            } else {
+                length
+            };
+            t = if taken == left { stop } else { t + taken };
+            times.push(t);
+        }
+    }
+    times
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_end_at_every_event_and_never_grow_too_fast() {
+        let events = [0.0, 1.7, 2.003];
+        let times = uneven_times(&events, 4.0, TimeSteps { step: 0.004, vibration: 0.5, longest: 0.05 });
+        assert!(events[1..].iter().chain(&[4.0]).all(|e| times.iter().any(|t| (t - e).abs() < 1e-12)));
+        let lengths: Vec<f64> = std::iter::once(times[0]).chain(times.windows(2).map(|w| w[1] - w[0])).collect();
+        assert!(lengths.iter().all(|l| *l > 1e-3 && *l < 0.0501), "{lengths:?}");
+        assert!(lengths.windows(2).all(|w| w[1] / w[0] < 2.4), "{lengths:?}");
+    }
+}

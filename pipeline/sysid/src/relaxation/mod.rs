@@ -1,0 +1,203 @@
+//! Identification of a relaxation spectrum from the transients of films.
+//!
+//! After each change of its command a body vibrates, then creeps while the pressure is held, or recovers while it is not. All of it is
+//! simulated in reduced coordinates with a generalised Maxwell model: relaxation times are given, and Gauss-Newton identifies the logarithms
+//! of the strengths under a wide prior. The moduli belong to a stated time after loading, so that every spectrum that is tried gives the
+//! same held shapes: residuals are taken about their mean in each window between two changes.
+
+mod film;
+
+pub use film::{Film, TimeSteps, Transient, Window};
+
+use nalgebra::DMatrix;
+use optimize::optimisers::gauss_newton::{GaussNewton, Settings as Newton};
+use optimize::posterior::integrated_correlation;
+use optimize::{Bounds, Evaluation, Needs, Optimiser, Problem, Residuals};
+use rayon::prelude::*;
+use si::{Metre, Second};
+
+use crate::model::{Elastic, Model, Viscoelastic};
+use crate::reduced::ReducedBody;
+use crate::search::Interrupted;
+use diagnostics::{Diagnostic, Result};
+use fem::{Branch, Relaxation};
+
+/// How a spectrum is sought.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpectrumSettings {
+    /// Relaxation times of the branches, rising, s.
+    pub times: Vec<Second>,
+    /// Median of the prior of each strength, no unit.
+    pub prior_strength: f64,
+    /// Standard deviation of its logarithm.
+    pub prior_sigma: f64,
+    /// Standard deviation of a marker's position before that of the discrepancy is estimated, m.
+    pub sigma: Metre,
+    /// Iterations of Gauss-Newton at most.
+    pub iterations: usize,
+    /// Tolerance of a step: converged when no logarithm changes by more.
+    pub step_tolerance: f64,
+}
+
+/// A body and the films of its transients.
+#[derive(Clone, Copy)]
+pub struct SpectrumProblem<'a> {
+    /// How it is sought.
+    pub settings: &'a SpectrumSettings,
+    /// The whole model.
+    pub model: &'a Model,
+    /// The same in reduced coordinates.
+    pub reduced: &'a ReducedBody,
+    /// Its constants `modulus_time` after loading.
+    pub held: Elastic,
+    /// s.
+    pub modulus_time: Second,
+    /// At least one.
+    pub films: &'a [Film],
+}
+
+/// An identified spectrum.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spectrum {
+    /// Strength of each branch over the long-term modulus, no unit.
+    pub strengths: Vec<f64>,
+    /// Covariance of their logarithms.
+    pub covariance: DMatrix<f64>,
+    /// Root mean square error of all windows, each about its mean, m.
+    pub rmse: Metre,
+    /// The same of the elastic model, m.
+    pub elastic_rmse: Metre,
+    /// Correlation time of the residuals, s.
+    pub correlation_time: Second,
+    /// The windows of the first film.
+    pub transients: Vec<Transient>,
+}
+
+/// Step of the finite difference, in the logarithm.
+const NUDGE: f64 = 0.03;
+/// Iterations after the weights have changed: the films determine the spectrum, the prior moves little.
+const REWEIGHTED: usize = 2;
+/// Bounds of a strength.
+const BOUNDS: [f64; 2] = [1e-4, 2.0];
+
+/// One search: where it begins, the deviation of a residual (m), and iterations at most.
+struct Search {
+    start: Vec<f64>,
+    sigma: Metre,
+    iterations: usize,
+}
+
+impl SpectrumProblem<'_> {
+    /// The spectrum: a first fit gives the size and the correlation time of the discrepancy, which weigh the second against the prior.
+    /// `progress` receives the part that is done.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when a motion is not found or a branch is one that no solid can have.
+    pub fn identify(&self, progress: &dyn Fn(f64)) -> Result<Spectrum> {
+        let set = self.settings;
+        let start = vec![set.prior_strength.ln(); set.times.len()];
+        let first = self.minimise(Search { start, sigma: set.sigma, iterations: set.iterations }, progress)?;
+        let values = self.residuals(self.relaxation(&first.at)?)?;
+        let correlation = self.correlation(&values);
+        let sigma = rms(&values) * correlation.sqrt();
+        let best = self.minimise(Search { start: first.at, sigma, iterations: REWEIGHTED }, progress)?;
+        self.concluded(&best, correlation)
+    }
+
+    fn relaxation(&self, at: &[f64]) -> Result<Relaxation> {
+        let branch = |(time, ln): (&Second, &f64)| Branch { strength: ln.exp(), time: *time };
+        let branches: Vec<Branch> = self.settings.times.iter().zip(at).map(branch).collect();
+        Relaxation::maxwell(&branches).map_err(Diagnostic::from)
+    }
+
+    fn body(&self, relaxation: Relaxation) -> ReducedBody {
+        self.reduced.with(self.model, &Viscoelastic::measured_at(self.modulus_time, self.held, relaxation))
+    }
+
+    /// Residuals of every film with a relaxation, m.
+    fn residuals(&self, relaxation: Relaxation) -> Result<Vec<f64>> {
+        let body = self.body(relaxation);
+        let each: Vec<Vec<f64>> = self.films.par_iter().map(|film| film.residuals(&body)).collect::<Result<_>>()?;
+        Ok(each.concat())
+    }
+
+    /// Residuals over `sigma` (m) with those of the prior behind them, and the Jacobian of both.
+    fn evaluate(&self, at: &[f64], sigma: Metre) -> Result<Evaluation> {
+        let nudged = |k: Option<usize>| -> Vec<f64> {
+            at.iter().enumerate().map(|(i, x)| x + if Some(i) == k { NUDGE } else { 0.0 }).collect()
+        };
+        let points: Vec<Vec<f64>> = std::iter::once(None).chain((0..at.len()).map(Some)).map(nudged).collect();
+        let simulated: Vec<Vec<f64>> =
+            points.par_iter().map(|at| self.residuals(self.relaxation(at)?)).collect::<Result<_>>()?;
+        let mut residuals = Residuals { values: Vec::new(), jacobian: Vec::new() };
+        for (i, value) in simulated[0].iter().enumerate() {
+            residuals.values.push(value / sigma);
+            residuals.jacobian.extend(simulated[1..].iter().map(|s| (s[i] - value) / (NUDGE * sigma)));
+        }
+        let (median, width) = (self.settings.prior_strength.ln(), self.settings.prior_sigma);
+        for (k, x) in at.iter().enumerate() {
+            residuals.values.push((x - median) / width);
+            residuals.jacobian.extend((0..at.len()).map(|j| if j == k { 1.0 / width } else { 0.0 }));
+        }
+        let loss = residuals.half_sum_of_squares();
+        Ok(Evaluation { at: at.to_vec(), loss, gradient: None, residuals: Some(residuals) })
+    }
+
+    fn minimise(&self, Search { start, sigma, iterations }: Search, progress: &dyn Fn(f64)) -> Result<Evaluation> {
+        let (set, count) = (self.settings, start.len());
+        let names: Vec<String> = set.times.iter().map(|time| format!("branch of {time} s")).collect();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let [low, high] = BOUNDS.map(|bound| vec![bound.ln(); count]);
+        let search = Problem::new(&names, start, Bounds { low, high })?;
+        let newton = Newton { step_tolerance: set.step_tolerance, iterations, ..Newton::default() };
+        let mut optimiser = GaussNewton::new(&search, &newton)?;
+        let mut evaluated = 0;
+        let mut problem = |batch: &[Vec<f64>], _: Needs| -> Result<Vec<Evaluation>, Interrupted> {
+            evaluated += batch.len();
+            progress((evaluated as f64 / iterations as f64).min(1.0));
+            batch.iter().map(|at| self.evaluate(at, sigma).map_err(Interrupted)).collect()
+        };
+        Ok(optimize::minimise(&mut optimiser as &mut dyn Optimiser, &mut problem).map_err(|stop| stop.0)?.best)
+    }
+
+    /// Frames that count as one independent one, the mean over windows and axes.
+    fn correlation(&self, residuals: &[f64]) -> f64 {
+        let (mut rest, mut each) = (residuals, Vec::new());
+        for frames in self.films.iter().flat_map(Film::frames).flat_map(|frames| [frames; 2]) {
+            let (own, after) = rest.split_at(frames);
+            rest = after;
+            each.push(integrated_correlation(own));
+        }
+        each.iter().sum::<f64>() / each.len().max(1) as f64
+    }
+
+    fn concluded(&self, best: &Evaluation, correlation: f64) -> Result<Spectrum> {
+        let relaxation = self.relaxation(&best.at)?;
+        Ok(Spectrum {
+            strengths: best.at.iter().map(|ln| ln.exp()).collect(),
+            covariance: covariance(best, best.at.len())?,
+            rmse: rms(&self.residuals(relaxation.clone())?),
+            elastic_rmse: rms(&self.residuals(Relaxation::default())?),
+            correlation_time: correlation * self.films[0].frame_interval(),
+            transients: self.films[0].transients(&self.body(relaxation))?,
+        })
+    }
+}
+
+/// Covariance of the parameters at the best point, whose residuals are in units of their deviations.
+fn covariance(best: &Evaluation, count: usize) -> Result<DMatrix<f64>> {
+    let rows = best.residuals.as_ref().map_or(&[][..], |residuals| &residuals.jacobian);
+    let jacobian = DMatrix::from_row_slice(rows.len() / count, count, rows);
+    jacobian.tr_mul(&jacobian).try_inverse().ok_or_else(|| {
+        Diagnostic::new(
+            "the relaxation has no covariance",
+            "its prior is infinitely wide",
+            "correct prior_sigma in study.toml",
+        )
+    })
+}
+
+/// Root mean square distance, of x and y one after the other.
+fn rms(values: &[f64]) -> Metre {
+    (2.0 * values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt()
+}

@@ -1,0 +1,135 @@
+//! A relaxation spectrum comes back from the motion of a small bar: the whole model moves with nine branches, the reduced one is fitted with
+//! four.
+
+#![allow(clippy::unwrap_used)] // a test may fail where it stands
+
+use std::sync::Arc;
+
+use fem::{
+    Branch, Clamps, DynamicSettings, InitialValueProblem, RegionProperties, Relaxation, Scheme, State, System,
+    box_mesh, materials,
+};
+use mesh::Spot;
+use sysid::relaxation::{Film, SpectrumProblem, SpectrumSettings, TimeSteps, Window};
+use sysid::{Elastic, Model, ReducedBody, Snapshots};
+
+/// Pa.
+const PRESSURE: f64 = 4e3;
+/// Held from 0 s, released at, filmed until, s.
+const RELEASE: f64 = 1.2;
+const END: f64 = 2.4;
+/// Frames a second, and time steps a frame.
+const RATE: f64 = 60.0;
+const EACH: usize = 4;
+
+/// A bar of 80 × 20 × 20 mm, half of it meshed, with an air chamber on either side of a stiff sheet, seen at its end.
+fn bar() -> Model {
+    let air = |c: [usize; 3], y: usize| (1..7).contains(&c[0]) && c[1] == y && c[2] == 0;
+    let place = |at: [f64; 3]| [0.08 * at[0], 0.02 * (at[1] - 0.5), 0.01 * at[2]];
+    let region = move |c: [usize; 3]| if air(c, 1) || air(c, 3) { None } else { Some(u16::from(c[1] == 2)) };
+    let mesh = box_mesh::to_quadratic(&box_mesh::grid([8, 5, 2], true, place, region));
+    let material = materials::by_name("neo_hookean").unwrap();
+    let soft = RegionProperties::elastic(material, 2e5, 0.45, 1e3);
+    let stiff = RegionProperties { youngs_modulus: 5e6, poissons_ratio: 0.35, ..soft.clone() };
+    let far = |a: &usize, b: &usize| mesh.nodes[*a][0].total_cmp(&mesh.nodes[*b][0]);
+    let end = (0..mesh.nodes.len()).max_by(far).unwrap() as u32;
+    let clamps = Clamps::below_x(&mesh, 1e-9);
+    let system = Arc::new(System::new(mesh, vec![soft, stiff], clamps).unwrap());
+    let nominal = Elastic { youngs_moduli: [2e5, 5e6], poissons_ratios: [0.45, 0.35] };
+    Model { system, markers: vec![Spot { weights: vec![(end, 1.0)] }], nominal }
+}
+
+/// Two branches a decade, uneven: no sum of the fitted four.
+fn hidden() -> Relaxation {
+    let branch =
+        |(k, strength): (i32, &f64)| Branch { strength: *strength, time: 10f64.powf(0.5 * f64::from(k) - 2.75) };
+    let strengths = [0.10, 0.03, 0.08, 0.05, 0.02, 0.06, 0.03];
+    Relaxation::maxwell(&(0..).zip(&strengths).map(branch).collect::<Vec<_>>()).unwrap()
+}
+
+fn pressures(t: f64) -> Vec<f64> {
+    vec![
+        if t < RELEASE { PRESSURE * (t / 0.05).min(1.0) } else { PRESSURE * (1.0 - (t - RELEASE) / 0.05).max(0.0) },
+        0.0,
+    ]
+}
+
+/// The end's path by the whole model, filmed.
+fn filmed(model: &Model) -> Vec<Window> {
+    let mut solver = model.system.solver();
+    solver.set_relaxation(0, hidden()).unwrap();
+    let step = 1.0 / (RATE * EACH as f64);
+    let settings = DynamicSettings { step, scheme: Scheme::Bdf2, ..DynamicSettings::default() };
+    let rest = State::rest(model.system.mesh().nodes.len());
+    let mut path = vec![[0.0; 2]];
+    let mut observe = |_: f64, state: &State| path.push(Model::in_plane(&model.markers[0], &state.displacement));
+    let problem = InitialValueProblem { settings: &settings, initial: &rest, pressures: &pressures };
+    solver.integrate(&problem, (END / step).round() as usize, &mut observe).unwrap();
+    let window = |[begin, end]: [f64; 2], command: f64| {
+        let frames = (0..path.len() / EACH).map(|k| (k as f64 / RATE, path[k * EACH]));
+        let (times, seen) = frames.filter(|(t, _)| *t >= begin && *t < end).unzip();
+        Window { begin, times, seen, command }
+    };
+    vec![window([0.0, RELEASE], PRESSURE), window([RELEASE, END], 0.0)]
+}
+
+#[test]
+fn storage_and_loss_come_back_from_a_motion_by_a_spectrum_that_the_branches_cannot_represent() {
+    let model = bar();
+    let top = [1.2 * PRESSURE; 2];
+    let kept = Snapshots { model: &model, elastic: &model.nominal, top: &top, length: 0.08 }.reduce(5e-4).unwrap();
+    let reduced = ReducedBody::of(&model, &model.nominal.into(), &kept).unwrap();
+    // the modulus that a static identification would find in the middle of the hold's end
+    let held_at = 0.9;
+    let mut held = model.nominal;
+    held.youngs_moduli[0] *= hidden().modulus(held_at);
+    let steps = (0..=(END * 200.0) as usize).map(|i| i as f64 / 200.0);
+    let gauge = |chamber: usize| {
+        let times: Vec<f64> = steps.clone().collect();
+        let values = times.iter().map(|t| pressures(*t)[chamber]).collect();
+        signal::resample::Samples::new(times, values).unwrap()
+    };
+    let fine = TimeSteps { step: 1.0 / 240.0, vibration: 0.8, longest: 0.03 };
+    let film = Film::new(filmed(&model), vec![gauge(0), gauge(1)], 0, fine).unwrap();
+    let settings = SpectrumSettings {
+        times: vec![0.003, 0.03, 0.3, 3.0],
+        prior_strength: 0.1,
+        prior_sigma: 1.0,
+        sigma: 1e-4,
+        iterations: 8,
+        step_tolerance: 0.02,
+    };
+    let problem = SpectrumProblem {
+        settings: &settings,
+        model: &model,
+        reduced: &reduced,
+        held,
+        modulus_time: held_at,
+        films: &[film],
+    };
+    let found = problem.identify(&|_| ()).unwrap();
+    let branches: Vec<Branch> =
+        found.strengths.iter().zip(&settings.times).map(|(g, t)| Branch { strength: *g, time: *t }).collect();
+    let spectrum = Relaxation::maxwell(&branches).unwrap();
+    println!("{:?}, rmse {:e}, elastic {:e}", found.strengths, found.rmse, found.elastic_rmse);
+    assert!(found.rmse < 0.2 * found.elastic_rmse, "{:e} {:e}", found.rmse, found.elastic_rmse);
+    for frequency in [1.0, 3.0, 8.0] {
+        let at = |s: &Relaxation| {
+            let [storage, loss] = s.complex_modulus(std::f64::consts::TAU * frequency);
+            [storage / s.modulus(held_at), loss / storage]
+        };
+        let ([storage, loss], [real_storage, real_loss]) = (at(&spectrum), at(&hidden()));
+        println!("{frequency} Hz: storage {storage:.4} of {real_storage:.4}, loss {loss:.4} of {real_loss:.4}");
+        assert!((storage / real_storage - 1.0).abs() < 0.015, "{frequency} Hz: {storage} {real_storage}");
+        assert!((loss / real_loss - 1.0).abs() < 0.15, "{frequency} Hz: {loss} {real_loss}");
+    }
+    assert!(found.covariance.diagonal().iter().all(|v| *v > 0.0 && *v <= 1.0 + 1e-9));
+}
+
+#[test]
+fn a_film_in_which_nothing_changes_is_refused() {
+    let window = Window { begin: 0.0, times: vec![0.0, 0.1], seen: vec![[0.0; 2]; 2], command: 0.0 };
+    let steps = TimeSteps { step: 0.01, vibration: 0.1, longest: 0.1 };
+    let refused = Film::new(vec![window], Vec::new(), 0, steps).err().unwrap().to_string();
+    assert!(refused.contains("no transient"), "{refused}");
+}
