@@ -9,13 +9,13 @@ use workflow::columns::Columns;
 use workflow::metric::Metric;
 use workflow::record::{Record, RecordError, RecordFiles};
 
-/// The paper's own model: elastic, without damping, by implicit Euler.
+/// The paper's own model: elastic, without damping and without the force of water, by implicit Euler.
 pub(crate) const PAPER_MODEL: &str = "paper_model";
 
 /// A prediction of the motion, and its error.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ScoredModel {
-    /// A model: "viscoelastic", "elastic" or [`PAPER_MODEL`]; or a baseline: "rest", "quasi_static", "last_cycle".
+    /// A model: "viscoelastic", "elastic", "implicit_euler" or [`PAPER_MODEL`]; or a baseline: "rest", "quasi_static", "last_cycle".
     pub name: String,
     /// Root of the mean squared distance from the measured mean, m.
     pub rmse: Metre,

@@ -82,21 +82,23 @@ impl Stage for Validate {
         let reduced_body = ReducedBody::of(&model, &simulation.silicone, &reduced.data)?;
         let elastic = reduced_body.with(&model, &simulation::identified(&model, &identified).into());
         let second_order = simulation::dynamic_settings(Scheme::Bdf2, set.step);
-        // from this study's model back to the paper's own: without relaxation, then without a scheme of second order
+        let euler = simulation::dynamic_settings(Scheme::ImplicitEuler, set.euler_step);
+        // from this study's model back to the paper's own: without relaxation, without a scheme of second order, without water
         let ways = [
-            ("viscoelastic", &reduced_body, second_order),
-            ("elastic", &elastic, second_order),
-            (PAPER_MODEL, &elastic, simulation::dynamic_settings(Scheme::ImplicitEuler, set.euler_step)),
+            ("viscoelastic", &reduced_body, second_order, true),
+            ("elastic", &elastic, second_order, true),
+            ("implicit_euler", &elastic, euler, true),
+            (PAPER_MODEL, &elastic, euler, false),
         ];
-        let simulate = |body: &ReducedBody, settings: DynamicSettings| match (&drag, &tail) {
-            (Some(Drag { by, .. }), Some(tail)) => {
+        let simulate = |body: &ReducedBody, settings: DynamicSettings, wet: bool| match (&drag, &tail) {
+            (Some(Drag { by, .. }), Some(tail)) if wet => {
                 UnderwaterModel::new(body, tail, &simulation, card.body.markers.len()).path(&settings, *by, &actuation)
             }
             _ => simulation.run(body, &settings, &actuation),
         };
         let (mut scored, mut paths) = (Vec::new(), Vec::new());
-        for (name, body, way) in ways {
-            let path = simulation::onto(&simulate(body, way)?, &seen.time);
+        for (name, body, way, wet) in ways {
+            let path = simulation::onto(&simulate(body, way, wet)?, &seen.time);
             scored.push(ScoredModel { name: name.into(), rmse: repeats::rms(&seen.mean, &path) });
             paths.push(path);
         }

@@ -44,7 +44,7 @@ impl Table for Validation {
         let columns = head.into_iter().chain(ours).chain(others).collect();
         let rows = in_order(all).iter().map(|(trial, found)| row(trial, found)).collect();
         let table = plot::Table::new(columns, rows)?;
-        Ok(table.noted("Of the tip marker, against the mean of the repeats. RMSE: viscoelastic, second order; elastic: without relaxation; paper's model: elastic, no damping, implicit Euler. In water all have the identified drag."))
+        Ok(table.noted("Of the tip marker, against the mean of the repeats. RMSE: viscoelastic, second order; elastic: without relaxation; paper's model: elastic, no damping, no water, implicit Euler. In water the others have the identified added mass and drag."))
     }
 }
 
