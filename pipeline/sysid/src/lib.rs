@@ -3,7 +3,7 @@
 //! A [`Model`] is a meshed body with its materials and markers; a [`LevelSolver`] finds its equilibria at several pressure levels with
 //! their derivatives; a [`Misfit`] compares them with measured displacements. [`Snapshots::reduce`] projects the identified model onto a few dozen
 //! coordinates ([`ReducedBody`]), in which motions are integrated. [`free_vibration`] identifies a body that was held straight and
-//! released.
+//! released; [`inflation_test`] predicts one whose chamber is inflated, of the material that another test identified.
 //!
 //! ```
 //! // one marker at one pressure level, measured and simulated, m
@@ -23,16 +23,21 @@
 
 mod body;
 pub mod free_vibration;
+mod identified_materials;
+pub mod inflation_test;
 pub mod landscape;
 mod levels;
+mod metrics_file;
 mod misfit;
 mod model;
 mod noise;
 mod reduced;
+mod rigid;
 mod search;
 mod surrogate;
 
 pub use body::{Body, Material};
+pub use identified_materials::{IdentifiedMaterial, IdentifiedMaterials};
 pub use levels::{Derivatives, LevelSolver, PressureLevel, SimulatedLevel};
 pub use misfit::Misfit;
 pub use model::{BODY, Elastic, Model, SPINE, by_node};
