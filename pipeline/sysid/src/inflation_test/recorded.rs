@@ -20,7 +20,7 @@ pub(super) struct Features {
 
 impl Features {
     /// Growth over the hold, no unit.
-    pub fn creep(&self) -> f64 {
+    pub(super) fn creep(&self) -> f64 {
         self.late / self.early - 1.0
     }
 
