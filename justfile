@@ -40,11 +40,19 @@ table NAME: build
 page PROFILE="quick": build
     {{programs}}/study page --profile {{PROFILE}}
 
-# a recorded bar in free vibration: the laws that its recordings support, table, figure and target/real/metrics.json (study fetch beam_ds10 brings them)
+# a recorded bar in free vibration: the laws that its recordings support; and an arm of the same silicone, inflated, where its recordings
+# are there (they have no public CSV): tables, figures and target/real/metrics.json (study fetch beam_ds10 brings the bar's)
 real: build
     {{programs}}/study fit beam_ds10 --out target/real
     cp target/real/real_beam_ds10.svg figures/real_beam.svg
     mkdir -p paper/tables && cp target/real/real_beam_ds10.csv paper/tables/real_beam.csv
+    if [ -d data/raw/arm_ds10 ] || [ -d ../shared/real/arm_ds10 ]; then just real-arm; else echo "no recordings of arm_ds10: left out"; fi
+
+# the arm alone, with the bar's material in target/real
+real-arm:
+    {{programs}}/study fit arm_ds10 --out target/real
+    cp target/real/real_arm_ds10.svg figures/real_arm.svg
+    mkdir -p paper/tables && cp target/real/real_arm_ds10.csv paper/tables/real_arm.csv
 
 # a coarse and short version of the main path, of one tail, under target/quick
 quick: build

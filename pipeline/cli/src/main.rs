@@ -68,8 +68,13 @@ fn run(cli: &Cli) -> Result<bool> {
         }
         Command::Fit { page, out } => {
             let page = sysid::free_vibration::page(&cli.place.root, page);
-            let (report, folder) = sysid::free_vibration::run(&cli.place.root, &page, out.as_deref())?;
-            output::line(format_args!("{report}results: {}", folder.display()));
+            if sysid::inflation_test::is_page(&page) {
+                let (report, folder) = sysid::inflation_test::run(&cli.place.root, &page, out.as_deref())?;
+                output::line(format_args!("{report}results: {}", folder.display()));
+            } else {
+                let (report, folder) = sysid::free_vibration::run(&cli.place.root, &page, out.as_deref())?;
+                output::line(format_args!("{report}results: {}", folder.display()));
+            }
             Ok(true)
         }
         Command::Fetch { page } => {

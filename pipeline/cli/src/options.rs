@@ -105,7 +105,8 @@ pub enum Command {
         out: Option<PathBuf>,
     },
     /// Identify a body from a free vibration test: Young's modulus from its static deflection, damping from the decay. A TOML file
-    /// names recordings, markers and a case. The frequency and the first amplitude are then predicted.
+    /// names recordings, markers and a case. The frequency and the first amplitude are then predicted. A file with test = "inflation"
+    /// predicts a body whose chamber is inflated in a step, of the material that another fit wrote into the same folder.
     Fit {
         /// The TOML file, or the name of one that comes with the project.
         page: PathBuf,

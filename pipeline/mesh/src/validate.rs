@@ -7,7 +7,7 @@ use crate::{BODY, SPINE, Skin, Surface, TetMesh, quadratic};
 use si::vec3::{cross, dot, norm, sub};
 use si::{CubicMetre, Metre, Point3, SquareMetre};
 
-/// A cavity, whole even when only the half is meshed.
+/// A cavity, whole even when only its half is meshed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chamber {
     /// Centroid, m.
@@ -178,15 +178,16 @@ fn area(mesh: &TetMesh, face: &[u32; 3]) -> SquareMetre {
 /// Volume and centroid of a cavity from the tetrahedra that its faces span with the origin; the missing faces of a half
 /// cavity lie in z = 0 and contribute nothing.
 fn chamber(mesh: &TetMesh, chamber: u16) -> Chamber {
-    let (mut volume, mut moment) = (0.0, [0.0; 3]);
+    let (mut volume, mut moment, mut cut) = (0.0, [0.0; 3], false);
     for face in mesh.skin.iter().filter(|f| f.on == Skin::Chamber(chamber)) {
         let [a, b, c] = face.nodes.map(|n| mesh.nodes[n as usize]);
+        cut |= mesh.half && [a, b, c].iter().any(|at| at[2] == 0.0);
         let cone = -dot(a, cross(b, c)) / 6.0;
         volume += cone;
         (0..3).for_each(|k| moment[k] += cone * (a[k] + b[k] + c[k]) / 4.0);
     }
     let mut centroid = moment.map(|m| m / volume);
-    if mesh.half {
+    if cut {
         centroid[2] = 0.0;
         volume *= 2.0;
     }

@@ -3,7 +3,8 @@
 //! A [`Model`] is a meshed body with its materials and markers; a [`LevelSolver`] finds its equilibria at several pressure levels with
 //! their derivatives; a [`Misfit`] compares them with measured displacements. [`Snapshots::reduce`] projects the identified model onto a few dozen
 //! coordinates ([`ReducedBody`]), in which motions are integrated. [`relaxation`] identifies the spectrum of the silicone from
-//! transients, [`free_vibration`] a body that was held straight and released.
+//! transients, [`free_vibration`] a body that was held straight and released; [`inflation_test`] predicts one whose chamber is inflated, of
+//! the material that another test identified.
 //!
 //! ```
 //! // one marker at one pressure level, measured and simulated, m
@@ -23,17 +24,22 @@
 
 mod body;
 pub mod free_vibration;
+mod identified_materials;
+pub mod inflation_test;
 pub mod landscape;
 mod levels;
+mod metrics_file;
 mod misfit;
 mod model;
 mod noise;
 mod reduced;
 pub mod relaxation;
+mod rigid;
 mod search;
 mod surrogate;
 
 pub use body::{Body, Material};
+pub use identified_materials::{IdentifiedMaterial, IdentifiedMaterials};
 pub use levels::{Derivatives, LevelSolver, PressureLevel, SimulatedLevel};
 pub use misfit::Misfit;
 pub use model::{BODY, Elastic, Model, SPINE, Viscoelastic, by_node};

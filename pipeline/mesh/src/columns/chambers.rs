@@ -3,7 +3,7 @@
 use super::patches::Part;
 use crate::Shell;
 use crate::frame::Frame;
-use si::CubicMetre;
+use si::{CubicMetre, Metre};
 use std::cmp::Ordering;
 
 /// The cavities of both parts, in the order of their numbers.
@@ -17,12 +17,15 @@ pub(crate) struct Chambers {
 impl Chambers {
     /// Numbers all cavities: first those below the sheet's centroid, then those above, each along x, y, z.
     ///
-    /// A cavity of the body that has the volume and centroid of a shell of the spine holds the spine and is no chamber.
-    pub fn new(parts: &[Part; 2], frame: Frame) -> Self {
+    /// A cavity of the body that has the volume and centroid of a shell of the spine holds the spine and is no chamber. In a half model
+    /// cavities whose centroid lies further than `below` (m) under z = 0 are mirror images and have no number.
+    pub fn new(parts: &[Part; 2], frame: Frame, below: Option<Metre>) -> Self {
         let middle = parts[1].shells.first().map_or(0.0, |s| s.centroid[frame.normal]);
         let mut cavities = Vec::new();
         for (p, part) in parts.iter().enumerate() {
-            let hollow = |(_, s): &(usize, &Shell)| s.volume < 0.0 && !(p == 0 && holds_spine(s, &parts[1]));
+            let meshed = |s: &Shell| below.is_none_or(|tolerance| s.centroid[2] >= -tolerance);
+            let hollow =
+                |(_, s): &(usize, &Shell)| s.volume < 0.0 && meshed(s) && !(p == 0 && holds_spine(s, &parts[1]));
             cavities.extend(part.shells.iter().enumerate().filter(hollow).map(|(i, shell)| (shell, p, i)));
         }
         cavities.sort_by(|a, b| {
@@ -63,8 +66,25 @@ mod tests {
         let body = with_cavity(body, [0.03, -0.006, -0.01], [0.04, -0.003, 0.01]);
         let spine = block(sheet_low, sheet_high);
         let parts = [Part::new(&body).unwrap(), Part::new(&spine).unwrap()];
-        let chambers = Chambers::new(&parts, Frame { normal: 1 });
+        let chambers = Chambers::new(&parts, Frame { normal: 1 }, None);
         assert_eq!(chambers.of_shell, [vec![None, Some(1), None, Some(0)], vec![None]]);
         assert_eq!(chambers.volumes.len(), 2);
+    }
+
+    #[test]
+    fn a_half_model_has_no_chamber_below_its_plane() {
+        let body = block([0.0, -0.01, -0.02], [0.06, 0.01, 0.02]);
+        let body = with_cavity(body, [0.01, -0.005, -0.015], [0.05, 0.005, -0.01]);
+        let body = with_cavity(body, [0.01, -0.005, -0.005], [0.05, 0.005, 0.005]);
+        let body = with_cavity(body, [0.01, -0.005, 0.01], [0.05, 0.005, 0.015]);
+        let none = crate::Surface::default();
+        let parts = [Part::new(&body).unwrap(), Part::none(&none)];
+        let chambers = Chambers::new(&parts, Frame { normal: 1 }, Some(1e-6));
+        assert_eq!(chambers.of_shell[0], [None, None, Some(0), Some(1)]);
+        let set = crate::Settings::new(0.005);
+        let (half, report) = crate::mesh_without_sheet(&body, &set).unwrap();
+        assert!(half.half && half.chambers() == 2);
+        let volumes: Vec<f64> = report.chambers.iter().map(|c| c.volume).collect();
+        assert!((volumes[0] / 4e-6 - 1.0).abs() < 1e-6 && (volumes[1] / 2e-6 - 1.0).abs() < 1e-6, "{volumes:?}");
     }
 }

@@ -32,7 +32,7 @@ use crate::{Report, Surface, TetMesh};
 use arrange::{Graph, arrange};
 use chambers::Chambers;
 use outline_snap::snap_to_outlines;
-use patches::{Part, Patch, dominant_axes, patches, seams};
+use patches::{Part, Patch, column_axes, dominant_axes, patches, seams};
 use plane::{Plane, triangulate};
 use resample::{Spacing, resample};
 use sequence::{Sampler, Sequence};
@@ -82,8 +82,8 @@ pub fn mesh(body: &Surface, spine: &Surface, set: &Settings) -> Result<(TetMesh,
     mesh_parts([part("body", body)?, part("spine", spine)?], normal, set)
 }
 
-/// Meshes a body without a sheet, in columns along the axis to which most of its area is normal, or along another one
-/// where that fails.
+/// Meshes a body without a sheet, in columns along an axis of which it is a prism or, where there is none, to which most of
+/// its area is normal; or along another one where that fails.
 ///
 /// # Errors
 /// [`MeshError`] of the first axis, when all three fail.
@@ -93,8 +93,8 @@ pub fn mesh_without_sheet(body: &Surface, set: &Settings) -> Result<(TetMesh, Re
         let part = Part::new(body).map_err(|source| MeshError::Surface { role: "body", source })?;
         mesh_parts([part, Part::none(&none)], frame, set)
     };
-    let [first, second, third] = dominant_axes(body);
-    // the error of the dominant axis is the one that a reader can act on
+    let [first, second, third] = column_axes(body);
+    // the error of the first axis is the one that a reader can act on
     along(first).or_else(|why| along(second).or_else(|_| along(third)).map_err(|_| why))
 }
 
@@ -103,11 +103,11 @@ fn mesh_parts(parts: [Part; 2], frame: Frame, set: &Settings) -> Result<(TetMesh
     let [body, spine] = parts.each_ref().map(|p| p.surface);
     let tolerance = set.tolerance * body.length().max(spine.length());
     let patches: Vec<Patch> = parts.iter().enumerate().flat_map(|(i, p)| patches(p, i, frame)).collect();
-    let chambers = Chambers::new(&parts, frame);
     // a half model halves the number of unknowns; the surfaces share no triangulation with their mirror image, so symmetry
     // is tested by distances
     let half = set.use_symmetry && [body, spine].iter().all(|s| symmetry::is_symmetric(s, tolerance));
     let cut = if half { frame.plan_axis(2) } else { None };
+    let chambers = Chambers::new(&parts, frame, cut.map(|_| tolerance));
 
     let outlines = outlines(&parts, frame, cut, tolerance);
     let sampler =

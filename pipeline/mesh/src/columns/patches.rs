@@ -53,6 +53,22 @@ pub(crate) fn dominant_axes(surface: &Surface) -> [Frame; 3] {
     axes.map(|normal| Frame { normal })
 }
 
+/// The axes in the order in which a body without a sheet is divided into columns along them: first those along which it is a prism,
+/// because its outlines are then its own edges and no column ends at a grazing wall.
+pub(crate) fn column_axes(surface: &Surface) -> [Frame; 3] {
+    let mut frames = dominant_axes(surface);
+    frames.sort_by_key(|frame| !is_prism(surface, *frame));
+    frames
+}
+
+/// Whether every face is a wall along the axis or normal to it.
+fn is_prism(surface: &Surface, along: Frame) -> bool {
+    (0..surface.faces.len()).map(|face| surface.normal(face)).all(|normal| {
+        let plan = norm(along.join(along.split(normal).0, 0.0));
+        normal[along.normal].abs().min(plan) < WALL * norm(normal)
+    })
+}
+
 /// A height field, part of one surface.
 pub(crate) struct Patch {
     /// 0 body, 1 spine.

@@ -32,7 +32,7 @@ const OPTIONS: [&str; 13] = [
 /// A [`Diagnostic`] when there is no network, no `curl`, no source, or other bytes than the page expects.
 pub fn fetch(root: &Path, path: &Path) -> Result<Vec<PathBuf>> {
     let page = Page::read(path)?;
-    let own = |recording| match recorded::find(&page, recording, root) {
+    let own = |recording: &Recording| match recorded::find(&page.name, &page.folders, &recording.files, root) {
         Ok(there) => Ok(there),
         Err(_) => Download::of(&page, recording, root)?.run(root),
     };

@@ -230,7 +230,7 @@ fn correlation(fit: &Fit, residuals: &[f64]) -> f64 {
 }
 
 /// The value at a time between samples; that of the first before it.
-fn interpolated(times: &[Second], values: &[f64], at: Second) -> f64 {
+pub(crate) fn interpolated(times: &[Second], values: &[f64], at: Second) -> f64 {
     let next = times.partition_point(|time| *time < at);
     if next == 0 {
         return values[0];

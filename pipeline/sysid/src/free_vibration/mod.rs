@@ -8,11 +8,11 @@
 mod condition;
 mod features;
 mod fetch;
-mod fitting;
+pub(crate) mod fitting;
 mod ladder;
 mod laws;
-mod page;
-mod recorded;
+pub(crate) mod page;
+pub(crate) mod recorded;
 mod shown;
 mod warnings;
 

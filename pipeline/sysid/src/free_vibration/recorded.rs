@@ -5,11 +5,12 @@
 
 use std::path::{Path, PathBuf};
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 use si::{Metre, Point3, Second, Series};
 use signal::wave;
 
 use super::page::{Marker, Page, Recording};
+use crate::rigid;
 use diagnostics::{Diagnostic, Result, input};
 
 /// One recorded release.
@@ -49,31 +50,28 @@ pub struct FreeVibration {
 /// # Errors
 /// A [`Diagnostic`] when one lies nowhere, is refused, or is shorter than the page says.
 pub fn read(page: &Page, root: &Path) -> Result<Vec<Recorded>> {
-    page.recording.iter().map(|recording| one(page, recording, &find(page, recording, root)?)).collect()
+    page.recording
+        .iter()
+        .map(|recording| one(page, recording, &find(&page.name, &page.folders, &recording.files, root)?))
+        .collect()
 }
 
-/// The file of a recording.
+/// A file of the test `name` in the first of `folders` below `root` that has one of `files`.
 ///
 /// # Errors
 /// A [`Diagnostic`] with the searched folders and the command that downloads it.
-pub fn find(page: &Page, recording: &Recording, root: &Path) -> Result<PathBuf> {
-    let places = page.folders.iter().flat_map(|folder| recording.files.iter().map(move |f| root.join(folder).join(f)));
+pub(crate) fn find(name: &str, folders: &[PathBuf], files: &[String], root: &Path) -> Result<PathBuf> {
+    let places = folders.iter().flat_map(|folder| files.iter().map(move |f| root.join(folder).join(f)));
     places.clone().find(|place| place.is_file()).ok_or_else(|| {
         let tried: Vec<String> = places.map(|place| place.display().to_string()).collect();
-        let next = format!(
-            "study fetch {} downloads it from its public source; or put it into one of these folders",
-            page.name
-        );
-        Diagnostic::new(
-            format!("a recording of `{}` is not there", page.name),
-            format!("searched {}", tried.join(", ")),
-            next,
-        )
+        let next =
+            format!("study fetch {name} downloads it from its public source; or put it into one of these folders");
+        Diagnostic::new(format!("a recording of `{name}` is not there"), format!("searched {}", tried.join(", ")), next)
     })
 }
 
 fn one(page: &Page, recording: &Recording, path: &Path) -> Result<Recorded> {
-    let (rate, tracks) = tracks(page, path)?;
+    let (rate, tracks) = tracks(&page.marker, path)?;
     let frames = tracks[0].len();
     let phases = Phases::of(page, recording, rate, frames).ok_or_else(|| unfitting(path, frames as f64 / rate))?;
     let moved = moved(page, &tracks, phases.held);
@@ -85,7 +83,10 @@ fn one(page: &Page, recording: &Recording, path: &Path) -> Result<Recorded> {
 }
 
 /// Frames a second, and the place of each of the page's markers in each frame, m.
-fn tracks(page: &Page, path: &Path) -> Result<(f64, Vec<Vec<Point3>>)> {
+///
+/// # Errors
+/// A [`Diagnostic`] when the file is refused, or has no such marker in every frame.
+pub(crate) fn tracks(markers: &[Marker], path: &Path) -> Result<(f64, Vec<Vec<Point3>>)> {
     let bytes = input::read(path, input::MESH)
         .map_err(|e| Diagnostic::io(path, e, "name a file of tracks, .csv or .c3d, on the page"))?;
     let space = lab::space::read(&bytes, path)?;
@@ -95,7 +96,7 @@ fn tracks(page: &Page, path: &Path) -> Result<(f64, Vec<Vec<Point3>>)> {
         space.complete(name, path)
     };
     let rate = (space.time.len() - 1) as f64 / (space.time[space.time.len() - 1] - space.time[0]);
-    Ok((rate, page.marker.iter().map(track).collect::<Result<_>>()?))
+    Ok((rate, markers.iter().map(track).collect::<Result<_>>()?))
 }
 
 /// Frames at which the phases of a recording begin or end.
@@ -126,29 +127,22 @@ fn unfitting(path: &Path, duration: Second) -> Diagnostic {
 
 /// Displacement of each compared marker along the page's axis from its position while `held`, m.
 fn moved(page: &Page, tracks: &[Vec<Point3>], held: usize) -> Vec<Vec<Metre>> {
-    let before: Vec<Vector3<f64>> = tracks.iter().map(|track| mean(&track[..held])).collect();
-    let (turn, axis) = (turn(&before, &page.marker), page.along as usize);
-    let along = |(track, from): (&Vec<Point3>, &Vector3<f64>)| {
-        track.iter().map(|p| (turn * (Vector3::from(*p) - from))[axis]).collect()
+    let all = displacements(&page.marker, tracks, held);
+    let along = |of: Vec<Vector3<f64>>| of.iter().map(|u| u[page.along as usize]).collect();
+    all.into_iter().zip(&page.marker).filter(|(_, marker)| marker.compared).map(|(of, _)| along(of)).collect()
+}
+
+/// Displacement of each marker from its mean position during the first `held` frames, in the body's frame, m: markers × frames.
+pub(crate) fn displacements(markers: &[Marker], tracks: &[Vec<Point3>], held: usize) -> Vec<Vec<Vector3<f64>>> {
+    let mean =
+        |track: &Vec<Point3>| track[..held].iter().map(|p| Vector3::from(*p)).sum::<Vector3<f64>>() / held as f64;
+    let before: Vec<Vector3<f64>> = tracks.iter().map(mean).collect();
+    let places: Vec<Vector3<f64>> = markers.iter().map(|marker| Vector3::from(marker.at)).collect();
+    let turn = rigid::rotation(&before, &places);
+    let of = |(track, from): (&Vec<Point3>, &Vector3<f64>)| {
+        track.iter().map(|p| turn * (Vector3::from(*p) - from)).collect()
     };
-    let markers = tracks.iter().zip(&before).zip(&page.marker);
-    markers.filter(|(_, marker)| marker.compared).map(|(pair, _)| along(pair)).collect()
-}
-
-fn mean(places: &[Point3]) -> Vector3<f64> {
-    places.iter().map(|p| Vector3::from(*p)).sum::<Vector3<f64>>() / places.len() as f64
-}
-
-/// The rotation of least squares from the measured to the page's positions, both about their means [kabsch1976].
-fn turn(seen: &[Vector3<f64>], markers: &[Marker]) -> Matrix3<f64> {
-    let wanted: Vec<Vector3<f64>> = markers.iter().map(|marker| Vector3::from(marker.at)).collect();
-    let middle = |of: &[Vector3<f64>]| of.iter().sum::<Vector3<f64>>() / of.len() as f64;
-    let (a, b) = (middle(seen), middle(&wanted));
-    let spread: Matrix3<f64> = seen.iter().zip(&wanted).map(|(s, w)| (w - b) * (s - a).transpose()).sum();
-    let svd = spread.svd(true, true);
-    let (Some(u), Some(v)) = (svd.u, svd.v_t) else { return Matrix3::identity() };
-    // a rotation, not a reflection
-    u * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, (u * v).determinant().signum())) * v
+    tracks.iter().zip(&before).map(of).collect()
 }
 
 /// The free vibration in the window of the page.
@@ -206,17 +200,6 @@ fn first_turn(fall: &Series) -> (Second, Metre) {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_turn_of_the_camera_is_undone_and_a_mirror_image_is_not_made() {
-        let at = [[0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1], [0.05, 0.02, 0.0]];
-        let marker = |at| Marker { names: Vec::new(), at, on: None, compared: false };
-        let turned = nalgebra::Rotation3::from_euler_angles(0.3, -1.0, 2.0);
-        let seen: Vec<Vector3<f64>> =
-            at.iter().map(|p| turned * Vector3::from(*p) + Vector3::new(1.0, 2.0, 3.0)).collect();
-        let back = turn(&seen, &at.map(marker));
-        assert!((back * turned.matrix() - Matrix3::identity()).norm() < 1e-12);
-    }
 
     #[test]
     fn a_known_vibration_is_identified() {

@@ -10,23 +10,47 @@ use super::Report;
 use super::features::NAMES;
 use super::ladder::{LawResult, Row, supported};
 use super::warnings::warnings;
+use crate::identified_materials::{IdentifiedMaterial, IdentifiedMaterials, file_of};
+use crate::metrics_file;
 use diagnostics::{Diagnostic, Result};
 
-/// Writes `real_<name>.csv`, `real_<name>.svg` and `metrics.json` into `folder`.
+/// Writes `real_<name>.csv`, `real_<name>.svg`, `real_<name>_materials.toml` and `metrics.json` into `folder`.
 ///
 /// # Errors
 /// A [`Diagnostic`] when the folder cannot be written.
 pub(super) fn write(report: &Report, folder: &Path) -> Result<()> {
     let figure = figure(report).svg()?;
     let stem = format!("real_{}", report.page.name);
+    let materials = materials(report)?;
     let write = |name: &str, text: &str| std::fs::write(folder.join(name), text);
     std::fs::create_dir_all(folder)
         .and_then(|()| write(&format!("{stem}.csv"), &csv(report)))
         .and_then(|()| write(&format!("{stem}.svg"), &figure))
-        .and_then(|()| write("metrics.json", &metrics(report)))
+        .and_then(|()| write(&file_of(&report.page.name), &materials))
         .map_err(|e| {
             Diagnostic::new(format!("{} cannot be written", folder.display()), e, "name another folder with --out")
+        })?;
+    metrics_file::replace(folder, &report.page.name, metrics(report))
+}
+
+/// The joint fits of all laws, for other tests of the same material.
+fn materials(report: &Report) -> Result<String> {
+    let of = |result: &LawResult| -> Result<IdentifiedMaterial> {
+        let fitted = &result.joint.fitted;
+        let is = fitted.law.properties(&fitted.values, report.page.modulus_time)?;
+        Ok(IdentifiedMaterial {
+            name: fitted.law.name.to_owned(),
+            youngs_modulus: is.youngs_modulus,
+            stiffening: is.stiffening,
+            mass_damping: is.mass_damping,
+            stiffness_damping: is.stiffness_damping,
+            branch: is.relaxation.branches().iter().map(|branch| [branch.strength, branch.time]).collect(),
         })
+    };
+    let law = report.results.iter().map(of).collect::<Result<_>>()?;
+    let supported = report.results[supported(&report.results)].joint.fitted.law.name.to_owned();
+    let written = toml::to_string(&IdentifiedMaterials { supported, law });
+    written.map_err(|e| Diagnostic::new("the identified materials cannot be written", e, "report this as a bug"))
 }
 
 /// One number of the table.
@@ -142,25 +166,18 @@ fn csv(report: &Report) -> String {
 }
 
 /// Errors of the supported law at the recordings that were not fitted.
-fn metrics(report: &Report) -> String {
+fn metrics(report: &Report) -> Vec<serde_json::Value> {
     let result = &report.results[supported(&report.results)];
     let mut entries = Vec::new();
     for (k, recording) in report.page.recording.iter().enumerate().filter(|(_, recording)| !recording.fitted) {
         let (measured, value) = (report.measured[k].to_array(), result.joint.predictions[k].features.to_array());
         for n in 0..4 {
             let id = format!("real.{}.{}.{}_error_percent", report.page.name, recording.name(), NAMES[n].0);
-            entries.push(serde_json::json!({
-                "id": id,
-                "value": 100.0 * (value[n] / measured[n] - 1.0).abs(),
-                "unit": "%",
-                "published": null,
-                "expected": null,
-                "tolerance": null,
-                "status": "not compared",
-            }));
+            let error = 100.0 * (value[n] / measured[n] - 1.0).abs();
+            entries.push(metrics_file::entry(&id, Some(error), "%"));
         }
     }
-    serde_json::Value::Array(entries).to_string() + "\n"
+    entries
 }
 
 impl fmt::Display for Report {

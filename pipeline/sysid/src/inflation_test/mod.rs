@@ -1,0 +1,137 @@
+//! Inflation tests: a chamber of a body is inflated in a step and its pressure held. A material that another test identified predicts the
+//! motion of the tip and its creep; what the prediction lacks is compared with a fitted modulus, a fitted stiffening, and thicker walls.
+//!
+//! `page` describes the tests, `recorded` reads the recordings, `body` is the meshed body and its motion, `fits` what each material makes
+//! of each recording, `shown` writes table, metrics and figure.
+
+mod body;
+mod fits;
+mod page;
+mod recorded;
+mod shown;
+
+use std::path::{Path, PathBuf};
+
+use diagnostics::{Diagnostic, Result};
+use si::Metre;
+
+use crate::IdentifiedMaterials;
+use crate::identified_materials::file_of;
+use body::Meshed;
+use fits::{Bench, Row};
+pub use page::Page;
+use recorded::Recorded;
+use simulate::case::{Case, read};
+
+/// The results of a page.
+pub struct Report {
+    page: Page,
+    recorded: Vec<Recorded>,
+    rows: Vec<Row>,
+    /// Rows of [`Report::rows`] that predict one recording each from the others, by recording.
+    left_out: Vec<Option<usize>>,
+}
+
+/// Whether the file `path` is the page of an inflation test.
+pub fn is_page(path: &Path) -> bool {
+    let text = std::fs::read_to_string(path).unwrap_or_default();
+    text.parse::<toml::Table>().is_ok_and(|page| page.contains_key("test"))
+}
+
+/// Predicts the inflations of the page in the file `path`; recordings are looked for below `root`, the material of the page's source in
+/// `out`, or beside the page. Writes a table, metrics and a figure there.
+///
+/// # Errors
+/// A [`diagnostics::Diagnostic`]: the page, a recording, the material, a case or its mesh is refused.
+pub fn run(root: &Path, path: &Path, out: Option<&Path>) -> Result<(Report, PathBuf)> {
+    let page = Page::read(path)?;
+    let folder = out.map_or_else(|| path.with_extension("out"), Path::to_owned);
+    let recorded: Vec<Recorded> =
+        page.recording.iter().map(|recording| Recorded::read(&page, recording, root)).collect::<Result<_>>()?;
+    let materials = IdentifiedMaterials::read(&folder.join(file_of(&page.material)))?;
+    let report = Predictions { page: &page, root, path, folder: &folder }.all(recorded, &materials)?;
+    shown::write(&report, &folder)?;
+    Ok((report, folder))
+}
+
+/// Where everything lies.
+struct Predictions<'a> {
+    page: &'a Page,
+    root: &'a Path,
+    path: &'a Path,
+    folder: &'a Path,
+}
+
+impl Predictions<'_> {
+    fn all(&self, recorded: Vec<Recorded>, materials: &IdentifiedMaterials) -> Result<Report> {
+        let (page, count) = (self.page, recorded.len());
+        let case = read(&self.path.parent().unwrap_or(Path::new(".")).join(&page.case))?;
+        let mesh = |section: f64| Meshed::new(page, &case, &self.surfaces(&case)?, (section, self.folder));
+        std::fs::create_dir_all(self.folder)
+            .map_err(|e| Diagnostic::io(self.folder, e, "name another folder with --out"))?;
+        let body = mesh(1.0)?;
+        let bench = Bench { page, recorded: &recorded, body: &body };
+        let (supported, chosen) = (materials.law(None)?, materials.law(page.law.as_deref())?);
+        let mut rows = vec![bench.row(&format!("{}, {}", page.material, supported.name), supported.clone(), &body)?];
+        if chosen != supported {
+            rows.push(bench.row(&format!("{}, {}", page.material, chosen.name), chosen.clone(), &body)?);
+        }
+        for section in &page.sections {
+            let name = format!("{}, {}, sections scaled by {section}", page.material, chosen.name);
+            rows.push(bench.row(&name, chosen.clone(), &mesh(*section)?)?);
+        }
+        let fitted = |name: &str, at: [f64; 2], used: &[usize]| -> Result<Row> {
+            let material = bench.material(chosen, at);
+            Ok(Row { used: used.to_vec(), modulus_ratio: at[0].exp(), ..bench.row(name, material, &body)? })
+        };
+        let own: Vec<usize> = (0..count).filter(|k| page.recording[*k].fitted).collect();
+        let modulus = bench.fit(chosen, &own, bench.linearised(chosen, &own, 1)?)?;
+        rows.push(fitted("modulus fitted", modulus.at, &own)?);
+        let mut left_out = vec![None; count];
+        if count > 1 {
+            let every: Vec<usize> = (0..count).collect();
+            let joint = bench.fit(chosen, &every, bench.linearised(chosen, &every, 2)?)?;
+            rows.push(fitted("modulus and stiffening fitted", joint.at, &every)?);
+            for k in every.iter().copied().filter(|k| !page.recording[*k].fitted) {
+                let others: Vec<usize> = every.iter().copied().filter(|other| *other != k).collect();
+                let at = bench.fit(chosen, &others, joint.only(&others))?.at;
+                left_out[k] = Some(rows.len());
+                rows.push(fitted("modulus and stiffening fitted", at, &others)?);
+            }
+        }
+        Ok(Report { page: page.clone(), recorded, rows, left_out })
+    }
+
+    /// The folder of the case's surface or mesh: beside the page, or one of the page's folders.
+    fn surfaces(&self, case: &Case) -> Result<PathBuf> {
+        let beside = self.path.parent().unwrap_or(Path::new(".")).to_owned();
+        let folders = self.page.folders.iter().map(|folder| self.root.join(folder));
+        let all: Vec<PathBuf> = std::iter::once(beside).chain(folders).collect();
+        all.iter().find(|folder| folder.join(case.mesh.name()).is_file()).cloned().ok_or_else(|| {
+            let searched: Vec<String> = all.iter().map(|folder| folder.display().to_string()).collect();
+            let what = format!("the surface {} is not there", case.mesh.name());
+            Diagnostic::new(what, format!("searched {}", searched.join(", ")), "put it into one of these folders")
+        })
+    }
+}
+
+impl Report {
+    /// The thickness of the walls with which the sections' row of the same material would show the measured displacement of recording
+    /// `k`, m: linear in its logarithm between two rows; none where no two enclose it.
+    fn explaining_wall(&self, k: usize) -> Option<Metre> {
+        let chosen = self.rows.iter().rev().find(|row| row.used.is_empty()).map(|row| &row.material)?;
+        let own = self.rows.iter().filter(|row| row.used.is_empty() && row.material == *chosen);
+        let of = |row: &Row| {
+            let ratio = row.predictions[k].features?.early / self.recorded[k].features.early;
+            (ratio > 0.0).then(|| Some((row.wall?, ratio.ln())))?
+        };
+        let mut known: Vec<(Metre, f64)> = own.filter_map(of).collect();
+        known.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let crossing = known.windows(2).find(|pair| pair[0].1 * pair[1].1 <= 0.0)?;
+        let part = crossing[0].1 / (crossing[0].1 - crossing[1].1);
+        Some(crossing[0].0 + part * (crossing[1].0 - crossing[0].0))
+    }
+}
+
+#[cfg(test)]
+mod tests;

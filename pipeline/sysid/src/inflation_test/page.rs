@@ -1,0 +1,172 @@
+//! The page of an inflation test: recordings with their pressures, case, markers, and the material's source.
+
+use std::path::{Path, PathBuf};
+
+use diagnostics::{Diagnostic, input};
+use lab::range::{Checked, within};
+use lab::table::{line_of_path, toml_error};
+use serde::Deserialize;
+use si::{Metre, Pascal, Second};
+
+use crate::free_vibration::page::Marker;
+use simulate::case::Axis;
+
+/// The kind of test that a page names; a page that names none is that of a free vibration.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Test {
+    /// A chamber is inflated in a step, and its pressure held.
+    Inflation,
+}
+
+/// The contents of a page.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Page {
+    /// `inflation`.
+    pub test: Test,
+    /// Name of the results.
+    pub name: String,
+    /// The case, with one region, one chamber and adaptive `[dynamic]` steps; relative to the page. Its surface lies in one of `folders`.
+    pub case: String,
+    /// The body whose fit identified the material.
+    pub material: String,
+    /// The law of that fit, as whose parameters this test begins; the supported one when it is not said.
+    pub law: Option<String>,
+    /// Folders of recordings and surfaces, relative to the project's folder; the first that has them is used.
+    pub folders: Vec<PathBuf>,
+    /// The axis along which the markers' displacement is compared.
+    pub along: Axis,
+    /// Duration at the beginning during which the pressure is ambient, s.
+    pub held: Second,
+    /// Time in which the pressure rises, s.
+    pub rise: Second,
+    /// The interval after the step whose mean displacement is compared and fitted, s.
+    pub early: [Second; 2],
+    /// Duration at the end of the hold whose mean displacement is compared, s.
+    pub late: Second,
+    /// Ratios by which the chambers' sections are scaled about their centroids, to find what the walls' thickness explains.
+    #[serde(default)]
+    pub sections: Vec<f64>,
+    /// Inflations.
+    pub recording: Vec<Recording>,
+    /// Markers on the body and on its holder.
+    pub marker: Vec<Marker>,
+}
+
+/// One inflation.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Recording {
+    /// Its name in results.
+    pub name: String,
+    /// Tracks as `.csv` or `.c3d`; the first that lies there is read.
+    pub files: Vec<String>,
+    /// Pressure during the hold, Pa.
+    pub pressure: Pascal,
+    /// Begin and end of the hold, s.
+    pub hold: [Second; 2],
+    /// Whether the modulus alone is fitted to it; it is predicted otherwise.
+    #[serde(default)]
+    pub fitted: bool,
+}
+
+impl Page {
+    /// The page in the file `path`.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] when it cannot be read, has an unknown or missing key, or an invalid number.
+    pub fn read(path: &Path) -> Result<Self, Diagnostic> {
+        let text = input::read_text(path, input::PAGE).map_err(|e| Diagnostic::io(path, e, "name a page of TOML"))?;
+        Self::parse(&text, path)
+    }
+
+    /// The page in `text`; `path` appears only in diagnostics.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] when it has an unknown or missing key, or an invalid number.
+    pub fn parse(text: &str, path: &Path) -> Result<Self, Diagnostic> {
+        let page: Self = toml::from_str(text).map_err(|e| toml_error(text, path, &e, SEE))?;
+        if let Some(what) = page.slip() {
+            return Err(Diagnostic::file(path, what, "no prediction is possible with it", "correct the page"));
+        }
+        page.ranges().map_err(|violation| {
+            let line = line_of_path(text, &violation.key);
+            Diagnostic::file(path, violation.what, violation.why, violation.action).at_line(line)
+        })?;
+        Ok(page)
+    }
+
+    /// Holds every number to the range of a test on a bench: a slip of a unit lies outside.
+    fn ranges(&self) -> Checked {
+        for (key, time) in [("held", self.held), ("rise", self.rise), ("late", self.late)] {
+            within(key, time, 1e-3..=3600.0, "s")?;
+        }
+        self.early.iter().try_for_each(|time| within("early", *time, 0.0..=3600.0, "s"))?;
+        self.sections.iter().try_for_each(|ratio| within("sections", *ratio, 0.1..=1.5, ""))?;
+        for (i, recording) in self.recording.iter().enumerate() {
+            within(&format!("recording.{i}.pressure"), recording.pressure, -1e5..=1e7, "Pa")?;
+            let times = &mut recording.hold.iter();
+            times.try_for_each(|time| within(&format!("recording.{i}.hold"), *time, 0.0..=3600.0, "s"))?;
+        }
+        for (i, marker) in self.marker.iter().enumerate() {
+            let places: &[(&str, &[Metre])] = &[("at", &marker.at), ("on", marker.on.as_ref().map_or(&[], |on| on))];
+            for (key, place) in places {
+                place.iter().try_for_each(|x| within(&format!("marker.{i}.{key}"), *x, -10.0..=10.0, "m"))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The first invalid entry.
+    fn slip(&self) -> Option<&'static str> {
+        let short = |r: &Recording| {
+            let [from, to] = r.hold;
+            from < self.held || to - from < self.early[1] + self.late
+        };
+        let rules = [
+            (self.folders.is_empty(), "`folders` names none"),
+            (self.recording.is_empty(), "there is no [[recording]]"),
+            (self.recording.iter().any(|r| r.files.is_empty()), "a [[recording]] has no `files`"),
+            (!self.recording.iter().any(|r| r.fitted), "no [[recording]] is fitted"),
+            (self.marker.iter().any(|m| m.names.is_empty()), "a [[marker]] has no `names`"),
+            (!self.marker.iter().any(|m| m.compared && m.on.is_some()), "no [[marker]] on the body is compared"),
+            (self.marker.len() < 3, "fewer than three [[marker]]s do not define a frame of reference"),
+            (
+                !(self.early[0] >= self.rise && self.early[1] > self.early[0]),
+                "`early` is not two times after `rise`, s",
+            ),
+            (self.recording.iter().any(short), "`held`, `hold`, `early` and `late` do not follow one another"),
+        ];
+        rules.iter().find(|(broken, _)| *broken).map(|(_, what)| *what)
+    }
+}
+
+const SEE: &str = "pipeline/sysid/examples/real has a page with every key";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PAGE: &str = include_str!("../../examples/real/arm_ds10.toml");
+
+    #[test]
+    fn the_page_that_comes_along_is_read_and_a_slip_of_the_pen_is_refused() {
+        assert_eq!(Page::parse(PAGE, Path::new("page.toml")).unwrap().name, "arm_ds10");
+        let slips = [
+            ("rise = ", "rises = ", "rises"),
+            ("pressure = 1.0e4", "pressure = 1.0e9", "out of range"),
+            ("hold = [0.59, 3.53]", "hold = [3.53, 0.59]", "do not follow one another"),
+            ("hold = [0.59, 3.53]", "hold = [0.59]", "length 1"),
+            ("fitted = true", "fitted = false", "is fitted"),
+            ("compared = true", "compared = false", "is compared"),
+            ("early = [", "early = [-", "two times after"),
+            ("test = \"inflation\"", "test = \"torsion\"", "torsion"),
+        ];
+        for (from, to, expected) in slips {
+            assert!(PAGE.contains(from), "{from}");
+            let said = Page::parse(&PAGE.replace(from, to), Path::new("page.toml")).unwrap_err().to_string();
+            assert!(said.contains(expected) && said.contains("do:"), "{said}");
+        }
+    }
+}

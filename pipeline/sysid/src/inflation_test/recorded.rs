@@ -1,0 +1,86 @@
+//! Recorded displacement of the tip since the step of pressure.
+
+use std::path::Path;
+
+use nalgebra::Vector3;
+use si::{Metre, Second, Series};
+
+use super::page::{Page, Recording};
+use crate::free_vibration::recorded::{displacements, find, tracks};
+use diagnostics::{Diagnostic, Result};
+
+/// The mean displacements by which an inflation is compared.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Features {
+    /// In the interval after the step, m.
+    pub early: Metre,
+    /// At the end of the hold, m.
+    pub late: Metre,
+}
+
+impl Features {
+    /// Growth over the hold, no unit.
+    pub(super) fn creep(&self) -> f64 {
+        self.late / self.early - 1.0
+    }
+
+    /// Of a displacement at `times` after the step, over a hold of `duration`, s.
+    pub fn of(page: &Page, duration: Second, course: &[(Second, Metre)]) -> Self {
+        Self { early: mean(course, page.early), late: mean(course, [duration - page.late, duration]) }
+    }
+}
+
+/// Mean of a course over an interval of time, by its values at 20 times.
+pub(super) fn mean(course: &[(Second, Metre)], [from, to]: [Second; 2]) -> Metre {
+    const SAMPLES: usize = 20;
+    let (times, values): (Vec<f64>, Vec<f64>) = course.iter().copied().unzip();
+    let at = |k: usize| from + (k as f64 + 0.5) / SAMPLES as f64 * (to - from);
+    let value = |k: usize| crate::free_vibration::fitting::interpolated(&times, &values, at(k));
+    (0..SAMPLES).map(value).sum::<f64>() / SAMPLES as f64
+}
+
+/// One recorded inflation.
+pub(super) struct Recorded {
+    /// Mean displacement of the compared markers along the page's axis since the step, m.
+    pub tip: Series,
+    pub features: Features,
+}
+
+impl Recorded {
+    /// Reads `recording` from the first folder below `root` that has it.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when it lies nowhere, is refused, or is shorter than the page says.
+    pub fn read(page: &Page, recording: &Recording, root: &Path) -> Result<Self> {
+        let path = find(&page.name, &page.folders, &recording.files, root)?;
+        let (rate, tracks) = tracks(&page.marker, &path)?;
+        let frame = |time: Second| (time * rate).round() as usize;
+        let [from, to] = recording.hold.map(frame);
+        let frames = tracks[0].len();
+        if to >= frames {
+            let what = format!("{} holds {:.2} s", path.display(), frames as f64 / rate);
+            let why = format!("the hold of `{}` ends at {} s", recording.name, recording.hold[1]);
+            return Err(Diagnostic::new(what, why, "correct `hold` on the page"));
+        }
+        let moved = displacements(&page.marker, &tracks, frame(page.held).max(1));
+        let compared: Vec<&Vec<Vector3<f64>>> =
+            moved.iter().zip(&page.marker).filter(|(_, marker)| marker.compared).map(|(of, _)| of).collect();
+        let mean = |i: usize| compared.iter().map(|of| of[i][page.along as usize]).sum::<f64>() / compared.len() as f64;
+        let tip = Series::new(0.0, rate, (from..=to).map(mean).collect())?;
+        let course: Vec<_> = tip.values().iter().enumerate().map(|(i, u)| (tip.time(i), *u)).collect();
+        let features = Features::of(page, recording.hold[1] - recording.hold[0], &course);
+        Ok(Self { tip, features })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_mean_of_a_line_is_its_middle_and_creep_is_relative() {
+        let line: Vec<_> = (0..=30).map(|i| (0.1 * f64::from(i), 1.0 + 0.1 * f64::from(i))).collect();
+        assert!((mean(&line, [0.5, 1.5]) - 2.0).abs() < 1e-12);
+        assert!((Features { early: -2.0, late: -2.2 }.creep() - 0.1).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,162 @@
+//! The results of an inflation test as text, table, metrics and figure.
+
+use std::fmt;
+use std::path::Path;
+
+use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Dash, Figure, Mark, Panel, palette};
+
+use super::Report;
+use super::fits::Row;
+use crate::metrics_file;
+use diagnostics::{Diagnostic, Result};
+
+/// Writes `real_<name>.csv`, `real_<name>.svg` and the metrics into `folder`.
+///
+/// # Errors
+/// A [`Diagnostic`] when the folder cannot be written.
+pub(super) fn write(report: &Report, folder: &Path) -> Result<()> {
+    let stem = format!("real_{}", report.page.name);
+    for (ending, text) in [("csv", csv(report)), ("svg", figure(report).svg()?)] {
+        let path = folder.join(format!("{stem}.{ending}"));
+        std::fs::write(&path, text).map_err(|e| Diagnostic::io(&path, e, "name another folder with --out"))?;
+    }
+    metrics_file::replace(folder, &report.page.name, metrics(report))
+}
+
+/// One number of a recording: name, unit, measured and predicted.
+type Number = (&'static str, &'static str, f64, Option<f64>);
+
+fn numbers(report: &Report, row: &Row, k: usize) -> [Number; 3] {
+    let (measured, found) = (report.recorded[k].features, row.predictions[k].features);
+    [
+        ("tip", "mm", 1e3 * measured.early, found.map(|f| 1e3 * f.early)),
+        ("tip at the end of the hold", "mm", 1e3 * measured.late, found.map(|f| 1e3 * f.late)),
+        ("creep over the hold", "%", 100.0 * measured.creep(), found.map(|f| 100.0 * f.creep())),
+    ]
+}
+
+fn names(report: &Report, used: &[usize]) -> String {
+    used.iter().map(|k| report.page.recording[*k].name.as_str()).collect::<Vec<_>>().join(" + ")
+}
+
+fn csv(report: &Report) -> String {
+    let word = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:.5}"));
+    let mut text =
+        "material,fitted,modulus_ratio,c20_over_c10,wall_mm,recording,quantity,unit,measured,predicted,error\n"
+            .to_owned();
+    for row in &report.rows {
+        let head = format!(
+            "\"{}\",{},{:.5},{:.5},{}",
+            row.name,
+            names(report, &row.used),
+            row.modulus_ratio,
+            row.material.stiffening[0],
+            word(row.wall.map(|wall| 1e3 * wall))
+        );
+        for (k, recording) in report.page.recording.iter().enumerate() {
+            for (quantity, unit, measured, found) in numbers(report, row, k) {
+                // of a displacement in per cent, of creep in points
+                let error =
+                    found.map(|found| if unit == "%" { found - measured } else { error_percent(found, measured) });
+                let name = &recording.name;
+                let [measured, found, error] = [Some(measured), found, error].map(word);
+                text += &format!("{head},{name},{quantity},{unit},{measured},{found},{error}\n");
+            }
+        }
+    }
+    for (k, recording) in report.page.recording.iter().enumerate() {
+        let wall = word(report.explaining_wall(k).map(|wall| 1e3 * wall));
+        text += &format!(",,,,,{},wall that explains the tip,mm,,{wall},\n", recording.name);
+    }
+    text
+}
+
+fn error_percent(found: f64, measured: f64) -> f64 {
+    100.0 * (found / measured - 1.0)
+}
+
+/// Absolute errors at the recordings to which the modulus alone was not fitted: of modulus and stiffening fitted to the others
+/// (`tip_error_percent`), of the modulus fitted alone, and of the material as it was identified elsewhere.
+fn metrics(report: &Report) -> Vec<serde_json::Value> {
+    let mut entries = Vec::new();
+    let alone = report.rows.iter().position(|row| row.name == "modulus fitted");
+    for (k, left_out) in report.left_out.iter().enumerate() {
+        let stem = format!("real.{}.{}", report.page.name, report.page.recording[k].name);
+        let kinds = [("tip", *left_out), ("tip_with_modulus_alone", alone), ("tip_with_supported_law", Some(0))];
+        for (kind, row) in kinds.into_iter().filter(|_| left_out.is_some()) {
+            let tip = row.map(|row| numbers(report, &report.rows[row], k)[0]);
+            let error = tip.and_then(|(_, _, measured, found)| Some(error_percent(found?, measured).abs()));
+            entries.push(metrics_file::entry(&format!("{stem}.{kind}_error_percent"), error, "%"));
+        }
+        let creep = left_out.or(alone).map(|row| numbers(report, &report.rows[row], k)[2]);
+        let points = creep.and_then(|(_, _, measured, found)| Some((found? - measured).abs()));
+        entries.push(metrics_file::entry(&format!("{stem}.creep_error_points"), points, "%"));
+    }
+    entries
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for row in &self.rows {
+            let fitted = if row.used.is_empty() { String::new() } else { format!(" to {}", names(self, &row.used)) };
+            let wall = row.wall.map_or_else(String::new, |wall| format!(", walls {:.2} mm", 1e3 * wall));
+            let (ratio, [c20, _]) = (row.modulus_ratio, row.material.stiffening);
+            writeln!(f, "{}{fitted}: modulus × {ratio:.3}, C20/C10 {c20:.3}{wall}", row.name)?;
+            for k in 0..self.recorded.len() {
+                write_prediction(f, self, (row, k))?;
+            }
+        }
+        for (k, recording) in self.page.recording.iter().enumerate() {
+            let wall =
+                self.explaining_wall(k).map_or("no wall that was tried".to_owned(), |w| format!("{:.2} mm", 1e3 * w));
+            writeln!(f, "walls that explain the tip at {}: {wall}", recording.name)?;
+        }
+        Ok(())
+    }
+}
+
+fn write_prediction(f: &mut fmt::Formatter<'_>, report: &Report, (row, k): (&Row, usize)) -> fmt::Result {
+    let role = if row.used.contains(&k) { "fitted" } else { "predicted" };
+    write!(f, "    {:<9} {role:<9}", report.page.recording[k].name)?;
+    if let Some(why) = &row.predictions[k].course.burst {
+        let last = row.predictions[k].course.tip.last().map_or(0.0, |(time, _)| *time);
+        let why = why.lines().next().unwrap_or_default();
+        return writeln!(f, "  the wall balloons without bound from {last:.3} s on: {why}");
+    }
+    for (quantity, unit, measured, found) in numbers(report, row, k) {
+        let found = found.unwrap_or(f64::NAN);
+        let error = if unit == "%" { String::new() } else { format!(", {:+.1} %", error_percent(found, measured)) };
+        write!(f, "  {quantity} {found:.2} {unit} ({measured:.2}{error})")?;
+    }
+    writeln!(f)
+}
+
+/// Recorded and predicted displacement over time: the material's source as it is, the modulus fitted, and the recording left out.
+fn figure(report: &Report) -> Figure {
+    let by_name = |name: &str| report.rows.iter().position(|row| row.name == name);
+    let untouched = report.rows.iter().rposition(|row| row.used.is_empty() && row.wall == report.rows[0].wall);
+    let panel = |k: usize| {
+        let tip = &report.recorded[k].tip;
+        let recorded = tip.values().iter().enumerate().map(|(i, u)| [tip.time(i), 1e3 * u]).collect();
+        let axes = Axes::new(Axis::linear("time after the step", "s"), Axis::linear("tip", "mm"));
+        let axes = axes.with(Mark::line(recorded, palette::MUTED).labelled("recorded"));
+        let best = report.left_out[k].or_else(|| by_name("modulus and stiffening fitted"));
+        let rows = [
+            (untouched, palette::SPINE, "identified on the bar"),
+            (by_name("modulus fitted"), palette::MEASURED, "modulus fitted"),
+            (best, palette::SIMULATED, "modulus and stiffening fitted"),
+        ];
+        let marks = rows.into_iter().filter_map(|(row, colour, label)| {
+            let course = &report.rows[row?].predictions[k].course;
+            let line = course.tip.iter().map(|(time, u)| [*time, 1e3 * u]).collect();
+            Some(Mark::line(line, colour).dashed(Dash::Dashed).labelled(label))
+        });
+        Panel::Axes(marks.fold(axes, Axes::with)).titled(&report.page.recording[k].name)
+    };
+    let mut figure = Figure::new(DOUBLE_COLUMN_MM);
+    let mut rest = (0..report.recorded.len()).map(panel).peekable();
+    while rest.peek().is_some() {
+        figure = figure.row(55.0, rest.by_ref().take(3).collect::<Vec<_>>());
+    }
+    figure.noted("measured data, not from the virtual bench")
+}

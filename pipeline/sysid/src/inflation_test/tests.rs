@@ -1,0 +1,162 @@
+//! A synthetic inflation: a hollow box of known modulus comes back from its own simulated recording.
+
+use std::path::{Path, PathBuf};
+
+use mesh::Surface;
+use si::Point3;
+
+use super::body::Meshed;
+use super::{Page, run};
+use crate::IdentifiedMaterial;
+
+/// A box of 60 × 20 × 20 mm with a cavity beside its axis, m.
+pub(super) fn hollow() -> Surface {
+    let block = |low: Point3, high: Point3, outward: bool| {
+        let at = |k: usize| [0, 1, 2].map(|axis| if (k >> axis) & 1 == 1 { high[axis] } else { low[axis] });
+        let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let faces = sides.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
+        let turned = faces.map(|[a, b, c]: [u32; 3]| if outward { [a, b, c] } else { [a, c, b] });
+        ((0..8).map(at).collect::<Vec<_>>(), turned.collect::<Vec<_>>())
+    };
+    let (mut points, mut faces) = block([0.0; 3], [0.06, 0.02, 0.02], true);
+    let (inner, of_inner) = block([0.01, 0.003, 0.004], [0.05, 0.009, 0.016], false);
+    faces.extend(of_inner.into_iter().map(|face| face.map(|k| k + 8)));
+    points.extend(inner);
+    Surface { points, faces }
+}
+
+const PAGE: &str = r#"
+test = "inflation"
+name = "box"
+case = "case.toml"
+material = "bar"
+folders = ["recordings"]
+along = "y"
+held = 0.1
+rise = 0.05
+early = [0.2, 0.3]
+late = 0.1
+[[recording]]
+name = "step"
+files = ["step.csv"]
+pressure = 6e3
+hold = [0.2, 0.8]
+fitted = true
+[[marker]]
+names = ["tip"]
+at = [0.06, 0.02, 0.01]
+on = [0.06, 0.02, 0.01]
+compared = true
+[[marker]]
+names = ["base_1"]
+at = [0.0, 0.0, 0.0]
+[[marker]]
+names = ["base_2"]
+at = [0.0, 0.02, 0.0]
+[[marker]]
+names = ["base_3"]
+at = [0.0, 0.0, 0.02]
+"#;
+
+const CASE: &str = r#"
+[mesh]
+body = "box.stl"
+unit = "mm"
+edge = 0.01
+[[region]]
+material = "yeoh"
+youngs_modulus = 1e5
+poissons_ratio = 0.45
+density = 1070.0
+[[clamp]]
+plane = { x = 0.0 }
+[[chamber]]
+number = 0
+pressure = 6e3
+[dynamic]
+duration = 1.0
+adaptive = { tolerance = 1e-4, shortest = 1e-3, longest = 0.1 }
+scheme = "implicit_euler"
+"#;
+
+const MATERIALS: &str = r#"
+supported = "springpot"
+[[law]]
+name = "springpot"
+youngs_modulus = 2.7e5
+stiffening = [0.0, 0.0]
+mass_damping = 0.0
+stiffness_damping = 1e-3
+branch = [[0.2, 0.1]]
+"#;
+
+/// A folder with a page, a case, a surface and the material of the box.
+fn folder(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("inflation-{name}-{}", std::process::id()));
+    std::fs::create_dir_all(folder.join("recordings")).unwrap();
+    std::fs::write(folder.join("recordings/box.stl"), mesh::stl::write(&hollow(), 1e-3, "box")).unwrap();
+    let files = [("page.toml", PAGE), ("case.toml", CASE), ("real_bar_materials.toml", MATERIALS)];
+    files.into_iter().for_each(|(file, text)| std::fs::write(folder.join(file), text).unwrap());
+    folder
+}
+
+/// Records the box of modulus `ratio` × that of the material, in a camera's frame that is turned about x.
+fn record(folder: &Path, ratio: f64) {
+    let page = Page::read(&folder.join("page.toml")).unwrap();
+    let case = simulate::case::read(&folder.join("case.toml")).unwrap();
+    let body = Meshed::new(&page, &case, &folder.join("recordings"), (1.0, folder)).unwrap();
+    let source = crate::IdentifiedMaterials::read(&folder.join("real_bar_materials.toml")).unwrap();
+    let is = source.law(None).unwrap().clone();
+    let is = IdentifiedMaterial { youngs_modulus: ratio * is.youngs_modulus, ..is };
+    let course = body.inflate(&is, 6e3, 0.7).unwrap();
+    assert!(course.burst.is_none());
+    let (times, tip): (Vec<f64>, Vec<f64>) = course.tip.into_iter().unzip();
+    let mut text = "time_s,marker,x_m,y_m,z_m\n".to_owned();
+    for frame in 0..90 {
+        let time = f64::from(frame) / 100.0;
+        let moved = crate::free_vibration::fitting::interpolated(&times, &tip, time - 0.2);
+        for marker in &page.marker {
+            let ([x, y, z], tip) = (marker.at, if marker.compared { moved } else { 0.0 });
+            text += &format!("{time:.4},{},{x:.9},{:.9},{:.9}\n", marker.names[0], -z, y + tip);
+        }
+    }
+    std::fs::write(folder.join("recordings/step.csv"), text).unwrap();
+}
+
+#[test]
+fn a_known_modulus_comes_back_from_a_simulated_inflation() {
+    let folder = folder("known");
+    record(&folder, 0.8);
+    let (report, out) = run(&folder, &folder.join("page.toml"), Some(&folder)).unwrap();
+    let fitted = report.rows.iter().find(|row| row.name == "modulus fitted").unwrap();
+    assert!((fitted.modulus_ratio / 0.8 - 1.0).abs() < 5e-3, "{}", fitted.modulus_ratio);
+    let features = fitted.predictions[0].features.unwrap();
+    assert!((features.creep() - report.recorded[0].features.creep()).abs() < 2e-3);
+    // the unfitted material is stiffer, and moves less
+    assert!(report.rows[0].predictions[0].features.unwrap().early.abs() < features.early.abs());
+    let table = std::fs::read_to_string(out.join("real_box.csv")).unwrap();
+    assert!(table.contains("modulus fitted") && report.to_string().contains("creep over the hold"));
+    let metrics = std::fs::read_to_string(out.join("metrics.json")).unwrap();
+    assert!(metrics.contains("real.box.step.creep_error_points"));
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn what_is_missing_or_does_not_fit_is_refused_with_what_to_do() {
+    let folder = folder("refused");
+    let said = |change: &dyn Fn(&str) -> String| {
+        std::fs::write(folder.join("case.toml"), change(CASE)).unwrap();
+        run(&folder, &folder.join("page.toml"), Some(&folder)).err().map(|e| e.to_string()).unwrap_or_default()
+    };
+    assert!(said(&str::to_owned).contains("a recording of `box` is not there"));
+    record(&folder, 1.0);
+    let missing = said(&|case| case.replace("box.stl", "gone.stl"));
+    assert!(missing.contains("gone.stl") && missing.contains("recordings"), "{missing}");
+    let fixed =
+        said(&|case| case.replace("adaptive = { tolerance = 1e-4, shortest = 1e-3, longest = 0.1 }", "step = 0.1"));
+    assert!(fixed.contains("adaptive steps") && fixed.contains("do:"), "{fixed}");
+    std::fs::remove_file(folder.join("real_bar_materials.toml")).unwrap();
+    let unidentified = said(&str::to_owned);
+    assert!(unidentified.contains("study fit"), "{unidentified}");
+    std::fs::remove_dir_all(&folder).unwrap();
+}
