@@ -48,6 +48,9 @@ pub enum SampleError {
     },
 }
 
+/// Midpoints of a mean: of a vibration with four periods in the width it is exact to a hundredth.
+const MIDPOINTS: usize = 8;
+
 impl Samples {
     /// A signal from `times` (s, each behind the one before) and as many `values`.
     ///
@@ -91,6 +94,12 @@ impl Samples {
         self.values[left] * (1.0 - part) + self.values[right] * part
     }
 
+    /// The mean over `width` (s) around time `t` (s): what a shutter that is open so long sees.
+    pub fn mean_at(&self, t: Second, width: Second) -> f64 {
+        let place = |i: usize| t + width * ((i as f64 + 0.5) / MIDPOINTS as f64 - 0.5);
+        (0..MIDPOINTS).map(|i| self.at(place(i))).sum::<f64>() / MIDPOINTS as f64
+    }
+
     /// The values at `times` (s).
     pub fn onto(&self, times: &[Second]) -> Vec<f64> {
         times.iter().map(|&t| self.at(t)).collect()
@@ -116,6 +125,17 @@ pub fn onto(series: &Series, times: &[Second]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_mean_over_a_shutter_shrinks_a_vibration_by_its_sinc() {
+        let times: Vec<f64> = (0..4000).map(|i| f64::from(i) * 1e-3).collect();
+        let turn = std::f64::consts::TAU * 8.0;
+        let samples = Samples::new(times.clone(), times.iter().map(|t| (turn * t).cos()).collect()).unwrap();
+        let half = 0.5 * turn * 0.016;
+        let expected = half.sin() / half;
+        assert!((samples.mean_at(2.0, 0.016) - expected).abs() < 1e-3, "{} {expected}", samples.mean_at(2.0, 0.016));
+        assert!((samples.mean_at(2.0, 0.0) - 1.0).abs() < 1e-9);
+    }
 
     #[test]
     fn a_straight_line_is_interpolated_between_uneven_samples_and_held_outside() {

@@ -10,7 +10,7 @@ use fem::{
     box_mesh, materials,
 };
 use mesh::Spot;
-use sysid::relaxation::{Film, SpectrumProblem, SpectrumSettings, TimeSteps, Window};
+use sysid::relaxation::{Film, Footage, SpectrumProblem, SpectrumSettings, TimeSteps, Window};
 use sysid::{Elastic, Model, ReducedBody, Snapshots};
 
 /// Pa.
@@ -90,7 +90,8 @@ fn storage_and_loss_come_back_from_a_motion_by_a_spectrum_that_the_branches_cann
         signal::resample::Samples::new(times, values).unwrap()
     };
     let fine = TimeSteps { step: 1.0 / 240.0, vibration: 0.8, longest: 0.03 };
-    let film = Film::new(filmed(&model), vec![gauge(0), gauge(1)], 0, fine).unwrap();
+    let footage = Footage { windows: filmed(&model), marker: 0, exposure: 0.0 };
+    let film = Film::new(footage, vec![gauge(0), gauge(1)], fine).unwrap();
     let settings = SpectrumSettings {
         times: vec![0.003, 0.03, 0.3, 3.0],
         prior_strength: 0.1,
@@ -130,6 +131,7 @@ fn storage_and_loss_come_back_from_a_motion_by_a_spectrum_that_the_branches_cann
 fn a_film_in_which_nothing_changes_is_refused() {
     let window = Window { begin: 0.0, times: vec![0.0, 0.1], seen: vec![[0.0; 2]; 2], command: 0.0 };
     let steps = TimeSteps { step: 0.01, vibration: 0.1, longest: 0.1 };
-    let refused = Film::new(vec![window], Vec::new(), 0, steps).err().unwrap().to_string();
+    let footage = Footage { windows: vec![window], marker: 0, exposure: 0.0 };
+    let refused = Film::new(footage, Vec::new(), steps).err().unwrap().to_string();
     assert!(refused.contains("no transient"), "{refused}");
 }

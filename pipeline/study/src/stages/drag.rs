@@ -44,6 +44,8 @@ pub struct Settings {
     added_mass_ratio: [f64; 2],
     /// Least and greatest coefficient of normal drag.
     normal_drag_coefficient: [f64; 2],
+    /// How long the shutter is open, of the time between frames.
+    exposure: f64,
     /// Standard deviation of a marker's position, m.
     sigma: Metre,
     /// Simulations at most, three an iteration.
@@ -63,7 +65,7 @@ impl Stage for Drag {
     type Needs = ((Mesh, Identified, Reduced), Relaxation, OfTrials<Motion, UnderwaterStaircases>);
     type Makes = records::Drag;
     const DESCRIPTION: &'static str = "a release under water gives added mass and drag";
-    const VERSION: u32 = 6;
+    const VERSION: u32 = 7;
 
     fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<records::Drag> {
         let ((mesh, identified, reduced), relaxation, films) = needs;
@@ -89,8 +91,7 @@ impl Stage for Drag {
         let mut evaluated = |at: &[Vec<f64>]| -> Result<Vec<Vec<f64>>> {
             simulations += at.len();
             context.progress(0.2 + 0.8 * (simulations as f64 / (3 * set.iterations) as f64).min(1.0), "releasing");
-            let off =
-                |at: &Vec<f64>| Ok(film.off(&underwater.path(&settings, coefficients(at), &actuation)?, set.sigma));
+            let off = |at: &Vec<f64>| Ok(film.off(&underwater.path(&settings, coefficients(at), &actuation)?, set));
             at.par_iter().map(off).collect()
         };
         let best = sought(set, &mut evaluated)?;
@@ -115,10 +116,10 @@ impl Film {
         Self { times, seen: about_mean(&places), released }
     }
 
-    /// Residuals of a simulated path in units of `sigma` (m).
-    fn off(&self, path: &[signal::resample::Samples; 2], sigma: Metre) -> Vec<f64> {
-        let path = about_mean(&simulation::onto(path, &self.times));
-        path.iter().zip(&self.seen).map(|(a, b)| (a - b) / sigma).collect()
+    /// Residuals of a simulated path in units of their standard deviation.
+    fn off(&self, path: &[signal::resample::Samples; 2], set: &Settings) -> Vec<f64> {
+        let path = about_mean(&simulation::filmed(path, &self.times, set.exposure));
+        path.iter().zip(&self.seen).map(|(a, b)| (a - b) / set.sigma).collect()
     }
 
     /// Amplitude of the marker, m.
@@ -282,6 +283,7 @@ mod tests {
             duration: 0.5,
             added_mass_ratio: [0.3, 2.0],
             normal_drag_coefficient: [0.5, 50.0],
+            exposure: 0.96,
             sigma: 1e-4,
             iterations: 12,
             step_tolerance: 1e-4,

@@ -12,7 +12,7 @@ use crate::records::{self, Identified, IdentifiedBranch, Mesh, Motion, Reduced};
 use crate::selections::IdentificationTrials;
 use crate::subject::TrialId;
 use diagnostics::Result;
-use sysid::relaxation::{Film, Spectrum, SpectrumProblem, SpectrumSettings, TimeSteps, Window};
+use sysid::relaxation::{Film, Footage, Spectrum, SpectrumProblem, SpectrumSettings, TimeSteps, Window};
 use sysid::{Body, Elastic, ReducedBody};
 use workflow::stage::{Stage, StageContext};
 
@@ -29,6 +29,8 @@ pub struct Settings {
     prior_strength: f64,
     /// Standard deviation of its logarithm.
     prior_sigma: f64,
+    /// How long the shutter is open, of the time between frames.
+    exposure: f64,
     /// Time step after each change of the command, s.
     step: Second,
     /// How long that step is kept, s.
@@ -49,7 +51,7 @@ impl Stage for Relaxation {
     type Needs = (Mesh, Identified, Reduced, IdentificationTrials<Motion>);
     type Makes = records::Relaxation;
     const DESCRIPTION: &'static str = "transients of the staircases give the silicone's relaxation";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2;
 
     fn run(
         card: &Self::Card,
@@ -92,7 +94,9 @@ impl Settings {
 
     fn film(&self, motion: &Motion, marker: usize) -> Result<Film> {
         let steps = TimeSteps { step: self.step, vibration: self.vibration, longest: self.longest_step };
-        Film::new(windows(motion, marker), simulation::gauges(motion)?, marker, steps)
+        let exposure = self.exposure * simulation::frame_interval(&motion.time);
+        let footage = Footage { windows: windows(motion, marker), marker, exposure };
+        Film::new(footage, simulation::gauges(motion)?, steps)
     }
 
     fn record(&self, found: Spectrum, modulus_time: Second) -> records::Relaxation {

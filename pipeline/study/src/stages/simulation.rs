@@ -110,6 +110,18 @@ pub(crate) fn gauges(motion: &Motion) -> Result<Vec<Samples>> {
     samples.collect::<Result<_, _>>().map_err(Diagnostic::from)
 }
 
+/// Mean time between frames, s.
+pub(crate) fn frame_interval(times: &[Second]) -> Second {
+    let last = times.len().max(2) - 1;
+    times.get(last).map_or(0.0, |end| (end - times[0]) / last as f64)
+}
+
+/// A path as a camera sees it at the times of its frames, whose shutter is open for `exposure` of the time between them.
+pub(crate) fn filmed([x, y]: &[Samples; 2], times: &[Second], exposure: f64) -> Vec<Point2> {
+    let width = exposure * frame_interval(times);
+    times.iter().map(|&t| [x.mean_at(t, width), y.mean_at(t, width)]).collect()
+}
+
 /// A path at other times.
 pub fn onto([x, y]: &[Samples; 2], times: &[Second]) -> Vec<Point2> {
     times.iter().map(|&t| [x.at(t), y.at(t)]).collect()

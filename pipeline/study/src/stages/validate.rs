@@ -34,6 +34,8 @@ pub struct Validate;
 pub struct Settings {
     /// Time step of the second-order scheme, s.
     step: Second,
+    /// How long the shutter is open, of the time between frames.
+    exposure: f64,
     /// Time step of implicit Euler, the paper's scheme, s.
     euler_step: Second,
     /// Duration after the first command that is also integrated by the full model, to measure the error of the reduction, s.
@@ -60,7 +62,7 @@ impl Stage for Validate {
     type Needs = ((Mesh, Identified, Reduced), Relaxation, InWater<Drag>, Repeats<Motion>);
     type Makes = Validation;
     const DESCRIPTION: &'static str = "flapping is predicted and compared with validation trials";
-    const VERSION: u32 = 10;
+    const VERSION: u32 = 11;
 
     fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<Validation> {
         let ((mesh, identified, reduced), relaxation, InWater(drag), Repeats(films)) = needs;
@@ -98,7 +100,7 @@ impl Stage for Validate {
         };
         let (mut scored, mut paths) = (Vec::new(), Vec::new());
         for (name, body, way, wet) in ways {
-            let path = simulation::onto(&simulate(body, way, wet)?, &seen.time);
+            let path = simulation::filmed(&simulate(body, way, wet)?, &seen.time, set.exposure);
             scored.push(ScoredModel { name: name.into(), rmse: repeats::rms(&seen.mean, &path) });
             paths.push(path);
         }

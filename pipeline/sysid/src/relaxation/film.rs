@@ -48,24 +48,33 @@ pub struct TimeSteps {
     pub longest: Second,
 }
 
+/// What a camera saw of one marker.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Footage {
+    /// In the order of time.
+    pub windows: Vec<Window>,
+    /// Index of the marker.
+    pub marker: usize,
+    /// How long the shutter is open, its middle at the frame's time, s.
+    pub exposure: Second,
+}
+
 /// A film of transients.
 pub struct Film {
     gauges: Vec<Samples>,
-    windows: Vec<Window>,
-    /// Index of the observed marker.
-    marker: usize,
+    footage: Footage,
     step: Second,
     /// Ends of the time steps, s after the first change.
     steps: Vec<Second>,
 }
 
 impl Film {
-    /// The `windows` of one marker, in the order of time, under the pressures of the chambers (`gauges`, Pa over s on the film's clock).
+    /// The `footage` of a body under the pressures of its chambers (`gauges`, Pa over s on the film's clock).
     ///
     /// # Errors
     /// A [`Diagnostic`] when there is no window with three frames.
-    pub fn new(windows: Vec<Window>, gauges: Vec<Samples>, marker: usize, steps: TimeSteps) -> Result<Self> {
-        let windows: Vec<Window> = windows.into_iter().filter(|w| w.times.len() > 2).collect();
+    pub fn new(footage: Footage, gauges: Vec<Samples>, steps: TimeSteps) -> Result<Self> {
+        let windows: Vec<Window> = footage.windows.into_iter().filter(|w| w.times.len() > 2).collect();
         let Some(begin) = windows.first().map(|w| w.begin) else {
             return Err(Diagnostic::new(
                 "the film shows no transient",
@@ -76,34 +85,33 @@ impl Film {
         let last = windows.iter().flat_map(|w| w.times.last()).copied().fold(begin, f64::max);
         let events: Vec<Second> = windows.iter().map(|w| w.begin - begin).collect();
         let ends = uneven_times(&events, last - begin, steps);
-        Ok(Self { gauges, windows, marker, step: steps.step, steps: ends })
+        let footage = Footage { windows, ..footage };
+        Ok(Self { gauges, footage, step: steps.step, steps: ends })
     }
 
     /// Number of frames of each window.
     pub(super) fn frames(&self) -> impl Iterator<Item = usize> + '_ {
-        self.windows.iter().map(|window| window.times.len())
+        self.footage.windows.iter().map(|window| window.times.len())
     }
 
     /// Mean time between two frames, s.
     pub(super) fn frame_interval(&self) -> Second {
-        let times = &self.windows[0].times;
+        let times = &self.footage.windows[0].times;
         (times[times.len() - 1] - times[0]) / (times.len() - 1) as f64
     }
 
-    /// Simulated minus measured displacement about the mean of each window, m: window after window, x before y.
+    /// Simulated minus measured displacement of each window, both about their means and the simulated one to the scale that fits best, m:
+    /// window after window, x before y.
     ///
     /// # Errors
     /// A [`Diagnostic`] when a step finds no motion.
     pub(super) fn residuals(&self, body: &ReducedBody) -> Result<Vec<f64>> {
         let path = self.simulated(body)?;
-        let mut residuals = Vec::new();
-        for window in &self.windows {
-            for (k, along) in path.iter().enumerate() {
-                let off = window.times.iter().zip(&window.seen).map(|(t, seen)| along.at(*t) - seen[k]);
-                residuals.extend(about_mean(off.collect()));
-            }
-        }
-        Ok(residuals)
+        let off = |window: &Window| {
+            let (simulated, measured) = window.compared(&path, self.footage.exposure);
+            simulated.into_iter().zip(measured).map(|(s, m)| s - m).collect::<Vec<f64>>()
+        };
+        Ok(self.footage.windows.iter().flat_map(off).collect())
     }
 
     /// Every window with its simulation.
@@ -111,29 +119,47 @@ impl Film {
     /// # Errors
     /// As [`Film::residuals`].
     pub(super) fn transients(&self, body: &ReducedBody) -> Result<Vec<Transient>> {
-        let [_, y] = self.simulated(body)?;
-        let shown = |window: &Window| Transient {
-            time_s: window.times.iter().map(|t| t - window.begin).collect(),
-            measured_m: about_mean(window.seen.iter().map(|p| p[1]).collect()),
-            simulated_m: about_mean(window.times.iter().map(|t| y.at(*t)).collect()),
-            command_pa: window.command,
+        let path = self.simulated(body)?;
+        let shown = |window: &Window| {
+            let (simulated, measured) = window.compared(&path, self.footage.exposure);
+            let lateral = |of: Vec<f64>| of[window.times.len()..].to_vec();
+            Transient {
+                time_s: window.times.iter().map(|t| t - window.begin).collect(),
+                measured_m: lateral(measured),
+                simulated_m: lateral(simulated),
+                command_pa: window.command,
+            }
         };
-        Ok(self.windows.iter().map(shown).collect())
+        Ok(self.footage.windows.iter().map(shown).collect())
     }
 
     /// Displacement of the marker along x and y, m, as functions of the film's time.
     fn simulated(&self, body: &ReducedBody) -> Result<[Samples; 2]> {
-        let begin = self.windows[0].begin;
+        let begin = self.footage.windows[0].begin;
         let settings = DynamicSettings { step: self.step, scheme: Scheme::Bdf2, ..DynamicSettings::default() };
         let pressures = |t: Second| self.gauges.iter().map(|gauge| gauge.at(begin + t)).collect();
         let motion = ForcedMotion { settings: &settings, pressures: &pressures, times: &self.steps };
-        let path = body.integrate(&motion, self.marker)?;
+        let path = body.integrate(&motion, self.footage.marker)?;
         let times: Vec<Second> = std::iter::once(&0.0).chain(&self.steps).map(|t| begin + t).collect();
         let axis = |k: usize| {
             let places = std::iter::once(0.0).chain(path.iter().map(|p| p[k])).collect();
             Samples::new(times.clone(), places).map_err(Diagnostic::from)
         };
         Ok([axis(0)?, axis(1)?])
+    }
+}
+
+impl Window {
+    /// Simulated and measured displacement, x before y, each about its mean; the simulated one to the scale that fits best. What a hold
+    /// reaches is a matter of the elastic law, whose stiffening with strain is not the silicone's: a spectrum that had to make up for it
+    /// would be biased.
+    fn compared(&self, path: &[Samples; 2], exposure: Second) -> (Vec<f64>, Vec<f64>) {
+        let axis = |k: usize| about_mean(self.times.iter().map(|t| path[k].mean_at(*t, exposure)).collect());
+        let simulated = [axis(0), axis(1)].concat();
+        let measured = [0, 1].map(|k| about_mean(self.seen.iter().map(|p| p[k]).collect())).concat();
+        let product = |a: &[f64]| a.iter().zip(&simulated).map(|(a, s)| a * s).sum::<f64>();
+        let scale = product(&measured) / product(&simulated).max(f64::MIN_POSITIVE);
+        (simulated.iter().map(|s| scale * s).collect(), measured)
     }
 }
 

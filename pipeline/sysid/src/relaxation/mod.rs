@@ -3,11 +3,11 @@
 //! After each change of its command a body vibrates, then creeps while the pressure is held, or recovers while it is not. All of it is
 //! simulated in reduced coordinates with a generalised Maxwell model: relaxation times are given, and Gauss-Newton identifies the logarithms
 //! of the strengths under a wide prior. The moduli belong to a stated time after loading, so that every spectrum that is tried gives the
-//! same held shapes: residuals are taken about their mean in each window between two changes.
+//! same held shapes: residuals are taken about their mean, and to the best scale, in each window between two changes.
 
 mod film;
 
-pub use film::{Film, TimeSteps, Transient, Window};
+pub use film::{Film, Footage, TimeSteps, Transient, Window};
 
 use nalgebra::DMatrix;
 use optimize::optimisers::gauss_newton::{GaussNewton, Settings as Newton};
