@@ -17,7 +17,7 @@ const FRAMES: usize = 120;
 fn main() {
     let set = Settings::built_in();
     let specimen = &rig::specimens::ALL[0];
-    let (own, tail) = (&set.specimen[specimen.name], (specimen.tail)());
+    let (own, tail) = (&set.specimen[&*specimen.name], (specimen.tail)());
     for (name, profile) in &set.profile {
         let r = profile.resolution;
         let resolution = Resolution { edge: r.edge, per_chamber: r.per_chamber, per_rib: r.per_rib };

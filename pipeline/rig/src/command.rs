@@ -1,4 +1,5 @@
-//! The command line: `rig record [SPECIMEN…] [--profile NAME] [--root DIR] [--into DIR] [--quiet]`, `rig check [--profile NAME] [--write]`.
+//! The command line: `rig record [SPECIMEN…] [--profile NAME] [--root DIR] [--into DIR] [--quiet]`, `rig draw COUNT [--seed S]`,
+//! `rig check [--profile NAME] [--write]`.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -8,11 +9,12 @@ use diagnostics::{Diagnostic, Result, output};
 use rayon::prelude::*;
 
 use crate::folder;
+use crate::population;
 use crate::progress::Progress;
 use crate::realism;
 use crate::record::{Request, Status, record};
 use crate::settings::Settings;
-use crate::specimen::Specimen;
+use crate::specimen::{Draw, Specimen};
 use crate::specimens::ALL;
 
 /// The virtual bench: simulates experiments on specimens with hidden properties and writes them to data/raw.
@@ -36,6 +38,27 @@ enum Task {
         #[arg(long, default_value = ".")]
         root: PathBuf,
         /// Folder for the specimens. The default is data/raw under the root, or target/quick/data/raw for the quick profile.
+        #[arg(long)]
+        into: Option<PathBuf>,
+        /// Do not print progress.
+        #[arg(long)]
+        quiet: bool,
+    },
+    /// Record a population: specimens of one design, each with its own silicone, sheet, casting, water, valve and camera, drawn at random.
+    Draw {
+        /// How many: tail_001 to tail_COUNT. Those that are up to date are kept.
+        #[arg(value_parser = clap::value_parser!(u16).range(1..=9999))]
+        count: u16,
+        /// Seed of the population.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+        /// Extent and resolution of the recordings.
+        #[arg(long, default_value = "population")]
+        profile: String,
+        /// The project's folder.
+        #[arg(long, default_value = ".")]
+        root: PathBuf,
+        /// Folder for the specimens. The default is target/population/data/raw under the root.
         #[arg(long)]
         into: Option<PathBuf>,
         /// Do not print progress.
@@ -70,7 +93,18 @@ pub fn run() -> ExitCode {
         Task::Record { specimens, profile, root, into, quiet } => {
             let into = into.unwrap_or_else(|| raw_folder(&root, &profile));
             let progress = Progress::new(quiet);
-            record_all(&specimens, &Request { set: &set, profile: &profile, into: &into, progress: &progress })
+            let request = Request { set: &set, profile: &profile, into: &into, progress: &progress };
+            recorded(&request, choose(&specimens, &profile, &set), |specimen| record_one(specimen, &request))
+        }
+        Task::Draw { count, seed, profile, root, into, quiet } => {
+            let into = into.unwrap_or_else(|| raw_folder(&root, &profile));
+            let progress = Progress::new(quiet);
+            let request = Request { set: &set, profile: &profile, into: &into, progress: &progress };
+            let numbers = known_profile(&profile, &set).map(|()| (1..=usize::from(count)).collect());
+            recorded(&request, numbers, |number| {
+                let member = population::member(&set, Draw { seed, number });
+                record_one(&member.specimen, &Request { set: &member.settings, ..request })
+            })
         }
         Task::Check { root, profile, write } => {
             match check(&set, &raw_folder(&root, &profile), write.then_some(root)) {
@@ -99,14 +133,15 @@ fn check(set: &Settings, raw: &Path, root: Option<PathBuf>) -> Result<()> {
     }
 }
 
-fn record_all(specimens: &[String], request: &Request) -> ExitCode {
-    let chosen = match choose(specimens, request.profile, request.set) {
+/// Records every one of what was chosen in parallel.
+fn recorded<T: Send>(request: &Request, chosen: Result<Vec<T>>, one: impl Fn(T) -> Result<()> + Sync) -> ExitCode {
+    let chosen = match chosen {
         Ok(chosen) => chosen,
         Err(error) => return fail(&error, USAGE),
     };
     let record = || {
         let _lock = folder::lock(request.into)?;
-        chosen.into_par_iter().try_for_each(|specimen| record_one(specimen, request))
+        chosen.into_par_iter().try_for_each(&one)
     };
     match record() {
         Ok(()) => ExitCode::SUCCESS,
@@ -115,10 +150,10 @@ fn record_all(specimens: &[String], request: &Request) -> ExitCode {
 }
 
 fn record_one(specimen: &Specimen, request: &Request) -> Result<()> {
-    let task = request.progress.begin("record", specimen.name, 1);
+    let task = request.progress.begin("record", &*specimen.name, 1);
     match record(specimen, request)? {
-        Status::Recorded => task.done(&request.into.join(specimen.name).display().to_string()),
-        Status::UpToDate => request.progress.line("record", specimen.name, "up to date"),
+        Status::Recorded => task.done(&request.into.join(&*specimen.name).display().to_string()),
+        Status::UpToDate => request.progress.line("record", &specimen.name, "up to date"),
     }
     Ok(())
 }
@@ -136,18 +171,21 @@ fn raw_folder(root: &Path, profile: &str) -> PathBuf {
 
 /// The specimens of these names, or all if `names` is empty.
 fn choose(names: &[String], profile: &str, set: &Settings) -> Result<Vec<&'static Specimen>> {
-    if !set.profile.contains_key(profile) {
-        let known: Vec<&str> = set.profile.keys().map(String::as_str).collect();
-        return Err(unknown(&format!("the profile `{profile}`"), &known));
-    }
+    known_profile(profile, set)?;
     if names.is_empty() {
         return Ok(ALL.iter().collect());
     }
-    let known: Vec<&str> = ALL.iter().map(|s| s.name).collect();
+    let known: Vec<&str> = ALL.iter().map(|s| &*s.name).collect();
     let find = |name: &String| {
-        ALL.iter().find(|s| s.name == name).ok_or_else(|| unknown(&format!("the specimen `{name}`"), &known))
+        ALL.iter().find(|s| s.name == **name).ok_or_else(|| unknown(&format!("the specimen `{name}`"), &known))
     };
     names.iter().map(find).collect()
+}
+
+fn known_profile(profile: &str, set: &Settings) -> Result<()> {
+    let known: Vec<&str> = set.profile.keys().map(String::as_str).collect();
+    let refused = || unknown(&format!("the profile `{profile}`"), &known);
+    if known.contains(&profile) { Ok(()) } else { Err(refused()) }
 }
 
 fn unknown(what: &str, known: &[&str]) -> Diagnostic {
@@ -166,7 +204,7 @@ mod tests {
             choose(&names, profile, &set).err().map(|error| error.to_string()).unwrap_or_default()
         };
         assert!(message(&["goldfish"], "quick").contains("the bench has nemo"));
-        assert!(message(&[], "slow").contains("paper, quick"));
+        assert!(message(&[], "slow").contains("paper, population, quick"));
         assert_eq!(message(&[], "quick"), "");
     }
 

@@ -31,6 +31,7 @@ mod folder;
 mod force_log;
 mod instruments;
 pub mod physics;
+pub mod population;
 mod pressure_log;
 pub mod progress;
 pub mod random;

@@ -60,12 +60,12 @@ const SKIN_DISTANCE_LIMIT: Metre = 2e-4;
 /// # Errors
 /// When the folder was not made by the bench, a solve does not converge, or a file cannot be written.
 pub fn record(specimen: &Specimen, request: &Request) -> Result<Status> {
-    let (folder, stamp) = (request.into.join(specimen.name), stamp::text(specimen, request.profile));
+    let (folder, stamp) = (request.into.join(&*specimen.name), stamp::text(specimen, request.profile));
     if stamp::inspect(&folder, &stamp)? == FolderState::Current {
         return Ok(Status::UpToDate);
     }
-    let partial = folder::begin(request.into, specimen.name, stamp::FILE, &stamp)?;
-    fill(specimen, request, &partial).map_err(|e| e.of(specimen.name))?;
+    let partial = folder::begin(request.into, &specimen.name, stamp::FILE, &stamp)?;
+    fill(specimen, request, &partial).map_err(|e| e.of(&*specimen.name))?;
     checkpoint::clear(&partial)?;
     folder::finish(&partial, &folder)?;
     Ok(Status::Recorded)
@@ -73,7 +73,7 @@ pub fn record(specimen: &Specimen, request: &Request) -> Result<Status> {
 
 fn fill(specimen: &Specimen, request: &Request, folder: &Path) -> Result<()> {
     let Request { set, progress, .. } = *request;
-    let (name, own, tail) = (specimen.name, &set.specimen[specimen.name], (specimen.tail)());
+    let (name, own, tail) = (&*specimen.name, &set.specimen[&*specimen.name], (specimen.tail)());
     let profile = &set.profile[request.profile];
     let hidden = HiddenProperties::drawn(set, own);
     write_solids(name, &tail, set.cad.fineness, folder)?;

@@ -3,6 +3,8 @@
 //! The shape is public: it is written as two STL files. The properties are drawn from the ranges of the settings and written to
 //! `truth.toml` alone.
 
+use std::borrow::Cow;
+
 use si::{Metre, Point2};
 
 use lab::truth::{Properties, TrueBranch};
@@ -14,9 +16,20 @@ use crate::settings;
 /// A specimen: a name in `bench.toml` and a shape.
 pub struct Specimen {
     /// Its name, and its folder's.
-    pub name: &'static str,
+    pub name: Cow<'static, str>,
     /// Its shape.
     pub tail: fn() -> Tail,
+    /// Where it comes from a population.
+    pub draw: Option<Draw>,
+}
+
+/// A specimen's place in a population ([`crate::population`]).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Draw {
+    /// The population's seed.
+    pub seed: u64,
+    /// Its number in the population, from 1.
+    pub number: usize,
 }
 
 /// The sheet's material.

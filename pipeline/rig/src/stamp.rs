@@ -7,7 +7,7 @@ use std::path::Path;
 use diagnostics::{Diagnostic, Result};
 
 use crate::settings;
-use crate::specimen::Specimen;
+use crate::specimen::{Draw, Specimen};
 
 /// The stamp's file.
 pub const FILE: &str = ".virtual-bench";
@@ -28,16 +28,29 @@ pub enum FolderState {
 /// The stamp of a recording: it changes with the settings that apply to it, its shape, the bench's version and the profile.
 pub fn text(specimen: &Specimen, profile: &str) -> String {
     let mut hash = blake3::Hasher::new();
-    hash.update(own_settings(specimen.name, profile).as_bytes());
+    hash.update(settings_of(specimen, profile).as_bytes());
     hash.update(format!("{:?}", (specimen.tail)()).as_bytes());
-    let (hash, name) = (hash.finalize().to_hex(), specimen.name);
-    let head = format!("made by the virtual bench; the folder may be deleted and made again: rig record {name}");
+    let (hash, name) = (hash.finalize().to_hex(), &specimen.name);
+    let again = match specimen.draw {
+        None => format!("rig record {name}"),
+        Some(Draw { seed, number }) => format!("rig draw {number} --seed {seed}"),
+    };
+    let head = format!("made by the virtual bench; the folder may be deleted and made again: {again}");
     format!("{head}\nspecimen {name}\nprofile {profile}\nedition {VERSION}\nsettings {hash}\n")
 }
 
-/// The settings that apply to one specimen in one profile, without those of the others and without comments.
-fn own_settings(name: &str, profile: &str) -> String {
+/// The settings that decide the recording of a specimen. One of a population has those of its design, of the population and its draw.
+fn settings_of(specimen: &Specimen, profile: &str) -> String {
     let mut all: toml::Table = toml::from_str(settings::TEXT).expect("the program's own settings are TOML");
+    let population = all.remove("population").expect("bench.toml has a population");
+    match (specimen.draw, population.get("like").and_then(toml::Value::as_str)) {
+        (Some(draw), Some(like)) => format!("{}{population}{draw:?}", own_settings(all, like, profile)),
+        _ => own_settings(all, &specimen.name, profile),
+    }
+}
+
+/// The settings that apply to one specimen in one profile, without those of the others and without comments.
+fn own_settings(mut all: toml::Table, name: &str, profile: &str) -> String {
     retain(&mut all, &["specimen"], name);
     retain(&mut all, &["profile"], profile);
     retain(&mut all, &["buoyancy", "water"], name);
@@ -78,14 +91,27 @@ fn is_complete(folder: &Path) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::settings::Settings;
+    use crate::{population, specimens};
 
     #[test]
     fn settings_of_another_specimen_or_profile_do_not_enter_a_stamp() {
-        let own = own_settings("nemo", "quick");
+        let of = |profile: &str| settings_of(&specimens::ALL[0], profile);
+        let own = of("quick");
         for (expected, word) in [(true, "[specimen.nemo]"), (false, "[specimen.dory]"), (true, "[valve]")] {
             assert_eq!(own.contains(word), expected, "{word}");
         }
         assert!(own.contains("[profile.quick") && !own.contains("[profile.paper") && !own.contains("dory ="));
-        assert_ne!(own, own_settings("nemo", "paper"));
+        assert!(!own.contains("population"), "{own}");
+        assert_ne!(own, of("paper"));
+    }
+
+    #[test]
+    fn the_draw_of_a_population_enters_the_stamps_of_its_specimens() {
+        let text =
+            |seed, number| text(&population::member(&Settings::built_in(), Draw { seed, number }).specimen, "quick");
+        assert_eq!(text(1, 2), text(1, 2));
+        assert!(text(1, 2) != text(2, 2) && text(1, 2) != text(1, 3));
+        assert!(text(1, 2).contains("rig draw 2 --seed 1"));
     }
 }

@@ -44,7 +44,7 @@ fn tiny() -> Settings {
         brief: true,
         poses: 1,
     };
-    let own = set.specimen.get_mut(ALL[0].name).unwrap();
+    let own = set.specimen.get_mut(&*ALL[0].name).unwrap();
     (own.levels, own.levels_in_water) = (vec![1500.0], vec![1500.0]);
     own.flaps.clear();
     set.calibration.flat = 4;
@@ -87,7 +87,7 @@ fn a_recording_is_read_by_lab_and_is_reproducible_to_the_byte() {
     assert_eq!(a.keys().collect::<Vec<_>>(), b.keys().collect::<Vec<_>>());
     let differing: Vec<&PathBuf> = a.keys().filter(|name| a[*name] != b[*name]).collect();
     assert!(differing.is_empty(), "{differing:?}");
-    assert_complete(&first.join(ALL[0].name));
+    assert_complete(&first.join(&*ALL[0].name));
 }
 
 /// Logs of the load cell agree with their ground truth, and the taps are in both logs at the same time.
@@ -131,7 +131,7 @@ fn assert_complete(folder: &Path) {
 #[test]
 fn a_folder_that_the_bench_did_not_make_is_an_error_and_is_not_changed() {
     let folder = TestFolder::new("other");
-    let own = folder.0.join(ALL[0].name);
+    let own = folder.0.join(&*ALL[0].name);
     std::fs::create_dir_all(&own).unwrap();
     std::fs::write(own.join("specimen.toml"), "a laboratory's card").unwrap();
     let error = record_tiny(&folder.0).unwrap_err().to_string();

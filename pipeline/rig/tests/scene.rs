@@ -38,7 +38,7 @@ fn bent(nodes: &[Point3], bend: f64) -> Vec<Point3> {
 #[test]
 fn the_centroid_of_a_drawn_mark_is_the_true_pixel_to_a_hundredth() {
     let (set, specimen) = (Settings::built_in(), &ALL[0]);
-    let (own, tail) = (&set.specimen[specimen.name], (specimen.tail)());
+    let (own, tail) = (&set.specimen[&*specimen.name], (specimen.tail)());
     let resolution = Resolution { edge: 0.004, per_chamber: 1, per_rib: 1 };
     let mesh = mesh::quadratic(&tail.mesh(&resolution).unwrap());
     let camera = Renderer::new(&set, own.seed, own.clamp).camera;
@@ -61,7 +61,7 @@ fn the_centroid_of_a_drawn_mark_is_the_true_pixel_to_a_hundredth() {
 #[test]
 fn the_skin_covers_the_tail_and_nothing_else() {
     let (set, specimen) = (Settings::built_in(), &ALL[0]);
-    let (own, tail) = (&set.specimen[specimen.name], (specimen.tail)());
+    let (own, tail) = (&set.specimen[&*specimen.name], (specimen.tail)());
     let resolution = Resolution { edge: 0.006, per_chamber: 1, per_rib: 1 };
     let mesh = mesh::quadratic(&tail.mesh(&resolution).unwrap());
     let camera = Renderer::new(&set, own.seed, own.clamp).camera;
@@ -82,7 +82,7 @@ fn the_skin_covers_the_tail_and_nothing_else() {
 #[test]
 fn a_moving_mark_under_ripples_is_drawn_at_its_true_pixel_to_a_hundredth() {
     let (set, specimen) = (Settings::built_in(), &ALL[0]);
-    let (own, tail) = (&set.specimen[specimen.name], (specimen.tail)());
+    let (own, tail) = (&set.specimen[&*specimen.name], (specimen.tail)());
     let mesh = mesh::quadratic(&tail.mesh(&Resolution { edge: 0.006, per_chamber: 1, per_rib: 1 }).unwrap());
     let renderer = Renderer::new(&set, own.seed, own.clamp);
     let recording = renderer.of_recording(Medium::Water, "test");

@@ -64,7 +64,7 @@ pub(crate) fn comparisons(set: &Settings) -> Vec<Comparison> {
 /// When a recording of the bench cannot be read.
 pub(crate) fn with_recordings(set: &Settings, raw: &Path) -> Result<Vec<Comparison>> {
     let mut all = comparisons(set);
-    all.extend(water::comparisons(raw, &ALL.iter().map(|specimen| specimen.name).collect::<Vec<_>>())?);
+    all.extend(water::comparisons(raw, &ALL.iter().map(|specimen| &*specimen.name).collect::<Vec<_>>())?);
     Ok(all)
 }
 

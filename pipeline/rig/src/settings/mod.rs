@@ -6,6 +6,7 @@ mod camera;
 mod force;
 mod hidden;
 mod pneumatics;
+mod population;
 
 use std::collections::BTreeMap;
 
@@ -17,6 +18,7 @@ pub use camera::{Calibration, Camera, Lamp, Plane, Water};
 pub use force::{Buoyancy, Cell, Hammer, StillWater, Tank};
 pub use hidden::{Casting, Causes, Fluid, Material, Mullins, Nominal, PosePerturbation};
 pub use pneumatics::{Log, Port, Valve};
+pub use population::Population;
 
 /// The text of the settings; the stamp of a recording is made from it.
 pub const TEXT: &str = include_str!("../../bench.toml");
@@ -35,6 +37,8 @@ pub struct Settings {
     pub fluid: Fluid,
     /// Specimens, by name.
     pub specimen: BTreeMap<String, Specimen>,
+    /// What is drawn anew for each specimen of a population.
+    pub population: Population,
     /// The STL files.
     pub cad: Cad,
     /// Valve and hose.
