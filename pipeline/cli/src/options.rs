@@ -22,7 +22,7 @@ pub struct Cli {
 /// Options of every command.
 #[derive(Debug, Args)]
 pub struct Place {
-    /// Settings and folders to use: quick is coarse and writes to target/quick.
+    /// Settings and folders to use: quick is coarse and writes to target/quick, population is for the specimens of `rig draw`.
     #[arg(long, global = true, value_enum, default_value_t = Profile::Paper)]
     pub profile: Profile,
     /// The project's folder.
@@ -213,6 +213,8 @@ pub enum Profile {
     Paper,
     /// Coarse and short.
     Quick,
+    /// Coarse, for many specimens.
+    Population,
 }
 
 impl From<Profile> for settings::Profile {
@@ -220,6 +222,7 @@ impl From<Profile> for settings::Profile {
         match profile {
             Profile::Paper => settings::Profile::Paper,
             Profile::Quick => settings::Profile::Quick,
+            Profile::Population => settings::Profile::Population,
         }
     }
 }

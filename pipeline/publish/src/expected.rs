@@ -54,6 +54,8 @@ struct Page {
     paper: BTreeMap<String, Expectation>,
     #[serde(default)]
     quick: BTreeMap<String, Expectation>,
+    #[serde(default)]
+    population: BTreeMap<String, Expectation>,
 }
 
 impl Expected {
@@ -71,11 +73,15 @@ impl Expected {
         };
         let text = std::fs::read_to_string(path).map_err(|e| diagnostic(&e))?;
         let page: Page = toml::from_str(&text).map_err(|e| diagnostic(&e))?;
-        let listed = [&page.paper, &page.quick].into_iter().flat_map(BTreeMap::keys).chain(page.published.keys());
+        let listed = [&page.paper, &page.quick, &page.population]
+            .into_iter()
+            .flat_map(BTreeMap::keys)
+            .chain(page.published.keys());
         let named = page.not_in_every_profile.iter().chain(listed).cloned().collect();
         let expected = match profile {
             Profile::Paper => page.paper,
             Profile::Quick => page.quick,
+            Profile::Population => page.population,
         };
         Ok(Self { published: page.published, expected, named })
     }

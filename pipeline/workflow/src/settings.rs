@@ -1,7 +1,7 @@
 //! Settings from `study.toml`, one section a stage.
 //!
-//! Plain sections are the paper profile; a section under `[quick]` overrides single keys of it. Nothing else differs
-//! between the two profiles.
+//! Plain sections are the paper profile; a section under `[quick]` or `[population]` overrides single keys of it. Nothing else differs
+//! between the profiles.
 
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
@@ -15,14 +15,20 @@ pub enum Profile {
     Paper,
     /// Coarse and short, for tests and continuous integration; its folders are under `target/quick`.
     Quick,
+    /// Coarse, for many specimens of one design; its folders are under `target/population`.
+    Population,
 }
 
 impl Profile {
+    /// Every profile.
+    pub const ALL: [Profile; 3] = [Profile::Paper, Profile::Quick, Profile::Population];
+
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Profile::Paper => "paper",
             Profile::Quick => "quick",
+            Profile::Population => "population",
         }
     }
 }
@@ -63,9 +69,11 @@ impl Settings {
         let mut table: Table = text.parse().map_err(|e| {
             Diagnostic::new("study.toml cannot be read", format!("{e}").trim_end(), "correct the line that it names")
         })?;
-        let quick = table.remove("quick");
-        if let (Profile::Quick, Some(Value::Table(over))) = (profile, quick) {
-            lay_over(&mut table, over);
+        for other in Profile::ALL.into_iter().filter(|p| *p != Profile::Paper) {
+            match table.remove(other.name()) {
+                Some(Value::Table(over)) if other == profile => lay_over(&mut table, over),
+                _ => {}
+            }
         }
         match table.keys().find(|name| !schema.sections.contains(&name.as_str())) {
             Some(name) => Err(unknown_section(name, schema)),
@@ -134,14 +142,15 @@ mod tests {
             Renamed { section: "mesh", old: "size", new: "edge" },
         ],
     };
-    const TEXT: &str = "[mesh]\nedge = 0.002\nkeep = true\n[quick.mesh]\nedge = 0.004\n";
+    const TEXT: &str =
+        "[mesh]\nedge = 0.002\nkeep = true\n[quick.mesh]\nedge = 0.004\n[population.mesh]\nkeep = false\n";
 
     #[test]
-    fn the_quick_profile_overrides_single_keys_only() {
-        let quick = Settings::read(TEXT, Profile::Quick, SCHEMA).unwrap();
-        let paper = Settings::read(TEXT, Profile::Paper, SCHEMA).unwrap();
-        assert_eq!(quick.section::<Mesh>("mesh").unwrap(), Mesh { edge: 0.004, keep: true });
-        assert_eq!(paper.section::<Mesh>("mesh").unwrap(), Mesh { edge: 0.002, keep: true });
+    fn other_profiles_than_the_paper_s_override_single_keys_only() {
+        let mesh = |profile| Settings::read(TEXT, profile, SCHEMA).unwrap().section::<Mesh>("mesh").unwrap();
+        assert_eq!(mesh(Profile::Quick), Mesh { edge: 0.004, keep: true });
+        assert_eq!(mesh(Profile::Paper), Mesh { edge: 0.002, keep: true });
+        assert_eq!(mesh(Profile::Population), Mesh { edge: 0.002, keep: false });
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Folders: the layout on disk. The one place that builds paths.
 //!
-//! The paper profile uses the project itself; the quick profile has the same folders under `target/quick`, so that it
-//! never changes tracked files. Settings, claims and expectations are the project's in both.
+//! The paper profile uses the project itself; every other has the same folders under `target/<profile>`, so that it
+//! never changes tracked files. Settings, claims and expectations are the project's in all of them.
 
 use std::path::{Path, PathBuf};
 
@@ -21,7 +21,7 @@ impl Folders {
     pub fn new(project: &Path, profile: Profile) -> Self {
         let base = match profile {
             Profile::Paper => project.to_path_buf(),
-            Profile::Quick => project.join("target").join("quick"),
+            other => project.join("target").join(other.name()),
         };
         Self { project: project.to_path_buf(), base }
     }
