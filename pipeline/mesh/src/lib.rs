@@ -45,6 +45,7 @@ pub mod stl;
 mod surface;
 mod tetrahedra;
 mod validate;
+pub mod vtu;
 
 pub use cavities::{Cavity, cavities};
 pub use columns::{MeshError, Settings, mesh, mesh_without_sheet};

@@ -6,6 +6,7 @@
 //! | [`minimise()`] | runs an optimiser on an objective and logs every evaluation |
 //! | [`levenberg_marquardt`], [`linear`] | least squares in one call: nonlinear, linear, ridge, non-negative |
 //! | [`least_squares`], [`whitening`], [`posterior`] | residuals with their Jacobian, their covariance, the parameters' posterior |
+//! | [`coverage`] | how often truths lie inside stated intervals |
 //! | [`network`] | a multilayer perceptron for scalar regression |
 //!
 //! An optimiser asks for points and is told their evaluations, so the caller decides where and in what order they are simulated:
@@ -32,6 +33,7 @@
 //!
 //! Depends on `si`, nalgebra, faer (products of the network) and safetensors. Paper, sections IV and V.
 
+pub mod coverage;
 mod error;
 pub mod least_squares;
 pub mod levenberg_marquardt;

@@ -33,6 +33,30 @@ impl Residuals {
         Ok(by_scatter.scaled(widened))
     }
 
+    /// By how much the parameters at the minimum follow when the residuals change by `change`: −(JᵀJ)⁻¹ Jᵀ change. With the change that one
+    /// standard deviation of a parameter kept fixed makes, it is that parameter's part in the uncertainty of the others, as in a
+    /// consider covariance \[tapley2004, section 6.2\].
+    ///
+    /// # Errors
+    /// [`OptimiseError::Undetermined`] when JᵀJ is singular.
+    pub fn response(&self, change: &[f64], parameters: usize) -> Result<Vec<f64>, OptimiseError> {
+        let moved = Residuals { values: change.to_vec(), jacobian: self.jacobian.clone() };
+        let singular =
+            || "JᵀJ is singular: the residuals do not change along some direction of the parameters".to_owned();
+        moved
+            .damped_step(0.0, &vec![true; parameters])
+            .ok_or_else(|| OptimiseError::Undetermined { parameters, why: singular() })
+    }
+
+    /// ½ ln det JᵀJ, of whitened residuals: −∞ where the residuals leave a direction of the parameters open.
+    pub fn half_log_information(&self, parameters: usize) -> f64 {
+        let jacobian = DMatrix::from_row_slice(self.values.len(), parameters, &self.jacobian);
+        jacobian
+            .tr_mul(&jacobian)
+            .cholesky()
+            .map_or(f64::NEG_INFINITY, |c| c.l_dirty().diagonal().iter().map(|d| d.ln()).sum())
+    }
+
     /// χ² over the degrees of freedom: near 1 when the residuals have the covariance that was assumed.
     pub fn reduced_chi_square(&self, parameters: usize) -> f64 {
         2.0 * self.half_sum_of_squares() / self.values.len().saturating_sub(parameters).max(1) as f64
@@ -109,6 +133,13 @@ mod tests {
         assert_eq!(integrated_correlation(&fast), 1.0);
         let slow: Vec<f64> = (0..400).map(|i| (std::f64::consts::TAU * f64::from(i) / 40.0).cos()).collect();
         assert!(integrated_correlation(&slow) > 10.0);
+    }
+
+    #[test]
+    fn a_change_that_a_parameter_can_undo_is_answered_by_minus_that_parameter() {
+        let response = residuals(1.0, 3.0).response(&[0.2, 0.6, 0.0], 2).unwrap();
+        // the changes are those of 0.2 in the first parameter: 0.2 × (1, 3)
+        assert!((response[0] + 0.2).abs() < 1e-12 && response[1].abs() < 1e-12, "{response:?}");
     }
 
     #[test]

@@ -31,6 +31,7 @@ mod polynomial;
 pub mod resample;
 pub mod smooth;
 pub mod spectrum;
+pub mod statistics;
 #[cfg(test)]
 mod testing;
 pub mod wave;

@@ -3,7 +3,9 @@
 //! [`outline`] is the shape of a tail for elongated-body theory; [`run`] is one flapping trial as evenly spaced samples; `models/` has one
 //! file a kind of model, and [`MODELS`] is their list; [`splits`] chooses training and test runs; [`score`] computes errors on test
 //! runs with bootstrap intervals. [`square_wave`] is the actuation. [`simulated`] evaluates a trained model on the motion of the full
-//! finite-element model with its adjoint gradient, [`flapping`] on that of the reduced model in [`water`]; [`ascent`] maximises either.
+//! finite-element model with its adjoint gradient, [`flapping`] on that of the reduced model in [`water`]; [`ascent`] maximises either. [`underwater`] is that model under measured
+//! pressures; [`release`] identifies the
+//! coefficients of that water.
 //!
 //! ```
 //! use thrust::square_wave::SquareWave;
@@ -19,11 +21,13 @@ pub mod ascent;
 pub mod flapping;
 pub mod models;
 pub mod outline;
+pub mod release;
 pub mod run;
 pub mod score;
 pub mod simulated;
 pub mod splits;
 pub mod square_wave;
+pub mod underwater;
 pub mod water;
 
 pub use models::{Fitted, MODELS, ThrustModel, TrainingSettings};

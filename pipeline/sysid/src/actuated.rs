@@ -1,0 +1,141 @@
+//! Motion under measured pressures with identified moduli, by the reduced or by the full model, and as a camera films it.
+
+use fem::{DynamicSettings, InitialValueProblem, Scheme, State};
+use si::{Pascal, Point2, Second};
+use signal::resample::Samples;
+
+use crate::model::{Model, Viscoelastic};
+use crate::reduced::{ForcedMotion, ReducedBody, even_times};
+use diagnostics::{Diagnostic, Result};
+
+/// A model with its silicone, and the observed marker.
+pub struct MotionSimulation<'a> {
+    /// The model, with its markers at their measured positions.
+    pub model: &'a Model,
+    /// The identified constants and the identified relaxation.
+    pub silicone: Viscoelastic,
+    /// Index of the observed marker.
+    pub marker: usize,
+}
+
+/// The actuation of a motion from rest: its interval on the film's clock, and the pressures.
+pub struct Actuation<'a> {
+    /// s.
+    pub begin: Second,
+    /// s.
+    pub end: Second,
+    /// Duration of the ramp from zero to the measured pressures, s.
+    pub ramp: Second,
+    /// One a chamber, Pa.
+    pub gauges: &'a [Samples],
+}
+
+impl Actuation<'_> {
+    /// Pressures (Pa) `t` s after the begin.
+    pub fn pressures(&self, t: Second) -> Vec<Pascal> {
+        let part = if self.ramp > 0.0 { (t / self.ramp).clamp(0.0, 1.0) } else { 1.0 };
+        let ease = part * part * (3.0 - 2.0 * part);
+        self.gauges.iter().map(|g| ease * g.at(self.begin + t)).collect()
+    }
+
+    /// Ends of equal steps, s after the begin.
+    pub fn times(&self, step: Second) -> Vec<Second> {
+        even_times(step, ((self.end - self.begin) / step).ceil() as usize)
+    }
+
+    /// A path from rest, sampled at the ends of steps (s after the begin), as functions of the film's time.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when the times do not rise.
+    pub fn sampled(&self, steps: &[Second], path: &[Point2]) -> Result<[Samples; 2]> {
+        let times: Vec<Second> = std::iter::once(&0.0).chain(steps).map(|t| self.begin + t).collect();
+        let axis = |k: usize| {
+            let at = std::iter::once(0.0).chain(path.iter().map(|p| p[k])).collect();
+            Samples::new(times.clone(), at).map_err(Diagnostic::from)
+        };
+        Ok([axis(0)?, axis(1)?])
+    }
+}
+
+impl MotionSimulation<'_> {
+    /// Displacement of the observed marker along x and y, m, by the reduced model.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when a step finds no motion.
+    pub fn run(
+        &self,
+        reduced_body: &ReducedBody,
+        settings: &DynamicSettings,
+        actuation: &Actuation,
+    ) -> Result<[Samples; 2]> {
+        let times = actuation.times(settings.step);
+        let motion = ForcedMotion { settings, pressures: &|t| actuation.pressures(t), times: &times };
+        let path = reduced_body.integrate(&motion, self.marker)?;
+        actuation.sampled(&times, &path)
+    }
+
+    /// The same by the full model.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when a step finds no motion.
+    pub fn whole(&self, settings: &DynamicSettings, actuation: &Actuation) -> Result<[Samples; 2]> {
+        let mut solver = self.model.system.solver();
+        self.silicone.apply(&mut solver)?;
+        let rest = State::rest(self.model.system.mesh().nodes.len());
+        let (spot, mut path) = (&self.model.markers[self.marker], Vec::new());
+        let mut observe = |_: Second, state: &State| path.push(Model::in_plane(spot, &state.displacement));
+        let times = actuation.times(settings.step);
+        solver.integrate(
+            &InitialValueProblem { settings, initial: &rest, pressures: &|t| actuation.pressures(t) },
+            times.len(),
+            &mut observe,
+        )?;
+        actuation.sampled(&times, &path)
+    }
+}
+
+/// Settings of a fixed step: what dissipates is the silicone's relaxation alone.
+pub fn dynamic_settings(scheme: Scheme, step: Second) -> DynamicSettings {
+    DynamicSettings { step, scheme, ..DynamicSettings::default() }
+}
+
+/// Mean time between frames, s.
+pub fn frame_interval(times: &[Second]) -> Second {
+    let last = times.len().max(2) - 1;
+    times.get(last).map_or(0.0, |end| (end - times[0]) / last as f64)
+}
+
+/// A path as a camera sees it at the times of its frames, whose shutter is open for `exposure` of the time between them.
+pub fn filmed([x, y]: &[Samples; 2], times: &[Second], exposure: f64) -> Vec<Point2> {
+    let width = exposure * frame_interval(times);
+    times.iter().map(|&t| [x.mean_at(t, width), y.mean_at(t, width)]).collect()
+}
+
+/// A path at other times.
+pub fn onto([x, y]: &[Samples; 2], times: &[Second]) -> Vec<Point2> {
+    times.iter().map(|&t| [x.at(t), y.at(t)]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ramp_eases_the_pressure_from_zero_to_the_gauge() {
+        let gauge = Samples::new(vec![0.0, 10.0], vec![2e4, 2e4]).unwrap();
+        let actuation = Actuation { begin: 1.0, end: 2.0, ramp: 0.5, gauges: &[gauge] };
+        let at = |t: f64| actuation.pressures(t)[0];
+        assert_eq!((at(0.0), at(0.25), at(0.5), at(0.9)), (0.0, 1e4, 2e4, 2e4));
+        assert_eq!(actuation.times(0.25), [0.25, 0.5, 0.75, 1.0]);
+    }
+
+    #[test]
+    fn an_open_shutter_averages_the_path() {
+        let times: Vec<f64> = (0..=100).map(|i| 0.01 * f64::from(i)).collect();
+        let squares = times.iter().map(|t| t * t).collect();
+        let path = [Samples::new(times.clone(), times.clone()).unwrap(), Samples::new(times, squares).unwrap()];
+        let filmed = filmed(&path, &[0.3, 0.5, 0.7], 1.0);
+        // the mean of t² over a width w about t is t² + w²/12
+        assert!((filmed[1][0] - 0.5).abs() < 1e-9 && (filmed[1][1] - (0.25 + 0.04 / 12.0)).abs() < 1e-4, "{filmed:?}");
+    }
+}

@@ -1,0 +1,120 @@
+//! Wall: change of the distance between the outer wall of a tail and its sheet when the tail bends.
+//!
+//! Measured in the section at mid height relative to the sheet, so that bending, which moves wall and sheet alike, does not count.
+
+use std::collections::BTreeSet;
+
+use mesh::{QuadraticMesh, SPINE, Skin};
+use serde::{Deserialize, Serialize};
+use si::{Metre, Point2, Point3, vec3};
+
+/// Change of the distance between outer wall and sheet at mid height, and where.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Walls {
+    /// Deepest dent of the side without pressure, m.
+    pub dent_m: Metre,
+    /// Where that is at rest, m.
+    pub dent_at: Point3,
+    /// Highest bulge of the side under pressure, m.
+    pub bulge_m: Metre,
+}
+
+/// A section of wall and sheet, by nodes of the mesh.
+pub struct Section {
+    /// On the outside, by side: y above zero, y below.
+    outer: [Vec<u32>; 2],
+    /// On the sheet's face, by side, along x.
+    sheet: [Vec<u32>; 2],
+    rest: Vec<Point3>,
+}
+
+/// Nodes nearer to mid height than this belong to the section, m.
+const NEAR: Metre = 1e-6;
+
+impl Section {
+    /// The section of a mesh at mid height; nothing where no nodes lie there.
+    pub fn of(solid: &QuadraticMesh) -> Option<Self> {
+        let level = |node: &u32| solid.nodes[*node as usize][2].abs() < NEAR;
+        let skin = solid.skin.iter().filter(|f| f.on == Skin::Outer).flat_map(|f| f.nodes);
+        let spine = solid.tets.iter().zip(&solid.regions).filter(|(_, r)| **r == SPINE).flat_map(|(t, _)| *t);
+        let spine: BTreeSet<u32> = spine.filter(level).collect();
+        let outer: BTreeSet<u32> = skin.filter(level).filter(|n| !spine.contains(n)).collect();
+        let side = |of: &BTreeSet<u32>, sign: f64| {
+            let on = |n: &&u32| sign * solid.nodes[**n as usize][1] > NEAR;
+            let mut nodes: Vec<u32> = of.iter().filter(on).copied().collect();
+            nodes.sort_by(|a, b| solid.nodes[*a as usize][0].total_cmp(&solid.nodes[*b as usize][0]));
+            nodes
+        };
+        let sides = |of: &BTreeSet<u32>| [side(of, 1.0), side(of, -1.0)];
+        let section = Self { outer: sides(&outer), sheet: sides(&spine), rest: solid.nodes.clone() };
+        let whole = section.sheet.iter().all(|s| s.len() > 1) && section.outer.iter().all(|o| !o.is_empty());
+        whole.then_some(section)
+    }
+
+    /// Displacement of the walls: `filled` tells whether the side of positive y is under pressure.
+    pub fn walls(&self, moved: &[Point3], filled: bool) -> Walls {
+        let (full, empty) = if filled { (0, 1) } else { (1, 0) };
+        let least = |best: (Metre, Point3), next: (Metre, Point3)| if next.0 < best.0 { next } else { best };
+        let (dent, dent_at) = self.change(moved, empty).fold((0.0, [0.0; 3]), least);
+        let bulge_m = self.change(moved, full).map(|(by, _)| by).fold(0.0, f64::max);
+        Walls { dent_m: -dent, dent_at, bulge_m }
+    }
+
+    /// Change of the distance from the sheet of each node of one side's wall, m, and its position at rest.
+    fn change<'a>(&'a self, moved: &'a [Point3], side: usize) -> impl Iterator<Item = (Metre, Point3)> + 'a {
+        let apart = move |nodes: &[Point3], wall: u32| distance(flat(nodes[wall as usize]), &self.sheet[side], nodes);
+        self.outer[side].iter().map(move |&n| (apart(moved, n) - apart(&self.rest, n), self.rest[n as usize]))
+    }
+}
+
+fn flat(p: Point3) -> Point2 {
+    [p[0], p[1]]
+}
+
+/// Least distance of a point from the line through nodes, m.
+fn distance(at: Point2, line: &[u32], nodes: &[Point3]) -> Metre {
+    let corner = |n: u32| flat(nodes[n as usize]);
+    line.windows(2).map(|w| to_segment(at, corner(w[0]), corner(w[1]))).fold(f64::INFINITY, f64::min)
+}
+
+fn to_segment(at: Point2, a: Point2, b: Point2) -> Metre {
+    let lift = |p: Point2| [p[0], p[1], 0.0];
+    let (way, from) = (vec3::sub(lift(b), lift(a)), vec3::sub(lift(at), lift(a)));
+    let length = vec3::dot(way, way);
+    let part = if length > 0.0 { (vec3::dot(from, way) / length).clamp(0.0, 1.0) } else { 0.0 };
+    vec3::norm(vec3::sub(from, vec3::scale(way, part)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A sheet along x with a wall 10 mm to either side of it.
+    fn section() -> Section {
+        let row = |y: f64| (0..11).map(move |i| [0.01 * f64::from(i), y, 0.0]);
+        let rest = row(0.01).chain(row(-0.01)).chain(row(0.0)).collect();
+        let sheet: Vec<u32> = (22..33).collect();
+        Section { outer: [(0..11).collect(), (11..22).collect()], sheet: [sheet.clone(), sheet], rest }
+    }
+
+    #[test]
+    fn a_wall_pushed_in_is_a_dent_and_one_blown_out_a_bulge() {
+        let section = section();
+        let mut moved = section.rest.clone();
+        moved[15][1] += 2e-3;
+        moved[4][1] += 3e-3;
+        let walls = section.walls(&moved, true);
+        // distances of 10 mm in doubles: round-off alone
+        assert!((walls.dent_m - 2e-3).abs() < 1e-12 && (walls.bulge_m - 3e-3).abs() < 1e-12, "{walls:?}");
+        assert_eq!(walls.dent_at, [0.04, -0.01, 0.0]);
+    }
+
+    #[test]
+    fn turning_the_whole_tail_dents_nothing() {
+        let section = section();
+        let (s, c) = 0.6f64.sin_cos();
+        let moved: Vec<Point3> = section.rest.iter().map(|p| [c * p[0] - s * p[1], s * p[0] + c * p[1], 0.0]).collect();
+        let walls = section.walls(&moved, true);
+        assert!(walls.dent_m < 1e-12 && walls.bulge_m < 1e-12, "{walls:?}");
+    }
+}

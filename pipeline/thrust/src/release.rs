@@ -1,0 +1,204 @@
+//! Added mass and normal drag from the free vibration of a tail that is released in water.
+//!
+//! Gauss-Newton over both logarithms, with differences for derivatives: a simulation of a release takes a fraction of a second. What the
+//! model leaves of the film is no white noise but a smooth discrepancy; its size and its correlation time are those of the residuals, and
+//! both widen the deviations. So do the silicone's own uncertainties: a vibration that the silicone damps less needs more drag.
+
+use hydro::Coefficients;
+use optimize::optimisers::gauss_newton::{GaussNewton, Settings as Newton};
+use optimize::posterior::integrated_correlation;
+use optimize::{Bounds, Evaluation, Needs, Optimiser, Problem, Residuals};
+
+use diagnostics::{Diagnostic, Result};
+use si::{Metre, Point2, Second};
+use signal::resample::Samples;
+use sysid::Interrupted;
+use sysid::actuated::filmed;
+
+/// How added mass and drag are sought.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReleaseSettings {
+    /// Least and greatest ratio of elongated-body theory's added mass.
+    pub added_mass_ratio: [f64; 2],
+    /// Least and greatest coefficient of normal drag.
+    pub normal_drag_coefficient: [f64; 2],
+    /// Iterations at most, three simulations each.
+    pub iterations: usize,
+    /// Tolerance of a step: converged when no logarithm changes by more.
+    pub step_tolerance: f64,
+}
+
+/// The residuals, in units of their standard deviation, at each of several points: x and then y of the observed marker, frame after frame.
+pub type Evaluated<'a> = dyn FnMut(&[Coefficients]) -> Result<Vec<Vec<f64>>> + 'a;
+
+/// The best coefficients.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Release {
+    /// Added mass ratio and normal drag coefficient, no unit.
+    pub by: Coefficients,
+    best: Residuals,
+}
+
+/// Names of the parameters in messages.
+const NAMES: [&str; 2] = ["added mass", "drag"];
+/// Step of the finite difference, in the logarithm.
+const NUDGE: f64 = 0.02;
+
+impl ReleaseSettings {
+    /// The coefficients whose residuals are least.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when a simulation fails or the bounds are no interval.
+    pub fn identify(&self, evaluated: &mut Evaluated) -> Result<Release> {
+        let ranges = [self.added_mass_ratio, self.normal_drag_coefficient];
+        let edge = |k: usize| ranges.map(|range| range[k].ln()).to_vec();
+        // the middle of both ranges, in logarithms
+        let start = ranges.map(|[low, high]| 0.5 * (low * high).ln()).to_vec();
+        let search = Problem::new(&NAMES, start, Bounds { low: edge(0), high: edge(1) })?;
+        let newton = Newton { step_tolerance: self.step_tolerance, iterations: self.iterations, ..Newton::default() };
+        let mut optimiser = GaussNewton::new(&search, &newton)?;
+        let mut problem = |batch: &[Vec<f64>], _: Needs| -> Result<Vec<Evaluation>, Interrupted> {
+            batch.iter().map(|at| evaluate(at, evaluated).map_err(Interrupted)).collect()
+        };
+        let found = optimize::minimise(&mut optimiser as &mut dyn Optimiser, &mut problem).map_err(|stop| stop.0)?;
+        let best = found.best.residuals.ok_or_else(|| {
+            let action = "report it with the recordings";
+            Diagnostic::new("the best simulation left no residuals", "it was evaluated without them", action)
+        })?;
+        Ok(Release { by: coefficients(&found.best.at), best })
+    }
+}
+
+fn evaluate(at: &[f64], evaluated: &mut Evaluated) -> Result<Evaluation> {
+    let nudged = |k: usize| -> Vec<f64> { (0..2).map(|i| at[i] + if i == k { NUDGE } else { 0.0 }).collect() };
+    let mut found = evaluated(&[coefficients(at), coefficients(&nudged(0)), coefficients(&nudged(1))])?.into_iter();
+    let values = found.next().unwrap_or_default();
+    let columns: Vec<Vec<f64>> = found.collect();
+    let slope = |i: usize| columns.iter().map(|c| (c[i] - values[i]) / NUDGE).collect::<Vec<f64>>();
+    let jacobian = (0..values.len()).flat_map(slope).collect();
+    let residuals = Residuals { values, jacobian };
+    let loss = residuals.half_sum_of_squares();
+    Ok(Evaluation { loss, at: at.to_vec(), gradient: None, residuals: Some(residuals) })
+}
+
+fn coefficients(at: &[f64]) -> Coefficients {
+    Coefficients { added: at[0].exp(), drag: at[1].exp() }
+}
+
+impl Release {
+    /// The residuals at the best coefficients.
+    pub fn residuals(&self) -> &[f64] {
+        &self.best.values
+    }
+
+    /// Standard deviations of both coefficients. `others` are the residuals at the best coefficients with one of the other quantities of
+    /// the model one standard deviation off, each independent of the next.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when the residuals do not determine both.
+    pub fn sigma(&self, others: &[Vec<f64>]) -> Result<Coefficients> {
+        let own = self.best.posterior(NAMES.len())?;
+        let widened = discrepancy(&self.best);
+        let mut variance = [0, 1].map(|k| (widened * own.sigma(k)).powi(2));
+        for other in others {
+            let change: Vec<f64> = other.iter().zip(&self.best.values).map(|(there, here)| there - here).collect();
+            let response = self.best.response(&change, NAMES.len())?;
+            (0..2).for_each(|k| variance[k] += response[k].powi(2));
+        }
+        let [added, drag] = variance.map(f64::sqrt);
+        Ok(Coefficients { added: added * self.by.added, drag: drag * self.by.drag })
+    }
+}
+
+/// By how much the deviations of the parameters exceed those of independent residuals that have their own scatter
+/// ([`Residuals::posterior`]): the root of the number of residuals that count as one.
+fn discrepancy(residuals: &Residuals) -> f64 {
+    let axes = residuals.values.chunks_exact((residuals.values.len() / 2).max(1));
+    (axes.map(integrated_correlation).sum::<f64>() / 2.0).sqrt()
+}
+
+/// The observed marker of a film after a release.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Film {
+    times: Vec<Second>,
+    /// See [`about_mean`].
+    seen: Vec<Metre>,
+}
+
+impl Film {
+    /// A path (m) at the times of frames (s), between two times.
+    pub fn of(times: &[Second], path: &[Point2], [begin, end]: [Second; 2]) -> Self {
+        let inside = times.iter().zip(path).filter(|(t, _)| **t > begin && **t < end);
+        let (times, places): (Vec<Second>, Vec<Point2>) = inside.map(|(t, at)| (*t, *at)).unzip();
+        Self { times, seen: about_mean(&places) }
+    }
+
+    /// Residuals of a simulated path in units of `sigma` (m), filmed with a shutter that is open for `exposure` of the time between frames.
+    pub fn off(&self, path: &[Samples; 2], exposure: f64, sigma: Metre) -> Vec<f64> {
+        let path = about_mean(&filmed(path, &self.times, exposure));
+        path.iter().zip(&self.seen).map(|(a, b)| (a - b) / sigma).collect()
+    }
+
+    /// Amplitude of the marker, m.
+    pub fn moved(&self) -> Metre {
+        rms(&self.seen)
+    }
+}
+
+/// Root of the mean square of a path's distances, x and y one after the other, in their unit.
+pub fn rms(of: &[f64]) -> f64 {
+    (of.iter().map(|v| v * v).sum::<f64>() / (of.len() / 2).max(1) as f64).sqrt()
+}
+
+/// x and y of a path one after the other, each about its mean: the equilibrium does not depend on the water.
+fn about_mean(path: &[Point2]) -> Vec<f64> {
+    let count = path.len().max(1) as f64;
+    let mean = [0, 1].map(|k| path.iter().map(|p| p[k]).sum::<f64>() / count);
+    path.iter().flat_map(|p| [p[0] - mean[0], p[1] - mean[1]]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn settings() -> ReleaseSettings {
+        let (added_mass_ratio, normal_drag_coefficient) = ([0.3, 2.0], [0.5, 50.0]);
+        ReleaseSettings { added_mass_ratio, normal_drag_coefficient, iterations: 12, step_tolerance: 1e-4 }
+    }
+
+    /// A vibration that drag damps and added mass slows, with further damping.
+    fn path(by: &Coefficients, damping: f64) -> Vec<f64> {
+        let at = |i: u32| {
+            let (t, decay) = (f64::from(i), 1.0 / (8.0 * by.drag.sqrt()) + damping);
+            100.0 * (-t * decay).exp() * (t / (5.0 + 4.0 * by.added)).cos()
+        };
+        (0..60).map(at).collect()
+    }
+
+    fn off(by: &Coefficients, damping: f64) -> Vec<f64> {
+        let hidden = path(&Coefficients { added: 0.7, drag: 12.0 }, 0.0);
+        path(by, damping).iter().zip(&hidden).map(|(x, y)| x - y).collect()
+    }
+
+    #[test]
+    fn the_coefficients_of_a_simulated_path_are_identified() {
+        let found = settings().identify(&mut |at| Ok(at.iter().map(|by| off(by, 0.0)).collect())).unwrap().by;
+        assert!((found.added - 0.7).abs() < 1e-3 && (found.drag - 12.0).abs() < 2e-2, "{found:?}");
+    }
+
+    #[test]
+    fn the_uncertainty_of_another_damping_is_that_of_the_drag_it_would_give() {
+        let at =
+            |damping: f64| settings().identify(&mut |at| Ok(at.iter().map(|by| off(by, damping)).collect())).unwrap();
+        let found = at(0.0);
+        let (alone, with) = (found.sigma(&[]).unwrap(), found.sigma(&[off(&found.by, 1e-4)]).unwrap());
+        let shift = (at(1e-4).by.drag - found.by.drag).abs();
+        assert!(alone.drag < 0.1 * with.drag && (with.drag / shift - 1.0).abs() < 0.05, "{with:?} {shift}");
+    }
+
+    #[test]
+    fn where_a_path_lies_is_left_out() {
+        let path = [[1.0, 5.0], [3.0, 9.0]];
+        assert_eq!(about_mean(&path), [-1.0, -2.0, 1.0, 2.0]);
+    }
+}
