@@ -70,20 +70,21 @@ fn plainly(claims: &[Claim], metrics: &[MetricEntry]) -> Vec<String> {
             of(verdict).map(|c| format!("  {} ({}; published {})", c.says, c.ours(metrics).join(", "), c.published));
         std::iter::once(format!("{}: {}", verdict.in_words(), of(verdict).count())).chain(lines).collect::<Vec<_>>()
     };
-    [list(Verdict::Fails), list(Verdict::SetByBench), list(Verdict::NotMeasured)].concat()
+    [Verdict::Fails, Verdict::Undetermined, Verdict::SetByBench, Verdict::NotMeasured].map(list).concat()
 }
 
 fn summary(metrics: &[MetricEntry], missing: &[&str], claims: &[Claim]) -> String {
     let count = |status: &str| metrics.iter().filter(|m| m.status == status).count();
     let claims_that = |verdict| claims.iter().filter(|c| c.verdict(metrics) == verdict).count();
     format!(
-        "{} numbers as expected, {} drifted, {} missing, {} not compared; {} claims reproduce, {} do not, {} are set by the bench, {} not measured",
+        "{} numbers as expected, {} drifted, {} missing, {} not compared; {} claims reproduce, {} do not, {} are not determined, {} are set by the bench, {} not measured",
         count("as expected"),
         count("drifted"),
         missing.len(),
         count("not compared"),
         claims_that(Verdict::Reproduces),
         claims_that(Verdict::Fails),
+        claims_that(Verdict::Undetermined),
         claims_that(Verdict::SetByBench),
         claims_that(Verdict::NotMeasured)
     )

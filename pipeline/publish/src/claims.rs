@@ -57,6 +57,8 @@ pub enum Verdict {
     Fails,
     /// A metric of it was not measured in this profile, and the measured ones do not contradict it.
     NotMeasured,
+    /// It is about a quantity whose 95 % interval (metrics `.low` and `.high`) lies on both sides of its rule.
+    Undetermined,
     /// Settings of the virtual bench decide whether its rule holds: it counts neither as reproduced nor as not.
     SetByBench,
 }
@@ -68,6 +70,7 @@ impl Verdict {
             Self::Reproduces => "reproduces",
             Self::Fails => "does not reproduce",
             Self::NotMeasured => "not measured in this profile",
+            Self::Undetermined => "not determined by the recordings",
             Self::SetByBench => "set by the bench",
         }
     }
@@ -115,6 +118,7 @@ impl Claim {
     pub(crate) fn outcome(&self, metrics: &[MetricEntry]) -> Verdict {
         let each: Vec<Option<bool>> = self.metrics().map(|id| self.rule.holds(id, metrics)).collect();
         match () {
+            () if self.metrics().any(|id| self.rule.is_undetermined(id, metrics)) => Verdict::Undetermined,
             () if each.contains(&Some(false)) => Verdict::Fails,
             () if each.contains(&None) => Verdict::NotMeasured,
             () => Verdict::Reproduces,
@@ -146,6 +150,12 @@ impl Rule {
                 std::iter::once(&ours).chain(&others).is_sorted_by(|a, b| a < b)
             }
         })
+    }
+
+    /// Whether it holds at one end of a metric's 95 % interval and not at the other; false for a metric without an interval.
+    fn is_undetermined(&self, id: &str, metrics: &[MetricEntry]) -> bool {
+        let [low, high] = ["low", "high"].map(|end| self.holds(&format!("{id}.{end}"), metrics));
+        low.zip(high).is_some_and(|(low, high)| low != high)
     }
 
     /// The metrics that it compares with.
@@ -220,6 +230,17 @@ mod tests {
             assert_eq!(set(rule.clone()).outcome(&metrics()), claim(rule, &[]).verdict(&metrics()));
         }
         assert_eq!(set(Rule::SmallerThan("c".into())).verdict(&metrics()), Verdict::NotMeasured);
+    }
+
+    #[test]
+    fn an_interval_on_both_sides_of_a_rule_decides_nothing() {
+        let of = |low: f64, high: f64| {
+            let all = [("a", 2.0), ("a.low", low), ("a.high", high)];
+            let metrics = all.map(|(id, v)| Expected::default().judge(Metric::new(id, v, "")));
+            claim(Rule::AtLeast(1.5), &[]).verdict(&metrics)
+        };
+        assert_eq!(of(1.0, 3.0), Verdict::Undetermined);
+        assert_eq!(of(1.8, 2.2), Verdict::Reproduces);
     }
 
     #[test]

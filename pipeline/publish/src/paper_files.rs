@@ -16,6 +16,9 @@ use workflow::runner::{Folders, Runner};
 use workflow::settings::Profile;
 use workflow::subject::Universe;
 
+/// Figures that no stage makes and the paper shows: those of real recordings, by `just real`.
+const OF_REAL_RECORDINGS: [&str; 2] = ["real_beam", "real_arm"];
+
 /// The resolved source, or its problems.
 ///
 /// # Errors
@@ -84,11 +87,15 @@ fn facts<U: Universe>(
             |entry: &Entry<U>| fs::read_to_string(folders.shown(kind)?.join(format!("{}.{suffix}", entry.name))).ok();
         entries.map(|entry| Made { name: entry.name.into(), text: text(entry) }).collect()
     };
+    let real = OF_REAL_RECORDINGS.map(|name| {
+        let place = folders.shown(Kind::Figure).map(|shown| shown.join(format!("{name}.svg")));
+        Made { name: name.into(), text: place.and_then(|place| fs::read_to_string(place).ok()) }
+    });
     Ok(Facts {
         known: expected.named().iter().cloned().chain(of_claims).collect(),
         metrics,
         claims,
-        figures: made(Kind::Figure, "svg"),
+        figures: made(Kind::Figure, "svg").into_iter().chain(real).collect(),
         tables: made(Kind::Table, "csv"),
         cited: paper::cited_keys(&read(&folders.paper_source().join("refs.bib"))?),
         tests: tests_below(&folders.crates())?,

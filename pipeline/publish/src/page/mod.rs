@@ -126,6 +126,7 @@ impl Page {
                 claims::Verdict::Reproduces => ("reproduces", "reproduces"),
                 claims::Verdict::Fails => ("fails", "does not reproduce"),
                 claims::Verdict::NotMeasured => ("open", "open"),
+                claims::Verdict::Undetermined => ("open", "not determined"),
                 claims::Verdict::SetByBench => ("open", "set by the bench"),
             };
             let cells = [&claim.says, &claim.ours, &claim.rule, &claim.published].map(|text| escaped(text));

@@ -46,7 +46,12 @@ pub(crate) fn failing(facts: &Facts) -> String {
             format!("Settings of the virtual bench decide the outcome of these, which count neither way:\n\n{set}\n")
         }
     };
-    format!("{failing}\n{set}{open}\n")
+    let items: String = of(Verdict::Undetermined).map(|c| format!("- #{};\n", literal(&words(c)))).collect();
+    let undetermined = match items.is_empty() {
+        true => String::new(),
+        false => format!("The recordings do not determine these; they count neither way:\n\n{items}\n"),
+    };
+    format!("{failing}\n{undetermined}{set}{open}\n")
 }
 
 fn ours(claim: &Claim, facts: &Facts) -> String {

@@ -119,7 +119,7 @@ fn chosen(call: &Call, facts: &Facts) -> Option<Result<(usize, usize), String>> 
             let verdict = claim.map(|c| match c.outcome(&facts.metrics) {
                 Verdict::Reproduces | Verdict::SetByBench => (0, 3),
                 Verdict::Fails => (1, 3),
-                Verdict::NotMeasured => (2, 3),
+                Verdict::NotMeasured | Verdict::Undetermined => (2, 3),
             });
             Some(verdict.ok_or_else(|| format!("claim `{}` is not in claims.toml", call.name)))
         }

@@ -1,7 +1,8 @@
 //! Figure `four_parameters`: both moduli and both Poisson's ratios, identified together. Paper, figure 6.
 //!
-//! One panel a parameter: its value at each simulation, the plausible range as a band, and the final point. Each specimen has
-//! a row of its own.
+//! One panel a parameter: its value at each simulation, the plausible range as a band, and the final point with its 95 % interval, cut off
+//! at the panel's edge where the recordings do not determine the parameter. Which combinations are determined, and how
+//! well, is noted below. Each specimen has a row of its own.
 
 use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Figure, Legend, Mark, Marker, Panel, palette};
 use si::Point2;
@@ -22,7 +23,7 @@ impl figure::Figure for FourParameters {
     type Needs = Every<records::FourParameters, Specimen>;
     const NAME: &'static str = "four_parameters";
     const CAPTION: &'static str = "both moduli and both Poisson's ratios, identified together";
-    const VERSION: u32 = 2;
+    const VERSION: u32 = 3;
 
     fn draw(Every(all): Self::Needs) -> Result<Figure> {
         if all.is_empty() {
@@ -39,7 +40,11 @@ impl figure::Figure for FourParameters {
             figure =
                 figure.row(44.0, [0, 1, 2, 3].map(|k| parameter(found, k).titled(&format!("{name}: {}", TITLES[k]))));
         }
-        Ok(figure.noted(&origin_note(all.iter().map(|(s, _)| s.card.as_ref()))))
+        let least = |(specimen, found): &(Specimen, records::FourParameters)| {
+            format!("{}: {}.", title(&specimen.card.name), found.uncertainty.words)
+        };
+        let words = all.iter().map(least).chain([origin_note(all.iter().map(|(s, _)| s.card.as_ref()))]);
+        Ok(figure.noted(&words.collect::<Vec<_>>().join(" ")))
     }
 }
 
@@ -59,10 +64,13 @@ fn parameter(found: &records::FourParameters, k: usize) -> Panel {
     );
     let end = vec![[last, found.best.in_display_units()[k]]];
     let axes = axes.legend(if k == 0 { Legend::Over } else { Legend::None });
+    let ends = found.intervals()[k].map(|v| v.clamp(low - margin, high + margin));
+    let interval = Mark::line(vec![[last, ends[0]], [last, ends[1]]], palette::OPTIMUM).labelled("95 %");
     Panel::Axes(
         axes.with(Mark::band(vec![1.0, last], vec![low; 2], vec![high; 2], palette::MUTED).labelled("plausible"))
             .with(Mark::line(points.clone(), palette::method("gauss_newton")))
             .with(Mark::points(points, Marker::Disc, palette::method("gauss_newton")).sized(3.6).labelled("tried"))
+            .with(interval)
             .with(Mark::points(end, Marker::Ring, palette::OPTIMUM).sized(6.0).labelled("final")),
     )
 }

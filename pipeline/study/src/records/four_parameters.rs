@@ -1,5 +1,6 @@
 //! Four parameters: both moduli and both Poisson's ratios, identified together, with the iterates.
 
+use optimize::posterior::WITHIN_95;
 use serde::{Deserialize, Serialize};
 use si::Pascal;
 
@@ -43,6 +44,19 @@ pub struct FourParameters {
     pub uncertainty: Uncertainty,
 }
 
+impl FourParameters {
+    /// The 95 % interval of each parameter in the units of [`Four::in_display_units`]. Where it is as wide as the plausible range, the
+    /// recordings do not determine the parameter.
+    pub(crate) fn intervals(&self) -> [[f64; 2]; 4] {
+        let best = self.best.in_display_units();
+        let half = |k: usize| WITHIN_95 * self.uncertainty.sigma[k];
+        let modulus = |k: usize| [-1.0, 1.0].map(|sign: f64| best[k] * (sign * half(k)).exp());
+        // a larger ½ − ν is a smaller ν
+        let ratio = |k: usize| [1.0, -1.0].map(|sign: f64| 0.5 - (0.5 - best[k]) * (sign * half(k)).exp());
+        [modulus(0), modulus(1), ratio(2), ratio(3)]
+    }
+}
+
 impl Record for FourParameters {
     type Of = Specimen;
     const STAGE: &'static str = "four_parameters";
@@ -57,15 +71,15 @@ impl Record for FourParameters {
 
     fn metrics(&self, subject: &str) -> Vec<Metric> {
         let id = |what: &str| format!("four_parameters.{subject}.{what}");
-        let [body, spine, body_nu, spine_nu] = self.best.in_display_units();
-        vec![
-            Metric::new(id("body_e_mpa"), body, "MPa"),
-            Metric::new(id("spine_e_gpa"), spine, "GPa"),
-            Metric::new(id("body_nu"), body_nu, ""),
-            Metric::new(id("spine_nu"), spine_nu, ""),
-            Metric::new(id("loss"), self.loss, ""),
-            Metric::new(id("iterations"), self.iterates.len() as f64, ""),
-        ]
+        let names = [("body_e_mpa", "MPa"), ("spine_e_gpa", "GPa"), ("body_nu", ""), ("spine_nu", "")];
+        let all = names.into_iter().zip(self.best.in_display_units()).zip(self.intervals());
+        let parameter = |(((name, unit), value), [low, high]): (((&str, &str), f64), [f64; 2])| {
+            let end = |word: &str, value| Metric::new(id(&format!("{name}.{word}")), value, unit);
+            [Metric::new(id(name), value, unit), end("low", low), end("high", high)]
+        };
+        let searched =
+            [Metric::new(id("loss"), self.loss, ""), Metric::new(id("iterations"), self.iterates.len() as f64, "")];
+        all.flat_map(parameter).chain(searched).collect()
     }
 
     fn summary(&self) -> String {
@@ -86,5 +100,10 @@ mod tests {
         let uncertainty = Uncertainty { sigma: vec![0.1; 4], ..Uncertainty::default() };
         let whole = FourParameters { best, loss: 1e-3, iterates: vec![(best, 1e-3)], plausible, uncertainty };
         assert_eq!(FourParameters::unpack(&whole.pack().unwrap()).unwrap(), whole);
+        let [body, _, nu, _] = whole.intervals();
+        // a tenth in the logarithm: E by a fifth either way, ½ − ν likewise
+        assert!((body[1] / 0.2 - (0.196f64).exp()).abs() < 1e-3 && body[0] < 0.2, "{body:?}");
+        assert!((0.5 - nu[0]) / 0.02 > 1.2 && (0.5 - nu[1]) / 0.02 < 0.83, "{nu:?}");
+        assert!(whole.metrics("a").iter().any(|m| m.id == "four_parameters.a.body_nu.low" && m.value == nu[0]));
     }
 }
