@@ -192,7 +192,7 @@ impl Part<Trial> for Body {
 }
 
 /// What the repeats of a trial have in common: its id without its number, and without "air".
-fn condition_of(id: &str) -> String {
+pub(crate) fn condition_of(id: &str) -> String {
     let bare = id.trim_end_matches(|c: char| c.is_ascii_digit());
     let bare = if bare.ends_with('_') { bare.trim_end_matches('_') } else { id };
     bare.strip_suffix("_air").unwrap_or(bare).to_owned()

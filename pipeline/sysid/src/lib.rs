@@ -2,7 +2,9 @@
 //!
 //! A [`Model`] is a meshed body with its materials and markers; a [`LevelSolver`] finds its equilibria at several pressure levels with
 //! their derivatives; a [`Misfit`] compares them with measured displacements. [`Snapshots::reduce`] projects the identified model onto a few dozen
-//! coordinates ([`ReducedBody`]), in which motions are integrated. [`relaxation`] identifies the spectrum of the silicone from
+//! coordinates ([`ReducedBody`]), in which motions are integrated, such as those under measured pressures
+//! ([`actuated`]). [`wall`] measures how the walls of a bent tail dent and bulge.
+//! [`relaxation`] identifies the spectrum of the silicone from
 //! transients, [`free_vibration`] a body that was held straight and released; [`inflation_test`] predicts one whose chamber is inflated, of
 //! the material that another test identified.
 //!
@@ -22,6 +24,7 @@
 //! Depends on `diagnostics`, `fem`, `lab` (cards), `mesh`, `optimize`, `plot` (the figure of a free vibration test), `si`, `signal`,
 //! `simulate`.
 
+pub mod actuated;
 mod body;
 pub mod free_vibration;
 mod identified_materials;
@@ -37,6 +40,7 @@ pub mod relaxation;
 mod rigid;
 mod search;
 mod surrogate;
+pub mod wall;
 
 pub use body::{Body, Material};
 pub use identified_materials::{IdentifiedMaterial, IdentifiedMaterials};

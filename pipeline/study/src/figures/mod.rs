@@ -1,5 +1,6 @@
 //! The figures of the paper, in its order.
 
+mod calibration;
 mod designs;
 mod dynamics;
 mod four_parameters;
@@ -29,6 +30,7 @@ pub const ALL: &[Entry<Study>] = &[
     figure::<dynamics::DynamicsWater>(),
     figure::<thrust::Thrust>(),
     figure::<load_cell::LoadCell>(),
+    figure::<calibration::Calibration>(),
 ];
 
 /// From where a body cut open at mid height shows its inside: from above, before and beside.

@@ -1,10 +1,11 @@
 //! Inflation: the skin of the identified model at rising pressures on one side, and the displacement of its walls.
 
 use serde::{Deserialize, Serialize};
-use si::{Metre, Pascal, Point3, vec3};
+use si::{Pascal, Point3, vec3};
 
 use super::Mesh;
 use crate::subject::Specimen;
+use sysid::wall::Walls;
 use workflow::columns::Columns;
 use workflow::metric::Metric;
 use workflow::record::{Record, RecordError, RecordFiles};
@@ -31,17 +32,6 @@ pub struct Shape {
     pub moved: Vec<Point3>,
     /// Displacement of its walls.
     pub walls: Walls,
-}
-
-/// Change of the distance between outer wall and sheet at mid height, and where.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub struct Walls {
-    /// Deepest dent of the side without pressure, m.
-    pub dent_m: Metre,
-    /// Where that is at rest, m.
-    pub dent_at: Point3,
-    /// Highest bulge of the side under pressure, m.
-    pub bulge_m: Metre,
 }
 
 #[derive(Serialize, Deserialize)]

@@ -96,7 +96,7 @@ impl Record for Mesh {
             .table("tetrahedra.parquet", &tets)?
             .table("skin.parquet", &whole(skin, "n", &faces))?
             .scalars("mesh.json", &scalars)
-            .map(|files| files.file("mesh.vtu", super::vtu::write(solid).into_bytes()))
+            .map(|files| files.file("mesh.vtu", mesh::vtu::write(solid).into_bytes()))
     }
 
     fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {

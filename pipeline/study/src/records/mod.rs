@@ -1,9 +1,11 @@
 //! The records of the pipeline, one file each, in the order of the data.
 
+mod calibration;
 mod camera;
 mod cell;
 mod corrected_force;
 mod drag;
+mod estimate;
 mod example_frames;
 mod findings;
 mod four_parameters;
@@ -24,18 +26,19 @@ mod thrust;
 mod tracks;
 mod transfer;
 mod validation;
-mod vtu;
 
 pub use self::thrust::{Crosstalk, Means, Scored, Thrust, Trace};
+pub use calibration::{Calibration, Coverage};
 pub use camera::Camera;
 pub use cell::{DeconvolutionExample, Fixture, LoadCell};
 pub use corrected_force::CorrectedForce;
 pub use drag::Drag;
+pub use estimate::{Estimate, Quantity, QuantityKind};
 pub use example_frames::{ExampleFrames, FrameData};
 pub use findings::{Finding, Findings};
 pub use four_parameters::{Four, FourParameters};
 pub use identified::{EvaluatedPoint, Identified, Point, Profile, Search, Surface, Uncertainty};
-pub use inflation::{Inflation, Shape, Walls};
+pub use inflation::{Inflation, Shape};
 pub use markers::{CovarianceParts, FilmPose, Markers, OmittedCorrection};
 pub use mesh::{Cavity, Mesh, Quality};
 pub use mesh_sensitivity::{MeshResult, MeshSensitivity};
@@ -51,7 +54,7 @@ pub use tank::Tank;
 pub use tracks::Tracks;
 pub use transfer::{HeldOut, Layout, Transfer};
 pub(crate) use validation::PAPER_MODEL;
-pub use validation::{ScoredModel, Validation};
+pub use validation::{Interval, ScoredModel, Validation};
 
 /// A subject's name inside a metric's id.
 fn flat(subject: &str) -> String {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::records::REPORTED;
+use crate::records::{Estimate, QuantityKind};
 use crate::subject::Study;
 use workflow::metric::Metric;
 use workflow::record::{Record, RecordError, RecordFiles};
@@ -41,51 +41,13 @@ pub struct Recovered {
     pub wave_residual_mn: Option<f64>,
 }
 
-/// One specimen's parameters, identified and true.
+/// One specimen's quantities, estimated and true.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Specimen {
     /// Its name.
     pub name: String,
-    /// Identified and true Young's modulus of the body, Pa.
-    pub body_e_pa: [f64; 2],
-    /// Identified and true Young's modulus of the spine, Pa.
-    pub spine_e_pa: [f64; 2],
-    /// Identified and true storage modulus over the modulus at its stated time, at each of [`REPORTED`]; empty where no transient was
-    /// filmed.
-    #[serde(default)]
-    pub storage_ratio: Vec<[f64; 2]>,
-    /// Identified and true loss factor at the same frequencies.
-    #[serde(default)]
-    pub loss_factor: Vec<[f64; 2]>,
-    /// Identified and true added mass ratio, no unit; none where no release was filmed in water.
-    #[serde(default)]
-    pub added: Option<[f64; 2]>,
-    /// Identified and true normal drag coefficient, no unit; as for `added`.
-    #[serde(default)]
-    pub drag: Option<[f64; 2]>,
-}
-
-impl Specimen {
-    /// Absolute errors of body and spine, %.
-    pub(crate) fn errors_percent(&self) -> [f64; 2] {
-        [self.body_e_pa, self.spine_e_pa].map(off_percent)
-    }
-
-    /// Absolute errors of the dynamic parameters that were identified, %, by the names of their metrics.
-    fn moving_percent(&self) -> impl Iterator<Item = (String, f64)> {
-        let water = [("added", self.added), ("drag", self.drag)].into_iter();
-        let water = water.filter_map(|(name, pair)| Some((name.to_owned(), pair?)));
-        let silicone = [("storage_ratio", &self.storage_ratio), ("loss_factor", &self.loss_factor)];
-        let named = |(name, pairs): (&str, &Vec<[f64; 2]>)| {
-            let name = name.to_owned();
-            pairs.clone().into_iter().zip(REPORTED).map(move |(pair, f)| (format!("{name}_{f}hz"), pair))
-        };
-        silicone.into_iter().flat_map(named).chain(water).map(|(name, pair)| (name, off_percent(pair)))
-    }
-}
-
-fn off_percent([found, hidden]: [f64; 2]) -> f64 {
-    100.0 * (found / hidden - 1.0).abs()
+    /// Moduli, relaxation, water, predicted motion: what was estimated of them.
+    pub estimates: Vec<Estimate>,
 }
 
 fn percent([held, all]: [usize; 2]) -> f64 {
@@ -121,20 +83,19 @@ impl Record for Recovered {
         metrics.extend(cell.map(|e| Metric::new("recovery.load_cell_frequency_error_percent", e, "%")));
         metrics.extend(self.wave_residual_mn.map(|e| Metric::new("recovery.wave_residual_mn", e, "mN")));
         for specimen in &self.specimens {
-            let [body, spine] = specimen.errors_percent();
-            metrics.push(Metric::new(format!("recovery.{}.body_e_error_percent", specimen.name), body, "%"));
-            metrics.push(Metric::new(format!("recovery.{}.spine_e_error_percent", specimen.name), spine, "%"));
-            let id = |what: String| format!("recovery.{}.{what}_error_percent", specimen.name);
-            metrics.extend(specimen.moving_percent().map(|(what, off)| Metric::new(id(what), off, "%")));
+            let id = |e: &Estimate| format!("recovery.{}.{}_error_percent", specimen.name, e.quantity.id());
+            metrics
+                .extend(specimen.estimates.iter().map(|e| Metric::new(id(e), 100.0 * e.relative_error().abs(), "%")));
         }
         metrics
     }
 
     fn summary(&self) -> String {
-        let text = self.specimens.iter().map(|s| {
-            let [body, spine] = s.errors_percent();
-            format!("{}: error of E body {body:.1} %, spine {spine:.1} %", s.name)
-        });
-        text.collect::<Vec<_>>().join("; ")
+        let one = |e: &Estimate| format!("{} {:.1} %", e.quantity.id(), 100.0 * e.relative_error().abs());
+        let of = |s: &Specimen| {
+            let moduli = s.estimates.iter().filter(|e| e.quantity.kind() == QuantityKind::Moduli);
+            format!("{}: error of {}", s.name, moduli.map(one).collect::<Vec<_>>().join(", "))
+        };
+        self.specimens.iter().map(of).collect::<Vec<_>>().join("; ")
     }
 }

@@ -21,6 +21,15 @@ pub struct ScoredModel {
     pub rmse: Metre,
 }
 
+/// A positive quantity and how well it is known.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Interval {
+    /// SI.
+    pub value: f64,
+    /// Standard deviation of its logarithm.
+    pub sigma: f64,
+}
+
 /// The tip marker over the repeats of one condition.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Validation {
@@ -38,6 +47,8 @@ pub struct Validation {
     pub pressures: Vec<Vec<Pascal>>,
     /// Root of the mean squared distance, m.
     pub rmse: Metre,
+    /// Predicted root mean square of the lateral displacement, m.
+    pub amplitude: Interval,
     /// The specimen's length, m.
     pub length: Metre,
     /// Root mean square of the measured displacement, m: the error of predicting no motion.
@@ -60,6 +71,7 @@ pub struct Validation {
 struct Scalars {
     marker: String,
     rmse_m: f64,
+    amplitude_m: Interval,
     length_m: f64,
     zero_motion_rmse_m: f64,
     chambers: usize,
@@ -106,6 +118,7 @@ impl Record for Validation {
         let scalars = Scalars {
             marker: self.marker.clone(),
             rmse_m: self.rmse,
+            amplitude_m: self.amplitude,
             length_m: self.length,
             zero_motion_rmse_m: self.zero_motion_rmse,
             chambers: self.pressures.len(),
@@ -135,6 +148,7 @@ impl Record for Validation {
             simulated: path("simulated")?,
             pressures: (0..s.chambers).map(|i| columns.f64(&format!("chamber{i}_pa"))).collect::<Result<_, _>>()?,
             rmse: s.rmse_m,
+            amplitude: s.amplitude_m,
             length: s.length_m,
             zero_motion_rmse: s.zero_motion_rmse_m,
             repeats: s.repeats,
@@ -154,6 +168,8 @@ impl Record for Validation {
         let mut metrics = vec![
             Metric::new(id("rmse_mm"), 1e3 * self.rmse, "mm"),
             Metric::new(id("rmse_percent"), self.rmse_percent(), "%"),
+            Metric::new(id("amplitude_mm"), 1e3 * self.amplitude.value, "mm"),
+            Metric::new(id("amplitude_mm.sigma"), 1e3 * self.amplitude.value * self.amplitude.sigma, "mm"),
             Metric::new(id("zero_motion_rmse_percent"), percent(self.zero_motion_rmse), "%"),
             Metric::new(id("repeats"), self.repeats as f64, ""),
             Metric::new(id("reduced_coordinates"), self.coordinates as f64, ""),

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::records::{Finding, Findings as Record, Identified, LoadCell, Surface, Thrust, Validation};
 use crate::subject::Condition;
 use diagnostics::Result;
+use signal::statistics::{correlation, minima, negative_share, ranks};
 use workflow::needs::Every;
 use workflow::stage::{Stage, StageContext};
 
@@ -57,7 +58,7 @@ fn finding(of: &str, what: &str, value: f64, unit: &str) -> Finding {
 fn of_identified(found: &Identified) -> Vec<(&'static str, f64, &'static str)> {
     let levels = found.levels.iter().map(|level| (level.pressure(), level.largest_error()));
     let (pressures, errors): (Vec<f64>, Vec<f64>) = levels.unzip();
-    let counted = found.profiles.iter().map(|p| minima(&p.chi_square)).max();
+    let counted = found.profiles.iter().map(|p| minima(&p.chi_square, RISE)).max();
     let mut all = vec![
         ("landscape_minima", landscape_minima(&found.surface) as f64, ""),
         ("static_error_rank_correlation", correlation(&ranks(&pressures), &ranks(&errors)), ""),
@@ -78,28 +79,9 @@ fn of_thrust(thrust: &Thrust) -> Vec<(&'static str, f64, &'static str)> {
     let mut found = vec![("theory_over_measured", sum(|m| m.theory_n) / sum(|m| m.measured_n), "")];
     for trace in thrust.traces.iter().filter(|trace| !trace.training) {
         found.push(("theory_lowest_mn", 1e3 * trace.theory.iter().copied().fold(f64::INFINITY, f64::min), "mN"));
-        found.push(("negative_share_percent", negative_share(&trace.measured), "%"));
+        found.push(("negative_share_percent", 100.0 * negative_share(&trace.measured), "%"));
     }
     found
-}
-
-/// The part of the impulse, without sign, that is negative, %.
-fn negative_share(force: &[f64]) -> f64 {
-    let all: f64 = force.iter().map(|f| f.abs()).sum();
-    100.0 * force.iter().map(|f| (-f).max(0.0)).sum::<f64>() / all.max(f64::MIN_POSITIVE)
-}
-
-/// Minima of a profile, each separated from the next by a rise and a fall of more than [`RISE`]; a flat minimum counts once.
-fn minima(chi_square: &[f64]) -> usize {
-    let (mut count, mut falling, mut extreme) = (0, true, f64::INFINITY);
-    for &value in chi_square {
-        extreme = if falling { extreme.min(value) } else { extreme.max(value) };
-        if (value - extreme).abs() > RISE {
-            count += usize::from(falling);
-            (falling, extreme) = (!falling, value);
-        }
-    }
-    count + usize::from(falling)
 }
 
 /// Points of the landscape below all their neighbours, corners included; a narrow minimum between grid points gives several.
@@ -114,33 +96,9 @@ fn landscape_minima(surface: &Surface) -> usize {
     (0..rows).map(|row| (0..columns).filter(|&column| lowest(row, column)).count()).sum()
 }
 
-/// Ranks in rising order; ties have the mean rank.
-fn ranks(values: &[f64]) -> Vec<f64> {
-    let below = |v: f64| values.iter().filter(|w| **w < v).count() as f64;
-    let same = |v: f64| values.iter().filter(|w| **w <= v).count() as f64 - below(v);
-    values.iter().map(|&v| below(v) + 0.5 * (same(v) - 1.0)).collect()
-}
-
-/// Pearson's correlation; 0 where one of both is constant.
-fn correlation(a: &[f64], b: &[f64]) -> f64 {
-    let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len().max(1) as f64;
-    let (ma, mb) = (mean(a), mean(b));
-    let product =
-        |x: &[f64], mx: f64, y: &[f64], my: f64| -> f64 { x.iter().zip(y).map(|(x, y)| (x - mx) * (y - my)).sum() };
-    let scale = (product(a, ma, a, ma) * product(b, mb, b, mb)).sqrt();
-    if scale > 0.0 { product(a, ma, b, mb) / scale } else { 0.0 }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_bowl_has_one_minimum_and_two_bowls_have_two() {
-        let along = |f: fn(f64) -> f64| minima(&(0..41).map(|i| f(f64::from(i) / 20.0 - 1.0)).collect::<Vec<_>>());
-        assert_eq!(along(|x| 100.0 * x * x), 1);
-        assert_eq!(along(|x| 100.0 * (x * x - 0.4).powi(2)), 2);
-    }
 
     #[test]
     fn a_landscape_of_one_bowl_has_one_lowest_point_and_of_two_bowls_two() {
@@ -151,25 +109,5 @@ mod tests {
         };
         assert_eq!(count(|x, y| (x - 0.5).powi(2) + (y - 0.25).powi(2)), 1);
         assert_eq!(count(|x, y| (x * (x - 1.0)).powi(2) + (y - 0.25).powi(2)), 2);
-    }
-
-    #[test]
-    fn ripples_in_a_valley_and_ends_of_a_slope_are_no_second_minimum() {
-        let along = |f: fn(f64) -> f64| minima(&(0..41).map(|i| f(f64::from(i) / 20.0 - 1.0)).collect::<Vec<_>>());
-        assert_eq!(along(|x| 100.0 * x * x + 0.3 * (40.0 * x).cos()), 1);
-        assert_eq!((along(|x| 10.0 * x), along(|x| -10.0 * x), along(|_| 0.0)), (1, 1, 1));
-    }
-
-    #[test]
-    fn what_rises_together_is_fully_correlated_in_rank() {
-        let rank = |values: &[f64]| ranks(values);
-        assert!((correlation(&rank(&[1.0, 2.0, 5.0]), &rank(&[0.1, 0.2, 9.0])) - 1.0).abs() < 1e-12);
-        assert!((correlation(&rank(&[1.0, 2.0, 5.0]), &rank(&[3.0, 2.0, 1.0])) + 1.0).abs() < 1e-12);
-        assert_eq!(rank(&[2.0, 2.0, 1.0]), [1.5, 1.5, 0.0]);
-    }
-
-    #[test]
-    fn the_negative_share_of_a_force_is_that_of_its_impulse() {
-        assert!((negative_share(&[3.0, -1.0]) - 25.0).abs() < 1e-12);
     }
 }

@@ -9,11 +9,12 @@ use serde::{Deserialize, Serialize};
 use si::{Pascal, Point3, vec3};
 
 use super::simulation;
-use super::wall::Section;
-use crate::records::{ExampleFrames, Identified, Inflation, Mesh, Shape, Walls};
+
+use crate::records::{ExampleFrames, Identified, Inflation, Mesh, Shape};
 use crate::selections::OfTrials;
 use crate::subject::{Specimen, Trial};
 use diagnostics::{Diagnostic, Result};
+use sysid::wall::{Section, Walls};
 use sysid::{Body, by_node};
 use workflow::stage::{Stage, StageContext};
 use workflow::subject::Part;
@@ -83,7 +84,7 @@ impl Stage for Inflate {
             ..StaticSettings::default()
         };
         let displacements = solve_levels(&mut solver, &levels, &statics, context)?;
-        let section = Section::of(&mesh);
+        let section = Section::of(&mesh.solid);
         let solved = levels.iter().zip(&displacements);
         let shapes: Vec<Shape> = solved.map(|(p, u)| shape(&mesh, section.as_ref(), p, by_node(u))).collect();
         let filmed = filmed.and_then(|wanted| shapes.iter().position(|s| s.pressures_pa == wanted));

@@ -2,10 +2,13 @@
 //!
 //! To add a stage: its file here, its record in `records/`, its line in [`ALL`], its section in `study.toml`.
 
+mod amplitude;
 mod assemble;
 mod baselines;
+mod calibration;
 pub mod camera;
 pub mod clock;
+mod deviations;
 mod drag;
 mod example_frames;
 mod findings;
@@ -31,7 +34,6 @@ pub mod track;
 mod transfer;
 mod uncertainty;
 mod validate;
-mod wall;
 mod wave;
 
 use crate::subject::Study;
@@ -62,4 +64,5 @@ pub const ALL: &[Entry<Study>] = &[
     stage::<optimal_actuation::OptimalActuation>(), // reduced model, thrust models  → actuation of greatest mean thrust
     stage::<findings::Findings>(),                  // records                       → metrics that decide claims
     stage::<recovery::Recovery>(),                  // estimates, hidden truth       → errors of the estimates
+    stage::<calibration::Calibration>(),            // errors over many specimens    → share of truths inside their intervals
 ];

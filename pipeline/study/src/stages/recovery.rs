@@ -9,10 +9,10 @@ use si::{Point2, Second};
 
 use crate::records::dynamic;
 use crate::records::{
-    Camera, CorrectedForce, Drag, Identified, LoadCell, Markers, Motion, Path, REPORTED, Recovered, RecoveredSpecimen,
-    Relaxation, Tank, Tracks,
+    Camera, CorrectedForce, Drag, Estimate, Identified, Interval, LoadCell, Markers, Motion, Path, Quantity, REPORTED,
+    Recovered, RecoveredSpecimen, Relaxation, Tank, Tracks, Validation,
 };
-use crate::subject::{Specimen, Study};
+use crate::subject::{Specimen, Study, condition_of};
 use diagnostics::{Diagnostic, Result};
 use workflow::needs::Every;
 use workflow::stage::{RawFile, Stage, StageContext};
@@ -71,21 +71,24 @@ impl Virtual {
 impl Stage for Recovery {
     type Settings = Settings;
     type Card = Card;
-    type Needs = ((Every<Camera>, Films, Parameters), (Every<LoadCell>, Every<Tank>, Every<CorrectedForce>));
+    type Needs = (
+        (Every<Camera>, Films, (Parameters, Every<Validation>)),
+        (Every<LoadCell>, Every<Tank>, Every<CorrectedForce>),
+    );
     type Makes = Recovered;
     const DESCRIPTION: &'static str = "estimates are compared with the hidden truth";
-    const VERSION: u32 = 7;
+    const VERSION: u32 = 8;
 
     fn raw(of: &Study) -> Vec<RawFile> {
         virtual_specimens(of).flat_map(files).collect()
     }
 
     fn run(card: &Self::Card, _: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<Recovered> {
-        let ((Every(cameras), films, parameters), weighed) = needs;
+        let ((Every(cameras), films, (parameters, Every(predictions))), weighed) = needs;
         let mut recovered = Recovered::default();
         for specimen in &card.0 {
             let truth = read(context, &specimen.name)?;
-            recovered.specimens.extend(beside(specimen, &truth, &parameters)?);
+            let mut estimates = beside(specimen, &truth, &parameters)?;
             for (_, camera) in cameras.iter().filter(|(s, _)| s.0 == specimen.name) {
                 let off = 100.0 * (camera.lens.fx / truth.lens.fx - 1.0).abs();
                 recovered.focal_error_percent = recovered.focal_error_percent.max(off);
@@ -97,40 +100,58 @@ impl Stage for Recovery {
                 };
                 let true_tracks = true_tracks(context, &specimen.name, id)?;
                 judge(&mut recovered, &specimen.subject(id), (true_trial, &true_tracks), &films);
+                let predicted = predictions.iter().filter(|(trial, _)| *trial == specimen.subject(id));
+                estimates.extend(predicted.filter_map(|(_, found)| amplitude(condition_of(id), found, &true_tracks)));
+            }
+            if !estimates.is_empty() {
+                recovered.specimens.push(RecoveredSpecimen { name: specimen.name.clone(), estimates });
             }
         }
         Ok(recovered)
     }
 }
 
-/// Identified parameters of a specimen beside the true ones; none where its moduli were not identified.
+/// Estimates of a specimen beside the truth; none where its moduli were not identified.
 fn beside(
     specimen: &Virtual,
     truth: &truth::Truth,
     (Every(identified), Every(relaxed), Every(dragged)): &Parameters,
-) -> Result<Option<RecoveredSpecimen>> {
+) -> Result<Vec<Estimate>> {
     let this = |s: &Name| s.0 == specimen.name;
-    let Some((_, found)) = identified.iter().find(|(s, _)| this(s)) else { return Ok(None) };
+    let Some((_, found)) = identified.iter().find(|(s, _)| this(s)) else { return Ok(Vec::new()) };
+    let estimate = |quantity, found, hidden, sigma| Estimate { quantity, found, hidden, sigma };
     let real = spectrum(&truth.body)?;
-    let (mut storage_ratio, mut loss_factor) = (Vec::new(), Vec::new());
+    let held = truth.body.youngs_modulus * real.modulus(found.modulus_time);
+    let (best, sigma) = (found.best.youngs_moduli(), found.sigma.youngs_moduli());
+    let mut all = vec![
+        estimate(Quantity::BodyModulus, best[0], held, sigma[0] / best[0]),
+        estimate(Quantity::SpineModulus, best[1], truth.spine.youngs_modulus, sigma[1] / best[1]),
+    ];
     for (_, relaxation) in relaxed.iter().filter(|(s, _)| this(s)) {
         for frequency in REPORTED {
-            let (found, real) = (relaxation.at(frequency)?, dynamic(&real, frequency, found.modulus_time));
-            storage_ratio.push([found[0], real[0]]);
-            loss_factor.push([found[1], real[1]]);
+            let (found, sigma) = (relaxation.at(frequency)?, relaxation.sigma_at(frequency)?);
+            let real = dynamic(&real, frequency, relaxation.modulus_time_s);
+            let quantities = [Quantity::StorageRatio(frequency), Quantity::LossFactor(frequency)];
+            all.extend(
+                quantities.into_iter().enumerate().map(|(k, q)| estimate(q, found[k], real[k], sigma[k] / found[k])),
+            );
         }
     }
-    let held = truth.body.youngs_modulus * real.modulus(found.modulus_time);
-    let drag = dragged.iter().find(|(s, _)| this(s)).map(|(_, d)| d).zip(truth.fluid.as_ref());
-    Ok(Some(RecoveredSpecimen {
-        name: specimen.name.clone(),
-        body_e_pa: [found.best.body_e_pa, held],
-        spine_e_pa: [found.best.spine_e_pa, truth.spine.youngs_modulus],
-        storage_ratio,
-        loss_factor,
-        added: drag.map(|(found, hidden)| [found.by.added, hidden.added]),
-        drag: drag.map(|(found, hidden)| [found.by.drag, hidden.drag]),
-    }))
+    for ((_, Drag { by, sigma, .. }), hidden) in dragged.iter().filter(|(s, _)| this(s)).zip(&truth.fluid) {
+        all.push(estimate(Quantity::AddedMass, by.added, hidden.added, sigma.added / by.added));
+        all.push(estimate(Quantity::NormalDrag, by.drag, hidden.drag, sigma.drag / by.drag));
+    }
+    Ok(all)
+}
+
+/// The predicted amplitude of the tip in a validation trial beside the true one, whose tracks are given.
+fn amplitude(condition: String, found: &Validation, tracks: &[TrueTrack]) -> Option<Estimate> {
+    let track = tracks.iter().find(|track| track.marker == found.marker)?;
+    let lateral = |t: &Second| track.at[frame_at(&track.time, *t)][1] - track.at[0][1];
+    let squares: f64 = found.time.iter().map(|t| lateral(t).powi(2)).sum();
+    let hidden = (squares / found.time.len().max(1) as f64).sqrt();
+    let Interval { value, sigma } = found.amplitude;
+    Some(Estimate { quantity: Quantity::TipAmplitude(condition), found: value, hidden, sigma })
 }
 
 /// The true relaxation.

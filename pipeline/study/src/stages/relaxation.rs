@@ -12,6 +12,7 @@ use crate::records::{self, Identified, IdentifiedBranch, Mesh, Motion, Reduced};
 use crate::selections::IdentificationTrials;
 use crate::subject::TrialId;
 use diagnostics::Result;
+use sysid::actuated::frame_interval;
 use sysid::relaxation::{Film, Footage, Spectrum, SpectrumProblem, SpectrumSettings, TimeSteps, Window};
 use sysid::{Body, Elastic, ReducedBody};
 use workflow::stage::{Stage, StageContext};
@@ -94,7 +95,7 @@ impl Settings {
 
     fn film(&self, motion: &Motion, marker: usize) -> Result<Film> {
         let steps = TimeSteps { step: self.step, vibration: self.vibration, longest: self.longest_step };
-        let exposure = self.exposure * simulation::frame_interval(&motion.time);
+        let exposure = self.exposure * frame_interval(&motion.time);
         let footage = Footage { windows: windows(motion, marker), marker, exposure };
         Film::new(footage, simulation::gauges(motion)?, steps)
     }

@@ -6,6 +6,7 @@ use signal::resample::Samples;
 use super::simulation;
 use crate::records::Motion;
 use diagnostics::{Diagnostic, Result};
+use sysid::actuated::onto;
 
 /// Mean and deviation of the repeats of one experiment.
 pub struct Seen {
@@ -41,7 +42,7 @@ pub fn gather(films: &[Motion], marker: usize) -> Result<Seen> {
             let at = film.markers[marker].at.iter().map(|p| p[k]).collect();
             Samples::new(film.time.clone(), at).map_err(Diagnostic::from)
         };
-        paths.push(simulation::onto(&[axis(0)?, axis(1)?], &there));
+        paths.push(onto(&[axis(0)?, axis(1)?], &there));
     }
     let (mean, deviation) = (0..time.len()).map(|i| moments(&paths, i)).unzip();
     Ok(Seen { gauges: mean_gauges(films, &late)?, moves: *begin, time, mean, deviation })

@@ -12,15 +12,17 @@ use serde::{Deserialize, Serialize};
 use si::{Hertz, Point2, Second};
 use signal::resample::Samples;
 
+use super::amplitude::{self, Predicted};
 use super::baselines::{self, QuasiStatic};
-use super::drag::UnderwaterModel;
 use super::repeats;
-use super::simulation::{self, Actuation, MotionSimulation};
+use super::simulation;
 use crate::records::{Drag, Identified, Mesh, Motion, PAPER_MODEL, Reduced, Relaxation, ScoredModel, Validation};
 use crate::selections::{InWater, Repeats};
 use crate::subject::Trial;
 use ::thrust::outline::Outline;
+use ::thrust::underwater::UnderwaterModel;
 use diagnostics::{Diagnostic, Result};
+use sysid::actuated::{Actuation, MotionSimulation, dynamic_settings, filmed};
 use sysid::{Body, ReducedBody};
 use workflow::stage::{Stage, StageContext};
 use workflow::subject::Part;
@@ -38,6 +40,8 @@ pub struct Settings {
     exposure: f64,
     /// Time step of implicit Euler, the paper's scheme, s.
     euler_step: Second,
+    /// Duration after the first command over which the uncertainty of the amplitude is computed, s.
+    interval_duration: Second,
     /// Duration after the first command that is also integrated by the full model, to measure the error of the reduction, s.
     whole_model_duration: Second,
 }
@@ -62,7 +66,7 @@ impl Stage for Validate {
     type Needs = ((Mesh, Identified, Reduced), Relaxation, InWater<Drag>, Repeats<Motion>);
     type Makes = Validation;
     const DESCRIPTION: &'static str = "flapping is predicted and compared with validation trials";
-    const VERSION: u32 = 11;
+    const VERSION: u32 = 12;
 
     fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<Validation> {
         let ((mesh, identified, reduced), relaxation, InWater(drag), Repeats(films)) = needs;
@@ -83,8 +87,8 @@ impl Stage for Validate {
         let actuation = Actuation { begin: ends.0, end: ends.1, ramp: 0.0, gauges: &seen.gauges };
         let reduced_body = ReducedBody::of(&model, &simulation.silicone, &reduced.data)?;
         let elastic = reduced_body.with(&model, &simulation::identified(&model, &identified).into());
-        let second_order = simulation::dynamic_settings(Scheme::Bdf2, set.step);
-        let euler = simulation::dynamic_settings(Scheme::ImplicitEuler, set.euler_step);
+        let second_order = dynamic_settings(Scheme::Bdf2, set.step);
+        let euler = dynamic_settings(Scheme::ImplicitEuler, set.euler_step);
         // from this study's model back to the paper's own: without relaxation, without a scheme of second order, without water
         let ways = [
             ("viscoelastic", &reduced_body, second_order, true),
@@ -92,18 +96,34 @@ impl Stage for Validate {
             ("implicit_euler", &elastic, euler, true),
             (PAPER_MODEL, &elastic, euler, false),
         ];
-        let simulate = |body: &ReducedBody, settings: DynamicSettings, wet: bool| match (&drag, &tail) {
-            (Some(Drag { by, .. }), Some(tail)) if wet => {
-                UnderwaterModel::new(body, tail, &simulation, card.body.markers.len()).path(&settings, *by, &actuation)
-            }
-            _ => simulation.run(body, &settings, &actuation),
-        };
-        let (mut scored, mut paths) = (Vec::new(), Vec::new());
+        let simulate =
+            |body: &ReducedBody, settings: &DynamicSettings, by: Option<_>, actuation: &Actuation| match (by, &tail) {
+                (Some(by), Some(tail)) => {
+                    UnderwaterModel::new(body, tail, &simulation, card.body.markers.len()).path(settings, by, actuation)
+                }
+                _ => simulation.run(body, settings, actuation),
+            };
+        let by = |wet: bool| drag.as_ref().filter(|_| wet).map(|d| d.by);
+        let (mut scored, mut paths, mut simulated) = (Vec::new(), Vec::new(), Vec::new());
         for (name, body, way, wet) in ways {
-            let path = simulation::filmed(&simulate(body, way, wet)?, &seen.time, set.exposure);
-            scored.push(ScoredModel { name: name.into(), rmse: repeats::rms(&seen.mean, &path) });
-            paths.push(path);
+            let path = simulate(body, &way, by(wet), &actuation)?;
+            let seen_path = filmed(&path, &seen.time, set.exposure);
+            scored.push(ScoredModel { name: name.into(), rmse: repeats::rms(&seen.mean, &seen_path) });
+            simulated.push(path);
+            paths.push(seen_path);
         }
+        context.progress(0.4, "with what identification left open");
+        let predicted = Predicted {
+            model: &model,
+            reduced_body: &reduced_body,
+            identified: &identified,
+            relaxation: &relaxation,
+            drag: drag.as_ref(),
+            settings: &second_order,
+        };
+        let first = Actuation { end: (seen.moves + set.interval_duration).min(ends.1), ..actuation };
+        let sigma = predicted.sigma(&simulate, &first)?;
+        let amplitude = amplitude::interval(&simulated[0], &seen.time, sigma);
         context.progress(0.6, "comparing with the full model");
         let checked =
             Actuation { end: (seen.moves + set.whole_model_duration).min(ends.1), begin: seen.moves, ..actuation };
@@ -117,6 +137,7 @@ impl Stage for Validate {
             repeats: films.len(),
             lag: card.frequency.map(|f| lag(&seen.time, &seen.mean, &simulated, f)),
             rmse: scored[0].rmse,
+            amplitude,
             length: card.body.length,
             zero_motion_rmse: repeats::rms(&seen.mean, &vec![[0.0; 2]; seen.mean.len()]),
             scored,

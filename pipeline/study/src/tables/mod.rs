@@ -2,6 +2,7 @@
 
 mod bench_realism;
 mod cells;
+mod coverage;
 mod ingredients;
 mod instruments;
 mod mesh_sensitivity;
@@ -27,6 +28,7 @@ pub const ALL: &[Entry<Study>] = &[
     table::<thrust_models::ThrustModels>(),
     table::<optimal_actuation::OptimalActuation>(),
     table::<recovery::Recovery>(),
+    table::<coverage::Coverage>(),
     table::<mesh_sensitivity::MeshSensitivity>(),
     table::<bench_realism::BenchRealism>(),
     table::<optics::Optics>(),

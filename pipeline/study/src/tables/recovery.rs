@@ -3,11 +3,9 @@
 use lab::card::Origin;
 use plot::Column;
 
-use crate::records::{Drag, Identified, REPORTED, Recovered, RecoveredSpecimen, Relaxation};
-use crate::subject::{Specimen, Study};
+use crate::records::{Estimate, Recovered};
+use crate::subject::Study;
 use diagnostics::Result;
-use workflow::needs::Every;
-use workflow::subject::Subject;
 use workflow::table::Table;
 
 /// The table.
@@ -15,16 +13,16 @@ pub struct Recovery;
 
 impl Table for Recovery {
     type Of = Study;
-    type Needs = (Recovered, Every<Identified, Specimen>, Every<Relaxation, Specimen>, Every<Drag, Specimen>);
+    type Needs = Recovered;
     const NAME: &'static str = "recovery";
     const CAPTION: &'static str = "identified and hidden parameters";
-    const VERSION: u32 = 4;
+    const VERSION: u32 = 5;
 
     fn is_made_for(study: &Study) -> bool {
         study.specimens.iter().any(|s| s.card.origin == Origin::VirtualBench)
     }
 
-    fn fill((all, Every(identified), Every(relaxed), Every(dragged)): Self::Needs) -> Result<plot::Table> {
+    fn fill(all: Self::Needs) -> Result<plot::Table> {
         let columns = vec![
             Column::text("quantity"),
             Column::text("of"),
@@ -33,81 +31,23 @@ impl Table for Recovery {
             Column::numbers("error", ""),
             Column::numbers("error / σ", ""),
         ];
-        let sigma = |name: &str| identified.iter().find(|(s, _)| s.name() == name).map(|(_, found)| found.sigma);
-        let water = |name: &str| dragged.iter().find(|(s, _)| s.name() == name).map(|(_, found)| found.sigma);
-        let moduli = all.specimens.iter().flat_map(|s| {
-            let (sigma, water) = (sigma(&s.name), water(&s.name));
-            let rows = moduli(s, sigma.map(|s| s.body_e_pa), sigma.map(|s| s.spine_e_pa));
-            let relaxed = relaxed.iter().find(|(of, _)| of.name() == s.name).map(|(_, found)| found);
-            let sigma = Sigma {
-                silicone: REPORTED.map(|f| relaxed.and_then(|r| r.sigma_at(f).ok())),
-                added: water.map(|w| w.added),
-                drag: water.map(|w| w.drag),
-            };
-            rows.into_iter().chain(moving(s, &sigma))
-        });
-        let rows = moduli.chain(instruments(&all)).collect();
+        let estimates = all.specimens.iter().flat_map(|s| s.estimates.iter().map(|e| row(&s.name, e)));
+        let rows = estimates.chain(instruments(&all)).collect();
         let table = plot::Table::new(columns, rows)?;
-        Ok(table.noted("Error / σ: the error over the standard deviation estimated by the pipeline."))
+        Ok(table.noted("Error / σ: the error of the logarithm over its standard deviation as the pipeline states it."))
     }
 }
 
-fn moduli(of: &RecoveredSpecimen, body_sigma: Option<f64>, spine_sigma: Option<f64>) -> [Vec<String>; 2] {
-    let body = Parameter { name: "E of the body at its time (MPa)", unit: 1e-6, pair: of.body_e_pa, sigma: body_sigma };
-    let spine = Parameter { name: "E of the spine (GPa)", unit: 1e-9, pair: of.spine_e_pa, sigma: spine_sigma };
-    [body.row(of), spine.row(of)]
-}
-
-/// Parameters identified from motion, where there are any.
-fn moving(of: &RecoveredSpecimen, sigma: &Sigma) -> Vec<Vec<String>> {
-    let silicone = [("storage modulus over E", &of.storage_ratio, 0), ("loss factor", &of.loss_factor, 1)];
-    let named = |(name, pairs, which): (&'static str, &Vec<[f64; 2]>, usize)| {
-        let at = REPORTED.into_iter().zip(sigma.silicone);
-        let row = move |(pair, (f, sigma)): ([f64; 2], (f64, Option<[f64; 2]>))| {
-            (format!("{name} at {f} Hz"), Some(pair), sigma.map(|s| s[which]))
-        };
-        pairs.clone().into_iter().zip(at).map(row)
-    };
-    let silicone = silicone.into_iter().flat_map(named);
-    let water = [("added mass ratio", of.added, sigma.added), ("normal drag coefficient", of.drag, sigma.drag)];
-    let water = water.into_iter().map(|(name, pair, sigma)| (name.to_owned(), pair, sigma));
-    let known = silicone.chain(water).filter_map(|(name, pair, sigma)| Some((name, pair?, sigma)));
-    known.map(|(name, pair, sigma)| Parameter { name: &name, unit: 1.0, pair, sigma }.row(of)).collect()
-}
-
-/// Standard deviations of what was identified from motion; none where it was not.
-#[derive(Default)]
-struct Sigma {
-    /// Storage modulus ratio and loss factor at each of [`REPORTED`].
-    silicone: [Option<[f64; 2]>; 3],
-    added: Option<f64>,
-    drag: Option<f64>,
-}
-
-/// A parameter of a specimen.
-struct Parameter<'a> {
-    /// Its name with the unit of the cells.
-    name: &'a str,
-    /// Number of the cells' units in the SI unit.
-    unit: f64,
-    /// Identified and hidden, SI.
-    pair: [f64; 2],
-    /// Standard deviation, SI.
-    sigma: Option<f64>,
-}
-
-impl Parameter<'_> {
-    fn row(&self, of: &RecoveredSpecimen) -> Vec<String> {
-        let [found, hidden] = self.pair;
-        vec![
-            self.name.to_owned(),
-            of.name.clone(),
-            format!("{:.4}", self.unit * found),
-            format!("{:.4}", self.unit * hidden),
-            format!("{:.1} %", 100.0 * (found / hidden - 1.0)),
-            self.sigma.map_or_else(String::new, |s| format!("{:.1}", (found - hidden).abs() / s)),
-        ]
-    }
+fn row(of: &str, estimate: &Estimate) -> Vec<String> {
+    let (title, unit) = estimate.quantity.title();
+    vec![
+        title,
+        of.to_owned(),
+        format!("{:.4}", unit * estimate.found),
+        format!("{:.4}", unit * estimate.hidden),
+        format!("{:.1} %", 100.0 * estimate.relative_error()),
+        format!("{:.1}", estimate.standardised_error().abs()),
+    ]
 }
 
 /// Instruments: the worst trial or specimen each.
@@ -139,23 +79,12 @@ fn instruments(all: &Recovered) -> Vec<Vec<String>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::records::Quantity;
 
     #[test]
     fn a_modulus_is_set_beside_the_hidden_one_with_sign_and_in_deviations() {
-        let of = RecoveredSpecimen {
-            name: "a".into(),
-            body_e_pa: [0.19e6, 0.2e6],
-            spine_e_pa: [3e9, 3e9],
-            storage_ratio: Vec::new(),
-            loss_factor: Vec::new(),
-            added: None,
-            drag: Some([16.0, 15.0]),
-        };
-        let rows = moduli(&of, Some(0.005e6), None);
-        assert_eq!(rows[0][2..], ["0.1900", "0.2000", "-5.0 %", "2.0"]);
-        assert_eq!(rows[1][5], "");
-        let moving = moving(&of, &Sigma { drag: Some(0.5), ..Sigma::default() });
-        assert_eq!((moving.len(), &moving[0][4][..], &moving[0][5][..]), (1, "6.7 %", "2.0"));
+        let body = Estimate { quantity: Quantity::BodyModulus, found: 0.19e6, hidden: 0.2e6, sigma: 0.025 };
+        assert_eq!(row("a", &body)[1..], ["a", "0.1900", "0.2000", "-5.0 %", "2.1"]);
     }
 
     #[test]

@@ -47,15 +47,21 @@ const SHIFT: Second = 0.05;
 
 /// Root mean square difference over the deflection `scale` (m) of two displacements, one of them shifted in time so that it is least.
 pub(super) fn difference(predicted: &Series, recorded: &Series, scale: Metre) -> f64 {
+    aligned(predicted, recorded).1 / scale.abs()
+}
+
+/// The shift of a prediction onto its recording (s) with the least root mean square difference, and that difference, m.
+pub(super) fn aligned(predicted: &Series, recorded: &Series) -> (Second, f64) {
     let frames = (SHIFT * recorded.rate()).round() as i64;
     let of = |shift: i64| {
         let pairs = recorded.values().iter().enumerate().map(|(i, measured)| {
             let at = (i as i64 - shift).clamp(0, predicted.values().len() as i64 - 1) as usize;
             (predicted.values()[at] - measured).powi(2)
         });
-        (pairs.sum::<f64>() / recorded.values().len() as f64).sqrt() / scale.abs()
+        (shift as f64 / recorded.rate(), (pairs.sum::<f64>() / recorded.values().len() as f64).sqrt())
     };
-    (-frames..=frames).map(of).fold(f64::INFINITY, f64::min)
+    let less = |best: (Second, f64), next: (Second, f64)| if next.1 < best.1 { next } else { best };
+    (-frames..=frames).map(of).fold((0.0, f64::INFINITY), less)
 }
 
 #[cfg(test)]

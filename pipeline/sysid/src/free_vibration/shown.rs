@@ -4,10 +4,10 @@ use std::fmt;
 use std::path::Path;
 
 use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Dash, Figure, Mark, Panel, palette};
-use si::Series;
+use si::{Second, Series};
 
 use super::Report;
-use super::features::NAMES;
+use super::features::{NAMES, aligned};
 use super::ladder::{LawResult, Row, supported};
 use super::warnings::warnings;
 use crate::identified_materials::{IdentifiedMaterial, IdentifiedMaterials, file_of};
@@ -232,18 +232,20 @@ fn write_predictions(f: &mut fmt::Formatter<'_>, report: &Report, row: &Row) -> 
 
 fn figure(report: &Report) -> Figure {
     let window = report.page.swing[1];
-    let points = |fall: &Series| {
-        let until = fall.values().iter().enumerate().map(|(i, v)| [fall.time(i), 1e3 * v]);
-        until.take_while(|p| p[0] <= window).collect::<Vec<_>>()
+    let points = |fall: &Series, shift: Second| {
+        let until = fall.values().iter().enumerate().map(|(i, v)| [fall.time(i) + shift, 1e3 * v]);
+        until.skip_while(|p| p[0] < 0.0).take_while(|p| p[0] <= window).collect::<Vec<_>>()
     };
     let shown = [(0, palette::SPINE), (supported(&report.results), palette::SIMULATED)];
     let panel = |k: usize| {
         let axes = Axes::new(Axis::linear("time after the release", "s"), Axis::linear("displacement", "mm"));
-        let axes = axes.with(Mark::line(points(&report.recorded[k].fall), palette::MUTED).labelled("recorded"));
+        let axes = axes.with(Mark::line(points(&report.recorded[k].fall, 0.0), palette::MUTED).labelled("recorded"));
         let laws = shown.iter().map(|(result, colour)| {
             let row = &report.results[*result].joint;
             let name = row.fitted.law.name.replace('_', " ");
-            Mark::line(points(&row.predictions[k].fall), *colour).dashed(Dash::Dashed).labelled(&name)
+            // the time of the release is fitted with the law, or read off by eye
+            let (shift, _) = aligned(&row.predictions[k].fall, &report.recorded[k].fall);
+            Mark::line(points(&row.predictions[k].fall, shift), *colour).dashed(Dash::Dashed).labelled(&name)
         });
         let recording = &report.page.recording[k];
         let role = if recording.fitted { "fitted" } else { "predicted" };
@@ -256,5 +258,5 @@ fn figure(report: &Report) -> Figure {
     while rest.peek().is_some() {
         figure = figure.row(55.0, rest.by_ref().take(2).collect::<Vec<_>>());
     }
-    figure.noted("measured data, not from the virtual bench")
+    figure.noted("measured data, not from the virtual bench; predictions are aligned in time")
 }

@@ -1,0 +1,79 @@
+//! The predicted amplitude of the tip with its interval: what identification left open, carried through the motion.
+
+use fem::DynamicSettings;
+use hydro::Coefficients;
+use rayon::prelude::*;
+use si::{Metre, Second};
+use signal::resample::Samples;
+
+use super::deviations;
+use crate::records::{Drag, Identified, Interval, Relaxation};
+use diagnostics::Result;
+use sysid::actuated::Actuation;
+use sysid::{Model, ReducedBody};
+
+/// The path of the tip marker of a body in water with these coefficients, or without water.
+pub(super) type Simulated<'a> =
+    dyn Fn(&ReducedBody, &DynamicSettings, Option<Coefficients>, &Actuation) -> Result<[Samples; 2]> + Sync + 'a;
+
+/// What the prediction rests on.
+pub(super) struct Predicted<'a> {
+    pub model: &'a Model,
+    pub reduced_body: &'a ReducedBody,
+    pub identified: &'a Identified,
+    pub relaxation: &'a Relaxation,
+    pub drag: Option<&'a Drag>,
+    pub settings: &'a DynamicSettings,
+}
+
+impl Predicted<'_> {
+    /// The relative standard deviation of the amplitude, from a motion under `actuation`. Moduli, relaxation, added mass and drag count as
+    /// independent of each other, which for drag and the relaxation is on the safe side; a film differs from the films of identification by a
+    /// common scale of its own.
+    pub(super) fn sigma(&self, simulated: &Simulated, actuation: &Actuation) -> Result<f64> {
+        let by = self.drag.map(|d| d.by);
+        let times: Vec<Second> = actuation.times(self.settings.step).iter().map(|t| actuation.begin + t).collect();
+        let of = |body: &ReducedBody, by| -> Result<f64> {
+            Ok(amplitude(&simulated(body, self.settings, by, actuation)?, &times).ln())
+        };
+        let here = of(self.reduced_body, by)?;
+        let silicones = deviations::of_silicone(self.model, self.identified, self.relaxation)?;
+        let of_silicone = silicones.par_iter().map(|silicone| of(&self.reduced_body.with(self.model, silicone), by));
+        let mut all: Vec<f64> = of_silicone.collect::<Result<_>>()?;
+        if let Some(drag) = self.drag {
+            let Coefficients { added, drag: normal } = drag.by;
+            let waters = [
+                Coefficients { added: added + drag.sigma.added, drag: normal },
+                Coefficients { added, drag: normal + drag.sigma.drag },
+            ];
+            all.extend(waters.into_iter().map(|by| of(self.reduced_body, Some(by))).collect::<Result<Vec<_>>>()?);
+        }
+        let variance: f64 = all.iter().map(|there| (there - here).powi(2)).sum();
+        Ok((variance + self.identified.noise.scale_sigma.powi(2)).sqrt())
+    }
+}
+
+/// Root mean square of the lateral displacement of a path at these times, m.
+pub(super) fn amplitude([_, lateral]: &[Samples; 2], times: &[Second]) -> Metre {
+    let squares: f64 = times.iter().map(|&t| lateral.at(t).powi(2)).sum();
+    (squares / times.len().max(1) as f64).sqrt()
+}
+
+/// An amplitude with its relative standard deviation.
+pub(super) fn interval(path: &[Samples; 2], times: &[Second], sigma: f64) -> Interval {
+    Interval { value: amplitude(path, times), sigma }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_amplitude_of_a_sine_is_its_root_mean_square() {
+        let times: Vec<f64> = (0..=400).map(|i| 0.01 * f64::from(i)).collect();
+        let lateral = times.iter().map(|t| 3e-3 * (std::f64::consts::PI * t).sin()).collect();
+        let path =
+            [Samples::new(times.clone(), vec![1.0; 401]).unwrap(), Samples::new(times.clone(), lateral).unwrap()];
+        assert!((amplitude(&path, &times[..400]) - 3e-3 / 2f64.sqrt()).abs() < 1e-9);
+    }
+}
