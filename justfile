@@ -48,6 +48,15 @@ real: build
     mkdir -p paper/tables && cp target/real/real_beam_ds10.csv paper/tables/real_beam.csv
     if [ -d data/raw/arm_ds10 ] || [ -d ../shared/real/arm_ds10 ]; then just real-arm; else echo "no recordings of arm_ds10: left out"; fi
 
+# whether stated intervals are honest: specimens drawn at random, recorded and identified in a profile of their own (three minutes of one
+# core each), and the share of the true values inside; the table and the figure are those of the paper
+calibration COUNT="20" SEED="1": build
+    {{programs}}/rig draw {{COUNT}} --seed {{SEED}}
+    {{programs}}/study run --profile population calibration coverage
+    {{programs}}/study check --profile population
+    cp target/population/figures/calibration.svg figures/
+    cp target/population/paper/tables/coverage.* paper/tables/
+
 # the arm alone, with the bar's material in target/real
 real-arm:
     {{programs}}/study fit arm_ds10 --out target/real
