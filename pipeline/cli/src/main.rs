@@ -37,6 +37,7 @@ fn run(cli: &Cli) -> Result<bool> {
         }
         Command::Run { names, specimen, fresh } => {
             let (runner, diagnostics) = open()?;
+            readable(&diagnostics, specimen.as_deref())?;
             let goal = Goal { entries: names.clone(), group: specimen.clone() };
             let summary = study::run(&runner, &goal, *fresh)?;
             study::page(&runner)?;
@@ -54,6 +55,7 @@ fn run(cli: &Cli) -> Result<bool> {
         }
         Command::Plan { names, specimen, graph } => {
             let (runner, diagnostics) = open()?;
+            readable(&diagnostics, specimen.as_deref())?;
             plan(&runner, &Goal { entries: names.clone(), group: specimen.clone() }, graph.as_ref())?;
             Ok(report(&diagnostics))
         }
@@ -113,6 +115,13 @@ fn run(cli: &Cli) -> Result<bool> {
 fn open(place: &Place) -> Result<(Runner, Vec<Diagnostic>)> {
     let Place { quiet, jobs, keep_going, min_free_memory, .. } = *place;
     study::open(&place.root, place.profile.into(), Options { quiet, jobs, keep_going, min_free_memory })
+}
+
+/// Holds that the card of a specimen that was asked for could be read: its own diagnostic says more than that there is no specimen.
+fn readable(diagnostics: &[Diagnostic], specimen: Option<&str>) -> Result<()> {
+    let folder = |d: &Diagnostic| Some(d.location.as_ref()?.file.parent()?.file_name()?.to_owned());
+    let own = diagnostics.iter().find(|d| specimen.is_some_and(|name| folder(d).is_some_and(|folder| folder == name)));
+    own.map_or(Ok(()), |diagnostic| Err(diagnostic.clone()))
 }
 
 /// Prints the plan, as a list or a tree, or draws it.
