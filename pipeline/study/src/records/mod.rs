@@ -28,7 +28,7 @@ mod vtu;
 
 pub use self::thrust::{Crosstalk, Means, Scored, Thrust, Trace};
 pub use camera::Camera;
-pub use cell::{DeconvolutionExample, Fixture, LoadCell};
+pub use cell::{Fixture, LoadCell};
 pub use corrected_force::CorrectedForce;
 pub use drag::Drag;
 pub use example_frames::{ExampleFrames, FrameData};
