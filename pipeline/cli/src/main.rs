@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
-use cli::options::{Checked, Cli, Command, Place};
+use cli::options::{CalibrateCamera, Checked, Cli, Command, Place};
 use diagnostics::{Diagnostic, Result, output};
 use study::Runner;
 use workflow::runner::{Goal, Options};
@@ -86,6 +86,15 @@ fn run(cli: &Cli) -> Result<bool> {
             }
             Ok(true)
         }
+        Command::Force { page, out } => {
+            let (report, folder) = instruments::force::run(page, out.as_deref())?;
+            output::line(format_args!("{report}results: {}", folder.display()));
+            Ok(true)
+        }
+        Command::Calibrate(asked) => {
+            output::line(instruments::calibrate::run(&calibration(asked))?);
+            Ok(true)
+        }
         Command::Track(asked) => {
             let summary = cli::track::run(asked)?;
             if !cli.place.quiet {
@@ -109,6 +118,18 @@ fn run(cli: &Cli) -> Result<bool> {
             output::text(study::description());
             Ok(true)
         }
+    }
+}
+
+fn calibration(asked: &CalibrateCamera) -> instruments::calibrate::Request {
+    instruments::calibrate::Request {
+        source: asked.source.clone(),
+        size: [asked.columns, asked.rows],
+        square: asked.square,
+        dots: asked.dots,
+        fisheye: asked.fisheye,
+        every: asked.every,
+        out: asked.out.clone(),
     }
 }
 

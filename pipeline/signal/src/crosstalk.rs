@@ -3,6 +3,7 @@
 //! Force = Σ over chambers of C(p(t − τ)) + drift. C rises from (0, 0) and is linear between knots; its increments are estimated by
 //! non-negative least squares for each τ of a list, and the τ with the least residual is kept. Paper, section IV, spurious forces.
 
+use nalgebra::{DMatrix, DVector};
 use si::{Newton, Pascal, Second, Series};
 
 use crate::polynomial::{self, EstimationError};
@@ -25,6 +26,8 @@ pub struct CrossTalk {
     pub lag_interval: [Second; 2],
     /// Standard deviation of the residuals, N.
     pub residual: Newton,
+    /// Standard deviation of the force at the last knot, by the noise, N.
+    pub sigma: Newton,
 }
 
 /// One quasi-static recording: force and pressures on one clock.
@@ -39,7 +42,7 @@ pub struct Staircase {
 impl CrossTalk {
     /// No cross-talk.
     pub fn none() -> Self {
-        Self { pressures: vec![0.0], forces: vec![0.0], lag: 0.0, lag_interval: [0.0; 2], residual: 0.0 }
+        Self { pressures: vec![0.0], forces: vec![0.0], lag: 0.0, lag_interval: [0.0; 2], residual: 0.0, sigma: 0.0 }
     }
 
     /// C(p), N; held beyond the last knot, zero below the first.
@@ -150,8 +153,18 @@ fn with_lag(runs: &[Staircase], knots: &[Pascal], lag: Second) -> Option<(CrossT
     let residual = (left.iter().map(|r| r * r).sum::<f64>() / total as f64).sqrt();
     let mut forces = vec![0.0];
     weights[..rises].iter().for_each(|rise| forces.push(forces[forces.len() - 1] + rise));
-    let talk = CrossTalk { pressures: knots.to_vec(), forces, lag, lag_interval: [lag; 2], residual };
-    Some((talk, independent(&left)))
+    let independent = independent(&left);
+    let sigma = residual * (total as f64 / independent).sqrt() * sigma_of_sum(&columns, rises)?;
+    let talk = CrossTalk { pressures: knots.to_vec(), forces, lag, lag_interval: [lag; 2], residual, sigma };
+    Some((talk, independent))
+}
+
+/// Standard deviation of the sum of the first so many weights for noise of 1: √(eᵀ (AᵀA)⁻¹ e), e one for each of them.
+fn sigma_of_sum(columns: &[Vec<f64>], summed: usize) -> Option<f64> {
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let gram = DMatrix::from_fn(columns.len(), columns.len(), |i, j| dot(&columns[i], &columns[j]));
+    let ones = DVector::from_fn(columns.len(), |i, _| if i < summed { 1.0 } else { 0.0 });
+    Some(ones.dot(&gram.cholesky()?.solve(&ones)).sqrt())
 }
 
 #[cfg(test)]
@@ -195,6 +208,9 @@ mod tests {
             assert!((found.at(*p) - curve(*p)).abs() < 1e-3, "{p} Pa: {}", found.at(*p));
         }
         assert!(found.forces.windows(2).all(|f| f[1] >= f[0]));
+        // of some 800 samples of 2 mN at the last level
+        assert!((5e-5..1e-3).contains(&found.sigma), "{}", found.sigma);
+        assert!((found.at(2.5e4) - curve(2.5e4)).abs() < 4.0 * found.sigma);
     }
 
     #[test]

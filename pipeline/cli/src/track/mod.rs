@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 
 use si::{Point2, Second};
 use track::klt::{self, Observation, Tracker, TrackingError};
+use track::scene::SceneCuts;
 use track::video::{Film, Frame};
 
 use crate::options::TrackFilm;
@@ -30,18 +31,49 @@ pub fn run(asked: &TrackFilm) -> Result<String> {
     fs::create_dir_all(&folder).map_err(|e| cannot_write(&folder, &e))?;
     let mut seen = Seen { asked, folder: &folder, tracker: None, time: Vec::new(), tracks: Vec::new() };
     let mut overlay = Overlay::begin(&folder, info, asked.overlay)?;
+    let mut cuts = SceneCuts::default();
     for frame in film {
         let frame = frame?;
+        if frame.index < asked.first || asked.last.is_some_and(|last| frame.index > last) {
+            continue;
+        }
+        if cuts.is_cut(&frame.gray) {
+            return Err(cut(asked, &frame));
+        }
         seen.look(&frame, set)?;
         overlay.frame(&frame.gray, seen.tracks.iter().filter_map(|t| t.last()))?;
+    }
+    if seen.tracker.is_none() {
+        return Err(nothing(asked, info.frames));
     }
     let (time, tracks) = seen.end()?;
     overlay.end()?;
     remove(&folder, &["lost.png"]);
-    write(&folder.join("tracks.csv"), csv(&time, &tracks).as_bytes())?;
+    write(&folder.join("tracks.csv"), csv(asked.first, &time, &tracks).as_bytes())?;
     let hidden = tracks.iter().flatten().filter(|s| !s.seen).count();
     let (markers, frames) = (tracks.len(), time.len());
     Ok(format!("{markers} markers × {frames} frames, occluded in {hidden}; results in {}", folder.display()))
+}
+
+/// A film of two scenes: markers of one are not those of the other.
+fn cut(asked: &TrackFilm, frame: &Frame) -> Diagnostic {
+    let what = format!("the scene is cut at frame {} ({:.3} s)", frame.index, frame.time);
+    let why = "it has nothing in common with the frame before, so that no marker can be followed";
+    let before = frame.index.saturating_sub(1);
+    let action =
+        format!("track the parts by themselves: --last {before}, and --first {} with another --out", frame.index);
+    Diagnostic::file(&asked.film, what, why, action)
+}
+
+fn nothing(asked: &TrackFilm, frames: usize) -> Diagnostic {
+    let what = format!("no frame is tracked from --first {}", asked.first);
+    let last = asked.last.map_or(String::new(), |last| format!("; --last is {last}"));
+    Diagnostic::file(
+        &asked.film,
+        what,
+        format!("the film has {frames} frames, from 0{last}"),
+        "correct --first or --last",
+    )
 }
 
 fn folder(asked: &TrackFilm) -> PathBuf {
@@ -63,7 +95,7 @@ struct Seen<'a> {
 impl Seen<'_> {
     fn look(&mut self, frame: &Frame, set: klt::Settings) -> Result<()> {
         let (asked, folder) = (self.asked, self.folder);
-        let lost = |lost| shown(folder, lost).in_file(&asked.film);
+        let lost = |lost: TrackingError| shown(folder, counted(lost, asked.first)).in_file(&asked.film);
         let sightings = match &mut self.tracker {
             Some(tracker) => tracker.step(&frame.gray).map_err(lost)?,
             None => {
@@ -80,7 +112,8 @@ impl Seen<'_> {
     }
 
     fn end(mut self) -> Result<(Vec<Second>, Vec<Vec<Observation>>)> {
-        let lost = |lost| shown(self.folder, lost).in_file(&self.asked.film);
+        let (folder, asked) = (self.folder, self.asked);
+        let lost = |lost: TrackingError| shown(folder, counted(lost, asked.first)).in_file(&asked.film);
         self.tracker.map_or(Ok(()), Tracker::finish).map_err(lost)?;
         self.tracks.iter_mut().for_each(|track| klt::fill_gaps(track));
         Ok((self.time, self.tracks))
@@ -103,13 +136,13 @@ fn starts(frame: &Frame, asked: &TrackFilm, set: &klt::Settings) -> Result<Vec<P
 }
 
 /// One line a frame and marker.
-fn csv(time: &[Second], tracks: &[Vec<Observation>]) -> String {
+fn csv(first: usize, time: &[Second], tracks: &[Vec<Observation>]) -> String {
     let mut text = String::from("frame,time_s,marker,u_px,v_px,uu_px2,uv_px2,vv_px2,residual,seen\n");
     for (frame, t) in time.iter().enumerate() {
         for (marker, track) in tracks.iter().enumerate() {
             let s = &track[frame];
             let ([u, v], [[uu, uv], [_, vv]]) = (s.at, s.covariance);
-            let (name, seen) = (marker + 1, u8::from(s.seen));
+            let (frame, name, seen) = (first + frame, marker + 1, u8::from(s.seen));
             let line = format_args!(
                 "{frame},{t:.6},m{name},{u:.4},{v:.4},{uu:.3e},{uv:.3e},{vv:.3e},{:.2},{seen}",
                 s.residual
@@ -124,6 +157,11 @@ fn csv(time: &[Second], tracks: &[Vec<Observation>]) -> String {
 fn remove(folder: &Path, names: &[&str]) {
     // What is not there needs not be removed.
     names.iter().for_each(|name| drop(fs::remove_file(folder.join(name))));
+}
+
+/// The same error with its frame counted from the film's first.
+fn counted(lost: TrackingError, first: usize) -> TrackingError {
+    TrackingError { frame: lost.frame + first, ..lost }
 }
 
 /// The diagnostic of a lost marker, with its picture written.

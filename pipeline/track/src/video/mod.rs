@@ -35,6 +35,16 @@ pub use writer::{Quality, Writer};
 
 use crate::Gray;
 use si::{Hertz, Second};
+use std::path::{Path, PathBuf};
+
+/// The pictures (PNG, JPEG) of a folder in the order of their names, each with its file; no times are needed.
+///
+/// # Errors
+/// [`VideoError`] when the folder cannot be read, or later a picture.
+pub fn pictures(folder: &Path) -> Result<impl Iterator<Item = Result<(PathBuf, Gray), VideoError>>, VideoError> {
+    let files = folder::listed(folder)?;
+    Ok(files.into_iter().map(|file| folder::picture(&file).map(|gray| (file, gray))))
+}
 
 /// Metadata of a film.
 #[derive(Debug, Clone, Copy, PartialEq)]
