@@ -96,11 +96,11 @@ fn run(cli: &Cli) -> Result<bool> {
             Ok(true)
         }
         Command::Track(asked) => {
-            let summary = cli::track::run(asked)?;
+            let tracked = cli::track::run(asked)?;
             if !cli.place.quiet {
-                output::line(&summary);
+                output::line(&tracked.summary);
             }
-            Ok(true)
+            Ok(tracked.complete)
         }
         Command::Check { what: None } => check(&open()?.0),
         Command::Check { what: Some(Checked::Gradients { cases, steps }) } => {

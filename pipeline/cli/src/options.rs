@@ -177,8 +177,10 @@ pub struct CalibrateCamera {
 /// Options of `study track`.
 #[derive(Debug, Args)]
 pub struct TrackFilm {
-    /// The film: H.264 in MP4, a folder of PNG or JPEG pictures with times.csv, or any format read by an ffmpeg on the PATH.
-    pub film: PathBuf,
+    /// The film: H.264 in MP4, a folder of PNG or JPEG pictures with times.csv, or any format read by an ffmpeg on the PATH. Of several
+    /// films each is tracked by the same options; a table says what was lost where.
+    #[arg(required = true, num_args = 1..)]
+    pub films: Vec<PathBuf>,
     /// The first frame to track, from 0: markers are clicked or detected in this one.
     #[arg(long, default_value_t = 0)]
     pub first: usize,
@@ -203,7 +205,7 @@ pub struct TrackFilm {
     /// Also write the film with its tracks drawn over it.
     #[arg(long)]
     pub overlay: bool,
-    /// Folder for the results, instead of FILM.tracks beside the film.
+    /// Folder for the results, instead of FILM.tracks beside the film; of several films, the folder of those.
     #[arg(long)]
     pub out: Option<PathBuf>,
 }

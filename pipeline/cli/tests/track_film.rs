@@ -84,3 +84,24 @@ fn a_ball_of_36_pixels_is_seen_in_every_frame() {
     assert!(rows.iter().all(|(_, _, seen)| *seen), "{rows:?}");
     assert!(rows.iter().all(|(k, u, _)| (u - truth(*k)).abs() < 0.15), "{rows:?}");
 }
+
+#[test]
+fn of_many_films_each_is_tracked_and_a_table_says_what_was_lost_where() {
+    let film = Film::new("many", 20, |k| ball(100.0 + k as f64, 7.0, 1.0));
+    let path = |name: &str| film.0.join(name);
+    let mut other = Writer::create(&path("gone.mp4"), (320, 240), 60.0, Quality::Quantiser(20)).unwrap();
+    // the ball leaves the picture in frame 12
+    (0..20).for_each(|k| other.push(&ball(if k < 12 { 100.0 + k as f64 } else { 900.0 }, 7.0, 1.0)).unwrap());
+    other.finish().unwrap();
+    let mut study = Command::new(env!("CARGO_BIN_EXE_study"));
+    let films = [path("film.mp4"), path("gone.mp4"), path("absent.mp4")];
+    let output = study.arg("track").args(&films).args(["--at", "100,120", "--hidden", "0.05"]).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.code() == Some(1) && said.contains("3 films, 2 not tracked to their end"), "{said}");
+    let table = fs::read_to_string(path("tracked.csv")).unwrap();
+    let lines: Vec<&str> = table.lines().collect();
+    assert!(lines.len() == 4 && lines[1].contains("film.mp4\",1,"), "{table}");
+    assert!(lines[2].contains("gone.mp4\",0,") && lines[2].contains("frame 12"), "{table}");
+    assert!(lines[3].contains("absent.mp4\",0,") && lines[3].contains("is not there"), "{table}");
+    assert_eq!(film.rows().len(), 20);
+}

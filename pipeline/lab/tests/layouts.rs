@@ -159,6 +159,25 @@ fn on_an_even_clock_commands_stay_steps_and_held_pressures_stay_what_they_are() 
 }
 
 #[test]
+fn the_held_pressures_of_a_jittered_log_are_those_of_the_even_one() {
+    // a valve that settles to 188 mbar and ripples by 1 mbar; moduli go with the mean of the last two fifths of a hold
+    let pressure = |t: f64| 188.0 * (1.0 - (-t / 0.05).exp()) + (61.0 * t).sin();
+    let held = |jitter: f64| {
+        let mut last = -1.0;
+        let mut line = |i: usize| {
+            last = f64::max(last + 2e-4, 0.005 * i as f64 + 0.5 * jitter * (1.0 + uneven(i)));
+            format!("{last:.6},200,0,{:.3},0.3,0\n", pressure(last))
+        };
+        let titles = "time_s,left_command_mbar,right_command_mbar,left_mbar,right_mbar,led\n";
+        let text = titles.to_owned() + &(0..600).map(&mut line).collect::<String>();
+        let log = pressures(&text, "").unwrap().log;
+        log.left.measured[360..].iter().sum::<f64>() / log.left.measured[360..].len() as f64
+    };
+    let (even, jittered) = (held(0.0), held(8e-3));
+    assert!((jittered / even - 1.0).abs() < 1e-3, "{jittered} {even}");
+}
+
+#[test]
 fn a_gap_is_what_exceeds_the_longest_gap_of_the_card() {
     let times = |i: usize| 0.005 * i as f64 + if i >= 60 { 0.03 } else { 0.0 };
     let text = stamped((0..400).map(times));

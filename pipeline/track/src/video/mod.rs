@@ -7,6 +7,7 @@
 //! Films are untrusted. Sizes and counts in a header are held against the file and the limits of this crate before memory is reserved,
 //! every loop over boxes, bits and frames advances, and a program that decodes has a time limit.
 
+mod ahead;
 mod avc;
 mod boxes;
 mod child;
@@ -26,6 +27,7 @@ mod tables;
 mod turn;
 mod writer;
 
+pub use ahead::DecodedAhead;
 pub use error::VideoError;
 pub use feature::Feature;
 pub use film::Film;
