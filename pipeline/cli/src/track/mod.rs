@@ -133,7 +133,7 @@ fn nothing(asked: &OneFilm, frames: usize) -> Diagnostic {
     let what = format!("no frame is tracked from --first {}", asked.first);
     let last = asked.last.map_or(String::new(), |last| format!("; --last is {last}"));
     Diagnostic::file(
-        &asked.film,
+        asked.film,
         what,
         format!("the film has {frames} frames, from 0{last}"),
         "correct --first or --last",

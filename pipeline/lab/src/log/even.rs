@@ -32,11 +32,10 @@ pub(super) fn onto_even_clock<const N: usize>(
 
 /// The row at `time` (s) between two rows, constant outside of them.
 fn between<const N: usize>([left, right]: [&[f64; N]; 2], held: &[bool; N], time: Second) -> [f64; N] {
-    // The even clock's last time may be a rounding error before the last sample.
     let part = ((time - left[0]) / (right[0] - left[0])).clamp(0.0, 1.0);
     let at = |k: usize| match held[k] {
-        true if part < 1.0 - 1e-9 => left[k],
-        true => right[k],
+        // A command changed somewhere between two samples: half way on average, wherever the jitter put them.
+        true => (if part < 0.5 { left } else { right })[k],
         // exact where both are equal: a held pressure stays what it is
         false => left[k] + part * (right[k] - left[k]),
     };

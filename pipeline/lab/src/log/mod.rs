@@ -31,7 +31,7 @@ pub(crate) struct LogFormat<const N: usize> {
     pub columns: [&'static str; N],
     /// The lowest and the highest number in each of them, and the unit, in the units of `data/raw/README.md`.
     pub ranges: [(f64, f64, &'static str); N],
-    /// Whether a column is a command, which holds from its sample to the next; others are interpolated linearly.
+    /// Whether a column is a command, which is taken from the nearest sample; others are interpolated linearly.
     pub held: [bool; N],
     /// What to do when there is no such file.
     pub absent: &'static str,

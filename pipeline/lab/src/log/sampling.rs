@@ -50,7 +50,7 @@ pub enum Method {
     /// The stamps are those of an even clock.
     #[default]
     AsStamped,
-    /// Linear interpolation between the stamped samples, onto the even clock from the first to the last.
+    /// Linear interpolation between the stamped samples, onto the even clock from the first to the last; commands from the nearest one.
     LinearInterpolation,
 }
 
