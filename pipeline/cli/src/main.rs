@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
-use cli::options::{Checked, Cli, Command, Place};
+use cli::options::{CalibrateCamera, Checked, Cli, Command, Place};
 use diagnostics::{Diagnostic, Result, output};
 use study::Runner;
 use workflow::runner::{Goal, Options};
@@ -37,6 +37,7 @@ fn run(cli: &Cli) -> Result<bool> {
         }
         Command::Run { names, specimen, fresh } => {
             let (runner, diagnostics) = open()?;
+            readable(&diagnostics, specimen.as_deref())?;
             let goal = Goal { entries: names.clone(), group: specimen.clone() };
             let summary = study::run(&runner, &goal, *fresh)?;
             study::page(&runner)?;
@@ -54,6 +55,7 @@ fn run(cli: &Cli) -> Result<bool> {
         }
         Command::Plan { names, specimen, graph } => {
             let (runner, diagnostics) = open()?;
+            readable(&diagnostics, specimen.as_deref())?;
             plan(&runner, &Goal { entries: names.clone(), group: specimen.clone() }, graph.as_ref())?;
             Ok(report(&diagnostics))
         }
@@ -84,12 +86,21 @@ fn run(cli: &Cli) -> Result<bool> {
             }
             Ok(true)
         }
-        Command::Track(asked) => {
-            let summary = cli::track::run(asked)?;
-            if !cli.place.quiet {
-                output::line(&summary);
-            }
+        Command::Force { page, out } => {
+            let (report, folder) = instruments::force::run(page, out.as_deref())?;
+            output::line(format_args!("{report}results: {}", folder.display()));
             Ok(true)
+        }
+        Command::Calibrate(asked) => {
+            output::line(instruments::calibrate::run(&calibration(asked))?);
+            Ok(true)
+        }
+        Command::Track(asked) => {
+            let tracked = cli::track::run(asked)?;
+            if !cli.place.quiet {
+                output::line(&tracked.summary);
+            }
+            Ok(tracked.complete)
         }
         Command::Check { what: None } => check(&open()?.0),
         Command::Check { what: Some(Checked::Gradients { cases, steps }) } => {
@@ -110,9 +121,28 @@ fn run(cli: &Cli) -> Result<bool> {
     }
 }
 
+fn calibration(asked: &CalibrateCamera) -> instruments::calibrate::Request {
+    instruments::calibrate::Request {
+        source: asked.source.clone(),
+        size: [asked.columns, asked.rows],
+        square: asked.square,
+        dots: asked.dots,
+        fisheye: asked.fisheye,
+        every: asked.every,
+        out: asked.out.clone(),
+    }
+}
+
 fn open(place: &Place) -> Result<(Runner, Vec<Diagnostic>)> {
     let Place { quiet, jobs, keep_going, min_free_memory, .. } = *place;
     study::open(&place.root, place.profile.into(), Options { quiet, jobs, keep_going, min_free_memory })
+}
+
+/// Holds that the card of a specimen that was asked for could be read: its own diagnostic says more than that there is no specimen.
+fn readable(diagnostics: &[Diagnostic], specimen: Option<&str>) -> Result<()> {
+    let folder = |d: &Diagnostic| Some(d.location.as_ref()?.file.parent()?.file_name()?.to_owned());
+    let own = diagnostics.iter().find(|d| specimen.is_some_and(|name| folder(d).is_some_and(|folder| folder == name)));
+    own.map_or(Ok(()), |diagnostic| Err(diagnostic.clone()))
 }
 
 /// Prints the plan, as a list or a tree, or draws it.

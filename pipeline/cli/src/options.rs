@@ -119,6 +119,19 @@ pub enum Command {
         /// The TOML file, or the name of one that comes with the project.
         page: PathBuf,
     },
+    /// Evaluate logs of a load cell without a film: a TOML file names taps, still water, staircases and runs. Writes a table with the mean
+    /// force of each run over whole cycles, its interval and every correction, a record and a figure.
+    #[command(after_long_help = instruments::force::keys())]
+    Force {
+        /// The TOML file; its keys are listed at the end of `study force --help`.
+        page: PathBuf,
+        /// Folder for the results, instead of PAGE.out beside the file.
+        #[arg(long)]
+        out: Option<PathBuf>,
+    },
+    /// Calibrate a camera from a film or a folder of pictures of a board: writes a camera file, OpenCV's YAML, the reprojection error of
+    /// each view and a picture. No card is needed.
+    Calibrate(CalibrateCamera),
     /// Track dark markers in any film: writes a CSV of their pixels with covariances, and a strip of pictures.
     Track(TrackFilm),
     /// Compare every number with its expected and published values, and every claim with its rule; or check gradients.
@@ -133,11 +146,47 @@ pub enum Command {
     List,
 }
 
+/// Options of `study calibrate`.
+#[derive(Debug, Args)]
+pub struct CalibrateCamera {
+    /// The film, or a folder of PNG or JPEG pictures.
+    pub source: PathBuf,
+    /// Squares of the board along its first axis, or dots.
+    #[arg(long, value_parser = count(3..=100))]
+    pub columns: usize,
+    /// Squares along the second axis, or dots.
+    #[arg(long, value_parser = count(3..=100))]
+    pub rows: usize,
+    /// Side of a square, or distance of the dots' middles, m.
+    #[arg(long, value_parser = between(1e-3, 1.0))]
+    pub square: f64,
+    /// The board has dots.
+    #[arg(long)]
+    pub dots: bool,
+    /// The lens is a fisheye.
+    #[arg(long)]
+    pub fisheye: bool,
+    /// Of a film, use one frame in so many.
+    #[arg(long, default_value_t = 10, value_parser = count(1..=1000))]
+    pub every: usize,
+    /// Folder for the results, instead of SOURCE.camera beside it.
+    #[arg(long)]
+    pub out: Option<PathBuf>,
+}
+
 /// Options of `study track`.
 #[derive(Debug, Args)]
 pub struct TrackFilm {
-    /// The film: H.264 in MP4, a folder of PNG pictures with times.csv, or any format read by an ffmpeg on the PATH.
-    pub film: PathBuf,
+    /// The film: H.264 in MP4, a folder of PNG or JPEG pictures with times.csv, or any format read by an ffmpeg on the PATH. Of several
+    /// films each is tracked by the same options; a table says what was lost where.
+    #[arg(required = true, num_args = 1..)]
+    pub films: Vec<PathBuf>,
+    /// The first frame to track, from 0: markers are clicked or detected in this one.
+    #[arg(long, default_value_t = 0)]
+    pub first: usize,
+    /// The last frame to track.
+    #[arg(long)]
+    pub last: Option<usize>,
     /// A marker in the first frame, px: `--at 512,360`; once for each marker.
     #[arg(long, value_name = "U,V", value_parser = pair, required_unless_present = "find")]
     pub at: Vec<[f64; 2]>,
@@ -156,7 +205,7 @@ pub struct TrackFilm {
     /// Also write the film with its tracks drawn over it.
     #[arg(long)]
     pub overlay: bool,
-    /// Folder for the results, instead of FILM.tracks beside the film.
+    /// Folder for the results, instead of FILM.tracks beside the film; of several films, the folder of those.
     #[arg(long)]
     pub out: Option<PathBuf>,
 }

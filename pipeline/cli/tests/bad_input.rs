@@ -155,3 +155,13 @@ fn a_slip_on_the_command_line_ends_with_code_2() {
     let project = Project::new("usage");
     assert_eq!(project.study(&["rum"]).status.code(), Some(2));
 }
+
+#[test]
+fn a_card_that_cannot_be_read_is_not_taken_for_a_missing_specimen() {
+    let project = Project::new("card");
+    let card = fs::read_to_string(project.path("specimen.toml")).unwrap();
+    fs::write(project.path("specimen.toml"), card.replace("length = 0.1", "length = 100.0")).unwrap();
+    for command in ["run", "plan"] {
+        project.refuses(&[command, "--specimen", "fish"], &["specimen.toml, line 3", "length = 100 m is out of range"]);
+    }
+}

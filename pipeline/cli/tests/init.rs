@@ -121,6 +121,7 @@ fn all_that_is_optional_can_be_taken_in_at_once() {
     let card = parsed(&whole()).unwrap();
     assert!(card.search.is_some() && card.water.is_some() && card.camera.coefficients.is_some());
     assert_eq!((card.trial.len(), card.tracks.len(), card.fixture.len()), (2, 1, 1));
+    assert!(card.tank.is_some() && card.log.force_lag == Some(0.2) && card.log.columns.len() == 1);
 }
 
 #[test]
@@ -143,6 +144,9 @@ fn every_key_of_a_card_is_explained_in_its_part() {
         ("tracks", keys::<card::Tracks>()),
         ("tracks.space", keys::<card::Axes>()),
         ("fixture", keys::<card::Fixture>()),
+        ("log", keys::<card::Log>()),
+        ("log.columns", keys::<card::LogColumn>()),
+        ("tank", keys::<card::Tank>()),
     ];
     let evaluated: BTreeSet<String> = entries().iter().map(|e| format!("{}/{}", e.table, e.key)).collect();
     let tables: BTreeSet<&str> = known.iter().map(|(table, _)| *table).collect();

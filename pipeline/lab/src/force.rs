@@ -16,8 +16,9 @@ use std::path::Path;
 
 use si::{Hertz, Newton, Second, Series};
 
-use crate::log::{self, LogFormat, TIMES};
-use diagnostics::{Diagnostic, input};
+use crate::card::{Log, LogKind};
+use crate::log::{self, LogFormat, LogText, Logged, StampReport, TIMES};
+use diagnostics::Diagnostic;
 
 /// The columns that every force log has, in the order in which they are written.
 pub const COLUMNS: [&str; 2] = ["time_s", "force_n"];
@@ -28,24 +29,31 @@ pub(crate) const RANGE: [Newton; 2] = [-50.0, 50.0];
 /// The column of the lamp, where there is one.
 pub const LAMP: &str = "led";
 
-const WITH_LAMP: LogFormat<3> = LogFormat {
-    kind: FORM.kind,
-    columns: [COLUMNS[0], COLUMNS[1], LAMP],
-    ranges: [TIMES, (RANGE[0], RANGE[1], "N"), (0.0, 1.0, "(off to on)")],
-    absent: FORM.absent,
-};
+const ABSENT: &str = "put the force log there, or correct `force` or `hammer` in specimen.toml";
 
-const FORM: LogFormat<2> = LogFormat {
-    kind: "force log",
-    columns: COLUMNS,
-    ranges: [TIMES, (RANGE[0], RANGE[1], "N")],
-    absent: "put the force log there, or correct `force` or `hammer` in specimen.toml",
-};
+const FORCE: (f64, f64, &str) = (RANGE[0], RANGE[1], "N");
+
+const fn form(instrument: LogKind) -> LogFormat<2> {
+    LogFormat {
+        kind: "force log",
+        instrument,
+        columns: COLUMNS,
+        ranges: [TIMES, FORCE],
+        held: [false; 2],
+        absent: ABSENT,
+    }
+}
+
+const fn with_lamp(instrument: LogKind) -> LogFormat<3> {
+    let columns = [COLUMNS[0], COLUMNS[1], LAMP];
+    let ranges = [TIMES, FORCE, (0.0, 1.0, "(off to on)")];
+    LogFormat { kind: "force log", instrument, columns, ranges, held: [false; 3], absent: ABSENT }
+}
 
 /// A force log, every list `samples` long.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ForceLog {
-    /// Time on the amplifier's clock, s, strictly increasing and even to a fifth of a step.
+    /// Time on the amplifier's clock, s, strictly increasing and even.
     pub time: Vec<Second>,
     /// Force with the amplifier's zero offset, N.
     pub force: Vec<Newton>,
@@ -67,17 +75,12 @@ impl ForceLog {
     }
 }
 
-/// The log in the file `path`, checked.
+/// The log in the file `path`, checked, of columns as `data/raw/README.md` has them.
 ///
 /// # Errors
-/// [`Diagnostic`] when the file cannot be read, lacks a column, holds a NaN, a decimal comma, a number out of range, or
-/// time that does not rise evenly.
+/// [`Diagnostic`] when the file cannot be read, lacks a column, holds a NaN, a number out of range, a gap, or time that does not rise.
 pub fn read(path: &Path) -> Result<ForceLog, Diagnostic> {
-    let bytes = input::read(path, input::LOG).map_err(|e| Diagnostic::io(path, e, FORM.absent))?;
-    match String::from_utf8(bytes) {
-        Ok(text) => parse(&text, path),
-        Err(_) => log::read(&FORM, path).map(from_rows),
-    }
+    parse(&log::text(path, ABSENT)?, path)
 }
 
 /// The log in `text`; `path` appears only in diagnostics.
@@ -85,13 +88,32 @@ pub fn read(path: &Path) -> Result<ForceLog, Diagnostic> {
 /// # Errors
 /// As [`read`].
 pub fn parse(text: &str, path: &Path) -> Result<ForceLog, Diagnostic> {
-    let header = text.lines().find(|line| !line.starts_with('#') && !line.trim().is_empty()).unwrap_or_default();
-    if !header.split(',').any(|name| name.trim() == LAMP) {
-        return log::parse(&FORM, text, path).map(from_rows);
+    parse_as(text, path, (LogKind::Force, &Log::default())).map(|logged| logged.log)
+}
+
+/// The log of an instrument in `text`, of columns as the card has them, on an even clock; `path` appears only in diagnostics.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse_as(text: &str, path: &Path, (kind, card): (LogKind, &Log)) -> Result<Logged<ForceLog>, Diagnostic> {
+    let text = LogText::new(text, path)?;
+    let form = with_lamp(kind);
+    if !text.has(&form, card, LAMP) {
+        let Logged { log, sampling } = text.parse(&self::form(kind), card)?;
+        return Ok(Logged { log: from_rows(log), sampling });
     }
-    let rows = log::parse(&WITH_LAMP, text, path)?;
+    let Logged { log: rows, sampling } = text.parse(&form, card)?;
     let led = rows.iter().map(|row| row[2]).collect();
-    Ok(ForceLog { led, ..from_rows(rows.into_iter().map(|[time, force, _]| [time, force]).collect()) })
+    let log = ForceLog { led, ..from_rows(rows.into_iter().map(|[time, force, _]| [time, force]).collect()) };
+    Ok(Logged { log, sampling })
+}
+
+/// What the stamps of an instrument's log in `text` show, whether or not it can be used.
+///
+/// # Errors
+/// [`Diagnostic`] when a column is missing, or a field is no number or out of range.
+pub fn stamps(text: &str, path: &Path, (kind, card): (LogKind, &Log)) -> Result<StampReport, Diagnostic> {
+    LogText::new(text, path)?.stamps(&form(kind), card)
 }
 
 /// The text of a force log, with fixed digits; `remark` becomes its first line, after a `#`.

@@ -19,12 +19,12 @@
 //! # Ok::<(), diagnostics::Diagnostic>(())
 //! ```
 //!
-//! Depends on `si`, `diagnostics` and the parsers of TOML, CSV and C3D.
+//! Depends on `si`, `diagnostics` and the parsers of TOML, CSV, C3D and dates.
 
 pub mod card;
 pub mod folder;
 pub mod force;
-mod log;
+pub mod log;
 pub mod pressure;
 pub mod range;
 pub mod space;
@@ -34,6 +34,7 @@ pub mod truth;
 pub use card::Card;
 pub use folder::Specimen;
 pub use force::ForceLog;
+pub use log::{Logged, Sampling};
 pub use pressure::PressureLog;
 pub use space::Trajectories;
 pub use truth::Truth;

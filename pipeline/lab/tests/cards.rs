@@ -105,6 +105,10 @@ medium = "air"
 force = "trials/taps/force.csv"
 hammer = "trials/taps/hammer.csv"
 
+[tank]
+length = 0.45
+depth = 0.15
+
 [[fixture]]
 id = "still_water"
 kind = "still_water"

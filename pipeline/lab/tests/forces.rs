@@ -71,7 +71,7 @@ fn numbers_that_are_none_are_refused_with_their_line_and_column() {
 #[test]
 fn repeated_times_and_gaps_are_refused() {
     assert!(refusal("0.012500", "0.000000").contains("time must rise"));
-    assert!(refusal("0.025000", "0.075000").contains("samples come every"));
+    assert!(refusal("0.025000", "0.075000").contains("the next sample comes 0.0625 s later"));
     assert!(parse("time_s,force_n\n0,0\n").unwrap_err().contains("1 samples"));
 }
 

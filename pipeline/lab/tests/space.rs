@@ -180,3 +180,14 @@ fn a_header_that_counts_more_points_than_the_file_holds_is_refused_before_room_i
     let said = read(&bytes).unwrap_err().to_string();
     assert!(said.contains("60000 points in 50000 frames"), "{said}");
 }
+
+#[test]
+fn a_residual_of_255_that_every_camera_saw_is_no_loss_and_minus_one_is() {
+    let mut capture = Capture::new();
+    capture.points[1][0][3] = f32::from(0x7fff_i16);
+    capture.points[2][0][3] = -1.0;
+    let space = space::read(&capture.bytes(), Path::new("capture.c3d")).unwrap();
+    let seen: Vec<bool> = space.markers[0].at.iter().map(Option::is_some).collect();
+    assert_eq!(seen, [true, true, false, true]);
+    assert!(space.markers[1].at.iter().all(Option::is_some));
+}

@@ -62,7 +62,7 @@ pub enum ValidationError {
     },
     /// A volume that differs from the surface's.
     #[error(
-        "the mesh's {part} has {mesh_mm3:.1} mm³ where the surface encloses {surface_mm3:.1} mm³\n  why: it differs by {percent:.2} %; the limit is {limit_percent:.2} % (Settings::volume_limit)\n  do:  take a shorter edge, or look for a part thinner than the tolerance"
+        "the mesh's {part} has {mesh_mm3:.1} mm³ where the surface encloses {surface_mm3:.1} mm³\n  why: it differs by {percent:.2} %; the limit is {limit_percent:.2} % of the surface's\n  do:  take a shorter edge, or look for a part thinner than the tolerance"
     )]
     Volume {
         /// Which part.
@@ -230,4 +230,17 @@ fn farthest(near: &Nearest, &[a, b, c]: &[Point3; 3], fold: impl Fn(Point3) -> P
     let samples = [a, b, c, middle(a, b), middle(b, c), middle(c, a), centre].map(fold);
     let distance = |at: Point3| near.find(at).map_or(f64::INFINITY, |hit| hit.distance);
     samples.into_iter().map(|s| (distance(s), s)).fold((0.0, a), |worst, d| if d.0 > worst.0 { d } else { worst })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wrong_volume_is_told_in_the_words_of_a_user() {
+        let (part, limit_percent) = ("body".to_owned(), 2.0);
+        let error = ValidationError::Volume { part, mesh_mm3: 970.0, surface_mm3: 1000.0, percent: 3.0, limit_percent };
+        let said = error.to_string();
+        assert!(said.contains("the limit is 2.00 % of the surface's") && !said.contains("::"), "{said}");
+    }
 }

@@ -138,6 +138,8 @@ pub(crate) fn write(content: &CardContent, observed: &RestObservation, film: &Ca
         search: None,
         tracks: Vec::new(),
         fixture: fixtures(set),
+        log: card::Log::default(),
+        tank: Some(card::Tank { length: set.tank.length, depth: set.tank.depth }),
     }
 }
 

@@ -3,6 +3,7 @@
 //! Force = Σ over chambers of C(p(t − τ)) + drift. C rises from (0, 0) and is linear between knots; its increments are estimated by
 //! non-negative least squares for each τ of a list, and the τ with the least residual is kept. Paper, section IV, spurious forces.
 
+use nalgebra::{DMatrix, DVector};
 use si::{Newton, Pascal, Second, Series};
 
 use crate::polynomial::{self, EstimationError};
@@ -21,8 +22,12 @@ pub struct CrossTalk {
     pub forces: Vec<Newton>,
     /// Delay of the force behind the pressure, s.
     pub lag: Second,
+    /// Its 95 % interval, s: within the delays that were tried.
+    pub lag_interval: [Second; 2],
     /// Standard deviation of the residuals, N.
     pub residual: Newton,
+    /// Standard deviation of the force at the last knot, by the noise, N.
+    pub sigma: Newton,
 }
 
 /// One quasi-static recording: force and pressures on one clock.
@@ -37,7 +42,7 @@ pub struct Staircase {
 impl CrossTalk {
     /// No cross-talk.
     pub fn none() -> Self {
-        Self { pressures: vec![0.0], forces: vec![0.0], lag: 0.0, residual: 0.0 }
+        Self { pressures: vec![0.0], forces: vec![0.0], lag: 0.0, lag_interval: [0.0; 2], residual: 0.0, sigma: 0.0 }
     }
 
     /// C(p), N; held beyond the last knot, zero below the first.
@@ -66,8 +71,47 @@ pub fn fit(runs: &[Staircase], knots: &[Pascal], lags: &[Second]) -> Result<Cros
     if runs.is_empty() || !rising || knots.len() < 2 {
         return Err(failed(format!("there are {} recordings and the knots are {knots:?} Pa", runs.len())));
     }
-    let tried = lags.iter().filter_map(|&lag| with_lag(runs, knots, lag));
-    tried.min_by(|a, b| a.residual.total_cmp(&b.residual)).ok_or_else(|| failed("no lag gives a solution".into()))
+    let tried: Vec<(CrossTalk, f64)> = lags.iter().filter_map(|&lag| with_lag(runs, knots, lag)).collect();
+    let best = tried.iter().min_by(|a, b| a.0.residual.total_cmp(&b.0.residual));
+    let (best, independent) = best.ok_or_else(|| failed("no lag gives a solution".into()))?;
+    Ok(CrossTalk { lag_interval: interval(&tried, best, *independent), ..best.clone() })
+}
+
+/// The 0.95 quantile of χ² with one degree of freedom.
+const CHI_SQUARE: f64 = 3.841;
+
+/// The delays whose likelihood ratio to the best is not significant: n ln(r²/r²_min) ≤ χ², n the number of independent residuals. Between
+/// two delays that were tried the ratio is taken as linear.
+fn interval(tried: &[(CrossTalk, f64)], best: &CrossTalk, independent: f64) -> [Second; 2] {
+    let excess = |talk: &CrossTalk| {
+        let ratio = talk.residual / best.residual.max(f64::MIN_POSITIVE);
+        2.0 * independent * ratio.ln() - CHI_SQUARE
+    };
+    let mut curve: Vec<[f64; 2]> = tried.iter().map(|(talk, _)| [talk.lag, excess(talk)]).collect();
+    curve.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    let crossing = |inside: [f64; 2], outside: [f64; 2]| {
+        inside[0] + (outside[0] - inside[0]) * -inside[1] / (outside[1] - inside[1])
+    };
+    let at = curve.iter().position(|point| point[0] == best.lag).unwrap_or(0);
+    let edge = |path: &mut dyn Iterator<Item = &[f64; 2]>| {
+        let mut inside = curve[at];
+        for point in path {
+            if point[1] > 0.0 {
+                return crossing(inside, *point);
+            }
+            inside = *point;
+        }
+        inside[0]
+    };
+    [edge(&mut curve[..at].iter().rev()), edge(&mut curve[at + 1..].iter())]
+}
+
+/// Number of independent values among residuals that are correlated from one to the next.
+fn independent(residuals: &[f64]) -> f64 {
+    let square: f64 = residuals.iter().map(|r| r * r).sum();
+    let next: f64 = residuals.windows(2).map(|r| r[0] * r[1]).sum();
+    let correlation = (next / square.max(f64::MIN_POSITIVE)).clamp(0.0, 0.99);
+    residuals.len() as f64 * (1.0 - correlation) / (1.0 + correlation)
 }
 
 fn failed(why: String) -> EstimationError {
@@ -78,7 +122,7 @@ fn failed(why: String) -> EstimationError {
     }
 }
 
-fn with_lag(runs: &[Staircase], knots: &[Pascal], lag: Second) -> Option<CrossTalk> {
+fn with_lag(runs: &[Staircase], knots: &[Pascal], lag: Second) -> Option<(CrossTalk, f64)> {
     let (rises, total) = (knots.len() - 1, runs.iter().map(|r| r.force.values().len()).sum::<usize>());
     let mut columns = vec![Vec::with_capacity(total); rises];
     let mut target = Vec::with_capacity(total);
@@ -105,10 +149,22 @@ fn with_lag(runs: &[Staircase], knots: &[Pascal], lag: Second) -> Option<CrossTa
     columns.extend(drifts);
     let weights = linear::nnls(&columns, &target, rises)?;
     let sum = linear::weighted_sum(&columns, &weights);
-    let residual = (sum.iter().zip(&target).map(|(s, t)| (s - t).powi(2)).sum::<f64>() / total as f64).sqrt();
+    let left: Vec<f64> = sum.iter().zip(&target).map(|(s, t)| s - t).collect();
+    let residual = (left.iter().map(|r| r * r).sum::<f64>() / total as f64).sqrt();
     let mut forces = vec![0.0];
     weights[..rises].iter().for_each(|rise| forces.push(forces[forces.len() - 1] + rise));
-    Some(CrossTalk { pressures: knots.to_vec(), forces, lag, residual })
+    let independent = independent(&left);
+    let sigma = residual * (total as f64 / independent).sqrt() * sigma_of_sum(&columns, rises)?;
+    let talk = CrossTalk { pressures: knots.to_vec(), forces, lag, lag_interval: [lag; 2], residual, sigma };
+    Some((talk, independent))
+}
+
+/// Standard deviation of the sum of the first so many weights for noise of 1: √(eᵀ (AᵀA)⁻¹ e), e one for each of them.
+fn sigma_of_sum(columns: &[Vec<f64>], summed: usize) -> Option<f64> {
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let gram = DMatrix::from_fn(columns.len(), columns.len(), |i, j| dot(&columns[i], &columns[j]));
+    let ones = DVector::from_fn(columns.len(), |i, _| if i < summed { 1.0 } else { 0.0 });
+    Some(ones.dot(&gram.cholesky()?.solve(&ones)).sqrt())
 }
 
 #[cfg(test)]
@@ -145,11 +201,16 @@ mod tests {
         let lags: Vec<f64> = (0..=30).map(|i| 0.02 * f64::from(i)).collect();
         let found = fit(&[recorded(1), recorded(2)], &knots, &lags).unwrap();
         assert!((found.lag - 0.28).abs() < 0.011, "{}", found.lag);
+        let [low, high] = found.lag_interval;
+        assert!(low < 0.28 && 0.28 < high && high - low < 0.04, "{low} {high}");
         for p in &knots {
             // 400 samples of 2 mN a level; the drift takes a part
             assert!((found.at(*p) - curve(*p)).abs() < 1e-3, "{p} Pa: {}", found.at(*p));
         }
         assert!(found.forces.windows(2).all(|f| f[1] >= f[0]));
+        // of some 800 samples of 2 mN at the last level
+        assert!((5e-5..1e-3).contains(&found.sigma), "{}", found.sigma);
+        assert!((found.at(2.5e4) - curve(2.5e4)).abs() < 4.0 * found.sigma);
     }
 
     #[test]

@@ -5,7 +5,8 @@
 //! | [`edge`], [`clock`] | sub-sample edges of a two-level signal; an affine map between two clocks |
 //! | [`resample`], [`smooth`], [`spectrum`] | linear interpolation; forward–backward Butterworth filter; Fourier transform |
 //! | [`cell`] | transfer function of a load cell from hammer taps; regularised deconvolution |
-//! | [`wave`] | standing waves in a tank: identified in still water, subtracted from a run |
+//! | [`wave`] | standing waves in a tank: identified in still water where they rise over the noise, subtracted from a run |
+//! | [`zero`] | the line of an amplifier's zero through the rests before and after a run |
 //! | [`crosstalk`] | static cross-talk of pressure into force, by non-negative least squares |
 //!
 //! A signal is a [`si::Series`] (evenly sampled) or [`resample::Samples`] (each value with its own time).
@@ -21,7 +22,7 @@
 //! assert!((smooth.values()[200] - (0.05_f64 * 200.0).sin()).abs() < 1e-2);
 //! ```
 //!
-//! Depends on `si`, `optimize` (least squares) and realfft. Paper, section IV.
+//! Depends on `si`, `optimize` (least squares), nalgebra and realfft. Paper, section IV.
 
 pub mod cell;
 pub mod clock;
@@ -35,5 +36,6 @@ pub mod statistics;
 #[cfg(test)]
 mod testing;
 pub mod wave;
+pub mod zero;
 
 pub use polynomial::EstimationError;

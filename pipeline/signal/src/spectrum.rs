@@ -36,17 +36,6 @@ pub fn at(values: &[f64], start: Second, rate: Hertz, frequency: Hertz) -> Phaso
     values.iter().enumerate().map(|(n, x)| rotation(n) * x).sum()
 }
 
-/// The frequency (Hz) between `low` and `high` of the highest peak of `values` (at `rate`, Hz), from a spectrum padded eightfold.
-pub fn peak(values: &[f64], rate: Hertz, [low, high]: [Hertz; 2]) -> Hertz {
-    let n = (8 * values.len()).next_power_of_two();
-    let mut padded = values.to_vec();
-    padded.resize(n, 0.0);
-    let bins = forward(&padded);
-    let of = |k: usize| k as f64 * rate / n as f64;
-    let within = (0..bins.len()).filter(|&k| (low..=high).contains(&of(k)));
-    within.max_by(|&a, &b| bins[a].norm_sqr().total_cmp(&bins[b].norm_sqr())).map_or(0.5 * (low + high), of)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -68,12 +57,5 @@ mod tests {
             let one = at(&values, 0.0, rate, k as f64 * rate / 64.0) * rate;
             assert!((one - bins[k]).norm() < 1e-10);
         }
-    }
-
-    #[test]
-    fn the_peak_of_a_sine_is_its_frequency() {
-        let sine: Vec<f64> = (0..800).map(|i| (TAU * 1.16 * f64::from(i) / 80.0).sin()).collect();
-        // a spectrum padded eightfold has bins of 0.01 Hz
-        assert!((peak(&sine, 80.0, [0.8, 1.5]) - 1.16).abs() < 0.01);
     }
 }

@@ -1,6 +1,7 @@
 //! Grey pictures of 8 bits.
 
 use crate::limits::{MAX_DECODED_BYTES, MAX_PIXELS, MAX_SIDE, is_picture_size};
+use image::codecs::jpeg::JpegDecoder;
 use image::codecs::png::PngDecoder;
 use image::{DynamicImage, ImageDecoder, Limits};
 use std::io::{BufRead, Cursor, Read, Seek};
@@ -16,10 +17,13 @@ pub struct Gray {
     pub pixels: Vec<u8>,
 }
 
+/// The first bytes of a JPEG.
+const JPEG: [u8; 3] = [0xff, 0xd8, 0xff];
+
 /// Why bytes are no picture, or a picture no bytes.
 #[derive(Debug, thiserror::Error)]
 pub enum PictureError {
-    /// The bytes are not a PNG that can be read, or could not be made.
+    /// The bytes are no PNG or JPEG that can be read, or could not be made.
     #[error("a picture cannot be converted\n  why: {}\n  do:  {}", self.why(), self.action())]
     Png(#[from] image::ImageError),
     /// A picture without pixels, or with too many.
@@ -54,7 +58,7 @@ impl PictureError {
     /// The next move.
     pub(crate) fn action(&self) -> &'static str {
         match self {
-            Self::Png(_) => "give an 8-bit grey PNG",
+            Self::Png(_) => "give an 8-bit PNG or JPEG",
             Self::Size { .. } => "scale the picture, or cut out the part with the markers",
             Self::Memory { .. } => "convert it to an 8-bit grey PNG",
         }
@@ -132,6 +136,25 @@ impl Gray {
     /// [`PictureError`] when the bytes are not a PNG, or one of too many pixels.
     pub fn from_png(bytes: &[u8]) -> Result<Self, PictureError> {
         Self::read_png(Cursor::new(bytes))
+    }
+
+    /// A picture from a PNG or a JPEG that is being read, by its first bytes.
+    pub(crate) fn read(mut from: impl BufRead + Seek) -> Result<Self, PictureError> {
+        let is_jpeg = from.fill_buf().map_err(image::ImageError::from)?.starts_with(&JPEG);
+        if is_jpeg { Self::read_jpeg(from) } else { Self::read_png(from) }
+    }
+
+    fn read_jpeg(from: impl BufRead + Seek) -> Result<Self, PictureError> {
+        let decoder = JpegDecoder::new(from)?;
+        let ((width, height), bytes) = (decoder.dimensions(), decoder.total_bytes());
+        if !is_picture_size(width.into(), height.into()) {
+            return Err(PictureError::Size { width, height });
+        }
+        if bytes > MAX_DECODED_BYTES {
+            return Err(PictureError::Memory { bytes });
+        }
+        let pixels = DynamicImage::from_decoder(decoder)?.into_luma8().into_raw();
+        Ok(Self { width: width as usize, height: height as usize, pixels })
     }
 
     /// A picture from a PNG that is being read; its size is held against the limits before a pixel is decoded.

@@ -35,6 +35,7 @@ pub mod lens;
 mod limits;
 pub mod pose;
 pub mod refraction;
+pub mod scene;
 pub mod shutter;
 pub mod video;
 

@@ -144,7 +144,9 @@ fn a_board_of_another_size_is_refused() {
     let pose = above(0.2, 0.0, 0.0, 0.35, [0.0, 0.0]);
     let other = Board { columns: 7, rows: 6, square: 0.02 };
     let picture = render(&BOARD, &pose, 1, 1.0);
-    assert!(matches!(find(&picture, &other), Err(BoardError::NotFound { in_grid: 40, expected: 30, .. })));
+    let error = find(&picture, &other).unwrap_err();
+    assert!(matches!(error, BoardError::NotFound { in_grid: 40, expected: 30, .. }));
+    assert!(error.to_string().contains("a grid of 40 inner corners was seen where such a board has 30"), "{error}");
 }
 
 #[test]

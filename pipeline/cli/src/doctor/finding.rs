@@ -13,19 +13,40 @@ pub struct Finding {
     pub why: String,
     /// The next action.
     pub act: String,
-    /// Whether it must be fixed; otherwise it is a note.
-    pub must: bool,
+    /// How much it matters.
+    pub severity: Severity,
+}
+
+/// How much a finding matters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Severity {
+    /// It must be fixed.
+    Fix,
+    /// It does not stop the study.
+    Note,
+    /// How a log is read: nothing is wrong.
+    Log,
 }
 
 impl Finding {
     /// A problem that must be fixed.
     pub fn fix(what: impl Into<String>, why: impl Into<String>, act: impl Into<String>) -> Self {
-        Self { what: what.into(), why: why.into(), act: act.into(), must: true }
+        Self { what: what.into(), why: why.into(), act: act.into(), severity: Severity::Fix }
     }
 
     /// A note.
     pub fn note(what: impl Into<String>, why: impl Into<String>, act: impl Into<String>) -> Self {
-        Self { must: false, ..Self::fix(what, why, act) }
+        Self { severity: Severity::Note, ..Self::fix(what, why, act) }
+    }
+
+    /// How a log is read: what it is, and what is made of it.
+    pub fn log(what: impl Into<String>, made: impl Into<String>) -> Self {
+        Self { severity: Severity::Log, ..Self::fix(what, made, "") }
+    }
+
+    /// Whether it must be fixed.
+    pub(crate) fn must(&self) -> bool {
+        self.severity == Severity::Fix
     }
 
     /// A tool's error, with what, `why:` and `do:` on separate lines.
@@ -45,10 +66,13 @@ impl From<Diagnostic> for Finding {
 
 impl fmt::Display for Finding {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let word = if self.must { "fix" } else { "note" };
         let one_line = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
         let [what, why, act] = [&self.what, &self.why, &self.act].map(|text| one_line(text));
-        write!(f, "{word}  {what}; {why}; do: {act}")
+        match self.severity {
+            Severity::Fix => write!(f, "fix  {what}; {why}; do: {act}"),
+            Severity::Note => write!(f, "note  {what}; {why}; do: {act}"),
+            Severity::Log => write!(f, "log  {what}; {why}"),
+        }
     }
 }
 

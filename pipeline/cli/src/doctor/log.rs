@@ -1,13 +1,14 @@
 //! Checks of logs: readable, as long as the trial, and consistent with the card.
 
 use diagnostics::{Result, input};
-use lab::card::FixtureOf;
+use lab::card::{Card, FixtureOf, LogKind};
+use lab::log::StampReport;
 use lab::{ForceLog, PressureLog};
 use si::{Second, Series};
 use signal::edge::{self, Window};
 
 use super::finding::Finding;
-use super::{Look, sense};
+use super::{Look, sense, stamps};
 use study::stages::load_cell::LoadCell;
 use study::stages::tank::Tank;
 use study::subject::{Specimen, Trial};
@@ -20,7 +21,12 @@ use workflow::subject::Part;
 pub fn pressure(look: &Look, of: &Trial) -> (Option<PressureLog>, Vec<Finding>) {
     let file = &of.trial.pressure;
     let place = look.place(&of.card.name, file);
-    let (log, mut found) = read(look, &of.card.name, file, |text| lab::pressure::parse(text, place.as_ref()));
+    let card = &of.card.log;
+    let reader = Reader {
+        stamps: &|text| lab::pressure::stamps(text, place.as_ref(), card),
+        parse: &|text| lab::pressure::parse_as(text, place.as_ref(), card).map(|logged| logged.log),
+    };
+    let (log, mut found) = read(look, &of.card.name, file, &reader);
     if let Some(log) = &log {
         found.extend(short(&place, &log.time, of));
         found.extend(sense::look(&place, log, &of.trial.experiment));
@@ -32,9 +38,10 @@ pub fn pressure(look: &Look, of: &Trial) -> (Option<PressureLog>, Vec<Finding>) 
 pub fn force(look: &Look, of: &Trial) -> Vec<Finding> {
     let Some(file) = &of.trial.force else { return Vec::new() };
     let place = look.place(&of.card.name, file);
-    let (log, mut found) = forces(look, &of.card.name, file);
+    let (log, mut found) = forces(look, &of.card, (LogKind::Force, file));
     if let Some(log) = &log {
         found.extend(short(&place, &log.time, of));
+        found.extend(stamps::slow(&place, log.rate(), &of.trial.experiment));
         found.extend(lamp(&place, log, of));
     }
     found
@@ -46,7 +53,7 @@ pub fn force(look: &Look, of: &Trial) -> Vec<Finding> {
 /// A diagnostic when the settings of a stage are invalid.
 pub fn fixtures(look: &Look, of: &Specimen) -> Result<Vec<Finding>> {
     let mut found = fixture_logs(look, of);
-    if found.iter().any(|finding| finding.must) || of.card.fixture.is_empty() {
+    if found.iter().any(|finding| finding.must()) || of.card.fixture.is_empty() {
         return Ok(found);
     }
     found.extend(refused::<LoadCell>(look, of)?);
@@ -72,19 +79,29 @@ where
 
 fn fixture_logs(look: &Look, of: &Specimen) -> Vec<Finding> {
     let logs = of.card.fixture.iter().flat_map(|fixture| match &fixture.of {
-        FixtureOf::Taps { hammer, .. } => vec![&fixture.force, hammer],
-        FixtureOf::StillWater => vec![&fixture.force],
+        FixtureOf::Taps { hammer, .. } => vec![(LogKind::Force, &fixture.force), (LogKind::Hammer, hammer)],
+        FixtureOf::StillWater => vec![(LogKind::Force, &fixture.force)],
     });
-    logs.flat_map(|file| forces(look, &of.card.name, file).1).collect()
+    logs.flat_map(|(kind, file)| forces(look, &of.card, (kind, file)).1).collect()
 }
 
-fn forces(look: &Look, name: &str, file: &str) -> (Option<ForceLog>, Vec<Finding>) {
-    let place = look.place(name, file);
-    read(look, name, file, |text| lab::force::parse(text, place.as_ref()))
+fn forces(look: &Look, card: &Card, (kind, file): (LogKind, &str)) -> (Option<ForceLog>, Vec<Finding>) {
+    let place = look.place(&card.name, file);
+    let reader = Reader {
+        stamps: &|text| lab::force::stamps(text, place.as_ref(), (kind, &card.log)),
+        parse: &|text| lab::force::parse_as(text, place.as_ref(), (kind, &card.log)).map(|logged| logged.log),
+    };
+    read(look, &card.name, file, &reader)
+}
+
+/// The two ways to read a log: its stamps alone, and all of it.
+struct Reader<'a, T> {
+    stamps: &'a dyn Fn(&str) -> Result<StampReport>,
+    parse: &'a dyn Fn(&str) -> Result<T>,
 }
 
 /// A log through its reader; a missing file is reported with the card.
-fn read<T>(look: &Look, name: &str, file: &str, parse: impl FnOnce(&str) -> Result<T>) -> (Option<T>, Vec<Finding>) {
+fn read<T>(look: &Look, name: &str, file: &str, reader: &Reader<T>) -> (Option<T>, Vec<Finding>) {
     let place = look.place(name, file);
     let Ok(bytes) = input::read(&look.path(name, file), input::LOG) else { return (None, Vec::new()) };
     let Ok(text) = String::from_utf8(bytes) else {
@@ -92,13 +109,20 @@ fn read<T>(look: &Look, name: &str, file: &str, parse: impl FnOnce(&str) -> Resu
         return (None, vec![Finding::fix(format!("{place}: the file is no text"), "a log is UTF-8 text", act)]);
     };
     let mut found = oddities(&place, &text);
-    match parse(&text) {
-        Ok(log) => (Some(log), found),
+    let report = match (reader.stamps)(&text) {
+        Ok(report) => report,
         Err(diagnostic) => {
             found.push(diagnostic.into());
-            (None, found)
+            return (None, found);
         }
+    };
+    found.extend(stamps::look(&place, &report));
+    let log = (reader.parse)(&text);
+    // A fault of the stamps has been reported with its line, and with all others.
+    if let (Err(diagnostic), true) = (&log, report.faults.is_empty()) {
+        found.push(diagnostic.clone().into());
     }
+    (log.ok(), found)
 }
 
 /// Notes on parts of a text that are skipped here but may fail in other programs.

@@ -11,6 +11,7 @@ mod finding;
 mod log;
 mod sense;
 mod solid;
+mod stamps;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -21,7 +22,7 @@ use rayon::prelude::*;
 pub use finding::Finding;
 
 use diagnostics::{Diagnostic, Result};
-use finding::findings;
+use finding::{Severity, findings};
 use study::Runner;
 use study::stages;
 use study::subject::{Specimen, Trial};
@@ -48,15 +49,16 @@ pub struct Evaluated {
 impl Evaluated {
     /// Whether nothing must be fixed.
     pub fn is_well(&self) -> bool {
-        self.findings.iter().all(|finding| !finding.must)
+        self.findings.iter().all(|finding| !finding.must())
     }
 }
 
 impl fmt::Display for Evaluated {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.findings.iter().try_for_each(|finding| writeln!(f, "{finding}"))?;
-        let must = self.findings.iter().filter(|finding| finding.must).count();
-        let (names, trials, notes) = (self.specimens.join(", "), self.trials, self.findings.len() - must);
+        let count = |severity| self.findings.iter().filter(|finding| finding.severity == severity).count();
+        let (must, notes) = (count(Severity::Fix), count(Severity::Note));
+        let (names, trials) = (self.specimens.join(", "), self.trials);
         writeln!(f, "{names}: {trials} trials checked, {must} to fix, {notes} notes")
     }
 }

@@ -39,7 +39,7 @@ pub struct Equilibrium {
     pub residual: f64,
     /// Whether the load was applied in steps from rest.
     pub load_stepped: bool,
-    /// Snap-through: load factors (0 to 1) at which tangents on the way were not positive definite, and the shape
-    /// beyond was found by descent.
+    /// Snap-through: load factors (0 to 1) at which tangents on the way were not positive definite; none where
+    /// the search was only slow.
     pub snap_through: Vec<f64>,
 }

@@ -5,7 +5,8 @@
 use crate::range::{Checked, violation, within};
 
 use super::entry::{name, pixel, point, relative, some, unique};
-use super::{Card, Experiment, FixtureOf, Marker, Medium, Solid, Trial, marker_sources};
+use super::log::{Log, LogColumn, Place, dimension_of};
+use super::{Card, Experiment, FixtureOf, Marker, Medium, Solid, Tank, Trial, marker_sources};
 
 /// Checks everything on a card, and that its name is that of `folder` where that is known.
 pub(super) fn card(card: &Card, folder: Option<&str>) -> Checked {
@@ -22,6 +23,8 @@ pub(super) fn card(card: &Card, folder: Option<&str>) -> Checked {
     markers(card)?;
     camera(card)?;
     water(card)?;
+    card.tank.map_or(Ok(()), |t| check_tank(&t))?;
+    check_log(&card.log)?;
     led(card)?;
     trials(card)?;
     marker_sources::markers(card)?;
@@ -105,6 +108,44 @@ fn water(card: &Card) -> Checked {
     }
 }
 
+/// Checks the size of a tank.
+///
+/// # Errors
+/// [`crate::range::Violation`] when a number is out of its range.
+pub fn check_tank(tank: &Tank) -> Checked {
+    within("tank.length", tank.length, 0.05..=100.0, "m")?;
+    within("tank.depth", tank.depth, 0.01..=10.0, "m")
+}
+
+/// Checks how the instruments write their logs.
+///
+/// # Errors
+/// [`crate::range::Violation`] when a number is out of its range, or a unit is not that of its quantity.
+pub fn check_log(log: &Log) -> Checked {
+    log.longest_gap.map_or(Ok(()), |gap| within("log.longest_gap", gap, 1e-4..=10.0, "s"))?;
+    log.force_lag.map_or(Ok(()), |lag| within("log.force_lag", lag, 0.0..=5.0, "s"))?;
+    within("log.force_lag_sigma", log.force_lag_sigma, 0.0..=1.0, "s")?;
+    log.columns.iter().enumerate().try_for_each(|(i, column)| log_column(&format!("log.columns.{i}"), column))
+}
+
+fn log_column(key: &str, column: &LogColumn) -> Checked {
+    let Some(dimension) = dimension_of(&column.quantity) else {
+        let what = format!("{key}.quantity is `{}`", column.quantity);
+        let why = "logs have time_s, left_command_mbar, right_command_mbar, left_mbar, right_mbar, force_n and led";
+        return violation(&format!("{key}.quantity"), what, why, "name one of them; other columns need no entry");
+    };
+    if let Some(unit) = column.unit.filter(|unit| unit.dimension() != dimension) {
+        let what = format!("{key}.unit is `{}`, of `{}`", unit.word(), column.quantity);
+        let why =
+            "time is in s, ms, us or iso8601, pressure in Pa, mbar, kPa, bar or psi, force in N, mN or gf, led in 1";
+        return violation(&format!("{key}.unit"), what, why, "correct the unit or the quantity");
+    }
+    if let Place::Position(at) = column.column {
+        within(&format!("{key}.column"), at as f64, 1.0..=1000.0, "")?;
+    }
+    within(&format!("{key}.scale"), column.scale.abs(), 1e-12..=1e12, "")
+}
+
 fn led(card: &Card) -> Checked {
     pixel("led.centre", &card.led.centre)?;
     within("led.radius", card.led.radius, 1.0..=500.0, "px")
@@ -158,6 +199,15 @@ fn fixtures(card: &Card) -> Checked {
             return violation(&format!("{key}.id"), what, "results are filed under it", "rename one of them");
         }
         relative(&format!("{key}.force"), &fixture.force)?;
+        if fixture.of == FixtureOf::StillWater && fixture.medium == Medium::Air {
+            let what = format!("fixture `{}` is still water in air", fixture.id);
+            return violation(&format!("{key}.medium"), what, "waves stand in water", "correct kind or medium");
+        }
+        if fixture.of == FixtureOf::StillWater && card.tank.is_none() {
+            let what = format!("fixture `{}` is still water, but the card has no [tank]", fixture.id);
+            let why = "its size gives the frequencies of its standing waves";
+            return violation(&format!("{key}.kind"), what, why, "add [tank] with length and depth (m, of the water)");
+        }
         if let FixtureOf::Taps { hammer, count } = &fixture.of {
             relative(&format!("{key}.hammer"), hammer)?;
             count.map_or(Ok(()), |count| within(&format!("{key}.count"), count as f64, 1.0..=1000.0, "taps"))?;

@@ -7,6 +7,7 @@ mod camera;
 mod check;
 mod entry;
 mod fixture;
+mod log;
 mod marker_sources;
 mod marks;
 mod read;
@@ -17,8 +18,10 @@ use serde::{Deserialize, Serialize};
 use si::{KilogramPerCubicMetre, Metre, Pascal, Point2, Point3};
 
 pub use camera::{Board, BoardKind, Camera, LensKind, Plane};
+pub use check::{check_log, check_tank};
 pub use entry::is_name;
 pub use fixture::{Fixture, FixtureOf};
+pub use log::{Log, LogColumn, LogKind, Place, Unit};
 pub use marks::{Axes, Detector, Order, Search, Tracks};
 pub use read::{parse, read};
 pub use trial::{Experiment, Medium, Role, Side, Split, Trial};
@@ -60,6 +63,12 @@ pub struct Card {
     /// Recordings of the load cell's fixture without a specimen; none by default.
     #[serde(default)]
     pub fixture: Vec<Fixture>,
+    /// How the instruments write their logs.
+    #[serde(default)]
+    pub log: Log,
+    /// The tank, where trials are in water.
+    #[serde(default)]
+    pub tank: Option<Tank>,
 }
 
 /// Who recorded a specimen.
@@ -193,6 +202,16 @@ pub struct Water {
     pub surface: Metre,
     /// Refractive index, no unit: 1.333 for fresh water at 20 °C.
     pub index: f64,
+}
+
+/// `[tank]`: the basin in which trials in water are recorded.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tank {
+    /// Inner length along the actuator, m.
+    pub length: Metre,
+    /// Depth of the water, m.
+    pub depth: Metre,
 }
 
 /// `[led]`: the LED that is on during a trial.

@@ -2,7 +2,10 @@
 
 use std::fmt::Write;
 
-use super::{BoardKind, Camera, Card, Experiment, Fixture, FixtureOf, LensKind, Origin, Search, Solid, Tracks, Trial};
+use super::{
+    BoardKind, Camera, Card, Experiment, Fixture, FixtureOf, LensKind, Log, LogColumn, Origin, Place, Search, Solid,
+    Tracks, Trial,
+};
 
 /// The text of `specimen.toml`.
 pub fn write(card: &Card) -> String {
@@ -32,6 +35,9 @@ pub fn write(card: &Card) -> String {
     if let Some(w) = &card.water {
         put(&mut text, format_args!("\n[water]\nsurface = {:?}  # m, z\nindex = {:?}\n", w.surface, w.index));
     }
+    if let Some(t) = &card.tank {
+        put(&mut text, format_args!("\n[tank]\nlength = {:?}  # m\ndepth = {:?}  # m\n", t.length, t.depth));
+    }
     put(
         &mut text,
         format_args!("\n[led]\ncentre = {:?}  # px\nradius = {:?}  # px\n", card.led.centre, card.led.radius),
@@ -43,6 +49,7 @@ pub fn write(card: &Card) -> String {
     for f in &card.fixture {
         fixture(&mut text, f);
     }
+    log(&mut text, &card.log);
     text
 }
 
@@ -109,6 +116,38 @@ fn camera(text: &mut String, camera: &Camera) {
                 "grid = {pitch:?}  # m, pitch of its bright lines along x and y; one of each through the origin\n"
             ),
         );
+    }
+}
+
+/// The instruments' logs, where they differ from the usual ones.
+fn log(text: &mut String, log: &Log) {
+    if *log == Log::default() {
+        return;
+    }
+    text.push_str("\n[log]\n");
+    if let Some(gap) = log.longest_gap {
+        put(text, format_args!("longest_gap = {gap:?}  # s\n"));
+    }
+    if let Some(lag) = log.force_lag {
+        put(text, format_args!("force_lag = {lag:?}  # s\nforce_lag_sigma = {:?}  # s\n", log.force_lag_sigma));
+    }
+    log.columns.iter().for_each(|column| log_column(text, column));
+}
+
+fn log_column(text: &mut String, column: &LogColumn) {
+    put(text, format_args!("\n[[log.columns]]\nquantity = {:?}\n", column.quantity));
+    match &column.column {
+        Place::Position(at) => put(text, format_args!("column = {at}\n")),
+        Place::Title(title) => put(text, format_args!("column = {title:?}\n")),
+    }
+    if let Some(unit) = column.unit {
+        put(text, format_args!("unit = {:?}\n", unit.word()));
+    }
+    if column.scale != 1.0 {
+        put(text, format_args!("scale = {:?}\n", column.scale));
+    }
+    if let Some(of) = column.of {
+        put(text, format_args!("of = {:?}\n", of.word()));
     }
 }
 

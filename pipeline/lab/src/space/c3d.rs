@@ -1,12 +1,12 @@
 //! `.c3d` of motion capture: c3dio reads its sections; a truncated file, which it accepts, is refused here by the header.
 //!
-//! A point is lost where its fourth word is −1. c3dio reads that word's low byte as signed, so that a residual over 127 units
-//! looks negative: only −1 with every camera's bit set counts as lost.
+//! A point is lost where its fourth word is negative. c3dio keeps that word's two bytes without the sign, so that a residual of 255 units
+//! seen by every camera (0x7FFF) looks like −1 (0xFFFF): the sign is read from the bytes.
 
 use std::panic::catch_unwind;
 use std::path::Path;
 
-use c3dio::prelude::{C3d, MarkerPoint};
+use c3dio::prelude::C3d;
 use si::Point3;
 
 use super::{EXPORT, Trajectories, Trajectory, in_metres, unit};
@@ -50,14 +50,14 @@ pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Trajectories, Diagnostic
         let what = format!("POINT:RATE is {rate} frames/s");
         return Err(Diagnostic::file(path, what, "the rate lies in 0.1 to 100000 frames/s", EXPORT));
     }
-    let lost = |point: &MarkerPoint| point.residual == -points.scale_factor && point.cameras.iter().all(|seen| *seen);
-    let place = |point: &MarkerPoint| {
-        let at: Point3 = point.point.map(f64::from);
-        if lost(point) { None } else { in_metres(at, unit) }
+    let words = FourthWords::of(bytes);
+    let place = |frame: usize, column: usize| {
+        let at: Point3 = points[frame][column].point.map(f64::from);
+        if words.is_negative(bytes, frame, column) { None } else { in_metres(at, unit) }
     };
     let seen = |(column, name): (usize, &String)| Trajectory {
         name: name.trim().to_owned(),
-        at: (0..frames).map(|frame| place(&points[frame][column])).collect(),
+        at: (0..frames).map(|frame| place(frame, column)).collect(),
     };
     let markers = points.labels.iter().take(points.cols()).enumerate().map(seen).collect();
     Ok(Trajectories { time: (0..frames).map(|frame| frame as f64 / rate).collect(), markers })
@@ -68,7 +68,7 @@ pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Trajectories, Diagnostic
 /// A point takes 8 or 16 bytes; a file that was cut to a sixteenth still passes, and is refused later with the frame at which it ends.
 fn bounded(bytes: &[u8], path: &Path) -> Result<(), Diagnostic> {
     // The fourth byte of the parameters is 86 where the numbers are big-endian.
-    let big = bytes.get(BLOCK * (usize::from(bytes[0]) - 1) + 3) == Some(&86);
+    let big = bytes.get(BLOCK * (usize::from(bytes[0]) - 1) + 3) == Some(&BIG_ENDIAN);
     let word = |at: usize| {
         let pair = [bytes[at], bytes[at + 1]];
         if big { u16::from_be_bytes(pair) } else { u16::from_le_bytes(pair) }
@@ -82,3 +82,46 @@ fn bounded(bytes: &[u8], path: &Path) -> Result<(), Diagnostic> {
     let why = format!("the file has {} bytes, and a point takes 8 at least", bytes.len());
     Err(Diagnostic::file(path, what, why, EXPORT))
 }
+
+/// Where the fourth word of each point stands: after the three coordinates, the analogue words of a frame after all its points.
+struct FourthWords {
+    /// Byte of the first point.
+    start: usize,
+    /// Bytes of a word: 4 of a real number, 2 of an integer.
+    width: usize,
+    /// Bytes of a frame.
+    frame: usize,
+    /// The byte of a word that holds its sign.
+    sign: usize,
+}
+
+impl FourthWords {
+    fn of(bytes: &[u8]) -> Self {
+        let processor = bytes.get(BLOCK * (usize::from(bytes[0]) - 1) + 3).copied().unwrap_or_default();
+        let big = processor == BIG_ENDIAN;
+        let word = |at: usize| {
+            let pair = [bytes[at], bytes[at + 1]];
+            usize::from(if big { u16::from_be_bytes(pair) } else { u16::from_le_bytes(pair) })
+        };
+        // A negative scale, the real number at byte 12, says that the points are real numbers too.
+        let sign = |width: usize| match processor {
+            BIG_ENDIAN => 0,
+            DEC => 1,
+            _ => width - 1,
+        };
+        let width = if bytes[12 + sign(4)] & SIGN == 0 { 2 } else { 4 };
+        let frame = width * (4 * word(2) + word(4));
+        Self { start: BLOCK * word(16).saturating_sub(1), width, frame, sign: sign(width) }
+    }
+
+    fn is_negative(&self, bytes: &[u8], frame: usize, point: usize) -> bool {
+        let at = self.start + frame * self.frame + self.width * (4 * point + 3) + self.sign;
+        bytes.get(at).is_some_and(|byte| byte & SIGN != 0)
+    }
+}
+
+/// The processor whose words begin with their highest byte.
+const BIG_ENDIAN: u8 = 86;
+/// The processor whose real numbers have their sign in the second byte.
+const DEC: u8 = 85;
+const SIGN: u8 = 0x80;

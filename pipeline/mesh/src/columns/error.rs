@@ -52,7 +52,7 @@ pub enum MeshError {
         upper: Point3,
     },
     /// Outlines that cross when they are drawn with edges of the target length.
-    #[error("the outlines of the parts cross each other near {} when drawn with edges of {:.2} mm\n  why: parts are closer to each other than the largest distance of an edge from its outline\n  do:  take a shorter edge (Settings::edge)", place(.at), .edge * 1e3)]
+    #[error("the outlines of the parts cross each other near {} when drawn with edges of {:.2} mm\n  why: parts are closer to each other than the largest distance of an edge from its outline\n  do:  take a shorter edge", place(.at), .edge * 1e3)]
     CrossingOutlines {
         /// Where, m.
         at: Point3,

@@ -5,6 +5,7 @@
 //! and the damping ratio ζ = b/(2√(km)). Paper, appendix, load cell dynamics.
 
 mod deconvolution;
+mod example;
 mod tap_test;
 
 use si::{Hertz, Newton, Second, Series};
@@ -13,6 +14,7 @@ use std::f64::consts::TAU;
 use crate::spectrum::Phasor;
 
 pub use deconvolution::{Deconvolved, Regularisation};
+pub use example::{DeconvolutionExample, ExampleThrust};
 pub use tap_test::{Estimate, FrequencyResponse, TapTest, identify_from_taps};
 
 /// A load cell on its fixture, as a second-order system.

@@ -76,9 +76,11 @@ pub fn identify_from_taps(
     let begins = begins(hammer);
     within(hammer, measured, &begins)?;
     let nyquist = 0.5 * measured.rate();
-    if begins.is_empty() || !(0.0 < low && low < high && high < nyquist) {
-        let why = format!("{} taps were found; the band is {low} to {high} Hz, under {nyquist} Hz", begins.len());
-        return Err(failed(why));
+    if begins.is_empty() {
+        return Err(failed("no tap was found in the hammer's log".into()));
+    }
+    if !(0.0 < low && low < high && high < nyquist) {
+        return Err(too_slow([low, high], measured.rate()));
     }
     let frequencies: Vec<Hertz> = (0..).map(|i| low + STEP * f64::from(i)).take_while(|f| *f <= high).collect();
     let pairs = transforms(hammer, measured, &begins, &frequencies);
@@ -115,6 +117,18 @@ fn failed(why: String) -> EstimationError {
         what: "the load cell's fixture",
         why,
         action: "tap the fixture five times, two seconds apart, and record both logs on one clock",
+    }
+}
+
+/// A band that the cell's log does not resolve.
+fn too_slow([low, high]: [Hertz; 2], rate: Hertz) -> EstimationError {
+    EstimationError {
+        what: "the load cell's fixture",
+        why: format!(
+            "the cell was sampled at {rate:.2} Hz, which resolves frequencies under {:.2} Hz; the band is {low} to {high} Hz",
+            0.5 * rate
+        ),
+        action: "record the taps at the amplifier's fast setting (80 Hz or more), or set [load_cell] band below that in study.toml",
     }
 }
 
@@ -294,6 +308,15 @@ mod tests {
     #[test]
     fn a_log_without_a_tap_is_refused() {
         let none = Series::new(0.0, 100.0, vec![0.0; 100]).unwrap();
-        assert!(identify_from_taps(&none, &none, [3.0, 30.0]).unwrap_err().why.starts_with("0 taps"));
+        assert!(identify_from_taps(&none, &none, [3.0, 30.0]).unwrap_err().why.starts_with("no tap"));
+    }
+
+    #[test]
+    fn a_cell_that_is_too_slow_for_the_band_is_refused_by_its_rate() {
+        let (hammer, measured) = tapped(Cell { natural_frequency: 14.0, damping_ratio: 0.03 }, 40.0, 5);
+        let slow = (0..140).map(|i| measured.at(f64::from(i) / 10.47)).collect();
+        let error = identify_from_taps(&hammer, &Series::new(0.0, 10.47, slow).unwrap(), [3.0, 30.0]).unwrap_err();
+        assert!(error.why.contains("sampled at 10.47 Hz") && !error.why.contains("taps"), "{}", error.why);
+        assert!(error.action.contains("80 Hz or more"));
     }
 }

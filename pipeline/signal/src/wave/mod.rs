@@ -4,6 +4,7 @@
 //! sine, so it is fitted and only the fit is subtracted. A notch filter would attenuate and delay every component of the signal near
 //! the wave's frequency. Paper, section IV, the standing wave.
 
+mod evidence;
 mod line_width;
 mod remove;
 
@@ -11,10 +12,10 @@ use si::{Hertz, Metre, Series};
 use std::f64::consts::{PI, TAU};
 
 use crate::polynomial::{self, EstimationError};
-use crate::spectrum;
 use optimize::levenberg_marquardt::{self, Estimate, Regression};
 use optimize::linear;
 
+pub use evidence::Evidence;
 pub use line_width::{CloseHarmonic, close_harmonics};
 pub use remove::{Beat, Removal, Separated, remove};
 
@@ -55,30 +56,79 @@ impl Wave {
     }
 }
 
+/// What is looked for in a recording of still water.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StillWater<'a> {
+    /// Frequencies that the tank's size gives, Hz.
+    pub expected: &'a [Hertz],
+    /// Level of significance at which any wave is reported, no unit.
+    pub level: f64,
+    /// Largest amplitude of a line in water that is still, unit of the signal.
+    pub limit: f64,
+}
+
 /// Waves identified in a recording of still water.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WaveFit {
-    /// In the order of the guesses.
+    /// Those that rise over the noise, in the order of the expected frequencies.
     pub waves: Vec<Wave>,
+    /// The evidence for each expected wave.
+    pub evidence: Vec<Evidence>,
     /// Standard deviation of the residuals, unit of the signal.
     pub noise: f64,
     /// Attenuation of the waves, dB: fitted on every second sample, evaluated on the others.
     pub suppression_db: f64,
 }
 
-/// The waves of `signal`, a recording of still water, near the frequencies of `expected` (Hz).
+/// The waves of `signal`, a recording of still water, near the expected frequencies: those that rise over the noise.
 ///
 /// Σ e^(−δt)(A cos ωt + B sin ωt) + drift: ω and δ by Levenberg–Marquardt; A, B and drift are linear and eliminated (variable projection).
 ///
 /// # Errors
+/// [`EstimationError`] when the recording is shorter than four periods, the fit does not converge, or something moves in the water: a
+/// line is larger than the limit, or does not decay.
+pub fn identify(signal: &Series, still: &StillWater) -> Result<WaveFit, EstimationError> {
+    let bands = bands(signal, still.expected)?;
+    is_still(signal, still)?;
+    let evidence = evidence::evidence(signal, &bands);
+    // Bonferroni's correction: the level holds for all waves together.
+    let level = still.level / bands.len() as f64;
+    let found: Vec<Hertz> = evidence.iter().filter(|e| e.is_found(level)).map(|e| e.frequency).collect();
+    if found.is_empty() {
+        return Ok(WaveFit { waves: Vec::new(), evidence, noise: noise_about_drift(signal), suppression_db: 0.0 });
+    }
+    let fit = decaying(signal, &found, evidence)?;
+    if let Some(driven) = fit.waves.iter().find(|wave| evidence::is_driven(wave)) {
+        let [f, decay, sigma] = [driven.frequency, driven.decay, driven.decay_sigma];
+        return Err(moving(format!(
+            "the line at {f:.3} Hz decays by {decay:.4} ± {sigma:.4} 1/s, as no free wave does"
+        )));
+    }
+    Ok(fit)
+}
+
+/// The decaying vibration of `signal` near the frequency `expected` (Hz), of a body that is known to vibrate: nothing is tested.
+///
+/// # Errors
 /// [`EstimationError`] when the recording is shorter than four periods, or the fit does not converge.
-pub fn identify(signal: &Series, expected: &[Hertz]) -> Result<WaveFit, EstimationError> {
+pub fn free_vibration(signal: &Series, expected: Hertz) -> Result<WaveFit, EstimationError> {
+    let evidence = evidence::evidence(signal, &bands(signal, &[expected])?);
+    decaying(signal, &[evidence[0].frequency], evidence)
+}
+
+/// The searched band around each expected frequency (Hz).
+fn bands(signal: &Series, expected: &[Hertz]) -> Result<Vec<[Hertz; 2]>, EstimationError> {
     let periods = (signal.end() - signal.start()) * expected.iter().copied().fold(f64::INFINITY, f64::min);
     if expected.is_empty() || periods < 4.0 {
         let why = format!("the recording has {periods:.1} periods of the slowest wave; at least 4 are needed");
         return Err(failed(why));
     }
-    let start = begin(signal, expected);
+    Ok(expected.iter().map(|f| [f * (1.0 - SEARCH_WIDTH), f * (1.0 + SEARCH_WIDTH)]).collect())
+}
+
+/// The decaying waves that begin at these frequencies (Hz).
+fn decaying(signal: &Series, found: &[Hertz], evidence: Vec<Evidence>) -> Result<WaveFit, EstimationError> {
+    let start: Vec<f64> = found.iter().flat_map(|f| [*f, INITIAL_DAMPING * TAU * f]).collect();
     let every: Vec<usize> = (0..signal.values().len()).collect();
     let (fit, weights) = fitted(signal, &every, &start).ok_or_else(|| failed("the fit does not converge".into()))?;
     let wave = |(n, pair): (usize, &[f64])| Wave {
@@ -89,24 +139,44 @@ pub fn identify(signal: &Series, expected: &[Hertz]) -> Result<WaveFit, Estimati
         amplitude: pair[0].hypot(pair[1]),
         phase: (-pair[1]).atan2(pair[0]),
     };
-    let waves = weights.chunks_exact(2).take(expected.len()).enumerate().map(wave).collect();
-    Ok(WaveFit { waves, noise: fit.noise, suppression_db: suppression(signal, &fit.at) })
+    let waves = weights.chunks_exact(2).take(found.len()).enumerate().map(wave).collect();
+    Ok(WaveFit { waves, evidence, noise: fit.noise, suppression_db: suppression(signal, &fit.at) })
+}
+
+/// Standard deviation of a signal about its drift.
+fn noise_about_drift(signal: &Series) -> f64 {
+    let (values, columns) = (signal.values(), polynomial::columns(signal.values().len(), DRIFT));
+    let drift = linear::least_squares(&columns, values).map(|w| linear::weighted_sum(&columns, &w));
+    let drift = drift.unwrap_or_else(|| vec![0.0; values.len()]);
+    let square: f64 = values.iter().zip(drift).map(|(v, d)| (v - d).powi(2)).sum();
+    (square / (values.len() - DRIFT - 1) as f64).sqrt()
+}
+
+/// Initial guess of the damping ratio: water in a tank rings for some ten seconds.
+const INITIAL_DAMPING: f64 = 0.01;
+/// Lines are looked for up to this multiple of the highest expected frequency.
+const LINES: f64 = 5.0;
+
+/// Holds that no line is larger than in still water.
+fn is_still(signal: &Series, still: &StillWater) -> Result<(), EstimationError> {
+    let highest = LINES * still.expected.iter().copied().fold(0.0, f64::max);
+    let line = evidence::strongest(signal, highest);
+    if line.amplitude <= still.limit || line.p_value > still.level {
+        return Ok(());
+    }
+    let (f, amplitude, limit) = (line.frequency, 1e3 * line.amplitude, 1e3 * still.limit);
+    Err(moving(format!(
+        "a line at {f:.2} Hz has an amplitude of {amplitude:.1} mN; in still water it is under {limit:.1} mN"
+    )))
 }
 
 fn failed(why: String) -> EstimationError {
     EstimationError { what: "the standing wave", why, action: "record still water for longer, soon after a run" }
 }
 
-/// Frequency and decay of each wave, from the spectrum's peaks.
-fn begin(signal: &Series, expected: &[Hertz]) -> Vec<f64> {
-    let columns = polynomial::columns(signal.values().len(), DRIFT);
-    let drift = linear::least_squares(&columns, signal.values()).map(|w| linear::weighted_sum(&columns, &w));
-    let drift = drift.unwrap_or_else(|| vec![0.0; signal.values().len()]);
-    let level: Vec<f64> = signal.values().iter().zip(drift).map(|(v, d)| v - d).collect();
-    let close_harmonics =
-        |f: &Hertz| spectrum::peak(&level, signal.rate(), [f * (1.0 - SEARCH_WIDTH), f * (1.0 + SEARCH_WIDTH)]);
-    // initial guess of the decay, a damping ratio of 0.01: water in a tank rings for some ten seconds
-    expected.iter().flat_map(|f| [close_harmonics(f), 0.01 * TAU * f]).collect()
+fn moving(why: String) -> EstimationError {
+    let action = "name a log of water at rest: this one holds a motion (study.toml, [tank] still_limit)";
+    EstimationError { what: "the standing wave", why, action }
 }
 
 /// The columns of waves (frequency and decay each) at samples `of` a signal, then the drift's.
@@ -161,6 +231,8 @@ mod tests {
     use super::*;
     use crate::testing::Noise;
 
+    const STILL: StillWater = StillWater { expected: &[1.2, 1.8], level: 0.005, limit: 0.02 };
+
     fn recorded(seed: u64) -> Series {
         let mut noise = Noise::new(seed);
         let value = |i: usize, n: &mut Noise| {
@@ -181,7 +253,8 @@ mod tests {
     fn waves_in_noise_are_identified_within_their_uncertainty() {
         let mut total = 0.0;
         for seed in 0..10 {
-            let found = identify(&recorded(seed), &[1.2, 1.8]).unwrap();
+            let found = identify(&recorded(seed), &STILL).unwrap();
+            assert!(found.evidence.iter().all(|e| e.p_value < 1e-3), "seed {seed}: {:?}", found.evidence);
             for (wave, (f, a)) in found.waves.iter().zip([(1.163, 2.5e-3), (1.842, 1.8e-3)]) {
                 // four standard deviations, of which one in 16 000 is exceeded
                 assert!((wave.frequency - f).abs() < 4.0 * wave.frequency_sigma, "seed {seed}: {wave:?}");
@@ -196,17 +269,40 @@ mod tests {
     }
 
     #[test]
-    fn the_initial_guess_lies_at_the_waves_under_a_strong_drift() {
+    fn waves_are_found_under_a_strong_drift() {
         let calm = recorded(1);
         let drifting = calm.values().iter().enumerate().map(|(i, v)| v + 1.0 - 0.02 * i as f64).collect();
-        let start = begin(&Series::new(0.0, 80.0, drifting).unwrap(), &[1.2, 1.8]);
-        // the spectrum of ten seconds resolves a tenth of a hertz
-        assert!((start[0] - 1.163).abs() < 0.05 && (start[2] - 1.842).abs() < 0.05, "{start:?}");
+        let found = identify(&Series::new(0.0, 80.0, drifting).unwrap(), &STILL).unwrap();
+        assert!((found.waves[0].frequency - 1.163).abs() < 0.02 && (found.waves[1].frequency - 1.842).abs() < 0.02);
+    }
+
+    #[test]
+    fn noise_alone_has_no_wave() {
+        let mut noise = Noise::new(5);
+        let air = Series::new(0.0, 80.0, (0..800).map(|_| 1e-3 * noise.normal()).collect()).unwrap();
+        let found = identify(&air, &STILL).unwrap();
+        assert!(found.waves.is_empty() && found.suppression_db == 0.0);
+        assert!(found.evidence.iter().all(|e| e.p_value > 0.01) && (found.noise - 1e-3).abs() < 1e-4, "{found:?}");
+    }
+
+    #[test]
+    fn a_log_in_which_something_flaps_is_not_taken_for_still_water() {
+        let calm = recorded(1);
+        let flapping = |amplitude: f64, f: f64| {
+            let value = |(i, v): (usize, &f64)| v + amplitude * (TAU * f * i as f64 / 80.0).sin();
+            let values = calm.values().iter().enumerate().map(value).collect();
+            identify(&Series::new(0.0, 80.0, values).unwrap(), &STILL).unwrap_err().why
+        };
+        assert!(flapping(0.1, 2.0).contains("in still water it is under 20.0 mN"));
+        assert!(flapping(0.1, 4.0).contains("a line at 4.0"));
+        // a small tail that moves as little as water does, at the frequency of a wave
+        let said = flapping(0.015, 1.9);
+        assert!(said.contains("as no free wave does"), "{said}");
     }
 
     #[test]
     fn a_recording_of_three_periods_is_refused() {
         let short = Series::new(0.0, 80.0, vec![0.0; 160]).unwrap();
-        assert!(identify(&short, &[1.2]).unwrap_err().why.contains("at least 4"));
+        assert!(identify(&short, &STILL).unwrap_err().why.contains("at least 4"));
     }
 }

@@ -118,7 +118,7 @@ fn silhouette(bench: &Bench, from: Point2) -> Part {
 /// The whole bench; the sheet is in millimetres of the bench.
 fn whole(bench: &Bench) -> Diagram {
     let (card, eye) = (bench.card, bench.camera.pose.centre());
-    let (length, depth) = bench.tank.map_or((0.45, 0.15), |t| (t.size_m[0], t.size_m[1]));
+    let (length, depth) = bench.card.tank.map_or((0.45, 0.15), |t| (t.length, t.depth));
     let surface = card.water.as_ref().map(|w| w.surface);
     let bottom = surface.map_or(card.camera.plane.height, |s| s - depth).min(card.camera.plane.height);
     // the sheet: the tail's middle over the tank's, with a margin for dimensions
@@ -293,7 +293,10 @@ fn instruments(bench: &Bench) -> Diagram {
     }));
     text.extend(bench.tank.map(|t| {
         let waves: Vec<String> = t.waves.iter().map(|w| format!("{:.2} Hz", w.frequency)).collect();
-        format!("standing waves of the tank: {}", waves.join(", "))
+        match waves.is_empty() {
+            true => "standing waves of the tank: none over the noise".to_owned(),
+            false => format!("standing waves of the tank: {}", waves.join(", ")),
+        }
     }));
     let line = |i: usize| 50.0 - 6.0 * i as f64;
     text.iter()

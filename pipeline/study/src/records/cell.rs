@@ -1,8 +1,8 @@
 //! The load cell's fixture: its transfer function from hammer taps, and an example of its deconvolution.
 
 use serde::{Deserialize, Serialize};
-use si::{Hertz, Newton, Second};
-use signal::cell::{Cell, Estimate, FrequencyResponse};
+use si::{Hertz, Newton};
+use signal::cell::{Cell, DeconvolutionExample, Estimate, FrequencyResponse};
 use signal::spectrum::Phasor;
 
 use crate::subject::Specimen;
@@ -23,6 +23,8 @@ pub struct LoadCell {
     pub noise: Newton,
     /// The measured response, rising in frequency.
     pub response: Vec<FrequencyResponse>,
+    /// How the cell's log was sampled, and what was made of it.
+    pub sampling: lab::Sampling,
     /// A non-negative thrust, the simulated measurement of it, and its deconvolution.
     pub example: DeconvolutionExample,
 }
@@ -40,24 +42,6 @@ pub struct Fixture {
     pub damping_sigma: f64,
     /// Cell's newtons for a newton of the hammer's.
     pub gain: f64,
-}
-
-/// Deconvolution of a synthetic thrust.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct DeconvolutionExample {
-    /// s.
-    pub time: Vec<Second>,
-    /// Never negative, N.
-    pub thrust: Vec<Newton>,
-    /// Simulated measurement: by the identified fixture, with the log's noise, N.
-    pub measured: Vec<Newton>,
-    /// After deconvolution, N.
-    pub deconvolved: Vec<Newton>,
-    /// Standard deviation of the deconvolved force due to noise, N.
-    pub sigma: Newton,
-    /// Root mean square error over the thrust's standard deviation: measured, deconvolved, and deconvolved where the
-    /// noise is 40 dB below the signal.
-    pub nrmse: [f64; 3],
 }
 
 impl From<Estimate> for Fixture {
@@ -87,6 +71,7 @@ struct Scalars {
     noise_n: Newton,
     sigma_n: Newton,
     nrmse: [f64; 3],
+    sampling: lab::Sampling,
 }
 
 impl Record for LoadCell {
@@ -116,6 +101,7 @@ impl Record for LoadCell {
             noise_n: self.noise,
             sigma_n: self.example.sigma,
             nrmse: self.example.nrmse,
+            sampling: self.sampling.clone(),
         };
         RecordFiles::default()
             .table("response.parquet", &response)?
@@ -142,7 +128,15 @@ impl Record for LoadCell {
             nrmse: s.nrmse,
         };
         let response = (0..f.len()).map(one).collect();
-        Ok(Self { in_time: s.in_time, in_frequency: s.in_frequency, taps: s.taps, noise: s.noise_n, response, example })
+        Ok(Self {
+            in_time: s.in_time,
+            in_frequency: s.in_frequency,
+            taps: s.taps,
+            noise: s.noise_n,
+            response,
+            sampling: s.sampling,
+            example,
+        })
     }
 
     fn metrics(&self, subject: &str) -> Vec<Metric> {

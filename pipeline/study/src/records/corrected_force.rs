@@ -23,6 +23,10 @@ pub struct CorrectedForce {
     pub offset: Second,
     /// First and last command of pressure, s.
     pub commanded: [Second; 2],
+    /// The load cell's own lag on the card and its standard deviation, s, by which `time` is earlier than stamped; 0 where the card has none.
+    pub lag: [Second; 2],
+    /// How the log was sampled, and what was made of it.
+    pub sampling: lab::Sampling,
     /// Warnings: a harmonic of the actuation coincides with a standing wave.
     pub warnings: Vec<String>,
 }
@@ -31,6 +35,8 @@ pub struct CorrectedForce {
 struct Scalars {
     offset_s: Second,
     commanded_s: [Second; 2],
+    lag_s: [Second; 2],
+    sampling: lab::Sampling,
     warnings: Vec<String>,
 }
 
@@ -58,10 +64,11 @@ impl Record for CorrectedForce {
             .numbers("raw_n", self.raw.clone())
             .numbers("waves_n", self.waves.clone())
             .numbers("zero_n", self.zero.clone());
-        let (offset_s, commanded_s, warnings) = (self.offset, self.commanded, self.warnings.clone());
+        let (offset_s, commanded_s, lag_s) = (self.offset, self.commanded, self.lag);
+        let (sampling, warnings) = (self.sampling.clone(), self.warnings.clone());
         RecordFiles::default()
             .table("force.parquet", &columns)?
-            .scalars("force.json", &Scalars { offset_s, commanded_s, warnings })
+            .scalars("force.json", &Scalars { offset_s, commanded_s, lag_s, sampling, warnings })
     }
 
     fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
@@ -73,6 +80,8 @@ impl Record for CorrectedForce {
             zero: columns.f64("zero_n")?,
             offset: s.offset_s,
             commanded: s.commanded_s,
+            lag: s.lag_s,
+            sampling: s.sampling,
             warnings: s.warnings,
         })
     }

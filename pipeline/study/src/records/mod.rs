@@ -30,7 +30,7 @@ mod validation;
 pub use self::thrust::{Crosstalk, Means, Scored, Thrust, Trace};
 pub use calibration::{Calibration, Coverage};
 pub use camera::Camera;
-pub use cell::{DeconvolutionExample, Fixture, LoadCell};
+pub use cell::{Fixture, LoadCell};
 pub use corrected_force::CorrectedForce;
 pub use drag::Drag;
 pub use estimate::{Estimate, Quantity, QuantityKind};

@@ -24,6 +24,8 @@ pub struct Motion {
     pub log_time: Vec<Second>,
     /// The log's clock against the video's.
     pub clock: Clock,
+    /// How the pressure log was sampled, and what was made of it.
+    pub sampling: lab::Sampling,
 }
 
 /// The pressure in one chamber: samples of the log.
@@ -56,6 +58,7 @@ struct Scalars {
     rest_m: Vec<Point2>,
     chambers: Vec<String>,
     clock: Clock,
+    sampling: lab::Sampling,
 }
 
 impl Record for Motion {
@@ -73,6 +76,7 @@ impl Record for Motion {
             rest_m: self.rest.clone(),
             chambers: self.gauges.iter().map(|g| g.chamber.clone()).collect(),
             clock: self.clock,
+            sampling: self.sampling.clone(),
         };
         RecordFiles::default()
             .table("motion.parquet", &paths::pack(motion, &self.markers, "m"))?
@@ -94,6 +98,7 @@ impl Record for Motion {
             gauges: scalars.chambers.iter().map(gauge).collect::<Result<_, _>>()?,
             log_time: log.f64("time_s")?,
             clock: scalars.clock,
+            sampling: scalars.sampling,
         })
     }
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use si::{Hertz, Metre, Newton};
-use signal::wave::Wave;
+use signal::wave::{Evidence, Wave};
 
 use crate::subject::Specimen;
 use workflow::metric::Metric;
@@ -11,14 +11,20 @@ use workflow::record::{Record, RecordError, RecordFiles};
 /// The waves of a tank.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tank {
-    /// Slowest first.
+    /// Those that rise over the noise, slowest first.
     pub waves: Vec<Wave>,
+    /// The evidence for each mode that was looked for, slowest first.
+    pub evidence: Vec<Evidence>,
+    /// Level of significance at which any wave is reported.
+    pub level: f64,
     /// Standard deviation of the residual without waves and drift, N.
     pub noise: Newton,
     /// Suppression of the waves by the fit, dB.
     pub suppression_db: f64,
-    /// Length along the tail and depth of the water, from the settings, m.
+    /// Length along the tail and depth of the water, from the card, m.
     pub size_m: [Metre; 2],
+    /// How the log was sampled, and what was made of it.
+    pub sampling: lab::Sampling,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -27,6 +33,46 @@ struct Scalars {
     suppression_db: f64,
     size_m: [Metre; 2],
     waves: Vec<One>,
+    level: f64,
+    evidence: Vec<Tested>,
+    sampling: lab::Sampling,
+}
+
+/// A mode that was looked for.
+#[derive(Serialize, Deserialize)]
+struct Tested {
+    band_hz: [Hertz; 2],
+    frequency_hz: Hertz,
+    amplitude_n: Newton,
+    power_ratio: f64,
+    p_value: f64,
+    quantisation_n: Newton,
+}
+
+impl From<&Evidence> for Tested {
+    fn from(e: &Evidence) -> Self {
+        Self {
+            band_hz: e.band,
+            frequency_hz: e.frequency,
+            amplitude_n: e.amplitude,
+            power_ratio: e.ratio,
+            p_value: e.p_value,
+            quantisation_n: e.quantisation,
+        }
+    }
+}
+
+impl From<Tested> for Evidence {
+    fn from(t: Tested) -> Self {
+        Self {
+            band: t.band_hz,
+            frequency: t.frequency_hz,
+            amplitude: t.amplitude_n,
+            ratio: t.power_ratio,
+            p_value: t.p_value,
+            quantisation: t.quantisation_n,
+        }
+    }
 }
 
 #[derive(Serialize, Deserialize)]
@@ -42,7 +88,7 @@ impl Record for Tank {
     const STAGE: &'static str = "tank";
 
     fn is_made_for(of: &Specimen) -> bool {
-        of.card.fixture.iter().any(|f| f.of == lab::card::FixtureOf::StillWater)
+        of.card.fixture.iter().any(crate::stages::tank::is_still_water)
     }
 
     fn pack(&self) -> Result<RecordFiles, RecordError> {
@@ -53,7 +99,15 @@ impl Record for Tank {
             phase: w.phase,
         };
         let waves = self.waves.iter().map(one).collect();
-        let scalars = Scalars { noise_n: self.noise, suppression_db: self.suppression_db, size_m: self.size_m, waves };
+        let scalars = Scalars {
+            noise_n: self.noise,
+            suppression_db: self.suppression_db,
+            size_m: self.size_m,
+            waves,
+            level: self.level,
+            evidence: self.evidence.iter().map(Tested::from).collect(),
+            sampling: self.sampling.clone(),
+        };
         RecordFiles::default().scalars("tank.json", &scalars)
     }
 
@@ -68,13 +122,26 @@ impl Record for Tank {
             phase: w.phase,
         };
         let waves = s.waves.into_iter().map(one).collect();
-        Ok(Self { waves, noise: s.noise_n, suppression_db: s.suppression_db, size_m: s.size_m })
+        Ok(Self {
+            waves,
+            evidence: s.evidence.into_iter().map(Evidence::from).collect(),
+            level: s.level,
+            noise: s.noise_n,
+            suppression_db: s.suppression_db,
+            size_m: s.size_m,
+            sampling: s.sampling,
+        })
     }
 
     fn metrics(&self, subject: &str) -> Vec<Metric> {
         let name = subject;
-        let mut all = vec![Metric::new(format!("wave.{name}.suppression_db"), self.suppression_db, "dB")];
-        all.push(Metric::new("wave.suppression_db", self.suppression_db, "dB"));
+        let p_value =
+            |(i, e): (usize, &Evidence)| Metric::new(format!("wave.{name}.mode{}_p_value", i + 1), e.p_value, "");
+        let mut all: Vec<Metric> = self.evidence.iter().enumerate().map(p_value).collect();
+        if !self.waves.is_empty() {
+            all.push(Metric::new(format!("wave.{name}.suppression_db"), self.suppression_db, "dB"));
+            all.push(Metric::new("wave.suppression_db", self.suppression_db, "dB"));
+        }
         for (i, wave) in self.waves.iter().enumerate() {
             all.push(Metric::new(format!("wave.{name}.mode{}_frequency_hz", i + 1), wave.frequency, "Hz"));
             all.push(Metric::new(format!("wave.{name}.mode{}_frequency_sigma_hz", i + 1), wave.frequency_sigma, "Hz"));
@@ -84,8 +151,13 @@ impl Record for Tank {
     }
 
     fn summary(&self) -> String {
+        let p_values: Vec<String> = self.evidence.iter().map(|e| format!("{:.1e}", e.p_value)).collect();
+        let p_values = format!("p = {} at a level of {}", p_values.join(", "), self.level);
+        if self.waves.is_empty() {
+            return format!("no standing wave rises over the noise of {:.2} mN: {p_values}", 1e3 * self.noise);
+        }
         let waves: Vec<String> =
             self.waves.iter().map(|w| format!("{:.3} ± {:.3} Hz", w.frequency, w.frequency_sigma)).collect();
-        format!("standing waves at {}, suppressed by {:.0} dB", waves.join(" and "), self.suppression_db)
+        format!("standing waves at {}, suppressed by {:.0} dB; {p_values}", waves.join(" and "), self.suppression_db)
     }
 }

@@ -96,6 +96,8 @@ pub struct Crosstalk {
     pub forces_n: Vec<Newton>,
     /// s.
     pub lag_s: Second,
+    /// Its 95 % interval, s.
+    pub lag_interval_s: [Second; 2],
     /// Residual of curve and drift, N.
     pub left_n: Newton,
 }

@@ -3,8 +3,8 @@
 
 use std::path::Path as FilePath;
 
-use lab::PressureLog;
 use lab::card::Side;
+use lab::{Logged, PressureLog};
 use serde::{Deserialize, Serialize};
 use si::{Point2, Second};
 use signal::clock::Clock as Match;
@@ -43,6 +43,8 @@ pub struct Card {
     readout: Second,
     /// From the first command to the end of the last, s; none where the card ends the film before.
     duration: Option<Second>,
+    /// How the log is written.
+    log: lab::card::Log,
 }
 
 /// A chamber and its channel in the log.
@@ -60,6 +62,7 @@ impl Part<Trial> for Card {
             lamp_row: of.card.led.centre[1],
             readout: of.card.camera.readout,
             duration: of.trial.last_frame.is_none().then(|| of.trial.experiment.duration()),
+            log: of.card.log.clone(),
         }
     }
 }
@@ -70,7 +73,7 @@ impl Stage for Clock {
     type Needs = (Maybe<Camera>, Tracks, Markers);
     type Makes = Motion;
     const DESCRIPTION: &'static str = "the LED's edges synchronise film and logs";
-    const VERSION: u32 = 4;
+    const VERSION: u32 = 5;
 
     fn raw(of: &Trial) -> Vec<RawFile> {
         vec![RawFile::new("pressure", &of.card.name, &of.trial.pressure)]
@@ -82,7 +85,7 @@ impl Stage for Clock {
         (Maybe(camera), tracks, markers): Self::Needs,
         context: &dyn StageContext,
     ) -> Result<Motion> {
-        let log = read_log(context)?;
+        let Logged { log, sampling } = read_log(card, context)?;
         let shutter = |c: Camera| Shutter { readout: card.readout, height: c.size_px[1] };
         let late = camera.map_or(0.0, |c| shutter(c).delay(card.lamp_row));
         let synchronisation = Synchronisation { card, set, context };
@@ -94,7 +97,7 @@ impl Stage for Clock {
         let paths = markers.markers.iter().zip(&markers.parts).zip(&rest);
         let moved = paths.map(|((path, parts), rest)| displaced(path, parts, *rest, rest_frames)).collect();
         let clock = records::Clock { offset: clock.offset, scale: clock.scale, lamp, sigma };
-        Ok(Motion { time: markers.time, markers: moved, rest, gauges, log_time, clock })
+        Ok(Motion { time: markers.time, markers: moved, rest, gauges, log_time, clock, sampling })
     }
 }
 
@@ -125,7 +128,7 @@ impl Synchronisation<'_> {
     /// A [`Diagnostic`] that names which of the two has no edge, or where they disagree.
     pub fn check(&self, tracks: &Tracks, height: usize) -> Result<()> {
         let late = Shutter { readout: self.card.readout, height }.delay(self.card.lamp_row);
-        let met = self.met(tracks, late, &read_log(self.context)?)?;
+        let met = self.met(tracks, late, &read_log(self.card, self.context)?.log)?;
         self.covers(&tracks.time, &met)?;
         self.rest_frames(&tracks.time, &met).map(drop)
     }
@@ -174,12 +177,12 @@ impl Synchronisation<'_> {
     }
 }
 
-fn read_log(context: &dyn StageContext) -> Result<PressureLog> {
+fn read_log(card: &Card, context: &dyn StageContext) -> Result<Logged<PressureLog>> {
     let place = context.display_path("pressure");
     let bytes = context.bytes("pressure")?;
     let text = String::from_utf8(bytes)
         .map_err(|e| Diagnostic::new(format!("{place} is not text"), e, "export the log as CSV in UTF-8"))?;
-    lab::pressure::parse(&text, FilePath::new(&place))
+    lab::pressure::parse_as(&text, FilePath::new(&place), &card.log)
 }
 
 fn gauge(chamber: &Channel, log: &PressureLog) -> Gauge {

@@ -182,6 +182,7 @@ mod tests {
             gauges: vec![Gauge { chamber: "left".into(), command, measured }],
             log_time: (0..400).map(|i| 0.005 * f64::from(i)).collect(),
             clock: Clock { offset: 0.0, scale: 1.0, lamp: 0.0, sigma: 0.0 },
+            sampling: lab::Sampling::default(),
         }
     }
 

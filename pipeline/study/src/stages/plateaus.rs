@@ -100,7 +100,15 @@ mod tests {
         let markers = vec![Path { name: "a".into(), at, spread: vec![[0.0; 3]; 400] }];
         let gauges = vec![Gauge { chamber: "left".into(), measured: command.clone(), command }];
         let clock = Clock { offset: 0.0, scale: 1.0, lamp: 0.0, sigma: 0.0 };
-        Motion { log_time: time.clone(), time, markers, rest: vec![[0.0; 2]], gauges, clock }
+        Motion {
+            log_time: time.clone(),
+            time,
+            markers,
+            rest: vec![[0.0; 2]],
+            gauges,
+            clock,
+            sampling: lab::Sampling::default(),
+        }
     }
 
     /// Noise of 1e-10 m² a frame and a shared error of 1e-12 m².

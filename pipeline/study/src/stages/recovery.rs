@@ -177,7 +177,7 @@ fn judge_forces(
     for (_, tank) in tanks.iter().filter(|(s, _)| s.0 == specimen.name) {
         let still = specimen.still_water.as_ref();
         let Some(hidden) = still.and_then(|id| truth.force.iter().find(|t| t.id == *id)) else { continue };
-        for (found, real) in tank.waves.iter().zip(&hidden.waves) {
+        for (found, real) in pairs(tank, &hidden.waves) {
             let part = |turn: fn(f64) -> f64| found.amplitude * turn(found.phase) - real.amplitude * turn(real.phase);
             let left = part(f64::cos).hypot(part(f64::sin));
             recovered.wave_residual_mn = worse(recovered.wave_residual_mn, 1e3 * left);
@@ -193,15 +193,28 @@ fn judge_forces(
     }
 }
 
+/// Each wave that was found, with the true one nearest to its frequency.
+fn pairs<'a>(
+    tank: &'a Tank,
+    real: &'a [truth::TrueWave],
+) -> impl Iterator<Item = (&'a signal::wave::Wave, &'a truth::TrueWave)> {
+    let off = |found: f64, wave: &truth::TrueWave| (wave.frequency - found).abs();
+    tank.waves.iter().filter_map(move |found| {
+        let near =
+            |a: &&truth::TrueWave, b: &&truth::TrueWave| off(found.frequency, a).total_cmp(&off(found.frequency, b));
+        real.iter().min_by(near).map(|real| (found, real))
+    })
+}
+
 /// Root mean square residual of a trial's standing waves after their removal, N. The decay of a true wave is taken as identified.
 fn left_of(pull: &CorrectedForce, waves: &[truth::TrueWave], tank: &Tank) -> f64 {
     let first = pull.time[0];
     let real = |t: Second| -> f64 {
-        let one = |(real, found): (&truth::TrueWave, &signal::wave::Wave)| {
+        let one = |(found, real): (&signal::wave::Wave, &truth::TrueWave)| {
             let angle = std::f64::consts::TAU * real.frequency * t + real.phase;
             real.amplitude * (-found.decay * t).exp() * angle.cos()
         };
-        waves.iter().zip(&tank.waves).map(one).sum()
+        pairs(tank, waves).map(one).sum()
     };
     let squares = pull.time.iter().zip(&pull.waves).map(|(t, found)| (found - real(t - first)).powi(2));
     (squares.sum::<f64>() / pull.time.len() as f64).sqrt()

@@ -94,7 +94,15 @@ mod tests {
         let gauges = vec![Gauge { chamber: "left".into(), measured: command.clone(), command }];
         let clock = Clock { offset: 0.0, scale: 1.0, lamp: 0.0, sigma: 0.0 };
         let markers = vec![Path { name: "a".into(), at, spread: Vec::new() }];
-        Motion { log_time: time.clone(), time, markers, rest: vec![[0.0; 2]], gauges, clock }
+        Motion {
+            log_time: time.clone(),
+            time,
+            markers,
+            rest: vec![[0.0; 2]],
+            gauges,
+            clock,
+            sampling: lab::Sampling::default(),
+        }
     }
 
     #[test]

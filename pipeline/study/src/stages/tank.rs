@@ -1,18 +1,21 @@
 //! Tank: the standing waves of the tank, identified in water at rest after a run. Paper: section IV, the standing wave.
 //!
-//! Where the size of the tank is set, the dispersion relation gives the initial frequencies.
+//! The size of the tank on the card gives the expected frequencies by the dispersion relation. A wave is reported where it rises over the
+//! noise at the level of the settings; the record has the p-value of each. A log in which something moves is refused.
 
 use std::path::Path as FilePath;
 
-use lab::card::FixtureOf;
+use lab::Logged;
+use lab::card::{self, Fixture, FixtureOf, LogKind, Medium};
 use serde::{Deserialize, Serialize};
-use si::{Hertz, Metre};
-use signal::wave;
+use si::{Hertz, Newton};
+use signal::wave::{self, StillWater};
 
 use crate::records;
 use crate::subject::Specimen;
 use diagnostics::{Diagnostic, Result};
 use workflow::stage::{RawFile, Stage, StageContext};
+use workflow::subject::Part;
 
 /// The stage.
 pub struct Tank;
@@ -21,45 +24,78 @@ pub struct Tank;
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
-    /// Of the tank, along the tail, m.
-    length: Metre,
-    /// Of the water, m.
-    depth: Metre,
-    /// Number of standing waves.
+    /// Number of standing waves that are looked for.
     modes: u32,
+    /// Level of significance at which any wave is reported.
+    level: f64,
+    /// Largest amplitude of a line in water that is still, N.
+    still_limit: Newton,
+}
+
+/// What it reads of the card.
+#[derive(Debug, Serialize)]
+pub struct Card {
+    tank: Option<card::Tank>,
+    log: card::Log,
+}
+
+impl Part<Specimen> for Card {
+    fn part_of(of: &Specimen) -> Self {
+        Self { tank: of.card.tank, log: of.card.log.clone() }
+    }
+}
+
+/// Whether a recording shows water at rest: in air nothing can stand.
+pub(crate) fn is_still_water(fixture: &Fixture) -> bool {
+    fixture.of == FixtureOf::StillWater && fixture.medium == Medium::Water
 }
 
 impl Stage for Tank {
     type Settings = Settings;
-    type Card = ();
+    type Card = Card;
     type Needs = ();
     type Makes = records::Tank;
     const DESCRIPTION: &'static str = "the tank's standing waves are identified in water at rest";
-    const VERSION: u32 = 2;
+    const VERSION: u32 = 3;
 
     fn raw(of: &Specimen) -> Vec<RawFile> {
-        let still = of.card.fixture.iter().filter(|f| f.of == FixtureOf::StillWater);
+        let still = of.card.fixture.iter().filter(|f| is_still_water(f));
         still.take(1).map(|f| RawFile::new("still water", &of.card.name, &f.force)).collect()
     }
 
-    fn run((): &(), set: &Settings, (): (), context: &dyn StageContext) -> Result<records::Tank> {
-        let log = read_force("still water", context)?;
-        let expected: Vec<Hertz> = (1..=set.modes).map(|n| wave::natural_frequency(set.length, set.depth, n)).collect();
-        let found = wave::identify(&log.series(), &expected)
+    fn run(card: &Card, set: &Settings, (): (), context: &dyn StageContext) -> Result<records::Tank> {
+        let Logged { log, sampling } = read_force("still water", (LogKind::Force, &card.log), context)?;
+        let size = card.tank.ok_or_else(no_tank)?;
+        let expected: Vec<Hertz> =
+            (1..=set.modes).map(|n| wave::natural_frequency(size.length, size.depth, n)).collect();
+        let still = StillWater { expected: &expected, level: set.level, limit: set.still_limit };
+        let found = wave::identify(&log.series(), &still)
             .map_err(|e| Diagnostic::from(e).in_file(FilePath::new(&context.display_path("still water"))))?;
         Ok(records::Tank {
             waves: found.waves,
+            evidence: found.evidence,
+            level: set.level,
             noise: found.noise,
             suppression_db: found.suppression_db,
-            size_m: [set.length, set.depth],
+            size_m: [size.length, size.depth],
+            sampling,
         })
     }
 }
 
+fn no_tank() -> Diagnostic {
+    let why = "its size gives the frequencies of its standing waves";
+    Diagnostic::new("the card has no [tank]", why, "add [tank] with length and depth (m) to specimen.toml")
+}
+
 /// A force log of the context.
-pub(super) fn read_force(word: &str, context: &dyn StageContext) -> Result<lab::ForceLog> {
+pub(super) fn read_force(
+    word: &str,
+    layout: (LogKind, &card::Log),
+    context: &dyn StageContext,
+) -> Result<Logged<lab::ForceLog>> {
     let place = context.display_path(word);
     let text = String::from_utf8(context.bytes(word)?)
         .map_err(|e| Diagnostic::new(format!("{place} is not text"), e, "export the log as CSV in UTF-8"))?;
-    lab::force::parse(&text, FilePath::new(&place))
+    lab::force::parse_as(&text, FilePath::new(&place), layout)
 }

@@ -6,11 +6,13 @@
 
 use std::path::Path;
 
-use lab::card::Experiment;
+use lab::Logged;
+use lab::card::{Experiment, LogKind};
 use serde::{Deserialize, Serialize};
 use si::{Hertz, Second, Series};
 use signal::edge::{self, Window};
 use signal::wave::{self, Beat, Removal};
+use signal::zero::Zero;
 
 use super::tank::read_force;
 use crate::records::{CorrectedForce, Motion, Tank};
@@ -40,11 +42,13 @@ pub struct Settings {
 pub struct Card {
     /// The commanded frequency of a flapping trial, Hz.
     frequency: Option<Hertz>,
+    /// How the logs are written, and the load cell's own lag.
+    log: lab::card::Log,
 }
 
 impl Part<Trial> for Card {
     fn part_of(of: &Trial) -> Self {
-        Self { frequency: beat(&of.trial.experiment) }
+        Self { frequency: beat(&of.trial.experiment), log: of.card.log.clone() }
     }
 }
 
@@ -54,7 +58,7 @@ impl Stage for Wave {
     type Needs = (Maybe<Tank>, Motion);
     type Makes = CorrectedForce;
     const DESCRIPTION: &'static str = "the tank's waves and the drift of zero are removed from the force";
-    const VERSION: u32 = 2;
+    const VERSION: u32 = 3;
 
     fn raw(of: &Trial) -> Vec<RawFile> {
         of.trial.force.iter().map(|file| RawFile::new("force", &of.card.name, file)).collect()
@@ -66,9 +70,11 @@ impl Stage for Wave {
         (Maybe(tank), motion): Self::Needs,
         context: &dyn StageContext,
     ) -> Result<CorrectedForce> {
-        let log = read_force("force", context)?;
+        let Logged { log, sampling } = read_force("force", (LogKind::Force, &card.log), context)?;
+        // The lamp is read at once; the force is shown after the cell's own lag.
+        let lag = [card.log.force_lag.unwrap_or(0.0), card.log.force_lag_sigma];
         let offset = lamp(&log, context)? - motion.clock.lamp;
-        let on_film = Series::new(log.time[0] - offset, log.rate(), log.force.clone())?;
+        let on_film = Series::new(log.time[0] - offset - lag[0], log.rate(), log.force.clone())?;
         let commanded = commanded(&motion).unwrap_or([on_film.start(), on_film.end()]);
         covers(&on_film, commanded, context)?;
         let beat = card.frequency.map(|frequency| Beat { frequency, harmonics: set.harmonics, within: commanded });
@@ -87,9 +93,9 @@ impl Stage for Wave {
             }
         };
         let time: Vec<Second> = (0..rest.values().len()).map(|i| rest.time(i)).collect();
-        let zero = zero(&rest, commanded, set.settling_time);
+        let zero = Zero { moves: commanded, settling: set.settling_time }.of(&rest).values;
         let warnings = near.iter().map(ToString::to_string).collect();
-        Ok(CorrectedForce { time, raw: log.force, waves: found, zero, offset, commanded, warnings })
+        Ok(CorrectedForce { time, raw: log.force, waves: found, zero, offset, commanded, lag, sampling, warnings })
     }
 }
 
@@ -142,24 +148,6 @@ fn commanded(motion: &Motion) -> Option<[Second; 2]> {
     let first = (0..motion.log_time.len()).find(asked)?;
     let last = (0..motion.log_time.len()).rev().find(asked)?;
     Some([motion.log_time[first], motion.log_time[last]])
-}
-
-/// A line through the mean at rest before the first command and after settling; a constant where only the first exists.
-fn zero(rest: &Series, [first, last]: [Second; 2], settle: Second) -> Vec<f64> {
-    let mean = |from: Second, to: Second| {
-        let of: Vec<usize> = (0..rest.values().len()).filter(|&i| (from..to).contains(&rest.time(i))).collect();
-        let count = of.len() as f64;
-        let sum = |value: &dyn Fn(usize) -> f64| of.iter().map(|&i| value(i)).sum::<f64>() / count;
-        // a tenth of a second is eight samples, enough for a mean of a millinewton
-        (to - from > 0.1 && of.len() >= 8).then(|| [sum(&|i| rest.time(i)), sum(&|i| rest.values()[i])])
-    };
-    let (before, after) = (mean(rest.start(), first), mean(last + settle, rest.end()));
-    let line = |t: Second| match (before, after) {
-        (Some([t0, f0]), Some([t1, f1])) => f0 + (f1 - f0) * (t - t0) / (t1 - t0),
-        (Some([_, f]), None) | (None, Some([_, f])) => f,
-        (None, None) => 0.0,
-    };
-    (0..rest.values().len()).map(|i| line(rest.time(i))).collect()
 }
 
 fn named(context: &dyn StageContext, error: signal::EstimationError) -> Diagnostic {

@@ -154,7 +154,7 @@ pub fn vibration(page: &Page, fall: &Series) -> Result<FreeVibration> {
     let [from, to] = page.swing.map(sample);
     let window = Series::new(0.0, fall.rate(), fall.values()[from..=to].to_vec())?;
     let (when, lowest) = first_turn(fall);
-    let found = wave::identify(&window, &[0.5 / (second_turn(fall, when) - when)])?;
+    let found = wave::free_vibration(&window, 0.5 / (second_turn(fall, when) - when))?;
     let Some(wave) = found.waves.first() else {
         return Err(Diagnostic::new(
             "there is no free vibration",

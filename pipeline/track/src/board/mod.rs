@@ -62,7 +62,8 @@ pub enum BoardError {
     },
     /// Too few corners, or no grid of the right size among them.
     #[error(
-        "no board of {columns} × {rows} squares is in the picture\n  why: {in_grid} of its {expected} inner corners were seen in one grid, {seen} corners in all\n  do:  show the whole board with a light margin, closer, sharper or less tilted, or correct columns and rows"
+        "no board of {columns} × {rows} squares is in the picture\n  why: {}, {seen} corners in all\n  do:  show the whole board with a light margin, closer, sharper or less tilted, or correct columns and rows",
+        largest_grid(*.in_grid, *.expected)
     )]
     NotFound {
         /// Squares along the first axis.
@@ -103,6 +104,14 @@ const BLURS: [f64; 3] = [2.0, 1.2, 4.0];
 const REFINED_SHARE: f64 = 0.35;
 /// Bounds of that distance, px: enough pixels for the fit, and no more than a lens bends.
 const REFINED: (f64, f64) = (3.0, 8.0);
+
+/// The largest grid that was seen beside what a board has.
+fn largest_grid(in_grid: usize, expected: usize) -> String {
+    if in_grid > expected {
+        return format!("a grid of {in_grid} inner corners was seen where such a board has {expected}");
+    }
+    format!("{in_grid} of its {expected} inner corners were seen in one grid")
+}
 
 /// Finds the inner corners of `board`, px, in the order of [`Board::corners`].
 ///

@@ -4,8 +4,9 @@
 
 use super::blob::{self, Blob, Miss};
 use super::error::FailedGate;
+use super::flow::Flow;
 use super::reacquisition::Region;
-use super::{Accepted, Observation, Track, Tracker, covariance, distance, flow, reacquisition};
+use super::{Accepted, Observation, Track, Tracker, covariance, distance, reacquisition};
 use crate::Gray;
 use si::Point2;
 
@@ -42,10 +43,12 @@ impl Tracker {
         if (width, height) != (self.before.width, self.before.height) {
             return Err(FailedGate::Resized { width, height });
         }
-        let flow = flow::follow(&self.before, picture, track.at, near);
+        let there = Flow { before: &self.before, after: picture, radius: self.settings.radius };
+        let flow = there.follow(track.at, near);
         let limit = self.settings.jump_limit;
         // Forward–backward gate: flow that slid along an edge or onto another structure does not lead back to its start.
-        let back = flow.and_then(|there| flow::follow(picture, &self.before, there, track.at));
+        let again = Flow { before: picture, after: &self.before, radius: self.settings.radius };
+        let back = flow.and_then(|place| again.follow(place, track.at));
         let error = back.map_or(f64::INFINITY, |back| distance(back, track.at));
         within(error, self.settings.forward_backward_limit, |measured, limit| FailedGate::ForwardBackward {
             measured,

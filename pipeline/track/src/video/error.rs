@@ -41,7 +41,7 @@ pub enum VideoError {
         found: String,
     },
     /// A folder whose pictures and times do not belong together.
-    #[error("folder {path} is no film\n  why: it has {pictures} PNG pictures and {times} rising times in times.csv\n  do:  put a line a picture into times.csv: the second at which it was taken", path = .path.display())]
+    #[error("folder {path} is no film\n  why: it has {pictures} pictures (PNG, JPEG) and {times} rising times in times.csv\n  do:  put a line a picture into times.csv: the second at which it was taken", path = .path.display())]
     NoTimes {
         /// The folder.
         path: PathBuf,

@@ -1,4 +1,6 @@
-//! A folder of pictures as a film: PNG files in the order of their names, and `times.csv` with the time of each.
+//! A folder of pictures as a film: PNG or JPEG files in the order of their names, and `times.csv` with the time of each.
+//!
+//! Times are those of `times.csv`, whatever the first is. The orientation in a JPEG's EXIF is not applied: pictures are as the sensor saw them.
 
 use super::{Frame, Info, VideoError, files};
 use crate::Gray;
@@ -21,11 +23,7 @@ pub(super) struct Folder {
 impl Folder {
     /// Opens a folder.
     pub(super) fn open(path: &Path) -> Result<Self, VideoError> {
-        let listed = std::fs::read_dir(path).map_err(|e| VideoError::reading(path, e))?;
-        let listed: Result<Vec<PathBuf>, _> = listed.map(|entry| entry.map(|e| e.path())).collect();
-        let mut files = listed.map_err(|e| VideoError::reading(path, e))?;
-        files.retain(|f| f.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")));
-        files.sort();
+        let files = listed(path)?;
         let times = times(&path.join(TIMES))?;
         let rising = times.windows(2).all(|pair| pair[0] < pair[1]);
         if files.is_empty() || times.len() != files.len() || !rising {
@@ -46,11 +44,25 @@ impl Folder {
         self.shown += 1;
         let (expected, why) = (self.files.len(), "it has another size than the first".to_owned());
         Some(picture(file).and_then(|gray| match (gray.width, gray.height) == self.size {
-            true => Ok(Frame { index, time: self.times[index] - self.times[0], gray }),
+            true => Ok(Frame { index, time: self.times[index], gray }),
             false => Err(VideoError::Damaged { path: file.clone(), frame: index, expected, why }),
         }))
     }
 }
+
+/// The pictures of a folder in the order of their names.
+pub(super) fn listed(path: &Path) -> Result<Vec<PathBuf>, VideoError> {
+    let entries = std::fs::read_dir(path).map_err(|e| VideoError::reading(path, e))?;
+    let files: Result<Vec<PathBuf>, _> = entries.map(|entry| entry.map(|e| e.path())).collect();
+    let mut files = files.map_err(|e| VideoError::reading(path, e))?;
+    let is_picture = |ending: &std::ffi::OsStr| ENDINGS.iter().any(|known| ending.eq_ignore_ascii_case(known));
+    files.retain(|file| file.extension().is_some_and(is_picture));
+    files.sort();
+    Ok(files)
+}
+
+/// Endings of the pictures that are read.
+const ENDINGS: [&str; 3] = ["png", "jpg", "jpeg"];
 
 /// The times that are numbers, a line each; none when there is no such file.
 fn times(file: &Path) -> Result<Vec<Second>, VideoError> {
@@ -74,10 +86,11 @@ fn times(file: &Path) -> Result<Vec<Second>, VideoError> {
     Ok(times.filter(|time: &Second| time.is_finite()).collect())
 }
 
-fn picture(file: &Path) -> Result<Gray, VideoError> {
+/// A PNG or JPEG, by its first bytes.
+pub(super) fn picture(file: &Path) -> Result<Gray, VideoError> {
     let (opened, _) = files::open(file)?;
     let damaged = |source| VideoError::Picture { path: file.into(), source };
-    Gray::read_png(BufReader::new(opened)).map_err(damaged)
+    Gray::read(BufReader::new(opened)).map_err(damaged)
 }
 
 #[cfg(test)]
@@ -105,6 +118,30 @@ mod tests {
         let error = refused("text", b"no picture", "0.0\n");
         assert!(matches!(&error, VideoError::Picture { path, .. } if path.ends_with("000.png")), "{error}");
         assert_eq!(error.to_string().matches("why:").count(), 1, "{error}");
+    }
+
+    #[test]
+    fn the_times_of_a_folder_are_those_of_its_table() {
+        let folder = folder("rebased", &Gray::filled(4, 4, 9).to_png().unwrap(), "time_s\n2.5\n");
+        let mut film = Folder::open(&folder).unwrap();
+        assert_eq!(film.next().unwrap().unwrap().time, 2.5);
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn a_folder_of_jpeg_pictures_is_read_and_counted() {
+        let gray = Gray::from_fn(16, 16, |u, _| if u < 8 { 40.0 } else { 200.0 });
+        let mut jpeg = Vec::new();
+        let encoder = image::codecs::jpeg::JpegEncoder::new_with_quality(&mut jpeg, 95);
+        image::ImageEncoder::write_image(encoder, &gray.pixels, 16, 16, image::ExtendedColorType::L8).unwrap();
+        let folder = folder("jpeg", &jpeg, "0.0\n");
+        std::fs::rename(folder.join("000.png"), folder.join("000.JPG")).unwrap();
+        let frame = Folder::open(&folder).unwrap().next().unwrap().unwrap();
+        assert!((frame.gray.at(2, 8) - 40.0).abs() < 6.0 && (frame.gray.at(13, 8) - 200.0).abs() < 6.0);
+        std::fs::remove_file(folder.join(TIMES)).unwrap();
+        let said = Folder::open(&folder).err().unwrap().to_string();
+        assert!(said.contains("it has 1 pictures (PNG, JPEG) and 0 rising times"), "{said}");
+        std::fs::remove_dir_all(&folder).unwrap();
     }
 
     #[test]

@@ -7,6 +7,7 @@
 //! Films are untrusted. Sizes and counts in a header are held against the file and the limits of this crate before memory is reserved,
 //! every loop over boxes, bits and frames advances, and a program that decodes has a time limit.
 
+mod ahead;
 mod avc;
 mod boxes;
 mod child;
@@ -26,6 +27,7 @@ mod tables;
 mod turn;
 mod writer;
 
+pub use ahead::DecodedAhead;
 pub use error::VideoError;
 pub use feature::Feature;
 pub use film::Film;
@@ -35,6 +37,16 @@ pub use writer::{Quality, Writer};
 
 use crate::Gray;
 use si::{Hertz, Second};
+use std::path::{Path, PathBuf};
+
+/// The pictures (PNG, JPEG) of a folder in the order of their names, each with its file; no times are needed.
+///
+/// # Errors
+/// [`VideoError`] when the folder cannot be read, or later a picture.
+pub fn pictures(folder: &Path) -> Result<impl Iterator<Item = Result<(PathBuf, Gray), VideoError>>, VideoError> {
+    let files = folder::listed(folder)?;
+    Ok(files.into_iter().map(|file| folder::picture(&file).map(|gray| (file, gray))))
+}
 
 /// Metadata of a film.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -85,7 +85,7 @@ impl Stage for Thrust {
     type Needs = (Mesh, Maybe<LoadCell>, TrialsWithForce);
     type Makes = Record;
     const DESCRIPTION: &'static str = "thrust models are trained on motion and pressure";
-    const VERSION: u32 = 4;
+    const VERSION: u32 = 5;
 
     fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<Record> {
         let (mesh, Maybe(cell), trials) = needs;
@@ -102,8 +102,13 @@ impl Stage for Thrust {
             _ => Vec::new(),
         };
         let talk = apparatus.talk;
-        let crosstalk =
-            Crosstalk { pressures_pa: talk.pressures, forces_n: talk.forces, lag_s: talk.lag, left_n: talk.residual };
+        let crosstalk = Crosstalk {
+            pressures_pa: talk.pressures,
+            forces_n: talk.forces,
+            lag_s: talk.lag,
+            lag_interval_s: talk.lag_interval,
+            left_n: talk.residual,
+        };
         let (means, traces) = (means(&runs, &taken, &models), traces(&runs, &models));
         Ok(Record {
             scores,

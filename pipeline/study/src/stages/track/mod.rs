@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use si::{Hertz, Point2, Second};
 use track::klt::{self, Observation, Tracker};
 use track::led;
-use track::video::{Film, Frame};
+use track::video::{DecodedAhead, Frame};
 
 use crate::records::{Path, Tracks};
 use crate::subject::Trial;
@@ -109,7 +109,7 @@ impl Stage for Track {
     }
 
     fn run(card: &Self::Card, set: &Settings, (): (), context: &dyn StageContext) -> Result<Tracks> {
-        let film = Film::open(&context.path("video")?)?;
+        let film = DecodedAhead::open(&context.path("video")?)?;
         let info = film.info();
         let length = info.frames.max(1) as f64;
         let mut log = Log::new(card, set.tracker(info.rate));

@@ -1,0 +1,63 @@
+//! How each log is sampled and what is made of it: rate, jitter, gaps, times that do not rise, a clock that changes its rate.
+
+use std::f64::consts::PI;
+use std::path::Path;
+
+use lab::card::Experiment;
+use lab::log::{Method, RateChange, Sampling, StampReport};
+use si::Hertz;
+
+use super::finding::Finding;
+
+/// Least part of the amplitude of the beat that the averaging of a slow amplifier may leave.
+const KEPT: f64 = 0.95;
+
+/// How a log is read, and everything in its stamps that must be or may be looked after.
+pub fn look(place: &str, report: &StampReport) -> Vec<Finding> {
+    let longest_gap = report.sampling.as_ref().map_or(f64::NAN, |sampling| sampling.longest_gap_s);
+    let faults = report.faults.iter().map(|fault| Finding::from(fault.in_file(Path::new(place), longest_gap)));
+    let read = report.sampling.as_ref().map(|sampling| read(place, sampling, report.faults.is_empty()));
+    let changed = report.rate_change.map(|change| changed(place, &change));
+    read.into_iter().chain(faults).chain(changed).collect()
+}
+
+fn read(place: &str, sampling: &Sampling, whole: bool) -> Finding {
+    let ms = |s: f64| format!("{:.2} ms", 1e3 * s);
+    let Sampling { samples, rate_hz, jitter_rms_s, jitter_s, jitter_line, longest_step_s, .. } = sampling;
+    let jitter = format!("{} rms, {} on line {jitter_line}", ms(*jitter_rms_s), ms(*jitter_s));
+    let step = format!("{} of {} allowed", ms(*longest_step_s), ms(sampling.longest_gap_s));
+    let what = format!("{place}: {samples} samples at {rate_hz:.2} Hz, jitter {jitter}, longest step {step}");
+    Finding::log(what, if whole { made(sampling) } else { "it is refused".to_owned() })
+}
+
+/// What is made of a log.
+fn made(sampling: &Sampling) -> String {
+    let worst = |b: &lab::log::InterpolationBound| format!("{:.2e} rms in {}", b.rms, b.column);
+    let bounds: Vec<String> = sampling.bounds.iter().map(worst).collect();
+    match sampling.method {
+        Method::AsStamped => "it is read as stamped".to_owned(),
+        Method::LinearInterpolation => {
+            format!("it is interpolated linearly onto an even clock, within {}", bounds.join(", "))
+        }
+    }
+}
+
+fn changed(place: &str, change: &RateChange) -> Finding {
+    let [before, after] = change.rates;
+    let what = format!("{place}, line {}: the rate goes from {before:.2} to {after:.2} Hz", change.line);
+    let why = "times are taken as they are stamped; if the clock was at fault, all after it is late or early";
+    Finding::note(what, why, "check the clock against the lamp's edges, or log with a crystal clock")
+}
+
+/// An amplifier that averages over its step flattens the beat of a flapping trial.
+pub fn slow(place: &str, rate: Hertz, experiment: &Experiment) -> Option<Finding> {
+    let Experiment::Flapping { frequency, .. } = experiment else { return None };
+    let part = PI * frequency / rate;
+    let kept = if part < PI { part.sin() / part } else { 0.0 };
+    (kept < KEPT).then(|| {
+        let what = format!("{place} has {rate:.1} samples a second for a beat of {frequency} Hz");
+        let why =
+            format!("a mean over a step leaves {:.0} % of its amplitude; its mean over cycles is exact", 100.0 * kept);
+        Finding::note(what, why, "set the amplifier to a higher rate if the force within a cycle is wanted")
+    })
+}

@@ -1,0 +1,162 @@
+//! The page of `study force`: logs of a load cell, without a film.
+
+use std::path::Path;
+
+use diagnostics::{Diagnostic, Result, input};
+use lab::card::{Log, Tank, check_log, check_tank};
+use lab::range::{Checked, violation, within};
+use lab::table::{line_of_path, toml_error};
+use serde::Deserialize;
+use si::{Hertz, Newton, Pascal, Second};
+
+/// The contents of a page.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Page {
+    /// Name of the results.
+    pub name: String,
+    /// How the instruments write their logs, as on a card.
+    #[serde(default)]
+    pub log: Log,
+    /// The tank, where there is a recording of still water.
+    pub tank: Option<Tank>,
+    /// How the logs are evaluated.
+    #[serde(default)]
+    pub settings: Settings,
+    /// The recordings.
+    pub recording: Vec<Recording>,
+}
+
+/// `[settings]`.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct Settings {
+    /// Lowest and highest frequency of the fixture's fitted response, Hz.
+    pub band: [Hertz; 2],
+    /// Number of standing waves that are looked for.
+    pub modes: u32,
+    /// Level of significance at which any wave is reported.
+    pub level: f64,
+    /// Largest amplitude of a line in water that is still, N.
+    pub still_limit: Newton,
+    /// Harmonics of the beat that are fitted beside the waves.
+    pub harmonics: usize,
+    /// Cycles at the start of a run that are left out.
+    pub settling_cycles: f64,
+    /// Time after a run before the zero is read, s.
+    pub settling_time: Second,
+    /// Longest lag of the force behind the pressure that is tried, s.
+    pub longest_lag: Second,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            band: [3.0, 30.0],
+            modes: 2,
+            level: 0.005,
+            still_limit: 0.02,
+            harmonics: 12,
+            settling_cycles: 1.0,
+            settling_time: 1.0,
+            longest_lag: 0.6,
+        }
+    }
+}
+
+/// `[[recording]]`.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Recording {
+    /// Its name.
+    pub id: String,
+    /// What was done.
+    pub kind: Kind,
+    /// The load cell's log, relative to the page.
+    pub force: String,
+    /// The hammer's log, of taps.
+    pub hammer: Option<String>,
+    /// The pressure log: needed of a staircase.
+    pub pressure: Option<String>,
+    /// The pressures that were held in a staircase, Pa.
+    #[serde(default)]
+    pub levels: Vec<Pascal>,
+    /// Full cycles a second of a run, Hz.
+    pub frequency: Option<Hertz>,
+    /// First and last second of a run on the clock of the force, where no pressure log shows them.
+    pub seconds: Option<[Second; 2]>,
+}
+
+/// What was done in a recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Kind {
+    /// An instrumented hammer tapped the fixture.
+    Taps,
+    /// Nothing, after a run.
+    StillWater,
+    /// Pressures were held, one after another.
+    Staircase,
+    /// Something flapped.
+    Flapping,
+}
+
+impl Page {
+    /// The page in a file, checked.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when it cannot be read, or has an unknown, missing or mistyped key or a number out of range.
+    pub(super) fn read(path: &Path) -> Result<Self> {
+        let text = input::read_text(path, input::PAGE)
+            .map_err(|e| Diagnostic::io(path, e, "write a page there; study force --help lists its keys"))?;
+        let page: Self =
+            toml::from_str(&text).map_err(|e| toml_error(&text, path, &e, "study force --help lists the keys"))?;
+        page.check().map_err(|violation| {
+            let line = line_of_path(&text, &violation.key);
+            Diagnostic::file(path, violation.what, violation.why, violation.action).at_line(line)
+        })?;
+        Ok(page)
+    }
+
+    fn check(&self) -> Checked {
+        check_log(&self.log)?;
+        self.tank.map_or(Ok(()), |tank| check_tank(&tank))?;
+        let set = &self.settings;
+        within("settings.level", set.level, 1e-9..=0.5, "")?;
+        within("settings.still_limit", set.still_limit, 1e-6..=50.0, "N")?;
+        within("settings.longest_lag", set.longest_lag, 0.02..=5.0, "s")?;
+        within("settings.modes", f64::from(set.modes), 1.0..=10.0, "")?;
+        if self.recording.is_empty() {
+            return violation("recording", "the page has no recording", "at least one is needed", "add [[recording]]");
+        }
+        self.recording.iter().enumerate().try_for_each(|(i, one)| self.check_one(&format!("recording.{i}"), one))
+    }
+
+    fn check_one(&self, key: &str, one: &Recording) -> Checked {
+        let needs = |missing: &str, action: &str| {
+            let what = format!("recording `{}` has no {missing}", one.id);
+            violation(key, what, "its kind cannot be evaluated without", action)
+        };
+        one.frequency.map_or(Ok(()), |f| within(&format!("{key}.frequency"), f, 0.05..=50.0, "Hz"))?;
+        one.levels
+            .iter()
+            .enumerate()
+            .try_for_each(|(j, level)| within(&format!("{key}.levels.{j}"), *level, 0.0..=5e5, "Pa"))?;
+        match one.kind {
+            Kind::Taps if one.hammer.is_none() => needs("`hammer`", "name the hammer's log"),
+            Kind::StillWater if self.tank.is_none() => {
+                needs("[tank]", "add [tank] with length and depth (m) to the page")
+            }
+            Kind::Staircase if one.pressure.is_none() => needs("`pressure`", "name its pressure log"),
+            Kind::Staircase if one.levels.is_empty() => needs("`levels`", "give the pressures that were held, Pa"),
+            Kind::Flapping if one.frequency.is_none() => needs("`frequency`", "give the full cycles a second"),
+            Kind::Flapping if one.pressure.is_none() && one.seconds.is_none() => {
+                needs("`pressure` or `seconds`", "name its pressure log, or say from when to when it flapped")
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The keys of a page with what they are, as `study force --help` prints them.
+pub(super) const KEYS: &str = include_str!("keys.txt");

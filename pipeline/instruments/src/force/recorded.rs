@@ -1,0 +1,87 @@
+//! The logs of a recording on one clock, that of the force.
+
+use std::path::Path;
+
+use diagnostics::{Diagnostic, Result, input};
+use lab::card::LogKind;
+use lab::{Logged, Sampling};
+use si::{Pascal, Second, Series};
+use signal::clock::Clock;
+use signal::edge::{self, Edge, Window};
+use signal::resample::Samples;
+
+use super::page::{Page, Recording};
+
+/// Force and pressures on the clock of the force, which is earlier than stamped by the cell's own lag.
+pub(super) struct Recorded {
+    pub force: Series,
+    /// One a channel, Pa; none without a pressure log.
+    pub pressures: Vec<Samples>,
+    /// How the force was sampled.
+    pub sampling: Sampling,
+}
+
+/// A log of one force instrument.
+///
+/// # Errors
+/// A [`Diagnostic`] when it cannot be read.
+pub(super) fn force(page: &Page, file: &Path, kind: LogKind) -> Result<Logged<lab::ForceLog>> {
+    lab::force::parse_as(&text(file)?, file, (kind, &page.log))
+}
+
+fn text(file: &Path) -> Result<String> {
+    let bytes = input::read(file, input::LOG)
+        .map_err(|e| Diagnostic::io(file, e, "put the log there, or correct its name on the page"))?;
+    String::from_utf8(bytes)
+        .map_err(|_| Diagnostic::file(file, "the file is no text", "a log is UTF-8 text", "export it again"))
+}
+
+impl Recorded {
+    /// The logs of a recording; files are relative to `folder`.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when a log cannot be read, or the lamps of both do not belong together.
+    pub(super) fn read(page: &Page, one: &Recording, folder: &Path) -> Result<Self> {
+        let Logged { log, sampling } = force(page, &folder.join(&one.force), LogKind::Force)?;
+        let lag = page.log.force_lag.unwrap_or(0.0);
+        let early = Series::new(log.time[0] - lag, log.rate(), log.force.clone())?;
+        let file = one.pressure.as_ref().map(|file| folder.join(file));
+        let pressures = file.map_or(Ok(Vec::new()), |file| pressures(page, &file, &log))?;
+        Ok(Self { force: early, pressures, sampling })
+    }
+
+    /// First and last time at which a pressure exceeds a tenth of the highest, s; none without a pressure log.
+    pub(super) fn pressed(&self) -> Option<[Second; 2]> {
+        let highest = self.pressures.iter().flat_map(Samples::values).copied().fold(0.0, f64::max);
+        let high = |samples: &Samples| -> Vec<Second> {
+            let both = samples.times().iter().zip(samples.values());
+            both.filter(|(_, p)| **p > 0.1 * highest && highest > 0.0).map(|(t, _)| *t).collect()
+        };
+        let times: Vec<Second> = self.pressures.iter().flat_map(high).collect();
+        let first = times.iter().copied().reduce(f64::min)?;
+        Some([first, times.iter().copied().reduce(f64::max)?])
+    }
+}
+
+/// The channels of a pressure log on the clock of a force log: by their lamps where both have one that lights, else on one clock.
+fn pressures(page: &Page, file: &Path, force: &lab::ForceLog) -> Result<Vec<Samples>> {
+    let log = lab::pressure::parse_measured(&text(file)?, file, &page.log)?.log;
+    let own = lamp(&log.led, &log.time);
+    let others = lamp(&force.led, &force.time);
+    let clock = match (own.is_empty(), others.is_empty()) {
+        (false, false) => Clock::from_edges(&own, &others).map_err(|e| Diagnostic::from(e).in_file(file))?,
+        _ => Clock::SAME,
+    };
+    let times: Vec<Second> = log.time.iter().map(|t| clock.there(*t)).collect();
+    let channel = |values: &[Pascal]| Samples::new(times.clone(), values.to_vec()).map_err(Diagnostic::from);
+    Ok(vec![channel(&log.left.measured)?, channel(&log.right.measured)?])
+}
+
+/// Times of the edges of a lamp, s; none where there is no such column, or it never changes.
+fn lamp(led: &[f64], time: &[Second]) -> Vec<Second> {
+    if led.is_empty() {
+        return Vec::new();
+    }
+    let edges = edge::edges_at(time, led, |_| Window::INSTANT).unwrap_or_default();
+    edges.iter().map(|edge: &Edge| edge.time).collect()
+}

@@ -1,0 +1,171 @@
+//! The mean force of a run over whole cycles, with its interval.
+//!
+//! Waves, the drift of the zero and the static cross-talk of pressure are subtracted; each cycle gives one mean. Cycles follow each other
+//! with correlation, so that their number counts as n (1 − ρ)/(1 + ρ); the interval is Student's, with the uncertainties of the zero and of the
+//! cross-talk.
+
+use si::{Hertz, Newton, Second, Series};
+use signal::crosstalk::CrossTalk;
+use signal::wave::{self, Beat, Removal, Wave};
+use signal::zero::{Zero, ZeroLine};
+
+use super::page::{Recording, Settings};
+use super::recorded::Recorded;
+use diagnostics::{Diagnostic, Result};
+
+/// What the other recordings gave.
+pub(super) struct Corrections {
+    pub waves: Vec<Wave>,
+    pub talk: Option<CrossTalk>,
+}
+
+/// A run.
+pub(super) struct Run {
+    pub id: String,
+    pub frequency: Hertz,
+    /// First and last time of the cycles, s.
+    pub within: [Second; 2],
+    pub cycles: usize,
+    /// Mean of the log over the cycles less its zero, N.
+    pub raw: Newton,
+    /// Mean of the cross-talk that is subtracted, N; none where no staircase gave it.
+    pub crosstalk: Option<Newton>,
+    /// Mean force, N.
+    pub mean: Newton,
+    /// Its 95 % interval, N.
+    pub interval: [Newton; 2],
+    /// Change of the zero over the run, N; none where it is known at one end alone.
+    pub drift: Option<Newton>,
+    /// Largest amplitude of the waves that are subtracted, N.
+    pub waves: Newton,
+    /// Harmonics of the beat in the line of a wave.
+    pub warnings: Vec<String>,
+    /// The corrected force.
+    pub force: Series,
+}
+
+/// Parts into which a cycle is divided for its mean.
+const PARTS: usize = 64;
+/// Fewest cycles whose scatter gives an interval.
+const FEWEST: usize = 3;
+
+/// The run of a recording.
+///
+/// # Errors
+/// A [`Diagnostic`] when it has too few whole cycles, or waves and beat cannot be separated.
+pub(super) fn evaluated(one: &Recording, log: &Recorded, by: &Corrections, set: &Settings) -> Result<Run> {
+    let frequency = one.frequency.unwrap_or(1.0);
+    let [first, last] = one.seconds.or_else(|| log.pressed()).ok_or_else(|| silent(one))?;
+    let first = first.max(log.force.start());
+    let last = last.min(log.force.end());
+    // A harmonic at half the sampling rate or beyond is another's alias.
+    let resolved = (0.5 * log.force.rate() / frequency * (1.0 - 1e-9)) as usize;
+    let beat = Beat { frequency, harmonics: set.harmonics.min(resolved), within: [first, last] };
+    let removal = Removal { onsets: &[log.force.start()], beat: Some(beat), drift_degree: 2 };
+    let parted = wave::remove(&log.force, &by.waves, &removal).map_err(|e| Diagnostic::from(e).while_doing(&one.id))?;
+    let ZeroLine { values: zero, sigma, change } =
+        Zero { moves: [first, last], settling: set.settling_time }.of(&parted.rest);
+    let still = |i: usize| by.talk.as_ref().map_or(0.0, |talk| talk.of(&log.pressures, log.force.time(i)));
+    let series = |value: &dyn Fn(usize) -> f64| {
+        let values = (0..log.force.values().len()).map(value).collect();
+        Series::new(log.force.start(), log.force.rate(), values)
+    };
+    let level = series(&|i| parted.rest.values()[i] - zero[i])?;
+    let force = series(&|i| level.values()[i] - still(i))?;
+    let begin = first + set.settling_cycles / frequency;
+    let cycles = ((last - begin) * frequency + 1e-6).floor().max(0.0) as usize;
+    if cycles < FEWEST {
+        return Err(too_short(one, cycles));
+    }
+    let of = |signal: &Series| means(signal, begin, (frequency, cycles));
+    let (means, raw) = (of(&force), average(&of(&level)));
+    let length = log.force.end() - log.force.start();
+    let crosstalk = by.talk.as_ref().map(|_| raw - average(&means));
+    // The curve is uncertain by its noise at the last knot, and in proportion below.
+    let part =
+        |talk: &CrossTalk| talk.sigma * crosstalk.unwrap_or(0.0) / talk.forces.last().copied().unwrap_or(1.0).max(1e-9);
+    let shared = sigma.hypot(by.talk.as_ref().map_or(0.0, part));
+    let near = wave::close_harmonics(frequency, 4, &by.waves, length);
+    Ok(Run {
+        id: one.id.clone(),
+        frequency,
+        within: [begin, begin + cycles as f64 / frequency],
+        cycles,
+        raw,
+        crosstalk,
+        mean: average(&means),
+        interval: interval(&means, shared),
+        drift: change,
+        waves: parted.waves.iter().fold(0.0, |most: f64, w| most.max(w.abs())),
+        warnings: near.iter().map(ToString::to_string).collect(),
+        force,
+    })
+}
+
+fn silent(one: &Recording) -> Diagnostic {
+    let what = format!("in recording `{}` no pressure rises", one.id);
+    Diagnostic::new(what, "a run lasts while a pressure does", "name its seconds on the page, or its own pressure log")
+}
+
+fn too_short(one: &Recording, cycles: usize) -> Diagnostic {
+    let what = format!("recording `{}` has {cycles} whole cycles", one.id);
+    Diagnostic::new(
+        what,
+        format!("an interval needs {FEWEST}, behind the settling cycles"),
+        "record for longer, or correct its frequency",
+    )
+}
+
+/// The mean of each of so many cycles from `begin` (s) on.
+fn means(signal: &Series, begin: Second, (frequency, cycles): (Hertz, usize)) -> Vec<f64> {
+    let at = |k: usize, part: usize| begin + (k as f64 + (part as f64 + 0.5) / PARTS as f64) / frequency;
+    let mean = |k: usize| (0..PARTS).map(|part| signal.at(at(k, part))).sum::<f64>() / PARTS as f64;
+    (0..cycles).map(mean).collect()
+}
+
+fn average(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// The 95 % interval of the mean of correlated values, with the standard deviation of what all have in common.
+fn interval(values: &[f64], shared: f64) -> [f64; 2] {
+    let (count, mean) = (values.len() as f64, average(values));
+    let off: Vec<f64> = values.iter().map(|v| v - mean).collect();
+    let square: f64 = off.iter().map(|v| v * v).sum();
+    let next: f64 = off.windows(2).map(|pair| pair[0] * pair[1]).sum();
+    let correlation = (next / square.max(f64::MIN_POSITIVE)).clamp(0.0, 0.9);
+    let independent = (count * (1.0 - correlation) / (1.0 + correlation)).max(2.0);
+    let half = student(independent - 1.0) * (square / (count - 1.0) / independent).sqrt();
+    let half = half.hypot(1.96 * shared);
+    [mean - half, mean + half]
+}
+
+/// The 0.975 quantile of Student's t, by the expansion in 1/ν \[abramowitz1964, 26.7.5\]: 1 % low at ν = 2, exact to four digits from 5 on.
+fn student(degrees: f64) -> f64 {
+    const Z: f64 = 1.959_964;
+    let g1 = (Z.powi(3) + Z) / 4.0;
+    let g2 = (5.0 * Z.powi(5) + 16.0 * Z.powi(3) + 3.0 * Z) / 96.0;
+    let g3 = (3.0 * Z.powi(7) + 19.0 * Z.powi(5) + 17.0 * Z.powi(3) - 15.0 * Z) / 384.0;
+    Z + g1 / degrees + g2 / degrees.powi(2) + g3 / degrees.powi(3)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_quantile_of_student_is_that_of_the_tables() {
+        for (degrees, truth) in [(3.0, 3.182), (5.0, 2.571), (10.0, 2.228), (30.0, 2.042)] {
+            assert!((student(degrees) / truth - 1.0).abs() < 0.01, "{degrees}: {}", student(degrees));
+        }
+    }
+
+    #[test]
+    fn the_interval_of_independent_values_is_the_textbook_one() {
+        let values = [1.0, -1.0, 1.0, -1.0, 1.0, -1.0];
+        let [low, high] = interval(&values, 0.0);
+        let expected = 2.571 * (6.0_f64 / 5.0 / 6.0).sqrt();
+        assert!((high - expected).abs() < 0.01 && (low + expected).abs() < 0.01, "{low} {high}");
+        assert!(interval(&values, 1.0)[1] > 1.96);
+    }
+}

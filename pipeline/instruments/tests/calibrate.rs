@@ -1,0 +1,112 @@
+//! `study calibrate` on rendered pictures of a board: the lens comes back, from our file and from OpenCV's.
+#![allow(clippy::unwrap_used)]
+
+use std::fs;
+use std::path::PathBuf;
+
+use instruments::calibrate::{self, Request};
+use track::Gray;
+use track::board::Board;
+use track::lens::{Distortion, Lens, opencv};
+use track::pose::Pose;
+use track::refraction::RefractiveCamera;
+
+const BOARD: Board = Board { columns: 9, rows: 6, square: 0.02 };
+const SIZE: (usize, usize) = (640, 360);
+const LENS: Lens = Lens {
+    fx: 450.0,
+    fy: 452.0,
+    cx: 322.0,
+    cy: 178.0,
+    k1: -0.12,
+    k2: 0.04,
+    p1: 0.0,
+    p2: 0.0,
+    k3: 0.0,
+    k4: 0.0,
+    distortion: Distortion::BrownConrady,
+};
+/// Rays along each side of a pixel.
+const FINE: usize = 4;
+
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str) -> Self {
+        let folder = Self(std::env::temp_dir().join(format!("calibrate-{name}-{}", std::process::id())));
+        fs::create_dir_all(folder.0.join("board")).unwrap();
+        folder
+    }
+
+    fn picture(&self, name: &str, gray: &Gray) {
+        fs::write(self.0.join("board").join(name), gray.to_png().unwrap()).unwrap();
+    }
+
+    fn request(&self) -> Request {
+        let (size, square) = ([BOARD.columns, BOARD.rows], BOARD.square);
+        let source = self.0.join("board");
+        Request { source, size, square, dots: false, fisheye: false, every: 1, out: Some(self.0.join("out")) }
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+    }
+}
+
+/// The board seen by a camera that is tilted by a vector (rad).
+fn view(tilt: [f64; 3]) -> Gray {
+    let down = Pose::from_vector([std::f64::consts::PI, 0.0, 0.0], [0.0; 3]);
+    let turned = down.moved(tilt, [0.0; 3]);
+    let middle = turned.apply([0.07, 0.04, 0.0]);
+    let pose = Pose { translation: [-middle[0], -middle[1], 0.3 - middle[2]], ..turned };
+    let camera = RefractiveCamera { lens: LENS, pose, water: None };
+    let level = |u: f64, v: f64| {
+        let [x, y] = camera.intersect([u, v], 0.0).unwrap();
+        let (i, j) = ((x / BOARD.square).floor() as i64 + 1, (y / BOARD.square).floor() as i64 + 1);
+        let inside = (0..BOARD.columns as i64).contains(&i) && (0..BOARD.rows as i64).contains(&j);
+        if inside && (i + j) % 2 == 0 { 30.0 } else { 220.0 }
+    };
+    let offset = |k: usize| (k as f64 + 0.5) / FINE as f64 - 0.5;
+    Gray::from_fn(SIZE.0, SIZE.1, |u, v| {
+        let rays = (0..FINE * FINE).map(|k| level(u as f64 + offset(k % FINE), v as f64 + offset(k / FINE)));
+        rays.sum::<f64>() / (FINE * FINE) as f64
+    })
+}
+
+#[test]
+fn the_lens_of_a_folder_of_pictures_comes_back_in_both_files() {
+    let folder = Folder::new("lens");
+    let tilts =
+        [[0.0, 0.0, 0.0], [0.4, 0.0, 0.1], [-0.4, 0.1, 0.0], [0.0, 0.4, 0.2], [0.1, -0.4, 0.0], [0.3, 0.3, 0.0]];
+    for (k, tilt) in tilts.iter().enumerate() {
+        folder.picture(&format!("{k}.png"), &view(*tilt));
+    }
+    folder.picture("9.png", &Gray::filled(SIZE.0, SIZE.1, 120));
+    let said = calibrate::run(&folder.request()).unwrap();
+    assert!(said.contains("6 views (1 pictures without the whole board)"), "{said}");
+    let read = |name: &str| fs::read_to_string(folder.0.join("out").join(name)).unwrap();
+    let lens = opencv::read(&read("camera.yaml"), false).unwrap();
+    assert!((lens.fx - LENS.fx).abs() < 2.0 && (lens.cx - LENS.cx).abs() < 1.0, "{lens:?}");
+    // coefficients are correlated: what they do to a ray near the board's corner counts
+    let [found, truth] = [lens, LENS].map(|lens| lens.project([0.25, 0.15, 1.0]).unwrap());
+    assert!((found[0] - truth[0]).hypot(found[1] - truth[1]) < 0.5, "{found:?} {truth:?}");
+    let own: toml::Table = read("camera.toml").parse().unwrap();
+    let [value, sigma] = [0, 1].map(|k| own["fx"][k].as_float().unwrap());
+    assert!((value - lens.fx).abs() < 1e-4 && (value - LENS.fx).abs() < 5.0 * sigma, "{value} ± {sigma}");
+    assert!(own["reprojection_px"].as_float().unwrap() < 0.1);
+    assert_eq!(read("views.csv").lines().count(), 7);
+    assert!(read("camera.svg").starts_with("<svg"));
+}
+
+#[test]
+fn pictures_of_two_sizes_and_a_folder_without_a_board_are_refused() {
+    let folder = Folder::new("sizes");
+    folder.picture("0.png", &Gray::filled(320, 240, 120));
+    let said = calibrate::run(&folder.request()).unwrap_err().to_string();
+    assert!(said.contains("no board of 9 × 6 squares") && said.contains("0.png"), "{said}");
+    folder.picture("1.png", &Gray::filled(640, 480, 120));
+    let said = calibrate::run(&folder.request()).unwrap_err().to_string();
+    assert!(said.contains("picture 1.png has 640 × 480 px"), "{said}");
+}

@@ -1,0 +1,250 @@
+//! Logs as instruments write them: columns of numbers with or without titles, on a clock that need not be even.
+//!
+//! The separator is `,`, `;` or a tab; where it is no comma, a comma is the decimal sign. Lines that open with `#` are remarks. Columns
+//! may stand in any order and others may stand beside them; `[[log.columns]]` of the card names those with other titles or units.
+//! An uneven log is resampled onto an even clock; a gap and a time that does not rise are refused with their line.
+
+mod columns;
+mod dialect;
+mod even;
+mod sampling;
+mod time;
+
+use std::path::Path;
+
+use si::Second;
+
+use crate::card::{Log, LogKind};
+use columns::FirstLine;
+use diagnostics::{Diagnostic, input};
+use dialect::Dialect;
+use sampling::Stamps;
+pub use sampling::{InterpolationBound, Method, RateChange, Sampling, StampFault, StampFaultKind};
+
+/// The columns of one kind of log; the first one is time in s.
+pub(crate) struct LogFormat<const N: usize> {
+    /// What the log is called in messages.
+    pub kind: &'static str,
+    /// What writes it.
+    pub instrument: LogKind,
+    /// The columns.
+    pub columns: [&'static str; N],
+    /// The lowest and the highest number in each of them, and the unit, in the units of `data/raw/README.md`.
+    pub ranges: [(f64, f64, &'static str); N],
+    /// Whether a column is a command, which is taken from the nearest sample; others are interpolated linearly.
+    pub held: [bool; N],
+    /// What to do when there is no such file.
+    pub absent: &'static str,
+}
+
+/// A log, and how it was sampled.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Logged<T> {
+    /// The log on an even clock.
+    pub log: T,
+    /// How the samples lay in time.
+    pub sampling: Sampling,
+}
+
+/// What the stamps of a log show, whether or not it can be read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StampReport {
+    /// How the samples lie in time; none where a time does not rise.
+    pub sampling: Option<Sampling>,
+    /// Gaps, repeated and backward times.
+    pub faults: Vec<StampFault>,
+    /// A change of the clock's rate.
+    pub rate_change: Option<RateChange>,
+}
+
+/// Lines before the last that show with how many decimals the log is written.
+const COMPARED: usize = 10;
+
+/// Plausible times of a log, s: those since 1970 are.
+pub(crate) const TIMES: (f64, f64, &str) = (-1e10, 1e10, "s");
+
+/// The text of the log in the file `path`.
+///
+/// # Errors
+/// [`Diagnostic`] when the file cannot be read or is no text.
+pub(crate) fn text(path: &Path, absent: &str) -> Result<String, Diagnostic> {
+    let bytes = input::read(path, input::LOG).map_err(|e| Diagnostic::io(path, e, absent))?;
+    String::from_utf8(bytes).map_err(|_| {
+        Diagnostic::file(path, "the file is no text", "a log is UTF-8 text", "export it again as CSV in UTF-8")
+    })
+}
+
+/// A text of which the first line is known.
+pub(crate) struct LogText<'a> {
+    text: &'a str,
+    first: FirstLine<'a>,
+    first_line: usize,
+}
+
+impl<'a> LogText<'a> {
+    /// Finds separator and titles; `path` appears only in diagnostics.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] when the first line cannot be read.
+    pub(crate) fn new(text: &'a str, path: &'a Path) -> Result<Self, Diagnostic> {
+        let text = text.trim_start_matches('\u{feff}');
+        let dialect = Dialect::of(text);
+        let first_line = 1 + text.lines().take_while(|l| l.starts_with('#') || l.trim().is_empty()).count();
+        let mut fields = csv::StringRecord::new();
+        reader(text, dialect).read_record(&mut fields).map_err(|e| csv_error(path, &e))?;
+        Ok(Self { text, first: FirstLine { path, dialect, fields }, first_line })
+    }
+
+    /// Whether a quantity stands in it.
+    pub(crate) fn has<const N: usize>(&self, form: &LogFormat<N>, card: &Log, quantity: &str) -> bool {
+        self.first.has(form, card, quantity)
+    }
+
+    /// Its numbers, unchecked in time.
+    fn rows<const N: usize>(&self, form: &LogFormat<N>, card: &Log) -> Result<Rows<N>, Diagnostic> {
+        let layout = self.first.layout(form, card).map_err(|r| r.at_line(self.first_line))?;
+        let (path, dialect) = (self.first.path, self.first.dialect);
+        let mut rows = Rows { rows: Vec::new(), lines: Vec::new() };
+        for record in reader(self.text, dialect).records().skip(usize::from(dialect.titled)) {
+            let record = record.map_err(|e| csv_error(path, &e))?;
+            let line = record.position().map_or(0, |p| p.line() as usize);
+            rows.rows.push(layout.row(&record).map_err(|r| r.at_line(line))?);
+            rows.lines.push(line);
+        }
+        check_whole(self.text, dialect, path)?;
+        if rows.rows.len() < 2 {
+            let what = format!("the log has {} samples", rows.rows.len());
+            return Err(Diagnostic::file(path, what, "at least two are needed", "record the trial again"));
+        }
+        Ok(rows)
+    }
+
+    /// Its numbers on an even clock, in the order of the form's columns.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] when a column is missing, a field is no number or out of range, there is a gap, or time does not rise.
+    pub(crate) fn parse<const N: usize>(
+        &self,
+        form: &LogFormat<N>,
+        card: &Log,
+    ) -> Result<Logged<Vec<[f64; N]>>, Diagnostic> {
+        let rows = self.rows(form, card)?;
+        let times = rows.times();
+        let stamps = Stamps { times: &times, lines: &rows.lines };
+        let longest_gap = stamps.longest_gap(card.longest_gap);
+        if let Some(refused) = refused(&stamps.faults(longest_gap), longest_gap) {
+            return Err(refused.in_file(self.first.path).at_line(stamps.faults(longest_gap).first().map(|f| f.line)));
+        }
+        let mut sampling = stamps.sampling(longest_gap);
+        let log = even::onto_even_clock(rows.rows, form, &mut sampling);
+        Ok(Logged { log, sampling })
+    }
+
+    /// What its stamps show.
+    ///
+    /// # Errors
+    /// [`Diagnostic`] when a column is missing, or a field is no number or out of range.
+    pub(crate) fn stamps<const N: usize>(&self, form: &LogFormat<N>, card: &Log) -> Result<StampReport, Diagnostic> {
+        let rows = self.rows(form, card)?;
+        let times = rows.times();
+        let stamps = Stamps { times: &times, lines: &rows.lines };
+        let longest_gap = stamps.longest_gap(card.longest_gap);
+        let faults = stamps.faults(longest_gap);
+        let rising = faults.iter().all(|fault| fault.kind == StampFaultKind::Gap);
+        let sampling = rising.then(|| {
+            let mut sampling = stamps.sampling(longest_gap);
+            let _ = even::onto_even_clock(rows.rows.clone(), form, &mut sampling);
+            sampling
+        });
+        // A gap bends the line of the stamps as a change of rate does.
+        let rate_change = faults.is_empty().then(|| stamps.rate_change()).flatten();
+        Ok(StampReport { sampling, faults, rate_change })
+    }
+}
+
+/// Rows of a log and their lines.
+struct Rows<const N: usize> {
+    rows: Vec<[f64; N]>,
+    lines: Vec<usize>,
+}
+
+impl<const N: usize> Rows<N> {
+    fn times(&self) -> Vec<Second> {
+        self.rows.iter().map(|row| row[0]).collect()
+    }
+}
+
+fn reader(text: &str, dialect: Dialect) -> csv::Reader<&[u8]> {
+    csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .delimiter(dialect.separator)
+        .has_headers(false)
+        .flexible(true)
+        .from_reader(text.as_bytes())
+}
+
+fn csv_error(path: &Path, error: &csv::Error) -> Diagnostic {
+    let line = error.position().map(|p| p.line() as usize);
+    Diagnostic::file(path, "the line is no CSV", error.to_string().to_lowercase(), "export the log again").at_line(line)
+}
+
+/// The first of the faults as a diagnostic, with the lines of the others like it.
+fn refused(faults: &[StampFault], longest_gap: Second) -> Option<Diagnostic> {
+    let fault = faults.first()?;
+    let alike: Vec<String> =
+        faults[1..].iter().filter(|f| f.kind == fault.kind).take(5).map(|f| f.line.to_string()).collect();
+    let more = if alike.is_empty() { String::new() } else { format!("; so it is on line {}", alike.join(", ")) };
+    Some(fault.diagnostic(longest_gap, &more))
+}
+
+impl StampFault {
+    /// It as a diagnostic without its place.
+    fn diagnostic(&self, longest_gap: Second, more: &str) -> Diagnostic {
+        let (before, time) = (self.before, self.time);
+        match self.kind {
+            StampFaultKind::Gap => Diagnostic::new(
+                format!("after time_s = {before} the next sample comes {:.4} s later", time - before),
+                format!(
+                    "samples may be {longest_gap:.4} s apart (specimen.toml, [log] longest_gap, or three steps){more}"
+                ),
+                "fill the gap from the logger, cut the log there, or raise longest_gap where nothing happens in it",
+            ),
+            StampFaultKind::Repeated => Diagnostic::new(
+                format!("time_s = {time} is repeated"),
+                format!("time must rise from line to line{more}"),
+                "take the repeated lines out, or log time with more digits",
+            ),
+            StampFaultKind::Backward => Diagnostic::new(
+                format!("time_s goes from {before} to {time}"),
+                format!("time must rise from line to line{more}"),
+                "take the swapped lines out, or cut the log where its clock was set back",
+            ),
+        }
+    }
+
+    /// It as a diagnostic about the file `path`.
+    pub fn in_file(&self, path: &Path, longest_gap: Second) -> Diagnostic {
+        self.diagnostic(longest_gap, "").in_file(path).at_line(self.line)
+    }
+}
+
+/// The last line is as long as the others: a file that was cut in the middle of a number ends without a line end and with fewer decimals
+/// than every other line, and would be read as another number.
+fn check_whole(text: &str, dialect: Dialect, path: &Path) -> Result<(), Diagnostic> {
+    let digits = |field: &str| dialect.plain(field.trim()).split_once('.').map_or(0, |(_, digits)| digits.len());
+    let decimals = |line: &str| -> Vec<usize> { line.split(char::from(dialect.separator)).map(digits).collect() };
+    let mut lines = text.lines().rev();
+    let (Some(last), false) = (lines.next(), text.ends_with('\n')) else { return Ok(()) };
+    let before: Vec<Vec<usize>> =
+        lines.take(COMPARED).take_while(|line| !line.starts_with('#')).map(decimals).collect();
+    let found = decimals(last);
+    let uniform = before.len() == COMPARED && before.iter().all(|line| *line == before[0]);
+    if !uniform || before[0] == found {
+        return Ok(());
+    }
+    let why = "it has no line end and other decimals than the lines before it, as a file that was cut";
+    let refused =
+        Diagnostic::file(path, format!("the last line is `{last}`"), why, "copy the log again, or cut the line out");
+    Err(refused.at_line(text.lines().count()))
+}

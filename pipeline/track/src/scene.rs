@@ -1,0 +1,83 @@
+//! Cuts in a film: the scene of a frame has nothing in common with that of the frame before.
+//!
+//! Two frames of one scene correlate whatever moves in it, since most of a picture is background; two scenes do not. Brightness and contrast
+//! do not enter a correlation.
+
+use crate::Gray;
+
+/// Blocks along the longer side into which a picture is averaged.
+const BLOCKS: usize = 48;
+/// Correlation of two successive frames below which the scene has changed.
+const LIMIT: f64 = 0.5;
+/// Least correlation of frames of one scene before a cut: in a film that flickers no cut can be told.
+const STEADY: f64 = 0.8;
+
+/// Looks for a cut from frame to frame.
+#[derive(Debug, Clone, Default)]
+pub struct SceneCuts {
+    before: Option<Vec<f64>>,
+    steady: bool,
+}
+
+impl SceneCuts {
+    /// Whether the scene was cut between the frame of the last call and this one.
+    pub fn is_cut(&mut self, picture: &Gray) -> bool {
+        let now = blocks(picture);
+        let correlation = self.before.as_ref().filter(|b| b.len() == now.len()).map(|b| correlation(b, &now));
+        self.before = Some(now);
+        let cut = self.steady && correlation.is_some_and(|c| c < LIMIT);
+        self.steady = correlation.is_some_and(|c| c > STEADY);
+        cut
+    }
+}
+
+/// Means of square blocks, less the mean of all.
+fn blocks(picture: &Gray) -> Vec<f64> {
+    let side = (picture.width.max(picture.height) / BLOCKS).max(1);
+    let (across, down) = (picture.width / side, picture.height / side);
+    let mean = |x: usize, y: usize| {
+        let row = |line: usize| &picture.pixels[line * picture.width + x * side..][..side];
+        let sum: u64 = (y * side..(y + 1) * side).flat_map(row).map(|p| u64::from(*p)).sum();
+        sum as f64 / (side * side) as f64
+    };
+    let all: Vec<f64> = (0..down).flat_map(|y| (0..across).map(move |x| (x, y))).map(|(x, y)| mean(x, y)).collect();
+    let middle = all.iter().sum::<f64>() / all.len().max(1) as f64;
+    all.into_iter().map(|level| level - middle).collect()
+}
+
+fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    dot(a, b) / (dot(a, a) * dot(b, b)).sqrt().max(1e-9)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scene(seed: f64, ball: f64) -> Gray {
+        Gray::from_fn(320, 240, |u, v| {
+            let ground = 120.0 + 60.0 * ((u as f64 * 0.031 * seed).sin() * (v as f64 * 0.023 * seed).cos());
+            if (u as f64 - ball).hypot(v as f64 - 120.0) < 40.0 { 20.0 } else { ground }
+        })
+    }
+
+    #[test]
+    fn a_cut_is_found_at_its_frame_and_a_moving_ball_is_none() {
+        let mut cuts = SceneCuts::default();
+        let found: Vec<bool> = (0..20)
+            .map(|k| cuts.is_cut(&if k < 12 { scene(1.0, 60.0 + 8.0 * f64::from(k)) } else { scene(2.7, 200.0) }))
+            .collect();
+        assert_eq!(found.iter().position(|cut| *cut), Some(12));
+        assert_eq!(found.iter().filter(|cut| **cut).count(), 1);
+    }
+
+    #[test]
+    fn light_that_goes_out_is_no_cut() {
+        let mut cuts = SceneCuts::default();
+        let dimmed = |k: u32| {
+            let bright = scene(1.0, 100.0);
+            if k < 5 { bright } else { Gray::from_fn(320, 240, |u, v| 0.4 * bright.at(u, v)) }
+        };
+        assert!((0..10).all(|k| !cuts.is_cut(&dimmed(k))));
+    }
+}
