@@ -31,13 +31,12 @@
 //! # }
 //! ```
 //!
-//! Depends on `si` and `materials`; on `faer` (Cholesky factors), `nalgebra` (small dense matrices), `rayon` and `thiserror`.
+//! Depends on `si`, `sparse` and `materials`; on `faer` (matrix products), `nalgebra` (small dense matrices), `rayon` and `thiserror`.
 
 mod adjoint;
 mod assembly;
 mod dynamics;
 mod inputs;
-mod linear;
 mod loads;
 mod mesh;
 mod newton;
@@ -59,8 +58,6 @@ pub use adjoint::gradient::{Gradient, MotionGradient, RegionGradient};
 pub use adjoint::parameter::Parameter;
 pub use dynamics::settings::{DynamicSettings, InitialValueProblem, Scheme, State, StepControl};
 pub use dynamics::trajectory::Trajectory;
-pub use linear::cholesky::FactorError;
-pub use linear::sparsity::LowerTriangle;
 pub use loads::Forces;
 pub use materials::{self, Branch, MAX_BRANCHES, Material, Relaxation, RelaxationError, Springpot, material};
 pub use mesh::box_mesh;
@@ -76,5 +73,6 @@ pub use rom::{
 pub use setup_error::SetupError;
 pub use solve_error::SolveError;
 pub use solver::Solver;
+pub use sparse::{FactorError, LowerTriangle};
 pub use statics::equilibrium::{Equilibrium, StaticSettings};
 pub use system::System;

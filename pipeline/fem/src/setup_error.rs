@@ -1,8 +1,8 @@
 //! Errors of setting up a system or changing its properties: what is invalid, where, against which limit, and what to
 //! do.
 
-use crate::linear::cholesky::FactorError;
 use si::{CubicMetre, Kilogram, Metre, Pascal, Point3};
+use sparse::FactorError;
 
 /// Larger bodies are taken for bodies in millimetres.
 pub(crate) const LARGEST: Metre = 10.0;

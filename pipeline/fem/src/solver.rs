@@ -6,7 +6,6 @@ use crate::adjoint::parameter::Parameter;
 use crate::assembly::mass::Mass;
 use crate::dynamics::settings::{InitialValueProblem, State, StepControl};
 use crate::dynamics::trajectory::Trajectory;
-use crate::linear::sparsity::LowerTriangle;
 use crate::loads::gas::Gas;
 use crate::properties::RegionProperties;
 use crate::setup_error::SetupError;
@@ -17,6 +16,7 @@ use crate::system_data::SystemData;
 use crate::validation;
 use materials::Relaxation;
 use si::{Joule, KilogramPerCubicMetre, MetrePerSecondSquared, Pascal, Second};
+use sparse::LowerTriangle;
 use std::sync::Arc;
 
 /// Solves one system. `Send`, so that each thread can have its own.

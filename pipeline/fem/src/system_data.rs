@@ -3,12 +3,11 @@
 use crate::assembly::elastic::{Body, Elastic};
 use crate::assembly::mass::{Mass, MassAssembly, ShapeProducts};
 use crate::assembly::reference::ReferenceElements;
-use crate::linear::cholesky::Symbolic;
-use crate::linear::sparsity::Pattern;
 use crate::loads::ChamberPressure;
 use crate::mesh::Mesh;
 use crate::properties::{Options, RegionProperties};
 use si::Metre;
+use sparse::{Pattern, Symbolic};
 use std::sync::Arc;
 
 /// A validated mesh with everything that no solve changes.

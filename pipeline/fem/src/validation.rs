@@ -1,7 +1,6 @@
 //! Validation of a mesh, its properties and its constraints before anything is solved.
 
 use crate::assembly::reference::ReferenceElements;
-use crate::linear::node_graph::NodeGraph;
 use crate::mesh::clamps::Clamps;
 use crate::mesh::{Chamber, Faces, Mesh};
 use crate::properties::{Masses, RegionProperties};
@@ -10,6 +9,7 @@ use materials::Relaxation;
 use materials::material::Material;
 use nalgebra::{Matrix6, SymmetricEigen, Vector6};
 use si::vec3;
+use sparse::NodeGraph;
 use std::collections::BTreeMap;
 
 /// Checks node numbers, coordinates, size and symmetry plane.

@@ -14,8 +14,6 @@ use crate::dynamics::refactorisation::RefactorisationPolicy;
 use crate::dynamics::settings::{DynamicSettings, State};
 use crate::dynamics::stencil::Stencil;
 use crate::dynamics::trajectory::{Trajectory, TrajectoryStep};
-use crate::linear::pcg::PcgOptions;
-use crate::linear::{add, dot};
 use crate::newton::potential::Inertia;
 use crate::solve_error::SolveError;
 use crate::solver_state::SolverState;
@@ -24,6 +22,7 @@ use crate::viscoelastic::adjoint::{AdjointHistory, RelaxationSums};
 use crate::viscoelastic::step;
 use materials::material::Moduli;
 use materials::step::RegionStep;
+use sparse::{PcgOptions, add, dot};
 use std::collections::VecDeque;
 use std::sync::Arc;
 

@@ -5,11 +5,10 @@
 
 use crate::adjoint::gradient::{Gradient, RegionGradient};
 use crate::adjoint::parameter::Parameter;
-use crate::linear::dot;
-use crate::linear::pcg::PcgOptions;
 use crate::solve_error::SolveError;
 use crate::solver_state::SolverState;
 use crate::statics::equilibrium::Equilibrium;
+use sparse::{PcgOptions, dot};
 
 /// Four digits below what a Taylor test resolves; beyond twelve iterations a factorisation of the exact tangent is
 /// cheaper.

@@ -4,13 +4,13 @@
 
 use crate::assembly::kernels::{add_blocks, add_force, deformation, element_values, scatter};
 use crate::assembly::reference::ReferenceElements;
-use crate::linear::sparsity::Pattern;
 use crate::mesh::Mesh;
 use materials::material::{Material, Moduli};
 use materials::symmetric::{Symmetric, matrix};
 use materials::tangent::{PointState, TangentKind};
 use nalgebra::Matrix3;
 use si::{Joule, Point3};
+use sparse::Pattern;
 
 /// The law and the constants of one region.
 #[derive(Debug, Clone, Copy)]

@@ -6,6 +6,7 @@ pub mod box_mesh;
 pub(crate) mod clamps;
 
 use si::Point3;
+use sparse::NodeGraph;
 
 /// Tetrahedra of one order, by node numbers.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,14 +40,17 @@ impl Elements {
         }
     }
 
-    /// The tetrahedra as lists of `N` nodes, `N` = [`Elements::nodes_each`].
-    pub(crate) fn of_order<const N: usize>(&self) -> &[[u32; N]] {
+    /// Node numbers of all tetrahedra, one after the other.
+    fn connectivity(&self) -> &[u32] {
         match self {
             Self::Linear(tets) => tets.as_flattened(),
             Self::Quadratic(tets) => tets.as_flattened(),
         }
-        .as_chunks::<N>()
-        .0
+    }
+
+    /// The tetrahedra as lists of `N` nodes, `N` = [`Elements::nodes_each`].
+    pub(crate) fn of_order<const N: usize>(&self) -> &[[u32; N]] {
+        self.connectivity().as_chunks::<N>().0
     }
 
     /// Node numbers of tetrahedron `element`, 4 or 10 of them.
@@ -130,6 +134,11 @@ impl Mesh {
     pub fn size(&self) -> f64 {
         let (low, high) = self.bounds();
         (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max)
+    }
+
+    /// Which nodes share an element.
+    pub(crate) fn graph(&self) -> NodeGraph {
+        NodeGraph::new(self.nodes.len(), self.elements.connectivity(), self.elements.nodes_each())
     }
 
     /// Whether `node` lies on the plane z = 0, to a ten-millionth of the size.

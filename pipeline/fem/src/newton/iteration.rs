@@ -9,15 +9,12 @@
 //! and a line search on the energy would cut every step short.
 
 use crate::assembly::rotation::NodalRotations;
-use crate::linear::cholesky::{Factor, FactorError};
-use crate::linear::lbfgs::LbfgsHistory;
-use crate::linear::woodbury::RankOneUpdates;
-use crate::linear::{dot, max_abs};
 use crate::newton::line_search::{LineSearch, MAX_TRIALS};
 use crate::newton::options::{Globalisation, IterationState, NewtonCounts, NewtonOptions, NonConvergence};
 use crate::newton::potential::{Energy, HessianKind, Potential};
 use crate::system_data::SystemData;
 use si::Metre;
+use sparse::{Factor, FactorError, LbfgsHistory, RankOneUpdates, dot, max_abs};
 
 /// Fraction of the body's size by which one step may move a node: beyond it the tangent predicts little.
 const MAX_STEP: f64 = 0.3;

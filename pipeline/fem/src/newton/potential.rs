@@ -7,13 +7,13 @@
 
 use crate::assembly::elastic::{Body, Elastic};
 use crate::assembly::mass::Mass;
-use crate::linear::dot;
 use crate::loads::gas::Gas;
 use crate::loads::{DeadForces, Load};
 use crate::system_data::SystemData;
 use materials::symmetric::Symmetric;
 use materials::tangent::TangentKind;
 use si::Pascal;
+use sparse::dot;
 
 /// Inertial and history terms of one time step.
 #[derive(Debug, Clone, Default)]
