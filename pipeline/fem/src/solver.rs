@@ -75,6 +75,20 @@ impl Solver {
         Ok(())
     }
 
+    /// Multiplies the moduli of every element by its own of `factors` (one per element); an empty list stands for 1. E of
+    /// an element is then its factor times that of its region.
+    ///
+    /// # Errors
+    /// [`SetupError`] when there is not one positive number per element, or a region relaxes; nothing is then changed.
+    pub fn set_element_factors(&mut self, factors: &[f64]) -> Result<(), SetupError> {
+        validation::element_factors(&self.state.data.mesh, factors)?;
+        let relaxations: Vec<&Relaxation> = self.properties().iter().map(|region| &region.relaxation).collect();
+        validation::element_factors_relax(factors, &relaxations)?;
+        self.state.inputs.factors = factors.to_vec();
+        self.state.linearised = None;
+        Ok(())
+    }
+
     /// Sets the relaxation of `region`; it acts in motions, quasi-static ones included. An equilibrium is that of long
     /// times.
     ///
@@ -83,6 +97,7 @@ impl Solver {
     pub fn set_relaxation(&mut self, region: usize, relaxation: Relaxation) -> Result<(), SetupError> {
         self.check_region(region)?;
         validation::relaxation(region, self.properties()[region].material, &relaxation)?;
+        validation::element_factors_relax(&self.state.inputs.factors, &[&relaxation])?;
         self.state.inputs.properties[region].relaxation = relaxation;
         Ok(())
     }
@@ -236,6 +251,18 @@ impl Solver {
     pub fn sensitivity(&mut self, at: &Equilibrium, parameter: Parameter) -> Result<Vec<f64>, SolveError> {
         self.state.equilibrium_sensitivity(at, parameter)
     }
+
+    /// Σ du/dθ δθ at the equilibrium `at` over the (θ, δθ) of `direction`, by one solve: 3 entries per node, m.
+    ///
+    /// # Errors
+    /// As [`Solver::sensitivity`].
+    pub fn sensitivity_along(
+        &mut self,
+        at: &Equilibrium,
+        direction: &[(Parameter, f64)],
+    ) -> Result<Vec<f64>, SolveError> {
+        self.state.equilibrium_sensitivity_along(at, direction)
+    }
 }
 
 /// Dynamics.
@@ -351,7 +378,7 @@ impl Solver {
     pub fn elastic_energy(&self, u: &[f64]) -> Result<Joule, SolveError> {
         self.state.check_field("the displacement", u)?;
         let mut forces = vec![0.0; u.len()];
-        Ok(self.state.data.body(&self.state.inputs.elastic).energy(u, &mut forces))
+        Ok(self.state.inputs.body(&self.state.data).energy(u, &mut forces))
     }
 
     /// Kinetic energy ½ vᵀ M v of velocity `v` (3 entries per node, m/s), J; of a half model, of the half.

@@ -40,6 +40,7 @@ impl SystemData {
             pattern: &self.pattern,
             block_positions: &self.block_positions,
             elastic,
+            factors: &[],
             held: &[],
             held_factor: 0.0,
         }

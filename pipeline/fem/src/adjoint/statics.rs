@@ -5,10 +5,11 @@
 
 use crate::adjoint::gradient::{Gradient, RegionGradient};
 use crate::adjoint::parameter::Parameter;
+use crate::assembly::elastic::Body;
 use crate::solve_error::SolveError;
 use crate::solver_state::SolverState;
 use crate::statics::equilibrium::Equilibrium;
-use sparse::{PcgOptions, dot};
+use sparse::{PcgOptions, add, dot};
 
 /// Four digits below what a Taylor test resolves; beyond twelve iterations a factorisation of the exact tangent is
 /// cheaper.
@@ -30,7 +31,9 @@ impl SolverState {
         };
         let regions = (0..self.inputs.elastic.len()).map(region).collect();
         let pressures = (0..self.data.chambers.len()).map(|chamber| by(self, Parameter::Pressure(chamber))).collect();
-        Ok(Gradient { regions, pressures, forces: lambda })
+        let mut elements = self.inputs.body(&self.data).element_work(&at.displacement, &lambda);
+        elements.iter_mut().for_each(|work| *work = -*work);
+        Ok(Gradient { regions, elements, pressures, forces: lambda })
     }
 
     /// See [`crate::Solver::sensitivity`].
@@ -39,19 +42,46 @@ impl SolverState {
         at: &Equilibrium,
         parameter: Parameter,
     ) -> Result<Vec<f64>, SolveError> {
-        self.check_parameter(parameter)?;
+        self.equilibrium_sensitivity_along(at, &[(parameter, 1.0)])
+    }
+
+    /// See [`crate::Solver::sensitivity_along`].
+    pub(crate) fn equilibrium_sensitivity_along(
+        &mut self,
+        at: &Equilibrium,
+        direction: &[(Parameter, f64)],
+    ) -> Result<Vec<f64>, SolveError> {
+        direction.iter().try_for_each(|&(parameter, _)| self.check_parameter(parameter))?;
         self.check_field("the displacement", &at.displacement)?;
-        let mut right = self.residual_derivative(at, parameter);
-        right.iter_mut().for_each(|entry| *entry = -*entry);
+        let mut right = vec![0.0; at.displacement.len()];
+        let mut factors = Vec::new();
+        for &(parameter, part) in direction {
+            match parameter {
+                Parameter::Force { node, axis } => right[3 * node + axis] += part,
+                // Directions of all elements at once: their forces are those of a body with these factors.
+                Parameter::ElementFactor(element) => {
+                    factors.resize(self.data.mesh.elements.len(), 0.0);
+                    factors[element] += part;
+                }
+                _ => add(&mut right, -part, &self.residual_derivative(at, parameter)),
+            }
+        }
+        if !factors.is_empty() {
+            let mut force = vec![0.0; right.len()];
+            let body = Body { factors: &factors, ..self.inputs.body(&self.data) };
+            body.energy(&at.displacement, &mut force);
+            add(&mut right, -1.0, &force);
+        }
         self.solve_at(at, &right)
     }
 
     /// ∂r/∂θ at fixed u, 3 entries per node, N per unit of the parameter.
     fn residual_derivative(&self, at: &Equilibrium, parameter: Parameter) -> Vec<f64> {
         match parameter {
-            Parameter::YoungsModulus(_) | Parameter::PoissonsRatio(_) | Parameter::Stiffening { .. } => {
-                self.elastic_residual_derivative(&at.displacement, parameter)
-            }
+            Parameter::YoungsModulus(_)
+            | Parameter::ElementFactor(_)
+            | Parameter::PoissonsRatio(_)
+            | Parameter::Stiffening { .. } => self.elastic_residual_derivative(&at.displacement, parameter),
             _ => self.load_residual_derivative(&at.displacement, &at.pressures, parameter),
         }
     }

@@ -177,7 +177,7 @@ impl Newton {
 
     /// Rotates the lagged factor to `u`.
     pub(crate) fn rotate_factor_to(&mut self, on: &Potential, u: &[f64]) {
-        let body = on.data.body(on.elastic);
+        let body = on.body();
         self.rotation = self.is_ready().then(|| NodalRotations::between(&body, &self.factorised_at, u));
     }
 

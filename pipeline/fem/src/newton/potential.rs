@@ -44,6 +44,8 @@ pub(crate) enum HessianKind {
 pub(crate) struct Potential<'a> {
     pub data: &'a SystemData,
     pub elastic: &'a [Elastic],
+    /// Factor of the moduli of each element; empty: 1.
+    pub factors: &'a [f64],
     /// H of every quadrature point, Pa (see `viscoelastic`); empty: none.
     pub held: &'a [Symmetric],
     pub mass: &'a Mass,
@@ -168,7 +170,9 @@ impl Potential<'_> {
         terms.map(|(c, gradient)| (c, self.data.pattern.gather(&gradient))).collect()
     }
 
-    fn body(&self) -> Body<'_> {
-        Body { held: self.held, held_factor: self.load_factor, ..self.data.body(self.elastic) }
+    /// The domain of assembly.
+    pub(crate) fn body(&self) -> Body<'_> {
+        let (factors, held, held_factor) = (self.factors, self.held, self.load_factor);
+        Body { factors, held, held_factor, ..self.data.body(self.elastic) }
     }
 }
