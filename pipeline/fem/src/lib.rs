@@ -39,6 +39,7 @@ mod dynamics;
 mod inputs;
 mod loads;
 mod mesh;
+mod modes;
 mod newton;
 mod projective;
 mod properties;
@@ -63,6 +64,7 @@ pub use materials::{self, Branch, MAX_BRANCHES, Material, Relaxation, Relaxation
 pub use mesh::box_mesh;
 pub use mesh::clamps::Clamps;
 pub use mesh::{Chamber, Elements, Faces, Mesh};
+pub use modes::Mode;
 pub use newton::options::NonConvergence;
 pub use projective::{Projective, ProjectiveError, ProjectiveSettings};
 pub use properties::{Masses, Options, RegionProperties};
