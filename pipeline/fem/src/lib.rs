@@ -48,6 +48,7 @@ mod setup_error;
 mod solve_error;
 mod solver;
 mod solver_state;
+mod solver_tangent;
 mod statics;
 mod system;
 mod system_data;
@@ -65,12 +66,13 @@ pub use mesh::box_mesh;
 pub use mesh::clamps::Clamps;
 pub use mesh::{Chamber, Elements, Faces, Mesh};
 pub use modes::Mode;
+pub use newton::iteration::Interrupt;
 pub use newton::options::NonConvergence;
 pub use projective::{Projective, ProjectiveError, ProjectiveSettings};
 pub use properties::{Masses, Options, RegionProperties};
 pub use rom::{
-    Actuation, ExternalForce, NoForce, ReducedError, ReducedModel, ReducedModelData, ReducedMotion, ReductionSettings,
-    StepState,
+    Actuation, ExternalForce, NoForce, ReducedError, ReducedModel, ReducedModelData, ReducedMotion, ReducedState,
+    ReducedStep, ReducedStepGradient, ReductionSettings, StepState,
 };
 pub use setup_error::SetupError;
 pub use solve_error::SolveError;

@@ -217,7 +217,7 @@ impl SolverState {
     fn add_elastic_gradient(&self, u: &[f64], on_elastic: &[f64], on_rate: &[f64], gradient: &mut MotionGradient) {
         let body = self.inputs.body(&self.data);
         if !gradient.elements.is_empty() {
-            add(&mut gradient.elements, -1.0, &body.element_work(u, on_elastic));
+            add(&mut gradient.elements, 1.0, &self.element_gradients(&body.element_work(u, on_elastic)));
         }
         let work = body.virtual_work(u, on_elastic, on_rate);
         for ((of, is), (by_moduli, rate)) in gradient.regions.iter_mut().zip(&self.inputs.properties).zip(work) {

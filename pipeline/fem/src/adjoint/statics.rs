@@ -6,9 +6,11 @@
 use crate::adjoint::gradient::{Gradient, RegionGradient};
 use crate::adjoint::parameter::Parameter;
 use crate::assembly::elastic::Body;
+use crate::properties::RegionProperties;
 use crate::solve_error::SolveError;
 use crate::solver_state::SolverState;
 use crate::statics::equilibrium::Equilibrium;
+use materials::material::Moduli;
 use sparse::{PcgOptions, add, dot};
 
 /// Four digits below what a Taylor test resolves; beyond twelve iterations a factorisation of the exact tangent is
@@ -22,18 +24,46 @@ impl SolverState {
         // The tangent is symmetric, so the adjoint needs no transposed factor: the one that Newton's method left
         // preconditions it.
         let lambda = self.solve_at(at, dloss_du)?;
-        let by = |state: &Self, parameter| -dot(&lambda, &state.residual_derivative(at, parameter));
-        let region = |region| RegionGradient {
-            youngs_modulus: by(self, Parameter::YoungsModulus(region)),
-            poissons_ratio: by(self, Parameter::PoissonsRatio(region)),
-            density: by(self, Parameter::Density(region)),
-            stiffening: [0, 1].map(|term| by(self, Parameter::Stiffening { region, term })),
-        };
-        let regions = (0..self.inputs.elastic.len()).map(region).collect();
-        let pressures = (0..self.data.chambers.len()).map(|chamber| by(self, Parameter::Pressure(chamber))).collect();
-        let mut elements = self.inputs.body(&self.data).element_work(&at.displacement, &lambda);
-        elements.iter_mut().for_each(|work| *work = -*work);
+        let by = |parameter| -dot(&lambda, &self.residual_derivative(at, parameter));
+        let work = self.inputs.body(&self.data).element_work(&at.displacement, &lambda);
+        let mut regions = self.region_gradients(&work);
+        // Without gravity a density has no effect on an equilibrium.
+        if self.inputs.gravity != [0.0; 3] {
+            regions.iter_mut().enumerate().for_each(|(region, of)| of.density = by(Parameter::Density(region)));
+        }
+        let pressures = (0..self.data.chambers.len()).map(|chamber| by(Parameter::Pressure(chamber))).collect();
+        let elements = self.element_gradients(&work);
         Ok(Gradient { regions, elements, pressures, forces: lambda })
+    }
+
+    /// ∂L by E, ν and stiffening of each region, from the virtual `work` of each element along λ by its moduli: one pass
+    /// over the mesh serves all of them.
+    fn region_gradients(&self, work: &[[f64; 4]]) -> Vec<RegionGradient> {
+        let mut sums = vec![[0.0; 4]; self.inputs.properties.len()];
+        for (element, (work, &region)) in work.iter().zip(&self.data.mesh.regions).enumerate() {
+            let factor = self.inputs.factors.get(element).copied().unwrap_or(1.0);
+            sums[region as usize].iter_mut().zip(work).for_each(|(sum, work)| *sum += factor * work);
+        }
+        let of = |(is, sums): (&RegionProperties, [f64; 4])| {
+            let by =
+                |change: Moduli| -change.to_array().iter().zip(sums).map(|(change, sum)| change * sum).sum::<f64>();
+            RegionGradient {
+                youngs_modulus: by(is.moduli_by_youngs_modulus()),
+                poissons_ratio: by(is.moduli_by_poissons_ratio()),
+                density: 0.0,
+                stiffening: [0, 1].map(|term| by(is.moduli_by_stiffening(term))),
+            }
+        };
+        self.inputs.properties.iter().zip(sums).map(of).collect()
+    }
+
+    /// ∂L by the factor of each element.
+    pub(crate) fn element_gradients(&self, work: &[[f64; 4]]) -> Vec<f64> {
+        let moduli: Vec<[f64; 4]> = self.inputs.elastic.iter().map(|is| is.moduli.to_array()).collect();
+        let of = |(work, &region): (&[f64; 4], &u16)| {
+            -moduli[region as usize].iter().zip(work).map(|(modulus, work)| modulus * work).sum::<f64>()
+        };
+        work.iter().zip(&self.data.mesh.regions).map(of).collect()
     }
 
     /// See [`crate::Solver::sensitivity`].
@@ -86,13 +116,25 @@ impl SolverState {
         }
     }
 
+    /// Notes that the tangent which Newton's method factorised on the way to `found` is also that at `found`: where every
+    /// law is linear, and no pressure turns with the walls, it does not depend on the displacement. The adjoint of a
+    /// linear problem then assembles nothing.
+    pub(crate) fn keep_constant_tangent(&mut self, found: &Equilibrium) {
+        let is_linear = self.inputs.elastic.iter().all(|is| !is.material.is_objective());
+        let has_gas = self.inputs.at_rest(&self.data, &found.pressures).gases().next().is_some();
+        if is_linear && !has_gas && found.factorisations > 0 {
+            self.linearised = Some(found.clone());
+        }
+    }
+
     /// K⁻¹ b at the equilibrium `at`, both 3 entries per node; zero at constrained dofs.
     fn solve_at(&mut self, at: &Equilibrium, b: &[f64]) -> Result<Vec<f64>, SolveError> {
         self.check_field("the displacement", &at.displacement)?;
         self.check_pressures(&at.pressures)?;
         let Self { data, inputs, newton, linearised } = self;
         let potential = inputs.at_rest(data, &at.pressures);
-        if linearised.as_ref() != Some(at) {
+        let known = |of: &Equilibrium| of.displacement == at.displacement && of.pressures == at.pressures;
+        if !linearised.as_ref().is_some_and(known) {
             newton.linearise(&potential, &at.displacement);
             *linearised = Some(at.clone());
         }

@@ -95,8 +95,9 @@ impl Body<'_> {
         by_order!(self.add_element_force_of(u, element, forces));
     }
 
-    /// By element, the virtual work along `along` (3 entries per node) of its elastic forces at `u` with a factor of 1.
-    pub(crate) fn element_work(&self, u: &[f64], along: &[f64]) -> Vec<f64> {
+    /// By element, the virtual work along `along` (3 entries per node) of ∂f at `u` by μ, λ, C₂₀ and C₃₀, with a factor
+    /// of 1.
+    pub(crate) fn element_work(&self, u: &[f64], along: &[f64]) -> Vec<[f64; 4]> {
         by_order!(self.element_work_of(u, along))
     }
 
@@ -232,16 +233,19 @@ impl Body<'_> {
         scatter(nodes, &force, forces);
     }
 
-    fn element_work_of<const N: usize>(&self, u: &[f64], along: &[f64]) -> Vec<f64> {
-        let work = |(element, nodes, _): (usize, &[u32; N], Elastic)| {
-            let of = self.elastic[self.mesh.regions[element] as usize];
+    fn element_work_of<const N: usize>(&self, u: &[f64], along: &[f64]) -> Vec<[f64; 4]> {
+        let every = Moduli { mu: 1.0, lambda: 1.0, stiffening: [1.0; 2] };
+        let work = |(element, nodes, of): (usize, &[u32; N], Elastic)| {
             let (moved, along) = (element_values(nodes, u), element_values(nodes, along));
-            let mut sum = 0.0;
-            self.for_each_sample::<N>(element, of, of.moduli, |Sample { gradients, weight, moduli, .. }| {
-                let stress = of.material.stress(&deformation(gradients, &moved), moduli).1;
-                sum += weight * stress.dot(&(deformation(gradients, &along) - Matrix3::identity()));
+            let mut sums = [0.0; 4];
+            self.for_each_sample::<N>(element, of, every, |Sample { gradients, weight, moduli, .. }| {
+                let stress = of.material.stress_by_moduli(&deformation(gradients, &moved));
+                let along = deformation(gradients, &along) - Matrix3::identity();
+                for ((sum, stress), acts) in sums.iter_mut().zip(stress).zip(moduli.to_array()) {
+                    *sum += acts * weight * stress.dot(&along);
+                }
             });
-            sum
+            sums
         };
         self.elements::<N>().map(work).collect()
     }

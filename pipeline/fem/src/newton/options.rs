@@ -82,6 +82,9 @@ pub enum NonConvergence {
         /// Largest displacement on the way, m.
         moved: Metre,
     },
+    /// The solve was asked to end.
+    #[error("it was interrupted")]
+    Interrupted,
     /// A force is NaN or infinite.
     #[error("a force is not a finite number")]
     NotFinite,
