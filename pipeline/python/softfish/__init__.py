@@ -28,6 +28,7 @@ from softfish._errors import (
     MissingError,
     NotStableError,
 )
+from softfish._fit import Fit, FittedLaw, fit
 from softfish._mesh import Mesh
 from softfish._project import Project, Record
 from softfish._reduced import ReducedGradient, ReducedModel, ReducedState
@@ -45,6 +46,8 @@ __all__ = [
     "ConvergenceError",
     "Equilibrium",
     "Error",
+    "Fit",
+    "FittedLaw",
     "Gradient",
     "InputError",
     "Inputs",
@@ -62,6 +65,7 @@ __all__ = [
     "ReducedState",
     "Solver",
     "TorchFunction",
+    "fit",
 ]
 
 

@@ -23,7 +23,7 @@ from softfish._records import (
 _Array = npt.NDArray[np.float64]
 _Ints = npt.NDArray[np.int64]
 
-__all__ = ["MATERIALS", "Case", "Mesh", "ReducedModel", "Solver", "Trajectory", "box_mesh", "run_case"]
+__all__ = ["MATERIALS", "Case", "Mesh", "ReducedModel", "Solver", "Trajectory", "box_mesh", "fit", "run_case"]
 
 MATERIALS: list[str]
 
@@ -120,5 +120,8 @@ class ReducedModel:
         loss: _Pair,
     ) -> tuple[_Pair, list[float], list[float]]: ...
 
+def fit(
+    root: str, asked: str, out: str | None
+) -> tuple[str, Any, list[tuple[str, list[tuple[str, str]], list[float], list[float], float, bool]]]: ...
 def run_case(path: str, out: str | None, quiet: bool) -> tuple[Any, int, int]: ...
 def box_mesh(size: tuple[float, float, float], cells: tuple[int, int, int], kind: str) -> BoxMesh: ...

@@ -7,6 +7,7 @@
 mod arrays;
 mod case;
 mod errors;
+mod fit;
 mod inputs;
 mod interrupt;
 mod mesh;
@@ -26,6 +27,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<motion::Trajectory>()?;
     module.add_class::<reduced::ReducedModel>()?;
     module.add_function(wrap_pyfunction!(case::run_case, module)?)?;
+    module.add_function(wrap_pyfunction!(fit::fit, module)?)?;
     module.add_function(wrap_pyfunction!(mesh::box_mesh, module)?)?;
     module.add("MATERIALS", fem::materials::ALL.iter().map(|law| law.name()).collect::<Vec<_>>())
 }
