@@ -74,7 +74,7 @@ check PROFILE="quick": build
 
 # all tests
 test:
-    cargo test --release --workspace --exclude typeset --locked
+    cargo test --release --workspace --exclude typeset --exclude python --locked
 
 # search for inputs that break a reader of files from outside: TARGET is a folder of tests/fuzz/seeds
 fuzz TARGET SECONDS="60":
@@ -107,15 +107,52 @@ mutants CRATE SHARE="8" LEVEL="1":
 
 # what a solve costs, as ratios taken in one run
 bench:
-    cargo bench --workspace --exclude typeset --locked --bench ratios
+    cargo bench --workspace --exclude typeset --exclude python --locked --bench ratios
 
 # formatting and lints, warnings as errors
 lint:
     cargo fmt --all --check
-    cargo clippy --release --workspace --exclude typeset --all-targets --locked -- -D warnings
+    cargo clippy --release --workspace --exclude typeset --exclude python --all-targets --locked -- -D warnings
+
+# the wheel of the Python package, in target/wheels; needs Python 3.10 or later. It runs on any x86-64 processor since 2013
+wheel:
+    #!/usr/bin/env bash
+    set -euo pipefail
+    python3 -m venv target/maturin
+    target/maturin/bin/pip install --quiet 'maturin>=1.9,<2'
+    # this project's own builds use whatever the processor has; a wheel goes to others
+    if [ "$(uname -m)" = x86_64 ]; then export RUSTFLAGS="-C target-cpu=x86-64-v3"; else export RUSTFLAGS=""; fi
+    cd pipeline/python
+    ../../target/maturin/bin/maturin build --release --locked --target-dir ../../target/wheel --out ../../target/wheels
+
+# install the Python package into a fresh virtual environment, and test, type-check and lint it; WITH=torch brings PyTorch, whose
+# wheel with its libraries takes 3 GB
+test-python WITH="":
+    #!/usr/bin/env bash
+    set -euo pipefail
+    python=${PYTHON:-python3}
+    if ! "$python" -c 'import sys, venv; sys.exit(sys.version_info < (3, 10))' 2>/dev/null; then
+        echo "no Python 3.10 or later: the package softfish is not tested"; exit 0
+    fi
+    rm -rf target/python && "$python" -m venv target/python
+    in=$PWD/target/python/bin
+    if ! "$in/pip" install --quiet 'maturin>=1.9,<2' -r pipeline/python/tests/requirements.txt {{WITH}}; then
+        echo "no registry of Python packages: the package softfish is not tested"; exit 0
+    fi
+    [ -n "{{WITH}}" ] || echo "PyTorch is left out: its tests run with just test-python torch"
+    cd pipeline/python
+    "$in/maturin" build --quiet --release --locked --target-dir ../../target --out ../../target/python/wheel
+    "$in/pip" install --quiet ../../target/python/wheel/softfish-*.whl
+    cargo clippy --quiet --release --locked --package python -- -D warnings
+    "$in/mypy" --strict softfish
+    # away from the sources, so that the wheel is what is imported
+    cp -r tests ../../target/python/tests
+    cd ../../target/python/tests
+    "$in/python" -m mypy.stubtest softfish._core
+    SOFTFISH_SOURCE=$OLDPWD "$in/python" -m pytest --quiet -p no:cacheprovider
 
 # what continuous integration runs
-ci: test lint quick check
+ci: test lint test-python quick check
 
 # remove what is made, but neither sources nor tracked figures
 clean:

@@ -1,6 +1,6 @@
 //! Inputs of a solver: material constants and all loads but the pressures. They may change from solve to solve.
 
-use crate::assembly::elastic::Elastic;
+use crate::assembly::elastic::{Body, Elastic};
 use crate::assembly::mass::Mass;
 use crate::loads::{DeadForces, add_gravity};
 use crate::newton::potential::Potential;
@@ -17,6 +17,8 @@ use std::sync::Arc;
 pub(crate) struct Inputs {
     pub properties: Vec<RegionProperties>,
     pub elastic: Vec<Elastic>,
+    /// Factor of the moduli of each element; empty: 1.
+    pub factors: Vec<f64>,
     /// The laws as they act in the present step: the same, or with damping and relaxation.
     pub acting: Option<ActingStress>,
     pub mass: Arc<Mass>,
@@ -51,6 +53,7 @@ impl Inputs {
         Self {
             properties: data.regions.clone(),
             elastic: elastic.collect(),
+            factors: Vec::new(),
             acting: None,
             mass: Arc::clone(&data.mass),
             forces: Vec::new(),
@@ -68,6 +71,11 @@ impl Inputs {
             add_gravity(&self.mass.nodal, self.gravity, &mut all);
         }
         self.dead.forces = all;
+    }
+
+    /// The domain of assembly with the laws, constants and factors of this solver.
+    pub(crate) fn body<'a>(&'a self, data: &'a SystemData) -> Body<'a> {
+        Body { factors: &self.factors, ..data.body(&self.elastic) }
     }
 
     /// Prepares a step in which the law's own stress is multiplied by `scale`, after the `past` of relaxing regions.
@@ -90,6 +98,7 @@ impl Inputs {
         Potential {
             data,
             elastic,
+            factors: &self.factors,
             held,
             mass: &self.mass,
             pressures: load.pressures,

@@ -1,7 +1,7 @@
 //! Nonlinear finite elements for soft bodies with pressurised chambers: statics, dynamics, gradients and reduced-order
 //! models.
 //!
-//! A [`Mesh`] of 4- or 10-node tetrahedra with [`RegionProperties`] and [`Clamps`] becomes a [`System`], validated once
+//! A [`Mesh`] of 4- or 10-node tetrahedra, or of 8-node hexahedra, with [`RegionProperties`] and [`Clamps`] becomes a [`System`], validated once
 //! and then immutable: reference geometry, sparsity, elimination order and symbolic factorisation. Each thread takes a
 //! [`Solver`] from it: [`Solver::equilibrium`] under given pressures (Newton's method with load stepping),
 //! [`Solver::integrate`] in time (implicit Euler or BDF2), adjoint gradients and forward sensitivities of both.
@@ -31,15 +31,15 @@
 //! # }
 //! ```
 //!
-//! Depends on `si` and `materials`; on `faer` (Cholesky factors), `nalgebra` (small dense matrices), `rayon` and `thiserror`.
+//! Depends on `si`, `sparse` and `materials`; on `faer` (matrix products), `nalgebra` (small dense matrices), `rayon` and `thiserror`.
 
 mod adjoint;
 mod assembly;
 mod dynamics;
 mod inputs;
-mod linear;
 mod loads;
 mod mesh;
+mod modes;
 mod newton;
 mod projective;
 mod properties;
@@ -48,6 +48,7 @@ mod setup_error;
 mod solve_error;
 mod solver;
 mod solver_state;
+mod solver_tangent;
 mod statics;
 mod system;
 mod system_data;
@@ -59,22 +60,23 @@ pub use adjoint::gradient::{Gradient, MotionGradient, RegionGradient};
 pub use adjoint::parameter::Parameter;
 pub use dynamics::settings::{DynamicSettings, InitialValueProblem, Scheme, State, StepControl};
 pub use dynamics::trajectory::Trajectory;
-pub use linear::cholesky::FactorError;
-pub use linear::sparsity::LowerTriangle;
 pub use loads::Forces;
 pub use materials::{self, Branch, MAX_BRANCHES, Material, Relaxation, RelaxationError, Springpot, material};
 pub use mesh::box_mesh;
 pub use mesh::clamps::Clamps;
 pub use mesh::{Chamber, Elements, Faces, Mesh};
+pub use modes::Mode;
+pub use newton::iteration::Interrupt;
 pub use newton::options::NonConvergence;
 pub use projective::{Projective, ProjectiveError, ProjectiveSettings};
 pub use properties::{Masses, Options, RegionProperties};
 pub use rom::{
-    Actuation, ExternalForce, NoForce, ReducedError, ReducedModel, ReducedModelData, ReducedMotion, ReductionSettings,
-    StepState,
+    Actuation, ExternalForce, NoForce, ReducedError, ReducedModel, ReducedModelData, ReducedMotion, ReducedState,
+    ReducedStep, ReducedStepGradient, ReductionSettings, StepState,
 };
 pub use setup_error::SetupError;
 pub use solve_error::SolveError;
 pub use solver::Solver;
+pub use sparse::{FactorError, LowerTriangle};
 pub use statics::equilibrium::{Equilibrium, StaticSettings};
 pub use system::System;

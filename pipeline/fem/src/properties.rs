@@ -1,6 +1,6 @@
 //! Properties of a system beside its mesh: regions, options of the discretisation, attached masses.
 
-use crate::assembly::reference::triangle_shape_products;
+use crate::assembly::reference::face_shape_products;
 use crate::mesh::Mesh;
 use materials::Relaxation;
 use materials::material::{Material, Moduli};
@@ -100,13 +100,13 @@ impl Masses {
         self
     }
 
-    /// Adds a layer of `per_area` (kg/m²) on a side of an element, 3 or 6 nodes of `mesh`, lumped by the diagonal of
+    /// Adds a layer of `per_area` (kg/m²) on a side of an element, 3, 4 or 6 nodes of `mesh`, lumped by the diagonal of
     /// its own mass matrix, so that every nodal mass is positive.
     ///
     /// # Panics
     /// When a node does not exist.
     pub fn on_face(mut self, mesh: &Mesh, face: &[u32], per_area: f64) -> Self {
-        let products = triangle_shape_products(mesh, face);
+        let products = face_shape_products(mesh, face);
         let count = face.len();
         let area: f64 = products.iter().sum();
         let trace: f64 = (0..count).map(|a| products[a * count + a]).sum();

@@ -1,8 +1,8 @@
 //! Errors of setting up a system or changing its properties: what is invalid, where, against which limit, and what to
 //! do.
 
-use crate::linear::cholesky::FactorError;
 use si::{CubicMetre, Kilogram, Metre, Pascal, Point3};
+use sparse::FactorError;
 
 /// Larger bodies are taken for bodies in millimetres.
 pub(crate) const LARGEST: Metre = 10.0;
@@ -26,7 +26,7 @@ pub enum SetupError {
     },
     /// A mesh without elements.
     #[error(
-        "the mesh has no elements\n  why: a body needs at least one tetrahedron\n  do:  check the output of the mesher"
+        "the mesh has no elements\n  why: a body needs at least one element\n  do:  check the output of the mesher"
     )]
     Empty,
     /// A coordinate is NaN or infinite.
@@ -116,6 +116,31 @@ pub enum SetupError {
         /// Its range.
         range: &'static str,
     },
+    /// A list of element factors of the wrong length.
+    #[error(
+        "there are {given} factors for {elements} elements\n  why: each element has one\n  do:  give one factor per element, or none"
+    )]
+    ElementFactors {
+        /// Number of factors.
+        given: usize,
+        /// Number of elements.
+        elements: usize,
+    },
+    /// A factor of an element that is not positive.
+    #[error(
+        "element {element} has the factor {factor:e}\n  why: a factor of the moduli lies above 0 and below 1e12\n  do:  give a positive modulus to every element"
+    )]
+    ElementFactor {
+        /// Which element.
+        element: usize,
+        /// Its factor.
+        factor: f64,
+    },
+    /// Element factors with relaxation.
+    #[error(
+        "elements have factors of their own in a body that relaxes\n  why: relaxation is kept per region\n  do:  remove the relaxation, or give moduli by region"
+    )]
+    ElementFactorsRelax,
     /// Relaxation of a law that is not objective.
     #[error(
         "region {region} of the law `{law}` cannot relax\n  why: its stress changes in a rigid rotation\n  do:  take neo_hookean, yeoh or corotated"
@@ -208,7 +233,7 @@ pub enum SetupError {
     },
     /// Chamber faces of another order than the elements.
     #[error(
-        "chamber {chamber} has faces of {face} nodes on elements of {element}\n  why: 3-node faces belong to 4-node tetrahedra, 6-node faces to 10-node ones\n  do:  give both in one order"
+        "chamber {chamber} has faces of {face} nodes on elements of {element}\n  why: 3-node faces belong to 4-node tetrahedra, 6-node faces to 10-node ones; hexahedra have no chambers\n  do:  give both in one order"
     )]
     MixedOrders {
         /// Which chamber.

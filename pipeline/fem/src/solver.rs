@@ -6,8 +6,8 @@ use crate::adjoint::parameter::Parameter;
 use crate::assembly::mass::Mass;
 use crate::dynamics::settings::{InitialValueProblem, State, StepControl};
 use crate::dynamics::trajectory::Trajectory;
-use crate::linear::sparsity::LowerTriangle;
 use crate::loads::gas::Gas;
+use crate::newton::iteration::Interrupt;
 use crate::properties::RegionProperties;
 use crate::setup_error::SetupError;
 use crate::solve_error::SolveError;
@@ -16,7 +16,7 @@ use crate::statics::equilibrium::{Equilibrium, StaticSettings};
 use crate::system_data::SystemData;
 use crate::validation;
 use materials::Relaxation;
-use si::{Joule, KilogramPerCubicMetre, MetrePerSecondSquared, Pascal, Second};
+use si::{KilogramPerCubicMetre, MetrePerSecondSquared, Pascal, Second};
 use std::sync::Arc;
 
 /// Solves one system. `Send`, so that each thread can have its own.
@@ -27,6 +27,15 @@ pub struct Solver {
 impl std::fmt::Debug for Solver {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         out.debug_struct("Solver").field("properties", &self.properties()).finish_non_exhaustive()
+    }
+}
+
+/// Interruption.
+impl Solver {
+    /// Asks `interrupt` before every Newton iteration whether to end; a solve that ends fails with
+    /// [`crate::NonConvergence::Interrupted`]. It must answer the same until that solve has returned.
+    pub fn set_interrupt(&mut self, interrupt: Option<Interrupt>) {
+        self.state.newton.interrupt = interrupt;
     }
 }
 
@@ -75,6 +84,20 @@ impl Solver {
         Ok(())
     }
 
+    /// Multiplies the moduli of every element by its own of `factors` (one per element); an empty list stands for 1. E of
+    /// an element is then its factor times that of its region.
+    ///
+    /// # Errors
+    /// [`SetupError`] when there is not one positive number per element, or a region relaxes; nothing is then changed.
+    pub fn set_element_factors(&mut self, factors: &[f64]) -> Result<(), SetupError> {
+        validation::element_factors(&self.state.data.mesh, factors)?;
+        let relaxations: Vec<&Relaxation> = self.properties().iter().map(|region| &region.relaxation).collect();
+        validation::element_factors_relax(factors, &relaxations)?;
+        self.state.inputs.factors = factors.to_vec();
+        self.state.linearised = None;
+        Ok(())
+    }
+
     /// Sets the relaxation of `region`; it acts in motions, quasi-static ones included. An equilibrium is that of long
     /// times.
     ///
@@ -83,6 +106,7 @@ impl Solver {
     pub fn set_relaxation(&mut self, region: usize, relaxation: Relaxation) -> Result<(), SetupError> {
         self.check_region(region)?;
         validation::relaxation(region, self.properties()[region].material, &relaxation)?;
+        validation::element_factors_relax(&self.state.inputs.factors, &[&relaxation])?;
         self.state.inputs.properties[region].relaxation = relaxation;
         Ok(())
     }
@@ -191,7 +215,9 @@ impl Solver {
         initial_guess: Option<&[f64]>,
         settings: &StaticSettings,
     ) -> Result<Equilibrium, SolveError> {
-        self.state.equilibrium(pressures, initial_guess, settings)
+        let found = self.state.equilibrium(pressures, initial_guess, settings)?;
+        self.state.keep_constant_tangent(&found);
+        Ok(found)
     }
 
     /// As [`Solver::equilibrium`], from an initial guess `predicted` from several earlier shapes, of which `nearby` is
@@ -235,6 +261,18 @@ impl Solver {
     /// [`SolveError`] when the equilibrium is not stable, or the parameter does not exist.
     pub fn sensitivity(&mut self, at: &Equilibrium, parameter: Parameter) -> Result<Vec<f64>, SolveError> {
         self.state.equilibrium_sensitivity(at, parameter)
+    }
+
+    /// Σ du/dθ δθ at the equilibrium `at` over the (θ, δθ) of `direction`, by one solve: 3 entries per node, m.
+    ///
+    /// # Errors
+    /// As [`Solver::sensitivity`].
+    pub fn sensitivity_along(
+        &mut self,
+        at: &Equilibrium,
+        direction: &[(Parameter, f64)],
+    ) -> Result<Vec<f64>, SolveError> {
+        self.state.equilibrium_sensitivity_along(at, direction)
     }
 }
 
@@ -296,7 +334,22 @@ impl Solver {
         times: Vec<Second>,
         memory: usize,
     ) -> Result<Trajectory, SolveError> {
-        self.state.record_at(problem, times, memory)
+        self.state.record_at(problem, times, memory, &mut |_, _| {})
+    }
+
+    /// As [`Solver::record`] within `memory`, and calls `observe` with each new state and its time.
+    ///
+    /// # Errors
+    /// As [`Solver::record`].
+    pub fn record_observed(
+        &mut self,
+        problem: &InitialValueProblem,
+        steps: usize,
+        memory: usize,
+        observe: &mut dyn FnMut(Second, &State),
+    ) -> Result<Trajectory, SolveError> {
+        let times = (0..=steps).map(|step| step as f64 * problem.settings.step).collect();
+        self.state.record_at(problem, times, memory, observe)
     }
 
     /// Calls `observe` with each state of a recorded motion, the initial one first.
@@ -338,87 +391,5 @@ impl Solver {
         observe: &mut dyn FnMut(usize, &[&State]),
     ) -> Result<(), SolveError> {
         self.state.trajectory_sensitivity(trajectory, parameters, observe)
-    }
-}
-
-/// Energies and forces.
-impl Solver {
-    /// Elastic energy Ψ(u) of displacement `u` (3 entries per node, m), J; of a half model, of the half. Infinite where
-    /// an element is inverted and its law forbids that.
-    ///
-    /// # Errors
-    /// [`SolveError`] when `u` is not of this system.
-    pub fn elastic_energy(&self, u: &[f64]) -> Result<Joule, SolveError> {
-        self.state.check_field("the displacement", u)?;
-        let mut forces = vec![0.0; u.len()];
-        Ok(self.state.data.body(&self.state.inputs.elastic).energy(u, &mut forces))
-    }
-
-    /// Kinetic energy ½ vᵀ M v of velocity `v` (3 entries per node, m/s), J; of a half model, of the half.
-    ///
-    /// # Errors
-    /// [`SolveError`] when `v` is not of this system.
-    pub fn kinetic_energy(&self, v: &[f64]) -> Result<Joule, SolveError> {
-        self.state.check_field("the velocity", v)?;
-        let SolverState { data, inputs, .. } = &self.state;
-        let free = data.pattern.gather(v);
-        let mut momentum = vec![0.0; free.len()];
-        inputs.mass.multiply(&data.pattern, &free, &mut momentum);
-        Ok(0.5 * free.iter().zip(&momentum).map(|(v, p)| v * p).sum::<f64>())
-    }
-
-    /// Elastic force ∂Ψ/∂u at `u` (3 entries per node, m), 3 entries per node, N.
-    ///
-    /// # Errors
-    /// [`SolveError`] when `u` is not of this system.
-    pub fn elastic_force(&self, u: &[f64]) -> Result<Vec<f64>, SolveError> {
-        self.state.check_field("the displacement", u)?;
-        Ok(self.state.elastic_forces(u))
-    }
-}
-
-/// The tangent as a linear problem of its own, for modes, condensation and timings. Newton's method and the adjoint do
-/// not need it.
-impl Solver {
-    /// Assembles the exact tangent ∂²Π/∂u² at `at`, without the rank-one terms of sealed chambers.
-    ///
-    /// # Errors
-    /// [`SolveError`] when `at` is not of this system.
-    pub fn assemble(&mut self, at: &Equilibrium) -> Result<LowerTriangle<'_>, SolveError> {
-        self.state.check_field("the displacement", &at.displacement)?;
-        self.state.check_pressures(&at.pressures)?;
-        self.state.linearised = None;
-        let SolverState { data, inputs, newton, .. } = &mut self.state;
-        let potential = inputs.at_rest(data, &at.pressures);
-        potential.elastic_stiffness(&at.displacement, &mut newton.tangent);
-        potential.add_inertia_and_loads(&at.displacement, &mut newton.tangent);
-        Ok(data.pattern.lower_triangle(&newton.tangent))
-    }
-
-    /// Factorises the tangent assembled last at `at`, and checks the factor on one solve.
-    ///
-    /// # Errors
-    /// [`SolveError::NotStable`] when it is not positive definite.
-    pub fn factorise(&mut self, at: &Equilibrium) -> Result<(), SolveError> {
-        let SolverState { data, inputs, newton, .. } = &mut self.state;
-        let potential = inputs.at_rest(data, &at.pressures);
-        let mut probe = vec![0.0; data.pattern.dofs()];
-        data.pattern.multiply(&newton.tangent, &vec![1.0; probe.len()], &mut probe);
-        newton.factorise(&potential, &at.displacement, &probe).map_err(|_| SolveError::NotStable)
-    }
-
-    /// x with K x = `b` by the last factor, both 3 entries per node; zero at constrained dofs.
-    ///
-    /// # Errors
-    /// [`SolveError`] when `b` has the wrong length, or nothing was factorised yet.
-    pub fn solve(&mut self, b: &[f64]) -> Result<Vec<f64>, SolveError> {
-        self.state.check_field("the right-hand side", b)?;
-        let SolverState { data, newton, .. } = &mut self.state;
-        if !newton.is_ready() {
-            return Err(SolveError::NotStable);
-        }
-        let mut free = data.pattern.gather(b);
-        newton.solve(data, &mut free);
-        Ok(data.pattern.scattered(&free, 1.0, b.len()))
     }
 }

@@ -60,7 +60,7 @@ impl SolverState {
     /// f(u) = ∂Ψ/∂u, 3 entries per node, N.
     pub(crate) fn elastic_forces(&self, u: &[f64]) -> Vec<f64> {
         let mut forces = vec![0.0; u.len()];
-        self.data.body(&self.inputs.elastic).energy(u, &mut forces);
+        self.inputs.body(&self.data).energy(u, &mut forces);
         forces
     }
 
@@ -78,7 +78,7 @@ impl SolverState {
     pub(crate) fn elastic_stiffness_times(&mut self, u: &[f64], x: &[f64]) -> Vec<f64> {
         let Self { data, inputs, newton, .. } = self;
         newton.tangent.fill(0.0);
-        data.body(&inputs.elastic).stiffness(u, TangentKind::Exact, &mut newton.tangent);
+        inputs.body(data).stiffness(u, TangentKind::Exact, &mut newton.tangent);
         let free = data.pattern.gather(x);
         let mut image = vec![0.0; free.len()];
         data.pattern.multiply(&newton.tangent, &free, &mut image);

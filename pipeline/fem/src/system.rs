@@ -5,9 +5,6 @@
 
 use crate::assembly::mass::{Mass, MassAssembly, ShapeProducts};
 use crate::assembly::reference::ReferenceElements;
-use crate::linear::cholesky::Symbolic;
-use crate::linear::node_graph::NodeGraph;
-use crate::linear::sparsity::Pattern;
 use crate::loads::ChamberPressure;
 use crate::mesh::Mesh;
 use crate::mesh::clamps::Clamps;
@@ -17,6 +14,7 @@ use crate::solver::Solver;
 use crate::system_data::{SystemData, block_positions};
 use crate::validation;
 use si::CubicMetre;
+use sparse::{NodeGraph, Pattern, Symbolic};
 use std::sync::Arc;
 
 /// A body ready to be solved. Immutable and shared: a clone copies a pointer.
@@ -59,12 +57,12 @@ impl System {
         validation::regions(&mesh, &regions)?;
         validation::masses(&mesh, &options.masses)?;
         let clamps = clamps.with_symmetry(&mesh);
-        let graph = NodeGraph::new(mesh.nodes.len(), &mesh.elements);
+        let graph = mesh.graph();
         let reference = ReferenceElements::new(&mesh);
         validation::elements(&mesh, &reference, &graph)?;
         validation::constraints(&mesh, &graph, &clamps)?;
         let chambers = chambers(&mesh, &graph)?;
-        let pattern = Pattern::new(&mesh.nodes, &graph, &clamps);
+        let pattern = Pattern::new(&mesh.nodes, &graph, &clamps.by_node(mesh.nodes.len()));
         let block_positions = block_positions(&mesh, &pattern);
         if pattern.dofs() == 0 {
             return Err(SetupError::FullyConstrained { nodes: mesh.nodes.len() });

@@ -3,12 +3,11 @@
 use crate::assembly::elastic::{Body, Elastic};
 use crate::assembly::mass::{Mass, MassAssembly, ShapeProducts};
 use crate::assembly::reference::ReferenceElements;
-use crate::linear::cholesky::Symbolic;
-use crate::linear::sparsity::Pattern;
 use crate::loads::ChamberPressure;
 use crate::mesh::Mesh;
 use crate::properties::{Options, RegionProperties};
 use si::Metre;
+use sparse::{Pattern, Symbolic};
 use std::sync::Arc;
 
 /// A validated mesh with everything that no solve changes.
@@ -41,6 +40,7 @@ impl SystemData {
             pattern: &self.pattern,
             block_positions: &self.block_positions,
             elastic,
+            factors: &[],
             held: &[],
             held_factor: 0.0,
         }

@@ -1,7 +1,7 @@
 //! Validation of a mesh, its properties and its constraints before anything is solved.
 
 use crate::assembly::reference::ReferenceElements;
-use crate::linear::node_graph::NodeGraph;
+use crate::assembly::shape_functions::{CUBE_EDGES, EDGES, SIDES};
 use crate::mesh::clamps::Clamps;
 use crate::mesh::{Chamber, Faces, Mesh};
 use crate::properties::{Masses, RegionProperties};
@@ -10,6 +10,7 @@ use materials::Relaxation;
 use materials::material::Material;
 use nalgebra::{Matrix6, SymmetricEigen, Vector6};
 use si::vec3;
+use sparse::NodeGraph;
 use std::collections::BTreeMap;
 
 /// Checks node numbers, coordinates, size and symmetry plane.
@@ -48,10 +49,8 @@ pub(crate) fn elements(mesh: &Mesh, reference: &ReferenceElements, graph: &NodeG
     for element in 0..mesh.elements.len() {
         let volume = reference.volumes[element];
         let corner = |n: usize| mesh.nodes[mesh.elements.nodes(element)[n] as usize];
-        let longest = crate::assembly::shape_functions::EDGES
-            .iter()
-            .map(|&(a, b)| vec3::norm(vec3::sub(corner(b), corner(a))))
-            .fold(0.0, f64::max);
+        let edges: &[(usize, usize)] = if mesh.elements.nodes_each() == 8 { &CUBE_EDGES } else { &EDGES };
+        let longest = edges.iter().map(|&(a, b)| vec3::norm(vec3::sub(corner(b), corner(a)))).fold(0.0, f64::max);
         let ratio = volume / longest.powi(3);
         if ratio.is_nan() || ratio.abs() < THINNEST {
             return Err(SetupError::DegenerateElement { element, volume, ratio });
@@ -99,6 +98,24 @@ pub(crate) fn relaxation(region: usize, material: &dyn Material, of: &Relaxation
         return Ok(());
     }
     Err(SetupError::RelaxationLaw { region, law: material.name() })
+}
+
+/// Checks that there is one positive factor per element, or none.
+pub(crate) fn element_factors(mesh: &Mesh, factors: &[f64]) -> Result<(), SetupError> {
+    let elements = mesh.elements.len();
+    if !factors.is_empty() && factors.len() != elements {
+        return Err(SetupError::ElementFactors { given: factors.len(), elements });
+    }
+    match factors.iter().position(|factor| !(*factor > 0.0 && *factor < 1e12)) {
+        Some(element) => Err(SetupError::ElementFactor { element, factor: factors[element] }),
+        None => Ok(()),
+    }
+}
+
+/// Checks that no region relaxes where elements have factors: the histories hold one modulus per region.
+pub(crate) fn element_factors_relax(factors: &[f64], relaxations: &[&Relaxation]) -> Result<(), SetupError> {
+    let relaxes = !factors.is_empty() && relaxations.iter().any(|relaxation| !relaxation.is_none());
+    if relaxes { Err(SetupError::ElementFactorsRelax) } else { Ok(()) }
 }
 
 /// Checks the range of a density (kg/m³).
@@ -184,14 +201,14 @@ fn rigid(at: [f64; 3], axis: usize) -> Vector6<f64> {
 /// Checks that a chamber's surface is closed, except for edges on the symmetry plane.
 pub(crate) fn closed(mesh: &Mesh, index: usize, chamber: &Chamber) -> Result<(), SetupError> {
     let (face, element) = (if matches!(chamber.faces, Faces::Linear(_)) { 3 } else { 6 }, mesh.elements.nodes_each());
-    if (face == 3) != (element == 4) {
+    if [(3, 4), (6, 10)].iter().all(|pair| *pair != (face, element)) {
         return Err(SetupError::MixedOrders { chamber: index, face, element });
     }
     let size = mesh.size();
     let mut edges: BTreeMap<[u32; 2], (i32, usize)> = BTreeMap::new();
     for face in 0..chamber.faces.len() {
         let nodes = chamber.faces.nodes(face);
-        for (a, b) in crate::assembly::shape_functions::SIDES {
+        for (a, b) in SIDES {
             let (from, to) = (nodes[a], nodes[b]);
             let (key, sign) = if from < to { ([from, to], 1) } else { ([to, from], -1) };
             let entry = edges.entry(key).or_insert((0, face));

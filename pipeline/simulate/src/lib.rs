@@ -34,6 +34,7 @@ pub use body::{Body, fem_mesh};
 use diagnostics::{Diagnostic, Result, output};
 use frames::Frames;
 use probes::Table;
+pub use probes::{Probe, probes};
 pub use solid::{Loaded, load};
 
 /// The summary of a simulation.

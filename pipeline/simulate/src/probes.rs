@@ -17,9 +17,32 @@ use crate::case::Case;
 use crate::reach::Reach;
 use diagnostics::Result;
 
-/// A material point.
-struct Probe {
-    weights: Vec<(u32, f64)>,
+/// A material point of the output.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Probe {
+    /// The prefix of its columns.
+    pub name: String,
+    /// Nodes, and the part of each.
+    pub weights: Vec<(u32, f64)>,
+}
+
+/// The nodes and markers of a case's output, in the order of its table.
+///
+/// # Errors
+/// A [`diagnostics::Diagnostic`] when one is not on the body.
+pub fn probes(case: &Case, body: &Body) -> Result<Vec<Probe>> {
+    let reach = Reach { solid: body.solid, size: body.system.mesh().size() };
+    let mut probes = Vec::new();
+    for node in &case.output.node {
+        let weights = vec![(reach.nearest(&format!("`{}`", node.name), node.near)?, 1.0)];
+        probes.push(Probe { name: node.name.clone(), weights });
+    }
+    for marker in &case.output.marker {
+        let (spot, apart) = body.solid.embed(marker.at);
+        reach.on_body(&format!("`{}`", marker.name), apart)?;
+        probes.push(Probe { name: marker.name.clone(), weights: spot.weights });
+    }
+    Ok(probes)
 }
 
 impl Probe {
@@ -56,20 +79,10 @@ impl Table {
     /// # Errors
     /// A [`Diagnostic`] when a marker is not on the skin, or the file cannot be written.
     pub fn create(case: &Case, body: &Body, folder: &Path, stem: &str) -> Result<Self> {
-        let reach = Reach { solid: body.solid, size: body.system.mesh().size() };
         let mut head = vec![if case.dynamic.is_some() { "time_s".to_owned() } else { "level".to_owned() }];
-        let mut probes = Vec::new();
-        let mut point = |name: &str, weights: Vec<(u32, f64)>| {
+        let probes = probes(case, body)?;
+        for Probe { name, .. } in &probes {
             head.extend(["x", "y", "z", "ux", "uy", "uz"].map(|axis| format!("{name}_{axis}_m")));
-            probes.push(Probe { weights });
-        };
-        for node in &case.output.node {
-            point(&node.name, vec![(reach.nearest(&format!("`{}`", node.name), node.near)?, 1.0)]);
-        }
-        for marker in &case.output.marker {
-            let (spot, apart) = body.solid.embed(marker.at);
-            reach.on_body(&format!("`{}`", marker.name), apart)?;
-            point(&marker.name, spot.weights);
         }
         for (i, chamber) in case.chamber.iter().enumerate() {
             let name = chamber.name.clone().unwrap_or_else(|| format!("chamber_{i}"));

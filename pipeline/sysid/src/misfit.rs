@@ -133,14 +133,15 @@ fn covariance(film: &[PressureLevel], noise: &NoiseModel) -> Vec<f64> {
         _ => covariance[i / 2][1],
     };
     // What the model does not describe (a law's stiffening, a sheet off the middle) grows with the displacement of the whole body, changes
-    // slowly along it and is the same at every level. Were it in proportion to each marker's own displacement, the markers beside the clamp
+    // smoothly along it, as equilibria do, and is the same at every level. Were it in proportion to each marker's own displacement, the markers beside the clamp
     // would count as almost exact, and the sheet's modulus, which they decide, came out a tenth too high. The common scale is a rank-one
     // term over the whole film: without it, independent noise of many markers would claim far smaller uncertainties than errors of wall
     // thickness and supply pressure allow.
     let size: Vec<Metre> = film.iter().flat_map(|level| vec![rms(&level.measured); 2 * level.measured.len()]).collect();
     let smooth = |i: usize, j: usize| {
         let apart = (at[i / 2][0] - at[j / 2][0]).hypot(at[i / 2][1] - at[j / 2][1]);
-        let correlation = if i % 2 == j % 2 { (-apart / noise.correlation_length_m).exp() } else { 0.0 };
+        let correlation = (-0.5 * (apart / noise.correlation_length_m).powi(2)).exp();
+        let correlation = if i % 2 == j % 2 { correlation } else { 0.0 };
         noise.discrepancy.powi(2) * correlation * size[i] * size[j]
     };
     let entry = |i: usize, j: usize| own(i, j) + smooth(i, j) + noise.scale_sigma.powi(2) * moved[i] * moved[j];

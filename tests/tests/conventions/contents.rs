@@ -13,6 +13,7 @@ const TOOLS: &[&str] = &[
     "mesh",
     "tail_cad",
     "materials",
+    "sparse",
     "fem",
     "track",
     "signal",

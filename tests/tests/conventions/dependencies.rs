@@ -11,7 +11,8 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("tail_cad", &["si", "mesh"]),
     ("optimize", &["si"]),
     ("materials", &["si"]),
-    ("fem", &["si", "materials"]),
+    ("sparse", &["si"]),
+    ("fem", &["si", "materials", "sparse"]),
     ("track", &["si", "optimize"]),
     ("signal", &["si", "optimize"]),
     ("hydro", &["si"]),
@@ -65,10 +66,11 @@ const ALLOWED: &[(&str, &[&str])] = &[
         ],
     ),
     ("typeset", &["diagnostics"]),
+    ("python", &["diagnostics", "mesh", "fem", "simulate", "sysid"]),
 ];
 
-/// Crates that `cargo build` leaves out: their dependencies take long, and nothing else needs them.
-const LEFT_OUT: &[&str] = &["typeset"];
+/// Crates that `cargo build` leaves out: their dependencies take long or need Python, and nothing else needs them.
+const LEFT_OUT: &[&str] = &["typeset", "python"];
 
 /// What a manifest uses of the workspace beyond what it may.
 fn forbidden_dependencies(name: &str, manifest: &str) -> Vec<String> {

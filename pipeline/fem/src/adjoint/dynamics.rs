@@ -14,8 +14,6 @@ use crate::dynamics::refactorisation::RefactorisationPolicy;
 use crate::dynamics::settings::{DynamicSettings, State};
 use crate::dynamics::stencil::Stencil;
 use crate::dynamics::trajectory::{Trajectory, TrajectoryStep};
-use crate::linear::pcg::PcgOptions;
-use crate::linear::{add, dot};
 use crate::newton::potential::Inertia;
 use crate::solve_error::SolveError;
 use crate::solver_state::SolverState;
@@ -24,6 +22,7 @@ use crate::viscoelastic::adjoint::{AdjointHistory, RelaxationSums};
 use crate::viscoelastic::step;
 use materials::material::Moduli;
 use materials::step::RegionStep;
+use sparse::{PcgOptions, add, dot};
 use std::collections::VecDeque;
 use std::sync::Arc;
 
@@ -88,6 +87,9 @@ impl SolverState {
     ) -> Result<MotionGradient, SolveError> {
         let (nodes, chambers) = (self.data.mesh.nodes.len(), self.data.chambers.len());
         let mut gradient = MotionGradient::zero(nodes, self.inputs.properties.len(), chambers, trajectory.steps());
+        if step::regions(&self.inputs.properties, 0.0).is_none() {
+            gradient.elements = vec![0.0; self.data.mesh.elements.len()];
+        }
         let full = self.data.full_length();
         let mut states = VecDeque::from(vec![AdjointState::zero(full); 3]);
         let mut policy = RefactorisationPolicy::new(FACTORISATION_COST);
@@ -213,7 +215,11 @@ impl SolverState {
 
     /// Adds −λ · ∂r/∂θ of the elastic forces at `u` for E, ν and β.
     fn add_elastic_gradient(&self, u: &[f64], on_elastic: &[f64], on_rate: &[f64], gradient: &mut MotionGradient) {
-        let work = self.data.body(&self.inputs.elastic).virtual_work(u, on_elastic, on_rate);
+        let body = self.inputs.body(&self.data);
+        if !gradient.elements.is_empty() {
+            add(&mut gradient.elements, 1.0, &self.element_gradients(&body.element_work(u, on_elastic)));
+        }
+        let work = body.virtual_work(u, on_elastic, on_rate);
         for ((of, is), (by_moduli, rate)) in gradient.regions.iter_mut().zip(&self.inputs.properties).zip(work) {
             let by =
                 |change: Moduli| change.to_array().iter().zip(by_moduli).map(|(change, by)| change * by).sum::<f64>();

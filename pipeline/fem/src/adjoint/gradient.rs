@@ -20,6 +20,8 @@ pub struct RegionGradient {
 pub struct Gradient {
     /// One per region.
     pub regions: Vec<RegionGradient>,
+    /// ∂L by the factor of each element's moduli, unit of L.
+    pub elements: Vec<f64>,
     /// ∂L/∂p, one per chamber, unit of L per Pa.
     pub pressures: Vec<f64>,
     /// ∂L/∂f of dead forces, 3 entries per node, unit of L per N.
@@ -31,6 +33,8 @@ pub struct Gradient {
 pub struct MotionGradient {
     /// One per region; density through inertia and gravity.
     pub regions: Vec<RegionGradient>,
+    /// ∂L by the factor of each element's moduli, unit of L; empty where a region relaxes.
+    pub elements: Vec<f64>,
     /// ∂L by g (unit of L) and τ (per s) of each relaxation branch of each region.
     pub relaxation: Vec<Vec<[f64; 2]>>,
     /// ∂L/∂α, unit of L · s.
@@ -52,6 +56,7 @@ impl MotionGradient {
     pub(crate) fn zero(nodes: usize, regions: usize, chambers: usize, steps: usize) -> Self {
         Self {
             regions: vec![RegionGradient::default(); regions],
+            elements: Vec::new(),
             relaxation: vec![Vec::new(); regions],
             mass_damping: 0.0,
             stiffness_damping: 0.0,

@@ -12,6 +12,8 @@ use si::Pascal;
 pub enum Parameter {
     /// E of a region, Pa.
     YoungsModulus(usize),
+    /// The factor of an element's moduli.
+    ElementFactor(usize),
     /// ν of a region.
     PoissonsRatio(usize),
     /// C₂₀/C₁₀ (term 0) or C₃₀/C₁₀ (term 1) of a region.
@@ -103,6 +105,9 @@ impl SolverState {
                 if axis < 3 { 3 * node + axis } else { usize::MAX },
                 3 * self.data.mesh.nodes.len(),
             ),
+            Parameter::ElementFactor(element) => {
+                ("the element number of a parameter", element, self.data.mesh.elements.len())
+            }
             Parameter::MassDamping | Parameter::StiffnessDamping => return Ok(()),
         };
         if index < count {
@@ -122,11 +127,15 @@ impl SolverState {
         }
     }
 
-    /// ∂f/∂θ of the elastic forces at `u`, 3 entries per node, N per unit of θ; zero for all but E, ν and stiffening.
+    /// ∂f/∂θ of the elastic forces at `u`, 3 entries per node, N per unit of θ; zero for all but moduli and
+    /// stiffening.
     pub(crate) fn elastic_residual_derivative(&self, u: &[f64], parameter: Parameter) -> Vec<f64> {
         let mut derivative = vec![0.0; u.len()];
+        if let Parameter::ElementFactor(element) = parameter {
+            self.inputs.body(&self.data).add_element_force(u, element, &mut derivative);
+        }
         if let Some((region, change)) = self.moduli_derivative(parameter) {
-            self.data.body(&self.inputs.elastic).force_derivative(u, region, change, &mut derivative);
+            self.inputs.body(&self.data).force_derivative(u, region, change, &mut derivative);
         }
         derivative
     }

@@ -7,12 +7,12 @@ use crate::adjoint::dynamics::pcg_options;
 use crate::adjoint::parameter::Parameter;
 use crate::dynamics::settings::{DynamicSettings, State};
 use crate::dynamics::trajectory::{Trajectory, TrajectoryStep};
-use crate::linear::add;
 use crate::newton::potential::Inertia;
 use crate::solve_error::SolveError;
 use crate::solver_state::SolverState;
 use crate::viscoelastic::sensitivity::{Direction, HistorySensitivity};
 use crate::viscoelastic::step;
+use sparse::add;
 use std::collections::VecDeque;
 use std::sync::Arc;
 

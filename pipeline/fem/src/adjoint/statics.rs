@@ -5,11 +5,13 @@
 
 use crate::adjoint::gradient::{Gradient, RegionGradient};
 use crate::adjoint::parameter::Parameter;
-use crate::linear::dot;
-use crate::linear::pcg::PcgOptions;
+use crate::assembly::elastic::Body;
+use crate::properties::RegionProperties;
 use crate::solve_error::SolveError;
 use crate::solver_state::SolverState;
 use crate::statics::equilibrium::Equilibrium;
+use materials::material::Moduli;
+use sparse::{PcgOptions, add, dot};
 
 /// Four digits below what a Taylor test resolves; beyond twelve iterations a factorisation of the exact tangent is
 /// cheaper.
@@ -22,16 +24,46 @@ impl SolverState {
         // The tangent is symmetric, so the adjoint needs no transposed factor: the one that Newton's method left
         // preconditions it.
         let lambda = self.solve_at(at, dloss_du)?;
-        let by = |state: &Self, parameter| -dot(&lambda, &state.residual_derivative(at, parameter));
-        let region = |region| RegionGradient {
-            youngs_modulus: by(self, Parameter::YoungsModulus(region)),
-            poissons_ratio: by(self, Parameter::PoissonsRatio(region)),
-            density: by(self, Parameter::Density(region)),
-            stiffening: [0, 1].map(|term| by(self, Parameter::Stiffening { region, term })),
+        let by = |parameter| -dot(&lambda, &self.residual_derivative(at, parameter));
+        let work = self.inputs.body(&self.data).element_work(&at.displacement, &lambda);
+        let mut regions = self.region_gradients(&work);
+        // Without gravity a density has no effect on an equilibrium.
+        if self.inputs.gravity != [0.0; 3] {
+            regions.iter_mut().enumerate().for_each(|(region, of)| of.density = by(Parameter::Density(region)));
+        }
+        let pressures = (0..self.data.chambers.len()).map(|chamber| by(Parameter::Pressure(chamber))).collect();
+        let elements = self.element_gradients(&work);
+        Ok(Gradient { regions, elements, pressures, forces: lambda })
+    }
+
+    /// ∂L by E, ν and stiffening of each region, from the virtual `work` of each element along λ by its moduli: one pass
+    /// over the mesh serves all of them.
+    fn region_gradients(&self, work: &[[f64; 4]]) -> Vec<RegionGradient> {
+        let mut sums = vec![[0.0; 4]; self.inputs.properties.len()];
+        for (element, (work, &region)) in work.iter().zip(&self.data.mesh.regions).enumerate() {
+            let factor = self.inputs.factors.get(element).copied().unwrap_or(1.0);
+            sums[region as usize].iter_mut().zip(work).for_each(|(sum, work)| *sum += factor * work);
+        }
+        let of = |(is, sums): (&RegionProperties, [f64; 4])| {
+            let by =
+                |change: Moduli| -change.to_array().iter().zip(sums).map(|(change, sum)| change * sum).sum::<f64>();
+            RegionGradient {
+                youngs_modulus: by(is.moduli_by_youngs_modulus()),
+                poissons_ratio: by(is.moduli_by_poissons_ratio()),
+                density: 0.0,
+                stiffening: [0, 1].map(|term| by(is.moduli_by_stiffening(term))),
+            }
         };
-        let regions = (0..self.inputs.elastic.len()).map(region).collect();
-        let pressures = (0..self.data.chambers.len()).map(|chamber| by(self, Parameter::Pressure(chamber))).collect();
-        Ok(Gradient { regions, pressures, forces: lambda })
+        self.inputs.properties.iter().zip(sums).map(of).collect()
+    }
+
+    /// ∂L by the factor of each element.
+    pub(crate) fn element_gradients(&self, work: &[[f64; 4]]) -> Vec<f64> {
+        let moduli: Vec<[f64; 4]> = self.inputs.elastic.iter().map(|is| is.moduli.to_array()).collect();
+        let of = |(work, &region): (&[f64; 4], &u16)| {
+            -moduli[region as usize].iter().zip(work).map(|(modulus, work)| modulus * work).sum::<f64>()
+        };
+        work.iter().zip(&self.data.mesh.regions).map(of).collect()
     }
 
     /// See [`crate::Solver::sensitivity`].
@@ -40,20 +72,58 @@ impl SolverState {
         at: &Equilibrium,
         parameter: Parameter,
     ) -> Result<Vec<f64>, SolveError> {
-        self.check_parameter(parameter)?;
+        self.equilibrium_sensitivity_along(at, &[(parameter, 1.0)])
+    }
+
+    /// See [`crate::Solver::sensitivity_along`].
+    pub(crate) fn equilibrium_sensitivity_along(
+        &mut self,
+        at: &Equilibrium,
+        direction: &[(Parameter, f64)],
+    ) -> Result<Vec<f64>, SolveError> {
+        direction.iter().try_for_each(|&(parameter, _)| self.check_parameter(parameter))?;
         self.check_field("the displacement", &at.displacement)?;
-        let mut right = self.residual_derivative(at, parameter);
-        right.iter_mut().for_each(|entry| *entry = -*entry);
+        let mut right = vec![0.0; at.displacement.len()];
+        let mut factors = Vec::new();
+        for &(parameter, part) in direction {
+            match parameter {
+                Parameter::Force { node, axis } => right[3 * node + axis] += part,
+                // Directions of all elements at once: their forces are those of a body with these factors.
+                Parameter::ElementFactor(element) => {
+                    factors.resize(self.data.mesh.elements.len(), 0.0);
+                    factors[element] += part;
+                }
+                _ => add(&mut right, -part, &self.residual_derivative(at, parameter)),
+            }
+        }
+        if !factors.is_empty() {
+            let mut force = vec![0.0; right.len()];
+            let body = Body { factors: &factors, ..self.inputs.body(&self.data) };
+            body.energy(&at.displacement, &mut force);
+            add(&mut right, -1.0, &force);
+        }
         self.solve_at(at, &right)
     }
 
     /// ∂r/∂θ at fixed u, 3 entries per node, N per unit of the parameter.
     fn residual_derivative(&self, at: &Equilibrium, parameter: Parameter) -> Vec<f64> {
         match parameter {
-            Parameter::YoungsModulus(_) | Parameter::PoissonsRatio(_) | Parameter::Stiffening { .. } => {
-                self.elastic_residual_derivative(&at.displacement, parameter)
-            }
+            Parameter::YoungsModulus(_)
+            | Parameter::ElementFactor(_)
+            | Parameter::PoissonsRatio(_)
+            | Parameter::Stiffening { .. } => self.elastic_residual_derivative(&at.displacement, parameter),
             _ => self.load_residual_derivative(&at.displacement, &at.pressures, parameter),
+        }
+    }
+
+    /// Notes that the tangent which Newton's method factorised on the way to `found` is also that at `found`: where every
+    /// law is linear, and no pressure turns with the walls, it does not depend on the displacement. The adjoint of a
+    /// linear problem then assembles nothing.
+    pub(crate) fn keep_constant_tangent(&mut self, found: &Equilibrium) {
+        let is_linear = self.inputs.elastic.iter().all(|is| !is.material.is_objective());
+        let has_gas = self.inputs.at_rest(&self.data, &found.pressures).gases().next().is_some();
+        if is_linear && !has_gas && found.factorisations > 0 {
+            self.linearised = Some(found.clone());
         }
     }
 
@@ -63,7 +133,8 @@ impl SolverState {
         self.check_pressures(&at.pressures)?;
         let Self { data, inputs, newton, linearised } = self;
         let potential = inputs.at_rest(data, &at.pressures);
-        if linearised.as_ref() != Some(at) {
+        let known = |of: &Equilibrium| of.displacement == at.displacement && of.pressures == at.pressures;
+        if !linearised.as_ref().is_some_and(known) {
             newton.linearise(&potential, &at.displacement);
             *linearised = Some(at.clone());
         }

@@ -4,13 +4,13 @@
 
 use crate::assembly::kernels::{add_blocks, add_force, deformation, element_values, scatter};
 use crate::assembly::reference::ReferenceElements;
-use crate::linear::sparsity::Pattern;
 use crate::mesh::Mesh;
 use materials::material::{Material, Moduli};
 use materials::symmetric::{Symmetric, matrix};
 use materials::tangent::{PointState, TangentKind};
 use nalgebra::Matrix3;
 use si::{Joule, Point3};
+use sparse::Pattern;
 
 /// The law and the constants of one region.
 #[derive(Debug, Clone, Copy)]
@@ -42,6 +42,8 @@ pub(crate) struct Body<'a> {
     pub block_positions: &'a [u32],
     /// One per region.
     pub elastic: &'a [Elastic],
+    /// Factor of the moduli of each element; empty: 1.
+    pub factors: &'a [f64],
     /// H, the second Piola–Kirchhoff stress that relaxation holds in this step, of every quadrature point, Pa (see
     /// `viscoelastic`); empty: none.
     pub held: &'a [Symmetric],
@@ -64,10 +66,10 @@ struct Sample<'a, const N: usize> {
 /// Calls the method for the order of the elements, with the number of nodes as a constant.
 macro_rules! by_order {
     ($body:ident.$method:ident($($argument:expr),*)) => {
-        if $body.mesh.elements.nodes_each() == 4 {
-            $body.$method::<4>($($argument),*)
-        } else {
-            $body.$method::<10>($($argument),*)
+        match $body.mesh.elements.nodes_each() {
+            4 => $body.$method::<4>($($argument),*),
+            8 => $body.$method::<8>($($argument),*),
+            _ => $body.$method::<10>($($argument),*),
         }
     };
 }
@@ -88,6 +90,17 @@ impl Body<'_> {
         by_order!(self.force_derivative_of(u, region, change, forces));
     }
 
+    /// Adds the forces of one element with a factor of 1 to `forces`.
+    pub(crate) fn add_element_force(&self, u: &[f64], element: usize, forces: &mut [f64]) {
+        by_order!(self.add_element_force_of(u, element, forces));
+    }
+
+    /// By element, the virtual work along `along` (3 entries per node) of ∂f at `u` by μ, λ, C₂₀ and C₃₀, with a factor
+    /// of 1.
+    pub(crate) fn element_work(&self, u: &[f64], along: &[f64]) -> Vec<[f64; 4]> {
+        by_order!(self.element_work_of(u, along))
+    }
+
     /// By region, the virtual work of the elastic forces: of ∂f by μ, λ, C₂₀ and C₃₀ along `along`, and of f along
     /// `other`. All vectors hold 3 entries per node.
     pub(crate) fn virtual_work(&self, u: &[f64], along: &[f64], other: &[f64]) -> Vec<([f64; 4], f64)> {
@@ -99,16 +112,18 @@ impl Body<'_> {
         by_order!(self.for_each_mean_gradient_of(u, visit));
     }
 
-    /// Each element with its nodes and its region's law.
-    fn elements<const N: usize>(&self) -> impl Iterator<Item = (usize, &[u32; N], &Elastic)> {
-        let regions = self.mesh.regions.iter().map(|&region| &self.elastic[region as usize]);
-        self.mesh
-            .elements
-            .of_order::<N>()
-            .iter()
-            .zip(regions)
-            .enumerate()
-            .map(|(e, (nodes, elastic))| (e, nodes, elastic))
+    /// Each element with its nodes and its law.
+    fn elements<const N: usize>(&self) -> impl Iterator<Item = (usize, &[u32; N], Elastic)> {
+        let each = self.mesh.elements.of_order::<N>().iter().zip(&self.mesh.regions).enumerate();
+        each.map(|(element, (nodes, &region))| {
+            let elastic = self.elastic[region as usize];
+            (element, nodes, Elastic { moduli: elastic.moduli.scaled(self.factor(element)), ..elastic })
+        })
+    }
+
+    /// The factor of an element's moduli.
+    fn factor(&self, element: usize) -> f64 {
+        self.factors.get(element).copied().unwrap_or(1.0)
     }
 
     fn for_each_mean_gradient_of<const N: usize>(&self, u: &[f64], visit: &mut dyn FnMut(&[u32], Matrix3<f64>)) {
@@ -143,7 +158,7 @@ impl Body<'_> {
     fn for_each_sample<const N: usize>(
         &self,
         element: usize,
-        elastic: &Elastic,
+        elastic: Elastic,
         moduli: Moduli,
         mut visit: impl FnMut(Sample<N>),
     ) {
@@ -190,6 +205,7 @@ impl Body<'_> {
             let (by_moduli, by_force) = &mut sums[self.mesh.regions[element] as usize];
             let (moved, along, other) =
                 (element_values(nodes, u), element_values(nodes, along), element_values(nodes, other));
+            let factor = self.factor(element);
             let every = Moduli { mu: 1.0, lambda: 1.0, stiffening: [1.0; 2] };
             self.for_each_sample::<N>(element, of, every, |Sample { gradients, weight, moduli: acting, .. }| {
                 let stress = of.material.stress_by_moduli(&deformation(gradients, &moved));
@@ -198,7 +214,7 @@ impl Body<'_> {
                 let each = stress.iter().zip(acting.to_array()).zip(of.moduli.to_array()).zip(by_moduli.iter_mut());
                 for (((stress, acts), modulus), sum) in each.filter(|(((_, acts), _), _)| *acts != 0.0) {
                     let stress = stress * (acts * weight);
-                    *sum += stress.component_mul(&along).sum();
+                    *sum += factor * stress.component_mul(&along).sum();
                     *by_force += modulus * stress.component_mul(&other).sum();
                 }
             });
@@ -206,11 +222,40 @@ impl Body<'_> {
         sums
     }
 
+    fn add_element_force_of<const N: usize>(&self, u: &[f64], element: usize, forces: &mut [f64]) {
+        let of = self.elastic[self.mesh.regions[element] as usize];
+        let nodes = &self.mesh.elements.of_order::<N>()[element];
+        let (moved, mut force) = (element_values(nodes, u), [[0.0; 3]; N]);
+        self.for_each_sample::<N>(element, of, of.moduli, |Sample { gradients, weight, moduli, .. }| {
+            let stress = of.material.stress(&deformation(gradients, &moved), moduli).1;
+            add_force(&mut force, gradients, &stress, weight);
+        });
+        scatter(nodes, &force, forces);
+    }
+
+    fn element_work_of<const N: usize>(&self, u: &[f64], along: &[f64]) -> Vec<[f64; 4]> {
+        let every = Moduli { mu: 1.0, lambda: 1.0, stiffening: [1.0; 2] };
+        let work = |(element, nodes, of): (usize, &[u32; N], Elastic)| {
+            let (moved, along) = (element_values(nodes, u), element_values(nodes, along));
+            let mut sums = [0.0; 4];
+            self.for_each_sample::<N>(element, of, every, |Sample { gradients, weight, moduli, .. }| {
+                let stress = of.material.stress_by_moduli(&deformation(gradients, &moved));
+                let along = deformation(gradients, &along) - Matrix3::identity();
+                for ((sum, stress), acts) in sums.iter_mut().zip(stress).zip(moduli.to_array()) {
+                    *sum += acts * weight * stress.dot(&along);
+                }
+            });
+            sums
+        };
+        self.elements::<N>().map(work).collect()
+    }
+
     fn force_derivative_of<const N: usize>(&self, u: &[f64], region: usize, change: Moduli, forces: &mut [f64]) {
         let inside = |element: usize| self.mesh.regions[element] as usize == region;
         for (element, nodes, elastic) in self.elements::<N>().filter(|&(element, ..)| inside(element)) {
             let moved = element_values(nodes, u);
             let mut force = [[0.0; 3]; N];
+            let change = change.scaled(self.factor(element));
             self.for_each_sample::<N>(element, elastic, change, |Sample { gradients, weight, moduli, .. }| {
                 let stress = elastic.material.stress(&deformation(gradients, &moved), moduli).1;
                 add_force(&mut force, gradients, &stress, weight);

@@ -1,4 +1,4 @@
-//! Element kernels: the dense sums over the 4 or 10 nodes of one element.
+//! Element kernels: the dense sums over the 4, 8 or 10 nodes of one element.
 
 use materials::material::Tangent;
 use nalgebra::Matrix3;

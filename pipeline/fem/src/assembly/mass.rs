@@ -4,10 +4,10 @@
 //! [hinton1976]; it stays positive for 10-node elements, where row sums do not. M is the same along each axis.
 
 use crate::assembly::reference::{shape_product_rule, shape_products};
-use crate::linear::sparsity::{CONSTRAINED, Pattern};
 use crate::mesh::Mesh;
 use crate::properties::Masses;
 use nalgebra::{Matrix3, Vector3};
+use sparse::{CONSTRAINED, Pattern};
 
 /// ∫ N_a N_b dV of every element: the part of the mass that does not depend on densities.
 #[derive(Debug)]

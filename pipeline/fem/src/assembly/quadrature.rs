@@ -1,6 +1,6 @@
-//! Quadrature rules of the tetrahedron, the triangle and the interval.
+//! Quadrature rules of the tetrahedron, the cube, the triangle, the square and the interval.
 //!
-//! Reference tetrahedron: ξ, η, ζ ≥ 0, ξ + η + ζ ≤ 1, volume 1/6. Reference triangle: ξ, η ≥ 0, ξ + η ≤ 1, area 1/2.
+//! Reference cube and square: (0, 1) along each axis. Reference tetrahedron: ξ, η, ζ ≥ 0, ξ + η + ζ ≤ 1, volume 1/6. Reference triangle: ξ, η ≥ 0, ξ + η ≤ 1, area 1/2.
 
 use si::{Point2, Point3};
 
@@ -31,6 +31,27 @@ pub(crate) fn tetrahedron_125() -> Vec<(Point3, f64)> {
         }
     }
     points
+}
+
+/// Gauss-Legendre points of the cube, two along each axis, exact to degree 3 in each coordinate: the strain energy of
+/// the trilinear hexahedron.
+pub(crate) fn cube_8() -> Vec<(Point3, f64)> {
+    let near = 0.5 - (1.0f64 / 12.0).sqrt();
+    let line = [near, 1.0 - near];
+    (0..8).map(|n| ([line[n % 2], line[n / 2 % 2], line[n / 4]], 0.125)).collect()
+}
+
+/// Gauss-Legendre points of the cube, five along each axis. For integrals evaluated once.
+pub(crate) fn cube_125() -> Vec<(Point3, f64)> {
+    let line = line_5();
+    let at = |n: usize| [line[n % 5], line[n / 5 % 5], line[n / 25]];
+    (0..125).map(at).map(|points| (points.map(|(x, _)| x), points.iter().map(|(_, w)| w).product())).collect()
+}
+
+/// Gauss-Legendre points of the square, five along each axis. For integrals evaluated once.
+pub(crate) fn square_25() -> Vec<(Point2, f64)> {
+    let line = line_5();
+    line.iter().flat_map(|&(a, wa)| line.map(|(b, wb)| ([a, b], wa * wb))).collect()
 }
 
 /// One point, exact for linear integrands.
@@ -98,6 +119,14 @@ mod tests {
         assert!(tetrahedron_error(&tetrahedron_1(), 1) < 1e-16);
         assert!(tetrahedron_error(&tetrahedron_4(), 2) < 1e-16);
         assert!(tetrahedron_error(&tetrahedron_125(), 7) < 1e-15);
+    }
+
+    #[test]
+    fn each_rule_of_the_cube_is_exact_to_its_degree_in_each_coordinate() {
+        for (rule, degree) in [(cube_8(), 3), (cube_125(), 9)] {
+            let sum: f64 = rule.iter().map(|(x, w)| w * x.iter().map(|x| x.powi(degree)).product::<f64>()).sum();
+            assert!((sum - 1.0 / f64::from(degree + 1).powi(3)).abs() < 1e-15, "{degree}");
+        }
     }
 
     #[test]

@@ -7,9 +7,9 @@
 //! serve many time steps.
 
 use crate::assembly::elastic::Body;
-use crate::linear::sparsity::CONSTRAINED;
 use materials::polar_rotation;
 use nalgebra::Matrix3;
+use sparse::CONSTRAINED;
 
 /// One rotation per node, acting on its dofs.
 #[derive(Debug, Clone)]

@@ -1,4 +1,5 @@
-//! Shape functions of the 4- and 10-node tetrahedron and of the 3- and 6-node triangle, with their derivatives.
+//! Shape functions of the 4- and 10-node tetrahedron, the 8-node hexahedron, the 3- and 6-node triangle and the 4-node
+//! quadrilateral, with their derivatives.
 //!
 //! Node order as in [`crate::Elements`] and [`crate::Faces`]: corners, then mid-edge nodes.
 
@@ -22,6 +23,47 @@ pub(crate) fn triangle(nodes: usize, at: Point2) -> Vec<(f64, Point2)> {
     let barycentric = [1.0 - at[0] - at[1], at[0], at[1]];
     let derivative = [[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]];
     shapes(nodes == 6, &barycentric, &derivative, &SIDES)
+}
+
+/// Corners of the reference cube and square in the order of their nodes.
+const CORNERS: [[f64; 3]; 8] = [
+    [0.0, 0.0, 0.0],
+    [1.0, 0.0, 0.0],
+    [1.0, 1.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [0.0, 0.0, 1.0],
+    [1.0, 0.0, 1.0],
+    [1.0, 1.0, 1.0],
+    [0.0, 1.0, 1.0],
+];
+
+/// Edges of a hexahedron.
+pub(crate) const CUBE_EDGES: [(usize, usize); 12] =
+    [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)];
+
+/// Value and derivative by (ξ, η, ζ) of each shape function of the element with 4, 8 or 10 `nodes`.
+pub(crate) fn element(nodes: usize, at: Point3) -> Vec<(f64, Point3)> {
+    if nodes == 8 { products(&CORNERS, at) } else { tetrahedron(nodes, at) }
+}
+
+/// Value and derivative by (ξ, η) of each shape function of the face with 3, 4 or 6 `nodes`.
+pub(crate) fn face(nodes: usize, at: Point2) -> Vec<(f64, Point2)> {
+    if nodes != 4 {
+        return triangle(nodes, at);
+    }
+    let corners: [Point2; 4] = std::array::from_fn(|n| [CORNERS[n][0], CORNERS[n][1]]);
+    products(&corners, at)
+}
+
+/// Π (ξ or 1 − ξ) over the axes: 1 at its own corner, 0 at the others.
+fn products<const D: usize>(corners: &[[f64; D]], at: [f64; D]) -> Vec<(f64, [f64; D])> {
+    let shape = |corner: &[f64; D]| {
+        let factor: [f64; D] = std::array::from_fn(|k| if corner[k] == 1.0 { at[k] } else { 1.0 - at[k] });
+        let slope = |k: usize| if corner[k] == 1.0 { 1.0 } else { -1.0 };
+        let others = |k: usize| (0..D).filter(|&other| other != k).map(|other| factor[other]).product::<f64>();
+        (factor.iter().product(), std::array::from_fn(|k| slope(k) * others(k)))
+    };
+    corners.iter().map(shape).collect()
 }
 
 /// Linear: L_i. Quadratic: L_i (2 L_i − 1) at corners, 4 L_i L_j at mid-edge node ij.
@@ -51,8 +93,8 @@ mod tests {
 
     #[test]
     fn shape_functions_sum_to_one_and_their_derivatives_to_zero() {
-        for nodes in [4, 10] {
-            let all = tetrahedron(nodes, [0.13, 0.29, 0.41]);
+        for nodes in [4, 8, 10] {
+            let all = element(nodes, [0.13, 0.29, 0.41]);
             assert!((all.iter().map(|(n, _)| n).sum::<f64>() - 1.0).abs() < 1e-15);
             assert!((0..3).all(|axis| all.iter().map(|(_, d)| d[axis]).sum::<f64>().abs() < 1e-14));
         }
@@ -69,16 +111,23 @@ mod tests {
     }
 
     #[test]
+    fn each_shape_function_of_a_cube_is_one_at_its_own_corner() {
+        for (node, at) in CORNERS.into_iter().enumerate() {
+            assert!(element(8, at).iter().enumerate().all(|(other, shape)| (shape.0 == 1.0) == (other == node)));
+        }
+    }
+
+    #[test]
     fn derivatives_agree_with_central_differences() {
         let (at, h) = ([0.2, 0.3], 1e-6);
-        for nodes in [3, 6] {
+        for nodes in [3, 4, 6] {
             for axis in 0..2 {
                 let (mut above, mut below) = (at, at);
                 above[axis] += h;
                 below[axis] -= h;
                 for node in 0..nodes {
-                    let difference = (triangle(nodes, above)[node].0 - triangle(nodes, below)[node].0) / (2.0 * h);
-                    assert!((triangle(nodes, at)[node].1[axis] - difference).abs() < 1e-9);
+                    let difference = (face(nodes, above)[node].0 - face(nodes, below)[node].0) / (2.0 * h);
+                    assert!((face(nodes, at)[node].1[axis] - difference).abs() < 1e-9);
                 }
             }
         }

@@ -143,6 +143,7 @@ impl SolverState {
         problem: &InitialValueProblem,
         times: Vec<Second>,
         memory: usize,
+        observe: &mut dyn FnMut(Second, &State),
     ) -> Result<Trajectory, SolveError> {
         if let Some(pair) = times.windows(2).find(|pair| pair[0].is_nan() || pair[1].is_nan() || pair[1] <= pair[0]) {
             return Err(SolveError::Setting { what: "a time", value: pair[1], range: "above the time before it" });
@@ -164,6 +165,7 @@ impl SolverState {
                 made.checkpoints.push((stepper.states.iter().cloned().collect(), stepper.history.clone()));
             }
             self.step_to(&settings, &mut stepper, made.times[n], &made.pressures[n - 1])?;
+            observe(made.times[n], &stepper.states[0]);
             if all {
                 made.store(&stepper);
             }

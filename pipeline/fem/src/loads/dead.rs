@@ -1,6 +1,6 @@
 //! Dead loads: nodal forces of constant size and direction, and the point, line and surface loads they are built from.
 
-use crate::assembly::reference::{edge_integrals, triangle_integrals};
+use crate::assembly::reference::{edge_integrals, face_integrals};
 use crate::loads::Load;
 use crate::mesh::Mesh;
 use nalgebra::Matrix3;
@@ -62,9 +62,10 @@ impl<'a> Forces<'a> {
         self
     }
 
-    /// Adds `traction` (Pa, as a vector) over a face at rest: 3 nodes, or 6 with the mid-edge nodes of 01, 12, 20 last.
+    /// Adds `traction` (Pa, as a vector) over a face at rest: 3 or 4 corners, or 6 nodes with the mid-edge nodes of 01,
+    /// 12, 20 last.
     pub fn on_face(mut self, face: &[u32], traction: Point3) -> Self {
-        for (&node, integral) in face.iter().zip(triangle_integrals(self.mesh, face)) {
+        for (&node, integral) in face.iter().zip(face_integrals(self.mesh, face)) {
             self.add(node, traction, integral);
         }
         self

@@ -105,6 +105,26 @@ pub fn to_quadratic(mesh: &Mesh) -> Mesh {
     }
 }
 
+/// The same box as 8-node hexahedra; nodes and elements are counted along x, then y, then z.
+pub fn hexahedra(size: Point3, cells: [usize; 3]) -> Mesh {
+    let [nx, ny, nz] = cells.map(|count| count + 1);
+    let place = |n: usize| {
+        let at = [n % nx, n / nx % ny, n / (nx * ny)];
+        std::array::from_fn(|axis| size[axis] * at[axis] as f64 / cells[axis] as f64)
+    };
+    let corner = |[i, j, k]: [usize; 3], [x, y, z]: [usize; 3]| (i + x + nx * (j + y + ny * (k + z))) as u32;
+    let side = [[0, 0], [1, 0], [1, 1], [0, 1]];
+    let element = |cell| std::array::from_fn(|n| corner(cell, [side[n % 4][0], side[n % 4][1], n / 4]));
+    let elements: Vec<[u32; 8]> = all(cells).map(element).collect();
+    Mesh {
+        nodes: (0..nx * ny * nz).map(place).collect(),
+        regions: vec![0; elements.len()],
+        elements: Elements::Hexahedra(elements),
+        chambers: Vec::new(),
+        symmetry_plane_z: false,
+    }
+}
+
 fn all(cells: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
     (0..cells[2]).flat_map(move |k| (0..cells[1]).flat_map(move |j| (0..cells[0]).map(move |i| [i, j, k])))
 }

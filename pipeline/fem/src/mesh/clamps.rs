@@ -53,6 +53,13 @@ impl Clamps {
         self.axes.iter().map(|(&node, &axes)| (node, axes))
     }
 
+    /// The constrained axes of each of `nodes` nodes.
+    pub(crate) fn by_node(&self, nodes: usize) -> Vec<[bool; 3]> {
+        let mut constrained = vec![[false; 3]; nodes];
+        self.iter().for_each(|(node, axes)| constrained[node as usize] = axes);
+        constrained
+    }
+
     /// Number of nodes constrained along at least one axis.
     pub fn len(&self) -> usize {
         self.axes.len()

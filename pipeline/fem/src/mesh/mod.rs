@@ -1,4 +1,4 @@
-//! Mesh of a solid: nodes, tetrahedra with a region each, and the walls of its chambers.
+//! Mesh of a solid: nodes, tetrahedra or hexahedra with a region each, and the walls of its chambers.
 //!
 //! Plain arrays in SI units, so that any mesher can fill them. [`crate::System::new`] validates them.
 
@@ -6,8 +6,9 @@ pub mod box_mesh;
 pub(crate) mod clamps;
 
 use si::Point3;
+use sparse::NodeGraph;
 
-/// Tetrahedra of one order, by node numbers.
+/// Elements of one kind, by node numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Elements {
     /// Four corners; corners 1, 2, 3 are counterclockwise as seen from corner 0's opposite side, so that the volume is
@@ -15,14 +16,18 @@ pub enum Elements {
     Linear(Vec<[u32; 4]>),
     /// Four corners, then the mid-edge nodes of 01, 12, 02, 03, 13, 23 (the order of VTK).
     Quadratic(Vec<[u32; 10]>),
+    /// Trilinear hexahedra: four corners of one side, counterclockwise as seen from the inside, then those of the
+    /// opposite side in the same order (the order of VTK).
+    Hexahedra(Vec<[u32; 8]>),
 }
 
 impl Elements {
-    /// Number of tetrahedra.
+    /// Number of elements.
     pub fn len(&self) -> usize {
         match self {
             Self::Linear(tets) => tets.len(),
             Self::Quadratic(tets) => tets.len(),
+            Self::Hexahedra(hexahedra) => hexahedra.len(),
         }
     }
 
@@ -31,29 +36,35 @@ impl Elements {
         self.len() == 0
     }
 
-    /// Number of nodes of one tetrahedron: 4 or 10.
+    /// Number of nodes of one element: 4, 10 or 8.
     pub fn nodes_each(&self) -> usize {
         match self {
             Self::Linear(_) => 4,
             Self::Quadratic(_) => 10,
+            Self::Hexahedra(_) => 8,
         }
     }
 
-    /// The tetrahedra as lists of `N` nodes, `N` = [`Elements::nodes_each`].
-    pub(crate) fn of_order<const N: usize>(&self) -> &[[u32; N]] {
+    /// Node numbers of all elements, one after the other.
+    fn connectivity(&self) -> &[u32] {
         match self {
             Self::Linear(tets) => tets.as_flattened(),
             Self::Quadratic(tets) => tets.as_flattened(),
+            Self::Hexahedra(hexahedra) => hexahedra.as_flattened(),
         }
-        .as_chunks::<N>()
-        .0
     }
 
-    /// Node numbers of tetrahedron `element`, 4 or 10 of them.
+    /// The elements as lists of `N` nodes, `N` = [`Elements::nodes_each`].
+    pub(crate) fn of_order<const N: usize>(&self) -> &[[u32; N]] {
+        self.connectivity().as_chunks::<N>().0
+    }
+
+    /// Node numbers of `element`: 4, 10 or 8 of them.
     pub fn nodes(&self, element: usize) -> &[u32] {
         match self {
             Self::Linear(tets) => &tets[element],
             Self::Quadratic(tets) => &tets[element],
+            Self::Hexahedra(hexahedra) => &hexahedra[element],
         }
     }
 }
@@ -102,7 +113,7 @@ pub struct Chamber {
 pub struct Mesh {
     /// Rest positions, m.
     pub nodes: Vec<Point3>,
-    /// Tetrahedra.
+    /// Tetrahedra or hexahedra.
     pub elements: Elements,
     /// Region of each element: an index into the list of [`crate::RegionProperties`].
     pub regions: Vec<u16>,
@@ -130,6 +141,11 @@ impl Mesh {
     pub fn size(&self) -> f64 {
         let (low, high) = self.bounds();
         (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max)
+    }
+
+    /// Which nodes share an element.
+    pub(crate) fn graph(&self) -> NodeGraph {
+        NodeGraph::new(self.nodes.len(), self.elements.connectivity(), self.elements.nodes_each())
     }
 
     /// Whether `node` lies on the plane z = 0, to a ten-millionth of the size.

@@ -9,15 +9,12 @@
 //! and a line search on the energy would cut every step short.
 
 use crate::assembly::rotation::NodalRotations;
-use crate::linear::cholesky::{Factor, FactorError};
-use crate::linear::lbfgs::LbfgsHistory;
-use crate::linear::woodbury::RankOneUpdates;
-use crate::linear::{dot, max_abs};
 use crate::newton::line_search::{LineSearch, MAX_TRIALS};
 use crate::newton::options::{Globalisation, IterationState, NewtonCounts, NewtonOptions, NonConvergence};
 use crate::newton::potential::{Energy, HessianKind, Potential};
 use crate::system_data::SystemData;
 use si::Metre;
+use sparse::{Factor, FactorError, LbfgsHistory, RankOneUpdates, dot, max_abs};
 
 /// Fraction of the body's size by which one step may move a node: beyond it the tangent predicts little.
 const MAX_STEP: f64 = 0.3;
@@ -40,7 +37,13 @@ pub(crate) struct Newton {
     rotation: Option<NodalRotations>,
     gradient: Vec<f64>,
     trial_gradient: Vec<f64>,
+    /// Asked before each iteration whether to stop.
+    pub interrupt: Option<Interrupt>,
 }
+
+/// A question that is asked before each Newton iteration: whether the solve shall end with
+/// [`NonConvergence::Interrupted`].
+pub type Interrupt = std::sync::Arc<dyn Fn() -> bool + Send + Sync>;
 
 /// A Newton direction.
 struct Direction {
@@ -63,6 +66,7 @@ impl Newton {
             rotation: None,
             gradient: vec![0.0; full],
             trial_gradient: vec![0.0; full],
+            interrupt: None,
         }
     }
 
@@ -108,6 +112,9 @@ impl Newton {
         state: &mut IterationState,
         options: &NewtonOptions,
     ) -> Result<bool, NonConvergence> {
+        if self.interrupt.as_ref().is_some_and(|interrupted| interrupted()) {
+            return Err(NonConvergence::Interrupted);
+        }
         let fresh = std::mem::take(&mut state.refactorise);
         if fresh {
             let full_steps = options.globalisation == Globalisation::FullStep;
@@ -179,9 +186,11 @@ impl Newton {
     }
 
     /// Rotates the lagged factor to `u`.
+    // The stiffness of a law that is not objective does not turn with the body.
     pub(crate) fn rotate_factor_to(&mut self, on: &Potential, u: &[f64]) {
-        let body = on.data.body(on.elastic);
-        self.rotation = self.is_ready().then(|| NodalRotations::between(&body, &self.factorised_at, u));
+        let turns = on.elastic.iter().any(|is| is.material.is_objective());
+        let between = || NodalRotations::between(&on.body(), &self.factorised_at, u);
+        self.rotation = (self.is_ready() && turns).then(between);
     }
 
     /// x ← H x by the rotated factor alone, in elimination order: the preconditioner of all solves.

@@ -5,12 +5,10 @@
 //! factorisation: re-solves after changes of 2 to 10 % took 1.1 to 1.8 s, with a new factor 3.3 to 4.2 s. Where it is
 //! not, it gives up early.
 
-use crate::linear::max_abs;
-use crate::linear::pcg::PcgOptions;
-use crate::linear::woodbury::RankOneUpdates;
 use crate::newton::iteration::Newton;
 use crate::newton::options::{NewtonCounts, NewtonOptions};
 use crate::newton::potential::{HessianKind, Potential};
+use sparse::{PcgOptions, RankOneUpdates, max_abs};
 
 /// Newton iterations at most: a solve that needs more converges faster with a new factor.
 const MAX_ITERATIONS: usize = 8;

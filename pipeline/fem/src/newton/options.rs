@@ -67,10 +67,7 @@ pub enum NonConvergence {
         iterations: usize,
     },
     /// The factor does not solve its own matrix.
-    #[error(
-        "the factor leaves a relative residual of {residual:.1e}; the limit is {:.0e}",
-        crate::linear::cholesky::RESIDUAL_LIMIT
-    )]
+    #[error("the factor leaves a relative residual of {residual:.1e}; the limit is {:.0e}", sparse::RESIDUAL_LIMIT)]
     InaccurateFactor {
         /// Relative residual of the check solve.
         residual: f64,
@@ -85,6 +82,9 @@ pub enum NonConvergence {
         /// Largest displacement on the way, m.
         moved: Metre,
     },
+    /// The solve was asked to end.
+    #[error("it was interrupted")]
+    Interrupted,
     /// A force is NaN or infinite.
     #[error("a force is not a finite number")]
     NotFinite,
@@ -155,7 +155,7 @@ impl IterationState {
     /// # Errors
     /// [`NonConvergence::LossOfStability`] when the iteration is far from every shape that could be in equilibrium.
     pub(crate) fn check_stability(&self, u: &[f64], size: Metre) -> Result<(), NonConvergence> {
-        let moved = crate::linear::max_abs(u);
+        let moved = sparse::max_abs(u);
         if self.indefinite >= MAX_INDEFINITE || moved > MAX_DISPLACEMENT * size {
             return Err(NonConvergence::LossOfStability { times: self.indefinite, moved });
         }

@@ -7,13 +7,13 @@
 
 use crate::assembly::elastic::{Body, Elastic};
 use crate::assembly::mass::Mass;
-use crate::linear::dot;
 use crate::loads::gas::Gas;
 use crate::loads::{DeadForces, Load};
 use crate::system_data::SystemData;
 use materials::symmetric::Symmetric;
 use materials::tangent::TangentKind;
 use si::Pascal;
+use sparse::dot;
 
 /// Inertial and history terms of one time step.
 #[derive(Debug, Clone, Default)]
@@ -44,6 +44,8 @@ pub(crate) enum HessianKind {
 pub(crate) struct Potential<'a> {
     pub data: &'a SystemData,
     pub elastic: &'a [Elastic],
+    /// Factor of the moduli of each element; empty: 1.
+    pub factors: &'a [f64],
     /// H of every quadrature point, Pa (see `viscoelastic`); empty: none.
     pub held: &'a [Symmetric],
     pub mass: &'a Mass,
@@ -168,7 +170,9 @@ impl Potential<'_> {
         terms.map(|(c, gradient)| (c, self.data.pattern.gather(&gradient))).collect()
     }
 
-    fn body(&self) -> Body<'_> {
-        Body { held: self.held, held_factor: self.load_factor, ..self.data.body(self.elastic) }
+    /// The domain of assembly.
+    pub(crate) fn body(&self) -> Body<'_> {
+        let (factors, held, held_factor) = (self.factors, self.held, self.load_factor);
+        Body { factors, held, held_factor, ..self.data.body(self.elastic) }
     }
 }

@@ -3,10 +3,9 @@
 //! The factor that Newton's method left is one step away from the solution, so PCG on the exact tangent converges in
 //! two or three iterations. Where it needs many, the exact tangent is factorised.
 
-use crate::linear::pcg::{PcgOptions, conjugate_gradients};
-use crate::linear::woodbury::RankOneUpdates;
 use crate::newton::iteration::Newton;
 use crate::newton::potential::Potential;
+use sparse::{PcgOptions, RankOneUpdates, conjugate_gradients};
 
 impl Newton {
     /// Assembles the exact tangent of `on` at `u` (3 entries per node, m), and rotates the lagged factor to it.

@@ -2,10 +2,10 @@
 
 use super::{Projective, ProjectiveError, potential};
 use crate::dynamics::settings::State;
-use crate::linear::pcg::PcgOptions;
 use crate::newton::options::{Globalisation, NewtonOptions};
 use crate::solver_state::SolverState;
 use si::Pascal;
+use sparse::PcgOptions;
 
 /// Newton iterations at most in one step.
 const MAX_ITERATIONS: usize = 200;

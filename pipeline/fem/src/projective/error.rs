@@ -1,8 +1,8 @@
 //! Errors of projective dynamics.
 
-use crate::linear::cholesky::FactorError;
 use crate::newton::options::NonConvergence;
 use crate::solve_error::SolveError;
+use sparse::FactorError;
 
 /// Why projective dynamics cannot treat a system, or finds no step.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -5,13 +5,10 @@
 use super::ProjectiveError;
 use crate::assembly::elastic::Elastic;
 use crate::assembly::mass::{Mass, MassAssembly};
-use crate::linear::cholesky::{Factor, FactorError, Symbolic};
-use crate::linear::node_graph::NodeGraph;
-use crate::linear::sparsity::{CONSTRAINED, Pattern};
-use crate::mesh::clamps::Clamps;
 use crate::system_data::{SystemData, block_positions};
 use nalgebra::Matrix3;
 use si::vec3;
+use sparse::{CONSTRAINED, Factor, FactorError, Pattern, Symbolic};
 
 /// A⁻¹.
 pub(crate) struct GlobalStep {
@@ -80,10 +77,8 @@ impl GlobalMatrix<'_> {
     /// The matrix between the nodes that are not `constrained`, in the pattern of a body that moves along x alone.
     fn factorised(&self, constrained: &[bool], axes: &[usize]) -> Result<Scalar, FactorError> {
         let (data, mesh) = (self.data, &self.data.mesh);
-        let mut clamps = Clamps::none();
-        let all = constrained.iter().enumerate();
-        all.for_each(|(node, &constrained)| clamps.constrain(node as u32, [constrained, true, true]));
-        let pattern = Pattern::new(&mesh.nodes, &NodeGraph::new(mesh.nodes.len(), &mesh.elements), &clamps);
+        let constrained: Vec<[bool; 3]> = constrained.iter().map(|&constrained| [constrained, true, true]).collect();
+        let pattern = Pattern::new(&mesh.nodes, &mesh.graph(), &constrained);
         let block_positions = block_positions(mesh, &pattern);
         let on = MassAssembly { mesh, pattern: &pattern, block_positions: &block_positions, products: &data.products };
         let mut values = vec![0.0; pattern.entries()];

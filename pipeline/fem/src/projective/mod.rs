@@ -64,7 +64,7 @@ impl Projective {
     /// step is not above zero, or the constant matrix has no factor.
     pub fn new(system: &System, step: Second) -> Result<Self, ProjectiveError> {
         let data = &system.data;
-        if let Elements::Quadratic(_) = data.mesh.elements {
+        if !matches!(data.mesh.elements, Elements::Linear(_)) {
             return Err(ProjectiveError::Order { nodes: data.mesh.elements.nodes_each() });
         }
         if let Some(region) = data.regions.iter().position(|is| is.material.name() != "corotated") {

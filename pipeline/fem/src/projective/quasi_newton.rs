@@ -6,11 +6,10 @@
 
 use super::global_step::GlobalStep;
 use super::{ProjectiveError, ProjectiveSettings};
-use crate::linear::dot;
-use crate::linear::lbfgs::LbfgsHistory;
 use crate::loads::Load;
 use crate::newton::line_search::{LineSearch, MAX_TRIALS};
 use crate::newton::potential::{Energy, Potential};
+use sparse::{LbfgsHistory, dot};
 
 /// Minimisation of one potential.
 pub(crate) struct QuasiNewton<'a> {

@@ -14,7 +14,6 @@ use super::model::Sampled;
 use super::nnls::{self, Columns};
 use crate::assembly::elastic::Elastic;
 use crate::inputs::Inputs;
-use crate::mesh::Elements;
 use crate::system_data::SystemData;
 
 /// Forces of snapshots below this fraction of the largest force are matched to the same absolute error.
@@ -62,10 +61,7 @@ fn points_of_region(system: &SystemData, region: usize) -> Vec<u32> {
 /// G of a quadrature point: column m holds Σ_a V_a,m ⊗ ∇N_a.
 fn mode_gradient(system: &SystemData, point: u32, modes: &DMatrix<f64>) -> ModeGradient {
     let (point, element) = (point as usize, point as usize / system.reference.points);
-    let nodes = match &system.mesh.elements {
-        Elements::Linear(tets) => &tets[element][..],
-        Elements::Quadratic(tets) => &tets[element][..],
-    };
+    let nodes = system.mesh.elements.nodes(element);
     let gradients = &system.reference.gradients[point * nodes.len()..(point + 1) * nodes.len()];
     let mut mode_gradient = ModeGradient::zeros(modes.ncols());
     for (node, gradient) in nodes.iter().zip(gradients) {

@@ -19,7 +19,6 @@ pub(super) type ModeGradient = OMatrix<f64, nalgebra::U9, nalgebra::Dyn>;
 #[derive(Debug, Clone, Copy)]
 pub(super) enum ReducedTangent<'a> {
     /// The exact tangent.
-    #[cfg(test)]
     Exact,
     /// The mixed-integration-point tangent of the linear step from these coordinates.
     MixedPoint(&'a DVector<f64>),
@@ -89,7 +88,6 @@ impl Points {
         stiffness: &mut DMatrix<f64>,
     ) {
         let (kind, previous) = match kind {
-            #[cfg(test)]
             ReducedTangent::Exact => (TangentKind::Exact, q),
             ReducedTangent::Convex => (TangentKind::Convex, q),
             ReducedTangent::MixedPoint(previous) => (TangentKind::MixedPoint(&[]), previous),

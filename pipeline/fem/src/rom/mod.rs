@@ -16,12 +16,14 @@ mod nnls;
 mod pod;
 mod reduction;
 mod relaxation;
+mod single_step;
 mod step;
 
 pub use error::ReducedError;
 pub use integration::{Actuation, ReducedMotion};
 pub use model::{ReducedModel, ReducedModelData};
 pub use pod::ReductionSettings;
+pub use single_step::{ReducedState, ReducedStep, ReducedStepGradient};
 pub use step::{ExternalForce, NoForce, StepState};
 
 #[cfg(test)]

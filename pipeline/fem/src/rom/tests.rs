@@ -66,6 +66,45 @@ fn without_unused_nodes(mesh: Mesh) -> Mesh {
     Mesh { nodes, elements: Elements::Quadratic(tets), chambers, ..mesh }
 }
 
+#[test]
+fn the_gradient_of_one_step_is_that_of_differences() {
+    use super::{ReducedState, ReducedStep};
+    let system = hollow();
+    let snapshots = snapshots(&system);
+    let snapshots: Vec<&[f64]> = snapshots.iter().map(Vec::as_slice).collect();
+    let model = system.reduce(&snapshots, &ReductionSettings::default()).expect("a reduced model");
+    let r = model.coordinates();
+    let dynamic =
+        DynamicSettings { step: 4e-3, mass_damping: 2.0, stiffness_damping: 1e-3, ..DynamicSettings::default() };
+    let wave = |part: f64, by: f64| DVector::from_fn(r, |n, _| part * (by * n as f64 + 0.3).sin());
+    let size = model.size;
+    let start = ReducedState { coordinates: wave(0.1 * size, 0.7), velocity: wave(2.0 * size, 1.9) };
+    let loss = ReducedState { coordinates: wave(1.0, 2.3), velocity: wave(0.01, 0.9) };
+    let value = |state: &ReducedState, pressure: f64, scale: f64| {
+        let given = ReducedStep { settings: &dynamic, pressures: &[pressure], modulus_scale: &[scale] };
+        let after = model.step(state, &given).expect("a step");
+        (after.coordinates.dot(&loss.coordinates) + after.velocity.dot(&loss.velocity), after)
+    };
+    let (pressure, scale) = (1.5e4, 1.1);
+    let after = value(&start, pressure, scale).1;
+    let given = ReducedStep { settings: &dynamic, pressures: &[pressure], modulus_scale: &[scale] };
+    let gradient = model.step_gradient((&start, &after), &given, &loss).expect("a gradient");
+    let near = |by: f64, difference: f64| assert!((by / difference - 1.0).abs() < 1e-5, "{by} {difference}");
+    near(
+        gradient.pressures[0],
+        (value(&start, pressure + 5.0, scale).0 - value(&start, pressure - 5.0, scale).0) / 10.0,
+    );
+    near(gradient.modulus_scale[0], (value(&start, pressure, 1.101).0 - value(&start, pressure, 1.099).0) / 2e-3);
+    let shifted = |sign: f64, which: bool| {
+        let mut state = start.clone();
+        let entry = if which { &mut state.velocity[0] } else { &mut state.coordinates[0] };
+        *entry += sign * 1e-4 * size;
+        value(&state, pressure, scale).0
+    };
+    near(gradient.state.coordinates[0], (shifted(1.0, false) - shifted(-1.0, false)) / (2e-4 * size));
+    near(gradient.state.velocity[0], (shifted(1.0, true) - shifted(-1.0, true)) / (2e-4 * size));
+}
+
 /// Equilibria under rising pressures, with lateral gravity or without.
 fn snapshots(system: &System) -> Vec<Vec<f64>> {
     let mut snapshots = Vec::new();

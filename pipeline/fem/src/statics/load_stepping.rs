@@ -6,12 +6,12 @@
 //! the snap-through of a thin wall.
 
 use crate::inputs::AppliedLoad;
-use crate::linear::dot;
 use crate::newton::options::{Globalisation, NewtonOptions, NonConvergence};
 use crate::solve_error::SolveError;
 use crate::solver_state::SolverState;
 use crate::statics::equilibrium::{Equilibrium, StaticSettings};
 use si::Pascal;
+use sparse::dot;
 
 /// Tolerance of intermediate load steps, as a fraction of the body's size: they only lead to the next.
 const INTERMEDIATE_TOLERANCE: f64 = 1e-5;

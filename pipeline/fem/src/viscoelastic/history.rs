@@ -1,7 +1,6 @@
 //! Histories: the shear stress of the last step and the overstress of each branch, at every relaxing quadrature point.
 
 use crate::assembly::kernels::deformation_of;
-use crate::mesh::Elements;
 use crate::system_data::SystemData;
 use materials::step::RegionStep;
 use materials::symmetric::Symmetric;
@@ -55,10 +54,7 @@ pub(crate) fn for_each_point(data: &SystemData, regions: &[RegionStep], mut visi
         if of.branches.is_empty() {
             continue;
         }
-        let nodes = match &data.mesh.elements {
-            Elements::Linear(tets) => &tets[element][..],
-            Elements::Quadratic(tets) => &tets[element][..],
-        };
+        let nodes = data.mesh.elements.nodes(element);
         for number in element * reference.points..(element + 1) * reference.points {
             let gradients = &reference.gradients[number * each..(number + 1) * each];
             let own = end..end + 1 + of.branches.len();

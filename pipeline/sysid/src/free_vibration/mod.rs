@@ -8,6 +8,7 @@
 mod condition;
 mod features;
 mod fetch;
+mod fitted_law;
 pub(crate) mod fitting;
 mod ladder;
 mod laws;
@@ -24,6 +25,7 @@ use rayon::prelude::*;
 use condition::Condition;
 use features::Features;
 pub use fetch::fetch;
+pub use fitted_law::FittedLaw;
 use ladder::{Bench, LawResult};
 pub use page::Page;
 use recorded::Recorded;

@@ -1,24 +1,22 @@
 //! The node graph of a mesh: which nodes share an element.
 
-use crate::mesh::Elements;
-
 /// Neighbours of each node, in rising order, itself not among them.
 #[derive(Debug)]
-pub(crate) struct NodeGraph {
+pub struct NodeGraph {
     start: Vec<usize>,
     neighbours: Vec<u32>,
 }
 
 impl NodeGraph {
-    /// From the elements between `nodes` nodes.
-    pub fn new(nodes: usize, elements: &Elements) -> Self {
-        let at = elements_at(nodes, elements);
+    /// From the elements between `nodes` nodes: the nodes of one element after those of the other, `each` of them.
+    pub fn new(nodes: usize, elements: &[u32], each: usize) -> Self {
+        let at = elements_at(nodes, elements, each);
         let mut graph = Self { start: vec![0], neighbours: Vec::new() };
         let mut around: Vec<u32> = Vec::new();
         for node in 0..nodes {
             around.clear();
             for &element in &at.neighbours[at.start[node]..at.start[node + 1]] {
-                around.extend_from_slice(elements.nodes(element as usize));
+                around.extend_from_slice(&elements[each * element as usize..each * (element as usize + 1)]);
             }
             around.sort_unstable();
             around.dedup();
@@ -28,9 +26,14 @@ impl NodeGraph {
         graph
     }
 
-    /// How many nodes there are.
+    /// Number of nodes.
     pub fn len(&self) -> usize {
         self.start.len() - 1
+    }
+
+    /// Whether it has no node.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
     }
 
     /// The nodes that share an element with `node`.
@@ -40,18 +43,16 @@ impl NodeGraph {
 }
 
 /// Elements at each node, in the same compressed form.
-fn elements_at(nodes: usize, elements: &Elements) -> NodeGraph {
+fn elements_at(nodes: usize, elements: &[u32], each: usize) -> NodeGraph {
     let mut start = vec![0; nodes + 1];
-    for element in 0..elements.len() {
-        elements.nodes(element).iter().for_each(|&node| start[node as usize + 1] += 1);
-    }
+    elements.iter().for_each(|&node| start[node as usize + 1] += 1);
     for node in 0..nodes {
         start[node + 1] += start[node];
     }
     let mut next = start.clone();
     let mut list = vec![0; start[nodes]];
-    for element in 0..elements.len() {
-        for &node in elements.nodes(element) {
+    for (element, corners) in elements.chunks_exact(each).enumerate() {
+        for &node in corners {
             list[next[node as usize]] = element as u32;
             next[node as usize] += 1;
         }

@@ -3,11 +3,11 @@
 //! The preconditioner is the factor of a nearby tangent: a lagged factor, rotated with the body. After a small change
 //! of the tangent it needs a few iterations, where a new factorisation costs as much as about twenty of them.
 
-use crate::linear::dot;
+use crate::dot;
 
 /// When conjugate gradients stop.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct PcgOptions {
+pub struct PcgOptions {
     /// ‖Kx − b‖ / ‖b‖
     pub tolerance: f64,
     /// Iterations at most.
@@ -19,7 +19,7 @@ pub(crate) struct PcgOptions {
 ///
 /// Returns x and the number of iterations, or nothing when the tolerance is not met within the limit, or when a
 /// direction shows that K is not positive definite.
-pub(crate) fn conjugate_gradients(
+pub fn conjugate_gradients(
     multiply: impl Fn(&[f64], &mut [f64]),
     mut precondition: impl FnMut(&mut [f64]),
     b: &[f64],
@@ -61,16 +61,13 @@ pub(crate) fn conjugate_gradients(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linear::node_graph::NodeGraph;
-    use crate::linear::sparsity::Pattern;
-    use crate::mesh::box_mesh;
-    use crate::mesh::clamps::Clamps;
+    use crate::sparsity::Pattern;
+    use crate::testing::Grid;
 
     #[test]
     fn a_rough_preconditioner_solves_a_definite_matrix_and_an_indefinite_one_is_rejected() {
-        let mesh = box_mesh::linear([0.1, 0.02, 0.02], [4, 1, 1]);
-        let graph = NodeGraph::new(mesh.nodes.len(), &mesh.elements);
-        let pattern = Pattern::new(&mesh.nodes, &graph, &Clamps::below_x(&mesh, 1e-9));
+        let grid = Grid::new([4, 1, 1]);
+        let pattern = Pattern::new(&grid.nodes, &grid.graph(), &grid.first_layer_constrained());
         let n = pattern.dofs();
         let mut values = vec![-0.1; pattern.entries()];
         (0..n).for_each(|column| values[pattern.columns[column] as usize] = 9.0 + (column % 5) as f64);

@@ -6,7 +6,7 @@
 //! CHOLMOD; the simplicial method is 26 times slower, so the supernodal one is forced. The factorisation is sequential,
 //! because the second core is better used by an independent solve.
 
-use crate::linear::sparsity::Pattern;
+use crate::sparsity::Pattern;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::sparse::linalg::SupernodalThreshold;
@@ -18,7 +18,7 @@ use faer::{Conj, MatMut, Par, Side};
 
 /// Symbolic factorisation: structure of the matrix and of its factor.
 #[derive(Debug)]
-pub(crate) struct Symbolic {
+pub struct Symbolic {
     lower: SymbolicSparseColMat<u32>,
     cholesky: SymbolicCholesky<u32>,
 }
@@ -41,7 +41,7 @@ pub enum FactorError {
 }
 
 /// Largest relative residual of the check solve: rounding leaves 1e-13 at a stiffness contrast of 10⁴.
-pub(crate) const RESIDUAL_LIMIT: f64 = 1e-9;
+pub const RESIDUAL_LIMIT: f64 = 1e-9;
 
 impl Symbolic {
     /// Analyses the pattern, which is in elimination order already.
@@ -88,7 +88,7 @@ fn upper(pattern: &Pattern) -> (Vec<u32>, Vec<u32>) {
 }
 
 /// Numbers of one factor, with the workspace to compute and apply it.
-pub(crate) struct Factor {
+pub struct Factor {
     values: Vec<f64>,
     factor_workspace: MemBuffer,
     solve_workspace: MemBuffer,
@@ -110,7 +110,7 @@ impl Factor {
     }
 
     /// Whether a factor exists.
-    pub(crate) fn is_ready(&self) -> bool {
+    pub fn is_ready(&self) -> bool {
         self.ready
     }
 
@@ -120,7 +120,7 @@ impl Factor {
     /// [`FactorError`]; no factor is then kept.
     // The check costs one solve and one product; wrong results of parallel sparse factorisations have been reported
     // elsewhere.
-    pub(crate) fn compute(
+    pub fn compute(
         &mut self,
         symbolic: &Symbolic,
         pattern: &Pattern,

@@ -7,7 +7,7 @@
 //! Measured on hollow slender bodies: 1.4 to 2.9 times less work in the factor than approximate minimum degree, and
 //! within a tenth of METIS, which would bring a C library.
 
-use crate::linear::node_graph::NodeGraph;
+use crate::node_graph::NodeGraph;
 use si::Point3;
 
 /// Sets of this many nodes are not split further: their fronts are small enough to be dense.
@@ -139,7 +139,7 @@ fn elimination_tree(graph: &NodeGraph, order: &[u32]) -> Vec<Option<usize>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::box_mesh;
+    use crate::testing::Grid;
 
     /// Entries of the factor below the diagonal, by merging each column's structure into its parent's.
     fn fill(graph: &NodeGraph, order: &[u32]) -> usize {
@@ -164,8 +164,8 @@ mod tests {
 
     #[test]
     fn every_active_node_is_eliminated_once_and_no_other() {
-        let mesh = box_mesh::quadratic([0.1, 0.02, 0.02], [8, 2, 2]);
-        let graph = NodeGraph::new(mesh.nodes.len(), &mesh.elements);
+        let mesh = Grid::new([16, 4, 4]);
+        let graph = mesh.graph();
         let active: Vec<u32> = (0..mesh.nodes.len() as u32).filter(|node| node % 7 != 0).collect();
         let mut order = elimination_order(&mesh.nodes, &graph, active.clone());
         order.sort_unstable();
@@ -174,8 +174,8 @@ mod tests {
 
     #[test]
     fn each_subtree_is_numbered_consecutively_before_its_parent() {
-        let mesh = box_mesh::linear([0.1, 0.1, 0.1], [6, 6, 6]);
-        let graph = NodeGraph::new(mesh.nodes.len(), &mesh.elements);
+        let mesh = Grid::new([6, 6, 6]);
+        let graph = mesh.graph();
         let order = elimination_order(&mesh.nodes, &graph, (0..mesh.nodes.len() as u32).collect());
         let parents = elimination_tree(&graph, &order);
         let mut size = vec![1; order.len()];
@@ -192,8 +192,8 @@ mod tests {
 
     #[test]
     fn nested_dissection_fills_less_than_half_as_much_as_the_natural_order() {
-        let mesh = box_mesh::linear([0.1, 0.1, 0.1], [14, 14, 14]);
-        let graph = NodeGraph::new(mesh.nodes.len(), &mesh.elements);
+        let mesh = Grid::new([22, 22, 22]);
+        let graph = mesh.graph();
         let natural: Vec<u32> = (0..mesh.nodes.len() as u32).collect();
         let order = elimination_order(&mesh.nodes, &graph, natural.clone());
         assert!(2 * fill(&graph, &order) < fill(&graph, &natural));

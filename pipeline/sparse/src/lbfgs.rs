@@ -3,7 +3,7 @@
 //! Pairs of step s and gradient change y since the last factorisation correct the inverse, so that one lagged factor
 //! serves many iterations.
 
-use crate::linear::dot;
+use crate::dot;
 use std::collections::VecDeque;
 
 /// Pairs in the history. A pair costs four passes over a vector, far less than a solve with the factor.
@@ -11,7 +11,7 @@ const PAIRS: usize = 16;
 
 /// Steps and gradient changes since the last factorisation.
 #[derive(Debug, Default)]
-pub(crate) struct LbfgsHistory {
+pub struct LbfgsHistory {
     pairs: VecDeque<Pair>,
 }
 

@@ -5,12 +5,12 @@
 //! A sealed chamber couples all nodes of its wall. Assembled, that block would change the sparsity of the matrix and
 //! fill the factor; kept apart as one vector, it leaves the symbolic factorisation of the open chamber valid.
 
-use crate::linear::dot;
+use crate::dot;
 use nalgebra::{DMatrix, DVector};
 
 /// The rank-one terms, in elimination order, and their solves with K.
 #[derive(Debug, Default)]
-pub(crate) struct RankOneUpdates {
+pub struct RankOneUpdates {
     /// c and v of each.
     terms: Vec<(f64, Vec<f64>)>,
     /// K⁻¹ v of each.
@@ -26,7 +26,7 @@ impl RankOneUpdates {
     }
 
     /// Prepares solves with the inverse of K that `solve` applies; false when the sum is singular.
-    pub(crate) fn prepare(&mut self, mut solve: impl FnMut(&mut [f64])) -> bool {
+    pub fn prepare(&mut self, mut solve: impl FnMut(&mut [f64])) -> bool {
         self.solved = self.terms.iter().map(|(_, v)| v.clone()).collect();
         self.solved.iter_mut().for_each(|v| solve(v));
         let count = self.terms.len();
@@ -53,7 +53,7 @@ impl RankOneUpdates {
     }
 
     /// Adds Σ c v (v · x) to `image`.
-    pub(crate) fn multiply(&self, x: &[f64], image: &mut [f64]) {
+    pub fn multiply(&self, x: &[f64], image: &mut [f64]) {
         for (c, v) in &self.terms {
             let part = c * dot(v, x);
             image.iter_mut().zip(v).for_each(|(image, v)| *image += part * v);

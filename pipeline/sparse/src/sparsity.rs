@@ -3,14 +3,13 @@
 //! Each node contributes up to three consecutive dofs; constrained ones are left out. The position of a 3 × 3 block is
 //! one number, the offset of its row node within the column of its column node, so that assembly needs no search.
 
-use crate::linear::nested_dissection;
-use crate::linear::node_graph::NodeGraph;
-use crate::mesh::clamps::Clamps;
+use crate::nested_dissection;
+use crate::node_graph::NodeGraph;
 use nalgebra::Matrix3;
 use si::Point3;
 
 /// Marks a constrained axis, or a block of a node without dofs.
-pub(crate) const CONSTRAINED: u32 = u32::MAX;
+pub const CONSTRAINED: u32 = u32::MAX;
 
 /// A symmetric matrix by columns, its lower triangle alone: rows and columns in elimination order.
 #[derive(Debug, Clone, Copy)]
@@ -27,7 +26,7 @@ pub struct LowerTriangle<'a> {
 
 /// Position of every dof and every entry.
 #[derive(Debug)]
-pub(crate) struct Pattern {
+pub struct Pattern {
     /// nodes × axes: the row of the matrix, or [`CONSTRAINED`].
     pub dof: Vec<[u32; 3]>,
     /// dofs + 1: where each column begins.
@@ -43,10 +42,8 @@ pub(crate) struct Pattern {
 }
 
 impl Pattern {
-    /// From the positions of the nodes (m), their graph and their clamps.
-    pub fn new(positions: &[Point3], graph: &NodeGraph, clamps: &Clamps) -> Self {
-        let mut constrained = vec![[false; 3]; graph.len()];
-        clamps.iter().for_each(|(node, axes)| constrained[node as usize] = axes);
+    /// From the positions of the nodes (m), their graph, and the axes along which each is `constrained`.
+    pub fn new(positions: &[Point3], graph: &NodeGraph, constrained: &[[bool; 3]]) -> Self {
         let active = (0..graph.len() as u32).filter(|&node| constrained[node as usize] != [true; 3]).collect();
         let order = nested_dissection::elimination_order(positions, graph, active);
         let mut pattern = Self {
@@ -105,7 +102,7 @@ impl Pattern {
 
     /// Position of the block of nodes `a` and `b`: [`CONSTRAINED`] when one has no dof, `None` when they share no
     /// element.
-    pub(crate) fn block_position(&self, a: u32, b: u32) -> Option<u32> {
+    pub fn block_position(&self, a: u32, b: u32) -> Option<u32> {
         let (low, high) = self.ranks(a, b);
         if high == CONSTRAINED {
             return Some(CONSTRAINED);
@@ -147,7 +144,7 @@ impl Pattern {
     }
 
     /// y = K x for the symmetric matrix whose lower triangle is `values`; both in elimination order.
-    pub(crate) fn multiply(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
+    pub fn multiply(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
         y.fill(0.0);
         for column in 0..self.dofs() {
             let (from, to) = (self.columns[column] as usize, self.columns[column + 1] as usize);
@@ -162,7 +159,7 @@ impl Pattern {
     }
 
     /// The entries `values` with their pattern.
-    pub(crate) fn lower_triangle<'a>(&'a self, values: &'a [f64]) -> LowerTriangle<'a> {
+    pub fn lower_triangle<'a>(&'a self, values: &'a [f64]) -> LowerTriangle<'a> {
         LowerTriangle { columns: &self.columns, rows: &self.rows, values, full_index: &self.full_index }
     }
 
@@ -193,15 +190,14 @@ fn first(dof: &[u32; 3]) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::box_mesh;
+    use crate::testing::Grid;
 
-    fn clamped_bar() -> (crate::Mesh, Pattern) {
-        let mesh = box_mesh::quadratic([0.1, 0.02, 0.02], [3, 1, 1]);
-        let graph = NodeGraph::new(mesh.nodes.len(), &mesh.elements);
-        let mut clamps = Clamps::below_x(&mesh, 1e-9);
-        clamps.constrain(mesh.nodes.len() as u32 - 1, [false, true, false]);
-        let pattern = Pattern::new(&mesh.nodes, &graph, &clamps);
-        (mesh, pattern)
+    fn clamped_bar() -> (Grid, Pattern) {
+        let grid = Grid::new([6, 2, 2]);
+        let mut constrained = grid.first_layer_constrained();
+        constrained[grid.nodes.len() - 1] = [false, true, false];
+        let pattern = Pattern::new(&grid.nodes, &grid.graph(), &constrained);
+        (grid, pattern)
     }
 
     #[test]
@@ -216,8 +212,8 @@ mod tests {
 
     #[test]
     fn a_block_lands_on_the_rows_and_columns_of_its_nodes() {
-        let (mesh, pattern) = clamped_bar();
-        let nodes = mesh.elements.nodes(10);
+        let (grid, pattern) = clamped_bar();
+        let nodes = grid.elements.last().unwrap();
         let block = Matrix3::new(1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0);
         for (&a, &b) in nodes.iter().flat_map(|a| nodes.iter().map(move |b| (a, b))).filter(|(a, b)| a != b) {
             let mut values = vec![0.0; pattern.entries()];

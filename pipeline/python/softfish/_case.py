@@ -1,0 +1,79 @@
+"""Cases: one body under loads, from a file or built in Python."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from softfish import _core
+from softfish._errors import InputError
+from softfish._mesh import Mesh
+
+if TYPE_CHECKING:
+    from softfish._solver import Solver
+
+
+def _plain(value: Any) -> Any:
+    """Arrays and numbers of numpy as lists and numbers."""
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    raise TypeError(f"{type(value).__name__} is no entry of a case")
+
+
+class Case:
+    """One body under loads: the mesh, its materials, clamps, chambers, loads, and how it is solved.
+
+    The keys are those of a case file of the command line, `study simulate --help` shows them all.
+    """
+
+    def __init__(self, source: str | os.PathLike[str] | Mapping[str, Any], mesh: Mesh | None = None) -> None:
+        """From a file of TOML, or from a dictionary with its keys; `mesh` takes the place of the one that it names."""
+        if isinstance(source, Mapping):
+            keys = dict(source)
+            if mesh is not None:
+                keys["mesh"] = {"file": "given", "unit": "m"}
+            try:
+                text = json.dumps(keys, default=_plain, allow_nan=False)
+            except (TypeError, ValueError) as error:
+                why = "a case holds numbers, texts, lists and dictionaries"
+                raise InputError(f"the case cannot be written: {error}", why, "correct the entry") from error
+            self._core = _core.Case.parse_json(text, str(Path.cwd() / "case.toml"))
+            self.path: Path | None = None
+        else:
+            self.path = Path(source)
+            self._core = _core.Case.read(os.fspath(source))
+        self._mesh = mesh
+
+    @classmethod
+    def from_toml(cls, text: str, folder: str | os.PathLike[str] = ".") -> Case:
+        """From a text of TOML; meshes are named relative to `folder`."""
+        case = cls.__new__(cls)
+        case.path = None
+        case._mesh = None
+        case._core = _core.Case.parse(text, str(Path(folder) / "case.toml"))
+        return case
+
+    @property
+    def mesh(self) -> Mesh:
+        """The mesh, read at first use."""
+        if self._mesh is None:
+            self._mesh = Mesh._of(self._core.mesh())
+        return self._mesh
+
+    def solver(self) -> Solver:
+        """A solver, which keeps its factor from solve to solve."""
+        from softfish._solver import Solver
+
+        return Solver(self)
+
+    def run(self, out: str | os.PathLike[str] | None = None, *, quiet: bool = True) -> Path:
+        """Solves the case in its file as `study simulate` does, to the byte, and returns the folder of its results."""
+        if self.path is None:
+            raise InputError("a case that was built in Python is not run", "its files have no folder", "write it to a file")
+        folder, _, _ = _core.run_case(os.fspath(self.path), None if out is None else os.fspath(out), quiet)
+        return Path(folder)

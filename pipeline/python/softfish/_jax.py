@@ -1,0 +1,141 @@
+"""Solvers as functions of JAX."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from softfish._arrays import Array
+from softfish._errors import Error, InputError
+from softfish._function import Function
+from softfish._optional import optional
+
+if TYPE_CHECKING:
+    from softfish._solver import Equilibrium, Motion, Solver
+
+jax: Any = optional("jax")
+jnp: Any = optional("jax.numpy")
+
+
+class JaxFunction:
+    """`output` of a solver as a function of JAX arrays, in the order of `wrt`; both as those of `softfish.TorchFunction`.
+
+    `mode` is `reverse` (`jax.custom_vjp`) or `forward` (`jax.custom_jvp`): JAX has one or the other. Solves are host
+    callbacks, made one after the other under `jax.vmap` (`vmap_method="sequential"`). The last `kept` results stay on the
+    host, so that a backward pass finds the result of its forward solve.
+
+    A solve that fails raises its own exception; under `jax.jit`, where nothing can be raised, its output is NaN, and the
+    exception is raised by the next call, or by `check()`.
+    """
+
+    def __init__(
+        self,
+        solver: Solver,
+        output: str,
+        wrt: Sequence[str],
+        *,
+        mode: Literal["reverse", "forward"] = "reverse",
+        kept: int = 64,
+        **settings: Any,
+    ) -> None:
+        self.function = Function(solver, output, wrt, **settings)
+        self._results: OrderedDict[tuple[bytes, ...], Equilibrium | Motion] = OrderedDict()
+        self._kept = kept
+        self._failure: Error | None = None
+        if mode not in ("reverse", "forward"):
+            raise InputError(f"the mode is {mode!r}", "known are reverse and forward", "name one of them")
+        self._call = self._reverse() if mode == "reverse" else self._forward()
+
+    def __call__(self, *values: Any) -> Any:
+        """The output at `values`, one for each of `wrt`."""
+        parameters = self.function.parameters
+        if len(values) != len(parameters):
+            names = ", ".join(parameter.name for parameter in parameters)
+            raise InputError(f"{len(values)} arguments are given", f"the function has {names}", "give one for each")
+        self.check()
+        arrays = [jnp.asarray(value, dtype=float) for value in values]
+        for parameter, array in zip(parameters, arrays, strict=True):
+            if array.shape != parameter.shape:
+                why = f"{parameter.shape} is required; jax.vmap makes batches"
+                raise InputError(f"`{parameter.name}` has the shape {array.shape}", why, "check its axes")
+        return self._call(*arrays)
+
+    def check(self) -> None:
+        """Raises the exception of a solve that failed under `jax.jit`."""
+        failure, self._failure = self._failure, None
+        if failure is not None:
+            raise failure
+
+    def _result(self, values: Sequence[Array]) -> Equilibrium | Motion:
+        """The result at `values`, the kept one where there is one."""
+        key = tuple(value.tobytes() for value in values)
+        if key not in self._results:
+            self._results[key] = self.function.solve(values)
+        self._results.move_to_end(key)
+        while len(self._results) > self._kept:
+            self._results.popitem(last=False)
+        return self._results[key]
+
+    def _host(self, compute: Any, shapes: Any, arrays: Sequence[Any]) -> Any:
+        """`compute` of double-precision arrays on the host: at once where the values are known, else by a callback."""
+        leaves, tree = jax.tree.flatten(shapes)
+
+        def cast(outputs: Any) -> Any:
+            flat = [np.asarray(out, dtype=of.dtype) for out, of in zip(jax.tree.leaves(outputs), leaves, strict=True)]
+            return jax.tree.unflatten(tree, flat)
+
+        def doubles(given: Sequence[Any]) -> list[Array]:
+            return [np.array(value, dtype=np.float64) for value in given]
+
+        if not any(isinstance(array, jax.core.Tracer) for array in arrays):
+            return jax.tree.map(jnp.asarray, cast(compute(doubles(arrays))))
+
+        def callback(*given: Any) -> Any:
+            try:
+                return cast(compute(doubles(given)))
+            except Error as failure:
+                # An exception in a callback would end the runtime's own thread.
+                self._failure = failure
+                return jax.tree.unflatten(tree, [np.full(of.shape, np.nan, of.dtype) for of in leaves])
+
+        return jax.pure_callback(callback, shapes, *arrays, vmap_method="sequential")
+
+    def _shape(self, arrays: Sequence[Any]) -> Any:
+        return jax.ShapeDtypeStruct(self.function.shape, jnp.result_type(*arrays))
+
+    def _value(self, *arrays: Any) -> Any:
+        return self._host(lambda values: self.function.value(self._result(values)), self._shape(arrays), arrays)
+
+    def _reverse(self) -> Any:
+        count = len(self.function.parameters)
+
+        def adjoint(values: list[Array]) -> list[Array]:
+            return self.function.vjp(self._result(values[:count]), values[count])
+
+        def backward(arrays: tuple[Any, ...], cotangent: Any) -> Any:
+            shapes = tuple(jax.ShapeDtypeStruct(array.shape, array.dtype) for array in arrays)
+            return self._host(adjoint, shapes, [*arrays, cotangent])
+
+        call = jax.custom_vjp(self._value)
+        call.defvjp(lambda *arrays: (self._value(*arrays), arrays), backward)
+        return call
+
+    def _forward(self) -> Any:
+        count = len(self.function.parameters)
+
+        def along(values: list[Array]) -> Array:
+            return self.function.jvp(self._result(values[:count]), values[count:])
+
+        def rule(arrays: Any, tangents: Any) -> Any:
+            full = [
+                jnp.zeros_like(array) if isinstance(tangent, jax.custom_derivatives.SymbolicZero) else tangent
+                for array, tangent in zip(arrays, tangents, strict=True)
+            ]
+            return self._value(*arrays), self._host(along, self._shape(arrays), [*arrays, *full])
+
+        call = jax.custom_jvp(self._value)
+        call.defjvp(rule)
+        return call

@@ -1,0 +1,146 @@
+"""The dictionaries that the compiled part takes and returns: flat arrays, in the order of nodes, elements and steps."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, TypedDict
+
+from softfish._arrays import Array, IntArray
+
+if TYPE_CHECKING:
+    from softfish._core import Trajectory
+
+
+class Inputs(TypedDict):
+    """What a solve depends on."""
+
+    youngs_modulus: Array
+    poissons_ratio: Array
+    density: Array
+    factors: Array
+    forces: Array
+    gravity: Array
+
+
+class Materials(TypedDict):
+    """What the regions are made of, region by region."""
+
+    law: list[str]
+    youngs_modulus: list[float]
+    poissons_ratio: list[float]
+    density: list[float]
+    mean_dilatation: list[bool]
+    lumped_mass: bool
+
+
+class StaticSettings(TypedDict):
+    """Settings of an equilibrium."""
+
+    tolerance: float
+    load_steps: int
+    reuse_factor: bool
+
+
+class DynamicSettings(TypedDict):
+    """Settings of a motion."""
+
+    step: float
+    scheme: str
+    mass_damping: float
+    stiffness_damping: float
+    tolerance: float
+    memory: int
+
+
+class Direction(TypedDict):
+    """So much of each parameter."""
+
+    youngs_modulus: list[float]
+    poissons_ratio: list[float]
+    density: list[float]
+    factors: Array
+    pressures: list[float]
+    forces: Array
+
+
+class FoundEquilibrium(TypedDict):
+    """An equilibrium."""
+
+    displacement: Array
+    iterations: int
+    factorisations: int
+    residual: float
+    snap_through: list[float]
+
+
+class FoundMotion(TypedDict):
+    """A motion."""
+
+    times: Array
+    displacement: Array
+    velocity: Array
+    trajectory: Trajectory
+
+
+class _FoundGradient(TypedDict):
+    """A gradient."""
+
+    youngs_modulus: Array
+    poissons_ratio: Array
+    density: Array
+    factors: Array
+    pressures: Array
+    forces: Array
+
+
+class FoundGradient(_FoundGradient, total=False):
+    """With keys that may be absent."""
+
+    mass_damping: float
+    stiffness_damping: float
+    initial_displacement: Array
+    initial_velocity: Array
+
+
+class CaseDynamic(TypedDict):
+    """Settings of a motion in a case."""
+
+    duration: float
+    step: float | None
+    scheme: str
+    mass_damping: float
+    stiffness_damping: float
+
+
+class _CaseData(TypedDict):
+    """What a case says."""
+
+    forces: Array
+    gravity: Array
+    chambers: list[tuple[str, int]]
+    points: list[tuple[str, IntArray, Array]]
+    notes: list[str]
+
+
+class CaseData(_CaseData, total=False):
+    """With keys that may be absent."""
+
+    levels: list[float]
+    load_steps: int
+    tolerance: float
+    dynamic: CaseDynamic
+
+
+class ReducedData(TypedDict):
+    """What a reduced model is restored from."""
+
+    modes: Array
+    points: list[tuple[list[int], list[float]]]
+    size: float
+
+
+class BoxMesh(TypedDict):
+    """A mesh of a box."""
+
+    nodes: Array
+    elements: IntArray
+    each: int

@@ -1,0 +1,197 @@
+"""Reduced models: a body in a few dozen coordinates, stepped and differentiated step by step."""
+
+from __future__ import annotations
+
+import json
+import os
+import struct
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from softfish import _core, _records
+from softfish._arrays import Array, ByName, named, number, reals
+from softfish._errors import InputError
+
+if TYPE_CHECKING:
+    from softfish._solver import Solver
+
+
+@dataclass(frozen=True)
+class ReducedState:
+    """Coordinates q and their rates, 1/s."""
+
+    coordinates: Array
+    velocity: Array
+
+
+@dataclass(frozen=True)
+class ReducedGradient:
+    """The derivatives of a loss of the state after a step."""
+
+    #: By the state before.
+    state: ReducedState
+    #: By chamber, 1/Pa.
+    pressures: Array
+    #: By the factor of the moduli of each region.
+    modulus_scale: Array
+
+
+class ReducedModel:
+    """A body in the coordinates of a few modes, for many fast steps."""
+
+    def __init__(self, solver: Solver, core: _core.ReducedModel) -> None:
+        self._solver = solver
+        self._core = core
+
+    @classmethod
+    def of(cls, solver: Solver, snapshots: npt.ArrayLike, coordinates: int, tolerance: float) -> ReducedModel:
+        """Of snapshots × nodes × 3, m: see `Solver.reduce`."""
+        shapes = reals("snapshots", snapshots)
+        if shapes.ndim != 3 or shapes.shape[1:] != solver.mesh.nodes.shape or not len(shapes):
+            why = f"it is snapshots × {solver.mesh.nodes.shape[0]} × 3"
+            raise InputError(f"`snapshots` has the shape {shapes.shape}", why, "check its axes")
+        if not 1 <= int(coordinates) <= 1000 or not 0 < number("tolerance", tolerance) < 1:
+            raise InputError("the settings of the reduction are out of range", "1 to 1000 coordinates, tolerance 0 to 1", "")
+        return cls(solver, solver._core.reduce(shapes.reshape(-1), int(coordinates), float(tolerance)))
+
+    @property
+    def coordinates(self) -> int:
+        """Number of coordinates."""
+        return self._core.coordinates()
+
+    def rest(self) -> ReducedState:
+        """The undeformed body at rest."""
+        return ReducedState(np.zeros(self.coordinates), np.zeros(self.coordinates))
+
+    def displacement(self, state: ReducedState) -> Array:
+        """nodes × 3, m."""
+        return self._core.displacement(state.coordinates).reshape(-1, 3)
+
+    def output(self, name: str, state: ReducedState) -> Array:
+        """The displacement of a point of the case: `marker.tip`."""
+        return self._solver.observe(name, self.displacement(state))
+
+    def output_rows(self, name: str) -> Array:
+        """∂output/∂q of a point of the case, 3 × coordinates."""
+        modes = self._core.data()["modes"].reshape(self.coordinates, -1, 3)
+        return np.ascontiguousarray(self._solver.observe(name, modes).T)
+
+    def step(
+        self,
+        state: ReducedState,
+        pressures: ByName | None = None,
+        dt: float = 1e-3,
+        *,
+        modulus_scale: npt.ArrayLike | None = None,
+        mass_damping: float = 0.0,
+        stiffness_damping: float = 0.0,
+    ) -> ReducedState:
+        """The state after `dt` seconds (implicit Euler) under `pressures` (Pa, by chamber; 0 where not given)."""
+        given = self._given(pressures, dt, modulus_scale, (mass_damping, stiffness_damping))
+        return ReducedState(*self._core.step(self._pair(state), given))
+
+    def step_gradient(
+        self,
+        states: tuple[ReducedState, ReducedState],
+        loss: ReducedState,
+        pressures: ByName | None = None,
+        dt: float = 1e-3,
+        *,
+        modulus_scale: npt.ArrayLike | None = None,
+        mass_damping: float = 0.0,
+        stiffness_damping: float = 0.0,
+    ) -> ReducedGradient:
+        """The gradient of a loss of the state after a step, from its derivatives `loss`, at the states before and after."""
+        given = self._given(pressures, dt, modulus_scale, (mass_damping, stiffness_damping))
+        pairs = (self._pair(states[0]), self._pair(states[1]))
+        before, by_pressure, by_scale = self._core.step_gradient(pairs, given, self._pair(loss))
+        return ReducedGradient(ReducedState(*before), np.array(by_pressure), np.array(by_scale))
+
+    def torch_step(self, dt: float = 1e-3, **settings: float) -> Any:
+        """A step as a function of PyTorch: (coordinates, velocity, pressures) to (coordinates, velocity)."""
+        from softfish._torch_step import torch_step
+
+        return torch_step(self, dt, settings)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the model as safetensors: modes, sampled points and weights of each region."""
+        data = self._core.data()
+        tensors: dict[str, npt.NDArray[Any]] = {"modes": data["modes"].reshape(self.coordinates, -1, 3)}
+        for region, (numbers, weights) in enumerate(data["points"]):
+            tensors[f"points.{region}"] = np.array(numbers, dtype=np.int64)
+            tensors[f"weights.{region}"] = np.array(weights, dtype=np.float64)
+        tensors["size"] = np.array([data["size"]])
+        _write(path, tensors)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str], solver: Solver) -> ReducedModel:
+        """The model that `save` wrote, of the same body."""
+        tensors = _read(path)
+        regions = len(solver.regions)
+        names = ["modes", "size", *(f"{part}.{n}" for n in range(regions) for part in ("points", "weights"))]
+        absent = [name for name in names if name not in tensors]
+        if absent or tensors["modes"].shape[1:] != solver.mesh.nodes.shape:
+            why = f"it lacks {', '.join(absent)}" if absent else f"its modes have the shape {tensors['modes'].shape}"
+            raise InputError(f"{os.fspath(path)} is no reduced model of this body", why, "reduce the body again")
+        if any(tensors[f"points.{n}"].min(initial=0) < 0 for n in range(regions)):
+            raise InputError(f"{os.fspath(path)} is damaged", "a point has a number below 0", "reduce the body again")
+        points = [(tensors[f"points.{n}"].tolist(), tensors[f"weights.{n}"].tolist()) for n in range(regions)]
+        modes = reals("modes", tensors["modes"]).reshape(-1)
+        return cls(solver, solver._core.restore(modes, points, float(tensors["size"][0])))
+
+    def _pair(self, state: ReducedState) -> tuple[Array, Array]:
+        shape = (self.coordinates,)
+        return reals("coordinates", state.coordinates, shape), reals("velocity", state.velocity, shape)
+
+    def _given(
+        self, pressures: ByName | None, dt: float, scale: npt.ArrayLike | None, damping: tuple[float, float]
+    ) -> tuple[_records.DynamicSettings, list[float], list[float]]:
+        solver = self._solver
+        settings: _records.DynamicSettings = {
+            "step": number("dt", dt),
+            "scheme": "implicit_euler",
+            "mass_damping": number("mass_damping", damping[0]),
+            "stiffness_damping": number("stiffness_damping", damping[1]),
+            "tolerance": 1e-6,
+            "memory": 0,
+        }
+        regions = len(solver.regions)
+        factors = np.ones(regions) if scale is None else reals("modulus_scale", scale, (regions,))
+        return settings, solver._by_chamber(np.zeros(solver.chamber_count), pressures).tolist(), factors.tolist()
+
+
+# The format of safetensors: the length of a header, the header in JSON, the numbers. Written here, so that the package needs
+# numpy alone.
+_TYPES: dict[str, np.dtype[Any]] = {"F64": np.dtype("<f8"), "F32": np.dtype("<f4"), "I64": np.dtype("<i8")}
+
+
+def _write(path: str | os.PathLike[str], tensors: dict[str, npt.NDArray[Any]]) -> None:
+    header: dict[str, Any] = {"__metadata__": {"content": "softfish reduced model"}}
+    parts, start = [], 0
+    for name, tensor in tensors.items():
+        kind = "F64" if tensor.dtype.kind == "f" else "I64"
+        part = np.ascontiguousarray(tensor, dtype=_TYPES[kind]).tobytes()
+        header[name] = {"dtype": kind, "shape": list(tensor.shape), "data_offsets": [start, start + len(part)]}
+        parts.append(part)
+        start += len(part)
+    text = json.dumps(header, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 8)
+    with open(path, "wb") as file:
+        file.write(struct.pack("<Q", len(text)) + text + b"".join(parts))
+
+
+def _read(path: str | os.PathLike[str]) -> dict[str, npt.NDArray[Any]]:
+    try:
+        with open(path, "rb") as file:
+            content = file.read()
+        (length,) = struct.unpack("<Q", content[:8])
+        header = json.loads(content[8 : 8 + length])
+        data = content[8 + length :]
+        header.pop("__metadata__", None)
+        spans = {name: (of, data[slice(*of["data_offsets"])]) for name, of in header.items()}
+        return {name: np.frombuffer(part, _TYPES[of["dtype"]]).reshape(of["shape"]) for name, (of, part) in spans.items()}
+    except (OSError, ValueError, KeyError, TypeError, struct.error) as error:
+        raise InputError(f"{os.fspath(path)} cannot be read", str(error), "give a file that ReducedModel.save wrote") from error

@@ -1,0 +1,72 @@
+//! Cases: read, parsed from text, and run as the command line runs them.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use diagnostics::Diagnostic;
+use pyo3::prelude::*;
+use simulate::case::{parse, read};
+
+use crate::errors::{Kind, of_diagnostic, refused};
+use crate::mesh::Mesh;
+
+/// A case with the folder that its files are named in.
+#[pyclass(frozen, module = "softfish._core")]
+pub(crate) struct Case {
+    pub(crate) case: Arc<simulate::case::Case>,
+    pub(crate) path: PathBuf,
+}
+
+/// The class of an error of a case.
+pub(crate) fn refusal(diagnostic: &Diagnostic) -> PyErr {
+    of_diagnostic(diagnostic, Kind::Case)
+}
+
+#[pymethods]
+impl Case {
+    /// The case in a file.
+    #[staticmethod]
+    fn read(path: PathBuf) -> PyResult<Self> {
+        let case = read(&path).map_err(|diagnostic| refusal(&diagnostic.in_file_unless_named(&path)))?;
+        Ok(Self { case: Arc::new(case), path })
+    }
+
+    /// The case in a text of TOML; `path` stands for its file, in whose folder meshes are found.
+    #[staticmethod]
+    fn parse(text: &str, path: PathBuf) -> PyResult<Self> {
+        let case = parse(text, &path).map_err(|diagnostic| refusal(&diagnostic))?;
+        Ok(Self { case: Arc::new(case), path })
+    }
+
+    /// The case in a text of JSON with the keys of a case.
+    #[staticmethod]
+    fn parse_json(text: &str, path: PathBuf) -> PyResult<Self> {
+        let unreadable =
+            |error: String| refused("the case cannot be read", error, "give numbers, texts, lists and tables");
+        let value: serde_json::Value = serde_json::from_str(text).map_err(|error| unreadable(error.to_string()))?;
+        let table = toml::to_string(&value).map_err(|error| unreadable(error.to_string()))?;
+        Self::parse(&table, path)
+    }
+
+    /// The mesh that it names.
+    fn mesh(&self) -> PyResult<Mesh> {
+        let folder = self.path.parent().map(PathBuf::from).unwrap_or_default();
+        let loaded = simulate::load(&self.case, &folder);
+        loaded.map(Mesh::of).map_err(|diagnostic| of_diagnostic(&diagnostic, Kind::Mesh))
+    }
+}
+
+/// Runs the case in a file as the command line does, and writes its tables and frames into `out`. Returns the folder,
+/// the number of degrees of freedom and that of levels or steps.
+#[pyfunction]
+#[pyo3(signature = (path, out, quiet))]
+pub(crate) fn run_case(
+    py: Python<'_>,
+    path: PathBuf,
+    out: Option<PathBuf>,
+    quiet: bool,
+) -> PyResult<(PathBuf, usize, usize)> {
+    let summary = py.detach(|| simulate::run(&path, out.as_deref(), quiet));
+    let summary = summary.map_err(|diagnostic| refusal(&diagnostic))?;
+    Ok((summary.folder, summary.dofs, summary.solved))
+}

@@ -1,0 +1,62 @@
+//! Errors as exceptions of the package, with what, why and what to do.
+
+use diagnostics::Diagnostic;
+use pyo3::prelude::*;
+
+/// A class of exceptions in `softfish._errors`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Input,
+    Mesh,
+    Case,
+    Convergence,
+    NotStable,
+    Busy,
+}
+
+impl Kind {
+    fn class(self) -> &'static str {
+        match self {
+            Self::Input => "InputError",
+            Self::Mesh => "MeshError",
+            Self::Case => "CaseError",
+            Self::Convergence => "ConvergenceError",
+            Self::NotStable => "NotStableError",
+            Self::Busy => "BusyError",
+        }
+    }
+}
+
+/// The exception of a class.
+pub(crate) fn exception(kind: Kind, parts: [&str; 3]) -> PyErr {
+    let [what, why, act] = parts;
+    let made = Python::attach(|py| {
+        let class = py.import("softfish._errors")?.getattr(kind.class())?;
+        class.call1((what, why, act)).map(PyErr::from_value)
+    });
+    made.unwrap_or_else(|error| error)
+}
+
+/// A refused argument.
+pub(crate) fn refused(what: impl AsRef<str>, why: impl AsRef<str>, act: impl AsRef<str>) -> PyErr {
+    exception(Kind::Input, [what.as_ref(), why.as_ref(), act.as_ref()])
+}
+
+/// The exception of an error of a solve or of a setup.
+pub(crate) fn raised(error: impl std::error::Error + Send + Sync + 'static) -> PyErr {
+    of_diagnostic(&Diagnostic::from(error), Kind::Input)
+}
+
+/// The exception of a diagnostic; `other` is its class where its source does not tell.
+pub(crate) fn of_diagnostic(diagnostic: &Diagnostic, other: Kind) -> PyErr {
+    let kind = match diagnostic.downcast_ref::<fem::SolveError>() {
+        Some(fem::SolveError::NoEquilibrium { .. } | fem::SolveError::TimeStep { .. }) => Kind::Convergence,
+        Some(fem::SolveError::NotStable) => Kind::NotStable,
+        Some(_) => Kind::Input,
+        None if diagnostic.downcast_ref::<fem::ReducedError>().is_some() => Kind::Convergence,
+        None => other,
+    };
+    let place = diagnostic.location.as_ref().map(|place| format!("{place}: ")).unwrap_or_default();
+    let what = format!("{place}{}", diagnostic.what);
+    exception(kind, [&what, &diagnostic.why, &diagnostic.action])
+}

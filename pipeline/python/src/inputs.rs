@@ -1,0 +1,79 @@
+//! What a solve depends on beside pressures: moduli, densities, forces and gravity, given in full for every solve, so
+//! that no result depends on the solves before it.
+
+use fem::Solver;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arrays::{Reals, check_length, vector};
+use crate::errors::{raised, refused};
+
+/// The inputs of one solve.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Inputs {
+    /// By region, Pa.
+    youngs_modulus: Vec<f64>,
+    /// By region.
+    poissons_ratio: Vec<f64>,
+    /// By region, kg/m³.
+    density: Vec<f64>,
+    /// By element: its modulus over that of its region; empty: 1.
+    factors: Vec<f64>,
+    /// 3 entries per node, N; empty: none.
+    forces: Vec<f64>,
+    /// m/s².
+    gravity: Vec<f64>,
+}
+
+impl Inputs {
+    /// From the dictionary that the package's Python files make, for a body of so many regions.
+    pub(crate) fn of(given: &Bound<'_, PyDict>, regions: usize) -> PyResult<Self> {
+        let list = |key: &str| -> PyResult<Vec<f64>> {
+            let absent = || refused(format!("`{key}` is not given"), "a solve needs all of its inputs", "give it");
+            let value = given.get_item(key)?.ok_or_else(absent)?;
+            vector(key, &value.extract::<Reals<'_>>()?)
+        };
+        let by_region = |key: &str| -> PyResult<Vec<f64>> {
+            let values = list(key)?;
+            check_length(key, values.len(), regions).map(|()| values)
+        };
+        let (youngs_modulus, poissons_ratio) = (by_region("youngs_modulus")?, by_region("poissons_ratio")?);
+        let (density, gravity) = (by_region("density")?, list("gravity")?);
+        check_length("gravity", gravity.len(), 3)?;
+        Ok(Self {
+            youngs_modulus,
+            poissons_ratio,
+            density,
+            factors: list("factors")?,
+            forces: list("forces")?,
+            gravity,
+        })
+    }
+
+    /// Sets what differs from the inputs `before`, which the solver has; what is equal leaves its factor and its
+    /// linearised tangent in use.
+    pub(crate) fn apply(&self, before: Option<&Self>, solver: &mut Solver) -> PyResult<()> {
+        let differs = |of: fn(&Self) -> &Vec<f64>| before.is_none_or(|before| of(before) != of(self));
+        for (region, (&modulus, &ratio)) in self.youngs_modulus.iter().zip(&self.poissons_ratio).enumerate() {
+            let had = before.map(|before| (before.youngs_modulus[region], before.poissons_ratio[region]));
+            if had != Some((modulus, ratio)) {
+                solver.set_elastic(region, modulus, ratio).map_err(raised)?;
+            }
+        }
+        for (region, &density) in self.density.iter().enumerate() {
+            if before.map(|before| before.density[region]) != Some(density) {
+                solver.set_density(region, density).map_err(raised)?;
+            }
+        }
+        if differs(|of| &of.factors) {
+            solver.set_element_factors(&self.factors).map_err(raised)?;
+        }
+        if differs(|of| &of.forces) {
+            solver.set_forces(&self.forces).map_err(raised)?;
+        }
+        if differs(|of| &of.gravity) {
+            solver.set_gravity([self.gravity[0], self.gravity[1], self.gravity[2]]).map_err(raised)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,148 @@
+//! Reduced models: made of snapshots, restored from their data, stepped, and differentiated step by step.
+
+use fem::{DynamicSettings, ReducedModelData, ReducedState, ReducedStep, ReductionSettings};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arrays::{Reals, array, slice, vector};
+use crate::errors::{raised, refused};
+use crate::motion::Settings;
+use crate::solver::Solver;
+
+/// A body in a few dozen coordinates.
+#[pyclass(frozen, module = "softfish._core")]
+pub(crate) struct ReducedModel {
+    model: fem::ReducedModel,
+}
+
+/// What a step depends on beside the state.
+struct Given {
+    settings: DynamicSettings,
+    pressures: Vec<f64>,
+    modulus_scale: Vec<f64>,
+}
+
+impl Given {
+    fn of((settings, pressures, modulus_scale): (Settings, Vec<f64>, Vec<f64>)) -> PyResult<Self> {
+        Ok(Self { settings: settings.dynamic()?, pressures, modulus_scale })
+    }
+
+    fn step(&self) -> ReducedStep<'_> {
+        ReducedStep { settings: &self.settings, pressures: &self.pressures, modulus_scale: &self.modulus_scale }
+    }
+}
+
+/// Coordinates and velocity, given and returned.
+type Pair<'py> = (Reals<'py>, Reals<'py>);
+type Arrays<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
+
+fn state((coordinates, velocity): &Pair<'_>) -> PyResult<ReducedState> {
+    let (coordinates, velocity) = (vector("coordinates", coordinates)?, vector("velocity", velocity)?);
+    Ok(ReducedState { coordinates: coordinates.into(), velocity: velocity.into() })
+}
+
+fn pair<'py>(py: Python<'py>, state: ReducedState) -> Arrays<'py> {
+    (array(py, state.coordinates.data.into()), array(py, state.velocity.data.into()))
+}
+
+#[pymethods]
+impl Solver {
+    /// Reduces the body to at most `coordinates` modes of `snapshots` (3 entries per node each, one after the other);
+    /// the cubature's relative error is below `tolerance`.
+    fn reduce(
+        &self,
+        py: Python<'_>,
+        snapshots: Reals<'_>,
+        coordinates: usize,
+        tolerance: f64,
+    ) -> PyResult<ReducedModel> {
+        let all = vector("snapshots", &snapshots)?;
+        let each: Vec<&[f64]> = all.chunks_exact(3 * self.counts()[1]).collect();
+        let settings = ReductionSettings { coordinates, tolerance, ..ReductionSettings::default() };
+        let model = py.detach(|| self.system.reduce(&each, &settings)).map_err(raised)?;
+        Ok(ReducedModel { model })
+    }
+
+    /// The reduced model with the data that `ReducedModel.data` returned.
+    fn restore(
+        &self,
+        py: Python<'_>,
+        modes: Reals<'_>,
+        points: Vec<(Vec<u32>, Vec<f64>)>,
+        size: f64,
+    ) -> PyResult<ReducedModel> {
+        let rows = 3 * self.counts()[1];
+        let modes = slice("modes", &modes)?.chunks_exact(rows).map(<[f64]>::to_vec).collect();
+        let points = points.into_iter().map(|(numbers, weights)| numbers.into_iter().zip(weights).collect()).collect();
+        let data = ReducedModelData { modes, points, size };
+        let model = py.detach(|| self.system.restore(&data)).map_err(raised)?;
+        Ok(ReducedModel { model })
+    }
+}
+
+#[pymethods]
+impl ReducedModel {
+    /// Number of coordinates.
+    fn coordinates(&self) -> usize {
+        self.model.coordinates()
+    }
+
+    /// Modes (one after the other, 3 entries per node), sampled points and weights by region, and size.
+    fn data<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let ReducedModelData { modes, points, size } = self.model.data();
+        let made = PyDict::new(py);
+        made.set_item("modes", array(py, modes.into_iter().flatten().collect()))?;
+        let lists = points.into_iter().map(|region| region.into_iter().unzip::<u32, f64, Vec<_>, Vec<_>>());
+        made.set_item("points", lists.collect::<Vec<_>>())?;
+        made.set_item("size", size)?;
+        Ok(made)
+    }
+
+    /// Displacement V q, 3 entries per node, m.
+    fn displacement<'py>(&self, py: Python<'py>, coordinates: Reals<'py>) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let q = vector("coordinates", &coordinates)?;
+        if q.len() != self.model.coordinates() {
+            let why = format!("this model has {}", self.model.coordinates());
+            return Err(refused(
+                format!("{} coordinates are given", q.len()),
+                why,
+                "pass the coordinates of its state",
+            ));
+        }
+        Ok(array(py, self.model.displacement(&q.into())))
+    }
+
+    /// Volume of a chamber, m³; of a half model, of the half.
+    fn chamber_volume(&self, coordinates: Reals<'_>, chamber: usize) -> PyResult<f64> {
+        let q = vector("coordinates", &coordinates)?;
+        Ok(self.model.chamber_volume(chamber, &q.into()))
+    }
+
+    /// The state after a step of implicit Euler.
+    fn step<'py>(
+        &self,
+        py: Python<'py>,
+        before: Pair<'py>,
+        given: (Settings, Vec<f64>, Vec<f64>),
+    ) -> PyResult<Arrays<'py>> {
+        let (before, given) = (state(&before)?, Given::of(given)?);
+        let after = py.detach(|| self.model.step(&before, &given.step())).map_err(raised)?;
+        Ok(pair(py, after))
+    }
+
+    /// The gradient of a loss of the state after a step, from its derivatives: by coordinates, velocity, pressures and
+    /// scale of the moduli.
+    fn step_gradient<'py>(
+        &self,
+        py: Python<'py>,
+        states: (Pair<'py>, Pair<'py>),
+        given: (Settings, Vec<f64>, Vec<f64>),
+        loss: Pair<'py>,
+    ) -> PyResult<(Arrays<'py>, Vec<f64>, Vec<f64>)> {
+        let (before, after) = states;
+        let (before, after, loss, given) = (state(&before)?, state(&after)?, state(&loss)?, Given::of(given)?);
+        let found = py.detach(|| self.model.step_gradient((&before, &after), &given.step(), &loss)).map_err(raised)?;
+        Ok((pair(py, found.state), found.pressures, found.modulus_scale))
+    }
+}

@@ -1,0 +1,199 @@
+//! Equilibria, their gradients, sensitivities and modes.
+
+use fem::{Equilibrium, Gradient, Parameter, RegionGradient, StaticSettings};
+use numpy::{PyArray1, PyReadonlyArray1};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arrays::{Reals, array, slice, vector};
+use crate::errors::raised;
+use crate::solver::Solver;
+
+/// Settings of a static solve.
+#[derive(FromPyObject)]
+struct Settings {
+    #[pyo3(item)]
+    tolerance: f64,
+    #[pyo3(item)]
+    load_steps: usize,
+    #[pyo3(item)]
+    reuse_factor: bool,
+}
+
+/// A direction in the space of parameters.
+#[derive(FromPyObject)]
+pub(crate) struct Direction<'py> {
+    #[pyo3(item)]
+    youngs_modulus: Vec<f64>,
+    #[pyo3(item)]
+    poissons_ratio: Vec<f64>,
+    #[pyo3(item)]
+    density: Vec<f64>,
+    #[pyo3(item)]
+    factors: Reals<'py>,
+    #[pyo3(item)]
+    pressures: Vec<f64>,
+    #[pyo3(item)]
+    forces: Reals<'py>,
+}
+
+impl Direction<'_> {
+    /// Its parameters with a part other than zero.
+    fn parameters(&self) -> PyResult<Vec<(Parameter, f64)>> {
+        let mut all = Vec::new();
+        let mut add = |values: &[f64], parameter: &dyn Fn(usize) -> Parameter| {
+            let parts = values.iter().enumerate().filter(|(_, part)| **part != 0.0);
+            all.extend(parts.map(|(at, &part)| (parameter(at), part)));
+        };
+        add(&self.youngs_modulus, &Parameter::YoungsModulus);
+        add(&self.poissons_ratio, &Parameter::PoissonsRatio);
+        add(&self.density, &Parameter::Density);
+        add(slice("factors", &self.factors)?, &Parameter::ElementFactor);
+        add(&self.pressures, &Parameter::Pressure);
+        add(slice("forces", &self.forces)?, &|at| Parameter::Force { node: at / 3, axis: at % 3 });
+        Ok(all)
+    }
+}
+
+/// An equilibrium as a solver takes it back.
+pub(crate) fn equilibrium_at(displacement: &Reals<'_>, pressures: Vec<f64>) -> PyResult<Equilibrium> {
+    Ok(Equilibrium {
+        displacement: vector("displacement", displacement)?,
+        pressures,
+        iterations: 0,
+        factorisations: 0,
+        residual: 0.0,
+        load_stepped: false,
+        snap_through: Vec::new(),
+    })
+}
+
+/// ∂L by E, ν and ρ of each region.
+pub(crate) fn by_region(made: &Bound<'_, PyDict>, regions: &[RegionGradient]) -> PyResult<()> {
+    let list = |of: fn(&RegionGradient) -> f64| array(made.py(), regions.iter().map(of).collect());
+    made.set_item("youngs_modulus", list(|of| of.youngs_modulus))?;
+    made.set_item("poissons_ratio", list(|of| of.poissons_ratio))?;
+    made.set_item("density", list(|of| of.density))
+}
+
+#[pymethods]
+impl Solver {
+    /// The equilibrium under `pressures`, from a nearby shape where one is given: `displacement` (3 entries per node),
+    /// `iterations`, `factorisations`, `residual` and `snap_through`.
+    fn equilibrium<'py>(
+        &self,
+        py: Python<'py>,
+        inputs: &Bound<'py, PyDict>,
+        pressures: Vec<f64>,
+        start: (Option<Reals<'py>>, Settings),
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let (guess, settings) = start;
+        let inputs = self.inputs(inputs)?;
+        let guess = guess.map(|guess| vector("initial_guess", &guess)).transpose()?;
+        let Settings { tolerance, load_steps, reuse_factor } = settings;
+        let settings = StaticSettings { tolerance, load_steps, reuse_factor, ..StaticSettings::default() };
+        let found = self
+            .run(py, inputs, |solver, _| solver.equilibrium(&pressures, guess.as_deref(), &settings).map_err(raised))?;
+        let made = PyDict::new(py);
+        made.set_item("displacement", array(py, found.displacement))?;
+        made.set_item("iterations", found.iterations)?;
+        made.set_item("factorisations", found.factorisations)?;
+        made.set_item("residual", found.residual)?;
+        made.set_item("snap_through", found.snap_through)?;
+        Ok(made)
+    }
+
+    /// The gradient of a loss at an equilibrium (displacement, pressures) from its derivative by the displacement.
+    fn equilibrium_gradient<'py>(
+        &self,
+        py: Python<'py>,
+        inputs: &Bound<'py, PyDict>,
+        at: (Reals<'py>, Vec<f64>),
+        dloss_du: Reals<'py>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let (displacement, pressures) = at;
+        let (inputs, at) = (self.inputs(inputs)?, equilibrium_at(&displacement, pressures)?);
+        let slope = vector("dloss_du", &dloss_du)?;
+        let gradient = self.run(py, inputs, |solver, _| solver.gradient(&at, &slope).map_err(raised))?;
+        let Gradient { regions, elements, pressures, forces } = gradient;
+        let made = PyDict::new(py);
+        by_region(&made, &regions)?;
+        made.set_item("factors", array(py, elements))?;
+        made.set_item("pressures", array(py, pressures))?;
+        made.set_item("forces", array(py, forces))?;
+        Ok(made)
+    }
+
+    /// The derivative of an equilibrium along a direction of its parameters, 3 entries per node.
+    fn equilibrium_sensitivity<'py>(
+        &self,
+        py: Python<'py>,
+        inputs: &Bound<'py, PyDict>,
+        at: (Reals<'py>, Vec<f64>),
+        direction: Direction<'py>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let (displacement, pressures) = at;
+        let (inputs, at) = (self.inputs(inputs)?, equilibrium_at(&displacement, pressures)?);
+        let along = direction.parameters()?;
+        let changed = self.run(py, inputs, |solver, _| solver.sensitivity_along(&at, &along).map_err(raised))?;
+        Ok(array(py, changed))
+    }
+
+    /// The `count` lowest natural frequencies (Hz) about an equilibrium, and their shapes one after the other.
+    fn modes<'py>(
+        &self,
+        py: Python<'py>,
+        inputs: &Bound<'py, PyDict>,
+        at: (Reals<'py>, Vec<f64>),
+        count: usize,
+    ) -> PyResult<(Vec<f64>, Bound<'py, PyArray1<f64>>)> {
+        let (displacement, pressures) = at;
+        let (inputs, at) = (self.inputs(inputs)?, equilibrium_at(&displacement, pressures)?);
+        let modes = self.run(py, inputs, |solver, _| solver.modes(&at, count).map_err(raised))?;
+        let frequencies = modes.iter().map(|mode| mode.frequency).collect();
+        Ok((frequencies, array(py, modes.into_iter().flat_map(|mode| mode.shape).collect())))
+    }
+
+    /// Volume of a chamber at a displacement, m³; of a half model, of the half; and the gauge pressure in it, Pa.
+    fn chamber_state(
+        &self,
+        py: Python<'_>,
+        inputs: &Bound<'_, PyDict>,
+        at: (Reals<'_>, Vec<f64>),
+        chamber: usize,
+    ) -> PyResult<(f64, f64)> {
+        let (displacement, pressures) = at;
+        let (inputs, at) = (self.inputs(inputs)?, equilibrium_at(&displacement, pressures)?);
+        self.run(py, inputs, |solver, _| {
+            let gauge = solver.chamber_pressure(chamber, &at.displacement, &at.pressures).map_err(raised)?;
+            Ok((self.system.chamber_volume(chamber, &at.displacement), gauge))
+        })
+    }
+
+    /// The elastic energy at a displacement, J.
+    fn elastic_energy(&self, py: Python<'_>, inputs: &Bound<'_, PyDict>, displacement: Reals<'_>) -> PyResult<f64> {
+        let (inputs, u) = (self.inputs(inputs)?, vector("displacement", &displacement)?);
+        self.run(py, inputs, |solver, _| solver.elastic_energy(&u).map_err(raised))
+    }
+
+    /// Nodal forces (3 per node, N) of a traction over faces of 3, 4 or 6 nodes.
+    fn traction_forces<'py>(
+        &self,
+        py: Python<'py>,
+        faces: PyReadonlyArray1<'py, i64>,
+        each: usize,
+        traction: [f64; 3],
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let flat = faces
+            .as_slice()
+            .map_err(|_| crate::errors::refused("faces is not contiguous", "its rows are apart", "pass a copy"))?;
+        let nodes = crate::arrays::node_numbers(flat)?;
+        let mesh = self.system.mesh();
+        if let Some(node) = nodes.iter().find(|&&node| node as usize >= mesh.nodes.len()) {
+            let why = format!("there are {} nodes, counted from 0", mesh.nodes.len());
+            return Err(crate::errors::refused(format!("a face names the node {node}"), why, "check the faces"));
+        }
+        let forces = nodes.chunks_exact(each).fold(fem::Forces::none(mesh), |sum, face| sum.on_face(face, traction));
+        Ok(array(py, forces.as_slice().to_vec()))
+    }
+}

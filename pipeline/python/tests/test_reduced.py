@@ -1,0 +1,79 @@
+"""Reduced models: against the full model, through a file, and their gradient against differences."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import softfish as sf
+
+
+@pytest.fixture
+def model(block: sf.Solver) -> sf.ReducedModel:
+    shapes = [
+        block.equilibrium(pressure={"air": p}, gravity=g).displacement
+        for p in (1e3, 4e3, 8e3)
+        for g in ([0.0, 0.0, 20.0], [0.0, 0.0, -20.0], [0.0, 20.0, 0.0], [0.0, -20.0, 0.0])
+    ]
+    return block.reduce(shapes, 12)
+
+
+def test_steps_of_the_reduced_model_follow_those_of_the_full_one(block: sf.Solver, model: sf.ReducedModel) -> None:
+    full = block.simulate(20, 2e-3, gravity=[0, 0, 0], pressure={"air": 5e3}, scheme="implicit_euler", stiffness_damping=1e-3)
+    state = model.rest()
+    for displacement in full.output("marker.tip"):
+        state = model.step(state, {"air": 5e3}, 2e-3, stiffness_damping=1e-3)
+    assert np.abs(model.output("marker.tip", state) - displacement).max() < 0.05 * np.abs(displacement).max()
+    assert np.allclose(model.output_rows("marker.tip") @ state.coordinates, model.output("marker.tip", state))
+
+
+def test_a_saved_model_is_the_same_and_that_of_another_body_is_refused(
+    block: sf.Solver, brick: sf.Solver, model: sf.ReducedModel, tmp_path: Path
+) -> None:
+    path = tmp_path / "model.safetensors"
+    model.save(path)
+    again = sf.ReducedModel.load(path, block)
+    state = model.step(model.rest(), {"air": 5e3}, 2e-3)
+    other = again.step(again.rest(), {"air": 5e3}, 2e-3)
+    assert np.array_equal(state.coordinates, other.coordinates)
+    with pytest.raises(sf.InputError, match="no reduced model of this body"):
+        sf.ReducedModel.load(path, brick)
+    path.write_bytes(path.read_bytes()[:100])
+    with pytest.raises(sf.InputError, match="cannot be read"):
+        sf.ReducedModel.load(path, block)
+
+
+def test_safetensors_reads_a_saved_model(model: sf.ReducedModel, tmp_path: Path) -> None:
+    safetensors = pytest.importorskip("safetensors.numpy")
+    model.save(tmp_path / "model.safetensors")
+    tensors = safetensors.load_file(tmp_path / "model.safetensors")
+    assert tensors["modes"].shape[0] == model.coordinates
+
+
+def test_the_gradient_of_a_step_is_that_of_differences(model: sf.ReducedModel) -> None:
+    start = model.step(model.rest(), {"air": 3e3}, 2e-3)
+    loss = sf.ReducedState(np.ones(model.coordinates), np.full(model.coordinates, 1e-3))
+
+    def value(pressure: float) -> float:
+        after = model.step(start, {"air": pressure}, 2e-3)
+        return float(loss.coordinates @ after.coordinates + loss.velocity @ after.velocity)
+
+    after = model.step(start, {"air": 5e3}, 2e-3)
+    gradient = model.step_gradient((start, after), loss, {"air": 5e3}, 2e-3)
+    assert gradient.pressures[0] == pytest.approx((value(5005.0) - value(4995.0)) / 10.0, rel=1e-5)
+
+
+def test_a_rollout_passes_gradcheck(model: sf.ReducedModel) -> None:
+    torch = pytest.importorskip("torch")
+    step, rows = model.torch_step(2e-3), torch.tensor(model.output_rows("marker.tip"))
+
+    def rollout(pressures):
+        q = v = torch.zeros(model.coordinates, dtype=torch.float64)
+        for pressure in pressures:
+            q, v = step(q, v, 5e3 * pressure.reshape(1))
+        return 1e3 * rows @ q
+
+    history = torch.linspace(0.2, 1.0, 5, dtype=torch.float64, requires_grad=True)
+    torch.autograd.gradcheck(rollout, (history,), eps=1e-4, atol=1e-5, rtol=1e-4)

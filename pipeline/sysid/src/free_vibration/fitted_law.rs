@@ -1,0 +1,49 @@
+//! Fitted laws of a report in SI units, for programs that use them: mean and covariance of the parameters.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::Report;
+use super::ladder::{LawResult, supported};
+
+/// A law fitted to all recordings that are marked so.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FittedLaw {
+    /// Its name in the table.
+    pub name: &'static str,
+    /// Name and SI unit of each parameter.
+    pub parameters: Vec<(&'static str, &'static str)>,
+    /// In SI units.
+    pub mean: Vec<f64>,
+    /// In SI units, linearised at the mean.
+    pub covariance: DMatrix<f64>,
+    /// Bayes' information criterion, relative to the best law's.
+    pub criterion: f64,
+    /// Whether the recordings support it: the simplest law within the uncertainty of the best one.
+    pub supported: bool,
+}
+
+impl Report {
+    /// Every law of the ladder, from the simplest to the richest.
+    pub fn laws(&self) -> Vec<FittedLaw> {
+        let best = supported(&self.results);
+        self.results.iter().enumerate().map(|(n, result)| self.law(result, n == best)).collect()
+    }
+
+    fn law(&self, result: &LawResult, supported: bool) -> FittedLaw {
+        let fitted = &result.joint.fitted;
+        let scales: Vec<_> = fitted.law.parameters.iter().map(|quantity| quantity.scale(self.page.range)).collect();
+        // The search runs in the logarithm of positive parameters: dθ = θ d(ln θ).
+        let slope = |(scale, value): (&super::laws::Scale, &f64)| if scale.logarithmic { *value } else { 1.0 };
+        let slopes = DMatrix::from_diagonal(&DVector::from_vec(scales.iter().zip(&fitted.values).map(slope).collect()));
+        let count = scales.len();
+        let own = fitted.covariance.view((0, 0), (count, count));
+        FittedLaw {
+            name: fitted.law.name,
+            parameters: scales.iter().map(|scale| (scale.name, scale.unit)).collect(),
+            mean: fitted.values.clone(),
+            covariance: &slopes * own * &slopes,
+            criterion: result.criterion,
+            supported,
+        }
+    }
+}
