@@ -5,6 +5,7 @@
 //! uniform \[talts2018\].
 
 use libm::erfc;
+use si::Point2;
 
 /// Half of a central interval of probability 0.68 or 0.95 in standard deviations.
 pub const HALF_WIDTHS: [(f64, f64); 2] = [(0.68, 0.994_457_883), (0.95, 1.959_963_985)];
@@ -26,6 +27,17 @@ pub fn share_bounds(share: f64, of: usize) -> [f64; 2] {
     let middle = (share + z * z / (2.0 * n)) / (1.0 + z * z / n);
     let half = z / (1.0 + z * z / n) * (share * (1.0 - share) / n + z * z / (4.0 * n * n)).sqrt();
     [(middle - half).max(0.0), (middle + half).min(1.0)]
+}
+
+/// Stated probability and observed share: of how many errors the central interval that just reaches them has at most this probability, as the
+/// corners of steps from (0, 0) to (1, 1).
+pub fn share_by_probability(errors: &[f64]) -> Vec<Point2> {
+    let mut reached: Vec<f64> = errors.iter().map(|z| 2.0 * normal_probability(z.abs()) - 1.0).collect();
+    reached.sort_by(f64::total_cmp);
+    let count = reached.len().max(1) as f64;
+    let step = |(i, p): (usize, f64)| [[p, i as f64 / count], [p, (i + 1) as f64 / count]];
+    let steps = reached.into_iter().enumerate().flat_map(step);
+    std::iter::once([0.0, 0.0]).chain(steps).chain([[1.0, 1.0]]).collect()
 }
 
 /// Counts of ranks in `bins` equal bins from 0 to 1: the probability below the truth under what was stated.
@@ -69,6 +81,13 @@ mod tests {
         let counts = rank_histogram(&errors, 10);
         assert!(counts[0] > 300 && counts[9] > 300 && counts[5] < 60, "{counts:?}");
         assert!(inside(&errors, HALF_WIDTHS[1].1) < 500);
+    }
+
+    #[test]
+    fn the_curve_rises_by_one_share_an_estimate_to_one() {
+        let curve = share_by_probability(&[1.959_963_985, 0.0]);
+        assert_eq!(curve[1..3], [[0.0, 0.0], [0.0, 0.5]]);
+        assert!((curve[3][0] - 0.95).abs() < 1e-6 && curve[4][1] == 1.0, "{curve:?}");
     }
 
     #[test]

@@ -104,6 +104,18 @@ fn blend(points: &[(&[f64], &[Vec<Point2>])], weight: &dyn Fn(&[f64]) -> f64) ->
     sum
 }
 
+/// Points of a landscape, row after row of `columns` points, that lie below all their neighbours, corners included; a narrow minimum between
+/// grid points gives several.
+pub fn lowest_points(columns: usize, loss: &[f64]) -> usize {
+    let rows = loss.len() / columns.max(1);
+    let around = |at: usize, len: usize| at.saturating_sub(1)..(at + 2).min(len);
+    let lowest = |row: usize, column: usize| {
+        let mut cells = around(row, rows).flat_map(|r| around(column, columns).map(move |c| (r, c)));
+        cells.all(|(r, c)| (r, c) == (row, column) || loss[r * columns + c] > loss[row * columns + column])
+    };
+    (0..rows).map(|row| (0..columns).filter(|&column| lowest(row, column)).count()).sum()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -137,5 +149,16 @@ mod tests {
             assert!((0..2).all(|k| (found[0][0][k] - whole[0][0][k]).abs() < 1e-12));
         }
         assert!(without(&[0, 1]).is_none());
+    }
+
+    #[test]
+    fn a_landscape_of_one_bowl_has_one_lowest_point_and_of_two_bowls_two() {
+        let axis: Vec<f64> = (0..9).map(|i| f64::from(i) / 8.0).collect();
+        let count = |f: fn(f64, f64) -> f64| {
+            let loss: Vec<f64> = axis.iter().flat_map(|y| axis.iter().map(|x| f(*x, *y)).collect::<Vec<_>>()).collect();
+            lowest_points(axis.len(), &loss)
+        };
+        assert_eq!(count(|x, y| (x - 0.5).powi(2) + (y - 0.25).powi(2)), 1);
+        assert_eq!(count(|x, y| (x * (x - 1.0)).powi(2) + (y - 0.25).powi(2)), 2);
     }
 }

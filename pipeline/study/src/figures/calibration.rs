@@ -3,9 +3,8 @@
 //! (a) the share of true values inside central intervals of every stated probability, by kind of quantity, beside the line of honest
 //! intervals and the band in which it lies for this number of specimens; (b) ranks of the true values, which are even for honest intervals.
 
-use optimize::coverage::{normal_probability, rank_histogram, share_bounds};
+use optimize::coverage::{rank_histogram, share_bounds, share_by_probability};
 use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Dash, Figure, Mark, Panel, palette};
-use si::Point2;
 
 use crate::records::{self, Coverage};
 use crate::subject::Study;
@@ -51,19 +50,9 @@ fn shares(found: &records::Calibration) -> Panel {
         ))
         .with(Mark::line(vec![[0.0, 0.0], [1.0, 1.0]], palette::MUTED).dashed(Dash::Dashed));
     for (i, kind) in found.kinds.iter().enumerate() {
-        axes = axes.with(Mark::line(curve(kind), palette::series(i)).labelled(&kind.title));
+        axes = axes.with(Mark::line(share_by_probability(&kind.errors), palette::series(i)).labelled(&kind.title));
     }
     Panel::Axes(axes)
-}
-
-/// The share of errors whose own interval has at most a probability, as steps.
-fn curve(kind: &Coverage) -> Vec<Point2> {
-    let mut reached: Vec<f64> = kind.errors.iter().map(|z| 2.0 * normal_probability(z.abs()) - 1.0).collect();
-    reached.sort_by(f64::total_cmp);
-    let count = reached.len().max(1) as f64;
-    let step = |(i, p): (usize, f64)| [[p, i as f64 / count], [p, (i + 1) as f64 / count]];
-    let steps = reached.into_iter().enumerate().flat_map(step);
-    std::iter::once([0.0, 0.0]).chain(steps).chain([[1.0, 1.0]]).collect()
 }
 
 /// Histogram of the ranks.
@@ -78,17 +67,4 @@ fn ranks(all: &Coverage) -> Panel {
     let axes = Axes::new(Axis::linear("rank of the truth", ""), Axis::linear("estimates", ""));
     let axes = counts.iter().enumerate().map(bar).fold(axes, Axes::with);
     Panel::Axes(axes.with(Mark::horizontal_line(even, palette::MUTED).dashed(Dash::Dashed)))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_curve_rises_by_one_share_an_estimate_to_one() {
-        let kind = Coverage { name: "a".into(), title: "a".into(), errors: vec![1.959_963_985, 0.0], sigma: 0.1 };
-        let curve = curve(&kind);
-        assert_eq!(curve[1..3], [[0.0, 0.0], [0.0, 0.5]]);
-        assert!((curve[3][0] - 0.95).abs() < 1e-6 && curve[4][1] == 1.0, "{curve:?}");
-    }
 }

@@ -2,10 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::records::{Finding, Findings as Record, Identified, LoadCell, Surface, Thrust, Validation};
+use crate::records::{Finding, Findings as Record, Identified, LoadCell, Thrust, Validation};
 use crate::subject::Condition;
 use diagnostics::Result;
 use signal::statistics::{correlation, minima, negative_share, ranks};
+use sysid::landscape::lowest_points;
 use workflow::needs::Every;
 use workflow::stage::{Stage, StageContext};
 
@@ -60,7 +61,7 @@ fn of_identified(found: &Identified) -> Vec<(&'static str, f64, &'static str)> {
     let (pressures, errors): (Vec<f64>, Vec<f64>) = levels.unzip();
     let counted = found.profiles.iter().map(|p| minima(&p.chi_square, RISE)).max();
     let mut all = vec![
-        ("landscape_minima", landscape_minima(&found.surface) as f64, ""),
+        ("landscape_minima", lowest_points(found.surface.body_e_pa.len(), &found.surface.loss) as f64, ""),
         ("static_error_rank_correlation", correlation(&ranks(&pressures), &ranks(&errors)), ""),
     ];
     all.extend(counted.map(|count| ("minima", count as f64, "")));
@@ -82,32 +83,4 @@ fn of_thrust(thrust: &Thrust) -> Vec<(&'static str, f64, &'static str)> {
         found.push(("negative_share_percent", 100.0 * negative_share(&trace.measured), "%"));
     }
     found
-}
-
-/// Points of the landscape below all their neighbours, corners included; a narrow minimum between grid points gives several.
-fn landscape_minima(surface: &Surface) -> usize {
-    let (columns, rows) = (surface.body_e_pa.len(), surface.spine_e_pa.len());
-    let loss = |row: usize, column: usize| surface.loss[row * columns + column];
-    let around = |at: usize, len: usize| at.saturating_sub(1)..(at + 2).min(len);
-    let lowest = |row: usize, column: usize| {
-        let mut cells = around(row, rows).flat_map(|r| around(column, columns).map(move |c| (r, c)));
-        cells.all(|(r, c)| (r, c) == (row, column) || loss(r, c) > loss(row, column))
-    };
-    (0..rows).map(|row| (0..columns).filter(|&column| lowest(row, column)).count()).sum()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_landscape_of_one_bowl_has_one_lowest_point_and_of_two_bowls_two() {
-        let axis: Vec<f64> = (0..9).map(|i| f64::from(i) / 8.0).collect();
-        let count = |f: fn(f64, f64) -> f64| {
-            let loss = axis.iter().flat_map(|y| axis.iter().map(|x| f(*x, *y)).collect::<Vec<_>>()).collect();
-            landscape_minima(&Surface { body_e_pa: axis.clone(), spine_e_pa: axis.clone(), loss })
-        };
-        assert_eq!(count(|x, y| (x - 0.5).powi(2) + (y - 0.25).powi(2)), 1);
-        assert_eq!(count(|x, y| (x * (x - 1.0)).powi(2) + (y - 0.25).powi(2)), 2);
-    }
 }
