@@ -48,15 +48,6 @@ impl Residuals {
             .ok_or_else(|| OptimiseError::Undetermined { parameters, why: singular() })
     }
 
-    /// ½ ln det JᵀJ, of whitened residuals: −∞ where the residuals leave a direction of the parameters open.
-    pub fn half_log_information(&self, parameters: usize) -> f64 {
-        let jacobian = DMatrix::from_row_slice(self.values.len(), parameters, &self.jacobian);
-        jacobian
-            .tr_mul(&jacobian)
-            .cholesky()
-            .map_or(f64::NEG_INFINITY, |c| c.l_dirty().diagonal().iter().map(|d| d.ln()).sum())
-    }
-
     /// χ² over the degrees of freedom: near 1 when the residuals have the covariance that was assumed.
     pub fn reduced_chi_square(&self, parameters: usize) -> f64 {
         2.0 * self.half_sum_of_squares() / self.values.len().saturating_sub(parameters).max(1) as f64

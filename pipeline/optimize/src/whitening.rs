@@ -31,24 +31,6 @@ impl Whitening {
         Ok(Self { factors: blocks.iter().map(factor).collect::<Result<_, _>>()? })
     }
 
-    /// ½ ln det of the covariance: the sum of the logarithms of L's diagonal.
-    pub fn half_log_determinant(&self) -> f64 {
-        self.factors.iter().flat_map(|factor| factor.diagonal().iter().map(|d| d.ln()).collect::<Vec<_>>()).sum()
-    }
-
-    /// L r and L J: the residuals before [`Whitening::apply`].
-    pub fn undo(&self, whitened: &Residuals, parameters: usize) -> Residuals {
-        let (mut first, mut values, mut jacobian) = (0, Vec::new(), Vec::new());
-        for factor in &self.factors {
-            let n = factor.nrows();
-            let rows = &whitened.jacobian[first * parameters..(first + n) * parameters];
-            values.extend((factor * DMatrix::from_column_slice(n, 1, &whitened.values[first..first + n])).iter());
-            jacobian.extend((factor * DMatrix::from_row_slice(n, parameters, rows)).transpose().iter());
-            first += n;
-        }
-        Residuals { values, jacobian }
-    }
-
     /// L⁻¹ r and L⁻¹ J.
     ///
     /// # Errors
@@ -99,15 +81,5 @@ mod tests {
     fn a_matrix_that_is_not_a_covariance_is_refused() {
         assert!(Whitening::new(&[vec![1.0, 2.0, 2.0, 1.0]]).is_err());
         assert!(Whitening::new(&[vec![1.0, 2.0]]).is_err());
-    }
-
-    #[test]
-    fn undoing_restores_residuals_and_jacobian_and_the_determinant_is_that_of_the_covariance() {
-        let whitening = Whitening::new(&[vec![4.0, 1.0, 1.0, 9.0], vec![0.25]]).unwrap();
-        let raw = Residuals { values: vec![1.0, -2.0, 0.5], jacobian: vec![1.0, 0.0, 3.0, 2.0, -1.0, 4.0] };
-        let again = whitening.undo(&whitening.apply(&raw, 2).unwrap(), 2);
-        assert!(again.values.iter().zip(&raw.values).all(|(a, b)| (a - b).abs() < 1e-12), "{again:?}");
-        assert!(again.jacobian.iter().zip(&raw.jacobian).all(|(a, b)| (a - b).abs() < 1e-12), "{again:?}");
-        assert!((whitening.half_log_determinant() - 0.5 * (35.0 * 0.25f64).ln()).abs() < 1e-12);
     }
 }

@@ -15,8 +15,6 @@ use diagnostics::{Diagnostic, Result};
 pub struct PressureLevel {
     /// One pressure a chamber, Pa.
     pub pressures: Vec<Pascal>,
-    /// Where the markers are at rest, m.
-    pub rest: Vec<Point2>,
     /// Displacement of each marker in the plane, m.
     pub measured: Vec<Point2>,
     /// Their covariance, m².

@@ -317,7 +317,7 @@ mod tests {
             levels: Vec::new(),
             inflated: vec![[0.0, 1.0, 2.0]],
             length: 0.1,
-            noise: NoiseModel { discrepancy: 0.01, correlation_length_m: 0.05, scale_sigma: 0.02 },
+            noise: NoiseModel { discrepancy_m: 1e-4, scale_sigma: 0.02 },
             uncertainty: Uncertainty { sigma: vec![0.01, 0.1], words: "all".into(), ..Uncertainty::default() },
             profiles: vec![Profile { parameter: "body_e".into(), value: vec![1e5], chi_square: vec![0.0] }],
         };

@@ -4,7 +4,7 @@ use fem::StaticSettings;
 use optimize::optimisers::{self, adam, cma_es};
 use optimize::{Bounds, Evaluation, EvaluationLog, Needs, Problem};
 use serde::{Deserialize, Serialize};
-use si::{Pascal, Point2, Second};
+use si::{Metre, Pascal, Point2, Second};
 
 use super::plateaus::{held_times, levels};
 use crate::records::{self, EvaluatedPoint, Markers, Mesh, Motion, NoiseModel, Point};
@@ -26,9 +26,9 @@ pub struct Settings {
     pub(super) settled_fraction: f64,
     /// The shortest hold that counts, s.
     pub(super) shortest_hold: Second,
-    /// Median of the prior of the model discrepancy over a level's displacement, no unit; its size and correlation length are estimated.
-    pub(super) discrepancy: f64,
-    /// Median of the prior of the common scale error of all displacements of a film, no unit.
+    /// Standard deviation of the model discrepancy, m, added to the covariance of a measured displacement.
+    pub(super) discrepancy: Metre,
+    /// Standard deviation of the common scale error of all displacements of a film, no unit.
     pub(super) scale_sigma: f64,
     /// Specimens on which every method is run for comparison; on the others Gauss-Newton alone.
     pub(super) compared: Vec<String>,
@@ -130,11 +130,7 @@ impl<'a> Fitting<'a> {
             |k: usize| card.body.materials.each_ref().map(|s| (s.plausible[k] / s.youngs_modulus).ln()).to_vec();
         let mut bounds = Bounds { low: bound(0), high: bound(1) };
         let model = mesh.model(&card.body)?.with_markers_at(&mesh.solid, &card.body, &mean_rest(&films.0));
-        let noise = NoiseModel {
-            discrepancy: set.discrepancy,
-            correlation_length_m: CORRELATION * card.body.length,
-            scale_sigma: set.scale_sigma,
-        };
+        let noise = NoiseModel { discrepancy_m: set.discrepancy, scale_sigma: set.scale_sigma };
         let levels = Misfit::new(all, &counts, &noise, card.body.length)?;
         let lower = feasible_lower_bound(&model, &levels.levels, &bounds);
         bounds.low[0] = lower;
@@ -174,33 +170,8 @@ impl<'a> Fitting<'a> {
     /// # Errors
     /// A [`Diagnostic`] when the method cannot continue, or Adam reaches a point without equilibrium.
     pub fn search(&self, member: &optimisers::Member) -> Result<SearchResult> {
-        self.searched(member, self.solver(&self.levels.levels, self.set.static_tolerance))
-    }
-
-    /// The same search again, from where it ended and with the noise model that its residuals support: with a better weight of the
-    /// residuals the minimum moves a little, and the covariance of the moduli becomes that of the recordings.
-    ///
-    /// # Errors
-    /// As [`Fitting::search`].
-    pub(super) fn reweighed(
-        mut self,
-        member: &optimisers::Member,
-        found: SearchResult,
-    ) -> Result<(Self, SearchResult)> {
-        let best = &found.history.best;
-        let residuals = best.residuals.as_ref().ok_or_else(|| {
-            let action = "report it with the recordings";
-            Diagnostic::new("the best point has no residuals", "it was evaluated without them", action)
-        })?;
-        self.noise = self.levels.estimated_noise(residuals, NAMES.len(), &self.noise)?;
-        self.levels = self.levels.with(&self.noise)?;
-        self.search = Problem::new(&NAMES, best.at.clone(), self.search.bounds().clone())?;
-        let again = self.searched(member, found.solver)?;
-        Ok((self, again))
-    }
-
-    fn searched(&self, member: &optimisers::Member, mut solver: LevelSolver) -> Result<SearchResult> {
         let mut optimiser = (member.build)(&self.search, &self.methods())?;
+        let mut solver = self.solver(&self.levels.levels, self.set.static_tolerance);
         let mut evaluated = Vec::new();
         let mut problem = |batch: &[Vec<f64>], needs: Needs| -> Result<Vec<Evaluation>, Interrupted> {
             let mut answers: Vec<Option<Evaluation>> = vec![None; batch.len()];
@@ -280,9 +251,6 @@ impl<'a> Fitting<'a> {
         records::Search { method: method.into(), tried: tried.collect(), seconds }
     }
 }
-
-/// Correlation length of the discrepancy over the length of the specimen, before it is estimated.
-const CORRELATION: f64 = 0.4;
 
 /// Whether a point without equilibrium may have infinite loss: where a gradient is needed, one point must have been evaluated before.
 fn had_evaluation(evaluated: &[Evaluated], want: Derivatives) -> bool {

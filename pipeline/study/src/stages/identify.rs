@@ -20,7 +20,7 @@ impl Stage for Identify {
     type Needs = (Mesh, Films);
     type Makes = Identified;
     const DESCRIPTION: &'static str = "Young's moduli are identified from quasi-static motion";
-    const VERSION: u32 = 9;
+    const VERSION: u32 = 8;
 
     fn run(
         card: &Self::Card,
@@ -39,11 +39,11 @@ impl Stage for Identify {
             records.push(fitting.record(member.name, &found.history, context.seconds() - began));
             match member.name {
                 grid::NAME => grid = found.evaluated,
-                gauss_newton::NAME => best = Some((member, found)),
+                gauss_newton::NAME => best = Some(found),
                 _ => {}
             }
         }
-        let Some((member, first)) = best else {
+        let Some(best) = best else {
             return Err(Diagnostic::new(
                 "identification needs gauss_newton",
                 "`optimize` does not list it",
@@ -51,8 +51,6 @@ impl Stage for Identify {
             ));
         };
         let gradient_difference = compared.then(|| fitting.gradient_difference()).transpose()?;
-        context.progress(0.9, "with the discrepancy of the recordings");
-        let (fitting, best) = fitting.reweighed(member, first)?;
         fitting.assemble(Searches { best, grid, records }, gradient_difference, context)
     }
 }

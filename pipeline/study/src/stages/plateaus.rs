@@ -66,7 +66,6 @@ fn model(motion: &Motion, markers: &Markers, hold: Range<usize>, settled: f64) -
     let spread = markers.parts.iter().map(|parts| spread(parts, frames.start, &of_frames)).collect();
     Some(PressureLevel {
         pressures: motion.gauges.iter().map(|g| pressure(&g.measured)).collect(),
-        rest: motion.rest.clone(),
         measured,
         covariance: spread,
     })
