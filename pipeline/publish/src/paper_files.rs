@@ -16,6 +16,8 @@ use workflow::runner::{Folders, Runner};
 use workflow::settings::Profile;
 use workflow::subject::Universe;
 
+/// Figures and tables of specimens drawn at random, by `just calibration`.
+const OF_A_POPULATION: [&str; 2] = ["calibration", "coverage"];
 /// Figures that no stage makes and the paper shows: those of real recordings, by `just real`.
 const OF_REAL_RECORDINGS: [&str; 2] = ["real_beam", "real_arm"];
 
@@ -85,11 +87,12 @@ fn facts<U: Universe>(
         let entries = lists.iter().flat_map(|list| list.iter()).filter(|entry| entry.kind == kind);
         let text =
             |entry: &Entry<U>| fs::read_to_string(folders.shown(kind)?.join(format!("{}.{suffix}", entry.name))).ok();
-        entries.map(|entry| Made { name: entry.name.into(), text: text(entry) }).collect()
+        let elsewhere = |entry: &Entry<U>| OF_A_POPULATION.contains(&entry.name);
+        entries.map(|entry| Made { name: entry.name.into(), text: text(entry), elsewhere: elsewhere(entry) }).collect()
     };
     let real = OF_REAL_RECORDINGS.map(|name| {
         let place = folders.shown(Kind::Figure).map(|shown| shown.join(format!("{name}.svg")));
-        Made { name: name.into(), text: place.and_then(|place| fs::read_to_string(place).ok()) }
+        Made { name: name.into(), text: place.and_then(|place| fs::read_to_string(place).ok()), elsewhere: true }
     });
     Ok(Facts {
         known: expected.named().iter().cloned().chain(of_claims).collect(),

@@ -33,6 +33,8 @@ pub struct Made {
     pub name: String,
     /// CSV of a table; anything for a figure; nothing where it was not made.
     pub text: Option<String>,
+    /// Whether another recipe than that of the paper makes it: until then its place is marked.
+    pub elsewhere: bool,
 }
 
 /// The keys of a BibTeX file.
@@ -77,8 +79,12 @@ pub(super) mod tests {
             metrics: vec![Expected::default().judge(Metric::new("a.rmse_mm", 0.5, "mm"))],
             known: set("b.known"),
             claims: vec![claim("good", 1.0), claim("bad", 0.1)],
-            figures: vec![Made { name: "tail".into(), text: Some(String::new()) }],
-            tables: vec![Made { name: "trials".into(), text: Some("a,b: ours (s),b: published (s)\nx,1,2\n".into()) }],
+            figures: vec![Made { name: "tail".into(), text: Some(String::new()), elsewhere: false }],
+            tables: vec![Made {
+                name: "trials".into(),
+                text: Some("a,b: ours (s),b: published (s)\nx,1,2\n".into()),
+                elsewhere: false,
+            }],
             cited: set("du2021"),
             tests: set("a_test_that_is"),
             strict: false,

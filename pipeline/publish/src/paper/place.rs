@@ -87,7 +87,9 @@ impl<'a> Resolution<'a> {
         self.shown.push(name.to_owned());
         match &found.text {
             Some(text) => Ok(Some(text)),
-            None if self.facts.strict => Err(format!("{kind} `{name}` was not made: study run {name}")),
+            None if self.facts.strict && !found.elsewhere => {
+                Err(format!("{kind} `{name}` was not made: study run {name}"))
+            }
             None => Ok(None),
         }
     }
