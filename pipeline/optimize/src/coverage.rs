@@ -11,7 +11,7 @@ use si::Point2;
 pub const HALF_WIDTHS: [(f64, f64); 2] = [(0.68, 0.994_457_883), (0.95, 1.959_963_985)];
 
 /// Standard normal probability below `z`.
-pub fn normal_probability(z: f64) -> f64 {
+fn normal_probability(z: f64) -> f64 {
     0.5 * erfc(-z / std::f64::consts::SQRT_2)
 }
 

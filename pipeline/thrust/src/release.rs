@@ -170,7 +170,7 @@ mod tests {
     fn path(by: &Coefficients, damping: f64) -> Vec<f64> {
         let at = |i: u32| {
             let (t, decay) = (f64::from(i), 1.0 / (8.0 * by.drag.sqrt()) + damping);
-            100.0 * (-t * decay).exp() * (t / (5.0 + 4.0 * by.added)).cos()
+            1e5 * (-t * decay).exp() * (t / (5.0 + 4.0 * by.added)).cos()
         };
         (0..60).map(at).collect()
     }

@@ -64,7 +64,7 @@ fn ranks(all: &Coverage) -> Panel {
         let (left, right, top) = (i as f64 * width, (i + 1) as f64 * width, *count as f64);
         Mark::area(vec![[left, 0.0], [left, top], [right, top], [right, 0.0]], palette::SIMULATED).with_opacity(0.5)
     };
-    let axes = Axes::new(Axis::linear("rank of the truth", ""), Axis::linear("estimates", ""));
+    let axes = Axes::new(Axis::linear("rank of the true value", ""), Axis::linear("estimates", ""));
     let axes = counts.iter().enumerate().map(bar).fold(axes, Axes::with);
     Panel::Axes(axes.with(Mark::horizontal_line(even, palette::MUTED).dashed(Dash::Dashed)))
 }

@@ -83,7 +83,7 @@ impl Record for Calibration {
         let share = |k: usize| 100.0 * all.share(HALF_WIDTHS[k].1, self.specimens).0;
         let (specimens, kinds) = (self.specimens, QuantityKind::ALL.len());
         format!(
-            "{specimens} specimens, {kinds} kinds: {:.0} % of the truths in their 95 % intervals, {:.0} % in those of 68 %",
+            "{specimens} specimens, {kinds} kinds: {:.0} % of the true values in their 95 % intervals, {:.0} % in those of 68 %",
             share(1),
             share(0)
         )

@@ -19,7 +19,7 @@ impl Stage for Calibration {
     type Card = ();
     type Needs = Recovered;
     type Makes = records::Calibration;
-    const DESCRIPTION: &'static str = "the share of truths inside their intervals is counted";
+    const DESCRIPTION: &'static str = "the share of true values inside their intervals is counted";
     const VERSION: u32 = 1;
 
     fn run((): &(), _: &Settings, recovered: Recovered, _: &dyn StageContext) -> Result<records::Calibration> {
