@@ -414,8 +414,8 @@ class Solver:
             initial = (initial.displacement, np.zeros(shape))
         first = (np.zeros(shape), np.zeros(shape)) if initial is None else initial
         start = (reals("initial displacement", first[0], shape).reshape(-1), reals("initial velocity", first[1], shape).reshape(-1))
-        with _Progress(progress, count) as tell:
-            found = self._core.record(inputs._core(), (start, pressures.reshape(-1), count), (given, tell))
+        with _Progress(progress, count) as report:
+            found = self._core.record(inputs._core(), (start, pressures.reshape(-1), count), (given, report))
         return Motion(self, inputs, pressures, found)
 
     def adjoint(self, at: Equilibrium | Motion, dloss_du: npt.ArrayLike) -> Gradient:

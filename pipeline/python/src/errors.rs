@@ -47,7 +47,7 @@ pub(crate) fn raised(error: impl std::error::Error + Send + Sync + 'static) -> P
     of_diagnostic(&Diagnostic::from(error), Kind::Input)
 }
 
-/// The exception of a diagnostic; `other` is its class where its source does not tell.
+/// The exception of a diagnostic; `other` is its class where its source does not decide it.
 pub(crate) fn of_diagnostic(diagnostic: &Diagnostic, other: Kind) -> PyErr {
     let kind = match diagnostic.downcast_ref::<fem::SolveError>() {
         Some(fem::SolveError::NoEquilibrium { .. } | fem::SolveError::TimeStep { .. }) => Kind::Convergence,

@@ -71,7 +71,7 @@ fn history(step: f64, chambers: usize, all: &[f64]) -> impl Fn(f64) -> Vec<f64> 
 }
 
 /// Calls a progress callback, whose exception ends the solve.
-fn tell(progress: Option<&Py<PyAny>>, signals: &Signals, n: usize, steps: usize) {
+fn report(progress: Option<&Py<PyAny>>, signals: &Signals, n: usize, steps: usize) {
     if let Some(progress) = progress {
         Python::attach(|py| progress.call1(py, (n, steps)).map(|_| ())).unwrap_or_else(|error| signals.raise(error));
     }
@@ -106,7 +106,7 @@ impl Solver {
                 states.times.push(time);
                 states.displacement.extend(&state.displacement);
                 states.velocity.extend(&state.velocity);
-                tell(progress.as_ref(), signals, states.times.len(), steps);
+                report(progress.as_ref(), signals, states.times.len(), steps);
             };
             let trajectory = solver.record_observed(&problem, steps, memory, &mut keep).map_err(raised)?;
             Ok((trajectory, states))

@@ -9,7 +9,7 @@ use crate::Gray;
 const BLOCKS: usize = 48;
 /// Correlation of two successive frames below which the scene has changed.
 const LIMIT: f64 = 0.5;
-/// Least correlation of frames of one scene before a cut: in a film that flickers no cut can be told.
+/// Least correlation of frames of one scene before a cut: in a film that flickers no cut is discernible.
 const STEADY: f64 = 0.8;
 
 /// Looks for a cut from frame to frame.

@@ -20,15 +20,15 @@ impl DecodedAhead {
     /// # Errors
     /// As [`Film::open`].
     pub fn open(path: &Path) -> Result<Self, VideoError> {
-        let (told, info) = sync_channel(1);
+        let (opened, info) = sync_channel(1);
         let (sender, frames) = sync_channel(WAITING);
         let path = path.to_owned();
         let named = path.clone();
         // The decoder stays on the thread that made it.
         let decode = move || match Film::open(&path) {
-            Err(refused) => drop(told.send(Err(refused))),
+            Err(refused) => drop(opened.send(Err(refused))),
             Ok(film) => {
-                let wanted = told.send(Ok(film.info())).is_ok();
+                let wanted = opened.send(Ok(film.info())).is_ok();
                 // A frame that nobody takes ends the thread.
                 let _ = film.take_while(|_| wanted).try_for_each(|frame| sender.send(frame));
             }
