@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{Args, Parser, Subcommand};
 use diagnostics::{Diagnostic, Result, output};
 use rayon::prelude::*;
 
@@ -34,15 +34,9 @@ enum Task {
         /// Extent and resolution of the recordings: paper or quick.
         #[arg(long, default_value = "paper")]
         profile: String,
-        /// The project's folder.
-        #[arg(long, default_value = ".")]
-        root: PathBuf,
-        /// Folder for the specimens. The default is data/raw under the root, or target/quick/data/raw for the quick profile.
-        #[arg(long)]
-        into: Option<PathBuf>,
-        /// Do not print progress.
-        #[arg(long)]
-        quiet: bool,
+        /// Where they are recorded.
+        #[command(flatten)]
+        destination: Destination,
     },
     /// Record a population: specimens of one design, each with its own silicone, sheet, casting, water, valve and camera, drawn at random.
     Draw {
@@ -55,15 +49,9 @@ enum Task {
         /// Extent and resolution of the recordings.
         #[arg(long, default_value = "population")]
         profile: String,
-        /// The project's folder.
-        #[arg(long, default_value = ".")]
-        root: PathBuf,
-        /// Folder for the specimens. The default is target/population/data/raw under the root.
-        #[arg(long)]
-        into: Option<PathBuf>,
-        /// Do not print progress.
-        #[arg(long)]
-        quiet: bool,
+        /// Where they are recorded.
+        #[command(flatten)]
+        destination: Destination,
     },
     /// Compare the simulated valve, load cell and forces in water with measurements of real instruments.
     Check {
@@ -79,6 +67,27 @@ enum Task {
     },
 }
 
+/// Where specimens are recorded.
+#[derive(Args)]
+struct Destination {
+    /// The project's folder.
+    #[arg(long, default_value = ".")]
+    root: PathBuf,
+    /// Folder for the specimens. The default is data/raw under the root for the paper profile, target/PROFILE/data/raw for another.
+    #[arg(long)]
+    into: Option<PathBuf>,
+    /// Do not print progress.
+    #[arg(long)]
+    quiet: bool,
+}
+
+impl Destination {
+    /// The folder of a profile's specimens.
+    fn folder(&self, profile: &str) -> PathBuf {
+        self.into.clone().unwrap_or_else(|| raw_folder(&self.root, profile))
+    }
+}
+
 /// The table of the comparison, under the project's folder.
 const CHECK_TABLE: &str = "paper/tables/bench_check.csv";
 /// Exit code for an invalid command line, the same as clap's.
@@ -90,15 +99,13 @@ const FAILURE: u8 = 1;
 pub fn run() -> ExitCode {
     let set = Settings::built_in();
     match Line::parse().task {
-        Task::Record { specimens, profile, root, into, quiet } => {
-            let into = into.unwrap_or_else(|| raw_folder(&root, &profile));
-            let progress = Progress::new(quiet);
+        Task::Record { specimens, profile, destination } => {
+            let (into, progress) = (destination.folder(&profile), Progress::new(destination.quiet));
             let request = Request { set: &set, profile: &profile, into: &into, progress: &progress };
             recorded(&request, choose(&specimens, &profile, &set), |specimen| record_one(specimen, &request))
         }
-        Task::Draw { count, seed, profile, root, into, quiet } => {
-            let into = into.unwrap_or_else(|| raw_folder(&root, &profile));
-            let progress = Progress::new(quiet);
+        Task::Draw { count, seed, profile, destination } => {
+            let (into, progress) = (destination.folder(&profile), Progress::new(destination.quiet));
             let request = Request { set: &set, profile: &profile, into: &into, progress: &progress };
             let numbers = known_profile(&profile, &set).map(|()| (1..=usize::from(count)).collect());
             recorded(&request, numbers, |number| {

@@ -52,6 +52,23 @@ pub struct Clock {
     pub sigma: Second,
 }
 
+#[cfg(test)]
+impl Motion {
+    /// One marker without noise, and one chamber whose measured pressure is its command, on one clock.
+    pub(crate) fn of_one_marker(time: Vec<Second>, command: Vec<Pascal>, at: Vec<Point2>) -> Self {
+        let spread = vec![[0.0; 3]; time.len()];
+        Self {
+            log_time: time.clone(),
+            time,
+            markers: vec![Path { name: "a".into(), at, spread }],
+            rest: vec![[0.0; 2]],
+            gauges: vec![Gauge { chamber: "left".into(), measured: command.clone(), command }],
+            clock: Clock { offset: 0.0, scale: 1.0, lamp: 0.0, sigma: 0.0 },
+            sampling: lab::Sampling::default(),
+        }
+    }
+}
+
 #[derive(Serialize, Deserialize)]
 struct Scalars {
     markers: Vec<String>,

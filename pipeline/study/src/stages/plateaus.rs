@@ -89,25 +89,13 @@ fn spread(parts: &CovarianceParts, first: usize, weights: &[f64]) -> Covariance2
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::records::{Clock, Gauge};
 
     /// One chamber: off for 1 s, held at 100 Pa for 1 s, off, held at 200 Pa for 1 s; the marker follows at 1e-5 m/Pa.
     fn motion() -> Motion {
         let time: Vec<f64> = (0..400).map(|i| 0.01 * f64::from(i)).collect();
         let command: Vec<f64> = time.iter().map(|&t| [0.0, 100.0, 0.0, 200.0][(t + 1e-9) as usize]).collect();
         let at = command.iter().map(|p| [0.0, 1e-5 * p]).collect();
-        let markers = vec![Path { name: "a".into(), at, spread: vec![[0.0; 3]; 400] }];
-        let gauges = vec![Gauge { chamber: "left".into(), measured: command.clone(), command }];
-        let clock = Clock { offset: 0.0, scale: 1.0, lamp: 0.0, sigma: 0.0 };
-        Motion {
-            log_time: time.clone(),
-            time,
-            markers,
-            rest: vec![[0.0; 2]],
-            gauges,
-            clock,
-            sampling: lab::Sampling::default(),
-        }
+        Motion::of_one_marker(time, command, at)
     }
 
     /// Noise of 1e-10 m² a frame and a shared error of 1e-12 m².

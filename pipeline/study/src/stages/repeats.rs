@@ -84,25 +84,13 @@ pub fn rms(a: &[Point2], b: &[Point2]) -> Metre {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::records::{Clock, Gauge, Path};
 
     /// A marker that follows a command `late` s after 1 s, scaled by `by`.
     fn film(late: f64, by: f64) -> Motion {
         let time: Vec<f64> = (0..300).map(|i| 0.01 * f64::from(i)).collect();
         let command: Vec<f64> = time.iter().map(|t| f64::from(u8::from(*t >= 1.0 + late - 1e-9))).collect();
         let at = time.iter().map(|t| [0.0, by * (t - 1.0 - late).max(0.0)]).collect();
-        let gauges = vec![Gauge { chamber: "left".into(), measured: command.clone(), command }];
-        let clock = Clock { offset: 0.0, scale: 1.0, lamp: 0.0, sigma: 0.0 };
-        let markers = vec![Path { name: "a".into(), at, spread: Vec::new() }];
-        Motion {
-            log_time: time.clone(),
-            time,
-            markers,
-            rest: vec![[0.0; 2]],
-            gauges,
-            clock,
-            sampling: lab::Sampling::default(),
-        }
+        Motion::of_one_marker(time, command, at)
     }
 
     #[test]
