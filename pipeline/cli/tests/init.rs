@@ -124,6 +124,9 @@ fn all_that_is_optional_can_be_taken_in_at_once() {
     assert!(card.tank.is_some() && card.log.force_lag == Some(0.2) && card.log.columns.len() == 1);
 }
 
+/// Keys that earlier cards have in the place of others.
+const EARLIER: [(&str, &str); 2] = [("chamber", "log"), ("trial", "side")];
+
 #[test]
 fn every_key_of_a_card_is_explained_in_its_part() {
     let known: Vec<(&str, Vec<String>)> = vec![
@@ -152,7 +155,7 @@ fn every_key_of_a_card_is_explained_in_its_part() {
     let tables: BTreeSet<&str> = known.iter().map(|(table, _)| *table).collect();
     for (table, keys) in &known {
         assert!(!keys.is_empty(), "[{table}] lists no keys");
-        for key in keys {
+        for key in keys.iter().filter(|key| !EARLIER.contains(&(*table, key.as_str()))) {
             let below = if table.is_empty() { key.clone() } else { format!("{table}.{key}") };
             let there = tables.contains(below.as_str()) || evaluated.contains(&format!("{table}/{key}"));
             assert!(there, "`{key}` of [{table}] is not explained");

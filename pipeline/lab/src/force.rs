@@ -17,7 +17,7 @@ use std::path::Path;
 use si::{Hertz, Newton, Second, Series};
 
 use crate::card::{Log, LogKind};
-use crate::log::{self, LogFormat, LogText, Logged, StampReport, TIMES};
+use crate::log::{self, ColumnFormat, LogFormat, LogText, Logged, StampReport};
 use diagnostics::Diagnostic;
 
 /// The columns that every force log has, in the order in which they are written.
@@ -33,21 +33,15 @@ const ABSENT: &str = "put the force log there, or correct `force` or `hammer` in
 
 const FORCE: (f64, f64, &str) = (RANGE[0], RANGE[1], "N");
 
-const fn form(instrument: LogKind) -> LogFormat<2> {
-    LogFormat {
-        kind: "force log",
-        instrument,
-        columns: COLUMNS,
-        ranges: [TIMES, FORCE],
-        held: [false; 2],
-        absent: ABSENT,
-    }
+fn form(instrument: LogKind) -> LogFormat {
+    let columns = vec![ColumnFormat::time(), ColumnFormat::measured(COLUMNS[1], FORCE)];
+    LogFormat { kind: "force log", instrument, columns }
 }
 
-const fn with_lamp(instrument: LogKind) -> LogFormat<3> {
-    let columns = [COLUMNS[0], COLUMNS[1], LAMP];
-    let ranges = [TIMES, FORCE, (0.0, 1.0, "(off to on)")];
-    LogFormat { kind: "force log", instrument, columns, ranges, held: [false; 3], absent: ABSENT }
+fn with_lamp(instrument: LogKind) -> LogFormat {
+    let mut form = form(instrument);
+    form.columns.push(ColumnFormat::measured(LAMP, (0.0, 1.0, "(off to on)")));
+    form
 }
 
 /// A force log, every list `samples` long.
@@ -104,8 +98,7 @@ pub fn parse_as(text: &str, path: &Path, (kind, card): (LogKind, &Log)) -> Resul
     }
     let Logged { log: rows, sampling } = text.parse(&form, card)?;
     let led = rows.iter().map(|row| row[2]).collect();
-    let log = ForceLog { led, ..from_rows(rows.into_iter().map(|[time, force, _]| [time, force]).collect()) };
-    Ok(Logged { log, sampling })
+    Ok(Logged { log: ForceLog { led, ..from_rows(rows) }, sampling })
 }
 
 /// What the stamps of an instrument's log in `text` show, whether or not it can be used.
@@ -131,7 +124,7 @@ pub fn write(log: &ForceLog, remark: &str) -> String {
     text
 }
 
-fn from_rows(rows: Vec<[f64; 2]>) -> ForceLog {
-    let (time, force) = rows.into_iter().map(|[time, force]| (time, force)).unzip();
+fn from_rows(rows: Vec<Vec<f64>>) -> ForceLog {
+    let (time, force) = rows.into_iter().map(|row| (row[0], row[1])).unzip();
     ForceLog { time, force, led: Vec::new() }
 }

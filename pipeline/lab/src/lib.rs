@@ -11,10 +11,11 @@
 //! use std::path::Path;
 //!
 //! let text = "time_s,left_command_mbar,right_command_mbar,left_mbar,right_mbar,led\n0.0,0,0,0.5,0,0\n0.1,200,0,180,0,1\n";
-//! let log = pressure::parse(text, Path::new("pressure.csv"))?;
-//! assert_eq!(log.left.measured, [50.0, 18_000.0]);
+//! let channels = ["left".to_owned(), "right".to_owned()];
+//! let log = pressure::parse(text, Path::new("pressure.csv"), &channels)?;
+//! assert_eq!(log.channels[0].measured, [50.0, 18_000.0]);
 //!
-//! let wrong = pressure::parse(&text.replace("180", "1.8e4"), Path::new("pressure.csv")).unwrap_err();
+//! let wrong = pressure::parse(&text.replace("180", "1.8e4"), Path::new("pressure.csv"), &channels).unwrap_err();
 //! assert!(wrong.to_string().starts_with("pressure.csv, line 3: left_mbar = 18000 is out of range"));
 //! # Ok::<(), diagnostics::Diagnostic>(())
 //! ```

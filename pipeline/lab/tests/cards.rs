@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use lab::card::{self, BoardKind, Card, Experiment, FixtureOf, Side};
+use lab::card::{self, BoardKind, Card, Experiment, FixtureOf};
 
 /// A card that is right in every line.
 const GOOD: &str = r#"name = "pike"
@@ -35,7 +35,12 @@ below_x = 0.004
 [[chamber]]
 name = "left"
 at = [0.012, 0.006, 0.0]
-log = "left"
+channel = "left"
+
+[[chamber]]
+name = "right"
+at = [0.012, -0.006, 0.0]
+channel = "right"
 
 [[marker]]
 name = "m1"
@@ -72,7 +77,7 @@ id = "static_left"
 kind = "staircase"
 role = "identify"
 medium = "air"
-side = "left"
+channels = ["left"]
 video = "trials/static_left/video.mp4"
 pressure = "trials/static_left/pressure.csv"
 levels = [5000.0, 10000.0]
@@ -84,7 +89,7 @@ id = "flap"
 kind = "flapping"
 role = "validate"
 medium = "air"
-side = "left"
+channels = ["left", "right"]
 video = "trials/flap/video.mp4"
 pressure = "trials/flap/pressure.csv"
 amplitude = 20000.0
@@ -386,9 +391,14 @@ fn a_trial_of_one_frame_is_refused() {
 
 #[test]
 fn a_staircase_lasts_from_its_first_hold_to_its_last() {
-    let stairs = |count| Experiment::Staircase { side: Side::Left, levels: vec![1e4; count], hold: 1.5, pause: 0.5 };
+    let stairs = |count| Experiment::Staircase {
+        channels: vec!["left".into()],
+        levels: vec![1e4; count],
+        hold: 1.5,
+        pause: 0.5,
+    };
     assert_eq!([1, 3].map(|count| stairs(count).duration()), [1.5, 5.5]);
-    let flaps = Experiment::Flapping { side: Side::Left, amplitude: 1e4, frequency: 2.0, cycles: 15 };
+    let flaps = Experiment::Flapping { channels: vec!["left".into()], amplitude: 1e4, frequency: 2.0, cycles: 15 };
     assert_eq!(flaps.duration(), 7.5);
 }
 
@@ -432,4 +442,26 @@ fn a_film_may_be_a_folder_of_pictures_and_a_log_may_not() {
     let said = specimen.missing().iter().map(ToString::to_string).collect::<String>();
     assert!(said.contains("force.csv: the file cannot be used: it is a folder"), "{said}");
     std::fs::remove_dir_all(top).unwrap();
+}
+
+#[test]
+fn channels_have_any_names_and_earlier_keys_are_still_read() {
+    let named = |word: &str, other: &str| {
+        GOOD.replace("\"left\"", &format!("\"{word}\"")).replace("\"right\"", &format!("\"{other}\""))
+    };
+    let card = card::parse(&named("dorsal", "ventral"), at()).unwrap();
+    assert_eq!(card.channels(), ["dorsal", "ventral"]);
+    assert_eq!(card.trial[1].experiment.channels(), ["dorsal", "ventral"]);
+    let earlier = GOOD.replace("channel = ", "log = ").replace("channels = [\"left\"]", "side = \"left\"");
+    let earlier = earlier.replace("channels = [\"left\", \"right\"]", "side = \"left\"");
+    assert_eq!(card::parse(&earlier, at()).unwrap(), good());
+}
+
+#[test]
+fn a_trial_that_drives_a_channel_without_a_chamber_or_one_twice_is_refused() {
+    let said = refusal("channels = [\"left\"]", "channels = [\"up\"]");
+    assert!(said.contains("drives the channel `up`, which fills no chamber") && said.contains("left, right"), "{said}");
+    assert!(refusal("[\"left\", \"right\"]", "[\"left\", \"left\"]").contains("drives the channel `left` twice"));
+    assert!(refusal("channels = [\"left\"]", "channels = []").contains("`channels` is empty"));
+    assert!(refusal("channels = [\"left\"]", "").contains("missing field `channels`"));
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use lab::card::{Log, LogKind};
 use lab::log::{Method, StampFaultKind};
+use lab::pressure::Layout;
 use lab::{ForceLog, Logged, PressureLog, force, pressure};
 
 fn card(text: &str) -> Log {
@@ -15,8 +16,13 @@ fn forces(text: &str, log: &str) -> Result<Logged<ForceLog>, String> {
     force::parse_as(text, Path::new("force.csv"), (LogKind::Force, &card(log))).map_err(|e| e.to_string())
 }
 
+fn channels() -> [String; 2] {
+    ["left", "right"].map(str::to_owned)
+}
+
 fn pressures(text: &str, log: &str) -> Result<Logged<PressureLog>, String> {
-    pressure::parse_as(text, Path::new("pressure.csv"), &card(log)).map_err(|e| e.to_string())
+    pressure::parse_as(text, Path::new("pressure.csv"), Layout { channels: &channels(), log: &card(log) })
+        .map_err(|e| e.to_string())
 }
 
 /// A log with the force 0.1 N · sin(4πt) at these times.
@@ -152,9 +158,12 @@ fn on_an_even_clock_commands_stay_steps_and_held_pressures_stay_what_they_are() 
     let Logged { log, sampling } =
         pressures(&(titles.to_owned() + &(0..300).map(line).collect::<String>()), "").unwrap();
     assert_eq!(sampling.method, Method::LinearInterpolation);
-    let first = log.left.command.iter().position(|c| *c > 0.0).unwrap();
-    assert!((99..=101).contains(&first) && log.left.command[first..].iter().all(|c| *c == log.left.command[first]));
-    assert!(log.left.measured[first + 1..].iter().all(|p| *p == log.left.command[first]));
+    let first = log.channels[0].command.iter().position(|c| *c > 0.0).unwrap();
+    assert!(
+        (99..=101).contains(&first)
+            && log.channels[0].command[first..].iter().all(|c| *c == log.channels[0].command[first])
+    );
+    assert!(log.channels[0].measured[first + 1..].iter().all(|p| *p == log.channels[0].command[first]));
     assert!(sampling.bounds.iter().all(|bound| !bound.column.contains("command")));
 }
 
@@ -171,7 +180,7 @@ fn the_held_pressures_of_a_jittered_log_are_those_of_the_even_one() {
         let titles = "time_s,left_command_mbar,right_command_mbar,left_mbar,right_mbar,led\n";
         let text = titles.to_owned() + &(0..600).map(&mut line).collect::<String>();
         let log = pressures(&text, "").unwrap().log;
-        log.left.measured[360..].iter().sum::<f64>() / log.left.measured[360..].len() as f64
+        log.channels[0].measured[360..].iter().sum::<f64>() / log.channels[0].measured[360..].len() as f64
     };
     let (even, jittered) = (held(0.0), held(8e-3));
     assert!((jittered / even - 1.0).abs() < 1e-3, "{jittered} {even}");

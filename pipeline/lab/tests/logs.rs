@@ -3,7 +3,6 @@
 
 use std::path::Path;
 
-use lab::card::Side;
 use lab::pressure::{self, PressureLog};
 
 const GOOD: &str = "# virtual bench
@@ -14,8 +13,12 @@ time_s,left_command_mbar,right_command_mbar,left_mbar,right_mbar,led
 1.015,200,0,180,0.1,1
 ";
 
+fn channels() -> [String; 2] {
+    ["left", "right"].map(str::to_owned)
+}
+
 fn parse(text: &str) -> Result<PressureLog, String> {
-    pressure::parse(text, Path::new("pressure.csv")).map_err(|e| e.to_string())
+    pressure::parse(text, Path::new("pressure.csv"), &channels()).map_err(|e| e.to_string())
 }
 
 /// The refusal of the good log with `from` changed to `to`.
@@ -27,10 +30,10 @@ fn refusal(from: &str, to: &str) -> String {
 #[test]
 fn millibar_become_pascal_on_the_clock_of_the_log() {
     let log = parse(GOOD).unwrap();
-    let left = log.measured(Side::Left);
+    let left = log.series(&log.channels[0].measured);
     assert!((log.rate() - 200.0).abs() < 1e-9);
     assert!((left.at(1.010) - 9025.0).abs() < 1e-6);
-    assert_eq!(log.command(Side::Left).values(), [0.0, 20000.0, 20000.0, 20000.0]);
+    assert_eq!(log.channels[0].command, [0.0, 20000.0, 20000.0, 20000.0]);
     assert_eq!(log.led, [0.0, 1.0, 1.0, 1.0]);
 }
 
@@ -47,7 +50,7 @@ fn columns_may_stand_in_any_order_beside_others() {
     let text = "led,temperature_c,right_mbar,left_mbar,right_command_mbar,left_command_mbar,time_s\n\
                 1,21,4,3,2,1,0.0\n0,21,4,3,2,1,0.005\n";
     let log = parse(text).unwrap();
-    assert_eq!((log.left.command[0], log.right.measured[1]), (100.0, 400.0));
+    assert_eq!((log.channels[0].command[0], log.channels[1].measured[1]), (100.0, 400.0));
 }
 
 #[test]
@@ -137,6 +140,6 @@ fn an_empty_log_is_refused() {
 
 #[test]
 fn an_absent_log_is_refused_with_its_name() {
-    let said = pressure::read(Path::new("/nowhere/pressure.csv")).unwrap_err().to_string();
+    let said = pressure::read(Path::new("/nowhere/pressure.csv"), &channels()).unwrap_err().to_string();
     assert!(said.contains("/nowhere/pressure.csv"), "{said}");
 }

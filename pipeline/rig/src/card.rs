@@ -1,6 +1,7 @@
 //! The card that the bench writes: the public data of a specimen, without its hidden properties.
 
-use lab::card::{self, Card, Experiment, Fixture, FixtureOf, Medium, Origin, Role, Side, Split, Trial};
+use crate::side::Side;
+use lab::card::{self, Card, Experiment, Fixture, FixtureOf, Medium, Origin, Role, Split, Trial};
 use si::{Metre, Pascal, Point2, Point3};
 use tail_cad::Tail;
 
@@ -53,7 +54,7 @@ struct Purpose {
 /// trials, each repeated.
 pub(crate) fn trials(set: &settings::Specimen, profile: &Profile) -> Vec<Trial> {
     let stairs = |side: Side, levels: &[Pascal]| Experiment::Staircase {
-        side,
+        channels: vec![side.word().to_owned()],
         levels: levels.to_vec(),
         hold: profile.hold,
         pause: profile.pause,
@@ -76,7 +77,7 @@ fn flapping(flap: &settings::FlappingTrial, profile: &Profile, repeat: usize) ->
     let (pressure, medium) = (flap.pressure / si::MILLIBAR, flap.medium.word());
     let id = format!("{pressure:.0}mbar_{:.0}hz_{medium}_{repeat:02}", flap.frequency);
     let experiment = Experiment::Flapping {
-        side: Side::Left,
+        channels: crate::side::channels().to_vec(),
         amplitude: flap.pressure,
         frequency: flap.frequency,
         cycles: profile.cycles,
@@ -170,7 +171,11 @@ fn chamber(tail: &Tail, side: Side) -> card::Chamber {
     };
     let y = 0.5 * (tail.inner_face() + tail.half_width(x, 0.0) - wall);
     let micrometre = |x: Metre| (x * 1e6).round() / 1e6;
-    card::Chamber { name: side.word().to_owned(), at: [micrometre(x), sign * micrometre(y), 0.0], log: side }
+    card::Chamber {
+        name: side.word().to_owned(),
+        at: [micrometre(x), sign * micrometre(y), 0.0],
+        channel: side.word().to_owned(),
+    }
 }
 
 fn markers(tail: &Tail, set: &settings::Specimen, observed: &[Point2]) -> Vec<card::Marker> {

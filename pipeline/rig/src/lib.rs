@@ -41,8 +41,11 @@ pub mod renderer;
 pub mod scene;
 mod script;
 pub mod settings;
+mod side;
 pub mod specimen;
 pub mod specimens;
 pub mod stamp;
 mod trial;
 pub mod valve;
+
+pub use side::Side;

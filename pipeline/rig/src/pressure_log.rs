@@ -3,13 +3,12 @@
 //! log time = offset + scale × video time. A sample of the lamp is its mean over one sampling interval around the sample's time.
 
 use lab::PressureLog;
-use lab::card::Side;
-use lab::pressure::Channel;
 use si::Second;
 
 use crate::random::RandomStream;
 use crate::script::Pneumatics;
 use crate::settings::{self, Port};
+use crate::side::{Side, channels};
 use crate::valve::commanded;
 
 /// The logger's clock against the video's.
@@ -42,32 +41,24 @@ pub(crate) fn record(
 ) -> PressureLog {
     let Pneumatics { script, sides } = pneumatics;
     let samples = ((clock.offset + clock.scale * (script.length + AFTERWARDS)) * set.rate) as usize;
-    let mut log = PressureLog::default();
+    let mut log = PressureLog::of(&channels());
     for i in 0..samples {
         let time = i as f64 / set.rate;
         let video = (time - clock.offset) / clock.scale;
         log.time.push(time);
-        for (side, trace) in [(Side::Left, &sides[0]), (Side::Right, &sides[1])] {
+        for (k, (side, trace)) in Side::BOTH.into_iter().zip(sides).enumerate() {
             let pressure = match set.port {
                 Port::Chamber => trace.at(video),
                 Port::Valve => trace.at_valve(video),
             };
             let measured = (pressure + set.noise * random.normal()).round();
-            let channel = channel(&mut log, side);
-            channel.command.push(commanded(script.side(side), video));
-            channel.measured.push(measured);
+            log.channels[k].command.push(commanded(script.side(side), video));
+            log.channels[k].measured.push(measured);
         }
         let lamp = script.lamp(video, 0.5 / (set.rate * clock.scale));
         log.led.push((lamp * LAMP_DIGITS).round() / LAMP_DIGITS);
     }
     log
-}
-
-fn channel(log: &mut PressureLog, side: Side) -> &mut Channel {
-    match side {
-        Side::Left => &mut log.left,
-        Side::Right => &mut log.right,
-    }
 }
 
 #[cfg(test)]
@@ -81,14 +72,14 @@ mod tests {
     #[test]
     fn the_lamp_edge_in_a_parsed_log_is_the_start_on_the_log_s_clock() {
         let set = Settings::built_in();
-        let flaps = Experiment::Flapping { side: Side::Left, amplitude: 2e4, frequency: 2.0, cycles: 2 };
+        let flaps = Experiment::Flapping { channels: channels().to_vec(), amplitude: 2e4, frequency: 2.0, cycles: 2 };
         let script = script::write(&flaps, 0.5123, 0.5);
         let mut random = RandomStream::new(1, "valve");
         let pneumatics = Pneumatics::respond(&set.valve, script, ValveDisturbance::default(), &mut random);
         let clock = Clock { offset: 1.75, scale: 1.00002 };
         let log = record(&set.log, clock, &pneumatics, &mut RandomStream::new(1, "log"));
         let text = lab::pressure::write(&log, lab::VIRTUAL_BENCH);
-        let read = lab::pressure::parse(&text, std::path::Path::new("pressure.csv")).unwrap();
+        let read = lab::pressure::parse(&text, std::path::Path::new("pressure.csv"), &channels()).unwrap();
         let k = read.led.iter().position(|led| *led > 0.0).unwrap();
         let edge = read.time[k] + 0.5 / set.log.rate - read.led[k] / set.log.rate;
         assert!((edge - (clock.offset + clock.scale * pneumatics.script.led_on)).abs() < 1e-5, "edge at {edge} s");

@@ -4,8 +4,9 @@
 
 use std::path::Path;
 
+use crate::side::Side;
 use diagnostics::{Diagnostic, Result};
-use lab::card::{Side, Trial};
+use lab::card::Trial;
 use lab::truth::{self, Lens, Pose, TrueForce, TrueTrial, Truth};
 use rayon::prelude::*;
 use si::{MILLIMETRE, Metre, Pascal};

@@ -1,10 +1,11 @@
 //! The script of a trial: the pressure commands of each side and the lamp, on the video's clock, and the valve's response to them.
 
-use lab::card::{Experiment, Side};
+use lab::card::Experiment;
 use si::{Pascal, Second};
 
 use crate::random::RandomStream;
 use crate::settings;
+use crate::side::Side;
 use crate::valve::{Command, Trace, ValveDisturbance, respond};
 
 /// Commands and lamp of one trial; time 0 is the video's first frame.
@@ -47,16 +48,17 @@ impl Pneumatics {
 /// The script of `experiment`: its first command is given at `start` (s), and the film ends `rest` (s) after its last.
 pub(crate) fn write(experiment: &Experiment, start: Second, rest: Second) -> Script {
     let mut script = Script { left: Vec::new(), right: Vec::new(), led_on: start, led_off: start, length: start };
+    let side = Side::first_of(experiment);
     match experiment {
-        Experiment::Staircase { side, levels, hold, pause } => {
+        Experiment::Staircase { levels, hold, pause, .. } => {
             for level in levels {
-                script.pulse(*side, *level, *hold);
+                script.pulse(side, *level, *hold);
                 script.led_off += pause;
             }
         }
-        Experiment::Flapping { side, amplitude, frequency, cycles } => {
+        Experiment::Flapping { amplitude, frequency, cycles, .. } => {
             for _ in 0..*cycles {
-                script.pulse(*side, *amplitude, 0.5 / frequency);
+                script.pulse(side, *amplitude, 0.5 / frequency);
                 script.pulse(side.other(), *amplitude, 0.5 / frequency);
             }
         }
@@ -99,7 +101,12 @@ mod tests {
 
     #[test]
     fn a_square_wave_fills_one_side_at_a_time() {
-        let flaps = Experiment::Flapping { side: Side::Left, amplitude: 2e4, frequency: 2.0, cycles: 3 };
+        let flaps = Experiment::Flapping {
+            channels: crate::side::channels().to_vec(),
+            amplitude: 2e4,
+            frequency: 2.0,
+            cycles: 3,
+        };
         let script = write(&flaps, 0.5, 0.25);
         let both = |t| (commanded(&script.left, t), commanded(&script.right, t));
         assert_eq!((both(0.4), both(0.6), both(0.8), both(2.1)), ((0.0, 0.0), (2e4, 0.0), (0.0, 2e4), (0.0, 0.0)));
@@ -108,7 +115,7 @@ mod tests {
 
     #[test]
     fn a_lamp_switched_on_during_an_exposure_is_seen_by_the_lit_fraction() {
-        let stairs = Experiment::Staircase { side: Side::Left, levels: vec![1e4], hold: 1.0, pause: 0.5 };
+        let stairs = Experiment::Staircase { channels: vec!["left".into()], levels: vec![1e4], hold: 1.0, pause: 0.5 };
         let script = write(&stairs, 0.5, 0.5);
         assert!((script.lamp(0.502, 0.008) - 0.625).abs() < 1e-9);
         assert_eq!((script.lamp(0.4, 0.008), script.lamp(1.0, 0.008), script.lamp(2.2, 0.008)), (0.0, 1.0, 0.0));

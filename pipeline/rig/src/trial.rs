@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use crate::side::Side;
 use diagnostics::{Diagnostic, Result};
-use lab::card::{Experiment, Medium, Side};
+use lab::card::{Experiment, Medium};
 use lab::truth::{TrueForce, TrueTrack, TrueTrial};
 use serde::{Deserialize, Serialize};
 use si::Second;
@@ -100,9 +101,10 @@ fn solve<'a>(
     let fluid = (trial.medium == Medium::Water).then_some(bench.fluid);
     let span = TimeSpan { start: script.led_on, end: script.length, step: bench.profile.step };
     match &trial.experiment {
-        Experiment::Staircase { side, .. } => {
-            let index = usize::from(*side == Side::Right);
-            let staircase = Staircase { side: *side, sweep: &bench.sweeps[index], trace: sides[index].clone() };
+        Experiment::Staircase { .. } => {
+            let side = Side::first_of(&trial.experiment);
+            let index = usize::from(side == Side::Right);
+            let staircase = Staircase { side, sweep: &bench.sweeps[index], trace: sides[index].clone() };
             Ok(Box::new(model.staircase(staircase, span, fluid)?))
         }
         Experiment::Flapping { .. } => {

@@ -115,7 +115,7 @@ fn assert_complete(folder: &Path) {
     assert_force_logs(&specimen);
     let truth = truth::read(&folder.join(lab::folder::TRUTH)).unwrap();
     for (trial, hidden) in specimen.card.trial.iter().zip(&truth.trial) {
-        let log = lab::pressure::read(&specimen.file(&trial.pressure)).unwrap();
+        let log = lab::pressure::read(&specimen.file(&trial.pressure), &specimen.card.channels()).unwrap();
         let film = Reader::open(&specimen.file(&trial.video)).unwrap().info();
         let tracks = truth::read_tracks(&specimen.file(&hidden.tracks)).unwrap();
         assert_eq!((film.width, film.height, film.frames), (1280, 720, tracks[0].time.len()));

@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used)] // a panic fails the test
 
 use fem::{DynamicSettings, InitialValueProblem, ReducedMotion, Scheme, State};
-use lab::card::Side;
 use nalgebra::DVector;
+use rig::Side;
 use rig::physics::{
     Body, BodySettings, CentreLine, Conditions, FlappingModel, Fluid, Motion, PressureSweep, Sampling, Staircase,
     TimeSpan, Water, even_pressures, integrate,

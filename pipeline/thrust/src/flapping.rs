@@ -3,7 +3,6 @@
 
 use fem::{DynamicSettings, Scheme};
 use hydro::{Coefficients, Tail};
-use lab::card::Side;
 use nalgebra::DMatrix;
 use si::{Hertz, Newton, Pascal, Point2, Second};
 
@@ -24,8 +23,8 @@ pub struct FlappingModel<'a> {
     pub rows: &'a DMatrix<f64>,
     /// The tail for the hydrodynamic force, and the rows of its stations.
     pub wet: (&'a Tail, &'a DMatrix<f64>),
-    /// The side of each chamber.
-    pub sides: Vec<Side>,
+    /// The half of the cycle in which each chamber is filled, 0 or 1; none of a chamber that stays vented.
+    pub halves: Vec<Option<usize>>,
     /// Hydrodynamic coefficients.
     pub by: Coefficients,
     /// Whether half of the body is modelled.
@@ -47,7 +46,7 @@ impl FlappingModel<'_> {
     pub fn run(&self, wave: &SquareWave) -> Result<Run> {
         let pressures = |t: Second| {
             let both = wave.at(t);
-            self.sides.iter().map(|side| both[usize::from(*side == Side::Right)]).collect()
+            self.halves.iter().map(|half| half.map_or(0.0, |half| both[half])).collect()
         };
         self.run_under(wave.frequency, wave.amplitude, &pressures)
     }
@@ -67,7 +66,7 @@ impl FlappingModel<'_> {
         let (moved, speed) = self.motion(rate, (settle + counted) * self.steps_per_cycle, pressures)?;
         let time: Vec<Second> = (1..=moved.len()).map(|i| i as f64 / rate).collect();
         let pressure: Vec<Vec<Pascal>> = time.iter().map(|&t| pressures(t)).collect();
-        let rates: Vec<Vec<f64>> = (0..self.sides.len())
+        let rates: Vec<Vec<f64>> = (0..self.halves.len())
             .map(|c| run::rates(&pressure.iter().map(|p| p[c]).collect::<Vec<_>>(), rate))
             .collect();
         let pressure_rate: Vec<Vec<f64>> = (0..time.len()).map(|i| rates.iter().map(|c| c[i]).collect()).collect();

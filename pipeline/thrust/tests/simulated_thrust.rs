@@ -8,7 +8,6 @@ use fem::{
     Branch, Clamps, DynamicSettings, Mesh, RegionProperties, Relaxation, Scheme, Solver, System, box_mesh, materials,
 };
 use hydro::{Stations, Tail};
-use lab::card::Side;
 use mesh::Spot;
 use nalgebra::DMatrix;
 use optimize::network::{Network, Scale};
@@ -173,7 +172,7 @@ fn swimming<T>(model: &Model, density: f64, settle: usize, ask: &dyn Fn(&Flappin
         tail: &tail,
         rows: &rows,
         wet: (&tail, &rows),
-        sides: vec![Side::Left, Side::Right],
+        halves: vec![Some(0), Some(1)],
         by: hydro::Coefficients { added: 1.0, drag: 2.0 },
         half: true,
         steps_per_cycle: 50,

@@ -30,7 +30,12 @@ pub const TARGETS: &[Target] = &[
     Target { name: "medit", run: |bytes| checked(foreign::medit(bytes)) },
     Target { name: "tetgen", run: tetgen },
     Target { name: "c3d", run: |bytes| named(lab::space::read(bytes, Path::new("input.c3d")), "input.c3d") },
-    Target { name: "pressure", run: |bytes| text(bytes, |t| named(lab::pressure::parse(t, Path::new(FILE)), FILE)) },
+    Target {
+        name: "pressure",
+        run: |bytes| {
+            text(bytes, |t| named(lab::pressure::parse(t, Path::new(FILE), &["left".into(), "right".into()]), FILE))
+        },
+    },
     Target { name: "force", run: |bytes| text(bytes, |t| named(lab::force::parse(t, Path::new(FILE)), FILE)) },
     Target { name: "card", run: |bytes| text(bytes, |t| named(lab::card::parse(t, Path::new(FILE)), FILE)) },
     Target { name: "case", run: |bytes| text(bytes, |t| named(simulate::case::parse(t, Path::new(FILE)), FILE)) },

@@ -3,6 +3,7 @@
 use diagnostics::{Result, input};
 use lab::card::{Card, FixtureOf, LogKind};
 use lab::log::StampReport;
+use lab::pressure::Layout;
 use lab::{ForceLog, PressureLog};
 use si::{Second, Series};
 use signal::edge::{self, Window};
@@ -21,10 +22,11 @@ use workflow::subject::Part;
 pub fn pressure(look: &Look, of: &Trial) -> (Option<PressureLog>, Vec<Finding>) {
     let file = &of.trial.pressure;
     let place = look.place(&of.card.name, file);
-    let card = &of.card.log;
+    let channels = of.card.channels();
+    let layout = Layout { channels: &channels, log: &of.card.log };
     let reader = Reader {
-        stamps: &|text| lab::pressure::stamps(text, place.as_ref(), card),
-        parse: &|text| lab::pressure::parse_as(text, place.as_ref(), card).map(|logged| logged.log),
+        stamps: &|text| lab::pressure::stamps(text, place.as_ref(), layout),
+        parse: &|text| lab::pressure::parse_as(text, place.as_ref(), layout).map(|logged| logged.log),
     };
     let (log, mut found) = read(look, &of.card.name, file, &reader);
     if let Some(log) = &log {

@@ -15,6 +15,9 @@ use si::{Hertz, Newton, Pascal, Second};
 pub(super) struct Page {
     /// Name of the results.
     pub name: String,
+    /// The channels of the pressure logs.
+    #[serde(default = "sides")]
+    pub channels: Vec<String>,
     /// How the instruments write their logs, as on a card.
     #[serde(default)]
     pub log: Log,
@@ -25,6 +28,11 @@ pub(super) struct Page {
     pub settings: Settings,
     /// The recordings.
     pub recording: Vec<Recording>,
+}
+
+/// The channels of a page that names none.
+fn sides() -> Vec<String> {
+    ["left", "right"].map(str::to_owned).to_vec()
 }
 
 /// `[settings]`.
@@ -119,7 +127,7 @@ impl Page {
     }
 
     fn check(&self) -> Checked {
-        check_log(&self.log)?;
+        check_log(&self.log, &self.channels)?;
         self.tank.map_or(Ok(()), |tank| check_tank(&tank))?;
         let set = &self.settings;
         within("settings.level", set.level, 1e-9..=0.5, "")?;

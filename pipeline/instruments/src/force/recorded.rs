@@ -4,6 +4,7 @@ use std::path::Path;
 
 use diagnostics::{Diagnostic, Result, input};
 use lab::card::LogKind;
+use lab::pressure::Layout;
 use lab::{Logged, Sampling};
 use si::{Pascal, Second, Series};
 use signal::clock::Clock;
@@ -65,7 +66,8 @@ impl Recorded {
 
 /// The channels of a pressure log on the clock of a force log: by their lamps where both have one that lights, else on one clock.
 fn pressures(page: &Page, file: &Path, force: &lab::ForceLog) -> Result<Vec<Samples>> {
-    let log = lab::pressure::parse_measured(&text(file)?, file, &page.log)?.log;
+    let log =
+        lab::pressure::parse_measured(&text(file)?, file, Layout { channels: &page.channels, log: &page.log })?.log;
     let own = lamp(&log.led, &log.time);
     let others = lamp(&force.led, &force.time);
     let clock = match (own.is_empty(), others.is_empty()) {
@@ -74,7 +76,7 @@ fn pressures(page: &Page, file: &Path, force: &lab::ForceLog) -> Result<Vec<Samp
     };
     let times: Vec<Second> = log.time.iter().map(|t| clock.there(*t)).collect();
     let channel = |values: &[Pascal]| Samples::new(times.clone(), values.to_vec()).map_err(Diagnostic::from);
-    Ok(vec![channel(&log.left.measured)?, channel(&log.right.measured)?])
+    log.channels.iter().map(|one| channel(&one.measured)).collect()
 }
 
 /// Times of the edges of a lamp, s; none where there is no such column, or it never changes.

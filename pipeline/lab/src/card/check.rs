@@ -24,7 +24,7 @@ pub(super) fn card(card: &Card, folder: Option<&str>) -> Checked {
     camera(card)?;
     water(card)?;
     card.tank.map_or(Ok(()), |t| check_tank(&t))?;
-    check_log(&card.log)?;
+    check_log(&card.log, &card.channels())?;
     led(card)?;
     trials(card)?;
     marker_sources::markers(card)?;
@@ -54,6 +54,7 @@ fn chambers(card: &Card) -> Checked {
     unique("chamber", "name", card.chamber.iter().map(|c| c.name.as_str()))?;
     for (i, chamber) in card.chamber.iter().enumerate() {
         point(&format!("chamber.{i}.at"), &chamber.at)?;
+        name(&format!("chamber.{i}.channel"), &chamber.channel)?;
     }
     Ok(())
 }
@@ -117,23 +118,28 @@ pub fn check_tank(tank: &Tank) -> Checked {
     within("tank.depth", tank.depth, 0.01..=10.0, "m")
 }
 
-/// Checks how the instruments write their logs.
+/// Checks how the instruments write their logs, of pressures in these `channels`.
 ///
 /// # Errors
 /// [`crate::range::Violation`] when a number is out of its range, or a unit is not that of its quantity.
-pub fn check_log(log: &Log) -> Checked {
+pub fn check_log(log: &Log, channels: &[String]) -> Checked {
     log.longest_gap.map_or(Ok(()), |gap| within("log.longest_gap", gap, 1e-4..=10.0, "s"))?;
     log.force_lag.map_or(Ok(()), |lag| within("log.force_lag", lag, 0.0..=5.0, "s"))?;
     within("log.force_lag_sigma", log.force_lag_sigma, 0.0..=1.0, "s")?;
-    log.columns.iter().enumerate().try_for_each(|(i, column)| log_column(&format!("log.columns.{i}"), column))
+    let known = [crate::pressure::titles(channels), vec![crate::force::COLUMNS[1].to_owned()]].concat();
+    for (i, column) in log.columns.iter().enumerate() {
+        log_column(&format!("log.columns.{i}"), column, &known)?;
+    }
+    Ok(())
 }
 
-fn log_column(key: &str, column: &LogColumn) -> Checked {
-    let Some(dimension) = dimension_of(&column.quantity) else {
+fn log_column(key: &str, column: &LogColumn, known: &[String]) -> Checked {
+    if !known.contains(&column.quantity) {
         let what = format!("{key}.quantity is `{}`", column.quantity);
-        let why = "logs have time_s, left_command_mbar, right_command_mbar, left_mbar, right_mbar, force_n and led";
-        return violation(&format!("{key}.quantity"), what, why, "name one of them; other columns need no entry");
-    };
+        let why = format!("logs have {}", known.join(", "));
+        return violation(&format!("{key}.quantity"), what, &why, "name one of them; other columns need no entry");
+    }
+    let dimension = dimension_of(&column.quantity);
     if let Some(unit) = column.unit.filter(|unit| unit.dimension() != dimension) {
         let what = format!("{key}.unit is `{}`, of `{}`", unit.word(), column.quantity);
         let why =
@@ -154,7 +160,29 @@ fn led(card: &Card) -> Checked {
 fn trials(card: &Card) -> Checked {
     some("trial", card.trial.len())?;
     unique("trial", "id", card.trial.iter().map(|t| t.id.as_str()))?;
-    card.trial.iter().enumerate().try_for_each(|(i, trial)| one_trial(&format!("trial.{i}"), trial))
+    let channels = card.channels();
+    for (i, trial) in card.trial.iter().enumerate() {
+        one_trial(&format!("trial.{i}"), trial)?;
+        driven(&format!("trial.{i}.channels"), trial, &channels)?;
+    }
+    Ok(())
+}
+
+/// A trial drives channels that fill a chamber, each once.
+fn driven(key: &str, trial: &Trial, channels: &[String]) -> Checked {
+    let driven = trial.experiment.channels();
+    for (i, channel) in driven.iter().enumerate() {
+        if !channels.contains(channel) {
+            let what = format!("trial `{}` drives the channel `{channel}`, which fills no chamber", trial.id);
+            let why = format!("the chambers' channels are {}", channels.join(", "));
+            return violation(key, what, &why, "name one of them, or add a [[chamber]] with that channel");
+        }
+        if driven[..i].contains(channel) {
+            let what = format!("trial `{}` drives the channel `{channel}` twice", trial.id);
+            return violation(key, what, "each is filled once a level or a cycle", "name it once");
+        }
+    }
+    Ok(())
 }
 
 fn one_trial(key: &str, trial: &Trial) -> Checked {

@@ -191,13 +191,12 @@ impl Log {
     }
 }
 
-/// The quantities of all logs, by the titles of their columns, and what each measures.
-pub(super) fn dimension_of(quantity: &str) -> Option<Dimension> {
+/// What a quantity measures, by the title of its column.
+pub(super) fn dimension_of(quantity: &str) -> Dimension {
     match quantity {
-        "time_s" => Some(Dimension::Time),
-        "left_command_mbar" | "right_command_mbar" | "left_mbar" | "right_mbar" => Some(Dimension::Pressure),
-        "force_n" => Some(Dimension::Force),
-        "led" => Some(Dimension::None),
-        _ => None,
+        "time_s" => Dimension::Time,
+        "force_n" => Dimension::Force,
+        pressure if pressure.ends_with("_mbar") => Dimension::Pressure,
+        _ => Dimension::None,
     }
 }

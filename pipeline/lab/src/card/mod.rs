@@ -24,7 +24,7 @@ pub use fixture::{Fixture, FixtureOf};
 pub use log::{Log, LogColumn, LogKind, Place, Unit};
 pub use marks::{Axes, Detector, Order, Search, Tracks};
 pub use read::{parse, read};
-pub use trial::{Experiment, Medium, Role, Side, Split, Trial};
+pub use trial::{Experiment, Medium, Role, Split, Trial};
 pub use write::write;
 
 /// A specimen's card.
@@ -69,6 +69,19 @@ pub struct Card {
     /// The tank, where trials are in water.
     #[serde(default)]
     pub tank: Option<Tank>,
+}
+
+impl Card {
+    /// The channels of the pressure logs, in the order of the chambers.
+    pub fn channels(&self) -> Vec<String> {
+        let mut names: Vec<String> = Vec::new();
+        for chamber in &self.chamber {
+            if !names.contains(&chamber.channel) {
+                names.push(chamber.channel.clone());
+            }
+        }
+        names
+    }
 }
 
 /// Who recorded a specimen.
@@ -174,8 +187,9 @@ pub struct Chamber {
     pub name: String,
     /// A point inside it, m, CAD frame.
     pub at: Point3,
-    /// The columns of the pressure logs that belong to it.
-    pub log: Side,
+    /// The channel of the pressure logs that fills it; several chambers may share one.
+    #[serde(alias = "log")]
+    pub channel: String,
 }
 
 /// `[[marker]]`: one dark mark on the back.

@@ -32,24 +32,24 @@ pub struct Trial {
 /// What was done in a trial.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum Experiment {
-    /// One side is filled to a level, held, emptied, and filled to the next.
+    /// Channels are filled to a level, held, vented, and filled to the next.
     Staircase {
-        /// The side that is filled.
-        side: Side,
+        /// The channels that are filled, together.
+        channels: Vec<String>,
         /// Commanded pressures, Pa, in their order.
         levels: Vec<Pascal>,
         /// How long each level is commanded, s.
         hold: Second,
-        /// How long the side is open to air between levels, s.
+        /// How long the channels are open to air between levels, s.
         pause: Second,
     },
-    /// Both sides in turn, in a square wave.
+    /// Channels in turn, in a square wave: each for an equal part of the cycle, a single one for half of it.
     Flapping {
-        /// The side that is filled first.
-        side: Side,
+        /// The channels, in the order in which they are filled.
+        channels: Vec<String>,
         /// Commanded pressure, Pa.
         amplitude: Pascal,
-        /// Full cycles (left and right) a second.
+        /// Full cycles a second.
         frequency: Hertz,
         /// Full cycles.
         cycles: usize,
@@ -88,16 +88,6 @@ pub enum Medium {
     Water,
 }
 
-/// A side of the specimen: its chambers and its columns in the pressure log.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Side {
-    /// Positive y.
-    Left,
-    /// Negative y.
-    Right,
-}
-
 impl Role {
     /// The value on the card.
     pub fn word(self) -> &'static str {
@@ -129,24 +119,6 @@ impl Medium {
     }
 }
 
-impl Side {
-    /// The word on the card and in the log.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Left => "left",
-            Self::Right => "right",
-        }
-    }
-
-    /// The other side.
-    pub fn other(self) -> Self {
-        match self {
-            Self::Left => Self::Right,
-            Self::Right => Self::Left,
-        }
-    }
-}
-
 impl Experiment {
     /// From the first command to the end of the last, s.
     pub fn duration(&self) -> Second {
@@ -164,10 +136,18 @@ impl Experiment {
         }
     }
 
-    /// The side that is filled first, or alone.
-    pub fn side(&self) -> Side {
+    /// The channels that it drives: together in a staircase, in turn when flapping.
+    pub fn channels(&self) -> &[String] {
         match self {
-            Self::Staircase { side, .. } | Self::Flapping { side, .. } => *side,
+            Self::Staircase { channels, .. } | Self::Flapping { channels, .. } => channels,
+        }
+    }
+
+    /// The channels that are filled first.
+    pub fn first_channels(&self) -> &[String] {
+        match self {
+            Self::Staircase { channels, .. } => channels,
+            Self::Flapping { channels, .. } => &channels[..1],
         }
     }
 }
@@ -188,7 +168,9 @@ struct Entry {
     role: Role,
     split: Option<Split>,
     medium: Medium,
-    side: Side,
+    /// Earlier cards name the side that is filled first.
+    #[serde(alias = "side")]
+    channels: Driven,
     video: String,
     pressure: String,
     force: Option<String>,
@@ -222,9 +204,35 @@ impl TryFrom<Entry> for Trial {
     }
 }
 
+/// The channels of a trial: a list, or the one that is filled first, or alone.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Driven {
+    All(Vec<String>),
+    First(String),
+}
+
+impl Driven {
+    /// The channels that are driven; a first side of a tail that flaps is followed by the other.
+    fn channels(&self, kind: &Kind) -> Vec<String> {
+        match (self, kind) {
+            (Self::All(channels), _) => channels.clone(),
+            (Self::First(first), Kind::Staircase) => vec![first.clone()],
+            (Self::First(first), Kind::Flapping) => match first.as_str() {
+                "left" => vec!["left".to_owned(), "right".to_owned()],
+                "right" => vec!["right".to_owned(), "left".to_owned()],
+                _ => vec![first.clone()],
+            },
+        }
+    }
+}
+
 impl Entry {
     fn experiment(&self) -> Result<Experiment, String> {
-        let side = self.side;
+        let channels = self.channels.channels(&self.kind);
+        if channels.is_empty() {
+            return Err("`channels` is empty".to_owned());
+        }
         match self.kind {
             Kind::Staircase => {
                 refuse("staircase", "amplitude", &self.amplitude)?;
@@ -232,14 +240,14 @@ impl Entry {
                 refuse("staircase", "cycles", &self.cycles)?;
                 let levels = need("staircase", "levels", &self.levels)?;
                 let (hold, pause) = (need("staircase", "hold", &self.hold)?, need("staircase", "pause", &self.pause)?);
-                Ok(Experiment::Staircase { side, levels, hold, pause })
+                Ok(Experiment::Staircase { channels, levels, hold, pause })
             }
             Kind::Flapping => {
                 refuse("flapping", "levels", &self.levels)?;
                 refuse("flapping", "hold", &self.hold)?;
                 refuse("flapping", "pause", &self.pause)?;
                 Ok(Experiment::Flapping {
-                    side,
+                    channels,
                     amplitude: need("flapping", "amplitude", &self.amplitude)?,
                     frequency: need("flapping", "frequency", &self.frequency)?,
                     cycles: need("flapping", "cycles", &self.cycles)?,

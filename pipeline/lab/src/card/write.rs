@@ -16,10 +16,8 @@ pub fn write(card: &Card) -> String {
     put(&mut text, format_args!("\n[clamp]\nbelow_x = {:?}  # m: held at and below\n", card.clamp.below_x));
     for c in &card.chamber {
         let table = format_args!(
-            "\n[[chamber]]\nname = {:?}\nat = {:?}  # m, inside it\nlog = {:?}\n",
-            c.name,
-            c.at,
-            c.log.word()
+            "\n[[chamber]]\nname = {:?}\nat = {:?}  # m, inside it\nchannel = {:?}\n",
+            c.name, c.at, c.channel
         );
         put(&mut text, table);
     }
@@ -152,12 +150,16 @@ fn log_column(text: &mut String, column: &LogColumn) {
 }
 
 fn trial(text: &mut String, trial: &Trial) {
-    let (kind, side) = (trial.experiment.kind(), trial.experiment.side().word());
+    let (kind, channels) = (trial.experiment.kind(), trial.experiment.channels());
     put(text, format_args!("\n[[trial]]\nid = {:?}\nkind = {kind:?}\nrole = {:?}\n", trial.id, trial.role.word()));
     if let Some(split) = trial.split {
         put(text, format_args!("split = {:?}\n", split.word()));
     }
-    put(text, format_args!("medium = {:?}\nside = {side:?}  # filled first, or alone\n", trial.medium.word()));
+    let how = match trial.experiment {
+        Experiment::Staircase { .. } => "filled together",
+        Experiment::Flapping { .. } => "filled in turn",
+    };
+    put(text, format_args!("medium = {:?}\nchannels = {channels:?}  # {how}\n", trial.medium.word()));
     put(text, format_args!("video = {:?}\npressure = {:?}\n", trial.video, trial.pressure));
     if let Some(force) = &trial.force {
         put(text, format_args!("force = {force:?}\n"));

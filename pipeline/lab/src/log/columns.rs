@@ -4,9 +4,9 @@ use std::path::Path;
 
 use csv::StringRecord;
 
-use super::LogFormat;
 use super::dialect::Dialect;
 use super::time::iso8601;
+use super::{ColumnFormat, LogFormat};
 use crate::card::{Log, LogColumn, Place, Unit};
 use crate::table::nearest;
 use diagnostics::Diagnostic;
@@ -21,13 +21,13 @@ struct Column {
 }
 
 /// The columns of one file.
-pub(super) struct Layout<'a, const N: usize> {
-    form: &'a LogFormat<N>,
+pub(super) struct Layout<'a> {
+    form: &'a LogFormat,
     path: &'a Path,
     dialect: Dialect,
     /// Number of columns in the file.
     width: usize,
-    columns: [Column; N],
+    columns: Vec<Column>,
 }
 
 /// The first line of a file: its titles, or its first numbers.
@@ -39,7 +39,7 @@ pub(super) struct FirstLine<'a> {
 
 impl FirstLine<'_> {
     /// Whether a quantity stands in the file.
-    pub(super) fn has<const N: usize>(&self, form: &LogFormat<N>, card: &Log, quantity: &str) -> bool {
+    pub(super) fn has(&self, form: &LogFormat, card: &Log, quantity: &str) -> bool {
         let titled = self.dialect.titled && self.fields.iter().any(|title| title == quantity);
         match card.column(quantity, form.instrument) {
             Some(column) => self.position(column).is_some(),
@@ -59,19 +59,12 @@ impl FirstLine<'_> {
     ///
     /// # Errors
     /// [`Diagnostic`] when a quantity is in no column.
-    pub(super) fn layout<'b, const N: usize>(
-        &'b self,
-        form: &'b LogFormat<N>,
-        card: &Log,
-    ) -> Result<Layout<'b, N>, Diagnostic> {
-        let mut columns = [Column { index: 0, unit: None, factor: 1.0 }; N];
-        for (column, quantity) in columns.iter_mut().zip(form.columns) {
-            *column = self.column(form, card, quantity)?;
-        }
+    pub(super) fn layout<'b>(&'b self, form: &'b LogFormat, card: &Log) -> Result<Layout<'b>, Diagnostic> {
+        let columns = form.columns.iter().map(|c| self.column(form, card, &c.title)).collect::<Result<_, _>>()?;
         Ok(Layout { form, path: self.path, dialect: self.dialect, width: self.fields.len(), columns })
     }
 
-    fn column<const N: usize>(&self, form: &LogFormat<N>, card: &Log, quantity: &str) -> Result<Column, Diagnostic> {
+    fn column(&self, form: &LogFormat, card: &Log, quantity: &str) -> Result<Column, Diagnostic> {
         if let Some(named) = card.column(quantity, form.instrument) {
             let index = self.position(named).ok_or_else(|| self.no_such_place(named))?;
             let factor = named.scale * named.unit.map_or(1.0, Unit::in_log_units);
@@ -100,14 +93,14 @@ impl FirstLine<'_> {
         self.fields.iter().collect::<Vec<_>>().join(", ")
     }
 
-    fn missing<const N: usize>(&self, form: &LogFormat<N>, name: &str) -> Diagnostic {
-        let why = format!("a {} has the columns {}", form.kind, form.columns.join(", "));
+    fn missing(&self, form: &LogFormat, name: &str) -> Diagnostic {
+        let why = format!("a {} has the columns {}", form.kind, form.titles().join(", "));
         let entry = format!("[[log.columns]] to specimen.toml with quantity = \"{name}\"");
         if !self.dialect.titled {
             let what = format!("the first line is `{}`: numbers, not titles", self.titles());
             return Diagnostic::file(self.path, what, why, format!("add {entry} and its position, such as column = 1"));
         }
-        let present: Vec<&str> = self.fields.iter().filter(|h| !form.columns.contains(h)).collect();
+        let present: Vec<&str> = self.fields.iter().filter(|h| !form.titles().contains(h)).collect();
         let action = match nearest(name, &present) {
             Some(near) => format!("rename the column `{near}` to `{name}`, or add {entry} and column = \"{near}\""),
             None => format!("add the column `{name}`, or {entry} and the title of its column"),
@@ -116,23 +109,22 @@ impl FirstLine<'_> {
     }
 }
 
-impl<const N: usize> Layout<'_, N> {
+impl Layout<'_> {
     /// The numbers of a line in the units of our logs.
     ///
     /// # Errors
     /// [`Diagnostic`] when it has another number of fields, or one is no number or out of range.
-    pub(super) fn row(&self, record: &StringRecord) -> Result<[f64; N], Diagnostic> {
+    pub(super) fn row(&self, record: &StringRecord) -> Result<Vec<f64>, Diagnostic> {
         if record.len() != self.width {
             let what = format!("the line has {} fields", record.len());
             let why = format!("the first line has {}; a decimal comma between commas also looks like this", self.width);
             return Err(Diagnostic::file(self.path, what, why, "write decimal points, and as many fields as columns"));
         }
-        let mut row = [0.0; N];
-        for (k, column) in self.columns.iter().enumerate() {
-            row[k] = self.number(self.form.columns[k], column, &record[column.index])?;
-            range(self.path, self.form.columns[k], self.form.ranges[k], row[k])?;
-        }
-        Ok(row)
+        let number = |(column, form): (&Column, &ColumnFormat)| {
+            let value = self.number(&form.title, column, &record[column.index])?;
+            range(self.path, &form.title, form.range, value).map(|()| value)
+        };
+        self.columns.iter().zip(&self.form.columns).map(number).collect()
     }
 
     fn number(&self, quantity: &str, column: &Column, field: &str) -> Result<f64, Diagnostic> {

@@ -22,19 +22,48 @@ use sampling::Stamps;
 pub use sampling::{InterpolationBound, Method, RateChange, Sampling, StampFault, StampFaultKind};
 
 /// The columns of one kind of log; the first one is time in s.
-pub(crate) struct LogFormat<const N: usize> {
+pub(crate) struct LogFormat {
     /// What the log is called in messages.
     pub kind: &'static str,
     /// What writes it.
     pub instrument: LogKind,
     /// The columns.
-    pub columns: [&'static str; N],
-    /// The lowest and the highest number in each of them, and the unit, in the units of `data/raw/README.md`.
-    pub ranges: [(f64, f64, &'static str); N],
-    /// Whether a column is a command, which is taken from the nearest sample; others are interpolated linearly.
-    pub held: [bool; N],
-    /// What to do when there is no such file.
-    pub absent: &'static str,
+    pub columns: Vec<ColumnFormat>,
+}
+
+/// One column of a kind of log.
+#[derive(Debug, Clone)]
+pub(crate) struct ColumnFormat {
+    /// Its title.
+    pub title: String,
+    /// The lowest and the highest number in it, and the unit, in the units of `data/raw/README.md`.
+    pub range: (f64, f64, &'static str),
+    /// Whether it is a command, which is taken from the nearest sample; others are interpolated linearly.
+    pub held: bool,
+}
+
+impl ColumnFormat {
+    /// The log's clock: plausible times, s, include those since 1970.
+    pub fn time() -> Self {
+        Self::measured("time_s", (-1e10, 1e10, "s"))
+    }
+
+    /// A measured quantity.
+    pub fn measured(title: &str, range: (f64, f64, &'static str)) -> Self {
+        Self { title: title.to_owned(), range, held: false }
+    }
+
+    /// A command.
+    pub fn command(title: &str, range: (f64, f64, &'static str)) -> Self {
+        Self { held: true, ..Self::measured(title, range) }
+    }
+}
+
+impl LogFormat {
+    /// The titles of its columns.
+    pub fn titles(&self) -> Vec<&str> {
+        self.columns.iter().map(|column| column.title.as_str()).collect()
+    }
 }
 
 /// A log, and how it was sampled.
@@ -59,9 +88,6 @@ pub struct StampReport {
 
 /// Lines before the last that show with how many decimals the log is written.
 const COMPARED: usize = 10;
-
-/// Plausible times of a log, s: those since 1970 are.
-pub(crate) const TIMES: (f64, f64, &str) = (-1e10, 1e10, "s");
 
 /// The text of the log in the file `path`.
 ///
@@ -96,12 +122,12 @@ impl<'a> LogText<'a> {
     }
 
     /// Whether a quantity stands in it.
-    pub(crate) fn has<const N: usize>(&self, form: &LogFormat<N>, card: &Log, quantity: &str) -> bool {
+    pub(crate) fn has(&self, form: &LogFormat, card: &Log, quantity: &str) -> bool {
         self.first.has(form, card, quantity)
     }
 
     /// Its numbers, unchecked in time.
-    fn rows<const N: usize>(&self, form: &LogFormat<N>, card: &Log) -> Result<Rows<N>, Diagnostic> {
+    fn rows(&self, form: &LogFormat, card: &Log) -> Result<Rows, Diagnostic> {
         let layout = self.first.layout(form, card).map_err(|r| r.at_line(self.first_line))?;
         let (path, dialect) = (self.first.path, self.first.dialect);
         let mut rows = Rows { rows: Vec::new(), lines: Vec::new() };
@@ -123,11 +149,7 @@ impl<'a> LogText<'a> {
     ///
     /// # Errors
     /// [`Diagnostic`] when a column is missing, a field is no number or out of range, there is a gap, or time does not rise.
-    pub(crate) fn parse<const N: usize>(
-        &self,
-        form: &LogFormat<N>,
-        card: &Log,
-    ) -> Result<Logged<Vec<[f64; N]>>, Diagnostic> {
+    pub(crate) fn parse(&self, form: &LogFormat, card: &Log) -> Result<Logged<Vec<Vec<f64>>>, Diagnostic> {
         let rows = self.rows(form, card)?;
         let times = rows.times();
         let stamps = Stamps { times: &times, lines: &rows.lines };
@@ -144,7 +166,7 @@ impl<'a> LogText<'a> {
     ///
     /// # Errors
     /// [`Diagnostic`] when a column is missing, or a field is no number or out of range.
-    pub(crate) fn stamps<const N: usize>(&self, form: &LogFormat<N>, card: &Log) -> Result<StampReport, Diagnostic> {
+    pub(crate) fn stamps(&self, form: &LogFormat, card: &Log) -> Result<StampReport, Diagnostic> {
         let rows = self.rows(form, card)?;
         let times = rows.times();
         let stamps = Stamps { times: &times, lines: &rows.lines };
@@ -163,12 +185,12 @@ impl<'a> LogText<'a> {
 }
 
 /// Rows of a log and their lines.
-struct Rows<const N: usize> {
-    rows: Vec<[f64; N]>,
+struct Rows {
+    rows: Vec<Vec<f64>>,
     lines: Vec<usize>,
 }
 
-impl<const N: usize> Rows<N> {
+impl Rows {
     fn times(&self) -> Vec<Second> {
         self.rows.iter().map(|row| row[0]).collect()
     }

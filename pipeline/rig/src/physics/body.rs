@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use crate::side::Side;
 use diagnostics::{Diagnostic, Result};
 use fem::{Branch, Clamps, RegionProperties, Relaxation, System};
-use lab::card::Side;
 use lab::truth::Properties;
 use mesh::{QuadraticMesh, Skin, Solid};
 use si::{Metre, Pascal};

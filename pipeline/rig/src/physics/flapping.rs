@@ -2,9 +2,9 @@
 //!
 //! Time integration is BDF2 with the relaxation of the silicone; the pull on the holder follows from the balance of momentum.
 
+use crate::side::Side;
 use diagnostics::{Diagnostic, Result};
 use fem::{Actuation, DynamicSettings, NoForce, ReducedMotion, Scheme};
-use lab::card::Side;
 use nalgebra::{DMatrix, DVector};
 use si::{Hertz, Newton, Pascal, Point2, Point3, Second};
 

@@ -1,8 +1,8 @@
 //! Equilibria of a body at rising pressures on one side.
 
+use crate::side::Side;
 use diagnostics::{Diagnostic, Result};
 use fem::StaticSettings;
-use lab::card::Side;
 use si::Pascal;
 
 use super::Body;

@@ -4,8 +4,8 @@
 //! from its own equilibrium. Held levels are as accurate as the whole body, and a release decays as a free vibration, from which the
 //! pipeline identifies damping and drag.
 
+use crate::side::Side;
 use diagnostics::Result;
-use lab::card::Side;
 use nalgebra::DVector;
 use si::{Newton, Point3, Second};
 

@@ -3,7 +3,7 @@
 
 use std::path::Path as FilePath;
 
-use lab::card::Side;
+use lab::pressure::Layout;
 use lab::{Logged, PressureLog};
 use serde::{Deserialize, Serialize};
 use si::{Point2, Second};
@@ -36,7 +36,9 @@ pub struct Settings {
 /// What it reads of the card.
 #[derive(Debug, Serialize)]
 pub struct Card {
-    chambers: Vec<Channel>,
+    chambers: Vec<Chamber>,
+    /// The channels of the log.
+    channels: Vec<String>,
     /// The lamp's row in the picture, px.
     lamp_row: f64,
     /// How long a picture's rows take to be read, s.
@@ -49,16 +51,17 @@ pub struct Card {
 
 /// A chamber and its channel in the log.
 #[derive(Debug, Serialize)]
-struct Channel {
+struct Chamber {
     name: String,
-    side: Side,
+    channel: String,
 }
 
 impl Part<Trial> for Card {
     fn part_of(of: &Trial) -> Self {
-        let channel = |c: &lab::card::Chamber| Channel { name: c.name.clone(), side: c.log };
+        let chamber = |c: &lab::card::Chamber| Chamber { name: c.name.clone(), channel: c.channel.clone() };
         Self {
-            chambers: of.card.chamber.iter().map(channel).collect(),
+            chambers: of.card.chamber.iter().map(chamber).collect(),
+            channels: of.card.channels(),
             lamp_row: of.card.led.centre[1],
             readout: of.card.camera.readout,
             duration: of.trial.last_frame.is_none().then(|| of.trial.experiment.duration()),
@@ -182,12 +185,13 @@ fn read_log(card: &Card, context: &dyn StageContext) -> Result<Logged<PressureLo
     let bytes = context.bytes("pressure")?;
     let text = String::from_utf8(bytes)
         .map_err(|e| Diagnostic::new(format!("{place} is not text"), e, "export the log as CSV in UTF-8"))?;
-    lab::pressure::parse_as(&text, FilePath::new(&place), &card.log)
+    lab::pressure::parse_as(&text, FilePath::new(&place), Layout { channels: &card.channels, log: &card.log })
 }
 
-fn gauge(chamber: &Channel, log: &PressureLog) -> Gauge {
-    let channel = log.side(chamber.side);
-    Gauge { chamber: chamber.name.clone(), command: channel.command.clone(), measured: channel.measured.clone() }
+/// The samples of a chamber's channel.
+fn gauge(chamber: &Chamber, log: &PressureLog) -> Gauge {
+    let channel = log.channel(&chamber.channel).cloned().unwrap_or_default();
+    Gauge { chamber: chamber.name.clone(), command: channel.command, measured: channel.measured }
 }
 
 /// A sample whose time is the middle of its averaging interval.

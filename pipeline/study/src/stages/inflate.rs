@@ -1,10 +1,9 @@
-//! Inflate: the identified model under rising pressure on one side, up to the highest that a film shows; among them the pressure
+//! Inflate: the identified model under rising pressure in the channels of one staircase, up to the highest that a film shows; among them the pressure
 //! of the film's example frame, so that both can be compared. Paper: figure 1, the buckle.
 
 use std::collections::BTreeSet;
 
 use fem::{Solver, StaticSettings};
-use lab::card::Side;
 use serde::{Deserialize, Serialize};
 use si::{Pascal, Point3, vec3};
 
@@ -37,24 +36,27 @@ pub struct Settings {
 pub struct Card {
     body: Body,
     /// The channel of each chamber.
-    sides: Vec<Side>,
+    channels: Vec<String>,
     staircase: Option<Staircase>,
 }
 
 /// The staircase with the highest level.
 #[derive(Debug, Serialize)]
 struct Staircase {
-    side: Side,
+    /// The channels that it fills.
+    channels: Vec<String>,
     highest: Pascal,
 }
 
 impl Part<Specimen> for Card {
     fn part_of(of: &Specimen) -> Self {
-        let staircase =
-            |t: Trial| Staircase { side: t.trial.experiment.side(), highest: t.highest_level().unwrap_or(0.0) };
+        let staircase = |t: Trial| Staircase {
+            channels: t.trial.experiment.channels().to_vec(),
+            highest: t.highest_level().unwrap_or(0.0),
+        };
         Self {
             body: Body::of(&of.card),
-            sides: of.card.chamber.iter().map(|c| c.log).collect(),
+            channels: of.card.chamber.iter().map(|c| c.channel.clone()).collect(),
             staircase: of.highest_staircase().map(staircase),
         }
     }
@@ -97,7 +99,8 @@ impl Stage for Inflate {
 /// Pressures of all chambers in rising order: even levels, and those of the film.
 fn levels(card: &Card, staircase: &Staircase, count: usize, filmed: Option<&[Pascal]>) -> Vec<Vec<Pascal>> {
     let highest = staircase.highest;
-    let at = |p: Pascal| card.sides.iter().map(|side| if *side == staircase.side { p } else { 0.0 }).collect();
+    let filled = |channel: &String| f64::from(u8::from(staircase.channels.contains(channel)));
+    let at = |p: Pascal| card.channels.iter().map(|channel| filled(channel) * p).collect();
     let even = (1..=count).map(|i| at(highest * i as f64 / count as f64));
     let mut all: Vec<Vec<Pascal>> = even.chain(filmed.map(<[Pascal]>::to_vec)).collect();
     let top = |p: &Vec<Pascal>| p.iter().copied().fold(0.0, f64::max);

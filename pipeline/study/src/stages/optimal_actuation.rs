@@ -6,7 +6,6 @@
 //! followed by gradient ascent with finite differences.
 
 use hydro::Coefficients;
-use lab::card::Side;
 use optimize::network::Network;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -53,14 +52,21 @@ pub struct Settings {
 #[derive(Debug, Serialize)]
 pub struct Card {
     body: Body,
-    /// The channel of each chamber.
-    sides: Vec<Side>,
+    /// The half of the cycle in which each chamber is filled; none of a chamber that stays vented.
+    halves: Vec<Option<usize>>,
 }
 
 impl Part<Specimen> for Card {
     fn part_of(of: &Specimen) -> Self {
-        Self { body: Body::of(&of.card), sides: of.card.chamber.iter().map(|c| c.log).collect() }
+        Self { body: Body::of(&of.card), halves: halves(&of.card) }
     }
+}
+
+/// The first two channels that any trial fills in turn fill their chambers in the two halves of a cycle.
+fn halves(card: &lab::Card) -> Vec<Option<usize>> {
+    let flapping = card.trial.iter().map(|t| t.experiment.channels()).find(|channels| channels.len() > 1);
+    let turn = flapping.map(|channels| &channels[..2]).unwrap_or_default();
+    card.chamber.iter().map(|chamber| turn.iter().position(|channel| *channel == chamber.channel)).collect()
 }
 
 impl Stage for OptimalActuation {
@@ -86,7 +92,7 @@ impl Stage for OptimalActuation {
             tail: &tail,
             rows: &rows,
             wet: (&wet, &stations),
-            sides: card.sides.clone(),
+            halves: card.halves.clone(),
             by: water.map_or(Coefficients { added: 1.0, drag: set.normal_drag_coefficient }, |w| w.by),
             half: model.system.mesh().symmetry_plane_z,
             steps_per_cycle: set.steps_per_cycle,
@@ -218,7 +224,7 @@ fn check(flapping: &FlappingModel, theory: &Fitted, runs: &[Run], limits: &Limit
         )
     })?;
     let column = |c: usize| Series::new(0.0, run.rate, run.pressure.iter().map(|p| p[c]).collect());
-    let gauges: Vec<Series> = (0..flapping.sides.len()).map(column).collect::<Result<_, _>>()?;
+    let gauges: Vec<Series> = (0..flapping.halves.len()).map(column).collect::<Result<_, _>>()?;
     let cycles = (run.len() as f64 / run.rate * run.frequency).round().max(1.0);
     let around = |t: Second| t.rem_euclid(cycles / run.frequency);
     let pressures = |t: Second| gauges.iter().map(|g| g.at(around(t))).collect();

@@ -1,0 +1,46 @@
+//! The two sides of a tail: each has a chamber, a valve and a channel of the pressure log.
+
+use lab::card::Experiment;
+
+/// A side of the tail.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// Positive y.
+    Left,
+    /// Negative y.
+    Right,
+}
+
+impl Side {
+    /// Both, in the order of the channels.
+    pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
+
+    /// The name of its channel.
+    pub(crate) fn word(self) -> &'static str {
+        match self {
+            Self::Left => "left",
+            Self::Right => "right",
+        }
+    }
+
+    /// The other side.
+    pub(crate) fn other(self) -> Self {
+        match self {
+            Self::Left => Self::Right,
+            Self::Right => Self::Left,
+        }
+    }
+
+    /// The side that an experiment fills first, or alone.
+    pub(crate) fn first_of(experiment: &Experiment) -> Self {
+        match experiment.channels().first().is_some_and(|channel| channel == Self::Right.word()) {
+            true => Self::Right,
+            false => Self::Left,
+        }
+    }
+}
+
+/// The names of the channels.
+pub(crate) fn channels() -> [String; 2] {
+    Side::BOTH.map(|side| side.word().to_owned())
+}
