@@ -37,9 +37,8 @@ impl Specimen {
     /// Every file that the card names, with the key that names it, in the card's order.
     pub fn files(&self) -> Vec<(String, &str)> {
         let card = &self.card;
-        let solids = [("solid.body.file", &card.solid.body.file), ("solid.spine.file", &card.solid.spine.file)];
-        let first = solids.into_iter().chain([("camera.calibration", &card.camera.calibration)]);
-        let mut files: Vec<(String, &str)> = first.map(|(key, file)| (key.to_owned(), file.as_str())).collect();
+        let mut files = card.solid.files();
+        files.push(("camera.calibration".to_owned(), &card.camera.calibration));
         for trial in &card.trial {
             files.push((format!("video of trial `{}`", trial.id), &trial.video));
             files.push((format!("pressure of trial `{}`", trial.id), &trial.pressure));

@@ -194,7 +194,7 @@ fn an_unknown_key_of_a_trial_is_refused_with_the_nearest_key() {
 #[test]
 fn a_missing_key_is_refused_with_its_name() {
     let said = refusal("below_x = 0.004", "");
-    assert!(said.contains("missing field `below_x`") && said.contains("do:  add it"), "{said}");
+    assert!(said.contains("[clamp] does not have exactly one of below_x") && said.contains("do:  give one"), "{said}");
 }
 
 #[test]
@@ -442,26 +442,4 @@ fn a_film_may_be_a_folder_of_pictures_and_a_log_may_not() {
     let said = specimen.missing().iter().map(ToString::to_string).collect::<String>();
     assert!(said.contains("force.csv: the file cannot be used: it is a folder"), "{said}");
     std::fs::remove_dir_all(top).unwrap();
-}
-
-#[test]
-fn channels_have_any_names_and_earlier_keys_are_still_read() {
-    let named = |word: &str, other: &str| {
-        GOOD.replace("\"left\"", &format!("\"{word}\"")).replace("\"right\"", &format!("\"{other}\""))
-    };
-    let card = card::parse(&named("dorsal", "ventral"), at()).unwrap();
-    assert_eq!(card.channels(), ["dorsal", "ventral"]);
-    assert_eq!(card.trial[1].experiment.channels(), ["dorsal", "ventral"]);
-    let earlier = GOOD.replace("channel = ", "log = ").replace("channels = [\"left\"]", "side = \"left\"");
-    let earlier = earlier.replace("channels = [\"left\", \"right\"]", "side = \"left\"");
-    assert_eq!(card::parse(&earlier, at()).unwrap(), good());
-}
-
-#[test]
-fn a_trial_that_drives_a_channel_without_a_chamber_or_one_twice_is_refused() {
-    let said = refusal("channels = [\"left\"]", "channels = [\"up\"]");
-    assert!(said.contains("drives the channel `up`, which fills no chamber") && said.contains("left, right"), "{said}");
-    assert!(refusal("[\"left\", \"right\"]", "[\"left\", \"left\"]").contains("drives the channel `left` twice"));
-    assert!(refusal("channels = [\"left\"]", "channels = []").contains("`channels` is empty"));
-    assert!(refusal("channels = [\"left\"]", "").contains("missing field `channels`"));
 }

@@ -129,7 +129,7 @@ pub(crate) fn write(content: &CardContent, observed: &RestObservation, film: &Ca
         origin: Origin::VirtualBench,
         length: specimen.length,
         solid: solids(set, specimen),
-        clamp: card::Clamp { below_x: specimen.clamp },
+        clamp: card::Clamp::below(specimen.clamp),
         chamber: vec![chamber(tail, Side::Left), chamber(tail, Side::Right)],
         marker: markers(tail, specimen, &observed.marks),
         camera: camera(set, film),
@@ -150,15 +150,18 @@ fn rounded(pixel: f64) -> f64 {
 
 fn solids(all: &Settings, set: &settings::Specimen) -> card::Solids {
     let solid = |file: &str, of: &settings::Material| card::Solid {
-        file: file.to_owned(),
+        file: Some(file.to_owned()),
+        region: None,
         material: of.nominal.law.clone(),
         youngs_modulus: of.nominal.youngs_modulus,
         poissons_ratio: of.nominal.poissons_ratio,
         density: of.density,
         plausible: of.nominal.plausible,
     };
-    let (body, spine) = (solid(BODY_FILE, &all.material[&set.body]), solid(SPINE_FILE, &all.material[SHEET]));
-    card::Solids { unit: card::LengthUnit::Mm, body, spine }
+    let part = |name: &str, solid| card::Part { name: name.to_owned(), solid };
+    let body = part(card::BODY, solid(BODY_FILE, &all.material[&set.body]));
+    let spine = part(card::SPINE, solid(SPINE_FILE, &all.material[SHEET]));
+    card::Solids::new(card::LengthUnit::Mm, None, vec![body, spine])
 }
 
 /// The middle of the first chamber of a side.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use mesh::foreign::{self, MeshFileError, RawMesh, Region};
+use mesh::foreign::{self, Region};
 use mesh::{Cavity, Solid, Surface};
 
 use crate::case::{Case, Order, Source};
@@ -43,24 +43,10 @@ pub fn load(case: &Case, folder: &Path) -> Result<Loaded> {
 }
 
 fn from_file(mesh: &Source, path: &Path) -> Result<Loaded> {
-    let draft = draft(path)?.map_err(|error| named(path, error))?;
+    let nodes = foreign::nodes_of(path).map(|nodes| bytes(&nodes)).transpose()?;
+    let draft = foreign::read(path, &bytes(path)?, nodes.as_deref()).map_err(|error| named(path, error))?;
     let found = draft.check(mesh.unit.metres(), mesh.half).map_err(|error| named(path, error))?;
     Ok(Loaded { solid: found.solid, regions: found.regions, cavities: found.cavities, notes: found.notes })
-}
-
-fn draft(path: &Path) -> Result<Result<RawMesh, MeshFileError>> {
-    let bytes = bytes(path)?;
-    match path.extension().and_then(|word| word.to_str()) {
-        Some("msh") => Ok(foreign::gmsh(&bytes)),
-        Some("vtu") => Ok(foreign::vtu(&bytes)),
-        Some("mesh") => Ok(foreign::medit(&bytes)),
-        Some("ele") => Ok(foreign::tetgen(&self::bytes(&path.with_extension("node"))?, &bytes)),
-        other => Err(Diagnostic::new(
-            format!("{} is of an unknown kind (.{})", path.display(), other.unwrap_or_default()),
-            "meshes are read from .msh, .vtu, .mesh and .ele",
-            "save the mesh in one of these formats",
-        )),
-    }
 }
 
 fn from_surfaces(mesh: &Source, folder: &Path) -> Result<Loaded> {

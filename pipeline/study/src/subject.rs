@@ -134,6 +134,11 @@ impl Subject for Specimen {
 }
 
 impl Specimen {
+    /// Whether it is a soft body around a stiff sheet, from their STL files.
+    pub(crate) fn has_sheet(&self) -> bool {
+        self.card.solid.file(card::SPINE).is_some()
+    }
+
     /// Its trials, in the order of the card.
     pub fn trials(&self) -> Vec<Trial> {
         let of = |trial: &card::Trial| Trial { card: self.card.clone(), trial: Arc::new(trial.clone()) };

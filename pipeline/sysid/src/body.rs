@@ -1,12 +1,14 @@
 //! The card of a body as its model reads it: materials, clamp, length, markers.
 
-use lab::card::{Card, Solid};
+use lab::card::{Card, Clamp, Part};
 use serde::Serialize;
 use si::{KilogramPerCubicMetre, Metre, Pascal, Point3};
 
 /// One solid's material.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Material {
+    /// The solid's name.
+    pub name: String,
     /// The law's name in `fem`.
     pub law: String,
     /// Nominal E, Pa.
@@ -22,10 +24,10 @@ pub struct Material {
 /// What a model reads of a specimen's card.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Body {
-    /// Of the soft body and of the spine.
-    pub materials: [Material; 2],
-    /// Nodes below this x are clamped, m.
-    pub clamp_below_x: Metre,
+    /// Of the solids, the softest first: one a region of the mesh.
+    pub materials: Vec<Material>,
+    /// The clamped part.
+    pub clamp: Clamp,
     /// The specimen's length, m.
     pub length: Metre,
     /// Where the markers are on the undeformed body, m.
@@ -36,8 +38,8 @@ impl Body {
     /// The body on a card.
     pub fn of(card: &Card) -> Self {
         Self {
-            materials: [&card.solid.body, &card.solid.spine].map(Material::of),
-            clamp_below_x: card.clamp.below_x,
+            materials: card.solid.parts.iter().map(Material::of).collect(),
+            clamp: card.clamp,
             length: card.length,
             markers: card.marker.iter().map(|m| m.at).collect(),
         }
@@ -58,8 +60,9 @@ impl Body {
 }
 
 impl Material {
-    fn of(solid: &Solid) -> Self {
+    fn of(Part { name, solid }: &Part) -> Self {
         Self {
+            name: name.clone(),
             law: solid.material.clone(),
             youngs_modulus: solid.youngs_modulus,
             poissons_ratio: solid.poissons_ratio,

@@ -5,7 +5,7 @@ use std::time::Instant;
 use fem::{Equilibrium, Parameter, SolveError, Solver, StaticSettings};
 use si::{Pascal, Point2};
 
-use crate::model::{BODY, Elastic, Model, SPINE};
+use crate::model::{BODY, Elastic, Model};
 use crate::noise::Covariance2;
 use crate::surrogate::{Load, Surrogate};
 use diagnostics::{Diagnostic, Result};
@@ -39,9 +39,9 @@ impl PressureLevel {
 pub struct SimulatedLevel {
     /// Displacement of each marker in the plane, m.
     pub markers: Vec<Point2>,
-    /// ∂(mean distance)/∂E of body and spine of this level's part of the loss, m/Pa; empty unless requested.
+    /// ∂(mean distance)/∂E of each solid of this level's part of the loss, m/Pa; empty unless requested.
     pub gradient: Vec<f64>,
-    /// d(marker displacement)/dθ: for E of body and spine (m/Pa), then, when requested, ν of both (m); each markers × 2.
+    /// d(marker displacement)/dθ: for E of each solid (m/Pa), then, when requested, ν of each (m); each markers × 2.
     pub sensitivities: Vec<Vec<Point2>>,
     /// Displacement of every node, m, 3 a node.
     pub displacement: Vec<f64>,
@@ -58,9 +58,9 @@ pub enum Derivatives {
     None,
     /// The adjoint gradient of the mean distance.
     Gradient,
-    /// Forward sensitivities of every marker to both moduli.
+    /// Forward sensitivities of every marker to the moduli.
     Sensitivities,
-    /// To both moduli and both Poisson's ratios.
+    /// To the moduli and the Poisson's ratios.
     AllSensitivities,
 }
 
@@ -83,14 +83,14 @@ impl LevelSolver {
         Self { model, levels, settings, solvers, known: Surrogate::default() }
     }
 
-    /// All levels with these constants of body and spine.
+    /// All levels with these constants.
     ///
     /// # Errors
     /// A [`Diagnostic`] that names the level for which no equilibrium was found.
     pub fn solve(&mut self, elastic: &Elastic, derivatives: Derivatives) -> Result<Vec<SimulatedLevel>> {
         let shares = shares(&self.levels, self.solvers.len());
         let Self { model, levels, settings, solvers, known } = self;
-        let part = Part { model, levels, settings, known, elastic: *elastic, derivatives };
+        let part = Part { model, levels, settings, known, elastic: elastic.clone(), derivatives };
         let mut parts: Vec<Result<Vec<(usize, SimulatedLevel)>>> = Vec::new();
         std::thread::scope(|scope| {
             let part = &part;
@@ -139,7 +139,7 @@ impl Part<'_> {
         for &number in numbers {
             let (level, load) = (&self.levels[number], self.load(number));
             // Kriged initial guesses: the Gauss-Newton search of Dory took 23 s instead of 40 s.
-            let start = found.predict(self.known, load);
+            let start = found.predict(self.known, &load);
             let simulated = self.solve_one(level, start, solver).map_err(|e| no_equilibrium(level, e))?;
             found.add(load, simulated.displacement.clone());
             done.push((number, simulated));
@@ -178,8 +178,12 @@ impl Part<'_> {
             _ => Vec::new(),
         };
         let sensitivities = match self.derivatives {
-            Derivatives::Sensitivities => sensitivities(model, &equilibrium, solver, &MODULI)?,
-            Derivatives::AllSensitivities => sensitivities(model, &equilibrium, solver, &CONSTANTS)?,
+            Derivatives::Sensitivities => {
+                sensitivities(model, &equilibrium, solver, &moduli(model.nominal.youngs_moduli.len()))?
+            }
+            Derivatives::AllSensitivities => {
+                sensitivities(model, &equilibrium, solver, &constants(model.nominal.youngs_moduli.len()))?
+            }
             _ => Vec::new(),
         };
         let derivative_seconds = began.elapsed().as_secs_f64();
@@ -207,14 +211,20 @@ impl Part<'_> {
             }
         }
         let regions = solver.adjoint(equilibrium, &by_displacement)?;
-        Ok([BODY, SPINE].map(|region| regions[region].youngs_modulus).to_vec())
+        Ok(regions.iter().map(|region| region.youngs_modulus).collect())
     }
 }
 
-const MODULI: [Parameter; 2] = [Parameter::YoungsModulus(BODY), Parameter::YoungsModulus(SPINE)];
+/// The moduli of all solids.
+fn moduli(solids: usize) -> Vec<Parameter> {
+    (0..solids).map(Parameter::YoungsModulus).collect()
+}
 
-const CONSTANTS: [Parameter; 4] =
-    [MODULI[0], MODULI[1], Parameter::PoissonsRatio(BODY), Parameter::PoissonsRatio(SPINE)];
+/// The moduli of all solids, then their Poisson's ratios.
+fn constants(solids: usize) -> Vec<Parameter> {
+    let ratios = (0..solids).map(Parameter::PoissonsRatio);
+    moduli(solids).into_iter().chain(ratios).collect()
+}
 
 fn sensitivities(
     model: &Model,

@@ -26,11 +26,13 @@
 
 pub mod actuated;
 mod body;
+mod cells;
 pub mod free_vibration;
 mod identified_materials;
 pub mod inflation_test;
 pub mod landscape;
 mod levels;
+mod meshed;
 mod metrics_file;
 mod misfit;
 mod model;
@@ -43,10 +45,12 @@ mod surrogate;
 pub mod wall;
 
 pub use body::{Body, Material};
+pub use cells::cells;
 pub use identified_materials::{IdentifiedMaterial, IdentifiedMaterials};
 pub use levels::{Derivatives, LevelSolver, PressureLevel, SimulatedLevel};
+pub use meshed::{Meshed, NamedRegion};
 pub use misfit::Misfit;
-pub use model::{BODY, Elastic, Model, SPINE, Viscoelastic, by_node};
+pub use model::{BODY, Elastic, Model, Viscoelastic, by_node};
 pub use noise::{Covariance2, Level, NoiseModel};
 pub use reduced::{ForcedMotion, ReducedBody, Snapshots, even_times};
 pub use search::{Interrupted, feasible_lower_bound, nearest_neighbour_order};

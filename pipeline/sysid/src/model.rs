@@ -5,7 +5,7 @@ use std::sync::Arc;
 use fem::{Clamps, RegionProperties, Relaxation, Solver, System};
 use mesh::{QuadraticMesh, Solid, Spot};
 use serde::{Deserialize, Serialize};
-use si::{Pascal, Point2, Point3, Second};
+use si::{Metre, Pascal, Point2, Point3, Second};
 
 use crate::body::{Body, Material};
 use diagnostics::{Diagnostic, Result};
@@ -13,21 +13,21 @@ use diagnostics::{Diagnostic, Result};
 /// The finite-element model of a specimen.
 #[derive(Clone)]
 pub struct Model {
-    /// What `fem` solves: region 0 is the body, region 1 the spine; chambers in the order of the card.
+    /// What `fem` solves: one region a solid, the softest first; chambers in the order of the card.
     pub system: Arc<System>,
     /// The card's markers as material points, in its order.
     pub markers: Vec<Spot>,
-    /// Nominal constants of body and spine, from the card.
+    /// Nominal constants of the solids, from the card.
     pub nominal: Elastic,
 }
 
-/// The elastic constants of body and spine.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+/// The elastic constants of the solids, the softest first.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Elastic {
     /// E, Pa.
-    pub youngs_moduli: [Pascal; 2],
+    pub youngs_moduli: Vec<Pascal>,
     /// ν, no unit.
-    pub poissons_ratios: [f64; 2],
+    pub poissons_ratios: Vec<f64>,
 }
 
 impl Elastic {
@@ -36,19 +36,19 @@ impl Elastic {
     /// # Errors
     /// A [`Diagnostic`] when a modulus is not positive or a ratio is not below one half.
     pub fn apply(&self, solver: &mut Solver) -> Result<()> {
-        for (region, (e, nu)) in self.youngs_moduli.into_iter().zip(self.poissons_ratios).enumerate() {
-            solver.set_elastic(region, e, nu)?;
+        for (region, (e, nu)) in self.youngs_moduli.iter().zip(&self.poissons_ratios).enumerate() {
+            solver.set_elastic(region, *e, *nu)?;
         }
         Ok(())
     }
 }
 
-/// Elastic constants after all relaxation, with the relaxation of the body's silicone.
+/// Elastic constants after all relaxation, with the relaxation of the softest solid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Viscoelastic {
     /// Long-term constants.
     pub elastic: Elastic,
-    /// Of the body; the sheet does not relax.
+    /// Of the softest solid; others do not relax.
     pub relaxation: Relaxation,
 }
 
@@ -76,10 +76,8 @@ impl Viscoelastic {
     }
 }
 
-/// The region of the soft body.
+/// The region of the softest solid.
 pub const BODY: usize = mesh::BODY as usize;
-/// The region of the stiff sheet.
-pub const SPINE: usize = mesh::SPINE as usize;
 
 impl Model {
     /// The model of a meshed body. `chambers` are the skin indices of the chambers in the order of the card; markers are material points
@@ -89,13 +87,13 @@ impl Model {
     /// A [`Diagnostic`] when a material is unknown or the simulator refuses the mesh.
     pub fn new(solid: &Solid, chambers: &[u16], markers: Vec<Spot>, body: &Body) -> Result<Self> {
         let mesh = simulate::fem_mesh(solid, chambers);
-        let [soft, stiff] = &body.materials;
-        let regions = vec![region("body", soft)?, region("spine", stiff)?];
-        let clamps = Clamps::below_x(&mesh, body.clamp_below_x);
+        let regions = body.materials.iter().map(region).collect::<Result<_>>()?;
+        let size = extent(solid.nodes());
+        let clamps = Clamps::where_nodes(&mesh, [true; 3], |at| body.clamp.holds(at, size));
         let system = System::new(mesh, regions, clamps)?;
         let nominal = Elastic {
-            youngs_moduli: [soft.youngs_modulus, stiff.youngs_modulus],
-            poissons_ratios: [soft.poissons_ratio, stiff.poissons_ratio],
+            youngs_moduli: body.materials.iter().map(|m| m.youngs_modulus).collect(),
+            poissons_ratios: body.materials.iter().map(|m| m.poissons_ratio).collect(),
         };
         Ok(Self { system: Arc::new(system), markers, nominal })
     }
@@ -126,11 +124,20 @@ pub fn by_node(displacement: &[f64]) -> Vec<Point3> {
     displacement.chunks_exact(3).map(|u| [u[0], u[1], u[2]]).collect()
 }
 
-fn region(name: &str, material: &Material) -> Result<RegionProperties> {
+/// The longest side of the box around nodes, m.
+fn extent(nodes: &[Point3]) -> Metre {
+    let side = |k: usize| {
+        let along = || nodes.iter().map(|at| at[k]);
+        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+    };
+    (0..3).map(side).fold(0.0, f64::max)
+}
+
+fn region(material: &Material) -> Result<RegionProperties> {
     let law = fem::materials::by_name(&material.law).ok_or_else(|| {
         let known: Vec<&str> = fem::materials::ALL.iter().map(|m| m.name()).collect();
         Diagnostic::new(
-            format!("the card gives solid.{name} the material `{}`", material.law),
+            format!("the card gives solid.{} the material `{}`", material.name, material.law),
             format!("known materials: {}", known.join(", ")),
             "correct the card",
         )

@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use si::{Metre, Pascal, Point2, Second};
 
-use crate::model::{Elastic, Model, Viscoelastic};
+use crate::model::{BODY, Elastic, Model, Viscoelastic};
 use diagnostics::{Diagnostic, Result};
 
 /// Number of even steps in which each chamber is filled alone.
@@ -31,7 +31,7 @@ pub struct ReducedBody {
     /// Moduli over those that the system was made with.
     scale: Vec<f64>,
     /// Of body and spine.
-    relaxation: [Relaxation; 2],
+    relaxation: Vec<Relaxation>,
     /// Displacement of each marker in the plane by coordinate, m: markers × 2 × coordinates.
     rows: Vec<[Vec<f64>; 2]>,
 }
@@ -133,8 +133,7 @@ impl ReducedBody {
     pub fn of(model: &Model, silicone: &Viscoelastic, data: &ReducedModelData) -> Result<Self> {
         let reduced = Arc::new(model.system.restore(data)?);
         let rows = model.markers.iter().map(|spot| rows(&reduced, spot)).collect();
-        let made =
-            Self { reduced, scale: Vec::new(), relaxation: [Relaxation::default(), Relaxation::default()], rows };
+        let made = Self { reduced, scale: Vec::new(), relaxation: Vec::new(), rows };
         Ok(made.with(model, silicone))
     }
 
@@ -183,8 +182,9 @@ impl ReducedBody {
     #[must_use]
     pub fn with(&self, model: &Model, silicone: &Viscoelastic) -> Self {
         let made = model.system.regions();
-        let scale = made.iter().zip(silicone.elastic.youngs_moduli).map(|(r, e)| e / r.youngs_modulus).collect();
-        let relaxation = [silicone.relaxation.clone(), Relaxation::default()];
+        let scale = made.iter().zip(&silicone.elastic.youngs_moduli).map(|(r, e)| e / r.youngs_modulus).collect();
+        let mut relaxation = vec![Relaxation::default(); made.len()];
+        relaxation[BODY] = silicone.relaxation.clone();
         Self { reduced: Arc::clone(&self.reduced), scale, relaxation, rows: self.rows.clone() }
     }
 

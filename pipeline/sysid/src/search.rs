@@ -5,7 +5,7 @@ use fem::StaticSettings;
 use optimize::{Bounds, OptimiseError};
 
 use crate::levels::{Derivatives, LevelSolver, PressureLevel};
-use crate::model::{Elastic, Model};
+use crate::model::{BODY, Model};
 
 /// Step from stiff to soft, in the logarithm of the body's modulus.
 const SOFTER: f64 = 0.1;
@@ -35,7 +35,7 @@ pub fn nearest_neighbour_order(points: &[Vec<f64>]) -> Vec<usize> {
 }
 
 /// Logarithm, over the nominal value, of the lowest modulus of the body with an equilibrium at the highest pressure of each film, with
-/// the nominal spine; the lower bound of the search where that has one.
+/// the other solids nominal; the lower bound of the search where that has one.
 ///
 /// Below it walls lose stability and the films cannot be simulated.
 pub fn feasible_lower_bound(model: &Model, levels: &[PressureLevel], bounds: &Bounds) -> f64 {
@@ -44,10 +44,10 @@ pub fn feasible_lower_bound(model: &Model, levels: &[PressureLevel], bounds: &Bo
     let highest: Vec<PressureLevel> = levels.iter().filter(|r| r.top() > 0.98 * top).cloned().collect();
     let count = highest.len();
     let mut solver = LevelSolver::new(model.clone(), highest, settings, count);
-    let [body, spine] = model.nominal.youngs_moduli;
     let has_equilibrium = |solver: &mut LevelSolver, at: f64| {
-        let youngs_moduli = [body * at.exp(), spine];
-        solver.solve(&Elastic { youngs_moduli, ..model.nominal }, Derivatives::None).is_ok()
+        let mut elastic = model.nominal.clone();
+        elastic.youngs_moduli[BODY] *= at.exp();
+        solver.solve(&elastic, Derivatives::None).is_ok()
     };
     let (low, high) = (bounds.low[0], bounds.high[0]);
     // The bound is approached from the stiff side with warm starts: a failed equilibrium is the most expensive evaluation, and this

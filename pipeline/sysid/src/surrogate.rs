@@ -1,13 +1,13 @@
 //! Surrogate of equilibria: the initial guess of an equilibrium, kriged from earlier ones.
 //!
-//! Without gravity the shape of a body of two materials follows from which chamber is filled, from its pressure over the body's
-//! modulus, from the sheet's modulus over the body's, and from both Poisson's ratios. Shapes anywhere in that reduced space
+//! Without gravity the shape of a body follows from which chamber is filled, from its pressure over the modulus of the softest
+//! material, from the other moduli over that one, and from the Poisson's ratios. Shapes anywhere in that reduced space
 //! predict others by ordinary kriging with a wide Gaussian, close to polynomial interpolation [krige1951].
 
 use nalgebra::{DMatrix, DVector};
 use si::Pascal;
 
-use crate::model::{BODY, Elastic, SPINE};
+use crate::model::{BODY, Elastic};
 
 /// Correlation length: the width of the Gaussian, in units of [`Load::away`].
 const WIDTH: f64 = 2.0;
@@ -19,27 +19,31 @@ const NEAREST: usize = 20;
 const KEPT: usize = 400;
 /// Largest sum of absolute weights: above it the prediction extrapolates, and the nearest shape is the better initial guess.
 const STRETCHED: f64 = 6.0;
-/// Scales of the Poisson's ratios of body and sheet relative to the logarithm of a modulus.
+/// Scales of the Poisson's ratios of the softest material, which is nearly incompressible, and of others, relative to the logarithm
+/// of a modulus.
 const BY_RATIO: [f64; 2] = [10.0, 1.0];
 
 /// The load of an equilibrium: the filled chamber, and coordinates in the space of dimensionless constants.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Load {
     chamber: usize,
-    at: [f64; 4],
+    /// The pressure first.
+    at: Vec<f64>,
 }
 
 impl Load {
     /// Of a body with these constants whose `chamber` is filled with `pressure`; `unit` is the pressure over a modulus that counts as one.
     pub fn new(chamber: usize, pressure: Pascal, elastic: &Elastic, unit: f64) -> Self {
-        let (e, nu) = (elastic.youngs_moduli, elastic.poissons_ratios);
-        let ratios = [BODY, SPINE].map(|region| BY_RATIO[region] * nu[region]);
-        Self { chamber, at: [pressure / e[BODY] / unit, (e[SPINE] / e[BODY]).ln(), ratios[0], ratios[1]] }
+        let (e, nu) = (&elastic.youngs_moduli, &elastic.poissons_ratios);
+        let moduli = e[1..].iter().map(|other| (other / e[BODY]).ln());
+        let ratios = nu.iter().enumerate().map(|(region, nu)| BY_RATIO[region.min(1)] * nu);
+        Self { chamber, at: std::iter::once(pressure / e[BODY] / unit).chain(moduli).chain(ratios).collect() }
     }
 
     /// The same body at rest.
-    fn without(self) -> Self {
-        Self { at: [0.0, self.at[1], self.at[2], self.at[3]], ..self }
+    fn without(mut self) -> Self {
+        self.at[0] = 0.0;
+        self
     }
 
     fn away(&self, other: &Self) -> f64 {
@@ -64,14 +68,15 @@ impl Surrogate {
 
     /// The nearest shape of this and of `others`, and the one predicted from all of them; none where neither has one of the
     /// same chamber.
-    pub fn predict<'a>(&'a self, others: &'a Self, load: Load) -> Option<(&'a [f64], Vec<f64>)> {
+    pub fn predict<'a>(&'a self, others: &'a Self, load: &Load) -> Option<(&'a [f64], Vec<f64>)> {
         let alike = self.shapes.iter().chain(&others.shapes).filter(|(known, _)| known.chamber == load.chamber);
-        let mut near: Vec<(f64, &(Load, Vec<f64>))> = alike.map(|shape| (shape.0.away(&load), shape)).collect();
+        let mut near: Vec<(f64, &(Load, Vec<f64>))> = alike.map(|shape| (shape.0.away(load), shape)).collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0));
         near.truncate(NEAREST);
         let (_, (_, nearest)) = near.first()?;
-        let places: Vec<Load> = near.iter().map(|(_, (known, _))| *known).chain([load.without()]).collect();
-        let Some(weights) = weights(&places, &load) else { return Some((nearest, nearest.clone())) };
+        let places: Vec<Load> =
+            near.iter().map(|(_, (known, _))| known.clone()).chain([load.clone().without()]).collect();
+        let Some(weights) = weights(&places, load) else { return Some((nearest, nearest.clone())) };
         let mut predicted = vec![0.0; nearest.len()];
         for ((_, (_, shape)), weight) in near.iter().zip(weights.iter()) {
             predicted.iter_mut().zip(shape).for_each(|(sum, u)| *sum += weight * u);
@@ -97,12 +102,12 @@ mod tests {
     use super::*;
 
     fn load(pressure: f64, body: f64, spine: f64) -> Load {
-        Load::new(0, pressure, &Elastic { youngs_moduli: [body, spine], poissons_ratios: [0.49, 0.38] }, 0.1)
+        Load::new(0, pressure, &Elastic { youngs_moduli: vec![body, spine], poissons_ratios: vec![0.49, 0.38] }, 0.1)
     }
 
     /// A smooth function of the load, zero at rest.
     fn shape(of: &Load) -> Vec<f64> {
-        let [s, r, ..] = of.at;
+        let (s, r) = (of.at[0], of.at[1]);
         vec![s + 0.3 * s * s - 0.2 * s * r, (0.4 * s).sin()]
     }
 
@@ -112,11 +117,12 @@ mod tests {
         for (body, spine) in [(1e5, 2e9), (1.5e5, 2e9), (1e5, 3e9), (1.5e5, 3e9)] {
             for pressure in [4e3, 8e3, 1.2e4, 1.6e4] {
                 let at = load(pressure, body, spine);
-                known.add(at, shape(&at));
+                let shape = shape(&at);
+                known.add(at, shape);
             }
         }
         let at = load(1.1e4, 1.2e5, 2.4e9);
-        let predicted = known.predict(&Surrogate::default(), at).expect("shapes are known").1;
+        let predicted = known.predict(&Surrogate::default(), &at).expect("shapes are known").1;
         predicted.iter().zip(shape(&at)).for_each(|(a, b)| assert!((a - b).abs() < 1e-3, "{a} for {b}"));
     }
 
@@ -124,7 +130,7 @@ mod tests {
     fn one_shape_predicts_about_twice_the_displacement_for_twice_the_load() {
         let mut known = Surrogate::default();
         known.add(load(4e3, 1e5, 2e9), vec![1.0]);
-        let predicted = known.predict(&Surrogate::default(), load(8e3, 1e5, 2e9)).expect("a shape is known").1[0];
+        let predicted = known.predict(&Surrogate::default(), &load(8e3, 1e5, 2e9)).expect("a shape is known").1[0];
         assert!((1.5..2.1).contains(&predicted), "{predicted}");
     }
 
@@ -139,7 +145,7 @@ mod tests {
     fn a_shape_of_another_chamber_is_not_used() {
         let mut known = Surrogate::default();
         known.add(Load { chamber: 1, ..load(4e3, 1e5, 2e9) }, vec![1.0]);
-        assert_eq!(known.predict(&Surrogate::default(), load(4e3, 1e5, 2e9)), None);
+        assert_eq!(known.predict(&Surrogate::default(), &load(4e3, 1e5, 2e9)), None);
     }
 
     #[test]
@@ -149,7 +155,7 @@ mod tests {
             mine.add(load(4e3, 1e5, 2e9), vec![1.0]);
             others.add(load(4e3, 1e5, 2e9), vec![1.0]);
         }
-        let predicted = mine.predict(&others, load(4e3, 1e5, 2e9)).expect("a shape is known").1[0];
+        let predicted = mine.predict(&others, &load(4e3, 1e5, 2e9)).expect("a shape is known").1[0];
         assert!((predicted - 1.0).abs() < 1e-6, "{predicted}");
     }
 }

@@ -35,7 +35,7 @@ fn bar() -> Model {
     let end = (0..mesh.nodes.len()).max_by(far).unwrap() as u32;
     let clamps = Clamps::below_x(&mesh, 1e-9);
     let system = Arc::new(System::new(mesh, vec![soft, stiff], clamps).unwrap());
-    let nominal = Elastic { youngs_moduli: [2e5, 5e6], poissons_ratios: [0.45, 0.35] };
+    let nominal = Elastic { youngs_moduli: vec![2e5, 5e6], poissons_ratios: vec![0.45, 0.35] };
     Model { system, markers: vec![Spot { weights: vec![(end, 1.0)] }], nominal }
 }
 
@@ -78,10 +78,10 @@ fn storage_and_loss_come_back_from_a_motion_by_a_spectrum_that_the_branches_cann
     let model = bar();
     let top = [1.2 * PRESSURE; 2];
     let kept = Snapshots { model: &model, elastic: &model.nominal, top: &top, length: 0.08 }.reduce(5e-4).unwrap();
-    let reduced = ReducedBody::of(&model, &model.nominal.into(), &kept).unwrap();
+    let reduced = ReducedBody::of(&model, &model.nominal.clone().into(), &kept).unwrap();
     // the modulus that a static identification would find in the middle of the hold's end
     let held_at = 0.9;
-    let mut held = model.nominal;
+    let mut held = model.nominal.clone();
     held.youngs_moduli[0] *= hidden().modulus(held_at);
     let steps = (0..=(END * 200.0) as usize).map(|i| i as f64 / 200.0);
     let gauge = |chamber: usize| {

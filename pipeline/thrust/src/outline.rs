@@ -41,7 +41,7 @@ impl<'a> Outline<'a> {
     /// [`TailError`] when the markers do not rise from the clamp to the edge.
     pub fn marked(&self, density: KilogramPerCubicMetre, sections: usize) -> Result<Tail, TailError> {
         let marks: Vec<Metre> = self.body.markers_by_x().iter().map(|&i| self.body.markers[i][0]).collect();
-        let (clamp, edge) = (self.body.clamp_below_x, self.trailing);
+        let (clamp, edge) = (self.body.clamp.end(), self.trailing);
         Tail::new(density, &Stations { clamp, marks: &marks, edge, end: edge }, sections, &|a| self.depth(a))
     }
 
@@ -51,7 +51,7 @@ impl<'a> Outline<'a> {
     /// # Errors
     /// [`TailError`] when there is no tail behind the clamp.
     pub fn whole(&self, density: KilogramPerCubicMetre, sections: usize) -> Result<(Tail, Vec<Spot>), TailError> {
-        let clamp = self.body.clamp_below_x;
+        let clamp = self.body.clamp.end();
         let place = |i: usize| clamp + (self.end - clamp) * i as f64 / STATIONS as f64;
         let places: Vec<Metre> = (1..=STATIONS).map(place).collect();
         // halfway up the half, where the mean over the value is
@@ -84,7 +84,7 @@ impl<'a> Outline<'a> {
 
     /// Behind the last marker, m.
     fn deepest(&self) -> Metre {
-        let clamp = self.body.clamp_below_x;
+        let clamp = self.body.clamp.end();
         let last = self.body.markers_by_x().last().map_or(clamp, |&i| self.body.markers[i][0]);
         let place = |i: usize| clamp + (self.end - clamp) * i as f64 / PLACES as f64;
         let rear = (0..=PLACES).map(place).filter(|a| *a >= last);
@@ -108,6 +108,7 @@ mod tests {
         let settings = Settings { use_symmetry, ..Settings::new(0.01) };
         let (mesh, _) = mesh::mesh_without_sheet(&surface, &settings).unwrap();
         let soft = Material {
+            name: "body".into(),
             law: "neo_hookean".into(),
             youngs_modulus: 2e5,
             poissons_ratio: 0.45,
@@ -115,7 +116,8 @@ mod tests {
             plausible: [1e5, 1e6],
         };
         let markers = vec![[0.05, 0.0, 0.02], [0.08, 0.0, 0.02]];
-        let body = Body { materials: [soft.clone(), soft], clamp_below_x: 0.01, length: 0.1, markers };
+        let body =
+            Body { materials: vec![soft.clone(), soft], clamp: lab::card::Clamp::below(0.01), length: 0.1, markers };
         (body, mesh::quadratic(&mesh))
     }
 

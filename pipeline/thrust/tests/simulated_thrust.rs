@@ -146,13 +146,13 @@ fn the_best_wave_climbs_to_the_limit_of_pressure() {
 fn model() -> Model {
     let (system, mesh) = held();
     let markers = marks(&mesh).into_iter().map(|weights| Spot { weights }).collect();
-    Model { system, markers, nominal: Elastic { youngs_moduli: [2e5, 5e6], poissons_ratios: [0.45, 0.35] } }
+    Model { system, markers, nominal: Elastic { youngs_moduli: vec![2e5, 5e6], poissons_ratios: vec![0.45, 0.35] } }
 }
 
 /// With a branch that damps the bar's vibration.
 fn silicone(model: &Model) -> Viscoelastic {
     let relaxation = Relaxation::maxwell(&[Branch { strength: 0.3, time: 0.01 }]).unwrap();
-    Viscoelastic { elastic: model.nominal, relaxation }
+    Viscoelastic { elastic: model.nominal.clone(), relaxation }
 }
 
 /// Coefficients of theory without the inertia of a fixture.

@@ -1,5 +1,6 @@
 //! Checks of surfaces: each is closed and of a plausible size; together they form one body with chambers and markers as on the card.
 
+use lab::card;
 use mesh::Surface;
 use si::Metre;
 
@@ -20,15 +21,16 @@ const APART: f64 = 2.5;
 /// # Errors
 /// A diagnostic when the settings of the mesh are invalid.
 pub fn look(look: &Look, of: &Specimen) -> Result<Vec<Finding>> {
-    let solid = &of.card.solid;
     let mut found = Vec::new();
-    let body = surface(look, of, &solid.body.file, &mut found);
-    let spine = surface(look, of, &solid.spine.file, &mut found);
-    if let Some(body) = &body {
-        found.extend(size(look, of, body.length()));
-        found.extend(clamped(look, of, body));
+    for (word, file) in STL.iter().filter_map(|word| Some((*word, of.card.solid.file(word)?))) {
+        let surface = surface(look, of, file, &mut found);
+        if let Some(body) = surface.filter(|_| word == card::BODY) {
+            found.extend(size(look, of, (file, body.length())));
+            found.extend(clamped(look, of, &body));
+        }
     }
-    if body.is_some() && spine.is_some() && found.is_empty() {
+    let absent = of.card.solid.files().iter().any(|(_, file)| !look.path(&of.card.name, file).is_file());
+    if found.is_empty() && !absent {
         let set = look.settings.section::<Settings>("mesh")?;
         let raw = Mesh::raw(of);
         let meshed = Mesh::run(&Part::part_of(of), &set, (), &inspection_context(look.folders, &raw));
@@ -37,6 +39,9 @@ pub fn look(look: &Look, of: &Specimen) -> Result<Vec<Finding>> {
     }
     Ok(found)
 }
+
+/// The solids that are made from STL files.
+const STL: [&str; 2] = [card::BODY, card::SPINE];
 
 /// A closed surface, m; a missing file is reported with the card.
 fn surface(look: &Look, of: &Specimen, file: &str, found: &mut Vec<Finding>) -> Option<Surface> {
@@ -53,11 +58,11 @@ fn surface(look: &Look, of: &Specimen, file: &str, found: &mut Vec<Finding>) -> 
     None
 }
 
-fn size(look: &Look, of: &Specimen, long: Metre) -> Option<Finding> {
+fn size(look: &Look, of: &Specimen, (file, long): (&str, Metre)) -> Option<Finding> {
     let (card, solid) = (&of.card, &of.card.solid);
     let factor = (long / card.length).max(card.length / long);
     (factor > APART).then(|| {
-        let place = look.place(&card.name, &solid.body.file);
+        let place = look.place(&card.name, file);
         let what = format!("{place}: the body is {long:.4} m long, the card's length is {} m", card.length);
         let why = format!("they differ by a factor of {factor:.1}; the file was read in {}", solid.unit.word());
         Finding::fix(what, why, "correct unit under [solid], or length, on the card")
@@ -67,7 +72,7 @@ fn size(look: &Look, of: &Specimen, long: Metre) -> Option<Finding> {
 /// A clamp that constrains nothing or everything.
 fn clamped(look: &Look, of: &Specimen, body: &Surface) -> Option<Finding> {
     let (low, high) = body.bounds();
-    let at = of.card.clamp.below_x;
+    let at = of.card.clamp.below_x?;
     (!(low[0]..high[0]).contains(&at)).then(|| {
         let held = if at < low[0] { "nothing" } else { "everything" };
         let place = look.place(&of.card.name, lab::folder::CARD);

@@ -6,7 +6,8 @@ use crate::range::{Checked, violation, within};
 
 use super::entry::{name, pixel, point, relative, some, unique};
 use super::log::{Log, LogColumn, Place, dimension_of};
-use super::{Card, Experiment, FixtureOf, Marker, Medium, Solid, Tank, Trial, marker_sources};
+use super::solids::{BODY, SPINE};
+use super::{Card, Clamp, Experiment, FixtureOf, Marker, Medium, Part, Solid, Solids, Tank, Trial, marker_sources};
 
 /// Checks everything on a card, and that its name is that of `folder` where that is known.
 pub(super) fn card(card: &Card, folder: Option<&str>) -> Checked {
@@ -16,9 +17,8 @@ pub(super) fn card(card: &Card, folder: Option<&str>) -> Checked {
         return violation("name", what, "a specimen is found by its folder", "make the two equal");
     }
     within("length", card.length, 0.01..=1.0, "m")?;
-    solid("solid.body", &card.solid.body)?;
-    solid("solid.spine", &card.solid.spine)?;
-    within("clamp.below_x", card.clamp.below_x, -1.0..=1.0, "m")?;
+    solids(&card.solid)?;
+    clamp(&card.clamp)?;
     chambers(card)?;
     markers(card)?;
     camera(card)?;
@@ -32,8 +32,75 @@ pub(super) fn card(card: &Card, folder: Option<&str>) -> Checked {
     fixtures(card)
 }
 
+/// A mesh with regions; or STL files of a body, and of a sheet in it where there is one.
+fn solids(all: &Solids) -> Checked {
+    some("solid", all.parts.len())?;
+    all.mesh.iter().try_for_each(|file| relative("solid.mesh", file))?;
+    for part in &all.parts {
+        let key = format!("solid.{}", part.name);
+        name(&key, &part.name)?;
+        source(&key, part, all.mesh.is_some())?;
+        solid(&key, &part.solid)?;
+    }
+    if all.mesh.is_none() && all.position(BODY).is_none() {
+        let why = "STL files are meshed as a body, with or without a plane sheet in it";
+        return violation(
+            "solid",
+            "there is no [solid.body]".to_owned(),
+            why,
+            "call the soft solid body, or give solid.mesh",
+        );
+    }
+    Ok(())
+}
+
+/// The file of a solid, or its region of the mesh.
+fn source(key: &str, part: &Part, meshed: bool) -> Checked {
+    let (name, Solid { file, region, .. }) = (&part.name, &part.solid);
+    match (meshed, file, region) {
+        (true, Some(_), _) => {
+            let why = "solid.mesh gives the elements of every solid";
+            violation(&format!("{key}.file"), format!("{key} has a file"), why, "take it out, or take solid.mesh out")
+        }
+        (true, None, _) => Ok(()),
+        (false, _, Some(_)) => {
+            let why = "a region belongs to a mesh, and there is no solid.mesh";
+            violation(
+                &format!("{key}.region"),
+                format!("{key} has a region"),
+                why,
+                "give solid.mesh, or a file instead",
+            )
+        }
+        (false, None, None) => {
+            let why = "it is made from an STL file, or is a region of solid.mesh";
+            violation(key, format!("{key} has no file"), why, "add file, or solid.mesh")
+        }
+        (false, Some(file), None) if name == BODY || name == SPINE => relative(&format!("{key}.file"), file),
+        (false, Some(_), None) => {
+            let why = "STL files are meshed as a body and a plane sheet in it, called body and spine";
+            violation(key, format!("{key} has an STL file"), why, "mesh the solids together and give solid.mesh")
+        }
+    }
+}
+
+fn clamp(clamp: &Clamp) -> Checked {
+    clamp.below_x.map_or(Ok(()), |x| within("clamp.below_x", x, -1.0..=1.0, "m"))?;
+    if let Some(block) = &clamp.block {
+        point("clamp.box.low", &block.low)?;
+        point("clamp.box.high", &block.high)?;
+    }
+    match clamp.is_one() {
+        true => Ok(()),
+        false => {
+            let why = "the specimen is clamped at one place";
+            let what = "[clamp] does not have exactly one of below_x, plane (across one axis) and box";
+            violation("clamp", what.to_owned(), why, "give one, such as below_x = 0.004")
+        }
+    }
+}
+
 fn solid(key: &str, solid: &Solid) -> Checked {
-    relative(&format!("{key}.file"), &solid.file)?;
     name(&format!("{key}.material"), &solid.material)?;
     within(&format!("{key}.youngs_modulus"), solid.youngs_modulus, 1e3..=1e12, "Pa")?;
     within(&format!("{key}.poissons_ratio"), solid.poissons_ratio, -1.0..=0.499, "")?;

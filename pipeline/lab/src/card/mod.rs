@@ -5,25 +5,29 @@
 
 mod camera;
 mod check;
+mod clamp;
 mod entry;
 mod fixture;
 mod log;
 mod marker_sources;
 mod marks;
 mod read;
+mod solids;
 mod trial;
 mod write;
 
 use serde::{Deserialize, Serialize};
-use si::{KilogramPerCubicMetre, Metre, Pascal, Point2, Point3};
+use si::{Metre, Point2, Point3};
 
 pub use camera::{Board, BoardKind, Camera, LensKind, Plane};
 pub use check::{check_log, check_tank};
+pub use clamp::Clamp;
 pub use entry::is_name;
 pub use fixture::{Fixture, FixtureOf};
 pub use log::{Log, LogColumn, LogKind, Place, Unit};
 pub use marks::{Axes, Detector, Order, Search, Tracks};
 pub use read::{parse, read};
+pub use solids::{BODY, Part, SPINE, Solid, Solids};
 pub use trial::{Experiment, Medium, Role, Split, Trial};
 pub use write::write;
 
@@ -37,7 +41,7 @@ pub struct Card {
     pub origin: Origin,
     /// Length by which errors are divided, m.
     pub length: Metre,
-    /// The two solids.
+    /// Its solids.
     pub solid: Solids,
     /// The clamped part.
     pub clamp: Clamp,
@@ -139,44 +143,6 @@ impl LengthUnit {
             Self::Inch => "inch",
         }
     }
-}
-
-/// `[solid]`: the unit of both STL files, and the two solids.
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct Solids {
-    /// Unit of the STL files.
-    pub unit: LengthUnit,
-    /// The soft body with its chambers.
-    pub body: Solid,
-    /// The stiff sheet.
-    pub spine: Solid,
-}
-
-/// `[solid.body]`, `[solid.spine]`: a surface and its material, with the values of the data sheet.
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct Solid {
-    /// STL file, relative to the card.
-    pub file: String,
-    /// Name of the constitutive model, e.g. `neo_hookean`.
-    pub material: String,
-    /// Nominal Young's modulus, Pa: the initial guess of an identification.
-    pub youngs_modulus: Pascal,
-    /// Poisson's ratio, no unit.
-    pub poissons_ratio: f64,
-    /// Density, kg/m³.
-    pub density: KilogramPerCubicMetre,
-    /// Lowest and highest plausible Young's modulus, Pa: the bounds of an identification.
-    pub plausible: [Pascal; 2],
-}
-
-/// `[clamp]`: the clamped part of the specimen.
-#[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct Clamp {
-    /// The specimen is clamped at and below this x (m, CAD frame).
-    pub below_x: Metre,
 }
 
 /// `[[chamber]]`: one connected cavity.

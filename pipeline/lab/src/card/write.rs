@@ -3,17 +3,18 @@
 use std::fmt::Write;
 
 use super::{
-    BoardKind, Camera, Card, Experiment, Fixture, FixtureOf, LensKind, Log, LogColumn, Origin, Place, Search, Solid,
-    Tracks, Trial,
+    BoardKind, Camera, Card, Clamp, Experiment, Fixture, FixtureOf, LensKind, Log, LogColumn, Origin, Part, Place,
+    Search, Tracks, Trial,
 };
+
+use crate::place::Block;
 
 /// The text of `specimen.toml`.
 pub fn write(card: &Card) -> String {
     let mut text = String::new();
     head(&mut text, card);
-    solid(&mut text, "body", &card.solid.body);
-    solid(&mut text, "spine", &card.solid.spine);
-    put(&mut text, format_args!("\n[clamp]\nbelow_x = {:?}  # m: held at and below\n", card.clamp.below_x));
+    card.solid.parts.iter().for_each(|part| solid(&mut text, part));
+    clamp(&mut text, &card.clamp);
     for c in &card.chamber {
         let table = format_args!(
             "\n[[chamber]]\nname = {:?}\nat = {:?}  # m, inside it\nchannel = {:?}\n",
@@ -63,11 +64,33 @@ fn head(text: &mut String, card: &Card) {
     }
     put(text, format_args!("name = {:?}\norigin = {:?}\n", card.name, card.origin.word()));
     put(text, format_args!("length = {:?}  # m, errors are divided by it\n", card.length));
-    put(text, format_args!("\n[solid]\nunit = {:?}  # of the STL files\n", card.solid.unit.word()));
+    put(text, format_args!("\n[solid]\nunit = {:?}  # of the files\n", card.solid.unit.word()));
+    if let Some(mesh) = &card.solid.mesh {
+        put(text, format_args!("mesh = {mesh:?}\n"));
+    }
 }
 
-fn solid(text: &mut String, name: &str, solid: &Solid) {
-    put(text, format_args!("\n[solid.{name}]\nfile = {:?}\nmaterial = {:?}\n", solid.file, solid.material));
+fn clamp(text: &mut String, clamp: &Clamp) {
+    text.push_str("\n[clamp]\n");
+    if let Some(x) = clamp.below_x {
+        put(text, format_args!("below_x = {x:?}  # m: held at and below\n"));
+    }
+    if let Some(plane) = clamp.plane {
+        let along = [("x", plane.x), ("y", plane.y), ("z", plane.z)];
+        let at = along.into_iter().filter_map(|(axis, at)| at.map(|at| format!("{axis} = {at:?}")));
+        put(text, format_args!("plane = {{ {} }}  # m\n", at.collect::<Vec<_>>().join(", ")));
+    }
+    if let Some(Block { low, high }) = clamp.block {
+        put(text, format_args!("box = {{ low = {low:?}, high = {high:?} }}  # m\n"));
+    }
+}
+
+fn solid(text: &mut String, Part { name, solid }: &Part) {
+    put(text, format_args!("\n[solid.{name}]\n"));
+    for (key, value) in [("file", &solid.file), ("region", &solid.region)] {
+        value.iter().for_each(|value| put(text, format_args!("{key} = {value:?}\n")));
+    }
+    put(text, format_args!("material = {:?}\n", solid.material));
     put(text, format_args!("youngs_modulus = {:?}  # Pa, nominal: the first guess\n", solid.youngs_modulus));
     put(text, format_args!("poissons_ratio = {:?}\ndensity = {:?}  # kg/m³\n", solid.poissons_ratio, solid.density));
     put(text, format_args!("plausible = {:?}  # Pa, the box that is searched\n", solid.plausible));

@@ -20,6 +20,8 @@ mod tetgen;
 mod tokens;
 mod vtu;
 
+use std::path::Path;
+
 pub use check::{ForeignMesh, Region};
 pub use defect::MeshDefect;
 pub use gmsh::gmsh;
@@ -27,3 +29,27 @@ pub use medit::medit;
 pub use raw_mesh::{MeshFileError, RawMesh};
 pub use tetgen::tetgen;
 pub use vtu::vtu;
+
+/// The draft in the `bytes` of a file, by the ending of its name; `nodes` are the bytes of TetGen's other file, which is named
+/// like this one but for its ending.
+///
+/// # Errors
+/// [`MeshFileError`] with its place in the file.
+pub fn read(file: &Path, bytes: &[u8], nodes: Option<&[u8]>) -> Result<RawMesh, MeshFileError> {
+    match (file.extension().and_then(|word| word.to_str()), nodes) {
+        (Some("msh"), _) => gmsh(bytes),
+        (Some("vtu"), _) => vtu(bytes),
+        (Some("mesh"), _) => medit(bytes),
+        (Some("ele"), Some(nodes)) => tetgen(nodes, bytes),
+        (other, _) => Err(MeshFileError::new(
+            format!("the mesh is of an unknown kind (.{})", other.unwrap_or_default()),
+            "meshes are read from .msh, .vtu, .mesh and .ele",
+            "save the mesh in one of these formats",
+        )),
+    }
+}
+
+/// The file of the nodes of a mesh, where they lie in one of their own.
+pub fn nodes_of(file: &Path) -> Option<std::path::PathBuf> {
+    file.extension().is_some_and(|word| word == "ele").then(|| file.with_extension("node"))
+}

@@ -5,7 +5,6 @@
 mod check;
 mod history;
 mod loads;
-mod place;
 mod read;
 mod solve;
 
@@ -13,8 +12,8 @@ use serde::Deserialize;
 use si::{KilogramPerCubicMetre, Metre, Pascal, Point3, Second};
 
 pub use history::{History, Wave};
+pub use lab::place::{Block, Place, Plane};
 pub use loads::{Chamber, Load, Mass};
-pub use place::{Block, Place, Plane};
 pub use read::{parse, read};
 pub use solve::{Dynamic, Marker, Node, Output, Scheme, Start, Static, Steps};
 

@@ -8,6 +8,7 @@ use si::{MILLIMETRE, Point3};
 use super::order::{in_order, title};
 use super::origin_note;
 use super::solid::{Bounds, Surfaces};
+use crate::records::DisplayUnit;
 use crate::records::Mesh;
 use crate::subject::{Specimen, Study};
 use diagnostics::{Diagnostic, Result};
@@ -58,14 +59,7 @@ fn design(specimen: &Specimen, mesh: &Mesh, [low, high]: [Point3; 2]) -> Placed 
     let corner = |i: usize| [0, 1, 2].map(|k| if i >> k & 1 == 0 { low[k] } else { high[k] });
     let rim = (0..8).map(corner).collect();
     let card = &specimen.card;
-    let text = [
-        format!(
-            "body: E {:.2} MPa, nominal; spine: {:.1} GPa",
-            1e-6 * card.solid.body.youngs_modulus,
-            1e-9 * card.solid.spine.youngs_modulus
-        ),
-        format!("air: {}", air(mesh)),
-    ];
+    let text = [card.solid.parts.iter().map(nominal).collect::<Vec<_>>().join("; "), format!("air: {}", air(mesh))];
     let place = |down: f64| [0.5 * (low[0] + high[0]), low[1], low[2] - down];
     let scene = scene
         .with_overlay(rim, OverlayKind::Line(plot::Dash::Solid), palette::PAPER, 0.0)
@@ -73,6 +67,12 @@ fn design(specimen: &Specimen, mesh: &Mesh, [low, high]: [Point3; 2]) -> Placed 
         .with_overlay(vec![place(0.013)], OverlayKind::Text(text[1].clone(), Side::Below), palette::BLACK, 6.0)
         .with_scale_bar(20.0 * MILLIMETRE);
     Panel::Scene(scene).titled(&title(&card.name))
+}
+
+/// The nominal modulus of a solid.
+fn nominal(lab::card::Part { name, solid }: &lab::card::Part) -> String {
+    let DisplayUnit { scale, unit } = DisplayUnit::of(solid.youngs_modulus);
+    format!("{name}: E {} {unit}, nominal", scale * solid.youngs_modulus)
 }
 
 /// The volume of each chamber.

@@ -184,7 +184,7 @@ fn camera(d: Diagram, eye: Point3, at: &dyn Fn(f64, f64) -> Point2) -> Diagram {
 
 /// The clamp, the rods and the load cell; only the clamp's edge is known, the rest is a sketch.
 fn holder(d: Diagram, bench: &Bench, at: &dyn Fn(f64, f64) -> Point2) -> Diagram {
-    let edge = bench.card.clamp.below_x;
+    let edge = bench.card.clamp.end();
     let grey = palette::MUTED.towards(palette::PAPER, 0.5);
     let rod = |z: f64| line(vec![at(edge - 0.1, z), at(edge - 0.03, z)], palette::MUTED, 1.6, Dash::Solid);
     d.with(rod(0.012))
@@ -210,7 +210,7 @@ fn close(bench: &Bench) -> Diagram {
         d = d.with(line(vec![at(-0.02, above), at(0.122, above)], palette::SIMULATED, 1.0, Dash::Solid));
         d = d.with(words(at(0.095, above + 0.001), "surface of the water", Side::Above));
     }
-    let edge = card.clamp.below_x;
+    let edge = card.clamp.end();
     let grip = palette::MUTED.towards(palette::PAPER, 0.4);
     d = d.with(silhouette(bench, origin));
     d = d.with(Part::Polygon {

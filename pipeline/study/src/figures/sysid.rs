@@ -4,11 +4,11 @@
 //! shapes of the back, measured against simulated; (d) the largest error of each tail at each pressure.
 
 use plot::{Axes, Axis, ColourBar, DOUBLE_COLUMN_MM, Dash, Figure, Landscape, Mark, Marker, Panel, Side, palette};
-use si::{MILLIBAR, MILLIMETRE, Point2};
+use si::{MILLIBAR, MILLIMETRE, Pascal, Point2};
 
 use super::order::{colour, in_order, title};
 use super::origin_note;
-use crate::records::{Identified, Level, Point};
+use crate::records::{Identified, Level};
 use crate::subject::{Specimen, Study};
 use diagnostics::{Diagnostic, Result};
 use workflow::figure;
@@ -50,26 +50,33 @@ impl figure::Figure for Sysid {
     }
 }
 
-fn place(at: &Point) -> Point2 {
-    [1e-6 * at.body_e_pa, 1e-9 * at.spine_e_pa]
+/// Two moduli in the units in which they are printed.
+fn place(found: &Identified, at: &[Pascal]) -> Point2 {
+    let mut scales = found.moduli().map(|m| m.scale);
+    [0, 1].map(|k| scales.next().map_or(f64::NAN, |scale| scale * at[k]))
 }
 
 fn landscape(found: &Identified) -> Panel {
     let surface = &found.surface;
     let adam = found.searches.iter().find(|s| s.method == "adam");
-    let path: Vec<Point2> = adam.map(|s| s.tried.iter().map(|t| place(&t.at)).collect()).unwrap_or_default();
+    let path: Vec<Point2> = adam.map(|s| s.tried.iter().map(|t| place(found, &t.at)).collect()).unwrap_or_default();
     let grid = found.searches.iter().find(|s| s.method == "grid");
-    let grid: Vec<Point2> = grid.map(|s| s.tried.iter().map(|t| place(&t.at)).collect()).unwrap_or_default();
+    let grid: Vec<Point2> = grid.map(|s| s.tried.iter().map(|t| place(found, &t.at)).collect()).unwrap_or_default();
+    let moduli: Vec<_> = found.moduli().collect();
+    let axis = |k: usize, values: &[Pascal]| {
+        let one = &moduli[k];
+        (Axis::log(&format!("E of the {}", one.solid), one.unit), values.iter().map(|e| one.scale * e).collect())
+    };
     let map = Landscape::new(
-        (Axis::log("E of the body", "MPa"), surface.body_e_pa.iter().map(|e| 1e-6 * e).collect()),
-        (Axis::log("E of the spine", "GPa"), surface.spine_e_pa.iter().map(|e| 1e-9 * e).collect()),
+        axis(0, &surface.across),
+        axis(1, &surface.up),
         surface.loss.clone(),
         ColourBar::log("loss", ""),
     );
     let map = map
         .with(Mark::points(grid, Marker::Plus, palette::BLACK).sized(3.6).labelled("grid"))
         .with_path(path, palette::PAPER, "Adam")
-        .with(Mark::cross(place(&found.best), palette::OPTIMUM).sized(8.0).labelled("identified"));
+        .with(Mark::cross(place(found, &found.best), palette::OPTIMUM).sized(8.0).labelled("identified"));
     Panel::Landscape(map)
 }
 

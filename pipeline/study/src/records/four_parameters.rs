@@ -61,6 +61,10 @@ impl Record for FourParameters {
     type Of = Specimen;
     const STAGE: &'static str = "four_parameters";
 
+    fn is_made_for(of: &Specimen) -> bool {
+        of.has_sheet()
+    }
+
     fn pack(&self) -> Result<RecordFiles, RecordError> {
         RecordFiles::default().scalars("four_parameters.json", self)
     }

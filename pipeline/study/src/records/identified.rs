@@ -9,27 +9,14 @@ use workflow::columns::Columns;
 use workflow::metric::Metric;
 use workflow::record::{Record, RecordError, RecordFiles};
 
-/// Young's moduli of the two regions, Pa.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Point {
-    /// The soft body's.
-    pub body_e_pa: Pascal,
-    /// The stiff sheet's.
-    pub spine_e_pa: Pascal,
-}
-
-impl Point {
-    /// Of body and sheet, Pa.
-    pub(crate) fn youngs_moduli(&self) -> [Pascal; 2] {
-        [self.body_e_pa, self.spine_e_pa]
-    }
-}
+/// Young's moduli of the solids, Pa, the softest first.
+pub type Moduli = Vec<Pascal>;
 
 /// One simulation of all levels at one point.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct EvaluatedPoint {
     /// The point.
-    pub at: Point,
+    pub at: Moduli,
     /// Mean distance of simulated from measured displacement over the specimen's length.
     pub loss: f64,
 }
@@ -45,13 +32,13 @@ pub struct Search {
     pub seconds: Second,
 }
 
-/// The loss over the plane of both moduli, between the grid's points.
+/// The loss over the plane of two moduli, between the grid's points.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Surface {
-    /// Columns, Pa.
-    pub body_e_pa: Vec<Pascal>,
-    /// Rows, Pa.
-    pub spine_e_pa: Vec<Pascal>,
+    /// Columns: modulus of the softest solid, Pa.
+    pub across: Vec<Pascal>,
+    /// Rows: modulus of the other, Pa.
+    pub up: Vec<Pascal>,
     /// Rows × columns, row after row.
     pub loss: Vec<f64>,
 }
@@ -61,8 +48,8 @@ pub struct Surface {
 pub struct Uncertainty {
     /// Standard deviations of the logarithms of the parameters.
     pub sigma: Vec<f64>,
-    /// Correlation of the first two.
-    pub correlation: f64,
+    /// Their correlations: parameters × parameters.
+    pub correlation: Vec<f64>,
     /// Reduced χ² (over the degrees of freedom): near 1 when the covariance is right.
     pub chi_square: f64,
     /// A sentence on which parameters are determined.
@@ -71,10 +58,17 @@ pub struct Uncertainty {
     pub advice: Vec<String>,
 }
 
+impl Uncertainty {
+    /// Of the first two parameters; none of a single one.
+    pub(crate) fn first_correlation(&self) -> Option<f64> {
+        (self.sigma.len() > 1).then(|| self.correlation[1])
+    }
+}
+
 /// Profile likelihood: χ² over one parameter, minimised over the other.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Profile {
-    /// "body_e" or "spine_e".
+    /// The solid's name and `_e`.
     pub parameter: String,
     /// Pa.
     pub value: Vec<f64>,
@@ -85,10 +79,12 @@ pub struct Profile {
 /// The whole identification of one specimen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Identified {
+    /// The solids' names, the softest first.
+    pub solids: Vec<String>,
     /// The moduli found.
-    pub best: Point,
+    pub best: Moduli,
     /// Their standard deviations, Pa.
-    pub sigma: Point,
+    pub sigma: Moduli,
     /// Time after loading to which they belong, s: the mean over the holds.
     pub modulus_time: Second,
     /// The loss there.
@@ -117,8 +113,9 @@ pub struct Identified {
 
 #[derive(Serialize, Deserialize)]
 struct Scalars {
-    best: Point,
-    sigma: Point,
+    solids: Vec<String>,
+    best: Moduli,
+    sigma: Moduli,
     modulus_time_s: f64,
     loss: f64,
     gradient_difference: Option<f64>,
@@ -159,8 +156,9 @@ impl Record for Identified {
 
     fn pack(&self) -> Result<RecordFiles, RecordError> {
         let scalars = Scalars {
-            best: self.best,
-            sigma: self.sigma,
+            solids: self.solids.clone(),
+            best: self.best.clone(),
+            sigma: self.sigma.clone(),
             modulus_time_s: self.modulus_time,
             loss: self.loss,
             gradient_difference: self.gradient_difference,
@@ -180,7 +178,7 @@ impl Record for Identified {
         RecordFiles::default()
             .scalars("identified.json", &scalars)?
             .durations("durations.json", &durations)?
-            .table("searches.parquet", &tried_columns(&self.searches))?
+            .table("searches.parquet", &tried_columns(&self.solids, &self.searches))?
             .table("landscape.parquet", &surface_columns(&self.surface))?
             .table("inflated.parquet", &inflated)
     }
@@ -188,16 +186,18 @@ impl Record for Identified {
     fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
         let s: Scalars = files.read_scalars("identified.json")?;
         let d: Durations = files.read_scalars("durations.json")?;
+        let searches = read_searches(&files.read_table("searches.parquet")?, &s, &d.seconds)?;
         let inflated = files.read_table("inflated.parquet")?;
         let (x, y, z) = (inflated.f64("x_m")?, inflated.f64("y_m")?, inflated.f64("z_m")?);
         Ok(Self {
+            solids: s.solids,
             best: s.best,
             sigma: s.sigma,
             modulus_time: s.modulus_time_s,
             loss: s.loss,
             gradient_difference: s.gradient_difference,
             gradient_over_forward: d.gradient_over_forward,
-            searches: read_searches(&files.read_table("searches.parquet")?, &s.methods, &d.seconds)?,
+            searches,
             surface: read_surface(&files.read_table("landscape.parquet")?)?,
             levels: s.levels,
             inflated: x.into_iter().zip(y).zip(z).map(|((x, y), z)| [x, y, z]).collect(),
@@ -210,17 +210,18 @@ impl Record for Identified {
 
     fn metrics(&self, subject: &str) -> Vec<Metric> {
         let id = |what: &str| format!("identify.{subject}.{what}");
-        let mut metrics = vec![
-            Metric::new(id("body_e_mpa"), 1e-6 * self.best.body_e_pa, "MPa"),
-            Metric::new(id("body_e_mpa.sigma"), 1e-6 * self.sigma.body_e_pa, "MPa"),
-            Metric::new(id("spine_e_gpa"), 1e-9 * self.best.spine_e_pa, "GPa"),
-            Metric::new(id("spine_e_gpa.sigma"), 1e-9 * self.sigma.spine_e_pa, "GPa"),
+        let moduli = self.moduli().flat_map(|one| {
+            let name = format!("{}_e_{}", one.solid, one.unit.to_lowercase());
+            [Metric::new(id(&name), one.best, one.unit), Metric::new(id(&format!("{name}.sigma")), one.sigma, one.unit)]
+        });
+        let mut metrics: Vec<Metric> = moduli.collect();
+        metrics.extend([
             Metric::new(id("modulus_time_s"), self.modulus_time, "s"),
             Metric::new(id("loss"), self.loss, ""),
             Metric::new(id("gradient_over_forward"), self.gradient_over_forward, ""),
-            Metric::new(id("correlation"), self.uncertainty.correlation, ""),
             Metric::new(id("chi_square"), self.uncertainty.chi_square, ""),
-        ];
+        ]);
+        metrics.extend(self.uncertainty.first_correlation().map(|c| Metric::new(id("correlation"), c, "")));
         metrics.extend(self.gradient_difference.map(|g| Metric::new(id("gradient_difference"), g, "")));
         metrics.extend(self.searches.iter().flat_map(|s| s.metrics(&id(&s.method))));
         let largest = self.levels.iter().map(Level::largest_error).fold(0.0, f64::max);
@@ -229,12 +230,58 @@ impl Record for Identified {
     }
 
     fn summary(&self) -> String {
-        let (body, spine) = (1e-6 * self.best.body_e_pa, 1e-9 * self.best.spine_e_pa);
+        let one = |m: DisplayModulus<'_>| format!("{} {:.4} {}", m.solid, m.best, m.unit);
+        let moduli: Vec<String> = self.moduli().map(one).collect();
         let advice: String = self.uncertainty.advice.iter().map(|a| format!("; {a}")).collect();
         format!(
-            "loss {:.1e}, body {body:.4} MPa {:.1} s after loading, spine {spine:.3} GPa; {}{advice}",
-            self.loss, self.modulus_time, self.uncertainty.words
+            "loss {:.1e}, {} {:.1} s after loading; {}{advice}",
+            self.loss,
+            moduli.join(", "),
+            self.modulus_time,
+            self.uncertainty.words
         )
+    }
+}
+
+/// A modulus in the unit in which it is printed.
+pub(crate) struct DisplayModulus<'a> {
+    /// The solid.
+    pub solid: &'a str,
+    /// The modulus.
+    pub best: f64,
+    /// Its standard deviation.
+    pub sigma: f64,
+    /// "MPa" or "GPa".
+    pub unit: &'static str,
+    /// One Pa in it.
+    pub scale: f64,
+}
+
+/// Moduli from here on are printed in GPa: elastomers lie below, plastics above.
+const STIFF: Pascal = 1e8;
+
+/// The unit in which a modulus is printed.
+pub(crate) struct DisplayUnit {
+    /// One Pa in it.
+    pub scale: f64,
+    /// "MPa" or "GPa".
+    pub unit: &'static str,
+}
+
+impl DisplayUnit {
+    /// Of a modulus.
+    pub(crate) fn of(modulus: Pascal) -> Self {
+        if modulus < STIFF { Self { scale: 1e-6, unit: "MPa" } } else { Self { scale: 1e-9, unit: "GPa" } }
+    }
+}
+
+impl Identified {
+    /// The moduli in the units in which they are printed.
+    pub(crate) fn moduli(&self) -> impl Iterator<Item = DisplayModulus<'_>> {
+        self.solids.iter().zip(&self.best).zip(&self.sigma).map(|((solid, best), sigma)| {
+            let DisplayUnit { scale, unit } = DisplayUnit::of(*best);
+            DisplayModulus { solid, best: scale * best, sigma: scale * sigma, unit, scale }
+        })
     }
 }
 
@@ -251,43 +298,47 @@ impl Search {
     }
 }
 
-fn tried_columns(searches: &[Search]) -> Columns {
-    let all = || searches.iter().flat_map(|s| s.tried.iter().map(move |t| (s, t)));
-    Columns::default()
-        .words("method", all().map(|(s, _)| s.method.clone()).collect())
-        .numbers("body_e_pa", all().map(|(_, t)| t.at.body_e_pa).collect())
-        .numbers("spine_e_pa", all().map(|(_, t)| t.at.spine_e_pa).collect())
-        .numbers("loss", all().map(|(_, t)| t.loss).collect())
+/// The column of a solid's modulus.
+fn column(solid: &str) -> String {
+    format!("{solid}_e_pa")
 }
 
-fn read_searches(columns: &Columns, methods: &[String], seconds: &[f64]) -> Result<Vec<Search>, RecordError> {
-    let names = columns.text("method")?;
-    let (body, spine, loss) = (columns.f64("body_e_pa")?, columns.f64("spine_e_pa")?, columns.f64("loss")?);
-    let tried = |i: usize| EvaluatedPoint { at: Point { body_e_pa: body[i], spine_e_pa: spine[i] }, loss: loss[i] };
+fn tried_columns(solids: &[String], searches: &[Search]) -> Columns {
+    let all = || searches.iter().flat_map(|s| s.tried.iter().map(move |t| (s, t)));
+    let methods = Columns::default().words("method", all().map(|(s, _)| s.method.clone()).collect());
+    let moduli = solids.iter().enumerate();
+    let columns = moduli.fold(methods, |c, (k, s)| c.numbers(&column(s), all().map(|(_, t)| t.at[k]).collect()));
+    columns.numbers("loss", all().map(|(_, t)| t.loss).collect())
+}
+
+fn read_searches(columns: &Columns, scalars: &Scalars, seconds: &[f64]) -> Result<Vec<Search>, RecordError> {
+    let (names, loss) = (columns.text("method")?, columns.f64("loss")?);
+    let moduli = scalars.solids.iter().map(|s| columns.f64(&column(s))).collect::<Result<Vec<_>, _>>()?;
+    let tried = |i: usize| EvaluatedPoint { at: moduli.iter().map(|values| values[i]).collect(), loss: loss[i] };
     let search = |(method, &seconds): (&String, &f64)| Search {
         method: method.clone(),
         tried: (0..names.len()).filter(|&i| names[i] == *method).map(tried).collect(),
         seconds,
     };
-    Ok(methods.iter().zip(seconds).map(search).collect())
+    Ok(scalars.methods.iter().zip(seconds).map(search).collect())
 }
 
 fn surface_columns(surface: &Surface) -> Columns {
-    let columns = surface.body_e_pa.len().max(1);
-    let place = |i: usize| (surface.body_e_pa[i % columns], surface.spine_e_pa[i / columns]);
+    let columns = surface.across.len().max(1);
+    let place = |i: usize| (surface.across[i % columns], surface.up[i / columns]);
     let all = 0..surface.loss.len();
     Columns::default()
-        .numbers("body_e_pa", all.clone().map(|i| place(i).0).collect())
-        .numbers("spine_e_pa", all.map(|i| place(i).1).collect())
+        .numbers("across_pa", all.clone().map(|i| place(i).0).collect())
+        .numbers("up_pa", all.map(|i| place(i).1).collect())
         .numbers("loss", surface.loss.clone())
 }
 
 fn read_surface(columns: &Columns) -> Result<Surface, RecordError> {
-    let (body, spine) = (columns.f64("body_e_pa")?, columns.f64("spine_e_pa")?);
-    let width = spine.iter().take_while(|&&s| Some(&s) == spine.first()).count().max(1);
+    let (across, up) = (columns.f64("across_pa")?, columns.f64("up_pa")?);
+    let width = up.iter().take_while(|&&s| Some(&s) == up.first()).count().max(1);
     Ok(Surface {
-        body_e_pa: body.iter().take(width).copied().collect(),
-        spine_e_pa: spine.iter().step_by(width).copied().collect(),
+        across: across.iter().take(width).copied().collect(),
+        up: up.iter().step_by(width).copied().collect(),
         loss: columns.f64("loss")?,
     })
 }
@@ -298,14 +349,12 @@ mod tests {
 
     #[test]
     fn an_identification_survives_its_record() {
-        let at = |b: f64| Point { body_e_pa: b, spine_e_pa: 3e9 };
+        let at = |b: f64| vec![b, 3e9];
         let tried = vec![EvaluatedPoint { at: at(2e5), loss: 0.1 }, EvaluatedPoint { at: at(1e5), loss: 0.2 }];
-        let surface = Surface {
-            body_e_pa: vec![1e5, 2e5],
-            spine_e_pa: vec![1e9, 2e9, 3e9],
-            loss: (0..6).map(f64::from).collect(),
-        };
+        let surface =
+            Surface { across: vec![1e5, 2e5], up: vec![1e9, 2e9, 3e9], loss: (0..6).map(f64::from).collect() };
         let whole = Identified {
+            solids: vec!["body".into(), "spine".into()],
             best: at(2e5),
             sigma: at(1e3),
             modulus_time: 4.0,

@@ -45,8 +45,8 @@ pub struct Quality {
     pub min_dihedral_deg: f64,
     /// Largest distance between the surfaces and the mesh, m.
     pub hausdorff_m: f64,
-    /// Volume of body and spine in the mesh over their volume in the STL files, less one.
-    pub volume_error: [f64; 2],
+    /// Volume of body and sheet in the mesh over their volume in the STL files, less one; empty of a mesh file.
+    pub volume_error: Vec<f64>,
     /// Largest distance of a marker on the card from the skin, m.
     pub marker_distance_m: f64,
 }
@@ -182,7 +182,7 @@ mod tests {
             half: true,
             min_dihedral_deg: 5.0,
             hausdorff_m: 1e-4,
-            volume_error: [0.0; 2],
+            volume_error: vec![0.0; 2],
             marker_distance_m: 0.0,
         };
         let chambers = vec![Cavity { name: "left".into(), skin: 3, volume_m3: 1e-6 }];

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use si::Metre;
 
-use super::Point;
+use super::Moduli;
 use crate::subject::Specimen;
 use workflow::metric::Metric;
 use workflow::record::{Record, RecordError, RecordFiles};
@@ -17,8 +17,8 @@ pub struct MeshResult {
     pub nodes: usize,
     /// Degrees of freedom before clamping.
     pub dofs: usize,
-    /// The moduli.
-    pub at: Point,
+    /// The moduli of body and sheet.
+    pub at: Moduli,
     /// The loss there.
     pub loss: f64,
 }
@@ -34,6 +34,10 @@ impl Record for MeshSensitivity {
     type Of = Specimen;
     const STAGE: &'static str = "mesh_sensitivity";
 
+    fn is_made_for(of: &Specimen) -> bool {
+        of.has_sheet()
+    }
+
     fn pack(&self) -> Result<RecordFiles, RecordError> {
         RecordFiles::default().scalars("mesh_sensitivity.json", self)
     }
@@ -48,8 +52,8 @@ impl Record for MeshSensitivity {
         };
         let row = |r: &MeshResult| {
             [
-                Metric::new(id(r, "body_e_mpa"), 1e-6 * r.at.body_e_pa, "MPa"),
-                Metric::new(id(r, "spine_e_gpa"), 1e-9 * r.at.spine_e_pa, "GPa"),
+                Metric::new(id(r, "body_e_mpa"), 1e-6 * r.at[0], "MPa"),
+                Metric::new(id(r, "spine_e_gpa"), 1e-9 * r.at[1], "GPa"),
             ]
         };
         self.rows.iter().flat_map(row).collect()
@@ -57,13 +61,7 @@ impl Record for MeshSensitivity {
 
     fn summary(&self) -> String {
         let text = |r: &MeshResult| {
-            format!(
-                "{:.1} mm, {} nodes: {:.3} MPa, {:.2} GPa",
-                1e3 * r.edge,
-                r.nodes,
-                1e-6 * r.at.body_e_pa,
-                1e-9 * r.at.spine_e_pa
-            )
+            format!("{:.1} mm, {} nodes: {:.3} MPa, {:.2} GPa", 1e3 * r.edge, r.nodes, 1e-6 * r.at[0], 1e-9 * r.at[1])
         };
         self.rows.iter().map(text).collect::<Vec<_>>().join("; ")
     }
@@ -75,7 +73,7 @@ mod tests {
 
     #[test]
     fn the_rows_survive_their_record() {
-        let at = Point { body_e_pa: 2e5, spine_e_pa: 3e9 };
+        let at = vec![2e5, 3e9];
         let whole = MeshSensitivity { rows: vec![MeshResult { edge: 5e-3, nodes: 4, dofs: 99, at, loss: 0.1 }] };
         assert_eq!(MeshSensitivity::unpack(&whole.pack().unwrap()).unwrap(), whole);
     }

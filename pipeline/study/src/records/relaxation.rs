@@ -63,7 +63,7 @@ impl Relaxation {
     /// # Errors
     /// As [`Relaxation::spectrum`].
     pub(crate) fn silicone(&self, model: &Model, identified: &Identified) -> Result<Viscoelastic> {
-        let held = Elastic { youngs_moduli: identified.best.youngs_moduli(), ..model.nominal };
+        let held = Elastic { youngs_moduli: identified.best.clone(), ..model.nominal.clone() };
         Ok(Viscoelastic::measured_at(self.modulus_time_s, held, self.spectrum()?))
     }
 

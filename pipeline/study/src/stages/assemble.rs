@@ -6,7 +6,7 @@ use si::Point2;
 
 use super::fitting::{Evaluated, Fitting, SearchResult};
 use super::uncertainty;
-use crate::records::{self, Identified, Level, Point};
+use crate::records::{self, Identified, Level};
 use diagnostics::Result;
 use sysid::landscape;
 use sysid::{Derivatives, by_node};
@@ -41,11 +41,11 @@ impl Fitting<'_> {
         let markers: Vec<Vec<Point2>> = levels.iter().map(|l| l.markers.clone()).collect();
         let highest = levels.iter().zip(&self.levels.levels).max_by(|a, b| a.1.top().total_cmp(&b.1.top()));
         let uncertainty = uncertainty::of(self.body, best, &self.search)?;
-        let [body, spine] = [0, 1].map(|k| elastic.youngs_moduli[k] * uncertainty.sigma[k]);
         let (surface, profiles) = self.surface(&grid)?;
         Ok(Identified {
-            best: self.point(&best.at),
-            sigma: Point { body_e_pa: body, spine_e_pa: spine },
+            solids: self.body.materials.iter().map(|m| m.name.clone()).collect(),
+            sigma: elastic.youngs_moduli.iter().zip(&uncertainty.sigma).map(|(e, s)| e * s).collect(),
+            best: elastic.youngs_moduli.clone(),
             modulus_time: self.modulus_time,
             loss: self.levels.loss(&markers),
             gradient_difference,
@@ -62,8 +62,11 @@ impl Fitting<'_> {
     }
 
     /// The landscape and the profiles, interpolated between the grid's points. A single point without equilibrium is extrapolated from its
-    /// row; where more are missing, the grid's own losses are kept. Empty where no grid was searched.
+    /// row; where more are missing, the grid's own losses are kept. Empty where no grid was searched, or not over two moduli.
     fn surface(&self, evaluated: &[Evaluated]) -> Result<(records::Surface, Vec<records::Profile>)> {
+        let [first, second] = self.body.materials.as_slice() else {
+            return Ok((records::Surface::default(), Vec::new()));
+        };
         if evaluated.is_empty() {
             return Ok((records::Surface::default(), Vec::new()));
         }
@@ -77,11 +80,11 @@ impl Fitting<'_> {
         let points: Vec<(&[f64], &[Vec<Point2>])> = full.iter().map(|(at, m)| (at.as_slice(), m.as_slice())).collect();
         let judge = |at: &[Vec<Point2>]| vec![self.levels.loss(at), self.levels.chi_square(at).unwrap_or(f64::NAN)];
         let fine = landscape::between(&points, self.set.landscape_points, &judge);
-        let moduli = self.model.nominal.youngs_moduli;
+        let moduli = &self.model.nominal.youngs_moduli;
         let along = |axis: &[f64], k: usize| axis.iter().map(|x| moduli[k] * x.exp()).collect::<Vec<f64>>();
-        let (body_e_pa, spine_e_pa) = (along(&fine.across, 0), along(&fine.up, 1));
-        let profiles = uncertainty::profiles(&body_e_pa, &spine_e_pa, &fine.values[1]);
-        Ok((records::Surface { body_e_pa, spine_e_pa, loss: fine.values[0].clone() }, profiles))
+        let (across, up) = (along(&fine.across, 0), along(&fine.up, 1));
+        let profiles = uncertainty::profiles([&first.name, &second.name], [&across, &up], &fine.values[1]);
+        Ok((records::Surface { across, up, loss: fine.values[0].clone() }, profiles))
     }
 
     fn coarse(&self, evaluated: &[Evaluated], across: &[f64], up: &[f64]) -> records::Surface {
@@ -90,8 +93,8 @@ impl Fitting<'_> {
             here.map_or(f64::NAN, |t| self.levels.loss(&t.markers))
         };
         records::Surface {
-            body_e_pa: across.iter().map(|&x| self.point(&[x, 0.0]).body_e_pa).collect(),
-            spine_e_pa: up.iter().map(|&y| self.point(&[0.0, y]).spine_e_pa).collect(),
+            across: across.iter().map(|&x| self.elastic(&[x, 0.0]).youngs_moduli[0]).collect(),
+            up: up.iter().map(|&y| self.elastic(&[0.0, y]).youngs_moduli[1]).collect(),
             loss: up.iter().flat_map(|&y| across.iter().map(move |&x| (x, y))).map(|(x, y)| loss(x, y)).collect(),
         }
     }

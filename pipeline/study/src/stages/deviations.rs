@@ -18,10 +18,10 @@ pub(super) fn of_silicone(
     relaxation: &Relaxation,
 ) -> Result<Vec<Viscoelastic>> {
     let mut all = Vec::new();
-    for shift in axes(&identified.uncertainty.sigma, &|_, _| identified.uncertainty.correlation) {
+    let moduli = &identified.uncertainty;
+    for shift in axes(&moduli.sigma, &|i, j| moduli.correlation[i * moduli.sigma.len() + j]) {
         let mut other = identified.clone();
-        other.best.body_e_pa *= shift[0].exp();
-        other.best.spine_e_pa *= shift[1].exp();
+        other.best.iter_mut().zip(&shift).for_each(|(modulus, by)| *modulus *= by.exp());
         all.push(relaxation.silicone(model, &other)?);
     }
     let sigma: Vec<f64> = relaxation.branches.iter().map(|b| b.sigma).collect();

@@ -61,7 +61,7 @@ fn of_identified(found: &Identified) -> Vec<(&'static str, f64, &'static str)> {
     let (pressures, errors): (Vec<f64>, Vec<f64>) = levels.unzip();
     let counted = found.profiles.iter().map(|p| minima(&p.chi_square, RISE)).max();
     let mut all = vec![
-        ("landscape_minima", lowest_points(found.surface.body_e_pa.len(), &found.surface.loss) as f64, ""),
+        ("landscape_minima", lowest_points(found.surface.across.len(), &found.surface.loss) as f64, ""),
         ("static_error_rank_correlation", correlation(&ranks(&pressures), &ranks(&errors)), ""),
     ];
     all.extend(counted.map(|count| ("minima", count as f64, "")));

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use si::{Metre, Pascal, Point2, Second};
 
 use super::plateaus::{held_times, levels};
-use crate::records::{self, EvaluatedPoint, Markers, Mesh, Motion, NoiseModel, Point};
+use crate::records::{self, EvaluatedPoint, Markers, Mesh, Motion, NoiseModel};
 use crate::selections::IdentificationTrials;
 use crate::subject::Specimen;
 use diagnostics::{Diagnostic, Result};
@@ -105,9 +105,6 @@ pub struct SearchResult {
 /// The films of a specimen: motion, and the markers with the contributions to their covariance.
 pub type Films = (IdentificationTrials<Motion>, IdentificationTrials<Markers>);
 
-/// Names of the parameters in messages and figures.
-pub const NAMES: [&str; 2] = ["body", "spine"];
-
 impl<'a> Fitting<'a> {
     /// The levels of all films, the model, and the bounds of the search.
     ///
@@ -126,29 +123,26 @@ impl<'a> Fitting<'a> {
         if all.is_empty() {
             return Err(no_film(&card.name));
         }
-        let bound =
-            |k: usize| card.body.materials.each_ref().map(|s| (s.plausible[k] / s.youngs_modulus).ln()).to_vec();
+        let solids = &card.body.materials;
+        let bound = |k: usize| solids.iter().map(|s| (s.plausible[k] / s.youngs_modulus).ln()).collect();
         let mut bounds = Bounds { low: bound(0), high: bound(1) };
         let model = mesh.model(&card.body)?.with_markers_at(&mesh.solid, &card.body, &mean_rest(&films.0));
         let noise = NoiseModel { discrepancy_m: set.discrepancy, scale_sigma: set.scale_sigma };
         let levels = Misfit::new(all, &counts, &noise, card.body.length)?;
         let lower = feasible_lower_bound(&model, &levels.levels, &bounds);
         bounds.low[0] = lower;
-        let start = vec![lower.max(0.0) + if lower > 0.0 { 0.25 * (bounds.high[0] - lower) } else { 0.0 }, 0.0];
-        let search = Problem::new(&NAMES, start, bounds)?;
+        let mut start = vec![0.0; solids.len()];
+        start[0] = lower.max(0.0) + if lower > 0.0 { 0.25 * (bounds.high[0] - lower) } else { 0.0 };
+        let names: Vec<&str> = solids.iter().map(|s| s.name.as_str()).collect();
+        let search = Problem::new(&names, start, bounds)?;
         let modulus_time = held.iter().sum::<Second>() / held.len().max(1) as f64;
         Ok(Self { body: &card.body, set, model, levels, noise, modulus_time, origins, search })
     }
 
     pub(super) fn elastic(&self, at: &[f64]) -> Elastic {
-        let nominal = self.model.nominal;
-        let [body, spine] = nominal.youngs_moduli;
-        Elastic { youngs_moduli: [body * at[0].exp(), spine * at[1].exp()], ..nominal }
-    }
-
-    pub(super) fn point(&self, at: &[f64]) -> Point {
-        let [body_e_pa, spine_e_pa] = self.elastic(at).youngs_moduli;
-        Point { body_e_pa, spine_e_pa }
+        let mut elastic = self.model.nominal.clone();
+        elastic.youngs_moduli.iter_mut().zip(at).for_each(|(modulus, by)| *modulus *= by.exp());
+        elastic
     }
 
     pub(super) fn static_tolerance(&self) -> f64 {
@@ -229,17 +223,17 @@ impl<'a> Fitting<'a> {
         let markers: Vec<Vec<Point2>> = levels.iter().map(|l| l.markers.clone()).collect();
         let loss = self.levels.loss(&markers);
         evaluated.push(Evaluated { at: at.to_vec(), markers });
-        let moduli = elastic.youngs_moduli;
+        let moduli = &elastic.youngs_moduli;
         let residuals =
-            (want == Derivatives::Sensitivities).then(|| self.levels.residuals(&levels, &moduli)).transpose()?;
+            (want == Derivatives::Sensitivities).then(|| self.levels.residuals(&levels, moduli)).transpose()?;
         let gradient = (want == Derivatives::Gradient).then(|| self.gradient(&levels, moduli));
         Ok(Evaluation { at: at.to_vec(), loss, gradient, residuals })
     }
 
     /// ∂loss/∂ln E.
-    fn gradient(&self, levels: &[SimulatedLevel], moduli: [Pascal; 2]) -> Vec<f64> {
+    fn gradient(&self, levels: &[SimulatedLevel], moduli: &[Pascal]) -> Vec<f64> {
         let sum = |k: usize| levels.iter().map(|l| l.gradient[k]).sum::<f64>();
-        (0..2).map(|k| sum(k) * moduli[k] / self.body.length).collect()
+        moduli.iter().enumerate().map(|(k, modulus)| sum(k) * modulus / self.body.length).collect()
     }
 
     /// The evaluations of a method, as recorded.
@@ -247,7 +241,7 @@ impl<'a> Fitting<'a> {
         let tried = history
             .entries
             .iter()
-            .map(|t| EvaluatedPoint { at: self.point(&t.evaluation.at), loss: t.evaluation.loss });
+            .map(|t| EvaluatedPoint { at: self.elastic(&t.evaluation.at).youngs_moduli, loss: t.evaluation.loss });
         records::Search { method: method.into(), tried: tried.collect(), seconds }
     }
 }

@@ -45,7 +45,7 @@ impl Stage for FourParameters {
     type Needs = (Mesh, Identified);
     type Makes = records::FourParameters;
     const DESCRIPTION: &'static str = "both Poisson's ratios are identified as well";
-    const VERSION: u32 = 3;
+    const VERSION: u32 = 4;
 
     fn run(
         card: &Self::Card,
@@ -69,28 +69,29 @@ impl Stage for FourParameters {
 
 /// The bounds, with the two identified moduli as the starting point.
 fn search(card: &Body, set: &Settings, model: &Model, found: &Identified) -> Result<Problem> {
-    let nominal = model.nominal;
+    let nominal = &model.nominal;
     let moduli = |k: usize| [0, 1].map(|r: usize| (card.materials[r].plausible[k] / nominal.youngs_moduli[r]).ln());
     let ratio = |r: usize, nu: f64| ((0.5 - nu) / (0.5 - nominal.poissons_ratios[r])).ln();
     let [low, high] = [0, 1].map(moduli);
     let low = [&low[..], &[ratio(0, set.body_nu[1]), ratio(1, set.spine_nu[1])]].concat();
     let high = [&high[..], &[ratio(0, set.body_nu[0]), ratio(1, set.spine_nu[0])]].concat();
     let bounds = Bounds { low, high };
-    let [body, spine] = nominal.youngs_moduli;
-    let wish = [(found.best.body_e_pa / body).ln(), (found.best.spine_e_pa / spine).ln(), 0.0, 0.0];
+    let by = |k: usize| (found.best[k] / nominal.youngs_moduli[k]).ln();
+    let wish = [by(0), by(1), 0.0, 0.0];
     let start = bounds.clamp(&wish);
     Problem::new(&NAMES, start, bounds).map_err(Diagnostic::from)
 }
 
 fn elastic(model: &Model, at: &[f64]) -> Elastic {
-    let Elastic { youngs_moduli: [body, spine], poissons_ratios } = model.nominal;
+    let Elastic { youngs_moduli, poissons_ratios } = &model.nominal;
+    let modulus = |r: usize| youngs_moduli[r] * at[r].exp();
     let ratio = |r: usize| 0.5 - (0.5 - poissons_ratios[r]) * at[2 + r].exp();
-    Elastic { youngs_moduli: [body * at[0].exp(), spine * at[1].exp()], poissons_ratios: [ratio(0), ratio(1)] }
+    Elastic { youngs_moduli: vec![modulus(0), modulus(1)], poissons_ratios: vec![ratio(0), ratio(1)] }
 }
 
 fn four(at: &Elastic) -> Four {
-    let ([body_e_pa, spine_e_pa], [body_nu, spine_nu]) = (at.youngs_moduli, at.poissons_ratios);
-    Four { body_e_pa, spine_e_pa, body_nu, spine_nu }
+    let (e, nu) = (&at.youngs_moduli, &at.poissons_ratios);
+    Four { body_e_pa: e[0], spine_e_pa: e[1], body_nu: nu[0], spine_nu: nu[1] }
 }
 
 /// A point and its loss.
@@ -132,8 +133,9 @@ impl Fit<'_> {
             let markers: Vec<_> = simulated.iter().map(|l| l.markers.clone()).collect();
             let loss = levels.loss(&markers);
             losses.push((at.clone(), loss));
-            let Elastic { youngs_moduli: [body, spine], poissons_ratios: [n, m] } = constants;
-            let residuals = levels.residuals(&simulated, &[body, spine, n - 0.5, m - 0.5])?;
+            let compressibilities = constants.poissons_ratios.iter().map(|nu| nu - 0.5);
+            let by: Vec<f64> = constants.youngs_moduli.iter().copied().chain(compressibilities).collect();
+            let residuals = levels.residuals(&simulated, &by)?;
             Ok(Evaluation { residuals: Some(residuals), ..Evaluation::of_loss(at.clone(), loss) })
         };
         let mut problem = |batch: &[Vec<f64>], _: Needs| -> Result<Vec<Evaluation>, Interrupted> {
@@ -155,7 +157,7 @@ fn uncertainty(best: &Evaluation) -> Result<Uncertainty> {
     let posterior = residuals.posterior(4)?;
     Ok(Uncertainty {
         sigma: (0..4).map(|k| posterior.sigma(k)).collect(),
-        correlation: posterior.correlation(0, 1),
+        correlation: (0..16).map(|k| posterior.correlation(k / 4, k % 4)).collect(),
         chi_square: residuals.reduced_chi_square(4),
         words: posterior.summary(&NAMES),
         advice: Vec::new(),

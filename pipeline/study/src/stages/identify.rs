@@ -1,6 +1,6 @@
 //! Identify: the Young's moduli that minimise the misfit to quasi-static films. Paper: section V.
 //!
-//! The parameters are the logarithms of both moduli over the card's nominal values. The result is that of the Gauss-Newton method; on
+//! The parameters are the logarithms of the solids' moduli over the card's nominal values. The result is that of the Gauss-Newton method; on
 //! specimens chosen for comparison, every other method of `optimize` is run over the same bounds.
 
 use optimize::optimisers::{self, gauss_newton, grid};
@@ -20,7 +20,7 @@ impl Stage for Identify {
     type Needs = (Mesh, Films);
     type Makes = Identified;
     const DESCRIPTION: &'static str = "Young's moduli are identified from quasi-static motion";
-    const VERSION: u32 = 8;
+    const VERSION: u32 = 9;
 
     fn run(
         card: &Self::Card,

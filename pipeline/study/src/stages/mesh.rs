@@ -1,15 +1,16 @@
-//! Mesh: tetrahedra with regions, chambers and marker points from two surfaces. Paper: section V, the STL export.
+//! Mesh: tetrahedra with regions, chambers and marker points, from surfaces or from a mesh file. Paper: section V, the STL export.
 
-use lab::card::LengthUnit;
-use mesh::{QuadraticMesh, Report, Spot, Surface};
+use lab::card::{self, LengthUnit};
+use mesh::{QuadraticMesh, Spot, Surface};
 use serde::{Deserialize, Serialize};
 use si::{Metre, Point3};
 use std::path::Path;
 
 use crate::records::{self, Cavity, Quality};
 use crate::subject::Specimen;
-use ::mesh::chamber_at;
+use ::mesh::{chamber_at, foreign};
 use diagnostics::{Diagnostic, Result};
+use sysid::{Meshed, NamedRegion};
 use workflow::stage::{RawFile, Stage, StageContext};
 use workflow::subject::Part;
 
@@ -32,6 +33,9 @@ pub struct Settings {
 #[derive(Debug, Clone, Serialize)]
 pub struct Card {
     unit: LengthUnit,
+    solids: Vec<NamedRegion>,
+    /// Whether there is a mesh file in place of surfaces.
+    meshed: bool,
     chambers: Vec<Point>,
     markers: Vec<Point>,
 }
@@ -48,6 +52,8 @@ impl Part<Specimen> for Card {
         let card = &of.card;
         Self {
             unit: card.solid.unit,
+            solids: NamedRegion::all(&card.solid),
+            meshed: card.solid.mesh.is_some(),
             chambers: card.chamber.iter().map(|c| Point { name: c.name.clone(), at: c.at }).collect(),
             markers: card.marker.iter().map(|m| Point { name: m.name.clone(), at: m.at }).collect(),
         }
@@ -59,12 +65,18 @@ impl Stage for Mesh {
     type Card = Card;
     type Needs = ();
     type Makes = records::Mesh;
-    const DESCRIPTION: &'static str = "two surfaces are meshed by tetrahedra, with chambers and markers";
-    const VERSION: u32 = 1;
+    const DESCRIPTION: &'static str = "tetrahedra with chambers and markers, from surfaces or from a mesh file";
+    const VERSION: u32 = 2;
 
     fn raw(of: &Specimen) -> Vec<RawFile> {
         let (name, solid) = (&of.card.name, &of.card.solid);
-        vec![RawFile::new("body", name, &solid.body.file), RawFile::new("spine", name, &solid.spine.file)]
+        let raw = |word: &str, file: &str| RawFile::new(word, name, file);
+        let Some(mesh) = &solid.mesh else {
+            return [card::BODY, card::SPINE].iter().filter_map(|word| Some(raw(word, solid.file(word)?))).collect();
+        };
+        let nodes = foreign::nodes_of(Path::new(mesh));
+        let nodes = nodes.and_then(|nodes| nodes.to_str().map(|nodes| raw("nodes", nodes)));
+        std::iter::once(raw("mesh", mesh)).chain(nodes).collect()
     }
 
     fn run(card: &Self::Card, set: &Settings, (): (), context: &dyn StageContext) -> Result<records::Mesh> {
@@ -84,16 +96,40 @@ pub fn made(
     marker_limit: Metre,
     context: &dyn StageContext,
 ) -> Result<records::Mesh> {
-    let (body, spine) = (surface(card, "body", context)?, surface(card, "spine", context)?);
-    let (linear, report) = ::mesh::mesh(&body, &spine, by).map_err(|e| {
-        let [body, spine] = ["body", "spine"].map(|word| context.display_path(word));
-        Diagnostic::from(e).while_doing(format!("{body} with {spine}"))
-    })?;
-    let solid = ::mesh::quadratic(&linear);
-    let chambers = chambers(card, &solid, &report)?;
-    let (markers, marker_distance_m) = embed_markers(card, &solid, marker_limit)?;
-    let quality = quality(&solid, &report, marker_distance_m);
-    Ok(records::Mesh { solid, chambers, markers, quality })
+    let made = match card.meshed {
+        true => read(card, context)?,
+        false => meshed(card, by, context)?,
+    };
+    let chambers = chambers(card, &made)?;
+    let (markers, marker_distance_m) = embed_markers(card, &made.solid, marker_limit)?;
+    let quality = Quality {
+        dofs: 3 * made.solid.nodes.len(),
+        half: made.solid.half,
+        min_dihedral_deg: made.min_dihedral_deg,
+        hausdorff_m: made.hausdorff_m,
+        volume_error: made.volume_error,
+        marker_distance_m,
+    };
+    Ok(records::Mesh { solid: made.solid, chambers, markers, quality })
+}
+
+fn meshed(card: &Card, by: &::mesh::Settings, context: &dyn StageContext) -> Result<Meshed> {
+    let body = surface(card, card::BODY, context)?;
+    let sheet = card.solids.iter().any(|one| one.solid == card::SPINE);
+    let spine = sheet.then(|| surface(card, card::SPINE, context)).transpose()?;
+    Meshed::of_surfaces(&body, spine.as_ref(), by, &card.solids).map_err(|diagnostic| {
+        let body = context.display_path(card::BODY);
+        let spine = sheet.then(|| format!(" with {}", context.display_path(card::SPINE)));
+        diagnostic.while_doing(body + &spine.unwrap_or_default())
+    })
+}
+
+fn read(card: &Card, context: &dyn StageContext) -> Result<Meshed> {
+    let place = context.display_path("mesh");
+    let file = Path::new(&place);
+    let nodes = foreign::nodes_of(file).map(|_| context.bytes("nodes")).transpose()?;
+    let bytes = (&*context.bytes("mesh")?, nodes.as_deref());
+    Meshed::of_file(file, bytes, card.unit.metres(), &card.solids).map_err(|diagnostic| diagnostic.in_file(file))
 }
 
 fn surface(card: &Card, word: &str, context: &dyn StageContext) -> Result<Surface> {
@@ -101,26 +137,26 @@ fn surface(card: &Card, word: &str, context: &dyn StageContext) -> Result<Surfac
     read.map_err(|e| Diagnostic::from(e).in_file(Path::new(&context.display_path(word))))
 }
 
-fn chambers(card: &Card, solid: &QuadraticMesh, report: &Report) -> Result<Vec<Cavity>> {
-    card.chambers.iter().map(|chamber| cavity(chamber, solid, report)).collect()
+fn chambers(card: &Card, made: &Meshed) -> Result<Vec<Cavity>> {
+    card.chambers.iter().map(|chamber| cavity(chamber, made)).collect()
 }
 
-fn cavity(chamber: &Point, solid: &QuadraticMesh, report: &Report) -> Result<Cavity> {
-    match chamber_at(solid, chamber.at) {
+fn cavity(chamber: &Point, made: &Meshed) -> Result<Cavity> {
+    match chamber_at(&made.solid, chamber.at) {
         Some(skin) => {
-            let volume_m3 = report.chambers[usize::from(skin)].volume;
+            let volume_m3 = made.cavities[usize::from(skin)].volume;
             Ok(Cavity { name: chamber.name.clone(), skin, volume_m3 })
         }
         None => Err(Diagnostic::new(
             format!("chamber `{}` is not where the card says, at {}", chamber.name, millimetres(chamber.at)),
-            format!("the body has {} closed cavities and none holds that point", report.chambers.len()),
-            format!("give a point inside one; their centres are {}", centres(report)),
+            format!("the body has {} closed cavities and none holds that point", made.cavities.len()),
+            format!("give a point inside one; their centres are {}", centres(made)),
         )),
     }
 }
 
-fn centres(report: &Report) -> String {
-    report.chambers.iter().map(|c| millimetres(c.centroid)).collect::<Vec<_>>().join("; ")
+fn centres(made: &Meshed) -> String {
+    made.cavities.iter().map(|c| millimetres(c.centroid)).collect::<Vec<_>>().join("; ")
 }
 
 fn embed_markers(card: &Card, solid: &QuadraticMesh, limit: Metre) -> Result<(Vec<Spot>, Metre)> {
@@ -142,21 +178,6 @@ fn embed_markers(card: &Card, solid: &QuadraticMesh, limit: Metre) -> Result<(Ve
         worst = worst.max(distance);
     }
     Ok((spots, worst))
-}
-
-fn quality(solid: &QuadraticMesh, report: &Report, marker_distance_m: Metre) -> Quality {
-    let error = |mesh: f64, stl: f64| mesh / stl - 1.0;
-    Quality {
-        dofs: 3 * solid.nodes.len(),
-        half: solid.half,
-        min_dihedral_deg: report.min_dihedral_deg,
-        hausdorff_m: report.hausdorff_m,
-        volume_error: [
-            error(report.volume_body, report.volume_body_stl),
-            error(report.volume_spine, report.volume_spine_stl),
-        ],
-        marker_distance_m,
-    }
 }
 
 fn millimetres(at: Point3) -> String {

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use si::Metre;
 
 use super::mesh;
-use crate::records::{self, Identified, Mesh, MeshResult, Point};
+use crate::records::{self, Identified, Mesh, MeshResult, Moduli};
 use crate::subject::Specimen;
 use diagnostics::Result;
 use sysid::Interrupted;
@@ -56,7 +56,7 @@ impl Stage for MeshSensitivity {
     type Needs = Identified;
     type Makes = records::MeshSensitivity;
     const DESCRIPTION: &'static str = "identified moduli depend on the mesh";
-    const VERSION: u32 = 3;
+    const VERSION: u32 = 4;
 
     fn raw(of: &Specimen) -> Vec<RawFile> {
         mesh::Mesh::raw(of)
@@ -99,15 +99,17 @@ fn model(body: &Body, mesh: &Mesh, nodes: usize, found: &Identified) -> Result<M
     Model::new(&solid, &mesh.skins(), spots.collect(), body)
 }
 
-fn point(found: &Identified, at: &[f64]) -> Point {
-    Point { body_e_pa: found.best.body_e_pa * at[0].exp(), spine_e_pa: found.best.spine_e_pa * at[1].exp() }
+fn point(found: &Identified, at: &[f64]) -> Moduli {
+    found.best.iter().zip(at).map(|(modulus, by)| modulus * by.exp()).collect()
 }
 
-/// Gauss-Newton over the logarithms of both moduli over the identified ones.
+/// Gauss-Newton over the logarithms of the moduli over the identified ones.
 fn moduli(set: &Settings, model: &Model, levels: &Misfit, found: &Identified) -> Result<Evaluation> {
     let wide = set.modulus_factor.ln();
-    let bounds = Bounds { low: vec![-wide; 2], high: vec![wide; 2] };
-    let search = Problem::new(&["body", "spine"], vec![0.0; 2], bounds)?;
+    let count = found.solids.len();
+    let bounds = Bounds { low: vec![-wide; count], high: vec![wide; count] };
+    let names: Vec<&str> = found.solids.iter().map(String::as_str).collect();
+    let search = Problem::new(&names, vec![0.0; count], bounds)?;
     let newton = gauss_newton::Settings {
         step_tolerance: set.step_tolerance,
         iterations: set.iterations,
@@ -117,8 +119,7 @@ fn moduli(set: &Settings, model: &Model, levels: &Misfit, found: &Identified) ->
     let statics = StaticSettings { tolerance: 1e-6, max_halvings: 2, ..StaticSettings::default() };
     let mut solver = LevelSolver::new(model.clone(), levels.levels.clone(), statics, 2);
     let mut evaluate = |at: &Vec<f64>| -> Result<Evaluation> {
-        let Point { body_e_pa, spine_e_pa } = point(found, at);
-        let constants = Elastic { youngs_moduli: [body_e_pa, spine_e_pa], ..model.nominal };
+        let constants = Elastic { youngs_moduli: point(found, at), ..model.nominal.clone() };
         let Ok(simulated) = solver.solve(&constants, Derivatives::Sensitivities) else {
             return Ok(Evaluation::of_loss(at.clone(), f64::INFINITY));
         };

@@ -122,7 +122,7 @@ fn beside(
     let estimate = |quantity, found, hidden, sigma| Estimate { quantity, found, hidden, sigma };
     let real = spectrum(&truth.body)?;
     let held = truth.body.youngs_modulus * real.modulus(found.modulus_time);
-    let (best, sigma) = (found.best.youngs_moduli(), found.sigma.youngs_moduli());
+    let (best, sigma) = (&found.best, &found.sigma);
     let mut all = vec![
         estimate(Quantity::BodyModulus, best[0], held, sigma[0] / best[0]),
         estimate(Quantity::SpineModulus, best[1], truth.spine.youngs_modulus, sigma[1] / best[1]),

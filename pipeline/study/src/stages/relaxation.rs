@@ -61,8 +61,8 @@ impl Stage for Relaxation {
         context: &dyn StageContext,
     ) -> Result<records::Relaxation> {
         let model = mesh.model(card)?.with_markers_at(&mesh.solid, card, &mean_rest(&films));
-        let held = Elastic { youngs_moduli: identified.best.youngs_moduli(), ..model.nominal };
-        let reduced = ReducedBody::of(&model, &held.into(), &reduced.data)?;
+        let held = Elastic { youngs_moduli: identified.best.clone(), ..model.nominal.clone() };
+        let reduced = ReducedBody::of(&model, &held.clone().into(), &reduced.data)?;
         let observed = |(trial, motion): &(TrialId, Motion)| {
             set.film(motion, card.tip_marker()).map_err(|d| d.while_doing(&trial.0))
         };

@@ -8,7 +8,7 @@ use sysid::{Elastic, Model};
 
 /// The identified constants of a model, at the time to which they belong.
 pub(crate) fn identified(model: &Model, found: &Identified) -> Elastic {
-    Elastic { youngs_moduli: found.best.youngs_moduli(), ..model.nominal }
+    Elastic { youngs_moduli: found.best.clone(), ..model.nominal.clone() }
 }
 
 /// The measured pressures of a film.

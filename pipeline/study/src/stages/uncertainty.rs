@@ -5,7 +5,6 @@ use optimize::{Bounds, Evaluation, Problem};
 use si::Pascal;
 use sysid::Body;
 
-use super::fitting::NAMES;
 use crate::records::{Profile, Uncertainty};
 use diagnostics::{Diagnostic, Result};
 
@@ -21,23 +20,25 @@ pub fn of(body: &Body, best: &Evaluation, search: &Problem) -> Result<Uncertaint
             "report it with the recordings",
         ));
     };
-    let posterior = residuals.posterior(2)?;
-    let sigma = vec![posterior.sigma(0), posterior.sigma(1)];
-    let mut advice = more_data(&sigma);
+    let names: Vec<&str> = body.materials.iter().map(|m| m.name.as_str()).collect();
+    let count = names.len();
+    let posterior = residuals.posterior(count)?;
+    let sigma: Vec<f64> = (0..count).map(|k| posterior.sigma(k)).collect();
+    let mut advice = more_data(&names, &sigma);
     advice.extend(implausible(body, &best.at, search.bounds()));
     Ok(Uncertainty {
         sigma,
-        correlation: posterior.correlation(0, 1),
-        chi_square: residuals.reduced_chi_square(2),
-        words: posterior.summary(&NAMES),
+        correlation: (0..count * count).map(|k| posterior.correlation(k / count, k % count)).collect(),
+        chi_square: residuals.reduced_chi_square(count),
+        words: posterior.summary(&names),
         advice,
     })
 }
 
 /// Advice on further recordings for each uncertain modulus.
-fn more_data(sigma: &[f64]) -> Vec<String> {
-    let loose = NAMES.iter().zip(sigma).filter(|(_, s)| **s > UNCERTAIN);
-    let text = "has an uncertainty of a tenth or more: film more markers between clamp and fin, or hold more pressures on both sides";
+fn more_data(names: &[&str], sigma: &[f64]) -> Vec<String> {
+    let loose = names.iter().zip(sigma).filter(|(_, s)| **s > UNCERTAIN);
+    let text = "has an uncertainty of a tenth or more: film more markers between clamp and tip, or hold more pressures in every channel";
     loose.map(|(name, _)| format!("E of {name} {text}")).collect()
 }
 
@@ -52,24 +53,26 @@ fn implausible(body: &Body, at: &[f64], bounds: &Bounds) -> Vec<String> {
     };
     let word = |k: usize| {
         let [low, high] = [bounds.low[k], bounds.high[k]].map(|at| 1e-6 * body.materials[k].youngs_modulus * at.exp());
-        format!("E of {} reached a bound of the search, {low:.3} to {high:.3} MPa", NAMES[k])
+        format!("E of {} reached a bound of the search, {low:.3} to {high:.3} MPa", body.materials[k].name)
     };
-    (0..2).filter(|&k| ends(k)).map(word).collect()
+    (0..at.len()).filter(|&k| ends(k)).map(word).collect()
 }
 
-/// Profile likelihoods: χ² over each modulus, minimised over the other, from χ² over both (spine × body).
-pub(crate) fn profiles(body: &[Pascal], spine: &[Pascal], chi_square: &[f64]) -> Vec<Profile> {
+/// Profile likelihoods of two solids: χ² over each modulus, minimised over the other, from χ² over both (second × first).
+pub(crate) fn profiles(solids: [&str; 2], [first, second]: [&[Pascal]; 2], chi_square: &[f64]) -> Vec<Profile> {
     let lowest = chi_square.iter().copied().fold(f64::INFINITY, f64::min);
     let least = |cells: &mut dyn Iterator<Item = usize>| {
         cells.map(|cell| chi_square[cell]).fold(f64::INFINITY, f64::min) - lowest
     };
-    let columns = body.len();
-    let over_body = (0..columns).map(|c| least(&mut (0..spine.len()).map(|r| r * columns + c)));
-    let over_spine = (0..spine.len()).map(|r| least(&mut (0..columns).map(|c| r * columns + c)));
-    vec![
-        Profile { parameter: "body_e".into(), value: body.to_vec(), chi_square: over_body.collect() },
-        Profile { parameter: "spine_e".into(), value: spine.to_vec(), chi_square: over_spine.collect() },
-    ]
+    let columns = first.len();
+    let over_first = (0..columns).map(|c| least(&mut (0..second.len()).map(|r| r * columns + c))).collect();
+    let over_second = (0..second.len()).map(|r| least(&mut (0..columns).map(|c| r * columns + c))).collect();
+    let profile = |solid: &str, value: &[Pascal], chi_square| Profile {
+        parameter: format!("{solid}_e"),
+        value: value.to_vec(),
+        chi_square,
+    };
+    vec![profile(solids[0], first, over_first), profile(solids[1], second, over_second)]
 }
 
 #[cfg(test)]
@@ -78,14 +81,14 @@ mod tests {
 
     #[test]
     fn a_profile_takes_the_best_of_the_other_parameter() {
-        let both = profiles(&[1.0, 2.0, 3.0], &[10.0, 20.0], &[5.0, 3.0, 4.0, 2.0, 9.0, 6.0]);
+        let both = profiles(["a", "b"], [&[1.0, 2.0, 3.0], &[10.0, 20.0]], &[5.0, 3.0, 4.0, 2.0, 9.0, 6.0]);
         assert_eq!(both[0].chi_square, [0.0, 1.0, 2.0]);
         assert_eq!(both[1].chi_square, [1.0, 0.0]);
     }
 
     #[test]
     fn an_uncertain_modulus_gives_advice_and_a_certain_one_does_not() {
-        assert!(more_data(&[0.01, 0.3])[0].starts_with("E of spine has an uncertainty"));
-        assert!(more_data(&[0.01, 0.05]).is_empty());
+        assert!(more_data(&["body", "spine"], &[0.01, 0.3])[0].starts_with("E of spine has an uncertainty"));
+        assert!(more_data(&["body", "spine"], &[0.01, 0.05]).is_empty());
     }
 }

@@ -43,9 +43,9 @@ fn row(specimen: &str, r: &MeshResult) -> Vec<String> {
         format!("{:.1}", 1e3 * r.edge),
         r.nodes.to_string(),
         r.dofs.to_string(),
-        format!("{:.4}", 1e-6 * r.at.body_e_pa),
+        format!("{:.4}", 1e-6 * r.at[0]),
         published(specimen).to_owned(),
-        format!("{:.3}", 1e-9 * r.at.spine_e_pa),
+        format!("{:.3}", 1e-9 * r.at[1]),
         "2.5–5".to_owned(),
         format!("{:.2e}", r.loss),
     ]

@@ -1,7 +1,6 @@
 //! The tables of the paper, in its order.
 
 mod bench_realism;
-mod cells;
 mod coverage;
 mod ingredients;
 mod instruments;

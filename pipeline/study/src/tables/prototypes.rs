@@ -1,10 +1,9 @@
 //! Table `prototypes`: identified properties of the tails, beside the published column. Paper, table I.
 
-use lab::card::Experiment;
+use lab::card::{self, Experiment};
 use plot::Column;
 use si::MILLIBAR;
 
-use super::cells;
 use crate::records::{Identified, Mesh};
 use crate::subject::{Specimen, Study};
 use diagnostics::Result;
@@ -45,15 +44,17 @@ fn published_words(title: &str) -> Column {
 
 fn row(specimen: &Specimen, found: &Identified, mesh: Option<&Mesh>) -> Vec<String> {
     let [material, body, spine, chambers, pressure] = published(&specimen.name());
-    let with = |unit: f64, value: f64, sigma: f64| format!("{:.3} ± {:.3}", unit * value, unit * sigma);
-    let cells = mesh.map_or_else(String::new, |mesh| cells::a_side(mesh).to_string());
-    let (best, sigma) = (found.best, found.sigma);
+    let with = |name: &str| {
+        let one = found.moduli().find(|m| m.solid == name);
+        one.map_or_else(String::new, |m| format!("{:.3} ± {:.3}", m.best, m.sigma))
+    };
+    let cells = mesh.map_or_else(String::new, |mesh| cells_a_side(mesh).to_string());
     [
         specimen.name(),
         material.to_owned(),
-        with(1e-6, best.body_e_pa, sigma.body_e_pa),
+        with(card::BODY),
         body.to_owned(),
-        with(1e-9, best.spine_e_pa, sigma.spine_e_pa),
+        with(card::SPINE),
         spine.to_owned(),
         cells,
         chambers.to_owned(),
@@ -61,6 +62,11 @@ fn row(specimen: &Specimen, found: &Identified, mesh: Option<&Mesh>) -> Vec<Stri
         pressure.to_owned(),
     ]
     .into()
+}
+
+/// Cells of the first chamber; 0 where there is none.
+fn cells_a_side(mesh: &Mesh) -> usize {
+    mesh.chambers.first().map_or(0, |chamber| sysid::cells(&mesh.solid, chamber.skin))
 }
 
 /// The highest commanded pressure of the trials, mbar.

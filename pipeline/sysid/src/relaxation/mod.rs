@@ -40,7 +40,7 @@ pub struct SpectrumSettings {
 }
 
 /// A body and the films of its transients.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub struct SpectrumProblem<'a> {
     /// How it is sought.
     pub settings: &'a SpectrumSettings,
@@ -111,7 +111,7 @@ impl SpectrumProblem<'_> {
     }
 
     fn body(&self, relaxation: Relaxation) -> ReducedBody {
-        self.reduced.with(self.model, &Viscoelastic::measured_at(self.modulus_time, self.held, relaxation))
+        self.reduced.with(self.model, &Viscoelastic::measured_at(self.modulus_time, self.held.clone(), relaxation))
     }
 
     /// Residuals of every film with a relaxation, m.

@@ -1,27 +1,24 @@
 //! Number of cells a side of a meshed tail: wide sections of its first chamber along the tail, separated by the narrow channel.
 
-use mesh::Skin;
-
-use crate::records::Mesh;
+use mesh::{QuadraticMesh, Skin};
 
 /// Slices along the chamber; a cell of the shortest tail is eight of them long.
 const SLICES: usize = 240;
 /// A neck is narrower than this share of the wider of two neighbouring cells.
 const NECK: f64 = 0.5;
 
-/// Cells of the first chamber; 0 where there is none.
-pub(crate) fn a_side(mesh: &Mesh) -> usize {
-    mesh.chambers.first().map_or(0, |chamber| swellings(&profile(mesh, Skin::Chamber(chamber.skin))))
+/// Cells of a chamber, by its number on the skin.
+pub fn cells(solid: &QuadraticMesh, chamber: u16) -> usize {
+    swellings(&profile(solid, Skin::Chamber(chamber)))
 }
 
 /// Extent in y × extent in z of the chamber's skin, m², slice by slice along x; 0 between.
-fn profile(mesh: &Mesh, on: Skin) -> Vec<f64> {
-    let faces: Vec<[[f64; 3]; 3]> = mesh
-        .solid
+fn profile(solid: &QuadraticMesh, on: Skin) -> Vec<f64> {
+    let faces: Vec<[[f64; 3]; 3]> = solid
         .skin
         .iter()
         .filter(|face| face.on == on)
-        .map(|face| std::array::from_fn(|k| mesh.solid.nodes[face.nodes[k] as usize]))
+        .map(|face| std::array::from_fn(|k| solid.nodes[face.nodes[k] as usize]))
         .collect();
     let along = |choose: fn(f64, f64) -> f64, from| faces.iter().flatten().map(|p| p[0]).fold(from, choose);
     let (first, last) = (along(f64::min, f64::INFINITY), along(f64::max, f64::NEG_INFINITY));

@@ -1,10 +1,10 @@
 //! Places: selections of nodes and faces for clamps, loads and masses.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use si::{Metre, Point3};
 
 /// `plane = { x = 0.0 }`: a plane across one axis.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Plane {
     /// Its place along x, m.
@@ -16,7 +16,7 @@ pub struct Plane {
 }
 
 /// `box = { low = […], high = […] }`, m.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Block {
     /// Its least corner.

@@ -1,0 +1,83 @@
+//! `[clamp]`: the clamped part of the specimen.
+
+use serde::{Deserialize, Serialize};
+use si::{Metre, Point3};
+
+use crate::place::{Block, Place, Plane};
+
+/// The clamped part: exactly one of its keys is given.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Clamp {
+    /// Everything at and below this x, m, CAD frame.
+    #[serde(default)]
+    pub below_x: Option<Metre>,
+    /// A plane across one axis.
+    #[serde(default)]
+    pub plane: Option<Plane>,
+    /// A box.
+    #[serde(default, rename = "box")]
+    pub block: Option<Block>,
+}
+
+impl Clamp {
+    /// Everything at and below an x (m).
+    pub fn below(x: Metre) -> Self {
+        Self { below_x: Some(x), ..Self::default() }
+    }
+
+    /// Whether exactly one key is given, and a plane across one axis alone.
+    pub(super) fn is_one(&self) -> bool {
+        self.below_x.is_some() != Place::of(self.plane, self.block).is_some()
+            && !(self.below_x.is_some() && (self.plane.is_some() || self.block.is_some()))
+    }
+
+    /// Whether a point of a body of this size (m) is held.
+    pub fn holds(&self, at: Point3, size: Metre) -> bool {
+        match (self.below_x, Place::of(self.plane, self.block)) {
+            (Some(x), _) => at[0] <= x,
+            (None, Some(place)) => place.holds(at, size),
+            (None, None) => false,
+        }
+    }
+
+    /// The largest x that it holds, m: there the free part begins. Negative infinity of a plane along x.
+    pub fn end(&self) -> Metre {
+        match (self.below_x, Place::of(self.plane, self.block)) {
+            (Some(x), _) => x,
+            (None, Some(Place::Plane(0, x))) => x,
+            (None, Some(Place::Block(block))) => block.high[0],
+            _ => f64::NEG_INFINITY,
+        }
+    }
+}
+
+impl std::fmt::Display for Clamp {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match (self.below_x, Place::of(self.plane, self.block)) {
+            (Some(x), _) => write!(out, "clamp.below_x = {x} m"),
+            (None, Some(place)) => write!(out, "clamp, {place},"),
+            (None, None) => write!(out, "clamp"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_clamp_is_one_place() {
+        let block = Block { low: [0.0; 3], high: [0.01, 0.02, 0.02] };
+        let plane = |y| Plane { x: Some(0.0), y, z: None };
+        let of = |below_x, plane, block| Clamp { below_x, plane, block };
+        for one in [Clamp::below(0.0), of(None, Some(plane(None)), None), of(None, None, Some(block))] {
+            assert!(one.is_one(), "{one:?}");
+        }
+        let more = of(Some(0.0), Some(plane(None)), None);
+        for other in [Clamp::default(), more, of(None, Some(plane(Some(0.0))), None)] {
+            assert!(!other.is_one(), "{other:?}");
+        }
+        assert_eq!(of(None, None, Some(block)).end(), 0.01);
+    }
+}

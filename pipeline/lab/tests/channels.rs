@@ -1,0 +1,90 @@
+//! Channels and solids of any number and name on a card.
+#![allow(clippy::unwrap_used)]
+
+use std::path::Path;
+
+use lab::Card;
+use lab::card::{self, Solids};
+
+const GOOD: &str = include_str!("../../study/tests/card.toml");
+
+fn parsed(text: &str) -> Result<Card, String> {
+    card::parse(text, Path::new("specimen.toml")).map_err(|e| e.to_string())
+}
+
+/// The refusal of the good card with `from` changed to `to`.
+fn refusal(from: &str, to: &str) -> String {
+    assert!(GOOD.contains(from), "`{from}` is on the good card");
+    parsed(&GOOD.replacen(from, to, 1)).unwrap_err()
+}
+
+#[test]
+fn channels_have_any_names_and_earlier_keys_are_still_read() {
+    let named = GOOD.replace("\"left\"", "\"dorsal\"").replace("\"right\"", "\"ventral\"");
+    let card = parsed(&named).unwrap();
+    assert_eq!(card.channels(), ["dorsal", "ventral"]);
+    assert_eq!(card.trial[0].experiment.channels(), ["dorsal"]);
+    let earlier = GOOD.replace("channel = ", "log = ").replace("channels = [\"left\"]", "side = \"left\"");
+    assert_ne!(earlier, GOOD);
+    assert_eq!(parsed(&earlier).unwrap(), parsed(GOOD).unwrap());
+}
+
+#[test]
+fn a_trial_that_drives_a_channel_without_a_chamber_or_one_twice_is_refused() {
+    let driven = "channels = [\"left\"]";
+    let said = refusal(driven, "channels = [\"up\"]");
+    assert!(said.contains("drives the channel `up`, which fills no chamber") && said.contains("left, right"), "{said}");
+    assert!(refusal(driven, "channels = [\"left\", \"left\"]").contains("drives the channel `left` twice"));
+    assert!(refusal(driven, "channels = []").contains("`channels` is empty"));
+    assert!(refusal(driven, "").contains("missing field `channels`"));
+}
+
+/// The good card with other solids, from the line of its unit on.
+fn with_solids(solids: &str) -> Result<Solids, String> {
+    let (before, rest) = GOOD.split_once("[solid]").unwrap();
+    let (_, after) = rest.split_once("[clamp]").unwrap();
+    parsed(&format!("{before}[solid]\nunit = \"mm\"\n{solids}\n[clamp]{after}")).map(|card| card.solid)
+}
+
+fn solid(name: &str, source: &str, modulus: f64) -> String {
+    let [low, high] = [0.5 * modulus, 2.0 * modulus];
+    format!(
+        "[solid.{name}]\n{source}\nmaterial = \"neo_hookean\"\nyoungs_modulus = {modulus:?}\npoissons_ratio = 0.4\n\
+         density = 1000.0\nplausible = [{low:?}, {high:?}]\n"
+    )
+}
+
+#[test]
+fn solids_are_regions_of_one_mesh_or_come_from_surfaces_and_the_order_is_that_of_their_moduli() {
+    let mesh = format!("mesh = \"arm.msh\"\n{}{}", solid("ring", "region = \"7\"", 2e9), solid("skin", "", 1e5));
+    let solids = with_solids(&mesh).unwrap();
+    let order: Vec<(&str, &str)> = solids.parts.iter().map(|part| (part.name.as_str(), part.region())).collect();
+    assert_eq!(order, [("skin", "skin"), ("ring", "7")]);
+    let body = with_solids(&solid("body", "file = \"body.stl\"", 1e5)).unwrap();
+    assert_eq!((body.parts.len(), body.file("body"), body.file("spine")), (1, Some("body.stl"), None));
+}
+
+#[test]
+fn a_solid_without_a_source_or_with_two_is_refused() {
+    let refused = |text: &str, said: &str| {
+        let error = with_solids(text).unwrap_err();
+        assert!(error.contains(said), "{error}");
+    };
+    let body = solid("body", "file = \"body.stl\"", 1e5);
+    refused(&format!("mesh = \"arm.msh\"\n{body}"), "solid.body has a file");
+    refused(&solid("body", "", 1e5), "solid.body has no file");
+    refused(&solid("body", "region = \"3\"", 1e5), "solid.body has a region");
+    refused(&format!("{body}{}", solid("ring", "file = \"ring.stl\"", 1e6)), "solid.ring has an STL file");
+    refused(&solid("spine", "file = \"spine.stl\"", 1e5), "there is no [solid.body]");
+}
+
+#[test]
+fn a_card_with_a_mesh_a_box_and_a_plane_is_read_back_the_same() {
+    let solids = format!("mesh = \"arm.msh\"\n{}{}", solid("ring", "region = \"7\"", 2e9), solid("skin", "", 1e5));
+    let (before, rest) = GOOD.split_once("[solid]").unwrap();
+    let (_, after) = rest.split_once("below_x = 0.004").unwrap();
+    for clamp in ["plane = { y = 0.01 }", "box = { low = [0.0, 0.0, 0.0], high = [0.1, 0.1, 0.1] }"] {
+        let card = parsed(&format!("{before}[solid]\nunit = \"mm\"\n{solids}\n[clamp]\n{clamp}{after}")).unwrap();
+        assert_eq!(parsed(&card::write(&card)).unwrap(), card);
+    }
+}

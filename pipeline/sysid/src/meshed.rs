@@ -1,0 +1,157 @@
+//! The mesh of a specimen with one region a solid, the softest first: from STL files, or from a file of another mesher.
+
+use std::path::Path;
+
+use diagnostics::{Diagnostic, Result};
+use lab::card;
+use mesh::foreign::{self, Region};
+use mesh::{Cavity, QuadraticMesh, Settings, Solid, Surface, quality};
+use serde::Serialize;
+use si::Metre;
+
+/// A solid of the card and its region in the mesh.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NamedRegion {
+    /// The solid's name.
+    pub solid: String,
+    /// The name or the tag of its region in a mesh file.
+    pub region: String,
+}
+
+/// A mesh and its quality.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Meshed {
+    /// Regions in the order of the solids.
+    pub solid: QuadraticMesh,
+    /// By chamber of the skin.
+    pub cavities: Vec<Cavity>,
+    /// Smallest angle between two faces of an element, degrees.
+    pub min_dihedral_deg: f64,
+    /// Largest distance between the surfaces and the mesh, m; 0 of a mesh file.
+    pub hausdorff_m: Metre,
+    /// Volume of each solid in the mesh over its volume in the STL files, less one; empty of a mesh file.
+    pub volume_error: Vec<f64>,
+}
+
+impl NamedRegion {
+    /// Of every solid on a card.
+    pub fn all(solids: &card::Solids) -> Vec<Self> {
+        let region = |s: &card::Part| Self { solid: s.name.clone(), region: s.region().to_owned() };
+        solids.parts.iter().map(region).collect()
+    }
+}
+
+impl Meshed {
+    /// From the surface of a body, and of the plane sheet in it where there is one.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when they cannot be meshed.
+    pub fn of_surfaces(body: &Surface, spine: Option<&Surface>, by: &Settings, order: &[NamedRegion]) -> Result<Self> {
+        let (mut linear, report) = match spine {
+            Some(spine) => mesh::mesh(body, spine, by)?,
+            None => mesh::mesh_without_sheet(body, by)?,
+        };
+        let place = |name: &str| order.iter().position(|one| one.solid == name).unwrap_or(0) as u16;
+        let places = [place(card::BODY), place(card::SPINE)];
+        linear.regions.iter_mut().for_each(|region| *region = places[usize::from(*region)]);
+        let error = |mesh: f64, stl: f64| mesh / stl - 1.0;
+        let body = error(report.volume_body, report.volume_body_stl);
+        let sheet = spine.map(|_| error(report.volume_spine, report.volume_spine_stl));
+        let solid = mesh::quadratic(&linear);
+        Ok(Self {
+            cavities: mesh::cavities(&Solid::Quadratic(solid.clone())),
+            solid,
+            min_dihedral_deg: report.min_dihedral_deg,
+            hausdorff_m: report.hausdorff_m,
+            volume_error: std::iter::once(body).chain(sheet).collect(),
+        })
+    }
+
+    /// From the `bytes` of a mesh file, and of the file of its nodes where it has one, in a `unit` (m).
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when the file or the mesh in it is defective, or its regions are not those of the card.
+    pub fn of_file(
+        file: &Path,
+        (bytes, nodes): (&[u8], Option<&[u8]>),
+        unit: Metre,
+        solids: &[NamedRegion],
+    ) -> Result<Self> {
+        let made = foreign::read(file, bytes, nodes)?.check(unit, false)?;
+        let numbers = numbers(&made.regions, solids)?;
+        let linear = made.solid.clone().to_linear();
+        let mut solid = made.solid.to_quadratic();
+        solid.regions.iter_mut().for_each(|region| *region = numbers[usize::from(*region)]);
+        Ok(Self {
+            cavities: made.cavities,
+            solid,
+            min_dihedral_deg: quality::dihedral_range(&linear).0,
+            hausdorff_m: 0.0,
+            volume_error: Vec::new(),
+        })
+    }
+}
+
+/// The place of each region of a file among the solids, of which each must have one.
+fn numbers(regions: &[Region], solids: &[NamedRegion]) -> Result<Vec<u16>> {
+    let called = |region: &Region, word: &str| region.name.as_deref() == Some(word) || region.tag.to_string() == word;
+    let known = || regions.iter().map(word).collect::<Vec<_>>().join(", ");
+    for named in solids {
+        if !regions.iter().any(|region| called(region, &named.region)) {
+            let what = format!("the mesh has no region `{}` for solid.{}", named.region, named.solid);
+            return Err(Diagnostic::new(
+                what,
+                format!("its regions are {}", known()),
+                "correct region of the solid on the card",
+            ));
+        }
+    }
+    let place = |region: &Region| {
+        let mine: Vec<usize> = (0..solids.len()).filter(|&k| called(region, &solids[k].region)).collect();
+        match mine.as_slice() {
+            [one] => Ok(*one as u16),
+            found => Err(Diagnostic::new(
+                format!("{} solids on the card belong to region {} of the mesh", found.len(), word(region)),
+                format!("every region has one material; its regions are {}", known()),
+                "give each region one [solid.NAME] with region = its name or tag",
+            )),
+        }
+    };
+    regions.iter().map(place).collect()
+}
+
+/// A region as the file calls it.
+fn word(region: &Region) -> String {
+    match &region.name {
+        Some(name) => format!("`{name}` ({})", region.tag),
+        None => region.tag.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn region(tag: i64, name: Option<&str>) -> Region {
+        Region { tag, name: name.map(str::to_owned), elements: 1, volume: 1e-6 }
+    }
+
+    fn solid(name: &str, region: &str) -> NamedRegion {
+        NamedRegion { solid: name.into(), region: region.into() }
+    }
+
+    #[test]
+    fn regions_are_found_by_name_or_tag_in_the_order_of_the_solids() {
+        let regions = [region(3, Some("plate")), region(7, None)];
+        assert_eq!(numbers(&regions, &[solid("rubber", "7"), solid("sheet", "plate")]).unwrap(), [1, 0]);
+    }
+
+    #[test]
+    fn a_region_without_a_solid_and_a_solid_without_a_region_are_refused() {
+        let regions = [region(3, Some("plate")), region(7, None)];
+        let one = numbers(&regions, &[solid("sheet", "plate")]).unwrap_err();
+        assert!(one.what.contains("0 solids on the card belong to region 7"), "{one}");
+        let other = numbers(&regions, &[solid("sheet", "plate"), solid("rubber", "9")]).unwrap_err();
+        assert!(other.what.contains("no region `9`") && other.why.contains("`plate` (3), 7"), "{other}");
+    }
+}
