@@ -10,6 +10,7 @@ use crate::canvas::{Area, Canvas, POINTS_PER_MM, TextItem};
 use crate::figure::{Figure, Placed, SVG_BYTES_LIMIT};
 use crate::frame::{NORMAL, SMALL};
 use crate::panel::{Draw, LegendPlacement, Margins};
+use crate::text::wrapped;
 use crate::{PlotError, Side, palette, svg};
 
 /// Between two rows or columns.
@@ -85,9 +86,12 @@ fn draw_title_and_note(figure: &Figure, canvas: &mut Canvas, bottom: f64) -> Poi
         canvas.text(bold([EDGE, EDGE + 0.5 * HEADER], title));
     }
     let Some(note) = &figure.note else { return [width, bottom + EDGE] };
-    let text = TextItem::new([width - EDGE, bottom + 0.5 * NORMAL + 2.0], note, SMALL);
-    canvas.text(text.side(Side::Left).colour(palette::MUTED));
-    [width, bottom + NORMAL + 2.0 + EDGE]
+    let lines = wrapped(note, width - 2.0 * EDGE, SMALL);
+    for (k, line) in lines.iter().enumerate() {
+        let text = TextItem::new([width - EDGE, bottom + (k as f64 + 0.5) * NORMAL + 2.0], line, SMALL);
+        canvas.text(text.side(Side::Left).colour(palette::MUTED));
+    }
+    [width, bottom + lines.len() as f64 * NORMAL + 2.0 + EDGE]
 }
 
 fn bold(at: Point2, text: &str) -> TextItem {
@@ -216,7 +220,7 @@ mod tests {
             .titled("everything at once")
             .row(40.0, [over("mm", 1e-4), over("N", 2e5)])
             .row(40.0, [over("mbar", 250.0).titled("a title"), Panel::Axes(axes("V", 1.0)).titled("another")])
-            .noted("virtual bench")
+            .noted(&"a note that is longer than a line of the figure, ".repeat(6))
     }
 
     #[test]

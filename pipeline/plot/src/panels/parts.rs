@@ -4,6 +4,7 @@ use si::Point2;
 
 use crate::canvas::{Area, Canvas, Item, TextItem};
 use crate::panels::symbols;
+use crate::text::wrapped;
 use crate::{Colour, Dash, palette};
 
 /// Font size of a card's title.
@@ -62,40 +63,9 @@ pub fn dimension(canvas: &mut Canvas, from: Point2, to: Point2) {
     }
 }
 
-/// Text in lines no wider than `width`, broken at spaces; a word that is wider has a line of its own.
-fn wrapped(text: &str, width: f64, size: f64) -> Vec<String> {
-    let mut lines: Vec<String> = Vec::new();
-    for word in text.split(' ').filter(|word| !word.is_empty()) {
-        match lines.last_mut() {
-            Some(line) if crate::text::width(line, size) + crate::text::width(&format!(" {word}"), size) <= width => {
-                *line = format!("{line} {word}");
-            }
-            _ => lines.push(word.to_owned()),
-        }
-    }
-    lines
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn wrapped_lines_hold_all_words_and_none_is_too_wide() {
-        let words = "a film becomes the markers' places in pixels";
-        let lines = wrapped(words, 60.0, BODY);
-        assert_eq!(lines.join(" "), words);
-        assert!(lines.len() > 1 && lines.iter().all(|l| crate::text::width(l, BODY) <= 60.0), "{lines:?}");
-    }
-
-    #[test]
-    fn a_line_is_broken_only_before_a_word_that_it_cannot_hold() {
-        let lines = wrapped("a film becomes the markers' places in pixels", 60.0, BODY);
-        for pair in lines.windows(2) {
-            let next = pair[1].split(' ').next().unwrap();
-            assert!(crate::text::width(&format!("{} {next}", pair[0]), BODY) > 60.0, "{lines:?}");
-        }
-    }
 
     #[test]
     fn a_short_dimension_has_bars_and_no_heads() {

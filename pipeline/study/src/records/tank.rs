@@ -83,6 +83,14 @@ struct One {
     phase: f64,
 }
 
+impl Tank {
+    /// The frequency of the wave in the band of a mode, Hz; none where it does not rise over the noise.
+    pub(crate) fn wave_of(&self, mode: usize) -> Option<Hertz> {
+        let [low, high] = self.evidence.get(mode)?.band;
+        self.waves.iter().map(|wave| wave.frequency).find(|frequency| (low..=high).contains(frequency))
+    }
+}
+
 impl Record for Tank {
     type Of = Specimen;
     const STAGE: &'static str = "tank";

@@ -170,7 +170,8 @@ fn cell(pulls: &[(Trial, CorrectedForce)]) -> Vec<Line> {
 }
 
 fn waves(tanks: &[(Specimen, Tank)]) -> Vec<Line> {
-    let of = |k: usize| range(tanks.iter().filter_map(|(_, tank)| tank.waves.get(k).map(|w| w.frequency)));
+    // a mode that does not rise over the noise of one tank has no wave there: waves are sorted by the bands of their modes
+    let of = |k: usize| range(tanks.iter().filter_map(|(_, tank)| tank.wave_of(k)));
     vec![
         Line("tank: first wave".into(), "Hz", 2, [1.0, 1.2], of(0)),
         Line("tank: second wave".into(), "Hz", 2, [1.8, 2.0], of(1)),
