@@ -1,7 +1,7 @@
 //! Foreign meshes: one hollow ball in every format, and what is refused.
 //!
 //! The ball of `data/` has radii of 10 and 6 mm, 140 curved elements of ten nodes, the group 7 "soft" where x < 0 and the group
-//! 3 "stiff" where x > 0. gmsh 4.15 wrote `ball.msh`, `ball_binary.msh` and `ball.mesh`, VTK 9.7 the grids; `ball.node` and
+//! 3 "stiff" where x > 0. gmsh 4.15 wrote the files `.msh` (the legacy ones in version 2.2) and `ball.mesh`, VTK 9.7 the grids; `ball.node` and
 //! `ball.ele` have the order of nodes that TetGen 1.6 writes with `-o2`.
 
 #![allow(clippy::unwrap_used)]
@@ -28,9 +28,11 @@ fn ball(name: &str) -> ForeignMesh {
     read.unwrap_or_else(|fault| panic!("{name}: {fault}")).check(1.0, false).unwrap_or_else(|e| panic!("{name}: {e}"))
 }
 
-const BALLS: [&str; 10] = [
+const BALLS: [&str; 12] = [
     "ball.msh",
     "ball_binary.msh",
+    "ball_legacy.msh",
+    "ball_legacy_binary.msh",
     "ball.mesh",
     "ball.ele",
     "ball_ascii.vtu",
@@ -275,8 +277,8 @@ fn text_in_place_of_a_number_is_refused_with_its_line() {
 
 #[test]
 fn another_version_another_solid_and_another_compression_are_refused() {
-    let said = fault(gmsh(text("ball.msh").replacen("4.1 0 8", "2.2 0 8", 1).as_bytes()));
-    assert!(said.contains("version 2.2") && said.contains("-format msh41"), "{said}");
+    let said = fault(gmsh(text("ball.msh").replacen("4.1 0 8", "4.0 0 8", 1).as_bytes()));
+    assert!(said.contains("version 4.0") && said.contains("-format msh41"), "{said}");
     let said = fault(medit(cube(0.02).replace("End", "Hexahedra 1\n1 2 3 4 5 6 7 8 1\nEnd").as_bytes()));
     assert!(said.contains("hexahedra") && said.contains("line "), "{said}");
     let said = fault(vtu(text("ball_inline_zlib.vtu").replace("vtkZLib", "vtkLZ4").as_bytes()));

@@ -1,4 +1,5 @@
-//! gmsh's `.msh`, version 4.1, as text or binary: sections of blocks, one block an entity of the geometry.
+//! gmsh's `.msh`, version 4.1, as text or binary: sections of blocks, one block an entity of the geometry. Of version 2.2 the sections
+//! of nodes and elements are lists.
 //!
 //! The tag of a tetrahedron is the physical group of its volume (the lowest, if there are several), else the volume's
 //! number. The ten nodes of gmsh end with the middles of edges 23 and 13, those of this module with 13 and 23.
@@ -6,12 +7,13 @@
 use super::raw_mesh::{MeshFileError, RawMesh, other_solid, reordered};
 use super::stream::{AGAIN, Form, Stream};
 use super::tokens::{Tokens, short};
+use si::Point3;
 use std::collections::HashMap;
 
 /// The places of this module's ten nodes in gmsh's list.
 const PLACES: [usize; 10] = [0, 1, 2, 3, 4, 5, 6, 7, 9, 8];
 
-/// Reads a `.msh` of version 4.1.
+/// Reads a `.msh` of version 4.1 or 2.2.
 ///
 /// # Errors
 /// [`MeshFileError`], with the line.
@@ -23,6 +25,8 @@ pub fn gmsh(bytes: &[u8]) -> Result<RawMesh, MeshFileError> {
         match section.as_str() {
             "$PhysicalNames" => file.names(&mut raw)?,
             "$Entities" => file.entities()?,
+            "$Nodes" if file.legacy => file.legacy_nodes(&mut raw)?,
+            "$Elements" if file.legacy => file.legacy_elements(&mut raw)?,
             "$Nodes" => file.nodes(&mut raw)?,
             "$Elements" => file.elements(&mut raw)?,
             other if other.starts_with('$') => {
@@ -42,8 +46,11 @@ pub fn gmsh(bytes: &[u8]) -> Result<RawMesh, MeshFileError> {
     Ok(raw)
 }
 
-struct File<'a> {
-    from: Stream<'a>,
+/// A file that is being read.
+pub(super) struct File<'a> {
+    pub(super) from: Stream<'a>,
+    /// Whether its version is 2.2.
+    legacy: bool,
     /// Place of each node, by its number.
     places: HashMap<u64, u32>,
     /// Physical group of each volume.
@@ -58,9 +65,10 @@ impl<'a> File<'a> {
             return Err(tokens.error(what, "files of gmsh do", AGAIN));
         }
         let version = tokens.word("the format's version")?;
-        if version != "4.1" {
+        let legacy = version == "2.2";
+        if version != "4.1" && !legacy {
             let what = format!("the file has version {}", short(version));
-            return Err(tokens.error(what, "version 4.1 is read", AGAIN));
+            return Err(tokens.error(what, "versions 4.1 and 2.2 are read", AGAIN));
         }
         let binary = tokens.number::<u32>("whether the file is binary")? == 1;
         let wide: u32 = tokens.number("the size of a number")?;
@@ -73,7 +81,7 @@ impl<'a> File<'a> {
             from.find_form()?;
         }
         from.end("MeshFormat")?;
-        Ok(Self { from, places: HashMap::new(), groups: HashMap::new() })
+        Ok(Self { from, legacy, places: HashMap::new(), groups: HashMap::new() })
     }
 
     /// Names of groups, which are text in binary files too.
@@ -149,10 +157,38 @@ impl<'a> File<'a> {
                 for _ in 0..parameters {
                     self.from.real("a parameter of a node")?;
                 }
-                self.places.insert(label, raw.nodes.len() as u32);
-                raw.node(label, at);
+                self.add_node(raw, label, at);
             }
         }
+        Ok(())
+    }
+
+    pub(super) fn add_node(&mut self, raw: &mut RawMesh, label: u64, at: Point3) {
+        self.places.insert(label, raw.nodes.len() as u32);
+        raw.node(label, at);
+    }
+
+    /// The place of a node that an element names.
+    pub(super) fn node_place(&self, element: u64, node: u64) -> Result<u32, MeshFileError> {
+        self.places.get(&node).copied().ok_or_else(|| {
+            let what = format!("element {element} names node {node}");
+            self.from.tokens.error(what, "the file has no such node", AGAIN)
+        })
+    }
+
+    /// A tetrahedron; anything else is counted.
+    pub(super) fn add_element(
+        &self,
+        raw: &mut RawMesh,
+        solid: bool,
+        (label, nodes): (u64, &[u32]),
+        tag: i64,
+    ) -> Result<(), MeshFileError> {
+        if solid {
+            let placed = raw.tetrahedron(label, &reordered(nodes, &PLACES), tag);
+            return placed.map_err(|fault| self.from.tokens.place(fault));
+        }
+        raw.ignored += 1;
         Ok(())
     }
 
@@ -181,21 +217,13 @@ impl<'a> File<'a> {
         let mut nodes = Vec::with_capacity(each);
         for _ in 0..each {
             let node = self.from.size("a node of an element")?;
-            nodes.push(self.places.get(&node).copied().ok_or_else(|| {
-                let what = format!("element {label} names node {node}");
-                self.from.tokens.error(what, "the file has no such node", AGAIN)
-            })?);
+            nodes.push(self.node_place(label, node)?);
         }
-        if solid {
-            let placed = raw.tetrahedron(label, &reordered(&nodes, &PLACES), tag);
-            return placed.map_err(|fault| self.from.tokens.place(fault));
-        }
-        raw.ignored += 1;
-        Ok(())
+        self.add_element(raw, solid, (label, &nodes), tag)
     }
 
     /// Nodes of an element of gmsh's type `kind`.
-    fn nodes_each(&self, dimension: i64, kind: i64) -> Result<usize, MeshFileError> {
+    pub(super) fn nodes_each(&self, dimension: i64, kind: i64) -> Result<usize, MeshFileError> {
         let count = match kind {
             15 => 1,
             1 => 2,
