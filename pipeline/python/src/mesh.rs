@@ -89,7 +89,13 @@ impl Mesh {
         };
         let found = raw.check(1.0, half).map_err(|error| refusal(&Diagnostic::from(error)))?;
         let (regions, notes) = (found.regions, found.notes);
-        Ok(Self::of(Loaded { solid: found.solid, regions, cavities: found.cavities, notes }))
+        Ok(Self::of(Loaded {
+            solid: found.solid,
+            regions,
+            cavities: found.cavities,
+            notes,
+            tables: Default::default(),
+        }))
     }
 
     /// From a file that the command line reads, in metres or millimetres.

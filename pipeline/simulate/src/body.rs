@@ -1,13 +1,12 @@
 //! The body of a case as a system of `fem`: mesh, materials, clamps, masses and forces, all independent of level and time.
 
-use std::collections::BTreeMap;
-
-use fem::{Clamps, Elements, Faces, Forces, Masses, Options, Solver, System};
+use fem::{Clamps, Elements, Faces, Masses, Options, Solver, System};
 use mesh::foreign::Region;
 use mesh::{Cavity, Skin, Solid};
 use si::Pascal;
 
-use crate::case::{self, Axis, Case, Chamber, Place};
+use crate::case::{Axis, Case, Chamber, Place};
+use crate::forces::{forces, nothing_there};
 use crate::materials::{fast_branches, properties};
 use crate::reach::Reach;
 use crate::solid::Loaded;
@@ -41,7 +40,7 @@ impl<'a> Body<'a> {
         let reach = Reach { solid, size: mesh.size() };
         let (properties, mean_dilatation) = properties(case, regions)?;
         let clamps = clamps(case, &reach)?;
-        let forces = forces(case, &reach, &mesh, &clamps)?;
+        let forces = forces(case, loaded, &mesh, &clamps)?;
         let lumped_mass = case.dynamic.as_ref().is_some_and(|set| set.lumped_mass);
         let options = Options { lumped_mass, mean_dilatation, masses: masses(case, &reach, &mesh)? };
         let system = System::with(mesh, properties, &clamps, options)?;
@@ -117,44 +116,6 @@ fn clamps(case: &Case, reach: &Reach) -> Result<Clamps> {
     Ok(clamps)
 }
 
-fn forces(case: &Case, reach: &Reach, mesh: &fem::Mesh, clamps: &Clamps) -> Result<Vec<f64>> {
-    let held: BTreeMap<u32, [bool; 3]> = clamps.iter().collect();
-    let plane = |node: u32| mesh.symmetry_plane_z && mesh.nodes[node as usize][2] == 0.0;
-    let still = |node: u32, axis: usize| held.get(&node).is_some_and(|axes| axes[axis]) || (axis == 2 && plane(node));
-    let mut all = vec![0.0; 3 * mesh.nodes.len()];
-    for (i, load) in case.load.iter().enumerate() {
-        let list = one_load(&format!("load {i}"), load, reach, mesh)?;
-        let moves = |(entry, force): (usize, &f64)| *force != 0.0 && !still((entry / 3) as u32, entry % 3);
-        if !list.iter().enumerate().any(moves) {
-            return Err(Diagnostic::new(
-                format!("load {i} pushes at held nodes alone"),
-                "what is held does not move, so that the load does nothing and the clamp contradicts it",
-                "move the load or the clamp, or hold fewer axes",
-            ));
-        }
-        all.iter_mut().zip(list).for_each(|(sum, force)| *sum += force);
-    }
-    Ok(all)
-}
-
-/// Forces of one load, 3 a node, N.
-fn one_load(name: &str, load: &case::Load, reach: &Reach, mesh: &fem::Mesh) -> Result<Vec<f64>> {
-    let none = Forces::none(mesh);
-    let place = Place::of(load.plane, load.block);
-    let forces = match (load.near, load.force, place, load.line_force, load.traction) {
-        (Some(at), Some(force), ..) => none.on_node(reach.nearest(name, at)?, force),
-        (.., Some(place), Some(along), _) => {
-            reach.edges(&place).iter().fold(none, |sum, edge| sum.on_edge(edge, along))
-        }
-        (.., Some(place), _, Some(over)) => reach.faces(&place).iter().fold(none, |sum, face| sum.on_face(face, over)),
-        _ => none,
-    };
-    match forces.as_slice().iter().any(|force| *force != 0.0) {
-        true => Ok(forces.as_slice().to_vec()),
-        false => Err(nothing_there(name, reach)),
-    }
-}
-
 fn masses(case: &Case, reach: &Reach, mesh: &fem::Mesh) -> Result<Masses> {
     let mut all = Masses::none();
     for (i, given) in case.mass.iter().enumerate() {
@@ -174,12 +135,6 @@ fn masses(case: &Case, reach: &Reach, mesh: &fem::Mesh) -> Result<Masses> {
         }
     }
     Ok(all)
-}
-
-fn nothing_there(entry: &str, reach: &Reach) -> Diagnostic {
-    let what =
-        format!("{entry} meets nothing: no face or edge of the outer skin lies in its place with all its corners");
-    Diagnostic::new(what, reach.extent(), "move it onto the body's surface, or widen its box")
 }
 
 /// The chamber of the mesh that each chamber of the case is.

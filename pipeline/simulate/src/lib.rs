@@ -17,6 +17,8 @@
 mod body;
 pub mod case;
 mod dynamics;
+mod force_table;
+mod forces;
 mod frames;
 pub mod gradient_check;
 mod materials;

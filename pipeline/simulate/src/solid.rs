@@ -1,11 +1,13 @@
 //! The mesh of a case in the requested element order, with the names of its regions and chambers.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use mesh::foreign::{self, Region};
 use mesh::{Cavity, Solid, Surface};
 
 use crate::case::{Case, Order, Source};
+use crate::force_table::{self, ForceTable};
 use diagnostics::{Diagnostic, Result, input};
 
 /// The note on symmetric surfaces that could be simulated as a half model.
@@ -21,6 +23,8 @@ pub struct Loaded {
     pub cavities: Vec<Cavity>,
     /// Warnings for the user.
     pub notes: Vec<String>,
+    /// Forces on nodes, by the number of the load that names their file.
+    pub tables: BTreeMap<usize, ForceTable>,
 }
 
 /// The mesh of a case that lies in `folder`.
@@ -39,6 +43,11 @@ pub fn load(case: &Case, folder: &Path) -> Result<Loaded> {
         None => loaded.solid,
     };
     loaded.cavities = mesh::cavities(&loaded.solid);
+    for (number, load) in case.load.iter().enumerate() {
+        if let Some(table) = &load.table {
+            loaded.tables.insert(number, force_table::read(&folder.join(table))?);
+        }
+    }
     Ok(loaded)
 }
 
@@ -46,7 +55,13 @@ fn from_file(mesh: &Source, path: &Path) -> Result<Loaded> {
     let nodes = foreign::nodes_of(path).map(|nodes| bytes(&nodes)).transpose()?;
     let draft = foreign::read(path, &bytes(path)?, nodes.as_deref()).map_err(|error| named(path, error))?;
     let found = draft.check(mesh.unit.metres(), mesh.half).map_err(|error| named(path, error))?;
-    Ok(Loaded { solid: found.solid, regions: found.regions, cavities: found.cavities, notes: found.notes })
+    Ok(Loaded {
+        solid: found.solid,
+        regions: found.regions,
+        cavities: found.cavities,
+        notes: found.notes,
+        tables: BTreeMap::new(),
+    })
 }
 
 fn from_surfaces(mesh: &Source, folder: &Path) -> Result<Loaded> {
@@ -85,7 +100,7 @@ fn from_surfaces(mesh: &Source, folder: &Path) -> Result<Loaded> {
     let parts = [(mesh::BODY, "body"), (mesh::SPINE, "spine")];
     let regions = parts.into_iter().take(1 + usize::from(spine.is_some())).map(region).collect();
     let solid = Solid::Quadratic(Solid::Linear(linear).to_quadratic());
-    Ok(Loaded { solid, regions, cavities: Vec::new(), notes })
+    Ok(Loaded { solid, regions, cavities: Vec::new(), notes, tables: BTreeMap::new() })
 }
 
 fn bytes(path: &Path) -> Result<Vec<u8>> {

@@ -124,19 +124,29 @@ fn history(key: &str, history: &History) -> Checked {
 }
 
 fn load(key: &str, load: &Load) -> Checked {
-    let somewhere = Place::of(load.plane, load.block);
-    let spread = load.plane.is_some() || load.block.is_some();
-    let fits = match (load.near.is_some(), load.force.is_some(), load.line_force.is_some(), load.traction.is_some()) {
-        (true, true, false, false) => !spread,
-        (false, false, true, false) => load.block.is_some() && load.plane.is_none(),
-        (false, false, false, true) => spread,
+    let [near, inside] = [load.near.is_some(), load.inside.is_some()];
+    let places = [near, inside, load.plane.is_some(), load.block.is_some()];
+    let whats = [load.force.is_some(), load.line_force.is_some(), load.traction.is_some(), load.pressure.is_some()];
+    let one = |all: &[bool]| all.iter().filter(|given| **given).count() == 1;
+    let fits = match (&load.table, whats) {
+        (Some(_), whats) => whats == [false; 4] && places == [false; 4],
+        (None, [true, false, false, false]) => near && one(&places),
+        (None, [false, true, false, false]) => load.block.is_some() && one(&places),
+        (None, [false, false, true, false]) => !near && !inside && one(&places),
+        (None, [false, false, false, true]) => !near && one(&places),
         _ => false,
     };
-    only(key, fits, "it has near with force, box with line_force, or plane or box with traction")?;
-    if let Some(at) = load.near {
-        vector(&format!("{key}.near"), &at, FAR, "m")?;
-    } else {
-        place(key, somewhere)?;
+    let rule = "it has near with force, box with line_force, plane or box with traction, inside, plane or box with pressure, or table";
+    only(key, fits, rule)?;
+    for (word, at) in [("near", load.near), ("inside", load.inside)] {
+        at.map_or(Ok(()), |at| vector(&format!("{key}.{word}"), &at, FAR, "m"))?;
+    }
+    if load.plane.is_some() || load.block.is_some() {
+        place(key, Place::of(load.plane, load.block))?;
+    }
+    if let Some(pressure) = load.pressure {
+        within(&format!("{key}.pressure"), pressure, -1e10..=1e10, "Pa")?;
+        only(&format!("{key}.pressure"), pressure != 0.0, "a load is not zero")?;
     }
     let check = |word: &str, value: Option<[f64; 3]>, most: f64, unit: &str| match value {
         Some(value) => {

@@ -38,6 +38,12 @@ pub struct Load {
     pub line_force: Option<Point3>,
     /// Pa as a vector, over faces.
     pub traction: Option<Point3>,
+    /// On the walls of the chamber around this point, m.
+    pub inside: Option<Point3>,
+    /// Pa, normal to the faces at rest: it keeps that direction and those areas, unlike the pressure of a [`Chamber`].
+    pub pressure: Option<Pascal>,
+    /// A CSV file of forces on nodes, relative to the case.
+    pub table: Option<String>,
 }
 
 /// `[[mass]]`: a mass attached to the body.

@@ -4,6 +4,8 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod loads;
+
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
