@@ -158,7 +158,9 @@ impl Window {
         let simulated = [axis(0), axis(1)].concat();
         let measured = [0, 1].map(|k| about_mean(self.seen.iter().map(|p| p[k]).collect())).concat();
         let product = |a: &[f64]| a.iter().zip(&simulated).map(|(a, s)| a * s).sum::<f64>();
-        let scale = product(&measured) / product(&simulated).max(f64::MIN_POSITIVE);
+        let power = product(&simulated);
+        // a marker that never moves has no scale
+        let scale = if power > f64::MIN_POSITIVE { product(&measured) / power } else { 1.0 };
         (simulated.iter().map(|s| scale * s).collect(), measured)
     }
 }
