@@ -20,7 +20,7 @@ use faer::{Conj, MatMut, Par, Side};
 #[derive(Debug)]
 pub struct Symbolic {
     lower: SymbolicSparseColMat<u32>,
-    cholesky: SymbolicCholesky<u32>,
+    pub(crate) cholesky: SymbolicCholesky<u32>,
 }
 
 /// Why a factorisation failed.
@@ -49,9 +49,14 @@ impl Symbolic {
     /// # Errors
     /// [`FactorError::Symbolic`]
     pub fn new(pattern: &Pattern) -> Result<Self, FactorError> {
-        let n = pattern.dofs();
-        let lower = SymbolicSparseColMat::new_checked(n, n, pattern.columns.clone(), None, pattern.rows.clone());
-        let (columns, rows) = upper(pattern);
+        Self::of_triangle(&pattern.columns, &pattern.rows)
+    }
+
+    /// The same from the `columns` and `rows` of a lower triangle.
+    pub(crate) fn of_triangle(columns: &[u32], rows: &[u32]) -> Result<Self, FactorError> {
+        let n = columns.len() - 1;
+        let lower = SymbolicSparseColMat::new_checked(n, n, columns.to_vec(), None, rows.to_vec());
+        let (columns, rows) = upper(columns, rows);
         let upper = SymbolicSparseColMat::new_checked(n, n, columns, None, rows);
         let params = CholeskySymbolicParams {
             supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
@@ -69,17 +74,17 @@ impl Symbolic {
 }
 
 /// The transposed pattern: faer analyses an upper triangle, and factorises a lower one.
-fn upper(pattern: &Pattern) -> (Vec<u32>, Vec<u32>) {
-    let n = pattern.dofs();
+fn upper(lower_columns: &[u32], lower_rows: &[u32]) -> (Vec<u32>, Vec<u32>) {
+    let n = lower_columns.len() - 1;
     let mut columns = vec![0u32; n + 1];
-    pattern.rows.iter().for_each(|&row| columns[row as usize + 1] += 1);
+    lower_rows.iter().for_each(|&row| columns[row as usize + 1] += 1);
     for row in 0..n {
         columns[row + 1] += columns[row];
     }
     let mut next = columns.clone();
-    let mut rows = vec![0u32; pattern.rows.len()];
+    let mut rows = vec![0u32; lower_rows.len()];
     for column in 0..n {
-        for &row in &pattern.rows[pattern.columns[column] as usize..pattern.columns[column + 1] as usize] {
+        for &row in &lower_rows[lower_columns[column] as usize..lower_columns[column + 1] as usize] {
             rows[next[row as usize] as usize] = column as u32;
             next[row as usize] += 1;
         }

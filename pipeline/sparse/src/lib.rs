@@ -1,6 +1,6 @@
-//! Sparse linear algebra of meshes: node graph, elimination order, Cholesky factor, and the methods that extend the use
-//! of a factor beyond the matrix it was made of (preconditioned conjugate gradients, quasi-Newton updates, Woodbury's
-//! formula).
+//! Sparse linear algebra of meshes: node graph, elimination order, Cholesky factor, indefinite factor with its inertia,
+//! and the methods that extend the use of a factor beyond the matrix it was made of (preconditioned conjugate gradients,
+//! quasi-Newton updates, Woodbury's formula).
 //!
 //! Vectors of this crate hold the free degrees of freedom (dofs) in elimination order.
 //!
@@ -21,9 +21,10 @@
 //! # Ok::<(), sparse::FactorError>(())
 //! ```
 //!
-//! Depends on `si`; on `faer` (Cholesky factors), `nalgebra` (small dense matrices) and `thiserror`.
+//! Depends on `si`; on `faer` (factors), `nalgebra` (small dense matrices) and `thiserror`.
 
 mod cholesky;
+mod indefinite;
 mod lbfgs;
 mod nested_dissection;
 mod node_graph;
@@ -34,6 +35,7 @@ mod testing;
 mod woodbury;
 
 pub use cholesky::{Factor, FactorError, RESIDUAL_LIMIT, Symbolic};
+pub use indefinite::IndefiniteFactor;
 pub use lbfgs::LbfgsHistory;
 pub use node_graph::NodeGraph;
 pub use pcg::{PcgOptions, conjugate_gradients};

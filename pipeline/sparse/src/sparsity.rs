@@ -24,6 +24,30 @@ pub struct LowerTriangle<'a> {
     pub full_index: &'a [u32],
 }
 
+impl LowerTriangle<'_> {
+    /// K x, in elimination order.
+    pub fn multiplied(&self, x: &[f64]) -> Vec<f64> {
+        let mut y = vec![0.0; x.len()];
+        multiply(self, x, &mut y);
+        y
+    }
+}
+
+/// y = K x, both in elimination order.
+fn multiply(matrix: &LowerTriangle, x: &[f64], y: &mut [f64]) {
+    y.fill(0.0);
+    for column in 0..x.len() {
+        let (from, to) = (matrix.columns[column] as usize, matrix.columns[column + 1] as usize);
+        let own = x[column];
+        let mut sum = matrix.values[from] * own;
+        for (&row, &value) in matrix.rows[from + 1..to].iter().zip(&matrix.values[from + 1..to]) {
+            y[row as usize] += value * own;
+            sum += value * x[row as usize];
+        }
+        y[column] += sum;
+    }
+}
+
 /// Position of every dof and every entry.
 #[derive(Debug)]
 pub struct Pattern {
@@ -145,17 +169,7 @@ impl Pattern {
 
     /// y = K x for the symmetric matrix whose lower triangle is `values`; both in elimination order.
     pub fn multiply(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
-        y.fill(0.0);
-        for column in 0..self.dofs() {
-            let (from, to) = (self.columns[column] as usize, self.columns[column + 1] as usize);
-            let own = x[column];
-            let mut sum = values[from] * own;
-            for (&row, &value) in self.rows[from + 1..to].iter().zip(&values[from + 1..to]) {
-                y[row as usize] += value * own;
-                sum += value * x[row as usize];
-            }
-            y[column] += sum;
-        }
+        multiply(&self.lower_triangle(values), x, y);
     }
 
     /// The entries `values` with their pattern.
