@@ -1,10 +1,11 @@
 //! Solvers: energies, forces and the tangent as a linear problem of its own.
 
+use crate::newton::potential::HessianKind;
 use crate::solve_error::SolveError;
 use crate::solver::Solver;
 use crate::solver_state::SolverState;
 use crate::statics::equilibrium::Equilibrium;
-use si::Joule;
+use si::{Joule, Pascal};
 use sparse::LowerTriangle;
 
 /// Energies and forces.
@@ -41,6 +42,22 @@ impl Solver {
         self.state.check_field("the displacement", u)?;
         Ok(self.state.elastic_forces(u))
     }
+
+    /// Unbalanced force ∂Π/∂u at `u` (3 entries per node, m) under `pressures` (one per chamber, Pa) and the dead forces
+    /// set before, 3 entries per node, N. Not finite where an element is inverted.
+    ///
+    /// # Errors
+    /// [`SolveError`] when a list is not of this system.
+    pub fn residual(&self, u: &[f64], pressures: &[Pascal]) -> Result<Vec<f64>, SolveError> {
+        self.state.check_field("the displacement", u)?;
+        self.state.check_pressures(pressures)?;
+        let mut gradient = vec![0.0; u.len()];
+        let energy = self.state.inputs.at_rest(&self.state.data, pressures).energy(u, &mut gradient);
+        if !energy.value.is_finite() {
+            gradient.fill(f64::NAN);
+        }
+        Ok(gradient)
+    }
 }
 
 /// The tangent as a linear problem of its own, for modes, condensation and timings. Newton's method and the adjoint do
@@ -51,13 +68,29 @@ impl Solver {
     /// # Errors
     /// [`SolveError`] when `at` is not of this system.
     pub fn assemble(&mut self, at: &Equilibrium) -> Result<LowerTriangle<'_>, SolveError> {
+        self.assemble_kind(at, &[], HessianKind::Exact)
+    }
+
+    /// As [`Solver::assemble`], with the mixed-integration-point tangent of a step from `previous` (3 entries per node, m).
+    ///
+    /// # Errors
+    /// As [`Solver::assemble`].
+    pub fn assemble_mixed(&mut self, at: &Equilibrium, previous: &[f64]) -> Result<LowerTriangle<'_>, SolveError> {
+        self.state.check_field("the previous displacement", previous)?;
+        self.assemble_kind(at, previous, HessianKind::MixedPoint)
+    }
+
+    fn assemble_kind(
+        &mut self,
+        at: &Equilibrium,
+        from: &[f64],
+        kind: HessianKind,
+    ) -> Result<LowerTriangle<'_>, SolveError> {
         self.state.check_field("the displacement", &at.displacement)?;
         self.state.check_pressures(&at.pressures)?;
         self.state.linearised = None;
         let SolverState { data, inputs, newton, .. } = &mut self.state;
-        let potential = inputs.at_rest(data, &at.pressures);
-        potential.elastic_stiffness(&at.displacement, &mut newton.tangent);
-        potential.add_inertia_and_loads(&at.displacement, &mut newton.tangent);
+        inputs.at_rest(data, &at.pressures).hessian(&at.displacement, from, kind, &mut newton.tangent);
         Ok(data.pattern.lower_triangle(&newton.tangent))
     }
 

@@ -1,0 +1,166 @@
+//! A body of `fem` as a problem: chamber pressures and dead forces that grow in proportion to the load factor.
+//!
+//! Gravity and all else that the solver carries act in full. The tangent is symmetric, since `fem` assembles a chamber's
+//! pressure as the second derivative of its volume, whose wall is closed.
+
+use crate::error::ContinuationError;
+use crate::problem::Problem;
+use fem::{Equilibrium, Solver, System};
+use si::{Metre, Pascal};
+use sparse::IndefiniteFactor;
+
+/// The load at the load factor 1.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BodyLoad {
+    /// One per chamber, Pa.
+    pub pressures: Vec<Pascal>,
+    /// Dead forces, 3 entries per node, N; empty: none.
+    pub forces: Vec<f64>,
+}
+
+/// A body under loads that grow with the load factor.
+pub struct BodyProblem {
+    solver: Solver,
+    load: BodyLoad,
+    factor: IndefiniteFactor,
+    /// Dof → 3 node + axis.
+    full_index: Vec<u32>,
+    /// Where the tangent is assembled.
+    at: Equilibrium,
+    /// Where the path begins, one entry per dof.
+    start: Vec<f64>,
+    size: Metre,
+}
+
+/// Relative expansion that tells sealed chambers from fed ones, whose pressure does not depend on the volume.
+const PROBE: f64 = 1e-3;
+
+impl BodyProblem {
+    /// The body of `system` with the materials and gravity of `solver`, whose dead forces are replaced. Its path begins
+    /// at rest.
+    ///
+    /// # Errors
+    /// [`ContinuationError::Load`] when the load is not of this body or does nothing, or when a chamber is sealed: its
+    /// gas would add a dense term to the tangent, which the factor and its inertia leave out.
+    pub fn new(system: &System, mut solver: Solver, load: BodyLoad) -> Result<Self, ContinuationError> {
+        solver.set_forces(&load.forces)?;
+        check_fed(system, &solver, &load.pressures)?;
+        let at = equilibrium(vec![0.0; 3 * system.mesh().nodes.len()], load.pressures.clone());
+        let tangent = solver.assemble(&at)?;
+        let full_index = tangent.full_index.to_vec();
+        let factor = IndefiniteFactor::new(&tangent)?;
+        let (start, size) = (vec![0.0; full_index.len()], system.mesh().size());
+        let mut problem = Self { solver, load, factor, full_index, at, start, size };
+        if problem.load(&problem.start(), 0.0).iter().all(|&force| force == 0.0) {
+            let why = "a path of equilibria follows a load that grows";
+            return Err(ContinuationError::Load { what: "the load moves nothing".into(), why });
+        }
+        Ok(problem)
+    }
+
+    /// The same body, its path beginning near `displacement` (3 entries per node, m).
+    pub fn starting_at(mut self, displacement: &[f64]) -> Self {
+        self.start = self.gathered(displacement);
+        self
+    }
+
+    /// The solver, with the forces of the load factor used last.
+    pub fn solver(&self) -> &Solver {
+        &self.solver
+    }
+
+    /// 3 entries per node from one per dof; zero where constrained.
+    pub fn full(&self, u: &[f64]) -> Vec<f64> {
+        let mut full = vec![0.0; self.at.displacement.len()];
+        self.full_index.iter().zip(u).for_each(|(&at, value)| full[at as usize] = *value);
+        full
+    }
+
+    /// The node that moves most in a `mode` (one entry per dof).
+    pub fn largest_node(&self, mode: &[f64]) -> u32 {
+        let full = self.full(mode);
+        let size = |node: usize| full[3 * node..3 * node + 3].iter().map(|entry| entry * entry).sum::<f64>();
+        (0..full.len() / 3).max_by(|&a, &b| size(a).total_cmp(&size(b))).unwrap_or(0) as u32
+    }
+
+    fn gathered(&self, full: &[f64]) -> Vec<f64> {
+        self.full_index.iter().map(|&at| full[at as usize]).collect()
+    }
+
+    /// Pressures at a load factor, Pa; the dead forces are set.
+    fn apply(&mut self, load_factor: f64) -> Option<Vec<Pascal>> {
+        if !self.load.forces.is_empty() {
+            let forces: Vec<f64> = self.load.forces.iter().map(|force| load_factor * force).collect();
+            self.solver.set_forces(&forces).ok()?;
+        }
+        Some(self.load.pressures.iter().map(|pressure| load_factor * pressure).collect())
+    }
+}
+
+impl Problem for BodyProblem {
+    fn dofs(&self) -> usize {
+        self.full_index.len()
+    }
+
+    fn size(&self) -> Metre {
+        self.size
+    }
+
+    fn start(&self) -> Vec<f64> {
+        self.start.clone()
+    }
+
+    fn residual(&mut self, u: &[f64], load_factor: f64) -> Option<Vec<f64>> {
+        let pressures = self.apply(load_factor)?;
+        let residual = self.gathered(&self.solver.residual(&self.full(u), &pressures).ok()?);
+        residual.iter().all(|entry| entry.is_finite()).then_some(residual)
+    }
+
+    // The residual is linear in the load factor, so that the difference is exact.
+    fn load(&mut self, u: &[f64], _load_factor: f64) -> Vec<f64> {
+        let without = self.residual(u, 0.0).unwrap_or_default();
+        let with = self.residual(u, 1.0).unwrap_or_default();
+        without.iter().zip(&with).map(|(without, with)| without - with).collect()
+    }
+
+    fn factorise(&mut self, u: &[f64], load_factor: f64, previous: Option<&[f64]>) -> Option<usize> {
+        let pressures = self.apply(load_factor)?;
+        self.at = equilibrium(self.full(u), pressures);
+        let tangent = match previous.map(|previous| self.full(previous)) {
+            Some(previous) => self.solver.assemble_mixed(&self.at, &previous),
+            None => self.solver.assemble(&self.at),
+        };
+        self.factor.compute(&tangent.ok()?).ok()?;
+        Some(self.factor.negative_eigenvalues())
+    }
+
+    fn solve(&mut self, x: &mut [f64]) {
+        self.factor.solve(x);
+    }
+}
+
+fn equilibrium(displacement: Vec<f64>, pressures: Vec<Pascal>) -> Equilibrium {
+    Equilibrium {
+        displacement,
+        pressures,
+        iterations: 0,
+        factorisations: 0,
+        residual: 0.0,
+        load_stepped: false,
+        snap_through: Vec::new(),
+    }
+}
+
+/// # Errors
+/// [`ContinuationError`] when there is not one pressure per chamber, or a chamber is sealed.
+fn check_fed(system: &System, solver: &Solver, pressures: &[Pascal]) -> Result<(), ContinuationError> {
+    let expansion: Vec<f64> = system.mesh().nodes.iter().flat_map(|at| at.map(|x| PROBE * x)).collect();
+    solver.residual(&expansion, pressures)?;
+    for (chamber, &pressure) in pressures.iter().enumerate() {
+        if solver.chamber_pressure(chamber, &expansion, pressures)? != pressure {
+            let what = format!("chamber {chamber} is sealed");
+            return Err(ContinuationError::Load { what, why: "a path is followed under pressures that are fed" });
+        }
+    }
+    Ok(())
+}
