@@ -23,13 +23,36 @@ pub struct BodyProblem {
     solver: Solver,
     load: BodyLoad,
     factor: IndefiniteFactor,
-    /// Dof → 3 node + axis.
-    full_index: Vec<u32>,
+    dof_map: DofMap,
     /// Where the tangent is assembled.
     at: Equilibrium,
     /// Where the path begins, one entry per dof.
     start: Vec<f64>,
     size: Metre,
+}
+
+/// The dofs of a body: vectors with one entry per dof as vectors with 3 entries per node.
+#[derive(Debug, Clone)]
+pub struct DofMap {
+    /// Dof → 3 node + axis.
+    full_index: Vec<u32>,
+    nodes: usize,
+}
+
+impl DofMap {
+    /// 3 entries per node from one per dof; zero where constrained.
+    pub fn full(&self, u: &[f64]) -> Vec<f64> {
+        let mut full = vec![0.0; 3 * self.nodes];
+        self.full_index.iter().zip(u).for_each(|(&at, value)| full[at as usize] = *value);
+        full
+    }
+
+    /// The node that moves most in a `mode` (one entry per dof).
+    pub fn largest_node(&self, mode: &[f64]) -> usize {
+        let full = self.full(mode);
+        let size = |node: usize| full[3 * node..3 * node + 3].iter().map(|entry| entry * entry).sum::<f64>();
+        (0..self.nodes).max_by(|&a, &b| size(a).total_cmp(&size(b))).unwrap_or(0)
+    }
 }
 
 /// Relative expansion that tells sealed chambers from fed ones, whose pressure does not depend on the volume.
@@ -47,10 +70,10 @@ impl BodyProblem {
         check_fed(system, &solver, &load.pressures)?;
         let at = equilibrium(vec![0.0; 3 * system.mesh().nodes.len()], load.pressures.clone());
         let tangent = solver.assemble(&at)?;
-        let full_index = tangent.full_index.to_vec();
+        let dof_map = DofMap { full_index: tangent.full_index.to_vec(), nodes: system.mesh().nodes.len() };
         let factor = IndefiniteFactor::new(&tangent)?;
-        let (start, size) = (vec![0.0; full_index.len()], system.mesh().size());
-        let mut problem = Self { solver, load, factor, full_index, at, start, size };
+        let (start, size) = (vec![0.0; dof_map.full_index.len()], system.mesh().size());
+        let mut problem = Self { solver, load, factor, dof_map, at, start, size };
         if problem.load(&problem.start(), 0.0).iter().all(|&force| force == 0.0) {
             let why = "a path of equilibria follows a load that grows";
             return Err(ContinuationError::Load { what: "the load moves nothing".into(), why });
@@ -64,27 +87,13 @@ impl BodyProblem {
         self
     }
 
-    /// The solver, with the forces of the load factor used last.
-    pub fn solver(&self) -> &Solver {
-        &self.solver
-    }
-
-    /// 3 entries per node from one per dof; zero where constrained.
-    pub fn full(&self, u: &[f64]) -> Vec<f64> {
-        let mut full = vec![0.0; self.at.displacement.len()];
-        self.full_index.iter().zip(u).for_each(|(&at, value)| full[at as usize] = *value);
-        full
-    }
-
-    /// The node that moves most in a `mode` (one entry per dof).
-    pub fn largest_node(&self, mode: &[f64]) -> u32 {
-        let full = self.full(mode);
-        let size = |node: usize| full[3 * node..3 * node + 3].iter().map(|entry| entry * entry).sum::<f64>();
-        (0..full.len() / 3).max_by(|&a, &b| size(a).total_cmp(&size(b))).unwrap_or(0) as u32
+    /// The dofs of its nodes.
+    pub fn dof_map(&self) -> &DofMap {
+        &self.dof_map
     }
 
     fn gathered(&self, full: &[f64]) -> Vec<f64> {
-        self.full_index.iter().map(|&at| full[at as usize]).collect()
+        self.dof_map.full_index.iter().map(|&at| full[at as usize]).collect()
     }
 
     /// Pressures at a load factor, Pa; the dead forces are set.
@@ -99,7 +108,7 @@ impl BodyProblem {
 
 impl Problem for BodyProblem {
     fn dofs(&self) -> usize {
-        self.full_index.len()
+        self.dof_map.full_index.len()
     }
 
     fn size(&self) -> Metre {
@@ -112,7 +121,7 @@ impl Problem for BodyProblem {
 
     fn residual(&mut self, u: &[f64], load_factor: f64) -> Option<Vec<f64>> {
         let pressures = self.apply(load_factor)?;
-        let residual = self.gathered(&self.solver.residual(&self.full(u), &pressures).ok()?);
+        let residual = self.gathered(&self.solver.residual(&self.dof_map.full(u), &pressures).ok()?);
         residual.iter().all(|entry| entry.is_finite()).then_some(residual)
     }
 
@@ -125,8 +134,8 @@ impl Problem for BodyProblem {
 
     fn factorise(&mut self, u: &[f64], load_factor: f64, previous: Option<&[f64]>) -> Option<usize> {
         let pressures = self.apply(load_factor)?;
-        self.at = equilibrium(self.full(u), pressures);
-        let tangent = match previous.map(|previous| self.full(previous)) {
+        self.at = equilibrium(self.dof_map.full(u), pressures);
+        let tangent = match previous.map(|previous| self.dof_map.full(previous)) {
             Some(previous) => self.solver.assemble_mixed(&self.at, &previous),
             None => self.solver.assemble(&self.at),
         };

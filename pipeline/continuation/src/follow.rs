@@ -23,8 +23,10 @@ const GROWTH: [f64; 2] = [0.5, 2.0];
 /// Least cosine of the angle between a step and its tangent: sharper turns need shorter steps, lest they be cut.
 const MIN_COSINE: f64 = 0.8;
 /// An eigenvalue below this fraction of the largest one watched so far has no certain sign: a converged point is off its
-/// path by as much. It then counts as on the side of the point before.
+/// path by as much. The step is then repeated longer by this factor, so many times.
 const RESOLVED: f64 = 1e-5;
+const OTHER_STEP: f64 = 1.5;
+const RESOLVING_STEPS: usize = 3;
 /// An equilibrium at a given load that is further from the last point than this many steps lies on another branch.
 const SAME_BRANCH: f64 = 1.5;
 
@@ -95,9 +97,8 @@ impl<'a, 'o> Follower<'a, 'o> {
 
     fn run(mut self) -> Result<Path, ContinuationError> {
         while self.steps < self.settings.max_steps {
-            let mut next = self.advance()?;
+            let next = self.resolved()?;
             self.steps += 1;
-            self.resolve_inertia(&mut next);
             match self.pass(&next) {
                 Ok(Passed::On) => {
                     (self.observe)(PathEvent::Point(&next.point(false)));
@@ -121,14 +122,6 @@ impl<'a, 'o> Follower<'a, 'o> {
         self.settings.min_step * self.longest
     }
 
-    fn resolve_inertia(&mut self, next: &mut Sample) {
-        let nearest = next.nearest_eigenvalue().abs();
-        self.scale = self.scale.max(nearest);
-        if nearest < RESOLVED * self.scale {
-            next.negative = self.at.negative;
-        }
-    }
-
     fn finished(self, end: PathEnd) -> Path {
         let factorisations = self.corrector.factorisations;
         Path { critical: self.critical, steps: self.steps, factorisations, end }
@@ -137,6 +130,21 @@ impl<'a, 'o> Follower<'a, 'o> {
     fn move_to(&mut self, next: Sample) {
         self.direction = Segment { from: &self.at, to: &next }.increment();
         self.at = next;
+    }
+
+    /// The next point, not so close to a critical one that the sign of its eigenvalue is open.
+    fn resolved(&mut self) -> Result<Sample, ContinuationError> {
+        for _ in 0..RESOLVING_STEPS {
+            let next = self.advance()?;
+            let nearest = next.nearest_eigenvalue().abs();
+            self.scale = self.scale.max(nearest);
+            if nearest >= RESOLVED * self.scale {
+                return Ok(next);
+            }
+            self.step = (OTHER_STEP * self.segment(&next).length()).min(self.longest);
+        }
+        // The path is nearly critical over some length: it has not changed sides yet.
+        Ok(Sample { negative: self.at.negative, ..self.advance()? })
     }
 
     /// The next point, at the longest distance that succeeds.

@@ -42,7 +42,7 @@ mod segment;
 mod settings;
 mod subspace;
 
-pub use body::{BodyLoad, BodyProblem};
+pub use body::{BodyLoad, BodyProblem, DofMap};
 pub use error::{ContinuationError, StepFailure};
 pub use follow::follow;
 pub use point::{CriticalKind, CriticalPoint, Path, PathEnd, PathEvent, PathPoint};

@@ -103,7 +103,7 @@ impl Sample {
     }
 
     /// The eigenvalue nearest to zero, N/m.
-    pub fn nearest_eigenvalue(&self) -> f64 {
+    pub(crate) fn nearest_eigenvalue(&self) -> f64 {
         self.pairs.first().map_or(f64::NAN, |pair| pair.value)
     }
 

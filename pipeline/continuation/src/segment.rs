@@ -37,7 +37,7 @@ impl Segment<'_> {
     }
 
     /// u at its end less u at its beginning.
-    pub fn increment(&self) -> Vec<f64> {
+    pub(crate) fn increment(&self) -> Vec<f64> {
         self.to.u.iter().zip(&self.from.u).map(|(to, from)| to - from).collect()
     }
 

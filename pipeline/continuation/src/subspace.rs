@@ -23,7 +23,7 @@ pub(crate) struct Eigenpair {
 pub(crate) enum Accuracy {
     /// To watch a path: the nearest eigenvalue to a thousandth.
     Watch,
-    /// At a critical point: the mode to seven digits.
+    /// To locate a critical point: the mode to four digits.
     Critical,
 }
 
@@ -33,7 +33,7 @@ impl Accuracy {
     fn limits(self) -> (f64, usize) {
         match self {
             Self::Watch => (1e-3, 12),
-            Self::Critical => (1e-12, 60),
+            Self::Critical => (1e-8, 40),
         }
     }
 }

@@ -175,12 +175,12 @@ fn a_slender_clamped_arch_bifurcates_and_both_branches_lead_to_the_second_bifurc
         let mut problem = arch.problem(32, 2.0 * exact[0]);
         let (points, critical) = followed(&mut problem, &settings(branch));
         assert_eq!((critical.len(), critical[0].kind), (1, Bifurcation), "on the antisymmetric path N does not change");
-        let node = problem.largest_node(&critical[0].mode) as usize;
-        let rise = |point: &PathPoint| problem.full(&point.displacement)[3 * node + 1];
+        let node = problem.dof_map().largest_node(&critical[0].mode);
+        let rise = |point: &PathPoint| problem.dof_map().full(&point.displacement)[3 * node + 1];
         // The first point beyond the bifurcation has moved along the mode, to the side that was asked for.
         let beyond = points.iter().position(|point| point.negative_eigenvalues == 1).unwrap();
         let along = rise(&points[beyond]) - rise(&points[beyond - 1]);
-        let sign = problem.full(&critical[0].mode)[3 * node + 1].signum();
+        let sign = problem.dof_map().full(&critical[0].mode)[3 * node + 1].signum();
         assert_eq!(along * sign > 0.0, branch == Branch::AlongMode);
         let least = points[beyond..].iter().map(|point| point.load_factor).fold(f64::INFINITY, f64::min);
         assert!((2.0 * exact[0] * least / exact[1] - 1.0).abs() < 0.02, "{least}");

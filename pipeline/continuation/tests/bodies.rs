@@ -73,7 +73,7 @@ fn the_path_of_a_roof_that_snaps_passes_the_equilibria_on_both_sides_of_the_snap
     let [before, after] = &path.critical[..] else { panic!("two limit points: {:?}", path.critical.len()) };
     assert!(before.kind == CriticalKind::LimitPoint && after.kind == CriticalKind::LimitPoint);
     assert!(before.load_factor > 0.1 && after.load_factor < 0.1 && before.load_along_mode > 0.05);
-    let place = system.mesh().nodes[problem.largest_node(&before.mode) as usize];
+    let place = system.mesh().nodes[problem.dof_map().largest_node(&before.mode)];
     assert!((place[0] - 0.02).abs() < 1e-3 && place[1] > 0.015 && place[2] < 1e-9, "{place:?}: the roof's middle");
 
     let node = top(system.mesh());
@@ -82,7 +82,7 @@ fn the_path_of_a_roof_that_snaps_passes_the_equilibria_on_both_sides_of_the_snap
     assert_eq!(levels.iter().map(|point| point.negative_eigenvalues).collect::<Vec<_>>(), [0, 1, 0, 0]);
     let mut solver = system.solver();
     for point in levels.iter().filter(|point| point.negative_eigenvalues == 0) {
-        let near = problem.full(&point.displacement);
+        let near = problem.dof_map().full(&point.displacement);
         let found =
             solver.equilibrium(&[-1000.0 * point.load_factor], Some(&near), &StaticSettings::default()).unwrap();
         assert!((found.displacement[3 * node + 1] - near[3 * node + 1]).abs() < 1e-9);

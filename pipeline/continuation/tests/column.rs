@@ -61,7 +61,7 @@ fn a_column_buckles_under_eulers_load_at_its_free_end() {
     assert_eq!((found.kind, found.multiplicity, found.negative_eigenvalues), (CriticalKind::Bifurcation, 1, [0, 1]));
     assert!((1.1 * found.load_factor - 1.0).abs() < 0.01, "{}", 1.1 * found.load_factor);
     assert!(found.load_along_mode < 1e-4, "{:e}", found.load_along_mode);
-    let (mode, tip) = (problem.full(&found.mode), problem.largest_node(&found.mode) as usize);
+    let (mode, tip) = (problem.dof_map().full(&found.mode), problem.dof_map().largest_node(&found.mode));
     let amplitude = mode[3 * tip + 2];
     let mesh = box_mesh::quadratic([LENGTH, WIDTH, HEIGHT], [8, 1, 1]);
     for (node, at) in mesh.nodes.iter().enumerate().filter(|(_, at)| at[2] == 0.5 * HEIGHT) {
@@ -109,11 +109,11 @@ fn both_branches_follow_the_elastica() {
             PathEvent::Critical(point) => critical.push(point.clone()),
         });
         assert_eq!(path.unwrap().end, PathEnd::LoadFactor);
-        let tip = problem.largest_node(&critical[0].mode) as usize;
-        let sign = problem.full(&critical[0].mode)[3 * tip + 2].signum();
+        let tip = problem.dof_map().largest_node(&critical[0].mode);
+        let sign = problem.dof_map().full(&critical[0].mode)[3 * tip + 2].signum();
         for point in &levels {
             let load = point.load_factor / critical[0].load_factor;
-            let deflection = side * sign * problem.full(&point.displacement)[3 * tip + 2] / LENGTH;
+            let deflection = side * sign * problem.dof_map().full(&point.displacement)[3 * tip + 2] / LENGTH;
             assert!((deflection / elastica(load) - 1.0).abs() < 0.02, "{load} {deflection} {}", elastica(load));
             assert_eq!(point.negative_eigenvalues, 0, "a buckled column is stable");
         }

@@ -107,7 +107,7 @@ impl Watch<'_> {
         let Simulation { case, body, written, .. } = &mut self.simulation;
         if self.steps.is_multiple_of(case.output.every) {
             let pressures = body.pressures(case, |chamber| chamber.pressure.at(time));
-            let solved = Solved { at: time, displacement: &state.displacement, pressures: &pressures };
+            let solved = Solved { at: time, displacement: &state.displacement, pressures: &pressures, stability: None };
             written.table.row(body, self.reader, &solved)?;
         }
         let every = case.output.vtu_every.unwrap_or(FRAME_EVERY);
@@ -135,5 +135,5 @@ impl Watch<'_> {
 
 fn frame<'a>(state: &'a State, reader: &'a Solver) -> Frame<'a> {
     let (displacement, velocity) = (&state.displacement, Some(state.velocity.as_slice()));
-    Frame { displacement, velocity, properties: reader.properties() }
+    Frame { displacement, velocity, mode: None, properties: reader.properties() }
 }

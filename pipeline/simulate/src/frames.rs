@@ -24,6 +24,8 @@ pub(super) struct Frame<'a> {
     pub displacement: &'a [f64],
     /// 3 a node, m/s.
     pub velocity: Option<&'a [f64]>,
+    /// Mode of a critical point, 3 a node.
+    pub mode: Option<&'a [f64]>,
     /// By region.
     pub properties: &'a [RegionProperties],
 }
@@ -51,7 +53,9 @@ impl Frames {
         }
         for entry in entries {
             let name = entry.file_name().to_string_lossy().into_owned();
-            if name == "last_converged.vtu" || (name.starts_with("frame_") && name.ends_with(".vtu")) {
+            let is_numbered =
+                ["frame_", "critical_"].iter().any(|word| name.starts_with(word)) && name.ends_with(".vtu");
+            if name == "last_converged.vtu" || is_numbered {
                 std::fs::remove_file(entry.path()).map_err(|e| cannot_write(&entry.path(), &e))?;
             }
         }
@@ -63,6 +67,11 @@ impl Frames {
     /// The name of the next frame.
     pub(crate) fn next_name(&self) -> String {
         format!("frame_{:04}.vtu", self.written.len())
+    }
+
+    /// The path of another file beside the frames.
+    pub(crate) fn beside(&self, name: &str) -> PathBuf {
+        self.folder.join(name)
     }
 
     /// Writes a frame at a level or time (s), and the list; returns where it lies.
@@ -117,6 +126,9 @@ fn text(body: &Body, frame: &Frame) -> String {
     reals(&mut text, "displacement_m", 3, frame.displacement);
     if let Some(velocity) = frame.velocity {
         reals(&mut text, "velocity_m_per_s", 3, velocity);
+    }
+    if let Some(mode) = frame.mode {
+        reals(&mut text, "mode", 3, mode);
     }
     text += "</PointData>\n<CellData Scalars=\"von_mises_pa\">\n";
     let stress = stress(solid, frame.displacement, frame.properties);

@@ -1,7 +1,8 @@
 //! One body under loads, from a case file to tables and frames, and the check of its gradients.
 //!
 //! A case ([`case`]) names a mesh, materials, clamps, chambers and loads. [`run`] solves it and writes `<case>.out/` with `<case>.csv`,
-//! `frame_0000.vtu`, … and `<case>.pvd`, which ParaView opens. [`gradient_check`] compares every gradient of a case with differences.
+//! `frame_0000.vtu`, … and `<case>.pvd`, which ParaView opens; a path (`[static] arc_length`) has its critical points in
+//! `<case>_critical.json`. [`gradient_check`] compares every gradient of a case with differences.
 //! No project is needed.
 //!
 //! ```
@@ -12,7 +13,7 @@
 //! # }
 //! ```
 //!
-//! Depends on `diagnostics`, `fem`, `lab` (tables and ranges), `mesh`, `si`.
+//! Depends on `diagnostics`, `fem`, `continuation` (paths), `lab` (tables and ranges), `mesh`, `si`.
 
 mod body;
 pub mod case;
@@ -22,6 +23,7 @@ mod forces;
 mod frames;
 pub mod gradient_check;
 mod materials;
+mod path;
 mod probes;
 mod reach;
 mod solid;
@@ -84,7 +86,10 @@ fn simulated(path: &Path, out: Option<&Path>, quiet: bool) -> Result<Summary> {
 
 fn solve(simulation: Simulation) -> Result<Summary> {
     match (&simulation.case.statics, &simulation.case.dynamic) {
-        (Some(set), _) => statics::solve(set, simulation),
+        (Some(set), _) => match set.arc_length {
+            Some(arc_length) => path::solve(set, arc_length, simulation),
+            None => statics::solve(set, simulation),
+        },
         (None, Some(set)) => dynamics::solve(set, simulation),
         (None, None) => {
             Err(Diagnostic::new("nothing is asked for", "a case has [static] or [dynamic]", "add one of them"))

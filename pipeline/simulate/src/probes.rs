@@ -2,7 +2,7 @@
 //!
 //! `level` or `time_s`; for each node and marker its place (`tip_x_m`, …) and its displacement (`tip_ux_m`, …); for each
 //! chamber of the case `left_volume_m3` (both halves of one that the plane of symmetry cuts) and `left_pressure_pa` above
-//! ambient. Rows are on the disk as soon as they are written.
+//! ambient; along a path its stability. Rows are on the disk as soon as they are written.
 
 use std::fs::File;
 use std::io::Write;
@@ -64,6 +64,8 @@ pub(super) struct Solved<'a> {
     pub displacement: &'a [f64],
     /// One a chamber of the mesh, Pa.
     pub pressures: &'a [Pascal],
+    /// Of a path: the number of negative eigenvalues of the tangent, and the eigenvalue nearest to zero, N/m.
+    pub stability: Option<(usize, f64)>,
 }
 
 /// The table of a case.
@@ -88,6 +90,9 @@ impl Table {
             let name = chamber.name.clone().unwrap_or_else(|| format!("chamber_{i}"));
             head.extend([format!("{name}_volume_m3"), format!("{name}_pressure_pa")]);
         }
+        if case.statics.as_ref().is_some_and(|set| set.arc_length.is_some()) {
+            head.extend(["negative_eigenvalues", "eigenvalue_n_per_m"].map(str::to_owned));
+        }
         let path = folder.join(format!("{stem}.csv"));
         let file = File::create(&path).map_err(|e| cannot_write(&path, &e))?;
         let mut table = Self { file, path, probes };
@@ -100,7 +105,7 @@ impl Table {
     /// # Errors
     /// A [`Diagnostic`] when the file cannot be written.
     pub fn row(&mut self, body: &Body, solver: &Solver, solved: &Solved) -> Result<()> {
-        let Solved { at, displacement, pressures } = *solved;
+        let Solved { at, displacement, pressures, stability } = *solved;
         let nodes = body.solid.nodes();
         let moved = |node: usize| [0, 1, 2].map(|k| displacement[3 * node + k]);
         let mut row = vec![at];
@@ -114,6 +119,7 @@ impl Table {
             row.push(halves * body.system.chamber_volume(number, displacement));
             row.push(solver.chamber_pressure(number, displacement, pressures)?);
         }
+        row.extend(stability.into_iter().flat_map(|(negative, nearest)| [negative as f64, nearest]));
         let words: Vec<String> = row.iter().map(|value| format!("{value:.9e}")).collect();
         self.line(&words.join(","))
     }

@@ -27,7 +27,7 @@ pub(super) fn solve(set: &Static, mut simulation: Simulation) -> Result<Summary>
         let found = solver.equilibrium(&pressures, near, &settings);
         let found = found.map_err(|lost| simulation.keep_last(&solver, lost, level, start.take()))?;
         iterations += found.iterations;
-        let solved = Solved { at: level, displacement: &found.displacement, pressures: &pressures };
+        let solved = Solved { at: level, displacement: &found.displacement, pressures: &pressures, stability: None };
         simulation.written.table.row(body, &solver, &solved)?;
         if frame_every > 0 && (number + 1) % frame_every == 0 {
             let name = simulation.written.frames.next_name();
@@ -47,7 +47,7 @@ struct Converged {
 }
 
 fn frame<'a>(displacement: &'a [f64], solver: &'a Solver) -> Frame<'a> {
-    Frame { displacement, velocity: None, properties: solver.properties() }
+    Frame { displacement, velocity: None, mode: None, properties: solver.properties() }
 }
 
 fn said(level: f64, found: &Equilibrium) -> String {

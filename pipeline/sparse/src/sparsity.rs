@@ -26,7 +26,7 @@ pub struct LowerTriangle<'a> {
 
 impl LowerTriangle<'_> {
     /// K x, in elimination order.
-    pub fn multiplied(&self, x: &[f64]) -> Vec<f64> {
+    pub(crate) fn multiplied(&self, x: &[f64]) -> Vec<f64> {
         let mut y = vec![0.0; x.len()];
         multiply(self, x, &mut y);
         y

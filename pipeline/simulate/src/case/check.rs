@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use lab::range::{Checked, violation, within};
 
-use super::{Case, Chamber, Dynamic, History, Load, Mass, Output, Place, Region, Source, Static, Wave};
+use super::{ArcLength, Case, Chamber, Dynamic, History, Load, Mass, Output, Place, Region, Source, Static, Wave};
 
 /// Largest pressure, Pa.
 const PRESSURE: f64 = 1e8;
@@ -27,6 +27,7 @@ pub(super) fn case(case: &Case) -> Checked {
     each("mass", &case.mass, mass)?;
     only("static", case.statics.is_some() != case.dynamic.is_some(), "a case has either [static] or [dynamic]")?;
     case.statics.as_ref().map_or(Ok(()), statics)?;
+    case.statics.as_ref().map_or(Ok(()), |set| set.arc_length.map_or(Ok(()), |path| arc_length(case, set, path)))?;
     case.dynamic.as_ref().map_or(Ok(()), dynamic)?;
     output(&case.output)?;
     names(case)
@@ -179,6 +180,28 @@ fn statics(set: &Static) -> Checked {
     set.levels.iter().try_for_each(|level| within("static.levels", *level, -1e3..=1e3, ""))?;
     within("static.load_steps", set.load_steps as f64, 1.0..=1e4, "")?;
     within("static.tolerance", set.tolerance, 1e-13..=1e-2, "of the size")
+}
+
+/// A path follows loads that grow in proportion, from none to the last level.
+fn arc_length(case: &Case, set: &Static, path: ArcLength) -> Checked {
+    within("static.arc_length.max_step", path.max_step, 1e-6..=0.5, "of the size")?;
+    within("static.arc_length.max_steps", path.max_steps as f64, 1.0..=1e5, "steps")?;
+    let rising = set.levels[0] > 0.0 && set.levels.windows(2).all(|pair| pair[0] < pair[1]);
+    only("static.levels", rising, "with arc_length the levels rise from above 0: the path ends at the last one")?;
+    each("chamber", &case.chamber, |key, chamber| {
+        let plain = matches!(chamber.pressure, History::Constant(_));
+        only(
+            &format!("{key}.pressure"),
+            plain,
+            "with arc_length a pressure is a plain number, multiplied by the level",
+        )?;
+        let fed = chamber.sealed_in.is_none();
+        only(
+            &format!("{key}.sealed_in"),
+            fed,
+            "with arc_length chambers are fed: the pressure is what the path follows",
+        )
+    })
 }
 
 fn dynamic(set: &Dynamic) -> Checked {

@@ -15,7 +15,7 @@ pub use history::{History, Wave};
 pub use lab::place::{Block, Place, Plane};
 pub use loads::{Chamber, Load, Mass};
 pub use read::{parse, read};
-pub use solve::{Dynamic, Marker, Node, Output, Scheme, Start, Static, Steps};
+pub use solve::{ArcLength, BranchRule, Dynamic, Marker, Node, Output, Scheme, Start, Static, Steps};
 
 /// The keys of a case, as an example.
 const KEYS: &str = include_str!("keys.txt");

@@ -16,6 +16,50 @@ pub struct Static {
     /// Tolerance: the last Newton step moves no node by more than this fraction of the body's size.
     #[serde(default = "fine")]
     pub tolerance: f64,
+    /// The path from rest to the last level is followed through limit points and bifurcations; without it each level is
+    /// solved for by itself.
+    pub arc_length: Option<ArcLength>,
+}
+
+/// Path following by the arc-length method.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ArcLength {
+    /// Which branch is followed from a bifurcation.
+    pub branch: BranchRule,
+    /// Longest step: root mean square displacement over the body's size.
+    pub max_step: f64,
+    /// Steps at most.
+    pub max_steps: usize,
+}
+
+impl Default for ArcLength {
+    fn default() -> Self {
+        let of = continuation::PathSettings::default();
+        Self { branch: BranchRule::AlongMode, max_step: of.max_step, max_steps: of.max_steps }
+    }
+}
+
+/// Which branch is followed from a bifurcation at which stability is lost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BranchRule {
+    /// The unstable one on which it was found.
+    Primary,
+    /// The secondary one on the side to which the mode's largest displacement is positive.
+    AlongMode,
+    /// The secondary one on the other side.
+    AgainstMode,
+}
+
+impl From<BranchRule> for continuation::Branch {
+    fn from(branch: BranchRule) -> Self {
+        match branch {
+            BranchRule::Primary => Self::Primary,
+            BranchRule::AlongMode => Self::AlongMode,
+            BranchRule::AgainstMode => Self::AgainstMode,
+        }
+    }
 }
 
 /// `[dynamic]`: a motion.

@@ -1,0 +1,214 @@
+//! The path of equilibria from rest to the last level, by the arc-length method of `continuation`.
+//!
+//! A row of the table for each point, and `<case>_critical.json` with the critical points; both are on the disk as soon
+//! as they are found.
+
+use std::path::PathBuf;
+
+use continuation::{
+    BodyLoad, BodyProblem, CriticalKind, CriticalPoint, DofMap, Path, PathEnd, PathEvent, PathPoint, PathSettings,
+    follow,
+};
+use fem::{Solver, StaticSettings};
+use serde::Serialize;
+use si::vec3::{norm, scale};
+use si::{Pascal, Point3};
+
+use crate::case::{ArcLength, Static};
+use crate::frames::Frame;
+use crate::probes::Solved;
+use crate::{Simulation, Summary, cannot_write};
+use diagnostics::{Diagnostic, Result};
+
+/// Follows the path.
+///
+/// # Errors
+/// A [`Diagnostic`] when the path cannot be begun, or does not reach the last level; the points up to there are then
+/// written.
+pub(super) fn solve(set: &Static, arc_length: ArcLength, simulation: Simulation) -> Result<Summary> {
+    let Simulation { case, body, .. } = simulation;
+    let (mut solver, mut rest) = (body.solver(case)?, None);
+    if case.gravity != [0.0; 3] {
+        solver.set_forces(&[])?;
+        let without = body.pressures(case, |_| 0.0);
+        rest = Some(solver.equilibrium(&without, None, &StaticSettings::default())?.displacement);
+    }
+    let pressures = body.pressures(case, |chamber| chamber.pressure.at_level(1.0));
+    let load = BodyLoad { pressures: pressures.clone(), forces: body.forces.clone() };
+    let mut problem = BodyProblem::new(&body.system, body.solver(case)?, load)?;
+    if let Some(rest) = rest {
+        problem = problem.starting_at(&rest);
+    }
+    let mut report = PathReport {
+        dof_map: problem.dof_map().clone(),
+        solver,
+        pressures,
+        critical: Vec::new(),
+        points: 0,
+        iterations: 0,
+        failed: None,
+        simulation,
+    };
+    report.write_critical()?;
+    let followed = follow(&mut problem, &settings(set, arc_length), &mut |event| report.observe(event));
+    report.finished(followed, set)
+}
+
+fn settings(set: &Static, arc_length: ArcLength) -> PathSettings {
+    let last = set.levels[set.levels.len() - 1];
+    PathSettings {
+        load_factors: [0.0, last],
+        levels: set.levels.clone(),
+        first_step: 1.0 / set.load_steps as f64,
+        max_step: arc_length.max_step,
+        max_steps: arc_length.max_steps,
+        tolerance: set.tolerance,
+        branch: arc_length.branch.into(),
+        ..PathSettings::default()
+    }
+}
+
+/// A critical point as it is written.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct Critical {
+    kind: &'static str,
+    level: f64,
+    /// By chamber of the case, Pa above ambient.
+    pressures_pa: Vec<Pascal>,
+    /// The node that moves most in the mode, at rest.
+    place_m: Point3,
+    /// Its displacement at the critical point.
+    displacement_m: Point3,
+    /// Its direction in the mode, of length 1.
+    direction: Point3,
+    multiplicity: usize,
+    load_along_mode: f64,
+    negative_eigenvalues: [usize; 2],
+    frame: String,
+}
+
+/// The path's output.
+struct PathReport<'a> {
+    simulation: Simulation<'a>,
+    dof_map: DofMap,
+    /// For volumes and properties.
+    solver: Solver,
+    /// At level 1, Pa.
+    pressures: Vec<Pascal>,
+    critical: Vec<Critical>,
+    points: usize,
+    iterations: usize,
+    /// The first failure to write.
+    failed: Option<Diagnostic>,
+}
+
+impl PathReport<'_> {
+    fn observe(&mut self, event: PathEvent) {
+        if self.failed.is_none() {
+            self.failed = match event {
+                PathEvent::Point(point) => self.point(point).err(),
+                PathEvent::Critical(point) => self.critical(point).err(),
+            };
+        }
+    }
+
+    fn point(&mut self, point: &PathPoint) -> Result<()> {
+        let displacement = self.dof_map.full(&point.displacement);
+        let pressures = self.pressures_at(point.load_factor);
+        let stability = Some((point.negative_eigenvalues, point.eigenvalue));
+        let solved = Solved { at: point.load_factor, displacement: &displacement, pressures: &pressures, stability };
+        let Simulation { case, body, written, console } = &mut self.simulation;
+        written.table.row(body, &self.solver, &solved)?;
+        let every = case.output.vtu_every.unwrap_or(1);
+        self.points += 1;
+        self.iterations += point.iterations;
+        if every > 0 && self.points.is_multiple_of(every) {
+            let frame =
+                Frame { displacement: &displacement, velocity: None, mode: None, properties: self.solver.properties() };
+            written.frames.write(&written.frames.next_name(), point.load_factor, body, &frame)?;
+        }
+        console.line(&said(point));
+        Ok(())
+    }
+
+    fn critical(&mut self, point: &CriticalPoint) -> Result<()> {
+        let (displacement, mode) = (self.dof_map.full(&point.displacement), self.dof_map.full(&point.mode));
+        let name = format!("critical_{:04}.vtu", self.critical.len());
+        let properties = self.solver.properties();
+        let frame = Frame { displacement: &displacement, velocity: None, mode: Some(&mode), properties };
+        let Simulation { body, written, .. } = &mut self.simulation;
+        written.frames.write(&name, point.load_factor, body, &frame)?;
+        let node = self.dof_map.largest_node(&point.mode);
+        let at = |list: &[f64]| [0, 1, 2].map(|axis| list[3 * node + axis]);
+        let pressures = self.pressures_at(point.load_factor);
+        let body = self.simulation.body;
+        let found = Critical {
+            kind: if point.kind == CriticalKind::LimitPoint { "limit_point" } else { "bifurcation" },
+            level: point.load_factor,
+            pressures_pa: body.numbers.iter().map(|&number| pressures[number]).collect(),
+            place_m: body.solid.nodes()[node],
+            displacement_m: at(&displacement),
+            direction: scale(at(&mode), 1.0 / norm(at(&mode))),
+            multiplicity: point.multiplicity,
+            load_along_mode: point.load_along_mode,
+            negative_eigenvalues: point.negative_eigenvalues,
+            frame: name,
+        };
+        self.simulation.console.line(&found.to_string());
+        self.critical.push(found);
+        self.write_critical()
+    }
+
+    fn pressures_at(&self, level: f64) -> Vec<Pascal> {
+        self.pressures.iter().map(|pressure| level * pressure).collect()
+    }
+
+    fn file(&self) -> PathBuf {
+        self.simulation.written.frames.beside(&format!("{}_critical.json", self.simulation.console.stem))
+    }
+
+    fn write_critical(&self) -> Result<()> {
+        let text = serde_json::to_string_pretty(&self.critical)? + "\n";
+        std::fs::write(self.file(), text).map_err(|e| cannot_write(&self.file(), &e))
+    }
+
+    fn finished(
+        self,
+        followed: std::result::Result<Path, continuation::ContinuationError>,
+        set: &Static,
+    ) -> Result<Summary> {
+        if let Some(failed) = self.failed {
+            return Err(failed);
+        }
+        let path = followed?;
+        if path.end == PathEnd::StepLimit {
+            let last = set.levels[set.levels.len() - 1];
+            return Err(Diagnostic::new(
+                format!("the path does not reach level {last}"),
+                format!("it took {} steps; the limit is [static] arc_length.max_steps", path.steps),
+                "raise max_steps or max_step; a branch that falls back to a lower level may never reach it",
+            ));
+        }
+        let (solved, iterations) = (self.points, Some(self.iterations));
+        Ok(Summary { dofs: 0, solved, iterations, folder: Default::default() })
+    }
+}
+
+fn said(point: &PathPoint) -> String {
+    let PathPoint { load_factor, negative_eigenvalues, eigenvalue, iterations, .. } = point;
+    let stability = match negative_eigenvalues {
+        0 => "stable".to_owned(),
+        count => format!("unstable ({count} negative eigenvalues)"),
+    };
+    format!(
+        "level {load_factor:.6}: {stability}, eigenvalue nearest to zero {eigenvalue:.3e} N/m, {iterations} iterations"
+    )
+}
+
+impl std::fmt::Display for Critical {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let [x, y, z] = self.place_m.map(|at| 1e3 * at);
+        let kind = self.kind.replace('_', " ");
+        write!(out, "level {:.6}: {kind}; the mode is largest at ({x:.3}, {y:.3}, {z:.3}) mm", self.level)
+    }
+}

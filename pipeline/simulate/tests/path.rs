@@ -1,0 +1,128 @@
+//! Paths by the arc-length method, end to end: a column that buckles, a finger that does not, and refused input.
+//!
+//! Each test writes into a folder of its own below cargo's folder for tests.
+
+#![allow(clippy::unwrap_used)]
+
+use std::path::{Path, PathBuf};
+
+use simulate::{Summary, run};
+
+fn here(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+fn example(name: &str) -> String {
+    std::fs::read_to_string(here("examples").join(name)).unwrap()
+}
+
+/// A folder of one test, empty.
+fn folder(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// Runs the text of a case in a folder of its own, with its mesh named where it lies.
+fn solve(test: &str, case: &str) -> Result<(Summary, Table), String> {
+    let folder = folder(test);
+    let name = |file: &str| format!("file = \"{}\"", here(file).display());
+    let case = case
+        .replace("file = \"cantilever.msh\"", &name("examples/cantilever.msh"))
+        .replace("file = \"finger.msh\"", &name("examples/finger.msh"));
+    std::fs::write(folder.join("case.toml"), case).unwrap();
+    let summary = run(&folder.join("case.toml"), None, true).map_err(|diagnostic| diagnostic.to_string())?;
+    Ok((summary, Table::read(&folder.join("case.out/case.csv"))))
+}
+
+/// A table of numbers with names.
+struct Table {
+    names: Vec<String>,
+    rows: Vec<Vec<f64>>,
+}
+
+impl Table {
+    fn read(path: &Path) -> Self {
+        let text = std::fs::read_to_string(path).unwrap();
+        let mut lines = text.lines();
+        let names = lines.next().unwrap().split(',').map(str::to_owned).collect();
+        Self { names, rows: lines.map(|line| line.split(',').map(|word| word.parse().unwrap()).collect()).collect() }
+    }
+
+    fn column(&self, name: &str) -> Vec<f64> {
+        let place =
+            self.names.iter().position(|known| known == name).unwrap_or_else(|| panic!("{name} in {:?}", self.names));
+        self.rows.iter().map(|row| row[place]).collect()
+    }
+}
+
+#[track_caller]
+fn assert_near(found: f64, expected: f64, part: f64) {
+    assert!((found / expected - 1.0).abs() < part, "{found:e} where {expected:e} was expected");
+}
+
+#[test]
+fn a_column_is_followed_through_its_bifurcation() {
+    let (summary, table) = solve("column", &example("column.toml")).unwrap();
+    let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("column/case.out");
+    let text = std::fs::read_to_string(out.join("case_critical.json")).unwrap();
+    let critical: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let [found] = &critical.as_array().unwrap()[..] else { panic!("one critical point: {text}") };
+    assert_eq!(found["kind"], "bifurcation");
+    assert_eq!(found["negative_eigenvalues"], serde_json::json!([0, 1]));
+    // the clamp holds the section's width too
+    assert_near(found["level"].as_f64().unwrap(), 1.0, 0.01);
+    assert_eq!((found["place_m"][0].as_f64(), found["frame"].as_str()), (Some(0.1), Some("critical_0000.vtu")));
+    assert!(std::fs::read_to_string(out.join("critical_0000.vtu")).unwrap().contains("Name=\"mode\""));
+    assert!(std::fs::read_to_string(out.join("case.pvd")).unwrap().contains("critical_0000.vtu"));
+    // The elastica under 1.1 times Euler's load moves its end by 0.485 of the length.
+    let (level, tip) = (table.column("level"), table.column("tip_uz_m"));
+    assert_eq!((level.len(), level[level.len() - 1]), (summary.solved, 1.1));
+    assert_near(tip[tip.len() - 1], -0.0485, 0.02);
+    assert!(table.column("negative_eigenvalues").iter().all(|count| *count == 0.0));
+    let nearest = table.column("eigenvalue_n_per_m");
+    assert!(nearest.iter().all(|value| *value > 0.0) && nearest[1] < nearest[0], "{nearest:?}");
+}
+
+#[test]
+fn a_path_without_critical_points_passes_the_equilibria_of_its_levels() {
+    let case =
+        example("finger.toml").replace("\"quadratic\"", "\"linear\"").replace("0.25, 0.5, 0.75, 1.0", "0.5, 1.0");
+    let (_, stepped) = solve("levels", &case).unwrap();
+    let (_, path) = solve("path", &case.replace("[output]", "arc_length = {}\n[output]")).unwrap();
+    let (level, tip) = (path.column("level"), path.column("tip_uy_m"));
+    for (wanted, exact) in [0.5, 1.0].into_iter().zip(stepped.column("tip_uy_m")) {
+        let row = level.iter().position(|at| *at == wanted).unwrap();
+        assert_near(tip[row], exact, 1e-7);
+    }
+    let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("path/case.out");
+    assert_eq!(std::fs::read_to_string(out.join("case_critical.json")).unwrap(), "[]\n");
+}
+
+#[test]
+fn a_path_that_needs_more_steps_keeps_its_points_and_says_so() {
+    let short = example("column.toml").replace("\"against_mode\"", "\"against_mode\", max_steps = 2");
+    let said = solve("path_steps", &short).map(|_| ()).unwrap_err();
+    assert!(said.contains("the path does not reach level 1.1") && said.contains("it took 2 steps"), "{said}");
+    let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("path_steps/case.out");
+    assert_eq!(Table::read(&out.join("case.csv")).rows.len(), 3);
+}
+
+#[test]
+fn a_path_is_refused_where_its_load_does_not_grow_in_proportion() {
+    let path = "arc_length = {}\n[output]";
+    let finger = example("finger.toml").replace("[output]", path);
+    let tries = [
+        (finger.replace("0.25, 0.5", "0.5, 0.25"), "with arc_length the levels rise from above 0"),
+        (finger.replace("pressure = 8.0e3", "pressure = { ramp = { to = 8e3, seconds = 1 } }"), "is a plain number"),
+        (finger.replace("pressure = 8.0e3", "pressure = 8e3\nsealed_in = 101325.0"), "chambers are fed"),
+        (finger.replace("pressure = 8.0e3", "pressure = 0.0"), "the load moves nothing"),
+        (finger.replace("arc_length = {}", "arc_length = { max_step = 2.0 }"), "static.arc_length.max_step = 2"),
+        (finger.replace("arc_length = {}", "arc_length = { branch = \"left\" }"), "unknown variant `left`"),
+    ];
+    for (case, expected) in tries {
+        let said = solve("path_refused", &case).map(|_| ()).unwrap_err();
+        assert!(said.contains(expected) && said.contains("do:"), "{expected}: {said}");
+    }
+}
