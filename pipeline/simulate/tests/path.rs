@@ -86,9 +86,10 @@ fn a_column_is_followed_through_its_bifurcation() {
 }
 
 #[test]
-fn a_path_without_critical_points_passes_the_equilibria_of_its_levels() {
+fn a_path_without_critical_points_passes_the_equilibria_of_its_levels_under_gravity() {
     let case =
         example("finger.toml").replace("\"quadratic\"", "\"linear\"").replace("0.25, 0.5, 0.75, 1.0", "0.5, 1.0");
+    let case = format!("gravity = [0.0, -9.81, 0.0]\n{case}");
     let (_, stepped) = solve("levels", &case).unwrap();
     let (_, path) = solve("path", &case.replace("[output]", "arc_length = {}\n[output]")).unwrap();
     let (level, tip) = (path.column("level"), path.column("tip_uy_m"));
@@ -96,6 +97,7 @@ fn a_path_without_critical_points_passes_the_equilibria_of_its_levels() {
         let row = level.iter().position(|at| *at == wanted).unwrap();
         assert_near(tip[row], exact, 1e-7);
     }
+    assert!(level[0] == 0.0 && tip[0] < -1e-4, "it begins bent by its weight: {}", tip[0]);
     let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("path/case.out");
     assert_eq!(std::fs::read_to_string(out.join("case_critical.json")).unwrap(), "[]\n");
 }
