@@ -47,6 +47,7 @@ impl Corrector<'_> {
         let mut step = f64::INFINITY;
         for iterations in 1..=MAX_ITERATIONS {
             let from = previous.as_deref().filter(|_| step > EXACT_BELOW * self.problem.size());
+            let is_exact = from.is_none();
             let newton = self.newton_step(&at, from, &constraint)?;
             step = sparse::max_abs(&newton.du);
             if step > MAX_NEWTON_STEP * self.problem.size() {
@@ -54,7 +55,8 @@ impl Corrector<'_> {
             }
             let next = self.moved(&at, &newton).ok_or(StepFailure::NotDefined)?;
             previous = Some(std::mem::replace(&mut at, next).u);
-            if step <= self.tolerance {
+            // The inertia of an approximate tangent is not that of the path.
+            if step <= self.tolerance && is_exact {
                 let pairs = self.subspace.refine(&mut |x| self.problem.solve(x), accuracy);
                 let (Iterate { u, load_factor, .. }, Newton { by_load, negative, .. }) = (at, newton);
                 return Ok(Sample { u, load_factor, by_load, negative, pairs, iterations });

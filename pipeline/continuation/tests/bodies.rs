@@ -104,3 +104,27 @@ fn a_load_that_moves_nothing_and_a_sealed_chamber_are_refused() {
     let wrong = BodyLoad { pressures: vec![1e3, 2e3], forces: Vec::new() };
     assert!(matches!(BodyProblem::new(&system, system.solver(), wrong), Err(ContinuationError::Solver(_))));
 }
+
+#[test]
+fn a_stiff_sheet_in_large_rotation_keeps_a_stable_path_even_where_one_iteration_suffices() {
+    // A strip of 100 × 10 × 0.5 mm under a load across it: the approximate tangent of a long step has other inertia.
+    let mesh = box_mesh::quadratic([0.1, 0.01, 5e-4], [16, 1, 1]);
+    let clamps = Clamps::below_x(&mesh, 1e-9);
+    let material = materials::by_name("neo_hookean").unwrap();
+    let end = mesh.nodes.iter().position(|at| *at == [0.1, 0.0, 0.0]).unwrap();
+    let mut forces = vec![0.0; 3 * mesh.nodes.len()];
+    forces[3 * end + 2] = 5e-3;
+    let system = System::new(mesh, vec![RegionProperties::elastic(material, 2e8, 0.3, 1070.0)], clamps).unwrap();
+    let load = BodyLoad { pressures: Vec::new(), forces };
+    let mut problem = BodyProblem::new(&system, system.solver(), load).unwrap();
+    let levels: Vec<f64> = (1..100).map(|n| 0.01 * f64::from(n)).collect();
+    let settings = PathSettings { levels, tolerance: 1e-4, ..Default::default() };
+    let mut counts = Vec::new();
+    let path = follow(&mut problem, &settings, &mut |event| {
+        if let PathEvent::Point(point) = event {
+            counts.push(point.negative_eigenvalues);
+        }
+    })
+    .unwrap();
+    assert!(path.critical.is_empty() && counts.iter().all(|count| *count == 0), "{counts:?}");
+}
