@@ -9,7 +9,7 @@ use study::Runner;
 use workflow::runner::Options;
 use workflow::settings::Profile;
 
-const OPTIONS: Options = Options { quiet: true, jobs: 1, keep_going: false, min_free_memory: 0.0 };
+const OPTIONS: Options = Options { quiet: true, jobs: Some(1), memory: None, keep_going: false, min_free_memory: 0.0 };
 
 /// A project with one small specimen, removed at the end.
 struct Project(PathBuf);

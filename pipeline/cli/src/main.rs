@@ -11,7 +11,7 @@ use workflow::runner::{Goal, Options};
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    match run(&cli) {
+    match threads(cli.place.threads).and_then(|()| run(&cli)) {
         Ok(true) if !output::failed() => ExitCode::SUCCESS,
         Ok(_) => ExitCode::FAILURE,
         Err(diagnostic) => {
@@ -22,6 +22,11 @@ fn main() -> ExitCode {
 }
 
 /// Runs the command; returns whether all of it succeeded.
+/// Sets the number of threads of all parallel loops.
+fn threads(number: Option<usize>) -> Result<()> {
+    Ok(number.map_or(Ok(()), |number| rayon::ThreadPoolBuilder::new().num_threads(number).build_global())?)
+}
+
 fn run(cli: &Cli) -> Result<bool> {
     let open = || open(&cli.place);
     match &cli.command {
@@ -49,6 +54,16 @@ fn run(cli: &Cli) -> Result<bool> {
             Ok(report(&diagnostics) & study::run(&runner, &goal, false)?.is_complete())
         }
         Command::Page => {
+        Command::Make { records } => {
+            let (runner, diagnostics) = open()?;
+            records.iter().try_for_each(|record| readable(&diagnostics, record.split('/').nth(1)))?;
+            Ok(runner.make(records)?.is_complete())
+        }
+        Command::Publish => {
+            let (runner, diagnostics) = open()?;
+            output::line(study::publish(&runner)?.display());
+            Ok(report(&diagnostics))
+        }
             let (runner, diagnostics) = open()?;
             output::line(study::page(&runner)?.display());
             Ok(report(&diagnostics))
@@ -134,8 +149,8 @@ fn calibration(asked: &CalibrateCamera) -> instruments::calibrate::Request {
 }
 
 fn open(place: &Place) -> Result<(Runner, Vec<Diagnostic>)> {
-    let Place { quiet, jobs, keep_going, min_free_memory, .. } = *place;
-    study::open(&place.root, place.profile.into(), Options { quiet, jobs, keep_going, min_free_memory })
+    let Place { quiet, jobs, memory, keep_going, min_free_memory, .. } = *place;
+    study::open(&place.root, place.profile.into(), Options { quiet, jobs, memory, keep_going, min_free_memory })
 }
 
 /// Holds that the card of a specimen that was asked for could be read: its own diagnostic says more than that there is no specimen.

@@ -31,13 +31,20 @@ pub struct Place {
     /// Print only diagnostics, warnings and the last line.
     #[arg(long, global = true)]
     pub quiet: bool,
-    /// Number of records made in parallel.
-    #[arg(long, global = true, default_value_t = 2, value_parser = count(1..=1024))]
-    pub jobs: usize,
+    /// Number of records made in parallel; as many as there are cores and as memory permits when not given.
+    #[arg(long, global = true, value_parser = count(1..=1024))]
+    pub jobs: Option<usize>,
+    /// Threads of the parallel loops of all records together; one a core when not given.
+    #[arg(long, global = true, value_parser = count(1..=1024))]
+    pub threads: Option<usize>,
+    /// Memory that the records made in parallel may use together, GiB; what is free at the start when not given. A record counts with the
+    /// peak that was measured of its stage.
+    #[arg(long, global = true, value_name = "GIB", value_parser = between(0.0, 1e6))]
+    pub memory: Option<f64>,
     /// After an error, make everything that does not depend on what failed.
     #[arg(long, global = true)]
     pub keep_going: bool,
-    /// Start no further record while less memory is free, GiB.
+    /// Start no further record while less memory is free, GiB; also what a record counts with before its stage was measured.
     #[arg(long, global = true, value_name = "GIB", default_value_t = study::MIN_FREE_MEMORY, value_parser = between(0.0, 1e6))]
     pub min_free_memory: f64,
 }
@@ -67,6 +74,15 @@ pub enum Command {
         #[arg(long)]
         fresh: bool,
     },
+    /// Make exactly the named records from what lies in the store, unless they are up to date: one record is one job of a workflow engine,
+    /// on any machine that shares the folder. A missing or stale input is an error that names the command which makes it.
+    Make {
+        /// Records by stage and subject, as in `study plan`: `mesh/NAME`, `track/NAME/TRIAL`, `findings/all`.
+        #[arg(required = true, value_name = "STAGE/SUBJECT")]
+        records: Vec<String>,
+    },
+    /// Write the numbers, the archive's description and the page of the existing records: after `study make`, which writes records alone.
+    Publish,
     /// Report for each record whether it would be kept or made, and why. Writes nothing except a requested drawing.
     Plan {
         /// Stages, figures or tables.

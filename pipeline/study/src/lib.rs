@@ -61,9 +61,18 @@ pub fn open(root: &Path, profile: Profile, options: Options) -> Result<(Runner, 
 /// Makes every stale record that the goal needs, then the numbers, the archive's description and the page.
 ///
 /// # Errors
-/// A [`Diagnostic`] when the goal is unknown, another run is in progress, or a file cannot be written.
+/// A [`Diagnostic`] when the goal is unknown or a file cannot be written.
 pub fn run(runner: &Runner, goal: &Goal, fresh: bool) -> Result<RunSummary> {
     runner.run(goal, fresh, &|runner| metrics_file::write(runner).and_then(|()| ro_crate::write(runner)))
+}
+
+/// Writes the numbers, the archive's description and the page of the existing records; returns the page's path.
+///
+/// # Errors
+/// A [`Diagnostic`] when a file cannot be written or a record is damaged.
+pub fn publish(runner: &Runner) -> Result<PathBuf> {
+    runner.publish(&|runner| metrics_file::write(runner).and_then(|()| ro_crate::write(runner)))?;
+    page(runner)
 }
 
 /// Compares the numbers of the last run with expectations and claims.

@@ -19,7 +19,7 @@ use workflow::settings::{Profile, Schema, Settings};
 
 const CARD: &str = include_str!("card.toml");
 const SETTINGS: &str = include_str!("../../../study.toml");
-const OPTIONS: Options = Options { quiet: true, jobs: 2, keep_going: true, min_free_memory: 0.0 };
+const OPTIONS: Options = Options { quiet: true, jobs: Some(2), memory: None, keep_going: true, min_free_memory: 0.0 };
 
 /// Real stages that a small recording feeds.
 const STAGES: &[Entry<Study>] = &[stage::<study::stages::mesh::Mesh>(), stage::<study::stages::track::Track>()];

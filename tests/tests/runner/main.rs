@@ -6,6 +6,7 @@
 mod faults;
 mod shown;
 mod small;
+mod side_by_side;
 
 use std::fs;
 
@@ -123,16 +124,6 @@ fn a_missing_recording_fails_its_stage_and_skips_its_readers() {
 }
 
 #[test]
-fn two_runs_at_once_are_kept_apart() {
-    let project = Project::new("lock");
-    project.run(SETTINGS);
-    let lock = fs::File::open(project.0.join("data/processed/.lock")).unwrap();
-    lock.lock().unwrap();
-    let diagnostic = study::run(&project.runner(SETTINGS), &Goal::default(), false).unwrap_err();
-    assert!(diagnostic.what.contains("another run is at work"), "{diagnostic}");
-}
-
-#[test]
 fn fresh_makes_the_named_stage_again_and_only_that() {
     let project = Project::new("fresh");
     project.run(SETTINGS);
@@ -152,7 +143,7 @@ fn an_unknown_goal_is_refused_with_what_there_is() {
 fn without_leave_to_keep_going_a_fault_ends_the_run_and_what_was_made_is_kept() {
     let project = Project::new("stopping");
     let mut runner = project.runner(&SETTINGS.replace("[letters]\nstep = 1", "[letters]\nstep = 0"));
-    (runner.options.keep_going, runner.options.jobs) = (false, 1);
+    (runner.options.keep_going, runner.options.jobs) = (false, Some(1));
     assert_eq!(study::run(&runner, &Goal::default(), false).unwrap(), summary(0, 0, 1, 2));
     assert_eq!(project.run(SETTINGS), summary(3, 0, 0, 0));
 }

@@ -1,7 +1,9 @@
 //! A study of three small stages in a project of its own: text becomes its length, a length its half, nothing a number.
 
 use std::fs;
+use std::io::Write;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use diagnostics::{Diagnostic, Result};
 use serde::{Deserialize, Serialize};
@@ -53,6 +55,17 @@ impl Part<Specimen> for Length {
     }
 }
 
+/// Names a file in which each stage that begins writes its name.
+pub const BEGUN: &str = "STAGES_THAT_HAVE_BEGUN";
+
+/// Writes down that a stage begins, and takes some time, so that other processes meet it.
+fn begin(stage: &str) {
+    let Some(file) = std::env::var_os(BEGUN) else { return };
+    let mut file = fs::File::options().create(true).append(true).open(file).unwrap();
+    file.write_all(format!("{stage}\n").as_bytes()).unwrap();
+    std::thread::sleep(Duration::from_millis(30));
+}
+
 struct CountLetters;
 impl Stage for CountLetters {
     type Settings = Step;
@@ -65,6 +78,7 @@ impl Stage for CountLetters {
         vec![RawFile::new("text", &of.card.name, "cad/body.stl")]
     }
     fn run(_: &Length, set: &Step, (): (), context: &dyn StageContext) -> Result<Letters> {
+        begin("letters");
         Ok(Letters(context.bytes("text")?.len() / set.step))
     }
 }
@@ -78,6 +92,7 @@ impl Stage for Halve {
     const DESCRIPTION: &'static str = "a length becomes its half";
     const VERSION: u32 = 1;
     fn run((): &(), set: &Step, letters: Letters, _: &dyn StageContext) -> Result<Halved> {
+        begin("halved");
         match set.step {
             13 => Err(Diagnostic::new("thirteen is not a step", "it brings bad luck", "choose another")),
             14 => panic!("fourteen breaks an assertion"),
@@ -95,6 +110,7 @@ impl Stage for StandAlone {
     const DESCRIPTION: &'static str = "nothing becomes a number";
     const VERSION: u32 = 1;
     fn run((): &(), set: &Step, (): (), _: &dyn StageContext) -> Result<Alone> {
+        begin("alone");
         Ok(Alone(set.step))
     }
 }
@@ -126,7 +142,7 @@ impl Project {
             settings: Settings::read(settings, Profile::Paper, SCHEMA).unwrap(),
             profile: Profile::Paper,
             folders: Folders::new(&self.0, Profile::Paper),
-            options: Options { quiet: true, jobs: 2, keep_going: true, min_free_memory: 0.0 },
+            options: Options { quiet: true, jobs: Some(2), memory: None, keep_going: true, min_free_memory: 0.0 },
         }
     }
 

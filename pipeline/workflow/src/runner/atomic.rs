@@ -22,8 +22,9 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
     if let Some(folder) = path.parent() {
         fs::create_dir_all(folder)?;
     }
+    // With the number of the process: two may write the same file, each with all of its bytes.
     let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(".unfinished");
+    name.push(format!(".{}.unfinished", std::process::id()));
     let unfinished = path.with_file_name(name);
     // Without the sync a power cut after the rename could leave an empty file under the final name.
     write_synced(&unfinished, bytes)?;

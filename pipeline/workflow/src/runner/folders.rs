@@ -5,6 +5,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::manifest;
 use crate::entry::Kind;
 use crate::needs::RecordId;
 use crate::settings::Profile;
@@ -26,6 +27,16 @@ impl Folders {
         Self { project: project.to_path_buf(), base }
     }
 
+    /// The project.
+    pub(crate) fn project(&self) -> &Path {
+        &self.project
+    }
+
+    /// The folder that holds all others of the profile.
+    pub(crate) fn base(&self) -> &Path {
+        &self.base
+    }
+
     /// Recordings.
     pub fn raw(&self) -> PathBuf {
         self.base.join("data").join("raw")
@@ -44,6 +55,11 @@ impl Folders {
     /// One record's folder.
     pub fn record(&self, id: &RecordId) -> PathBuf {
         id.subject.split('/').fold(self.processed().join(id.stage), |path, part| path.join(part)).join("record")
+    }
+
+    /// What a record was made from, and the hashes of its files.
+    pub(crate) fn manifest(&self, id: &RecordId) -> PathBuf {
+        self.record(id).join(manifest::FILE)
     }
 
     /// The picture of a record's error.
@@ -90,9 +106,24 @@ impl Folders {
         self.processed().join("ro-crate-metadata.json")
     }
 
-    /// Held by the one run that may write.
-    pub fn lock(&self) -> PathBuf {
-        self.processed().join(".lock")
+    /// Hashes of the files read for one record, written where it is made alone.
+    pub(crate) fn record_hashes(&self, id: &RecordId) -> PathBuf {
+        self.record(id).with_file_name("record.hashes.json")
+    }
+
+    /// Held by the process that makes a record.
+    pub(crate) fn record_lock(&self, id: &RecordId) -> PathBuf {
+        self.record(id).with_file_name("record.lock")
+    }
+
+    /// Held by the process that writes the files derived from all records.
+    pub(crate) fn publication_lock(&self) -> PathBuf {
+        self.processed().join("publication.lock")
+    }
+
+    /// The processes that hold locks.
+    pub(crate) fn lock_holders(&self) -> PathBuf {
+        self.processed().join(".holders")
     }
 
     /// The settings of both profiles.

@@ -86,8 +86,11 @@ fn needed<U>(all: &[Job<U>], goal: &Goal) -> BTreeSet<RecordId> {
         None => true,
     };
     let asked = |id: &RecordId| goal.entries.is_empty() || goal.entries.iter().any(|name| name == id.stage);
-    let mut needed: BTreeSet<RecordId> =
-        all.iter().map(|job| &job.id).filter(|id| asked(id) && of_group(id)).cloned().collect();
+    reached(all, all.iter().map(|job| &job.id).filter(|id| asked(id) && of_group(id)).cloned().collect())
+}
+
+/// These records and, going back through the list, everything that they read.
+pub(super) fn reached<U>(all: &[Job<U>], mut needed: BTreeSet<RecordId>) -> BTreeSet<RecordId> {
     for job in all.iter().rev() {
         if needed.contains(&job.id) {
             needed.extend(job.reads().iter().cloned());

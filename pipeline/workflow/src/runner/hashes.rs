@@ -12,6 +12,7 @@ use std::sync::Mutex;
 use std::time::UNIX_EPOCH;
 
 use diagnostics::input;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::atomic::write_atomically;
@@ -46,6 +47,13 @@ impl Hashes {
         Self { cached: written(place), ..Self::default() }
     }
 
+    /// The same with those written at other places.
+    pub(crate) fn and_cached<'a>(mut self, places: impl ParallelIterator<Item = PathBuf> + 'a) -> Self {
+        let further: Vec<_> = places.map(|place| written(&place)).collect();
+        self.cached.extend(further.into_iter().flatten());
+        self
+    }
+
     /// The hash of a file's bytes, as hexadecimal digits.
     ///
     /// # Errors
@@ -75,6 +83,16 @@ impl Hashes {
         all.append(&mut self.lock().clone());
         let text = serde_json::to_vec(&all).map_err(io::Error::other)?;
         write_atomically(place, &text)
+    }
+
+    /// Writes the hashes of these files alone. A process that is killed meanwhile leaves a part, which is read as nothing.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub(crate) fn write_of(&self, files: &[PathBuf], place: &Path) -> io::Result<()> {
+        let seen = self.lock();
+        let own: BTreeMap<_, _> = files.iter().filter_map(|file| seen.get_key_value(file)).collect();
+        fs::write(place, serde_json::to_vec(&own).map_err(io::Error::other)?)
     }
 
     fn known(&self, path: &Path, now: &Fingerprint) -> Option<String> {

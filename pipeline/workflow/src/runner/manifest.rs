@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use super::usage::Usage;
 use crate::entry::Product;
 use crate::metric::Metric;
 use crate::record::RecordFiles;
@@ -31,6 +32,9 @@ pub struct Manifest {
     pub summary: String,
     /// How long it took, s.
     pub seconds: f64,
+    /// When it was made, and what that used. Like the duration it differs from run to run and is no part of the content.
+    #[serde(default)]
+    pub usage: Usage,
     /// BLAKE3 of the manifest's own text with this field empty.
     pub seal: String,
 }
@@ -63,7 +67,7 @@ impl MadeFrom {
 
 impl Manifest {
     /// The manifest of a record that was just made, and its files.
-    pub fn of(made_from: MadeFrom, product: Product, seconds: f64) -> (Self, RecordFiles) {
+    pub(crate) fn of(made_from: MadeFrom, product: Product, seconds: f64, usage: Usage) -> (Self, RecordFiles) {
         let Product { files, metrics, summary } = product;
         let hash = |(name, bytes): (&str, &[u8])| (name.to_string(), blake3::hash(bytes).to_hex().to_string());
         let contents: BTreeMap<_, _> = files.contents().map(hash).collect();
@@ -74,7 +78,7 @@ impl Manifest {
         let hashes = contents.into_iter().chain(files.durations_files().map(hash)).collect();
         let content = content.finalize().to_hex().to_string();
         let (key, seal) = (made_from.key(), String::new());
-        (Self { key, content, made_from, files: hashes, metrics, summary, seconds, seal }, files)
+        (Self { key, content, made_from, files: hashes, metrics, summary, seconds, usage, seal }, files)
     }
 
     /// The text of the manifest with its seal, so that an altered metric or duration is found like an altered file.
@@ -122,7 +126,7 @@ mod tests {
             metrics: vec![Metric::new("a.b", 0.123_456_789_012_345_68, "m")],
             summary: "made".into(),
         };
-        Manifest::of(made_from, product, 1.5).0
+        Manifest::of(made_from, product, 1.5, Usage::default()).0
     }
 
     #[test]

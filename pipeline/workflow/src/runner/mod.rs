@@ -9,6 +9,7 @@ mod folders;
 mod graph;
 mod hashes;
 mod lock;
+mod make;
 mod manifest;
 mod memory;
 mod plan;
@@ -17,6 +18,7 @@ mod report;
 mod staleness;
 mod store;
 mod tree;
+mod usage;
 
 pub use atomic::write_atomically;
 pub use folders::Folders;
@@ -24,6 +26,7 @@ pub use graph::{Goal, Job};
 pub use manifest::{MadeFrom, Manifest};
 pub use plan::Share;
 pub use store::{Found, Store};
+pub use usage::{Measured, Usage};
 
 use std::collections::BTreeMap;
 
@@ -36,7 +39,10 @@ use crate::stage::{RawFile, StageContext};
 use crate::stage_graph::StageGraph;
 use crate::subject::Universe;
 use hashes::Hashes;
-use lock::Lock;
+use lock::{Attempt, Holder, Lock};
+use make::Task;
+use memory::Budget;
+use pool::Pool as Work;
 use report::Report;
 
 /// Everything that a run needs: lists of entries, the subjects, the settings, the folders.
@@ -60,8 +66,10 @@ pub struct Runner<U: 'static> {
 pub struct Options {
     /// Whether progress is left out.
     pub quiet: bool,
-    /// Number of records made in parallel.
-    pub jobs: usize,
+    /// Number of records made in parallel; without one, as many as there are cores.
+    pub jobs: Option<usize>,
+    /// Memory for all records in progress, GiB; without it, what is free when the run begins.
+    pub memory: Option<f64>,
     /// Whether a record that fails stops only those that need it, or the run.
     pub keep_going: bool,
     /// No further record is started while less memory is free, GiB.
@@ -82,28 +90,91 @@ pub struct RunSummary {
 }
 
 impl<U: Universe> Runner<U> {
-    /// Makes every stale record that the goal needs; with `fresh`, the goal's own records even when they are not stale.
+    /// Makes every stale record that the goal needs; with `fresh`, the goal's own records even when they are not stale. Other runs may make
+    /// records of the same project at the same time.
     ///
-    /// `publish` is called after the records are made and before the lock is released: it writes the files derived from all of them.
+    /// `publish` is called after the records are made: it writes the files derived from all of them, while no other run does.
     ///
     /// # Errors
-    /// A [`Diagnostic`] when the goal is unknown or another run is in progress. Records that fail are counted, not returned.
+    /// A [`Diagnostic`] when the goal is unknown or a file cannot be written. Records that fail are counted, not returned.
     pub fn run(&self, goal: &Goal, fresh: bool, publish: &dyn Fn(&Self) -> Result<()>) -> Result<RunSummary> {
-        let jobs = self.jobs_of(goal)?;
-        let _lock = Lock::take(&self.folders)?;
-        let report = Report::new(jobs.len(), self.options.quiet);
-        let hashes = Hashes::default();
-        let forced = |job: &Job<U>| fresh && is_named(goal, job);
-        let mut summary =
-            pool::Pool { runner: self, jobs: &jobs, forced: &forced, hashes: &hashes, report: &report }.run();
-        summary.skipped = jobs.len() - summary.made - summary.kept - summary.failed;
-        publish(self)?;
-        hashes.write(&self.folders.hashes()).map_err(|e| {
-            let what = format!("the hashes cannot be written to {}", self.folders.display(&self.folders.processed()));
-            Diagnostic::new(what, &e, "free some disk space and run again").caused_by(e)
-        })?;
+        let task = Task { jobs: self.jobs_of(goal)?, contents: BTreeMap::new() };
+        let finish = |work: &Work<'_, U>| {
+            let _lock = self.publication(work.holder)?;
+            publish(self)?;
+            work.hashes.write(&self.folders.hashes()).map_err(|e| self.without_hashes(e))
+        };
+        self.work(task, &|job| fresh && is_named(goal, job), &finish)
+    }
+
+    /// Makes exactly these records, named `stage/subject`, from what lies in the store, unless they are up to date. Nothing that is derived
+    /// from all records is written.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when there is no such record, or when one of those that it reads is missing or stale: the first is named with the
+    /// reason, and with the command that makes them.
+    pub fn make(&self, names: &[String]) -> Result<RunSummary> {
+        let task = make::task(self, self.jobs_of(&Goal::default())?, names)?;
+        let finish =
+            |work: &Work<'_, U>| make::write_hashes(self, work.jobs, work.hashes).map_err(|e| self.without_hashes(e));
+        self.work(task, &|_| false, &finish)
+    }
+
+    /// Makes the stale records of a task and those that are `forced`.
+    fn work(
+        &self,
+        task: Task<U>,
+        forced: &(dyn Fn(&Job<U>) -> bool + Sync),
+        finish: &dyn Fn(&Work<'_, U>) -> Result<()>,
+    ) -> Result<RunSummary> {
+        let Task { jobs, contents } = task;
+        let (holder, hashes) = (Holder::enter(&self.folders.lock_holders())?, Hashes::default());
+        let (report, budget) = (Report::new(jobs.len(), self.options.quiet), self.budget(&jobs));
+        let work = Work {
+            runner: self,
+            jobs: &jobs,
+            forced,
+            hashes: &hashes,
+            report: &report,
+            holder: &holder,
+            budget: &budget,
+        };
+        let summary = work.run(contents);
+        finish(&work)?;
         report.end(&summary.in_words());
         Ok(summary)
+    }
+
+    /// The memory that records in progress share, by the peaks of those that were measured.
+    fn budget(&self, jobs: &[Job<U>]) -> Budget {
+        let store = Store::new(&self.folders);
+        let peak = |job: &Job<U>| Some((job.id.stage, store.measured(&job.id)?.peak_memory?));
+        Budget::new(self.options.memory, self.options.min_free_memory, jobs.iter().filter_map(peak))
+    }
+
+    /// Writes the files derived from all records, while no other run does.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when a file cannot be written.
+    pub fn publish(&self, publish: &dyn Fn(&Self) -> Result<()>) -> Result<()> {
+        let holder = Holder::enter(&self.folders.lock_holders())?;
+        let _lock = self.publication(&holder)?;
+        publish(self)
+    }
+
+    /// Waits for the lock of the files derived from all records: they are written in seconds.
+    fn publication<'a>(&self, holder: &'a Holder) -> Result<Lock<'a>> {
+        loop {
+            match holder.ask(&self.folders.publication_lock())? {
+                Attempt::Held(lock) => return Ok(lock),
+                Attempt::Busy(_) => std::thread::sleep(pool::POLL),
+            }
+        }
+    }
+
+    fn without_hashes(&self, error: std::io::Error) -> Diagnostic {
+        let what = format!("the hashes cannot be written to {}", self.folders.display(&self.folders.processed()));
+        Diagnostic::new(what, &error, "free some disk space and run again").caused_by(error)
     }
 
     /// What a run would do, one line a record, without doing it.

@@ -15,7 +15,7 @@ use crate::subject::Universe;
 use diagnostics::{Diagnostic, Result};
 
 /// The action for one record.
-enum Action {
+pub(super) enum Action {
     Kept,
     Stale(Vec<String>),
     Waits(RecordId),
@@ -24,7 +24,7 @@ enum Action {
 
 /// One line a record, and a last line with the count.
 pub fn text<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> String {
-    let actions = actions(runner, jobs);
+    let actions = judge(runner, jobs).actions;
     let mut lines: Vec<String> = jobs.iter().zip(&actions).map(|(job, action)| line(job, action)).collect();
     let stale = actions.iter().filter(|action| !matches!(action, Action::Kept)).count();
     lines.push(format!("{} of {} records would be made", stale, jobs.len()));
@@ -33,14 +33,14 @@ pub fn text<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> String {
 
 /// The names of the records that would be made.
 pub fn stale<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> Vec<String> {
-    let actions = actions(runner, jobs);
+    let actions = judge(runner, jobs).actions;
     let stale = jobs.iter().zip(&actions).filter(|(_, action)| !matches!(action, Action::Kept));
     stale.map(|(job, _)| job.id.to_string()).collect()
 }
 
 /// The inputs of the records of one stage, and the differences that make them stale.
 pub fn why<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>], entry: &str) -> String {
-    let actions = actions(runner, jobs);
+    let actions = judge(runner, jobs).actions;
     let of_entry = jobs.iter().zip(&actions).filter(|(job, _)| job.id.stage == entry);
     of_entry
         .map(|(job, action)| format!("{}\n{}", line(job, action), history(runner, job)))
@@ -69,7 +69,7 @@ impl Share {
 /// The share of each stage.
 pub fn shares<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> BTreeMap<&'static str, Share> {
     let mut shares: BTreeMap<&'static str, Share> = BTreeMap::new();
-    for (job, action) in jobs.iter().zip(actions(runner, jobs)).filter(|(job, _)| job.entry.kind == Kind::Stage) {
+    for (job, action) in jobs.iter().zip(judge(runner, jobs).actions).filter(|(job, _)| job.entry.kind == Kind::Stage) {
         let share = shares.entry(job.id.stage).or_default();
         match action {
             Action::Kept => share.kept += 1,
@@ -79,10 +79,19 @@ pub fn shares<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> BTreeMap<&'st
     shares
 }
 
+/// What a run would do with each record, and the contents of those that exist.
+pub(super) struct Plan {
+    /// One action a record.
+    pub actions: Vec<Action>,
+    /// Of the records whose bytes are those that were written.
+    pub contents: BTreeMap<RecordId, String>,
+}
+
 /// Compares the inputs of all records with their manifests, in parallel. A record that reads a kept one takes its content from the
 /// disk; one that reads a record to be made waits.
-fn actions<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> Vec<Action> {
-    let hashes = Hashes::cached(&runner.folders.hashes());
+pub(super) fn judge<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> Plan {
+    let own = jobs.par_iter().map(|job| runner.folders.record_hashes(&job.id));
+    let hashes = Hashes::cached(&runner.folders.hashes()).and_cached(own);
     let store = Store::new(&runner.folders);
     let found: Vec<Found> = jobs.par_iter().map(|job| store.find_with(&job.id, &hashes)).collect();
     let whole = |(job, found): (&Job<U>, &Found)| Some((job.id.clone(), found.manifest()?.content.clone()));
@@ -97,7 +106,8 @@ fn actions<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> Vec<Action> {
         }
         action
     };
-    jobs.iter().zip(states).map(&mut settle).collect()
+    let actions = jobs.iter().zip(states).map(&mut settle).collect();
+    Plan { actions, contents }
 }
 
 fn action<U: Universe>(job: &Job<U>, state: Result<State>, changing: &BTreeSet<RecordId>) -> Action {
@@ -112,12 +122,18 @@ fn action<U: Universe>(job: &Job<U>, state: Result<State>, changing: &BTreeSet<R
 }
 
 fn line<U: Universe>(job: &Job<U>, action: &Action) -> String {
-    let name = format!("{:<16} {:<28}", job.id.stage, job.id.subject);
-    match action {
-        Action::Kept => format!("{name} kept"),
-        Action::Stale(reasons) => format!("{name} stale: {}", reasons.join("; ")),
-        Action::Waits(id) => format!("{name} stale: it reads {id}, which will be made"),
-        Action::Impossible(diagnostic) => format!("{name} cannot be made: {}", diagnostic.what),
+    format!("{:<16} {:<28} {}", job.id.stage, job.id.subject, action.in_words())
+}
+
+impl Action {
+    /// As a plan prints it.
+    pub fn in_words(&self) -> String {
+        match self {
+            Self::Kept => "kept".into(),
+            Self::Stale(reasons) => format!("stale: {}", reasons.join("; ")),
+            Self::Waits(id) => format!("stale: it reads {id}, which will be made"),
+            Self::Impossible(diagnostic) => format!("cannot be made: {}", diagnostic.what),
+        }
     }
 }
 

@@ -2,11 +2,15 @@
 //!
 //! A record that fails ends the run once those in progress are done, or, with `keep_going`, stops only those that need it. The
 //! products do not depend on the order in which workers finish. A second record waits while memory is short.
+//!
+//! A record is made under its lock, and whether it is stale is decided under the lock. One that another process is making is left to that
+//! process: others are begun first, and once it is done it is found up to date.
 
 use std::any::Any;
 use std::collections::{BTreeMap, BTreeSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 use diagnostics::{Diagnostic, Result};
 
@@ -14,15 +18,20 @@ use super::context::RunContext;
 use super::exhibit;
 use super::graph::Job;
 use super::hashes::Hashes;
+use super::lock::{Attempt, Holder, Lock, Process};
 use super::manifest::{MadeFrom, Manifest};
-use super::memory;
+use super::memory::Budget;
 use super::report::Report;
 use super::staleness::{State, made_from, state};
-use super::store::Store;
+use super::store::{KeyedReader, Store};
+use super::usage::Meter;
 use super::{RunSummary, Runner};
 use crate::needs::RecordId;
 use crate::stage::StageContext;
 use crate::subject::Universe;
+
+/// How often a record that another process is making is looked at.
+pub(crate) const POLL: Duration = Duration::from_millis(100);
 
 /// What all workers share.
 pub(crate) struct Pool<'a, U: 'static> {
@@ -36,13 +45,22 @@ pub(crate) struct Pool<'a, U: 'static> {
     pub hashes: &'a Hashes,
     /// Where progress goes.
     pub report: &'a Report,
+    /// Takes the locks of the records.
+    pub holder: &'a Holder,
+    /// The memory that records in progress share.
+    pub budget: &'a Budget,
 }
 
 /// The state of a run in progress.
 #[derive(Default)]
 struct Progress {
     waiting: BTreeSet<usize>,
+    /// Of those that wait, the ones that other processes were making, and when they are looked at again.
+    elsewhere: BTreeMap<usize, Instant>,
+    reported: BTreeSet<usize>,
     running: usize,
+    /// What those in progress are expected to need, GiB.
+    memory: f64,
     contents: BTreeMap<RecordId, String>,
     failed: BTreeSet<RecordId>,
     stopped: bool,
@@ -54,6 +72,7 @@ enum End {
     Made(String),
     Kept(String),
     Failed,
+    Elsewhere(Process),
 }
 
 /// One state under a lock, and the condition that it changed.
@@ -70,18 +89,27 @@ impl Shared {
 }
 
 impl<U: Universe> Pool<'_, U> {
-    /// Makes every stale job.
-    pub fn run(&self) -> RunSummary {
-        let progress = Mutex::new(Progress { waiting: (0..self.jobs.len()).collect(), ..Progress::default() });
+    /// Makes every stale job; `contents` are those of records that the jobs read and that are none of them.
+    pub fn run(&self, contents: BTreeMap<RecordId, String>) -> RunSummary {
+        let waiting = (0..self.jobs.len()).collect();
+        let progress = Mutex::new(Progress { waiting, contents, ..Progress::default() });
         let shared = Shared { progress, changed: Condvar::new() };
         // Scoped threads of their own, not rayon's: a worker blocks while it waits, and a blocked rayon thread would keep the stages'
         // own parallel loops from running.
         std::thread::scope(|scope| {
-            for _ in 0..self.runner.options.jobs.clamp(1, self.jobs.len().max(1)) {
+            for _ in 0..self.workers() {
                 scope.spawn(|| self.work(&shared));
             }
         });
-        shared.lock().summary
+        let mut summary = shared.lock().summary;
+        summary.skipped = self.jobs.len() - summary.made - summary.kept - summary.failed;
+        summary
+    }
+
+    /// One a core, unless another number is asked for. Their parallel loops share one pool of as many threads.
+    fn workers(&self) -> usize {
+        let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+        self.runner.options.jobs.unwrap_or_else(cores).clamp(1, self.jobs.len().max(1))
     }
 
     fn work(&self, shared: &Shared) {
@@ -89,6 +117,10 @@ impl<U: Universe> Pool<'_, U> {
             let job = &self.jobs[next];
             // A record is settled whatever happened to it: the other workers wait for that.
             let end = catch_unwind(AssertUnwindSafe(|| self.make(job, &contents))).unwrap_or(End::Failed);
+            if let End::Elsewhere(process) = end {
+                self.leave(shared, next, &process);
+                continue;
+            }
             let skipped = self.settle(shared, job, end);
             // Printing may block for as long as the reader likes, and so is done without the lock.
             skipped.iter().for_each(|(id, needs)| self.report.skipped(id, needs));
@@ -101,23 +133,40 @@ impl<U: Universe> Pool<'_, U> {
         loop {
             if let Some(next) = self.ready(&progress) {
                 progress.waiting.remove(&next);
+                progress.elsewhere.remove(&next);
                 progress.running += 1;
+                progress.memory += self.budget.expected(self.jobs[next].id.stage);
                 // The contents are copied so that the lock is free while the record is made.
                 return Some((next, progress.contents.clone()));
             }
             // Nothing can become ready once no record is in progress: what is left waits for one that was never made.
-            if progress.waiting.is_empty() || progress.stopped || progress.running == 0 {
+            let none_in_progress = progress.running == 0 && progress.elsewhere.is_empty();
+            if progress.waiting.is_empty() || progress.stopped || none_in_progress {
                 shared.changed.notify_all();
                 return None;
             }
-            progress = shared.changed.wait(progress).unwrap_or_else(PoisonError::into_inner);
+            progress = shared.changed.wait_timeout(progress, POLL).unwrap_or_else(PoisonError::into_inner).0;
+        }
+    }
+
+    /// Leaves a record to the process that is making it.
+    fn leave(&self, shared: &Shared, job: usize, process: &Process) {
+        let mut progress = shared.lock();
+        self.end(&mut progress, &self.jobs[job]);
+        progress.waiting.insert(job);
+        progress.elsewhere.insert(job, Instant::now() + POLL);
+        let first = progress.reported.insert(job);
+        shared.changed.notify_all();
+        drop(progress);
+        if first {
+            self.report.elsewhere(&self.jobs[job].id, process);
         }
     }
 
     /// Enters the result of a record; returns the records that cannot be made because of it, each with one that it reads.
     fn settle(&self, shared: &Shared, job: &Job<U>, end: End) -> Vec<(RecordId, RecordId)> {
         let mut progress = shared.lock();
-        progress.running -= 1;
+        self.end(&mut progress, job);
         progress.stopped |= matches!(end, End::Failed) && !self.runner.options.keep_going;
         progress.settle(&job.id, end);
         let skipped = self.skip_dependents(&mut progress);
@@ -125,15 +174,22 @@ impl<U: Universe> Pool<'_, U> {
         skipped
     }
 
+    fn end(&self, progress: &mut Progress, job: &Job<U>) {
+        progress.running -= 1;
+        progress.memory -= self.budget.expected(job.id.stage);
+    }
+
     /// The next record that can be begun; none while another is in progress and memory is short.
     fn ready(&self, progress: &Progress) -> Option<usize> {
-        // The first record always begins: with nothing in progress no memory will be freed by waiting.
-        let short = || progress.running > 0 && !memory::is_free(self.runner.options.min_free_memory);
-        if progress.stopped || short() {
+        if progress.stopped {
             return None;
         }
         let available = |job: &Job<U>| job.reads().iter().all(|id| progress.contents.contains_key(id));
-        progress.waiting.iter().copied().find(|&i| available(&self.jobs[i]))
+        let due = |i: &usize| progress.elsewhere.get(i).is_none_or(|due| *due <= Instant::now());
+        let next = progress.waiting.iter().copied().filter(due).find(|&i| available(&self.jobs[i]))?;
+        // The first record always begins: with nothing in progress no memory will be freed by waiting.
+        let room = progress.running == 0 || self.budget.has_room(self.jobs[next].id.stage, progress.memory);
+        room.then_some(next)
     }
 
     fn skip_dependents(&self, progress: &mut Progress) -> Vec<(RecordId, RecordId)> {
@@ -174,31 +230,71 @@ impl<U: Universe> Pool<'_, U> {
     }
 
     fn keep_or_make(&self, job: &Job<U>, contents: &BTreeMap<RecordId, String>) -> Result<End> {
+        let path = self.runner.folders.record_lock(&job.id);
+        // Looked at before anything is read: hashing a film only to find that another process works on it would be repeated.
+        if path.exists()
+            && let Attempt::Busy(process) = self.holder.ask(&path)?
+        {
+            return Ok(End::Elsewhere(process));
+        }
         let now = made_from(self.runner, job, contents, self.hashes)?;
-        match state(self.runner, job, &now, self.hashes) {
+        if let Some(end) = self.keep(job, state(self.runner, job, &now, self.hashes))? {
+            return Ok(end);
+        }
+        match self.holder.ask(&path)? {
+            Attempt::Held(lock) => self.keep_or_make_under(&lock, (job, now), contents),
+            Attempt::Busy(process) => Ok(End::Elsewhere(process)),
+        }
+    }
+
+    fn keep(&self, job: &Job<U>, found: State) -> Result<Option<End>> {
+        match found {
             State::Kept(manifest) if !(self.forced)(job) => {
                 exhibit::write(self.runner, job, &manifest)?;
                 self.report.kept(&job.id);
-                return Ok(End::Kept(manifest.content));
+                Ok(Some(End::Kept(manifest.content)))
             }
-            State::Damaged(damage) => self.report.warn(&format!("record `{}` is made again: {damage}", job.id)),
-            _ => {}
+            _ => Ok(None),
         }
-        let manifest = self.make_record(job, now)?;
+    }
+
+    fn keep_or_make_under(
+        &self,
+        lock: &Lock<'_>,
+        (job, now): (&Job<U>, MadeFrom),
+        contents: &BTreeMap<RecordId, String>,
+    ) -> Result<End> {
+        lock.sweep();
+        // Another process may have made it since it was found stale.
+        let found = state(self.runner, job, &now, self.hashes);
+        if let State::Damaged(damage) = &found {
+            self.report.warn(&format!("record `{}` is made again: {damage}", job.id));
+        }
+        if let Some(end) = self.keep(job, found)? {
+            return Ok(end);
+        }
+        let manifest = self.make_record(lock, (job, now), contents)?;
         exhibit::write(self.runner, job, &manifest)?;
         self.report.made(&job.id, &manifest.summary, manifest.seconds);
         Ok(End::Made(manifest.content))
     }
 
-    fn make_record(&self, job: &Job<U>, now: MadeFrom) -> Result<Manifest> {
+    fn make_record(
+        &self,
+        lock: &Lock<'_>,
+        (job, now): (&Job<U>, MadeFrom),
+        contents: &BTreeMap<RecordId, String>,
+    ) -> Result<Manifest> {
         let runner = self.runner;
         let store = Store::new(&runner.folders);
+        let reader = KeyedReader { store: &store, contents };
         let raw = job.inputs.as_ref().map_or(&[][..], |i| &i.raw);
         let context = RunContext::new(&runner.folders, raw, self.report.begin(&job.id));
-        let product = (job.entry.make)(&runner.universe, &job.id.subject, &runner.settings, &store, &context)?;
-        let manifest = Manifest::of(now, product, context.seconds());
-        store.write(&job.id, &manifest.0, &manifest.1)?;
-        Ok(manifest.0)
+        let meter = Meter::begin(self.workers() == 1);
+        let product = (job.entry.make)(&runner.universe, &job.id.subject, &runner.settings, &reader, &context)?;
+        let (manifest, files) = Manifest::of(now, product, context.seconds(), meter.end());
+        store.write(&job.id, (&manifest, &files), lock)?;
+        Ok(manifest)
     }
 }
 
@@ -217,6 +313,7 @@ impl Progress {
                 self.summary.failed += 1;
                 self.failed.insert(id.clone());
             }
+            End::Elsewhere(_) => {}
         }
     }
 }

@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use super::lock::Process;
 use crate::needs::RecordId;
 use diagnostics::{Diagnostic, output};
 
@@ -64,6 +65,11 @@ impl Report {
     pub fn failed(&self, diagnostic: &Diagnostic) {
         self.always(&diagnostic.to_string());
         self.total.inc(1);
+    }
+
+    /// A record that another process is making.
+    pub fn elsewhere(&self, id: &RecordId, process: &Process) {
+        self.say(&format!("{:<16} {:<28} waits: {process} is making it", id.stage, id.subject));
     }
 
     /// A record whose inputs could not be made.

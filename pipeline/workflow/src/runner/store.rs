@@ -1,24 +1,36 @@
 //! The store: records on disk, written whole or not at all, and verified when read.
 //!
 //! A record is written under another name, synced and renamed. A kill at any instant leaves the old record, or the new
-//! one, or none; never half a file under a record's name.
+//! one, or none; never half a file under a record's name. A reader compares the bytes that it has read with their hashes, and reads again
+//! where another process has replaced the record meanwhile.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::io;
 use std::path::Path;
+use std::time::Duration;
 
 use super::atomic::write_synced;
 use super::folders::Folders;
 use super::hashes::Hashes;
+use super::lock::Lock;
 use super::manifest::{FILE, Manifest};
+use super::usage::{Measured, Usage};
 use crate::needs::{RecordId, RecordReader};
 use crate::record::RecordFiles;
 use diagnostics::{Diagnostic, Result};
+
+/// Number and interval of readings of a record that another process is replacing: two renames on a busy file server.
+const TRIES: usize = 40;
+const PAUSE: Duration = Duration::from_millis(50);
 
 /// The records of one profile.
 pub struct Store<'a> {
     folders: &'a Folders,
 }
+
+/// A record's manifest and files.
+type Whole<'a> = (&'a Manifest, &'a RecordFiles);
 
 /// The state of a record on disk.
 pub enum Found {
@@ -54,13 +66,9 @@ impl<'a> Store<'a> {
     /// Finds a record and checks each of its files against its hash, as `hashes` have it.
     pub(crate) fn find_with(&self, id: &RecordId, hashes: &Hashes) -> Found {
         let folder = self.folders.record(id);
-        let text = match fs::read_to_string(folder.join(FILE)) {
-            Ok(text) => text,
-            Err(e) if e.kind() == io::ErrorKind::NotFound && !folder.exists() => return Found::Nothing,
-            Err(e) => return Found::Damaged(format!("its {FILE} cannot be read ({e})")),
-        };
-        let manifest = match Manifest::parse(&text) {
-            Ok(manifest) => manifest,
+        let manifest = match manifest(&folder) {
+            Ok(Some(manifest)) => manifest,
+            Ok(None) => return Found::Nothing,
             Err(damage) => return Found::Damaged(damage),
         };
         match first_damage(&folder, &manifest, hashes) {
@@ -69,12 +77,19 @@ impl<'a> Store<'a> {
         }
     }
 
-    /// Writes a record in one step.
+    /// What a record's making used; none where there is no record. Its files are not read.
+    pub(crate) fn measured(&self, id: &RecordId) -> Option<Measured> {
+        let manifest = manifest(&self.folders.record(id)).ok()??;
+        let (Usage { cpu_seconds, peak_memory, .. }, seconds) = (manifest.usage, manifest.seconds);
+        Some(Measured { seconds, cpu_seconds, peak_memory })
+    }
+
+    /// Writes a record in one step, unless its lock was lost.
     ///
     /// # Errors
     /// A [`Diagnostic`] when it cannot be written; the former record then remains in place.
-    pub fn write(&self, id: &RecordId, manifest: &Manifest, files: &RecordFiles) -> Result<()> {
-        self.write_whole(id, manifest, files).map_err(|e| {
+    pub(crate) fn write(&self, id: &RecordId, (manifest, files): Whole<'_>, lock: &Lock<'_>) -> Result<()> {
+        self.write_whole(id, (manifest, files), lock).map_err(|e| {
             Diagnostic::new(
                 format!("record `{id}` cannot be written to {}", self.folders.display(&self.folders.record(id))),
                 e,
@@ -83,7 +98,7 @@ impl<'a> Store<'a> {
         })
     }
 
-    fn write_whole(&self, id: &RecordId, manifest: &Manifest, files: &RecordFiles) -> io::Result<()> {
+    fn write_whole(&self, id: &RecordId, (manifest, files): Whole<'_>, lock: &Lock<'_>) -> io::Result<()> {
         let unfinished = self.folders.unfinished(id);
         remove(&unfinished)?;
         fs::create_dir_all(&unfinished)?;
@@ -92,6 +107,9 @@ impl<'a> Store<'a> {
         }
         let text = manifest.to_text().map_err(io::Error::other)?;
         write_synced(&unfinished.join(FILE), text.as_bytes())?;
+        if !lock.is_held() {
+            return Err(io::Error::other("this process gave no sign of life for so long that another took its place"));
+        }
         let (record, outdated) = (self.folders.record(id), self.folders.outdated(id));
         remove(&outdated)?;
         if record.exists() {
@@ -102,26 +120,83 @@ impl<'a> Store<'a> {
     }
 }
 
+impl Store<'_> {
+    /// A record's content and files.
+    fn read(&self, id: &RecordId) -> Result<(String, RecordFiles)> {
+        let locked = || self.folders.record_lock(id).exists();
+        let mut why = String::new();
+        for _ in 0..TRIES {
+            let was_locked = locked();
+            match self.read_once(id) {
+                Ok(read) => return Ok(read),
+                Err(e) => why = e,
+            }
+            if !was_locked && !locked() {
+                break;
+            }
+            std::thread::sleep(PAUSE);
+        }
+        Err(gone(id, &why))
+    }
+
+    fn read_once(&self, id: &RecordId) -> Result<(String, RecordFiles), String> {
+        let folder = self.folders.record(id);
+        let manifest = manifest(&folder)?.ok_or("there is no such record")?;
+        let read = |files: RecordFiles, (name, hash): (&String, &String)| {
+            let bytes = fs::read(folder.join(name)).map_err(|e| format!("its {name} cannot be read ({e})"))?;
+            let whole = *blake3::hash(&bytes).to_hex() == **hash;
+            whole.then(|| files.file(name, bytes)).ok_or_else(|| other_bytes(name))
+        };
+        let files = manifest.files.iter().try_fold(RecordFiles::default(), read)?;
+        Ok((manifest.content, files))
+    }
+}
+
 impl RecordReader for Store<'_> {
     fn files(&self, id: &RecordId) -> Result<RecordFiles> {
-        let folder = self.folders.record(id);
-        match self.find(id) {
-            Found::Whole(manifest) => manifest.files.keys().try_fold(RecordFiles::default(), |files, name| {
-                let bytes = fs::read(folder.join(name)).map_err(|e| gone(id, &e.to_string()))?;
-                Ok(files.file(name, bytes))
-            }),
-            Found::Nothing => Err(gone(id, "there is no such record")),
-            Found::Damaged(damage) => Err(gone(id, &damage)),
-        }
+        Ok(self.read(id)?.1)
+    }
+}
+
+/// The records that a record is keyed by: of each, the content that the key holds and no other.
+pub(crate) struct KeyedReader<'a> {
+    /// Where they lie.
+    pub store: &'a Store<'a>,
+    /// The content of each.
+    pub contents: &'a BTreeMap<RecordId, String>,
+}
+
+impl RecordReader for KeyedReader<'_> {
+    fn files(&self, id: &RecordId) -> Result<RecordFiles> {
+        let (content, files) = self.store.read(id)?;
+        let same = self.contents.get(id).is_some_and(|expected| *expected == content);
+        same.then_some(files).ok_or_else(|| {
+            let what = format!("record `{id}` was replaced while its reader was being made");
+            Diagnostic::new(what, "another run made it again to another content", "run again")
+        })
+    }
+}
+
+/// The manifest in a record's folder; none where there is no record, or an empty folder: a workflow engine makes that before its job.
+fn manifest(folder: &Path) -> Result<Option<Manifest>, String> {
+    let empty = || fs::read_dir(folder).map_or(!folder.exists(), |mut entries| entries.next().is_none());
+    match fs::read_to_string(folder.join(FILE)) {
+        Ok(text) => Manifest::parse(&text).map(Some),
+        Err(e) if e.kind() == io::ErrorKind::NotFound && empty() => Ok(None),
+        Err(e) => Err(format!("its {FILE} cannot be read ({e})")),
     }
 }
 
 fn first_damage(folder: &Path, manifest: &Manifest, hashes: &Hashes) -> Option<String> {
     manifest.files.iter().find_map(|(name, hash)| match hashes.of(&folder.join(name)) {
         Ok(now) if now == *hash => None,
-        Ok(_) => Some(format!("the bytes of its {name} are not those that were written")),
+        Ok(_) => Some(other_bytes(name)),
         Err(e) => Some(format!("its {name} cannot be read ({e})")),
     })
+}
+
+fn other_bytes(name: &str) -> String {
+    format!("the bytes of its {name} are not those that were written")
 }
 
 fn remove(folder: &Path) -> io::Result<()> {

@@ -1,0 +1,124 @@
+//! Processes: which one holds a lock, and whether it still runs.
+//!
+//! On the machine that asks, a process is found by its number and its start, so that a number that was given again deceives nobody.
+//! Machines are told apart by name, boot and process namespace: containers of one machine may share a name and see other processes.
+
+use std::fs;
+use std::process::Command;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use serde::{Deserialize, Serialize};
+
+/// A process that holds locks, as it is written into each of them.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Process {
+    /// Different for each process and each of its runs.
+    pub token: String,
+    /// The machine's name.
+    pub host: String,
+    /// The machine's boot and process namespace.
+    pub machine: String,
+    /// The number of the process.
+    pub pid: u32,
+    /// Its start, as the system counts it.
+    pub started: String,
+    /// When it began to take locks, s since 1970.
+    pub since: u64,
+}
+
+impl Process {
+    /// This process.
+    pub fn this() -> Self {
+        let (pid, now) = (std::process::id(), SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default());
+        let (host, machine) = (host(), machine());
+        let started = started(pid).unwrap_or_default();
+        let text = format!("{host} {machine} {pid} {started} {} {:?}", now.as_nanos(), std::thread::current().id());
+        let token = blake3::hash(text.as_bytes()).to_hex()[..16].to_owned();
+        Self { token, host, machine, pid, started, since: now.as_secs() }
+    }
+
+    /// Whether it ran on the machine of `other`.
+    pub(super) fn is_beside(&self, other: &Self) -> bool {
+        (&self.host, &self.machine) == (&other.host, &other.machine)
+    }
+
+    /// Whether it runs, asked on its own machine.
+    pub fn runs(&self) -> bool {
+        started(self.pid).is_some_and(|started| started == self.started)
+    }
+}
+
+impl std::fmt::Display for Process {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "process {} on {}", self.pid, self.host)
+    }
+}
+
+/// The start of a process that runs; none of one that has ended.
+fn started(pid: u32) -> Option<String> {
+    if cfg!(target_os = "linux") {
+        return of_stat(&fs::read_to_string(format!("/proc/{pid}/stat")).ok()?);
+    }
+    output("ps", &["-o", "lstart=", "-p", &pid.to_string()])
+}
+
+/// The start in a line of `/proc/PID/stat`; none of a process that has ended and waits for its parent.
+fn of_stat(line: &str) -> Option<String> {
+    // The second field is the program's name in parentheses and may hold both spaces and parentheses.
+    let mut fields = line.rsplit_once(')')?.1.split_whitespace();
+    let state = fields.next()?;
+    // State is field 3, the start field 22.
+    fields.nth(18).filter(|_| !matches!(state, "Z" | "X")).map(str::to_owned)
+}
+
+fn host() -> String {
+    let name = fs::read_to_string("/proc/sys/kernel/hostname").ok().map(|name| name.trim().to_owned());
+    name.or_else(|| output("hostname", &[])).unwrap_or_default()
+}
+
+fn machine() -> String {
+    let boot = fs::read_to_string("/proc/sys/kernel/random/boot_id").unwrap_or_default();
+    let namespace = fs::read_link("/proc/self/ns/pid").unwrap_or_default();
+    format!("{} {}", boot.trim(), namespace.display()).trim().to_owned()
+}
+
+/// What a program prints; none where it fails or prints nothing.
+fn output(program: &str, arguments: &[&str]) -> Option<String> {
+    let ended = Command::new(program).args(arguments).output().ok()?;
+    let text = String::from_utf8_lossy(&ended.stdout).trim().to_owned();
+    (ended.status.success() && !text.is_empty()).then_some(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn this_process_runs_and_one_of_the_same_number_that_started_at_another_time_does_not() {
+        let this = Process::this();
+        assert!(this.runs() && this.is_beside(&Process::this()));
+        assert!(!Process { started: "0".into(), ..this }.runs());
+    }
+
+    #[test]
+    fn a_process_that_has_ended_does_not_run_before_its_parent_knows_either() {
+        let mut child = Command::new("sleep").arg("60").spawn().unwrap();
+        let own = Process { pid: child.id(), started: started(child.id()).unwrap(), ..Process::this() };
+        assert!(own.runs());
+        child.kill().unwrap();
+        let gone = (0..500).any(|_| {
+            std::thread::sleep(std::time::Duration::from_millis(2));
+            !own.runs()
+        });
+        assert!(gone);
+        child.wait().unwrap();
+        assert!(!own.runs());
+    }
+
+    #[test]
+    fn the_start_is_read_behind_a_name_with_parentheses() {
+        let line = |state: &str| format!("7 (a) b (c) {state} 1 7 7 0 -1 0 0 0 0 0 1 1 0 0 20 0 1 0 4242 0 0");
+        assert_eq!(of_stat(&line("S")).as_deref(), Some("4242"));
+        assert_eq!(of_stat(&line("Z")), None);
+    }
+}

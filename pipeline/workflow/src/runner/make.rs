@@ -1,0 +1,111 @@
+//! Making named records from what lies in the store: one record is one task of a workflow engine, on whichever machine.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+
+use super::Runner;
+use super::graph::{Job, reached};
+use super::hashes::Hashes;
+use super::plan::{Action, judge};
+use crate::needs::RecordId;
+use crate::subject::Universe;
+use diagnostics::{Diagnostic, Result};
+
+/// Commands longer than this many names are given as a stage instead.
+const MOST_NAMES: usize = 8;
+
+/// The named records, and the contents of those that they read.
+pub struct Task<U: 'static> {
+    /// The named records, each after those that it reads.
+    pub jobs: Vec<Job<U>>,
+    /// What they read beside each other.
+    pub contents: BTreeMap<RecordId, String>,
+}
+
+/// Splits the graph into the named records and their inputs, which must be up to date.
+///
+/// # Errors
+/// A [`Diagnostic`] when there is no such record, or when an input is missing or stale.
+pub fn task<U: Universe>(runner: &Runner<U>, all: Vec<Job<U>>, names: &[String]) -> Result<Task<U>> {
+    let named = named(&all, names)?;
+    let needed = reached(&all, named.clone());
+    let jobs: Vec<Job<U>> = all.into_iter().filter(|job| needed.contains(&job.id)).collect();
+    let plan = judge(runner, &jobs);
+    let stale = |(job, action): &(&Job<U>, &Action)| !named.contains(&job.id) && !matches!(action, Action::Kept);
+    let stale: Vec<(&Job<U>, &Action)> = jobs.iter().zip(&plan.actions).filter(stale).collect();
+    if let Some((first, action)) = stale.first() {
+        let readers = jobs.iter().filter(|job| named.contains(&job.id));
+        let reader =
+            readers.map(|job| &job.id).find(|id| reached(&jobs, BTreeSet::from([(*id).clone()])).contains(&first.id));
+        let ids: Vec<&RecordId> = stale.iter().map(|(job, _)| &job.id).collect();
+        return Err(not_up_to_date(reader.unwrap_or(&first.id), &ids, &action.in_words()));
+    }
+    let (own, inputs): (Vec<Job<U>>, Vec<Job<U>>) = jobs.into_iter().partition(|job| named.contains(&job.id));
+    let of_input = |(id, _): &(RecordId, String)| inputs.iter().any(|job| job.id == *id);
+    let contents = plan.contents.into_iter().filter(of_input).collect();
+    Ok(Task { jobs: own, contents })
+}
+
+fn named<U>(all: &[Job<U>], names: &[String]) -> Result<BTreeSet<RecordId>> {
+    let known: BTreeMap<String, &RecordId> = all.iter().map(|job| (job.id.to_string(), &job.id)).collect();
+    let find = |name: &String| known.get(name).map(|id| (*id).clone()).ok_or_else(|| unknown(name, &known));
+    names.iter().map(find).collect()
+}
+
+fn unknown(name: &str, known: &BTreeMap<String, &RecordId>) -> Diagnostic {
+    let stage = name.split('/').next().unwrap_or(name);
+    let of_stage: Vec<&str> =
+        known.keys().map(String::as_str).filter(|id| id.split('/').next() == Some(stage)).collect();
+    let why = match of_stage.len() {
+        0 => format!("no stage, figure or table `{stage}` makes a record here"),
+        count => {
+            let more = if count > MOST_NAMES { format!(" and {} more", count - MOST_NAMES) } else { String::new() };
+            format!("the records of `{stage}` are {}{more}", of_stage[..count.min(MOST_NAMES)].join(", "))
+        }
+    };
+    Diagnostic::new(format!("there is no record `{name}`"), why, "study plan lists the records: STAGE/SUBJECT")
+}
+
+fn not_up_to_date(reader: &RecordId, stale: &[&RecordId], first: &str) -> Diagnostic {
+    let others = match stale.len() {
+        1 => String::new(),
+        count => format!(", and {} more that it needs are not up to date", count - 1),
+    };
+    let names = || stale.iter().map(|id| id.to_string()).collect::<Vec<_>>().join(" ");
+    let before = if stale.len() > MOST_NAMES {
+        format!("study run {}", reader.stage)
+    } else {
+        format!("study make {}", names())
+    };
+    Diagnostic::new(
+        format!("record `{reader}` cannot be made from what lies in the store"),
+        format!("its input `{}` is {first}{others}", stale[0]),
+        before,
+    )
+}
+
+/// Writes what was hashed for each record beside it, so that the tasks that read it need not read its recordings again.
+///
+/// # Errors
+/// When a file cannot be written.
+pub(super) fn write_hashes<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>], hashes: &Hashes) -> std::io::Result<()> {
+    let folders = &runner.folders;
+    for job in jobs.iter().filter(|job| folders.record(&job.id).is_dir()) {
+        let raw = job.inputs.as_ref().map_or(&[][..], |inputs| &inputs.raw);
+        let mut files: Vec<PathBuf> = raw.iter().flat_map(|file| files_of(folders.raw_file(&file.path))).collect();
+        for path in files_of(folders.record(&job.id)) {
+            hashes.of(&path)?;
+            files.push(path);
+        }
+        hashes.write_of(&files, &folders.record_hashes(&job.id))?;
+    }
+    Ok(())
+}
+
+/// A file, or the files of a folder.
+fn files_of(path: PathBuf) -> Vec<PathBuf> {
+    match std::fs::read_dir(&path) {
+        Ok(entries) => entries.flatten().map(|entry| entry.path()).collect(),
+        Err(_) => vec![path],
+    }
+}

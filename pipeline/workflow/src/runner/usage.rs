@@ -1,0 +1,106 @@
+//! What making a record used: processor time and peak memory of the process, as Linux reports them.
+//!
+//! Both are those of a whole process, so that they are known of a record that is made alone in it: by `study make`, or one after the
+//! other. The peak is reset before each record.
+
+use std::fs;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use serde::{Deserialize, Serialize};
+
+/// Ticks of processor time in a second: the unit of `/proc` on every architecture of Linux.
+const TICKS: f64 = 100.0;
+/// What resets the peak when it is written to `/proc/self/clear_refs` (proc(5)).
+const RESET_PEAK: &str = "5";
+
+/// When a record was made, and what that used.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Usage {
+    /// s since 1970.
+    pub begun: Option<f64>,
+    /// Processor time, s.
+    pub cpu_seconds: Option<f64>,
+    /// Peak of resident memory, MiB.
+    pub peak_memory: Option<f64>,
+}
+
+/// What is known of the costs of a record.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measured {
+    /// s.
+    pub seconds: f64,
+    /// Processor time, s.
+    pub cpu_seconds: Option<f64>,
+    /// Peak of resident memory, MiB.
+    pub peak_memory: Option<f64>,
+}
+
+/// The costs of a record while it is being made.
+pub(crate) struct Meter {
+    begun: Option<f64>,
+    /// Processor time of the process before; none where other records are made in it.
+    cpu_seconds: Option<f64>,
+    alone: bool,
+}
+
+impl Meter {
+    /// Begins; `alone` where no other record is made in this process meanwhile.
+    pub fn begin(alone: bool) -> Self {
+        // Where the peak cannot be reset, it is that of the records before as well: too large rather than too small.
+        let _ = alone.then(|| fs::write("/proc/self/clear_refs", RESET_PEAK));
+        let begun = SystemTime::now().duration_since(UNIX_EPOCH).ok().map(|since| since.as_secs_f64());
+        Self { begun, cpu_seconds: cpu_seconds().filter(|_| alone), alone }
+    }
+
+    /// What was used since.
+    pub fn end(&self) -> Usage {
+        let used = cpu_seconds().zip(self.cpu_seconds).map(|(now, then)| now - then);
+        Usage { begun: self.begun, cpu_seconds: used, peak_memory: peak_memory().filter(|_| self.alone) }
+    }
+}
+
+fn cpu_seconds() -> Option<f64> {
+    ticks(&fs::read_to_string("/proc/self/stat").ok()?)
+}
+
+fn peak_memory() -> Option<f64> {
+    peak(&fs::read_to_string("/proc/self/status").ok()?)
+}
+
+/// User and system time in a line of `/proc/PID/stat`, s: fields 14 and 15.
+fn ticks(line: &str) -> Option<f64> {
+    let fields: Vec<&str> = line.rsplit_once(')')?.1.split_whitespace().collect();
+    let field = |number: usize| fields.get(number - 3)?.parse::<f64>().ok();
+    Some((field(14)? + field(15)?) / TICKS)
+}
+
+fn peak(status: &str) -> Option<f64> {
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    Some(line.trim().strip_suffix("kB")?.trim().parse::<f64>().ok()? / 1024.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn time_and_peak_are_read_from_what_the_system_prints() {
+        assert_eq!(ticks("7 (a b) c) S 1 7 7 0 -1 0 0 0 0 0 250 50 0 0 20 0"), Some(3.0));
+        assert_eq!(peak("VmPeak: 9 kB\nVmHWM:\t 2048 kB\n"), Some(2.0));
+        assert_eq!(peak("VmPeak: 9 kB\n"), None);
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn memory_that_is_touched_raises_the_peak_and_work_takes_time() {
+        let meter = Meter::begin(true);
+        let touched = vec![1_u8; 64 << 20];
+        let mut sum = 0_u64;
+        while meter.end().cpu_seconds.unwrap() < 0.02 {
+            sum = touched.iter().fold(sum, |sum, byte| sum.wrapping_mul(31).wrapping_add(u64::from(*byte)));
+        }
+        let used = meter.end();
+        assert!(sum != 1 && used.peak_memory.unwrap() >= 64.0 && used.begun.is_some());
+        assert_eq!(Meter::begin(false).end().peak_memory, None);
+    }
+}
