@@ -72,6 +72,35 @@ quick: build
 check PROFILE="quick": build
     {{programs}}/study check --profile {{PROFILE}}
 
+# a part of the quick study by Snakemake with two local jobs and by `study run`: the records must be the same to the byte
+snakemake: build
+    #!/usr/bin/env bash
+    set -euo pipefail
+    python=${PYTHON:-python3}
+    if ! "$python" -c 'import sys, venv; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then
+        echo "no Python 3.11 or later: the workflow for Snakemake is not tested"; exit 0
+    fi
+    if [ ! -x target/snakemake/bin/snakemake ]; then
+        "$python" -m venv target/snakemake
+        if ! target/snakemake/bin/pip install --quiet 'snakemake==9.27.0'; then
+            rm -rf target/snakemake
+            echo "no registry of Python packages: the workflow for Snakemake is not tested"; exit 0
+        fi
+    fi
+    {{programs}}/rig record nemo --profile quick
+    root=$PWD/target/workflow-study; base=$root/target/quick
+    rm -rf "$root" && mkdir -p "$base/data" && cp -r study.toml paper "$root" && cp -r target/quick/data/raw "$base/data"
+    study="$PWD/{{programs}}/study --root $root --profile quick --quiet"
+    contents() { (cd "$base/data/processed" && grep --recursive --include=record.json '^  "content"' . | sort); }
+    $study run mesh wave
+    contents > "$root/by-run" && rm -r "$base/data/processed"
+    $study export snakemake --only mesh --only wave
+    target/snakemake/bin/snakemake --quiet --snakefile "$base/workflow/Snakefile" --profile "$base/workflow/profiles/local" --cores 2
+    contents > "$root/by-snakemake"
+    cmp "$root/by-run" "$root/by-snakemake"
+    $study plan mesh wave | tail -1 | grep '^0 of'
+    echo "$(wc -l < "$root/by-run") records by Snakemake are those of study run"
+
 # all tests
 test:
     cargo test --release --workspace --exclude typeset --exclude python --locked

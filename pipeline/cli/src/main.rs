@@ -4,10 +4,11 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
-use cli::options::{CalibrateCamera, Checked, Cli, Command, Place};
+use cli::options::{CalibrateCamera, Checked, Cli, Command, Exported, Place};
 use diagnostics::{Diagnostic, Result, output};
 use study::Runner;
 use workflow::runner::{Goal, Options};
+use workflow::snakemake::{self, Export};
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
@@ -21,12 +22,12 @@ fn main() -> ExitCode {
     }
 }
 
-/// Runs the command; returns whether all of it succeeded.
 /// Sets the number of threads of all parallel loops.
 fn threads(number: Option<usize>) -> Result<()> {
     Ok(number.map_or(Ok(()), |number| rayon::ThreadPoolBuilder::new().num_threads(number).build_global())?)
 }
 
+/// Runs the command; returns whether all of it succeeded.
 fn run(cli: &Cli) -> Result<bool> {
     let open = || open(&cli.place);
     match &cli.command {
@@ -53,7 +54,6 @@ fn run(cli: &Cli) -> Result<bool> {
             let goal = Goal { entries: vec![name.clone()], group: None };
             Ok(report(&diagnostics) & study::run(&runner, &goal, false)?.is_complete())
         }
-        Command::Page => {
         Command::Make { records } => {
             let (runner, diagnostics) = open()?;
             records.iter().try_for_each(|record| readable(&diagnostics, record.split('/').nth(1)))?;
@@ -64,6 +64,7 @@ fn run(cli: &Cli) -> Result<bool> {
             output::line(study::publish(&runner)?.display());
             Ok(report(&diagnostics))
         }
+        Command::Page => {
             let (runner, diagnostics) = open()?;
             output::line(study::page(&runner)?.display());
             Ok(report(&diagnostics))
@@ -129,6 +130,11 @@ fn run(cli: &Cli) -> Result<bool> {
             }
             Ok(report(&diagnostics))
         }
+        Command::Export { what: Exported::Snakemake { folder, only } } => {
+            let (runner, diagnostics) = open()?;
+            output::line(snakemake::export(&runner, &snakemake(folder.as_deref(), only)?)?.display());
+            Ok(report(&diagnostics))
+        }
         Command::List => {
             output::text(study::description());
             Ok(true)
@@ -146,6 +152,12 @@ fn calibration(asked: &CalibrateCamera) -> instruments::calibrate::Request {
         every: asked.every,
         out: asked.out.clone(),
     }
+}
+
+fn snakemake(folder: Option<&Path>, only: &[String]) -> Result<Export> {
+    let program = std::env::current_exe()?;
+    let goal = Goal { entries: only.to_vec(), group: None };
+    Ok(Export { folder: folder.map(Path::to_owned), program, card: lab::folder::CARD, goal })
 }
 
 fn open(place: &Place) -> Result<(Runner, Vec<Diagnostic>)> {

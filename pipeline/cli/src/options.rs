@@ -160,6 +160,12 @@ pub enum Command {
     Paper,
     /// List the stages, figures and tables, each with a description.
     List,
+    /// Write the study for another program.
+    Export {
+        /// The program.
+        #[command(subcommand)]
+        what: Exported,
+    },
 }
 
 /// Options of `study calibrate`.
@@ -268,6 +274,20 @@ pub enum Checked {
         /// Number of time steps of a motion.
         #[arg(long, default_value_t = 12, value_parser = count(1..=10_000))]
         steps: usize,
+    },
+}
+
+/// What the study is written for.
+#[derive(Debug, Subcommand)]
+pub enum Exported {
+    /// A workflow for Snakemake 9: a rule for each stage, figure and table, jobs that make one record each by `study make`, resources from
+    /// measured records, and profiles for one machine and for Slurm.
+    Snakemake {
+        /// Folder for the workflow, instead of workflow/ in the folder of the profile.
+        folder: Option<PathBuf>,
+        /// Only these stages, figures or tables with their inputs; once for each.
+        #[arg(long, value_name = "STAGE")]
+        only: Vec<String>,
     },
 }
 

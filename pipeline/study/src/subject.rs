@@ -115,6 +115,7 @@ impl Subject for Study {
 
 impl Universe for Study {
     const GROUP: &'static str = "specimen";
+    const ITEM: &'static str = "trial";
 
     fn groups(&self) -> Vec<String> {
         self.specimens.iter().map(Subject::name).collect()

@@ -25,7 +25,7 @@
 //! ```
 //!
 //! [`runner`] plans and makes records in parallel, and alone chooses paths, reads clocks and prints. [`columns`] is the table format of
-//! records; [`settings`] reads the settings of a profile; [`stage_graph`] lays out the graph for figures.
+//! records; [`settings`] reads the settings of a profile; [`stage_graph`] lays out the graph for figures; [`snakemake`] exports it.
 //!
 //! Depends on `diagnostics` and `plot`.
 
@@ -37,6 +37,7 @@ pub mod needs;
 pub mod record;
 pub mod runner;
 pub mod settings;
+pub mod snakemake;
 pub mod stage;
 pub mod stage_graph;
 pub mod subject;

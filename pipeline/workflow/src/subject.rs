@@ -21,6 +21,9 @@ pub trait Universe: Subject<Universe = Self> {
     /// What a group of it is called, in messages.
     const GROUP: &'static str;
 
+    /// What an item of a group is called.
+    const ITEM: &'static str;
+
     /// The names of its groups: the first parts of its subjects' names.
     fn groups(&self) -> Vec<String>;
 }

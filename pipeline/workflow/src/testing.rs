@@ -22,6 +22,7 @@ impl Subject for Whole {
 
 impl Universe for Whole {
     const GROUP: &'static str = "group";
+    const ITEM: &'static str = "item";
 
     fn groups(&self) -> Vec<String> {
         vec!["a".into(), "b".into()]

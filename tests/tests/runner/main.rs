@@ -3,10 +3,11 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod exported;
 mod faults;
 mod shown;
-mod small;
 mod side_by_side;
+mod small;
 
 use std::fs;
 

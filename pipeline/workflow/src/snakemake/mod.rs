@@ -1,0 +1,132 @@
+//! The study as a workflow for Snakemake: one rule a stage, figure or table, and jobs that make one record each.
+//!
+//! A job is `study make`, so that records lie in the same store and are the same to the byte as those of `study run`. Snakemake decides by
+//! dates what may be stale and runs a job for it; the store decides by content, and keeps a record whose inputs have not changed.
+//! Resources are those that were measured where records exist.
+
+mod profiles;
+mod resources;
+mod rules;
+
+use std::path::{Path, PathBuf};
+
+use serde_json::{Map, Value, json};
+
+use crate::runner::{Folders, Goal, Job, Runner, write_atomically};
+use crate::subject::Universe;
+use diagnostics::{Diagnostic, Result};
+
+/// What is exported, and where to.
+#[derive(Debug, Clone)]
+pub struct Export {
+    /// Its folder; without one, `workflow` among the profile's folders.
+    pub folder: Option<PathBuf>,
+    /// The program whose `make` makes a record.
+    pub program: PathBuf,
+    /// The file in a group's folder of recordings that describes it.
+    pub card: &'static str,
+    /// What is to be made.
+    pub goal: Goal,
+}
+
+/// Writes the workflow, and profiles for one machine and for Slurm; returns its folder.
+///
+/// # Errors
+/// A [`Diagnostic`] when the goal is unknown, the inputs of a record cannot be determined, or a file cannot be written.
+pub fn export<U: Universe>(runner: &Runner<U>, export: &Export) -> Result<PathBuf> {
+    let jobs = runner.jobs_of(&export.goal)?;
+    let folder = export.folder.clone().unwrap_or_else(|| runner.folders.base().join("workflow"));
+    let paths = Paths::of(&runner.folders, &folder, &export.program)?;
+    let files = [
+        ("Snakefile", rules::snakefile(runner, &jobs, &paths)),
+        ("records.json", records(runner, &jobs, export)?),
+        ("profiles/local/config.v8+.yaml", profiles::LOCAL.into()),
+        ("profiles/slurm/config.v8+.yaml", profiles::SLURM.into()),
+    ];
+    for (name, text) in files {
+        let path = folder.join(name);
+        let action = "choose another folder or correct its permissions";
+        write_atomically(&path, text.as_bytes()).map_err(|e| Diagnostic::io(&path, e, action))?;
+    }
+    Ok(folder)
+}
+
+/// The places that a Snakefile names.
+struct Paths {
+    /// The profile's folders, from the workflow's folder where they lie around it.
+    base: String,
+    /// The project's folder, in the same way.
+    project: String,
+    /// The program, from the project's folder where it lies inside.
+    program: String,
+}
+
+impl Paths {
+    fn of(folders: &Folders, workflow: &Path, program: &Path) -> Result<Self> {
+        std::fs::create_dir_all(workflow).map_err(|e| Diagnostic::io(workflow, e, "choose another folder"))?;
+        let whole = |path: &Path| path.canonicalize().map_err(|e| Diagnostic::io(path, e, "report it"));
+        let (workflow, base, project) = (whole(workflow)?, whole(folders.base())?, whole(folders.project())?);
+        let program = program.canonicalize().unwrap_or_else(|_| program.to_owned());
+        let inside = program.strip_prefix(&project).unwrap_or(&program);
+        Ok(Self {
+            base: from(&workflow, &base),
+            project: from(&workflow, &project),
+            program: inside.display().to_string(),
+        })
+    }
+}
+
+/// A folder as it is reached from one inside it; the whole path where the other lies elsewhere.
+fn from(inner: &Path, outer: &Path) -> String {
+    match inner.strip_prefix(outer) {
+        Ok(below) if below.as_os_str().is_empty() => ".".into(),
+        Ok(below) => vec![".."; below.components().count()].join("/"),
+        Err(_) => outer.display().to_string(),
+    }
+}
+
+/// Of each record: its manifest, the recordings, settings and cards that it reads, and the records that it reads.
+fn records<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>], export: &Export) -> Result<String> {
+    let mut all = Map::new();
+    for job in jobs {
+        let inputs = job.inputs.as_ref().map_err(|diagnostic| diagnostic.clone().of(&job.id))?;
+        let present = inputs.raw.iter().filter(|file| !file.optional || runner.folders.raw_file(&file.path).exists());
+        let raw = present.map(|file| below(&runner.folders, &runner.folders.raw_file(&file.path)));
+        let settings = std::iter::once(json!("settings")).filter(|_| !inputs.settings.is_null());
+        let cards = cards(runner, job, export.card).into_iter().filter(|_| !inputs.card.is_null());
+        let files: Vec<Value> = settings.chain(raw.chain(cards).map(Value::from)).collect();
+        let reads: Vec<String> = inputs.records.iter().map(ToString::to_string).collect();
+        let manifest = below(&runner.folders, &runner.folders.manifest(&job.id));
+        all.insert(job.id.to_string(), json!({ "manifest": manifest, "files": files, "records": reads }));
+    }
+    Ok(serde_json::to_string_pretty(&all)? + "\n")
+}
+
+/// The cards of a record's group; of the whole project, all of them.
+fn cards<U: Universe>(runner: &Runner<U>, job: &Job<U>, card: &str) -> Vec<String> {
+    let mut groups = runner.universe.groups();
+    let own = job.id.subject.split('/').next().unwrap_or_default();
+    if groups.iter().any(|group| group == own) {
+        groups.retain(|group| group == own);
+    }
+    groups.iter().map(|group| below(&runner.folders, &runner.folders.raw_file(&format!("{group}/{card}")))).collect()
+}
+
+/// A path below the profile's folders, with `/` between them.
+fn below(folders: &Folders, path: &Path) -> String {
+    let path = path.strip_prefix(folders.base()).unwrap_or(path);
+    path.components().map(|part| part.as_os_str().to_string_lossy()).collect::<Vec<_>>().join("/")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_is_reached_from_inside_by_its_parents_and_from_elsewhere_by_its_path() {
+        let reached = |inner: &str, outer: &str| from(Path::new(inner), Path::new(outer));
+        assert_eq!(reached("/p/target/quick/workflow", "/p"), "../../..");
+        assert_eq!(reached("/p", "/p"), ".");
+        assert_eq!(reached("/elsewhere", "/p"), "/p");
+    }
+}
