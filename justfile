@@ -70,7 +70,7 @@ quick: build
 
 # every number against what is expected and published, every claim against its rule (of the paper profile: just check paper)
 check PROFILE="quick": build
-    {{programs}}/study check --profile {{PROFILE}}
+    {{programs}}/study check --profile {{PROFILE}} --junit target/check-{{PROFILE}}.xml
 
 # a part of the quick study by Snakemake with two local jobs and by `study run`: the records must be the same to the byte
 snakemake: build

@@ -118,8 +118,8 @@ fn run(cli: &Cli) -> Result<bool> {
             }
             Ok(tracked.complete)
         }
-        Command::Check { what: None } => check(&open()?.0),
-        Command::Check { what: Some(Checked::Gradients { cases, steps }) } => {
+        Command::Check { what: None, junit } => check(&open()?.0, junit.as_deref()),
+        Command::Check { what: Some(Checked::Gradients { cases, steps }), .. } => {
             check_gradients(&cli.place.root, cases, *steps, cli.place.quiet)
         }
         Command::Paper => {
@@ -184,8 +184,12 @@ fn plan(runner: &Runner, goal: &Goal, graph: Option<&Option<PathBuf>>) -> Result
     Ok(())
 }
 
-fn check(runner: &Runner) -> Result<bool> {
+fn check(runner: &Runner, junit: Option<&Path>) -> Result<bool> {
     let checked = study::check(runner)?;
+    if let Some(file) = junit {
+        let written = std::fs::write(file, &checked.junit);
+        written.map_err(|e| Diagnostic::io(file, e, "choose another place for the report"))?;
+    }
     output::line(checked.text);
     Ok(!checked.drifted)
 }

@@ -151,7 +151,11 @@ pub enum Command {
     /// Track dark markers in any film: writes a CSV of their pixels with covariances, and a strip of pictures.
     Track(TrackFilm),
     /// Compare every number with its expected and published values, and every claim with its rule; or check gradients.
+    #[command(args_conflicts_with_subcommands = true)]
     Check {
+        /// Also write the comparison as JUnit XML, for continuous integration: a number that drifted is a failed case.
+        #[arg(long, value_name = "FILE")]
+        junit: Option<PathBuf>,
         /// Another check.
         #[command(subcommand)]
         what: Option<Checked>,

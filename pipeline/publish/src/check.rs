@@ -3,18 +3,25 @@
 use crate::claims::{Claim, Verdict};
 use crate::expected::Expected;
 use crate::expected::MetricEntry;
+use crate::junit::Results;
 use crate::paper::Problem;
+use diagnostics::Result;
 
 /// The outcome of a check.
 pub struct Checked {
     /// The text to print.
     pub text: String,
+    /// The same as JUnit XML.
+    pub junit: String,
     /// Whether any number drifted or is missing, or the paper cannot be built.
     pub drifted: bool,
 }
 
 /// Compares numbers with expectations, lists claims with their verdicts, and the problems of the paper's source.
-pub fn check(metrics: &[MetricEntry], expected: &Expected, claims: &[Claim], problems: &[Problem]) -> Checked {
+///
+/// # Errors
+/// A [`diagnostics::Diagnostic`] when a text has no form in XML.
+pub fn check(metrics: &[MetricEntry], expected: &Expected, claims: &[Claim], problems: &[Problem]) -> Result<Checked> {
     let missing: Vec<&str> = expected.missing(metrics).collect();
     let off = metrics.iter().any(|m| m.status == "drifted");
     let drifted = !missing.is_empty() || off || !problems.is_empty();
@@ -31,7 +38,8 @@ pub fn check(metrics: &[MetricEntry], expected: &Expected, claims: &[Claim], pro
     lines.push(String::new());
     lines.extend(problems.iter().map(Problem::to_string));
     lines.push(summary(metrics, &missing, claims));
-    Checked { text: lines.join("\n"), drifted }
+    let junit = Results { metrics, expected, claims, problems }.junit()?;
+    Ok(Checked { text: lines.join("\n"), junit, drifted })
 }
 
 fn metric_line(entry: &MetricEntry) -> String {

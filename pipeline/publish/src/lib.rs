@@ -1,6 +1,6 @@
 //! From numbers to verdicts, paper, page and archive.
 //!
-//! [`expected`] compares metrics with expectations, [`claims`] decides the paper's claims, [`check`] prints both; [`paper`] resolves the
+//! [`expected`] compares metrics with expectations, [`claims`] decides the paper's claims, [`check`] prints both, as text or JUnit XML; [`paper`] resolves the
 //! paper's source, [`page`] is one HTML file with everything, [`ro_crate`] describes the records for archives.
 //!
 //! ```
@@ -20,6 +20,7 @@
 pub mod check;
 pub mod claims;
 pub mod expected;
+mod junit;
 pub mod metrics_file;
 pub mod page;
 pub mod page_file;

@@ -83,7 +83,7 @@ pub fn check(runner: &Runner) -> Result<Checked> {
     let expected = Expected::read(&runner.folders.expected(), runner.profile)?;
     let metrics: Vec<_> = metrics_file::read(runner)?.into_iter().map(|m| expected.judge(m.metric)).collect();
     let problems = paper_files::resolve(runner)?.err().unwrap_or_default();
-    Ok(publish::check::check(&metrics, &expected, &claims::read(&runner.folders.claims())?, &problems))
+    publish::check::check(&metrics, &expected, &claims::read(&runner.folders.claims())?, &problems)
 }
 
 /// Writes the page that shows everything; returns its path.
