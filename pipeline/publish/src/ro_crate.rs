@@ -1,21 +1,23 @@
-//! `ro-crate-metadata.json`: the study as a Research Object Crate 1.1, for archives and reuse.
+//! `ro-crate-metadata.json`: the study as a Process Run Crate 0.5, a profile of Workflow Run RO-Crate, for archives and reuse.
 //!
-//! Each record is a dataset; its creation is an action with the stage and its version as instrument, recordings and records
-//! as objects, the settings, and the duration. Hashes are those of the manifests.
+//! Each record is a dataset; its creation is an action with the stage and its version as instrument, with recordings, records, settings
+//! and the part of the card as objects, and with the times of its start and end. Hashes are those of the manifests; times are no part of
+//! any of them.
 
-use diagnostics::{Diagnostic, Result};
+use std::collections::BTreeMap;
 use std::fs;
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::time::SystemTime;
 
+use chrono::{DateTime, SecondsFormat, Utc};
+use diagnostics::{Diagnostic, Result};
 use serde_json::{Value, json};
 
-use workflow::runner::Manifest;
-use workflow::runner::Runner;
-use workflow::runner::{Found, Store, write_atomically};
-use workflow::runner::{Goal, Job};
+use workflow::entry::Entry;
+use workflow::runner::{Folders, Found, Goal, Job, Manifest, Runner, Store, write_atomically};
 use workflow::subject::Universe;
 
 const CONTEXT: &str = "https://w3id.org/ro/crate/1.1/context";
+const PROFILE: &str = "https://w3id.org/ro/wfrun/process/0.5";
 const LICENCE: &str = "https://spdx.org/licenses/MIT";
 
 /// Writes the crate's description; leaves it alone when only its date would change.
@@ -30,7 +32,7 @@ pub fn write<U: Universe>(runner: &Runner<U>) -> Result<()> {
     if old.is_some_and(|old| same_but_for_the_date(&old, &described(&parts, ""))) {
         return Ok(());
     }
-    let text = serde_json::to_string_pretty(&described(&parts, &today()))?;
+    let text = serde_json::to_string_pretty(&described(&parts, &time(DateTime::from(SystemTime::now()))))?;
     write_atomically(&place, (text + "\n").as_bytes()).map_err(|e| {
         let what = format!("{} cannot be written", runner.folders.display(&place));
         Diagnostic::new(what, &e, "free some disk space and run again").caused_by(e)
@@ -38,18 +40,22 @@ pub fn write<U: Universe>(runner: &Runner<U>) -> Result<()> {
 }
 
 fn described(parts: &[Value], date: &str) -> Value {
-    let named = |part: &&Value| part["@type"] == "Dataset";
-    let has: Vec<Value> = parts.iter().filter(named).map(|part| json!({ "@id": part["@id"] })).collect();
+    let of_type = |name: &str| -> Vec<Value> {
+        parts.iter().filter(|part| part["@type"] == name).map(|part| json!({ "@id": part["@id"] })).collect()
+    };
     let mut graph = vec![
         json!({
             "@id": "ro-crate-metadata.json", "@type": "CreativeWork", "about": { "@id": "./" },
             "conformsTo": { "@id": "https://w3id.org/ro/crate/1.1" },
         }),
         json!({
-            "@id": "./", "@type": "Dataset", "name": "Records of a study", "hasPart": has,
+            "@id": "./", "@type": "Dataset", "name": "Records of a study",
             "description": "Computed records of each specimen with their inputs.",
+            "conformsTo": { "@id": PROFILE }, "hasPart": of_type("Dataset"), "mentions": of_type("CreateAction"),
             "datePublished": date, "license": { "@id": LICENCE },
         }),
+        json!({ "@id": PROFILE, "@type": "CreativeWork", "name": "Process Run Crate", "version": "0.5" }),
+        json!({ "@id": LICENCE, "@type": "CreativeWork", "name": "MIT License", "description": "SPDX: MIT" }),
     ];
     graph.extend_from_slice(parts);
     json!({ "@context": CONTEXT, "@graph": graph })
@@ -64,65 +70,94 @@ fn same_but_for_the_date(a: &Value, b: &Value) -> bool {
     undated(a) == undated(b)
 }
 
-/// A dataset and an action for each whole record, and an instrument for each stage.
+/// A dataset and an action for each whole record, and once each the instruments and what lies outside of the crate.
 fn parts<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> Vec<Value> {
     let store = Store::new(&runner.folders);
-    let mut parts = Vec::new();
-    for list in runner.lists {
-        parts.extend(list.iter().map(|entry| {
-            json!({
-                "@id": format!("#{}", entry.name), "@type": "SoftwareApplication", "name": entry.name,
-                "description": entry.description, "softwareVersion": version(entry.version),
-            })
-        }));
-    }
+    let mut parts = Parts { folders: &runner.folders, own: Vec::new(), shared: BTreeMap::new() };
     for job in jobs {
         if let Found::Whole(manifest) = store.find(&job.id) {
-            parts.extend(record(runner, job, &manifest));
+            parts.instrument(job.entry);
+            parts.record(job, &manifest);
         }
     }
-    parts
+    parts.shared.into_values().chain(parts.own).collect()
 }
 
-fn version(version: u32) -> String {
-    format!("{} of the pipeline, version {version}", env!("CARGO_PKG_VERSION"))
+/// The entities of a crate.
+struct Parts<'a> {
+    folders: &'a Folders,
+    /// Of the records, in their order.
+    own: Vec<Value>,
+    /// Those that several records name, by identifier.
+    shared: BTreeMap<String, Value>,
 }
 
-fn record<U: Universe>(runner: &Runner<U>, job: &Job<U>, manifest: &Manifest) -> [Value; 2] {
-    let from = &manifest.made_from;
-    let place = |id: &str| format!("#record/{id}");
-    let raw = from.raw.iter().map(|(at, hash)| json!({ "@id": format!("#recording/{at}"), "identifier": hash }));
-    let read = from.records.iter().map(|(id, hash)| json!({ "@id": place(id), "identifier": hash }));
-    let id = place(&job.id.to_string());
-    let dataset = json!({
-        "@id": id, "@type": "Dataset", "name": job.id.to_string(), "identifier": manifest.content,
-        "description": manifest.summary, "url": runner.folders.display(&runner.folders.record(&job.id)),
-    });
-    let action = json!({
-        "@id": format!("#made/{}", job.id), "@type": "CreateAction",
-        "instrument": { "@id": format!("#{}", job.entry.name) }, "softwareVersion": version(from.version),
-        "object": raw.chain(read).collect::<Vec<_>>(), "result": { "@id": id },
-        "additionalProperty": { "settings": from.settings, "card": from.card, "seconds": manifest.seconds },
-    });
-    [dataset, action]
+impl Parts<'_> {
+    fn share(&mut self, entity: Value) -> Value {
+        let id = entity["@id"].clone();
+        self.shared.insert(id.as_str().unwrap_or_default().into(), entity);
+        json!({ "@id": id })
+    }
+
+    fn instrument<U>(&mut self, entry: &Entry<U>) {
+        self.share(json!({
+            "@id": format!("#{}", entry.name), "@type": "SoftwareApplication", "name": entry.name,
+            "description": entry.description,
+            "softwareVersion": format!("{} of the pipeline, version {}", env!("CARGO_PKG_VERSION"), entry.version),
+        }));
+    }
+
+    fn record<U>(&mut self, job: &Job<U>, manifest: &Manifest) {
+        let id = json!({ "@id": self.place(&job.id.to_string()) });
+        self.own.push(json!({
+            "@id": id["@id"], "@type": "Dataset", "name": job.id.to_string(), "identifier": manifest.content,
+            "description": manifest.summary,
+        }));
+        let mut action = json!({
+            "@id": format!("#made/{}", job.id), "@type": "CreateAction", "name": format!("making of {}", job.id),
+            "description": job.entry.description, "instrument": { "@id": format!("#{}", job.entry.name) },
+            "object": self.objects(job, manifest), "result": id,
+        });
+        if let Some([start, end]) = times(manifest) {
+            (action["startTime"], action["endTime"]) = (start.into(), end.into());
+        }
+        self.own.push(action);
+    }
+
+    /// What a record was made from.
+    fn objects<U>(&mut self, job: &Job<U>, manifest: &Manifest) -> Vec<Value> {
+        let from = &manifest.made_from;
+        let recording = |(place, hash): (&String, &String)| {
+            let id = format!("#recording/{place}");
+            json!({ "@id": id, "@type": "CreativeWork", "name": place, "identifier": hash })
+        };
+        let parameter = |(what, value): (&str, &Value)| {
+            let id = format!("#{what}/{}", job.id);
+            json!({ "@id": id, "@type": "PropertyValue", "name": what, "value": value.to_string() })
+        };
+        let given = [("settings", &from.settings), ("card", &from.card)].into_iter().filter(|(_, v)| !v.is_null());
+        let outside: Vec<Value> = from.raw.iter().map(recording).chain(given.map(parameter)).collect();
+        let outside: Vec<Value> = outside.into_iter().map(|entity| self.share(entity)).collect();
+        let records = from.records.keys().map(|id| json!({ "@id": self.place(id) }));
+        outside.into_iter().chain(records).collect()
+    }
+
+    /// A record's folder, from that of the crate.
+    fn place(&self, id: &str) -> String {
+        format!("{id}/{}/", self.folders.record_folder_name())
+    }
 }
 
-/// The date of today, as in 2022-09-27.
-fn today() -> String {
-    let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
-    date((seconds / 86_400) as i64)
+/// When a record's making began and ended; none of a record of an earlier version of the program.
+fn times(manifest: &Manifest) -> Option<[String; 2]> {
+    let begun = manifest.usage.begun?;
+    let at = |seconds: f64| DateTime::from_timestamp_millis((seconds * 1e3) as i64).map(time);
+    Some([at(begun)?, at(begun + manifest.seconds)?])
 }
 
-/// The date so many days after 1970-01-01, in the Gregorian calendar: eras of 400 years that begin in March.
-fn date(days: i64) -> String {
-    let days = days + 719_468;
-    let (era, day) = (days.div_euclid(146_097), days.rem_euclid(146_097));
-    let year = (day - day / 1460 + day / 36_524 - day / 146_096) / 365;
-    let day = day - (365 * year + year / 4 - year / 100);
-    let month = (5 * day + 2) / 153;
-    let of_month = day - (153 * month + 2) / 5 + 1;
-    let (month, later) = if month < 10 { (month + 3, 0) } else { (month - 9, 1) };
-    format!("{:04}-{month:02}-{of_month:02}", year + 400 * era + later)
+/// As in 2022-09-27T10:00:00.000Z.
+fn time(time: DateTime<Utc>) -> String {
+    time.to_rfc3339_opts(SecondsFormat::Millis, true)
 }
 
 #[cfg(test)]
@@ -130,26 +165,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn days_become_dates_over_leap_years_and_turns_of_the_century() {
-        let known = [
-            (0, "1970-01-01"),
-            (59, "1970-03-01"),
-            (11_016, "2000-02-29"),
-            (11_017, "2000-03-01"),
-            (19_358, "2023-01-01"),
-        ];
-        assert!(
-            known.iter().all(|(days, expected)| date(*days) == *expected),
-            "{:?}",
-            known.map(|(days, _)| date(days))
-        );
+    fn times_are_those_of_iso_8601() {
+        assert_eq!(time(DateTime::from_timestamp_millis(951_782_400_250).unwrap()), "2000-02-29T00:00:00.250Z");
     }
 
     #[test]
     fn a_crate_that_differs_by_its_date_alone_is_the_same() {
-        let part = [json!({ "@id": "#record/mesh/nemo", "@type": "Dataset" })];
+        let part = [json!({ "@id": "mesh/fish/record/", "@type": "Dataset" })];
         let (a, b) = (described(&part, "2022-01-01"), described(&part, "2023-01-01"));
         assert!(a != b && same_but_for_the_date(&a, &b) && !same_but_for_the_date(&a, &described(&[], "2022-01-01")));
-        assert_eq!(a["@graph"][1]["hasPart"][0]["@id"], "#record/mesh/nemo");
+        assert_eq!(a["@graph"][1]["hasPart"][0]["@id"], "mesh/fish/record/");
     }
 }

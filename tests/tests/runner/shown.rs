@@ -45,11 +45,34 @@ fn the_description_for_archives_names_each_record_its_ingredients_and_its_maker(
     let graph = told["@graph"].as_array().unwrap();
     let named = |id: &str| graph.iter().find(|thing| thing["@id"] == id).unwrap_or_else(|| panic!("{id} is missing"));
     assert_eq!(named("./")["hasPart"].as_array().unwrap().len(), 3);
+    let objects = |made: &str| {
+        let made = named(made)["object"].as_array().unwrap().iter();
+        made.map(|object| object["@id"].as_str().unwrap().to_owned()).collect::<Vec<_>>()
+    };
+    assert_eq!(objects("#made/halved/fish"), ["#settings/halved/fish", "letters/fish/record/"]);
+    assert_eq!(objects("#made/letters/fish")[0], "#recording/fish/cad/body.stl");
     let made = named("#made/halved/fish");
     assert_eq!(
-        (&made["instrument"]["@id"], &made["object"][0]["@id"]),
-        (&"#halved".into(), &"#record/letters/fish".into())
+        (&made["instrument"]["@id"], &made["result"]["@id"]),
+        (&"#halved".into(), &"halved/fish/record/".into())
     );
-    assert_eq!(named("#made/letters/fish")["object"][0]["@id"], "#recording/fish/cad/body.stl");
+    let time = |key: &str| made[key].as_str().unwrap();
+    assert!(time("startTime") <= time("endTime") && time("endTime").ends_with('Z'));
     assert!(named("#letters")["softwareVersion"].as_str().unwrap().ends_with("version 1"));
+    assert_eq!(named("#settings/halved/fish")["value"], "{\"step\":1}");
+}
+
+#[test]
+fn every_entity_of_the_description_is_described_once_and_every_folder_exists() {
+    let project = Project::new("entities");
+    project.run(SETTINGS);
+    let text = fs::read_to_string(project.0.join("data/processed/ro-crate-metadata.json")).unwrap();
+    let read: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let ids = read["@graph"].as_array().unwrap().iter().map(|entity| entity["@id"].as_str().unwrap());
+    let ids: Vec<&str> = ids.collect();
+    let named = text.split("\"@id\": \"").skip(1).map(|rest| rest.split('"').next().unwrap());
+    let outside = "https://w3id.org/ro/crate/1.1";
+    assert!(named.filter(|id| *id != outside).all(|id| ids.iter().filter(|known| **known == id).count() == 1));
+    let folders = ids.iter().filter(|id| id.ends_with("/record/"));
+    assert_eq!(folders.filter(|id| project.0.join("data/processed").join(id).is_dir()).count(), 3);
 }

@@ -10,6 +10,9 @@ use crate::entry::Kind;
 use crate::needs::RecordId;
 use crate::settings::Profile;
 
+/// The name of a record's folder.
+const RECORD: &str = "record";
+
 /// The folders of one profile of one project.
 #[derive(Debug, Clone)]
 pub struct Folders {
@@ -54,7 +57,12 @@ impl Folders {
 
     /// One record's folder.
     pub fn record(&self, id: &RecordId) -> PathBuf {
-        id.subject.split('/').fold(self.processed().join(id.stage), |path, part| path.join(part)).join("record")
+        id.subject.split('/').fold(self.processed().join(id.stage), |path, part| path.join(part)).join(RECORD)
+    }
+
+    /// The name of every record's folder, inside that of its subject.
+    pub fn record_folder_name(&self) -> &'static str {
+        RECORD
     }
 
     /// What a record was made from, and the hashes of its files.
