@@ -155,9 +155,9 @@ fn times(manifest: &Manifest) -> Option<[String; 2]> {
     Some([at(begun)?, at(begun + manifest.seconds)?])
 }
 
-/// As in 2022-09-27T10:00:00.000Z.
+/// As in 2022-09-27T10:00:00.000+00:00: the form that profiles of RO-Crate ask for.
 fn time(time: DateTime<Utc>) -> String {
-    time.to_rfc3339_opts(SecondsFormat::Millis, true)
+    time.to_rfc3339_opts(SecondsFormat::Millis, false)
 }
 
 #[cfg(test)]
@@ -166,7 +166,7 @@ mod tests {
 
     #[test]
     fn times_are_those_of_iso_8601() {
-        assert_eq!(time(DateTime::from_timestamp_millis(951_782_400_250).unwrap()), "2000-02-29T00:00:00.250Z");
+        assert_eq!(time(DateTime::from_timestamp_millis(951_782_400_250).unwrap()), "2000-02-29T00:00:00.250+00:00");
     }
 
     #[test]

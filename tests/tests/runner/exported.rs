@@ -29,6 +29,7 @@ fn each_stage_is_a_rule_that_makes_one_record_of_a_specimen() {
         let output = format!("output: update(\"data/processed/{stage}/{{specimen}}/record/record.json\")");
         assert!(snakefile.contains(&format!("\nrule {stage}:\n")) && snakefile.contains(&output), "{snakefile}");
     }
+    assert!(snakefile.contains("\nrule all:\n    input: \"data/processed/metrics.json\", MANIFESTS\n"), "{snakefile}");
     assert!(snakefile.contains("specimen=r\"fish\"") && !snakefile.contains("{trial}"), "{snakefile}");
     let files = serde_json::json!(["settings", "data/raw/fish/cad/body.stl", "data/raw/fish/specimen.toml"]);
     assert_eq!(records["letters/fish"]["files"], files);

@@ -57,7 +57,7 @@ fn the_description_for_archives_names_each_record_its_ingredients_and_its_maker(
         (&"#halved".into(), &"halved/fish/record/".into())
     );
     let time = |key: &str| made[key].as_str().unwrap();
-    assert!(time("startTime") <= time("endTime") && time("endTime").ends_with('Z'));
+    assert!(time("startTime") <= time("endTime") && time("endTime").ends_with("+00:00"));
     assert!(named("#letters")["softwareVersion"].as_str().unwrap().ends_with("version 1"));
     assert_eq!(named("#settings/halved/fish")["value"], "{\"step\":1}");
 }

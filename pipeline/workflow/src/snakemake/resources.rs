@@ -44,6 +44,9 @@ impl Resources {
     /// In words, with what they are from.
     pub fn in_words(measured: &[Measured]) -> String {
         let largest = |of: &dyn Fn(&Measured) -> Option<f64>| measured.iter().filter_map(of).reduce(f64::max);
+        if measured.is_empty() {
+            return "not measured".into();
+        }
         let shown = |value: Option<f64>, unit: &str| value.map_or("not measured".into(), |v| format!("{v:.1} {unit}"));
         let (seconds, memory) = (largest(&|one| Some(one.seconds)), largest(&|one| one.peak_memory));
         format!("of {} records: at most {}, {}", measured.len(), shown(seconds, "s"), shown(memory, "MB"))

@@ -3,6 +3,7 @@
 use super::resources::Resources;
 use super::{Paths, below};
 use crate::entry::{Entry, Kind};
+use crate::needs::RecordId;
 use crate::runner::{Job, Measured, Runner, Store};
 use crate::subject::Universe;
 
@@ -34,6 +35,7 @@ HERE = Path(workflow.basedir)
 PROJECT = (HERE / "{project}").resolve()
 STUDY = f"{{PROJECT / config.get('study', '{program}')}} --root {{PROJECT}} --profile {profile} --quiet"
 RECORDS = json.loads((HERE / "records.json").read_text())
+MANIFESTS = [record["manifest"] for record in RECORDS.values()]
 
 workdir: str((HERE / "{base}").resolve())
 
@@ -48,13 +50,14 @@ def inputs(record):
 localrules: all, publish{local}
 
 
+# a record that was removed is made again whether or not the numbers are there
 rule all:
-    input: "{metrics}"
+    input: "{metrics}", MANIFESTS
 
 
 # numbers, the archive's description and the page, of all records
 rule publish:
-    input: [record["manifest"] for record in RECORDS.values()]
+    input: MANIFESTS
     output: update("{metrics}")
     shell: STUDY + " publish"
 "#,
@@ -68,17 +71,16 @@ fn rule<U: Universe>(runner: &Runner<U>, entry: &Entry<U>, jobs: &[&Job<U>]) -> 
     let measured: Vec<Measured> = jobs.iter().filter_map(|job| store.measured(&job.id)).collect();
     let asked = Resources::of(&measured);
     let pattern = Pattern::of::<U>(jobs);
-    let record = format!("{}/{}", entry.name, pattern.subject);
-    let output =
-        below(&runner.folders, &runner.folders.manifest(&jobs[0].id)).replace(&jobs[0].id.subject, &pattern.subject);
+    let id = RecordId { stage: entry.name, subject: pattern.subject };
+    let output = below(&runner.folders, &runner.folders.manifest(&id));
     let mut text = format!("\n\n# {}\n# {}\nrule {}:\n", entry.description, Resources::in_words(&measured), entry.name);
     let mut line = |words: String| text += &format!("    {words}\n");
-    line(format!("input: lambda wildcards: inputs(\"{record}\".format(**wildcards))"));
+    line(format!("input: lambda wildcards: inputs(\"{id}\".format(**wildcards))"));
     line(format!("output: update(\"{output}\")"));
     if !pattern.constraints.is_empty() {
         line(format!("wildcard_constraints: {}", pattern.constraints.join(", ")));
     }
-    line(format!("params: record=\"{record}\", version={}", entry.version));
+    line(format!("params: record=\"{id}\", version={}", entry.version));
     line(format!("threads: {}", asked.threads));
     let twice = |value: u64| format!("lambda wildcards, attempt: {value} * attempt");
     line(format!("resources: mem_mb={}, runtime={}", twice(asked.memory), twice(asked.runtime)));
