@@ -107,6 +107,7 @@ fn suite(writer: &mut Writer<Vec<u8>>, name: &str, cases: &[Case]) -> io::Result
 }
 
 fn case(writer: &mut Writer<Vec<u8>>, suite: &str, case: &Case) -> io::Result<()> {
+    let kind = if suite == "numbers" { "drift" } else { "problem" };
     let attributes = [("classname", suite), ("name", &*case.name), ("time", "0")];
     let element = writer.create_element("testcase").with_attributes(attributes);
     match &case.end {
@@ -116,7 +117,7 @@ fn case(writer: &mut Writer<Vec<u8>>, suite: &str, case: &Case) -> io::Result<()
         })?,
         End::Failed(why) => element.write_inner_content(|writer| {
             let failure = writer.create_element("failure").with_attribute(("message", &**why));
-            failure.with_attribute(("type", "drift")).write_text_content(BytesText::new(why)).map(drop)
+            failure.with_attribute(("type", kind)).write_text_content(BytesText::new(why)).map(drop)
         })?,
     };
     Ok(())

@@ -79,7 +79,7 @@ fn not_up_to_date(reader: &RecordId, stale: &[&RecordId], first: &str) -> Diagno
     };
     Diagnostic::new(
         format!("record `{reader}` cannot be made from what lies in the store"),
-        format!("its input `{}` is {first}{others}", stale[0]),
+        format!("its input `{}` {}{first}{others}", stale[0], if first.starts_with("stale") { "is " } else { "" }),
         before,
     )
 }

@@ -10,11 +10,11 @@ use crate::subject::Universe;
 /// The text of the Snakefile.
 pub fn snakefile<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>], paths: &Paths) -> String {
     let entries: Vec<&'static Entry<U>> = runner.lists.iter().flat_map(|list| list.iter()).collect();
-    let of = |entry: &Entry<U>| jobs.iter().filter(|job| job.id.stage == entry.name).collect::<Vec<_>>();
+    let of = |entry: &Entry<U>| jobs.iter().filter(|job| std::ptr::eq(job.entry, entry)).collect::<Vec<_>>();
     let made: Vec<(&Entry<U>, Vec<&Job<U>>)> =
         entries.into_iter().map(|e| (e, of(e))).filter(|(_, j)| !j.is_empty()).collect();
-    let local =
-        made.iter().filter(|(entry, _)| entry.kind != Kind::Stage).map(|(entry, _)| format!(", {}", entry.name));
+    let local = made.iter().filter(|(entry, _)| entry.kind != Kind::Stage);
+    let local = local.map(|(entry, _)| format!(", {}", rule_name(entry)));
     let mut text = head(runner, paths, &local.collect::<String>());
     for (entry, jobs) in &made {
         text += &rule(runner, entry, jobs);
@@ -73,7 +73,8 @@ fn rule<U: Universe>(runner: &Runner<U>, entry: &Entry<U>, jobs: &[&Job<U>]) -> 
     let pattern = Pattern::of::<U>(jobs);
     let id = RecordId { stage: entry.name, subject: pattern.subject };
     let output = below(&runner.folders, &runner.folders.manifest(&id));
-    let mut text = format!("\n\n# {}\n# {}\nrule {}:\n", entry.description, Resources::in_words(&measured), entry.name);
+    let measured = Resources::in_words(&measured);
+    let mut text = format!("\n\n# {}\n# {measured}\nrule {}:\n", entry.description, rule_name(entry));
     let mut line = |words: String| text += &format!("    {words}\n");
     line(format!("input: lambda wildcards: inputs(\"{id}\".format(**wildcards))"));
     line(format!("output: update(\"{output}\")"));
@@ -86,6 +87,15 @@ fn rule<U: Universe>(runner: &Runner<U>, entry: &Entry<U>, jobs: &[&Job<U>]) -> 
     line(format!("resources: mem_mb={}, runtime={}", twice(asked.memory), twice(asked.runtime)));
     line("shell: STUDY + \" --threads {threads} make {params.record}\"".into());
     text
+}
+
+/// A stage by its name, a figure and a table by what it is as well: a stage may share the name of the figure that shows it.
+fn rule_name<U>(entry: &Entry<U>) -> String {
+    match entry.kind {
+        Kind::Stage => entry.name.into(),
+        Kind::Figure => format!("figure_{}", entry.name),
+        Kind::Table => format!("table_{}", entry.name),
+    }
 }
 
 /// The subjects of a rule as a pattern with wildcards.
