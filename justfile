@@ -72,7 +72,7 @@ quick: build
 check PROFILE="quick": build
     {{programs}}/study check --profile {{PROFILE}} --junit target/check-{{PROFILE}}.xml
 
-# a part of the quick study by Snakemake with two local jobs and by `study run`: the records must be the same to the byte
+# a part of the quick study by Snakemake with two local jobs, and by Slurm where there is one: the records of `study run` to the byte
 snakemake: build
     #!/usr/bin/env bash
     set -euo pipefail
@@ -95,11 +95,21 @@ snakemake: build
     $study run mesh wave
     contents > "$root/by-run" && rm -r "$base/data/processed"
     $study export snakemake --only mesh --only wave
-    target/snakemake/bin/snakemake --quiet --snakefile "$base/workflow/Snakefile" --profile "$base/workflow/profiles/local" --cores 2
-    contents > "$root/by-snakemake"
-    cmp "$root/by-run" "$root/by-snakemake"
-    $study plan mesh wave | tail -1 | grep '^0 of'
-    echo "$(wc -l < "$root/by-run") records by Snakemake are those of study run"
+    snakemake() { target/snakemake/bin/snakemake --quiet all --snakefile "$base/workflow/Snakefile" --profile "$base/workflow/profiles/$1" "${@:2}"; }
+    same() {
+        contents > "$root/by-$1"
+        cmp "$root/by-run" "$root/by-$1"
+        $study plan mesh wave | tail -1 | grep '^0 of'
+        echo "$(wc -l < "$root/by-run") records by $1 are those of study run"
+    }
+    snakemake local --cores 2 && same snakemake
+    if ! sinfo --noheader >/dev/null 2>&1; then echo "no Slurm is at hand: its profile is not tested"; exit 0; fi
+    target/snakemake/bin/pip install --quiet 'snakemake-executor-plugin-slurm==2.8.0'
+    rm -r "$base/data/processed"
+    partition=$(sinfo --noheader --format %P | head -1 | tr -d '*')
+    snakemake slurm --slurm-status-command squeue --seconds-between-status-checks 2 \
+        --default-resources "slurm_partition=$partition" slurm_account=none mem_mb=1000
+    same slurm
 
 # all tests
 test:

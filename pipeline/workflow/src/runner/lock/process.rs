@@ -37,9 +37,10 @@ impl Process {
         Self { token, host, machine, pid, started, since: now.as_secs() }
     }
 
-    /// Whether it ran on the machine of `other`.
+    /// Whether it ran on the machine of `other`, where it can be asked for. A system that does not report the start of a process counts as
+    /// another machine.
     pub(super) fn is_beside(&self, other: &Self) -> bool {
-        (&self.host, &self.machine) == (&other.host, &other.machine)
+        !self.started.is_empty() && (&self.host, &self.machine) == (&other.host, &other.machine)
     }
 
     /// Whether it runs, asked on its own machine.
@@ -84,7 +85,8 @@ fn machine() -> String {
 
 /// What a program prints; none where it fails or prints nothing.
 fn output(program: &str, arguments: &[&str]) -> Option<String> {
-    let ended = Command::new(program).args(arguments).output().ok()?;
+    // Dates are the same text whatever the language and the time zone of the process that asks.
+    let ended = Command::new(program).args(arguments).env("LC_ALL", "C").env("TZ", "UTC").output().ok()?;
     let text = String::from_utf8_lossy(&ended.stdout).trim().to_owned();
     (ended.status.success() && !text.is_empty()).then_some(text)
 }
@@ -97,7 +99,8 @@ mod tests {
     fn this_process_runs_and_one_of_the_same_number_that_started_at_another_time_does_not() {
         let this = Process::this();
         assert!(this.runs() && this.is_beside(&Process::this()));
-        assert!(!Process { started: "0".into(), ..this }.runs());
+        assert!(!Process { started: "0".into(), ..this.clone() }.runs());
+        assert!(!Process { started: String::new(), ..this.clone() }.is_beside(&this));
     }
 
     #[test]
