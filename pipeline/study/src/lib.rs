@@ -20,7 +20,6 @@ pub mod subject;
 pub mod tables;
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use diagnostics::{Diagnostic, Result};
 use publish::check::Checked;
@@ -131,7 +130,7 @@ fn specimens(folders: &Folders) -> Result<(Vec<Specimen>, Vec<Diagnostic>)> {
     let (mut specimens, mut unreadable) = (Vec::new(), Vec::new());
     for folder in &found {
         match lab::Specimen::open(folder) {
-            Ok(specimen) => specimens.push(Specimen { card: Arc::new(specimen.card) }),
+            Ok(specimen) => specimens.push(Specimen { card: specimen.card.into() }),
             Err(diagnostic) => unreadable.push(diagnostic),
         }
     }

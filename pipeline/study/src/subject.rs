@@ -6,6 +6,7 @@ use lab::card::{self, Card};
 use serde::Serialize;
 use si::Pascal;
 use sysid::Body;
+use workflow::shared::Shared;
 use workflow::subject::{Part, Subject, SubjectOf, Universe};
 
 /// All specimens whose cards were found.
@@ -19,14 +20,14 @@ pub struct Study {
 #[derive(Debug, Clone)]
 pub struct Specimen {
     /// Its card.
-    pub card: Arc<Card>,
+    pub card: Shared<Card>,
 }
 
 /// One recording of an actuator.
 #[derive(Debug, Clone)]
 pub struct Trial {
     /// Its specimen's card.
-    pub card: Arc<Card>,
+    pub card: Shared<Card>,
     /// Its entry there.
     pub trial: Arc<card::Trial>,
 }
@@ -223,7 +224,7 @@ impl Part<Trial> for Condition {
     }
 }
 
-/// Figures and tables are keyed by whole cards: drawing them takes milliseconds, so a finer key would gain nothing.
+/// Figures and tables are keyed by whole cards, as their hashes: drawing them takes milliseconds, so a finer key would gain nothing.
 impl Part<Specimen> for Specimen {
     fn part_of(specimen: &Specimen) -> Self {
         specimen.clone()
@@ -238,12 +239,12 @@ impl Part<Trial> for Trial {
 
 impl Serialize for Specimen {
     fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        self.card.serialize(to)
+        self.card.digest().serialize(to)
     }
 }
 
 impl Serialize for Trial {
     fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        (self.card.as_ref(), &self.trial.id).serialize(to)
+        (self.card.digest(), &self.trial.id).serialize(to)
     }
 }

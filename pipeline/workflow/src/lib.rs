@@ -37,6 +37,7 @@ pub mod needs;
 pub mod record;
 pub mod runner;
 pub mod settings;
+pub mod shared;
 pub mod snakemake;
 pub mod stage;
 pub mod stage_graph;

@@ -15,7 +15,6 @@ mod stamps;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use rayon::prelude::*;
 
@@ -100,7 +99,7 @@ impl Look<'_> {
         let (opened, found) = card::look(self, folder);
         evaluated.findings.extend(found);
         let Some(opened) = opened else { return Ok(()) };
-        let of = Specimen { card: Arc::new(opened.card) };
+        let of = Specimen { card: opened.card.into() };
         evaluated.findings.extend(findings([
             solid::look(self, &of)?,
             film::calibration(self, &of),
