@@ -69,10 +69,14 @@ fn run(cli: &Cli) -> Result<bool> {
             output::line(study::page(&runner)?.display());
             Ok(report(&diagnostics))
         }
-        Command::Plan { names, specimen, graph } => {
+        Command::Plan { names, specimen, graph, schedule } => {
             let (runner, diagnostics) = open()?;
             readable(&diagnostics, specimen.as_deref())?;
-            plan(&runner, &Goal { entries: names.clone(), group: specimen.clone() }, graph.as_ref())?;
+            let goal = Goal { entries: names.clone(), group: specimen.clone() };
+            match schedule.is_empty() {
+                true => plan(&runner, &goal, graph.as_ref())?,
+                false => output::line(runner.schedule(&goal, schedule)?),
+            }
             Ok(report(&diagnostics))
         }
         Command::Why { name } => {

@@ -93,6 +93,9 @@ pub enum Command {
         /// Show the stages as a dependency tree instead; with a file, draw it there as SVG.
         #[arg(long, value_name = "FILE.svg", num_args = 0..=1, require_equals = true)]
         graph: Option<Option<PathBuf>>,
+        /// Show instead how long everything would take with so many workers, from the durations of the records as they were made.
+        #[arg(long, value_name = "WORKERS", value_delimiter = ',', conflicts_with = "graph")]
+        schedule: Vec<usize>,
     },
     /// Report the inputs of each record of a stage.
     Why {

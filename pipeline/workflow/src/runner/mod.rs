@@ -15,6 +15,7 @@ mod memory;
 mod plan;
 mod pool;
 mod report;
+mod schedule;
 mod staleness;
 mod store;
 mod tree;
@@ -183,6 +184,14 @@ impl<U: Universe> Runner<U> {
     /// A [`Diagnostic`] when the goal is unknown.
     pub fn plan(&self, goal: &Goal) -> Result<String> {
         Ok(plan::text(self, &self.jobs_of(goal)?))
+    }
+
+    /// How long all records of the goal would take with each of these numbers of workers, and the longest chain, from measured durations.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when the goal is unknown.
+    pub fn schedule(&self, goal: &Goal, workers: &[usize]) -> Result<String> {
+        Ok(schedule::text(self, &self.jobs_of(goal)?, workers))
     }
 
     /// The records that a run would make, by name.
