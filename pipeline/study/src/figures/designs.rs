@@ -26,7 +26,7 @@ impl figure::Figure for Designs {
     type Needs = Every<Mesh, Specimen>;
     const NAME: &'static str = "designs";
     const CAPTION: &'static str = "the actuators cut open: their chambers, ribs, walls and sheet";
-    const VERSION: u32 = 2;
+    const VERSION: u32 = 3;
 
     fn draw(Every(meshes): Self::Needs) -> Result<Figure> {
         if meshes.is_empty() {
@@ -59,7 +59,10 @@ fn design(specimen: &Specimen, mesh: &Mesh, [low, high]: [Point3; 2]) -> Placed 
     let corner = |i: usize| [0, 1, 2].map(|k| if i >> k & 1 == 0 { low[k] } else { high[k] });
     let rim = (0..8).map(corner).collect();
     let card = &specimen.card;
-    let text = [card.solid.parts.iter().map(nominal).collect::<Vec<_>>().join("; "), format!("air: {}", air(mesh))];
+    let text = [
+        format!("nominal E: {}", card.solid.parts.iter().map(nominal).collect::<Vec<_>>().join(", ")),
+        format!("air: {}", air(mesh)),
+    ];
     let place = |down: f64| [0.5 * (low[0] + high[0]), low[1], low[2] - down];
     let scene = scene
         .with_overlay(rim, OverlayKind::Line(plot::Dash::Solid), palette::PAPER, 0.0)
@@ -72,7 +75,7 @@ fn design(specimen: &Specimen, mesh: &Mesh, [low, high]: [Point3; 2]) -> Placed 
 /// The nominal modulus of a solid.
 fn nominal(lab::card::Part { name, solid }: &lab::card::Part) -> String {
     let DisplayUnit { scale, unit } = DisplayUnit::of(solid.youngs_modulus);
-    format!("{name}: E {} {unit}, nominal", scale * solid.youngs_modulus)
+    format!("{name} {:.2} {unit}", scale * solid.youngs_modulus)
 }
 
 /// The volume of each chamber.
