@@ -55,7 +55,7 @@ impl DofMap {
     }
 }
 
-/// Relative expansion that tells sealed chambers from fed ones, whose pressure does not depend on the volume.
+/// Relative expansion under which the pressure of a sealed chamber changes; that of a fed one does not depend on the volume.
 const PROBE: f64 = 1e-3;
 
 impl BodyProblem {
@@ -68,7 +68,8 @@ impl BodyProblem {
     pub fn new(system: &System, mut solver: Solver, load: BodyLoad) -> Result<Self, ContinuationError> {
         solver.set_forces(&load.forces)?;
         check_fed(system, &solver, &load.pressures)?;
-        let at = equilibrium(vec![0.0; 3 * system.mesh().nodes.len()], load.pressures.clone());
+        let displacement = vec![0.0; 3 * system.mesh().nodes.len()];
+        let at = Equilibrium { displacement, pressures: load.pressures.clone(), ..Equilibrium::default() };
         let tangent = solver.assemble(&at)?;
         let dof_map = DofMap { full_index: tangent.full_index.to_vec(), nodes: system.mesh().nodes.len() };
         let factor = IndefiniteFactor::new(&tangent)?;
@@ -134,7 +135,7 @@ impl Problem for BodyProblem {
 
     fn factorise(&mut self, u: &[f64], load_factor: f64, previous: Option<&[f64]>) -> Option<usize> {
         let pressures = self.apply(load_factor)?;
-        self.at = equilibrium(self.dof_map.full(u), pressures);
+        self.at = Equilibrium { displacement: self.dof_map.full(u), pressures, ..Equilibrium::default() };
         let tangent = match previous.map(|previous| self.dof_map.full(previous)) {
             Some(previous) => self.solver.assemble_mixed(&self.at, &previous),
             None => self.solver.assemble(&self.at),
@@ -145,18 +146,6 @@ impl Problem for BodyProblem {
 
     fn solve(&mut self, x: &mut [f64]) {
         self.factor.solve(x);
-    }
-}
-
-fn equilibrium(displacement: Vec<f64>, pressures: Vec<Pascal>) -> Equilibrium {
-    Equilibrium {
-        displacement,
-        pressures,
-        iterations: 0,
-        factorisations: 0,
-        residual: 0.0,
-        load_stepped: false,
-        snap_through: Vec::new(),
     }
 }
 

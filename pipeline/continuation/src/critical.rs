@@ -1,4 +1,4 @@
-//! Critical points: located where an eigenvalue of the tangent changes its sign, told apart, and described.
+//! Critical points: located where an eigenvalue of the tangent changes its sign, classified, and described.
 //!
 //! With K φ = 0 and the path's tangent K u̇ = q λ̇ follows φᵀq λ̇ = 0. At a limit point λ̇ = 0 and φᵀq ≠ 0; at a bifurcation
 //! φᵀq = 0, and λ passes on. On a computed path λ turns between two points or it does not, which needs no threshold;

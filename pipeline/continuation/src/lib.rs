@@ -1,7 +1,7 @@
 //! Equilibrium paths u(λ) of nonlinear problems through limit points and bifurcations, by the arc-length method.
 //!
 //! [`follow`] advances along the solutions of r(u, λ) = 0 of a [`Problem`] in steps of an arc length and watches the
-//! tangent K = ∂r/∂u: a change of its inertia says that a critical point was passed, which is then located, told apart
+//! tangent K = ∂r/∂u: a change of its inertia says that a critical point was passed, which is then located, classified
 //! as limit point or bifurcation, and reported with its mode ([`CriticalPoint`]). [`BodyProblem`] makes a problem of a
 //! body of `fem` under chamber pressures and dead forces that grow with the load factor λ.
 //!

@@ -119,7 +119,7 @@ fn a_cylinder_buckles_into_an_oval_under_the_published_pressure() {
     let (mesh, mut problem) = cylinder(16, 1.2 * critical_pressure());
     let settings = PathSettings { branch: Branch::Primary, first_step: 0.5, ..Default::default() };
     let critical = follow(&mut problem, &settings, &mut |_| {}).unwrap().critical;
-    // The oval may lie along the axes or between them; the mesh tells the two apart by less than a thousandth.
+    // The oval may lie along the axes or between them; on the mesh the two differ by less than a thousandth.
     assert_eq!(critical.len(), 2);
     for point in &critical {
         assert_eq!(point.kind, CriticalKind::Bifurcation);

@@ -57,15 +57,7 @@ impl Direction<'_> {
 
 /// An equilibrium as a solver takes it back.
 pub(crate) fn equilibrium_at(displacement: &Reals<'_>, pressures: Vec<f64>) -> PyResult<Equilibrium> {
-    Ok(Equilibrium {
-        displacement: vector("displacement", displacement)?,
-        pressures,
-        iterations: 0,
-        factorisations: 0,
-        residual: 0.0,
-        load_stepped: false,
-        snap_through: Vec::new(),
-    })
+    Ok(Equilibrium { displacement: vector("displacement", displacement)?, pressures, ..Equilibrium::default() })
 }
 
 /// ∂L by E, ν and ρ of each region.

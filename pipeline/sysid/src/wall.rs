@@ -51,7 +51,7 @@ impl Section {
         whole.then_some(section)
     }
 
-    /// Displacement of the walls: `filled` tells whether the side of positive y is under pressure.
+    /// Displacement of the walls: `filled` says whether the side of positive y is under pressure.
     pub fn walls(&self, moved: &[Point3], filled: bool) -> Walls {
         let (full, empty) = if filled { (0, 1) } else { (1, 0) };
         let least = |best: (Metre, Point3), next: (Metre, Point3)| if next.0 < best.0 { next } else { best };

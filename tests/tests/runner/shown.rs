@@ -41,8 +41,8 @@ fn the_description_for_archives_names_each_record_its_ingredients_and_its_maker(
     let project = Project::new("crate");
     project.run(SETTINGS);
     let text = fs::read(project.0.join("data/processed/ro-crate-metadata.json")).unwrap();
-    let told: serde_json::Value = serde_json::from_slice(&text).unwrap();
-    let graph = told["@graph"].as_array().unwrap();
+    let described: serde_json::Value = serde_json::from_slice(&text).unwrap();
+    let graph = described["@graph"].as_array().unwrap();
     let named = |id: &str| graph.iter().find(|thing| thing["@id"] == id).unwrap_or_else(|| panic!("{id} is missing"));
     assert_eq!(named("./")["hasPart"].as_array().unwrap().len(), 3);
     let objects = |made: &str| {

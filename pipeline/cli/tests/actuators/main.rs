@@ -88,6 +88,15 @@ z = [0.0, 0.0, 1.0]
     )
 }
 
+/// A solid whose modulus is searched from a third to three times the nominal one, Pa.
+fn solid(name: &str, source: &str, modulus: f64) -> String {
+    let plausible = [modulus / 3.0, 3.0 * modulus];
+    format!(
+        "\n[solid.{name}]\n{source}\nmaterial = \"neo_hookean\"\nyoungs_modulus = {modulus:?}\npoissons_ratio = 0.48\n\
+         density = 1070.0\nplausible = {plausible:?}\n"
+    )
+}
+
 fn chamber(name: &str, at: [f64; 3]) -> String {
     let [x, y, z] = at.map(|x| 1e-3 * x);
     format!("\n[[chamber]]\nname = \"{name}\"\nat = [{x:.5}, {y:.5}, {z:.5}]\nchannel = \"{name}\"\n")
@@ -123,26 +132,12 @@ length = 0.042
 unit = "mm"
 mesh = "cad/finger.mesh"
 
-[solid.silicone]
-region = "1"
-material = "neo_hookean"
-youngs_modulus = 3.0e5
-poissons_ratio = 0.48
-density = 1070.0
-plausible = [1.0e5, 1.0e6]
-
-[solid.strip]
-region = "2"
-material = "neo_hookean"
-youngs_modulus = 3.0e6
-poissons_ratio = 0.45
-density = 1100.0
-plausible = [1.0e6, 1.0e7]
-
 [clamp]
 box = { low = [0.0, -0.0075, -0.0075], high = [0.003, 0.0075, 0.0075] }
 "#
     .to_owned();
+    card += &solid("silicone", "region = \"1\"", 3e5);
+    card += &solid("strip", "region = \"2\"", 3e6);
     for (name, j, k) in [("port", 1.5, 1.5), ("starboard", 3.5, 1.5), ("dorsal", 2.5, 3.5)] {
         card += &chamber(name, FINGER.place([7.0, j, k]));
     }
@@ -171,18 +166,11 @@ length = 0.033
 [solid]
 unit = "mm"
 
-[solid.body]
-file = "cad/body.stl"
-material = "neo_hookean"
-youngs_modulus = 3.0e5
-poissons_ratio = 0.48
-density = 1070.0
-plausible = [1.0e5, 1.0e6]
-
 [clamp]
 plane = { x = 0.0 }
 "#
     .to_owned();
+    card += &solid("body", "file = \"cad/body.stl\"", 3e5);
     card += &chamber("air", BELLOWS.place([3.5, 4.0, 2.0]));
     for (i, at) in [[3.5, 8.0, 2.0], [7.5, 8.0, 2.0], [11.0, 5.0, 2.0], [11.0, 3.0, 2.0]].into_iter().enumerate() {
         card += &marker(&format!("m{}", i + 1), BELLOWS.place(at));

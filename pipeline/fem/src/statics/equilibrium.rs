@@ -25,7 +25,7 @@ impl Default for StaticSettings {
 }
 
 /// A static equilibrium.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Equilibrium {
     /// 3 entries per node, m.
     pub displacement: Vec<f64>,

@@ -5,6 +5,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod loads;
+mod path;
 
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};

@@ -36,7 +36,7 @@ pub(crate) struct Holder {
     process: Process,
     /// The file that every lock of this process is a link to.
     file: PathBuf,
-    /// A link gives no answer when its reply is lost: what this process holds is told apart from what it has just taken.
+    /// A link gives no answer when its reply is lost: what this process holds is distinguished from what it has just taken.
     held: Mutex<BTreeSet<PathBuf>>,
     heart: Option<(Sender<()>, JoinHandle<()>)>,
 }

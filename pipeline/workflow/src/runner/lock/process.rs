@@ -1,7 +1,7 @@
 //! Processes: which one holds a lock, and whether it still runs.
 //!
 //! On the machine that asks, a process is found by its number and its start, so that a number that was given again deceives nobody.
-//! Machines are told apart by name, boot and process namespace: containers of one machine may share a name and see other processes.
+//! Machines are distinguished by name, boot and process namespace: containers of one machine may share a name and see other processes.
 
 use std::fs;
 use std::process::Command;

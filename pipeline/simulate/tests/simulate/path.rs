@@ -1,66 +1,8 @@
 //! Paths by the arc-length method, end to end: a column that buckles, a finger that does not, and refused input.
-//!
-//! Each test writes into a folder of its own below cargo's folder for tests.
 
-#![allow(clippy::unwrap_used)]
+use std::path::Path;
 
-use std::path::{Path, PathBuf};
-
-use simulate::{Summary, run};
-
-fn here(path: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
-}
-
-fn example(name: &str) -> String {
-    std::fs::read_to_string(here("examples").join(name)).unwrap()
-}
-
-/// A folder of one test, empty.
-fn folder(name: &str) -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
-    let _ = std::fs::remove_dir_all(&folder);
-    std::fs::create_dir_all(&folder).unwrap();
-    folder
-}
-
-/// Runs the text of a case in a folder of its own, with its mesh named where it lies.
-fn solve(test: &str, case: &str) -> Result<(Summary, Table), String> {
-    let folder = folder(test);
-    let name = |file: &str| format!("file = \"{}\"", here(file).display());
-    let case = case
-        .replace("file = \"cantilever.msh\"", &name("examples/cantilever.msh"))
-        .replace("file = \"finger.msh\"", &name("examples/finger.msh"));
-    std::fs::write(folder.join("case.toml"), case).unwrap();
-    let summary = run(&folder.join("case.toml"), None, true).map_err(|diagnostic| diagnostic.to_string())?;
-    Ok((summary, Table::read(&folder.join("case.out/case.csv"))))
-}
-
-/// A table of numbers with names.
-struct Table {
-    names: Vec<String>,
-    rows: Vec<Vec<f64>>,
-}
-
-impl Table {
-    fn read(path: &Path) -> Self {
-        let text = std::fs::read_to_string(path).unwrap();
-        let mut lines = text.lines();
-        let names = lines.next().unwrap().split(',').map(str::to_owned).collect();
-        Self { names, rows: lines.map(|line| line.split(',').map(|word| word.parse().unwrap()).collect()).collect() }
-    }
-
-    fn column(&self, name: &str) -> Vec<f64> {
-        let place =
-            self.names.iter().position(|known| known == name).unwrap_or_else(|| panic!("{name} in {:?}", self.names));
-        self.rows.iter().map(|row| row[place]).collect()
-    }
-}
-
-#[track_caller]
-fn assert_near(found: f64, expected: f64, part: f64) {
-    assert!((found / expected - 1.0).abs() < part, "{found:e} where {expected:e} was expected");
-}
+use super::{Table, assert_near, example, solve};
 
 #[test]
 fn a_column_is_followed_through_its_bifurcation() {
