@@ -82,6 +82,13 @@ impl Film {
                 "film a staircase from before its first level on",
             ));
         };
+        if windows.iter().all(Window::is_still) {
+            return Err(Diagnostic::new(
+                "the film shows no transient",
+                "between two changes of the command its marker stays exactly where it is",
+                "film the motion itself, in enough frames a second, instead of the places that it reaches",
+            ));
+        }
         let last = windows.iter().flat_map(|w| w.times.last()).copied().fold(begin, f64::max);
         let events: Vec<Second> = windows.iter().map(|w| w.begin - begin).collect();
         let ends = uneven_times(&events, last - begin, steps);
@@ -150,6 +157,11 @@ impl Film {
 }
 
 impl Window {
+    /// Whether the marker does not move at all: residuals would vanish, and nothing would weigh them against the prior.
+    fn is_still(&self) -> bool {
+        self.seen.iter().all(|at| *at == self.seen[0])
+    }
+
     /// Simulated and measured displacement, x before y, each about its mean; the simulated one to the scale that fits best. What a hold
     /// reaches is a matter of the elastic law, whose stiffening with strain is not the silicone's: a spectrum that had to make up for it
     /// would be biased.
@@ -158,9 +170,7 @@ impl Window {
         let simulated = [axis(0), axis(1)].concat();
         let measured = [0, 1].map(|k| about_mean(self.seen.iter().map(|p| p[k]).collect())).concat();
         let product = |a: &[f64]| a.iter().zip(&simulated).map(|(a, s)| a * s).sum::<f64>();
-        let power = product(&simulated);
-        // a marker that never moves has no scale
-        let scale = if power > f64::MIN_POSITIVE { product(&measured) / power } else { 1.0 };
+        let scale = product(&measured) / product(&simulated).max(f64::MIN_POSITIVE);
         (simulated.iter().map(|s| scale * s).collect(), measured)
     }
 }
@@ -199,6 +209,18 @@ fn uneven_times(events: &[Second], end: Second, TimeSteps { step, vibration, lon
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_film_of_a_marker_that_jumps_from_place_to_place_is_refused() {
+        let film = |seen: Vec<Point2>| {
+            let window = Window { begin: 0.0, times: vec![0.0, 0.1, 0.2], seen, command: 1e4 };
+            let footage = Footage { windows: vec![window], marker: 0, exposure: 0.0 };
+            Film::new(footage, Vec::new(), TimeSteps { step: 0.01, vibration: 0.1, longest: 0.05 })
+        };
+        let refused = film(vec![[1e-3, 0.0]; 3]).err().unwrap();
+        assert!(refused.why.contains("stays exactly where it is"), "{refused}");
+        assert!(film(vec![[1e-3, 0.0], [1e-3, 0.0], [1.1e-3, 0.0]]).is_ok());
+    }
 
     #[test]
     fn steps_end_at_every_event_and_never_grow_too_fast() {
