@@ -11,7 +11,6 @@ pub(crate) const RENAMED: &[Renamed] = &[
     Renamed { section: "clock", old: "log_mean", new: "log_averaging" },
     Renamed { section: "drag", old: "added", new: "added_mass_ratio" },
     Renamed { section: "drag", old: "drag", new: "normal_drag_coefficient" },
-    Renamed { section: "drag", old: "ease", new: "ramp" },
     Renamed { section: "drag", old: "follow", new: "duration" },
     Renamed { section: "four_parameters", old: "side_by_side", new: "parallel_solves" },
     Renamed { section: "identify", old: "adam_mean_memory", new: "adam_mean_decay" },

@@ -24,8 +24,8 @@ pub struct Actuation<'a> {
     pub begin: Second,
     /// s.
     pub end: Second,
-    /// Duration of the ramp from zero to the measured pressures, s.
-    pub ramp: Second,
+    /// Ends of the time steps, rising, s after the begin; none: equal steps.
+    pub steps: Option<&'a [Second]>,
     /// One a chamber, Pa.
     pub gauges: &'a [Samples],
 }
@@ -33,14 +33,13 @@ pub struct Actuation<'a> {
 impl Actuation<'_> {
     /// Pressures (Pa) `t` s after the begin.
     pub fn pressures(&self, t: Second) -> Vec<Pascal> {
-        let part = if self.ramp > 0.0 { (t / self.ramp).clamp(0.0, 1.0) } else { 1.0 };
-        let ease = part * part * (3.0 - 2.0 * part);
-        self.gauges.iter().map(|g| ease * g.at(self.begin + t)).collect()
+        self.gauges.iter().map(|gauge| gauge.at(self.begin + t)).collect()
     }
 
-    /// Ends of equal steps, s after the begin.
+    /// Ends of the time steps, s after the begin; equal ones have the length `step` (s).
     pub fn times(&self, step: Second) -> Vec<Second> {
-        even_times(step, ((self.end - self.begin) / step).ceil() as usize)
+        let even = || even_times(step, ((self.end - self.begin) / step).ceil() as usize);
+        self.steps.map_or_else(even, <[Second]>::to_vec)
     }
 
     /// A path from rest, sampled at the ends of steps (s after the begin), as functions of the film's time.
@@ -121,12 +120,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_ramp_eases_the_pressure_from_zero_to_the_gauge() {
-        let gauge = Samples::new(vec![0.0, 10.0], vec![2e4, 2e4]).unwrap();
-        let actuation = Actuation { begin: 1.0, end: 2.0, ramp: 0.5, gauges: &[gauge] };
-        let at = |t: f64| actuation.pressures(t)[0];
-        assert_eq!((at(0.0), at(0.25), at(0.5), at(0.9)), (0.0, 1e4, 2e4, 2e4));
-        assert_eq!(actuation.times(0.25), [0.25, 0.5, 0.75, 1.0]);
+    fn steps_are_equal_unless_they_are_given() {
+        let gauge = Samples::new(vec![0.0, 10.0], vec![0.0, 2e4]).unwrap();
+        let even = Actuation { begin: 1.0, end: 2.0, steps: None, gauges: &[gauge] };
+        assert_eq!(even.times(0.25), [0.25, 0.5, 0.75, 1.0]);
+        assert_eq!(Actuation { steps: Some(&[0.1, 1.0]), ..even }.times(0.25), [0.1, 1.0]);
+        assert!((even.pressures(0.5)[0] - 3e3).abs() < 1e-9);
     }
 
     #[test]

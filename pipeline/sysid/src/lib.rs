@@ -42,6 +42,7 @@ pub mod relaxation;
 mod rigid;
 mod search;
 mod surrogate;
+mod time_steps;
 pub mod wall;
 
 pub use body::{Body, Material};
@@ -54,3 +55,4 @@ pub use model::{BODY, Elastic, Model, Viscoelastic, by_node};
 pub use noise::{Covariance2, Level, NoiseModel};
 pub use reduced::{ForcedMotion, ReducedBody, Snapshots, even_times};
 pub use search::{Interrupted, feasible_lower_bound, nearest_neighbour_order};
+pub use time_steps::TimeSteps;

@@ -10,8 +10,8 @@ use fem::{
     box_mesh, materials,
 };
 use mesh::Spot;
-use sysid::relaxation::{Film, Footage, SpectrumProblem, SpectrumSettings, TimeSteps, Window};
-use sysid::{Elastic, Model, ReducedBody, Snapshots};
+use sysid::relaxation::{Film, Footage, SpectrumProblem, SpectrumSettings, Window};
+use sysid::{Elastic, Model, ReducedBody, Snapshots, TimeSteps};
 
 /// Pa.
 const PRESSURE: f64 = 4e3;

@@ -10,10 +10,7 @@ use optimize::posterior::integrated_correlation;
 use optimize::{Bounds, Evaluation, Needs, Optimiser, Problem, Residuals};
 
 use diagnostics::{Diagnostic, Result};
-use si::{Metre, Point2, Second};
-use signal::resample::Samples;
 use sysid::Interrupted;
-use sysid::actuated::filmed;
 
 /// How added mass and drag are sought.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,7 +25,8 @@ pub struct ReleaseSettings {
     pub step_tolerance: f64,
 }
 
-/// The residuals, in units of their standard deviation, at each of several points: x and then y of the observed marker, frame after frame.
+/// The residuals, in units of their standard deviation, at each of several points: x of the observed
+/// marker, frame after frame, before y.
 pub type Evaluated<'a> = dyn FnMut(&[Coefficients]) -> Result<Vec<Vec<f64>>> + 'a;
 
 /// The best coefficients.
@@ -117,44 +115,9 @@ fn discrepancy(residuals: &Residuals) -> f64 {
     (axes.map(integrated_correlation).sum::<f64>() / 2.0).sqrt()
 }
 
-/// The observed marker of a film after a release.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Film {
-    times: Vec<Second>,
-    /// See [`about_mean`].
-    seen: Vec<Metre>,
-}
-
-impl Film {
-    /// A path (m) at the times of frames (s), between two times.
-    pub fn of(times: &[Second], path: &[Point2], [begin, end]: [Second; 2]) -> Self {
-        let inside = times.iter().zip(path).filter(|(t, _)| **t > begin && **t < end);
-        let (times, places): (Vec<Second>, Vec<Point2>) = inside.map(|(t, at)| (*t, *at)).unzip();
-        Self { times, seen: about_mean(&places) }
-    }
-
-    /// Residuals of a simulated path in units of `sigma` (m), filmed with a shutter that is open for `exposure` of the time between frames.
-    pub fn off(&self, path: &[Samples; 2], exposure: f64, sigma: Metre) -> Vec<f64> {
-        let path = about_mean(&filmed(path, &self.times, exposure));
-        path.iter().zip(&self.seen).map(|(a, b)| (a - b) / sigma).collect()
-    }
-
-    /// Amplitude of the marker, m.
-    pub fn moved(&self) -> Metre {
-        rms(&self.seen)
-    }
-}
-
-/// Root of the mean square of a path's distances, x and y one after the other, in their unit.
+/// Root of the mean square of a path's distances, x before y, in their unit.
 pub fn rms(of: &[f64]) -> f64 {
     (of.iter().map(|v| v * v).sum::<f64>() / (of.len() / 2).max(1) as f64).sqrt()
-}
-
-/// x and y of a path one after the other, each about its mean: the equilibrium does not depend on the water.
-fn about_mean(path: &[Point2]) -> Vec<f64> {
-    let count = path.len().max(1) as f64;
-    let mean = [0, 1].map(|k| path.iter().map(|p| p[k]).sum::<f64>() / count);
-    path.iter().flat_map(|p| [p[0] - mean[0], p[1] - mean[1]]).collect()
 }
 
 #[cfg(test)]
@@ -194,11 +157,5 @@ mod tests {
         let (alone, with) = (found.sigma(&[]).unwrap(), found.sigma(&[off(&found.by, 1e-4)]).unwrap());
         let shift = (at(1e-4).by.drag - found.by.drag).abs();
         assert!(alone.drag < 0.1 * with.drag && (with.drag / shift - 1.0).abs() < 0.05, "{with:?} {shift}");
-    }
-
-    #[test]
-    fn where_a_path_lies_is_left_out() {
-        let path = [[1.0, 5.0], [3.0, 9.0]];
-        assert_eq!(about_mean(&path), [-1.0, -2.0, 1.0, 2.0]);
     }
 }

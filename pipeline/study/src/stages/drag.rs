@@ -1,8 +1,9 @@
 //! Drag: added mass and normal drag of a tail, from a release under water. Validation in water uses them.
 //!
 //! A staircase in water ends each hold by opening the chamber, and the tail vibrates freely in the water. The highest release
-//! within the pressures of identification is simulated in reduced coordinates with elongated-body theory's added mass and a normal
-//! drag; [`thrust::release`] identifies the ratio of the one and the coefficient of the other. No flapping film is read.
+//! within the pressures of identification, with the hold before it, is simulated in reduced coordinates with elongated-body theory's
+//! added mass and a normal drag; [`thrust::release`] identifies the ratio of the one and the coefficient of the other. No flapping
+//! film is read.
 
 use fem::Scheme;
 use hydro::Coefficients;
@@ -15,11 +16,12 @@ use super::simulation;
 use crate::records::{self, Identified, Level, Mesh, Motion, Reduced, Relaxation};
 use crate::selections::{OfTrials, UnderwaterStaircases};
 use ::thrust::outline::Outline;
-use ::thrust::release::{Film, ReleaseSettings, rms};
+use ::thrust::release::{ReleaseSettings, rms};
 use ::thrust::underwater::UnderwaterModel;
 use diagnostics::{Diagnostic, Result};
-use sysid::actuated::{Actuation, MotionSimulation, dynamic_settings};
-use sysid::{Body, ReducedBody, Viscoelastic};
+use sysid::actuated::{Actuation, MotionSimulation, dynamic_settings, frame_interval};
+use sysid::relaxation::Window;
+use sysid::{Body, ReducedBody, TimeSteps, Viscoelastic};
 use workflow::stage::{Stage, StageContext};
 
 /// The stage.
@@ -33,10 +35,12 @@ pub struct Settings {
     density: KilogramPerCubicMetre,
     /// Sections of the tail.
     sections: usize,
-    /// Time step of the second-order scheme, s.
+    /// Time step of the second-order scheme after a change of the command, s.
     step: Second,
-    /// Duration of the pressure ramp before the release, s.
-    ramp: Second,
+    /// How long that step is kept in the hold before the release, s.
+    vibration: Second,
+    /// Longest time step of the hold, s.
+    longest_step: Second,
     /// Duration after the release that is compared, s.
     duration: Second,
     /// Least and greatest ratio of theory's added mass.
@@ -59,7 +63,7 @@ impl Stage for Drag {
     type Needs = ((Mesh, Identified, Reduced), Relaxation, OfTrials<Motion, UnderwaterStaircases>);
     type Makes = records::Drag;
     const DESCRIPTION: &'static str = "a release under water gives added mass and drag";
-    const VERSION: u32 = 8;
+    const VERSION: u32 = 9;
 
     fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<records::Drag> {
         let ((mesh, identified, reduced), relaxation, films) = needs;
@@ -73,17 +77,19 @@ impl Stage for Drag {
             marker: card.tip_marker(),
         };
         let known = identified.levels.iter().map(Level::pressure).fold(0.0, f64::max);
-        let (begin, released) = release(motion, known)?;
-        let gauges = simulation::gauges(motion)?;
-        let actuation =
-            Actuation { begin: begin - set.ramp, end: begin + set.duration, ramp: set.ramp, gauges: &gauges };
+        let hold = hold(motion, known)?;
+        let (gauges, steps) = (simulation::gauges(motion)?, set.steps(&hold));
+        let end = hold.released + set.duration;
+        let actuation = Actuation { begin: hold.begin, end, steps: Some(&steps), gauges: &gauges };
         let reduced_body = ReducedBody::of(&model, &simulation.silicone, &reduced.data)?;
         let settings = dynamic_settings(Scheme::Bdf2, set.step);
         let underwater = UnderwaterModel::new(&reduced_body, &tail, &simulation, card.markers.len());
-        let film = Film::of(&motion.time, &motion.markers[simulation.marker].at, [begin, actuation.end]);
+        let film = set.film(motion, simulation.marker, &hold);
         let mut simulations = 0;
+        let exposure = set.exposure * frame_interval(&film.times);
         let off = |model: &UnderwaterModel, by| {
-            Ok(film.off(&model.path(&settings, by, &actuation)?, set.exposure, set.sigma))
+            let (simulated, seen) = film.compared(&model.path(&settings, by, &actuation)?, exposure);
+            Ok(simulated.iter().zip(seen).map(|(s, m)| (s - m) / set.sigma).collect())
         };
         let mut evaluated = |at: &[Coefficients]| -> Result<Vec<Vec<f64>>> {
             simulations += at.len();
@@ -97,9 +103,9 @@ impl Stage for Drag {
         Ok(records::Drag {
             by: found.by,
             sigma: found.sigma(&others)?,
-            released,
+            released: hold.pressure,
             rmse: set.sigma * rms(found.residuals()),
-            moved: film.moved(),
+            moved: rms(&film.about_mean().concat()),
             simulations: simulations + others.len(),
             density: set.density,
             sections: set.sections,
@@ -107,7 +113,33 @@ impl Stage for Drag {
     }
 }
 
+/// A hold of a staircase and its release.
+struct Hold {
+    /// s on the film's clock.
+    begin: Second,
+    /// s on the film's clock.
+    released: Second,
+    /// Its command, Pa.
+    pressure: Pascal,
+}
+
 impl Settings {
+    /// Ends of the time steps of a hold and its release, s after its begin. The silicone creeps during the hold and recovers after it: a
+    /// tail that is released as if it had just been filled returns too far, and the drag would have to make up for that.
+    fn steps(&self, hold: &Hold) -> Vec<Second> {
+        let Self { step, vibration, longest_step: longest, duration, .. } = *self;
+        let held = hold.released - hold.begin;
+        TimeSteps { step, vibration: vibration.max(duration), longest }.ends(&[0.0, held], held + duration)
+    }
+
+    /// The frames of a marker after the release.
+    fn film(&self, motion: &Motion, marker: usize, hold: &Hold) -> Window {
+        let span = hold.released..hold.released + self.duration;
+        let inside = motion.time.iter().zip(&motion.markers[marker].at).filter(|(t, _)| span.contains(*t));
+        let (times, seen) = inside.map(|(t, at)| (*t, *at)).unzip();
+        Window { begin: hold.released, times, seen, command: 0.0 }
+    }
+
     fn release(&self) -> ReleaseSettings {
         let Self { added_mass_ratio, normal_drag_coefficient, iterations, step_tolerance, .. } = *self;
         ReleaseSettings { added_mass_ratio, normal_drag_coefficient, iterations, step_tolerance }
@@ -118,12 +150,18 @@ fn no_staircase() -> Diagnostic {
     Diagnostic::new("there is no staircase in water", "no trial of the card is one", "film one")
 }
 
-/// Time of the release of the highest hold that is not above `known` (Pa), s on the film's clock, and its command, Pa.
-fn release(motion: &Motion, known: Pascal) -> Result<(Second, Pascal)> {
+/// The highest hold that is not above `known` (Pa).
+fn hold(motion: &Motion, known: Pascal) -> Result<Hold> {
     let asked = |i: usize| motion.gauges.iter().map(|g| g.command[i]).fold(0.0, f64::max);
-    let falls = (1..motion.log_time.len()).filter(|&i| asked(i) == 0.0 && asked(i - 1) > 0.0);
-    let within = falls.map(|i| (motion.log_time[i], asked(i - 1))).filter(|(_, p)| *p <= NEAR * known);
-    within.max_by(|a, b| a.1.total_cmp(&b.1)).ok_or_else(|| {
+    let changes: Vec<usize> = (1..motion.log_time.len()).filter(|&i| asked(i) != asked(i - 1)).collect();
+    let hold = |pair: &[usize]| Hold {
+        begin: motion.log_time[pair[0]],
+        released: motion.log_time[pair[1]],
+        pressure: asked(pair[0]),
+    };
+    let released = changes.windows(2).filter(|pair| asked(pair[1]) == 0.0).map(hold);
+    let within = released.filter(|hold| hold.pressure <= NEAR * known);
+    within.max_by(|a, b| a.pressure.total_cmp(&b.pressure)).ok_or_else(|| {
         let why = format!("moduli were identified up to {:.0} Pa, and no hold within is released", known);
         Diagnostic::new("drag cannot be identified from the staircase in water", why, "film a lower level in water")
     })

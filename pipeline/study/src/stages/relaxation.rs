@@ -13,8 +13,8 @@ use crate::selections::IdentificationTrials;
 use crate::subject::TrialId;
 use diagnostics::Result;
 use sysid::actuated::frame_interval;
-use sysid::relaxation::{Film, Footage, Spectrum, SpectrumProblem, SpectrumSettings, TimeSteps, Window};
-use sysid::{Body, Elastic, ReducedBody};
+use sysid::relaxation::{Film, Footage, Spectrum, SpectrumProblem, SpectrumSettings, Window};
+use sysid::{Body, Elastic, ReducedBody, TimeSteps};
 use workflow::stage::{Stage, StageContext};
 
 /// The stage.

@@ -84,7 +84,7 @@ impl Stage for Validate {
         let simulation = MotionSimulation { model: &model, silicone, marker };
         let seen = repeats::gather(&films, marker)?;
         let ends = (seen.time[0], seen.time[seen.time.len() - 1]);
-        let actuation = Actuation { begin: ends.0, end: ends.1, ramp: 0.0, gauges: &seen.gauges };
+        let actuation = Actuation { begin: ends.0, end: ends.1, steps: None, gauges: &seen.gauges };
         let reduced_body = ReducedBody::of(&model, &simulation.silicone, &reduced.data)?;
         let elastic = reduced_body.with(&model, &simulation::identified(&model, &identified).into());
         let second_order = dynamic_settings(Scheme::Bdf2, set.step);

@@ -6,10 +6,8 @@ use si::{Metre, Pascal, Point2, Second};
 use signal::resample::Samples;
 
 use crate::reduced::{ForcedMotion, ReducedBody};
+use crate::time_steps::TimeSteps;
 use diagnostics::{Diagnostic, Result};
-
-/// A step may grow by this factor: BDF2 is stable up to 2.4.
-const GROWTH: f64 = 1.3;
 
 /// The frames between two changes of the command.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,17 +33,6 @@ pub struct Transient {
     pub simulated_m: Vec<Metre>,
     /// The highest command, Pa.
     pub command_pa: Pascal,
-}
-
-/// Time steps of a simulated film, s.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TimeSteps {
-    /// After each change of the command.
-    pub step: Second,
-    /// How long that step is kept.
-    pub vibration: Second,
-    /// The longest, of a hold.
-    pub longest: Second,
 }
 
 /// What a camera saw of one marker.
@@ -91,7 +78,7 @@ impl Film {
         }
         let last = windows.iter().flat_map(|w| w.times.last()).copied().fold(begin, f64::max);
         let events: Vec<Second> = windows.iter().map(|w| w.begin - begin).collect();
-        let ends = uneven_times(&events, last - begin, steps);
+        let ends = steps.ends(&events, last - begin);
         let footage = Footage { windows, ..footage };
         Ok(Self { gauges, footage, step: steps.step, steps: ends })
     }
@@ -162,13 +149,18 @@ impl Window {
         self.seen.iter().all(|at| *at == self.seen[0])
     }
 
+    /// Measured displacement along x and y, each about its mean, m.
+    pub fn about_mean(&self) -> [Vec<Metre>; 2] {
+        [0, 1].map(|k| about_mean(self.seen.iter().map(|p| p[k]).collect()))
+    }
+
     /// Simulated and measured displacement, x before y, each about its mean; the simulated one to the scale that fits best. What a hold
     /// reaches is a matter of the elastic law, whose stiffening with strain is not the silicone's: a spectrum that had to make up for it
     /// would be biased.
-    fn compared(&self, path: &[Samples; 2], exposure: Second) -> (Vec<f64>, Vec<f64>) {
+    pub fn compared(&self, path: &[Samples; 2], exposure: Second) -> (Vec<f64>, Vec<f64>) {
         let axis = |k: usize| about_mean(self.times.iter().map(|t| path[k].mean_at(*t, exposure)).collect());
         let simulated = [axis(0), axis(1)].concat();
-        let measured = [0, 1].map(|k| about_mean(self.seen.iter().map(|p| p[k]).collect())).concat();
+        let measured = self.about_mean().concat();
         let product = |a: &[f64]| a.iter().zip(&simulated).map(|(a, s)| a * s).sum::<f64>();
         let scale = product(&measured) / product(&simulated).max(f64::MIN_POSITIVE);
         (simulated.iter().map(|s| scale * s).collect(), measured)
@@ -178,32 +170,6 @@ impl Window {
 fn about_mean(values: Vec<f64>) -> Vec<f64> {
     let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
     values.into_iter().map(|v| v - mean).collect()
-}
-
-/// Ends of time steps up to `end` (s): each event is the end of one; after it steps are short for a while, then grow to the longest.
-fn uneven_times(events: &[Second], end: Second, TimeSteps { step, vibration, longest }: TimeSteps) -> Vec<Second> {
-    let mut times = Vec::new();
-    let stops = events.iter().skip(1).copied().filter(|&e| e < end).chain([end]);
-    for (&begin, stop) in events.iter().zip(stops) {
-        let (mut t, mut length) = (begin, step);
-        while stop - t > 1e-9 {
-            if t - begin > vibration {
-                length = (GROWTH * length).min(longest);
-            }
-            // two halves in place of a whole and a sliver: a following step must not be much longer than the one before it
-            let left = stop - t;
-            let taken = if left <= length {
-                left
-            } else if left < 2.0 * length {
-                0.5 * left
-            } else {
-                length
-            };
-            t = if taken == left { stop } else { t + taken };
-            times.push(t);
-        }
-    }
-    times
 }
 
 #[cfg(test)]
@@ -220,15 +186,5 @@ mod tests {
         let refused = film(vec![[1e-3, 0.0]; 3]).err().unwrap();
         assert!(refused.why.contains("stays exactly where it is"), "{refused}");
         assert!(film(vec![[1e-3, 0.0], [1e-3, 0.0], [1.1e-3, 0.0]]).is_ok());
-    }
-
-    #[test]
-    fn steps_end_at_every_event_and_never_grow_too_fast() {
-        let events = [0.0, 1.7, 2.003];
-        let times = uneven_times(&events, 4.0, TimeSteps { step: 0.004, vibration: 0.5, longest: 0.05 });
-        assert!(events[1..].iter().chain(&[4.0]).all(|e| times.iter().any(|t| (t - e).abs() < 1e-12)));
-        let lengths: Vec<f64> = std::iter::once(times[0]).chain(times.windows(2).map(|w| w[1] - w[0])).collect();
-        assert!(lengths.iter().all(|l| *l > 1e-3 && *l < 0.0501), "{lengths:?}");
-        assert!(lengths.windows(2).all(|w| w[1] / w[0] < 2.4), "{lengths:?}");
     }
 }

@@ -7,7 +7,7 @@
 
 mod film;
 
-pub use film::{Film, Footage, TimeSteps, Transient, Window};
+pub use film::{Film, Footage, Transient, Window};
 
 use nalgebra::DMatrix;
 use optimize::optimisers::gauss_newton::{GaussNewton, Settings as Newton};
