@@ -71,8 +71,8 @@ pub use newton::options::NonConvergence;
 pub use projective::{Projective, ProjectiveError, ProjectiveSettings};
 pub use properties::{Masses, Options, RegionProperties};
 pub use rom::{
-    Actuation, ExternalForce, NoForce, ReducedError, ReducedModel, ReducedModelData, ReducedMotion, ReducedState,
-    ReducedStep, ReducedStepGradient, ReductionSettings, StepState,
+    Actuation, ExternalForce, NoForce, ReducedArrays, ReducedError, ReducedModel, ReducedModelData, ReducedMotion,
+    ReducedRegion, ReducedState, ReducedStep, ReducedStepGradient, ReductionSettings, StepState,
 };
 pub use setup_error::SetupError;
 pub use solve_error::SolveError;

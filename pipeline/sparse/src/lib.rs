@@ -1,6 +1,6 @@
 //! Sparse linear algebra of meshes: node graph, elimination order, Cholesky factor, indefinite factor with its inertia,
 //! and the methods that extend the use of a factor beyond the matrix it was made of (preconditioned conjugate gradients,
-//! quasi-Newton updates, Woodbury's formula).
+//! quasi-Newton updates, Woodbury's formula); and non-negative least squares with few columns.
 //!
 //! Vectors of this crate hold the free degrees of freedom (dofs) in elimination order.
 //!
@@ -21,12 +21,13 @@
 //! # Ok::<(), sparse::FactorError>(())
 //! ```
 //!
-//! Depends on `si`; on `faer` (factors), `nalgebra` (small dense matrices) and `thiserror`.
+//! Depends on `si`; on `faer` (factors), `nalgebra` (small dense matrices), `rayon` and `thiserror`.
 
 mod cholesky;
 mod indefinite;
 mod lbfgs;
 mod nested_dissection;
+mod nnls;
 mod node_graph;
 mod pcg;
 mod sparsity;
@@ -37,6 +38,7 @@ mod woodbury;
 pub use cholesky::{Factor, FactorError, RESIDUAL_LIMIT, Symbolic};
 pub use indefinite::IndefiniteFactor;
 pub use lbfgs::LbfgsHistory;
+pub use nnls::{NnlsColumns, nnls};
 pub use node_graph::NodeGraph;
 pub use pcg::{PcgOptions, conjugate_gradients};
 pub use sparsity::{CONSTRAINED, LowerTriangle, Pattern};

@@ -45,6 +45,11 @@ impl CubicVolume {
         Self { at_rest: chamber.at_rest, linear, quadratic, cubic }
     }
 
+    /// V₀, and a, B and C, column after column.
+    pub(super) fn arrays(&self) -> (CubicMetre, [&[f64]; 3]) {
+        (self.at_rest, [self.linear.as_slice(), self.quadratic.as_slice(), self.cubic.as_slice()])
+    }
+
     /// V(q), m³.
     pub fn at(&self, q: &DVector<f64>) -> CubicMetre {
         self.at_rest + self.linear.dot(q) + 0.5 * q.dot(&(&self.quadratic * q)) + self.contracted(q).dot(q) / 6.0

@@ -11,10 +11,10 @@ use si::CubicMetre;
 
 use super::elastic_forces::{ModeGradient, Points, deformation};
 use super::model::Sampled;
-use super::nnls::{self, Columns};
 use crate::assembly::elastic::Elastic;
 use crate::inputs::Inputs;
 use crate::system_data::SystemData;
+use sparse::{NnlsColumns, nnls};
 
 /// Forces of snapshots below this fraction of the largest force are matched to the same absolute error.
 const WEAK: f64 = 0.05;
@@ -32,7 +32,7 @@ pub(super) fn sample(system: &SystemData, modes: &DMatrix<f64>, snapshots: &[DVe
             .map(|&point| (system.reference.weights[point as usize], mode_gradient(system, point, modes)))
             .collect();
         let mut training = training_matrix(&all, elastic, snapshots, &perturbations);
-        let weights = nnls::fit(&mut training, tolerance);
+        let weights = nnls(&mut training, tolerance);
         weights.into_iter().map(|(point, weight)| (numbers[point], weight * all[point].0)).collect()
     };
     elastic.iter().enumerate().map(sample).collect()
@@ -89,10 +89,10 @@ fn training_matrix(
     elastic: &Elastic,
     snapshots: &[DVector<f64>],
     perturbations: &[DVector<f64>],
-) -> Columns {
+) -> NnlsColumns {
     let r = snapshots[0].len();
     let rows = (snapshots.len() + perturbations.len()) * r + 1;
-    let mut columns = Columns::new(rows, all.len());
+    let mut columns = NnlsColumns::new(rows, all.len());
     all.par_iter().zip(columns.each()).for_each(|((weight, gradients), column)| {
         for (q, part) in snapshots.iter().chain(perturbations).zip(column.chunks_exact_mut(r)) {
             let (_, stress) = elastic.material.stress(&deformation(gradients, q), elastic.moduli);
@@ -108,7 +108,7 @@ fn training_matrix(
 
 /// One weight per row: all snapshots count alike whatever the size of their forces, so do all perturbations, and the
 /// volume counts as much as a snapshot.
-fn row_weights(columns: &Columns, r: usize, snapshots: usize) -> Vec<f32> {
+fn row_weights(columns: &NnlsColumns, r: usize, snapshots: usize) -> Vec<f32> {
     let sums = columns.sums();
     let (volume, work) = sums.split_last().expect("a column has its volume");
     let sizes: Vec<f64> = work.chunks_exact(r).map(|f| f.iter().map(|f| f * f).sum::<f64>().sqrt()).collect();

@@ -59,6 +59,16 @@ impl Points {
         &self.elastic
     }
 
+    /// points, m³.
+    pub(super) fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    /// points × 9 × r.
+    pub(super) fn gradients(&self) -> &[f64] {
+        self.gradients.as_slice()
+    }
+
     /// Calls `visit` with F of each point.
     pub(super) fn for_each_deformation(&self, q: &DVector<f64>, mut visit: impl FnMut(&Matrix3<f64>)) {
         self.each().for_each(|(_, gradients)| visit(&gradient(gradients, q)));

@@ -3,22 +3,23 @@
 //! u = V q with modes V by proper orthogonal decomposition (POD) of displacements that the full model took (`pod`).
 //! Hyper-reduction by energy-conserving sampling and weighting (ECSW) [farhat2014], [hernandez2017]: the elastic forces
 //! of q are summed over a few hundred quadrature points with weights that reproduce the virtual work of all points
-//! (`ecsw`, `nnls`). The mass is projected, and the volumes of chambers are cubic polynomials of q (`chamber_volume`).
+//! (`ecsw`). The mass is projected, and the volumes of chambers are cubic polynomials of q (`chamber_volume`).
 
 mod acting;
+mod arrays;
 mod chamber_volume;
 mod ecsw;
 mod elastic_forces;
 mod error;
 mod integration;
 mod model;
-mod nnls;
 mod pod;
 mod reduction;
 mod relaxation;
 mod single_step;
 mod step;
 
+pub use arrays::{ReducedArrays, ReducedRegion};
 pub use error::ReducedError;
 pub use integration::{Actuation, ReducedMotion};
 pub use model::{ReducedModel, ReducedModelData};

@@ -1,5 +1,5 @@
-//! Non-negative least squares (NNLS) for hyper-reduction: a few columns with positive weights that reproduce the sum of
-//! all columns.
+//! Non-negative least squares (NNLS) with a sparse solution: a few of many columns, with positive weights, that reproduce
+//! the sum of all; hyper-reduction selects cubature points by it.
 //!
 //! Active sets as in [lawson1974], several columns at a time by their angle to the residual, until the residual is
 //! small: the first set within the tolerance is taken, not the optimal one. Columns are stored in single precision and
@@ -17,13 +17,13 @@ use rayon::prelude::*;
 const GROWTH: usize = 25;
 
 /// Columns in single precision, one after the other.
-pub(super) struct Columns {
+pub struct NnlsColumns {
     rows: usize,
     values: Vec<f32>,
 }
 
-impl Columns {
-    /// Zeros.
+impl NnlsColumns {
+    /// `count` columns of `rows` zeros.
     pub fn new(rows: usize, count: usize) -> Self {
         Self { rows, values: vec![0.0; rows * count] }
     }
@@ -34,7 +34,7 @@ impl Columns {
     }
 
     /// Multiplies each row by its weight.
-    pub(crate) fn scale_rows(&mut self, weights: &[f32]) {
+    pub fn scale_rows(&mut self, weights: &[f32]) {
         self.each().for_each(|column| column.iter_mut().zip(weights).for_each(|(value, weight)| *value *= weight));
     }
 
@@ -74,7 +74,7 @@ fn inner(a: &[f32], b: &[f32]) -> f32 {
 }
 
 /// Columns (by number) and weights > 0 whose sum is within `tolerance` of the sum of all columns, relative.
-pub(super) fn fit(columns: &mut Columns, tolerance: f64) -> Vec<(usize, f64)> {
+pub fn nnls(columns: &mut NnlsColumns, tolerance: f64) -> Vec<(usize, f64)> {
     let target = DVector::from_vec(columns.sums());
     let lengths: Vec<f32> = columns.each().map(|c| inner(c, c).sqrt().max(f32::MIN_POSITIVE)).collect();
     let mut taken = vec![false; lengths.len()];
@@ -189,13 +189,13 @@ mod tests {
     #[test]
     fn the_sum_of_many_columns_is_reproduced_by_at_most_as_many_as_rows() {
         let (rows, count) = (6, 400);
-        let mut columns = Columns::new(rows, count);
+        let mut columns = NnlsColumns::new(rows, count);
         for (i, column) in columns.values.chunks_exact_mut(rows).enumerate() {
             let x = i as f32 / count as f32;
             column.iter_mut().enumerate().for_each(|(k, value)| *value = x.powi(k as i32) / count as f32);
         }
         let target = columns.sums();
-        let found = fit(&mut columns, 1e-6);
+        let found = nnls(&mut columns, 1e-6);
         assert!(found.len() <= rows && found.iter().all(|(_, weight)| *weight > 0.0), "{found:?}");
         for (row, sum) in target.iter().enumerate() {
             let met: f64 = found.iter().map(|(at, weight)| weight * f64::from(columns.column(*at)[row])).sum();
