@@ -28,7 +28,7 @@ pub mod line;
 pub mod resistive;
 mod tail;
 
-pub use tail::{Coefficients, Stations, Tail, TailError, Term, Terms, Water};
+pub use tail::{Coefficients, SectionOfTail, Stations, Tail, TailError, Term, Terms, Water};
 
 /// A moving section of the tail.
 #[derive(Debug, Clone, Copy, PartialEq)]

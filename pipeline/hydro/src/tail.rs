@@ -44,6 +44,27 @@ pub struct Tail {
     marks: usize,
 }
 
+/// A section as [`Tail::water`] sums it, by theory and for a drag coefficient of one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SectionOfTail<'a> {
+    /// Weights of the markers there.
+    pub weights: &'a Weights,
+    /// Added mass, kg.
+    pub mass: f64,
+    /// Drag over the square of the normal velocity, kg/m.
+    pub drag: f64,
+    /// The part of the added mass whose momentum flux acts along the slope, kg: all, or none behind the trailing edge.
+    pub sheds: f64,
+    /// Added mass per length whose momentum flux leaves here, kg/m: at the trailing edge alone.
+    pub leaves: f64,
+}
+
+impl<'a> SectionOfTail<'a> {
+    fn without_length(slice: &'a Slice) -> Self {
+        Self { weights: &slice.weights, mass: 0.0, drag: 0.0, sheds: 0.0, leaves: 0.0 }
+    }
+}
+
 #[derive(Debug, Clone, PartialEq)]
 struct Slice {
     weights: Weights,
@@ -166,6 +187,27 @@ impl Tail {
             (0..2).for_each(|k| push[k] += weight * leaves[k]);
         }
         water
+    }
+
+    /// Its sections with what they have by theory; the trailing edge is the last.
+    pub fn sections(&self) -> Vec<SectionOfTail<'_>> {
+        let edge = SectionOfTail { leaves: self.mass(&self.edge), ..SectionOfTail::without_length(&self.edge) };
+        let before = self
+            .sections
+            .iter()
+            .map(|slice| SectionOfTail { sheds: slice.length * self.mass(slice), ..self.along(slice) });
+        before.chain(self.behind.iter().map(|slice| self.along(slice))).chain([edge]).collect()
+    }
+
+    /// A section that sheds nothing.
+    fn along<'a>(&self, slice: &'a Slice) -> SectionOfTail<'a> {
+        let (mass, drag) = (slice.length * self.mass(slice), 0.5 * self.density * slice.depth * slice.length);
+        SectionOfTail { mass, drag, ..SectionOfTail::without_length(slice) }
+    }
+
+    /// Virtual mass per length, kg/m.
+    fn mass(&self, slice: &Slice) -> f64 {
+        elongated::virtual_mass(self.density, slice.depth)
     }
 
     fn nothing(&self) -> Term {

@@ -178,6 +178,11 @@ impl ReducedBody {
         DMatrix::from_fn(2 * markers.len(), self.coordinates(), |i, j| self.rows[markers[i / 2]][i % 2][j])
     }
 
+    /// The reduced model, the factor of each region's moduli and its relaxation.
+    pub fn parts(&self) -> (&ReducedModel, &[f64], &[Relaxation]) {
+        (&self.reduced, &self.scale, &self.relaxation)
+    }
+
     /// The same reduced model with other constants of the silicone; `model` is the one that was reduced.
     #[must_use]
     pub fn with(&self, model: &Model, silicone: &Viscoelastic) -> Self {

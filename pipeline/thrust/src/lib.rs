@@ -5,7 +5,7 @@
 //! runs with bootstrap intervals. [`square_wave`] is the actuation. [`simulated`] evaluates a trained model on the motion of the full
 //! finite-element model with its adjoint gradient, [`flapping`] on that of the reduced model in [`water`]; [`ascent`] maximises either. [`underwater`] is that model under measured
 //! pressures; [`release`] identifies the
-//! coefficients of that water.
+//! coefficients of that water; [`real_time`] makes the reduced model a [`twin::Twin`], which steps faster than real time.
 //!
 //! ```
 //! use thrust::square_wave::SquareWave;
@@ -15,12 +15,13 @@
 //! assert!((pressures[0] + pressures[1] - 2e4).abs() < 1e-9 && pressures[0] > pressures[1]);
 //! ```
 //!
-//! Depends on `diagnostics`, `fem`, `hydro`, `lab` (cards), `mesh`, `optimize`, `si`, `signal`, `sysid`.
+//! Depends on `diagnostics`, `fem`, `hydro`, `lab` (cards), `mesh`, `optimize`, `si`, `signal`, `sysid`, `twin`.
 
 pub mod ascent;
 pub mod flapping;
 pub mod models;
 pub mod outline;
+pub mod real_time;
 pub mod release;
 pub mod run;
 pub mod score;

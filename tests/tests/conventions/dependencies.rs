@@ -22,7 +22,11 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("instruments", &["si", "diagnostics", "lab", "track", "signal", "plot"]),
     ("simulate", &["si", "diagnostics", "lab", "mesh", "tail_cad", "fem", "continuation"]),
     ("sysid", &["si", "diagnostics", "lab", "mesh", "fem", "signal", "optimize", "plot", "simulate"]),
-    ("thrust", &["si", "diagnostics", "lab", "mesh", "fem", "signal", "optimize", "hydro", "sysid"]),
+    ("twin", &["materials"]),
+    (
+        "thrust",
+        &["si", "diagnostics", "lab", "mesh", "tail_cad", "fem", "signal", "optimize", "hydro", "sysid", "twin"],
+    ),
     ("workflow", &["diagnostics", "plot"]),
     ("publish", &["si", "diagnostics", "plot", "workflow"]),
     ("rig", &["si", "diagnostics", "lab", "mesh", "tail_cad", "fem", "track", "signal", "simulate"]),

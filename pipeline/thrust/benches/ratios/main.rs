@@ -1,0 +1,160 @@
+//! How much faster than real time a flapping tail moves on one core, in air and in water, with the error beside each: the whole model, the
+//! reduced one, and the twin made of it. At 240 steps a second, under a square wave of 200 mbar at 2 Hz.
+//!
+//! The errors are largest distances of the tip marker, in per cent of the length. `-- --long` compares with the whole model over two
+//! seconds instead of a quarter of one, some ten minutes.
+
+mod tail;
+
+use std::time::Instant;
+
+use fem::{DynamicSettings, InitialValueProblem, Scheme, State};
+use hydro::Coefficients;
+use nalgebra::DVector;
+use si::Point2;
+use sysid::{ForcedMotion, Model, ReducedBody, even_times};
+use tail::Specimen;
+use thrust::real_time::{Surroundings, twin_data};
+use thrust::square_wave::SquareWave;
+use thrust::water::Water;
+use twin::Twin;
+
+type Outcome<T> = diagnostics::Result<T>;
+/// A path of the tip marker, and the CPU time that it took, s.
+type Timed = (Vec<Point2>, f64);
+
+/// Time steps a second, as in the study.
+const RATE: f64 = 240.0;
+/// Of the motions of the reduced model and the twin, s.
+const DURATION: f64 = 4.0;
+/// Hydrodynamic coefficients like those that the study identifies.
+const WATER: Coefficients = Coefficients { added: 1.0, drag: 5.0 };
+const WAVE: SquareWave = SquareWave { amplitude: 2e4, frequency: 2.0, sharpness: 6.0 };
+/// Duration of the ramp from rest, as long as a valve takes to fill a chamber, s.
+const RAMP: f64 = 0.15;
+
+fn main() -> Outcome<()> {
+    let specimen = Specimen::nine_chambers()?;
+    let body = specimen.reduced()?;
+    let coordinates = body.coordinates();
+    println!("tail of nine chambers a side: {} dofs, {coordinates} coordinates", specimen.model.system.dofs());
+    let steps = (DURATION * RATE) as usize;
+    for wet in [false, true] {
+        let name = if wet { "water" } else { "air" };
+        let (path, seconds) = reduced(&specimen, &body, wet, steps)?;
+        let (own, own_seconds) = twin(&specimen, &body, wet, steps)?;
+        println!("real_time_factor_reduced_{name} = {:.1}", DURATION / seconds);
+        println!("real_time_factor_{name} = {:.1}", DURATION / own_seconds);
+        println!("twin_off_reduced_{name}_percent = {:.2e}", percent(&own, &path));
+        if !wet {
+            against_whole(&specimen, (&path, &own), own_seconds / steps as f64)?;
+        }
+    }
+    Ok(())
+}
+
+/// The whole model over a part of the same motion.
+fn against_whole(specimen: &Specimen, (path, own): (&[Point2], &[Point2]), step: f64) -> Outcome<()> {
+    let duration = if std::env::args().any(|word| word == "--long") { 2.0 } else { 0.25 };
+    let steps = (duration * RATE) as usize;
+    let (whole, seconds) = whole(specimen, steps)?;
+    println!("twin_off_whole_air_percent = {:.4}", percent(&own[..steps], &whole));
+    println!("reduced_off_whole_air_percent = {:.4}", percent(&path[..steps], &whole));
+    println!("whole_over_twin = {:.0}", seconds / (step * steps as f64));
+    Ok(())
+}
+
+/// Largest distance, % of the length.
+fn percent(a: &[Point2], b: &[Point2]) -> f64 {
+    let far = |(a, b): (&Point2, &Point2)| (a[0] - b[0]).hypot(a[1] - b[1]);
+    100.0 / tail::LENGTH * a.iter().zip(b).map(far).fold(0.0, f64::max)
+}
+
+/// Pressures of both sides, Pa.
+fn pressures(t: f64) -> Vec<f64> {
+    let part = (t / RAMP).min(1.0);
+    WAVE.at(t).iter().map(|p| p * part * part * (3.0 - 2.0 * part)).collect()
+}
+
+fn settings() -> DynamicSettings {
+    DynamicSettings { step: 1.0 / RATE, scheme: Scheme::Bdf2, ..DynamicSettings::default() }
+}
+
+fn reduced(specimen: &Specimen, body: &ReducedBody, wet: bool, steps: usize) -> Outcome<Timed> {
+    let (times, settings) = (even_times(1.0 / RATE, steps), settings());
+    let motion = ForcedMotion { settings: &settings, pressures: &pressures, times: &times };
+    let (rows, tip) = (specimen.stations(body), body.rows(&[specimen.tip()]));
+    timed(1, || {
+        let mut path = Vec::with_capacity(steps);
+        let mut see = |q: &DVector<f64>, _: &DVector<f64>| path.push([0, 1].map(|k| (tip.row(k) * q)[0]));
+        match wet {
+            false => body.integrate_in_fluid(&motion, &mut fem::NoForce, &mut see)?,
+            true => {
+                let mut water = Water::around(&specimen.wet, &rows, WATER, true);
+                body.integrate_in_fluid(&motion, &mut water, &mut see)?;
+            }
+        }
+        Ok(path)
+    })
+}
+
+fn twin(specimen: &Specimen, body: &ReducedBody, wet: bool, steps: usize) -> Outcome<Timed> {
+    let rows = specimen.stations(body);
+    let water = Surroundings { tail: &specimen.wet, rows: &rows, by: WATER, half: true };
+    let data = twin_data(body, wet.then_some(&water), &[("tip", specimen.tip())])?;
+    let points = data.points();
+    let twin = Twin::new(data)?;
+    let mut work = twin::Work::default();
+    let made = timed(3, || {
+        let mut state = twin.start();
+        let mut path = Vec::with_capacity(steps);
+        for step in 1..=steps {
+            twin.step(&mut state, &pressures(step as f64 / RATE), 1.0 / RATE)?;
+            path.push([twin.output(&state, 0), twin.output(&state, 1)]);
+        }
+        work = state.work();
+        Ok(path)
+    })?;
+    let each = |count: usize| count as f64 / steps as f64;
+    println!(
+        "{points} points; steps, residuals, tangents over steps: {:.2}, {:.2}, {:.3}",
+        each(work.steps),
+        each(work.residuals),
+        each(work.tangents)
+    );
+    Ok(made)
+}
+
+fn whole(specimen: &Specimen, steps: usize) -> Outcome<Timed> {
+    let settings = settings();
+    let mut solver = specimen.model.system.solver();
+    specimen.silicone.apply(&mut solver)?;
+    let rest = State::rest(specimen.model.system.mesh().nodes.len());
+    let problem = InitialValueProblem { settings: &settings, initial: &rest, pressures: &pressures };
+    timed(1, || {
+        let mut path = Vec::with_capacity(steps);
+        let spot = &specimen.model.markers[specimen.tip()];
+        let mut see = |_: f64, state: &State| path.push(Model::in_plane(spot, &state.displacement));
+        solver.integrate(&problem, steps, &mut see)?;
+        Ok(path)
+    })
+}
+
+/// The path of a motion, and the least CPU time of several runs of this thread, s.
+fn timed(times: usize, mut run: impl FnMut() -> Outcome<Vec<Point2>>) -> Outcome<Timed> {
+    let clock = Instant::now();
+    let (mut least, mut path) = (f64::INFINITY, Vec::new());
+    for _ in 0..times {
+        let before = cpu(clock);
+        path = run()?;
+        least = least.min(cpu(clock) - before);
+    }
+    Ok((path, least))
+}
+
+/// Seconds that this thread has run, from the kernel where available, else from the wall clock.
+fn cpu(start: Instant) -> f64 {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
+    let nanoseconds = text.and_then(|line| line.split(' ').next().and_then(|word| word.parse::<f64>().ok()));
+    nanoseconds.map_or_else(|| start.elapsed().as_secs_f64(), |ns| 1e-9 * ns)
+}

@@ -1,0 +1,120 @@
+//! The arrays of a reduced tail.
+
+use crate::error::TwinError;
+
+/// A reduced tail of r coordinates q.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TwinData {
+    /// VᵀMV, r × r, kg m² in the units of q.
+    pub mass: Vec<f64>,
+    /// Largest |q| of the shapes that it was reduced from: the size that tolerances are relative to.
+    pub size: f64,
+    /// Its solids.
+    pub regions: Vec<Region>,
+    /// Its chambers.
+    pub chambers: Vec<Chamber>,
+    /// Sections in still water; none: in air.
+    pub sections: Vec<Section>,
+    /// Named displacements, and the row of r numbers that gives each (m per unit of q).
+    pub outputs: Vec<(String, Vec<f64>)>,
+}
+
+/// One solid at its cubature points, of ψ = μ/2 x + C₂₀ x² + C₃₀ x³ + λ/2 ln²J with x = I₁ − 3 − 2 ln J: the neo-Hookean law
+/// [bonet2008] where C₂₀ and C₃₀ are zero, Yeoh's [yeoh1993] otherwise.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Region {
+    /// μ after all relaxation, Pa.
+    pub mu: f64,
+    /// λ, Pa.
+    pub lambda: f64,
+    /// C₂₀ and C₃₀, Pa.
+    pub stiffening: [f64; 2],
+    /// Maxwell branches of μ: strength relative to μ (no unit) and time (s).
+    pub branches: Vec<[f64; 2]>,
+    /// Weight of each cubature point, m³.
+    pub weights: Vec<f64>,
+    /// ∂F/∂q, points × r × 9, per unit of q: columns of F one below the other.
+    pub gradients: Vec<f64>,
+}
+
+/// The volume of a chamber, V₀ + a·q + ½ B q q + ⅙ C q q q; of a half model, of the half.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chamber {
+    /// V₀, m³.
+    pub at_rest: f64,
+    /// a, r.
+    pub linear: Vec<f64>,
+    /// B, r × r.
+    pub quadratic: Vec<f64>,
+    /// C(·, i, j) for i ≤ j, r(r+1)/2 × r.
+    pub cubic: Vec<f64>,
+}
+
+/// A section of the tail in still water. With tangent t = (1, 0) + S q, normal n = (−t_y, t_x), velocity V q̇, w = velocity · n and
+/// u = velocity · t, it has the generalised force
+/// Vᵀ [−d/dt (m w n) − c |w| w n + l (u w n − ½ w² t)] − h Sᵀ (u w n − ½ w² t)          [lighthill1971], [taylor1952].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Section {
+    /// S, 2 × r, per unit of q.
+    pub slope: Vec<f64>,
+    /// V, 2 × r, m per unit of q.
+    pub value: Vec<f64>,
+    /// m, c, h, l: added mass (kg), drag (kg/m), added mass that sheds momentum (kg) and mass per length that leaves (kg/m).
+    pub by: [f64; 4],
+}
+
+impl TwinData {
+    /// r.
+    pub fn coordinates(&self) -> usize {
+        self.mass.len().isqrt()
+    }
+
+    /// Number of cubature points.
+    pub fn points(&self) -> usize {
+        self.regions.iter().map(|region| region.weights.len()).sum()
+    }
+
+    /// # Errors
+    /// [`TwinError::Data`] when the lengths do not agree or a number is out of range.
+    pub(crate) fn check(&self) -> Result<(), TwinError> {
+        let r = self.coordinates();
+        let lengths = self.lengths(r);
+        let wrong = lengths.into_iter().find(|(_, found, required)| found.len() != *required);
+        if let Some((what, found, required)) = wrong {
+            return Err(TwinError::Data { what: format!("{what} has {} numbers, not {required}", found.len()) });
+        }
+        let unsound = self.lengths(r).into_iter().find(|(_, values, _)| values.iter().any(|v| !v.is_finite()));
+        if let Some((what, ..)) = unsound {
+            return Err(TwinError::Data { what: format!("{what} holds a number that is not finite") });
+        }
+        let positive = |what: &str, values: &[f64]| match values.iter().find(|v| !(**v > 0.0 && v.is_finite())) {
+            Some(value) => Err(TwinError::Data { what: format!("{what} is {value}, and must be above 0") }),
+            None => Ok(()),
+        };
+        positive("the size of the coordinates", &[self.size])?;
+        for region in &self.regions {
+            positive("a shear modulus", &[region.mu])?;
+            positive("the time of a branch", &region.branches.iter().map(|b| b[1]).collect::<Vec<_>>())?;
+            positive("the weight of a point", &region.weights)?;
+        }
+        Ok(())
+    }
+
+    /// What each array is, its numbers, and how many it must have.
+    fn lengths(&self, r: usize) -> Vec<(String, &[f64], usize)> {
+        let mut all = vec![("the mass".to_owned(), &self.mass[..], (r * r).max(1))];
+        for (i, region) in self.regions.iter().enumerate() {
+            all.push((format!("the gradients of region {i}"), &region.gradients, 9 * r * region.weights.len()));
+        }
+        for (i, chamber) in self.chambers.iter().enumerate() {
+            let parts = [(&chamber.linear, r), (&chamber.quadratic, r * r), (&chamber.cubic, r * (r * (r + 1) / 2))];
+            all.extend(parts.map(|(part, count)| (format!("the volume of chamber {i}"), &part[..], count)));
+        }
+        for (i, section) in self.sections.iter().enumerate() {
+            let parts = [&section.slope, &section.value];
+            all.extend(parts.map(|part| (format!("section {i}"), &part[..], 2 * r)));
+        }
+        all.extend(self.outputs.iter().map(|(name, row)| (format!("the output {name}"), &row[..], r)));
+        all
+    }
+}

@@ -1,0 +1,107 @@
+//! Forces and stiffness of a solid, summed over its cubature points eight at a time.
+//!
+//! F = I + G q, f = Σ w Gᵀ P, K = Σ w Gᵀ (∂P/∂F) G.
+
+use crate::data::Region;
+use crate::lanes::{Blocks, LANES, Lanes, each, gather, scatter, splat};
+use crate::law::{Constants, Deformed, NOTHING, Symmetric};
+
+/// A solid laid out for vectors.
+#[derive(Debug, Clone)]
+pub struct Solid {
+    pub mu: f64,
+    lambda: f64,
+    stiffening: [f64; 2],
+    pub branches: Vec<[f64; 2]>,
+    weights: Vec<Lanes>,
+    gradients: Blocks<9>,
+}
+
+/// Stresses at a solid's points that a residual leaves, by block.
+#[derive(Debug, Clone, Default)]
+pub struct Stresses {
+    /// I − C⁻¹.
+    pub relaxing: Vec<Symmetric>,
+    /// S of the law alone, Pa.
+    pub law: Vec<Symmetric>,
+}
+
+/// What acts at a solid's points in one step.
+#[derive(Debug, Clone)]
+pub struct Acting {
+    pub constants: Constants,
+    /// H of each block, Pa; empty: none.
+    pub held: Vec<Symmetric>,
+}
+
+impl Solid {
+    /// Of a region of `r` coordinates.
+    pub fn new(region: &Region, r: usize) -> Self {
+        let count = region.weights.len();
+        let gradients = Blocks::new(count, r, |point, m, k| region.gradients[(point * r + m) * 9 + k]);
+        let weight = |point: usize| region.weights.get(point).copied().unwrap_or(0.0);
+        let weights = (0..gradients.count()).map(|block| each(|i| weight(LANES * block + i))).collect();
+        let Region { mu, lambda, stiffening, ref branches, .. } = *region;
+        Self { mu, lambda, stiffening, branches: branches.clone(), weights, gradients }
+    }
+
+    pub fn blocks(&self) -> usize {
+        self.weights.len()
+    }
+
+    /// The constants of a step in which branches add `gain` to μ, relative.
+    pub fn constants(&self, gain: f64) -> Constants {
+        Constants { mu: self.mu * (1.0 + gain), lambda: self.lambda, stiffening: self.stiffening }
+    }
+
+    /// Adds f (J) at q; `left` receives the stresses there.
+    // They are kept from the last residual: reading the gradients once more after a step would cost a third of a residual, and the
+    // state moves by less than the tolerance in between.
+    pub fn add_forces(&self, q: &[f64], acting: &Acting, (forces, left): (&mut [Lanes], &mut Stresses)) {
+        for (block, weight) in self.weights.iter().enumerate() {
+            let gradients = self.gradients.block(block);
+            let here = Deformed::new(&gather(gradients, q), &acting.constants);
+            scatter(gradients, &here.stress(&acting.constants, acting.held.get(block), *weight), forces);
+            let relaxing = here.relaxing();
+            left.law.push(here.second_stress(&acting.constants, &relaxing));
+            left.relaxing.push(relaxing);
+        }
+    }
+
+    /// Adds the upper triangle of K (J) at q, row after row, its geometric part with the stresses of the law `before` the step.
+    pub fn add_stiffness(&self, q: &[f64], (acting, before): (&Acting, &[Symmetric]), stiffness: &mut [Lanes]) {
+        for (block, weight) in self.weights.iter().enumerate() {
+            let gradients = self.gradients.block(block);
+            let here = Deformed::new(&gather(gradients, q), &acting.constants);
+            let now = here.second_stress(&acting.constants, &here.relaxing());
+            let held = acting.held.get(block).copied().unwrap_or(NOTHING);
+            let before = before.get(block).copied().unwrap_or(now);
+            let geometric: Symmetric = std::array::from_fn(|k| held[k] + before[k] - now[k]);
+            let mut rest = &mut stiffness[..];
+            for (m, change) in gradients.iter().enumerate() {
+                let image = here.stress_change(&acting.constants, &geometric, change).map(|entry| entry * *weight);
+                let (row, after) = rest.split_at_mut(gradients.len() - m);
+                scatter(&gradients[m..], &image, row);
+                rest = after;
+            }
+        }
+    }
+}
+
+/// Zeros for a triangle of `r` rows.
+pub fn triangle(r: usize) -> Vec<Lanes> {
+    vec![splat(0.0); r * (r + 1) / 2]
+}
+
+/// Adds a triangle, row after row, to a symmetric matrix.
+pub(crate) fn add_triangle(triangle: &[Lanes], matrix: &mut [f64]) {
+    let r = matrix.len().isqrt();
+    let pairs = (0..r).flat_map(|m| (m..r).map(move |n| (m, n)));
+    for ((m, n), lanes) in pairs.zip(triangle) {
+        let sum = lanes.sum();
+        matrix[m * r + n] += sum;
+        if m != n {
+            matrix[n * r + m] += sum;
+        }
+    }
+}

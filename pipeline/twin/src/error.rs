@@ -1,0 +1,44 @@
+//! Why a reduced tail cannot be made, read or stepped.
+
+/// An error of this crate.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum TwinError {
+    /// Arrays that do not belong together.
+    #[error(
+        "these are not the arrays of a reduced tail: {what}\n  why: all arrays have the coordinates of the mass matrix\n  do:  export the tail again"
+    )]
+    Data {
+        /// What is wrong.
+        what: String,
+    },
+    /// A file that cannot be read or written.
+    #[error(
+        "{file}: {what}\n  why: a reduced tail is read from the safetensors file of `study export twin`\n  do:  export the tail again"
+    )]
+    File {
+        /// The file.
+        file: String,
+        /// What is wrong.
+        what: String,
+    },
+    /// A step with a wrong input.
+    #[error(
+        "{what}\n  why: a step takes one finite pressure (Pa) per chamber and a positive duration (s)\n  do:  correct what is given to the step"
+    )]
+    Input {
+        /// What is wrong.
+        what: String,
+    },
+    /// A step without a solution.
+    #[error(
+        "no step is found after {time:.4} s\n  why: {iterations} iterations leave a change of {change:.1e} of the largest shape, even in parts of the step\n  do:  take shorter steps, or pressures within those that the tail was reduced from"
+    )]
+    NoConvergence {
+        /// Time of the last state, s.
+        time: f64,
+        /// Iterations of the last attempt.
+        iterations: usize,
+        /// Size of the last one, no unit.
+        change: f64,
+    },
+}

@@ -1,0 +1,93 @@
+//! Relaxation of a solid: stress and overstress of each branch at its cubature points, eight side by side.
+//!
+//! Q ← d Q + a ΔS with d = e^(−h/τ), a = g (1 − d) τ/h, S the stress of μ over μ.     [simo1987]
+
+use crate::lanes::splat;
+use crate::law::Symmetric;
+
+/// d and a of one branch over a step.
+#[derive(Debug, Clone, Copy)]
+pub struct Factors {
+    pub decay: f64,
+    pub gain: f64,
+}
+
+impl Factors {
+    /// Of a branch of this strength and time over `step` seconds.
+    pub fn new([strength, time]: [f64; 2], step: f64) -> Self {
+        let x = step / time;
+        Self { decay: (-x).exp(), gain: strength * -(-x).exp_m1() / x }
+    }
+}
+
+/// What relaxes at the points of one solid.
+#[derive(Debug, Clone, Default)]
+pub struct History {
+    branches: usize,
+    /// blocks × (1 + branches): S, then Q of each branch.
+    tensors: Vec<Symmetric>,
+}
+
+impl History {
+    /// At rest for ever; nothing where there is no branch.
+    pub fn at_rest(blocks: usize, branches: usize) -> Self {
+        let count = if branches == 0 { 0 } else { blocks * (1 + branches) };
+        Self { branches, tensors: vec![[splat(0.0); 6]; count] }
+    }
+
+    /// H of each block over a step: μ Σ (d Q − a S), Pa; `held` is filled.
+    pub fn hold(&self, mu: f64, factors: &[Factors], held: &mut Vec<Symmetric>) {
+        held.clear();
+        let gain = mu * factors.iter().map(|factors| factors.gain).sum::<f64>();
+        held.extend(self.tensors.chunks_exact(1 + self.branches).map(|own| {
+            let mut sum = own[0].map(|entry| entry * splat(-gain));
+            own[1..].iter().zip(factors).for_each(|(overstress, by)| add(&mut sum, mu * by.decay, overstress));
+            sum
+        }));
+    }
+
+    /// Advances by a step that ends at the stresses `now`, one per block.
+    pub fn advance(&mut self, factors: &[Factors], now: &[Symmetric]) {
+        for (own, now) in self.tensors.chunks_exact_mut(1 + self.branches).zip(now) {
+            let mut change = *now;
+            add(&mut change, -1.0, &own[0]);
+            own[0] = *now;
+            for (overstress, by) in own[1..].iter_mut().zip(factors) {
+                *overstress = overstress.map(|entry| entry * splat(by.decay));
+                add(overstress, by.gain, &change);
+            }
+        }
+    }
+}
+
+/// `sum` += `factor` `term`.
+#[inline(always)]
+fn add(sum: &mut Symmetric, factor: f64, term: &Symmetric) {
+    sum.iter_mut().zip(term).for_each(|(sum, term)| *sum = sum.plus(splat(factor), *term));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use materials::{Branch, Moduli, Relaxation, step::RegionStep};
+
+    #[test]
+    fn it_holds_and_advances_as_a_region_of_the_materials_does() {
+        let branches = [[0.2, 0.02], [0.1, 0.5]];
+        let relaxation = Relaxation::maxwell(&branches.map(|[strength, time]| Branch { strength, time })).unwrap();
+        let law = materials::by_name("neo_hookean").unwrap();
+        let region = RegionStep::new(law, Moduli::of(2e5, 0.45), &relaxation, 0.01);
+        let factors = branches.map(|branch| Factors::new(branch, 0.01));
+        let (mut own, mut exact) = (History::at_rest(1, 2), vec![[0.0; 6]; 3]);
+        let mut held = Vec::new();
+        for step in 1..4 {
+            let stress: [f64; 6] = std::array::from_fn(|n| 0.1 * f64::from(step) * (n as f64).cos());
+            own.hold(1.0, &factors, &mut held);
+            let by = region.held(&exact);
+            (0..6).for_each(|n| assert!((held[0][n].to_array()[5] - by[n]).abs() < 1e-15));
+            own.advance(&factors, &[stress.map(splat)]);
+            region.advance(&mut exact, stress);
+        }
+        assert!((own.tensors[2][1].to_array()[0] - exact[2][1]).abs() < 1e-15 && exact[2][1] != 0.0);
+    }
+}
