@@ -1,8 +1,9 @@
 //! A reduced tail that steps in real time: modes by proper orthogonal decomposition with empirical cubature (ECSW) [farhat2014],
 //! [hernandez2017], relaxing silicone, chambers, and still water by slender-body theory, with nothing else of the simulator.
 //!
-//! [`TwinData`] holds the arrays; [`Twin`] lays them out for a processor's vectors and steps a [`TwinState`] by BDF2. `file` reads and
+//! [`TwinData`] holds the arrays; [`Twin`] lays them out for a processor's vectors and steps a [`TwinState`] by BDF2. [`file`] reads and
 //! writes them as safetensors. The equations are those of the reduced model in `fem`, to the tolerance of a step.
+//! [`package`] is the crate by itself, as it is exported.
 //!
 //! ```
 //! use twin::{Chamber, Region, Twin, TwinData};
@@ -33,6 +34,7 @@ pub mod file;
 mod history;
 mod lanes;
 mod law;
+pub mod package;
 mod state;
 mod step;
 mod water;
@@ -41,3 +43,6 @@ pub use data::{Chamber, Region, Section, TwinData};
 pub use error::TwinError;
 pub use state::{TwinState, Work};
 pub use step::Twin;
+
+/// SCRIPT: the same in JavaScript, for a page. `Twin(buffer)` of the file's bytes has `start`, `step` and `output`.
+pub const SCRIPT: &str = include_str!("twin.js");

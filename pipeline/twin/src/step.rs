@@ -24,6 +24,10 @@ const REFRESH_ABOVE: f64 = 0.3;
 /// Largest size of the last iteration, relative to the largest shape. 1e-7 takes a tenth longer and moves the tip of a flapping tail by 2e-3 %
 /// of its length; 1e-4 excites the stiff sheet and moves it by 4 %.
 const TOLERANCE: f64 = 1e-6;
+/// γ (1/s) above which the tolerance falls with its square, so that what a step leaves accelerates the body by no more: that of 240 steps a second.
+const SLOW: f64 = 360.0;
+/// Least tolerance: rounding.
+const LEAST: f64 = 1e-11;
 /// Times that a step is halved at most.
 const HALVINGS: usize = 6;
 /// Steps, and γ, that differ by less than this, relative, are equal: times are sums that round.
@@ -48,12 +52,6 @@ struct Equations<'a> {
     pressure_work: PressureWork,
     /// Σ w of q, q̇ and the water's momentum.
     past: [Vec<f64>; 3],
-}
-
-/// What a residual leaves behind: the stress that relaxes, by region and block, and the water's momentum.
-struct Left {
-    stresses: Vec<Stresses>,
-    momentum: Vec<f64>,
 }
 
 impl Twin {
@@ -150,12 +148,13 @@ impl Twin {
         let equations = Equations::new(self, state, pressures, duration);
         let time = state.time + duration;
         let (q, left) = equations.solve(state, time)?;
-        for ((history, factors), now) in state.histories.iter_mut().zip(&state.factors.1).zip(&left.stresses) {
+        for ((history, factors), now) in state.histories.iter_mut().zip(&state.factors.1).zip(&left) {
             history.advance(factors, &now.relaxing);
         }
-        state.stresses = left.stresses;
+        state.stresses = left;
         let velocity = equations.velocity(&q);
-        state.past.push(time, [q, velocity, left.momentum]);
+        let momentum = equations.momentum((&q, &velocity));
+        state.past.push(time, [q, velocity, momentum]);
         (state.time, state.pressures) = (time, pressures.to_vec());
         state.work.steps += 1;
         Ok(())
@@ -190,12 +189,13 @@ impl<'a> Equations<'a> {
         }
     }
 
-    /// q at the end of the step, and what its last residual left.
-    fn solve(&self, state: &mut TwinState, time: f64) -> Result<(Vec<f64>, Left), TwinError> {
+    /// q at the end of the step, and the stresses of its last residual.
+    fn solve(&self, state: &mut TwinState, time: f64) -> Result<(Vec<f64>, Vec<Stresses>), TwinError> {
         let mut q = state.past.guess(time);
         let (mut residual, mut left) = self.residual(&q, &mut state.work);
         let fits = |lagged: &Lagged| (lagged.gamma / self.stencil.gamma - 1.0).abs() < SAME;
         let mut lagged = state.lagged.take().filter(fits);
+        let tolerance = TOLERANCE * (SLOW / self.stencil.gamma).powi(2).clamp(LEAST / TOLERANCE, 1.0);
         let before = state.time;
         let failed = |change| TwinError::NoConvergence { time: before, iterations: MAX_ITERATIONS, change };
         let (mut change, mut size) = (Vec::new(), f64::INFINITY);
@@ -208,7 +208,7 @@ impl<'a> Equations<'a> {
             (lagged, change) = (Some(own), next);
             add(&mut q, -1.0, &change);
             size = largest(&change) / self.twin.size;
-            if size < TOLERANCE {
+            if size < tolerance {
                 state.lagged = lagged;
                 return Ok((q, left));
             }
@@ -227,7 +227,17 @@ impl<'a> Equations<'a> {
         velocity
     }
 
-    fn residual(&self, q: &[f64], work: &mut Work) -> (Vec<f64>, Left) {
+    /// Of the water, J s.
+    // At the state itself: that of the last residual would leave its difference in every later step.
+    fn momentum(&self, motion: (&[f64], &[f64])) -> Vec<f64> {
+        let (mut unused, mut momentum) = (vec![0.0; motion.0.len()], vec![0.0; motion.0.len()]);
+        if let Some(water) = &self.twin.water {
+            water.add_forces(motion, self.stencil.gamma, (&mut unused, &mut momentum));
+        }
+        momentum
+    }
+
+    fn residual(&self, q: &[f64], work: &mut Work) -> (Vec<f64>, Vec<Stresses>) {
         work.residuals += 1;
         let (twin, gamma) = (self.twin, self.stencil.gamma);
         let velocity = self.velocity(q);
@@ -247,7 +257,7 @@ impl<'a> Equations<'a> {
         }
         add_reduced(&lanes, &mut residual);
         self.pressure_work.subtract_gradient(q, &mut residual);
-        (residual, Left { stresses, momentum })
+        (residual, stresses)
     }
 
     /// The inverse of ∂residual/∂q; none where it is singular.

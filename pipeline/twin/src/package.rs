@@ -1,0 +1,67 @@
+//! The crate by itself, as it is exported beside a tail's arrays: its sources without tests, its manifest and its example.
+
+/// The sources, and the example that closes a loop.
+const SOURCES: &[(&str, &str)] = &[
+    ("src/chambers.rs", include_str!("chambers.rs")),
+    ("src/data.rs", include_str!("data.rs")),
+    ("src/dense.rs", include_str!("dense.rs")),
+    ("src/elastic.rs", include_str!("elastic.rs")),
+    ("src/error.rs", include_str!("error.rs")),
+    ("src/file.rs", include_str!("file.rs")),
+    ("src/history.rs", include_str!("history.rs")),
+    ("src/lanes.rs", include_str!("lanes.rs")),
+    ("src/law.rs", include_str!("law.rs")),
+    ("src/lib.rs", include_str!("lib.rs")),
+    ("src/state.rs", include_str!("state.rs")),
+    ("src/step.rs", include_str!("step.rs")),
+    ("src/water.rs", include_str!("water.rs")),
+    ("examples/tip_control.rs", include_str!("../examples/tip_control.rs")),
+];
+
+/// The same versions as in the project. Vectors are as wide as the processor's where the second file says so.
+const MANIFESTS: [(&str, &str); 2] = [
+    (
+        "Cargo.toml",
+        "[package]\nname = \"twin\"\nversion = \"0.1.0\"\nedition = \"2024\"\nlicense = \"MIT OR Apache-2.0\"\n\n[dependencies]\n\
+         safetensors = { version = \"=0.8.0\", default-features = false, features = [\"std\"] }\nthiserror = \"=2.0.21\"\n\
+         wide = { version = \"=1.7.1\", default-features = false }\n\n[workspace]\n",
+    ),
+    (".cargo/config.toml", "[build]\nrustflags = [\"-C\", \"target-cpu=native\"]\n"),
+];
+
+/// Every file of the crate by itself: path and content.
+pub fn files() -> Vec<(&'static str, String)> {
+    let manifests = MANIFESTS.iter().map(|(path, text)| (*path, (*text).to_owned()));
+    SOURCES.iter().map(|(path, text)| (*path, alone(text))).chain(manifests).collect()
+}
+
+/// A source without its tests, and without what serves the page and the export.
+fn alone(text: &str) -> String {
+    let text = text.split("\n#[cfg(test)]").next().unwrap_or_default();
+    let kept = |line: &&str| !line.contains("package") && !line.contains("SCRIPT");
+    text.lines().filter(kept).flat_map(|line| [line, "\n"]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_source_is_exported_and_none_has_tests() {
+        let files = files();
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/src");
+        let own = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        for name in own.filter(|name| name.ends_with(".rs") && name != "package.rs") {
+            assert!(files.iter().any(|(path, _)| *path == format!("src/{name}")), "{name} is not exported");
+        }
+        assert!(files.iter().all(|(_, text)| !text.contains("#[test]") && !text.contains("SCRIPT")));
+    }
+
+    #[test]
+    fn the_manifest_has_the_versions_of_the_project() {
+        let project = include_str!("../../../Cargo.toml");
+        for line in MANIFESTS[0].1.lines().filter(|line| line.contains("version = \"=") || line.contains("thiserror")) {
+            assert!(project.contains(line), "{line}");
+        }
+    }
+}
