@@ -139,6 +139,12 @@ fn run(cli: &Cli) -> Result<bool> {
             output::line(snakemake::export(&runner, &snakemake(folder.as_deref(), only)?)?.display());
             Ok(report(&diagnostics))
         }
+        Command::Export { what: Exported::Twin { name, folder } } => {
+            let (runner, diagnostics) = open()?;
+            readable(&diagnostics, Some(name))?;
+            output::line(cli::twin::export(&runner, name, folder.as_deref())?.display());
+            Ok(report(&diagnostics))
+        }
         Command::List => {
             output::text(study::description());
             Ok(true)

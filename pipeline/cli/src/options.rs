@@ -296,6 +296,14 @@ pub enum Exported {
         #[arg(long, value_name = "STAGE")]
         only: Vec<String>,
     },
+    /// A specimen's identified and reduced tail for a controller: its arrays as safetensors, a page that describes them, and the Rust crate
+    /// that steps them faster than real time, with an example that closes a loop.
+    Twin {
+        /// The specimen.
+        name: String,
+        /// Folder, instead of twin/NAME in the folder of the profile.
+        folder: Option<PathBuf>,
+    },
 }
 
 /// The profiles on the command line.

@@ -86,3 +86,10 @@ fn a_number_that_drifted_is_a_failed_case_of_the_report() {
     let text = fs::read_to_string(report).unwrap();
     assert!(text.contains(&format!("name=\"{id}\"")) && text.contains("message=\"1000000000 mm; expected"), "{text}");
 }
+
+#[test]
+fn a_tail_without_its_records_is_not_exported() {
+    let project = Project::new("twin");
+    project.refuses(&["export", "twin", "bird"], &["there is no specimen `bird`", "why:", "do:"]);
+    project.refuses(&["export", "twin", "fish"], &["mesh/fish", "why:", "do:"]);
+}

@@ -8,7 +8,7 @@ use std::{fs, io};
 use crate::claims::{self, Claim};
 use crate::expected::MetricEntry;
 use crate::metrics_file;
-use crate::page::{Body, Cost, Page, Shown, Verdict};
+use crate::page::{Body, Cost, LiveTail, Page, Shown, Verdict};
 use crate::stage_diagram::stage_diagram;
 use diagnostics::{Diagnostic, Result};
 use workflow::entry::Kind;
@@ -26,6 +26,8 @@ pub struct Contents {
     pub note: String,
     /// Bodies to be shown in space.
     pub bodies: Vec<Body>,
+    /// Tails that move on the page.
+    pub tails: Vec<LiveTail>,
 }
 
 /// Writes the page unless it is unchanged; returns its path.
@@ -53,6 +55,7 @@ fn gather<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>], own: Contents) -> Re
     Ok(Page {
         note: own.note,
         bodies: own.bodies,
+        tails: own.tails,
         figures: shown(jobs, &store, Kind::Figure, "svg"),
         tables: shown(jobs, &store, Kind::Table, "csv"),
         claims: claims.iter().map(|claim| verdict(claim, &metrics)).collect(),

@@ -11,6 +11,7 @@
 //! Depends on every tool crate, on `workflow`, `sysid`, `thrust`, `simulate` and `publish`; never on the virtual bench.
 
 pub mod figures;
+pub mod live;
 mod page;
 pub mod records;
 mod renamed;

@@ -6,14 +6,14 @@ use diagnostics::Result;
 use publish::page::{Body, Surface};
 use publish::page_file::Contents;
 use si::{MILLIBAR, Point3};
+use sysid::surfaces::{Bounds, Surfaces};
 use workflow::needs::{RecordReader, id};
 use workflow::record::Record;
 use workflow::runner::Store;
 
-use crate::Runner;
-use crate::figures::solid::{Bounds, Surfaces};
 use crate::records::{Inflation, Mesh};
 use crate::subject::Specimen;
+use crate::{Runner, live};
 
 /// Above this number of faces, curved faces are drawn flat: drawing them one by one is too slow.
 const MAX_FACES: usize = 24_000;
@@ -23,7 +23,7 @@ const MAX_FACES: usize = 24_000;
 /// # Errors
 /// A [`diagnostics::Diagnostic`] when a record is not what this version writes.
 pub fn contents(runner: &Runner) -> Result<Contents> {
-    Ok(Contents { note: note(runner), bodies: bodies(runner)? })
+    Ok(Contents { note: note(runner), bodies: bodies(runner)?, tails: live::tails(runner)? })
 }
 
 fn note(runner: &Runner) -> String {

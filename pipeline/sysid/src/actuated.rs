@@ -115,6 +115,18 @@ pub fn onto([x, y]: &[Samples; 2], times: &[Second]) -> Vec<Point2> {
     times.iter().map(|&t| [x.at(t), y.at(t)]).collect()
 }
 
+/// Lag of the simulated lateral motion behind the measured one at a `frequency`, s.
+pub fn lag(time: &[Second], measured: &[Point2], simulated: &[Point2], frequency: si::Hertz) -> Second {
+    let turn = std::f64::consts::TAU * frequency;
+    let phase = |path: &[Point2]| {
+        let part = |by: fn(f64) -> f64| time.iter().zip(path).map(|(t, p)| p[1] * by(turn * t)).sum::<f64>();
+        part(f64::sin).atan2(part(f64::cos))
+    };
+    let behind = phase(simulated) - phase(measured);
+    let half = std::f64::consts::PI;
+    ((behind + half).rem_euclid(2.0 * half) - half) / turn
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -136,5 +148,15 @@ mod tests {
         let filmed = filmed(&path, &[0.3, 0.5, 0.7], 1.0);
         // the mean of t² over a width w about t is t² + w²/12
         assert!((filmed[1][0] - 0.5).abs() < 1e-9 && (filmed[1][1] - (0.25 + 0.04 / 12.0)).abs() < 1e-4, "{filmed:?}");
+    }
+
+    #[test]
+    fn a_lag_of_ten_milliseconds_is_measured() {
+        let time: Vec<f64> = (0..120).map(|i| f64::from(i) / 60.0).collect();
+        let path = |late: f64| -> Vec<Point2> {
+            time.iter().map(|t| [0.0, (std::f64::consts::TAU * 2.0 * (t - late)).sin()]).collect()
+        };
+        // two seconds at 2 Hz are whole cycles: no spectral leakage
+        assert!((lag(&time, &path(0.0), &path(0.01), 2.0) - 0.01).abs() < 1e-9);
     }
 }

@@ -22,7 +22,8 @@ pub enum Bounds {
 }
 
 /// Surfaces by what they bound: faces of three points each.
-pub(crate) struct Surfaces {
+#[derive(Debug, Clone, PartialEq)]
+pub struct Surfaces {
     /// m.
     pub points: Vec<Point3>,
     /// By index of their points.

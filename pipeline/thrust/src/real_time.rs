@@ -4,8 +4,14 @@ use diagnostics::{Diagnostic, Result};
 use fem::ReducedRegion;
 use hydro::{Coefficients, SectionOfTail, Tail};
 use nalgebra::DMatrix;
+use si::{Point2, Second};
+use signal::resample::Samples;
 use sysid::ReducedBody;
-use twin::{Chamber, Region, Section, TwinData};
+use sysid::actuated::Actuation;
+use twin::{Chamber, Region, Section, Twin, TwinData};
+
+/// The laws that a twin evaluates.
+const LAWS: [&str; 2] = ["neo_hookean", "yeoh"];
 
 /// Still water around a reduced body.
 #[derive(Clone, Copy)]
@@ -57,13 +63,32 @@ pub fn twin_data(body: &ReducedBody, water: Option<&Surroundings>, outputs: &[(&
     })
 }
 
+/// Displacement of a marker of `body` along x and y in air, m, by its twin in steps of `step` seconds, as functions of the film's time; none
+/// where a law is none that a twin has.
+///
+/// # Errors
+/// A [`Diagnostic`] when a step finds no motion.
+pub fn path(body: &ReducedBody, marker: usize, step: Second, actuation: &Actuation) -> Result<Option<[Samples; 2]>> {
+    if body.parts().0.arrays().regions.iter().any(|region| !LAWS.contains(&region.material.name())) {
+        return Ok(None);
+    }
+    let twin = Twin::new(twin_data(body, None, &[("marker", marker)])?)?;
+    let (times, mut state, mut path) = (actuation.times(step), twin.start(), Vec::<Point2>::new());
+    for &time in &times {
+        let duration = time - state.time();
+        twin.step(&mut state, &actuation.pressures(time), duration)?;
+        path.push([twin.output(&state, 0), twin.output(&state, 1)]);
+    }
+    actuation.sampled(&times, &path).map(Some)
+}
+
 fn row(rows: &DMatrix<f64>, number: usize) -> Vec<f64> {
     rows.row(number).iter().copied().collect()
 }
 
 fn region(of: &ReducedRegion, scale: f64, branches: &[fem::Branch], r: usize) -> Result<Region> {
     let name = of.material.name();
-    if name != "neo_hookean" && name != "yeoh" {
+    if !LAWS.contains(&name) {
         return Err(Diagnostic::new(
             format!("a tail of the law `{name}` cannot be exported as a twin"),
             "a twin evaluates the neo-Hookean law and Yeoh's",

@@ -2,12 +2,14 @@
 //! network.
 
 mod body;
+mod live;
 
 use std::fmt::Write;
 
 use crate::claims;
 
 pub use body::{Body, Surface};
+pub use live::{LiveTail, LiveTrial};
 
 /// A figure or table that is shown, or why it is not.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,6 +57,8 @@ pub struct Page {
     pub note: String,
     /// The tails in space.
     pub bodies: Vec<Body>,
+    /// Those that move.
+    pub tails: Vec<LiveTail>,
     /// SVG.
     pub figures: Vec<Shown>,
     /// CSV.
@@ -73,17 +77,26 @@ const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inlin
 impl Page {
     /// The page as HTML.
     pub fn html(&self) -> String {
-        let parts = [self.tail(), self.all_figures(), self.all_tables(), self.all_claims(), self.all_stages()];
+        let parts = [
+            self.tail(),
+            live::section(&self.tails),
+            self.all_figures(),
+            self.all_tables(),
+            self.all_claims(),
+            self.all_stages(),
+        ];
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
              content=\"width=device-width\">\n<meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
              <title>A paper that rebuilds itself</title>\n<style>\n{}</style>\n</head>\n<body>\n<header>\n\
              <h1>A paper that rebuilds itself</h1>\n<p>{}</p>\n</header>\n<nav>{NAVIGATION}</nav>\n{}\
-             <script>\n{}</script>\n</body>\n</html>\n",
+             <script>\n{}</script>\n<script>\n{}{}</script>\n</body>\n</html>\n",
             include_str!("page.css"),
             escaped(&self.note),
             parts.concat(),
             include_str!("page.js"),
+            twin::SCRIPT,
+            include_str!("live.js"),
         )
     }
 
@@ -174,7 +187,7 @@ impl Page {
     }
 }
 
-const NAVIGATION: &str = "<a href=\"#tail\">Tail</a><a href=\"#figures\">Figures</a><a href=\"#tables\">Tables</a>\
+const NAVIGATION: &str = "<a href=\"#tail\">Tail</a><a href=\"#live\">Live</a><a href=\"#figures\">Figures</a><a href=\"#tables\">Tables</a>\
                           <a href=\"#claims\">Claims</a><a href=\"#stages\">Stages</a>";
 const PANEL: &str = "<div id=\"panel\"><select id=\"body\" aria-label=\"specimen\"></select><button id=\"play\">play</button>\
 <input type=\"range\" id=\"level\" min=\"0\" max=\"1\" step=\"0.01\" value=\"0\" aria-label=\"pressure\"><output id=\"pressure\">\

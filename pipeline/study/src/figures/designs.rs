@@ -7,11 +7,11 @@ use si::{MILLIMETRE, Point3};
 
 use super::order::{in_order, title};
 use super::origin_note;
-use super::solid::{Bounds, Surfaces};
 use crate::records::DisplayUnit;
 use crate::records::Mesh;
 use crate::subject::{Specimen, Study};
 use diagnostics::{Diagnostic, Result};
+use sysid::surfaces::{Bounds, Surfaces};
 use workflow::figure;
 use workflow::needs::Every;
 

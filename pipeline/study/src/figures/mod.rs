@@ -9,7 +9,6 @@ pub mod order;
 pub mod overview;
 mod relaxation;
 mod setup;
-pub mod solid;
 mod sysid;
 mod tail;
 mod thrust;

@@ -8,11 +8,11 @@ use si::{MILLIBAR, MILLIMETRE, Point2};
 
 use super::order::{in_order, of, title};
 use super::origin_note;
-use super::solid::{Bounds, Surfaces};
 use crate::records::{ExampleFrames, Inflation, Mesh, Thrust, Validation};
 use crate::subject::{Specimen, Study, Trial};
 use diagnostics::{Diagnostic, Result};
 use publish::stage_diagram::stage_diagram;
+use sysid::surfaces::{Bounds, Surfaces};
 use workflow::figure;
 use workflow::needs::{Every, Needs, RecordId, RecordReader};
 use workflow::stage_graph::StageGraph;

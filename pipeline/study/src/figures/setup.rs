@@ -10,10 +10,10 @@ use si::{MILLIMETRE, Metre, Point2, Point3};
 
 use super::order::{in_order, of, title};
 use super::origin_note;
-use super::solid::{Bounds, Surfaces};
 use crate::records::{Camera, ExampleFrames, LoadCell, Mesh, Tank};
 use crate::subject::{Specimen, Study, Trial};
 use diagnostics::{Diagnostic, Result};
+use sysid::surfaces::{Bounds, Surfaces};
 use workflow::figure;
 use workflow::needs::Every;
 

@@ -7,10 +7,10 @@ use si::{MILLIBAR, MILLIMETRE, Point2, Point3, vec3};
 
 use super::order::{in_order, of, title};
 use super::origin_note;
-use super::solid::{Bounds, Surfaces};
 use crate::records::{ExampleFrames, Inflation, Mesh, Shape};
 use crate::subject::{Specimen, Study, Trial};
 use diagnostics::{Diagnostic, Result};
+use sysid::surfaces::{Bounds, Surfaces};
 use workflow::figure;
 use workflow::needs::Every;
 

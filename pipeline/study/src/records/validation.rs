@@ -63,6 +63,8 @@ pub struct Validation {
     pub baselines: Vec<ScoredModel>,
     /// Root mean square difference of the reduced from the full model over the largest displacement, no unit; in air.
     pub reduction: Option<f64>,
+    /// Largest distance of the reduced model as a twin from the full model over the same time, m; in air.
+    pub twin_error: Option<Metre>,
     /// Coordinates of the reduced model.
     pub coordinates: usize,
 }
@@ -80,6 +82,7 @@ struct Scalars {
     scored: Vec<ScoredModel>,
     baselines: Vec<ScoredModel>,
     reduction: Option<f64>,
+    twin_error_m: Option<f64>,
     coordinates: usize,
     note: String,
 }
@@ -127,6 +130,7 @@ impl Record for Validation {
             scored: self.scored.clone(),
             baselines: self.baselines.clone(),
             reduction: self.reduction,
+            twin_error_m: self.twin_error,
             coordinates: self.coordinates,
             note: NOTE.into(),
         };
@@ -156,6 +160,7 @@ impl Record for Validation {
             scored: s.scored,
             baselines: s.baselines,
             reduction: s.reduction,
+            twin_error: s.twin_error_m,
             coordinates: s.coordinates,
         })
     }
@@ -175,6 +180,7 @@ impl Record for Validation {
             Metric::new(id("reduced_coordinates"), self.coordinates as f64, ""),
         ];
         metrics.extend(self.reduction.map(|off| Metric::new(id("reduction_percent"), 100.0 * off, "%")));
+        metrics.extend(self.twin_error.map(|off| Metric::new(id("twin_error_percent"), percent(off), "%")));
         metrics.extend(self.lag.map(|lag| Metric::new(id("lag_ms"), 1e3 * lag, "ms")));
         metrics.extend(others);
         metrics

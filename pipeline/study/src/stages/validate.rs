@@ -9,7 +9,7 @@
 use fem::{DynamicSettings, Scheme};
 use lab::card::Experiment;
 use serde::{Deserialize, Serialize};
-use si::{Hertz, Point2, Second};
+use si::{Hertz, Metre, Point2, Second};
 use signal::resample::Samples;
 
 use super::amplitude::{self, Predicted};
@@ -20,9 +20,10 @@ use crate::records::{Drag, Identified, Mesh, Motion, PAPER_MODEL, Reduced, Relax
 use crate::selections::{InWater, Repeats};
 use crate::subject::Trial;
 use ::thrust::outline::Outline;
+use ::thrust::real_time;
 use ::thrust::underwater::UnderwaterModel;
 use diagnostics::{Diagnostic, Result};
-use sysid::actuated::{Actuation, MotionSimulation, dynamic_settings, filmed};
+use sysid::actuated::{Actuation, MotionSimulation, dynamic_settings, filmed, lag};
 use sysid::{Body, ReducedBody};
 use workflow::stage::{Stage, StageContext};
 use workflow::subject::Part;
@@ -66,7 +67,7 @@ impl Stage for Validate {
     type Needs = ((Mesh, Identified, Reduced), Relaxation, InWater<Drag>, Repeats<Motion>);
     type Makes = Validation;
     const DESCRIPTION: &'static str = "flapping is predicted and compared with validation trials";
-    const VERSION: u32 = 12;
+    const VERSION: u32 = 13;
 
     fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<Validation> {
         let ((mesh, identified, reduced), relaxation, InWater(drag), Repeats(films)) = needs;
@@ -128,6 +129,7 @@ impl Stage for Validate {
         let checked =
             Actuation { end: (seen.moves + set.whole_model_duration).min(ends.1), begin: seen.moves, ..actuation };
         let dry = drag.is_none().then(|| reduction(&simulation, &reduced_body, &second_order, &checked));
+        let (reduction, twin_error) = dry.transpose()?.map_or((None, None), |(off, twin)| (Some(off), twin));
         let simulated = paths.swap_remove(0);
         let pressures: Vec<Vec<f64>> = seen.gauges.iter().map(|g| g.onto(&seen.time)).collect();
         let quasi_static = QuasiStatic { pressures: &pressures, identified: &identified, marker };
@@ -142,7 +144,8 @@ impl Stage for Validate {
             zero_motion_rmse: repeats::rms(&seen.mean, &vec![[0.0; 2]; seen.mean.len()]),
             scored,
             baselines: guesses,
-            reduction: dry.transpose()?,
+            reduction,
+            twin_error,
             coordinates: reduced_body.coordinates(),
             time: seen.time,
             measured: seen.mean,
@@ -153,19 +156,23 @@ impl Stage for Validate {
     }
 }
 
-/// Root mean square difference of the reduced from the full model's motion, over the largest displacement of the latter.
+/// Root mean square difference of the reduced from the full model's motion, over the largest displacement of the latter; and the largest
+/// distance of the reduced model as a twin, m, where its laws have one.
 fn reduction(
     simulation: &MotionSimulation,
     reduced_body: &ReducedBody,
     settings: &DynamicSettings,
     actuation: &Actuation,
-) -> Result<f64> {
+) -> Result<(f64, Option<Metre>)> {
+    let twin = real_time::path(reduced_body, simulation.marker, settings.step, actuation)?;
     let (whole, reduced) = (simulation.whole(settings, actuation)?, simulation.run(reduced_body, settings, actuation)?);
     let steps = whole[0].values().len();
     let path = |[x, y]: &[Samples; 2]| (0..steps).map(|i| [x.values()[i], y.values()[i]]).collect::<Vec<Point2>>();
-    let (whole, reduced) = (path(&whole), path(&reduced));
+    let (whole, reduced, twin) = (path(&whole), path(&reduced), twin.map(|twin| path(&twin)));
     let farthest = whole.iter().map(|p| p[0].hypot(p[1])).fold(f64::MIN_POSITIVE, f64::max);
-    Ok(repeats::rms(&whole, &reduced) / farthest)
+    let distance = |(a, b): (&Point2, &Point2)| (a[0] - b[0]).hypot(a[1] - b[1]);
+    let off = twin.map(|twin| whole.iter().zip(&twin).map(distance).fold(0.0, f64::max));
+    Ok((repeats::rms(&whole, &reduced) / farthest, off))
 }
 
 /// The commanded flapping frequency, Hz.
@@ -173,32 +180,5 @@ fn frequency(of: &Trial) -> Option<f64> {
     match of.trial.experiment {
         Experiment::Flapping { frequency, .. } => Some(frequency),
         Experiment::Staircase { .. } => None,
-    }
-}
-
-/// Lag of the simulated lateral motion behind the measured one at the flapping frequency, s.
-fn lag(time: &[Second], measured: &[Point2], simulated: &[Point2], frequency: f64) -> Second {
-    let turn = std::f64::consts::TAU * frequency;
-    let phase = |path: &[Point2]| {
-        let part = |by: fn(f64) -> f64| time.iter().zip(path).map(|(t, p)| p[1] * by(turn * t)).sum::<f64>();
-        part(f64::sin).atan2(part(f64::cos))
-    };
-    let behind = phase(simulated) - phase(measured);
-    let half = std::f64::consts::PI;
-    ((behind + half).rem_euclid(2.0 * half) - half) / turn
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_lag_of_ten_milliseconds_is_measured() {
-        let time: Vec<f64> = (0..120).map(|i| f64::from(i) / 60.0).collect();
-        let path = |late: f64| -> Vec<Point2> {
-            time.iter().map(|t| [0.0, (std::f64::consts::TAU * 2.0 * (t - late)).sin()]).collect()
-        };
-        // two seconds at 2 Hz are whole cycles: no spectral leakage
-        assert!((lag(&time, &path(0.0), &path(0.01), 2.0) - 0.01).abs() < 1e-9);
     }
 }

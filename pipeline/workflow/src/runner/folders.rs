@@ -36,7 +36,7 @@ impl Folders {
     }
 
     /// The folder that holds all others of the profile.
-    pub(crate) fn base(&self) -> &Path {
+    pub fn base(&self) -> &Path {
         &self.base
     }
 
