@@ -1,10 +1,9 @@
 //! CMA-ES \[hansen2016\]: evolution strategy with covariance matrix adaptation, inside of bounds.
 //!
-//! The bounds are scaled to the unit cube, so one step size serves all parameters. The strategy is the plain (μ/μ_w, λ) one: the
-//! active update with negative weights is left out. Measured to 1e-8 on Rosenbrock's function in two and four parameters, this file
-//! needs 551 to 621 and 1454 to 1584 evaluations, pycma without active covariance 539 to 596 and 1404 to 1542, with it 429 to 522 and
-//! 1198 to 1305. CMA-ES is here the gradient-free reference of the paper (section IV), not the fastest method, so the published plain
-//! form is kept. A saved [`State`] continues bit for bit.
+//! The bounds are scaled to the unit cube, so one step size serves all parameters. The covariance is active: worse points remove
+//! variance, by negative weights. Measured to 1e-8 on Rosenbrock's function in two and four parameters, ten points a generation, it
+//! needs 510 and 1290 evaluations (medians of 2039 seeds), pycma 4.5 520 and 1310 (of 401), and without negative weights 590 and 1510.
+//! A saved [`State`] continues bit for bit.
 
 mod distribution;
 mod sampling;
@@ -106,7 +105,7 @@ impl CmaEs {
         self.asked = drawn.iter().map(|at| from_cube(self.problem.bounds(), at)).collect();
     }
 
-    /// Updates the distribution from the better half of the evaluations.
+    /// Updates the distribution from the ranked evaluations.
     fn update(&mut self, evaluations: &[Evaluation]) {
         let constants = Constants::new(self.state.mean.len(), self.set.population);
         let mut order: Vec<usize> = (0..evaluations.len()).collect();
@@ -116,7 +115,7 @@ impl CmaEs {
         let step = |i: &usize| {
             (DVector::from_vec(to_cube(self.problem.bounds(), &evaluations[*i].at)) - &old) / self.state.sigma
         };
-        let steps: Vec<DVector<f64>> = order.iter().take(constants.weights.len()).map(step).collect();
+        let steps: Vec<DVector<f64>> = order.iter().map(step).collect();
         self.state.adapt(&constants, &steps);
         self.state.generation += 1;
     }
@@ -185,32 +184,26 @@ mod tests {
         cma.best().unwrap().loss
     }
 
-    /// Evaluations until Rosenbrock's function falls below 1e-8: the median of five seeds.
-    fn evaluations(n: usize) -> usize {
+    /// Evaluations until Rosenbrock's function falls below 1e-8: quartiles of 51 seeds.
+    fn evaluations(n: usize) -> [usize; 3] {
         let run = |seed: u64| {
             let set = Settings { step: 0.125, generations: 1000, step_tolerance: 0.0, seed, ..Settings::default() };
             let mut cma = CmaEs::new(&problem(n), &set).unwrap();
-            let mut count = 0;
-            while count < 9000 {
-                count += 10;
-                if answer(&mut cma, rosenbrock) < 1e-8 {
-                    break;
-                }
-            }
-            count
+            let generations = (1..1000).find(|_| answer(&mut cma, rosenbrock) < 1e-8);
+            set.population * generations.expect("it converges")
         };
-        let mut all: Vec<usize> = (1..=5).map(run).collect();
+        let mut all: Vec<usize> = (1..=51).map(run).collect();
         all.sort_unstable();
-        println!("{n} parameters: {all:?} evaluations");
-        all[2]
+        [12, 25, 38].map(|rank| all[rank])
     }
 
-    /// pycma's 488 and 1254 evaluations are of its own population and start; a factor of two would be a wrong constant.
+    /// pycma 4.5 with ten points a generation: 520 (quartiles 480, 570) and 1310 (1200, 1420), of 401 seeds. The median of 51 scatters
+    /// by 2 %; without negative weights it is 590 and 1510.
     #[test]
-    fn rosenbrocks_function_takes_as_many_evaluations_as_in_pycma() {
+    fn rosenbrocks_function_takes_no_more_evaluations_than_in_pycma() {
         let (two, four) = (evaluations(2), evaluations(4));
-        assert!((244..976).contains(&two), "{two}");
-        assert!((627..2508).contains(&four), "{four}");
+        assert!((440..=525).contains(&two[1]), "{two:?}");
+        assert!((1100..=1310).contains(&four[1]), "{four:?}");
     }
 
     #[test]
