@@ -8,7 +8,7 @@ use std::process::Command;
 
 use publish::page::{Body, Page, Surface};
 use serde_json::Value;
-use study::figures::solid::Bounds;
+use sysid::surfaces::Bounds;
 
 /// Plays the reader's part and writes what was seen into the page.
 const READER: &str = include_str!("browser.js");

@@ -60,6 +60,22 @@
     ink.stroke();
   }
 
+  function fill(points, colour) {
+    ink.fillStyle = colour; ink.beginPath();
+    points.forEach(([x, y], i) => (i ? ink.lineTo(x, y) : ink.moveTo(x, y)));
+    ink.fill();
+  }
+
+  // one side of a body that narrows to a tenth of its half width
+  function flank(bones, half) {
+    const last = bones.length - 1;
+    return bones.map(([x, y], i) => {
+      const [a, b] = [bones[Math.max(i - 1, 0)], bones[Math.min(i + 1, last)]], length = Math.hypot(b[0] - a[0], b[1] - a[1]);
+      const aside = half * (1 - 0.9 * i / last) / length;
+      return [x - aside * (b[1] - a[1]), y + aside * (b[0] - a[0])];
+    });
+  }
+
   // stations lie evenly between the clamp and the end; the marker's path is drawn beside the tail, x twice as large
   function draw() {
     const dots = Math.min(window.devicePixelRatio || 1, 2), width = canvas.clientWidth * dots, height = canvas.clientHeight * dots;
@@ -68,7 +84,7 @@
     const place = (x, y) => [0.08 * width + scale * x, 0.5 * height - scale * y];
     const axis = tail.stations.map(([x, y], i) => [end * (i + 1) / n + twin.output(state, x), twin.output(state, y)]);
     const bones = [[0, 0], ...axis].map(([x, y]) => place(x, y));
-    bones.slice(1).forEach((to, i) => line([bones[i], to], "#d9b38c", scale * 0.02 * (1 - 0.9 * i / n)));
+    fill([...flank(bones, scale * 0.01), ...flank(bones, -scale * 0.01).reverse()], "#d9b38c");
     line(bones, "#1a1a1a", 2 * dots);
     const home = [0.93 * width, 0.5 * height], near = ([x, y]) => [home[0] + 2 * scale * x, home[1] - scale * y];
     if (ask("recorded").checked && tail.time.length > 1) {
