@@ -74,7 +74,10 @@ fn folder(name: &str) -> PathBuf {
 fn over_ten_seconds_the_page_moves_the_tip_as_the_crate_does() {
     for wet in [false, true] {
         let (data, folder) = (beam(wet), folder(if wet { "water" } else { "air" }));
-        let Some(text) = run(&data, &folder) else { return };
+        let Some(text) = run(&data, &folder) else {
+            println!("neither Chromium nor Node is at hand: the twin of the page was not run");
+            return;
+        };
         std::fs::remove_dir_all(&folder).unwrap();
         let path = text.split("path:").nth(1).and_then(|rest| rest.split(":path").next()).expect("a path");
         let path: Vec<f64> = path.split(' ').map(|number| number.parse().unwrap()).collect();
