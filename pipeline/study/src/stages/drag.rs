@@ -85,6 +85,9 @@ impl Stage for Drag {
         let settings = dynamic_settings(Scheme::Bdf2, set.step);
         let underwater = UnderwaterModel::new(&reduced_body, &tail, &simulation, card.markers.len());
         let film = set.film(motion, simulation.marker, &hold);
+        if film.is_still() {
+            return Err(no_motion(hold.released));
+        }
         let mut simulations = 0;
         let exposure = set.exposure * frame_interval(&film.times);
         let off = |model: &UnderwaterModel, by| {
@@ -150,6 +153,14 @@ fn no_staircase() -> Diagnostic {
     Diagnostic::new("there is no staircase in water", "no trial of the card is one", "film one")
 }
 
+fn no_motion(released: Second) -> Diagnostic {
+    Diagnostic::new(
+        format!("the marker does not move after the release at {released:.3} s of the film"),
+        "fewer than three frames show it, or it stays exactly where it is",
+        "film the staircase in water until the tail has come to rest",
+    )
+}
+
 /// The highest hold that is not above `known` (Pa).
 fn hold(motion: &Motion, known: Pascal) -> Result<Hold> {
     let asked = |i: usize| motion.gauges.iter().map(|g| g.command[i]).fold(0.0, f64::max);
@@ -169,3 +180,18 @@ fn hold(motion: &Motion, known: Pascal) -> Result<Hold> {
 
 /// A hold settles slightly below its command.
 const NEAR: f64 = 1.1;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_highest_hold_within_the_known_pressures_is_released() {
+        let time: Vec<f64> = (0..700).map(|i| 0.01 * f64::from(i)).collect();
+        let command = time.iter().map(|&t| [0.0, 1e4, 0.0, 2e4, 0.0, 3e4, 0.0][(t + 1e-9) as usize]).collect();
+        let motion = Motion::of_one_marker(time, command, vec![[0.0, 0.0]; 700]);
+        let found = hold(&motion, 1.9e4).unwrap();
+        assert_eq!((found.begin, found.released, found.pressure), (3.0, 4.0, 2e4));
+        assert!(hold(&motion, 5e3).is_err());
+    }
+}

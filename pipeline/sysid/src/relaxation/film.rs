@@ -144,9 +144,9 @@ impl Film {
 }
 
 impl Window {
-    /// Whether the marker does not move at all: residuals would vanish, and nothing would weigh them against the prior.
-    fn is_still(&self) -> bool {
-        self.seen.iter().all(|at| *at == self.seen[0])
+    /// Whether the marker does not move at all, or is hardly seen: residuals would vanish at any scale, and nothing would be identified.
+    pub fn is_still(&self) -> bool {
+        self.seen.len() < 3 || self.seen.iter().all(|at| *at == self.seen[0])
     }
 
     /// Measured displacement along x and y, each about its mean, m.
@@ -186,5 +186,17 @@ mod tests {
         let refused = film(vec![[1e-3, 0.0]; 3]).err().unwrap();
         assert!(refused.why.contains("stays exactly where it is"), "{refused}");
         assert!(film(vec![[1e-3, 0.0], [1e-3, 0.0], [1.1e-3, 0.0]]).is_ok());
+    }
+
+    #[test]
+    fn a_path_is_compared_axis_after_axis_about_its_mean_and_to_scale() {
+        let seen = vec![[0.0, 1.0], [1.0, 4.0], [2.0, 1.0]];
+        let window = Window { begin: 0.0, times: vec![0.0, 1.0, 2.0], seen: seen.clone(), command: 0.0 };
+        // twice as far, and elsewhere
+        let axis =
+            |k: usize| Samples::new(window.times.clone(), seen.iter().map(|at| 7.0 + 2.0 * at[k]).collect()).unwrap();
+        let (simulated, measured) = window.compared(&[axis(0), axis(1)], 0.0);
+        assert_eq!(measured, [-1.0, 0.0, 1.0, -1.0, 2.0, -1.0]);
+        assert!(simulated.iter().zip(&measured).all(|(s, m)| (s - m).abs() < 1e-12), "{simulated:?}");
     }
 }
