@@ -38,11 +38,14 @@ impl Specimen {
     pub fn files(&self) -> Vec<(String, &str)> {
         let card = &self.card;
         let mut files = card.solid.files();
-        files.push(("camera.calibration".to_owned(), &card.camera.calibration));
+        files.extend(card.camera.iter().map(|c| ("camera.calibration".to_owned(), c.calibration.as_str())));
         for trial in &card.trial {
-            files.push((format!("video of trial `{}`", trial.id), &trial.video));
+            files.extend(trial.video.iter().map(|video| (format!("video of trial `{}`", trial.id), video.as_str())));
             files.push((format!("pressure of trial `{}`", trial.id), &trial.pressure));
             files.extend(trial.force.iter().map(|force| (format!("force of trial `{}`", trial.id), force.as_str())));
+        }
+        for tracks in &card.tracks {
+            files.push((format!("tracks of trial `{}`", tracks.trial), &tracks.file));
         }
         for fixture in &card.fixture {
             files.push((format!("force of fixture `{}`", fixture.id), &fixture.force));

@@ -44,7 +44,7 @@ pub struct PressureLog {
     pub time: Vec<Second>,
     /// The channels, in the order in which they were requested.
     pub channels: Vec<Channel>,
-    /// Drive of the lamp, 0 to 1.
+    /// Drive of the lamp, 0 to 1; empty where it is not read.
     pub led: Vec<f64>,
 }
 
@@ -53,6 +53,8 @@ pub struct PressureLog {
 pub struct Layout<'a> {
     /// The names of the channels.
     pub channels: &'a [String],
+    /// Whether it has the lamp's column: a film is synchronised by it.
+    pub lamp: bool,
     /// `[log]` of the card.
     pub log: &'a Log,
 }
@@ -112,12 +114,12 @@ fn measured(channels: &[String]) -> LogFormat {
     LogFormat { kind: "pressure log", instrument: LogKind::Pressure, columns }
 }
 
-/// The columns of [`titles`].
-fn form(channels: &[String]) -> LogFormat {
-    let mut form = measured(channels);
-    let commands = channels.iter().map(|name| ColumnFormat::command(&command_title(name), MBAR));
+/// The columns of [`titles`], without a lamp where the log needs none.
+fn form(layout: Layout<'_>) -> LogFormat {
+    let mut form = measured(layout.channels);
+    let commands = layout.channels.iter().map(|name| ColumnFormat::command(&command_title(name), MBAR));
     form.columns.splice(1..1, commands);
-    form.columns.push(lamp());
+    form.columns.extend(layout.lamp.then(lamp));
     form
 }
 
@@ -134,7 +136,7 @@ pub fn read(path: &Path, channels: &[String]) -> Result<PressureLog, Diagnostic>
 /// # Errors
 /// As [`read`].
 pub fn parse(text: &str, path: &Path, channels: &[String]) -> Result<PressureLog, Diagnostic> {
-    parse_as(text, path, Layout { channels, log: &Log::default() }).map(|logged| logged.log)
+    parse_as(text, path, Layout { channels, lamp: true, log: &Log::default() }).map(|logged| logged.log)
 }
 
 /// The log in `text`, of columns as the card has them, on an even clock; `path` appears only in diagnostics.
@@ -142,7 +144,7 @@ pub fn parse(text: &str, path: &Path, channels: &[String]) -> Result<PressureLog
 /// # Errors
 /// As [`read`].
 pub fn parse_as(text: &str, path: &Path, layout: Layout<'_>) -> Result<Logged<PressureLog>, Diagnostic> {
-    let Logged { log: rows, sampling } = LogText::new(text, path)?.parse(&form(layout.channels), layout.log)?;
+    let Logged { log: rows, sampling } = LogText::new(text, path)?.parse(&form(layout), layout.log)?;
     let count = layout.channels.len();
     let mut log = PressureLog::of(layout.channels);
     log.time = column(&rows, 0);
@@ -150,7 +152,9 @@ pub fn parse_as(text: &str, path: &Path, layout: Layout<'_>) -> Result<Logged<Pr
         channel.command = pascals(&rows, 1 + k);
         channel.measured = pascals(&rows, 1 + count + k);
     }
-    log.led = column(&rows, 1 + 2 * count);
+    if layout.lamp {
+        log.led = column(&rows, 1 + 2 * count);
+    }
     Ok(Logged { log, sampling })
 }
 
@@ -179,7 +183,7 @@ pub fn parse_measured(text: &str, path: &Path, layout: Layout<'_>) -> Result<Log
 /// # Errors
 /// [`Diagnostic`] when a column is missing, or a field is no number or out of range.
 pub fn stamps(text: &str, path: &Path, layout: Layout<'_>) -> Result<StampReport, Diagnostic> {
-    LogText::new(text, path)?.stamps(&form(layout.channels), layout.log)
+    LogText::new(text, path)?.stamps(&form(layout), layout.log)
 }
 
 fn column(rows: &[Vec<f64>], k: usize) -> Vec<f64> {

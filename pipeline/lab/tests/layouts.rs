@@ -21,7 +21,7 @@ fn channels() -> [String; 2] {
 }
 
 fn pressures(text: &str, log: &str) -> Result<Logged<PressureLog>, String> {
-    pressure::parse_as(text, Path::new("pressure.csv"), Layout { channels: &channels(), log: &card(log) })
+    pressure::parse_as(text, Path::new("pressure.csv"), Layout { channels: &channels(), lamp: true, log: &card(log) })
         .map_err(|e| e.to_string())
 }
 

@@ -105,7 +105,7 @@ fn trial(id: String, purpose: Purpose, medium: Medium, experiment: Experiment) -
     let (video, pressure) = (format!("trials/{id}/video.mp4"), format!("trials/{id}/pressure.csv"));
     let has_force = medium == Medium::Water || matches!(experiment, Experiment::Flapping { .. });
     let force = has_force.then(|| format!("trials/{id}/force.csv"));
-    Trial { id, role, split, medium, video, pressure, force, first_frame: 0, last_frame: None, experiment }
+    Trial { id, role, split, medium, video: Some(video), pressure, force, first_frame: 0, last_frame: None, experiment }
 }
 
 /// What a card is written from.
@@ -132,9 +132,9 @@ pub(crate) fn write(content: &CardContent, observed: &RestObservation, film: &Ca
         clamp: card::Clamp::below(specimen.clamp),
         chamber: vec![chamber(tail, Side::Left), chamber(tail, Side::Right)],
         marker: markers(tail, specimen, &observed.marks),
-        camera: camera(set, film),
+        camera: Some(camera(set, film)),
         water: Some(card::Water { surface: set.water.surface, index: set.water.index }),
-        led: card::Led { centre: observed.lamp.0.map(rounded), radius: rounded(LAMP_FRACTION * observed.lamp.1) },
+        led: Some(card::Led { centre: observed.lamp.0.map(rounded), radius: rounded(LAMP_FRACTION * observed.lamp.1) }),
         trial: trials.to_vec(),
         search: None,
         tracks: Vec::new(),
@@ -187,7 +187,7 @@ fn markers(tail: &Tail, set: &settings::Specimen, observed: &[Point2]) -> Vec<ca
         name,
         at: at.map(micrometre),
         clicked: Some(clicked.map(rounded)),
-        diameter: set.marker_diameter,
+        diameter: Some(set.marker_diameter),
     };
     marks(tail, set).into_iter().zip(observed).map(marker).collect()
 }

@@ -116,7 +116,7 @@ fn assert_complete(folder: &Path) {
     let truth = truth::read(&folder.join(lab::folder::TRUTH)).unwrap();
     for (trial, hidden) in specimen.card.trial.iter().zip(&truth.trial) {
         let log = lab::pressure::read(&specimen.file(&trial.pressure), &specimen.card.channels()).unwrap();
-        let film = Reader::open(&specimen.file(&trial.video)).unwrap().info();
+        let film = Reader::open(&specimen.file(trial.video.as_ref().unwrap())).unwrap().info();
         let tracks = truth::read_tracks(&specimen.file(&hidden.tracks)).unwrap();
         assert_eq!((film.width, film.height, film.frames), (1280, 720, tracks[0].time.len()));
         assert!(log.time[log.time.len() - 1] > hidden.clock_offset + film.frames as f64 / film.rate);

@@ -7,6 +7,7 @@ use serde::Serialize;
 use si::Pascal;
 use sysid::Body;
 use workflow::shared::Shared;
+use workflow::stage::RawFile;
 use workflow::subject::{Part, Subject, SubjectOf, Universe};
 
 /// All specimens whose cards were found.
@@ -55,12 +56,17 @@ impl Trial {
 
     /// Tracks on the card that another program or instrument made of it.
     pub fn made_elsewhere(&self) -> Option<&card::Tracks> {
-        self.card.tracks.iter().find(|tracks| tracks.trial == self.trial.id)
+        self.card.made_elsewhere(&self.trial)
     }
 
     /// Imported positions of it in space, without a camera model, and the orientation of their axes.
     pub fn in_space(&self) -> Option<(&card::Tracks, &card::Axes)> {
-        self.made_elsewhere().and_then(|tracks| Some((tracks, tracks.space.as_ref()?)))
+        self.card.in_space(&self.trial)
+    }
+
+    /// The film as a raw file; none where the markers were measured in space and nothing was filmed.
+    pub(crate) fn film(&self) -> Option<RawFile> {
+        self.trial.video.as_ref().map(|video| RawFile::new("video", &self.card.name, video))
     }
 
     /// The trials of the same experiment in the same medium with the same role, this one among them, in the order of the card.

@@ -38,7 +38,7 @@ const FRAMES_A_CYCLE: f64 = 8.0;
 pub fn trial(look: &Look, of: &Trial, set: &Settings) -> (Option<Seen>, Vec<Finding>) {
     let raw = Track::raw(of);
     let context = inspection_context(look.folders, &raw);
-    if !look.path(&of.card.name, &of.trial.video).exists() {
+    if !of.trial.video.as_ref().is_some_and(|video| look.path(&of.card.name, video).exists()) {
         return (None, Vec::new());
     }
     match context.path("video").and_then(|path| Ok(Film::open(&path)?)) {
@@ -48,7 +48,7 @@ pub fn trial(look: &Look, of: &Trial, set: &Settings) -> (Option<Seen>, Vec<Find
 }
 
 fn watched(film: Film, of: &Trial, set: &Settings, context: &dyn StageContext) -> (Option<Seen>, Vec<Finding>) {
-    let (info, place, lamp) = (film.info(), context.display_path("video"), &of.card.led);
+    let (info, place) = (film.info(), context.display_path("video"));
     let check = FirstFrame { of, set, info: &info, context };
     let mut found = fitting(&place, &info, of);
     let mut tracks = Tracks { time: Vec::new(), led: Vec::new(), worst_residual: 0.0, markers: Vec::new() };
@@ -66,7 +66,7 @@ fn watched(film: Film, of: &Trial, set: &Settings, context: &dyn StageContext) -
         }
         if (first..=last).contains(&frame.index) {
             tracks.time.push(frame.time);
-            tracks.led.push(led::brightness(&frame.gray, lamp.centre, lamp.radius));
+            tracks.led.extend(of.card.led.iter().map(|lamp| led::brightness(&frame.gray, lamp.centre, lamp.radius)));
         }
     }
     if tracks.time.len() < 2 {
@@ -108,8 +108,9 @@ fn fitting(place: &str, info: &Info, of: &Trial) -> Vec<Finding> {
         let what = format!("{place} has {:.1} frames a second, {:.1} a cycle", info.rate, info.rate / frequency);
         found.push(Finding::fix(what, format!("{FRAMES_A_CYCLE} a cycle are needed"), "film faster, or flap slower"));
     }
-    let [u, v] = of.card.led.centre;
-    if u > info.width as f64 - 1.0 || v > info.height as f64 - 1.0 {
+    if let Some([u, v]) = of.card.led.as_ref().map(|led| led.centre)
+        && (u > info.width as f64 - 1.0 || v > info.height as f64 - 1.0)
+    {
         let what = format!("{place}: the lamp at ({u}, {v}) px is out of the picture");
         let why = format!("pictures are {} × {} px", info.width, info.height);
         found.push(Finding::fix(what, why, "correct centre under [led] on the card, or film with the lamp in view"));
@@ -199,18 +200,18 @@ fn lightest(picture: &Gray) -> u8 {
 
 /// The calibration film: long enough, and the board is detected while it lies on the plane. Needed where a trial is tracked in pixels.
 pub fn calibration(look: &Look, of: &Specimen) -> Vec<Finding> {
-    let camera = &of.card.camera;
+    let Some(camera) = &of.card.camera else { return Vec::new() };
     let there = look.path(&of.card.name, &camera.calibration).exists();
     if !there || of.trials().iter().all(|trial| trial.in_space().is_some()) {
         return Vec::new();
     }
     let raw = Camera::raw(of);
     let context = inspection_context(look.folders, &raw);
-    board(of, &context).err().into_iter().collect()
+    board(camera, &context).err().into_iter().collect()
 }
 
-fn board(of: &Specimen, context: &dyn StageContext) -> Result<(), Finding> {
-    let [from, to] = of.card.camera.plane.seconds;
+fn board(camera: &lab::card::Camera, context: &dyn StageContext) -> Result<(), Finding> {
+    let [from, to] = camera.plane.seconds;
     let place = context.display_path("calibration");
     let film = context.path("calibration").and_then(|path| Ok(Film::open(&path)?)).map_err(Finding::from)?;
     let info = film.info();
@@ -220,7 +221,7 @@ fn board(of: &Specimen, context: &dyn StageContext) -> Result<(), Finding> {
         let act = "correct seconds under [camera.plane] on the card";
         return Err(Finding::fix(format!("{place} lasts {lasts:.2} s"), why, act));
     }
-    let finder = target(&of.card.camera.board);
+    let finder = target(&camera.board);
     let mut message = String::from("no frame is in this interval");
     for frame in film {
         let frame = frame.map_err(|e| Finding::message(&e.to_string()))?;

@@ -23,7 +23,7 @@ pub fn pressure(look: &Look, of: &Trial) -> (Option<PressureLog>, Vec<Finding>) 
     let file = &of.trial.pressure;
     let place = look.place(&of.card.name, file);
     let channels = of.card.channels();
-    let layout = Layout { channels: &channels, log: &of.card.log };
+    let layout = Layout { channels: &channels, lamp: of.trial.video.is_some(), log: &of.card.log };
     let reader = Reader {
         stamps: &|text| lab::pressure::stamps(text, place.as_ref(), layout),
         parse: &|text| lab::pressure::parse_as(text, place.as_ref(), layout).map(|logged| logged.log),
@@ -44,7 +44,7 @@ pub fn force(look: &Look, of: &Trial) -> Vec<Finding> {
     if let Some(log) = &log {
         found.extend(short(&place, &log.time, of));
         found.extend(stamps::slow(&place, log.rate(), &of.trial.experiment));
-        found.extend(lamp(&place, log, of));
+        found.extend(of.trial.video.as_ref().and_then(|_| lamp(&place, log, of)));
     }
     found
 }

@@ -11,6 +11,7 @@ mod finding;
 mod log;
 mod sense;
 mod solid;
+mod space;
 mod stamps;
 
 use std::fmt;
@@ -122,7 +123,8 @@ impl Look<'_> {
             (Some(_), Some(seen)) => clock::look(self, of, seen, &clocks),
             _ => Vec::new(),
         };
-        Ok(findings([of_log, log::force(self, of), of_film, of_clock]))
+        let of_space = space::look(self, of, log.is_some())?;
+        Ok(findings([of_log, log::force(self, of), of_film, of_space, of_clock]))
     }
 
     /// The path of a specimen's file relative to the project's folder.

@@ -51,7 +51,9 @@ impl Project {
         let model = Model::new(&whole, &skins, spots, &Body::of(&self.card)).unwrap();
         let hidden = Elastic { youngs_moduli: moduli.to_vec(), ..model.nominal.clone() };
         for trial in &self.card.trial {
-            self.film(trial);
+            if let Some(video) = &trial.video {
+                self.film(trial, video);
+            }
             self.write(&trial.pressure, self.log(trial).as_bytes());
             let tracks = self.card.tracks.iter().find(|tracks| tracks.trial == trial.id).unwrap();
             self.write(&tracks.file, self.places(trial, &model, &hidden).as_bytes());
@@ -71,8 +73,8 @@ impl Project {
         LIT + trial.experiment.duration()
     }
 
-    fn film(&self, trial: &card::Trial) {
-        let path = self.root.join("data/raw").join(&self.card.name).join(&trial.video);
+    fn film(&self, trial: &card::Trial, video: &str) {
+        let path = self.root.join("data/raw").join(&self.card.name).join(video);
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         let mut film = Writer::create(&path, (160, 120), RATE, Quality::Quantiser(20)).unwrap();
         for frame in 0..((Self::lasts(trial) + 0.5) * RATE) as usize {
@@ -87,7 +89,11 @@ impl Project {
 
     fn log(&self, trial: &card::Trial) -> String {
         let channels = self.card.channels();
-        let mut text = lab::pressure::titles(&channels).join(",") + "\n";
+        let mut titles = lab::pressure::titles(&channels);
+        // without a film there is no lamp, and the log's clock is as far ahead of the places as the card says
+        titles.truncate(titles.len() - usize::from(trial.video.is_none()));
+        let ahead = self.card.in_space(trial).map_or(0.0, |(_, axes)| axes.start);
+        let mut text = titles.join(",") + "\n";
         for i in 0..((Self::lasts(trial) + 0.5) * LOG_RATE) as usize {
             let time = i as f64 / LOG_RATE;
             let level = Self::level(trial, time) / 100.0;
@@ -95,7 +101,8 @@ impl Project {
             let both = channels.iter().map(driven).chain(channels.iter().map(driven));
             let fields: String = both.map(|mbar| format!(",{mbar:.2}")).collect();
             let lamp = u8::from((LIT..Self::lasts(trial)).contains(&time));
-            writeln!(text, "{time:.4}{fields},{lamp}").unwrap();
+            let lamp = trial.video.as_ref().map_or(String::new(), |_| format!(",{lamp}"));
+            writeln!(text, "{:.4}{fields}{lamp}", time + ahead).unwrap();
         }
         text
     }

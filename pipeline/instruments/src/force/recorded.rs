@@ -66,8 +66,12 @@ impl Recorded {
 
 /// The channels of a pressure log on the clock of a force log: by their lamps where both have one that lights, else on one clock.
 fn pressures(page: &Page, file: &Path, force: &lab::ForceLog) -> Result<Vec<Samples>> {
-    let log =
-        lab::pressure::parse_measured(&text(file)?, file, Layout { channels: &page.channels, log: &page.log })?.log;
+    let log = lab::pressure::parse_measured(
+        &text(file)?,
+        file,
+        Layout { channels: &page.channels, lamp: false, log: &page.log },
+    )?
+    .log;
     let own = lamp(&log.led, &log.time);
     let others = lamp(&force.led, &force.time);
     let clock = match (own.is_empty(), others.is_empty()) {

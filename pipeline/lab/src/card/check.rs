@@ -7,7 +7,10 @@ use crate::range::{Checked, violation, within};
 use super::entry::{name, pixel, point, relative, some, unique};
 use super::log::{Log, LogColumn, Place, dimension_of};
 use super::solids::{BODY, SPINE};
-use super::{Card, Clamp, Experiment, FixtureOf, Marker, Medium, Part, Solid, Solids, Tank, Trial, marker_sources};
+use super::{
+    Camera, Card, Clamp, Experiment, FixtureOf, Led, Marker, Medium, Part, Solid, Solids, Tank, Trial, marker_sources,
+    recordings,
+};
 
 /// Checks everything on a card, and that its name is that of `folder` where that is known.
 pub(super) fn card(card: &Card, folder: Option<&str>) -> Checked {
@@ -21,14 +24,15 @@ pub(super) fn card(card: &Card, folder: Option<&str>) -> Checked {
     clamp(&card.clamp)?;
     chambers(card)?;
     markers(card)?;
-    camera(card)?;
+    card.camera.as_ref().map_or(Ok(()), camera)?;
     water(card)?;
     card.tank.map_or(Ok(()), |t| check_tank(&t))?;
     check_log(&card.log, &card.channels())?;
-    led(card)?;
+    card.led.as_ref().map_or(Ok(()), led)?;
     trials(card)?;
     marker_sources::markers(card)?;
     marker_sources::tracks(card)?;
+    recordings::recordings(card)?;
     fixtures(card)
 }
 
@@ -135,11 +139,10 @@ fn markers(card: &Card) -> Checked {
 fn one_marker(key: &str, marker: &Marker) -> Checked {
     point(&format!("{key}.at"), &marker.at)?;
     marker.clicked.iter().try_for_each(|at| pixel(&format!("{key}.clicked"), at))?;
-    within(&format!("{key}.diameter"), marker.diameter, 2e-4..=0.05, "m")
+    marker.diameter.map_or(Ok(()), |diameter| within(&format!("{key}.diameter"), diameter, 2e-4..=0.05, "m"))
 }
 
-fn camera(card: &Card) -> Checked {
-    let camera = &card.camera;
+fn camera(camera: &Camera) -> Checked {
     relative("camera.calibration", &camera.calibration)?;
     if let Some(file) = &camera.coefficients {
         relative("camera.coefficients", file)?;
@@ -160,13 +163,13 @@ fn camera(card: &Card) -> Checked {
     camera.plane.grid.map_or(Ok(()), |pitch| within("camera.plane.grid", pitch, 1e-3..=0.2, "m"))
 }
 
-/// A trial in water needs the height of the water surface, which refracts every ray.
+/// A trial that is tracked in a film in water needs the height of the water surface, which refracts every ray.
 fn water(card: &Card) -> Checked {
     if let Some(water) = &card.water {
         within("water.surface", water.surface, -1.0..=1.0, "m")?;
         return within("water.index", water.index, 1.3..=1.4, "(no unit)");
     }
-    match card.trial.iter().position(|t| t.medium == Medium::Water) {
+    match card.trial.iter().position(|t| t.medium == Medium::Water && card.in_space(t).is_none()) {
         None => Ok(()),
         Some(i) => {
             let what = format!("trial `{}` is in water, but the card has no [water]", card.trial[i].id);
@@ -219,9 +222,9 @@ fn log_column(key: &str, column: &LogColumn, known: &[String]) -> Checked {
     within(&format!("{key}.scale"), column.scale.abs(), 1e-12..=1e12, "")
 }
 
-fn led(card: &Card) -> Checked {
-    pixel("led.centre", &card.led.centre)?;
-    within("led.radius", card.led.radius, 1.0..=500.0, "px")
+fn led(led: &Led) -> Checked {
+    pixel("led.centre", &led.centre)?;
+    within("led.radius", led.radius, 1.0..=500.0, "px")
 }
 
 fn trials(card: &Card) -> Checked {
@@ -254,7 +257,7 @@ fn driven(key: &str, trial: &Trial, channels: &[String]) -> Checked {
 
 fn one_trial(key: &str, trial: &Trial) -> Checked {
     name(&format!("{key}.id"), &trial.id)?;
-    relative(&format!("{key}.video"), &trial.video)?;
+    trial.video.iter().try_for_each(|video| relative(&format!("{key}.video"), video))?;
     relative(&format!("{key}.pressure"), &trial.pressure)?;
     if trial.split.is_some() && trial.force.is_none() {
         let what = format!("trial `{}` has a split for learning thrust, but no force log", trial.id);

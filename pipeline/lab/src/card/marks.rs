@@ -64,7 +64,7 @@ pub struct Tracks {
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Axes {
-    /// When the file's first frame is, s on the film's clock.
+    /// When the file's first frame is, s on the film's clock; of a trial without a film, on the clock of its pressure log.
     #[serde(default)]
     pub start: Second,
     /// Where the CAD frame's origin lies, m.

@@ -12,6 +12,7 @@ mod log;
 mod marker_sources;
 mod marks;
 mod read;
+mod recordings;
 mod solids;
 mod trial;
 mod write;
@@ -52,13 +53,15 @@ pub struct Card {
     /// The search for markers that are not clicked.
     #[serde(default)]
     pub search: Option<Search>,
-    /// The camera and its calibration.
-    pub camera: Camera,
+    /// The camera and its calibration, where markers are tracked in films.
+    #[serde(default)]
+    pub camera: Option<Camera>,
     /// The water that the camera looks through, where a trial is in water.
     #[serde(default)]
     pub water: Option<Water>,
-    /// The LED that synchronises video and logs.
-    pub led: Led,
+    /// The LED that synchronises video and logs, where there is a video.
+    #[serde(default)]
+    pub led: Option<Led>,
     /// The recordings.
     pub trial: Vec<Trial>,
     /// Tracks of markers from other programs; a film without them is tracked by this pipeline.
@@ -85,6 +88,16 @@ impl Card {
             }
         }
         names
+    }
+
+    /// Tracks of a trial that another program or instrument made.
+    pub fn made_elsewhere(&self, trial: &Trial) -> Option<&Tracks> {
+        self.tracks.iter().find(|tracks| tracks.trial == trial.id)
+    }
+
+    /// Imported positions of a trial in space, without a camera model, and the orientation of their axes.
+    pub fn in_space(&self, trial: &Trial) -> Option<(&Tracks, &Axes)> {
+        self.made_elsewhere(trial).and_then(|tracks| Some((tracks, tracks.space.as_ref()?)))
     }
 }
 
@@ -170,8 +183,9 @@ pub struct Marker {
     /// where [`Search`] finds it.
     #[serde(default)]
     pub clicked: Option<Point2>,
-    /// Its diameter, m.
-    pub diameter: Metre,
+    /// Its diameter, m; needed where it is tracked in a film.
+    #[serde(default)]
+    pub diameter: Option<Metre>,
 }
 
 /// `[water]`: the still surface above the specimen, in the trials whose medium is water.

@@ -15,8 +15,8 @@ pub struct Trial {
     pub split: Option<Split>,
     /// What surrounds the specimen.
     pub medium: Medium,
-    /// Video, relative to the card.
-    pub video: String,
+    /// Video, relative to the card; none where the markers were measured in space and nothing was filmed.
+    pub video: Option<String>,
     /// Pressure log, relative to the card.
     pub pressure: String,
     /// Force log, relative to the card, where the specimen hung on a load cell.
@@ -171,7 +171,7 @@ struct Entry {
     /// Earlier cards name the side that is filled first.
     #[serde(alias = "side")]
     channels: Driven,
-    video: String,
+    video: Option<String>,
     pressure: String,
     force: Option<String>,
     first_frame: Option<usize>,

@@ -27,20 +27,19 @@ pub fn write(card: &Card) -> String {
         if let Some(at) = m.clicked {
             put(&mut text, format_args!("clicked = {at:?}  # px in the first frame of every trial\n"));
         }
-        put(&mut text, format_args!("diameter = {:?}  # m\n", m.diameter));
+        m.diameter.iter().for_each(|diameter| put(&mut text, format_args!("diameter = {diameter:?}  # m\n")));
     }
     card.search.iter().for_each(|s| search(&mut text, s));
-    camera(&mut text, &card.camera);
+    card.camera.iter().for_each(|c| camera(&mut text, c));
     if let Some(w) = &card.water {
         put(&mut text, format_args!("\n[water]\nsurface = {:?}  # m, z\nindex = {:?}\n", w.surface, w.index));
     }
     if let Some(t) = &card.tank {
         put(&mut text, format_args!("\n[tank]\nlength = {:?}  # m\ndepth = {:?}  # m\n", t.length, t.depth));
     }
-    put(
-        &mut text,
-        format_args!("\n[led]\ncentre = {:?}  # px\nradius = {:?}  # px\n", card.led.centre, card.led.radius),
-    );
+    if let Some(led) = &card.led {
+        put(&mut text, format_args!("\n[led]\ncentre = {:?}  # px\nradius = {:?}  # px\n", led.centre, led.radius));
+    }
     for t in &card.trial {
         trial(&mut text, t);
     }
@@ -183,7 +182,8 @@ fn trial(text: &mut String, trial: &Trial) {
         Experiment::Flapping { .. } => "filled in turn",
     };
     put(text, format_args!("medium = {:?}\nchannels = {channels:?}  # {how}\n", trial.medium.word()));
-    put(text, format_args!("video = {:?}\npressure = {:?}\n", trial.video, trial.pressure));
+    trial.video.iter().for_each(|video| put(text, format_args!("video = {video:?}\n")));
+    put(text, format_args!("pressure = {:?}\n", trial.pressure));
     if let Some(force) = &trial.force {
         put(text, format_args!("force = {force:?}\n"));
     }
@@ -216,7 +216,13 @@ fn tracks(text: &mut String, tracks: &Tracks) {
     let unit = if tracks.space.is_some() { "m" } else { "px" };
     put(text, format_args!("sigma = {:?}  # {unit}\n", tracks.sigma));
     if let Some(axes) = &tracks.space {
-        put(text, format_args!("\n[tracks.space]\nstart = {:?}  # s on the film's clock\n", axes.start));
+        put(
+            text,
+            format_args!(
+                "\n[tracks.space]\nstart = {:?}  # s on the film's clock, without a film on the log's\n",
+                axes.start
+            ),
+        );
         put(text, format_args!("origin = {:?}  # m, in the file's axes\n", axes.origin));
         put(text, format_args!("x = {:?}\nz = {:?}\n", axes.x, axes.z));
     }

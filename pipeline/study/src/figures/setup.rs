@@ -23,6 +23,7 @@ pub struct Setup;
 /// What is known of one specimen's bench.
 struct Bench<'a> {
     card: &'a Card,
+    filmed: &'a lab::card::Camera,
     camera: &'a Camera,
     mesh: &'a Mesh,
     example: Option<&'a ExampleFrames>,
@@ -54,8 +55,16 @@ impl figure::Figure for Setup {
         let name = &specimen.card.name;
         let mesh = of(&meshes, name).ok_or_else(no_bench)?;
         let card = specimen.card.as_ref();
-        let bench =
-            Bench { card, camera, mesh, example: of(&examples, name), cell: of(&cells, name), tank: of(&tanks, name) };
+        let filmed = card.camera.as_ref().ok_or_else(no_bench)?;
+        let bench = Bench {
+            card,
+            filmed,
+            camera,
+            mesh,
+            example: of(&examples, name),
+            cell: of(&cells, name),
+            tank: of(&tanks, name),
+        };
         let view = bench.example.map(|example| picture(&bench, example).titled("the camera's image"));
         let figure = Figure::new(DOUBLE_COLUMN_MM)
             .row(
@@ -117,10 +126,10 @@ fn silhouette(bench: &Bench, from: Point2) -> Part {
 
 /// The whole bench; the sheet is in millimetres of the bench.
 fn whole(bench: &Bench) -> Diagram {
-    let (card, eye) = (bench.card, bench.camera.pose.centre());
+    let (card, filmed, eye) = (bench.card, bench.filmed, bench.camera.pose.centre());
     let (length, depth) = bench.card.tank.map_or((0.45, 0.15), |t| (t.length, t.depth));
     let surface = card.water.as_ref().map(|w| w.surface);
-    let bottom = surface.map_or(card.camera.plane.height, |s| s - depth).min(card.camera.plane.height);
+    let bottom = surface.map_or(filmed.plane.height, |s| s - depth).min(filmed.plane.height);
     // the sheet: the tail's middle over the tank's, with a margin for dimensions
     let (wide, margin) = (mm(length) + 222.0, 26.0);
     let origin = [88.0 + 0.5 * mm(length - card.length), margin - mm(bottom)];
@@ -149,12 +158,12 @@ fn whole(bench: &Bench) -> Diagram {
     }
     d = seen_field(d, bench, &at);
     d = d.with(line(
-        vec![at(left + 0.01, card.camera.plane.height), at(right - 0.01, card.camera.plane.height)],
+        vec![at(left + 0.01, filmed.plane.height), at(right - 0.01, filmed.plane.height)],
         palette::MUTED,
         1.0,
         Dash::Dotted,
     ));
-    d = d.with(words(at(left + 0.01, card.camera.plane.height - 0.012), "calibrated plane", Side::Right));
+    d = d.with(words(at(left + 0.01, filmed.plane.height - 0.012), "calibrated plane", Side::Right));
     let level = |x: f64, z: f64| line(vec![at(x, z), at(right + 0.08, z)], palette::MUTED, 0.4, Dash::Dotted);
     d = d.with(level(card.length, 0.0)).with(level(eye[0], eye[2]));
     d = holder(d, bench, &at);
@@ -164,7 +173,7 @@ fn whole(bench: &Bench) -> Diagram {
 
 /// Two rays from the camera to the ends of its view of the plane, in air.
 fn seen_field(mut d: Diagram, bench: &Bench, at: &dyn Fn(f64, f64) -> Point2) -> Diagram {
-    let (eye, height) = (bench.camera.pose.centre(), bench.card.camera.plane.height);
+    let (eye, height) = (bench.camera.pose.centre(), bench.filmed.plane.height);
     let field = bench.camera.field(height);
     let ends = [f64::min as fn(f64, f64) -> f64, f64::max].map(|pick| field.iter().map(|p| p[0]).reduce(pick));
     for x in ends.into_iter().flatten() {
@@ -221,7 +230,8 @@ fn close(bench: &Bench) -> Diagram {
     let mut named = f64::NEG_INFINITY;
     for marker in &card.marker {
         let [x, _, z] = marker.at;
-        d = d.with(Part::Disc { at: at(x, z), radius: 0.5 * mm(marker.diameter), fill: palette::BLACK });
+        let radius = 0.5 * mm(marker.diameter.unwrap_or_default());
+        d = d.with(Part::Disc { at: at(x, z), radius, fill: palette::BLACK });
         if x - named >= LABEL_SPACING {
             d = d.with(words(at(x, z + 0.0015), &marker.name, Side::Above));
             named = x;
@@ -243,23 +253,25 @@ fn close(bench: &Bench) -> Diagram {
 /// The first frame with the markers and a scale bar.
 fn picture(bench: &Bench, example: &ExampleFrames) -> Panel {
     let rest = &example.rest;
-    let led = &bench.card.led;
     let shift = |p: &Point2| [p[0] + 0.5, p[1] + 0.5];
     let markers: Vec<Point2> = example.seen.rest_px.iter().map(shift).collect();
     // at the right: films may have an overlay of text at the left
     let end = [0.96 * rest.width as f64, 0.95 * rest.height as f64];
     let bar = [[end[0] - 0.02 * example.seen.px_per_m, end[1]], end];
     let mut picture = Picture::new(rest.width, rest.height, rest.pixels.clone())
-        .with(Mark::points(markers.clone(), Marker::Plus, palette::PRESSURE).sized(6.0))
-        .with(Mark::points(vec![shift(&led.centre)], Marker::Plus, palette::PRESSURE).sized(8.0))
-        .with(Mark::text(
-            [led.centre[0], led.centre[1] - 0.03 * rest.height as f64],
-            "lamp",
-            Side::Above,
-            palette::PAPER,
-        ))
-        .with(Mark::line(bar.to_vec(), palette::PAPER).sized(1.6))
-        .with(Mark::text([0.5 * (bar[0][0] + bar[1][0]), bar[0][1]], "20 mm", Side::Above, palette::PAPER));
+        .with(Mark::points(markers.clone(), Marker::Plus, palette::PRESSURE).sized(6.0));
+    for [u, v] in bench.card.led.iter().map(|led| led.centre) {
+        let above = [u, v - 0.03 * rest.height as f64];
+        picture = picture
+            .with(Mark::points(vec![shift(&[u, v])], Marker::Plus, palette::PRESSURE).sized(8.0))
+            .with(Mark::text(above, "lamp", Side::Above, palette::PAPER));
+    }
+    picture = picture.with(Mark::line(bar.to_vec(), palette::PAPER).sized(1.6)).with(Mark::text(
+        [0.5 * (bar[0][0] + bar[1][0]), bar[0][1]],
+        "20 mm",
+        Side::Above,
+        palette::PAPER,
+    ));
     let away = 0.015 * rest.height as f64;
     for (i, (marker, at)) in bench.card.marker.iter().zip(&markers).enumerate() {
         let (side, by) = if i % 2 == 0 { (Side::Above, -away) } else { (Side::Below, away) };
@@ -276,10 +288,10 @@ fn instruments(bench: &Bench) -> Diagram {
         format!(
             "calibration: {} boards of {:.0} mm squares, reprojection error {:.2} px",
             c.views,
-            mm(card.camera.board.square),
+            mm(bench.filmed.board.square),
             c.reprojection_px
         ),
-        format!("sensor readout {:.1} ms", 1e3 * card.camera.readout),
+        format!("sensor readout {:.1} ms", 1e3 * bench.filmed.readout),
     ];
     text.extend(bench.example.map(|s| format!("scale at the markers: {:.2} px/mm", s.seen.px_per_m * MILLIMETRE)));
     text.extend(card.water.as_ref().map(|w| format!("water: refractive index {:.3}", w.index)));

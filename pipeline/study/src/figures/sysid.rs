@@ -34,7 +34,7 @@ impl figure::Figure for Sysid {
             ));
         };
         let name = title(&specimen.card.name);
-        let wide = specimen.card.marker.iter().map(|m| m.diameter).fold(0.0, f64::max) / MILLIMETRE;
+        let wide = specimen.card.marker.iter().filter_map(|m| m.diameter).fold(0.0, f64::max) / MILLIMETRE;
         let curves = convergence(first).titled(&format!("{name}: lowest loss so far"));
         // a specimen that was not compared has no landscape
         let top = match first.surface.loss.is_empty() {
@@ -43,7 +43,10 @@ impl figure::Figure for Sysid {
         };
         let bottom = [
             shapes(first).titled(&format!("{name}: the back at each pressure (mbar)")).share(1.3),
-            errors(&all).titled(&format!("static error (a marker is {wide:.0} mm wide)")),
+            errors(&all).titled(&match wide {
+                0.0 => "static error".to_owned(),
+                wide => format!("static error (a marker is {wide:.0} mm wide)"),
+            }),
         ];
         let figure = Figure::new(DOUBLE_COLUMN_MM).row(68.0, top).row(56.0, bottom);
         Ok(figure.noted(&origin_note(all.iter().map(|(s, _)| s.card.as_ref()))))

@@ -30,6 +30,10 @@ impl Record for Tracks {
     type Of = Trial;
     const STAGE: &'static str = "track";
 
+    fn is_made_for(of: &Trial) -> bool {
+        of.trial.video.is_some()
+    }
+
     fn pack(&self) -> Result<RecordFiles, RecordError> {
         let columns = Columns::default().numbers("time_s", self.time.clone()).numbers("led", self.led.clone());
         let markers = self.markers.iter().map(|m| m.name.clone()).collect();

@@ -36,9 +36,14 @@ struct Seen {
     size: (usize, usize),
 }
 
-/// What it reads of the card.
+/// What it reads of the card; nothing where nothing is tracked in a film.
 #[derive(Debug, Serialize)]
-pub struct Card {
+#[serde(transparent)]
+pub struct Card(Option<CalibrationFilm>);
+
+/// The calibration on the card.
+#[derive(Debug, Serialize)]
+struct CalibrationFilm {
     frame_every: usize,
     lens: LensKind,
     coefficients: Option<String>,
@@ -57,9 +62,12 @@ struct CalibrationPlane {
 
 impl Part<Specimen> for Card {
     fn part_of(of: &Specimen) -> Self {
-        let card::Camera { frame_every, lens, coefficients, board, plane, .. } = of.card.camera.clone();
-        let card::Plane { seconds, origin, along, height, .. } = plane;
-        Self { frame_every, lens, coefficients, board, plane: CalibrationPlane { seconds, origin, along, height } }
+        Self(of.card.camera.clone().map(|camera| {
+            let card::Camera { frame_every, lens, coefficients, board, plane, .. } = camera;
+            let card::Plane { seconds, origin, along, height, .. } = plane;
+            let plane = CalibrationPlane { seconds, origin, along, height };
+            CalibrationFilm { frame_every, lens, coefficients, board, plane }
+        }))
     }
 }
 
@@ -72,13 +80,18 @@ impl Stage for Camera {
     const VERSION: u32 = 3;
 
     fn raw(of: &Specimen) -> Vec<RawFile> {
-        let camera = &of.card.camera;
-        let lens = camera.coefficients.iter().map(|file| RawFile::new("lens", &of.card.name, file));
-        std::iter::once(RawFile::new("calibration", &of.card.name, &camera.calibration)).chain(lens).collect()
+        let raw = |word: &str, file: &str| RawFile::new(word, &of.card.name, file);
+        let camera = of.card.camera.iter();
+        camera
+            .flat_map(|camera| {
+                let lens = camera.coefficients.iter().map(|file| raw("lens", file));
+                std::iter::once(raw("calibration", &camera.calibration)).chain(lens)
+            })
+            .collect()
     }
 
     fn run(card: &Self::Card, set: &Settings, (): (), context: &dyn StageContext) -> Result<records::Camera> {
-        let camera = card;
+        let Card(Some(camera)) = card else { return Err(no_camera()) };
         let board = target(&camera.board);
         let seen = look(camera, &board, context)?;
         let (width, height) = seen.size;
@@ -104,6 +117,14 @@ impl Stage for Camera {
     }
 }
 
+fn no_camera() -> Diagnostic {
+    Diagnostic::new(
+        "the card has no [camera]",
+        "its markers were measured in space",
+        "add [camera], or leave this stage out",
+    )
+}
+
 /// The board of a card as the detector's target.
 pub fn target(board: &card::Board) -> Target {
     let (columns, rows) = (board.columns, board.rows);
@@ -113,7 +134,7 @@ pub fn target(board: &card::Board) -> Target {
     }
 }
 
-fn bend(camera: &Card) -> Distortion {
+fn bend(camera: &CalibrationFilm) -> Distortion {
     match camera.lens {
         LensKind::BrownConrady => Distortion::BrownConrady,
         LensKind::Fisheye => Distortion::Fisheye,
@@ -121,7 +142,7 @@ fn bend(camera: &Card) -> Distortion {
 }
 
 /// The lens of the card's coefficients, taken as exact, checked against every view of the board.
-fn known(camera: &Card, board: &Target, views: &[View], context: &dyn StageContext) -> Result<Calibration> {
+fn known(camera: &CalibrationFilm, board: &Target, views: &[View], context: &dyn StageContext) -> Result<Calibration> {
     let text = String::from_utf8(context.bytes("lens")?);
     let text = text.map_err(|e| {
         Diagnostic::new(format!("{} is not text", context.display_path("lens")), e, "write it with OpenCV again")
@@ -137,7 +158,7 @@ fn known(camera: &Card, board: &Target, views: &[View], context: &dyn StageConte
 }
 
 /// Searches one frame of every few for the board; frames in which it lies on the plane are also collected separately.
-fn look(camera: &Card, board: &Target, context: &dyn StageContext) -> Result<Seen> {
+fn look(camera: &CalibrationFilm, board: &Target, context: &dyn StageContext) -> Result<Seen> {
     let film = Film::open(&context.path("calibration")?)?;
     let info = film.info();
     let mut seen = Seen { views: Vec::new(), on_plane: Vec::new(), size: (info.width, info.height) };
@@ -180,7 +201,7 @@ fn mean(views: &[Vec<Point2>]) -> Vec<Point2> {
     (0..views[0].len()).map(corner).collect()
 }
 
-fn not_on_plane(context: &dyn StageContext, camera: &Card) -> Diagnostic {
+fn not_on_plane(context: &dyn StageContext, camera: &CalibrationFilm) -> Diagnostic {
     let [from, to] = camera.plane.seconds;
     Diagnostic::new(
         format!("{} shows no board between {from} and {to} s", context.display_path("calibration")),

@@ -1,4 +1,5 @@
-//! Clock: the edges of the lamp in film and log put motion and pressure onto the video's clock.
+//! Clock: the edges of the lamp in film and log put motion and pressure onto the video's clock. Markers in space without a film are on
+//! the log's clock by the `start` of their `[tracks.space]`.
 //! Paper: section IV, synchronisation by an LED.
 
 use std::path::Path as FilePath;
@@ -39,8 +40,8 @@ pub struct Card {
     chambers: Vec<Chamber>,
     /// The channels of the log.
     channels: Vec<String>,
-    /// The lamp's row in the picture, px.
-    lamp_row: f64,
+    /// The lamp's row in the picture, px; none where nothing was filmed.
+    lamp_row: Option<f64>,
     /// How long a picture's rows take to be read, s.
     readout: Second,
     /// From the first command to the end of the last, s; none where the card ends the film before.
@@ -62,8 +63,8 @@ impl Part<Trial> for Card {
         Self {
             chambers: of.card.chamber.iter().map(chamber).collect(),
             channels: of.card.channels(),
-            lamp_row: of.card.led.centre[1],
-            readout: of.card.camera.readout,
+            lamp_row: of.card.led.as_ref().filter(|_| of.trial.video.is_some()).map(|led| led.centre[1]),
+            readout: of.card.camera.as_ref().map_or(0.0, |camera| camera.readout),
             duration: of.trial.last_frame.is_none().then(|| of.trial.experiment.duration()),
             log: of.card.log.clone(),
         }
@@ -73,7 +74,7 @@ impl Part<Trial> for Card {
 impl Stage for Clock {
     type Settings = Settings;
     type Card = Card;
-    type Needs = (Maybe<Camera>, Tracks, Markers);
+    type Needs = (Maybe<Camera>, Maybe<Tracks>, Markers);
     type Makes = Motion;
     const DESCRIPTION: &'static str = "the LED's edges synchronise film and logs";
     const VERSION: u32 = 5;
@@ -85,15 +86,15 @@ impl Stage for Clock {
     fn run(
         card: &Self::Card,
         set: &Settings,
-        (Maybe(camera), tracks, markers): Self::Needs,
+        (Maybe(camera), Maybe(tracks), markers): Self::Needs,
         context: &dyn StageContext,
     ) -> Result<Motion> {
         let Logged { log, sampling } = read_log(card, context)?;
         let shutter = |c: Camera| Shutter { readout: card.readout, height: c.size_px[1] };
-        let late = camera.map_or(0.0, |c| shutter(c).delay(card.lamp_row));
+        let late = camera.zip(card.lamp_row).map_or(0.0, |(c, row)| shutter(c).delay(row));
         let synchronisation = Synchronisation { card, set, context };
-        let met = synchronisation.met(&tracks, late, &log)?;
-        synchronisation.covers(&tracks.time, &met)?;
+        let met = synchronisation.met(tracks.as_ref(), late, &log)?;
+        synchronisation.covers(tracks.as_ref().map_or(&markers.time, |tracks| &tracks.time), &met)?;
         let rest_frames = synchronisation.rest_frames(&markers.time, &met)?;
         let Met { clock, lamp, sigma, log_time, gauges } = met;
         let rest: Vec<Point2> = markers.markers.iter().map(|m| m.mean(0..rest_frames)).collect();
@@ -130,8 +131,9 @@ impl Synchronisation<'_> {
     /// # Errors
     /// A [`Diagnostic`] that names which of the two has no edge, or where they disagree.
     pub fn check(&self, tracks: &Tracks, height: usize) -> Result<()> {
-        let late = Shutter { readout: self.card.readout, height }.delay(self.card.lamp_row);
-        let met = self.met(tracks, late, &read_log(self.card, self.context)?.log)?;
+        let shutter = Shutter { readout: self.card.readout, height };
+        let late = self.card.lamp_row.map_or(0.0, |row| shutter.delay(row));
+        let met = self.met(Some(tracks), late, &read_log(self.card, self.context)?.log)?;
         self.covers(&tracks.time, &met)?;
         self.rest_frames(&tracks.time, &met).map(drop)
     }
@@ -140,13 +142,13 @@ impl Synchronisation<'_> {
     /// silence. The trial begins when the lamp lights.
     fn covers(&self, film: &[Second], met: &Met) -> Result<()> {
         let Some(end) = self.card.duration.map(|duration| met.lamp + duration) else { return Ok(()) };
-        for (word, time) in [("the film", film), ("the log", &met.log_time)] {
+        for (word, time) in [(self.card.measured(), film), ("the log", &met.log_time)] {
             let last = time[time.len() - 1];
             // The last sample stands for the time until the next.
             let step = (last - time[0]) / (time.len() - 1) as f64;
             if last + step < end {
                 return Err(Diagnostic::new(
-                    format!("{word} of {} ends at {last:.3} s of the film", self.context.display_path("pressure")),
+                    format!("{word} of {} ends at {last:.3} s", self.context.display_path("pressure")),
                     format!("by the card, the trial lasts until {end:.3} s"),
                     "copy the recording again, correct the trial, or set its last_frame on the card",
                 ));
@@ -155,29 +157,48 @@ impl Synchronisation<'_> {
         Ok(())
     }
 
-    fn met(&self, tracks: &Tracks, late: Second, log: &PressureLog) -> Result<Met> {
-        let matched = match_clocks(tracks, late, log, self.set);
+    fn met(&self, tracks: Option<&Tracks>, late: Second, log: &PressureLog) -> Result<Met> {
+        let gauges: Vec<Gauge> = self.card.chambers.iter().map(|chamber| gauge(chamber, log)).collect();
+        let matched = match tracks {
+            Some(tracks) => match_clocks(tracks, late, log, self.set),
+            // Without a film the log's clock is that of all, and the trial begins with its first command.
+            None => Ok((Match { offset: 0.0, scale: 1.0 }, first_command(&log.time, &gauges), 0.0)),
+        };
         let (clock, lamp, sigma) = matched.map_err(|e| named(self.context, e))?;
         let log_time = log.time.iter().map(|&t| clock.here(t)).collect();
-        let gauges = self.card.chambers.iter().map(|chamber| gauge(chamber, log)).collect();
         Ok(Met { clock, lamp, sigma, log_time, gauges })
     }
 
     /// Frames, at `time` (s), before the first command of any chamber.
     fn rest_frames(&self, time: &[Second], met: &Met) -> Result<usize> {
-        let (least, log_time) = (self.set.rest_frames, &met.log_time);
-        let asked = |i: &usize| met.gauges.iter().any(|g| g.command[*i] > 0.0);
-        let first = (0..log_time.len()).find(asked).map_or(f64::INFINITY, |i| log_time[i]);
+        let (least, first) = (self.set.rest_frames, first_command(&met.log_time, &met.gauges));
         let frames = time.iter().take_while(|&&t| t < first).count();
         if frames >= least {
             return Ok(frames);
         }
         Err(Diagnostic::new(
-            format!("{} commands pressure after {frames} frames of the film", self.context.display_path("pressure")),
+            format!(
+                "{} commands pressure after {frames} frames of {}",
+                self.context.display_path("pressure"),
+                self.card.measured()
+            ),
             format!("rest is known from at least {least} frames (study.toml, [clock] rest_frames)"),
-            "let the film begin earlier, before the first command",
+            "let the recording begin earlier, before the first command",
         ))
     }
+}
+
+impl Card {
+    /// What the motion was measured in.
+    fn measured(&self) -> &'static str {
+        if self.lamp_row.is_some() { "the film" } else { "the markers in space" }
+    }
+}
+
+/// Time of the first command of any chamber, s; infinity where there is none.
+fn first_command(log_time: &[Second], gauges: &[Gauge]) -> Second {
+    let asked = |i: &usize| gauges.iter().any(|g| g.command[*i] > 0.0);
+    (0..log_time.len()).find(asked).map_or(f64::INFINITY, |i| log_time[i])
 }
 
 fn read_log(card: &Card, context: &dyn StageContext) -> Result<Logged<PressureLog>> {
@@ -185,7 +206,8 @@ fn read_log(card: &Card, context: &dyn StageContext) -> Result<Logged<PressureLo
     let bytes = context.bytes("pressure")?;
     let text = String::from_utf8(bytes)
         .map_err(|e| Diagnostic::new(format!("{place} is not text"), e, "export the log as CSV in UTF-8"))?;
-    lab::pressure::parse_as(&text, FilePath::new(&place), Layout { channels: &card.channels, log: &card.log })
+    let layout = Layout { channels: &card.channels, lamp: card.lamp_row.is_some(), log: &card.log };
+    lab::pressure::parse_as(&text, FilePath::new(&place), layout)
 }
 
 /// The samples of a chamber's channel.

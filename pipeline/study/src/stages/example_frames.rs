@@ -54,7 +54,7 @@ impl Stage for Example {
     const VERSION: u32 = 3;
 
     fn raw(of: &Trial) -> Vec<RawFile> {
-        vec![RawFile::new("video", &of.card.name, &of.trial.video)]
+        of.film().into_iter().collect()
     }
 
     fn run(

@@ -18,7 +18,7 @@ mod gradients;
 mod identify;
 mod inflate;
 pub mod load_cell;
-mod markers;
+pub mod markers;
 pub mod mesh;
 mod mesh_sensitivity;
 mod optimal_actuation;

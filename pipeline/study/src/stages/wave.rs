@@ -42,13 +42,17 @@ pub struct Settings {
 pub struct Card {
     /// The commanded frequency of a flapping trial, Hz.
     frequency: Option<Hertz>,
+    /// Whether nothing was filmed: the logs of force and pressure are then on one clock.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    one_clock: bool,
     /// How the logs are written, and the load cell's own lag.
     log: lab::card::Log,
 }
 
 impl Part<Trial> for Card {
     fn part_of(of: &Trial) -> Self {
-        Self { frequency: beat(&of.trial.experiment), log: of.card.log.clone() }
+        let one_clock = of.trial.video.is_none();
+        Self { frequency: beat(&of.trial.experiment), one_clock, log: of.card.log.clone() }
     }
 }
 
@@ -73,7 +77,7 @@ impl Stage for Wave {
         let Logged { log, sampling } = read_force("force", (LogKind::Force, &card.log), context)?;
         // The lamp is read at once; the force is shown after the cell's own lag.
         let lag = [card.log.force_lag.unwrap_or(0.0), card.log.force_lag_sigma];
-        let offset = lamp(&log, context)? - motion.clock.lamp;
+        let offset = if card.one_clock { 0.0 } else { lamp(&log, context)? - motion.clock.lamp };
         let on_film = Series::new(log.time[0] - offset - lag[0], log.rate(), log.force.clone())?;
         let commanded = commanded(&motion).unwrap_or([on_film.start(), on_film.end()]);
         covers(&on_film, commanded, context)?;

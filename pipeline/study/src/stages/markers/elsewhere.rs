@@ -46,12 +46,17 @@ impl Card {
     }
 }
 
-/// The card's markers in the file, on the film's clock, whose frames are at `film` (s); `marker` (m) is the standard deviation of a
-/// marker's centre against its material point.
+/// The card's markers in the file, on the clock of the film, whose frames are at `film` (s), or of the log where nothing was filmed;
+/// `mark` (m) is the standard deviation of a marker's centre against its material point.
 ///
 /// # Errors
 /// A [`Diagnostic`] when the file cannot be used, does not overlap the film, or its markers are not at their card positions.
-pub fn places(card: Option<&Card>, film: &[Second], mark: Metre, context: &dyn StageContext) -> Result<Markers> {
+pub fn places(
+    card: Option<&Card>,
+    film: Option<&[Second]>,
+    mark: Metre,
+    context: &dyn StageContext,
+) -> Result<Markers> {
     let Some(Card { sigma, axes, painted: all, length }) = card else {
         let what = "there is neither a camera nor positions in space";
         return Err(Diagnostic::new(
@@ -64,7 +69,7 @@ pub fn places(card: Option<&Card>, film: &[Second], mark: Metre, context: &dyn S
     let file = FilePath::new(&evaluated);
     let space = lab::space::read(&context.bytes(WORD)?, file)?;
     let time: Vec<Second> = space.time.iter().map(|t| axes.start + t).collect();
-    meets(&time, film, &evaluated)?;
+    film.map_or(Ok(()), |film| meets(&time, film, &evaluated))?;
     let (noise, mark) = ([sigma.powi(2), 0.0, sigma.powi(2)], [mark.powi(2), 0.0, mark.powi(2)]);
     let mut markers = Vec::new();
     for marker in all {

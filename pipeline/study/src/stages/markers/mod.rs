@@ -61,12 +61,12 @@ pub struct Card {
 
 impl Part<Trial> for Card {
     fn part_of(of: &Trial) -> Self {
-        let plane = &of.card.camera.plane;
+        let camera = of.card.camera.as_ref();
         Self {
             heights: of.card.marker.iter().map(|m| m.at[2]).collect(),
-            plane: plane.height,
-            grid: plane.grid.filter(|_| of.made_elsewhere().is_none()),
-            readout: of.card.camera.readout,
+            plane: camera.map_or(0.0, |c| c.plane.height),
+            grid: camera.and_then(|c| c.plane.grid).filter(|_| of.made_elsewhere().is_none()),
+            readout: camera.map_or(0.0, |c| c.readout),
             water: of.card.water.clone().filter(|_| of.trial.medium == Medium::Water),
             first_frame: of.trial.first_frame,
             space: elsewhere::Card::of(of),
@@ -77,25 +77,26 @@ impl Part<Trial> for Card {
 impl Stage for Markers {
     type Settings = Settings;
     type Card = Card;
-    type Needs = (Maybe<Camera>, Tracks);
+    type Needs = (Maybe<Camera>, Maybe<Tracks>);
     type Makes = records::Markers;
     const DESCRIPTION: &'static str = "pixels are projected to metres";
     const VERSION: u32 = 5;
 
     fn raw(of: &Trial) -> Vec<RawFile> {
         let space = of.in_space().map(|(tracks, _)| RawFile::new(elsewhere::WORD, &of.card.name, &tracks.file));
-        let film = Card::part_of(of).grid.map(|_| RawFile::new("video", &of.card.name, &of.trial.video));
+        let film = Card::part_of(of).grid.and_then(|_| of.film());
         space.into_iter().chain(film).collect()
     }
 
     fn run(
         card: &Self::Card,
         set: &Settings,
-        (Maybe(camera), tracks): Self::Needs,
+        (Maybe(camera), Maybe(tracks)): Self::Needs,
         context: &dyn StageContext,
     ) -> Result<records::Markers> {
-        let Some(camera) = camera.filter(|_| card.space.is_none()) else {
-            return elsewhere::places(card.space.as_ref(), &tracks.time, set.mark_sigma, context);
+        let film = tracks.as_ref().map(|tracks| tracks.time.clone());
+        let (Some(camera), Some(tracks), None) = (camera, tracks, &card.space) else {
+            return elsewhere::places(card.space.as_ref(), film.as_deref(), set.mark_sigma, context);
         };
         let hung = RefractiveCamera { lens: camera.lens, pose: camera.pose, water: card.water() };
         let stand = stood(card, &hung, context)?;

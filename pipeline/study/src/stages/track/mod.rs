@@ -53,7 +53,8 @@ pub struct Settings {
 #[derive(Debug, Serialize)]
 pub struct Card {
     pub(super) markers: Vec<Clicked>,
-    led: Led,
+    /// None where nothing was filmed.
+    led: Option<Led>,
     pub(super) search: Option<lab::card::Search>,
     /// Tracks of another program or instrument.
     pub(super) elsewhere: Option<Elsewhere>,
@@ -105,7 +106,7 @@ impl Stage for Track {
 
     fn raw(of: &Trial) -> Vec<RawFile> {
         let foreign = in_pixels(of).map(|tracks| RawFile::new("tracks", &of.card.name, &tracks.file));
-        std::iter::once(RawFile::new("video", &of.card.name, &of.trial.video)).chain(foreign).collect()
+        of.film().into_iter().chain(foreign).collect()
     }
 
     fn run(card: &Self::Card, set: &Settings, (): (), context: &dyn StageContext) -> Result<Tracks> {
@@ -192,9 +193,9 @@ impl<'a> Log<'a> {
                 first
             }
         };
-        let lamp = &self.card.led;
+        let brightness = |lamp: &Led| led::brightness(&frame.gray, lamp.centre, lamp.radius);
         self.tracks.time.push(frame.time);
-        self.tracks.led.push(led::brightness(&frame.gray, lamp.centre, lamp.radius));
+        self.tracks.led.push(card.led.as_ref().map_or(0.0, brightness));
         self.seen.iter_mut().zip(sightings).for_each(|(track, sighting)| track.push(sighting));
         Ok(())
     }

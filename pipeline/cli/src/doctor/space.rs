@@ -1,0 +1,44 @@
+//! Checks of markers in space: the file can be read, its markers begin at their places on the card, and the log has its clock.
+
+use super::Look;
+use super::finding::Finding;
+use diagnostics::Result;
+use study::stages::clock::Clock;
+use study::stages::markers::Markers;
+use study::subject::Trial;
+use workflow::needs::Maybe;
+use workflow::runner::inspection_context;
+use workflow::stage::Stage;
+use workflow::subject::Part;
+
+/// How the markers of a trial without a film are read, and what is wrong with them; `logged` is whether its pressure log can be read.
+///
+/// # Errors
+/// A diagnostic when the settings of a stage are invalid.
+pub fn look(look: &Look, of: &Trial, logged: bool) -> Result<Vec<Finding>> {
+    let Some((tracks, axes)) = of.in_space().filter(|_| of.trial.video.is_none()) else { return Ok(Vec::new()) };
+    if !look.path(&of.card.name, &tracks.file).exists() {
+        return Ok(Vec::new());
+    }
+    let (raw, set) = (Markers::raw(of), look.settings.section("markers")?);
+    let context = inspection_context(look.folders, &raw);
+    let markers = match Markers::run(&Part::part_of(of), &set, (Maybe(None), Maybe(None)), &context) {
+        Err(diagnostic) => return Ok(vec![diagnostic.into()]),
+        Ok(markers) => markers,
+    };
+    let place = look.place(&of.card.name, &tracks.file);
+    let [from, to] = [markers.time.first(), markers.time.last()].map(|time| time.copied().unwrap_or_default());
+    let (count, frames) = (markers.markers.len(), markers.time.len());
+    let what =
+        format!("{place}: {count} markers in space × {frames} frames at {:.1} Hz", (frames - 1) as f64 / (to - from));
+    let clock =
+        format!("without a film they are on the log's clock from {from:.3} to {to:.3} s, by start = {} s", axes.start);
+    let mut found = vec![Finding::log(what, clock)];
+    if logged {
+        let (raw, set) = (Clock::raw(of), look.settings.section("clock")?);
+        let context = inspection_context(look.folders, &raw);
+        let motion = Clock::run(&Part::part_of(of), &set, (Maybe(None), Maybe(None), markers), &context);
+        found.extend(motion.err().map(Finding::from));
+    }
+    Ok(found)
+}
