@@ -14,5 +14,6 @@
 pub mod doctor;
 pub mod init;
 pub mod options;
+pub mod pictures;
 pub mod track;
 pub mod twin;

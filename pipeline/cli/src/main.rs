@@ -45,6 +45,9 @@ fn run(cli: &Cli) -> Result<bool> {
             let (runner, diagnostics) = open()?;
             readable(&diagnostics, specimen.as_deref())?;
             let goal = Goal { entries: names.clone(), group: specimen.clone() };
+            if !cli.place.quiet {
+                cli::pictures::left_out(&runner, &goal).iter().for_each(|said| output::note(said));
+            }
             let summary = study::run(&runner, &goal, *fresh)?;
             study::page(&runner)?;
             Ok(report(&diagnostics) & summary.is_complete())

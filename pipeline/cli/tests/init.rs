@@ -108,7 +108,7 @@ fn keys<T: DeserializeOwned>() -> Vec<String> {
 fn a_new_card_is_read_when_only_its_marked_lines_are_filled_in() {
     let card = parsed(&filled()).unwrap();
     assert_eq!((card.name.as_str(), card.length, card.trial.len()), ("finger", 0.1, 1));
-    assert_eq!(card.camera.board.columns, 9);
+    assert_eq!(card.camera.unwrap().board.columns, 9);
 }
 
 #[test]
@@ -119,7 +119,11 @@ fn the_card_of_a_beginning_is_refused_as_it_stands() {
 #[test]
 fn all_that_is_optional_can_be_taken_in_at_once() {
     let card = parsed(&whole()).unwrap();
-    assert!(card.search.is_some() && card.water.is_some() && card.camera.coefficients.is_some());
+    assert!(
+        card.search.is_some()
+            && card.water.is_some()
+            && card.camera.is_some_and(|camera| camera.coefficients.is_some())
+    );
     assert_eq!((card.trial.len(), card.tracks.len(), card.fixture.len()), (2, 1, 1));
     assert!(card.tank.is_some() && card.log.force_lag == Some(0.2) && card.log.columns.len() == 1);
 }

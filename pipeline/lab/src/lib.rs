@@ -26,6 +26,7 @@ pub mod card;
 pub mod folder;
 pub mod force;
 pub mod log;
+pub mod pixels;
 pub mod place;
 pub mod pressure;
 pub mod range;

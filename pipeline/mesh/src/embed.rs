@@ -24,12 +24,13 @@ impl Spot {
 /// The nearest point is searched on the plane triangles of the corners; the weights are the six shape functions of the
 /// quadratic triangle there, which follow the face when it curves. Faces of cavities and of the plane of symmetry are not
 /// searched.
+/// In a half model the mirror image stands for a point below the plane of symmetry: x and y of both move alike.
 /// A mesh without outer skin gives an empty spot at infinite distance.
 pub fn embed(mesh: &QuadraticMesh, at: Point3) -> (Spot, Metre) {
     let outer: Vec<_> = mesh.skin.iter().filter(|face| face.on == Skin::Outer).collect();
     let corner = |n: u32| mesh.nodes[n as usize];
     let corners = outer.iter().map(|f| [corner(f.nodes[0]), corner(f.nodes[1]), corner(f.nodes[2])]).collect();
-    match Nearest::new(corners).find(at) {
+    match Nearest::new(corners).find(upper(at, mesh.half)) {
         None => (Spot { weights: Vec::new() }, f64::INFINITY),
         Some(hit) => {
             let weights = outer[hit.face].nodes.into_iter().zip(shape_functions(hit.shares));
@@ -42,13 +43,18 @@ pub fn embed(mesh: &QuadraticMesh, at: Point3) -> (Spot, Metre) {
 pub(crate) fn embed_linear(mesh: &TetMesh, at: Point3) -> (Spot, Metre) {
     let outer: Vec<_> = mesh.skin.iter().filter(|face| face.on == Skin::Outer).collect();
     let corners = outer.iter().map(|face| face.nodes.map(|node| mesh.nodes[node as usize])).collect();
-    match Nearest::new(corners).find(at) {
+    match Nearest::new(corners).find(upper(at, mesh.half)) {
         None => (Spot { weights: Vec::new() }, f64::INFINITY),
         Some(hit) => {
             let weights = outer[hit.face].nodes.into_iter().zip(hit.shares);
             (Spot { weights: weights.filter(|w| w.1 != 0.0).collect() }, hit.distance)
         }
     }
+}
+
+/// A point, or its mirror image in the half that is meshed.
+fn upper([x, y, z]: Point3, half: bool) -> Point3 {
+    [x, y, if half { z.abs() } else { z }]
 }
 
 /// Shape functions of the quadratic triangle at shares (a, b, c) of its corners: a(2a−1), …, 4ab, 4bc, 4ca.

@@ -85,13 +85,14 @@ impl Mesh {
             each,
             tags,
             names,
-            ignored: 0,
+            ..RawMesh::default()
         };
         let found = raw.check(1.0, half).map_err(|error| refusal(&Diagnostic::from(error)))?;
         let (regions, notes) = (found.regions, found.notes);
         Ok(Self::of(Loaded {
             solid: found.solid,
             regions,
+            surfaces: found.surfaces,
             cavities: found.cavities,
             notes,
             tables: Default::default(),

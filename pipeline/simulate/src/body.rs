@@ -39,7 +39,7 @@ impl<'a> Body<'a> {
         let mesh = fem_mesh(solid, &(0..cavities.len() as u16).collect::<Vec<_>>());
         let reach = Reach { solid, size: mesh.size() };
         let (properties, mean_dilatation) = properties(case, regions)?;
-        let clamps = clamps(case, &reach)?;
+        let clamps = clamps(case, loaded, &reach)?;
         let forces = forces(case, loaded, &mesh, &clamps)?;
         let lumped_mass = case.dynamic.as_ref().is_some_and(|set| set.lumped_mass);
         let options = Options { lumped_mass, mean_dilatation, masses: masses(case, &reach, &mesh)? };
@@ -101,12 +101,15 @@ pub fn fem_mesh(solid: &Solid, chambers: &[u16]) -> fem::Mesh {
     }
 }
 
-fn clamps(case: &Case, reach: &Reach) -> Result<Clamps> {
+fn clamps(case: &Case, loaded: &Loaded, reach: &Reach) -> Result<Clamps> {
     let mut clamps = Clamps::none();
     for (i, clamp) in case.clamp.iter().enumerate() {
         let held = [Axis::X, Axis::Y, Axis::Z].map(|axis| clamp.hold.contains(&axis));
-        let Some(place) = Place::of(clamp.plane, clamp.block) else { continue };
-        let nodes: Vec<u32> = (0..reach.solid.nodes().len() as u32).filter(|&node| reach.holds(&place, node)).collect();
+        let (nodes, place) = match (&clamp.surface, Place::of(clamp.plane, clamp.block)) {
+            (Some(surface), _) => (reach.on_surface(&loaded.surfaces, surface)?, format!("the surface `{surface}`")),
+            (None, Some(place)) => (reach.nodes(&place), place.to_string()),
+            (None, None) => continue,
+        };
         if nodes.is_empty() {
             let what = format!("clamp {i} holds no node: none lies on {place}");
             return Err(Diagnostic::new(what, reach.extent(), "move the clamp onto the body"));

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use mesh::foreign::{self, NamedSurface};
 use mesh::{Skin, Solid};
 use si::vec3::{norm, sub};
 use si::{Metre, Point3};
@@ -46,6 +47,20 @@ impl Reach<'_> {
 
     pub fn holds(&self, place: &Place, node: u32) -> bool {
         place.holds(self.solid.nodes()[node as usize], self.size)
+    }
+
+    /// The nodes in a place.
+    pub fn nodes(&self, place: &Place) -> Vec<u32> {
+        (0..self.solid.nodes().len() as u32).filter(|&node| self.holds(place, node)).collect()
+    }
+
+    /// The nodes of one of the mesh file's surfaces, by its name or tag.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] with the names that there are.
+    pub fn on_surface(&self, surfaces: &[NamedSurface], word: &str) -> Result<Vec<u32>> {
+        let elements = (0..self.solid.len()).map(|element| self.solid.element(element));
+        Ok(foreign::surface(surfaces, word)?.nodes(elements))
     }
 
     /// Faces of the outer skin whose corners all lie in a place.

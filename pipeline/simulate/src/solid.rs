@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use mesh::foreign::{self, Region};
+use mesh::foreign::{self, NamedSurface, Region};
 use mesh::{Cavity, Solid, Surface};
 
 use crate::case::{Case, Order, Source};
@@ -19,6 +19,8 @@ pub struct Loaded {
     pub solid: Solid,
     /// By region.
     pub regions: Vec<Region>,
+    /// The surfaces that the mesh file names or numbers.
+    pub surfaces: Vec<NamedSurface>,
     /// By chamber.
     pub cavities: Vec<Cavity>,
     /// Warnings for the user.
@@ -58,6 +60,7 @@ fn from_file(mesh: &Source, path: &Path) -> Result<Loaded> {
     Ok(Loaded {
         solid: found.solid,
         regions: found.regions,
+        surfaces: found.surfaces,
         cavities: found.cavities,
         notes: found.notes,
         tables: BTreeMap::new(),
@@ -100,7 +103,7 @@ fn from_surfaces(mesh: &Source, folder: &Path) -> Result<Loaded> {
     let parts = [(mesh::BODY, "body"), (mesh::SPINE, "spine")];
     let regions = parts.into_iter().take(1 + usize::from(spine.is_some())).map(region).collect();
     let solid = Solid::Quadratic(Solid::Linear(linear).to_quadratic());
-    Ok(Loaded { solid, regions, cavities: Vec::new(), notes, tables: BTreeMap::new() })
+    Ok(Loaded { solid, regions, surfaces: Vec::new(), cavities: Vec::new(), notes, tables: BTreeMap::new() })
 }
 
 fn bytes(path: &Path) -> Result<Vec<u8>> {

@@ -39,7 +39,7 @@ impl Body {
     pub fn of(card: &Card) -> Self {
         Self {
             materials: card.solid.parts.iter().map(Material::of).collect(),
-            clamp: card.clamp,
+            clamp: card.clamp.clone(),
             length: card.length,
             markers: card.marker.iter().map(|m| m.at).collect(),
         }

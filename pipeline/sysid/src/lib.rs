@@ -52,7 +52,7 @@ pub use identified_materials::{IdentifiedMaterial, IdentifiedMaterials};
 pub use levels::{Derivatives, LevelSolver, PressureLevel, SimulatedLevel};
 pub use meshed::{Meshed, NamedRegion};
 pub use misfit::Misfit;
-pub use model::{BODY, Elastic, Model, Viscoelastic, by_node};
+pub use model::{Attached, BODY, Elastic, Model, Viscoelastic, by_node};
 pub use noise::{Covariance2, Level, NoiseModel};
 pub use reduced::{ForcedMotion, ReducedBody, Snapshots, even_times};
 pub use search::{Interrupted, feasible_lower_bound, nearest_neighbour_order};

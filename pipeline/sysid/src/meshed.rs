@@ -4,7 +4,7 @@ use std::path::Path;
 
 use diagnostics::{Diagnostic, Result};
 use lab::card;
-use mesh::foreign::{self, Region};
+use mesh::foreign::{self, NamedSurface, Region};
 use mesh::{Cavity, QuadraticMesh, Settings, Solid, Surface, quality};
 use serde::Serialize;
 use si::Metre;
@@ -23,6 +23,8 @@ pub struct NamedRegion {
 pub struct Meshed {
     /// Regions in the order of the solids.
     pub solid: QuadraticMesh,
+    /// The surfaces that the mesh file names or numbers.
+    pub surfaces: Vec<NamedSurface>,
     /// By chamber of the skin.
     pub cavities: Vec<Cavity>,
     /// Smallest angle between two faces of an element, degrees.
@@ -61,6 +63,7 @@ impl Meshed {
         Ok(Self {
             cavities: mesh::cavities(&Solid::Quadratic(solid.clone())),
             solid,
+            surfaces: Vec::new(),
             min_dihedral_deg: report.min_dihedral_deg,
             hausdorff_m: report.hausdorff_m,
             volume_error: std::iter::once(body).chain(sheet).collect(),
@@ -85,10 +88,28 @@ impl Meshed {
         Ok(Self {
             cavities: made.cavities,
             solid,
+            surfaces: made.surfaces,
             min_dihedral_deg: quality::dihedral_range(&linear).0,
             hausdorff_m: 0.0,
             volume_error: Vec::new(),
         })
+    }
+}
+
+impl Meshed {
+    /// The nodes of a surface that a clamp names.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] with the surfaces that there are, when it is none of them or no face of the body lies on it.
+    pub fn clamped(&self, surface: &str) -> Result<Vec<u32>> {
+        let named = foreign::surface(&self.surfaces, surface)?;
+        let nodes = named.nodes(self.solid.tets.iter().map(|tet| tet.as_slice()));
+        if nodes.is_empty() {
+            let what = format!("the surface `{surface}` has no face of the body");
+            let action = "make the faces of the body that are clamped a physical surface, and save the mesh again";
+            return Err(Diagnostic::new(what, "none of its triangles is a side of an element", action));
+        }
+        Ok(nodes)
     }
 }
 

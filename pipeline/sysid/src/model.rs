@@ -21,6 +21,15 @@ pub struct Model {
     pub nominal: Elastic,
 }
 
+/// What surrounds a meshed body.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Attached<'a> {
+    /// The skin indices of the chambers, in the order of the card.
+    pub chambers: &'a [u16],
+    /// The nodes of the surface that the card's clamp names; none of a clamp by its place.
+    pub clamped: &'a [u32],
+}
+
 /// The elastic constants of the solids, the softest first.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Elastic {
@@ -80,16 +89,16 @@ impl Viscoelastic {
 pub const BODY: usize = mesh::BODY as usize;
 
 impl Model {
-    /// The model of a meshed body. `chambers` are the skin indices of the chambers in the order of the card; markers are material points
-    /// of the mesh.
+    /// The model of a meshed body, `attached` to what surrounds it; markers are material points of the mesh.
     ///
     /// # Errors
     /// A [`Diagnostic`] when a material is unknown or the simulator refuses the mesh.
-    pub fn new(solid: &Solid, chambers: &[u16], markers: Vec<Spot>, body: &Body) -> Result<Self> {
-        let mesh = simulate::fem_mesh(solid, chambers);
+    pub fn new(solid: &Solid, attached: Attached<'_>, markers: Vec<Spot>, body: &Body) -> Result<Self> {
+        let mesh = simulate::fem_mesh(solid, attached.chambers);
         let regions = body.materials.iter().map(region).collect::<Result<_>>()?;
         let size = extent(solid.nodes());
-        let clamps = Clamps::where_nodes(&mesh, [true; 3], |at| body.clamp.holds(at, size));
+        let mut clamps = Clamps::where_nodes(&mesh, [true; 3], |at| body.clamp.holds(at, size));
+        attached.clamped.iter().for_each(|node| clamps.constrain(*node, [true; 3]));
         let system = System::new(mesh, regions, clamps)?;
         let nominal = Elastic {
             youngs_moduli: body.materials.iter().map(|m| m.youngs_modulus).collect(),

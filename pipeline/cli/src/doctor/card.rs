@@ -10,6 +10,7 @@ use toml::Value;
 
 use super::finding::Finding;
 use super::{Look, called, log};
+use crate::pictures::{LEFT_OUT, unfilmed};
 
 /// The specimen in a folder where its card can be read, and the findings on the card.
 pub fn look(look: &Look, folder: &Path) -> (Option<Specimen>, Vec<Finding>) {
@@ -29,7 +30,7 @@ pub fn look(look: &Look, folder: &Path) -> (Option<Specimen>, Vec<Finding>) {
         }
         Ok(card) => {
             found.extend(no_role(&place, &card));
-            found.extend(no_film(&place, &card));
+            found.extend(unfilmed(&card).map(|what| Finding::log(format!("{place}: {what}"), LEFT_OUT)));
             let specimen = Specimen { folder: folder.to_owned(), card };
             found.extend(specimen.missing().into_iter().map(|diagnostic| {
                 let file = diagnostic.location.as_ref().map(|location| look.folders.display(&location.file));
@@ -70,15 +71,6 @@ fn visit(path: &str, value: &Value, found: &mut Vec<String>) {
         }
         _ => {}
     }
-}
-
-/// Trials without a film, of which nothing is shown that needs a picture.
-fn no_film(place: &str, card: &Card) -> Option<Finding> {
-    let unseen: Vec<&str> = card.trial.iter().filter(|t| t.video.is_none()).map(|t| t.id.as_str()).collect();
-    let left_out = "camera, track, example_frames and what figures show of a picture are left out";
-    (!unseen.is_empty()).then(|| {
-        Finding::log(format!("{place}: there is no film of {}", unseen.join(", ")), format!("{left_out} for it"))
-    })
 }
 
 /// A card without a trial for identification.

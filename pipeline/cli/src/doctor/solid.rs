@@ -34,8 +34,7 @@ pub fn look(look: &Look, of: &Specimen) -> Result<Vec<Finding>> {
         let set = look.settings.section::<Settings>("mesh")?;
         let raw = Mesh::raw(of);
         let meshed = Mesh::run(&Part::part_of(of), &set, (), &inspection_context(look.folders, &raw));
-        found
-            .extend(meshed.err().map(|diagnostic| Finding::message(&format!("{}: {}", of.card.name, diagnostic.what))));
+        found.extend(meshed.err().map(|diagnostic| Finding::from(diagnostic.while_doing(&of.card.name))));
     }
     Ok(found)
 }

@@ -124,7 +124,7 @@ unit = "mm"
 mesh = "cad/finger.mesh"
 
 [clamp]
-box = { low = [0.0, -0.0075, -0.0075], high = [0.003, 0.0075, 0.0075] }
+surface = "5"
 "#
     .to_owned();
     card += &solid("silicone", "region = \"1\"", 3e5);
@@ -180,7 +180,9 @@ plane = { x = 0.0 }
     for line in ["there is no film of stairs; camera, track", "they are on the log's clock from 3.200 to"] {
         assert!(said.contains(line), "{said}");
     }
-    let output = project.study(&["run", "--specimen", "bellows", "identify"]);
+    let output = project.study(&["run", "--specimen", "bellows", "identify", "track", "setup"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("bellows: there is no film of stairs; camera, track, example_frames and"), "{said}");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert_near(project.metric("identify.bellows.body_e_mpa"), 0.26);
 }

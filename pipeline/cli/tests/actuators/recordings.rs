@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use lab::card::{self, Card, Experiment};
-use sysid::{Body, Elastic, Meshed, Model, NamedRegion};
+use sysid::{Attached, Body, Elastic, Meshed, Model, NamedRegion};
 use track::Gray;
 use track::video::{Quality, Writer};
 
@@ -48,7 +48,9 @@ impl Project {
         let skins: Vec<u16> = self.card.chamber.iter().map(|c| mesh::chamber_at(solid, c.at).unwrap()).collect();
         let spots = self.card.marker.iter().map(|m| mesh::embed(solid, m.at).0).collect();
         let whole = mesh::Solid::Quadratic(solid.clone());
-        let model = Model::new(&whole, &skins, spots, &Body::of(&self.card)).unwrap();
+        let clamped = self.card.clamp.surface.as_ref().map_or(Vec::new(), |surface| meshed.clamped(surface).unwrap());
+        let model =
+            Model::new(&whole, Attached { chambers: &skins, clamped: &clamped }, spots, &Body::of(&self.card)).unwrap();
         let hidden = Elastic { youngs_moduli: moduli.to_vec(), ..model.nominal.clone() };
         for trial in &self.card.trial {
             if let Some(video) = &trial.video {

@@ -5,6 +5,9 @@ use std::fmt::Write;
 
 use mesh::Surface;
 
+/// The reference of the end x = 0 in a mesh file.
+pub const HELD: u32 = 5;
+
 /// A body of cubes: which of them are solid, and of which material.
 pub struct Voxels {
     /// Side of a cube, mm.
@@ -76,7 +79,7 @@ impl Voxels {
         Surface { points, faces }
     }
 
-    /// The tetrahedra in the format of MEDIT, in mm.
+    /// The tetrahedra in the format of MEDIT, in mm; the triangles of the end x = 0 have the reference [`HELD`].
     pub fn medit(&self) -> String {
         let (mut points, mut tets) = (String::new(), String::new());
         let mut numbers: BTreeMap<Corner, usize> = BTreeMap::new();
@@ -105,7 +108,17 @@ impl Voxels {
                 count += 1;
             }
         }
+        let (mut ends, mut held) = (String::new(), 0);
+        for (at, _) in self.cubes().filter(|(at, _)| at[0] == 0) {
+            for axis in [1, 2] {
+                let (mut side, far) = (at, [0, at[1] + 1, at[2] + 1]);
+                side[axis] += 1;
+                let corners = [at, side, far].map(|corner| numbers[&corner]);
+                writeln!(ends, "{} {} {} {HELD}", corners[0], corners[1], corners[2]).unwrap();
+                held += 1;
+            }
+        }
         let head = "MeshVersionFormatted 2\nDimension 3\n";
-        format!("{head}Vertices\n{}\n{points}Tetrahedra\n{count}\n{tets}End\n", numbers.len())
+        format!("{head}Vertices\n{}\n{points}Triangles\n{held}\n{ends}Tetrahedra\n{count}\n{tets}End\n", numbers.len())
     }
 }

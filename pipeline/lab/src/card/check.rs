@@ -21,7 +21,7 @@ pub(super) fn card(card: &Card, folder: Option<&str>) -> Checked {
     }
     within("length", card.length, 0.01..=1.0, "m")?;
     solids(&card.solid)?;
-    clamp(&card.clamp)?;
+    clamp(&card.clamp, card.solid.mesh.is_some())?;
     chambers(card)?;
     markers(card)?;
     card.camera.as_ref().map_or(Ok(()), camera)?;
@@ -30,9 +30,9 @@ pub(super) fn card(card: &Card, folder: Option<&str>) -> Checked {
     check_log(&card.log, &card.channels())?;
     card.led.as_ref().map_or(Ok(()), led)?;
     trials(card)?;
-    marker_sources::markers(card)?;
     marker_sources::tracks(card)?;
     recordings::recordings(card)?;
+    marker_sources::markers(card)?;
     fixtures(card)
 }
 
@@ -88,17 +88,22 @@ fn source(key: &str, part: &Part, meshed: bool) -> Checked {
     }
 }
 
-fn clamp(clamp: &Clamp) -> Checked {
+fn clamp(clamp: &Clamp, meshed: bool) -> Checked {
     clamp.below_x.map_or(Ok(()), |x| within("clamp.below_x", x, -1.0..=1.0, "m"))?;
     if let Some(block) = &clamp.block {
         point("clamp.box.low", &block.low)?;
         point("clamp.box.high", &block.high)?;
     }
     match clamp.is_one() {
+        true if clamp.surface.is_some() && !meshed => {
+            let what = "clamp.surface is given, but there is no solid.mesh".to_owned();
+            let why = "surfaces are named in a mesh file, not in STL files";
+            violation("clamp.surface", what, why, "give solid.mesh, or clamp by below_x, plane or box")
+        }
         true => Ok(()),
         false => {
             let why = "the specimen is clamped at one place";
-            let what = "[clamp] does not have exactly one of below_x, plane (across one axis) and box";
+            let what = "[clamp] does not have exactly one of below_x, plane (across one axis), box and surface";
             violation("clamp", what.to_owned(), why, "give one, such as below_x = 0.004")
         }
     }

@@ -6,7 +6,7 @@ use si::{Metre, Point3};
 use crate::place::{Block, Place, Plane};
 
 /// The clamped part: exactly one of its keys is given.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Clamp {
     /// Everything at and below this x, m, CAD frame.
@@ -18,6 +18,9 @@ pub struct Clamp {
     /// A box.
     #[serde(default, rename = "box")]
     pub block: Option<Block>,
+    /// A surface that the mesh file names or numbers.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub surface: Option<String>,
 }
 
 impl Clamp {
@@ -28,11 +31,12 @@ impl Clamp {
 
     /// Whether exactly one key is given, and a plane across one axis alone.
     pub(super) fn is_one(&self) -> bool {
-        self.below_x.is_some() != Place::of(self.plane, self.block).is_some()
-            && !(self.below_x.is_some() && (self.plane.is_some() || self.block.is_some()))
+        let given = [self.below_x.is_some(), self.plane.is_some(), self.block.is_some(), self.surface.is_some()];
+        let across_one = self.plane.is_none() || Place::of(self.plane, None).is_some();
+        given.into_iter().filter(|given| *given).count() == 1 && across_one
     }
 
-    /// Whether a point of a body of this size (m) is held.
+    /// Whether a point of a body of this size (m) is held; of a named surface the mesh knows the nodes.
     pub fn holds(&self, at: Point3, size: Metre) -> bool {
         match (self.below_x, Place::of(self.plane, self.block)) {
             (Some(x), _) => at[0] <= x,
@@ -41,7 +45,7 @@ impl Clamp {
         }
     }
 
-    /// The largest x that it holds, m: there the free part begins. Negative infinity of a plane along x.
+    /// The largest x that it holds, m: there the free part begins. Negative infinity of a plane along x, and of a named surface.
     pub fn end(&self) -> Metre {
         match (self.below_x, Place::of(self.plane, self.block)) {
             (Some(x), _) => x,
@@ -57,7 +61,7 @@ impl std::fmt::Display for Clamp {
         match (self.below_x, Place::of(self.plane, self.block)) {
             (Some(x), _) => write!(out, "clamp.below_x = {x} m"),
             (None, Some(place)) => write!(out, "clamp, {place},"),
-            (None, None) => write!(out, "clamp"),
+            (None, None) => write!(out, "clamp.surface = `{}`", self.surface.as_deref().unwrap_or_default()),
         }
     }
 }
@@ -70,12 +74,14 @@ mod tests {
     fn a_clamp_is_one_place() {
         let block = Block { low: [0.0; 3], high: [0.01, 0.02, 0.02] };
         let plane = |y| Plane { x: Some(0.0), y, z: None };
-        let of = |below_x, plane, block| Clamp { below_x, plane, block };
-        for one in [Clamp::below(0.0), of(None, Some(plane(None)), None), of(None, None, Some(block))] {
+        let of = |below_x, plane, block| Clamp { below_x, plane, block, surface: None };
+        let named = Clamp { surface: Some("holder".into()), ..Clamp::default() };
+        for one in [Clamp::below(0.0), of(None, Some(plane(None)), None), of(None, None, Some(block)), named.clone()] {
             assert!(one.is_one(), "{one:?}");
         }
         let more = of(Some(0.0), Some(plane(None)), None);
-        for other in [Clamp::default(), more, of(None, Some(plane(Some(0.0))), None)] {
+        let twice = Clamp { below_x: Some(0.0), ..named };
+        for other in [Clamp::default(), more, twice, of(None, Some(plane(Some(0.0))), None)] {
             assert!(!other.is_one(), "{other:?}");
         }
         assert_eq!(of(None, None, Some(block)).end(), 0.01);

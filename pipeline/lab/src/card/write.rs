@@ -82,6 +82,7 @@ fn clamp(text: &mut String, clamp: &Clamp) {
     if let Some(Block { low, high }) = clamp.block {
         put(text, format_args!("box = {{ low = {low:?}, high = {high:?} }}  # m\n"));
     }
+    clamp.surface.iter().for_each(|surface| put(text, format_args!("surface = {surface:?}  # of the mesh\n")));
 }
 
 fn solid(text: &mut String, Part { name, solid }: &Part) {

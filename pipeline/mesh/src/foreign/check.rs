@@ -4,6 +4,7 @@ use super::boundary::{Face, skin};
 use super::defect::MeshDefect;
 use super::jacobian::volume_and_least;
 use super::raw_mesh::RawMesh;
+use super::surfaces::NamedSurface;
 use crate::cavities::{Cavity, cavities};
 use crate::columns::symmetry::is_symmetric;
 use crate::quadratic::EDGES;
@@ -38,6 +39,8 @@ pub struct ForeignMesh {
     pub solid: Solid,
     /// Tags and names of the regions in the file.
     pub regions: Vec<Region>,
+    /// The surfaces that the file names or numbers.
+    pub surfaces: Vec<NamedSurface>,
     /// The chambers, by the skin's numbers.
     pub cavities: Vec<Cavity>,
     /// What was repaired, and what could be simplified.
@@ -73,8 +76,9 @@ impl RawMesh {
         }
         let (regions, numbers) = self.regions(&volumes)?;
         notes.extend((!half && self.mirrors(&faces, size)).then(|| MIRRORS.to_owned()));
+        let surfaces = self.surfaces();
         let solid = self.solid(numbers, faces, half);
-        Ok(ForeignMesh { cavities: cavities(&solid), solid, regions, notes })
+        Ok(ForeignMesh { cavities: cavities(&solid), solid, regions, surfaces, notes })
     }
 
     /// The places of an element's nodes, m.

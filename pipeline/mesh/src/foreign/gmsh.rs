@@ -1,7 +1,7 @@
 //! gmsh's `.msh`, version 4.1, as text or binary: sections of blocks, one block an entity of the geometry. Of version 2.2 the sections
 //! of nodes and elements are lists.
 //!
-//! The tag of a tetrahedron is the physical group of its volume (the lowest, if there are several), else the volume's
+//! Triangles are kept with their physical groups, as named surfaces. The tag of a tetrahedron is the physical group of its volume (the lowest, if there are several), else the volume's
 //! number. The ten nodes of gmsh end with the middles of edges 23 and 13, those of this module with 13 and 23.
 
 use super::raw_mesh::{MeshFileError, RawMesh, other_solid, reordered};
@@ -53,8 +53,8 @@ pub(super) struct File<'a> {
     legacy: bool,
     /// Place of each node, by its number.
     places: HashMap<u64, u32>,
-    /// Physical group of each volume.
-    groups: HashMap<i64, i64>,
+    /// Physical groups of each surface (2) and volume (3).
+    groups: HashMap<(usize, i64), Vec<i64>>,
 }
 
 impl<'a> File<'a> {
@@ -91,14 +91,17 @@ impl<'a> File<'a> {
             let dimension: u32 = self.from.tokens.number("the dimension of a group")?;
             let tag: i64 = self.from.tokens.number("the number of a group")?;
             let line = String::from_utf8_lossy(self.from.tokens.rest_of_line()).into_owned();
-            if dimension == 3 {
-                raw.names.insert(tag, line.trim().trim_matches('"').to_owned());
-            }
+            let name = line.trim().trim_matches('"').to_owned();
+            match dimension {
+                2 => raw.surface_names.insert(tag, name),
+                3 => raw.names.insert(tag, name),
+                _ => None,
+            };
         }
         Ok(())
     }
 
-    /// Entities of the geometry, of which only the groups of volumes are kept.
+    /// Entities of the geometry, of which only the groups of surfaces and volumes are kept.
     fn entities(&mut self) -> Result<(), MeshFileError> {
         self.from.begin();
         let mut counts = [0; 4];
@@ -121,9 +124,8 @@ impl<'a> File<'a> {
         let groups = self.from.size("the number of groups")?;
         for _ in 0..groups {
             let group = self.from.int("a group of an entity")?;
-            if dimension == 3 {
-                let kept = self.groups.entry(tag).or_insert(group);
-                *kept = group.min(*kept);
+            if dimension >= 2 {
+                self.groups.entry((dimension, tag)).or_default().push(group);
             }
         }
         if dimension > 0 {
@@ -176,20 +178,26 @@ impl<'a> File<'a> {
         })
     }
 
-    /// A tetrahedron; anything else is counted.
+    /// A tetrahedron, or the triangle of a surface; anything but tetrahedra is counted.
     pub(super) fn add_element(
         &self,
         raw: &mut RawMesh,
-        solid: bool,
+        dimension: i64,
         (label, nodes): (u64, &[u32]),
-        tag: i64,
+        tags: &[i64],
     ) -> Result<(), MeshFileError> {
-        if solid {
-            let placed = raw.tetrahedron(label, &reordered(nodes, &PLACES), tag);
-            return placed.map_err(|fault| self.from.tokens.place(fault));
-        }
+        let lowest = tags.iter().min().copied().unwrap_or(0);
+        let placed = match (dimension, nodes.len()) {
+            (3, _) => return self.placed(raw.tetrahedron(label, &reordered(nodes, &PLACES), lowest)),
+            (2, 3 | 6) => tags.iter().try_for_each(|tag| raw.triangle(nodes, *tag)),
+            _ => Ok(()),
+        };
         raw.ignored += 1;
-        Ok(())
+        self.placed(placed)
+    }
+
+    fn placed(&self, result: Result<(), MeshFileError>) -> Result<(), MeshFileError> {
+        result.map_err(|fault| self.from.tokens.place(fault))
     }
 
     fn elements(&mut self, raw: &mut RawMesh) -> Result<(), MeshFileError> {
@@ -204,22 +212,22 @@ impl<'a> File<'a> {
             let kind = self.from.int("the type of a block's elements")?;
             let count = self.from.size("the number of elements in a block")?;
             let each = self.nodes_each(dimension, kind)?;
-            let tag = self.groups.get(&entity).copied().unwrap_or(entity);
+            let tags = self.groups.get(&(dimension as usize, entity)).cloned().unwrap_or_else(|| vec![entity]);
             for _ in 0..count {
-                self.element(raw, dimension == 3, each, tag)?;
+                self.element(raw, dimension, each, &tags)?;
             }
         }
         Ok(())
     }
 
-    fn element(&mut self, raw: &mut RawMesh, solid: bool, each: usize, tag: i64) -> Result<(), MeshFileError> {
+    fn element(&mut self, raw: &mut RawMesh, dimension: i64, each: usize, tags: &[i64]) -> Result<(), MeshFileError> {
         let label = self.from.size("the number of an element")?;
         let mut nodes = Vec::with_capacity(each);
         for _ in 0..each {
             let node = self.from.size("a node of an element")?;
             nodes.push(self.node_place(label, node)?);
         }
-        self.add_element(raw, solid, (label, &nodes), tag)
+        self.add_element(raw, dimension, (label, &nodes), tags)
     }
 
     /// Nodes of an element of gmsh's type `kind`.

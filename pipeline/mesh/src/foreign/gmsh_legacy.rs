@@ -88,6 +88,6 @@ impl File<'_> {
             let node = self.from.int("a node of an element")? as u64;
             nodes.push(self.node_place(label, node)?);
         }
-        self.add_element(raw, dimension == 3, (label, &nodes), tag)
+        self.add_element(raw, dimension, (label, &nodes), &[tag])
     }
 }

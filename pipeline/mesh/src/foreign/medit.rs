@@ -30,6 +30,8 @@ pub fn medit(bytes: &[u8]) -> Result<RawMesh, MeshFileError> {
             "vertices" => vertices(&mut tokens, &mut raw)?,
             "tetrahedra" => tetrahedra::<4>(&mut tokens, &mut raw)?,
             "tetrahedrap2" => tetrahedra::<10>(&mut tokens, &mut raw)?,
+            "triangles" => triangles::<3>(&mut tokens, &mut raw)?,
+            "trianglesp2" => triangles::<6>(&mut tokens, &mut raw)?,
             solid if OTHERS.contains(&solid) && tokens.peek().is_some_and(|count| count != b"0") => {
                 return Err(tokens.place(other_solid(solid)));
             }
@@ -78,11 +80,25 @@ fn tetrahedra<const N: usize>(tokens: &mut Tokens, raw: &mut RawMesh) -> Result<
     Ok(())
 }
 
+fn triangles<const N: usize>(tokens: &mut Tokens, raw: &mut RawMesh) -> Result<(), MeshFileError> {
+    let count: u64 = tokens.number("the number of triangles")?;
+    for _ in 0..count {
+        let mut nodes = [0; N];
+        for node in &mut nodes {
+            *node = counted_from_one(tokens)?;
+        }
+        let tag = tokens.number("the reference of a triangle")?;
+        raw.triangle(&nodes, tag).map_err(|fault| tokens.place(fault))?;
+        raw.ignored = raw.ignored.saturating_add(1);
+    }
+    Ok(())
+}
+
 fn counted_from_one(tokens: &mut Tokens) -> Result<u32, MeshFileError> {
-    let label: u32 = tokens.number("a node of a tetrahedron")?;
+    let label: u32 = tokens.number("a node of an element")?;
     label
         .checked_sub(1)
-        .ok_or_else(|| tokens.error("a tetrahedron names node 0", "nodes are counted from 1", "save the mesh again"))
+        .ok_or_else(|| tokens.error("an element names node 0", "nodes are counted from 1", "save the mesh again"))
 }
 
 /// Skips the numbers after a keyword that does not concern solids.
@@ -96,7 +112,7 @@ fn skip_numbers(tokens: &mut Tokens, raw: &mut RawMesh, keyword: &str) {
             count = std::str::from_utf8(word).ok().and_then(|word| word.parse().ok()).unwrap_or(0);
         }
     }
-    if ["edges", "edgesp2", "triangles", "trianglesp2", "corners"].contains(&keyword) {
+    if ["edges", "edgesp2", "corners"].contains(&keyword) {
         raw.ignored = raw.ignored.saturating_add(count);
     }
 }

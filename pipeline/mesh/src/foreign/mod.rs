@@ -17,6 +17,7 @@ mod medit;
 mod raw_mesh;
 mod repair;
 mod stream;
+mod surfaces;
 mod tetgen;
 mod tokens;
 mod vtu;
@@ -28,6 +29,7 @@ pub use defect::MeshDefect;
 pub use gmsh::gmsh;
 pub use medit::medit;
 pub use raw_mesh::{MeshFileError, RawMesh};
+pub use surfaces::{NamedSurface, surface};
 pub use tetgen::tetgen;
 pub use vtu::vtu;
 

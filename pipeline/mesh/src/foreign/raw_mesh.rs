@@ -54,7 +54,11 @@ pub struct RawMesh {
     pub tags: Vec<i64>,
     /// The file's name of a tag.
     pub names: BTreeMap<i64, String>,
-    /// Number of points, lines and faces, which are not read.
+    /// The corners of the triangles of surfaces, and the tag of each.
+    pub triangles: Vec<([u32; 3], i64)>,
+    /// The file's name of a surface's tag.
+    pub surface_names: BTreeMap<i64, String>,
+    /// Number of points, lines and faces, which are no part of the solid.
     pub ignored: usize,
 }
 
@@ -78,16 +82,31 @@ impl RawMesh {
                 "save it with 4-node or with 10-node tetrahedra alone",
             ));
         }
-        if let Some(node) = nodes.iter().find(|&&node| node as usize >= self.nodes.len()) {
-            let what = format!("element {label} names the node at place {node}");
-            let why = format!("the file has {} nodes, counted here from 0", self.nodes.len());
-            return Err(MeshFileError::new(what, why, "save the mesh again; the file was cut or edited"));
-        }
+        self.known(nodes, &|| format!("element {label}"))?;
         self.each = nodes.len();
         self.corners.extend(nodes);
         self.labels.push(label);
         self.tags.push(tag);
         Ok(())
+    }
+
+    /// Adds a triangle of a surface, of which the first three nodes are the corners.
+    ///
+    /// # Errors
+    /// [`MeshFileError`] when a node is not there.
+    pub(super) fn triangle(&mut self, nodes: &[u32], tag: i64) -> Result<(), MeshFileError> {
+        self.known(nodes, &|| format!("triangle {} of a surface", self.triangles.len() + 1))?;
+        if let [a, b, c, ..] = nodes {
+            self.triangles.push(([*a, *b, *c], tag));
+        }
+        Ok(())
+    }
+
+    fn known(&self, nodes: &[u32], element: &dyn Fn() -> String) -> Result<(), MeshFileError> {
+        let Some(node) = nodes.iter().find(|&&node| node as usize >= self.nodes.len()) else { return Ok(()) };
+        let what = format!("{} names the node at place {node}", element());
+        let why = format!("the file has {} nodes, counted here from 0", self.nodes.len());
+        Err(MeshFileError::new(what, why, "save the mesh again; the file was cut or edited"))
     }
 
     /// Number of tetrahedra.

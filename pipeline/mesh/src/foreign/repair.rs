@@ -23,6 +23,8 @@ impl RawMesh {
         self.nodes = used.iter().map(|&node| self.nodes[node]).collect();
         self.node_labels = used.iter().map(|&node| self.node_labels[node]).collect();
         self.corners.iter_mut().for_each(|node| *node = number[*node as usize]);
+        self.triangles.retain(|(nodes, _)| nodes.iter().all(|&node| number[node as usize] != u32::MAX));
+        self.triangles.iter_mut().flat_map(|(nodes, _)| nodes).for_each(|node| *node = number[*node as usize]);
         first.map(|first| {
             format!("{dropped} nodes that no tetrahedron uses are dropped, the first of them node {first}")
         })

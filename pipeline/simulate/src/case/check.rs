@@ -4,7 +4,9 @@ use std::collections::BTreeSet;
 
 use lab::range::{Checked, violation, within};
 
-use super::{ArcLength, Case, Chamber, Dynamic, History, Load, Mass, Output, Place, Region, Source, Static, Wave};
+use super::{
+    ArcLength, Case, Chamber, Clamp, Dynamic, History, Load, Mass, Output, Place, Region, Source, Static, Wave,
+};
 
 /// Largest pressure, Pa.
 const PRESSURE: f64 = 1e8;
@@ -19,7 +21,7 @@ pub(super) fn case(case: &Case) -> Checked {
     only("gravity", upright, "gravity on a half model has no part along z: that would break the symmetry")?;
     each("region", &case.region, region)?;
     for (i, clamp) in case.clamp.iter().enumerate() {
-        place(&format!("clamp.{i}"), Place::of(clamp.plane, clamp.block))?;
+        held(&format!("clamp.{i}"), clamp)?;
         only(&format!("clamp.{i}.hold"), !clamp.hold.is_empty(), "a clamp holds along at least one axis")?;
     }
     each("chamber", &case.chamber, chamber)?;
@@ -70,6 +72,14 @@ fn relaxation(key: &str, region: &Region) -> Checked {
         only(&format!("{key}.springpot.decades"), rising, "two powers of ten that rise, between -9 and 9")?;
     }
     region.modulus_time.map_or(Ok(()), |time| within(&format!("{key}.modulus_time"), time, 0.0..=1e9, "s"))
+}
+
+/// A clamp holds the nodes of a place, or of a surface of the mesh file.
+fn held(key: &str, clamp: &Clamp) -> Checked {
+    if clamp.surface.is_none() {
+        return place(key, Place::of(clamp.plane, clamp.block));
+    }
+    only(key, clamp.plane.is_none() && clamp.block.is_none(), "it has one of plane, box and surface")
 }
 
 fn place(key: &str, place: Option<Place>) -> Checked {

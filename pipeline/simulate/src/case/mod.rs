@@ -185,6 +185,8 @@ pub struct Clamp {
     /// In a box.
     #[serde(rename = "box")]
     pub block: Option<Block>,
+    /// A surface that the mesh file names or numbers.
+    pub surface: Option<String>,
     /// Axes; all when it is not said.
     #[serde(default = "all_axes")]
     pub hold: Vec<Axis>,

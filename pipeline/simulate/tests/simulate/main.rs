@@ -4,6 +4,7 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod clamps;
 mod loads;
 mod path;
 
@@ -37,7 +38,8 @@ fn solve(test: &str, case: &str) -> Result<(Summary, Table), String> {
     let case = case
         .replace("file = \"cantilever.msh\"", &name("examples/cantilever.msh"))
         .replace("file = \"finger.msh\"", &name("examples/finger.msh"))
-        .replace("file = \"ball.msh\"", &name("../mesh/tests/data/ball.msh"));
+        .replace("file = \"ball.msh\"", &name("../mesh/tests/data/ball.msh"))
+        .replace("file = \"bar_legacy.msh\"", &name("../mesh/tests/data/bar_legacy.msh"));
     std::fs::write(folder.join("case.toml"), case).unwrap();
     let summary = run(&folder.join("case.toml"), None, true).map_err(|diagnostic| diagnostic.to_string())?;
     Ok((summary, Table::read(&folder.join("case.out/case.csv"))))

@@ -3,7 +3,7 @@
 use mesh::{QuadraticFace, QuadraticMesh, Skin, Solid, Spot};
 use serde::{Deserialize, Serialize};
 use si::CubicMetre;
-use sysid::{Body, Model};
+use sysid::{Attached, Body, Model};
 
 use crate::subject::Specimen;
 use workflow::columns::Columns;
@@ -19,6 +19,8 @@ pub struct Mesh {
     pub chambers: Vec<Cavity>,
     /// The card's markers on the skin, in its order.
     pub markers: Vec<Spot>,
+    /// The nodes of the surface that the card's clamp names; empty of a clamp by its place.
+    pub clamped: Vec<u32>,
     /// Quality of the mesh.
     pub quality: Quality,
 }
@@ -56,6 +58,8 @@ struct Scalars {
     chambers: Vec<Cavity>,
     quality: Quality,
     markers: Vec<Vec<(u32, f64)>>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    clamped: Vec<u32>,
 }
 
 const OUTER: u32 = 0;
@@ -68,7 +72,8 @@ impl Mesh {
     /// # Errors
     /// A [`diagnostics::Diagnostic`] when a material is unknown or the simulator refuses the mesh.
     pub fn model(&self, body: &Body) -> diagnostics::Result<Model> {
-        Model::new(&Solid::Quadratic(self.solid.clone()), &self.skins(), self.markers.clone(), body)
+        let attached = Attached { chambers: &self.skins(), clamped: &self.clamped };
+        Model::new(&Solid::Quadratic(self.solid.clone()), attached, self.markers.clone(), body)
     }
 
     /// The skin index of each chamber, in the order of the card.
@@ -90,7 +95,8 @@ impl Record for Mesh {
         let faces: Vec<[u32; 6]> = solid.skin.iter().map(|f| f.nodes).collect();
         let skin = Columns::default().counts("on", solid.skin.iter().map(|f| code(f.on)).collect());
         let markers = self.markers.iter().map(|m| m.weights.clone()).collect();
-        let scalars = Scalars { chambers: self.chambers.clone(), quality: self.quality.clone(), markers };
+        let (chambers, quality, clamped) = (self.chambers.clone(), self.quality.clone(), self.clamped.clone());
+        let scalars = Scalars { chambers, quality, markers, clamped };
         RecordFiles::default()
             .table("nodes.parquet", &nodes)?
             .table("tetrahedra.parquet", &tets)?
@@ -115,6 +121,7 @@ impl Record for Mesh {
             },
             chambers: scalars.chambers,
             markers: scalars.markers.into_iter().map(|weights| Spot { weights }).collect(),
+            clamped: scalars.clamped,
             quality: scalars.quality,
         })
     }
@@ -186,7 +193,8 @@ mod tests {
             marker_distance_m: 0.0,
         };
         let chambers = vec![Cavity { name: "left".into(), skin: 3, volume_m3: 1e-6 }];
-        let mesh = Mesh { solid, chambers, markers: vec![Spot { weights: vec![(2, 1.0)] }], quality };
+        let mesh =
+            Mesh { solid, chambers, markers: vec![Spot { weights: vec![(2, 1.0)] }], clamped: vec![0, 2], quality };
         assert_eq!(Mesh::unpack(&mesh.pack().unwrap()).unwrap(), mesh);
     }
 }

@@ -38,6 +38,12 @@ pub struct Card {
     meshed: bool,
     chambers: Vec<Point>,
     markers: Vec<Point>,
+    /// The surface of the mesh that is clamped, where the card names one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    clamped: Option<String>,
+    /// Whether a trial drives a chamber on one side of z = 0 without that on the other: no half is then meshed.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    sided: bool,
 }
 
 /// A named point of the card, m.
@@ -56,8 +62,17 @@ impl Part<Specimen> for Card {
             meshed: card.solid.mesh.is_some(),
             chambers: card.chamber.iter().map(|c| Point { name: c.name.clone(), at: c.at }).collect(),
             markers: card.marker.iter().map(|m| Point { name: m.name.clone(), at: m.at }).collect(),
+            clamped: card.clamp.surface.clone(),
+            sided: is_sided(card),
         }
     }
+}
+
+/// Whether a driven channel fills a chamber on one side of z = 0, and another channel one on the other side.
+fn is_sided(card: &card::Card) -> bool {
+    let driven = |c: &&card::Chamber| card.trial.iter().any(|t| t.experiment.channels().contains(&c.channel));
+    let apart = |a: &card::Chamber, b: &card::Chamber| a.at[2] * b.at[2] < 0.0 && a.channel != b.channel;
+    card.chamber.iter().filter(driven).any(|a| card.chamber.iter().any(|b| apart(a, b)))
 }
 
 impl Stage for Mesh {
@@ -81,7 +96,8 @@ impl Stage for Mesh {
 
     fn run(card: &Self::Card, set: &Settings, (): (), context: &dyn StageContext) -> Result<records::Mesh> {
         context.progress(0.1, "meshing");
-        let mesher = ::mesh::Settings { use_symmetry: set.use_symmetry, ..::mesh::Settings::new(set.edge) };
+        let mesher =
+            ::mesh::Settings { use_symmetry: set.use_symmetry && !card.sided, ..::mesh::Settings::new(set.edge) };
         made(card, &mesher, set.marker_distance_limit, context)
     }
 }
@@ -102,6 +118,7 @@ pub fn made(
     };
     let chambers = chambers(card, &made)?;
     let (markers, marker_distance_m) = embed_markers(card, &made.solid, marker_limit)?;
+    let clamped = card.clamped.as_deref().map_or(Ok(Vec::new()), |surface| made.clamped(surface))?;
     let quality = Quality {
         dofs: 3 * made.solid.nodes.len(),
         half: made.solid.half,
@@ -110,7 +127,7 @@ pub fn made(
         volume_error: made.volume_error,
         marker_distance_m,
     };
-    Ok(records::Mesh { solid: made.solid, chambers, markers, quality })
+    Ok(records::Mesh { solid: made.solid, chambers, markers, clamped, quality })
 }
 
 fn meshed(card: &Card, by: &::mesh::Settings, context: &dyn StageContext) -> Result<Meshed> {

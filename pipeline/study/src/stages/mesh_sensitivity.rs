@@ -14,7 +14,7 @@ use crate::subject::Specimen;
 use diagnostics::Result;
 use sysid::Interrupted;
 use sysid::Misfit;
-use sysid::{Body, Derivatives, Elastic, LevelSolver, Model};
+use sysid::{Attached, Body, Derivatives, Elastic, LevelSolver, Model};
 use workflow::stage::{RawFile, Stage, StageContext};
 use workflow::subject::Part;
 
@@ -96,7 +96,7 @@ fn model(body: &Body, mesh: &Mesh, nodes: usize, found: &Identified) -> Result<M
     let solid = if nodes == 4 { Solid::Linear(whole.to_linear()) } else { whole };
     let rest = found.levels.first().map(|l| l.rest_m.clone()).unwrap_or_default();
     let spots = body.markers.iter().zip(&rest).map(|(m, at)| solid.embed([at[0], at[1], m[2]]).0);
-    Model::new(&solid, &mesh.skins(), spots.collect(), body)
+    Model::new(&solid, Attached { chambers: &mesh.skins(), clamped: &[] }, spots.collect(), body)
 }
 
 fn point(found: &Identified, at: &[f64]) -> Moduli {

@@ -6,7 +6,7 @@ use hydro::Tail;
 use lab::card::Clamp;
 use mesh::Solid;
 use nalgebra::DMatrix;
-use sysid::{Body, Elastic, Material, Model, ReducedBody, Snapshots, Viscoelastic};
+use sysid::{Attached, Body, Elastic, Material, Model, ReducedBody, Snapshots, Viscoelastic};
 use tail_cad::Resolution;
 use thrust::outline::Outline;
 
@@ -53,7 +53,8 @@ impl Specimen {
         let body = Body { materials, clamp: Clamp::below(4e-3), length: LENGTH, markers };
         let (wet, stations) = Outline::new(&body, &solid).whole(998.0, SECTIONS)?;
         let spots = body.markers.iter().map(|at| mesh::embed(&solid, *at).0).collect();
-        let model = Model::new(&Solid::Quadratic(solid), &[0, 1], spots, &body)?.with_spots(stations);
+        let model = Model::new(&Solid::Quadratic(solid), Attached { chambers: &[0, 1], clamped: &[] }, spots, &body)?
+            .with_spots(stations);
         let branches = [(0.002, 0.08), (0.02, 0.06), (0.2, 0.05), (2.0, 0.04), (20.0, 0.03)];
         let relaxation = Relaxation::maxwell(&branches.map(|(time, strength)| Branch { strength, time }))?;
         let silicone = Viscoelastic { elastic: model.nominal.clone(), relaxation };

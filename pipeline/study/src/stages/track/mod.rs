@@ -1,6 +1,5 @@
 //! Track: positions of the markers of a film in pixels, with a covariance each. Paper: section IV, KLT.
 
-mod foreign;
 mod search;
 
 use std::path::Path as FilePath;
@@ -161,9 +160,10 @@ fn taken(card: &Card, sigma: f64, tracks: Tracks, context: &dyn StageContext) ->
     let text = String::from_utf8(context.bytes("tracks")?)
         .map_err(|e| Diagnostic::from(e).while_doing(format!("{place} is not text")))?;
     let names: Vec<String> = card.markers.iter().map(|m| m.name.clone()).collect();
-    let markers =
-        foreign::read(&text, &names, tracks.time.len(), sigma).map_err(|d| d.in_file(FilePath::new(&place)))?;
-    Ok(Tracks { markers, ..tracks })
+    let read =
+        lab::pixels::read(&text, &names, tracks.time.len(), sigma).map_err(|d| d.in_file(FilePath::new(&place)))?;
+    let path = |track: lab::pixels::PixelTrack| Path { name: track.name, at: track.at, spread: track.covariance };
+    Ok(Tracks { markers: read.into_iter().map(path).collect(), ..tracks })
 }
 
 /// Tracks up to the current frame.

@@ -1,20 +1,29 @@
-//! Imported tracks: a CSV of `study track` or of DeepLabCut instead of this tracker's.
+//! Tracks of markers in a film's pixels from another program: a CSV of `study track` or of DeepLabCut.
 
 use si::Point2;
 
 use diagnostics::{Diagnostic, Result};
 
-use crate::records::{Covariance2, Path};
+/// One marker of a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PixelTrack {
+    /// Its name there and on the card.
+    pub name: String,
+    /// Where it is, px: frames.
+    pub at: Vec<Point2>,
+    /// Covariance of each place, uu, uv and vv, px²: frames.
+    pub covariance: Vec<[f64; 3]>,
+}
 
 /// Least likelihood of an imported position, no unit.
 const LIKELIHOOD: f64 = 0.6;
 
-/// The paths of the markers `names` in a text, px, one position in each of `frames` frames; `sigma` (px) is their standard deviation
+/// The tracks of the markers `names` in a text, px, one position in each of `frames` frames; `sigma` (px) is their standard deviation
 /// where the text has none.
 ///
 /// # Errors
-/// A text in three parts that names the marker and frame at which it fails.
-pub fn read(text: &str, names: &[String], frames: usize, sigma: f64) -> Result<Vec<Path>> {
+/// [`Diagnostic`] that names the marker and frame at which the text fails.
+pub fn read(text: &str, names: &[String], frames: usize, sigma: f64) -> Result<Vec<PixelTrack>> {
     let first = text.lines().next().unwrap_or_default();
     let columns = match first.split(',').next().map(str::trim) {
         Some("scorer") => deeplabcut(text)?,
@@ -33,9 +42,9 @@ pub fn read(text: &str, names: &[String], frames: usize, sigma: f64) -> Result<V
                 "the likelihood of marker `{name}` is {likely:.2} in frame {frame}; the limit is {LIKELIHOOD}"
             )));
         }
-        let (at, spread) =
+        let (at, covariance) =
             places.iter().map(|p| (p.at, p.spread.unwrap_or([sigma * sigma, 0.0, sigma * sigma]))).unzip();
-        Ok(Path { name: name.clone(), at, spread })
+        Ok(PixelTrack { name: name.clone(), at, covariance })
     };
     names.iter().map(path).collect()
 }
@@ -43,7 +52,7 @@ pub fn read(text: &str, names: &[String], frames: usize, sigma: f64) -> Result<V
 /// A marker in a frame.
 struct Place {
     at: Point2,
-    spread: Option<Covariance2>,
+    spread: Option<[f64; 3]>,
     likelihood: f64,
 }
 
@@ -108,7 +117,7 @@ mod tests {
         let text = "frame,time_s,marker,u_px,v_px,uu_px2,uv_px2,vv_px2,residual,seen\n0,0,m1,1.5,2.5,0.01,0.002,0.04,1,1\n0,0,m2,3,4,0.01,0,0.01,1,1\n1,0.02,m1,1.6,2.5,0.01,0,0.04,1,1\n1,0.02,m2,3.1,4,0.01,0,0.01,1,1\n";
         let paths = read(text, &names(), 2, 9.0).unwrap();
         assert_eq!(paths[0].at, [[1.5, 2.5], [1.6, 2.5]]);
-        assert_eq!(paths[0].spread[0], [0.01, 0.002, 0.04]);
+        assert_eq!(paths[0].covariance[0], [0.01, 0.002, 0.04]);
         assert!(read(text, &names(), 3, 9.0).unwrap_err().why.contains("`m1` has 2 positions, the film 3 frames"));
     }
 
@@ -117,7 +126,7 @@ mod tests {
         let text = "scorer,net,net,net,net,net,net\nbodyparts,m2,m2,m2,m1,m1,m1\ncoords,x,y,likelihood,x,y,likelihood\n0,3,4,0.99,1,2,0.98\n1,3.5,4,0.99,1.5,2,0.97\n";
         let paths = read(text, &names(), 2, 0.5).unwrap();
         assert_eq!((paths[0].at[1], paths[1].at[1]), ([1.5, 2.0], [3.5, 4.0]));
-        assert_eq!(paths[0].spread[0], [0.25, 0.0, 0.25]);
+        assert_eq!(paths[0].covariance[0], [0.25, 0.0, 0.25]);
         let unlikely = text.replace("0.97", "0.30");
         assert!(
             read(&unlikely, &names(), 2, 0.5).unwrap_err().why.contains("likelihood of marker `m1` is 0.30 in frame 1")
