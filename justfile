@@ -63,6 +63,35 @@ real-arm:
     cp target/real/real_arm_ds10.svg figures/real_arm.svg
     mkdir -p paper/tables && cp target/real/real_arm_ds10.csv paper/tables/real_arm.csv
 
+# the arm as a specimen without a film, in a project of its own under target/arm: a modulus by `study run` beside that of `study fit`
+real-arm-card: build
+    #!/usr/bin/env bash
+    set -euo pipefail
+    page=pipeline/sysid/examples/real/arm_ds10
+    for folder in data/raw/arm_ds10 ../shared/real/arm_ds10; do [ -d "$folder" ] && break; done
+    if [ ! -d "$folder" ]; then echo "no recordings of arm_ds10: left out"; exit 0; fi
+    arm=target/arm/data/raw/arm_ds10
+    mkdir -p $arm/cad && cp study.toml target/arm && cp ${page}_card.toml $arm/specimen.toml
+    cp "$folder/arm_reconstructed.stl" $arm/cad/body.stl
+    # name, pressure (mbar), first and last second of the hold of each recording; its pressure rises in `rise` seconds
+    rise=$(awk '$1 == "rise" { print $3 }' $page.toml)
+    awk -F'[][=,# ]+' '$1 == "name" { name = $2 } $1 == "pressure" { p = $2 / 100 } $1 == "hold" { gsub("\"", "", name); print name, p, $2, $3 }' $page.toml |
+    while read -r name pressure from to; do
+        mkdir -p $arm/trials/$name && cp "$folder/v3_$name.csv" $arm/trials/$name/places.csv
+        awk -v p=$pressure -v from=$from -v to=$to -v rise=$rise '
+            function ramp(t) { return t < 0 ? 0 : t > rise ? 1 : t / rise }
+            BEGIN {
+                print "# no pressure was logged: the nominal step"
+                print "time_s,front_command_mbar,back_command_mbar,left_command_mbar,right_command_mbar,front_mbar,back_mbar,left_mbar,right_mbar"
+                for (i = 0; i < 600; i++) {
+                    t = i / 100
+                    printf "%.2f,%g,0,0,0,%g,0,0,0\n", t, (t >= from - 1e-9 && t < to - 1e-9) * p, p * (ramp(t - from) - ramp(t - to))
+                }
+            }' > $arm/trials/$name/pressure.csv
+    done
+    {{programs}}/study doctor arm_ds10 --root target/arm
+    {{programs}}/study run --specimen arm_ds10 identify --root target/arm
+
 # a coarse and short version of the main path, of one tail, under target/quick
 quick: build
     {{programs}}/rig record nemo --profile quick
