@@ -46,7 +46,7 @@ fn run(cli: &Cli) -> Result<bool> {
             readable(&diagnostics, specimen.as_deref())?;
             let goal = Goal { entries: names.clone(), group: specimen.clone() };
             if !cli.place.quiet {
-                cli::pictures::left_out(&runner, &goal).iter().for_each(|said| output::note(said));
+                cli::pictures::left_out(&runner, &goal).iter().for_each(output::note);
             }
             let summary = study::run(&runner, &goal, *fresh)?;
             study::page(&runner)?;

@@ -50,7 +50,7 @@ impl Reach<'_> {
     }
 
     /// The nodes in a place.
-    pub fn nodes(&self, place: &Place) -> Vec<u32> {
+    pub(crate) fn nodes(&self, place: &Place) -> Vec<u32> {
         (0..self.solid.nodes().len() as u32).filter(|&node| self.holds(place, node)).collect()
     }
 
@@ -58,7 +58,7 @@ impl Reach<'_> {
     ///
     /// # Errors
     /// A [`Diagnostic`] with the names that there are.
-    pub fn on_surface(&self, surfaces: &[NamedSurface], word: &str) -> Result<Vec<u32>> {
+    pub(crate) fn on_surface(&self, surfaces: &[NamedSurface], word: &str) -> Result<Vec<u32>> {
         let elements = (0..self.solid.len()).map(|element| self.solid.element(element));
         Ok(foreign::surface(surfaces, word)?.nodes(elements))
     }

@@ -19,7 +19,7 @@ pub struct Clamp {
     #[serde(default, rename = "box")]
     pub block: Option<Block>,
     /// A surface that the mesh file names or numbers.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub surface: Option<String>,
 }
 

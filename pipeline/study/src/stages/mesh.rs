@@ -39,10 +39,8 @@ pub struct Card {
     chambers: Vec<Point>,
     markers: Vec<Point>,
     /// The surface of the mesh that is clamped, where the card names one.
-    #[serde(skip_serializing_if = "Option::is_none")]
     clamped: Option<String>,
     /// Whether a trial drives a chamber on one side of z = 0 without that on the other: no half is then meshed.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
     sided: bool,
 }
 

@@ -43,7 +43,6 @@ pub struct Card {
     /// The commanded frequency of a flapping trial, Hz.
     frequency: Option<Hertz>,
     /// Whether nothing was filmed: the logs of force and pressure are then on one clock.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
     one_clock: bool,
     /// How the logs are written, and the load cell's own lag.
     log: lab::card::Log,
