@@ -1,4 +1,4 @@
-//! Wall: change of the distance between the outer wall of a tail and its sheet when the tail bends.
+//! Wall: change of the distance between the outer wall of a tail and its sheet when the tail bends, and the rotation of its end.
 //!
 //! Measured in the section at mid height relative to the sheet, so that bending, which moves wall and sheet alike, does not count.
 
@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 
 use mesh::{QuadraticMesh, SPINE, Skin};
 use serde::{Deserialize, Serialize};
-use si::{Metre, Point2, Point3, vec3};
+use si::{Metre, Pascal, Point2, Point3, vec3};
 
 /// Change of the distance between outer wall and sheet at mid height, and where.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -67,6 +67,35 @@ impl Section {
     }
 }
 
+/// Rotation of the far third of a body in the plane, rad, positive towards y: the best fit to its nodes in the sense of least squares, so
+/// that fluttering edges count little.
+pub fn end_rotation(rest: &[Point3], moved: &[Point3]) -> f64 {
+    let along = || rest.iter().map(|node| node[0]);
+    let (low, high) = (along().fold(f64::INFINITY, f64::min), along().fold(f64::NEG_INFINITY, f64::max));
+    let far = |x: f64| x > high - (high - low) / 3.0;
+    let pairs: Vec<(Point2, Point2)> =
+        rest.iter().zip(moved).filter(|(node, _)| far(node[0])).map(|(a, b)| (flat(*a), flat(*b))).collect();
+    let mean = |of: &dyn Fn(&(Point2, Point2)) -> f64| pairs.iter().map(of).sum::<f64>() / pairs.len() as f64;
+    let (a, b) = ([mean(&|p| p.0[0]), mean(&|p| p.0[1])], [mean(&|p| p.1[0]), mean(&|p| p.1[1])]);
+    let (mut sine, mut cosine) = (0.0, 0.0);
+    for (from, to) in &pairs {
+        let ([x, y], [u, v]) = ([from[0] - a[0], from[1] - a[1]], [to[0] - b[0], to[1] - b[1]]);
+        sine += x * v - y * u;
+        cosine += x * u + y * v;
+    }
+    sine.atan2(cosine)
+}
+
+/// The pressure at which a wall buckles: where its dent grows fastest, between two of the rising `pressures` (Pa) with the dents `dents` (m).
+/// None where the deepest dent stays below `least`.
+// An imperfect wall has no bifurcation: its dent grows by degrees, and fastest near the critical pressure of the perfect one.
+pub fn buckling_pressure(pressures: &[Pascal], dents: &[Metre], least: Metre) -> Option<Pascal> {
+    let deepest = dents.iter().copied().fold(0.0, f64::max);
+    let slope = |i: &usize| (dents[i + 1] - dents[*i]) / (pressures[i + 1] - pressures[*i]);
+    let steepest = (0..pressures.len().saturating_sub(1)).max_by(|a, b| slope(a).total_cmp(&slope(b)))?;
+    (deepest >= least).then(|| 0.5 * (pressures[steepest] + pressures[steepest + 1]))
+}
+
 fn flat(p: Point3) -> Point2 {
     [p[0], p[1]]
 }
@@ -116,5 +145,30 @@ mod tests {
         let moved: Vec<Point3> = section.rest.iter().map(|p| [c * p[0] - s * p[1], s * p[0] + c * p[1], 0.0]).collect();
         let walls = section.walls(&moved, true);
         assert!(walls.dent_m < 1e-12 && walls.bulge_m < 1e-12, "{walls:?}");
+    }
+
+    #[test]
+    fn the_end_of_a_body_turns_by_the_angle_of_a_rotation_about_any_point() {
+        let rest: Vec<Point3> = (0..40).map(|i| [0.003 * f64::from(i), 0.002 * f64::from(i % 5), 0.0]).collect();
+        let turned = |angle: f64| -> Vec<Point3> {
+            let (s, c) = angle.sin_cos();
+            rest.iter().map(|p| [0.01 + c * p[0] - s * p[1], s * p[0] + c * p[1] - 0.02, 0.003]).collect()
+        };
+        for angle in [-2.0, -0.4, 0.0, 1.2] {
+            assert!((end_rotation(&rest, &turned(angle)) - angle).abs() < 1e-12);
+        }
+        // what lies before the far third does not count
+        let mut bent = turned(0.3);
+        bent[..20].iter_mut().for_each(|p| p[1] += 0.01);
+        assert!((end_rotation(&rest, &bent) - 0.3).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_wall_buckles_where_its_dent_grows_fastest_and_a_shallow_dent_is_none() {
+        let pressures: Vec<f64> = (1..=10).map(|i| 2.5e3 * f64::from(i)).collect();
+        let dents: Vec<f64> = pressures.iter().map(|p| 3e-3 * (1.0 + ((p - 1.86e4) / 1e3).tanh())).collect();
+        assert_eq!(buckling_pressure(&pressures, &dents, 1e-3), Some(1.875e4));
+        assert_eq!(buckling_pressure(&pressures, &dents, 1e-2), None);
+        assert_eq!(buckling_pressure(&[], &[], 1e-3), None);
     }
 }

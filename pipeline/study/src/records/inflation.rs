@@ -1,11 +1,11 @@
 //! Inflation: the skin of the identified model at rising pressures on one side, and the displacement of its walls.
 
 use serde::{Deserialize, Serialize};
-use si::{Pascal, Point3, vec3};
+use si::{Metre, Pascal, Point3, vec3};
 
 use super::Mesh;
 use crate::subject::Specimen;
-use sysid::wall::Walls;
+use sysid::wall::{self, Walls};
 use workflow::columns::Columns;
 use workflow::metric::Metric;
 use workflow::record::{Record, RecordError, RecordFiles};
@@ -32,12 +32,15 @@ pub struct Shape {
     pub moved: Vec<Point3>,
     /// Displacement of its walls.
     pub walls: Walls,
+    /// Rotation of its end in the plane, rad.
+    pub rotation: f64,
 }
 
 #[derive(Serialize, Deserialize)]
 struct Scalars {
     pressures_pa: Vec<Vec<Pascal>>,
     walls: Vec<Walls>,
+    rotations_rad: Vec<f64>,
     filmed: Option<usize>,
     asked_pa: Pascal,
 }
@@ -51,7 +54,17 @@ impl Inflation {
         }
         nodes
     }
+
+    /// The pressure at which the slack wall buckles, Pa; none where it hardly dents.
+    pub(crate) fn buckling_pressure(&self) -> Option<Pascal> {
+        let pressures: Vec<Pascal> = self.shapes.iter().map(Shape::pressure).collect();
+        let dents: Vec<f64> = self.shapes.iter().map(|shape| shape.walls.dent_m).collect();
+        wall::buckling_pressure(&pressures, &dents, LEAST_DENT)
+    }
 }
+
+/// A wall that dents less than this has not buckled, m.
+const LEAST_DENT: Metre = 1e-3;
 
 impl Shape {
     /// The highest of its pressures, Pa.
@@ -82,6 +95,7 @@ impl Record for Inflation {
         let scalars = Scalars {
             pressures_pa: self.shapes.iter().map(|s| s.pressures_pa.clone()).collect(),
             walls: self.shapes.iter().map(|s| s.walls).collect(),
+            rotations_rad: self.shapes.iter().map(|s| s.rotation).collect(),
             filmed: self.filmed,
             asked_pa: self.asked_pa,
         };
@@ -96,8 +110,9 @@ impl Record for Inflation {
             let (x, y, z) = (axis("x")?, axis("y")?, axis("z")?);
             Ok(x.into_iter().zip(y).zip(z).map(|((x, y), z)| [x, y, z]).collect())
         };
-        let levels = scalars.pressures_pa.into_iter().zip(scalars.walls).enumerate();
-        let shape = |(i, (pressures_pa, walls))| Ok(Shape { pressures_pa, moved: moved(i)?, walls });
+        let levels = scalars.pressures_pa.into_iter().zip(scalars.walls).zip(scalars.rotations_rad).enumerate();
+        let shape =
+            |(i, ((pressures_pa, walls), rotation))| Ok(Shape { pressures_pa, moved: moved(i)?, walls, rotation });
         Ok(Self {
             nodes: columns.u32("node")?,
             shapes: levels.map(shape).collect::<Result<_, RecordError>>()?,
@@ -109,17 +124,26 @@ impl Record for Inflation {
     fn metrics(&self, subject: &str) -> Vec<Metric> {
         let id = |what: &str| format!("inflate.{subject}.{what}");
         let Some(shape) = self.filmed.map_or(self.shapes.last(), |i| self.shapes.get(i)) else { return Vec::new() };
-        vec![
+        let mut metrics = vec![
             Metric::new(id("pressure_mbar"), shape.pressure() / si::MILLIBAR, "mbar"),
             Metric::new(id("dent_mm"), shape.walls.dent_m / si::MILLIMETRE, "mm"),
             Metric::new(id("bulge_mm"), shape.walls.bulge_m / si::MILLIMETRE, "mm"),
-        ]
+            Metric::new(id("angle_deg"), shape.rotation.abs().to_degrees(), "degrees"),
+        ];
+        let critical = self.buckling_pressure().map(|p| Metric::new(id("critical_mbar"), p / si::MILLIBAR, "mbar"));
+        metrics.extend(critical);
+        metrics
     }
 
     fn summary(&self) -> String {
         let Some(last) = self.shapes.last() else { return "no shape".into() };
         let (count, top, dent) = (self.shapes.len(), last.pressure() / si::MILLIBAR, last.walls.dent_m);
-        format!("{count} shapes up to {top:.0} mbar, dent of the other wall {:.2} mm", dent / si::MILLIMETRE)
+        let (dent, angle) = (dent / si::MILLIMETRE, last.rotation.abs().to_degrees());
+        let buckled = self.buckling_pressure().map(|p| format!(", which buckles near {:.0} mbar", p / si::MILLIBAR));
+        let buckled = buckled.unwrap_or_default();
+        format!(
+            "{count} shapes up to {top:.0} mbar, the end turned by {angle:.1}°, dent of the other wall {dent:.2} mm{buckled}"
+        )
     }
 }
 
@@ -130,7 +154,8 @@ mod tests {
     #[test]
     fn shapes_survive_their_record() {
         let walls = Walls { dent_m: 1e-3, dent_at: [0.02, -0.01, 0.0], bulge_m: 2e-3 };
-        let shape = |p: f64| Shape { pressures_pa: vec![p, 0.0], moved: vec![[p * 1e-6, 0.0, 1e-3]; 2], walls };
+        let shape =
+            |p: f64| Shape { pressures_pa: vec![p, 0.0], moved: vec![[p * 1e-6, 0.0, 1e-3]; 2], walls, rotation: 0.2 };
         let inflation =
             Inflation { nodes: vec![3, 8], shapes: vec![shape(1e4), shape(2e4)], filmed: Some(1), asked_pa: 3e4 };
         assert_eq!(Inflation::unpack(&inflation.pack().unwrap()).unwrap(), inflation);

@@ -7,13 +7,11 @@ use fem::{Solver, StaticSettings};
 use serde::{Deserialize, Serialize};
 use si::{Pascal, Point3, vec3};
 
-use super::simulation;
-
 use crate::records::{ExampleFrames, Identified, Inflation, Mesh, Shape};
 use crate::selections::OfTrials;
 use crate::subject::{Specimen, Trial};
 use diagnostics::{Diagnostic, Result};
-use sysid::wall::{Section, Walls};
+use sysid::wall::{Section, Walls, end_rotation};
 use sysid::{Body, by_node};
 use workflow::stage::{Stage, StageContext};
 use workflow::subject::Part;
@@ -68,7 +66,7 @@ impl Stage for Inflate {
     type Needs = (Mesh, Identified, OfTrials<ExampleFrames>);
     type Makes = Inflation;
     const DESCRIPTION: &'static str = "the identified model is inflated to the highest filmed pressure";
-    const VERSION: u32 = 3;
+    const VERSION: u32 = 4;
 
     fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<Inflation> {
         let (mesh, found, OfTrials(examples, _)) = needs;
@@ -78,7 +76,7 @@ impl Stage for Inflate {
         let levels = levels(card, staircase, set.shapes, filmed.as_deref());
         let model = mesh.model(&card.body)?;
         let mut solver = model.system.solver();
-        simulation::identified(&model, &found).apply(&mut solver)?;
+        found.elastic(&model).apply(&mut solver)?;
         let statics = StaticSettings {
             tolerance: set.static_tolerance,
             max_halvings: HALVINGS,
@@ -136,7 +134,7 @@ fn shape(mesh: &Mesh, section: Option<&Section>, pressures: &[Pascal], moved: Ve
     let fullest = (0..pressures.len()).max_by(order).map_or(0, |k| mesh.chambers[k].skin);
     let nodes: Vec<Point3> = mesh.solid.nodes.iter().zip(&moved).map(|(&x, &u)| vec3::add(x, u)).collect();
     let walls = section.map_or(Walls::default(), |s| s.walls(&nodes, lies_left(mesh, fullest)));
-    Shape { pressures_pa: pressures.to_vec(), moved, walls }
+    Shape { pressures_pa: pressures.to_vec(), moved, walls, rotation: end_rotation(&mesh.solid.nodes, &nodes) }
 }
 
 /// Whether a cavity lies at positive y.
