@@ -88,3 +88,11 @@ fn a_card_with_a_mesh_a_box_and_a_plane_is_read_back_the_same() {
         assert_eq!(parsed(&card::write(&card)).unwrap(), card);
     }
 }
+
+#[test]
+fn the_nominal_stiffening_of_a_solid_is_read_and_one_out_of_range_is_refused() {
+    let body = |ratios: &str| solid("body", &format!("file = \"body.stl\"\nstiffening = {ratios}"), 1e5);
+    let solids = with_solids(&body("[0.02, 0.1]")).unwrap();
+    assert_eq!(solids.parts[0].solid.stiffening, [0.02, 0.1]);
+    assert!(with_solids(&body("[0.02, 20.0]")).unwrap_err().contains("stiffening.1"));
+}

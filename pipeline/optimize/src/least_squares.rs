@@ -105,6 +105,13 @@ impl Covariance {
         self
     }
 
+    /// The covariance of the first `count` parameters, whatever the others are.
+    #[must_use]
+    pub fn marginal(&self, count: usize) -> Self {
+        let values = (0..count * count).map(|i| self.of(i / count, i % count)).collect();
+        Self { parameters: count, values, residual_variance: self.residual_variance }
+    }
+
     /// Covariance of two parameters.
     pub fn of(&self, i: usize, j: usize) -> f64 {
         self.values[i * self.parameters + j]

@@ -155,6 +155,7 @@ fn solids(all: &Settings, set: &settings::Specimen) -> card::Solids {
         material: of.nominal.law.clone(),
         youngs_modulus: of.nominal.youngs_modulus,
         poissons_ratio: of.nominal.poissons_ratio,
+        stiffening: of.nominal.stiffening,
         density: of.density,
         plausible: of.nominal.plausible,
     };

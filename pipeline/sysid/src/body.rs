@@ -17,6 +17,8 @@ pub struct Material {
     pub poissons_ratio: f64,
     /// kg/m³.
     pub density: KilogramPerCubicMetre,
+    /// Nominal C₂₀/C₁₀ and C₃₀/C₁₀, no unit.
+    pub stiffening: [f64; 2],
     /// Lowest and highest plausible E, Pa.
     pub plausible: [Pascal; 2],
 }
@@ -67,6 +69,7 @@ impl Material {
             youngs_modulus: solid.youngs_modulus,
             poissons_ratio: solid.poissons_ratio,
             density: solid.density,
+            stiffening: solid.stiffening,
             plausible: solid.plausible,
         }
     }

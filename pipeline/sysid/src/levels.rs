@@ -41,7 +41,8 @@ pub struct SimulatedLevel {
     pub markers: Vec<Point2>,
     /// ∂(mean distance)/∂E of each solid of this level's part of the loss, m/Pa; empty unless requested.
     pub gradient: Vec<f64>,
-    /// d(marker displacement)/dθ: for E of each solid (m/Pa), then, when requested, ν of each (m); each markers × 2.
+    /// d(marker displacement)/dθ: for E of each solid (m/Pa), then, when requested, ν of each or both ratios of stiffening (m); each
+    /// markers × 2.
     pub sensitivities: Vec<Vec<Point2>>,
     /// Displacement of every node, m, 3 a node.
     pub displacement: Vec<f64>,
@@ -62,6 +63,8 @@ pub enum Derivatives {
     Sensitivities,
     /// To the moduli and the Poisson's ratios.
     AllSensitivities,
+    /// To the moduli and both ratios of stiffening of the softest solid.
+    StiffeningSensitivities,
 }
 
 /// Halvings of a load step without an initial guess; later solves may be limited to fewer.
@@ -178,13 +181,10 @@ impl Part<'_> {
             _ => Vec::new(),
         };
         let sensitivities = match self.derivatives {
-            Derivatives::Sensitivities => {
-                sensitivities(model, &equilibrium, solver, &moduli(model.nominal.youngs_moduli.len()))?
+            Derivatives::None | Derivatives::Gradient => Vec::new(),
+            wanted => {
+                sensitivities(model, &equilibrium, solver, &parameters(wanted, model.nominal.youngs_moduli.len()))?
             }
-            Derivatives::AllSensitivities => {
-                sensitivities(model, &equilibrium, solver, &constants(model.nominal.youngs_moduli.len()))?
-            }
-            _ => Vec::new(),
         };
         let derivative_seconds = began.elapsed().as_secs_f64();
         let displacement = equilibrium.displacement;
@@ -215,15 +215,21 @@ impl Part<'_> {
     }
 }
 
-/// The moduli of all solids.
-fn moduli(solids: usize) -> Vec<Parameter> {
-    (0..solids).map(Parameter::YoungsModulus).collect()
+/// The moduli of all solids, then what else is wanted.
+fn parameters(wanted: Derivatives, solids: usize) -> Vec<Parameter> {
+    let moduli = (0..solids).map(Parameter::YoungsModulus);
+    match wanted {
+        Derivatives::AllSensitivities => moduli.chain((0..solids).map(Parameter::PoissonsRatio)).collect(),
+        Derivatives::StiffeningSensitivities => moduli.chain(TERMS.map(stiffening)).collect(),
+        _ => moduli.collect(),
+    }
 }
 
-/// The moduli of all solids, then their Poisson's ratios.
-fn constants(solids: usize) -> Vec<Parameter> {
-    let ratios = (0..solids).map(Parameter::PoissonsRatio);
-    moduli(solids).into_iter().chain(ratios).collect()
+/// The terms of [`Parameter::Stiffening`].
+const TERMS: [usize; 2] = [0, 1];
+
+fn stiffening(term: usize) -> Parameter {
+    Parameter::Stiffening { region: BODY, term }
 }
 
 fn sensitivities(

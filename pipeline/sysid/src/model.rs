@@ -37,6 +37,8 @@ pub struct Elastic {
     pub youngs_moduli: Vec<Pascal>,
     /// ν, no unit.
     pub poissons_ratios: Vec<f64>,
+    /// C₂₀/C₁₀ and C₃₀/C₁₀ of the softest, no unit; without effect where its law does not stiffen.
+    pub stiffening: [f64; 2],
 }
 
 impl Elastic {
@@ -48,7 +50,7 @@ impl Elastic {
         for (region, (e, nu)) in self.youngs_moduli.iter().zip(&self.poissons_ratios).enumerate() {
             solver.set_elastic(region, *e, *nu)?;
         }
-        Ok(())
+        Ok(solver.set_stiffening(BODY, self.stiffening)?)
     }
 }
 
@@ -103,6 +105,7 @@ impl Model {
         let nominal = Elastic {
             youngs_moduli: body.materials.iter().map(|m| m.youngs_modulus).collect(),
             poissons_ratios: body.materials.iter().map(|m| m.poissons_ratio).collect(),
+            stiffening: body.materials.first().map_or([0.0; 2], |soft| soft.stiffening),
         };
         Ok(Self { system: Arc::new(system), markers, nominal })
     }
@@ -151,5 +154,14 @@ fn region(material: &Material) -> Result<RegionProperties> {
             "correct the card",
         )
     })?;
-    Ok(RegionProperties::elastic(law, material.youngs_modulus, material.poissons_ratio, material.density))
+    if material.stiffening != [0.0; 2] && !law.is_stiffening() {
+        let stiffening = fem::materials::ALL.iter().filter(|m| m.is_stiffening()).map(|m| m.name());
+        return Err(Diagnostic::new(
+            format!("the card gives solid.{} of the material `{}` a stiffening", material.name, material.law),
+            format!("materials that stiffen: {}", stiffening.collect::<Vec<_>>().join(", ")),
+            "take one of them, or leave stiffening out",
+        ));
+    }
+    let elastic = RegionProperties::elastic(law, material.youngs_modulus, material.poissons_ratio, material.density);
+    Ok(RegionProperties { stiffening: material.stiffening, ..elastic })
 }

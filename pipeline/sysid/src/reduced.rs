@@ -32,6 +32,8 @@ pub struct ReducedBody {
     scale: Vec<f64>,
     /// Of body and spine.
     relaxation: Vec<Relaxation>,
+    /// Ratios of stiffening by region.
+    stiffening: Vec<[f64; 2]>,
     /// Displacement of each marker in the plane by coordinate, m: markers × 2 × coordinates.
     rows: Vec<[Vec<f64>; 2]>,
 }
@@ -133,7 +135,7 @@ impl ReducedBody {
     pub fn of(model: &Model, silicone: &Viscoelastic, data: &ReducedModelData) -> Result<Self> {
         let reduced = Arc::new(model.system.restore(data)?);
         let rows = model.markers.iter().map(|spot| rows(&reduced, spot)).collect();
-        let made = Self { reduced, scale: Vec::new(), relaxation: Vec::new(), rows };
+        let made = Self { reduced, scale: Vec::new(), relaxation: Vec::new(), stiffening: Vec::new(), rows };
         Ok(made.with(model, silicone))
     }
 
@@ -166,7 +168,7 @@ impl ReducedBody {
             settings: motion.settings,
             modulus_scale: &self.scale,
             relaxation: &self.relaxation,
-            stiffening: &[],
+            stiffening: &self.stiffening,
             actuation: &actuation,
         };
         let mut shown = |_: Second, q: &DVector<f64>, v: &DVector<f64>| see(q, v);
@@ -178,9 +180,15 @@ impl ReducedBody {
         DMatrix::from_fn(2 * markers.len(), self.coordinates(), |i, j| self.rows[markers[i / 2]][i % 2][j])
     }
 
-    /// The reduced model, the factor of each region's moduli and its relaxation.
-    pub fn parts(&self) -> (&ReducedModel, &[f64], &[Relaxation]) {
-        (&self.reduced, &self.scale, &self.relaxation)
+    /// The reduced model.
+    pub fn model(&self) -> &ReducedModel {
+        &self.reduced
+    }
+
+    /// By region: the factor of its moduli, its relaxation, its ratios of stiffening.
+    pub fn constants(&self) -> impl Iterator<Item = (f64, &Relaxation, [f64; 2])> {
+        let all = self.scale.iter().zip(&self.relaxation).zip(&self.stiffening);
+        all.map(|((scale, relaxation), stiffening)| (*scale, relaxation, *stiffening))
     }
 
     /// The same reduced model with other constants of the silicone; `model` is the one that was reduced.
@@ -190,7 +198,9 @@ impl ReducedBody {
         let scale = made.iter().zip(&silicone.elastic.youngs_moduli).map(|(r, e)| e / r.youngs_modulus).collect();
         let mut relaxation = vec![Relaxation::default(); made.len()];
         relaxation[BODY] = silicone.relaxation.clone();
-        Self { reduced: Arc::clone(&self.reduced), scale, relaxation, rows: self.rows.clone() }
+        let mut stiffening: Vec<[f64; 2]> = made.iter().map(|region| region.stiffening).collect();
+        stiffening[BODY] = silicone.elastic.stiffening;
+        Self { reduced: Arc::clone(&self.reduced), scale, relaxation, stiffening, rows: self.rows.clone() }
     }
 
     /// Number of markers and further points.

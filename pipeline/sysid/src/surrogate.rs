@@ -1,7 +1,7 @@
 //! Surrogate of equilibria: the initial guess of an equilibrium, kriged from earlier ones.
 //!
 //! Without gravity the shape of a body follows from which chamber is filled, from its pressure over the modulus of the softest
-//! material, from the other moduli over that one, and from the Poisson's ratios. Shapes anywhere in that reduced space
+//! material, from the other moduli over that one, from the Poisson's ratios and from the stiffening. Shapes anywhere in that reduced space
 //! predict others by ordinary kriging with a wide Gaussian, close to polynomial interpolation [krige1951].
 
 use nalgebra::{DMatrix, DVector};
@@ -37,7 +37,8 @@ impl Load {
         let (e, nu) = (&elastic.youngs_moduli, &elastic.poissons_ratios);
         let moduli = e[1..].iter().map(|other| (other / e[BODY]).ln());
         let ratios = nu.iter().enumerate().map(|(region, nu)| BY_RATIO[region.min(1)] * nu);
-        Self { chamber, at: std::iter::once(pressure / e[BODY] / unit).chain(moduli).chain(ratios).collect() }
+        let constants = moduli.chain(ratios).chain(elastic.stiffening);
+        Self { chamber, at: std::iter::once(pressure / e[BODY] / unit).chain(constants).collect() }
     }
 
     /// The same body at rest.
@@ -102,7 +103,9 @@ mod tests {
     use super::*;
 
     fn load(pressure: f64, body: f64, spine: f64) -> Load {
-        Load::new(0, pressure, &Elastic { youngs_moduli: vec![body, spine], poissons_ratios: vec![0.49, 0.38] }, 0.1)
+        let poissons_ratios = vec![0.49, 0.38];
+        let elastic = Elastic { youngs_moduli: vec![body, spine], poissons_ratios, stiffening: [0.0; 2] };
+        Load::new(0, pressure, &elastic, 0.1)
     }
 
     /// A smooth function of the load, zero at rest.

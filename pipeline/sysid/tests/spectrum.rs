@@ -3,15 +3,11 @@
 
 #![allow(clippy::unwrap_used)] // a test may fail where it stands
 
-use std::sync::Arc;
+mod shared;
 
-use fem::{
-    Branch, Clamps, DynamicSettings, InitialValueProblem, RegionProperties, Relaxation, Scheme, State, System,
-    box_mesh, materials,
-};
-use mesh::Spot;
+use fem::{Branch, DynamicSettings, InitialValueProblem, Relaxation, Scheme, State};
 use sysid::relaxation::{Film, Footage, SpectrumProblem, SpectrumSettings, Window};
-use sysid::{Elastic, Model, ReducedBody, Snapshots, TimeSteps};
+use sysid::{Model, ReducedBody, Snapshots, TimeSteps};
 
 /// Pa.
 const PRESSURE: f64 = 4e3;
@@ -21,23 +17,6 @@ const END: f64 = 2.4;
 /// Frames a second, and time steps a frame.
 const RATE: f64 = 60.0;
 const EACH: usize = 4;
-
-/// A bar of 80 × 20 × 20 mm, half of it meshed, with an air chamber on either side of a stiff sheet, seen at its end.
-fn bar() -> Model {
-    let air = |c: [usize; 3], y: usize| (1..7).contains(&c[0]) && c[1] == y && c[2] == 0;
-    let place = |at: [f64; 3]| [0.08 * at[0], 0.02 * (at[1] - 0.5), 0.01 * at[2]];
-    let region = move |c: [usize; 3]| if air(c, 1) || air(c, 3) { None } else { Some(u16::from(c[1] == 2)) };
-    let mesh = box_mesh::to_quadratic(&box_mesh::grid([8, 5, 2], true, place, region));
-    let material = materials::by_name("neo_hookean").unwrap();
-    let soft = RegionProperties::elastic(material, 2e5, 0.45, 1e3);
-    let stiff = RegionProperties { youngs_modulus: 5e6, poissons_ratio: 0.35, ..soft.clone() };
-    let far = |a: &usize, b: &usize| mesh.nodes[*a][0].total_cmp(&mesh.nodes[*b][0]);
-    let end = (0..mesh.nodes.len()).max_by(far).unwrap() as u32;
-    let clamps = Clamps::below_x(&mesh, 1e-9);
-    let system = Arc::new(System::new(mesh, vec![soft, stiff], clamps).unwrap());
-    let nominal = Elastic { youngs_moduli: vec![2e5, 5e6], poissons_ratios: vec![0.45, 0.35] };
-    Model { system, markers: vec![Spot { weights: vec![(end, 1.0)] }], nominal }
-}
 
 /// Two branches a decade, uneven: no sum of the fitted four.
 fn hidden() -> Relaxation {
@@ -75,7 +54,7 @@ fn filmed(model: &Model) -> Vec<Window> {
 
 #[test]
 fn storage_and_loss_come_back_from_a_motion_by_a_spectrum_that_the_branches_cannot_represent() {
-    let model = bar();
+    let model = shared::bar("neo_hookean");
     let top = [1.2 * PRESSURE; 2];
     let kept = Snapshots { model: &model, elastic: &model.nominal, top: &top, length: 0.08 }.reduce(5e-4).unwrap();
     let reduced = ReducedBody::of(&model, &model.nominal.clone().into(), &kept).unwrap();

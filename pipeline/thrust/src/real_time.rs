@@ -1,7 +1,7 @@
 //! A reduced body as a [`Twin`], which steps by itself and many times faster than real time.
 
 use diagnostics::{Diagnostic, Result};
-use fem::ReducedRegion;
+use fem::{ReducedRegion, Relaxation};
 use hydro::{Coefficients, SectionOfTail, Tail};
 use nalgebra::DMatrix;
 use si::{Point2, Second};
@@ -31,11 +31,10 @@ pub struct Surroundings<'a> {
 /// # Errors
 /// A [`Diagnostic`] when a law is neither neo-Hookean nor Yeoh's.
 pub fn twin_data(body: &ReducedBody, water: Option<&Surroundings>, outputs: &[(&str, usize)]) -> Result<TwinData> {
-    let (reduced, scale, relaxation) = body.parts();
+    let reduced = body.model();
     let arrays = reduced.arrays();
     let r = reduced.coordinates();
-    let constants = scale.iter().zip(relaxation.iter().map(fem::Relaxation::branches));
-    let regions = arrays.regions.iter().zip(constants);
+    let regions = arrays.regions.iter().zip(body.constants());
     let chamber = |(at_rest, [a, b, c]): &(f64, [&[f64]; 3])| Chamber {
         at_rest: *at_rest,
         linear: a.to_vec(),
@@ -56,7 +55,7 @@ pub fn twin_data(body: &ReducedBody, water: Option<&Surroundings>, outputs: &[(&
     Ok(TwinData {
         mass: arrays.mass.to_vec(),
         size: arrays.size,
-        regions: regions.map(|(of, (scale, branches))| region(of, *scale, branches, r)).collect::<Result<_>>()?,
+        regions: regions.map(|(of, constants)| region(of, constants, r)).collect::<Result<_>>()?,
         chambers: arrays.chambers.iter().map(chamber).collect(),
         sections: water.map(section).unwrap_or_default(),
         outputs: outputs.iter().flat_map(named).collect(),
@@ -69,7 +68,7 @@ pub fn twin_data(body: &ReducedBody, water: Option<&Surroundings>, outputs: &[(&
 /// # Errors
 /// A [`Diagnostic`] when a step finds no motion.
 pub fn path(body: &ReducedBody, marker: usize, step: Second, actuation: &Actuation) -> Result<Option<[Samples; 2]>> {
-    if body.parts().0.arrays().regions.iter().any(|region| !LAWS.contains(&region.material.name())) {
+    if body.model().arrays().regions.iter().any(|region| !LAWS.contains(&region.material.name())) {
         return Ok(None);
     }
     let twin = Twin::new(twin_data(body, None, &[("marker", marker)])?)?;
@@ -86,7 +85,7 @@ fn row(rows: &DMatrix<f64>, number: usize) -> Vec<f64> {
     rows.row(number).iter().copied().collect()
 }
 
-fn region(of: &ReducedRegion, scale: f64, branches: &[fem::Branch], r: usize) -> Result<Region> {
+fn region(of: &ReducedRegion, (scale, relaxation, ratios): (f64, &Relaxation, [f64; 2]), r: usize) -> Result<Region> {
     let name = of.material.name();
     if !LAWS.contains(&name) {
         return Err(Diagnostic::new(
@@ -95,14 +94,14 @@ fn region(of: &ReducedRegion, scale: f64, branches: &[fem::Branch], r: usize) ->
             "give solid.material = \"neo_hookean\" or \"yeoh\" on the card",
         ));
     }
-    let moduli = of.moduli.scaled(scale);
+    let moduli = of.moduli.scaled(scale).with_stiffening(ratios);
     // points × 9 × r to points × r × 9
     let transposed = |point: &[f64]| (0..9 * r).map(|at| point[at % 9 * r + at / 9]).collect::<Vec<_>>();
     Ok(Region {
         mu: moduli.mu,
         lambda: moduli.lambda,
         stiffening: if of.material.is_stiffening() { moduli.stiffening } else { [0.0; 2] },
-        branches: branches.iter().map(|branch| [branch.strength, branch.time]).collect(),
+        branches: relaxation.branches().iter().map(|branch| [branch.strength, branch.time]).collect(),
         weights: of.weights.to_vec(),
         gradients: of.gradients.chunks_exact(9 * r).flat_map(transposed).collect(),
     })

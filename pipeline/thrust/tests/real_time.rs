@@ -30,7 +30,7 @@ fn beam(law: &str) -> (Model, Viscoelastic) {
     let mesh = box_mesh::to_quadratic(&grid);
     let clamps = Clamps::below_x(&mesh, 1e-9);
     let law = materials::by_name(law).unwrap();
-    let elastic = Elastic { youngs_moduli: vec![2e5, 2e6], poissons_ratios: vec![0.45, 0.4] };
+    let elastic = Elastic { youngs_moduli: vec![2e5, 2e6], poissons_ratios: vec![0.45, 0.4], stiffening: [0.0; 2] };
     let region =
         |i: usize| RegionProperties::elastic(law, elastic.youngs_moduli[i], elastic.poissons_ratios[i], 1100.0);
     let markers = STATIONS.map(|x| nearest(&mesh.nodes, [x, 0.0, 0.0])).map(|node| Spot { weights: vec![(node, 1.0)] });

@@ -146,7 +146,11 @@ fn the_best_wave_climbs_to_the_limit_of_pressure() {
 fn model() -> Model {
     let (system, mesh) = held();
     let markers = marks(&mesh).into_iter().map(|weights| Spot { weights }).collect();
-    Model { system, markers, nominal: Elastic { youngs_moduli: vec![2e5, 5e6], poissons_ratios: vec![0.45, 0.35] } }
+    Model {
+        system,
+        markers,
+        nominal: Elastic { youngs_moduli: vec![2e5, 5e6], poissons_ratios: vec![0.45, 0.35], stiffening: [0.0; 2] },
+    }
 }
 
 /// With a branch that damps the bar's vibration.

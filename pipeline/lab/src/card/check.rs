@@ -114,6 +114,9 @@ fn solid(key: &str, solid: &Solid) -> Checked {
     within(&format!("{key}.youngs_modulus"), solid.youngs_modulus, 1e3..=1e12, "Pa")?;
     within(&format!("{key}.poissons_ratio"), solid.poissons_ratio, -1.0..=0.499, "")?;
     within(&format!("{key}.density"), solid.density, 100.0..=20_000.0, "kg/m³")?;
+    for (term, ratio) in solid.stiffening.into_iter().enumerate() {
+        within(&format!("{key}.stiffening.{term}"), ratio, -1.0..=10.0, "")?;
+    }
     let [low, high] = solid.plausible;
     within(&format!("{key}.plausible.0"), low, 1e3..=1e12, "Pa")?;
     within(&format!("{key}.plausible.1"), high, 1e3..=1e12, "Pa")?;

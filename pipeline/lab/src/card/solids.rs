@@ -46,6 +46,9 @@ pub struct Solid {
     pub poissons_ratio: f64,
     /// Density, kg/m³.
     pub density: KilogramPerCubicMetre,
+    /// Nominal C₂₀/C₁₀ and C₃₀/C₁₀ of a law that stiffens, such as `yeoh`: the initial guess of an identification.
+    #[serde(default)]
+    pub stiffening: [f64; 2],
     /// Lowest and highest plausible Young's modulus, Pa: the bounds of an identification.
     pub plausible: [Pascal; 2],
 }

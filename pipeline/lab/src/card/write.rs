@@ -93,6 +93,9 @@ fn solid(text: &mut String, Part { name, solid }: &Part) {
     put(text, format_args!("material = {:?}\n", solid.material));
     put(text, format_args!("youngs_modulus = {:?}  # Pa, nominal: the first guess\n", solid.youngs_modulus));
     put(text, format_args!("poissons_ratio = {:?}\ndensity = {:?}  # kg/m³\n", solid.poissons_ratio, solid.density));
+    if solid.stiffening != [0.0; 2] {
+        put(text, format_args!("stiffening = {:?}  # C20/C10 and C30/C10, nominal\n", solid.stiffening));
+    }
     put(text, format_args!("plausible = {:?}  # Pa, the box that is searched\n", solid.plausible));
 }
 

@@ -47,6 +47,9 @@ pub struct Nominal {
     pub youngs_modulus: Pascal,
     /// No unit.
     pub poissons_ratio: f64,
+    /// C₂₀/C₁₀ and C₃₀/C₁₀.
+    #[serde(default)]
+    pub stiffening: [f64; 2],
     /// Pa.
     pub plausible: [Pascal; 2],
 }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use si::{Metre, Pascal, Point3, Second};
 
 use crate::subject::Specimen;
-use sysid::{Level, NoiseModel};
+use sysid::{Elastic, Level, Model, NoiseModel};
 use workflow::columns::Columns;
 use workflow::metric::Metric;
 use workflow::record::{Record, RecordError, RecordFiles};
@@ -85,6 +85,8 @@ pub struct Identified {
     pub best: Moduli,
     /// Their standard deviations, Pa.
     pub sigma: Moduli,
+    /// Stiffening of the softest solid; none where its law does not stiffen.
+    pub stiffening: Option<Stiffening>,
     /// Time after loading to which they belong, s: the mean over the holds.
     pub modulus_time: Second,
     /// The loss there.
@@ -111,11 +113,21 @@ pub struct Identified {
     pub profiles: Vec<Profile>,
 }
 
+/// Identified stiffening of the softest solid.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Stiffening {
+    /// C₂₀/C₁₀ and C₃₀/C₁₀.
+    pub ratios: [f64; 2],
+    /// Their standard deviations.
+    pub sigma: [f64; 2],
+}
+
 #[derive(Serialize, Deserialize)]
 struct Scalars {
     solids: Vec<String>,
     best: Moduli,
     sigma: Moduli,
+    stiffening: Option<Stiffening>,
     modulus_time_s: f64,
     loss: f64,
     gradient_difference: Option<f64>,
@@ -159,6 +171,7 @@ impl Record for Identified {
             solids: self.solids.clone(),
             best: self.best.clone(),
             sigma: self.sigma.clone(),
+            stiffening: self.stiffening,
             modulus_time_s: self.modulus_time,
             loss: self.loss,
             gradient_difference: self.gradient_difference,
@@ -193,6 +206,7 @@ impl Record for Identified {
             solids: s.solids,
             best: s.best,
             sigma: s.sigma,
+            stiffening: s.stiffening,
             modulus_time: s.modulus_time_s,
             loss: s.loss,
             gradient_difference: s.gradient_difference,
@@ -215,6 +229,12 @@ impl Record for Identified {
             [Metric::new(id(&name), one.best, one.unit), Metric::new(id(&format!("{name}.sigma")), one.sigma, one.unit)]
         });
         let mut metrics: Vec<Metric> = moduli.collect();
+        metrics.extend(self.stiffening.iter().flat_map(|found| {
+            let named = ["c20", "c30"].into_iter().zip(found.ratios).zip(found.sigma);
+            named.flat_map(|((name, ratio), sigma)| {
+                [Metric::new(id(name), ratio, ""), Metric::new(id(&format!("{name}.sigma")), sigma, "")]
+            })
+        }));
         metrics.extend([
             Metric::new(id("modulus_time_s"), self.modulus_time, "s"),
             Metric::new(id("loss"), self.loss, ""),
@@ -276,6 +296,13 @@ impl DisplayUnit {
 }
 
 impl Identified {
+    /// The identified constants of a model, at the time to which they belong.
+    pub(crate) fn elastic(&self, model: &Model) -> Elastic {
+        let Elastic { poissons_ratios, stiffening, .. } = model.nominal.clone();
+        let stiffening = self.stiffening.map_or(stiffening, |found| found.ratios);
+        Elastic { youngs_moduli: self.best.clone(), poissons_ratios, stiffening }
+    }
+
     /// The moduli in the units in which they are printed.
     pub(crate) fn moduli(&self) -> impl Iterator<Item = DisplayModulus<'_>> {
         self.solids.iter().zip(&self.best).zip(&self.sigma).map(|((solid, best), sigma)| {
@@ -357,6 +384,7 @@ mod tests {
             solids: vec!["body".into(), "spine".into()],
             best: at(2e5),
             sigma: at(1e3),
+            stiffening: Some(Stiffening { ratios: [0.02, 0.1], sigma: [0.01, 0.05] }),
             modulus_time: 4.0,
             loss: 0.1,
             gradient_difference: Some(1e-7),

@@ -38,7 +38,7 @@ pub use example_frames::{ExampleFrames, FrameData};
 pub use findings::{Finding, Findings};
 pub use four_parameters::{Four, FourParameters};
 pub(crate) use identified::DisplayUnit;
-pub use identified::{EvaluatedPoint, Identified, Moduli, Profile, Search, Surface, Uncertainty};
+pub use identified::{EvaluatedPoint, Identified, Moduli, Profile, Search, Stiffening, Surface, Uncertainty};
 pub use inflation::{Inflation, Shape};
 pub use markers::{CovarianceParts, FilmPose, Markers, OmittedCorrection};
 pub use mesh::{Cavity, Mesh, Quality};

@@ -8,7 +8,7 @@ use crate::records::Identified;
 use crate::subject::Specimen;
 use diagnostics::{Diagnostic, Result};
 use sysid::relaxation::Transient;
-use sysid::{Elastic, Model, Viscoelastic};
+use sysid::{Model, Viscoelastic};
 use workflow::metric::Metric;
 use workflow::record::{Record, RecordError, RecordFiles};
 
@@ -63,7 +63,7 @@ impl Relaxation {
     /// # Errors
     /// As [`Relaxation::spectrum`].
     pub(crate) fn silicone(&self, model: &Model, identified: &Identified) -> Result<Viscoelastic> {
-        let held = Elastic { youngs_moduli: identified.best.clone(), ..model.nominal.clone() };
+        let held = identified.elastic(model);
         Ok(Viscoelastic::measured_at(self.modulus_time_s, held, self.spectrum()?))
     }
 

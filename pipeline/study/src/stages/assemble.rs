@@ -1,15 +1,15 @@
 //! Assembly of the record of [`super::identify`]: moduli and their uncertainty, landscape, simulated levels.
 
-use optimize::Bounds;
 use optimize::optimisers::grid;
+use optimize::{Bounds, Evaluation};
 use si::Point2;
 
 use super::fitting::{Evaluated, Fitting, SearchResult};
-use super::uncertainty;
+use super::uncertainty::{self, Posterior};
 use crate::records::{self, Identified, Level};
 use diagnostics::Result;
 use sysid::landscape;
-use sysid::{Derivatives, by_node};
+use sysid::{Derivatives, Stiffened, by_node, residuals_of};
 use workflow::stage::StageContext;
 
 /// The results of all searches.
@@ -40,12 +40,14 @@ impl Fitting<'_> {
         let levels = found.solver.solve(&elastic, Derivatives::None)?;
         let markers: Vec<Vec<Point2>> = levels.iter().map(|l| l.markers.clone()).collect();
         let highest = levels.iter().zip(&self.levels.levels).max_by(|a, b| a.1.top().total_cmp(&b.1.top()));
-        let uncertainty = uncertainty::of(self.body, best, &self.search)?;
+        let posterior = self.posterior(best)?;
+        let uncertainty = uncertainty::of(self.body, &posterior, (&best.at, self.search.bounds()));
         let (surface, profiles) = self.surface(&grid)?;
         Ok(Identified {
             solids: self.body.materials.iter().map(|m| m.name.clone()).collect(),
             sigma: elastic.youngs_moduli.iter().zip(&uncertainty.sigma).map(|(e, s)| e * s).collect(),
             best: elastic.youngs_moduli.clone(),
+            stiffening: self.stiffening(&posterior),
             modulus_time: self.modulus_time,
             loss: self.levels.loss(&markers),
             gradient_difference,
@@ -59,6 +61,26 @@ impl Fitting<'_> {
             uncertainty,
             profiles,
         })
+    }
+
+    /// The covariance of the moduli's logarithms and, where the law stiffens, of both ratios of stiffening.
+    fn posterior(&self, best: &Evaluation) -> Result<Posterior> {
+        let solids = self.body.materials.len();
+        let (residuals, parameters) = match &self.stiffened {
+            Some(together) => (&together.residuals, solids + together.ratios.len()),
+            None => (residuals_of(best)?, solids),
+        };
+        let (covariance, chi_square) = (residuals.posterior(parameters)?, residuals.reduced_chi_square(parameters));
+        Ok(Posterior { covariance, chi_square })
+    }
+
+    fn stiffening(&self, posterior: &Posterior) -> Option<records::Stiffening> {
+        let solids = self.body.materials.len();
+        let of = |found: &Stiffened| records::Stiffening {
+            ratios: found.ratios,
+            sigma: [0, 1].map(|term| posterior.covariance.sigma(solids + term)),
+        };
+        self.stiffened.as_ref().map(of)
     }
 
     /// The landscape and the profiles, interpolated between the grid's points. A single point without equilibrium is extrapolated from its

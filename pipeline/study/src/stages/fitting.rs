@@ -15,7 +15,9 @@ use sysid::Interrupted;
 use sysid::Misfit;
 use sysid::feasible_lower_bound;
 use sysid::nearest_neighbour_order;
-use sysid::{Body, Derivatives, Elastic, LevelSolver, Model, PressureLevel, SimulatedLevel};
+use sysid::{
+    BODY, Body, Derivatives, Elastic, LevelSolver, Model, PressureLevel, SimulatedLevel, Stiffened, StiffeningProblem,
+};
 use workflow::subject::Part;
 
 /// `[identify]` in `study.toml`.
@@ -30,6 +32,8 @@ pub struct Settings {
     pub(super) discrepancy: Metre,
     /// Standard deviation of the common scale error of all displacements of a film, no unit.
     pub(super) scale_sigma: f64,
+    /// Standard deviations of the prior of C₂₀/C₁₀ and C₃₀/C₁₀ about the card's, where the softest solid's law stiffens; no unit.
+    pub(super) stiffening_sigma: [f64; 2],
     /// Specimens on which every method is run for comparison; on the others Gauss-Newton alone.
     pub(super) compared: Vec<String>,
     /// Points an axis of the exhaustive search.
@@ -85,6 +89,8 @@ pub(crate) struct Fitting<'a> {
     /// Trial and rest places of each level.
     pub(super) origins: Vec<(String, Vec<Point2>)>,
     pub(super) search: Problem,
+    /// Moduli and stiffening, identified together; none where the law of the softest solid does not stiffen.
+    pub(super) stiffened: Option<Stiffened>,
 }
 
 /// The simulated markers at one point of a search, for the landscape.
@@ -129,14 +135,34 @@ impl<'a> Fitting<'a> {
         let model = mesh.model(&card.body)?.with_markers_at(&mesh.solid, &card.body, &mean_rest(&films.0));
         let noise = NoiseModel { discrepancy_m: set.discrepancy, scale_sigma: set.scale_sigma };
         let levels = Misfit::new(all, &counts, &noise, card.body.length)?;
-        let lower = feasible_lower_bound(&model, &levels.levels, &bounds);
-        bounds.low[0] = lower;
-        let mut start = vec![0.0; solids.len()];
-        start[0] = lower.max(0.0) + if lower > 0.0 { 0.25 * (bounds.high[0] - lower) } else { 0.0 };
-        let names: Vec<&str> = solids.iter().map(|s| s.name.as_str()).collect();
-        let search = Problem::new(&names, start, bounds)?;
+        bounds.low[0] = feasible_lower_bound(&model, &levels.levels, &bounds);
+        let search = search(&card.body, bounds)?;
         let modulus_time = held.iter().sum::<Second>() / held.len().max(1) as f64;
-        Ok(Self { body: &card.body, set, model, levels, noise, modulus_time, origins, search })
+        let made = Self { body: &card.body, set, model, levels, noise, modulus_time, origins, search, stiffened: None };
+        made.stiffened()
+    }
+
+    /// With the stiffening that the films give, where the law of the softest solid has one, and the lower bound that goes with it.
+    // The stiffening is identified before the moduli are searched by all methods, which keep it: the least misfit of both together is
+    // also the least one over the moduli at that stiffening, and landscape and searches stay over two parameters as in the paper.
+    fn stiffened(mut self) -> Result<Self> {
+        if !self.model.system.regions()[BODY].material.is_stiffening() {
+            return Ok(self);
+        }
+        let mut solver = self.solver(&self.levels.levels, self.set.static_tolerance);
+        let problem = StiffeningProblem {
+            model: &self.model,
+            misfit: &self.levels,
+            moduli: &self.search,
+            prior_sigma: self.set.stiffening_sigma,
+            method: self.methods().gauss_newton,
+        };
+        let found = problem.identify(&mut solver, &|_| ())?;
+        self.model.nominal.stiffening = found.ratios;
+        let mut bounds = self.search.bounds().clone();
+        bounds.low[0] = feasible_lower_bound(&self.model, &self.levels.levels, &bounds);
+        self.search = search(self.body, bounds)?;
+        Ok(Self { stiffened: Some(found), ..self })
     }
 
     pub(super) fn elastic(&self, at: &[f64]) -> Elastic {
@@ -244,6 +270,15 @@ impl<'a> Fitting<'a> {
             .map(|t| EvaluatedPoint { at: self.elastic(&t.evaluation.at).youngs_moduli, loss: t.evaluation.loss });
         records::Search { method: method.into(), tried: tried.collect(), seconds }
     }
+}
+
+/// The search over the logarithms of the moduli over the card's, from the card's values or, where they have no equilibrium, from stiffer ones.
+fn search(body: &Body, bounds: Bounds) -> Result<Problem> {
+    let names: Vec<&str> = body.materials.iter().map(|s| s.name.as_str()).collect();
+    let (lower, upper) = (bounds.low[0], bounds.high[0]);
+    let mut start = vec![0.0; names.len()];
+    start[0] = lower.max(0.0) + if lower > 0.0 { 0.25 * (upper - lower) } else { 0.0 };
+    Ok(Problem::new(&names, start, bounds)?)
 }
 
 /// Whether a point without equilibrium may have infinite loss: where a gradient is needed, one point must have been evaluated before.

@@ -12,7 +12,7 @@ use crate::records::{self, Four, Identified, Mesh, Uncertainty};
 use diagnostics::{Diagnostic, Result};
 use sysid::Interrupted;
 use sysid::Misfit;
-use sysid::{Body, Derivatives, Elastic, LevelSolver, Model};
+use sysid::{Body, Derivatives, Elastic, LevelSolver, Model, residuals_of};
 use workflow::stage::{Stage, StageContext};
 
 /// The stage.
@@ -55,7 +55,8 @@ impl Stage for FourParameters {
     ) -> Result<records::FourParameters> {
         let (mesh, found) = needs;
         let rest = found.levels.first().map(|l| l.rest_m.clone()).unwrap_or_default();
-        let model = mesh.model(card)?.with_markers_at(&mesh.solid, card, &rest);
+        let mut model = mesh.model(card)?.with_markers_at(&mesh.solid, card, &rest);
+        model.nominal = Elastic { youngs_moduli: model.nominal.youngs_moduli.clone(), ..found.elastic(&model) };
         let levels = Misfit::kept(&found.levels, &found.noise, found.length)?;
         let search = search(card, set, &model, &found)?;
         let (best, losses) = Fit { set, model: &model, levels: &levels }.minimise(&search, context)?;
@@ -83,10 +84,14 @@ fn search(card: &Body, set: &Settings, model: &Model, found: &Identified) -> Res
 }
 
 fn elastic(model: &Model, at: &[f64]) -> Elastic {
-    let Elastic { youngs_moduli, poissons_ratios } = &model.nominal;
+    let Elastic { youngs_moduli, poissons_ratios, stiffening } = &model.nominal;
     let modulus = |r: usize| youngs_moduli[r] * at[r].exp();
     let ratio = |r: usize| 0.5 - (0.5 - poissons_ratios[r]) * at[2 + r].exp();
-    Elastic { youngs_moduli: vec![modulus(0), modulus(1)], poissons_ratios: vec![ratio(0), ratio(1)] }
+    Elastic {
+        youngs_moduli: vec![modulus(0), modulus(1)],
+        poissons_ratios: vec![ratio(0), ratio(1)],
+        stiffening: *stiffening,
+    }
 }
 
 fn four(at: &Elastic) -> Four {
@@ -147,13 +152,7 @@ impl Fit<'_> {
 }
 
 fn uncertainty(best: &Evaluation) -> Result<Uncertainty> {
-    let Some(residuals) = &best.residuals else {
-        return Err(Diagnostic::new(
-            "the best point has no residuals",
-            "it was evaluated without them",
-            "report it with the recordings",
-        ));
-    };
+    let residuals = residuals_of(best)?;
     let posterior = residuals.posterior(4)?;
     Ok(Uncertainty {
         sigma: (0..4).map(|k| posterior.sigma(k)).collect(),

@@ -119,7 +119,7 @@ fn moduli(set: &Settings, model: &Model, levels: &Misfit, found: &Identified) ->
     let statics = StaticSettings { tolerance: 1e-6, max_halvings: 2, ..StaticSettings::default() };
     let mut solver = LevelSolver::new(model.clone(), levels.levels.clone(), statics, 2);
     let mut evaluate = |at: &Vec<f64>| -> Result<Evaluation> {
-        let constants = Elastic { youngs_moduli: point(found, at), ..model.nominal.clone() };
+        let constants = Elastic { youngs_moduli: point(found, at), ..found.elastic(model) };
         let Ok(simulated) = solver.solve(&constants, Derivatives::Sensitivities) else {
             return Ok(Evaluation::of_loss(at.clone(), f64::INFINITY));
         };

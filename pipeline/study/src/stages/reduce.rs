@@ -8,7 +8,6 @@ use lab::card::Experiment;
 use serde::{Deserialize, Serialize};
 use si::Pascal;
 
-use super::simulation;
 use crate::records::{Identified, Level, Mesh, Reduced};
 use crate::subject::{Specimen, Trial};
 use diagnostics::Result;
@@ -61,7 +60,7 @@ impl Stage for Reduce {
         let top = known.max(card.commanded);
         context.progress(0.1, "snapshots under pressures and loads");
         let tops = vec![top; card.chambers];
-        let elastic = simulation::identified(&model, &identified);
+        let elastic = identified.elastic(&model);
         let snapshots = Snapshots { model: &model, elastic: &elastic, top: &tops, length: card.body.length };
         let data: ReducedModelData = snapshots.reduce(set.tolerance)?;
         Ok(Reduced { data, highest: top })

@@ -14,7 +14,7 @@ use crate::subject::TrialId;
 use diagnostics::Result;
 use sysid::actuated::frame_interval;
 use sysid::relaxation::{Film, Footage, Spectrum, SpectrumProblem, SpectrumSettings, Window};
-use sysid::{Body, Elastic, ReducedBody, TimeSteps};
+use sysid::{Body, ReducedBody, TimeSteps};
 use workflow::stage::{Stage, StageContext};
 
 /// The stage.
@@ -61,7 +61,7 @@ impl Stage for Relaxation {
         context: &dyn StageContext,
     ) -> Result<records::Relaxation> {
         let model = mesh.model(card)?.with_markers_at(&mesh.solid, card, &mean_rest(&films));
-        let held = Elastic { youngs_moduli: identified.best.clone(), ..model.nominal.clone() };
+        let held = identified.elastic(&model);
         let reduced = ReducedBody::of(&model, &held.clone().into(), &reduced.data)?;
         let observed = |(trial, motion): &(TrialId, Motion)| {
             set.film(motion, card.tip_marker()).map_err(|d| d.while_doing(&trial.0))

@@ -1,15 +1,9 @@
-//! What motions are simulated from: the identified constants, and the pressures that a film's log measured.
+//! What motions are simulated from: the pressures that a film's log measured.
 
 use signal::resample::Samples;
 
-use crate::records::{Identified, Motion};
+use crate::records::Motion;
 use diagnostics::{Diagnostic, Result};
-use sysid::{Elastic, Model};
-
-/// The identified constants of a model, at the time to which they belong.
-pub(crate) fn identified(model: &Model, found: &Identified) -> Elastic {
-    Elastic { youngs_moduli: found.best.clone(), ..model.nominal.clone() }
-}
 
 /// The measured pressures of a film.
 ///

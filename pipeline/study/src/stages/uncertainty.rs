@@ -1,38 +1,35 @@
 //! Uncertainty of identified moduli: covariance, a sentence, and advice on which data would reduce it.
 
 use optimize::posterior::UNCERTAIN;
-use optimize::{Bounds, Evaluation, Problem};
+use optimize::{Bounds, Covariance};
 use si::Pascal;
 use sysid::Body;
 
 use crate::records::{Profile, Uncertainty};
-use diagnostics::{Diagnostic, Result};
 
-/// The uncertainty of the moduli at the best point of a search over their logarithms.
-///
-/// # Errors
-/// A [`Diagnostic`] when the best point has no residuals, or they do not determine the moduli.
-pub fn of(body: &Body, best: &Evaluation, search: &Problem) -> Result<Uncertainty> {
-    let Some(residuals) = &best.residuals else {
-        return Err(Diagnostic::new(
-            "the best point has no residuals",
-            "it was evaluated without them",
-            "report it with the recordings",
-        ));
-    };
+/// The covariance of all parameters of an identification, the logarithms of the moduli first.
+pub struct Posterior {
+    /// The covariance.
+    pub covariance: Covariance,
+    /// χ² over the degrees of freedom.
+    pub chi_square: f64,
+}
+
+/// The uncertainty of the moduli at the best point of a search over their logarithms, and the bounds of that search.
+pub fn of(body: &Body, posterior: &Posterior, (best, bounds): (&[f64], &Bounds)) -> Uncertainty {
     let names: Vec<&str> = body.materials.iter().map(|m| m.name.as_str()).collect();
     let count = names.len();
-    let posterior = residuals.posterior(count)?;
-    let sigma: Vec<f64> = (0..count).map(|k| posterior.sigma(k)).collect();
+    let moduli = posterior.covariance.marginal(count);
+    let sigma: Vec<f64> = (0..count).map(|k| moduli.sigma(k)).collect();
     let mut advice = more_data(&names, &sigma);
-    advice.extend(implausible(body, &best.at, search.bounds()));
-    Ok(Uncertainty {
+    advice.extend(implausible(body, best, bounds));
+    Uncertainty {
         sigma,
-        correlation: (0..count * count).map(|k| posterior.correlation(k / count, k % count)).collect(),
-        chi_square: residuals.reduced_chi_square(count),
-        words: posterior.summary(&names),
+        correlation: (0..count * count).map(|k| moduli.correlation(k / count, k % count)).collect(),
+        chi_square: posterior.chi_square,
+        words: moduli.summary(&names),
         advice,
-    })
+    }
 }
 
 /// Advice on further recordings for each uncertain modulus.

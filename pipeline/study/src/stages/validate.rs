@@ -15,7 +15,6 @@ use signal::resample::Samples;
 use super::amplitude::{self, Predicted};
 use super::baselines::{self, QuasiStatic};
 use super::repeats;
-use super::simulation;
 use crate::records::{Drag, Identified, Mesh, Motion, PAPER_MODEL, Reduced, Relaxation, ScoredModel, Validation};
 use crate::selections::{InWater, Repeats};
 use crate::subject::Trial;
@@ -87,7 +86,7 @@ impl Stage for Validate {
         let ends = (seen.time[0], seen.time[seen.time.len() - 1]);
         let actuation = Actuation { begin: ends.0, end: ends.1, steps: None, gauges: &seen.gauges };
         let reduced_body = ReducedBody::of(&model, &simulation.silicone, &reduced.data)?;
-        let elastic = reduced_body.with(&model, &simulation::identified(&model, &identified).into());
+        let elastic = reduced_body.with(&model, &identified.elastic(&model).into());
         let second_order = dynamic_settings(Scheme::Bdf2, set.step);
         let euler = dynamic_settings(Scheme::ImplicitEuler, set.euler_step);
         // from this study's model back to the paper's own: without relaxation, without a scheme of second order, without water

@@ -1,0 +1,123 @@
+//! Joint identification of the solids' moduli and of the stiffening of the softest one, Yeoh's C₂₀/C₁₀ and C₃₀/C₁₀.
+//!
+//! The levels of moderate strain determine the moduli, the highest ones the stiffening. Where no level reaches a strain at which the
+//! silicone stiffens, a normal prior about the card's nominal ratios holds them, and their standard deviations stay those of the
+//! prior; the uncertainty of the moduli includes that of the stiffening in either case.
+
+use optimize::optimisers::{self, gauss_newton};
+use optimize::{Bounds, Evaluation, Needs, Problem, Residuals};
+use si::Point2;
+
+use crate::levels::{Derivatives, LevelSolver};
+use crate::misfit::Misfit;
+use crate::model::{Elastic, Model};
+use crate::search::Interrupted;
+use diagnostics::{Diagnostic, Result};
+
+/// Names of both ratios.
+const RATIOS: [&str; 2] = ["C20/C10", "C30/C10"];
+/// Bounds of both ratios: within them Yeoh's law is stable at every stretch below 1.8.
+const BOUNDS: [[f64; 2]; 2] = [[-0.1, 1.0], [-0.02, 2.0]];
+
+/// The problem of moduli and stiffening.
+pub struct StiffeningProblem<'a> {
+    /// The model.
+    pub model: &'a Model,
+    /// The measured levels.
+    pub misfit: &'a Misfit,
+    /// The logarithms of the moduli over the nominal ones: their names, initial guess and bounds.
+    pub moduli: &'a Problem,
+    /// Standard deviations of the prior about the nominal ratios, no unit.
+    pub prior_sigma: [f64; 2],
+    /// The method.
+    pub method: gauss_newton::Settings,
+}
+
+/// Moduli and stiffening with their residuals.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stiffened {
+    /// Logarithms of the moduli over the nominal ones, then both ratios.
+    pub at: Vec<f64>,
+    /// C₂₀/C₁₀ and C₃₀/C₁₀.
+    pub ratios: [f64; 2],
+    /// Whitened residuals of the levels and of the prior, by all parameters of `at`.
+    pub residuals: Residuals,
+}
+
+impl StiffeningProblem<'_> {
+    /// The moduli and ratios of the least misfit, found with `solver`. `progress` is called with the number of simulations.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when no equilibrium exists at the initial guess.
+    pub fn identify(&self, solver: &mut LevelSolver, progress: &dyn Fn(usize)) -> Result<Stiffened> {
+        let member = optimisers::by_name(gauss_newton::NAME)
+            .ok_or_else(|| Diagnostic::new("there is no gauss_newton", "`optimize` does not list it", "restore it"))?;
+        let mut settings = optimisers::Settings::default();
+        settings.gauss_newton = self.method.clone();
+        let mut optimiser = (member.build)(&self.search()?, &settings)?;
+        let mut count = 0;
+        let mut problem = |batch: &[Vec<f64>], _: Needs| -> Result<Vec<Evaluation>, Interrupted> {
+            let mut one = |at: &Vec<f64>| {
+                count += 1;
+                progress(count);
+                self.evaluate(solver, at, count > 1).map_err(Interrupted)
+            };
+            batch.iter().map(&mut one).collect()
+        };
+        let best = optimize::minimise(optimiser.as_mut(), &mut problem).map_err(|stop| stop.0)?.best;
+        let (residuals, ratios) = (residuals_of(&best)?.clone(), self.elastic(&best.at).stiffening);
+        Ok(Stiffened { at: best.at, ratios, residuals })
+    }
+
+    fn search(&self) -> Result<Problem> {
+        let names: Vec<&str> = self.moduli.names().iter().map(String::as_str).chain(RATIOS).collect();
+        let Bounds { low, high } = self.moduli.bounds();
+        let end = |of: &[f64], k: usize| [of, &BOUNDS.map(|bound| bound[k])].concat();
+        let bounds = Bounds { low: end(low, 0), high: end(high, 1) };
+        let start = bounds.clamp(&[self.moduli.start(), &self.model.nominal.stiffening].concat());
+        Ok(Problem::new(&names, start, bounds)?)
+    }
+
+    /// The constants at a point of the search.
+    fn elastic(&self, at: &[f64]) -> Elastic {
+        let mut elastic = self.model.nominal.clone();
+        let (moduli, ratios) = at.split_at(elastic.youngs_moduli.len());
+        elastic.youngs_moduli.iter_mut().zip(moduli).for_each(|(modulus, by)| *modulus *= by.exp());
+        elastic.stiffening.copy_from_slice(ratios);
+        elastic
+    }
+
+    /// Residuals at a point; an infinite loss where `may_fail` and there is no equilibrium.
+    fn evaluate(&self, solver: &mut LevelSolver, at: &[f64], may_fail: bool) -> Result<Evaluation> {
+        let elastic = self.elastic(at);
+        let levels = match solver.solve(&elastic, Derivatives::StiffeningSensitivities) {
+            Err(_) if may_fail => return Ok(Evaluation::of_loss(at.to_vec(), f64::INFINITY)),
+            levels => levels?,
+        };
+        let markers: Vec<Vec<Point2>> = levels.iter().map(|level| level.markers.clone()).collect();
+        let turns = [&elastic.youngs_moduli[..], &[1.0; 2]].concat();
+        let mut residuals = self.misfit.residuals(&levels, &turns)?;
+        self.add_prior(&elastic, &mut residuals);
+        Ok(Evaluation { residuals: Some(residuals), ..Evaluation::of_loss(at.to_vec(), self.misfit.loss(&markers)) })
+    }
+
+    fn add_prior(&self, elastic: &Elastic, residuals: &mut Residuals) {
+        let moduli = elastic.youngs_moduli.len();
+        for (k, sigma) in self.prior_sigma.into_iter().enumerate() {
+            residuals.values.push((elastic.stiffening[k] - self.model.nominal.stiffening[k]) / sigma);
+            let by = |parameter: usize| if parameter == moduli + k { 1.0 / sigma } else { 0.0 };
+            residuals.jacobian.extend((0..moduli + 2).map(by));
+        }
+    }
+}
+
+/// The residuals of the `best` point of a search.
+///
+/// # Errors
+/// A [`Diagnostic`] when it was evaluated without them.
+pub fn residuals_of(best: &Evaluation) -> Result<&Residuals> {
+    best.residuals.as_ref().ok_or_else(|| {
+        let why = "it was evaluated without them";
+        Diagnostic::new("the best point has no residuals", why, "report it with the recordings")
+    })
+}

@@ -1,0 +1,74 @@
+//! Moduli and stiffening of a small bar come back from its displacements under pressure, and stay at the prior where it hardly strains.
+
+#![allow(clippy::unwrap_used)] // a test may fail where it stands
+
+mod shared;
+
+use fem::StaticSettings;
+use optimize::optimisers::gauss_newton;
+use optimize::{Bounds, Problem};
+use sysid::{
+    Derivatives, Elastic, LevelSolver, Misfit, Model, NoiseModel, PressureLevel, Stiffened, StiffeningProblem,
+};
+
+/// Standard deviation of a measured displacement, m.
+const SIGMA: f64 = 2e-6;
+/// Of the prior of both ratios.
+const PRIOR: [f64; 2] = [0.3, 0.5];
+
+fn solver(model: &Model, levels: &[PressureLevel]) -> LevelSolver {
+    let settings = StaticSettings { tolerance: 1e-8, ..StaticSettings::default() };
+    LevelSolver::new(model.clone(), levels.to_vec(), settings, 1)
+}
+
+/// The displacements of the bar with the `hidden` constants at rising pressures up to `top` (Pa) in each chamber.
+fn measured(model: &Model, hidden: &Elastic, top: f64) -> Vec<PressureLevel> {
+    let at = |chamber: usize, part: usize| {
+        let mut pressures = vec![0.0; 2];
+        pressures[chamber] = top * part as f64 / 6.0;
+        PressureLevel { pressures, measured: vec![[0.0; 2]], covariance: vec![[SIGMA * SIGMA, 0.0, SIGMA * SIGMA]] }
+    };
+    let blank: Vec<PressureLevel> = (0..2).flat_map(|chamber| (1..=6).map(move |part| at(chamber, part))).collect();
+    let simulated = solver(model, &blank).solve(hidden, Derivatives::None).unwrap();
+    blank.into_iter().zip(simulated).map(|(level, is)| PressureLevel { measured: is.markers, ..level }).collect()
+}
+
+fn identified(model: &Model, levels: Vec<PressureLevel>) -> Stiffened {
+    let noise = NoiseModel { discrepancy_m: 0.0, scale_sigma: 0.0 };
+    let misfit = Misfit::new(levels, &[6, 6], &noise, 0.08).unwrap();
+    let bounds = Bounds { low: vec![-0.7; 2], high: vec![0.7; 2] };
+    let moduli = Problem::new(&["soft", "stiff"], vec![0.0; 2], bounds).unwrap();
+    let method = gauss_newton::Settings { iterations: 20, ..gauss_newton::Settings::default() };
+    let problem = StiffeningProblem { model, misfit: &misfit, moduli: &moduli, prior_sigma: PRIOR, method };
+    problem.identify(&mut solver(model, &misfit.levels), &|_| ()).unwrap()
+}
+
+#[test]
+fn moduli_and_stiffening_come_back_where_the_silicone_strains() {
+    let model = shared::bar("yeoh");
+    let nominal = &model.nominal;
+    let hidden = Elastic { youngs_moduli: vec![2.2e5, 4.6e6], stiffening: [0.08, 0.35], ..nominal.clone() };
+    let found = identified(&model, measured(&model, &hidden, 2.4e4));
+    let posterior = found.residuals.posterior(4).unwrap();
+    for (k, [is, should]) in [[found.ratios[0], 0.08], [found.ratios[1], 0.35]].into_iter().enumerate() {
+        let sigma = posterior.sigma(2 + k);
+        println!("{is} ± {sigma} for {should}");
+        assert!((is - should).abs() < 0.3 * sigma + 1e-3 && sigma < 0.7 * PRIOR[k], "{is} ± {sigma} for {should}");
+    }
+    for (k, should) in hidden.youngs_moduli.iter().enumerate() {
+        let is = nominal.youngs_moduli[k] * found.at[k].exp();
+        assert!((is / should - 1.0).abs() < 2e-3, "{is} for {should}");
+    }
+}
+
+#[test]
+fn stiffening_stays_at_the_prior_where_the_silicone_hardly_strains() {
+    let model = shared::bar("yeoh");
+    let hidden = Elastic { stiffening: [0.2, 0.6], ..model.nominal.clone() };
+    let found = identified(&model, measured(&model, &hidden, 5e2));
+    let posterior = found.residuals.posterior(4).unwrap();
+    for k in 0..2 {
+        assert!(found.ratios[k].abs() < 0.2 * PRIOR[k], "{:?}", found.ratios);
+        assert!((posterior.sigma(2 + k) / PRIOR[k] - 1.0).abs() < 0.05, "{}", posterior.sigma(2 + k));
+    }
+}
