@@ -182,14 +182,12 @@ lint:
     cargo fmt --all --check
     cargo clippy --release --workspace --exclude typeset --exclude python --all-targets --locked -- -D warnings
 
-# the wheel of the Python package, in target/wheels; needs Python 3.10 or later. It runs on any x86-64 processor since 2013
+# the wheel of the Python package, in target/wheels; needs Python 3.10 or later. It runs where the programs do (.cargo/config.toml)
 wheel:
     #!/usr/bin/env bash
     set -euo pipefail
     python3 -m venv target/maturin
     target/maturin/bin/pip install --quiet 'maturin>=1.9,<2'
-    # this project's own builds use whatever the processor has; a wheel goes to others
-    if [ "$(uname -m)" = x86_64 ]; then export RUSTFLAGS="-C target-cpu=x86-64-v3"; else export RUSTFLAGS=""; fi
     cd pipeline/python
     ../../target/maturin/bin/maturin build --release --locked --target-dir ../../target/wheel --out ../../target/wheels
 

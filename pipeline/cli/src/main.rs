@@ -5,12 +5,16 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use cli::options::{CalibrateCamera, Checked, Cli, Command, Exported, Place};
-use diagnostics::{Diagnostic, Result, output};
+use diagnostics::{Diagnostic, Result, output, processor};
 use study::Runner;
 use workflow::runner::{Goal, Options};
 use workflow::snakemake::{self, Export};
 
 fn main() -> ExitCode {
+    processor::run(program)
+}
+
+fn program() -> ExitCode {
     let cli = Cli::parse();
     match threads(cli.place.threads).and_then(|()| run(&cli)) {
         Ok(true) if !output::failed() => ExitCode::SUCCESS,

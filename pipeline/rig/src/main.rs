@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    rig::command::run()
+    diagnostics::processor::run(rig::command::run)
 }

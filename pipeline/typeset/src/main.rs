@@ -14,7 +14,7 @@ use std::process::ExitCode;
 use clap::{Parser, ValueEnum};
 
 use compiler::TypesetError;
-use diagnostics::output;
+use diagnostics::{output, processor};
 
 /// Compiles the paper that `study paper` has prepared.
 #[derive(Debug, Parser)]
@@ -45,6 +45,10 @@ const PDF: &str = "paper/paper.pdf";
 const FONTS: &str = "paper/fonts";
 
 fn main() -> ExitCode {
+    processor::run(program)
+}
+
+fn program() -> ExitCode {
     let cli = Cli::parse();
     let base = match cli.profile {
         Profile::Paper => cli.root.clone(),
