@@ -194,4 +194,21 @@ mod tests {
         let [crate::canvas::Item::Text(text)] = &drawn.items[..] else { panic!("one text is drawn") };
         assert!(FRAME.contains(text.area().from) && FRAME.contains(text.area().to));
     }
+
+    #[test]
+    fn the_ticks_that_decide_the_margins_are_those_of_the_frame_that_is_left() {
+        // a frame so narrow that what its margins leave has other ticks than the whole cell
+        let axes = Axes::new(Axis::linear("x", "").range(0.0, 1.0), Axis::linear("y", "").range(0.0, 1000.0));
+        for width in [60.0, 75.0, 90.0, 120.0] {
+            let cell = Area::new([5.0, 5.0], [width, 60.0]);
+            let first = axes.frame(cell).unwrap().margins();
+            let left = Area {
+                from: [cell.from[0] + first.left, cell.from[1]],
+                to: [cell.to[0] - first.right, cell.to[1] - first.bottom],
+            };
+            let margins = axes.margins(cell, LegendPlacement::Inside).unwrap().unwrap();
+            assert_eq!(margins.left, axes.frame(left).unwrap().margins().left);
+            assert_eq!(margins.right, axes.frame(left).unwrap().margins().right);
+        }
+    }
 }

@@ -328,4 +328,16 @@ mod tests {
         let corner = sheet.place([0.0, 30.0]);
         assert!((0..2).all(|k| (corner[k] - cell.from[k]).abs() < 1e-9));
     }
+
+    #[test]
+    fn the_text_of_a_dimension_stands_at_the_middle_of_its_line() {
+        let (from, to) = ([10.0, 4.0], [30.0, 24.0]);
+        let part = Part::Dimension { from, to, text: "20 mm".into(), side: Side::Centre };
+        let cell = Area::new([10.0, 20.0], [40.0 * POINTS_PER_MM, 30.0 * POINTS_PER_MM]);
+        let mut canvas = Canvas::default();
+        Diagram::new(40.0, 30.0).with(part).draw(&mut canvas, cell, LegendPlacement::Inside).unwrap();
+        let text = canvas.items.iter().find_map(|item| if let Item::Text(text) = item { Some(text) } else { None });
+        let middle = Sheet::new([40.0, 30.0], cell).place([20.0, 14.0]);
+        assert!((0..2).all(|k| (text.unwrap().at[k] - middle[k]).abs() < 1e-9), "{text:?} {middle:?}");
+    }
 }

@@ -9,7 +9,7 @@ mod film;
 
 pub use film::{Film, Footage, Transient, Window};
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use optimize::optimisers::gauss_newton::{GaussNewton, Settings as Newton};
 use optimize::posterior::integrated_correlation;
 use optimize::{Bounds, Evaluation, Needs, Optimiser, Problem, Residuals};
@@ -19,6 +19,7 @@ use si::{Metre, Second};
 use crate::model::{Elastic, Model, Viscoelastic};
 use crate::reduced::ReducedBody;
 use crate::search::Interrupted;
+use crate::stiffening::residuals_of;
 use diagnostics::{Diagnostic, Result};
 use fem::{Branch, Relaxation};
 
@@ -171,11 +172,27 @@ impl SpectrumProblem<'_> {
         each.iter().sum::<f64>() / each.len().max(1) as f64
     }
 
+    /// Covariance of the parameters at the best point, whose residuals are in units of their deviations.
+    // The law errs alike in all frames of a window, and otherwise in the next one: frames of a window are no independent witnesses, windows
+    // nearly are. If frames counted by their correlation time alone, deviations came out three to five times too small.
+    fn covariance(&self, best: &Evaluation) -> Result<DMatrix<f64>> {
+        let best = residuals_of(best)?;
+        let count = self.settings.times.len();
+        let jacobian = DMatrix::from_row_slice(best.values.len(), count, &best.jacobian);
+        let data = best.values.len() - count;
+        let [expected, prior] = [(0, data), (data, count)].map(|(first, rows)| information(&jacobian, first, rows));
+        let windows: Vec<usize> = self.films.iter().flat_map(Film::frames).map(|frames| 2 * frames).collect();
+        (godambe(best, &windows, expected) + prior).try_inverse().ok_or_else(|| {
+            let why = "its prior is infinitely wide";
+            Diagnostic::new("the relaxation has no covariance", why, "correct prior_sigma in study.toml")
+        })
+    }
+
     fn concluded(&self, best: &Evaluation, correlation: f64) -> Result<Spectrum> {
         let relaxation = self.relaxation(&best.at)?;
         Ok(Spectrum {
             strengths: best.at.iter().map(|ln| ln.exp()).collect(),
-            covariance: covariance(best, best.at.len())?,
+            covariance: self.covariance(best)?,
             rmse: rms(&self.residuals(relaxation.clone())?),
             elastic_rmse: rms(&self.residuals(Relaxation::default())?),
             correlation_time: correlation * self.films[0].frame_interval(),
@@ -184,20 +201,66 @@ impl SpectrumProblem<'_> {
     }
 }
 
-/// Covariance of the parameters at the best point, whose residuals are in units of their deviations.
-fn covariance(best: &Evaluation, count: usize) -> Result<DMatrix<f64>> {
-    let rows = best.residuals.as_ref().map_or(&[][..], |residuals| &residuals.jacobian);
-    let jacobian = DMatrix::from_row_slice(rows.len() / count, count, rows);
-    jacobian.tr_mul(&jacobian).try_inverse().ok_or_else(|| {
-        Diagnostic::new(
-            "the relaxation has no covariance",
-            "its prior is infinitely wide",
-            "correct prior_sigma in study.toml",
-        )
-    })
+/// JᵀJ of the rows from `first` on.
+fn information(jacobian: &DMatrix<f64>, first: usize, rows: usize) -> DMatrix<f64> {
+    let part = jacobian.rows(first, rows);
+    part.tr_mul(&part)
+}
+
+/// The information of residuals that are alike within windows, of so many rows each: Godambe's J S⁻¹ J of the `expected` information J and
+/// the scatter S of the windows' gradients, but in no direction more than J [liang1986].
+fn godambe(best: &Residuals, windows: &[usize], expected: DMatrix<f64>) -> DMatrix<f64> {
+    let (count, parameters) = (windows.len(), expected.nrows());
+    let Some(factor) = expected.clone().cholesky().filter(|_| count > parameters) else { return expected };
+    let (mut scatter, mut first) = (DMatrix::zeros(parameters, parameters), 0);
+    for rows in windows {
+        let range = first * parameters..(first + rows) * parameters;
+        let own = DMatrix::from_row_slice(*rows, parameters, &best.jacobian[range]);
+        let gradient = own.tr_mul(&DVector::from_column_slice(&best.values[first..first + rows]));
+        scatter += &gradient * gradient.transpose();
+        first += rows;
+    }
+    scatter *= count as f64 / (count - parameters) as f64;
+    // with J = L Lᵀ and L⁻¹ S L⁻ᵀ = V D Vᵀ, J S⁻¹ J = L V D⁻¹ Vᵀ Lᵀ
+    let lower = factor.l();
+    let whitened =
+        lower.solve_lower_triangular(&scatter).and_then(|half| lower.solve_lower_triangular(&half.transpose()));
+    let Some(split) = whitened.map(|both| SymmetricEigen::new(0.5 * (&both + both.transpose()))) else {
+        return expected;
+    };
+    let kept = DMatrix::from_diagonal(&split.eigenvalues.map(|value| 1.0 / value.max(1.0)));
+    let turned = lower * split.eigenvectors;
+    &turned * kept * turned.transpose()
 }
 
 /// Root mean square distance, of x and y one after the other.
 fn rms(values: &[f64]) -> Metre {
     (2.0 * values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A line through the origin: windows of ten equal rows, each off by an error of its own.
+    fn windows(errors: &[f64]) -> Residuals {
+        let values = errors.iter().flat_map(|error| [*error; 10]).collect();
+        Residuals { values, jacobian: vec![1.0; 10 * errors.len()] }
+    }
+
+    #[test]
+    fn rows_that_err_alike_in_a_window_count_as_one_witness() {
+        let errors = [1.0, -1.0, 2.0, -2.0, 1.0, -1.0];
+        let found = godambe(&windows(&errors), &[10; 6], DMatrix::from_element(1, 1, 60.0))[(0, 0)];
+        // S = 6/5 Σ (10 e)² = 6/5 · 1200, and 60² / S = 2.5
+        assert!((found - 2.5).abs() < 1e-9, "{found}");
+    }
+
+    #[test]
+    fn windows_that_agree_by_chance_or_are_too_few_leave_the_information_as_it_is() {
+        let expected = || DMatrix::from_element(1, 1, 60.0);
+        let alike = godambe(&windows(&[1e-3, -1e-3, 1e-3, -1e-3, 1e-3, -1e-3]), &[10; 6], expected());
+        assert!((alike[(0, 0)] - 60.0).abs() < 1e-9);
+        assert_eq!(godambe(&windows(&[5.0; 6]), &[60], expected()), expected());
+    }
 }
