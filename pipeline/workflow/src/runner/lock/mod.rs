@@ -141,8 +141,10 @@ impl Holder {
     /// Removes the files of processes that were killed.
     fn sweep(&self, folder: &Path) {
         for path in fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()) {
-            if read(&path).is_some_and(|other| !self.is_alive(&other, &path)) {
-                let _ = fs::remove_file(path);
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            let abandoned = |other: Process| self.process.has_ended_here(&name) || !self.is_alive(&other, &path);
+            if read(&path).is_some_and(abandoned) {
+                let _ = fs::remove_file(&path);
             }
         }
     }

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 /// A process that holds locks, as it is written into each of them.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Process {
-    /// Different for each process and each of its runs.
+    /// Different for each process and each of its runs: hashes of its machine, then its number, then hashes of its start and of the moment.
     pub token: String,
     /// The machine's name.
     pub host: String,
@@ -32,8 +32,8 @@ impl Process {
         let (pid, now) = (std::process::id(), SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default());
         let (host, machine) = (host(), machine());
         let started = started(pid).unwrap_or_default();
-        let text = format!("{host} {machine} {pid} {started} {} {:?}", now.as_nanos(), std::thread::current().id());
-        let token = blake3::hash(text.as_bytes()).to_hex()[..16].to_owned();
+        let moment = short_hash(&format!("{} {:?}", now.as_nanos(), std::thread::current().id()));
+        let token = format!("{}-{pid}-{}-{moment}", place(&host, &machine), short_hash(&started));
         Self { token, host, machine, pid, started, since: now.as_secs() }
     }
 
@@ -41,6 +41,16 @@ impl Process {
     /// another machine.
     pub(super) fn is_beside(&self, other: &Self) -> bool {
         !self.started.is_empty() && (&self.host, &self.machine) == (&other.host, &other.machine)
+    }
+
+    /// Whether `token` is of a process of this machine that has ended. A process that was killed before it had written its file is known
+    /// by nothing else.
+    pub(super) fn has_ended_here(&self, token: &str) -> bool {
+        let parts: Vec<&str> = token.split('-').collect();
+        let [machine, pid, start, _] = parts[..] else { return false };
+        let here = !self.started.is_empty() && machine == place(&self.host, &self.machine);
+        let runs = |pid: u32| started(pid).is_some_and(|started| short_hash(&started) == start);
+        here && pid.parse().is_ok_and(|pid| !runs(pid))
     }
 
     /// Whether it runs, asked on its own machine.
@@ -53,6 +63,15 @@ impl std::fmt::Display for Process {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "process {} on {}", self.pid, self.host)
     }
+}
+
+/// A machine in a token.
+fn place(host: &str, machine: &str) -> String {
+    short_hash(&format!("{host} {machine}"))
+}
+
+fn short_hash(text: &str) -> String {
+    blake3::hash(text.as_bytes()).to_hex()[..8].to_owned()
 }
 
 /// The start of a process that runs; none of one that has ended.
@@ -116,6 +135,21 @@ mod tests {
         assert!(gone);
         child.wait().unwrap();
         assert!(!own.runs());
+    }
+
+    #[test]
+    fn a_token_tells_a_process_that_runs_from_one_that_has_ended() {
+        let this = Process::this();
+        assert!(!this.has_ended_here(&Process::this().token));
+        let mut child = Command::new("sleep").arg("60").spawn().unwrap();
+        let start = short_hash(&started(child.id()).unwrap());
+        let token = format!("{}-{}-{start}-0", place(&this.host, &this.machine), child.id());
+        assert!(!this.has_ended_here(&token));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        assert!(this.has_ended_here(&token));
+        assert!(!this.has_ended_here(&token.replacen(&token[..8], "00000000", 1)), "of another machine");
+        assert!(!this.has_ended_here("some file"));
     }
 
     #[test]

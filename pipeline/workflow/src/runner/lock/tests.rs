@@ -82,6 +82,19 @@ fn a_lock_that_is_not_understood_is_held_until_it_is_old() {
 }
 
 #[test]
+fn the_empty_file_of_a_process_that_was_killed_while_it_entered_is_removed_by_the_next() {
+    let folder = Folder::new("entered");
+    drop(folder.holder());
+    let this = Process::this();
+    let ended = this.token.replacen(&format!("-{}-", this.pid), "-0-", 1);
+    let names = [ended, this.token];
+    names.iter().for_each(|name| fs::write(folder.0.join("holders").join(name), "").unwrap());
+    let _holder = folder.holder();
+    let left = names.map(|name| folder.0.join("holders").join(name).exists());
+    assert_eq!(left, [false, true], "the second is of a process that runs");
+}
+
+#[test]
 fn a_process_killed_while_it_removed_an_abandoned_lock_is_followed_by_the_next() {
     let folder = Folder::new("chain");
     let holder = folder.holder();
