@@ -67,8 +67,8 @@ fn stiffening_stays_at_the_prior_where_the_silicone_hardly_strains() {
     let hidden = Elastic { stiffening: [0.2, 0.6], ..model.nominal.clone() };
     let found = identified(&model, measured(&model, &hidden, 5e2));
     let posterior = found.residuals.posterior(4).unwrap();
-    for k in 0..2 {
-        assert!(found.ratios[k].abs() < 0.2 * PRIOR[k], "{:?}", found.ratios);
-        assert!((posterior.sigma(2 + k) / PRIOR[k] - 1.0).abs() < 0.05, "{}", posterior.sigma(2 + k));
+    for (k, (ratio, prior)) in found.ratios.iter().zip(PRIOR).enumerate() {
+        assert!(ratio.abs() < 0.2 * prior, "{:?}", found.ratios);
+        assert!((posterior.sigma(2 + k) / prior - 1.0).abs() < 0.05, "{}", posterior.sigma(2 + k));
     }
 }
