@@ -16,7 +16,7 @@ use diagnostics::{Diagnostic, Result};
 
 /// Names of both ratios.
 const RATIOS: [&str; 2] = ["C20/C10", "C30/C10"];
-/// Bounds of both ratios: within them Yeoh's law is stable at every stretch below 1.8.
+/// Bounds of both ratios: at the lower ones a bar's tension rises with its stretch up to 1.6.
 const BOUNDS: [[f64; 2]; 2] = [[-0.1, 1.0], [-0.02, 2.0]];
 
 /// The problem of moduli and stiffening.
@@ -120,4 +120,22 @@ pub fn residuals_of(best: &Evaluation) -> Result<&Residuals> {
         let why = "it was evaluated without them";
         Diagnostic::new("the best point has no residuals", why, "report it with the recordings")
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tension_rises_with_stretch_at_the_lower_bounds() {
+        let [c20, c30] = BOUNDS.map(|bound| bound[0]);
+        // P over 2 C₁₀ of an incompressible bar
+        let tension = |stretch: f64| {
+            let x = stretch * stretch + 2.0 / stretch - 3.0;
+            (stretch - stretch.powi(-2)) * (1.0 + 2.0 * c20 * x + 3.0 * c30 * x * x)
+        };
+        let stretches: Vec<f64> = (0..=60).map(|i| 1.0 + 0.01 * f64::from(i)).collect();
+        assert!(stretches.windows(2).all(|pair| tension(pair[1]) > tension(pair[0])));
+        assert!(tension(1.8) < tension(1.75), "softer ratios would snap earlier");
+    }
 }

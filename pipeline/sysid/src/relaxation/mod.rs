@@ -175,8 +175,8 @@ impl SpectrumProblem<'_> {
     /// Covariance of the parameters at the best point, whose residuals are in units of their deviations.
     // The law errs alike in all frames of a window, and otherwise in the next one: frames of a window are no independent witnesses, windows
     // nearly are. What errs alike in all windows is not in it, such as the ripple that one branch a decade leaves in the loss: on the bench's
-    // paper profile the errors of storage and loss from 1 to 8 Hz are up to 2.0, 4.4 and 4.8 of these deviations for its three tails, and were
-    // up to 3.8 for the first with each frame weighed by its correlation time alone.
+    // paper profile the errors of storage and loss from 1 to 8 Hz are up to 2.1, 4.5 and 4.8 of these deviations for Nemo, Dory and Bruce, and
+    // were up to 4.0 for Nemo with each frame weighed by its correlation time alone.
     fn covariance(&self, best: &Evaluation) -> Result<DMatrix<f64>> {
         let best = residuals_of(best)?;
         let count = self.settings.times.len();

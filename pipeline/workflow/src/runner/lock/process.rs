@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn a_token_tells_a_process_that_runs_from_one_that_has_ended() {
+    fn a_token_distinguishes_a_process_that_runs_from_one_that_has_ended() {
         let this = Process::this();
         assert!(!this.has_ended_here(&Process::this().token));
         let mut child = Command::new("sleep").arg("60").spawn().unwrap();
