@@ -3,7 +3,7 @@
 use crate::assembly::elastic::{Body, Elastic};
 use crate::assembly::mass::Mass;
 use crate::loads::{DeadForces, add_gravity};
-use crate::newton::potential::Potential;
+use crate::newton::potential::{Inertia, Potential};
 use crate::properties::RegionProperties;
 use crate::system_data::SystemData;
 use crate::viscoelastic::history::History;
@@ -39,6 +39,15 @@ pub(crate) struct AppliedLoad<'a> {
     pub pressures: &'a [Pascal],
     /// Factor of the dead forces in load stepping, 0 to 1.
     pub load_factor: f64,
+    /// A force that a homotopy adds.
+    pub added: Option<&'a Inertia>,
+}
+
+impl<'a> AppliedLoad<'a> {
+    /// `pressures` and the whole dead load.
+    pub fn whole(pressures: &'a [Pascal]) -> Self {
+        Self { pressures, load_factor: 1.0, added: None }
+    }
 }
 
 impl Inputs {
@@ -105,12 +114,12 @@ impl Inputs {
             ambient: &self.ambient,
             dead: &self.dead,
             load_factor: load.load_factor,
-            inertia: None,
+            inertia: load.added,
         }
     }
 
     /// The static potential under `pressures` and the whole dead load.
     pub fn at_rest<'a>(&'a self, data: &'a SystemData, pressures: &'a [Pascal]) -> Potential<'a> {
-        self.static_potential(data, AppliedLoad { pressures, load_factor: 1.0 })
+        self.static_potential(data, AppliedLoad::whole(pressures))
     }
 }

@@ -220,22 +220,22 @@ impl Solver {
         Ok(found)
     }
 
-    /// As [`Solver::equilibrium`], from an initial guess `predicted` from several earlier shapes, of which `nearby` is
-    /// the nearest one (3 entries per node, m).
+    /// The equilibrium near a shape `predicted` from several earlier ones, of which `nearby` is the nearest (3 entries per node, m), by
+    /// Newton's method alone: for callers with a path of their own to fall back on.
     ///
     /// An interpolated shape stretches a stiff sheet where it rotates. The first tangent leaves the stress of that
-    /// stretch out, as after a load step. When it does not converge, Newton's method starts at `nearby`.
+    /// stretch out, as after a load step.
     ///
     /// # Errors
-    /// As [`Solver::equilibrium`].
-    pub fn equilibrium_from_prediction(
+    /// [`SolveError`]; `NoEquilibrium` where Newton's method does not converge.
+    pub fn equilibrium_near(
         &mut self,
         pressures: &[Pascal],
         nearby: &[f64],
         predicted: &[f64],
         settings: &StaticSettings,
     ) -> Result<Equilibrium, SolveError> {
-        self.state.equilibrium_from_prediction(pressures, nearby, predicted, settings)
+        self.state.equilibrium_near(pressures, nearby, predicted, settings)
     }
 
     /// ∂L/∂E, ∂L/∂ν and ∂L/∂ρ of every region by the adjoint method, from `dloss_du` = ∂L/∂u (3 entries per node, unit

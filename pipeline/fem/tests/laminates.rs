@@ -5,7 +5,10 @@
 
 #![allow(clippy::unwrap_used)] // a test may fail where it stands
 
-use fem::{Clamps, Equilibrium, Forces, Mesh, RegionProperties, Solver, StaticSettings, System, box_mesh, materials};
+use fem::{
+    Clamps, Equilibrium, Forces, Mesh, RegionProperties, SolveError, Solver, StaticSettings, System, box_mesh,
+    materials,
+};
 
 const LENGTH: f64 = 0.08;
 const WIDTH: f64 = 0.003;
@@ -161,7 +164,7 @@ fn a_prediction_from_three_shapes_saves_iterations() {
     let [first, second, third, rested] = [0.24, 0.26, 0.28, 0.3].map(|part| at(part, &mut solver).displacement);
     let parabola = |i: usize| 3.0 * (third[i] - second[i]) + first[i];
     let predicted: Vec<f64> = (0..rested.len()).map(parabola).collect();
-    let extrapolated = solver.equilibrium_from_prediction(&[], &third, &predicted, &settings).unwrap();
+    let extrapolated = solver.equilibrium_near(&[], &third, &predicted, &settings).unwrap();
     let largest = |of: &mut dyn Iterator<Item = f64>| of.fold(0.0, |most: f64, x| most.max(x.abs()));
     let off = largest(&mut rested.iter().zip(&extrapolated.displacement).map(|(a, b)| a - b));
     assert!(off < 1e-6 * largest(&mut rested.iter().copied()), "off by {off} m");
@@ -175,16 +178,29 @@ fn a_prediction_from_three_shapes_saves_iterations() {
 }
 
 #[test]
-fn a_useless_prediction_leads_to_the_same_equilibrium() {
+fn a_useless_prediction_is_refused_at_once() {
     let (layers, ratio) = (CASES[0], 1e4);
     let (mut solver, push, _) = ready(layers, ratio);
     push(&mut solver, force(layers, ratio, 0.1));
     let settings = StaticSettings::default();
     let rested = solver.equilibrium(&[], None, &settings).unwrap();
     let inside_out: Vec<f64> = rested.displacement.iter().map(|u| -40.0 * u).collect();
-    let found = solver.equilibrium_from_prediction(&[], &rested.displacement, &inside_out, &settings).unwrap();
-    let off =
-        rested.displacement.iter().zip(&found.displacement).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
-    assert!(off < 1e-9, "off by {off} m");
-    assert!(solver.equilibrium_from_prediction(&[], &rested.displacement, &[0.0; 3], &settings).is_err());
+    let refused = solver.equilibrium_near(&[], &rested.displacement, &inside_out, &settings).unwrap_err();
+    assert!(matches!(refused, SolveError::NoEquilibrium { .. }), "{refused}");
+    assert!(solver.equilibrium_near(&[], &rested.displacement, &[0.0; 3], &settings).is_err(), "too short");
+}
+
+#[test]
+fn a_shape_bent_the_other_way_leads_to_the_equilibrium() {
+    let (layers, ratio) = (CASES[0], 1e4);
+    let (mut solver, push, _) = ready(layers, ratio);
+    let settings = StaticSettings::default();
+    let mut at = |part: f64, guess: Option<&[f64]>| {
+        push(&mut solver, force(layers, ratio, part));
+        solver.equilibrium(&[], guess, &settings).unwrap()
+    };
+    let (bent, back) = (at(0.3, None), at(-0.3, None));
+    let found = at(-0.3, Some(&bent.displacement));
+    let off = back.displacement.iter().zip(&found.displacement).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+    assert!(!found.load_stepped && off < 1e-6, "off by {off} m");
 }

@@ -3,11 +3,12 @@
 use std::time::Instant;
 
 use fem::{Equilibrium, Parameter, SolveError, Solver, StaticSettings};
-use si::{Pascal, Point2};
+use si::{Pascal, Point2, Second};
 
+use crate::load_path::{LoadPath, Steps};
 use crate::model::{BODY, Elastic, Model};
 use crate::noise::Covariance2;
-use crate::surrogate::{Load, Surrogate};
+use crate::surrogate::{KnownShape, Load, Surrogate};
 use diagnostics::{Diagnostic, Result};
 
 /// One pressure level and the measured displacements.
@@ -25,6 +26,12 @@ impl PressureLevel {
     /// The highest of its pressures, Pa.
     pub fn top(&self) -> Pascal {
         self.pressures.iter().copied().fold(f64::MIN_POSITIVE, f64::max)
+    }
+
+    /// The same measurement under `factor` times the pressures.
+    fn scaled(&self, factor: f64) -> Self {
+        let pressures = self.pressures.iter().map(|pressure| factor * pressure).collect();
+        Self { pressures, ..self.clone() }
     }
 
     /// The chamber with that pressure.
@@ -67,8 +74,12 @@ pub enum Derivatives {
     StiffeningSensitivities,
 }
 
-/// Halvings of a load step without an initial guess; later solves may be limited to fewer.
-const COLD_HALVINGS: usize = 6;
+/// Steps along a path from rest, to the highest pressure or beyond it.
+const FROM_REST: Steps = Steps { first: 0.1, longest: 0.12, shortest: 1.0 / 256.0 };
+/// Steps from the nearest equilibrium that is known.
+const FROM_NEARBY: Steps = Steps { first: 0.5, longest: 0.5, shortest: 1.0 / 16.0 };
+/// Tolerance of equilibria that serve as initial guesses alone.
+const EXPLORED: f64 = 1e-4;
 
 /// Solvers, and the surrogate of their equilibria.
 pub struct LevelSolver {
@@ -77,13 +88,64 @@ pub struct LevelSolver {
     settings: StaticSettings,
     solvers: Vec<Solver>,
     known: Surrogate,
+    /// See [`Load::new`].
+    unit: f64,
 }
 
 impl LevelSolver {
     /// A solver over the levels with this many parallel solvers.
     pub fn new(model: Model, levels: Vec<PressureLevel>, settings: StaticSettings, parallel: usize) -> Self {
         let solvers = (0..parallel.clamp(1, levels.len().max(1))).map(|_| model.system.solver()).collect();
-        Self { model, levels, settings, solvers, known: Surrogate::default() }
+        let highest = levels.iter().map(PressureLevel::top).fold(f64::MIN_POSITIVE, f64::max);
+        let unit = highest / model.nominal.youngs_moduli[BODY];
+        Self { model, levels, settings, solvers, known: Surrogate::default(), unit }
+    }
+
+    /// What it solves.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// The same equilibria as initial guesses for other `levels` or `settings` of the same specimen.
+    pub fn with(&self, levels: Vec<PressureLevel>, settings: StaticSettings) -> Self {
+        let parallel = self.solvers.len();
+        Self { known: self.known.clone(), unit: self.unit, ..Self::new(self.model.clone(), levels, settings, parallel) }
+    }
+
+    /// Follows the equilibria with these constants from rest to `reach` times the highest pressure of each filled chamber, and returns
+    /// the part of these pressures that all reached. They are the initial guesses of what is solved later.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when a solver panics.
+    pub(crate) fn follow_paths(&mut self, elastic: &Elastic, reach: f64) -> Result<f64> {
+        let tops: Vec<PressureLevel> = tops(&self.levels).into_iter().map(|top| top.scaled(reach)).collect();
+        let mut all = 1.0_f64;
+        for path in parallel(&tops, self.solvers.len(), |level| Ok(self.path_from_rest(level, elastic))) {
+            let (shapes, reached) = path?;
+            all = all.min(reached);
+            shapes.into_iter().for_each(|(load, shape)| self.known.add(load, shape));
+        }
+        Ok(all * reach)
+    }
+
+    /// Loads and shapes on the path from rest to `level`, and the part of it that was reached.
+    fn path_from_rest(&self, level: &PressureLevel, elastic: &Elastic) -> (Vec<KnownShape>, f64) {
+        let system = &self.model.system;
+        let to = Load::new(level.filled(), level.top(), elastic, self.unit);
+        let (rest, none) = (to.clone().without(), vec![0.0; 3 * system.mesh().nodes.len()]);
+        let path = LoadPath {
+            from: (&rest, &none),
+            to: &to,
+            pressures: &level.pressures,
+            elastic,
+            unit: self.unit,
+            steps: FROM_REST,
+        };
+        let settings = StaticSettings { tolerance: EXPLORED, ..self.settings };
+        let (points, end) = path.follow(&mut system.solver(), &settings);
+        let reached = if end.is_ok() { 1.0 } else { points.last().map_or(0.0, |last| last.part) };
+        let on_the_way = points.into_iter().map(|point| (point.load, point.shape));
+        (on_the_way.chain(end.ok().map(|end| (to, end.displacement))).collect(), reached)
     }
 
     /// All levels with these constants.
@@ -91,9 +153,12 @@ impl LevelSolver {
     /// # Errors
     /// A [`Diagnostic`] that names the level for which no equilibrium was found.
     pub fn solve(&mut self, elastic: &Elastic, derivatives: Derivatives) -> Result<Vec<SimulatedLevel>> {
+        if self.known.is_empty() {
+            self.follow_paths(elastic, 1.0)?;
+        }
         let shares = shares(&self.levels, self.solvers.len());
-        let Self { model, levels, settings, solvers, known } = self;
-        let part = Part { model, levels, settings, known, elastic: elastic.clone(), derivatives };
+        let Self { model, levels, settings, solvers, known, unit } = self;
+        let part = Part { model, levels, settings, known, unit: *unit, elastic: elastic.clone(), derivatives };
         let mut parts: Vec<Result<Vec<(usize, SimulatedLevel)>>> = Vec::new();
         std::thread::scope(|scope| {
             let part = &part;
@@ -123,6 +188,31 @@ fn shares(levels: &[PressureLevel], count: usize) -> Vec<Vec<usize>> {
     (0..count).map(|part| order[end(part)..end(part + 1)].to_vec()).collect()
 }
 
+/// The level of the highest pressure of each filled chamber.
+fn tops(levels: &[PressureLevel]) -> Vec<&PressureLevel> {
+    let mut tops: Vec<&PressureLevel> = Vec::new();
+    for level in levels {
+        match tops.iter_mut().find(|top| top.filled() == level.filled()) {
+            Some(top) if top.top() < level.top() => *top = level,
+            Some(_) => {}
+            None => tops.push(level),
+        }
+    }
+    tops
+}
+
+/// `work` on all `of` in this order, `count` at a time.
+fn parallel<T: Sync, R: Send>(of: &[T], count: usize, work: impl Fn(&T) -> Result<R> + Sync) -> Vec<Result<R>> {
+    let mut done = Vec::new();
+    for some in of.chunks(count) {
+        std::thread::scope(|scope| {
+            let handles: Vec<_> = some.iter().map(|one| scope.spawn(|| work(one))).collect();
+            done.extend(handles.into_iter().map(|h| h.join().unwrap_or_else(|_| Err(panicked()))));
+        });
+    }
+    done
+}
+
 /// The data of one solve, shared by its solvers.
 struct Part<'a> {
     model: &'a Model,
@@ -130,6 +220,7 @@ struct Part<'a> {
     settings: &'a StaticSettings,
     /// Equilibria of earlier solves.
     known: &'a Surrogate,
+    unit: f64,
     elastic: Elastic,
     derivatives: Derivatives,
 }
@@ -141,9 +232,8 @@ impl Part<'_> {
         let (mut done, mut found) = (Vec::new(), Surrogate::default());
         for &number in numbers {
             let (level, load) = (&self.levels[number], self.load(number));
-            // Kriged initial guesses: the Gauss-Newton search of Dory took 23 s instead of 40 s.
-            let start = found.predict(self.known, &load);
-            let simulated = self.solve_one(level, start, solver).map_err(|e| no_equilibrium(level, e))?;
+            let equilibrium = self.equilibrium(level, &load, &found, solver)?;
+            let simulated = self.simulated(level, equilibrium, solver).map_err(|e| no_equilibrium(level, e.into()))?;
             found.add(load, simulated.displacement.clone());
             done.push((number, simulated));
         }
@@ -151,28 +241,47 @@ impl Part<'_> {
     }
 
     fn load(&self, level: usize) -> Load {
-        let highest = self.levels.iter().map(PressureLevel::top).fold(f64::MIN_POSITIVE, f64::max);
-        let unit = highest / self.model.nominal.youngs_moduli[BODY];
-        Load::new(self.levels[level].filled(), self.levels[level].top(), &self.elastic, unit)
+        Load::new(self.levels[level].filled(), self.levels[level].top(), &self.elastic, self.unit)
     }
 
-    fn solve_one(
+    /// The equilibrium of a level and the time that it took, s.
+    fn equilibrium(
         &self,
         level: &PressureLevel,
-        start: Option<(&[f64], Vec<f64>)>,
+        to: &Load,
+        found: &Surrogate,
+        solver: &mut Solver,
+    ) -> Result<(Equilibrium, Second)> {
+        let began = Instant::now();
+        let (rest, none);
+        // Kriged initial guesses: the Gauss-Newton search of Dory took 23 s instead of 40 s.
+        let (from, steps) = match found.predict(self.known, to) {
+            Some((near, predicted)) => {
+                let direct = solver.equilibrium_near(&level.pressures, &near.1, &predicted, self.settings);
+                if let Ok(equilibrium) = direct {
+                    return Ok((equilibrium, began.elapsed().as_secs_f64()));
+                }
+                ((&near.0, near.1.as_slice()), FROM_NEARBY)
+            }
+            None => {
+                (rest, none) = (to.clone().without(), vec![0.0; 3 * self.model.system.mesh().nodes.len()]);
+                ((&rest, none.as_slice()), FROM_REST)
+            }
+        };
+        let Self { elastic, unit, .. } = self;
+        let path = LoadPath { from, to, pressures: &level.pressures, elastic, unit: *unit, steps };
+        let end = path.follow(solver, self.settings).1.map_err(|e| no_equilibrium(level, e))?;
+        Ok((end, began.elapsed().as_secs_f64()))
+    }
+
+    /// Markers and derivatives at an equilibrium.
+    fn simulated(
+        &self,
+        level: &PressureLevel,
+        (equilibrium, forward_seconds): (Equilibrium, Second),
         solver: &mut Solver,
     ) -> Result<SimulatedLevel, SolveError> {
-        let Self { model, settings, .. } = self;
-        let cold =
-            StaticSettings { tolerance: settings.tolerance, max_halvings: COLD_HALVINGS, ..StaticSettings::default() };
-        let began = Instant::now();
-        let equilibrium = match start {
-            Some((found, predicted)) => {
-                solver.equilibrium_from_prediction(&level.pressures, found, &predicted, settings)?
-            }
-            None => solver.equilibrium(&level.pressures, None, &cold)?,
-        };
-        let forward_seconds = began.elapsed().as_secs_f64();
+        let model = self.model;
         let markers: Vec<Point2> =
             model.markers.iter().map(|spot| Model::in_plane(spot, &equilibrium.displacement)).collect();
         let began = Instant::now();
@@ -245,9 +354,9 @@ fn sensitivities(
     parameters.iter().map(sensitivity).collect()
 }
 
-fn no_equilibrium(level: &PressureLevel, error: SolveError) -> Diagnostic {
+fn no_equilibrium(level: &PressureLevel, error: Diagnostic) -> Diagnostic {
     let pressures: Vec<String> = level.pressures.iter().map(|p| format!("{:.1}", p / si::MILLIBAR)).collect();
-    Diagnostic::from(error).while_doing(format!("no equilibrium at {} mbar", pressures.join(" / ")))
+    error.while_doing(format!("no equilibrium at {} mbar", pressures.join(" / ")))
 }
 
 fn panicked() -> Diagnostic {

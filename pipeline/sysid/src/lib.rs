@@ -32,6 +32,7 @@ mod identified_materials;
 pub mod inflation_test;
 pub mod landscape;
 mod levels;
+mod load_path;
 mod meshed;
 mod metrics_file;
 mod misfit;

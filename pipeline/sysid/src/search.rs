@@ -1,14 +1,13 @@
 //! Searching moduli: the order in which points are simulated, the feasible lower bound, and the diagnostic that ends a search.
 
-use diagnostics::Diagnostic;
-use fem::StaticSettings;
+use diagnostics::{Diagnostic, Result};
 use optimize::{Bounds, OptimiseError};
 
-use crate::levels::{Derivatives, LevelSolver, PressureLevel};
-use crate::model::{BODY, Model};
+use crate::levels::LevelSolver;
+use crate::model::{BODY, Elastic};
 
-/// Step from stiff to soft, in the logarithm of the body's modulus.
-const SOFTER: f64 = 0.1;
+/// Least range of the logarithm of the body's modulus.
+const LEAST_RANGE: f64 = 0.1;
 
 /// Why a search stops: a diagnostic passed through an optimiser.
 pub struct Interrupted(pub Diagnostic);
@@ -34,30 +33,21 @@ pub fn nearest_neighbour_order(points: &[Vec<f64>]) -> Vec<usize> {
     order
 }
 
-/// Logarithm, over the nominal value, of the lowest modulus of the body with an equilibrium at the highest pressure of each film, with
-/// the other solids nominal; the lower bound of the search where that has one.
+/// Logarithm, over the nominal value, of the lowest modulus of the body with an equilibrium at the highest pressure of each chamber; the
+/// lower bound of the search where that has one. `solver` then knows the equilibria with `elastic` on the way.
 ///
-/// Below it walls lose stability and the films cannot be simulated.
-pub fn feasible_lower_bound(model: &Model, levels: &[PressureLevel], bounds: &Bounds) -> f64 {
-    let settings = StaticSettings { tolerance: 1e-4, max_halvings: 0, max_iterations: 12, ..StaticSettings::default() };
-    let top = levels.iter().map(PressureLevel::top).fold(0.0, f64::max);
-    let highest: Vec<PressureLevel> = levels.iter().filter(|r| r.top() > 0.98 * top).cloned().collect();
-    let count = highest.len();
-    let mut solver = LevelSolver::new(model.clone(), highest, settings, count);
-    let has_equilibrium = |solver: &mut LevelSolver, at: f64| {
-        let mut elastic = model.nominal.clone();
-        elastic.youngs_moduli[BODY] *= at.exp();
-        solver.solve(&elastic, Derivatives::None).is_ok()
-    };
+/// Below it walls lose stability and the films cannot be simulated. The other solids are softened with the body: a shape then follows from
+/// pressure over modulus alone, and one path of rising pressure shows all of these bodies.
+///
+/// # Errors
+/// As [`LevelSolver::follow_paths`].
+pub fn feasible_lower_bound(solver: &mut LevelSolver, elastic: &Elastic, bounds: &Bounds) -> Result<f64> {
     let (low, high) = (bounds.low[0], bounds.high[0]);
-    // The bound is approached from the stiff side with warm starts: a failed equilibrium is the most expensive evaluation, and this
-    // order meets only one.
-    let steps = ((high - low) / SOFTER).ceil() as usize;
-    if !has_equilibrium(&mut solver, high) {
-        return low;
-    }
-    let lost = (1..=steps).find(|&k| !has_equilibrium(&mut solver, (high - SOFTER * k as f64).max(low)));
-    lost.map_or(low, |k| (high - SOFTER * (k as f64 - 1.0)).min(high - SOFTER))
+    let here = (elastic.youngs_moduli[BODY] / solver.model().nominal.youngs_moduli[BODY]).ln();
+    let reached = solver.follow_paths(elastic, (here - low).exp())?;
+    let lowest = here - reached.ln();
+    // without an equilibrium in the whole range, the first evaluation names the level that has none
+    Ok(if lowest < high { lowest.clamp(low, (high - LEAST_RANGE).max(low)) } else { low })
 }
 
 #[cfg(test)]

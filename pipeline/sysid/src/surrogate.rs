@@ -42,9 +42,29 @@ impl Load {
     }
 
     /// The same body at rest.
-    fn without(mut self) -> Self {
+    pub fn without(mut self) -> Self {
         self.at[0] = 0.0;
         self
+    }
+
+    /// The load at `part` (0 to 1) of the way to `other`, whose chamber it has.
+    pub fn towards(&self, other: &Self, part: f64) -> Self {
+        let at = self.at.iter().zip(&other.at).map(|(from, to)| from + part * (to - from)).collect();
+        Self { chamber: other.chamber, at }
+    }
+
+    /// The pressure and the constants of a body with this load whose softest material has the modulus `body`.
+    pub fn constants(&self, body: Pascal, unit: f64) -> (Pascal, Elastic) {
+        let solids = self.at.len() / 2 - 1;
+        let (moduli, rest) = self.at[1..].split_at(solids - 1);
+        let (ratios, stiffening) = rest.split_at(solids);
+        let ratio = |(region, nu): (usize, &f64)| nu / BY_RATIO[region.min(1)];
+        let elastic = Elastic {
+            youngs_moduli: std::iter::once(body).chain(moduli.iter().map(|other| body * other.exp())).collect(),
+            poissons_ratios: ratios.iter().enumerate().map(ratio).collect(),
+            stiffening: [stiffening[0], stiffening[1]],
+        };
+        (self.at[0] * body * unit, elastic)
     }
 
     fn away(&self, other: &Self) -> f64 {
@@ -52,10 +72,13 @@ impl Load {
     }
 }
 
-/// Shapes (3 a node, m) and their loads.
+/// A load and the shape under it, m, 3 a node.
+pub(crate) type KnownShape = (Load, Vec<f64>);
+
+/// Shapes and their loads.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Surrogate {
-    shapes: Vec<(Load, Vec<f64>)>,
+    shapes: Vec<KnownShape>,
 }
 
 impl Surrogate {
@@ -67,18 +90,23 @@ impl Surrogate {
         self.shapes.push((load, shape));
     }
 
-    /// The nearest shape of this and of `others`, and the one predicted from all of them; none where neither has one of the
-    /// same chamber.
-    pub fn predict<'a>(&'a self, others: &'a Self, load: &Load) -> Option<(&'a [f64], Vec<f64>)> {
+    /// Whether it has no shape.
+    pub fn is_empty(&self) -> bool {
+        self.shapes.is_empty()
+    }
+
+    /// The nearest shape of this and of `others` with its load, and the one predicted from all of them; none where neither has one of
+    /// the same chamber.
+    pub fn predict<'a>(&'a self, others: &'a Self, load: &Load) -> Option<(&'a KnownShape, Vec<f64>)> {
         let alike = self.shapes.iter().chain(&others.shapes).filter(|(known, _)| known.chamber == load.chamber);
-        let mut near: Vec<(f64, &(Load, Vec<f64>))> = alike.map(|shape| (shape.0.away(load), shape)).collect();
+        let mut near: Vec<(f64, &KnownShape)> = alike.map(|shape| (shape.0.away(load), shape)).collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0));
         near.truncate(NEAREST);
-        let (_, (_, nearest)) = near.first()?;
+        let &(_, nearest) = near.first()?;
         let places: Vec<Load> =
             near.iter().map(|(_, (known, _))| known.clone()).chain([load.clone().without()]).collect();
-        let Some(weights) = weights(&places, load) else { return Some((nearest, nearest.clone())) };
-        let mut predicted = vec![0.0; nearest.len()];
+        let Some(weights) = weights(&places, load) else { return Some((nearest, nearest.1.clone())) };
+        let mut predicted = vec![0.0; nearest.1.len()];
         for ((_, (_, shape)), weight) in near.iter().zip(weights.iter()) {
             predicted.iter_mut().zip(shape).for_each(|(sum, u)| *sum += weight * u);
         }
@@ -112,6 +140,20 @@ mod tests {
     fn shape(of: &Load) -> Vec<f64> {
         let (s, r) = (of.at[0], of.at[1]);
         vec![s + 0.3 * s * s - 0.2 * s * r, (0.4 * s).sin()]
+    }
+
+    #[test]
+    fn the_constants_of_a_load_are_those_that_it_was_made_of() {
+        let elastic = Elastic {
+            youngs_moduli: vec![2e5, 3e9, 4e6],
+            poissons_ratios: vec![0.49, 0.38, 0.41],
+            stiffening: [0.1, 0.03],
+        };
+        let (pressure, made) = Load::new(1, 7e3, &elastic, 0.1).constants(2e5, 0.1);
+        assert!((pressure - 7e3).abs() < 1e-8 && made.stiffening == elastic.stiffening);
+        let close = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a / b - 1.0).abs() < 1e-12);
+        assert!(close(&made.youngs_moduli, &elastic.youngs_moduli));
+        assert!(close(&made.poissons_ratios, &elastic.poissons_ratios));
     }
 
     #[test]

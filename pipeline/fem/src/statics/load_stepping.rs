@@ -1,15 +1,17 @@
 //! Incremental loading (load stepping) with Newton's method.
 //!
-//! From a nearby initial guess Newton's method solves for the whole load at once. From rest, or when that fails, the
-//! load factor is raised in steps with linear extrapolation; a failed step is halved, an easy one lengthens the next. A
-//! short step that still fails is solved with a line search, and at last by pseudo-transient continuation, which passes
-//! the snap-through of a thin wall.
+//! From a nearby initial guess Newton's method solves for the whole load at once. Where that fails, the force that is
+//! unbalanced at the guess fades out in steps, and from rest the load factor is raised in steps: a [`Homotopy`] either
+//! way, followed with linear extrapolation. A failed step is halved, an easy one lengthens the next. A short step that
+//! still fails is solved with a line search, and at last by pseudo-transient continuation, which passes the snap-through
+//! of a thin wall.
 
 use crate::inputs::AppliedLoad;
 use crate::newton::options::{Globalisation, NewtonOptions, NonConvergence};
 use crate::solve_error::SolveError;
 use crate::solver_state::SolverState;
 use crate::statics::equilibrium::{Equilibrium, StaticSettings};
+use crate::statics::homotopy::Homotopy;
 use si::Pascal;
 use sparse::dot;
 
@@ -27,8 +29,25 @@ const MAX_FULL_STEPS: usize = 25;
 /// much.
 const MAX_PREDICTED: f64 = 8.0;
 
-/// States of the load path, each with its load factor.
+/// First and smallest step in which an unbalanced force fades out.
+const FIRST_FADE: f64 = 1.0 / 4.0;
+const MIN_FADE: f64 = 1.0 / 32.0;
+/// Halvings of such a step: a step that fails is rather too long than without an equilibrium.
+const FADE_HALVINGS: usize = 4;
+
+/// States of a path, each with its s.
 type Path = Vec<(f64, Equilibrium)>;
+
+/// Lengths of the steps along a path, as fractions of the whole.
+struct Steps<'a> {
+    first: f64,
+    shortest: f64,
+    /// Halvings at most.
+    halvings: usize,
+    /// Whether a short step that fails is solved by descent of the energy.
+    descent: bool,
+    settings: &'a StaticSettings,
+}
 
 impl SolverState {
     /// See [`crate::Solver::equilibrium`].
@@ -49,16 +68,18 @@ impl SolverState {
             if settings.reuse_factor && self.warm_start(&mut direct, pressures, &options) {
                 return Ok(self.finished(direct, false));
             }
-            let load = AppliedLoad { pressures, load_factor: 1.0 };
-            if self.newton_solve(&mut direct, None, load, &options).is_ok() {
+            if self.newton_solve(&mut direct, None, AppliedLoad::whole(pressures), &options).is_ok() {
                 return Ok(self.finished(direct, false));
+            }
+            if let Some(found) = self.fade_out(&self.with_constraints(guess), pressures, settings) {
+                return Ok(found);
             }
         }
         self.load_stepping(pressures, settings)
     }
 
-    /// See [`crate::Solver::equilibrium_from_prediction`].
-    pub(crate) fn equilibrium_from_prediction(
+    /// See [`crate::Solver::equilibrium_near`].
+    pub(crate) fn equilibrium_near(
         &mut self,
         pressures: &[Pascal],
         nearby: &[f64],
@@ -73,14 +94,14 @@ impl SolverState {
         let mut at = self.at_rest(pressures);
         at.displacement = self.with_constraints(predicted);
         let (previous, options) = (self.with_constraints(nearby), self.full_steps(settings.tolerance, settings));
-        let load = AppliedLoad { pressures, load_factor: 1.0 };
+        let load = AppliedLoad::whole(pressures);
         // The line from `nearby` to `predicted` plays the part of a load step's linear step: the
         // mixed-integration-point tangent leaves out the stress of the stretch that interpolation puts into a rotated
         // stiff sheet.
-        if self.newton_solve(&mut at, Some(&previous), load, &options).is_ok() {
-            return Ok(self.finished(at, false));
+        match self.newton_solve(&mut at, Some(&previous), load, &options) {
+            Ok(_) => Ok(self.finished(at, false)),
+            Err(cause) => Err(self.no_equilibrium(vec![(0.0, self.at_rest(pressures))], 1.0, pressures, cause)),
         }
-        self.equilibrium(pressures, Some(nearby), settings)
     }
 
     /// Moves `at` to its equilibrium on the lagged factor; whether it converged.
@@ -94,54 +115,89 @@ impl SolverState {
 
     /// Raises the load factor from 0 to 1.
     fn load_stepping(&mut self, pressures: &[Pascal], settings: &StaticSettings) -> Result<Equilibrium, SolveError> {
-        let mut path = vec![(0.0, self.at_rest(pressures))];
-        let mut step = 1.0 / settings.load_steps.max(1) as f64;
+        let (first, halvings) = (1.0 / settings.load_steps.max(1) as f64, settings.max_halvings);
+        let steps = Steps { first, shortest: MIN_STEP, halvings, descent: true, settings };
+        let found = self.follow(self.at_rest(pressures), &Homotopy::Rest(pressures), &steps);
+        match found {
+            Ok(at) => Ok(self.finished(at, true)),
+            Err((path, step, cause)) => Err(self.no_equilibrium(path, step, pressures, cause)),
+        }
+    }
+
+    /// Fades out the force that `pressures` leave unbalanced at `shape`; none where that fails.
+    // Through the buckle of a wall this takes some ten short steps; load stepping from rest repeats the whole path.
+    fn fade_out(&mut self, shape: &[f64], pressures: &[Pascal], settings: &StaticSettings) -> Option<Equilibrium> {
+        let mut start = self.at_rest(pressures);
+        start.displacement.copy_from_slice(shape);
+        let mut unbalanced = vec![0.0; shape.len()];
+        let energy = self.inputs.at_rest(&self.data, pressures).energy(shape, &mut unbalanced);
+        let steps = Steps { first: FIRST_FADE, shortest: MIN_FADE, halvings: FADE_HALVINGS, descent: false, settings };
+        let follow = || self.follow(start, &Homotopy::Shape(pressures, unbalanced), &steps).ok();
+        energy.value.is_finite().then(follow).flatten().map(|at| self.finished(at, false))
+    }
+
+    /// The end of the path that begins with `start`, which is in equilibrium at s = 0.
+    ///
+    /// # Errors
+    /// The path as far as it was found, the length of the step that failed, and why.
+    fn follow(
+        &mut self,
+        start: Equilibrium,
+        homotopy: &Homotopy,
+        steps: &Steps,
+    ) -> Result<Equilibrium, (Path, f64, NonConvergence)> {
+        let mut path = vec![(0.0, start)];
+        let mut step = steps.first;
         let mut halved = 0;
         loop {
             let reached = path[path.len() - 1].0;
             let target = if reached + step > 1.0 - MIN_STEP { 1.0 } else { reached + step };
-            match self.load_step(&path, target, pressures, settings) {
-                Ok((at, _)) if target == 1.0 => return Ok(self.finished(at, true)),
+            match self.advance_to(target, &path, homotopy, steps) {
+                Ok((at, _)) if target == 1.0 => return Ok(at),
                 Ok((at, factorisations)) => {
                     path.push((target, at));
                     path.drain(..path.len() - 2);
                     step *= if factorisations <= EASY { 1.5 } else { 1.0 };
                 }
-                Err(_) if step > MIN_STEP && halved < settings.max_halvings => {
+                Err(_) if step > steps.shortest && halved < steps.halvings => {
                     step *= 0.5;
                     halved += 1;
                 }
-                Err(cause) => return Err(self.no_equilibrium(path, step, pressures, cause)),
+                Err(cause) => return Err((path, step, cause)),
             }
         }
     }
 
-    /// One load step to the load factor `target`, from the extrapolated path or, when that inverts an element, from its
-    /// end.
-    fn load_step(
+    /// One step to s = `target`, from the extrapolated path or, when that inverts an element, from its end.
+    fn advance_to(
         &mut self,
-        path: &[(f64, Equilibrium)],
         target: f64,
-        pressures: &[Pascal],
-        settings: &StaticSettings,
+        path: &[(f64, Equilibrium)],
+        homotopy: &Homotopy,
+        steps: &Steps,
     ) -> Result<(Equilibrium, usize), NonConvergence> {
+        let settings = steps.settings;
         let tolerance = if target == 1.0 { settings.tolerance } else { settings.tolerance.max(INTERMEDIATE_TOLERANCE) };
         let full_steps = self.full_steps(tolerance, settings);
         let globalisation = Globalisation::LineSearch;
         let line_search = NewtonOptions { globalisation, max_iterations: settings.max_iterations, ..full_steps };
-        let raised: Vec<Pascal> = pressures.iter().map(|pressure| target * pressure).collect();
-        let load = AppliedLoad { pressures: &raised, load_factor: target };
+        let loads = homotopy.at(target);
         let (_, end) = &path[path.len() - 1];
         let guess = extrapolated(path, target);
         let previous = (path.len() > 1).then_some(end.displacement.as_slice());
+        let at = |from: &[f64]| {
+            let (displacement, pressures) = (from.to_vec(), loads.pressures.clone());
+            Equilibrium { displacement, pressures, ..end.clone() }
+        };
         let mut attempt = |from: &[f64], previous, options| {
-            let mut next = Equilibrium { displacement: from.to_vec(), pressures: raised.clone(), ..end.clone() };
-            self.newton_solve(&mut next, previous, load, options).map(|factorisations| (next, factorisations))
+            let mut next = at(from);
+            self.newton_solve(&mut next, previous, loads.applied(), options)
+                .map(|factorisations| (next, factorisations))
         };
         // Full steps first: for stiff sheets in large rotation they need 4 to 12 iterations where a line search on the
         // energy needs many times as many. The line search is the fallback, because it converges through snap-through.
         let full = attempt(&guess, previous, &full_steps);
-        if full.is_ok() || target - path[path.len() - 1].0 > LINE_SEARCH_BELOW {
+        if full.is_ok() || !steps.descent || target - path[path.len() - 1].0 > LINE_SEARCH_BELOW {
             return full;
         }
         let mut found = attempt(&guess, None, &line_search);
@@ -149,8 +205,8 @@ impl SolverState {
             found = attempt(&end.displacement, None, &line_search);
         }
         found.or_else(|_| {
-            let mut next = Equilibrium { pressures: raised.clone(), ..end.clone() };
-            self.pseudo_transient(&mut next, load, &line_search).map(|factorisations| (next, factorisations))
+            let mut next = at(&end.displacement);
+            self.pseudo_transient(&mut next, loads.applied(), &line_search).map(|factorisations| (next, factorisations))
         })
     }
 

@@ -1,5 +1,6 @@
-//! Static equilibria: incremental loading with Newton's method, and pseudo-transient continuation where it fails.
+//! Static equilibria: Newton's method from a nearby shape, homotopies where it fails, and pseudo-transient continuation at last.
 
 pub(crate) mod equilibrium;
+mod homotopy;
 mod load_stepping;
 mod pseudo_transient;

@@ -59,7 +59,8 @@ impl SolverState {
         options: &NewtonOptions,
     ) -> Result<usize, NonConvergence> {
         let centre = self.data.pattern.gather(&at.displacement);
-        let inertia = Inertia { rate, centre, ..Inertia::default() };
+        let history = load.added.map_or_else(Vec::new, |force| force.history.clone());
+        let inertia = Inertia { rate, centre, history };
         let free = self.inputs.static_potential(&self.data, load);
         let potential = Potential { inertia: Some(&inertia), ..free };
         let mut u = at.displacement.clone();
@@ -106,7 +107,7 @@ mod tests {
             refactorise: true,
             globalisation: Globalisation::LineSearch,
         };
-        let load = AppliedLoad { pressures: &[3e4], load_factor: 1.0 };
+        let load = AppliedLoad::whole(&[3e4]);
         solver.state.pseudo_transient(&mut at, load, &options).expect("convergence");
         let difference = at.displacement.iter().zip(&load_stepped.displacement).map(|(a, b)| (a - b).abs());
         let largest = difference.fold(0.0, f64::max);

@@ -89,6 +89,8 @@ pub(crate) struct Fitting<'a> {
     /// Trial and rest places of each level.
     pub(super) origins: Vec<(String, Vec<Point2>)>,
     pub(super) search: Problem,
+    /// The equilibria from which every search starts.
+    explored: LevelSolver,
     /// Moduli and stiffening, identified together; none where the law of the softest solid does not stiffen.
     pub(super) stiffened: Option<Stiffened>,
 }
@@ -135,10 +137,13 @@ impl<'a> Fitting<'a> {
         let model = mesh.model(&card.body)?.with_markers_at(&mesh.solid, &card.body, &mean_rest(&films.0));
         let noise = NoiseModel { discrepancy_m: set.discrepancy, scale_sigma: set.scale_sigma };
         let levels = Misfit::new(all, &counts, &noise, card.body.length)?;
-        bounds.low[0] = feasible_lower_bound(&model, &levels.levels, &bounds);
+        let settings = statics(set.static_tolerance);
+        let mut explored = LevelSolver::new(model.clone(), levels.levels.clone(), settings, set.parallel_solves);
+        bounds.low[0] = feasible_lower_bound(&mut explored, &model.nominal, &bounds)?;
         let search = search(&card.body, bounds)?;
         let modulus_time = held.iter().sum::<Second>() / held.len().max(1) as f64;
-        let made = Self { body: &card.body, set, model, levels, noise, modulus_time, origins, search, stiffened: None };
+        let (body, stiffened) = (&card.body, None);
+        let made = Self { body, set, model, levels, noise, modulus_time, origins, search, explored, stiffened };
         made.stiffened()
     }
 
@@ -159,8 +164,9 @@ impl<'a> Fitting<'a> {
         };
         let found = problem.identify(&mut solver, &|_| ())?;
         self.model.nominal.stiffening = found.ratios;
+        let elastic = self.elastic(&found.at);
         let mut bounds = self.search.bounds().clone();
-        bounds.low[0] = feasible_lower_bound(&self.model, &self.levels.levels, &bounds);
+        bounds.low[0] = feasible_lower_bound(&mut self.explored, &elastic, &bounds)?;
         self.search = search(self.body, bounds)?;
         Ok(Self { stiffened: Some(found), ..self })
     }
@@ -176,13 +182,7 @@ impl<'a> Fitting<'a> {
     }
 
     pub(super) fn solver(&self, levels: &[PressureLevel], tolerance: f64) -> LevelSolver {
-        let settings = StaticSettings {
-            tolerance,
-            max_halvings: HALVINGS,
-            max_iterations: DIRECTIONS,
-            ..StaticSettings::default()
-        };
-        LevelSolver::new(self.model.clone(), levels.to_vec(), settings, self.set.parallel_solves)
+        self.explored.with(levels.to_vec(), statics(tolerance))
     }
 
     /// Runs one method; the points of a batch are evaluated in nearest-neighbour order.
@@ -286,8 +286,10 @@ fn had_evaluation(evaluated: &[Evaluated], want: Derivatives) -> bool {
     want != Derivatives::Gradient || !evaluated.is_empty()
 }
 
-/// A level whose load steps must be halved more often than this counts as without equilibrium: a search need not evaluate it.
-const HALVINGS: usize = 1;
+/// How the equilibria of a search are solved for: from those known, since all loads at once hardly ever lead there from rest.
+fn statics(tolerance: f64) -> StaticSettings {
+    StaticSettings { tolerance, load_steps: 1, max_halvings: 0, max_iterations: DIRECTIONS, reuse_factor: false }
+}
 
 /// Newton iterations in a load step after which it is given up: where an equilibrium exists, eight suffice.
 const DIRECTIONS: usize = 16;

@@ -20,7 +20,7 @@ impl Stage for Identify {
     type Needs = (Mesh, Films);
     type Makes = Identified;
     const DESCRIPTION: &'static str = "Young's moduli are identified from quasi-static motion";
-    const VERSION: u32 = 11;
+    const VERSION: u32 = 12;
 
     fn run(
         card: &Self::Card,
