@@ -51,7 +51,7 @@ impl Fitting<'_> {
             modulus_time: self.modulus_time,
             loss: self.levels.loss(&markers),
             gradient_difference,
-            gradient_over_forward: self.gradient_over_forward(&elastic)?,
+            gradient_over_forward: self.gradient_over_forward(&elastic, context)?,
             searches: records,
             surface,
             levels: self.simulated_levels(&markers),

@@ -137,14 +137,13 @@ impl<'a> Fitting<'a> {
         let model = mesh.model(&card.body)?.with_markers_at(&mesh.solid, &card.body, &mean_rest(&films.0));
         let noise = NoiseModel { discrepancy_m: set.discrepancy, scale_sigma: set.scale_sigma };
         let levels = Misfit::new(all, &counts, &noise, card.body.length)?;
-        let settings = statics(set.static_tolerance);
-        let mut explored = LevelSolver::new(model.clone(), levels.levels.clone(), settings, set.parallel_solves);
+        let (settings, all) = (statics(set.static_tolerance), levels.levels.clone());
+        let mut explored = LevelSolver::new(model.clone(), all, settings, set.parallel_solves);
         bounds.low[0] = feasible_lower_bound(&mut explored, &model.nominal, &bounds)?;
         let search = search(&card.body, bounds)?;
         let modulus_time = held.iter().sum::<Second>() / held.len().max(1) as f64;
         let (body, stiffened) = (&card.body, None);
-        let made = Self { body, set, model, levels, noise, modulus_time, origins, search, explored, stiffened };
-        made.stiffened()
+        Self { body, set, model, levels, noise, modulus_time, origins, search, explored, stiffened }.stiffened()
     }
 
     /// With the stiffening that the films give, where the law of the softest solid has one, and the lower bound that goes with it.
@@ -286,7 +285,7 @@ fn had_evaluation(evaluated: &[Evaluated], want: Derivatives) -> bool {
     want != Derivatives::Gradient || !evaluated.is_empty()
 }
 
-/// How the equilibria of a search are solved for: from those known, since all loads at once hardly ever lead there from rest.
+/// How the equilibria of a search are solved for: from those known.
 fn statics(tolerance: f64) -> StaticSettings {
     StaticSettings { tolerance, load_steps: 1, max_halvings: 0, max_iterations: DIRECTIONS, reuse_factor: false }
 }

@@ -1,10 +1,12 @@
 //! Gradients: the adjoint gradient of the loss against finite differences, and its cost.
 
+use fem::StaticSettings;
 use optimize::Needs;
 
 use super::fitting::Fitting;
 use diagnostics::Result;
-use sysid::{Derivatives, Elastic, PressureLevel};
+use sysid::Elastic;
+use workflow::stage::StageContext;
 
 /// Step of the central differences, in logarithms of moduli: its truncation error is far below the solver's tolerance.
 const DIFFERENCE: f64 = 1e-3;
@@ -36,17 +38,20 @@ impl Fitting<'_> {
         Ok(worst)
     }
 
-    /// Time of an equilibrium with its gradient over that of the equilibrium alone, from rest to the highest level.
+    /// Time of an equilibrium with its gradient over that of the equilibrium alone, from rest (no known shape) to the highest level.
     ///
     /// # Errors
     /// A [`Diagnostic`](diagnostics::Diagnostic) when there is no equilibrium there.
-    pub(crate) fn gradient_over_forward(&self, elastic: &Elastic) -> Result<f64> {
-        let levels = &self.levels.levels;
-        let highest = (0..levels.len()).max_by(|a, b| levels[*a].top().total_cmp(&levels[*b].top()));
-        let highest: Vec<PressureLevel> = highest.map(|level| levels[level].clone()).into_iter().collect();
-        let found = self.solver(&highest, self.static_tolerance()).solve(elastic, Derivatives::Gradient)?;
-        let forward: f64 = found.iter().map(|level| level.forward_seconds).sum();
-        let derivative: f64 = found.iter().map(|level| level.derivative_seconds).sum();
-        Ok((forward + derivative) / forward)
+    pub(crate) fn gradient_over_forward(&self, elastic: &Elastic, context: &dyn StageContext) -> Result<f64> {
+        let pressures =
+            self.levels.levels.iter().max_by(|a, b| a.top().total_cmp(&b.top())).map_or(&[][..], |top| &top.pressures);
+        let mut solver = self.model.system.solver();
+        elastic.apply(&mut solver)?;
+        let settings = StaticSettings { tolerance: self.static_tolerance(), ..StaticSettings::default() };
+        let began = context.seconds();
+        let found = solver.equilibrium(pressures, None, &settings)?;
+        let forward = context.seconds() - began;
+        solver.adjoint(&found, &found.displacement)?;
+        Ok((context.seconds() - began) / forward)
     }
 }
