@@ -93,7 +93,7 @@ pub struct LevelSolver {
 }
 
 impl LevelSolver {
-    /// A solver over the levels with this many parallel solvers.
+    /// A solver over the levels with this many parallel solvers; of the settings, tolerance and iterations of Newton's method count.
     pub fn new(model: Model, levels: Vec<PressureLevel>, settings: StaticSettings, parallel: usize) -> Self {
         let solvers = (0..parallel.clamp(1, levels.len().max(1))).map(|_| model.system.solver()).collect();
         let highest = levels.iter().map(PressureLevel::top).fold(f64::MIN_POSITIVE, f64::max);
@@ -159,13 +159,9 @@ impl LevelSolver {
         let shares = shares(&self.levels, self.solvers.len());
         let Self { model, levels, settings, solvers, known, unit } = self;
         let part = Part { model, levels, settings, known, unit: *unit, elastic: elastic.clone(), derivatives };
-        let mut parts: Vec<Result<Vec<(usize, SimulatedLevel)>>> = Vec::new();
-        std::thread::scope(|scope| {
-            let part = &part;
-            let solve = |(solver, share): (&'_ mut Solver, &'_ Vec<usize>)| part.solve(solver, share);
-            let handles: Vec<_> = solvers.iter_mut().zip(&shares).map(|one| scope.spawn(move || solve(one))).collect();
-            parts.extend(handles.into_iter().map(|h| h.join().unwrap_or_else(|_| Err(panicked()))));
-        });
+        let count = solvers.len();
+        let each = solvers.iter_mut().zip(&shares);
+        let parts = parallel(each, count, |(solver, share)| part.solve(solver, share));
         let mut all: Vec<(usize, SimulatedLevel)> = Vec::new();
         for part in parts {
             all.extend(part?);
@@ -202,11 +198,16 @@ fn tops(levels: &[PressureLevel]) -> Vec<&PressureLevel> {
 }
 
 /// `work` on all `of` in this order, `count` at a time.
-fn parallel<T: Sync, R: Send>(of: &[T], count: usize, work: impl Fn(&T) -> Result<R> + Sync) -> Vec<Result<R>> {
-    let mut done = Vec::new();
-    for some in of.chunks(count) {
+fn parallel<T: Send, R: Send>(
+    of: impl IntoIterator<Item = T>,
+    count: usize,
+    work: impl Fn(T) -> Result<R> + Sync,
+) -> Vec<Result<R>> {
+    let (mut left, mut done, work) = (of.into_iter().peekable(), Vec::new(), &work);
+    while left.peek().is_some() {
+        let some: Vec<T> = left.by_ref().take(count).collect();
         std::thread::scope(|scope| {
-            let handles: Vec<_> = some.iter().map(|one| scope.spawn(|| work(one))).collect();
+            let handles: Vec<_> = some.into_iter().map(|one| scope.spawn(move || work(one))).collect();
             done.extend(handles.into_iter().map(|h| h.join().unwrap_or_else(|_| Err(panicked()))));
         });
     }

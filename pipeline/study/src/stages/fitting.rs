@@ -287,10 +287,10 @@ fn had_evaluation(evaluated: &[Evaluated], want: Derivatives) -> bool {
 
 /// How the equilibria of a search are solved for: from those known.
 fn statics(tolerance: f64) -> StaticSettings {
-    StaticSettings { tolerance, load_steps: 1, max_halvings: 0, max_iterations: DIRECTIONS, reuse_factor: false }
+    StaticSettings { tolerance, max_iterations: DIRECTIONS, ..StaticSettings::default() }
 }
 
-/// Newton iterations in a load step after which it is given up: where an equilibrium exists, eight suffice.
+/// Newton iterations after which an initial guess is given up: where an equilibrium exists, eight suffice.
 const DIRECTIONS: usize = 16;
 
 /// Measured positions of the markers at rest: the mean over films, m.

@@ -116,7 +116,7 @@ impl Fit<'_> {
     fn minimise(&self, search: &Problem, context: &dyn StageContext) -> Result<(Evaluation, Vec<Iterate>)> {
         let Self { set, model, levels } = *self;
         let mut losses = Vec::new();
-        let statics = StaticSettings { tolerance: set.static_tolerance, max_halvings: 2, ..StaticSettings::default() };
+        let statics = StaticSettings { tolerance: set.static_tolerance, ..StaticSettings::default() };
         let mut solver = LevelSolver::new(model.clone(), levels.levels.clone(), statics, set.parallel_solves);
         let newton = gauss_newton::Settings {
             step_tolerance: set.step_tolerance,

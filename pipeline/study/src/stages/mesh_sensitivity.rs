@@ -116,7 +116,7 @@ fn moduli(set: &Settings, model: &Model, levels: &Misfit, found: &Identified) ->
         ..gauss_newton::Settings::default()
     };
     let mut optimiser = gauss_newton::GaussNewton::new(&search, &newton)?;
-    let statics = StaticSettings { tolerance: 1e-6, max_halvings: 2, ..StaticSettings::default() };
+    let statics = StaticSettings { tolerance: 1e-6, ..StaticSettings::default() };
     let mut solver = LevelSolver::new(model.clone(), levels.levels.clone(), statics, 2);
     let mut evaluate = |at: &Vec<f64>| -> Result<Evaluation> {
         let constants = Elastic { youngs_moduli: point(found, at), ..found.elastic(model) };
