@@ -268,6 +268,22 @@ fn gauss_newton_rejects_a_step_without_a_solution() {
 }
 
 #[test]
+fn gauss_newton_halves_a_step_without_a_solution_until_there_is_one() {
+    let problem = &PROBLEMS[0];
+    let (settings, _) = reach("gauss_newton");
+    let mut optimiser = (optimisers::by_name("gauss_newton").unwrap().build)(&problem.problem(), &settings).unwrap();
+    let start = optimiser.ask().remove(0);
+    optimiser.tell(&[problem.evaluate(&start, Needs::Residuals)]).unwrap();
+    let step = |at: &[f64]| -> Vec<f64> { at.iter().zip(&start).map(|(a, b)| a - b).collect() };
+    let far = optimiser.ask().remove(0);
+    for half in [0.5, 0.25] {
+        optimiser.tell(&[Evaluation::of_loss(optimiser.ask().remove(0), f64::INFINITY)]).unwrap();
+        let next = optimiser.ask().remove(0);
+        assert!(step(&far).iter().zip(step(&next)).all(|(far, near)| (near - half * far).abs() < 1e-12), "{next:?}");
+    }
+}
+
+#[test]
 fn a_parameter_that_no_residual_depends_on_is_refused_by_name() {
     let problem = Case { jacobian: |_| vec![2.0, 0.0, 0.0, 0.0], ..PROBLEMS[0] };
     let mut optimiser =

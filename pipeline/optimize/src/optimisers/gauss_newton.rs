@@ -1,7 +1,8 @@
 //! Gauss–Newton with Levenberg–Marquardt damping inside of bounds [marquardt1963; madsen2004, eq. 2.21].
 //!
 //! Each iteration solves (JᵀJ + λ diag JᵀJ) δ = −Jᵀr and tries θ + δ. A step that lowers ½ ‖r‖² is accepted and λ falls with the gain
-//! ratio; any other is rejected and λ rises. A parameter on its bound whose gradient points outwards is fixed for the step.
+//! ratio; any other is rejected and λ rises. A step to a point of infinite loss, where the model has no answer, is halved instead: λ says
+//! how far the linearisation holds, not how far the model exists, and a rise of a small λ would ask for nearly the same point. A parameter on its bound whose gradient points outwards is fixed for the step.
 
 use crate::optimiser::{check_evaluations, checked_gradient};
 use crate::{Evaluation, Finished, Needs, OptimiseError, Optimiser, Problem, Residuals};
@@ -37,6 +38,8 @@ pub struct GaussNewton {
     best: Option<Evaluation>,
     damping: f64,
     rise: f64,
+    /// The part of the step that is tried.
+    part: f64,
     evaluations: usize,
     finished: Option<Finished>,
 }
@@ -61,6 +64,7 @@ impl GaussNewton {
             best: None,
             damping: set.damping,
             rise: 2.0,
+            part: 1.0,
             evaluations: 0,
             finished: None,
         })
@@ -104,7 +108,7 @@ impl GaussNewton {
             let why = "JᵀJ is singular: the residuals do not change along some direction of the parameters".to_owned();
             return Err(OptimiseError::Undetermined { parameters: self.problem.dimension(), why });
         };
-        let wish: Vec<f64> = at.iter().zip(&step).map(|(x, s)| x + s).collect();
+        let wish: Vec<f64> = at.iter().zip(&step).map(|(x, s)| x + self.part * s).collect();
         let next = self.problem.bounds().clamp(&wish);
         let longest = next.iter().zip(at).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         self.asked = next;
@@ -168,8 +172,9 @@ impl Optimiser for GaussNewton {
         check_evaluations(NAME, &self.problem, std::slice::from_ref(&self.asked), evaluations)?;
         self.evaluations += 1;
         if evaluations[0].loss == f64::INFINITY && self.best.is_some() {
-            self.reject_step();
+            self.part *= 0.5;
         } else {
+            self.part = 1.0;
             self.check(&evaluations[0])?;
             self.update(&evaluations[0]);
         }

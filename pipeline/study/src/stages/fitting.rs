@@ -81,6 +81,8 @@ impl Part<Specimen> for Card {
 pub(crate) struct Fitting<'a> {
     pub(super) body: &'a Body,
     pub(super) set: &'a Settings,
+    /// Whether every method is run on the specimen.
+    pub(super) compared: bool,
     pub(super) model: Model,
     pub(super) levels: Misfit,
     pub(super) noise: NoiseModel,
@@ -142,8 +144,9 @@ impl<'a> Fitting<'a> {
         bounds.low[0] = feasible_lower_bound(&mut explored, &model.nominal, &bounds)?;
         let search = search(&card.body, bounds)?;
         let modulus_time = held.iter().sum::<Second>() / held.len().max(1) as f64;
-        let (body, stiffened) = (&card.body, None);
-        Self { body, set, model, levels, noise, modulus_time, origins, search, explored, stiffened }.stiffened()
+        let (body, stiffened, compared) = (&card.body, None, set.compared.contains(&card.name));
+        Self { body, set, compared, model, levels, noise, modulus_time, origins, search, explored, stiffened }
+            .stiffened()
     }
 
     /// With the stiffening that the films give, where the law of the softest solid has one, and the lower bound that goes with it.
@@ -167,6 +170,12 @@ impl<'a> Fitting<'a> {
         let mut bounds = self.search.bounds().clone();
         bounds.low[0] = feasible_lower_bound(&mut self.explored, &elastic, &bounds)?;
         self.search = search(self.body, bounds)?;
+        // Methods are compared from the card's values, as in the paper; one method alone continues from here.
+        if !self.compared {
+            let (names, bounds) = (self.search.names(), self.search.bounds());
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            self.search = Problem::new(&names, bounds.clamp(&found.at[..names.len()]), bounds.clone())?;
+        }
         Ok(Self { stiffened: Some(found), ..self })
     }
 

@@ -29,8 +29,7 @@ impl Stage for Identify {
         context: &dyn StageContext,
     ) -> Result<Identified> {
         let fitting = Fitting::new(card, set, &mesh, &films)?;
-        let compared = set.compared.contains(&card.name);
-        let chosen = || optimisers::ALL.iter().filter(|member| compared || member.name == gauss_newton::NAME);
+        let chosen = || optimisers::ALL.iter().filter(|member| fitting.compared || member.name == gauss_newton::NAME);
         let (mut records, mut best, mut grid) = (Vec::new(), None, Vec::new());
         for (i, member) in chosen().enumerate() {
             context.progress((i + 1) as f64 / (chosen().count() + 1) as f64, member.name);
@@ -50,7 +49,7 @@ impl Stage for Identify {
                 "restore it",
             ));
         };
-        let gradient_difference = compared.then(|| fitting.gradient_difference()).transpose()?;
+        let gradient_difference = fitting.compared.then(|| fitting.gradient_difference()).transpose()?;
         fitting.assemble(Searches { best, grid, records }, gradient_difference, context)
     }
 }
