@@ -315,6 +315,8 @@ pub enum Profile {
     Quick,
     /// Coarse, for many specimens.
     Population,
+    /// One tail, bent far.
+    Photograph,
 }
 
 impl From<Profile> for settings::Profile {
@@ -323,6 +325,7 @@ impl From<Profile> for settings::Profile {
             Profile::Paper => settings::Profile::Paper,
             Profile::Quick => settings::Profile::Quick,
             Profile::Population => settings::Profile::Population,
+            Profile::Photograph => settings::Profile::Photograph,
         }
     }
 }

@@ -9,6 +9,7 @@
 //! | files of gmsh, VTK, MEDIT and TetGen | [`foreign`] |
 //! | material points on the skin | [`embed`] |
 //! | volumes and centroids of chambers | [`cavities`] |
+//! | dent and bulge of a moved tail's walls | [`wall`] |
 //!
 //! Lengths are in metres. The same input gives the same mesh, byte for byte.
 //!
@@ -46,6 +47,7 @@ mod surface;
 mod tetrahedra;
 mod validate;
 pub mod vtu;
+pub mod wall;
 
 pub use cavities::{Cavity, cavities};
 pub use columns::{MeshError, Settings, mesh, mesh_without_sheet};

@@ -18,8 +18,9 @@ use workflow::subject::Universe;
 
 /// Figures and tables of specimens drawn at random, by `just calibration`.
 const OF_A_POPULATION: [&str; 2] = ["calibration", "coverage"];
-/// Figures that no stage makes and the paper shows: those of real recordings, by `just real`.
-const OF_REAL_RECORDINGS: [&str; 2] = ["real_beam", "real_arm"];
+/// Figures that no stage of the profile makes and the paper shows: those of real recordings, by `just real`, and of the tail of the
+/// photograph, by `just photograph`.
+const MADE_ELSEWHERE: [&str; 3] = ["real_beam", "real_arm", "photograph"];
 
 /// The resolved source, or its problems.
 ///
@@ -90,7 +91,7 @@ fn facts<U: Universe>(
         let elsewhere = |entry: &Entry<U>| OF_A_POPULATION.contains(&entry.name);
         entries.map(|entry| Made { name: entry.name.into(), text: text(entry), elsewhere: elsewhere(entry) }).collect()
     };
-    let real = OF_REAL_RECORDINGS.map(|name| {
+    let real = MADE_ELSEWHERE.map(|name| {
         let place = folders.shown(Kind::Figure).map(|shown| shown.join(format!("{name}.svg")));
         Made { name: name.into(), text: place.and_then(|place| fs::read_to_string(place).ok()), elsewhere: true }
     });

@@ -176,12 +176,10 @@ fn raw_folder(root: &Path, profile: &str) -> PathBuf {
     base.join("data").join("raw")
 }
 
-/// The specimens of these names, or all if `names` is empty.
+/// The specimens of these names, or those of the profile if `names` is empty.
 fn choose(names: &[String], profile: &str, set: &Settings) -> Result<Vec<&'static Specimen>> {
     known_profile(profile, set)?;
-    if names.is_empty() {
-        return Ok(ALL.iter().collect());
-    }
+    let names = if names.is_empty() { &set.profile[profile].specimens } else { names };
     let known: Vec<&str> = ALL.iter().map(|s| &*s.name).collect();
     let find = |name: &String| {
         ALL.iter().find(|s| s.name == **name).ok_or_else(|| unknown(&format!("the specimen `{name}`"), &known))

@@ -7,7 +7,8 @@ use std::path::Path;
 use crate::side::Side;
 use diagnostics::{Diagnostic, Result};
 use lab::card::Trial;
-use lab::truth::{self, Lens, Pose, TrueForce, TrueTrial, Truth};
+use lab::truth::{self, Lens, Pose, TrueForce, TrueInflation, TrueTrial, Truth};
+use mesh::wall::{Section, Walls, end_rotation};
 use rayon::prelude::*;
 use si::{MILLIMETRE, Metre, Pascal};
 use tail_cad::Tail;
@@ -116,6 +117,7 @@ fn fill(specimen: &Specimen, request: &Request, folder: &Path) -> Result<()> {
     let truth = Truth {
         cell: Some(force_log::truth(set, own.seed)),
         fluid: Some(truth::Fluid { density, added, drag }),
+        inflation: Side::BOTH.iter().zip(&sweeps).filter_map(|(side, sweep)| inflation(&body, *side, sweep)).collect(),
         trial,
         force,
         ..truth(name, own.seed, &hidden, &renderer)
@@ -136,6 +138,24 @@ fn sweep(task: Task, body: &Body, pressures: &[Pascal]) -> Result<[PressureSweep
     let (left, right) = rayon::join(|| side(Side::Left), || side(Side::Right));
     task.done(&format!("{} equilibria of {} unknowns", 2 * (pressures.len() - 1), body.system.dofs()));
     Ok([left?, right?])
+}
+
+/// How the walls of the body move in a sweep; none where its mesh has no nodes at mid height.
+fn inflation(body: &Body, side: Side, sweep: &PressureSweep) -> Option<TrueInflation> {
+    let (rest, section) = (&body.mesh.nodes, Section::of(&body.mesh)?);
+    let moved = |shape: &Vec<f64>| -> Vec<si::Point3> {
+        rest.iter().zip(shape.as_chunks::<3>().0).map(|(x, u)| si::vec3::add(*x, *u)).collect()
+    };
+    let nodes: Vec<Vec<si::Point3>> = sweep.shapes.iter().map(moved).collect();
+    let walls: Vec<Walls> = nodes.iter().map(|nodes| section.walls(nodes, side == Side::Left)).collect();
+    Some(TrueInflation {
+        channel: side.word().to_owned(),
+        pressure: sweep.pressures.clone(),
+        rotation: nodes.iter().map(|nodes| end_rotation(rest, nodes)).collect(),
+        bulge: walls.iter().map(|walls| walls.bulge_m).collect(),
+        dent: walls.iter().map(|walls| walls.dent_m).collect(),
+        dent_at: walls.iter().map(|walls| walls.dent_at[0]).collect(),
+    })
 }
 
 /// The reduced model of the specimen.
@@ -234,6 +254,7 @@ fn truth(name: &str, seed: u64, hidden: &HiddenProperties, renderer: &Renderer) 
             markers: hidden.marks.clone(),
         }),
         fluid: None,
+        inflation: Vec::new(),
         lens: Lens { fx: l.fx, fy: l.fy, cx: l.cx, cy: l.cy, k1: l.k1, k2: l.k2, p1: l.p1, p2: l.p2, k3: l.k3 },
         pose: Pose { rotation: camera.pose.rotation, translation: camera.pose.translation },
         cell: None,

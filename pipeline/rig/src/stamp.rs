@@ -7,7 +7,7 @@ use std::path::Path;
 use diagnostics::{Diagnostic, Result};
 
 use crate::settings;
-use crate::specimen::{Draw, Specimen};
+use crate::specimen::{Draw, SHEET, Specimen};
 
 /// The stamp's file.
 pub const FILE: &str = ".virtual-bench";
@@ -51,16 +51,19 @@ fn settings_of(specimen: &Specimen, profile: &str) -> String {
 
 /// The settings that apply to one specimen in one profile, without those of the others and without comments.
 fn own_settings(mut all: toml::Table, name: &str, profile: &str) -> String {
-    retain(&mut all, &["specimen"], name);
-    retain(&mut all, &["profile"], profile);
-    retain(&mut all, &["buoyancy", "water"], name);
+    let body = all["specimen"][name]["body"].as_str().expect("a specimen has a silicone").to_owned();
+    retain(&mut all, &["material"], &[&body, SHEET]);
+    retain(&mut all, &["specimen"], &[name]);
+    retain(&mut all, &["profile"], &[profile]);
+    retain(&mut all, &["buoyancy", "water"], &[name]);
+    all["profile"][profile].as_table_mut().expect("a profile is a table").remove("specimens");
     all.to_string()
 }
 
-/// Removes every key but `key` from the table at `path`.
-fn retain(all: &mut toml::Table, path: &[&str], key: &str) {
+/// Removes every key but `keys` from the table at `path`.
+fn retain(all: &mut toml::Table, path: &[&str], keys: &[&str]) {
     let table = path.iter().try_fold(all, |table, at| table.get_mut(*at)?.as_table_mut());
-    table.expect("bench.toml has this table").retain(|other, _| other == key);
+    table.expect("bench.toml has this table").retain(|other, _| keys.contains(&other));
 }
 
 /// The state of `folder` for the recording whose stamp is `text`.
@@ -98,7 +101,13 @@ mod tests {
     fn settings_of_another_specimen_or_profile_do_not_enter_a_stamp() {
         let of = |profile: &str| settings_of(&specimens::ALL[0], profile);
         let own = of("quick");
-        for (expected, word) in [(true, "[specimen.nemo]"), (false, "[specimen.dory]"), (true, "[valve]")] {
+        for (expected, word) in [
+            (true, "[specimen.nemo]"),
+            (false, "[specimen.dory]"),
+            (true, "[material.dragon_skin_10]"),
+            (false, "[material.dragon_skin_20]"),
+            (true, "[valve]"),
+        ] {
             assert_eq!(own.contains(word), expected, "{word}");
         }
         assert!(own.contains("[profile.quick") && !own.contains("[profile.paper") && !own.contains("dory ="));

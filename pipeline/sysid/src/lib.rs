@@ -3,7 +3,7 @@
 //! A [`Model`] is a meshed body with its materials and markers; a [`LevelSolver`] finds its equilibria at several pressure levels with
 //! their derivatives; a [`Misfit`] compares them with measured displacements. [`Snapshots::reduce`] projects the identified model onto a few dozen
 //! coordinates ([`ReducedBody`]), in which motions are integrated, such as those under measured pressures
-//! ([`actuated`]). [`surfaces`] are those of a mesh for figures; [`wall`] measures how the walls of a bent tail dent and bulge.
+//! ([`actuated`]). [`surfaces`] are those of a mesh for figures.
 //! [`relaxation`] identifies the spectrum of the silicone from
 //! transients, [`free_vibration`] a body that was held straight and released; [`inflation_test`] predicts one whose chamber is inflated, of
 //! the material that another test identified.
@@ -46,7 +46,7 @@ mod stiffening;
 pub mod surfaces;
 mod surrogate;
 mod time_steps;
-pub mod wall;
+pub mod uncertainty;
 
 pub use body::{Body, Material};
 pub use cells::cells;

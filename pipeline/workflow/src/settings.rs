@@ -17,11 +17,13 @@ pub enum Profile {
     Quick,
     /// Coarse, for many specimens of one design; its folders are under `target/population`.
     Population,
+    /// One tail, bent as far as the paper's first figure shows; its folders are under `target/photograph`.
+    Photograph,
 }
 
 impl Profile {
     /// Every profile.
-    pub const ALL: [Profile; 3] = [Profile::Paper, Profile::Quick, Profile::Population];
+    pub const ALL: [Profile; 4] = [Profile::Paper, Profile::Quick, Profile::Population, Profile::Photograph];
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
@@ -29,6 +31,7 @@ impl Profile {
             Profile::Paper => "paper",
             Profile::Quick => "quick",
             Profile::Population => "population",
+            Profile::Photograph => "photograph",
         }
     }
 }

@@ -47,6 +47,9 @@ pub struct Truth {
     /// The load cell, where the specimen hung on one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell: Option<TrueCell>,
+    /// The body under pressure in one channel after the other.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub inflation: Vec<TrueInflation>,
     /// What differs from trial to trial.
     pub trial: Vec<TrueTrial>,
     /// What differs from force log to force log.
@@ -93,6 +96,24 @@ pub struct Casting {
     pub sheet_offset: Metre,
     /// How far each marker is off its place on the card, along and across, m.
     pub markers: Vec<[f64; 2]>,
+}
+
+/// Equilibria under rising pressure in one channel, after all relaxation.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrueInflation {
+    /// The channel.
+    pub channel: String,
+    /// Its pressures, Pa.
+    pub pressure: Vec<Pascal>,
+    /// Rotation of the far third, rad, positive towards y.
+    pub rotation: Vec<f64>,
+    /// Highest bulge of the wall under pressure, m.
+    pub bulge: Vec<Metre>,
+    /// Deepest dent of the other wall, m.
+    pub dent: Vec<Metre>,
+    /// x of that at rest, m.
+    pub dent_at: Vec<Metre>,
 }
 
 /// The water around the tail, as elongated-body theory and a drag across the flow have it.

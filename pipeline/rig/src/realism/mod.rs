@@ -4,6 +4,7 @@
 //! without a range, the range used is justified at its constant. The drag of the bench's water was chosen so that mean forces agree with
 //! those measured; their comparison is no independent test of it.
 
+mod bending;
 mod cell;
 mod silicone;
 mod valve;
@@ -65,6 +66,7 @@ pub(crate) fn comparisons(set: &Settings) -> Vec<Comparison> {
 pub(crate) fn with_recordings(set: &Settings, raw: &Path) -> Result<Vec<Comparison>> {
     let mut all = comparisons(set);
     all.extend(water::comparisons(raw, &ALL.iter().map(|specimen| &*specimen.name).collect::<Vec<_>>())?);
+    all.extend(bending::comparisons(raw)?);
     Ok(all)
 }
 

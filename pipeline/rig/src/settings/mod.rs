@@ -120,6 +120,8 @@ pub struct Cad {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Profile {
+    /// The specimens that are recorded where none is named.
+    pub specimens: Vec<String>,
     /// Of the bench's own mesh.
     pub resolution: Resolution,
     /// Pressure levels of each side's sweep.

@@ -4,7 +4,7 @@ use optimize::posterior::WITHIN_95;
 use serde::{Deserialize, Serialize};
 use si::Pascal;
 
-use super::identified::Uncertainty;
+use super::Uncertainty;
 use crate::subject::Specimen;
 use workflow::metric::Metric;
 use workflow::record::{Record, RecordError, RecordFiles};

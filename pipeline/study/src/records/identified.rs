@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use si::{Metre, Pascal, Point3, Second};
 
+use crate::records::{Profile, Uncertainty};
 use crate::subject::Specimen;
 use sysid::{Elastic, Level, Model, NoiseModel};
 use workflow::columns::Columns;
@@ -41,39 +42,6 @@ pub struct Surface {
     pub up: Vec<Pascal>,
     /// Rows × columns, row after row.
     pub loss: Vec<f64>,
-}
-
-/// Uncertainty of the parameters.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub struct Uncertainty {
-    /// Standard deviations of the logarithms of the parameters.
-    pub sigma: Vec<f64>,
-    /// Their correlations: parameters × parameters.
-    pub correlation: Vec<f64>,
-    /// Reduced χ² (over the degrees of freedom): near 1 when the covariance is right.
-    pub chi_square: f64,
-    /// A sentence on which parameters are determined.
-    pub words: String,
-    /// Which data would reduce the uncertainty, and which estimates reached the end of the plausible range.
-    pub advice: Vec<String>,
-}
-
-impl Uncertainty {
-    /// Of the first two parameters; none of a single one.
-    pub(crate) fn first_correlation(&self) -> Option<f64> {
-        (self.sigma.len() > 1).then(|| self.correlation[1])
-    }
-}
-
-/// Profile likelihood: χ² over one parameter, minimised over the other.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Profile {
-    /// The solid's name and `_e`.
-    pub parameter: String,
-    /// Pa.
-    pub value: Vec<f64>,
-    /// χ² above its minimum.
-    pub chi_square: Vec<f64>,
 }
 
 /// The whole identification of one specimen.

@@ -5,7 +5,7 @@ use si::{Metre, Pascal, Point3, vec3};
 
 use super::Mesh;
 use crate::subject::Specimen;
-use sysid::wall::{self, Walls};
+use mesh::wall::{self, Walls};
 use workflow::columns::Columns;
 use workflow::metric::Metric;
 use workflow::record::{Record, RecordError, RecordFiles};
@@ -64,7 +64,7 @@ impl Inflation {
 }
 
 /// A wall that dents less than this has not buckled, m.
-const LEAST_DENT: Metre = 1e-3;
+pub(crate) const LEAST_DENT: Metre = 1e-3;
 
 impl Shape {
     /// The highest of its pressures, Pa.
@@ -130,6 +130,9 @@ impl Record for Inflation {
             Metric::new(id("bulge_mm"), shape.walls.bulge_m / si::MILLIMETRE, "mm"),
             Metric::new(id("angle_deg"), shape.rotation.abs().to_degrees(), "degrees"),
         ];
+        let last =
+            self.shapes.last().map(|s| Metric::new(id("highest_angle_deg"), s.rotation.abs().to_degrees(), "degrees"));
+        metrics.extend(last);
         let critical = self.buckling_pressure().map(|p| Metric::new(id("critical_mbar"), p / si::MILLIBAR, "mbar"));
         metrics.extend(critical);
         metrics

@@ -1,6 +1,7 @@
 //! Recovered: errors of the pipeline's estimates against the hidden truth of the virtual bench.
 
 use serde::{Deserialize, Serialize};
+use si::{MILLIBAR, MILLIMETRE, Metre, Pascal};
 
 use crate::records::{Estimate, QuantityKind};
 use crate::subject::Study;
@@ -48,6 +49,37 @@ pub struct Specimen {
     pub name: String,
     /// Moduli, relaxation, water, predicted motion: what was estimated of them.
     pub estimates: Vec<Estimate>,
+    /// Of its inflated walls; none where no wall buckles.
+    #[serde(default)]
+    pub walls: Option<WallErrors>,
+}
+
+/// Errors of an inflated model against the true body at the highest pressure of both.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct WallErrors {
+    /// Of the pressure at which the slack wall buckles, Pa.
+    pub critical_pressure_pa: Pascal,
+    /// Of its dent, relative.
+    pub dent: f64,
+    /// Of where along the tail that is, m.
+    pub dent_at_m: Metre,
+    /// Of the bulge of the other wall, relative.
+    pub bulge: f64,
+    /// Of the rotation of the end, rad.
+    pub rotation: f64,
+}
+
+impl WallErrors {
+    fn metrics(&self, specimen: &str) -> [Metric; 5] {
+        let id = |what: &str| format!("recovery.{specimen}.{what}");
+        [
+            Metric::new(id("critical_pressure_error_mbar"), self.critical_pressure_pa.abs() / MILLIBAR, "mbar"),
+            Metric::new(id("dent_error_percent"), 100.0 * self.dent.abs(), "%"),
+            Metric::new(id("dent_place_error_mm"), self.dent_at_m.abs() / MILLIMETRE, "mm"),
+            Metric::new(id("bulge_error_percent"), 100.0 * self.bulge.abs(), "%"),
+            Metric::new(id("angle_error_deg"), self.rotation.abs().to_degrees(), "degrees"),
+        ]
+    }
 }
 
 fn percent([held, all]: [usize; 2]) -> f64 {
@@ -86,6 +118,7 @@ impl Record for Recovered {
             let id = |e: &Estimate| format!("recovery.{}.{}_error_percent", specimen.name, e.quantity.id());
             metrics
                 .extend(specimen.estimates.iter().map(|e| Metric::new(id(e), 100.0 * e.relative_error().abs(), "%")));
+            metrics.extend(specimen.walls.iter().flat_map(|walls| walls.metrics(&specimen.name)));
         }
         metrics
     }

@@ -5,10 +5,10 @@ use optimize::{Bounds, Evaluation};
 use si::Point2;
 
 use super::fitting::{Evaluated, Fitting, SearchResult};
-use super::uncertainty::{self, Posterior};
 use crate::records::{self, Identified, Level};
 use diagnostics::Result;
 use sysid::landscape;
+use sysid::uncertainty::{self, Posterior};
 use sysid::{Derivatives, Stiffened, by_node, residuals_of};
 use workflow::stage::StageContext;
 

@@ -11,7 +11,7 @@ use crate::records::{ExampleFrames, Identified, Inflation, Mesh, Shape};
 use crate::selections::OfTrials;
 use crate::subject::{Specimen, Trial};
 use diagnostics::{Diagnostic, Result};
-use sysid::wall::{Section, Walls, end_rotation};
+use mesh::wall::{Section, Walls, end_rotation};
 use sysid::{Body, by_node};
 use workflow::stage::{Stage, StageContext};
 use workflow::subject::Part;

@@ -32,7 +32,6 @@ pub mod tank;
 mod thrust;
 pub mod track;
 mod transfer;
-mod uncertainty;
 mod validate;
 mod wave;
 

@@ -4,14 +4,15 @@ use std::path::Path as FilePath;
 
 use lab::card::Origin;
 use lab::truth::{self, TrueTrack, TrueTrial};
+use mesh::wall::buckling_pressure;
 use serde::{Deserialize, Serialize};
-use si::{Point2, Second};
+use si::{Pascal, Point2, Second};
 
-use crate::records::dynamic;
 use crate::records::{
-    Camera, CorrectedForce, Drag, Estimate, Identified, Interval, LoadCell, Markers, Motion, Path, Quantity, REPORTED,
-    Recovered, RecoveredSpecimen, Relaxation, Tank, Tracks, Validation,
+    Camera, CorrectedForce, Drag, Estimate, Identified, Inflation, Interval, LoadCell, Markers, Motion, Path, Quantity,
+    REPORTED, Recovered, RecoveredSpecimen, Relaxation, Tank, Tracks, Validation, WallErrors,
 };
+use crate::records::{LEAST_DENT, dynamic};
 use crate::subject::{Specimen, Study, condition_of};
 use diagnostics::{Diagnostic, Result};
 use workflow::needs::Every;
@@ -23,6 +24,9 @@ pub struct Recovery;
 
 /// Identified parameters of the specimens: elasticity, relaxation, water.
 type Parameters = (Every<Identified>, Every<Relaxation>, Every<Drag>);
+
+/// What the identified models predict.
+type Predictions = (Every<Validation>, Every<Inflation>);
 
 /// Records of all films: pixels, positions, motions.
 type Films = (Every<Tracks>, Every<Markers>, Every<Motion>);
@@ -44,6 +48,8 @@ struct Virtual {
     trials: Vec<String>,
     /// The fixture's recording of water at rest.
     still_water: Option<String>,
+    /// The channel in which the identified model is inflated.
+    inflated: Option<String>,
 }
 
 impl Part<Study> for Card {
@@ -59,6 +65,7 @@ impl Virtual {
             name: specimen.card.name.clone(),
             trials: specimen.card.trial.iter().map(|t| t.id.clone()).collect(),
             still_water: still.map(|f| f.id.clone()),
+            inflated: specimen.highest_staircase().and_then(|t| t.trial.experiment.channels().first().cloned()),
         }
     }
 
@@ -71,20 +78,18 @@ impl Virtual {
 impl Stage for Recovery {
     type Settings = Settings;
     type Card = Card;
-    type Needs = (
-        (Every<Camera>, Films, (Parameters, Every<Validation>)),
-        (Every<LoadCell>, Every<Tank>, Every<CorrectedForce>),
-    );
+    type Needs =
+        ((Every<Camera>, Films, (Parameters, Predictions)), (Every<LoadCell>, Every<Tank>, Every<CorrectedForce>));
     type Makes = Recovered;
     const DESCRIPTION: &'static str = "estimates are compared with the hidden truth";
-    const VERSION: u32 = 8;
+    const VERSION: u32 = 9;
 
     fn raw(of: &Study) -> Vec<RawFile> {
         virtual_specimens(of).flat_map(files).collect()
     }
 
     fn run(card: &Self::Card, _: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<Recovered> {
-        let ((Every(cameras), films, (parameters, Every(predictions))), weighed) = needs;
+        let ((Every(cameras), films, (parameters, (Every(predictions), Every(inflated)))), weighed) = needs;
         let mut recovered = Recovered::default();
         for specimen in &card.0 {
             let truth = read(context, &specimen.name)?;
@@ -104,7 +109,8 @@ impl Stage for Recovery {
                 estimates.extend(predicted.filter_map(|(_, found)| amplitude(condition_of(id), found, &true_tracks)));
             }
             if !estimates.is_empty() {
-                recovered.specimens.push(RecoveredSpecimen { name: specimen.name.clone(), estimates });
+                let (name, walls) = (specimen.name.clone(), walls(specimen, &truth, (&parameters.0, &inflated))?);
+                recovered.specimens.push(RecoveredSpecimen { name, estimates, walls });
             }
         }
         Ok(recovered)
@@ -142,6 +148,40 @@ fn beside(
         all.push(estimate(Quantity::NormalDrag, by.drag, hidden.drag, sigma.drag / by.drag));
     }
     Ok(all)
+}
+
+/// Errors of the walls of a specimen's inflated model; none where a wall of the model or of the true body does not buckle.
+// The true shapes are those after all relaxation. A shape follows from pressure over modulus, the sheet's share aside, so under that multiple
+// of its pressure each is also the shape at the time of the identified moduli.
+fn walls(
+    specimen: &Virtual,
+    truth: &truth::Truth,
+    (Every(identified), inflated): (&Every<Identified>, &[(Name, Inflation)]),
+) -> Result<Option<WallErrors>> {
+    let found = identified.iter().find(|(s, _)| s.0 == specimen.name);
+    let inflation = inflated.iter().find(|(s, _)| s.0 == specimen.name);
+    let hidden = truth.inflation.iter().find(|one| Some(&one.channel) == specimen.inflated.as_ref());
+    let (Some((_, found)), Some((_, inflation)), Some(hidden)) = (found, inflation, hidden) else { return Ok(None) };
+    let stiffer = spectrum(&truth.body)?.modulus(found.modulus_time);
+    let pressures: Vec<Pascal> = hidden.pressure.iter().map(|p| stiffer * p).collect();
+    let highest = inflation.shapes.iter().rfind(|shape| pressures.last().is_some_and(|top| shape.pressure() <= *top));
+    let critical = (inflation.buckling_pressure(), buckling_pressure(&pressures, &hidden.dent, LEAST_DENT));
+    let ((Some(model), Some(body)), Some(shape)) = (critical, highest) else { return Ok(None) };
+    let there = |of: &[f64]| at(&pressures, of, shape.pressure());
+    Ok(Some(WallErrors {
+        critical_pressure_pa: model - body,
+        dent: shape.walls.dent_m / there(&hidden.dent) - 1.0,
+        dent_at_m: shape.walls.dent_at[0] - there(&hidden.dent_at),
+        bulge: shape.walls.bulge_m / there(&hidden.bulge) - 1.0,
+        rotation: shape.rotation - there(&hidden.rotation),
+    }))
+}
+
+/// The value of `of` at pressure `p` (Pa) between two of the rising `pressures`.
+fn at(pressures: &[Pascal], of: &[f64], p: Pascal) -> f64 {
+    let above = pressures.partition_point(|q| *q < p).clamp(1, pressures.len() - 1);
+    let part = (p - pressures[above - 1]) / (pressures[above] - pressures[above - 1]);
+    of[above - 1] + part * (of[above] - of[above - 1])
 }
 
 /// The predicted amplitude of the tip in a validation trial beside the true one, whose tracks are given.

@@ -2,10 +2,10 @@
 
 use optimize::posterior::UNCERTAIN;
 use optimize::{Bounds, Covariance};
+use serde::{Deserialize, Serialize};
 use si::Pascal;
-use sysid::Body;
 
-use crate::records::{Profile, Uncertainty};
+use crate::body::Body;
 
 /// The covariance of all parameters of an identification, the logarithms of the moduli first.
 pub struct Posterior {
@@ -13,6 +13,39 @@ pub struct Posterior {
     pub covariance: Covariance,
     /// χ² over the degrees of freedom.
     pub chi_square: f64,
+}
+
+/// Uncertainty of the parameters.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Uncertainty {
+    /// Standard deviations of the logarithms of the parameters.
+    pub sigma: Vec<f64>,
+    /// Their correlations: parameters × parameters.
+    pub correlation: Vec<f64>,
+    /// Reduced χ² (over the degrees of freedom): near 1 when the covariance is right.
+    pub chi_square: f64,
+    /// A sentence on which parameters are determined.
+    pub words: String,
+    /// Which data would reduce the uncertainty, and which estimates reached the end of the plausible range.
+    pub advice: Vec<String>,
+}
+
+impl Uncertainty {
+    /// Of the first two parameters; none of a single one.
+    pub fn first_correlation(&self) -> Option<f64> {
+        (self.sigma.len() > 1).then(|| self.correlation[1])
+    }
+}
+
+/// Profile likelihood: χ² over one parameter, minimised over the other.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Profile {
+    /// The solid's name and `_e`.
+    pub parameter: String,
+    /// Pa.
+    pub value: Vec<f64>,
+    /// χ² above its minimum.
+    pub chi_square: Vec<f64>,
 }
 
 /// The uncertainty of the moduli at the best point of a search over their logarithms, and the bounds of that search.
@@ -56,7 +89,7 @@ fn implausible(body: &Body, at: &[f64], bounds: &Bounds) -> Vec<String> {
 }
 
 /// Profile likelihoods of two solids: χ² over each modulus, minimised over the other, from χ² over both (second × first).
-pub(crate) fn profiles(solids: [&str; 2], [first, second]: [&[Pascal]; 2], chi_square: &[f64]) -> Vec<Profile> {
+pub fn profiles(solids: [&str; 2], [first, second]: [&[Pascal]; 2], chi_square: &[f64]) -> Vec<Profile> {
     let lowest = chi_square.iter().copied().fold(f64::INFINITY, f64::min);
     let least = |cells: &mut dyn Iterator<Item = usize>| {
         cells.map(|cell| chi_square[cell]).fold(f64::INFINITY, f64::min) - lowest
