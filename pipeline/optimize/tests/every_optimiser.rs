@@ -277,7 +277,8 @@ fn gauss_newton_halves_a_step_without_a_solution_until_there_is_one() {
     let step = |at: &[f64]| -> Vec<f64> { at.iter().zip(&start).map(|(a, b)| a - b).collect() };
     let far = optimiser.ask().remove(0);
     for half in [0.5, 0.25] {
-        optimiser.tell(&[Evaluation::of_loss(optimiser.ask().remove(0), f64::INFINITY)]).unwrap();
+        let asked = optimiser.ask().remove(0);
+        optimiser.tell(&[Evaluation::of_loss(asked, f64::INFINITY)]).unwrap();
         let next = optimiser.ask().remove(0);
         assert!(step(&far).iter().zip(step(&next)).all(|(far, near)| (near - half * far).abs() < 1e-12), "{next:?}");
     }
