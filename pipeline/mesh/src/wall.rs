@@ -180,9 +180,10 @@ mod tests {
     #[test]
     fn a_wall_buckles_where_its_dent_grows_fastest_and_a_shallow_dent_is_none() {
         let pressures: Vec<f64> = (1..=10).map(|i| 2.5e3 * f64::from(i)).collect();
-        let dents: Vec<f64> = pressures.iter().map(|p| 3e-3 * (1.0 + ((p - 1.86e4) / 1e3).tanh())).collect();
+        let dents: Vec<f64> = pressures.iter().map(|p| 3e-3 * (1.0 + ((p - 1.93e4) / 3e3).tanh())).collect();
         let found = buckling_pressure(&pressures, &dents, 1e-3).expect("it buckles");
-        assert!((found - 1.86e4).abs() < 100.0, "{found}: the pressures lie 2500 Pa apart");
+        // the middle of the steepest interval is 550 Pa off
+        assert!((found - 1.93e4).abs() < 200.0, "{found}");
         assert_eq!(buckling_pressure(&pressures, &dents, 1e-2), None);
         assert_eq!(buckling_pressure(&[], &[], 1e-3), None);
     }

@@ -56,7 +56,10 @@ fn own_settings(mut all: toml::Table, name: &str, profile: &str) -> String {
     retain(&mut all, &["specimen"], &[name]);
     retain(&mut all, &["profile"], &[profile]);
     retain(&mut all, &["buoyancy", "water"], &[name]);
-    all["profile"][profile].as_table_mut().expect("a profile is a table").remove("specimens");
+    // which specimens a profile records by default changes none of their recordings
+    if let Some(own) = all["profile"].get_mut(profile).and_then(toml::Value::as_table_mut) {
+        own.remove("specimens");
+    }
     all.to_string()
 }
 
