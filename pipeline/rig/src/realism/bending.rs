@@ -16,7 +16,8 @@ const NAME: &str = "marlin";
 const TURN: [f64; 2] = [55.0, 75.0];
 /// Depth of the fold and height of the bulges: from what can be seen at all to the half-width of the tail, mm.
 const FOLD: [f64; 2] = [2.0, 18.0];
-/// Pressure at which the wall folds: below that of the photograph, and above the staircase's levels at which films show none, mbar.
+/// Pressure at which the wall folds: below that of the photograph; walls that bend as far hardly dent at 150 mbar
+/// ([`crate::specimens`]), mbar.
 const FOLDS: [f64; 2] = [150.0, 250.0];
 /// A wall that dents less than this has not buckled, m.
 const LEAST_DENT: Metre = 1e-3;
