@@ -86,11 +86,14 @@ pub fn end_rotation(rest: &[Point3], moved: &[Point3]) -> f64 {
     sine.atan2(cosine)
 }
 
+/// A wall that dents less than this has not buckled, m.
+const LEAST_DENT: Metre = 1e-3;
+
 /// The pressure at which a wall buckles: where its dent grows fastest over the rising `pressures` (Pa), from the parabola through the three
 /// steepest slopes between them of the dents `dents` (m).
-/// None where the deepest dent stays below `least`.
+/// None where the deepest dent stays below a millimetre.
 // An imperfect wall has no bifurcation: its dent grows by degrees, and fastest near the critical pressure of the perfect one.
-pub fn buckling_pressure(pressures: &[Pascal], dents: &[Metre], least: Metre) -> Option<Pascal> {
+pub fn buckling_pressure(pressures: &[Pascal], dents: &[Metre]) -> Option<Pascal> {
     let deepest = dents.iter().copied().fold(0.0, f64::max);
     let slope = |i: usize| (dents[i + 1] - dents[i]) / (pressures[i + 1] - pressures[i]);
     let middle = |i: usize| 0.5 * (pressures[i] + pressures[i + 1]);
@@ -100,7 +103,7 @@ pub fn buckling_pressure(pressures: &[Pascal], dents: &[Metre], least: Metre) ->
         true => vertex([steepest - 1, steepest, steepest + 1].map(|i| [middle(i), slope(i)])),
         false => middle(steepest),
     };
-    (deepest >= least).then_some(peak)
+    (deepest >= LEAST_DENT).then_some(peak)
 }
 
 /// Where the parabola through three points, of which the middle one is the highest, is highest.
@@ -181,10 +184,11 @@ mod tests {
     fn a_wall_buckles_where_its_dent_grows_fastest_and_a_shallow_dent_is_none() {
         let pressures: Vec<f64> = (1..=10).map(|i| 2.5e3 * f64::from(i)).collect();
         let dents: Vec<f64> = pressures.iter().map(|p| 3e-3 * (1.0 + ((p - 1.93e4) / 3e3).tanh())).collect();
-        let found = buckling_pressure(&pressures, &dents, 1e-3).expect("it buckles");
+        let found = buckling_pressure(&pressures, &dents).expect("it buckles");
         // the middle of the steepest interval is 550 Pa off
         assert!((found - 1.93e4).abs() < 200.0, "{found}");
-        assert_eq!(buckling_pressure(&pressures, &dents, 1e-2), None);
-        assert_eq!(buckling_pressure(&[], &[], 1e-3), None);
+        let shallow: Vec<f64> = dents.iter().map(|dent| 0.1 * dent).collect();
+        assert_eq!(buckling_pressure(&pressures, &shallow), None);
+        assert_eq!(buckling_pressure(&[], &[]), None);
     }
 }

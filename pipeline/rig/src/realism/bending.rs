@@ -6,7 +6,7 @@ use std::path::Path;
 use diagnostics::Result;
 use lab::truth::{self, TrueInflation};
 use mesh::wall::buckling_pressure;
-use si::{MILLIBAR, MILLIMETRE, Metre};
+use si::{MILLIBAR, MILLIMETRE};
 
 use super::{Comparison, range};
 
@@ -19,8 +19,6 @@ const FOLD: [f64; 2] = [2.0, 18.0];
 /// Pressure at which the wall folds: below that of the photograph; walls that bend as far hardly dent at 150 mbar
 /// ([`crate::specimens`]), mbar.
 const FOLDS: [f64; 2] = [150.0, 250.0];
-/// A wall that dents less than this has not buckled, m.
-const LEAST_DENT: Metre = 1e-3;
 
 /// Comparisons of the recording under `raw`, over both sides; none where the tail was not recorded.
 ///
@@ -36,8 +34,7 @@ pub(super) fn comparisons(raw: &Path) -> Result<Vec<Comparison>> {
         range(sides.iter().filter_map(|side| of(side).last()).map(|value| value.abs() / unit))
     };
     // a wall that does not fold has its critical pressure nowhere: outside
-    let folds =
-        |side: &TrueInflation| buckling_pressure(&side.pressure, &side.dent, LEAST_DENT).unwrap_or(f64::INFINITY);
+    let folds = |side: &TrueInflation| buckling_pressure(&side.pressure, &side.dent).unwrap_or(f64::INFINITY);
     let degree = 1f64.to_radians();
     Ok(vec![
         Comparison::new("turn of the end at the highest pressure, marlin (°)", TURN, last(|s| &s.rotation, degree)),

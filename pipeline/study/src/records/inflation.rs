@@ -1,7 +1,7 @@
 //! Inflation: the skin of the identified model at rising pressures on one side, and the displacement of its walls.
 
 use serde::{Deserialize, Serialize};
-use si::{Metre, Pascal, Point3, vec3};
+use si::{Pascal, Point3, vec3};
 
 use super::Mesh;
 use crate::subject::Specimen;
@@ -59,12 +59,9 @@ impl Inflation {
     pub(crate) fn buckling_pressure(&self) -> Option<Pascal> {
         let pressures: Vec<Pascal> = self.shapes.iter().map(Shape::pressure).collect();
         let dents: Vec<f64> = self.shapes.iter().map(|shape| shape.walls.dent_m).collect();
-        wall::buckling_pressure(&pressures, &dents, LEAST_DENT)
+        wall::buckling_pressure(&pressures, &dents)
     }
 }
-
-/// A wall that dents less than this has not buckled, m.
-pub(crate) const LEAST_DENT: Metre = 1e-3;
 
 impl Shape {
     /// The highest of its pressures, Pa.

@@ -39,7 +39,6 @@ pub use findings::{Finding, Findings};
 pub use four_parameters::{Four, FourParameters};
 pub(crate) use identified::DisplayUnit;
 pub use identified::{EvaluatedPoint, Identified, Moduli, Search, Stiffening, Surface};
-pub(crate) use inflation::LEAST_DENT;
 pub use inflation::{Inflation, Shape};
 pub use markers::{CovarianceParts, FilmPose, Markers, OmittedCorrection};
 pub use mesh::{Cavity, Mesh, Quality};

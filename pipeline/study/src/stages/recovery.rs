@@ -8,11 +8,11 @@ use mesh::wall::buckling_pressure;
 use serde::{Deserialize, Serialize};
 use si::{Pascal, Point2, Second};
 
+use crate::records::dynamic;
 use crate::records::{
     Camera, CorrectedForce, Drag, Estimate, Identified, Inflation, Interval, LoadCell, Markers, Motion, Path, Quantity,
     REPORTED, Recovered, RecoveredSpecimen, Relaxation, Tank, Tracks, Validation, WallErrors,
 };
-use crate::records::{LEAST_DENT, dynamic};
 use crate::subject::{Specimen, Study, condition_of};
 use diagnostics::{Diagnostic, Result};
 use workflow::needs::Every;
@@ -165,7 +165,7 @@ fn walls(
     let stiffer = spectrum(&truth.body)?.modulus(found.modulus_time);
     let pressures: Vec<Pascal> = hidden.pressure.iter().map(|p| stiffer * p).collect();
     let highest = inflation.shapes.iter().rfind(|shape| pressures.last().is_some_and(|top| shape.pressure() <= *top));
-    let critical = (inflation.buckling_pressure(), buckling_pressure(&pressures, &hidden.dent, LEAST_DENT));
+    let critical = (inflation.buckling_pressure(), buckling_pressure(&pressures, &hidden.dent));
     let ((Some(model), Some(body)), Some(shape)) = (critical, highest) else { return Ok(None) };
     let there = |of: &[f64]| at(&pressures, of, shape.pressure());
     Ok(Some(WallErrors {
