@@ -92,7 +92,7 @@ fn run(cli: &Cli) -> Result<bool> {
             Ok(report(&diagnostics))
         }
         Command::Simulate { case, out } => {
-            simulate::run(case, out.as_deref(), cli.place.quiet)?;
+            simulate::run(case, out.as_deref(), cli.place.quiet, None)?;
             Ok(true)
         }
         Command::Fit { page, out } => {
@@ -101,7 +101,7 @@ fn run(cli: &Cli) -> Result<bool> {
                 let (report, folder) = sysid::inflation_test::run(&cli.place.root, &page, out.as_deref())?;
                 output::line(format_args!("{report}results: {}", folder.display()));
             } else {
-                let (report, folder) = sysid::free_vibration::run(&cli.place.root, &page, out.as_deref())?;
+                let (report, folder) = sysid::free_vibration::run(&cli.place.root, &page, out.as_deref(), None)?;
                 output::line(format_args!("{report}results: {}", folder.display()));
             }
             Ok(true)
@@ -119,7 +119,9 @@ fn run(cli: &Cli) -> Result<bool> {
             Ok(true)
         }
         Command::Calibrate(asked) => {
-            output::line(instruments::calibrate::run(&calibration(asked))?);
+            let request = calibration(asked);
+            let camera = instruments::calibrate::camera(&request, None)?;
+            output::line(camera.summary(&request.out.unwrap_or_default()));
             Ok(true)
         }
         Command::Track(asked) => {
@@ -167,7 +169,7 @@ fn calibration(asked: &CalibrateCamera) -> instruments::calibrate::Request {
         dots: asked.dots,
         fisheye: asked.fisheye,
         every: asked.every,
-        out: asked.out.clone(),
+        out: Some(asked.out.clone().unwrap_or_else(|| instruments::calibrate::beside(&asked.source))),
     }
 }
 

@@ -226,7 +226,7 @@ pub struct TrackFilm {
     #[arg(long, value_name = "L,T,R,B", value_parser = four, requires = "find")]
     pub region: Option<[f64; 4]>,
     /// Radius of the disc that holds a marker and a margin of light ground, px.
-    #[arg(long, default_value_t = 18.0, value_parser = between(1.0, 1000.0))]
+    #[arg(long, default_value_t = 18.0, value_parser = between(track::klt::LEAST_RADIUS, 1000.0))]
     pub radius: f64,
     /// Longest occlusion of a marker, s.
     #[arg(long, default_value_t = 0.5, value_parser = between(0.0, 3600.0))]

@@ -65,6 +65,14 @@ fn a_part_of_a_film_is_tracked_with_the_frames_of_the_film() {
 }
 
 #[test]
+fn a_disc_that_holds_no_marker_is_refused() {
+    let film = Film::new("disc", 2, |_| ball(100.0, 7.0, 1.0));
+    let output = film.track(&["--at", "100,120", "--radius", "3.9"]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() != Some(101) && said.contains("3.9 is not in 4..=1000"), "{said}");
+}
+
+#[test]
 fn a_cut_in_the_scene_is_named_with_its_frame() {
     let film = Film::new("cut", 30, |k| if k < 18 { ball(100.0 + k as f64, 7.0, 1.0) } else { ball(220.0, 7.0, 2.7) });
     let output = film.track(&["--at", "100,120"]);

@@ -110,6 +110,11 @@ impl Diagnostic {
         Self::file(file, "the file cannot be used", why, action).caused_by(error)
     }
 
+    /// The end of a computation that was asked to end.
+    pub fn interrupted() -> Self {
+        Self::new("the computation was interrupted", "an interrupt was requested", "start it again to have its results")
+    }
+
     /// The same diagnostic with a line (from 1) of its file.
     pub fn at_line(mut self, line: impl Into<Option<usize>>) -> Self {
         if let Some(location) = &mut self.location {

@@ -84,7 +84,10 @@ fn the_lens_of_a_folder_of_pictures_comes_back_in_both_files() {
         folder.picture(&format!("{k}.png"), &view(*tilt));
     }
     folder.picture("9.png", &Gray::filled(SIZE.0, SIZE.1, 120));
-    let said = calibrate::run(&folder.request()).unwrap();
+    let said = {
+        let request = folder.request();
+        calibrate::camera(&request, None).unwrap().summary(&request.out.unwrap())
+    };
     assert!(said.contains("6 views (1 pictures without the whole board)"), "{said}");
     let read = |name: &str| fs::read_to_string(folder.0.join("out").join(name)).unwrap();
     let lens = opencv::read(&read("camera.yaml"), false).unwrap();
@@ -104,9 +107,9 @@ fn the_lens_of_a_folder_of_pictures_comes_back_in_both_files() {
 fn pictures_of_two_sizes_and_a_folder_without_a_board_are_refused() {
     let folder = Folder::new("sizes");
     folder.picture("0.png", &Gray::filled(320, 240, 120));
-    let said = calibrate::run(&folder.request()).unwrap_err().to_string();
+    let said = calibrate::camera(&folder.request(), None).err().unwrap().to_string();
     assert!(said.contains("no board of 9 × 6 squares") && said.contains("0.png"), "{said}");
     folder.picture("1.png", &Gray::filled(640, 480, 120));
-    let said = calibrate::run(&folder.request()).unwrap_err().to_string();
+    let said = calibrate::camera(&folder.request(), None).err().unwrap().to_string();
     assert!(said.contains("picture 1.png has 640 × 480 px"), "{said}");
 }

@@ -1,6 +1,6 @@
 //! The body of a case as a system of `fem`: mesh, materials, clamps, masses and forces, all independent of level and time.
 
-use fem::{Clamps, Elements, Faces, Masses, Options, Solver, System};
+use fem::{Clamps, Elements, Faces, Interrupt, Masses, Options, Solver, System};
 use mesh::foreign::Region;
 use mesh::{Cavity, Skin, Solid};
 use si::Pascal;
@@ -29,6 +29,7 @@ pub struct Body<'a> {
     pub numbers: Vec<usize>,
     /// Warnings for the user.
     pub notes: Vec<String>,
+    interrupt: Option<Interrupt>,
 }
 
 impl<'a> Body<'a> {
@@ -47,7 +48,12 @@ impl<'a> Body<'a> {
         let numbers = numbers(case, solid, cavities)?;
         let mut notes = unnamed(&numbers, cavities);
         notes.extend(fast_branches(system.regions(), case));
-        Ok(Self { solid, regions, cavities, system, forces, numbers, notes })
+        Ok(Self { solid, regions, cavities, system, forces, numbers, notes, interrupt: None })
+    }
+
+    /// The same with solvers that ask `interrupt` whether to end.
+    pub fn interruptible(self, interrupt: Option<Interrupt>) -> Self {
+        Self { interrupt, ..self }
     }
 
     /// A solver under gravity and all dead loads, with its chambers sealed.
@@ -56,6 +62,7 @@ impl<'a> Body<'a> {
     /// A [`Diagnostic`] when `fem` refuses one of them.
     pub fn solver(&self, case: &Case) -> Result<Solver> {
         let mut solver = self.system.solver();
+        solver.set_interrupt(self.interrupt.clone());
         solver.set_gravity(case.gravity)?;
         solver.set_forces(&self.forces)?;
         for (chamber, &number) in

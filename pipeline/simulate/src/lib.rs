@@ -36,6 +36,7 @@ use std::time::Instant;
 use crate::case::{Case, read};
 pub use body::{Body, fem_mesh};
 use diagnostics::{Diagnostic, Result, output};
+use fem::Interrupt;
 use frames::Frames;
 use probes::Table;
 pub use probes::{Probe, probes};
@@ -54,16 +55,16 @@ pub struct Summary {
     pub folder: PathBuf,
 }
 
-/// Simulates the case in the file `path` and writes into `out`, or beside the case.
+/// Simulates the case in the file `path` and writes into `out`, or beside the case. `interrupt` ends it as in [`fem::Solver::set_interrupt`].
 ///
 /// # Errors
 /// A [`Diagnostic`]: the case or its mesh is refused, or a level or step cannot be found; results up to then are written.
-pub fn run(path: &Path, out: Option<&Path>, quiet: bool) -> Result<Summary> {
+pub fn run(path: &Path, out: Option<&Path>, quiet: bool, interrupt: Option<Interrupt>) -> Result<Summary> {
     // What does not concern one file alone is a matter of the case.
-    simulated(path, out, quiet).map_err(|e| e.in_file_unless_named(path))
+    simulated(path, out, quiet, interrupt).map_err(|e| e.in_file_unless_named(path))
 }
 
-fn simulated(path: &Path, out: Option<&Path>, quiet: bool) -> Result<Summary> {
+fn simulated(path: &Path, out: Option<&Path>, quiet: bool, interrupt: Option<Interrupt>) -> Result<Summary> {
     let began = Instant::now();
     let case = read(path)?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
@@ -74,6 +75,7 @@ fn simulated(path: &Path, out: Option<&Path>, quiet: bool) -> Result<Summary> {
     loaded.notes.iter().for_each(|note| console.line(note));
     // Where case and mesh do not match, either may be wrong.
     let body = Body::new(&case, &loaded).map_err(|e| e.noting(format_args!("mesh: {}", case.mesh.name())))?;
+    let body = body.interruptible(interrupt);
     body.notes.iter().for_each(|note| console.line(note));
     std::fs::create_dir_all(&folder).map_err(|e| cannot_write(&folder, &e))?;
     let written =

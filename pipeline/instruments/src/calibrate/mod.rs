@@ -12,6 +12,7 @@ use track::board::{Board, Target};
 use track::calibrate::{Calibration, View, calibrate, reprojection};
 use track::lens::Distortion;
 
+use crate::Interrupt;
 use views::Views;
 
 /// What is asked for.
@@ -29,24 +30,43 @@ pub struct Request {
     pub fisheye: bool,
     /// Of a film, one frame in so many is used.
     pub every: usize,
-    /// Folder for the results, instead of `<source>.camera` beside it.
+    /// Folder for the results; nothing is written where none is given.
     pub out: Option<PathBuf>,
 }
 
 /// A calibrated camera with what it was made of.
-pub(crate) struct Calibrated {
-    calibration: Calibration,
-    /// Of the pictures, px.
-    size: (usize, usize),
+pub struct Camera {
+    /// Its lens and the pose of each view.
+    pub calibration: Calibration,
+    /// Width and height of the pictures, px.
+    pub size: (usize, usize),
     views: Views,
     target: Target,
 }
 
-impl Calibrated {
-    /// Reprojection error of a view, px.
-    fn error(&self, view: usize) -> f64 {
+impl Camera {
+    /// Name of each picture of the whole board, or time of each frame.
+    pub fn views(&self) -> &[String] {
+        &self.views.names
+    }
+
+    /// Root of the mean squared distance between seen and projected corners of a view, px.
+    pub fn reprojection_error(&self, view: usize) -> f64 {
         let pose = &self.calibration.poses[view];
         reprojection(&self.calibration.lens, pose, &self.target.points(), &self.views.corners[view])
+    }
+
+    /// What was calibrated, and where the results lie.
+    pub fn summary(&self, folder: &Path) -> String {
+        shown::summary(self, folder)
+    }
+
+    fn write(&self, folder: &Path) -> Result<()> {
+        let figure = shown::figure(self)?;
+        let files = [("camera.toml", shown::toml(self)), ("camera.yaml", shown::opencv(self))];
+        files.iter().try_for_each(|(name, text)| crate::write(folder, name, text))?;
+        crate::write(folder, "views.csv", shown::views(self))?;
+        crate::write(folder, "camera.svg", figure)
     }
 
     /// Where the points of the board are projected to in a view, px; of those that the lens sees.
@@ -57,40 +77,34 @@ impl Calibrated {
     }
 }
 
-/// Calibrates the camera and writes `camera.toml`, `camera.yaml` (OpenCV's), `views.csv` and `camera.svg`; returns a summary.
+/// Calibrates the camera, and writes `camera.toml`, `camera.yaml` (OpenCV's), `views.csv` and `camera.svg` where a folder is given.
+/// `interrupt` is asked before every picture whether to end.
 ///
 /// # Errors
-/// A [`Diagnostic`] when the source cannot be read, too few pictures show the board, or they do not determine the lens.
-pub fn run(request: &Request) -> Result<String> {
-    let folder = request.out.clone().unwrap_or_else(|| beside(&request.source));
-    let found = calibrated(request)?;
-    for (name, text) in [
-        ("camera.toml", shown::toml(&found)),
-        ("camera.yaml", shown::opencv(&found)),
-        ("views.csv", shown::views(&found)),
-        ("camera.svg", shown::figure(&found)?),
-    ] {
-        crate::write(&folder, name, &text)?;
-    }
-    Ok(shown::summary(&found, &folder))
+/// A [`Diagnostic`] when the source cannot be read, too few pictures show the board, they do not determine the lens, or it was interrupted.
+pub fn camera(request: &Request, interrupt: Interrupt<'_>) -> Result<Camera> {
+    let found = calibrated(request, interrupt)?;
+    request.out.as_ref().map_or(Ok(()), |folder| found.write(folder))?;
+    Ok(found)
 }
 
-fn beside(source: &Path) -> PathBuf {
+/// The folder of a source's results beside it.
+pub fn beside(source: &Path) -> PathBuf {
     let mut name = source.file_name().unwrap_or_default().to_owned();
     name.push(".camera");
     source.with_file_name(name)
 }
 
-fn calibrated(request: &Request) -> Result<Calibrated> {
+fn calibrated(request: &Request, interrupt: Interrupt<'_>) -> Result<Camera> {
     let [columns, rows] = request.size;
     let target = match request.dots {
         true => Target::Dots(Dots { columns, rows, pitch: request.square }),
         false => Target::Checkerboard(Board { columns, rows, square: request.square }),
     };
-    let views = Views::seen(&request.source, &target, request.every)?;
+    let views = Views::seen((&request.source, request.every), &target, interrupt)?;
     let distortion = if request.fisheye { Distortion::Fisheye } else { Distortion::BrownConrady };
     let seen: Vec<View> = views.corners.iter().map(|corners| View { corners: corners.clone() }).collect();
     let calibration = calibrate(&seen, &target.points(), distortion, views.size)
         .map_err(|e| Diagnostic::from(e).in_file(&request.source))?;
-    Ok(Calibrated { calibration, size: views.size, views, target })
+    Ok(Camera { calibration, size: views.size, views, target })
 }

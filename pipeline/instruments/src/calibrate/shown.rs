@@ -7,7 +7,7 @@ use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Figure, Mark, Marker, Panel, Picture, P
 use si::Point2;
 use track::lens::Distortion;
 
-use super::Calibrated;
+use super::Camera;
 
 /// Names of the numbers of a lens.
 fn names(distortion: Distortion) -> [&'static str; 9] {
@@ -25,7 +25,7 @@ fn word(distortion: Distortion) -> &'static str {
 }
 
 /// Our own file: every number of the lens with its standard deviation.
-pub(super) fn toml(found: &Calibrated) -> String {
+pub(super) fn toml(found: &Camera) -> String {
     let (lens, sigma) = (&found.calibration.lens, found.calibration.sigma());
     let mut text = format!(
         "# A camera of {} views; px, u to the right, v down, the centre of the first pixel 0, 0. Each number: value, standard deviation.\n\
@@ -46,7 +46,7 @@ pub(super) fn toml(found: &Calibrated) -> String {
 }
 
 /// The file that `cv::FileStorage` and `[camera] coefficients` of a card read.
-pub(super) fn opencv(found: &Calibrated) -> String {
+pub(super) fn opencv(found: &Camera) -> String {
     let lens = &found.calibration.lens;
     let [fx, fy, cx, cy, rest @ ..] = lens.values();
     let coefficients: Vec<String> = rest[..lens.count() - 4].iter().map(|c| format!("{c:.12e}")).collect();
@@ -68,18 +68,18 @@ pub(super) fn opencv(found: &Calibrated) -> String {
 }
 
 /// One line a view.
-pub(super) fn views(found: &Calibrated) -> String {
+pub(super) fn views(found: &Camera) -> String {
     let mut text = "view,points,reprojection_px,distance_m\n".to_owned();
     for (k, name) in found.views.names.iter().enumerate() {
         let distance = found.calibration.poses[k].translation[2];
-        let (points, error) = (found.views.corners[k].len(), found.error(k));
+        let (points, error) = (found.views.corners[k].len(), found.reprojection_error(k));
         writeln!(text, "{name},{points},{error:.4},{distance:.4}").expect("a string takes any text");
     }
     text
 }
 
 /// The first view with its points, seen and projected, and the residuals of all views.
-pub(super) fn figure(found: &Calibrated) -> Result<String, PlotError> {
+pub(super) fn figure(found: &Camera) -> Result<String, PlotError> {
     let mut panels = Vec::new();
     if let Some(gray) = &found.views.first {
         let picture = Picture::new(gray.width, gray.height, gray.pixels.clone())
@@ -97,7 +97,7 @@ pub(super) fn figure(found: &Calibrated) -> Result<String, PlotError> {
     Figure::new(DOUBLE_COLUMN_MM).row(70.0, panels).svg()
 }
 
-pub(super) fn summary(found: &Calibrated, folder: &Path) -> String {
+pub(super) fn summary(found: &Camera, folder: &Path) -> String {
     let (lens, sigma) = (&found.calibration.lens, found.calibration.sigma());
     let (views, without) = (found.views.corners.len(), found.views.without);
     let error = found.calibration.reprojection_px;

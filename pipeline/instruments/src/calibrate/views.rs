@@ -8,6 +8,8 @@ use track::Gray;
 use track::board::Target;
 use track::video::{Film, pictures};
 
+use crate::Interrupt;
+
 /// The pictures in which the board was found.
 #[derive(Default)]
 pub(super) struct Views {
@@ -29,17 +31,19 @@ impl Views {
     /// The views in a film, one frame in `every`, or in a folder of pictures.
     ///
     /// # Errors
-    /// A [`Diagnostic`] when the source cannot be read, its pictures differ in size, or none shows the board.
-    pub(super) fn seen(source: &Path, target: &Target, every: usize) -> Result<Self> {
+    /// A [`Diagnostic`] when the source cannot be read, its pictures differ in size, none shows the board, or it was interrupted.
+    pub(super) fn seen((source, every): (&Path, usize), target: &Target, interrupt: Interrupt<'_>) -> Result<Self> {
         let mut views = Self::default();
         if source.is_dir() {
             for picture in pictures(source)? {
+                crate::interrupted(interrupt)?;
                 let (path, gray) = picture?;
                 let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
                 views.look(name, gray, target)?;
             }
         } else {
             for frame in Film::open(source)? {
+                crate::interrupted(interrupt)?;
                 let frame = frame?;
                 if frame.index.is_multiple_of(every) {
                     views.look(format!("{:.3} s", frame.time), frame.gray, target)?;

@@ -6,8 +6,8 @@
 use std::path::Path;
 
 use fem::{
-    Actuation, DynamicSettings, ExternalForce, InitialValueProblem, ReducedModel, ReducedMotion, ReductionSettings,
-    Relaxation, State, StaticSettings, StepState, System,
+    Actuation, DynamicSettings, ExternalForce, InitialValueProblem, Interrupt, ReducedModel, ReducedMotion,
+    ReductionSettings, Relaxation, State, StaticSettings, StepState, System,
 };
 use nalgebra::DVector;
 use si::{Hertz, Metre, Pascal, Second};
@@ -44,7 +44,6 @@ pub(super) struct Properties {
 }
 
 /// A body under one set of dead loads.
-#[derive(Debug)]
 pub(super) struct Condition {
     reduced: ReducedModel,
     /// E of the case, Pa.
@@ -53,20 +52,22 @@ pub(super) struct Condition {
     load: DVector<f64>,
     /// Mean displacement of the compared markers by each coordinate, m.
     marker: DVector<f64>,
+    interrupt: Option<Interrupt>,
 }
 
 impl Condition {
     /// Of the case in the file `path`.
     ///
     /// # Errors
-    /// A [`Diagnostic`] when the case or its mesh is refused, or a shape or motion of the whole body is not found.
-    pub fn new(page: &Page, path: &Path) -> Result<Self> {
+    /// A [`Diagnostic`] when the case or its mesh is refused, a shape or motion of the whole body is not found, or it was
+    /// interrupted.
+    pub fn new(page: &Page, path: &Path, interrupt: Option<Interrupt>) -> Result<Self> {
         let mut case = read(path)?;
         checked(&case, path)?;
         // Yeoh's law without its further terms is the neo-Hookean one.
         case.region[0].material = "yeoh".to_owned();
         let loaded = load(&case, path.parent().unwrap_or(Path::new(".")))?;
-        let body = Body::new(&case, &loaded)?;
+        let body = Body::new(&case, &loaded)?.interruptible(interrupt.clone());
         let shapes = shapes(page, &case, &body)?;
         let shapes: Vec<&[f64]> = shapes.iter().map(Vec::as_slice).collect();
         let reduced = body.system.reduce(&shapes, &REDUCTION)?;
@@ -75,15 +76,18 @@ impl Condition {
             DVector::from_fn(reduced.coordinates(), |k, _| by(k).iter().zip(nodal).map(|(u, f)| u * f).sum::<f64>())
         };
         let (load, marker) = (project(&dead_loads(&case, &body)), project(&marker(page, &body)));
-        Ok(Self { youngs_modulus: body.system.regions()[0].youngs_modulus, load, marker, reduced })
+        Ok(Self { youngs_modulus: body.system.regions()[0].youngs_modulus, load, marker, reduced, interrupt })
     }
 
     /// Mean displacement of the compared markers at `times` (s after the release, rising from 0), m: the loads rise smoothly within the
     /// `ramp` (s) in which the hand lets go.
     ///
     /// # Errors
-    /// A [`Diagnostic`] when a step finds no motion.
+    /// A [`Diagnostic`] when a step finds no motion, or the fit was interrupted.
     pub fn fall(&self, is: &Properties, ramp: Second, times: &[Second]) -> Result<Vec<Metre>> {
+        if self.interrupt.as_ref().is_some_and(|asked| asked()) {
+            return Err(Diagnostic::interrupted());
+        }
         let settings = DynamicSettings {
             mass_damping: is.mass_damping,
             stiffness_damping: is.stiffness_damping,

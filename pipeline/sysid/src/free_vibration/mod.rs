@@ -20,6 +20,7 @@ mod warnings;
 use std::path::{Path, PathBuf};
 
 use diagnostics::Result;
+use fem::Interrupt;
 use rayon::prelude::*;
 
 use condition::Condition;
@@ -48,18 +49,18 @@ pub struct Report {
 }
 
 /// Identifies the body of the page in the file `path`; recordings are looked for below `root`. Writes a table, metrics and a figure
-/// into `out`, or beside the page.
+/// into `out`, or beside the page. `interrupt` is asked during every solve and simulated motion, from any thread, whether to end.
 ///
 /// # Errors
-/// A [`diagnostics::Diagnostic`]: the page, a recording, a case or its mesh is refused, or a shape or motion cannot be found.
-pub fn run(root: &Path, path: &Path, out: Option<&Path>) -> Result<(Report, PathBuf)> {
+/// A [`diagnostics::Diagnostic`]: the page, a recording, a case or its mesh is refused, a shape or motion cannot be found, or it was interrupted.
+pub fn run(root: &Path, path: &Path, out: Option<&Path>, interrupt: Option<Interrupt>) -> Result<(Report, PathBuf)> {
     let page = Page::read(path)?;
     let recorded = recorded::read(&page, root)?;
     let measured = recorded.iter().map(|r| Features::of(&page, &r.fall)).collect::<Result<Vec<_>>>()?;
     let (cases, of) = cases(&page);
     let folder = path.parent().unwrap_or(Path::new("."));
-    let conditions: Vec<Condition> =
-        cases.par_iter().map(|case| Condition::new(&page, &folder.join(case))).collect::<Result<_>>()?;
+    let condition = |case: &String| Condition::new(&page, &folder.join(case), interrupt.clone());
+    let conditions: Vec<Condition> = cases.par_iter().map(condition).collect::<Result<_>>()?;
     let results = Bench { page: &page, recorded: &recorded, conditions: &conditions, of }.fit_all()?;
     let folder = out.map_or_else(|| path.with_extension("out"), Path::to_owned);
     let report = Report { page, recorded, measured, results };
@@ -94,15 +95,33 @@ mod tests {
     fn recordings_that_are_not_there_say_where_they_belong_and_how_to_fetch_them() {
         let nowhere = std::env::temp_dir().join("no-recordings-here");
         let diagnostic =
-            run(&nowhere, &real().join("beam_ds10.toml"), None).err().map(|f| f.to_string()).unwrap_or_default();
+            run(&nowhere, &real().join("beam_ds10.toml"), None, None).err().map(|f| f.to_string()).unwrap_or_default();
         assert!(diagnostic.contains("study fetch beam_ds10") && diagnostic.contains("gravity_a.csv"), "{diagnostic}");
+    }
+
+    #[test]
+    fn an_interrupt_ends_the_shapes_and_the_motions_of_a_condition() {
+        use std::sync::Arc;
+        use std::sync::atomic::{AtomicBool, Ordering};
+        let page = Page::read(&real().join("beam_ds10.toml")).unwrap();
+        let new = |interrupt: Interrupt| Condition::new(&page, &real().join(&page.case), Some(interrupt));
+        let refused = new(Arc::new(|| true)).err().map(|error| error.to_string()).unwrap_or_default();
+        assert!(refused.contains("interrupt"), "{refused}");
+        let asked = Arc::new(AtomicBool::new(false));
+        let flag = asked.clone();
+        let condition = new(Arc::new(move || flag.load(Ordering::Relaxed))).unwrap();
+        let law = laws::LADDER[0].properties(&[2.7e5, 1e-3], 1.0).unwrap();
+        assert!(condition.fall(&law, 0.05, &[0.0, 0.01, 0.02]).is_ok());
+        asked.store(true, Ordering::Relaxed);
+        let refused = condition.fall(&law, 0.05, &[0.0, 0.01]).err().map(|error| error.to_string()).unwrap_or_default();
+        assert!(refused.contains("interrupted"), "{refused}");
     }
 
     /// A law, its release included, comes back from displacements that it made itself.
     #[test]
     fn a_springpot_and_the_release_come_back_from_a_simulated_vibration() {
         let page = Page::read(&real().join("beam_ds10.toml")).unwrap();
-        let condition = Condition::new(&page, &real().join(&page.case)).unwrap();
+        let condition = Condition::new(&page, &real().join(&page.case), None).unwrap();
         let law = laws::LADDER[3];
         let truth = [2.7e5, 0.05, 0.3];
         let none = Recorded {

@@ -75,7 +75,7 @@ struct Accepted {
 }
 
 /// The least radius of a window, px.
-pub(crate) const LEAST_RADIUS: f64 = 4.0;
+pub const LEAST_RADIUS: f64 = 4.0;
 
 impl Tracker {
     /// Begins with the first frame: each clicked position (px) is moved to the middle of the dark spot within reach.
@@ -84,7 +84,7 @@ impl Tracker {
     /// [`TrackingError`] at frame 0 when there is no dark spot within reach.
     ///
     /// # Panics
-    /// When the window's radius is under `LEAST_RADIUS`: no marker and its background fit into that.
+    /// When the window's radius is under [`LEAST_RADIUS`]: no marker and its background fit into that.
     pub fn new(first: &Gray, clicked: &[Point2], settings: Settings) -> Result<Self, TrackingError> {
         assert!(settings.radius >= LEAST_RADIUS, "a window of radius {} px holds no marker", settings.radius);
         let (tracks, observations, single_thread) = (Vec::new(), Vec::new(), SingleThread::new());

@@ -7,7 +7,7 @@ use track::Gray;
 use track::klt::Observation;
 use track::video::{Info, Quality, Writer};
 
-use super::{cannot_write, write};
+use crate::{cannot_write, write};
 use diagnostics::Result;
 
 /// Frames of the strip.
@@ -41,14 +41,14 @@ impl Overlay {
     }
 
     /// Draws one frame.
-    pub fn frame<'a>(&mut self, picture: &Gray, sightings: impl Iterator<Item = &'a Observation>) -> Result<()> {
+    pub fn frame(&mut self, picture: &Gray, observations: &[Observation]) -> Result<()> {
         let wanted = self.frame.is_multiple_of(self.every);
         self.frame += 1;
         if !wanted && self.film.is_none() {
             return Ok(());
         }
         let mut drawn = picture.clone();
-        sightings.filter(|s| s.seen).for_each(|s| cross(&mut drawn, s.at));
+        observations.iter().filter(|o| o.seen).for_each(|o| cross(&mut drawn, o.at));
         if let Some(film) = &mut self.film {
             film.push(&drawn)?;
         }
@@ -64,7 +64,7 @@ impl Overlay {
         let height = self.strip.iter().map(|p| p.height).sum();
         let pixels = std::mem::take(&mut self.strip).into_iter().flat_map(|p| p.pixels).collect();
         let png = Gray { width, height, pixels }.to_png()?;
-        write(&self.folder.join("strip.png"), &png)?;
+        write(&self.folder, "strip.png", png)?;
         let Some(film) = self.film.take() else { return Ok(()) };
         film.finish()?;
         let (from, to) = (self.folder.join(UNFINISHED), self.folder.join(FILM));

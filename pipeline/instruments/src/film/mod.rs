@@ -1,0 +1,204 @@
+//! Markers tracked through a film by itself: no card says how many there are, and no trial when it begins.
+//!
+//! [`track`] follows them and writes `tracks.csv`, `strip.png` and, when requested, `overlay.mp4` where a folder is given. A lost marker
+//! ends it with a diagnostic and, in the folder, `lost.png`.
+
+mod overlay;
+mod tracks;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use diagnostics::{Diagnostic, Result};
+use si::{Point2, Second};
+use track::klt::{self, Tracker, TrackingError};
+use track::scene::SceneCuts;
+use track::video::{DecodedAhead, Frame, Info};
+
+use crate::Interrupt;
+use overlay::Overlay;
+pub use tracks::Tracks;
+
+/// Where the markers are in the first frame.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Starts {
+    /// Near these places, px.
+    At(Vec<Point2>),
+    /// The most distinct dark spots, from left to right.
+    Find {
+        /// So many.
+        count: usize,
+        /// Left, top, right, bottom, px; the whole picture where none is given.
+        region: Option<[f64; 4]>,
+    },
+}
+
+/// What is asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Request {
+    /// H.264 in MP4, a folder of PNG or JPEG pictures with times.csv, or any format read by an ffmpeg on the PATH.
+    pub film: PathBuf,
+    /// The markers in the first frame.
+    pub starts: Starts,
+    /// First and last frame, from 0; the last of the film where none is given.
+    pub frames: (usize, Option<usize>),
+    /// Of the disc that holds a marker and a margin of light ground, px.
+    pub radius: f64,
+    /// Longest occlusion of a marker.
+    pub hidden: Second,
+    /// Whether the film with its tracks drawn over it is written too.
+    pub overlay: bool,
+    /// Folder for the results; nothing is written where none is given.
+    pub out: Option<PathBuf>,
+}
+
+/// The folder of a film's results beside it.
+pub fn beside(film: &Path) -> PathBuf {
+    let mut name = film.file_name().unwrap_or_default().to_owned();
+    name.push(".tracks");
+    film.with_file_name(name)
+}
+
+/// Tracks markers through a film. `interrupt` is asked before every frame whether to end.
+///
+/// # Errors
+/// A [`Diagnostic`] when the film cannot be read, its scene is cut, there is no marker at a start, one is lost, or it was interrupted.
+pub fn track(asked: &Request, interrupt: Interrupt<'_>) -> Result<Tracks> {
+    let film = DecodedAhead::open(&asked.film)?;
+    let info = film.info();
+    let mut run = Run::begin(asked, info)?;
+    for frame in film {
+        let frame = frame?;
+        if asked.has(frame.index) {
+            crate::interrupted(interrupt)?;
+            run.look(&frame)?;
+        }
+    }
+    run.end(info)
+}
+
+impl Request {
+    fn has(&self, frame: usize) -> bool {
+        frame >= self.frames.0 && self.frames.1.is_none_or(|last| frame <= last)
+    }
+
+    fn settings(&self, rate: f64) -> klt::Settings {
+        let patience = (self.hidden * rate).round().max(0.0) as usize;
+        klt::Settings { radius: self.radius, patience, jump_limit: 40.0, ..klt::Settings::default() }
+    }
+
+    /// Where the markers are in the first frame, clicked or found.
+    fn starts(&self, frame: &Frame, set: &klt::Settings) -> Result<Vec<Point2>> {
+        let (count, region) = match &self.starts {
+            Starts::At(places) => return Ok(places.clone()),
+            Starts::Find { count, region } => (*count, region),
+        };
+        let whole = [0.0, 0.0, frame.gray.width as f64, frame.gray.height as f64];
+        let found = klt::find_blobs(&frame.gray, region.unwrap_or(whole), count, set);
+        if found.len() == count {
+            return Ok(found);
+        }
+        Err(Diagnostic::new(
+            format!("{} of {count} markers are found in the first frame of {}", found.len(), self.film.display()),
+            format!("a marker is a dark spot within a disc of {} px with light ground around it", set.radius),
+            "narrow --region, set --radius to hold a marker and its margin, or click them with --at U,V",
+        ))
+    }
+
+    /// A film of two scenes: markers of one are not those of the other.
+    fn cut(&self, frame: &Frame) -> Diagnostic {
+        let what = format!("the scene is cut at frame {} ({:.3} s)", frame.index, frame.time);
+        let why = "it has nothing in common with the frame before, so that no marker can be followed";
+        let before = frame.index.saturating_sub(1);
+        let action =
+            format!("track the parts by themselves: --last {before}, and --first {} with another --out", frame.index);
+        Diagnostic::file(&self.film, what, why, action)
+    }
+
+    fn nothing(&self, frames: usize) -> Diagnostic {
+        let what = format!("no frame is tracked from --first {}", self.frames.0);
+        let last = self.frames.1.map_or(String::new(), |last| format!("; --last is {last}"));
+        let why = format!("the film has {frames} frames, from 0{last}");
+        Diagnostic::file(&self.film, what, why, "correct --first or --last")
+    }
+}
+
+/// Tracks up to the current frame, with what is written of them.
+struct Run<'a> {
+    asked: &'a Request,
+    set: klt::Settings,
+    cuts: SceneCuts,
+    tracker: Option<Tracker>,
+    tracks: Tracks,
+    overlay: Option<Overlay>,
+}
+
+impl<'a> Run<'a> {
+    fn begin(asked: &'a Request, info: Info) -> Result<Self> {
+        let begin = |folder: &PathBuf| {
+            fs::create_dir_all(folder).map_err(|e| crate::cannot_write(folder, &e))?;
+            Overlay::begin(folder, info, asked.overlay)
+        };
+        let overlay = asked.out.as_ref().map(begin).transpose()?;
+        let (set, tracks) = (asked.settings(info.rate), Tracks::begin(asked.frames.0));
+        Ok(Self { asked, set, cuts: SceneCuts::default(), tracker: None, tracks, overlay })
+    }
+
+    fn look(&mut self, frame: &Frame) -> Result<()> {
+        if self.cuts.is_cut(&frame.gray) {
+            return Err(self.asked.cut(frame));
+        }
+        let observations = match &mut self.tracker {
+            Some(tracker) => tracker.step(&frame.gray).map_err(|lost| lost_in(self.asked, lost))?,
+            None => self.first(frame)?,
+        };
+        if let Some(overlay) = &mut self.overlay {
+            overlay.frame(&frame.gray, &observations)?;
+        }
+        self.tracks.push(frame.time, observations);
+        Ok(())
+    }
+
+    fn first(&mut self, frame: &Frame) -> Result<Vec<klt::Observation>> {
+        let starts = self.asked.starts(frame, &self.set)?;
+        let tracker = Tracker::new(&frame.gray, &starts, self.set).map_err(|lost| lost_in(self.asked, lost))?;
+        Ok(self.tracker.insert(tracker).observations().to_vec())
+    }
+
+    fn end(mut self, info: Info) -> Result<Tracks> {
+        let tracker = self.tracker.ok_or_else(|| self.asked.nothing(info.frames))?;
+        tracker.finish().map_err(|lost| lost_in(self.asked, lost))?;
+        self.tracks.markers.iter_mut().for_each(|track| klt::fill_gaps(track));
+        if let (Some(overlay), Some(folder)) = (self.overlay, &self.asked.out) {
+            overlay.end()?;
+            remove(folder, &["lost.png"]);
+            crate::write(folder, "tracks.csv", self.tracks.csv())?;
+        }
+        Ok(self.tracks)
+    }
+}
+
+/// Removes results of an earlier run: beside those of another run they would be taken for one.
+fn remove(folder: &Path, names: &[&str]) {
+    // What is not there needs not be removed.
+    names.iter().for_each(|name| drop(fs::remove_file(folder.join(name))));
+}
+
+/// The diagnostic of a lost marker, its frame counted from the film's first, with its picture written.
+fn lost_in(asked: &Request, lost: TrackingError) -> Diagnostic {
+    let lost = TrackingError { frame: lost.frame + asked.frames.0, ..lost };
+    let picture = asked.out.as_ref().and_then(|folder| pictured(folder, &lost));
+    let diagnostic = Diagnostic::from(lost).in_file(&asked.film);
+    match picture {
+        Some(path) => diagnostic.noting(format!("see: {}", path.display())),
+        None => diagnostic,
+    }
+}
+
+/// Where the picture of a lost marker was written.
+fn pictured(folder: &Path, lost: &TrackingError) -> Option<PathBuf> {
+    remove(folder, &["tracks.csv", "strip.png", overlay::FILM]);
+    let path = folder.join("lost.png");
+    let png = lost.crop.to_png().ok()?;
+    fs::write(&path, png).is_ok().then_some(path)
+}
