@@ -29,6 +29,7 @@ from softfish._errors import (
     NotStableError,
 )
 from softfish._fit import Fit, FittedLaw, fit
+from softfish._instruments import Camera, Tracks, calibrate, track
 from softfish._mesh import Mesh
 from softfish._project import Project, Record
 from softfish._reduced import ReducedGradient, ReducedModel, ReducedState
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
 __all__ = [
     "MATERIALS",
     "BusyError",
+    "Camera",
     "Case",
     "CaseError",
     "ConvergenceError",
@@ -65,7 +67,10 @@ __all__ = [
     "ReducedState",
     "Solver",
     "TorchFunction",
+    "Tracks",
+    "calibrate",
     "fit",
+    "track",
 ]
 
 

@@ -47,6 +47,22 @@ def number(name: str, value: Any) -> float:
     return float(reals(name, value, ()))
 
 
+def within(name: str, value: Any, low: float, high: float) -> float:
+    """`value` as one number from `low` to `high`."""
+    given = number(name, value)
+    if not low <= given <= high:
+        raise InputError(f"`{name}` is {given:g}", f"it lies between {low:g} and {high:g}", "give a number in this range")
+    return given
+
+
+def whole(name: str, value: Any, low: int, high: int) -> int:
+    """`value` as one whole number from `low` to `high`."""
+    array = np.asarray(value)
+    if array.dtype.kind not in "iu" or array.ndim:
+        raise InputError(f"`{name}` is {value!r}", "it counts", "give a whole number")
+    return int(within(name, int(array), low, high))
+
+
 def frozen(array: Array) -> Array:
     """The same array, read-only: a solver reads it again."""
     array.setflags(write=False)

@@ -65,11 +65,11 @@ class Case:
             self._mesh = Mesh._of(self._core.mesh())
         return self._mesh
 
-    def solver(self) -> Solver:
-        """A solver, which keeps its factor from solve to solve."""
+    def solver(self, *, threads: int | None = None) -> Solver:
+        """A solver, which keeps its factor from solve to solve; with `threads` of its own, or all processors."""
         from softfish._solver import Solver
 
-        return Solver(self)
+        return Solver(self, threads=threads)
 
     def run(self, out: str | os.PathLike[str] | None = None, *, quiet: bool = True) -> Path:
         """Solves the case in its file as `study simulate` does, to the byte, and returns the folder of its results."""

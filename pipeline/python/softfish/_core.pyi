@@ -7,13 +7,17 @@ import numpy as np
 import numpy.typing as npt
 
 from softfish._records import (
+    BoardAsked,
     BoxMesh,
     CaseData,
     Direction,
     DynamicSettings,
+    FilmAsked,
+    FoundCamera,
     FoundEquilibrium,
     FoundGradient,
     FoundMotion,
+    FoundTracks,
     Inputs,
     Materials,
     ReducedData,
@@ -23,7 +27,7 @@ from softfish._records import (
 _Array = npt.NDArray[np.float64]
 _Ints = npt.NDArray[np.int64]
 
-__all__ = ["MATERIALS", "Case", "Mesh", "ReducedModel", "Solver", "Trajectory", "box_mesh", "fit", "run_case"]
+__all__ = ["MATERIALS", "Case", "Mesh", "ReducedModel", "Solver", "Trajectory", "box_mesh", "calibrate", "fit", "run_case", "track"]
 
 MATERIALS: list[str]
 
@@ -61,9 +65,11 @@ class Trajectory: ...
 @final
 class Solver:
     @staticmethod
-    def of_case(case: Case, mesh: Mesh) -> Solver: ...
+    def of_case(case: Case, mesh: Mesh, threads: int | None) -> Solver: ...
     @staticmethod
-    def of_mesh(mesh: Mesh, materials: Materials, clamped: npt.NDArray[np.bool_]) -> Solver: ...
+    def of_mesh(
+        mesh: Mesh, materials: Materials, clamped: npt.NDArray[np.bool_], threads: int | None
+    ) -> Solver: ...
     def sizes(self) -> list[int]: ...
     def properties(self) -> list[tuple[str, float, float, float]]: ...
     def element_regions(self) -> _Ints: ...
@@ -120,6 +126,8 @@ class ReducedModel:
         loss: _Pair,
     ) -> tuple[_Pair, list[float], list[float]]: ...
 
+def track(asked: FilmAsked) -> FoundTracks: ...
+def calibrate(asked: BoardAsked) -> FoundCamera: ...
 def fit(
     root: str, asked: str, out: str | None
 ) -> tuple[str, Any, list[tuple[str, list[tuple[str, str]], list[float], list[float], float, bool]]]: ...

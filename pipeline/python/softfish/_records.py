@@ -144,3 +144,56 @@ class BoxMesh(TypedDict):
     nodes: Array
     elements: IntArray
     each: int
+
+
+class FilmAsked(TypedDict):
+    """What is asked of a film."""
+
+    film: str
+    at: list[list[float]]
+    find: int | None
+    region: list[float] | None
+    radius: float
+    hidden: float
+    first: int
+    last: int | None
+    overlay: bool
+    out: str | None
+
+
+class FoundTracks(TypedDict):
+    """Markers of a film."""
+
+    first: int
+    time: Array
+    position: Array
+    covariance: Array
+    residual: Array
+    seen: list[bool]
+
+
+class BoardAsked(TypedDict):
+    """What is asked of pictures of a board."""
+
+    source: str
+    columns: int
+    rows: int
+    square: float
+    dots: bool
+    fisheye: bool
+    every: int
+    out: str | None
+
+
+class FoundCamera(TypedDict):
+    """A calibrated camera."""
+
+    fisheye: bool
+    size: tuple[int, int]
+    mean: Array
+    covariance: Array
+    reprojection_error: float
+    views: list[str]
+    errors: Array
+    rotation: Array
+    translation: Array

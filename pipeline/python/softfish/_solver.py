@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softfish import _core, _records
-from softfish._arrays import Array, ByName, IntArray, frozen, integers, named, number, reals
+from softfish._arrays import Array, ByName, IntArray, frozen, integers, named, number, reals, whole
 from softfish._case import Case
 from softfish._errors import InputError
 from softfish._mesh import Mesh
@@ -238,9 +238,10 @@ class Solver:
     before, but for their tolerance. Each thread needs a solver of its own.
     """
 
-    def __init__(self, case: Case) -> None:
-        """Of a case."""
-        self._start(_core.Solver.of_case(case._core, case.mesh._core), case.mesh)
+    def __init__(self, case: Case, *, threads: int | None = None) -> None:
+        """Of a case. One solve uses all processors, unless `threads` of its own are given: solvers that solve at the same time on as many
+        threads of Python are fastest with one each."""
+        self._start(_core.Solver.of_case(case._core, case.mesh._core, _threads(threads)), case.mesh)
 
     @classmethod
     def of_mesh(
@@ -250,9 +251,10 @@ class Solver:
         clamped: npt.ArrayLike,
         *,
         lumped_mass: bool = False,
+        threads: int | None = None,
     ) -> Solver:
         """Of a mesh, the material of each region, and the `clamped` nodes: node numbers, one truth value per node, or
-        nodes × 3 truth values."""
+        nodes × 3 truth values; `threads` as for a case."""
         regions = mesh.region_names
         by_name = {name: materials for name in regions} if isinstance(materials, Material) else dict(materials)
         if set(by_name) != set(regions):
@@ -268,7 +270,8 @@ class Solver:
             "lumped_mass": bool(lumped_mass),
         }
         solver = cls.__new__(cls)
-        solver._start(_core.Solver.of_mesh(mesh._core, given, _axes(clamped, len(mesh.nodes))), mesh)
+        held = _axes(clamped, len(mesh.nodes))
+        solver._start(_core.Solver.of_mesh(mesh._core, given, held, _threads(threads)), mesh)
         return solver
 
     def _start(self, core: _core.Solver, mesh: Mesh) -> None:
@@ -575,6 +578,10 @@ class Solver:
 
     def __repr__(self) -> str:
         return f"Solver({self.dofs} dofs, regions {self.regions}, chambers {self.chambers})"
+
+
+def _threads(given: int | None) -> int | None:
+    return None if given is None else whole("threads", given, 1, 1024)
 
 
 def _axes(clamped: npt.ArrayLike, nodes: int) -> npt.NDArray[np.bool_]:

@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 use simulate::case::{parse, read};
 
 use crate::errors::{Kind, of_diagnostic, refused};
+use crate::interrupt::watched;
 use crate::mesh::Mesh;
 
 /// A case with the folder that its files are named in.
@@ -66,7 +67,8 @@ pub(crate) fn run_case(
     out: Option<PathBuf>,
     quiet: bool,
 ) -> PyResult<(PathBuf, usize, usize)> {
-    let summary = py.detach(|| simulate::run(&path, out.as_deref(), quiet));
-    let summary = summary.map_err(|diagnostic| refusal(&diagnostic))?;
+    let summary = watched(py, |interrupt| {
+        simulate::run(&path, out.as_deref(), quiet, Some(interrupt)).map_err(|diagnostic| refusal(&diagnostic))
+    })?;
     Ok((summary.folder, summary.dofs, summary.solved))
 }

@@ -4,8 +4,11 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use sysid::free_vibration::{FittedLaw, page, run};
+use sysid::inflation_test;
 
 use crate::case::refusal;
+use crate::errors::refused;
+use crate::interrupt::watched;
 
 /// Name, parameters with units, mean, covariance row by row, criterion, and whether the recordings support it.
 type Law = (&'static str, Vec<(&'static str, &'static str)>, Vec<f64>, Vec<f64>, f64, bool);
@@ -20,8 +23,13 @@ pub(crate) fn fit(
     out: Option<PathBuf>,
 ) -> PyResult<(String, PathBuf, Vec<Law>)> {
     let path = page(&root, &asked);
-    let found = py.detach(|| run(&root, &path, out.as_deref()));
-    let (report, folder) = found.map_err(|diagnostic| refusal(&diagnostic))?;
+    if inflation_test::is_page(&path) {
+        let what = format!("{} is the page of an inflation test", path.display());
+        return Err(refused(what, "laws are fitted to free vibrations", "run study fit on it, or name another page"));
+    }
+    let (report, folder) = watched(py, |interrupt| {
+        run(&root, &path, out.as_deref(), Some(interrupt)).map_err(|diagnostic| refusal(&diagnostic))
+    })?;
     Ok((report.to_string(), folder, report.laws().into_iter().map(law).collect()))
 }
 

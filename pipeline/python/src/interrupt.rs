@@ -1,7 +1,10 @@
-//! Ctrl-C in a long solve: the solver asks the interpreter now and then whether a signal is waiting.
+//! Ctrl-C in a long computation. A solver asks the interpreter now and then whether a signal is waiting. What computes on many threads, of
+//! which the interpreter tells none of signals, runs beside the calling one, which waits and asks.
 
 use fem::Interrupt;
 use pyo3::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
@@ -54,4 +57,39 @@ impl Signals {
         let raised = self.state.lock().ok().and_then(|mut state| state.raised.take());
         raised.map_or(solved, Err)
     }
+}
+
+/// Stack of the thread of a computation: that of a program's main thread.
+const STACK: usize = 8 << 20;
+
+/// Runs `compute`, with the interpreter's lock released, on a thread of its own; the interrupt that it is given is set once a signal
+/// handler has raised an exception.
+///
+/// # Errors
+/// The exception of the handler, or what `compute` returns.
+pub(crate) fn watched<T: Send>(py: Python<'_>, compute: impl FnOnce(Interrupt) -> PyResult<T> + Send) -> PyResult<T> {
+    let ended = Arc::new(AtomicBool::new(false));
+    let asked = ended.clone();
+    let interrupt: Interrupt = Arc::new(move || asked.load(Ordering::Relaxed));
+    let (done, waiting) = channel();
+    let computed = move || {
+        let outcome = compute(interrupt);
+        // Nobody waits any more only where the interpreter is at its end.
+        let _ = done.send(());
+        outcome
+    };
+    py.detach(move || {
+        std::thread::scope(|scope| {
+            let thread = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, computed)?;
+            let mut raised = None;
+            while waiting.recv_timeout(BETWEEN) == Err(RecvTimeoutError::Timeout) {
+                if let Err(error) = Python::attach(|py| py.check_signals()) {
+                    raised.get_or_insert(error);
+                    ended.store(true, Ordering::Relaxed);
+                }
+            }
+            let outcome = thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+            raised.map_or(outcome, Err)
+        })
+    })
 }

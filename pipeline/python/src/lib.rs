@@ -5,8 +5,10 @@
 //! Ctrl-C is pressed; every error becomes an exception of the package with what, why and what to do.
 
 mod arrays;
+mod camera;
 mod case;
 mod errors;
+mod film;
 mod fit;
 mod inputs;
 mod interrupt;
@@ -27,6 +29,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<motion::Trajectory>()?;
     module.add_class::<reduced::ReducedModel>()?;
     module.add_function(wrap_pyfunction!(case::run_case, module)?)?;
+    module.add_function(wrap_pyfunction!(camera::calibrate, module)?)?;
+    module.add_function(wrap_pyfunction!(film::track, module)?)?;
     module.add_function(wrap_pyfunction!(fit::fit, module)?)?;
     module.add_function(wrap_pyfunction!(mesh::box_mesh, module)?)?;
     module.add("MATERIALS", fem::materials::ALL.iter().map(|law| law.name()).collect::<Vec<_>>())

@@ -1,18 +1,19 @@
 //! Solvers of one body: made of a case or of arrays, and the facts about the body that Python needs.
 
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
-use fem::{Clamps, Options, RegionProperties, System};
+use fem::{Clamps, Interrupt, Options, RegionProperties, System};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
+use rayon::ThreadPool;
 use simulate::{Body, Loaded};
 
 use crate::arrays::array;
 use crate::case::{Case, refusal};
 use crate::errors::{Kind, exception, raised, refused};
 use crate::inputs::Inputs;
-use crate::interrupt::Signals;
+use crate::interrupt::{Signals, watched};
 use crate::mesh::{Kinds, Mesh};
 
 /// A solver with the inputs that it has.
@@ -38,11 +39,13 @@ pub(crate) struct Solver {
     held: Mutex<Held>,
     pub(crate) system: System,
     case: Option<OfCase>,
+    /// Threads of its own; those that all solvers share where it has none.
+    pool: Option<ThreadPool>,
 }
 
 /// What a solver knows of its case.
 struct OfCase {
-    case: std::sync::Arc<simulate::case::Case>,
+    case: Arc<simulate::case::Case>,
     /// 3 entries per node, N.
     forces: Vec<f64>,
     /// The chamber of the mesh that each chamber of the case is.
@@ -88,7 +91,18 @@ impl Materials {
 
 impl Solver {
     fn new(system: System, solver: fem::Solver, case: Option<OfCase>) -> Self {
-        Self { held: Mutex::new(Held { solver, applied: None }), system, case }
+        Self { held: Mutex::new(Held { solver, applied: None }), system, case, pool: None }
+    }
+
+    /// The same on so many threads of its own. Each solve of a shared pool spreads over all of it: solvers that solve at once on as many
+    /// threads of Python then wait for one another, which those with one thread each do not.
+    fn on_threads(mut self, threads: Option<usize>) -> PyResult<Self> {
+        let pool = |count| {
+            let built = rayon::ThreadPoolBuilder::new().num_threads(count).build();
+            built.map_err(|e| refused(format!("{count} threads cannot be had"), e.to_string(), "ask for fewer"))
+        };
+        self.pool = threads.map(pool).transpose()?;
+        Ok(self)
     }
 
     /// Runs `solve` on the solver, with the interpreter's lock released and Ctrl-C watched.
@@ -106,18 +120,27 @@ impl Solver {
             exception(Kind::Busy, ["another thread is in a solve of this solver", why, "make a solver for each thread"])
         };
         let signals = Signals::new();
-        let solved = py.detach(|| {
+        let run = |interrupt: Interrupt| {
             let mut held = match self.held.try_lock() {
                 Ok(held) => held,
                 Err(std::sync::TryLockError::Poisoned(broken)) => broken.into_inner(),
                 Err(std::sync::TryLockError::WouldBlock) => return Err(busy()),
             };
             held.apply(inputs)?;
-            held.solver.set_interrupt(Some(signals.interrupt()));
+            held.solver.set_interrupt(Some(interrupt));
             let solved = solve(&mut held.solver, &signals);
             held.solver.set_interrupt(None);
             solved
-        });
+        };
+        let solved = match &self.pool {
+            None => py.detach(|| run(signals.interrupt())),
+            // A signal is heard on the calling thread alone; a progress callback raises through `signals`.
+            Some(pool) => watched(py, |ended| {
+                let own = signals.clone();
+                let interrupt: Interrupt = Arc::new(move || ended() || own.is_raised());
+                pool.install(|| run(interrupt))
+            }),
+        };
         signals.outcome(solved)
     }
 
@@ -130,7 +153,7 @@ impl Solver {
 impl Solver {
     /// Of a case, on its own mesh or on a given one.
     #[staticmethod]
-    fn of_case(py: Python<'_>, case: &Case, mesh: &Mesh) -> PyResult<Self> {
+    fn of_case(py: Python<'_>, case: &Case, mesh: &Mesh, threads: Option<usize>) -> PyResult<Self> {
         let Kinds::Tetrahedra(loaded) = &*mesh.kinds else {
             let why = "places of a case are found on a skin of triangles";
             return Err(refused(
@@ -139,7 +162,7 @@ impl Solver {
                 "make the solver of the mesh: Solver.of_mesh",
             ));
         };
-        py.detach(|| of_case(case, loaded))
+        py.detach(|| of_case(case, loaded))?.on_threads(threads)
     }
 
     /// Of a mesh with materials by region; `clamped`: 3 truth values per node.
@@ -149,6 +172,7 @@ impl Solver {
         mesh: &Mesh,
         materials: Materials,
         clamped: PyReadonlyArray1<'_, bool>,
+        threads: Option<usize>,
     ) -> PyResult<Self> {
         let regions = materials.properties()?;
         let Materials { mean_dilatation, lumped_mass, .. } = materials;
@@ -163,7 +187,7 @@ impl Solver {
         }
         let system = py.detach(|| System::with(mesh.fem_mesh(), regions, clamps, options)).map_err(raised)?;
         let solver = system.solver();
-        Ok(Self::new(system, solver, None))
+        Self::new(system, solver, None).on_threads(threads)
     }
 
     /// Numbers of degrees of freedom, nodes, elements and chambers.

@@ -3,6 +3,12 @@
 from __future__ import annotations
 
 import os
+import shutil
+import signal
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -51,3 +57,21 @@ def brick() -> sf.Solver:
     mesh = sf.Mesh(box.nodes, box.elements, upper.astype(int))
     materials = {"region_0": sf.Material(2e5, 0.4), "region_1": sf.Material(1e6, 0.3)}
     return sf.Solver.of_mesh(mesh, materials, mesh.nodes[:, 0] == 0.0)
+
+
+def program() -> str | None:
+    """The command line of this checkout, where it was built."""
+    built = SOURCE.parents[1] / "target" / "release" / "study"
+    return os.environ.get("STUDY") or (str(built) if built.exists() else shutil.which("study"))
+
+
+@contextmanager
+def interrupted(after: float) -> Iterator[None]:
+    """Presses Ctrl-C so many seconds later; the exception ends what runs within five seconds."""
+    timer = threading.Timer(after, os.kill, (os.getpid(), signal.SIGINT))
+    began = time.monotonic()
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        yield
+    timer.join()
+    assert time.monotonic() - began < after + 5.0

@@ -13,15 +13,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import EXAMPLES, SOURCE, hollow
+from conftest import EXAMPLES, hollow, interrupted, program
 
 import softfish as sf
-
-
-def program() -> str | None:
-    """The command line of this checkout, where it was built."""
-    built = SOURCE.parents[1] / "target" / "release" / "study"
-    return os.environ.get("STUDY") or (str(built) if built.exists() else shutil.which("study"))
 
 
 @pytest.mark.parametrize("name", ["finger", "swing"])
@@ -154,6 +148,48 @@ def test_two_threads_may_solve_at_once_with_a_solver_each() -> None:
     for thread in threads:
         thread.join()
     assert np.array_equal(found[0], found[1])
+
+
+def test_a_solver_with_threads_of_its_own_finds_the_same_to_the_byte(finger: sf.Solver) -> None:
+    alone = sf.Case(EXAMPLES / "finger.toml").solver(threads=1)
+    given = {"pressure": {"left": 5e3}} if "left" in finger.chambers else {}
+    found, other = finger.equilibrium(**given), alone.equilibrium(**given)
+    assert np.array_equal(found.displacement, other.displacement)
+    assert np.array_equal(found.adjoint(found.displacement).forces, other.adjoint(other.displacement).forces)
+    with pytest.raises(sf.InputError, match="threads"):
+        sf.Case(EXAMPLES / "finger.toml").solver(threads=0)
+
+
+@pytest.mark.parametrize("threads", [None, 1])
+def test_an_interrupt_ends_a_long_motion(threads: int | None) -> None:
+    mesh = sf.Mesh.box((0.1, 0.02, 0.02), (16, 5, 5))
+    solver = sf.Solver.of_mesh(mesh, sf.Material(2e5, 0.4), mesh.nodes[:, 0] == 0.0, threads=threads)
+    with interrupted(1.0):
+        solver.simulate(5000, 1e-3, gravity=[0, 0, -9.81])
+    assert solver.simulate(2, 1e-3).displacement.shape[0] == 2
+
+
+def test_a_progress_callback_ends_a_motion_on_threads_of_its_own() -> None:
+    mesh = sf.Mesh.box((0.1, 0.02, 0.02), (3, 1, 1))
+    solver = sf.Solver.of_mesh(mesh, sf.Material(2e5, 0.4), mesh.nodes[:, 0] == 0.0, threads=1)
+
+    def stop(done: int, _: int) -> None:
+        if done == 3:
+            raise LookupError("enough")
+
+    with pytest.raises(LookupError):
+        solver.simulate(2000, 1e-3, progress=stop)
+
+
+def test_an_interrupt_ends_a_case_of_the_command_line(tmp_path: Path) -> None:
+    text = (EXAMPLES / "swing.toml").read_text(encoding="utf-8")
+    for file in EXAMPLES.glob("*.msh"):
+        shutil.copy(file, tmp_path)
+    path = tmp_path / "swing.toml"
+    lines = ["duration = 900.0" if line.startswith("duration") else line for line in text.splitlines()]
+    path.write_text("\n".join(lines), encoding="utf-8")
+    with interrupted(1.5):
+        sf.Case(path).run(tmp_path / "out")
 
 
 def test_a_solver_that_another_thread_uses_says_so() -> None:

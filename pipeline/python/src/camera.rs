@@ -1,0 +1,65 @@
+//! Calibration of a camera from a film or a folder of pictures of a board.
+
+use std::path::PathBuf;
+
+use instruments::calibrate::{Request, camera};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use track::lens::Distortion;
+
+use crate::arrays::array;
+use crate::errors::{Kind, of_diagnostic};
+use crate::interrupt::watched;
+
+/// What is asked for, in the names of the command line.
+#[derive(FromPyObject)]
+pub(crate) struct Asked {
+    #[pyo3(item)]
+    source: PathBuf,
+    #[pyo3(item)]
+    columns: usize,
+    #[pyo3(item)]
+    rows: usize,
+    #[pyo3(item)]
+    square: f64,
+    #[pyo3(item)]
+    dots: bool,
+    #[pyo3(item)]
+    fisheye: bool,
+    #[pyo3(item)]
+    every: usize,
+    #[pyo3(item)]
+    out: Option<PathBuf>,
+}
+
+impl From<Asked> for Request {
+    fn from(asked: Asked) -> Self {
+        let Asked { source, columns, rows, square, dots, fisheye, every, out } = asked;
+        Self { source, size: [columns, rows], square, dots, fisheye, every, out }
+    }
+}
+
+/// Calibrates a camera: whether it is a `fisheye`, `size` (px), `mean` and `covariance` of the numbers of its lens, `reprojection_error` (px),
+/// and of each of its `views` the name, the error (px), and the pose: `rotation` by rows and `translation` (m).
+#[pyfunction]
+pub(crate) fn calibrate(py: Python<'_>, asked: Asked) -> PyResult<Bound<'_, PyDict>> {
+    let request = Request::from(asked);
+    let found = watched(py, |interrupt| {
+        let calibrated = camera(&request, Some(&*interrupt));
+        calibrated.map_err(|diagnostic| of_diagnostic(&diagnostic, Kind::Input))
+    })?;
+    let (is, views) = (&found.calibration, found.views());
+    let count = is.lens.count();
+    let covariance = is.covariance.iter().take(count).flat_map(|row| row[..count].to_vec()).collect();
+    let made = PyDict::new(py);
+    made.set_item("fisheye", is.lens.distortion == Distortion::Fisheye)?;
+    made.set_item("size", found.size)?;
+    made.set_item("mean", array(py, is.lens.values()[..count].to_vec()))?;
+    made.set_item("covariance", array(py, covariance))?;
+    made.set_item("reprojection_error", is.reprojection_px)?;
+    made.set_item("views", views)?;
+    made.set_item("errors", array(py, (0..views.len()).map(|view| found.reprojection_error(view)).collect()))?;
+    made.set_item("rotation", array(py, is.poses.iter().flat_map(|pose| pose.rotation).flatten().collect()))?;
+    made.set_item("translation", array(py, is.poses.iter().flat_map(|pose| pose.translation).collect()))?;
+    Ok(made)
+}
