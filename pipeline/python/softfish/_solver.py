@@ -271,7 +271,7 @@ class Solver:
         }
         solver = cls.__new__(cls)
         held = _axes(clamped, len(mesh.nodes))
-        solver._start(_core.Solver.of_mesh(mesh._core, given, held, _threads(threads)), mesh)
+        solver._start(_core.Solver.of_mesh(mesh._core, given, (held, _threads(threads))), mesh)
         return solver
 
     def _start(self, core: _core.Solver, mesh: Mesh) -> None:

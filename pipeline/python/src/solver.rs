@@ -165,15 +165,15 @@ impl Solver {
         py.detach(|| of_case(case, loaded))?.on_threads(threads)
     }
 
-    /// Of a mesh with materials by region; `clamped`: 3 truth values per node.
+    /// Of a mesh with materials by region; what is clamped (3 truth values per node), and the threads of its own.
     #[staticmethod]
     fn of_mesh(
         py: Python<'_>,
         mesh: &Mesh,
         materials: Materials,
-        clamped: PyReadonlyArray1<'_, bool>,
-        threads: Option<usize>,
+        options: (PyReadonlyArray1<'_, bool>, Option<usize>),
     ) -> PyResult<Self> {
+        let (clamped, threads) = options;
         let regions = materials.properties()?;
         let Materials { mean_dilatation, lumped_mass, .. } = materials;
         let options = Options { lumped_mass, mean_dilatation, ..Options::default() };
