@@ -20,14 +20,12 @@ impl Tracker {
     pub(super) fn reacquire(
         &self,
         picture: &Gray,
-        marker: usize,
         track: &Track,
         frames: usize,
+        taken: &[Point2],
     ) -> Result<Accepted, FailedGate> {
-        let others = self.tracks.iter().enumerate().filter(|(other, t)| *other != marker && t.hidden.is_none());
-        let taken: Vec<Point2> = others.map(|(_, t)| t.at).collect();
         let radius = (self.settings.jump_limit * (frames + 1) as f64).min(reacquisition::MAX_RADIUS);
-        let region = Region { centre: track.at, radius, excluded: &taken };
+        let region = Region { centre: track.at, radius, excluded: taken };
         let (place, measured) = reacquisition::best_match(picture, &track.template, &region);
         let limit = self.settings.correlation_limit;
         if measured < limit {

@@ -123,6 +123,7 @@ impl Tracker {
         self.check_separation(picture, frame, &mut found);
         self.check_neighbours(picture, frame, &mut found);
         self.relocate(picture, &mut found);
+        self.reacquire_hidden(picture, frame, &mut found);
         for (track, found) in self.tracks.iter().zip(&found) {
             let Err(error) = found else { continue };
             let since = track.hidden.as_ref().unwrap_or(error);
@@ -138,15 +139,12 @@ impl Tracker {
         Ok(self.observations.clone())
     }
 
-    /// Every marker by itself, past its own gates.
+    /// Every marker by itself, past its own gates; the error of one that is hidden already.
     fn look(&self, picture: &Gray, frame: usize) -> Vec<Result<Accepted, TrackingError>> {
         let look = |(marker, track): (usize, &Track)| {
             let near = track.expected();
-            let seen = match &track.hidden {
-                None => self.locate(picture, track, near),
-                Some(since) => self.reacquire(picture, marker, track, frame - since.frame),
-            };
-            seen.map_err(|why| TrackingError::at(picture, Expected { marker, frame, near }, why))
+            let error = |why| TrackingError::at(picture, Expected { marker, frame, near }, why);
+            track.hidden.clone().map_or_else(|| self.locate(picture, track, near).map_err(error), Err)
         };
         self.tracks.iter().enumerate().map(look).collect()
     }
