@@ -20,14 +20,12 @@ impl Tracker {
     pub(super) fn reacquire(
         &self,
         picture: &Gray,
-        marker: usize,
         track: &Track,
         frames: usize,
+        taken: &[Point2],
     ) -> Result<Accepted, FailedGate> {
-        let others = self.tracks.iter().enumerate().filter(|(other, t)| *other != marker && t.hidden.is_none());
-        let taken: Vec<Point2> = others.map(|(_, t)| t.at).collect();
         let radius = (self.settings.jump_limit * (frames + 1) as f64).min(reacquisition::MAX_RADIUS);
-        let region = Region { centre: track.at, radius, excluded: &taken };
+        let region = Region { centre: track.at, radius, excluded: taken };
         let (place, measured) = reacquisition::best_match(picture, &track.template, &region);
         let limit = self.settings.correlation_limit;
         if measured < limit {
@@ -39,6 +37,17 @@ impl Tracker {
 
     /// Measures one marker near its predicted place (px); all gates of a single marker apply.
     pub(super) fn locate(&self, picture: &Gray, track: &Track, near: Point2) -> Result<Accepted, FailedGate> {
+        self.locate_about(picture, track, near, track.at)
+    }
+
+    /// The same, where the largest step counts from `middle` (px).
+    pub(super) fn locate_about(
+        &self,
+        picture: &Gray,
+        track: &Track,
+        near: Point2,
+        middle: Point2,
+    ) -> Result<Accepted, FailedGate> {
         let (width, height) = (picture.width, picture.height);
         if (width, height) != (self.before.width, self.before.height) {
             return Err(FailedGate::Resized { width, height });
@@ -56,9 +65,9 @@ impl Tracker {
         })?;
         // Flow only predicts. A prediction beyond the largest step is dropped, and the spot is searched where the marker's last step
         // leads.
-        let guess = flow.filter(|&place| distance(place, track.at) <= limit).unwrap_or(near);
+        let guess = flow.filter(|&place| distance(place, middle) <= limit).unwrap_or(near);
         let blob = self.spot(picture, guess)?;
-        within(distance(blob.at, track.at), limit, |measured, limit| FailedGate::Jump { measured, limit })?;
+        within(distance(blob.at, middle), limit, |measured, limit| FailedGate::Jump { measured, limit })?;
         // Flow–centroid gate: two independent measurements of one marker. They differ when a reflection, another dark object or an
         // occluding edge shifts the centroid, or when flow followed something else.
         let apart = flow.map_or(f64::INFINITY, |place| distance(place, blob.at));

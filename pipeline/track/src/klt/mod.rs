@@ -2,7 +2,8 @@
 //!
 //! Optical flow (pyramidal Lucas–Kanade) predicts where a marker is; the centroid of its darkness measures where it is. Flow alone
 //! accumulates drift from frame to frame, a centroid has no memory. An observation must pass every gate (`gates`, `neighbours`), or
-//! the marker counts as hidden. A hidden marker is searched by correlation with its first view for at most `patience` frames; after
+//! the marker counts as hidden. Where markers move by about as much as they lie apart, all are assigned to all dark spots at once
+//! (`joint_matching`). A hidden marker is searched by correlation with its first view for at most `patience` frames; after
 //! that it is an error that names the first hidden frame. A wrong position is never returned silently. Paper, section IV.
 
 mod background;
@@ -14,9 +15,11 @@ mod find_corners;
 mod flow;
 mod gaps;
 mod gates;
+mod joint_matching;
 mod neighbours;
 mod reacquisition;
 mod settings;
+mod spanning_tree;
 mod template;
 
 use crate::Gray;
@@ -123,6 +126,8 @@ impl Tracker {
         self.check_separation(picture, frame, &mut found);
         self.check_neighbours(picture, frame, &mut found);
         self.relocate(picture, &mut found);
+        self.match_jointly(picture, frame, &mut found);
+        self.reacquire_hidden(picture, frame, &mut found);
         for (track, found) in self.tracks.iter().zip(&found) {
             let Err(error) = found else { continue };
             let since = track.hidden.as_ref().unwrap_or(error);
@@ -138,15 +143,12 @@ impl Tracker {
         Ok(self.observations.clone())
     }
 
-    /// Every marker by itself, past its own gates.
+    /// Every marker by itself, past its own gates; the error of one that is hidden already.
     fn look(&self, picture: &Gray, frame: usize) -> Vec<Result<Accepted, TrackingError>> {
         let look = |(marker, track): (usize, &Track)| {
             let near = track.expected();
-            let seen = match &track.hidden {
-                None => self.locate(picture, track, near),
-                Some(since) => self.reacquire(picture, marker, track, frame - since.frame),
-            };
-            seen.map_err(|why| TrackingError::at(picture, Expected { marker, frame, near }, why))
+            let error = |why| TrackingError::at(picture, Expected { marker, frame, near }, why);
+            track.hidden.clone().map_or_else(|| self.locate(picture, track, near).map_err(error), Err)
         };
         self.tracks.iter().enumerate().map(look).collect()
     }

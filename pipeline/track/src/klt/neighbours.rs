@@ -97,6 +97,24 @@ impl Tracker {
         }
     }
 
+    /// Searches for the markers that are hidden, past those that were found in this frame.
+    ///
+    /// Their places of the frame before do not do: a neighbour that moves by the spacing lies where the hidden marker is searched.
+    pub(super) fn reacquire_hidden(&self, picture: &Gray, frame: usize, found: &mut [Result<Accepted, TrackingError>]) {
+        for (marker, track) in self.tracks.iter().enumerate() {
+            let Some(since) = &track.hidden else { continue };
+            let place = |(seen, other): (&Result<Accepted, TrackingError>, &Track)| match seen {
+                Ok(seen) => Some(seen.observation.at),
+                Err(_) => other.hidden.is_none().then_some(other.at),
+            };
+            let taken: Vec<Point2> = found.iter().zip(&self.tracks).filter_map(place).collect();
+            let expected = Expected { marker, frame, near: track.expected() };
+            let again = self.reacquire(picture, track, frame - since.frame, &taken);
+            found[marker] = again.map_err(|why| TrackingError::at(picture, expected, why));
+        }
+        self.check_separation(picture, frame, found);
+    }
+
     /// Refuses two tracks on one marker.
     pub(super) fn apart(&self) -> Result<(), TrackingError> {
         let seen = |(_, track): &(usize, &Track)| track.hidden.is_none();

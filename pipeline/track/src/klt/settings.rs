@@ -11,7 +11,7 @@ pub struct Settings {
     pub contrast_limit: f64,
     /// Largest mean difference from the marker of the first frame, grey levels a pixel.
     pub residual_limit: f64,
-    /// Largest step between two frames, px.
+    /// Largest step between two frames, of a marker by itself or against its neighbour, px. Together they may move by twice that.
     pub jump_limit: f64,
     /// Largest distance between flow and centroid, px.
     pub flow_centroid_limit: f64,

@@ -32,7 +32,7 @@ pub struct Settings {
     contrast_limit: f64,
     /// Largest mean difference from the marker of the first frame, grey levels a pixel.
     residual_limit: f64,
-    /// Largest step between two frames, px.
+    /// Largest step between two frames, of a marker by itself or against its neighbour, px.
     jump_limit: f64,
     /// Largest distance between flow and centroid, px.
     flow_centroid_limit: f64,
@@ -101,7 +101,7 @@ impl Stage for Track {
     type Needs = ();
     type Makes = Tracks;
     const DESCRIPTION: &'static str = "markers are tracked in pixels";
-    const VERSION: u32 = 6;
+    const VERSION: u32 = 7;
 
     fn raw(of: &Trial) -> Vec<RawFile> {
         let foreign = in_pixels(of).map(|tracks| RawFile::new("tracks", &of.card.name, &tracks.file));
