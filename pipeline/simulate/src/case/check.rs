@@ -100,10 +100,14 @@ fn chamber(key: &str, chamber: &Chamber) -> Checked {
     only(key, one, "a chamber is chosen by inside = [x, y, z] or by number")?;
     chamber.inside.map_or(Ok(()), |at| vector(&format!("{key}.inside"), &at, FAR, "m"))?;
     chamber.sealed_in.map_or(Ok(()), |at| within(&format!("{key}.sealed_in"), at, 1.0..=PRESSURE, "Pa"))?;
-    history(&format!("{key}.pressure"), &chamber.pressure)
+    check_history(&format!("{key}.pressure"), &chamber.pressure)
 }
 
-fn history(key: &str, history: &History) -> Checked {
+/// Holds a history to the range of pressures, and its times to an order.
+///
+/// # Errors
+/// The first number that is not: `key` is where it stands.
+pub fn check_history(key: &str, history: &History) -> Checked {
     let pressure = |value: f64| within(key, value, -PRESSURE..=PRESSURE, "Pa");
     match history {
         History::Constant(value) => pressure(*value),

@@ -11,6 +11,7 @@ mod solve;
 use serde::Deserialize;
 use si::{KilogramPerCubicMetre, Metre, Pascal, Point3, Second};
 
+pub use check::check_history;
 pub use history::{History, Wave};
 pub use lab::place::{Block, Place, Plane};
 pub use loads::{Chamber, Load, Mass};

@@ -5,9 +5,9 @@ use std::path::Path;
 use fem::{DynamicSettings, InitialValueProblem, State, StaticSettings, StepControl};
 use mesh::Surface;
 use nalgebra::Vector3;
-use si::{Metre, Pascal, Point3, Second};
+use si::{Metre, Point3, Second};
 
-use super::page::Page;
+use super::page::{Page, Recording};
 use crate::{IdentifiedMaterial, rigid};
 use diagnostics::{Diagnostic, Result, input};
 use simulate::case::{self, Case};
@@ -73,21 +73,26 @@ impl Meshed {
         Ok(Self { case, loaded, carried, along: page.along as usize, rise: page.rise, wall })
     }
 
-    /// Motion of the tip until the time `until` (s) after a step of its chamber's pressure.
+    /// Motion of the tip from its place at ambient pressure, under the pressure of `recording`, until the time `until` (s) after its hold's
+    /// begin.
     ///
     /// # Errors
     /// A [`Diagnostic`] when the constants are refused, or the body has no equilibrium before the step.
-    pub fn inflate(&self, is: &IdentifiedMaterial, pressure: Pascal, until: Second) -> Result<Course> {
+    pub fn inflate(&self, is: &IdentifiedMaterial, recording: &Recording, until: Second) -> Result<Course> {
         let case = self.of_material(is);
         let body = Body::new(&case, &self.loaded)?;
         let mut solver = body.solver(&case)?;
-        let pressures = |time: Second| body.pressures(&case, |_| pressure * (time / self.rise).clamp(0.0, 1.0));
-        let start = solver.equilibrium(&pressures(0.0), None, &StaticSettings::default())?.displacement;
+        let pressures = |time: Second| body.pressures(&case, |_| recording.pressure_at(time, self.rise));
+        let ambient = body.pressures(&case, |_| 0.0);
+        let mut start = solver.equilibrium(&ambient, None, &StaticSettings::default())?.displacement;
+        let rest = self.tip(&start);
+        if pressures(0.0) != ambient {
+            start = solver.equilibrium(&pressures(0.0), Some(&start), &StaticSettings::default())?.displacement;
+        }
         let initial = State { velocity: vec![0.0; start.len()], displacement: start };
-        let rest = self.tip(&initial.displacement);
         let (settings, control) = settings(&case, is)?;
         let problem = InitialValueProblem { settings: &settings, initial: &initial, pressures: &pressures };
-        let mut tip = vec![(0.0, 0.0)];
+        let mut tip = vec![(0.0, self.tip(&initial.displacement) - rest)];
         let mut see = |time: Second, state: &State| tip.push((time, self.tip(&state.displacement) - rest));
         let burst = solver.integrate_adaptive(&problem, &control, until, &mut see).err().map(|lost| lost.to_string());
         Ok(Course { tip, burst })

@@ -74,8 +74,8 @@ impl Bench<'_> {
     pub fn row(&self, name: &str, material: IdentifiedMaterial, body: &Meshed) -> Result<Row> {
         let predict = |k: usize| {
             let recording = &self.page.recording[k];
-            let duration = recording.hold[1] - recording.hold[0];
-            let course = body.inflate(&material, recording.pressure, duration)?;
+            let duration = recording.duration();
+            let course = body.inflate(&material, recording, duration)?;
             let features = course.burst.is_none().then(|| Features::of(self.page, duration, &course.tip));
             Ok(Prediction { course, features })
         };
@@ -85,7 +85,7 @@ impl Bench<'_> {
 
     /// Logarithm of simulated over measured displacement soon after the step.
     fn residual(&self, of: &IdentifiedMaterial, at: [f64; 2], k: usize) -> Result<f64> {
-        let course = self.body.inflate(&self.material(of, at), self.page.recording[k].pressure, self.page.early[1])?;
+        let course = self.body.inflate(&self.material(of, at), &self.page.recording[k], self.page.early[1])?;
         let ratio = mean(&course.tip, self.page.early) / self.recorded[k].features.early;
         Ok(if course.burst.is_some() || ratio <= 0.0 { BURST } else { ratio.ln().min(BURST) })
     }

@@ -1,4 +1,4 @@
-//! Inflation tests: a chamber of a body is inflated in a step and its pressure held. A material that another test identified predicts the
+//! Inflation tests: a chamber of a body is inflated in a step and its pressure held, or follows a history. A material that another test identified predicts the
 //! motion of the tip and its creep; what the prediction lacks is compared with a fitted modulus, a fitted stiffening, and thicker walls.
 //!
 //! `page` describes the tests, `recorded` reads the recordings, `body` is the meshed body and its motion, `fits` what each material makes

@@ -9,13 +9,13 @@ use serde::Deserialize;
 use si::{Metre, Pascal, Second};
 
 use crate::free_vibration::page::Marker;
-use simulate::case::Axis;
+use simulate::case::{Axis, History, check_history};
 
 /// The kind of test that a page names; a page that names none is that of a free vibration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Test {
-    /// A chamber is inflated in a step, and its pressure held.
+    /// A chamber is inflated in a step and its pressure held, or follows a history.
     Inflation,
 }
 
@@ -39,9 +39,9 @@ pub struct Page {
     pub along: Axis,
     /// Duration at the beginning during which the pressure is ambient, s.
     pub held: Second,
-    /// Time in which the pressure rises, s.
+    /// Time in which a step of the pressure rises, s.
     pub rise: Second,
-    /// The interval after the step whose mean displacement is compared and fitted, s.
+    /// The interval after the hold's begin whose mean displacement is compared and fitted, s.
     pub early: [Second; 2],
     /// Duration at the end of the hold whose mean displacement is compared, s.
     pub late: Second,
@@ -62,13 +62,28 @@ pub struct Recording {
     pub name: String,
     /// Tracks as `.csv` or `.c3d`; the first that lies there is read.
     pub files: Vec<String>,
-    /// Pressure during the hold, Pa.
-    pub pressure: Pascal,
+    /// Pressure during the hold, Pa, which rises in a step; or its history, s after the hold's begin.
+    pub pressure: History,
     /// Begin and end of the hold, s.
     pub hold: [Second; 2],
     /// Whether the modulus alone is fitted to it; it is predicted otherwise.
     #[serde(default)]
     pub fitted: bool,
+}
+
+impl Recording {
+    /// The pressure at a time since the hold's begin, Pa: a step takes `rise` (s), a history is as the page says.
+    pub(super) fn pressure_at(&self, time: Second, rise: Second) -> Pascal {
+        match &self.pressure {
+            History::Constant(held) => held * (time / rise).clamp(0.0, 1.0),
+            wave => wave.at(time),
+        }
+    }
+
+    /// Of the hold, s.
+    pub(super) fn duration(&self) -> Second {
+        self.hold[1] - self.hold[0]
+    }
 }
 
 impl Page {
@@ -105,7 +120,11 @@ impl Page {
         self.early.iter().try_for_each(|time| within("early", *time, 0.0..=3600.0, "s"))?;
         self.sections.iter().try_for_each(|ratio| within("sections", *ratio, 0.1..=1.5, ""))?;
         for (i, recording) in self.recording.iter().enumerate() {
-            within(&format!("recording.{i}.pressure"), recording.pressure, -1e5..=1e7, "Pa")?;
+            let key = format!("recording.{i}.pressure");
+            match &recording.pressure {
+                History::Constant(held) => within(&key, *held, -1e5..=1e7, "Pa")?,
+                wave => check_history(&key, wave)?,
+            }
             let times = &mut recording.hold.iter();
             times.try_for_each(|time| within(&format!("recording.{i}.hold"), *time, 0.0..=3600.0, "s"))?;
         }
@@ -156,6 +175,11 @@ mod tests {
         let slips = [
             ("rise = ", "rises = ", "rises"),
             ("pressure = 1.0e4", "pressure = 1.0e9", "out of range"),
+            (
+                "pressure = 1.0e4",
+                "pressure = { table = { times = [1.0, 0.0], values = [0.0, 1.0e4] } }",
+                "times of a table rise",
+            ),
             ("hold = [0.59, 3.53]", "hold = [3.53, 0.59]", "do not follow one another"),
             ("hold = [0.59, 3.53]", "hold = [0.59]", "length 1"),
             ("fitted = true", "fitted = false", "is fitted"),

@@ -68,7 +68,7 @@ impl Recorded {
         let mean = |i: usize| compared.iter().map(|of| of[i][page.along as usize]).sum::<f64>() / compared.len() as f64;
         let tip = Series::new(0.0, rate, (from..=to).map(mean).collect())?;
         let course: Vec<_> = tip.values().iter().enumerate().map(|(i, u)| (tip.time(i), *u)).collect();
-        let features = Features::of(page, recording.hold[1] - recording.hold[0], &course);
+        let features = Features::of(page, recording.duration(), &course);
         Ok(Self { tip, features })
     }
 }

@@ -90,6 +90,9 @@ stiffness_damping = 1e-3
 branch = [[0.2, 0.1]]
 "#;
 
+/// Two ramps, each with a hold.
+const HISTORY: &str = "pressure = { table = { times = [0.0, 0.05, 0.15, 0.25], values = [1e3, 3e3, 3e3, 6e3] } }";
+
 /// A folder with a page, a case, a surface and the material of the box.
 fn folder(name: &str) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("inflation-{name}-{}", std::process::id()));
@@ -108,13 +111,15 @@ fn record(folder: &Path, ratio: f64) {
     let source = crate::IdentifiedMaterials::read(&folder.join("real_bar_materials.toml")).unwrap();
     let is = source.law(None).unwrap().clone();
     let is = IdentifiedMaterial { youngs_modulus: ratio * is.youngs_modulus, ..is };
-    let course = body.inflate(&is, 6e3, 0.7).unwrap();
+    let course = body.inflate(&is, &page.recording[0], 0.7).unwrap();
     assert!(course.burst.is_none());
     let (times, tip): (Vec<f64>, Vec<f64>) = course.tip.into_iter().unzip();
     let mut text = "time_s,marker,x_m,y_m,z_m\n".to_owned();
     for frame in 0..90 {
         let time = f64::from(frame) / 100.0;
-        let moved = crate::free_vibration::fitting::interpolated(&times, &tip, time - 0.2);
+        // ambient pressure until the hold begins
+        let moved =
+            if time < 0.2 { 0.0 } else { crate::free_vibration::fitting::interpolated(&times, &tip, time - 0.2) };
         for marker in &page.marker {
             let ([x, y, z], tip) = (marker.at, if marker.compared { moved } else { 0.0 });
             text += &format!("{time:.4},{},{x:.9},{:.9},{:.9}\n", marker.names[0], -z, y + tip);
@@ -138,6 +143,22 @@ fn a_known_modulus_comes_back_from_a_simulated_inflation() {
     assert!(table.contains("modulus fitted") && report.to_string().contains("creep over the hold"));
     let metrics = std::fs::read_to_string(out.join("metrics.json")).unwrap();
     assert!(metrics.contains("real.box.step.creep_error_points"));
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn a_known_modulus_comes_back_from_a_history_that_begins_inflated() {
+    let folder = folder("history");
+    let page = PAGE.replace("pressure = 6e3", HISTORY).replace("early = [0.2, 0.3]", "early = [0.42, 0.5]");
+    std::fs::write(folder.join("page.toml"), page).unwrap();
+    record(&folder, 0.8);
+    let (report, _) = run(&folder, &folder.join("page.toml"), Some(&folder)).unwrap();
+    let fitted = report.rows.iter().find(|row| row.name == "modulus fitted").unwrap();
+    assert!((fitted.modulus_ratio / 0.8 - 1.0).abs() < 5e-3, "{}", fitted.modulus_ratio);
+    // the displacement is that since ambient pressure, and grows with the second ramp
+    let course = &fitted.predictions[0].course.tip;
+    let at = |time: f64| course.iter().find(|(t, _)| *t >= time).unwrap().1.abs();
+    assert!(course[0].1.abs() > 0.0 && at(0.12) > 2.0 * course[0].1.abs() && at(0.55) > 1.5 * at(0.12), "{course:?}");
     std::fs::remove_dir_all(&folder).unwrap();
 }
 
