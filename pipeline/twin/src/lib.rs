@@ -3,7 +3,7 @@
 //!
 //! [`TwinData`] holds the arrays; [`Twin`] lays them out for a processor's vectors and steps a [`TwinState`] by BDF2. [`file`] reads and
 //! writes them as safetensors. The equations are those of the reduced model in `fem`, to the tolerance of a step.
-//! A [`Recording`] keeps a motion, whose derivatives [`Twin::adjoint`] gives.
+//! A [`Recording`] keeps a motion, whose derivatives [`Twin::adjoint`] gives; [`gradient_check`] compares them with differences.
 //! [`package`] is the crate by itself, as it is exported.
 //!
 //! ```
@@ -32,8 +32,10 @@ mod data;
 mod dense;
 mod elastic;
 mod error;
+pub mod example;
 pub mod file;
 mod gradient;
+pub mod gradient_check;
 mod history;
 mod lanes;
 mod law;

@@ -70,7 +70,13 @@ impl<'a> SolidAdjoint<'a> {
     }
 
     /// Adds the upper triangle of K (J) at q, and to `loss` what later steps depend on q by through the histories.
-    pub fn add_tangent(&mut self, q: &[f64], acting: &Acting, now: &[BranchStep], sums: (&mut [Lanes], &mut [Lanes])) {
+    pub(crate) fn add_tangent(
+        &mut self,
+        q: &[f64],
+        acting: &Acting,
+        now: &[BranchStep],
+        sums: (&mut [Lanes], &mut [Lanes]),
+    ) {
         let (stiffness, loss) = sums;
         self.points.clear();
         for (block, weight) in self.solid.weights.iter().enumerate() {

@@ -1,9 +1,7 @@
 //! The adjoint of a motion: the Taylor test, and central differences by everything that the motion depends on.
 #![allow(clippy::unwrap_used)] // tests
 
-mod beam;
-
-use beam::beam;
+use twin::example::beam;
 use twin::{LossGradient, MotionGradient, Recording, Twin, TwinData};
 
 /// Two checkpoints are passed.
