@@ -1,10 +1,13 @@
 //! How much faster than real time a flapping tail moves on one core, in air and in water, with the error beside each: the whole model, the
 //! reduced one, and the twin made of it, the twin also with its gradient. At 240 steps a second, under a square wave of 200 mbar at 2 Hz.
 //!
+//! Then the waveform of most thrust in water, found by that gradient, against a sweep of square waves.
+//!
 //! The errors are largest distances of the tip marker, in per cent of the length. `-- --long` compares with the whole model over two
 //! seconds instead of a quarter of one, some ten minutes.
 
 mod tail;
+mod waveform;
 
 use std::time::Instant;
 
@@ -55,7 +58,7 @@ fn main() -> Outcome<()> {
             against_whole(&specimen, (&path, &own), own_seconds / steps as f64)?;
         }
     }
-    Ok(())
+    waveform::print(&specimen, &body)
 }
 
 /// The whole model over a part of the same motion.
