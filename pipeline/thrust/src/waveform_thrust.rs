@@ -192,10 +192,10 @@ impl WaveformModel<'_> {
             self.valve.follow(&commands[side], step).iter().map(|share| share * self.limits.amplitude).collect()
         });
         let mut recording = self.twin.recording();
-        for n in 0..steps {
-            let own: Vec<Pascal> = self.halves.iter().map(|half| half.map_or(0.0, |side| pressures[side][n])).collect();
-            self.twin.record(&mut recording, &own, step)?;
-        }
+        let at = |n: usize| -> Vec<Pascal> {
+            self.halves.iter().map(|half| half.map_or(0.0, |side| pressures[side][n])).collect()
+        };
+        (0..steps).try_for_each(|n| self.twin.record(&mut recording, &at(n), step))?;
         Ok(Flapping { recording, commands, pressures, step })
     }
 

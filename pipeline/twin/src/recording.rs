@@ -11,6 +11,8 @@ use crate::state::{Stencil, TwinState};
 use crate::step::Twin;
 
 /// Parts of steps between two checkpoints.
+// Measured on a flapping tail in air, motion with adjoint over motion: 1.59 with a checkpoint at every part, 1.58 with this, 1.56 with 256. Memory decides:
+// a checkpoint of 376 points with five branches takes 108 kB, the stresses of a replayed part 18 kB.
 const INTERVAL: usize = 32;
 
 /// A motion from rest.

@@ -96,6 +96,13 @@ fn changes(case: &Case, by: &MotionGradient) -> Vec<Change> {
         change("c20", |case| &mut case.data.regions[0].stiffening[0], region.stiffening[0] * of.stiffening[0]),
         change("c30", |case| &mut case.data.regions[0].stiffening[1], region.stiffening[1] * of.stiffening[1]),
     ];
+    let youngs_modulus = of.mu * (3.0 * of.lambda + 2.0 * of.mu) / (of.lambda + of.mu);
+    let scale = |case: &mut Case, part: f64| {
+        let region = &mut case.data.regions[0];
+        let [c20, c30] = &mut region.stiffening;
+        [&mut region.mu, &mut region.lambda, c20, c30].into_iter().for_each(|modulus| *modulus *= 1.0 + part);
+    };
+    all.push(("Young's modulus", Box::new(scale), region.by_youngs_modulus(of) * youngs_modulus));
     for branch in 0..2 {
         for (which, name) in ["strength", "time"].into_iter().enumerate() {
             let own = region.branches[branch][which] * of.branches[branch][which];
