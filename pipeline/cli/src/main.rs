@@ -213,16 +213,24 @@ fn check(runner: &Runner, junit: Option<&Path>) -> Result<bool> {
     Ok(!checked.drifted)
 }
 
-/// Checks the gradients of every case; returns whether all of them pass.
+/// Checks the gradients of every case and reduced tail; returns whether all of them pass.
 fn check_gradients(root: &Path, cases: &[PathBuf], steps: usize, quiet: bool) -> Result<bool> {
-    let cases = if cases.is_empty() { simulate::gradient_check::examples(root)? } else { cases.to_vec() };
+    let is_twin = |path: &&PathBuf| path.extension().is_some_and(|ending| ending == cli::twin::ENDING);
+    let (twins, named): (Vec<&PathBuf>, Vec<&PathBuf>) = cases.iter().partition(is_twin);
+    let examples = if cases.is_empty() { simulate::gradient_check::examples(root)? } else { Vec::new() };
     let mut hold = true;
-    for case in &cases {
-        let report = simulate::gradient_check::run(case, steps)?;
-        hold &= report.holds();
-        if !quiet || !report.holds() {
-            output::line(&report);
+    let mut see = |holds: bool, report: &dyn std::fmt::Display| {
+        hold &= holds;
+        if !quiet || !holds {
+            output::line(report);
         }
+    };
+    for case in named.into_iter().chain(&examples) {
+        let report = simulate::gradient_check::run(case, steps)?;
+        see(report.holds(), &report);
+    }
+    for report in cli::twin::check_gradients(&twins, cases.is_empty(), steps)? {
+        see(report.holds(), &report);
     }
     Ok(hold)
 }

@@ -276,7 +276,8 @@ fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
 pub enum Checked {
     /// Check every gradient of a case against converged differences, and by the Taylor test.
     Gradients {
-        /// Cases as `study simulate` takes them; the examples that come with the project when none is named.
+        /// Cases as `study simulate` takes them, and reduced tails (.safetensors) as `study export twin` writes them; the examples that come
+        /// with the project when none is named.
         cases: Vec<PathBuf>,
         /// Number of time steps of a motion.
         #[arg(long, default_value_t = 12, value_parser = count(1..=10_000))]

@@ -1,14 +1,36 @@
-//! `study export twin`: the identified and reduced tail of a specimen for a controller, with the crate that steps it.
+//! `study export twin`: the identified and reduced tail of a specimen for a controller, with the crate that steps it; and the check of
+//! its gradients.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use diagnostics::{Diagnostic, Result};
 use study::Runner;
+use twin::gradient_check::{self, TwinGradientReport};
 
 /// The arrays' file, and the page that describes it.
 const ARRAYS: &str = "tail.safetensors";
 const PAGE: &str = "tail.txt";
+
+/// Ending of the arrays' file.
+pub const ENDING: &str = "safetensors";
+
+/// Reports on the gradients of the tails in `files`, and on those of the example in air and in water where it is asked for.
+///
+/// # Errors
+/// A [`Diagnostic`] when a file cannot be read or a step is not found.
+pub fn check_gradients(files: &[&PathBuf], example: bool, steps: usize) -> Result<Vec<TwinGradientReport>> {
+    let mut reports = Vec::new();
+    for file in files {
+        reports.push(gradient_check::run(&file.display().to_string(), &twin::file::read(file)?, steps)?);
+    }
+    for (name, wet) in [("reduced beam in air", false), ("reduced beam in water", true)] {
+        if example {
+            reports.push(gradient_check::run(name, &twin::example::beam(wet), steps)?);
+        }
+    }
+    Ok(reports)
+}
 
 /// Writes the arrays, the page that describes them, and the crate by itself; returns their folder.
 ///

@@ -3,7 +3,8 @@
 //! [`outline`] is the shape of a tail for elongated-body theory; [`run`] is one flapping trial as evenly spaced samples; `models/` has one
 //! file a kind of model, and [`MODELS`] is their list; [`splits`] chooses training and test runs; [`score`] computes errors on test
 //! runs with bootstrap intervals. [`square_wave`] is the actuation. [`simulated`] evaluates a trained model on the motion of the full
-//! finite-element model with its adjoint gradient, [`flapping`] on that of the reduced model in [`water`]; [`ascent`] maximises either. [`underwater`] is that model under measured
+//! finite-element model with its adjoint gradient, [`flapping`] on that of the reduced model in [`water`]; [`ascent`] maximises either.
+//! [`waveform`] is an actuation of many harmonics behind a valve, which [`waveform_thrust`] optimises by the adjoint of a [`twin::Twin`]. [`underwater`] is that model under measured
 //! pressures; [`release`] identifies the
 //! coefficients of that water; [`real_time`] makes the reduced model a [`twin::Twin`], which steps faster than real time.
 //!
@@ -30,6 +31,8 @@ pub mod splits;
 pub mod square_wave;
 pub mod underwater;
 pub mod water;
+pub mod waveform;
+pub mod waveform_thrust;
 
 pub use models::{Fitted, MODELS, ThrustModel, TrainingSettings};
 pub use run::Run;

@@ -75,19 +75,19 @@ struct MarkerMotion {
 
 /// Factors of theory's terms in the mean over the steps.
 #[derive(Clone, Copy)]
-struct Weights {
+pub(crate) struct Weights {
     /// Of an instantaneous term, no unit.
-    part: f64,
+    pub part: f64,
     /// Of a quantity whose rate in time is a term, 1/s.
-    ends: f64,
+    pub ends: f64,
 }
 
 /// The thrust at one step and its derivatives.
 #[derive(Debug, Clone, PartialEq, Default)]
-struct Instant {
-    value: f64,
-    by_place: Vec<Point2>,
-    by_velocity: Vec<Point2>,
+pub(crate) struct Instant {
+    pub value: f64,
+    pub by_place: Vec<Point2>,
+    pub by_velocity: Vec<Point2>,
     by_pressure: Vec<f64>,
     by_rate: Vec<f64>,
 }
@@ -221,7 +221,7 @@ impl Evaluation<'_> {
 }
 
 /// The contribution of theory: instantaneous terms weighted by `part`, rates in time by `ends`.
-fn of_theory(terms: &Terms, c: &[f64; 5], Weights { part, ends }: Weights, speed: &[Point2]) -> Instant {
+pub(crate) fn of_theory(terms: &Terms, c: &[f64; 5], Weights { part, ends }: Weights, speed: &[Point2]) -> Instant {
     let last = speed.len() - 1;
     let shares = [(&terms.edge_flux, part * c[0]), (&terms.drag, part * c[2]), (&terms.momentum, ends * c[1])];
     let sum = |of: fn(&hydro::Term) -> &Vec<Point2>| {

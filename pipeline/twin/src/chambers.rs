@@ -56,6 +56,19 @@ impl PressureWork {
 }
 
 impl Chamber {
+    /// ∂V/∂q, m³ per unit of q.
+    pub fn volume_gradient(&self, q: &[f64]) -> Vec<f64> {
+        let (r, mut gradient) = (q.len(), self.linear.clone());
+        for (row, q) in self.quadratic.chunks_exact(r).zip(q) {
+            add(&mut gradient, *q, row);
+        }
+        for ((i, j), column) in pairs(r).zip(self.cubic.chunks_exact(r)) {
+            let weight = if i == j { 0.5 } else { 1.0 };
+            add(&mut gradient, weight * q[i] * q[j], column);
+        }
+        gradient
+    }
+
     /// V(q), m³; of a half model, of the half.
     pub fn volume(&self, q: &[f64]) -> f64 {
         let r = q.len();
@@ -100,6 +113,7 @@ mod tests {
         let q = [0.2, -0.4, 0.9];
         let exact = 2.0 + dot(&a, &q) + 0.5 * dot(&b, &q).powi(2) + dot(&c, &q).powi(3) / 6.0;
         assert!((chamber.volume(&q) - exact).abs() < 1e-14);
+        let gradient = chamber.volume_gradient(&q);
         let mut work = PressureWork::none(3);
         work.set(&[chamber.clone(), chamber], &[3.0, 7.0]);
         let (mut forces, mut stiffness) = ([0.0; 3], [0.0; 9]);
@@ -107,7 +121,7 @@ mod tests {
         work.subtract_hessian(&q, &mut stiffness);
         for i in 0..3 {
             let exact = a[i] + dot(&b, &q) * b[i] + 0.5 * dot(&c, &q).powi(2) * c[i];
-            assert!((forces[i] + 10.0 * exact).abs() < 1e-13);
+            assert!((forces[i] + 10.0 * exact).abs() < 1e-13 && (gradient[i] - exact).abs() < 1e-14);
             for j in 0..3 {
                 let exact = b[i] * b[j] + dot(&c, &q) * c[i] * c[j];
                 assert!((stiffness[3 * i + j] + 10.0 * exact).abs() < 1e-13);

@@ -29,6 +29,35 @@ pub fn inverse(mut matrix: Vec<f64>) -> Option<Vec<f64>> {
     Some(inverse)
 }
 
+/// x of Aᵀ x = b by Gaussian elimination with row exchange; none where A is singular.
+pub(crate) fn solve_transposed(matrix: &[f64], b: &[f64]) -> Option<Vec<f64>> {
+    let (n, width) = (b.len(), b.len() + 1);
+    // Aᵀ with b beside it
+    let entry = |at: usize| if at % width == n { b[at / width] } else { matrix[at % width * n + at / width] };
+    let mut rows: Vec<f64> = (0..n * width).map(entry).collect();
+    for column in 0..n {
+        let size = |row: &usize| rows[row * width + column].abs();
+        let pivot = (column..n).max_by(|a, b| size(a).total_cmp(&size(b)))?;
+        let largest = rows[pivot * width + column];
+        if !(largest.is_finite() && largest != 0.0) {
+            return None;
+        }
+        (column..width).for_each(|k| rows.swap(pivot * width + k, column * width + k));
+        let (above, below) = rows.split_at_mut((column + 1) * width);
+        let own = &above[column * width + column..];
+        for row in below.chunks_exact_mut(width) {
+            let factor = -row[column] / largest;
+            add(&mut row[column..], factor, own);
+        }
+    }
+    let mut x = vec![0.0; n];
+    for row in (0..n).rev() {
+        let known: f64 = (row + 1..n).map(|k| rows[row * width + k] * x[k]).sum();
+        x[row] = (rows[row * width + n] - known) / rows[row * width + row];
+    }
+    Some(x)
+}
+
 fn row_of(matrix: &[f64], row: usize, n: usize) -> Vec<f64> {
     matrix[row * n..(row + 1) * n].to_vec()
 }
@@ -80,6 +109,15 @@ mod tests {
             (0..3).for_each(|i| assert!((image[i] - f64::from(u8::from(i == k))).abs() < 1e-15));
         }
         assert!(super::inverse(vec![1.0, 2.0, 2.0, 4.0]).is_none());
+    }
+
+    #[test]
+    fn the_transposed_matrix_times_its_solution_is_the_right_hand_side() {
+        let b = [1.0, -2.0, 0.5];
+        let x = solve_transposed(&matrix(), &b).unwrap();
+        let image = |k: usize| (0..3).map(|i| matrix()[3 * i + k] * x[i]).sum::<f64>();
+        (0..3).for_each(|k| assert!((image(k) - b[k]).abs() < 1e-14));
+        assert!(solve_transposed(&[1.0, 2.0, 2.0, 4.0], &b[..2]).is_none());
     }
 
     #[test]

@@ -4,7 +4,7 @@
 
 use crate::data::Region;
 use crate::lanes::{Blocks, LANES, Lanes, each, gather, scatter, splat};
-use crate::law::{Constants, Deformed, NOTHING, Symmetric};
+use crate::law::{Constants, Deformed, NOTHING, Symmetric, Tensor};
 
 /// A solid laid out for vectors.
 #[derive(Debug, Clone)]
@@ -13,8 +13,8 @@ pub struct Solid {
     lambda: f64,
     stiffening: [f64; 2],
     pub branches: Vec<[f64; 2]>,
-    weights: Vec<Lanes>,
-    gradients: Blocks<9>,
+    pub(crate) weights: Vec<Lanes>,
+    pub(crate) gradients: Blocks<9>,
 }
 
 /// Stresses at a solid's points that a residual leaves, by block.
@@ -77,14 +77,25 @@ impl Solid {
             let held = acting.held.get(block).copied().unwrap_or(NOTHING);
             let before = before.get(block).copied().unwrap_or(now);
             let geometric: Symmetric = std::array::from_fn(|k| held[k] + before[k] - now[k]);
-            let mut rest = &mut stiffness[..];
-            for (m, change) in gradients.iter().enumerate() {
-                let image = here.stress_change(&acting.constants, &geometric, change).map(|entry| entry * *weight);
-                let (row, after) = rest.split_at_mut(gradients.len() - m);
-                scatter(&gradients[m..], &image, row);
-                rest = after;
-            }
+            add_tangent(&here, (&acting.constants, &geometric), (gradients, *weight), stiffness);
         }
+    }
+}
+
+/// Adds the upper triangle of one block's K, with the stress `held` in its geometric part.
+#[inline(always)]
+pub(crate) fn add_tangent(
+    here: &Deformed,
+    (constants, held): (&Constants, &Symmetric),
+    (gradients, weight): (&[Tensor], Lanes),
+    stiffness: &mut [Lanes],
+) {
+    let mut rest = stiffness;
+    for (m, change) in gradients.iter().enumerate() {
+        let image = here.stress_change(constants, held, change).map(|entry| entry * weight);
+        let (row, after) = rest.split_at_mut(gradients.len() - m);
+        scatter(&gradients[m..], &image, row);
+        rest = after;
     }
 }
 

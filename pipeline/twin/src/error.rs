@@ -41,4 +41,12 @@ pub enum TwinError {
         /// Size of the last one, no unit.
         change: f64,
     },
+    /// A step whose tangent has no inverse.
+    #[error(
+        "the motion has no derivative at {time:.4} s\n  why: the tangent of the step that ends there is singular\n  do:  take shorter steps, or pressures within those that the tail was reduced from"
+    )]
+    Adjoint {
+        /// Time at the end of the step, s.
+        time: f64,
+    },
 }

@@ -6,7 +6,7 @@ use crate::lanes::splat;
 use crate::law::Symmetric;
 
 /// d and a of one branch over a step.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Factors {
     pub decay: f64,
     pub gain: f64,
@@ -17,6 +17,27 @@ impl Factors {
     pub fn new([strength, time]: [f64; 2], step: f64) -> Self {
         let x = step / time;
         Self { decay: (-x).exp(), gain: strength * -(-x).exp_m1() / x }
+    }
+}
+
+/// Derivatives of d and a by a branch's time, and of a by its strength.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct FactorSlopes {
+    pub decay_by_time: f64,
+    pub gain_by_time: f64,
+    pub gain_by_strength: f64,
+}
+
+impl FactorSlopes {
+    /// Of a branch of this strength and time over `step` seconds.
+    pub fn new([strength, time]: [f64; 2], step: f64) -> Self {
+        let (x, decay) = (step / time, (-step / time).exp());
+        let left = -(-x).exp_m1();
+        Self {
+            decay_by_time: decay * x / time,
+            gain_by_time: strength * (left - x * decay) / (x * time),
+            gain_by_strength: left / x,
+        }
     }
 }
 
@@ -62,13 +83,24 @@ impl History {
 
 /// `sum` += `factor` `term`.
 #[inline(always)]
-fn add(sum: &mut Symmetric, factor: f64, term: &Symmetric) {
+pub(crate) fn add(sum: &mut Symmetric, factor: f64, term: &Symmetric) {
     sum.iter_mut().zip(term).for_each(|(sum, term)| *sum = sum.plus(splat(factor), *term));
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_slopes_of_the_factors_are_their_differences() {
+        let (strength, time, step) = (0.2, 0.02, 0.01);
+        let slopes = FactorSlopes::new([strength, time], step);
+        let by = 1e-6;
+        let [above, below] = [by, -by].map(|by| Factors::new([strength, time + by], step));
+        assert!((slopes.decay_by_time - (above.decay - below.decay) / (2.0 * by)).abs() < 1e-6);
+        assert!((slopes.gain_by_time - (above.gain - below.gain) / (2.0 * by)).abs() < 1e-6);
+        assert!((slopes.gain_by_strength * strength - Factors::new([strength, time], step).gain).abs() < 1e-15);
+    }
     use materials::{Branch, Moduli, Relaxation, step::RegionStep};
 
     #[test]

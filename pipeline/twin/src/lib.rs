@@ -3,6 +3,7 @@
 //!
 //! [`TwinData`] holds the arrays; [`Twin`] lays them out for a processor's vectors and steps a [`TwinState`] by BDF2. [`file`] reads and
 //! writes them as safetensors. The equations are those of the reduced model in `fem`, to the tolerance of a step.
+//! A [`Recording`] keeps a motion, whose derivatives [`Twin::adjoint`] gives; [`gradient_check`] compares them with differences.
 //! [`package`] is the crate by itself, as it is exported.
 //!
 //! ```
@@ -25,22 +26,31 @@
 //!
 //! Depends on `safetensors`, `thiserror` and `wide` (vectors of eight numbers) alone.
 
+mod adjoint;
 mod chambers;
 mod data;
 mod dense;
 mod elastic;
 mod error;
+pub mod example;
 pub mod file;
+mod gradient;
+pub mod gradient_check;
 mod history;
 mod lanes;
 mod law;
 pub mod package;
+mod recording;
+mod solid_adjoint;
 mod state;
 mod step;
 mod water;
+mod water_adjoint;
 
 pub use data::{Chamber, Region, Section, TwinData};
 pub use error::TwinError;
+pub use gradient::{LossGradient, MotionGradient, RegionGradient};
+pub use recording::Recording;
 pub use state::{TwinState, Work};
 pub use step::Twin;
 

@@ -2,19 +2,26 @@
 
 /// The sources, and the example that closes a loop.
 const SOURCES: &[(&str, &str)] = &[
+    ("src/adjoint.rs", include_str!("adjoint.rs")),
     ("src/chambers.rs", include_str!("chambers.rs")),
     ("src/data.rs", include_str!("data.rs")),
     ("src/dense.rs", include_str!("dense.rs")),
     ("src/elastic.rs", include_str!("elastic.rs")),
     ("src/error.rs", include_str!("error.rs")),
+    ("src/example.rs", include_str!("example.rs")),
     ("src/file.rs", include_str!("file.rs")),
+    ("src/gradient.rs", include_str!("gradient.rs")),
+    ("src/gradient_check.rs", include_str!("gradient_check.rs")),
     ("src/history.rs", include_str!("history.rs")),
     ("src/lanes.rs", include_str!("lanes.rs")),
     ("src/law.rs", include_str!("law.rs")),
     ("src/lib.rs", include_str!("lib.rs")),
+    ("src/recording.rs", include_str!("recording.rs")),
+    ("src/solid_adjoint.rs", include_str!("solid_adjoint.rs")),
     ("src/state.rs", include_str!("state.rs")),
     ("src/step.rs", include_str!("step.rs")),
     ("src/water.rs", include_str!("water.rs")),
+    ("src/water_adjoint.rs", include_str!("water_adjoint.rs")),
     ("examples/tip_control.rs", include_str!("../examples/tip_control.rs")),
 ];
 

@@ -36,13 +36,17 @@ const SAME: f64 = 1e-9;
 /// A reduced tail, laid out for stepping.
 #[derive(Debug, Clone)]
 pub struct Twin {
-    mass: Vec<f64>,
+    pub(crate) mass: Vec<f64>,
     size: f64,
-    solids: Vec<Solid>,
-    chambers: Vec<Chamber>,
-    water: Option<Water>,
+    pub(crate) solids: Vec<Solid>,
+    pub(crate) chambers: Vec<Chamber>,
+    pub(crate) water: Option<Water>,
     outputs: Vec<(String, Vec<f64>)>,
+    tolerance: f64,
 }
+
+/// What sees the state after a part of a step, and the stencil of that part.
+pub(crate) type See<'a> = dyn FnMut(&TwinState, Stencil) + 'a;
 
 /// The equations of one step.
 struct Equations<'a> {
@@ -65,7 +69,14 @@ impl Twin {
         let solids = data.regions.iter().map(|region| Solid::new(region, r)).collect();
         let water = (!data.sections.is_empty()).then(|| Water::new(&data.sections, r));
         let TwinData { mass, size, chambers, outputs, .. } = data;
-        Ok(Self { mass, size, solids, chambers, water, outputs })
+        Ok(Self { mass, size, solids, chambers, water, outputs, tolerance: TOLERANCE })
+    }
+
+    /// The same with another tolerance of a step: the largest size of its last iteration relative to the largest shape, 1e-6 unless set.
+    /// Differences of motions need one near 1e-11, the least.
+    #[must_use]
+    pub fn with_tolerance(self, tolerance: f64) -> Self {
+        Self { tolerance: tolerance.max(LEAST), ..self }
     }
 
     /// r.
@@ -101,6 +112,14 @@ impl Twin {
         self.outputs[number].1.iter().zip(state.coordinates()).map(|(row, q)| row * q).sum()
     }
 
+    /// The row of r numbers that gives output `number`, m per unit of q.
+    ///
+    /// # Panics
+    /// When there is no such output.
+    pub fn output_row(&self, number: usize) -> &[f64] {
+        &self.outputs[number].1
+    }
+
     /// The volume of a chamber, m³; of a half model, of the half.
     ///
     /// # Panics
@@ -115,6 +134,16 @@ impl Twin {
     /// # Errors
     /// [`TwinError`] when an input is wrong or no step is found.
     pub fn step(&self, state: &mut TwinState, pressures: &[f64], duration: f64) -> Result<(), TwinError> {
+        self.step_seen((state, &mut |_, _| {}), pressures, duration)
+    }
+
+    /// [`Twin::step`]; `see` is shown the state after every part of it, and the stencil of that part.
+    pub(crate) fn step_seen(
+        &self,
+        seen: (&mut TwinState, &mut See),
+        pressures: &[f64],
+        duration: f64,
+    ) -> Result<(), TwinError> {
         if pressures.len() != self.chambers.len() || pressures.iter().any(|p| !p.is_finite()) {
             let what = format!("the pressures {pressures:?} of {} chambers", self.chambers.len());
             return Err(TwinError::Input { what });
@@ -122,28 +151,34 @@ impl Twin {
         if !(duration > 0.0 && duration.is_finite()) {
             return Err(TwinError::Input { what: format!("a step of {duration} s") });
         }
-        self.step_in_parts(state, pressures, duration, HALVINGS)
+        self.step_in_parts(seen, pressures, duration, HALVINGS)
     }
 
     fn step_in_parts(
         &self,
-        state: &mut TwinState,
+        (state, see): (&mut TwinState, &mut See),
         pressures: &[f64],
         duration: f64,
         halvings: usize,
     ) -> Result<(), TwinError> {
-        let Err(error) = self.attempt(state, pressures, duration) else { return Ok(()) };
+        let error = match self.attempt(state, pressures, duration) {
+            Ok(stencil) => {
+                see(state, stencil);
+                return Ok(());
+            }
+            Err(error) => error,
+        };
         state.lagged = None;
         if halvings == 0 {
             return Err(error);
         }
         let middle: Vec<f64> = state.pressures.iter().zip(pressures).map(|(a, b)| 0.5 * (a + b)).collect();
-        self.step_in_parts(state, &middle, 0.5 * duration, halvings - 1)?;
-        self.step_in_parts(state, pressures, 0.5 * duration, halvings - 1)
+        self.step_in_parts((state, see), &middle, 0.5 * duration, halvings - 1)?;
+        self.step_in_parts((state, see), pressures, 0.5 * duration, halvings - 1)
     }
 
     /// One step of the scheme; the state changes only where it is found.
-    fn attempt(&self, state: &mut TwinState, pressures: &[f64], duration: f64) -> Result<(), TwinError> {
+    fn attempt(&self, state: &mut TwinState, pressures: &[f64], duration: f64) -> Result<Stencil, TwinError> {
         self.prepare(state, duration);
         let equations = Equations::new(self, state, pressures, duration);
         let time = state.time + duration;
@@ -157,7 +192,7 @@ impl Twin {
         state.past.push(time, [q, velocity, momentum]);
         (state.time, state.pressures) = (time, pressures.to_vec());
         state.work.steps += 1;
-        Ok(())
+        Ok(equations.stencil)
     }
 
     /// The branches' factors over a step of this length.
@@ -195,7 +230,8 @@ impl<'a> Equations<'a> {
         let (mut residual, mut left) = self.residual(&q, &mut state.work);
         let fits = |lagged: &Lagged| (lagged.gamma / self.stencil.gamma - 1.0).abs() < SAME;
         let mut lagged = state.lagged.take().filter(fits);
-        let tolerance = TOLERANCE * (SLOW / self.stencil.gamma).powi(2).clamp(LEAST / TOLERANCE, 1.0);
+        let most = self.twin.tolerance;
+        let tolerance = most * (SLOW / self.stencil.gamma).powi(2).clamp(LEAST / most, 1.0);
         let before = state.time;
         let failed = |change| TwinError::NoConvergence { time: before, iterations: MAX_ITERATIONS, change };
         let (mut change, mut size) = (Vec::new(), f64::INFINITY);

@@ -8,19 +8,19 @@ use crate::lanes::{Blocks, LANES, Lanes, add_reduced, each, gather, scatter, spl
 /// Sections laid out for vectors.
 #[derive(Debug, Clone)]
 pub struct Water {
-    slope: Blocks<2>,
-    value: Blocks<2>,
+    pub(crate) slope: Blocks<2>,
+    pub(crate) value: Blocks<2>,
     /// m, c, h, l of each block.
-    by: Vec<[Lanes; 4]>,
+    pub(crate) by: Vec<[Lanes; 4]>,
 }
 
 /// A pair of lanes: x and y.
-type Pair = [Lanes; 2];
+pub(crate) type Pair = [Lanes; 2];
 
 /// Tangent and velocity of sections.
-struct Motion {
-    tangent: Pair,
-    velocity: Pair,
+pub(crate) struct Motion {
+    pub tangent: Pair,
+    pub velocity: Pair,
 }
 
 impl Water {
@@ -34,7 +34,7 @@ impl Water {
         Self { by: (0..slope.count()).map(of).collect(), slope, value }
     }
 
-    fn motion(&self, block: usize, q: &[f64], v: &[f64]) -> Motion {
+    pub(crate) fn motion(&self, block: usize, q: &[f64], v: &[f64]) -> Motion {
         let mut tangent = gather(self.slope.block(block), q);
         tangent[0] = tangent[0] + splat(1.0);
         Motion { tangent, velocity: gather(self.value.block(block), v) }
@@ -80,12 +80,12 @@ impl Water {
 
 impl Motion {
     /// n
-    fn normal(&self) -> Pair {
+    pub fn normal(&self) -> Pair {
         [splat(0.0) - self.tangent[1], self.tangent[0]]
     }
 
     /// w and u.
-    fn speeds(&self) -> [Lanes; 2] {
+    pub fn speeds(&self) -> [Lanes; 2] {
         let (Self { tangent: [tx, ty], velocity: [vx, vy] }, dot) = (self, |a, b, c, d| a * b + c * d);
         [*vy * *tx - *vx * *ty, dot(*vx, *tx, *vy, *ty)]
     }

@@ -1,12 +1,10 @@
 //! The twin in JavaScript moves as the one in Rust: ten seconds in Chromium or, without it, in Node.
 #![allow(clippy::unwrap_used)] // tests
 
-mod beam;
-
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use beam::{LENGTH, beam};
+use twin::example::{LENGTH, beam};
 use twin::{SCRIPT, Twin, TwinData, file};
 
 const RATE: usize = 240;

@@ -1,12 +1,11 @@
 //! Steps of a clamped beam: convergence, statics, energy, and a loop closed around it.
 #![allow(clippy::unwrap_used)] // tests
 
-mod beam;
 #[path = "../examples/tip_control.rs"]
 mod tip_control;
 
-use beam::{LENGTH, beam};
 use tip_control::{follow, tuned};
+use twin::example::{LENGTH, beam};
 use twin::{Twin, TwinError};
 
 const HIGHEST: f64 = 2e4;

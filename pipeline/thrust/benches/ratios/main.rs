@@ -1,10 +1,13 @@
 //! How much faster than real time a flapping tail moves on one core, in air and in water, with the error beside each: the whole model, the
-//! reduced one, and the twin made of it. At 240 steps a second, under a square wave of 200 mbar at 2 Hz.
+//! reduced one, and the twin made of it, the twin also with its gradient. At 240 steps a second, under a square wave of 200 mbar at 2 Hz.
+//!
+//! Then the waveform of most thrust in water, found by that gradient, against a sweep of square waves.
 //!
 //! The errors are largest distances of the tip marker, in per cent of the length. `-- --long` compares with the whole model over two
 //! seconds instead of a quarter of one, some ten minutes.
 
 mod tail;
+mod waveform;
 
 use std::time::Instant;
 
@@ -17,7 +20,7 @@ use tail::Specimen;
 use thrust::real_time::{Surroundings, twin_data};
 use thrust::square_wave::SquareWave;
 use thrust::water::Water;
-use twin::Twin;
+use twin::{LossGradient, Twin, TwinData};
 
 type Outcome<T> = diagnostics::Result<T>;
 /// A path of the tip marker, and the CPU time that it took, s.
@@ -42,15 +45,20 @@ fn main() -> Outcome<()> {
     for wet in [false, true] {
         let name = if wet { "water" } else { "air" };
         let (path, seconds) = reduced(&specimen, &body, wet, steps)?;
-        let (own, own_seconds) = twin(&specimen, &body, wet, steps)?;
+        let twin = Twin::new(arrays(&specimen, &body, wet)?)?;
+        let (own, own_seconds) = motion(&twin, steps)?;
         println!("real_time_factor_reduced_{name} = {:.1}", DURATION / seconds);
         println!("real_time_factor_{name} = {:.1}", DURATION / own_seconds);
+        let [recorded, gradient] = with_gradient(&twin, steps)?;
+        println!("real_time_factor_gradient_{name} = {:.1}", DURATION / gradient);
+        println!("recording_over_motion_{name} = {:.2}", recorded / own_seconds);
+        println!("gradient_over_motion_{name} = {:.2}", gradient / own_seconds);
         println!("twin_off_reduced_{name}_percent = {:.2e}", percent(&own, &path));
         if !wet {
             against_whole(&specimen, (&path, &own), own_seconds / steps as f64)?;
         }
     }
-    Ok(())
+    waveform::print(&specimen, &body)
 }
 
 /// The whole model over a part of the same motion.
@@ -98,12 +106,15 @@ fn reduced(specimen: &Specimen, body: &ReducedBody, wet: bool, steps: usize) -> 
     })
 }
 
-fn twin(specimen: &Specimen, body: &ReducedBody, wet: bool, steps: usize) -> Outcome<Timed> {
+fn arrays(specimen: &Specimen, body: &ReducedBody, wet: bool) -> Outcome<TwinData> {
     let rows = specimen.stations(body);
     let water = Surroundings { tail: &specimen.wet, rows: &rows, by: WATER, half: true };
     let data = twin_data(body, wet.then_some(&water), &[("tip", specimen.tip())])?;
-    let points = data.points();
-    let twin = Twin::new(data)?;
+    println!("{} points", data.points());
+    Ok(data)
+}
+
+fn motion(twin: &Twin, steps: usize) -> Outcome<Timed> {
     let mut work = twin::Work::default();
     let made = timed(3, || {
         let mut state = twin.start();
@@ -117,12 +128,34 @@ fn twin(specimen: &Specimen, body: &ReducedBody, wet: bool, steps: usize) -> Out
     })?;
     let each = |count: usize| count as f64 / steps as f64;
     println!(
-        "{points} points; steps, residuals, tangents over steps: {:.2}, {:.2}, {:.3}",
+        "steps, residuals, tangents over steps: {:.2}, {:.2}, {:.3}",
         each(work.steps),
         each(work.residuals),
         each(work.tangents)
     );
     Ok(made)
+}
+
+/// CPU time of a recorded motion, and of it with the derivatives of the mean square of the tip's displacement by everything, s.
+fn with_gradient(twin: &Twin, steps: usize) -> Outcome<[f64; 2]> {
+    let record = || {
+        let mut recording = twin.recording();
+        let mut step = |n: usize| twin.record(&mut recording, &pressures(n as f64 / RATE), 1.0 / RATE);
+        (1..=steps).try_for_each(&mut step)?;
+        Outcome::Ok(recording)
+    };
+    let (_, recorded) = timed(3, || record().map(|_| Vec::new()))?;
+    let (_, gradient) = timed(3, || {
+        let (recording, row) = (record()?, twin.output_row(1));
+        let mut loss = |n: usize| {
+            let tip: f64 = row.iter().zip(recording.coordinates(n)).map(|(row, q)| row * q).sum();
+            let coordinates = row.iter().map(|row| 2.0 * tip * row / steps as f64).collect();
+            LossGradient { coordinates, velocity: Vec::new() }
+        };
+        let by = twin.adjoint(&recording, &mut loss)?;
+        Ok(by.pressures.iter().map(|by| [by[0], by[1]]).collect())
+    })?;
+    Ok([recorded, gradient])
 }
 
 fn whole(specimen: &Specimen, steps: usize) -> Outcome<Timed> {

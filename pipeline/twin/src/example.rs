@@ -1,8 +1,9 @@
-//! A clamped beam of rubber by the method of Ritz: three bending and four axial shapes, a chamber on either side, and still water.
+//! The arrays of an example: a clamped beam of rubber by the method of Ritz, with three bending and four axial shapes, a chamber on either side,
+//! and still water.
 
-use twin::{Chamber, Region, Section, TwinData};
+use crate::data::{Chamber, Region, Section, TwinData};
 
-/// m.
+/// Length of the beam, m.
 pub const LENGTH: f64 = 0.1;
 const HEIGHT: f64 = 0.01;
 const AREA: f64 = 2e-4;

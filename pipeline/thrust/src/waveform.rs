@@ -1,0 +1,160 @@
+//! A periodic command of two sides with a Fourier series each, and the valve that follows it.
+//!
+//! The command of a side is A σ(s(φ)), s = a₀ + Σ aₖ cos kφ + bₖ sin kφ, φ = 2πft: it stays between zero and the highest pressure whatever the series, a₀ sets its
+//! duty, and the square wave σ(k sin φ) is one of its members. The valve is of first order, with a time for filling and one for emptying.
+
+use std::f64::consts::TAU;
+
+use si::{Hertz, Pascal, Second};
+
+use crate::ascent::Limits;
+use crate::square_wave::SquareWave;
+
+/// Harmonics of a side.
+const HARMONICS: usize = 8;
+/// Amplitude, mean, and cosine and sine of each harmonic.
+const OF_SIDE: usize = 2 + 2 * HARMONICS;
+/// The frequency, and the numbers of both sides.
+pub const PARAMETERS: usize = 1 + 2 * OF_SIDE;
+/// Largest coefficient of a series: at 8 the edges of a wave are a twentieth of a cycle long.
+pub const STEEPEST: f64 = 8.0;
+
+/// A waveform by its numbers: the frequency from 0 to 1 between its limits; then, for each side, the amplitude over the highest pressure, a₀, and
+/// a and b of each harmonic in turn.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Waveform {
+    /// [`PARAMETERS`] numbers, no unit.
+    pub numbers: Vec<f64>,
+}
+
+/// First-order dynamics of a valve, as measured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Valve {
+    /// Time constant of a pressure that rises.
+    pub filling: Second,
+    /// Of one that falls.
+    pub emptying: Second,
+}
+
+impl Waveform {
+    /// The square wave, with the sides half a cycle apart.
+    pub fn square(wave: &SquareWave, limits: &Limits) -> Self {
+        let [amplitude, frequency] = limits.place(wave);
+        let side = |sign: f64| {
+            let mut side = vec![0.0; OF_SIDE];
+            (side[0], side[3]) = (amplitude, sign * wave.sharpness.min(STEEPEST));
+            side
+        };
+        Self { numbers: [vec![frequency], side(1.0), side(-1.0)].concat() }
+    }
+
+    /// f, Hz.
+    pub fn frequency(&self, limits: &Limits) -> Hertz {
+        let [low, high] = limits.frequency;
+        low + self.numbers[0] * (high - low)
+    }
+
+    /// The command of a side at a fraction of the cycle over the highest pressure, and its derivatives by the side's numbers.
+    fn command(&self, side: usize, cycle: f64) -> (f64, Vec<f64>) {
+        let own = &self.numbers[1 + side * OF_SIDE..1 + (side + 1) * OF_SIDE];
+        let shape = |n: usize| match n {
+            1 => 1.0,
+            n if n % 2 == 0 => (TAU * cycle * (n / 2) as f64).cos(),
+            n => (TAU * cycle * (n / 2) as f64).sin(),
+        };
+        let shapes: Vec<f64> = (1..OF_SIDE).map(shape).collect();
+        let s: f64 = own[1..].iter().zip(&shapes).map(|(a, shape)| a * shape).sum();
+        let share = 1.0 / (1.0 + (-s).exp());
+        let by = shapes.iter().map(|shape| own[0] * share * (1.0 - share) * shape);
+        (own[0] * share, std::iter::once(share).chain(by).collect())
+    }
+
+    /// Commands of a side after each of `steps` steps, `per_cycle` to a cycle, over the highest pressure.
+    pub(crate) fn commands(&self, side: usize, (steps, per_cycle): (usize, usize)) -> Vec<f64> {
+        (1..=steps).map(|n| self.command(side, n as f64 / per_cycle as f64).0).collect()
+    }
+
+    /// Adds to the derivatives by all numbers those through the commands of a side, after each step.
+    pub(crate) fn add_gradient(&self, side: usize, (by, per_cycle): (&[f64], usize), gradient: &mut [f64]) {
+        let own = &mut gradient[1 + side * OF_SIDE..1 + (side + 1) * OF_SIDE];
+        for (n, by) in by.iter().enumerate() {
+            let (_, slopes) = self.command(side, (n + 1) as f64 / per_cycle as f64);
+            own.iter_mut().zip(slopes).for_each(|(sum, slope)| *sum += by * slope);
+        }
+    }
+
+    /// The lowest and highest value of each number.
+    pub fn bounds() -> [Vec<f64>; 2] {
+        let side = |amplitude: f64, other: f64| [vec![amplitude], vec![other; OF_SIDE - 1]].concat();
+        let all = |first: f64, side: Vec<f64>| [vec![first], side.clone(), side].concat();
+        [all(0.0, side(0.0, -STEEPEST)), all(1.0, side(1.0, STEEPEST))]
+    }
+}
+
+impl Valve {
+    /// The part of its distance from the command that a pressure makes good in a step.
+    fn gain(&self, rises: bool, step: Second) -> f64 {
+        -(-step / if rises { self.filling } else { self.emptying }).exp_m1()
+    }
+
+    /// The pressures after steps of `step` seconds with these commands (Pa), from none.
+    pub fn follow(&self, commands: &[Pascal], step: Second) -> Vec<Pascal> {
+        let next = |p: &mut f64, command: &f64| {
+            *p += self.gain(command > p, step) * (command - *p);
+            Some(*p)
+        };
+        commands.iter().scan(0.0, next).collect()
+    }
+
+    /// The derivatives by the commands from those by the `pressures` that followed them.
+    pub fn adjoint(&self, [commands, pressures, by]: [&[f64]; 3], step: Second) -> Vec<f64> {
+        let (mut later, mut all) = (0.0, vec![0.0; by.len()]);
+        for n in (0..by.len()).rev() {
+            let before = if n == 0 { 0.0 } else { pressures[n - 1] };
+            let (own, gain) = (by[n] + later, self.gain(commands[n] > before, step));
+            all[n] = gain * own;
+            later = (1.0 - gain) * own;
+        }
+        all
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LIMITS: Limits = Limits { amplitude: 3e4, frequency: [1.0, 3.0], iterations: 1 };
+
+    #[test]
+    fn the_square_wave_is_a_waveform() {
+        let square = SquareWave { amplitude: 2e4, frequency: 1.5, sharpness: 6.0 };
+        let waveform = Waveform::square(&square, &LIMITS);
+        assert!((waveform.frequency(&LIMITS) - 1.5).abs() < 1e-12 && waveform.numbers.len() == PARAMETERS);
+        for side in 0..2 {
+            let commands = waveform.commands(side, (30, 60));
+            for (n, command) in commands.iter().enumerate() {
+                let exact = square.at((n + 1) as f64 / 60.0 / 1.5)[side];
+                assert!((command * LIMITS.amplitude - exact).abs() < 1e-9 * LIMITS.amplitude);
+            }
+        }
+    }
+
+    #[test]
+    fn a_valve_fills_and_empties_by_its_times_and_its_adjoint_is_its_transpose() {
+        let valve = Valve { filling: 0.1, emptying: 0.05 };
+        let commands: Vec<f64> = (0..100).map(|n| if n < 50 { 1.0 } else { 0.0 }).collect();
+        let pressures = valve.follow(&commands, 0.01);
+        assert!((pressures[9] - (1.0 - (-1.0_f64).exp())).abs() < 1e-12);
+        assert!((pressures[54] / pressures[49] - (-1.0_f64).exp()).abs() < 1e-12);
+        let weights: Vec<f64> = (0..100).map(|n| f64::from(n).sin()).collect();
+        let by = valve.adjoint([&commands, &pressures, &weights], 0.01);
+        let loss =
+            |commands: &[f64]| valve.follow(commands, 0.01).iter().zip(&weights).map(|(p, w)| p * w).sum::<f64>();
+        for n in [0, 20, 49, 70] {
+            let mut near = commands.clone();
+            near[n] += if n < 50 { 1e-6 } else { 1e-9 };
+            let difference = (loss(&near) - loss(&commands)) / (near[n] - commands[n]);
+            assert!((by[n] - difference).abs() < 1e-5, "{n}: {} {difference}", by[n]);
+        }
+    }
+}

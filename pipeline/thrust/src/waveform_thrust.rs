@@ -1,0 +1,293 @@
+//! The waveform of greatest mean thrust, or of greatest thrust per air, by the adjoint of the reduced motion.
+//!
+//! A [`Twin`] flaps in still water under the pressures of a valve that follows the waveform; fitted theory gives the thrust of its motion. One
+//! adjoint gives the derivatives by every pressure, and with them those by all harmonics; the frequency, which changes the
+//! length of every step, is differentiated by two further motions. Adam [kingma2015] climbs from the best square wave.
+
+use hydro::Tail;
+use nalgebra::{DMatrix, DVector};
+use optimize::optimisers::adam::{Adam, Settings};
+use optimize::{Bounds, Evaluation, Needs, Problem, minimise};
+use si::{Newton, Pascal, Point2};
+use twin::{Chamber, LossGradient, Recording, Twin};
+
+use crate::ascent::Limits;
+use crate::simulated::{Weights, of_theory};
+use crate::waveform::{PARAMETERS, Valve, Waveform};
+use diagnostics::Result;
+use sysid::Interrupted;
+
+/// Ambient pressure, Pa.
+const AMBIENT: Pascal = 101_325.0;
+/// Half the width of the difference by frequency, relative to its limits.
+const NUDGE: f64 = 5e-3;
+/// Length of a step of Adam: a fortieth of the widest interval of a number.
+const STEP: f64 = 0.2;
+/// How fast steps shrink, 1/iterations.
+const STEP_DECAY: f64 = 0.05;
+
+/// What is maximised.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Goal {
+    /// Mean thrust, N.
+    Thrust,
+    /// Mean thrust over the flow of air, N s/m³ at ambient pressure.
+    ThrustPerAir,
+}
+
+/// A tail that flaps under a waveform.
+pub struct WaveformModel<'a> {
+    /// The reduced tail in water.
+    pub twin: &'a Twin,
+    /// Its chambers.
+    pub chambers: &'a [Chamber],
+    /// The side that fills each chamber, 0 or 1; none of a chamber that stays vented.
+    pub halves: &'a [Option<usize>],
+    /// Rows of the markers of theory, (markers × 2) × coordinates, m.
+    pub rows: &'a DMatrix<f64>,
+    /// The tail in theory, and its five coefficients.
+    pub theory: (&'a Tail, [f64; 5]),
+    /// Modelled fraction of the tail: ½ of a half model.
+    pub share: f64,
+    /// The valve.
+    pub valve: Valve,
+    /// Highest pressure and the frequencies; iterations of Adam.
+    pub limits: Limits,
+    /// Time steps of one cycle.
+    pub steps_per_cycle: usize,
+    /// Settling cycles, and cycles over which thrust and air are averaged.
+    pub cycles: [usize; 2],
+}
+
+/// Mean thrust and flow of air of a motion.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Performance {
+    /// N.
+    pub thrust: Newton,
+    /// m³/s at ambient pressure, drawn by all chambers.
+    pub air: f64,
+}
+
+/// The maximum.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Optimum {
+    /// The best waveform.
+    pub waveform: Waveform,
+    /// Its performance.
+    pub performance: Performance,
+    /// Value of the goal at every evaluation, in its unit.
+    pub values: Vec<f64>,
+}
+
+/// A simulated motion.
+struct Flapping {
+    recording: Recording,
+    /// Of both sides, after each step: commands over the highest pressure, and pressures, Pa.
+    commands: [Vec<f64>; 2],
+    pressures: [Vec<Pascal>; 2],
+    /// s.
+    step: f64,
+}
+
+/// Derivatives of a goal by the thrust and by the flow of air.
+type ByPerformance = [f64; 2];
+
+impl Goal {
+    /// Its value.
+    pub fn value(self, of: &Performance) -> f64 {
+        match self {
+            Self::Thrust => of.thrust,
+            Self::ThrustPerAir => of.thrust / of.air.max(f64::MIN_POSITIVE),
+        }
+    }
+
+    fn slope(self, of: &Performance) -> ByPerformance {
+        match self {
+            Self::Thrust => [1.0, 0.0],
+            Self::ThrustPerAir => [1.0, -self.value(of)].map(|by| by / of.air.max(f64::MIN_POSITIVE)),
+        }
+    }
+}
+
+impl WaveformModel<'_> {
+    /// Thrust and air of a waveform.
+    ///
+    /// # Errors
+    /// A [`diagnostics::Diagnostic`] when a step finds no motion.
+    pub fn performance(&self, waveform: &Waveform) -> Result<Performance> {
+        Ok(self.measured(&self.flapping(waveform)?))
+    }
+
+    /// The goal's value and its derivatives by the waveform's numbers.
+    ///
+    /// # Errors
+    /// A [`diagnostics::Diagnostic`] when a step finds no motion or has no adjoint.
+    pub fn gradient(&self, goal: Goal, waveform: &Waveform) -> Result<(f64, Vec<f64>)> {
+        let flapping = self.flapping(waveform)?;
+        let performance = self.measured(&flapping);
+        let by = goal.slope(&performance);
+        let mut loss = |n: usize| self.loss_gradient(&flapping, n, by);
+        let adjoint = self.twin.adjoint(&flapping.recording, &mut loss)?.pressures;
+        let mut gradient = vec![0.0; PARAMETERS];
+        for side in 0..2 {
+            let of = |(n, step): (usize, &Vec<f64>)| -> f64 {
+                let own = |chamber: usize| step[chamber] + by[1] * self.air_by_pressure(&flapping, n, chamber);
+                self.chambers_of(side).map(own).sum::<f64>() * self.limits.amplitude
+            };
+            let by_pressure: Vec<f64> = adjoint.iter().enumerate().map(of).collect();
+            let shares: Vec<f64> = flapping.pressures[side].iter().map(|p| p / self.limits.amplitude).collect();
+            let by_command = self.valve.adjoint([&flapping.commands[side], &shares, &by_pressure], flapping.step);
+            waveform.add_gradient(side, (&by_command, self.steps_per_cycle), &mut gradient);
+        }
+        gradient[0] = self.by_frequency(goal, waveform)?;
+        Ok((goal.value(&performance), gradient))
+    }
+
+    /// The waveform of the greatest value, from `start`.
+    ///
+    /// # Errors
+    /// As [`WaveformModel::gradient`].
+    pub fn maximise(&self, goal: Goal, start: &Waveform) -> Result<Optimum> {
+        let [low, high] = Waveform::bounds();
+        let names: Vec<String> = (0..PARAMETERS).map(|n| format!("number {n} of the waveform")).collect();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let problem = Problem::new(&names, start.numbers.clone(), Bounds { low, high })?;
+        let iterations = self.limits.iterations.max(1);
+        let settings = Settings { step: STEP, step_decay: STEP_DECAY, iterations, ..Settings::default() };
+        let mut objective = |batch: &[Vec<f64>], _: Needs| -> Result<Vec<Evaluation>, Interrupted> {
+            batch.iter().map(|at| self.evaluation(goal, at).map_err(Interrupted)).collect()
+        };
+        let log = minimise(&mut Adam::new(&problem, &settings)?, &mut objective).map_err(|stop| stop.0)?;
+        let waveform = Waveform { numbers: log.best.at };
+        let values = log.entries.iter().map(|entry| -entry.evaluation.loss).collect();
+        Ok(Optimum { performance: self.performance(&waveform)?, waveform, values })
+    }
+
+    fn evaluation(&self, goal: Goal, at: &[f64]) -> Result<Evaluation> {
+        let (value, gradient) = self.gradient(goal, &Waveform { numbers: at.to_vec() })?;
+        let gradient = Some(gradient.iter().map(|by| -by).collect());
+        Ok(Evaluation { gradient, ..Evaluation::of_loss(at.to_vec(), -value) })
+    }
+
+    fn by_frequency(&self, goal: Goal, waveform: &Waveform) -> Result<f64> {
+        let [low, high] = self.limits.frequency;
+        let here = waveform.numbers[0];
+        let [from, to] = [(here - NUDGE).max(0.0), (here + NUDGE).min(1.0)];
+        if high <= low {
+            return Ok(0.0);
+        }
+        let value = |at: f64| {
+            let mut near = waveform.clone();
+            near.numbers[0] = at;
+            self.performance(&near).map(|performance| goal.value(&performance))
+        };
+        Ok((value(to)? - value(from)?) / (to - from))
+    }
+
+    fn flapping(&self, waveform: &Waveform) -> Result<Flapping> {
+        let steps = self.steps_per_cycle * self.cycles.iter().sum::<usize>();
+        let step = 1.0 / (waveform.frequency(&self.limits) * self.steps_per_cycle as f64);
+        let commands = [0, 1].map(|side| waveform.commands(side, (steps, self.steps_per_cycle)));
+        let pressures = [0, 1].map(|side: usize| -> Vec<Pascal> {
+            self.valve.follow(&commands[side], step).iter().map(|share| share * self.limits.amplitude).collect()
+        });
+        let mut recording = self.twin.recording();
+        let at = |n: usize| -> Vec<Pascal> {
+            self.halves.iter().map(|half| half.map_or(0.0, |side| pressures[side][n])).collect()
+        };
+        (0..steps).try_for_each(|n| self.twin.record(&mut recording, &at(n), step))?;
+        Ok(Flapping { recording, commands, pressures, step })
+    }
+
+    /// First step of the averages, and their number.
+    fn counted(&self) -> (usize, usize) {
+        (self.cycles[0] * self.steps_per_cycle, self.cycles[1] * self.steps_per_cycle)
+    }
+
+    fn measured(&self, flapping: &Flapping) -> Performance {
+        let (first, count) = self.counted();
+        let thrust = (0..first + count).map(|n| self.instant(flapping, n).map_or(0.0, |(value, ..)| value)).sum();
+        let drawn: f64 = (0..self.chambers.len())
+            .map(|chamber| (first..first + count).map(|n| self.drawn(flapping, n, chamber).max(0.0)).sum::<f64>())
+            .sum();
+        Performance { thrust, air: drawn / (count as f64 * flapping.step * self.share) }
+    }
+
+    /// The share of step `n` in the mean thrust, and its derivatives by the markers' displacements and velocities, flat.
+    fn instant(&self, flapping: &Flapping, n: usize) -> Option<(f64, DVector<f64>, DVector<f64>)> {
+        let (first, count) = self.counted();
+        let of_end = |end: bool| f64::from(u8::from(end)) / (count as f64 * flapping.step);
+        let ends = of_end(n + 1 == first + count) - of_end(n + 1 == first);
+        let part = f64::from(u8::from(n >= first)) / count as f64;
+        if part == 0.0 && ends == 0.0 {
+            return None;
+        }
+        let read = |of: &[f64]| super::water::points(self.rows * DVector::from_column_slice(of));
+        let (moved, speed) = (read(flapping.recording.coordinates(n)), read(flapping.recording.velocity(n)));
+        let (tail, coefficients) = &self.theory;
+        let instant = of_theory(&tail.terms(&moved, &speed), coefficients, Weights { part, ends }, &speed);
+        let flat = |of: &[Point2]| DVector::from_iterator(2 * of.len(), of.iter().flatten().copied());
+        Some((instant.value, flat(&instant.by_place), flat(&instant.by_velocity)))
+    }
+
+    /// Derivatives of the goal by the state after step `n`.
+    fn loss_gradient(&self, flapping: &Flapping, n: usize, [by_thrust, by_air]: ByPerformance) -> LossGradient {
+        let mut coordinates = DVector::zeros(self.twin.coordinates());
+        let mut velocity = DVector::zeros(self.twin.coordinates());
+        if let Some((_, by_place, by_velocity)) = self.instant(flapping, n) {
+            coordinates += self.rows.tr_mul(&by_place) * by_thrust;
+            velocity += self.rows.tr_mul(&by_velocity) * by_thrust;
+        }
+        for chamber in (0..self.chambers.len()).filter(|_| by_air != 0.0) {
+            let weight = by_air * self.air_weight(flapping, n, chamber);
+            let filled = weight * (1.0 + self.pressure(flapping, n, chamber) / AMBIENT);
+            if filled != 0.0 {
+                let by = self.chambers[chamber].volume_gradient(flapping.recording.coordinates(n));
+                coordinates += DVector::from_vec(by) * filled;
+            }
+        }
+        LossGradient { coordinates: coordinates.as_slice().to_vec(), velocity: velocity.as_slice().to_vec() }
+    }
+
+    fn chambers_of(&self, side: usize) -> impl Iterator<Item = usize> {
+        self.halves.iter().enumerate().filter(move |(_, half)| **half == Some(side)).map(|(chamber, _)| chamber)
+    }
+
+    fn pressure(&self, flapping: &Flapping, n: usize, chamber: usize) -> Pascal {
+        self.halves[chamber].map_or(0.0, |side| flapping.pressures[side][n])
+    }
+
+    /// Air in a chamber after step `n`, m³ at ambient pressure.
+    fn content(&self, flapping: &Flapping, n: usize, chamber: usize) -> f64 {
+        let volume = self.chambers[chamber].volume(flapping.recording.coordinates(n));
+        (1.0 + self.pressure(flapping, n, chamber) / AMBIENT) * volume
+    }
+
+    /// Air that a chamber draws in step `n`, m³; negative when it loses air, and nothing of a vented chamber, which breathes ambient air.
+    fn drawn(&self, flapping: &Flapping, n: usize, chamber: usize) -> f64 {
+        let before = |n: usize| self.content(flapping, n - 1, chamber);
+        match self.halves[chamber] {
+            Some(_) if n > 0 => self.content(flapping, n, chamber) - before(n),
+            _ => 0.0,
+        }
+    }
+
+    /// Derivative of the flow of air by a chamber's content after step `n`, 1/s: what it draws in that step less what it draws in the next.
+    fn air_weight(&self, flapping: &Flapping, n: usize, chamber: usize) -> f64 {
+        let (first, count) = self.counted();
+        let draws = |n: usize| {
+            let counts = (first..first + count).contains(&n) && self.drawn(flapping, n, chamber) > 0.0;
+            f64::from(u8::from(counts))
+        };
+        (draws(n) - draws(n + 1)) / (count as f64 * flapping.step * self.share)
+    }
+
+    /// Derivative of the flow of air by the pressure of a chamber in step `n` at a fixed shape, m³/(s Pa).
+    fn air_by_pressure(&self, flapping: &Flapping, n: usize, chamber: usize) -> f64 {
+        let weight = self.air_weight(flapping, n, chamber);
+        if weight == 0.0 {
+            return 0.0;
+        }
+        weight * self.chambers[chamber].volume(flapping.recording.coordinates(n)) / AMBIENT
+    }
+}

@@ -1,0 +1,78 @@
+//! The waveform's gradient against differences, and its optimum against the square wave that it starts from.
+#![allow(clippy::unwrap_used)] // tests
+
+use hydro::{Stations, Tail};
+use nalgebra::DMatrix;
+use thrust::ascent::Limits;
+use thrust::square_wave::SquareWave;
+use thrust::waveform::{PARAMETERS, Valve, Waveform};
+use thrust::waveform_thrust::{Goal, WaveformModel};
+use twin::example::{LENGTH, beam};
+use twin::{Twin, TwinData};
+
+const SQUARE: SquareWave = SquareWave { amplitude: 1.6e4, frequency: 2.0, sharpness: 3.0 };
+
+/// Evaluates something of the beam in water, both of whose chambers are filled in turn.
+fn with_model<T>(iterations: usize, of: impl Fn(&WaveformModel) -> T) -> T {
+    let data: TwinData = beam(true);
+    let twin = Twin::new(data.clone()).unwrap().with_tolerance(1e-10);
+    let rows = DMatrix::from_fn(2, data.coordinates(), |i, j| twin.output_row(i)[j]);
+    let stations = Stations { clamp: 0.0, marks: &[LENGTH], edge: LENGTH, end: LENGTH };
+    let tail = Tail::new(998.0, &stations, 12, &|_| 0.02).unwrap();
+    of(&WaveformModel {
+        twin: &twin,
+        chambers: &data.chambers,
+        halves: &[Some(0), Some(1)],
+        rows: &rows,
+        theory: (&tail, [1.0, 1.0, 2.0, 0.1, 0.0]),
+        share: 1.0,
+        valve: Valve { filling: 0.05, emptying: 0.03 },
+        limits: Limits { amplitude: 2e4, frequency: [1.0, 3.0], iterations },
+        steps_per_cycle: 40,
+        cycles: [1, 1],
+    })
+}
+
+#[test]
+fn the_gradient_by_all_harmonics_and_amplitudes_is_that_of_differences() {
+    with_model(1, |model| {
+        let mut waveform = Waveform::square(&SQUARE, &model.limits);
+        waveform.numbers.iter_mut().enumerate().skip(1).for_each(|(n, x)| *x += 0.1 * (1.7 * n as f64).sin());
+        for goal in [Goal::Thrust, Goal::ThrustPerAir] {
+            let (value, gradient) = model.gradient(goal, &waveform).unwrap();
+            let largest = gradient.iter().fold(0.0, |most: f64, by| most.max(by.abs()));
+            assert!(value.abs() > 0.0 && gradient.len() == PARAMETERS);
+            for n in [1, 2, 3, 4, 10, 18, 19, 21, 22, 36] {
+                let at = |by: f64| {
+                    let mut near = waveform.clone();
+                    near.numbers[n] += by;
+                    goal.value(&model.performance(&near).unwrap())
+                };
+                let difference = (at(1e-4) - at(-1e-4)) / 2e-4;
+                // a valve that turns between filling and emptying, and a chamber between drawing and losing air, have a kink
+                assert!(
+                    (gradient[n] - difference).abs() < 1e-4 * largest,
+                    "{goal:?} {n}: {} {difference}",
+                    gradient[n]
+                );
+            }
+        }
+    });
+}
+
+#[test]
+fn the_optimal_waveform_has_more_thrust_and_more_thrust_per_air_than_its_square_wave() {
+    with_model(30, |model| {
+        let start = Waveform::square(&SQUARE, &model.limits);
+        let square = model.performance(&start).unwrap();
+        for goal in [Goal::Thrust, Goal::ThrustPerAir] {
+            let optimum = model.maximise(goal, &start).unwrap();
+            let gain = goal.value(&optimum.performance) / goal.value(&square);
+            println!("{goal:?}: {square:?} to {:?}, {gain:.3} times", optimum.performance);
+            assert!(goal.value(&square) > 0.0 && gain > 1.05, "{goal:?}: {gain}");
+            let [low, high] = Waveform::bounds();
+            let inside = |(x, (low, high)): (&f64, (&f64, &f64))| (*low..=*high).contains(x);
+            assert!(optimum.waveform.numbers.iter().zip(low.iter().zip(&high)).all(inside));
+        }
+    });
+}

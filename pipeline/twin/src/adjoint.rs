@@ -1,0 +1,171 @@
+//! Discrete adjoint of a recorded motion: derivatives of a loss by moduli, relaxation, pressures at every step and the water's two
+//! numbers, with checkpoints [griewank1992].
+//!
+//! Steps are passed from the last to the first. Each takes one tangent at its end, exact where the step's own was lagged, and one solution
+//! with its transpose; the stencil of BDF2 carries the adjoint to the two steps before, and [`SolidAdjoint`] through the relaxation.
+
+use crate::chambers::{PressureWork, add};
+use crate::dense::{multiply, solve_transposed};
+use crate::elastic::{Acting, add_triangle, triangle};
+use crate::error::TwinError;
+use crate::gradient::{LossGradient, MotionGradient};
+use crate::lanes::{Lanes, add_reduced};
+use crate::law::Symmetric;
+use crate::recording::{RecordedPart, Recording, place};
+use crate::solid_adjoint::{BranchStep, SolidAdjoint};
+use crate::step::Twin;
+use crate::water_adjoint::WaterGradient;
+
+/// Derivatives of the loss by q, q̇ and the water's momentum after one part, but for what that part's own residual depends on them by.
+#[derive(Debug, Clone)]
+struct Pending {
+    coordinates: Vec<f64>,
+    velocity: Vec<f64>,
+    momentum: Vec<f64>,
+}
+
+/// The pass through a motion.
+struct Pass<'a> {
+    twin: &'a Twin,
+    solids: Vec<SolidAdjoint<'a>>,
+    /// Of the part that is passed next, and of the two before it.
+    pending: [Pending; 3],
+    water: [f64; 2],
+}
+
+impl Twin {
+    /// The derivatives of a loss of a recorded motion; `loss` gives those by the state after each step, from 0, last step first.
+    ///
+    /// They are exact to the tolerance of the steps, [`Twin::with_tolerance`].
+    ///
+    /// # Errors
+    /// [`TwinError::Adjoint`] when a step's tangent is singular.
+    pub fn adjoint(
+        &self,
+        recording: &Recording,
+        loss: &mut dyn FnMut(usize) -> LossGradient,
+    ) -> Result<MotionGradient, TwinError> {
+        let mut pass = Pass::new(self);
+        let mut pressures = vec![vec![0.0; self.chambers.len()]; recording.steps()];
+        let (mut checkpoint, mut held) = (usize::MAX, Vec::new());
+        for step in (0..recording.steps()).rev() {
+            pass.pending[0].add(&loss(step));
+            let first = step.checked_sub(1).map_or(0, |before| recording.ends[before]);
+            for number in (first..recording.ends[step]).rev() {
+                let (segment, within) = place(number);
+                if segment != checkpoint {
+                    (checkpoint, held) = (segment, self.held(recording, segment));
+                }
+                let part = &recording.parts[number];
+                let by = pass.step(part, std::mem::take(&mut held[within]))?;
+                share(&by, (step, part.passed), &mut pressures);
+            }
+        }
+        let regions = pass.solids.iter().map(SolidAdjoint::gradient).collect();
+        Ok(MotionGradient { regions, pressures, water: pass.water })
+    }
+}
+
+/// Adds the derivatives by the pressures of a part to those by the pressures at both ends of its step.
+fn share(by: &[f64], (step, passed): (usize, f64), pressures: &mut [Vec<f64>]) {
+    add(&mut pressures[step], passed, by);
+    // before the first step there is no pressure
+    if step > 0 {
+        add(&mut pressures[step - 1], 1.0 - passed, by);
+    }
+}
+
+impl<'a> Pass<'a> {
+    fn new(twin: &'a Twin) -> Self {
+        let pending = || Pending::zero(twin.coordinates());
+        let solids = twin.solids.iter().map(SolidAdjoint::new).collect();
+        Self { twin, solids, pending: [pending(), pending(), pending()], water: [0.0; 2] }
+    }
+
+    /// Passes one part; returns the derivatives by its pressures, 1/Pa.
+    fn step(&mut self, part: &RecordedPart, held: Vec<Vec<Symmetric>>) -> Result<Vec<f64>, TwinError> {
+        let (twin, q, gamma) = (self.twin, &part.coordinates, part.stencil.gamma);
+        let [own, before, earlier] = &self.pending;
+        let mut own = own.clone();
+        self.pending = [before.clone(), earlier.clone(), Pending::zero(q.len())];
+        let branches: Vec<Vec<BranchStep>> = self.solids.iter().map(|solid| solid.branches(part.duration)).collect();
+        let acting = self.solids.iter().zip(&branches).zip(held).map(|((solid, now), held)| solid.acting(now, held));
+        let acting: Vec<Acting> = acting.collect();
+        let tangent = self.tangent(part, (&acting, &branches), &mut own.coordinates);
+        let momentum = self.water(part, [&vec![0.0; q.len()], &own.momentum]);
+        add(&mut own.coordinates, 1.0, &momentum.by_coordinates);
+        add(&mut own.velocity, 1.0, &momentum.by_velocity);
+        let mut right = own.coordinates.clone();
+        add(&mut right, gamma, &own.velocity);
+        let adjoint = solve_transposed(&tangent, &right).ok_or(TwinError::Adjoint { time: part.time })?;
+        let adjoint: Vec<f64> = adjoint.iter().map(|entry| -entry).collect();
+        let force = self.water(part, [&adjoint, &vec![0.0; q.len()]]);
+        add(&mut own.velocity, 1.0, &force.by_velocity);
+        self.carry(part, own, &adjoint);
+        for ((solid, acting), now) in self.solids.iter_mut().zip(&acting).zip(branches) {
+            solid.pass(&adjoint, acting, now);
+        }
+        let work = |chamber: &crate::data::Chamber| -dot(&chamber.volume_gradient(q), &adjoint);
+        Ok(twin.chambers.iter().map(work).collect())
+    }
+
+    /// The derivative of the part's residual by its q; adds to `loss` what later steps depend on q by through the relaxation.
+    fn tangent(
+        &mut self,
+        part: &RecordedPart,
+        (acting, branches): (&[Acting], &[Vec<BranchStep>]),
+        loss: &mut [f64],
+    ) -> Vec<f64> {
+        let (twin, q, gamma) = (self.twin, &part.coordinates, part.stencil.gamma);
+        let mut tangent: Vec<f64> = twin.mass.iter().map(|m| m * gamma * gamma).collect();
+        let (mut stiffness, mut later) = (triangle(q.len()), vec![Lanes::ZERO; q.len()]);
+        for ((solid, acting), now) in self.solids.iter_mut().zip(acting).zip(branches) {
+            solid.add_tangent(q, acting, now, (&mut stiffness, &mut later));
+        }
+        add_triangle(&stiffness, &mut tangent);
+        add_reduced(&later, loss);
+        let mut work = PressureWork::none(q.len());
+        work.set(&twin.chambers, &part.pressures);
+        work.subtract_hessian(q, &mut tangent);
+        if let Some(water) = &twin.water {
+            water.add_stiffness((q, &part.velocity), gamma, &mut tangent);
+        }
+        tangent
+    }
+
+    /// The derivatives of the water's part, whose factors' are summed.
+    fn water(&mut self, part: &RecordedPart, adjoints: [&[f64]; 2]) -> WaterGradient {
+        let motion = (&*part.coordinates, &*part.velocity);
+        let by = self.twin.water.as_ref().map(|water| water.adjoint(motion, part.stencil.gamma, adjoints));
+        let by = by.unwrap_or_else(|| WaterGradient::zero(part.coordinates.len()));
+        self.water.iter_mut().zip(by.by_factors).for_each(|(sum, by)| *sum += by);
+        by
+    }
+
+    /// Carries the adjoint to the two parts before by the stencil.
+    fn carry(&mut self, part: &RecordedPart, mut own: Pending, adjoint: &[f64]) {
+        let mut momentum = vec![0.0; adjoint.len()];
+        multiply(&self.twin.mass, adjoint, &mut momentum);
+        add(&mut own.velocity, part.stencil.gamma, &momentum);
+        for (pending, weight) in self.pending.iter_mut().zip(part.stencil.weights) {
+            add(&mut pending.coordinates, weight, &own.velocity);
+            add(&mut pending.velocity, weight, &momentum);
+            add(&mut pending.momentum, weight, adjoint);
+        }
+    }
+}
+
+impl Pending {
+    fn zero(r: usize) -> Self {
+        Self { coordinates: vec![0.0; r], velocity: vec![0.0; r], momentum: vec![0.0; r] }
+    }
+
+    fn add(&mut self, by: &LossGradient) {
+        add(&mut self.coordinates, 1.0, &by.coordinates);
+        add(&mut self.velocity, 1.0, &by.velocity);
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

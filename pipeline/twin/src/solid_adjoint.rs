@@ -1,0 +1,200 @@
+//! Adjoint of a solid with relaxation, at its cubature points eight side by side.
+//!
+//! With the overstress Qₙ = dₙ Qₙ₋₁ + aₙ (Sₙ − Sₙ₋₁) of a branch, the residual of a step holds F μ Σ Qₙ. Given its adjoint λₙ, X = w sym(Fᵀ G λₙ) and
+//! the total derivative of the loss by Qₙ is Yₙ = μ Xₙ + dₙ₊₁ Yₙ₊₁: one tensor a branch, which needs no history. The derivative by dₙ, which
+//! is Yₙ : Qₙ₋₁, needs none either: Σ Yₙ d′ₙ : Qₙ₋₁ = Σ Tₙ : aₙ (Sₙ − Sₙ₋₁) with Tₙ = d′ₙ₊₁ Yₙ₊₁ + dₙ₊₁ Tₙ₊₁.
+
+use crate::elastic::{Acting, Solid, add_tangent};
+use crate::gradient::RegionGradient;
+use crate::history::{FactorSlopes, Factors, add};
+use crate::lanes::{Lanes, gather, scatter, splat};
+use crate::law::{Deformed, NOTHING, Symmetric, Tensor, at, invariant, nine};
+
+/// A solid's adjoint while a motion is passed backwards.
+pub(crate) struct SolidAdjoint<'a> {
+    solid: &'a Solid,
+    /// Of the step that was passed last; nothing before the first.
+    after: Vec<BranchStep>,
+    /// blocks × branches: Y and T.
+    tensors: Vec<[Symmetric; 2]>,
+    points: Vec<Point>,
+    sums: Sums,
+}
+
+/// A branch over one step.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct BranchStep {
+    factors: Factors,
+    slopes: FactorSlopes,
+}
+
+/// A block of points at one step.
+struct Point {
+    gradient: Tensor,
+    ln_volume: Lanes,
+    /// S = I − C⁻¹.
+    stress: Symmetric,
+}
+
+/// Derivatives in lanes.
+struct Sums {
+    moduli: [Lanes; 4],
+    branches: Vec<[Lanes; 2]>,
+}
+
+impl<'a> SolidAdjoint<'a> {
+    /// Before the last step.
+    pub fn new(solid: &'a Solid) -> Self {
+        let branches = solid.branches.len();
+        Self {
+            solid,
+            after: vec![BranchStep::default(); branches],
+            tensors: vec![[NOTHING; 2]; solid.blocks() * branches],
+            points: Vec::new(),
+            sums: Sums { moduli: [Lanes::ZERO; 4], branches: vec![[Lanes::ZERO; 2]; branches] },
+        }
+    }
+
+    /// Its branches over a step of `duration` seconds.
+    pub fn branches(&self, duration: f64) -> Vec<BranchStep> {
+        let of = |branch: &[f64; 2]| BranchStep {
+            factors: Factors::new(*branch, duration),
+            slopes: FactorSlopes::new(*branch, duration),
+        };
+        self.solid.branches.iter().map(of).collect()
+    }
+
+    /// What acts in a step.
+    pub fn acting(&self, now: &[BranchStep], held: Vec<Symmetric>) -> Acting {
+        Acting { constants: self.solid.constants(now.iter().map(|by| by.factors.gain).sum()), held }
+    }
+
+    /// Adds the upper triangle of K (J) at q, and to `loss` what later steps depend on q by through the histories.
+    pub(crate) fn add_tangent(
+        &mut self,
+        q: &[f64],
+        acting: &Acting,
+        now: &[BranchStep],
+        sums: (&mut [Lanes], &mut [Lanes]),
+    ) {
+        let (stiffness, loss) = sums;
+        self.points.clear();
+        for (block, weight) in self.solid.weights.iter().enumerate() {
+            let gradients = self.solid.gradients.block(block);
+            let here = Deformed::new(&gather(gradients, q), &acting.constants);
+            let stress = here.relaxing();
+            if !now.is_empty() {
+                scatter(gradients, &pulled(&here, &stress, &self.later(block, now)), loss);
+            }
+            let held = acting.held.get(block).unwrap_or(&NOTHING);
+            add_tangent(&here, (&acting.constants, held), (gradients, *weight), stiffness);
+            self.points.push(Point { gradient: here.gradient, ln_volume: here.ln_volume, stress });
+        }
+    }
+
+    /// What later steps depend on S of this one by: Σ (a d₊ − a₊) Y₊ over the branches.
+    fn later(&self, block: usize, now: &[BranchStep]) -> Symmetric {
+        let mut sum = NOTHING;
+        let own = &self.tensors[block * now.len()..];
+        for ((now, after), [y, _]) in now.iter().zip(&self.after).zip(own) {
+            add(&mut sum, now.factors.gain * after.factors.decay - after.factors.gain, y);
+        }
+        sum
+    }
+
+    /// Passes the step of the last tangent, whose residual has this adjoint.
+    pub fn pass(&mut self, adjoint: &[f64], acting: &Acting, now: Vec<BranchStep>) {
+        let gain = 1.0 + now.iter().map(|by| by.factors.gain).sum::<f64>();
+        let of_mu = 1.0 / self.solid.mu;
+        for (block, point) in self.points.iter().enumerate() {
+            let weight = self.solid.weights[block];
+            let strain = strain(&point.gradient, &gather(self.solid.gradients.block(block), adjoint), weight);
+            let held = acting.held.get(block).map_or(Lanes::ZERO, |held| product(held, &strain));
+            self.sums.add(point, &strain, [splat(gain), held * splat(of_mu)]);
+            let own = &mut self.tensors[block * now.len()..(block + 1) * now.len()];
+            for (((tensors, now), after), sums) in
+                own.iter_mut().zip(&now).zip(&self.after).zip(&mut self.sums.branches)
+            {
+                pass_branch(tensors, [now, after], (&strain.map(|x| x * splat(self.solid.mu)), &point.stress), sums);
+            }
+        }
+        self.after = now;
+    }
+
+    /// The derivatives after the first step was passed.
+    pub fn gradient(&self) -> RegionGradient {
+        let [mu, lambda, c20, c30] = self.sums.moduli.map(Lanes::sum);
+        let branches = self.sums.branches.iter().map(|by| by.map(Lanes::sum)).collect();
+        RegionGradient { mu, lambda, stiffening: [c20, c30], branches }
+    }
+}
+
+impl Sums {
+    /// Adds the derivatives by the moduli at a block; `gain` is what multiplies μ in the law, `held` the held part's derivative by μ.
+    #[inline(always)]
+    fn add(&mut self, point: &Point, strain: &Symmetric, [gain, held]: [Lanes; 2]) {
+        // (F − G) : δF = S : Fᵀ δF and G : δF = C⁻¹ : Fᵀ δF with C⁻¹ = I − S
+        let along = product(&point.stress, strain);
+        let x = invariant(&point.gradient, point.ln_volume);
+        let volume = strain[0] + strain[1] + strain[2] - along;
+        let by = [gain * along + held, point.ln_volume * volume, splat(4.0) * x * along, splat(6.0) * x * x * along];
+        self.moduli.iter_mut().zip(by).for_each(|(sum, by)| *sum = *sum + by);
+    }
+}
+
+/// Y and T of one branch at a block, from those of the step after it; adds the derivatives by strength and time.
+#[inline(always)]
+fn pass_branch(
+    [y, t]: &mut [Symmetric; 2],
+    [now, after]: [&BranchStep; 2],
+    (strain, stress): (&Symmetric, &Symmetric),
+    [by_strength, by_time]: &mut [Lanes; 2],
+) {
+    let (later_y, later_t) = (product(stress, y), product(stress, t));
+    for k in 0..6 {
+        t[k] = (t[k] * splat(after.factors.decay)).plus(splat(after.slopes.decay_by_time), y[k]);
+        y[k] = strain[k].plus(splat(after.factors.decay), y[k]);
+    }
+    let (own_y, own_t) = (product(stress, y), product(stress, t));
+    let change = |own: (Lanes, f64), later: (Lanes, f64)| own.0 * splat(own.1) - later.0 * splat(later.1);
+    *by_strength =
+        *by_strength + change((own_y, now.slopes.gain_by_strength), (later_y, after.slopes.gain_by_strength));
+    *by_time = *by_time
+        + change((own_y, now.slopes.gain_by_time), (later_y, after.slopes.gain_by_time))
+        + change((own_t, now.factors.gain), (later_t, after.factors.gain));
+}
+
+/// w sym(Fᵀ δF); the entries off the diagonal are those of both sides.
+#[inline(always)]
+fn strain(f: &Tensor, change: &Tensor, weight: Lanes) -> Symmetric {
+    let entry = |a: usize, b: usize| {
+        (f[at(0, a)] * change[at(0, b)]).plus(f[at(1, a)], change[at(1, b)]).plus(f[at(2, a)], change[at(2, b)])
+    };
+    let [yz, xz, xy] = [(1, 2), (0, 2), (0, 1)].map(|(a, b)| (entry(a, b) + entry(b, a)) * weight);
+    [entry(0, 0) * weight, entry(1, 1) * weight, entry(2, 2) * weight, yz, xz, xy]
+}
+
+/// Σ over the six entries of a stress and of what [`strain`] returns.
+#[inline(always)]
+fn product(a: &Symmetric, b: &Symmetric) -> Lanes {
+    let half = |k: usize| (a[k] * b[k]).plus(a[k + 1], b[k + 1]).plus(a[k + 2], b[k + 2]);
+    half(0) + half(3)
+}
+
+/// ∂(Z : S)/∂F = 2 G Z C⁻¹, Z the derivatives by the six entries of S.
+#[inline(always)]
+fn pulled(here: &Deformed, stress: &Symmetric, by: &Symmetric) -> Tensor {
+    let whole = |[xx, yy, zz, yz, xz, xy]: [Lanes; 6]| [xx, xy, xz, xy, yy, yz, xz, yz, zz];
+    let (half, one) = (splat(0.5), splat(1.0));
+    let z = whole([by[0], by[1], by[2], half * by[3], half * by[4], half * by[5]]);
+    let mut inverse = stress.map(|entry| Lanes::ZERO - entry);
+    inverse[..3].iter_mut().for_each(|entry| *entry = *entry + one);
+    let image = times(&z, &whole(inverse));
+    times(&here.cofactor, &image).map(|entry| entry + entry)
+}
+
+/// A B.
+#[inline(always)]
+fn times(a: &Tensor, b: &Tensor) -> Tensor {
+    nine(|i, k| (a[at(i, 0)] * b[at(0, k)]).plus(a[at(i, 1)], b[at(1, k)]).plus(a[at(i, 2)], b[at(2, k)]))
+}
