@@ -41,7 +41,7 @@ fn solve(test: &str, case: &str) -> Result<(Summary, Table), String> {
         .replace("file = \"ball.msh\"", &name("../mesh/tests/data/ball.msh"))
         .replace("file = \"bar_legacy.msh\"", &name("../mesh/tests/data/bar_legacy.msh"));
     std::fs::write(folder.join("case.toml"), case).unwrap();
-    let summary = run(&folder.join("case.toml"), None, true).map_err(|diagnostic| diagnostic.to_string())?;
+    let summary = run(&folder.join("case.toml"), None, true, None).map_err(|diagnostic| diagnostic.to_string())?;
     Ok((summary, Table::read(&folder.join("case.out/case.csv"))))
 }
 
@@ -407,7 +407,17 @@ fn two_surfaces_are_meshed_and_simulated() {
 fn a_second_case_is_not_mixed_into_the_frames_of_another() {
     let out = folder("shared-out");
     std::fs::write(out.join("beam.pvd"), "").unwrap();
-    let refused = run(&here("examples/cantilever.toml"), Some(&out), true).unwrap_err().to_string();
+    let refused = run(&here("examples/cantilever.toml"), Some(&out), true, None).unwrap_err().to_string();
     assert!(refused.contains("another case, beam.pvd") && refused.contains("--out"), "{refused}");
     assert_eq!(std::fs::read_dir(&out).unwrap().count(), 1, "nothing is added");
+}
+
+#[test]
+fn an_interrupt_ends_a_case() {
+    let out = std::env::temp_dir().join(format!("simulate-interrupted-{}", std::process::id()));
+    let case = here("examples/cantilever.toml");
+    let ended = run(&case, Some(&out), true, Some(std::sync::Arc::new(|| true))).unwrap_err().to_string();
+    assert!(ended.contains("interrupt"), "{ended}");
+    run(&case, Some(&out), true, Some(std::sync::Arc::new(|| false))).unwrap();
+    std::fs::remove_dir_all(&out).unwrap();
 }
