@@ -15,9 +15,9 @@ use super::run::Run;
 /// # Errors
 /// A [`diagnostics::Diagnostic`] when the folder cannot be written.
 pub(super) fn write(report: &Report, folder: &Path) -> Result<()> {
-    crate::write(folder, "force.csv", &table(report))?;
+    crate::write(folder, "force.csv", table(report))?;
     let record = serde_json::to_string_pretty(&record(report))?;
-    crate::write(folder, "force.json", &format!("{record}\n"))?;
+    crate::write(folder, "force.json", format!("{record}\n"))?;
     match report.runs.is_empty() {
         true => Ok(()),
         false => crate::write(folder, "force.svg", &figure(report)?),
