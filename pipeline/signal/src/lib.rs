@@ -33,6 +33,7 @@ pub mod resample;
 pub mod smooth;
 pub mod spectrum;
 pub mod statistics;
+pub mod step_response;
 #[cfg(test)]
 mod testing;
 pub mod wave;

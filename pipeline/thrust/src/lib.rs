@@ -4,7 +4,8 @@
 //! file a kind of model, and [`MODELS`] is their list; [`splits`] chooses training and test runs; [`score`] computes errors on test
 //! runs with bootstrap intervals. [`square_wave`] is the actuation. [`simulated`] evaluates a trained model on the motion of the full
 //! finite-element model with its adjoint gradient, [`flapping`] on that of the reduced model in [`water`]; [`ascent`] maximises either.
-//! [`waveform`] is an actuation of many harmonics behind a valve, which [`waveform_thrust`] optimises by the adjoint of a [`twin::Twin`]. [`underwater`] is that model under measured
+//! [`waveform`] is an actuation of many harmonics behind a valve, which [`waveform_thrust`] optimises by the adjoint of a
+//! [`twin::Twin`]; [`optimal_waveform`] sets the optima beside square waves and a recorded flap, [`square_wave_search`] is the search among those. [`underwater`] is that model under measured
 //! pressures; [`release`] identifies the
 //! coefficients of that water; [`real_time`] makes the reduced model a [`twin::Twin`], which steps faster than real time.
 //!
@@ -21,6 +22,7 @@
 pub mod ascent;
 pub mod flapping;
 pub mod models;
+pub mod optimal_waveform;
 pub mod outline;
 pub mod real_time;
 pub mod release;
@@ -29,6 +31,7 @@ pub mod score;
 pub mod simulated;
 pub mod splits;
 pub mod square_wave;
+pub mod square_wave_search;
 pub mod underwater;
 pub mod water;
 pub mod waveform;

@@ -62,13 +62,18 @@ pub fn twin_data(body: &ReducedBody, water: Option<&Surroundings>, outputs: &[(&
     })
 }
 
+/// Whether a twin evaluates the laws of a body.
+pub fn has_twin(body: &ReducedBody) -> bool {
+    body.model().arrays().regions.iter().all(|region| LAWS.contains(&region.material.name()))
+}
+
 /// Displacement of a marker of `body` along x and y in air, m, by its twin in steps of `step` seconds, as functions of the film's time; none
 /// where a law is none that a twin has.
 ///
 /// # Errors
 /// A [`Diagnostic`] when a step finds no motion.
 pub fn path(body: &ReducedBody, marker: usize, step: Second, actuation: &Actuation) -> Result<Option<[Samples; 2]>> {
-    if body.model().arrays().regions.iter().any(|region| !LAWS.contains(&region.material.name())) {
+    if !has_twin(body) {
         return Ok(None);
     }
     let twin = Twin::new(twin_data(body, None, &[("marker", marker)])?)?;

@@ -1,8 +1,9 @@
 //! A run: one flapping trial as evenly spaced samples, each with force, markers, pressures and their rates.
 
+use diagnostics::Result;
 use hydro::{Tail, Terms};
 use lab::card::Split;
-use si::{Hertz, Metre, Newton, Pascal, Point2, Second};
+use si::{Hertz, Metre, Newton, Pascal, Point2, Second, Series};
 
 /// One trial, samples × each.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,6 +70,26 @@ impl Run {
         let y = self.moved.iter().filter_map(|m| m.last()).map(|p| p[1]);
         let (low, high) = y.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), y| (l.min(y), h.max(y)));
         if high > low { 0.5 * (high - low) } else { 0.0 }
+    }
+
+    /// Mean measured force, N.
+    pub(crate) fn mean_force(&self) -> Newton {
+        self.force.iter().sum::<f64>() / self.len().max(1) as f64
+    }
+
+    /// The measured pressures as functions of time, one a chamber: the whole cycles of the run, repeated.
+    ///
+    /// # Errors
+    /// A [`diagnostics::Diagnostic`] when a pressure is not finite.
+    pub(crate) fn periodic_pressures(&self) -> Result<Vec<impl Fn(Second) -> Pascal>> {
+        let cycles = (self.len() as f64 / self.rate * self.frequency).round().max(1.0);
+        let period = cycles / self.frequency;
+        let chambers = self.pressure.first().map_or(0, Vec::len);
+        let one = |c: usize| -> Result<_> {
+            let gauge = Series::new(0.0, self.rate, self.pressure.iter().map(|p| p[c]).collect())?;
+            Ok(move |t: Second| gauge.at(t.rem_euclid(period)))
+        };
+        (0..chambers).map(one).collect()
     }
 
     /// Positions and velocities of the markers, pressures and their rates, as the network takes them: one row.

@@ -5,7 +5,9 @@
 
 use std::f64::consts::TAU;
 
+use serde::{Deserialize, Serialize};
 use si::{Hertz, Pascal, Second};
+use signal::step_response::{MOVED, Pulse};
 
 use crate::ascent::Limits;
 use crate::square_wave::SquareWave;
@@ -28,7 +30,7 @@ pub struct Waveform {
 }
 
 /// First-order dynamics of a valve, as measured.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Valve {
     /// Time constant of a pressure that rises.
     pub filling: Second,
@@ -92,6 +94,13 @@ impl Waveform {
 }
 
 impl Valve {
+    /// Medians over fillings; none without any. Dead times shift the whole cycle and are left out. A lag needs ln((1 − m)/m) of its time constants
+    /// from the part m of its step to all but m.
+    pub fn of(pulses: &[Pulse]) -> Option<Self> {
+        let filling = median(pulses.iter().map(|p| (p.fill - p.fill_dead) / ((1.0 - MOVED) / MOVED).ln()).collect())?;
+        Some(Self { filling, emptying: median(pulses.iter().map(|p| p.empty).collect())? })
+    }
+
     /// The part of its distance from the command that a pressure makes good in a step.
     fn gain(&self, rises: bool, step: Second) -> f64 {
         -(-step / if rises { self.filling } else { self.emptying }).exp_m1()
@@ -119,6 +128,11 @@ impl Valve {
     }
 }
 
+fn median(mut of: Vec<f64>) -> Option<f64> {
+    of.sort_by(f64::total_cmp);
+    of.get(of.len() / 2).copied()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -137,6 +151,18 @@ mod tests {
                 assert!((command * LIMITS.amplitude - exact).abs() < 1e-9 * LIMITS.amplitude);
             }
         }
+    }
+
+    #[test]
+    fn a_valve_is_read_off_a_log_of_its_own() {
+        let valve = Valve { filling: 0.06, emptying: 0.09 };
+        let command: Vec<f64> = (0..6000).map(|n| if n % 2000 < 1000 { 2e4 } else { 0.0 }).collect();
+        let measured = valve.follow(&command, 1e-3);
+        let time: Vec<f64> = (0..6000).map(|n| 1e-3 * f64::from(n)).collect();
+        let gauge = signal::step_response::Gauge { command: &command, measured: &measured };
+        let found = Valve::of(&signal::step_response::pulses(&time, gauge)).unwrap();
+        assert!((found.filling / 0.06 - 1.0).abs() < 0.02 && (found.emptying / 0.09 - 1.0).abs() < 0.02, "{found:?}");
+        assert!(Valve::of(&[]).is_none());
     }
 
     #[test]

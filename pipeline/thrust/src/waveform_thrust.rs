@@ -8,7 +8,7 @@ use hydro::Tail;
 use nalgebra::{DMatrix, DVector};
 use optimize::optimisers::adam::{Adam, Settings};
 use optimize::{Bounds, Evaluation, Needs, Problem, minimise};
-use si::{Newton, Pascal, Point2};
+use si::{Hertz, Metre, Newton, Pascal, Point2, Second};
 use twin::{Chamber, LossGradient, Recording, Twin};
 
 use crate::ascent::Limits;
@@ -36,6 +36,7 @@ pub enum Goal {
 }
 
 /// A tail that flaps under a waveform.
+#[derive(Clone, Copy)]
 pub struct WaveformModel<'a> {
     /// The reduced tail in water.
     pub twin: &'a Twin,
@@ -66,6 +67,17 @@ pub struct Performance {
     pub thrust: Newton,
     /// m³/s at ambient pressure, drawn by all chambers.
     pub air: f64,
+    /// Lateral amplitude of the last marker, m.
+    pub amplitude: Metre,
+}
+
+/// The last cycle of a motion.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Cycle {
+    pub(crate) performance: Performance,
+    /// Commands and pressures of both sides, Pa.
+    pub(crate) commands: [Vec<Pascal>; 2],
+    pub(crate) pressures: [Vec<Pascal>; 2],
 }
 
 /// The maximum.
@@ -93,6 +105,14 @@ struct Flapping {
 type ByPerformance = [f64; 2];
 
 impl Goal {
+    /// Its name.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Thrust => "thrust",
+            Self::ThrustPerAir => "thrust_per_air",
+        }
+    }
+
     /// Its value.
     pub fn value(self, of: &Performance) -> f64 {
         match self {
@@ -116,6 +136,31 @@ impl WaveformModel<'_> {
     /// A [`diagnostics::Diagnostic`] when a step finds no motion.
     pub fn performance(&self, waveform: &Waveform) -> Result<Performance> {
         Ok(self.measured(&self.flapping(waveform)?))
+    }
+
+    /// The last cycle under a waveform.
+    pub(crate) fn cycle(&self, waveform: &Waveform) -> Result<Cycle> {
+        Ok(self.last(&self.flapping(waveform)?))
+    }
+
+    /// The last cycle under any pressure of a side (Pa, at a time in s) of this frequency.
+    pub(crate) fn cycle_under(&self, frequency: Hertz, of: &dyn Fn(usize, Second) -> Pascal) -> Result<Cycle> {
+        let step = 1.0 / (frequency * self.steps_per_cycle as f64);
+        let pressures = [0, 1].map(|side| (1..=self.steps()).map(|n| of(side, n as f64 * step)).collect::<Vec<_>>());
+        let commands = pressures.clone().map(|of| of.iter().map(|p| p / self.limits.amplitude).collect());
+        Ok(self.last(&self.moved(commands, pressures, step)?))
+    }
+
+    fn last(&self, flapping: &Flapping) -> Cycle {
+        let end = self.steps() - self.steps_per_cycle;
+        Cycle {
+            performance: self.measured(flapping),
+            commands: flapping
+                .commands
+                .each_ref()
+                .map(|of| of[end..].iter().map(|c| c * self.limits.amplitude).collect()),
+            pressures: flapping.pressures.each_ref().map(|of| of[end..].to_vec()),
+        }
     }
 
     /// The goal's value and its derivatives by the waveform's numbers.
@@ -184,18 +229,26 @@ impl WaveformModel<'_> {
         Ok((value(to)? - value(from)?) / (to - from))
     }
 
+    /// Steps of all cycles.
+    fn steps(&self) -> usize {
+        self.steps_per_cycle * self.cycles.iter().sum::<usize>()
+    }
+
     fn flapping(&self, waveform: &Waveform) -> Result<Flapping> {
-        let steps = self.steps_per_cycle * self.cycles.iter().sum::<usize>();
         let step = 1.0 / (waveform.frequency(&self.limits) * self.steps_per_cycle as f64);
-        let commands = [0, 1].map(|side| waveform.commands(side, (steps, self.steps_per_cycle)));
+        let commands = [0, 1].map(|side| waveform.commands(side, (self.steps(), self.steps_per_cycle)));
         let pressures = [0, 1].map(|side: usize| -> Vec<Pascal> {
             self.valve.follow(&commands[side], step).iter().map(|share| share * self.limits.amplitude).collect()
         });
+        self.moved(commands, pressures, step)
+    }
+
+    fn moved(&self, commands: [Vec<f64>; 2], pressures: [Vec<Pascal>; 2], step: Second) -> Result<Flapping> {
         let mut recording = self.twin.recording();
         let at = |n: usize| -> Vec<Pascal> {
             self.halves.iter().map(|half| half.map_or(0.0, |side| pressures[side][n])).collect()
         };
-        (0..steps).try_for_each(|n| self.twin.record(&mut recording, &at(n), step))?;
+        (0..self.steps()).try_for_each(|n| self.twin.record(&mut recording, &at(n), step))?;
         Ok(Flapping { recording, commands, pressures, step })
     }
 
@@ -210,7 +263,18 @@ impl WaveformModel<'_> {
         let drawn: f64 = (0..self.chambers.len())
             .map(|chamber| (first..first + count).map(|n| self.drawn(flapping, n, chamber).max(0.0)).sum::<f64>())
             .sum();
-        Performance { thrust, air: drawn / (count as f64 * flapping.step * self.share) }
+        let air = drawn / (count as f64 * flapping.step * self.share);
+        Performance { thrust, air, amplitude: self.amplitude(flapping) }
+    }
+
+    fn amplitude(&self, flapping: &Flapping) -> Metre {
+        let (first, count) = self.counted();
+        let last = self.rows.row(self.rows.nrows() - 1);
+        let lateral =
+            |n: usize| last.iter().zip(flapping.recording.coordinates(n)).map(|(row, q)| row * q).sum::<f64>();
+        let wider = |[low, high]: [f64; 2], y: f64| [low.min(y), high.max(y)];
+        let [low, high] = (first..first + count).map(lateral).fold([f64::INFINITY, f64::NEG_INFINITY], wider);
+        0.5 * (high - low).max(0.0)
     }
 
     /// The share of step `n` in the mean thrust, and its derivatives by the markers' displacements and velocities, flat.

@@ -3,6 +3,7 @@
 
 use hydro::{Stations, Tail};
 use nalgebra::DMatrix;
+use thrust::Run;
 use thrust::ascent::Limits;
 use thrust::square_wave::SquareWave;
 use thrust::waveform::{PARAMETERS, Valve, Waveform};
@@ -74,5 +75,52 @@ fn the_optimal_waveform_has_more_thrust_and_more_thrust_per_air_than_its_square_
             let inside = |(x, (low, high)): (&f64, (&f64, &f64))| (*low..=*high).contains(x);
             assert!(optimum.waveform.numbers.iter().zip(low.iter().zip(&high)).all(inside));
         }
+    });
+}
+
+/// Two cycles of the square wave behind the valve, as a recording; nothing was measured but pressures.
+fn recorded(model: &WaveformModel) -> Run {
+    let (rate, cycles) = (100.0 * SQUARE.frequency, 2);
+    let steps = 100 * (cycles + 6);
+    let side = |side: usize| {
+        let commands: Vec<f64> = (0..steps).map(|n| SQUARE.at(f64::from(n as u32) / rate)[side]).collect();
+        model.valve.follow(&commands, 1.0 / rate)[steps - 100 * cycles..].to_vec()
+    };
+    let [left, right] = [side(0), side(1)];
+    let samples = left.len();
+    Run {
+        id: "recorded".into(),
+        amplitude: SQUARE.amplitude,
+        frequency: SQUARE.frequency,
+        split: None,
+        rate,
+        time: (0..samples).map(|n| n as f64 / rate).collect(),
+        force: vec![0.0; samples],
+        moved: vec![Vec::new(); samples],
+        speed: vec![Vec::new(); samples],
+        pressure: left.into_iter().zip(right).map(|(l, r)| vec![l, r]).collect(),
+        pressure_rate: vec![vec![0.0; 2]; samples],
+        terms: Vec::new(),
+    }
+}
+
+#[test]
+fn optimal_waveforms_stand_beside_square_waves_and_a_recorded_flap() {
+    with_model(20, |model| {
+        let found = model.optimal_waveforms(&recorded(model), SQUARE.sharpness).unwrap();
+        let settled = WaveformModel { cycles: [6, 1], ..*model };
+        let exact = settled.performance(&Waveform::square(&SQUARE, &model.limits)).unwrap();
+        let of = found.recorded.performed;
+        // interpolated between samples, in steps of another length than the valve's
+        assert!((of.thrust_n / exact.thrust - 1.0).abs() < 0.02, "{of:?} {exact:?}");
+        assert!((of.air_m3_s / exact.air - 1.0).abs() < 0.02 && (of.amplitude_m / exact.amplitude - 1.0).abs() < 0.02);
+        assert!(found.sweep.len() == 36 && found.optima.len() == 2 && found.valve == model.valve);
+        for optimum in &found.optima {
+            println!("{}: {:.3} times {:?}", optimum.flap.name, optimum.gain(), optimum.square.performed);
+            assert!(optimum.gain() > 1.0, "{}", optimum.gain());
+            assert!(optimum.flap.pressure_pa.iter().flatten().all(|p| (0.0..=model.limits.amplitude).contains(p)));
+        }
+        let most = found.sweep.iter().map(|p| p.thrust_n).fold(0.0, f64::max);
+        assert!((most - found.optima[0].square.performed.thrust_n).abs() < 1e-12);
     });
 }

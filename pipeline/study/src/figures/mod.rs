@@ -12,6 +12,7 @@ mod setup;
 mod sysid;
 mod tail;
 mod thrust;
+mod waveforms;
 
 use crate::subject::Study;
 use workflow::entry::{Entry, figure};
@@ -28,6 +29,7 @@ pub const ALL: &[Entry<Study>] = &[
     figure::<dynamics::Dynamics>(),
     figure::<dynamics::DynamicsWater>(),
     figure::<thrust::Thrust>(),
+    figure::<waveforms::Waveforms>(),
     figure::<load_cell::LoadCell>(),
     figure::<calibration::Calibration>(),
 ];

@@ -44,7 +44,7 @@ pub use markers::{CovarianceParts, FilmPose, Markers, OmittedCorrection};
 pub use mesh::{Cavity, Mesh, Quality};
 pub use mesh_sensitivity::{MeshResult, MeshSensitivity};
 pub use motion::{Clock, Gauge, Motion};
-pub use optimal_actuation::{ActuationPoint, Best, Check, OptimalActuation};
+pub use optimal_actuation::OptimalActuation;
 pub use paths::Path;
 pub use recovered::{Recovered, Specimen as RecoveredSpecimen, WallErrors};
 pub use reduced::Reduced;

@@ -39,6 +39,13 @@ pub struct Gauge {
     pub measured: Vec<Pascal>,
 }
 
+impl Gauge {
+    /// Both signals.
+    pub(crate) fn signals(&self) -> signal::step_response::Gauge<'_> {
+        signal::step_response::Gauge { command: &self.command, measured: &self.measured }
+    }
+}
+
 /// log time = offset + scale × video time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Clock {

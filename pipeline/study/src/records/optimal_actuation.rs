@@ -1,10 +1,12 @@
 //! Optimal actuation: the square wave of pressure with the greatest mean thrust in the simulator, by each thrust model.
 
 use serde::{Deserialize, Serialize};
-use si::{Hertz, Metre, Newton, Pascal};
+use si::{Hertz, Pascal};
 
 use super::Thrust;
 use crate::subject::Specimen;
+use ::thrust::optimal_waveform::OptimalWaveforms;
+use ::thrust::square_wave_search::{ActuationPoint, Best, Check};
 use workflow::metric::Metric;
 use workflow::record::{Record, RecordError, RecordFiles};
 
@@ -21,59 +23,10 @@ pub struct OptimalActuation {
     pub scan: Vec<ActuationPoint>,
     /// Check of the simulator under measured pressures.
     pub check: Check,
+    /// The optimal waveforms by fitted theory; none where no log holds a filling, or where the solid's law is none of the twin's.
+    pub waveforms: Option<OptimalWaveforms>,
     /// Coordinates of the reduced model.
     pub coordinates: usize,
-}
-
-/// The optimum of one thrust model.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Best {
-    /// The model's name.
-    pub model: String,
-    /// The iterates of the ascent, the optimum last.
-    pub iterates: Vec<ActuationPoint>,
-    /// Prediction of every model at the optimum, N, in the order of the scan.
-    pub predicted_n: Vec<Newton>,
-    /// Lateral amplitude of the last marker at the optimum over the largest filmed one, no unit: above 1 the models extrapolate.
-    pub amplitude_ratio: f64,
-    /// Simulated motions, the scan included.
-    pub simulations: usize,
-}
-
-/// An actuation and its mean thrust.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct ActuationPoint {
-    /// Pa.
-    pub amplitude_pa: Pascal,
-    /// Hz.
-    pub frequency_hz: Hertz,
-    /// One an evaluated model, N.
-    pub thrust_n: Vec<Newton>,
-}
-
-/// A run with measured force beside its simulation under the measured pressures.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Check {
-    /// The run's id: the one of greatest mean force within the limit.
-    pub run: String,
-    /// Lateral amplitude of the last marker, simulated and measured, m.
-    pub amplitude_m: [Metre; 2],
-    /// Mean force predicted by fitted theory from the simulated and from the measured motion, and the measured mean force, N.
-    pub mean_n: [Newton; 3],
-}
-
-impl Best {
-    /// The optimal actuation.
-    pub fn wave(&self) -> Option<&ActuationPoint> {
-        self.iterates.last()
-    }
-}
-
-impl Check {
-    /// Relative error of the simulated amplitude, %.
-    pub(crate) fn amplitude_error_percent(&self) -> f64 {
-        100.0 * (self.amplitude_m[0] / self.amplitude_m[1] - 1.0)
-    }
 }
 
 impl Record for OptimalActuation {
@@ -104,6 +57,11 @@ impl Record for OptimalActuation {
             all.push(Metric::new(id("amplitude_ratio"), best.amplitude_ratio, ""));
             all.push(Metric::new(id("simulations"), best.simulations as f64, ""));
         }
+        for optimum in self.waveforms.iter().flat_map(|w| &w.optima) {
+            let id = |what: &str| format!("{name}.waveform.{}.{what}", optimum.flap.name);
+            all.push(Metric::new(id("gain"), optimum.gain(), ""));
+            all.push(Metric::new(id("thrust_mn"), 1e3 * optimum.flap.performed.thrust_n, "mN"));
+        }
         all
     }
 
@@ -116,6 +74,10 @@ impl Record for OptimalActuation {
             )
         };
         let mut all: Vec<String> = self.best.iter().filter_map(|b| Some(text((b, b.wave()?)))).collect();
+        let gains = self.waveforms.iter().flat_map(|w| &w.optima);
+        all.extend(gains.map(|o| {
+            format!("waveform: {:.2} times the {} of a square wave", o.gain(), o.flap.name.replace('_', " "))
+        }));
         all.push(format!(
             "simulated amplitude {:+.0} % against {}",
             self.check.amplitude_error_percent(),
@@ -146,6 +108,7 @@ mod tests {
             best: vec![best],
             scan: vec![ActuationPoint { thrust_n: vec![0.1, 0.2], ..actuation_point }],
             check,
+            waveforms: None,
             coordinates: 20,
         };
         assert_eq!(OptimalActuation::unpack(&whole.pack().unwrap()).unwrap(), whole);

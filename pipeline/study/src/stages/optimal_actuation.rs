@@ -2,27 +2,31 @@
 //!
 //! The reduced model flaps in still water with the drag identified from a release; thrust models thrust on measured motions are
 //! evaluated on the simulated ones. The search stays within the pressures and frequencies of the force measurements, beyond which no
-//! thrust model was thrust, and within the pressures of identification, beyond which a slack wall may buckle. A coarse scan is
-//! followed by gradient ascent with finite differences.
+//! thrust model was thrust, and within the pressures of identification, beyond which a slack wall may buckle. By fitted theory a waveform of
+//! many harmonics is optimised too, behind a valve with the time constants of the logs of identification.
 
 use hydro::Coefficients;
 use optimize::network::Network;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use si::{Metre, Pascal, Second, Series};
+use signal::step_response::pulses;
 
-use crate::records::{
-    ActuationPoint, Best, Check, Drag, Identified, Level, Mesh, OptimalActuation as Record, Reduced, Relaxation, Thrust,
-};
+use crate::records::{Drag, Identified, Level, Mesh, Motion, OptimalActuation as Record, Reduced, Relaxation, Thrust};
+use crate::selections::IdentificationTrials;
 use crate::subject::Specimen;
-use ::thrust::ascent::{Limits, ascend};
-use ::thrust::flapping::{FlappingModel, MeanThrust, mean};
+use ::thrust::ascent::Limits;
+use ::thrust::flapping::FlappingModel;
 use ::thrust::models::linear::Weighted;
+use ::thrust::optimal_waveform::OptimalWaveforms;
 use ::thrust::outline::Outline;
-use ::thrust::square_wave::SquareWave;
+use ::thrust::real_time::{Surroundings, has_twin, twin_data};
+use ::thrust::square_wave_search::{Search, best_recorded, check, highest};
+use ::thrust::waveform::Valve;
+use ::thrust::waveform_thrust::WaveformModel;
 use ::thrust::{Fitted, Run, ThrustModel};
 use diagnostics::{Diagnostic, Result};
 use sysid::{Body, ReducedBody};
+use twin::Twin;
 use workflow::needs::Maybe;
 use workflow::stage::{Stage, StageContext};
 use workflow::subject::Part;
@@ -46,6 +50,8 @@ pub struct Settings {
     scan: [usize; 2],
     /// Iterations of the ascent.
     iterations: usize,
+    /// Iterations of the ascent of a waveform.
+    waveform_iterations: usize,
 }
 
 /// What it reads of the card.
@@ -72,13 +78,13 @@ fn halves(card: &lab::Card) -> Vec<Option<usize>> {
 impl Stage for OptimalActuation {
     type Settings = Settings;
     type Card = Card;
-    type Needs = ((Mesh, Identified, Reduced), Relaxation, (Thrust, Maybe<Drag>));
+    type Needs = ((Mesh, Identified, Reduced), Relaxation, (Thrust, Maybe<Drag>, IdentificationTrials<Motion>));
     type Makes = Record;
     const DESCRIPTION: &'static str = "the actuation of greatest mean thrust is optimised";
-    const VERSION: u32 = 7;
+    const VERSION: u32 = 8;
 
     fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<Record> {
-        let ((mesh, identified, reduced), relaxation, (thrust, Maybe(water))) = needs;
+        let ((mesh, identified, reduced), relaxation, (thrust, Maybe(water), films)) = needs;
         let limits = limits(&thrust.runs, &identified, set.iterations)?;
         let outline = Outline::new(&card.body, &mesh.solid);
         let (wet, spots) = outline.whole(thrust.density, thrust.sections)?;
@@ -99,20 +105,60 @@ impl Stage for OptimalActuation {
             cycles: set.cycles,
         };
         let models = models(&thrust)?;
-        let search = Search { flapping: &flapping, models: &models, limits, set };
+        let search = Search { flapping: &flapping, models: &models, limits, sharpness: set.sharpness, scan: set.scan };
         let scan = search.scan(&|part| context.progress(0.2 + 0.3 * part, "scanning"))?;
         context.progress(0.5, "gradient ascent");
         let filmed = thrust.runs.iter().map(Run::amplitude_of_tip).fold(f64::MIN_POSITIVE, f64::max);
         let optimised = |place: usize| search.ascend_from(&scan, place, filmed);
         let best = (0..models.len()).into_par_iter().map(optimised).collect::<Result<_>>()?;
+        context.progress(0.8, "gradient ascent of a waveform");
+        let recorded = best_recorded(&thrust.runs, &limits)?;
+        let pulses =
+            films.0.iter().flat_map(|(_, film)| film.gauges.iter().flat_map(|g| pulses(&film.log_time, g.signals())));
+        let valve = Valve::of(&pulses.collect::<Vec<_>>());
+        let actuated = Actuated { flapping: &flapping, theory: &thrust.coefficients, limits, set };
         Ok(Record {
+            waveforms: valve.map(|valve| actuated.waveforms(valve, recorded)).transpose()?.flatten(),
             highest_pa: limits.amplitude,
             frequencies_hz: limits.frequency,
             best,
             scan,
-            check: check(&flapping, &models[0].1, &thrust.runs, &limits)?,
+            check: check(&flapping, &models[0].1, recorded)?,
             coordinates: reduced_body.coordinates(),
         })
+    }
+}
+
+/// What a waveform is optimised for.
+struct Actuated<'a> {
+    flapping: &'a FlappingModel<'a>,
+    /// The five coefficients of fitted theory.
+    theory: &'a [f64],
+    limits: Limits,
+    set: &'a Settings,
+}
+
+impl Actuated<'_> {
+    /// The optimal waveforms behind a valve; none for a law that no twin has.
+    fn waveforms(&self, valve: Valve, recorded: &Run) -> Result<Option<OptimalWaveforms>> {
+        let Self { flapping, theory, limits, set } = *self;
+        let Some(theory) = theory.try_into().ok().filter(|_| has_twin(flapping.reduced_body)) else { return Ok(None) };
+        let (wet, rows) = flapping.wet;
+        let water = Surroundings { tail: wet, rows, by: flapping.by, half: flapping.half };
+        let data = twin_data(flapping.reduced_body, Some(&water), &[])?;
+        let model = WaveformModel {
+            twin: &Twin::new(data.clone())?,
+            chambers: &data.chambers,
+            halves: &flapping.halves,
+            rows: flapping.rows,
+            theory: (flapping.tail, theory),
+            share: if flapping.half { 0.5 } else { 1.0 },
+            valve,
+            limits: Limits { iterations: set.waveform_iterations, ..limits },
+            steps_per_cycle: set.steps_per_cycle,
+            cycles: set.cycles,
+        };
+        model.optimal_waveforms(recorded, set.sharpness).map(Some)
     }
 }
 
@@ -132,106 +178,12 @@ fn limits(runs: &[Run], identified: &Identified, iterations: usize) -> Result<Li
     Ok(Limits { amplitude, frequency: [slowest, most(|r| r.frequency)], iterations })
 }
 
-/// The highest measured pressure of a run, Pa: below the command where a half cycle is too short to fill the chamber.
-fn highest(run: &Run) -> Pascal {
-    run.pressure.iter().flatten().copied().fold(0.0, f64::max)
-}
-
-type Named = (ThrustModel, Fitted);
-
 /// Fitted theory and the network, thrust on the card's training runs.
-fn models(thrust: &Thrust) -> Result<Vec<Named>> {
+fn models(thrust: &Thrust) -> Result<Vec<(ThrustModel, Fitted)>> {
     let theory = Weighted { model: ThrustModel::Theory, weights: thrust.coefficients.clone() };
     let network = Network::from_safetensors(&thrust.network)?;
     Ok(vec![
         (ThrustModel::Theory, Fitted::Weighted(theory)),
         (ThrustModel::Network, Fitted::Network(Box::new(network))),
     ])
-}
-
-/// The search of the optimal actuation.
-#[derive(Clone, Copy)]
-struct Search<'a> {
-    flapping: &'a FlappingModel<'a>,
-    models: &'a [Named],
-    limits: Limits,
-    set: &'a Settings,
-}
-
-impl Search<'_> {
-    /// An even grid over the limits: amplitudes from half the highest, all frequencies.
-    fn scan(&self, heard: &(dyn Fn(f64) + Sync)) -> Result<Vec<ActuationPoint>> {
-        let Self { flapping, models, limits, set } = *self;
-        let [amplitudes, frequencies] = set.scan.map(|n| n.max(1));
-        let frequencies = if limits.frequency[1] > limits.frequency[0] { frequencies } else { 1 };
-        let even = |i: usize, n: usize, from: f64| from + (1.0 - from) * i as f64 / (n.max(2) - 1) as f64;
-        let places: Vec<[f64; 2]> = (0..amplitudes)
-            .flat_map(|a| {
-                (0..frequencies).map(move |f| [even(amplitudes - 1 - a, amplitudes, 0.5), even(f, frequencies, 0.0)])
-            })
-            .collect();
-        let like = SquareWave { amplitude: 0.0, frequency: 0.0, sharpness: set.sharpness };
-        let one = |(number, place): (usize, &[f64; 2])| {
-            let wave = limits.wave(*place, like);
-            let run = flapping.run(&wave)?;
-            heard(number as f64 / places.len() as f64);
-            Ok(actuation_point(&wave, models.iter().map(|(_, model)| mean(model, &run)).collect()))
-        };
-        places.par_iter().enumerate().map(one).collect()
-    }
-
-    /// Gradient ascent from the best point of the scan by the model at `place`; `filmed` is the amplitude of the tip in films, m.
-    fn ascend_from(&self, scan: &[ActuationPoint], place: usize, filmed: Metre) -> Result<Best> {
-        let Self { flapping, models, limits, set } = *self;
-        let (kind, model) = &models[place];
-        let start = scan.iter().max_by(|a, b| a.thrust_n[place].total_cmp(&b.thrust_n[place]));
-        let start = start.ok_or_else(|| {
-            Diagnostic::new("no actuation was scanned", "`[optimal_actuation] scan` has no points", "set at least one")
-        })?;
-        let start =
-            SquareWave { amplitude: start.amplitude_pa, frequency: start.frequency_hz, sharpness: set.sharpness };
-        let mut objective = MeanThrust { flapping, model, limits, simulations: scan.len() };
-        let iterates = ascend(&mut objective, start, &limits)?;
-        let simulations = objective.simulations;
-        let run = flapping.run(&iterates[iterates.len() - 1].0)?;
-        Ok(Best {
-            model: kind.name().into(),
-            iterates: iterates.iter().map(|(wave, thrust)| actuation_point(wave, vec![*thrust])).collect(),
-            predicted_n: models.iter().map(|(_, model)| mean(model, &run)).collect(),
-            amplitude_ratio: run.amplitude_of_tip() / filmed,
-            simulations,
-        })
-    }
-}
-
-fn actuation_point(wave: &SquareWave, thrust_n: Vec<f64>) -> ActuationPoint {
-    ActuationPoint { amplitude_pa: wave.amplitude, frequency_hz: wave.frequency, thrust_n }
-}
-
-/// A square wave overshoots the pressure of a held step: a run counts as within the limits up to this factor.
-const NEAR: f64 = 1.05;
-
-/// Of the runs within the limits, the one of greatest mean force beside its simulation under its measured pressures, repeated periodically.
-fn check(flapping: &FlappingModel, theory: &Fitted, runs: &[Run], limits: &Limits) -> Result<Check> {
-    let force = |run: &Run| run.force.iter().sum::<f64>() / run.len().max(1) as f64;
-    let within = runs.iter().filter(|r| highest(r) <= NEAR * limits.amplitude);
-    let run = within.max_by(|a, b| force(a).total_cmp(&force(b))).ok_or_else(|| {
-        let limit = format!("moduli were identified up to {:.0} Pa", limits.amplitude);
-        Diagnostic::new(
-            "no run can be compared with the simulator",
-            limit,
-            "record a trial with a force log at a lower pressure",
-        )
-    })?;
-    let column = |c: usize| Series::new(0.0, run.rate, run.pressure.iter().map(|p| p[c]).collect());
-    let gauges: Vec<Series> = (0..flapping.halves.len()).map(column).collect::<Result<_, _>>()?;
-    let cycles = (run.len() as f64 / run.rate * run.frequency).round().max(1.0);
-    let around = |t: Second| t.rem_euclid(cycles / run.frequency);
-    let pressures = |t: Second| gauges.iter().map(|g| g.at(around(t))).collect();
-    let simulated = flapping.run_under(run.frequency, run.amplitude, &pressures)?;
-    Ok(Check {
-        run: run.id.clone(),
-        amplitude_m: [simulated.amplitude_of_tip(), run.amplitude_of_tip()],
-        mean_n: [mean(theory, &simulated), mean(theory, run), force(run)],
-    })
 }

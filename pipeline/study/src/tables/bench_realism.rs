@@ -6,10 +6,11 @@ use lab::card::{Experiment, Medium};
 use plot::Column;
 use si::{Hertz, MILLIBAR};
 
-use super::instruments::{Pulse, pulses, range, scatter};
+use super::instruments::{range, scatter};
 use crate::records::{CorrectedForce, Motion, PAPER_MODEL, Relaxation, Tank, Thrust, Validation};
 use crate::subject::{Specimen, Study, Trial};
 use diagnostics::Result;
+use signal::step_response::{Pulse, pulses};
 use workflow::needs::Every;
 use workflow::subject::Subject;
 use workflow::table::Table;
@@ -114,7 +115,9 @@ fn model((Every(relaxed), Every(validated)): &Silicone) -> Vec<Line> {
 fn valve(motions: &[(Trial, Motion)]) -> Vec<Line> {
     let all: Vec<(&Trial, Pulse)> = motions
         .iter()
-        .flat_map(|(t, m)| m.gauges.iter().flat_map(move |g| pulses(&m.log_time, g).into_iter().map(move |p| (t, p))))
+        .flat_map(|(t, m)| {
+            m.gauges.iter().flat_map(move |g| pulses(&m.log_time, g.signals()).into_iter().map(move |p| (t, p)))
+        })
         .collect();
     let near = |p: &Pulse, mbar: f64| (p.held / MILLIBAR - mbar).abs() < NEAR;
     let stair = |t: &Trial| matches!(t.trial.experiment, Experiment::Staircase { .. });

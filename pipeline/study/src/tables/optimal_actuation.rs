@@ -7,6 +7,7 @@ use plot::Column;
 
 use crate::records;
 use crate::subject::{Specimen, Study};
+use ::thrust::square_wave_search::{ActuationPoint, Best};
 use diagnostics::Result;
 use workflow::needs::Every;
 use workflow::subject::Subject;
@@ -45,13 +46,12 @@ impl Table for OptimalActuation {
     }
 }
 
-fn row(specimen: &str, found: &records::OptimalActuation, best: &records::Best) -> Vec<String> {
+fn row(specimen: &str, found: &records::OptimalActuation, best: &Best) -> Vec<String> {
     let [slow, fast] = found.frequencies_hz;
     let mbar = |p: f64| format!("{:.0}", p / si::MILLIBAR);
     let wave = best.wave();
-    let evaluated = |of: fn(&records::ActuationPoint) -> f64, digits: usize| {
-        wave.map_or(String::new(), |w| format!("{:.digits$}", of(w)))
-    };
+    let evaluated =
+        |of: fn(&ActuationPoint) -> f64, digits: usize| wave.map_or(String::new(), |w| format!("{:.digits$}", of(w)));
     vec![
         specimen.to_owned(),
         best.model.clone(),

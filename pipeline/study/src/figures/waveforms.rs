@@ -1,0 +1,101 @@
+//! Figure `waveforms`: the waveforms of greatest thrust and of greatest thrust per air beside the best recorded flap, and all of them among
+//! square waves.
+//!
+//! A row a specimen: pressures of both sides over one cycle of each actuation, then mean thrust against the flow of air.
+
+use plot::{Axes, Axis, Colour, DOUBLE_COLUMN_MM, Dash, Figure, Legend, Mark, Marker, Panel, Placed, palette};
+use si::{MILLIBAR, Pascal, Point2};
+
+use super::order::{in_order, title};
+use super::origin_note;
+use crate::records::OptimalActuation;
+use crate::subject::{Specimen, Study};
+use ::thrust::optimal_waveform::{Flap, OptimalWaveforms, Performed};
+use diagnostics::Result;
+use workflow::figure;
+use workflow::needs::Every;
+
+/// The figure.
+pub struct Waveforms;
+
+impl figure::Figure for Waveforms {
+    type Of = Study;
+    type Needs = Every<OptimalActuation, Specimen>;
+    const NAME: &'static str = "waveforms";
+    const CAPTION: &'static str = "the waveforms of greatest thrust and of greatest thrust per air";
+    const VERSION: u32 = 1;
+
+    fn is_made_for(study: &Study) -> bool {
+        Every::<OptimalActuation>::any(study)
+    }
+
+    fn draw(Every(all): Self::Needs) -> Result<Figure> {
+        let all = in_order(all);
+        let row = |figure: Figure, (specimen, found): &(Specimen, OptimalActuation)| {
+            let name = title(&specimen.card.name);
+            match &found.waveforms {
+                Some(waveforms) => figure.row(44.0, panels(&name, waveforms)),
+                None => figure.row(44.0, [scan(found).titled(&format!("{name}: square waves alone"))]),
+            }
+        };
+        let figure = all.iter().fold(Figure::new(DOUBLE_COLUMN_MM), row);
+        Ok(figure.noted(&origin_note(all.iter().map(|(s, _)| s.card.as_ref()))))
+    }
+}
+
+fn panels(name: &str, waveforms: &OptimalWaveforms) -> Vec<Placed> {
+    let recorded = cycle(&waveforms.recorded, false).titled(&format!("{name}: recorded, best"));
+    let optimal = waveforms.optima.iter().map(|o| cycle(&o.flap, true).titled(&goal(&o.flap.name)));
+    std::iter::once(recorded).chain(optimal).chain([sweep(waveforms).titled("thrust and air")]).collect()
+}
+
+fn goal(name: &str) -> String {
+    format!("most {}", name.replace('_', " "))
+}
+
+/// Pressures of both sides over one cycle, over their commands.
+fn cycle(flap: &Flap, commanded: bool) -> Panel {
+    let axis = format!("time at {:.2} Hz", flap.performed.frequency_hz);
+    let mut axes = Axes::new(Axis::linear(&axis, "s"), Axis::linear("pressure", "mbar"));
+    let curve = |of: &[Pascal]| -> Vec<Point2> {
+        let step = 1.0 / (flap.performed.frequency_hz * of.len().max(1) as f64);
+        of.iter().enumerate().map(|(n, p)| [(n + 1) as f64 * step, p / MILLIBAR]).collect()
+    };
+    for command in flap.command_pa.iter().filter(|_| commanded) {
+        axes = axes.with(Mark::line(curve(command), palette::MUTED).dashed(Dash::Dotted));
+    }
+    let looks = [(palette::PRESSURE, Dash::Solid), (palette::PRESSURE.towards(palette::BLACK, 0.5), Dash::Dashed)];
+    for (pressure, (colour, dash)) in flap.pressure_pa.iter().zip(looks) {
+        axes = axes.with(Mark::line(curve(pressure), colour).dashed(dash).sized(1.2));
+    }
+    Panel::Axes(axes)
+}
+
+fn sweep(waveforms: &OptimalWaveforms) -> Panel {
+    let place = |of: &Performed| [1e6 * of.air_m3_s, 1e3 * of.thrust_n];
+    let one = |of: &Flap, marker: Marker, colour: Colour, label: &str| {
+        Mark::points(vec![place(&of.performed)], marker, colour).labelled(label)
+    };
+    let squares = waveforms.sweep.iter().map(place).collect();
+    let axes = Axes::new(Axis::linear("air", "ml/s"), Axis::linear("mean thrust", "mN"))
+        .with(Mark::points(squares, Marker::Disc, palette::MUTED).labelled("square waves"))
+        .with(one(&waveforms.recorded, Marker::Square, palette::MEASURED, "recorded"));
+    let looks = [(Marker::Triangle, palette::OPTIMUM), (Marker::Ring, palette::ELONGATED_BODY)];
+    let axes = waveforms
+        .optima
+        .iter()
+        .zip(looks)
+        .fold(axes, |axes, (o, (marker, colour))| axes.with(one(&o.flap, marker, colour, &goal(&o.flap.name))));
+    Panel::Axes(axes.legend(Legend::Over))
+}
+
+/// Mean thrust of the scanned square waves, by the first thrust model.
+fn scan(found: &OptimalActuation) -> Panel {
+    let thrust = |p: &::thrust::square_wave_search::ActuationPoint| Some([p.frequency_hz, 1e3 * p.thrust_n.first()?]);
+    let axes = Axes::new(Axis::linear("frequency", "Hz"), Axis::linear("mean thrust", "mN")).with(Mark::points(
+        found.scan.iter().filter_map(thrust).collect(),
+        Marker::Disc,
+        palette::MUTED,
+    ));
+    Panel::Axes(axes)
+}

@@ -1,0 +1,71 @@
+//! Table `waveforms`: mean thrust and flow of air of the best recorded flap, the best square waves and the optimal waveforms.
+//!
+//! All by the reduced model and fitted theory, after transients have settled; pressures are those behind the valve.
+
+use plot::Column;
+
+use crate::records;
+use crate::subject::{Specimen, Study};
+use ::thrust::optimal_waveform::{Flap, OptimalWaveforms};
+use diagnostics::Result;
+use workflow::needs::Every;
+use workflow::subject::Subject;
+use workflow::table::Table;
+
+/// The table.
+pub struct Waveforms;
+
+impl Table for Waveforms {
+    type Of = Study;
+    type Needs = Every<records::OptimalActuation, Specimen>;
+    const NAME: &'static str = "waveforms";
+    const CAPTION: &'static str = "thrust and air of the optimal waveforms, of square waves and of a recorded flap";
+    const VERSION: u32 = 1;
+
+    fn is_made_for(study: &Study) -> bool {
+        Every::<records::OptimalActuation>::any(study)
+    }
+
+    fn fill(Every(all): Self::Needs) -> Result<plot::Table> {
+        let columns = vec![
+            Column::text("specimen"),
+            Column::text("actuation"),
+            Column::numbers("pressure", "mbar"),
+            Column::numbers("frequency", "Hz"),
+            Column::numbers("thrust", "mN"),
+            Column::numbers("air", "ml/s"),
+            Column::numbers("thrust per air", "mN s/ml"),
+            Column::numbers("tip amplitude", "mm"),
+        ];
+        let found = all.iter().filter_map(|(s, found)| Some((s.name(), found.waveforms.as_ref()?)));
+        let table = plot::Table::new(columns, found.flat_map(|(name, found)| rows(&name, found)).collect())?;
+        Ok(table
+            .noted("Predictions by theory on the simulated motion. Pressure: the highest behind the valve. Air: at ambient pressure."))
+    }
+}
+
+fn rows(specimen: &str, found: &OptimalWaveforms) -> Vec<Vec<String>> {
+    let recorded = row(specimen, &format!("recorded, {}", found.recorded.name.replace('_', " ")), &found.recorded);
+    let pair = |o: &::thrust::optimal_waveform::OptimalWaveform| {
+        let goal = format!("most {}", o.flap.name.replace('_', " "));
+        [
+            row(specimen, &format!("square wave, {goal}"), &o.square),
+            row(specimen, &format!("waveform, {goal}"), &o.flap),
+        ]
+    };
+    std::iter::once(recorded).chain(found.optima.iter().flat_map(pair)).collect()
+}
+
+fn row(specimen: &str, name: &str, flap: &Flap) -> Vec<String> {
+    let of = &flap.performed;
+    vec![
+        specimen.to_owned(),
+        name.to_owned(),
+        format!("{:.0}", of.highest_pa / si::MILLIBAR),
+        format!("{:.2}", of.frequency_hz),
+        format!("{:.1}", 1e3 * of.thrust_n),
+        format!("{:.1}", 1e6 * of.air_m3_s),
+        format!("{:.2}", 1e-3 * of.thrust_per_air()),
+        format!("{:.1}", 1e3 * of.amplitude_m),
+    ]
+}

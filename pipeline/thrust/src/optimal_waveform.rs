@@ -1,0 +1,166 @@
+//! The waveforms of greatest mean thrust and of greatest thrust per air, beside square waves through the same valve and a recorded flap.
+//!
+//! Adam climbs from the best square wave. Every flap that is stated has settled for [`SETTLED`] cycles, so that no optimum lives on the
+//! transient from rest that the shorter motions of the ascent still hold.
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use si::{Hertz, Metre, Newton, Pascal};
+
+use crate::Run;
+use crate::square_wave::SquareWave;
+use crate::waveform::{Valve, Waveform};
+use crate::waveform_thrust::{Cycle, Goal, Performance, WaveformModel};
+use diagnostics::{Diagnostic, Result};
+
+/// Amplitudes and frequencies of the sweep.
+const SWEEP: [usize; 2] = [4, 9];
+/// Settling cycles, and cycles over which thrust and air are averaged.
+const SETTLED: [usize; 2] = [6, 1];
+
+/// The optima of a tail.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OptimalWaveforms {
+    /// The valve, as measured.
+    pub valve: Valve,
+    /// The recorded flap of greatest mean force, simulated under its measured pressures.
+    pub recorded: Flap,
+    /// Square waves.
+    pub sweep: Vec<Performed>,
+    /// One a goal.
+    pub optima: Vec<OptimalWaveform>,
+}
+
+/// A flap and its pressures over one cycle.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Flap {
+    /// The recorded run's id, or the goal.
+    pub name: String,
+    /// What comes of it.
+    pub performed: Performed,
+    /// Commands of both sides, Pa: steps of one cycle.
+    pub command_pa: [Vec<Pascal>; 2],
+    /// Pressures of both sides, Pa: steps of one cycle.
+    pub pressure_pa: [Vec<Pascal>; 2],
+}
+
+/// The performance of a flap.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Performed {
+    /// Highest pressure, Pa.
+    pub highest_pa: Pascal,
+    /// Hz.
+    pub frequency_hz: Hertz,
+    /// Mean thrust by fitted theory, N.
+    pub thrust_n: Newton,
+    /// Air drawn by all chambers, m³/s at ambient pressure.
+    pub air_m3_s: f64,
+    /// Lateral amplitude of the last marker, m.
+    pub amplitude_m: Metre,
+}
+
+/// The optimum for one goal.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OptimalWaveform {
+    /// The best square wave of the sweep.
+    pub square: Flap,
+    /// The optimum.
+    pub flap: Flap,
+    /// Value of the goal at each evaluation of the ascent, N or N s/m³.
+    pub values: Vec<f64>,
+}
+
+impl Performed {
+    /// Mean thrust over the flow of air, N s/m³.
+    pub fn thrust_per_air(&self) -> f64 {
+        Goal::ThrustPerAir.value(&Performance { thrust: self.thrust_n, air: self.air_m3_s, amplitude: 0.0 })
+    }
+}
+
+impl OptimalWaveform {
+    /// Value of the goal at the optimum over that of the best square wave, no unit.
+    pub fn gain(&self) -> f64 {
+        let value =
+            |of: &Performed| if self.flap.name == Goal::Thrust.name() { of.thrust_n } else { of.thrust_per_air() };
+        value(&self.flap.performed) / value(&self.square.performed)
+    }
+}
+
+impl WaveformModel<'_> {
+    /// The optima, beside square waves of this sharpness and a recorded run.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when a step finds no motion or has no adjoint.
+    pub fn optimal_waveforms(&self, recorded: &Run, sharpness: f64) -> Result<OptimalWaveforms> {
+        let settled = Self { cycles: SETTLED, ..*self };
+        let sweep: Vec<(Waveform, Cycle)> = self
+            .squares(sharpness)
+            .into_par_iter()
+            .map(|waveform| {
+                let cycle = settled.cycle(&waveform)?;
+                Ok((waveform, cycle))
+            })
+            .collect::<Result<_>>()?;
+        let goals = [Goal::Thrust, Goal::ThrustPerAir];
+        Ok(OptimalWaveforms {
+            valve: self.valve,
+            recorded: settled.recorded(recorded)?,
+            sweep: sweep
+                .iter()
+                .map(|(waveform, cycle)| self.performed(waveform.frequency(&self.limits), cycle))
+                .collect(),
+            optima: goals.into_par_iter().map(|goal| self.optimum(&settled, goal, &sweep)).collect::<Result<_>>()?,
+        })
+    }
+
+    /// Square waves over the limits: amplitudes from an even part of the highest, all frequencies.
+    fn squares(&self, sharpness: f64) -> Vec<Waveform> {
+        let [amplitudes, frequencies] = SWEEP;
+        let places = (1..=amplitudes).flat_map(|a| (0..frequencies).map(move |f| (a, f)));
+        let like = SquareWave { amplitude: 0.0, frequency: 0.0, sharpness };
+        places
+            .map(|(a, f)| [a as f64 / amplitudes as f64, f as f64 / (frequencies - 1) as f64])
+            .map(|place| Waveform::square(&self.limits.wave(place, like), &self.limits))
+            .collect()
+    }
+
+    fn optimum(&self, settled: &Self, goal: Goal, sweep: &[(Waveform, Cycle)]) -> Result<OptimalWaveform> {
+        let value = |cycle: &Cycle| goal.value(&cycle.performance);
+        let (start, square) = sweep.iter().max_by(|(_, a), (_, b)| value(a).total_cmp(&value(b))).ok_or_else(|| {
+            Diagnostic::new(
+                "no square wave was swept",
+                "the sweep has no points",
+                "report this as an error of the program",
+            )
+        })?;
+        let optimum = self.maximise(goal, start)?;
+        let flap = |of: &Waveform, cycle: &Cycle| self.flap(goal.name(), of.frequency(&self.limits), cycle);
+        Ok(OptimalWaveform {
+            square: flap(start, square),
+            flap: flap(&optimum.waveform, &settled.cycle(&optimum.waveform)?),
+            values: optimum.values,
+        })
+    }
+
+    fn recorded(&self, run: &Run) -> Result<Flap> {
+        let pressures = run.periodic_pressures()?;
+        let first = [0, 1].map(|side| self.halves.iter().position(|half| *half == Some(side)));
+        let of = |side: usize, t: f64| first[side].map_or(0.0, |chamber| pressures[chamber](t));
+        Ok(self.flap(&run.id, run.frequency, &self.cycle_under(run.frequency, &of)?))
+    }
+
+    fn flap(&self, name: &str, frequency: Hertz, cycle: &Cycle) -> Flap {
+        Flap {
+            name: name.into(),
+            performed: self.performed(frequency, cycle),
+            command_pa: cycle.commands.clone(),
+            pressure_pa: cycle.pressures.clone(),
+        }
+    }
+
+    fn performed(&self, frequency_hz: Hertz, cycle: &Cycle) -> Performed {
+        let Performance { thrust, air, amplitude } = cycle.performance;
+        let highest_pa = cycle.pressures.iter().flatten().copied().fold(0.0, f64::max);
+        Performed { highest_pa, frequency_hz, thrust_n: thrust, air_m3_s: air, amplitude_m: amplitude }
+    }
+}
