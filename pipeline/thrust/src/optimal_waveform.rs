@@ -1,7 +1,7 @@
 //! The waveforms of greatest mean thrust and of greatest thrust per air, beside square waves through the same valve and a recorded flap.
 //!
-//! Adam climbs from the best square wave. Every flap that is stated has settled for [`SETTLED`] cycles, so that no optimum lives on the
-//! transient from rest that the shorter motions of the ascent still hold.
+//! Adam climbs from the best square wave. All flaps settle for as many cycles as the model says, the ascent's too: over too few of them an optimum
+//! lives on the transient from rest.
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -15,8 +15,6 @@ use diagnostics::{Diagnostic, Result};
 
 /// Amplitudes and frequencies of the sweep.
 const SWEEP: [usize; 2] = [4, 9];
-/// Settling cycles, and cycles over which thrust and air are averaged.
-const SETTLED: [usize; 2] = [6, 1];
 
 /// The optima of a tail.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -92,24 +90,23 @@ impl WaveformModel<'_> {
     /// # Errors
     /// A [`Diagnostic`] when a step finds no motion or has no adjoint.
     pub fn optimal_waveforms(&self, recorded: &Run, sharpness: f64) -> Result<OptimalWaveforms> {
-        let settled = Self { cycles: SETTLED, ..*self };
         let sweep: Vec<(Waveform, Cycle)> = self
             .squares(sharpness)
             .into_par_iter()
             .map(|waveform| {
-                let cycle = settled.cycle(&waveform)?;
+                let cycle = self.cycle(&waveform)?;
                 Ok((waveform, cycle))
             })
             .collect::<Result<_>>()?;
         let goals = [Goal::Thrust, Goal::ThrustPerAir];
         Ok(OptimalWaveforms {
             valve: self.valve,
-            recorded: settled.recorded(recorded)?,
+            recorded: self.recorded(recorded)?,
             sweep: sweep
                 .iter()
                 .map(|(waveform, cycle)| self.performed(waveform.frequency(&self.limits), cycle))
                 .collect(),
-            optima: goals.into_par_iter().map(|goal| self.optimum(&settled, goal, &sweep)).collect::<Result<_>>()?,
+            optima: goals.into_par_iter().map(|goal| self.optimum(goal, &sweep)).collect::<Result<_>>()?,
         })
     }
 
@@ -124,7 +121,7 @@ impl WaveformModel<'_> {
             .collect()
     }
 
-    fn optimum(&self, settled: &Self, goal: Goal, sweep: &[(Waveform, Cycle)]) -> Result<OptimalWaveform> {
+    fn optimum(&self, goal: Goal, sweep: &[(Waveform, Cycle)]) -> Result<OptimalWaveform> {
         let value = |cycle: &Cycle| goal.value(&cycle.performance);
         let (start, square) = sweep.iter().max_by(|(_, a), (_, b)| value(a).total_cmp(&value(b))).ok_or_else(|| {
             Diagnostic::new(
@@ -137,7 +134,7 @@ impl WaveformModel<'_> {
         let flap = |of: &Waveform, cycle: &Cycle| self.flap(goal.name(), of.frequency(&self.limits), cycle);
         Ok(OptimalWaveform {
             square: flap(start, square),
-            flap: flap(&optimum.waveform, &settled.cycle(&optimum.waveform)?),
+            flap: flap(&optimum.waveform, &self.cycle(&optimum.waveform)?),
             values: optimum.values,
         })
     }

@@ -21,8 +21,8 @@ use sysid::Interrupted;
 const AMBIENT: Pascal = 101_325.0;
 /// Half the width of the difference by frequency, relative to its limits.
 const NUDGE: f64 = 5e-3;
-/// Length of a step of Adam: a fortieth of the widest interval of a number.
-const STEP: f64 = 0.2;
+/// Length of a step of Adam, a part of the interval of each number: an amplitude, whose interval is a sixteenth of a coefficient's, would otherwise leap.
+const STEP: f64 = 0.0125;
 /// How fast steps shrink, 1/iterations.
 const STEP_DECAY: f64 = 0.05;
 
@@ -194,24 +194,28 @@ impl WaveformModel<'_> {
     /// As [`WaveformModel::gradient`].
     pub fn maximise(&self, goal: Goal, start: &Waveform) -> Result<Optimum> {
         let [low, high] = Waveform::bounds();
+        let width: Vec<f64> = low.iter().zip(&high).map(|(low, high)| high - low).collect();
+        let waveform = |at: &[f64]| Waveform {
+            numbers: at.iter().zip(&width).zip(&low).map(|((x, w), low)| low + x * w).collect(),
+        };
+        let begin = start.numbers.iter().zip(&width).zip(&low).map(|((x, w), low)| (x - low) / w).collect();
         let names: Vec<String> = (0..PARAMETERS).map(|n| format!("number {n} of the waveform")).collect();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        let problem = Problem::new(&names, start.numbers.clone(), Bounds { low, high })?;
+        let problem = Problem::new(&names, begin, Bounds { low: vec![0.0; PARAMETERS], high: vec![1.0; PARAMETERS] })?;
         let iterations = self.limits.iterations.max(1);
         let settings = Settings { step: STEP, step_decay: STEP_DECAY, iterations, ..Settings::default() };
+        let evaluation = |at: &Vec<f64>| -> Result<Evaluation> {
+            let (value, gradient) = self.gradient(goal, &waveform(at))?;
+            let gradient = Some(gradient.iter().zip(&width).map(|(by, w)| -by * w).collect());
+            Ok(Evaluation { gradient, ..Evaluation::of_loss(at.clone(), -value) })
+        };
         let mut objective = |batch: &[Vec<f64>], _: Needs| -> Result<Vec<Evaluation>, Interrupted> {
-            batch.iter().map(|at| self.evaluation(goal, at).map_err(Interrupted)).collect()
+            batch.iter().map(|at| evaluation(at).map_err(Interrupted)).collect()
         };
         let log = minimise(&mut Adam::new(&problem, &settings)?, &mut objective).map_err(|stop| stop.0)?;
-        let waveform = Waveform { numbers: log.best.at };
+        let best = waveform(&log.best.at);
         let values = log.entries.iter().map(|entry| -entry.evaluation.loss).collect();
-        Ok(Optimum { performance: self.performance(&waveform)?, waveform, values })
-    }
-
-    fn evaluation(&self, goal: Goal, at: &[f64]) -> Result<Evaluation> {
-        let (value, gradient) = self.gradient(goal, &Waveform { numbers: at.to_vec() })?;
-        let gradient = Some(gradient.iter().map(|by| -by).collect());
-        Ok(Evaluation { gradient, ..Evaluation::of_loss(at.to_vec(), -value) })
+        Ok(Optimum { performance: self.performance(&best)?, waveform: best, values })
     }
 
     fn by_frequency(&self, goal: Goal, waveform: &Waveform) -> Result<f64> {

@@ -50,6 +50,8 @@ pub struct Settings {
     scan: [usize; 2],
     /// Iterations of the ascent.
     iterations: usize,
+    /// Settling cycles, and cycles over which the thrust of a waveform is averaged: more than for a scan, so that none lives on the transient.
+    waveform_cycles: [usize; 2],
     /// Iterations of the ascent of a waveform.
     waveform_iterations: usize,
 }
@@ -156,7 +158,7 @@ impl Actuated<'_> {
             valve,
             limits: Limits { iterations: set.waveform_iterations, ..limits },
             steps_per_cycle: set.steps_per_cycle,
-            cycles: set.cycles,
+            cycles: set.waveform_cycles,
         };
         model.optimal_waveforms(recorded, set.sharpness).map(Some)
     }

@@ -36,7 +36,7 @@ pub fn print(specimen: &Specimen, body: &ReducedBody) -> Outcome<()> {
         valve: VALVE,
         limits: LIMITS,
         steps_per_cycle: 60,
-        cycles: [2, 1],
+        cycles: [6, 1],
     };
     for (name, goal) in [("thrust", Goal::Thrust), ("thrust_per_air", Goal::ThrustPerAir)] {
         let start = best_of_sweep(&model, goal)?;
