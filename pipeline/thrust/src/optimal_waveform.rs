@@ -8,7 +8,6 @@ use serde::{Deserialize, Serialize};
 use si::{Hertz, Metre, Newton, Pascal};
 
 use crate::Run;
-use crate::square_wave::SquareWave;
 use crate::waveform::{Valve, Waveform};
 use crate::waveform_thrust::{Cycle, Goal, Performance, WaveformModel};
 use diagnostics::{Diagnostic, Result};
@@ -49,7 +48,7 @@ pub struct Performed {
     pub highest_pa: Pascal,
     /// Hz.
     pub frequency_hz: Hertz,
-    /// Mean thrust by fitted theory, N.
+    /// Mean thrust by the model's theory, N.
     pub thrust_n: Newton,
     /// Air drawn by all chambers, m³/s at ambient pressure.
     pub air_m3_s: f64,
@@ -85,13 +84,12 @@ impl OptimalWaveform {
 }
 
 impl WaveformModel<'_> {
-    /// The optima, beside square waves of this sharpness and a recorded run.
+    /// The optima, beside square waves and a recorded run.
     ///
     /// # Errors
     /// A [`Diagnostic`] when a step finds no motion or has no adjoint.
-    pub fn optimal_waveforms(&self, recorded: &Run, sharpness: f64) -> Result<OptimalWaveforms> {
-        let sweep: Vec<(Waveform, Cycle)> = self
-            .squares(sharpness)
+    pub fn optimal_waveforms(&self, recorded: &Run) -> Result<OptimalWaveforms> {
+        let sweep: Vec<(Waveform, Cycle)> = Self::squares()
             .into_par_iter()
             .map(|waveform| {
                 let cycle = self.cycle(&waveform)?;
@@ -110,14 +108,13 @@ impl WaveformModel<'_> {
         })
     }
 
-    /// Square waves over the limits: amplitudes from an even part of the highest, all frequencies.
-    fn squares(&self, sharpness: f64) -> Vec<Waveform> {
+    /// The steepest square waves over the limits: amplitudes from an even part of the highest, all frequencies.
+    fn squares() -> Vec<Waveform> {
         let [amplitudes, frequencies] = SWEEP;
         let places = (1..=amplitudes).flat_map(|a| (0..frequencies).map(move |f| (a, f)));
-        let like = SquareWave { amplitude: 0.0, frequency: 0.0, sharpness };
         places
             .map(|(a, f)| [a as f64 / amplitudes as f64, f as f64 / (frequencies - 1) as f64])
-            .map(|place| Waveform::square(&self.limits.wave(place, like), &self.limits))
+            .map(|place| Waveform::steepest(&place))
             .collect()
     }
 

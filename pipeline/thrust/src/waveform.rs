@@ -38,6 +38,9 @@ pub struct Valve {
     pub emptying: Second,
 }
 
+/// Least amplitude, over the highest pressure.
+const LEAST: f64 = 0.05;
+
 impl Waveform {
     /// The square wave, with the sides half a cycle apart.
     pub fn square(wave: &SquareWave, limits: &Limits) -> Self {
@@ -45,6 +48,18 @@ impl Waveform {
         let side = |sign: f64| {
             let mut side = vec![0.0; OF_SIDE];
             (side[0], side[3]) = (amplitude, sign * wave.sharpness.min(STEEPEST));
+            side
+        };
+        Self { numbers: [vec![frequency], side(1.0), side(-1.0)].concat() }
+    }
+
+    /// The steepest square wave of this series, at normalised coordinates (0 to 1 along both limits): the Fourier series of a square. From this
+    /// one on, what a waveform gains is not by its edges alone.
+    pub(crate) fn steepest(&[amplitude, frequency]: &[f64; 2]) -> Self {
+        let side = |sign: f64| {
+            let mut side = vec![0.0; OF_SIDE];
+            side[0] = amplitude;
+            (1..=HARMONICS).step_by(2).for_each(|k| side[1 + 2 * k] = sign * STEEPEST / k as f64);
             side
         };
         Self { numbers: [vec![frequency], side(1.0), side(-1.0)].concat() }
@@ -85,11 +100,11 @@ impl Waveform {
         }
     }
 
-    /// The lowest and highest value of each number.
+    /// The lowest and highest value of each number. Without any pressure there would be no thrust per air.
     pub fn bounds() -> [Vec<f64>; 2] {
         let side = |amplitude: f64, other: f64| [vec![amplitude], vec![other; OF_SIDE - 1]].concat();
         let all = |first: f64, side: Vec<f64>| [vec![first], side.clone(), side].concat();
-        [all(0.0, side(0.0, -STEEPEST)), all(1.0, side(1.0, STEEPEST))]
+        [all(0.0, side(LEAST, -STEEPEST)), all(1.0, side(1.0, STEEPEST))]
     }
 }
 
@@ -151,6 +166,13 @@ mod tests {
                 assert!((command * LIMITS.amplitude - exact).abs() < 1e-9 * LIMITS.amplitude);
             }
         }
+    }
+
+    #[test]
+    fn the_steepest_square_wave_is_full_and_empty_but_for_a_tenth_of_a_cycle() {
+        let commands = Waveform::steepest(&[0.5, 0.0]).commands(1, (1000, 1000));
+        let between = commands.iter().filter(|c| (0.005..0.495).contains(*c)).count();
+        assert!(commands[250] < 1e-3 && commands[750] > 0.499 && between < 100, "{between}");
     }
 
     #[test]

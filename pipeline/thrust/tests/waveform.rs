@@ -108,7 +108,7 @@ fn recorded(model: &WaveformModel) -> Run {
 fn optimal_waveforms_stand_beside_square_waves_and_a_recorded_flap() {
     with_model(20, |model| {
         let model = &WaveformModel { cycles: [6, 1], ..*model };
-        let found = model.optimal_waveforms(&recorded(model), SQUARE.sharpness).unwrap();
+        let found = model.optimal_waveforms(&recorded(model)).unwrap();
         let exact = model.performance(&Waveform::square(&SQUARE, &model.limits)).unwrap();
         let of = found.recorded.performed;
         // interpolated between samples, in steps of another length than the valve's

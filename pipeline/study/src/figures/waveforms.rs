@@ -34,8 +34,8 @@ impl figure::Figure for Waveforms {
         let row = |figure: Figure, (specimen, found): &(Specimen, OptimalActuation)| {
             let name = title(&specimen.card.name);
             match &found.waveforms {
-                Some(waveforms) => figure.row(44.0, panels(&name, waveforms)),
-                None => figure.row(44.0, [scan(found).titled(&format!("{name}: square waves alone"))]),
+                Some(waveforms) => figure.row(50.0, panels(&name, waveforms)),
+                None => figure.row(50.0, [scan(found).titled(&format!("{name}: square waves alone"))]),
             }
         };
         let figure = all.iter().fold(Figure::new(DOUBLE_COLUMN_MM), row);
@@ -53,7 +53,7 @@ fn goal(name: &str) -> String {
     format!("most {}", name.replace('_', " "))
 }
 
-/// Pressures of both sides over one cycle, over their commands.
+/// Pressures of both sides over one cycle, and the command of the first.
 fn cycle(flap: &Flap, commanded: bool) -> Panel {
     let axis = format!("time at {:.2} Hz", flap.performed.frequency_hz);
     let mut axes = Axes::new(Axis::linear(&axis, "s"), Axis::linear("pressure", "mbar"));
@@ -61,14 +61,14 @@ fn cycle(flap: &Flap, commanded: bool) -> Panel {
         let step = 1.0 / (flap.performed.frequency_hz * of.len().max(1) as f64);
         of.iter().enumerate().map(|(n, p)| [(n + 1) as f64 * step, p / MILLIBAR]).collect()
     };
-    for command in flap.command_pa.iter().filter(|_| commanded) {
-        axes = axes.with(Mark::line(curve(command), palette::MUTED).dashed(Dash::Dotted));
+    for command in flap.command_pa.iter().take(if commanded { 1 } else { 0 }) {
+        axes = axes.with(Mark::line(curve(command), palette::MUTED).dashed(Dash::Dotted).labelled("command"));
     }
     let looks = [(palette::PRESSURE, Dash::Solid), (palette::PRESSURE.towards(palette::BLACK, 0.5), Dash::Dashed)];
-    for (pressure, (colour, dash)) in flap.pressure_pa.iter().zip(looks) {
-        axes = axes.with(Mark::line(curve(pressure), colour).dashed(dash).sized(1.2));
+    for ((pressure, (colour, dash)), side) in flap.pressure_pa.iter().zip(looks).zip(["one side", "other side"]) {
+        axes = axes.with(Mark::line(curve(pressure), colour).dashed(dash).sized(1.2).labelled(side));
     }
-    Panel::Axes(axes)
+    Panel::Axes(axes.legend(Legend::Over))
 }
 
 fn sweep(waveforms: &OptimalWaveforms) -> Panel {

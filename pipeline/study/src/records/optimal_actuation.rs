@@ -23,7 +23,7 @@ pub struct OptimalActuation {
     pub scan: Vec<ActuationPoint>,
     /// Check of the simulator under measured pressures.
     pub check: Check,
-    /// The optimal waveforms by fitted theory; none where no log holds a filling, or where the solid's law is none of the twin's.
+    /// The optimal waveforms by fitted theory, over the thrust of a tail at rest; none where no log holds a filling, or where the solid's law is none of the twin's.
     pub waveforms: Option<OptimalWaveforms>,
     /// Coordinates of the reduced model.
     pub coordinates: usize,

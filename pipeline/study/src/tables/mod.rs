@@ -13,7 +13,7 @@ mod recovery;
 mod thrust_models;
 mod trials;
 mod validation;
-mod waveforms;
+mod waveform_thrust;
 
 use crate::subject::Study;
 use workflow::entry::{Entry, table};
@@ -27,7 +27,7 @@ pub const ALL: &[Entry<Study>] = &[
     table::<validation::Validation>(),
     table::<thrust_models::ThrustModels>(),
     table::<optimal_actuation::OptimalActuation>(),
-    table::<waveforms::Waveforms>(),
+    table::<waveform_thrust::WaveformThrust>(),
     table::<recovery::Recovery>(),
     table::<coverage::Coverage>(),
     table::<mesh_sensitivity::MeshSensitivity>(),

@@ -1,4 +1,4 @@
-//! Table `waveforms`: mean thrust and flow of air of the best recorded flap, the best square waves and the optimal waveforms.
+//! Table `waveform_thrust`: mean thrust and flow of air of the best recorded flap, the best square waves and the optimal waveforms.
 //!
 //! All by the reduced model and fitted theory, after transients have settled; pressures are those behind the valve.
 
@@ -13,12 +13,12 @@ use workflow::subject::Subject;
 use workflow::table::Table;
 
 /// The table.
-pub struct Waveforms;
+pub struct WaveformThrust;
 
-impl Table for Waveforms {
+impl Table for WaveformThrust {
     type Of = Study;
     type Needs = Every<records::OptimalActuation, Specimen>;
-    const NAME: &'static str = "waveforms";
+    const NAME: &'static str = "waveform_thrust";
     const CAPTION: &'static str = "thrust and air of the optimal waveforms, of square waves and of a recorded flap";
     const VERSION: u32 = 1;
 
@@ -40,7 +40,7 @@ impl Table for Waveforms {
         let found = all.iter().filter_map(|(s, found)| Some((s.name(), found.waveforms.as_ref()?)));
         let table = plot::Table::new(columns, found.flat_map(|(name, found)| rows(&name, found)).collect())?;
         Ok(table
-            .noted("Predictions by theory on the simulated motion. Pressure: the highest behind the valve. Air: at ambient pressure."))
+            .noted("Predictions by theory on the simulated motion, over the thrust of a tail at rest. Pressure: the highest behind the valve. Air: at ambient pressure."))
     }
 }
 
