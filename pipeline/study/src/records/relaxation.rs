@@ -135,7 +135,7 @@ impl Record for Relaxation {
     fn summary(&self) -> String {
         let branch = |b: &IdentifiedBranch| {
             let note = if b.over_prior > UNDETERMINED { " (prior)" } else { "" };
-            format!("{:.3} at {} s{note}", b.strength, b.time_s)
+            format!("{:.3} at {:.1e} s{note}", b.strength, b.time_s)
         };
         let branches: Vec<String> = self.branches.iter().map(branch).collect();
         let (rmse, elastic) = (1e3 * self.rmse_m, 1e3 * self.elastic_rmse_m);

@@ -24,8 +24,10 @@ pub struct Relaxation;
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
-    /// Relaxation times of the branches, rising, s.
+    /// Relaxation times at which a strength is identified, rising, s.
     times: Vec<Second>,
+    /// Branches from one of these times to the next. Their strengths are interpolated at first, then all are free.
+    branches_per_interval: usize,
     /// Median of the prior of each strength, no unit.
     prior_strength: f64,
     /// Standard deviation of its logarithm.
@@ -52,7 +54,7 @@ impl Stage for Relaxation {
     type Needs = (Mesh, Identified, Reduced, IdentificationTrials<Motion>);
     type Makes = records::Relaxation;
     const DESCRIPTION: &'static str = "transients of the staircases give the silicone's relaxation";
-    const VERSION: u32 = 3;
+    const VERSION: u32 = 4;
 
     fn run(
         card: &Self::Card,
@@ -85,6 +87,7 @@ impl Settings {
     fn spectrum(&self) -> SpectrumSettings {
         SpectrumSettings {
             times: self.times.clone(),
+            branches_per_interval: self.branches_per_interval,
             prior_strength: self.prior_strength,
             prior_sigma: self.prior_sigma,
             sigma: self.sigma,
@@ -101,13 +104,13 @@ impl Settings {
     }
 
     fn record(&self, found: Spectrum, modulus_time: Second) -> records::Relaxation {
-        let count = found.strengths.len();
+        let count = found.branches.len();
         let deviation = |k: usize| found.covariance[(k, k)].sqrt();
         let branch = |k: usize| IdentifiedBranch {
-            time_s: self.times[k],
-            strength: found.strengths[k],
+            time_s: found.branches[k].time,
+            strength: found.branches[k].strength,
             sigma: deviation(k),
-            over_prior: deviation(k) / self.prior_sigma,
+            over_prior: found.over_prior[k],
         };
         let pairs = (0..count).flat_map(|i| (0..count).map(move |j| (i, j)));
         records::Relaxation {
