@@ -6,9 +6,10 @@
 
 #![allow(clippy::unwrap_used)]
 
-use mesh::foreign::{ForeignMesh, MeshDefect, MeshFileError, RawMesh, gmsh, medit, tetgen, vtu};
+use mesh::foreign::{self, ForeignMesh, MeshDefect, MeshFileError, RawMesh, gmsh, medit, tetgen, vtu};
 use mesh::{Skin, Solid};
 use std::f64::consts::PI;
+use std::path::Path;
 
 fn bytes(name: &str) -> Vec<u8> {
     std::fs::read(format!("{}/tests/data/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
@@ -271,6 +272,8 @@ fn text_in_place_of_a_number_is_refused_with_its_line() {
     let node = text("ball.node").replacen("265 3", "265 2", 1);
     let said = fault(tetgen(node.as_bytes(), &bytes("ball.ele")));
     assert!(said.starts_with(".node file, line 2: the nodes have 2 coordinates"), "{said}");
+    let said = fault(foreign::read(Path::new("of/ball.ele"), &bytes("ball.ele"), Some(node.as_bytes())));
+    assert!(said.starts_with("ball.node, line 2: the nodes have 2 coordinates"), "{said}");
     let said = fault(vtu(text("ball_ascii.vtu").replacen("0.006", "0,006", 1).as_bytes()));
     assert!(said.starts_with("line ") && said.contains("`0,006` stands in an array"), "{said}");
 }

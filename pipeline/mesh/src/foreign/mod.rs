@@ -43,13 +43,22 @@ pub fn read(file: &Path, bytes: &[u8], nodes: Option<&[u8]>) -> Result<RawMesh, 
         (Some("msh"), _) => gmsh(bytes),
         (Some("vtu"), _) => vtu(bytes),
         (Some("mesh"), _) => medit(bytes),
-        (Some("ele"), Some(nodes)) => tetgen(nodes, bytes),
+        (Some("ele"), Some(nodes)) => tetgen(nodes, bytes).map_err(|error| named_nodes(error, file)),
         (other, _) => Err(MeshFileError::new(
             format!("the mesh is of an unknown kind (.{})", other.unwrap_or_default()),
             "meshes are read from .msh, .vtu, .mesh and .ele",
             "save the mesh in one of these formats",
         )),
     }
+}
+
+/// An error in TetGen's file of nodes, with that file's name: its reader is called by that of the elements, whose file is `file`.
+fn named_nodes(mut error: MeshFileError, file: &Path) -> MeshFileError {
+    let name = file.with_extension("node").file_name().map(|name| name.to_string_lossy().into_owned());
+    if let (Some(rest), Some(name)) = (error.place.strip_prefix(tetgen::NODES), name) {
+        error.place = format!("{name}, {rest}");
+    }
+    error
 }
 
 /// The file of the nodes of a mesh, where they lie in one of their own.

@@ -9,13 +9,16 @@ use super::tokens::Tokens;
 /// The places of this module's ten nodes in TetGen's list.
 const PLACES: [usize; 10] = [0, 1, 2, 3, 6, 7, 9, 5, 8, 4];
 
+/// How the place of an error in the file of the nodes begins, before the line.
+pub(super) const NODES: &str = ".node file, ";
+
 /// Reads the text of both files.
 ///
 /// # Errors
 /// [`MeshFileError`], with the file and the line.
 pub fn tetgen(node: &[u8], ele: &[u8]) -> Result<RawMesh, MeshFileError> {
     let mut raw = RawMesh::default();
-    let first = nodes(Tokens::new(node, ".node file, ", Some(b'#')), &mut raw)?;
+    let first = nodes(Tokens::new(node, NODES, Some(b'#')), &mut raw)?;
     elements(Tokens::new(ele, ".ele file, ", Some(b'#')), first, &mut raw)?;
     Ok(raw)
 }
