@@ -34,15 +34,21 @@ impl SceneCuts {
 /// Means of square blocks, less the mean of all.
 fn blocks(picture: &Gray) -> Vec<f64> {
     let side = (picture.width.max(picture.height) / BLOCKS).max(1);
-    let (across, down) = (picture.width / side, picture.height / side);
-    let mean = |x: usize, y: usize| {
-        let row = |line: usize| &picture.pixels[line * picture.width + x * side..][..side];
-        let sum: u64 = (y * side..(y + 1) * side).flat_map(row).map(|p| u64::from(*p)).sum();
-        sum as f64 / (side * side) as f64
-    };
-    let all: Vec<f64> = (0..down).flat_map(|y| (0..across).map(move |x| (x, y))).map(|(x, y)| mean(x, y)).collect();
+    let down = picture.height / side;
+    let bands = picture.pixels.chunks_exact(side * picture.width).take(down);
+    let all: Vec<f64> = bands.flat_map(|band| band_means(band, picture.width, side)).collect();
     let middle = all.iter().sum::<f64>() / all.len().max(1) as f64;
     all.into_iter().map(|level| level - middle).collect()
+}
+
+/// Means of the blocks in a band of `side` lines. Line by line, so that sums of neighbouring bytes are formed in vector registers.
+fn band_means(band: &[u8], width: usize, side: usize) -> Vec<f64> {
+    let mut sums = vec![0_u64; width / side];
+    for line in band.chunks_exact(width) {
+        let row = |block: &[u8]| block.iter().map(|&p| u32::from(p)).sum::<u32>();
+        sums.iter_mut().zip(line.chunks_exact(side)).for_each(|(sum, block)| *sum += u64::from(row(block)));
+    }
+    sums.into_iter().map(|sum| sum as f64 / (side * side) as f64).collect()
 }
 
 fn correlation(a: &[f64], b: &[f64]) -> f64 {

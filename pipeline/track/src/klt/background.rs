@@ -17,9 +17,14 @@ pub(super) struct Background {
     plane: [f64; 3],
     /// Scatter of the kept pixels, grey levels.
     pub(super) noise: f64,
-    /// How far the background leaves the plane in large, grey levels: root mean square over sectors of the ring.
+    /// How far the background leaves the plane in large, grey levels: root mean square over sectors of the ring; 0 until
+    /// [`Background::with_bend`].
     pub(super) bend: f64,
 }
+
+/// The pixels of a ring that its background was read from: x, y from the middle (px) and level.
+#[derive(Debug, Clone)]
+pub(super) struct Ring(Vec<(f64, f64, f64)>);
 
 /// Sectors of the ring in which the background's bend is read.
 const SECTORS: usize = 8;
@@ -28,7 +33,7 @@ impl Background {
     /// Reads the ring outside `radius` (px) around `middle`; what is much darker or lighter than the rest is left out.
     ///
     /// The ring must lie inside the picture.
-    pub(super) fn around(picture: &Gray, middle: Point2, radius: f64) -> Self {
+    pub(super) fn around(picture: &Gray, middle: Point2, radius: f64) -> (Self, Ring) {
         let mut ring = Vec::new();
         Disc { middle, radius: radius + RING, stride: 1 }.visit(picture, |x, y, r2, level| {
             if r2 > radius * radius {
@@ -43,8 +48,12 @@ impl Background {
         let plane = fit(&ring).unwrap_or([centre, 0.0, 0.0]);
         let off = |p: &(f64, f64, f64)| (p.2 - plane[0] - plane[1] * p.0 - plane[2] * p.1).powi(2);
         let noise = (ring.iter().map(off).sum::<f64>() / ring.len().saturating_sub(3).max(1) as f64).sqrt();
-        let bend = bend(&ring, plane);
-        Self { middle, plane, noise, bend }
+        (Self { middle, plane, noise, bend: 0.0 }, Ring(ring))
+    }
+
+    /// The same, with its bend. It takes as long as everything else here, and is of use once a window has converged.
+    pub(super) fn with_bend(self, ring: &Ring) -> Self {
+        Self { bend: bend(&ring.0, self.plane), ..self }
     }
 
     /// The background's level at (x, y), counted from the middle, grey levels; at least one, so that it can divide.
@@ -125,11 +134,11 @@ mod tests {
     fn a_slope_is_read_past_a_stain() {
         let slope = |x: usize, y: usize| 150.0 + 0.4 * x as f64 - 0.2 * y as f64;
         let stained = |x: usize, y: usize| if x > 45 && y > 45 { 20.0 } else { slope(x, y) };
-        let background = Background::around(&Gray::from_fn(64, 64, stained), [32.3, 31.6], 18.0);
+        let (background, ring) = Background::around(&Gray::from_fn(64, 64, stained), [32.3, 31.6], 18.0);
         for (x, y) in [(32, 32), (20, 40), (45, 25)] {
             let found = background.level(x as f64 - 32.3, y as f64 - 31.6);
             assert!((found - slope(x, y)).abs() < 0.3, "{found} {}", slope(x, y));
         }
-        assert!(background.noise < 0.5);
+        assert!(background.noise < 0.5 && background.with_bend(&ring).bend < 0.1);
     }
 }

@@ -3,7 +3,7 @@
 //! Darkness is relative to the sloped background and cut off softly, so that neither uneven light nor noise far from the spot shifts the
 //! centroid, nor does a rotation of the spot. Only pixels connected to the spot count.
 
-use super::background::{Background, Disc, RING};
+use super::background::{Background, Disc, RING, Ring};
 use crate::Gray;
 use si::Point2;
 
@@ -80,24 +80,37 @@ pub(crate) enum Miss {
 /// # Errors
 /// [`Miss`] when the window leaves the picture or holds nothing darker than its background.
 pub(crate) fn find(picture: &Gray, near: Point2, radius: f64) -> Result<Blob, Miss> {
-    let look = |at: Point2| {
-        // a pixel more for the template, which is cut between pixels
-        if picture.holds(at, radius + RING + 1.0) {
-            Window::open(picture, at, radius).blob().ok_or(Miss::Empty)
-        } else {
-            Err(Miss::Outside)
-        }
-    };
-    let mut blob = look(near)?;
+    find_distinct(picture, near, radius, f64::NEG_INFINITY)
+}
+
+/// The same, where the first look already shows a contrast of `least` (grey levels): a window on patterned ground is then not followed.
+///
+/// # Errors
+/// [`Miss`] as [`find`], and where the first look shows less.
+pub(super) fn find_distinct(picture: &Gray, near: Point2, radius: f64, least: f64) -> Result<Blob, Miss> {
+    let (mut blob, mut ring) = look(picture, near, radius)?;
+    if blob.contrast < least {
+        return Err(Miss::Empty);
+    }
     let mut from = near;
     for _ in 1..ROUNDS {
         if (blob.at[0] - from[0]).hypot(blob.at[1] - from[1]) < CONVERGED {
             break;
         }
         from = blob.at;
-        blob = look(from)?;
+        (blob, ring) = look(picture, from, radius)?;
     }
-    Ok(blob)
+    Ok(Blob { background: blob.background.with_bend(&ring), ..blob })
+}
+
+fn look(picture: &Gray, at: Point2, radius: f64) -> Result<(Blob, Ring), Miss> {
+    // a pixel more for the template, which is cut between pixels
+    if !picture.holds(at, radius + RING + 1.0) {
+        return Err(Miss::Outside);
+    }
+    let window = Window::open(picture, at, radius);
+    let blob = window.blob().ok_or(Miss::Empty)?;
+    Ok((blob, window.ring))
 }
 
 /// Share of a window of `radius` (px) around the spot near a place that is as dark as a spot and not connected to it,
@@ -131,13 +144,14 @@ struct Window {
     side: usize,
     cells: Vec<Cell>,
     background: Background,
+    ring: Ring,
     contrast: f64,
     soft: Soft,
 }
 
 impl Window {
     fn open(picture: &Gray, middle: Point2, radius: f64) -> Self {
-        let background = Background::around(picture, middle, radius);
+        let (background, ring) = Background::around(picture, middle, radius);
         let half = radius.ceil() as usize + 1;
         let side = 2 * half + 1;
         let first = middle.map(|c| c.round() - half as f64);
@@ -156,7 +170,7 @@ impl Window {
         let cut = (NOISES * background.noise / contrast).clamp(CUT.0, CUT.1);
         let soft = Soft { full, cut };
         cells.iter_mut().for_each(|cell| cell.weight = soft.weight(cell.darkness));
-        Self { middle, radius, side, cells, background, contrast, soft }
+        Self { middle, radius, side, cells, background, ring, contrast, soft }
     }
 
     /// The pixels of the spot nearest to the middle.
