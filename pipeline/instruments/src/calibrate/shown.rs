@@ -5,6 +5,7 @@ use std::path::Path;
 
 use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Figure, Mark, Marker, Panel, Picture, PlotError, palette};
 use si::Point2;
+use track::Gray;
 use track::lens::Distortion;
 
 use super::Camera;
@@ -78,13 +79,41 @@ pub(super) fn views(found: &Camera) -> String {
     text
 }
 
+/// Pixels of the picture in the figure, at most: with noise, each takes about a byte of the figure's text.
+const SHOWN_PIXELS: usize = 160_000;
+
+/// A picture that is small enough for a figure: blocks of `by` × `by` pixels averaged.
+struct Shown {
+    picture: Gray,
+    by: usize,
+}
+
+impl Shown {
+    fn of(gray: &Gray) -> Self {
+        let by = ((gray.width * gray.height) as f64 / SHOWN_PIXELS as f64).sqrt().ceil().max(1.0) as usize;
+        let mean = |x: usize, y: usize| {
+            let block = (0..by * by).map(|k| gray.at(by * x + k % by, by * y + k / by));
+            block.sum::<f64>() / (by * by) as f64
+        };
+        Self { picture: Gray::from_fn((gray.width / by).max(1), (gray.height / by).max(1), mean), by }
+    }
+
+    /// Points of the whole picture in the small one, px.
+    fn points(&self, whole: &[Point2]) -> Vec<Point2> {
+        let shift = 0.5 * (self.by as f64 - 1.0);
+        whole.iter().map(|p| p.map(|c| (c - shift) / self.by as f64)).collect()
+    }
+}
+
 /// The first view with its points, seen and projected, and the residuals of all views.
 pub(super) fn figure(found: &Camera) -> Result<String, PlotError> {
     let mut panels = Vec::new();
     if let Some(gray) = &found.views.first {
-        let picture = Picture::new(gray.width, gray.height, gray.pixels.clone())
-            .with(Mark::points(found.views.corners[0].clone(), Marker::Cross, palette::MEASURED))
-            .with(Mark::points(found.projected(0), Marker::Ring, palette::SIMULATED));
+        let shown = Shown::of(gray);
+        let (seen, projected) = (shown.points(&found.views.corners[0]), shown.points(&found.projected(0)));
+        let picture = Picture::new(shown.picture.width, shown.picture.height, shown.picture.pixels)
+            .with(Mark::points(seen, Marker::Cross, palette::MEASURED))
+            .with(Mark::points(projected, Marker::Ring, palette::SIMULATED));
         panels.push(Panel::Picture(picture).titled(&found.views.names[0]));
     }
     let off = |k: usize| -> Vec<Point2> {
@@ -113,4 +142,28 @@ pub(super) fn summary(found: &Camera, folder: &Path) -> String {
         sigma[3],
         folder.display()
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_large_picture_is_shown_small_with_its_points_where_they_were() {
+        let disc = |p: Point2| {
+            move |x: usize, y: usize| if (x as f64 - p[0]).hypot(y as f64 - p[1]) < 40.0 { 0.0 } else { 200.0 }
+        };
+        let shown = Shown::of(&Gray::from_fn(1920, 1080, disc([961.0, 412.0])));
+        assert!(shown.picture.width * shown.picture.height <= SHOWN_PIXELS && shown.by == 4, "{}", shown.by);
+        let [at] = shown.points(&[[961.0, 412.0]])[..] else { panic!("one point was given") };
+        let dark: Vec<Point2> = (0..shown.picture.pixels.len())
+            .filter(|i| shown.picture.pixels[*i] < 100)
+            .map(|i| [(i % shown.picture.width) as f64, (i / shown.picture.width) as f64])
+            .collect();
+        let middle = [0, 1].map(|k| dark.iter().map(|p| p[k]).sum::<f64>() / dark.len() as f64);
+        assert!((middle[0] - at[0]).hypot(middle[1] - at[1]) < 0.1, "{middle:?} {at:?}");
+        // what is small enough is shown as it is
+        let small = Gray::from_fn(400, 300, disc([200.0, 150.0]));
+        assert_eq!(Shown::of(&small).picture, small);
+    }
 }
