@@ -213,7 +213,8 @@ pub fn calibration(look: &Look, of: &Specimen) -> Vec<Finding> {
 fn board(camera: &lab::card::Camera, context: &dyn StageContext) -> Result<(), Finding> {
     let [from, to] = camera.plane.seconds;
     let place = context.display_path("calibration");
-    let film = context.path("calibration").and_then(|path| Ok(Film::open(&path)?)).map_err(Finding::from)?;
+    let film = context.path("calibration").and_then(|path| Ok(Film::open_board(&path, camera.frame_every)?));
+    let (film, every) = film.map_err(Finding::from)?;
     let info = film.info();
     let lasts = info.frames as f64 / info.rate;
     if lasts < from {
@@ -222,10 +223,10 @@ fn board(camera: &lab::card::Camera, context: &dyn StageContext) -> Result<(), F
         return Err(Finding::fix(format!("{place} lasts {lasts:.2} s"), why, act));
     }
     let finder = target(&camera.board);
-    let mut message = String::from("no frame is in this interval");
+    let mut message = format!("none of its frames of which one in {every} is used is in this interval");
     for frame in film {
         let frame = frame.map_err(|e| Finding::message(&e.to_string()))?;
-        if !(from..=to).contains(&frame.time) {
+        if !(from..=to).contains(&frame.time) || !frame.index.is_multiple_of(every) {
             continue;
         }
         match finder.find(&frame.gray) {

@@ -49,7 +49,7 @@ fn write(folders: &Folders, name: &str) -> Result<String> {
     file.write_all(CARD.replace("\"NAME\"", &format!("{name:?}")).as_bytes()).map_err(|e| refused(&place, &e))?;
     let marked = CARD.lines().filter(|line| line.contains("# FILL IN;")).count();
     Ok(format!(
-        "{place}: fill in the {marked} lines marked FILL IN; put the STL files into cad, the board's film into camera, films and logs into trials\nthen: study doctor {name}"
+        "{place}: fill in the {marked} lines marked FILL IN; put the STL files into cad, the board's film or pictures into camera, films and logs into trials\nthen: study doctor {name}"
     ))
 }
 

@@ -159,13 +159,13 @@ fn known(camera: &CalibrationFilm, board: &Target, views: &[View], context: &dyn
 
 /// Searches one frame of every few for the board; frames in which it lies on the plane are also collected separately.
 fn look(camera: &CalibrationFilm, board: &Target, context: &dyn StageContext) -> Result<Seen> {
-    let film = Film::open(&context.path("calibration")?)?;
+    let (film, every) = Film::open_board(&context.path("calibration")?, camera.frame_every)?;
     let info = film.info();
     let mut seen = Seen { views: Vec::new(), on_plane: Vec::new(), size: (info.width, info.height) };
     let mut last_refusal: Option<Diagnostic> = None;
     for frame in film {
         let frame = frame?;
-        if !frame.index.is_multiple_of(camera.frame_every.max(1)) {
+        if !frame.index.is_multiple_of(every) {
             continue;
         }
         context.progress(frame.index as f64 / info.frames.max(1) as f64, "detecting the board");

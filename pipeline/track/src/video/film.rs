@@ -1,6 +1,6 @@
 //! A film of any source: H.264 in an MP4, a folder of pictures, or what `ffmpeg` reads.
 
-use super::folder::Folder;
+use super::folder::{self, Folder};
 use super::pipe::{Pipe, Programs};
 use super::reader::Reader;
 use super::turn::Quarter;
@@ -38,6 +38,20 @@ impl Film {
             }
             None => Err(refused),
         }
+    }
+
+    /// Opens the recording of a board: a film, of which one frame in `every` is worth looking at, or a folder of photographs, of
+    /// which each is. A photograph has no time; picture k of a folder without `times.csv` is that of second k. The second value is
+    /// the number of frames from one that is worth looking at to the next.
+    ///
+    /// # Errors
+    /// As [`Film::open`].
+    pub fn open_board(path: &Path, every: usize) -> Result<(Self, usize), VideoError> {
+        if folder::is_of_photographs(path) {
+            let source = Source::Folder(Folder::open_photographs(path)?);
+            return Ok((Self { source, turn: Quarter::None }, 1));
+        }
+        Ok((Self::open(path)?, every.max(1)))
     }
 
     /// Size, length and rate of the film, as it is shown.

@@ -23,8 +23,18 @@ pub(super) struct Folder {
 impl Folder {
     /// Opens a folder.
     pub(super) fn open(path: &Path) -> Result<Self, VideoError> {
+        let (files, times) = (listed(path)?, times(&path.join(TIMES))?);
+        Self::of(path, files, times)
+    }
+
+    /// Opens a folder of photographs, which have no times: picture k is that of second k.
+    pub(super) fn open_photographs(path: &Path) -> Result<Self, VideoError> {
         let files = listed(path)?;
-        let times = times(&path.join(TIMES))?;
+        let times = (0..files.len()).map(|k| k as f64).collect();
+        Self::of(path, files, times)
+    }
+
+    fn of(path: &Path, files: Vec<PathBuf>, times: Vec<Second>) -> Result<Self, VideoError> {
         let rising = times.windows(2).all(|pair| pair[0] < pair[1]);
         if files.is_empty() || times.len() != files.len() || !rising {
             let (pictures, times) = (files.len(), times.len());
@@ -48,6 +58,11 @@ impl Folder {
             false => Err(VideoError::Damaged { path: file.clone(), frame: index, expected, why }),
         }))
     }
+}
+
+/// Whether a path is a folder of pictures without times.
+pub(super) fn is_of_photographs(path: &Path) -> bool {
+    path.is_dir() && !path.join(TIMES).exists()
 }
 
 /// The pictures of a folder in the order of their names.
@@ -142,6 +157,20 @@ mod tests {
         let said = Folder::open(&folder).err().unwrap().to_string();
         assert!(said.contains("it has 1 pictures (PNG, JPEG) and 0 rising times"), "{said}");
         std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn photographs_need_no_times_and_count_as_seconds() {
+        let picture = Gray::filled(4, 4, 9).to_png().unwrap();
+        let folder = folder("photographs", &picture, "");
+        std::fs::write(folder.join("001.png"), &picture).unwrap();
+        assert!(!is_of_photographs(&folder));
+        std::fs::remove_file(folder.join(TIMES)).unwrap();
+        assert!(is_of_photographs(&folder) && !is_of_photographs(&folder.join("000.png")));
+        let mut film = Folder::open_photographs(&folder).unwrap();
+        let times: Vec<Second> = std::iter::from_fn(|| film.next()).map(|frame| frame.unwrap().time).collect();
+        std::fs::remove_dir_all(&folder).unwrap();
+        assert_eq!(times, [0.0, 1.0]);
     }
 
     #[test]
