@@ -187,6 +187,31 @@ fn the_held_pressures_of_a_jittered_log_are_those_of_the_even_one() {
 }
 
 #[test]
+fn a_log_that_was_sampled_evenly_and_stamped_late_gives_the_held_pressures_and_the_edges_of_the_even_one() {
+    // a staircase of a valve at 200 Hz, stamped up to 8 ms late
+    let pressure =
+        |t: f64| 188.0 * if t % 2.0 < 1.0 { 1.0 - (-(t % 1.0) / 0.05).exp() } else { (-(t % 1.0) / 0.05).exp() };
+    let log = |late: f64| {
+        let mut last = -1.0;
+        let mut line = |i: usize| {
+            let t = 0.005 * i as f64;
+            last = f64::max(last + 2e-4, t + 0.5 * late * (1.0 + uneven(i)));
+            let command = if t % 2.0 < 1.0 { 200 } else { 0 };
+            format!("{last:.6},{command},0,{:.3},0.3,0\n", pressure(t) + 0.2 * uneven(5 * i + 1))
+        };
+        let titles = "time_s,left_command_mbar,right_command_mbar,left_mbar,right_mbar,led\n";
+        pressures(&(titles.to_owned() + &(0..1600).map(&mut line).collect::<String>()), "").unwrap()
+    };
+    let (even, late) = (log(0.0), log(8e-3));
+    assert_eq!((even.sampling.method, late.sampling.method), (Method::AsStamped, Method::EvenSampling));
+    assert!((late.sampling.rate_hz / even.sampling.rate_hz - 1.0).abs() < 1e-4 && late.sampling.bounds.is_empty());
+    assert_eq!(late.log.channels, even.log.channels);
+    // late by 4 ms in the mean, alike from the first to the last sample
+    let later: Vec<f64> = late.log.time.iter().zip(&even.log.time).map(|(a, b)| a - b).collect();
+    assert!(later.iter().all(|d| (d - 4e-3).abs() < 3e-4), "{:?}", &later[..3]);
+}
+
+#[test]
 fn a_gap_is_what_exceeds_the_longest_gap_of_the_card() {
     let times = |i: usize| 0.005 * i as f64 + if i >= 60 { 0.03 } else { 0.0 };
     let text = stamped((0..400).map(times));

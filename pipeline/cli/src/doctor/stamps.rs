@@ -36,6 +36,12 @@ fn made(sampling: &Sampling) -> String {
     let bounds: Vec<String> = sampling.bounds.iter().map(worst).collect();
     match sampling.method {
         Method::AsStamped => "it is read as stamped".to_owned(),
+        Method::EvenSampling => {
+            let why = "its pressures or forces go smoothly from sample to sample and zigzag over their stamps";
+            format!(
+                "its samples were taken evenly and stamped late ({why}): they are read on the line through the stamps"
+            )
+        }
         Method::LinearInterpolation => {
             format!("it is interpolated linearly onto an even clock, within {}", bounds.join(", "))
         }

@@ -1,19 +1,40 @@
-//! Linear interpolation of a log onto an even clock, with its error bound.
+//! An uneven log on an even clock: by linear interpolation with its error bound, or, where its samples were taken evenly and stamped late, as
+//! it is.
 
 use si::Second;
 
-use super::sampling::{InterpolationBound, Method, Sampling};
+use super::evenness::{EvenClock, taken_evenly};
+use super::sampling::{InterpolationBound, Method, Sampling, Stamps};
 use super::{ColumnFormat, LogFormat};
 
-/// Resamples rows (time first) of an uneven log onto the even clock of `sampling`, which gains the error bounds of the columns.
-///
-/// Linear interpolation neither overshoots nor changes a signal that is held; the mean of a log keeps to second order.
-pub(super) fn onto_even_clock(rows: Vec<Vec<f64>>, form: &LogFormat, sampling: &mut Sampling) -> Vec<Vec<f64>> {
+/// Rows (time first) of a log on an even clock, of which `sampling` then says rate, method and error bounds.
+pub(super) fn onto_even_clock(
+    rows: Vec<Vec<f64>>,
+    (form, stamps): (&LogFormat, &Stamps),
+    sampling: &mut Sampling,
+) -> Vec<Vec<f64>> {
     if sampling.method == Method::AsStamped {
         return rows;
     }
+    match taken_evenly(&rows, form, stamps) {
+        Some(clock) => restamped(rows, clock, sampling),
+        None => interpolated(&rows, form, sampling),
+    }
+}
+
+/// The samples as they are, on the clock on which they were taken.
+fn restamped(mut rows: Vec<Vec<f64>>, clock: EvenClock, sampling: &mut Sampling) -> Vec<Vec<f64>> {
+    (sampling.method, sampling.rate_hz) = (Method::EvenSampling, 1.0 / clock.step);
+    rows.iter_mut().enumerate().for_each(|(i, row)| row[0] = clock.time(i));
+    rows
+}
+
+/// The samples between the stamped ones, on the even clock of `sampling`, which gains the error bounds of the columns.
+///
+/// Linear interpolation neither overshoots nor changes a signal that is held; the mean of a log keeps to second order.
+fn interpolated(rows: &[Vec<f64>], form: &LogFormat, sampling: &mut Sampling) -> Vec<Vec<f64>> {
     let measured = form.columns.iter().enumerate().skip(1).filter(|(_, column)| !column.held);
-    sampling.bounds = measured.map(|(k, column)| bound(&rows, k, &column.title)).collect();
+    sampling.bounds = measured.map(|(k, column)| bound(rows, k, &column.title)).collect();
     let start = rows[0][0];
     let step = 1.0 / sampling.rate_hz;
     let mut right = 1;

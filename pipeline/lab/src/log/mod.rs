@@ -7,6 +7,7 @@
 mod columns;
 mod dialect;
 mod even;
+mod evenness;
 mod sampling;
 mod time;
 
@@ -158,7 +159,7 @@ impl<'a> LogText<'a> {
             return Err(refused.in_file(self.first.path).at_line(stamps.faults(longest_gap).first().map(|f| f.line)));
         }
         let mut sampling = stamps.sampling(longest_gap);
-        let log = even::onto_even_clock(rows.rows, form, &mut sampling);
+        let log = even::onto_even_clock(rows.rows, (form, &stamps), &mut sampling);
         Ok(Logged { log, sampling })
     }
 
@@ -175,7 +176,7 @@ impl<'a> LogText<'a> {
         let rising = faults.iter().all(|fault| fault.kind == StampFaultKind::Gap);
         let sampling = rising.then(|| {
             let mut sampling = stamps.sampling(longest_gap);
-            let _ = even::onto_even_clock(rows.rows.clone(), form, &mut sampling);
+            let _ = even::onto_even_clock(rows.rows.clone(), (form, &stamps), &mut sampling);
             sampling
         });
         // A gap bends the line of the stamps as a change of rate does.

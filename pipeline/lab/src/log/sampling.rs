@@ -52,6 +52,8 @@ pub enum Method {
     AsStamped,
     /// Linear interpolation between the stamped samples, onto the even clock from the first to the last; commands from the nearest one.
     LinearInterpolation,
+    /// The samples were taken evenly and stamped late: they stay what they are, on the line through their stamps.
+    EvenSampling,
 }
 
 /// Bound h²/8 |f″| of linear interpolation over each step h; f″ from divided differences of three samples.

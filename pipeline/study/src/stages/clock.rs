@@ -77,7 +77,7 @@ impl Stage for Clock {
     type Needs = (Maybe<Camera>, Maybe<Tracks>, Markers);
     type Makes = Motion;
     const DESCRIPTION: &'static str = "the LED's edges synchronise film and logs";
-    const VERSION: u32 = 5;
+    const VERSION: u32 = 6;
 
     fn raw(of: &Trial) -> Vec<RawFile> {
         vec![RawFile::new("pressure", &of.card.name, &of.trial.pressure)]

@@ -1,0 +1,147 @@
+//! Whether the samples of an uneven log were taken evenly and stamped late, or taken when their stamps say.
+//!
+//! A timer or a converter takes samples evenly, and the program that receives them stamps them when the system lets it run. A loop that
+//! reads a sensor and a clock in turn takes them unevenly, and stamps them rightly. The signal itself tells the two apart: where it rises
+//! or falls, it goes smoothly from sample to sample on the clock that is right, and zigzags on the other.
+
+use si::Second;
+
+use super::LogFormat;
+use super::sampling::Stamps;
+
+/// A residual that exceeds the column's median so many times is that of a signal that changes; smaller ones are noise.
+const ABOVE_NOISE: f64 = 4.0;
+/// A sample votes for the clock on which its residual is smaller so many times.
+const CLEARLY: f64 = 2.0;
+/// The fewest votes that decide: a valve that opens twice gives as many.
+const FEWEST_VOTES: usize = 10;
+/// And how many there must be for each against.
+const MAJORITY: usize = 3;
+/// Samples over which the lateness of stamps is averaged, and the largest departure of such a mean from the clock, in steps: a
+/// sample that was lost shifts the stamps behind it by a whole step.
+const BLOCK: usize = 200;
+const LOST: f64 = 0.2;
+
+/// An even clock: the time of the first sample and the step to the next, s.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct EvenClock {
+    pub(super) start: Second,
+    pub(super) step: Second,
+}
+
+impl EvenClock {
+    /// The time of a sample, s.
+    pub(super) fn time(&self, sample: usize) -> Second {
+        self.start + self.step * sample as f64
+    }
+}
+
+/// The clock on which the samples were taken, later by the mean lateness of the stamps; none where the stamps are right, or where
+/// nothing in the log tells.
+pub(super) fn taken_evenly(rows: &[Vec<f64>], form: &LogFormat, stamps: &Stamps) -> Option<EvenClock> {
+    let clock = line(stamps.times);
+    let measured = (1..form.columns.len()).filter(|&k| !form.columns[k].held);
+    let votes: Vec<Votes> = measured.map(|k| votes(rows, k)).collect();
+    let [even, stamped] = [0, 1].map(|side| votes.iter().map(|v| v[side]).sum::<usize>());
+    let decided = even >= FEWEST_VOTES && even > MAJORITY * stamped;
+    (decided && !loses_samples(stamps.times, clock)).then_some(clock)
+}
+
+/// The line through the stamps, by least squares.
+fn line(times: &[Second]) -> EvenClock {
+    let middle = 0.5 * (times.len() - 1) as f64;
+    let mean = times.iter().map(|t| t - times[0]).sum::<f64>() / times.len() as f64;
+    let shared = |(i, t): (usize, &Second)| (i as f64 - middle) * (t - times[0] - mean);
+    let square: f64 = (0..times.len()).map(|i| (i as f64 - middle).powi(2)).sum();
+    let step = times.iter().enumerate().map(shared).sum::<f64>() / square;
+    EvenClock { start: times[0] + mean - step * middle, step }
+}
+
+/// Samples that vote for the even clock, and for the stamps.
+type Votes = [usize; 2];
+
+/// Votes of one column: distance of each sample from the straight line between its neighbours, on either clock.
+fn votes(rows: &[Vec<f64>], k: usize) -> Votes {
+    let off = |three: &[Vec<f64>], part: f64| (three[1][k] - three[0][k] - part * (three[2][k] - three[0][k])).abs();
+    let both = |three: &[Vec<f64>]| {
+        let part = (three[1][0] - three[0][0]) / (three[2][0] - three[0][0]);
+        [off(three, 0.5), off(three, part)]
+    };
+    let residuals: Vec<[f64; 2]> = rows.windows(3).map(both).collect();
+    let mut sizes: Vec<f64> = residuals.iter().map(|r| r[0].max(r[1])).collect();
+    sizes.sort_by(f64::total_cmp);
+    let limit = ABOVE_NOISE * sizes.get(sizes.len() / 2).copied().unwrap_or_default();
+    let clear = |side: usize| move |r: &&[f64; 2]| r[0].max(r[1]) > limit && CLEARLY * r[side] < r[1 - side];
+    [0, 1].map(|side| residuals.iter().filter(clear(side)).count())
+}
+
+/// Whether the stamps leave the clock for longer than lateness explains.
+fn loses_samples(times: &[Second], clock: EvenClock) -> bool {
+    let off: Vec<Second> = times.iter().enumerate().map(|(i, t)| t - clock.time(i)).collect();
+    let mean = |block: &[Second]| block.iter().sum::<f64>() / block.len() as f64;
+    off.chunks_exact(BLOCK).any(|block| mean(block).abs() > LOST * clock.step)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::card::LogKind;
+    use crate::log::ColumnFormat;
+
+    fn form() -> LogFormat {
+        let columns = vec![ColumnFormat::time(), ColumnFormat::measured("left_mbar", (-1e3, 1e4, "mbar"))];
+        LogFormat { kind: "pressure log", instrument: LogKind::Pressure, columns }
+    }
+
+    /// Uniform between −1 and 1.
+    fn uneven(i: usize) -> f64 {
+        let mixed = (i as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        ((mixed ^ mixed >> 31).wrapping_mul(0xbf58_476d_1ce4_e5b9) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+
+    /// A valve that opens and closes every second, with noise: (stamp, reading) of 1,200 samples at 200 Hz, which are taken `taken` and
+    /// stamped `stamped` after the even clock's time.
+    fn log(taken: impl Fn(usize) -> f64, stamped: impl Fn(usize) -> f64) -> Vec<Vec<f64>> {
+        let pressure = |t: f64| {
+            let (open, since) = (t.rem_euclid(2.0) < 1.0, t.rem_euclid(1.0));
+            let rest = (-since / 0.04).exp();
+            200.0 * if open { 1.0 - rest } else { rest }
+        };
+        let time = |i: usize| 2.0 + 0.005 * i as f64;
+        let row = |i: usize| vec![time(i) + stamped(i), pressure(time(i) + taken(i)) + 0.3 * uneven(7 * i + 3)];
+        (0..1200).map(row).collect()
+    }
+
+    fn clock(rows: &[Vec<f64>]) -> Option<EvenClock> {
+        let times: Vec<Second> = rows.iter().map(|row| row[0]).collect();
+        taken_evenly(rows, &form(), &Stamps { times: &times, lines: &[] })
+    }
+
+    #[test]
+    fn samples_that_were_stamped_late_are_put_back_onto_their_clock() {
+        let found = clock(&log(|_| 0.0, |i| 2e-3 * (1.0 + uneven(i)))).unwrap();
+        assert!((found.step / 0.005 - 1.0).abs() < 1e-4, "{found:?}");
+        // late by 2 ms in the mean
+        assert!((found.start - 2.002).abs() < 2e-4, "{found:?}");
+    }
+
+    #[test]
+    fn samples_that_were_taken_when_they_were_stamped_stay_there() {
+        let late = |i: usize| 2e-3 * (1.0 + uneven(i));
+        assert_eq!(clock(&log(late, late)), None);
+    }
+
+    #[test]
+    fn a_log_in_which_nothing_moves_tells_nothing() {
+        let rows: Vec<Vec<f64>> =
+            (0..1200).map(|i| vec![0.005 * i as f64 + 2e-3 * uneven(i), 100.0 + uneven(3 * i)]).collect();
+        assert_eq!(clock(&rows), None);
+    }
+
+    #[test]
+    fn where_a_sample_is_missing_the_stamps_are_kept() {
+        let mut rows = log(|_| 0.0, |i| 2e-3 * (1.0 + uneven(i)));
+        rows.remove(700);
+        assert_eq!(clock(&rows), None);
+    }
+}
