@@ -51,7 +51,7 @@ pub struct Snapshots<'a> {
     pub model: &'a Model,
     /// Its constants.
     pub elastic: &'a Elastic,
-    /// Highest pressure of each chamber, Pa.
+    /// Highest pressure of each chamber, Pa; 0 of one that stays at ambient pressure, of which there is no snapshot.
     pub top: &'a [Pascal],
     /// Length of the specimen, m.
     pub length: Metre,
@@ -68,7 +68,7 @@ impl Snapshots<'_> {
         let pull = pull(model, elastic)?;
         let filled: Vec<Vec<Vec<f64>>> =
             (0..top.len()).into_par_iter().map(|k| self.solve(k)).collect::<Result<_>>()?;
-        let bends: Vec<f64> = filled.iter().map(|shapes| bend(&shapes[STEPS - 1], &pull)).collect();
+        let bends: Vec<f64> = filled.iter().map(|shapes| shapes.last().map_or(0.0, |last| bend(last, &pull))).collect();
         let find = |wish: &Wish| self.shape(wish, nearest(&filled, top, &wish.pressures), &pull);
         let others: Vec<Vec<Vec<f64>>> = wishes(top, &bends).par_iter().map(find).collect::<Result<_>>()?;
         let shapes: Vec<&[f64]> = filled.iter().chain(&others).flatten().map(Vec::as_slice).collect();
@@ -77,8 +77,11 @@ impl Snapshots<'_> {
         Ok(model.system.reduce(&shapes, &by)?.data())
     }
 
-    /// Chamber `filled` alone up to its highest pressure, each equilibrium started from the last.
+    /// Chamber `filled` alone up to its highest pressure, each equilibrium started from the last; none where it is never filled.
     fn solve(&self, filled: usize) -> Result<Vec<Vec<f64>>> {
+        if self.top[filled] == 0.0 {
+            return Ok(Vec::new());
+        }
         let mut solver = ready(self.model, self.elastic)?;
         let mut shapes: Vec<Vec<f64>> = Vec::new();
         for step in 1..=STEPS {
@@ -236,24 +239,27 @@ fn bend(shape: &[f64], pull: &[f64]) -> f64 {
 
 /// Of the shapes with one chamber `filled`, the nearest to `pressures`; none where another is filled as much.
 fn nearest<'a>(filled: &'a [Vec<Vec<f64>>], top: &[Pascal], pressures: &[Pascal]) -> Option<&'a [f64]> {
-    let shares: Vec<f64> = pressures.iter().zip(top).map(|(p, top)| p / top).collect();
+    let share = |(p, top): (&Pascal, &Pascal)| if *top > 0.0 { p / top } else { 0.0 };
+    let shares: Vec<f64> = pressures.iter().zip(top).map(share).collect();
     let most = (0..shares.len()).max_by(|a, b| shares[*a].total_cmp(&shares[*b]))?;
     let alone = shares.iter().enumerate().all(|(k, share)| k == most || *share < shares[most]);
     let step = ((shares[most] * STEPS as f64).round() as usize).clamp(1, STEPS);
-    alone.then(|| filled[most][step - 1].as_slice())
+    filled[most].get(step - 1).filter(|_| alone).map(Vec::as_slice)
 }
 
-/// Snapshots under lateral loads to both sides, at rest and with each chamber filled; and with neighbouring chambers filled together.
+/// Snapshots under lateral loads to both sides, at rest and with each chamber filled; and with neighbouring chambers filled together. A
+/// chamber that is never filled has none.
 fn wishes(top: &[Pascal], bends: &[f64]) -> Vec<Wish> {
     let [with, against] = PULLS;
+    let driven: Vec<usize> = (0..top.len()).filter(|k| top[*k] > 0.0).collect();
     let rest = Wish { pressures: vec![0.0; top.len()], pulls: vec![with, -with] };
-    let held = bends.iter().enumerate().flat_map(|(k, bend)| {
-        HELD.map(|share| Wish { pressures: alone(top, k, share), pulls: vec![with * bend, -against * bend] })
+    let held = driven.iter().flat_map(|&k| {
+        HELD.map(|share| Wish { pressures: alone(top, k, share), pulls: vec![with * bends[k], -against * bends[k]] })
     });
-    let pairs = (1..top.len()).flat_map(|k| {
+    let pairs = driven.windows(2).flat_map(|pair| {
         BOTH.map(|[a, b]| {
-            let mut pressures = alone(top, k, b);
-            pressures[k - 1] = a * top[k - 1];
+            let mut pressures = alone(top, pair[1], b);
+            pressures[pair[0]] = a * top[pair[0]];
             Wish { pressures, pulls: Vec::new() }
         })
     });

@@ -1,7 +1,7 @@
 //! Reduce: hyper-reduction of the identified model (POD of shapes under pressure and lateral loads, with empirical cubature).
 //!
 //! Every predicted motion (a release, flapping in air and in water, optimal actuation) is integrated in these coordinates. The
-//! snapshots extend to the highest pressure of identification and of the predicted motions.
+//! snapshots extend to the highest pressure of identification and of the predicted motions, in the chambers that a trial fills.
 
 use fem::ReducedModelData;
 use lab::card::Experiment;
@@ -31,13 +31,15 @@ pub struct Settings {
 pub struct Card {
     body: Body,
     chambers: usize,
+    /// The chambers that no trial fills.
+    idle: Vec<usize>,
     /// The highest commanded pressure of the predicted motions, Pa; 0 where none is.
     commanded: Pascal,
 }
 
 impl Part<Specimen> for Card {
     fn part_of(of: &Specimen) -> Self {
-        Self { body: Body::of(&of.card), chambers: of.card.chamber.len(), commanded: commanded(of) }
+        Self { body: Body::of(&of.card), chambers: of.card.chamber.len(), idle: idle(of), commanded: commanded(of) }
     }
 }
 
@@ -59,12 +61,19 @@ impl Stage for Reduce {
         let known = identified.levels.iter().map(Level::pressure).fold(0.0, f64::max);
         let top = known.max(card.commanded);
         context.progress(0.1, "snapshots under pressures and loads");
-        let tops = vec![top; card.chambers];
+        let tops: Vec<Pascal> = (0..card.chambers).map(|k| if card.idle.contains(&k) { 0.0 } else { top }).collect();
         let elastic = identified.elastic(&model);
         let snapshots = Snapshots { model: &model, elastic: &elastic, top: &tops, length: card.body.length };
         let data: ReducedModelData = snapshots.reduce(set.tolerance)?;
         Ok(Reduced { data, highest: top })
     }
+}
+
+/// The chambers that no trial fills: no motion of theirs is predicted, and each would take as many equilibria as one that is filled.
+fn idle(of: &Specimen) -> Vec<usize> {
+    let fills = |channel: &String| of.trials().iter().any(|t| t.trial.experiment.channels().contains(channel));
+    let chambers = of.card.chamber.iter().enumerate();
+    chambers.filter(|(_, chamber)| !fills(&chamber.channel)).map(|(k, _)| k).collect()
 }
 
 /// The highest commanded pressure of the predicted motions, Pa; 0 where none is.
