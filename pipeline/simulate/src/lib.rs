@@ -17,6 +17,7 @@
 
 mod body;
 pub mod case;
+mod console;
 mod dynamics;
 mod force_table;
 mod forces;
@@ -31,11 +32,12 @@ mod statics;
 mod stress;
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::sync::Arc;
 
 use crate::case::{Case, read};
 pub use body::{Body, fem_mesh};
-use diagnostics::{Diagnostic, Result, output};
+use console::Console;
+use diagnostics::{Diagnostic, Result};
 use fem::Interrupt;
 use frames::Frames;
 use probes::Table;
@@ -65,24 +67,23 @@ pub fn run(path: &Path, out: Option<&Path>, quiet: bool, interrupt: Option<Inter
 }
 
 fn simulated(path: &Path, out: Option<&Path>, quiet: bool, interrupt: Option<Interrupt>) -> Result<Summary> {
-    let began = Instant::now();
     let case = read(path)?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let parent = path.parent().unwrap_or(Path::new("."));
     let folder = out.map_or_else(|| parent.join(format!("{stem}.out")), Path::to_owned);
-    let console = Console { stem: stem.clone(), quiet };
+    let console = Arc::new(Console::new(&stem, quiet));
     let loaded = solid::load(&case, parent)?;
     loaded.notes.iter().for_each(|note| console.line(note));
     // Where case and mesh do not match, either may be wrong.
     let body = Body::new(&case, &loaded).map_err(|e| e.noting(format_args!("mesh: {}", case.mesh.name())))?;
-    let body = body.interruptible(interrupt);
+    let body = body.interruptible(Some(console.reporting(interrupt)));
     body.notes.iter().for_each(|note| console.line(note));
     std::fs::create_dir_all(&folder).map_err(|e| cannot_write(&folder, &e))?;
     let written =
         Outputs { frames: Frames::begin(&folder, &stem)?, table: Table::create(&case, &body, &folder, &stem)? };
     let solved = solve(Simulation { case: &case, body: &body, written, console: &console })?;
     let summary = Summary { dofs: body.system.dofs(), folder, ..solved };
-    console.last(&summary, began.elapsed().as_secs_f64());
+    console.last(&summary);
     Ok(summary)
 }
 
@@ -111,30 +112,6 @@ struct Simulation<'a> {
 struct Outputs {
     table: Table,
     frames: Frames,
-}
-
-/// The progress output.
-struct Console {
-    stem: String,
-    quiet: bool,
-}
-
-impl Console {
-    fn line(&self, text: &str) {
-        if !self.quiet {
-            output::note(format_args!("{:<10} {text}", self.stem));
-        }
-    }
-
-    fn last(&self, summary: &Summary, seconds: f64) {
-        let Summary { dofs, solved, folder, .. } = summary;
-        let iterations = summary.iterations.map_or(String::new(), |count| format!("{count} iterations, "));
-        let folder = folder.display();
-        output::note(format_args!(
-            "{:<10} {solved} solved, {dofs} dofs, {iterations}{seconds:.1} s → {folder}",
-            self.stem
-        ));
-    }
 }
 
 fn cannot_write(path: &Path, error: &std::io::Error) -> Diagnostic {

@@ -164,7 +164,7 @@ impl PathReport<'_> {
     }
 
     fn file(&self) -> PathBuf {
-        self.simulation.written.frames.beside(&format!("{}_critical.json", self.simulation.console.stem))
+        self.simulation.written.frames.beside(&format!("{}_critical.json", self.simulation.console.stem()))
     }
 
     fn write_critical(&self) -> Result<()> {
