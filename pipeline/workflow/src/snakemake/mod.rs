@@ -37,18 +37,22 @@ pub fn export<U: Universe>(runner: &Runner<U>, export: &Export) -> Result<PathBu
     let jobs = runner.jobs_of(&export.goal)?;
     let folder = export.folder.clone().unwrap_or_else(|| runner.folders.base().join("workflow"));
     let paths = Paths::of(&runner.folders, &folder, &export.program)?;
-    let files = [
-        ("Snakefile", rules::snakefile(runner, &jobs, &paths)),
-        ("records.json", records(runner, &jobs, export)?),
-        ("profiles/local/config.v8+.yaml", profiles::LOCAL.into()),
-        ("profiles/slurm/config.v8+.yaml", profiles::SLURM.into()),
-    ];
-    for (name, text) in files {
+    let records = records(runner, &jobs, export)?;
+    write_workflow(&folder, [("Snakefile", &rules::snakefile(runner, &jobs, &paths)), ("records.json", &records)])?;
+    Ok(folder)
+}
+
+/// Writes the files of a workflow into `folder`, and the profiles for one machine and for Slurm beside them.
+///
+/// # Errors
+/// A [`Diagnostic`] when a file cannot be written.
+pub fn write_workflow(folder: &Path, files: [(&str, &str); 2]) -> Result<()> {
+    for (name, text) in files.into_iter().chain(profiles::ALL) {
         let path = folder.join(name);
         let action = "choose another folder or correct its permissions";
         write_atomically(&path, text.as_bytes()).map_err(|e| Diagnostic::io(&path, e, action))?;
     }
-    Ok(folder)
+    Ok(())
 }
 
 /// The places that a Snakefile names.
@@ -69,15 +73,15 @@ impl Paths {
         let program = program.canonicalize().unwrap_or_else(|_| program.to_owned());
         let inside = program.strip_prefix(&project).unwrap_or(&program);
         Ok(Self {
-            base: from(&workflow, &base),
-            project: from(&workflow, &project),
+            base: path_to(&base, &workflow),
+            project: path_to(&project, &workflow),
             program: inside.display().to_string(),
         })
     }
 }
 
-/// A folder as it is reached from one inside it; the whole path where the other lies elsewhere.
-fn from(inner: &Path, outer: &Path) -> String {
+/// The path to the folder `outer` from `inner`; its whole path where `inner` lies elsewhere.
+pub fn path_to(outer: &Path, inner: &Path) -> String {
     match inner.strip_prefix(outer) {
         Ok(below) if below.as_os_str().is_empty() => ".".into(),
         Ok(below) => vec![".."; below.components().count()].join("/"),
@@ -124,7 +128,7 @@ mod tests {
 
     #[test]
     fn a_folder_is_reached_from_inside_by_its_parents_and_from_elsewhere_by_its_path() {
-        let reached = |inner: &str, outer: &str| from(Path::new(inner), Path::new(outer));
+        let reached = |inner: &str, outer: &str| path_to(Path::new(outer), Path::new(inner));
         assert_eq!(reached("/p/target/quick/workflow", "/p"), "../../..");
         assert_eq!(reached("/p", "/p"), ".");
         assert_eq!(reached("/elsewhere", "/p"), "/p");

@@ -2,8 +2,12 @@
 //!
 //! Locks and the repair of half-written records are the store's: a killed workflow is begun again without being unlocked.
 
+/// Their files, from the workflow's folder.
+pub(super) const ALL: [(&str, &str); 2] =
+    [("profiles/local/config.v8+.yaml", LOCAL), ("profiles/slurm/config.v8+.yaml", SLURM)];
+
 /// All cores of one machine.
-pub(super) const LOCAL: &str = "# snakemake --snakefile workflow/Snakefile --profile workflow/profiles/local
+const LOCAL: &str = "# snakemake --snakefile workflow/Snakefile --profile workflow/profiles/local
 cores: all
 # the store has a lock for each record, and knows which record is whole
 nolock: true
@@ -13,7 +17,7 @@ printshellcmds: false
 ";
 
 /// Jobs of Slurm. Figures and tables are drawn where Snakemake runs: each takes less time than a job takes to be queued.
-pub(super) const SLURM: &str = "# snakemake --snakefile workflow/Snakefile --profile workflow/profiles/slurm
+const SLURM: &str = "# snakemake --snakefile workflow/Snakefile --profile workflow/profiles/slurm
 # needs the package snakemake-executor-plugin-slurm
 executor: slurm
 jobs: 200

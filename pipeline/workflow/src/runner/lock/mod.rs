@@ -22,7 +22,7 @@ use std::time::{Duration, SystemTime};
 
 use super::atomic::write_synced;
 use diagnostics::{Diagnostic, Result};
-pub(crate) use process::Process;
+pub use process::Process;
 
 /// How often a process shows that it lives.
 const HEARTBEAT: Duration = Duration::from_secs(30);
@@ -32,7 +32,7 @@ const AGE_LIMIT: Duration = Duration::from_secs(600);
 const TRIES: usize = 100;
 
 /// This process as a holder of locks, until it is dropped.
-pub(crate) struct Holder {
+pub struct Holder {
     process: Process,
     /// The file that every lock of this process is a link to.
     file: PathBuf,
@@ -42,13 +42,13 @@ pub(crate) struct Holder {
 }
 
 /// A lock that is held until it is dropped.
-pub(crate) struct Lock<'a> {
+pub struct Lock<'a> {
     holder: &'a Holder,
     path: PathBuf,
 }
 
 /// What came of asking for a lock.
-pub(crate) enum Attempt<'a> {
+pub enum Attempt<'a> {
     /// It is held now.
     Held(Lock<'a>),
     /// Another holds it.
@@ -166,7 +166,7 @@ impl Drop for Holder {
 
 impl Lock<'_> {
     /// Whether it is held still: a process that was suspended for longer than the age limit may have lost it.
-    pub(crate) fn is_held(&self) -> bool {
+    pub fn is_held(&self) -> bool {
         self.holder.owns(&self.path)
     }
 
