@@ -110,7 +110,8 @@ quick: build
 check PROFILE="quick": build
     {{programs}}/study check --profile {{PROFILE}} --junit target/check-{{PROFILE}}.xml
 
-# a part of the quick study by Snakemake with two local jobs, and by Slurm where there is one: the records of `study run` to the byte
+# a recording and a part of the quick study by Snakemake with two local jobs, and by Slurm where there is one: the recordings of
+# `rig record` and the records of `study run` to the byte
 snakemake: build
     #!/usr/bin/env bash
     set -euo pipefail
@@ -127,25 +128,30 @@ snakemake: build
     fi
     {{programs}}/rig record nemo --profile quick
     root=$PWD/target/workflow-study; base=$root/target/quick
-    rm -rf "$root" && mkdir -p "$base/data" && cp -r study.toml paper "$root" && cp -r target/quick/data/raw "$base/data"
+    rm -rf "$root" && mkdir -p "$base" && cp -r study.toml paper "$root"
+    snakemake() { target/snakemake/bin/snakemake --quiet all --snakefile "$1/Snakefile" --profile "$1/profiles/$2" "${@:3}"; }
+    {{programs}}/rig export snakemake nemo --profile quick --root "$root"
+    snakemake "$base/workflow/recording" local --cores 2
+    diff --recursive target/quick/data/raw/nemo "$base/data/raw/nemo"
+    echo "the recording by snakemake is that of rig record"
     study="$PWD/{{programs}}/study --root $root --profile quick --quiet"
     contents() { (cd "$base/data/processed" && grep --recursive --include=record.json '^  "content"' . | sort); }
     $study run mesh wave
     contents > "$root/by-run" && rm -r "$base/data/processed"
     $study export snakemake --only mesh --only wave
-    snakemake() { target/snakemake/bin/snakemake --quiet all --snakefile "$base/workflow/Snakefile" --profile "$base/workflow/profiles/$1" "${@:2}"; }
     same() {
         contents > "$root/by-$1"
         cmp "$root/by-run" "$root/by-$1"
         $study plan mesh wave | tail -1 | grep '^0 of'
         echo "$(wc -l < "$root/by-run") records by $1 are those of study run"
     }
-    snakemake local --cores 2 && same snakemake
+    snakemake "$base/workflow" local --cores 2
+    same snakemake
     if ! sinfo --noheader >/dev/null 2>&1; then echo "no Slurm is at hand: its profile is not tested"; exit 0; fi
     target/snakemake/bin/pip install --quiet 'snakemake-executor-plugin-slurm==2.8.0'
     rm -r "$base/data/processed"
     partition=$(sinfo --noheader --format %P | head -1 | tr -d '*')
-    snakemake slurm --slurm-status-command squeue --seconds-between-status-checks 2 \
+    snakemake "$base/workflow" slurm --slurm-status-command squeue --seconds-between-status-checks 2 \
         --default-resources "slurm_partition=$partition" slurm_account=none mem_mb=1000
     same slurm
 
@@ -184,7 +190,7 @@ mutants CRATE SHARE="8" LEVEL="1":
 
 # what a solve costs, as ratios taken in one run
 bench:
-    cargo bench --workspace --exclude typeset --exclude python --locked --bench ratios
+    cargo bench --workspace --exclude typeset --exclude python --locked --bench ratios --bench plan
 
 # formatting and lints, warnings as errors
 lint:

@@ -1,8 +1,10 @@
-//! Checkpoints: the trials of an unfinished recording that are complete, so that an interrupted recording can be resumed.
+//! Checkpoints: the parts of an unfinished recording that are complete, so that an interrupted recording can be resumed and its parts made
+//! by different processes.
 //!
-//! A checkpoint is written after a trial's last file and holds the trial's ground truth. All are removed when the recording is finished.
+//! A checkpoint is written after a part's last file and holds what the rest of the recording needs of it: of a trial its ground truth.
+//! All are removed when the recording is finished.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use diagnostics::Result;
 
@@ -14,8 +16,7 @@ const FOLDER: &str = "checkpoints";
 
 /// The ground truth of trial `id`, if it is complete in `folder`.
 pub(crate) fn load(folder: &Path, id: &str) -> Option<TrialTruth> {
-    let text = std::fs::read_to_string(path(folder, id)).ok()?;
-    toml::from_str(&text).ok()
+    toml::from_str(&String::from_utf8(load_bytes(folder, &of_trial(id))?).ok()?).ok()
 }
 
 /// Writes the checkpoint of trial `id`.
@@ -24,11 +25,28 @@ pub(crate) fn load(folder: &Path, id: &str) -> Option<TrialTruth> {
 /// When the file cannot be written.
 pub(crate) fn save(folder: &Path, id: &str, truth: &TrialTruth) -> Result<()> {
     let text = toml::to_string(truth).expect("ground truth has only tables, numbers and strings");
+    save_bytes(folder, &of_trial(id), text.as_bytes())
+}
+
+fn of_trial(id: &str) -> String {
+    format!("{id}.toml")
+}
+
+/// What the checkpoint of `part` holds, if it is complete in `folder`.
+pub(crate) fn load_bytes(folder: &Path, part: &str) -> Option<Vec<u8>> {
+    std::fs::read(folder.join(FOLDER).join(part)).ok()
+}
+
+/// Writes the checkpoint of `part`.
+///
+/// # Errors
+/// When the file cannot be written.
+pub(crate) fn save_bytes(folder: &Path, part: &str, bytes: &[u8]) -> Result<()> {
     // written under another name first: an interruption leaves no half-written checkpoint
-    let unfinished = format!("{FOLDER}/{id}.part");
-    folder::write(folder, &unfinished, text.as_bytes())?;
-    let to = path(folder, id);
-    std::fs::rename(folder.join(FOLDER).join(format!("{id}.part")), &to).map_err(|e| folder::unusable(&to, e))
+    let unfinished = format!("{FOLDER}/{part}.unfinished");
+    folder::write(folder, &unfinished, bytes)?;
+    let to = folder.join(FOLDER).join(part);
+    std::fs::rename(folder.join(FOLDER).join(format!("{part}.unfinished")), &to).map_err(|e| folder::unusable(&to, e))
 }
 
 /// Removes all checkpoints.
@@ -37,8 +55,4 @@ pub(crate) fn save(folder: &Path, id: &str, truth: &TrialTruth) -> Result<()> {
 /// When the folder cannot be removed.
 pub(crate) fn clear(folder: &Path) -> Result<()> {
     folder::remove(&folder.join(FOLDER))
-}
-
-fn path(folder: &Path, id: &str) -> PathBuf {
-    folder.join(FOLDER).join(format!("{id}.toml"))
 }

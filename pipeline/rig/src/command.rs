@@ -1,5 +1,5 @@
-//! The command line: `rig record [SPECIMEN…] [--profile NAME] [--root DIR] [--into DIR] [--quiet]`, `rig draw COUNT [--seed S]`,
-//! `rig check [--profile NAME] [--write]`.
+//! The command line: `rig record [SPECIMEN…] [--part PART] [--profile NAME] [--root DIR] [--into DIR] [--quiet]`,
+//! `rig draw COUNT [--seed S] [--only NUMBER]`, `rig export snakemake`, `rig check [--profile NAME] [--write]`.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -8,11 +8,12 @@ use clap::{Args, Parser, Subcommand};
 use diagnostics::{Diagnostic, Result, output};
 use rayon::prelude::*;
 
+use crate::export::{self, Recording};
 use crate::folder;
 use crate::population;
 use crate::progress::Progress;
 use crate::realism;
-use crate::record::{Request, Status, record};
+use crate::record::{Request, Status, record, record_part};
 use crate::settings::Settings;
 use crate::specimen::{Draw, Specimen};
 use crate::specimens::ALL;
@@ -27,10 +28,14 @@ struct Line {
 
 #[derive(Subcommand)]
 enum Task {
-    /// Record specimens. Without a name, all are recorded. Recordings that are up to date are kept.
+    /// Record specimens. Without a name, all are recorded. Recordings that are up to date are kept. Several processes may record at once.
     Record {
         /// Names of specimens.
         specimens: Vec<String>,
+        /// Only this part of each recording: statics, which every trial needs, calibration, or a trial by its name. The same command
+        /// without it makes what is left and finishes the recording.
+        #[arg(long)]
+        part: Option<String>,
         /// Extent and resolution of the recordings: paper or quick.
         #[arg(long, default_value = "paper")]
         profile: String,
@@ -46,12 +51,23 @@ enum Task {
         /// Seed of the population.
         #[arg(long, default_value_t = 1)]
         seed: u64,
+        /// Only the specimen of this number.
+        #[arg(long, value_name = "NUMBER")]
+        only: Option<u16>,
+        /// Only this part of each recording, as of `rig record`.
+        #[arg(long)]
+        part: Option<String>,
         /// Extent and resolution of the recordings.
         #[arg(long, default_value = "population")]
         profile: String,
         /// Where they are recorded.
         #[command(flatten)]
         destination: Destination,
+    },
+    /// Write the recordings as a workflow for another program, whose jobs make one part each.
+    Export {
+        #[command(subcommand)]
+        what: Exported,
     },
     /// Compare the simulated valve, load cell and forces in water with measurements of real instruments.
     Check {
@@ -64,6 +80,28 @@ enum Task {
         /// Also write the table to paper/tables/bench_check.csv under the root.
         #[arg(long)]
         write: bool,
+    },
+}
+
+/// What the recordings are written for.
+#[derive(Subcommand)]
+enum Exported {
+    /// A workflow for Snakemake 9, with profiles for one machine and for Slurm.
+    Snakemake {
+        /// Names of specimens. Without a name, and without --draw, all are recorded.
+        specimens: Vec<String>,
+        /// Instead of these the first COUNT specimens of a population.
+        #[arg(long, value_name = "COUNT", conflicts_with = "specimens", value_parser = clap::value_parser!(u16).range(1..=9999))]
+        draw: Option<u16>,
+        /// Seed of the population.
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+        /// Extent and resolution of the recordings.
+        #[arg(long, default_value = "paper")]
+        profile: String,
+        /// Where they are recorded.
+        #[command(flatten)]
+        destination: Destination,
     },
 }
 
@@ -99,19 +137,36 @@ const FAILURE: u8 = 1;
 pub fn run() -> ExitCode {
     let set = Settings::built_in();
     match Line::parse().task {
-        Task::Record { specimens, profile, destination } => {
+        Task::Record { specimens, part, profile, destination } => {
             let (into, progress) = (destination.folder(&profile), Progress::new(destination.quiet));
             let request = Request { set: &set, profile: &profile, into: &into, progress: &progress };
-            recorded(&request, choose(&specimens, &profile, &set), |specimen| record_one(specimen, &request))
+            let chosen = choose(&specimens, &profile, &set);
+            recorded(chosen, |specimen| record_one(specimen, &request, part.as_deref()))
         }
-        Task::Draw { count, seed, profile, destination } => {
+        Task::Draw { count, seed, only, part, profile, destination } => {
             let (into, progress) = (destination.folder(&profile), Progress::new(destination.quiet));
             let request = Request { set: &set, profile: &profile, into: &into, progress: &progress };
-            let numbers = known_profile(&profile, &set).map(|()| (1..=usize::from(count)).collect());
-            recorded(&request, numbers, |number| {
+            let chosen = known_profile(&profile, &set).and_then(|()| numbers(count, only));
+            recorded(chosen, |number| {
                 let member = population::member(&set, Draw { seed, number });
-                record_one(&member.specimen, &Request { set: &member.settings, ..request })
+                record_one(&member.specimen, &Request { set: &member.settings, ..request }, part.as_deref())
             })
+        }
+        Task::Export { what: Exported::Snakemake { specimens, draw, seed, profile, destination } } => {
+            let (into, progress) = (destination.folder(&profile), Progress::new(true));
+            let request = Request { set: &set, profile: &profile, into: &into, progress: &progress };
+            let recordings = match draw {
+                None => choose(&specimens, &profile, &set)
+                    .map(|chosen| chosen.into_iter().map(|specimen| Recording::of(specimen, &request)).collect()),
+                Some(count) => known_profile(&profile, &set).map(|()| drawn(&request, count, seed)),
+            };
+            match recordings.and_then(|all: Vec<Recording>| export::snakemake(&destination.root, &request, &all)) {
+                Ok(folder) => {
+                    output::line(folder.display());
+                    ExitCode::SUCCESS
+                }
+                Err(error) => fail(&error, FAILURE),
+            }
         }
         Task::Check { root, profile, write } => {
             match check(&set, &raw_folder(&root, &profile), write.then_some(root)) {
@@ -141,28 +196,51 @@ fn check(set: &Settings, raw: &Path, root: Option<PathBuf>) -> Result<()> {
 }
 
 /// Records every one of what was chosen in parallel.
-fn recorded<T: Send>(request: &Request, chosen: Result<Vec<T>>, one: impl Fn(T) -> Result<()> + Sync) -> ExitCode {
+fn recorded<T: Send>(chosen: Result<Vec<T>>, one: impl Fn(T) -> Result<()> + Sync) -> ExitCode {
     let chosen = match chosen {
         Ok(chosen) => chosen,
         Err(error) => return fail(&error, USAGE),
     };
-    let record = || {
-        let _lock = folder::lock(request.into)?;
-        chosen.into_par_iter().try_for_each(&one)
-    };
-    match record() {
+    match chosen.into_par_iter().try_for_each(&one) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => fail(&error, FAILURE),
     }
 }
 
-fn record_one(specimen: &Specimen, request: &Request) -> Result<()> {
-    let task = request.progress.begin("record", &*specimen.name, 1);
-    match record(specimen, request)? {
-        Status::Recorded => task.done(&request.into.join(&*specimen.name).display().to_string()),
-        Status::UpToDate => request.progress.line("record", &specimen.name, "up to date"),
+fn record_one(specimen: &Specimen, request: &Request, part: Option<&str>) -> Result<()> {
+    let Some(part) = part else {
+        let task = request.progress.begin("record", &*specimen.name, 1);
+        match record(specimen, request)? {
+            Status::Recorded => task.done(&request.into.join(&*specimen.name).display().to_string()),
+            Status::UpToDate => request.progress.line("record", &specimen.name, "up to date"),
+        }
+        return Ok(());
+    };
+    if record_part(specimen, request, part)? == Status::UpToDate {
+        request.progress.line("record", &specimen.name, "up to date");
     }
     Ok(())
+}
+
+/// The numbers of the specimens of a population that are asked for.
+fn numbers(count: u16, only: Option<u16>) -> Result<Vec<usize>> {
+    match only {
+        None => Ok((1..=usize::from(count)).collect()),
+        Some(number) if (1..=count).contains(&number) => Ok(vec![number.into()]),
+        Some(number) => Err(Diagnostic::new(
+            format!("there is no specimen {number} to be drawn"),
+            format!("{count} are asked for, from 1 on"),
+            "name one of these with --only, or draw more",
+        )),
+    }
+}
+
+/// The recordings of a population.
+fn drawn(request: &Request, count: u16, seed: u64) -> Vec<Recording> {
+    let member = |number| population::member(request.set, Draw { seed, number });
+    let recording =
+        |member: population::Member| Recording::of(&member.specimen, &Request { set: &member.settings, ..*request });
+    (1..=usize::from(count)).map(member).map(recording).collect()
 }
 
 fn fail(error: &Diagnostic, code: u8) -> ExitCode {
@@ -211,6 +289,13 @@ mod tests {
         assert!(message(&["goldfish"], "quick").contains("the bench has nemo"));
         assert!(message(&[], "slow").contains("paper, photograph, population, quick"));
         assert_eq!(message(&[], "quick"), "");
+    }
+
+    #[test]
+    fn one_specimen_of_a_population_is_drawn_by_its_number() {
+        assert_eq!(numbers(3, None).unwrap(), [1, 2, 3]);
+        assert_eq!(numbers(3, Some(3)).unwrap(), [3]);
+        assert!([0, 4].iter().all(|number| numbers(3, Some(*number)).is_err()));
     }
 
     #[test]

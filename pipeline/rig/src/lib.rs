@@ -18,7 +18,7 @@
 //! assert!((chamber.at(2.0) - 18_800.0).abs() < 1.0); // it settles 12 mbar below the command
 //! ```
 //!
-//! Depends on `si`, `diagnostics`, `lab`, `mesh`, `tail_cad`, `fem`, `simulate` and `track`.
+//! Depends on `si`, `diagnostics`, `lab`, `mesh`, `tail_cad`, `fem`, `simulate`, `track` and `workflow`.
 
 mod bench;
 mod calibration;
@@ -26,6 +26,7 @@ pub mod camera;
 pub mod card;
 mod checkpoint;
 pub mod command;
+mod export;
 mod film;
 mod folder;
 mod force_log;

@@ -17,7 +17,7 @@ pub const VERSION: u32 = 11;
 /// State of the folder of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FolderState {
-    /// There is none.
+    /// There is none, or an empty one.
     Absent,
     /// It holds the recording that would be made.
     Current,
@@ -74,7 +74,8 @@ fn retain(all: &mut toml::Table, path: &[&str], keys: &[&str]) {
 /// # Errors
 /// When the folder exists and was not made by the bench.
 pub fn inspect(folder: &Path, text: &str) -> Result<FolderState> {
-    if !folder.exists() {
+    // a workflow engine makes the folder before the job that fills it
+    if std::fs::read_dir(folder).map_or(!folder.exists(), |mut entries| entries.next().is_none()) {
         return Ok(FolderState::Absent);
     }
     match std::fs::read_to_string(folder.join(FILE)) {

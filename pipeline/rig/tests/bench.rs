@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use lab::{Specimen, truth};
 use rig::progress::Progress;
-use rig::record::{Request, Status, record};
+use rig::record::{Request, STATICS, Status, parts, record, record_part};
 use rig::settings::{Profile, Resolution, Settings};
 use rig::specimens::ALL;
 use rig::stamp;
@@ -127,6 +127,30 @@ fn assert_complete(folder: &Path) {
             assert!(marker.name == track.marker && du.hypot(dv) < near, "{} {du} {dv}", track.marker);
         }
     }
+}
+
+#[test]
+fn a_recording_made_part_by_part_side_by_side_has_the_bytes_of_one_made_whole() {
+    let folder = TestFolder::new("parts");
+    let (whole, parted) = (folder.0.join("a"), folder.0.join("b"));
+    recorded(&whole);
+    let (set, progress) = (tiny(), Progress::new(true));
+    let request = Request { set: &set, profile: "tiny", into: &parted, progress: &progress };
+    let (others, trials) = parts(&ALL[0], &request);
+    let made = |part: &str| record_part(&ALL[0], &request, part).unwrap_or_else(|error| panic!("{error}"));
+    // every part is asked for twice at once, and trials before what they need
+    let all: Vec<&str> = trials.iter().map(String::as_str).chain(others).collect();
+    std::thread::scope(|scope| {
+        let parts = all.iter().chain(&all);
+        parts.for_each(|part| drop(scope.spawn(|| assert_eq!(made(part), Status::Recorded))));
+    });
+    assert_eq!((recorded(&parted), made(STATICS)), (Status::Recorded, Status::UpToDate));
+    assert!(bytes(&whole) == bytes(&parted));
+    let error = record_part(&ALL[0], &request, "static_up").unwrap_err().to_string();
+    assert!(
+        error.contains("no part `static_up`") && error.contains("it has statics, calibration, static_left"),
+        "{error}"
+    );
 }
 
 #[test]

@@ -43,7 +43,9 @@ impl Coarse {
 
     fn flapping_model(&self) -> FlappingModel<'_> {
         let line = CentreLine::of(&self.tail, &self.body, self.set.specimen["nemo"].clamp);
-        FlappingModel::reduce(&self.body, line, &self.sweeps(), &|| ()).unwrap()
+        let sweeps = self.sweeps();
+        let reduced = FlappingModel::reduce(&self.body, &line, &sweeps, &|| ()).unwrap();
+        FlappingModel::of(&self.body, line, &sweeps, &reduced).unwrap()
     }
 
     /// Both sides' pressures in a square wave, left first.

@@ -29,7 +29,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ),
     ("workflow", &["diagnostics", "plot"]),
     ("publish", &["si", "diagnostics", "plot", "twin", "workflow"]),
-    ("rig", &["si", "diagnostics", "lab", "mesh", "tail_cad", "fem", "track", "signal", "simulate"]),
+    ("rig", &["si", "diagnostics", "lab", "mesh", "tail_cad", "fem", "track", "signal", "simulate", "workflow"]),
     (
         "study",
         &[

@@ -69,12 +69,12 @@ impl<'a> FlappingModel<'a> {
     /// # Errors
     /// When an equilibrium is not found.
     pub fn reduce(
-        body: &'a Body,
-        line: CentreLine,
+        body: &Body,
+        line: &CentreLine,
         sweeps: &[PressureSweep; 2],
         tick: &(dyn Fn() + Sync),
-    ) -> Result<Self> {
-        let loaded = snapshots::shapes(body, &line, sweeps, tick)?;
+    ) -> Result<fem::ReducedModelData> {
+        let loaded = snapshots::shapes(body, line, sweeps, tick)?;
         let swept = sweeps.iter().flat_map(|sweep| sweep.shapes.iter().skip(1).step_by(2));
         let shapes: Vec<&[f64]> = swept.chain(&loaded).map(Vec::as_slice).collect();
         let settings = fem::ReductionSettings {
@@ -83,6 +83,20 @@ impl<'a> FlappingModel<'a> {
             ..fem::ReductionSettings::default()
         };
         let reduced = body.system.reduce(&shapes, &settings);
+        Ok(reduced.map_err(|e| Diagnostic::from(e).while_doing("the reduced model"))?.data())
+    }
+
+    /// The model of `body` in the coordinates of `reduced`, which was reduced from the same body and `sweeps`.
+    ///
+    /// # Errors
+    /// When the data are of another body, or an equilibrium of the reduced model is not found.
+    pub fn of(
+        body: &'a Body,
+        line: CentreLine,
+        sweeps: &[PressureSweep; 2],
+        reduced: &fem::ReducedModelData,
+    ) -> Result<Self> {
+        let reduced = body.system.restore(reduced);
         let reduced = reduced.map_err(|e| Diagnostic::from(e).while_doing("the reduced model"))?;
         let (rest_line, rows) = (line.rest(body), line.rows(&reduced));
         let unit = |k: usize| DVector::from_fn(reduced.coordinates(), |i, _| f64::from(u8::from(i == k)));

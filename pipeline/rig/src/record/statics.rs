@@ -1,0 +1,102 @@
+//! The equilibria of both sides and the reduced model: what every trial needs, solved once and kept as a checkpoint.
+//!
+//! The checkpoint is a file of safetensors. Its numbers are those that were solved, bit by bit, so that a recording has the same bytes
+//! whether its trials were made by the process that solved them or by others.
+
+use diagnostics::Result;
+use fem::ReducedModelData;
+use safetensors::{Dtype, SafeTensors, tensor::TensorView};
+
+use super::STATICS;
+use super::in_progress::InProgress;
+use super::setup::Setup;
+use crate::checkpoint;
+use crate::physics::{FlappingModel, PressureSweep, snapshots};
+use crate::side::Side;
+
+/// Equilibria and reduced model of a specimen.
+pub(super) struct Statics {
+    /// Equilibria by pressure, left and right.
+    pub(super) sweeps: [PressureSweep; 2],
+    /// The reduced model.
+    pub(super) reduced: ReducedModelData,
+}
+
+impl Statics {
+    /// Loads them, or solves and saves them.
+    ///
+    /// # Errors
+    /// When an equilibrium is not found or the checkpoint cannot be written.
+    pub(super) fn of(setup: &Setup, recording: &InProgress) -> Result<Self> {
+        recording.once(
+            STATICS,
+            &|| Self::read(&checkpoint::load_bytes(&recording.folder, STATICS)?, setup),
+            &|| Self::solve(setup),
+            &|statics| checkpoint::save_bytes(&recording.folder, STATICS, &statics.bytes()),
+        )
+    }
+
+    fn solve(setup: &Setup) -> Result<Self> {
+        let (progress, name, body) = (setup.request.progress, setup.name, &setup.body);
+        let pressures = setup.pressures();
+        let task = progress.begin(STATICS, name, 2 * (pressures.len() - 1));
+        let side = |side: Side| PressureSweep::solve(body, side, &pressures, &|| task.tick());
+        let (left, right) = rayon::join(|| side(Side::Left), || side(Side::Right));
+        task.done(&format!("{} equilibria of {} unknowns", 2 * (pressures.len() - 1), body.system.dofs()));
+        let sweeps = [left?, right?];
+        let task = progress.begin("reduce", name, snapshots::COUNT);
+        let reduced = FlappingModel::reduce(body, &setup.centre_line(), &sweeps, &|| task.tick())?;
+        let points: usize = reduced.points.iter().map(Vec::len).sum();
+        task.done(&format!("{} coordinates, {points} points", reduced.modes.len()));
+        Ok(Self { sweeps, reduced })
+    }
+
+    /// As a file: arrays of doubles, which hold the numbers of the sampled points exactly as well.
+    fn bytes(&self) -> Vec<u8> {
+        let Self { sweeps: [left, right], reduced } = self;
+        let mut arrays: Vec<(String, Vec<f64>)> = vec![
+            (Side::Left.word().into(), left.shapes.concat()),
+            (Side::Right.word().into(), right.shapes.concat()),
+            ("modes".into(), reduced.modes.concat()),
+            ("size".into(), vec![reduced.size]),
+        ];
+        for (region, sampled) in reduced.points.iter().enumerate() {
+            arrays.push((format!("points_{region}"), sampled.iter().map(|(point, _)| f64::from(*point)).collect()));
+            arrays.push((format!("weights_{region}"), sampled.iter().map(|(_, weight)| *weight).collect()));
+        }
+        let raw: Vec<Vec<u8>> = arrays.iter().map(|(_, a)| a.iter().flat_map(|x| x.to_le_bytes()).collect()).collect();
+        let views = arrays.iter().zip(&raw).map(|((name, array), bytes)| {
+            let view = TensorView::new(Dtype::F64, vec![array.len()], bytes);
+            (name, view.expect("a double has eight bytes"))
+        });
+        safetensors::serialize(views, None).expect("the arrays have different names")
+    }
+
+    /// From a file; nothing when it is not one of this specimen.
+    fn read(bytes: &[u8], setup: &Setup) -> Option<Self> {
+        let file = SafeTensors::deserialize(bytes).ok()?;
+        let array = |name: &str| -> Option<Vec<f64>> {
+            let (values, rest) = file.tensor(name).ok()?.data().as_chunks();
+            rest.is_empty().then(|| values.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect())
+        };
+        let shapes = |name: &str| -> Option<Vec<Vec<f64>>> {
+            let (values, length) = (array(name)?, 3 * setup.body.mesh.nodes.len());
+            values.len().is_multiple_of(length).then(|| values.chunks(length).map(<[f64]>::to_vec).collect())
+        };
+        let pressures = setup.pressures();
+        let sweep = |side: Side| {
+            let shapes = shapes(side.word())?;
+            (shapes.len() == pressures.len()).then(|| PressureSweep { pressures: pressures.clone(), shapes })
+        };
+        let sampled = |region: usize| -> Option<Vec<(u32, f64)>> {
+            let points = array(&format!("points_{region}"))?.into_iter().map(|point| point as u32);
+            Some(points.zip(array(&format!("weights_{region}"))?).collect())
+        };
+        let reduced = ReducedModelData {
+            modes: shapes("modes")?,
+            points: (0..setup.body.system.regions().len()).map(sampled).collect::<Option<Vec<_>>>()?,
+            size: *array("size")?.first()?,
+        };
+        Some(Self { sweeps: [sweep(Side::Left)?, sweep(Side::Right)?], reduced })
+    }
+}
