@@ -42,10 +42,17 @@ pub fn read_text(path: &Path, limit: u64) -> io::Result<String> {
 /// # Errors
 /// When there is none, or something else is there.
 pub fn regular(path: &Path) -> io::Result<u64> {
-    let metadata = fs::metadata(path)?;
+    regular_file(&fs::metadata(path)?)
+}
+
+/// The same of what is known of it already.
+///
+/// # Errors
+/// When it is something else.
+pub fn regular_file(metadata: &fs::Metadata) -> io::Result<u64> {
     match metadata.is_file() {
         true => Ok(metadata.len()),
-        false => Err(io::Error::new(ErrorKind::InvalidInput, format!("it is {}, not a file", kind(&metadata)))),
+        false => Err(io::Error::new(ErrorKind::InvalidInput, format!("it is {}, not a file", kind(metadata)))),
     }
 }
 

@@ -71,30 +71,30 @@ impl Trial {
 
     /// The trials of the same experiment in the same medium with the same role, this one among them, in the order of the card.
     pub fn repeats(&self) -> Vec<Trial> {
-        let same = |t: &&card::Trial| {
-            t.experiment == self.trial.experiment && t.medium == self.trial.medium && t.role == self.trial.role
-        };
         let of = |trial: &card::Trial| Trial { card: self.card.clone(), trial: Arc::new(trial.clone()) };
-        self.card.trial.iter().filter(same).map(of).collect()
+        self.on_card().map(of).collect()
+    }
+
+    /// The entries of its repeats.
+    fn on_card(&self) -> impl Iterator<Item = &card::Trial> {
+        let own = &*self.trial;
+        let key = |t: &card::Trial| (t.medium, t.role);
+        self.card.trial.iter().filter(move |t| key(t) == key(own) && t.experiment == own.experiment)
     }
 
     /// Whether it is the first of its repeats.
     pub(crate) fn is_first_repeat(&self) -> bool {
-        self.repeats().first().is_some_and(|first| first.trial.id == self.trial.id)
+        self.on_card().next().is_some_and(|first| first.id == self.trial.id)
     }
 
     /// The highest commanded pressure of a staircase, Pa; none of a flapping trial.
     pub(crate) fn highest_level(&self) -> Option<Pascal> {
-        match &self.trial.experiment {
-            card::Experiment::Staircase { levels, .. } => levels.iter().copied().reduce(f64::max),
-            card::Experiment::Flapping { .. } => None,
-        }
+        highest_level(&self.trial)
     }
 
     /// Whether it is the first of the specimen's staircases with the highest level.
     pub(crate) fn is_highest_staircase(&self) -> bool {
-        let of = Specimen { card: self.card.clone() };
-        of.highest_staircase().is_some_and(|highest| highest.trial.id == self.trial.id)
+        highest_staircase(&self.card).is_some_and(|highest| highest.id == self.trial.id)
     }
 
     /// What its repeats have in common, as figures and tables name it.
@@ -155,12 +155,24 @@ impl Specimen {
 
     /// The first of the staircases with the highest level.
     pub(crate) fn highest_staircase(&self) -> Option<Trial> {
-        let higher = |best: Option<Trial>, next: Trial| match &best {
-            Some(before) if before.highest_level() >= next.highest_level() => best,
-            _ => next.highest_level().is_some().then_some(next).or(best),
-        };
-        self.trials().into_iter().fold(None, higher)
+        let of = |trial: &card::Trial| Trial { card: self.card.clone(), trial: Arc::new(trial.clone()) };
+        highest_staircase(&self.card).map(of)
     }
+}
+
+fn highest_level(trial: &card::Trial) -> Option<Pascal> {
+    match &trial.experiment {
+        card::Experiment::Staircase { levels, .. } => levels.iter().copied().reduce(f64::max),
+        card::Experiment::Flapping { .. } => None,
+    }
+}
+
+fn highest_staircase(card: &Card) -> Option<&card::Trial> {
+    let higher = |best: Option<_>, next| match best {
+        Some(before) if highest_level(before) >= highest_level(next) => best,
+        _ => highest_level(next).map(|_| next).or(best),
+    };
+    card.trial.iter().fold(None, higher)
 }
 
 impl Subject for Trial {

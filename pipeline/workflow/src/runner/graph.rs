@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use diagnostics::{Diagnostic, Result};
+use rayon::prelude::*;
 
 use super::Runner;
 use crate::entry::{Entry, Inputs};
@@ -42,12 +43,11 @@ pub struct Goal {
 pub fn jobs<U: Universe>(runner: &Runner<U>, goal: &Goal) -> Result<Vec<Job<U>>> {
     let entries: Vec<&'static Entry<U>> = runner.lists.iter().flat_map(|list| list.iter()).collect();
     check_goal(&entries, &runner.universe, goal)?;
-    let mut all: Vec<Job<U>> = Vec::new();
-    for entry in &entries {
-        for (subject, inputs) in (entry.planned)(&runner.universe, &runner.settings) {
-            all.push(Job { entry, id: RecordId { stage: entry.name, subject }, inputs });
-        }
-    }
+    let planned = |entry: &&'static Entry<U>| -> Vec<Job<U>> {
+        let job = |(subject, inputs)| Job { entry, id: RecordId { stage: entry.name, subject }, inputs };
+        (entry.planned)(&runner.universe, &runner.settings).into_iter().map(job).collect()
+    };
+    let all: Vec<Job<U>> = entries.par_iter().map(planned).collect::<Vec<_>>().into_iter().flatten().collect();
     let needed = needed(&all, goal);
     Ok(all.into_iter().filter(|job| needed.contains(&job.id)).collect())
 }

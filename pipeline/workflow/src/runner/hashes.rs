@@ -59,9 +59,10 @@ impl Hashes {
     /// # Errors
     /// When the file cannot be read.
     pub fn of(&self, path: &Path) -> io::Result<String> {
+        let metadata = fs::metadata(path)?;
         // A FIFO would never end.
-        input::regular(path)?;
-        let now = seen(&fs::metadata(path)?);
+        input::regular_file(&metadata)?;
+        let now = seen(&metadata);
         if let Some(hash) = self.known(path, &now) {
             return Ok(hash);
         }

@@ -103,7 +103,9 @@ impl Manifest {
     pub(crate) fn parse(text: &str) -> Result<Self, String> {
         let manifest: Self = serde_json::from_str(text).map_err(|e| format!("its {FILE} is not understood ({e})"))?;
         let (before, after) = text.rsplit_once(&format!("\"seal\": \"{}\"", manifest.seal)).unwrap_or((text, ""));
-        let seal = blake3::hash(format!("{before}{OPEN}{after}").as_bytes()).to_hex();
+        let mut open = blake3::Hasher::new();
+        open.update(before.as_bytes()).update(OPEN.as_bytes()).update(after.as_bytes());
+        let seal = open.finalize().to_hex();
         let whole = *manifest.seal == *seal;
         whole.then_some(manifest).ok_or_else(|| format!("the contents of its {FILE} are not those that were written"))
     }

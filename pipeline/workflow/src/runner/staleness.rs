@@ -66,7 +66,10 @@ pub fn judged(found: Found, now: &MadeFrom) -> State {
 
 fn hash<U: Universe>(runner: &Runner<U>, file: &RawFile, hashes: &Hashes) -> Result<String> {
     let path = runner.folders.raw_file(&file.path);
-    let read = if path.is_dir() { hash_folder(&path, hashes) } else { hashes.of(&path) };
+    let read = match hashes.of(&path) {
+        Err(_) if path.is_dir() => hash_folder(&path, hashes),
+        read => read,
+    };
     match read {
         Ok(hash) => Ok(hash),
         Err(e) if file.optional && e.kind() == std::io::ErrorKind::NotFound => Ok("absent".into()),
