@@ -15,6 +15,7 @@ pub(crate) const RENAMED: &[Renamed] = &[
     Renamed { section: "four_parameters", old: "side_by_side", new: "parallel_solves" },
     Renamed { section: "identify", old: "adam_mean_memory", new: "adam_mean_decay" },
     Renamed { section: "identify", old: "adam_square_memory", new: "adam_square_decay" },
+    Renamed { section: "identify", old: "discrepancy", new: "shape_sigma" },
     Renamed { section: "identify", old: "settled", new: "settled_fraction" },
     Renamed { section: "identify", old: "share", new: "scale_sigma" },
     Renamed { section: "identify", old: "side_by_side", new: "parallel_solves" },

@@ -6,13 +6,18 @@ use si::{Metre, Pascal, Point2};
 /// Covariance of a place in the plane, m²: xx, xy, yy.
 pub type Covariance2 = [f64; 3];
 
-/// Errors beside the covariance of the markers.
+/// Model discrepancy of held shapes, beside the covariance of the markers. It grows with the displacement: a model that is at rest where the
+/// body is at rest errs by a share of what moves.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct NoiseModel {
-    /// Standard deviation of the model discrepancy of each displacement, m.
-    pub discrepancy_m: Metre,
-    /// Standard deviation of the common scale of all displacements of a film, no unit.
+    /// Standard deviation of the common scale of all displacements of a film (wall thickness, supply pressure), no unit.
     pub scale_sigma: f64,
+    /// Standard deviation of the deviation of the shape at a marker, over its displacement, no unit.
+    pub shape_sigma: f64,
+    /// Distance of markers over which that deviation is correlated, m.
+    pub correlation_length_m: Metre,
+    /// Logarithm of the ratio of pressures over which it is correlated, no unit.
+    pub correlation_log_pressure: f64,
 }
 
 /// One pressure level, measured and simulated with the identified moduli.
@@ -28,6 +33,8 @@ pub struct Level {
     pub measured_m: Vec<Point2>,
     /// Their covariance, m².
     pub covariance_m2: Vec<Covariance2>,
+    /// The part of it that all levels of a film share, m².
+    pub shared_m2: Vec<Covariance2>,
     /// Simulated displacements, m.
     pub simulated_m: Vec<Point2>,
 }

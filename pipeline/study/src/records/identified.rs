@@ -362,7 +362,12 @@ mod tests {
             levels: Vec::new(),
             inflated: vec![[0.0, 1.0, 2.0]],
             length: 0.1,
-            noise: NoiseModel { discrepancy_m: 1e-4, scale_sigma: 0.02 },
+            noise: NoiseModel {
+                scale_sigma: 0.02,
+                shape_sigma: 0.005,
+                correlation_length_m: 0.03,
+                correlation_log_pressure: 1.0,
+            },
             uncertainty: Uncertainty { sigma: vec![0.01, 0.1], words: "all".into(), ..Uncertainty::default() },
             profiles: vec![Profile { parameter: "body_e".into(), value: vec![1e5], chi_square: vec![0.0] }],
         };

@@ -129,6 +129,7 @@ impl Fitting<'_> {
             rest_m: rest.clone(),
             measured_m: model.measured.clone(),
             covariance_m2: model.covariance.clone(),
+            shared_m2: model.shared.clone(),
             simulated_m: simulated.clone(),
         })
         .collect()

@@ -28,10 +28,14 @@ pub struct Settings {
     pub(super) settled_fraction: f64,
     /// The shortest hold that counts, s.
     pub(super) shortest_hold: Second,
-    /// Standard deviation of the model discrepancy, m, added to the covariance of a measured displacement.
-    pub(super) discrepancy: Metre,
-    /// Standard deviation of the common scale error of all displacements of a film, no unit.
+    /// Standard deviation of the common scale of all displacements of a film, no unit; the middle of its prior, like the next three.
     pub(super) scale_sigma: f64,
+    /// Standard deviation of the deviation of the shape, over the displacement, no unit.
+    pub(super) shape_sigma: f64,
+    /// Distance over which that deviation is correlated, over the specimen's length.
+    pub(super) correlation_length: f64,
+    /// Logarithm of the ratio of pressures over which it is correlated.
+    pub(super) correlation_log_pressure: f64,
     /// Standard deviations of the prior of C₂₀/C₁₀ and C₃₀/C₁₀ about the card's, where the softest solid's law stiffens; no unit.
     pub(super) stiffening_sigma: [f64; 2],
     /// Specimens on which every method is run for comparison; on the others Gauss-Newton alone.
@@ -62,6 +66,18 @@ pub struct Settings {
     pub(super) parallel_solves: usize,
     /// Points an axis of the drawn landscape.
     pub(super) landscape_points: usize,
+}
+
+impl Settings {
+    /// The noise model before it is estimated, of a specimen of this length.
+    fn prior_noise(&self, length: Metre) -> NoiseModel {
+        NoiseModel {
+            scale_sigma: self.scale_sigma,
+            shape_sigma: self.shape_sigma,
+            correlation_length_m: self.correlation_length * length,
+            correlation_log_pressure: self.correlation_log_pressure,
+        }
+    }
 }
 
 /// What it reads of the card.
@@ -137,7 +153,7 @@ impl<'a> Fitting<'a> {
         let bound = |k: usize| solids.iter().map(|s| (s.plausible[k] / s.youngs_modulus).ln()).collect();
         let mut bounds = Bounds { low: bound(0), high: bound(1) };
         let model = mesh.model(&card.body)?.with_markers_at(&mesh.solid, &card.body, &mean_rest(&films.0));
-        let noise = NoiseModel { discrepancy_m: set.discrepancy, scale_sigma: set.scale_sigma };
+        let noise = set.prior_noise(card.body.length);
         let levels = Misfit::new(all, &counts, &noise, card.body.length)?;
         let (settings, all) = (statics(set.static_tolerance), levels.levels.clone());
         let mut explored = LevelSolver::new(model.clone(), all, settings, set.parallel_solves);
@@ -179,6 +195,33 @@ impl<'a> Fitting<'a> {
         Ok(Self { stiffened: Some(found), ..self })
     }
 
+    /// With the noise model estimated from the residuals of a search, which continues from its best point; residuals found together with a
+    /// stiffening are whitened anew.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when a setting of the noise model is not positive, or the films do not determine the parameters.
+    // Across a buckle a search takes minutes and moves by less than its uncertainty when the weights change: there the point is kept.
+    pub fn with_estimated_noise(mut self, best: &Evaluation) -> Result<Self> {
+        let solids = self.body.materials.len();
+        let (residuals, parameters) = match &self.stiffened {
+            Some(together) => (&together.residuals, solids + together.ratios.len()),
+            None => (sysid::residuals_of(best)?, solids),
+        };
+        let noise = sysid::estimated(&self.levels, residuals, parameters, &self.noise)?;
+        let levels = self.levels.under(&noise)?;
+        if let Some(together) = &mut self.stiffened {
+            let mut white = levels.white(&self.levels.raw(&together.residuals, parameters)?, parameters)?;
+            let rows = white.values.len();
+            white.values.extend(&together.residuals.values[rows..]);
+            white.jacobian.extend(&together.residuals.jacobian[rows * parameters..]);
+            together.residuals = white;
+        }
+        let names: Vec<&str> = self.search.names().iter().map(String::as_str).collect();
+        let bounds = self.search.bounds().clone();
+        let search = Problem::new(&names, bounds.clamp(&best.at), bounds)?;
+        Ok(Self { noise, levels, search, ..self })
+    }
+
     pub(super) fn elastic(&self, at: &[f64]) -> Elastic {
         let mut elastic = self.model.nominal.clone();
         elastic.youngs_moduli.iter_mut().zip(at).for_each(|(modulus, by)| *modulus *= by.exp());
@@ -198,8 +241,15 @@ impl<'a> Fitting<'a> {
     /// # Errors
     /// A [`Diagnostic`] when the method cannot continue, or Adam reaches a point without equilibrium.
     pub fn search(&self, member: &optimisers::Member) -> Result<SearchResult> {
+        self.search_with(member, self.solver(&self.levels.levels, self.set.static_tolerance))
+    }
+
+    /// Runs one method from the equilibria that `solver` knows.
+    ///
+    /// # Errors
+    /// As [`Fitting::search`].
+    pub fn search_with(&self, member: &optimisers::Member, mut solver: LevelSolver) -> Result<SearchResult> {
         let mut optimiser = (member.build)(&self.search, &self.methods())?;
-        let mut solver = self.solver(&self.levels.levels, self.set.static_tolerance);
         let mut evaluated = Vec::new();
         let mut problem = |batch: &[Vec<f64>], needs: Needs| -> Result<Vec<Evaluation>, Interrupted> {
             let mut answers: Vec<Option<Evaluation>> = vec![None; batch.len()];
