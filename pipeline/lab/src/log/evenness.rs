@@ -37,7 +37,7 @@ impl EvenClock {
 }
 
 /// The clock on which the samples were taken, later by the mean lateness of the stamps; none where the stamps are right, or where
-/// nothing in the log tells.
+/// nothing in the log decides.
 pub(super) fn taken_evenly(rows: &[Vec<f64>], form: &LogFormat, stamps: &Stamps) -> Option<EvenClock> {
     let clock = line(stamps.times);
     let measured = (1..form.columns.len()).filter(|&k| !form.columns[k].held);
@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn a_log_in_which_nothing_moves_tells_nothing() {
+    fn a_log_in_which_nothing_moves_decides_nothing() {
         let rows: Vec<Vec<f64>> =
             (0..1200).map(|i| vec![0.005 * i as f64 + 2e-3 * uneven(i), 100.0 + uneven(3 * i)]).collect();
         assert_eq!(clock(&rows), None);
