@@ -1,7 +1,7 @@
 //! Whether the samples of an uneven log were taken evenly and stamped late, or taken when their stamps say.
 //!
 //! A timer or a converter takes samples evenly, and the program that receives them stamps them when the system lets it run. A loop that
-//! reads a sensor and a clock in turn takes them unevenly, and stamps them rightly. The signal itself tells the two apart: where it rises
+//! reads a sensor and a clock in turn takes them unevenly, and stamps them rightly. The signal itself parts the two: where it rises
 //! or falls, it goes smoothly from sample to sample on the clock that is right, and zigzags on the other.
 
 use si::Second;
