@@ -17,8 +17,8 @@ use workflow::entry::{Entry, stage};
 use workflow::runner::{Folders, Found, Goal, Options, Runner, Store};
 use workflow::settings::{Profile, Schema, Settings};
 
-const CARD: &str = include_str!("card.toml");
-const SETTINGS: &str = include_str!("../../../study.toml");
+const CARD: &str = include_str!("../../pipeline/study/tests/card.toml");
+const SETTINGS: &str = include_str!("../../study.toml");
 const OPTIONS: Options = Options { quiet: true, jobs: Some(2), memory: None, keep_going: true, min_free_memory: 0.0 };
 
 /// Real stages that a small recording feeds.
