@@ -30,6 +30,7 @@ pub fn look(look: &Look, folder: &Path) -> (Option<Specimen>, Vec<Finding>) {
         }
         Ok(card) => {
             found.extend(no_role(&place, &card));
+            found.extend(wide(&place, &card));
             found.extend(unfilmed(&card).map(|what| Finding::log(format!("{place}: {what}"), LEFT_OUT)));
             let specimen = Specimen { folder: folder.to_owned(), card };
             found.extend(specimen.missing().into_iter().map(|diagnostic| {
@@ -78,4 +79,22 @@ fn no_role(place: &str, card: &Card) -> Option<Finding> {
     let fitted = card.trial.iter().any(|trial| trial.role == Role::Identify);
     let act = "give role = \"identify\" to a staircase, if moduli are to be identified";
     (!fitted).then(|| Finding::note(format!("{place}: no trial has the role identify"), "nothing would be fitted", act))
+}
+
+/// Highest over lowest plausible modulus, above which a search takes long: a data sheet leaves a factor of three.
+const WIDE: f64 = 30.0;
+
+/// Solids with a wide range of moduli.
+fn wide<'a>(place: &'a str, card: &'a Card) -> impl Iterator<Item = Finding> + 'a {
+    card.solid.parts.iter().filter_map(move |part| {
+        let [low, high] = part.solid.plausible;
+        let factor = high / low;
+        (factor > WIDE).then(|| {
+            Finding::note(
+                format!("{place}: plausible of solid.{} spans a factor of {factor:.0}", part.name),
+                "a search looks first for the softest silicone in it that stands the highest pressure, which may take minutes",
+                "narrow it to what a data sheet or a first test allows",
+            )
+        })
+    })
 }

@@ -1,4 +1,4 @@
-//! Checks of films: readable to their end; brightness, length and frame rate; markers and board are visible.
+//! Checks of films: readable to their end; brightness, length and frame rate; markers are visible.
 
 use si::Point2;
 use track::Gray;
@@ -9,9 +9,8 @@ use super::Look;
 use super::finding::Finding;
 use lab::card::Experiment;
 use study::records::Tracks;
-use study::stages::camera::{Camera, target};
 use study::stages::track::{Settings, Track, first_look};
-use study::subject::{Specimen, Trial};
+use study::subject::Trial;
 use workflow::runner::inspection_context;
 use workflow::stage::{Stage, StageContext};
 use workflow::subject::Part;
@@ -196,45 +195,4 @@ fn lightest(picture: &Gray) -> u8 {
         level -= 1;
     }
     level as u8
-}
-
-/// The calibration film: long enough, and the board is detected while it lies on the plane. Needed where a trial is tracked in pixels.
-pub fn calibration(look: &Look, of: &Specimen) -> Vec<Finding> {
-    let Some(camera) = &of.card.camera else { return Vec::new() };
-    let there = look.path(&of.card.name, &camera.calibration).exists();
-    if !there || of.trials().iter().all(|trial| trial.in_space().is_some()) {
-        return Vec::new();
-    }
-    let raw = Camera::raw(of);
-    let context = inspection_context(look.folders, &raw);
-    board(camera, &context).err().into_iter().collect()
-}
-
-fn board(camera: &lab::card::Camera, context: &dyn StageContext) -> Result<(), Finding> {
-    let [from, to] = camera.plane.seconds;
-    let place = context.display_path("calibration");
-    let film = context.path("calibration").and_then(|path| Ok(Film::open_board(&path, camera.frame_every)?));
-    let (film, every) = film.map_err(Finding::from)?;
-    let info = film.info();
-    let lasts = info.frames as f64 / info.rate;
-    if lasts < from {
-        let why = format!("on the card the board lies on the plane from {from} to {to} s");
-        let act = "correct seconds under [camera.plane] on the card";
-        return Err(Finding::fix(format!("{place} lasts {lasts:.2} s"), why, act));
-    }
-    let finder = target(&camera.board);
-    let mut message = format!("none of its frames of which one in {every} is used is in this interval");
-    for frame in film {
-        let frame = frame.map_err(|e| Finding::message(&e.to_string()))?;
-        if !(from..=to).contains(&frame.time) || !frame.index.is_multiple_of(every) {
-            continue;
-        }
-        match finder.find(&frame.gray) {
-            Ok(_) => return Ok(()),
-            Err(e) => message = e.to_string(),
-        }
-    }
-    let why = message.replace("\n  why:", ";").replace("\n  do:", "; do:");
-    let act = "check columns, rows and seconds on the card, or film the board again, whole and sharp";
-    Err(Finding::fix(format!("{place} shows no board between {from} and {to} s"), why, act))
 }

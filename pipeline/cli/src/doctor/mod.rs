@@ -3,6 +3,7 @@
 //! The readers of `lab` and the first steps of the stages report what they would refuse; further checks find input that is
 //! valid but probably not intended: a log in another unit, swapped columns of the sides, a film too dark or too short.
 
+mod board;
 mod card;
 mod clock;
 mod disk;
@@ -103,7 +104,7 @@ impl Look<'_> {
         let of = Specimen { card: opened.card.into() };
         evaluated.findings.extend(findings([
             solid::look(self, &of)?,
-            film::calibration(self, &of),
+            board::look(self, &of),
             log::fixtures(self, &of)?,
         ]));
         let trials = of.trials();
