@@ -117,6 +117,25 @@ impl Samples {
     }
 }
 
+/// The value of an even series at time `t` (s): the cubic through the four nearest samples, linear in the first and the last interval, held
+/// outside. Of a signal at a tenth of the rate it loses 0.5 % where linear interpolation loses 5 %.
+pub fn cubic(series: &Series, t: Second) -> f64 {
+    let place = (t - series.start()) * series.rate();
+    let values = series.values();
+    let left = place.floor();
+    if left < 1.0 || left + 2.0 > (values.len() - 1) as f64 {
+        return series.at(t);
+    }
+    let (x, around) = (place - left, &values[left as usize - 1..]);
+    let weights = [
+        -x * (x - 1.0) * (x - 2.0) / 6.0,
+        (x + 1.0) * (x - 1.0) * (x - 2.0) / 2.0,
+        -(x + 1.0) * x * (x - 2.0) / 2.0,
+        (x + 1.0) * x * (x - 1.0) / 6.0,
+    ];
+    weights.iter().zip(around).map(|(weight, value)| weight * value).sum()
+}
+
 /// The values of an even series at `times` (s), linear between samples, held outside.
 pub fn onto(series: &Series, times: &[Second]) -> Vec<f64> {
     times.iter().map(|&t| series.at(t)).collect()
@@ -144,6 +163,23 @@ mod tests {
             assert!((t - value).abs() < 1e-15);
         }
         assert_eq!(line.onto(&[-1.0, 0.0, 1.0, 5.0]), [0.0, 0.0, 2.0, 2.0]);
+    }
+
+    #[test]
+    fn a_cubic_is_interpolated_as_it_is_and_a_sine_at_a_tenth_of_the_rate_to_half_a_per_cent() {
+        let of =
+            |f: &dyn Fn(f64) -> f64| Series::new(1.0, 10.0, (0..50).map(|i| f(1.0 + 0.1 * f64::from(i))).collect());
+        let third = |t: f64| t.powi(3) - 2.0 * t;
+        let series = of(&third).unwrap();
+        assert!((cubic(&series, 3.337) - third(3.337)).abs() < 1e-10);
+        assert!((cubic(&series, 9.0) - third(5.9)).abs() < 1e-9, "held outside");
+        let sine = |t: f64| (std::f64::consts::TAU * t).cos();
+        let series = of(&sine).unwrap();
+        let off = |value: &dyn Fn(f64) -> f64| {
+            (200..400).map(|i| 0.01 * f64::from(i)).map(|t| (value(t) - sine(t)).abs()).fold(0.0, f64::max)
+        };
+        let (by_cubic, linear) = (off(&|t| cubic(&series, t)), off(&|t| series.at(t)));
+        assert!(by_cubic < 0.006 && linear > 0.04, "{by_cubic} {linear}");
     }
 
     #[test]

@@ -25,7 +25,7 @@ impl Stage for Transfer {
     type Needs = Every<Thrust, Layout>;
     type Makes = Record;
     const DESCRIPTION: &'static str = "thrust models are evaluated on a held-out tail";
-    const VERSION: u32 = 2;
+    const VERSION: u32 = 3;
     const SECTION: &'static str = "thrust";
 
     fn run((): &(), set: &thrust::Settings, Every(needs): Self::Needs, context: &dyn StageContext) -> Result<Record> {

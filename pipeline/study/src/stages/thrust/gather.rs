@@ -9,7 +9,7 @@ use serde::Serialize;
 use si::{Hertz, Newton, Pascal, Point2, Second, Series};
 use signal::cell::Regularisation;
 use signal::crosstalk::{self, CrossTalk, Staircase};
-use signal::resample::Samples;
+use signal::resample::{self, Samples};
 use signal::smooth;
 
 use super::Settings;
@@ -130,25 +130,24 @@ impl<'a> Apparatus<'a> {
         let (gauges, force) = (gauges(motion)?, pull.force());
         let still: Vec<f64> = pull.time.iter().map(|&t| self.talk.of(&gauges, t)).collect();
         let clean = self.taken_out(&force, &still)?;
-        let samples = flapping_samples(trial, frequency, &clean, self.set)?;
-        let time: Vec<Second> = samples.iter().map(|&i| clean.time(i)).collect();
+        let (time, rate) = flapping_times(trial, frequency, &clean, self.set)?;
         let paths: Vec<[Series; 2]> = self.order.iter().map(|&m| path(motion, m, cutoff)).collect::<Result<_>>()?;
         let rates: Vec<[Series; 2]> = paths.iter().map(|axes| axes.each_ref().map(rate_of)).collect();
         let [moved, speed] = [&paths, &rates].map(|of| time.iter().map(|&t| places(of, t)).collect::<Vec<_>>());
         let pressed: Vec<Series> = gauges.iter().map(|g| even(g, cutoff)).collect::<Result<_>>()?;
         let pressed_rate: Vec<Series> = pressed.iter().map(rate_of).collect();
         let at = |of: &[Series], t: Second| of.iter().map(|s| s.at(t)).collect::<Vec<f64>>();
-        let taken = samples.iter().map(|&i| still[i]).sum::<f64>() / samples.len() as f64;
+        let taken = time.iter().map(|&t| self.talk.of(&gauges, t)).sum::<f64>() / time.len() as f64;
         let run = Run {
             id: card.id.clone(),
             amplitude,
             frequency,
             split: card.split,
-            rate: clean.rate(),
-            force: samples.iter().map(|&i| clean.values()[i]).collect(),
+            rate,
+            force: time.iter().map(|&t| resample::cubic(&clean, t)).collect(),
             pressure: time.iter().map(|&t| at(&pressed, t)).collect(),
             pressure_rate: time.iter().map(|&t| at(&pressed_rate, t)).collect(),
-            terms: run::parts(tail, &moved, &speed, clean.rate()),
+            terms: run::parts(tail, &moved, &speed, rate),
             time,
             moved,
             speed,
@@ -188,24 +187,31 @@ fn talk(trials: &[TrialWithForce], set: &Settings) -> Result<CrossTalk> {
     Ok(found)
 }
 
-/// The samples of the force over whole filmed cycles after the settling cycles.
-fn flapping_samples(
+/// The fewest times in a cycle, where the log has fewer samples.
+const FEWEST_IN_CYCLE: f64 = 8.0;
+
+/// The times of a run over whole filmed cycles after the settling cycles, as many in each cycle, and their rate, near that of the force.
+// The samples of the log are not taken: in a fraction of a sample more or less than whole cycles lies that part of the amplitude, which is
+// many times the mean, and the edge falls on either side of a sample with an error of the clock.
+fn flapping_times(
     TrialWithForce { card, motion, force: pull }: &TrialWithForce,
     frequency: Hertz,
     force: &Series,
     set: &Settings,
-) -> Result<Vec<usize>> {
+) -> Result<(Vec<Second>, Hertz)> {
     let [first, last] = pull.commanded;
     let first = (first + set.settling_cycles / frequency).max(motion.time[0]);
     let last = last.min(motion.time[motion.time.len() - 1]);
-    let whole = first + ((last - first) * frequency).floor() / frequency;
-    let inside = |i: &usize| (first..whole).contains(&force.time(*i));
-    let samples: Vec<usize> = (0..force.values().len()).filter(inside).collect();
-    if samples.len() < 8 {
-        let what = format!("{} has {} samples of force while flapping", card.id, samples.len());
+    // the last command ends a cycle; both are known to a part of a sample
+    let cycles = ((last - first) * frequency + 0.5 * frequency / force.rate()).floor().max(0.0);
+    let samples = (cycles * force.rate() / frequency).floor();
+    if samples < 8.0 {
+        let what = format!("{} has {samples} samples of force in {cycles} whole cycles while flapping", card.id);
         return Err(Diagnostic::new(what, "a run needs at least 8", "record the trial for longer"));
     }
-    Ok(samples)
+    let per_cycle = (force.rate() / frequency).round().max(FEWEST_IN_CYCLE);
+    let rate = per_cycle * frequency;
+    Ok(((0..(cycles * per_cycle) as usize).map(|i| first + (i as f64 + 0.5) / rate).collect(), rate))
 }
 
 /// Positions of all markers at a time, m; of rates, their velocities, m/s.

@@ -85,7 +85,7 @@ impl Stage for Thrust {
     type Needs = (Mesh, Maybe<LoadCell>, TrialsWithForce);
     type Makes = Record;
     const DESCRIPTION: &'static str = "thrust models are trained on motion and pressure";
-    const VERSION: u32 = 5;
+    const VERSION: u32 = 6;
 
     fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<Record> {
         let (mesh, Maybe(cell), trials) = needs;
