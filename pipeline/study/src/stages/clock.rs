@@ -4,8 +4,9 @@
 
 use std::path::Path as FilePath;
 
+use lab::log::Method;
 use lab::pressure::Layout;
-use lab::{Logged, PressureLog};
+use lab::{Logged, PressureLog, Sampling};
 use serde::{Deserialize, Serialize};
 use si::{Point2, Second};
 use signal::clock::Clock as Match;
@@ -77,7 +78,7 @@ impl Stage for Clock {
     type Needs = (Maybe<Camera>, Maybe<Tracks>, Markers);
     type Makes = Motion;
     const DESCRIPTION: &'static str = "the LED's edges synchronise film and logs";
-    const VERSION: u32 = 6;
+    const VERSION: u32 = 7;
 
     fn raw(of: &Trial) -> Vec<RawFile> {
         vec![RawFile::new("pressure", &of.card.name, &of.trial.pressure)]
@@ -89,11 +90,11 @@ impl Stage for Clock {
         (Maybe(camera), Maybe(tracks), markers): Self::Needs,
         context: &dyn StageContext,
     ) -> Result<Motion> {
-        let Logged { log, sampling } = read_log(card, context)?;
+        let logged = read_log(card, context)?;
         let shutter = |c: Camera| Shutter { readout: card.readout, height: c.size_px[1] };
         let late = camera.zip(card.lamp_row).map_or(0.0, |(c, row)| shutter(c).delay(row));
         let synchronisation = Synchronisation { card, set, context };
-        let met = synchronisation.met(tracks.as_ref(), late, &log)?;
+        let met = synchronisation.met(tracks.as_ref(), late, &logged)?;
         synchronisation.covers(tracks.as_ref().map_or(&markers.time, |tracks| &tracks.time), &met)?;
         let rest_frames = synchronisation.rest_frames(&markers.time, &met)?;
         let Met { clock, lamp, sigma, log_time, gauges } = met;
@@ -101,7 +102,7 @@ impl Stage for Clock {
         let paths = markers.markers.iter().zip(&markers.parts).zip(&rest);
         let moved = paths.map(|((path, parts), rest)| displaced(path, parts, *rest, rest_frames)).collect();
         let clock = records::Clock { offset: clock.offset, scale: clock.scale, lamp, sigma };
-        Ok(Motion { time: markers.time, markers: moved, rest, gauges, log_time, clock, sampling })
+        Ok(Motion { time: markers.time, markers: moved, rest, gauges, log_time, clock, sampling: logged.sampling })
     }
 }
 
@@ -133,7 +134,7 @@ impl Synchronisation<'_> {
     pub fn check(&self, tracks: &Tracks, height: usize) -> Result<()> {
         let shutter = Shutter { readout: self.card.readout, height };
         let late = self.card.lamp_row.map_or(0.0, |row| shutter.delay(row));
-        let met = self.met(Some(tracks), late, &read_log(self.card, self.context)?.log)?;
+        let met = self.met(Some(tracks), late, &read_log(self.card, self.context)?)?;
         self.covers(&tracks.time, &met)?;
         self.rest_frames(&tracks.time, &met).map(drop)
     }
@@ -157,10 +158,11 @@ impl Synchronisation<'_> {
         Ok(())
     }
 
-    fn met(&self, tracks: Option<&Tracks>, late: Second, log: &PressureLog) -> Result<Met> {
+    fn met(&self, tracks: Option<&Tracks>, late: Second, logged: &Logged<PressureLog>) -> Result<Met> {
+        let log = &logged.log;
         let gauges: Vec<Gauge> = self.card.chambers.iter().map(|chamber| gauge(chamber, log)).collect();
         let matched = match tracks {
-            Some(tracks) => match_clocks(tracks, late, log, self.set),
+            Some(tracks) => match_clocks(tracks, late, logged, self.set),
             // Without a film the log's clock is that of all, and the trial begins with its first command.
             None => Ok((Match { offset: 0.0, scale: 1.0 }, first_command(&log.time, &gauges), 0.0)),
         };
@@ -223,7 +225,12 @@ fn centred(width: Second) -> Window {
 
 /// The video's clock against the log's, when the lamp lights in the film, and the largest deviation of the clock in it; the
 /// lamp's rows are read `late` s after a frame's time.
-fn match_clocks(tracks: &Tracks, late: Second, log: &PressureLog, set: &Settings) -> Result<(Match, Second, Second)> {
+fn match_clocks(
+    tracks: &Tracks,
+    late: Second,
+    Logged { log, sampling }: &Logged<PressureLog>,
+    set: &Settings,
+) -> Result<(Match, Second, Second)> {
     let time: Vec<Second> = tracks.time.iter().map(|t| t + late).collect();
     let apart = time.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
     let in_film = edge::edges_at(&time, &tracks.led, |_| centred(set.exposure * apart));
@@ -233,9 +240,19 @@ fn match_clocks(tracks: &Tracks, late: Second, log: &PressureLog, set: &Settings
     let times = |edges: &[Edge]| -> Vec<Second> { edges.iter().map(|e| e.time).collect() };
     let here = times(&in_film);
     let clock = Match::from_edges(&here, &times(&in_log))?;
-    let sigma: Vec<Second> = in_film.iter().zip(&in_log).map(|(a, b)| a.sigma.hypot(b.sigma)).collect();
+    let sigma: Vec<Second> =
+        in_film.iter().zip(&in_log).map(|(a, b)| a.sigma.hypot(b.sigma).hypot(unevenness(sampling))).collect();
     let most = [tracks.time[0], tracks.time[tracks.time.len() - 1]].map(|t| Match::sigma(&here, &sigma, t));
     Ok((clock, here[0], most[0].max(most[1])))
+}
+
+/// Standard deviation of an edge in a log whose samples were taken unevenly, s; 0 in any other. Over what time such a sample is averaged is
+/// not known: the edge lies anywhere between two of them.
+fn unevenness(sampling: &Sampling) -> Second {
+    match sampling.method {
+        Method::LinearInterpolation => 1.0 / (12f64.sqrt() * sampling.rate_hz),
+        Method::AsStamped | Method::EvenSampling => 0.0,
+    }
 }
 
 /// Displacements from the mean of the first frames, with the noise of both and the shared errors.
