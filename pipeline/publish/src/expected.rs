@@ -41,6 +41,15 @@ pub(crate) struct Expectation {
     pub value: f64,
     /// Its tolerance, in the metric's unit.
     pub within: f64,
+    /// Whether more is as good: a speed on another machine.
+    #[serde(default)]
+    pub or_more: bool,
+}
+
+impl Expectation {
+    fn holds(&self, value: f64) -> bool {
+        (value - self.value).abs() <= self.within || self.or_more && value > self.value
+    }
 }
 
 #[derive(Deserialize)]
@@ -94,7 +103,7 @@ impl Expected {
         let expectation = self.expected.get(&metric.id);
         let status = match expectation {
             None => "not compared",
-            Some(e) if (metric.value - e.value).abs() <= e.within => "as expected",
+            Some(e) if e.holds(metric.value) => "as expected",
             Some(_) => "drifted",
         };
         MetricEntry {
@@ -123,10 +132,12 @@ mod tests {
 
     #[test]
     fn a_number_outside_its_tolerance_has_drifted() {
-        let expectation = Expectation { value: 1.0, within: 0.1 };
+        let expectation = Expectation { value: 1.0, within: 0.1, or_more: false };
         let expected = Expected { expected: BTreeMap::from([("a".into(), expectation)]), ..Expected::default() };
         let status = |value| expected.judge(Metric::new("a", value, "mm")).status;
         assert_eq!((status(1.05).as_str(), status(1.2).as_str()), ("as expected", "drifted"));
+        let speed = Expectation { or_more: true, ..expectation };
+        assert!(speed.holds(7.0) && !speed.holds(0.8));
         assert_eq!(expected.missing(&[]).collect::<Vec<_>>(), ["a"]);
     }
 }

@@ -67,16 +67,21 @@ pub fn has_twin(body: &ReducedBody) -> bool {
     body.model().arrays().regions.iter().all(|region| LAWS.contains(&region.material.name()))
 }
 
-/// Displacement of a marker of `body` along x and y in air, m, by its twin in steps of `step` seconds, as functions of the film's time; none
-/// where a law is none that a twin has.
+/// Displacement of a marker of `body` along x and y, m, by its twin in air or in water in steps of `step` seconds, as functions of the film's
+/// time; none where a law is none that a twin has.
 ///
 /// # Errors
 /// A [`Diagnostic`] when a step finds no motion.
-pub fn path(body: &ReducedBody, marker: usize, step: Second, actuation: &Actuation) -> Result<Option<[Samples; 2]>> {
+pub fn path(
+    (body, water): (&ReducedBody, Option<&Surroundings>),
+    marker: usize,
+    step: Second,
+    actuation: &Actuation,
+) -> Result<Option<[Samples; 2]>> {
     if !has_twin(body) {
         return Ok(None);
     }
-    let twin = Twin::new(twin_data(body, None, &[("marker", marker)])?)?;
+    let twin = Twin::new(twin_data(body, water, &[("marker", marker)])?)?;
     let (times, mut state, mut path) = (actuation.times(step), twin.start(), Vec::<Point2>::new());
     for &time in &times {
         let duration = time - state.time();

@@ -65,6 +65,8 @@ pub struct Validation {
     pub reduction: Option<f64>,
     /// Largest distance of the reduced model as a twin from the full model over the same time, m; in air.
     pub twin_error: Option<Metre>,
+    /// Duration of the motion over the time in which the twin steps through it on one core, no unit.
+    pub real_time_factor: Option<f64>,
     /// Coordinates of the reduced model.
     pub coordinates: usize,
 }
@@ -85,6 +87,11 @@ struct Scalars {
     twin_error_m: Option<f64>,
     coordinates: usize,
     note: String,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Durations {
+    real_time_factor: Option<f64>,
 }
 
 /// A note for readers of the record.
@@ -134,7 +141,11 @@ impl Record for Validation {
             coordinates: self.coordinates,
             note: NOTE.into(),
         };
-        RecordFiles::default().table("validation.parquet", &columns)?.scalars("validation.json", &scalars)
+        let durations = Durations { real_time_factor: self.real_time_factor };
+        RecordFiles::default()
+            .table("validation.parquet", &columns)?
+            .scalars("validation.json", &scalars)?
+            .durations("durations.json", &durations)
     }
 
     fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
@@ -161,6 +172,7 @@ impl Record for Validation {
             baselines: s.baselines,
             reduction: s.reduction,
             twin_error: s.twin_error_m,
+            real_time_factor: files.read_scalars::<Durations>("durations.json")?.real_time_factor,
             coordinates: s.coordinates,
         })
     }
@@ -181,6 +193,7 @@ impl Record for Validation {
         ];
         metrics.extend(self.reduction.map(|off| Metric::new(id("reduction_percent"), 100.0 * off, "%")));
         metrics.extend(self.twin_error.map(|off| Metric::new(id("twin_error_percent"), percent(off), "%")));
+        metrics.extend(self.real_time_factor.map(|factor| Metric::new(id("real_time_factor"), factor, "")));
         metrics.extend(self.lag.map(|lag| Metric::new(id("lag_ms"), 1e3 * lag, "ms")));
         metrics.extend(others);
         metrics

@@ -19,7 +19,7 @@ use crate::records::{Drag, Identified, Mesh, Motion, PAPER_MODEL, Reduced, Relax
 use crate::selections::{InWater, Repeats};
 use crate::subject::Trial;
 use ::thrust::outline::Outline;
-use ::thrust::real_time;
+use ::thrust::real_time::{self, Surroundings};
 use ::thrust::underwater::UnderwaterModel;
 use diagnostics::{Diagnostic, Result};
 use sysid::actuated::{Actuation, MotionSimulation, dynamic_settings, filmed, lag};
@@ -66,7 +66,7 @@ impl Stage for Validate {
     type Needs = ((Mesh, Identified, Reduced), Relaxation, InWater<Drag>, Repeats<Motion>);
     type Makes = Validation;
     const DESCRIPTION: &'static str = "flapping is predicted and compared with validation trials";
-    const VERSION: u32 = 13;
+    const VERSION: u32 = 14;
 
     fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<Validation> {
         let ((mesh, identified, reduced), relaxation, InWater(drag), Repeats(films)) = needs;
@@ -129,6 +129,14 @@ impl Stage for Validate {
             Actuation { end: (seen.moves + set.whole_model_duration).min(ends.1), begin: seen.moves, ..actuation };
         let dry = drag.is_none().then(|| reduction(&simulation, &reduced_body, &second_order, &checked));
         let (reduction, twin_error) = dry.transpose()?.map_or((None, None), |(off, twin)| (Some(off), twin));
+        context.progress(0.9, "in real time");
+        let stations: Vec<usize> = (card.body.markers.len()..reduced_body.markers()).collect();
+        let (rows, half) = (reduced_body.rows(&stations), model.system.mesh().symmetry_plane_z);
+        let around = |(drag, tail): (&Drag, _)| Surroundings { tail, rows: &rows, by: drag.by, half };
+        let water = drag.as_ref().zip(tail.as_ref()).map(around);
+        let began = context.seconds();
+        let twin = real_time::path((&reduced_body, water.as_ref()), marker, set.step, &actuation)?;
+        let real_time_factor = twin.map(|_| (ends.1 - ends.0) / (context.seconds() - began));
         let simulated = paths.swap_remove(0);
         let pressures: Vec<Vec<f64>> = seen.gauges.iter().map(|g| g.onto(&seen.time)).collect();
         let quasi_static = QuasiStatic { pressures: &pressures, identified: &identified, marker };
@@ -145,6 +153,7 @@ impl Stage for Validate {
             baselines: guesses,
             reduction,
             twin_error,
+            real_time_factor,
             coordinates: reduced_body.coordinates(),
             time: seen.time,
             measured: seen.mean,
@@ -163,7 +172,7 @@ fn reduction(
     settings: &DynamicSettings,
     actuation: &Actuation,
 ) -> Result<(f64, Option<Metre>)> {
-    let twin = real_time::path(reduced_body, simulation.marker, settings.step, actuation)?;
+    let twin = real_time::path((reduced_body, None), simulation.marker, settings.step, actuation)?;
     let (whole, reduced) = (simulation.whole(settings, actuation)?, simulation.run(reduced_body, settings, actuation)?);
     let steps = whole[0].values().len();
     let path = |[x, y]: &[Samples; 2]| (0..steps).map(|i| [x.values()[i], y.values()[i]]).collect::<Vec<Point2>>();
