@@ -105,6 +105,20 @@ impl Covariance {
         self
     }
 
+    /// The sum of independent errors, each given by the move of all parameters by one deviation of it.
+    pub fn of_errors(parameters: usize, moves: &[Vec<f64>]) -> Self {
+        let none = Self { parameters, values: vec![0.0; parameters * parameters], residual_variance: 1.0 };
+        moves.iter().fold(none, |sum, one| sum.with_error(one))
+    }
+
+    /// With an independent error of one size along `change`, the move of each parameter by one deviation of it: C + change changeᵀ.
+    #[must_use]
+    pub fn with_error(mut self, change: &[f64]) -> Self {
+        let n = self.parameters;
+        self.values.iter_mut().enumerate().for_each(|(i, v)| *v += change[i / n] * change[i % n]);
+        self
+    }
+
     /// The covariance of the first `count` parameters, whatever the others are.
     #[must_use]
     pub fn marginal(&self, count: usize) -> Self {

@@ -134,6 +134,14 @@ mod tests {
     }
 
     #[test]
+    fn an_error_along_a_change_of_the_parameters_widens_them_by_its_square() {
+        let alone = residuals(1.0, 3.0).posterior(2).unwrap();
+        let widened = alone.clone().with_error(&[0.3, -0.4]);
+        let by = |i, j| widened.of(i, j) - alone.of(i, j);
+        assert!((by(0, 0) - 0.09).abs() < 1e-12 && (by(0, 1) + 0.12).abs() < 1e-12 && (by(1, 1) - 0.16).abs() < 1e-12);
+    }
+
+    #[test]
     fn residuals_of_the_difference_alone_leave_only_the_ratio_certain() {
         let words = residuals(1.0, 100.0).posterior(2).unwrap().summary(&["body", "spine"]);
         assert!(words.starts_with("only the ratio of body and spine to 0.7 % certain"), "{words}");

@@ -31,6 +31,31 @@ impl Whitening {
         Ok(Self { factors: blocks.iter().map(factor).collect::<Result<_, _>>()? })
     }
 
+    /// ½ ln det S.
+    pub fn half_log_determinant(&self) -> f64 {
+        self.factors.iter().flat_map(|factor| factor.diagonal().iter().map(|d| d.ln()).collect::<Vec<_>>()).sum()
+    }
+
+    /// r and J of the residuals that [`Whitening::apply`] made of them; those beyond its blocks are left out.
+    ///
+    /// # Errors
+    /// [`OptimiseError::Length`] when there are fewer than its blocks have.
+    pub fn invert(&self, white: &Residuals, parameters: usize) -> Result<Residuals, OptimiseError> {
+        let expected: usize = self.factors.iter().map(DMatrix::nrows).sum();
+        if white.values.len() < expected || white.jacobian.len() < expected * parameters {
+            return Err(OptimiseError::Length { what: "the list of residuals", found: white.values.len(), expected });
+        }
+        let (mut first, mut values, mut jacobian) = (0, Vec::new(), Vec::new());
+        for factor in &self.factors {
+            let n = factor.nrows();
+            values.extend((factor * DVector::from_column_slice(&white.values[first..first + n])).iter());
+            let rows = &white.jacobian[first * parameters..(first + n) * parameters];
+            jacobian.extend((factor * DMatrix::from_row_slice(n, parameters, rows)).transpose().iter());
+            first += n;
+        }
+        Ok(Residuals { values, jacobian })
+    }
+
     /// L⁻¹ r and L⁻¹ J.
     ///
     /// # Errors
@@ -75,6 +100,17 @@ mod tests {
         let whitened = whitening.apply(&raw, 1).unwrap();
         assert!((2.0 * whitened.half_sum_of_squares() - (11.0 / 8.0 + 4.0)).abs() < 1e-12);
         assert_eq!(whitened.jacobian, whitened.values);
+    }
+
+    #[test]
+    fn the_inverse_gives_the_residuals_back_block_by_block() {
+        let whitening = Whitening::new(&[vec![4.0, 2.0, 2.0, 3.0], vec![25.0]]).unwrap();
+        let raw = Residuals { values: vec![1.0, 2.0, 10.0], jacobian: vec![1.0, 0.5, 2.0, -1.0, 10.0, 3.0] };
+        let back = whitening.invert(&whitening.apply(&raw, 2).unwrap(), 2).unwrap();
+        let pairs = back.values.iter().zip(&raw.values).chain(back.jacobian.iter().zip(&raw.jacobian));
+        pairs.for_each(|(found, exact)| assert!((found - exact).abs() < 1e-12));
+        // det S = 8 · 25
+        assert!((whitening.half_log_determinant() - 0.5 * 200f64.ln()).abs() < 1e-12);
     }
 
     #[test]

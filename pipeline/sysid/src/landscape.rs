@@ -127,7 +127,13 @@ mod tests {
             (0..9).map(|i| (f64::from(i % 3), f64::from(i / 3))).map(|(u, v)| (vec![u, v], simulate(u, v))).collect();
         let points: Vec<(&[f64], &[Vec<Point2>])> = coarse.iter().map(|(a, m)| (a.as_slice(), m.as_slice())).collect();
         let measured = simulate(0.5, 1.5)[0].clone();
-        let level = [PressureLevel { pressures: vec![1.0], measured, covariance: vec![[0.0; 3]] }];
+        let level = [PressureLevel {
+            pressures: vec![1.0],
+            measured,
+            covariance: vec![[0.0; 3]],
+            shared: vec![[0.0; 3]],
+            rest: vec![[0.0; 2]],
+        }];
         let fine = between(&points, 5, &|simulated| vec![loss(&level, simulated, 1.0)]);
         assert_eq!((fine.across[1], fine.up[3]), (0.5, 1.5));
         assert!(fine.values[0][3 * 5 + 1] < 1e-12, "{}", fine.values[0][16]);

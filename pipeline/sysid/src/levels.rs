@@ -20,6 +20,10 @@ pub struct PressureLevel {
     pub measured: Vec<Point2>,
     /// Their covariance, m².
     pub covariance: Vec<Covariance2>,
+    /// The part of it that all levels of a film share: pose of the camera, position at rest; m².
+    pub shared: Vec<Covariance2>,
+    /// Positions of the markers at rest, m.
+    pub rest: Vec<Point2>,
 }
 
 impl PressureLevel {
@@ -35,7 +39,7 @@ impl PressureLevel {
     }
 
     /// The chamber with that pressure.
-    fn filled(&self) -> usize {
+    pub(crate) fn filled(&self) -> usize {
         let order = |a: &usize, b: &usize| self.pressures[*a].total_cmp(&self.pressures[*b]);
         (0..self.pressures.len()).max_by(order).unwrap_or(0)
     }

@@ -16,6 +16,7 @@
 //!     rest_m: vec![[0.1, 0.0]],
 //!     measured_m: vec![[-0.001, 0.010]],
 //!     covariance_m2: vec![[1e-10, 0.0, 1e-10]],
+//!     shared_m2: vec![[5e-11, 0.0, 5e-11]],
 //!     simulated_m: vec![[-0.001, 0.012]],
 //! };
 //! assert!((level.largest_error() - 0.002).abs() < 1e-12);
@@ -27,6 +28,8 @@
 pub mod actuated;
 mod body;
 mod cells;
+mod discrepancy;
+pub mod discretisation;
 pub mod free_vibration;
 mod identified_materials;
 pub mod inflation_test;
@@ -50,6 +53,7 @@ pub mod uncertainty;
 
 pub use body::{Body, Material};
 pub use cells::cells;
+pub use discrepancy::Discrepancy;
 pub use identified_materials::{IdentifiedMaterial, IdentifiedMaterials};
 pub use levels::{Derivatives, LevelSolver, PressureLevel, SimulatedLevel};
 pub use meshed::{Meshed, NamedRegion};

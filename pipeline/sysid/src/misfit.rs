@@ -2,7 +2,8 @@
 //!
 //! The covariance of a film's displacements has three parts: the markers' own (pixels, camera), the model discrepancy at
 //! each marker, and a common scale error of all displacements of a film (wall thickness, supply pressure). The
-//! scale errors of films are independent, so films of both sides together determine the moduli better than either alone.
+//! scale errors of films are independent, so films of both sides together determine the moduli better than either alone. These are the
+//! weights of a search; how uncertain its result is follows from the discrepancy that its residuals show (`discrepancy`).
 
 use optimize::{Residuals, Whitening};
 use si::{Metre, Point2};
@@ -16,6 +17,8 @@ use diagnostics::{Diagnostic, Result};
 pub struct Misfit {
     /// The levels.
     pub levels: Vec<PressureLevel>,
+    /// How many of them each film has.
+    films: Vec<usize>,
     whitening: Whitening,
     length: Metre,
 }
@@ -26,13 +29,32 @@ impl Misfit {
     /// # Errors
     /// A [`Diagnostic`] when the covariance of a film is not positive definite.
     pub fn new(levels: Vec<PressureLevel>, films: &[usize], noise: &NoiseModel, length: Metre) -> Result<Self> {
-        let mut first = 0;
-        let blocks = films.iter().map(|&count| {
-            first += count;
-            covariance(&levels[first - count..first], noise)
-        });
-        let whitening = Whitening::new(&blocks.collect::<Vec<_>>())?;
-        Ok(Self { levels, whitening, length })
+        let whitening = whitening(&levels, films, |film| covariance(film, noise))?;
+        Ok(Self { levels, films: films.to_vec(), whitening, length })
+    }
+
+    /// The whitening of the levels under another covariance of each film's displacements.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when it is not positive definite.
+    pub(crate) fn under(&self, covariance: impl Fn(&[PressureLevel]) -> Vec<f64>) -> Result<Whitening> {
+        whitening(&self.levels, &self.films, covariance)
+    }
+
+    /// Residuals of the levels in m, from those that this misfit has whitened; the rows of a prior after them are left out.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when they are of other levels.
+    pub(crate) fn raw(&self, white: &Residuals, parameters: usize) -> Result<Residuals> {
+        self.whitening.invert(white, parameters).map_err(Diagnostic::from)
+    }
+
+    /// Residuals in m, whitened.
+    ///
+    /// # Errors
+    /// As [`Misfit::raw`].
+    pub(crate) fn white(&self, raw: &Residuals, parameters: usize) -> Result<Residuals> {
+        self.whitening.apply(raw, parameters).map_err(Diagnostic::from)
     }
 
     /// The misfit of the levels in an identification record.
@@ -45,6 +67,8 @@ impl Misfit {
             pressures: l.pressures_pa.clone(),
             measured: l.measured_m.clone(),
             covariance: l.covariance_m2.clone(),
+            shared: l.shared_m2.clone(),
+            rest: l.rest_m.clone(),
         };
         Self::new(levels.iter().map(level).collect(), &films, noise, length)
     }
@@ -86,6 +110,20 @@ impl Misfit {
     }
 }
 
+/// From the covariance of each film.
+fn whitening(
+    levels: &[PressureLevel],
+    films: &[usize],
+    of: impl Fn(&[PressureLevel]) -> Vec<f64>,
+) -> Result<Whitening> {
+    let mut first = 0;
+    let blocks = films.iter().map(|&count| {
+        first += count;
+        of(&levels[first - count..first])
+    });
+    Ok(Whitening::new(&blocks.collect::<Vec<_>>())?)
+}
+
 /// Of one film's displacements, row after row: levels × markers × 2.
 fn covariance(film: &[PressureLevel], noise: &NoiseModel) -> Vec<f64> {
     let moved: Vec<f64> = film.iter().flat_map(|r| r.measured.iter().flat_map(|p| *p)).collect();
@@ -107,7 +145,13 @@ mod tests {
     use super::*;
 
     fn level(moved: Point2) -> PressureLevel {
-        PressureLevel { pressures: vec![1.0], measured: vec![moved], covariance: vec![[1e-10, 2e-11, 4e-10]] }
+        PressureLevel {
+            pressures: vec![1.0],
+            measured: vec![moved],
+            covariance: vec![[1e-10, 2e-11, 4e-10]],
+            shared: vec![[0.0; 3]],
+            rest: vec![[0.0; 2]],
+        }
     }
 
     #[test]

@@ -6,7 +6,7 @@ use si::{Metre, Pascal, Point2};
 /// Covariance of a place in the plane, m²: xx, xy, yy.
 pub type Covariance2 = [f64; 3];
 
-/// Errors beside the covariance of the markers.
+/// Errors beside the covariance of the markers, as they weigh the levels in a search.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct NoiseModel {
     /// Standard deviation of the model discrepancy of each displacement, m.
@@ -28,6 +28,8 @@ pub struct Level {
     pub measured_m: Vec<Point2>,
     /// Their covariance, m².
     pub covariance_m2: Vec<Covariance2>,
+    /// The part of it that all levels of a film share, m².
+    pub shared_m2: Vec<Covariance2>,
     /// Simulated displacements, m.
     pub simulated_m: Vec<Point2>,
 }

@@ -9,8 +9,10 @@ use crate::body::Body;
 
 /// The covariance of all parameters of an identification, the logarithms of the moduli first.
 pub struct Posterior {
-    /// The covariance.
+    /// The covariance of what the films leave open.
     pub covariance: Covariance,
+    /// By how much the discretisation error shifts each parameter, or why that is not known.
+    pub discretisation: std::result::Result<Vec<f64>, String>,
     /// χ² over the degrees of freedom.
     pub chi_square: f64,
 }
@@ -18,12 +20,14 @@ pub struct Posterior {
 /// Uncertainty of the parameters.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Uncertainty {
-    /// Standard deviations of the logarithms of the parameters.
+    /// Standard deviations of the logarithms of the parameters; the discretisation error is in them where it is known.
     pub sigma: Vec<f64>,
     /// Their correlations: parameters × parameters.
     pub correlation: Vec<f64>,
     /// Reduced χ² (over the degrees of freedom): near 1 when the covariance is right.
     pub chi_square: f64,
+    /// By how much the discretisation error shifts the logarithm of each parameter, estimated on a finer mesh; empty where it is not known.
+    pub discretisation: Vec<f64>,
     /// A sentence on which parameters are determined.
     pub words: String,
     /// Which data would reduce the uncertainty, and which estimates reached the end of the plausible range.
@@ -34,6 +38,14 @@ impl Uncertainty {
     /// Of the first two parameters; none of a single one.
     pub fn first_correlation(&self) -> Option<f64> {
         (self.sigma.len() > 1).then(|| self.correlation[1])
+    }
+
+    /// Covariance of two parameters without the discretisation error: of what is predicted on the same mesh, which has that error as well and
+    /// for which the parameters make up.
+    pub fn on_the_same_mesh(&self, i: usize, j: usize) -> f64 {
+        let correlation = if i == j { 1.0 } else { self.correlation[i * self.sigma.len() + j] };
+        let shift = |k: usize| self.discretisation.get(k).copied().unwrap_or_default();
+        self.sigma[i] * self.sigma[j] * correlation - shift(i) * shift(j)
     }
 }
 
@@ -52,15 +64,21 @@ pub struct Profile {
 pub fn of(body: &Body, posterior: &Posterior, (best, bounds): (&[f64], &Bounds)) -> Uncertainty {
     let names: Vec<&str> = body.materials.iter().map(|m| m.name.as_str()).collect();
     let count = names.len();
-    let moduli = posterior.covariance.marginal(count);
+    let films = posterior.covariance.marginal(count);
+    let discretisation = posterior.discretisation.as_ref().map(|all| all[..count].to_vec()).unwrap_or_default();
+    let moduli = if discretisation.is_empty() { films } else { films.with_error(&discretisation) };
     let sigma: Vec<f64> = (0..count).map(|k| moduli.sigma(k)).collect();
     let mut advice = more_data(&names, &sigma);
     advice.extend(implausible(body, best, bounds));
+    advice.extend(
+        posterior.discretisation.as_ref().err().map(|why| format!("the error of the mesh is not known: {why}")),
+    );
     Uncertainty {
         sigma,
         correlation: (0..count * count).map(|k| moduli.correlation(k / count, k % count)).collect(),
         chi_square: posterior.chi_square,
         words: moduli.summary(&names),
+        discretisation,
         advice,
     }
 }
@@ -114,6 +132,20 @@ mod tests {
         let both = profiles(["a", "b"], [&[1.0, 2.0, 3.0], &[10.0, 20.0]], &[5.0, 3.0, 4.0, 2.0, 9.0, 6.0]);
         assert_eq!(both[0].chi_square, [0.0, 1.0, 2.0]);
         assert_eq!(both[1].chi_square, [1.0, 0.0]);
+    }
+
+    #[test]
+    fn on_the_same_mesh_its_error_does_not_count() {
+        let all = Uncertainty {
+            sigma: vec![0.05, 0.1],
+            correlation: vec![1.0, -0.5, -0.5, 1.0],
+            discretisation: vec![0.03, -0.06],
+            ..Uncertainty::default()
+        };
+        assert!((all.on_the_same_mesh(0, 0) - 0.0016).abs() < 1e-12);
+        assert!((all.on_the_same_mesh(0, 1) + 0.0025 - 0.0018).abs() < 1e-12);
+        let without = Uncertainty { discretisation: Vec::new(), ..all };
+        assert!((without.on_the_same_mesh(1, 1) - 0.01).abs() < 1e-12);
     }
 
     #[test]

@@ -13,7 +13,13 @@ const SETTINGS: StaticSettings =
     StaticSettings { tolerance: 1e-8, load_steps: 1, max_iterations: 16, max_halvings: 0, reuse_factor: false };
 
 fn level(pressures: [f64; 2]) -> PressureLevel {
-    PressureLevel { pressures: pressures.to_vec(), measured: vec![[0.0; 2]], covariance: vec![[1e-10, 0.0, 1e-10]] }
+    PressureLevel {
+        pressures: pressures.to_vec(),
+        measured: vec![[0.0; 2]],
+        covariance: vec![[1e-10, 0.0, 1e-10]],
+        shared: vec![[0.0; 3]],
+        rest: vec![[0.0; 2]],
+    }
 }
 
 /// The displacement of the end under `pressures`, by load stepping from rest.

@@ -26,7 +26,8 @@ fn measured(model: &Model, hidden: &Elastic, top: f64) -> Vec<PressureLevel> {
     let at = |chamber: usize, part: usize| {
         let mut pressures = vec![0.0; 2];
         pressures[chamber] = top * part as f64 / 6.0;
-        PressureLevel { pressures, measured: vec![[0.0; 2]], covariance: vec![[SIGMA * SIGMA, 0.0, SIGMA * SIGMA]] }
+        let covariance = vec![[SIGMA * SIGMA, 0.0, SIGMA * SIGMA]];
+        PressureLevel { pressures, measured: vec![[0.0; 2]], covariance, shared: vec![[0.0; 3]], rest: vec![[0.0; 2]] }
     };
     let blank: Vec<PressureLevel> = (0..2).flat_map(|chamber| (1..=6).map(move |part| at(chamber, part))).collect();
     let simulated = solver(model, &blank).solve(hidden, Derivatives::None).unwrap();

@@ -5,7 +5,7 @@ use si::{Metre, Pascal, Point3, Second};
 
 use crate::records::{Profile, Uncertainty};
 use crate::subject::Specimen;
-use sysid::{Elastic, Level, Model, NoiseModel};
+use sysid::{Discrepancy, Elastic, Level, Model, NoiseModel};
 use workflow::columns::Columns;
 use workflow::metric::Metric;
 use workflow::record::{Record, RecordError, RecordFiles};
@@ -73,8 +73,10 @@ pub struct Identified {
     pub inflated: Vec<Point3>,
     /// The specimen's length, m.
     pub length: Metre,
-    /// Noise model beside the markers' covariance.
+    /// Noise model beside the markers' covariance, by which the search weighed the levels.
     pub noise: NoiseModel,
+    /// The discrepancy that its residuals show.
+    pub discrepancy: Discrepancy,
     /// Uncertainty of the moduli.
     pub uncertainty: Uncertainty,
     /// Profile likelihoods of both moduli.
@@ -103,6 +105,7 @@ struct Scalars {
     levels: Vec<Level>,
     methods: Vec<String>,
     noise: NoiseModel,
+    discrepancy: Discrepancy,
     uncertainty: Uncertainty,
     profiles: Vec<Profile>,
 }
@@ -147,6 +150,7 @@ impl Record for Identified {
             levels: self.levels.clone(),
             methods: self.searches.iter().map(|s| s.method.clone()).collect(),
             noise: self.noise,
+            discrepancy: self.discrepancy,
             uncertainty: self.uncertainty.clone(),
             profiles: self.profiles.clone(),
         };
@@ -185,6 +189,7 @@ impl Record for Identified {
             inflated: x.into_iter().zip(y).zip(z).map(|((x, y), z)| [x, y, z]).collect(),
             length: s.length_m,
             noise: s.noise,
+            discrepancy: s.discrepancy,
             uncertainty: s.uncertainty,
             profiles: s.profiles,
         })
@@ -209,6 +214,9 @@ impl Record for Identified {
             Metric::new(id("gradient_over_forward"), self.gradient_over_forward, ""),
             Metric::new(id("chi_square"), self.uncertainty.chi_square, ""),
         ]);
+        metrics.extend(self.solids.iter().zip(&self.uncertainty.discretisation).map(|(solid, shift)| {
+            Metric::new(id(&format!("{solid}_e.discretisation_percent")), 100.0 * shift.exp_m1(), "%")
+        }));
         metrics.extend(self.uncertainty.first_correlation().map(|c| Metric::new(id("correlation"), c, "")));
         metrics.extend(self.gradient_difference.map(|g| Metric::new(id("gradient_difference"), g, "")));
         metrics.extend(self.searches.iter().flat_map(|s| s.metrics(&id(&s.method))));
@@ -363,6 +371,12 @@ mod tests {
             inflated: vec![[0.0, 1.0, 2.0]],
             length: 0.1,
             noise: NoiseModel { discrepancy_m: 1e-4, scale_sigma: 0.02 },
+            discrepancy: Discrepancy {
+                scale_sigma: 0.02,
+                shape_sigma: 0.005,
+                correlation_length_m: 0.03,
+                correlation_log_pressure: 1.0,
+            },
             uncertainty: Uncertainty { sigma: vec![0.01, 0.1], words: "all".into(), ..Uncertainty::default() },
             profiles: vec![Profile { parameter: "body_e".into(), value: vec![1e5], chi_square: vec![0.0] }],
         };

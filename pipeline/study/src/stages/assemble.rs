@@ -1,7 +1,7 @@
 //! Assembly of the record of [`super::identify`]: moduli and their uncertainty, landscape, simulated levels.
 
 use optimize::optimisers::grid;
-use optimize::{Bounds, Evaluation};
+use optimize::{Bounds, Evaluation, Residuals};
 use si::Point2;
 
 use super::fitting::{Evaluated, Fitting, SearchResult};
@@ -9,17 +9,19 @@ use crate::records::{self, Identified, Level};
 use diagnostics::Result;
 use sysid::landscape;
 use sysid::uncertainty::{self, Posterior};
-use sysid::{Derivatives, Stiffened, by_node, residuals_of};
+use sysid::{Derivatives, Model, Stiffened, by_node, residuals_of};
 use workflow::stage::StageContext;
 
 /// The results of all searches.
-pub struct Searches {
+pub(super) struct Searches {
     /// Of Gauss-Newton.
     pub best: SearchResult,
     /// Evaluations of the grid; empty where none was searched.
     pub grid: Vec<Evaluated>,
     /// The record of each search.
     pub records: Vec<records::Search>,
+    /// The model on a finer mesh, or why there is none.
+    pub finer: Result<Model, String>,
 }
 
 impl Fitting<'_> {
@@ -34,13 +36,17 @@ impl Fitting<'_> {
         context: &dyn StageContext,
     ) -> Result<Identified> {
         context.progress(0.95, "at the identified moduli");
-        let Searches { best: mut found, grid, records } = searches;
+        let Searches { best: mut found, grid, records, finer } = searches;
         let best = &found.history.best;
         let elastic = self.elastic(&best.at);
         let levels = found.solver.solve(&elastic, Derivatives::None)?;
         let markers: Vec<Vec<Point2>> = levels.iter().map(|l| l.markers.clone()).collect();
         let highest = levels.iter().zip(&self.levels.levels).max_by(|a, b| a.1.top().total_cmp(&b.1.top()));
-        let posterior = self.posterior(best)?;
+        let residuals = self.residuals(best)?;
+        let discretisation = self.discretisation(finer, &elastic, &markers, residuals);
+        let discrepancy = self.estimated(residuals)?;
+        let (covariance, chi_square) = discrepancy.posterior(&self.levels, residuals.0, residuals.1)?;
+        let posterior = Posterior { covariance, discretisation, chi_square };
         let uncertainty = uncertainty::of(self.body, &posterior, (&best.at, self.search.bounds()));
         let (surface, profiles) = self.surface(&grid)?;
         Ok(Identified {
@@ -58,20 +64,20 @@ impl Fitting<'_> {
             inflated: highest.map(|(level, _)| by_node(&level.displacement)).unwrap_or_default(),
             length: self.body.length,
             noise: self.noise,
+            discrepancy,
             uncertainty,
             profiles,
         })
     }
 
-    /// The covariance of the moduli's logarithms and, where the law stiffens, of both ratios of stiffening.
-    fn posterior(&self, best: &Evaluation) -> Result<Posterior> {
+    /// Whitened residuals at the best point and the number of their parameters: the moduli's logarithms and, where the law stiffens, both
+    /// ratios of stiffening.
+    pub(super) fn residuals<'a>(&'a self, best: &'a Evaluation) -> Result<(&'a Residuals, usize)> {
         let solids = self.body.materials.len();
-        let (residuals, parameters) = match &self.stiffened {
+        Ok(match &self.stiffened {
             Some(together) => (&together.residuals, solids + together.ratios.len()),
             None => (residuals_of(best)?, solids),
-        };
-        let (covariance, chi_square) = (residuals.posterior(parameters)?, residuals.reduced_chi_square(parameters));
-        Ok(Posterior { covariance, chi_square })
+        })
     }
 
     fn stiffening(&self, posterior: &Posterior) -> Option<records::Stiffening> {
@@ -129,6 +135,7 @@ impl Fitting<'_> {
             rest_m: rest.clone(),
             measured_m: model.measured.clone(),
             covariance_m2: model.covariance.clone(),
+            shared_m2: model.shared.clone(),
             simulated_m: simulated.clone(),
         })
         .collect()

@@ -19,13 +19,14 @@ pub(super) fn of_silicone(
 ) -> Result<Vec<Viscoelastic>> {
     let mut all = Vec::new();
     let moduli = &identified.uncertainty;
-    for shift in axes(&moduli.sigma, &|i, j| moduli.correlation[i * moduli.sigma.len() + j]) {
+    for shift in axes(moduli.sigma.len(), &|i, j| moduli.on_the_same_mesh(i, j)) {
         let mut other = identified.clone();
         other.best.iter_mut().zip(&shift).for_each(|(modulus, by)| *modulus *= by.exp());
         all.push(relaxation.silicone(model, &other)?);
     }
     let sigma: Vec<f64> = relaxation.branches.iter().map(|b| b.sigma).collect();
-    for shift in axes(&sigma, &|i, j| relaxation.correlation[i * sigma.len() + j]) {
+    let count = sigma.len();
+    for shift in axes(count, &|i, j| sigma[i] * sigma[j] * relaxation.correlation[i * count + j]) {
         let mut other = relaxation.clone();
         other.branches.iter_mut().zip(&shift).for_each(|(branch, by)| branch.strength *= by.exp());
         all.push(other.silicone(model, identified)?);
@@ -34,11 +35,8 @@ pub(super) fn of_silicone(
 }
 
 /// Principal axes of a covariance, each as long as its standard deviation.
-fn axes(sigma: &[f64], correlation: &dyn Fn(usize, usize) -> f64) -> Vec<Vec<f64>> {
-    let count = sigma.len();
-    let covariance =
-        DMatrix::from_fn(count, count, |i, j| sigma[i] * sigma[j] * if i == j { 1.0 } else { correlation(i, j) });
-    let split = SymmetricEigen::new(covariance);
+fn axes(count: usize, covariance: &dyn Fn(usize, usize) -> f64) -> Vec<Vec<f64>> {
+    let split = SymmetricEigen::new(DMatrix::from_fn(count, count, covariance));
     let axis =
         |k: usize| split.eigenvectors.column(k).iter().map(|v| v * split.eigenvalues[k].max(0.0).sqrt()).collect();
     (0..count).map(axis).collect()
@@ -50,7 +48,7 @@ mod tests {
 
     #[test]
     fn the_axes_of_a_covariance_give_it_back() {
-        let axes = axes(&[0.1, 0.3], &|_, _| -0.8);
+        let axes = axes(2, &|i, j| [[0.01, -0.024], [-0.024, 0.09]][i][j]);
         let of = |i: usize, j: usize| axes.iter().map(|a| a[i] * a[j]).sum::<f64>();
         assert!((of(0, 0) - 0.01).abs() < 1e-12 && (of(1, 1) - 0.09).abs() < 1e-12 && (of(0, 1) + 0.024).abs() < 1e-12);
     }

@@ -2,15 +2,17 @@
 
 use fem::StaticSettings;
 use optimize::optimisers::{self, adam, cma_es};
-use optimize::{Bounds, Evaluation, EvaluationLog, Needs, Problem};
+use optimize::{Bounds, Evaluation, EvaluationLog, Needs, Problem, Residuals};
 use serde::{Deserialize, Serialize};
 use si::{Metre, Pascal, Point2, Second};
 
+use super::mesh;
 use super::plateaus::{held_times, levels};
 use crate::records::{self, EvaluatedPoint, Markers, Mesh, Motion, NoiseModel};
 use crate::selections::IdentificationTrials;
 use crate::subject::Specimen;
 use diagnostics::{Diagnostic, Result};
+use sysid::Discrepancy;
 use sysid::Interrupted;
 use sysid::Misfit;
 use sysid::feasible_lower_bound;
@@ -28,10 +30,20 @@ pub struct Settings {
     pub(super) settled_fraction: f64,
     /// The shortest hold that counts, s.
     pub(super) shortest_hold: Second,
-    /// Standard deviation of the model discrepancy, m, added to the covariance of a measured displacement.
+    /// Standard deviation of the model discrepancy by which a displacement is weighed in the search, m.
     pub(super) discrepancy: Metre,
-    /// Standard deviation of the common scale error of all displacements of a film, no unit.
+    /// Standard deviation of the common scale error of all displacements of a film by which they are weighed, no unit.
     pub(super) scale_sigma: f64,
+    /// The middle of the prior of the discrepancy that the residuals show: standard deviation of a film's common scale, no unit.
+    pub(super) prior_scale_sigma: f64,
+    /// Of the deviation of the shape, over the displacement, no unit.
+    pub(super) prior_shape_sigma: f64,
+    /// Distance over which that deviation is correlated, over the specimen's length.
+    pub(super) prior_correlation_length: f64,
+    /// Logarithm of the ratio of pressures over which it is correlated.
+    pub(super) prior_correlation_log_pressure: f64,
+    /// Target length of an edge of the finer mesh on which the discretisation error is estimated, m.
+    pub(super) fine_edge: Metre,
     /// Standard deviations of the prior of C₂₀/C₁₀ and C₃₀/C₁₀ about the card's, where the softest solid's law stiffens; no unit.
     pub(super) stiffening_sigma: [f64; 2],
     /// Specimens on which every method is run for comparison; on the others Gauss-Newton alone.
@@ -64,16 +76,29 @@ pub struct Settings {
     pub(super) landscape_points: usize,
 }
 
+impl Settings {
+    /// The discrepancy before it is estimated, of a specimen of this length.
+    fn prior(&self, length: Metre) -> Discrepancy {
+        Discrepancy {
+            scale_sigma: self.prior_scale_sigma,
+            shape_sigma: self.prior_shape_sigma,
+            correlation_length_m: self.prior_correlation_length * length,
+            correlation_log_pressure: self.prior_correlation_log_pressure,
+        }
+    }
+}
+
 /// What it reads of the card.
 #[derive(Debug, Serialize)]
 pub struct Card {
     pub(super) name: String,
+    pub(super) mesh: mesh::Card,
     pub(super) body: Body,
 }
 
 impl Part<Specimen> for Card {
     fn part_of(of: &Specimen) -> Self {
-        Self { name: of.card.name.clone(), body: Body::of(&of.card) }
+        Self { name: of.card.name.clone(), mesh: Part::part_of(of), body: Body::of(&of.card) }
     }
 }
 
@@ -177,6 +202,11 @@ impl<'a> Fitting<'a> {
             self.search = Problem::new(&names, bounds.clamp(&found.at[..names.len()]), bounds.clone())?;
         }
         Ok(Self { stiffened: Some(found), ..self })
+    }
+
+    /// The discrepancy that the residuals of a search show.
+    pub(super) fn estimated(&self, (residuals, parameters): (&Residuals, usize)) -> Result<Discrepancy> {
+        Discrepancy::estimated(&self.levels, residuals, parameters, &self.set.prior(self.body.length))
     }
 
     pub(super) fn elastic(&self, at: &[f64]) -> Elastic {

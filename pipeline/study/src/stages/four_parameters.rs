@@ -159,6 +159,6 @@ fn uncertainty(best: &Evaluation) -> Result<Uncertainty> {
         correlation: (0..16).map(|k| posterior.correlation(k / 4, k % 4)).collect(),
         chi_square: residuals.reduced_chi_square(4),
         words: posterior.summary(&NAMES),
-        advice: Vec::new(),
+        ..Uncertainty::default()
     })
 }

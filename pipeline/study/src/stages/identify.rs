@@ -1,15 +1,19 @@
 //! Identify: the Young's moduli that minimise the misfit to quasi-static films. Paper: section V.
 //!
 //! The parameters are the logarithms of the solids' moduli over the card's nominal values. The result is that of the Gauss-Newton method; on
-//! specimens chosen for comparison, every other method of `optimize` is run over the same bounds.
+//! specimens chosen for comparison, every other method of `optimize` is run over the same bounds. The discrepancy between model and films is
+//! estimated from the residuals of that result, and the error of the mesh on a finer one; both are in the uncertainty.
 
 use optimize::optimisers::{self, gauss_newton, grid};
 
 use super::assemble::Searches;
+use super::discretisation::finer;
 use super::fitting::{Card, Films, Fitting, Settings};
+use super::mesh;
 use crate::records::{Identified, Mesh};
+use crate::subject::Specimen;
 use diagnostics::{Diagnostic, Result};
-use workflow::stage::{Stage, StageContext};
+use workflow::stage::{RawFile, Stage, StageContext};
 
 /// The stage.
 pub struct Identify;
@@ -20,7 +24,11 @@ impl Stage for Identify {
     type Needs = (Mesh, Films);
     type Makes = Identified;
     const DESCRIPTION: &'static str = "Young's moduli are identified from quasi-static motion";
-    const VERSION: u32 = 12;
+    const VERSION: u32 = 13;
+
+    fn raw(of: &Specimen) -> Vec<RawFile> {
+        mesh::Mesh::raw(of)
+    }
 
     fn run(
         card: &Self::Card,
@@ -49,7 +57,8 @@ impl Stage for Identify {
                 "restore it",
             ));
         };
+        let finer = finer(card, set, (&mesh, &films), context);
         let gradient_difference = fitting.compared.then(|| fitting.gradient_difference()).transpose()?;
-        fitting.assemble(Searches { best, grid, records }, gradient_difference, context)
+        fitting.assemble(Searches { best, grid, records, finer }, gradient_difference, context)
     }
 }

@@ -44,6 +44,13 @@ pub struct Card {
     sided: bool,
 }
 
+impl Card {
+    /// Whether the body is given by surfaces, which can be meshed anew.
+    pub(super) fn has_surfaces(&self) -> bool {
+        !self.meshed
+    }
+}
+
 /// A named point of the card, m.
 #[derive(Debug, Clone, Serialize)]
 struct Point {

@@ -63,11 +63,14 @@ fn model(motion: &Motion, markers: &Markers, hold: Range<usize>, settled: f64) -
     let pressure = |measured: &[Pascal]| samples.iter().zip(&of_samples).map(|(&i, w)| w * measured[i]).sum();
     let place = |m: &Path| [0, 1].map(|k| frames.clone().zip(&of_frames).map(|(i, w)| w * m.at[i][k]).sum());
     let measured: Vec<Point2> = motion.markers.iter().map(place).collect();
-    let spread = markers.parts.iter().map(|parts| spread(parts, frames.start, &of_frames)).collect();
+    let spreads = markers.parts.iter().map(|parts| spread(parts, frames.start, &of_frames));
+    let (covariance, shared) = spreads.unzip();
     Some(PressureLevel {
         pressures: motion.gauges.iter().map(|g| pressure(&g.measured)).collect(),
         measured,
-        covariance: spread,
+        covariance,
+        shared,
+        rest: motion.rest.clone(),
     })
 }
 
@@ -78,12 +81,13 @@ fn hann(count: usize) -> Vec<f64> {
     (0..count).map(|k| weight(k) / sum).collect()
 }
 
-/// Covariance of the weighted mean over the frames from `first` on: noise is averaged, errors shared by a film are not.
-fn spread(parts: &CovarianceParts, first: usize, weights: &[f64]) -> Covariance2 {
+/// Covariance of the weighted mean over the frames from `first` on, and its part that a film shares: noise is averaged, that part is not.
+fn spread(parts: &CovarianceParts, first: usize, weights: &[f64]) -> (Covariance2, Covariance2) {
     let sum = |of: &[Covariance2], k: usize, power: i32| {
         of[first..].iter().zip(weights).map(|(s, w)| w.powi(power) * s[k]).sum::<f64>()
     };
-    [0, 1, 2].map(|k| sum(&parts.noise, k, 2) + sum(&parts.shared, k, 1))
+    let shared = [0, 1, 2].map(|k| sum(&parts.shared, k, 1));
+    ([0, 1, 2].map(|k| sum(&parts.noise, k, 2) + shared[k]), shared)
 }
 
 #[cfg(test)]
