@@ -87,6 +87,9 @@ pub trait StageContext: Sync {
     /// Seconds since the stage began.
     fn seconds(&self) -> f64;
 
+    /// Processor time of this thread, s, whatever else the machine does: for what runs on one core.
+    fn thread_seconds(&self) -> f64;
+
     /// Reports progress: a fraction from 0 to 1, and the current step.
     fn progress(&self, fraction: f64, step: &str);
 }

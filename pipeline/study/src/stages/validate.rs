@@ -134,9 +134,9 @@ impl Stage for Validate {
         let (rows, half) = (reduced_body.rows(&stations), model.system.mesh().symmetry_plane_z);
         let around = |(drag, tail): (&Drag, _)| Surroundings { tail, rows: &rows, by: drag.by, half };
         let water = drag.as_ref().zip(tail.as_ref()).map(around);
-        let began = context.seconds();
+        let began = context.thread_seconds();
         let twin = real_time::path((&reduced_body, water.as_ref()), marker, set.step, &actuation)?;
-        let real_time_factor = twin.map(|_| (ends.1 - ends.0) / (context.seconds() - began));
+        let real_time_factor = twin.map(|_| (ends.1 - ends.0) / (context.thread_seconds() - began));
         let simulated = paths.swap_remove(0);
         let pressures: Vec<Vec<f64>> = seen.gauges.iter().map(|g| g.onto(&seen.time)).collect();
         let quasi_static = QuasiStatic { pressures: &pressures, identified: &identified, marker };

@@ -52,6 +52,10 @@ impl StageContext for RunContext<'_> {
         self.began.elapsed().as_secs_f64()
     }
 
+    fn thread_seconds(&self) -> f64 {
+        super::usage::thread_seconds().unwrap_or_else(|| self.seconds())
+    }
+
     fn progress(&self, fraction: f64, step: &str) {
         self.line.progress(fraction, step);
     }

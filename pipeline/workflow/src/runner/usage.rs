@@ -13,6 +13,13 @@ const TICKS: f64 = 100.0;
 /// What resets the peak when it is written to `/proc/self/clear_refs` (proc(5)).
 const RESET_PEAK: &str = "5";
 
+/// Processor time of the calling thread, s; none where Linux does not say.
+pub(super) fn thread_seconds() -> Option<f64> {
+    let text = fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    let nanoseconds: f64 = text.split_whitespace().next()?.parse().ok()?;
+    Some(1e-9 * nanoseconds)
+}
+
 /// When a record was made, and what that used.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Usage {
@@ -82,6 +89,15 @@ fn peak(status: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_thread_that_works_uses_processor_time_and_one_that_sleeps_does_not() {
+        let (Some(begun), clock) = (thread_seconds(), std::time::Instant::now()) else { return };
+        std::thread::sleep(std::time::Duration::from_millis(60));
+        let slept = thread_seconds().unwrap();
+        while clock.elapsed().as_millis() < 400 && thread_seconds().unwrap() < slept + 0.02 {}
+        assert!(slept - begun < 0.05 && thread_seconds().unwrap() > slept, "{begun} {slept}");
+    }
 
     #[test]
     fn time_and_peak_are_read_from_what_the_system_prints() {
