@@ -17,6 +17,20 @@ const CLEARLY: f64 = 2.0;
 const FEWEST_VOTES: usize = 10;
 /// And how many there must be for each against.
 const MAJORITY: usize = 3;
+/// A signal that moves all the time, such as the force of a flapping tail on a fixture that rings, has no quiet samples to compare with.
+/// There the even clock is right where more than this share of the samples fits it better than the stamps, by so many deviations of
+/// a fair coin.
+const SHARE: f64 = 0.6;
+/// The share of samples at which such a signal moves; a lamp that lights a few times gives no smooth curve to judge by.
+const MOVING: f64 = 0.5;
+const DEVIATIONS: f64 = 2.0;
+/// Residuals that differ by less, relative to the column's range, differ by rounding: of a level that is held.
+const ROUNDING: f64 = 1e-9;
+/// Samples on either side through which the polynomial goes that a sample should fit: with one, the curvature of a ringing at a fifth of
+/// the rate hides errors of time, with three it does not.
+const BESIDE: usize = 3;
+/// The share of such residuals that are independent: those of seven samples in a row share samples.
+const INDEPENDENT: f64 = 0.3;
 /// Samples over which the lateness of stamps is averaged, and the largest departure of such a mean from the clock, in steps: a
 /// sample that was lost shifts the stamps behind it by a whole step.
 const BLOCK: usize = 200;
@@ -43,7 +57,10 @@ pub(super) fn taken_evenly(rows: &[Vec<f64>], form: &LogFormat, stamps: &Stamps)
     let measured = (1..form.columns.len()).filter(|&k| !form.columns[k].held);
     let votes: Vec<Votes> = measured.map(|k| votes(rows, k)).collect();
     let [even, stamped] = [0, 1].map(|side| votes.iter().map(|v| v[side]).sum::<usize>());
-    let decided = even >= FEWEST_VOTES && even > MAJORITY * stamped;
+    let wins = |these: usize, others: usize| these >= FEWEST_VOTES && these > MAJORITY * others;
+    let decided = wins(even, stamped)
+        || !wins(stamped, even)
+            && (1..form.columns.len()).filter(|&k| !form.columns[k].held).any(|k| fits_better(rows, k, clock));
     (decided && !loses_samples(stamps.times, clock)).then_some(clock)
 }
 
@@ -73,6 +90,43 @@ fn votes(rows: &[Vec<f64>], k: usize) -> Votes {
     let limit = ABOVE_NOISE * sizes.get(sizes.len() / 2).copied().unwrap_or_default();
     let clear = |side: usize| move |r: &&[f64; 2]| r[0].max(r[1]) > limit && CLEARLY * r[side] < r[1 - side];
     [0, 1].map(|side| residuals.iter().filter(clear(side)).count())
+}
+
+/// Whether more samples of a column fit the polynomial through their neighbours on the even clock than on that of the stamps: a sign test.
+fn fits_better(rows: &[Vec<f64>], k: usize, clock: EvenClock) -> bool {
+    let near = |i: usize| i - BESIDE..=i + BESIDE;
+    let of = |i: usize| {
+        let values: Vec<f64> = near(i).map(|j| rows[j][k]).collect();
+        let evenly: Vec<Second> = near(i).map(|j| clock.time(j)).collect();
+        let stamped: Vec<Second> = near(i).map(|j| rows[j][0]).collect();
+        [misfit(&evenly, &values), misfit(&stamped, &values)]
+    };
+    let inside = BESIDE..rows.len().saturating_sub(BESIDE).max(BESIDE);
+    let (mut even, mut decided, all) = (0.0, 0.0, inside.len() as f64);
+    let column = || rows.iter().map(|row| row[k]);
+    let range = column().fold(f64::MIN, f64::max) - column().fold(f64::MAX, f64::min);
+    for [evenly, stamped] in inside.map(of).filter(|[a, b]| (a - b).abs() > ROUNDING * range) {
+        decided += 1.0;
+        even += f64::from(u8::from(evenly < stamped));
+    }
+    decided > MOVING * all
+        && even > SHARE * decided
+        && even - 0.5 * decided > DEVIATIONS * (0.25 * decided / INDEPENDENT).sqrt()
+}
+
+/// Distance of the middle value from the polynomial through the others (Lagrange's), over what independent noise of one unit would make it.
+fn misfit(times: &[Second], values: &[f64]) -> f64 {
+    let middle = times.len() / 2;
+    let others = || (0..times.len()).filter(|&i| i != middle);
+    let weight = |a: usize| -> f64 {
+        others().filter(|&b| b != a).map(|b| (times[middle] - times[b]) / (times[a] - times[b])).product()
+    };
+    let (mut off, mut square) = (values[middle], 1.0);
+    for (a, weight) in others().map(|a| (a, weight(a))) {
+        off -= weight * values[a];
+        square += weight * weight;
+    }
+    off.abs() / square.sqrt()
 }
 
 /// Whether the stamps leave the clock for longer than lateness explains.
@@ -129,6 +183,22 @@ mod tests {
     fn samples_that_were_taken_when_they_were_stamped_stay_there() {
         let late = |i: usize| 2e-3 * (1.0 + uneven(i));
         assert_eq!(clock(&log(late, late)), None);
+    }
+
+    /// A force that swings three times a second on a fixture that rings at 15 Hz, with noise, at 80 Hz.
+    fn swinging(taken: impl Fn(usize) -> f64, stamped: impl Fn(usize) -> f64) -> Vec<Vec<f64>> {
+        let sine = |t: f64, frequency: f64| (std::f64::consts::TAU * frequency * t).sin();
+        let force = |t: f64| 0.2 * sine(t, 3.0) + 0.1 * sine(t, 15.0);
+        let time = |i: usize| 0.0125 * i as f64;
+        let row = |i: usize| vec![time(i) + stamped(i), force(time(i) + taken(i)) + 0.002 * uneven(7 * i + 3)];
+        (0..400).map(row).collect()
+    }
+
+    #[test]
+    fn a_signal_that_moves_all_the_time_decides_by_the_number_of_samples() {
+        let late = |i: usize| 4e-3 * (1.0 + uneven(i));
+        assert!(clock(&swinging(|_| 0.0, late)).is_some());
+        assert_eq!(clock(&swinging(late, late)), None);
     }
 
     #[test]

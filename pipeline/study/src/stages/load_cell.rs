@@ -61,7 +61,7 @@ impl Stage for LoadCell {
     type Needs = ();
     type Makes = records::LoadCell;
     const DESCRIPTION: &'static str = "hammer taps give the transfer function of the load cell's fixture";
-    const VERSION: u32 = 6;
+    const VERSION: u32 = 7;
 
     fn raw(of: &Specimen) -> Vec<RawFile> {
         let name = &of.card.name;

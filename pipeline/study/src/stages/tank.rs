@@ -56,7 +56,7 @@ impl Stage for Tank {
     type Needs = ();
     type Makes = records::Tank;
     const DESCRIPTION: &'static str = "the tank's standing waves are identified in water at rest";
-    const VERSION: u32 = 4;
+    const VERSION: u32 = 5;
 
     fn raw(of: &Specimen) -> Vec<RawFile> {
         let still = of.card.fixture.iter().filter(|f| is_still_water(f));

@@ -61,7 +61,7 @@ impl Stage for Wave {
     type Needs = (Maybe<Tank>, Motion);
     type Makes = CorrectedForce;
     const DESCRIPTION: &'static str = "the tank's waves and the drift of zero are removed from the force";
-    const VERSION: u32 = 4;
+    const VERSION: u32 = 5;
 
     fn raw(of: &Trial) -> Vec<RawFile> {
         of.trial.force.iter().map(|file| RawFile::new("force", &of.card.name, file)).collect()
