@@ -21,9 +21,9 @@ const MAJORITY: usize = 3;
 /// There the even clock is right where more than this share of the samples fits it better than the stamps, by so many deviations of
 /// a fair coin.
 const SHARE: f64 = 0.6;
+const DEVIATIONS: f64 = 2.0;
 /// The share of samples at which such a signal moves; a lamp that lights a few times gives no smooth curve to judge by.
 const MOVING: f64 = 0.5;
-const DEVIATIONS: f64 = 2.0;
 /// Residuals that differ by less, relative to the column's range, differ by rounding: of a level that is held.
 const ROUNDING: f64 = 1e-9;
 /// Samples on either side through which the polynomial goes that a sample should fit: with one, the curvature of a ringing at a fifth of
@@ -54,13 +54,11 @@ impl EvenClock {
 /// nothing in the log decides.
 pub(super) fn taken_evenly(rows: &[Vec<f64>], form: &LogFormat, stamps: &Stamps) -> Option<EvenClock> {
     let clock = line(stamps.times);
-    let measured = (1..form.columns.len()).filter(|&k| !form.columns[k].held);
-    let votes: Vec<Votes> = measured.map(|k| votes(rows, k)).collect();
+    let measured = || (1..form.columns.len()).filter(|&k| !form.columns[k].held);
+    let votes: Vec<Votes> = measured().map(|k| votes(rows, k)).collect();
     let [even, stamped] = [0, 1].map(|side| votes.iter().map(|v| v[side]).sum::<usize>());
     let wins = |these: usize, others: usize| these >= FEWEST_VOTES && these > MAJORITY * others;
-    let decided = wins(even, stamped)
-        || !wins(stamped, even)
-            && (1..form.columns.len()).filter(|&k| !form.columns[k].held).any(|k| fits_better(rows, k, clock));
+    let decided = wins(even, stamped) || !wins(stamped, even) && measured().any(|k| fits_better(rows, k, clock));
     (decided && !loses_samples(stamps.times, clock)).then_some(clock)
 }
 

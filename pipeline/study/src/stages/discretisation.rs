@@ -6,13 +6,11 @@ use si::Point2;
 
 use super::fitting::{Card, Films, Fitting, Settings, mean_rest};
 use super::mesh;
+use super::mesh_sensitivity::MARKER_LIMIT;
 use crate::records::Mesh;
 use sysid::discretisation::{error, shift};
 use sysid::{Elastic, Model};
 use workflow::stage::StageContext;
-
-/// Largest distance of a mesh's skin from a marker, m.
-const MARKER_LIMIT: f64 = 3e-3;
 
 /// The model on a mesh with edges of `[identify] fine_edge`; or why there is none.
 // A study needs no such mesh to go on: its absence is a sentence beside the moduli, not an end.

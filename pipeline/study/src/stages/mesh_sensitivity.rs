@@ -88,8 +88,8 @@ impl Stage for MeshSensitivity {
     }
 }
 
-/// Largest distance of a coarse mesh's skin from a marker, m.
-const MARKER_LIMIT: Metre = 3e-3;
+/// Largest distance of another mesh's skin from a marker, m: a coarse one lies farther off than the study's own.
+pub(super) const MARKER_LIMIT: Metre = 3e-3;
 
 fn model(body: &Body, mesh: &Mesh, nodes: usize, found: &Identified) -> Result<Model> {
     let whole = Solid::Quadratic(mesh.solid.clone());
