@@ -122,7 +122,7 @@ impl<'a> Pass<'a> {
         for ((solid, acting), now) in self.solids.iter_mut().zip(acting).zip(branches) {
             solid.add_tangent(q, acting, now, (&mut stiffness, &mut later));
         }
-        add_triangle(&stiffness, &mut tangent);
+        add_triangle(stiffness.iter().map(|lanes| lanes.sum()), &mut tangent);
         add_reduced(&later, loss);
         let mut work = PressureWork::none(q.len());
         work.set(&twin.chambers, &part.pressures);

@@ -2,9 +2,12 @@
 //!
 //! F = I + G q, f = Σ w Gᵀ P, K = Σ w Gᵀ (∂P/∂F) G.
 
+use wide::f32x8;
+
 use crate::data::Region;
 use crate::lanes::{Blocks, LANES, Lanes, each, gather, scatter, splat};
 use crate::law::{Constants, Deformed, NOTHING, Symmetric, Tensor};
+use crate::single_precision::SingleGradients;
 
 /// A solid laid out for vectors.
 #[derive(Debug, Clone)]
@@ -15,6 +18,7 @@ pub struct Solid {
     pub branches: Vec<[f64; 2]>,
     pub(crate) weights: Vec<Lanes>,
     pub(crate) gradients: Blocks<9>,
+    single: SingleGradients,
 }
 
 /// Stresses at a solid's points that a residual leaves, by block.
@@ -40,9 +44,10 @@ impl Solid {
         let count = region.weights.len();
         let gradients = Blocks::new(count, r, |point, m, k| region.gradients[(point * r + m) * 9 + k]);
         let weight = |point: usize| region.weights.get(point).copied().unwrap_or(0.0);
-        let weights = (0..gradients.count()).map(|block| each(|i| weight(LANES * block + i))).collect();
+        let weights: Vec<Lanes> = (0..gradients.count()).map(|block| each(|i| weight(LANES * block + i))).collect();
+        let single = SingleGradients::new(&gradients, &weights);
         let Region { mu, lambda, stiffening, ref branches, .. } = *region;
-        Self { mu, lambda, stiffening, branches: branches.clone(), weights, gradients }
+        Self { mu, lambda, stiffening, branches: branches.clone(), weights, gradients, single }
     }
 
     pub fn blocks(&self) -> usize {
@@ -58,6 +63,8 @@ impl Solid {
     // They are kept from the last residual: reading the gradients once more after a step would cost a third of a residual, and the
     // state moves by less than the tolerance in between.
     pub fn add_forces(&self, q: &[f64], acting: &Acting, (forces, left): (&mut [Lanes], &mut Stresses)) {
+        left.law.reserve(self.blocks());
+        left.relaxing.reserve(self.blocks());
         for (block, weight) in self.weights.iter().enumerate() {
             let gradients = self.gradients.block(block);
             let here = Deformed::new(&gather(gradients, q), &acting.constants);
@@ -69,15 +76,15 @@ impl Solid {
     }
 
     /// Adds the upper triangle of K (J) at q, row after row, its geometric part with the stresses of the law `before` the step.
-    pub fn add_stiffness(&self, q: &[f64], (acting, before): (&Acting, &[Symmetric]), stiffness: &mut [Lanes]) {
-        for (block, weight) in self.weights.iter().enumerate() {
+    pub fn add_stiffness(&self, q: &[f64], (acting, before): (&Acting, &[Symmetric]), stiffness: &mut [f32x8]) {
+        for block in 0..self.blocks() {
             let gradients = self.gradients.block(block);
             let here = Deformed::new(&gather(gradients, q), &acting.constants);
             let now = here.second_stress(&acting.constants, &here.relaxing());
             let held = acting.held.get(block).copied().unwrap_or(NOTHING);
             let before = before.get(block).copied().unwrap_or(now);
             let geometric: Symmetric = std::array::from_fn(|k| held[k] + before[k] - now[k]);
-            add_tangent(&here, (&acting.constants, &geometric), (gradients, *weight), stiffness);
+            self.single.add_tangent(block, &here, (&acting.constants, &geometric), stiffness);
         }
     }
 }
@@ -104,12 +111,11 @@ pub fn triangle(r: usize) -> Vec<Lanes> {
     vec![splat(0.0); r * (r + 1) / 2]
 }
 
-/// Adds a triangle, row after row, to a symmetric matrix.
-pub(crate) fn add_triangle(triangle: &[Lanes], matrix: &mut [f64]) {
+/// Adds an upper triangle, row after row, to a symmetric matrix.
+pub(crate) fn add_triangle(triangle: impl Iterator<Item = f64>, matrix: &mut [f64]) {
     let r = matrix.len().isqrt();
     let pairs = (0..r).flat_map(|m| (m..r).map(move |n| (m, n)));
-    for ((m, n), lanes) in pairs.zip(triangle) {
-        let sum = lanes.sum();
+    for ((m, n), sum) in pairs.zip(triangle) {
         matrix[m * r + n] += sum;
         if m != n {
             matrix[n * r + m] += sum;

@@ -137,6 +137,11 @@ impl Deformed {
         })
     }
 
+    /// μ̂, 4 s″ and μ̂ − λ ln J, Pa: the factors of [`Deformed::stress_change`].
+    pub(crate) fn factors(&self, by: &Constants) -> [Lanes; 3] {
+        [self.secant, self.curvature, self.secant - splat(by.lambda) * self.ln_volume]
+    }
+
     /// S = F⁻¹ P = μ̂ R + λ ln J (I − R) of the law alone, Pa, from R = I − C⁻¹.
     #[inline(always)]
     pub(crate) fn second_stress(&self, by: &Constants, relaxing: &Symmetric) -> Symmetric {

@@ -41,6 +41,7 @@ mod lanes;
 mod law;
 pub mod package;
 mod recording;
+mod single_precision;
 mod solid_adjoint;
 mod state;
 mod step;

@@ -17,6 +17,7 @@ const SOURCES: &[(&str, &str)] = &[
     ("src/law.rs", include_str!("law.rs")),
     ("src/lib.rs", include_str!("lib.rs")),
     ("src/recording.rs", include_str!("recording.rs")),
+    ("src/single_precision.rs", include_str!("single_precision.rs")),
     ("src/solid_adjoint.rs", include_str!("solid_adjoint.rs")),
     ("src/state.rs", include_str!("state.rs")),
     ("src/step.rs", include_str!("step.rs")),

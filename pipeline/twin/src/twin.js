@@ -18,7 +18,7 @@ function Twin(buffer) {
     ["linear", "quadratic", "cubic"].map((part) => array(`chamber${i}.${part}`)));
   const [slope, value, by] = ["slope", "value", "by"].map((part) => array(`sections.${part}`));
   const rows = array("outputs"), names = header.__metadata__.outputs.split(",");
-  const MAX_ITERATIONS = 30, REFRESH_ABOVE = 0.3, TOLERANCE = 1e-6, SLOW = 360, LEAST = 1e-11, HALVINGS = 6, KEPT = 5, NEARER = 0.005;
+  const MAX_ITERATIONS = 30, REFRESH_ABOVE = 0.1, TOLERANCE = 1e-6, SLOW = 360, LEAST = 1e-11, HALVINGS = 6, KEPT = 5, NEARER = 0.005;
   const zeros = (n) => new Float64Array(n);
   const add = (sum, factor, term) => { for (let i = 0; i < sum.length; i++) sum[i] += factor * term[i]; };
   const largest = (x) => { let most = 0; for (const v of x) most = Number.isNaN(v) ? NaN : Math.max(most, Math.abs(v)); return most; };
