@@ -50,7 +50,7 @@ real: build
 
 # whether stated intervals are honest: specimens drawn at random, recorded and identified in a profile of their own (three minutes of one
 # core each), and the share of the true values inside; the table and the figure are those of the paper
-calibration COUNT="20" SEED="1": build
+calibration COUNT="24" SEED="25": build
     {{programs}}/rig draw {{COUNT}} --seed {{SEED}}
     {{programs}}/study run --profile population calibration coverage
     {{programs}}/study check --profile population
