@@ -5,8 +5,8 @@
 use wide::f32x8;
 
 use crate::data::Region;
-use crate::lanes::{Blocks, LANES, Lanes, each, gather, scatter, splat};
-use crate::law::{Constants, Deformed, NOTHING, Symmetric, Tensor};
+use crate::lanes::{Blocks, LANES, Lanes, each, gather, scatter};
+use crate::law::{Constants, Deformed, NOTHING, Symmetric};
 use crate::single_precision::SingleGradients;
 
 /// A solid laid out for vectors.
@@ -18,7 +18,7 @@ pub struct Solid {
     pub branches: Vec<[f64; 2]>,
     pub(crate) weights: Vec<Lanes>,
     pub(crate) gradients: Blocks<9>,
-    single: SingleGradients,
+    pub(crate) single: SingleGradients,
 }
 
 /// Stresses at a solid's points that a residual leaves, by block.
@@ -87,28 +87,6 @@ impl Solid {
             self.single.add_tangent(block, &here, (&acting.constants, &geometric), stiffness);
         }
     }
-}
-
-/// Adds the upper triangle of one block's K, with the stress `held` in its geometric part.
-#[inline(always)]
-pub(crate) fn add_tangent(
-    here: &Deformed,
-    (constants, held): (&Constants, &Symmetric),
-    (gradients, weight): (&[Tensor], Lanes),
-    stiffness: &mut [Lanes],
-) {
-    let mut rest = stiffness;
-    for (m, change) in gradients.iter().enumerate() {
-        let image = here.stress_change(constants, held, change).map(|entry| entry * weight);
-        let (row, after) = rest.split_at_mut(gradients.len() - m);
-        scatter(&gradients[m..], &image, row);
-        rest = after;
-    }
-}
-
-/// Zeros for a triangle of `r` rows.
-pub fn triangle(r: usize) -> Vec<Lanes> {
-    vec![splat(0.0); r * (r + 1) / 2]
 }
 
 /// Adds an upper triangle, row after row, to a symmetric matrix.

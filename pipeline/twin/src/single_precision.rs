@@ -1,6 +1,6 @@
-//! The stiffness of a solid in single precision, for the quasi-Newton method of a step.
+//! The stiffness of a solid in single precision, for the quasi-Newton method of a step and for its adjoint.
 //!
-//! A step's residual is exact, and its tangent only says where to look next: rounded to single precision it takes as many iterations, and half
+//! A step's residual is exact, so is that of its adjoint, and the tangent only says where to look next: rounded to single precision it takes as many iterations, and half
 //! as many bytes go through twice as wide registers. The derivative ∂P/∂F is made once for eight points, 9 × 9, and multiplied by each
 //! coordinate's ∂F/∂q: fewer products than the law's derivative along each of them.
 
@@ -108,27 +108,28 @@ pub(crate) fn sums(of: &[f32x8]) -> impl Iterator<Item = f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::elastic::add_tangent;
-    use crate::lanes::{LANES, each, splat};
+    use crate::lanes::{LANES, each, gather, splat};
     use crate::law::Tensor as Double;
 
     #[test]
     fn the_stiffness_is_that_of_double_precision_rounded() {
         let wave = |by: f64, k: usize| each(|i| (by + 1.3 * k as f64 + 0.7 * i as f64).sin());
-        let gradients =
-            Blocks::new(LANES, 4, |point, m, k| (1.0 + point as f64 + 2.1 * m as f64 + 0.3 * k as f64).sin());
+        let of = |point: usize, m: usize, k: usize| (1.0 + point as f64 + 2.1 * m as f64 + 0.3 * k as f64).sin();
+        let gradients = Blocks::new(LANES, 4, of);
         let constants = Constants { mu: 7e4, lambda: 9e5, stiffening: [-1e3, 400.0] };
         let change: Double = std::array::from_fn(|k| splat(0.1) * wave(0.0, k));
         let here = Deformed::new(&change, &constants);
         let held: Symmetric = std::array::from_fn(|k| splat(2e4) * wave(5.0, k));
-        let weight = splat(2e-6);
-        let mut exact = crate::elastic::triangle(4);
-        add_tangent(&here, (&constants, &held), (gradients.block(0), weight), &mut exact);
         let mut found = triangle(4);
-        SingleGradients::new(&gradients, &[weight]).add_tangent(0, &here, (&constants, &held), &mut found);
-        let most = exact.iter().fold(0.0, |most: f64, lanes| most.max(lanes.sum().abs()));
+        let single = SingleGradients::new(&gradients, &[splat(2e-6)]);
+        single.add_tangent(0, &here, (&constants, &held), &mut found);
+        let unit = |m: usize| gather(gradients.block(0), &[0, 1, 2, 3].map(|n| f64::from(u8::from(m == n))));
+        let product = |a: &Double, b: &Double| (0..9).map(|k| (a[k] * b[k]).sum()).sum::<f64>();
+        let exact = |(m, n)| 2e-6 * product(&unit(n), &here.stress_change(&constants, &held, &unit(m)));
+        let exact: Vec<f64> = (0..4).flat_map(|m| (m..4).map(move |n| (m, n))).map(exact).collect();
+        let most = exact.iter().fold(0.0, |most: f64, entry| most.max(entry.abs()));
         for (found, exact) in sums(&found).zip(&exact) {
-            assert!((found - exact.sum()).abs() < 1e-6 * most, "{found} {}", exact.sum());
+            assert!((found - exact).abs() < 1e-6 * most, "{found} {exact}");
         }
     }
 }

@@ -4,9 +4,11 @@
 //! the total derivative of the loss by Qₙ is Yₙ = μ Xₙ + dₙ₊₁ Yₙ₊₁: one tensor a branch, which needs no history. The derivative by dₙ, which
 //! is Yₙ : Qₙ₋₁, needs none either: Σ Yₙ d′ₙ : Qₙ₋₁ = Σ Tₙ : aₙ (Sₙ − Sₙ₋₁) with Tₙ = d′ₙ₊₁ Yₙ₊₁ + dₙ₊₁ Tₙ₊₁.
 
-use crate::elastic::{Acting, Solid, add_tangent};
+use crate::elastic::{Acting, Solid};
 use crate::gradient::RegionGradient;
 use crate::history::{FactorSlopes, Factors, add};
+use wide::f32x8;
+
 use crate::lanes::{Lanes, gather, scatter, splat};
 use crate::law::{Deformed, NOTHING, Symmetric, Tensor, at, invariant, nine};
 
@@ -30,8 +32,7 @@ pub(crate) struct BranchStep {
 
 /// A block of points at one step.
 struct Point {
-    gradient: Tensor,
-    ln_volume: Lanes,
+    here: Deformed,
     /// S = I − C⁻¹.
     stress: Symmetric,
 }
@@ -69,17 +70,16 @@ impl<'a> SolidAdjoint<'a> {
         Acting { constants: self.solid.constants(now.iter().map(|by| by.factors.gain).sum()), held }
     }
 
-    /// Adds the upper triangle of K (J) at q, and to `loss` what later steps depend on q by through the histories.
+    /// Adds the upper triangle of K (J) at q in single precision, and to `loss` what later steps depend on q by through the histories.
     pub(crate) fn add_tangent(
         &mut self,
         q: &[f64],
         acting: &Acting,
         now: &[BranchStep],
-        sums: (&mut [Lanes], &mut [Lanes]),
+        (stiffness, loss): (&mut [f32x8], &mut [Lanes]),
     ) {
-        let (stiffness, loss) = sums;
         self.points.clear();
-        for (block, weight) in self.solid.weights.iter().enumerate() {
+        for block in 0..self.solid.blocks() {
             let gradients = self.solid.gradients.block(block);
             let here = Deformed::new(&gather(gradients, q), &acting.constants);
             let stress = here.relaxing();
@@ -87,8 +87,18 @@ impl<'a> SolidAdjoint<'a> {
                 scatter(gradients, &pulled(&here, &stress, &self.later(block, now)), loss);
             }
             let held = acting.held.get(block).unwrap_or(&NOTHING);
-            add_tangent(&here, (&acting.constants, held), (gradients, *weight), stiffness);
-            self.points.push(Point { gradient: here.gradient, ln_volume: here.ln_volume, stress });
+            self.solid.single.add_tangent(block, &here, (&acting.constants, held), stiffness);
+            self.points.push(Point { here, stress });
+        }
+    }
+
+    /// Adds K x (J), with the K of the last tangent in double precision.
+    pub(crate) fn add_product(&self, x: &[f64], acting: &Acting, image: &mut [Lanes]) {
+        for (block, (point, weight)) in self.points.iter().zip(&self.solid.weights).enumerate() {
+            let gradients = self.solid.gradients.block(block);
+            let held = acting.held.get(block).unwrap_or(&NOTHING);
+            let change = point.here.stress_change(&acting.constants, held, &gather(gradients, x));
+            scatter(gradients, &change.map(|entry| entry * *weight), image);
         }
     }
 
@@ -108,7 +118,7 @@ impl<'a> SolidAdjoint<'a> {
         let of_mu = 1.0 / self.solid.mu;
         for (block, point) in self.points.iter().enumerate() {
             let weight = self.solid.weights[block];
-            let strain = strain(&point.gradient, &gather(self.solid.gradients.block(block), adjoint), weight);
+            let strain = strain(&point.here.gradient, &gather(self.solid.gradients.block(block), adjoint), weight);
             let held = acting.held.get(block).map_or(Lanes::ZERO, |held| product(held, &strain));
             self.sums.add(point, &strain, [splat(gain), held * splat(of_mu)]);
             let own = &mut self.tensors[block * now.len()..(block + 1) * now.len()];
@@ -135,9 +145,10 @@ impl Sums {
     fn add(&mut self, point: &Point, strain: &Symmetric, [gain, held]: [Lanes; 2]) {
         // (F − G) : δF = S : Fᵀ δF and G : δF = C⁻¹ : Fᵀ δF with C⁻¹ = I − S
         let along = product(&point.stress, strain);
-        let x = invariant(&point.gradient, point.ln_volume);
+        let x = invariant(&point.here.gradient, point.here.ln_volume);
         let volume = strain[0] + strain[1] + strain[2] - along;
-        let by = [gain * along + held, point.ln_volume * volume, splat(4.0) * x * along, splat(6.0) * x * x * along];
+        let by =
+            [gain * along + held, point.here.ln_volume * volume, splat(4.0) * x * along, splat(6.0) * x * x * along];
         self.moduli.iter_mut().zip(by).for_each(|(sum, by)| *sum = *sum + by);
     }
 }
