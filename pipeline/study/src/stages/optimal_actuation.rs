@@ -83,7 +83,7 @@ impl Stage for OptimalActuation {
     type Needs = ((Mesh, Identified, Reduced), Relaxation, (Thrust, Maybe<Drag>, IdentificationTrials<Motion>));
     type Makes = Record;
     const DESCRIPTION: &'static str = "the actuation of greatest mean thrust is optimised";
-    const VERSION: u32 = 9;
+    const VERSION: u32 = 10;
 
     fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<Record> {
         let ((mesh, identified, reduced), relaxation, (thrust, Maybe(water), films)) = needs;

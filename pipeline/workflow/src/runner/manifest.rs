@@ -4,6 +4,7 @@
 
 use std::collections::BTreeMap;
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -39,6 +40,46 @@ pub struct Manifest {
     pub seal: String,
 }
 
+/// The part of a manifest that tells whether a record is up to date: a plan of thirty thousand records holds no more of them.
+#[derive(Debug, Deserialize)]
+pub struct Outline {
+    /// BLAKE3 of the inputs.
+    pub key: String,
+    /// BLAKE3 of all files but the durations.
+    pub content: String,
+    files: BTreeMap<String, String>,
+    seal: String,
+}
+
+/// What is read from a manifest's text.
+pub(crate) trait Sealed: DeserializeOwned {
+    /// BLAKE3 of the text with the seal empty.
+    fn seal(&self) -> &str;
+
+    /// BLAKE3 of each file.
+    fn files(&self) -> &BTreeMap<String, String>;
+}
+
+impl Sealed for Manifest {
+    fn seal(&self) -> &str {
+        &self.seal
+    }
+
+    fn files(&self) -> &BTreeMap<String, String> {
+        &self.files
+    }
+}
+
+impl Sealed for Outline {
+    fn seal(&self) -> &str {
+        &self.seal
+    }
+
+    fn files(&self) -> &BTreeMap<String, String> {
+        &self.files
+    }
+}
+
 /// The field of the seal in a manifest's text, before it is sealed.
 const OPEN: &str = "\"seal\": \"\"";
 
@@ -57,12 +98,44 @@ pub struct MadeFrom {
     pub records: BTreeMap<String, String>,
 }
 
+/// The present inputs of a record: a [`MadeFrom`] that borrows, with the same key.
+#[derive(Debug, Serialize)]
+pub(crate) struct Present<'a> {
+    pub version: u32,
+    pub raw: BTreeMap<&'a str, String>,
+    pub card: &'a Value,
+    pub settings: &'a Value,
+    pub records: BTreeMap<String, &'a str>,
+}
+
 impl MadeFrom {
     /// The record's key.
     pub fn key(&self) -> String {
-        let text = serde_json::to_vec(self).unwrap_or_default();
-        blake3::hash(&text).to_hex().to_string()
+        key(self)
     }
+}
+
+impl Present<'_> {
+    /// The record's key.
+    pub(crate) fn key(&self) -> String {
+        key(self)
+    }
+
+    /// The same by itself.
+    pub(crate) fn made_from(self) -> MadeFrom {
+        MadeFrom {
+            version: self.version,
+            raw: self.raw.into_iter().map(|(place, hash)| (place.to_owned(), hash)).collect(),
+            card: self.card.clone(),
+            settings: self.settings.clone(),
+            records: self.records.into_iter().map(|(id, content)| (id, content.to_owned())).collect(),
+        }
+    }
+}
+
+fn key(of: &impl Serialize) -> String {
+    let text = serde_json::to_vec(of).unwrap_or_default();
+    blake3::hash(&text).to_hex().to_string()
 }
 
 impl Manifest {
@@ -95,20 +168,20 @@ impl Manifest {
         let (before, after) = open.rsplit_once(OPEN).unwrap_or((&open, ""));
         Ok(format!("{before}\"seal\": \"{seal}\"{after}"))
     }
+}
 
-    /// The manifest in a text.
-    ///
-    /// # Errors
-    /// What is wrong with the text: it is no manifest, or not the one that was written.
-    pub(crate) fn parse(text: &str) -> Result<Self, String> {
-        let manifest: Self = serde_json::from_str(text).map_err(|e| format!("its {FILE} is not understood ({e})"))?;
-        let (before, after) = text.rsplit_once(&format!("\"seal\": \"{}\"", manifest.seal)).unwrap_or((text, ""));
-        let mut open = blake3::Hasher::new();
-        open.update(before.as_bytes()).update(OPEN.as_bytes()).update(after.as_bytes());
-        let seal = open.finalize().to_hex();
-        let whole = *manifest.seal == *seal;
-        whole.then_some(manifest).ok_or_else(|| format!("the contents of its {FILE} are not those that were written"))
-    }
+/// The manifest in a text, or a part of it.
+///
+/// # Errors
+/// What is wrong with the text: it is no manifest, or not the one that was written.
+pub(crate) fn parse<M: Sealed>(text: &str) -> Result<M, String> {
+    let manifest: M = serde_json::from_str(text).map_err(|e| format!("its {FILE} is not understood ({e})"))?;
+    let (before, after) = text.rsplit_once(&format!("\"seal\": \"{}\"", manifest.seal())).unwrap_or((text, ""));
+    let mut open = blake3::Hasher::new();
+    open.update(before.as_bytes()).update(OPEN.as_bytes()).update(after.as_bytes());
+    let seal = open.finalize().to_hex();
+    let whole = *manifest.seal() == *seal;
+    whole.then_some(manifest).ok_or_else(|| format!("the contents of its {FILE} are not those that were written"))
 }
 
 #[cfg(test)]
@@ -135,12 +208,24 @@ mod tests {
     fn an_altered_metric_is_found_and_an_untouched_manifest_is_read() {
         let manifest = manifest();
         let text = manifest.to_text().unwrap();
-        assert_eq!(Manifest::parse(&text).unwrap().content, manifest.content);
+        assert_eq!(parse::<Manifest>(&text).unwrap().content, manifest.content);
+        let outline = parse::<Outline>(&text).unwrap();
+        assert_eq!((outline.key, outline.content, outline.files), (manifest.key, manifest.content, manifest.files));
         for altered in [text.replace("0.1234", "1.1234"), text.replace("1.5", "2.5"), text.replace("made\"", "mad\"")] {
             assert_ne!(altered, text);
-            assert!(Manifest::parse(&altered).unwrap_err().contains("not those that were written"));
+            assert!(parse::<Manifest>(&altered).unwrap_err().contains("not those that were written"));
+            assert!(parse::<Outline>(&altered).is_err());
         }
-        assert!(Manifest::parse("{}").unwrap_err().contains("not understood"));
+        assert!(parse::<Manifest>("{}").unwrap_err().contains("not understood"));
+    }
+
+    #[test]
+    fn present_inputs_have_the_key_of_their_manifest() {
+        let card = serde_json::json!({ "length": 0.1 });
+        let records = BTreeMap::from([("mesh/a".to_owned(), "01")]);
+        let raw = BTreeMap::from([("a/log.csv", "ab".to_owned())]);
+        let present = Present { version: 2, raw, card: &card, settings: &Value::Null, records };
+        assert_eq!(present.key(), present.made_from().key());
     }
 
     #[test]
@@ -150,8 +235,12 @@ mod tests {
             let mut bytes = text.clone().into_bytes();
             bytes[at] ^= 1;
             let altered = String::from_utf8(bytes).unwrap();
-            assert!(Manifest::parse(&altered).is_err(), "byte {at} is `{}`", &altered[at..=at]);
-            assert!(Manifest::parse(&text[..at]).is_err(), "cut at {at}");
+            assert!(
+                parse::<Outline>(&altered).is_err() && parse::<Manifest>(&altered).is_err(),
+                "byte {at} is `{}`",
+                &altered[at..=at]
+            );
+            assert!(parse::<Outline>(&text[..at]).is_err() && parse::<Manifest>(&text[..at]).is_err(), "cut at {at}");
         }
     }
 }

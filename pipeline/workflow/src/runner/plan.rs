@@ -7,7 +7,8 @@ use rayon::prelude::*;
 use super::Runner;
 use super::graph::Job;
 use super::hashes::Hashes;
-use super::staleness::{State, judged, made_from};
+use super::manifest::Outline;
+use super::staleness::{State, present, state};
 use super::store::{Found, Store};
 use crate::entry::Kind;
 use crate::needs::RecordId;
@@ -93,13 +94,18 @@ pub(super) fn judge<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> Plan {
     let own = jobs.par_iter().map(|job| runner.folders.record_hashes(&job.id));
     let hashes = Hashes::cached(&runner.folders.hashes()).and_cached(own);
     let store = Store::new(&runner.folders);
-    let found: Vec<Found> = jobs.par_iter().map(|job| store.find_with(&job.id, &hashes)).collect();
-    let whole = |(job, found): (&Job<U>, &Found)| Some((job.id.clone(), found.manifest()?.content.clone()));
+    let found: Vec<Found<Outline>> = jobs.par_iter().map(|job| store.find_with(&job.id, &hashes)).collect();
+    let whole = |(job, found): (&Job<U>, &Found<Outline>)| Some((job.id.clone(), found.manifest()?.content.clone()));
     let contents: BTreeMap<RecordId, String> = jobs.iter().zip(&found).filter_map(whole).collect();
-    let judge = |(job, found)| Ok(judged(found, &made_from(runner, job, &contents, &hashes)?));
-    let states: Vec<Result<State>> = jobs.par_iter().zip(found).map(judge).collect();
+    // The whole manifest is read of stale records alone, for their differences.
+    let judge = |(job, found): (&Job<U>, &Found<Outline>)| {
+        let now = present(runner, job, &contents, &hashes)?;
+        let kept = found.manifest().is_some_and(|outline| outline.key == now.key());
+        Ok(if kept { None } else { Some(state(runner, job, &now.made_from(), &hashes)) })
+    };
+    let states: Vec<Result<Option<State>>> = jobs.par_iter().zip(&found).map(judge).collect();
     let mut changing = BTreeSet::new();
-    let mut settle = |(job, state): (&Job<U>, Result<State>)| {
+    let mut settle = |(job, state): (&Job<U>, Result<Option<State>>)| {
         let action = action(job, state, &changing);
         if !matches!(action, Action::Kept) {
             changing.insert(job.id.clone());
@@ -110,14 +116,14 @@ pub(super) fn judge<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> Plan {
     Plan { actions, contents }
 }
 
-fn action<U: Universe>(job: &Job<U>, state: Result<State>, changing: &BTreeSet<RecordId>) -> Action {
+fn action<U: Universe>(job: &Job<U>, state: Result<Option<State>>, changing: &BTreeSet<RecordId>) -> Action {
     let upstream = job.reads().iter().find(|id| changing.contains(*id));
     match (state, upstream) {
         (Err(diagnostic), _) => Action::Impossible(diagnostic),
         (_, Some(id)) => Action::Waits(id.clone()),
-        (Ok(State::Kept(_)), None) => Action::Kept,
-        (Ok(State::Stale(reasons)), None) => Action::Stale(reasons),
-        (Ok(State::Damaged(damage)), None) => Action::Stale(vec![damage]),
+        (Ok(None | Some(State::Kept(_))), None) => Action::Kept,
+        (Ok(Some(State::Stale(reasons))), None) => Action::Stale(reasons),
+        (Ok(Some(State::Damaged(damage))), None) => Action::Stale(vec![damage]),
     }
 }
 

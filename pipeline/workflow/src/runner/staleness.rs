@@ -7,7 +7,7 @@ use super::Runner;
 use super::differences::differences;
 use super::graph::Job;
 use super::hashes::Hashes;
-use super::manifest::{MadeFrom, Manifest};
+use super::manifest::{MadeFrom, Manifest, Present};
 use super::store::{Found, Store};
 use crate::needs::RecordId;
 use crate::stage::RawFile;
@@ -34,17 +34,27 @@ pub fn made_from<U: Universe>(
     contents: &BTreeMap<RecordId, String>,
     hashes: &Hashes,
 ) -> Result<MadeFrom> {
+    present(runner, job, contents, hashes).map(Present::made_from)
+}
+
+/// The same, borrowed.
+pub(super) fn present<'a, U: Universe>(
+    runner: &Runner<U>,
+    job: &'a Job<U>,
+    contents: &'a BTreeMap<RecordId, String>,
+    hashes: &Hashes,
+) -> Result<Present<'a>> {
     let inputs = job.inputs.as_ref().map_err(|diagnostic| diagnostic.clone().of(&job.id))?;
     let mut raw = BTreeMap::new();
     for file in &inputs.raw {
-        raw.insert(file.path.clone(), hash(runner, file, hashes).map_err(|diagnostic| diagnostic.of(&job.id))?);
+        raw.insert(&*file.path, hash(runner, file, hashes).map_err(|diagnostic| diagnostic.of(&job.id))?);
     }
-    let content = |id: &RecordId| (id.to_string(), contents.get(id).cloned().unwrap_or_default());
-    Ok(MadeFrom {
+    let content = |id: &RecordId| (id.to_string(), contents.get(id).map_or("", String::as_str));
+    Ok(Present {
         version: job.entry.version,
         raw,
-        card: inputs.card.clone(),
-        settings: inputs.settings.clone(),
+        card: &inputs.card,
+        settings: &inputs.settings,
         records: inputs.records.iter().map(content).collect(),
     })
 }

@@ -14,7 +14,7 @@ use super::atomic::write_synced;
 use super::folders::Folders;
 use super::hashes::Hashes;
 use super::lock::Lock;
-use super::manifest::{FILE, Manifest};
+use super::manifest::{FILE, Manifest, Sealed, parse};
 use super::usage::{Measured, Usage};
 use crate::needs::{RecordId, RecordReader};
 use crate::record::RecordFiles;
@@ -33,18 +33,18 @@ pub struct Store<'a> {
 type Whole<'a> = (&'a Manifest, &'a RecordFiles);
 
 /// The state of a record on disk.
-pub enum Found {
+pub enum Found<M = Manifest> {
     /// Nothing.
     Nothing,
     /// A record whose bytes are those that were written.
-    Whole(Box<Manifest>),
+    Whole(Box<M>),
     /// A damaged record, and why.
     Damaged(String),
 }
 
-impl Found {
+impl<M> Found<M> {
     /// The manifest of a whole record.
-    pub fn manifest(&self) -> Option<&Manifest> {
+    pub fn manifest(&self) -> Option<&M> {
         match self {
             Self::Whole(manifest) => Some(manifest),
             Self::Nothing | Self::Damaged(_) => None,
@@ -64,7 +64,7 @@ impl<'a> Store<'a> {
     }
 
     /// Finds a record and checks each of its files against its hash, as `hashes` have it.
-    pub(crate) fn find_with(&self, id: &RecordId, hashes: &Hashes) -> Found {
+    pub(crate) fn find_with<M: Sealed>(&self, id: &RecordId, hashes: &Hashes) -> Found<M> {
         let folder = self.folders.record(id);
         let manifest = match manifest(&folder) {
             Ok(Some(manifest)) => manifest,
@@ -79,7 +79,7 @@ impl<'a> Store<'a> {
 
     /// What a record's making used; none where there is no record. Its files are not read.
     pub(crate) fn measured(&self, id: &RecordId) -> Option<Measured> {
-        let manifest = manifest(&self.folders.record(id)).ok()??;
+        let manifest: Manifest = manifest(&self.folders.record(id)).ok()??;
         let (Usage { cpu_seconds, peak_memory, .. }, seconds) = (manifest.usage, manifest.seconds);
         Some(Measured { seconds, cpu_seconds, peak_memory })
     }
@@ -141,7 +141,7 @@ impl Store<'_> {
 
     fn read_once(&self, id: &RecordId) -> Result<(String, RecordFiles), String> {
         let folder = self.folders.record(id);
-        let manifest = manifest(&folder)?.ok_or("there is no such record")?;
+        let manifest: Manifest = manifest(&folder)?.ok_or("there is no such record")?;
         let read = |files: RecordFiles, (name, hash): (&String, &String)| {
             let bytes = fs::read(folder.join(name)).map_err(|e| format!("its {name} cannot be read ({e})"))?;
             let whole = *blake3::hash(&bytes).to_hex() == **hash;
@@ -178,17 +178,17 @@ impl RecordReader for KeyedReader<'_> {
 }
 
 /// The manifest in a record's folder; none where there is no record, or an empty folder: a workflow engine makes that before its job.
-fn manifest(folder: &Path) -> Result<Option<Manifest>, String> {
+fn manifest<M: Sealed>(folder: &Path) -> Result<Option<M>, String> {
     let empty = || fs::read_dir(folder).map_or(!folder.exists(), |mut entries| entries.next().is_none());
     match fs::read_to_string(folder.join(FILE)) {
-        Ok(text) => Manifest::parse(&text).map(Some),
+        Ok(text) => parse(&text).map(Some),
         Err(e) if e.kind() == io::ErrorKind::NotFound && empty() => Ok(None),
         Err(e) => Err(format!("its {FILE} cannot be read ({e})")),
     }
 }
 
-fn first_damage(folder: &Path, manifest: &Manifest, hashes: &Hashes) -> Option<String> {
-    manifest.files.iter().find_map(|(name, hash)| match hashes.of(&folder.join(name)) {
+fn first_damage(folder: &Path, manifest: &impl Sealed, hashes: &Hashes) -> Option<String> {
+    manifest.files().iter().find_map(|(name, hash)| match hashes.of(&folder.join(name)) {
         Ok(now) if now == *hash => None,
         Ok(_) => Some(other_bytes(name)),
         Err(e) => Some(format!("its {name} cannot be read ({e})")),
