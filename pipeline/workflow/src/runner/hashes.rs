@@ -42,16 +42,13 @@ pub struct Hashes {
 }
 
 impl Hashes {
-    /// Those that a run wrote at `place`, used where length and date are equal; none where the file does not exist.
-    pub(crate) fn cached(place: &Path) -> Self {
-        Self { cached: written(place), ..Self::default() }
-    }
-
-    /// The same with those written at other places.
-    pub(crate) fn and_cached<'a>(mut self, places: impl ParallelIterator<Item = PathBuf> + 'a) -> Self {
-        let further: Vec<_> = places.map(|place| written(&place)).collect();
-        self.cached.extend(further.into_iter().flatten());
-        self
+    /// Those that a run wrote at `place` and those of single records at `further` places, used where length and date are equal; none where
+    /// a file does not exist.
+    pub(crate) fn cached(place: &Path, further: impl ParallelIterator<Item = PathBuf>) -> Self {
+        let of_records = || further.map(|place| written(&place)).collect::<Vec<_>>();
+        let (mut cached, of_records) = rayon::join(|| written(place), of_records);
+        cached.extend(of_records.into_iter().flatten());
+        Self { cached, ..Self::default() }
     }
 
     /// The hash of a file's bytes, as hexadecimal digits.
@@ -135,7 +132,7 @@ mod tests {
         let part = Hashes::default();
         part.of(&first).unwrap();
         part.write(&place).unwrap();
-        let cached = Hashes::cached(&place);
+        let cached = Hashes::cached(&place, rayon::iter::empty());
         let known = |file: &Path| cached.known(file, &seen(&fs::metadata(file).unwrap()));
         assert_eq!([&first, &second, &third].map(|file| known(file)), [Some(hash.clone()), Some(hash), None]);
         assert_eq!(cached.cached.len(), 2, "changed files are not kept");

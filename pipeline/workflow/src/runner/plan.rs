@@ -92,7 +92,7 @@ pub(super) struct Plan {
 /// disk; one that reads a record to be made waits.
 pub(super) fn judge<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> Plan {
     let own = jobs.par_iter().map(|job| runner.folders.record_hashes(&job.id));
-    let hashes = Hashes::cached(&runner.folders.hashes()).and_cached(own);
+    let hashes = Hashes::cached(&runner.folders.hashes(), own);
     let store = Store::new(&runner.folders);
     let found: Vec<Found<Outline>> = jobs.par_iter().map(|job| store.find_with(&job.id, &hashes)).collect();
     let whole = |(job, found): (&Job<U>, &Found<Outline>)| Some((job.id.clone(), found.manifest()?.content.clone()));
