@@ -14,8 +14,8 @@ use crate::square_wave::SquareWave;
 
 /// Harmonics of a side.
 const HARMONICS: usize = 8;
-/// Amplitude, mean, and cosine and sine of each harmonic.
-const OF_SIDE: usize = 2 + 2 * HARMONICS;
+/// Numbers of a side: amplitude, mean, and cosine and sine of each harmonic.
+pub(crate) const OF_SIDE: usize = 2 + 2 * HARMONICS;
 /// The frequency, and the numbers of both sides.
 pub const PARAMETERS: usize = 1 + 2 * OF_SIDE;
 /// Largest coefficient of a series: at 8 the edges of a wave are a twentieth of a cycle long.

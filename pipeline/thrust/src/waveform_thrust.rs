@@ -13,7 +13,7 @@ use twin::{Chamber, LossGradient, Recording, Twin};
 
 use crate::ascent::Limits;
 use crate::simulated::{Weights, of_theory};
-use crate::waveform::{PARAMETERS, Valve, Waveform};
+use crate::waveform::{OF_SIDE, PARAMETERS, Valve, Waveform};
 use diagnostics::Result;
 use sysid::Interrupted;
 
@@ -194,19 +194,22 @@ impl WaveformModel<'_> {
     /// As [`WaveformModel::gradient`].
     pub fn maximise(&self, goal: Goal, start: &Waveform) -> Result<Optimum> {
         let [low, high] = Waveform::bounds();
-        let width: Vec<f64> = low.iter().zip(&high).map(|(low, high)| high - low).collect();
-        let waveform = |at: &[f64]| Waveform {
-            numbers: at.iter().zip(&width).zip(&low).map(|((x, w), low)| low + x * w).collect(),
+        let free = self.free();
+        let waveform = |at: &[f64]| {
+            let mut numbers = start.numbers.clone();
+            free.iter().zip(at).for_each(|(n, x)| numbers[*n] = low[*n] + x * (high[*n] - low[*n]));
+            Waveform { numbers }
         };
-        let begin = start.numbers.iter().zip(&width).zip(&low).map(|((x, w), low)| (x - low) / w).collect();
-        let names: Vec<String> = (0..PARAMETERS).map(|n| format!("number {n} of the waveform")).collect();
+        let begin: Vec<f64> = free.iter().map(|n| (start.numbers[*n] - low[*n]) / (high[*n] - low[*n])).collect();
+        let names: Vec<String> = free.iter().map(|n| format!("number {n} of the waveform")).collect();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        let problem = Problem::new(&names, begin, Bounds { low: vec![0.0; PARAMETERS], high: vec![1.0; PARAMETERS] })?;
+        let bounds = Bounds { low: vec![0.0; free.len()], high: vec![1.0; free.len()] };
+        let problem = Problem::new(&names, begin, bounds)?;
         let iterations = self.limits.iterations.max(1);
         let settings = Settings { step: STEP, step_decay: STEP_DECAY, iterations, ..Settings::default() };
         let evaluation = |at: &Vec<f64>| -> Result<Evaluation> {
             let (value, gradient) = self.gradient(goal, &waveform(at))?;
-            let gradient = Some(gradient.iter().zip(&width).map(|(by, w)| -by * w).collect());
+            let gradient = Some(free.iter().map(|n| -gradient[*n] * (high[*n] - low[*n])).collect());
             Ok(Evaluation { gradient, ..Evaluation::of_loss(at.clone(), -value) })
         };
         let mut objective = |batch: &[Vec<f64>], _: Needs| -> Result<Vec<Evaluation>, Interrupted> {
@@ -216,6 +219,14 @@ impl WaveformModel<'_> {
         let best = waveform(&log.best.at);
         let values = log.entries.iter().map(|entry| -entry.evaluation.loss).collect();
         Ok(Optimum { performance: self.performance(&best)?, waveform: best, values })
+    }
+
+    /// The numbers that thrust depends on: the frequency where its limits differ, and those of a side that fills a chamber.
+    fn free(&self) -> Vec<usize> {
+        let [low, high] = self.limits.frequency;
+        let sides = [0, 1].map(|side| self.chambers_of(side).next().is_some());
+        let acts = |n: &usize| n.checked_sub(1).map_or(high > low, |of_sides| sides[of_sides / OF_SIDE]);
+        (0..PARAMETERS).filter(acts).collect()
     }
 
     fn by_frequency(&self, goal: Goal, waveform: &Waveform) -> Result<f64> {

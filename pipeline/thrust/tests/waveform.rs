@@ -78,6 +78,20 @@ fn the_optimal_waveform_has_more_thrust_and_more_thrust_per_air_than_its_square_
     });
 }
 
+#[test]
+fn one_frequency_and_one_side_leave_the_other_numbers_as_they_are() {
+    with_model(10, |model| {
+        let limits = Limits { frequency: [2.0, 2.0], ..model.limits };
+        let model = WaveformModel { halves: &[Some(0), None], limits, ..*model };
+        let start = Waveform::square(&SQUARE, &model.limits);
+        let optimum = model.maximise(Goal::Thrust, &start).unwrap();
+        assert!(optimum.performance.thrust > model.performance(&start).unwrap().thrust);
+        let kept = |n: usize| optimum.waveform.numbers[n] == start.numbers[n];
+        let of_side = (PARAMETERS - 1) / 2;
+        assert!(kept(0) && (1 + of_side..PARAMETERS).all(kept) && !(1..=of_side).all(kept));
+    });
+}
+
 /// Two cycles of the square wave behind the valve, as a recording; nothing was measured but pressures.
 fn recorded(model: &WaveformModel) -> Run {
     let (rate, cycles) = (100.0 * SQUARE.frequency, 2);
