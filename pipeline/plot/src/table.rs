@@ -24,6 +24,8 @@ pub struct Column {
     pub alignment: Alignment,
     /// Whether its values were published by others; they are printed in another colour.
     pub published: bool,
+    /// Whether its values are measured durations, which differ from run to run.
+    pub timed: bool,
 }
 
 /// A table of text; numbers are formatted by the caller.
@@ -41,7 +43,7 @@ impl Column {
     /// A column of text.
     pub fn text(title: &str) -> Self {
         let (title, empty) = (title.to_owned(), String::new());
-        Self { title, unit: empty.clone(), group: empty, alignment: Alignment::Left, published: false }
+        Self { title, unit: empty.clone(), group: empty, alignment: Alignment::Left, published: false, timed: false }
     }
 
     /// A column of numbers.
@@ -53,6 +55,11 @@ impl Column {
     pub fn beside_published(group: &str, unit: &str) -> [Self; 2] {
         let ours = Self { group: group.to_owned(), ..Self::numbers("ours", unit) };
         [ours.clone(), Self { title: "published".to_owned(), published: true, ..ours }]
+    }
+
+    /// The same column, of measured durations.
+    pub fn of_durations(self) -> Self {
+        Self { timed: true, ..self }
     }
 
     /// Title and unit: `time (s)`.
@@ -85,6 +92,13 @@ impl Table {
         Self { note: Some(note.to_owned()), ..self }
     }
 
+    /// The same table without the cells of measured durations; none when it has no column of them.
+    pub fn without_durations(&self) -> Option<Self> {
+        let kept = |(column, cell): (&Column, &String)| if column.timed { String::new() } else { cell.clone() };
+        let rows = self.rows.iter().map(|row| self.columns.iter().zip(row).map(kept).collect()).collect();
+        self.columns.iter().any(|column| column.timed).then(|| Self { rows, ..self.clone() })
+    }
+
     /// Neighbouring columns of one group: its head, its first column and the one after its last.
     pub(crate) fn groups(&self) -> Vec<(&str, usize, usize)> {
         let mut groups: Vec<(&str, usize, usize)> = Vec::new();
@@ -107,6 +121,15 @@ mod tests {
         let columns = vec![Column::text("method"), Column::numbers("time", "s")];
         let error = Table::new(columns, vec![vec!["adam".to_owned()]]).unwrap_err();
         assert!(matches!(error, PlotError::Length { found: 1, expected: 2, .. }));
+    }
+
+    #[test]
+    fn durations_are_left_out_and_all_else_is_kept() {
+        let columns = vec![Column::text("method"), Column::numbers("time", "s").of_durations()];
+        let table = Table::new(columns, vec![vec!["adam".to_owned(), "3.1".to_owned()]]).unwrap();
+        assert_eq!(table.without_durations().unwrap().rows, [["adam", ""]]);
+        let untimed = Table::new(vec![Column::text("method")], vec![vec!["adam".to_owned()]]).unwrap();
+        assert!(untimed.without_durations().is_none());
     }
 
     #[test]

@@ -158,13 +158,23 @@ pub const fn table<T: Table>() -> Entry<T::Of> {
         reads: |universe| shown_reads(T::Needs::ids(universe)),
         make: |universe, _, _, reader, _| {
             let table = T::fill(T::Needs::read(universe, reader)?)?;
-            let files = RecordFiles::default()
-                .file(&format!("{}.csv", T::NAME), table.csv().into_bytes())
-                .file(&format!("{}.tex", T::NAME), table.latex().into_bytes())
-                .file(&format!("{}.svg", T::NAME), table.svg()?.into_bytes());
+            let files = printed(T::NAME, &table)?;
             Ok(Product { files, metrics: Vec::new(), summary: format!("{} rows", table.rows.len()) })
         },
     }
+}
+
+/// A table as CSV, LaTeX and SVG.
+fn printed(name: &str, table: &plot::Table) -> Result<RecordFiles> {
+    let (csv, tex, svg) = (table.csv(), table.latex(), table.svg()?);
+    let untimed = table.without_durations().map(|untimed| untimed.csv().into_bytes());
+    Ok([("csv", csv), ("tex", tex), ("svg", svg)].into_iter().fold(RecordFiles::default(), |files, (ending, text)| {
+        let file = format!("{name}.{ending}");
+        match &untimed {
+            Some(untimed) => files.timed_file(&file, text.into_bytes(), untimed.clone()),
+            None => files.file(&file, text.into_bytes()),
+        }
+    }))
 }
 
 /// The universe's name where the figure is made for it: without groups there is nothing to show.

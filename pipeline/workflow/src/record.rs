@@ -74,6 +74,7 @@ pub enum RecordError {
 pub struct RecordFiles {
     files: BTreeMap<String, Vec<u8>>,
     durations: BTreeMap<String, Vec<u8>>,
+    untimed: BTreeMap<String, Vec<u8>>,
 }
 
 impl RecordFiles {
@@ -111,6 +112,13 @@ impl RecordFiles {
         Ok(self)
     }
 
+    /// Adds a file that prints durations among other things: it is stored as it is, and the content has `untimed` in its place.
+    pub fn timed_file(mut self, name: &str, bytes: Vec<u8>, untimed: Vec<u8>) -> Self {
+        self.durations.insert(name.into(), bytes);
+        self.untimed.insert(name.into(), untimed);
+        self
+    }
+
     /// A file's bytes.
     ///
     /// # Errors
@@ -139,6 +147,11 @@ impl RecordFiles {
     /// The files of the content, by name.
     pub fn contents(&self) -> impl Iterator<Item = (&str, &[u8])> {
         self.files.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice()))
+    }
+
+    /// What the content has in the place of files that print durations, by name.
+    pub(crate) fn untimed(&self) -> impl Iterator<Item = (&str, &[u8])> {
+        self.untimed.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice()))
     }
 
     /// The files of durations, by name.

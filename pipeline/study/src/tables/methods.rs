@@ -20,11 +20,15 @@ impl Table for Methods {
     type Needs = Every<Identified, Specimen>;
     const NAME: &'static str = "methods";
     const CAPTION: &'static str = "cost and result of each identification method";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2;
 
     fn fill(Every(all): Self::Needs) -> Result<plot::Table> {
         let quantities = [("iterations", ""), ("time an iteration", "s"), ("total time", "min"), ("loss after 4", "")];
-        let pairs = quantities.iter().flat_map(|(title, unit)| Column::beside_published(title, unit));
+        let pairs = quantities.iter().flat_map(|(title, unit)| {
+            let [ours, published] = Column::beside_published(title, unit);
+            // the only quantities with a unit are durations
+            [if unit.is_empty() { ours } else { ours.of_durations() }, published]
+        });
         let columns = [Column::text("specimen"), Column::text("method")].into_iter().chain(pairs).collect();
         let rows = all.iter().flat_map(|(s, found)| found.searches.iter().map(|search| row(&s.name(), search)));
         let table = plot::Table::new(columns, rows.collect())?;

@@ -143,12 +143,12 @@ impl Manifest {
     pub(crate) fn of(made_from: MadeFrom, product: Product, seconds: f64, usage: Usage) -> (Self, RecordFiles) {
         let Product { files, metrics, summary } = product;
         let hash = |(name, bytes): (&str, &[u8])| (name.to_string(), blake3::hash(bytes).to_hex().to_string());
-        let contents: BTreeMap<_, _> = files.contents().map(hash).collect();
+        let contents: BTreeMap<_, _> = files.contents().chain(files.untimed()).map(hash).collect();
         let content = contents.iter().fold(blake3::Hasher::new(), |mut hasher, (name, file)| {
             hasher.update(name.as_bytes()).update(file.as_bytes());
             hasher
         });
-        let hashes = contents.into_iter().chain(files.durations_files().map(hash)).collect();
+        let hashes = files.contents().chain(files.durations_files()).map(hash).collect();
         let content = content.finalize().to_hex().to_string();
         let (key, seal) = (made_from.key(), String::new());
         (Self { key, content, made_from, files: hashes, metrics, summary, seconds, usage, seal }, files)
@@ -189,6 +189,10 @@ mod tests {
     use super::*;
 
     fn manifest() -> Manifest {
+        of_files(RecordFiles::default().file("a.bin", vec![1, 2]))
+    }
+
+    fn of_files(files: RecordFiles) -> Manifest {
         let made_from = MadeFrom {
             version: 1,
             raw: BTreeMap::new(),
@@ -196,11 +200,8 @@ mod tests {
             settings: Value::Null,
             records: BTreeMap::new(),
         };
-        let product = Product {
-            files: RecordFiles::default().file("a.bin", vec![1, 2]),
-            metrics: vec![Metric::new("a.b", 0.123_456_789_012_345_68, "m")],
-            summary: "made".into(),
-        };
+        let product =
+            Product { files, metrics: vec![Metric::new("a.b", 0.123_456_789_012_345_68, "m")], summary: "made".into() };
         Manifest::of(made_from, product, 1.5, Usage::default()).0
     }
 
@@ -217,6 +218,16 @@ mod tests {
             assert!(parse::<Outline>(&altered).is_err());
         }
         assert!(parse::<Manifest>("{}").unwrap_err().contains("not understood"));
+    }
+
+    #[test]
+    fn the_content_of_a_file_that_prints_durations_is_the_rest_of_it() {
+        let printed =
+            |text: &str, rest: &str| of_files(RecordFiles::default().timed_file("a.csv", text.into(), rest.into()));
+        let (fast, slow, other) =
+            (printed("adam,3 s", "adam"), printed("adam,4 s", "adam"), printed("grid,4 s", "grid"));
+        assert!(fast.content == slow.content && slow.content != other.content);
+        assert_ne!(fast.files, slow.files);
     }
 
     #[test]
