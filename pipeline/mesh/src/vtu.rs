@@ -42,9 +42,11 @@ mod tests {
     #[test]
     fn a_written_mesh_has_its_nodes_elements_and_regions() {
         let nodes = (0..10).map(|i| [f64::from(i), 0.5, -1e-3]).collect();
-        let tets = vec![[0, 1, 2, 3, 4, 5, 6, 7, 8, 9]];
-        let text = write(&QuadraticMesh { nodes, tets, regions: vec![3], skin: Vec::new(), half: false });
-        assert!(text.contains("9e0 5e-1 -1e-3") && text.contains("0 1 2 3 4 5 6 7 8 9"));
-        assert!(text.contains("Name=\"region\" format=\"ascii\">\n3\n"));
+        let tets = vec![[0, 1, 2, 3, 4, 5, 6, 7, 8, 9], [1, 0, 2, 3, 4, 6, 5, 8, 7, 9]];
+        let text = write(&QuadraticMesh { nodes, tets, regions: vec![3, 1], skin: Vec::new(), half: false });
+        assert!(text.contains("9e0 5e-1 -1e-3") && text.contains("0 1 2 3 4 5 6 7 8 9\n1 0 2 3 4 6 5 8 7 9\n"));
+        assert!(text.contains("Name=\"offsets\" format=\"ascii\">\n10\n20\n<"));
+        assert!(text.contains("Name=\"types\" format=\"ascii\">\n24\n24\n<"));
+        assert!(text.contains("Name=\"region\" format=\"ascii\">\n3\n1\n<"));
     }
 }

@@ -191,6 +191,18 @@ mod tests {
     }
 
     #[test]
+    fn a_note_makes_the_svg_of_a_table_one_row_higher() {
+        let height = |table: &Table| -> f64 {
+            let svg = table.svg().unwrap();
+            let mm = svg.split_once("height=\"").unwrap().1.split_once("mm").unwrap().0;
+            mm.parse::<f64>().unwrap() * POINTS_PER_MM
+        };
+        let with = table();
+        let without = Table { note: None, ..with.clone() };
+        assert!((height(&with) - height(&without) - ROW).abs() < 0.1, "{} {}", height(&with), height(&without));
+    }
+
+    #[test]
     fn what_latex_would_take_for_a_command_or_does_not_know_is_written_as_a_command() {
         assert_eq!(escaped("a_1 × 5 % ± 2·x"), "a\\_1 $\\times$ 5 \\% $\\pm$ 2$\\cdot$x");
         assert_eq!(escaped("−1–2 ~ ^ \\"), "$-$1--2 \\textasciitilde{} \\textasciicircum{} \\textbackslash{}");

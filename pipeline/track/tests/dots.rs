@@ -112,7 +112,9 @@ fn another_number_of_dots_and_a_square_board_are_refused() {
     let picture = render(&above(0.2, 1.0, 0.3, 0.24), 1);
     let other = Dots { columns: 8, ..BOARD };
     assert!(matches!(find(&picture, &other), Err(BoardError::NoDots { in_grid: 54, .. })));
-    assert!(matches!(find(&picture, &Dots { columns: 6, ..BOARD }), Err(BoardError::Square { .. })));
+    for (columns, rows) in [(6, BOARD.rows), (2, 7), (7, 2)] {
+        assert!(matches!(find(&picture, &Dots { columns, rows, ..BOARD }), Err(BoardError::Square { .. })));
+    }
     let empty = Gray::filled(400, 300, 180);
     assert!(matches!(find(&empty, &BOARD), Err(BoardError::NoDots { in_grid: 0, seen: 0, .. })));
 }

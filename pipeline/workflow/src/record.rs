@@ -113,7 +113,7 @@ impl RecordFiles {
     }
 
     /// Adds a file that prints durations among other things: it is stored as it is, and the content has `untimed` in its place.
-    pub fn timed_file(mut self, name: &str, bytes: Vec<u8>, untimed: Vec<u8>) -> Self {
+    pub(crate) fn timed_file(mut self, name: &str, bytes: Vec<u8>, untimed: Vec<u8>) -> Self {
         self.durations.insert(name.into(), bytes);
         self.untimed.insert(name.into(), untimed);
         self

@@ -76,3 +76,17 @@ fn bound(rows: &[Vec<f64>], k: usize, column: &str) -> InterpolationBound {
         max: each.iter().copied().fold(0.0, f64::max),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_command_is_that_of_the_nearest_sample_and_a_measured_quantity_is_interpolated() {
+        let range = (0.0, 1e5, "Pa");
+        let columns = [ColumnFormat::time(), ColumnFormat::command("a", range), ColumnFormat::measured("b", range)];
+        let at = |time| between([&[1.0, 10.0, 10.0], &[3.0, 20.0, 20.0]], &columns, time);
+        assert_eq!([at(1.5), at(2.5)], [[1.5, 10.0, 12.5], [2.5, 20.0, 17.5]]);
+        assert_eq!([at(0.0), at(4.0)], [[0.0, 10.0, 10.0], [4.0, 20.0, 20.0]]);
+    }
+}

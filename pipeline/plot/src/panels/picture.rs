@@ -126,5 +126,8 @@ mod tests {
         let picture = Picture::new(200, 100, vec![0; 20_000]);
         let area = picture.fitted(Area::new([0.0; 2], [50.0, 300.0]));
         assert!((area.width() - 50.0).abs() < 1e-12 && (area.height() - 25.0).abs() < 1e-12);
+        let low = picture.fitted(Area::new([10.0, 20.0], [400.0, 10.0]));
+        let expected = Area { from: [200.0, 20.0], to: [220.0, 30.0] };
+        assert!((0..2).all(|k| (low.from[k] - expected.from[k]).abs() + (low.to[k] - expected.to[k]).abs() < 1e-12));
     }
 }

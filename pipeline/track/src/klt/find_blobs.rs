@@ -101,6 +101,12 @@ mod tests {
     use super::*;
 
     #[test]
+    fn the_mean_around_a_place_is_that_of_its_square() {
+        let picture = Gray::from_fn(40, 30, |x, y| 2.0 * x as f64 + 3.0 * y as f64);
+        assert!((Sums::of(&picture).mean([20.0, 12.0], 5.0) - 76.0).abs() < 1e-12);
+    }
+
+    #[test]
     fn three_discs_are_found_from_left_to_right_and_neither_a_line_nor_what_lies_outside() {
         let discs = [[200.4, 90.3], [80.2, 120.7], [140.8, 60.1], [290.0, 200.0]];
         let picture = Gray::from_fn(320, 240, |x, y| {

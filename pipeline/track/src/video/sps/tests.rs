@@ -70,6 +70,7 @@ fn a_full_hd_film_of_profile_high_is_read_with_its_cropping() {
     assert_eq!(read(HIGH).size, [1920, 1080]);
     assert_eq!(read(HIGH).unsupported(), None);
     assert_eq!(read(Set { profile: 66, ..HIGH }).size, [1920, 1080]);
+    assert_eq!(read(Set { crop: [1, 2, 3, 4], ..HIGH }).size, [1914, 1074]);
 }
 
 #[test]
