@@ -115,7 +115,8 @@ impl<'a> InProgress<'a> {
     /// When a folder cannot be removed or renamed.
     pub(super) fn finish(&self) -> Result<()> {
         let _lock = self.lock(FOLDER)?;
-        checkpoint::clear(&self.folder)?;
-        folder::finish(&self.folder, &self.at)
+        // checkpoints last: killed among their removal, an unfinished folder would have lost parts that were made
+        folder::finish(&self.folder, &self.at)?;
+        checkpoint::clear(&self.at)
     }
 }

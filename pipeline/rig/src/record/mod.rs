@@ -112,8 +112,13 @@ pub fn record_part(specimen: &Specimen, request: &Request, part: &str) -> Result
 }
 
 fn is_current(specimen: &Specimen, request: &Request) -> Result<bool> {
-    let stamp = stamp::text(specimen, request.profile);
-    Ok(stamp::inspect(&request.into.join(&*specimen.name), &stamp)? == FolderState::Current)
+    let (stamp, at) = (stamp::text(specimen, request.profile), request.into.join(&*specimen.name));
+    let is_current = stamp::inspect(&at, &stamp)? == FolderState::Current;
+    if is_current {
+        // of a recording that was killed after its last step
+        checkpoint::clear(&at)?;
+    }
+    Ok(is_current)
 }
 
 fn fill_part(setup: &Setup, recording: &InProgress, part: &str) -> Result<()> {
