@@ -80,10 +80,12 @@ fn bytes(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
 fn a_recording_is_read_by_lab_and_is_reproducible_to_the_byte() {
     let folder = TestFolder::new("twice");
     let (first, second) = (folder.0.join("a"), folder.0.join("b"));
-    assert_eq!(
-        (recorded(&first), recorded(&second), recorded(&first)),
-        (Status::Recorded, Status::Recorded, Status::UpToDate)
-    );
+    assert_eq!((recorded(&first), recorded(&second)), (Status::Recorded, Status::Recorded));
+    // what a process that is killed after its last step leaves is removed by the next
+    let left = first.join(&*ALL[0].name).join("checkpoints");
+    std::fs::create_dir(&left).unwrap();
+    std::fs::write(left.join("statics"), "equilibria").unwrap();
+    assert_eq!(recorded(&first), Status::UpToDate);
     let (a, b) = (bytes(&first), bytes(&second));
     assert_eq!(a.keys().collect::<Vec<_>>(), b.keys().collect::<Vec<_>>());
     let differing: Vec<&PathBuf> = a.keys().filter(|name| a[*name] != b[*name]).collect();

@@ -74,6 +74,8 @@ pub fn parts(specimen: &Specimen, request: &Request) -> ([&'static str; 2], Vec<
 /// When the folder was not made by the bench, a solve does not converge, or a file cannot be written.
 pub fn record(specimen: &Specimen, request: &Request) -> Result<Status> {
     if is_current(specimen, request)? {
+        // it still has them where it was killed after its last step
+        checkpoint::clear(&request.into.join(&*specimen.name))?;
         return Ok(Status::UpToDate);
     }
     let recording = InProgress::of(specimen, request)?;
@@ -112,13 +114,8 @@ pub fn record_part(specimen: &Specimen, request: &Request, part: &str) -> Result
 }
 
 fn is_current(specimen: &Specimen, request: &Request) -> Result<bool> {
-    let (stamp, at) = (stamp::text(specimen, request.profile), request.into.join(&*specimen.name));
-    let is_current = stamp::inspect(&at, &stamp)? == FolderState::Current;
-    if is_current {
-        // of a recording that was killed after its last step
-        checkpoint::clear(&at)?;
-    }
-    Ok(is_current)
+    let stamp = stamp::text(specimen, request.profile);
+    Ok(stamp::inspect(&request.into.join(&*specimen.name), &stamp)? == FolderState::Current)
 }
 
 fn fill_part(setup: &Setup, recording: &InProgress, part: &str) -> Result<()> {
