@@ -8,7 +8,7 @@ use std::borrow::Cow;
 use si::{Metre, Point2};
 
 use lab::truth::{Properties, TrueBranch};
-use tail_cad::Tail;
+use tail_cad::{Tail, Unbonded};
 
 use crate::random::RandomStream;
 use crate::settings;
@@ -46,8 +46,38 @@ pub struct HiddenProperties {
     pub asymmetry: f64,
     /// By how much the sheet lies off the middle, towards +y, m.
     pub sheet_offset: Metre,
+    /// Where the silicone does not adhere to the sheet.
+    pub unbonded: Debonding,
     /// Offset of each mark from its nominal place along and across, m.
     pub marks: Vec<Point2>,
+}
+
+/// Where the silicone of a casting does not adhere to the sheet.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Debonding {
+    /// The side of the sheet: 0 is −y, 1 is +y.
+    pub side: u16,
+    /// Its place among those possible, from 0 behind the first chamber to 1.
+    pub place: f64,
+    /// Along so many chambers.
+    pub chambers: usize,
+    /// Thickness of the film, m.
+    pub film: Metre,
+}
+
+impl Debonding {
+    fn drawn(set: &settings::Casting, seed: u64) -> Self {
+        let mut random = RandomStream::new(seed, "debonding");
+        let side = u16::from(random.unit() < 0.5);
+        Self { side, place: random.unit(), chambers: set.unbonded, film: set.film }
+    }
+
+    /// The stretch of a tail with so many chambers; none where it is no chamber long. Behind the first chamber and before the last.
+    fn of(&self, chambers: usize) -> Option<Unbonded> {
+        let places = (chambers - 1).checked_sub(self.chambers).filter(|_| self.chambers > 0)?;
+        let first = 1 + ((self.place * places as f64) as usize).min(places.saturating_sub(1));
+        Some(Unbonded { side: self.side, chambers: [first, first + self.chambers - 1], film: self.film })
+    }
 }
 
 impl HiddenProperties {
@@ -61,7 +91,8 @@ impl HiddenProperties {
         let mut offset = || all.casting.markers_off * random.normal();
         let marks = set.markers.iter().map(|_| [offset(), offset()]).collect();
         let sheet_offset = random.uniform([-1.0, 1.0]) * all.casting.sheet_offset;
-        Self { body, spine, asymmetry, marks, sheet_offset }
+        let unbonded = Debonding::drawn(&all.casting, set.seed);
+        Self { body, spine, asymmetry, marks, sheet_offset, unbonded }
     }
 
     /// The tail as it was cast from the nominal `tail`.
@@ -70,6 +101,7 @@ impl HiddenProperties {
         Tail {
             wall: [right * (1.0 + self.asymmetry), left * (1.0 - self.asymmetry)],
             sheet_offset: self.sheet_offset,
+            unbonded: self.unbonded.of(tail.chambers),
             ..tail.clone()
         }
     }

@@ -32,6 +32,7 @@ pub(crate) struct TrialTruth {
 /// Deviations of one run from the nominal conditions.
 struct RunVariation {
     valve: ValveDisturbance,
+    /// The silicone's moduli relative to those at the reference temperature.
     softening: f64,
 }
 
@@ -44,7 +45,7 @@ impl RunVariation {
         let valve = ValveDisturbance { supply: within(set.supply), jitter: set.jitter };
         let warmth = within(set.warmth);
         let moves = matches!(trial.experiment, Experiment::Flapping { .. });
-        Self { valve, softening: if moves { (1.0 + warmth) * set.mullins.softening() } else { 1.0 } }
+        Self { valve, softening: if moves { 1.0 + warmth } else { 1.0 } }
     }
 }
 
@@ -62,7 +63,9 @@ pub(crate) fn record(bench: &Bench, trial: &lab::card::Trial, folder: &Path) -> 
     let variation = RunVariation::drawn(bench, trial);
     let mut valve = RandomStream::new(bench.seed, &format!("valve {}", trial.id));
     let pneumatics = Pneumatics::respond(&bench.set.valve, script, variation.valve, &mut valve);
-    let motion = solve(bench, trial, &pneumatics, variation.softening).map_err(|e| e.of(&place))?;
+    let cycled = cycled(bench, trial);
+    let motion =
+        solve(bench, trial, &pneumatics, (variation.softening, cycled.as_deref())).map_err(|e| e.of(&place))?;
     let log = pressure_log::record(&bench.set.log, clock, &pneumatics, &mut random);
     folder::write(folder, &trial.pressure, lab::pressure::write(&log, lab::VIRTUAL_BENCH).as_bytes())?;
     let run = TrialRun { trial, pneumatics: &pneumatics, motion: motion.as_ref() };
@@ -77,7 +80,7 @@ pub(crate) fn record(bench: &Bench, trial: &lab::card::Trial, folder: &Path) -> 
         clock_scale: clock.scale,
         led_on: pneumatics.script.led_on,
         supply: variation.valve.supply,
-        softening: variation.softening,
+        softening: variation.softening * cycled.map_or(1.0, |factors| bench.flapping_model.mean(&factors)),
         pose: Some(bench.renderer.of_recording(trial.medium, &trial.id).pose()),
     };
     let force = force_log::record_trial(bench, &run, folder)?;
@@ -89,12 +92,18 @@ fn frame_count(bench: &Bench, script: &Script) -> usize {
     (script.length * bench.set.camera.rate).ceil() as usize
 }
 
+/// Factors of the moduli at the sampled points of the silicone, which flapping softens and a staircase after a rest does not.
+fn cycled(bench: &Bench, trial: &lab::card::Trial) -> Option<Vec<f64>> {
+    let Experiment::Flapping { amplitude, .. } = trial.experiment else { return None };
+    Some(bench.flapping_model.softened(&bench.set.causes.mullins, &bench.sweeps[0].pressures, amplitude))
+}
+
 /// The motion of the body under the chamber pressures.
 fn solve<'a>(
     bench: &'a Bench,
     trial: &lab::card::Trial,
     pneumatics: &Pneumatics,
-    softening: f64,
+    (softening, cycled): (f64, Option<&[f64]>),
 ) -> Result<Box<dyn Motion + 'a>> {
     let Pneumatics { script, sides } = pneumatics;
     let model = bench.flapping_model;
@@ -109,7 +118,7 @@ fn solve<'a>(
         }
         Experiment::Flapping { .. } => {
             let pressures = |t: Second| [sides[0].at(t), sides[1].at(t)];
-            let conditions = Conditions { fluid, softening };
+            let conditions = Conditions { fluid, softening, cycled };
             Ok(Box::new(model.flapping(span, &pressures, &conditions)?))
         }
     }

@@ -24,7 +24,13 @@ struct Coarse {
 
 impl Coarse {
     fn nemo() -> Self {
-        let set = Settings::built_in();
+        Self::unbonded_along(Settings::built_in().casting.unbonded)
+    }
+
+    /// With silicone that does not adhere to the sheet along so many chambers.
+    fn unbonded_along(chambers: usize) -> Self {
+        let mut set = Settings::built_in();
+        set.casting.unbonded = chambers;
         let own = &set.specimen["nemo"];
         let hidden = HiddenProperties::drawn(&set, own);
         let resolution = Resolution { edge: 0.010, per_chamber: 1, per_rib: 1 };
@@ -98,11 +104,49 @@ fn in_air_the_reduced_model_flaps_as_the_whole_body_to_two_per_cent() {
         let [left, right] = coarse.square_wave(frequency, 2);
         let pressures = |t: f64| [left.at(t), right.at(t)];
         let whole = integrate(&coarse.body, &sampling(length), &pressures, &|| ()).unwrap();
-        let in_air = Conditions { fluid: None, softening: 1.0 };
+        let in_air = Conditions { fluid: None, softening: 1.0, cycled: None };
         let reduced = flapping_model.flapping(span(length), &pressures, &in_air).unwrap();
         let (size, off) = tip_difference(&coarse, &whole, &reduced, length);
         println!("{frequency} Hz: the tip moves {:.2} mm, off by {:.3} mm", size * 1e3, off * 1e3);
         assert!(size > 5e-3 && off < 0.02 * size, "{frequency} Hz: off by {off} of {size} m");
+    }
+}
+
+#[test]
+fn cycles_soften_the_silicone_where_it_is_strained_most_and_the_tail_flaps_further() {
+    let coarse = Coarse::nemo();
+    let (flapping_model, mullins) = (coarse.flapping_model(), coarse.set.causes.mullins);
+    let pressures = even_pressures(2.0e4, 10);
+    let [low, high] = [0.5e4, 2.0e4].map(|top| flapping_model.softened(&mullins, &pressures, top));
+    let all_softer = low.iter().zip(&high).all(|(low, high)| low >= high && *high > 1.0 - 1.0 / mullins.r);
+    assert!(all_softer && flapping_model.mean(&high) < flapping_model.mean(&low));
+    let range = high.iter().fold([1.0_f64, 0.0_f64], |[a, b], s| [a.min(*s), b.max(*s)]);
+    assert!(range[0] < 1.0 - 0.8 / mullins.r && range[1] > 1.0 - 0.2 / mullins.r, "{range:?}");
+    let [left, right] = coarse.square_wave(2.0, 1);
+    let both = |t: f64| [left.at(t), right.at(t)];
+    let largest = |cycled: Option<&[f64]>| {
+        let conditions = Conditions { fluid: None, softening: 1.0, cycled };
+        let motion = flapping_model.flapping(span(0.5), &both, &conditions).unwrap();
+        let tip = |i: usize| motion.nodes(0.01 * i as f64)[coarse.tip()][1].abs();
+        (0..50).map(tip).fold(0.0, f64::max)
+    };
+    let (rested, cycled) = (largest(None), largest(Some(&high)));
+    let further = cycled / rested - 1.0;
+    assert!(further > 0.002 && further < 1.0 / mullins.r, "{further}");
+}
+
+#[test]
+fn where_silicone_and_sheet_do_not_adhere_pressure_is_passed_on_and_shear_is_not() {
+    let tip_at = |chambers: usize| {
+        let coarse = Coarse::unbonded_along(chambers);
+        assert_eq!(coarse.body.system.regions().len(), if chambers > 0 { 3 } else { 2 });
+        coarse.sweeps().map(|sweep| sweep.shapes[sweep.shapes.len() - 1][3 * coarse.tip() + 1])
+    };
+    let (bonded, two, six) = (tip_at(0), tip_at(2), tip_at(6));
+    for side in 0..2 {
+        let [two, six] = [two, six].map(|tip| tip[side] / bonded[side] - 1.0);
+        println!("two chambers move the tip by {:+.3} %, six by {:+.3} %", 100.0 * two, 100.0 * six);
+        assert!(six.abs() > two.abs() && two.abs() > 1e-5 && six.abs() < 0.03, "{two} {six}");
     }
 }
 
@@ -144,7 +188,7 @@ fn in_water_the_reduced_model_moves_as_the_whole_body_to_two_per_cent() {
         .integrate(
             &ReducedMotion {
                 settings: &settings,
-                modulus_scale: &[1.0, 1.0],
+                modulus_scale: &coarse.body.modulus_scales(1.0),
                 relaxation: &[],
                 stiffening: &[],
                 actuation: &actuation,

@@ -1,7 +1,7 @@
 //! Layers: the sheets over each plan triangle, and their heights.
 
 use super::plan::Plan;
-use super::{Tail, TailError};
+use super::{FILM, Tail, TailError};
 use mesh::frame::Frame;
 use mesh::stack::{self, Column, Cycle, Fill, Stack};
 use mesh::{BODY, SPINE, TetMesh};
@@ -14,6 +14,11 @@ const INNER: u32 = 4;
 const CHANNEL: u32 = 6;
 const CEILING: u32 = 8;
 
+/// The outer face of the film along an unbonded stretch.
+fn film_face(tail: &Tail) -> u32 {
+    CEILING + 2 * tail.chambers as u32
+}
+
 /// Fills the plan with tetrahedra; solids taller than `edge` (m) are divided.
 pub(crate) fn fill(tail: &Tail, plan: &Plan, edge: Metre, half: bool) -> Result<TetMesh, TailError> {
     let columns: Vec<Column> = plan.triangles.iter().filter_map(|&t| column(tail, plan, t)).collect();
@@ -23,7 +28,7 @@ pub(crate) fn fill(tail: &Tail, plan: &Plan, edge: Metre, half: bool) -> Result<
         frame: Frame { normal: 1 },
         plan: &plan.points,
         columns: &columns,
-        sheets: 8 + 2 * tail.chambers,
+        sheets: film_face(tail) as usize + 2,
         height: &height,
         edge,
         merge: 1e-6,
@@ -39,6 +44,8 @@ struct SheetHeights {
     inner: Metre,
     channel: Metre,
     ceiling: [Metre; 2],
+    film: [Metre; 2],
+    film_face: u32,
 }
 
 impl SheetHeights {
@@ -46,7 +53,8 @@ impl SheetHeights {
         let (outer, inner) = (tail.half_width(x, z), tail.inner_face());
         let ceiling = tail.wall.map(|wall| outer - wall);
         let face = [-1.0, 1.0].map(|side| tail.sheet / 2.0 + side * tail.sheet_offset);
-        Self { outer, face, inner, channel: inner + tail.channel_depth, ceiling }
+        let film = face.map(|face| face + tail.unbonded.map_or(0.0, |unbonded| unbonded.film));
+        Self { outer, face, inner, channel: inner + tail.channel_depth, ceiling, film, film_face: film_face(tail) }
     }
 
     fn height(&self, sheet: u32) -> Metre {
@@ -56,6 +64,7 @@ impl SheetHeights {
             FACE => self.face[side as usize],
             INNER => self.inner,
             CHANNEL => self.channel,
+            face if face == self.film_face => self.film[side as usize],
             _ => self.ceiling[side as usize],
         };
         if side == 0 { -height } else { height }
@@ -82,6 +91,11 @@ type Layer = (u32, fn(u16) -> Fill);
 const SILICONE: fn(u16) -> Fill = |_| Fill::Region(BODY);
 const ACETAL: fn(u16) -> Fill = |_| Fill::Region(SPINE);
 const HOLLOW: fn(u16) -> Fill = Fill::Chamber;
+/// A film on one side, silicone on the other.
+const ON_SIDE: [fn(u16) -> Fill; 2] = [
+    |side| Fill::Region(if side == 0 { FILM } else { BODY }),
+    |side| Fill::Region(if side == 1 { FILM } else { BODY }),
+];
 
 /// Layers from the middle plane outwards at a place in the plan; none where there is no solid.
 fn half_stack(tail: &Tail, x: Metre, z: Metre) -> Option<Vec<Layer>> {
@@ -95,6 +109,9 @@ fn half_stack(tail: &Tail, x: Metre, z: Metre) -> Option<Vec<Layer>> {
     let mut layers: Vec<Layer> = Vec::new();
     if sheet {
         layers.push((FACE, ACETAL));
+        if let Some(unbonded) = tail.unbonded.filter(|_| tail.unbonded_stretch().is_some_and(inside)) {
+            layers.push((film_face(tail), ON_SIDE[usize::from(unbonded.side)]));
+        }
     }
     if body {
         match chamber {
@@ -123,6 +140,36 @@ mod tests {
             assert!((mesh.chamber_volume(1) - volume).abs() < 1e-12 && volume > 2e-6, "{volume}");
             assert!(dihedral_range(&mesh).0 > 1.5);
         }
+    }
+
+    #[test]
+    fn a_film_lies_on_the_sheet_along_the_unbonded_stretch_alone() {
+        let unbonded = crate::Unbonded { side: 1, chambers: [3, 4], film: 0.15e-3 };
+        let tail = Tail { unbonded: Some(unbonded), sheet_offset: 0.1e-3, ..Tail::nine_chambers() };
+        let (mesh, bonded) = (tail.mesh(&Resolution::even(&tail, 4e-3)).unwrap(), {
+            let tail = Tail { unbonded: None, ..tail.clone() };
+            tail.mesh(&Resolution::even(&tail, 4e-3)).unwrap()
+        });
+        assert_eq!(mesh.nonconformity(), None);
+        let film: Vec<usize> = (0..mesh.tets.len()).filter(|tet| mesh.regions[*tet] == FILM).collect();
+        let [from, to] = tail.unbonded_stretch().unwrap();
+        let face = 0.5 * tail.sheet + 0.1e-3;
+        for node in film.iter().flat_map(|tet| mesh.tets[*tet]).map(|node| mesh.nodes[node as usize]) {
+            assert!(node[0] > from - 1e-9 && node[0] < to + 1e-9, "{node:?}");
+            assert!(node[1] > face - 1e-9 && node[1] < face + unbonded.film + 1e-9, "{node:?}");
+        }
+        // it takes the place of silicone: the sheet from the slot of the rib within upwards, and over two chambers
+        let whole: f64 = [BODY, FILM].iter().map(|region| mesh.region_volume(*region)).sum();
+        assert!((whole / bonded.region_volume(BODY) - 1.0).abs() < 1e-9);
+        assert!((mesh.region_volume(SPINE) / bonded.region_volume(SPINE) - 1.0).abs() < 1e-9);
+        let slot = tail.rib_at(3);
+        let above = |x: f64| {
+            tail.sheet_half_height(x) - if x > slot[0] && x < slot[1] { tail.slot_half_height(3) } else { 0.0 }
+        };
+        let steps = 4000;
+        let area: f64 = (0..steps).map(|i| above(from + (to - from) * (f64::from(i) + 0.5) / f64::from(steps))).sum();
+        let volume = area * (to - from) / f64::from(steps) * unbonded.film;
+        assert!((mesh.region_volume(FILM) / volume - 1.0).abs() < 5e-3, "{} of {volume}", mesh.region_volume(FILM));
     }
 
     #[test]

@@ -76,7 +76,23 @@ pub struct Tail {
     pub sheet_offset: Metre,
     /// Half the height of the slot in the sheet at each rib, as a fraction of the body's half height there.
     pub slot_share: f64,
+    /// Where the silicone does not adhere to the sheet; in the tail's own mesh alone.
+    pub unbonded: Option<Unbonded>,
 }
+
+/// A stretch along which silicone and sheet are separated by a film, which the mesh has as the region [`FILM`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unbonded {
+    /// The side of the sheet: 0 is −y, 1 is +y.
+    pub side: u16,
+    /// It begins with the first of these chambers and ends with the last, ribs between them included.
+    pub chambers: [usize; 2],
+    /// Thickness of the film, which takes the place of silicone, m.
+    pub film: Metre,
+}
+
+/// The region of the film along an [`Unbonded`] stretch.
+pub const FILM: u16 = 2;
 
 /// The resolution of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -168,6 +184,7 @@ impl Tail {
             sheet: 0.5e-3,
             sheet_offset: 0.0,
             slot_share: 0.4,
+            unbonded: None,
         }
     }
 
@@ -214,6 +231,12 @@ impl Tail {
         [start, end(index) - self.rib]
     }
 
+    /// Where the silicone does not adhere to the sheet begins and ends, m; none where it adheres everywhere.
+    pub fn unbonded_stretch(&self) -> Option<Point2> {
+        let [first, last] = self.unbonded?.chambers;
+        Some([self.chamber(first)[0], self.chamber(last)[1]])
+    }
+
     /// Where rib `index`, which follows the chamber of the same index, begins and ends, m.
     pub(crate) fn rib_at(&self, index: usize) -> Point2 {
         [self.chamber(index)[1], self.chamber(index + 1)[0]]
@@ -222,7 +245,8 @@ impl Tail {
     /// Refuses parameters that make a part smaller than its least size, with the first place.
     fn check(&self) -> Result<(), TailError> {
         let length = self.chamber_length();
-        let left = self.inner_wall - self.sheet_offset.abs();
+        let film = self.unbonded.map_or(0.0, |unbonded| unbonded.film);
+        let left = self.inner_wall - self.sheet_offset.abs() - film;
         require("the silicone between a chamber and the sheet", [left, 0.1e-3], 0.0, "lower sheet_offset")?;
         require("a chamber's length", [length, 0.5e-3], self.chambers_start, "take fewer chambers or thinner ribs")?;
         for chamber in 0..self.chambers {

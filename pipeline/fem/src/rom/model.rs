@@ -65,6 +65,18 @@ impl ReducedModel {
         self.chambers[chamber].at(q)
     }
 
+    /// Elastic energy density of each sampled point of `region` at q, J/m³ at rest.
+    ///
+    /// # Panics
+    /// When there is no such region.
+    pub fn energy_densities(&self, region: usize, q: &DVector<f64>) -> Vec<f64> {
+        let (points, mut densities) = (&self.points[region], Vec::new());
+        points.for_each_deformation(q, |deformation| {
+            densities.push(points.elastic().material.stress(deformation, points.elastic().moduli).0)
+        });
+        densities
+    }
+
     /// The data from which [`crate::System::restore`] restores the model.
     pub fn data(&self) -> ReducedModelData {
         let modes = self.modes.column_iter().map(|mode| mode.iter().copied().collect()).collect();

@@ -184,6 +184,10 @@ fn between_its_snapshots_the_equilibrium_is_that_of_the_full_model() {
     let off = reduced.iter().zip(&full.displacement).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
     let size = full.displacement.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
     assert!(off < 5e-3 * size, "off by {off} of {size} m");
+    let weights = body.points[0].weights().iter();
+    let sampled: f64 = weights.zip(body.energy_densities(0, &found)).map(|(weight, density)| weight * density).sum();
+    let energy = system.solver().elastic_energy(&reduced).expect("a shape of this system");
+    assert!((sampled / energy - 1.0).abs() < 0.01, "{sampled} of {energy} J");
     let again = body.equilibrium(&[2e4], &[1.0], &found).expect("an equilibrium");
     assert!((again - found).amax() < 1e-7 * body.size, "an equilibrium is its own solution");
 }
@@ -250,17 +254,16 @@ fn full_motion(system: &System, damping: f64, relaxation: &Relaxation) -> Vec<Ve
     states
 }
 
+/// The oscillating pressure on a body that relaxes.
+fn oscillation<'a>(settings: &'a DynamicSettings, relaxation: &'a [Relaxation]) -> ReducedMotion<'a> {
+    let actuation = &|time: f64| Actuation { pressures: vec![oscillating(time)] };
+    ReducedMotion { settings, modulus_scale: &[1.0], relaxation, stiffening: &[], actuation }
+}
+
 /// The same of the reduced model `body`.
 fn reduced_motion(body: &ReducedModel, damping: f64, relaxation: &Relaxation) -> Vec<Vec<f64>> {
     let (settings, relaxation, mut states) = (with_damping(damping), [relaxation.clone()], Vec::new());
-    let actuation = |time: f64| Actuation { pressures: vec![oscillating(time)] };
-    let motion = ReducedMotion {
-        settings: &settings,
-        modulus_scale: &[1.0],
-        relaxation: &relaxation,
-        stiffening: &[],
-        actuation: &actuation,
-    };
+    let motion = oscillation(&settings, &relaxation);
     let mut keep = |_: f64, q: &DVector<f64>, _: &DVector<f64>| states.push(body.displacement(q));
     body.integrate(&motion, &mut NoForce, 100, &mut keep).expect("a moderate load");
     states
@@ -294,15 +297,8 @@ fn relaxations_of_another_number_of_regions_are_refused() {
     let system = hollow();
     let body = reduced(&system, &snapshots(&system));
     let none = [Relaxation::default(), Relaxation::default()];
-    let actuation = |_: f64| Actuation { pressures: vec![0.0] };
     let settings = DynamicSettings::default();
-    let motion = ReducedMotion {
-        settings: &settings,
-        modulus_scale: &[1.0],
-        relaxation: &none,
-        stiffening: &[],
-        actuation: &actuation,
-    };
+    let motion = oscillation(&settings, &none);
     let refused = body.integrate(&motion, &mut NoForce, 1, &mut |_, _, _| ()).expect_err("two for one region");
     assert!(refused.to_string().contains("2 relaxations for 1 regions"), "{refused}");
 }

@@ -96,6 +96,21 @@ pub struct Casting {
     pub sheet_offset: Metre,
     /// How far each marker is off its place on the card, along and across, m.
     pub markers: Vec<[f64; 2]>,
+    /// Where the silicone does not adhere to the sheet.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unbonded: Option<Unbonded>,
+}
+
+/// A stretch along which the silicone does not adhere to the sheet.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Unbonded {
+    /// The side of the sheet: `-y` or `+y`.
+    pub side: String,
+    /// x where it begins, m.
+    pub from: Metre,
+    /// x where it ends, m.
+    pub to: Metre,
 }
 
 /// Equilibria under rising pressure in one channel, after all relaxation.
@@ -179,7 +194,7 @@ pub struct TrueTrial {
     /// By how much the regulated pressure was off, as a share, no unit.
     #[serde(default)]
     pub supply: f64,
-    /// The silicone's moduli against those above, no unit.
+    /// The silicone's moduli against those above, mean over the body, no unit.
     #[serde(default = "one")]
     pub softening: f64,
     /// Where the camera was in it, when elsewhere than in the calibration's film: CAD frame → camera frame.

@@ -6,9 +6,9 @@ use crate::side::Side;
 use diagnostics::{Diagnostic, Result};
 use fem::{Branch, Clamps, RegionProperties, Relaxation, System};
 use lab::truth::Properties;
-use mesh::{QuadraticMesh, Skin, Solid};
+use mesh::{QuadraticMesh, SPINE, Skin, Solid};
 use si::{Metre, Pascal};
-use tail_cad::{Resolution, Tail};
+use tail_cad::{FILM, Resolution, Tail};
 
 use crate::settings;
 use crate::specimen::HiddenProperties;
@@ -49,13 +49,22 @@ impl Body {
         let model = simulate::fem_mesh(&Solid::Quadratic(mesh.clone()), &[0, 1]);
         let clamped = Clamps::below_x(&model, settings.clamp + TOLERANCE);
         let [body, sheet] = settings.laws;
-        let regions = vec![region(body, &hidden.body)?, region(sheet, &hidden.spine)?];
+        let mut regions = vec![region(body, &hidden.body)?, region(sheet, &hidden.spine)?];
+        if mesh.regions.contains(&FILM) {
+            regions.push(region(body, &film(&hidden.body))?);
+        }
         let system = System::new(model, regions, clamped).map_err(|e| in_mesh(e.into()))?;
         let left = usize::from(mean_y(&mesh, 0) < mean_y(&mesh, 1));
         Ok(Self { mesh, system, left })
     }
 
-    /// Relaxation of body and sheet.
+    /// Factors of the moduli of each region when those of the silicone are multiplied by `softening`.
+    pub fn modulus_scales(&self, softening: f64) -> Vec<f64> {
+        let scale = |region: usize| if region == usize::from(SPINE) { 1.0 } else { softening };
+        (0..self.system.regions().len()).map(scale).collect()
+    }
+
+    /// Relaxation of each region.
     pub fn relaxation(&self) -> Vec<Relaxation> {
         self.system.regions().iter().map(|region| region.relaxation.clone()).collect()
     }
@@ -73,6 +82,21 @@ impl Body {
             Side::Left => self.pressures(pressure, 0.0),
             Side::Right => self.pressures(0.0, pressure),
         }
+    }
+}
+
+/// Shear modulus of the film between silicone and sheet where they do not adhere, over that of the silicone.
+const FILM_SHEAR: f64 = 0.01;
+
+/// The film on which silicone slides: of its bulk modulus, so that it passes on pressure, with hardly a shear modulus. Suction keeps the two
+/// from parting.
+fn film(silicone: &Properties) -> Properties {
+    let Properties { youngs_modulus, poissons_ratio, .. } = *silicone;
+    Properties {
+        youngs_modulus: FILM_SHEAR * youngs_modulus,
+        poissons_ratio: 0.5 - FILM_SHEAR * (0.5 - poissons_ratio),
+        stiffening: [0.0; 2],
+        ..silicone.clone()
     }
 }
 

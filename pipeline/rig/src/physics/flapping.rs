@@ -5,6 +5,7 @@
 use crate::side::Side;
 use diagnostics::{Diagnostic, Result};
 use fem::{Actuation, DynamicSettings, NoForce, ReducedMotion, Scheme};
+use mesh::BODY;
 use nalgebra::{DMatrix, DVector};
 use si::{Hertz, Newton, Pascal, Point2, Point3, Second};
 
@@ -12,6 +13,7 @@ use super::centre_line::CentreLine;
 use super::snapshots;
 use super::water::{Fluid, Kinematics, Water, WaterForce};
 use super::{Body, Motion, PressureSweep};
+use crate::settings::Mullins;
 
 /// A tail in the coordinates of its reduced model.
 pub struct FlappingModel<'a> {
@@ -34,11 +36,13 @@ pub struct FlappingModel<'a> {
 
 /// Conditions that differ from trial to trial.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Conditions {
+pub struct Conditions<'a> {
     /// The water; none in air.
     pub fluid: Option<Fluid>,
     /// The silicone's moduli relative to those at the reference temperature, no unit.
     pub softening: f64,
+    /// And by sampled point of the silicone relative to those of silicone that has rested, no unit; none: it has.
+    pub cycled: Option<&'a [f64]>,
 }
 
 /// The interval of a motion and its time step, s.
@@ -131,9 +135,11 @@ impl<'a> FlappingModel<'a> {
             Actuation { pressures: self.body.pressures(left, right) }
         };
         let relaxation = self.body.relaxation();
+        let cycled = conditions.cycled.map(|factors| self.with_point_factors(factors)).transpose()?;
+        let reduced = cycled.as_ref().unwrap_or(&self.reduced);
         let motion = ReducedMotion {
             settings: &settings,
-            modulus_scale: &[conditions.softening, 1.0],
+            modulus_scale: &self.body.modulus_scales(conditions.softening),
             relaxation: &relaxation,
             stiffening: &[],
             actuation: &actuation,
@@ -146,10 +152,10 @@ impl<'a> FlappingModel<'a> {
         };
         let mut forces = vec![WaterForce::default()];
         let integrated = match conditions.fluid {
-            None => self.reduced.integrate(&motion, &mut NoForce, count, &mut observe),
+            None => reduced.integrate(&motion, &mut NoForce, count, &mut observe),
             Some(fluid) => {
                 let mut water = ObservedWater { water: self.water(fluid), forces: &mut forces };
-                self.reduced.integrate(&motion, &mut water, count, &mut observe)
+                reduced.integrate(&motion, &mut water, count, &mut observe)
             }
         };
         integrated
@@ -157,6 +163,31 @@ impl<'a> FlappingModel<'a> {
         forces.resize(shapes.len(), WaterForce::default());
         let pulls = self.pulls(&velocities, &forces, 1.0 / step);
         Ok(FlappingMotion { model: self, start, rate: 1.0 / step, shapes, pulls })
+    }
+
+    /// Factors of the moduli at the sampled points of the silicone after cycles up to `pressure` (Pa) on one side and the other.
+    // The first cycle softens a point, which a square wave ends before the study's first window: that cycle is not resolved.
+    pub fn softened(&self, mullins: &Mullins, pressures: &[Pascal], pressure: Pascal) -> Vec<f64> {
+        let level = pressures.partition_point(|p| *p < pressure).min(pressures.len() - 1);
+        let energies = |side: &Vec<DVector<f64>>| self.reduced.energy_densities(usize::from(BODY), &side[level]);
+        let [left, right] = self.equilibria.each_ref().map(energies);
+        left.iter().zip(right).map(|(left, right)| mullins.softening(left.max(right))).collect()
+    }
+
+    /// The reduced model with all moduli at each sampled point of the silicone multiplied by its own of `factors`.
+    // Every law, relaxation included, is linear in the moduli, and a point enters the energy as weight times density: a factor of the moduli
+    // is one of the weight.
+    fn with_point_factors(&self, factors: &[f64]) -> Result<fem::ReducedModel> {
+        let mut data = self.reduced.data();
+        data.points[usize::from(BODY)].iter_mut().zip(factors).for_each(|((_, weight), factor)| *weight *= factor);
+        self.body.system.restore(&data).map_err(|e| Diagnostic::from(e).while_doing("the softened reduced model"))
+    }
+
+    /// Mean of `factors`, one for each sampled point of the silicone, over its volume.
+    pub fn mean(&self, factors: &[f64]) -> f64 {
+        let weights = self.reduced.data().points.swap_remove(usize::from(BODY));
+        let volume: f64 = weights.iter().map(|(_, weight)| weight).sum();
+        weights.iter().zip(factors).map(|((_, weight), factor)| weight * factor).sum::<f64>() / volume
     }
 
     /// Water around the tail at rest.
@@ -183,7 +214,7 @@ fn equilibria(body: &Body, reduced: &fem::ReducedModel, side: Side, pressures: &
     for pressure in &pressures[1..] {
         let near = found.iter().rev().take(2).collect::<Vec<_>>();
         let guess = if let [last, before] = near[..] { last * 2.0 - before } else { found[0].clone() };
-        let rest = reduced.equilibrium(&body.one_side(side, *pressure), &[1.0, 1.0], &guess);
+        let rest = reduced.equilibrium(&body.one_side(side, *pressure), &body.modulus_scales(1.0), &guess);
         let doing = || format!("equilibrium of the reduced model at {:.0} mbar", pressure / si::MILLIBAR);
         found.push(rest.map_err(|e| Diagnostic::from(e).while_doing(doing()))?);
     }

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use diagnostics::{Diagnostic, Result};
 use lab::card::Trial;
+use lab::truth::Unbonded;
 use si::{MILLIMETRE, Metre, Pascal};
 use tail_cad::Tail;
 
@@ -77,6 +78,13 @@ impl<'a> Setup<'a> {
     /// The centre line of the tail as it was cast.
     pub(super) fn centre_line(&self) -> CentreLine {
         CentreLine::of(&self.hidden.cast(&self.tail), &self.body, self.own.clamp)
+    }
+
+    /// Where the silicone does not adhere to the sheet.
+    pub(super) fn unbonded(&self) -> Option<Unbonded> {
+        let tail = self.hidden.cast(&self.tail);
+        let ([from, to], side) = (tail.unbonded_stretch()?, tail.unbonded?.side);
+        Some(Unbonded { side: if side == 0 { "-y" } else { "+y" }.to_owned(), from, to })
     }
 
     /// The calibration film.

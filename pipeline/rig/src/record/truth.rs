@@ -7,9 +7,7 @@ use super::setup::Setup;
 use crate::bench::Bench;
 use crate::force_log;
 use crate::physics::{Body, Fluid, PressureSweep};
-use crate::renderer::Renderer;
 use crate::side::Side;
-use crate::specimen::HiddenProperties;
 
 /// The ground truth of a recording whose trials have these.
 pub(super) fn of(setup: &Setup, bench: &Bench, (trial, force): (Vec<TrueTrial>, Vec<TrueForce>)) -> Truth {
@@ -21,7 +19,7 @@ pub(super) fn of(setup: &Setup, bench: &Bench, (trial, force): (Vec<TrueTrial>, 
         inflation: sides.filter_map(|(side, sweep)| inflation(bench.body, *side, sweep)).collect(),
         trial,
         force,
-        ..of_specimen(bench, &setup.hidden, bench.renderer)
+        ..of_specimen(setup, bench)
     }
 }
 
@@ -44,7 +42,8 @@ fn inflation(body: &Body, side: Side, sweep: &PressureSweep) -> Option<TrueInfla
 }
 
 /// The ground truth without the trials, the water and the load cell.
-fn of_specimen(bench: &Bench, hidden: &HiddenProperties, renderer: &Renderer) -> Truth {
+fn of_specimen(setup: &Setup, bench: &Bench) -> Truth {
+    let (hidden, renderer) = (&setup.hidden, bench.renderer);
     let camera = &renderer.camera;
     let l = &camera.lens;
     Truth {
@@ -57,6 +56,7 @@ fn of_specimen(bench: &Bench, hidden: &HiddenProperties, renderer: &Renderer) ->
         casting: Some(truth::Casting {
             asymmetry: hidden.asymmetry,
             sheet_offset: hidden.sheet_offset,
+            unbonded: setup.unbonded(),
             markers: hidden.marks.clone(),
         }),
         fluid: None,

@@ -64,6 +64,10 @@ pub struct Casting {
     pub sheet_offset: Metre,
     /// Standard deviation of a marker's position along and across, m.
     pub markers_off: Metre,
+    /// Along how many chambers of one side the silicone does not adhere to the sheet.
+    pub unbonded: usize,
+    /// Thickness of the film on which it slides there, m.
+    pub film: Metre,
 }
 
 /// Variations between runs.
@@ -82,25 +86,25 @@ pub struct Causes {
     pub nudge: PosePerturbation,
 }
 
-/// The Mullins effect after Ogden and Roxburgh \[ogden1999\], of the body as a whole: cycles up to an energy W soften it, at the energy
-/// w W, to 1 − erf((1 − w) / (m + β)) / r of its modulus. Rest restores it.
+/// The Mullins effect after Ogden and Roxburgh \[ogden1999\]: cycles that strain a point up to an energy density W soften it, at the energy
+/// density w W, to 1 − erf((1 − w) W / (m + β W)) / r of its modulus. Rest restores it.
 #[derive(Debug, Clone, Copy, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Mullins {
     /// r, no unit.
     pub r: f64,
-    /// m, over the highest energy, no unit.
+    /// m, J/m³.
     pub m: f64,
     /// β, no unit.
     pub beta: f64,
-    /// w: the mean energy of a cycle over its highest, no unit.
+    /// w: the mean energy density of a cycle over its highest, no unit.
     pub energy: f64,
 }
 
 impl Mullins {
-    /// Modulus of a body that flaps over that of one that has rested, no unit.
-    pub fn softening(&self) -> f64 {
-        1.0 - libm::erf((1.0 - self.energy) / (self.m + self.beta)) / self.r
+    /// Modulus of a point that has been cycled up to the energy density `highest` (J/m³) over that of one that has rested, no unit.
+    pub fn softening(&self, highest: f64) -> f64 {
+        1.0 - libm::erf((1.0 - self.energy) * highest / (self.m + self.beta * highest)) / self.r
     }
 }
 
@@ -124,4 +128,19 @@ pub struct Fluid {
     pub added: [f64; 2],
     /// Normal drag coefficient, no unit.
     pub drag: [f64; 2],
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_softens_by_its_own_energy_and_never_beyond_the_limit() {
+        let mullins = Mullins { r: 50.0, m: 200.0, beta: 0.1, energy: 0.5 };
+        assert_eq!(mullins.softening(0.0), 1.0);
+        // by hand: erf(500 / 300) / 50 at 1000 J/m³
+        assert!((mullins.softening(1000.0) - (1.0 - libm::erf(500.0 / 300.0) / 50.0)).abs() < 1e-15);
+        let softer = [10.0, 100.0, 1000.0, 1e5].map(|energy| mullins.softening(energy));
+        assert!(softer.is_sorted_by(|a, b| a > b) && softer.iter().all(|s| *s > 1.0 - 1.0 / 50.0), "{softer:?}");
+    }
 }
