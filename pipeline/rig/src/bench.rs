@@ -1,8 +1,9 @@
 //! What the trials of one specimen share, and one trial once its motion is known.
 
-use lab::card::Trial;
+use lab::card::{Experiment, Trial};
+use si::Pascal;
 
-use crate::physics::{Body, FlappingModel, Fluid, Motion, PressureSweep};
+use crate::physics::{Body, FlappingModel, Fluid, Motion, PressureSweep, SoftenedModel};
 use crate::progress::Progress;
 use crate::renderer::{Renderer, Subject};
 use crate::script::Pneumatics;
@@ -24,6 +25,8 @@ pub(crate) struct Bench<'a> {
     pub(crate) sweeps: &'a [PressureSweep; 2],
     /// Its reduced model for motions.
     pub(crate) flapping_model: &'a FlappingModel<'a>,
+    /// The same after cycles, by their amplitude, Pa.
+    pub(crate) softened: &'a [(Pascal, SoftenedModel)],
     /// The water around it.
     pub(crate) fluid: Fluid,
     /// The camera and its surroundings.
@@ -34,6 +37,14 @@ pub(crate) struct Bench<'a> {
     pub(crate) marks: &'a [String],
     /// Where progress is reported.
     pub(crate) progress: &'a Progress,
+}
+
+impl Bench<'_> {
+    /// The model that `trial` softens by its cycles; none where it has none.
+    pub(crate) fn softened(&self, trial: &Trial) -> Option<&SoftenedModel> {
+        let Experiment::Flapping { amplitude, .. } = trial.experiment else { return None };
+        self.softened.iter().find(|(of, _)| *of == amplitude).map(|(_, softened)| softened)
+    }
 }
 
 /// One trial whose motion is known.

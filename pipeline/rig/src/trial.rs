@@ -63,9 +63,7 @@ pub(crate) fn record(bench: &Bench, trial: &lab::card::Trial, folder: &Path) -> 
     let variation = RunVariation::drawn(bench, trial);
     let mut valve = RandomStream::new(bench.seed, &format!("valve {}", trial.id));
     let pneumatics = Pneumatics::respond(&bench.set.valve, script, variation.valve, &mut valve);
-    let cycled = cycled(bench, trial);
-    let motion =
-        solve(bench, trial, &pneumatics, (variation.softening, cycled.as_deref())).map_err(|e| e.of(&place))?;
+    let motion = solve(bench, trial, &pneumatics, variation.softening).map_err(|e| e.of(&place))?;
     let log = pressure_log::record(&bench.set.log, clock, &pneumatics, &mut random);
     folder::write(folder, &trial.pressure, lab::pressure::write(&log, lab::VIRTUAL_BENCH).as_bytes())?;
     let run = TrialRun { trial, pneumatics: &pneumatics, motion: motion.as_ref() };
@@ -80,7 +78,7 @@ pub(crate) fn record(bench: &Bench, trial: &lab::card::Trial, folder: &Path) -> 
         clock_scale: clock.scale,
         led_on: pneumatics.script.led_on,
         supply: variation.valve.supply,
-        softening: variation.softening * cycled.map_or(1.0, |factors| bench.flapping_model.mean(&factors)),
+        softening: variation.softening * bench.softened(trial).map_or(1.0, |softened| softened.mean),
         pose: Some(bench.renderer.of_recording(trial.medium, &trial.id).pose()),
     };
     let force = force_log::record_trial(bench, &run, folder)?;
@@ -92,18 +90,12 @@ fn frame_count(bench: &Bench, script: &Script) -> usize {
     (script.length * bench.set.camera.rate).ceil() as usize
 }
 
-/// Factors of the moduli at the sampled points of the silicone, which flapping softens and a staircase after a rest does not.
-fn cycled(bench: &Bench, trial: &lab::card::Trial) -> Option<Vec<f64>> {
-    let Experiment::Flapping { amplitude, .. } = trial.experiment else { return None };
-    Some(bench.flapping_model.softened(&bench.set.causes.mullins, &bench.sweeps[0].pressures, amplitude))
-}
-
 /// The motion of the body under the chamber pressures.
 fn solve<'a>(
     bench: &'a Bench,
     trial: &lab::card::Trial,
     pneumatics: &Pneumatics,
-    (softening, cycled): (f64, Option<&[f64]>),
+    softening: f64,
 ) -> Result<Box<dyn Motion + 'a>> {
     let Pneumatics { script, sides } = pneumatics;
     let model = bench.flapping_model;
@@ -118,7 +110,7 @@ fn solve<'a>(
         }
         Experiment::Flapping { .. } => {
             let pressures = |t: Second| [sides[0].at(t), sides[1].at(t)];
-            let conditions = Conditions { fluid, softening, cycled };
+            let conditions = Conditions { fluid, softening, softened: bench.softened(trial) };
             Ok(Box::new(model.flapping(span, &pressures, &conditions)?))
         }
     }

@@ -117,7 +117,10 @@ impl ReducedModel {
             external.accept(&StepState { coordinates: &q, velocity: &velocity, gamma, weights });
             observe(time, &q, &velocity);
             self.advance(&regions, &q, &mut history);
-            past.push(time, q, velocity, |q| self.acting_forces(q, &law));
+            // only stiffness damping asks for past forces
+            let damped = settings.stiffness_damping > 0.0;
+            let force = if damped { self.acting_forces(&q, &law) } else { DVector::zeros(q.len()) };
+            past.push(time, q, velocity, force);
         }
         Ok(())
     }
@@ -154,14 +157,8 @@ impl Past {
         self.coordinates.iter().zip(weights).fold(zero, |sum, (q, w)| sum + q * w)
     }
 
-    fn push(
-        &mut self,
-        time: Second,
-        q: DVector<f64>,
-        velocity: DVector<f64>,
-        force: impl Fn(&DVector<f64>) -> DVector<f64>,
-    ) {
-        self.forces.push_front(force(&q));
+    fn push(&mut self, time: Second, q: DVector<f64>, velocity: DVector<f64>, force: DVector<f64>) {
+        self.forces.push_front(force);
         self.coordinates.push_front(q);
         self.velocities.push_front(velocity);
         self.times.push_front(time);

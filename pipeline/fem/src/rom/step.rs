@@ -151,18 +151,21 @@ impl Step<'_> {
                 change = self.tangent(&q, ReducedTangent::Convex).lu().solve(&residual).ok_or(last)?;
                 *lagged = None;
             }
-            let short = change.amax() < SHORT * self.model.size;
-            let (part, next) =
-                if short { (1.0, self.residual(&(&q - &change))) } else { self.line_search(&q, &change, &residual) };
-            let size = part * change.amax() / self.model.size;
+            let whole = change.amax() / self.model.size;
+            if whole < TOLERANCE {
+                return Ok(q - change);
+            }
+            let (part, next) = if whole < SHORT {
+                (1.0, self.residual(&(&q - &change)))
+            } else {
+                self.line_search(&q, &change, &residual)
+            };
+            let size = part * whole;
             if !size.is_finite() {
                 return Err(last);
             }
             let moved = &q - change * part;
             (from, q, residual) = (if part == 1.0 { q } else { moved.clone() }, moved, next);
-            if part == 1.0 && size < TOLERANCE {
-                return Ok(q);
-            }
             if part < 1.0 || size > refactorise_above * last || last.is_infinite() && !carried && size > NEAR {
                 *lagged = None;
             }

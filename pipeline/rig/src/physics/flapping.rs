@@ -35,14 +35,24 @@ pub struct FlappingModel<'a> {
 }
 
 /// Conditions that differ from trial to trial.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 pub struct Conditions<'a> {
     /// The water; none in air.
     pub fluid: Option<Fluid>,
     /// The silicone's moduli relative to those at the reference temperature, no unit.
     pub softening: f64,
-    /// And by sampled point of the silicone relative to those of silicone that has rested, no unit; none: it has.
-    pub cycled: Option<&'a [f64]>,
+    /// The model that the trial's cycles have softened; none after a rest.
+    pub softened: Option<&'a SoftenedModel>,
+}
+
+/// A tail whose silicone cycles have softened, point by point.
+#[derive(Debug)]
+pub struct SoftenedModel {
+    reduced: fem::ReducedModel,
+    /// Moduli at each sampled point of the silicone over those at rest, no unit.
+    pub factors: Vec<f64>,
+    /// Their mean over the silicone's volume.
+    pub mean: f64,
 }
 
 /// The interval of a motion and its time step, s.
@@ -135,8 +145,7 @@ impl<'a> FlappingModel<'a> {
             Actuation { pressures: self.body.pressures(left, right) }
         };
         let relaxation = self.body.relaxation();
-        let cycled = conditions.cycled.map(|factors| self.with_point_factors(factors)).transpose()?;
-        let reduced = cycled.as_ref().unwrap_or(&self.reduced);
+        let reduced = conditions.softened.map_or(&self.reduced, |softened| &softened.reduced);
         let motion = ReducedMotion {
             settings: &settings,
             modulus_scale: &self.body.modulus_scales(conditions.softening),
@@ -165,29 +174,30 @@ impl<'a> FlappingModel<'a> {
         Ok(FlappingMotion { model: self, start, rate: 1.0 / step, shapes, pulls })
     }
 
-    /// Factors of the moduli at the sampled points of the silicone after cycles up to `pressure` (Pa) on one side and the other.
+    /// The model after cycles up to `pressure` (Pa) on either side; `pressures` are those of its sweeps.
+    ///
+    /// # Errors
+    /// When the reduced model is refused.
     // The first cycle softens a point, which a square wave ends before the study's first window: that cycle is not resolved.
-    pub fn softened(&self, mullins: &Mullins, pressures: &[Pascal], pressure: Pascal) -> Vec<f64> {
+    pub fn softened(&self, mullins: &Mullins, pressures: &[Pascal], pressure: Pascal) -> Result<SoftenedModel> {
         let level = pressures.partition_point(|p| *p < pressure).min(pressures.len() - 1);
         let energies = |side: &Vec<DVector<f64>>| self.reduced.energy_densities(usize::from(BODY), &side[level]);
         let [left, right] = self.equilibria.each_ref().map(energies);
-        left.iter().zip(right).map(|(left, right)| mullins.softening(left.max(right))).collect()
+        let factors = left.iter().zip(right).map(|(left, right)| mullins.softening(left.max(right))).collect();
+        self.with_point_factors(factors)
     }
 
-    /// The reduced model with all moduli at each sampled point of the silicone multiplied by its own of `factors`.
     // Every law, relaxation included, is linear in the moduli, and a point enters the energy as weight times density: a factor of the moduli
     // is one of the weight.
-    fn with_point_factors(&self, factors: &[f64]) -> Result<fem::ReducedModel> {
+    fn with_point_factors(&self, factors: Vec<f64>) -> Result<SoftenedModel> {
         let mut data = self.reduced.data();
-        data.points[usize::from(BODY)].iter_mut().zip(factors).for_each(|((_, weight), factor)| *weight *= factor);
-        self.body.system.restore(&data).map_err(|e| Diagnostic::from(e).while_doing("the softened reduced model"))
-    }
-
-    /// Mean of `factors`, one for each sampled point of the silicone, over its volume.
-    pub fn mean(&self, factors: &[f64]) -> f64 {
-        let weights = self.reduced.data().points.swap_remove(usize::from(BODY));
-        let volume: f64 = weights.iter().map(|(_, weight)| weight).sum();
-        weights.iter().zip(factors).map(|((_, weight), factor)| weight * factor).sum::<f64>() / volume
+        let points = &mut data.points[usize::from(BODY)];
+        let volume: f64 = points.iter().map(|(_, weight)| weight).sum();
+        points.iter_mut().zip(&factors).for_each(|((_, weight), factor)| *weight *= factor);
+        let mean = points.iter().map(|(_, weight)| weight).sum::<f64>() / volume;
+        let reduced = self.body.system.restore(&data);
+        let reduced = reduced.map_err(|e| Diagnostic::from(e).while_doing("the softened reduced model"))?;
+        Ok(SoftenedModel { reduced, factors, mean })
     }
 
     /// Water around the tail at rest.

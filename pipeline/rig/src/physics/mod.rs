@@ -17,7 +17,7 @@ mod water;
 pub use body::{Body, BodySettings};
 pub use centre_line::{CentreLine, Station};
 pub use dynamics::{Sampling, integrate};
-pub use flapping::{Conditions, FlappingModel, FlappingMotion, TimeSpan};
+pub use flapping::{Conditions, FlappingModel, FlappingMotion, SoftenedModel, TimeSpan};
 pub use motion::{Motion, QuasistaticMotion, SampledMotion};
 pub use pressure_sweep::{PressureSweep, even_pressures};
 pub use staircase::{Staircase, StaircaseMotion};

@@ -48,7 +48,7 @@ impl FlappingModel<'_> {
             Side::Left => [trace.at(t), 0.0],
             Side::Right => [0.0, trace.at(t)],
         };
-        let flapping = self.flapping(span, &pressures, &Conditions { fluid, softening: 1.0, cycled: None })?;
+        let flapping = self.flapping(span, &pressures, &Conditions { fluid, softening: 1.0, softened: None })?;
         let quasistatic = QuasistaticMotion { rest: &self.body.mesh.nodes, sweep, trace };
         let equilibria = &self.equilibria[usize::from(side == Side::Right)];
         Ok(StaircaseMotion { quasistatic, flapping, equilibria })

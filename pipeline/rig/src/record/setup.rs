@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use diagnostics::{Diagnostic, Result};
-use lab::card::Trial;
+use lab::card::{Experiment, Trial};
 use lab::truth::Unbonded;
+use rayon::prelude::*;
 use si::{MILLIMETRE, Metre, Pascal};
 use tail_cad::Tail;
 
@@ -13,7 +14,7 @@ use crate::bench::Bench;
 use crate::calibration::Calibration;
 use crate::camera::flat_disc;
 use crate::card::{self, RestObservation};
-use crate::physics::{self, Body, BodySettings, CentreLine, FlappingModel, Fluid, PressureSweep};
+use crate::physics::{self, Body, BodySettings, CentreLine, FlappingModel, Fluid, PressureSweep, SoftenedModel};
 use crate::random::RandomStream;
 use crate::renderer::{Renderer, Subject};
 use crate::scene::canvas::centroid;
@@ -102,6 +103,7 @@ impl<'a> Setup<'a> {
         run: &dyn Fn(&Bench) -> Result<T>,
     ) -> Result<T> {
         let flapping_model = FlappingModel::of(&self.body, self.centre_line(), sweeps, reduced)?;
+        let softened = self.softened(&flapping_model, &sweeps[0].pressures)?;
         let Request { set, progress, .. } = *self.request;
         run(&Bench {
             set,
@@ -111,12 +113,26 @@ impl<'a> Setup<'a> {
             body: &self.body,
             sweeps,
             flapping_model: &flapping_model,
+            softened: &softened,
             fluid: fluid(set, self.own.seed),
             renderer: &self.renderer,
             subject: &self.subject,
             marks: &self.marks,
             progress,
         })
+    }
+
+    /// The model after the cycles of every amplitude among the trials.
+    fn softened(&self, model: &FlappingModel, pressures: &[Pascal]) -> Result<Vec<(Pascal, SoftenedModel)>> {
+        let amplitude = |trial: &Trial| match trial.experiment {
+            Experiment::Flapping { amplitude, .. } => Some(amplitude),
+            Experiment::Staircase { .. } => None,
+        };
+        let mut all: Vec<Pascal> = self.trials.iter().filter_map(amplitude).collect();
+        all.sort_by(f64::total_cmp);
+        all.dedup();
+        let mullins = &self.request.set.causes.mullins;
+        all.into_par_iter().map(|amplitude| Ok((amplitude, model.softened(mullins, pressures, amplitude)?))).collect()
     }
 
     /// The pixels of the marks and of the lamp while the tail is at rest.

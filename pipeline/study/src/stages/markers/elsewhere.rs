@@ -132,6 +132,17 @@ mod tests {
     }
 
     #[test]
+    fn a_file_that_only_touches_the_film_overlaps_it_and_one_beside_it_does_not() {
+        let film = [2.0, 2.5, 3.0];
+        for [from, to] in [[0.0, 2.0], [3.0, 4.0], [2.2, 2.4], [1.0, 5.0]] {
+            assert!(meets(&[from, to], &film, "a.c3d").is_ok(), "{from} to {to}");
+        }
+        for [from, to] in [[0.0, 1.99], [3.01, 4.0]] {
+            assert!(meets(&[from, to], &film, "a.c3d").unwrap_err().to_string().contains("the film from 2.000"));
+        }
+    }
+
+    #[test]
     fn millimetres_taken_for_metres_are_too_far_from_the_card() {
         let marker = Painted { name: "m1".into(), at: [0.05, 0.0, 0.0] };
         assert!(check_start("a.c3d", &marker, [0.052, 0.001], 0.1).is_ok());
