@@ -47,7 +47,9 @@ impl Fitting<'_> {
         found: &[Vec<Point2>],
         residuals: (&Residuals, usize),
     ) -> Result<Vec<f64>, String> {
-        let settings = StaticSettings { tolerance: self.static_tolerance(), ..StaticSettings::default() };
+        // the lowest pressures are reached at once; three steps to each took half of the stage's time
+        let settings =
+            StaticSettings { tolerance: self.static_tolerance(), load_steps: 1, ..StaticSettings::default() };
         let error = error(&self.levels.levels, found, &finer?, (elastic, &settings));
         error.and_then(|error| shift(&self.levels, residuals, &error)).map_err(|d| on_edges(self.set, &d.what))
     }
