@@ -145,7 +145,8 @@ fn where_silicone_and_sheet_do_not_adhere_pressure_is_passed_on_and_shear_is_not
     for side in 0..2 {
         let [two, six] = [two, six].map(|tip| tip[side] / bonded[side] - 1.0);
         println!("two chambers move the tip by {:+.3} %, six by {:+.3} %", 100.0 * two, 100.0 * six);
-        assert!(six.abs() > two.abs() && two.abs() > 1e-5 && six.abs() < 0.03, "{two} {six}");
+        // a film with the silicone's shear modulus moves it by at most 0.05 %: that is the other division of the mesh
+        assert!(six > two && six > 8e-4 && six < 3e-3, "{two} {six}");
     }
 }
 
