@@ -1,4 +1,4 @@
-//! A whole study in seconds: the virtual bench records a coarse tail, and every stage, figure and table is made of it. Its numbers are
+//! A whole study in a minute: the virtual bench records a coarse tail, and every stage, figure and table for one tail is made of it. Its numbers are
 //! those of `numbers.toml`, so that a change anywhere between recording and paper that changes a number is seen.
 #![allow(clippy::unwrap_used)]
 

@@ -28,8 +28,9 @@ impl Project {
             fs::copy(house.join(page), root.join(page)).unwrap();
         }
         fs::write(root.join("study.toml"), coarse(&fs::read_to_string(house.join("study.toml")).unwrap())).unwrap();
-        record_into(&root.join("data/raw"));
-        Self(root)
+        let project = Self(root);
+        record_into(&project.0.join("data/raw"));
+        project
     }
 
     pub fn open(&self) -> Runner {
