@@ -23,7 +23,7 @@
 //! ```
 //!
 //! Depends on `diagnostics`, `fem`, `lab` (cards), `mesh`, `optimize`, `plot` (the figure of a free vibration test, surfaces of a mesh in figures), `si`, `signal`,
-//! `simulate`.
+//! `simulate`, `twin`.
 
 pub mod actuated;
 mod body;
@@ -45,6 +45,7 @@ mod reduced;
 pub mod relaxation;
 mod rigid;
 mod search;
+mod stepped;
 mod stiffening;
 pub mod surfaces;
 mod surrogate;
@@ -56,6 +57,7 @@ pub use cells::cells;
 pub use discrepancy::Discrepancy;
 pub use identified_materials::{IdentifiedMaterial, IdentifiedMaterials};
 pub use levels::{Derivatives, LevelSolver, PressureLevel, SimulatedLevel};
+pub use load_path::extrapolated;
 pub use meshed::{Meshed, NamedRegion};
 pub use misfit::Misfit;
 pub use model::{Attached, BODY, Elastic, Model, Viscoelastic, by_node};

@@ -104,16 +104,20 @@ impl LoadPath<'_> {
     /// The polynomial through the last three points, of which the beginning of the path is one, at `part`.
     fn extrapolated(&self, part: f64, points: &[Point]) -> Vec<f64> {
         let known = points.iter().map(|point| (point.part, point.shape.as_slice()));
-        let all: Vec<(f64, &[f64])> = std::iter::once((0.0, self.from.1)).chain(known).collect();
-        let last = &all[all.len().saturating_sub(3)..];
-        let mut sum = vec![0.0; self.from.1.len()];
-        for (i, (at, shape)) in last.iter().enumerate() {
-            let others = last.iter().enumerate().filter(|(j, _)| *j != i);
-            let weight: f64 = others.map(|(_, (other, _))| (part - other) / (at - other)).product();
-            sum.iter_mut().zip(*shape).for_each(|(sum, u)| *sum += weight * u);
-        }
-        sum
+        extrapolated(&std::iter::once((0.0, self.from.1)).chain(known).collect::<Vec<_>>(), part)
     }
+}
+
+/// The polynomial through the last three of the `known` shapes, each with its place on a path, at the place `to`. There is at least one shape.
+pub fn extrapolated(known: &[(f64, &[f64])], to: f64) -> Vec<f64> {
+    let last = &known[known.len().saturating_sub(3)..];
+    let mut sum = vec![0.0; last.first().map_or(0, |(_, shape)| shape.len())];
+    for (i, (at, shape)) in last.iter().enumerate() {
+        let others = last.iter().enumerate().filter(|(j, _)| *j != i);
+        let weight: f64 = others.map(|(_, (other, _))| (to - other) / (at - other)).product();
+        sum.iter_mut().zip(*shape).for_each(|(sum, u)| *sum += weight * u);
+    }
+    sum
 }
 
 /// Factor of the next step after one with this many factorisations.
@@ -122,5 +126,23 @@ fn growth(factorisations: usize) -> f64 {
         ..=EASY => 1.5,
         HARD.. => 0.6,
         _ => 1.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_parabola_is_extrapolated_exactly_and_older_shapes_do_not_count() {
+        let at = |t: f64| [1.0 + t * t, 2.0 - t];
+        let shapes: Vec<(f64, [f64; 2])> = [0.1, 0.5, 0.6].map(|t| (t, at(t))).to_vec();
+        let known: Vec<(f64, &[f64])> = shapes.iter().map(|(t, shape)| (*t, shape.as_slice())).collect();
+        let with_older: Vec<(f64, &[f64])> = std::iter::once((0.0, [9.0; 2].as_slice())).chain(known.clone()).collect();
+        for known in [&known, &with_older] {
+            let found = extrapolated(known, 0.9);
+            assert!(found.iter().zip(at(0.9)).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?}");
+        }
+        assert_eq!(extrapolated(&known[..1], 0.9), at(0.1));
     }
 }

@@ -8,8 +8,8 @@ use si::{Hertz, Newton, Pascal, Point2, Second};
 
 use super::{Fitted, Run, run};
 use crate::ascent::{Limits, Objective};
+use crate::real_time::Surroundings;
 use crate::square_wave::SquareWave;
-use crate::water::Water;
 use diagnostics::Result;
 use sysid::{ForcedMotion, ReducedBody, even_times};
 
@@ -90,11 +90,11 @@ impl FlappingModel<'_> {
 
     fn motion(&self, rate: Hertz, steps: usize, pressures: &dyn Fn(Second) -> Vec<Pascal>) -> Result<Motion> {
         let settings = DynamicSettings { step: 1.0 / rate, scheme: Scheme::Bdf2, ..DynamicSettings::default() };
-        let mut water = Water::around(self.wet.0, self.wet.1, self.by, self.half);
+        let water = Surroundings { tail: self.wet.0, rows: self.wet.1, by: self.by, half: self.half };
         let (mut moved, mut speed) = (Vec::with_capacity(steps), Vec::with_capacity(steps));
         let times = even_times(settings.step, steps);
         let motion = ForcedMotion { settings: &settings, pressures, times: &times };
-        self.reduced_body.integrate_in_fluid(&motion, &mut water, &mut |q, v| {
+        water.integrate(self.reduced_body, &motion, &mut |q, v| {
             moved.push(super::water::points(self.rows * q));
             speed.push(super::water::points(self.rows * v));
         })?;

@@ -1,17 +1,15 @@
 //! A reduced body as a [`Twin`], which steps by itself and many times faster than real time.
 
-use diagnostics::{Diagnostic, Result};
-use fem::{ReducedRegion, Relaxation};
+use diagnostics::Result;
 use hydro::{Coefficients, SectionOfTail, Tail};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use si::{Point2, Second};
 use signal::resample::Samples;
-use sysid::ReducedBody;
 use sysid::actuated::Actuation;
-use twin::{Chamber, Region, Section, Twin, TwinData};
+use sysid::{ForcedMotion, ReducedBody};
+use twin::{Section, Twin, TwinData};
 
-/// The laws that a twin evaluates.
-const LAWS: [&str; 2] = ["neo_hookean", "yeoh"];
+use crate::water::Water;
 
 /// Still water around a reduced body.
 #[derive(Clone, Copy)]
@@ -26,59 +24,52 @@ pub struct Surroundings<'a> {
     pub half: bool,
 }
 
+impl Surroundings<'_> {
+    /// Integrates a motion of `body` in this water; `see` receives each new q and q̇.
+    ///
+    /// # Errors
+    /// A [`diagnostics::Diagnostic`] when a step finds no motion.
+    // By its twin, where there is one, as `ReducedBody::integrate` does in air.
+    pub fn integrate(
+        &self,
+        body: &ReducedBody,
+        motion: &ForcedMotion,
+        see: &mut dyn FnMut(&DVector<f64>, &DVector<f64>),
+    ) -> Result<()> {
+        match motion.suits_a_twin() && body.has_twin() {
+            true => motion.step_twin(twin_data(body, Some(self), &[])?, see),
+            false => {
+                let mut water = Water::around(self.tail, self.rows, self.by, self.half);
+                body.integrate_in_fluid(motion, &mut water, see)
+            }
+        }
+    }
+}
+
 /// The arrays of `body`, in air or in water; `outputs` are the markers whose displacements are named, along x and y each.
 ///
 /// # Errors
-/// A [`Diagnostic`] when a law is neither neo-Hookean nor Yeoh's.
+/// A [`diagnostics::Diagnostic`] when a law is neither neo-Hookean nor Yeoh's.
 pub fn twin_data(body: &ReducedBody, water: Option<&Surroundings>, outputs: &[(&str, usize)]) -> Result<TwinData> {
-    let reduced = body.model();
-    let arrays = reduced.arrays();
-    let r = reduced.coordinates();
-    let regions = arrays.regions.iter().zip(body.constants());
-    let chamber = |(at_rest, [a, b, c]): &(f64, [&[f64]; 3])| Chamber {
-        at_rest: *at_rest,
-        linear: a.to_vec(),
-        quadratic: b.to_vec(),
-        cubic: c.to_vec(),
-    };
     let section = |water: &Surroundings| -> Vec<Section> {
-        water.tail.sections().iter().map(|of| section(of, water, r)).collect()
+        water.tail.sections().iter().map(|of| section(of, water, body.coordinates())).collect()
     };
-    let named = |(name, marker): &(&str, usize)| {
-        let rows = body.rows(&[*marker]);
-        ["x", "y"]
-            .into_iter()
-            .enumerate()
-            .map(|(k, axis)| (format!("{name}_{axis}"), row(&rows, k)))
-            .collect::<Vec<_>>()
-    };
-    Ok(TwinData {
-        mass: arrays.mass.to_vec(),
-        size: arrays.size,
-        regions: regions.map(|(of, constants)| region(of, constants, r)).collect::<Result<_>>()?,
-        chambers: arrays.chambers.iter().map(chamber).collect(),
-        sections: water.map(section).unwrap_or_default(),
-        outputs: outputs.iter().flat_map(named).collect(),
-    })
-}
-
-/// Whether a twin evaluates the laws of a body.
-pub fn has_twin(body: &ReducedBody) -> bool {
-    body.model().arrays().regions.iter().all(|region| LAWS.contains(&region.material.name()))
+    let sections = water.map(section).unwrap_or_default();
+    Ok(TwinData { sections, ..body.twin_data(outputs)? })
 }
 
 /// Displacement of a marker of `body` along x and y, m, by its twin in air or in water in steps of `step` seconds, as functions of the film's
 /// time; none where a law is none that a twin has.
 ///
 /// # Errors
-/// A [`Diagnostic`] when a step finds no motion.
+/// A [`diagnostics::Diagnostic`] when a step finds no motion.
 pub fn path(
     (body, water): (&ReducedBody, Option<&Surroundings>),
     marker: usize,
     step: Second,
     actuation: &Actuation,
 ) -> Result<Option<[Samples; 2]>> {
-    if !has_twin(body) {
+    if !body.has_twin() {
         return Ok(None);
     }
     let twin = Twin::new(twin_data(body, water, &[("marker", marker)])?)?;
@@ -89,32 +80,6 @@ pub fn path(
         path.push([twin.output(&state, 0), twin.output(&state, 1)]);
     }
     actuation.sampled(&times, &path).map(Some)
-}
-
-fn row(rows: &DMatrix<f64>, number: usize) -> Vec<f64> {
-    rows.row(number).iter().copied().collect()
-}
-
-fn region(of: &ReducedRegion, (scale, relaxation, ratios): (f64, &Relaxation, [f64; 2]), r: usize) -> Result<Region> {
-    let name = of.material.name();
-    if !LAWS.contains(&name) {
-        return Err(Diagnostic::new(
-            format!("a tail of the law `{name}` cannot be exported as a twin"),
-            "a twin evaluates the neo-Hookean law and Yeoh's",
-            "give solid.material = \"neo_hookean\" or \"yeoh\" on the card",
-        ));
-    }
-    let moduli = of.moduli.scaled(scale).with_stiffening(ratios);
-    // points × 9 × r to points × r × 9
-    let transposed = |point: &[f64]| (0..9 * r).map(|at| point[at % 9 * r + at / 9]).collect::<Vec<_>>();
-    Ok(Region {
-        mu: moduli.mu,
-        lambda: moduli.lambda,
-        stiffening: if of.material.is_stiffening() { moduli.stiffening } else { [0.0; 2] },
-        branches: relaxation.branches().iter().map(|branch| [branch.strength, branch.time]).collect(),
-        weights: of.weights.to_vec(),
-        gradients: of.gradients.chunks_exact(9 * r).flat_map(transposed).collect(),
-    })
 }
 
 /// A section of the tail in the coordinates.

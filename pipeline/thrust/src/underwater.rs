@@ -6,7 +6,7 @@ use nalgebra::DMatrix;
 use si::Point2;
 use signal::resample::Samples;
 
-use crate::water::Water;
+use crate::real_time::Surroundings;
 use diagnostics::Result;
 use sysid::actuated::{Actuation, MotionSimulation};
 use sysid::{ForcedMotion, ReducedBody};
@@ -46,11 +46,11 @@ impl<'a> UnderwaterModel<'a> {
     /// # Errors
     /// A [`Diagnostic`] when a step finds no motion.
     pub fn path(&self, settings: &DynamicSettings, by: Coefficients, actuation: &Actuation) -> Result<[Samples; 2]> {
-        let mut water = Water::around(self.tail, &self.stations, by, self.half);
-        let mut path: Vec<Point2> = Vec::new();
         let times = actuation.times(settings.step);
         let motion = ForcedMotion { settings, pressures: &|t| actuation.pressures(t), times: &times };
-        self.reduced_body.integrate_in_fluid(&motion, &mut water, &mut |q, _| {
+        let water = Surroundings { tail: self.tail, rows: &self.stations, by, half: self.half };
+        let mut path: Vec<Point2> = Vec::with_capacity(times.len());
+        water.integrate(self.reduced_body, &motion, &mut |q, _| {
             path.push([0, 1].map(|k| (self.watched.row(k) * q)[0]));
         })?;
         actuation.sampled(&times, &path)

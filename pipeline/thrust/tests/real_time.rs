@@ -71,6 +71,16 @@ fn reduced(body: &ReducedBody, water: Option<&Surroundings>) -> Vec<f64> {
     path
 }
 
+/// The same by whatever integrates it fastest.
+fn fastest(body: &ReducedBody, water: Option<&Surroundings>) -> Vec<f64> {
+    let (times, settings, tip) = (even_times(1.0 / RATE, STEPS), settings(), body.rows(&[2]));
+    let motion = ForcedMotion { settings: &settings, pressures: &pressures, times: &times };
+    let Some(water) = water else { return body.integrate(&motion, 2).unwrap().iter().map(|at| at[1]).collect() };
+    let mut path = Vec::new();
+    water.integrate(body, &motion, &mut |q, _| path.push((tip.row(1) * q)[0])).unwrap();
+    path
+}
+
 fn twin(body: &ReducedBody, water: Option<&Surroundings>) -> Vec<f64> {
     let twin = Twin::new(twin_data(body, water, &[("tip", 2)]).unwrap()).unwrap();
     assert_eq!(twin.outputs().collect::<Vec<_>>(), ["tip_x", "tip_y"]);
@@ -111,6 +121,10 @@ fn in_air_and_in_water_a_twin_moves_as_its_reduced_model_and_within_a_five_hundr
     // tolerances of a step accumulate; both models solve the same equations
     assert!(difference(&dry, &reduced(&body, None)) < 2e-5 * LENGTH);
     assert!(difference(&wet, &reduced(&body, Some(&water))) < 2e-5 * LENGTH);
+    // the stages' motions are the twin's, to the tolerance of the reduced model's own
+    assert!(difference(&fastest(&body, None), &reduced(&body, None)) < 1e-6 * LENGTH);
+    assert!(difference(&fastest(&body, Some(&water)), &reduced(&body, Some(&water))) < 1e-6 * LENGTH);
+    assert!(fastest(&body, None) != reduced(&body, None), "integrated by the twin");
     assert!(difference(&dry, &whole(&model, &silicone)) < 2e-3 * LENGTH);
 }
 
@@ -121,4 +135,5 @@ fn a_law_that_a_twin_lacks_is_refused() {
     let body = ReducedBody::of(&model, &silicone, &snapshots.reduce(1e-2).unwrap()).unwrap();
     let refused = twin_data(&body, None, &[]).unwrap_err().to_string();
     assert!(refused.contains("`corotated`") && refused.contains("neo_hookean"), "{refused}");
+    assert_eq!(fastest(&body, None), reduced(&body, None), "it moves all the same");
 }

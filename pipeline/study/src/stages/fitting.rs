@@ -1,7 +1,7 @@
 //! The identification problem: pressure levels of all films of a specimen, the model, and the bounds of both moduli.
 
 use fem::StaticSettings;
-use optimize::optimisers::{self, adam, cma_es};
+use optimize::optimisers::{self, adam, cma_es, gauss_newton};
 use optimize::{Bounds, Evaluation, EvaluationLog, Needs, Problem, Residuals};
 use serde::{Deserialize, Serialize};
 use si::{Metre, Pascal, Point2, Second};
@@ -229,7 +229,8 @@ impl<'a> Fitting<'a> {
     /// A [`Diagnostic`] when the method cannot continue, or Adam reaches a point without equilibrium.
     pub fn search(&self, member: &optimisers::Member) -> Result<SearchResult> {
         let mut optimiser = (member.build)(&self.search, &self.methods())?;
-        let mut solver = self.solver(&self.levels.levels, self.set.static_tolerance);
+        let looser = if member.name == gauss_newton::NAME { 1.0 } else { COMPARED };
+        let mut solver = self.solver(&self.levels.levels, looser * self.set.static_tolerance);
         let mut evaluated = Vec::new();
         let mut problem = |batch: &[Vec<f64>], needs: Needs| -> Result<Vec<Evaluation>, Interrupted> {
             let mut answers: Vec<Option<Evaluation>> = vec![None; batch.len()];
@@ -329,6 +330,8 @@ fn statics(tolerance: f64) -> StaticSettings {
     StaticSettings { tolerance, max_iterations: DIRECTIONS, ..StaticSettings::default() }
 }
 
+/// Tolerance of the equilibria of searches that are only compared, over Gauss-Newton's: a last step leaves a tenth of itself.
+const COMPARED: f64 = 10.0;
 /// Newton iterations after which an initial guess is given up: where an equilibrium exists, eight suffice.
 const DIRECTIONS: usize = 16;
 

@@ -24,7 +24,7 @@ impl Stage for Identify {
     type Needs = (Mesh, Films);
     type Makes = Identified;
     const DESCRIPTION: &'static str = "Young's moduli are identified from quasi-static motion";
-    const VERSION: u32 = 14;
+    const VERSION: u32 = 15;
 
     fn raw(of: &Specimen) -> Vec<RawFile> {
         mesh::Mesh::raw(of)
@@ -50,13 +50,9 @@ impl Stage for Identify {
                 _ => {}
             }
         }
-        let Some(best) = best else {
-            return Err(Diagnostic::new(
-                "identification needs gauss_newton",
-                "`optimize` does not list it",
-                "restore it",
-            ));
-        };
+        let unlisted =
+            || Diagnostic::new("identification needs gauss_newton", "`optimize` does not list it", "restore it");
+        let best = best.ok_or_else(unlisted)?;
         let finer = finer(card, set, (&mesh, &films), context);
         let gradient_difference = fitting.compared.then(|| fitting.gradient_difference()).transpose()?;
         fitting.assemble(Searches { best, grid, records, finer }, gradient_difference, context)

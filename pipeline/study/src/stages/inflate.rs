@@ -12,7 +12,7 @@ use crate::selections::OfTrials;
 use crate::subject::{Specimen, Trial};
 use diagnostics::{Diagnostic, Result};
 use mesh::wall::{Section, Walls, end_rotation};
-use sysid::{Body, by_node};
+use sysid::{Body, by_node, extrapolated};
 use workflow::stage::{Stage, StageContext};
 use workflow::subject::Part;
 
@@ -66,7 +66,7 @@ impl Stage for Inflate {
     type Needs = (Mesh, Identified, OfTrials<ExampleFrames>);
     type Makes = Inflation;
     const DESCRIPTION: &'static str = "the identified model is inflated to the highest filmed pressure";
-    const VERSION: u32 = 4;
+    const VERSION: u32 = 5;
 
     fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<Inflation> {
         let (mesh, found, OfTrials(examples, _)) = needs;
@@ -83,7 +83,8 @@ impl Stage for Inflate {
             max_iterations: DIRECTIONS,
             ..StaticSettings::default()
         };
-        let displacements = solve_levels(&mut solver, &levels, &statics, context)?;
+        let rest = vec![0.0; 3 * mesh.solid.nodes.len()];
+        let displacements = solve_levels((&mut solver, &statics), &levels, rest, context)?;
         let section = Section::of(&mesh.solid);
         let solved = levels.iter().zip(&displacements);
         let shapes: Vec<Shape> = solved.map(|(p, u)| shape(&mesh, section.as_ref(), p, by_node(u))).collect();
@@ -110,23 +111,26 @@ fn levels(card: &Card, staircase: &Staircase, count: usize, filmed: Option<&[Pas
 const HALVINGS: usize = 2;
 const DIRECTIONS: usize = 25;
 
-/// Displacements (3 a node, m), each started from the one before, up to the first level without equilibrium.
+/// Displacements (3 a node, m) while there is an equilibrium, each from the parabola through the three before or else from the last.
 fn solve_levels(
-    solver: &mut Solver,
+    (solver, statics): (&mut Solver, &StaticSettings),
     levels: &[Vec<Pascal>],
-    statics: &StaticSettings,
+    rest: Vec<f64>,
     context: &dyn StageContext,
 ) -> Result<Vec<Vec<f64>>> {
-    let mut solved: Vec<Vec<f64>> = Vec::new();
+    let mut solved = vec![(0.0, rest)];
     for (i, pressures) in levels.iter().enumerate() {
         context.progress(i as f64 / levels.len() as f64, "inflating");
-        match solver.equilibrium(pressures, solved.last().map(Vec::as_slice), statics) {
-            Ok(found) => solved.push(found.displacement),
-            Err(error) if solved.is_empty() => return Err(Diagnostic::from(error)),
+        let known: Vec<(Pascal, &[f64])> = solved.iter().map(|(p, u)| (*p, u.as_slice())).collect();
+        let (to, last) = (pressures.iter().sum(), known[i].1);
+        let near = solver.equilibrium_near(pressures, last, &extrapolated(&known, to), statics);
+        match near.or_else(|_| solver.equilibrium(pressures, Some(last), statics)) {
+            Ok(found) => solved.push((to, found.displacement)),
+            Err(error) if i == 0 => return Err(Diagnostic::from(error)),
             Err(_) => break,
         }
     }
-    Ok(solved)
+    Ok(solved.into_iter().skip(1).map(|(_, shape)| shape).collect())
 }
 
 fn shape(mesh: &Mesh, section: Option<&Section>, pressures: &[Pascal], moved: Vec<Point3>) -> Shape {

@@ -19,7 +19,7 @@ use ::thrust::flapping::FlappingModel;
 use ::thrust::models::linear::Weighted;
 use ::thrust::optimal_waveform::OptimalWaveforms;
 use ::thrust::outline::Outline;
-use ::thrust::real_time::{Surroundings, has_twin, twin_data};
+use ::thrust::real_time::{Surroundings, twin_data};
 use ::thrust::square_wave_search::{Search, best_recorded, check, highest};
 use ::thrust::waveform::Valve;
 use ::thrust::waveform_thrust::WaveformModel;
@@ -146,7 +146,7 @@ impl Actuated<'_> {
     fn waveforms(&self, valve: Valve, recorded: &Run) -> Result<Option<OptimalWaveforms>> {
         let Self { flapping, theory, limits, set } = *self;
         let &[edge_flux, momentum_rate, drag, inertia, _] = theory else { return Ok(None) };
-        if !has_twin(flapping.reduced_body) {
+        if !flapping.reduced_body.has_twin() {
             return Ok(None);
         }
         let (wet, rows) = flapping.wet;

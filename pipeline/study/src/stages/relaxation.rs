@@ -54,7 +54,7 @@ impl Stage for Relaxation {
     type Needs = (Mesh, Identified, Reduced, IdentificationTrials<Motion>);
     type Makes = records::Relaxation;
     const DESCRIPTION: &'static str = "transients of the staircases give the silicone's relaxation";
-    const VERSION: u32 = 4;
+    const VERSION: u32 = 5;
 
     fn run(
         card: &Self::Card,

@@ -1,0 +1,98 @@
+//! A reduced body as a [`Twin`], which evaluates eight cubature points at once and sums its tangent in single precision.
+
+use fem::{ReducedRegion, Relaxation, Scheme};
+use nalgebra::{DMatrix, DVector};
+use twin::{Chamber, Region, Twin, TwinData};
+
+use crate::reduced::{ForcedMotion, ReducedBody};
+use diagnostics::{Diagnostic, Result};
+
+/// The laws that a twin evaluates.
+const LAWS: [&str; 2] = ["neo_hookean", "yeoh"];
+/// Largest size of the last iteration of a step, relative to the largest shape: that of the reduced model's own integration, so that
+/// differences of motions are as exact.
+const TOLERANCE: f64 = 1e-8;
+
+impl ReducedBody {
+    /// Whether a twin evaluates its laws.
+    pub fn has_twin(&self) -> bool {
+        self.model().arrays().regions.iter().all(|region| LAWS.contains(&region.material.name()))
+    }
+
+    /// Its arrays, in air; `outputs` are the markers whose displacements are named, along x and y each.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when a law is neither neo-Hookean nor Yeoh's.
+    pub fn twin_data(&self, outputs: &[(&str, usize)]) -> Result<TwinData> {
+        let (arrays, r) = (self.model().arrays(), self.coordinates());
+        let regions = arrays.regions.iter().zip(self.constants());
+        let chamber = |(at_rest, [a, b, c]): &(f64, [&[f64]; 3])| Chamber {
+            at_rest: *at_rest,
+            linear: a.to_vec(),
+            quadratic: b.to_vec(),
+            cubic: c.to_vec(),
+        };
+        let named = |(name, marker): &(&str, usize)| {
+            let rows = self.rows(&[*marker]);
+            [("x", 0), ("y", 1)].map(|(axis, k)| (format!("{name}_{axis}"), row(&rows, k)))
+        };
+        Ok(TwinData {
+            mass: arrays.mass.to_vec(),
+            size: arrays.size,
+            regions: regions.map(|(of, constants)| region(of, constants, r)).collect::<Result<_>>()?,
+            chambers: arrays.chambers.iter().map(chamber).collect(),
+            sections: Vec::new(),
+            outputs: outputs.iter().flat_map(named).collect(),
+        })
+    }
+}
+
+impl ForcedMotion<'_> {
+    /// Whether a twin integrates by the same scheme.
+    pub fn suits_a_twin(&self) -> bool {
+        let set = self.settings;
+        set.scheme == Scheme::Bdf2 && set.mass_damping == 0.0 && set.stiffness_damping == 0.0
+    }
+
+    /// Integrates the motion by the twin of these arrays; `see` receives each new q and q̇.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when a step finds no motion.
+    pub fn step_twin(&self, data: TwinData, see: &mut dyn FnMut(&DVector<f64>, &DVector<f64>)) -> Result<()> {
+        let twin = Twin::new(data)?.with_tolerance(TOLERANCE);
+        let mut state = twin.start();
+        for &time in self.times {
+            let duration = time - state.time();
+            twin.step(&mut state, &(self.pressures)(time), duration)?;
+            let [q, velocity] = [state.coordinates(), state.velocity()].map(DVector::from_column_slice);
+            see(&q, &velocity);
+        }
+        Ok(())
+    }
+}
+
+fn row(rows: &DMatrix<f64>, number: usize) -> Vec<f64> {
+    rows.row(number).iter().copied().collect()
+}
+
+fn region(of: &ReducedRegion, (scale, relaxation, ratios): (f64, &Relaxation, [f64; 2]), r: usize) -> Result<Region> {
+    let name = of.material.name();
+    if !LAWS.contains(&name) {
+        return Err(Diagnostic::new(
+            format!("a tail of the law `{name}` cannot be exported as a twin"),
+            "a twin evaluates the neo-Hookean law and Yeoh's",
+            "give solid.material = \"neo_hookean\" or \"yeoh\" on the card",
+        ));
+    }
+    let moduli = of.moduli.scaled(scale).with_stiffening(ratios);
+    // points × 9 × r to points × r × 9
+    let transposed = |point: &[f64]| (0..9 * r).map(|at| point[at % 9 * r + at / 9]).collect::<Vec<_>>();
+    Ok(Region {
+        mu: moduli.mu,
+        lambda: moduli.lambda,
+        stiffening: if of.material.is_stiffening() { moduli.stiffening } else { [0.0; 2] },
+        branches: relaxation.branches().iter().map(|branch| [branch.strength, branch.time]).collect(),
+        weights: of.weights.to_vec(),
+        gradients: of.gradients.chunks_exact(9 * r).flat_map(transposed).collect(),
+    })
+}
