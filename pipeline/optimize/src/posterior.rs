@@ -109,9 +109,24 @@ pub fn integrated_correlation(of: &[f64]) -> f64 {
     1.0 + 2.0 * (1..of.len()).map(at).take_while(|correlation| *correlation > 0.0).sum::<f64>()
 }
 
+/// Principal axes of a `count` × `count` covariance, each as long as its standard deviation: independent errors whose squares add up to it.
+pub fn deviations(count: usize, covariance: &dyn Fn(usize, usize) -> f64) -> Vec<Vec<f64>> {
+    let split = SymmetricEigen::new(DMatrix::from_fn(count, count, covariance));
+    let axis =
+        |k: usize| split.eigenvectors.column(k).iter().map(|v| v * split.eigenvalues[k].max(0.0).sqrt()).collect();
+    (0..count).map(axis).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_deviations_of_a_covariance_give_it_back() {
+        let axes = deviations(2, &|i, j| [[0.01, -0.024], [-0.024, 0.09]][i][j]);
+        let of = |i: usize, j: usize| axes.iter().map(|a| a[i] * a[j]).sum::<f64>();
+        assert!((of(0, 0) - 0.01).abs() < 1e-12 && (of(1, 1) - 0.09).abs() < 1e-12 && (of(0, 1) + 0.024).abs() < 1e-12);
+    }
 
     /// Residuals that depend on the sum of two parameters with one weight and on their difference with another.
     fn residuals(sum: f64, difference: f64) -> Residuals {

@@ -6,11 +6,11 @@ use rayon::prelude::*;
 use si::{Metre, Second};
 use signal::resample::Samples;
 
-use super::deviations;
-use crate::records::{Drag, Identified, Interval, Relaxation};
+use super::deviations::Open;
+use crate::records::{Drag, Interval};
 use diagnostics::Result;
+use sysid::ReducedBody;
 use sysid::actuated::Actuation;
-use sysid::{Model, ReducedBody};
 
 /// The path of the tip marker of a body in water with these coefficients, or without water.
 pub(super) type Simulated<'a> =
@@ -18,10 +18,8 @@ pub(super) type Simulated<'a> =
 
 /// What the prediction rests on.
 pub(super) struct Predicted<'a> {
-    pub model: &'a Model,
+    pub open: Open<'a>,
     pub reduced_body: &'a ReducedBody,
-    pub identified: &'a Identified,
-    pub relaxation: &'a Relaxation,
     pub drag: Option<&'a Drag>,
     pub settings: &'a DynamicSettings,
 }
@@ -37,9 +35,9 @@ impl Predicted<'_> {
             Ok(amplitude(&simulated(body, self.settings, by, actuation)?, &times).ln())
         };
         let here = of(self.reduced_body, by)?;
-        let silicones = deviations::of_silicone(self.model, self.identified, self.relaxation)?;
-        let of_silicone = silicones.par_iter().map(|silicone| of(&self.reduced_body.with(self.model, silicone), by));
-        let mut all: Vec<f64> = of_silicone.collect::<Result<_>>()?;
+        let silicones = self.open.of_motion()?;
+        let off = |(silicone, own): &(_, f64)| Ok(of(&self.reduced_body.with(self.open.model, silicone), by)? - own);
+        let mut all: Vec<f64> = silicones.par_iter().map(off).collect::<Result<_>>()?;
         if let Some(drag) = self.drag {
             let Coefficients { added, drag: normal } = drag.by;
             let waters = [
@@ -49,7 +47,7 @@ impl Predicted<'_> {
             all.extend(waters.into_iter().map(|by| of(self.reduced_body, Some(by))).collect::<Result<Vec<_>>>()?);
         }
         let variance: f64 = all.iter().map(|there| (there - here).powi(2)).sum();
-        Ok((variance + self.identified.noise.scale_sigma.powi(2)).sqrt())
+        Ok((variance + self.open.identified.noise.scale_sigma.powi(2)).sqrt())
     }
 }
 

@@ -2,54 +2,58 @@
 //!
 //! Whatever is predicted with the silicone is simulated with each of these as well: the squares of the changes add to the variance.
 
-use nalgebra::{DMatrix, SymmetricEigen};
-
 use crate::records::{Identified, Relaxation};
 use diagnostics::Result;
+use optimize::posterior::deviations;
 use sysid::{Model, Viscoelastic};
 
-/// The silicone off along each principal axis of the moduli's covariance, and of that of the branches' strengths.
-///
-/// # Errors
-/// A [`diagnostics::Diagnostic`] when a branch is one that no solid can have.
-pub(super) fn of_silicone(
-    model: &Model,
-    identified: &Identified,
-    relaxation: &Relaxation,
-) -> Result<Vec<Viscoelastic>> {
-    let mut all = Vec::new();
-    let moduli = &identified.uncertainty;
-    for shift in axes(moduli.sigma.len(), &|i, j| moduli.on_the_same_mesh(i, j)) {
-        let mut other = identified.clone();
-        other.best.iter_mut().zip(&shift).for_each(|(modulus, by)| *modulus *= by.exp());
-        all.push(relaxation.silicone(model, &other)?);
-    }
-    let sigma: Vec<f64> = relaxation.branches.iter().map(|b| b.sigma).collect();
-    let count = sigma.len();
-    for shift in axes(count, &|i, j| sigma[i] * sigma[j] * relaxation.correlation[i * count + j]) {
-        let mut other = relaxation.clone();
-        other.branches.iter_mut().zip(&shift).for_each(|(branch, by)| branch.strength *= by.exp());
-        all.push(other.silicone(model, identified)?);
-    }
-    Ok(all)
+/// What identification left open of a silicone.
+pub(super) struct Open<'a> {
+    pub model: &'a Model,
+    pub identified: &'a Identified,
+    pub relaxation: &'a Relaxation,
 }
 
-/// Principal axes of a covariance, each as long as its standard deviation.
-fn axes(count: usize, covariance: &dyn Fn(usize, usize) -> f64) -> Vec<Vec<f64>> {
-    let split = SymmetricEigen::new(DMatrix::from_fn(count, count, covariance));
-    let axis =
-        |k: usize| split.eigenvectors.column(k).iter().map(|v| v * split.eigenvalues[k].max(0.0).sqrt()).collect();
-    (0..count).map(axis).collect()
-}
+impl Open<'_> {
+    /// The silicone off along each principal axis of the moduli's covariance, and of that of the branches' strengths.
+    ///
+    /// # Errors
+    /// A [`diagnostics::Diagnostic`] when a branch is one that no solid can have.
+    pub fn silicones(&self) -> Result<Vec<Viscoelastic>> {
+        let moduli = &self.identified.uncertainty;
+        let axes = deviations(moduli.sigma.len(), &|i, j| moduli.on_the_same_mesh(i, j));
+        axes.iter().map(|shift| self.moduli(shift)).chain(self.strengths()).collect()
+    }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+    /// The same for a motion to both sides, each with the part of its relative change that the body has as well. What a film shows too large
+    /// by the body's own scale on that side is in its moduli and, on that side, in every motion.
+    ///
+    /// # Errors
+    /// As [`Open::silicones`].
+    pub fn of_motion(&self) -> Result<Vec<(Viscoelastic, f64)>> {
+        let Identified { uncertainty: moduli, discrepancy, .. } = self.identified;
+        let axes = deviations(moduli.sigma.len(), &|i, j| moduli.beside_the_scales(i, j));
+        let share = discrepancy.scale_sigma / moduli.scales.len().max(1) as f64;
+        let beside = axes.iter().map(|shift| self.moduli(shift)).chain(self.strengths()).map(|off| Ok((off?, 0.0)));
+        let scaled = moduli.scales.iter().map(|shift| Ok((self.moduli(shift)?, share)));
+        beside.chain(scaled).collect()
+    }
 
-    #[test]
-    fn the_axes_of_a_covariance_give_it_back() {
-        let axes = axes(2, &|i, j| [[0.01, -0.024], [-0.024, 0.09]][i][j]);
-        let of = |i: usize, j: usize| axes.iter().map(|a| a[i] * a[j]).sum::<f64>();
-        assert!((of(0, 0) - 0.01).abs() < 1e-12 && (of(1, 1) - 0.09).abs() < 1e-12 && (of(0, 1) + 0.024).abs() < 1e-12);
+    fn moduli(&self, shift: &[f64]) -> Result<Viscoelastic> {
+        let mut other = self.identified.clone();
+        other.best.iter_mut().zip(shift).for_each(|(modulus, by)| *modulus *= by.exp());
+        self.relaxation.silicone(self.model, &other)
+    }
+
+    /// Along each principal axis of the covariance of the strengths.
+    fn strengths(&self) -> impl Iterator<Item = Result<Viscoelastic>> + '_ {
+        let Relaxation { branches, correlation, .. } = self.relaxation;
+        let count = branches.len();
+        let covariance = |i: usize, j: usize| branches[i].sigma * branches[j].sigma * correlation[i * count + j];
+        deviations(count, &covariance).into_iter().map(|shift| {
+            let mut other = self.relaxation.clone();
+            other.branches.iter_mut().zip(&shift).for_each(|(branch, by)| branch.strength *= by.exp());
+            other.silicone(self.model, self.identified)
+        })
     }
 }

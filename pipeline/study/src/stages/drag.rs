@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use si::{KilogramPerCubicMetre, Metre, Pascal, Second};
 
-use super::deviations;
+use super::deviations::Open;
 use super::simulation;
 use crate::records::{self, Identified, Level, Mesh, Motion, Reduced, Relaxation};
 use crate::selections::{OfTrials, UnderwaterStaircases};
@@ -41,7 +41,7 @@ pub struct Settings {
     vibration: Second,
     /// Longest time step of the hold, s.
     longest_step: Second,
-    /// Duration after the release that is compared, s.
+    /// Duration after the release that is compared, up to the next command, s.
     duration: Second,
     /// Least and greatest ratio of theory's added mass.
     added_mass_ratio: [f64; 2],
@@ -63,7 +63,7 @@ impl Stage for Drag {
     type Needs = ((Mesh, Identified, Reduced), Relaxation, OfTrials<Motion, UnderwaterStaircases>);
     type Makes = records::Drag;
     const DESCRIPTION: &'static str = "a release under water gives added mass and drag";
-    const VERSION: u32 = 10;
+    const VERSION: u32 = 11;
 
     fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<records::Drag> {
         let ((mesh, identified, reduced), relaxation, films) = needs;
@@ -77,14 +77,13 @@ impl Stage for Drag {
             marker: card.tip_marker(),
         };
         let known = identified.levels.iter().map(Level::pressure).fold(0.0, f64::max);
-        let hold = hold(motion, known)?;
+        let hold = hold(motion, known, set.duration)?;
         let (gauges, steps) = (simulation::gauges(motion)?, set.steps(&hold));
-        let end = hold.released + set.duration;
-        let actuation = Actuation { begin: hold.begin, end, steps: Some(&steps), gauges: &gauges };
+        let actuation = Actuation { begin: hold.begin, end: hold.end, steps: Some(&steps), gauges: &gauges };
         let reduced_body = ReducedBody::of(&model, &simulation.silicone, &reduced.data)?;
         let settings = dynamic_settings(Scheme::Bdf2, set.step);
         let underwater = UnderwaterModel::new(&reduced_body, &tail, &simulation, card.markers.len());
-        let film = set.film(motion, simulation.marker, &hold);
+        let film = film(motion, simulation.marker, &hold);
         if film.is_still() {
             return Err(no_motion(hold.released));
         }
@@ -100,7 +99,7 @@ impl Stage for Drag {
             at.par_iter().map(|by| off(&underwater, *by)).collect()
         };
         let found = set.release().identify(&mut evaluated)?;
-        let others = deviations::of_silicone(&model, &identified, &relaxation)?;
+        let others = Open { model: &model, identified: &identified, relaxation: &relaxation }.silicones()?;
         let other = |silicone: &Viscoelastic| off(&underwater.with(&reduced_body.with(&model, silicone)), found.by);
         let others = others.par_iter().map(other).collect::<Result<Vec<_>>>()?;
         Ok(records::Drag {
@@ -116,12 +115,12 @@ impl Stage for Drag {
     }
 }
 
-/// A hold of a staircase and its release.
+/// A hold of a staircase and its release; times are those of the film's clock, s.
 struct Hold {
-    /// s on the film's clock.
     begin: Second,
-    /// s on the film's clock.
     released: Second,
+    /// Of the time that is compared: the next command at the latest.
+    end: Second,
     /// Its command, Pa.
     pressure: Pascal,
 }
@@ -131,22 +130,22 @@ impl Settings {
     /// tail that is released as if it had just been filled returns too far, and the drag would have to make up for that.
     fn steps(&self, hold: &Hold) -> Vec<Second> {
         let Self { step, vibration, longest_step: longest, duration, .. } = *self;
-        let held = hold.released - hold.begin;
-        TimeSteps { step, vibration: vibration.max(duration), longest }.ends(&[0.0, held], held + duration)
-    }
-
-    /// The frames of a marker after the release.
-    fn film(&self, motion: &Motion, marker: usize, hold: &Hold) -> Window {
-        let span = hold.released..hold.released + self.duration;
-        let inside = motion.time.iter().zip(&motion.markers[marker].at).filter(|(t, _)| span.contains(*t));
-        let (times, seen) = inside.map(|(t, at)| (*t, *at)).unzip();
-        Window { begin: hold.released, times, seen, command: 0.0 }
+        let [held, end] = [hold.released, hold.end].map(|t| t - hold.begin);
+        TimeSteps { step, vibration: vibration.max(duration), longest }.ends(&[0.0, held], end)
     }
 
     fn release(&self) -> ReleaseSettings {
         let Self { added_mass_ratio, normal_drag_coefficient, iterations, step_tolerance, .. } = *self;
         ReleaseSettings { added_mass_ratio, normal_drag_coefficient, iterations, step_tolerance }
     }
+}
+
+/// The frames of a marker after the release.
+fn film(motion: &Motion, marker: usize, hold: &Hold) -> Window {
+    let frames = motion.time.iter().zip(&motion.markers[marker].at);
+    let inside = frames.filter(|(t, _)| (hold.released..hold.end).contains(*t));
+    let (times, seen) = inside.map(|(t, at)| (*t, *at)).unzip();
+    Window { begin: hold.released, times, seen, command: 0.0 }
 }
 
 fn no_staircase() -> Diagnostic {
@@ -161,16 +160,17 @@ fn no_motion(released: Second) -> Diagnostic {
     )
 }
 
-/// The highest hold that is not above `known` (Pa).
-fn hold(motion: &Motion, known: Pascal) -> Result<Hold> {
+/// The highest hold that is not above `known` (Pa), compared for `duration` after its release.
+fn hold(motion: &Motion, known: Pascal, duration: Second) -> Result<Hold> {
     let asked = |i: usize| motion.gauges.iter().map(|g| g.command[i]).fold(0.0, f64::max);
     let changes: Vec<usize> = (1..motion.log_time.len()).filter(|&i| asked(i) != asked(i - 1)).collect();
-    let hold = |pair: &[usize]| Hold {
-        begin: motion.log_time[pair[0]],
-        released: motion.log_time[pair[1]],
-        pressure: asked(pair[0]),
+    let time = |change: &usize| motion.log_time[*change];
+    let hold = |k: usize| {
+        let (begin, released) = (time(&changes[k - 1]), time(&changes[k]));
+        let end = changes.get(k + 1).map_or(f64::INFINITY, time).min(released + duration);
+        Hold { begin, released, end, pressure: asked(changes[k - 1]) }
     };
-    let released = changes.windows(2).filter(|pair| asked(pair[1]) == 0.0).map(hold);
+    let released = (1..changes.len()).filter(|&k| asked(changes[k]) == 0.0).map(hold);
     let within = released.filter(|hold| hold.pressure <= NEAR * known);
     within.max_by(|a, b| a.pressure.total_cmp(&b.pressure)).ok_or_else(|| {
         let why = format!("moduli were identified up to {:.0} Pa, and no hold within is released", known);
@@ -190,8 +190,9 @@ mod tests {
         let time: Vec<f64> = (0..700).map(|i| 0.01 * f64::from(i)).collect();
         let command = time.iter().map(|&t| [0.0, 1e4, 0.0, 2e4, 0.0, 3e4, 0.0][(t + 1e-9) as usize]).collect();
         let motion = Motion::of_one_marker(time, command, vec![[0.0, 0.0]; 700]);
-        let found = hold(&motion, 1.9e4).unwrap();
-        assert_eq!((found.begin, found.released, found.pressure), (3.0, 4.0, 2e4));
-        assert!(hold(&motion, 5e3).is_err());
+        let found = hold(&motion, 1.9e4, 0.6).unwrap();
+        assert_eq!((found.begin, found.released, found.end, found.pressure), (3.0, 4.0, 4.6, 2e4));
+        assert_eq!(hold(&motion, 1.9e4, 1.5).unwrap().end, 5.0, "the next level is filled");
+        assert!(hold(&motion, 5e3, 0.6).is_err());
     }
 }

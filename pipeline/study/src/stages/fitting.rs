@@ -215,10 +215,6 @@ impl<'a> Fitting<'a> {
         elastic
     }
 
-    pub(super) fn static_tolerance(&self) -> f64 {
-        self.set.static_tolerance
-    }
-
     pub(super) fn solver(&self, levels: &[PressureLevel], tolerance: f64) -> LevelSolver {
         self.explored.with(levels.to_vec(), statics(tolerance))
     }

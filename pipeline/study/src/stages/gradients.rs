@@ -47,7 +47,7 @@ impl Fitting<'_> {
             self.levels.levels.iter().max_by(|a, b| a.top().total_cmp(&b.top())).map_or(&[][..], |top| &top.pressures);
         let mut solver = self.model.system.solver();
         elastic.apply(&mut solver)?;
-        let settings = StaticSettings { tolerance: self.static_tolerance(), ..StaticSettings::default() };
+        let settings = StaticSettings { tolerance: self.set.static_tolerance, ..StaticSettings::default() };
         let began = context.seconds();
         let found = solver.equilibrium(pressures, None, &settings)?;
         let forward = context.seconds() - began;

@@ -14,6 +14,7 @@ use signal::resample::Samples;
 
 use super::amplitude::{self, Predicted};
 use super::baselines::{self, QuasiStatic};
+use super::deviations::Open;
 use super::repeats;
 use crate::records::{Drag, Identified, Mesh, Motion, PAPER_MODEL, Reduced, Relaxation, ScoredModel, Validation};
 use crate::selections::{InWater, Repeats};
@@ -114,10 +115,8 @@ impl Stage for Validate {
         }
         context.progress(0.4, "with what identification left open");
         let predicted = Predicted {
-            model: &model,
+            open: Open { model: &model, identified: &identified, relaxation: &relaxation },
             reduced_body: &reduced_body,
-            identified: &identified,
-            relaxation: &relaxation,
             drag: drag.as_ref(),
             settings: &second_order,
         };

@@ -95,6 +95,27 @@ impl Discrepancy {
     }
 }
 
+impl Discrepancy {
+    /// By how much the parameters of a search follow one standard deviation of the common scale of each film: films × parameters, in the
+    /// order of the films, of the same search as [`Discrepancy::posterior`].
+    ///
+    /// # Errors
+    /// As [`Discrepancy::posterior`].
+    pub fn scales(&self, misfit: &Misfit, white: &Residuals, parameters: usize) -> Result<Vec<Vec<f64>>> {
+        let of_film = |levels: std::ops::Range<usize>| -> Result<Vec<f64>> {
+            let larger = |(number, level): (usize, &PressureLevel)| {
+                let sigma = if levels.contains(&number) { self.scale_sigma } else { 0.0 };
+                level.measured.iter().flatten().map(move |moved| -sigma * moved).collect::<Vec<f64>>()
+            };
+            let values = misfit.levels.iter().enumerate().flat_map(larger).collect();
+            let mut seen = misfit.white(&Residuals { values, jacobian: Vec::new() }, 0)?.values;
+            seen.resize(white.values.len(), 0.0);
+            Ok(white.response(&seen, parameters)?)
+        };
+        misfit.films().map(of_film).collect()
+    }
+}
+
 /// Standard deviation of what neither camera nor simulation resolves, m. It is independent, and keeps a covariance positive definite whose
 /// other parts are smooth.
 const RESOLUTION: Metre = 2e-6;
@@ -152,6 +173,22 @@ mod tests {
     fn misfit(levels: Vec<PressureLevel>) -> Misfit {
         let films = [levels.len()];
         Misfit::new(levels, &films, &NoiseModel { discrepancy_m: 1e-4, scale_sigma: 0.01 }, 0.1).unwrap()
+    }
+
+    #[test]
+    fn a_parameter_that_scales_all_follows_the_scale_of_each_film_by_its_share() {
+        let all = [5e3, 1e4, 5e3, 1e4].map(|p| level(p, [0.0, 3e-7 * p], 0.0)).to_vec();
+        let jacobian: Vec<f64> = all.iter().flat_map(|l| l.measured.iter().flatten().copied()).collect();
+        let levels = Misfit::new(all, &[2, 2], &NoiseModel { discrepancy_m: 1e-4, scale_sigma: 0.0 }, 0.1).unwrap();
+        let white = levels.white(&Residuals { values: vec![0.0; jacobian.len()], jacobian }, 1).unwrap();
+        let truth = Discrepancy { scale_sigma: 0.04, ..SMOOTH };
+        let found = truth.scales(&levels, &white, 1).unwrap();
+        assert!(found.len() == 2 && found.iter().all(|film| (film[0] - 0.02).abs() < 1e-12), "{found:?}");
+        // what they leave of the covariance is that of the other causes
+        let variance = |of: &Discrepancy| of.posterior(&levels, &white, 1).unwrap().0.of(0, 0);
+        let others = variance(&Discrepancy { scale_sigma: 0.0, ..truth });
+        let sum: f64 = found.iter().map(|film| film[0].powi(2)).sum();
+        assert!((variance(&truth) / (others + sum) - 1.0).abs() < 1e-9);
     }
 
     /// χ² under a discrepancy of residuals in m.
