@@ -38,7 +38,7 @@ impl Fitting<'_> {
         Ok(worst)
     }
 
-    /// Time of an equilibrium with its gradient over that of the equilibrium alone, from rest (no known shape) to the highest level.
+    /// Processor time of an equilibrium with its gradient over that of the equilibrium alone, from rest (no known shape) to the highest level.
     ///
     /// # Errors
     /// A [`Diagnostic`](diagnostics::Diagnostic) when there is no equilibrium there.
@@ -48,10 +48,10 @@ impl Fitting<'_> {
         let mut solver = self.model.system.solver();
         elastic.apply(&mut solver)?;
         let settings = StaticSettings { tolerance: self.set.static_tolerance, ..StaticSettings::default() };
-        let began = context.seconds();
+        let began = context.thread_seconds();
         let found = solver.equilibrium(pressures, None, &settings)?;
-        let forward = context.seconds() - began;
+        let forward = context.thread_seconds() - began;
         solver.adjoint(&found, &found.displacement)?;
-        Ok((context.seconds() - began) / forward)
+        Ok((context.thread_seconds() - began) / forward)
     }
 }
