@@ -21,8 +21,8 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("lab", &["si", "diagnostics"]),
     ("instruments", &["si", "diagnostics", "lab", "track", "signal", "plot"]),
     ("simulate", &["si", "diagnostics", "lab", "mesh", "tail_cad", "fem", "continuation"]),
-    ("sysid", &["si", "diagnostics", "lab", "mesh", "fem", "signal", "optimize", "plot", "simulate"]),
     ("twin", &["materials"]),
+    ("sysid", &["si", "diagnostics", "lab", "mesh", "fem", "signal", "optimize", "plot", "simulate", "twin"]),
     (
         "thrust",
         &["si", "diagnostics", "lab", "mesh", "tail_cad", "fem", "signal", "optimize", "hydro", "sysid", "twin"],
