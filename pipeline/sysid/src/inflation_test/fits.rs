@@ -62,8 +62,9 @@ pub(super) struct Linearised {
 impl Bench<'_> {
     /// The material `of` at a point of the search: logarithm of the modulus ratio, and C₂₀/C₁₀.
     pub fn material(&self, of: &IdentifiedMaterial, at: [f64; 2]) -> IdentifiedMaterial {
-        // C₃₀/C₁₀ = ½ (C₂₀/C₁₀)², as in the free vibration test: the stress rises at every strain
-        let stiffening = [at[1], 0.5 * at[1] * at[1]];
+        // C₃₀ = 0: with ½ C₂₀²/C₁₀, as in the free vibration test, the walls stiffen too steeply, and the tip of a recording that is left out is
+        // predicted to 18.5 and 20.6 % in place of 13.7 and 16.3
+        let stiffening = [at[1], 0.0];
         IdentifiedMaterial { youngs_modulus: of.youngs_modulus * at[0].exp(), stiffening, ..of.clone() }
     }
 
