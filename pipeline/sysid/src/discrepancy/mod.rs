@@ -93,9 +93,7 @@ impl Discrepancy {
         seen.values.extend(&white.values[levels..]);
         Ok((covariance, seen.reduced_chi_square(parameters)))
     }
-}
 
-impl Discrepancy {
     /// By how much the parameters of a search follow one standard deviation of the common scale of each film: films × parameters, in the
     /// order of the films, of the same search as [`Discrepancy::posterior`].
     ///
