@@ -361,3 +361,30 @@ fn gauss_newton_moves_a_parameter_on_its_bound_that_no_gradient_holds_there() {
     let log = problem.solve("gauss_newton");
     assert!(log.entries[1].evaluation.at[0] < 0.5, "{:?}", log.entries[1]);
 }
+
+/// A line whose values are off by the error of a simulation, which its Jacobian does not know.
+const SIMULATED: Case = Case {
+    residuals: |x| vec![x[0] - 0.3 + 1e-3 * (3e4 * x[0]).sin() + 1.0, x[1] + 0.2 + 1e-3 * (3e4 * x[1]).cos()],
+    jacobian: |_| vec![1.0, 0.0, 0.0, 1.0],
+    start: [0.8, 0.9],
+    optimum: [-0.7, -0.2],
+    ..PROBLEMS[0]
+};
+
+#[test]
+fn gauss_newton_ends_where_a_step_can_no_longer_lower_the_loss() {
+    let spent = |fall_tolerance: f64| {
+        let (mut settings, _) = reach("gauss_newton");
+        settings.gauss_newton.fall_tolerance = fall_tolerance;
+        let mut optimiser =
+            (optimisers::by_name("gauss_newton").unwrap().build)(&SIMULATED.problem(), &settings).unwrap();
+        let mut answer = |batch: &[Vec<f64>], needs| -> Result<Vec<Evaluation>, OptimiseError> {
+            Ok(batch.iter().map(|at| SIMULATED.evaluate(at, needs)).collect())
+        };
+        let log = minimise(optimiser.as_mut(), &mut answer).unwrap();
+        assert!(distance(&log.best.at, &SIMULATED.optimum) < 5e-3, "{:?}", log.best.at);
+        log.entries.len()
+    };
+    let (with, without) = (spent(1e-4), spent(0.0));
+    assert!(with <= 4 && without >= 2 * with, "{with} and {without} evaluations");
+}

@@ -10,6 +10,9 @@ use crate::{Evaluation, Finished, Needs, OptimiseError, Optimiser, Problem, Resi
 /// Its name.
 pub const NAME: &str = "gauss_newton";
 
+/// A fall of ½ ‖r‖² of residuals in standard deviations that leaves the parameters within 0.045 of their own.
+pub const FALL: f64 = 1e-3;
+
 /// Settings of Gauss–Newton.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
@@ -17,13 +20,15 @@ pub struct Settings {
     pub damping: f64,
     /// It has converged when no parameter moves by more than this, in units of the parameters.
     pub step_tolerance: f64,
+    /// It has converged when a step is predicted to lower ½ ‖r‖² by less than this as well ([`FALL`]); 0 asks for the step alone.
+    pub fall_tolerance: f64,
     /// At most so many evaluations, rejected steps included.
     pub iterations: usize,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { damping: 1e-3, step_tolerance: 1e-6, iterations: 50 }
+        Self { damping: 1e-3, step_tolerance: 1e-6, fall_tolerance: 0.0, iterations: 50 }
     }
 }
 
@@ -110,10 +115,15 @@ impl GaussNewton {
         };
         let wish: Vec<f64> = at.iter().zip(&step).map(|(x, s)| x + self.part * s).collect();
         let next = self.problem.bounds().clamp(&wish);
-        let longest = next.iter().zip(at).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let step: Vec<f64> = next.iter().zip(at).map(|(a, b)| a - b).collect();
+        let longest = step.iter().fold(0.0, |longest: f64, s| longest.max(s.abs()));
+        // near the minimum of a simulated loss its own error decides whether a step lowers it: rejected steps would then use up the budget
+        let no_fall = (0.0..self.set.fall_tolerance).contains(&residuals.predicted_reduction(&step));
         self.asked = next;
         if longest < self.set.step_tolerance {
             self.finished = Some(Finished::Converged { because: "no parameter moves any more" });
+        } else if no_fall {
+            self.finished = Some(Finished::Converged { because: "no step lowers the loss any more" });
         } else if self.damping > DAMPING_LIMIT || self.evaluations == self.set.iterations {
             self.finished = Some(Finished::Budget);
         }

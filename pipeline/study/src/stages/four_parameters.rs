@@ -45,7 +45,7 @@ impl Stage for FourParameters {
     type Needs = (Mesh, Identified);
     type Makes = records::FourParameters;
     const DESCRIPTION: &'static str = "both Poisson's ratios are identified as well";
-    const VERSION: u32 = 5;
+    const VERSION: u32 = 6;
 
     fn run(
         card: &Self::Card,
@@ -120,6 +120,7 @@ impl Fit<'_> {
         let mut solver = LevelSolver::new(model.clone(), levels.levels.clone(), statics, set.parallel_solves);
         let newton = gauss_newton::Settings {
             step_tolerance: set.step_tolerance,
+            fall_tolerance: gauss_newton::FALL,
             iterations: set.iterations,
             ..gauss_newton::Settings::default()
         };

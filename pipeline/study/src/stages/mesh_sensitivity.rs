@@ -56,7 +56,7 @@ impl Stage for MeshSensitivity {
     type Needs = Identified;
     type Makes = records::MeshSensitivity;
     const DESCRIPTION: &'static str = "identified moduli depend on the mesh";
-    const VERSION: u32 = 5;
+    const VERSION: u32 = 6;
 
     fn raw(of: &Specimen) -> Vec<RawFile> {
         mesh::Mesh::raw(of)
@@ -112,6 +112,7 @@ fn moduli(set: &Settings, model: &Model, levels: &Misfit, found: &Identified) ->
     let search = Problem::new(&names, vec![0.0; count], bounds)?;
     let newton = gauss_newton::Settings {
         step_tolerance: set.step_tolerance,
+        fall_tolerance: gauss_newton::FALL,
         iterations: set.iterations,
         ..gauss_newton::Settings::default()
     };

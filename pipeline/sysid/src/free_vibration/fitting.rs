@@ -165,7 +165,7 @@ impl Fit<'_> {
     /// A [`Diagnostic`] when a motion is not found or the recordings do not determine the parameters.
     pub fn run(&self) -> Result<Fitted> {
         let problem = self.problem()?;
-        let settings = Settings { damping: 1e-2, step_tolerance: 1e-3, iterations: 40 };
+        let settings = Settings { damping: 1e-2, step_tolerance: 1e-3, iterations: 40, ..Settings::default() };
         let mut optimiser = GaussNewton::new(&problem, &settings)?;
         let mut diagnostic = None;
         let log = minimise(&mut optimiser, &mut |batch: &[Vec<f64>], _: Needs| {
