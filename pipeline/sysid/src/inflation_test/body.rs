@@ -7,7 +7,7 @@ use mesh::Surface;
 use nalgebra::Vector3;
 use si::{Metre, Point3, Second};
 
-use super::page::{Page, Recording};
+use super::page::{Page, Recording, Supply};
 use crate::{IdentifiedMaterial, rigid};
 use diagnostics::{Diagnostic, Result, input};
 use simulate::case::{self, Case};
@@ -29,7 +29,6 @@ pub(super) struct Meshed {
     loaded: Loaded,
     carried: Vec<Carried>,
     along: usize,
-    rise: Second,
     /// Least distance between a chamber and the outside across the body, m; none for a body that comes as a mesh.
     pub wall: Option<Metre>,
 }
@@ -70,19 +69,24 @@ impl Meshed {
             }
         };
         let carried = carried(page, &loaded)?;
-        Ok(Self { case, loaded, carried, along: page.along as usize, rise: page.rise, wall })
+        Ok(Self { case, loaded, carried, along: page.along as usize, wall })
     }
 
-    /// Motion of the tip from its place at ambient pressure, under the pressure of `recording`, until the time `until` (s) after its hold's
-    /// begin.
+    /// Motion of the tip from its place at ambient pressure, under the pressure that `supply` makes of `recording`, until the time `until`
+    /// (s) after its hold's begin.
     ///
     /// # Errors
     /// A [`Diagnostic`] when the constants are refused, or the body has no equilibrium before the step.
-    pub fn inflate(&self, is: &IdentifiedMaterial, recording: &Recording, until: Second) -> Result<Course> {
+    pub fn inflate(
+        &self,
+        is: &IdentifiedMaterial,
+        (recording, supply): (&Recording, &Supply),
+        until: Second,
+    ) -> Result<Course> {
         let case = self.of_material(is);
         let body = Body::new(&case, &self.loaded)?;
         let mut solver = body.solver(&case)?;
-        let pressures = |time: Second| body.pressures(&case, |_| recording.pressure_at(time, self.rise));
+        let pressures = |time: Second| body.pressures(&case, |_| recording.pressure_at(time, supply));
         let ambient = body.pressures(&case, |_| 0.0);
         let mut start = solver.equilibrium(&ambient, None, &StaticSettings::default())?.displacement;
         let rest = self.tip(&start);

@@ -8,16 +8,20 @@ use rayon::prelude::*;
 
 use super::body::{Course, Meshed};
 use super::page::Page;
-use super::recorded::{Features, Recorded, mean};
+use super::recorded::{Features, Recorded};
 use crate::IdentifiedMaterial;
 use diagnostics::Result;
+use si::Pascal;
 
-/// Differences of the Jacobian, and largest steps: of the modulus' logarithm, and of C₂₀/C₁₀.
-const DIFFERENCE: [f64; 2] = [0.05, 0.1];
-const LONGEST: [f64; 2] = [0.3, 0.5];
-/// C₂₀/C₁₀ at which a fit begins, and its bounds: below them every wall of this arm balloons.
+/// A point of the search: logarithm of the modulus ratio, C₂₀/C₁₀, and what is missing of a step's pressure at first, kPa.
+pub(super) type Point = [f64; 3];
+/// Differences of the Jacobian, and largest steps.
+const DIFFERENCE: Point = [0.05, 0.1, 0.3];
+const LONGEST: Point = [0.3, 0.5, 1.5];
+/// C₂₀/C₁₀ at which a fit begins.
 const STIFFENING: f64 = 0.5;
-const STIFFENING_RANGE: [f64; 2] = [-0.2, 4.0];
+/// Bounds of all but the modulus: below those of C₂₀/C₁₀ every wall of this arm balloons.
+const RANGES: [[f64; 2]; 3] = [[f64::NEG_INFINITY, f64::INFINITY], [-0.2, 4.0], [0.0, 8.0]];
 /// Steps at most, and the step that ends a fit.
 const MAX_STEPS: usize = 4;
 const ENOUGH: f64 = 3e-3;
@@ -30,6 +34,8 @@ pub(super) struct Row {
     /// E over that of the material's source.
     pub modulus_ratio: f64,
     pub material: IdentifiedMaterial,
+    /// What is missing of a step's pressure at first, Pa.
+    pub missing: Pascal,
     /// Recordings to which it was fitted.
     pub used: Vec<usize>,
     /// Thickness of the thinnest wall, m.
@@ -52,16 +58,16 @@ pub(super) struct Bench<'a> {
     pub body: &'a Meshed,
 }
 
-/// A point of the search with the residuals and Jacobian of every recording.
+/// A point of the search with the residuals and Jacobian of every recording: as many rows of each as quantities are compared.
 pub(super) struct Linearised {
-    pub at: [f64; 2],
+    pub at: Point,
     residuals: DVector<f64>,
     jacobian: DMatrix<f64>,
 }
 
 impl Bench<'_> {
-    /// The material `of` at a point of the search: logarithm of the modulus ratio, and C₂₀/C₁₀.
-    pub fn material(&self, of: &IdentifiedMaterial, at: [f64; 2]) -> IdentifiedMaterial {
+    /// The material `of` at a point of the search.
+    fn material(&self, of: &IdentifiedMaterial, at: Point) -> IdentifiedMaterial {
         // C₃₀ = 0: with ½ C₂₀²/C₁₀, as in the free vibration test, the walls stiffen too steeply, and the tip of a recording that is left out is
         // predicted to 18.5 and 20.6 % in place of 13.7 and 16.3
         let stiffening = [at[1], 0.0];
@@ -73,46 +79,78 @@ impl Bench<'_> {
     /// # Errors
     /// A diagnostic when it is refused.
     pub fn row(&self, name: &str, material: IdentifiedMaterial, body: &Meshed) -> Result<Row> {
+        self.predicted(name, (material, 0.0), body)
+    }
+
+    /// What the point `at`, fitted to the recordings `used`, makes of every recording.
+    ///
+    /// # Errors
+    /// A diagnostic when its material is refused.
+    pub fn fitted(&self, name: &str, (of, at): (&IdentifiedMaterial, Point), used: &[usize]) -> Result<Row> {
+        let row = self.predicted(name, (self.material(of, at), missing(at)), self.body)?;
+        Ok(Row { used: used.to_vec(), modulus_ratio: at[0].exp(), ..row })
+    }
+
+    fn predicted(&self, name: &str, (material, missing): (IdentifiedMaterial, Pascal), body: &Meshed) -> Result<Row> {
         let predict = |k: usize| {
             let recording = &self.page.recording[k];
             let duration = recording.duration();
-            let course = body.inflate(&material, recording, duration)?;
+            let course = body.inflate(&material, (recording, &self.page.supply(missing)), duration)?;
             let features = course.burst.is_none().then(|| Features::of(self.page, duration, &course.tip));
             Ok(Prediction { course, features })
         };
         let predictions = (0..self.recorded.len()).into_par_iter().map(predict).collect::<Result<_>>()?;
-        Ok(Row { name: name.to_owned(), modulus_ratio: 1.0, material, used: Vec::new(), wall: body.wall, predictions })
+        let (name, wall) = (name.to_owned(), body.wall);
+        Ok(Row { name, modulus_ratio: 1.0, material, missing, used: Vec::new(), wall, predictions })
     }
 
-    /// Logarithm of simulated over measured displacement soon after the step.
-    fn residual(&self, of: &IdentifiedMaterial, at: [f64; 2], k: usize) -> Result<f64> {
-        let course = self.body.inflate(&self.material(of, at), &self.page.recording[k], self.page.early[1])?;
-        let ratio = mean(&course.tip, self.page.early) / self.recorded[k].features.early;
-        Ok(if course.burst.is_some() || ratio <= 0.0 { BURST } else { ratio.ln().min(BURST) })
+    /// Logarithms of simulated over measured displacement soon after the step, and with `free` parameters that the creep shows, at the
+    /// end of the hold.
+    fn residual(&self, of: &IdentifiedMaterial, (at, free): (Point, usize), k: usize) -> Result<Vec<f64>> {
+        let (recording, measured) = (&self.page.recording[k], self.recorded[k].features);
+        let hold = recording.duration();
+        let until = if quantities(free) > 1 { hold } else { self.page.early[1] };
+        let supply = self.page.supply(missing(at));
+        let course = self.body.inflate(&self.material(of, at), (recording, &supply), until)?;
+        let found = Features::of(self.page, hold, &course.tip);
+        let logarithm = |ratio: f64| {
+            if course.burst.is_some() || ratio <= 0.0 { BURST } else { ratio.ln().min(BURST) }
+        };
+        let all = [found.early / measured.early, found.late / measured.late];
+        Ok(all.into_iter().take(quantities(free)).map(logarithm).collect())
     }
 
-    /// Residuals of the recordings `used` at several points: points × recordings.
-    fn residuals(&self, of: &IdentifiedMaterial, points: &[[f64; 2]], used: &[usize]) -> Result<Vec<DVector<f64>>> {
+    /// Residuals of the recordings `used` at several points: points × (recordings × quantities).
+    fn residuals(
+        &self,
+        of: &IdentifiedMaterial,
+        (points, free): (&[Point], usize),
+        used: &[usize],
+    ) -> Result<Vec<DVector<f64>>> {
         let jobs: Vec<_> = points.iter().flat_map(|at| used.iter().map(move |k| (*at, *k))).collect();
-        let all: Vec<f64> = jobs.par_iter().map(|(at, k)| self.residual(of, *at, *k)).collect::<Result<_>>()?;
-        Ok(all.chunks_exact(used.len()).map(DVector::from_row_slice).collect())
+        let all = jobs.par_iter().map(|(at, k)| self.residual(of, (*at, free), *k)).collect::<Result<Vec<_>>>()?;
+        Ok(all.chunks_exact(used.len()).map(|own| DVector::from_vec(own.concat())).collect())
     }
 
-    /// The residuals of `used` and their Jacobian by the first `free` parameters, by differences.
+    /// The residuals of `used` and their Jacobian by the first `free` parameters, by differences; all but these are those of `from`.
     ///
     /// # Errors
     /// A diagnostic when a simulation is refused.
-    pub fn linearised(&self, of: &IdentifiedMaterial, used: &[usize], free: usize) -> Result<Linearised> {
-        let at = if free == 1 { [0.0, of.stiffening[0]] } else { [0.0, STIFFENING] };
+    pub fn linearised(
+        &self,
+        of: &IdentifiedMaterial,
+        (from, free): (Point, usize),
+        used: &[usize],
+    ) -> Result<Linearised> {
         let moved = |p: usize| {
-            let mut at = at;
+            let mut at = from;
             at[p] += DIFFERENCE[p];
             at
         };
-        let points: Vec<[f64; 2]> = std::iter::once(at).chain((0..free).map(moved)).collect();
-        let all = self.residuals(of, &points, used)?;
+        let points: Vec<Point> = std::iter::once(from).chain((0..free).map(moved)).collect();
+        let all = self.residuals(of, (&points, free), used)?;
         let columns: Vec<DVector<f64>> = (0..free).map(|p| (&all[p + 1] - &all[0]) / DIFFERENCE[p]).collect();
-        Ok(Linearised { at, residuals: all[0].clone(), jacobian: DMatrix::from_columns(&columns) })
+        Ok(Linearised { at: from, residuals: all[0].clone(), jacobian: DMatrix::from_columns(&columns) })
     }
 
     /// The fit to the recordings `used`, begun at `from`.
@@ -127,7 +165,7 @@ impl Bench<'_> {
             }
             let mut at = from.at;
             (0..step.len()).for_each(|p| at[p] += step[p]);
-            let residuals = self.residuals(of, &[at], used)?.swap_remove(0);
+            let residuals = self.residuals(of, (&[at], step.len()), used)?.swap_remove(0);
             let missed = &residuals - &from.residuals - &from.jacobian * &step;
             let jacobian = &from.jacobian + missed * step.transpose() / step.norm_squared();
             from = Linearised { at, residuals, jacobian };
@@ -136,21 +174,39 @@ impl Bench<'_> {
     }
 }
 
+/// Quantities of a recording that are compared with so many free parameters.
+fn quantities(free: usize) -> usize {
+    if free > 2 { 2 } else { 1 }
+}
+
+/// What is missing of a step's pressure at first, Pa.
+fn missing(at: Point) -> Pascal {
+    1e3 * at[2]
+}
+
+/// Where a fit of so many parameters begins, with the material `of`.
+pub(super) fn start(of: &IdentifiedMaterial, free: usize) -> Point {
+    [0.0, if free == 1 { of.stiffening[0] } else { STIFFENING }, 0.0]
+}
+
 impl Linearised {
     /// Of some of its recordings.
-    pub fn only(&self, rows: &[usize]) -> Self {
+    pub fn only(&self, recordings: &[usize]) -> Self {
+        let each = quantities(self.jacobian.ncols());
+        let rows: Vec<usize> = recordings.iter().flat_map(|k| (0..each).map(move |q| each * k + q)).collect();
+        let rows = &rows;
         Self { at: self.at, residuals: self.residuals.select_rows(rows), jacobian: self.jacobian.select_rows(rows) }
     }
 }
 
-/// The step of least squares, within [`LONGEST`] and the bounds of C₂₀/C₁₀.
+/// The step of least squares, within [`LONGEST`] and [`RANGES`].
 fn gauss_newton_step(from: &Linearised) -> DVector<f64> {
     let svd = from.jacobian.clone().svd(true, true);
     let mut step = svd.solve(&-&from.residuals, 1e-6).unwrap_or_else(|_| DVector::zeros(from.jacobian.ncols()));
     let over = (0..step.len()).map(|p| step[p].abs() / LONGEST[p]).fold(1.0, f64::max);
     step /= over;
-    if step.len() > 1 {
-        step[1] = (from.at[1] + step[1]).clamp(STIFFENING_RANGE[0], STIFFENING_RANGE[1]) - from.at[1];
+    for (p, step) in step.iter_mut().enumerate() {
+        *step = (from.at[p] + *step).clamp(RANGES[p][0], RANGES[p][1]) - from.at[p];
     }
     step
 }
@@ -163,10 +219,10 @@ mod tests {
     fn a_step_solves_a_linear_problem_within_its_bounds() {
         let jacobian = DMatrix::from_row_slice(3, 2, &[-1.0, -0.5, -2.0, -1.5, -1.0, -2.0]);
         let residuals = -&jacobian * DVector::from_row_slice(&[0.1, 0.2]);
-        let step = gauss_newton_step(&Linearised { at: [0.0, 0.5], residuals, jacobian: jacobian.clone() });
+        let step = gauss_newton_step(&Linearised { at: [0.0, 0.5, 0.0], residuals, jacobian: jacobian.clone() });
         assert!((step[0] - 0.1).abs() < 1e-12 && (step[1] - 0.2).abs() < 1e-12);
         let residuals = -&jacobian * DVector::from_row_slice(&[0.1, -9.0]);
-        let step = gauss_newton_step(&Linearised { at: [0.0, 0.1], residuals, jacobian });
+        let step = gauss_newton_step(&Linearised { at: [0.0, 0.1, 0.0], residuals, jacobian });
         assert!((step[1] + 0.3).abs() < 1e-12, "the bound of C₂₀/C₁₀");
     }
 }

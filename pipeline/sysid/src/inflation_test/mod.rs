@@ -15,10 +15,10 @@ use std::path::{Path, PathBuf};
 use diagnostics::{Diagnostic, Result};
 use si::Metre;
 
-use crate::IdentifiedMaterials;
 use crate::identified_materials::file_of;
+use crate::{IdentifiedMaterial, IdentifiedMaterials};
 use body::Meshed;
-use fits::{Bench, Row};
+use fits::{Bench, Point, Row, start};
 pub use page::Page;
 use recorded::Recorded;
 use simulate::case::{Case, read};
@@ -80,23 +80,14 @@ impl Predictions<'_> {
             let name = format!("{}, {}, sections scaled by {section}", page.material, chosen.name);
             rows.push(bench.row(&name, chosen.clone(), &mesh(*section)?)?);
         }
-        let fitted = |name: &str, at: [f64; 2], used: &[usize]| -> Result<Row> {
-            let material = bench.material(chosen, at);
-            Ok(Row { used: used.to_vec(), modulus_ratio: at[0].exp(), ..bench.row(name, material, &body)? })
-        };
         let own: Vec<usize> = (0..count).filter(|k| page.recording[*k].fitted).collect();
-        let modulus = bench.fit(chosen, &own, bench.linearised(chosen, &own, 1)?)?;
-        rows.push(fitted("modulus fitted", modulus.at, &own)?);
+        let modulus = bench.fit(chosen, &own, bench.linearised(chosen, (start(chosen, 1), 1), &own)?)?;
+        rows.push(bench.fitted("modulus fitted", (chosen, modulus.at), &own)?);
         let mut left_out = vec![None; count];
         if count > 1 {
-            let every: Vec<usize> = (0..count).collect();
-            let joint = bench.fit(chosen, &every, bench.linearised(chosen, &every, 2)?)?;
-            rows.push(fitted("modulus and stiffening fitted", joint.at, &every)?);
-            for k in every.iter().copied().filter(|k| !page.recording[*k].fitted) {
-                let others: Vec<usize> = every.iter().copied().filter(|other| *other != k).collect();
-                let at = bench.fit(chosen, &others, joint.only(&others))?.at;
-                left_out[k] = Some(rows.len());
-                rows.push(fitted("modulus and stiffening fitted", at, &others)?);
+            let mut from = start(chosen, 2);
+            for (free, name) in JOINT.into_iter().take(if page.settling.is_some() { 2 } else { 1 }) {
+                from = cross_validated(&bench, (chosen, name), (from, free), (&mut rows, &mut left_out))?;
             }
         }
         Ok(Report { page: page.clone(), recorded, rows, left_out })
@@ -113,6 +104,31 @@ impl Predictions<'_> {
             Diagnostic::new(what, format!("searched {}", searched.join(", ")), "put it into one of these folders")
         })
     }
+}
+
+/// What is fitted to several recordings together: the number of free parameters, and its name. What is missing of the pressure at first
+/// is fitted where the page says how it settles.
+const JOINT: [(usize, &str); 2] =
+    [(2, "modulus and stiffening fitted"), (3, "modulus, stiffening and missing pressure fitted")];
+
+/// The rows of a joint fit from `from` on, of so many free parameters: to all recordings, and to all but each one to which the modulus alone
+/// was not fitted, which is then predicted by the row that `left_out` names. Returns the point of all.
+fn cross_validated(
+    bench: &Bench,
+    (of, name): (&IdentifiedMaterial, &str),
+    from: (Point, usize),
+    (rows, left_out): (&mut Vec<Row>, &mut [Option<usize>]),
+) -> Result<Point> {
+    let every: Vec<usize> = (0..left_out.len()).collect();
+    let joint = bench.fit(of, &every, bench.linearised(of, from, &every)?)?;
+    rows.push(bench.fitted(name, (of, joint.at), &every)?);
+    for k in every.iter().copied().filter(|k| !bench.page.recording[*k].fitted) {
+        let others: Vec<usize> = every.iter().copied().filter(|other| *other != k).collect();
+        let at = bench.fit(of, &others, joint.only(&others))?.at;
+        left_out[k] = Some(rows.len());
+        rows.push(bench.fitted(name, (of, at), &others)?);
+    }
+    Ok(joint.at)
 }
 
 impl Report {

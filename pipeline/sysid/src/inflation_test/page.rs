@@ -41,6 +41,10 @@ pub struct Page {
     pub held: Second,
     /// Time in which a step of the pressure rises, s.
     pub rise: Second,
+    /// Time constant with which the pressure of a step settles after that, s. What is missing of it at first is then fitted as well, the same
+    /// for every recording.
+    #[serde(default)]
+    pub settling: Option<Second>,
     /// The interval after the hold's begin whose mean displacement is compared and fitted, s.
     pub early: [Second; 2],
     /// Duration at the end of the hold whose mean displacement is compared, s.
@@ -71,11 +75,29 @@ pub struct Recording {
     pub fitted: bool,
 }
 
+/// How the air reaches the pressure of a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Supply {
+    /// Time in which the step rises, s.
+    pub rise: Second,
+    /// Time constant with which what is missing after it vanishes, s.
+    pub settling: Second,
+    /// What is missing of the pressure at first, Pa.
+    pub missing: Pascal,
+}
+
+impl Supply {
+    /// The pressure at a time after a step to `held`, Pa.
+    fn step(&self, held: Pascal, time: Second) -> Pascal {
+        (held - self.missing * (-time / self.settling).exp()) * (time / self.rise).clamp(0.0, 1.0)
+    }
+}
+
 impl Recording {
-    /// The pressure at a time since the hold's begin, Pa: a step takes `rise` (s), a history is as the page says.
-    pub(super) fn pressure_at(&self, time: Second, rise: Second) -> Pascal {
+    /// The pressure at a time since the hold's begin, Pa: a step is as the air line makes it, a history as the page says.
+    pub(super) fn pressure_at(&self, time: Second, supply: &Supply) -> Pascal {
         match &self.pressure {
-            History::Constant(held) => held * (time / rise).clamp(0.0, 1.0),
+            History::Constant(held) => supply.step(*held, time),
             wave => wave.at(time),
         }
     }
@@ -87,6 +109,11 @@ impl Recording {
 }
 
 impl Page {
+    /// The air line that lacks `missing` (Pa) of a step's pressure at first.
+    pub(super) fn supply(&self, missing: Pascal) -> Supply {
+        Supply { rise: self.rise, settling: self.settling.unwrap_or(f64::INFINITY), missing }
+    }
+
     /// The page in the file `path`.
     ///
     /// # Errors
@@ -114,7 +141,8 @@ impl Page {
 
     /// Holds every number to the range of a test on a bench: a slip of a unit lies outside.
     fn ranges(&self) -> Checked {
-        for (key, time) in [("held", self.held), ("rise", self.rise), ("late", self.late)] {
+        let times = [("held", self.held), ("rise", self.rise), ("late", self.late)];
+        for (key, time) in times.into_iter().chain(self.settling.map(|time| ("settling", time))) {
             within(key, time, 1e-3..=3600.0, "s")?;
         }
         self.early.iter().try_for_each(|time| within("early", *time, 0.0..=3600.0, "s"))?;
@@ -143,7 +171,12 @@ impl Page {
             let [from, to] = r.hold;
             from < self.held || to - from < self.early[1] + self.late
         };
+        let history = |r: &Recording| !matches!(r.pressure, History::Constant(_));
         let rules = [
+            (
+                self.settling.is_some() && self.recording.iter().any(history),
+                "`settling` belongs to steps of the pressure, not to a history",
+            ),
             (self.folders.is_empty(), "`folders` names none"),
             (self.recording.is_empty(), "there is no [[recording]]"),
             (self.recording.iter().any(|r| r.files.is_empty()), "a [[recording]] has no `files`"),
@@ -170,15 +203,30 @@ mod tests {
     const PAGE: &str = include_str!("../../examples/real/arm_ds10.toml");
 
     #[test]
+    fn what_is_missing_of_a_step_vanishes_with_the_time_constant() {
+        let supply = Supply { rise: 0.1, settling: 2.0, missing: 1e3 };
+        assert!((supply.step(1e4, 0.05) - 0.5 * (1e4 - 1e3 * (-0.025_f64).exp())).abs() < 1e-9);
+        assert!((supply.step(1e4, 2.0) - (1e4 - 1e3 * (-1.0_f64).exp())).abs() < 1e-9);
+        let whole = Page::parse(&PAGE.replace("settling", "# settling"), Path::new("page.toml")).unwrap().supply(0.0);
+        assert!((whole.step(1e4, 0.2) - 1e4).abs() < 1e-9);
+    }
+
+    #[test]
     fn the_page_that_comes_along_is_read_and_a_slip_of_the_pen_is_refused() {
         assert_eq!(Page::parse(PAGE, Path::new("page.toml")).unwrap().name, "arm_ds10");
         let slips = [
             ("rise = ", "rises = ", "rises"),
+            ("settling = ", "settling = -", "out of range"),
+            (
+                "pressure = 1.0e4",
+                "pressure = { table = { times = [0.0, 1.0], values = [0.0, 1.0e4] } }",
+                "steps of the pressure",
+            ),
             ("pressure = 1.0e4", "pressure = 1.0e9", "out of range"),
             (
                 "pressure = 1.0e4",
                 "pressure = { table = { times = [1.0, 0.0], values = [0.0, 1.0e4] } }",
-                "times of a table rise",
+                "steps of the pressure",
             ),
             ("hold = [0.59, 3.53]", "hold = [3.53, 0.59]", "do not follow one another"),
             ("hold = [0.59, 3.53]", "hold = [0.59]", "length 1"),

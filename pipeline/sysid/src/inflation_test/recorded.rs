@@ -31,7 +31,7 @@ impl Features {
 }
 
 /// Mean of a course over an interval of time, by its values at 20 times.
-pub(super) fn mean(course: &[(Second, Metre)], [from, to]: [Second; 2]) -> Metre {
+fn mean(course: &[(Second, Metre)], [from, to]: [Second; 2]) -> Metre {
     const SAMPLES: usize = 20;
     let (times, values): (Vec<f64>, Vec<f64>) = course.iter().copied().unzip();
     let at = |k: usize| from + (k as f64 + 0.5) / SAMPLES as f64 * (to - from);

@@ -42,15 +42,16 @@ fn names(report: &Report, used: &[usize]) -> String {
 fn csv(report: &Report) -> String {
     let word = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:.5}"));
     let mut text =
-        "material,fitted,modulus_ratio,c20_over_c10,wall_mm,recording,quantity,unit,measured,predicted,error\n"
+        "material,fitted,modulus_ratio,c20_over_c10,missing_mbar,wall_mm,recording,quantity,unit,measured,predicted,error\n"
             .to_owned();
     for row in &report.rows {
         let head = format!(
-            "\"{}\",{},{:.5},{:.5},{}",
+            "\"{}\",{},{:.5},{:.5},{:.3},{}",
             row.name,
             names(report, &row.used),
             row.modulus_ratio,
             row.material.stiffening[0],
+            1e-2 * row.missing,
             word(row.wall.map(|wall| 1e3 * wall))
         );
         for (k, recording) in report.page.recording.iter().enumerate() {
@@ -66,7 +67,7 @@ fn csv(report: &Report) -> String {
     }
     for (k, recording) in report.page.recording.iter().enumerate() {
         let wall = word(report.explaining_wall(k).map(|wall| 1e3 * wall));
-        text += &format!(",,,,,{},wall that explains the tip,mm,,{wall},\n", recording.name);
+        text += &format!(",,,,,,{},wall that explains the tip,mm,,{wall},\n", recording.name);
     }
     text
 }
@@ -75,7 +76,7 @@ fn error_percent(found: f64, measured: f64) -> f64 {
     100.0 * (found / measured - 1.0)
 }
 
-/// Absolute errors at the recordings to which the modulus alone was not fitted: of modulus and stiffening fitted to the others
+/// Absolute errors at the recordings to which the modulus alone was not fitted: of all parameters fitted to the others
 /// (`tip_error_percent`), of the modulus fitted alone, and of the material as it was identified elsewhere.
 fn metrics(report: &Report) -> Vec<serde_json::Value> {
     let mut entries = Vec::new();
@@ -100,8 +101,12 @@ impl fmt::Display for Report {
         for row in &self.rows {
             let fitted = if row.used.is_empty() { String::new() } else { format!(" to {}", names(self, &row.used)) };
             let wall = row.wall.map_or_else(String::new, |wall| format!(", walls {:.2} mm", 1e3 * wall));
+            let missing = match row.missing {
+                0.0 => String::new(),
+                missing => format!(", {:.1} mbar missing at first", 1e-2 * missing),
+            };
             let (ratio, [c20, _]) = (row.modulus_ratio, row.material.stiffening);
-            writeln!(f, "{}{fitted}: modulus × {ratio:.3}, C20/C10 {c20:.3}{wall}", row.name)?;
+            writeln!(f, "{}{fitted}: modulus × {ratio:.3}, C20/C10 {c20:.3}{missing}{wall}", row.name)?;
             for k in 0..self.recorded.len() {
                 write_prediction(f, self, (row, k))?;
             }
@@ -140,11 +145,12 @@ fn figure(report: &Report) -> Figure {
         let recorded = tip.values().iter().enumerate().map(|(i, u)| [tip.time(i), 1e3 * u]).collect();
         let axes = Axes::new(Axis::linear("time after the step", "s"), Axis::linear("tip", "mm"));
         let axes = axes.with(Mark::line(recorded, palette::MUTED).labelled("recorded"));
-        let best = report.left_out[k].or_else(|| by_name("modulus and stiffening fitted"));
+        let best = report.left_out[k].or_else(|| report.rows.iter().position(|row| row.used.len() > 1));
+        let label = best.map_or("", |row| report.rows[row].name.as_str());
         let rows = [
             (untouched, palette::SPINE, "identified on the bar"),
             (by_name("modulus fitted"), palette::MEASURED, "modulus fitted"),
-            (best, palette::SIMULATED, "modulus and stiffening fitted"),
+            (best, palette::SIMULATED, label),
         ];
         let marks = rows.into_iter().filter_map(|(row, colour, label)| {
             let course = &report.rows[row?].predictions[k].course;

@@ -105,13 +105,18 @@ fn folder(name: &str) -> PathBuf {
 
 /// Records the box of modulus `ratio` × that of the material, in a camera's frame that is turned about x.
 fn record(folder: &Path, ratio: f64) {
+    record_with(folder, (ratio, 0.0), 0);
+}
+
+/// The same of one recording, with so much of the pressure missing at first (Pa).
+fn record_with(folder: &Path, (ratio, missing): (f64, f64), recording: usize) {
     let page = Page::read(&folder.join("page.toml")).unwrap();
     let case = simulate::case::read(&folder.join("case.toml")).unwrap();
     let body = Meshed::new(&page, &case, &folder.join("recordings"), (1.0, folder)).unwrap();
     let source = crate::IdentifiedMaterials::read(&folder.join("real_bar_materials.toml")).unwrap();
     let is = source.law(None).unwrap().clone();
     let is = IdentifiedMaterial { youngs_modulus: ratio * is.youngs_modulus, ..is };
-    let course = body.inflate(&is, &page.recording[0], 0.7).unwrap();
+    let course = body.inflate(&is, (&page.recording[recording], &page.supply(missing)), 0.7).unwrap();
     assert!(course.burst.is_none());
     let (times, tip): (Vec<f64>, Vec<f64>) = course.tip.into_iter().unzip();
     let mut text = "time_s,marker,x_m,y_m,z_m\n".to_owned();
@@ -125,7 +130,7 @@ fn record(folder: &Path, ratio: f64) {
             text += &format!("{time:.4},{},{x:.9},{:.9},{:.9}\n", marker.names[0], -z, y + tip);
         }
     }
-    std::fs::write(folder.join("recordings/step.csv"), text).unwrap();
+    std::fs::write(folder.join("recordings").join(&page.recording[recording].files[0]), text).unwrap();
 }
 
 #[test]
@@ -143,6 +148,34 @@ fn a_known_modulus_comes_back_from_a_simulated_inflation() {
     assert!(table.contains("modulus fitted") && report.to_string().contains("creep over the hold"));
     let metrics = std::fs::read_to_string(out.join("metrics.json")).unwrap();
     assert!(metrics.contains("real.box.step.creep_error_points"));
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+/// A second recording, and a pressure that settles.
+const SECOND: &str = r#"
+[[recording]]
+name = "higher"
+files = ["higher.csv"]
+pressure = 9e3
+hold = [0.2, 0.8]
+[[marker]]
+names = ["tip"]"#;
+
+#[test]
+fn what_is_missing_of_the_pressure_comes_back_with_the_modulus() {
+    let folder = folder("missing");
+    let page = PAGE
+        .replacen("[[marker]]\nnames = [\"tip\"]", SECOND.trim_start(), 1)
+        .replace("rise =", "settling = 0.4\nrise =");
+    std::fs::write(folder.join("page.toml"), page).unwrap();
+    [0, 1].into_iter().for_each(|recording| record_with(&folder, (0.8, 1e3), recording));
+    let (report, _) = run(&folder, &folder.join("page.toml"), Some(&folder)).unwrap();
+    let joint: Vec<_> = report.rows.iter().filter(|row| row.used.len() == 2).collect();
+    let [without, with] = [0, 1].map(|k| (joint[k].missing, joint[k].predictions[1].features.unwrap().creep()));
+    let measured = report.recorded[1].features.creep();
+    assert!(without.0 == 0.0 && (with.0 / 1e3 - 1.0).abs() < 0.1, "{without:?} {with:?}");
+    assert!((with.1 - measured).abs() < 3e-3 && (without.1 - measured).abs() > 2e-2, "{without:?} {with:?} {measured}");
+    assert!(report.to_string().contains("mbar missing at first"));
     std::fs::remove_dir_all(&folder).unwrap();
 }
 
