@@ -89,13 +89,14 @@ impl Release {
         &self.best.values
     }
 
-    /// Standard deviations of both coefficients. `others` are the residuals at the best coefficients with one of the other quantities of
-    /// the model one standard deviation off, each independent of the next.
+    /// Standard deviations of both coefficients: by the residuals' own scatter, which some hundred frames determine, and by `others`, the
+    /// residuals at the best coefficients with one of the other quantities of the model one standard deviation off, each independent of
+    /// the next.
     ///
     /// # Errors
     /// A [`Diagnostic`] when the residuals do not determine both.
     pub fn sigma(&self, others: &[Vec<f64>]) -> Result<Coefficients> {
-        let own = self.best.posterior(NAMES.len())?;
+        let own = self.best.covariance(NAMES.len())?;
         let widened = discrepancy(&self.best);
         let mut variance = [0, 1].map(|k| (widened * own.sigma(k)).powi(2));
         for other in others {
