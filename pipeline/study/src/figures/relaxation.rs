@@ -84,7 +84,7 @@ fn spectrum(all: &All, which: usize, axis: Axis) -> Result<Panel> {
     let frequency = |i: usize| from * (to / from).powf(i as f64 / (POINTS - 1) as f64);
     let frequencies: Vec<Hertz> = (0..POINTS).map(frequency).collect();
     let mut axes = Axes::new(Axis::log("frequency", "Hz"), axis);
-    for (specimen, found) in all {
+    for (specimen, records::Relaxation { spectrum: found, .. }) in all {
         let name = &specimen.card.name;
         let values: Vec<f64> = frequencies.iter().map(|f| Ok(found.at(*f)?[which])).collect::<Result<_>>()?;
         let sigma: Vec<f64> = frequencies.iter().map(|f| Ok(found.sigma_at(*f)?[which])).collect::<Result<_>>()?;

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use si::{Metre, Second};
 use signal::resample::Samples;
 
-use super::deviations::Open;
+use super::deviations::{Open, PART};
 use crate::records::{Drag, Interval};
 use diagnostics::Result;
 use sysid::ReducedBody;
@@ -36,7 +36,10 @@ impl Predicted<'_> {
         };
         let here = of(self.reduced_body, by)?;
         let silicones = self.open.of_motion()?;
-        let off = |(silicone, own): &(_, f64)| Ok(of(&self.reduced_body.with(self.open.model, silicone), by)? - own);
+        let off = |(silicone, own): &(_, f64)| {
+            let there = of(&self.reduced_body.with(self.open.model, silicone), by)?;
+            Ok(here + (there - here) / PART - own)
+        };
         let mut all: Vec<f64> = silicones.par_iter().map(off).collect::<Result<_>>()?;
         if let Some(drag) = self.drag {
             let Coefficients { added, drag: normal } = drag.by;

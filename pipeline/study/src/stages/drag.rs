@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use si::{KilogramPerCubicMetre, Metre, Pascal, Second};
 
-use super::deviations::Open;
+use super::deviations::{Open, PART};
 use super::simulation;
 use crate::records::{self, Identified, Level, Mesh, Motion, Reduced, Relaxation};
 use crate::selections::{OfTrials, UnderwaterStaircases};
@@ -63,7 +63,7 @@ impl Stage for Drag {
     type Needs = ((Mesh, Identified, Reduced), Relaxation, OfTrials<Motion, UnderwaterStaircases>);
     type Makes = records::Drag;
     const DESCRIPTION: &'static str = "a release under water gives added mass and drag";
-    const VERSION: u32 = 11;
+    const VERSION: u32 = 12;
 
     fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<records::Drag> {
         let ((mesh, identified, reduced), relaxation, films) = needs;
@@ -100,7 +100,10 @@ impl Stage for Drag {
         };
         let found = set.release().identify(&mut evaluated)?;
         let others = Open { model: &model, identified: &identified, relaxation: &relaxation }.silicones()?;
-        let other = |silicone: &Viscoelastic| off(&underwater.with(&reduced_body.with(&model, silicone)), found.by);
+        let other = |silicone: &Viscoelastic| -> Result<Vec<f64>> {
+            let there = off(&underwater.with(&reduced_body.with(&model, silicone)), found.by)?;
+            Ok(there.iter().zip(found.residuals()).map(|(there, here)| here + (there - here) / PART).collect())
+        };
         let others = others.par_iter().map(other).collect::<Result<Vec<_>>>()?;
         Ok(records::Drag {
             by: found.by,

@@ -8,13 +8,13 @@ use mesh::wall::buckling_pressure;
 use serde::{Deserialize, Serialize};
 use si::{Pascal, Point2, Second};
 
-use crate::records::dynamic;
 use crate::records::{
     Camera, CorrectedForce, Drag, Estimate, Identified, Inflation, Interval, LoadCell, Markers, Motion, Path, Quantity,
     REPORTED, Recovered, RecoveredSpecimen, Relaxation, Tank, Tracks, Validation, WallErrors,
 };
 use crate::subject::{Specimen, Study, condition_of};
 use diagnostics::{Diagnostic, Result};
+use sysid::relaxation::dynamic_modulus;
 use workflow::needs::Every;
 use workflow::stage::{RawFile, Stage, StageContext};
 use workflow::subject::{Name, Part};
@@ -135,8 +135,8 @@ fn beside(
     ];
     for (_, relaxation) in relaxed.iter().filter(|(s, _)| this(s)) {
         for frequency in REPORTED {
-            let (found, sigma) = (relaxation.at(frequency)?, relaxation.sigma_at(frequency)?);
-            let real = dynamic(&real, frequency, relaxation.modulus_time_s);
+            let (found, sigma) = (relaxation.spectrum.at(frequency)?, relaxation.spectrum.sigma_at(frequency)?);
+            let real = dynamic_modulus(&real, frequency, relaxation.spectrum.modulus_time_s);
             let quantities = [Quantity::StorageRatio(frequency), Quantity::LossFactor(frequency)];
             all.extend(
                 quantities.into_iter().enumerate().map(|(k, q)| estimate(q, found[k], real[k], sigma[k] / found[k])),

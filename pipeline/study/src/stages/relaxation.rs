@@ -8,12 +8,12 @@ use si::{Metre, Second};
 
 use super::fitting::mean_rest;
 use super::simulation;
-use crate::records::{self, Identified, IdentifiedBranch, Mesh, Motion, Reduced};
+use crate::records::{self, Identified, Mesh, Motion, Reduced};
 use crate::selections::IdentificationTrials;
 use crate::subject::TrialId;
 use diagnostics::Result;
 use sysid::actuated::frame_interval;
-use sysid::relaxation::{Film, Footage, Spectrum, SpectrumProblem, SpectrumSettings, Window};
+use sysid::relaxation::{Film, Footage, SpectrumProblem, SpectrumSettings, Window};
 use sysid::{Body, ReducedBody, TimeSteps};
 use workflow::stage::{Stage, StageContext};
 
@@ -54,7 +54,7 @@ impl Stage for Relaxation {
     type Needs = (Mesh, Identified, Reduced, IdentificationTrials<Motion>);
     type Makes = records::Relaxation;
     const DESCRIPTION: &'static str = "transients of the staircases give the silicone's relaxation";
-    const VERSION: u32 = 5;
+    const VERSION: u32 = 6;
 
     fn run(
         card: &Self::Card,
@@ -79,7 +79,13 @@ impl Stage for Relaxation {
             films: &films,
         };
         let found = problem.identify(&|part| context.progress(part, "creeping"))?;
-        Ok(set.record(found, modulus_time))
+        Ok(records::Relaxation {
+            spectrum: found.spectrum,
+            rmse_m: found.rmse,
+            elastic_rmse_m: found.elastic_rmse,
+            correlation_time_s: found.correlation_time,
+            transients: found.transients,
+        })
     }
 }
 
@@ -101,27 +107,6 @@ impl Settings {
         let exposure = self.exposure * frame_interval(&motion.time);
         let footage = Footage { windows: windows(motion, marker), marker, exposure };
         Film::new(footage, simulation::gauges(motion)?, steps)
-    }
-
-    fn record(&self, found: Spectrum, modulus_time: Second) -> records::Relaxation {
-        let count = found.branches.len();
-        let deviation = |k: usize| found.covariance[(k, k)].sqrt();
-        let branch = |k: usize| IdentifiedBranch {
-            time_s: found.branches[k].time,
-            strength: found.branches[k].strength,
-            sigma: deviation(k),
-            over_prior: found.over_prior[k],
-        };
-        let pairs = (0..count).flat_map(|i| (0..count).map(move |j| (i, j)));
-        records::Relaxation {
-            branches: (0..count).map(branch).collect(),
-            correlation: pairs.map(|(i, j)| found.covariance[(i, j)] / (deviation(i) * deviation(j))).collect(),
-            modulus_time_s: modulus_time,
-            rmse_m: found.rmse,
-            elastic_rmse_m: found.elastic_rmse,
-            correlation_time_s: found.correlation_time,
-            transients: found.transients,
-        }
     }
 }
 

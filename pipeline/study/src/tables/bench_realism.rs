@@ -88,8 +88,8 @@ fn row(Line(quantity, unit, digits, real, ours): Line) -> Option<Vec<String>> {
 
 /// The identified silicone beside published ones; the error of the paper's own model in air beside that on the paper's hardware.
 fn model((Every(relaxed), Every(validated)): &Silicone) -> Vec<Line> {
-    let at = |f: Hertz, k: usize| range(relaxed.iter().filter_map(|(_, r)| Some(r.at(f).ok()?[k])));
-    let storage = |r: &Relaxation| Some(100.0 * (r.at(8.0).ok()?[0] / r.at(1.0).ok()?[0] - 1.0));
+    let at = |f: Hertz, k: usize| range(relaxed.iter().filter_map(|(_, r)| Some(r.spectrum.at(f).ok()?[k])));
+    let storage = |r: &Relaxation| Some(100.0 * (r.spectrum.at(8.0).ok()?[0] / r.spectrum.at(1.0).ok()?[0] - 1.0));
     let paper = |v: &Validation| Some(1e3 * v.scored.iter().find(|s| s.name == PAPER_MODEL)?.rmse);
     let air = validated.iter().filter(|(t, _)| !t.is_in_water());
     vec![

@@ -6,9 +6,11 @@
 //! same held shapes: residuals are taken about their mean, and to the best scale, in each window between two changes.
 
 mod film;
+mod identified;
 mod spectrum;
 
 pub use film::{Film, Footage, Transient, Window};
+pub use identified::{IdentifiedBranch, IdentifiedSpectrum, dynamic_modulus};
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use optimize::optimisers::gauss_newton::{GaussNewton, Settings as Newton};
@@ -61,15 +63,11 @@ pub struct SpectrumProblem<'a> {
     pub films: &'a [Film],
 }
 
-/// An identified spectrum.
+/// An identified spectrum and what it leaves of the films.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Spectrum {
-    /// The branches, the fastest first: strengths over the long-term modulus.
-    pub branches: Vec<Branch>,
-    /// Covariance of the logarithms of their strengths.
-    pub covariance: DMatrix<f64>,
-    /// Standard deviation of each of these logarithms over that by the prior.
-    pub over_prior: Vec<f64>,
+pub struct Found {
+    /// The spectrum.
+    pub spectrum: IdentifiedSpectrum,
     /// Root mean square error of all windows, each about its mean, m.
     pub rmse: Metre,
     /// The same of the elastic model, m.
@@ -105,7 +103,7 @@ impl SpectrumProblem<'_> {
     ///
     /// # Errors
     /// A [`Diagnostic`] when a motion is not found or a branch is one that no solid can have.
-    pub fn identify(&self, progress: &dyn Fn(f64)) -> Result<Spectrum> {
+    pub fn identify(&self, progress: &dyn Fn(f64)) -> Result<Found> {
         let set = self.settings;
         let median = vec![set.prior_strength.ln(); set.times.len()];
         let knots = Knots { times: set.times.clone(), per_interval: set.branches_per_interval, median };
@@ -117,7 +115,7 @@ impl SpectrumProblem<'_> {
         let correlation = self.correlation(&values);
         let sigma = rms(&values) * correlation.sqrt();
         let best = self.minimise(Search { knots: &knots, start, sigma, iterations: REWEIGHTED }, progress)?;
-        self.concluded(&knots, &best, correlation)
+        self.concluded((&knots, sigma), &best, correlation)
     }
 
     fn body(&self, relaxation: Relaxation) -> ReducedBody {
@@ -203,13 +201,44 @@ impl SpectrumProblem<'_> {
         })
     }
 
-    fn concluded(&self, knots: &Knots, best: &Evaluation, correlation: f64) -> Result<Spectrum> {
-        let (relaxation, covariance) = (maxwell(knots, &best.at)?, self.covariance(best)?);
-        let over_prior = covariance.diagonal().iter().map(|v| v.sqrt() / self.settings.prior_sigma).collect();
-        Ok(Spectrum {
-            branches: knots.branches(&best.at),
-            over_prior,
-            covariance,
+    /// By how much the strengths follow each modulus at the best point, all in logarithms: moduli × strengths.
+    fn modulus_response(&self, best: &Evaluation, knots: &Knots, sigma: Metre) -> Result<Vec<Vec<f64>>> {
+        let (relaxation, here) = (maxwell(knots, &best.at)?, residuals_of(best)?);
+        let follows = |k: usize| {
+            let mut other = self.clone();
+            other.held.youngs_moduli[k] *= NUDGE.exp();
+            let there = other.residuals(relaxation.clone())?;
+            let prior = vec![0.0; best.at.len()];
+            let change = there.iter().zip(&here.values).map(|(there, here)| (there / sigma - here) / NUDGE);
+            Ok(here.response(&change.chain(prior).collect::<Vec<_>>(), best.at.len())?)
+        };
+        (0..self.held.youngs_moduli.len()).into_par_iter().map(follows).collect()
+    }
+
+    /// The spectrum at the best point, whose residuals are in units of `sigma` (m).
+    fn spectrum(&self, knots: &Knots, best: &Evaluation, sigma: Metre) -> Result<IdentifiedSpectrum> {
+        let covariance = self.covariance(best)?;
+        let count = covariance.nrows();
+        let deviation: Vec<f64> = covariance.diagonal().iter().map(|variance| variance.sqrt()).collect();
+        let branch = |(k, branch): (usize, Branch)| IdentifiedBranch {
+            time_s: branch.time,
+            strength: branch.strength,
+            sigma: deviation[k],
+            over_prior: deviation[k] / self.settings.prior_sigma,
+        };
+        let pairs = (0..count).flat_map(|i| (0..count).map(move |j| (i, j)));
+        Ok(IdentifiedSpectrum {
+            branches: knots.branches(&best.at).into_iter().enumerate().map(branch).collect(),
+            correlation: pairs.map(|(i, j)| covariance[(i, j)] / (deviation[i] * deviation[j])).collect(),
+            modulus_time_s: self.modulus_time,
+            modulus_response: self.modulus_response(best, knots, sigma)?,
+        })
+    }
+
+    fn concluded(&self, (knots, sigma): (&Knots, Metre), best: &Evaluation, correlation: f64) -> Result<Found> {
+        let relaxation = maxwell(knots, &best.at)?;
+        Ok(Found {
+            spectrum: self.spectrum(knots, best, sigma)?,
             rmse: rms(&self.residuals(relaxation.clone())?),
             elastic_rmse: rms(&self.residuals(Relaxation::default())?),
             correlation_time: correlation * self.films[0].frame_interval(),
