@@ -1,16 +1,26 @@
 //! Whitening of correlated residuals [seber2003, chapter 2.1.4].
 //!
-//! With the covariance S = L Lᵀ of the raw residuals r, L⁻¹ r has the covariance I and the Jacobian L⁻¹ J, so ½ ‖L⁻¹ r‖² is the
-//! negative log-likelihood. Residuals of different blocks are independent.
+//! With a root M of the covariance S = M Mᵀ of the raw residuals r, M⁻¹ r has the covariance I and the Jacobian M⁻¹ J, so ½ ‖M⁻¹ r‖² is the
+//! negative log-likelihood. Residuals of different blocks are independent, but for causes that they have in common:
+//!
+//!   S = L Lᵀ + U Uᵀ,  M = L (I + V Vᵀ)^½,  V = L⁻¹ U
+//!
+//! with the Cholesky factors L of the blocks and a column of U for each cause. With VᵀV = Q Λ Qᵀ, a function f of I + V Vᵀ is
+//! f(1) I + V Q (f(1 + Λ) − f(1)) Λ⁻¹ Qᵀ Vᵀ: common causes cost no factor of the whole.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use crate::{OptimiseError, Residuals};
 
-/// Cholesky factors of a block-diagonal covariance.
+/// A root of a covariance of blocks with common causes.
 #[derive(Debug, Clone)]
 pub struct Whitening {
+    /// L of each block.
     factors: Vec<DMatrix<f64>>,
+    /// V Q, residuals × causes.
+    common: DMatrix<f64>,
+    /// Λ.
+    squares: DVector<f64>,
 }
 
 impl Whitening {
@@ -28,12 +38,54 @@ impl Whitening {
             let split = DMatrix::from_row_slice(n, n, block).cholesky();
             Ok(split.ok_or(OptimiseError::Undetermined { parameters: 0, why })?.unpack())
         };
-        Ok(Self { factors: blocks.iter().map(factor).collect::<Result<_, _>>()? })
+        let factors: Vec<DMatrix<f64>> = blocks.iter().map(factor).collect::<Result<_, _>>()?;
+        let residuals = factors.iter().map(DMatrix::nrows).sum();
+        Ok(Self { factors, common: DMatrix::zeros(residuals, 0), squares: DVector::zeros(0) })
+    }
+
+    /// With causes that the blocks have in common: by how much each residual follows one standard deviation of each.
+    ///
+    /// # Errors
+    /// [`OptimiseError::Length`] when a cause has not as many residuals as the blocks.
+    pub fn with_common(self, causes: &[Vec<f64>]) -> Result<Self, OptimiseError> {
+        let expected = self.common.nrows();
+        if let Some(cause) = causes.iter().find(|cause| cause.len() != expected) {
+            return Err(OptimiseError::Length { what: "a common cause", found: cause.len(), expected });
+        }
+        let columns = DMatrix::from_fn(expected, causes.len(), |i, k| causes[k][i]);
+        let seen = self.blockwise(&columns, solved);
+        let split = SymmetricEigen::new(seen.tr_mul(&seen));
+        Ok(Self {
+            common: seen * &split.eigenvectors,
+            squares: split.eigenvalues.map(|square| square.max(0.0)),
+            ..self
+        })
+    }
+
+    /// `of` each factor and the rows of its block.
+    fn blockwise(&self, rows: &DMatrix<f64>, of: fn(&DMatrix<f64>, DMatrix<f64>) -> DMatrix<f64>) -> DMatrix<f64> {
+        let (mut first, mut all) = (0, rows.clone());
+        for factor in &self.factors {
+            let n = factor.nrows();
+            let own = of(factor, rows.rows(first, n).into_owned());
+            all.rows_mut(first, n).copy_from(&own);
+            first += n;
+        }
+        all
+    }
+
+    /// (I + V Vᵀ)^`power` of rows.
+    fn power(&self, rows: &DMatrix<f64>, power: f64) -> DMatrix<f64> {
+        let along = self.common.tr_mul(rows);
+        let gain = |square: f64| if square > SMALL { ((1.0 + square).powf(power) - 1.0) / square } else { power };
+        let scaled = DMatrix::from_diagonal(&self.squares.map(gain)) * along;
+        rows + &self.common * scaled
     }
 
     /// ½ ln det S.
     pub fn half_log_determinant(&self) -> f64 {
-        self.factors.iter().flat_map(|factor| factor.diagonal().iter().map(|d| d.ln()).collect::<Vec<_>>()).sum()
+        let blocks: f64 = self.factors.iter().map(|factor| factor.diagonal().map(f64::ln).sum()).sum();
+        blocks + 0.5 * self.squares.iter().map(|square| square.ln_1p()).sum::<f64>()
     }
 
     /// r and J of the residuals that [`Whitening::apply`] made of them; those beyond its blocks are left out.
@@ -41,43 +93,37 @@ impl Whitening {
     /// # Errors
     /// [`OptimiseError::Length`] when there are fewer than its blocks have.
     pub fn invert(&self, white: &Residuals, parameters: usize) -> Result<Residuals, OptimiseError> {
-        let expected: usize = self.factors.iter().map(DMatrix::nrows).sum();
+        let expected = self.common.nrows();
         if white.values.len() < expected || white.jacobian.len() < expected * parameters {
             return Err(OptimiseError::Length { what: "the list of residuals", found: white.values.len(), expected });
         }
-        let (mut first, mut values, mut jacobian) = (0, Vec::new(), Vec::new());
-        for factor in &self.factors {
-            let n = factor.nrows();
-            values.extend((factor * DVector::from_column_slice(&white.values[first..first + n])).iter());
-            let rows = &white.jacobian[first * parameters..(first + n) * parameters];
-            jacobian.extend((factor * DMatrix::from_row_slice(n, parameters, rows)).transpose().iter());
-            first += n;
-        }
-        Ok(Residuals { values, jacobian })
+        let root = |rows: DMatrix<f64>| self.blockwise(&self.power(&rows, 0.5), |factor, own| factor * own);
+        Ok(self.of_both(white, parameters, root))
     }
 
-    /// L⁻¹ r and L⁻¹ J.
+    /// M⁻¹ r and M⁻¹ J.
     ///
     /// # Errors
     /// [`OptimiseError::Length`] when the residuals are not as many as the covariances are for.
     pub fn apply(&self, raw: &Residuals, parameters: usize) -> Result<Residuals, OptimiseError> {
-        let (found, expected) = (raw.values.len(), self.factors.iter().map(DMatrix::nrows).sum());
+        let (found, expected) = (raw.values.len(), self.common.nrows());
         if found != expected || raw.jacobian.len() != found * parameters {
             return Err(OptimiseError::Length { what: "the list of residuals", found, expected });
         }
-        let (mut first, mut values, mut jacobian) = (0, Vec::new(), Vec::new());
-        for factor in &self.factors {
-            let n = factor.nrows();
-            let r = solved(factor, DMatrix::from_column_slice(n, 1, &raw.values[first..first + n]));
-            let rows = &raw.jacobian[first * parameters..(first + n) * parameters];
-            let slopes = solved(factor, DMatrix::from_row_slice(n, parameters, rows));
-            values.extend(r.iter());
-            jacobian.extend(slopes.transpose().iter());
-            first += n;
-        }
-        Ok(Residuals { values, jacobian })
+        Ok(self.of_both(raw, parameters, |rows| self.power(&self.blockwise(&rows, solved), -0.5)))
+    }
+
+    /// `of` r and J, each as rows.
+    fn of_both(&self, both: &Residuals, columns: usize, of: impl Fn(DMatrix<f64>) -> DMatrix<f64>) -> Residuals {
+        let rows = self.common.nrows();
+        let values = of(DMatrix::from_column_slice(rows, 1, &both.values[..rows]));
+        let jacobian = of(DMatrix::from_row_slice(rows, columns, &both.jacobian[..rows * columns]));
+        Residuals { values: values.iter().copied().collect(), jacobian: jacobian.transpose().iter().copied().collect() }
     }
 }
+
+/// Square of a cause, in deviations of the blocks, below which the power is its slope.
+const SMALL: f64 = 1e-9;
 
 /// L⁻¹ B; the diagonal of a Cholesky factor is positive.
 fn solved(factor: &DMatrix<f64>, mut b: DMatrix<f64>) -> DMatrix<f64> {
@@ -111,6 +157,27 @@ mod tests {
         pairs.for_each(|(found, exact)| assert!((found - exact).abs() < 1e-12));
         // det S = 8 · 25
         assert!((whitening.half_log_determinant() - 0.5 * 200f64.ln()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_common_cause_is_that_of_the_whole_covariance() {
+        let (blocks, causes) = ([vec![4.0, 2.0, 2.0, 3.0], vec![25.0]], [vec![1.0, -2.0, 3.0], vec![0.5, 0.0, 1.0]]);
+        let whole: Vec<f64> = {
+            let block = DMatrix::from_row_slice(3, 3, &[4.0, 2.0, 0.0, 2.0, 3.0, 0.0, 0.0, 0.0, 25.0]);
+            let common = DMatrix::from_fn(3, 2, |i, k| causes[k][i]);
+            (block + &common * common.transpose()).iter().copied().collect()
+        };
+        let [low_rank, dense] =
+            [Whitening::new(&blocks).unwrap().with_common(&causes).unwrap(), Whitening::new(&[whole]).unwrap()];
+        let raw = Residuals { values: vec![1.0, 2.0, -10.0], jacobian: vec![1.0, 0.5, 2.0, -1.0, 10.0, 3.0] };
+        let [a, b] = [&low_rank, &dense].map(|of| of.apply(&raw, 2).unwrap());
+        assert!((a.half_sum_of_squares() - b.half_sum_of_squares()).abs() < 1e-12);
+        let product = |of: &Residuals| of.jacobian.chunks(2).map(|row| row[0] * row[1]).sum::<f64>();
+        assert!((product(&a) - product(&b)).abs() < 1e-12);
+        assert!((low_rank.half_log_determinant() - dense.half_log_determinant()).abs() < 1e-12);
+        let back = low_rank.invert(&a, 2).unwrap();
+        assert!(back.values.iter().zip(&raw.values).all(|(found, exact)| (found - exact).abs() < 1e-12));
+        assert!(Whitening::new(&blocks).unwrap().with_common(&[vec![1.0]]).is_err());
     }
 
     #[test]

@@ -41,14 +41,6 @@ impl Misfit {
         whitening(&self.levels, &self.films, covariance)
     }
 
-    /// The numbers of the levels of each film.
-    pub(crate) fn films(&self) -> impl Iterator<Item = std::ops::Range<usize>> + '_ {
-        self.films.iter().scan(0, |end, count| {
-            *end += count;
-            Some(*end - count..*end)
-        })
-    }
-
     /// Residuals of the levels in m, from those that this misfit has whitened; the rows of a prior after them are left out.
     ///
     /// # Errors

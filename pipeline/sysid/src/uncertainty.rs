@@ -11,8 +11,6 @@ use crate::body::Body;
 pub struct Posterior {
     /// The covariance of what the films leave open.
     pub covariance: Covariance,
-    /// By how much each parameter follows one standard deviation of each film's scale: films × parameters.
-    pub scales: Vec<Vec<f64>>,
     /// By how much the discretisation error shifts each parameter, or why that is not known.
     pub discretisation: std::result::Result<Vec<f64>, String>,
     /// χ² over the degrees of freedom.
@@ -26,9 +24,6 @@ pub struct Uncertainty {
     pub sigma: Vec<f64>,
     /// Their correlations: parameters × parameters.
     pub correlation: Vec<f64>,
-    /// By how much they follow one standard deviation of the common scale of each film, a part of the covariance: films × parameters.
-    #[serde(default)]
-    pub scales: Vec<Vec<f64>>,
     /// Reduced χ² (over the degrees of freedom): near 1 when the covariance is right.
     pub chi_square: f64,
     /// By how much the discretisation error shifts the logarithm of each parameter, estimated on a finer mesh; empty where it is not known.
@@ -51,11 +46,6 @@ impl Uncertainty {
         let correlation = if i == j { 1.0 } else { self.correlation[i * self.sigma.len() + j] };
         let shift = |k: usize| self.discretisation.get(k).copied().unwrap_or_default();
         self.sigma[i] * self.sigma[j] * correlation - shift(i) * shift(j)
-    }
-
-    /// The same without the films' scales, whose part in a motion is another.
-    pub fn beside_the_scales(&self, i: usize, j: usize) -> f64 {
-        self.on_the_same_mesh(i, j) - self.scales.iter().map(|film| film[i] * film[j]).sum::<f64>()
     }
 }
 
@@ -86,7 +76,6 @@ pub fn of(body: &Body, posterior: &Posterior, (best, bounds): (&[f64], &Bounds))
     Uncertainty {
         sigma,
         correlation: (0..count * count).map(|k| moduli.correlation(k / count, k % count)).collect(),
-        scales: posterior.scales.iter().map(|film| film[..count].to_vec()).collect(),
         chi_square: posterior.chi_square,
         words: moduli.summary(&names),
         discretisation,
@@ -155,8 +144,6 @@ mod tests {
         };
         assert!((all.on_the_same_mesh(0, 0) - 0.0016).abs() < 1e-12);
         assert!((all.on_the_same_mesh(0, 1) + 0.0025 - 0.0018).abs() < 1e-12);
-        let scaled = Uncertainty { scales: vec![vec![0.02, 0.01], vec![0.01, 0.0]], ..all.clone() };
-        assert!((scaled.beside_the_scales(0, 0) - 0.0011).abs() < 1e-12);
         let without = Uncertainty { discretisation: Vec::new(), ..all };
         assert!((without.on_the_same_mesh(1, 1) - 0.01).abs() < 1e-12);
     }

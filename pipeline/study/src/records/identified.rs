@@ -373,6 +373,7 @@ mod tests {
             noise: NoiseModel { discrepancy_m: 1e-4, scale_sigma: 0.02 },
             discrepancy: Discrepancy {
                 scale_sigma: 0.02,
+                film_sigma: 0.015,
                 shape_sigma: 0.005,
                 correlation_length_m: 0.03,
                 correlation_log_pressure: 1.0,

@@ -9,8 +9,8 @@ use signal::resample::Samples;
 use super::deviations::{Open, PART};
 use crate::records::{Drag, Interval};
 use diagnostics::Result;
-use sysid::ReducedBody;
 use sysid::actuated::Actuation;
+use sysid::{ReducedBody, Viscoelastic};
 
 /// The path of the tip marker of a body in water with these coefficients, or without water.
 pub(super) type Simulated<'a> =
@@ -25,9 +25,9 @@ pub(super) struct Predicted<'a> {
 }
 
 impl Predicted<'_> {
-    /// The relative standard deviation of the amplitude, from a motion under `actuation`. Moduli, relaxation, added mass and drag count as
-    /// independent of each other, which for drag and the relaxation is on the safe side; a film differs from the films of identification by a
-    /// common scale of its own.
+    /// The relative standard deviation of the amplitude, from a motion under `actuation` to both sides, in which the opposed scales of the
+    /// chambers cancel. Silicone, added mass and drag count as independent of each other, which is on the safe side: the drag follows the
+    /// silicone. A film differs from the films of identification by a scale of its own.
     pub(super) fn sigma(&self, simulated: &Simulated, actuation: &Actuation) -> Result<f64> {
         let by = self.drag.map(|d| d.by);
         let times: Vec<Second> = actuation.times(self.settings.step).iter().map(|t| actuation.begin + t).collect();
@@ -35,10 +35,10 @@ impl Predicted<'_> {
             Ok(amplitude(&simulated(body, self.settings, by, actuation)?, &times).ln())
         };
         let here = of(self.reduced_body, by)?;
-        let silicones = self.open.of_motion()?;
-        let off = |(silicone, own): &(_, f64)| {
+        let silicones = self.open.silicones()?;
+        let off = |silicone: &Viscoelastic| {
             let there = of(&self.reduced_body.with(self.open.model, silicone), by)?;
-            Ok(here + (there - here) / PART - own)
+            Ok(here + (there - here) / PART)
         };
         let mut all: Vec<f64> = silicones.par_iter().map(off).collect::<Result<_>>()?;
         if let Some(drag) = self.drag {

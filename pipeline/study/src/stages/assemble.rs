@@ -46,8 +46,7 @@ impl Fitting<'_> {
         let discretisation = self.discretisation(finer, &elastic, &markers, residuals);
         let discrepancy = self.estimated(residuals)?;
         let (covariance, chi_square) = discrepancy.posterior(&self.levels, residuals.0, residuals.1)?;
-        let scales = discrepancy.scales(&self.levels, residuals.0, residuals.1)?;
-        let posterior = Posterior { covariance, scales, discretisation, chi_square };
+        let posterior = Posterior { covariance, discretisation, chi_square };
         let uncertainty = uncertainty::of(self.body, &posterior, (&best.at, self.search.bounds()));
         let (surface, profiles) = self.surface(&grid)?;
         Ok(Identified {

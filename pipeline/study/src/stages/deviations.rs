@@ -30,20 +30,6 @@ impl Open<'_> {
         axes.iter().map(|shift| self.moduli(shift)).chain(self.strengths()).collect()
     }
 
-    /// The same for a motion to both sides, each with the part of its relative change that the body has as well. What a film shows too large
-    /// by the body's own scale on that side is in its moduli and, on that side, in every motion.
-    ///
-    /// # Errors
-    /// As [`Open::silicones`].
-    pub fn of_motion(&self) -> Result<Vec<(Viscoelastic, f64)>> {
-        let Identified { uncertainty: moduli, discrepancy, .. } = self.identified;
-        let axes = deviations(moduli.sigma.len(), &|i, j| moduli.beside_the_scales(i, j));
-        let share = discrepancy.scale_sigma / moduli.scales.len().max(1) as f64;
-        let beside = axes.iter().map(|shift| self.moduli(shift)).chain(self.strengths()).map(|off| Ok((off?, 0.0)));
-        let scaled = moduli.scales.iter().map(|shift| Ok((self.moduli(shift)?, share)));
-        beside.chain(scaled).collect()
-    }
-
     /// The moduli off by a shift of their logarithms, with the relaxation that would have been identified with them.
     fn moduli(&self, shift: &[f64]) -> Result<Viscoelastic> {
         let mut other = self.identified.clone();

@@ -34,7 +34,7 @@ pub struct Settings {
     pub(super) discrepancy: Metre,
     /// Standard deviation of the common scale error of all displacements of a film by which they are weighed, no unit.
     pub(super) scale_sigma: f64,
-    /// The middle of the prior of the discrepancy that the residuals show: standard deviation of a film's common scale, no unit.
+    /// The middle of the prior of the discrepancy that the residuals show: standard deviation of a chamber's scale, no unit.
     pub(super) prior_scale_sigma: f64,
     /// Of the deviation of the shape, over the displacement, no unit.
     pub(super) prior_shape_sigma: f64,
@@ -81,6 +81,7 @@ impl Settings {
     fn prior(&self, length: Metre) -> Discrepancy {
         Discrepancy {
             scale_sigma: self.prior_scale_sigma,
+            film_sigma: self.scale_sigma,
             shape_sigma: self.prior_shape_sigma,
             correlation_length_m: self.prior_correlation_length * length,
             correlation_log_pressure: self.prior_correlation_log_pressure,

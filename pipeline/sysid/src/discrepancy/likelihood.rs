@@ -35,6 +35,7 @@ impl Discrepancy {
         let factor = |k: usize| (PRIOR[k] * by[k]).exp();
         Self {
             scale_sigma: self.scale_sigma * factor(0),
+            film_sigma: self.film_sigma,
             shape_sigma: self.shape_sigma * factor(1),
             correlation_length_m: self.correlation_length_m * factor(2),
             correlation_log_pressure: self.correlation_log_pressure * factor(3),
@@ -128,7 +129,7 @@ mod tests {
     fn levels() -> Vec<PressureLevel> {
         let place = |m: usize| 0.02 + 0.01 * m as f64;
         let level = |pressure: f64, side: f64| PressureLevel {
-            pressures: vec![pressure],
+            pressures: if side > 0.0 { vec![pressure, 0.0] } else { vec![0.0, pressure] },
             measured: (0..MARKERS).map(|m| [0.0, side * pressure * 1e-4 * place(m).powi(2)]).collect(),
             covariance: vec![[1e-10, 0.0, 1e-10]; MARKERS],
             shared: vec![[5e-11, 0.0, 5e-11]; MARKERS],
@@ -153,12 +154,14 @@ mod tests {
     fn the_sizes_by_which_residuals_were_drawn_come_back() {
         let truth = Discrepancy {
             scale_sigma: 0.03,
+            film_sigma: 0.01,
             shape_sigma: 0.004,
             correlation_length_m: 0.015,
             correlation_log_pressure: 0.6,
         };
         let prior = Discrepancy {
             scale_sigma: 0.02,
+            film_sigma: 0.01,
             shape_sigma: 0.01,
             correlation_length_m: 0.025,
             correlation_log_pressure: 1.0,
@@ -170,7 +173,7 @@ mod tests {
             })
             .collect();
         let mean = |of: &dyn Fn(&Discrepancy) -> f64| (found.iter().map(|n| of(n).ln()).sum::<f64>() / 12.0).exp();
-        // a film has one scale: of two, the one along the parameter is not seen, and the prior holds the rest of what they leave open
+        // two films show one difference of their scales, and the prior holds the rest of what it leaves open
         let (scale, shape, length) =
             (mean(&|n| n.scale_sigma), mean(&|n| n.shape_sigma), mean(&|n| n.correlation_length_m));
         assert!((0.015..0.04).contains(&scale), "{scale}");
@@ -182,6 +185,7 @@ mod tests {
     fn a_size_of_zero_is_refused_with_its_setting() {
         let prior = Discrepancy {
             scale_sigma: 0.02,
+            film_sigma: 0.01,
             shape_sigma: 0.01,
             correlation_length_m: 0.025,
             correlation_log_pressure: 1.0,

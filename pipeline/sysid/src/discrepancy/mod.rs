@@ -1,9 +1,13 @@
 //! The discrepancy between the model and the films of held shapes, and what it leaves open of the parameters.
 //!
-//! Three parts: the markers' own errors (pixels, camera), of which the levels of a film share what comes from the camera's pose and the
-//! positions at rest; a common scale of all displacements of a film (wall thickness, supply pressure); and a deviation of the shape, which
-//! grows with the displacement and varies smoothly along the body and with the pressure. Sizes and correlations are estimated
-//! ([`Discrepancy::estimated`]). Discrepancies of different films are independent.
+//! Four parts: the markers' own errors (pixels, camera), of which the levels of a film share what comes from the camera's pose and the
+//! positions at rest; a common scale of all displacements of a film (supply pressure, temperature), of a size that is set; a scale of each
+//! chamber's films, opposed between the chambers; and a deviation of the shape, which grows with the displacement and varies smoothly along the
+//! body and with the pressure. Sizes and correlations are estimated ([`Discrepancy::estimated`]).
+//!
+//! The chambers' scales add up to nothing: a mould fixes the outside of a body, and a core that lies off its place takes from one wall what it
+//! gives to another. What one side moves too far, the other moves too little, and their mean is as the moduli say. Films of one chamber alone
+//! say nothing of that, and its scale then counts whole.
 //!
 //! The parameters are those of a search whose weights are set ([`crate::Misfit`]), and their covariance is that of this estimator under the
 //! estimated discrepancy, G S Gᵀ with G = −(JᵀWJ)⁻¹JᵀW, as of generalised estimating equations [liang1986].
@@ -12,6 +16,8 @@
 // to 21 % off, 3.4 stated deviations.
 
 mod likelihood;
+
+use std::collections::BTreeSet;
 
 use optimize::{Covariance, Residuals, Whitening};
 use serde::{Deserialize, Serialize};
@@ -26,8 +32,11 @@ use diagnostics::{Diagnostic, Result};
 /// share of what moves.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Discrepancy {
-    /// Standard deviation of the common scale of all displacements of a film, no unit.
+    /// Standard deviation of a chamber's scale, of all displacements of its films, no unit; those of all chambers add up to nothing.
     pub scale_sigma: f64,
+    /// Standard deviation of the scale of a film beside it, no unit; set, not estimated.
+    #[serde(default)]
+    pub film_sigma: f64,
     /// Standard deviation of the deviation of the shape at a marker, over its displacement, no unit.
     pub shape_sigma: f64,
     /// Distance of markers over which that deviation is correlated, m.
@@ -49,7 +58,7 @@ impl Discrepancy {
     }
 
     fn entry(&self, a: &Displacement, b: &Displacement) -> f64 {
-        own(a, b) + self.scale_sigma.powi(2) * a.moved() * b.moved() + self.shape(a, b)
+        own(a, b) + self.film_sigma.powi(2) * a.moved() * b.moved() + self.shape(a, b)
     }
 
     /// Covariance of the deviation of the shape: smooth along the body (Gaussian in the distance of the markers), a random walk over the
@@ -64,9 +73,28 @@ impl Discrepancy {
         self.shape_sigma.powi(2) * a.distance() * b.distance() * (-0.5 * apart * apart - raised).exp()
     }
 
+    /// By how much all displacements follow one standard deviation of each chamber's scale, before their mean is taken off: chambers ×
+    /// displacements.
+    // (δ − 1/n) n/(n − 1) is the covariance of n scales of variance one that add up to nothing, and I − 1/n is its own square.
+    fn scales(&self, misfit: &Misfit) -> Vec<Vec<f64>> {
+        let filled: Vec<usize> = misfit.levels.iter().map(PressureLevel::filled).collect();
+        let chambers = filled.iter().copied().collect::<BTreeSet<_>>();
+        let count = chambers.len() as f64;
+        let (mean, size) = if count > 1.0 { (1.0 / count, (count / (count - 1.0)).sqrt()) } else { (0.0, 1.0) };
+        let of = |chamber: &usize| {
+            let share = |level: usize| f64::from(u8::from(filled[level] == *chamber)) - mean;
+            let moved = misfit.levels.iter().enumerate().flat_map(|(number, level)| {
+                let by = self.scale_sigma * size * share(number);
+                level.measured.iter().flatten().map(move |moved| by * moved)
+            });
+            moved.collect()
+        };
+        chambers.iter().map(of).collect()
+    }
+
     /// The whitening of the levels under this discrepancy.
     fn whitening(&self, misfit: &Misfit) -> Result<Whitening> {
-        misfit.under(|film| self.covariance(film))
+        Ok(misfit.under(|film| self.covariance(film))?.with_common(&self.scales(misfit))?)
     }
 
     /// The covariance of the parameters of a search and χ² over the degrees of freedom, both under this discrepancy; `white` are the
@@ -78,7 +106,7 @@ impl Discrepancy {
         let discrepancy = self.whitening(misfit)?;
         let raw = misfit.raw(white, parameters)?;
         let (levels, all) = (raw.values.len(), white.values.len());
-        // one standard deviation of each independent cause: the columns of L of S = L Lᵀ, and the rows of the prior
+        // one standard deviation of each independent cause: the columns of a root of S, and the rows of the prior
         let unit = |k: usize, of: usize| -> Vec<f64> { (0..of).map(|i| f64::from(u8::from(i == k))).collect() };
         let of_level = |k: usize| -> Result<Vec<f64>> {
             let column = discrepancy.invert(&Residuals { values: unit(k, levels), jacobian: Vec::new() }, 0)?;
@@ -92,25 +120,6 @@ impl Discrepancy {
         let mut seen = discrepancy.apply(&raw, parameters)?;
         seen.values.extend(&white.values[levels..]);
         Ok((covariance, seen.reduced_chi_square(parameters)))
-    }
-
-    /// By how much the parameters of a search follow one standard deviation of the common scale of each film: films × parameters, in the
-    /// order of the films, of the same search as [`Discrepancy::posterior`].
-    ///
-    /// # Errors
-    /// As [`Discrepancy::posterior`].
-    pub fn scales(&self, misfit: &Misfit, white: &Residuals, parameters: usize) -> Result<Vec<Vec<f64>>> {
-        let of_film = |levels: std::ops::Range<usize>| -> Result<Vec<f64>> {
-            let larger = |(number, level): (usize, &PressureLevel)| {
-                let sigma = if levels.contains(&number) { self.scale_sigma } else { 0.0 };
-                level.measured.iter().flatten().map(move |moved| -sigma * moved).collect::<Vec<f64>>()
-            };
-            let values = misfit.levels.iter().enumerate().flat_map(larger).collect();
-            let mut seen = misfit.white(&Residuals { values, jacobian: Vec::new() }, 0)?.values;
-            seen.resize(white.values.len(), 0.0);
-            Ok(white.response(&seen, parameters)?)
-        };
-        misfit.films().map(of_film).collect()
     }
 }
 
@@ -173,20 +182,40 @@ mod tests {
         Misfit::new(levels, &films, &NoiseModel { discrepancy_m: 1e-4, scale_sigma: 0.01 }, 0.1).unwrap()
     }
 
+    /// Two levels of each of two chambers, of one film each.
+    fn sides() -> Misfit {
+        let of = |(side, p): (f64, f64)| PressureLevel {
+            pressures: if side > 0.0 { vec![p, 0.0] } else { vec![0.0, p] },
+            ..level(p, [0.0, 3e-7 * side * p], 0.0)
+        };
+        let all = [(1.0, 5e3), (1.0, 1e4), (-1.0, 5e3), (-1.0, 1e4)].map(of).to_vec();
+        Misfit::new(all, &[2, 2], &NoiseModel { discrepancy_m: 1e-4, scale_sigma: 0.0 }, 0.1).unwrap()
+    }
+
     #[test]
-    fn a_parameter_that_scales_all_follows_the_scale_of_each_film_by_its_share() {
-        let all = [5e3, 1e4, 5e3, 1e4].map(|p| level(p, [0.0, 3e-7 * p], 0.0)).to_vec();
-        let jacobian: Vec<f64> = all.iter().flat_map(|l| l.measured.iter().flatten().copied()).collect();
-        let levels = Misfit::new(all, &[2, 2], &NoiseModel { discrepancy_m: 1e-4, scale_sigma: 0.0 }, 0.1).unwrap();
+    fn opposed_scales_leave_a_parameter_that_scales_all() {
+        let levels = sides();
+        let jacobian: Vec<f64> = levels.levels.iter().flat_map(|l| l.measured.iter().flatten().copied()).collect();
         let white = levels.white(&Residuals { values: vec![0.0; jacobian.len()], jacobian }, 1).unwrap();
-        let truth = Discrepancy { scale_sigma: 0.04, ..SMOOTH };
-        let found = truth.scales(&levels, &white, 1).unwrap();
-        assert!(found.len() == 2 && found.iter().all(|film| (film[0] - 0.02).abs() < 1e-12), "{found:?}");
-        // what they leave of the covariance is that of the other causes
         let variance = |of: &Discrepancy| of.posterior(&levels, &white, 1).unwrap().0.of(0, 0);
-        let others = variance(&Discrepancy { scale_sigma: 0.0, ..truth });
-        let sum: f64 = found.iter().map(|film| film[0].powi(2)).sum();
-        assert!((variance(&truth) / (others + sum) - 1.0).abs() < 1e-9);
+        let none = variance(&SMOOTH);
+        let opposed = variance(&Discrepancy { scale_sigma: 0.04, ..SMOOTH });
+        assert!((opposed / none - 1.0).abs() < 1e-6, "{opposed:e} {none:e}");
+        // of two independent films the mean has half the variance
+        let films = variance(&Discrepancy { film_sigma: 0.04, ..SMOOTH });
+        assert!(((films - none) / 0.0008 - 1.0).abs() < 1e-6, "{films:e}");
+    }
+
+    #[test]
+    fn what_one_side_moves_too_far_and_the_other_too_little_is_one_error() {
+        let (levels, truth) = (sides(), Discrepancy { scale_sigma: 0.05, ..SMOOTH });
+        let off = |by: [f64; 4]| {
+            let scaled =
+                levels.levels.iter().zip(by).flat_map(|(l, b)| l.measured.iter().flatten().map(move |m| b * m));
+            chi_square(&levels, &truth, scaled.collect())
+        };
+        let [opposed, alike] = [off([0.05, 0.05, -0.05, -0.05]), off([0.05; 4])];
+        assert!(opposed < 1.2 && alike > 10.0 * opposed, "{opposed} {alike}");
     }
 
     /// χ² under a discrepancy of residuals in m.
@@ -206,8 +235,13 @@ mod tests {
         assert!((own(0.0) - 4.0).abs() < 0.01 && (own(0.99e-8) - 1.0).abs() < 0.02, "{} {}", own(0.0), own(0.99e-8));
     }
 
-    const SMOOTH: Discrepancy =
-        Discrepancy { scale_sigma: 0.0, shape_sigma: 0.01, correlation_length_m: 0.02, correlation_log_pressure: 1.0 };
+    const SMOOTH: Discrepancy = Discrepancy {
+        scale_sigma: 0.0,
+        film_sigma: 0.0,
+        shape_sigma: 0.01,
+        correlation_length_m: 0.02,
+        correlation_log_pressure: 1.0,
+    };
 
     #[test]
     fn a_deviation_of_the_shape_is_smooth_along_the_body_and_over_the_pressures() {
