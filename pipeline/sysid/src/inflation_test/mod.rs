@@ -28,8 +28,8 @@ pub struct Report {
     page: Page,
     recorded: Vec<Recorded>,
     rows: Vec<Row>,
-    /// Rows of [`Report::rows`] that predict one recording each from the others, by recording.
-    left_out: Vec<Option<usize>>,
+    /// Rows of [`Report::rows`] that predict one recording each from the others, by recording, in the order of [`JOINT`].
+    left_out: Vec<Vec<usize>>,
 }
 
 /// Whether the file `path` is the page of an inflation test.
@@ -83,7 +83,7 @@ impl Predictions<'_> {
         let own: Vec<usize> = (0..count).filter(|k| page.recording[*k].fitted).collect();
         let modulus = bench.fit(chosen, &own, bench.linearised(chosen, (start(chosen, 1), 1), &own)?)?;
         rows.push(bench.fitted("modulus fitted", (chosen, modulus.at), &own)?);
-        let mut left_out = vec![None; count];
+        let mut left_out = vec![Vec::new(); count];
         if count > 1 {
             let mut from = start(chosen, 2);
             for (free, name) in JOINT.into_iter().take(if page.settling.is_some() { 2 } else { 1 }) {
@@ -112,12 +112,12 @@ const JOINT: [(usize, &str); 2] =
     [(2, "modulus and stiffening fitted"), (3, "modulus, stiffening and missing pressure fitted")];
 
 /// The rows of a joint fit from `from` on, of so many free parameters: to all recordings, and to all but each one to which the modulus alone
-/// was not fitted, which is then predicted by the row that `left_out` names. Returns the point of all.
+/// was not fitted, which is then predicted by the row that is added to `left_out`. Returns the point of all.
 fn cross_validated(
     bench: &Bench,
     (of, name): (&IdentifiedMaterial, &str),
     from: (Point, usize),
-    (rows, left_out): (&mut Vec<Row>, &mut [Option<usize>]),
+    (rows, left_out): (&mut Vec<Row>, &mut [Vec<usize>]),
 ) -> Result<Point> {
     let every: Vec<usize> = (0..left_out.len()).collect();
     let joint = bench.fit(of, &every, bench.linearised(of, from, &every)?)?;
@@ -125,7 +125,7 @@ fn cross_validated(
     for k in every.iter().copied().filter(|k| !bench.page.recording[*k].fitted) {
         let others: Vec<usize> = every.iter().copied().filter(|other| *other != k).collect();
         let at = bench.fit(of, &others, joint.only(&others))?.at;
-        left_out[k] = Some(rows.len());
+        left_out[k].push(rows.len());
         rows.push(bench.fitted(name, (of, at), &others)?);
     }
     Ok(joint.at)

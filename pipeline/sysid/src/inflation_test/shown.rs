@@ -5,8 +5,8 @@ use std::path::Path;
 
 use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Dash, Figure, Mark, Panel, palette};
 
-use super::Report;
 use super::fits::Row;
+use super::{JOINT, Report};
 use crate::metrics_file;
 use diagnostics::{Diagnostic, Result};
 
@@ -76,20 +76,26 @@ fn error_percent(found: f64, measured: f64) -> f64 {
     100.0 * (found / measured - 1.0)
 }
 
-/// Absolute errors at the recordings to which the modulus alone was not fitted: of all parameters fitted to the others
-/// (`tip_error_percent`), of the modulus fitted alone, and of the material as it was identified elsewhere.
+/// Absolute errors at the recordings to which the modulus alone was not fitted: of modulus and stiffening fitted to the others
+/// (`tip_error_percent`), of what is missing of the pressure fitted as well, of the modulus fitted alone, and of the material as it was
+/// identified elsewhere. Creep is that of the row with most parameters.
 fn metrics(report: &Report) -> Vec<serde_json::Value> {
     let mut entries = Vec::new();
     let alone = report.rows.iter().position(|row| row.name == "modulus fitted");
     for (k, left_out) in report.left_out.iter().enumerate() {
         let stem = format!("real.{}.{}", report.page.name, report.page.recording[k].name);
-        let kinds = [("tip", *left_out), ("tip_with_modulus_alone", alone), ("tip_with_supported_law", Some(0))];
-        for (kind, row) in kinds.into_iter().filter(|_| left_out.is_some()) {
+        let kinds = [
+            ("tip", left_out.first().copied()),
+            ("tip_with_missing_pressure", left_out.get(1).copied()),
+            ("tip_with_modulus_alone", alone),
+            ("tip_with_supported_law", Some(0)),
+        ];
+        for (kind, row) in kinds.into_iter().filter(|(_, row)| !left_out.is_empty() && row.is_some()) {
             let tip = row.map(|row| numbers(report, &report.rows[row], k)[0]);
             let error = tip.and_then(|(_, _, measured, found)| Some(error_percent(found?, measured).abs()));
             entries.push(metrics_file::entry(&format!("{stem}.{kind}_error_percent"), error, "%"));
         }
-        let creep = left_out.or(alone).map(|row| numbers(report, &report.rows[row], k)[2]);
+        let creep = left_out.last().copied().or(alone).map(|row| numbers(report, &report.rows[row], k)[2]);
         let points = creep.and_then(|(_, _, measured, found)| Some((found? - measured).abs()));
         entries.push(metrics_file::entry(&format!("{stem}.creep_error_points"), points, "%"));
     }
@@ -145,12 +151,16 @@ fn figure(report: &Report) -> Figure {
         let recorded = tip.values().iter().enumerate().map(|(i, u)| [tip.time(i), 1e3 * u]).collect();
         let axes = Axes::new(Axis::linear("time after the step", "s"), Axis::linear("tip", "mm"));
         let axes = axes.with(Mark::line(recorded, palette::MUTED).labelled("recorded"));
-        let best = report.left_out[k].or_else(|| report.rows.iter().position(|row| row.used.len() > 1));
-        let label = best.map_or("", |row| report.rows[row].name.as_str());
+        let joint = |fit: usize| {
+            let (_, name) = JOINT[fit];
+            (report.left_out[k].get(fit).copied().or_else(|| by_name(name)), name)
+        };
+        let [(stiffening, of_stiffening), (settling, of_settling)] = [0, 1].map(joint);
         let rows = [
             (untouched, palette::SPINE, "identified on the bar"),
             (by_name("modulus fitted"), palette::MEASURED, "modulus fitted"),
-            (best, palette::SIMULATED, label),
+            (stiffening, palette::SIMULATED, of_stiffening),
+            (settling, palette::PRESSURE, of_settling),
         ];
         let marks = rows.into_iter().filter_map(|(row, colour, label)| {
             let course = &report.rows[row?].predictions[k].course;
