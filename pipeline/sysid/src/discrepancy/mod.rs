@@ -73,8 +73,8 @@ impl Discrepancy {
         self.shape_sigma.powi(2) * a.distance() * b.distance() * (-0.5 * apart * apart - raised).exp()
     }
 
-    /// By how much all displacements follow one standard deviation of each chamber's scale, before their mean is taken off: chambers ×
-    /// displacements.
+    /// By how much all displacements follow one standard deviation of each chamber's own cause, which moves the films of the other chambers
+    /// the other way: chambers × displacements.
     // (δ − 1/n) n/(n − 1) is the covariance of n scales of variance one that add up to nothing, and I − 1/n is its own square.
     fn scales(&self, misfit: &Misfit) -> Vec<Vec<f64>> {
         let filled: Vec<usize> = misfit.levels.iter().map(PressureLevel::filled).collect();
