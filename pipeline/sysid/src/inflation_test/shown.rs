@@ -151,16 +151,12 @@ fn figure(report: &Report) -> Figure {
         let recorded = tip.values().iter().enumerate().map(|(i, u)| [tip.time(i), 1e3 * u]).collect();
         let axes = Axes::new(Axis::linear("time after the step", "s"), Axis::linear("tip", "mm"));
         let axes = axes.with(Mark::line(recorded, palette::MUTED).labelled("recorded"));
-        let joint = |fit: usize| {
-            let (_, name) = JOINT[fit];
-            (report.left_out[k].get(fit).copied().or_else(|| by_name(name)), name)
-        };
-        let [(stiffening, of_stiffening), (settling, of_settling)] = [0, 1].map(joint);
+        let joint = |fit: usize| report.left_out[k].get(fit).copied().or_else(|| by_name(JOINT[fit].1));
         let rows = [
             (untouched, palette::SPINE, "identified on the bar"),
             (by_name("modulus fitted"), palette::MEASURED, "modulus fitted"),
-            (stiffening, palette::SIMULATED, of_stiffening),
-            (settling, palette::PRESSURE, of_settling),
+            (joint(0), palette::SIMULATED, "modulus and stiffening fitted"),
+            (joint(1), palette::PRESSURE, "and missing pressure fitted"),
         ];
         let marks = rows.into_iter().filter_map(|(row, colour, label)| {
             let course = &report.rows[row?].predictions[k].course;
