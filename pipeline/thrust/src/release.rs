@@ -159,4 +159,18 @@ mod tests {
         let shift = (at(1e-4).by.drag - found.by.drag).abs();
         assert!(alone.drag < 0.1 * with.drag && (with.drag / shift - 1.0).abs() < 0.05, "{with:?} {shift}");
     }
+
+    #[test]
+    fn deviations_are_those_of_the_scatter_however_coarsely_a_frame_is_weighed() {
+        let noisy = |by: &Coefficients, weight: f64| -> Vec<f64> {
+            let error = |i: usize| 20.0 * (1.7 * i as f64).sin();
+            off(by, 0.0).iter().enumerate().map(|(i, residual)| weight * (residual + error(i))).collect()
+        };
+        let sigma = |weight: f64| {
+            let found = settings().identify(&mut |at| Ok(at.iter().map(|by| noisy(by, weight)).collect())).unwrap();
+            found.sigma(&[]).unwrap().drag
+        };
+        let [fine, coarse] = [1.0, 1e-3].map(sigma);
+        assert!((coarse / fine - 1.0).abs() < 1e-2, "{coarse:e} {fine:e}");
+    }
 }
