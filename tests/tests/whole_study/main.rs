@@ -2,6 +2,8 @@
 //! those of `numbers.toml`, so that a change anywhere between recording and paper that changes a number is seen.
 #![allow(clippy::unwrap_used)]
 
+mod digest;
+mod outputs;
 mod project;
 
 use std::collections::BTreeMap;
@@ -52,6 +54,8 @@ fn a_coarse_tail_goes_from_the_bench_to_every_figure_with_the_expected_numbers()
     let found = numbers(&std::fs::read_to_string(runner.folders.metrics()).unwrap());
     let lines = drifted(&expected, &found);
     assert!(lines.is_empty(), "numbers.toml has other numbers:\n{lines}");
+    let changed = outputs::changed(&project.0);
+    assert!(changed.is_empty(), "outputs.txt has other files:\n{changed}");
     // nothing is made twice
     let again = study::run(&runner, &Goal::default(), false).unwrap();
     assert_eq!((again.made, again.kept), (0, made.made));

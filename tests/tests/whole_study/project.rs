@@ -15,7 +15,7 @@ use workflow::runner::Options;
 const OPTIONS: Options = Options { quiet: true, jobs: Some(2), memory: None, keep_going: true, min_free_memory: 0.0 };
 
 /// The project, removed at the end.
-pub struct Project(PathBuf);
+pub struct Project(pub PathBuf);
 
 impl Project {
     /// With the recording of a coarse Nemo.
