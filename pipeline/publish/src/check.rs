@@ -105,3 +105,66 @@ fn tell(value: f64) -> String {
         _ => format!("{value:.4}"),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::claims::Rule;
+    use workflow::metric::Metric;
+
+    fn entry(id: &str, value: f64, status: &str) -> MetricEntry {
+        let (published, expected, tolerance) = (None, Some(1.0), Some(0.5));
+        MetricEntry { metric: Metric::new(id, value, "mm"), published, expected, tolerance, status: status.to_owned() }
+    }
+
+    fn claim(says: &str, rule: Rule, set_by: Option<&str>) -> Claim {
+        let (metric, published) = ("a".to_owned(), "so".to_owned());
+        let (name, also, set_by) = (says.to_owned(), Vec::new(), set_by.map(str::to_owned));
+        Claim { name, says: says.to_owned(), metric, also, rule, set_by, published }
+    }
+
+    fn checked() -> String {
+        let metrics = [
+            entry("a", 2.0, "as expected"),
+            entry("b", 4e-5, "drifted"),
+            entry("c", 0.0, "not compared"),
+            entry("d", 3.0, "as expected"),
+        ];
+        let claims = [
+            claim("it is large", Rule::AtLeast(1.0), None),
+            claim("it is small", Rule::AtMost(1.0), None),
+            claim("it is chosen", Rule::AtMost(1.0), Some("its mould")),
+        ];
+        check(&metrics, &Expected::default(), &claims, &[]).unwrap().text
+    }
+
+    #[test]
+    fn a_number_stands_in_a_line_with_what_is_expected() {
+        let text = checked();
+        let words =
+            |start: &str| text.lines().find(|l| l.starts_with(start)).unwrap().split_whitespace().collect::<Vec<_>>();
+        assert_eq!(words("a "), ["a", "2.0000", "mm", "–", "1.0000", "0.5000", "as", "expected"]);
+        assert_eq!(words("b ")[1..3], ["4.000e-5", "mm"]);
+        assert_eq!(words("c ")[1], "0");
+    }
+
+    #[test]
+    fn a_claim_stands_with_its_verdict_its_rule_and_both_values() {
+        let text = checked();
+        let lines: Vec<String> = text.lines().map(|l| l.split_whitespace().collect::<Vec<_>>().join(" ")).collect();
+        let after = |line: &str| lines[1 + lines.iter().position(|l| l == line).unwrap()].clone();
+        assert_eq!(after("REPRODUCES it is large"), "rule: a ≥ 1; ours: 2.00 mm; published: so");
+        assert_eq!(
+            after("SET BY THE BENCH it is chosen"),
+            "rule: a ≤ 1; ours: 2.00 mm; published: so; decided by its mould"
+        );
+        assert_eq!(after("does not reproduce: 1"), "it is small (2.00 mm; published so)");
+    }
+
+    #[test]
+    fn the_last_line_counts_numbers_and_claims() {
+        let counts = "2 numbers as expected, 1 drifted, 0 missing, 1 not compared; 1 claims reproduce, 1 do not, 0 are not determined, \
+                      1 are set by the bench, 0 not measured";
+        assert_eq!(checked().lines().last(), Some(counts));
+    }
+}

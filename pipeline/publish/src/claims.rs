@@ -223,6 +223,20 @@ mod tests {
     }
 
     #[test]
+    fn a_number_is_not_smaller_than_its_equal() {
+        assert_eq!(claim(Rule::SmallerThan("a".into()), &[]).verdict(&metrics()), Verdict::Fails);
+        assert_eq!(claim(Rule::Ascending(vec!["a".into()]), &[]).verdict(&metrics()), Verdict::Fails);
+        assert_eq!(claim(Rule::AtLeast(2.0), &[]).verdict(&metrics()), Verdict::Reproduces);
+        assert_eq!(claim(Rule::AtMost(2.0), &[]).verdict(&metrics()), Verdict::Reproduces);
+    }
+
+    #[test]
+    fn a_number_is_shown_with_about_three_digits() {
+        let shown = [0.0, 2e-4, 1e-3, 0.5, 1.0, 12.345, 100.0, -2345.6, 1e5].map(formatted);
+        assert_eq!(shown, ["0", "2.00e-4", "0.0010", "0.5000", "1.00", "12.35", "100", "-2346", "1.00e5"]);
+    }
+
+    #[test]
     fn what_the_bench_decides_is_neither_reproduced_nor_not() {
         let set = |rule| Claim { set_by: Some("material".into()), ..claim(rule, &[]) };
         for rule in [Rule::AtMost(1.0), Rule::AtMost(5.0)] {

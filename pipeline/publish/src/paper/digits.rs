@@ -66,6 +66,27 @@ mod tests {
     }
 
     #[test]
+    fn a_number_begins_at_its_first_digit_and_not_within_a_word_or_a_number() {
+        assert_eq!(numbers("12.5 and 3 %"), [0, 9]);
+        assert!(numbers("v1.2 mesh_2.5 1.2.3").iter().all(|&at| at == 14));
+        assert_eq!(numbers("1.2.3"), [0]);
+    }
+
+    #[test]
+    fn an_address_is_no_comment() {
+        assert_eq!(numbers(&prose("see http://a.b 2.5")).len(), 1);
+        assert!(numbers(&prose("see // a.b 2.5")).is_empty());
+    }
+
+    #[test]
+    fn a_number_typed_by_hand_is_named_with_its_line() {
+        let page = Page { name: "a.typ".into(), text: "one\nof 2.5mm, all".into() };
+        let found = typed_by_hand(&page);
+        assert_eq!((found.len(), found[0].line), (1, 2));
+        assert!(found[0].what.starts_with("`2.5mm` is typed by hand"), "{}", found[0].what);
+    }
+
+    #[test]
     fn strings_formulae_comments_and_what_is_said_are_no_prose() {
         assert!(numbers(&prose("#num(\"a.1.5\") $0.5$ #said[2.5] // 3.1\n")).is_empty());
         assert_eq!(prose("$a\nb$\nx"), "\n\nx");

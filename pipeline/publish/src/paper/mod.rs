@@ -144,6 +144,17 @@ mod tests {
     }
 
     #[test]
+    fn a_figure_that_is_not_made_is_a_problem_of_the_profile_that_makes_it() {
+        let without = |elsewhere| {
+            let mut facts = Facts { strict: true, ..facts() };
+            (facts.figures[0].text, facts.figures[0].elsewhere) = (None, elsewhere);
+            resolve(&[page(WHOLE)], &facts)
+        };
+        assert_eq!(without(false).unwrap_err()[0].what, "figure `tail` was not made: study run tail");
+        assert!(without(true).unwrap()[0].text.contains("#absent(\"tail\")"));
+    }
+
+    #[test]
     fn what_this_profile_does_not_measure_is_said_and_not_dropped() {
         let text = format!("{WHOLE}#num(\"b.known\")");
         let resolved = resolve(&[page(&text)], &facts()).unwrap();
