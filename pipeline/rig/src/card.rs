@@ -216,3 +216,29 @@ fn camera(set: &Settings, film: &Calibration) -> card::Camera {
         },
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn splits(of: RepeatSplit) -> Vec<Option<Split>> {
+        let set = Settings::built_in();
+        let profile = Profile { repeats: 3, brief: false, ..set.profile["paper"].clone() };
+        let mut own = set.specimen["nemo"].clone();
+        own.flaps.truncate(1);
+        own.flaps[0].split = Some(of);
+        trials(&own, &profile)
+            .into_iter()
+            .filter(|t| matches!(t.experiment, Experiment::Flapping { .. }))
+            .map(|t| t.split)
+            .collect()
+    }
+
+    #[test]
+    fn repeats_are_for_training_for_tests_or_the_last_for_a_test() {
+        let [train, test] = [Some(Split::Train), Some(Split::Test)];
+        assert_eq!(splits(RepeatSplit::Train), [train; 3]);
+        assert_eq!(splits(RepeatSplit::Test), [test; 3]);
+        assert_eq!(splits(RepeatSplit::Last), [train, train, test]);
+    }
+}

@@ -84,6 +84,22 @@ mod tests {
     use super::*;
 
     #[test]
+    fn what_was_begun_is_taken_up_with_the_same_stamp_alone() {
+        let into = std::env::temp_dir().join(format!("rig-begin-{}", std::process::id()));
+        let (at, partial) = (into.join("tail"), partial(&into, "tail"));
+        let begun = |stamp| {
+            begin(&at, &partial, ("stamp", stamp)).unwrap();
+            partial.join("film.mp4").exists()
+        };
+        assert!(!begun("old"));
+        write(&partial, "film.mp4", b"half").unwrap();
+        assert!(begun("old"));
+        assert!(!begun("new"));
+        assert_eq!(std::fs::read_to_string(partial.join("stamp")).unwrap(), "new");
+        remove(&into).unwrap();
+    }
+
+    #[test]
     fn a_replacement_that_was_interrupted_leaves_nothing_of_the_old_recording() {
         let into = std::env::temp_dir().join(format!("rig-replace-{}", std::process::id()));
         let at = into.join("tail");

@@ -111,6 +111,30 @@ mod tests {
     }
 
     #[test]
+    fn a_member_has_its_own_valve_camera_branches_and_water() {
+        let bench = Settings::built_in();
+        let ranges = &bench.population;
+        let body = &bench.specimen[&ranges.like].body;
+        let mut shifts = Vec::new();
+        for number in 1..=20 {
+            let set = drawn(1, number).0.settings;
+            let slower = set.valve.fill / bench.valve.fill;
+            assert!((ranges.valve[0]..=ranges.valve[1]).contains(&slower), "{slower}");
+            assert!((set.valve.dead_exhaust / bench.valve.dead_exhaust - slower).abs() < 1e-12);
+            for ([_, time], [_, bench]) in set.valve.dead_fill.iter().zip(&bench.valve.dead_fill) {
+                assert!((time / bench - slower).abs() < 1e-12);
+            }
+            assert_eq!(set.material[body].branch_factor, ranges.branch_factor);
+            assert_eq!((set.fluid.added, set.fluid.drag), (ranges.added, ranges.drag));
+            shifts.extend([0, 1].map(|k| (set.camera.above[k] - bench.camera.above[k]) / ranges.camera_shift));
+            shifts.extend([0, 1].map(|k| (set.camera.tilt[k] - bench.camera.tilt[k]) / ranges.camera_turn));
+        }
+        let mean = shifts.iter().sum::<f64>() / shifts.len() as f64;
+        assert!(shifts.iter().all(|s| s.abs() <= 1.0 + 1e-9) && mean.abs() < 0.25, "{shifts:?}");
+        assert!(shifts.iter().any(|s| *s < -0.5) && shifts.iter().any(|s| *s > 0.5), "{shifts:?}");
+    }
+
+    #[test]
     fn members_have_the_trials_that_are_predicted_in_air_and_in_water() {
         let (member, _) = drawn(1, 1);
         let flaps = &member.settings.specimen["tail_001"].flaps;

@@ -130,3 +130,35 @@ fn around(body: &Body, sheet: &[u32], x: Metre, reach: Metre) -> Vec<(u32, f64)>
     let sum: f64 = nodes.iter().map(|(_, weight)| weight).sum();
     nodes.into_iter().map(|(node, weight)| (node, weight / sum)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two stations that share a node.
+    fn two_stations() -> CentreLine {
+        let station = |x, nodes: [(u32, f64); 2]| Station { x, depth: 0.05, nodes: nodes.into() };
+        let stations = vec![station(0.0, [(0, 0.25), (2, 0.75)]), station(0.01, [(2, 0.5), (1, 0.5)])];
+        CentreLine { stations, trailing: 1, spacing: 0.01 }
+    }
+
+    #[test]
+    fn forces_on_stations_do_the_work_of_their_nodal_forces() {
+        let line = two_stations();
+        let u: Vec<f64> = (0..9).map(|i| 1e-3 * f64::from(i * i % 7)).collect();
+        let forces = DVector::from_vec(vec![1.0, -2.0, 0.5, 3.0]);
+        let nodal = line.nodal_forces(3, &forces);
+        let work: f64 = nodal.iter().zip(&u).map(|(f, u)| f * u).sum();
+        assert!((work - forces.dot(&line.displacements(&u))).abs() < 1e-15, "{work}");
+        // by hand: node 2 carries three quarters of the first station's force and half of the second's
+        assert_eq!(nodal[6..8], [0.75 + 0.25, -1.5 + 1.5]);
+        assert_eq!(nodal[2], 0.0);
+    }
+
+    #[test]
+    fn lateral_forces_are_those_along_y() {
+        let line = two_stations();
+        let lateral = line.lateral(3, &|station| 2.0 + 100.0 * station.x);
+        assert_eq!(lateral, line.nodal_forces(3, &DVector::from_vec(vec![0.0, 2.0, 0.0, 3.0])));
+    }
+}

@@ -110,6 +110,17 @@ mod tests {
     use crate::valve::{Command, ValveDisturbance, respond};
 
     #[test]
+    fn a_sampled_motion_is_linear_between_its_shapes_and_constant_outside() {
+        let rest = vec![[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]];
+        let shape = |k: f32| (0..6).map(|i| k * k * i as f32).collect::<Vec<f32>>();
+        let motion = SampledMotion { rest, start: 0.5, rate: 4.0, shapes: vec![shape(0.0), shape(1.0), shape(2.0)] };
+        // a quarter of the way from the second shape (1 · i) to the third (4 · i)
+        assert_eq!(motion.nodes(0.5 + 1.25 / 4.0), [[1.0, 3.75, 6.5], [9.25, 12.0, 14.75]]);
+        assert_eq!((motion.nodes(0.0), motion.nodes(2.0)), (motion.nodes(0.5), motion.nodes(1.0)));
+        assert_eq!((motion.pull(1.0), motion.thrust(1.0)), (0.0, 0.0));
+    }
+
+    #[test]
     fn a_cubic_in_pressure_is_interpolated_exactly() {
         let shape = |p: f64| 1.0 + p - 2.0 * p * p + 0.5 * p * p * p;
         let pressures: Vec<f64> = [0.0, 700.0, 1800.0, 3000.0, 4000.0].to_vec();

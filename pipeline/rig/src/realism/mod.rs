@@ -111,6 +111,25 @@ mod tests {
     }
 
     #[test]
+    fn a_comparison_is_shown_with_both_ranges_and_a_word() {
+        let two =
+            [Comparison::new("a (Hz)", [1.8, 2.00004], [1.9, 1.95]), Comparison::new("b", [0.0, 1.0], [0.5, 1.5])];
+        let words = |line: &str| line.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
+        let lines: Vec<Vec<String>> = table(&two).lines().map(words).collect();
+        assert_eq!(lines[1], ["a", "(Hz)", "1.8", "to", "2", "1.900", "to", "1.950", "inside"]);
+        assert_eq!(lines[2].last().unwrap(), "OUTSIDE");
+        assert_eq!(csv(&two).lines().nth(2), Some("a (Hz),1.8,2,1.9000,1.9500,true"));
+    }
+
+    #[test]
+    fn instruments_and_silicone_are_compared_in_many_quantities() {
+        let all = comparisons(&Settings::built_in());
+        let of = |word: &str| all.iter().filter(|c| c.quantity.starts_with(word)).count();
+        let counts = ["silicone", "tank", "fill"].map(of);
+        assert!(counts[0] == 2 && counts[1..].iter().all(|count| *count >= 3), "{}", table(&all));
+    }
+
+    #[test]
     fn the_comparisons_are_reproducible() {
         let set = Settings::built_in();
         assert_eq!(csv(&comparisons(&set)), csv(&comparisons(&set)));

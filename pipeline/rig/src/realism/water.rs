@@ -135,6 +135,30 @@ mod tests {
     }
 
     #[test]
+    fn a_mean_is_compared_over_the_runs_of_its_tail_pressure_and_frequency() {
+        let run = |tail: &str, pressure, frequency, mean| Run {
+            tail: tail.into(),
+            pressure,
+            frequency,
+            mean,
+            least: 0.0,
+            thrust: 0.0,
+        };
+        let runs = [
+            run("a", 200.0, 2.0, 0.02),
+            run("a", 200.2, 2.0, 0.03),
+            run("a", 300.0, 2.0, 9.0),
+            run("b", 200.0, 2.0, 9.0),
+            run("a", 200.0, 3.0, 0.5),
+        ];
+        let of = |frequency| mean_comparison(&("a", 200.0, frequency, 0.04), &runs).unwrap();
+        assert_eq!(of(Some(2.0)).bench, [0.02, 0.03]);
+        assert_eq!(of(None).bench, [0.02, 0.5]);
+        assert_eq!(of(None).measured, [0.04 / FACTOR, 0.04 * FACTOR]);
+        assert!(mean_comparison(&("c", 200.0, None, 0.04), &runs).is_none());
+    }
+
+    #[test]
     fn without_recordings_there_is_no_comparison() {
         assert!(comparisons(Path::new("/a folder that is not there"), &["nemo"]).is_ok_and(|found| found.is_empty()));
     }
