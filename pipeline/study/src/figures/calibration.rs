@@ -68,3 +68,26 @@ fn ranks(all: &Coverage) -> Panel {
     let axes = counts.iter().enumerate().map(bar).fold(axes, Axes::with);
     Panel::Axes(axes.with(Mark::horizontal_line(even, palette::MUTED).dashed(Dash::Dashed)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_ranks_are_bars_side_by_side_over_the_share_of_even_ones() {
+        // errors of one deviation below, at and above the truth: ranks in different bars
+        let errors: Vec<f64> = (0..40).map(|i| f64::from(i) / 10.0 - 2.0).collect();
+        let all = Coverage { name: "all".into(), title: "all".into(), errors: errors.clone(), sigma: 1.0 };
+        let Panel::Axes(axes) = ranks(&all) else { panic!("no axes") };
+        let text = format!("{axes:?}");
+        let counts = rank_histogram(&errors, BINS);
+        assert_eq!(counts.iter().sum::<usize>(), 40);
+        assert!(text.contains(&format!("{:?}", 40.0 / BINS as f64)), "{text}");
+        let width = 1.0 / BINS as f64;
+        for (i, count) in counts.iter().enumerate() {
+            let (left, right) = (i as f64 * width, (i + 1) as f64 * width);
+            let bar = format!("{:?}", vec![[left, 0.0], [left, *count as f64], [right, *count as f64], [right, 0.0]]);
+            assert!(text.contains(&bar), "{bar}");
+        }
+    }
+}

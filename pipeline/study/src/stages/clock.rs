@@ -267,3 +267,16 @@ fn displaced(path: &Path, parts: &CovarianceParts, rest: Point2, rest_frames: us
 fn named(context: &dyn StageContext, error: Diagnostic) -> Diagnostic {
     error.while_doing(format!("{} and its film do not match", context.display_path("pressure")))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_edge_in_an_uneven_log_lies_anywhere_between_two_samples() {
+        let of = |method| unevenness(&Sampling { rate_hz: 100.0, method, ..Sampling::default() });
+        // the standard deviation of a uniform distribution over 10 ms
+        assert!((of(Method::LinearInterpolation) - 0.01 / 12f64.sqrt()).abs() < 1e-15);
+        assert_eq!((of(Method::AsStamped), of(Method::EvenSampling)), (0.0, 0.0));
+    }
+}

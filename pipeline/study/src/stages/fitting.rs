@@ -347,3 +347,14 @@ fn no_film(name: &str) -> Diagnostic {
         "give a staircase that role",
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gradient_is_asked_for_at_a_point_without_equilibrium_only_after_one_with() {
+        assert!(!had_evaluation(&[], Derivatives::Gradient));
+        assert!([Derivatives::None, Derivatives::Sensitivities].iter().all(|want| had_evaluation(&[], *want)));
+    }
+}

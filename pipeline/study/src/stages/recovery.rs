@@ -417,3 +417,55 @@ fn no_trial(specimen: &str, trial: &str) -> Diagnostic {
         format!("rig record {specimen}"),
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn wave(frequency: f64, decay: f64) -> signal::wave::Wave {
+        let (amplitude, phase) = (0.0, 0.0);
+        signal::wave::Wave { frequency, frequency_sigma: 0.01, decay, decay_sigma: 0.01, amplitude, phase }
+    }
+
+    fn tank(waves: Vec<signal::wave::Wave>) -> Tank {
+        let (noise, suppression_db, sampling) = (0.0, 0.0, lab::Sampling::default());
+        Tank { waves, evidence: Vec::new(), level: 0.01, noise, suppression_db, size_m: [1.0, 0.5], sampling }
+    }
+
+    /// A log from 3 s on with these waves in it.
+    fn pull(waves: Vec<f64>) -> CorrectedForce {
+        let time: Vec<f64> = (0..waves.len()).map(|i| 3.0 + 0.01 * i as f64).collect();
+        let none = vec![0.0; waves.len()];
+        let (raw, zero, sampling) = (none.clone(), none, lab::Sampling::default());
+        let (commanded, lag, warnings) = ([0.0; 2], [0.0; 2], Vec::new());
+        CorrectedForce { time, raw, waves, zero, offset: 0.0, commanded, lag, sampling, warnings }
+    }
+
+    #[test]
+    fn a_hidden_value_is_read_linearly_between_pressures() {
+        let (pressures, values) = ([0.0, 100.0, 300.0], [1.0, 3.0, 11.0]);
+        let read = [0.0, 50.0, 100.0, 150.0, 300.0].map(|p| at(&pressures, &values, p));
+        assert_eq!(read, [1.0, 2.0, 3.0, 5.0, 11.0]);
+    }
+
+    #[test]
+    fn waves_that_were_removed_as_they_are_leave_nothing() {
+        let real = [(0.9, 2e-3, 0.4), (1.9, 1e-3, -1.0)].map(|(f, a, p)| truth::TrueWave {
+            frequency: f,
+            amplitude: a,
+            phase: p,
+        });
+        let tank = tank(vec![wave(0.91, 0.05), wave(1.88, 0.1)]);
+        let hidden = |i: usize| {
+            let t = 0.01 * i as f64;
+            let one = |(w, decay): (&truth::TrueWave, f64)| {
+                w.amplitude * (-decay * t).exp() * (std::f64::consts::TAU * w.frequency * t + w.phase).cos()
+            };
+            real.iter().zip([0.05, 0.1]).map(one).sum::<f64>()
+        };
+        let exact: Vec<f64> = (0..400).map(hidden).collect();
+        assert!(left_of(&pull(exact.clone()), &real, &tank) < 1e-15);
+        let off: Vec<f64> = exact.iter().enumerate().map(|(i, w)| w + if i % 2 == 0 { 3e-4 } else { -3e-4 }).collect();
+        assert!((left_of(&pull(off), &real, &tank) - 3e-4).abs() < 1e-15);
+    }
+}

@@ -87,3 +87,17 @@ fn published(specimen: &str) -> [&'static str; 5] {
         _ => [""; 5],
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_published_prototypes_are_those_of_the_papers_first_table() {
+        // Dragon Skin 20 is the stiffer silicone; the tail of twelve chambers withstands more than that of nine, the stiff one most
+        assert_eq!(["nemo", "dory", "bruce"].map(|name| published(name)[3]), ["9", "12", "9"]);
+        assert_eq!(["nemo", "dory", "bruce"].map(|name| published(name)[4]), ["0.2", "0.35", "0.5"]);
+        assert_eq!(published("bruce")[..2], ["Dragon Skin 20", "1.1"]);
+        assert_eq!(published("marlin"), [""; 5]);
+    }
+}

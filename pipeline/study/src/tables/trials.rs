@@ -72,3 +72,13 @@ fn published(specimen: &str, split: Split) -> [&'static str; 3] {
         _ => [""; 3],
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_listed_once_each_in_rising_order() {
+        assert_eq!(distinct(vec![300.0, 200.0, 300.0 + 1e-9, 200.0]), "200, 300");
+    }
+}
