@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use lab::Card;
-use lab::card::{self, Solids};
+use lab::card::{self, Experiment, Solids};
 
 const GOOD: &str = include_str!("../../study/tests/card.toml");
 
@@ -95,4 +95,25 @@ fn the_nominal_stiffening_of_a_solid_is_read_and_one_out_of_range_is_refused() {
     let solids = with_solids(&body("[0.02, 0.1]")).unwrap();
     assert_eq!(solids.parts[0].solid.stiffening, [0.02, 0.1]);
     assert!(with_solids(&body("[0.02, 20.0]")).unwrap_err().contains("stiffening.1"));
+}
+
+#[test]
+fn the_first_of_the_staircases_with_the_highest_level_is_found_and_flapping_has_none() {
+    let levels = |levels: &[f64]| Experiment::Staircase {
+        channels: vec!["left".into()],
+        levels: levels.to_vec(),
+        hold: 1.5,
+        pause: 0.5,
+    };
+    let flaps = Experiment::Flapping { channels: vec!["left".into()], amplitude: 9e4, frequency: 2.0, cycles: 15 };
+    let mut card = parsed(GOOD).unwrap();
+    let trial = |(i, experiment)| lab::card::Trial { id: format!("t{i}"), experiment, ..card.trial[0].clone() };
+    let all = [flaps, levels(&[1e4]), levels(&[3e4, 2e4]), levels(&[1e4, 3e4])];
+    card.trial = all.into_iter().enumerate().map(trial).collect();
+    assert_eq!(
+        card.highest_staircase().map(|t| (t.id.as_str(), t.experiment.highest_level())),
+        Some(("t2", Some(3e4)))
+    );
+    card.trial.truncate(1);
+    assert!(card.highest_staircase().is_none());
 }

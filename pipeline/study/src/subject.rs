@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use lab::card::{self, Card};
 use serde::Serialize;
-use si::Pascal;
 use sysid::Body;
 use workflow::shared::Shared;
 use workflow::stage::RawFile;
@@ -87,16 +86,6 @@ impl Trial {
         self.on_card().next().is_some_and(|first| first.id == self.trial.id)
     }
 
-    /// The highest commanded pressure of a staircase, Pa; none of a flapping trial.
-    pub(crate) fn highest_level(&self) -> Option<Pascal> {
-        highest_level(&self.trial)
-    }
-
-    /// Whether it is the first of the specimen's staircases with the highest level.
-    pub(crate) fn is_highest_staircase(&self) -> bool {
-        highest_staircase(&self.card).is_some_and(|highest| highest.id == self.trial.id)
-    }
-
     /// What its repeats have in common, as figures and tables name it.
     pub(crate) fn condition(&self) -> String {
         condition_of(&self.trial.id)
@@ -156,23 +145,8 @@ impl Specimen {
     /// The first of the staircases with the highest level.
     pub(crate) fn highest_staircase(&self) -> Option<Trial> {
         let of = |trial: &card::Trial| Trial { card: self.card.clone(), trial: Arc::new(trial.clone()) };
-        highest_staircase(&self.card).map(of)
+        self.card.highest_staircase().map(of)
     }
-}
-
-fn highest_level(trial: &card::Trial) -> Option<Pascal> {
-    match &trial.experiment {
-        card::Experiment::Staircase { levels, .. } => levels.iter().copied().reduce(f64::max),
-        card::Experiment::Flapping { .. } => None,
-    }
-}
-
-fn highest_staircase(card: &Card) -> Option<&card::Trial> {
-    let higher = |best: Option<_>, next| match best {
-        Some(before) if highest_level(before) >= highest_level(next) => best,
-        _ => highest_level(next).map(|_| next).or(best),
-    };
-    card.trial.iter().fold(None, higher)
 }
 
 impl Subject for Trial {

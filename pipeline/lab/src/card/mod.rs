@@ -90,6 +90,16 @@ impl Card {
         names
     }
 
+    /// The first of the staircases with the highest level.
+    pub fn highest_staircase(&self) -> Option<&Trial> {
+        let level = |trial: &Trial| trial.experiment.highest_level();
+        let higher = |best: Option<_>, next| match best {
+            Some(before) if level(before) >= level(next) => best,
+            _ => level(next).map(|_| next).or(best),
+        };
+        self.trial.iter().fold(None, higher)
+    }
+
     /// Tracks of a trial that another program or instrument made.
     pub fn made_elsewhere(&self, trial: &Trial) -> Option<&Tracks> {
         self.tracks.iter().find(|tracks| tracks.trial == trial.id)

@@ -143,6 +143,14 @@ impl Experiment {
         }
     }
 
+    /// The highest commanded pressure of a staircase, Pa; none of a flapping trial.
+    pub fn highest_level(&self) -> Option<Pascal> {
+        match self {
+            Self::Staircase { levels, .. } => levels.iter().copied().reduce(f64::max),
+            Self::Flapping { .. } => None,
+        }
+    }
+
     /// The channels that are filled first.
     pub fn first_channels(&self) -> &[String] {
         match self {

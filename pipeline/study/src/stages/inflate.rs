@@ -50,7 +50,7 @@ impl Part<Specimen> for Card {
     fn part_of(of: &Specimen) -> Self {
         let staircase = |t: Trial| Staircase {
             channels: t.trial.experiment.channels().to_vec(),
-            highest: t.highest_level().unwrap_or(0.0),
+            highest: t.trial.experiment.highest_level().unwrap_or(0.0),
         };
         Self {
             body: Body::of(&of.card),

@@ -80,7 +80,7 @@ fn idle(of: &Specimen) -> Vec<usize> {
 fn commanded(of: &Specimen) -> Pascal {
     let asked = |trial: &Trial| match trial.trial.experiment {
         Experiment::Flapping { amplitude, .. } => amplitude,
-        Experiment::Staircase { .. } => trial.highest_level().unwrap_or(0.0),
+        Experiment::Staircase { .. } => trial.trial.experiment.highest_level().unwrap_or(0.0),
     };
     of.trials().iter().filter(|t| t.is_for_validation()).map(asked).fold(0.0, f64::max)
 }
