@@ -3,7 +3,7 @@
 //! d(a) is a cubic spline with d = 0, d' = 0 at the clamp, through the markers' displacements, with d'' = 0 at the last marker
 //! and linear beyond. It is linear in the displacements, so each place has constant weights.
 
-use si::Metre;
+use si::{Metre, Point2};
 
 /// A spline's places: the clamp, then the marks.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,6 +37,23 @@ impl CentreLine {
         };
         let (value, slope) = (0..marks).map(one).unzip();
         Weights { value, slope }
+    }
+
+    /// The place on the deflected line that is `a` (m) along it at rest, on y = 0, and the unit normal to its left there; `moved` are the
+    /// displacements of the marks, m.
+    pub fn normal(&self, a: Metre, moved: &[Point2]) -> [Point2; 2] {
+        let Weights { value, slope } = self.at(a);
+        let sum = |weights: &[f64], k: usize| weights.iter().zip(moved).map(|(w, by)| w * by[k]).sum::<f64>();
+        let [x, y] = [1.0 + sum(&slope, 0), sum(&slope, 1)];
+        let length = x.hypot(y);
+        [[a + sum(&value, 0), sum(&value, 1)], [-y / length, x / length]]
+    }
+
+    /// Places from the clamp to the last mark, at most `apart` (m) from each other.
+    pub fn stations(&self, apart: Metre) -> Vec<Metre> {
+        let [clamp, last] = [self.knots[0], self.knots[self.knots.len() - 1]];
+        let count = ((last - clamp) / apart).ceil();
+        (0..=count as usize).map(|i| clamp + (last - clamp) * i as f64 / count).collect()
     }
 
     /// d' at the knots: d'₀ = 0, d'' continuous between, d'' = 0 at the last (Thomas algorithm).
@@ -125,6 +142,29 @@ mod tests {
             let sum: f64 = line().at(a).value.iter().zip(marks).map(|(w, d)| w * d).sum();
             assert!((sum - beam(a)).abs() < 1e-15, "{a}");
         }
+    }
+
+    #[test]
+    fn normals_of_a_line_bent_to_an_arc_point_to_its_centre() {
+        // to the left, the centre 0.1 m above the clamp
+        let arc = |a: f64| [0.01 + 0.1 * ((a - 0.01) / 0.1).sin(), 0.1 - 0.1 * ((a - 0.01) / 0.1).cos()];
+        let marks = [0.022, 0.037, 0.052, 0.067];
+        let moved = marks.map(|a| [arc(a)[0] - a, arc(a)[1]]);
+        let line = CentreLine::new(0.01, &marks).unwrap();
+        for a in line.stations(0.7e-3) {
+            let [at, normal] = line.normal(a, &moved);
+            let to_centre = [0.01 - at[0], 0.1 - at[1]];
+            // the spline has no slope of x at the clamp, as the arc, and no curvature at the last mark, where the arc has some
+            assert!((to_centre[0].hypot(to_centre[1]) - 0.1).abs() < 2e-4, "{a}: {at:?}");
+            assert!((normal[0] * to_centre[0] + normal[1] * to_centre[1] - 0.1).abs() < 2e-4, "{a}: {normal:?}");
+        }
+    }
+
+    #[test]
+    fn stations_reach_from_the_clamp_to_the_last_mark() {
+        let stations = line().stations(0.0004);
+        assert_eq!((stations[0], stations[stations.len() - 1]), (0.01, 0.085));
+        assert!(stations.windows(2).all(|w| w[1] - w[0] > 0.0003 && w[1] - w[0] < 0.000_400_1));
     }
 
     #[test]

@@ -10,6 +10,7 @@
 //! | material points on the skin | [`embed`] |
 //! | volumes and centroids of chambers | [`cavities`] |
 //! | dent and bulge of a moved tail's walls | [`wall`] |
+//! | the same as a camera above sees them | [`silhouette`] |
 //!
 //! Lengths are in metres. The same input gives the same mesh, byte for byte.
 //!
@@ -39,6 +40,7 @@ pub mod foreign;
 pub mod frame;
 mod quadratic;
 pub mod quality;
+pub mod silhouette;
 mod solid;
 mod solid_angle;
 pub mod stack;

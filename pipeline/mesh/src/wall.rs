@@ -89,21 +89,37 @@ pub fn end_rotation(rest: &[Point3], moved: &[Point3]) -> f64 {
 /// A wall that dents less than this has not buckled, m.
 const LEAST_DENT: Metre = 1e-3;
 
+/// The interval between the rising `pressures` (Pa) in which the dents `dents` (m) grow fastest, by the index of its lower end.
+/// None where the deepest dent stays below a millimetre: the wall has not buckled.
+// An imperfect wall has no bifurcation: its dent grows by degrees, and fastest near the critical pressure of the perfect one.
+pub fn steepest_rise(pressures: &[Pascal], dents: &[Metre]) -> Option<usize> {
+    let deepest = dents.iter().copied().fold(0.0, f64::max);
+    let steepest =
+        (1..pressures.len()).max_by(|a, b| slope(pressures, dents, a - 1).total_cmp(&slope(pressures, dents, b - 1)));
+    steepest.filter(|_| deepest >= LEAST_DENT).map(|i| i - 1)
+}
+
 /// The pressure at which a wall buckles: where its dent grows fastest over the rising `pressures` (Pa), from the parabola through the three
 /// steepest slopes between them of the dents `dents` (m).
 /// None where the deepest dent stays below a millimetre.
-// An imperfect wall has no bifurcation: its dent grows by degrees, and fastest near the critical pressure of the perfect one.
 pub fn buckling_pressure(pressures: &[Pascal], dents: &[Metre]) -> Option<Pascal> {
-    let deepest = dents.iter().copied().fold(0.0, f64::max);
-    let slope = |i: usize| (dents[i + 1] - dents[i]) / (pressures[i + 1] - pressures[i]);
+    let steepest = steepest_rise(pressures, dents)?;
     let middle = |i: usize| 0.5 * (pressures[i] + pressures[i + 1]);
-    let count = pressures.len().saturating_sub(1);
-    let steepest = (0..count).max_by(|a, b| slope(*a).total_cmp(&slope(*b)))?;
-    let peak = match steepest > 0 && steepest + 1 < count {
-        true => vertex([steepest - 1, steepest, steepest + 1].map(|i| [middle(i), slope(i)])),
+    Some(match steepest > 0 && steepest + 2 < pressures.len() {
+        true => vertex([steepest - 1, steepest, steepest + 1].map(|i| [middle(i), slope(pressures, dents, i)])),
         false => middle(steepest),
-    };
-    (deepest >= LEAST_DENT).then_some(peak)
+    })
+}
+
+/// The same of walls by rising pressure, Pa.
+pub fn buckling_pressure_of(walls: impl Iterator<Item = (Pascal, Walls)>) -> Option<Pascal> {
+    let (pressures, dents): (Vec<Pascal>, Vec<Metre>) = walls.map(|(pressure, walls)| (pressure, walls.dent_m)).unzip();
+    buckling_pressure(&pressures, &dents)
+}
+
+/// Growth of the dents from one pressure to the next, m/Pa.
+fn slope(pressures: &[Pascal], dents: &[Metre], i: usize) -> f64 {
+    (dents[i + 1] - dents[i]) / (pressures[i + 1] - pressures[i])
 }
 
 /// Where the parabola through three points, of which the middle one is the highest, is highest.
@@ -190,5 +206,10 @@ mod tests {
         let shallow: Vec<f64> = dents.iter().map(|dent| 0.1 * dent).collect();
         assert_eq!(buckling_pressure(&pressures, &shallow), None);
         assert_eq!(buckling_pressure(&[], &[]), None);
+        let few = [[0.0, 5e3, 1e4, 1.5e4, 2e4], [0.0, 0.0, 1e-4, 2.1e-3, 3e-3]];
+        assert_eq!(
+            (steepest_rise(&few[0], &few[1]), buckling_pressure(&few[0][..4], &few[1][..4])),
+            (Some(2), Some(1.25e4))
+        );
     }
 }

@@ -3,7 +3,7 @@
 //! A [`Model`] is a meshed body with its materials and markers; a [`LevelSolver`] finds its equilibria at several pressure levels with
 //! their derivatives; a [`Misfit`] compares them with measured displacements. [`Snapshots::reduce`] projects the identified model onto a few dozen
 //! coordinates ([`ReducedBody`]), in which motions are integrated, such as those under measured pressures
-//! ([`actuated`]). [`surfaces`] are those of a mesh for figures.
+//! ([`actuated`]). [`surfaces`] are those of a mesh for figures, [`silhouette`]s those of a tail as a camera sees it.
 //! [`relaxation`] identifies the spectrum of the silicone from
 //! transients, [`free_vibration`] a body that was held straight and released; [`inflation_test`] predicts one whose chamber is inflated, of
 //! the material that another test identified.
@@ -22,7 +22,7 @@
 //! assert!((level.largest_error() - 0.002).abs() < 1e-12);
 //! ```
 //!
-//! Depends on `diagnostics`, `fem`, `lab` (cards), `mesh`, `optimize`, `plot` (the figure of a free vibration test, surfaces of a mesh in figures), `si`, `signal`,
+//! Depends on `diagnostics`, `fem`, `hydro` (the centre line), `lab` (cards), `mesh`, `optimize`, `plot` (the figure of a free vibration test, surfaces of a mesh in figures), `si`, `signal`,
 //! `simulate`, `twin`.
 
 pub mod actuated;
@@ -45,6 +45,7 @@ mod reduced;
 pub mod relaxation;
 mod rigid;
 mod search;
+pub mod silhouette;
 mod stepped;
 mod stiffening;
 pub mod surfaces;

@@ -6,7 +6,7 @@
 //! | [`klt`] | pyramidal Lucas–Kanade flow with centroids, gates and covariances |
 //! | [`board`], [`calibrate`], [`lens`], [`pose`] | calibration targets; homographies and bundle adjustment; Brown–Conrady and fisheye lenses |
 //! | [`refraction`], [`shutter`], [`grid`] | rays through a water surface; rolling shutter; camera pose from a grid under the scene |
-//! | [`led`] | brightness of a lamp |
+//! | [`led`], [`silhouette`] | brightness of a lamp; outline of a body |
 //!
 //! Pixels are used in this crate alone. The centre of a picture's first pixel is (0, 0), x runs to the right and y down,
 //! so a frame of 1280 × 720 spans −0.5 … 1279.5 and −0.5 … 719.5. Lengths are metres.
@@ -37,6 +37,7 @@ pub mod pose;
 pub mod refraction;
 pub mod scene;
 pub mod shutter;
+pub mod silhouette;
 pub mod video;
 
 pub use gray::{Gray, PictureError};

@@ -55,6 +55,16 @@ fn picture(k: usize) -> Gray {
     })
 }
 
+#[test]
+fn pictures_are_found_by_their_numbers_in_any_order_unless_the_film_ends_before() {
+    let scratch = Scratch::new("numbers");
+    let film = scratch.film(|bytes| bytes);
+    let found = Film::open(&film).unwrap().pictures(&[17, 3, 17], |_| ()).unwrap().unwrap();
+    let all: Vec<Gray> = Film::open(&film).unwrap().map(|frame| frame.unwrap().gray).collect();
+    assert!(found[0] == all[17] && found[1] == all[3] && found[2] == all[17] && all[3] != all[17]);
+    assert_eq!(Film::open(&film).unwrap().pictures(&[3, FRAMES], |_| ()).unwrap(), None);
+}
+
 /// A film's size as it is shown, its times and the marker's places.
 type Followed = ((usize, usize), Vec<Second>, Vec<Point2>);
 

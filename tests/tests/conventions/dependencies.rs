@@ -22,7 +22,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("instruments", &["si", "diagnostics", "lab", "track", "signal", "plot"]),
     ("simulate", &["si", "diagnostics", "lab", "mesh", "tail_cad", "fem", "continuation"]),
     ("twin", &["materials"]),
-    ("sysid", &["si", "diagnostics", "lab", "mesh", "fem", "signal", "optimize", "plot", "simulate", "twin"]),
+    ("sysid", &["si", "diagnostics", "lab", "mesh", "fem", "signal", "optimize", "hydro", "plot", "simulate", "twin"]),
     (
         "thrust",
         &["si", "diagnostics", "lab", "mesh", "tail_cad", "fem", "signal", "optimize", "hydro", "sysid", "twin"],

@@ -64,6 +64,18 @@ impl Lens {
         (z > 0.0 && self.is_invertible(flat)).then(|| self.pixel(self.distort(flat)))
     }
 
+    /// The part of a picture of `size` (px) in which points of the camera's frame (m) lie: left, top, right, bottom, px.
+    pub fn window(&self, points: impl IntoIterator<Item = Point3>, size: [usize; 2]) -> [usize; 4] {
+        let seen: Vec<Point2> = points.into_iter().filter_map(|p| self.project(p)).collect();
+        let ends = |k: usize| {
+            let low = seen.iter().map(|p| p[k]).fold(f64::INFINITY, f64::min).max(0.0);
+            let high = seen.iter().map(|p| p[k]).fold(0.0, f64::max).min(size[k] as f64);
+            [low.min(high) as usize, high as usize]
+        };
+        let ([left, right], [top, bottom]) = (ends(0), ends(1));
+        [left, top, right, bottom]
+    }
+
     /// The undistorted ray [x/z, y/z] of a pixel, no unit; none where no ray of the lens reaches the pixel.
     ///
     /// Newton on the two equations of [`Lens::distort`].
@@ -192,6 +204,14 @@ mod tests {
             plain.with([1780.0, 1780.0, 960.0, 540.0, -0.255, -0.07, 1e-3, 5e-4, 0.3]),
             fisheye.with([880.0, 882.0, 961.0, 538.0, 0.05, -0.02, 4e-3, -1e-3, 0.0]),
         ]
+    }
+
+    #[test]
+    fn the_window_of_points_is_the_least_that_holds_them_within_the_picture() {
+        let lens = Lens::pinhole(500.0, 500.0, 320.0, 180.0);
+        let points = [[0.1, -0.05, 1.0], [0.2, 0.0, 0.5], [0.0, 0.1, -1.0]];
+        assert_eq!(lens.window(points, [640, 360]), [370, 155, 520, 180]);
+        assert_eq!(lens.window(points, [400, 360]), [370, 155, 400, 180]);
     }
 
     #[test]

@@ -5,6 +5,7 @@ use super::pipe::{Pipe, Programs};
 use super::reader::Reader;
 use super::turn::Quarter;
 use super::{Frame, Info, VideoError};
+use crate::Gray;
 use std::path::Path;
 
 /// A film that is being read: an iterator of its frames in the order of showing, turned upright.
@@ -52,6 +53,22 @@ impl Film {
             return Ok((Self { source, turn: Quarter::None }, 1));
         }
         Ok((Self::open(path)?, every.max(1)))
+    }
+
+    /// The pictures of the frames with these numbers, in their order; none where the film ends before. `progress` is told the part that is done.
+    ///
+    /// # Errors
+    /// [`VideoError`] when a frame up to the last of them is damaged.
+    pub fn pictures(self, numbers: &[usize], progress: impl Fn(f64)) -> Result<Option<Vec<Gray>>, VideoError> {
+        let last = numbers.iter().copied().max().unwrap_or(0);
+        let mut found: Vec<Option<Gray>> = vec![None; numbers.len()];
+        for frame in self.take(last + 1) {
+            let frame = frame?;
+            let wanted = found.iter_mut().zip(numbers).filter(|(_, number)| **number == frame.index);
+            wanted.for_each(|(place, _)| *place = Some(frame.gray.clone()));
+            progress(frame.index as f64 / last.max(1) as f64);
+        }
+        Ok(found.into_iter().collect())
     }
 
     /// Size, length and rate of the film, as it is shown.
