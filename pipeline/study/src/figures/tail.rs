@@ -1,15 +1,19 @@
-//! Figure `tail`: one tail cut open, the same inflated in simulation and on film, and the displacement
-//! of its walls. Paper, figure 1.
+//! Figure `tail`: one tail cut open, the same inflated in simulation and on film, and the displacement of its walls, of the model and of the
+//! film's silhouette. Paper, figure 1.
 
-use plot::{Axes, Axis, ColourBar, DOUBLE_COLUMN_MM, Figure, Mark, Marker, OverlayKind, Paint, Panel, Picture, Placed};
+use plot::{
+    Axes, Axis, ColourBar, DOUBLE_COLUMN_MM, Dash, Figure, Legend, Mark, Marker, OverlayKind, Paint, Panel, Picture,
+    Placed,
+};
 use plot::{Scene, View, palette};
-use si::{MILLIBAR, MILLIMETRE, Point2, Point3, vec3};
+use si::{MILLIBAR, MILLIMETRE, Pascal, Point2, Point3, vec3};
 
 use super::order::{in_order, of, title};
 use super::origin_note;
 use crate::records::{ExampleFrames, Inflation, Mesh, Shape};
 use crate::subject::{Specimen, Study, Trial};
 use diagnostics::{Diagnostic, Result};
+use mesh::wall::Walls;
 use sysid::surfaces::{Bounds, Surfaces};
 use workflow::figure;
 use workflow::needs::Every;
@@ -27,7 +31,7 @@ impl figure::Figure for Tail {
     type Needs = (Every<Mesh, Specimen>, Every<Inflation, Specimen>, Every<ExampleFrames, Trial>);
     const NAME: &'static str = "tail";
     const CAPTION: &'static str = "a tail cut open, inflated in simulation and on film, and the buckling of its wall";
-    const VERSION: u32 = 4;
+    const VERSION: u32 = 5;
 
     fn draw((Every(meshes), Every(inflations), Every(examples)): Self::Needs) -> Result<Figure> {
         let (meshes, inflations) = (in_order(meshes), in_order(inflations));
@@ -39,10 +43,15 @@ impl figure::Figure for Tail {
             Panel::Scene(cut(mesh)).titled(&format!("{}, cut open at mid height", title(name))),
             Panel::Scene(inflated(mesh, inflation, shape)).titled(&simulated).share(1.15),
         ];
-        top.extend(of(&examples, name).map(filmed));
+        let example = of(&examples, name);
+        top.extend(example.map(filmed));
+        let film = example.map_or(&[][..], |example| &example.seen.walls);
+        let dents = over_pressure(inflation, film, ("dent of the slack wall", |w| w.dent_m));
+        let bulges = over_pressure(inflation, film, ("bulge of the filled wall", |w| w.bulge_m)).legend(Legend::None);
         let bottom = [
             Panel::Scene(section(mesh, inflation, shape)).titled(&walls(shape)),
-            Panel::Axes(leaving(inflation)).titled("displacement of the walls relative to the sheet"),
+            Panel::Axes(critical(dents, inflation, example)).titled("dent, and where it buckles"),
+            Panel::Axes(bulges).titled("bulge"),
         ];
         let figure = Figure::new(DOUBLE_COLUMN_MM).row(ROWS[0], top).row(ROWS[1], bottom);
         Ok(figure.noted(&origin_note([specimen.card.as_ref()].into_iter())))
@@ -106,33 +115,27 @@ fn section(mesh: &Mesh, inflation: &Inflation, shape: &Shape) -> Scene {
 }
 
 fn walls(shape: &Shape) -> String {
-    let walls = shape.walls;
-    format!(
-        "section: filled side bulges {:.1} mm, the other dents {:.2} mm",
-        walls.bulge_m / MILLIMETRE,
-        walls.dent_m / MILLIMETRE
-    )
+    let Walls { bulge_m, dent_m, .. } = shape.walls;
+    format!("section: bulge {:.1} mm, dent {:.2} mm", bulge_m / MILLIMETRE, dent_m / MILLIMETRE)
 }
 
-fn leaving(inflation: &Inflation) -> Axes {
-    let curve = |of: fn(&Shape) -> f64| -> Vec<Point2> {
-        let points = inflation.shapes.iter().map(|s| [s.pressure() / MILLIBAR, of(s) / MILLIMETRE]);
-        std::iter::once([0.0, 0.0]).chain(points).collect()
-    };
-    let (bulge, dent) = (curve(|s| s.walls.bulge_m), curve(|s| s.walls.dent_m));
-    let marked = |points: Vec<Point2>, marker, colour, label: &str| {
-        [Mark::line(points.clone(), colour), Mark::points(points, marker, colour).sized(3.0).labelled(label)]
-    };
-    let axes = Axes::new(Axis::linear("pressure in one side", "mbar"), Axis::linear("distance from the sheet", "mm"));
-    let both = [
-        marked(bulge, Marker::Disc, palette::PRESSURE, "bulge of the filled side"),
-        marked(dent, Marker::Triangle, palette::SIMULATED, "dent of the other side"),
-    ];
-    let axes = both.into_iter().flatten().fold(axes, Axes::with);
-    match shape_to_draw(inflation) {
-        Some(shape) => {
-            axes.with(Mark::vertical_line(shape.pressure() / MILLIBAR, palette::MUTED).dashed(plot::Dash::Dashed))
-        }
-        None => axes,
-    }
+/// Displacement of a wall relative to the sheet over pressure: of the model at mid height, in its silhouette, and in that of the film.
+fn over_pressure(inflation: &Inflation, film: &[(Pascal, Walls)], (what, of): (&str, fn(&Walls) -> f64)) -> Axes {
+    let point = |p: Pascal, walls: &Walls| [p / MILLIBAR, of(walls) / MILLIMETRE];
+    let shapes = || inflation.shapes.iter();
+    let section = shapes().map(|s| point(s.pressure(), &s.walls)).collect();
+    let silhouette = shapes().filter_map(|s| Some(point(s.pressure(), s.silhouette.as_ref()?))).collect();
+    let film = film.iter().map(|(p, walls)| point(*p, walls)).collect();
+    Axes::new(Axis::linear("pressure in one side", "mbar"), Axis::linear(what, "mm"))
+        .with(Mark::line(section, palette::SIMULATED).labelled("model, mid height"))
+        .with(Mark::line(silhouette, palette::SIMULATED).dashed(Dash::Dashed).labelled("model, silhouette"))
+        .with(Mark::points(film, Marker::Disc, palette::MEASURED).sized(3.5).labelled("film, silhouette"))
+}
+
+/// Adds the pressure at which the model buckles, and below all those between which the film's tail does.
+fn critical(mut axes: Axes, inflation: &Inflation, example: Option<&ExampleFrames>) -> Axes {
+    let line = |p| Mark::vertical_line(p / MILLIBAR, palette::SIMULATED).dashed(Dash::Dotted);
+    let film = example.and_then(|e| e.seen.buckling_pressures());
+    axes.marks.splice(0..0, film.map(|[low, high]| Mark::span(low / MILLIBAR, high / MILLIBAR, palette::MEASURED)));
+    inflation.buckling_pressure().map(line).into_iter().fold(axes, Axes::with)
 }

@@ -1,10 +1,13 @@
-//! ExampleFrames: two frames of one film, the tail at rest and under constant pressure, with the markers in them.
+//! ExampleFrames: two frames of one film, the tail at rest and under constant pressure, with the markers in them; dent and bulge of its silhouette at
+//! every held pressure.
 
 use serde::{Deserialize, Serialize};
-use si::{Pascal, Point2, Second};
+use si::{Pascal, Point2, Point3, Second};
 use track::Gray;
 
 use crate::subject::Trial;
+use mesh::wall::{Walls, steepest_rise};
+use workflow::metric::Metric;
 use workflow::record::{Record, RecordError, RecordFiles};
 
 /// Two frames of a film.
@@ -35,6 +38,24 @@ pub struct FrameData {
     pub px_per_m: f64,
     /// The part of the picture in which the tail moves: left, top, right, bottom, px.
     pub window_px: [usize; 4],
+    /// The camera's place, m.
+    pub eye_m: Point3,
+    /// The held pressures in the order of the film, Pa, each with dent and bulge of the silhouette against that at rest.
+    pub walls: Vec<(Pascal, Walls)>,
+}
+
+impl FrameData {
+    /// Walls of the silhouette in the frame under pressure.
+    pub(crate) fn shown(&self) -> Option<Walls> {
+        let pressure = self.pressures_pa.iter().copied().fold(0.0, f64::max);
+        self.walls.iter().find(|(held, _)| *held == pressure).map(|(_, walls)| *walls)
+    }
+
+    /// The held pressures between which the slack wall buckles, Pa; none where it hardly dents.
+    pub(crate) fn buckling_pressures(&self) -> Option<[Pascal; 2]> {
+        let (pressures, dents): (Vec<Pascal>, Vec<f64>) = self.walls.iter().map(|(p, w)| (*p, w.dent_m)).unzip();
+        steepest_rise(&pressures, &dents).map(|i| [pressures[i], pressures[i + 1]])
+    }
 }
 
 impl Record for ExampleFrames {
@@ -63,6 +84,22 @@ impl Record for ExampleFrames {
         Ok(Self { rest: picture(REST)?, held: picture(HELD)?, seen: files.read_scalars("frames.json")? })
     }
 
+    fn metrics(&self, subject: &str) -> Vec<Metric> {
+        let metric = |what: &str, value, unit| {
+            Metric::new(format!("example_frames.{}.{what}", super::flat(subject)), value, unit)
+        };
+        let mm = |what, by| metric(what, by / si::MILLIMETRE, "mm");
+        let walls = self.seen.shown().into_iter();
+        let mut metrics: Vec<Metric> =
+            walls.flat_map(|w| [mm("dent_mm", w.dent_m), mm("bulge_mm", w.bulge_m)]).collect();
+        if let Some(between) = self.seen.buckling_pressures() {
+            let [low, high] = between.map(|p| p / si::MILLIBAR);
+            metrics.push(metric("critical_mbar.low", low, "mbar"));
+            metrics.push(metric("critical_mbar.high", high, "mbar"));
+        }
+        metrics
+    }
+
     fn summary(&self) -> String {
         let most = self.seen.pressures_pa.iter().copied().fold(0.0, f64::max);
         format!("{:.0} mbar at {:.2} s", most / si::MILLIBAR, self.seen.time_s)
@@ -87,6 +124,8 @@ mod tests {
             held_px: vec![[1.5, 2.5]],
             px_per_m: 5200.0,
             window_px: [0, 0, 5, 4],
+            eye_m: [0.0, 0.0, 0.2],
+            walls: vec![(24.1e3, Walls { dent_m: 1e-3, dent_at: [0.02, -0.01, 0.0], bulge_m: 2e-3 })],
         };
         let example = ExampleFrames { rest: picture(3), held: picture(7), seen };
         assert_eq!(ExampleFrames::unpack(&example.pack().unwrap()).unwrap(), example);

@@ -21,6 +21,8 @@ pub struct Inflation {
     pub filmed: Option<usize>,
     /// The highest requested pressure, Pa: the last shape has less where no equilibrium was found.
     pub asked_pa: Pascal,
+    /// Walls of the film's silhouette at the pressure of its frame.
+    pub film: Option<Walls>,
 }
 
 /// One shape.
@@ -32,6 +34,8 @@ pub struct Shape {
     pub moved: Vec<Point3>,
     /// Displacement of its walls.
     pub walls: Walls,
+    /// Their displacement in its silhouette, as the film's camera sees it; none where there is no film of a silhouette.
+    pub silhouette: Option<Walls>,
     /// Rotation of its end in the plane, rad.
     pub rotation: f64,
 }
@@ -39,10 +43,11 @@ pub struct Shape {
 #[derive(Serialize, Deserialize)]
 struct Scalars {
     pressures_pa: Vec<Vec<Pascal>>,
-    walls: Vec<Walls>,
+    walls: Vec<(Walls, Option<Walls>)>,
     rotations_rad: Vec<f64>,
     filmed: Option<usize>,
     asked_pa: Pascal,
+    film: Option<Walls>,
 }
 
 impl Inflation {
@@ -57,9 +62,7 @@ impl Inflation {
 
     /// The pressure at which the slack wall buckles, Pa; none where it hardly dents.
     pub(crate) fn buckling_pressure(&self) -> Option<Pascal> {
-        let pressures: Vec<Pascal> = self.shapes.iter().map(Shape::pressure).collect();
-        let dents: Vec<f64> = self.shapes.iter().map(|shape| shape.walls.dent_m).collect();
-        wall::buckling_pressure(&pressures, &dents)
+        wall::buckling_pressure_of(self.shapes.iter().map(|shape| (shape.pressure(), shape.walls)))
     }
 }
 
@@ -91,10 +94,11 @@ impl Record for Inflation {
         );
         let scalars = Scalars {
             pressures_pa: self.shapes.iter().map(|s| s.pressures_pa.clone()).collect(),
-            walls: self.shapes.iter().map(|s| s.walls).collect(),
+            walls: self.shapes.iter().map(|s| (s.walls, s.silhouette)).collect(),
             rotations_rad: self.shapes.iter().map(|s| s.rotation).collect(),
             filmed: self.filmed,
             asked_pa: self.asked_pa,
+            film: self.film,
         };
         RecordFiles::default().table("shapes.parquet", &columns)?.scalars("inflation.json", &scalars)
     }
@@ -108,13 +112,15 @@ impl Record for Inflation {
             Ok(x.into_iter().zip(y).zip(z).map(|((x, y), z)| [x, y, z]).collect())
         };
         let levels = scalars.pressures_pa.into_iter().zip(scalars.walls).zip(scalars.rotations_rad).enumerate();
-        let shape =
-            |(i, ((pressures_pa, walls), rotation))| Ok(Shape { pressures_pa, moved: moved(i)?, walls, rotation });
+        let shape = |(i, ((pressures_pa, (walls, silhouette)), rotation))| {
+            Ok(Shape { pressures_pa, moved: moved(i)?, walls, silhouette, rotation })
+        };
         Ok(Self {
             nodes: columns.u32("node")?,
             shapes: levels.map(shape).collect::<Result<_, RecordError>>()?,
             filmed: scalars.filmed,
             asked_pa: scalars.asked_pa,
+            film: scalars.film,
         })
     }
 
@@ -127,6 +133,12 @@ impl Record for Inflation {
             Metric::new(id("bulge_mm"), shape.walls.bulge_m / si::MILLIMETRE, "mm"),
             Metric::new(id("angle_deg"), shape.rotation.abs().to_degrees(), "degrees"),
         ];
+        if let (Some(seen), Some(film)) = (shape.silhouette, self.film) {
+            let mm = |what: &str, by: f64| Metric::new(id(what), by / si::MILLIMETRE, "mm");
+            metrics.push(mm("silhouette_dent_mm", seen.dent_m));
+            metrics.push(mm("silhouette_dent_error_mm", (seen.dent_m - film.dent_m).abs()));
+            metrics.push(mm("silhouette_bulge_error_mm", (seen.bulge_m - film.bulge_m).abs()));
+        }
         let last =
             self.shapes.last().map(|s| Metric::new(id("highest_angle_deg"), s.rotation.abs().to_degrees(), "degrees"));
         metrics.extend(last);
@@ -154,10 +166,12 @@ mod tests {
     #[test]
     fn shapes_survive_their_record() {
         let walls = Walls { dent_m: 1e-3, dent_at: [0.02, -0.01, 0.0], bulge_m: 2e-3 };
-        let shape =
-            |p: f64| Shape { pressures_pa: vec![p, 0.0], moved: vec![[p * 1e-6, 0.0, 1e-3]; 2], walls, rotation: 0.2 };
-        let inflation =
-            Inflation { nodes: vec![3, 8], shapes: vec![shape(1e4), shape(2e4)], filmed: Some(1), asked_pa: 3e4 };
+        let shape = |p: f64| {
+            let moved = vec![[p * 1e-6, 0.0, 1e-3]; 2];
+            Shape { pressures_pa: vec![p, 0.0], moved, walls, silhouette: Some(walls), rotation: 0.2 }
+        };
+        let (shapes, film) = (vec![shape(1e4), shape(2e4)], Some(walls));
+        let inflation = Inflation { nodes: vec![3, 8], shapes, filmed: Some(1), asked_pa: 3e4, film };
         assert_eq!(Inflation::unpack(&inflation.pack().unwrap()).unwrap(), inflation);
     }
 }

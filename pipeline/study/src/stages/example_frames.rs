@@ -1,13 +1,21 @@
-//! Example frames: two frames of one film, the tail at rest and under constant pressure. Paper: figure 1.
+//! Example frames: two frames of one film, the tail at rest and under constant pressure, and the silhouette of the tail at every held pressure.
+//! Paper: figure 1.
+
+use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
-use si::{Metre, Pascal, Point2, Point3, Second};
+use si::{Metre, Pascal, Point2, Point3};
 use track::Gray;
+use track::pose::Pose;
+use track::silhouette::Outline;
 use track::video::Film;
 
-use crate::records::{self, Camera, FrameData, Motion, Path, Tracks};
+use super::plateaus::holds;
+use crate::records::{self, Camera, FrameData, Markers, Motion, Path, Tracks};
 use crate::subject::Trial;
 use diagnostics::{Diagnostic, Result};
+use mesh::wall::Walls;
+use sysid::silhouette::Stations;
 use workflow::stage::{RawFile, Stage, StageContext};
 use workflow::subject::Part;
 
@@ -22,6 +30,8 @@ pub struct Settings {
     pressure: Pascal,
     /// The window, in lengths of the specimen: from and to along it, and to either side.
     window: [f64; 3],
+    /// Grey levels: of the ground from the first to the second, of the tail near its outline from the second to the third.
+    outline: [f64; 3],
 }
 
 /// The fraction of a hold after which the tail is at rest.
@@ -33,6 +43,8 @@ pub struct Card {
     markers: Vec<Point3>,
     length: Metre,
     first_frame: usize,
+    /// Where the clamp ends, m; none under water, where a silhouette would be that of refracted rays.
+    clamp: Option<Metre>,
 }
 
 impl Part<Trial> for Card {
@@ -41,6 +53,7 @@ impl Part<Trial> for Card {
             markers: of.card.marker.iter().map(|m| m.at).collect(),
             length: of.card.length,
             first_frame: of.trial.first_frame,
+            clamp: (!of.is_in_water()).then(|| of.card.clamp.end()),
         }
     }
 }
@@ -48,10 +61,10 @@ impl Part<Trial> for Card {
 impl Stage for Example {
     type Settings = Settings;
     type Card = Card;
-    type Needs = (Camera, Tracks, Motion);
+    type Needs = (Camera, Tracks, Markers, Motion);
     type Makes = records::ExampleFrames;
-    const DESCRIPTION: &'static str = "one frame at rest and one under pressure are extracted";
-    const VERSION: u32 = 3;
+    const DESCRIPTION: &'static str = "frames at rest and under pressure are extracted, and the silhouettes in them";
+    const VERSION: u32 = 4;
 
     fn raw(of: &Trial) -> Vec<RawFile> {
         of.film().into_iter().collect()
@@ -63,61 +76,74 @@ impl Stage for Example {
         needs: Self::Needs,
         context: &dyn StageContext,
     ) -> Result<records::ExampleFrames> {
-        let (camera, tracks, motion) = needs;
-        let held = held(&motion, set.pressure).ok_or_else(no_hold)?;
-        let frame = motion.time.partition_point(|&t| t < held.time).min(motion.time.len().saturating_sub(1));
-        let wanted = [card.first_frame, card.first_frame + frame];
-        let [rest, under_pressure] = frames(wanted, context)?;
+        let (camera, tracks, markers, motion) = needs;
+        let holds: Vec<Held> = holds(&motion).into_iter().filter_map(|hold| held(&motion, hold)).collect();
+        let shown = nearest(&holds, set.pressure).ok_or_else(no_hold)?;
+        let frames: Vec<usize> = std::iter::once(0).chain(holds.iter().map(|hold| hold.frame)).collect();
+        let numbers: Vec<usize> = frames.iter().map(|frame| card.first_frame + frame).collect();
+        let film = Film::open(&context.path("video")?)?;
+        let pictures = film.pictures(&numbers, |part| context.progress(part, "decoding the film"))?;
+        let mut pictures = pictures.ok_or_else(|| too_short(&numbers, context))?;
+        let there = markers.stand.map(|s| Pose { rotation: s.rotation, translation: s.translation_m });
+        let there = Camera { pose: there.unwrap_or(camera.pose), ..camera };
+        let seen = silhouettes((card, set), (&there, &motion), frames.iter().copied().zip(&pictures));
+        let pressures = holds.iter().map(|hold| hold.measured.iter().copied().fold(0.0, f64::max));
+        let walls = pressures.zip(seen).filter_map(|(p, walls)| Some((p, walls?))).collect();
+        let (frame, held) = (holds[shown].frame, &holds[shown]);
         let at = |frame: usize| -> Vec<Point2> { tracks.markers.iter().map(|m: &Path| m.at[frame]).collect() };
         let rest_px = at(0);
         let seen = FrameData {
             time_s: motion.time[frame],
             command_pa: held.command,
-            pressures_pa: held.measured,
+            pressures_pa: held.measured.clone(),
             px_per_m: scale(card, &rest_px).ok_or_else(no_scale)?,
             window_px: window(card, &camera, &set.window),
             held_px: at(frame),
             rest_px,
+            eye_m: there.pose.centre(),
+            walls,
         };
-        Ok(records::ExampleFrames { rest, held: under_pressure, seen })
+        Ok(records::ExampleFrames { held: pictures.swap_remove(shown + 1), rest: pictures.swap_remove(0), seen })
     }
 }
 
-/// A moment at which a pressure has been held for a while.
+/// Dent and bulge in each frame after the first, that at rest; none where the card or the picture shows no outline.
+fn silhouettes<'a>(
+    (card, set): (&Card, &Settings),
+    (camera, motion): (&Camera, &Motion),
+    frames: impl Iterator<Item = (usize, &'a Gray)>,
+) -> Vec<Option<Walls>> {
+    let Some(stations) = card.clamp.and_then(|clamp| Stations::new(clamp, &card.markers)) else { return Vec::new() };
+    let seen = frames.map(|(frame, picture)| {
+        let outline = Outline { picture, lens: &camera.lens, pose: &camera.pose, grey: set.outline };
+        let moved: Vec<Point2> = motion.markers.iter().map(|m| m.at[frame]).collect();
+        (stations.silhouette(&moved, |normal, reach| outline.edge(normal, reach)), moved)
+    });
+    let seen: Vec<_> = seen.collect();
+    seen.iter().skip(1).map(|now| stations.walls(now, &seen[0].0)).collect()
+}
+
+/// A frame in which a pressure has been held for a while.
 struct Held {
-    time: Second,
+    frame: usize,
     command: Pascal,
     measured: Vec<Pascal>,
 }
 
-/// Near the end of the last run of samples whose command is the one nearest to a pressure.
-fn held(motion: &Motion, near: Pascal) -> Option<Held> {
-    let command = |i: usize| motion.gauges.iter().map(|g| g.command[i]).fold(0.0, f64::max);
-    let order = |a: &usize, b: &usize| (command(*a) - near).abs().total_cmp(&(command(*b) - near).abs());
-    let level = command((0..motion.log_time.len()).filter(|&i| command(i) > 0.0).min_by(order)?);
-    let last = (0..motion.log_time.len()).rev().find(|&i| command(i) == level)?;
-    let first = (0..last).rev().find(|&i| command(i) != level).map_or(0, |i| i + 1);
-    let at = first + (SETTLED * (last - first) as f64) as usize;
-    let settled = at..=last;
-    let mean = |values: &[Pascal]| values[settled.clone()].iter().sum::<f64>() / (last - at + 1) as f64;
+/// Near the end of a hold; none where the film ends before.
+fn held(motion: &Motion, hold: Range<usize>) -> Option<Held> {
+    let settled = hold.start + (SETTLED * (hold.len() - 1) as f64) as usize..hold.end;
+    let frame = motion.time.partition_point(|&t| t < motion.log_time[settled.start]);
+    let mean = |values: &[Pascal]| values[settled.clone()].iter().sum::<f64>() / settled.len() as f64;
     let measured = motion.gauges.iter().map(|g| mean(&g.measured)).collect();
-    Some(Held { time: motion.log_time[at], command: level, measured })
+    let command = motion.gauges.iter().map(|g| g.command[hold.start]).fold(0.0, f64::max);
+    (frame < motion.time.len()).then_some(Held { frame, command, measured })
 }
 
-/// Two frames of the film, by their numbers.
-fn frames(wanted: [usize; 2], context: &dyn StageContext) -> Result<[Gray; 2]> {
-    let mut found: [Option<Gray>; 2] = [None, None];
-    for frame in Film::open(&context.path("video")?)?.take(wanted[1] + 1) {
-        let frame = frame?;
-        for (place, _) in found.iter_mut().zip(wanted).filter(|(_, number)| *number == frame.index) {
-            *place = Some(frame.gray.clone());
-        }
-        context.progress(frame.index as f64 / wanted[1].max(1) as f64, "decoding the film");
-    }
-    match found {
-        [Some(rest), Some(held)] => Ok([rest, held]),
-        _ => Err(too_short(wanted[1], context)),
-    }
+/// The last of the holds whose command is nearest to a pressure.
+fn nearest(holds: &[Held], pressure: Pascal) -> Option<usize> {
+    let off = |i: &usize| (holds[*i].command - pressure).abs();
+    (0..holds.len()).rev().min_by(|a, b| off(a).total_cmp(&off(b)))
 }
 
 /// Pixels per metre: distances of the markers in the picture over those on the card.
@@ -134,15 +160,7 @@ fn scale(of: &Card, seen: &[Point2]) -> Option<f64> {
 fn window(card: &Card, camera: &Camera, [from, to, aside]: &[f64; 3]) -> [usize; 4] {
     let corners = [[*from, -aside], [*from, *aside], [*to, -aside], [*to, *aside]];
     let place = |[x, y]: [f64; 2]| [card.length * x, card.length * y, 0.0];
-    let seen = corners.into_iter().filter_map(|c| camera.lens.project(camera.pose.apply(place(c))));
-    let seen: Vec<Point2> = seen.collect();
-    let ends = |k: usize| {
-        let low = seen.iter().map(|p| p[k]).fold(f64::INFINITY, f64::min).max(0.0);
-        let high = seen.iter().map(|p| p[k]).fold(0.0, f64::max).min(camera.size_px[k] as f64);
-        [low.min(high) as usize, high as usize]
-    };
-    let ([left, right], [top, bottom]) = (ends(0), ends(1));
-    [left, top, right, bottom]
+    camera.lens.window(corners.map(|c| camera.pose.apply(place(c))), camera.size_px)
 }
 
 fn no_hold() -> Diagnostic {
@@ -158,8 +176,9 @@ fn no_scale() -> Diagnostic {
     Diagnostic::new(what, "it takes two markers that lie apart", "add a second [[marker]] to the card")
 }
 
-fn too_short(frame: usize, context: &dyn StageContext) -> Diagnostic {
-    let what = format!("{} has no frame {frame}", context.display_path("video"));
+fn too_short(frames: &[usize], context: &dyn StageContext) -> Diagnostic {
+    let last = frames.iter().copied().max().unwrap_or(0);
+    let what = format!("{} has no frame {last}", context.display_path("video"));
     Diagnostic::new(
         what,
         "the film ends before the pressure is held",
@@ -172,11 +191,12 @@ mod tests {
     use super::*;
     use crate::records::{Clock, Gauge};
 
-    fn staircase() -> Motion {
+    /// Two pressures, each held for 0.5 s, in a film of `frames`, 0.01 s apart.
+    fn staircase(frames: u32) -> Motion {
         let command: Vec<f64> = (0..400).map(|i| [0.0, 1e4, 0.0, 2e4][i / 100]).collect();
         let measured = command.iter().map(|c| 0.95 * c).collect();
         Motion {
-            time: Vec::new(),
+            time: (0..frames).map(|i| 0.01 * f64::from(i)).collect(),
             markers: Vec::new(),
             rest: Vec::new(),
             gauges: vec![Gauge { chamber: "left".into(), command, measured }],
@@ -186,18 +206,25 @@ mod tests {
         }
     }
 
+    fn held_in(motion: &Motion) -> Vec<Held> {
+        holds(motion).into_iter().filter_map(|hold| held(motion, hold)).collect()
+    }
+
     #[test]
     fn the_level_nearest_to_a_pressure_is_taken_when_it_has_settled() {
-        let held = held(&staircase(), 11.9e3).unwrap();
-        assert!((held.command, held.time) == (1e4, 0.005 * 189.0), "{} Pa at {} s", held.command, held.time);
+        let found = held_in(&staircase(200));
+        let held = &found[nearest(&found, 11.9e3).unwrap()];
+        // sample 189, at 0.945 s
+        assert_eq!((held.command, held.frame), (1e4, 95));
         // the mean of equal samples: round-off alone
         assert!((held.measured[0] - 9.5e3).abs() < 1e-9);
     }
 
     #[test]
-    fn a_log_without_a_command_holds_nothing() {
-        let mut silent = staircase();
+    fn a_level_that_the_film_does_not_show_is_left_out_and_a_log_without_a_command_holds_nothing() {
+        assert_eq!(held_in(&staircase(150)).len(), 1);
+        let mut silent = staircase(200);
         silent.gauges[0].command.fill(0.0);
-        assert!(held(&silent, 1e4).is_none());
+        assert_eq!(nearest(&held_in(&silent), 1e4), None);
     }
 }

@@ -7,11 +7,12 @@ use fem::{Solver, StaticSettings};
 use serde::{Deserialize, Serialize};
 use si::{Pascal, Point3, vec3};
 
-use crate::records::{ExampleFrames, Identified, Inflation, Mesh, Shape};
+use crate::records::{ExampleFrames, FrameData, Identified, Inflation, Mesh, Shape};
 use crate::selections::OfTrials;
 use crate::subject::{Specimen, Trial};
 use diagnostics::{Diagnostic, Result};
 use mesh::wall::{Section, Walls, end_rotation};
+use sysid::silhouette::Stations;
 use sysid::{Body, by_node, extrapolated};
 use workflow::stage::{Stage, StageContext};
 use workflow::subject::Part;
@@ -66,12 +67,13 @@ impl Stage for Inflate {
     type Needs = (Mesh, Identified, OfTrials<ExampleFrames>);
     type Makes = Inflation;
     const DESCRIPTION: &'static str = "the identified model is inflated to the highest filmed pressure";
-    const VERSION: u32 = 7;
+    const VERSION: u32 = 8;
 
     fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<Inflation> {
         let (mesh, found, OfTrials(examples, _)) = needs;
         let staircase = card.staircase.as_ref().ok_or_else(no_staircase)?;
-        let filmed = examples.first().map(|(_, example)| example.seen.pressures_pa.clone());
+        let seen = examples.first().map(|(_, example)| &example.seen);
+        let filmed = seen.map(|seen| seen.pressures_pa.clone());
         let asked_pa = staircase.highest;
         let levels = levels(card, staircase, set.shapes, filmed.as_deref());
         let model = mesh.model(&card.body)?;
@@ -84,11 +86,15 @@ impl Stage for Inflate {
         let displacements = solve_levels((&mut solver, &statics), &levels, rest, context)?;
         let section = Section::of(&mesh.solid);
         let solved = levels.iter().zip(&displacements);
-        let shapes: Vec<Shape> = solved.map(|(p, u)| shape(&mesh, section.as_ref(), p, by_node(u))).collect();
+        let mut shapes: Vec<Shape> = solved.map(|(p, u)| shape(&mesh, section.as_ref(), p, by_node(u))).collect();
+        if let Some(eye) = seen.filter(|seen| !seen.walls.is_empty()).map(|seen| seen.eye_m) {
+            see(&mut shapes, card, &mesh, eye);
+        }
+        let film = seen.and_then(FrameData::shown);
         let filmed = filmed.and_then(|wanted| shapes.iter().position(|s| s.pressures_pa == wanted));
         let nodes = skin(&mesh);
         let keep = |s: Shape| Shape { moved: nodes.iter().map(|&n| s.moved[n as usize]).collect(), ..s };
-        Ok(Inflation { shapes: shapes.into_iter().map(keep).collect(), nodes, filmed, asked_pa })
+        Ok(Inflation { shapes: shapes.into_iter().map(keep).collect(), nodes, filmed, asked_pa, film })
     }
 }
 
@@ -135,7 +141,18 @@ fn shape(mesh: &Mesh, section: Option<&Section>, pressures: &[Pascal], moved: Ve
     let fullest = (0..pressures.len()).max_by(order).map_or(0, |k| mesh.chambers[k].skin);
     let nodes: Vec<Point3> = mesh.solid.nodes.iter().zip(&moved).map(|(&x, &u)| vec3::add(x, u)).collect();
     let walls = section.map_or(Walls::default(), |s| s.walls(&nodes, lies_left(mesh, fullest)));
-    Shape { pressures_pa: pressures.to_vec(), moved, walls, rotation: end_rotation(&mesh.solid.nodes, &nodes) }
+    let rotation = end_rotation(&mesh.solid.nodes, &nodes);
+    Shape { pressures_pa: pressures.to_vec(), moved, walls, silhouette: None, rotation }
+}
+
+/// Measures the silhouettes of shapes whose nodes have all moved, as `eye` (m) sees them.
+fn see(shapes: &mut [Shape], card: &Card, mesh: &Mesh, eye: Point3) {
+    let Some(stations) = Stations::new(card.body.clamp.end(), &card.body.markers) else { return };
+    let (rest, _) = stations.of_solid((&mesh.solid, &mesh.markers), &mesh.solid.nodes, eye);
+    for shape in shapes {
+        let nodes: Vec<Point3> = mesh.solid.nodes.iter().zip(&shape.moved).map(|(&x, &u)| vec3::add(x, u)).collect();
+        shape.silhouette = stations.walls(&stations.of_solid((&mesh.solid, &mesh.markers), &nodes, eye), &rest);
+    }
 }
 
 /// Whether a cavity lies at positive y.

@@ -50,7 +50,7 @@ pub const ALL: &[Entry<Study>] = &[
     stage::<load_cell::LoadCell>(),                 // hammer taps                   → transfer function of the fixture
     stage::<tank::Tank>(),                          // water at rest                 → standing waves of the tank
     stage::<wave::Wave>(),                          // force log                     → force without waves and drift
-    stage::<example_frames::Example>(),             // one film                      → two of its frames
+    stage::<example_frames::Example>(),             // one film                      → two of its frames, dents of its silhouette
     stage::<identify::Identify>(),                  // quasi-static displacements    → Young's moduli with their covariance
     stage::<inflate::Inflate>(),                    // identified model              → its shapes under pressure
     stage::<four_parameters::FourParameters>(),     // the same pressure levels      → both moduli and both Poisson's ratios

@@ -42,7 +42,7 @@ fn long_holds(motion: &Motion, shortest: Second) -> impl Iterator<Item = Range<u
 }
 
 /// Runs of samples with a constant command, at least one chamber's above zero.
-fn holds(motion: &Motion) -> Vec<Range<usize>> {
+pub(super) fn holds(motion: &Motion) -> Vec<Range<usize>> {
     let command = |i: usize| -> Vec<Pascal> { motion.gauges.iter().map(|g| g.command[i]).collect() };
     let samples = motion.log_time.len();
     let ends = (1..=samples).filter(|&i| i == samples || command(i) != command(i - 1));
