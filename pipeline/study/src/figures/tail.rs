@@ -10,7 +10,7 @@ use si::{MILLIBAR, MILLIMETRE, Pascal, Point2, Point3, vec3};
 
 use super::order::{in_order, of, title};
 use super::origin_note;
-use crate::records::{ExampleFrames, Inflation, Mesh, Shape};
+use crate::records::{ExampleFrames, Inflation, Mesh, Recovered, Shape};
 use crate::subject::{Specimen, Study, Trial};
 use diagnostics::{Diagnostic, Result};
 use mesh::wall::Walls;
@@ -28,12 +28,12 @@ const ROWS: [f64; 2] = [58.0, 50.0];
 
 impl figure::Figure for Tail {
     type Of = Study;
-    type Needs = (Every<Mesh, Specimen>, Every<Inflation, Specimen>, Every<ExampleFrames, Trial>);
+    type Needs = (Every<Mesh, Specimen>, Every<Inflation, Specimen>, Every<ExampleFrames, Trial>, Recovered);
     const NAME: &'static str = "tail";
     const CAPTION: &'static str = "a tail cut open, inflated in simulation and on film, and the buckling of its wall";
     const VERSION: u32 = 5;
 
-    fn draw((Every(meshes), Every(inflations), Every(examples)): Self::Needs) -> Result<Figure> {
+    fn draw((Every(meshes), Every(inflations), Every(examples), recovered): Self::Needs) -> Result<Figure> {
         let (meshes, inflations) = (in_order(meshes), in_order(inflations));
         let Some((specimen, inflation)) = inflations.first() else { return Err(no_tail()) };
         let name = &specimen.card.name;
@@ -46,11 +46,16 @@ impl figure::Figure for Tail {
         let example = of(&examples, name);
         top.extend(example.map(filmed));
         let film = example.map_or(&[][..], |example| &example.seen.walls);
-        let dents = over_pressure(inflation, film, ("dent of the slack wall", |w| w.dent_m));
-        let bulges = over_pressure(inflation, film, ("bulge of the filled wall", |w| w.bulge_m)).legend(Legend::None);
+        let body = recovered.specimens.iter().find(|s| s.name == *name);
+        let hidden = body.and_then(|body| Some(body.walls?.hidden_critical_pressure_pa));
+        let held = example.and_then(|example| example.seen.buckling_pressures());
+        let buckles = [inflation.buckling_pressure(), hidden];
+        let others = [film, body.map_or(&[][..], |body| &body.hidden)];
+        let dents = over_pressure(inflation, others, ("dent of the slack wall", |w| w.dent_m));
+        let bulges = over_pressure(inflation, others, ("bulge of the filled wall", |w| w.bulge_m)).legend(Legend::None);
         let bottom = [
             Panel::Scene(section(mesh, inflation, shape)).titled(&walls(shape)),
-            Panel::Axes(critical(dents, inflation, example)).titled("dent, and where it buckles"),
+            Panel::Axes(critical(dents, held, buckles)).titled("dent, and where it buckles"),
             Panel::Axes(bulges).titled("bulge"),
         ];
         let figure = Figure::new(DOUBLE_COLUMN_MM).row(ROWS[0], top).row(ROWS[1], bottom);
@@ -119,23 +124,28 @@ fn walls(shape: &Shape) -> String {
     format!("section: bulge {:.1} mm, dent {:.2} mm", bulge_m / MILLIMETRE, dent_m / MILLIMETRE)
 }
 
-/// Displacement of a wall relative to the sheet over pressure: of the model at mid height, in its silhouette, and in that of the film.
-fn over_pressure(inflation: &Inflation, film: &[(Pascal, Walls)], (what, of): (&str, fn(&Walls) -> f64)) -> Axes {
+/// Walls by pressure, Pa.
+type Curve<'a> = &'a [(Pascal, Walls)];
+
+/// Displacement of a wall relative to the sheet over pressure: of the model and the true body at mid height, of the model and the film in
+/// silhouette.
+fn over_pressure(inflation: &Inflation, [film, body]: [Curve; 2], (what, of): (&str, fn(&Walls) -> f64)) -> Axes {
     let point = |p: Pascal, walls: &Walls| [p / MILLIBAR, of(walls) / MILLIMETRE];
     let shapes = || inflation.shapes.iter();
     let section = shapes().map(|s| point(s.pressure(), &s.walls)).collect();
     let silhouette = shapes().filter_map(|s| Some(point(s.pressure(), s.silhouette.as_ref()?))).collect();
-    let film = film.iter().map(|(p, walls)| point(*p, walls)).collect();
+    let points = |of: Curve| of.iter().map(|(p, walls)| point(*p, walls)).collect();
     Axes::new(Axis::linear("pressure in one side", "mbar"), Axis::linear(what, "mm"))
+        .with(Mark::line(points(body), palette::SPINE).labelled("true body, mid height"))
         .with(Mark::line(section, palette::SIMULATED).labelled("model, mid height"))
         .with(Mark::line(silhouette, palette::SIMULATED).dashed(Dash::Dashed).labelled("model, silhouette"))
-        .with(Mark::points(film, Marker::Disc, palette::MEASURED).sized(3.5).labelled("film, silhouette"))
+        .with(Mark::points(points(film), Marker::Disc, palette::MEASURED).sized(3.5).labelled("film, silhouette"))
 }
 
-/// Adds the pressure at which the model buckles, and below all those between which the film's tail does.
-fn critical(mut axes: Axes, inflation: &Inflation, example: Option<&ExampleFrames>) -> Axes {
-    let line = |p| Mark::vertical_line(p / MILLIBAR, palette::SIMULATED).dashed(Dash::Dotted);
-    let film = example.and_then(|e| e.seen.buckling_pressures());
-    axes.marks.splice(0..0, film.map(|[low, high]| Mark::span(low / MILLIBAR, high / MILLIBAR, palette::MEASURED)));
-    inflation.buckling_pressure().map(line).into_iter().fold(axes, Axes::with)
+/// Adds the pressures at which model and true body buckle, and below all those between which the film's tail does.
+fn critical(mut axes: Axes, film: Option<[Pascal; 2]>, [model, body]: [Option<Pascal>; 2]) -> Axes {
+    let span = |[low, high]: [Pascal; 2]| Mark::span(low / MILLIBAR, high / MILLIBAR, palette::MEASURED);
+    axes.marks.splice(0..0, film.map(span).map(|span| span.labelled("film, buckles between")));
+    let line = |(p, colour): (Option<Pascal>, _)| Some(Mark::vertical_line(p? / MILLIBAR, colour).dashed(Dash::Dotted));
+    [(model, palette::SIMULATED), (body, palette::SPINE)].into_iter().filter_map(line).fold(axes, Axes::with)
 }

@@ -5,6 +5,7 @@ use si::{MILLIBAR, MILLIMETRE, Metre, Pascal};
 
 use crate::records::{Estimate, QuantityKind};
 use crate::subject::Study;
+use mesh::wall::Walls;
 use workflow::metric::Metric;
 use workflow::record::{Record, RecordError, RecordFiles};
 
@@ -52,6 +53,8 @@ pub struct Specimen {
     /// Of its inflated walls; none where no wall buckles.
     #[serde(default)]
     pub walls: Option<WallErrors>,
+    /// The walls of the true body by pressure, Pa, brought to the time after loading to which the identified moduli belong.
+    pub hidden: Vec<(Pascal, Walls)>,
 }
 
 /// Errors of an inflated model against the true body at the highest pressure of both.
@@ -59,6 +62,8 @@ pub struct Specimen {
 pub struct WallErrors {
     /// Of the pressure at which the slack wall buckles, Pa.
     pub critical_pressure_pa: Pascal,
+    /// That pressure of the true body, Pa.
+    pub hidden_critical_pressure_pa: Pascal,
     /// Of its dent, relative.
     pub dent: f64,
     /// Of where along the tail that is, m.

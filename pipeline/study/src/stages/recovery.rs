@@ -4,7 +4,7 @@ use std::path::Path as FilePath;
 
 use lab::card::Origin;
 use lab::truth::{self, TrueTrack, TrueTrial};
-use mesh::wall::buckling_pressure;
+use mesh::wall::{Walls, buckling_pressure};
 use serde::{Deserialize, Serialize};
 use si::{Pascal, Point2, Second};
 
@@ -27,6 +27,9 @@ type Parameters = (Every<Identified>, Every<Relaxation>, Every<Drag>);
 
 /// What the identified models predict.
 type Predictions = (Every<Validation>, Every<Inflation>);
+
+/// Walls of a true body by pressure, Pa, and the errors of its model's.
+type WallComparison = (Vec<(Pascal, Walls)>, Option<WallErrors>);
 
 /// Records of all films: pixels, positions, motions.
 type Films = (Every<Tracks>, Every<Markers>, Every<Motion>);
@@ -82,7 +85,7 @@ impl Stage for Recovery {
         ((Every<Camera>, Films, (Parameters, Predictions)), (Every<LoadCell>, Every<Tank>, Every<CorrectedForce>));
     type Makes = Recovered;
     const DESCRIPTION: &'static str = "estimates are compared with the hidden truth";
-    const VERSION: u32 = 9;
+    const VERSION: u32 = 10;
 
     fn raw(of: &Study) -> Vec<RawFile> {
         virtual_specimens(of).flat_map(files).collect()
@@ -109,8 +112,8 @@ impl Stage for Recovery {
                 estimates.extend(predicted.filter_map(|(_, found)| amplitude(condition_of(id), found, &true_tracks)));
             }
             if !estimates.is_empty() {
-                let (name, walls) = (specimen.name.clone(), walls(specimen, &truth, (&parameters.0, &inflated))?);
-                recovered.specimens.push(RecoveredSpecimen { name, estimates, walls });
+                let (hidden, walls) = walls(specimen, &truth, (&parameters.0, &inflated))?;
+                recovered.specimens.push(RecoveredSpecimen { name: specimen.name.clone(), estimates, walls, hidden });
             }
         }
         Ok(recovered)
@@ -150,31 +153,38 @@ fn beside(
     Ok(all)
 }
 
-/// Errors of the walls of a specimen's inflated model; none where a wall of the model or of the true body does not buckle.
+/// The walls of the true body by pressure, Pa, and the errors of those of the model; none where a wall of either does not buckle.
 // The true shapes are those after all relaxation. A shape follows from pressure over modulus, the sheet's share aside, so under that multiple
 // of its pressure each is also the shape at the time of the identified moduli.
 fn walls(
     specimen: &Virtual,
     truth: &truth::Truth,
     (Every(identified), inflated): (&Every<Identified>, &[(Name, Inflation)]),
-) -> Result<Option<WallErrors>> {
+) -> Result<WallComparison> {
     let found = identified.iter().find(|(s, _)| s.0 == specimen.name);
     let inflation = inflated.iter().find(|(s, _)| s.0 == specimen.name);
     let hidden = truth.inflation.iter().find(|one| Some(&one.channel) == specimen.inflated.as_ref());
-    let (Some((_, found)), Some((_, inflation)), Some(hidden)) = (found, inflation, hidden) else { return Ok(None) };
+    let (Some((_, found)), Some((_, inflation)), Some(hidden)) = (found, inflation, hidden) else {
+        return Ok(Default::default());
+    };
     let stiffer = spectrum(&truth.body)?.modulus(found.modulus_time);
     let pressures: Vec<Pascal> = hidden.pressure.iter().map(|p| stiffer * p).collect();
+    let (dent, x, bulge) = (&hidden.dent, &hidden.dent_at, &hidden.bulge);
+    let one = |i: usize| Walls { dent_m: dent[i], dent_at: [x[i], 0.0, 0.0], bulge_m: bulge[i] };
+    let all = pressures.iter().enumerate().map(|(i, pressure)| (*pressure, one(i))).collect();
     let highest = inflation.shapes.iter().rfind(|shape| pressures.last().is_some_and(|top| shape.pressure() <= *top));
     let critical = (inflation.buckling_pressure(), buckling_pressure(&pressures, &hidden.dent));
-    let ((Some(model), Some(body)), Some(shape)) = (critical, highest) else { return Ok(None) };
+    let ((Some(model), Some(body)), Some(shape)) = (critical, highest) else { return Ok((all, None)) };
     let there = |of: &[f64]| at(&pressures, of, shape.pressure());
-    Ok(Some(WallErrors {
+    let errors = WallErrors {
         critical_pressure_pa: model - body,
+        hidden_critical_pressure_pa: body,
         dent: shape.walls.dent_m / there(&hidden.dent) - 1.0,
         dent_at_m: shape.walls.dent_at[0] - there(&hidden.dent_at),
         bulge: shape.walls.bulge_m / there(&hidden.bulge) - 1.0,
         rotation: shape.rotation - there(&hidden.rotation),
-    }))
+    };
+    Ok((all, Some(errors)))
 }
 
 /// The value of `of` at pressure `p` (Pa) between two of the rising `pressures`.
