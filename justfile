@@ -61,7 +61,7 @@ calibration COUNT="24" SEED="25": build
 # its own (20 minutes of two cores), because a search of moduli across a buckle takes ten times as long; the figure is that of the paper
 photograph: build
     {{programs}}/rig record --profile photograph
-    {{programs}}/study run --profile photograph identify relaxation validate inflate recovery
+    {{programs}}/study run --profile photograph identify relaxation validate inflate recovery findings
     {{programs}}/study fig tail --profile photograph
     {{programs}}/study check --profile photograph
     cp target/photograph/figures/tail.svg figures/photograph.svg

@@ -1,7 +1,7 @@
 //! Recovered: errors of the pipeline's estimates against the hidden truth of the virtual bench.
 
 use serde::{Deserialize, Serialize};
-use si::{MILLIBAR, MILLIMETRE, Metre, Pascal};
+use si::{MILLIMETRE, Metre, Pascal};
 
 use crate::records::{Estimate, QuantityKind};
 use crate::subject::Study;
@@ -75,10 +75,9 @@ pub struct WallErrors {
 }
 
 impl WallErrors {
-    fn metrics(&self, specimen: &str) -> [Metric; 5] {
+    fn metrics(&self, specimen: &str) -> [Metric; 4] {
         let id = |what: &str| format!("recovery.{specimen}.{what}");
         [
-            Metric::new(id("critical_pressure_error_mbar"), self.critical_pressure_pa.abs() / MILLIBAR, "mbar"),
             Metric::new(id("dent_error_percent"), 100.0 * self.dent.abs(), "%"),
             Metric::new(id("dent_place_error_mm"), self.dent_at_m.abs() / MILLIMETRE, "mm"),
             Metric::new(id("bulge_error_percent"), 100.0 * self.bulge.abs(), "%"),

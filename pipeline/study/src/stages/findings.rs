@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::records::{Finding, Findings as Record, Identified, LoadCell, Thrust, Validation};
+use crate::records::{Finding, Findings as Record, Identified, LoadCell, Recovered, Thrust, Validation};
 use crate::subject::Condition;
 use diagnostics::Result;
 use signal::statistics::{correlation, minima, negative_share, ranks};
@@ -24,18 +24,22 @@ pub struct Settings {}
 impl Stage for Findings {
     type Settings = Settings;
     type Card = ();
-    type Needs = (Every<Identified>, Every<Validation, Condition>, Every<Thrust>, Every<LoadCell>);
+    type Needs = ((Every<Identified>, Recovered), Every<Validation, Condition>, Every<Thrust>, Every<LoadCell>);
     type Makes = Record;
     const DESCRIPTION: &'static str = "metrics that decide claims are derived";
-    const VERSION: u32 = 5;
+    const VERSION: u32 = 6;
 
     fn run((): &(), _: &Settings, needs: Self::Needs, _: &dyn StageContext) -> Result<Record> {
-        let (Every(identified), Every(validated), Every(thrusts), Every(cells)) = needs;
+        let ((Every(identified), recovered), Every(validated), Every(thrusts), Every(cells)) = needs;
         let mut found = Vec::new();
         for (specimen, one) in &identified {
             found.extend(
                 of_identified(one).into_iter().map(|(what, value, unit)| finding(&specimen.0, what, value, unit)),
             );
+        }
+        for (specimen, walls) in recovered.specimens.iter().filter_map(|s| Some((&s.name, s.walls?))) {
+            let error = walls.critical_pressure_pa.abs() / si::MILLIBAR;
+            found.push(finding(specimen, "critical_pressure_error_mbar", error, "mbar"));
         }
         for (trial, one) in &validated {
             found.extend(undamped(one).map(|v| finding(&trial.0, "undamped_rmse_increase_percent", v, "%")));

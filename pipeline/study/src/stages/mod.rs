@@ -62,7 +62,7 @@ pub const ALL: &[Entry<Study>] = &[
     stage::<thrust::Thrust>(),                      // motion, pressure, force       → thrust models
     stage::<transfer::Transfer>(),                  // runs of all tails             → thrust models on a held-out tail
     stage::<optimal_actuation::OptimalActuation>(), // reduced model, thrust models  → actuation of greatest mean thrust
-    stage::<findings::Findings>(),                  // records                       → metrics that decide claims
     stage::<recovery::Recovery>(),                  // estimates, hidden truth       → errors of the estimates
+    stage::<findings::Findings>(),                  // records                       → metrics that decide claims
     stage::<calibration::Calibration>(),            // errors over many specimens    → share of truths inside their intervals
 ];
