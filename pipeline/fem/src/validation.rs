@@ -235,3 +235,23 @@ pub(crate) fn on_elements(graph: &NodeGraph, chamber: usize, wall: &Chamber) -> 
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use crate::mesh::box_mesh;
+
+    #[test]
+    fn element_factors_are_positive_and_one_for_each_element_or_none() {
+        let mesh = box_mesh::quadratic([0.1; 3], [1, 1, 1]);
+        let count = mesh.elements.len();
+        let of = |factor: f64| element_factors(&mesh, &vec![factor; count]);
+        assert!(of(0.5).is_ok() && element_factors(&mesh, &[]).is_ok());
+        for factor in [0.0, -1.0, 1e12, f64::NAN] {
+            assert!(matches!(of(factor), Err(SetupError::ElementFactor { element: 0, .. })), "{factor}");
+        }
+        let short = element_factors(&mesh, &vec![1.0; count - 1]);
+        assert!(matches!(short, Err(SetupError::ElementFactors { given, elements }) if given + 1 == elements));
+    }
+}

@@ -47,3 +47,16 @@ fn modes_are_orthonormal_in_mass_and_carry_their_own_energy() {
     assert!((solver.kinetic_energy(&both).unwrap() - 1.0).abs() < 1e-9);
     assert!(solver.modes(&rest, 0).is_err());
 }
+
+#[test]
+fn a_body_has_as_many_modes_as_degrees_of_freedom() {
+    let mesh = box_mesh::linear([0.01, 0.01, 0.02], [1, 1, 1]);
+    let material = fem::materials::by_name("neo_hookean").unwrap();
+    let clamps = Clamps::below_x(&mesh, 1e-9);
+    let system = System::new(mesh, vec![RegionProperties::elastic(material, 2e6, 0.3, 1e3)], clamps).unwrap();
+    let (dofs, mut solver) = (system.dofs(), system.solver());
+    let rest = solver.equilibrium(&[], None, &StaticSettings::default()).unwrap();
+    let modes = solver.modes(&rest, dofs).unwrap();
+    assert!(modes.len() == dofs && modes.is_sorted_by(|a, b| a.frequency <= b.frequency));
+    assert!(solver.modes(&rest, dofs + 1).is_err());
+}

@@ -124,3 +124,14 @@ pub trait Material: std::fmt::Debug + Send + Sync {
         std::array::from_fn(|n| if n < count { self.stress(F, Moduli::unit(n)).1 } else { Matrix3::zeros() })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn moduli_add_entry_by_entry() {
+        let of = |mu, lambda, stiffening| Moduli { mu, lambda, stiffening };
+        assert_eq!(of(1.0, 2.0, [3.0, 4.0]) + of(0.5, 3.0, [-5.0, 7.0]), of(1.5, 5.0, [-2.0, 11.0]));
+    }
+}

@@ -176,4 +176,14 @@ mod tests {
         (0..6).for_each(|n| assert!((history[1][n] + history[2][n] - expected[n]).abs() < 1e-15));
         assert_eq!(history[0], stress);
     }
+
+    #[test]
+    fn a_step_that_is_short_beside_a_branchs_time_has_the_derivatives_of_the_series() {
+        // a(τ) = g (1 − x/2 + x²/6) with x = h/τ: ∂a/∂τ = g (x/2 − x²/3)/τ
+        let (strength, time, step) = (0.3, 2.0, 1e-5);
+        let x = step / time;
+        let [decay, gain] = BranchStep::new(Branch { strength, time }, step).by_time();
+        assert!((gain / (strength * (x / 2.0 - x * x / 3.0) / time) - 1.0).abs() < 1e-9, "{gain}");
+        assert!((decay / ((-x).exp() * x / time) - 1.0).abs() < 1e-12, "{decay}");
+    }
 }

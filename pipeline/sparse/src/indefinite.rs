@@ -193,4 +193,15 @@ mod tests {
         let refused = IndefiniteFactor::new(&matrix).unwrap().compute(&matrix);
         assert!(matches!(refused, Err(FactorError::Inaccurate { .. })), "{refused:?}");
     }
+
+    #[test]
+    fn pivots_of_one_and_two_columns_have_the_signs_of_their_eigenvalues() {
+        let count = |d: [f64; 2], below: f64| {
+            let block = faer::Mat::from_fn(2, 2, |i, k| if i == k { d[i] } else { 0.0 });
+            negative_pivots(block.as_ref(), &[below, 0.0])
+        };
+        assert_eq!([count([1.0, 2.0], 0.0), count([-1.0, 2.0], 0.0), count([-1.0, -2.0], 0.0)], [0, 1, 2]);
+        // determinants 2 − 1, 2 − 9, 2 − 1 with both on the negative side
+        assert_eq!([count([1.0, 2.0], 1.0), count([1.0, 2.0], 3.0), count([-1.0, -2.0], 1.0)], [0, 1, 2]);
+    }
 }

@@ -59,3 +59,19 @@ fn elements_at(nodes: usize, elements: &[u32], each: usize) -> NodeGraph {
     }
     NodeGraph { start, neighbours: list }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nodes_of_an_element_are_neighbours_and_none_is_its_own() {
+        let graph = NodeGraph::new(5, &[0, 1, 2, 2, 3, 1], 3);
+        assert_eq!((graph.len(), graph.is_empty()), (5, false));
+        assert_eq!(
+            [0, 1, 2, 3, 4].map(|node| graph.of(node).to_vec()),
+            [vec![1, 2], vec![0, 2, 3], vec![0, 1, 3], vec![1, 2], vec![]]
+        );
+        assert!(NodeGraph::new(0, &[], 3).is_empty());
+    }
+}

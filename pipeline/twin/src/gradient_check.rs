@@ -263,4 +263,21 @@ mod tests {
             |off: f64| line("e".into(), [1f64.exp() * (1.0 + off), 0.0], |part| Ok((1.0 + part).exp())).unwrap();
         assert!(judged(0.0).holds() && !judged(1e-5).holds());
     }
+
+    #[test]
+    fn a_report_holds_when_it_has_lines_and_each_of_them_does() {
+        let judged =
+            |off: f64| line("e".into(), [1f64.exp() * (1.0 + off), 0.0], |part| Ok((1.0 + part).exp())).unwrap();
+        let report = |lines: Vec<Line>| TwinGradientReport { name: "e".into(), coordinates: 1, lines };
+        assert!(report(vec![judged(0.0), judged(0.0)]).holds());
+        assert!(!report(vec![judged(0.0), judged(1e-3)]).holds() && !report(Vec::new()).holds());
+    }
+
+    #[test]
+    fn a_remainder_falls_with_the_square_of_the_change_and_a_line_has_none() {
+        let curved = line("e".into(), [1f64.exp(), 0.0], |part| Ok((1.0 + part).exp())).unwrap();
+        assert!((curved.slope.unwrap() - 2.0).abs() < 0.01 && curved.off_differences < 1e-9, "{:?}", curved.slope);
+        let straight = line("a".into(), [3.0, 0.0], |part| Ok(1.0 + 3.0 * part)).unwrap();
+        assert!(straight.slope.is_none() && straight.off_differences < 1e-9);
+    }
 }

@@ -1,5 +1,6 @@
 //! Properties that every load must have, and closed forms for the volume of a chamber.
 
+use super::gas::Gas;
 use super::{ChamberPressure, DeadForces};
 use crate::loads::Load;
 use crate::mesh::box_mesh;
@@ -87,6 +88,28 @@ fn the_gradient_of_every_load_is_the_difference_of_its_potential() {
             assert!((difference - exact).abs() < 1e-6 * exact.abs(), "{difference} {exact}");
         }
     }
+}
+
+#[test]
+fn the_gradient_of_gas_is_the_difference_of_its_potential_sealed_or_not() {
+    let mesh = ball(true, false);
+    let chamber = ChamberPressure::new(&mesh, &mesh.chambers[0]);
+    let (u, v): (Vec<f64>, Vec<f64>) = (wave(&mesh), wave(&mesh).iter().rev().map(|u| 3.0 * u).collect());
+    for (pressure, ambient) in [(2e4, None), (0.0, Some(1.013e5)), (2e4, Some(1.013e5))] {
+        let gas = Gas { chamber: &chamber, pressure, ambient };
+        let step = 1e-5;
+        let difference = (gas.potential(&along(&u, &v, step)) - gas.potential(&along(&u, &v, -step))) / (2.0 * step);
+        let mut gradient = vec![0.0; u.len()];
+        gas.add_gradient(&u, &mut gradient);
+        let exact: f64 = gradient.iter().zip(&v).map(|(g, v)| g * v).sum();
+        assert!((difference - exact).abs() < 1e-6 * exact.abs(), "{difference} {exact}");
+        // Boyle's law: (g + pₐ) V is that of the chamber at rest
+        let volume = chamber.volume(&u);
+        let held = ambient.map_or(pressure, |ambient| (pressure + ambient) * chamber.at_rest / volume - ambient);
+        assert!((gas.gauge(volume) - held).abs() < 1e-9 * held.abs(), "{held}");
+    }
+    let rest = vec![0.0; u.len()];
+    assert_eq!(Gas { chamber: &chamber, pressure: 2e4, ambient: Some(1e5) }.potential(&rest), 0.0);
 }
 
 #[test]

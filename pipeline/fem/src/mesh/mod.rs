@@ -153,3 +153,21 @@ impl Mesh {
         self.nodes[node][2].abs() <= 1e-7 * size
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Clamps;
+
+    #[test]
+    fn a_box_has_elements_and_no_chamber_is_empty_only_without_faces() {
+        let mesh = box_mesh::quadratic([0.1; 3], [1, 1, 1]);
+        assert!(!mesh.elements.is_empty() && mesh.elements.len() == mesh.elements.connectivity().len() / 10);
+        let (none, one) = (Faces::Linear(Vec::new()), Faces::Quadratic(vec![[0, 1, 2, 3, 4, 5]]));
+        assert!(none.is_empty() && !one.is_empty());
+        assert_eq!((one.len(), one.nodes(0)), (1, &[0, 1, 2, 3, 4, 5][..]));
+        let clamps = Clamps::below_x(&mesh, 1e-9);
+        // the nine nodes of a side of two triangles with midpoints
+        assert!(!clamps.is_empty() && clamps.len() == 9 && Clamps::none().is_empty());
+    }
+}

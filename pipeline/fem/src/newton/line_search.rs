@@ -44,3 +44,34 @@ impl LineSearch {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The energy 10 − 4 s + 8 s², whose minimum is at a quarter of the step.
+    fn parabola(s: f64) -> Energy {
+        Energy { value: 10.0 - 4.0 * s + 8.0 * s * s, size: 10.0 }
+    }
+
+    #[test]
+    fn a_rejected_step_is_shortened_to_the_minimum_of_its_parabola() {
+        let search = LineSearch { start: parabola(0.0), slope: -4.0 };
+        assert!(!search.accepts(1.0, parabola(1.0), 12.0) && search.accepts(0.25, parabola(0.25), 0.0));
+        assert!((search.shorten(1.0, parabola(1.0)) - 0.25).abs() < 1e-12);
+        assert!((search.shorten(0.6, parabola(0.6)) - 0.25 / 0.6).abs() < 1e-12);
+        // not below a tenth nor above a half; by half where there is no parabola
+        assert_eq!(search.shorten(4.0, parabola(4.0)), 0.1);
+        assert_eq!(search.shorten(0.3, parabola(0.3)), 0.5);
+        let infinite = Energy { value: f64::INFINITY, size: 10.0 };
+        assert_eq!(search.shorten(1.0, infinite), 0.5);
+        assert!(!search.accepts(1.0, infinite, 0.0));
+    }
+
+    #[test]
+    fn where_energies_are_rounding_the_slope_decides() {
+        let search = LineSearch { start: Energy { value: 10.0, size: 1e3 }, slope: -1e-12 };
+        let same = Energy { value: 10.0, size: 1e3 };
+        assert!(search.accepts(1.0, same, 0.7e-12) && !search.accepts(1.0, same, 0.9e-12));
+    }
+}
