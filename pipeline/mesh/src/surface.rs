@@ -251,4 +251,9 @@ pub(crate) mod tests {
         inside_out.faces.iter_mut().for_each(|f| f.swap(1, 2));
         assert!(matches!(inside_out.shells(), Err(SurfaceError::InvertedSurface { .. })));
     }
+
+    #[test]
+    fn a_box_has_the_area_of_its_six_sides() {
+        assert!((block([0.0; 3], [0.01, 0.02, 0.03]).area() - 22e-4).abs() < 1e-15);
+    }
 }

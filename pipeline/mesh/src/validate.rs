@@ -17,7 +17,7 @@ pub struct Chamber {
 }
 
 /// Quality and volumes of a mesh. Volumes and areas are those of the whole body, even when only the half is meshed.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Report {
     /// Corner nodes.
     pub nodes: usize,
@@ -242,5 +242,28 @@ mod tests {
         let error = ValidationError::Volume { part, mesh_mm3: 970.0, surface_mm3: 1000.0, percent: 3.0, limit_percent };
         let said = error.to_string();
         assert!(said.contains("the limit is 2.00 % of the surface's") && !said.contains("::"), "{said}");
+    }
+
+    #[test]
+    fn the_first_part_whose_volume_is_off_is_named_with_both_volumes() {
+        let report = Report {
+            volume_body: 1.01e-6,
+            volume_body_stl: 1e-6,
+            volume_spine: 2e-7,
+            volume_spine_stl: 2e-7,
+            ..Report::default()
+        };
+        check_volumes(&report, &[], 0.02).unwrap();
+        let ValidationError::Volume { part, mesh_mm3, surface_mm3, percent, limit_percent } =
+            check_volumes(&report, &[], 0.005).unwrap_err()
+        else {
+            panic!("no error of a volume")
+        };
+        assert_eq!(part, "body");
+        let off = [mesh_mm3 - 1010.0, surface_mm3 - 1000.0, percent - 1.0, limit_percent - 0.5];
+        assert!(off.iter().all(|off| off.abs() < 1e-9), "{off:?}");
+        let spine = Report { volume_spine: 1.9e-7, ..report };
+        let refused = check_volumes(&spine, &[], 0.02).unwrap_err();
+        assert!(matches!(refused, ValidationError::Volume { ref part, .. } if part == "spine"), "{refused}");
     }
 }

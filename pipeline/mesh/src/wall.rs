@@ -212,4 +212,11 @@ mod tests {
             (Some(2), Some(1.25e4))
         );
     }
+
+    #[test]
+    fn the_vertex_of_a_parabola_is_found_and_a_line_has_its_middle() {
+        let parabola = |x: f64| [x, 3.0 - 2.0 * (x - 1.25).powi(2)];
+        assert!((vertex([0.0, 1.0, 3.0].map(parabola)) - 1.25).abs() < 1e-12);
+        assert_eq!(vertex([0.0, 1.0, 3.0].map(|x| [x, 2.0 * x])), 1.0);
+    }
 }

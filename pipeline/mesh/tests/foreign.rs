@@ -331,3 +331,12 @@ fn elements_within_elements_without_end_are_refused() {
     let deep = "<a>".repeat(200_000);
     assert!(vtu(deep.as_bytes()).is_err());
 }
+
+#[test]
+fn points_lines_and_triangles_are_counted_and_make_no_solid() {
+    let nodes = "$Nodes\n1 4 1 4\n3 1 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n$EndNodes\n";
+    let elements = "$Elements\n3 3 1 3\n0 1 15 1\n1 1\n1 1 1 1\n2 1 2\n2 1 2 1\n3 1 2 3\n$EndElements\n";
+    let file = format!("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n{nodes}{elements}");
+    let refused = gmsh(file.as_bytes()).unwrap().check(1.0, false).unwrap_err();
+    assert!(matches!(refused, MeshDefect::Empty { ignored: 3 }), "{refused}");
+}

@@ -145,4 +145,25 @@ mod tests {
         assert_eq!(fine.columns, 121);
         assert_eq!(fine.at(3 * 7, 3 * 5), coarse.at(7, 5));
     }
+
+    #[test]
+    fn a_saddle_is_parted_as_its_mean_says() {
+        // high corners at (0, 0) and (1, 1); a mean above the level joins them, one below parts them
+        let lines = |low: f64| Field { columns: 2, rows: 2, values: vec![1.0, low, low, 1.0] }.lines(0.0);
+        let cuts_off = |line: &Vec<Point2>, corner: Point2| {
+            line.iter().all(|p| (p[0] - corner[0]).abs() + (p[1] - corner[1]).abs() < 1.0)
+        };
+        let (joined, parted) = (lines(-0.5), lines(-2.0));
+        assert_eq!((joined.len(), parted.len()), (2, 2));
+        assert!(
+            [[1.0, 0.0], [0.0, 1.0]].iter().all(|corner| joined.iter().any(|line| cuts_off(line, *corner))),
+            "{joined:?}"
+        );
+        assert!(
+            [[0.0, 0.0], [1.0, 1.0]].iter().all(|corner| parted.iter().any(|line| cuts_off(line, *corner))),
+            "{parted:?}"
+        );
+        // from 1 to −0.5 the level is crossed at two thirds of the way
+        assert!(joined.iter().flatten().any(|p| (p[0] - 2.0 / 3.0).abs() < 1e-12 && p[1] == 0.0), "{joined:?}");
+    }
 }

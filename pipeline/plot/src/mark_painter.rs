@@ -179,4 +179,19 @@ mod tests {
             assert!(touched(4.9) && !touched(8.0), "{right} {down}");
         }
     }
+
+    #[test]
+    fn an_error_bar_ends_in_a_stroke_to_both_sides() {
+        let mark = Mark::points(vec![], Marker::Plus, Colour(0, 0, 0));
+        let mut canvas = Canvas::default();
+        let frame = Area::new([0.0; 2], [100.0, 100.0]);
+        error_bar(&mut canvas, &mark, [[50.0, 70.0], [50.0, 30.0]], &frame);
+        let touched = |at: Point2| canvas.touches(&Area::new(at, [0.0; 2]));
+        for end in [30.0, 70.0] {
+            assert!(
+                [48.5, 51.5].iter().all(|x| touched([*x, end])) && [46.0, 54.0].iter().all(|x| !touched([*x, end]))
+            );
+        }
+        assert!(touched([50.0, 50.0]) && !touched([50.0, 25.0]) && !touched([52.0, 50.0]));
+    }
 }

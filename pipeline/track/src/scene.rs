@@ -86,4 +86,25 @@ mod tests {
         };
         assert!((0..10).all(|k| !cuts.is_cut(&dimmed(k))));
     }
+
+    #[test]
+    fn blocks_are_means_of_squares_less_the_mean_of_all() {
+        // 96 × 6 px: blocks of 2 × 2 px, the column of a pixel as its level
+        let picture = Gray::from_fn(96, 6, |u, _| u as f64);
+        let found = blocks(&picture);
+        assert_eq!(found.len(), 48 * 3);
+        // the first block has the levels 0 and 1, the mean of all is 47.5
+        assert!((found[0] + 47.0).abs() < 1e-12 && (found[47] - 47.0).abs() < 1e-12, "{found:?}");
+        assert_eq!(found[..48], found[48..96]);
+        assert_eq!(band_means(&[1, 3, 10, 20, 5, 7, 30, 40], 4, 2), [4.0, 25.0]);
+    }
+
+    #[test]
+    fn frames_correlate_from_minus_one_to_one() {
+        let (a, b) = ([1.0, -1.0, 2.0, -2.0], [2.0, -2.0, 4.0, -4.0]);
+        assert!((correlation(&a, &b) - 1.0).abs() < 1e-12);
+        assert!((correlation(&a, &b.map(|x| -x)) + 1.0).abs() < 1e-12);
+        // by hand: (1 + 0 + 2 + 0)/√(10 · 2)
+        assert!((correlation(&a, &[1.0, 0.0, 1.0, 0.0]) - 3.0 / 20f64.sqrt()).abs() < 1e-12);
+    }
 }

@@ -203,3 +203,35 @@ fn number(word: &str) -> Result<f64, MeshFileError> {
 fn cut() -> MeshFileError {
     MeshFileError::new("the file ends inside an array", "its header announces more bytes", AGAIN)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_type_of_number_is_read_in_both_orders_of_its_bytes() {
+        macro_rules! holds {
+            ($name:literal, $value:expr) => {
+                for big in [false, true] {
+                    let (step, read) = reader($name, big).unwrap();
+                    let bytes = if big { $value.to_be_bytes().to_vec() } else { $value.to_le_bytes().to_vec() };
+                    assert_eq!((step, read(&bytes)), (bytes.len(), f64::from($value)), "{} {big}", $name);
+                }
+            };
+        }
+        holds!("Float32", 1.5f32);
+        holds!("Float64", -2.25f64);
+        holds!("Int8", -3i8);
+        holds!("UInt8", 200u8);
+        holds!("Int16", -300i16);
+        holds!("UInt16", 60_000u16);
+        holds!("Int32", -70_000i32);
+        holds!("UInt32", 4_000_000_000u32);
+        for (name, big) in [("Int64", false), ("UInt64", true)] {
+            let bytes = if big { 7u64.to_be_bytes() } else { 7u64.to_le_bytes() };
+            let (step, read) = reader(name, big).unwrap();
+            assert_eq!((step, read(&bytes)), (8, 7.0));
+        }
+        assert!(reader("String", false).is_none());
+    }
+}

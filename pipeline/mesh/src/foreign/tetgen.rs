@@ -92,3 +92,17 @@ fn tag(tokens: &mut Tokens, attributes: usize) -> Result<i64, MeshFileError> {
     }
     Ok(tag)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_region_is_the_first_attribute_and_the_others_may_be_fractions() {
+        let of = |text: &str, attributes| tag(&mut Tokens::new(text.as_bytes(), "", None), attributes);
+        assert_eq!((of("", 0).unwrap(), of("3", 1).unwrap(), of("3 7.5", 2).unwrap()), (0, 3, 3));
+        for refused in ["2.5", "2e15", "-2e15"] {
+            assert!(of(refused, 1).unwrap_err().to_string().contains("the attribute is"), "{refused}");
+        }
+    }
+}

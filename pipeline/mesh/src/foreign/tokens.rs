@@ -105,3 +105,17 @@ impl<'a> Tokens<'a> {
 pub(super) fn short(word: &str) -> String {
     word.chars().take(24).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mark_is_skipped_to_with_the_lines_before_it() {
+        let mut tokens = Tokens::new(b"one\ntwo\n$End three\nfour", "", None);
+        assert!(tokens.skip_to("$End"));
+        assert_eq!((tokens.line, tokens.rest_of_line()), (3, &b" three"[..]));
+        assert!(!tokens.skip_to("$End"));
+        assert_eq!((tokens.line, tokens.at), (4, 23));
+    }
+}

@@ -152,3 +152,82 @@ fn disc(pixels: &[[usize; 2]], most: usize) -> Option<Disc> {
     let is_disc = (filled - 1.0).abs() < ROUND && long < LONG * short;
     is_disc.then_some(Disc { at, radius: long, pixels: pixels.len() })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The pixels of an ellipse about (60, 50) whose half axes are given, turned by `turn` (rad).
+    fn ellipse([a, b]: [f64; 2], turn: f64) -> Vec<[usize; 2]> {
+        let inside = |x: usize, y: usize| {
+            let (u, v) = (x as f64 - 60.0, y as f64 - 50.0);
+            let (along, across) = (u * turn.cos() + v * turn.sin(), v * turn.cos() - u * turn.sin());
+            (along / a).powi(2) + (across / b).powi(2) <= 1.0
+        };
+        (0..100).flat_map(|y| (0..120).map(move |x| [x, y])).filter(|p| inside(p[0], p[1])).collect()
+    }
+
+    #[test]
+    fn the_dots_of_a_board_stand_row_after_row_at_its_pitch() {
+        let points = Dots { columns: 3, rows: 2, pitch: 0.01 }.points();
+        assert_eq!(points.len(), 6);
+        assert_eq!((points[1], points[3], points[5]), ([0.01, 0.0, 0.0], [0.0, 0.01, 0.0], [0.02, 0.01, 0.0]));
+    }
+
+    #[test]
+    fn an_ellipse_is_a_disc_with_its_middle_and_its_longer_half_axis() {
+        for (axes, turn) in [([12.0, 12.0], 0.0), ([20.0, 9.0], 0.0), ([9.0, 20.0], 0.0), ([20.0, 9.0], 0.7)] {
+            let pixels = ellipse(axes, turn);
+            let found = disc(&pixels, 10_000).unwrap();
+            assert!((found.at[0] - 60.0).abs() < 0.05 && (found.at[1] - 50.0).abs() < 0.05, "{:?}", found.at);
+            let long = axes[0].max(axes[1]);
+            assert!((found.radius / long - 1.0).abs() < 0.02 && found.pixels == pixels.len(), "{}", found.radius);
+        }
+    }
+
+    #[test]
+    fn what_is_long_small_large_or_no_ellipse_is_no_disc() {
+        assert!(disc(&ellipse([30.0, 9.0], 0.3), 10_000).is_none());
+        assert!(disc(&ellipse([2.0, 2.0], 0.0), 10_000).is_none());
+        assert!(disc(&ellipse([12.0, 12.0], 0.0), 400).is_none());
+        let cross: Vec<[usize; 2]> =
+            (0..900).map(|i| [i % 30, i / 30]).filter(|p| p[0] / 10 == 1 || p[1] / 10 == 1).collect();
+        assert!(disc(&cross, 10_000).is_none());
+        // of 16 pixels it is large enough
+        let least: Vec<[usize; 2]> = (0..16).map(|i| [i % 4, i / 4]).collect();
+        assert!(disc(&least, 16).is_some());
+    }
+
+    #[test]
+    fn a_patch_is_what_is_connected_by_sides_and_is_taken_once() {
+        // X.XX
+        // XX..
+        // ..XX, whose last row touches the second at a corner alone
+        let rows = ["X.XX", "XX..", "..XX"];
+        let mut dark: Vec<bool> = rows.iter().flat_map(|row| row.chars().map(|c| c == 'X')).collect();
+        let mut first = patch(&mut dark, 4, 5);
+        first.sort_unstable();
+        assert_eq!(first, [[0, 0], [0, 1], [1, 1]]);
+        assert!(patch(&mut dark, 4, 0).is_empty());
+        assert_eq!((patch(&mut dark, 4, 2).len(), patch(&mut dark, 4, 11).len()), (2, 2));
+        assert!(dark.iter().all(|dark| !dark));
+    }
+
+    #[test]
+    fn a_pixel_is_dark_against_the_mean_of_its_surroundings() {
+        // squares of 7 × 7 px around each pixel; at the left edge they have four columns
+        let at = |level: f64, x: usize, y: usize| {
+            let picture = Gray::from_fn(40, 30, |u, v| if (u, v) == (x, y) { level } else { 100.0 });
+            let dark = darker(&picture);
+            assert!(dark.iter().enumerate().all(|(i, dark)| !dark || i == y * 40 + x));
+            dark[y * 40 + x]
+        };
+        // level + 15 < mean of 49 pixels with it, or of 28: darker by 15.3 and by 15.6
+        assert!(at(84.0, 20, 15) && !at(85.0, 20, 15));
+        assert!(at(84.0, 0, 15) && !at(85.0, 0, 15) && at(80.0, 39, 29));
+        let left_half = darker(&Gray::from_fn(40, 30, |u, _| if u < 20 { 60.0 } else { 100.0 }));
+        let row: Vec<usize> = (0..40).filter(|u| left_half[15 * 40 + u]).collect();
+        // beside the step, at 19, 4 · 60 + 3 · 100 over 7 is 77.1, at 18 it is 71.4
+        assert_eq!(row, [19]);
+    }
+}

@@ -54,3 +54,19 @@ pub(super) fn start([x, y]: Point2) -> Point2 {
     let share = if angle < AXIS { 1.0 } else { angle.min(STEEPEST).tan() / angle };
     [share * x, share * y]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ray_of_an_ideal_fisheye_is_found_from_its_angle() {
+        for goal in [[0.3, -0.4], [1.0, 0.2], [0.0, 0.0]] {
+            let [x, y] = start(goal);
+            // the distance from the axis is the tangent of the angle, which is the distance of the distorted place
+            let (angle, distance) = (goal[0].hypot(goal[1]), x.hypot(y));
+            assert!((distance - angle.tan()).abs() < 1e-12 && (x * goal[1] - y * goal[0]).abs() < 1e-12, "{goal:?}");
+            assert!(x * goal[0] + y * goal[1] >= 0.0);
+        }
+    }
+}
