@@ -270,3 +270,139 @@ fn only(key: &str, holds: bool, rule: &str) -> Checked {
     let what = format!("`{key}` cannot be followed");
     violation(key, what, rule, "correct the entry")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A case with one of everything.
+    const WHOLE: &str = r#"
+gravity = [0.0, -9.81, 0.0]
+mesh = { file = "finger.msh", unit = "mm", half = true }
+region = [{ name = "soft", material = "yeoh", youngs_modulus = 1.6e5, poissons_ratio = 0.49, density = 1070.0, branch = [{ strength = 0.2, time = 0.05 }] }]
+clamp = [{ plane = { x = 0.0 } }]
+chamber = [{ name = "left", inside = [0.02, 0.0, 0.0], pressure = 2e4 }]
+load = [{ near = [0.1, 0.0, 0.0], force = [0.0, 1.0, 0.0] }]
+mass = [{ near = [0.1, 0.0, 0.0], mass = 0.002, hangs = "z" }]
+static = { levels = [0.5, 1.0], arc_length = { max_step = 0.05 } }
+output = { node = [{ name = "tip", near = [0.1, 0.0, 0.0] }], marker = [{ name = "back", at = [0.05, 0.01, 0.0] }] }
+"#;
+
+    /// The key of the first entry that is refused once `from` has become `to`.
+    fn refused(from: &str, to: &str) -> Option<String> {
+        assert!(WHOLE.contains(from), "{from}");
+        let case: Case = toml::from_str(&WHOLE.replacen(from, to, 1)).unwrap_or_else(|e| panic!("{to}: {e}"));
+        super::case(&case).err().map(|violation| violation.key)
+    }
+
+    #[test]
+    fn a_whole_case_passes_and_what_is_left_out_has_its_default() {
+        assert_eq!(refused("gravity", "gravity"), None);
+        let case: Case = toml::from_str(&WHOLE.replace("levels = [0.5, 1.0], ", "")).unwrap();
+        let set = case.statics.unwrap();
+        assert_eq!((set.levels, set.load_steps, set.tolerance), (vec![1.0], 3, 1e-8));
+        let springpot: crate::case::Springpot = toml::from_str("strength = 0.1\nexponent = 0.3").unwrap();
+        assert_eq!(springpot.decades, [-3, 1]);
+    }
+
+    #[test]
+    fn the_first_entry_that_cannot_be_followed_is_named() {
+        let force = "near = [0.1, 0.0, 0.0], force = [0.0, 1.0, 0.0]";
+        let weight = "near = [0.1, 0.0, 0.0], mass = 0.002, hangs = \"z\"";
+        let set = "static = { levels = [0.5, 1.0], arc_length = { max_step = 0.05 } }";
+        let branch = "branch = [{ strength = 0.2, time = 0.05 }]";
+        for (from, to, key) in [
+            ("-9.81, 0.0", "-9.81, 0.1", "gravity"),
+            ("-9.81", "-9810.0", "gravity.1"),
+            ("file = \"finger.msh\"", "file = \"finger.msh\", edge = 0.004", "mesh"),
+            ("file = \"finger.msh\"", "file = \"finger.msh\", spine = \"s.stl\"", "mesh"),
+            ("file = \"finger.msh\"", "body = \"b.stl\"", "mesh"),
+            ("file = \"finger.msh\"", "body = \"b.stl\", edge = 2.0", "mesh.edge"),
+            ("name = \"soft\"", "name = \"soft\", tag = 7", "region.0"),
+            ("1.6e5", "16.0", "region.0.youngs_modulus"),
+            ("0.49", "0.5", "region.0.poissons_ratio"),
+            ("density = 1070.0", "density = 0.1", "region.0.density"),
+            ("density", "stiffening = [200.0, 0.0], density", "region.0.stiffening"),
+            ("density", "modulus_time = -1.0, density", "region.0.modulus_time"),
+            (branch, "branch = [{ strength = 0.2, time = 0.0 }]", "region.0.branch.0.time"),
+            (branch, "branch = [{ strength = -0.2, time = 0.1 }]", "region.0.branch.0.strength"),
+            (
+                branch,
+                "branch = [{ strength = 0.2, time = 1.0 }], springpot = { strength = 0.1, exponent = 0.3 }",
+                "region.0",
+            ),
+            (branch, "springpot = { strength = 0.1, exponent = 1.0 }", "region.0.springpot.exponent"),
+            (branch, "springpot = { strength = 0.1, exponent = 0.3, decades = [1, 0] }", "region.0.springpot.decades"),
+            (
+                branch,
+                "springpot = { strength = 0.1, exponent = 0.3, decades = [-10, 0] }",
+                "region.0.springpot.decades",
+            ),
+            ("plane = { x = 0.0 }", "hold = []", "clamp.0"),
+            ("plane = { x = 0.0 }", "plane = { x = 0.0 }, hold = []", "clamp.0.hold"),
+            ("plane = { x = 0.0 }", "plane = { x = 0.0 }, surface = \"3\"", "clamp.0"),
+            ("plane = { x = 0.0 }", "plane = { x = 11.0 }", "clamp.0.plane"),
+            ("plane = { x = 0.0 }", "box = { low = [0.0, 0.0, 1.0], high = [1.0, 1.0, 0.5] }", "clamp.0.box"),
+            ("inside = [0.02, 0.0, 0.0]", "inside = [0.02, 0.0, 0.0], number = 0", "chamber.0"),
+            ("inside = [0.02, 0.0, 0.0]", "inside = [20.0, 0.0, 0.0]", "chamber.0.inside.0"),
+            ("pressure = 2e4", "pressure = 2e4, sealed_in = 101325.0", "chamber.0.sealed_in"),
+            ("pressure = 2e4", "pressure = 2e9", "chamber.0.pressure"),
+            ("\"left\"", "\"to the left\"", "chamber.0.name"),
+            ("\"left\"", "\"tip\"", "output.node.0.name"),
+            ("\"back\"", "\"\"", "output.marker.0.name"),
+            (force, "near = [0.1, 0.0, 0.0], traction = [0.0, 1.0, 0.0]", "load.0"),
+            (force, "inside = [0.1, 0.0, 0.0], traction = [0.0, 1.0, 0.0]", "load.0"),
+            (force, "inside = [0.1, 0.0, 0.0], plane = { x = 0.0 }, pressure = 1.0", "load.0"),
+            (force, "near = [0.1, 0.0, 0.0], pressure = 1.0", "load.0"),
+            (force, "near = [0.1, 0.0, 0.0], line_force = [0.0, 1.0, 0.0]", "load.0"),
+            (force, "near = [0.1, 0.0, 0.0], force = [0.0, 1.0, 0.0], pressure = 1.0", "load.0"),
+            (force, "table = \"f.csv\", force = [0.0, 1.0, 0.0]", "load.0"),
+            (force, "near = [0.1, 0.0, 0.0], force = [0.0, 0.0, 0.0]", "load.0.force"),
+            (force, "near = [0.1, 99.0, 0.0], force = [0.0, 1.0, 0.0]", "load.0.near.1"),
+            (force, "plane = { x = 99.0 }, traction = [0.0, 1.0, 0.0]", "load.0.plane"),
+            (force, "plane = { x = 0.0 }, pressure = 0.0", "load.0.pressure"),
+            (force, "plane = { x = 0.0 }, pressure = 1e11", "load.0.pressure"),
+            (weight, "near = [0.1, 0.0, 0.0], area_density = 1.0", "mass.0"),
+            (weight, "plane = { x = 0.0 }, area_density = 1.0, hangs = \"z\"", "mass.0"),
+            (weight, "near = [0.1, 0.0, 0.0], mass = 0.002, area_density = 1.0", "mass.0"),
+            (weight, "plane = { x = 0.0 }, area_density = 1e5", "mass.0.area_density"),
+            (weight, "near = [0.1, 0.0, 0.0], mass = 1e3", "mass.0.mass"),
+            ("levels = [0.5, 1.0]", "levels = []", "static.levels"),
+            ("levels = [0.5, 1.0]", "levels = [1.0, 1.0]", "static.levels"),
+            ("levels = [0.5, 1.0]", "levels = [0.0, 1.0]", "static.levels"),
+            ("levels = [0.5, 1.0]", "levels = [0.5, 1.0], load_steps = 0", "static.load_steps"),
+            ("max_step = 0.05", "max_step = 0.6", "static.arc_length.max_step"),
+            (set, "", "static"),
+            (set, "dynamic = { duration = 1.0, step = 0.3 }", "dynamic.step"),
+            (set, "dynamic = { duration = 1.0, step = 2.0 }", "dynamic.step"),
+            (set, "dynamic = { duration = 1.0 }", "dynamic"),
+            (set, "dynamic = { duration = 1.0, step = 0.5, mass_damping = -1.0 }", "dynamic.mass_damping"),
+            (
+                set,
+                "dynamic = { duration = 1.0, adaptive = { tolerance = 1e-5, shortest = 0.1, longest = 0.01 } }",
+                "dynamic.adaptive.longest",
+            ),
+            ("output = { ", "output = { every = 0, ", "output.every"),
+        ] {
+            assert_eq!(refused(from, to).as_deref(), Some(key), "{to}");
+        }
+    }
+
+    #[test]
+    fn what_may_stand_in_its_place_is_followed() {
+        let force = "near = [0.1, 0.0, 0.0], force = [0.0, 1.0, 0.0]";
+        let set = "static = { levels = [0.5, 1.0], arc_length = { max_step = 0.05 } }";
+        for (from, to) in [
+            ("file = \"finger.msh\"", "body = \"b.stl\", edge = 0.004, spine = \"s.stl\""),
+            ("plane = { x = 0.0 }", "surface = \"3\""),
+            (force, "table = \"f.csv\""),
+            (force, "inside = [0.1, 0.0, 0.0], pressure = -1.0"),
+            (force, "plane = { x = 0.0 }, traction = [0.0, 1.0, 0.0]"),
+            (force, "box = { low = [0.0, 0.0, 0.0], high = [0.0, 1.0, 1.0] }, line_force = [0.0, 1.0, 0.0]"),
+            (set, "dynamic = { duration = 0.3, step = 0.1 }"),
+            (set, "dynamic = { duration = 1.0, adaptive = { tolerance = 1e-5, shortest = 0.01, longest = 0.01 } }"),
+        ] {
+            assert_eq!(refused(from, to), None, "{to}");
+        }
+    }
+}
