@@ -143,11 +143,16 @@ mod tests {
 
     #[test]
     fn errors_of_the_walls_are_sizes_in_the_units_of_their_names() {
-        let walls =
-            WallErrors { critical_pressure_pa: -1500.0, dent: -0.2, dent_at_m: 3e-3, bulge: 0.1, rotation: -0.1 };
+        let walls = WallErrors {
+            critical_pressure_pa: -1500.0,
+            hidden_critical_pressure_pa: 2e4,
+            dent: -0.2,
+            dent_at_m: 3e-3,
+            bulge: 0.1,
+            rotation: -0.1,
+        };
         let found = walls.metrics("marlin").map(|m| (m.id.rsplit('.').next().unwrap().to_owned(), m.value));
         let expected = [
-            ("critical_pressure_error_mbar", 15.0),
             ("dent_error_percent", 20.0),
             ("dent_place_error_mm", 3.0),
             ("bulge_error_percent", 10.0),
