@@ -126,6 +126,7 @@ pub fn profiles(solids: [&str; 2], [first, second]: [&[Pascal]; 2], chi_square: 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::body::Material;
 
     #[test]
     fn a_profile_takes_the_best_of_the_other_parameter() {
@@ -152,5 +153,27 @@ mod tests {
     fn an_uncertain_modulus_gives_advice_and_a_certain_one_does_not() {
         assert!(more_data(&["body", "spine"], &[0.01, 0.3])[0].starts_with("E of spine has an uncertainty"));
         assert!(more_data(&["body", "spine"], &[0.01, 0.05]).is_empty());
+    }
+
+    #[test]
+    fn a_modulus_at_an_end_of_its_range_is_named_with_the_range_in_mpa() {
+        let material = |name: &str, youngs_modulus| Material {
+            name: name.to_owned(),
+            law: "neo_hookean".to_owned(),
+            youngs_modulus,
+            poissons_ratio: 0.49,
+            density: 1e3,
+            stiffening: [0.0; 2],
+            plausible: [0.5 * youngs_modulus, 2.0 * youngs_modulus],
+        };
+        let materials = vec![material("body", 2e5), material("spine", 1e6)];
+        let body = Body { materials, clamp: lab::card::Clamp::below(0.0), length: 0.1, markers: Vec::new() };
+        let bounds = Bounds { low: vec![0.5_f64.ln(); 2], high: vec![2.0_f64.ln(); 2] };
+        // a fiftieth of the range counts as its end
+        assert!(implausible(&body, &[0.0, 0.95 * 2.0_f64.ln()], &bounds).is_empty());
+        let said = implausible(&body, &[0.0, 0.97 * 2.0_f64.ln()], &bounds);
+        assert_eq!(said, ["E of spine reached a bound of the search, 0.500 to 2.000 MPa"]);
+        let said = implausible(&body, &[0.97 * 0.5_f64.ln(), 0.0], &bounds);
+        assert_eq!(said, ["E of body reached a bound of the search, 0.100 to 0.400 MPa"]);
     }
 }

@@ -35,13 +35,17 @@ fn measured(model: &Model, hidden: &Elastic, top: f64) -> Vec<PressureLevel> {
 }
 
 fn identified(model: &Model, levels: Vec<PressureLevel>) -> Stiffened {
+    identification(model, levels).unwrap()
+}
+
+fn identification(model: &Model, levels: Vec<PressureLevel>) -> diagnostics::Result<Stiffened> {
     let noise = NoiseModel { discrepancy_m: 0.0, scale_sigma: 0.0 };
     let misfit = Misfit::new(levels, &[6, 6], &noise, 0.08).unwrap();
     let bounds = Bounds { low: vec![-0.7; 2], high: vec![0.7; 2] };
     let moduli = Problem::new(&["soft", "stiff"], vec![0.0; 2], bounds).unwrap();
     let method = gauss_newton::Settings { iterations: 20, ..gauss_newton::Settings::default() };
     let problem = StiffeningProblem { model, misfit: &misfit, moduli: &moduli, prior_sigma: PRIOR, method };
-    problem.identify(&mut solver(model, &misfit.levels), &|_| ()).unwrap()
+    problem.identify(&mut solver(model, &misfit.levels), &|_| ())
 }
 
 #[test]
@@ -72,4 +76,13 @@ fn stiffening_stays_at_the_prior_where_the_silicone_hardly_strains() {
         assert!(ratio.abs() < 0.2 * prior, "{:?}", found.ratios);
         assert!((posterior.sigma(2 + k) / prior - 1.0).abs() < 0.05, "{}", posterior.sigma(2 + k));
     }
+}
+
+#[test]
+fn a_pressure_that_no_initial_guess_bears_is_refused_and_not_searched_on() {
+    let model = shared::bar("yeoh");
+    let mut levels = measured(&model, &model.nominal, 5e2);
+    levels.iter_mut().for_each(|level| level.pressures.iter_mut().for_each(|pressure| *pressure *= 1e5));
+    let refused = identification(&model, levels).err().map(|error| error.to_string()).unwrap_or_default();
+    assert!(refused.contains("equilibrium") && refused.contains("do:"), "{refused}");
 }

@@ -77,4 +77,29 @@ mod tests {
         assert!(difference(&wave(3.0), &wave(0.0), 1.0) < 0.1);
         assert!(difference(&wave(10.0), &wave(0.0), 1.0) > 0.5, "further than a release can be misread");
     }
+
+    #[test]
+    fn features_and_their_deviations_are_in_the_units_of_their_names() {
+        let vibration = FreeVibration { frequency: 7.7, frequency_sigma: 0.02, decay: 2.4, lowest: -0.011, when: 0.07 };
+        let is = Features { deflection: -0.0064, vibration };
+        let near = |found: [f64; 4], should: [f64; 4]| found.iter().zip(should).all(|(a, b)| (a - b).abs() < 1e-12);
+        assert!(near(is.to_array(), [7.7, -6.4, -11.0, 2.4]), "Hz, mm, mm, 1/s");
+        assert!(near(is.measurement_sigma(2e-4), [0.02, 0.2, 0.2, 0.0]));
+    }
+
+    #[test]
+    fn the_static_deflection_is_the_mean_of_the_last_seconds_or_of_all_but_the_release() {
+        let page = super::super::testing::page();
+        let wave = |t: f64| 1.0 - (-2.0 * t).exp() * (std::f64::consts::TAU * 5.0 * t).cos();
+        let of = |frames: i32, rate: f64| {
+            Series::new(0.0, rate, (0..frames).map(|i| -0.01 * wave(f64::from(i) / rate)).collect()).unwrap()
+        };
+        let fall = of(250, 100.0);
+        let last: f64 = fall.values()[200..].iter().sum::<f64>() / 50.0;
+        let is = Features::of(&page, &fall).unwrap();
+        assert!((is.deflection - last).abs() < 1e-15 && (is.vibration.frequency - 5.0).abs() < 0.01);
+        let page = Page { settled: 10.0, ..page };
+        let all: f64 = fall.values()[1..].iter().sum::<f64>() / 249.0;
+        assert!((Features::of(&page, &fall).unwrap().deflection - all).abs() < 1e-15);
+    }
 }

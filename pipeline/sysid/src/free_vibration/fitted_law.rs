@@ -47,3 +47,26 @@ impl Report {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn deviations_of_positive_parameters_are_in_their_units() {
+        let laws = super::super::testing::report().laws();
+        let names: Vec<_> = laws.iter().map(|law| (law.name, law.supported, law.criterion)).collect();
+        assert_eq!(names, [("elastic_beta", false, 7.25), ("springpot_yeoh", true, 0.0)]);
+        assert_eq!(laws[0].parameters, [("youngs_modulus", "Pa"), ("stiffness_damping", "s")]);
+        // 2 % of 100 kPa, 120 % of 2 ms, and a correlation of one half
+        let should =
+            DMatrix::from_row_slice(2, 2, &[2e3 * 2e3, 0.5 * 2e3 * 2.4e-3, 0.5 * 2e3 * 2.4e-3, 2.4e-3 * 2.4e-3]);
+        assert!(laws[0].covariance.iter().zip(should.iter()).all(|(a, b)| (a / b - 1.0).abs() < 1e-12));
+        // C₂₀/C₁₀ and the exponent are searched as they are
+        let deviations: Vec<f64> = laws[1].covariance.diagonal().iter().map(|variance| variance.sqrt()).collect();
+        for (found, should) in deviations.iter().zip([1e4, 5e-3, 0.03, 0.25]) {
+            assert!((found / should - 1.0).abs() < 1e-12, "{deviations:?}");
+        }
+        assert_eq!(laws[1].mean, [2e5, 0.05, 0.3, -0.5]);
+    }
+}

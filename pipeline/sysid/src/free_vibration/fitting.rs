@@ -264,4 +264,12 @@ mod tests {
             assert!((interpolated(&times, &values, at) - expected).abs() < 1e-12);
         }
     }
+
+    #[test]
+    fn the_information_criterion_weighs_the_misfit_against_the_parameters() {
+        let fitted = super::super::testing::fitted(super::super::laws::LADDER[0], &[1e5, 1e-3], &[0.1, 0.1], &[0.04]);
+        // n ln σ² + k ln n with n = e³, σ = 0.02, and two parameters of the law, a ramp and a shift
+        let n = 3.0_f64.exp();
+        assert!((fitted.information_criterion(n) - (n * 4e-4_f64.ln() + 4.0 * 3.0)).abs() < 1e-9);
+    }
 }

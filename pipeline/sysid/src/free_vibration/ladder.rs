@@ -165,3 +165,131 @@ pub(super) fn supported(results: &[LawResult]) -> usize {
     };
     (0..results.len()).min_by(|a, b| key(&results[*a]).total_cmp(&key(&results[*b]))).unwrap_or_default()
 }
+
+#[cfg(test)]
+#[allow(non_snake_case)] // the F of a transform
+mod tests {
+    use super::*;
+    use crate::free_vibration::testing;
+
+    /// A bar stiff enough to stay nearly straight, as it is released within 10 ms: it moves by its first mode.
+    const E: f64 = 1e6;
+    const BETA: f64 = 1e-3;
+    const RAMP: f64 = 0.01;
+    /// 95 % of a normal distribution, deviations.
+    const WITHIN: f64 = 1.96;
+
+    struct Bar {
+        page: Page,
+        condition: Condition,
+        recorded: Recorded,
+    }
+
+    impl Bar {
+        fn new() -> Self {
+            let page = Page { step: 1e-3, sigma: 3e-5, range: [1e5, 1e7], ..testing::page() };
+            let condition = Condition::new(&page, &testing::examples().join("beam_ds10_case.toml"), None).unwrap();
+            let fall = Series::new(0.0, 500.0, vec![0.0; 1250]).unwrap();
+            Self { page, condition, recorded: Recorded { name: "made".into(), fall, settled: vec![-1.7e-3] } }
+        }
+
+        /// Features and half widths of a fit of [`LADDER`]'s first law whose parameters have such deviations and correlation.
+        fn half_widths(
+            &self,
+            deviations: [f64; 2],
+            correlation: f64,
+            change: impl Fn(&mut Fitted),
+        ) -> ([f64; 4], [f64; 4]) {
+            let mut fitted = testing::fitted(LADDER[0], &[E, BETA], &deviations, &[RAMP]);
+            fitted.covariance[(0, 1)] = correlation * deviations[0] * deviations[1];
+            fitted.covariance[(1, 0)] = fitted.covariance[(0, 1)];
+            fitted.covariance[(2, 2)] = 0.0;
+            fitted.discrepancy = 0.0;
+            change(&mut fitted);
+            let trial = Trial { recorded: &self.recorded, condition: &self.condition };
+            let fit = Fit { page: &self.page, law: LADDER[0], trials: vec![trial] };
+            let fall = predicted(&self.page, (LADDER[0], &fitted.values), RAMP, trial).unwrap();
+            let features = Features::of(&self.page, &fall).unwrap();
+            let bench = Bench { page: &self.page, recorded: &[], conditions: &[], of: Vec::new() };
+            (features.to_array(), bench.half_widths(&fit, &fitted, trial, features).unwrap())
+        }
+    }
+
+    fn near(found: f64, should: f64, within: f64) {
+        assert!((found / should - 1.0).abs() < within, "{found} for {should}");
+    }
+
+    /// Of independent parts, the one that is in `all` and not in `none`.
+    fn added([all, none]: [[f64; 4]; 2], n: usize) -> f64 {
+        (all[n] * all[n] - none[n] * none[n]).max(0.0).sqrt()
+    }
+
+    /// Of a single mode at the angular frequency ω: the first extremum is 1 + D F(ω r/2) deflections away where the load rises within r,
+    /// F(u) = 3 (sin u − u cos u) / u³ being the transform of its rate 6 s (1 − s) / r.
+    #[test]
+    fn half_widths_hold_the_release_the_wave_the_displacement_and_the_discrepancy() {
+        let bar = Bar::new();
+        let (at, own) = bar.half_widths([0.0, 0.0], 0.0, |fitted| fitted.at[2] = 0.0);
+        assert!(own[0] < 1e-3 && own[3] < 1e-3, "the wave is a line of four digits: {own:?}");
+        near(own[1], WITHIN * 1e3 * bar.page.sigma, 1e-4);
+        // another release is taken to differ by half of the 10 ms of this one
+        let (_, release) = bar.half_widths([0.0, 0.0], 0.0, |_| ());
+        let F = |ramp: f64| {
+            let u = 0.5 * std::f64::consts::TAU * at[0] * ramp;
+            3.0 * (u.sin() - u * u.cos()) / u.powi(3)
+        };
+        let amplitude = (at[2] - at[1]).abs() / F(RAMP);
+        let slope = amplitude * (F(RAMP) - F(RAMP + 2e-3)) / 2e-3;
+        near(added([release, [0.0, own[1], own[1], 0.0]], 2), WITHIN * slope * 0.5 * RAMP, 0.03);
+        near(release[1], own[1], 1e-4);
+        // 5 % of the static deflection in every displacement
+        let (_, wrong) = bar.half_widths([0.0, 0.0], 0.0, |fitted| fitted.discrepancy = 0.05);
+        [1, 2].into_iter().for_each(|n| near(added([wrong, release], n), WITHIN * 0.05 * at[1].abs(), 1e-4));
+        assert_eq!([wrong[0], wrong[3]], [release[0], release[3]]);
+    }
+
+    /// Frequency ~ E^½, deflection ~ E⁻¹, decay ~ E β.
+    #[test]
+    fn half_widths_follow_from_the_parameters_as_a_damped_beam_says() {
+        let bar = Bar::new();
+        let (_, none) = bar.half_widths([0.0, 0.0], 0.0, |_| ());
+        for (correlation, both) in [(0.0, 2.0_f64.sqrt()), (0.9, 3.8_f64.sqrt()), (-0.9, 0.2_f64.sqrt())] {
+            let (at, all) = bar.half_widths([0.02, 0.02], correlation, |_| ());
+            near(added([all, none], 0), WITHIN * 0.5 * 0.02 * at[0], 0.01);
+            near(added([all, none], 1), WITHIN * 0.02 * at[1].abs(), 0.01);
+            near(added([all, none], 3), WITHIN * both * 0.02 * at[3], 0.02);
+        }
+    }
+
+    #[test]
+    fn another_release_varies_as_those_that_were_fitted_or_by_half_of_a_single_one() {
+        let of = |ramps: &[f64]| {
+            let mut fitted = testing::fitted(LADDER[3], &[1e5, 0.1, 0.3], &[0.1, 0.1, 0.1], ramps);
+            for (k, variance) in [1e-6, 4e-6, 7e-6].into_iter().enumerate().take(ramps.len()) {
+                fitted.covariance[(3 + 2 * k, 3 + 2 * k)] = variance;
+            }
+            ramp_variance(&fitted, ramps.len())
+        };
+        // about their mean of 60 ms by −20, −10 and 30 ms; each is known by 2 ms, root mean square
+        near(of(&[0.04, 0.05, 0.09]), 4e-6 + 14e-4 / 2.0, 1e-9);
+        near(of(&[0.04]), 1e-6 + 0.02 * 0.02, 1e-9);
+    }
+
+    #[test]
+    fn what_was_left_out_counts_by_its_root_mean_square() {
+        let mut result = testing::report().results.remove(0);
+        near(result.left_out_difference().unwrap(), (12.5e-4_f64).sqrt(), 1e-9);
+        result.left_out.clear();
+        assert_eq!(result.left_out_difference(), None);
+    }
+
+    /// Two recordings may decide by what they cost to describe, three by what is predicted of those left out.
+    #[test]
+    fn the_supported_law_is_that_of_the_least_criterion_until_two_remain_to_be_fitted() {
+        let mut results = testing::report().results;
+        results[1].left_out.iter_mut().flat_map(|row| &mut row.predictions).for_each(|p| p.difference *= 2.0);
+        assert_eq!(supported(&results), 1);
+        results.iter_mut().for_each(|result| result.joint.used = vec![0, 2, 1]);
+        assert_eq!(supported(&results), 0);
+    }
+}

@@ -15,6 +15,8 @@ mod laws;
 pub(crate) mod page;
 pub(crate) mod recorded;
 mod shown;
+#[cfg(test)]
+mod testing;
 mod warnings;
 
 use std::path::{Path, PathBuf};
@@ -86,10 +88,7 @@ fn cases(page: &Page) -> (Vec<String>, Vec<usize>) {
 mod tests {
     use super::*;
     use fitting::Fit;
-
-    fn real() -> PathBuf {
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/real")
-    }
+    use testing::examples as real;
 
     #[test]
     fn recordings_that_are_not_there_say_where_they_belong_and_how_to_fetch_them() {
@@ -139,5 +138,40 @@ mod tests {
         }
         assert!((fitted.at[3] - 0.06).abs() < 2e-3 && fitted.at[4].abs() < 1e-3, "{:?}", fitted.at);
         assert!(fitted.discrepancy < 1e-3, "{}", fitted.discrepancy);
+    }
+
+    #[test]
+    fn recordings_share_the_case_of_the_page_or_have_their_own() {
+        let (cases, of) = cases(&testing::page());
+        assert_eq!((cases, of), (vec!["weight.toml".to_owned(), "light.toml".to_owned()], vec![0, 0, 1]));
+    }
+
+    /// The whole test of a page: recordings are read, every law is fitted, and all files are written.
+    #[test]
+    fn the_law_of_a_recorded_bar_is_found_among_all_and_predicts_the_recordings_that_were_left_out() {
+        let folder = testing::folder("whole");
+        let (report, out) = run(&folder, &folder.join("page.toml"), Some(&folder.join("out")), None).unwrap();
+        let laws = report.laws();
+        let springpot = laws.iter().find(|law| law.name == testing::TRUTH.0.name).unwrap();
+        assert!(springpot.supported && springpot.criterion == 0.0, "{report}");
+        for (p, truth) in testing::TRUTH.1.iter().enumerate() {
+            let sigma = springpot.covariance[(p, p)].sqrt();
+            assert!((springpot.mean[p] - truth).abs() < 4.0 * sigma && sigma < 0.05 * truth, "{springpot:?}");
+        }
+        assert!(report.recorded.iter().all(|recorded| recorded.fall.values().len() == 250));
+        for result in &report.results {
+            assert_eq!(result.left_out.iter().map(|row| row.used.clone()).collect::<Vec<_>>(), [[2], [0]]);
+            let all = std::iter::once(&result.joint).chain(&result.left_out);
+            assert!(all.flat_map(|row| &row.predictions).all(|p| p.fall.values().len() == 250));
+        }
+        let truth = &report.results[3];
+        // two recordings of 2.5 s hold as many independent residuals as correlation times
+        let fitted = &truth.joint.fitted;
+        assert!((fitted.independent * fitted.correlation_time / 5.0 - 1.0).abs() < 1e-9, "{}", fitted.independent);
+        assert!(truth.left_out_difference().unwrap() < 5e-3 && truth.joint.fitted.discrepancy < 2e-3);
+        assert!(report.results[0].joint.fitted.discrepancy > 2.0 * truth.joint.fitted.discrepancy);
+        let names = ["real_bar.csv", "real_bar.svg", "real_bar_materials.toml", "metrics.json"];
+        assert!(names.iter().all(|name| out.join(name).is_file()));
+        std::fs::remove_dir_all(&folder).unwrap();
     }
 }

@@ -200,6 +200,7 @@ fn first_turn(fall: &Series) -> (Second, Metre) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::free_vibration::testing;
 
     #[test]
     fn a_known_vibration_is_identified() {
@@ -210,5 +211,91 @@ mod tests {
         let turn = (std::f64::consts::PI - (decay / omega).atan()) / omega;
         // a parabola through samples a thirteenth of a turn apart misses the turn by a hundredth of their distance
         assert!((when - turn).abs() < 3e-4 && (lowest - at(turn)).abs() < 3e-5, "{when} {turn} {lowest} {}", at(turn));
+    }
+
+    #[test]
+    fn the_first_extremum_of_a_cosine_is_half_a_period_on_and_the_second_a_whole_one() {
+        let period = 0.5;
+        let at = |i: i32| (std::f64::consts::TAU * f64::from(i) / 100.0 / period).cos();
+        let wave = |frames: i32| Series::new(0.0, 100.0, (0..frames).map(at).collect()).unwrap();
+        let (when, lowest) = first_turn(&wave(200));
+        assert!((when - 0.25).abs() < 1e-9 && (lowest + 1.0).abs() < 1e-9, "{when} {lowest}");
+        assert!((second_turn(&wave(200), when) - 0.5).abs() < 1e-9);
+        assert!((second_turn(&wave(26), 0.25) - 0.25).abs() < 1e-9, "a recording that ends there has no further one");
+    }
+
+    /// However slowly the hand lets go: the turn after next is no longer in the interval.
+    #[test]
+    fn the_second_extremum_is_that_before_the_one_after_it() {
+        // rises until 0.5 s, then turns every 0.3 s; what comes later is further away
+        let turns = [(0.0, 0.0), (0.5, -1.0), (0.8, -0.5), (1.1, -1.2), (1.4, -0.7), (1.6, 3.0)];
+        let at = |t: f64| {
+            let next = turns.iter().position(|turn| turn.0 >= t - 1e-9).unwrap().max(1);
+            let ([from, to], [a, b]) = ([turns[next - 1].0, turns[next].0], [turns[next - 1].1, turns[next].1]);
+            a + (b - a) * (t - from) / (to - from)
+        };
+        let fall = Series::new(0.0, 100.0, (0..=160).map(|i| at(f64::from(i) / 100.0)).collect()).unwrap();
+        assert!((second_turn(&fall, 0.5) - 0.8).abs() < 1e-9, "within 0.5 s and 8/5 of it");
+    }
+
+    #[test]
+    fn a_window_beyond_the_recording_ends_with_it() {
+        let page = Page { swing: [0.1, 9.0], ..testing::page() };
+        let wave = |t: f64| 1.0 - (-2.0 * t).exp() * (std::f64::consts::TAU * 5.0 * t).cos();
+        let fall = Series::new(0.0, 100.0, (0..250).map(|i| -0.01 * wave(f64::from(i) / 100.0)).collect()).unwrap();
+        let found = vibration(&page, &fall).unwrap();
+        assert!((found.frequency - 5.0).abs() < 1e-3 && (found.decay - 2.0).abs() < 0.02, "{found:?}");
+    }
+
+    #[test]
+    fn phases_that_do_not_follow_one_another_within_a_recording_are_refused() {
+        let page = testing::page();
+        let of = |held: f64, settled: f64, frames| {
+            let page = Page { held, settled, ..page.clone() };
+            let phases = Phases::of(&page, &page.recording[0], 100.0, frames);
+            phases.map(|phases| [phases.held, phases.release, phases.rest])
+        };
+        // held for 0.2 s, released at 0.3 s, vibrating until 1.5 s, at rest for the last 0.5 s
+        assert_eq!(of(0.2, 0.5, 280), Some([20, 30, 230]));
+        assert_eq!(of(0.31, 0.5, 280), None, "held after the release");
+        assert_eq!(of(0.004, 0.5, 280), None, "held for no frame");
+        assert_eq!(of(0.2, 0.5, 200), None, "at rest when the vibration ends");
+        assert_eq!(of(0.2, 0.5, 201), Some([20, 30, 151]));
+    }
+
+    #[test]
+    fn a_recording_that_is_too_short_for_the_page_is_refused_with_its_duration() {
+        let folder = std::env::temp_dir().join(format!("short-{}", std::process::id()));
+        std::fs::create_dir_all(folder.join("recordings")).unwrap();
+        let page = testing::page();
+        // held for 0.3 s, and 1.2 s of the vibration and the rest
+        std::fs::write(folder.join("recordings/a.csv"), testing::tracks(&page, &[-0.01; 120])).unwrap();
+        let said = read(&page, &folder).err().map(|error| error.to_string()).unwrap_or_default();
+        std::fs::remove_dir_all(&folder).unwrap();
+        assert!(said.contains("a.csv holds 1.50 s") && said.contains("in this order"), "{said}");
+    }
+
+    #[test]
+    fn a_recording_settles_at_its_mean_at_rest_in_the_body_s_frame() {
+        let folder = std::env::temp_dir().join(format!("recorded-{}", std::process::id()));
+        std::fs::create_dir_all(folder.join("recordings")).unwrap();
+        // at rest the tip is in turn 9 and 11 mm below where it was held
+        let fall: Vec<f64> = (0..250).map(|i| if i % 2 == 0 { -0.009 } else { -0.011 }).collect();
+        let page = testing::page();
+        ["a.csv", "b.csv", "c.csv"].iter().for_each(|file| {
+            std::fs::write(folder.join("recordings").join(file), testing::tracks(&page, &fall)).unwrap();
+        });
+        let all = read(&page, &folder).unwrap();
+        std::fs::remove_dir_all(&folder).unwrap();
+        assert_eq!(all.iter().map(|r| r.name.as_str()).collect::<Vec<_>>(), ["a.csv", "b.csv", "c.csv"]);
+        for recorded in all {
+            assert!(
+                recorded.settled.len() == 1 && (recorded.settled[0] + 0.010).abs() < 1e-8,
+                "{:?}",
+                recorded.settled
+            );
+            assert!(recorded.fall.values().iter().zip(&fall).all(|(found, is)| (found - is).abs() < 1e-8));
+            assert_eq!((recorded.fall.rate() * 1e6).round(), 100.0 * 1e6);
+        }
     }
 }

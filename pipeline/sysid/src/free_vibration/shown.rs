@@ -260,3 +260,78 @@ fn figure(report: &Report) -> Figure {
     }
     figure.noted("measured data, not from the virtual bench; predictions are aligned in time")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::free_vibration::testing;
+
+    /// The line of the table that begins so.
+    fn line<'a>(table: &'a str, start: &str) -> &'a str {
+        table.lines().find_map(|line| line.strip_prefix(start)).unwrap_or("is not there")
+    }
+
+    #[test]
+    fn the_table_holds_every_fit_with_its_parameters_predictions_and_quality() {
+        let table = csv(&testing::report());
+        // 95 % within 1.96 deviations: 2 % of 100 kPa, 120 % of 2 ms, and 0.25 of a parameter that may be negative
+        assert_eq!(line(&table, "elastic_beta,a + c,,youngs_modulus,"), "Pa,,100000.00000,3920.00000,");
+        assert_eq!(line(&table, "elastic_beta,c,,stiffness_damping,"), "s,,0.00200,0.00470,");
+        assert_eq!(line(&table, "springpot_yeoh,a,,c20_over_c10,"), ",,-0.50000,0.49000,");
+        // 8.4 Hz are 5 % more than 8 Hz and 20 % more than 7 Hz
+        assert_eq!(line(&table, "elastic_beta,a + c,a,frequency,"), "Hz,8.00000,8.40000,0.50000,5.00000");
+        assert_eq!(line(&table, "springpot_yeoh,c,b,frequency,"), "Hz,7.00000,8.40000,0.50000,20.00000");
+        assert_eq!(line(&table, "elastic_beta,a + c,c,static,"), "mm,-10.00000,-10.00000,0.25000,0.00000");
+        assert_eq!(line(&table, "elastic_beta,a + c,,discrepancy,"), "% of the static deflection,,2.00000,,");
+        assert_eq!(line(&table, "elastic_beta,a + c,,information criterion over the best,"), ",,7.25000,,");
+        // the root mean square of 3 % and 4 %
+        let left_out = line(&table, "elastic_beta,a + c,,difference when left out,");
+        assert_eq!(left_out, "% of the static deflection,,3.53553,,");
+        // each law: three fits with their parameters and twelve features, and four lines of quality; then the warnings
+        assert_eq!(table.lines().count(), 1 + (3 * (2 + 12) + 4) + (3 * (4 + 12) + 4) + 4);
+        assert_eq!(table.lines().filter(|line| line.starts_with(",,,\"warning: ")).count(), 4);
+    }
+
+    #[test]
+    fn the_metrics_are_the_errors_of_the_supported_law_at_what_was_not_fitted() {
+        let metrics = metrics(&testing::report());
+        let found: Vec<_> = metrics.iter().map(|m| (m["id"].as_str().unwrap(), m["value"].as_f64().unwrap())).collect();
+        let names = ["frequency", "static", "first_minimum", "decay"];
+        for ((id, value), (name, should)) in found.iter().zip(names.iter().zip([20.0, 0.0, 0.0, 0.0])) {
+            assert_eq!(*id, format!("real.bar.b.{name}_error_percent"));
+            assert!((value - should).abs() < 1e-9, "{id} {value}");
+        }
+        assert_eq!(found.len(), 4);
+    }
+
+    #[test]
+    fn the_text_marks_what_lies_outside_its_interval() {
+        let text = testing::report().to_string();
+        let lines: Vec<String> = text.lines().map(|l| l.split_whitespace().collect::<Vec<_>>().join(" ")).collect();
+        let rest = "static +0.0 % first_minimum +0.0 % decay +0.0 %";
+        let should = [
+            "elastic_beta fitted to a + c".to_owned(),
+            "youngs_modulus 100000.00000 ± 3920.00000 Pa".to_owned(),
+            "discrepancy 2.00 % of the static deflection, 3.54 % left out; information criterion + 7.2".to_owned(),
+            format!("a fitted from a + c frequency +5.0 % {rest}"),
+            format!("b predicted from a + c frequency +20.0 %! {rest}"),
+            format!("a predicted from c frequency +5.0 % {rest}"),
+            format!("c fitted from c frequency -6.7 %! {rest}"),
+            "supported: springpot_yeoh".to_owned(),
+            "published: 150.0 kPa, a book".to_owned(),
+        ];
+        for line in should {
+            assert!(lines.contains(&line), "{line} is not in\n{text}");
+        }
+    }
+
+    #[test]
+    fn the_figure_has_a_panel_for_each_recording_in_mm() {
+        let figure = figure(&testing::report()).svg().unwrap();
+        for word in ["a, fitted", "b, predicted", "c, fitted", "displacement", "elastic beta", "springpot yeoh"] {
+            assert!(figure.contains(word), "{word}");
+        }
+        // −16 mm at first
+        assert!(figure.contains("−15") && !figure.contains("−20"), "{figure}");
+    }
+}

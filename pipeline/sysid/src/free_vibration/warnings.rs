@@ -107,4 +107,29 @@ mod tests {
         assert_eq!(frequencies(&[at(7.70), at(7.75)]), None);
         assert!(frequencies(&[at(7.70), at(8.40)]).is_some_and(|warning| warning.contains("7.70 to 8.40 Hz")));
     }
+
+    #[test]
+    fn a_report_warns_of_bounds_of_uncertain_parameters_and_of_recordings_of_one_case() {
+        let report = super::super::testing::report();
+        let found = warnings(&report);
+        // a and b settle 1 mm apart, which is 7.1 times `sigma` from their mean; c has a case of its own
+        let should = [
+            "youngs_modulus (elastic_beta) lies on an end",
+            "the standard deviation of stiffness_damping (elastic_beta) is 120 % of it",
+            "their static deflections differ by 7.1 times `sigma` = 0.0001 m",
+            "they vibrate at 7.00 to 8.00 Hz",
+        ];
+        assert_eq!(found.len(), should.len(), "{found:?}");
+        assert!(found.iter().zip(should).all(|(found, should)| found.contains(should)), "{found:?}");
+    }
+
+    #[test]
+    fn recordings_of_the_last_case_are_compared_too() {
+        let mut report = super::super::testing::report();
+        report.page.recording.rotate_right(1);
+        report.recorded.rotate_right(1);
+        report.measured.rotate_right(1);
+        let found = warnings(&report);
+        assert_eq!(found.iter().filter(|warning| warning.contains("contradict")).count(), 2, "{found:?}");
+    }
 }

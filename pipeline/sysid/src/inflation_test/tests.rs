@@ -5,9 +5,11 @@ use std::path::{Path, PathBuf};
 use mesh::Surface;
 use si::Point3;
 
-use super::body::Meshed;
-use super::{Page, run};
-use crate::IdentifiedMaterial;
+use super::body::{Course, Meshed};
+use super::fits::{Prediction, Row};
+use super::recorded::{Features, Recorded};
+use super::{Page, Report, run};
+use crate::{IdentifiedMaterial, IdentifiedMaterials};
 
 /// A box of 60 × 20 × 20 mm with a cavity beside its axis, m.
 pub(super) fn hollow() -> Surface {
@@ -113,7 +115,7 @@ fn record_with(folder: &Path, (ratio, missing): (f64, f64), recording: usize) {
     let page = Page::read(&folder.join("page.toml")).unwrap();
     let case = simulate::case::read(&folder.join("case.toml")).unwrap();
     let body = Meshed::new(&page, &case, &folder.join("recordings"), (1.0, folder)).unwrap();
-    let source = crate::IdentifiedMaterials::read(&folder.join("real_bar_materials.toml")).unwrap();
+    let source = IdentifiedMaterials::read(&folder.join("real_bar_materials.toml")).unwrap();
     let is = source.law(None).unwrap().clone();
     let is = IdentifiedMaterial { youngs_modulus: ratio * is.youngs_modulus, ..is };
     let course = body.inflate(&is, (&page.recording[recording], &page.supply(missing)), 0.7).unwrap();
@@ -213,4 +215,40 @@ fn what_is_missing_or_does_not_fit_is_refused_with_what_to_do() {
     let unidentified = said(&str::to_owned);
     assert!(unidentified.contains("study fit"), "{unidentified}");
     std::fs::remove_dir_all(&folder).unwrap();
+}
+
+/// A report of one recording that moves by 10 mm, of bodies whose walls (mm) let it move by so many mm.
+fn walls(moved: &[(Option<f64>, f64)]) -> Report {
+    let materials: IdentifiedMaterials = toml::from_str(MATERIALS).unwrap();
+    let material = materials.law(None).unwrap().clone();
+    let features = |early: f64| Features { early: 1e-3 * early, late: 1e-3 * early };
+    let row = |(wall, early): &(Option<f64>, f64)| Row {
+        name: String::new(),
+        modulus_ratio: 1.0,
+        material: material.clone(),
+        missing: 0.0,
+        used: Vec::new(),
+        wall: wall.map(|wall| 1e-3 * wall),
+        predictions: vec![Prediction {
+            course: Course { tip: Vec::new(), burst: None },
+            features: Some(features(*early)),
+        }],
+    };
+    Report {
+        page: Page::parse(PAGE, Path::new("page.toml")).unwrap(),
+        recorded: vec![Recorded { tip: si::Series::new(0.0, 1.0, vec![0.0; 2]).unwrap(), features: features(10.0) }],
+        rows: moved.iter().map(row).collect(),
+        left_out: vec![Vec::new()],
+    }
+}
+
+#[test]
+fn the_wall_that_explains_a_displacement_is_between_those_that_let_it_move_more_and_less() {
+    // the logarithm is linear: 20 mm at 2 mm and 5 mm at 3 mm are 10 mm at 2.5 mm, and 40 mm are 10 mm at two thirds of the way
+    let wall = |moved: &[(Option<f64>, f64)]| walls(moved).explaining_wall(0).map(|wall| (1e9 * wall).round() * 1e-6);
+    assert_eq!(wall(&[(Some(3.0), 5.0), (Some(2.0), 20.0)]), Some(2.5));
+    assert_eq!(wall(&[(Some(1.0), 80.0), (Some(2.0), 40.0), (Some(3.5), 5.0)]), Some(3.0));
+    assert_eq!(wall(&[(Some(2.0), 20.0), (None, 5.0)]), None, "a wall that is not known");
+    assert_eq!(wall(&[(Some(2.0), 20.0), (Some(3.0), 12.0)]), None, "no wall encloses it");
+    assert_eq!(wall(&[(Some(2.0), 20.0), (Some(3.0), -5.0)]), None, "the other way");
 }

@@ -309,4 +309,16 @@ mod tests {
         assert!((alike[(0, 0)] - 60.0).abs() < 1e-9);
         assert_eq!(godambe(&windows(&[5.0; 6]), &[60], expected()), expected());
     }
+
+    /// Two lines through the origin that are seen in windows in turn: each is as certain as if it were alone.
+    #[test]
+    fn windows_of_another_parameter_are_no_witnesses_of_the_first() {
+        let errors = [1.0, 2.0, -1.0, -2.0, 2.0, 4.0, -2.0, -4.0, 1.0, 2.0, -1.0, -2.0];
+        let values = errors.iter().flat_map(|error| [*error; 10]).collect();
+        let jacobian = (0..120).flat_map(|row| if row / 10 % 2 == 0 { [1.0, 0.0] } else { [0.0, 1.0] }).collect();
+        let found = godambe(&Residuals { values, jacobian }, &[10; 12], DMatrix::from_diagonal_element(2, 2, 60.0));
+        // S = 12/10 Σ (10 e)², and 60² / S
+        let should = DMatrix::from_row_slice(2, 2, &[2.5, 0.0, 0.0, 0.625]);
+        assert!((&found - should).norm() < 1e-9, "{found}");
+    }
 }
