@@ -191,7 +191,53 @@ fn fixture_waves_lag_and_mean_force_are_those_that_were_put_in() {
     assert!((raw - mean - talk).abs() < 1e-5 && (talk - TALK).abs() < 1e-3, "{row:?}");
     // from the middle of the first rest to that of the last
     assert!((drift - 2e-3 * 12.0).abs() < 2e-3, "{drift}");
-    assert!(fs::read_to_string(bench.0.join("page.out/force.svg")).unwrap().starts_with("<svg"));
+    // the mean of 50 mN with the raw one of 100 mN, and a force of −100 to 200 mN over 14 s
+    let figure = fs::read_to_string(bench.0.join("page.out/force.svg")).unwrap();
+    assert!(figure.starts_with("<svg") && ticks(&figure).iter().all(|tick| tick.abs() < 300.0), "{:?}", ticks(&figure));
+    // from the first pressure on, without the first cycle; the last chamber empties for 0.1 s
+    assert!((row[1] - 2.5).abs() < 6e-3 && (row[2] - 11.0).abs() < 6e-3 && row[3] == 17.0, "{row:?}");
+    let text = force::run(&bench.0.join("page.toml"), None).unwrap().0.to_string();
+    for words in ["fixture: 14.", "standing waves: 1 over the noise of ", "cross-talk: up to 56.", "2 Hz, 17 cycles: "]
+    {
+        assert!(text.contains(words), "{words} is not in\n{text}");
+    }
+    assert!(text.contains(&format!("{:.2} mN (95 % ", 1e3 * mean)) && text.lines().count() == 4, "{text}");
+}
+
+/// The numbers at the axes of a figure.
+fn ticks(figure: &str) -> Vec<f64> {
+    let words = figure.split("</text>").filter_map(|text| text.rsplit('>').next());
+    words.filter_map(|word| word.trim().replace('−', "-").parse().ok()).collect()
+}
+
+#[test]
+fn more_harmonics_than_the_sampling_rate_resolves_leave_the_mean_as_it_is() {
+    let bench = Bench::new("harmonics", 0.0);
+    bench.write("page.toml", &PAGE.replace("[tank]", "[settings]\nharmonics = 39\n[tank]"));
+    let mean = bench.row()[6];
+    assert!((mean - THRUST).abs() < 1.5e-3, "{mean}");
+}
+
+/// Lit twice, 10 s apart on the clock of the force.
+fn lit(t: f64) -> u8 {
+    u8::from((1.0..1.5).contains(&t) || (11.5..12.0).contains(&t))
+}
+
+#[test]
+fn the_lamp_in_both_logs_brings_them_onto_one_clock() {
+    let bench = Bench::new("lamp", 0.0);
+    let force = |(i, t): (usize, &f64)| format!("{t:.6},{:.6},{}\n", flapping(*t) + 1e-3 * noise(i), lit(*t));
+    let force: String = times(80.0, 14.0, 0.0).iter().enumerate().map(force).collect();
+    bench.write("flap_force.csv", &format!("time_s,force_n,led\n{force}"));
+    // the clock of the pressure is 3 s ahead
+    let pressure = |t: &f64| {
+        let [left, right] = flapped(*t).map(|p| p / 100.0);
+        format!("{:.6},{left:.3},{right:.3},{}\n", t + 3.0, lit(*t))
+    };
+    let pressure: String = times(200.0, 14.0, 0.0).iter().map(pressure).collect();
+    bench.write("flap_pressure.csv", &format!("time_s,left_mbar,right_mbar,led\n{pressure}"));
+    let row = bench.row();
+    assert!((row[1] - 2.5).abs() < 0.02 && (row[6] - THRUST).abs() < 2e-3, "{row:?}");
 }
 
 #[test]
@@ -233,6 +279,7 @@ fn a_page_that_lacks_something_is_refused_with_the_recording_and_the_line() {
         ("hammer = \"hammer.csv\"\n", "", "recording `taps` has no `hammer`"),
         ("[tank]\nlength = 0.45\ndepth = 0.15\n", "", "recording `still` has no [tank]"),
         ("frequency = 2.0\n", "", "recording `2hz` has no `frequency`"),
+        ("pressure = \"flap_pressure.csv\"\n", "", "recording `2hz` has no `pressure` or `seconds`"),
         ("levels = [10000.0, 20000.0]\n", "levels = [100.0e5]\n", "out of range"),
         ("kind = \"taps\"", "kind = \"hits\"", "unknown variant `hits`"),
     ] {

@@ -108,3 +108,13 @@ fn calibrated(request: &Request, interrupt: Interrupt<'_>) -> Result<Camera> {
         .map_err(|e| Diagnostic::from(e).in_file(&request.source))?;
     Ok(Camera { calibration, size: views.size, views, target })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn results_lie_beside_the_film_under_its_whole_name() {
+        assert_eq!(beside(Path::new("films/board.mp4")), Path::new("films/board.mp4.camera"));
+    }
+}

@@ -102,3 +102,69 @@ fn halved(picture: &Gray) -> Gray {
         [(0, 0), (1, 0), (0, 1), (1, 1)].iter().map(|(i, j)| picture.at(2 * x + i, 2 * y + j)).sum::<f64>() / 4.0
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows of the picture of a cross at a point: `#` is white, `.` dark, and a space as it was.
+    fn drawn([width, height]: [usize; 2], at: Point2) -> Vec<String> {
+        let mut picture = Gray { width, height, pixels: vec![100; width * height] };
+        cross(&mut picture, at);
+        let letter = |level: &u8| match level {
+            255 => '#',
+            0 => '.',
+            _ => ' ',
+        };
+        picture.pixels.chunks(width).map(|row| row.iter().map(letter).collect()).collect()
+    }
+
+    #[test]
+    fn a_cross_has_four_arms_with_a_rim_and_an_open_middle() {
+        let rows = drawn([31, 31], [15.2, 14.8]);
+        // an arm of ten pixels from the fifth to the fourteenth on either side
+        let along = format!(" {}{}{} ", "#".repeat(10), " ".repeat(9), "#".repeat(10));
+        let rim = format!(" {}{}{} ", ".".repeat(10), " ".repeat(9), ".".repeat(10));
+        assert_eq!([&rows[14], &rows[15], &rows[16]], [&rim, &along, &rim]);
+        let column = |x: usize| rows.iter().map(|row| row.chars().nth(x).unwrap()).collect::<String>();
+        assert_eq!([column(14), column(15), column(16)], [rim.clone(), along, rim]);
+        assert_eq!(rows.concat().chars().filter(|letter| *letter != ' ').count(), 4 * 3 * 10);
+    }
+
+    #[test]
+    fn a_cross_at_the_border_is_cut_there() {
+        // at the first pixel: two arms, whose rims outside are missing
+        let first = drawn([20, 20], [0.0, 0.0]);
+        assert_eq!(first[0], format!("{}{}{}", " ".repeat(5), "#".repeat(10), " ".repeat(5)));
+        assert_eq!(first[1], format!("{}{}{}", " ".repeat(5), ".".repeat(10), " ".repeat(5)));
+        assert_eq!(first.concat().chars().filter(|letter| *letter != ' ').count(), 2 * 2 * 10);
+        // at the last one the same, the other way
+        let last = drawn([20, 20], [19.0, 19.0]);
+        let turned: Vec<String> = first.iter().rev().map(|row| row.chars().rev().collect()).collect();
+        assert_eq!(last, turned);
+    }
+
+    #[test]
+    fn the_strip_holds_six_frames_at_even_distances_half_as_large_with_what_was_seen() {
+        let folder = std::env::temp_dir().join(format!("strip-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let mut overlay =
+            Overlay::begin(&folder, Info { width: 40, height: 32, frames: 18, rate: 60.0 }, false).unwrap();
+        for frame in 0..18 {
+            // columns of 0 and 4 grey levels more than ten a frame: half as large, 2 more
+            let picture = Gray::from_fn(40, 32, |x, _| f64::from(10 * frame + 4 * (x as i32 % 2)));
+            let observation = |at, seen| Observation { at, covariance: [[0.0; 2]; 2], residual: 0.0, seen };
+            overlay.frame(&picture, &[observation([20.0, 16.0], frame == 6), observation([0.0, 0.0], false)]).unwrap();
+        }
+        overlay.end().unwrap();
+        let strip = Gray::from_png(&std::fs::read(folder.join("strip.png")).unwrap()).unwrap();
+        std::fs::remove_dir_all(&folder).unwrap();
+        assert_eq!((strip.width, strip.height), (20, 6 * 16));
+        for (place, frame) in [0, 3, 6, 9, 12, 15].into_iter().enumerate() {
+            assert_eq!(strip.at(0, 16 * place), f64::from(10 * frame + 2), "frame {frame}");
+            // a white arm and the half of its dark rim
+            let marked = strip.at(14, 16 * place + 8) != f64::from(10 * frame + 2);
+            assert_eq!(marked, frame == 6, "frame {frame}");
+        }
+    }
+}

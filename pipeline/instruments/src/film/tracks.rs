@@ -54,3 +54,24 @@ impl Tracks {
         text
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_summary_counts_what_was_occluded() {
+        let observation =
+            |seen| Observation { at: [1.5, 2.5], covariance: [[0.01, 0.0], [0.0, 0.04]], residual: 1.25, seen };
+        let mut tracks = Tracks::begin(7);
+        tracks.push(0.25, vec![observation(true), observation(true)]);
+        tracks.push(0.5, vec![observation(true), observation(false)]);
+        tracks.push(0.75, vec![observation(true), observation(true)]);
+        let said = tracks.summary(Path::new("out"));
+        assert_eq!(said, "2 markers × 3 frames, occluded in 1; results in out");
+        let table = tracks.csv();
+        assert_eq!(table.lines().count(), 1 + 6);
+        let line = "8,0.500000,m2,1.5000,2.5000,1.000e-2,0.000e0,4.000e-2,1.25,0";
+        assert_eq!(table.lines().nth(4), Some(line));
+    }
+}

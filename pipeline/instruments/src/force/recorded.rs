@@ -91,3 +91,27 @@ fn lamp(led: &[f64], time: &[Second]) -> Vec<Second> {
     let edges = edge::edges_at(time, led, |_| Window::INSTANT).unwrap_or_default();
     edges.iter().map(|edge: &Edge| edge.time).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pressed(channels: &[&[f64]]) -> Option<[Second; 2]> {
+        let samples = |values: &&[f64]| {
+            let times = (0..values.len()).map(|i| 0.5 * i as f64).collect();
+            Samples::new(times, values.to_vec()).unwrap()
+        };
+        let force = Series::new(0.0, 1.0, vec![0.0; 2]).unwrap();
+        Recorded { force, pressures: channels.iter().map(samples).collect(), sampling: Sampling::default() }.pressed()
+    }
+
+    #[test]
+    fn a_run_lasts_while_a_pressure_exceeds_a_tenth_of_the_highest() {
+        // one channel at a tenth does not exceed it; the other one rises later and falls last
+        let (left, right) = ([0.0, 1e3, 5e3, 0.0, 0.0, 0.0, 1e3], [0.0, 0.0, 0.0, 0.0, 1e4, 1.1e3, 0.0]);
+        assert_eq!(pressed(&[&left, &right]), Some([1.0, 2.5]));
+        assert_eq!(pressed(&[&left]), Some([0.5, 3.0]), "a fifth of what is then the highest");
+        assert_eq!(pressed(&[&[0.0, 0.0]]), None, "no pressure rises");
+        assert_eq!(pressed(&[]), None);
+    }
+}
