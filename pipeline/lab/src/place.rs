@@ -82,4 +82,38 @@ mod tests {
         let wall = Place::of(Some(plane(None, Some(0.5))), None).unwrap();
         assert!(wall.holds([9.0, 0.5 + 1e-7, 3.0], 0.1) && !wall.holds([9.0, 0.5 + 1e-5, 3.0], 0.1));
     }
+
+    #[test]
+    fn a_place_is_exactly_one_plane_or_box() {
+        let plane = |[x, y, z]: [Option<f64>; 3]| Some(Plane { x, y, z });
+        for axis in 0..3 {
+            let mut at = [None; 3];
+            at[axis] = Some(0.25);
+            let place = Place::of(plane(at), None);
+            assert_eq!(place, Some(Place::Plane(axis, 0.25)));
+            let word = format!("the plane {} = 0.25 m", ["x", "y", "z"][axis]);
+            assert_eq!(place.map(|place| place.to_string()), Some(word));
+        }
+        let block = Block { low: [0.0; 3], high: [1.0; 3] };
+        assert_eq!(Place::of(None, Some(block)), Some(Place::Block(block)));
+        assert_eq!(Place::of(plane([Some(0.0), None, None]), Some(block)), None);
+        assert_eq!(Place::of(plane([None; 3]), None), None);
+        assert_eq!(Place::of(None, None), None);
+    }
+
+    /// Files often have single precision: a point counts as on the surface within 10⁻⁵ of the body's size.
+    #[test]
+    fn a_box_holds_its_surface_within_the_precision_of_files() {
+        let place = Place::Block(Block { low: [0.0, 0.1, 0.2], high: [1.0, 1.1, 1.2] });
+        let (size, centre) = (2.0, [0.5, 0.6, 0.7]);
+        for axis in 0..3 {
+            for (side, out) in [(-0.5, -1.0), (0.5, 1.0)] {
+                let mut at = centre;
+                at[axis] += side;
+                let moved = |by: f64| (0..3).map(|k| if k == axis { at[k] + by } else { at[k] }).collect::<Vec<_>>();
+                let holds = |by: f64| place.holds(moved(by).try_into().unwrap(), size);
+                assert!(holds(-0.1 * out) && holds(0.9e-5 * size * out) && !holds(1.1e-5 * size * out), "{axis} {out}");
+            }
+        }
+    }
 }

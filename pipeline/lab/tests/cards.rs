@@ -382,6 +382,8 @@ fn a_region_too_flat_or_too_narrow_for_a_marker_is_refused() {
         let said = card::parse(&card, at()).unwrap_err().to_string();
         assert!(said.contains(size) && said.contains("every marker"), "{said}");
     }
+    let smallest = searching("[search]\nregion = [100.0, 200.0, 108.0, 208.0]");
+    assert!(card::parse(&smallest, at()).is_ok(), "8 × 8 px are enough");
 }
 
 #[test]

@@ -143,3 +143,13 @@ fn an_absent_log_is_refused_with_its_name() {
     let said = pressure::read(Path::new("/nowhere/pressure.csv"), &channels()).unwrap_err().to_string();
     assert!(said.contains("/nowhere/pressure.csv"), "{said}");
 }
+
+#[test]
+fn a_log_of_changing_decimals_may_end_without_a_line_end() {
+    let header = GOOD.lines().nth(1).unwrap();
+    // 12.25, 12.5 and 12 in turn, as a program that drops zeros writes them
+    let rows: String =
+        (0..20).map(|i| format!("\n0.{:03},0,0,{},0.5,1", 5 * i, ["12.25", "12.5", "12"][i % 3])).collect();
+    let log = parse(&format!("{header}{rows}")).unwrap();
+    assert_eq!((log.time.len(), log.channels[0].measured[19]), (20, 1250.0));
+}

@@ -122,6 +122,13 @@ fn a_plane_s_csv_needs_no_z_and_its_slips_are_refused_with_their_line() {
 }
 
 #[test]
+fn a_line_of_a_csv_that_is_no_text_is_refused_with_its_number() {
+    let text = b"frame,time_s,marker,x_mm,y_mm\n0,0,m1,50,1\n1,0.01,m\xff,51,1\n";
+    let said = space::read(text, Path::new("places.csv")).unwrap_err().to_string();
+    assert!(said.contains("line 3: the places cannot be read"), "{said}");
+}
+
+#[test]
 fn a_lost_marker_and_a_number_that_is_none_are_refused_with_their_frame() {
     for point in [[0.0, 0.0, 0.0, -1.0], [f32::NAN, 1.0, 1.0, 3.0]] {
         let mut capture = Capture::new();

@@ -86,4 +86,15 @@ mod tests {
         }
         assert_eq!(of(None, None, Some(block)).end(), 0.01);
     }
+
+    #[test]
+    fn the_free_part_begins_where_a_clamp_across_x_ends() {
+        let block = Block { low: [0.0; 3], high: [0.01, 0.02, 0.03] };
+        let plane = |x, y| Clamp { plane: Some(Plane { x, y, z: None }), ..Clamp::default() };
+        assert_eq!(plane(Some(0.004), None).end(), 0.004);
+        assert_eq!(plane(None, Some(0.004)).end(), f64::NEG_INFINITY, "it runs along x");
+        assert_eq!(Clamp::below(0.002).end(), 0.002);
+        assert_eq!(Clamp { block: Some(block), ..Clamp::default() }.end(), 0.01);
+        assert_eq!(Clamp { surface: Some("holder".into()), ..Clamp::default() }.end(), f64::NEG_INFINITY);
+    }
 }

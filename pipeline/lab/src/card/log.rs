@@ -200,3 +200,29 @@ pub(super) fn dimension_of(quantity: &str) -> Dimension {
         _ => Dimension::None,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_are_worth_what_physics_says() {
+        let worth = [
+            (Unit::Second, 1.0),
+            (Unit::Millisecond, 1e-3),
+            (Unit::Microsecond, 1e-6),
+            (Unit::Pascal, 0.01),
+            (Unit::Millibar, 1.0),
+            (Unit::Kilopascal, 10.0),
+            (Unit::Bar, 1e3),
+            (Unit::PoundPerSquareInch, 68.947_57),
+            (Unit::Newton, 1.0),
+            (Unit::Millinewton, 1e-3),
+            (Unit::GramForce, 9.806_65e-3),
+            (Unit::Ratio, 1.0),
+        ];
+        for (unit, expected) in worth {
+            assert!((unit.in_log_units() / expected - 1.0).abs() < 1e-12, "{}", unit.word());
+        }
+    }
+}

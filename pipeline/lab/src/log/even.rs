@@ -89,4 +89,17 @@ mod tests {
         assert_eq!([at(1.5), at(2.5)], [[1.5, 10.0, 12.5], [2.5, 20.0, 17.5]]);
         assert_eq!([at(0.0), at(4.0)], [[0.0, 10.0, 10.0], [4.0, 20.0, 20.0]]);
     }
+
+    #[test]
+    fn the_error_of_interpolation_is_bounded_by_the_curvature_over_the_longer_step() {
+        // 3 t² has f″ = 6: h²/8 · 6 with the longer step beside each inner sample, 2 s, 2 s and 3 s
+        let rows: Vec<Vec<f64>> =
+            [10.0_f64, 11.0, 13.0, 14.0, 17.0].iter().map(|t| vec![*t, 7.0, 3.0 * t * t]).collect();
+        let found = bound(&rows, 2, "force_n");
+        assert!((found.max - 6.75).abs() < 1e-9, "{found:?}");
+        assert!((found.rms - ((9.0 + 9.0 + 6.75 * 6.75) / 3.0_f64).sqrt()).abs() < 1e-9, "{found:?}");
+        // a line is interpolated without error, however uneven the steps
+        let line = bound(&rows, 1, "force_n");
+        assert_eq!((line.max, line.rms, line.column.as_str()), (0.0, 0.0, "force_n"));
+    }
 }

@@ -212,4 +212,51 @@ mod tests {
         rows.remove(700);
         assert_eq!(clock(&rows), None);
     }
+
+    #[test]
+    fn the_line_through_the_stamps_is_that_of_least_squares() {
+        let found = line(&[10.0, 11.0, 13.0]);
+        assert!((found.step - 1.5).abs() < 1e-12 && (found.start - (34.0 / 3.0 - 1.5)).abs() < 1e-12, "{found:?}");
+        // stamps since 1970 keep all their digits: the step is a power of two
+        let since: Vec<Second> = (0..1200).map(|i| 1.75e9 + f64::from(i) / 256.0).collect();
+        assert!((line(&since).step * 256.0 - 1.0).abs() < 1e-13, "{:e}", line(&since).step * 256.0 - 1.0);
+    }
+
+    #[test]
+    fn a_polynomial_of_the_fifth_degree_through_seven_samples_fits_on_its_clock() {
+        let uneven = [0.0, 0.9, 2.1, 3.0, 4.2, 4.9, 6.0];
+        let of = |times: &[f64]| -> Vec<f64> { times.iter().map(|t| t.powi(5) - 3.0 * t * t + 2.0).collect() };
+        assert!(misfit(&uneven, &of(&uneven)) < 1e-9);
+        let even: Vec<f64> = (0..7).map(f64::from).collect();
+        assert!(misfit(&even, &of(&uneven)) > 1.0);
+        // weights −3/4, 3/10, −1/20 on either side: noise of one unit makes it √(1 + 2 (0.5625 + 0.09 + 0.0025)) units
+        let alone = misfit(&even, &[0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0]);
+        assert!((alone - 2.0 / 2.31_f64.sqrt()).abs() < 1e-12, "{alone}");
+    }
+
+    /// Without noise each sample fits its own clock. Of seven in a row, 30 % are independent: two deviations of a fair coin take
+    /// 13.3 samples that all agree.
+    #[test]
+    fn so_few_samples_that_chance_explains_them_decide_nothing() {
+        let rows = |count: usize| -> Vec<Vec<f64>> {
+            let time = |i: usize| 0.0125 * i as f64;
+            let force = |t: f64| (std::f64::consts::TAU * 3.0 * t).sin();
+            (0..count).map(|i| vec![time(i) + 4e-3 * uneven(i), force(time(i))]).collect()
+        };
+        let clock = EvenClock { start: 0.0, step: 0.0125 };
+        let decides = |count: usize| fits_better(&rows(count + 2 * BESIDE), 1, clock);
+        assert_eq!([6, 13, 14, 30].map(decides), [false, false, true, true]);
+    }
+
+    /// It moves during four of ten samples, at which the even clock is right: a lamp that lights gives as many.
+    #[test]
+    fn a_signal_that_is_held_most_of_the_time_is_not_judged_by_the_number_of_samples() {
+        let time = |i: usize| 0.0125 * i as f64;
+        let moves = |from: usize| -> Vec<Vec<f64>> {
+            let force = |i: usize| (std::f64::consts::TAU * 3.0 * time(i.max(from) - from)).sin();
+            (0..200).map(|i| vec![time(i) + 4e-3 * uneven(i), force(i)]).collect()
+        };
+        let clock = EvenClock { start: 0.0, step: 0.0125 };
+        assert_eq!([120, 80].map(|from| fits_better(&moves(from), 1, clock)), [false, true]);
+    }
 }

@@ -125,3 +125,62 @@ const BIG_ENDIAN: u8 = 86;
 /// The processor whose real numbers have their sign in the second byte.
 const DEC: u8 = 85;
 const SIGN: u8 = 0x80;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The header of two points and `analogue` words in frames 1 to 4, with its parameters in the third block and its data in the
+    /// fourth, as a `processor` writes it; the bytes of its `scale` begin at byte 12.
+    fn header(processor: u8, analogue: u16, scale: [u8; 4]) -> Vec<u8> {
+        let mut bytes = vec![0; 4 * BLOCK];
+        (bytes[0], bytes[1], bytes[2 * BLOCK + 3]) = (3, KEY, processor);
+        for (at, word) in [(2, 2_u16), (4, analogue), (6, 1), (8, 4), (16, 4)] {
+            let pair = if processor == BIG_ENDIAN { word.to_be_bytes() } else { word.to_le_bytes() };
+            bytes[at..at + 2].copy_from_slice(&pair);
+        }
+        bytes[12..16].copy_from_slice(&scale);
+        bytes
+    }
+
+    const INTEL: u8 = 84;
+
+    #[test]
+    fn points_are_counted_in_the_order_of_bytes_of_the_processor() {
+        for processor in [INTEL, DEC, BIG_ENDIAN] {
+            assert!(bounded(&header(processor, 0, [0; 4]), Path::new("a.c3d")).is_ok(), "{processor}");
+        }
+        let mut many = header(BIG_ENDIAN, 0, [0; 4]);
+        many[2..4].copy_from_slice(&600_u16.to_be_bytes());
+        let said = bounded(&many, Path::new("a.c3d")).unwrap_err().to_string();
+        assert!(said.contains("600 points in 4 frames"), "{said}");
+    }
+
+    #[test]
+    fn a_negative_scale_says_real_numbers_and_a_positive_one_integers() {
+        for (processor, [real, integer], [of_real, of_integer]) in [
+            (INTEL, [(-0.01_f32).to_le_bytes(), 0.1_f32.to_le_bytes()], [3, 1]),
+            (BIG_ENDIAN, [(-0.01_f32).to_be_bytes(), 0.1_f32.to_be_bytes()], [0, 0]),
+        ] {
+            // four words a point and three analogue ones a frame
+            let words = FourthWords::of(&header(processor, 3, real));
+            assert_eq!([words.start, words.width, words.frame, words.sign], [3 * BLOCK, 4, 44, of_real]);
+            let words = FourthWords::of(&header(processor, 3, integer));
+            assert_eq!([words.start, words.width, words.frame, words.sign], [3 * BLOCK, 2, 22, of_integer]);
+        }
+    }
+
+    #[test]
+    fn the_sign_of_the_fourth_word_is_that_of_its_point_and_frame() {
+        let mut bytes = header(INTEL, 3, 0.1_f32.to_le_bytes());
+        // the second point of the third frame
+        let at = 3 * BLOCK + 2 * 22 + 2 * 7;
+        bytes[at..at + 2].copy_from_slice(&(-1_i16).to_le_bytes());
+        let words = FourthWords::of(&bytes);
+        let lost = (0..4).flat_map(|frame| [0, 1].map(|point| (frame, point)));
+        assert_eq!(
+            lost.filter(|(frame, point)| words.is_negative(&bytes, *frame, *point)).collect::<Vec<_>>(),
+            [(2, 1)]
+        );
+    }
+}
