@@ -129,7 +129,11 @@ fn fresh_makes_the_named_stage_again_and_only_that() {
     let project = Project::new("fresh");
     project.run(SETTINGS);
     let goal = Goal { entries: vec!["halved".into()], group: None };
+    let made = |stage| fs::metadata(project.record(stage).join("record.json")).unwrap().modified().unwrap();
+    let before = ["letters", "halved", "alone"].map(made);
     assert_eq!(study::run(&project.runner(SETTINGS), &goal, true).unwrap(), summary(1, 1, 0, 0));
+    let after = ["letters", "halved", "alone"].map(made);
+    assert!(after[0] == before[0] && after[1] > before[1] && after[2] == before[2], "{before:?} {after:?}");
 }
 
 #[test]

@@ -109,3 +109,24 @@ fn files_of(path: PathBuf) -> Vec<PathBuf> {
         Err(_) => vec![path],
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Why there is no record `sum/none` where there are so many others of its stage.
+    fn why(count: usize) -> String {
+        let ids: Vec<RecordId> = (0..count).map(|k| RecordId { stage: "sum", subject: format!("s{k}") }).collect();
+        let other = RecordId { stage: "summary", subject: "all".into() };
+        let known = ids.iter().chain([&other]).map(|id| (id.to_string(), id)).collect();
+        unknown("sum/none", &known).why
+    }
+
+    #[test]
+    fn of_the_records_of_a_stage_eight_are_named_and_the_others_counted() {
+        assert_eq!(why(0), "no stage, figure or table `sum` makes a record here");
+        assert_eq!(why(2), "the records of `sum` are sum/s0, sum/s1");
+        assert!(why(8).ends_with(", sum/s6, sum/s7"), "{}", why(8));
+        assert!(why(10).ends_with(", sum/s6, sum/s7 and 2 more"), "{}", why(10));
+    }
+}

@@ -287,3 +287,63 @@ fn is_named<U>(goal: &Goal, job: &Job<U>) -> bool {
 pub fn inspection_context<'a>(folders: &'a Folders, raw: &'a [RawFile]) -> impl StageContext + 'a {
     context::RunContext::new(folders, raw, report::Line::hidden())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::needs::RecordId;
+    use crate::testing::{CHAIN, Whole, runner};
+    use std::path::PathBuf;
+
+    /// A runner of [`CHAIN`] in a folder of its own that holds its recording.
+    fn chain(name: &str) -> (Runner<Whole>, PathBuf) {
+        let root = std::env::temp_dir().join(format!("chain-{name}-{}", std::process::id()));
+        let runner = Runner { lists: &[CHAIN], ..runner(&root) };
+        std::fs::create_dir_all(runner.folders.raw_file("a")).unwrap();
+        std::fs::write(runner.folders.raw_file("a/lit.csv"), "1").unwrap();
+        (runner, root)
+    }
+
+    fn run(runner: &Runner<Whole>, entry: Option<&str>) -> [usize; 4] {
+        let goal = Goal { entries: entry.into_iter().map(str::to_owned).collect(), group: None };
+        let RunSummary { made, kept, failed, skipped } = runner.run(&goal, entry.is_some(), &|_| Ok(())).unwrap();
+        [made, kept, failed, skipped]
+    }
+
+    #[test]
+    fn why_says_what_a_record_was_made_from() {
+        let (runner, root) = chain("why");
+        let why = |entry| runner.why(entry).unwrap();
+        let never = why("second");
+        assert!(never.starts_with("second ") && never.ends_with("\n  it was never made"), "{never}");
+        assert_eq!(run(&runner, None), [2, 0, 0, 0]);
+        let (first, second) = (why("first"), why("second"));
+        let lines: Vec<&str> = second.lines().collect();
+        assert!(lines[0].starts_with("second ") && lines[0].ends_with(" kept"), "{second}");
+        assert!(lines[1].starts_with("  version 1, made in ") && lines[1].contains(" s, content "), "{second}");
+        assert!(lines[2].starts_with("  record    first/a  "), "{second}");
+        assert_eq!(lines[3..], ["  settings  {\"step\":2}", "  card      null"]);
+        // a hash is cut to twelve letters
+        let recording = first.lines().find_map(|line| line.strip_prefix("  recording a/lit.csv  ")).unwrap();
+        assert_eq!((recording.len(), first.lines().count()), (12, 5), "{first}");
+        std::fs::write(runner.folders.raw_file("a/lit.csv"), "2").unwrap();
+        assert!(why("first").starts_with("first ") && why("first").contains("of other content"), "{}", why("first"));
+        std::fs::remove_dir_all(&root).unwrap();
+    }
+
+    #[test]
+    fn fresh_makes_the_named_record_again_and_none_that_it_reads() {
+        let (runner, root) = chain("fresh");
+        run(&runner, None);
+        let made = || {
+            let manifest = |stage, subject: &str| runner.folders.manifest(&RecordId { stage, subject: subject.into() });
+            [manifest("first", "a"), manifest("second", "all")]
+                .map(|path| std::fs::metadata(path).unwrap().modified().unwrap())
+        };
+        let before = made();
+        assert_eq!(run(&runner, Some("second")), [1, 1, 0, 0]);
+        let after = made();
+        assert!(after[0] == before[0] && after[1] > before[1], "{before:?} {after:?}");
+        std::fs::remove_dir_all(&root).unwrap();
+    }
+}

@@ -137,6 +137,7 @@ impl Eq for Waiting {}
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::job;
 
     /// A chain 0 → 1 of 3 s and 2 s, and three records of 2 s that stand alone.
     fn tasks() -> Tasks {
@@ -153,5 +154,24 @@ mod tests {
     fn the_longest_chain_is_named_in_its_order() {
         assert_eq!(tasks().longest_chain(), [0, 1]);
         assert_eq!(tasks().remaining(), [5.0, 2.0, 2.0, 2.0, 2.0]);
+    }
+
+    /// Records of 3 s and 1 s, and one of 2 s that reads both of them and one that lies elsewhere.
+    #[test]
+    fn a_record_waits_for_those_that_it_reads_in_the_same_run() {
+        let jobs = [job("a", &[], &[]), job("b", &[], &[]), job("all", &[], &["a", "b", "elsewhere"])];
+        let tasks = Tasks::of(&jobs, vec![3.0, 1.0, 2.0]);
+        assert_eq!((&tasks.reads[..], &tasks.readers[..]), (&[0, 0, 2][..], &[vec![2], vec![2], vec![]][..]));
+        assert_eq!([1, 2].map(|workers| tasks.makespan(workers)), [6.0, 5.0]);
+    }
+
+    #[test]
+    fn records_that_were_never_made_count_as_nothing_and_are_counted() {
+        let root = std::env::temp_dir().join(format!("schedule-{}", std::process::id()));
+        let said = text(&crate::testing::runner(&root), &[job("a", &[], &[]), job("all", &[], &["a"])], &[1, 16]);
+        let lines: Vec<&str> = said.lines().map(str::trim_start).collect();
+        assert!(lines[0].starts_with("1 workers:") && lines[1].starts_with("16 workers:"), "{said}");
+        assert!(lines[2].starts_with("critical path, 0.0 s: nothing/"), "{said}");
+        assert_eq!(lines[3], "2 of 2 records have never been made and count as 0 s");
     }
 }

@@ -125,6 +125,7 @@ fn below(folders: &Folders, path: &Path) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::{Whole, job, runner};
 
     #[test]
     fn a_folder_is_reached_from_inside_by_its_parents_and_from_elsewhere_by_its_path() {
@@ -132,5 +133,34 @@ mod tests {
         assert_eq!(reached("/p/target/quick/workflow", "/p"), "../../..");
         assert_eq!(reached("/p", "/p"), ".");
         assert_eq!(reached("/elsewhere", "/p"), "/p");
+    }
+
+    /// The table of records of these jobs, in a project whose group `a` has the recording `a/lit.csv`.
+    fn table(jobs: &[Job<Whole>]) -> Value {
+        let root = std::env::temp_dir().join(format!("records-{}-{}", std::process::id(), jobs.len()));
+        let runner = runner(&root);
+        let lit = runner.folders.raw_file("a/lit.csv");
+        std::fs::create_dir_all(lit.parent().unwrap()).unwrap();
+        std::fs::write(&lit, "1").unwrap();
+        let export = Export { folder: None, program: "study".into(), card: "card.toml", goal: Goal::default() };
+        let text = records(&runner, jobs, &export).unwrap();
+        std::fs::remove_dir_all(&root).unwrap();
+        serde_json::from_str(&text).unwrap()
+    }
+
+    #[test]
+    fn a_record_s_files_are_what_it_needs_what_is_there_of_the_rest_and_its_own_card() {
+        let raw = [("a/needed.csv", false), ("a/lit.csv", true), ("a/absent.csv", true)];
+        let table = table(&[job("a", &raw, &[])]);
+        let files = json!(["settings", "data/raw/a/needed.csv", "data/raw/a/lit.csv", "data/raw/a/card.toml"]);
+        assert_eq!(table["nothing/a"]["files"], files);
+    }
+
+    #[test]
+    fn a_record_of_the_whole_project_reads_the_cards_of_all_groups() {
+        let table = table(&[job("b/first", &[], &[]), job("all", &[], &["b/first"])]);
+        assert_eq!(table["nothing/b/first"]["files"], json!(["data/raw/b/card.toml"]));
+        assert_eq!(table["nothing/all"]["files"], json!(["data/raw/a/card.toml", "data/raw/b/card.toml"]));
+        assert_eq!(table["nothing/all"]["records"], json!(["nothing/b/first"]));
     }
 }
