@@ -330,3 +330,25 @@ impl From<Profile> for settings::Profile {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_between_commas_are_as_many_as_asked_and_finite() {
+        assert_eq!(four("1, 2.5,-3,4e2"), Ok([1.0, 2.5, -3.0, 400.0]));
+        assert_eq!(pair("0.5,2"), Ok([0.5, 2.0]));
+        for (text, said) in [("1,2,3", "not 4 numbers"), ("1,2,x,4", "not 4 numbers"), ("1,2,3,inf", "not finite")] {
+            assert!(four(text).is_err_and(|why| why.contains(said)), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_number_is_refused_outside_of_its_range_alone() {
+        let read = between(0.5, 2.0);
+        assert_eq!([read("0.5"), read(" 2 ")], [Ok(0.5), Ok(2.0)]);
+        assert!(read("2.1").is_err_and(|why| why == "2.1 is not in 0.5..=2"));
+        assert!(read("two").is_err_and(|why| why.contains("not a number")));
+    }
+}

@@ -58,3 +58,22 @@ fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     let written = fs::create_dir_all(parent).and_then(|()| fs::write(path, bytes));
     written.map_err(|e| Diagnostic::io(path, e, "choose another folder or correct its permissions"))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_example_s_gradients_are_checked_in_air_and_in_water_and_a_file_s_own_by_its_name() {
+        let path = std::env::temp_dir().join(format!("tail-{}.{ENDING}", std::process::id()));
+        fs::write(&path, twin::file::bytes(&twin::example::beam(false)).unwrap()).unwrap();
+        let examples = check_gradients(&[], true, 3).unwrap();
+        let own = check_gradients(&[&path], false, 3).unwrap();
+        fs::remove_file(&path).unwrap();
+        assert!(examples.iter().chain(&own).all(|report| report.holds()));
+        let text: Vec<String> = examples.iter().chain(&own).map(ToString::to_string).collect();
+        assert_eq!(text.len(), 3);
+        assert!(text[0].contains("reduced beam in air") && text[1].contains("reduced beam in water"), "{text:?}");
+        assert!(text[2].contains(&path.display().to_string()), "{}", text[2]);
+    }
+}

@@ -67,3 +67,26 @@ pub fn slow(place: &str, rate: Hertz, experiment: &Experiment) -> Option<Finding
         Finding::note(what, why, "set the amplifier to a higher rate if the force within a cycle is wanted")
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The note about an amplifier of a rate (Hz) at a beat of 2 Hz.
+    fn at(rate: Hertz) -> Option<String> {
+        let experiment =
+            Experiment::Flapping { channels: vec!["left".into()], amplitude: 2e4, frequency: 2.0, cycles: 10 };
+        slow("force.csv", rate, &experiment).map(|finding| finding.to_string())
+    }
+
+    /// A mean over a step of 1/r leaves sin(π f/r) / (π f/r) of a beat of f.
+    #[test]
+    fn an_amplifier_is_slow_where_it_leaves_less_than_95_percent_of_the_beat() {
+        assert_eq!([80.0, 12.0].map(at), [None, None], "95.5 % at a sixth");
+        assert!(at(11.0).is_some_and(|said| said.contains("leaves 95 %") && said.contains("11.0 samples a second")));
+        assert!(at(4.0).is_some_and(|said| said.contains("leaves 64 %")), "2/π of two samples a cycle");
+        assert!([2.0, 1.0, 0.9].iter().all(|rate| at(*rate).is_some_and(|said| said.contains("leaves 0 %"))));
+        let stairs = Experiment::Staircase { channels: Vec::new(), levels: Vec::new(), hold: 1.0, pause: 1.0 };
+        assert!(slow("force.csv", 1.0, &stairs).is_none(), "a staircase has no beat");
+    }
+}
