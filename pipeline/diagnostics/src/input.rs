@@ -91,6 +91,17 @@ mod tests {
         }
     }
 
+    #[cfg(unix)]
+    #[test]
+    fn a_socket_is_known_as_one() {
+        let path = std::env::temp_dir().join(format!("input-socket-{}", std::process::id()));
+        let listener = std::os::unix::net::UnixListener::bind(&path).unwrap();
+        let refused = regular_file(&fs::metadata(&path).unwrap()).unwrap_err().to_string();
+        drop(listener);
+        fs::remove_file(&path).unwrap();
+        assert_eq!(refused, "it is a socket, not a file");
+    }
+
     #[test]
     fn a_long_page_log_and_mesh_are_within_their_limits() {
         let path = std::env::temp_dir().join(format!("input-long-{}", std::process::id()));

@@ -195,4 +195,11 @@ mod tests {
         let scale = Scale::of(&samples);
         assert_eq!((scale.input_spread, scale.input_mean), (vec![1.0, 1.0], vec![2.0, 5.0]));
     }
+
+    #[test]
+    fn a_network_has_a_weight_for_each_connection_and_a_bias_for_each_neuron() {
+        // 3 → 5 → 2 → 1
+        assert_eq!(Network::new(scale(), &[5, 2], 1).parameters(), (15 + 5) + (10 + 2) + (2 + 1));
+        assert_eq!(Network::new(scale(), &[], 1).parameters(), 3 + 1);
+    }
 }
