@@ -145,6 +145,7 @@ mod tests {
         };
         assert!((all.on_the_same_mesh(0, 0) - 0.0016).abs() < 1e-12);
         assert!((all.on_the_same_mesh(0, 1) + 0.0025 - 0.0018).abs() < 1e-12);
+        assert!((all.on_the_same_mesh(1, 0) + 0.0025 - 0.0018).abs() < 1e-12);
         let without = Uncertainty { discretisation: Vec::new(), ..all };
         assert!((without.on_the_same_mesh(1, 1) - 0.01).abs() < 1e-12);
     }
@@ -155,8 +156,8 @@ mod tests {
         assert!(more_data(&["body", "spine"], &[0.01, 0.05]).is_empty());
     }
 
-    #[test]
-    fn a_modulus_at_an_end_of_its_range_is_named_with_the_range_in_mpa() {
+    /// A body and a spine of 0.2 and 1 MPa.
+    fn two_solids() -> Body {
         let material = |name: &str, youngs_modulus| Material {
             name: name.to_owned(),
             law: "neo_hookean".to_owned(),
@@ -167,7 +168,30 @@ mod tests {
             plausible: [0.5 * youngs_modulus, 2.0 * youngs_modulus],
         };
         let materials = vec![material("body", 2e5), material("spine", 1e6)];
-        let body = Body { materials, clamp: lab::card::Clamp::below(0.0), length: 0.1, markers: Vec::new() };
+        Body { materials, clamp: lab::card::Clamp::below(0.0), length: 0.1, markers: Vec::new() }
+    }
+
+    /// Three observations of ln E₁, ln E₂ and their sum: JᵀJ = [2 1; 1 2], whose inverse is [2 −1; −1 2] / 3.
+    #[test]
+    fn deviations_and_correlation_are_those_of_the_observations() {
+        let values = vec![3.0_f64.sqrt().recip(); 3];
+        let residuals = optimize::Residuals { values, jacobian: vec![1.0, 0.0, 0.0, 1.0, 1.0, 1.0] };
+        let covariance = residuals.posterior(2).unwrap();
+        let posterior = Posterior { covariance, discretisation: Err("one mesh".into()), chi_square: 1.0 };
+        let bounds = Bounds { low: vec![-1.0; 2], high: vec![1.0; 2] };
+        let found = of(&two_solids(), &posterior, (&[0.0, 0.0], &bounds));
+        assert!(found.sigma.iter().all(|sigma| (sigma - (2.0_f64 / 3.0).sqrt()).abs() < 1e-12), "{found:?}");
+        let should = [1.0, -0.5, -0.5, 1.0];
+        assert!(
+            found.correlation.len() == 4 && found.correlation.iter().zip(should).all(|(a, b)| (a - b).abs() < 1e-12)
+        );
+        assert!((found.first_correlation().unwrap() + 0.5).abs() < 1e-12);
+        assert_eq!(found.advice.len(), 3, "both are uncertain, and the error of the mesh is not known: {found:?}");
+    }
+
+    #[test]
+    fn a_modulus_at_an_end_of_its_range_is_named_with_the_range_in_mpa() {
+        let body = two_solids();
         let bounds = Bounds { low: vec![0.5_f64.ln(); 2], high: vec![2.0_f64.ln(); 2] };
         // a fiftieth of the range counts as its end
         assert!(implausible(&body, &[0.0, 0.95 * 2.0_f64.ln()], &bounds).is_empty());

@@ -255,6 +255,8 @@ pub(super) fn predicted(page: &Page, (law, values): (Law, &[f64]), ramp: Second,
 
 #[cfg(test)]
 mod tests {
+    use super::super::laws::LADDER;
+    use super::super::testing;
     use super::*;
 
     #[test]
@@ -267,9 +269,50 @@ mod tests {
 
     #[test]
     fn the_information_criterion_weighs_the_misfit_against_the_parameters() {
-        let fitted = super::super::testing::fitted(super::super::laws::LADDER[0], &[1e5, 1e-3], &[0.1, 0.1], &[0.04]);
+        let fitted = testing::fitted(LADDER[0], &[1e5, 1e-3], &[0.1, 0.1], &[0.04]);
         // n ln σ² + k ln n with n = e³, σ = 0.02, and two parameters of the law, a ramp and a shift
         let n = 3.0_f64.exp();
         assert!((fitted.information_criterion(n) - (n * 4e-4_f64.ln() + 4.0 * 3.0)).abs() < 1e-9);
+    }
+
+    /// A linear problem of four parameters, each seen by a quarter of 400 residuals of root mean square 0.7, so many of one sign in a row.
+    fn fitted(at: Vec<f64>, alike: usize) -> Fitted {
+        let page = testing::page();
+        let condition = Condition::new(&page, &testing::examples().join("beam_ds10_case.toml"), None).unwrap();
+        let fall = Series::new(0.0, 100.0, vec![0.0; 400]).unwrap();
+        let recorded = Recorded { name: "made".into(), fall, settled: vec![-6e-3] };
+        let trials = vec![Trial { recorded: &recorded, condition: &condition }];
+        let fit = Fit { page: &page, law: LADDER[0], trials };
+        let values = (0..400).map(|i| if (i / alike).is_multiple_of(2) { 0.7 } else { -0.7 }).collect();
+        let jacobian = (0..1600).map(|k| f64::from(u8::from(k % 4 == k / 4 % 4))).collect();
+        fit.posterior(&fit.problem().unwrap(), at, &Residuals { values, jacobian })
+    }
+
+    #[test]
+    fn the_posterior_weighs_independent_residuals_against_the_width_of_the_bounds() {
+        let found = fitted(vec![3e5_f64.ln(), 1e-3_f64.ln(), 0.04, 0.0], 2);
+        assert!((found.discrepancy - 0.7).abs() < 1e-12, "{}", found.discrepancy);
+        let correlation = found.correlation_time * 100.0;
+        let independent = 400.0 / correlation;
+        assert!(correlation >= 1.0 && (found.independent - independent).abs() < 1e-9, "{correlation}");
+        // 100 residuals see each parameter, and one in so many is independent; a uniform prior has the variance of width²/12
+        let variance = 0.49 * independent / (independent - 4.0);
+        let widths = [(6e5_f64 / 1.2e5).ln(), (0.05_f64 / 1e-6).ln(), RAMP[1] - RAMP[0], SHIFT[1] - SHIFT[0]];
+        for (p, width) in widths.iter().enumerate() {
+            let should = 1.0 / (100.0 / (variance * correlation) + 12.0 / (width * width));
+            assert!((found.covariance[(p, p)] / should - 1.0).abs() < 1e-9, "{p}: {}", found.covariance);
+        }
+        assert!(found.covariance[(0, 1)].abs() < 1e-12 && found.on_bounds.is_empty());
+        let slow = fitted(found.at.clone(), 200);
+        assert_eq!(slow.independent, 5.0, "no fewer than one more than there are parameters");
+        assert!((found.values[0] / 3e5 - 1.0).abs() < 1e-12 && (found.values[1] / 1e-3 - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_parameter_of_the_law_within_a_ten_thousandth_of_an_end_lies_on_it() {
+        let of = |modulus: f64, damping: f64| fitted(vec![modulus.ln(), damping.ln(), RAMP[0], SHIFT[1]], 2).on_bounds;
+        assert_eq!(of(6e5, 1e-3), ["youngs_modulus"], "neither the release nor its time is one of the law");
+        assert_eq!(of(1.2e5 * (1.0 + 1e-4), 0.05), ["youngs_modulus", "stiffness_damping"]);
+        assert!(of(1.2e5 * 1.001, 1e-3).is_empty());
     }
 }

@@ -168,7 +168,9 @@ mod tests {
         // two recordings of 2.5 s hold as many independent residuals as correlation times
         let fitted = &truth.joint.fitted;
         assert!((fitted.independent * fitted.correlation_time / 5.0 - 1.0).abs() < 1e-9, "{}", fitted.independent);
-        assert!(truth.left_out_difference().unwrap() < 5e-3 && truth.joint.fitted.discrepancy < 2e-3);
+        assert!(truth.left_out_difference().unwrap() < 5e-3, "{report}");
+        // what rounding to 0.02 mm leaves of 6.4 and 3.9 mm
+        assert!((5e-4..2e-3).contains(&fitted.discrepancy), "{}", fitted.discrepancy);
         assert!(report.results[0].joint.fitted.discrepancy > 2.0 * truth.joint.fitted.discrepancy);
         let names = ["real_bar.csv", "real_bar.svg", "real_bar_materials.toml", "metrics.json"];
         assert!(names.iter().all(|name| out.join(name).is_file()));
