@@ -171,8 +171,9 @@ fuzz TARGET SECONDS="60":
         -max_total_time={{SECONDS}} -timeout=5 -rss_limit_mb=1024 -artifact_prefix=target/fuzz/{{TARGET}}-
 
 # change CRATE in one place at a time and see whether its tests notice: one mutant in SHARE (cargo install cargo-mutants --locked;
-# LEVEL is the crate's optimisation: 0 where building takes longer than its tests, 3 where its tests take longer)
-mutants CRATE SHARE="8" LEVEL="1":
+# LEVEL is the crate's optimisation: 0 where building takes longer than its tests, 3 where its tests take longer;
+# with TESTS = "--lib --test whole_study" the whole study judges too, some three minutes a mutant)
+mutants CRATE SHARE="8" LEVEL="1" TESTS="--tests":
     #!/usr/bin/env bash
     set -euo pipefail
     # a copy of what is tracked, in one place, so that what was compiled for a crate serves the next
@@ -186,7 +187,8 @@ mutants CRATE SHARE="8" LEVEL="1":
     # what tests alone use (testing.rs) needs no test
     cargo mutants --dir "$tree" --in-place --package {{CRATE}} --exclude '**/testing.rs' --shard 0/{{SHARE}} --sharding round-robin \
         --profile mutants --cargo-arg=--config=profile.mutants.package.{{CRATE}}.opt-level={{LEVEL}} \
-        --output target/mutants/{{CRATE}} -- --tests
+        {{ if TESTS == "--tests" { "" } else { "--test-package " + CRATE + " --test-package tests" } }} \
+        --output target/mutants/{{CRATE}} -- {{TESTS}}
 
 # what a solve costs, as ratios taken in one run
 bench:
