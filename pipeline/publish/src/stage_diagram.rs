@@ -5,10 +5,10 @@ use si::Point2;
 use workflow::stage_graph::{Place, StageGraph, lay_out};
 
 /// Sides of a box, and the space beside it, mm.
-const BOX: Point2 = [24.4, 24.0];
+const BOX: Point2 = [24.4, 30.0];
 const APART: Point2 = [2.6, 2.4];
 /// Height of a recording's box, mm.
-const SOURCE: f64 = 12.0;
+const SOURCE: f64 = 13.0;
 
 /// The graph as a diagram; `said` may say something else than a stage's story.
 pub fn stage_diagram(graph: &StageGraph, text: &dyn Fn(&str) -> Option<String>) -> Diagram {

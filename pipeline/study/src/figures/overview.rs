@@ -50,7 +50,7 @@ impl figure::Figure for Overview {
     type Needs = (Pipeline, Seen);
     const NAME: &'static str = "overview";
     const CAPTION: &'static str = "the stages of the pipeline and the records that each reads";
-    const VERSION: u32 = 5;
+    const VERSION: u32 = 6;
 
     fn draw((Pipeline(graph), seen): Self::Needs) -> Result<Figure> {
         let (Every(meshes), ..) = &seen;

@@ -63,7 +63,7 @@ impl Stage for Example {
     type Card = Card;
     type Needs = (Camera, Tracks, Markers, Motion);
     type Makes = records::ExampleFrames;
-    const DESCRIPTION: &'static str = "frames at rest and under pressure are extracted, and the silhouettes in them";
+    const DESCRIPTION: &'static str = "frames and silhouettes under held pressures are extracted";
     const VERSION: u32 = 4;
 
     fn raw(of: &Trial) -> Vec<RawFile> {
