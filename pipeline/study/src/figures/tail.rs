@@ -31,7 +31,7 @@ impl figure::Figure for Tail {
     type Needs = (Every<Mesh, Specimen>, Every<Inflation, Specimen>, Every<ExampleFrames, Trial>, Recovered);
     const NAME: &'static str = "tail";
     const CAPTION: &'static str = "a tail cut open, inflated in simulation and on film, and the buckling of its wall";
-    const VERSION: u32 = 5;
+    const VERSION: u32 = 6;
 
     fn draw((Every(meshes), Every(inflations), Every(examples), recovered): Self::Needs) -> Result<Figure> {
         let (meshes, inflations) = (in_order(meshes), in_order(inflations));
@@ -133,12 +133,16 @@ fn over_pressure(inflation: &Inflation, [film, body]: [Curve; 2], (what, of): (&
     let point = |p: Pascal, walls: &Walls| [p / MILLIBAR, of(walls) / MILLIMETRE];
     let shapes = || inflation.shapes.iter();
     let section = shapes().map(|s| point(s.pressure(), &s.walls)).collect();
-    let silhouette = shapes().filter_map(|s| Some(point(s.pressure(), s.silhouette.as_ref()?))).collect();
+    let silhouette: Vec<Point2> = shapes().filter_map(|s| Some(point(s.pressure(), s.silhouette.as_ref()?))).collect();
     let points = |of: Curve| of.iter().map(|(p, walls)| point(*p, walls)).collect();
-    Axes::new(Axis::linear("pressure in one side", "mbar"), Axis::linear(what, "mm"))
+    let axes = Axes::new(Axis::linear("pressure in one side", "mbar"), Axis::linear(what, "mm"))
         .with(Mark::line(points(body), palette::SPINE).labelled("true body, mid height"))
-        .with(Mark::line(section, palette::SIMULATED).labelled("model, mid height"))
-        .with(Mark::line(silhouette, palette::SIMULATED).dashed(Dash::Dashed).labelled("model, silhouette"))
+        .with(Mark::line(section, palette::SIMULATED).labelled("model, mid height"));
+    // under water no silhouette is measured
+    if silhouette.is_empty() || film.is_empty() {
+        return axes;
+    }
+    axes.with(Mark::line(silhouette, palette::SIMULATED).dashed(Dash::Dashed).labelled("model, silhouette"))
         .with(Mark::points(points(film), Marker::Disc, palette::MEASURED).sized(3.5).labelled("film, silhouette"))
 }
 
