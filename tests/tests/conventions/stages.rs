@@ -6,12 +6,12 @@ use crate::source::Source;
 use crate::tree::sources;
 
 /// The one stage that compares with the hidden truth.
-const RECOVERY: &str = "pipeline/study/src/stages/recovery.rs";
+const RECOVERY: &str = "pipeline/study/src/stages/recovery/";
 
 /// The truth, said in code or in a string.
 fn sees_the_truth(source: &Source) -> Vec<String> {
     let view = source.without_comments().to_lowercase();
-    if source.path == RECOVERY { vec![] } else { places(source, &view, &["truth".to_owned()]) }
+    if source.path.starts_with(RECOVERY) { vec![] } else { places(source, &view, &["truth".to_owned()]) }
 }
 
 /// A field that a stage reads and that its record is not keyed by: the key is the serialised part of the card and the settings.
@@ -70,7 +70,7 @@ fn a_stage_that_reads_the_truth_is_found_and_a_word_about_it_is_not() {
     let bad = "//! Not about the truth.\nlet t = lab::truth::read(bytes)?;\n";
     let found = sees_the_truth(&Source::new("pipeline/study/src/stages/identify.rs", bad));
     assert_eq!(found, ["pipeline/study/src/stages/identify.rs:2 says truth"]);
-    assert!(sees_the_truth(&Source::new(RECOVERY, bad)).is_empty());
+    assert!(sees_the_truth(&Source::new(&format!("{RECOVERY}walls.rs"), bad)).is_empty());
     assert_eq!(sees_the_truth(&Source::new("pipeline/study/src/run.rs", "read(\"truth.toml\")")).len(), 1);
 }
 
