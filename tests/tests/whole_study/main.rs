@@ -54,6 +54,7 @@ fn a_coarse_tail_goes_from_the_bench_to_every_figure_with_the_expected_numbers()
     let found = numbers(&std::fs::read_to_string(runner.folders.metrics()).unwrap());
     let lines = drifted(&expected, &found);
     assert!(lines.is_empty(), "numbers.toml has other numbers:\n{lines}");
+    study::page(&runner).unwrap();
     let changed = outputs::changed(&project.0);
     assert!(changed.is_empty(), "outputs.txt has other files:\n{changed}");
     // nothing is made twice

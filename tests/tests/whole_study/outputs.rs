@@ -9,11 +9,11 @@ use crate::digest::Digest;
 /// Of a film so many frames, evenly spaced, each as the mean grey of so many rows and columns.
 const FRAMES: usize = 3;
 const CELLS: (usize, usize) = (6, 8);
-/// What each record has of the run that made it.
+/// What each record has of the run that made it; of the first, its summary is held.
 const OF_THE_RUN: [&str; 2] = ["record.json", "durations.json"];
 
 /// The digest of each file below `root` that the same study writes again.
-pub fn digests(root: &Path) -> BTreeMap<String, Digest> {
+fn digests(root: &Path) -> BTreeMap<String, Digest> {
     let mut files = Vec::new();
     ["data/raw", "data/processed", "figures", "paper/tables"]
         .iter()
@@ -65,16 +65,18 @@ fn digest(file: &Path) -> Option<Digest> {
         "mp4" => return Some(of_film(file)),
         "csv" if within("raw") => 256,
         "csv" | "tex" if within("tables") => 1,
-        "toml" => 1,
+        "toml" | "html" => 1,
+        "json" if name == OF_THE_RUN[0] => 1,
         "json" if within("record") && !OF_THE_RUN.contains(&name) => 16,
         "svg" if within("figures") => 64,
         _ => return None,
     };
     let text = fs::read_to_string(file).unwrap();
-    let lines: Vec<&str> = text.lines().filter(|line| !crate::is_of_time(line)).collect();
-    // the durations of searches
-    let numbers = !name.starts_with("methods.");
-    Some(Digest::of_text(&lines.join("\n"), numbers.then_some(each)))
+    let held = |line: &str| name != OF_THE_RUN[0] || line.contains("\"summary\":");
+    // the durations of searches and of stages stand among other numbers
+    let has_durations = name.starts_with("methods.") || name == "index.html";
+    let lines = || text.lines().filter(|line| held(line) && !crate::is_of_time(line)).collect::<Vec<_>>().join("\n");
+    Some(if has_durations { Digest::of_text(&text, None) } else { Digest::of_text(&lines(), Some(each)) })
 }
 
 /// A film as the mean grey of the cells of some of its frames.
