@@ -1,6 +1,6 @@
 //! Silhouette: where the outline of a filmed body lies along a direction in the plane at mid height.
 //!
-//! The body is told from its ground, and from bright lines on it, by grey levels. The search goes outwards until ground alone is met, beyond any
+//! Grey levels distinguish the body from its ground and from bright lines on it. The search goes outwards until ground alone is met, beyond any
 //! marker on the body, which is darker, and from there back to the first run of levels that the body has near its outline. A line along the
 //! search has ground to both sides and counts as ground; the flanks of a line across that touches the body are narrower than a run.
 

@@ -55,7 +55,7 @@ impl Film {
         Ok((Self::open(path)?, every.max(1)))
     }
 
-    /// The pictures of the frames with these numbers, in their order; none where the film ends before. `progress` is told the part that is done.
+    /// The pictures of the frames with these numbers, in their order; none where the film ends before. `progress` receives the fraction done.
     ///
     /// # Errors
     /// [`VideoError`] when a frame up to the last of them is damaged.
