@@ -220,6 +220,7 @@ impl SolverState {
             max_predicted: MAX_PREDICTED,
             min_steps: MIN_STEPS,
             refactorise: stepper.policy.refactorise,
+            predicted: false,
             globalisation: Globalisation::LineSearch,
         };
         let mut displacement = stepper.initial_guess(PAST, time);

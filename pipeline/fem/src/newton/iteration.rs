@@ -6,7 +6,8 @@
 //!
 //! [`Globalisation::LineSearch`] lowers the energy in each step. [`Globalisation::FullStep`] takes whole steps with the
 //! mixed-integration-point tangent [magisano2017]: a large rotation of a stiff thin sheet stretches it in second order,
-//! and a line search on the energy would cut every step short.
+//! and a line search on the energy would cut every step short. A watchdog [chamberlain1982] ends them: near the buckle
+//! of a wall they leap along its soft mode, and the energy does not fall below its lowest value again.
 
 use crate::assembly::rotation::NodalRotations;
 use crate::newton::line_search::{LineSearch, MAX_TRIALS};
@@ -18,6 +19,8 @@ use sparse::{Factor, FactorError, LbfgsHistory, RankOneUpdates, dot, max_abs};
 
 /// Fraction of the body's size by which one step may move a node: beyond it the tangent predicts little.
 const MAX_STEP: f64 = 0.3;
+/// Fraction of the body's size below which every step lowers the energy: so short a rotation hardly stretches a sheet.
+const SHORT: f64 = 2e-3;
 /// Halvings of a full step that inverts an element.
 const MAX_HALVINGS: usize = 6;
 
@@ -117,9 +120,10 @@ impl Newton {
         }
         let fresh = std::mem::take(&mut state.refactorise);
         if fresh {
-            let full_steps = options.globalisation == Globalisation::FullStep;
+            let full_steps = state.globalisation == Globalisation::FullStep;
             let previous = state.previous.as_deref().filter(|_| full_steps);
-            state.count_factorisation(self.refactorise(on, u, previous)?);
+            let first = options.predicted && state.counts.factorisations == 0;
+            state.count_factorisation(self.refactorise(on, u, previous, first)?);
             state.check_stability(u, on.data.size)?;
         }
         let direction = self.direction(on)?;
@@ -129,36 +133,57 @@ impl Newton {
             on.data.pattern.scatter(&direction.step, 1.0, u);
             return Ok(true);
         }
-        if !fresh && state.needs_refactorisation(size) {
+        let short = size < SHORT * on.data.size;
+        let globalisation = if short { Globalisation::LineSearch } else { state.globalisation };
+        let slides = globalisation == Globalisation::LineSearch && state.slides(size);
+        if !fresh && !slides && state.needs_refactorisation(size) {
             state.refactorise = true;
             return Ok(false);
         }
         state.previous = Some(u.to_vec());
-        match self.step(on, u, &direction, (state.energy, options.globalisation)) {
+        match self.step(on, u, &direction, (state.energy, globalisation)) {
             Some((next, whole)) => {
                 state.energy = next;
                 // A shortened step means that the factor describes the energy badly here.
                 state.refactorise = !whole;
                 state.count_step(size);
+                if let Some(lowest) = state.watch(u) {
+                    u.copy_from_slice(&lowest);
+                    state.energy = on.energy(u, &mut self.gradient);
+                }
             }
             None if !fresh => state.refactorise = true,
-            None if options.globalisation == Globalisation::FullStep => return Err(NonConvergence::InvertedElement),
+            None if globalisation == Globalisation::FullStep => return Err(NonConvergence::InvertedElement),
             None => return Err(NonConvergence::LineSearchFailed { iterations: state.counts.iterations }),
         }
         Ok(false)
     }
 
     /// Factorises the tangent at `u`, or the largest convex part of it; whether it was the tangent itself.
-    fn refactorise(&mut self, on: &Potential, u: &[f64], previous: Option<&[f64]>) -> Result<bool, NonConvergence> {
+    /// `predicted`: `u` is a predicted shape and `previous` an equilibrium near it.
+    fn refactorise(
+        &mut self,
+        on: &Potential,
+        u: &[f64],
+        previous: Option<&[f64]>,
+        predicted: bool,
+    ) -> Result<bool, NonConvergence> {
         let probe = on.data.pattern.gather(&self.gradient);
         // Each alternative keeps less of the second derivative. The last one is always positive definite, so that a
         // body in snap-through, whose exact tangent is indefinite, still has a direction of descent.
-        let all = [HessianKind::MixedPoint, HessianKind::Exact, HessianKind::ConvexElastic, HessianKind::Convex];
-        for &kind in &all[usize::from(previous.is_none())..] {
+        let all = [
+            HessianKind::FormerStress,
+            HessianKind::MixedPoint,
+            HessianKind::Exact,
+            HessianKind::ConvexElastic,
+            HessianKind::Convex,
+        ];
+        let first = if previous.is_none() { 2 } else { usize::from(!predicted) };
+        for &kind in &all[first..] {
             on.hessian(u, previous.unwrap_or(&[]), kind, &mut self.tangent);
             self.rank_one = RankOneUpdates::new(on.rank_one_terms(u));
             match self.factorise(on, u, &probe) {
-                Ok(()) => return Ok(matches!(kind, HessianKind::MixedPoint | HessianKind::Exact)),
+                Ok(()) => return Ok(!matches!(kind, HessianKind::ConvexElastic | HessianKind::Convex)),
                 Err(FactorError::Inaccurate { residual }) => return Err(NonConvergence::InaccurateFactor { residual }),
                 Err(_) => {}
             }

@@ -29,6 +29,8 @@ pub(crate) struct NewtonOptions {
     pub min_steps: usize,
     /// Whether to begin with a new factorisation.
     pub refactorise: bool,
+    /// Whether the initial guess is a predicted shape, near an equilibrium whose stress the first tangent has.
+    pub predicted: bool,
     /// How steps are limited.
     pub globalisation: Globalisation,
 }
@@ -104,7 +106,13 @@ pub(crate) struct IterationState {
     pub last_step: Metre,
     /// Energy at the current displacement.
     pub energy: Energy,
+    /// How steps are limited from here on.
+    pub globalisation: Globalisation,
     options: NewtonOptions,
+    /// Lowest energy so far and the displacement there; none before the first full step.
+    lowest: Option<(Energy, Vec<f64>)>,
+    /// Full steps since.
+    rises: usize,
     /// Steps since the last factorisation.
     steps: usize,
     indefinite: usize,
@@ -112,6 +120,10 @@ pub(crate) struct IterationState {
 
 /// Indefinite tangents in a row at which stability counts as lost: the snap-through of a wall takes up to ten.
 const MAX_INDEFINITE: usize = 16;
+/// Full steps in a row without a lower energy after which the watchdog ends them.
+const MAX_RISES: usize = 3;
+/// Energy differences below this fraction of the energy's terms are rounding.
+const ROUNDING: f64 = 1e-13;
 /// Displacement, in sizes of the body, at which stability counts as lost.
 const MAX_DISPLACEMENT: f64 = 3.0;
 
@@ -124,7 +136,10 @@ impl IterationState {
             previous: previous.map(<[f64]>::to_vec),
             last_step: f64::INFINITY,
             energy,
+            globalisation: options.globalisation,
             options,
+            lowest: None,
+            rises: 0,
             steps: 0,
             indefinite: 0,
         }
@@ -152,6 +167,29 @@ impl IterationState {
         self.steps >= self.options.min_steps && predicted > self.options.max_predicted
     }
 
+    /// Watches the energy of full steps; `u` is where the last one led. Where three in a row have not lowered it, returns the displacement of
+    /// the lowest energy, from which a line search goes on.
+    pub(crate) fn watch(&mut self, u: &[f64]) -> Option<Vec<f64>> {
+        if self.globalisation == Globalisation::LineSearch {
+            return None;
+        }
+        match &self.lowest {
+            Some((lowest, _)) if self.energy.value > lowest.value + ROUNDING * lowest.size => self.rises += 1,
+            _ => (self.lowest, self.rises) = (Some((self.energy, u.to_vec())), 0),
+        }
+        if self.rises < MAX_RISES {
+            return None;
+        }
+        (self.globalisation, self.refactorise) = (Globalisation::LineSearch, true);
+        self.lowest.take().map(|(_, at)| at)
+    }
+
+    /// Whether a step of `size` goes on down a direction of negative curvature: the convex part of the tangent is too stiff along it, and the
+    /// updates of its factor lengthen the steps.
+    pub(crate) fn slides(&self, size: Metre) -> bool {
+        self.indefinite > 0 && size > self.last_step
+    }
+
     /// # Errors
     /// [`NonConvergence::LossOfStability`] when the iteration is far from every shape that could be in equilibrium.
     pub(crate) fn check_stability(&self, u: &[f64], size: Metre) -> Result<(), NonConvergence> {
@@ -167,6 +205,45 @@ impl IterationState {
 mod tests {
     use super::*;
 
+    fn full_steps(energy: f64) -> IterationState {
+        let options = NewtonOptions {
+            tolerance: 1e-8,
+            max_iterations: 9,
+            max_predicted: 6.0,
+            min_steps: 1,
+            refactorise: false,
+            predicted: false,
+            globalisation: Globalisation::FullStep,
+        };
+        IterationState::new(options, None, Energy { value: energy, size: 1.0 })
+    }
+
+    #[test]
+    fn the_watchdog_returns_to_the_lowest_energy_after_three_full_steps_above_it() {
+        let mut state = full_steps(0.0);
+        let mut step = |value: f64, at: f64| {
+            state.energy.value = value;
+            state.watch(&[at])
+        };
+        // the first step may rise: a sheet that rotates stretches
+        assert_eq!([step(5.0, 1.0), step(2.0, 2.0), step(3.0, 3.0), step(2.5, 4.0)], [None, None, None, None]);
+        assert_eq!([step(1.0, 5.0), step(1.2, 6.0), step(1.1, 7.0)], [None, None, None], "1.0 is lower than 2.0");
+        assert_eq!(step(1.05, 8.0), Some(vec![5.0]));
+        assert_eq!(step(9.0, 9.0), None, "a line search needs no watchdog");
+        assert!(state.globalisation == Globalisation::LineSearch && state.refactorise);
+    }
+
+    #[test]
+    fn longer_steps_on_a_convex_part_of_the_tangent_slide_down_negative_curvature() {
+        let mut state = full_steps(0.0);
+        state.count_factorisation(true);
+        state.count_step(1e-5);
+        assert!(!state.slides(2e-5), "the tangent was exact");
+        state.count_factorisation(false);
+        state.count_step(1e-5);
+        assert!(state.slides(2e-5) && !state.slides(0.5e-5));
+    }
+
     #[test]
     fn a_lagged_factor_is_replaced_when_its_rate_predicts_too_many_iterations() {
         let globalisation = Globalisation::LineSearch;
@@ -176,6 +253,7 @@ mod tests {
             max_predicted: 6.0,
             min_steps: 1,
             refactorise: false,
+            predicted: false,
             globalisation,
         };
         let mut state = IterationState::new(options, None, Energy { value: 0.0, size: 0.0 });

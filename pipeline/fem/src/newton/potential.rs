@@ -33,6 +33,8 @@ pub(crate) enum HessianKind {
     Exact,
     /// All of it, with the mixed-integration-point tangent of the elastic part.
     MixedPoint,
+    /// The tangent with the stress of the previous displacement.
+    FormerStress,
     /// The positive semi-definite part of the elastic tangent at each quadrature point.
     ConvexElastic,
     /// The same without the follower part of pressure: always positive definite.
@@ -118,12 +120,13 @@ impl Potential<'_> {
     }
 
     /// ∂²Π/∂u² at `u` without rank-one terms, lower triangle, N/m.
-    /// `previous`: where the last step began, for [`HessianKind::MixedPoint`].
+    /// `previous`: where the last step began, for [`HessianKind::MixedPoint`] and [`HessianKind::FormerStress`].
     pub(crate) fn hessian(&self, u: &[f64], previous: &[f64], kind: HessianKind, values: &mut [f64]) {
         values.fill(0.0);
         let tangent = match kind {
             HessianKind::Exact => TangentKind::Exact,
             HessianKind::MixedPoint => TangentKind::MixedPoint(previous),
+            HessianKind::FormerStress => TangentKind::FormerStress(previous),
             HessianKind::ConvexElastic | HessianKind::Convex => TangentKind::Convex,
         };
         self.body().stiffness(u, tangent, values);

@@ -34,6 +34,7 @@ impl Projective {
             max_predicted: 0.0,
             min_steps: 1,
             refactorise: true,
+            predicted: false,
             globalisation: Globalisation::LineSearch,
         };
         let counts = newton.minimise(&on, &mut u, None, &options)?;

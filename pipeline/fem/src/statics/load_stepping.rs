@@ -93,11 +93,15 @@ impl SolverState {
         self.linearised = None;
         let mut at = self.at_rest(pressures);
         at.displacement = self.with_constraints(predicted);
-        let (previous, options) = (self.with_constraints(nearby), self.full_steps(settings.tolerance, settings));
+        let previous = self.with_constraints(nearby);
+        let options = NewtonOptions {
+            max_iterations: settings.max_iterations,
+            predicted: true,
+            ..self.full_steps(settings.tolerance, settings)
+        };
         let load = AppliedLoad::whole(pressures);
-        // The line from `nearby` to `predicted` plays the part of a load step's linear step: the
-        // mixed-integration-point tangent leaves out the stress of the stretch that interpolation puts into a rotated
-        // stiff sheet.
+        // An interpolated shape stretches a stiff sheet where it rotates, and the stress of that stretch makes the tangent indefinite: the
+        // first one has the stress of the nearby shape.
         match self.newton_solve(&mut at, Some(&previous), load, &options) {
             Ok(_) => Ok(self.finished(at, false)),
             Err(cause) => Err(self.no_equilibrium(vec![(0.0, self.at_rest(pressures))], 1.0, pressures, cause)),
@@ -248,6 +252,7 @@ impl SolverState {
             max_predicted: MAX_PREDICTED,
             min_steps: 1,
             refactorise: true,
+            predicted: false,
             globalisation: Globalisation::FullStep,
         }
     }

@@ -105,6 +105,7 @@ mod tests {
             max_predicted: 8.0,
             min_steps: 1,
             refactorise: true,
+            predicted: false,
             globalisation: Globalisation::LineSearch,
         };
         let load = AppliedLoad::whole(&[3e4]);
