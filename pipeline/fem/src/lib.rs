@@ -79,4 +79,5 @@ pub use solve_error::SolveError;
 pub use solver::Solver;
 pub use sparse::{FactorError, LowerTriangle};
 pub use statics::equilibrium::{Equilibrium, StaticSettings};
+pub use statics::pressure_path::extrapolated;
 pub use system::System;

@@ -40,6 +40,41 @@ fn a_thin_arched_roof_snaps_through_under_suction_to_the_equilibrium_beyond() {
 }
 
 #[test]
+fn the_path_of_a_suction_that_rises_in_three_levels_leads_through_the_snap() {
+    let mesh = arched_box();
+    let material = materials::by_name("neo_hookean").unwrap();
+    let clamps = Clamps::where_nodes(&mesh, [true; 3], |at| at[1] < 1e-9);
+    let nodes = mesh.nodes.len();
+    let regions = vec![RegionProperties::elastic(material, 2e5, 0.45, 1070.0)];
+    let system = System::new(mesh, regions, clamps).unwrap();
+    let (mut solver, settings) = (system.solver(), StaticSettings::default());
+    let mut known = vec![(0.0, vec![0.0; 3 * nodes])];
+    for pressure in [-20.0, -150.0, -1000.0] {
+        let shapes: Vec<(f64, &[f64])> = known.iter().map(|(p, shape)| (*p, shape.as_slice())).collect();
+        let found = solver.equilibrium_from(&shapes, &[pressure], &settings).unwrap();
+        assert!(found.residual < 1e-5 && found.pressures == [pressure], "{}", found.residual);
+        known.push((pressure, found.displacement));
+    }
+    // beyond the snap there is one equilibrium
+    let beyond = solver.equilibrium(&[-1000.0], Some(&known[3].1), &settings).unwrap();
+    let largest = |of: &mut dyn Iterator<Item = f64>| of.fold(0.0, |most: f64, x| most.max(x.abs()));
+    let off = largest(&mut known[3].1.iter().zip(&beyond.displacement).map(|(a, b)| a - b));
+    assert!(off < 1e-6 && largest(&mut known[3].1.iter().copied()) > 6e-3, "off by {off} m");
+}
+
+#[test]
+fn a_path_ends_where_no_equilibrium_follows() {
+    let mesh = arched_box();
+    let material = materials::by_name("neo_hookean").unwrap();
+    let clamps = Clamps::where_nodes(&mesh, [true; 3], |at| at[1] < 1e-9);
+    let rest = vec![0.0; 3 * mesh.nodes.len()];
+    let regions = vec![RegionProperties::elastic(material, 2e5, 0.45, 1070.0)];
+    let system = System::new(mesh, regions, clamps).unwrap();
+    let refused = system.solver().equilibrium_from(&[(0.0, &rest)], &[2e4], &StaticSettings::default()).unwrap_err();
+    assert!(matches!(refused, fem::SolveError::NoEquilibrium { .. }), "{refused}");
+}
+
+#[test]
 fn a_load_without_equilibrium_is_refused_with_the_last_converged_state() {
     let mesh = arched_box();
     let material = materials::by_name("neo_hookean").unwrap();

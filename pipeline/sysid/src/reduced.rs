@@ -98,13 +98,14 @@ impl Snapshots<'_> {
             return Ok(Vec::new());
         }
         let mut solver = ready(self.model, self.elastic)?;
-        let mut shapes: Vec<Vec<f64>> = Vec::new();
+        let mut known = vec![(0.0, vec![0.0; 3 * self.model.system.mesh().nodes.len()])];
         for step in 1..=STEPS {
             let pressures = alone(self.top, filled, step as f64 / STEPS as f64);
-            let found = solver.equilibrium(&pressures, shapes.last().map(Vec::as_slice), &settings());
-            shapes.push(found?.displacement);
+            let shapes: Vec<(Pascal, &[f64])> = known.iter().map(|(p, shape)| (*p, shape.as_slice())).collect();
+            let found = solver.equilibrium_from(&shapes, &pressures, &settings())?;
+            known.push((pressures[filled], found.displacement));
         }
-        Ok(shapes)
+        Ok(known.into_iter().skip(1).map(|(_, shape)| shape).collect())
     }
 
     /// The shapes on the way to a wish, begun `near` it: with half of each pull and the whole; from the pressures alone where nothing pulls.

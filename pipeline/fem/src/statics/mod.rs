@@ -3,4 +3,5 @@
 pub(crate) mod equilibrium;
 mod homotopy;
 mod load_stepping;
+pub(crate) mod pressure_path;
 mod pseudo_transient;

@@ -28,7 +28,7 @@ pub fn even_pressures(top: Pascal, levels: usize) -> Vec<Pascal> {
 impl PressureSweep {
     /// The equilibria of `body` with `side` at `pressures` (Pa, rising from 0).
     ///
-    /// The initial guess of each is the parabola through the three before it. `tick` is called after each.
+    /// `tick` is called after each.
     ///
     /// # Errors
     /// When an equilibrium is not found.
@@ -37,8 +37,9 @@ impl PressureSweep {
         let settings = StaticSettings { load_steps: 1, tolerance: TOLERANCE, ..StaticSettings::default() };
         let mut shapes = vec![vec![0.0; 3 * body.mesh.nodes.len()]];
         for pressure in &pressures[1..] {
-            let guess = extrapolated(&shapes);
-            let found = solver.equilibrium(&body.one_side(side, *pressure), Some(&guess), &settings);
+            let known: Vec<(Pascal, &[f64])> =
+                pressures.iter().copied().zip(shapes.iter().map(Vec::as_slice)).collect();
+            let found = solver.equilibrium_from(&known, &body.one_side(side, *pressure), &settings);
             let doing = || format!("equilibrium of the {} side at {:.0} mbar", side.word(), pressure / si::MILLIBAR);
             shapes.push(found.map_err(|e| Diagnostic::from(e).while_doing(doing()))?.displacement);
             tick();
@@ -53,18 +54,4 @@ impl PressureSweep {
         let closer = pressure - self.pressures[below] < self.pressures[above] - pressure;
         &self.shapes[if closer { below } else { above }]
     }
-}
-
-/// The parabola through the last three shapes, at the next level; a straight line through two.
-fn extrapolated(shapes: &[Vec<f64>]) -> Vec<f64> {
-    let weights: &[f64] = match shapes.len() {
-        1 => &[1.0],
-        2 => &[-1.0, 2.0],
-        _ => &[1.0, -3.0, 3.0],
-    };
-    let mut next = vec![0.0; shapes[0].len()];
-    for (weight, shape) in weights.iter().zip(&shapes[shapes.len() - weights.len()..]) {
-        next.iter_mut().zip(shape).for_each(|(sum, u)| *sum += weight * u);
-    }
-    next
 }

@@ -13,7 +13,7 @@ use crate::subject::{Specimen, Trial};
 use diagnostics::{Diagnostic, Result};
 use mesh::wall::{Section, Walls, end_rotation};
 use sysid::silhouette::Stations;
-use sysid::{Body, by_node, extrapolated};
+use sysid::{Body, by_node};
 use workflow::stage::{Stage, StageContext};
 use workflow::subject::Part;
 
@@ -67,7 +67,7 @@ impl Stage for Inflate {
     type Needs = (Mesh, Identified, OfTrials<ExampleFrames>);
     type Makes = Inflation;
     const DESCRIPTION: &'static str = "the identified model is inflated to the highest filmed pressure";
-    const VERSION: u32 = 8;
+    const VERSION: u32 = 9;
 
     fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<Inflation> {
         let (mesh, found, OfTrials(examples, _)) = needs;
@@ -79,9 +79,7 @@ impl Stage for Inflate {
         let model = mesh.model(&card.body)?;
         let mut solver = model.system.solver();
         found.elastic(&model).apply(&mut solver)?;
-        let (tolerance, max_iterations) = (set.static_tolerance, ITERATIONS);
-        let from_rest = StaticSettings { load_steps: 1, max_halvings: 0, ..StaticSettings::default() };
-        let statics = StaticSettings { tolerance, max_iterations, ..from_rest };
+        let statics = StaticSettings { tolerance: set.static_tolerance, ..StaticSettings::default() };
         let rest = vec![0.0; 3 * mesh.solid.nodes.len()];
         let displacements = solve_levels((&mut solver, &statics), &levels, rest, context)?;
         let section = Section::of(&mesh.solid);
@@ -107,14 +105,11 @@ fn levels(card: &Card, staircase: &Staircase, count: usize, filmed: Option<&[Pas
     let mut all: Vec<Vec<Pascal>> = even.chain(filmed.map(<[Pascal]>::to_vec)).collect();
     let top = |p: &Vec<Pascal>| p.iter().copied().fold(0.0, f64::max);
     all.sort_by(|a, b| top(a).total_cmp(&top(b)));
+    all.dedup();
     all
 }
 
-/// Newton iterations on each part of a level: steps past the buckle of a wall need more than 14. A level without equilibrium takes longest: load
-/// steps from rest, which end at the same limit as the shapes before it, are not tried there.
-const ITERATIONS: usize = 25;
-
-/// Displacements (3 a node, m) while there is an equilibrium, each from the parabola through the three before or else from the last.
+/// Displacements (3 a node, m) while there is an equilibrium, each from those before.
 fn solve_levels(
     (solver, statics): (&mut Solver, &StaticSettings),
     levels: &[Vec<Pascal>],
@@ -125,9 +120,8 @@ fn solve_levels(
     for (i, pressures) in levels.iter().enumerate() {
         context.progress(i as f64 / levels.len() as f64, "inflating");
         let known: Vec<(Pascal, &[f64])> = solved.iter().map(|(p, u)| (*p, u.as_slice())).collect();
-        let (to, last) = (pressures.iter().sum(), known[i].1);
-        let near = solver.equilibrium_near(pressures, last, &extrapolated(&known, to), statics);
-        match near.or_else(|_| solver.equilibrium(pressures, Some(last), statics)) {
+        let to = pressures.iter().sum();
+        match solver.equilibrium_from(&known, pressures, statics) {
             Ok(found) => solved.push((to, found.displacement)),
             Err(error) if i == 0 => return Err(Diagnostic::from(error)),
             Err(_) => break,

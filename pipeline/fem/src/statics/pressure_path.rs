@@ -1,0 +1,97 @@
+//! Equilibria under rising pressure: natural-parameter continuation with steps that shorten where a wall buckles.
+//!
+//! A wall that buckles turns a shape within a few per cent of the pressure, so that the levels of a sweep lie too far apart there for Newton's
+//! method. A step that is too long fails within [`ITERATIONS`], and is halved at once; load stepping from rest would repeat the whole path.
+
+use si::{Metre, Pascal};
+
+use super::equilibrium::{Equilibrium, StaticSettings};
+use crate::solve_error::SolveError;
+use crate::solver::Solver;
+
+/// Newton iterations after which a step is given up: where it is short enough, eight suffice.
+const ITERATIONS: usize = 16;
+/// Iterations of the shortest step: a wall that snaps moves far however short the step is.
+const SNAPPING: usize = 80;
+/// Shortest step, as a fraction of the way between two levels.
+const SHORTEST: f64 = 1.0 / 16.0;
+/// Tolerance of equilibria between levels, relative to the body's size: they serve as initial guesses alone.
+const BETWEEN: f64 = 1e-4;
+/// Factorisations up to which the next step is longer.
+const EASY: usize = 4;
+/// Factor of a step after one that was easy.
+const GROWTH: f64 = 1.5;
+/// Known shapes through which a guess is extrapolated: a parabola.
+const THROUGH: usize = 3;
+
+impl Solver {
+    /// The equilibrium under `pressures` (one per chamber, Pa), from the shapes `known` on the way to it (3 entries per node, m), each with
+    /// its sum of pressures (Pa); no two are the same. On the way pressures are in the same proportion; the shape at rest is a good first one.
+    ///
+    /// # Errors
+    /// [`SolveError`]; `NoEquilibrium` where the shortest step fails.
+    ///
+    /// # Panics
+    /// When no shape is known.
+    pub fn equilibrium_from(
+        &mut self,
+        known: &[(Pascal, &[Metre])],
+        pressures: &[Pascal],
+        settings: &StaticSettings,
+    ) -> Result<Equilibrium, SolveError> {
+        let whole: Pascal = pressures.iter().sum();
+        let recent = &known[known.len().saturating_sub(THROUGH)..];
+        let mut path: Vec<(Pascal, Vec<Metre>)> = recent.iter().map(|(p, shape)| (*p, shape.to_vec())).collect();
+        let begin = path.last().expect("a shape is known").0;
+        let (mut reached, mut step) = (0.0, 1.0);
+        loop {
+            let part = if reached + step > 1.0 - SHORTEST { 1.0 } else { reached + step };
+            let sum = begin + part * (whole - begin);
+            let tolerance = if part == 1.0 { settings.tolerance } else { settings.tolerance.max(BETWEEN) };
+            let max_iterations = if step > SHORTEST { ITERATIONS } else { SNAPPING };
+            let statics = StaticSettings { tolerance, max_iterations, ..*settings };
+            let at: Vec<Pascal> = pressures.iter().map(|p| if part == 1.0 { *p } else { sum / whole * p }).collect();
+            let shapes: Vec<(Pascal, &[Metre])> = path.iter().map(|(p, shape)| (*p, shape.as_slice())).collect();
+            let last = shapes.last().map_or(&[][..], |last| last.1);
+            match self.equilibrium_near(&at, last, &extrapolated(&shapes, sum), &statics) {
+                Ok(found) if part == 1.0 => return Ok(found),
+                Ok(Equilibrium { displacement, factorisations, .. }) => {
+                    path.push((sum, displacement));
+                    (reached, step) = (part, if factorisations <= EASY { GROWTH * step } else { step });
+                }
+                Err(_) if step > SHORTEST => step *= 0.5,
+                Err(cause) => return Err(cause),
+            }
+        }
+    }
+}
+
+/// The polynomial through the last three of the `known` shapes, each with its place on a path, at the place `to`. There is at least one shape.
+pub fn extrapolated(known: &[(f64, &[Metre])], to: f64) -> Vec<Metre> {
+    let last = &known[known.len().saturating_sub(THROUGH)..];
+    let mut sum = vec![0.0; last.first().map_or(0, |(_, shape)| shape.len())];
+    for (i, (at, shape)) in last.iter().enumerate() {
+        let others = last.iter().enumerate().filter(|(j, _)| *j != i);
+        let weight: f64 = others.map(|(_, (other, _))| (to - other) / (at - other)).product();
+        sum.iter_mut().zip(*shape).for_each(|(sum, u)| *sum += weight * u);
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_parabola_is_extrapolated_exactly_and_older_shapes_do_not_count() {
+        let at = |t: f64| [1.0 + t * t, 2.0 - t];
+        let shapes: Vec<(f64, [f64; 2])> = [0.1, 0.5, 0.6].map(|t| (t, at(t))).to_vec();
+        let known: Vec<(f64, &[f64])> = shapes.iter().map(|(t, shape)| (*t, shape.as_slice())).collect();
+        let with_older: Vec<(f64, &[f64])> = std::iter::once((0.0, [9.0; 2].as_slice())).chain(known.clone()).collect();
+        for known in [&known, &with_older] {
+            let found = extrapolated(known, 0.9);
+            assert!(found.iter().zip(at(0.9)).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?}");
+        }
+        assert_eq!(extrapolated(&known[..1], 0.9), at(0.1));
+    }
+}
