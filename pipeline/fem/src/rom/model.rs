@@ -52,6 +52,12 @@ impl ReducedModel {
         (&self.modes * q).data.into()
     }
 
+    /// The coordinates whose displacements are nearest to `displacement` (3 entries per node, m) in the sense of least squares.
+    pub fn projected(&self, displacement: &[f64]) -> DVector<f64> {
+        let onto = self.modes.tr_mul(&DVector::from_column_slice(displacement));
+        self.modes.tr_mul(&self.modes).lu().solve(&onto).unwrap_or_else(|| DVector::zeros(onto.len()))
+    }
+
     /// The row of V of the dof `index` (3 node + axis), m per unit of q.
     pub fn row(&self, index: usize) -> impl Iterator<Item = f64> + '_ {
         self.modes.row(index).into_iter().copied().collect::<Vec<_>>().into_iter()

@@ -144,6 +144,14 @@ fn the_volume_of_a_chamber_is_its_cubic_polynomial() {
 }
 
 #[test]
+fn the_projection_of_a_displacement_in_the_span_has_its_coordinates() {
+    let system = hollow();
+    let body = reduced(&system, &snapshots(&system));
+    let q = some_coordinates(body.coordinates(), 0.3 * body.size);
+    assert!((body.projected(&body.displacement(&q)) - &q).amax() < 1e-9 * q.amax());
+}
+
+#[test]
 fn the_sampled_points_give_the_forces_of_all_points() {
     let system = hollow();
     let snapshots = snapshots(&system);

@@ -122,7 +122,7 @@ impl<'a> FlappingModel<'a> {
             halves * x.map(|(m, u)| m * f64::from(*u)).sum::<f64>()
         };
         let moments = DVector::from_iterator(modes.len(), modes.iter().map(moment));
-        let of_side = |side: Side, sweep: &PressureSweep| equilibria(body, &reduced, side, &sweep.pressures);
+        let of_side = |side: Side, sweep: &PressureSweep| equilibria(body, &reduced, side, sweep);
         let equilibria = [of_side(Side::Left, &sweeps[0])?, of_side(Side::Right, &sweeps[1])?];
         Ok(Self { body, reduced, line, rest_line, rows, modes, moments, equilibria })
     }
@@ -218,17 +218,20 @@ impl<'a> FlappingModel<'a> {
     }
 }
 
-/// Equilibria of the reduced model with `side` at rising `pressures` (Pa), the first of them 0.
-fn equilibria(body: &Body, reduced: &fem::ReducedModel, side: Side, pressures: &[Pascal]) -> Result<Vec<DVector<f64>>> {
-    let mut found = vec![DVector::zeros(reduced.coordinates())];
-    for pressure in &pressures[1..] {
-        let near = found.iter().rev().take(2).collect::<Vec<_>>();
-        let guess = if let [last, before] = near[..] { last * 2.0 - before } else { found[0].clone() };
-        let rest = reduced.equilibrium(&body.one_side(side, *pressure), &body.modulus_scales(1.0), &guess);
+/// Equilibria of the reduced model with `side` at the pressures of its sweep, each from the whole body's.
+fn equilibria(
+    body: &Body,
+    reduced: &fem::ReducedModel,
+    side: Side,
+    sweep: &PressureSweep,
+) -> Result<Vec<DVector<f64>>> {
+    let one = |(pressure, shape): (&Pascal, &Vec<f64>)| {
+        let guess = reduced.projected(shape);
+        let found = reduced.equilibrium(&body.one_side(side, *pressure), &body.modulus_scales(1.0), &guess);
         let doing = || format!("equilibrium of the reduced model at {:.0} mbar", pressure / si::MILLIBAR);
-        found.push(rest.map_err(|e| Diagnostic::from(e).while_doing(doing()))?);
-    }
-    Ok(found)
+        found.map_err(|e| Diagnostic::from(e).while_doing(doing()))
+    };
+    sweep.pressures.iter().zip(&sweep.shapes).map(one).collect()
 }
 
 /// Water whose force is stored after each step.
