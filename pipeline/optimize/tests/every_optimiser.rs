@@ -285,6 +285,25 @@ fn gauss_newton_halves_a_step_without_a_solution_until_there_is_one() {
 }
 
 #[test]
+fn gauss_newton_moves_no_parameter_farther_than_its_longest_step() {
+    let problem = &PROBLEMS[2];
+    let (mut settings, within) = reach("gauss_newton");
+    settings.gauss_newton.longest_step = vec![0.1, 0.3];
+    let mut optimiser = (optimisers::by_name("gauss_newton").unwrap().build)(&problem.problem(), &settings).unwrap();
+    let mut answer = |batch: &[Vec<f64>], needs| -> Result<Vec<Evaluation>, OptimiseError> {
+        Ok(batch.iter().map(|at| problem.evaluate(at, needs)).collect())
+    };
+    let history = minimise(optimiser.as_mut(), &mut answer).unwrap();
+    let mut best = problem.start.to_vec();
+    for Evaluation { at, .. } in history.entries.iter().map(|entry| &entry.evaluation) {
+        let moved: Vec<f64> = at.iter().zip(&best).map(|(a, b)| (a - b).abs()).collect();
+        assert!(moved[0] < 0.1 + 1e-12 && moved[1] < 0.3 + 1e-12, "{moved:?}");
+        best = at.clone();
+    }
+    assert!(distance(&history.best.at, &problem.optimum) < within && history.entries.len() > 8);
+}
+
+#[test]
 fn a_parameter_that_no_residual_depends_on_is_refused_by_name() {
     let problem = Case { jacobian: |_| vec![2.0, 0.0, 0.0, 0.0], ..PROBLEMS[0] };
     let mut optimiser =

@@ -16,6 +16,9 @@ use diagnostics::{Diagnostic, Result};
 
 /// Names of both ratios.
 const RATIOS: [&str; 2] = ["C20/C10", "C30/C10"];
+/// The farthest that a logarithm of a modulus and a ratio may move in one step: beyond it an inflated thin wall is another shape.
+const LONGEST_MODULI: f64 = 0.2;
+const LONGEST_RATIOS: [f64; 2] = [0.05, 0.05];
 /// Bounds of both ratios: at the lower ones a bar's tension rises with its stretch up to 1.6.
 const BOUNDS: [[f64; 2]; 2] = [[-0.1, 1.0], [-0.02, 2.0]];
 
@@ -53,7 +56,9 @@ impl StiffeningProblem<'_> {
         let member = optimisers::by_name(gauss_newton::NAME)
             .ok_or_else(|| Diagnostic::new("there is no gauss_newton", "`optimize` does not list it", "restore it"))?;
         let mut settings = optimisers::Settings::default();
-        settings.gauss_newton = self.method.clone();
+        let longest_step =
+            [vec![LONGEST_MODULI; self.model.nominal.youngs_moduli.len()], LONGEST_RATIOS.to_vec()].concat();
+        settings.gauss_newton = gauss_newton::Settings { longest_step, ..self.method.clone() };
         let mut optimiser = (member.build)(&self.search()?, &settings)?;
         let mut count = 0;
         let mut problem = |batch: &[Vec<f64>], _: Needs| -> Result<Vec<Evaluation>, Interrupted> {

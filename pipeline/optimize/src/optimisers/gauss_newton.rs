@@ -24,11 +24,14 @@ pub struct Settings {
     pub fall_tolerance: f64,
     /// At most so many evaluations, rejected steps included.
     pub iterations: usize,
+    /// The farthest that each parameter may move in a step, in its unit; empty where steps are as long as they are. Where a model is strongly
+    /// nonlinear, the linearisation of a poorly determined parameter asks for steps that it does not describe.
+    pub longest_step: Vec<f64>,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { damping: 1e-3, step_tolerance: 1e-6, fall_tolerance: 0.0, iterations: 50 }
+        Self { damping: 1e-3, step_tolerance: 1e-6, fall_tolerance: 0.0, iterations: 50, longest_step: Vec::new() }
     }
 }
 
@@ -113,7 +116,9 @@ impl GaussNewton {
             let why = "JᵀJ is singular: the residuals do not change along some direction of the parameters".to_owned();
             return Err(OptimiseError::Undetermined { parameters: self.problem.dimension(), why });
         };
-        let wish: Vec<f64> = at.iter().zip(&step).map(|(x, s)| x + self.part * s).collect();
+        let over = |(s, limit): (&f64, &f64)| limit / s.abs().max(f64::MIN_POSITIVE);
+        let part = self.part * step.iter().zip(&self.set.longest_step).map(over).fold(1.0, f64::min);
+        let wish: Vec<f64> = at.iter().zip(&step).map(|(x, s)| x + part * s).collect();
         let next = self.problem.bounds().clamp(&wish);
         let step: Vec<f64> = next.iter().zip(at).map(|(a, b)| a - b).collect();
         let longest = step.iter().fold(0.0, |longest: f64, s| longest.max(s.abs()));
