@@ -8,7 +8,7 @@ use si::{Pascal, Point2, Second};
 use crate::load_path::{LoadPath, Steps};
 use crate::model::{BODY, Elastic, Model};
 use crate::noise::Covariance2;
-use crate::surrogate::{KnownShape, Load, Surrogate};
+use crate::surrogate::{Extra, KnownShape, Load, Slope, Surrogate};
 use diagnostics::{Diagnostic, Result};
 
 /// One pressure level and the measured displacements.
@@ -57,6 +57,8 @@ pub struct SimulatedLevel {
     pub sensitivities: Vec<Vec<Point2>>,
     /// Displacement of every node, m, 3 a node.
     pub displacement: Vec<f64>,
+    /// Derivatives of the displacement by the coordinates of its load; empty unless sensitivities were requested.
+    pub(crate) slopes: Vec<Slope>,
     /// Time of the equilibrium, s.
     pub forward_seconds: f64,
     /// Time of gradient or sensitivities on top of it, s.
@@ -79,7 +81,7 @@ pub enum Derivatives {
 }
 
 /// Steps along a path from rest, to the highest pressure or beyond it.
-const FROM_REST: Steps = Steps { first: 0.1, longest: 0.12, shortest: 1.0 / 256.0 };
+const FROM_REST: Steps = Steps { first: 0.1, longest: 0.12, shortest: 1.0 / 64.0 };
 /// Steps from the nearest equilibrium that is known.
 const FROM_NEARBY: Steps = Steps { first: 0.5, longest: 0.5, shortest: 1.0 / 16.0 };
 /// Tolerance of equilibria that serve as initial guesses alone.
@@ -127,7 +129,7 @@ impl LevelSolver {
         for path in parallel(&tops, self.solvers.len(), |level| Ok(self.path_from_rest(level, elastic))) {
             let (shapes, reached) = path?;
             all = all.min(reached);
-            shapes.into_iter().for_each(|(load, shape)| self.known.add(load, shape));
+            shapes.into_iter().for_each(|shape| self.known.add(shape));
         }
         Ok(all * reach)
     }
@@ -144,12 +146,13 @@ impl LevelSolver {
             elastic,
             unit: self.unit,
             steps: FROM_REST,
+            known: &[],
         };
         let settings = StaticSettings { tolerance: EXPLORED, ..self.settings };
         let (points, end) = path.follow(&mut system.solver(), &settings);
         let reached = if end.is_ok() { 1.0 } else { points.last().map_or(0.0, |last| last.part) };
-        let on_the_way = points.into_iter().map(|point| (point.load, point.shape));
-        (on_the_way.chain(end.ok().map(|end| (to, end.displacement))).collect(), reached)
+        let on_the_way = points.into_iter().map(|point| KnownShape::new(point.load, point.shape));
+        (on_the_way.chain(end.ok().map(|end| KnownShape::new(to, end.displacement))).collect(), reached)
     }
 
     /// All levels with these constants.
@@ -172,8 +175,9 @@ impl LevelSolver {
         }
         all.sort_by_key(|(level, _)| *level);
         let loads: Vec<Load> = (0..all.len()).map(|level| part.load(level)).collect();
-        for (load, (_, simulated)) in loads.into_iter().zip(&all) {
-            self.known.add(load, simulated.displacement.clone());
+        for (load, (_, simulated)) in loads.into_iter().zip(&mut all) {
+            let (shape, slopes) = (simulated.displacement.clone(), std::mem::take(&mut simulated.slopes));
+            self.known.add(KnownShape { load, shape, slopes });
         }
         Ok(all.into_iter().map(|(_, simulated)| simulated).collect())
     }
@@ -238,8 +242,10 @@ impl Part<'_> {
         for &number in numbers {
             let (level, load) = (&self.levels[number], self.load(number));
             let equilibrium = self.equilibrium(level, &load, &found, solver)?;
-            let simulated = self.simulated(level, equilibrium, solver).map_err(|e| no_equilibrium(level, e.into()))?;
-            found.add(load, simulated.displacement.clone());
+            let simulated =
+                self.simulated(level, &load, equilibrium, solver).map_err(|e| no_equilibrium(level, e.into()))?;
+            let (shape, slopes) = (simulated.displacement.clone(), simulated.slopes.clone());
+            found.add(KnownShape { load, shape, slopes });
             done.push((number, simulated));
         }
         Ok(done)
@@ -260,13 +266,13 @@ impl Part<'_> {
         let began = Instant::now();
         let (rest, none);
         // Kriged initial guesses: the Gauss-Newton search of Dory took 23 s instead of 40 s.
-        let (from, steps) = match found.predict(self.known, to) {
+        let (from, steps) = match Surrogate::predict(&[found, self.known], to) {
             Some((near, predicted)) => {
-                let direct = solver.equilibrium_near(&level.pressures, &near.1, &predicted, self.settings);
+                let direct = solver.equilibrium_near(&level.pressures, &near.shape, &predicted, self.settings);
                 if let Ok(equilibrium) = direct {
                     return Ok((equilibrium, began.elapsed().as_secs_f64()));
                 }
-                ((&near.0, near.1.as_slice()), FROM_NEARBY)
+                ((&near.load, near.shape.as_slice()), FROM_NEARBY)
             }
             None => {
                 (rest, none) = (to.clone().without(), vec![0.0; 3 * self.model.system.mesh().nodes.len()]);
@@ -274,7 +280,8 @@ impl Part<'_> {
             }
         };
         let Self { elastic, unit, .. } = self;
-        let path = LoadPath { from, to, pressures: &level.pressures, elastic, unit: *unit, steps };
+        let known = [found, self.known];
+        let path = LoadPath { from, to, pressures: &level.pressures, elastic, unit: *unit, steps, known: &known };
         let end = path.follow(solver, self.settings).1.map_err(|e| no_equilibrium(level, e))?;
         Ok((end, began.elapsed().as_secs_f64()))
     }
@@ -283,6 +290,7 @@ impl Part<'_> {
     fn simulated(
         &self,
         level: &PressureLevel,
+        load: &Load,
         (equilibrium, forward_seconds): (Equilibrium, Second),
         solver: &mut Solver,
     ) -> Result<SimulatedLevel, SolveError> {
@@ -294,15 +302,24 @@ impl Part<'_> {
             Derivatives::Gradient => self.gradient(level, &markers, &equilibrium, solver)?,
             _ => Vec::new(),
         };
-        let sensitivities = match self.derivatives {
+        let fields = match self.derivatives {
             Derivatives::None | Derivatives::Gradient => Vec::new(),
-            wanted => {
-                sensitivities(model, &equilibrium, solver, &parameters(wanted, model.nominal.youngs_moduli.len()))?
-            }
+            wanted => fields(&equilibrium, solver, &parameters(wanted, model.nominal.youngs_moduli.len()))?,
         };
         let derivative_seconds = began.elapsed().as_secs_f64();
+        let of_markers = |field: &Vec<f64>| model.markers.iter().map(|spot| Model::in_plane(spot, field)).collect();
+        let sensitivities = fields.iter().map(of_markers).collect();
+        let slopes = load.slopes(&self.elastic.youngs_moduli, fields, extra(self.derivatives));
         let displacement = equilibrium.displacement;
-        Ok(SimulatedLevel { markers, gradient, sensitivities, displacement, forward_seconds, derivative_seconds })
+        Ok(SimulatedLevel {
+            markers,
+            gradient,
+            sensitivities,
+            displacement,
+            slopes,
+            forward_seconds,
+            derivative_seconds,
+        })
     }
 
     /// Gradient by the moduli of this level's part of the mean distance, 1/(levels · markers) Σ |simulated − measured|.
@@ -346,17 +363,18 @@ fn stiffening(term: usize) -> Parameter {
     Parameter::Stiffening { region: BODY, term }
 }
 
-fn sensitivities(
-    model: &Model,
+/// Derivatives of all displacements by each parameter, 3 entries per node, m per its unit.
+fn fields(
     equilibrium: &Equilibrium,
     solver: &mut Solver,
     parameters: &[Parameter],
-) -> Result<Vec<Vec<Point2>>, SolveError> {
-    let sensitivity = |&parameter: &Parameter| {
-        let by_constant = solver.sensitivity(equilibrium, parameter)?;
-        Ok(model.markers.iter().map(|spot| Model::in_plane(spot, &by_constant)).collect())
-    };
-    parameters.iter().map(sensitivity).collect()
+) -> Result<Vec<Vec<f64>>, SolveError> {
+    parameters.iter().map(|&parameter| solver.sensitivity(equilibrium, parameter)).collect()
+}
+
+/// What sensitivities are by, beside the moduli.
+fn extra(wanted: Derivatives) -> Extra {
+    if wanted == Derivatives::AllSensitivities { Extra::PoissonsRatios } else { Extra::Stiffening }
 }
 
 fn no_equilibrium(level: &PressureLevel, error: Diagnostic) -> Diagnostic {

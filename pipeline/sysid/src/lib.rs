@@ -58,7 +58,6 @@ pub use cells::cells;
 pub use discrepancy::Discrepancy;
 pub use identified_materials::{IdentifiedMaterial, IdentifiedMaterials};
 pub use levels::{Derivatives, LevelSolver, PressureLevel, SimulatedLevel};
-pub use load_path::extrapolated;
 pub use meshed::{Meshed, NamedRegion};
 pub use misfit::Misfit;
 pub use model::{Attached, BODY, Elastic, Model, Viscoelastic, by_node};

@@ -3,11 +3,11 @@
 //! A wall that buckles turns a shape within a few per cent of the pressure: levels of a staircase lie too far apart there to start from one
 //! another, and so do bodies whose moduli differ by a tenth. A step that is too long fails within a second, so it is shortened at once.
 
-use fem::{Equilibrium, Solver, StaticSettings};
+use fem::{Equilibrium, Solver, StaticSettings, extrapolated};
 use si::Pascal;
 
 use crate::model::{BODY, Elastic};
-use crate::surrogate::Load;
+use crate::surrogate::{KnownShape, Load, Surrogate};
 use diagnostics::Result;
 
 /// Factorisations up to which the next step is longer, and from which it is shorter.
@@ -15,6 +15,8 @@ const EASY: usize = 3;
 const HARD: usize = 6;
 /// Tolerance on the way.
 const TOLERANCE: f64 = 1e-4;
+/// Newton iterations of the shortest step: a wall that snaps moves far however short the step is.
+const SNAPPING: usize = 80;
 
 /// Lengths of the steps, as fractions of the path.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,6 +40,8 @@ pub(crate) struct LoadPath<'a> {
     pub unit: f64,
     /// Its steps.
     pub steps: Steps,
+    /// Equilibria that predict those on the way; without one, the path is extrapolated.
+    pub known: &'a [&'a Surrogate],
 }
 
 /// An equilibrium on the way.
@@ -57,7 +61,9 @@ impl LoadPath<'_> {
         let (mut points, mut reached, mut step): (Vec<Point>, f64, f64) = (Vec::new(), 0.0, first);
         loop {
             let target = if reached + step > 1.0 - shortest { 1.0 } else { reached + step };
-            match self.equilibrium(target, &points, solver, settings) {
+            let iterations = if step > shortest { settings.max_iterations } else { SNAPPING };
+            match self.equilibrium(target, &points, solver, &StaticSettings { max_iterations: iterations, ..*settings })
+            {
                 Ok(end) if target == 1.0 => return (points, Ok(end)),
                 Ok(Equilibrium { displacement, factorisations, .. }) => {
                     step = (step * growth(factorisations)).clamp(shortest, longest);
@@ -82,7 +88,7 @@ impl LoadPath<'_> {
         let nearby = points.last().map_or(self.from.1, |last| &last.shape);
         let tolerance = if part == 1.0 { settings.tolerance } else { settings.tolerance.max(TOLERANCE) };
         let settings = StaticSettings { tolerance, ..*settings };
-        Ok(solver.equilibrium_near(&pressures, nearby, &self.extrapolated(part, points), &settings)?)
+        Ok(solver.equilibrium_near(&pressures, nearby, &self.guess(part, points), &settings)?)
     }
 
     fn load(&self, part: f64) -> Load {
@@ -101,23 +107,20 @@ impl LoadPath<'_> {
         Ok(self.pressures.iter().map(|at_the_end| pressure / whole * at_the_end).collect())
     }
 
+    /// Predicted from the known equilibria and the points on the way.
+    fn guess(&self, part: f64, points: &[Point]) -> Vec<f64> {
+        let mut way = Surrogate::default();
+        points.iter().for_each(|point| way.add(KnownShape::new(point.load.clone(), point.shape.clone())));
+        let all: Vec<&Surrogate> = self.known.iter().copied().chain([&way]).collect();
+        let kriged = (!self.known.is_empty()).then(|| Surrogate::predict(&all, &self.load(part))).flatten();
+        kriged.map_or_else(|| self.extrapolated(part, points), |(_, shape)| shape)
+    }
+
     /// The polynomial through the last three points, of which the beginning of the path is one, at `part`.
     fn extrapolated(&self, part: f64, points: &[Point]) -> Vec<f64> {
         let known = points.iter().map(|point| (point.part, point.shape.as_slice()));
         extrapolated(&std::iter::once((0.0, self.from.1)).chain(known).collect::<Vec<_>>(), part)
     }
-}
-
-/// The polynomial through the last three of the `known` shapes, each with its place on a path, at the place `to`. There is at least one shape.
-pub fn extrapolated(known: &[(f64, &[f64])], to: f64) -> Vec<f64> {
-    let last = &known[known.len().saturating_sub(3)..];
-    let mut sum = vec![0.0; last.first().map_or(0, |(_, shape)| shape.len())];
-    for (i, (at, shape)) in last.iter().enumerate() {
-        let others = last.iter().enumerate().filter(|(j, _)| *j != i);
-        let weight: f64 = others.map(|(_, (other, _))| (to - other) / (at - other)).product();
-        sum.iter_mut().zip(*shape).for_each(|(sum, u)| *sum += weight * u);
-    }
-    sum
 }
 
 /// Factor of the next step after one with this many factorisations.
@@ -126,23 +129,5 @@ fn growth(factorisations: usize) -> f64 {
         ..=EASY => 1.5,
         HARD.. => 0.6,
         _ => 1.0,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_parabola_is_extrapolated_exactly_and_older_shapes_do_not_count() {
-        let at = |t: f64| [1.0 + t * t, 2.0 - t];
-        let shapes: Vec<(f64, [f64; 2])> = [0.1, 0.5, 0.6].map(|t| (t, at(t))).to_vec();
-        let known: Vec<(f64, &[f64])> = shapes.iter().map(|(t, shape)| (*t, shape.as_slice())).collect();
-        let with_older: Vec<(f64, &[f64])> = std::iter::once((0.0, [9.0; 2].as_slice())).chain(known.clone()).collect();
-        for known in [&known, &with_older] {
-            let found = extrapolated(known, 0.9);
-            assert!(found.iter().zip(at(0.9)).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?}");
-        }
-        assert_eq!(extrapolated(&known[..1], 0.9), at(0.1));
     }
 }

@@ -167,7 +167,10 @@ impl<'a> Fitting<'a> {
         let levels = Misfit::new(all, &counts, &noise, card.body.length)?;
         let (settings, all) = (statics(set.static_tolerance), levels.levels.clone());
         let mut explored = LevelSolver::new(model.clone(), all, settings, set.parallel_solves);
-        bounds.low[0] = feasible_lower_bound(&mut explored, &model.nominal, &bounds)?;
+        // where stiffening is identified, it decides how soft a body has an equilibrium
+        if !model.system.regions()[BODY].material.is_stiffening() {
+            bounds.low[0] = feasible_lower_bound(&mut explored, &model.nominal, &bounds)?;
+        }
         let search = search(&card.body, bounds)?;
         let modulus_time = held.iter().sum::<Second>() / held.len().max(1) as f64;
         let (body, stiffened, compared) = (&card.body, None, set.compared.contains(&card.name));
@@ -191,13 +194,15 @@ impl<'a> Fitting<'a> {
             method: self.methods().gauss_newton,
         };
         let found = problem.identify(&mut solver, &|_| ())?;
+        self.explored = solver;
         self.model.nominal.stiffening = found.ratios;
         let elastic = self.elastic(&found.at);
         let mut bounds = self.search.bounds().clone();
-        bounds.low[0] = feasible_lower_bound(&mut self.explored, &elastic, &bounds)?;
-        self.search = search(self.body, bounds)?;
         // Methods are compared from the card's values, as in the paper; one method alone continues from here.
-        if !self.compared {
+        if self.compared {
+            bounds.low[0] = feasible_lower_bound(&mut self.explored, &elastic, &bounds)?;
+            self.search = search(self.body, bounds)?;
+        } else {
             let (names, bounds) = (self.search.names(), self.search.bounds());
             let names: Vec<&str> = names.iter().map(String::as_str).collect();
             self.search = Problem::new(&names, bounds.clamp(&found.at[..names.len()]), bounds.clone())?;

@@ -1,0 +1,125 @@
+//! The load of an equilibrium: coordinates in the space of dimensionless constants.
+
+use si::Pascal;
+
+use crate::model::{BODY, Elastic};
+
+/// Scales of the Poisson's ratios of the softest material, which is nearly incompressible, and of others, relative to the logarithm
+/// of a modulus.
+const BY_RATIO: [f64; 2] = [10.0, 1.0];
+
+/// The derivative of a shape by a coordinate of its load.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Slope {
+    /// The coordinate's number.
+    pub coordinate: usize,
+    /// The derivative, 3 entries per node, m.
+    pub slope: Vec<f64>,
+}
+
+/// What derivatives are by, beside the moduli.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Extra {
+    /// ν of every solid.
+    PoissonsRatios,
+    /// Both ratios of stiffening.
+    Stiffening,
+}
+
+impl Extra {
+    /// The coordinate of the constant `k` of a body of so many solids, and its change by a unit of the constant.
+    fn coordinate(self, k: usize, solids: usize) -> (usize, f64) {
+        match self {
+            Self::PoissonsRatios => (solids + k, BY_RATIO[k.min(1)]),
+            Self::Stiffening => (2 * solids + k, 1.0),
+        }
+    }
+}
+
+fn scale(field: &mut [f64], by: f64) {
+    field.iter_mut().for_each(|u| *u *= by);
+}
+
+/// Scale of the pressure in [`Load::apart`].
+const PRESSURE: f64 = 4.0;
+
+/// The load of an equilibrium: the filled chamber, and coordinates in the space of dimensionless constants.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Load {
+    pub(super) chamber: usize,
+    /// The pressure first.
+    pub(super) at: Vec<f64>,
+}
+
+impl Load {
+    /// Of a body with these constants whose `chamber` is filled with `pressure`; `unit` is the pressure over a modulus that counts as one.
+    pub fn new(chamber: usize, pressure: Pascal, elastic: &Elastic, unit: f64) -> Self {
+        let (e, nu) = (&elastic.youngs_moduli, &elastic.poissons_ratios);
+        let moduli = e[1..].iter().map(|other| (other / e[BODY]).ln());
+        let ratios = nu.iter().enumerate().map(|(region, nu)| BY_RATIO[region.min(1)] * nu);
+        let constants = moduli.chain(ratios).chain(elastic.stiffening);
+        Self { chamber, at: std::iter::once(pressure / e[BODY] / unit).chain(constants).collect() }
+    }
+
+    /// The same body at rest.
+    pub fn without(mut self) -> Self {
+        self.at[0] = 0.0;
+        self
+    }
+
+    /// The load at `part` (0 to 1) of the way to `other`, whose chamber it has.
+    pub fn towards(&self, other: &Self, part: f64) -> Self {
+        let at = self.at.iter().zip(&other.at).map(|(from, to)| from + part * (to - from)).collect();
+        Self { chamber: other.chamber, at }
+    }
+
+    /// The pressure and the constants of a body with this load whose softest material has the modulus `body`.
+    pub fn constants(&self, body: Pascal, unit: f64) -> (Pascal, Elastic) {
+        let solids = self.at.len() / 2 - 1;
+        let (moduli, rest) = self.at[1..].split_at(solids - 1);
+        let (ratios, stiffening) = rest.split_at(solids);
+        let ratio = |(region, nu): (usize, &f64)| nu / BY_RATIO[region.min(1)];
+        let elastic = Elastic {
+            youngs_moduli: std::iter::once(body).chain(moduli.iter().map(|other| body * other.exp())).collect(),
+            poissons_ratios: ratios.iter().enumerate().map(ratio).collect(),
+            stiffening: [stiffening[0], stiffening[1]],
+        };
+        (self.at[0] * body * unit, elastic)
+    }
+
+    /// Derivatives of a shape under this load by its coordinates from those by constants: by E of every solid (m/Pa), then by what `extra`
+    /// says. None at rest.
+    pub fn slopes(&self, moduli: &[Pascal], mut by: Vec<Vec<f64>>, extra: Extra) -> Vec<Slope> {
+        let (solids, pressure) = (moduli.len(), self.at[0]);
+        if pressure == 0.0 || by.len() < solids {
+            return Vec::new();
+        }
+        let others = by.split_off(solids);
+        by.iter_mut().zip(moduli).for_each(|(slope, modulus)| scale(slope, *modulus));
+        // ∂u/∂ln E of the softest solid is −s ∂u/∂s − Σ ∂u/∂ln r, where s is the pressure and r are the moduli over that one
+        let sum = |k: usize| -by.iter().map(|slope| slope[k]).sum::<f64>() / pressure;
+        let by_pressure = Slope { coordinate: 0, slope: (0..by[BODY].len()).map(sum).collect() };
+        let by_ratio = by.into_iter().enumerate().skip(1).map(|(coordinate, slope)| Slope { coordinate, slope });
+        let by_others = others.into_iter().enumerate().map(|(k, mut slope)| {
+            let (coordinate, unit) = extra.coordinate(k, solids);
+            scale(&mut slope, 1.0 / unit);
+            Slope { coordinate, slope }
+        });
+        std::iter::once(by_pressure).chain(by_ratio).chain(by_others).collect()
+    }
+
+    /// The difference of the coordinate `number` from that of `other`.
+    pub fn along(&self, other: &Self, number: usize) -> f64 {
+        self.at[number] - other.at[number]
+    }
+
+    /// Distance over which an expansion fails: shapes change most with the pressure.
+    pub fn apart(&self, other: &Self) -> f64 {
+        self.away(other).hypot(PRESSURE * self.along(other, 0))
+    }
+
+    /// Distance from another.
+    pub fn away(&self, other: &Self) -> f64 {
+        self.at.iter().zip(&other.at).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+    }
+}

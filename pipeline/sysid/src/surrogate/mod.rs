@@ -1,0 +1,238 @@
+//! Surrogate of equilibria: the initial guess of an equilibrium, kriged from earlier ones.
+//!
+//! Without gravity the shape of a body follows from which chamber is filled, from its pressure over the modulus of the softest
+//! material, from the other moduli over that one, from the Poisson's ratios and from the stiffening. Shapes anywhere in that reduced space
+//! predict others by kriging; those with known derivatives by these constants, by their expansions. Kriging with derivatives [morris1993] was
+//! tried: where a wall buckles, shapes change within a tenth of its correlation length, and its smoothing was off by millimetres.
+
+mod kriging;
+mod load;
+
+use kriging::weights;
+pub use load::{Extra, Load, Slope};
+
+/// Number of nearest shapes in a prediction by kriging.
+const NEAREST: usize = 20;
+/// Number of nearest expansions in a prediction by them.
+const EXPANSIONS: usize = 4;
+/// A shape so much nearer than the nearest with derivatives predicts better by kriging.
+const NEARER: f64 = 0.25;
+/// Number of shapes kept, the newest; of these, so many with their derivatives, each of which is as large as a shape.
+const KEPT: usize = 400;
+const KEPT_SLOPES: usize = 80;
+
+/// A load and the shape under it.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct KnownShape {
+    /// The load.
+    pub load: Load,
+    /// The shape, m, 3 a node.
+    pub shape: Vec<f64>,
+    /// Its derivatives; none where they are not known.
+    pub slopes: Vec<Slope>,
+}
+
+impl KnownShape {
+    /// Without derivatives.
+    pub fn new(load: Load, shape: Vec<f64>) -> Self {
+        Self { load, shape, slopes: Vec::new() }
+    }
+}
+
+/// Shapes and their loads.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Surrogate {
+    shapes: Vec<KnownShape>,
+}
+
+impl Surrogate {
+    /// Adds a shape.
+    pub fn add(&mut self, known: KnownShape) {
+        if self.shapes.len() == KEPT {
+            self.shapes.remove(0);
+        }
+        if let Some(old) = self.shapes.len().checked_sub(KEPT_SLOPES) {
+            self.shapes[old].slopes.clear();
+        }
+        self.shapes.push(known);
+    }
+
+    /// Whether it has no shape.
+    pub fn is_empty(&self) -> bool {
+        self.shapes.is_empty()
+    }
+
+    /// The nearest known shape, and the one predicted from all of them; none where there is none of the same chamber.
+    pub fn predict<'a>(from: &[&'a Self], load: &Load) -> Option<(&'a KnownShape, Vec<f64>)> {
+        let alike = from.iter().flat_map(|one| &one.shapes).filter(|known| known.load.chamber == load.chamber);
+        let mut near: Vec<(f64, &KnownShape)> = alike.map(|known| (known.load.away(load), known)).collect();
+        near.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let &(closest, nearest) = near.first()?;
+        let with_slopes = near.iter().filter(|(_, known)| !known.slopes.is_empty());
+        let mut expanded: Vec<(f64, &KnownShape)> =
+            with_slopes.map(|(_, known)| (known.load.apart(load), *known)).collect();
+        expanded.sort_by(|a, b| a.0.total_cmp(&b.0));
+        expanded.truncate(EXPANSIONS);
+        match expanded.first() {
+            Some((_, first)) if closest >= NEARER * first.load.away(load) => Some((first, expansion(&expanded, load))),
+            _ => Some((nearest, kriged(&near, load).unwrap_or_else(|| nearest.shape.clone()))),
+        }
+    }
+}
+
+/// The mean of the first-order expansions about shapes with derivatives, by the inverse fourth power of their distance: Shepard's method with
+/// gradients [shepard1968].
+fn expansion(about: &[(f64, &KnownShape)], load: &Load) -> Vec<f64> {
+    let weight = |apart: f64| apart.max(TINY).powi(-4);
+    let whole: f64 = about.iter().map(|(apart, _)| weight(*apart)).sum();
+    let mut sum = vec![0.0; about[0].1.shape.len()];
+    for (apart, known) in about {
+        let weight = weight(*apart);
+        let mut add = |part: f64, of: &[f64]| sum.iter_mut().zip(of).for_each(|(sum, u)| *sum += part * u);
+        add(weight / whole, &known.shape);
+        known.slopes.iter().for_each(|s| add(weight / whole * load.along(&known.load, s.coordinate), &s.slope));
+    }
+    sum
+}
+
+/// By kriging from the nearest values; none where it would extrapolate.
+fn kriged(near: &[(f64, &KnownShape)], load: &Load) -> Option<Vec<f64>> {
+    let near = &near[..near.len().min(NEAREST)];
+    let places: Vec<Load> = near.iter().map(|(_, known)| known.load.clone()).chain([load.clone().without()]).collect();
+    let weights = weights(&places, load)?;
+    let mut predicted = vec![0.0; near[0].1.shape.len()];
+    for ((_, known), weight) in near.iter().zip(weights.iter()) {
+        predicted.iter_mut().zip(&known.shape).for_each(|(sum, u)| *sum += weight * u);
+    }
+    Some(predicted)
+}
+
+/// Distance at which two loads are the same.
+const TINY: f64 = 1e-9;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Elastic;
+
+    fn load(pressure: f64, body: f64, spine: f64) -> Load {
+        let poissons_ratios = vec![0.49, 0.38];
+        let elastic = Elastic { youngs_moduli: vec![body, spine], poissons_ratios, stiffening: [0.0; 2] };
+        Load::new(0, pressure, &elastic, 0.1)
+    }
+
+    /// A smooth function of the load, zero at rest.
+    fn shape(of: &Load) -> Vec<f64> {
+        let (s, r) = (of.at[0], of.at[1]);
+        vec![s + 0.3 * s * s - 0.2 * s * r, (0.4 * s).sin()]
+    }
+
+    #[test]
+    fn the_constants_of_a_load_are_those_that_it_was_made_of() {
+        let elastic = Elastic {
+            youngs_moduli: vec![2e5, 3e9, 4e6],
+            poissons_ratios: vec![0.49, 0.38, 0.41],
+            stiffening: [0.1, 0.03],
+        };
+        let (pressure, made) = Load::new(1, 7e3, &elastic, 0.1).constants(2e5, 0.1);
+        assert!((pressure - 7e3).abs() < 1e-8 && made.stiffening == elastic.stiffening);
+        let close = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a / b - 1.0).abs() < 1e-12);
+        assert!(close(&made.youngs_moduli, &elastic.youngs_moduli));
+        assert!(close(&made.poissons_ratios, &elastic.poissons_ratios));
+    }
+
+    #[test]
+    fn shapes_on_a_grid_predict_those_between() {
+        let mut known = Surrogate::default();
+        for (body, spine) in [(1e5, 2e9), (1.5e5, 2e9), (1e5, 3e9), (1.5e5, 3e9)] {
+            for pressure in [4e3, 8e3, 1.2e4, 1.6e4] {
+                let at = load(pressure, body, spine);
+                let shape = shape(&at);
+                known.add(KnownShape::new(at, shape));
+            }
+        }
+        let at = load(1.1e4, 1.2e5, 2.4e9);
+        let predicted = Surrogate::predict(&[&known], &at).expect("shapes are known").1;
+        predicted.iter().zip(shape(&at)).for_each(|(a, b)| assert!((a - b).abs() < 1e-3, "{a} for {b}"));
+    }
+
+    /// ∂shape/∂E of both solids and ∂shape/∂ratio of stiffening, by differences.
+    fn by_constants(pressure: f64, body: f64, spine: f64) -> Vec<Vec<f64>> {
+        let at = |body: f64, spine: f64| shape(&load(pressure, body, spine));
+        let slope = |high: Vec<f64>, low: Vec<f64>, by: f64| high.iter().zip(low).map(|(a, b)| (a - b) / by).collect();
+        let (h, k) = (1e-4 * body, 1e-4 * spine);
+        vec![
+            slope(at(body + h, spine), at(body - h, spine), 2.0 * h),
+            slope(at(body, spine + k), at(body, spine - k), 2.0 * k),
+        ]
+    }
+
+    #[test]
+    fn two_shapes_with_their_derivatives_predict_better_than_without() {
+        let off = |with: bool| {
+            let mut known = Surrogate::default();
+            for (pressure, body, spine) in [(8e3, 1e5, 2e9), (1.2e4, 1.3e5, 3e9)] {
+                let at = load(pressure, body, spine);
+                let slopes = at.slopes(&[body, spine], by_constants(pressure, body, spine), Extra::Stiffening);
+                let slopes = if with { slopes } else { Vec::new() };
+                known.add(KnownShape { shape: shape(&at), load: at, slopes });
+            }
+            let at = load(9e3, 1.1e5, 2.6e9);
+            let predicted = Surrogate::predict(&[&known], &at).expect("shapes are known").1;
+            predicted.iter().zip(shape(&at)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+        };
+        assert!(off(true) < 0.05 * off(false) && off(true) < 2e-3, "{} {}", off(true), off(false));
+    }
+
+    #[test]
+    fn slopes_are_derivatives_by_the_coordinates_of_the_load() {
+        let at = load(9e3, 1.1e5, 2.6e9);
+        let slopes = at.slopes(&[1.1e5, 2.6e9], by_constants(9e3, 1.1e5, 2.6e9), Extra::Stiffening);
+        assert_eq!(slopes.iter().map(|s| s.coordinate).collect::<Vec<_>>(), [0, 1]);
+        for Slope { coordinate, slope } in slopes {
+            let moved = |by: f64| {
+                let mut moved = at.clone();
+                moved.at[coordinate] += by;
+                shape(&moved)
+            };
+            let (high, low) = (moved(1e-4), moved(-1e-4));
+            for (k, found) in slope.iter().enumerate() {
+                let wanted = (high[k] - low[k]) / 2e-4;
+                assert!((found - wanted).abs() < 1e-4 * wanted.abs().max(0.1), "{coordinate}: {found} for {wanted}");
+            }
+        }
+    }
+
+    #[test]
+    fn one_shape_predicts_about_twice_the_displacement_for_twice_the_load() {
+        let mut known = Surrogate::default();
+        known.add(KnownShape::new(load(4e3, 1e5, 2e9), vec![1.0]));
+        let predicted = Surrogate::predict(&[&known], &load(8e3, 1e5, 2e9)).expect("a shape is known").1[0];
+        assert!((1.5..2.1).contains(&predicted), "{predicted}");
+    }
+
+    #[test]
+    fn weights_add_up_to_one_far_from_all_that_is_known() {
+        let places = [2e7, 2e9, 2e11].map(|spine| load(8e3, 1e5, spine));
+        let sum = weights(&places, &load(8e3, 1e5, 2e15)).expect("the weights are small").sum();
+        assert!((sum - 1.0).abs() < 1e-9, "{sum}");
+    }
+
+    #[test]
+    fn a_shape_of_another_chamber_is_not_used() {
+        let mut known = Surrogate::default();
+        known.add(KnownShape::new(Load { chamber: 1, ..load(4e3, 1e5, 2e9) }, vec![1.0]));
+        assert_eq!(Surrogate::predict(&[&known], &load(4e3, 1e5, 2e9)), None);
+    }
+
+    #[test]
+    fn shapes_found_twice_do_not_break_it() {
+        let (mut mine, mut others) = (Surrogate::default(), Surrogate::default());
+        for _ in 0..3 {
+            mine.add(KnownShape::new(load(4e3, 1e5, 2e9), vec![1.0]));
+            others.add(KnownShape::new(load(4e3, 1e5, 2e9), vec![1.0]));
+        }
+        let predicted = Surrogate::predict(&[&mine, &others], &load(4e3, 1e5, 2e9)).expect("a shape is known").1[0];
+        assert!((predicted - 1.0).abs() < 1e-6, "{predicted}");
+    }
+}
