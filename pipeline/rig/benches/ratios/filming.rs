@@ -1,5 +1,4 @@
 //! Cost of a film: frames a second on one core for drawing in air and water, exposure and encoding.
-#![allow(clippy::print_stdout)] // a bench prints
 
 use std::time::Instant;
 
@@ -14,7 +13,8 @@ use track::video::{Quality, Writer};
 
 const FRAMES: usize = 120;
 
-fn main() {
+/// Prints the frames a second by profile and medium.
+pub fn print() {
     let set = Settings::built_in();
     let specimen = &rig::specimens::ALL[0];
     let (own, tail) = (&set.specimen[&*specimen.name], (specimen.tail)());
