@@ -223,8 +223,8 @@ impl Solver {
     /// The equilibrium near a shape `predicted` from several earlier ones, of which `nearby` is the nearest (3 entries per node, m), by
     /// Newton's method alone: for callers with a path of their own to fall back on.
     ///
-    /// An interpolated shape stretches a stiff sheet where it rotates. The first tangent leaves the stress of that
-    /// stretch out, as after a load step.
+    /// An interpolated shape stretches a stiff sheet where it rotates. The first tangent has the stress of `nearby` in place
+    /// of the stress of that stretch.
     ///
     /// # Errors
     /// [`SolveError`]; `NoEquilibrium` where Newton's method does not converge.

@@ -168,6 +168,7 @@ fn a_prediction_from_three_shapes_saves_iterations() {
     let largest = |of: &mut dyn Iterator<Item = f64>| of.fold(0.0, |most: f64, x| most.max(x.abs()));
     let off = largest(&mut rested.iter().zip(&extrapolated.displacement).map(|(a, b)| a - b));
     assert!(off < 1e-6 * largest(&mut rested.iter().copied()), "off by {off} m");
+    assert_eq!(extrapolated.factorisations, 1, "the stress of the nearby shape is that of the equilibrium");
     let near = solver.equilibrium(&[], Some(&third), &settings).unwrap();
     assert!(
         extrapolated.iterations < near.iterations,

@@ -7,7 +7,7 @@ pub(crate) const MAX_TRIALS: usize = 25;
 /// Sufficient decrease: fraction of the linear prediction.
 const ARMIJO: f64 = 1e-4;
 /// Energy differences below this fraction of the energy's terms are rounding.
-const ROUNDING: f64 = 1e-13;
+pub(crate) const ROUNDING: f64 = 1e-13;
 
 /// A direction of descent from the current iterate.
 #[derive(Debug, Clone, Copy)]

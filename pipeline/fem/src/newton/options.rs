@@ -1,5 +1,6 @@
 //! Options, outcome and stopping rules of Newton's method.
 
+use crate::newton::line_search::ROUNDING;
 use crate::newton::potential::Energy;
 use si::Metre;
 
@@ -111,7 +112,7 @@ pub(crate) struct IterationState {
     options: NewtonOptions,
     /// Lowest energy so far and the displacement there; none before the first full step.
     lowest: Option<(Energy, Vec<f64>)>,
-    /// Full steps since.
+    /// Full steps in a row since then that did not lower it.
     rises: usize,
     /// Steps since the last factorisation.
     steps: usize,
@@ -122,8 +123,6 @@ pub(crate) struct IterationState {
 const MAX_INDEFINITE: usize = 16;
 /// Full steps in a row without a lower energy after which the watchdog ends them.
 const MAX_RISES: usize = 3;
-/// Energy differences below this fraction of the energy's terms are rounding.
-const ROUNDING: f64 = 1e-13;
 /// Displacement, in sizes of the body, at which stability counts as lost.
 const MAX_DISPLACEMENT: f64 = 3.0;
 
@@ -205,7 +204,7 @@ impl IterationState {
 mod tests {
     use super::*;
 
-    fn full_steps(energy: f64) -> IterationState {
+    fn limited_by(globalisation: Globalisation) -> IterationState {
         let options = NewtonOptions {
             tolerance: 1e-8,
             max_iterations: 9,
@@ -213,14 +212,14 @@ mod tests {
             min_steps: 1,
             refactorise: false,
             predicted: false,
-            globalisation: Globalisation::FullStep,
+            globalisation,
         };
-        IterationState::new(options, None, Energy { value: energy, size: 1.0 })
+        IterationState::new(options, None, Energy { value: 0.0, size: 1.0 })
     }
 
     #[test]
     fn the_watchdog_returns_to_the_lowest_energy_after_three_full_steps_above_it() {
-        let mut state = full_steps(0.0);
+        let mut state = limited_by(Globalisation::FullStep);
         let mut step = |value: f64, at: f64| {
             state.energy.value = value;
             state.watch(&[at])
@@ -235,7 +234,7 @@ mod tests {
 
     #[test]
     fn longer_steps_on_a_convex_part_of_the_tangent_slide_down_negative_curvature() {
-        let mut state = full_steps(0.0);
+        let mut state = limited_by(Globalisation::FullStep);
         state.count_factorisation(true);
         state.count_step(1e-5);
         assert!(!state.slides(2e-5), "the tangent was exact");
@@ -246,17 +245,7 @@ mod tests {
 
     #[test]
     fn a_lagged_factor_is_replaced_when_its_rate_predicts_too_many_iterations() {
-        let globalisation = Globalisation::LineSearch;
-        let options = NewtonOptions {
-            tolerance: 1e-8,
-            max_iterations: 9,
-            max_predicted: 6.0,
-            min_steps: 1,
-            refactorise: false,
-            predicted: false,
-            globalisation,
-        };
-        let mut state = IterationState::new(options, None, Energy { value: 0.0, size: 0.0 });
+        let mut state = limited_by(Globalisation::LineSearch);
         assert!(!state.needs_refactorisation(1.0), "no rate is known yet");
         state.count_step(1e-2);
         assert!(!state.needs_refactorisation(1e-3), "five more of a tenth each");
