@@ -109,11 +109,14 @@ impl LoadPath<'_> {
 
     /// Predicted from the known equilibria and the points on the way.
     fn guess(&self, part: f64, points: &[Point]) -> Vec<f64> {
+        if self.known.is_empty() {
+            return self.extrapolated(part, points);
+        }
         let mut way = Surrogate::default();
         points.iter().for_each(|point| way.add(KnownShape::new(point.load.clone(), point.shape.clone())));
         let all: Vec<&Surrogate> = self.known.iter().copied().chain([&way]).collect();
-        let kriged = (!self.known.is_empty()).then(|| Surrogate::predict(&all, &self.load(part))).flatten();
-        kriged.map_or_else(|| self.extrapolated(part, points), |(_, shape)| shape)
+        let predicted = Surrogate::predict(&all, &self.load(part));
+        predicted.map_or_else(|| self.extrapolated(part, points), |(_, shape)| shape)
     }
 
     /// The polynomial through the last three points, of which the beginning of the path is one, at `part`.

@@ -197,9 +197,9 @@ impl<'a> Fitting<'a> {
         self.explored = solver;
         self.model.nominal.stiffening = found.ratios;
         let elastic = self.elastic(&found.at);
-        let mut bounds = self.search.bounds().clone();
         // Methods are compared from the card's values, as in the paper; one method alone continues from here.
         if self.compared {
+            let mut bounds = self.search.bounds().clone();
             bounds.low[0] = feasible_lower_bound(&mut self.explored, &elastic, &bounds)?;
             self.search = search(self.body, bounds)?;
         } else {
