@@ -62,6 +62,33 @@ fn the_path_of_a_suction_that_rises_in_three_levels_leads_through_the_snap() {
     assert!(off < 1e-6 && largest(&mut known[3].1.iter().copied()) > 6e-3, "off by {off} m");
 }
 
+/// A suction of 60 to 960 Pa, by equal steps.
+#[test]
+fn reduced_equilibria_follow_the_roof_inwards_from_any_of_its_shapes() {
+    let mesh = arched_box();
+    let material = materials::by_name("neo_hookean").unwrap();
+    let clamps = Clamps::where_nodes(&mesh, [true; 3], |at| at[1] < 1e-9);
+    let rest = vec![0.0; 3 * mesh.nodes.len()];
+    let regions = vec![RegionProperties::elastic(material, 2e5, 0.45, 1070.0)];
+    let system = System::new(mesh, regions, clamps).unwrap();
+    let (mut solver, settings) = (system.solver(), StaticSettings::default());
+    let mut known = vec![(0.0, rest)];
+    for level in 1..=16 {
+        let shapes: Vec<(f64, &[f64])> = known.iter().map(|(p, shape)| (*p, shape.as_slice())).collect();
+        let pressure = -60.0 * f64::from(level);
+        known.push((pressure, solver.equilibrium_from(&shapes, &[pressure], &settings).unwrap().displacement));
+    }
+    let shapes: Vec<&[f64]> = known[1..].iter().map(|(_, shape)| shape.as_slice()).collect();
+    let reduced = system.reduce(&shapes, &fem::ReductionSettings { tolerance: 1e-6, ..Default::default() }).unwrap();
+    for start in [&known[0].1, &known[8].1, &known[16].1].map(|shape| reduced.projected(shape)) {
+        for (pressure, shape) in &known[1..] {
+            let found = reduced.displacement(&reduced.equilibrium(&[*pressure], &[1.0], &start).unwrap());
+            let off = found.iter().zip(shape).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+            assert!(off < 1e-6, "at {pressure} Pa off by {off} m");
+        }
+    }
+}
+
 #[test]
 fn a_path_ends_where_no_equilibrium_follows() {
     let mesh = arched_box();

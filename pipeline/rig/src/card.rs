@@ -156,6 +156,7 @@ fn solids(all: &Settings, set: &settings::Specimen) -> card::Solids {
         youngs_modulus: of.nominal.youngs_modulus,
         poissons_ratio: of.nominal.poissons_ratio,
         stiffening: of.nominal.stiffening,
+        stiffening_sigma: of.nominal.stiffening_sigma,
         density: of.density,
         plausible: of.nominal.plausible,
     };

@@ -19,6 +19,9 @@ pub struct Material {
     pub density: KilogramPerCubicMetre,
     /// Nominal C₂₀/C₁₀ and C₃₀/C₁₀, no unit.
     pub stiffening: [f64; 2],
+    /// Standard deviations of `stiffening`, where the card has them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stiffening_sigma: Option<[f64; 2]>,
     /// Lowest and highest plausible E, Pa.
     pub plausible: [Pascal; 2],
 }
@@ -70,6 +73,7 @@ impl Material {
             poissons_ratio: solid.poissons_ratio,
             density: solid.density,
             stiffening: solid.stiffening,
+            stiffening_sigma: solid.stiffening_sigma,
             plausible: solid.plausible,
         }
     }

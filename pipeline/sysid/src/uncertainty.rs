@@ -165,6 +165,7 @@ mod tests {
             poissons_ratio: 0.49,
             density: 1e3,
             stiffening: [0.0; 2],
+            stiffening_sigma: None,
             plausible: [0.5 * youngs_modulus, 2.0 * youngs_modulus],
         };
         let materials = vec![material("body", 2e5), material("spine", 1e6)];

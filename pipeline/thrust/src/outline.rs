@@ -114,6 +114,7 @@ mod tests {
             poissons_ratio: 0.45,
             density: 1e3,
             stiffening: [0.0; 2],
+            stiffening_sigma: None,
             plausible: [1e5, 1e6],
         };
         let markers = vec![[0.05, 0.0, 0.02], [0.08, 0.0, 0.02]];

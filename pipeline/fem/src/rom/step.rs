@@ -24,6 +24,9 @@ const NEAR: f64 = 1e-3;
 const SHORT: f64 = 1e-6;
 /// Stencils whose γ differ by less than this, relative, are the same.
 const SAME_GAMMA: f64 = 1e-9;
+/// A step along the convex part of the tangent may be so many times as long: away from a saddle, as a wall buckles, whole
+/// ones grow by a per cent each.
+pub(super) const LONGEST: f64 = 1024.0;
 /// Bisections of a line search at most.
 const MAX_BISECTIONS: usize = 20;
 /// Largest size of the last step, relative to the snapshots.
@@ -146,7 +149,8 @@ impl Step<'_> {
                 LaggedTangent { factor, gamma: self.stencil.gamma }
             });
             let mut change = tangent.factor.solve(&residual).ok_or(last)?;
-            if residual.dot(&change) <= 0.0 {
+            let slides = residual.dot(&change) <= 0.0;
+            if slides {
                 // Not a direction of descent; the convex part of the tangent gives one.
                 change = self.tangent(&q, ReducedTangent::Convex).lu().solve(&residual).ok_or(last)?;
                 *lagged = None;
@@ -155,10 +159,10 @@ impl Step<'_> {
             if whole < TOLERANCE {
                 return Ok(q - change);
             }
-            let (part, next) = if whole < SHORT {
-                (1.0, self.residual(&(&q - &change)))
-            } else {
-                self.line_search(&q, &change, &residual)
+            let (part, next) = match (slides, whole < SHORT) {
+                (true, _) => self.line_search(&q, &change, &residual, LONGEST),
+                (false, true) => (1.0, self.residual(&(&q - &change))),
+                (false, false) => self.line_search(&q, &change, &residual, 1.0),
             };
             let size = part * whole;
             if !size.is_finite() {
@@ -166,7 +170,7 @@ impl Step<'_> {
             }
             let moved = &q - change * part;
             (from, q, residual) = (if part == 1.0 { q } else { moved.clone() }, moved, next);
-            if part < 1.0 || size > refactorise_above * last || last.is_infinite() && !carried && size > NEAR {
+            if part != 1.0 || size > refactorise_above * last || last.is_infinite() && !carried && size > NEAR {
                 *lagged = None;
             }
             last = size;
@@ -175,10 +179,17 @@ impl Step<'_> {
         Err(last)
     }
 
-    /// Length of the step −`change` from `q`, and the residual there. The whole step, unless the slope at its end has
-    /// the opposite sign and exceeds the slope at the start; then bisection to a small slope.
+    /// Length of the step −`change` from `q`, and the residual there. The whole step, doubled up to `longest` while the
+    /// slope stays near that at the start, unless the slope at its end has the opposite sign and exceeds that at the
+    /// start; then bisection to a small slope.
     // The slope decides, not the energy: external forces have no potential.
-    fn line_search(&self, q: &DVector<f64>, change: &DVector<f64>, residual: &DVector<f64>) -> (f64, DVector<f64>) {
+    pub(super) fn line_search(
+        &self,
+        q: &DVector<f64>,
+        change: &DVector<f64>,
+        residual: &DVector<f64>,
+        longest: f64,
+    ) -> (f64, DVector<f64>) {
         let start = residual.dot(change);
         let at = |part: f64| {
             let left = self.residual(&(q - change * part));
@@ -187,6 +198,10 @@ impl Step<'_> {
         };
         let (mut part, mut low, mut high) = (1.0, 0.0, 1.0);
         let (mut slope, mut left) = at(part);
+        while part < longest && slope < -0.5 {
+            (low, part, high) = (part, 2.0 * part, 2.0 * part);
+            (slope, left) = at(part);
+        }
         for _ in 0..MAX_BISECTIONS {
             if slope.abs() <= 0.5 || part == 1.0 && slope <= 1.0 {
                 break;
@@ -209,7 +224,7 @@ impl Step<'_> {
         self.external.force(&StepState { coordinates: q, velocity: &velocity, gamma, weights })
     }
 
-    fn residual(&self, q: &DVector<f64>) -> DVector<f64> {
+    pub(super) fn residual(&self, q: &DVector<f64>) -> DVector<f64> {
         let (gamma, [_, a, f]) = (self.stencil.gamma, &self.past);
         let (alpha, beta) = (self.settings.mass_damping, self.settings.stiffness_damping);
         let velocity = self.velocity(q);

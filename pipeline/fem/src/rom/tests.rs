@@ -3,7 +3,9 @@
 use nalgebra::DVector;
 
 use super::elastic_forces::ReducedTangent;
+use super::step::{LONGEST, Step};
 use super::{Actuation, NoForce, ReducedModel, ReducedModelData, ReducedMotion, ReductionSettings};
+use crate::dynamics::stencil::Stencil;
 use crate::{
     Chamber, Clamps, DynamicSettings, Elements, Faces, InitialValueProblem, Mesh, RegionProperties, Relaxation, Scheme,
     Springpot, State, StaticSettings, System,
@@ -132,6 +134,30 @@ fn reduced(system: &System, snapshots: &[Vec<f64>]) -> ReducedModel {
 
 fn some_coordinates(r: usize, size: f64) -> DVector<f64> {
     DVector::from_fn(r, |i, _| size * (1.0 + 2.3 * i as f64).sin())
+}
+
+#[test]
+fn a_step_that_is_far_too_short_is_doubled_to_where_the_slope_has_fallen() {
+    let system = hollow();
+    let body = reduced(&system, &snapshots(&system));
+    let zero = || DVector::zeros(body.coordinates());
+    let equations = Step {
+        model: &body,
+        settings: &DynamicSettings::default(),
+        stencil: &Stencil { gamma: 0.0, weights: Vec::new() },
+        pressures: &[2e4],
+        acting: &body.elastic(&[1.0]),
+        external: &NoForce,
+        past: [zero(), zero(), zero()],
+    };
+    let rest = zero();
+    let residual = equations.residual(&rest);
+    let equilibrium = body.equilibrium(&[2e4], &[1.0], &rest).expect("a moderate load");
+    let (short, start) = (&equilibrium * -1e-2, residual.norm());
+    let [whole, doubled] = [1.0, LONGEST].map(|longest| equations.line_search(&rest, &short, &residual, longest));
+    assert_eq!(whole.0, 1.0);
+    assert!(doubled.0 == 64.0 || doubled.0 == 128.0, "{}", doubled.0);
+    assert!(doubled.1.dot(&short).abs() <= 0.5 * residual.dot(&short) && whole.1.norm() > 0.9 * start);
 }
 
 #[test]

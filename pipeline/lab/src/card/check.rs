@@ -117,6 +117,9 @@ fn solid(key: &str, solid: &Solid) -> Checked {
     for (term, ratio) in solid.stiffening.into_iter().enumerate() {
         within(&format!("{key}.stiffening.{term}"), ratio, -1.0..=10.0, "")?;
     }
+    for (term, sigma) in solid.stiffening_sigma.into_iter().flatten().enumerate() {
+        within(&format!("{key}.stiffening_sigma.{term}"), sigma, 1e-6..=10.0, "")?;
+    }
     let [low, high] = solid.plausible;
     within(&format!("{key}.plausible.0"), low, 1e3..=1e12, "Pa")?;
     within(&format!("{key}.plausible.1"), high, 1e3..=1e12, "Pa")?;

@@ -49,6 +49,9 @@ pub struct Solid {
     /// Nominal C₂₀/C₁₀ and C₃₀/C₁₀ of a law that stiffens, such as `yeoh`: the initial guess of an identification.
     #[serde(default)]
     pub stiffening: [f64; 2],
+    /// Standard deviations of `stiffening`, such as those of a tensile test of the batch; without them it is taken for a guess.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stiffening_sigma: Option<[f64; 2]>,
     /// Lowest and highest plausible Young's modulus, Pa: the bounds of an identification.
     pub plausible: [Pascal; 2],
 }

@@ -96,6 +96,9 @@ fn solid(text: &mut String, Part { name, solid }: &Part) {
     if solid.stiffening != [0.0; 2] {
         put(text, format_args!("stiffening = {:?}  # C20/C10 and C30/C10, nominal\n", solid.stiffening));
     }
+    if let Some(sigma) = solid.stiffening_sigma {
+        put(text, format_args!("stiffening_sigma = {sigma:?}  # their standard deviations, of a tensile test\n"));
+    }
     put(text, format_args!("plausible = {:?}  # Pa, the box that is searched\n", solid.plausible));
 }
 

@@ -50,6 +50,8 @@ pub struct Nominal {
     /// C₂₀/C₁₀ and C₃₀/C₁₀.
     #[serde(default)]
     pub stiffening: [f64; 2],
+    /// Their standard deviations by a tensile test.
+    pub stiffening_sigma: Option<[f64; 2]>,
     /// Pa.
     pub plausible: [Pascal; 2],
 }

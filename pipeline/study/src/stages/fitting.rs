@@ -44,7 +44,8 @@ pub struct Settings {
     pub(super) prior_correlation_log_pressure: f64,
     /// Target length of an edge of the finer mesh on which the discretisation error is estimated, m.
     pub(super) fine_edge: Metre,
-    /// Standard deviations of the prior of C₂₀/C₁₀ and C₃₀/C₁₀ about the card's, where the softest solid's law stiffens; no unit.
+    /// Standard deviations of the prior of C₂₀/C₁₀ and C₃₀/C₁₀ about the card's, where the softest solid's law stiffens and the card has none
+    /// of its own; no unit.
     pub(super) stiffening_sigma: [f64; 2],
     /// Specimens on which every method is run for comparison; on the others Gauss-Newton alone.
     pub(super) compared: Vec<String>,
@@ -190,7 +191,7 @@ impl<'a> Fitting<'a> {
             model: &self.model,
             misfit: &self.levels,
             moduli: &self.search,
-            prior_sigma: self.set.stiffening_sigma,
+            prior_sigma: self.body.materials[BODY].stiffening_sigma.unwrap_or(self.set.stiffening_sigma),
             method: self.methods().gauss_newton,
         };
         let found = problem.identify(&mut solver, &|_| ())?;

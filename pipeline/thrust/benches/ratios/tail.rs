@@ -48,6 +48,7 @@ impl Specimen {
             poissons_ratio,
             density,
             stiffening: [0.0; 2],
+            stiffening_sigma: None,
             plausible: [0.5 * youngs_modulus, 2.0 * youngs_modulus],
         };
         let materials = vec![material("body", 2.3e5, 0.487, 1070.0), material("spine", 3e9, 0.37, 1410.0)];
