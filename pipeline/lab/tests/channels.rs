@@ -98,6 +98,21 @@ fn the_nominal_stiffening_of_a_solid_is_read_and_one_out_of_range_is_refused() {
 }
 
 #[test]
+fn the_uncertainty_of_a_stiffening_is_read_written_and_refused_where_it_is_not_positive() {
+    let body = |sigma: &str| {
+        let given = format!("file = \"body.stl\"\nstiffening = [0.02, 0.1]\nstiffening_sigma = {sigma}");
+        with_solids(&solid("body", &given, 1e5))
+    };
+    let solids = body("[0.01, 0.005]").unwrap();
+    assert_eq!(solids.parts[0].solid.stiffening_sigma, Some([0.01, 0.005]));
+    assert!(body("[0.01, 0.0]").unwrap_err().contains("stiffening_sigma.1"));
+    let mut card = parsed(GOOD).unwrap();
+    assert_eq!(card.solid.parts[0].solid.stiffening_sigma, None);
+    card.solid.parts[0].solid.stiffening_sigma = Some([0.01, 0.005]);
+    assert_eq!(parsed(&card::write(&card)).unwrap().solid, card.solid);
+}
+
+#[test]
 fn the_first_of_the_staircases_with_the_highest_level_is_found_and_flapping_has_none() {
     let levels = |levels: &[f64]| Experiment::Staircase {
         channels: vec!["left".into()],

@@ -20,7 +20,6 @@ pub struct Material {
     /// Nominal C₂₀/C₁₀ and C₃₀/C₁₀, no unit.
     pub stiffening: [f64; 2],
     /// Standard deviations of `stiffening`, where the card has them.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub stiffening_sigma: Option<[f64; 2]>,
     /// Lowest and highest plausible E, Pa.
     pub plausible: [Pascal; 2],

@@ -50,7 +50,7 @@ pub struct Solid {
     #[serde(default)]
     pub stiffening: [f64; 2],
     /// Standard deviations of `stiffening`, such as those of a tensile test of the batch; without them it is taken for a guess.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub stiffening_sigma: Option<[f64; 2]>,
     /// Lowest and highest plausible Young's modulus, Pa: the bounds of an identification.
     pub plausible: [Pascal; 2],
