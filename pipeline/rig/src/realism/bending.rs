@@ -6,14 +6,16 @@ use std::path::Path;
 use diagnostics::Result;
 use lab::truth::{self, TrueInflation};
 use mesh::wall::buckling_pressure;
-use si::{MILLIBAR, MILLIMETRE};
+use si::{MILLIBAR, MILLIMETRE, Pascal};
 
 use super::{Comparison, range};
 
 /// The tail with the walls of the photograph.
 const NAME: &str = "marlin";
-/// Turn of the end, degrees: 60 to 75 by the photograph, taken at 250 mbar, of which the droop of the bench's valve leaves 240.
-const TURN: [f64; 2] = [55.0, 75.0];
+/// Pressure of the photograph, as the bench's valve settles when 250 mbar are commanded.
+const PRESSURE: Pascal = 238.0 * MILLIBAR;
+/// Turn of the end, degrees, by the photograph.
+const TURN: [f64; 2] = [60.0, 75.0];
 /// Depth of the fold and height of the bulges: from what can be seen at all to the half-width of the tail, mm.
 const FOLD: [f64; 2] = [2.0, 18.0];
 /// Pressure at which the wall folds: below that of the photograph; walls that bend as far hardly dent at 150 mbar
@@ -30,16 +32,41 @@ pub(super) fn comparisons(raw: &Path) -> Result<Vec<Comparison>> {
         return Ok(Vec::new());
     }
     let sides = truth::read(&file)?.inflation;
-    let last = |of: fn(&TrueInflation) -> &Vec<f64>, unit: f64| {
-        range(sides.iter().filter_map(|side| of(side).last()).map(|value| value.abs() / unit))
+    let there = |of: fn(&TrueInflation) -> &Vec<f64>, unit: f64| {
+        range(sides.iter().map(|side| at_pressure(&side.pressure, of(side)).abs() / unit))
     };
     // a wall that does not fold has its critical pressure nowhere: outside
     let folds = |side: &TrueInflation| buckling_pressure(&side.pressure, &side.dent).unwrap_or(f64::INFINITY);
     let degree = 1f64.to_radians();
     Ok(vec![
-        Comparison::new("turn of the end at the highest pressure, marlin (°)", TURN, last(|s| &s.rotation, degree)),
-        Comparison::new("bulge of the filled side there (mm)", FOLD, last(|s| &s.bulge, MILLIMETRE)),
-        Comparison::new("fold of the slack side there (mm)", FOLD, last(|s| &s.dent, MILLIMETRE)),
+        Comparison::new("turn of the end at 238 mbar, marlin (°)", TURN, there(|s| &s.rotation, degree)),
+        Comparison::new("bulge of the filled side there (mm)", FOLD, there(|s| &s.bulge, MILLIMETRE)),
+        Comparison::new("fold of the slack side there (mm)", FOLD, there(|s| &s.dent, MILLIMETRE)),
         Comparison::new("pressure at which it folds (mbar)", FOLDS, range(sides.iter().map(|s| folds(s) / MILLIBAR))),
     ])
+}
+
+/// `values` at the pressure of the photograph, linear between rising `pressures` (Pa); the last one where they end below.
+fn at_pressure(pressures: &[Pascal], values: &[f64]) -> f64 {
+    let after = pressures.partition_point(|p| *p < PRESSURE);
+    if after == 0 || after == values.len() {
+        return values.get(after).or(values.last()).copied().unwrap_or(0.0);
+    }
+    let [p, q] = [after - 1, after].map(|i| pressures[i]);
+    let part = (PRESSURE - p) / (q - p);
+    (1.0 - part) * values[after - 1] + part * values[after]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_at_the_pressure_of_the_photograph_lies_on_the_line_between_its_neighbours() {
+        let mbar = |levels: [f64; 3]| levels.map(|p| p * MILLIBAR);
+        let rises = at_pressure(&mbar([0.0, 230.0, 250.0]), &[0.0, 1.0, 2.0]);
+        assert!((rises - 1.4).abs() < 1e-12, "{rises}");
+        assert_eq!(at_pressure(&mbar([0.0, 100.0, 200.0]), &[0.0, 1.0, 2.0]), 2.0);
+        assert_eq!(at_pressure(&mbar([240.0, 250.0, 300.0]), &[3.0, 4.0, 5.0]), 3.0);
+    }
 }
