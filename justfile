@@ -58,7 +58,7 @@ calibration COUNT="24" SEED="25": build
     cp target/population/paper/tables/coverage.* paper/tables/
 
 # the tail of the paper's first figure: thin walls, bent far, whose slack side buckles; recorded and studied in a profile of
-# its own, (some 20 minutes of two cores); the figure is that of the paper
+# its own (some 20 minutes of two cores); the figure is that of the paper
 photograph: build
     {{programs}}/rig record --profile photograph
     {{programs}}/study run --profile photograph identify relaxation validate inflate recovery findings
