@@ -17,14 +17,20 @@ fn arched_box() -> Mesh {
     box_mesh::to_quadratic(&box_mesh::grid([12, 3, 6], true, place, |cell| (!air(cell)).then_some(0)))
 }
 
-#[test]
-fn a_thin_arched_roof_snaps_through_under_suction_to_the_equilibrium_beyond() {
+/// [`arched_box`] of rubber, its floor clamped.
+fn clamped() -> System {
     let mesh = arched_box();
     let material = materials::by_name("neo_hookean").unwrap();
     let clamps = Clamps::where_nodes(&mesh, [true; 3], |at| at[1] < 1e-9);
-    let top = (0..mesh.nodes.len()).max_by(|&a, &b| mesh.nodes[a][1].total_cmp(&mesh.nodes[b][1])).unwrap();
     let regions = vec![RegionProperties::elastic(material, 2e5, 0.45, 1070.0)];
-    let system = System::new(mesh, regions, clamps).unwrap();
+    System::new(mesh, regions, clamps).unwrap()
+}
+
+#[test]
+fn a_thin_arched_roof_snaps_through_under_suction_to_the_equilibrium_beyond() {
+    let system = clamped();
+    let nodes = &system.mesh().nodes;
+    let top = (0..nodes.len()).max_by(|&a, &b| nodes[a][1].total_cmp(&nodes[b][1])).unwrap();
     let mut solver = system.solver();
     let (mut heights, mut snapped_through) = (Vec::new(), Vec::new());
     let mut start: Option<Vec<f64>> = None;
@@ -41,12 +47,8 @@ fn a_thin_arched_roof_snaps_through_under_suction_to_the_equilibrium_beyond() {
 
 #[test]
 fn the_path_of_a_suction_that_rises_in_three_levels_leads_through_the_snap() {
-    let mesh = arched_box();
-    let material = materials::by_name("neo_hookean").unwrap();
-    let clamps = Clamps::where_nodes(&mesh, [true; 3], |at| at[1] < 1e-9);
-    let nodes = mesh.nodes.len();
-    let regions = vec![RegionProperties::elastic(material, 2e5, 0.45, 1070.0)];
-    let system = System::new(mesh, regions, clamps).unwrap();
+    let system = clamped();
+    let nodes = system.mesh().nodes.len();
     let (mut solver, settings) = (system.solver(), StaticSettings::default());
     let mut known = vec![(0.0, vec![0.0; 3 * nodes])];
     for pressure in [-20.0, -150.0, -1000.0] {
@@ -65,12 +67,8 @@ fn the_path_of_a_suction_that_rises_in_three_levels_leads_through_the_snap() {
 /// A suction of 60 to 960 Pa, by equal steps.
 #[test]
 fn reduced_equilibria_follow_the_roof_inwards_from_any_of_its_shapes() {
-    let mesh = arched_box();
-    let material = materials::by_name("neo_hookean").unwrap();
-    let clamps = Clamps::where_nodes(&mesh, [true; 3], |at| at[1] < 1e-9);
-    let rest = vec![0.0; 3 * mesh.nodes.len()];
-    let regions = vec![RegionProperties::elastic(material, 2e5, 0.45, 1070.0)];
-    let system = System::new(mesh, regions, clamps).unwrap();
+    let system = clamped();
+    let rest = vec![0.0; 3 * system.mesh().nodes.len()];
     let (mut solver, settings) = (system.solver(), StaticSettings::default());
     let mut known = vec![(0.0, rest)];
     for level in 1..=16 {
@@ -91,23 +89,15 @@ fn reduced_equilibria_follow_the_roof_inwards_from_any_of_its_shapes() {
 
 #[test]
 fn a_path_ends_where_no_equilibrium_follows() {
-    let mesh = arched_box();
-    let material = materials::by_name("neo_hookean").unwrap();
-    let clamps = Clamps::where_nodes(&mesh, [true; 3], |at| at[1] < 1e-9);
-    let rest = vec![0.0; 3 * mesh.nodes.len()];
-    let regions = vec![RegionProperties::elastic(material, 2e5, 0.45, 1070.0)];
-    let system = System::new(mesh, regions, clamps).unwrap();
+    let system = clamped();
+    let rest = vec![0.0; 3 * system.mesh().nodes.len()];
     let refused = system.solver().equilibrium_from(&[(0.0, &rest)], &[2e4], &StaticSettings::default()).unwrap_err();
     assert!(matches!(refused, fem::SolveError::NoEquilibrium { .. }), "{refused}");
 }
 
 #[test]
 fn a_load_without_equilibrium_is_refused_with_the_last_converged_state() {
-    let mesh = arched_box();
-    let material = materials::by_name("neo_hookean").unwrap();
-    let clamps = Clamps::where_nodes(&mesh, [true; 3], |at| at[1] < 1e-9);
-    let regions = vec![RegionProperties::elastic(material, 2e5, 0.45, 1070.0)];
-    let system = System::new(mesh, regions, clamps).unwrap();
+    let system = clamped();
     let settings = StaticSettings { max_halvings: 4, ..Default::default() };
     let refused = system.solver().equilibrium(&[2e4], None, &settings).unwrap_err();
     let last = refused.last_converged().expect("a part of the load can be borne");
