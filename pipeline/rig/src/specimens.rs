@@ -63,8 +63,7 @@
 //!
 //! The stiffer silicone in walls of 1.5 mm bends by 22° at 500 and 61° at 750 mbar. Twelve chambers with walls of 3.3, ribs of 2.4, a back of
 //! 2.8 and a sheet of 0.58 mm bend by 14°, 35° and 45° at 250, 440 and 500 mbar, without a dent. In water the first row is pushed with 2.5 to
-//! 3 times the forces measured; half of the added mass leaves 2.3 to 2.8 times, and a drag of 20
-//! instead of 11 takes another 11 to 15 % off.
+//! 3 times the forces measured; half of the added mass leaves 2.3 to 2.8 times, and a drag of 20 instead of 11 takes another 11 to 15 % off.
 //!
 //! With thin walls all angles above are those of their meshes. Walls and ribs of 1.45 and 1.5, a sheet of 0.6 mm with slots of 0.5, without
 //! deviations of the casting, in Lopez-Pamies' law of 0.2305 MPa; the mesh that the study makes of the STL files, at the same constants:
@@ -81,10 +80,11 @@
 //! | study | 2.2                               | 100 000 | 12.4°, 26.5°, 56.4°, 72.2°, 85.4°     | 2.4, 6.6, 18 mm                           |
 //! | study | 1.8                               | 139 000 | 12.5°, 27.4°, 58.1°, 74.1°, 87.3°     | 2.6, 6.6, 18 mm                           |
 //!
-//! The angle falls short by the square of the edge, by 8 % at 225 mbar with 2.8 mm. With ν = 0.4 instead of 0.4845 the difference between 3.4 and
-//! 2.2 mm shrinks from 7.9 to 6.3 % only, and middles of edges on the curved surfaces change it by 0.5 %: neither locking nor the shape of the skin
-//! explains it. From 4 mm on the slack wall folds at another chamber. Marlin has walls of 1.5 mm in a finer mesh for that reason, in a profile
-//! of its own; Nemo, Dory and Bruce keep thicker walls, of which meshes of 4 mm are off by a few per cent of the motion.
+//! From 2.8 mm on the study's angle falls short by the square of the edge, which leaves 78° at 225 mbar in the limit: 2.8 mm are 12 % short of
+//! it. With ν = 0.4 instead of 0.4845 the difference between 3.4 and 2.2 mm shrinks from 7.9 to 6.3 % only, and middles of edges on the curved
+//! surfaces change it by 0.5 %: neither locking nor the shape of the skin explains it. From 4 mm on the slack wall folds at another chamber.
+//! Marlin has walls of 1.5 mm in a finer mesh for that reason, in a profile of its own; Nemo, Dory and Bruce keep thicker walls, of which meshes
+//! of 4 mm are off by a few per cent of the motion.
 //!
 //! Contact: from 205 mbar on the first rib of Marlin's slack side lies within the head, by 0.3, 1.3 and 1.9 mm at 210, 230 and 250 mbar in the
 //! identified model. Before the buckle it stays 1.3 mm away. Nothing keeps them apart.
