@@ -72,6 +72,13 @@ impl Inputs {
         }
     }
 
+    /// Sets the mass to that of the current densities.
+    pub(crate) fn update_mass(&mut self, data: &SystemData) {
+        let densities: Vec<f64> = self.properties.iter().map(|region| region.density).collect();
+        self.mass = Arc::new(Mass::new(&data.mass_assembly(), &densities, &data.options.masses));
+        self.update_dead_forces();
+    }
+
     /// Sums forces and weight.
     pub(crate) fn update_dead_forces(&mut self) {
         let mut all = self.forces.clone();

@@ -35,6 +35,7 @@
 
 mod adjoint;
 mod assembly;
+mod contact;
 mod dynamics;
 mod inputs;
 mod loads;
@@ -58,6 +59,7 @@ mod viscoelastic;
 pub use adjoint::dynamics::LossGradient;
 pub use adjoint::gradient::{Gradient, MotionGradient, RegionGradient};
 pub use adjoint::parameter::Parameter;
+pub use contact::Contact;
 pub use dynamics::settings::{DynamicSettings, InitialValueProblem, Scheme, State, StepControl};
 pub use dynamics::trajectory::Trajectory;
 pub use loads::Forces;

@@ -1,6 +1,7 @@
 //! Properties of a system beside its mesh: regions, options of the discretisation, attached masses.
 
 use crate::assembly::reference::face_shape_products;
+use crate::contact::Contact;
 use crate::mesh::Mesh;
 use materials::Relaxation;
 use materials::material::{Material, Moduli};
@@ -71,6 +72,8 @@ pub struct Options {
     pub mean_dilatation: Vec<bool>,
     /// Attached masses.
     pub masses: Masses,
+    /// Self-contact of chamber walls; without it they pass through each other.
+    pub contact: Option<Contact>,
 }
 
 /// Attached masses: weights, sensors and magnets that move with nodes, kg.

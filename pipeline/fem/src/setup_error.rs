@@ -231,6 +231,18 @@ pub enum SetupError {
         /// What was given, Pa.
         ambient: Pascal,
     },
+    /// A law of contact outside its range.
+    #[error(
+        "contact has the range {range:e} m and the pressure {pressure:e} Pa\n  why: the range lies above 0 and at most at {largest:.2e} m, a tenth of the body's size; the pressure is a positive number\n  do:  take a range below the thinnest wall, and a tenth of its modulus as the pressure"
+    )]
+    Contact {
+        /// What was given, m.
+        range: Metre,
+        /// Largest range, m.
+        largest: Metre,
+        /// What was given, Pa.
+        pressure: Pascal,
+    },
     /// Chamber faces of another order than the elements.
     #[error(
         "chamber {chamber} has faces of {face} nodes on elements of {element}\n  why: 3-node faces belong to 4-node tetrahedra, 6-node faces to 10-node ones; hexahedra have no chambers\n  do:  give both in one order"

@@ -3,6 +3,7 @@
 use crate::newton::options::NonConvergence;
 use crate::statics::equilibrium::Equilibrium;
 use si::{Pascal, Second};
+use sparse::FactorError;
 
 /// Why a solve failed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -58,6 +59,9 @@ pub enum SolveError {
         "the equilibrium is not stable\n  why: its tangent is not positive definite\n  do:  pass the equilibrium that this solver found with its current properties"
     )]
     NotStable,
+    /// A tangent that is too large with the couplings of walls in contact.
+    #[error("the couplings of walls in contact make the tangent too large\n  why: {0}\n  do:  take a coarser mesh")]
+    TooLarge(#[from] FactorError),
     /// A time step without a solution.
     #[error(
         "no time step is found beyond {time:.6} s\n  why: {cause}, in a step of {step:.3e} s\n  do:  take a smaller time step or smoother pressures"

@@ -3,7 +3,6 @@
 use crate::adjoint::dynamics::LossGradient;
 use crate::adjoint::gradient::{Gradient, MotionGradient, RegionGradient};
 use crate::adjoint::parameter::Parameter;
-use crate::assembly::mass::Mass;
 use crate::dynamics::settings::{InitialValueProblem, State, StepControl};
 use crate::dynamics::trajectory::Trajectory;
 use crate::loads::gas::Gas;
@@ -120,9 +119,7 @@ impl Solver {
         validation::density(region, density)?;
         let SolverState { data, inputs, linearised, .. } = &mut self.state;
         inputs.properties[region].density = density;
-        let densities: Vec<f64> = inputs.properties.iter().map(|region| region.density).collect();
-        inputs.mass = Arc::new(Mass::new(&data.mass_assembly(), &densities, &data.options.masses));
-        inputs.update_dead_forces();
+        inputs.update_mass(data);
         *linearised = None;
         Ok(())
     }

@@ -9,7 +9,12 @@ use crate::statics::equilibrium::Equilibrium;
 use crate::system_data::SystemData;
 use materials::tangent::TangentKind;
 use si::Pascal;
+use sparse::FactorError;
 use std::sync::Arc;
+
+/// Walls that may touch soon are coupled as well: those that are outside the range of contact by so many times it.
+// On a tail of 59 000 dofs that is folded, 25 000 pairs of nodes and a factor larger by 7 %; with a margin of 2, 96 000 and 59 %.
+const MARGIN: f64 = 0.6;
 
 /// Everything that one solver owns.
 pub(crate) struct SolverState {
@@ -30,6 +35,38 @@ impl SolverState {
     pub fn new(data: Arc<SystemData>) -> Self {
         let (inputs, newton) = (Inputs::new(&data), Newton::new(&data));
         Self { data, inputs, newton, linearised: None }
+    }
+
+    /// Couples the nodes of walls in contact at `u` in the tangent, and of those that are about to touch; whether that was new. Vectors in
+    /// elimination order are then no longer valid.
+    ///
+    /// # Errors
+    /// [`FactorError::Symbolic`]
+    pub(crate) fn couple(&mut self, u: &[f64]) -> Result<bool, FactorError> {
+        let Some(contact) = &self.data.contact else { return Ok(false) };
+        let coupled = |&(a, b): &(u32, u32)| self.data.pattern.block_position(a, b).is_some();
+        if contact.couplings(u, 0.0).iter().all(coupled) {
+            return Ok(false);
+        }
+        let further = contact.couplings(u, MARGIN * contact.range());
+        let data = Arc::new(self.data.with_couplings(&further)?);
+        let interrupt = self.newton.interrupt.take();
+        self.newton = Newton::new(&data);
+        self.newton.interrupt = interrupt;
+        self.linearised = None;
+        self.data = data;
+        self.inputs.update_mass(&self.data);
+        Ok(true)
+    }
+
+    /// `to`, or as much of the straight way from `from` to it as takes no wall through another.
+    pub(crate) fn admissible(&self, from: &[f64], to: Vec<f64>) -> Vec<f64> {
+        let Some(contact) = &self.data.contact else { return to };
+        let step: Vec<f64> = to.iter().zip(from).map(|(to, from)| to - from).collect();
+        match contact.admissible_part(from, &step) {
+            1.0 => to,
+            part => from.iter().zip(step).map(|(from, step)| from + part * step).collect(),
+        }
     }
 
     /// # Errors

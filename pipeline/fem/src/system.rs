@@ -5,6 +5,7 @@
 
 use crate::assembly::mass::{Mass, MassAssembly, ShapeProducts};
 use crate::assembly::reference::ReferenceElements;
+use crate::contact::SelfContact;
 use crate::loads::ChamberPressure;
 use crate::mesh::Mesh;
 use crate::mesh::clamps::Clamps;
@@ -15,6 +16,7 @@ use crate::system_data::{SystemData, block_positions};
 use crate::validation;
 use si::CubicMetre;
 use sparse::{NodeGraph, Pattern, Symbolic};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// A body ready to be solved. Immutable and shared: a clone copies a pointer.
@@ -56,13 +58,16 @@ impl System {
         validation::nodes(&mesh, &clamps)?;
         validation::regions(&mesh, &regions)?;
         validation::masses(&mesh, &options.masses)?;
+        options.contact.map_or(Ok(()), |contact| validation::contact(&mesh, contact))?;
         let clamps = clamps.with_symmetry(&mesh);
         let graph = mesh.graph();
         let reference = ReferenceElements::new(&mesh);
         validation::elements(&mesh, &reference, &graph)?;
         validation::constraints(&mesh, &graph, &clamps)?;
         let chambers = chambers(&mesh, &graph)?;
-        let pattern = Pattern::new(&mesh.nodes, &graph, &clamps.by_node(mesh.nodes.len()));
+        let constrained = clamps.by_node(mesh.nodes.len());
+        let pattern = Pattern::new(&mesh.nodes, &graph, &constrained);
+        let contact = options.contact.map(|contact| Arc::new(SelfContact::new(&mesh, contact)));
         let block_positions = block_positions(&mesh, &pattern);
         if pattern.dofs() == 0 {
             return Err(SetupError::FullyConstrained { nodes: mesh.nodes.len() });
@@ -82,11 +87,14 @@ impl System {
             volumes,
             pattern,
             block_positions,
-            symbolic,
+            symbolic: Arc::new(symbolic),
             options,
             products,
             mass,
             chambers,
+            contact,
+            constrained,
+            couplings: BTreeSet::new(),
             size,
         };
         Ok(Self { data: Arc::new(data) })

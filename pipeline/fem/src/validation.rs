@@ -2,6 +2,7 @@
 
 use crate::assembly::reference::ReferenceElements;
 use crate::assembly::shape_functions::{CUBE_EDGES, EDGES, SIDES};
+use crate::contact::Contact;
 use crate::mesh::clamps::Clamps;
 use crate::mesh::{Chamber, Faces, Mesh};
 use crate::properties::{Masses, RegionProperties};
@@ -150,6 +151,15 @@ pub(crate) fn masses(mesh: &Mesh, masses: &Masses) -> Result<(), SetupError> {
         if !(mass > 0.0 && mass < 1e3) {
             return Err(SetupError::AttachedMass { node, mass });
         }
+    }
+    Ok(())
+}
+
+/// Checks the ranges of a law of contact.
+pub(crate) fn contact(mesh: &Mesh, Contact { range, pressure }: Contact) -> Result<(), SetupError> {
+    let largest = 0.1 * mesh.size();
+    if !(range > 0.0 && range <= largest && pressure > 0.0 && pressure.is_finite()) {
+        return Err(SetupError::Contact { range, largest, pressure });
     }
     Ok(())
 }

@@ -43,7 +43,7 @@ impl<'a> Body<'a> {
         let clamps = clamps(case, loaded, &reach)?;
         let forces = forces(case, loaded, &mesh, &clamps)?;
         let lumped_mass = case.dynamic.as_ref().is_some_and(|set| set.lumped_mass);
-        let options = Options { lumped_mass, mean_dilatation, masses: masses(case, &reach, &mesh)? };
+        let options = Options { lumped_mass, mean_dilatation, masses: masses(case, &reach, &mesh)?, contact: None };
         let system = System::with(mesh, properties, &clamps, options)?;
         let numbers = numbers(case, solid, cavities)?;
         let mut notes = unnamed(&numbers, cavities);

@@ -1,5 +1,7 @@
 //! The node graph of a mesh: which nodes share an element.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 /// Neighbours of each node, in rising order, itself not among them.
 #[derive(Debug)]
 pub struct NodeGraph {
@@ -21,6 +23,25 @@ impl NodeGraph {
             around.sort_unstable();
             around.dedup();
             graph.neighbours.extend(around.iter().filter(|&&other| other as usize != node));
+            graph.start.push(graph.neighbours.len());
+        }
+        graph
+    }
+
+    /// The same with the pairs of `further` as neighbours too.
+    pub fn with_edges(&self, further: &BTreeSet<(u32, u32)>) -> Self {
+        let mut added: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        for &(a, b) in further.iter().filter(|(a, b)| a != b) {
+            added.entry(a).or_default().push(b);
+            added.entry(b).or_default().push(a);
+        }
+        let mut graph = Self { start: vec![0], neighbours: Vec::new() };
+        for node in 0..self.len() as u32 {
+            let mut around = self.of(node).to_vec();
+            around.extend(added.get(&node).into_iter().flatten());
+            around.sort_unstable();
+            around.dedup();
+            graph.neighbours.extend(around);
             graph.start.push(graph.neighbours.len());
         }
         graph
@@ -73,5 +94,15 @@ mod tests {
             [vec![1, 2], vec![0, 2, 3], vec![0, 1, 3], vec![1, 2], vec![]]
         );
         assert!(NodeGraph::new(0, &[], 3).is_empty());
+    }
+
+    #[test]
+    fn further_edges_join_both_of_their_nodes_once() {
+        let graph = NodeGraph::new(5, &[0, 1, 2, 2, 3, 1], 3);
+        let graph = graph.with_edges(&[(0, 4), (1, 2), (3, 3), (0, 3)].into());
+        assert_eq!(
+            [0, 1, 2, 3, 4].map(|node| graph.of(node).to_vec()),
+            [vec![1, 2, 3, 4], vec![0, 2, 3], vec![0, 1, 3], vec![0, 1, 2], vec![0]]
+        );
     }
 }

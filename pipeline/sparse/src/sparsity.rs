@@ -49,7 +49,7 @@ fn multiply(matrix: &LowerTriangle, x: &[f64], y: &mut [f64]) {
 }
 
 /// Position of every dof and every entry.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Pattern {
     /// nodes × axes: the row of the matrix, or [`CONSTRAINED`].
     pub dof: Vec<[u32; 3]>,

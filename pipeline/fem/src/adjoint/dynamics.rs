@@ -178,6 +178,7 @@ impl SolverState {
         let gamma = step.stencil.gamma;
         let inertia = Inertia { rate: gamma * gamma + settings.mass_damping * gamma, ..Inertia::default() };
         let u = &step.state().displacement;
+        self.couple(u)?;
         let mut b = self.data.pattern.gather(right);
         if settings.stiffness_damping > 0.0 {
             let image = self.elastic_stiffness_times(u, rate);

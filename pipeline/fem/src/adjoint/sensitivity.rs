@@ -157,6 +157,7 @@ impl SolverState {
         let (settings, gamma) = (&step.trajectory.settings, step.stencil.gamma);
         let u = &step.state().displacement;
         let inertia = Inertia { rate: gamma * gamma + settings.mass_damping * gamma, ..Inertia::default() };
+        self.couple(u)?;
         let Self { data, inputs, newton, .. } = self;
         let potential = inputs.at_rest(data, step.pressures()).in_motion(&inertia);
         newton.linearise(&potential, u);

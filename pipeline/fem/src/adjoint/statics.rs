@@ -122,7 +122,7 @@ impl SolverState {
     pub(crate) fn keep_constant_tangent(&mut self, found: &Equilibrium) {
         let is_linear = self.inputs.elastic.iter().all(|is| !is.material.is_objective());
         let has_gas = self.inputs.at_rest(&self.data, &found.pressures).gases().next().is_some();
-        if is_linear && !has_gas && found.factorisations > 0 {
+        if is_linear && !has_gas && self.data.contact.is_none() && found.factorisations > 0 {
             self.linearised = Some(found.clone());
         }
     }
@@ -131,6 +131,7 @@ impl SolverState {
     fn solve_at(&mut self, at: &Equilibrium, b: &[f64]) -> Result<Vec<f64>, SolveError> {
         self.check_field("the displacement", &at.displacement)?;
         self.check_pressures(&at.pressures)?;
+        self.couple(&at.displacement)?;
         let Self { data, inputs, newton, linearised } = self;
         let potential = inputs.at_rest(data, &at.pressures);
         let known = |of: &Equilibrium| of.displacement == at.displacement && of.pressures == at.pressures;

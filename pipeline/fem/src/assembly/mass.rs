@@ -10,7 +10,7 @@ use nalgebra::{Matrix3, Vector3};
 use sparse::{CONSTRAINED, Pattern};
 
 /// ∫ N_a N_b dV of every element: the part of the mass that does not depend on densities.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct ShapeProducts {
     /// elements × pairs (a ≥ b), m³.
     pairs: Vec<f64>,

@@ -14,7 +14,7 @@ use nalgebra::{Matrix3, Vector3};
 use si::Point3;
 
 /// Gradients by reference coordinates and weights, by element and quadrature point.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct ReferenceElements {
     /// Quadrature points of an element: 1, 4 or 8.
     pub points: usize,

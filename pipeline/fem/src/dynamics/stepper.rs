@@ -209,6 +209,8 @@ impl SolverState {
         if settings.stiffness_damping > 0.0 && stepper.forces.is_empty() {
             stepper.forces = stepper.shapes().take(2).map(|u| self.elastic_forces(u)).collect();
         }
+        let mut displacement = self.admissible(&stepper.states[0].displacement, stepper.initial_guess(PAST, time));
+        self.couple(&displacement)?;
         let stencil = stepper.stencil(settings, time);
         let inertia = self.inertia(settings, &stencil, stepper);
         let potential = self.inputs.at_rest(&self.data, pressures).in_motion(&inertia);
@@ -223,7 +225,6 @@ impl SolverState {
             predicted: false,
             globalisation: Globalisation::LineSearch,
         };
-        let mut displacement = stepper.initial_guess(PAST, time);
         // Extrapolation may invert an element after a jump of the pressure; the last shape does not.
         let counts = self.newton.minimise(&potential, &mut displacement, None, &options).or_else(|_| {
             displacement.clone_from(&stepper.states[0].displacement);

@@ -14,7 +14,7 @@ use nalgebra::{Matrix3, Vector3};
 use si::{CubicMetre, Point2};
 
 /// W = −V(u) of one chamber.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct ChamberPressure {
     /// Volume of the cavity at rest, m³; of a half model, of the half.
     pub at_rest: CubicMetre,

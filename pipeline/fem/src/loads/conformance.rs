@@ -2,6 +2,7 @@
 
 use super::gas::Gas;
 use super::{ChamberPressure, DeadForces};
+use crate::contact::{Contact, SelfContact};
 use crate::loads::Load;
 use crate::mesh::box_mesh;
 use crate::mesh::{Faces, Mesh};
@@ -51,9 +52,18 @@ fn wave(mesh: &Mesh) -> Vec<f64> {
     mesh.nodes.iter().flat_map(|at| [bend(at[1], 0.3), bend(at[0] + at[2], 1.0), 0.7 * bend(at[2], 0.0)]).collect()
 }
 
+/// The same on a ball that is pressed flat in y, so that its walls meet each other, and those of a half model their images.
+fn flattened(mesh: &Mesh) -> Vec<f64> {
+    let mut u = wave(mesh);
+    u.iter_mut().skip(1).step_by(3).zip(&mesh.nodes).for_each(|(u, at)| *u -= 0.8 * at[1]);
+    u
+}
+
 fn loads(mesh: &Mesh) -> Vec<Box<dyn Load>> {
     let forces = (0..3 * mesh.nodes.len()).map(|at| (at as f64).sin()).collect();
-    vec![Box::new(ChamberPressure::new(mesh, &mesh.chambers[0])), Box::new(DeadForces { forces })]
+    let contact = SelfContact::new(mesh, Contact { range: 0.6 * RADIUS, pressure: 1e4 });
+    let chamber = ChamberPressure::new(mesh, &mesh.chambers[0]);
+    vec![Box::new(chamber), Box::new(DeadForces { forces }), Box::new(contact)]
 }
 
 /// Σ ∂²W/∂u_a∂u_b v_b
@@ -77,7 +87,7 @@ fn along(u: &[f64], v: &[f64], step: f64) -> Vec<f64> {
 fn the_gradient_of_every_load_is_the_difference_of_its_potential() {
     for mesh in [ball(false, false), ball(true, false), ball(true, true)] {
         let (u, v): (Vec<f64>, Vec<f64>) =
-            (wave(&mesh), (0..3 * mesh.nodes.len()).map(|at| (0.7 * at as f64).cos()).collect());
+            (flattened(&mesh), (0..3 * mesh.nodes.len()).map(|at| (0.7 * at as f64).cos()).collect());
         for load in loads(&mesh) {
             let step = 1e-4 * RADIUS;
             let difference =
@@ -116,17 +126,21 @@ fn the_gradient_of_gas_is_the_difference_of_its_potential_sealed_or_not() {
 fn the_hessian_of_every_load_is_the_difference_of_its_gradient() {
     for mesh in [ball(false, false), ball(true, false), ball(true, true)] {
         let (u, v): (Vec<f64>, Vec<f64>) =
-            (wave(&mesh), (0..3 * mesh.nodes.len()).map(|at| (0.7 * at as f64).cos()).collect());
+            (flattened(&mesh), (0..3 * mesh.nodes.len()).map(|at| (0.7 * at as f64).cos()).collect());
         for load in loads(&mesh) {
-            let step = 1e-4 * RADIUS;
+            let step = 2e-5 * RADIUS;
             let (mut above, mut below) = (vec![0.0; u.len()], vec![0.0; u.len()]);
             load.add_gradient(&along(&u, &v, step), 1.0, &mut above);
             load.add_gradient(&along(&u, &v, -step), 1.0, &mut below);
             let exact = hessian_times(load.as_ref(), &u, &v);
             let size = exact.iter().fold(1e-30, |most: f64, x| most.max(x.abs()));
-            for ((above, below), exact) in above.iter().zip(&below).zip(&exact) {
-                assert!(((above - below) / (2.0 * step) - exact).abs() < 1e-7 * size);
-            }
+            let errors = above
+                .iter()
+                .zip(&below)
+                .zip(&exact)
+                .map(|((above, below), exact)| ((above - below) / (2.0 * step) - exact).abs());
+            let error = errors.fold(0.0, f64::max);
+            assert!(error < 1e-7 * size, "{error:e} of {size:e}");
         }
     }
 }

@@ -253,6 +253,7 @@ impl Newton {
         let old = pattern.gather(&self.gradient);
         let search = LineSearch { start, slope: dot(&old, &direction.step) };
         let mut part = (MAX_STEP * on.data.size / direction.size).min(1.0);
+        part *= on.admissible_part(u, &pattern.scattered(&direction.step, part, u.len()));
         let mut trial = u.to_vec();
         for _ in 0..if globalisation == Globalisation::LineSearch { MAX_TRIALS } else { MAX_HALVINGS } {
             trial.copy_from_slice(u);

@@ -39,8 +39,12 @@ impl Newton {
             if size > 2.0 * last || !size.is_finite() {
                 return None;
             }
+            let step = on.data.pattern.scattered(&direction, -1.0, at.len());
+            if on.admissible_part(&at, &step) < 1.0 {
+                return None;
+            }
             previous = Some(at.clone());
-            on.data.pattern.scatter(&direction, -1.0, &mut at);
+            sparse::add(&mut at, 1.0, &step);
             // The next step would be shorter by the same ratio again, but not below the residual of PCG: stop when that
             // suffices.
             if size * (size / last).max(DIRECTION.tolerance) <= 0.5 * options.tolerance || size <= options.tolerance {

@@ -3,6 +3,7 @@
 use crate::newton::line_search::ROUNDING;
 use crate::newton::potential::Energy;
 use si::Metre;
+use sparse::FactorError;
 
 /// How a step along Newton's direction is limited.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -85,6 +86,9 @@ pub enum NonConvergence {
         /// Largest displacement on the way, m.
         moved: Metre,
     },
+    /// The tangent with the couplings of walls in contact is too large.
+    #[error("the tangent with the couplings of walls in contact cannot be factorised: {0}")]
+    TooLarge(#[from] FactorError),
     /// The solve was asked to end.
     #[error("it was interrupted")]
     Interrupted,

@@ -1,8 +1,8 @@
 //! The potential that a body minimises: elastic energy less the work of the loads, in dynamics with inertia.
 //!
-//! Π(u) = Ψ(u) − Σ p_c V_c(u) − t f · u + ½ c (u − û)ᵀ M (u − û) + h · u
+//! Π(u) = Ψ(u) − Σ p_c V_c(u) − t f · u + W(u) + ½ c (u − û)ᵀ M (u − û) + h · u
 //!
-//! An implicit time step minimises such an incremental potential with its own c, û, h and moduli; in statics c = 0 and
+//! with the potential W of self-contact. An implicit time step minimises such an incremental potential with its own c, û, h and moduli; in statics c = 0 and
 //! h = 0.
 
 use crate::assembly::elastic::{Body, Elastic};
@@ -91,6 +91,9 @@ impl Potential<'_> {
         }
         add(self.load_factor * self.dead.potential(u));
         self.dead.add_gradient(u, self.load_factor, gradient);
+        if let Some(contact) = &self.data.contact {
+            add(contact.add_energy(u, 1.0, gradient));
+        }
         if let Some(inertia) = self.inertia {
             self.add_inertia(inertia, u, gradient).into_iter().for_each(add);
         }
@@ -130,11 +133,11 @@ impl Potential<'_> {
             HessianKind::ConvexElastic | HessianKind::Convex => TangentKind::Convex,
         };
         self.body().stiffness(u, tangent, values);
-        if kind == HessianKind::Convex {
-            self.add_mass(values);
-        } else {
-            self.add_inertia_and_loads(u, values);
+        if kind != HessianKind::Convex {
+            self.add_gases(u, values);
         }
+        self.add_mass(values);
+        self.add_contact(u, matches!(kind, HessianKind::Convex | HessianKind::ConvexElastic), values);
     }
 
     /// The elastic part of ∂²Π/∂u² alone.
@@ -146,6 +149,11 @@ impl Potential<'_> {
     /// Adds all but the elastic part of ∂²Π/∂u².
     pub(crate) fn add_inertia_and_loads(&self, u: &[f64], values: &mut [f64]) {
         self.add_mass(values);
+        self.add_gases(u, values);
+        self.add_contact(u, false, values);
+    }
+
+    fn add_gases(&self, u: &[f64], values: &mut [f64]) {
         let pattern = &self.data.pattern;
         for gas in self.gases() {
             gas.add_hessian(u, &mut |a, b, block| {
@@ -153,6 +161,24 @@ impl Potential<'_> {
                 pattern.add(values, position, (a, b), block);
             });
         }
+    }
+
+    /// `convex`: of the contact's second derivative its convex part alone.
+    // Newton's method may bring walls together that were not expected to meet. Their nodes are then not coupled: the direction is still one of
+    // descent, and the solve ends with the couplings that it found.
+    fn add_contact(&self, u: &[f64], convex: bool, values: &mut [f64]) {
+        let Some(contact) = &self.data.contact else { return };
+        let pattern = &self.data.pattern;
+        let coupled = |a: u32, b: u32| pattern.block_position(a, b).is_some();
+        contact.add_stiffness(u, (1.0, convex), &coupled, &mut |a, b, block| {
+            let position = pattern.block_position(a, b).expect("blocks of uncoupled faces are their own");
+            pattern.add(values, position, (a, b), block);
+        });
+    }
+
+    /// The largest part of `step` (3 entries per node, m) from `u`, at most 1, by which no wall passes through another.
+    pub(crate) fn admissible_part(&self, u: &[f64], step: &[f64]) -> f64 {
+        self.data.contact.as_ref().map_or(1.0, |contact| contact.admissible_part(u, step))
     }
 
     fn add_mass(&self, values: &mut [f64]) {

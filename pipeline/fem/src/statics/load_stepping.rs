@@ -92,8 +92,8 @@ impl SolverState {
         self.check_field("the predicted shape", predicted)?;
         self.linearised = None;
         let mut at = self.at_rest(pressures);
-        at.displacement = self.with_constraints(predicted);
         let previous = self.with_constraints(nearby);
+        at.displacement = self.admissible(&previous, self.with_constraints(predicted));
         let options = NewtonOptions {
             max_iterations: settings.max_iterations,
             predicted: true,
@@ -187,7 +187,7 @@ impl SolverState {
         let line_search = NewtonOptions { globalisation, max_iterations: settings.max_iterations, ..full_steps };
         let loads = homotopy.at(target);
         let (_, end) = &path[path.len() - 1];
-        let guess = extrapolated(path, target);
+        let guess = self.admissible(&end.displacement, extrapolated(path, target));
         let previous = (path.len() > 1).then_some(end.displacement.as_slice());
         let at = |from: &[f64]| {
             let (displacement, pressures) = (from.to_vec(), loads.pressures.clone());
@@ -222,14 +222,22 @@ impl SolverState {
         load: AppliedLoad,
         options: &NewtonOptions,
     ) -> Result<usize, NonConvergence> {
-        let potential = self.inputs.static_potential(&self.data, load);
-        let counts = self.newton.minimise(&potential, &mut at.displacement, previous, options)?;
-        at.iterations += counts.iterations;
-        at.factorisations += counts.factorisations;
-        if counts.indefinite > 0 {
-            at.snap_through.push(load.load_factor);
+        self.couple(&at.displacement)?;
+        let mut factorisations = 0;
+        // A solve that brought further walls into contact is repeated with their couplings, from its end.
+        loop {
+            let potential = self.inputs.static_potential(&self.data, load);
+            let counts = self.newton.minimise(&potential, &mut at.displacement, previous, options)?;
+            at.iterations += counts.iterations;
+            at.factorisations += counts.factorisations;
+            factorisations += counts.factorisations;
+            if counts.indefinite > 0 {
+                at.snap_through.push(load.load_factor);
+            }
+            if !self.couple(&at.displacement)? {
+                return Ok(factorisations);
+            }
         }
-        Ok(counts.factorisations)
     }
 
     fn at_rest(&self, pressures: &[Pascal]) -> Equilibrium {

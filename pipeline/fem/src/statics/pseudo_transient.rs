@@ -58,6 +58,7 @@ impl SolverState {
         rate: f64,
         options: &NewtonOptions,
     ) -> Result<usize, NonConvergence> {
+        self.couple(&at.displacement)?;
         let centre = self.data.pattern.gather(&at.displacement);
         let history = load.added.map_or_else(Vec::new, |force| force.history.clone());
         let inertia = Inertia { rate, centre, history };

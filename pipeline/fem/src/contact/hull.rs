@@ -1,0 +1,55 @@
+//! Whether two faces stay apart in a step, by planes between their convex hulls.
+//!
+//! The points of a face stay inside the hull of its control points. As those move along straight lines, so do their projections on a fixed
+//! axis: hulls that an axis separates before and after a step are separated by it all the way.
+
+use super::APPROACH;
+use nalgebra::Vector3;
+
+/// Control points of a face.
+pub(crate) type Hull = Vec<Vector3<f64>>;
+
+/// Whether one of the axes separates two hulls before a step, and keeps enough of their gap after it. `hulls`: both before and both after.
+pub(crate) fn stay_apart(hulls: &[[Hull; 2]; 2]) -> bool {
+    let [before, after] = hulls;
+    let keeps = |axis: Vector3<f64>| {
+        let now = gap(before, &axis);
+        now > 0.0 && gap(after, &axis) >= (1.0 - APPROACH) * now
+    };
+    axes(before).into_iter().any(|axis| keeps(axis) || keeps(-axis))
+}
+
+/// Normals of both faces, and the direction from one middle to the other.
+fn axes([a, b]: &[Hull; 2]) -> [Vector3<f64>; 3] {
+    let normal = |hull: &Hull| (hull[1] - hull[0]).cross(&(hull[2] - hull[0]));
+    let middle = |hull: &Hull| hull.iter().sum::<Vector3<f64>>() / hull.len() as f64;
+    [middle(b) - middle(a), normal(a), normal(b)]
+}
+
+/// By how much the second hull lies beyond the first along an `axis`, in units of its length; negative where it does not.
+fn gap([a, b]: &[Hull; 2], axis: &Vector3<f64>) -> f64 {
+    let high = a.iter().map(|point| point.dot(axis)).fold(f64::NEG_INFINITY, f64::max);
+    let low = b.iter().map(|point| point.dot(axis)).fold(f64::INFINITY, f64::min);
+    low - high
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn triangle(z: f64, tilt: f64) -> Hull {
+        [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(|[x, y]| Vector3::new(x, y, z + tilt * x)).to_vec()
+    }
+
+    #[test]
+    fn faces_stay_apart_while_an_axis_keeps_a_fifth_of_their_gap() {
+        let from = [triangle(0.0, 0.0), triangle(1.0, 0.0)];
+        let apart = |z, tilt| stay_apart(&[from.clone(), [triangle(0.0, 0.0), triangle(z, tilt)]]);
+        assert!(apart(0.9, 0.0) && apart(0.21, 0.0) && !apart(0.19, 0.0) && !apart(-1.0, 0.0));
+        // sideways and turned, yet on its side
+        assert!(apart(0.7, 0.5));
+        // no plane lies between two that cross
+        let crossing = [triangle(-0.5, 1.0), triangle(0.0, 0.0)];
+        assert!(!stay_apart(&[crossing.clone(), crossing]));
+    }
+}

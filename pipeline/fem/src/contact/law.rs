@@ -1,0 +1,64 @@
+//! The law by which two points repel each other: k ψ(r) with ψ(r) = (c/r − 1)³ within the range c.
+//!
+//! ψ and its first two derivatives vanish at c, so that the tangent does not jump where walls come into contact.
+
+use nalgebra::{Matrix3, Vector3};
+use si::{Metre, Pascal};
+use std::f64::consts::PI;
+
+/// k ψ(r).
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RepulsiveLaw {
+    /// c, m.
+    pub range: Metre,
+    /// k, J/m⁴.
+    stiffness: f64,
+}
+
+impl RepulsiveLaw {
+    /// The law by which two flat walls press on each other with `pressure` (Pa) at half the `range`, where ψ = 1.
+    pub fn new(range: Metre, pressure: Pascal) -> Self {
+        Self { range, stiffness: pressure / (PI * range) }
+    }
+
+    /// k ψ, J/m⁴.
+    pub fn value(&self, distance: Metre) -> f64 {
+        self.stiffness * (self.range / distance - 1.0).powi(3)
+    }
+
+    /// k ψ′, J/m⁵.
+    pub fn slope(&self, distance: Metre) -> f64 {
+        -3.0 * self.stiffness * (self.range / distance - 1.0).powi(2) * self.range / distance.powi(2)
+    }
+
+    /// k ψ″, J/m⁶.
+    fn curvature(&self, distance: Metre) -> f64 {
+        let (c, r) = (self.range, distance);
+        6.0 * self.stiffness * (c / r - 1.0) * c / r.powi(3) * (2.0 * c / r - 1.0)
+    }
+
+    /// Second derivative by one of two points `apart` (m): ψ″ n nᵀ + ψ′/r (I − n nᵀ); of the convex part, the first term alone.
+    pub fn hessian(&self, apart: &Vector3<f64>, distance: Metre, convex: bool) -> Matrix3<f64> {
+        let normal = apart / distance;
+        let along = normal * normal.transpose();
+        let across = if convex { 0.0 } else { self.slope(distance) / distance };
+        along * (self.curvature(distance) - across) + Matrix3::identity() * across
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slope_and_curvature_are_differences_and_all_vanish_at_the_range() {
+        let law = RepulsiveLaw::new(6e-4, 2.5e4);
+        let (r, step) = (2.3e-4, 1e-9);
+        let difference = |of: &dyn Fn(f64) -> f64| (of(r + step) - of(r - step)) / (2.0 * step);
+        assert!((difference(&|r| law.value(r)) / law.slope(r) - 1.0).abs() < 1e-7);
+        assert!((difference(&|r| law.slope(r)) / law.curvature(r) - 1.0).abs() < 1e-7);
+        for of in [RepulsiveLaw::value, RepulsiveLaw::slope, RepulsiveLaw::curvature] {
+            assert!((of(&law, 6e-4 * (1.0 - 1e-6)) / of(&law, r)).abs() < 1e-5);
+        }
+    }
+}

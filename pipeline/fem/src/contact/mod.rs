@@ -1,0 +1,286 @@
+//! Frictionless self-contact of the walls of chambers by a repulsive potential [kamensky2018].
+//!
+//! W(u) = Σ w_i w_j k ψ(|x_i − x_j|) over pairs of points on two walls, each with its area w at rest; ψ rises without limit as two points
+//! meet and vanishes beyond the range. A sum over points is smooth where a closest point would jump from one face to the next, so that
+//! first and second derivative are exact, and the tangent stays symmetric. Two flat walls with a gap g press on each other with
+//! p(g) = 2π k g ψ(g): the walls meet at about half the range.
+//!
+//! Faces that are closer than twice the range at rest, neighbours above all, do not repel each other. The walls of a half model also meet
+//! their mirror images.
+//!
+//! Points that repel each other share no element. Their nodes are coupled in the tangent, whose sparsity is extended when walls come
+//! close ([`crate::system_data::SystemData::with_couplings`]).
+
+mod boxes;
+mod hull;
+mod law;
+mod surface;
+#[cfg(test)]
+mod tests;
+
+use crate::loads::Load;
+use crate::mesh::Mesh;
+use boxes::{Box3, ClosePair, close_pairs};
+use law::RepulsiveLaw;
+use nalgebra::{Matrix3, Vector3};
+use si::{Joule, Metre, Pascal};
+use std::collections::{BTreeMap, BTreeSet};
+use surface::{NODES, Samples, Surface};
+
+/// How walls in contact repel each other.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// Distance beyond which two points do not repel each other, m; less than the thinnest wall.
+    pub range: Metre,
+    /// Pressure between two flat walls at half the range, Pa.
+    pub pressure: Pascal,
+}
+
+/// Samples along an edge are closer than this fraction of the range.
+const SPACING: f64 = 0.6;
+/// Faces closer than this multiple of the range at rest do not repel each other.
+const APART: f64 = 2.0;
+/// Fraction of the distance between two walls by which one step may bring them closer.
+const APPROACH: f64 = 0.8;
+/// Walls farther apart than this multiple of the range are not expected to meet within one step.
+const REACH: f64 = 10.0;
+
+/// The walls of the chambers of one mesh, and the law by which they repel each other.
+#[derive(Debug, Clone)]
+pub(crate) struct SelfContact {
+    law: RepulsiveLaw,
+    surface: Surface,
+    /// Pairs that are too close at rest.
+    excluded: BTreeSet<ClosePair>,
+    /// Whether walls meet their mirror images.
+    half: bool,
+}
+
+/// The samples of two faces: positions of the second as its mirror image where that is meant.
+struct FacePair<'a> {
+    pair: ClosePair,
+    samples: [&'a Samples; 2],
+}
+
+impl SelfContact {
+    /// Between all chamber walls of `mesh`.
+    pub fn new(mesh: &Mesh, contact: Contact) -> Self {
+        let surface = Surface::new(mesh, SPACING * contact.range);
+        let law = RepulsiveLaw::new(contact.range, contact.pressure);
+        let mut new = Self { law, surface, excluded: BTreeSet::new(), half: mesh.symmetry_plane_z };
+        let rest = vec![0.0; 3 * mesh.nodes.len()];
+        new.excluded = new.close(&new.surface.boxes(&rest), APART * contact.range).into_iter().collect();
+        new
+    }
+
+    /// Pairs of faces whose boxes are closer than `reach` and that repel each other.
+    fn close(&self, boxes: &[Box3], reach: Metre) -> Vec<ClosePair> {
+        let mut pairs = close_pairs(boxes, reach, self.half);
+        pairs.retain(|pair| !self.excluded.contains(pair));
+        pairs
+    }
+
+    /// The range of the law, m.
+    pub fn range(&self) -> Metre {
+        self.law.range
+    }
+
+    /// Calls `visit` with the faces that may be within `reach` of each other at `u`.
+    fn for_each_face_pair(&self, u: &[f64], reach: Metre, mut visit: impl FnMut(&FacePair)) {
+        let pairs = self.close(&self.surface.boxes(u), reach);
+        let mut samples: BTreeMap<(u32, bool), Samples> = BTreeMap::new();
+        for pair in &pairs {
+            for (face, mirrored) in pair.faces() {
+                samples.entry((face, mirrored)).or_insert_with(|| self.surface.samples(face, u, mirrored));
+            }
+        }
+        for pair in pairs {
+            let [a, b] = pair.faces();
+            visit(&FacePair { pair, samples: [&samples[&a], &samples[&b]] });
+        }
+    }
+
+    /// `strength` W(u), J; adds its gradient (3 entries per node, N) to `gradient`.
+    pub fn add_energy(&self, u: &[f64], strength: f64, gradient: &mut [f64]) -> Joule {
+        let mut total = 0.0;
+        self.for_each_face_pair(u, self.law.range, |faces| {
+            let mut forces = faces.samples.map(|samples| vec![Vector3::zeros(); samples.positions.len()]);
+            let area = strength * self.area(faces);
+            faces.for_each_point_pair(self.law.range, |i, j, apart, distance| {
+                total += area * self.law.value(distance);
+                let force = apart * (area * self.law.slope(distance) / distance);
+                forces[0][i] += force;
+                forces[1][j] -= force;
+            });
+            for ((face, mirrored), forces) in faces.pair.faces().into_iter().zip(&forces) {
+                self.surface.add_forces(face, mirrored, forces, gradient);
+            }
+        });
+        total
+    }
+
+    /// Product of the areas of two samples, m⁴.
+    fn area(&self, faces: &FacePair) -> f64 {
+        faces.pair.faces().map(|(face, _)| self.surface.sample_area(face)).into_iter().product()
+    }
+
+    /// Calls `add` with the blocks of `strength` ∂²W/∂u²: of its convex part alone where that is asked for. Faces whose nodes are not
+    /// `coupled` in the tangent get twice their own convex blocks and none between them, which is more than the second derivative in every
+    /// direction.
+    pub fn add_stiffness(
+        &self,
+        u: &[f64],
+        (strength, convex): (f64, bool),
+        coupled: &dyn Fn(u32, u32) -> bool,
+        add: &mut dyn FnMut(u32, u32, &Matrix3<f64>),
+    ) {
+        self.for_each_face_pair(u, self.law.range, |faces| {
+            if !faces.touch(self.law.range) {
+                return;
+            }
+            let nodes = faces.pair.faces().map(|(face, _)| self.surface.nodes(face));
+            let between = nodes[0].iter().all(|a| nodes[1].iter().all(|b| coupled(*a, *b)));
+            let scale = if between { strength } else { 2.0 * strength } * self.area(faces);
+            let blocks = self.blocks(faces, scale, convex || !between);
+            for (side, nodes) in nodes.iter().enumerate() {
+                for (a, &node) in nodes.iter().enumerate() {
+                    nodes[..=a].iter().enumerate().for_each(|(b, &other)| add(node, other, &blocks.own[side][a][b]));
+                }
+            }
+            for (a, &node) in nodes[0].iter().enumerate().filter(|_| between) {
+                for (b, &other) in nodes[1].iter().enumerate() {
+                    let block = blocks.between[a][b];
+                    // a wall that meets its own mirror image
+                    let block = if node == other { block + block.transpose() } else { block };
+                    add(node, other, &block);
+                }
+            }
+        });
+    }
+
+    /// The second derivative by the nodes of two faces.
+    fn blocks(&self, faces: &FacePair, scale: f64, convex: bool) -> Blocks {
+        let [first, second] = faces.pair.faces().map(|(face, _)| self.surface.shapes(face));
+        let mut sums = faces.samples.map(|samples| vec![Matrix3::zeros(); samples.positions.len()]);
+        let mut mixed = vec![[Matrix3::zeros(); NODES]; first.len()];
+        faces.for_each_point_pair(self.law.range, |i, j, apart, distance| {
+            let hessian = self.law.hessian(&apart, distance, convex) * scale;
+            sums[0][i] += hessian;
+            sums[1][j] += hessian;
+            mixed[i].iter_mut().zip(&second[j]).for_each(|(sum, shape)| *sum += hessian * *shape);
+        });
+        let mirror = faces.pair.mirror();
+        let reflect = |blocks: &mut [[Matrix3<f64>; NODES]; NODES]| {
+            blocks.iter_mut().flatten().for_each(|block| *block = mirror * *block * mirror);
+        };
+        let mut blocks = Blocks::default();
+        for (side, shapes) in [first, second].into_iter().enumerate() {
+            for (shape, sum) in shapes.iter().zip(&sums[side]) {
+                for (a, b) in (0..NODES).flat_map(|a| (0..=a).map(move |b| (a, b))) {
+                    blocks.own[side][a][b] += sum * (shape[a] * shape[b]);
+                }
+            }
+        }
+        reflect(&mut blocks.own[1]);
+        for (shape, mixed) in first.iter().zip(&mixed) {
+            for (a, b) in (0..NODES).flat_map(|a| (0..NODES).map(move |b| (a, b))) {
+                blocks.between[a][b] -= mixed[b] * mirror * shape[a];
+            }
+        }
+        blocks
+    }
+
+    /// Pairs of nodes that the tangent couples at `u`, with a `margin` (m) for what walls will move.
+    pub fn couplings(&self, u: &[f64], margin: Metre) -> BTreeSet<(u32, u32)> {
+        let (mut found, reach) = (BTreeSet::new(), self.law.range + margin);
+        self.for_each_face_pair(u, reach, |faces| {
+            let [first, second] = faces.pair.faces().map(|(face, _)| self.surface.nodes(face));
+            let each = first.iter().flat_map(|&a| second.iter().map(move |&b| (a.min(b), a.max(b))));
+            let near = faces.touch(reach);
+            found.extend(each.filter(|(a, b)| near && a != b));
+        });
+        found
+    }
+
+    /// The largest part of `step` (3 entries per node, m) from `u`, at most 1, by which no wall passes through another.
+    pub fn admissible_part(&self, u: &[f64], step: &[f64]) -> f64 {
+        let mut part: f64 = 1.0;
+        let moved: Vec<f64> = u.iter().zip(step).map(|(u, step)| u + step).collect();
+        let largest = step.iter().fold(0.0, |most: f64, entry| most.max(entry.abs()));
+        let reach = (4.0 * largest).min(REACH * self.law.range);
+        for pair in self.close(&self.surface.boxes(u), reach) {
+            let hulls =
+                [u, &moved].map(|at| pair.faces().map(|(face, mirrored)| self.surface.hull(face, at, mirrored)));
+            if !hull::stay_apart(&hulls) {
+                part = part.min(self.admissible_part_of_points(&pair, [u, &moved]));
+            }
+        }
+        part
+    }
+
+    /// The same for two faces that no plane keeps apart: by which no sample comes too close to another.
+    fn admissible_part_of_points(&self, pair: &ClosePair, [u, moved]: [&[f64]; 2]) -> f64 {
+        let samples = |at| pair.faces().map(|(face, mirrored)| self.surface.samples(face, at, mirrored));
+        let (now, next) = (samples(u), samples(moved));
+        let mut part: f64 = 1.0;
+        let faces = FacePair { pair: *pair, samples: [&now[0], &now[1]] };
+        faces.for_each_point_pair(REACH * self.law.range, |i, j, apart, distance| {
+            let change = next[0].positions[i] - next[1].positions[j] - apart;
+            let approach = -change.dot(&apart) / distance;
+            if approach > 0.0 {
+                part = part.min(APPROACH * distance / approach);
+            }
+        });
+        part
+    }
+}
+
+/// Second derivatives by the nodes of two faces: of each by itself, a ≥ b, and between them.
+#[derive(Default)]
+struct Blocks {
+    own: [[[Matrix3<f64>; NODES]; NODES]; 2],
+    between: [[Matrix3<f64>; NODES]; NODES],
+}
+
+impl FacePair<'_> {
+    /// Whether two samples are closer than `range`.
+    fn touch(&self, range: Metre) -> bool {
+        let mut touch = false;
+        self.for_each_point_pair(range, |_, _, _, _| touch = true);
+        touch
+    }
+
+    /// Calls `visit` with the indices of two samples closer than `range`, the vector from the second to the first, and its length.
+    fn for_each_point_pair(&self, range: Metre, mut visit: impl FnMut(usize, usize, Vector3<f64>, Metre)) {
+        let [a, b] = self.samples;
+        let near = |of: &Samples, other: &Samples| {
+            let bounds = other.bounds.widened(range);
+            let each = of.positions.iter().enumerate().filter(|(_, x)| bounds.contains(x));
+            each.map(|(index, x)| (index, *x)).collect::<Vec<_>>()
+        };
+        let others = near(b, a);
+        for (i, x) in near(a, b).into_iter().filter(|_| !others.is_empty()) {
+            for &(j, y) in &others {
+                let apart = x - y;
+                let squared = apart.norm_squared();
+                if squared < range * range {
+                    visit(i, j, apart, squared.sqrt());
+                }
+            }
+        }
+    }
+}
+
+impl Load for SelfContact {
+    fn potential(&self, u: &[f64]) -> f64 {
+        self.add_energy(u, 1.0, &mut vec![0.0; u.len()])
+    }
+
+    fn add_gradient(&self, u: &[f64], strength: f64, gradient: &mut [f64]) {
+        self.add_energy(u, strength, gradient);
+    }
+
+    fn add_hessian(&self, u: &[f64], strength: f64, add: &mut dyn FnMut(u32, u32, &Matrix3<f64>)) {
+        self.add_stiffness(u, (strength, false), &|_, _| true, add);
+    }
+}

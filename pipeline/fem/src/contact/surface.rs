@@ -1,0 +1,149 @@
+//! The walls of chambers as faces with samples: points at the middles of small triangles of equal area.
+
+use super::boxes::Box3;
+use super::hull::Hull;
+use crate::assembly::shape_functions::triangle;
+use crate::mesh::{Faces, Mesh};
+use nalgebra::Vector3;
+use si::{Metre, SquareMetre};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Nodes of a face at most.
+pub(crate) const NODES: usize = 6;
+
+/// Values of the shape functions at every sample of a face; those of a linear face end with zeros.
+type Shapes = Arc<[[f64; NODES]]>;
+
+/// The samples of one face as it is deformed.
+pub(crate) struct Samples {
+    /// m.
+    pub positions: Vec<Vector3<f64>>,
+    /// Around them.
+    pub bounds: Box3,
+}
+
+/// The walls of all chambers.
+#[derive(Debug, Clone)]
+pub(crate) struct Surface {
+    faces: Faces,
+    /// Rest positions of all nodes of the mesh.
+    rest: Arc<[Vector3<f64>]>,
+    /// By face.
+    shapes: Vec<Shapes>,
+    /// By face, of one sample.
+    areas: Vec<SquareMetre>,
+}
+
+impl Surface {
+    /// Of the chambers of `mesh`, with samples at most `spacing` apart along edges.
+    pub fn new(mesh: &Mesh, spacing: Metre) -> Self {
+        let faces = all_faces(mesh);
+        let rest: Arc<[Vector3<f64>]> = mesh.nodes.iter().map(|&node| Vector3::from(node)).collect();
+        let (mut tables, mut shapes, mut areas) = (BTreeMap::new(), Vec::new(), Vec::new());
+        for face in 0..faces.len() {
+            let nodes = faces.nodes(face);
+            let [a, b, c] = [0, 1, 2].map(|corner| rest[nodes[corner] as usize]);
+            let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
+            let pieces = (longest / spacing).ceil().max(1.0) as usize;
+            shapes.push(Arc::clone(tables.entry(pieces).or_insert_with(|| sampled(nodes.len(), pieces))));
+            areas.push(0.5 * (b - a).cross(&(c - a)).norm() / (pieces * pieces) as f64);
+        }
+        Self { faces, rest, shapes, areas }
+    }
+
+    /// Node numbers of a face, 3 or 6.
+    pub fn nodes(&self, face: u32) -> &[u32] {
+        self.faces.nodes(face as usize)
+    }
+
+    /// Shape functions at the samples of a face.
+    pub fn shapes(&self, face: u32) -> &[[f64; NODES]] {
+        &self.shapes[face as usize]
+    }
+
+    /// Area at rest of one sample of a face.
+    pub fn sample_area(&self, face: u32) -> SquareMetre {
+        self.areas[face as usize]
+    }
+
+    /// The samples of a face at displacement `u`, or their mirror images in z = 0.
+    pub fn samples(&self, face: u32, u: &[f64], mirrored: bool) -> Samples {
+        let nodes = self.nodes(face).iter().map(|&node| mirror(self.position(node, u), mirrored));
+        let nodes: Vec<Vector3<f64>> = nodes.collect();
+        let sample = |shape: &[f64; NODES]| nodes.iter().zip(shape).map(|(x, value)| x * *value).sum();
+        let positions: Vec<Vector3<f64>> = self.shapes(face).iter().map(sample).collect();
+        Samples { bounds: Box3::around(&positions), positions }
+    }
+
+    /// A box around every face at displacement `u`.
+    pub fn boxes(&self, u: &[f64]) -> Vec<Box3> {
+        (0..self.faces.len() as u32).map(|face| Box3::around(&self.hull(face, u, false))).collect()
+    }
+
+    /// Control points of a face at displacement `u`, or their mirror images: the face lies inside their convex hull.
+    pub fn hull(&self, face: u32, u: &[f64], mirrored: bool) -> Hull {
+        controls(self.nodes(face).iter().map(|&node| mirror(self.position(node, u), mirrored)).collect())
+    }
+
+    /// Adds the `forces` on the samples of a face, or on those of its mirror image, to `gradient`.
+    pub fn add_forces(&self, face: u32, mirrored: bool, forces: &[Vector3<f64>], gradient: &mut [f64]) {
+        let mut sums = [Vector3::zeros(); NODES];
+        for (shape, force) in self.shapes(face).iter().zip(forces) {
+            sums.iter_mut().zip(shape).for_each(|(sum, value)| *sum += force * *value);
+        }
+        for (&node, sum) in self.nodes(face).iter().zip(sums) {
+            let force = mirror(sum, mirrored);
+            (0..3).for_each(|axis| gradient[3 * node as usize + axis] += force[axis]);
+        }
+    }
+
+    fn position(&self, node: u32, u: &[f64]) -> Vector3<f64> {
+        self.rest[node as usize] + entry(node, u)
+    }
+}
+
+fn entry(node: u32, field: &[f64]) -> Vector3<f64> {
+    Vector3::from_column_slice(&field[3 * node as usize..3 * node as usize + 3])
+}
+
+fn mirror(x: Vector3<f64>, mirrored: bool) -> Vector3<f64> {
+    if mirrored { Vector3::new(x.x, x.y, -x.z) } else { x }
+}
+
+/// The control points of the quadratic Bézier triangle through 6 nodes; 3 nodes are their own.
+fn controls(mut nodes: Hull) -> Hull {
+    if let [a, b, c, middles @ ..] = &mut nodes[..] {
+        let ends = [(*a, *b), (*b, *c), (*c, *a)];
+        middles.iter_mut().zip(ends).for_each(|(middle, (from, to))| *middle = *middle * 2.0 - (from + to) * 0.5);
+    }
+    nodes
+}
+
+/// Shape functions at the middles of the `pieces`² triangles into which a face is cut.
+fn sampled(nodes: usize, pieces: usize) -> Shapes {
+    let n = pieces as f64;
+    let both =
+        |i: usize, k: usize| [(3.0, 1.0, true), (3.0, 2.0, i + k + 1 < pieces)].map(|(t, s, is)| (i, k, s / t, is));
+    let cells = (0..pieces).flat_map(|i| (0..pieces - i).flat_map(move |k| both(i, k)));
+    let middle = |(i, k, into, _): (usize, usize, f64, bool)| [(i as f64 + into) / n, (k as f64 + into) / n];
+    let values = |at| {
+        let mut values = [0.0; NODES];
+        triangle(nodes, at).iter().zip(&mut values).for_each(|((value, _), entry)| *entry = *value);
+        values
+    };
+    cells.filter(|cell| cell.3).map(middle).map(values).collect()
+}
+
+/// The faces of all chambers in one list.
+fn all_faces(mesh: &Mesh) -> Faces {
+    let mut all = Faces::Quadratic(Vec::new());
+    for chamber in &mesh.chambers {
+        match (&mut all, &chamber.faces) {
+            (Faces::Quadratic(all), Faces::Quadratic(faces)) => all.extend(faces),
+            (Faces::Linear(all), Faces::Linear(faces)) => all.extend(faces),
+            (all, faces) => *all = faces.clone(),
+        }
+    }
+    all
+}

@@ -1,0 +1,123 @@
+//! Self-contact of chamber walls: a roof that suction lays on its floor.
+
+#![allow(clippy::unwrap_used)] // a test may fail where it stands
+
+use fem::{
+    Clamps, Contact, DynamicSettings, InitialValueProblem, LossGradient, Mesh, Options, Parameter, RegionProperties,
+    Scheme, SetupError, State, StaticSettings, System, box_mesh, materials,
+};
+use std::f64::consts::PI;
+
+/// Height of the chamber, m.
+const HEIGHT: f64 = 0.002;
+const CONTACT: Contact = Contact { range: 5e-4, pressure: 4e3 };
+
+/// A block of 40 × 40 × 8 mm, half of it in z, whose chamber has a roof of 1 mm.
+fn block() -> Mesh {
+    let air = |cell: [usize; 3]| (2..10).contains(&cell[0]) && cell[1] == 1 && cell[2] < 4;
+    let level = |at: f64| [0.0, 0.005, 0.005 + HEIGHT, 0.006 + HEIGHT][(3.0 * at).round() as usize];
+    let place = |at: [f64; 3]| [0.04 * at[0], level(at[1]), 0.02 * at[2]];
+    box_mesh::to_quadratic(&box_mesh::grid([12, 3, 6], true, place, |cell| (!air(cell)).then_some(0)))
+}
+
+/// [`block`] of rubber, its floor clamped.
+fn body(contact: Option<Contact>) -> Result<System, SetupError> {
+    let mesh = block();
+    let clamps = Clamps::where_nodes(&mesh, [true; 3], |at| at[1] < 1e-9);
+    let rubber = RegionProperties::elastic(materials::by_name("neo_hookean").unwrap(), 2e5, 0.45, 1070.0);
+    System::with(mesh, vec![rubber], clamps, Options { contact, ..Options::default() })
+}
+
+/// The node of the wall at height `y` (m) in the middle.
+fn middle(system: &System, y: f64) -> usize {
+    let nodes = &system.mesh().nodes;
+    let off = |n: &usize| (nodes[*n][0] - 0.02).abs() + (nodes[*n][1] - y).abs() + nodes[*n][2];
+    (0..nodes.len()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap()
+}
+
+/// Height of the chamber in the middle, m.
+fn gap(system: &System, u: &[f64]) -> f64 {
+    let [floor, roof] = [0.005, 0.005 + HEIGHT].map(|y| 3 * middle(system, y) + 1);
+    HEIGHT + u[roof] - u[floor]
+}
+
+#[test]
+fn a_roof_under_suction_comes_to_rest_where_its_floor_presses_back_as_much() {
+    let system = body(Some(CONTACT)).unwrap();
+    let mut solver = system.solver();
+    let mut start: Option<Vec<f64>> = None;
+    for suction in [200.0, 1000.0, 4000.0, 8000.0] {
+        let found = solver.equilibrium(&[-suction], start.as_deref(), &StaticSettings::default()).unwrap();
+        assert!(found.residual < 1e-6, "{}", found.residual);
+        let (gap, c) = (gap(&system, &found.displacement), CONTACT.range);
+        // p(g) = 2π k g (c/g − 1)³ with p(c/2) given; the roof is flat in the middle
+        let pressure = 2.0 * PI * CONTACT.pressure / (PI * c) * gap * (c / gap - 1.0).powi(3);
+        assert!(suction < 4000.0 || (pressure / suction - 1.0).abs() < 0.1, "{suction}: {gap} {pressure}");
+        start = Some(found.displacement);
+    }
+    // without contact the roof passes through the floor
+    let without = body(None).unwrap();
+    let found = without.solver().equilibrium(&[-1000.0], None, &StaticSettings::default()).unwrap();
+    assert!(gap(&without, &found.displacement) < -0.5 * HEIGHT);
+}
+
+#[test]
+fn adjoint_and_sensitivity_of_a_body_in_contact_are_differences() {
+    let system = body(Some(CONTACT)).unwrap();
+    let settings = StaticSettings { tolerance: 1e-11, ..StaticSettings::default() };
+    let mut solver = system.solver();
+    let row = 3 * middle(&system, 0.006 + HEIGHT) + 1;
+    let first = solver.equilibrium(&[-1500.0], None, &settings).unwrap();
+    let mut at = |e: f64, pressure: f64| {
+        solver.set_elastic(0, e, 0.45).unwrap();
+        let found = solver.equilibrium(&[pressure], Some(&first.displacement), &settings).unwrap();
+        found.displacement[row]
+    };
+    let by_modulus = (at(2.002e5, -1500.0) - at(1.998e5, -1500.0)) / 400.0;
+    let by_pressure = (at(2e5, -1499.0) - at(2e5, -1501.0)) / 2.0;
+    let mut solver = system.solver();
+    let mut along = vec![0.0; first.displacement.len()];
+    along[row] = 1.0;
+    let gradient = solver.adjoint(&first, &along).unwrap()[0].youngs_modulus;
+    assert!((gradient / by_modulus - 1.0).abs() < 1e-5, "{gradient:e} {by_modulus:e}");
+    let sensitivity = solver.sensitivity(&first, Parameter::Pressure(0)).unwrap()[row];
+    assert!((sensitivity / by_pressure - 1.0).abs() < 1e-5, "{sensitivity:e} {by_pressure:e}");
+}
+
+#[test]
+fn a_roof_that_falls_on_its_floor_bounces_and_its_motion_has_the_gradient_of_differences() {
+    let system = body(Some(CONTACT)).unwrap();
+    let settings = DynamicSettings { step: 1e-3, scheme: Scheme::Bdf2, tolerance: 1e-11, ..DynamicSettings::default() };
+    let rest = State::rest(system.mesh().nodes.len());
+    let pressures = |t: f64| vec![-1500.0 * (t / 5e-3).min(1.0)];
+    let (steps, row) = (14, 3 * middle(&system, 0.006 + HEIGHT) + 1);
+    let problem = InitialValueProblem { settings: &settings, initial: &rest, pressures: &pressures };
+    let end = |e: f64| {
+        let mut solver = system.solver();
+        solver.set_elastic(0, e, 0.45).unwrap();
+        let mut least = f64::INFINITY;
+        let end =
+            solver.integrate(&problem, steps, &mut |_, state| least = least.min(gap(&system, &state.displacement)));
+        (end.unwrap().displacement[row], least)
+    };
+    let (_, least) = end(2e5);
+    assert!(least > 0.0 && least < CONTACT.range, "{least}");
+    let difference = (end(2.0002e5).0 - end(1.9998e5).0) / 40.0;
+    let mut solver = system.solver();
+    let trajectory = solver.record(&problem, steps, 1 << 30).unwrap();
+    let mut loss = |n: usize, _: &State| {
+        let mut by = vec![0.0; if n == steps { 3 * system.mesh().nodes.len() } else { 0 }];
+        by.get_mut(row).into_iter().for_each(|entry| *entry = 1.0);
+        LossGradient { displacement: by, velocity: Vec::new() }
+    };
+    let gradient = solver.trajectory_adjoint(&trajectory, &mut loss).unwrap().regions[0].youngs_modulus;
+    assert!((gradient / difference - 1.0).abs() < 1e-4, "{gradient:e} {difference:e}");
+}
+
+#[test]
+fn a_range_of_contact_that_cannot_be_is_refused() {
+    for (range, pressure) in [(0.0, 1e3), (0.02, 1e3), (f64::NAN, 1e3), (5e-4, -1.0), (5e-4, f64::INFINITY)] {
+        let refused = body(Some(Contact { range, pressure }));
+        assert!(matches!(refused, Err(SetupError::Contact { .. })), "{range} {pressure}");
+    }
+}
