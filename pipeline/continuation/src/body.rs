@@ -24,6 +24,9 @@ pub struct BodyProblem {
     load: BodyLoad,
     factor: IndefiniteFactor,
     dof_map: DofMap,
+    /// The dofs of the factor: where walls come into contact, the tangent has further entries, and another elimination order.
+    factorised: DofMap,
+    entries: usize,
     /// Where the tangent is assembled.
     at: Equilibrium,
     /// Where the path begins, one entry per dof.
@@ -45,6 +48,11 @@ impl DofMap {
         let mut full = vec![0.0; 3 * self.nodes];
         self.full_index.iter().zip(u).for_each(|(&at, value)| full[at as usize] = *value);
         full
+    }
+
+    /// One entry per dof from 3 entries per node.
+    fn gathered(&self, full: &[f64]) -> Vec<f64> {
+        self.full_index.iter().map(|&at| full[at as usize]).collect()
     }
 
     /// The node that moves most in a `mode` (one entry per dof).
@@ -73,8 +81,9 @@ impl BodyProblem {
         let tangent = solver.assemble(&at)?;
         let dof_map = DofMap { full_index: tangent.full_index.to_vec(), nodes: system.mesh().nodes.len() };
         let factor = IndefiniteFactor::new(&tangent)?;
+        let (factorised, entries) = (dof_map.clone(), tangent.rows.len());
         let (start, size) = (vec![0.0; dof_map.full_index.len()], system.mesh().size());
-        let mut problem = Self { solver, load, factor, dof_map, at, start, size };
+        let mut problem = Self { solver, load, factor, dof_map, factorised, entries, at, start, size };
         if problem.load(&problem.start(), 0.0).iter().all(|&force| force == 0.0) {
             let why = "a path of equilibria follows a load that grows";
             return Err(ContinuationError::Load { what: "the load moves nothing".into(), why });
@@ -84,17 +93,13 @@ impl BodyProblem {
 
     /// The same body, its path beginning near `displacement` (3 entries per node, m).
     pub fn starting_at(mut self, displacement: &[f64]) -> Self {
-        self.start = self.gathered(displacement);
+        self.start = self.dof_map.gathered(displacement);
         self
     }
 
     /// The dofs of its nodes.
     pub fn dof_map(&self) -> &DofMap {
         &self.dof_map
-    }
-
-    fn gathered(&self, full: &[f64]) -> Vec<f64> {
-        self.dof_map.full_index.iter().map(|&at| full[at as usize]).collect()
     }
 
     /// Pressures at a load factor, Pa; the dead forces are set.
@@ -122,7 +127,7 @@ impl Problem for BodyProblem {
 
     fn residual(&mut self, u: &[f64], load_factor: f64) -> Option<Vec<f64>> {
         let pressures = self.apply(load_factor)?;
-        let residual = self.gathered(&self.solver.residual(&self.dof_map.full(u), &pressures).ok()?);
+        let residual = self.dof_map.gathered(&self.solver.residual(&self.dof_map.full(u), &pressures).ok()?);
         residual.iter().all(|entry| entry.is_finite()).then_some(residual)
     }
 
@@ -140,12 +145,20 @@ impl Problem for BodyProblem {
             Some(previous) => self.solver.assemble_mixed(&self.at, &previous),
             None => self.solver.assemble(&self.at),
         };
-        self.factor.compute(&tangent.ok()?).ok()?;
+        let tangent = tangent.ok()?;
+        if tangent.rows.len() != self.entries {
+            self.factor = IndefiniteFactor::new(&tangent).ok()?;
+            self.entries = tangent.rows.len();
+            self.factorised.full_index = tangent.full_index.to_vec();
+        }
+        self.factor.compute(&tangent).ok()?;
         Some(self.factor.negative_eigenvalues())
     }
 
     fn solve(&mut self, x: &mut [f64]) {
-        self.factor.solve(x);
+        let mut ordered = self.factorised.gathered(&self.dof_map.full(x));
+        self.factor.solve(&mut ordered);
+        x.copy_from_slice(&self.dof_map.gathered(&self.factorised.full(&ordered)));
     }
 }
 
