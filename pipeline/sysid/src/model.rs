@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use fem::{Clamps, RegionProperties, Relaxation, Solver, System};
+use fem::{Clamps, Contact, Options, RegionProperties, Relaxation, Solver, System};
 use mesh::{QuadraticMesh, Solid, Spot};
 use serde::{Deserialize, Serialize};
 use si::{Metre, Pascal, Point2, Point3, Second};
@@ -87,6 +87,11 @@ impl Viscoelastic {
     }
 }
 
+/// Distance within which walls of chambers repel each other, over the body's size.
+const CONTACT_RANGE: f64 = 1.0 / 200.0;
+/// Pressure between two walls at half that distance, over the nominal modulus of the softest solid.
+const CONTACT_PRESSURE: f64 = 0.1;
+
 /// The region of the softest solid.
 pub const BODY: usize = mesh::BODY as usize;
 
@@ -101,7 +106,9 @@ impl Model {
         let size = extent(solid.nodes());
         let mut clamps = Clamps::where_nodes(&mesh, [true; 3], |at| body.clamp.holds(at, size));
         attached.clamped.iter().for_each(|node| clamps.constrain(*node, [true; 3]));
-        let system = System::new(mesh, regions, clamps)?;
+        let softest = body.materials.first().map_or(1.0, |soft| soft.youngs_modulus);
+        let contact = Some(Contact { range: CONTACT_RANGE * size, pressure: CONTACT_PRESSURE * softest });
+        let system = System::with(mesh, regions, clamps, Options { contact, ..Options::default() })?;
         let nominal = Elastic {
             youngs_moduli: body.materials.iter().map(|m| m.youngs_modulus).collect(),
             poissons_ratios: body.materials.iter().map(|m| m.poissons_ratio).collect(),

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use crate::side::Side;
 use diagnostics::{Diagnostic, Result};
-use fem::{Branch, Clamps, RegionProperties, Relaxation, System};
+use fem::{Branch, Clamps, Contact, Options, RegionProperties, Relaxation, System};
 use lab::truth::Properties;
 use mesh::{QuadraticMesh, SPINE, Skin, Solid};
-use si::{Metre, Pascal};
+use si::{MILLIMETRE, Metre, Pascal};
 use tail_cad::{FILM, Resolution, Tail};
 
 use crate::settings;
@@ -25,6 +25,11 @@ pub struct Body {
 
 /// Nodes this close to the holder's edge (m) are clamped.
 const TOLERANCE: Metre = 1e-9;
+
+/// Distance within which walls repel each other, m.
+const CONTACT_RANGE: Metre = 0.5 * MILLIMETRE;
+/// Pressure between two walls at half that distance, over the modulus of the silicone.
+const CONTACT_PRESSURE: f64 = 0.1;
 
 /// How a body is meshed and held.
 pub struct BodySettings<'a> {
@@ -53,7 +58,9 @@ impl Body {
         if mesh.regions.contains(&FILM) {
             regions.push(region(body, &film(&hidden.body))?);
         }
-        let system = System::new(model, regions, clamped).map_err(|e| in_mesh(e.into()))?;
+        let contact = Some(Contact { range: CONTACT_RANGE, pressure: CONTACT_PRESSURE * hidden.body.youngs_modulus });
+        let options = Options { contact, ..Options::default() };
+        let system = System::with(model, regions, clamped, options).map_err(|e| in_mesh(e.into()))?;
         let left = usize::from(mean_y(&mesh, 0) < mean_y(&mesh, 1));
         Ok(Self { mesh, system, left })
     }

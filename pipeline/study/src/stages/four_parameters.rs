@@ -45,7 +45,7 @@ impl Stage for FourParameters {
     type Needs = (Mesh, Identified);
     type Makes = records::FourParameters;
     const DESCRIPTION: &'static str = "both Poisson's ratios are identified as well";
-    const VERSION: u32 = 6;
+    const VERSION: u32 = 7;
 
     fn run(
         card: &Self::Card,

@@ -67,7 +67,7 @@ impl Stage for Inflate {
     type Needs = (Mesh, Identified, OfTrials<ExampleFrames>);
     type Makes = Inflation;
     const DESCRIPTION: &'static str = "the identified model is inflated to the highest filmed pressure";
-    const VERSION: u32 = 9;
+    const VERSION: u32 = 10;
 
     fn run(card: &Self::Card, set: &Settings, needs: Self::Needs, context: &dyn StageContext) -> Result<Inflation> {
         let (mesh, found, OfTrials(examples, _)) = needs;

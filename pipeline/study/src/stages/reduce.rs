@@ -49,7 +49,7 @@ impl Stage for Reduce {
     type Needs = (Mesh, Identified);
     type Makes = Reduced;
     const DESCRIPTION: &'static str = "the identified model is reduced to a few dozen coordinates";
-    const VERSION: u32 = 4;
+    const VERSION: u32 = 5;
 
     fn run(
         card: &Self::Card,
