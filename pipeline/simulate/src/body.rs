@@ -1,6 +1,6 @@
 //! The body of a case as a system of `fem`: mesh, materials, clamps, masses and forces, all independent of level and time.
 
-use fem::{Clamps, Elements, Faces, Interrupt, Masses, Options, Solver, System};
+use fem::{Clamps, Contact, Elements, Faces, Interrupt, Masses, Options, Solver, System};
 use mesh::foreign::Region;
 use mesh::{Cavity, Skin, Solid};
 use si::Pascal;
@@ -43,7 +43,8 @@ impl<'a> Body<'a> {
         let clamps = clamps(case, loaded, &reach)?;
         let forces = forces(case, loaded, &mesh, &clamps)?;
         let lumped_mass = case.dynamic.as_ref().is_some_and(|set| set.lumped_mass);
-        let options = Options { lumped_mass, mean_dilatation, masses: masses(case, &reach, &mesh)?, contact: None };
+        let contact = case.contact.map(|set| Contact { range: set.range, pressure: set.pressure });
+        let options = Options { lumped_mass, mean_dilatation, masses: masses(case, &reach, &mesh)?, contact };
         let system = System::with(mesh, properties, &clamps, options)?;
         let numbers = numbers(case, solid, cavities)?;
         let mut notes = unnamed(&numbers, cavities);

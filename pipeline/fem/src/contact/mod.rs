@@ -12,6 +12,7 @@
 //! close ([`crate::system_data::SystemData::with_couplings`]).
 
 mod boxes;
+mod face_pair;
 mod hull;
 mod law;
 mod surface;
@@ -21,11 +22,12 @@ mod tests;
 use crate::loads::Load;
 use crate::mesh::Mesh;
 use boxes::{Box3, ClosePair, close_pairs};
+use face_pair::{Blocks, FacePair};
 use law::RepulsiveLaw;
 use nalgebra::{Matrix3, Vector3};
 use si::{Joule, Metre, Pascal};
 use std::collections::{BTreeMap, BTreeSet};
-use surface::{NODES, Samples, Surface};
+use surface::{Samples, Surface};
 
 /// How walls in contact repel each other.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,12 +56,6 @@ pub(crate) struct SelfContact {
     excluded: BTreeSet<ClosePair>,
     /// Whether walls meet their mirror images.
     half: bool,
-}
-
-/// The samples of two faces: positions of the second as its mirror image where that is meant.
-struct FacePair<'a> {
-    pair: ClosePair,
-    samples: [&'a Samples; 2],
 }
 
 impl SelfContact {
@@ -141,7 +137,7 @@ impl SelfContact {
             let nodes = faces.pair.faces().map(|(face, _)| self.surface.nodes(face));
             let between = nodes[0].iter().all(|a| nodes[1].iter().all(|b| coupled(*a, *b)));
             let scale = if between { strength } else { 2.0 * strength } * self.area(faces);
-            let blocks = self.blocks(faces, scale, convex || !between);
+            let blocks = Blocks::of(faces, &self.surface, &self.law, (scale, convex || !between));
             for (side, nodes) in nodes.iter().enumerate() {
                 for (a, &node) in nodes.iter().enumerate() {
                     nodes[..=a].iter().enumerate().for_each(|(b, &other)| add(node, other, &blocks.own[side][a][b]));
@@ -156,38 +152,6 @@ impl SelfContact {
                 }
             }
         });
-    }
-
-    /// The second derivative by the nodes of two faces.
-    fn blocks(&self, faces: &FacePair, scale: f64, convex: bool) -> Blocks {
-        let [first, second] = faces.pair.faces().map(|(face, _)| self.surface.shapes(face));
-        let mut sums = faces.samples.map(|samples| vec![Matrix3::zeros(); samples.positions.len()]);
-        let mut mixed = vec![[Matrix3::zeros(); NODES]; first.len()];
-        faces.for_each_point_pair(self.law.range, |i, j, apart, distance| {
-            let hessian = self.law.hessian(&apart, distance, convex) * scale;
-            sums[0][i] += hessian;
-            sums[1][j] += hessian;
-            mixed[i].iter_mut().zip(&second[j]).for_each(|(sum, shape)| *sum += hessian * *shape);
-        });
-        let mirror = faces.pair.mirror();
-        let reflect = |blocks: &mut [[Matrix3<f64>; NODES]; NODES]| {
-            blocks.iter_mut().flatten().for_each(|block| *block = mirror * *block * mirror);
-        };
-        let mut blocks = Blocks::default();
-        for (side, shapes) in [first, second].into_iter().enumerate() {
-            for (shape, sum) in shapes.iter().zip(&sums[side]) {
-                for (a, b) in (0..NODES).flat_map(|a| (0..=a).map(move |b| (a, b))) {
-                    blocks.own[side][a][b] += sum * (shape[a] * shape[b]);
-                }
-            }
-        }
-        reflect(&mut blocks.own[1]);
-        for (shape, mixed) in first.iter().zip(&mixed) {
-            for (a, b) in (0..NODES).flat_map(|a| (0..NODES).map(move |b| (a, b))) {
-                blocks.between[a][b] -= mixed[b] * mirror * shape[a];
-            }
-        }
-        blocks
     }
 
     /// Pairs of nodes that the tangent couples at `u`, with a `margin` (m) for what walls will move.
@@ -232,42 +196,6 @@ impl SelfContact {
             }
         });
         part
-    }
-}
-
-/// Second derivatives by the nodes of two faces: of each by itself, a ≥ b, and between them.
-#[derive(Default)]
-struct Blocks {
-    own: [[[Matrix3<f64>; NODES]; NODES]; 2],
-    between: [[Matrix3<f64>; NODES]; NODES],
-}
-
-impl FacePair<'_> {
-    /// Whether two samples are closer than `range`.
-    fn touch(&self, range: Metre) -> bool {
-        let mut touch = false;
-        self.for_each_point_pair(range, |_, _, _, _| touch = true);
-        touch
-    }
-
-    /// Calls `visit` with the indices of two samples closer than `range`, the vector from the second to the first, and its length.
-    fn for_each_point_pair(&self, range: Metre, mut visit: impl FnMut(usize, usize, Vector3<f64>, Metre)) {
-        let [a, b] = self.samples;
-        let near = |of: &Samples, other: &Samples| {
-            let bounds = other.bounds.widened(range);
-            let each = of.positions.iter().enumerate().filter(|(_, x)| bounds.contains(x));
-            each.map(|(index, x)| (index, *x)).collect::<Vec<_>>()
-        };
-        let others = near(b, a);
-        for (i, x) in near(a, b).into_iter().filter(|_| !others.is_empty()) {
-            for &(j, y) in &others {
-                let apart = x - y;
-                let squared = apart.norm_squared();
-                if squared < range * range {
-                    visit(i, j, apart, squared.sqrt());
-                }
-            }
-        }
     }
 }
 

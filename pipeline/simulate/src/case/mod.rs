@@ -50,6 +50,8 @@ pub struct Case {
     /// Attached masses.
     #[serde(default)]
     pub mass: Vec<Mass>,
+    /// Self-contact of chamber walls; without it they pass through each other.
+    pub contact: Option<Contact>,
     /// Settings of equilibria.
     #[serde(rename = "static")]
     pub statics: Option<Static>,
@@ -58,6 +60,16 @@ pub struct Case {
     /// Settings of the output.
     #[serde(default)]
     pub output: Output,
+}
+
+/// `[contact]`: how walls of chambers that meet repel each other.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Contact {
+    /// Distance beyond which they do not, m.
+    pub range: Metre,
+    /// Pressure between two flat walls at half the range, Pa.
+    pub pressure: Pascal,
 }
 
 /// `[mesh]`: a mesh, or two surfaces to be meshed.
@@ -217,7 +229,7 @@ mod tests {
     fn the_keys_that_the_help_shows_are_those_that_are_read() {
         let page = KEYS.split_once("\n\n").and_then(|(_, rest)| rest.split_once("A history is")).unwrap().0;
         let case: Case = toml::from_str(page).unwrap();
-        assert!(case.statics.is_some() && case.dynamic.is_some());
+        assert!(case.statics.is_some() && case.dynamic.is_some() && case.contact.is_some());
         assert_eq!((case.load.len(), case.mass.len(), case.output.marker.len()), (1, 1, 1));
     }
 }

@@ -1,0 +1,90 @@
+//! Two faces that are close: their pairs of samples, and the second derivative by their nodes.
+
+use super::boxes::ClosePair;
+use super::law::RepulsiveLaw;
+use super::surface::{NODES, Samples, Surface};
+use nalgebra::{Matrix3, Vector3};
+use si::Metre;
+
+/// The samples of two faces; those of the second are its mirror images where that is meant.
+pub(crate) struct FacePair<'a> {
+    pub pair: ClosePair,
+    pub samples: [&'a Samples; 2],
+}
+
+impl FacePair<'_> {
+    /// Whether two samples are closer than `range`.
+    pub fn touch(&self, range: Metre) -> bool {
+        let mut touch = false;
+        self.for_each_point_pair(range, |_, _, _, _| touch = true);
+        touch
+    }
+
+    /// Calls `visit` with the indices of two samples closer than `range`, the vector from the second to the first, and its length.
+    pub fn for_each_point_pair(&self, range: Metre, mut visit: impl FnMut(usize, usize, Vector3<f64>, Metre)) {
+        let [a, b] = self.samples;
+        let others = near(b, a, range);
+        for (i, x) in near(a, b, range).into_iter().filter(|_| !others.is_empty()) {
+            for &(j, y) in &others {
+                let apart = x - y;
+                let squared = apart.norm_squared();
+                if squared < range * range {
+                    visit(i, j, apart, squared.sqrt());
+                }
+            }
+        }
+    }
+}
+
+/// The samples of one face that may be closer than `range` to one of the other, with their indices.
+fn near(of: &Samples, other: &Samples, range: Metre) -> Vec<(usize, Vector3<f64>)> {
+    let bounds = other.bounds.widened(range);
+    of.positions.iter().copied().enumerate().filter(|(_, x)| bounds.contains(x)).collect()
+}
+
+/// One 3 × 3 block for each pair of nodes.
+type NodeBlocks = [[Matrix3<f64>; NODES]; NODES];
+
+/// Second derivatives by the nodes of two faces: of each by itself, a ≥ b, and between them.
+#[derive(Default)]
+pub(crate) struct Blocks {
+    pub own: [NodeBlocks; 2],
+    pub between: NodeBlocks,
+}
+
+impl Blocks {
+    /// `scale` times the second derivative of the law's sum over the samples of two faces; of its `convex` part alone where that is meant.
+    // Sums over the samples of the other face come first: each pair then costs one block and six products, not 78 of them.
+    pub fn of(faces: &FacePair, surface: &Surface, law: &RepulsiveLaw, (scale, convex): (f64, bool)) -> Self {
+        let [first, second] = faces.pair.faces().map(|(face, _)| surface.shapes(face));
+        let mut sums = faces.samples.map(|samples| vec![Matrix3::zeros(); samples.positions.len()]);
+        let mut mixed = vec![[Matrix3::zeros(); NODES]; first.len()];
+        faces.for_each_point_pair(law.range, |i, j, apart, distance| {
+            let hessian = law.hessian(&apart, distance, convex) * scale;
+            sums[0][i] += hessian;
+            sums[1][j] += hessian;
+            mixed[i].iter_mut().zip(&second[j]).for_each(|(sum, shape)| *sum += hessian * *shape);
+        });
+        let mirror = faces.pair.mirror();
+        let mut own = [own(first, &sums[0]), own(second, &sums[1])];
+        own[1].iter_mut().flatten().for_each(|block| *block = mirror * *block * mirror);
+        let mut between = NodeBlocks::default();
+        for (shape, mixed) in first.iter().zip(&mixed) {
+            for (a, row) in between.iter_mut().enumerate() {
+                row.iter_mut().zip(mixed).for_each(|(block, sum)| *block -= sum * mirror * shape[a]);
+            }
+        }
+        Self { own, between }
+    }
+}
+
+/// Σ N_a N_b H over the samples of one face, a ≥ b.
+fn own(shapes: &[[f64; NODES]], sums: &[Matrix3<f64>]) -> NodeBlocks {
+    let mut blocks = NodeBlocks::default();
+    for (shape, sum) in shapes.iter().zip(sums) {
+        for (a, row) in blocks.iter_mut().enumerate() {
+            row[..=a].iter_mut().zip(shape).for_each(|(block, other)| *block += sum * (shape[a] * other));
+        }
+    }
+    blocks
+}
