@@ -106,8 +106,8 @@ impl Model {
         let size = extent(solid.nodes());
         let mut clamps = Clamps::where_nodes(&mesh, [true; 3], |at| body.clamp.holds(at, size));
         attached.clamped.iter().for_each(|node| clamps.constrain(*node, [true; 3]));
-        let softest = body.materials.first().map_or(1.0, |soft| soft.youngs_modulus);
-        let contact = Some(Contact { range: CONTACT_RANGE * size, pressure: CONTACT_PRESSURE * softest });
+        let soft = body.materials.first().map_or(1.0, |first| first.youngs_modulus);
+        let contact = Some(Contact { range: CONTACT_RANGE * size, pressure: CONTACT_PRESSURE * soft });
         let system = System::with(mesh, regions, clamps, Options { contact, ..Options::default() })?;
         let nominal = Elastic {
             youngs_moduli: body.materials.iter().map(|m| m.youngs_modulus).collect(),

@@ -6,8 +6,8 @@ use si::Metre;
 /// A box with sides along the axes, m.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Box3 {
-    pub low: Vector3<f64>,
-    pub high: Vector3<f64>,
+    pub(crate) low: Vector3<f64>,
+    pub(crate) high: Vector3<f64>,
 }
 
 /// Two faces that are close; where `mirrored`, the first and the mirror image of the second in z = 0.
@@ -20,35 +20,35 @@ pub(crate) struct ClosePair {
 
 impl ClosePair {
     /// Both faces, and whether each is a mirror image.
-    pub fn faces(&self) -> [(u32, bool); 2] {
+    pub(crate) fn faces(&self) -> [(u32, bool); 2] {
         [(self.a, false), (self.b, self.mirrored)]
     }
 
     /// The map from the displacement of the second face's nodes to that of its image.
-    pub fn mirror(&self) -> Matrix3<f64> {
+    pub(crate) fn mirror(&self) -> Matrix3<f64> {
         Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, if self.mirrored { -1.0 } else { 1.0 }))
     }
 }
 
 impl Box3 {
     /// Around `points`.
-    pub fn around(points: &[Vector3<f64>]) -> Self {
+    pub(crate) fn around(points: &[Vector3<f64>]) -> Self {
         let empty = Self { low: Vector3::repeat(f64::INFINITY), high: Vector3::repeat(f64::NEG_INFINITY) };
         points.iter().fold(empty, |all, point| Self { low: all.low.inf(point), high: all.high.sup(point) })
     }
 
     /// The same with every side moved outwards.
-    pub fn widened(&self, by: Metre) -> Self {
+    pub(crate) fn widened(&self, by: Metre) -> Self {
         Self { low: self.low.add_scalar(-by), high: self.high.add_scalar(by) }
     }
 
     /// Whether a point lies inside.
-    pub fn contains(&self, point: &Vector3<f64>) -> bool {
+    pub(crate) fn contains(&self, point: &Vector3<f64>) -> bool {
         (0..3).all(|axis| (self.low[axis]..=self.high[axis]).contains(&point[axis]))
     }
 
     /// Distance to another box, m; 0 where they overlap.
-    pub fn distance(&self, other: &Self) -> Metre {
+    pub(crate) fn distance(&self, other: &Self) -> Metre {
         let apart = (self.low - other.high).sup(&(other.low - self.high));
         apart.map(|gap| gap.max(0.0)).norm()
     }

@@ -8,20 +8,20 @@ use si::Metre;
 
 /// The samples of two faces; those of the second are its mirror images where that is meant.
 pub(crate) struct FacePair<'a> {
-    pub pair: ClosePair,
-    pub samples: [&'a Samples; 2],
+    pub(crate) pair: ClosePair,
+    pub(crate) samples: [&'a Samples; 2],
 }
 
 impl FacePair<'_> {
     /// Whether two samples are closer than `range`.
-    pub fn touch(&self, range: Metre) -> bool {
+    pub(crate) fn touch(&self, range: Metre) -> bool {
         let mut touch = false;
         self.for_each_point_pair(range, |_, _, _, _| touch = true);
         touch
     }
 
     /// Calls `visit` with the indices of two samples closer than `range`, the vector from the second to the first, and its length.
-    pub fn for_each_point_pair(&self, range: Metre, mut visit: impl FnMut(usize, usize, Vector3<f64>, Metre)) {
+    pub(crate) fn for_each_point_pair(&self, range: Metre, mut visit: impl FnMut(usize, usize, Vector3<f64>, Metre)) {
         let [a, b] = self.samples;
         let others = near(b, a, range);
         for (i, x) in near(a, b, range).into_iter().filter(|_| !others.is_empty()) {
@@ -48,14 +48,14 @@ type NodeBlocks = [[Matrix3<f64>; NODES]; NODES];
 /// Second derivatives by the nodes of two faces: of each by itself, a ≥ b, and between them.
 #[derive(Default)]
 pub(crate) struct Blocks {
-    pub own: [NodeBlocks; 2],
-    pub between: NodeBlocks,
+    pub(crate) own: [NodeBlocks; 2],
+    pub(crate) between: NodeBlocks,
 }
 
 impl Blocks {
     /// `scale` times the second derivative of the law's sum over the samples of two faces; of its `convex` part alone where that is meant.
     // Sums over the samples of the other face come first: each pair then costs one block and six products, not 78 of them.
-    pub fn of(faces: &FacePair, surface: &Surface, law: &RepulsiveLaw, (scale, convex): (f64, bool)) -> Self {
+    pub(crate) fn of(faces: &FacePair, surface: &Surface, law: &RepulsiveLaw, (scale, convex): (f64, bool)) -> Self {
         let [first, second] = faces.pair.faces().map(|(face, _)| surface.shapes(face));
         let mut sums = faces.samples.map(|samples| vec![Matrix3::zeros(); samples.positions.len()]);
         let mut mixed = vec![[Matrix3::zeros(); NODES]; first.len()];

@@ -10,24 +10,24 @@ use std::f64::consts::PI;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RepulsiveLaw {
     /// c, m.
-    pub range: Metre,
+    pub(crate) range: Metre,
     /// k, J/m⁴.
     stiffness: f64,
 }
 
 impl RepulsiveLaw {
     /// The law by which two flat walls press on each other with `pressure` (Pa) at half the `range`, where ψ = 1.
-    pub fn new(range: Metre, pressure: Pascal) -> Self {
+    pub(crate) fn new(range: Metre, pressure: Pascal) -> Self {
         Self { range, stiffness: pressure / (PI * range) }
     }
 
     /// k ψ, J/m⁴.
-    pub fn value(&self, distance: Metre) -> f64 {
+    pub(crate) fn value(&self, distance: Metre) -> f64 {
         self.stiffness * (self.range / distance - 1.0).powi(3)
     }
 
     /// k ψ′, J/m⁵.
-    pub fn slope(&self, distance: Metre) -> f64 {
+    pub(crate) fn slope(&self, distance: Metre) -> f64 {
         -3.0 * self.stiffness * (self.range / distance - 1.0).powi(2) * self.range / distance.powi(2)
     }
 
@@ -38,7 +38,7 @@ impl RepulsiveLaw {
     }
 
     /// Second derivative by one of two points `apart` (m): ψ″ n nᵀ + ψ′/r (I − n nᵀ); of the convex part, the first term alone.
-    pub fn hessian(&self, apart: &Vector3<f64>, distance: Metre, convex: bool) -> Matrix3<f64> {
+    pub(crate) fn hessian(&self, apart: &Vector3<f64>, distance: Metre, convex: bool) -> Matrix3<f64> {
         let normal = apart / distance;
         let along = normal * normal.transpose();
         let across = if convex { 0.0 } else { self.slope(distance) / distance };

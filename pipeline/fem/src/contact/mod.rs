@@ -60,7 +60,7 @@ pub(crate) struct SelfContact {
 
 impl SelfContact {
     /// Between all chamber walls of `mesh`.
-    pub fn new(mesh: &Mesh, contact: Contact) -> Self {
+    pub(crate) fn new(mesh: &Mesh, contact: Contact) -> Self {
         let surface = Surface::new(mesh, SPACING * contact.range);
         let law = RepulsiveLaw::new(contact.range, contact.pressure);
         let mut new = Self { law, surface, excluded: BTreeSet::new(), half: mesh.symmetry_plane_z };
@@ -77,7 +77,7 @@ impl SelfContact {
     }
 
     /// The range of the law, m.
-    pub fn range(&self) -> Metre {
+    pub(crate) fn range(&self) -> Metre {
         self.law.range
     }
 
@@ -97,7 +97,7 @@ impl SelfContact {
     }
 
     /// `strength` W(u), J; adds its gradient (3 entries per node, N) to `gradient`.
-    pub fn add_energy(&self, u: &[f64], strength: f64, gradient: &mut [f64]) -> Joule {
+    pub(crate) fn add_energy(&self, u: &[f64], strength: f64, gradient: &mut [f64]) -> Joule {
         let mut total = 0.0;
         self.for_each_face_pair(u, self.law.range, |faces| {
             let mut forces = faces.samples.map(|samples| vec![Vector3::zeros(); samples.positions.len()]);
@@ -123,7 +123,7 @@ impl SelfContact {
     /// Calls `add` with the blocks of `strength` ∂²W/∂u²: of its convex part alone where that is asked for. Faces whose nodes are not
     /// `coupled` in the tangent get twice their own convex blocks and none between them, which is more than the second derivative in every
     /// direction.
-    pub fn add_stiffness(
+    pub(crate) fn add_stiffness(
         &self,
         u: &[f64],
         (strength, convex): (f64, bool),
@@ -155,7 +155,7 @@ impl SelfContact {
     }
 
     /// Pairs of nodes that the tangent couples at `u`, with a `margin` (m) for what walls will move.
-    pub fn couplings(&self, u: &[f64], margin: Metre) -> BTreeSet<(u32, u32)> {
+    pub(crate) fn couplings(&self, u: &[f64], margin: Metre) -> BTreeSet<(u32, u32)> {
         let (mut found, reach) = (BTreeSet::new(), self.law.range + margin);
         self.for_each_face_pair(u, reach, |faces| {
             let [first, second] = faces.pair.faces().map(|(face, _)| self.surface.nodes(face));
@@ -167,7 +167,7 @@ impl SelfContact {
     }
 
     /// The largest part of `step` (3 entries per node, m) from `u`, at most 1, by which no wall passes through another.
-    pub fn admissible_part(&self, u: &[f64], step: &[f64]) -> f64 {
+    pub(crate) fn admissible_part(&self, u: &[f64], step: &[f64]) -> f64 {
         let mut part: f64 = 1.0;
         let moved: Vec<f64> = u.iter().zip(step).map(|(u, step)| u + step).collect();
         let largest = step.iter().fold(0.0, |most: f64, entry| most.max(entry.abs()));

@@ -18,9 +18,9 @@ type Shapes = Arc<[[f64; NODES]]>;
 /// The samples of one face as it is deformed.
 pub(crate) struct Samples {
     /// m.
-    pub positions: Vec<Vector3<f64>>,
+    pub(crate) positions: Vec<Vector3<f64>>,
     /// Around them.
-    pub bounds: Box3,
+    pub(crate) bounds: Box3,
 }
 
 /// The walls of all chambers.
@@ -37,7 +37,7 @@ pub(crate) struct Surface {
 
 impl Surface {
     /// Of the chambers of `mesh`, with samples at most `spacing` apart along edges.
-    pub fn new(mesh: &Mesh, spacing: Metre) -> Self {
+    pub(crate) fn new(mesh: &Mesh, spacing: Metre) -> Self {
         let faces = all_faces(mesh);
         let rest: Arc<[Vector3<f64>]> = mesh.nodes.iter().map(|&node| Vector3::from(node)).collect();
         let (mut tables, mut shapes, mut areas) = (BTreeMap::new(), Vec::new(), Vec::new());
@@ -53,22 +53,22 @@ impl Surface {
     }
 
     /// Node numbers of a face, 3 or 6.
-    pub fn nodes(&self, face: u32) -> &[u32] {
+    pub(crate) fn nodes(&self, face: u32) -> &[u32] {
         self.faces.nodes(face as usize)
     }
 
     /// Shape functions at the samples of a face.
-    pub fn shapes(&self, face: u32) -> &[[f64; NODES]] {
+    pub(crate) fn shapes(&self, face: u32) -> &[[f64; NODES]] {
         &self.shapes[face as usize]
     }
 
     /// Area at rest of one sample of a face.
-    pub fn sample_area(&self, face: u32) -> SquareMetre {
+    pub(crate) fn sample_area(&self, face: u32) -> SquareMetre {
         self.areas[face as usize]
     }
 
     /// The samples of a face at displacement `u`, or their mirror images in z = 0.
-    pub fn samples(&self, face: u32, u: &[f64], mirrored: bool) -> Samples {
+    pub(crate) fn samples(&self, face: u32, u: &[f64], mirrored: bool) -> Samples {
         let nodes = self.nodes(face).iter().map(|&node| mirror(self.position(node, u), mirrored));
         let nodes: Vec<Vector3<f64>> = nodes.collect();
         let sample = |shape: &[f64; NODES]| nodes.iter().zip(shape).map(|(x, value)| x * *value).sum();
@@ -77,17 +77,17 @@ impl Surface {
     }
 
     /// A box around every face at displacement `u`.
-    pub fn boxes(&self, u: &[f64]) -> Vec<Box3> {
+    pub(crate) fn boxes(&self, u: &[f64]) -> Vec<Box3> {
         (0..self.faces.len() as u32).map(|face| Box3::around(&self.hull(face, u, false))).collect()
     }
 
     /// Control points of a face at displacement `u`, or their mirror images: the face lies inside their convex hull.
-    pub fn hull(&self, face: u32, u: &[f64], mirrored: bool) -> Hull {
+    pub(crate) fn hull(&self, face: u32, u: &[f64], mirrored: bool) -> Hull {
         controls(self.nodes(face).iter().map(|&node| mirror(self.position(node, u), mirrored)).collect())
     }
 
     /// Adds the `forces` on the samples of a face, or on those of its mirror image, to `gradient`.
-    pub fn add_forces(&self, face: u32, mirrored: bool, forces: &[Vector3<f64>], gradient: &mut [f64]) {
+    pub(crate) fn add_forces(&self, face: u32, mirrored: bool, forces: &[Vector3<f64>], gradient: &mut [f64]) {
         let mut sums = [Vector3::zeros(); NODES];
         for (shape, force) in self.shapes(face).iter().zip(forces) {
             sums.iter_mut().zip(shape).for_each(|(sum, value)| *sum += force * *value);
