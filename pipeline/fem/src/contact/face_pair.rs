@@ -23,9 +23,13 @@ impl FacePair<'_> {
     /// Calls `visit` with the indices of two samples closer than `range`, the vector from the second to the first, and its length.
     pub(crate) fn for_each_point_pair(&self, range: Metre, mut visit: impl FnMut(usize, usize, Vector3<f64>, Metre)) {
         let [a, b] = self.samples;
-        let others = near(b, a, range);
+        let extent = b.bounds.high - b.bounds.low;
+        let axis = extent.imax();
+        let mut others = near(b, a, range);
+        others.sort_by(|(_, x), (_, y)| x[axis].total_cmp(&y[axis]));
         for (i, x) in near(a, b, range).into_iter().filter(|_| !others.is_empty()) {
-            for &(j, y) in &others {
+            let first = others.partition_point(|(_, y)| y[axis] < x[axis] - range);
+            for &(j, y) in others[first..].iter().take_while(|(_, y)| y[axis] < x[axis] + range) {
                 let apart = x - y;
                 let squared = apart.norm_squared();
                 if squared < range * range {

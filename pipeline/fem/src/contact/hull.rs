@@ -5,6 +5,7 @@
 
 use super::APPROACH;
 use nalgebra::Vector3;
+use si::Metre;
 
 /// Control points of a face.
 pub(crate) type Hull = Vec<Vector3<f64>>;
@@ -13,21 +14,34 @@ pub(crate) type Hull = Vec<Vector3<f64>>;
 pub(crate) fn stay_apart(hulls: &[[Hull; 2]; 2]) -> bool {
     let [before, after] = hulls;
     let keeps = |axis: Vector3<f64>| {
-        let now = gap(before, &axis);
-        now > 0.0 && gap(after, &axis) >= (1.0 - APPROACH) * now
+        let now = gap_along(before, &axis);
+        now > 0.0 && gap_along(after, &axis) >= (1.0 - APPROACH) * now
     };
-    axes(before).into_iter().any(|axis| keeps(axis) || keeps(-axis))
+    axes(before).into_iter().any(keeps)
 }
 
-/// Normals of both faces, and the direction from one middle to the other.
-fn axes([a, b]: &[Hull; 2]) -> [Vector3<f64>; 3] {
+/// A lower bound of the distance of two hulls, m: their largest gap along one of the axes; negative where none separates them.
+pub(crate) fn gap(hulls: &[Hull; 2]) -> Metre {
+    let along = |axis: Vector3<f64>| gap_along(hulls, &axis) / axis.norm();
+    axes(hulls).into_iter().map(along).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// An upper bound of the motion of a point of one face relative to one of the other, m.
+pub(crate) fn relative_motion([before, after]: &[[Hull; 2]; 2]) -> Metre {
+    let steps = [0, 1].map(|face| before[face].iter().zip(&after[face]).map(|(from, to)| to - from).collect::<Hull>());
+    let each = steps[0].iter().flat_map(|a| steps[1].iter().map(move |b| (a - b).norm()));
+    each.fold(0.0, f64::max)
+}
+
+/// The direction from one middle to the other, and the normals of both faces either way.
+fn axes([a, b]: &[Hull; 2]) -> [Vector3<f64>; 5] {
     let normal = |hull: &Hull| (hull[1] - hull[0]).cross(&(hull[2] - hull[0]));
     let middle = |hull: &Hull| hull.iter().sum::<Vector3<f64>>() / hull.len() as f64;
-    [middle(b) - middle(a), normal(a), normal(b)]
+    [middle(b) - middle(a), normal(a), normal(b), -normal(a), -normal(b)]
 }
 
 /// By how much the second hull lies beyond the first along an `axis`, in units of its length; negative where it does not.
-fn gap([a, b]: &[Hull; 2], axis: &Vector3<f64>) -> f64 {
+fn gap_along([a, b]: &[Hull; 2], axis: &Vector3<f64>) -> f64 {
     let high = a.iter().map(|point| point.dot(axis)).fold(f64::NEG_INFINITY, f64::max);
     let low = b.iter().map(|point| point.dot(axis)).fold(f64::INFINITY, f64::min);
     low - high
@@ -48,6 +62,9 @@ mod tests {
         assert!(apart(0.9, 0.0) && apart(0.21, 0.0) && !apart(0.19, 0.0) && !apart(-1.0, 0.0));
         // sideways and turned, yet on its side
         assert!(apart(0.7, 0.5));
+        let gaps = [gap(&from), gap(&[triangle(0.0, 0.0), triangle(0.5, 1.0)])];
+        assert!((gaps[0] - 1.0).abs() < 1e-12 && (gaps[1] - 0.5).abs() < 1e-12, "{gaps:?}");
+        assert!((relative_motion(&[from.clone(), [triangle(0.3, 0.0), triangle(0.8, 0.0)]]) - 0.5).abs() < 1e-12);
         // no plane lies between two that cross
         let crossing = [triangle(-0.5, 1.0), triangle(0.0, 0.0)];
         assert!(!stay_apart(&[crossing.clone(), crossing]));

@@ -23,6 +23,7 @@ use crate::loads::Load;
 use crate::mesh::Mesh;
 use boxes::{Box3, ClosePair, close_pairs};
 use face_pair::{Blocks, FacePair};
+use hull::Hull;
 use law::RepulsiveLaw;
 use nalgebra::{Matrix3, Vector3};
 use si::{Joule, Metre, Pascal};
@@ -83,7 +84,8 @@ impl SelfContact {
 
     /// Calls `visit` with the faces that may be within `reach` of each other at `u`.
     fn for_each_face_pair(&self, u: &[f64], reach: Metre, mut visit: impl FnMut(&FacePair)) {
-        let pairs = self.close(&self.surface.boxes(u), reach);
+        let mut pairs = self.close(&self.surface.boxes(u), reach);
+        pairs.retain(|pair| hull::gap(&self.hulls(pair, u)) < reach);
         let mut samples: BTreeMap<(u32, bool), Samples> = BTreeMap::new();
         for pair in &pairs {
             for (face, mirrored) in pair.faces() {
@@ -94,6 +96,11 @@ impl SelfContact {
             let [a, b] = pair.faces();
             visit(&FacePair { pair, samples: [&samples[&a], &samples[&b]] });
         }
+    }
+
+    /// The hulls of two faces at `u`.
+    fn hulls(&self, pair: &ClosePair, u: &[f64]) -> [Hull; 2] {
+        pair.faces().map(|(face, mirrored)| self.surface.hull(face, u, mirrored))
     }
 
     /// `strength` W(u), J; adds its gradient (3 entries per node, N) to `gradient`.
@@ -173,22 +180,22 @@ impl SelfContact {
         let largest = step.iter().fold(0.0, |most: f64, entry| most.max(entry.abs()));
         let reach = (4.0 * largest).min(REACH * self.law.range);
         for pair in self.close(&self.surface.boxes(u), reach) {
-            let hulls =
-                [u, &moved].map(|at| pair.faces().map(|(face, mirrored)| self.surface.hull(face, at, mirrored)));
+            let hulls = [u, &moved].map(|at| self.hulls(&pair, at));
             if !hull::stay_apart(&hulls) {
-                part = part.min(self.admissible_part_of_points(&pair, [u, &moved]));
+                let reach = hull::relative_motion(&hulls) / APPROACH;
+                part = part.min(self.admissible_part_of_points(&pair, [u, &moved], reach));
             }
         }
         part
     }
 
-    /// The same for two faces that no plane keeps apart: by which no sample comes too close to another.
-    fn admissible_part_of_points(&self, pair: &ClosePair, [u, moved]: [&[f64]; 2]) -> f64 {
+    /// The same for two faces that no plane keeps apart: by which no sample comes too close to another within `reach`.
+    fn admissible_part_of_points(&self, pair: &ClosePair, [u, moved]: [&[f64]; 2], reach: Metre) -> f64 {
         let samples = |at| pair.faces().map(|(face, mirrored)| self.surface.samples(face, at, mirrored));
         let (now, next) = (samples(u), samples(moved));
         let mut part: f64 = 1.0;
         let faces = FacePair { pair: *pair, samples: [&now[0], &now[1]] };
-        faces.for_each_point_pair(REACH * self.law.range, |i, j, apart, distance| {
+        faces.for_each_point_pair(reach, |i, j, apart, distance| {
             let change = next[0].positions[i] - next[1].positions[j] - apart;
             let approach = -change.dot(&apart) / distance;
             if approach > 0.0 {
