@@ -100,6 +100,12 @@ impl System {
         Ok(Self { data: Arc::new(data) })
     }
 
+    /// The same body whose walls pass through each other: what a reduced model, which has no contact, is reduced from.
+    #[must_use]
+    pub fn without_contact(&self) -> Self {
+        Self { data: Arc::new(SystemData { contact: None, ..SystemData::clone(&self.data) }) }
+    }
+
     /// Mass of the body and of the attached masses, kg; of a half model, of the half.
     pub fn mass(&self) -> si::Kilogram {
         self.data.mass.nodal.iter().sum()

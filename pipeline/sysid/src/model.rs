@@ -125,6 +125,11 @@ impl Model {
         Self { markers: body.markers.iter().zip(rest).map(spot).collect(), ..self }
     }
 
+    /// The model whose walls pass through each other.
+    pub fn without_contact(self) -> Self {
+        Self { system: Arc::new(self.system.without_contact()), ..self }
+    }
+
     /// The model with further points after its markers.
     pub fn with_spots(mut self, spots: Vec<Spot>) -> Self {
         self.markers.extend(spots);

@@ -29,20 +29,23 @@ impl Surroundings<'_> {
     ///
     /// # Errors
     /// A [`diagnostics::Diagnostic`] when a step finds no motion.
-    // By its twin, where there is one, as `ReducedBody::integrate` does in air.
+    // By its twin, where there is one that finds every step, as `ReducedBody::integrate` does in air.
     pub fn integrate(
         &self,
         body: &ReducedBody,
         motion: &ForcedMotion,
         see: &mut dyn FnMut(&DVector<f64>, &DVector<f64>),
     ) -> Result<()> {
-        match motion.suits_a_twin() && body.has_twin() {
-            true => motion.step_twin(twin_data(body, Some(self), &[])?, see),
-            false => {
-                let mut water = Water::around(self.tail, self.rows, self.by, self.half);
-                body.integrate_in_fluid(motion, &mut water, see)
+        if motion.suits_a_twin() && body.has_twin() {
+            let mut states = Vec::with_capacity(motion.times.len());
+            let data = twin_data(body, Some(self), &[])?;
+            if motion.step_twin(data, &mut |q, velocity| states.push((q.clone(), velocity.clone()))).is_ok() {
+                states.iter().for_each(|(q, velocity)| see(q, velocity));
+                return Ok(());
             }
         }
+        let mut water = Water::around(self.tail, self.rows, self.by, self.half);
+        body.integrate_in_fluid(motion, &mut water, see)
     }
 }
 

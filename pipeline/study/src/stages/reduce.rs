@@ -49,7 +49,7 @@ impl Stage for Reduce {
     type Needs = (Mesh, Identified);
     type Makes = Reduced;
     const DESCRIPTION: &'static str = "the identified model is reduced to a few dozen coordinates";
-    const VERSION: u32 = 5;
+    const VERSION: u32 = 6;
 
     fn run(
         card: &Self::Card,
@@ -57,7 +57,8 @@ impl Stage for Reduce {
         (mesh, identified): Self::Needs,
         context: &dyn StageContext,
     ) -> Result<Reduced> {
-        let model = mesh.model(&card.body)?;
+        // A reduced model has no contact: reduced from shapes in which walls press on each other, it has no equilibrium near them.
+        let model = mesh.model(&card.body)?.without_contact();
         let known = identified.levels.iter().map(Level::pressure).fold(0.0, f64::max);
         let top = known.max(card.commanded);
         context.progress(0.1, "snapshots under pressures and loads");
