@@ -164,20 +164,18 @@ impl ReducedBody {
     /// A [`Diagnostic`] when a step finds no motion.
     // By its twin, where there is one: the same equations to the same tolerance in a third to a fifth of the time.
     pub fn integrate(&self, motion: &ForcedMotion, marker: usize) -> Result<Vec<Point2>> {
-        let [x, y] = &self.rows[marker];
-        let along = |row: &[f64], q: &[f64]| row.iter().zip(q).map(|(r, q)| r * q).sum::<f64>();
-        let path = |by: &mut dyn FnMut(&mut dyn FnMut(&DVector<f64>, &DVector<f64>)) -> Result<()>| {
-            let mut path = Vec::with_capacity(motion.times.len());
-            by(&mut |q, _| path.push([along(x, q.as_slice()), along(y, q.as_slice())])).map(|()| path)
-        };
-        if motion.suits_a_twin() && self.has_twin() {
-            let data = self.twin_data(&[])?;
-            // A twin takes whole steps. Where a wall buckles none may be found, and the line search of the reduced model finds one.
-            if let Ok(path) = path(&mut |see| motion.step_twin(data.clone(), see)) {
-                return Ok(path);
-            }
+        let along = |row: &[f64], q: &DVector<f64>| row.iter().zip(q.as_slice()).map(|(r, q)| r * q).sum::<f64>();
+        let place = |q: &DVector<f64>| self.rows[marker].each_ref().map(|row| along(row, q));
+        // A twin takes whole steps. Where a wall buckles none may be found, and the line search of the reduced model finds one.
+        if motion.suits_a_twin()
+            && self.has_twin()
+            && let Ok(states) = motion.twin_states(self.twin_data(&[])?)
+        {
+            return Ok(states.iter().map(|(q, _)| place(q)).collect());
         }
-        path(&mut |see| self.integrate_in_fluid(motion, &mut NoForce, see))
+        let mut path = Vec::with_capacity(motion.times.len());
+        self.integrate_in_fluid(motion, &mut NoForce, &mut |q, _| path.push(place(q)))?;
+        Ok(path)
     }
 
     /// Integrates a motion under the external force `around`; `see` receives each new q and q̇.

@@ -54,20 +54,21 @@ impl ForcedMotion<'_> {
         set.scheme == Scheme::Bdf2 && set.mass_damping == 0.0 && set.stiffness_damping == 0.0
     }
 
-    /// Integrates the motion by the twin of these arrays; `see` receives each new q and q̇.
+    /// The motion by the twin of these arrays: q and q̇ after each step.
     ///
     /// # Errors
     /// A [`Diagnostic`] when a step finds no motion.
-    pub fn step_twin(&self, data: TwinData, see: &mut dyn FnMut(&DVector<f64>, &DVector<f64>)) -> Result<()> {
+    pub fn twin_states(&self, data: TwinData) -> Result<Vec<(DVector<f64>, DVector<f64>)>> {
+        let mut states = Vec::with_capacity(self.times.len());
         let twin = Twin::new(data)?.with_tolerance(TOLERANCE);
         let mut state = twin.start();
         for &time in self.times {
             let duration = time - state.time();
             twin.step(&mut state, &(self.pressures)(time), duration)?;
             let [q, velocity] = [state.coordinates(), state.velocity()].map(DVector::from_column_slice);
-            see(&q, &velocity);
+            states.push((q, velocity));
         }
-        Ok(())
+        Ok(states)
     }
 }
 

@@ -36,13 +36,12 @@ impl Surroundings<'_> {
         motion: &ForcedMotion,
         see: &mut dyn FnMut(&DVector<f64>, &DVector<f64>),
     ) -> Result<()> {
-        if motion.suits_a_twin() && body.has_twin() {
-            let mut states = Vec::with_capacity(motion.times.len());
-            let data = twin_data(body, Some(self), &[])?;
-            if motion.step_twin(data, &mut |q, velocity| states.push((q.clone(), velocity.clone()))).is_ok() {
-                states.iter().for_each(|(q, velocity)| see(q, velocity));
-                return Ok(());
-            }
+        if motion.suits_a_twin()
+            && body.has_twin()
+            && let Ok(states) = motion.twin_states(twin_data(body, Some(self), &[])?)
+        {
+            states.iter().for_each(|(q, velocity)| see(q, velocity));
+            return Ok(());
         }
         let mut water = Water::around(self.tail, self.rows, self.by, self.half);
         body.integrate_in_fluid(motion, &mut water, see)
