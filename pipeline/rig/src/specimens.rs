@@ -83,7 +83,7 @@
 //! From 2.8 mm on the study's angle falls short by the square of the edge, which leaves 78° at 225 mbar in the limit: 2.8 mm are 12 % short of
 //! it. With ν = 0.4 instead of 0.4845 the difference between 3.4 and 2.2 mm shrinks from 7.9 to 6.3 % only, and middles of edges on the curved
 //! surfaces change it by 0.5 %: neither locking nor the shape of the skin explains it. From 4 mm on the slack wall folds at another chamber.
-//! Marlin has walls of 1.5 mm in a finer mesh for that reason, in a profile of its own; Nemo, Dory and Bruce keep thicker walls, of which meshes
+//! Marlin has walls of 1.55 mm in a finer mesh for that reason, in a profile of its own; Nemo, Dory and Bruce keep thicker walls, of which meshes
 //! of 4 mm are off by a few per cent of the motion.
 //!
 //! Contact: without it the first rib of Marlin's slack side lay within the head from 205 mbar on, by 0.3, 1.3 and 1.9 mm at 210, 230 and 250 mbar
