@@ -204,9 +204,9 @@ fn source(millimetres: bool, order: Option<u8>, half: bool) -> Source {
 
 fn loaded(mesh: Source, folder: PathBuf) -> PyResult<Mesh> {
     let (clamp, chamber, load, mass) = Default::default();
-    let (statics, dynamic, output) = (None, None, Output::default());
-    let case =
-        Case { gravity: [0.0; 3], mesh, region: Vec::new(), clamp, chamber, load, mass, statics, dynamic, output };
+    let (contact, statics, dynamic, output) = (None, None, None, Output::default());
+    let (gravity, region) = ([0.0; 3], Vec::new());
+    let case = Case { gravity, mesh, region, clamp, chamber, load, mass, contact, statics, dynamic, output };
     simulate::load(&case, &folder).map(Mesh::of).map_err(|diagnostic| refusal(&diagnostic))
 }
 
