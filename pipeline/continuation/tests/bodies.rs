@@ -6,7 +6,7 @@
 use continuation::{
     BodyLoad, BodyProblem, ContinuationError, CriticalKind, PathEvent, PathPoint, PathSettings, Problem, follow,
 };
-use fem::{Clamps, Mesh, RegionProperties, Solver, StaticSettings, System, box_mesh, materials};
+use fem::{Clamps, Contact, Mesh, Options, RegionProperties, Solver, StaticSettings, System, box_mesh, materials};
 
 /// A block of 40 × 40 × 14 mm, half of it in z, whose chamber has a thin roof in +y that is arched outwards by 6 mm.
 fn arched_box() -> System {
@@ -19,9 +19,14 @@ fn arched_box() -> System {
         [x, level + arch, z]
     };
     let mesh = box_mesh::to_quadratic(&box_mesh::grid([12, 3, 6], true, place, |cell| (!air(cell)).then_some(0)));
+    rubber(mesh, None)
+}
+
+/// A body of rubber, its floor clamped.
+fn rubber(mesh: Mesh, contact: Option<Contact>) -> System {
     let clamps = Clamps::where_nodes(&mesh, [true; 3], |at| at[1] < 1e-9);
-    let material = materials::by_name("neo_hookean").unwrap();
-    System::new(mesh, vec![RegionProperties::elastic(material, 2e5, 0.45, 1070.0)], clamps).unwrap()
+    let rubber = RegionProperties::elastic(materials::by_name("neo_hookean").unwrap(), 2e5, 0.45, 1070.0);
+    System::with(mesh, vec![rubber], clamps, Options { contact, ..Options::default() }).unwrap()
 }
 
 fn problem(system: &System, solver: Solver, pressure: f64) -> BodyProblem {
@@ -127,4 +132,31 @@ fn a_stiff_sheet_in_large_rotation_keeps_a_stable_path_even_where_one_iteration_
     })
     .unwrap();
     assert!(path.critical.is_empty() && counts.iter().all(|count| *count == 0), "{counts:?}");
+}
+
+#[test]
+fn a_tangent_that_gains_entries_where_walls_touch_is_still_that_of_the_residual() {
+    let air = |cell: [usize; 3]| (2..10).contains(&cell[0]) && cell[1] == 1 && cell[2] < 4;
+    let level = |at: f64| [0.0, 0.005, 0.007, 0.008][(3.0 * at).round() as usize];
+    let place = |at: [f64; 3]| [0.04 * at[0], level(at[1]), 0.02 * at[2]];
+    let mesh = box_mesh::to_quadratic(&box_mesh::grid([12, 3, 6], true, place, |cell| (!air(cell)).then_some(0)));
+    let system = rubber(mesh, Some(Contact { range: 5e-4, pressure: 4e3 }));
+    let settings = StaticSettings { tolerance: 1e-10, ..StaticSettings::default() };
+    let touching = system.solver().equilibrium(&[-1000.0], None, &settings).unwrap().displacement;
+    let mut problem = problem(&system, system.solver(), -1000.0).starting_at(&touching);
+    let (u, rest) = (problem.start(), vec![0.0; problem.dofs()]);
+    // at rest first, where no walls are coupled
+    assert!(problem.factorise(&rest, 0.0, None).is_some() && problem.factorise(&u, 1.0, None).is_some());
+    let b: Vec<f64> = (0..u.len()).map(|at| 1e-4 * (0.3 * at as f64).sin()).collect();
+    let mut x = b.clone();
+    problem.solve(&mut x);
+    let step = 1e-8 / x.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let mut at = |part: f64| {
+        let moved: Vec<f64> = u.iter().zip(&x).map(|(u, x)| u + part * x).collect();
+        problem.residual(&moved, 1.0).unwrap()
+    };
+    let (above, below) = (at(step), at(-step));
+    for ((above, below), b) in above.iter().zip(&below).zip(&b) {
+        assert!(((above - below) / (2.0 * step) - b).abs() < 1e-4 * 1e-4, "{above:e} {below:e} {b:e}");
+    }
 }
