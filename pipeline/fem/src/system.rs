@@ -106,6 +106,15 @@ impl System {
         Self { data: Arc::new(SystemData { contact: None, ..SystemData::clone(&self.data) }) }
     }
 
+    /// Whether walls repel each other at `displacement` (3 per node, m); never in a body without contact.
+    ///
+    /// # Panics
+    /// When the displacement does not have 3 entries per node.
+    pub fn walls_touch(&self, displacement: &[f64]) -> bool {
+        assert_eq!(displacement.len(), 3 * self.data.mesh.nodes.len(), "a displacement has 3 entries per node");
+        self.data.contact.as_ref().is_some_and(|contact| contact.touch(displacement))
+    }
+
     /// Mass of the body and of the attached masses, kg; of a half model, of the half.
     pub fn mass(&self) -> si::Kilogram {
         self.data.mass.nodal.iter().sum()

@@ -53,6 +53,8 @@ fn a_roof_under_suction_comes_to_rest_where_its_floor_presses_back_as_much() {
         // p(g) = 2π k g (c/g − 1)³ with p(c/2) given; the roof is flat in the middle
         let pressure = 2.0 * PI * CONTACT.pressure / (PI * c) * gap * (c / gap - 1.0).powi(3);
         assert!(suction < 4000.0 || (pressure / suction - 1.0).abs() < 0.1, "{suction}: {gap} {pressure}");
+        assert_eq!(system.walls_touch(&found.displacement), gap < c, "{suction}: {gap}");
+        assert!(!system.without_contact().walls_touch(&found.displacement));
         start = Some(found.displacement);
     }
     // without contact the roof passes through the floor

@@ -126,8 +126,8 @@ impl Model {
     }
 
     /// The model whose walls pass through each other.
-    pub fn without_contact(self) -> Self {
-        Self { system: Arc::new(self.system.without_contact()), ..self }
+    pub(crate) fn without_contact(&self) -> Self {
+        Self { system: Arc::new(self.system.without_contact()), ..self.clone() }
     }
 
     /// The model with further points after its markers.

@@ -111,7 +111,7 @@ fn difference(a: &[f64], b: &[f64]) -> f64 {
 fn in_air_and_in_water_a_twin_moves_as_its_reduced_model_and_within_a_five_hundredth_of_the_length_of_the_whole_one() {
     let (model, silicone) = beam("neo_hookean");
     let snapshots = Snapshots { model: &model, elastic: &silicone.elastic, top: &[TOP; 2], length: LENGTH };
-    let body = ReducedBody::of(&model, &silicone, &snapshots.reduce(1e-3).unwrap()).unwrap();
+    let body = ReducedBody::of(&model, &silicone, &snapshots.reduce(1e-3).unwrap().data).unwrap();
     let stations = Stations { clamp: 0.0, marks: &STATIONS, edge: LENGTH, end: LENGTH };
     let (tail, rows) = (Tail::new(998.0, &stations, 12, &|_| 0.016).unwrap(), body.rows(&[0, 1, 2]));
     let water = Surroundings { tail: &tail, rows: &rows, by: Coefficients { added: 1.2, drag: 3.0 }, half: true };
@@ -132,7 +132,7 @@ fn in_air_and_in_water_a_twin_moves_as_its_reduced_model_and_within_a_five_hundr
 fn a_law_that_a_twin_lacks_is_refused() {
     let (model, silicone) = beam("corotated");
     let snapshots = Snapshots { model: &model, elastic: &silicone.elastic, top: &[0.2 * TOP; 2], length: LENGTH };
-    let body = ReducedBody::of(&model, &silicone, &snapshots.reduce(1e-2).unwrap()).unwrap();
+    let body = ReducedBody::of(&model, &silicone, &snapshots.reduce(1e-2).unwrap().data).unwrap();
     let refused = twin_data(&body, None, &[]).unwrap_err().to_string();
     assert!(refused.contains("`corotated`") && refused.contains("neo_hookean"), "{refused}");
     assert_eq!(fastest(&body, None), reduced(&body, None), "it moves all the same");

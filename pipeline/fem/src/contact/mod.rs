@@ -122,6 +122,13 @@ impl SelfContact {
         total
     }
 
+    /// Whether walls are within the range of each other at `u`.
+    pub(crate) fn touch(&self, u: &[f64]) -> bool {
+        let mut touch = false;
+        self.for_each_face_pair(u, self.law.range, |faces| touch |= faces.touch(self.law.range));
+        touch
+    }
+
     /// Product of the areas of two samples, m⁴.
     fn area(&self, faces: &FacePair) -> f64 {
         faces.pair.faces().map(|(face, _)| self.surface.sample_area(face)).into_iter().product()

@@ -16,6 +16,8 @@ pub struct Reduced {
     pub data: ReducedModelData,
     /// The highest pressure among the snapshots, Pa.
     pub highest: Pascal,
+    /// The pressure from which walls of the reduced model pass through each other, Pa; none where they do not.
+    pub contact: Option<Pascal>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -24,6 +26,7 @@ struct Scalars {
     regions: usize,
     size: f64,
     highest_pa: Pascal,
+    contact_pa: Option<Pascal>,
 }
 
 impl Reduced {
@@ -38,8 +41,13 @@ impl Record for Reduced {
 
     fn pack(&self) -> Result<RecordFiles, RecordError> {
         let ReducedModelData { modes, points, size } = &self.data;
-        let scalars =
-            Scalars { coordinates: modes.len(), regions: points.len(), size: *size, highest_pa: self.highest };
+        let scalars = Scalars {
+            coordinates: modes.len(),
+            regions: points.len(),
+            size: *size,
+            highest_pa: self.highest,
+            contact_pa: self.contact,
+        };
         let numbered = modes.iter().enumerate();
         let modes = numbered.fold(Columns::default(), |c, (i, mode)| c.numbers(&format!("q{i}_m"), mode.clone()));
         let of = |(region, of): (usize, &Vec<(u32, f64)>)| of.iter().map(|p| (region, *p)).collect::<Vec<_>>();
@@ -64,7 +72,8 @@ impl Record for Reduced {
         for (region, point) in table.u32("region")?.into_iter().zip(numbers.into_iter().zip(weights)) {
             points.get_mut(region as usize).ok_or_else(|| strange(region, scalars.regions))?.push(point);
         }
-        Ok(Self { data: ReducedModelData { modes, points, size: scalars.size }, highest: scalars.highest_pa })
+        let data = ReducedModelData { modes, points, size: scalars.size };
+        Ok(Self { data, highest: scalars.highest_pa, contact: scalars.contact_pa })
     }
 
     fn metrics(&self, subject: &str) -> Vec<Metric> {
@@ -77,7 +86,9 @@ impl Record for Reduced {
 
     fn summary(&self) -> String {
         let (coordinates, points) = (self.data.modes.len(), self.points());
-        format!("{coordinates} coordinates, {points} points, up to {:.0} mbar", self.highest / si::MILLIBAR)
+        let highest = self.highest / si::MILLIBAR;
+        let contact = self.contact.map(|p| format!(", walls touch from {:.0} mbar on", p / si::MILLIBAR));
+        format!("{coordinates} coordinates, {points} points, up to {highest:.0} mbar{}", contact.unwrap_or_default())
     }
 }
 
@@ -94,7 +105,9 @@ mod tests {
     fn a_reduced_model_survives_its_record() {
         let points = vec![vec![(3, 1e-9), (7, 2e-9)], Vec::new(), vec![(9, 5e-10)]];
         let data = ReducedModelData { modes: vec![vec![0.1, -0.2, 0.3], vec![0.0, 1e-9, 7.0]], points, size: 2.5 };
-        let whole = Reduced { data, highest: 2e4 };
-        assert_eq!(Reduced::unpack(&whole.pack().unwrap()).unwrap(), whole);
+        for contact in [None, Some(1.5e4)] {
+            let whole = Reduced { data: data.clone(), highest: 2e4, contact };
+            assert_eq!(Reduced::unpack(&whole.pack().unwrap()).unwrap(), whole);
+        }
     }
 }

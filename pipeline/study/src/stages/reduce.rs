@@ -3,7 +3,6 @@
 //! Every predicted motion (a release, flapping in air and in water, optimal actuation) is integrated in these coordinates. The
 //! snapshots extend to the highest pressure of identification and of the predicted motions, in the chambers that a trial fills.
 
-use fem::ReducedModelData;
 use lab::card::Experiment;
 use serde::{Deserialize, Serialize};
 use si::Pascal;
@@ -11,7 +10,7 @@ use si::Pascal;
 use crate::records::{Identified, Level, Mesh, Reduced};
 use crate::subject::{Specimen, Trial};
 use diagnostics::Result;
-use sysid::{Body, Snapshots};
+use sysid::{Body, Reduction, Snapshots};
 use workflow::stage::{Stage, StageContext};
 use workflow::subject::Part;
 
@@ -49,7 +48,7 @@ impl Stage for Reduce {
     type Needs = (Mesh, Identified);
     type Makes = Reduced;
     const DESCRIPTION: &'static str = "the identified model is reduced to a few dozen coordinates";
-    const VERSION: u32 = 6;
+    const VERSION: u32 = 7;
 
     fn run(
         card: &Self::Card,
@@ -57,16 +56,15 @@ impl Stage for Reduce {
         (mesh, identified): Self::Needs,
         context: &dyn StageContext,
     ) -> Result<Reduced> {
-        // A reduced model has no contact: reduced from shapes in which walls press on each other, it has no equilibrium near them.
-        let model = mesh.model(&card.body)?.without_contact();
+        let model = mesh.model(&card.body)?;
         let known = identified.levels.iter().map(Level::pressure).fold(0.0, f64::max);
         let top = known.max(card.commanded);
         context.progress(0.1, "snapshots under pressures and loads");
         let tops: Vec<Pascal> = (0..card.chambers).map(|k| if card.idle.contains(&k) { 0.0 } else { top }).collect();
         let elastic = identified.elastic(&model);
         let snapshots = Snapshots { model: &model, elastic: &elastic, top: &tops, length: card.body.length };
-        let data: ReducedModelData = snapshots.reduce(set.tolerance)?;
-        Ok(Reduced { data, highest: top })
+        let Reduction { data, contact } = snapshots.reduce(set.tolerance)?;
+        Ok(Reduced { data, highest: top, contact })
     }
 }
 

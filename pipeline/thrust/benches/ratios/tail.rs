@@ -71,7 +71,7 @@ impl Specimen {
     pub fn reduced(&self) -> Outcome<ReducedBody> {
         let elastic: &Elastic = &self.silicone.elastic;
         let snapshots = Snapshots { model: &self.model, elastic, top: &[TOP; 2], length: LENGTH };
-        ReducedBody::of(&self.model, &self.silicone, &snapshots.reduce(TOLERANCE)?)
+        ReducedBody::of(&self.model, &self.silicone, &snapshots.reduce(TOLERANCE)?.data)
     }
 
     /// Rows of the stations in water.
