@@ -4,7 +4,7 @@
 //! by [`sysid::relaxation`]. No validation film is read.
 
 use serde::{Deserialize, Serialize};
-use si::{Metre, Second};
+use si::{Metre, Pascal, Second};
 
 use super::fitting::mean_rest;
 use super::simulation;
@@ -40,6 +40,8 @@ pub struct Settings {
     vibration: Second,
     /// Longest time step of a hold, s.
     longest_step: Second,
+    /// The highest level that counts, over the pressure from which walls touch.
+    below_contact: f64,
     /// Standard deviation of a marker's position before that of the discrepancy is estimated, m.
     sigma: Metre,
     /// Iterations of Gauss-Newton at most.
@@ -54,7 +56,7 @@ impl Stage for Relaxation {
     type Needs = (Mesh, Identified, Reduced, IdentificationTrials<Motion>);
     type Makes = records::Relaxation;
     const DESCRIPTION: &'static str = "transients of the staircases give the silicone's relaxation";
-    const VERSION: u32 = 6;
+    const VERSION: u32 = 7;
 
     fn run(
         card: &Self::Card,
@@ -64,20 +66,14 @@ impl Stage for Relaxation {
     ) -> Result<records::Relaxation> {
         let model = mesh.model(card)?.with_markers_at(&mesh.solid, card, &mean_rest(&films));
         let held = identified.elastic(&model);
-        let reduced = ReducedBody::of(&model, &held.clone().into(), &reduced.data)?;
+        let body = ReducedBody::of(&model, &held.clone().into(), &reduced.data)?;
         let observed = |(trial, motion): &(TrialId, Motion)| {
-            set.film(motion, card.tip_marker()).map_err(|d| d.while_doing(&trial.0))
+            set.film(motion, card.tip_marker(), reduced.contact).map_err(|d| d.while_doing(&trial.0))
         };
         let films = films.0.iter().map(observed).collect::<Result<Vec<_>>>()?;
         let (settings, modulus_time) = (set.spectrum(), identified.modulus_time);
-        let problem = SpectrumProblem {
-            settings: &settings,
-            model: &model,
-            reduced: &reduced,
-            held,
-            modulus_time,
-            films: &films,
-        };
+        let problem =
+            SpectrumProblem { settings: &settings, model: &model, reduced: &body, held, modulus_time, films: &films };
         let found = problem.identify(&|part| context.progress(part, "creeping"))?;
         Ok(records::Relaxation {
             spectrum: found.spectrum,
@@ -102,12 +98,27 @@ impl Settings {
         }
     }
 
-    fn film(&self, motion: &Motion, marker: usize) -> Result<Film> {
+    fn film(&self, motion: &Motion, marker: usize, contact: Option<Pascal>) -> Result<Film> {
         let steps = TimeSteps { step: self.step, vibration: self.vibration, longest: self.longest_step };
         let exposure = self.exposure * frame_interval(&motion.time);
-        let footage = Footage { windows: windows(motion, marker), marker, exposure };
+        let footage = Footage {
+            windows: before(contact.map(|p| self.below_contact * p), windows(motion, marker)),
+            marker,
+            exposure,
+        };
         Film::new(footage, simulation::gauges(motion)?, steps)
     }
+}
+
+/// The windows before the first whose command is above a `highest` one and above the lowest of all.
+// Walls that touch pass through each other in reduced coordinates, and the buckle that brings them together lengthens the creep before it by a
+// factor that depends on how far its pressure is.
+fn before(highest: Option<Pascal>, mut windows: Vec<Window>) -> Vec<Window> {
+    let commands = windows.iter().map(|window| window.command).filter(|command| *command > 0.0);
+    let lowest = commands.fold(f64::INFINITY, f64::min);
+    let end = highest.and_then(|limit| windows.iter().position(|window| window.command > limit.max(lowest)));
+    windows.truncate(end.unwrap_or(windows.len()));
+    windows
 }
 
 /// The frames from each change of the command to the next, of one marker.
@@ -124,4 +135,21 @@ fn windows(motion: &Motion, marker: usize) -> Vec<Window> {
         Window { begin, times, seen, command }
     };
     changes.iter().zip(ends).map(window).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_film_ends_with_the_highest_level_that_counts_but_not_before_its_first() {
+        let window = |command: Pascal| Window { begin: 0.0, times: Vec::new(), seen: Vec::new(), command };
+        let kept = |highest: Option<Pascal>| {
+            let all = [1e4, 0.0, 1.5e4, 0.0, 2e4, 0.0, 1e4].map(window).to_vec();
+            before(highest, all).iter().map(|window| window.command).collect::<Vec<_>>()
+        };
+        assert_eq!(kept(None).len(), 7);
+        assert_eq!(kept(Some(1.7e4)), [1e4, 0.0, 1.5e4, 0.0]);
+        assert_eq!(kept(Some(5e3)), [1e4, 0.0]);
+    }
 }

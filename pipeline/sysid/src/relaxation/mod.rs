@@ -160,7 +160,8 @@ impl SpectrumProblem<'_> {
         let names: Vec<String> = knots.times.iter().map(|time| format!("strength at {time} s")).collect();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         let [low, high] = BOUNDS.map(|bound| vec![bound.ln(); count]);
-        let search = Problem::new(&names, start, Bounds { low, high })?;
+        let bounds = Bounds { low, high };
+        let search = Problem::new(&names, bounds.clamp(&start), bounds)?;
         let newton = Newton { step_tolerance: set.step_tolerance, iterations, ..Newton::default() };
         let mut optimiser = GaussNewton::new(&search, &newton)?;
         let mut evaluated = 0;
