@@ -60,7 +60,8 @@ fn filmed(model: &Model) -> Vec<Window> {
 fn storage_and_loss_come_back_from_a_motion_by_a_spectrum_that_the_branches_cannot_represent() {
     let model = shared::bar("neo_hookean");
     let top = [1.2 * PRESSURE; 2];
-    let kept = Snapshots { model: &model, elastic: &model.nominal, top: &top, length: 0.08 }.reduce(5e-4).unwrap().data;
+    // the error of the reduction is to be small beside the residuals of this small motion: with 5e-4 the loss is a fifth off
+    let kept = Snapshots { model: &model, elastic: &model.nominal, top: &top, length: 0.08 }.reduce(1e-4).unwrap().data;
     let reduced = ReducedBody::of(&model, &model.nominal.clone().into(), &kept).unwrap();
     // the modulus that a static identification would find in the middle of the hold's end
     let held_at = 0.9;
