@@ -8,7 +8,7 @@ use si::Point2;
 use crate::canvas::{Area, Canvas, Item};
 use crate::contour::Field;
 use crate::frame::{AxisRange, Frame};
-use crate::mark::Mark;
+use crate::mark::{Dash, Mark, Side};
 use crate::panel::{Draw, LegendPlacement, Margins};
 use crate::panels::colour_bar::{Bar, ColourBar};
 use crate::raster::Raster;
@@ -74,6 +74,17 @@ impl Landscape {
         let begin = Mark::points(start, Marker::Disc, palette::BLACK).sized(6.4);
         let inner = Mark { colour, size: 4.6, ..begin.clone() };
         self.with(outline).with(line).with(steps).with(begin).with(inner)
+    }
+
+    /// Lines on which other `values` (rows × columns, NaN where there is none) are equal to `value`, with `text` beside the first.
+    pub fn with_isoline(self, values: Vec<f64>, value: f64, text: &str, colour: Colour) -> Self {
+        let field = Field { columns: self.columns.len(), rows: self.rows.len(), values };
+        let lines: Vec<Vec<Point2>> =
+            field.lines(value).iter().map(|line| line.iter().map(|p| self.grid_value(*p)).collect()).collect();
+        let middle = lines.first().and_then(|line| line.get(line.len() / 2)).copied();
+        let named = |at| Mark::text(at, text, Side::Right, colour).sized(6.0);
+        let drawn = lines.into_iter().map(|line| Mark::line(line, colour).sized(1.0).dashed(Dash::Dashed));
+        drawn.chain(middle.map(named)).fold(self, Landscape::with)
     }
 
     /// Extent of a cell beyond its grid point, in grid steps.
@@ -249,6 +260,18 @@ mod tests {
         let [.., rim, disc] = &marks[..] else { panic!("{} marks", marks.len()) };
         assert!(rim.colour == palette::BLACK && disc.colour == red && disc.size < rim.size);
         assert_eq!((disc.all_x(), disc.all_y()), (vec![1.0], vec![10.0]));
+    }
+
+    #[test]
+    fn an_isoline_crosses_the_grid_where_other_values_reach_its_own() {
+        let other = vec![1.0, 2.0, 3.0, 2.0, 3.0, f64::NAN];
+        let marks = three_by_two(Shading::Smooth).with_isoline(other, 2.5, "2.5", palette::BLACK).marks;
+        let [line, name] = &marks[..] else { panic!("{} marks", marks.len()) };
+        let ends = |of: &Mark| (of.all_x(), of.all_y());
+        let (x, y) = ends(line);
+        assert!(x.len() == 2 && x.iter().zip(&y).all(|(x, y)| (x + 0.1 * y - 3.5).abs() < 1e-12), "{x:?} {y:?}");
+        assert_eq!(ends(name).0.len(), 1);
+        assert!(three_by_two(Shading::Smooth).with_isoline(vec![0.0; 6], 1.0, "", palette::BLACK).marks.is_empty());
     }
 
     #[test]
