@@ -50,6 +50,22 @@ pub fn between(points: &[(&[f64], &[Vec<Point2>])], fine: usize, judge: &dyn Fn(
     Fine { across, up, values: (0..kinds).map(|k| judged.iter().map(|j| j[k]).collect()).collect() }
 }
 
+/// Values at the places of a fine grid, `up` × `across`, linear between those of a coarse one (`y` × `x`, NaN where there is none).
+pub fn linear((x, y): (&[f64], &[f64]), value: &dyn Fn(f64, f64) -> f64, (across, up): (&[f64], &[f64])) -> Vec<f64> {
+    let at = |axis: &[f64], t: f64| {
+        let i = axis.partition_point(|&v| v < t).clamp(1, axis.len() - 1);
+        let (low, high) = (axis[i - 1], axis[i]);
+        let part = ((t - low) / (high - low)).clamp(0.0, 1.0);
+        [(low, 1.0 - part), (high, part)].into_iter().filter(|(_, part)| *part > 0.0).collect::<Vec<_>>()
+    };
+    let between = |u: f64, v: f64| {
+        let (columns, rows) = (at(x, u), at(y, v));
+        let each = rows.iter().flat_map(|&(y, q)| columns.iter().map(move |&(x, p)| (x, y, p * q)));
+        each.map(|(x, y, part)| part * value(x, y)).sum()
+    };
+    up.iter().flat_map(|&v| across.iter().map(move |&u| (u, v))).map(|(u, v)| between(u, v)).collect()
+}
+
 /// One place of the grid: both logarithms, and the displacements there (levels × markers).
 pub type Place = (Vec<f64>, Vec<Vec<Point2>>);
 
@@ -137,6 +153,15 @@ mod tests {
         let fine = between(&points, 5, &|simulated| vec![loss(&level, simulated, 1.0)]);
         assert_eq!((fine.across[1], fine.up[3]), (0.5, 1.5));
         assert!(fine.values[0][3 * 5 + 1] < 1e-12, "{}", fine.values[0][16]);
+    }
+
+    #[test]
+    fn a_bilinear_value_is_met_between_the_points_and_missing_beside_a_hole() {
+        let (x, y, fine) = ([0.0, 1.0, 2.0], [0.0, 3.0], ([0.0, 0.25, 1.0, 1.5], [0.0, 1.0, 3.0]));
+        let value = |u: f64, v: f64| if u == 2.0 { f64::NAN } else { 1.0 + 2.0 * u - v + 0.5 * u * v };
+        let found = linear((&x, &y), &value, (&fine.0, &fine.1));
+        assert!((found[5] - (1.0 + 0.5 - 1.0 + 0.125)).abs() < 1e-12 && found[10] == value(1.0, 3.0), "{found:?}");
+        assert_eq!(found.iter().filter(|v| v.is_nan()).count(), 3);
     }
 
     #[test]

@@ -118,15 +118,15 @@ impl LevelSolver {
         Self { known: self.known.clone(), unit: self.unit, ..Self::new(self.model.clone(), levels, settings, parallel) }
     }
 
-    /// Follows the equilibria with these constants from rest to `reach` times the highest pressure of each filled chamber, and returns
-    /// the part of these pressures that all reached. They are the initial guesses of what is solved later.
+    /// Follows the equilibria with these constants, from rest or the highest that is known, to `reach` times the highest pressure of each
+    /// filled chamber, and returns the part of these pressures that all reached. They are the initial guesses of what is solved later.
     ///
     /// # Errors
     /// A [`Diagnostic`] when a solver panics.
     pub(crate) fn follow_paths(&mut self, elastic: &Elastic, reach: f64) -> Result<f64> {
         let tops: Vec<PressureLevel> = tops(&self.levels).into_iter().map(|top| top.scaled(reach)).collect();
         let mut all = 1.0_f64;
-        for path in parallel(&tops, self.solvers.len(), |level| Ok(self.path_from_rest(level, elastic))) {
+        for path in parallel(&tops, self.solvers.len(), |level| Ok(self.path_to(level, elastic))) {
             let (shapes, reached) = path?;
             all = all.min(reached);
             shapes.into_iter().for_each(|shape| self.known.add(shape));
@@ -134,23 +134,20 @@ impl LevelSolver {
         Ok(all * reach)
     }
 
-    /// Loads and shapes on the path from rest to `level`, and the part of it that was reached.
-    fn path_from_rest(&self, level: &PressureLevel, elastic: &Elastic) -> (Vec<KnownShape>, f64) {
+    /// Loads and shapes on the path to `level`, and the part of its pressure that was reached.
+    fn path_to(&self, level: &PressureLevel, elastic: &Elastic) -> (Vec<KnownShape>, f64) {
         let system = &self.model.system;
         let to = Load::new(level.filled(), level.top(), elastic, self.unit);
         let (rest, none) = (to.clone().without(), vec![0.0; 3 * system.mesh().nodes.len()]);
-        let path = LoadPath {
-            from: (&rest, &none),
-            to: &to,
-            pressures: &level.pressures,
-            elastic,
-            unit: self.unit,
-            steps: FROM_REST,
-            known: &[],
-        };
+        let below = self.known.highest_below(&to);
+        let from = below.map_or((&rest, none.as_slice()), |known| (&known.load, known.shape.as_slice()));
+        let (begin, steps) = (from.0.part_of(&to), FROM_REST.over(1.0 - from.0.part_of(&to)));
+        let (pressures, unit) = (level.pressures.as_slice(), self.unit);
+        let path = LoadPath { from, to: &to, pressures, elastic, unit, steps, known: &[] };
         let settings = StaticSettings { tolerance: EXPLORED, ..self.settings };
         let (points, end) = path.follow(&mut system.solver(), &settings);
-        let reached = if end.is_ok() { 1.0 } else { points.last().map_or(0.0, |last| last.part) };
+        let part = if end.is_ok() { 1.0 } else { points.last().map_or(0.0, |last| last.part) };
+        let reached = begin + (1.0 - begin) * part;
         let on_the_way = points.into_iter().map(|point| KnownShape::new(point.load, point.shape));
         (on_the_way.chain(end.ok().map(|end| KnownShape::new(to, end.displacement))).collect(), reached)
     }
@@ -264,7 +261,8 @@ impl Part<'_> {
         solver: &mut Solver,
     ) -> Result<(Equilibrium, Second)> {
         let began = Instant::now();
-        let (rest, none);
+        let none = vec![0.0; 3 * self.model.system.mesh().nodes.len()];
+        let rest;
         // Kriged initial guesses: the Gauss-Newton search of Dory took 23 s instead of 40 s.
         let (from, steps) = match Surrogate::predict(&[found, self.known], to) {
             Some((near, predicted)) => {
@@ -272,10 +270,21 @@ impl Part<'_> {
                 if let Ok(equilibrium) = direct {
                     return Ok((equilibrium, began.elapsed().as_secs_f64()));
                 }
+                // A body of other constants may have its wall on the other side of a buckle, and the way from there crosses it backwards:
+                // such a level took minutes. Below this one the same body has buckled or not on the way of rising pressure.
+                let lower = found.rising_to(to);
+                if !lower.is_empty() {
+                    let whole: Pascal = level.pressures.iter().sum();
+                    let at = lower.iter().map(|known| (whole * known.load.part_of(to), known.shape.as_slice()));
+                    let known: Vec<(Pascal, &[f64])> = std::iter::once((0.0, none.as_slice())).chain(at).collect();
+                    let end = solver.equilibrium_from(&known, &level.pressures, self.settings);
+                    let end = end.map_err(|e| no_equilibrium(level, e.into()))?;
+                    return Ok((end, began.elapsed().as_secs_f64()));
+                }
                 ((&near.load, near.shape.as_slice()), FROM_NEARBY)
             }
             None => {
-                (rest, none) = (to.clone().without(), vec![0.0; 3 * self.model.system.mesh().nodes.len()]);
+                rest = to.clone().without();
                 ((&rest, none.as_slice()), FROM_REST)
             }
         };

@@ -64,7 +64,7 @@ pub use misfit::Misfit;
 pub use model::{Attached, BODY, Elastic, Model, Viscoelastic, by_node};
 pub use noise::{Covariance2, Level, NoiseModel};
 pub use reduced::{ForcedMotion, ReducedBody, even_times};
-pub use search::{Interrupted, feasible_lower_bound, nearest_neighbour_order};
+pub use search::{Interrupted, feasible_lower_bound, spanning_order};
 pub use snapshots::{Reduction, Snapshots};
 pub use stiffening::{Stiffened, StiffeningProblem, residuals_of};
 pub use time_steps::TimeSteps;

@@ -26,6 +26,14 @@ pub(crate) struct Steps {
     pub shortest: f64,
 }
 
+impl Steps {
+    /// The same steps of a path that is shorter by this factor.
+    pub fn over(self, part: f64) -> Self {
+        let longer = |step: f64| (step / part.max(f64::MIN_POSITIVE)).min(0.5);
+        Self { first: longer(self.first), longest: longer(self.longest), shortest: longer(self.shortest) }
+    }
+}
+
 /// A path.
 pub(crate) struct LoadPath<'a> {
     /// Where it begins, with the shape there (3 a node, m).

@@ -18,17 +18,17 @@ impl From<OptimiseError> for Interrupted {
     }
 }
 
-/// An order of points in which each is the nearest of those left to the one before, so that each starts near a known equilibrium.
-pub fn nearest_neighbour_order(points: &[Vec<f64>]) -> Vec<usize> {
-    let distance = |a: usize, b: usize| -> f64 { points[a].iter().zip(&points[b]).map(|(x, y)| (x - y).powi(2)).sum() };
-    let mut left: Vec<usize> = (0..points.len()).rev().collect();
-    let mut order: Vec<usize> = left.pop().into_iter().collect();
-    while let Some(&here) = order.last() {
-        let Some(next) = (0..left.len()).min_by(|&a, &b| distance(here, left[a]).total_cmp(&distance(here, left[b])))
-        else {
-            break;
-        };
-        order.push(left.remove(next));
+/// An order of `points` in which each is the nearest of those left to any before it or to one of `known`, so that each starts near a known
+/// equilibrium: that of Prim's minimum spanning tree.
+pub fn spanning_order(points: &[Vec<f64>], known: &[Vec<f64>]) -> Vec<usize> {
+    let distance = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum() };
+    let nearest = |point: &[f64]| known.iter().map(|k| distance(point, k)).fold(f64::INFINITY, f64::min);
+    let mut left: Vec<(usize, f64)> = points.iter().map(|point| nearest(point)).enumerate().collect();
+    let mut order = Vec::with_capacity(points.len());
+    while let Some(next) = (0..left.len()).min_by(|&a, &b| left[a].1.total_cmp(&left[b].1)) {
+        let (here, _) = left.remove(next);
+        left.iter_mut().for_each(|(other, away)| *away = away.min(distance(&points[*other], &points[here])));
+        order.push(here);
     }
     order
 }
@@ -55,10 +55,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn neighbours_in_the_order_are_neighbours_in_the_grid() {
+    fn the_order_spreads_over_a_grid_from_what_is_known() {
         let grid: Vec<Vec<f64>> = (0..5).flat_map(|i| (0..5).map(move |j| vec![f64::from(i), f64::from(j)])).collect();
-        let order = nearest_neighbour_order(&grid);
-        let distance = |w: &[usize]| (0..2).map(|k| (grid[w[0]][k] - grid[w[1]][k]).powi(2)).sum::<f64>();
-        assert!(order.windows(2).all(|w| distance(w) <= 1.0), "{order:?}");
+        let order = spanning_order(&grid, &[vec![2.2, 3.1], vec![-9.0, -9.0]]);
+        let distance = |a: usize, b: usize| (0..2).map(|k| (grid[a][k] - grid[b][k]).powi(2)).sum::<f64>();
+        let beside = |i: usize| order[..i].iter().any(|&before| distance(before, order[i]) <= 1.0);
+        assert!(order[0] == 13 && order.len() == 25 && (1..25).all(beside), "{order:?}");
+        assert_eq!(spanning_order(&grid[..3], &[]), [0, 1, 2]);
     }
 }

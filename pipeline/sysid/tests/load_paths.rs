@@ -48,13 +48,15 @@ fn a_single_level_of_high_pressure_is_reached_from_rest() {
 fn a_body_far_from_those_solved_before_is_reached() {
     let model = shared::bar("yeoh");
     let known = Elastic { stiffening: [0.1, 0.05], ..model.nominal.clone() };
-    let levels = vec![level([2e4, 0.0]), level([0.0, 4e4])];
-    let mut solver = LevelSolver::new(model.clone(), levels, SETTINGS, 2);
+    // the highest one from rest, in one step or by way of the levels below it
+    let pressures = [[2e4, 0.0], [0.0, 4e4], [0.0, 1e4], [0.0, 1.0001e4], [0.0, 6e4]];
+    let mut solver = LevelSolver::new(model.clone(), pressures.map(level).to_vec(), SETTINGS, 2);
     solver.solve(&known, Derivatives::None).unwrap();
     let other = Elastic { youngs_moduli: vec![1.1e5, 2e7], poissons_ratios: vec![0.4, 0.3], stiffening: [0.02, 0.15] };
     let found = solver.solve(&other, Derivatives::None).unwrap();
-    assert_close(found[0].markers[0], by_load_stepping(&model, &other, [2e4, 0.0]));
-    assert_close(found[1].markers[0], by_load_stepping(&model, &other, [0.0, 4e4]));
+    for (pressures, simulated) in pressures.into_iter().zip(&found) {
+        assert_close(simulated.markers[0], by_load_stepping(&model, &other, pressures));
+    }
 }
 
 #[test]

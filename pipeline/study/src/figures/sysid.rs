@@ -1,6 +1,6 @@
 //! Figure `sysid`: the loss over both moduli and the convergence of each method. Paper, figure 5.
 //!
-//! (a) the loss over both moduli with the iterates of Adam; (b) the lowest loss of each method against simulations; (c) static
+//! (a) the loss over both moduli with the iterates of Adam, and the moduli at which a wall buckles just at a level of the film; (b) the lowest loss of each method against simulations; (c) static
 //! shapes of the back, measured against simulated; (d) the largest error of each tail at each pressure.
 
 use plot::{Axes, Axis, ColourBar, DOUBLE_COLUMN_MM, Dash, Figure, Landscape, Mark, Marker, Panel, Side, palette};
@@ -22,7 +22,7 @@ impl figure::Figure for Sysid {
     type Needs = Every<Identified, Specimen>;
     const NAME: &'static str = "sysid";
     const CAPTION: &'static str = "the loss over both moduli, and convergence of the methods";
-    const VERSION: u32 = 4;
+    const VERSION: u32 = 5;
 
     fn draw(Every(all): Self::Needs) -> Result<Figure> {
         let all = in_order(all);
@@ -76,11 +76,22 @@ fn landscape(found: &Identified) -> Panel {
         surface.loss.clone(),
         ColourBar::log("loss", ""),
     );
+    let critical: Vec<f64> = surface.critical.iter().map(|p| if *p > 0.0 { *p } else { f64::NAN }).collect();
+    let map = levels(found).iter().fold(map, |map, level| {
+        let text = format!("buckles at {:.0} mbar", level / MILLIBAR);
+        map.with_isoline(critical.clone(), *level, &text, palette::BLACK)
+    });
     let map = map
         .with(Mark::points(grid, Marker::Plus, palette::BLACK).sized(3.6).labelled("grid"))
         .with_path(path, palette::PAPER, "Adam")
         .with(Mark::cross(place(found, &found.best), palette::OPTIMUM).sized(8.0).labelled("identified"));
     Panel::Landscape(map)
+}
+
+/// The pressures of the first film, Pa.
+fn levels(found: &Identified) -> Vec<Pascal> {
+    let films = found.levels.chunk_by(|a, b| a.trial == b.trial);
+    films.take(1).flatten().map(Level::pressure).collect()
 }
 
 fn convergence(found: &Identified) -> Panel {

@@ -42,6 +42,8 @@ pub struct Surface {
     pub up: Vec<Pascal>,
     /// Rows × columns, row after row.
     pub loss: Vec<f64>,
+    /// The pressures at which the slack walls buckle, in the same order, Pa; 0 where they do not, or an equilibrium is missing.
+    pub critical: Vec<Pascal>,
 }
 
 /// The whole identification of one specimen.
@@ -334,6 +336,7 @@ fn surface_columns(surface: &Surface) -> Columns {
         .numbers("across_pa", all.clone().map(|i| place(i).0).collect())
         .numbers("up_pa", all.map(|i| place(i).1).collect())
         .numbers("loss", surface.loss.clone())
+        .numbers("critical_pa", surface.critical.clone())
 }
 
 fn read_surface(columns: &Columns) -> Result<Surface, RecordError> {
@@ -343,6 +346,7 @@ fn read_surface(columns: &Columns) -> Result<Surface, RecordError> {
         across: across.iter().take(width).copied().collect(),
         up: up.iter().step_by(width).copied().collect(),
         loss: columns.f64("loss")?,
+        critical: columns.f64("critical_pa")?,
     })
 }
 
@@ -354,8 +358,12 @@ mod tests {
     fn an_identification_survives_its_record() {
         let at = |b: f64| vec![b, 3e9];
         let tried = vec![EvaluatedPoint { at: at(2e5), loss: 0.1 }, EvaluatedPoint { at: at(1e5), loss: 0.2 }];
-        let surface =
-            Surface { across: vec![1e5, 2e5], up: vec![1e9, 2e9, 3e9], loss: (0..6).map(f64::from).collect() };
+        let surface = Surface {
+            across: vec![1e5, 2e5],
+            up: vec![1e9, 2e9, 3e9],
+            loss: (0..6).map(f64::from).collect(),
+            critical: vec![0.0, 1.8e4, 0.0, 1.9e4, 2e4, 2.1e4],
+        };
         let whole = Identified {
             solids: vec!["body".into(), "spine".into()],
             best: at(2e5),

@@ -2,7 +2,7 @@
 
 use optimize::optimisers::grid;
 use optimize::{Bounds, Evaluation, Residuals};
-use si::Point2;
+use si::{Pascal, Point2};
 
 use super::fitting::{Evaluated, Fitting, SearchResult};
 use crate::records::{self, Identified, Level};
@@ -112,7 +112,8 @@ impl Fitting<'_> {
         let along = |axis: &[f64], k: usize| axis.iter().map(|x| moduli[k] * x.exp()).collect::<Vec<f64>>();
         let (across, up) = (along(&fine.across, 0), along(&fine.up, 1));
         let profiles = uncertainty::profiles([&first.name, &second.name], [&across, &up], &fine.values[1]);
-        Ok((records::Surface { across, up, loss: fine.values[0].clone() }, profiles))
+        let critical = critical_pressures(evaluated, (&axis(0), &axis(1)), (&fine.across, &fine.up));
+        Ok((records::Surface { across, up, loss: fine.values[0].clone(), critical }, profiles))
     }
 
     fn coarse(&self, evaluated: &[Evaluated], across: &[f64], up: &[f64]) -> records::Surface {
@@ -124,6 +125,7 @@ impl Fitting<'_> {
             across: across.iter().map(|&x| self.elastic(&[x, 0.0]).youngs_moduli[0]).collect(),
             up: up.iter().map(|&y| self.elastic(&[0.0, y]).youngs_moduli[1]).collect(),
             loss: up.iter().flat_map(|&y| across.iter().map(move |&x| (x, y))).map(|(x, y)| loss(x, y)).collect(),
+            critical: critical_pressures(evaluated, (across, up), (across, up)),
         }
     }
 
@@ -140,4 +142,10 @@ impl Fitting<'_> {
         })
         .collect()
     }
+}
+
+/// The pressures at which the slack walls buckle over both moduli, between those of the grid's points, Pa; 0 where one beside it does not.
+fn critical_pressures(evaluated: &[Evaluated], coarse: (&[f64], &[f64]), fine: (&[f64], &[f64])) -> Vec<Pascal> {
+    let at = |x: f64, y: f64| evaluated.iter().find(|t| t.at == [x, y]).and_then(|t| t.critical).unwrap_or(f64::NAN);
+    landscape::linear(coarse, &at, fine).into_iter().map(|p| if p.is_nan() { 0.0 } else { p }).collect()
 }

@@ -8,6 +8,7 @@ use si::{Metre, Pascal, Point2, Second};
 
 use super::mesh;
 use super::plateaus::{held_times, levels};
+use super::walls::WallGauge;
 use crate::records::{self, EvaluatedPoint, Markers, Mesh, Motion, NoiseModel};
 use crate::selections::IdentificationTrials;
 use crate::subject::Specimen;
@@ -16,7 +17,7 @@ use sysid::Discrepancy;
 use sysid::Interrupted;
 use sysid::Misfit;
 use sysid::feasible_lower_bound;
-use sysid::nearest_neighbour_order;
+use sysid::spanning_order;
 use sysid::{
     BODY, Body, Derivatives, Elastic, LevelSolver, Model, PressureLevel, SimulatedLevel, Stiffened, StiffeningProblem,
 };
@@ -118,23 +119,27 @@ pub(crate) struct Fitting<'a> {
     /// Trial and rest places of each level.
     pub(super) origins: Vec<(String, Vec<Point2>)>,
     pub(super) search: Problem,
+    gauge: WallGauge<'a>,
     /// The equilibria from which every search starts.
     explored: LevelSolver,
     /// Moduli and stiffening, identified together; none where the law of the softest solid does not stiffen.
     pub(super) stiffened: Option<Stiffened>,
 }
 
-/// The simulated markers at one point of a search, for the landscape.
+/// What was simulated at one point of a search, for the landscape.
 pub struct Evaluated {
     pub(super) at: Vec<f64>,
+    /// The markers at each level, m.
     pub(super) markers: Vec<Vec<Point2>>,
+    /// The pressure at which the slack wall buckles, Pa; none where it does not.
+    pub(super) critical: Option<Pascal>,
 }
 
 /// The result of a search, with its solver.
 pub struct SearchResult {
     /// All evaluations.
     pub history: EvaluationLog,
-    /// The simulated markers at each point.
+    /// What was simulated at each point.
     pub evaluated: Vec<Evaluated>,
     pub(super) solver: LevelSolver,
 }
@@ -147,7 +152,7 @@ impl<'a> Fitting<'a> {
     ///
     /// # Errors
     /// A [`Diagnostic`] when there is no film, a film holds no pressure, or the simulator refuses the mesh.
-    pub fn new(card: &'a Card, set: &'a Settings, mesh: &Mesh, films: &Films) -> Result<Self> {
+    pub fn new(card: &'a Card, set: &'a Settings, mesh: &'a Mesh, films: &Films) -> Result<Self> {
         let (mut all, mut origins, mut counts, mut held) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for ((trial, motion), (_, markers)) in films.0.0.iter().zip(&films.1.0) {
             let levels = levels(motion, markers, set.settled_fraction, set.shortest_hold)
@@ -174,9 +179,22 @@ impl<'a> Fitting<'a> {
         }
         let search = search(&card.body, bounds)?;
         let modulus_time = held.iter().sum::<Second>() / held.len().max(1) as f64;
-        let (body, stiffened, compared) = (&card.body, None, set.compared.contains(&card.name));
-        Self { body, set, compared, model, levels, noise, modulus_time, origins, search, explored, stiffened }
-            .stiffened()
+        let (body, compared, gauge) = (&card.body, set.compared.contains(&card.name), WallGauge::new(mesh));
+        let plain = Self {
+            body,
+            set,
+            compared,
+            model,
+            levels,
+            noise,
+            modulus_time,
+            origins,
+            search,
+            gauge,
+            explored,
+            stiffened: None,
+        };
+        plain.stiffened()
     }
 
     /// With the stiffening that the films give, where the law of the softest solid has one, and the lower bound that goes with it.
@@ -226,7 +244,7 @@ impl<'a> Fitting<'a> {
         self.explored.with(levels.to_vec(), statics(tolerance))
     }
 
-    /// Runs one method; the points of a batch are evaluated in nearest-neighbour order.
+    /// Runs one method; the points of a batch are evaluated in the order of a spanning tree from those known.
     ///
     /// # Errors
     /// A [`Diagnostic`] when the method cannot continue, or Adam reaches a point without equilibrium.
@@ -237,7 +255,9 @@ impl<'a> Fitting<'a> {
         let mut evaluated = Vec::new();
         let mut problem = |batch: &[Vec<f64>], needs: Needs| -> Result<Vec<Evaluation>, Interrupted> {
             let mut answers: Vec<Option<Evaluation>> = vec![None; batch.len()];
-            for i in nearest_neighbour_order(batch) {
+            let known: Vec<Vec<f64>> = evaluated.iter().map(|e: &Evaluated| e.at.clone()).collect();
+            let known = if known.is_empty() { vec![self.search.start().to_vec()] } else { known };
+            for i in spanning_order(batch, &known) {
                 let evaluation = self.evaluate(&mut solver, &batch[i], needs, &mut evaluated).map_err(Interrupted)?;
                 answers[i] = Some(evaluation);
             }
@@ -290,7 +310,8 @@ impl<'a> Fitting<'a> {
         };
         let markers: Vec<Vec<Point2>> = levels.iter().map(|l| l.markers.clone()).collect();
         let loss = self.levels.loss(&markers);
-        evaluated.push(Evaluated { at: at.to_vec(), markers });
+        let critical = self.gauge.critical_pressure(&self.levels.levels, &levels);
+        evaluated.push(Evaluated { at: at.to_vec(), markers, critical });
         let moduli = &elastic.youngs_moduli;
         let residuals =
             (want == Derivatives::Sensitivities).then(|| self.levels.residuals(&levels, moduli)).transpose()?;

@@ -7,11 +7,12 @@ use fem::{Solver, StaticSettings};
 use serde::{Deserialize, Serialize};
 use si::{Pascal, Point3, vec3};
 
+use super::walls::WallGauge;
 use crate::records::{ExampleFrames, FrameData, Identified, Inflation, Mesh, Shape};
 use crate::selections::OfTrials;
 use crate::subject::{Specimen, Trial};
 use diagnostics::{Diagnostic, Result};
-use mesh::wall::{Section, Walls, end_rotation};
+use mesh::wall::end_rotation;
 use sysid::silhouette::Stations;
 use sysid::{Body, by_node};
 use workflow::stage::{Stage, StageContext};
@@ -82,9 +83,9 @@ impl Stage for Inflate {
         let statics = StaticSettings { tolerance: set.static_tolerance, ..StaticSettings::default() };
         let rest = vec![0.0; 3 * mesh.solid.nodes.len()];
         let displacements = solve_levels((&mut solver, &statics), &levels, rest, context)?;
-        let section = Section::of(&mesh.solid);
+        let gauge = WallGauge::new(&mesh);
         let solved = levels.iter().zip(&displacements);
-        let mut shapes: Vec<Shape> = solved.map(|(p, u)| shape(&mesh, section.as_ref(), p, by_node(u))).collect();
+        let mut shapes: Vec<Shape> = solved.map(|(p, u)| shape((&mesh, &gauge), p, by_node(u))).collect();
         if let Some(eye) = seen.filter(|seen| !seen.walls.is_empty()).map(|seen| seen.eye_m) {
             see(&mut shapes, card, &mesh, eye);
         }
@@ -130,11 +131,9 @@ fn solve_levels(
     Ok(solved.into_iter().skip(1).map(|(_, shape)| shape).collect())
 }
 
-fn shape(mesh: &Mesh, section: Option<&Section>, pressures: &[Pascal], moved: Vec<Point3>) -> Shape {
-    let order = |a: &usize, b: &usize| pressures[*a].total_cmp(&pressures[*b]);
-    let fullest = (0..pressures.len()).max_by(order).map_or(0, |k| mesh.chambers[k].skin);
+fn shape((mesh, gauge): (&Mesh, &WallGauge), pressures: &[Pascal], moved: Vec<Point3>) -> Shape {
     let nodes: Vec<Point3> = mesh.solid.nodes.iter().zip(&moved).map(|(&x, &u)| vec3::add(x, u)).collect();
-    let walls = section.map_or(Walls::default(), |s| s.walls(&nodes, lies_left(mesh, fullest)));
+    let walls = gauge.walls(pressures, &nodes);
     let rotation = end_rotation(&mesh.solid.nodes, &nodes);
     Shape { pressures_pa: pressures.to_vec(), moved, walls, silhouette: None, rotation }
 }
@@ -147,12 +146,6 @@ fn see(shapes: &mut [Shape], card: &Card, mesh: &Mesh, eye: Point3) {
         let nodes: Vec<Point3> = mesh.solid.nodes.iter().zip(&shape.moved).map(|(&x, &u)| vec3::add(x, u)).collect();
         shape.silhouette = stations.walls(&stations.of_solid((&mesh.solid, &mesh.markers), &nodes, eye), &rest);
     }
-}
-
-/// Whether a cavity lies at positive y.
-fn lies_left(mesh: &Mesh, cavity: u16) -> bool {
-    let on = mesh.solid.skin.iter().filter(|f| f.on == mesh::Skin::Chamber(cavity));
-    on.map(|f| mesh.solid.nodes[f.nodes[0] as usize][1]).sum::<f64>() > 0.0
 }
 
 /// The nodes of the skin, in rising order.

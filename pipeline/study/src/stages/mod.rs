@@ -34,6 +34,7 @@ mod thrust;
 pub mod track;
 mod transfer;
 mod validate;
+mod walls;
 mod wave;
 
 use crate::subject::Study;

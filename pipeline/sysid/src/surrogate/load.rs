@@ -113,6 +113,16 @@ impl Load {
         self.at[number] - other.at[number]
     }
 
+    /// Its pressure over that of `other`, each relative to the softest material.
+    pub fn part_of(&self, other: &Self) -> f64 {
+        self.at[0] / other.at[0]
+    }
+
+    /// Distance of the constants alone, whatever the pressures.
+    pub fn aside(&self, other: &Self) -> f64 {
+        self.at[1..].iter().zip(&other.at[1..]).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+    }
+
     /// Distance over which an expansion fails: shapes change most with the pressure.
     pub fn apart(&self, other: &Self) -> f64 {
         self.away(other).hypot(PRESSURE * self.along(other, 0))

@@ -15,6 +15,10 @@ pub use load::{Extra, Load, Slope};
 const NEAREST: usize = 20;
 /// Number of nearest expansions in a prediction by them.
 const EXPANSIONS: usize = 4;
+/// Constants so near to each other are the same on a path of rising pressure: 2 % of the ratio of moduli.
+const SAME_CONSTANTS: f64 = 0.02;
+/// A pressure above this part of another is that one, measured again.
+const LOWER: f64 = 0.999;
 /// A shape so much nearer than the nearest with derivatives predicts better by kriging.
 const NEARER: f64 = 0.25;
 /// Number of shapes kept, the newest; of these, so many with their derivatives, each of which is as large as a shape.
@@ -60,6 +64,24 @@ impl Surrogate {
     /// Whether it has no shape.
     pub fn is_empty(&self) -> bool {
         self.shapes.is_empty()
+    }
+
+    /// The known shape of the highest pressure below that of `load`, of the same chamber and of nearly the same constants.
+    pub(crate) fn highest_below(&self, load: &Load) -> Option<&KnownShape> {
+        let on_the_way = |known: &&KnownShape| {
+            let at = &known.load;
+            at.chamber == load.chamber && at.part_of(load) < 1.0 && at.aside(load) < SAME_CONSTANTS
+        };
+        self.shapes.iter().filter(on_the_way).max_by(|a, b| a.load.at[0].total_cmp(&b.load.at[0]))
+    }
+
+    /// The known shapes of the same chamber under lower pressures than that of `load`, rising, one a pressure.
+    pub(crate) fn rising_to(&self, load: &Load) -> Vec<&KnownShape> {
+        let lower = |known: &&KnownShape| known.load.chamber == load.chamber && known.load.part_of(load) < LOWER;
+        let mut lower: Vec<&KnownShape> = self.shapes.iter().filter(lower).collect();
+        lower.sort_by(|a, b| a.load.at[0].total_cmp(&b.load.at[0]));
+        lower.dedup_by(|next, kept| kept.load.part_of(&next.load) > LOWER);
+        lower
     }
 
     /// The nearest known shape, and the one predicted from all of them; none where there is none of the same chamber.
@@ -139,6 +161,35 @@ mod tests {
         let close = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a / b - 1.0).abs() < 1e-12);
         assert!(close(&made.youngs_moduli, &elastic.youngs_moduli));
         assert!(close(&made.poissons_ratios, &elastic.poissons_ratios));
+    }
+
+    #[test]
+    fn a_path_begins_at_the_highest_known_pressure_below_its_end_with_the_same_constants() {
+        let mut known = Surrogate::default();
+        for (pressure, body, spine) in [(4e3, 1e5, 2e9), (8e3, 1e5, 2e9), (1.1e4, 1e5, 2.2e9), (1.6e4, 1e5, 2e9)] {
+            let at = load(pressure, body, spine);
+            known.add(KnownShape::new(at.clone(), shape(&at)));
+        }
+        let begin = |to: Load| known.highest_below(&to).map(|found| found.load.part_of(&to));
+        let near = |part: Option<f64>, wanted: f64| part.is_some_and(|part| (part - wanted).abs() < 1e-12);
+        assert!(near(begin(load(1.2e4, 1e5, 2e9)), 8.0 / 12.0));
+        // the same body, softer: all its pressures count for more
+        assert!(near(begin(load(7e3, 0.5e5, 1e9)), 8.0 / 14.0));
+        assert_eq!(begin(load(1.2e4, 1e5, 4e9)), None);
+        assert_eq!(begin(load(3e3, 1e5, 2e9)), None);
+    }
+
+    #[test]
+    fn shapes_under_lower_pressures_rise_and_those_of_one_pressure_are_one() {
+        let mut known = Surrogate::default();
+        for pressure in [8e3, 4e3, 8.001e3, 1.2e4, 1.1999e4] {
+            let at = load(pressure, 1e5, 2e9);
+            known.add(KnownShape::new(at.clone(), shape(&at)));
+        }
+        let end = load(1.2e4, 1e5, 2e9);
+        let parts: Vec<f64> = known.rising_to(&end).iter().map(|lower| lower.load.part_of(&end)).collect();
+        assert!(parts.len() == 2 && (parts[0] - 1.0 / 3.0).abs() < 1e-12 && (parts[1] - 2.0 / 3.0).abs() < 1e-3);
+        assert!(known.rising_to(&load(4e3, 1e5, 2e9)).is_empty());
     }
 
     #[test]
