@@ -11,19 +11,14 @@ use nalgebra::Matrix3;
 #[derive(Debug)]
 pub struct LopezPamies;
 
-/// The powers of C₂₀ and of C₃₀.
-const POWERS: [f64; 2] = [4.0, 0.5];
-
-/// hₐ(x) − x with its first and second derivative.
-fn power(a: f64, x: f64) -> [f64; 3] {
+/// Both powers hₐ(x) − x, weighted by C₂₀ and C₃₀, with their first and second derivative.
+// By products and a square root: a function of any power takes a third of the time of a stress.
+fn series([stiff, soft]: [f64; 2], x: f64) -> [f64; 3] {
     let ratio = 1.0 + x / 3.0;
-    let [value, slope] = [3.0 / a * (ratio.powf(a) - 1.0), ratio.powf(a - 1.0)];
-    [value - x, slope - 1.0, (a - 1.0) / 3.0 * ratio.powf(a - 2.0)]
-}
-
-fn series(coefficients: [f64; 2], x: f64) -> [f64; 3] {
-    let [stiff, soft] = POWERS.map(|a| power(a, x));
-    std::array::from_fn(|k| coefficients[0] * stiff[k] + coefficients[1] * soft[k])
+    let (square, root) = (ratio * ratio, ratio.sqrt());
+    let fourth = [0.75 * (square * square - 1.0) - x, square * ratio - 1.0, square];
+    let half = [6.0 * (root - 1.0) - x, 1.0 / root - 1.0, -1.0 / (6.0 * ratio * root)];
+    std::array::from_fn(|k| stiff * fourth[k] + soft * half[k])
 }
 
 #[allow(non_snake_case)]

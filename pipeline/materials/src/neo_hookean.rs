@@ -7,17 +7,55 @@ use nalgebra::Matrix3;
 #[derive(Debug)]
 pub struct NeoHookean;
 
-/// ψ, P, ln J and G = F⁻ᵀ; none where J ≤ 0.
+/// Where J ≤ 0.
+pub(crate) fn inverted() -> Response {
+    Response { energy: f64::INFINITY, stress: Matrix3::zeros(), tangent: Tangent::zeros() }
+}
+
+/// ln J and G = F⁻ᵀ.
+#[derive(Debug, Clone, Copy)]
 #[allow(non_snake_case)]
-fn terms(F: &Matrix3<f64>, Moduli { mu, lambda, .. }: Moduli) -> Option<(f64, Matrix3<f64>, f64, Matrix3<f64>)> {
-    let J = F.determinant();
-    if J.is_nan() || J <= 0.0 {
-        return None;
+pub(crate) struct Volume {
+    pub ln_J: f64,
+    pub G: Matrix3<f64>,
+}
+
+#[allow(non_snake_case)]
+impl Volume {
+    /// None where J ≤ 0.
+    pub fn of(F: &Matrix3<f64>) -> Option<Self> {
+        let J = F.determinant();
+        if J.is_nan() || J <= 0.0 {
+            return None;
+        }
+        Some(Self { ln_J: J.ln(), G: F.try_inverse()?.transpose() })
     }
-    let G = F.try_inverse()?.transpose();
-    let ln_J = J.ln();
-    let energy = 0.5 * mu * (F.norm_squared() - 3.0) - mu * ln_J + 0.5 * lambda * ln_J * ln_J;
-    Some((energy, (F - G) * mu + G * (lambda * ln_J), ln_J, G))
+
+    /// ψ and P.
+    pub fn stress(&self, F: &Matrix3<f64>, Moduli { mu, lambda, .. }: Moduli) -> (f64, Matrix3<f64>) {
+        let Self { ln_J, G } = *self;
+        let energy = 0.5 * mu * (F.norm_squared() - 3.0) - mu * ln_J + 0.5 * lambda * ln_J * ln_J;
+        (energy, (F - G) * mu + G * (lambda * ln_J))
+    }
+
+    /// ∂P_iJ/∂F_kL = μ δ_ik δ_JL + (μ − λ ln J) G_iL G_kJ + λ G_iJ G_kL
+    pub fn tangent(&self, Moduli { mu, lambda, .. }: Moduli) -> Tangent {
+        let Self { ln_J, G } = *self;
+        let geometric = mu - lambda * ln_J;
+        let mut tangent = Tangent::zeros();
+        for L in 0..3 {
+            for k in 0..3 {
+                for J in 0..3 {
+                    for i in 0..3 {
+                        tangent[(i + 3 * J, k + 3 * L)] =
+                            geometric * G[(i, L)] * G[(k, J)] + lambda * G[(i, J)] * G[(k, L)];
+                    }
+                }
+            }
+        }
+        (0..9).for_each(|entry| tangent[(entry, entry)] += mu);
+        tangent
+    }
 }
 
 #[allow(non_snake_case)]
@@ -27,32 +65,12 @@ impl Material for NeoHookean {
     }
 
     fn stress(&self, F: &Matrix3<f64>, moduli: Moduli) -> (f64, Matrix3<f64>) {
-        match terms(F, moduli) {
-            Some((energy, stress, _, _)) => (energy, stress),
-            None => (f64::INFINITY, Matrix3::zeros()),
-        }
+        Volume::of(F).map_or((f64::INFINITY, Matrix3::zeros()), |volume| volume.stress(F, moduli))
     }
 
-    /// ∂P_iJ/∂F_kL = μ δ_ik δ_JL + (μ − λ ln J) G_iL G_kJ + λ G_iJ G_kL
     fn response(&self, F: &Matrix3<f64>, moduli: Moduli) -> Response {
-        let Some((energy, stress, ln_J, G)) = terms(F, moduli) else {
-            return Response { energy: f64::INFINITY, stress: Matrix3::zeros(), tangent: Tangent::zeros() };
-        };
-        let geometric = moduli.mu - moduli.lambda * ln_J;
-        let mut tangent = Tangent::zeros();
-        for L in 0..3 {
-            for k in 0..3 {
-                for J in 0..3 {
-                    for i in 0..3 {
-                        tangent[(i + 3 * J, k + 3 * L)] =
-                            geometric * G[(i, L)] * G[(k, J)] + moduli.lambda * G[(i, J)] * G[(k, L)];
-                    }
-                }
-            }
-        }
-        for entry in 0..9 {
-            tangent[(entry, entry)] += moduli.mu;
-        }
-        Response { energy, stress, tangent }
+        let Some(volume) = Volume::of(F) else { return inverted() };
+        let (energy, stress) = volume.stress(F, moduli);
+        Response { energy, stress, tangent: volume.tangent(moduli) }
     }
 }

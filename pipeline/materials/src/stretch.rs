@@ -1,7 +1,7 @@
 //! Laws of one stretch: ψ = μ/2 x + s(x) + λ/2 ln²J with x = I₁ − 3 − 2 ln J, and s of second order in x.
 
-use crate::material::{Material, Moduli, Response};
-use crate::neo_hookean::NeoHookean;
+use crate::material::{Moduli, Response};
+use crate::neo_hookean::{Volume, inverted};
 use nalgebra::{Matrix3, SVector};
 
 /// s with its first and second derivative, from C₂₀ and C₃₀ (Pa) and x.
@@ -9,8 +9,8 @@ pub(crate) type Series = fn([f64; 2], f64) -> [f64; 3];
 
 /// x.
 #[allow(non_snake_case)]
-fn stretch(F: &Matrix3<f64>) -> f64 {
-    F.norm_squared() - 3.0 - 2.0 * F.determinant().ln()
+fn stretch(F: &Matrix3<f64>, volume: &Volume) -> f64 {
+    F.norm_squared() - 3.0 - 2.0 * volume.ln_J
 }
 
 /// The neo-Hookean moduli of the same stress: the slope of s adds to C₁₀.
@@ -21,24 +21,22 @@ fn secant(moduli: Moduli, slope: f64) -> Moduli {
 /// ψ and P.
 #[allow(non_snake_case)]
 pub(crate) fn stress(F: &Matrix3<f64>, moduli: Moduli, series: Series) -> (f64, Matrix3<f64>) {
-    if F.determinant() <= 0.0 {
-        return (f64::INFINITY, Matrix3::zeros());
-    }
-    let x = stretch(F);
+    let Some(volume) = Volume::of(F) else { return (f64::INFINITY, Matrix3::zeros()) };
+    let x = stretch(F, &volume);
     let [added, slope, _] = series(moduli.stiffening, x);
-    let (energy, stress) = NeoHookean.stress(F, secant(moduli, slope));
+    let (energy, stress) = volume.stress(F, secant(moduli, slope));
     (energy - slope * x + added, stress)
 }
 
 /// ψ, P and ∂P/∂F: that of the neo-Hookean law of the same stress, and s″ X ⊗ X with X = ∂x/∂F = 2 (F − F⁻ᵀ).
 #[allow(non_snake_case)]
 pub(crate) fn response(F: &Matrix3<f64>, moduli: Moduli, series: Series) -> Response {
-    let inverse = F.try_inverse().filter(|_| F.determinant() > 0.0);
-    let Some(inverse) = inverse else { return NeoHookean.response(F, moduli) };
-    let x = stretch(F);
+    let Some(volume) = Volume::of(F) else { return inverted() };
+    let x = stretch(F, &volume);
     let [added, slope, curvature] = series(moduli.stiffening, x);
-    let Response { energy, stress, mut tangent } = NeoHookean.response(F, secant(moduli, slope));
-    let X = (F - inverse.transpose()) * 2.0;
+    let secant = secant(moduli, slope);
+    let ((energy, stress), mut tangent) = (volume.stress(F, secant), volume.tangent(secant));
+    let X = (F - volume.G) * 2.0;
     let X = SVector::<f64, 9>::from_column_slice(X.as_slice());
     tangent += X * X.transpose() * curvature;
     Response { energy: energy - slope * x + added, stress, tangent }
