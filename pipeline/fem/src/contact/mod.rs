@@ -189,8 +189,11 @@ impl SelfContact {
         for pair in self.close(&self.surface.boxes(u), reach) {
             let hulls = [u, &moved].map(|at| self.hulls(&pair, at));
             if !hull::stay_apart(&hulls) {
-                let reach = hull::relative_motion(&hulls) / APPROACH;
-                part = part.min(self.admissible_part_of_points(&pair, [u, &moved], reach));
+                // points farther apart than this allow the part that others have left
+                let reach = part * hull::relative_motion(&hulls) / APPROACH;
+                if hull::gap(&hulls[0]) < reach {
+                    part = part.min(self.admissible_part_of_points(&pair, [u, &moved], reach));
+                }
             }
         }
         part
