@@ -22,6 +22,8 @@ pub(super) enum ReducedTangent<'a> {
     Exact,
     /// The mixed-integration-point tangent of the linear step from these coordinates.
     MixedPoint(&'a DVector<f64>),
+    /// The tangent with the stress at these coordinates.
+    FormerStress(&'a DVector<f64>),
     /// The positive semi-definite part at each point.
     Convex,
 }
@@ -101,6 +103,7 @@ impl Points {
             ReducedTangent::Exact => (TangentKind::Exact, q),
             ReducedTangent::Convex => (TangentKind::Convex, q),
             ReducedTangent::MixedPoint(previous) => (TangentKind::MixedPoint(&[]), previous),
+            ReducedTangent::FormerStress(previous) => (TangentKind::FormerStress(&[]), previous),
         };
         let r = q.len();
         let (mut half, mut image) = (vec![0.0; r * r], vec![0.0; 9 * r * BLOCK]);

@@ -10,7 +10,7 @@ use si::{Pascal, Second};
 use super::acting::ActingRegion;
 use super::error::ReducedError;
 use super::model::ReducedModel;
-use super::step::{ExternalForce, REFACTORISE_ABOVE, RETRY_ABOVE, Step, StepState, no_convergence};
+use super::step::{ExternalForce, Step, StepState, no_convergence};
 use crate::dynamics::settings::{self, DynamicSettings};
 use crate::dynamics::stencil::{Stencil, extrapolation};
 use crate::solve_error::SolveError;
@@ -107,10 +107,8 @@ impl ReducedModel {
                 past: past.history(&stencil),
             };
             let previous = &past.coordinates[0];
-            // The second attempt starts without a lagged tangent and refactorises sooner.
             let q = equations
-                .solve(past.initial_guess(time), previous, &mut tangent, REFACTORISE_ABOVE)
-                .or_else(|_| equations.solve(past.initial_guess(time), previous, &mut None, RETRY_ABOVE))
+                .solve(&past.initial_guess(time), previous, &mut tangent)
                 .map_err(|change| no_convergence(past.times[0], change))?;
             let velocity = equations.velocity(&q);
             let (gamma, weights) = (stencil.gamma, &stencil.weights);

@@ -1,6 +1,6 @@
 //! The reduced model: modes, projected mass, sampled elastic forces and chamber volumes.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Dyn, LU};
 use si::CubicMetre;
 
 use super::chamber_volume::CubicVolume;
@@ -25,6 +25,8 @@ pub struct ReducedModelData {
 pub struct ReducedModel {
     /// V, (3 per node) × r, m per unit of q.
     pub(super) modes: DMatrix<f64>,
+    /// Factor of VᵀV, r × r, m².
+    pub(super) products: LU<f64, Dyn, Dyn>,
     /// r × r, kg m² in the units of q.
     pub(super) mass: DMatrix<f64>,
     /// One per region.
@@ -55,7 +57,7 @@ impl ReducedModel {
     /// The coordinates whose displacements are nearest to `displacement` (3 entries per node, m) in the sense of least squares.
     pub fn projected(&self, displacement: &[f64]) -> DVector<f64> {
         let onto = self.modes.tr_mul(&DVector::from_column_slice(displacement));
-        self.modes.tr_mul(&self.modes).lu().solve(&onto).unwrap_or_else(|| DVector::zeros(onto.len()))
+        self.products.solve(&onto).unwrap_or_else(|| DVector::zeros(onto.len()))
     }
 
     /// The row of V of the dof `index` (3 node + axis), m per unit of q.

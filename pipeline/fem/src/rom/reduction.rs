@@ -42,7 +42,8 @@ impl System {
         let mass = pod::projected_mass(system, &modes);
         let points = ecsw::points(system, &modes, &data.points);
         let chambers = system.chambers.iter().map(|chamber| CubicVolume::of(chamber, &modes, data.size)).collect();
-        Ok(ReducedModel { modes, mass, points, chambers, size: data.size, sampled: data.points.clone() })
+        let products = modes.tr_mul(&modes).lu();
+        Ok(ReducedModel { modes, products, mass, points, chambers, size: data.size, sampled: data.points.clone() })
     }
 
     /// # Errors

@@ -12,7 +12,7 @@ use super::acting::ActingRegion;
 use super::elastic_forces::ReducedTangent;
 use super::error::ReducedError;
 use super::model::ReducedModel;
-use super::step::{NoForce, REFACTORISE_ABOVE, Step, no_convergence};
+use super::step::{NoForce, Step, no_convergence};
 use crate::dynamics::settings::{self, DynamicSettings};
 use crate::dynamics::stencil::Stencil;
 use crate::solve_error::SolveError;
@@ -69,9 +69,7 @@ impl ReducedModel {
             past,
         };
         let guess = q + &state.velocity * given.settings.step;
-        let found = equations
-            .solve(guess, q, &mut None, REFACTORISE_ABOVE)
-            .or_else(|_| equations.solve(q.clone(), q, &mut None, REFACTORISE_ABOVE));
+        let found = equations.solve(&guess, q, &mut None).or_else(|_| equations.solve(q, q, &mut None));
         let coordinates = found.map_err(|change| no_convergence(0.0, change))?;
         Ok(ReducedState { velocity: (&coordinates - q) * gamma, coordinates })
     }

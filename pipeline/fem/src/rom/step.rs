@@ -1,4 +1,5 @@
-//! Equations of one time step of a reduced model, and its static equilibrium: Newton's method with a lagged tangent.
+//! Equations of one time step of a reduced model, and its static equilibrium: Newton's method in full steps, and where that fails in damped
+//! ones with a lagged tangent.
 
 use nalgebra::{DMatrix, DVector, Dyn, LU};
 use si::{Hertz, Pascal, Second};
@@ -10,13 +11,21 @@ use super::model::ReducedModel;
 use crate::dynamics::settings::DynamicSettings;
 use crate::dynamics::stencil::Stencil;
 
-/// Newton iterations at most.
+/// Full steps at most: a time step takes three or four.
+const FULL_STEPS: usize = 12;
+/// A full step that leaves more than this fraction of the one before asks for a new tangent.
+const REFACTORISE_FULL_ABOVE: f64 = 0.1;
+/// A first full step that is longer than this, relative to the snapshots, asks for a new tangent.
+const NEARBY: f64 = 1e-4;
+/// Full steps longer than this, relative to the snapshots, lead nowhere.
+const FARTHEST: f64 = 10.0;
+/// Damped iterations at most.
 const MAX_ITERATIONS: usize = 60;
-/// A step that leaves more than this fraction of the one before asks for a new tangent, which costs as much as about
+/// A damped step that leaves more than this fraction of the one before asks for a new tangent, which costs as much as about
 /// seven forces.
-pub(super) const REFACTORISE_ABOVE: f64 = 0.3;
-/// The same in the second attempt at a time step.
-pub(super) const RETRY_ABOVE: f64 = 0.1;
+const REFACTORISE_ABOVE: f64 = 0.3;
+/// The same in the second attempt.
+const RETRY_ABOVE: f64 = 0.1;
 /// A first step on a new tangent that is longer than this, relative to the snapshots, asks for another tangent.
 const NEAR: f64 = 1e-3;
 /// Steps shorter than this, relative to the snapshots, are taken whole: their slope is too close to rounding for a line
@@ -116,44 +125,93 @@ impl ReducedModel {
             external: &NoForce,
             past: [zero(), zero(), zero()],
         };
-        let found = equations.solve(guess.clone(), guess, &mut None, REFACTORISE_ABOVE);
+        let found = equations.solve(guess, guess, &mut None);
         found.map_err(|change| no_convergence(0.0, change))
     }
 }
 
 impl Step<'_> {
     /// q at the end of the step, from an initial `guess` after the coordinates `previous`; or the size of the last
-    /// iteration when it does not converge.
-    ///
-    /// `lagged` is the tangent of the last step; it is replaced when an iteration leaves more than `refactorise_above`
-    /// of the one before.
+    /// iteration when it does not converge. `lagged` is the tangent of the last step.
+    pub fn solve(
+        &self,
+        guess: &DVector<f64>,
+        previous: &DVector<f64>,
+        lagged: &mut Option<LaggedTangent>,
+    ) -> Result<DVector<f64>, f64> {
+        let damped = |refactorise_above| self.damped_steps(guess.clone(), previous, refactorise_above);
+        let found = self.full_steps(guess, previous, lagged).ok_or(f64::INFINITY);
+        found.or_else(|_| damped(REFACTORISE_ABOVE)).or_else(|_| damped(RETRY_ABOVE))
+    }
+
+    /// By full steps; none where they do not converge.
+    // An extrapolated shape stretches a stiff sheet where it rotates. The stress of that stretch makes a line search cut the step, and spoils
+    // the exact tangent: the first one has the stress of `previous`, and later ones that which the last step predicted. A tail of thin
+    // walls that flaps in air takes 3 residuals and 2 tangents a step; with a line search and mixed-integration-point tangents from the
+    // first on it took 20 and 7.
+    fn full_steps(
+        &self,
+        guess: &DVector<f64>,
+        previous: &DVector<f64>,
+        lagged: &mut Option<LaggedTangent>,
+    ) -> Option<DVector<f64>> {
+        let (mut q, mut residual) = (guess.clone(), self.residual(guess));
+        lagged.take_if(|tangent| !self.serves(tangent, &residual));
+        let (mut from, mut last): (Option<DVector<f64>>, f64) = (None, f64::INFINITY);
+        for _ in 0..FULL_STEPS {
+            let kind = from.as_ref().map_or(ReducedTangent::FormerStress(previous), ReducedTangent::MixedPoint);
+            let tangent = lagged.get_or_insert_with(|| self.factored(&q, kind));
+            let change = tangent.factor.solve(&residual)?;
+            let size = change.amax() / self.model.size;
+            if size < TOLERANCE {
+                return Some(q - change);
+            }
+            if size.is_nan() || size > FARTHEST {
+                break;
+            }
+            let moved = &q - change;
+            residual = self.residual(&moved);
+            from = Some(std::mem::replace(&mut q, moved));
+            if size > REFACTORISE_FULL_ABOVE * last || last.is_infinite() && size > NEARBY {
+                *lagged = None;
+            }
+            last = size;
+        }
+        *lagged = None;
+        None
+    }
+
+    /// Whether the tangent of a former step serves this one: its γ is the same, and what it leaves of the first step is short.
+    fn serves(&self, tangent: &LaggedTangent, residual: &DVector<f64>) -> bool {
+        let near = |change: DVector<f64>| change.amax() < NEARBY * self.model.size;
+        (tangent.gamma / self.stencil.gamma - 1.0).abs() <= SAME_GAMMA
+            && tangent.factor.solve(residual).is_some_and(near)
+    }
+
+    fn factored(&self, q: &DVector<f64>, kind: ReducedTangent) -> LaggedTangent {
+        LaggedTangent { factor: self.tangent(q, kind).lu(), gamma: self.stencil.gamma }
+    }
+
+    /// By damped steps; the tangent is replaced when an iteration leaves more than `refactorise_above` of the one before.
     // A stiff sheet that rotates makes a lagged tangent misleading, and the stress of a shape far from equilibrium
     // spoils a new exact one: hence the mixed-integration-point tangent. Broyden's updates of the tangent were
     // measured: as many tangents and iterations.
-    pub fn solve(
+    fn damped_steps(
         &self,
         guess: DVector<f64>,
         previous: &DVector<f64>,
-        lagged: &mut Option<LaggedTangent>,
         refactorise_above: f64,
     ) -> Result<DVector<f64>, f64> {
         let (mut q, mut from) = (guess, previous.clone());
-        let mut residual = self.residual(&q);
-        if lagged.as_ref().is_some_and(|k| (k.gamma / self.stencil.gamma - 1.0).abs() > SAME_GAMMA) {
-            *lagged = None;
-        }
-        let (mut last, carried) = (f64::INFINITY, lagged.is_some());
+        let (mut residual, mut lagged, mut last) = (self.residual(&q), None, f64::INFINITY);
         for _ in 0..MAX_ITERATIONS {
-            let tangent = lagged.get_or_insert_with(|| {
-                let factor = self.tangent(&q, ReducedTangent::MixedPoint(&from)).lu();
-                LaggedTangent { factor, gamma: self.stencil.gamma }
-            });
+            let tangent = lagged.get_or_insert_with(|| self.factored(&q, ReducedTangent::MixedPoint(&from)));
             let mut change = tangent.factor.solve(&residual).ok_or(last)?;
             let slides = residual.dot(&change) <= 0.0;
             if slides {
                 // Not a direction of descent; the convex part of the tangent gives one.
                 change = self.tangent(&q, ReducedTangent::Convex).lu().solve(&residual).ok_or(last)?;
-                *lagged = None;
+                lagged = None;
             }
             let whole = change.amax() / self.model.size;
             if whole < TOLERANCE {
@@ -170,12 +228,11 @@ impl Step<'_> {
             }
             let moved = &q - change * part;
             (from, q, residual) = (if part == 1.0 { q } else { moved.clone() }, moved, next);
-            if part != 1.0 || size > refactorise_above * last || last.is_infinite() && !carried && size > NEAR {
-                *lagged = None;
+            if part != 1.0 || size > refactorise_above * last || last.is_infinite() && size > NEAR {
+                lagged = None;
             }
             last = size;
         }
-        *lagged = None;
         Err(last)
     }
 
