@@ -139,9 +139,13 @@ impl Step<'_> {
         previous: &DVector<f64>,
         lagged: &mut Option<LaggedTangent>,
     ) -> Result<DVector<f64>, f64> {
-        let damped = |refactorise_above| self.damped_steps(guess.clone(), previous, refactorise_above);
+        let damped = |from: &DVector<f64>, above| self.damped_steps(from.clone(), previous, above);
         let found = self.full_steps(guess, previous, lagged).ok_or(f64::INFINITY);
-        found.or_else(|_| damped(REFACTORISE_ABOVE)).or_else(|_| damped(RETRY_ABOVE))
+        let found = found.or_else(|_| damped(guess, REFACTORISE_ABOVE)).or_else(|_| damped(guess, RETRY_ABOVE));
+        // where a wall snaps, the shape before is nearer than the extrapolated one
+        found
+            .or_else(|change| self.full_steps(previous, previous, lagged).ok_or(change))
+            .or_else(|_| damped(previous, RETRY_ABOVE))
     }
 
     /// By full steps; none where they do not converge.
@@ -149,7 +153,7 @@ impl Step<'_> {
     // the exact tangent: the first one has the stress of `previous`, and later ones that which the last step predicted. A tail of thin
     // walls that flaps in air takes 3 residuals and 2 tangents a step; with a line search and mixed-integration-point tangents from the
     // first on it took 20 and 7.
-    fn full_steps(
+    pub(super) fn full_steps(
         &self,
         guess: &DVector<f64>,
         previous: &DVector<f64>,

@@ -161,6 +161,27 @@ fn a_step_that_is_far_too_short_is_doubled_to_where_the_slope_has_fallen() {
 }
 
 #[test]
+fn where_the_guess_turns_elements_inside_out_a_step_begins_at_the_shape_before() {
+    let system = hollow();
+    let body = reduced(&system, &snapshots(&system));
+    let zero = || DVector::zeros(body.coordinates());
+    let equations = Step {
+        model: &body,
+        settings: &DynamicSettings::default(),
+        stencil: &Stencil { gamma: 0.0, weights: Vec::new() },
+        pressures: &[2e4],
+        acting: &body.elastic(&[1.0]),
+        external: &NoForce,
+        past: [zero(), zero(), zero()],
+    };
+    let [before, wanted] = [1.5e4, 2e4].map(|p| body.equilibrium(&[p], &[1.0], &zero()).expect("a moderate load"));
+    let inverted = some_coordinates(body.coordinates(), 100.0 * body.size);
+    assert!(equations.full_steps(&inverted, &before, &mut None).is_none());
+    let found = equations.solve(&inverted, &before, &mut None).expect("the shape before is near");
+    assert!((found - wanted).amax() < 1e-7 * body.size);
+}
+
+#[test]
 fn the_volume_of_a_chamber_is_its_cubic_polynomial() {
     let system = hollow();
     let body = reduced(&system, &snapshots(&system));
