@@ -56,7 +56,7 @@ impl Stage for Relaxation {
     type Needs = (Mesh, Identified, Reduced, IdentificationTrials<Motion>);
     type Makes = records::Relaxation;
     const DESCRIPTION: &'static str = "transients of the staircases give the silicone's relaxation";
-    const VERSION: u32 = 7;
+    const VERSION: u32 = 8;
 
     fn run(
         card: &Self::Card,
