@@ -12,7 +12,7 @@ use nalgebra::Matrix3;
 pub struct LopezPamies;
 
 /// Both powers hₐ(x) − x, weighted by C₂₀ and C₃₀, with their first and second derivative.
-// By products and a square root: a function of any power takes a third of the time of a stress.
+// By products and a square root, which cost less than a function of any power.
 fn series([stiff, soft]: [f64; 2], x: f64) -> [f64; 3] {
     let ratio = 1.0 + x / 3.0;
     let (square, root) = (ratio * ratio, ratio.sqrt());

@@ -88,8 +88,8 @@
 //!
 //! With Marlin's walls for Nemo and Bruce, and walls of 3.2, ribs of 2.3, a back of 2.8, a sheet of 0.6 mm with slots of 0.5 for Dory (all of a
 //! silicone with 0.1 and 0.3 C₁₀, bench 2.4 mm, study 2.8 mm) the identified ends turn by 71° at 250, 58° at 750 and 47° at 500 mbar; Nemo buckles
-//! at 182, Bruce at 607 mbar. Of one such tail 48 equilibria take 9 minutes of one core, the 28 shapes under lateral forces 11, and each trial of
-//! 15 cycles about half a minute.
+//! at 182, Bruce at 607 mbar. Of one such tail 48 equilibria take 9 minutes of one core, the reduced model 11, and a trial of 15 cycles at 2 Hz
+//! half a minute to a minute.
 //!
 //! Contact: without it the first rib of Marlin's slack side lay within the head from 205 mbar on, by 0.3, 1.3 and 1.9 mm at 210, 230 and 250 mbar
 //! in the identified model, and the first two ribs passed through each other. With it they stay 0.2 to 0.3 mm apart, the end turns by 0.3° less at

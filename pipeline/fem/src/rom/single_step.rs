@@ -69,7 +69,7 @@ impl ReducedModel {
             past,
         };
         let guess = q + &state.velocity * given.settings.step;
-        let found = equations.solve(&guess, q, &mut None).or_else(|_| equations.solve(q, q, &mut None));
+        let found = equations.solve(&guess, q, &mut None);
         let coordinates = found.map_err(|change| no_convergence(0.0, change))?;
         Ok(ReducedState { velocity: (&coordinates - q) * gamma, coordinates })
     }

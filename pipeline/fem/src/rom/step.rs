@@ -139,20 +139,29 @@ impl Step<'_> {
         previous: &DVector<f64>,
         lagged: &mut Option<LaggedTangent>,
     ) -> Result<DVector<f64>, f64> {
-        let damped = |from: &DVector<f64>, above| self.damped_steps(from.clone(), previous, above);
-        let found = self.full_steps(guess, previous, lagged).ok_or(f64::INFINITY);
-        let found = found.or_else(|_| damped(guess, REFACTORISE_ABOVE)).or_else(|_| damped(guess, RETRY_ABOVE));
         // where a wall snaps, the shape before is nearer than the extrapolated one
-        found
-            .or_else(|change| self.full_steps(previous, previous, lagged).ok_or(change))
-            .or_else(|_| damped(previous, RETRY_ABOVE))
+        self.solve_from(guess, previous, lagged).or_else(|change| match guess == previous {
+            true => Err(change),
+            false => self.solve_from(previous, previous, lagged),
+        })
+    }
+
+    /// The same from one initial guess: by full steps, or else by damped ones.
+    fn solve_from(
+        &self,
+        guess: &DVector<f64>,
+        previous: &DVector<f64>,
+        lagged: &mut Option<LaggedTangent>,
+    ) -> Result<DVector<f64>, f64> {
+        let damped = |refactorise_above| self.damped_steps(guess.clone(), previous, refactorise_above);
+        let found = self.full_steps(guess, previous, lagged).ok_or(f64::INFINITY);
+        found.or_else(|_| damped(REFACTORISE_ABOVE)).or_else(|_| damped(RETRY_ABOVE))
     }
 
     /// By full steps; none where they do not converge.
     // An extrapolated shape stretches a stiff sheet where it rotates. The stress of that stretch makes a line search cut the step, and spoils
     // the exact tangent: the first one has the stress of `previous`, and later ones that which the last step predicted. A tail of thin
-    // walls that flaps in air takes 3 residuals and 2 tangents a step; with a line search and mixed-integration-point tangents from the
-    // first on it took 20 and 7.
+    // walls that flaps in air takes 3 residuals and 2 tangents a step; damped, it took 20 and 7.
     pub(super) fn full_steps(
         &self,
         guess: &DVector<f64>,

@@ -136,48 +136,48 @@ fn some_coordinates(r: usize, size: f64) -> DVector<f64> {
     DVector::from_fn(r, |i, _| size * (1.0 + 2.3 * i as f64).sin())
 }
 
+/// What `of` makes of the static equations under `pressures` (Pa).
+fn at_equilibrium<T>(body: &ReducedModel, pressures: &[f64], of: impl FnOnce(&Step) -> T) -> T {
+    let zero = || DVector::zeros(body.coordinates());
+    of(&Step {
+        model: body,
+        settings: &DynamicSettings::default(),
+        stencil: &Stencil { gamma: 0.0, weights: Vec::new() },
+        pressures,
+        acting: &body.elastic(&[1.0]),
+        external: &NoForce,
+        past: [zero(), zero(), zero()],
+    })
+}
+
 #[test]
 fn a_step_that_is_far_too_short_is_doubled_to_where_the_slope_has_fallen() {
     let system = hollow();
     let body = reduced(&system, &snapshots(&system));
-    let zero = || DVector::zeros(body.coordinates());
-    let equations = Step {
-        model: &body,
-        settings: &DynamicSettings::default(),
-        stencil: &Stencil { gamma: 0.0, weights: Vec::new() },
-        pressures: &[2e4],
-        acting: &body.elastic(&[1.0]),
-        external: &NoForce,
-        past: [zero(), zero(), zero()],
-    };
-    let rest = zero();
-    let residual = equations.residual(&rest);
+    let rest = DVector::zeros(body.coordinates());
     let equilibrium = body.equilibrium(&[2e4], &[1.0], &rest).expect("a moderate load");
-    let (short, start) = (&equilibrium * -1e-2, residual.norm());
-    let [whole, doubled] = [1.0, LONGEST].map(|longest| equations.line_search(&rest, &short, &residual, longest));
+    let (short, mut residual) = (&equilibrium * -1e-2, rest.clone());
+    let [whole, doubled] = at_equilibrium(&body, &[2e4], |equations| {
+        residual = equations.residual(&rest);
+        [1.0, LONGEST].map(|longest| equations.line_search(&rest, &short, &residual, longest))
+    });
+    let start = residual.norm();
     assert_eq!(whole.0, 1.0);
     assert!(doubled.0 == 64.0 || doubled.0 == 128.0, "{}", doubled.0);
     assert!(doubled.1.dot(&short).abs() <= 0.5 * residual.dot(&short) && whole.1.norm() > 0.9 * start);
 }
 
 #[test]
-fn where_the_guess_turns_elements_inside_out_a_step_begins_at_the_shape_before() {
+fn where_the_guess_leads_nowhere_a_step_begins_at_the_shape_before() {
     let system = hollow();
     let body = reduced(&system, &snapshots(&system));
-    let zero = || DVector::zeros(body.coordinates());
-    let equations = Step {
-        model: &body,
-        settings: &DynamicSettings::default(),
-        stencil: &Stencil { gamma: 0.0, weights: Vec::new() },
-        pressures: &[2e4],
-        acting: &body.elastic(&[1.0]),
-        external: &NoForce,
-        past: [zero(), zero(), zero()],
-    };
-    let [before, wanted] = [1.5e4, 2e4].map(|p| body.equilibrium(&[p], &[1.0], &zero()).expect("a moderate load"));
-    let inverted = some_coordinates(body.coordinates(), 100.0 * body.size);
-    assert!(equations.full_steps(&inverted, &before, &mut None).is_none());
-    let found = equations.solve(&inverted, &before, &mut None).expect("the shape before is near");
+    let rest = DVector::zeros(body.coordinates());
+    let [before, wanted] = [1.5e4, 2e4].map(|p| body.equilibrium(&[p], &[1.0], &rest).expect("a moderate load"));
+    let far = some_coordinates(body.coordinates(), 100.0 * body.size);
+    let found = at_equilibrium(&body, &[2e4], |equations| {
+        assert!(equations.full_steps(&far, &before, &mut None).is_none());
+        equations.solve(&far, &before, &mut None).expect("the shape before is near")
+    });
     assert!((found - wanted).amax() < 1e-7 * body.size);
 }
 
