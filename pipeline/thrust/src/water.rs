@@ -66,7 +66,7 @@ mod tests {
         let (tail, rows) =
             (tail(), DMatrix::from_fn(6, 2, |i, j| if i % 2 == j { 0.01 * (i / 2 + 1) as f64 } else { 0.0 }));
         let (shape, speed) = (DVector::from_vec(vec![-0.1, 0.5]), DVector::from_vec(vec![-0.2, 3.0]));
-        let at = StepState { coordinates: &shape, velocity: &speed, gamma: 100.0, weights: &[-100.0] };
+        let at = StepState { time: 0.01, coordinates: &shape, velocity: &speed, gamma: 100.0, weights: &[-100.0] };
         let force = |half: bool| Water::around(&tail, &rows, Coefficients { added: 1.0, drag: 1.0 }, half).force(&at);
         assert!((force(true) * 2.0 - force(false)).norm() < 1e-12 * force(false).norm());
         // the force opposes the acceleration at the start
@@ -77,7 +77,7 @@ mod tests {
     fn water_that_moves_along_steadily_pushes_by_nothing_but_what_leaves() {
         let (tail, rows) = (tail(), DMatrix::identity(6, 6) * 0.01);
         let (shape, speed) = (DVector::zeros(6), DVector::from_fn(6, |i, _| if i % 2 == 1 { 1.0 } else { 0.0 }));
-        let at = StepState { coordinates: &shape, velocity: &speed, gamma: 100.0, weights: &[-100.0] };
+        let at = StepState { time: 0.01, coordinates: &shape, velocity: &speed, gamma: 100.0, weights: &[-100.0] };
         let mut water = Water::around(&tail, &rows, Coefficients { added: 1.0, drag: 0.0 }, false);
         water.accept(&at);
         let push = rows.tr_mul(&flat(&water.water(&at).force));

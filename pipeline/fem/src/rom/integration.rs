@@ -5,39 +5,18 @@
 use std::collections::VecDeque;
 
 use nalgebra::DVector;
-use si::{Pascal, Second};
+use si::Second;
 
 use super::acting::ActingRegion;
 use super::error::ReducedError;
 use super::model::ReducedModel;
-use super::step::{ExternalForce, Step, StepState, no_convergence};
+use super::motion::{Actuation, ReducedMotion};
+use super::relaxation::ReducedHistory;
+use super::step::{ExternalForce, LaggedTangent, Step, StepState, no_convergence};
 use crate::dynamics::settings::{self, DynamicSettings};
 use crate::dynamics::stencil::{Stencil, extrapolation};
 use crate::solve_error::SolveError;
-use materials::Relaxation;
 use materials::step::RegionStep;
-
-/// Actuation at one time.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Actuation {
-    /// One per chamber, Pa.
-    pub pressures: Vec<Pascal>,
-}
-
-/// A motion of a reduced model from rest.
-#[derive(Clone, Copy)]
-pub struct ReducedMotion<'a> {
-    /// How it is integrated; the tolerance is the reduced model's own.
-    pub settings: &'a DynamicSettings,
-    /// Factor of the moduli, one per region.
-    pub modulus_scale: &'a [f64],
-    /// Relaxation of the shear part, one per region; empty: none.
-    pub relaxation: &'a [Relaxation],
-    /// C₂₀/C₁₀ and C₃₀/C₁₀, one pair per region; empty: those of the system that was reduced.
-    pub stiffening: &'a [[f64; 2]],
-    /// Actuation at a time (s from the start).
-    pub actuation: &'a dyn Fn(Second) -> Actuation,
-}
 
 /// What the next step needs of the past, newest first.
 struct Past {
@@ -69,6 +48,9 @@ impl ReducedModel {
     /// As [`ReducedModel::integrate`], with steps that end at the rising `times` (s after the start); the step of the
     /// settings is not used. BDF2 is stable while no step is longer than 2.4 times the one before.
     ///
+    /// A step in which no shape is found, as where a wall snaps, is halved up to four times. `external` accepts every part of
+    /// it, `observe` is called at `times` alone.
+    ///
     /// # Errors
     /// As [`ReducedModel::integrate`]; also when the times do not rise.
     pub fn integrate_at(
@@ -78,52 +60,103 @@ impl ReducedModel {
         times: &[Second],
         observe: &mut Observer<'_>,
     ) -> Result<(), ReducedError> {
-        let ReducedMotion { settings, actuation, .. } = *motion;
-        settings::check(settings)?;
-        let mut past = Past::at_rest(self.coordinates());
-        let mut regions = self.region_steps(motion, settings.step)?;
-        let law = bare(&regions);
-        let mut history = self.relaxed(&regions, &past.coordinates[0]);
-        let (mut tangent, mut length) = (None, settings.step);
+        settings::check(motion.settings)?;
+        let mut run = Run::from_rest(self, motion)?;
         for &time in times {
-            let step = time - past.times[0];
-            if step.is_nan() || step <= 0.0 {
-                let (what, range) = ("a time", "above the time before it");
-                return Err(SolveError::Setting { what, value: time, range }.into());
+            // The last end is the next one. Halves of a half end one after the other, so that no step is more than twice the one before.
+            let mut ends = vec![time];
+            while let Some(&end) = ends.last() {
+                match run.step_to(end, external) {
+                    Ok(()) => drop(ends.pop()),
+                    Err(ReducedError::NoConvergence { .. }) if ends.len() <= HALVINGS => {
+                        ends.push(run.half_way_to(end))
+                    }
+                    Err(cause) => return Err(cause),
+                }
             }
-            if (step / length - 1.0).abs() > SAME_STEP {
-                (regions, length) = (self.region_steps(motion, step)?, step);
-            }
-            let stencil = past.stencil(settings, time);
-            let Actuation { pressures } = actuation(time);
-            let acting = self.acting(&regions, 1.0 + settings.stiffness_damping * stencil.gamma, &history);
-            let equations = Step {
-                model: self,
-                settings,
-                stencil: &stencil,
-                pressures: &pressures,
-                acting: &acting,
-                external: &*external,
-                past: past.history(&stencil),
-            };
-            let previous = &past.coordinates[0];
-            let q = equations
-                .solve(&past.initial_guess(time), previous, &mut tangent)
-                .map_err(|change| no_convergence(past.times[0], change))?;
-            let velocity = equations.velocity(&q);
-            let (gamma, weights) = (stencil.gamma, &stencil.weights);
-            external.accept(&StepState { coordinates: &q, velocity: &velocity, gamma, weights });
-            observe(time, &q, &velocity);
-            self.advance(&regions, &q, &mut history);
-            // only stiffness damping asks for past forces
-            let damped = settings.stiffness_damping > 0.0;
-            let force = if damped { self.acting_forces(&q, &law) } else { DVector::zeros(q.len()) };
-            past.push(time, q, velocity, force);
+            observe(time, &run.past.coordinates[0], &run.past.velocities[0]);
         }
         Ok(())
     }
 }
 
+/// A motion up to the present.
+struct Run<'a> {
+    model: &'a ReducedModel,
+    motion: &'a ReducedMotion<'a>,
+    past: Past,
+    /// The regions in a step of `length` (s).
+    regions: Vec<RegionStep>,
+    length: Second,
+    /// The law of each region alone.
+    law: Vec<ActingRegion>,
+    /// Of its relaxation.
+    history: ReducedHistory,
+    tangent: Option<LaggedTangent>,
+}
+
+impl<'a> Run<'a> {
+    fn from_rest(model: &'a ReducedModel, motion: &'a ReducedMotion<'a>) -> Result<Self, ReducedError> {
+        let past = Past::at_rest(model.coordinates());
+        let length = motion.settings.step;
+        let regions = model.region_steps(motion, length)?;
+        let (law, history) = (bare(&regions), model.relaxed(&regions, &past.coordinates[0]));
+        Ok(Self { model, motion, past, regions, length, law, history, tangent: None })
+    }
+
+    fn half_way_to(&self, end: Second) -> Second {
+        0.5 * (self.past.times[0] + end)
+    }
+
+    /// One step to the time `end`; where it fails nothing has changed.
+    fn step_to(&mut self, end: Second, external: &mut dyn ExternalForce) -> Result<(), ReducedError> {
+        let ReducedMotion { settings, actuation, .. } = *self.motion;
+        self.set_length(end)?;
+        let Self { model, past, regions, tangent, .. } = self;
+        let stencil = past.stencil(settings, end);
+        let Actuation { pressures } = actuation(end);
+        let acting = model.acting(regions, 1.0 + settings.stiffness_damping * stencil.gamma, &self.history);
+        let equations = Step {
+            model,
+            settings,
+            stencil: &stencil,
+            pressures: &pressures,
+            acting: &acting,
+            external: &*external,
+            time: end,
+            past: past.history(&stencil),
+        };
+        let previous = &past.coordinates[0];
+        let q = equations
+            .solve(&past.initial_guess(end), previous, tangent)
+            .map_err(|change| no_convergence(past.times[0], change))?;
+        let velocity = equations.velocity(&q);
+        let (gamma, weights) = (stencil.gamma, &stencil.weights);
+        external.accept(&StepState { time: end, coordinates: &q, velocity: &velocity, gamma, weights });
+        model.advance(regions, &q, &mut self.history);
+        // only stiffness damping asks for past forces
+        let damped = settings.stiffness_damping > 0.0;
+        let force = if damped { model.acting_forces(&q, &self.law) } else { DVector::zeros(q.len()) };
+        past.push(end, q, velocity, force);
+        Ok(())
+    }
+
+    /// Makes the regions those of a step to `end`.
+    fn set_length(&mut self, end: Second) -> Result<(), ReducedError> {
+        let step = end - self.past.times[0];
+        if step.is_nan() || step <= 0.0 {
+            let (what, range) = ("a time", "above the time before it");
+            return Err(SolveError::Setting { what, value: end, range }.into());
+        }
+        if (step / self.length - 1.0).abs() > SAME_STEP {
+            (self.regions, self.length) = (self.model.region_steps(self.motion, step)?, step);
+        }
+        Ok(())
+    }
+}
+
+/// Halvings of a step at most.
+const HALVINGS: usize = 4;
 /// Steps whose lengths differ by less than this, relative, are equal: times are sums that round.
 const SAME_STEP: f64 = 1e-9;
 

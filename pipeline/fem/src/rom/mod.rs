@@ -13,6 +13,7 @@ mod elastic_forces;
 mod error;
 mod integration;
 mod model;
+mod motion;
 mod pod;
 mod reduction;
 mod relaxation;
@@ -21,8 +22,8 @@ mod step;
 
 pub use arrays::{ReducedArrays, ReducedRegion};
 pub use error::ReducedError;
-pub use integration::{Actuation, ReducedMotion};
 pub use model::{ReducedModel, ReducedModelData};
+pub use motion::{Actuation, ReducedMotion};
 pub use pod::ReductionSettings;
 pub use single_step::{ReducedState, ReducedStep, ReducedStepGradient};
 pub use step::{ExternalForce, NoForce, StepState};

@@ -66,6 +66,7 @@ impl ReducedModel {
             pressures: given.pressures,
             acting: &acting,
             external: &NoForce,
+            time: given.settings.step,
             past,
         };
         let guess = q + &state.velocity * given.settings.step;

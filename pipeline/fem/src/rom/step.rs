@@ -46,6 +46,8 @@ const DIFFERENCE: f64 = 1e-6;
 /// A trial state of one step.
 #[derive(Debug, Clone, Copy)]
 pub struct StepState<'a> {
+    /// The end of the step, s; of an equilibrium 0.
+    pub time: Second,
     /// q
     pub coordinates: &'a DVector<f64>,
     /// q̇, 1/s.
@@ -61,7 +63,7 @@ pub trait ExternalForce {
     /// Q, J per unit of q.
     fn force(&self, at: &StepState) -> DVector<f64>;
 
-    /// Called when a step has converged to `at`.
+    /// Called when a step has converged to `at`; of a step that is halved, at the end of each part.
     fn accept(&mut self, at: &StepState);
 }
 
@@ -97,6 +99,8 @@ pub(super) struct Step<'a> {
     /// What acts in each region, damping and relaxation included.
     pub acting: &'a [ActingRegion],
     pub external: &'a dyn ExternalForce,
+    /// The end of the step, s.
+    pub time: Second,
     /// v̂, â, f̂.
     pub past: [DVector<f64>; 3],
 }
@@ -123,6 +127,7 @@ impl ReducedModel {
             pressures,
             acting: &self.elastic(scale),
             external: &NoForce,
+            time: 0.0,
             past: [zero(), zero(), zero()],
         };
         let found = equations.solve(guess, guess, &mut None);
@@ -291,7 +296,7 @@ impl Step<'_> {
     fn external_force(&self, q: &DVector<f64>) -> DVector<f64> {
         let velocity = self.velocity(q);
         let (gamma, weights) = (self.stencil.gamma, &self.stencil.weights);
-        self.external.force(&StepState { coordinates: q, velocity: &velocity, gamma, weights })
+        self.external.force(&StepState { time: self.time, coordinates: q, velocity: &velocity, gamma, weights })
     }
 
     pub(super) fn residual(&self, q: &DVector<f64>) -> DVector<f64> {

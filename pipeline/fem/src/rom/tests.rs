@@ -4,7 +4,9 @@ use nalgebra::DVector;
 
 use super::elastic_forces::ReducedTangent;
 use super::step::{LONGEST, Step};
-use super::{Actuation, NoForce, ReducedModel, ReducedModelData, ReducedMotion, ReductionSettings};
+use super::{
+    Actuation, ExternalForce, NoForce, ReducedModel, ReducedModelData, ReducedMotion, ReductionSettings, StepState,
+};
 use crate::dynamics::stencil::Stencil;
 use crate::{
     Chamber, Clamps, DynamicSettings, Elements, Faces, InitialValueProblem, Mesh, RegionProperties, Relaxation, Scheme,
@@ -146,6 +148,7 @@ fn at_equilibrium<T>(body: &ReducedModel, pressures: &[f64], of: impl FnOnce(&St
         pressures,
         acting: &body.elastic(&[1.0]),
         external: &NoForce,
+        time: 0.0,
         past: [zero(), zero(), zero()],
     })
 }
@@ -345,6 +348,48 @@ fn under_an_oscillating_pressure_the_reduced_model_moves_as_the_full_one() {
         assert!(largest > 1e-3 && off < 0.01 * largest, "off by {off} of {largest} m");
         assert!(difference(&full, &elastic) > 0.05 * largest, "damping and relaxation matter");
     }
+}
+
+/// A force without which no step is longer than one over `rate`.
+struct ShortSteps {
+    rate: f64,
+    accepted: usize,
+}
+
+impl ExternalForce for ShortSteps {
+    fn force(&self, at: &StepState) -> DVector<f64> {
+        let force = if at.gamma < self.rate { f64::NAN } else { 0.0 };
+        DVector::from_element(at.coordinates.len(), force)
+    }
+
+    fn accept(&mut self, _: &StepState) {
+        self.accepted += 1;
+    }
+}
+
+#[test]
+fn a_step_that_is_not_found_is_halved_and_observed_at_its_end_alone() {
+    let system = hollow();
+    let body = reduced(&system, &snapshots(&system));
+    let settings = DynamicSettings { scheme: Scheme::ImplicitEuler, ..with_damping(0.002) };
+    let relaxation = [Relaxation::default()];
+    let motion = oscillation(&settings, &relaxation);
+    let times: Vec<f64> = (1..=20).map(|step| f64::from(step) * settings.step).collect();
+    let quarters: Vec<f64> = (1..=80).map(|step| f64::from(step) * 0.25 * settings.step).collect();
+    let moved = |times: &[f64], rate: f64| {
+        let mut states = Vec::new();
+        let mut external = ShortSteps { rate, accepted: 0 };
+        let mut see = |time: f64, q: &DVector<f64>, _: &DVector<f64>| states.push((time, q.clone()));
+        body.integrate_at(&motion, &mut external, times, &mut see).map(|()| (states, external.accepted))
+    };
+    let (halved, accepted) = moved(&times, 3.0 / settings.step).expect("quarters are short enough");
+    let (fine, _) = moved(&quarters, 0.0).expect("a moderate load");
+    assert_eq!((halved.len(), accepted), (20, 80));
+    for ((time, q), (at, same)) in halved.iter().zip(fine.iter().skip(3).step_by(4)) {
+        assert!((time - at).abs() < 1e-12 && (q - same).amax() < 1e-6 * body.size, "{time} s");
+    }
+    let refused = moved(&times, 17.0 / settings.step).expect_err("a sixteenth is the shortest");
+    assert!(refused.to_string().contains("no step of the reduced model is found after 0.0000 s"), "{refused}");
 }
 
 #[test]

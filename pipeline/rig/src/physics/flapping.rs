@@ -2,6 +2,8 @@
 //!
 //! Time integration is BDF2 with the relaxation of the silicone; the pull on the holder follows from the balance of momentum.
 
+use std::cell::Cell;
+
 use crate::side::Side;
 use diagnostics::{Diagnostic, Result};
 use fem::{Actuation, DynamicSettings, NoForce, ReducedMotion, Scheme};
@@ -155,21 +157,22 @@ impl<'a> FlappingModel<'a> {
         };
         let r = self.reduced.coordinates();
         let (mut shapes, mut velocities) = (vec![DVector::zeros(r)], vec![DVector::zeros(r)]);
+        // a step that is halved accepts more forces than are observed
+        let (last, mut forces) = (Cell::new(WaterForce::default()), vec![WaterForce::default()]);
         let mut observe = |_: Second, q: &DVector<f64>, v: &DVector<f64>| {
             shapes.push(q.clone());
             velocities.push(v.clone());
+            forces.push(last.get());
         };
-        let mut forces = vec![WaterForce::default()];
         let integrated = match conditions.fluid {
             None => reduced.integrate(&motion, &mut NoForce, count, &mut observe),
             Some(fluid) => {
-                let mut water = ObservedWater { water: self.water(fluid), forces: &mut forces };
+                let mut water = ObservedWater { water: self.water(fluid), last: &last };
                 reduced.integrate(&motion, &mut water, count, &mut observe)
             }
         };
         integrated
             .map_err(|e| Diagnostic::from(e).while_doing(format!("motion between {start:.3} s and {end:.3} s")))?;
-        forces.resize(shapes.len(), WaterForce::default());
         let pulls = self.pulls(&velocities, &forces, 1.0 / step);
         Ok(FlappingMotion { model: self, start, rate: 1.0 / step, shapes, pulls })
     }
@@ -234,10 +237,10 @@ fn equilibria(
     sweep.pressures.iter().zip(&sweep.shapes).map(one).collect()
 }
 
-/// Water whose force is stored after each step.
+/// Water whose force at the end of the last step is kept.
 struct ObservedWater<'a, 'b> {
     water: Water<'a>,
-    forces: &'b mut Vec<WaterForce>,
+    last: &'b Cell<WaterForce>,
 }
 
 impl fem::ExternalForce for ObservedWater<'_, '_> {
@@ -247,7 +250,7 @@ impl fem::ExternalForce for ObservedWater<'_, '_> {
 
     fn accept(&mut self, at: &fem::StepState) {
         self.water.accept(at);
-        self.forces.push(self.water.total);
+        self.last.set(self.water.total);
     }
 }
 

@@ -100,8 +100,7 @@ impl Condition {
             stiffening: &[is.stiffening],
             actuation: &|_| Actuation { pressures: Vec::new() },
         };
-        let factors = times.iter().map(|time| released(time / ramp)).collect();
-        let mut loads = DeadLoads { load: &self.load, factors, step: 1 };
+        let mut loads = DeadLoads { load: &self.load, ramp };
         let mut fall = vec![0.0];
         let mut see = |_: Second, q: &DVector<f64>, _: &DVector<f64>| fall.push(self.marker.dot(q));
         self.reduced.integrate_at(&motion, &mut loads, &times[1..], &mut see)?;
@@ -129,22 +128,18 @@ fn released(part: f64) -> f64 {
     part * part * (3.0 - 2.0 * part)
 }
 
-/// Dead loads whose factor depends on the step.
+/// Dead loads that rise within the `ramp` (s).
 struct DeadLoads<'a> {
     load: &'a DVector<f64>,
-    factors: Vec<f64>,
-    /// The step that is being solved.
-    step: usize,
+    ramp: Second,
 }
 
 impl ExternalForce for DeadLoads<'_> {
-    fn force(&self, _: &StepState) -> DVector<f64> {
-        self.load * self.factors[self.step]
+    fn force(&self, at: &StepState) -> DVector<f64> {
+        self.load * released(at.time / self.ramp)
     }
 
-    fn accept(&mut self, _: &StepState) {
-        self.step += 1;
-    }
+    fn accept(&mut self, _: &StepState) {}
 }
 
 fn checked(case: &Case, path: &Path) -> Result<()> {
