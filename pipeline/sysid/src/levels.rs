@@ -143,7 +143,7 @@ impl LevelSolver {
         let from = below.map_or((&rest, none.as_slice()), |known| (&known.load, known.shape.as_slice()));
         let (begin, steps) = (from.0.part_of(&to), FROM_REST.over(1.0 - from.0.part_of(&to)));
         let (pressures, unit) = (level.pressures.as_slice(), self.unit);
-        let path = LoadPath { from, to: &to, pressures, elastic, unit, steps, known: &[] };
+        let path = LoadPath { from, to: &to, pressures, elastic, unit, steps };
         let settings = StaticSettings { tolerance: EXPLORED, ..self.settings };
         let (points, end) = path.follow(&mut system.solver(), &settings);
         let part = if end.is_ok() { 1.0 } else { points.last().map_or(0.0, |last| last.part) };
@@ -166,12 +166,11 @@ impl LevelSolver {
         let count = solvers.len();
         let each = solvers.iter_mut().zip(&shares);
         let parts = parallel(each, count, |(solver, share)| part.solve(solver, share));
-        let mut all: Vec<(usize, SimulatedLevel)> = Vec::new();
-        for part in parts {
-            all.extend(part?);
-        }
+        let Solved { levels: mut all, on_the_way } =
+            parts.into_iter().try_fold(Solved::default(), |all, part| part.map(|part| all.and(part)))?;
         all.sort_by_key(|(level, _)| *level);
         let loads: Vec<Load> = (0..all.len()).map(|level| part.load(level)).collect();
+        on_the_way.into_iter().for_each(|shape| self.known.add(shape));
         for (load, (_, simulated)) in loads.into_iter().zip(&mut all) {
             let (shape, slopes) = (simulated.displacement.clone(), std::mem::take(&mut simulated.slopes));
             self.known.add(KnownShape { load, shape, slopes });
@@ -231,68 +230,76 @@ struct Part<'a> {
     derivatives: Derivatives,
 }
 
+/// Levels with their numbers, and the shapes on the paths that had to be followed to them.
+#[derive(Default)]
+struct Solved {
+    levels: Vec<(usize, SimulatedLevel)>,
+    on_the_way: Vec<KnownShape>,
+}
+
+impl Solved {
+    fn and(mut self, other: Self) -> Self {
+        self.levels.extend(other.levels);
+        self.on_the_way.extend(other.on_the_way);
+        self
+    }
+}
+
 impl Part<'_> {
     /// Solves some levels, each from the initial guess predicted by earlier solves and by the levels before it.
-    fn solve(&self, solver: &mut Solver, numbers: &[usize]) -> Result<Vec<(usize, SimulatedLevel)>> {
+    fn solve(&self, solver: &mut Solver, numbers: &[usize]) -> Result<Solved> {
         self.elastic.apply(solver)?;
-        let (mut done, mut found) = (Vec::new(), Surrogate::default());
+        let (mut solved, mut found) = (Solved::default(), Surrogate::default());
         for &number in numbers {
             let (level, load) = (&self.levels[number], self.load(number));
-            let equilibrium = self.equilibrium(level, &load, &found, solver)?;
-            let simulated =
-                self.simulated(level, &load, equilibrium, solver).map_err(|e| no_equilibrium(level, e.into()))?;
+            let began = Instant::now();
+            let (equilibrium, passed) = self.equilibrium(level, &load, &found, solver)?;
+            let forward_seconds = began.elapsed().as_secs_f64();
+            passed.iter().for_each(|shape| found.add(shape.clone()));
+            solved.on_the_way.extend(passed);
+            let simulated = self
+                .simulated(level, &load, (equilibrium, forward_seconds), solver)
+                .map_err(|e| no_equilibrium(level, e.into()))?;
             let (shape, slopes) = (simulated.displacement.clone(), simulated.slopes.clone());
             found.add(KnownShape { load, shape, slopes });
-            done.push((number, simulated));
+            solved.levels.push((number, simulated));
         }
-        Ok(done)
+        Ok(solved)
     }
 
     fn load(&self, level: usize) -> Load {
         Load::new(self.levels[level].filled(), self.levels[level].top(), &self.elastic, self.unit)
     }
 
-    /// The equilibrium of a level and the time that it took, s.
+    /// The equilibrium of a level, and the shapes on the path that was followed where no guess led there.
     fn equilibrium(
         &self,
         level: &PressureLevel,
         to: &Load,
         found: &Surrogate,
         solver: &mut Solver,
-    ) -> Result<(Equilibrium, Second)> {
-        let began = Instant::now();
-        let none = vec![0.0; 3 * self.model.system.mesh().nodes.len()];
-        let rest;
+    ) -> Result<(Equilibrium, Vec<KnownShape>)> {
+        let (rest, none) = (to.clone().without(), vec![0.0; 3 * self.model.system.mesh().nodes.len()]);
         // Kriged initial guesses: the Gauss-Newton search of Dory took 23 s instead of 40 s.
         let (from, steps) = match Surrogate::predict(&[found, self.known], to) {
             Some((near, predicted)) => {
                 let direct = solver.equilibrium_near(&level.pressures, &near.shape, &predicted, self.settings);
                 if let Ok(equilibrium) = direct {
-                    return Ok((equilibrium, began.elapsed().as_secs_f64()));
+                    return Ok((equilibrium, Vec::new()));
                 }
                 // A body of other constants may have its wall on the other side of a buckle, and the way from there crosses it backwards:
                 // such a level took minutes. Below this one the same body has buckled or not on the way of rising pressure.
-                let lower = found.rising_to(to);
-                if !lower.is_empty() {
-                    let whole: Pascal = level.pressures.iter().sum();
-                    let at = lower.iter().map(|known| (whole * known.load.part_of(to), known.shape.as_slice()));
-                    let known: Vec<(Pascal, &[f64])> = std::iter::once((0.0, none.as_slice())).chain(at).collect();
-                    let end = solver.equilibrium_from(&known, &level.pressures, self.settings);
-                    let end = end.map_err(|e| no_equilibrium(level, e.into()))?;
-                    return Ok((end, began.elapsed().as_secs_f64()));
-                }
-                ((&near.load, near.shape.as_slice()), FROM_NEARBY)
+                let start = found.highest_below(to).unwrap_or(near);
+                ((&start.load, start.shape.as_slice()), FROM_NEARBY)
             }
-            None => {
-                rest = to.clone().without();
-                ((&rest, none.as_slice()), FROM_REST)
-            }
+            None => ((&rest, none.as_slice()), FROM_REST),
         };
         let Self { elastic, unit, .. } = self;
-        let known = [found, self.known];
-        let path = LoadPath { from, to, pressures: &level.pressures, elastic, unit: *unit, steps, known: &known };
-        let end = path.follow(solver, self.settings).1.map_err(|e| no_equilibrium(level, e))?;
-        Ok((end, began.elapsed().as_secs_f64()))
+        // Neither the shapes of other constants nor those before a buckle predict the way: it is extrapolated from its own points.
+        let path = LoadPath { from, to, pressures: &level.pressures, elastic, unit: *unit, steps };
+        let (points, end) = path.follow(solver, self.settings);
+        let end = end.map_err(|e| no_equilibrium(level, e))?;
+        Ok((end, points.into_iter().map(|point| KnownShape::new(point.load, point.shape)).collect()))
     }
 
     /// Markers and derivatives at an equilibrium.

@@ -1,13 +1,13 @@
 //! Paths of equilibria between two loads, in steps short enough for Newton's method.
 //!
 //! A wall that buckles turns a shape within a few per cent of the pressure: levels of a staircase lie too far apart there to start from one
-//! another, and so do bodies whose moduli differ by a tenth. A step that is too long fails within a second, so it is shortened at once.
+//! another, and so do bodies whose moduli differ by a tenth. A step that is too long is given up after a few iterations and shortened.
 
 use fem::{Equilibrium, Solver, StaticSettings, extrapolated};
 use si::Pascal;
 
 use crate::model::{BODY, Elastic};
-use crate::surrogate::{KnownShape, Load, Surrogate};
+use crate::surrogate::Load;
 use diagnostics::Result;
 
 /// Factorisations up to which the next step is longer, and from which it is shorter.
@@ -48,8 +48,6 @@ pub(crate) struct LoadPath<'a> {
     pub unit: f64,
     /// Its steps.
     pub steps: Steps,
-    /// Equilibria that predict those on the way; without one, the path is extrapolated.
-    pub known: &'a [&'a Surrogate],
 }
 
 /// An equilibrium on the way.
@@ -70,8 +68,8 @@ impl LoadPath<'_> {
         loop {
             let target = if reached + step > 1.0 - shortest { 1.0 } else { reached + step };
             let iterations = if step > shortest { settings.max_iterations } else { SNAPPING };
-            match self.equilibrium(target, &points, solver, &StaticSettings { max_iterations: iterations, ..*settings })
-            {
+            let settings = StaticSettings { max_iterations: iterations, ..*settings };
+            match self.equilibrium(target, &points, solver, &settings) {
                 Ok(end) if target == 1.0 => return (points, Ok(end)),
                 Ok(Equilibrium { displacement, factorisations, .. }) => {
                     step = (step * growth(factorisations)).clamp(shortest, longest);
@@ -96,7 +94,7 @@ impl LoadPath<'_> {
         let nearby = points.last().map_or(self.from.1, |last| &last.shape);
         let tolerance = if part == 1.0 { settings.tolerance } else { settings.tolerance.max(TOLERANCE) };
         let settings = StaticSettings { tolerance, ..*settings };
-        Ok(solver.equilibrium_near(&pressures, nearby, &self.guess(part, points), &settings)?)
+        Ok(solver.equilibrium_near(&pressures, nearby, &self.extrapolated(part, points), &settings)?)
     }
 
     fn load(&self, part: f64) -> Load {
@@ -113,18 +111,6 @@ impl LoadPath<'_> {
         let ((pressure, elastic), (whole, _)) = (constants(&self.load(part)), constants(self.to));
         elastic.apply(solver)?;
         Ok(self.pressures.iter().map(|at_the_end| pressure / whole * at_the_end).collect())
-    }
-
-    /// Predicted from the known equilibria and the points on the way.
-    fn guess(&self, part: f64, points: &[Point]) -> Vec<f64> {
-        if self.known.is_empty() {
-            return self.extrapolated(part, points);
-        }
-        let mut way = Surrogate::default();
-        points.iter().for_each(|point| way.add(KnownShape::new(point.load.clone(), point.shape.clone())));
-        let all: Vec<&Surrogate> = self.known.iter().copied().chain([&way]).collect();
-        let predicted = Surrogate::predict(&all, &self.load(part));
-        predicted.map_or_else(|| self.extrapolated(part, points), |(_, shape)| shape)
     }
 
     /// The polynomial through the last three points, of which the beginning of the path is one, at `part`.

@@ -17,8 +17,6 @@ const NEAREST: usize = 20;
 const EXPANSIONS: usize = 4;
 /// Constants so near to each other are the same on a path of rising pressure: 2 % of the ratio of moduli.
 const SAME_CONSTANTS: f64 = 0.02;
-/// A pressure above this part of another is that one, measured again.
-const LOWER: f64 = 0.999;
 /// A shape so much nearer than the nearest with derivatives predicts better by kriging.
 const NEARER: f64 = 0.25;
 /// Number of shapes kept, the newest; of these, so many with their derivatives, each of which is as large as a shape.
@@ -73,15 +71,6 @@ impl Surrogate {
             at.chamber == load.chamber && at.part_of(load) < 1.0 && at.aside(load) < SAME_CONSTANTS
         };
         self.shapes.iter().filter(on_the_way).max_by(|a, b| a.load.at[0].total_cmp(&b.load.at[0]))
-    }
-
-    /// The known shapes of the same chamber under lower pressures than that of `load`, rising, one a pressure.
-    pub(crate) fn rising_to(&self, load: &Load) -> Vec<&KnownShape> {
-        let lower = |known: &&KnownShape| known.load.chamber == load.chamber && known.load.part_of(load) < LOWER;
-        let mut lower: Vec<&KnownShape> = self.shapes.iter().filter(lower).collect();
-        lower.sort_by(|a, b| a.load.at[0].total_cmp(&b.load.at[0]));
-        lower.dedup_by(|next, kept| kept.load.part_of(&next.load) > LOWER);
-        lower
     }
 
     /// The nearest known shape, and the one predicted from all of them; none where there is none of the same chamber.
@@ -177,19 +166,6 @@ mod tests {
         assert!(near(begin(load(7e3, 0.5e5, 1e9)), 8.0 / 14.0));
         assert_eq!(begin(load(1.2e4, 1e5, 4e9)), None);
         assert_eq!(begin(load(3e3, 1e5, 2e9)), None);
-    }
-
-    #[test]
-    fn shapes_under_lower_pressures_rise_and_those_of_one_pressure_are_one() {
-        let mut known = Surrogate::default();
-        for pressure in [8e3, 4e3, 8.001e3, 1.2e4, 1.1999e4] {
-            let at = load(pressure, 1e5, 2e9);
-            known.add(KnownShape::new(at.clone(), shape(&at)));
-        }
-        let end = load(1.2e4, 1e5, 2e9);
-        let parts: Vec<f64> = known.rising_to(&end).iter().map(|lower| lower.load.part_of(&end)).collect();
-        assert!(parts.len() == 2 && (parts[0] - 1.0 / 3.0).abs() < 1e-12 && (parts[1] - 2.0 / 3.0).abs() < 1e-3);
-        assert!(known.rising_to(&load(4e3, 1e5, 2e9)).is_empty());
     }
 
     #[test]
