@@ -63,7 +63,8 @@ impl ReducedModel {
         settings::check(motion.settings)?;
         let mut run = Run::from_rest(self, motion)?;
         for &time in times {
-            // The last end is the next one. Halves of a half end one after the other, so that no step is more than twice the one before.
+            // The last end is the next one. Only the step after a halved one may be more than twice as long as the one before: a single such
+            // ratio multiplies the error that BDF2 carries by a bounded factor.
             let mut ends = vec![time];
             while let Some(&end) = ends.last() {
                 match run.step_to(end, external) {
@@ -90,7 +91,7 @@ struct Run<'a> {
     length: Second,
     /// The law of each region alone.
     law: Vec<ActingRegion>,
-    /// Of its relaxation.
+    /// What the relaxation of each region remembers.
     history: ReducedHistory,
     tangent: Option<LaggedTangent>,
 }
@@ -108,7 +109,7 @@ impl<'a> Run<'a> {
         0.5 * (self.past.times[0] + end)
     }
 
-    /// One step to the time `end`; where it fails nothing has changed.
+    /// One step to the time `end`; where it fails the motion is as before.
     fn step_to(&mut self, end: Second, external: &mut dyn ExternalForce) -> Result<(), ReducedError> {
         let ReducedMotion { settings, actuation, .. } = *self.motion;
         self.set_length(end)?;
