@@ -104,9 +104,7 @@ impl<'a> Pass<'a> {
         let [own, before, earlier] = &self.pending;
         let mut own = own.clone();
         self.pending = [before.clone(), earlier.clone(), Pending::zero(q.len())];
-        let branches: Vec<Vec<BranchStep>> = self.solids.iter().map(|solid| solid.branches(part.duration)).collect();
-        let acting = self.solids.iter().zip(&branches).zip(held).map(|((solid, now), held)| solid.acting(now, held));
-        let acting: Vec<Acting> = acting.collect();
+        let (branches, acting) = self.acting(part, held);
         let tangent = self.tangent(part, (&acting, &branches), &mut own.coordinates);
         let tangent = tangent.ok_or(TwinError::Adjoint { time: part.time })?;
         let momentum = self.water(part, [&vec![0.0; q.len()], &own.momentum]);
@@ -124,6 +122,14 @@ impl<'a> Pass<'a> {
         }
         let work = |chamber: &crate::data::Chamber| -dot(&chamber.volume_gradient(q), &adjoint);
         Ok(twin.chambers.iter().map(work).collect())
+    }
+
+    /// The branches of each solid, and what acts in it.
+    fn acting(&self, part: &RecordedPart, held: Vec<Vec<Symmetric>>) -> (Vec<Vec<BranchStep>>, Vec<Acting>) {
+        let branches: Vec<Vec<BranchStep>> = self.solids.iter().map(|solid| solid.branches(part.duration)).collect();
+        let acting = self.solids.iter().zip(&branches).zip(held).map(|((solid, now), held)| solid.acting(now, held));
+        let acting = acting.collect();
+        (branches, acting)
     }
 
     /// The derivative of the part's residual by its q, none where it is singular; adds to `loss` what later steps depend on q by through
@@ -152,15 +158,37 @@ impl<'a> Pass<'a> {
         Some(Tangent { rest, inverse: inverse(whole)? })
     }
 
-    /// x of Kᵀ x = `right`, with the tangent of the part that is passed; none where refinements do not converge.
+    /// x of Kᵀ x = `right`, with the tangent of the part that is passed; none where it is singular.
+    // A wall about to buckle is so soft beside a stiff sheet that single precision loses its stiffness, and refinements diverge: the exact tangent
+    // then takes as many products as there are coordinates.
     fn solve(&self, tangent: &Tangent, acting: &[Acting], right: &[f64]) -> Option<Vec<f64>> {
+        self.refined(tangent, acting, right).or_else(|| self.solve_exactly(tangent, acting, right))
+    }
+
+    /// Kᵀ x, in double precision.
+    fn transposed_product(&self, tangent: &Tangent, acting: &[Acting], x: &[f64]) -> Vec<f64> {
+        let (mut image, mut lanes) = (vec![0.0; x.len()], vec![Lanes::ZERO; x.len()]);
+        multiply_transposed(&tangent.rest, x, &mut image);
+        self.solids.iter().zip(acting).for_each(|(solid, acting)| solid.add_product(x, acting, &mut lanes));
+        add_reduced(&lanes, &mut image);
+        image
+    }
+
+    fn solve_exactly(&self, tangent: &Tangent, acting: &[Acting], right: &[f64]) -> Option<Vec<f64>> {
+        let n = right.len();
+        let unit = |k: usize| -> Vec<f64> { (0..n).map(|i| f64::from(u8::from(i == k))).collect() };
+        let rows: Vec<Vec<f64>> = (0..n).map(|k| self.transposed_product(tangent, acting, &unit(k))).collect();
+        let mut x = vec![0.0; n];
+        multiply_transposed(&inverse(rows.concat())?, right, &mut x);
+        Some(x)
+    }
+
+    /// By the inverse in single precision and refinements; none where they do not converge.
+    fn refined(&self, tangent: &Tangent, acting: &[Acting], right: &[f64]) -> Option<Vec<f64>> {
         let mut x = vec![0.0; right.len()];
         multiply_transposed(&tangent.inverse, right, &mut x);
         for _ in 0..MAX_REFINEMENTS {
-            let (mut image, mut lanes) = (vec![0.0; right.len()], vec![Lanes::ZERO; right.len()]);
-            multiply_transposed(&tangent.rest, &x, &mut image);
-            self.solids.iter().zip(acting).for_each(|(solid, acting)| solid.add_product(&x, acting, &mut lanes));
-            add_reduced(&lanes, &mut image);
+            let image = self.transposed_product(tangent, acting, &x);
             let left: Vec<f64> = right.iter().zip(&image).map(|(right, image)| right - image).collect();
             let mut change = vec![0.0; right.len()];
             multiply_transposed(&tangent.inverse, &left, &mut change);
@@ -207,4 +235,30 @@ impl Pending {
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::example::beam;
+
+    #[test]
+    fn where_refinements_diverge_the_exact_tangent_gives_the_same_solution() {
+        let twin = Twin::new(beam(true)).unwrap();
+        let mut recording = twin.recording();
+        (1..9).for_each(|n| twin.record(&mut recording, &[400.0 * f64::from(n), 0.0], 1.0 / 240.0).unwrap());
+        let number = recording.parts.len() - 1;
+        let (segment, within) = place(number);
+        let (part, held) = (&recording.parts[number], twin.held(&recording, segment).swap_remove(within));
+        let mut pass = Pass::new(&twin);
+        let (branches, acting) = pass.acting(part, held);
+        let right: Vec<f64> = (0..twin.coordinates()).map(|k| 1.0 + k as f64).collect();
+        let mut tangent = pass.tangent(part, (&acting, &branches), &mut vec![0.0; right.len()]).unwrap();
+        let refined = pass.refined(&tangent, &acting, &right).unwrap();
+        tangent.inverse.iter_mut().for_each(|entry| *entry *= 3.0);
+        assert_eq!(pass.refined(&tangent, &acting, &right), None);
+        let exact = pass.solve(&tangent, &acting, &right).unwrap();
+        let off: Vec<f64> = exact.iter().zip(&refined).map(|(a, b)| a - b).collect();
+        assert!(dot(&off, &off) < 1e-16 * dot(&exact, &exact), "{exact:?} for {refined:?}");
+    }
 }
