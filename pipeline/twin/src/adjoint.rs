@@ -159,8 +159,8 @@ impl<'a> Pass<'a> {
     }
 
     /// x of Kᵀ x = `right`, with the tangent of the part that is passed; none where it is singular.
-    // A wall about to buckle is so soft beside a stiff sheet that single precision loses its stiffness, and refinements diverge: the exact tangent
-    // then takes as many products as there are coordinates.
+    // Far from rest the stiffness of a soft direction may be lost in single precision beside that of a stiff sheet, and refinements do not converge:
+    // the exact tangent then takes as many products as there are coordinates.
     fn solve(&self, tangent: &Tangent, acting: &[Acting], right: &[f64]) -> Option<Vec<f64>> {
         self.refined(tangent, acting, right).or_else(|| self.solve_exactly(tangent, acting, right))
     }
@@ -243,7 +243,7 @@ mod tests {
     use crate::example::beam;
 
     #[test]
-    fn where_refinements_diverge_the_exact_tangent_gives_the_same_solution() {
+    fn where_refinements_do_not_converge_the_exact_tangent_gives_the_same_solution() {
         let twin = Twin::new(beam(true)).unwrap();
         let mut recording = twin.recording();
         (1..9).for_each(|n| twin.record(&mut recording, &[400.0 * f64::from(n), 0.0], 1.0 / 240.0).unwrap());
