@@ -26,7 +26,7 @@ fn numbers(json: &str) -> BTreeMap<String, f64> {
 
 /// Whether a number says how long something took.
 fn is_of_time(id: &str) -> bool {
-    ["seconds", "real_time_factor"].iter().any(|word| id.contains(word))
+    ["seconds", "real_time_factor", "gradient_over_forward"].iter().any(|word| id.contains(word))
 }
 
 /// What differs, as lines of the file.

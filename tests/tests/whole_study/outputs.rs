@@ -11,6 +11,10 @@ const FRAMES: usize = 3;
 const CELLS: (usize, usize) = (6, 8);
 /// What each record has of the run that made it; of the first, its summary is held.
 const OF_THE_RUN: [&str; 2] = ["record.json", "durations.json"];
+/// Begin and end of the page's section with the durations of stages.
+const DURATIONS: [&str; 2] = ["<section id=\"stages\">", "</section>"];
+/// What a line with encoded arrays has.
+const ARRAYS: &str = "<script type=\"application/json\"";
 
 /// The digest of each file below `root` that the same study writes again.
 fn digests(root: &Path) -> BTreeMap<String, Digest> {
@@ -73,10 +77,21 @@ fn digest(file: &Path) -> Option<Digest> {
     };
     let text = fs::read_to_string(file).unwrap();
     let held = |line: &str| name != OF_THE_RUN[0] || line.contains("\"summary\":");
-    // the durations of searches and of stages stand among other numbers
-    let has_durations = name.starts_with("methods.") || name == "index.html";
     let lines = || text.lines().filter(|line| held(line) && !crate::is_of_time(line)).collect::<Vec<_>>().join("\n");
-    Some(if has_durations { Digest::of_text(&text, None) } else { Digest::of_text(&lines(), Some(each)) })
+    Some(match name {
+        "index.html" => Digest::of_text(&lasting(&text), None),
+        // the durations of searches stand among other numbers
+        name if name.starts_with("methods.") => Digest::of_text(&text, None),
+        _ => Digest::of_text(&lines(), Some(each)),
+    })
+}
+
+/// The page without what another run writes otherwise: durations, which break into lines by their lengths, and the bits of arrays.
+fn lasting(page: &str) -> String {
+    let (before, rest) = page.split_once(DURATIONS[0]).unwrap();
+    let (_, after) = rest.split_once(DURATIONS[1]).unwrap();
+    let lines = before.lines().chain(after.lines()).filter(|line| !line.contains(ARRAYS) && !crate::is_of_time(line));
+    lines.collect::<Vec<_>>().join("\n")
 }
 
 /// A film as the mean grey of the cells of some of its frames.
