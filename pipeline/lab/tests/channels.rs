@@ -129,6 +129,11 @@ fn the_first_of_the_staircases_with_the_highest_level_is_found_and_flapping_has_
         card.highest_staircase().map(|t| (t.id.as_str(), t.experiment.highest_level())),
         Some(("t2", Some(3e4)))
     );
+    card.trial[2].medium = lab::card::Medium::Water;
+    card.trial[3].medium = lab::card::Medium::Water;
+    assert_eq!(card.highest_staircase_in_air().map(|t| t.id.as_str()), Some("t1"));
+    card.trial[1].medium = lab::card::Medium::Water;
+    assert_eq!(card.highest_staircase_in_air().map(|t| t.id.as_str()), Some("t2"));
     card.trial.truncate(1);
-    assert!(card.highest_staircase().is_none());
+    assert!(card.highest_staircase().is_none() && card.highest_staircase_in_air().is_none());
 }

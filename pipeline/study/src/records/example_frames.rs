@@ -63,7 +63,7 @@ impl Record for ExampleFrames {
     const STAGE: &'static str = "example_frames";
 
     fn is_made_for(of: &Trial) -> bool {
-        of.in_space().is_none() && of.card.highest_staircase().is_some_and(|highest| highest.id == of.trial.id)
+        of.in_space().is_none() && of.card.highest_staircase_in_air().is_some_and(|highest| highest.id == of.trial.id)
     }
 
     fn pack(&self) -> Result<RecordFiles, RecordError> {
