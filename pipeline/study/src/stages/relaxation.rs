@@ -40,7 +40,9 @@ pub struct Settings {
     vibration: Second,
     /// Longest time step of a hold, s.
     longest_step: Second,
-    /// The highest level that counts, over the pressure from which walls touch.
+    /// The highest level that counts, over the highest of a film.
+    highest_level: f64,
+    /// The same, over the pressure from which walls touch.
     below_contact: f64,
     /// Standard deviation of a marker's position before that of the discrepancy is estimated, m.
     sigma: Metre,
@@ -56,7 +58,7 @@ impl Stage for Relaxation {
     type Needs = (Mesh, Identified, Reduced, IdentificationTrials<Motion>);
     type Makes = records::Relaxation;
     const DESCRIPTION: &'static str = "transients of the staircases give the silicone's relaxation";
-    const VERSION: u32 = 8;
+    const VERSION: u32 = 9;
 
     fn run(
         card: &Self::Card,
@@ -101,22 +103,25 @@ impl Settings {
     fn film(&self, motion: &Motion, marker: usize, contact: Option<Pascal>) -> Result<Film> {
         let steps = TimeSteps { step: self.step, vibration: self.vibration, longest: self.longest_step };
         let exposure = self.exposure * frame_interval(&motion.time);
-        let footage = Footage {
-            windows: before(contact.map(|p| self.below_contact * p), windows(motion, marker)),
-            marker,
-            exposure,
-        };
+        let footage = Footage { windows: self.counted(contact, windows(motion, marker)), marker, exposure };
         Film::new(footage, simulation::gauges(motion)?, steps)
+    }
+
+    /// The windows before the first level that does not count.
+    // Walls that touch pass through each other in reduced coordinates, and a buckle lengthens the creep before it by a factor that depends on how
+    // far its pressure is. The levels below show the same silicone.
+    fn counted(&self, contact: Option<Pascal>, windows: Vec<Window>) -> Vec<Window> {
+        let top = windows.iter().map(|window| window.command).fold(0.0, f64::max);
+        let touching = contact.map_or(f64::INFINITY, |pressure| self.below_contact * pressure);
+        before(touching.min(self.highest_level * top), windows)
     }
 }
 
-/// The windows before the first whose command is above a `highest` one and above the lowest of all.
-// Walls that touch pass through each other in reduced coordinates, and the buckle that brings them together lengthens the creep before it by a
-// factor that depends on how far its pressure is.
-fn before(highest: Option<Pascal>, mut windows: Vec<Window>) -> Vec<Window> {
+/// The windows before the first whose command is above the `highest` one and above the lowest of all.
+fn before(highest: Pascal, mut windows: Vec<Window>) -> Vec<Window> {
     let commands = windows.iter().map(|window| window.command).filter(|command| *command > 0.0);
     let lowest = commands.fold(f64::INFINITY, f64::min);
-    let end = highest.and_then(|limit| windows.iter().position(|window| window.command > limit.max(lowest)));
+    let end = windows.iter().position(|window| window.command > highest.max(lowest));
     windows.truncate(end.unwrap_or(windows.len()));
     windows
 }
@@ -144,12 +149,12 @@ mod tests {
     #[test]
     fn a_film_ends_with_the_highest_level_that_counts_but_not_before_its_first() {
         let window = |command: Pascal| Window { begin: 0.0, times: Vec::new(), seen: Vec::new(), command };
-        let kept = |highest: Option<Pascal>| {
+        let kept = |highest: Pascal| {
             let all = [1e4, 0.0, 1.5e4, 0.0, 2e4, 0.0, 1e4].map(window).to_vec();
             before(highest, all).iter().map(|window| window.command).collect::<Vec<_>>()
         };
-        assert_eq!(kept(None).len(), 7);
-        assert_eq!(kept(Some(1.7e4)), [1e4, 0.0, 1.5e4, 0.0]);
-        assert_eq!(kept(Some(5e3)), [1e4, 0.0]);
+        assert_eq!(kept(f64::INFINITY).len(), 7);
+        assert_eq!(kept(1.7e4), [1e4, 0.0, 1.5e4, 0.0]);
+        assert_eq!(kept(5e3), [1e4, 0.0]);
     }
 }
