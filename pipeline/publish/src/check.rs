@@ -120,7 +120,7 @@ mod tests {
     fn claim(says: &str, rule: Rule, set_by: Option<&str>) -> Claim {
         let (metric, published) = ("a".to_owned(), "so".to_owned());
         let (name, also, set_by) = (says.to_owned(), Vec::new(), set_by.map(str::to_owned));
-        Claim { name, says: says.to_owned(), metric, also, rule, set_by, published }
+        Claim { name, says: says.to_owned(), metric, also, rule, set_by, published, of_its_tail_alone: false }
     }
 
     fn checked() -> String {

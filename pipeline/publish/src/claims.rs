@@ -3,6 +3,7 @@
 //! `paper/claims.toml` holds them. A claim that does not reproduce is printed as such; only a drift of a number from its
 //! expectation, or a number that was not computed, is a failure.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::Deserialize;
@@ -30,6 +31,9 @@ pub struct Claim {
     pub set_by: Option<String>,
     /// The published statement.
     pub published: String,
+    /// Whether it is about its tail alone, so that none stands in for it.
+    #[serde(default)]
+    pub of_its_tail_alone: bool,
 }
 
 /// The rule of a claim.
@@ -78,15 +82,26 @@ impl Verdict {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Page {
-    claim: Vec<Claim>,
+pub(crate) struct Page {
+    pub(crate) claim: Vec<Claim>,
+    /// By name of a profile, the tail that stands in for each.
+    #[serde(default)]
+    pub(crate) stand_in: BTreeMap<String, BTreeMap<String, String>>,
 }
 
-/// Reads the claims.
+/// Reads the claims as the paper makes them.
 ///
 /// # Errors
 /// A [`Diagnostic`] when the page is missing or not understood.
 pub fn read(path: &Path) -> Result<Vec<Claim>> {
+    Ok(page(path)?.claim)
+}
+
+/// The claims, and the tails that stand in for others by profile.
+///
+/// # Errors
+/// As [`read`].
+pub(crate) fn page(path: &Path) -> Result<Page> {
     let diagnostic = |e: &dyn std::fmt::Display| {
         Diagnostic::new("paper/claims.toml cannot be read", e.to_string().trim_end(), "correct the line that it names")
     };
@@ -95,7 +110,7 @@ pub fn read(path: &Path) -> Result<Vec<Claim>> {
     let twice = (1..page.claim.len()).find(|&i| page.claim[..i].iter().any(|c| c.name == page.claim[i].name));
     match twice {
         Some(i) => Err(diagnostic(&format!("two claims are called `{}`", page.claim[i].name))),
-        None => Ok(page.claim),
+        None => Ok(page),
     }
 }
 
@@ -206,6 +221,7 @@ mod tests {
             rule,
             set_by: None,
             published: String::new(),
+            of_its_tail_alone: false,
         }
     }
 

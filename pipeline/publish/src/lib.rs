@@ -28,3 +28,4 @@ pub mod paper;
 pub mod paper_files;
 pub mod ro_crate;
 pub mod stage_diagram;
+pub mod stand_in;

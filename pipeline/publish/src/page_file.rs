@@ -5,11 +5,12 @@
 use std::path::PathBuf;
 use std::{fs, io};
 
-use crate::claims::{self, Claim};
+use crate::claims::Claim;
 use crate::expected::MetricEntry;
 use crate::metrics_file;
 use crate::page::{Body, Cost, LiveTail, Page, Shown, Verdict};
 use crate::stage_diagram::stage_diagram;
+use crate::stand_in;
 use diagnostics::{Diagnostic, Result};
 use workflow::entry::Kind;
 use workflow::needs::RecordReader;
@@ -51,7 +52,7 @@ fn gather<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>], own: Contents) -> Re
     let store = Store::new(&runner.folders);
     let costs = costs(runner, jobs, &store);
     let metrics = metrics_file::read(runner).unwrap_or_default();
-    let claims = claims::read(&runner.folders.claims()).unwrap_or_default();
+    let claims = stand_in::read(&runner.folders.claims(), runner.profile).unwrap_or_default();
     Ok(Page {
         note: own.note,
         bodies: own.bodies,

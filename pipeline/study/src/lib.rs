@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 use diagnostics::{Diagnostic, Result};
 use publish::check::Checked;
 use publish::expected::Expected;
-use publish::{claims, metrics_file, page_file, paper, paper_files, ro_crate};
+use publish::{metrics_file, page_file, paper, paper_files, ro_crate, stand_in};
 use subject::{Specimen, Study};
 use workflow::entry::Entry;
 use workflow::runner::{Folders, Goal, Options, RunSummary};
@@ -83,7 +83,8 @@ pub fn check(runner: &Runner) -> Result<Checked> {
     let expected = Expected::read(&runner.folders.expected(), runner.profile)?;
     let metrics: Vec<_> = metrics_file::read(runner)?.into_iter().map(|m| expected.judge(m.metric)).collect();
     let problems = paper_files::resolve(runner)?.err().unwrap_or_default();
-    publish::check::check(&metrics, &expected, &claims::read(&runner.folders.claims())?, &problems)
+    let claims = stand_in::read(&runner.folders.claims(), runner.profile)?;
+    publish::check::check(&metrics, &expected, &claims, &problems)
 }
 
 /// Writes the page that shows everything; returns its path.

@@ -73,6 +73,7 @@ pub(super) mod tests {
             rule: Rule::AtMost(limit),
             set_by: None,
             published: "1 mm".into(),
+            of_its_tail_alone: false,
         };
         let set = |name: &str| BTreeSet::from([name.to_owned()]);
         Facts {

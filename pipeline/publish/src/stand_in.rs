@@ -1,0 +1,68 @@
+//! Tails that stand in for those that a profile lacks: their metrics decide the claims there.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use crate::claims::{self, Claim, Rule};
+use diagnostics::Result;
+use workflow::settings::Profile;
+
+/// Reads the claims as a profile decides them, where other tails stand in for those that it lacks.
+///
+/// # Errors
+/// As [`claims::read`].
+pub fn read(path: &Path, profile: Profile) -> Result<Vec<Claim>> {
+    let claims::Page { claim, stand_in } = claims::page(path)?;
+    let Some(tails) = stand_in.get(profile.name()) else { return Ok(claim) };
+    Ok(claim.into_iter().map(|claim| StandIns(tails).decide(claim)).collect())
+}
+
+/// The tail that stands in for each.
+struct StandIns<'a>(&'a BTreeMap<String, String>);
+
+impl StandIns<'_> {
+    /// A claim decided by metrics of the tails that stand in for its own, unless it is about its tail alone.
+    fn decide(&self, claim: Claim) -> Claim {
+        if claim.of_its_tail_alone {
+            return claim;
+        }
+        let rule = match claim.rule {
+            Rule::SmallerThan(other) => Rule::SmallerThan(self.metric(&other)),
+            Rule::Ascending(others) => Rule::Ascending(others.iter().map(|other| self.metric(other)).collect()),
+            of_one @ (Rule::AtMost(_) | Rule::AtLeast(_) | Rule::Within(_)) => of_one,
+        };
+        let also = claim.also.iter().map(|metric| self.metric(metric)).collect();
+        Claim { metric: self.metric(&claim.metric), also, rule, ..claim }
+    }
+
+    /// A metric of a tail's, or of its trial's, as that of the tail that stands in for it.
+    fn metric(&self, id: &str) -> String {
+        let parts = id.split('.').map(|part| {
+            let (tail, trial) = part.split_at(part.find('_').unwrap_or(part.len()));
+            self.0.get(tail).map_or_else(|| part.to_owned(), |other| format!("{other}{trial}"))
+        });
+        parts.collect::<Vec<_>>().join(".")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tail_stands_in_for_another_and_for_its_trials_but_not_in_claims_about_that_tail_alone() {
+        let claim: Claim = toml::from_str(
+            "name = 'a'\nsays = ''\npublished = ''\nmetric = 'validate.nemo_200mbar_2hz.rmse_mm'\nalso = ['camera.focal', \
+             'identify.bruce.loss']\nrule = { ascending = ['identify.nemo.loss'] }",
+        )
+        .unwrap();
+        let tails = [("nemo".to_owned(), "marlin".to_owned())].into();
+        let tails = StandIns(&tails);
+        let decided = tails.decide(claim.clone());
+        assert_eq!(decided.metric, "validate.marlin_200mbar_2hz.rmse_mm");
+        assert_eq!(decided.also, ["camera.focal", "identify.bruce.loss"]);
+        assert_eq!(decided.rule.others(), ["identify.marlin.loss"]);
+        let alone = Claim { of_its_tail_alone: true, ..claim };
+        assert_eq!(tails.decide(alone.clone()), alone);
+    }
+}
