@@ -57,15 +57,6 @@ calibration COUNT="24" SEED="25": build
     cp target/population/figures/calibration.svg figures/
     cp target/population/paper/tables/coverage.* paper/tables/
 
-# the tail of the paper's first figure: thin walls, bent far, whose slack side buckles; recorded and studied in a profile of
-# its own (some 20 minutes of two cores); the figure is that of the paper
-photograph: build
-    {{programs}}/rig record --profile photograph
-    {{programs}}/study run --profile photograph identify relaxation validate inflate recovery findings
-    {{programs}}/study fig tail --profile photograph
-    {{programs}}/study check --profile photograph
-    cp target/photograph/figures/tail.svg figures/photograph.svg
-
 # the arm alone, with the bar's material in target/real
 real-arm:
     {{programs}}/study fit arm_ds10 --out target/real
@@ -103,7 +94,7 @@ real-arm-card: build
 
 # a coarse and short version of the main path, of one tail, under target/quick
 quick: build
-    {{programs}}/rig record nemo --profile quick
+    {{programs}}/rig record marlin --profile quick
     {{programs}}/study run --profile quick identify relaxation validate recovery thrust
 
 # every number against what is expected and published, every claim against its rule (of the paper profile: just check paper)
@@ -126,13 +117,13 @@ snakemake: build
             echo "no registry of Python packages: the workflow for Snakemake is not tested"; exit 0
         fi
     fi
-    {{programs}}/rig record nemo --profile quick
+    {{programs}}/rig record marlin --profile quick
     root=$PWD/target/workflow-study; base=$root/target/quick
     rm -rf "$root" && mkdir -p "$base" && cp -r study.toml paper "$root"
     snakemake() { target/snakemake/bin/snakemake --quiet all --snakefile "$1/Snakefile" --profile "$1/profiles/$2" "${@:3}"; }
-    {{programs}}/rig export snakemake nemo --profile quick --root "$root"
+    {{programs}}/rig export snakemake marlin --profile quick --root "$root"
     snakemake "$base/workflow/recording" local --cores 2
-    diff --recursive target/quick/data/raw/nemo "$base/data/raw/nemo"
+    diff --recursive target/quick/data/raw/marlin "$base/data/raw/marlin"
     echo "the recording by snakemake is that of rig record"
     study="$PWD/{{programs}}/study --root $root --profile quick --quiet"
     contents() { (cd "$base/data/processed" && grep --recursive --include=record.json '^  "content"' . | sort); }

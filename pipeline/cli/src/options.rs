@@ -316,8 +316,6 @@ pub enum Profile {
     Quick,
     /// Coarse, for many specimens.
     Population,
-    /// One tail, bent far.
-    Photograph,
 }
 
 impl From<Profile> for settings::Profile {
@@ -326,7 +324,6 @@ impl From<Profile> for settings::Profile {
             Profile::Paper => settings::Profile::Paper,
             Profile::Quick => settings::Profile::Quick,
             Profile::Population => settings::Profile::Population,
-            Profile::Photograph => settings::Profile::Photograph,
         }
     }
 }

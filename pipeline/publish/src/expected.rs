@@ -65,8 +65,6 @@ struct Page {
     quick: BTreeMap<String, Expectation>,
     #[serde(default)]
     population: BTreeMap<String, Expectation>,
-    #[serde(default)]
-    photograph: BTreeMap<String, Expectation>,
 }
 
 impl Expected {
@@ -84,7 +82,7 @@ impl Expected {
         };
         let text = std::fs::read_to_string(path).map_err(|e| diagnostic(&e))?;
         let page: Page = toml::from_str(&text).map_err(|e| diagnostic(&e))?;
-        let listed = [&page.paper, &page.quick, &page.population, &page.photograph]
+        let listed = [&page.paper, &page.quick, &page.population]
             .into_iter()
             .flat_map(BTreeMap::keys)
             .chain(page.published.keys());
@@ -93,7 +91,6 @@ impl Expected {
             Profile::Paper => page.paper,
             Profile::Quick => page.quick,
             Profile::Population => page.population,
-            Profile::Photograph => page.photograph,
         };
         Ok(Self { published: page.published, expected, named })
     }

@@ -9,7 +9,7 @@
 //! use workflow::{metric::Metric, settings::Profile};
 //!
 //! let expected = Expected::read(std::path::Path::new("../../paper/expected.toml"), Profile::Quick)?;
-//! let ratio = expected.judge(Metric::new("drag.nemo.added_mass_ratio", 2.0, ""));
+//! let ratio = expected.judge(Metric::new("drag.marlin.added_mass_ratio", 2.0, ""));
 //! assert_eq!(ratio.status, "drifted");
 //! # Ok(())
 //! # }

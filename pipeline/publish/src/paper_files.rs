@@ -18,9 +18,8 @@ use workflow::subject::Universe;
 
 /// Figures and tables of specimens drawn at random, by `just calibration`.
 const OF_A_POPULATION: [&str; 2] = ["calibration", "coverage"];
-/// Figures that no stage of the profile makes and the paper shows: those of real recordings, by `just real`, and of the tail of the
-/// photograph, by `just photograph`.
-const MADE_ELSEWHERE: [&str; 3] = ["real_beam", "real_arm", "photograph"];
+/// Figures that no stage of the profile makes and the paper shows: those of real recordings, by `just real`.
+const MADE_ELSEWHERE: [&str; 2] = ["real_beam", "real_arm"];
 
 /// The resolved source, or its problems.
 ///

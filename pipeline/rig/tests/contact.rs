@@ -11,7 +11,7 @@ use tail_cad::Tail;
 #[test]
 fn the_first_rib_of_a_folded_side_stays_out_of_the_head() {
     let set = Settings::built_in();
-    let own = &set.specimen["marlin"];
+    let own = &set.specimen["nemo"];
     let mut hidden = HiddenProperties::drawn(&set, own);
     hidden.body.stiffening = [0.1, 0.3];
     let walls = Tail { wall: [1.5e-3; 2], rib: 1.5e-3, inner_wall: 0.4e-3, top_wall: 1.5e-3, ..Tail::nine_chambers() };

@@ -15,7 +15,7 @@ use rig::specimens::ALL;
 use rig::valve::{Command, Trace, ValveDisturbance, respond};
 use tail_cad::Tail;
 
-/// Nemo on a mesh for tests.
+/// Marlin, whose walls are thick, on a mesh for tests.
 struct Coarse {
     set: Settings,
     tail: Tail,
@@ -23,7 +23,7 @@ struct Coarse {
 }
 
 impl Coarse {
-    fn nemo() -> Self {
+    fn marlin() -> Self {
         Self::unbonded_along(Settings::built_in().casting.unbonded)
     }
 
@@ -31,10 +31,10 @@ impl Coarse {
     fn unbonded_along(chambers: usize) -> Self {
         let mut set = Settings::built_in();
         set.casting.unbonded = chambers;
-        let own = &set.specimen["nemo"];
+        let own = &set.specimen["marlin"];
         let hidden = HiddenProperties::drawn(&set, own);
         let resolution = Resolution { edge: 0.010, per_chamber: 1, per_rib: 1 };
-        let tail = (ALL[0].tail)();
+        let tail = (ALL.iter().find(|s| s.name == "marlin").unwrap().tail)();
         let laws = [&*set.material[&own.body].law, &*set.material[SHEET].law];
         let body =
             Body::new(&tail, &BodySettings { resolution: &resolution, clamp: own.clamp, laws }, &hidden).unwrap();
@@ -48,7 +48,7 @@ impl Coarse {
     }
 
     fn flapping_model(&self) -> FlappingModel<'_> {
-        let line = CentreLine::of(&self.tail, &self.body, self.set.specimen["nemo"].clamp);
+        let line = CentreLine::of(&self.tail, &self.body, self.set.specimen["marlin"].clamp);
         let sweeps = self.sweeps();
         let reduced = FlappingModel::reduce(&self.body, &line, &sweeps, &|| ()).unwrap();
         FlappingModel::of(&self.body, line, &sweeps, &reduced).unwrap()
@@ -98,7 +98,7 @@ fn tip_difference(coarse: &Coarse, whole: &dyn Motion, reduced: &dyn Motion, len
 
 #[test]
 fn in_air_the_reduced_model_flaps_as_the_whole_body_to_two_per_cent() {
-    let coarse = Coarse::nemo();
+    let coarse = Coarse::marlin();
     let flapping_model = coarse.flapping_model();
     for (frequency, length) in [(2.0, 0.6), (4.0, 0.4)] {
         let [left, right] = coarse.square_wave(frequency, 2);
@@ -114,7 +114,7 @@ fn in_air_the_reduced_model_flaps_as_the_whole_body_to_two_per_cent() {
 
 #[test]
 fn cycles_soften_the_silicone_where_it_is_strained_most_and_the_tail_flaps_further() {
-    let coarse = Coarse::nemo();
+    let coarse = Coarse::marlin();
     let (flapping_model, mullins) = (coarse.flapping_model(), coarse.set.causes.mullins);
     let pressures = even_pressures(2.0e4, 10);
     let [low, high] = [0.5e4, 2.0e4].map(|top| flapping_model.softened(&mullins, &pressures, top).unwrap());
@@ -152,7 +152,7 @@ fn where_silicone_and_sheet_do_not_adhere_pressure_is_passed_on_and_shear_is_not
 
 #[test]
 fn in_a_staircase_the_tail_vibrates_and_rests_as_the_whole_body() {
-    let coarse = Coarse::nemo();
+    let coarse = Coarse::marlin();
     let (flapping_model, sweeps) = (coarse.flapping_model(), coarse.sweeps());
     let commands = [Command { time: 0.0, pressure: 1.7e4 }, Command { time: 0.5, pressure: 0.0 }];
     let trace = respond(&coarse.set.valve, &commands, ValveDisturbance::default(), &mut RandomStream::new(1, "valve"));
@@ -172,7 +172,7 @@ fn in_a_staircase_the_tail_vibrates_and_rests_as_the_whole_body() {
 /// Implicit Euler, so that the water's force can be applied to the whole body step by step.
 #[test]
 fn in_water_the_reduced_model_moves_as_the_whole_body_to_two_per_cent() {
-    let coarse = Coarse::nemo();
+    let coarse = Coarse::marlin();
     let flapping_model = coarse.flapping_model();
     let fluid = Fluid { density: 998.0, added: 1.0, drag: 2.0 };
     let [left, right] = coarse.square_wave(2.0, 1);
@@ -257,7 +257,7 @@ fn whole_tip(forced: &Forced, pressures: &dyn Fn(f64) -> Vec<f64>, tip: usize) -
 
 #[test]
 fn the_energy_balance_of_the_whole_body_closes_to_one_per_cent_over_a_cycle() {
-    let coarse = Coarse::nemo();
+    let coarse = Coarse::marlin();
     let [left, right] = coarse.square_wave(2.0, 1);
     let pressures = |t: f64| coarse.body.pressures(left.at(t), right.at(t));
     // its relaxation would dissipate inside of the material, where nothing is counted

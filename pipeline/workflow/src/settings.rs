@@ -17,13 +17,11 @@ pub enum Profile {
     Quick,
     /// Coarse, for many specimens of one design; its folders are under `target/population`.
     Population,
-    /// One tail, bent as far as the paper's first figure shows; its folders are under `target/photograph`.
-    Photograph,
 }
 
 impl Profile {
     /// Every profile.
-    pub const ALL: [Profile; 4] = [Profile::Paper, Profile::Quick, Profile::Population, Profile::Photograph];
+    pub const ALL: [Profile; 3] = [Profile::Paper, Profile::Quick, Profile::Population];
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
@@ -31,7 +29,6 @@ impl Profile {
             Profile::Paper => "paper",
             Profile::Quick => "quick",
             Profile::Population => "population",
-            Profile::Photograph => "photograph",
         }
     }
 }

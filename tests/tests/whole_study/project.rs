@@ -60,6 +60,7 @@ const COARSE: &str = r#"
 [mesh]
 edge = 0.010
 [identify]
+compared = ["nemo"]
 fine_edge = 0.006
 settled_fraction = 0.5
 grid_points = 3
@@ -74,6 +75,7 @@ iterations = 2
 [inflate]
 shapes = 6
 [relaxation]
+highest_level = 1.0
 iterations = 3
 [validate]
 euler_step = 0.016666666666666666
@@ -107,6 +109,7 @@ fn record_into(raw: &Path) {
         poses: 8,
     };
     let own = set.specimen.get_mut(&*specimen.name).unwrap();
+    own.body = "dragon_skin_10_less_stiffening".into();
     (own.levels, own.levels_in_water) = (vec![8000.0, 16000.0], vec![12000.0]);
     own.flaps = vec![
         flap(Medium::Air, 2.0, (None, true)),

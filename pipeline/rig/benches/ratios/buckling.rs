@@ -20,7 +20,7 @@ const NEAR: f64 = 25.0;
 pub fn print() {
     let set = Settings::built_in();
     let specimen =
-        rig::specimens::ALL.iter().find(|s| s.name == "marlin").expect("the bench has the tail of the photograph");
+        rig::specimens::ALL.iter().find(|s| s.name == "nemo").expect("the bench has the tail of the photograph");
     let own = &set.specimen[&*specimen.name];
     let hidden = HiddenProperties::drawn(&set, own);
     let laws = [&*set.material[&own.body].law, &*set.material[SHEET].law];

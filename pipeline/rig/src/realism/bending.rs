@@ -11,7 +11,7 @@ use si::{MILLIBAR, MILLIMETRE, Pascal};
 use super::{Comparison, range};
 
 /// The tail with the walls of the photograph.
-const NAME: &str = "marlin";
+const NAME: &str = "nemo";
 /// Pressure of the photograph, as the bench's valve settles when 250 mbar are commanded.
 const PRESSURE: Pascal = 238.0 * MILLIBAR;
 /// Turn of the end, degrees, by the photograph.
@@ -39,7 +39,7 @@ pub(super) fn comparisons(raw: &Path) -> Result<Vec<Comparison>> {
     let folds = |side: &TrueInflation| buckling_pressure(&side.pressure, &side.dent).unwrap_or(f64::INFINITY);
     let degree = 1f64.to_radians();
     Ok(vec![
-        Comparison::new("turn of the end at 238 mbar, marlin (°)", TURN, there(|s| &s.rotation, degree)),
+        Comparison::new("turn of the end at 238 mbar, nemo (°)", TURN, there(|s| &s.rotation, degree)),
         Comparison::new("bulge of the filled side there (mm)", FOLD, there(|s| &s.bulge, MILLIMETRE)),
         Comparison::new("fold of the slack side there (mm)", FOLD, there(|s| &s.dent, MILLIMETRE)),
         Comparison::new("pressure at which it folds (mbar)", FOLDS, range(sides.iter().map(|s| folds(s) / MILLIBAR))),

@@ -23,25 +23,28 @@ impl figure::Figure for Sysid {
     type Needs = Every<Identified, Specimen>;
     const NAME: &'static str = "sysid";
     const CAPTION: &'static str = "the loss over both moduli, and convergence of the methods";
-    const VERSION: u32 = 5;
+    const VERSION: u32 = 8;
 
     fn draw(Every(all): Self::Needs) -> Result<Figure> {
         let all = in_order(all);
-        let Some((specimen, first)) = all.first() else {
+        let Some(front) = all.first() else {
             return Err(Diagnostic::new(
                 "there is no identification to show",
                 "no specimen has one",
                 "study run identify",
             ));
         };
-        let name = title(&specimen.card.name);
+        let (specimen, first) = front;
         let wide = specimen.card.marker.iter().filter_map(|m| m.diameter).fold(0.0, f64::max) / MILLIMETRE;
-        let curves = convergence(first).titled(&format!("{name}: lowest loss so far"));
-        // a specimen that was not compared has no landscape
-        let top = match first.surface.loss.is_empty() {
+        // a specimen on which the methods are not compared has no landscape
+        let (compared, by_all) = all.iter().find(|(_, found)| !found.surface.loss.is_empty()).unwrap_or(front);
+        let of_it = title(&compared.card.name);
+        let curves = convergence(by_all).titled(&format!("{of_it}: lowest loss so far"));
+        let top = match by_all.surface.loss.is_empty() {
             true => vec![curves],
-            false => vec![landscape(first).titled(&format!("{name}: loss over both moduli")).share(1.15), curves],
+            false => vec![landscape(by_all).titled(&format!("{of_it}: loss over both moduli")).share(1.15), curves],
         };
+        let name = title(&specimen.card.name);
         let bottom = [
             shapes(first).titled(&format!("{name}: the back at each pressure (mbar)")).share(1.3),
             errors(&all).titled(&match wide {
@@ -95,10 +98,12 @@ fn levels(found: &Identified) -> Vec<Pascal> {
     films.take(1).flatten().map(Level::pressure).collect()
 }
 
-fn convergence(found: &Identified) -> Panel {
+fn convergence(identified: &Identified) -> Panel {
     let axes = Axes::new(Axis::log("simulations of all levels", ""), Axis::log("lowest loss", ""));
-    let curves = found.searches.iter().flat_map(|search| {
-        let lowest: Vec<Point2> = (1..=search.tried.len()).map(|n| [n as f64, search.loss_after(n)]).collect();
+    let curves = identified.searches.iter().flat_map(|search| {
+        // where a tail has no equilibrium its loss is infinite: a search's curve begins with its first finite loss
+        let found = (1..=search.tried.len()).map(|n| [n as f64, search.loss_after(n)]);
+        let lowest: Vec<Point2> = found.filter(|[_, loss]| loss.is_finite()).collect();
         let colour = palette::method(&search.method);
         let line = Mark::line(lowest.clone(), colour).sized(1.2).labelled(&method(&search.method));
         [line, Mark::points(lowest, Marker::Disc, colour).sized(2.4)]
@@ -130,13 +135,30 @@ fn shapes(found: &Identified) -> Panel {
             _ => (simulated, points),
         };
         axes = axes.with(simulated).with(points);
-        if let Some(&[x, y]) = measured.last() {
-            let text = format!("{:.0}", level.pressure() / MILLIBAR);
-            axes = axes.with(Mark::text([x + 1.5, y], &text, Side::Right, palette::BLACK).sized(6.0));
-        }
     }
-    Panel::Axes(axes.legend(plot::Legend::Over))
+    Panel::Axes(labels(&found.levels).into_iter().fold(axes, Axes::with).legend(plot::Legend::Over))
 }
+
+/// The pressure of each level beside the back's end, of the highest first; one that would lie on another is left out.
+fn labels(levels: &[Level]) -> Vec<Mark> {
+    let mut ends: Vec<(Pascal, Point2)> =
+        levels.iter().filter_map(|level| Some((level.pressure(), *back(level, &level.measured_m).last()?))).collect();
+    ends.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut placed: Vec<f64> = Vec::new();
+    ends.retain(|(_, [_, y])| {
+        let free = placed.iter().all(|other| (y - other).abs() > LABEL_MM);
+        placed.extend(free.then_some(y));
+        free
+    });
+    let label = |(pressure, [x, y]): (Pascal, Point2)| {
+        let text = format!("{:.0}", pressure / MILLIBAR);
+        Mark::text([x + 1.5, y], &text, Side::Right, palette::BLACK).sized(6.0)
+    };
+    ends.into_iter().map(label).collect()
+}
+
+/// The height of a label, in millimetres of the tail.
+const LABEL_MM: f64 = 4.0;
 
 fn back(level: &Level, moved: &[Point2]) -> Vec<Point2> {
     let at = |(r, d): (&Point2, &Point2)| [0, 1].map(|k| (r[k] + d[k]) / MILLIMETRE);

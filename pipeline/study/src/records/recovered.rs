@@ -151,7 +151,7 @@ mod tests {
             bulge: 0.1,
             rotation: -0.1,
         };
-        let found = walls.metrics("marlin").map(|m| (m.id.rsplit('.').next().unwrap().to_owned(), m.value));
+        let found = walls.metrics("nemo").map(|m| (m.id.rsplit('.').next().unwrap().to_owned(), m.value));
         let expected = [
             ("dent_error_percent", 20.0),
             ("dent_place_error_mm", 3.0),
