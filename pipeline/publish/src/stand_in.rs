@@ -62,6 +62,8 @@ mod tests {
         assert_eq!(decided.metric, "validate.marlin_200mbar_2hz.rmse_mm");
         assert_eq!(decided.also, ["camera.focal", "identify.bruce.loss"]);
         assert_eq!(decided.rule.others(), ["identify.marlin.loss"]);
+        let smaller = Claim { rule: Rule::SmallerThan("identify.nemo.loss".into()), ..claim.clone() };
+        assert_eq!(tails.decide(smaller).rule.others(), ["identify.marlin.loss"]);
         let alone = Claim { of_its_tail_alone: true, ..claim };
         assert_eq!(tails.decide(alone.clone()), alone);
     }
