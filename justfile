@@ -95,7 +95,7 @@ real-arm-card: build
 # a coarse and short version of the main path, of one tail, under target/quick
 quick: build
     {{programs}}/rig record marlin --profile quick
-    {{programs}}/study run --profile quick identify relaxation validate recovery thrust
+    {{programs}}/study run --profile quick identify method_comparison relaxation validate recovery thrust
 
 # every number against what is expected and published, every claim against its rule (of the paper profile: just check paper)
 check PROFILE="quick": build

@@ -20,7 +20,7 @@ impl From<OptimiseError> for Interrupted {
 
 /// An order of `points` in which each is the nearest of those left to any before it or to one of `known`, so that each starts near a known
 /// equilibrium: that of Prim's minimum spanning tree.
-pub fn spanning_order(points: &[Vec<f64>], known: &[Vec<f64>]) -> Vec<usize> {
+pub(crate) fn spanning_order(points: &[Vec<f64>], known: &[Vec<f64>]) -> Vec<usize> {
     let distance = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum() };
     let nearest = |point: &[f64]| known.iter().map(|k| distance(point, k)).fold(f64::INFINITY, f64::min);
     let mut left: Vec<(usize, f64)> = points.iter().map(|point| nearest(point)).enumerate().collect();

@@ -60,9 +60,10 @@ const COARSE: &str = r#"
 [mesh]
 edge = 0.010
 [identify]
-compared = ["nemo"]
 fine_edge = 0.006
 settled_fraction = 0.5
+[method_comparison]
+specimens = ["nemo"]
 grid_points = 3
 cma_es_generations = 1
 adam_iterations = 3

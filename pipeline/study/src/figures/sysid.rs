@@ -4,12 +4,14 @@
 //! loss of each method against simulations; (c) static shapes of the back, measured against simulated; (d) the largest error of each tail at
 //! each pressure.
 
-use plot::{Axes, Axis, ColourBar, DOUBLE_COLUMN_MM, Dash, Figure, Landscape, Mark, Marker, Panel, Side, palette};
+use plot::{
+    Axes, Axis, ColourBar, DOUBLE_COLUMN_MM, Dash, Figure, Landscape, Mark, Marker, Panel, Placed, Side, palette,
+};
 use si::{MILLIBAR, MILLIMETRE, Pascal, Point2};
 
 use super::order::{colour, in_order, title};
 use super::origin_note;
-use crate::records::{Identified, Level};
+use crate::records::{Identified, Level, MethodComparison};
 use crate::subject::{Specimen, Study};
 use diagnostics::{Diagnostic, Result};
 use workflow::figure;
@@ -20,12 +22,12 @@ pub struct Sysid;
 
 impl figure::Figure for Sysid {
     type Of = Study;
-    type Needs = Every<Identified, Specimen>;
+    type Needs = (Every<Identified, Specimen>, Every<MethodComparison, Specimen>);
     const NAME: &'static str = "sysid";
     const CAPTION: &'static str = "the loss over both moduli, and convergence of the methods";
-    const VERSION: u32 = 8;
+    const VERSION: u32 = 9;
 
-    fn draw(Every(all): Self::Needs) -> Result<Figure> {
+    fn draw((Every(all), Every(compared)): Self::Needs) -> Result<Figure> {
         let all = in_order(all);
         let Some(front) = all.first() else {
             return Err(Diagnostic::new(
@@ -36,14 +38,8 @@ impl figure::Figure for Sysid {
         };
         let (specimen, first) = front;
         let wide = specimen.card.marker.iter().filter_map(|m| m.diameter).fold(0.0, f64::max) / MILLIMETRE;
-        // a specimen on which the methods are not compared has no landscape
-        let (compared, by_all) = all.iter().find(|(_, found)| !found.surface.loss.is_empty()).unwrap_or(front);
-        let of_it = title(&compared.card.name);
-        let curves = convergence(by_all).titled(&format!("{of_it}: lowest loss so far"));
-        let top = match by_all.surface.loss.is_empty() {
-            true => vec![curves],
-            false => vec![landscape(by_all).titled(&format!("{of_it}: loss over both moduli")).share(1.15), curves],
-        };
+        let compared = compared.iter().find(|(_, comparison)| comparison.is_made());
+        let top = compared.map(|(of, comparison)| by_all_methods(&of.card.name, comparison, &all));
         let name = title(&specimen.card.name);
         let bottom = [
             shapes(first).titled(&format!("{name}: the back at each pressure (mbar)")).share(1.3),
@@ -52,7 +48,8 @@ impl figure::Figure for Sysid {
                 wide => format!("static error (a marker is {wide:.0} mm wide)"),
             }),
         ];
-        let figure = Figure::new(DOUBLE_COLUMN_MM).row(68.0, top).row(56.0, bottom);
+        let figure = Figure::new(DOUBLE_COLUMN_MM);
+        let figure = top.into_iter().fold(figure, |figure, top| figure.row(68.0, top)).row(56.0, bottom);
         Ok(figure.noted(&origin_note(all.iter().map(|(s, _)| s.card.as_ref()))))
     }
 }
@@ -63,12 +60,22 @@ fn place(found: &Identified, at: &[Pascal]) -> Point2 {
     [0, 1].map(|k| scales.next().map_or(f64::NAN, |scale| scale * at[k]))
 }
 
-fn landscape(found: &Identified) -> Panel {
-    let surface = &found.surface;
-    let adam = found.searches.iter().find(|s| s.method == "adam");
-    let path: Vec<Point2> = adam.map(|s| s.tried.iter().map(|t| place(found, &t.at)).collect()).unwrap_or_default();
-    let grid = found.searches.iter().find(|s| s.method == "grid");
-    let grid: Vec<Point2> = grid.map(|s| s.tried.iter().map(|t| place(found, &t.at)).collect()).unwrap_or_default();
+/// The landscape, where there is one, and the convergence of each method on a specimen.
+fn by_all_methods(name: &str, comparison: &MethodComparison, all: &[(Specimen, Identified)]) -> Vec<Placed> {
+    let found = all.iter().find(|(specimen, _)| specimen.card.name == name).map(|(_, found)| found);
+    let landscape = found.filter(|_| !comparison.surface.loss.is_empty()).map(|found| {
+        landscape(found, comparison).titled(&format!("{}: loss over both moduli", title(name))).share(1.15)
+    });
+    let curves = convergence(comparison).titled(&format!("{}: lowest loss so far", title(name)));
+    landscape.into_iter().chain([curves]).collect()
+}
+
+fn landscape(found: &Identified, comparison: &MethodComparison) -> Panel {
+    let surface = &comparison.surface;
+    let points = |method: &str| -> Vec<Point2> {
+        comparison.by(method).map_or(Vec::new(), |s| s.tried.iter().map(|t| place(found, &t.at)).collect())
+    };
+    let (path, grid) = (points("adam"), points("grid"));
     let moduli: Vec<_> = found.moduli().collect();
     let axis = |k: usize, values: &[Pascal]| {
         let one = &moduli[k];
@@ -98,9 +105,9 @@ fn levels(found: &Identified) -> Vec<Pascal> {
     films.take(1).flatten().map(Level::pressure).collect()
 }
 
-fn convergence(identified: &Identified) -> Panel {
+fn convergence(comparison: &MethodComparison) -> Panel {
     let axes = Axes::new(Axis::log("simulations of all levels", ""), Axis::log("lowest loss", ""));
-    let curves = identified.searches.iter().flat_map(|search| {
+    let curves = comparison.searches.iter().flat_map(|search| {
         // where a tail has no equilibrium its loss is infinite: a search's curve begins with its first finite loss
         let found = (1..=search.tried.len()).map(|n| [n as f64, search.loss_after(n)]);
         let lowest: Vec<Point2> = found.filter(|[_, loss]| loss.is_finite()).collect();

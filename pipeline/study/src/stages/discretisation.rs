@@ -50,7 +50,7 @@ impl Fitting<'_> {
         // the lowest pressures are reached at once; three steps to each took half of the stage's time
         let settings =
             StaticSettings { tolerance: self.set.static_tolerance, load_steps: 1, ..StaticSettings::default() };
-        let error = error(&self.levels.levels, found, &finer?, (elastic, &settings));
-        error.and_then(|error| shift(&self.levels, residuals, &error)).map_err(|d| on_edges(self.set, &d.what))
+        let error = error(&self.loss.misfit.levels, found, &finer?, (elastic, &settings));
+        error.and_then(|error| shift(&self.loss.misfit, residuals, &error)).map_err(|d| on_edges(self.set, &d.what))
     }
 }

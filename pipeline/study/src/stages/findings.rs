@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::records::{Finding, Findings as Record, Identified, LoadCell, Recovered, Thrust, Validation};
+use crate::records::{
+    Finding, Findings as Record, Identified, LoadCell, MethodComparison, Recovered, Thrust, Validation,
+};
 use crate::subject::Condition;
 use diagnostics::Result;
 use signal::statistics::{correlation, minima, negative_share, ranks};
@@ -24,18 +26,25 @@ pub struct Settings {}
 impl Stage for Findings {
     type Settings = Settings;
     type Card = ();
-    type Needs = ((Every<Identified>, Recovered), Every<Validation, Condition>, Every<Thrust>, Every<LoadCell>);
+    type Needs = (
+        (Every<Identified>, Every<MethodComparison>, Recovered),
+        Every<Validation, Condition>,
+        Every<Thrust>,
+        Every<LoadCell>,
+    );
     type Makes = Record;
     const DESCRIPTION: &'static str = "metrics that decide claims are derived";
-    const VERSION: u32 = 6;
+    const VERSION: u32 = 7;
 
     fn run((): &(), _: &Settings, needs: Self::Needs, _: &dyn StageContext) -> Result<Record> {
-        let ((Every(identified), recovered), Every(validated), Every(thrusts), Every(cells)) = needs;
+        let ((Every(identified), Every(compared), recovered), Every(validated), Every(thrusts), Every(cells)) = needs;
         let mut found = Vec::new();
         for (specimen, one) in &identified {
-            found.extend(
-                of_identified(one).into_iter().map(|(what, value, unit)| finding(&specimen.0, what, value, unit)),
-            );
+            let (what, value, unit) = of_identified(one);
+            found.push(finding(&specimen.0, what, value, unit));
+        }
+        for (specimen, one) in &compared {
+            found.extend(of_compared(one).into_iter().map(|(what, v, unit)| finding(&specimen.0, what, v, unit)));
         }
         for (specimen, walls) in recovered.specimens.iter().filter_map(|s| Some((&s.name, s.walls?))) {
             let error = walls.critical_pressure_pa.abs() / si::MILLIBAR;
@@ -59,17 +68,19 @@ fn finding(of: &str, what: &str, value: f64, unit: &str) -> Finding {
     Finding { name: format!("{of}.{what}"), value, unit: unit.into() }
 }
 
-/// Minima are counted where profiles exist: a grid with two missing points in a row has none.
-fn of_identified(found: &Identified) -> Vec<(&'static str, f64, &'static str)> {
+fn of_identified(found: &Identified) -> (&'static str, f64, &'static str) {
     let levels = found.levels.iter().map(|level| (level.pressure(), level.largest_error()));
     let (pressures, errors): (Vec<f64>, Vec<f64>) = levels.unzip();
-    let counted = found.profiles.iter().map(|p| minima(&p.chi_square, RISE)).max();
-    let mut all = vec![
-        ("landscape_minima", lowest_points(found.surface.across.len(), &found.surface.loss) as f64, ""),
-        ("static_error_rank_correlation", correlation(&ranks(&pressures), &ranks(&errors)), ""),
-    ];
-    all.extend(counted.map(|count| ("minima", count as f64, "")));
-    all
+    ("static_error_rank_correlation", correlation(&ranks(&pressures), &ranks(&errors)), "")
+}
+
+/// Minima are counted where profiles exist: a grid with two missing points in a row has none.
+fn of_compared(compared: &MethodComparison) -> Vec<(&'static str, f64, &'static str)> {
+    let surface = &compared.surface;
+    let counted = compared.profiles.iter().map(|p| minima(&p.chi_square, RISE)).max();
+    let lowest = || lowest_points(surface.across.len(), &surface.loss) as f64;
+    let of_surface = (!surface.loss.is_empty()).then(|| ("landscape_minima", lowest(), ""));
+    of_surface.into_iter().chain(counted.map(|count| ("minima", count as f64, ""))).collect()
 }
 
 /// By how much the error grows when the relaxation, and with it all damping, is left out, % of the length.

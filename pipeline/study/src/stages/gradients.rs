@@ -1,11 +1,10 @@
 //! Gradients: the adjoint gradient of the loss against finite differences, and its cost.
 
 use fem::StaticSettings;
-use optimize::Needs;
+use optimize::{Needs, Problem};
 
-use super::fitting::Fitting;
 use diagnostics::Result;
-use sysid::Elastic;
+use sysid::{Elastic, LevelSolver, Loss, statics};
 use workflow::stage::StageContext;
 
 /// Step of the central differences, in logarithms of moduli: its truncation error is far below the solver's tolerance.
@@ -14,44 +13,47 @@ const DIFFERENCE: f64 = 1e-3;
 /// Tolerance of the equilibria between which differences are taken, as a part of the specimen's size.
 const EXACT: f64 = 1e-9;
 
-impl Fitting<'_> {
-    /// Adjoint gradient against central differences at the start, over the size of the gradient.
-    ///
-    /// # Errors
-    /// A [`Diagnostic`](diagnostics::Diagnostic) when there is no equilibrium at the start.
-    pub(crate) fn gradient_difference(&self) -> Result<f64> {
-        let mut solver = self.solver(&self.levels.levels, EXACT);
-        let start = [self.search.start()[0], self.search.start()[1]];
-        let mut loss = |at: [f64; 2], needs: Needs| self.evaluate(&mut solver, &at, needs, &mut Vec::new());
-        let adjoint = loss(start, Needs::Gradient)?.gradient.unwrap_or_default();
-        let size = adjoint.iter().fold(0.0_f64, |s, g| s.max(g.abs()));
-        let mut worst = 0.0_f64;
-        for k in 0..2 {
-            let mut at = |sign: f64| {
-                let mut at = start;
-                at[k] += sign * DIFFERENCE;
-                loss(at, Needs::Loss).map(|e| e.loss)
-            };
-            let difference = (at(1.0)? - at(-1.0)?) / (2.0 * DIFFERENCE);
-            worst = worst.max((difference - adjoint[k]).abs() / size);
-        }
-        Ok(worst)
+/// Adjoint gradient against central differences at the start of a search, over the size of the gradient; from the equilibria of `known`.
+///
+/// # Errors
+/// A [`Diagnostic`](diagnostics::Diagnostic) when there is no equilibrium at the start.
+pub(super) fn gradient_difference(loss: &Loss, search: &Problem, known: &LevelSolver) -> Result<f64> {
+    let mut solver = known.with(loss.misfit.levels.clone(), statics(EXACT));
+    let start = [search.start()[0], search.start()[1]];
+    let mut evaluate = |at: [f64; 2], needs: Needs| loss.evaluate(&mut solver, &at, needs, &mut Vec::new());
+    let adjoint = evaluate(start, Needs::Gradient)?.gradient.unwrap_or_default();
+    let size = adjoint.iter().fold(0.0_f64, |s, g| s.max(g.abs()));
+    let mut worst = 0.0_f64;
+    for k in 0..2 {
+        let mut at = |sign: f64| {
+            let mut at = start;
+            at[k] += sign * DIFFERENCE;
+            evaluate(at, Needs::Loss).map(|e| e.loss)
+        };
+        let difference = (at(1.0)? - at(-1.0)?) / (2.0 * DIFFERENCE);
+        worst = worst.max((difference - adjoint[k]).abs() / size);
     }
+    Ok(worst)
+}
 
-    /// Processor time of an equilibrium with its gradient over that of the equilibrium alone, from rest (no known shape) to the highest level.
-    ///
-    /// # Errors
-    /// A [`Diagnostic`](diagnostics::Diagnostic) when there is no equilibrium there.
-    pub(crate) fn gradient_over_forward(&self, elastic: &Elastic, context: &dyn StageContext) -> Result<f64> {
-        let pressures =
-            self.levels.levels.iter().max_by(|a, b| a.top().total_cmp(&b.top())).map_or(&[][..], |top| &top.pressures);
-        let mut solver = self.model.system.solver();
-        elastic.apply(&mut solver)?;
-        let settings = StaticSettings { tolerance: self.set.static_tolerance, ..StaticSettings::default() };
-        let began = context.thread_seconds();
-        let found = solver.equilibrium(pressures, None, &settings)?;
-        let forward = context.thread_seconds() - began;
-        solver.adjoint(&found, &found.displacement)?;
-        Ok((context.thread_seconds() - began) / forward)
-    }
+/// Processor time of an equilibrium with its gradient over that of the equilibrium alone, from rest (no known shape) to the highest level.
+///
+/// # Errors
+/// A [`Diagnostic`](diagnostics::Diagnostic) when there is no equilibrium there.
+pub(super) fn gradient_over_forward(
+    loss: &Loss,
+    elastic: &Elastic,
+    tolerance: f64,
+    context: &dyn StageContext,
+) -> Result<f64> {
+    let levels = &loss.misfit.levels;
+    let pressures = levels.iter().max_by(|a, b| a.top().total_cmp(&b.top())).map_or(&[][..], |top| &top.pressures);
+    let mut solver = loss.model.system.solver();
+    elastic.apply(&mut solver)?;
+    let settings = StaticSettings { tolerance, ..StaticSettings::default() };
+    let began = context.thread_seconds();
+    let found = solver.equilibrium(pressures, None, &settings)?;
+    let forward = context.thread_seconds() - began;
+    solver.adjoint(&found, &found.displacement)?;
+    Ok((context.thread_seconds() - began) / forward)
 }

@@ -19,9 +19,11 @@ mod gradients;
 mod identify;
 mod inflate;
 pub mod load_cell;
+mod loss_surface;
 pub mod markers;
 pub mod mesh;
 mod mesh_sensitivity;
+mod method_comparison;
 mod optimal_actuation;
 mod plateaus;
 mod recovery;
@@ -53,6 +55,7 @@ pub const ALL: &[Entry<Study>] = &[
     stage::<wave::Wave>(),                          // force log                     → force without waves and drift
     stage::<example_frames::Example>(),             // one film                      → two of its frames, dents of its silhouette
     stage::<identify::Identify>(),                  // quasi-static displacements    → Young's moduli with their covariance
+    stage::<method_comparison::Comparison>(),       // the same pressure levels      → searches by every method, the loss between
     stage::<inflate::Inflate>(),                    // identified model              → its shapes under pressure
     stage::<four_parameters::FourParameters>(),     // the same pressure levels      → both moduli and both Poisson's ratios
     stage::<mesh_sensitivity::MeshSensitivity>(),   // the same pressure levels      → moduli on other meshes

@@ -25,8 +25,13 @@ impl<'a> WallGauge<'a> {
         self.section.as_ref().map_or(Walls::default(), |s| s.walls(nodes, self.lies_left(fullest(pressures))))
     }
 
+    /// What measures the simulated levels of a search.
+    pub(super) fn of_levels(self) -> sysid::WallGauge<'a> {
+        Box::new(move |levels, simulated| self.critical_pressure(levels, simulated))
+    }
+
     /// The pressure at which the slack wall buckles, Pa: the mean over the filled chambers. None where one of them leaves it unbuckled.
-    pub fn critical_pressure(&self, levels: &[PressureLevel], simulated: &[SimulatedLevel]) -> Option<Pascal> {
+    fn critical_pressure(&self, levels: &[PressureLevel], simulated: &[SimulatedLevel]) -> Option<Pascal> {
         let mut sides: Vec<(usize, Vec<(Pascal, Metre)>)> = Vec::new();
         for (level, shape) in levels.iter().zip(simulated) {
             let (chamber, point) = (fullest(&level.pressures), (level.top(), self.dent(level, shape)));

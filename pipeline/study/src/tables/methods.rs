@@ -2,7 +2,7 @@
 
 use plot::Column;
 
-use crate::records::{Identified, Search};
+use crate::records::{MethodComparison, Search};
 use crate::subject::{Specimen, Study};
 use diagnostics::Result;
 use workflow::needs::Every;
@@ -17,10 +17,10 @@ struct Published([&'static str; 4]);
 
 impl Table for Methods {
     type Of = Study;
-    type Needs = Every<Identified, Specimen>;
+    type Needs = Every<MethodComparison, Specimen>;
     const NAME: &'static str = "methods";
     const CAPTION: &'static str = "cost and result of each identification method";
-    const VERSION: u32 = 2;
+    const VERSION: u32 = 3;
 
     fn fill(Every(all): Self::Needs) -> Result<plot::Table> {
         let quantities = [("iterations", ""), ("time an iteration", "s"), ("total time", "min"), ("loss after 4", "")];
