@@ -16,6 +16,7 @@ use crate::misfit::Misfit;
 use crate::model::{BODY, Elastic, Model};
 use crate::search::{Interrupted, spanning_order};
 use diagnostics::Result;
+
 /// The pressure at which a slack wall buckles, Pa, from the levels and their simulated shapes; none where it does not.
 pub type WallGauge<'a> = Box<dyn Fn(&[PressureLevel], &[SimulatedLevel]) -> Option<Pascal> + 'a>;
 
