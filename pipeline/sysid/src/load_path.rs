@@ -7,12 +7,14 @@ use fem::{Equilibrium, Solver, StaticSettings, extrapolated};
 use si::Pascal;
 
 use crate::model::{BODY, Elastic};
-use crate::surrogate::Load;
+use crate::surrogate::{KnownShape, Load};
 use diagnostics::Result;
 
 /// Factorisations up to which the next step is longer, and from which it is shorter.
 const EASY: usize = 3;
 const HARD: usize = 6;
+/// Factor of a step after one that was easy.
+const LONGER: f64 = 1.5;
 /// Tolerance on the way.
 const TOLERANCE: f64 = 1e-4;
 /// Newton iterations of the shortest step: a wall that snaps moves far however short the step is.
@@ -27,17 +29,59 @@ pub(crate) struct Steps {
 }
 
 impl Steps {
+    /// Along a path from rest, to the highest pressure or beyond it.
+    pub(crate) const FROM_REST: Self = Self { first: 0.1, longest: 0.12, shortest: 1.0 / 64.0 };
+    /// From the nearest equilibrium that is known.
+    pub(crate) const FROM_NEARBY: Self = Self { first: 0.5, longest: 0.5, shortest: 1.0 / 16.0 };
+
     /// The same steps of a path that is shorter by this factor.
     pub fn over(self, part: f64) -> Self {
         let longer = |step: f64| (step / part.max(f64::MIN_POSITIVE)).min(0.5);
         Self { first: longer(self.first), longest: longer(self.longest), shortest: longer(self.shortest) }
     }
+
+    /// The same steps of a path that goes on after one whose last step had this length.
+    pub fn after(self, last: f64) -> Self {
+        Self { first: (LONGER * last).clamp(self.shortest, self.longest), ..self }
+    }
+}
+
+/// The equilibrium at which a path begins, and those of the same body before it.
+pub(crate) struct Beginning<'a> {
+    load: &'a Load,
+    /// Parts of the path and shapes (3 a node, m), by rising pressure; those before the beginning are negative, the last is zero.
+    known: Vec<(f64, &'a [f64])>,
+}
+
+impl<'a> Beginning<'a> {
+    /// At an equilibrium of which none before is known.
+    pub fn at(from: &'a KnownShape) -> Self {
+        Self { load: &from.load, known: vec![(0.0, &from.shape)] }
+    }
+
+    /// At the last of the equilibria of one body `below` the end of its path, by rising pressure; none where there is none. Those before it count
+    /// in the extrapolation: from the last shape alone, first steps beyond a buckle failed.
+    pub fn on_the_way(below: &[&'a KnownShape], to: &Load) -> Option<Self> {
+        let load = &below.last()?.load;
+        let begin = load.part_of(to);
+        let part = |of: &Load| (of.part_of(to) - begin) / (1.0 - begin);
+        Some(Self { load, known: below.iter().map(|known| (part(&known.load), known.shape.as_slice())).collect() })
+    }
+
+    /// Length of the step that led here, as a part of the path.
+    pub fn last_step(&self) -> Option<f64> {
+        self.known.len().checked_sub(2).map(|before| -self.known[before].0)
+    }
+
+    fn shape(&self) -> &'a [f64] {
+        self.known.last().map_or(&[], |(_, shape)| shape)
+    }
 }
 
 /// A path.
 pub(crate) struct LoadPath<'a> {
-    /// Where it begins, with the shape there (3 a node, m).
-    pub from: (&'a Load, &'a [f64]),
+    /// Where it begins.
+    pub from: Beginning<'a>,
     /// Where it ends.
     pub to: &'a Load,
     /// The pressures of all chambers there, Pa.
@@ -91,14 +135,14 @@ impl LoadPath<'_> {
         settings: &StaticSettings,
     ) -> Result<Equilibrium> {
         let pressures = self.set(part, solver)?;
-        let nearby = points.last().map_or(self.from.1, |last| &last.shape);
+        let nearby = points.last().map_or(self.from.shape(), |last| &last.shape);
         let tolerance = if part == 1.0 { settings.tolerance } else { settings.tolerance.max(TOLERANCE) };
         let settings = StaticSettings { tolerance, ..*settings };
         Ok(solver.equilibrium_near(&pressures, nearby, &self.extrapolated(part, points), &settings)?)
     }
 
     fn load(&self, part: f64) -> Load {
-        self.from.0.towards(self.to, part)
+        self.from.load.towards(self.to, part)
     }
 
     /// Sets the constants at `part` of the path in `solver` and returns the pressures there, Pa.
@@ -113,18 +157,52 @@ impl LoadPath<'_> {
         Ok(self.pressures.iter().map(|at_the_end| pressure / whole * at_the_end).collect())
     }
 
-    /// The polynomial through the last three points, of which the beginning of the path is one, at `part`.
+    /// The polynomial through the last three equilibria, of which the beginning of the path may be one, at `part`.
     fn extrapolated(&self, part: f64, points: &[Point]) -> Vec<f64> {
-        let known = points.iter().map(|point| (point.part, point.shape.as_slice()));
-        extrapolated(&std::iter::once((0.0, self.from.1)).chain(known).collect::<Vec<_>>(), part)
+        let points = points.iter().map(|point| (point.part, point.shape.as_slice()));
+        extrapolated(&self.from.known.iter().copied().chain(points).collect::<Vec<_>>(), part)
     }
 }
 
 /// Factor of the next step after one with this many factorisations.
 fn growth(factorisations: usize) -> f64 {
     match factorisations {
-        ..=EASY => 1.5,
+        ..=EASY => LONGER,
         HARD.. => 0.6,
         _ => 1.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn known(pressure: Pascal) -> KnownShape {
+        let elastic =
+            Elastic { youngs_moduli: vec![1e5, 2e9], poissons_ratios: vec![0.49, 0.38], stiffening: [0.0; 2] };
+        KnownShape::new(Load::new(0, pressure, &elastic, 0.1), vec![pressure * pressure])
+    }
+
+    #[test]
+    fn a_path_goes_on_along_the_parabola_and_with_the_step_of_the_equilibria_below_it() {
+        let (shapes, to) = ([2e3, 6e3, 8e3].map(known), known(1.2e4));
+        let from = Beginning::on_the_way(&shapes.each_ref(), &to.load).expect("three are below");
+        let parts: Vec<f64> = from.known.iter().map(|(part, _)| *part).collect();
+        assert!(parts.iter().zip([-1.5, -0.5, 0.0]).all(|(a, b)| (a - b).abs() < 1e-12), "{parts:?}");
+        let shape = extrapolated(&from.known, 1.0)[0];
+        assert!((shape / to.shape[0] - 1.0).abs() < 1e-9, "{shape}");
+        let steps = Steps { first: 0.1, longest: 0.8, shortest: 0.01 };
+        let first = |last: f64| steps.after(last).first;
+        assert!(from.last_step().is_some_and(|last| (first(last) - 0.75).abs() < 1e-12));
+        assert_eq!([first(0.6), first(1e-3)], [0.8, 0.01]);
+    }
+
+    #[test]
+    fn one_equilibrium_is_a_beginning_without_a_last_step() {
+        let (one, to) = (known(8e3), known(1.2e4));
+        let on_the_way = Beginning::on_the_way(&[&one], &to.load).expect("one is below");
+        assert_eq!([on_the_way.last_step(), Beginning::at(&one).last_step()], [None, None]);
+        assert_eq!(Beginning::at(&one).shape(), one.shape);
+        assert!(Beginning::on_the_way(&[], &to.load).is_none());
     }
 }

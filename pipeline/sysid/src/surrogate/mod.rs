@@ -17,6 +17,8 @@ const NEAREST: usize = 20;
 const EXPANSIONS: usize = 4;
 /// Constants so near to each other are the same on a path of rising pressure: 2 % of the ratio of moduli.
 const SAME_CONSTANTS: f64 = 0.02;
+/// Pressures so near to each other are the same, relative to that at the end of the path.
+const SAME_PRESSURE: f64 = 1e-3;
 /// A shape so much nearer than the nearest with derivatives predicts better by kriging.
 const NEARER: f64 = 0.25;
 /// Number of shapes kept, the newest; of these, so many with their derivatives, each of which is as large as a shape.
@@ -38,6 +40,11 @@ impl KnownShape {
     /// Without derivatives.
     pub fn new(load: Load, shape: Vec<f64>) -> Self {
         Self { load, shape, slopes: Vec::new() }
+    }
+
+    /// The body of `load` with so many nodes at rest.
+    pub fn at_rest(load: &Load, nodes: usize) -> Self {
+        Self::new(load.clone().without(), vec![0.0; 3 * nodes])
     }
 }
 
@@ -64,13 +71,17 @@ impl Surrogate {
         self.shapes.is_empty()
     }
 
-    /// The known shape of the highest pressure below that of `load`, of the same chamber and of nearly the same constants.
-    pub(crate) fn highest_below(&self, load: &Load) -> Option<&KnownShape> {
+    /// The known shapes below the pressure of `load`, of the same chamber and of nearly the same constants, by rising pressure; of those so
+    /// near to each other that they are one equilibrium, the first.
+    pub(crate) fn below(&self, load: &Load) -> Vec<&KnownShape> {
         let on_the_way = |known: &&KnownShape| {
             let at = &known.load;
             at.chamber == load.chamber && at.part_of(load) < 1.0 && at.aside(load) < SAME_CONSTANTS
         };
-        self.shapes.iter().filter(on_the_way).max_by(|a, b| a.load.at[0].total_cmp(&b.load.at[0]))
+        let mut below: Vec<&KnownShape> = self.shapes.iter().filter(on_the_way).collect();
+        below.sort_by(|a, b| a.load.at[0].total_cmp(&b.load.at[0]));
+        below.dedup_by(|next, kept| next.load.part_of(load) - kept.load.part_of(load) < SAME_PRESSURE);
+        below
     }
 
     /// The nearest known shape, and the one predicted from all of them; none where there is none of the same chamber.
@@ -159,13 +170,17 @@ mod tests {
             let at = load(pressure, body, spine);
             known.add(KnownShape::new(at.clone(), shape(&at)));
         }
-        let begin = |to: Load| known.highest_below(&to).map(|found| found.load.part_of(&to));
+        let begin = |to: Load| known.below(&to).last().map(|found| found.load.part_of(&to));
         let near = |part: Option<f64>, wanted: f64| part.is_some_and(|part| (part - wanted).abs() < 1e-12);
         assert!(near(begin(load(1.2e4, 1e5, 2e9)), 8.0 / 12.0));
         // the same body, softer: all its pressures count for more
         assert!(near(begin(load(7e3, 0.5e5, 1e9)), 8.0 / 14.0));
         assert_eq!(begin(load(1.2e4, 1e5, 4e9)), None);
         assert_eq!(begin(load(3e3, 1e5, 2e9)), None);
+        // each equilibrium once, by rising pressure
+        known.add(KnownShape::new(load(4e3 + 1.0, 1e5, 2e9), vec![0.0; 2]));
+        let below: Vec<f64> = known.below(&load(1.2e4, 1e5, 2e9)).iter().map(|found| found.load.at[0]).collect();
+        assert_eq!(below, [4e3, 8e3].map(|pressure| load(pressure, 1e5, 2e9).at[0]));
     }
 
     #[test]

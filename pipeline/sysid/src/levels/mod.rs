@@ -1,0 +1,8 @@
+//! Equilibria at several pressure levels, solved in parallel; initial guesses are kriged from earlier equilibria.
+
+mod level;
+mod part;
+mod solver;
+
+pub use level::{Derivatives, PressureLevel, SimulatedLevel};
+pub use solver::LevelSolver;

@@ -1,0 +1,207 @@
+//! The levels of one solver, each from the equilibria of earlier ones.
+
+use std::time::Instant;
+
+use fem::{Equilibrium, Parameter, SolveError, Solver, StaticSettings};
+use si::{Point2, Second};
+
+use super::level::{Derivatives, PressureLevel, SimulatedLevel};
+use crate::load_path::{Beginning, LoadPath, Steps};
+use crate::model::{BODY, Elastic, Model};
+use crate::surrogate::{Extra, KnownShape, Load, Surrogate};
+use diagnostics::{Diagnostic, Result};
+
+/// Newton iterations after which a guess from other bodies is given up: of those that lead to an equilibrium nearly all need fewer.
+const GUESSED: usize = 12;
+
+/// The data of one solve, shared by its solvers.
+pub(super) struct Part<'a> {
+    pub model: &'a Model,
+    pub levels: &'a [PressureLevel],
+    pub settings: &'a StaticSettings,
+    /// Equilibria of earlier solves.
+    pub known: &'a Surrogate,
+    pub unit: f64,
+    pub elastic: Elastic,
+    pub derivatives: Derivatives,
+}
+
+/// Levels with their numbers, and the shapes on the paths that had to be followed to them.
+#[derive(Default)]
+pub(super) struct Solved {
+    pub levels: Vec<(usize, SimulatedLevel)>,
+    pub on_the_way: Vec<KnownShape>,
+}
+
+impl Solved {
+    pub fn and(mut self, other: Self) -> Self {
+        self.levels.extend(other.levels);
+        self.on_the_way.extend(other.on_the_way);
+        self
+    }
+}
+
+impl Part<'_> {
+    /// Solves some levels, each from the initial guess predicted by earlier solves and by the levels before it.
+    pub fn solve(&self, solver: &mut Solver, numbers: &[usize]) -> Result<Solved> {
+        self.elastic.apply(solver)?;
+        let (mut solved, mut found) = (Solved::default(), Surrogate::default());
+        for &number in numbers {
+            let (level, load) = (&self.levels[number], self.load(number));
+            let began = Instant::now();
+            let (equilibrium, passed) = self.equilibrium(level, &load, &found, solver)?;
+            let forward_seconds = began.elapsed().as_secs_f64();
+            passed.iter().for_each(|shape| found.add(shape.clone()));
+            solved.on_the_way.extend(passed);
+            let simulated = self
+                .simulated(level, &load, (equilibrium, forward_seconds), solver)
+                .map_err(|e| no_equilibrium(level, e.into()))?;
+            let (shape, slopes) = (simulated.displacement.clone(), simulated.slopes.clone());
+            found.add(KnownShape { load, shape, slopes });
+            solved.levels.push((number, simulated));
+        }
+        Ok(solved)
+    }
+
+    pub fn load(&self, level: usize) -> Load {
+        Load::new(self.levels[level].filled(), self.levels[level].top(), &self.elastic, self.unit)
+    }
+
+    /// The equilibrium of a level, and the shapes on the path that was followed where no guess led there.
+    fn equilibrium(
+        &self,
+        level: &PressureLevel,
+        to: &Load,
+        found: &Surrogate,
+        solver: &mut Solver,
+    ) -> Result<(Equilibrium, Vec<KnownShape>)> {
+        let prediction = Surrogate::predict(&[found, self.known], to);
+        let near = prediction.as_ref().map(|(near, _)| *near);
+        if let Some(Ok(equilibrium)) = prediction.map(|guess| self.guessed(level, guess, solver)) {
+            return Ok((equilibrium, Vec::new()));
+        }
+        // A body of other constants may have its wall on the other side of a buckle, and the way from there crosses it backwards: such a level
+        // took minutes. Below this one the same body has buckled or not on the way of rising pressure.
+        let (below, rest) = (found.below(to), KnownShape::at_rest(to, self.model.system.mesh().nodes.len()));
+        let (from, steps) = match (Beginning::on_the_way(&below, to), near) {
+            (Some(from), _) => {
+                let steps = from.last_step().map_or(Steps::FROM_NEARBY, |last| Steps::FROM_NEARBY.after(last));
+                (from, steps)
+            }
+            (None, Some(near)) => (Beginning::at(near), Steps::FROM_NEARBY),
+            (None, None) => (Beginning::at(&rest), Steps::FROM_REST),
+        };
+        let Self { elastic, unit, .. } = self;
+        // Neither the shapes of other constants nor those before a buckle predict the way: it is extrapolated from its own points.
+        let path = LoadPath { from, to, pressures: &level.pressures, elastic, unit: *unit, steps };
+        let (points, end) = path.follow(solver, self.settings);
+        let end = end.map_err(|e| no_equilibrium(level, e))?;
+        Ok((end, points.into_iter().map(|point| KnownShape::new(point.load, point.shape)).collect()))
+    }
+
+    /// The equilibrium of a level near its guess, which is kriged from known ones: the Gauss-Newton search of Dory took 23 s instead of 40 s.
+    fn guessed(
+        &self,
+        level: &PressureLevel,
+        (near, predicted): (&KnownShape, Vec<f64>),
+        solver: &mut Solver,
+    ) -> Result<Equilibrium, SolveError> {
+        let settings = StaticSettings { max_iterations: GUESSED, ..*self.settings };
+        solver.equilibrium_near(&level.pressures, &near.shape, &predicted, &settings)
+    }
+
+    /// Markers and derivatives at an equilibrium.
+    fn simulated(
+        &self,
+        level: &PressureLevel,
+        load: &Load,
+        (equilibrium, forward_seconds): (Equilibrium, Second),
+        solver: &mut Solver,
+    ) -> Result<SimulatedLevel, SolveError> {
+        let model = self.model;
+        let markers: Vec<Point2> =
+            model.markers.iter().map(|spot| Model::in_plane(spot, &equilibrium.displacement)).collect();
+        let began = Instant::now();
+        let gradient = match self.derivatives {
+            Derivatives::Gradient => self.gradient(level, &markers, &equilibrium, solver)?,
+            _ => Vec::new(),
+        };
+        let fields = match self.derivatives {
+            Derivatives::None | Derivatives::Gradient => Vec::new(),
+            wanted => fields(&equilibrium, solver, &parameters(wanted, model.nominal.youngs_moduli.len()))?,
+        };
+        let derivative_seconds = began.elapsed().as_secs_f64();
+        let of_markers = |field: &Vec<f64>| model.markers.iter().map(|spot| Model::in_plane(spot, field)).collect();
+        let sensitivities = fields.iter().map(of_markers).collect();
+        let slopes = load.slopes(&self.elastic.youngs_moduli, fields, extra(self.derivatives));
+        let displacement = equilibrium.displacement;
+        Ok(SimulatedLevel {
+            markers,
+            gradient,
+            sensitivities,
+            displacement,
+            slopes,
+            forward_seconds,
+            derivative_seconds,
+        })
+    }
+
+    /// Gradient by the moduli of this level's part of the mean distance, 1/(levels · markers) Σ |simulated − measured|.
+    fn gradient(
+        &self,
+        level: &PressureLevel,
+        markers: &[Point2],
+        equilibrium: &Equilibrium,
+        solver: &mut Solver,
+    ) -> Result<Vec<f64>, SolveError> {
+        let share = 1.0 / (self.levels.len() * markers.len()) as f64;
+        let mut by_displacement = vec![0.0; equilibrium.displacement.len()];
+        for ((spot, simulated), measured) in self.model.markers.iter().zip(markers).zip(&level.measured) {
+            let off = [simulated[0] - measured[0], simulated[1] - measured[1]];
+            let distance = off[0].hypot(off[1]).max(f64::MIN_POSITIVE);
+            for &(node, weight) in &spot.weights {
+                for k in 0..2 {
+                    by_displacement[3 * node as usize + k] += share * weight * off[k] / distance;
+                }
+            }
+        }
+        let regions = solver.adjoint(equilibrium, &by_displacement)?;
+        Ok(regions.iter().map(|region| region.youngs_modulus).collect())
+    }
+}
+
+/// The moduli of all solids, then what else is wanted.
+fn parameters(wanted: Derivatives, solids: usize) -> Vec<Parameter> {
+    let moduli = (0..solids).map(Parameter::YoungsModulus);
+    match wanted {
+        Derivatives::AllSensitivities => moduli.chain((0..solids).map(Parameter::PoissonsRatio)).collect(),
+        Derivatives::StiffeningSensitivities => moduli.chain(TERMS.map(stiffening)).collect(),
+        _ => moduli.collect(),
+    }
+}
+
+/// The terms of [`Parameter::Stiffening`].
+const TERMS: [usize; 2] = [0, 1];
+
+fn stiffening(term: usize) -> Parameter {
+    Parameter::Stiffening { region: BODY, term }
+}
+
+/// Derivatives of all displacements by each parameter, 3 entries per node, m per its unit.
+fn fields(
+    equilibrium: &Equilibrium,
+    solver: &mut Solver,
+    parameters: &[Parameter],
+) -> Result<Vec<Vec<f64>>, SolveError> {
+    parameters.iter().map(|&parameter| solver.sensitivity(equilibrium, parameter)).collect()
+}
+
+/// What sensitivities are by, beside the moduli.
+fn extra(wanted: Derivatives) -> Extra {
+    if wanted == Derivatives::AllSensitivities { Extra::PoissonsRatios } else { Extra::Stiffening }
+}
+
+fn no_equilibrium(level: &PressureLevel, error: Diagnostic) -> Diagnostic {
+    let pressures: Vec<String> = level.pressures.iter().map(|p| format!("{:.1}", p / si::MILLIBAR)).collect();
+    error.while_doing(format!("no equilibrium at {} mbar", pressures.join(" / ")))
+}
