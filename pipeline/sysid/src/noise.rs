@@ -16,7 +16,7 @@ pub struct NoiseModel {
 }
 
 /// One pressure level, measured and simulated with the identified moduli.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Level {
     /// The trial it belongs to.
     pub trial: String,

@@ -76,15 +76,16 @@ impl Landscape {
         self.with(outline).with(line).with(steps).with(begin).with(inner)
     }
 
-    /// Lines on which other `values` (rows × columns, NaN where there is none) are equal to `value`, with `text` beside the first.
+    /// Lines on which other `values` (rows × columns, NaN where there is none) are equal to `value`, with `text` beside the beginning of the first.
     pub fn with_isoline(self, values: Vec<f64>, value: f64, text: &str, colour: Colour) -> Self {
         let field = Field { columns: self.columns.len(), rows: self.rows.len(), values };
         let lines: Vec<Vec<Point2>> =
             field.lines(value).iter().map(|line| line.iter().map(|p| self.grid_value(*p)).collect()).collect();
-        let middle = lines.first().and_then(|line| line.get(line.len() / 2)).copied();
+        // the middle is where iterates are
+        let beside = lines.first().and_then(|line| line.get(line.len() / 5)).copied();
         let named = |at| Mark::text(at, text, Side::Right, colour).sized(6.0);
         let drawn = lines.into_iter().map(|line| Mark::line(line, colour).sized(1.0).dashed(Dash::Dashed));
-        drawn.chain(middle.map(named)).fold(self, Landscape::with)
+        drawn.chain(beside.map(named)).fold(self, Landscape::with)
     }
 
     /// Extent of a cell beyond its grid point, in grid steps.

@@ -1,8 +1,8 @@
 //! Figure `sysid`: the loss over both moduli and the convergence of each method. Paper, figure 5.
 //!
-//! (a) the loss over both moduli with the iterates of Adam, and the moduli at which a wall buckles just at a level of the film; (b) the lowest
-//! loss of each method against simulations; (c) static shapes of the back, measured against simulated; (d) the largest error of each tail at
-//! each pressure.
+//! (a) the loss over both moduli on the mesh of the comparison, with the iterates of Adam and the moduli at which a wall buckles just at a level
+//! of the film; (b) the lowest loss of each method against simulations; (c) static shapes of the back, measured against simulated; (d) the
+//! largest error of each tail at each pressure.
 
 use plot::{
     Axes, Axis, ColourBar, DOUBLE_COLUMN_MM, Dash, Figure, Landscape, Mark, Marker, Panel, Placed, Side, palette,
@@ -25,7 +25,7 @@ impl figure::Figure for Sysid {
     type Needs = (Every<Identified, Specimen>, Every<MethodComparison, Specimen>);
     const NAME: &'static str = "sysid";
     const CAPTION: &'static str = "the loss over both moduli, and convergence of the methods";
-    const VERSION: u32 = 9;
+    const VERSION: u32 = 11;
 
     fn draw((Every(all), Every(compared)): Self::Needs) -> Result<Figure> {
         let all = in_order(all);
@@ -63,10 +63,11 @@ fn place(found: &Identified, at: &[Pascal]) -> Point2 {
 /// The landscape, where there is one, and the convergence of each method on a specimen.
 fn by_all_methods(name: &str, comparison: &MethodComparison, all: &[(Specimen, Identified)]) -> Vec<Placed> {
     let found = all.iter().find(|(specimen, _)| specimen.card.name == name).map(|(_, found)| found);
-    let landscape = found.filter(|_| !comparison.surface.loss.is_empty()).map(|found| {
-        landscape(found, comparison).titled(&format!("{}: loss over both moduli", title(name))).share(1.15)
-    });
-    let curves = convergence(comparison).titled(&format!("{}: lowest loss so far", title(name)));
+    let name = format!("{}, edges of {:.1} mm", title(name), comparison.edge / MILLIMETRE);
+    let landscape = found
+        .filter(|_| !comparison.surface.loss.is_empty())
+        .map(|found| landscape(found, comparison).titled(&format!("{name}: loss over both moduli")).share(1.15));
+    let curves = convergence(comparison).titled(&format!("{name}: lowest loss so far"));
     landscape.into_iter().chain([curves]).collect()
 }
 

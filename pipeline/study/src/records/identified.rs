@@ -204,6 +204,13 @@ impl Identified {
         Elastic { youngs_moduli: self.best.clone(), poissons_ratios, stiffening }
     }
 
+    /// With the levels alone whose pressure is at most this `fraction` of the highest.
+    pub(crate) fn up_to(mut self, fraction: f64) -> Self {
+        let top = self.levels.iter().map(Level::pressure).fold(0.0, f64::max);
+        self.levels.retain(|level| level.pressure() <= fraction * top);
+        self
+    }
+
     /// The moduli in the units in which they are printed.
     pub(crate) fn moduli(&self) -> impl Iterator<Item = DisplayModulus<'_>> {
         self.solids.iter().zip(&self.best).zip(&self.sigma).map(|((solid, best), sigma)| {
@@ -217,10 +224,9 @@ impl Identified {
 mod tests {
     use super::*;
 
-    #[test]
-    fn an_identification_survives_its_record() {
+    fn identified() -> Identified {
         let at = |b: f64| vec![b, 3e9];
-        let whole = Identified {
+        Identified {
             solids: vec!["body".into(), "spine".into()],
             best: at(2e5),
             sigma: at(1e3),
@@ -240,7 +246,21 @@ mod tests {
                 correlation_log_pressure: 1.0,
             },
             uncertainty: Uncertainty { sigma: vec![0.01, 0.1], words: "all".into(), ..Uncertainty::default() },
-        };
+        }
+    }
+
+    #[test]
+    fn an_identification_survives_its_record() {
+        let whole = identified();
         assert_eq!(Identified::unpack(&whole.pack().unwrap()).unwrap(), whole);
+    }
+
+    #[test]
+    fn levels_above_a_fraction_of_the_highest_pressure_are_left_out() {
+        let levels =
+            [[10e3, 0.0], [0.0, 19e3], [20e3, 0.0]].map(|p| Level { pressures_pa: p.to_vec(), ..Level::default() });
+        let lower = |fraction: f64| Identified { levels: levels.to_vec(), ..identified() }.up_to(fraction).levels;
+        assert_eq!(lower(0.96), levels[..2]);
+        assert_eq!(lower(1.0), levels);
     }
 }

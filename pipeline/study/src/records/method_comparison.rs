@@ -1,7 +1,7 @@
 //! Method comparison: every method of `optimize` on one loss, the loss between the grid's points, and profile likelihoods.
 
 use serde::{Deserialize, Serialize};
-use si::{Pascal, Second};
+use si::{MILLIBAR, MILLIMETRE, Metre, Pascal, Second};
 
 use crate::records::{Moduli, Profile};
 use crate::subject::Specimen;
@@ -47,6 +47,10 @@ pub struct Surface {
 pub struct MethodComparison {
     /// The solids' names, the softest first.
     pub solids: Vec<String>,
+    /// Target length of an edge of the mesh, m.
+    pub edge: Metre,
+    /// The highest pressure of the levels, Pa.
+    pub highest: Pascal,
     /// The methods, in the order of `optimisers`.
     pub searches: Vec<Search>,
     /// The landscape.
@@ -60,6 +64,8 @@ pub struct MethodComparison {
 #[derive(Serialize, Deserialize)]
 struct Scalars {
     solids: Vec<String>,
+    edge_m: Metre,
+    highest_pa: Pascal,
     methods: Vec<String>,
     profiles: Vec<Profile>,
     gradient_difference: Option<f64>,
@@ -106,6 +112,8 @@ impl Record for MethodComparison {
     fn pack(&self) -> Result<RecordFiles, RecordError> {
         let scalars = Scalars {
             solids: self.solids.clone(),
+            edge_m: self.edge,
+            highest_pa: self.highest,
             methods: self.searches.iter().map(|s| s.method.clone()).collect(),
             profiles: self.profiles.clone(),
             gradient_difference: self.gradient_difference,
@@ -125,15 +133,22 @@ impl Record for MethodComparison {
             searches: read_searches(&files.read_table("searches.parquet")?, &s, &d.seconds)?,
             surface: read_surface(&files.read_table("landscape.parquet")?)?,
             solids: s.solids,
+            edge: s.edge_m,
+            highest: s.highest_pa,
             profiles: s.profiles,
             gradient_difference: s.gradient_difference,
         })
     }
 
     fn metrics(&self, subject: &str) -> Vec<Metric> {
+        if !self.is_made() {
+            return Vec::new();
+        }
         // named after what the methods do: they identify
         let id = |what: &str| format!("identify.{subject}.{what}");
         let mut metrics: Vec<Metric> = self.searches.iter().flat_map(|s| s.metrics(&id(&s.method))).collect();
+        metrics.push(Metric::new(id("compared_edge_mm"), self.edge / MILLIMETRE, "mm"));
+        metrics.push(Metric::new(id("compared_highest_mbar"), self.highest / MILLIBAR, "mbar"));
         metrics.extend(self.gradient_difference.map(|g| Metric::new(id("gradient_difference"), g, "")));
         metrics
     }
@@ -224,6 +239,8 @@ mod tests {
         };
         let whole = MethodComparison {
             solids: vec!["body".into(), "spine".into()],
+            edge: 4e-3,
+            highest: 2.1e4,
             searches: vec![Search { method: "adam".into(), tried, seconds: 2.0 }],
             surface,
             profiles: vec![Profile { parameter: "body_e".into(), value: vec![1e5], chi_square: vec![0.0] }],

@@ -12,9 +12,7 @@ use super::mesh;
 use crate::records::{self, Identified, Mesh, MeshResult, Moduli};
 use crate::subject::Specimen;
 use diagnostics::Result;
-use sysid::Interrupted;
-use sysid::Misfit;
-use sysid::{Attached, Body, Derivatives, Elastic, LevelSolver, Model};
+use sysid::{Attached, Body, Derivatives, Elastic, Interrupted, LevelSolver, Misfit, Model};
 use workflow::stage::{RawFile, Stage, StageContext};
 use workflow::subject::Part;
 
@@ -68,10 +66,8 @@ impl Stage for MeshSensitivity {
         found: Identified,
         context: &dyn StageContext,
     ) -> Result<records::MeshSensitivity> {
-        let top = found.levels.iter().map(records::Level::pressure).fold(0.0, f64::max);
-        let low: Vec<_> =
-            found.levels.iter().filter(|l| l.pressure() <= set.pressure_fraction * top).cloned().collect();
-        let levels = Misfit::kept(&low, &found.noise, found.length)?;
+        let found = found.up_to(set.pressure_fraction);
+        let levels = Misfit::kept(&found.levels, &found.noise, found.length)?;
         let mut rows = Vec::new();
         for (i, &edge) in set.edges.iter().enumerate() {
             context.progress(i as f64 / set.edges.len() as f64, &format!("edges of {:.1} mm", 1e3 * edge));

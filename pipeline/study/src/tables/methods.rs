@@ -5,6 +5,7 @@ use plot::Column;
 use crate::records::{MethodComparison, Search};
 use crate::subject::{Specimen, Study};
 use diagnostics::Result;
+use si::MILLIMETRE;
 use workflow::needs::Every;
 use workflow::subject::Subject;
 use workflow::table::Table;
@@ -20,7 +21,7 @@ impl Table for Methods {
     type Needs = Every<MethodComparison, Specimen>;
     const NAME: &'static str = "methods";
     const CAPTION: &'static str = "cost and result of each identification method";
-    const VERSION: u32 = 3;
+    const VERSION: u32 = 4;
 
     fn fill(Every(all): Self::Needs) -> Result<plot::Table> {
         let quantities = [("iterations", ""), ("time an iteration", "s"), ("total time", "min"), ("loss after 4", "")];
@@ -32,8 +33,15 @@ impl Table for Methods {
         let columns = [Column::text("specimen"), Column::text("method")].into_iter().chain(pairs).collect();
         let rows = all.iter().flat_map(|(s, found)| found.searches.iter().map(|search| row(&s.name(), search)));
         let table = plot::Table::new(columns, rows.collect())?;
-        Ok(table.noted("An iteration is one simulation of all pressure levels. This study: two cores, virtual bench."))
+        Ok(table.noted(&note(all.iter().map(|(_, one)| one))))
     }
+}
+
+/// What an iteration is, and on which meshes.
+fn note<'a>(all: impl Iterator<Item = &'a MethodComparison>) -> String {
+    let edges: Vec<_> = all.filter(|one| one.is_made()).map(|one| format!("{:.1} mm", one.edge / MILLIMETRE)).collect();
+    let edges = if edges.is_empty() { String::new() } else { format!(", with edges of {}", edges.join(" or ")) };
+    format!("An iteration is one simulation of all pressure levels{edges}. This study: two cores, virtual bench.")
 }
 
 fn row(specimen: &str, search: &Search) -> Vec<String> {
