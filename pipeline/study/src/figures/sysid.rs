@@ -1,8 +1,7 @@
 //! Figure `sysid`: the loss over both moduli and the convergence of each method. Paper, figure 5.
 //!
-//! (a) the loss over both moduli on the mesh of the comparison, with the iterates of Adam and the moduli at which a wall buckles just at a level
-//! of the film; (b) the lowest loss of each method against simulations; (c) static shapes of the back, measured against simulated; (d) the
-//! largest error of each tail at each pressure.
+//! (a) the loss over both moduli on the mesh of the comparison, with Adam's iterates and the moduli at which a wall buckles just at a level;
+//! (b) the lowest loss of each method; (c) static shapes of the back, measured and simulated; (d) each tail's largest error over pressure.
 
 use plot::{
     Axes, Axis, ColourBar, DOUBLE_COLUMN_MM, Dash, Figure, Landscape, Mark, Marker, Panel, Placed, Side, palette,

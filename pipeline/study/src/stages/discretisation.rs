@@ -6,7 +6,6 @@ use si::Point2;
 
 use super::fitting::{Card, Films, Fitting, Settings, mean_rest};
 use super::mesh;
-use super::mesh_sensitivity::MARKER_LIMIT;
 use crate::records::Mesh;
 use sysid::discretisation::{error, shift};
 use sysid::{Elastic, Model};
@@ -24,7 +23,7 @@ pub(super) fn finer(
         return Err("the body came as a mesh file, of which there is no finer one".into());
     }
     let by = ::mesh::Settings { use_symmetry: mesh.solid.half, ..::mesh::Settings::new(set.fine_edge) };
-    let made = mesh::made(&card.mesh, &by, MARKER_LIMIT, context).map_err(|d| on_edges(set, &d.what))?;
+    let made = mesh::made(&card.mesh, &by, mesh::MARKER_LIMIT, context).map_err(|d| on_edges(set, &d.what))?;
     let [here, there] = [&mesh.solid, &made.solid].map(|solid| solid.tets.len());
     if there <= here {
         return Err(on_edges(set, &format!("there are {there} tetrahedra, not more than {here}")));

@@ -135,6 +135,18 @@ pub fn made(
     Ok(records::Mesh { solid: made.solid, chambers, markers, clamped, quality })
 }
 
+/// Largest distance of another mesh's skin from a marker, m: a coarse one lies farther off than the study's own.
+pub(super) const MARKER_LIMIT: Metre = 3e-3;
+
+/// A specimen's mesh with other edges (m) than the study's, halved where it is symmetric.
+///
+/// # Errors
+/// As [`made`].
+pub(super) fn with_edge(card: &Card, edge: Metre, context: &dyn StageContext) -> Result<records::Mesh> {
+    let mesher = ::mesh::Settings { use_symmetry: !card.sided, ..::mesh::Settings::new(edge) };
+    made(card, &mesher, MARKER_LIMIT, context)
+}
+
 fn meshed(card: &Card, by: &::mesh::Settings, context: &dyn StageContext) -> Result<Meshed> {
     let body = surface(card, card::BODY, context)?;
     let sheet = card.solids.iter().any(|one| one.solid == card::SPINE);

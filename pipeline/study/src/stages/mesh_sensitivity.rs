@@ -71,8 +71,7 @@ impl Stage for MeshSensitivity {
         let mut rows = Vec::new();
         for (i, &edge) in set.edges.iter().enumerate() {
             context.progress(i as f64 / set.edges.len() as f64, &format!("edges of {:.1} mm", 1e3 * edge));
-            let mesher = ::mesh::Settings { use_symmetry: true, ..::mesh::Settings::new(edge) };
-            let made = mesh::made(&card.mesh, &mesher, MARKER_LIMIT, context)?;
+            let made = mesh::with_edge(&card.mesh, edge, context)?;
             for nodes in [10, 4] {
                 let model = model(&card.body, &made, nodes, &found)?;
                 let dofs = 3 * model.system.mesh().nodes.len();
@@ -83,9 +82,6 @@ impl Stage for MeshSensitivity {
         Ok(records::MeshSensitivity { rows })
     }
 }
-
-/// Largest distance of another mesh's skin from a marker, m: a coarse one lies farther off than the study's own.
-pub(super) const MARKER_LIMIT: Metre = 3e-3;
 
 fn model(body: &Body, mesh: &Mesh, nodes: usize, found: &Identified) -> Result<Model> {
     let whole = Solid::Quadratic(mesh.solid.clone());

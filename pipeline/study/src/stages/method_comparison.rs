@@ -6,9 +6,8 @@
 //! between the points of the exhaustive search.
 //!
 //! Where the wall of a tail buckles below the highest level, points far from the estimate have equilibria at the end of long paths, or none.
-//! On the mesh of the study (66,000 unknowns, 14 levels) a point of Nemo took some three minutes, and its four methods more than two hours. As all
-//! methods search the same loss, they are compared on a coarser mesh and on the levels up to the first beyond the buckle. On that mesh the wall
-//! is stiffer, so that the lowest loss lies beside the estimate of the identification.
+//! On the mesh of the study (66,000 unknowns, 14 levels) Nemo's four methods took more than two hours. As all search the same loss, they are
+//! compared on a coarser mesh, whose stiffer wall shifts the lowest loss, and on the levels up to the first beyond the buckle.
 
 use optimize::optimisers::{self, adam, cma_es, grid};
 use serde::{Deserialize, Serialize};
@@ -16,7 +15,6 @@ use serde::{Deserialize, Serialize};
 use super::gradients::gradient_difference;
 use super::loss_surface::surface;
 use super::mesh;
-use super::mesh_sensitivity::MARKER_LIMIT;
 use super::walls::WallGauge;
 use crate::records::{EvaluatedPoint, Identified, Mesh, MethodComparison, Search};
 use crate::subject::Specimen;
@@ -126,8 +124,7 @@ impl Stage for Comparison {
         if !set.specimens.contains(&card.name) {
             return Ok(MethodComparison::default());
         }
-        let mesher = ::mesh::Settings { use_symmetry: true, ..::mesh::Settings::new(set.edge) };
-        let mesh = mesh::made(&card.mesh, &mesher, MARKER_LIMIT, context)?;
+        let mesh = mesh::with_edge(&card.mesh, set.edge, context)?;
         let found = found.up_to(set.pressure_fraction);
         let loss = loss(&card.body, &mesh, &found)?;
         let (mut bounds, mut explored) = (loss.bounds(), loss.solver(set.static_tolerance, set.parallel_solves));
