@@ -2,8 +2,10 @@
 
 use std::path::Path;
 
+use serde::de::DeserializeOwned;
 use toml::de::{DeTable, DeValue};
 
+use crate::range::Checked;
 use diagnostics::Diagnostic;
 
 /// Where the keys of a card are explained.
@@ -31,6 +33,24 @@ pub fn line_of_path(text: &str, path: &str) -> Option<usize> {
         }
     }
     Some(line_of_offset(text, here.span().start))
+}
+
+/// A page of TOML that passes its `check`; `see` says where its keys are explained.
+///
+/// # Errors
+/// A [`Diagnostic`] with the line of an unknown, missing or mistyped key, or of the entry that the check found.
+pub fn parse<T: DeserializeOwned>(
+    text: &str,
+    path: &Path,
+    see: &str,
+    check: impl FnOnce(&T) -> Checked,
+) -> Result<T, Diagnostic> {
+    let page: T = toml::from_str(text).map_err(|e| toml_error(text, path, &e, see))?;
+    check(&page).map_err(|violation| {
+        let line = line_of_path(text, &violation.key);
+        Diagnostic::file(path, violation.what, violation.why, violation.action).at_line(line)
+    })?;
+    Ok(page)
 }
 
 /// Any TOML error as a diagnostic: the parser's message, the words it expected, the nearest one; `see` says where the keys are
@@ -91,6 +111,20 @@ mod tests {
         let text = "a = 1\n[[trial]]\nid = 1\n[[trial]]\nid = 2\n";
         assert_eq!(line_of_path(text, "trial.1.id"), Some(5));
         assert_eq!(line_of_path(text, "absent"), None);
+    }
+
+    #[test]
+    fn a_page_is_refused_at_the_line_of_a_wrong_key_or_number_and_read_past_a_byte_order_mark() {
+        #[derive(Debug, serde::Deserialize)]
+        #[serde(deny_unknown_fields)]
+        struct Page {
+            held: f64,
+        }
+        let check = |page: &Page| crate::range::within("held", page.held, 0.0..=9.0, "s");
+        let read = |text: &str| parse::<Page>(text, Path::new("page.toml"), "see the manual", check);
+        assert_eq!(read("\u{feff}held = 3.0").unwrap().held, 3.0);
+        let line = |text: &str| read(text).unwrap_err().location.and_then(|at| at.line);
+        assert_eq!([line("# s\nheld = 30.0"), line("held = 3.0\n\nhold = 1")], [Some(2), Some(3)]);
     }
 
     #[test]

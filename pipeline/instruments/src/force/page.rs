@@ -5,7 +5,7 @@ use std::path::Path;
 use diagnostics::{Diagnostic, Result, input};
 use lab::card::{Log, Tank, check_log, check_tank};
 use lab::range::{Checked, violation, within};
-use lab::table::{line_of_path, toml_error};
+use lab::table;
 use serde::Deserialize;
 use si::{Hertz, Newton, Pascal, Second};
 
@@ -117,13 +117,7 @@ impl Page {
     pub(super) fn read(path: &Path) -> Result<Self> {
         let text = input::read_text(path, input::PAGE)
             .map_err(|e| Diagnostic::io(path, e, "write a page there; study force --help lists its keys"))?;
-        let page: Self =
-            toml::from_str(&text).map_err(|e| toml_error(&text, path, &e, "study force --help lists the keys"))?;
-        page.check().map_err(|violation| {
-            let line = line_of_path(&text, &violation.key);
-            Diagnostic::file(path, violation.what, violation.why, violation.action).at_line(line)
-        })?;
-        Ok(page)
+        table::parse(&text, path, "study force --help lists the keys", Self::check)
     }
 
     fn check(&self) -> Checked {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::{Card, check};
-use crate::table::{SEE, line_of_path, toml_error};
+use crate::table::{self, SEE};
 use diagnostics::{Diagnostic, input};
 
 /// The card in the file `path`, checked.
@@ -22,12 +22,6 @@ pub fn read(path: &Path) -> Result<Card, Diagnostic> {
 /// # Errors
 /// As [`read`].
 pub fn parse(text: &str, path: &Path) -> Result<Card, Diagnostic> {
-    let text = text.trim_start_matches('\u{feff}');
-    let card: Card = toml::from_str(text).map_err(|e| toml_error(text, path, &e, SEE))?;
     let folder = path.parent().and_then(Path::file_name).and_then(|n| n.to_str());
-    check::card(&card, folder).map_err(|violation| {
-        let line = line_of_path(text, &violation.key);
-        Diagnostic::file(path, violation.what, violation.why, violation.action).at_line(line)
-    })?;
-    Ok(card)
+    table::parse(text, path, SEE, |card| check::card(card, folder))
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use diagnostics::{Diagnostic, input};
-use lab::table::{line_of_path, toml_error};
+use lab::table;
 
 use super::{Case, check};
 
@@ -25,11 +25,5 @@ pub fn read(path: &Path) -> Result<Case, Diagnostic> {
 /// # Errors
 /// As [`read`].
 pub fn parse(text: &str, path: &Path) -> Result<Case, Diagnostic> {
-    let text = text.trim_start_matches('\u{feff}');
-    let case: Case = toml::from_str(text).map_err(|e| toml_error(text, path, &e, SEE))?;
-    check::case(&case).map_err(|violation| {
-        let line = line_of_path(text, &violation.key);
-        Diagnostic::file(path, violation.what, violation.why, violation.action).at_line(line)
-    })?;
-    Ok(case)
+    table::parse(text, path, SEE, check::case)
 }

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use diagnostics::{Diagnostic, input};
-use lab::range::{Checked, within};
-use lab::table::{line_of_path, toml_error};
+use lab::range::{Checked, violation, within};
+use lab::table;
 use serde::Deserialize;
 use si::{Metre, Pascal, Second};
 
@@ -128,15 +128,13 @@ impl Page {
     /// # Errors
     /// [`Diagnostic`] when it has an unknown or missing key, or an invalid number.
     pub fn parse(text: &str, path: &Path) -> Result<Self, Diagnostic> {
-        let page: Self = toml::from_str(text).map_err(|e| toml_error(text, path, &e, SEE))?;
-        if let Some(what) = page.slip() {
-            return Err(Diagnostic::file(path, what, "no prediction is possible with it", "correct the page"));
-        }
-        page.ranges().map_err(|violation| {
-            let line = line_of_path(text, &violation.key);
-            Diagnostic::file(path, violation.what, violation.why, violation.action).at_line(line)
-        })?;
-        Ok(page)
+        table::parse(text, path, SEE, Self::check)
+    }
+
+    fn check(&self) -> Checked {
+        self.slip()
+            .map_or(Ok(()), |slip| violation("", slip, "no prediction is possible with it", "correct the page"))?;
+        self.ranges()
     }
 
     /// Holds every number to the range of a test on a bench: a slip of a unit lies outside.
