@@ -10,6 +10,7 @@ use serde::Deserialize;
 
 use crate::expected::MetricEntry;
 use diagnostics::{Diagnostic, Result};
+use workflow::settings::Profile;
 
 /// One claim.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -84,9 +85,9 @@ impl Verdict {
 #[serde(deny_unknown_fields)]
 pub(crate) struct Page {
     pub(crate) claim: Vec<Claim>,
-    /// By name of a profile, the tail that stands in for each.
+    /// By profile, the tail that stands in for each.
     #[serde(default)]
-    pub(crate) stand_in: BTreeMap<String, BTreeMap<String, String>>,
+    pub(crate) stand_in: BTreeMap<Profile, BTreeMap<String, String>>,
 }
 
 /// Reads the claims as the paper makes them.
@@ -236,6 +237,15 @@ mod tests {
         assert_eq!(verdict(Rule::Within([1.0, 2.0])), Verdict::Reproduces);
         assert_eq!(verdict(Rule::SmallerThan("b".into())), Verdict::Reproduces);
         assert_eq!(verdict(Rule::SmallerThan("c".into())), Verdict::NotMeasured);
+    }
+
+    #[test]
+    fn a_tail_stands_in_for_another_in_a_known_profile_only() {
+        let page =
+            |profile: &str| toml::from_str::<Page>(&format!("claim = []\n[stand_in.{profile}]\nnemo = 'marlin'"));
+        assert_eq!(page("quick").unwrap().stand_in[&Profile::Quick]["nemo"], "marlin");
+        let refused = page("quik").err().unwrap().to_string();
+        assert!(refused.contains("quik") && refused.contains("`quick`"), "{refused}");
     }
 
     #[test]

@@ -13,7 +13,7 @@ use workflow::settings::Profile;
 /// As [`claims::read`].
 pub fn read(path: &Path, profile: Profile) -> Result<Vec<Claim>> {
     let claims::Page { claim, stand_in } = claims::page(path)?;
-    let Some(tails) = stand_in.get(profile.name()) else { return Ok(claim) };
+    let Some(tails) = stand_in.get(&profile) else { return Ok(claim) };
     Ok(claim.into_iter().map(|claim| StandIns(tails).decide(claim)).collect())
 }
 

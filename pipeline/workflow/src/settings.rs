@@ -3,13 +3,15 @@
 //! Plain sections are the paper profile; a section under `[quick]` or `[population]` overrides single keys of it. Nothing else differs
 //! between the profiles.
 
+use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
 use diagnostics::{Diagnostic, Result};
 
 /// Which set of settings, and so which folders.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Profile {
     /// Full resolution; its figures and tables are tracked.
     Paper,
@@ -126,7 +128,6 @@ fn unknown_section(name: &str, schema: Schema) -> Diagnostic {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use serde::Deserialize;
 
     #[derive(Deserialize, PartialEq, Debug)]
     #[serde(deny_unknown_fields)]
