@@ -55,3 +55,35 @@ pub(crate) const RENAMED: &[Renamed] = &[
     Renamed { section: "wave", old: "guarded", new: "guarded_harmonics" },
     Renamed { section: "wave", old: "settle", new: "settling_time" },
 ];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use toml::{Table, Value};
+
+    const STUDY: &str = include_str!("../../../study.toml");
+
+    /// Whether the settings have a section, or a key of one.
+    fn has(settings: &Table, section: &str, key: &str) -> bool {
+        if section.is_empty() {
+            return settings.contains_key(key);
+        }
+        settings.get(section).and_then(Value::as_table).is_some_and(|keys| keys.contains_key(key))
+    }
+
+    #[test]
+    fn every_former_name_leads_to_a_present_one_and_is_none_itself() {
+        let settings: Table = STUDY.parse().unwrap();
+        for &Renamed { section, old, new } in RENAMED {
+            let (moved, key) = new.split_once('.').unwrap_or((section, new));
+            assert!(has(&settings, moved, key), "[{section}] {old} leads to {new}, which is not in study.toml");
+            assert!(!has(&settings, section, old), "[{section}] {old} is in study.toml");
+        }
+    }
+
+    #[test]
+    fn no_former_name_is_listed_twice() {
+        let names = RENAMED.iter().map(|r| (r.section, r.old));
+        assert_eq!(names.clone().collect::<std::collections::BTreeSet<_>>().len(), names.count());
+    }
+}
