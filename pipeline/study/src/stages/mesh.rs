@@ -49,6 +49,11 @@ impl Card {
     pub(super) fn has_surfaces(&self) -> bool {
         !self.meshed
     }
+
+    /// How its surfaces are meshed with edges of some length (m): by half only where both sides move alike.
+    fn mesher(&self, edge: Metre, use_symmetry: bool) -> ::mesh::Settings {
+        ::mesh::Settings { use_symmetry: use_symmetry && !self.sided, ..::mesh::Settings::new(edge) }
+    }
 }
 
 /// A named point of the card, m.
@@ -101,9 +106,7 @@ impl Stage for Mesh {
 
     fn run(card: &Self::Card, set: &Settings, (): (), context: &dyn StageContext) -> Result<records::Mesh> {
         context.progress(0.1, "meshing");
-        let mesher =
-            ::mesh::Settings { use_symmetry: set.use_symmetry && !card.sided, ..::mesh::Settings::new(set.edge) };
-        made(card, &mesher, set.marker_distance_limit, context)
+        made(card, &card.mesher(set.edge, set.use_symmetry), set.marker_distance_limit, context)
     }
 }
 
@@ -143,8 +146,7 @@ pub(super) const MARKER_LIMIT: Metre = 3e-3;
 /// # Errors
 /// As [`made`].
 pub(super) fn with_edge(card: &Card, edge: Metre, context: &dyn StageContext) -> Result<records::Mesh> {
-    let mesher = ::mesh::Settings { use_symmetry: !card.sided, ..::mesh::Settings::new(edge) };
-    made(card, &mesher, MARKER_LIMIT, context)
+    made(card, &card.mesher(edge, true), MARKER_LIMIT, context)
 }
 
 fn meshed(card: &Card, by: &::mesh::Settings, context: &dyn StageContext) -> Result<Meshed> {
@@ -216,4 +218,35 @@ fn embed_markers(card: &Card, solid: &QuadraticMesh, limit: Metre) -> Result<(Ve
 
 fn millimetres(at: Point3) -> String {
     format!("({:.2}, {:.2}, {:.2}) mm", 1e3 * at[0], 1e3 * at[1], 1e3 * at[2])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The tail of the tests with its chambers at these heights (m), of which channel `left` is driven.
+    fn tail(heights: [Metre; 2]) -> card::Card {
+        let mut card = card::parse(include_str!("../../tests/card.toml"), Path::new("card.toml")).unwrap();
+        card.chamber.iter_mut().zip(heights).for_each(|(chamber, z)| chamber.at[2] = z);
+        card
+    }
+
+    #[test]
+    fn sides_move_apart_where_a_channel_fills_one_of_them_alone() {
+        assert!(!is_sided(&tail([0.0, 0.0])) && !is_sided(&tail([0.01, 0.01])) && is_sided(&tail([0.01, -0.01])));
+        let mut shared = tail([0.01, -0.01]);
+        shared.chamber.iter_mut().for_each(|chamber| chamber.channel = "left".into());
+        assert!(!is_sided(&shared));
+        let mut still = tail([0.01, -0.01]);
+        still.trial.clear();
+        assert!(!is_sided(&still));
+    }
+
+    #[test]
+    fn a_tail_whose_sides_move_apart_is_never_meshed_by_its_half() {
+        let card = |heights| -> Card { Part::part_of(&Specimen { card: tail(heights).into() }) };
+        let halved = |card: Card| [true, false].map(|wanted| card.mesher(3e-3, wanted).use_symmetry);
+        assert_eq!(halved(card([0.0, 0.0])), [true, false]);
+        assert_eq!(halved(card([0.01, -0.01])), [false, false]);
+    }
 }
