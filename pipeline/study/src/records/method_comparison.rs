@@ -47,8 +47,8 @@ pub struct Surface {
 pub struct MethodComparison {
     /// The solids' names, the softest first.
     pub solids: Vec<String>,
-    /// Target length of an edge of the mesh, m.
-    pub edge: Metre,
+    /// Target length of an edge of the mesh, m; nothing where the body came as a mesh file, on which the methods are then compared.
+    pub edge: Option<Metre>,
     /// The highest pressure of the levels, Pa.
     pub highest: Pascal,
     /// The methods, in the order of `optimisers`.
@@ -64,7 +64,7 @@ pub struct MethodComparison {
 #[derive(Serialize, Deserialize)]
 struct Scalars {
     solids: Vec<String>,
-    edge_m: Metre,
+    edge_m: Option<Metre>,
     highest_pa: Pascal,
     methods: Vec<String>,
     profiles: Vec<Profile>,
@@ -147,7 +147,7 @@ impl Record for MethodComparison {
         // named after what the methods do: they identify
         let id = |what: &str| format!("identify.{subject}.{what}");
         let mut metrics: Vec<Metric> = self.searches.iter().flat_map(|s| s.metrics(&id(&s.method))).collect();
-        metrics.push(Metric::new(id("compared_edge_mm"), self.edge / MILLIMETRE, "mm"));
+        metrics.extend(self.edge.map(|edge| Metric::new(id("compared_edge_mm"), edge / MILLIMETRE, "mm")));
         metrics.push(Metric::new(id("compared_highest_mbar"), self.highest / MILLIBAR, "mbar"));
         metrics.extend(self.gradient_difference.map(|g| Metric::new(id("gradient_difference"), g, "")));
         metrics
@@ -155,7 +155,7 @@ impl Record for MethodComparison {
 
     fn summary(&self) -> String {
         if !self.is_made() {
-            return "not asked for".into();
+            return "not among the specimens of [method_comparison]".into();
         }
         let each: Vec<String> =
             self.searches.iter().map(|s| format!("{} {:.1e} in {}", s.method, s.loss(), s.iterations())).collect();
@@ -239,7 +239,7 @@ mod tests {
         };
         let whole = MethodComparison {
             solids: vec!["body".into(), "spine".into()],
-            edge: 4e-3,
+            edge: Some(4e-3),
             highest: 2.1e4,
             searches: vec![Search { method: "adam".into(), tried, seconds: 2.0 }],
             surface,

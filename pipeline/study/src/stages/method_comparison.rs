@@ -33,7 +33,7 @@ pub struct Comparison;
 pub struct Settings {
     /// Specimens on which every method is run.
     specimens: Vec<String>,
-    /// Target length of an edge of their meshes, m.
+    /// Target length of an edge of their meshes, m; a body that came as a mesh file keeps its own.
     edge: Metre,
     /// Fraction of the highest pressure up to which levels are used.
     pressure_fraction: f64,
@@ -145,7 +145,7 @@ impl Stage for Comparison {
             surface(&loss, &evaluated, problem.bounds(), (set.grid_points, set.landscape_points))?;
         let gradient_difference = Some(gradient_difference(&loss, &problem, &explored)?);
         let highest = loss.misfit.levels.iter().map(PressureLevel::top).fold(0.0, f64::max);
-        let (solids, edge) = (found.solids, set.edge);
+        let (solids, edge) = (found.solids, card.mesh.has_surfaces().then_some(set.edge));
         Ok(MethodComparison { solids, edge, highest, searches, surface, profiles, gradient_difference })
     }
 }

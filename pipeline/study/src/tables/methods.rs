@@ -39,7 +39,7 @@ impl Table for Methods {
 
 /// What an iteration is, and on which meshes.
 fn note<'a>(all: impl Iterator<Item = &'a MethodComparison>) -> String {
-    let edges: Vec<_> = all.filter(|one| one.is_made()).map(|one| format!("{:.1} mm", one.edge / MILLIMETRE)).collect();
+    let edges: Vec<_> = all.filter_map(|one| one.edge).map(|edge| format!("{:.1} mm", edge / MILLIMETRE)).collect();
     let edges = if edges.is_empty() { String::new() } else { format!(", with edges of {}", edges.join(" or ")) };
     format!("An iteration is one simulation of all pressure levels{edges}. This study: two cores, virtual bench.")
 }
@@ -76,4 +76,16 @@ fn published(method: &str) -> Published {
         "grid" => ["25", "318.9", "132.9", "0.023"],
         _ => [""; 4],
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edges_are_stated_of_meshes_that_were_made_for_the_comparison_alone() {
+        let on = |edge| MethodComparison { edge, ..MethodComparison::default() };
+        assert!(note([on(Some(5e-3)), on(None)].iter()).contains("levels, with edges of 5.0 mm."));
+        assert!(!note([on(None)].iter()).contains("edges"));
+    }
 }
