@@ -28,19 +28,34 @@ pub type Build = fn(&Problem, &Settings) -> Result<Box<dyn Optimiser>, OptimiseE
 
 /// One member of the family.
 pub struct Member {
-    /// Its name in settings, metrics and figures.
+    /// Its name in settings and metrics.
     pub name: &'static str,
+    /// Its name in figures and tables, as within a sentence.
+    pub title: &'static str,
     /// Builds it for a problem.
     pub build: Build,
 }
 
 /// Every optimiser, from the one that needs least of an evaluation to the one that needs most.
 pub const ALL: &[Member] = &[
-    Member { name: grid::NAME, build: |problem, set| Ok(Box::new(grid::Grid::new(problem, &set.grid)?)) },
-    Member { name: cma_es::NAME, build: |problem, set| Ok(Box::new(cma_es::CmaEs::new(problem, &set.cma_es)?)) },
-    Member { name: adam::NAME, build: |problem, set| Ok(Box::new(adam::Adam::new(problem, &set.adam)?)) },
+    Member {
+        name: grid::NAME,
+        title: "grid search",
+        build: |problem, set| Ok(Box::new(grid::Grid::new(problem, &set.grid)?)),
+    },
+    Member {
+        name: cma_es::NAME,
+        title: "CMA-ES",
+        build: |problem, set| Ok(Box::new(cma_es::CmaEs::new(problem, &set.cma_es)?)),
+    },
+    Member {
+        name: adam::NAME,
+        title: "Adam",
+        build: |problem, set| Ok(Box::new(adam::Adam::new(problem, &set.adam)?)),
+    },
     Member {
         name: gauss_newton::NAME,
+        title: "Gauss-Newton",
         build: |problem, set| Ok(Box::new(gauss_newton::GaussNewton::new(problem, &set.gauss_newton)?)),
     },
 ];
@@ -48,4 +63,9 @@ pub const ALL: &[Member] = &[
 /// The member of this name.
 pub fn by_name(name: &str) -> Option<&'static Member> {
     ALL.iter().find(|member| member.name == name)
+}
+
+/// How the member of this name is called in figures and tables; an unknown one by that name.
+pub fn title(name: &str) -> &str {
+    by_name(name).map_or(name, |member| member.title)
 }

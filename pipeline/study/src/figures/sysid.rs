@@ -3,6 +3,7 @@
 //! (a) the loss over both moduli on the mesh of the comparison, with Adam's iterates and the moduli at which a wall buckles just at a level;
 //! (b) the lowest loss of each method; (c) static shapes of the back, measured and simulated; (d) each tail's largest error over pressure.
 
+use optimize::optimisers;
 use plot::{
     Axes, Axis, ColourBar, DOUBLE_COLUMN_MM, Dash, Figure, Landscape, Mark, Marker, Panel, Placed, Side, palette,
 };
@@ -113,20 +114,10 @@ fn convergence(comparison: &MethodComparison) -> Panel {
         let found = (1..=search.tried.len()).map(|n| [n as f64, search.loss_after(n)]);
         let lowest: Vec<Point2> = found.filter(|[_, loss]| loss.is_finite()).collect();
         let colour = palette::method(&search.method);
-        let line = Mark::line(lowest.clone(), colour).sized(1.2).labelled(&method(&search.method));
+        let line = Mark::line(lowest.clone(), colour).sized(1.2).labelled(optimisers::title(&search.method));
         [line, Mark::points(lowest, Marker::Disc, colour).sized(2.4)]
     });
     Panel::Axes(curves.fold(axes, Axes::with))
-}
-
-fn method(name: &str) -> String {
-    match name {
-        "adam" => "Adam".into(),
-        "gauss_newton" => "Gauss-Newton".into(),
-        "grid" => "grid search".into(),
-        "cma_es" => "CMA-ES".into(),
-        other => other.into(),
-    }
 }
 
 /// The back at each level: the clamp and the markers, seen from above, mm.

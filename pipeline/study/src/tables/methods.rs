@@ -1,7 +1,9 @@
 //! Table `methods`: cost and result of each identification method, beside the published column. Paper, table III.
 
+use optimize::optimisers;
 use plot::Column;
 
+use crate::figures::order::title;
 use crate::records::{MethodComparison, Search};
 use crate::subject::{Specimen, Study};
 use diagnostics::Result;
@@ -54,18 +56,7 @@ fn row(specimen: &str, search: &Search) -> Vec<String> {
     ];
     let published = published(&search.method).0;
     let pairs = ours.into_iter().zip(published).flat_map(|(a, b)| [a, b.to_string()]);
-    [specimen.to_string(), title(&search.method)].into_iter().chain(pairs).collect()
-}
-
-fn title(method: &str) -> String {
-    match method {
-        "adam" => "Adam",
-        "grid" => "Grid search",
-        "cma_es" => "CMA-ES",
-        "gauss_newton" => "Gauss-Newton",
-        other => other,
-    }
-    .to_string()
+    [specimen.to_string(), title(optimisers::title(&search.method))].into_iter().chain(pairs).collect()
 }
 
 /// The paper's table III; empty where it has no such method.
