@@ -3,6 +3,12 @@
 use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
+use std::sync::OnceLock;
+
+use super::process::Process;
+
+/// The end of a name under which a file is written.
+const UNFINISHED: &str = ".unfinished";
 
 /// Writes a file's bytes and waits until they are on the disk.
 ///
@@ -22,11 +28,60 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
     if let Some(folder) = path.parent() {
         fs::create_dir_all(folder)?;
     }
-    // With the number of the process: two may write the same file, each with all of its bytes.
+    // With the process: two may write the same file, each with all of its bytes, and a leftover is known by a process that has ended.
     let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(format!(".{}.unfinished", std::process::id()));
+    name.push(format!(".{}{UNFINISHED}", this().token));
     let unfinished = path.with_file_name(name);
     // Without the sync a power cut after the rename could leave an empty file under the final name.
-    write_synced(&unfinished, bytes)?;
-    fs::rename(&unfinished, path)
+    let written = write_synced(&unfinished, bytes).and_then(|()| fs::rename(&unfinished, path));
+    if written.is_err() {
+        // On a full disk the part that was written takes what little room there is.
+        let _ = fs::remove_file(&unfinished);
+    }
+    written
+}
+
+/// Removes what processes of this machine that were killed left half-written in a folder.
+pub(super) fn sweep(folder: &Path) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let token =
+            name.to_str().and_then(|name| name.strip_suffix(UNFINISHED)).and_then(|name| name.rsplit('.').next());
+        if token.is_some_and(|token| this().has_ended_here(token)) {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// This process, asked for once: its name is part of every file that is written.
+fn this() -> &'static Process {
+    static THIS: OnceLock<Process> = OnceLock::new();
+    THIS.get_or_init(Process::this)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_an_ended_process_left_is_swept_and_what_a_running_one_writes_is_not() {
+        let folder = std::env::temp_dir().join(format!("atomic-{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        let own = &this().token;
+        let ended = own.replacen(&format!("-{}-", std::process::id()), "-0-", 1);
+        let names = [format!("a.json.{ended}{UNFINISHED}"), format!("a.json.{own}{UNFINISHED}"), "b.unfinished".into()];
+        names.iter().for_each(|name| fs::write(folder.join(name), "").unwrap());
+        sweep(&folder);
+        assert_eq!(names.map(|name| folder.join(name).exists()), [false, true, true]);
+        fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn a_file_that_cannot_be_put_in_place_leaves_nothing() {
+        let folder = std::env::temp_dir().join(format!("atomic-refused-{}", std::process::id()));
+        fs::create_dir_all(folder.join("taken/by")).unwrap();
+        assert!(write_atomically(&folder.join("taken"), b"bytes").is_err());
+        assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);
+        fs::remove_dir_all(&folder).unwrap();
+    }
 }

@@ -5,7 +5,6 @@
 
 use std::path::{Path, PathBuf};
 
-use super::manifest;
 use crate::entry::Kind;
 use crate::needs::RecordId;
 use crate::settings::Profile;
@@ -65,11 +64,6 @@ impl Folders {
         RECORD
     }
 
-    /// What a record was made from, and the hashes of its files.
-    pub(crate) fn manifest(&self, id: &RecordId) -> PathBuf {
-        self.record(id).join(manifest::FILE)
-    }
-
     /// The picture of a record's error.
     pub fn picture(&self, id: &RecordId) -> PathBuf {
         self.record(id).with_file_name("diagnostic.png")
@@ -127,6 +121,13 @@ impl Folders {
     /// Held by the process that writes the files derived from all records.
     pub(crate) fn publication_lock(&self) -> PathBuf {
         self.processed().join("publication.lock")
+    }
+
+    /// The folders of files that are derived from records.
+    pub(crate) fn written_to(&self) -> Vec<PathBuf> {
+        let shown = [Kind::Figure, Kind::Table].into_iter().filter_map(|kind| self.shown(kind));
+        let paper = self.paper_in_place();
+        shown.chain([self.processed(), paper.join("sections"), paper]).collect()
     }
 
     /// The processes that hold locks.

@@ -105,7 +105,7 @@ impl Hashes {
 
 /// The hashes that a run wrote at `place`; empty where they cannot be read.
 fn written(place: &Path) -> HashMap<String, Fingerprint> {
-    fs::read(place).ok().and_then(|text| serde_json::from_slice(&text).ok()).unwrap_or_default()
+    input::read(place, input::LOG).ok().and_then(|text| serde_json::from_slice(&text).ok()).unwrap_or_default()
 }
 
 fn seen(of: &Metadata) -> Fingerprint {

@@ -31,7 +31,7 @@ pub fn task<U: Universe>(runner: &Runner<U>, all: Vec<Job<U>>, names: &[String])
     let needed = reached(&all, named.clone());
     let jobs: Vec<Job<U>> = all.into_iter().filter(|job| needed.contains(&job.id)).collect();
     let plan = judge(runner, &jobs);
-    let stale = |(job, action): &(&Job<U>, &Action)| !named.contains(&job.id) && !matches!(action, Action::Kept);
+    let stale = |(job, action): &(&Job<U>, &Action)| !named.contains(&job.id) && !action.keeps();
     let stale: Vec<(&Job<U>, &Action)> = jobs.iter().zip(&plan.actions).filter(stale).collect();
     if let Some((first, action)) = stale.first() {
         let readers = jobs.iter().filter(|job| named.contains(&job.id));
@@ -44,6 +44,24 @@ pub fn task<U: Universe>(runner: &Runner<U>, all: Vec<Job<U>>, names: &[String])
     let of_input = |(id, _): &(RecordId, String)| inputs.iter().any(|job| job.id == *id);
     let contents = plan.contents.into_iter().filter(of_input).collect();
     Ok(Task { jobs: own, contents })
+}
+
+/// Holds that these records and all that they read are up to date.
+///
+/// # Errors
+/// A [`Diagnostic`] that names the first that is not.
+pub fn require<U: Universe>(runner: &Runner<U>, all: Vec<Job<U>>, ids: &[RecordId]) -> Result<()> {
+    let needed = reached(&all, ids.iter().cloned().collect());
+    let jobs: Vec<Job<U>> = all.into_iter().filter(|job| needed.contains(&job.id)).collect();
+    let actions = judge(runner, &jobs).actions;
+    match jobs.iter().zip(&actions).find(|(_, action)| !action.keeps()) {
+        None => Ok(()),
+        Some((job, action)) => Err(Diagnostic::new(
+            format!("record `{}` is not up to date", job.id),
+            action.in_words(),
+            format!("study run {}", ids.iter().map(|id| id.stage).collect::<Vec<_>>().join(" ")),
+        )),
+    }
 }
 
 fn named<U>(all: &[Job<U>], names: &[String]) -> Result<BTreeSet<RecordId>> {

@@ -14,6 +14,7 @@ mod manifest;
 mod memory;
 mod plan;
 mod pool;
+mod process;
 mod report;
 mod schedule;
 mod staleness;
@@ -24,19 +25,22 @@ mod usage;
 pub use atomic::write_atomically;
 pub use folders::Folders;
 pub use graph::{Goal, Job};
-pub use lock::{Attempt, Holder, Lock, Process};
+pub use lock::{Attempt, Holder, Lock};
 pub use manifest::{MadeFrom, Manifest};
-pub use plan::Share;
+pub(crate) use plan::kept;
+pub use plan::{Outdated, Share};
+pub use process::Process;
 pub use store::{Found, Store};
 pub use usage::{Measured, Usage};
 
 use std::collections::BTreeMap;
 
-use diagnostics::{Diagnostic, Result};
+use diagnostics::{Diagnostic, Result, output};
 use rayon::prelude::*;
 
 use crate::entry::Entry;
 use crate::metric::Metric;
+use crate::needs::RecordId;
 use crate::settings::{Profile, Settings};
 use crate::stage::{RawFile, StageContext};
 use crate::stage_graph::StageGraph;
@@ -46,6 +50,9 @@ use make::Task;
 use memory::Budget;
 use pool::Pool as Work;
 use report::Report;
+
+/// How often the lock of the files derived from all records is asked for before its holder is named: five seconds.
+const PATIENCE: usize = 50;
 
 /// Everything that a run needs: lists of entries, the subjects, the settings, the folders.
 pub struct Runner<U: 'static> {
@@ -103,8 +110,10 @@ impl<U: Universe> Runner<U> {
         let task = Task { jobs: self.jobs_of(goal)?, contents: BTreeMap::new() };
         let finish = |work: &Work<'_, U>| {
             let _lock = self.publication(work.holder)?;
-            publish(self)?;
-            work.hashes.write(&self.folders.hashes()).map_err(|e| self.without_hashes(e))
+            self.folders.written_to().iter().for_each(|folder| atomic::sweep(folder));
+            // First the hashes: what is published is of the records that the plan keeps, which then need not be read again.
+            work.hashes.write(&self.folders.hashes()).map_err(|e| self.without_hashes(e))?;
+            publish(self)
         };
         self.work(task, &|job| fresh && is_named(goal, job), &finish)
     }
@@ -164,12 +173,21 @@ impl<U: Universe> Runner<U> {
         publish(self)
     }
 
-    /// Waits for the lock of the files derived from all records: they are written in seconds.
+    /// Waits for the lock of the files derived from all records: they are written in seconds, and who holds it for longer is named.
     fn publication<'a>(&self, holder: &'a Holder) -> Result<Lock<'a>> {
+        let path = self.folders.publication_lock();
+        let mut waited = 0;
         loop {
-            match holder.ask(&self.folders.publication_lock())? {
+            match holder.ask(&path)? {
                 Attempt::Held(lock) => return Ok(lock),
-                Attempt::Busy(_) => std::thread::sleep(pool::POLL),
+                Attempt::Busy(process) => {
+                    if waited == PATIENCE {
+                        let remedy = remedy(&self.folders, &path);
+                        output::note(format_args!("waits: {process} writes the numbers of all records; {remedy}"));
+                    }
+                    waited += 1;
+                    std::thread::sleep(pool::POLL);
+                }
             }
         }
     }
@@ -205,6 +223,23 @@ impl<U: Universe> Runner<U> {
     /// A [`Diagnostic`] when the goal is unknown.
     pub fn stale(&self, goal: &Goal) -> Result<Vec<String>> {
         Ok(plan::stale(self, &self.jobs_of(goal)?))
+    }
+
+    /// The records in the store that a run for the goal would not keep, each with the reason.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when the goal is unknown.
+    pub fn outdated(&self, goal: &Goal) -> Result<Vec<Outdated>> {
+        Ok(plan::outdated(self, &self.jobs_of(goal)?))
+    }
+
+    /// Holds that these records and all that they read are up to date: what is made from them is of one state of cards, settings and
+    /// recordings.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] that names the first record that is missing or stale, with the reason and the command that makes it.
+    pub fn require(&self, ids: &[RecordId]) -> Result<()> {
+        make::require(self, self.jobs_of(&Goal::default())?, ids)
     }
 
     /// The dependency tree of the stages, with how many records of each a run would keep and make.
@@ -245,14 +280,15 @@ impl<U: Universe> Runner<U> {
         graph::jobs(self, goal)
     }
 
-    /// The metrics of all existing records, by name; of a name shared by several subjects, the largest.
+    /// The metrics of all records that are up to date, by name; of a name shared by several subjects, the largest.
     ///
     /// # Errors
     /// A [`Diagnostic`] when the settings of a stage cannot be read.
     pub fn metrics(&self) -> Result<BTreeMap<String, Metric>> {
-        let store = Store::new(&self.folders);
+        let (store, jobs) = (Store::new(&self.folders), self.jobs_of(&Goal::default())?);
+        let kept = plan::kept(self, &jobs);
         let mut all: BTreeMap<String, Metric> = BTreeMap::new();
-        for job in self.jobs_of(&Goal::default())? {
+        for job in jobs.iter().filter(|job| kept.contains(&job.id)) {
             if let Found::Whole(manifest) = store.find(&job.id) {
                 for metric in manifest.metrics {
                     let known = all.entry(metric.id.clone()).or_insert_with(|| metric.clone());
@@ -279,6 +315,11 @@ impl RunSummary {
     }
 }
 
+/// What to do about a lock whose holder does not run any more, which cannot be seen from another machine.
+fn remedy(folders: &Folders, lock: &std::path::Path) -> String {
+    format!("if that runs no more, remove {}", folders.display(lock))
+}
+
 fn is_named<U>(goal: &Goal, job: &Job<U>) -> bool {
     goal.entries.is_empty() || goal.entries.iter().any(|name| name == job.id.stage)
 }
@@ -291,7 +332,6 @@ pub fn inspection_context<'a>(folders: &'a Folders, raw: &'a [RawFile]) -> impl 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::needs::RecordId;
     use crate::testing::{CHAIN, Whole, runner};
     use std::path::PathBuf;
 
@@ -336,7 +376,8 @@ mod tests {
         let (runner, root) = chain("fresh");
         run(&runner, None);
         let made = || {
-            let manifest = |stage, subject: &str| runner.folders.manifest(&RecordId { stage, subject: subject.into() });
+            let record = |stage, subject: &str| runner.folders.record(&RecordId { stage, subject: subject.into() });
+            let manifest = |stage, subject| record(stage, subject).join(manifest::FILE);
             [manifest("first", "a"), manifest("second", "all")]
                 .map(|path| std::fs::metadata(path).unwrap().modified().unwrap())
         };

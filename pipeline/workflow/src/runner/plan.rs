@@ -27,7 +27,7 @@ pub(super) enum Action {
 pub fn text<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> String {
     let actions = judge(runner, jobs).actions;
     let mut lines: Vec<String> = jobs.iter().zip(&actions).map(|(job, action)| line(job, action)).collect();
-    let stale = actions.iter().filter(|action| !matches!(action, Action::Kept)).count();
+    let stale = actions.iter().filter(|action| !action.keeps()).count();
     lines.push(format!("{} of {} records would be made", stale, jobs.len()));
     lines.join("\n")
 }
@@ -35,8 +35,31 @@ pub fn text<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> String {
 /// The names of the records that would be made.
 pub fn stale<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> Vec<String> {
     let actions = judge(runner, jobs).actions;
-    let stale = jobs.iter().zip(&actions).filter(|(_, action)| !matches!(action, Action::Kept));
+    let stale = jobs.iter().zip(&actions).filter(|(_, action)| !action.keeps());
     stale.map(|(job, _)| job.id.to_string()).collect()
+}
+
+/// The records that a run would keep.
+pub(crate) fn kept<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> BTreeSet<RecordId> {
+    let actions = judge(runner, jobs).actions;
+    jobs.iter().zip(&actions).filter(|(_, action)| action.keeps()).map(|(job, _)| job.id.clone()).collect()
+}
+
+/// A record in the store that a run would make again, or could not.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Outdated {
+    /// The record.
+    pub id: RecordId,
+    /// Why, as a plan prints it.
+    pub reason: String,
+}
+
+/// The records in the store that a run would not keep: what is shown or exported of them would be of other inputs than the present ones.
+pub fn outdated<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> Vec<Outdated> {
+    let plan = judge(runner, jobs);
+    let in_store = |job: &Job<U>| runner.folders.record(&job.id).exists();
+    let outdated = jobs.iter().zip(&plan.actions).filter(|(job, action)| !action.keeps() && in_store(job));
+    outdated.map(|(job, action)| Outdated { id: job.id.clone(), reason: action.in_words() }).collect()
 }
 
 /// The inputs of the records of one stage, and the differences that make them stale.
@@ -107,7 +130,7 @@ pub(super) fn judge<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>]) -> Plan {
     let mut changing = BTreeSet::new();
     let mut settle = |(job, state): (&Job<U>, Result<Option<State>>)| {
         let action = action(job, state, &changing);
-        if !matches!(action, Action::Kept) {
+        if !action.keeps() {
             changing.insert(job.id.clone());
         }
         action
@@ -132,6 +155,11 @@ fn line<U: Universe>(job: &Job<U>, action: &Action) -> String {
 }
 
 impl Action {
+    /// Whether a run would keep the record.
+    pub fn keeps(&self) -> bool {
+        matches!(self, Self::Kept)
+    }
+
     /// As a plan prints it.
     pub fn in_words(&self) -> String {
         match self {

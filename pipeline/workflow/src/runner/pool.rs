@@ -18,14 +18,15 @@ use super::context::RunContext;
 use super::exhibit;
 use super::graph::Job;
 use super::hashes::Hashes;
-use super::lock::{Attempt, Holder, Lock, Process};
+use super::lock::{Attempt, Holder, Lock};
 use super::manifest::{MadeFrom, Manifest};
 use super::memory::Budget;
+use super::process::Process;
 use super::report::Report;
 use super::staleness::{State, made_from, state};
 use super::store::{KeyedReader, Store};
 use super::usage::Meter;
-use super::{RunSummary, Runner};
+use super::{RunSummary, Runner, remedy};
 use crate::needs::RecordId;
 use crate::stage::StageContext;
 use crate::subject::Universe;
@@ -159,7 +160,9 @@ impl<U: Universe> Pool<'_, U> {
         shared.changed.notify_all();
         drop(progress);
         if first {
-            self.report.elsewhere(&self.jobs[job].id, process);
+            let id = &self.jobs[job].id;
+            let remedy = remedy(&self.runner.folders, &self.runner.folders.record_lock(id));
+            self.report.elsewhere(id, process, &remedy);
         }
     }
 

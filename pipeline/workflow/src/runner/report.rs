@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use indicatif::{MultiProgress, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use super::lock::Process;
+use super::process::Process;
 use crate::needs::RecordId;
 use diagnostics::{Diagnostic, output};
 
@@ -67,9 +67,9 @@ impl Report {
         self.total.inc(1);
     }
 
-    /// A record that another process is making.
-    pub fn elsewhere(&self, id: &RecordId, process: &Process) {
-        self.say(&format!("{:<16} {:<28} waits: {process} is making it", id.stage, id.subject));
+    /// A record that another process is making, with what to do if it is not.
+    pub fn elsewhere(&self, id: &RecordId, process: &Process, remedy: &str) {
+        self.say(&format!("{:<16} {:<28} waits: {process} is making it; {remedy}", id.stage, id.subject));
     }
 
     /// A record whose inputs could not be made.

@@ -18,7 +18,7 @@ use super::manifest::{FILE, Manifest, Sealed, parse};
 use super::usage::{Measured, Usage};
 use crate::needs::{RecordId, RecordReader};
 use crate::record::RecordFiles;
-use diagnostics::{Diagnostic, Result};
+use diagnostics::{Diagnostic, Result, input};
 
 /// Number and interval of readings of a record that another process is replacing: two renames on a busy file server.
 const TRIES: usize = 40;
@@ -143,7 +143,8 @@ impl Store<'_> {
         let folder = self.folders.record(id);
         let manifest: Manifest = manifest(&folder)?.ok_or("there is no such record")?;
         let read = |files: RecordFiles, (name, hash): (&String, &String)| {
-            let bytes = fs::read(folder.join(name)).map_err(|e| format!("its {name} cannot be read ({e})"))?;
+            let bytes = input::read(&folder.join(name), input::MESH);
+            let bytes = bytes.map_err(|e| format!("its {name} cannot be read ({e})"))?;
             let whole = *blake3::hash(&bytes).to_hex() == **hash;
             whole.then(|| files.file(name, bytes)).ok_or_else(|| other_bytes(name))
         };
@@ -180,7 +181,7 @@ impl RecordReader for KeyedReader<'_> {
 /// The manifest in a record's folder; none where there is no record, or an empty folder: a workflow engine makes that before its job.
 fn manifest<M: Sealed>(folder: &Path) -> Result<Option<M>, String> {
     let empty = || fs::read_dir(folder).map_or(!folder.exists(), |mut entries| entries.next().is_none());
-    match fs::read_to_string(folder.join(FILE)) {
+    match input::read_text(&folder.join(FILE), input::LOG) {
         Ok(text) => parse(&text).map(Some),
         Err(e) if e.kind() == io::ErrorKind::NotFound && empty() => Ok(None),
         Err(e) => Err(format!("its {FILE} cannot be read ({e})")),

@@ -4,12 +4,11 @@
 //! its holder from the first instant. The file is written again at intervals, so that the date of every lock of a living process is
 //! recent.
 //!
-//! A lock is abandoned when its holder ran on this machine and runs no more, or when its date, by the clock of the file server, has
-//! passed the age limit. Whoever removes an abandoned lock must first take the lock named after it and its holder. That right is taken by
+//! A lock is abandoned when its holder ran on this machine and runs no more, an earlier boot of it included, or when its date, by the clock
+//! of the file server, is off by more than the age limit: long ago, or in the future, which no living process writes. A file that is not
+//! understood was written by no process, since a lock is a link to a whole file, and is abandoned after seconds. Whoever removes an abandoned lock must first take the lock named after it and its holder. That right is taken by
 //! the same rules, and with it the holder is read again: of several processes one removes the lock that all of them found, and none a
 //! lock that was taken meanwhile.
-
-mod process;
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
@@ -21,13 +20,15 @@ use std::thread::JoinHandle;
 use std::time::{Duration, SystemTime};
 
 use super::atomic::write_synced;
-use diagnostics::{Diagnostic, Result};
-pub use process::Process;
+use super::process::Process;
+use diagnostics::{Diagnostic, Result, input};
 
 /// How often a process shows that it lives.
 const HEARTBEAT: Duration = Duration::from_secs(30);
 /// The age at which a lock from another machine is abandoned: NFS clients may hold attributes for a minute, and a busy server answers late.
 const AGE_LIMIT: Duration = Duration::from_secs(600);
+/// The same of a file that is not understood: as long as a file server may show a new file without its bytes.
+const AGE_LIMIT_OF_NO_PROCESS: Duration = Duration::from_secs(3);
 /// How often a lock that is released while it is looked at is asked for.
 const TRIES: usize = 100;
 
@@ -96,7 +97,7 @@ impl Holder {
             if self.link(path).map_err(|e| unwritable(path, e))? {
                 return Ok(Attempt::Held(Lock { holder: self, path: path.to_owned() }));
             }
-            let Some(other) = read(path) else { continue };
+            let Some(other) = read(path).map_err(|e| unreadable(path, e))? else { continue };
             if self.is_alive(&other, path) {
                 return Ok(Attempt::Busy(other));
             }
@@ -104,7 +105,7 @@ impl Holder {
                 Attempt::Held(right) => right,
                 busy => return Ok(busy),
             };
-            if read(path).is_some_and(|now| now.token == other.token) {
+            if read(path).is_ok_and(|now| now.is_some_and(|now| now.token == other.token)) {
                 let _ = fs::remove_file(path);
             }
             drop(right);
@@ -125,17 +126,21 @@ impl Holder {
     }
 
     fn owns(&self, path: &Path) -> bool {
-        read(path).is_some_and(|now| now.token == self.process.token)
+        read(path).is_ok_and(|now| now.is_some_and(|now| now.token == self.process.token))
     }
 
     fn is_alive(&self, other: &Process, path: &Path) -> bool {
         if other.is_beside(&self.process) {
             return other.runs();
         }
+        if other.is_of_an_earlier_boot(&self.process) {
+            return false;
+        }
         let date = |path: &Path| fs::metadata(path).and_then(|seen| seen.modified()).ok();
-        // Both dates are the file server's: clocks of machines differ.
-        let age = |now: SystemTime, then: SystemTime| now.duration_since(then).unwrap_or_default();
-        date(&self.file).zip(date(path)).is_some_and(|(now, then)| age(now, then) < AGE_LIMIT)
+        // Both dates are the file server's, since clocks of machines differ. Its own is as old as the last beat.
+        let age = |now: SystemTime, then: SystemTime| now.duration_since(then).unwrap_or_else(|ahead| ahead.duration());
+        let limit = if other.is_unknown() { AGE_LIMIT_OF_NO_PROCESS } else { AGE_LIMIT };
+        date(&self.file).zip(date(path)).is_some_and(|(now, then)| age(now, then) < limit)
     }
 
     /// Removes the files of processes that were killed.
@@ -143,7 +148,7 @@ impl Holder {
         for path in fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()) {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             let abandoned = |other: Process| self.process.has_ended_here(&name) || !self.is_alive(&other, &path);
-            if read(&path).is_some_and(abandoned) {
+            if read(&path).is_ok_and(|other| other.is_some_and(abandoned)) {
                 let _ = fs::remove_file(&path);
             }
         }
@@ -190,18 +195,14 @@ impl Drop for Lock<'_> {
 }
 
 /// The process that holds a lock; none when nobody does. A file that is not understood is held by an unknown process of another machine.
-fn read(path: &Path) -> Option<Process> {
-    let text = fs::read(path).ok()?;
-    let (unknown, nothing) = ("unknown".to_owned(), String::new());
-    let other = || Process {
-        token: unknown.clone(),
-        host: unknown,
-        machine: nothing.clone(),
-        pid: 0,
-        started: nothing,
-        since: 0,
+fn read(path: &Path) -> io::Result<Option<Process>> {
+    match path.symlink_metadata().and_then(|metadata| input::regular_file(&metadata)) {
+        Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(None),
+        regular => regular?,
     };
-    Some(serde_json::from_slice(&text).unwrap_or_else(|_| other()))
+    // It may have been released since.
+    let text = input::read(path, input::PAGE).ok();
+    Ok(text.map(|text| serde_json::from_slice(&text).unwrap_or_else(|_| Process::unknown())))
 }
 
 /// The lock that must be held by whoever removes the lock at `path` of an abandoned holder.
@@ -221,6 +222,11 @@ fn beat(mut file: File, text: Vec<u8>) -> (Sender<()>, JoinHandle<()>) {
         }
     });
     (stop, heart)
+}
+
+fn unreadable(path: &Path, error: io::Error) -> Diagnostic {
+    let action = format!("remove {}: no lock is one", path.display());
+    Diagnostic::new(format!("the lock {} cannot be read", path.display()), &error, action).caused_by(error)
 }
 
 fn unwritable(path: &Path, error: io::Error) -> Diagnostic {

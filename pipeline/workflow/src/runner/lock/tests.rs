@@ -47,6 +47,7 @@ fn ended(process: &mut Process) {
 
 fn of_another_machine(process: &mut Process) {
     process.machine = "another".into();
+    process.system = "another".into();
 }
 
 #[test]
@@ -72,13 +73,44 @@ fn the_lock_of_a_process_that_has_ended_here_is_taken_at_once_and_that_of_anothe
 }
 
 #[test]
-fn a_lock_that_is_not_understood_is_held_until_it_is_old() {
+fn a_lock_of_the_future_or_of_an_earlier_boot_is_taken_at_once() {
+    let folder = Folder::new("future");
+    let (holder, path) = (folder.holder(), folder.left(Duration::ZERO, of_another_machine));
+    File::options().append(true).open(&path).unwrap().set_modified(SystemTime::now() + 2 * AGE_LIMIT).unwrap();
+    assert!(is_free(&holder, &path));
+    let path = folder.left(Duration::ZERO, |process| {
+        (process.machine, process.system) = ("former pid:[1]".into(), "1".into());
+    });
+    let mut rebooted = folder.holder();
+    rebooted.process.system = "1".into();
+    assert!(is_free(&rebooted, &path));
+}
+
+#[test]
+fn a_lock_that_is_not_understood_is_held_for_seconds() {
     let folder = Folder::new("unreadable");
     let (holder, path) = (folder.holder(), folder.0.join("a.lock"));
-    fs::write(&path, "{").unwrap();
-    assert!(!is_free(&holder, &path));
-    File::options().append(true).open(&path).unwrap().set_modified(SystemTime::now() - 2 * AGE_LIMIT).unwrap();
-    assert!(is_free(&holder, &path));
+    for text in ["", "{"] {
+        fs::write(&path, text).unwrap();
+        assert!(!is_free(&holder, &path));
+        let date = SystemTime::now() - 2 * AGE_LIMIT_OF_NO_PROCESS;
+        File::options().append(true).open(&path).unwrap().set_modified(date).unwrap();
+        assert!(is_free(&holder, &path));
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_folder_or_a_fifo_in_the_place_of_a_lock_is_refused_with_what_to_remove() {
+    let folder = Folder::new("special");
+    let (holder, path) = (folder.holder(), folder.0.join("a.lock"));
+    for (program, kind) in [("mkdir", "a folder"), ("mkfifo", "a FIFO")] {
+        assert!(std::process::Command::new(program).arg(&path).status().unwrap().success());
+        let Err(refused) = holder.ask(&path) else { panic!("{kind} is no lock") };
+        let text = refused.to_string();
+        assert!(text.contains(kind) && text.contains(&format!("remove {}", path.display())), "{text}");
+        fs::remove_dir(&path).or_else(|_| fs::remove_file(&path)).unwrap();
+    }
 }
 
 #[test]
@@ -99,10 +131,10 @@ fn a_process_killed_while_it_removed_an_abandoned_lock_is_followed_by_the_next()
     let folder = Folder::new("chain");
     let holder = folder.holder();
     let path = folder.left(Duration::ZERO, ended);
-    let mut right = read(&path).unwrap();
+    let mut right = read(&path).unwrap().unwrap();
     right.token = "right".into();
     let text = serde_json::to_vec(&right).unwrap();
-    fs::write(right_to_remove(&path, &read(&path).unwrap()), &text).unwrap();
+    fs::write(right_to_remove(&path, &read(&path).unwrap().unwrap()), &text).unwrap();
     fs::write(folder.0.join("a.lock.gone"), &text).unwrap();
     let Attempt::Held(lock) = holder.ask(&path).unwrap() else { panic!("both of its holders have ended") };
     lock.sweep();

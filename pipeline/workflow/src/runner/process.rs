@@ -18,6 +18,9 @@ pub struct Process {
     pub host: String,
     /// The machine's boot and process namespace.
     pub machine: String,
+    /// The identity of its system, which outlives a boot; empty where it has none.
+    #[serde(default)]
+    pub system: String,
     /// The number of the process.
     pub pid: u32,
     /// Its start, as the system counts it.
@@ -34,7 +37,27 @@ impl Process {
         let started = started(pid).unwrap_or_default();
         let moment = short_hash(&format!("{} {:?}", now.as_nanos(), std::thread::current().id()));
         let token = format!("{}-{pid}-{}-{moment}", place(&host, &machine), short_hash(&started));
-        Self { token, host, machine, pid, started, since: now.as_secs() }
+        Self { token, host, machine, system: system(), pid, started, since: now.as_secs() }
+    }
+
+    /// Whoever left a lock that is not understood.
+    pub(super) fn unknown() -> Self {
+        let (token, host) = ("unknown".to_owned(), "unknown".to_owned());
+        let (machine, system, started) = (String::new(), String::new(), String::new());
+        Self { token, host, machine, system, pid: 0, started, since: 0 }
+    }
+
+    /// Whether nothing is known of it.
+    pub(super) fn is_unknown(&self) -> bool {
+        self.machine.is_empty() && self.pid == 0
+    }
+
+    /// Whether it ran on the machine of `other` before that was started the last time, which it cannot have survived. Name and identity must
+    /// agree: machines that are copies of each other may share one of them.
+    pub(super) fn is_of_an_earlier_boot(&self, other: &Self) -> bool {
+        let boot = |process: &Self| process.machine.split(' ').next().unwrap_or_default().to_owned();
+        let same_system = !self.system.is_empty() && (&self.host, &self.system) == (&other.host, &other.system);
+        same_system && boot(self) != boot(other)
     }
 
     /// Whether it ran on the machine of `other`, where it can be asked for. A system that does not report the start of a process counts as
@@ -96,6 +119,13 @@ fn host() -> String {
     name.or_else(|| output("hostname", &[])).unwrap_or_default()
 }
 
+/// What systemd and D-Bus call a machine's identity (machine-id(5)), as a hash: it is not to be shown outside.
+fn system() -> String {
+    let identity =
+        ["/etc/machine-id", "/var/lib/dbus/machine-id"].iter().find_map(|path| fs::read_to_string(path).ok());
+    identity.filter(|text| !text.trim().is_empty()).map_or_else(String::new, |text| short_hash(text.trim()))
+}
+
 fn machine() -> String {
     let boot = fs::read_to_string("/proc/sys/kernel/random/boot_id").unwrap_or_default();
     let namespace = fs::read_link("/proc/self/ns/pid").unwrap_or_default();
@@ -120,6 +150,19 @@ mod tests {
         assert!(this.runs() && this.is_beside(&Process::this()));
         assert!(!Process { started: "0".into(), ..this.clone() }.runs());
         assert!(!Process { started: String::new(), ..this.clone() }.is_beside(&this));
+    }
+
+    #[test]
+    fn a_process_of_an_earlier_boot_is_known_by_name_and_identity_of_the_machine() {
+        let this = Process { system: "1".into(), machine: "boot pid:[1]".into(), ..Process::this() };
+        let earlier = Process { machine: "former pid:[1]".into(), ..this.clone() };
+        assert!(earlier.is_of_an_earlier_boot(&this) && !this.is_of_an_earlier_boot(&this));
+        let container = Process { machine: "boot pid:[2]".into(), ..this.clone() };
+        assert!(!container.is_of_an_earlier_boot(&this), "it runs beside this one");
+        let host = "another".to_owned();
+        for other in [Process { host, ..earlier.clone() }, Process { system: String::new(), ..earlier }] {
+            assert!(!other.is_of_an_earlier_boot(&this));
+        }
     }
 
     #[test]
