@@ -23,12 +23,13 @@
 //! assert!(levels("x").unwrap_err().downcast_ref::<std::num::ParseFloatError>().is_some());
 //! ```
 //!
-//! [`input`] reads regular files up to a limit; [`output`] prints, and a reader that goes away or a full disk ends no program; [`processor`] refuses
-//! processors that a program is not compiled for.
+//! [`input`] reads regular files up to a limit; [`output`] prints, and a reader that goes away or a full disk ends no program; [`next_move`]
+//! makes its commands complete; [`processor`] refuses processors that a program is not compiled for.
 //!
 //! Depends on no other crate.
 
 pub mod input;
+pub mod next_move;
 pub mod output;
 pub mod processor;
 

@@ -11,6 +11,8 @@ use std::borrow::Cow;
 use std::io::{self, ErrorKind, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use crate::next_move;
+
 /// One stream of the process.
 struct Stream {
     /// No more is written after the first failure.
@@ -32,7 +34,7 @@ impl Stream {
         if self.closed.load(Ordering::Relaxed) {
             return None;
         }
-        let error = to.write_all(escaped(text).as_bytes()).and_then(|()| to.flush()).err()?;
+        let error = to.write_all(escaped(&next_move::complete(text)).as_bytes()).and_then(|()| to.flush()).err()?;
         let first = !self.closed.swap(true, Ordering::Relaxed);
         if error.kind() == ErrorKind::BrokenPipe {
             return None;
