@@ -5,10 +5,12 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use cli::options::{CalibrateCamera, Checked, Cli, Command, Exported, Place};
-use diagnostics::{Diagnostic, Result, output, processor};
+use cli::twin::ExportedTwin;
+use diagnostics::{Diagnostic, Result, next_move, output, processor};
 use study::Runner;
 use workflow::runner::{Goal, Options};
-use workflow::snakemake::{self, Export};
+use workflow::settings;
+use workflow::snakemake::{self, Export, Workflow};
 
 // A plan of thirty thousand records spends a third of its time in the allocator of glibc, whose threads ask the kernel for every page.
 #[global_allocator]
@@ -20,6 +22,7 @@ fn main() -> ExitCode {
 
 fn program() -> ExitCode {
     let cli = Cli::parse();
+    next_move::repeat_options(&place_options(&cli.place));
     match threads(cli.place.threads).and_then(|()| run(&cli)) {
         Ok(true) if !output::failed() => ExitCode::SUCCESS,
         Ok(_) => ExitCode::FAILURE,
@@ -28,6 +31,14 @@ fn program() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// The options by which a later command finds the same records, where they are not the defaults.
+fn place_options(place: &Place) -> Vec<(&str, &str)> {
+    let profile = settings::Profile::from(place.profile);
+    let root = place.root.to_str().filter(|root| *root != ".").map(|root| ("--root", root));
+    let profile = Some(profile.name()).filter(|_| profile != settings::Profile::Paper).map(|name| ("--profile", name));
+    root.into_iter().chain(profile).collect()
 }
 
 /// Sets the number of threads of all parallel loops.
@@ -70,15 +81,18 @@ fn run(cli: &Cli) -> Result<bool> {
             records.iter().try_for_each(|record| readable(&diagnostics, record.split('/').nth(1)))?;
             Ok(runner.make(records)?.is_complete())
         }
-        Command::Publish => {
+        Command::Publish { names } => {
             let (runner, diagnostics) = open()?;
-            output::line(study::publish(&runner)?.display());
+            let goal = Goal { entries: names.clone(), group: None };
+            output::line(study::publish(&runner, &goal)?.display());
             Ok(report(&diagnostics))
         }
         Command::Page => {
             let (runner, diagnostics) = open()?;
             output::line(study::page(&runner)?.display());
-            Ok(report(&diagnostics))
+            let outdated = study::outdated(&runner)?;
+            publish::outdated::in_words(&outdated).iter().for_each(output::line);
+            Ok(report(&diagnostics) & outdated.is_empty())
         }
         Command::Plan { names, specimen, graph, schedule } => {
             let (runner, diagnostics) = open()?;
@@ -135,7 +149,11 @@ fn run(cli: &Cli) -> Result<bool> {
             }
             Ok(tracked.complete)
         }
-        Command::Check { what: None, junit } => check(&open()?.0, junit.as_deref()),
+        Command::Check { what: None, junit } => {
+            let (runner, diagnostics) =
+                study::open_without_specimens(&cli.place.root, cli.place.profile.into(), options(&cli.place))?;
+            Ok(check(&runner, junit.as_deref())? & report(&diagnostics))
+        }
         Command::Check { what: Some(Checked::Gradients { cases, steps }), .. } => {
             check_gradients(&cli.place.root, cases, *steps, cli.place.quiet)
         }
@@ -147,15 +165,24 @@ fn run(cli: &Cli) -> Result<bool> {
             }
             Ok(report(&diagnostics))
         }
-        Command::Export { what: Exported::Snakemake { folder, only } } => {
+        Command::Export { what: Exported::Snakemake { folder, only, marks } } => {
             let (runner, diagnostics) = open()?;
-            output::line(snakemake::export(&runner, &snakemake(folder.as_deref(), only)?)?.display());
+            let goal = Goal { entries: only.clone(), group: None };
+            match (marks, folder) {
+                (true, Some(folder)) => snakemake::update(&runner, folder, &goal)?,
+                _ => {
+                    let (folder, program) = (folder.clone(), std::env::current_exe()?);
+                    let Workflow { folder, kept } = snakemake::export(&runner, &Export { folder, program, goal })?;
+                    exported(&folder, &kept);
+                }
+            }
             Ok(report(&diagnostics))
         }
         Command::Export { what: Exported::Twin { name, folder } } => {
             let (runner, diagnostics) = open()?;
             readable(&diagnostics, Some(name))?;
-            output::line(cli::twin::export(&runner, name, folder.as_deref())?.display());
+            let ExportedTwin { folder, kept } = cli::twin::export(&runner, name, folder.as_deref())?;
+            exported(&folder, &kept);
             Ok(report(&diagnostics))
         }
         Command::List => {
@@ -177,15 +204,19 @@ fn calibration(asked: &CalibrateCamera) -> instruments::calibrate::Request {
     }
 }
 
-fn snakemake(folder: Option<&Path>, only: &[String]) -> Result<Export> {
-    let program = std::env::current_exe()?;
-    let goal = Goal { entries: only.to_vec(), group: None };
-    Ok(Export { folder: folder.map(Path::to_owned), program, card: lab::folder::CARD, goal })
+/// Prints where an export lies and what of it was kept.
+fn exported(folder: &Path, kept: &[PathBuf]) {
+    kept.iter().for_each(|path| output::note(format_args!("kept as it was edited: {}", path.display())));
+    output::line(folder.display());
+}
+
+fn options(place: &Place) -> Options {
+    let Place { quiet, jobs, memory, keep_going, min_free_memory, .. } = *place;
+    Options { quiet, jobs, memory, keep_going, min_free_memory }
 }
 
 fn open(place: &Place) -> Result<(Runner, Vec<Diagnostic>)> {
-    let Place { quiet, jobs, memory, keep_going, min_free_memory, .. } = *place;
-    study::open(&place.root, place.profile.into(), Options { quiet, jobs, memory, keep_going, min_free_memory })
+    study::open(&place.root, place.profile.into(), options(place))
 }
 
 /// Holds that the card of a specimen that was asked for could be read: its own diagnostic says more than that there is no specimen.
@@ -214,7 +245,7 @@ fn check(runner: &Runner, junit: Option<&Path>) -> Result<bool> {
         written.map_err(|e| Diagnostic::io(file, e, "choose another place for the report"))?;
     }
     output::line(checked.text);
-    Ok(!checked.drifted)
+    Ok(checked.holds)
 }
 
 /// Checks the gradients of every case and reduced tail; returns whether all of them pass.

@@ -82,7 +82,11 @@ pub enum Command {
         records: Vec<String>,
     },
     /// Write the numbers, the archive's description and the page of the existing records: after `study make`, which writes records alone.
-    Publish,
+    /// Stale records are refused.
+    Publish {
+        /// Stages, figures or tables whose records must be up to date, with their inputs; all of them when none is named.
+        names: Vec<String>,
+    },
     /// Report for each record whether it would be kept or made, and why. Writes nothing except a requested drawing.
     Plan {
         /// Stages, figures or tables.
@@ -94,7 +98,7 @@ pub enum Command {
         #[arg(long, value_name = "FILE.svg", num_args = 0..=1, require_equals = true)]
         graph: Option<Option<PathBuf>>,
         /// Show instead how long everything would take with so many workers, from the durations of the records as they were made.
-        #[arg(long, value_name = "WORKERS", value_delimiter = ',', conflicts_with = "graph")]
+        #[arg(long, value_name = "WORKERS", value_delimiter = ',', conflicts_with = "graph", value_parser = count(1..=1024))]
         schedule: Vec<usize>,
     },
     /// Report the inputs of each record of a stage.
@@ -296,6 +300,10 @@ pub enum Exported {
         /// Only these stages, figures or tables with their inputs; once for each.
         #[arg(long, value_name = "STAGE")]
         only: Vec<String>,
+        /// Write no workflow, but bring the one in FOLDER up to date: which records there are, and which a run would keep. The workflow
+        /// itself asks for this each time that it begins.
+        #[arg(long, requires = "folder")]
+        marks: bool,
     },
     /// A specimen's identified and reduced tail for a controller: its arrays as safetensors, a page that describes them, and the Rust crate
     /// that steps them faster than real time, with an example that closes a loop.

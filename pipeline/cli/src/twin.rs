@@ -1,16 +1,19 @@
 //! `study export twin`: the identified and reduced tail of a specimen for a controller, with the crate that steps it; and the check of
 //! its gradients.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use diagnostics::{Diagnostic, Result};
 use study::Runner;
 use twin::gradient_check::{self, TwinGradientReport};
+use workflow::export::ExportedFile;
 
 /// The arrays' file, and the page that describes it.
 const ARRAYS: &str = "tail.safetensors";
 const PAGE: &str = "tail.txt";
+
+/// The folder of the crate's example, which a user takes as a beginning.
+const EXAMPLES: &str = "examples/";
 
 /// Ending of the arrays' file.
 pub const ENDING: &str = "safetensors";
@@ -32,11 +35,20 @@ pub fn check_gradients(files: &[&PathBuf], example: bool, steps: usize) -> Resul
     Ok(reports)
 }
 
-/// Writes the arrays, the page that describes them, and the crate by itself; returns their folder.
+/// A tail that was exported.
+pub struct ExportedTwin {
+    /// Its folder.
+    pub folder: PathBuf,
+    /// The example, where the user has edited it: it is kept.
+    pub kept: Vec<PathBuf>,
+}
+
+/// Writes the arrays, the page that describes them, and the crate by itself.
 ///
 /// # Errors
-/// A [`Diagnostic`] when there is no such specimen, one of its records is missing, or a file cannot be written.
-pub fn export(runner: &Runner, name: &str, folder: Option<&Path>) -> Result<PathBuf> {
+/// A [`Diagnostic`] when there is no such specimen, one of its records is missing or stale, the folder holds what no export wrote, or a file
+/// cannot be written.
+pub fn export(runner: &Runner, name: &str, folder: Option<&Path>) -> Result<ExportedTwin> {
     let specimens = &runner.universe.specimens;
     let specimen = specimens.iter().find(|specimen| specimen.card.name == name).ok_or_else(|| {
         let known: Vec<&str> = specimens.iter().map(|specimen| &*specimen.card.name).collect();
@@ -45,23 +57,19 @@ pub fn export(runner: &Runner, name: &str, folder: Option<&Path>) -> Result<Path
     })?;
     let data = study::live::twin(runner, specimen, None)?;
     let folder = folder.map_or_else(|| runner.folders.base().join("twin").join(name), Path::to_owned);
-    write(&folder.join(ARRAYS), &twin::file::bytes(&data)?)?;
-    write(&folder.join(PAGE), twin::file::page(&data).as_bytes())?;
-    for (path, text) in twin::package::files() {
-        write(&folder.join(path), text.as_bytes())?;
-    }
-    Ok(folder)
-}
-
-fn write(path: &Path, bytes: &[u8]) -> Result<()> {
-    let parent = path.parent().unwrap_or(path);
-    let written = fs::create_dir_all(parent).and_then(|()| fs::write(path, bytes));
-    written.map_err(|e| Diagnostic::io(path, e, "choose another folder or correct its permissions"))
+    let own = [ExportedFile::new(ARRAYS, twin::file::bytes(&data)?), ExportedFile::new(PAGE, twin::file::page(&data))];
+    let sources = twin::package::files().into_iter().map(|(path, text)| match path.starts_with(EXAMPLES) {
+        true => ExportedFile::template(path, text),
+        false => ExportedFile::new(path, text),
+    });
+    let kept = workflow::export::write(&folder, &own.into_iter().chain(sources).collect::<Vec<_>>())?;
+    Ok(ExportedTwin { folder, kept })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     #[test]
     fn the_example_s_gradients_are_checked_in_air_and_in_water_and_a_file_s_own_by_its_name() {

@@ -60,8 +60,10 @@ fn the_study_is_exported_with_a_rule_for_each_stage_and_with_profiles() {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let folder = project.0.join("target/quick/workflow");
     let snakefile = fs::read_to_string(folder.join("Snakefile")).unwrap();
-    let track = "output: update(\"data/processed/track/{specimen}/{trial}/record/record.json\")";
-    assert!(snakefile.contains("--profile quick") && snakefile.contains(track), "{snakefile}");
+    let track = "output: touch(\"data/processed/.made/track/{subject}.done\")";
+    assert!(snakefile.contains(track), "{snakefile}");
+    let places = fs::read_to_string(folder.join("places.json")).unwrap();
+    assert!(places.contains("\"profile\": \"quick\"") && places.contains("\"project\": \"../../..\""), "{places}");
     let mut rules: Vec<&str> = snakefile.lines().filter(|line| line.starts_with("rule ")).collect();
     let all = rules.len();
     rules.sort_unstable();

@@ -1,9 +1,9 @@
 //! The check: every number against its expectation and every claim against its rule, as a page of text.
 
 use crate::claims::{Claim, Verdict};
-use crate::expected::Expected;
 use crate::expected::MetricEntry;
-use crate::junit::Results;
+pub use crate::junit::Results;
+use crate::outdated;
 use crate::paper::Problem;
 use diagnostics::Result;
 
@@ -13,18 +13,20 @@ pub struct Checked {
     pub text: String,
     /// The same as JUnit XML.
     pub junit: String,
-    /// Whether any number drifted or is missing, or the paper cannot be built.
-    pub drifted: bool,
+    /// Whether no number drifted or is missing, every record is up to date, and the paper can be built.
+    pub holds: bool,
 }
 
-/// Compares numbers with expectations, lists claims with their verdicts, and the problems of the paper's source.
+/// Compares numbers with expectations, lists claims with their verdicts, and the problems of the paper's source. The last line names what
+/// is not up to date.
 ///
 /// # Errors
 /// A [`diagnostics::Diagnostic`] when a text has no form in XML.
-pub fn check(metrics: &[MetricEntry], expected: &Expected, claims: &[Claim], problems: &[Problem]) -> Result<Checked> {
+pub fn check(results: &Results) -> Result<Checked> {
+    let Results { metrics, expected, claims, problems, outdated } = *results;
     let missing: Vec<&str> = expected.missing(metrics).collect();
-    let off = metrics.iter().any(|m| m.status == "drifted");
-    let drifted = !missing.is_empty() || off || !problems.is_empty();
+    let drifted = metrics.iter().any(|m| m.status == "drifted");
+    let holds = missing.is_empty() && !drifted && problems.is_empty() && outdated.is_empty();
     let mut lines = vec![format!(
         "{:<52} {:>12} {:<6} {:>10} {:>12} {:>10}  status",
         "metric", "ours", "unit", "published", "expected", "within"
@@ -38,8 +40,8 @@ pub fn check(metrics: &[MetricEntry], expected: &Expected, claims: &[Claim], pro
     lines.push(String::new());
     lines.extend(problems.iter().map(Problem::to_string));
     lines.push(summary(metrics, &missing, claims));
-    let junit = Results { metrics, expected, claims, problems }.junit()?;
-    Ok(Checked { text: lines.join("\n"), junit, drifted })
+    lines.extend(outdated::in_words(outdated));
+    Ok(Checked { text: lines.join("\n"), junit: results.junit()?, holds })
 }
 
 fn metric_line(entry: &MetricEntry) -> String {
@@ -110,6 +112,7 @@ fn tell(value: f64) -> String {
 mod tests {
     use super::*;
     use crate::claims::Rule;
+    use crate::expected::Expected;
     use workflow::metric::Metric;
 
     fn entry(id: &str, value: f64, status: &str) -> MetricEntry {
@@ -123,7 +126,7 @@ mod tests {
         Claim { name, says: says.to_owned(), metric, also, rule, set_by, published, of_its_tail_alone: false }
     }
 
-    fn checked() -> String {
+    fn checked(outdated: &[String]) -> Checked {
         let metrics = [
             entry("a", 2.0, "as expected"),
             entry("b", 4e-5, "drifted"),
@@ -135,12 +138,13 @@ mod tests {
             claim("it is small", Rule::AtMost(1.0), None),
             claim("it is chosen", Rule::AtMost(1.0), Some("its mould")),
         ];
-        check(&metrics, &Expected::default(), &claims, &[]).unwrap().text
+        let expected = &Expected::default();
+        check(&Results { metrics: &metrics, expected, claims: &claims, problems: &[], outdated }).unwrap()
     }
 
     #[test]
     fn a_number_stands_in_a_line_with_what_is_expected() {
-        let text = checked();
+        let text = checked(&[]).text;
         let words =
             |start: &str| text.lines().find(|l| l.starts_with(start)).unwrap().split_whitespace().collect::<Vec<_>>();
         assert_eq!(words("a "), ["a", "2.0000", "mm", "–", "1.0000", "0.5000", "as", "expected"]);
@@ -150,7 +154,7 @@ mod tests {
 
     #[test]
     fn a_claim_stands_with_its_verdict_its_rule_and_both_values() {
-        let text = checked();
+        let text = checked(&[]).text;
         let lines: Vec<String> = text.lines().map(|l| l.split_whitespace().collect::<Vec<_>>().join(" ")).collect();
         let after = |line: &str| lines[1 + lines.iter().position(|l| l == line).unwrap()].clone();
         assert_eq!(after("REPRODUCES it is large"), "rule: a ≥ 1; ours: 2.00 mm; published: so");
@@ -165,6 +169,19 @@ mod tests {
     fn the_last_line_counts_numbers_and_claims() {
         let counts = "2 numbers as expected, 1 drifted, 0 missing, 1 not compared; 1 claims reproduce, 1 do not, 0 are not determined, \
                       1 are set by the bench, 0 not measured";
-        assert_eq!(checked().lines().last(), Some(counts));
+        assert_eq!(checked(&[]).text.lines().last(), Some(counts));
+    }
+
+    #[test]
+    fn the_last_line_names_what_is_not_up_to_date_and_the_check_does_not_hold() {
+        let metrics = [entry("a", 2.0, "as expected")];
+        let expected = &Expected::default();
+        let with = |outdated: &[String]| {
+            check(&Results { metrics: &metrics, expected, claims: &[], problems: &[], outdated }).unwrap()
+        };
+        assert!(with(&[]).holds);
+        let stale = with(&["reduce/fish: stale: setting `tolerance` was 1 and is 2".into(), "drag/fish: stale".into()]);
+        let last = "not up to date: 2, the first reduce/fish: stale: setting `tolerance` was 1 and is 2; do: study run";
+        assert_eq!((stale.text.lines().last(), stale.holds), (Some(last), false));
     }
 }

@@ -1,7 +1,8 @@
 //! The check as JUnit XML, which interfaces of continuous integration show: a case for each number, each claim and each problem of the
 //! paper's source.
 //!
-//! What fails is what makes the check fail: a number that drifted or is missing, and a paper that cannot be built. A number without an
+//! What fails is what makes the check fail: a number that drifted or is missing, a record that is not up to date, and a paper that cannot be
+//! built. A number without an
 //! expectation, and a claim that does not reproduce, is a skipped case with its reason.
 
 use std::io;
@@ -27,7 +28,7 @@ enum End {
 }
 
 /// What a report is made of.
-pub(crate) struct Results<'a> {
+pub struct Results<'a> {
     /// The numbers with their expectations.
     pub metrics: &'a [MetricEntry],
     /// Those that are expected.
@@ -36,6 +37,8 @@ pub(crate) struct Results<'a> {
     pub claims: &'a [Claim],
     /// The problems of the paper's source.
     pub problems: &'a [Problem],
+    /// What is not up to date, each with the reason.
+    pub outdated: &'a [String],
 }
 
 impl Results<'_> {
@@ -43,8 +46,13 @@ impl Results<'_> {
     ///
     /// # Errors
     /// When a text cannot be written as XML.
-    pub fn junit(&self) -> io::Result<String> {
-        let suites = [("numbers", self.numbers()), ("claims", self.claims()), ("paper", self.paper())];
+    pub(crate) fn junit(&self) -> io::Result<String> {
+        let suites = [
+            ("numbers", self.numbers()),
+            ("claims", self.claims()),
+            ("paper", self.paper()),
+            ("records", self.records()),
+        ];
         let mut writer = Writer::new_with_indent(Vec::new(), b' ', 2);
         writer.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
         writer.create_element("testsuites").with_attribute(("name", "study check")).write_inner_content(|writer| {
@@ -73,6 +81,11 @@ impl Results<'_> {
             Case { name: claim.name.clone(), end }
         };
         self.claims.iter().map(case).collect()
+    }
+
+    fn records(&self) -> Vec<Case> {
+        let stale = |reason: &String| Case { name: "up to date".into(), end: End::Failed(reason.clone()) };
+        self.outdated.iter().map(stale).collect()
     }
 
     fn paper(&self) -> Vec<Case> {
@@ -136,7 +149,7 @@ mod tests {
 
     fn report(metrics: &[MetricEntry]) -> String {
         let expected = Expected::default();
-        Results { metrics, expected: &expected, claims: &[], problems: &[] }.junit().unwrap()
+        Results { metrics, expected: &expected, claims: &[], problems: &[], outdated: &[] }.junit().unwrap()
     }
 
     #[test]
@@ -150,10 +163,20 @@ mod tests {
     }
 
     #[test]
+    fn a_record_that_is_not_up_to_date_is_a_failed_case() {
+        let outdated = ["mesh/fish: stale: setting `edge` was 1 and is 2".to_owned()];
+        let results =
+            Results { metrics: &[], expected: &Expected::default(), claims: &[], problems: &[], outdated: &outdated };
+        let text = results.junit().unwrap();
+        assert!(text.contains("<failure message=\"mesh/fish: stale: setting `edge` was 1 and is 2\""), "{text}");
+    }
+
+    #[test]
     fn a_number_that_was_not_computed_is_a_failed_case() {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../paper/expected.toml");
         let expected = Expected::read(&path, Profile::Quick).unwrap();
-        let text = Results { metrics: &[], expected: &expected, claims: &[], problems: &[] }.junit().unwrap();
+        let text =
+            Results { metrics: &[], expected: &expected, claims: &[], problems: &[], outdated: &[] }.junit().unwrap();
         assert!(
             text.contains(r#"<failure message="it was not computed""#)
                 && !text.contains(

@@ -1,6 +1,7 @@
 //! From numbers to verdicts, paper, page and archive.
 //!
-//! [`expected`] compares metrics with expectations, [`claims`] decides the paper's claims, [`check`] prints both, as text or JUnit XML; [`paper`] resolves the
+//! [`expected`] compares metrics with expectations, [`claims`] decides the paper's claims, [`check`] prints both, as text or JUnit XML; [`outdated`] finds what is
+//! not of the present inputs; [`paper`] resolves the
 //! paper's source, [`page`] is one HTML file with everything, [`ro_crate`] describes the records for archives.
 //!
 //! ```
@@ -22,6 +23,7 @@ pub mod claims;
 pub mod expected;
 mod junit;
 pub mod metrics_file;
+pub mod outdated;
 pub mod page;
 pub mod page_file;
 pub mod paper;

@@ -1,11 +1,11 @@
 //! `metrics.json`: every metric with its expected value and the value published elsewhere.
 //!
-//! Assembled from the manifests of the records at hand, in the order of their names; a number that several subjects share is the
+//! Assembled from the manifests of the records that are up to date, in the order of their names; a number that several subjects share is the
 //! largest of theirs.
 
-use std::fs;
+use std::path::Path;
 
-use diagnostics::{Diagnostic, Result};
+use diagnostics::{Diagnostic, Result, input};
 use workflow::runner::{Runner, write_atomically};
 use workflow::subject::Universe;
 
@@ -16,19 +16,23 @@ use crate::expected::{Expected, MetricEntry};
 /// # Errors
 /// A [`Diagnostic`] when the expectations cannot be read or the file cannot be written.
 pub fn write<U: Universe>(runner: &Runner<U>) -> Result<()> {
-    let path = runner.folders.expected();
-    // A project may have no expectations yet; its numbers are published all the same.
-    let expected = if path.exists() { Expected::read(&path, runner.profile)? } else { Expected::default() };
-    let entries: Vec<MetricEntry> = runner.metrics()?.into_values().map(|metric| expected.judge(metric)).collect();
-    let text = serde_json::to_string_pretty(&entries)? + "\n";
-    let path = runner.folders.metrics();
-    if fs::read(&path).is_ok_and(|old| old == text.as_bytes()) {
+    let (path, text) = (runner.folders.metrics(), text(runner)?);
+    if is_of(&path, &text) {
         return Ok(());
     }
     write_atomically(&path, text.as_bytes()).map_err(|e| {
         let what = format!("the numbers cannot be written to {}", runner.folders.display(&path));
         Diagnostic::new(what, &e, "free some disk space and run again").caused_by(e)
     })
+}
+
+/// Whether the file holds the numbers of the records that are up to date; where nothing was made there need be none.
+///
+/// # Errors
+/// A [`Diagnostic`] when the expectations cannot be read.
+pub fn is_current<U: Universe>(runner: &Runner<U>) -> Result<bool> {
+    let (path, text) = (runner.folders.metrics(), text(runner)?);
+    Ok(is_of(&path, &text) || !path.exists() && text == NONE)
 }
 
 /// Reads the numbers of the last run.
@@ -38,8 +42,32 @@ pub fn write<U: Universe>(runner: &Runner<U>) -> Result<()> {
 pub fn read<U: Universe>(runner: &Runner<U>) -> Result<Vec<MetricEntry>> {
     let path = runner.folders.metrics();
     let shown = runner.folders.display(&path);
-    let text = fs::read(&path)
+    let text = input::read(&path, input::MESH)
         .map_err(|e| Diagnostic::new(format!("{shown} cannot be read"), &e, "study run").caused_by(e))?;
     serde_json::from_slice(&text)
         .map_err(|e| Diagnostic::new(format!("{shown} is not understood"), &e, "study run").caused_by(e))
+}
+
+/// The same, none where there has been no run.
+///
+/// # Errors
+/// A [`Diagnostic`] when the file is not understood.
+pub fn read_or_none<U: Universe>(runner: &Runner<U>) -> Result<Vec<MetricEntry>> {
+    if runner.folders.metrics().exists() { read(runner) } else { Ok(Vec::new()) }
+}
+
+/// The file's text where there is no number.
+const NONE: &str = "[]\n";
+
+/// The numbers of the records that are up to date.
+fn text<U: Universe>(runner: &Runner<U>) -> Result<String> {
+    let path = runner.folders.expected();
+    // A project may have no expectations yet; its numbers are published all the same.
+    let expected = if path.exists() { Expected::read(&path, runner.profile)? } else { Expected::default() };
+    let entries: Vec<MetricEntry> = runner.metrics()?.into_values().map(|metric| expected.judge(metric)).collect();
+    Ok(serde_json::to_string_pretty(&entries)? + "\n")
+}
+
+fn is_of(path: &Path, text: &str) -> bool {
+    input::read(path, input::MESH).is_ok_and(|former| former == text.as_bytes())
 }

@@ -8,6 +8,7 @@ use crate::claims;
 use crate::expected::Expected;
 use crate::expected::MetricEntry;
 use crate::metrics_file;
+use crate::outdated;
 use crate::paper::{self, Facts, Made, Page, Problem};
 use diagnostics::{Diagnostic, Result};
 use workflow::entry::{Entry, Kind};
@@ -26,7 +27,7 @@ const MADE_ELSEWHERE: [&str; 2] = ["real_beam", "real_arm"];
 /// # Errors
 /// A [`Diagnostic`] when a file of the project cannot be read.
 pub fn resolve<U: Universe>(runner: &Runner<U>) -> Result<Result<Vec<Page>, Vec<Problem>>> {
-    let facts = facts(&runner.folders, runner.lists, runner.profile, metrics_file::read(runner)?)?;
+    let facts = facts(&runner.folders, runner.lists, runner.profile, metrics_file::read_or_none(runner)?)?;
     Ok(paper::resolve(&pages(&runner.folders.paper_source())?, &facts))
 }
 
@@ -41,8 +42,10 @@ pub fn unresolved<U: Universe>(folders: &Folders, lists: &[&[Entry<U>]]) -> Resu
 /// Writes the resolved source atomically and returns its path.
 ///
 /// # Errors
-/// A [`Diagnostic`] with every problem of the source, or when a file cannot be read or written.
+/// A [`Diagnostic`] with every problem of the source, when a record is not up to date, or when a file cannot be read or written.
 pub fn write<U: Universe>(runner: &Runner<U>) -> Result<PathBuf> {
+    metrics_file::read(runner)?;
+    outdated::refuse("the paper cannot be built", &outdated::records_and_numbers(runner)?)?;
     let problems = |all: Vec<Problem>| {
         let what = format!("the paper cannot be built: {} problems", all.len());
         let why = all.iter().map(Problem::to_string).collect::<Vec<_>>().join("\n       ");
@@ -101,7 +104,10 @@ fn facts<U: Universe>(
         figures: made(Kind::Figure, "svg").into_iter().chain(real).collect(),
         tables: made(Kind::Table, "csv"),
         cited: paper::cited_keys(&read(&folders.paper_source().join("refs.bib"))?),
-        tests: tests_below(&folders.crates())?,
+        tests: Some(folders.crates())
+            .filter(|crates| crates.exists())
+            .map(|crates| tests_below(&crates))
+            .transpose()?,
         strict: profile == Profile::Paper,
     })
 }

@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 use diagnostics::{Diagnostic, Result, output};
 use rayon::prelude::*;
+use workflow::snakemake::Workflow;
 
 use crate::export::{self, Recording};
 use crate::folder;
@@ -111,7 +112,8 @@ struct Destination {
     /// The project's folder.
     #[arg(long, default_value = ".")]
     root: PathBuf,
-    /// Folder for the specimens. The default is data/raw under the root for the paper profile, target/PROFILE/data/raw for another.
+    /// Folder for the specimens. The default is data/raw under the root for the paper profile, target/PROFILE/data/raw for another. An
+    /// exported workflow is written into INTO/workflow, by default beside data in workflow/recording.
     #[arg(long)]
     into: Option<PathBuf>,
     /// Do not print progress.
@@ -123,6 +125,14 @@ impl Destination {
     /// The folder of a profile's specimens.
     fn folder(&self, profile: &str) -> PathBuf {
         self.into.clone().unwrap_or_else(|| raw_folder(&self.root, profile))
+    }
+
+    /// The folder of a workflow that records them: beside those of the profile, and inside of another folder.
+    fn workflow(&self, profile: &str) -> PathBuf {
+        match &self.into {
+            Some(into) => into.join("workflow"),
+            None => base(&self.root, profile).join("workflow").join("recording"),
+        }
     }
 }
 
@@ -160,8 +170,12 @@ pub fn run() -> ExitCode {
                     .map(|chosen| chosen.into_iter().map(|specimen| Recording::of(specimen, &request)).collect()),
                 Some(count) => known_profile(&profile, &set).map(|()| drawn(&request, count, seed)),
             };
-            match recordings.and_then(|all: Vec<Recording>| export::snakemake(&destination.root, &request, &all)) {
-                Ok(folder) => {
+            let folder = destination.workflow(&profile);
+            let written = |all: Vec<Recording>| export::snakemake(&destination.root, &folder, &request, &all);
+            match recordings.and_then(written) {
+                Ok(Workflow { folder, kept }) => {
+                    kept.iter()
+                        .for_each(|path| output::note(format_args!("kept as it was edited: {}", path.display())));
                     output::line(folder.display());
                     ExitCode::SUCCESS
                 }
@@ -250,8 +264,12 @@ fn fail(error: &Diagnostic, code: u8) -> ExitCode {
 
 /// The folder of a profile's recordings under the project's folder.
 fn raw_folder(root: &Path, profile: &str) -> PathBuf {
-    let base = if profile == "paper" { root.to_owned() } else { root.join("target").join(profile) };
-    base.join("data").join("raw")
+    base(root, profile).join("data").join("raw")
+}
+
+/// The folder of all that is made in a profile.
+fn base(root: &Path, profile: &str) -> PathBuf {
+    if profile == "paper" { root.to_owned() } else { root.join("target").join(profile) }
 }
 
 /// The specimens of these names, or those of the profile if `names` is empty.

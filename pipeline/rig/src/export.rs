@@ -2,13 +2,17 @@
 //!
 //! A job is `rig record --part` or `rig draw --only NUMBER --part`, so that parts lie in the same partial folder and have the same bytes as
 //! those of `rig record`, under the same locks. What Snakemake sees of a part is an empty file, since its checkpoint is gone when the
-//! recording is finished.
+//! recording is finished. It is removed when neither the recording nor the partial folder has the stamp of what is to be recorded.
+//!
+//! Nothing from outside is interpolated into the Snakefile: places, commands and names are read from JSON, and quoted where a shell sees
+//! them.
 
 use std::path::{Path, PathBuf};
 
 use diagnostics::{Diagnostic, Result};
-use serde_json::{Map, Value, json};
-use workflow::snakemake::{path_to, write_workflow};
+use serde_json::{Map, json};
+use workflow::export::path_as_text;
+use workflow::snakemake::{Workflow, as_text, path_to, write_workflow};
 
 use crate::record::{CALIBRATION, Request, STATICS, parts};
 use crate::specimen::{Draw, Specimen};
@@ -18,7 +22,7 @@ use crate::stamp;
 pub(crate) struct Recording {
     name: String,
     /// The arguments of the command that makes it.
-    command: String,
+    command: Vec<String>,
     /// Changes with everything that it is made from.
     stamp: String,
     trials: Vec<String>,
@@ -32,124 +36,134 @@ impl Recording {
             None => format!("record {name} --profile {profile}"),
             Some(Draw { seed, number }) => format!("draw {number} --only {number} --seed {seed} --profile {profile}"),
         };
-        let stamp = blake3::hash(stamp::text(specimen, profile).as_bytes()).to_hex()[..16].to_owned();
-        Self { name, command, stamp, trials: parts(specimen, request).1 }
+        // neither a specimen of the bench nor a profile has a space in its name
+        let command = command.split(' ').map(str::to_owned).collect();
+        Self { name, command, stamp: stamp::text(specimen, profile), trials: parts(specimen, request).1 }
     }
 }
 
-/// Writes the workflow beside the folder of the recordings, in `workflow/recording`, and returns its folder.
+/// Writes the workflow into `folder`, for recordings in the folder of the request.
 ///
 /// # Errors
-/// A [`Diagnostic`] when a folder or file cannot be written.
-pub(crate) fn snakemake(root: &Path, request: &Request, recordings: &[Recording]) -> Result<PathBuf> {
-    let base = request.into.ancestors().nth(2).unwrap_or(request.into);
-    let folder = base.join("workflow").join("recording");
+/// A [`Diagnostic`] when a folder or file cannot be written, or the folder holds what no export wrote.
+pub(crate) fn snakemake(root: &Path, folder: &Path, request: &Request, recordings: &[Recording]) -> Result<Workflow> {
     let whole = |path: &Path| -> Result<PathBuf> {
         let refused = |e| Diagnostic::io(path, e, "choose another folder or correct its permissions");
         std::fs::create_dir_all(path).and_then(|()| path.canonicalize()).map_err(refused)
     };
-    let (project, here, into) = (whole(root)?, whole(&folder)?, whole(request.into)?);
+    let (project, here, into) = (whole(root)?, whole(folder)?, whole(request.into)?);
     let program = std::env::current_exe()?;
-    let places = [
-        path_to(&project, &here),
-        program.strip_prefix(&project).unwrap_or(&program).display().to_string(),
-        into.strip_prefix(&project).unwrap_or(&into).display().to_string(),
-    ];
-    write_workflow(&folder, [("Snakefile", &snakefile(&places, recordings)), ("recordings.json", &list(recordings)?)])?;
-    Ok(folder)
-}
-
-/// Each recording with its command, its stamp and its trials.
-fn list(recordings: &[Recording]) -> Result<String> {
-    let one = |recording: &Recording| {
-        let Recording { name, command, stamp, trials } = recording;
+    let row = |Recording { name, command, stamp, trials }: &Recording| {
         (name.clone(), json!({ "command": command, "stamp": stamp, "trials": trials }))
     };
-    Ok(serde_json::to_string_pretty(&Value::from(recordings.iter().map(one).collect::<Map<_, _>>()))? + "\n")
+    let table = json!({
+        "project": path_to(&project, &here)?,
+        "program": path_as_text(program.strip_prefix(&project).unwrap_or(&program))?,
+        "into": path_as_text(into.strip_prefix(&project).unwrap_or(&into))?,
+        "recordings": recordings.iter().map(row).collect::<Map<_, _>>(),
+    });
+    write_workflow(folder, [("Snakefile", &snakefile()), ("recordings.json", &as_text(&table)?)])
 }
 
 /// What jobs ask for is a wide margin over what was seen in the profile `population`: 31 s for the statics, at most 28 s for a trial, and
 /// 420 MB for two recordings side by side in one process. Parts of the paper's profile were not measured one by one.
-fn snakefile([project, program, into]: &[String; 3], recordings: &[Recording]) -> String {
-    let any = |names: &mut dyn Iterator<Item = &String>| {
-        let mut names: Vec<&str> = names.map(String::as_str).collect();
-        names.sort_unstable();
-        names.dedup();
-        names.join("|").replace('.', r"\.")
-    };
-    format!(
-        r#"# Written by `rig export snakemake`: jobs that make one part of a recording each, and one that finishes it.
+fn snakefile() -> String {
+    SNAKEFILE.replace("STATICS", STATICS).replace("CALIBRATION", CALIBRATION).replace("STAMP", stamp::FILE)
+}
+
+const SNAKEFILE: &str = r#"# Written by `rig export snakemake`: jobs that make one part of a recording each, and one that finishes it.
 import json
+import re
+import shlex
+import shutil
 from pathlib import Path
 
 HERE = Path(workflow.basedir)
-PROJECT = (HERE / "{project}").resolve()
-INTO = PROJECT / "{into}"
-RECORDINGS = json.loads((HERE / "recordings.json").read_text())
-RIG = f"RAYON_NUM_THREADS={{{{threads}}}} {{PROJECT / config.get('rig', '{program}')}} {{{{params.command}}}} --into {{INTO}} --quiet"
-PART = ".made/{{specimen}}/{{part}}"
+PLACES = json.loads((HERE / "recordings.json").read_text(encoding="utf-8"))
+PROJECT = (HERE / PLACES["project"]).resolve()
+INTO = PROJECT / PLACES["into"]
+RECORDINGS = PLACES["recordings"]
+PROGRAM = str(PROJECT / config.get("rig", PLACES["program"]))
+# braces are doubled, since Snakemake fills in names between single ones
+SHELL = shlex.join([PROGRAM]).replace("{", "{{").replace("}", "}}")
+PLACE = shlex.join(["--into", str(INTO), "--quiet"]).replace("{", "{{").replace("}", "}}")
+RIG = "RAYON_NUM_THREADS={threads} " + SHELL + " {params.command} " + PLACE
+PART = ".made/{specimen}/{part}"
 
 
 workdir: str(INTO)
 
 
-def of(key):
-    """What a job's recording has under a key: the command that makes it, or the stamp of what it is made from."""
-    return lambda wildcards: RECORDINGS[wildcards.specimen][key]
+def is_begun(name, stamp):
+    """Whether a recording, or the parts of one, are of what is to be recorded."""
+    places = [INTO / name / "STAMP", INTO / f".{name}.partial" / "STAMP"]
+    return any(place.is_file() and place.read_text(encoding="utf-8") == stamp for place in places)
+
+
+if workflow.is_main_process:
+    for name, recording in RECORDINGS.items():
+        if not is_begun(name, recording["stamp"]):
+            shutil.rmtree(INTO / ".made" / name, ignore_errors=True)
+
+
+def command(wildcards):
+    """The arguments that make a recording."""
+    return shlex.join(RECORDINGS[wildcards.specimen]["command"])
 
 
 def parts(wildcards):
     """The parts of a recording."""
     trials = RECORDINGS[wildcards.specimen]["trials"]
-    return [PART.format(specimen=wildcards.specimen, part=part) for part in ["{CALIBRATION}", *trials]]
+    return [PART.format(specimen=wildcards.specimen, part=part) for part in ["CALIBRATION", *trials]]
+
+
+def any_of(names):
+    """A pattern of names."""
+    return "|".join(sorted(map(re.escape, set(names))))
 
 
 localrules: all
 
 
-wildcard_constraints: specimen=r"{specimens}", trial=r"{trials}"
+wildcard_constraints:
+    specimen=any_of(RECORDINGS),
+    trial=any_of(trial for recording in RECORDINGS.values() for trial in recording["trials"]),
 
 
 rule all:
-    input: [f"{{specimen}}/{stamp}" for specimen in RECORDINGS]
+    input: [PART.format(specimen=specimen, part="recording") for specimen in RECORDINGS]
 
 
 # equilibria and the reduced model, which every trial needs
-rule {STATICS}:
-    output: touch(".made/{{specimen}}/{STATICS}")
-    params: command=of("command"), stamp=of("stamp")
+rule STATICS:
+    output: touch(".made/{specimen}/STATICS")
+    params: command=command
     threads: 2
     resources: mem_mb=lambda wildcards, attempt: 1000 * attempt, runtime=lambda wildcards, attempt: 15 * attempt
-    shell: RIG + " --part {STATICS}"
+    shell: RIG + " --part STATICS"
 
 
 # the film of the checkerboard
-rule {CALIBRATION}:
-    output: touch(".made/{{specimen}}/{CALIBRATION}")
-    params: command=of("command"), stamp=of("stamp")
+rule CALIBRATION:
+    output: touch(".made/{specimen}/CALIBRATION")
+    params: command=command
     resources: mem_mb=lambda wildcards, attempt: 1000 * attempt, runtime=lambda wildcards, attempt: 15 * attempt
-    shell: RIG + " --part {CALIBRATION}"
+    shell: RIG + " --part CALIBRATION"
 
 
 rule trial:
-    input: ".made/{{specimen}}/{STATICS}"
-    output: touch(".made/{{specimen}}/{{trial}}")
-    params: command=of("command"), stamp=of("stamp")
+    input: ".made/{specimen}/STATICS"
+    output: touch(".made/{specimen}/{trial}")
+    params: command=command
     resources: mem_mb=lambda wildcards, attempt: 1000 * attempt, runtime=lambda wildcards, attempt: 15 * attempt
-    shell: RIG + " --part {{wildcards.trial}}"
+    shell: RIG + " --part {wildcards.trial}"
 
 
 # what is left: solids, card, fixture, ground truth
 rule recording:
     input: parts
-    output: update("{{specimen}}/{stamp}")
-    params: command=of("command"), stamp=of("stamp")
+    output: touch(".made/{specimen}/recording")
+    params: command=command
     resources: mem_mb=lambda wildcards, attempt: 1000 * attempt, runtime=lambda wildcards, attempt: 15 * attempt
-    # the date is that of the last part, also where the recording was up to date
-    shell: RIG + " && touch {{output}}"
-"#,
-        specimens = any(&mut recordings.iter().map(|recording| &recording.name)),
-        trials = any(&mut recordings.iter().flat_map(|recording| &recording.trials)),
-        stamp = stamp::FILE,
-    )
-}
+    shell: RIG
+"#;

@@ -23,9 +23,9 @@ pub mod tables;
 use std::path::{Path, PathBuf};
 
 use diagnostics::{Diagnostic, Result};
-use publish::check::Checked;
+use publish::check::{Checked, Results};
 use publish::expected::Expected;
-use publish::{metrics_file, page_file, paper, paper_files, ro_crate, stand_in};
+use publish::{metrics_file, outdated, page_file, paper, paper_files, ro_crate, stand_in};
 use subject::{Specimen, Study};
 use workflow::entry::Entry;
 use workflow::runner::{Folders, Goal, Options, RunSummary};
@@ -46,6 +46,22 @@ pub const MIN_FREE_MEMORY: f64 = 2.0;
 /// # Errors
 /// A [`Diagnostic`] when the settings cannot be read or there is no specimen at all.
 pub fn open(root: &Path, profile: Profile, options: Options) -> Result<(Runner, Vec<Diagnostic>)> {
+    let (runner, unreadable) = open_without_specimens(root, profile, options)?;
+    if runner.universe.specimens.is_empty() && unreadable.is_empty() {
+        return Err(Diagnostic::new(
+            format!("there is no specimen in {}", runner.folders.display(&runner.folders.raw())),
+            "no folder there holds a specimen.toml",
+            "rig record, or add your own actuator",
+        ));
+    }
+    Ok((runner, unreadable))
+}
+
+/// The same of a project that may have no specimen: what was expected of it can be listed.
+///
+/// # Errors
+/// A [`Diagnostic`] when the settings cannot be read.
+pub fn open_without_specimens(root: &Path, profile: Profile, options: Options) -> Result<(Runner, Vec<Diagnostic>)> {
     let folders = Folders::new(root, profile);
     let text = std::fs::read_to_string(folders.settings()).map_err(|e| {
         let what = format!("{} cannot be read", folders.settings().display());
@@ -66,25 +82,41 @@ pub fn run(runner: &Runner, goal: &Goal, fresh: bool) -> Result<RunSummary> {
     runner.run(goal, fresh, &|runner| metrics_file::write(runner).and_then(|()| ro_crate::write(runner)))
 }
 
-/// Writes the numbers, the archive's description and the page of the existing records; returns the page's path.
+/// Writes the numbers, the archive's description and the page of the records that are up to date; returns the page's path.
 ///
 /// # Errors
-/// A [`Diagnostic`] when a file cannot be written or a record is damaged.
-pub fn publish(runner: &Runner) -> Result<PathBuf> {
+/// A [`Diagnostic`] when a record that the goal needs is in the store and not up to date, or when a file cannot be written.
+pub fn publish(runner: &Runner, goal: &Goal) -> Result<PathBuf> {
+    outdated::refuse("nothing is published", &outdated::records(runner, goal)?)?;
     runner.publish(&|runner| metrics_file::write(runner).and_then(|()| ro_crate::write(runner)))?;
     page(runner)
 }
 
-/// Compares the numbers of the last run with expectations and claims.
+/// Compares the numbers of the last run with expectations and claims, and the records with their present inputs.
 ///
 /// # Errors
-/// A [`Diagnostic`] when there has been no run, or a file of `paper/` is not understood.
+/// A [`Diagnostic`] when a file of `paper/` is not understood.
 pub fn check(runner: &Runner) -> Result<Checked> {
-    let expected = Expected::read(&runner.folders.expected(), runner.profile)?;
-    let metrics: Vec<_> = metrics_file::read(runner)?.into_iter().map(|m| expected.judge(m.metric)).collect();
+    let expected = &Expected::read(&runner.folders.expected(), runner.profile)?;
+    let metrics = metrics_file::read_or_none(runner)?.into_iter().map(|m| expected.judge(m.metric));
     let problems = paper_files::resolve(runner)?.err().unwrap_or_default();
     let claims = stand_in::read(&runner.folders.claims(), runner.profile)?;
-    publish::check::check(&metrics, &expected, &claims, &problems)
+    let outdated = outdated::records_and_numbers(runner)?;
+    publish::check::check(&Results {
+        metrics: &metrics.collect::<Vec<_>>(),
+        expected,
+        claims: &claims,
+        problems: &problems,
+        outdated: &outdated,
+    })
+}
+
+/// What is not up to date in the project, a line each with the reason.
+///
+/// # Errors
+/// A [`Diagnostic`] when the expectations cannot be read.
+pub fn outdated(runner: &Runner) -> Result<Vec<String>> {
+    outdated::records_and_numbers(runner)
 }
 
 /// Writes the page that shows everything; returns its path.
@@ -127,22 +159,13 @@ pub fn description() -> String {
 }
 
 fn specimens(folders: &Folders) -> Result<(Vec<Specimen>, Vec<Diagnostic>)> {
-    let raw = folders.raw();
-    let found = lab::folder::list(&raw)?;
-    let (mut specimens, mut unreadable) = (Vec::new(), Vec::new());
-    for folder in &found {
+    let (raw, mut specimens, mut unreadable) = (folders.raw(), Vec::new(), Vec::new());
+    let cards = if raw.exists() { lab::folder::list(&raw)? } else { Vec::new() };
+    for folder in &cards {
         match lab::Specimen::open(folder) {
             Ok(specimen) => specimens.push(Specimen { card: specimen.card.into() }),
             Err(diagnostic) => unreadable.push(diagnostic),
         }
-    }
-    if found.is_empty() {
-        let what = format!("there is no specimen in {}", folders.display(&raw));
-        return Err(Diagnostic::new(
-            what,
-            "no folder there holds a specimen.toml",
-            "rig record, or add your own actuator",
-        ));
     }
     Ok((specimens, unreadable))
 }

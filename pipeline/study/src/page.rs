@@ -1,15 +1,16 @@
-//! The study's part of the page: origin of the data, and the inflated tails in three dimensions.
+//! The study's part of the page: origin of the data, what is not up to date, and the inflated tails in three dimensions.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use diagnostics::Result;
+use publish::outdated;
 use publish::page::{Body, Surface};
 use publish::page_file::Contents;
 use si::{MILLIBAR, Point3};
 use sysid::surfaces::{Bounds, Surfaces};
 use workflow::needs::{RecordReader, id};
 use workflow::record::Record;
-use workflow::runner::Store;
+use workflow::runner::{Goal, Store};
 
 use crate::records::{Inflation, Mesh};
 use crate::subject::Specimen;
@@ -23,10 +24,13 @@ const MAX_FACES: usize = 24_000;
 /// # Errors
 /// A [`diagnostics::Diagnostic`] when a record is not what this version writes.
 pub fn contents(runner: &Runner) -> Result<Contents> {
-    Ok(Contents { note: note(runner), bodies: bodies(runner)?, tails: live::tails(runner)? })
+    let outdated = outdated::records(runner, &Goal::default())?;
+    let note = outdated::in_words(&outdated).map_or_else(String::new, |words| format!(" {words}."));
+    Ok(Contents { note: origin(runner) + &note, bodies: bodies(runner)?, tails: live::tails(runner)? })
 }
 
-fn note(runner: &Runner) -> String {
+/// The specimens and the origin of their data.
+fn origin(runner: &Runner) -> String {
     let specimens = &runner.universe.specimens;
     let names: Vec<&str> = specimens.iter().map(|s| s.card.name.as_str()).collect();
     let of_bench = |s: &&Specimen| s.card.origin == lab::card::Origin::VirtualBench;

@@ -25,12 +25,14 @@
 //! ```
 //!
 //! [`runner`] plans and makes records in parallel, and alone chooses paths, reads clocks and prints. [`columns`] is the table format of
-//! records; [`settings`] reads the settings of a profile; [`stage_graph`] lays out the graph for figures; [`snakemake`] exports it.
+//! records; [`settings`] reads the settings of a profile; [`stage_graph`] lays out the graph for figures; [`snakemake`]
+//! exports it, and [`export`] writes exports of any kind without overwriting what is not theirs.
 //!
 //! Depends on `diagnostics` and `plot`.
 
 pub mod columns;
 pub mod entry;
+pub mod export;
 pub mod figure;
 pub mod metric;
 pub mod needs;

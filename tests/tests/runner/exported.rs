@@ -3,7 +3,7 @@
 use std::fs;
 
 use workflow::runner::Goal;
-use workflow::snakemake::{Export, export};
+use workflow::snakemake::{Export, Workflow, export, update};
 
 use crate::shown::bytes;
 use crate::small::{Project, SETTINGS, summary};
@@ -12,8 +12,7 @@ use crate::small::{Project, SETTINGS, summary};
 fn exported(project: &Project, goal: &[&str]) -> (String, serde_json::Value) {
     let goal = Goal { entries: goal.iter().map(|name| (*name).into()).collect(), group: None };
     let program = project.0.join("target/release/study");
-    let folder =
-        export(&project.runner(SETTINGS), &Export { folder: None, program, card: "specimen.toml", goal }).unwrap();
+    let Workflow { folder, .. } = export(&project.runner(SETTINGS), &Export { folder: None, program, goal }).unwrap();
     assert_eq!(folder, project.0.join("workflow"));
     let text = |name: &str| fs::read_to_string(folder.join(name)).unwrap();
     assert!(text("profiles/slurm/config.v8+.yaml").contains("\nexecutor: slurm\n"));
@@ -26,15 +25,14 @@ fn each_stage_is_a_rule_that_makes_one_record_of_a_specimen() {
     let project = Project::new("rules");
     let (snakefile, records) = exported(&project, &[]);
     for stage in ["letters", "halved", "alone"] {
-        let output = format!("output: update(\"data/processed/{stage}/{{specimen}}/record/record.json\")");
+        let output = format!("output: touch(\"data/processed/.made/{stage}/{{subject}}.done\")");
         assert!(snakefile.contains(&format!("\nrule {stage}:\n")) && snakefile.contains(&output), "{snakefile}");
     }
-    assert!(snakefile.contains("\nrule all:\n    input: \"data/processed/metrics.json\", MANIFESTS\n"), "{snakefile}");
-    assert!(snakefile.contains("specimen=r\"fish\"") && !snakefile.contains("{trial}"), "{snakefile}");
-    let files = serde_json::json!(["settings", "data/raw/fish/cad/body.stl", "data/raw/fish/specimen.toml"]);
-    assert_eq!(records["letters/fish"]["files"], files);
-    assert_eq!(records["halved/fish"]["files"], serde_json::json!(["settings"]));
-    assert_eq!(records["halved/fish"]["records"], serde_json::json!(["letters/fish"]));
+    assert!(snakefile.contains("\nrule all:\n    input: mark(\"published\")\n"), "{snakefile}");
+    let root = project.0.to_str().unwrap();
+    assert!(!snakefile.contains(root) && !snakefile.contains("fish"), "names and places are in JSON: {snakefile}");
+    assert_eq!(records["letters/fish"], serde_json::json!({ "rule": "letters", "reads": [] }));
+    assert_eq!(records["halved/fish"]["reads"], serde_json::json!(["letters/fish"]));
 }
 
 #[test]
@@ -43,6 +41,44 @@ fn a_part_is_exported_with_what_it_reads_and_nothing_else() {
     let (snakefile, records) = exported(&project, &["halved"]);
     assert!(snakefile.contains("rule letters:") && !snakefile.contains("rule alone:"), "{snakefile}");
     assert_eq!(records.as_object().unwrap().len(), 2);
+}
+
+#[test]
+fn marks_are_those_of_the_records_that_the_plan_keeps() {
+    let project = Project::new("marks");
+    exported(&project, &[]);
+    let mark = |name: &str| project.0.join("data/processed/.made").join(name);
+    let marked = |settings: &str| {
+        update(&project.runner(settings), &project.0.join("workflow"), &Goal::default()).unwrap();
+        ["letters/fish.done", "halved/fish.done", "alone/fish.done", "published.done"].map(|name| mark(name).exists())
+    };
+    assert_eq!(marked(SETTINGS), [false; 4]);
+    project.run(SETTINGS);
+    assert_eq!(marked(SETTINGS), [true, true, true, false]);
+    fs::write(mark("published.done"), "").unwrap();
+    assert_eq!(marked(&format!("# a comment\n{SETTINGS}")), [true; 4]);
+    let changed = SETTINGS.replace("[halved]\nstep = 1", "[halved]\nstep = 2");
+    assert_eq!(marked(&changed), [true, false, true, false], "one setting");
+    fs::write(project.0.join("data/raw/fish/cad/body.stl"), "other bytes than before").unwrap();
+    assert_eq!(marked(SETTINGS), [false, false, true, false], "a recording, and what is made from it");
+    fs::remove_file(project.0.join("data/raw/fish/cad/body.stl")).unwrap();
+    assert_eq!(marked(SETTINGS), [false, false, true, false], "a recording that is missing");
+}
+
+#[test]
+fn an_edited_profile_is_kept_and_an_edited_workflow_is_not_overwritten() {
+    let project = Project::new("edited");
+    exported(&project, &[]);
+    let edit = |name: &str| fs::write(project.0.join("workflow").join(name), "mine").unwrap();
+    let again = || {
+        let (program, goal) = (project.0.join("study"), Goal::default());
+        export(&project.runner(SETTINGS), &Export { folder: None, program, goal })
+    };
+    edit("profiles/slurm/config.v8+.yaml");
+    assert_eq!(again().unwrap().kept, [project.0.join("workflow/profiles/slurm/config.v8+.yaml")]);
+    edit("Snakefile");
+    assert!(again().unwrap_err().to_string().contains("it was edited"));
+    assert_eq!(fs::read_to_string(project.0.join("workflow/Snakefile")).unwrap(), "mine");
 }
 
 #[test]

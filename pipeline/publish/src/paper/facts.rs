@@ -20,8 +20,8 @@ pub struct Facts {
     pub tables: Vec<Made>,
     /// Keys of refs.bib.
     pub cited: BTreeSet<String>,
-    /// Names of the project's tests.
-    pub tests: BTreeSet<String>,
+    /// Names of the project's tests; none where its programs lie elsewhere.
+    pub tests: Option<BTreeSet<String>>,
     /// Whether all of them must exist: the paper profile.
     pub strict: bool,
 }
@@ -87,7 +87,7 @@ pub(super) mod tests {
                 elsewhere: false,
             }],
             cited: set("du2021"),
-            tests: set("a_test_that_is"),
+            tests: Some(set("a_test_that_is")),
             strict: false,
         }
     }
