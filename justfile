@@ -102,7 +102,7 @@ check PROFILE="quick": build
     {{programs}}/study check --profile {{PROFILE}} --junit target/check-{{PROFILE}}.xml
 
 # a recording and a part of the quick study by Snakemake with two local jobs, and by Slurm where there is one: the recordings of
-# `rig record` and the records of `study run` to the byte
+# `rig record` and the records of `study run` to the byte; odd paths, refused and killed jobs and later specimens (tests/snakemake.py)
 snakemake: build
     #!/usr/bin/env bash
     set -euo pipefail
@@ -138,6 +138,7 @@ snakemake: build
     }
     snakemake "$base/workflow" local --cores 2
     same snakemake
+    target/snakemake/bin/python tests/snakemake.py
     if ! sinfo --noheader >/dev/null 2>&1; then echo "no Slurm is at hand: its profile is not tested"; exit 0; fi
     target/snakemake/bin/pip install --quiet 'snakemake-executor-plugin-slurm==2.8.0'
     rm -r "$base/data/processed"

@@ -1,6 +1,7 @@
 """The compiled part of `softfish`: plain functions on numpy arrays. Use the classes of `softfish` instead."""
 
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any, final
 
 import numpy as np
@@ -27,7 +28,7 @@ from softfish._records import (
 _Array = npt.NDArray[np.float64]
 _Ints = npt.NDArray[np.int64]
 
-__all__ = ["MATERIALS", "Case", "Mesh", "ReducedModel", "Solver", "Trajectory", "box_mesh", "calibrate", "fit", "run_case", "track"]
+__all__ = ["MATERIALS", "Case", "Mesh", "ReducedModel", "Solver", "Trajectory", "box_mesh", "calibrate", "fit", "require_record", "run_case", "track"]
 
 MATERIALS: list[str]
 
@@ -133,3 +134,4 @@ def fit(
 ) -> tuple[str, Any, list[tuple[str, list[tuple[str, str]], list[float], list[float], float, bool]]]: ...
 def run_case(path: str, out: str | None, quiet: bool) -> tuple[Any, int, int]: ...
 def box_mesh(size: tuple[float, float, float], cells: tuple[int, int, int], kind: str) -> BoxMesh: ...
+def require_record(root: Path, profile: str, name: str) -> None: ...

@@ -10,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
+from softfish import _core
 from softfish._errors import InputError
 from softfish._optional import optional
 
@@ -61,11 +62,16 @@ class Record:
 class Project:
     """A project of the command line: its folder, and one of its profiles."""
 
-    def __init__(self, folder: str | os.PathLike[str] = ".", profile: Literal["paper", "quick"] = "paper") -> None:
+    def __init__(
+        self, folder: str | os.PathLike[str] = ".", profile: Literal["paper", "quick", "population"] = "paper"
+    ) -> None:
         root = Path(folder)
         if not (root / "study.toml").is_file():
             raise InputError(f"{root} is no project", "it has no study.toml", "name the folder that `study init` wrote")
-        base = root if profile == "paper" else root / "target" / "quick"
+        if profile not in ("paper", "quick", "population"):
+            raise InputError(f"there is no profile {profile!r}", "there are paper, quick, population", "name one of them")
+        self._root, self._profile = root, profile
+        base = root if profile == "paper" else root / "target" / profile
         #: The folder of its records.
         self.processed = base / "data" / "processed"
 
@@ -74,11 +80,18 @@ class Project:
         found = sorted(path.parent.relative_to(self.processed).as_posix() for path in self.processed.glob("**/record"))
         return [name for name in found if stage is None or name.split("/")[0] == stage]
 
-    def record(self, stage: str, specimen: str | None = None, item: str | None = None) -> Record:
-        """The record of a stage: of one `specimen`, of an `item` of it, or of the whole project."""
+    def record(
+        self, stage: str, specimen: str | None = None, item: str | None = None, *, stale: bool = False
+    ) -> Record:
+        """The record of a stage: of one `specimen`, of an `item` of it, or of the whole project.
+
+        One that is not of the present cards, settings and recordings is refused, as `study plan` has it; with `stale` it is read as it is.
+        """
         name = "/".join(part for part in (stage, specimen or "all", item) if part)
         folder = self.processed / name / "record"
         if not folder.is_dir():
             known = ", ".join(self.records(stage) or self.records()) or "none"
             raise InputError(f"there is no record `{name}`", f"there are {known}", f"make it: study run {stage}")
+        if not stale:
+            _core.require_record(self._root, self._profile, name)
         return Record(folder)

@@ -14,6 +14,7 @@ mod inputs;
 mod interrupt;
 mod mesh;
 mod motion;
+mod project;
 mod reduced;
 mod solver;
 mod statics;
@@ -33,5 +34,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(film::track, module)?)?;
     module.add_function(wrap_pyfunction!(fit::fit, module)?)?;
     module.add_function(wrap_pyfunction!(mesh::box_mesh, module)?)?;
+    module.add_function(wrap_pyfunction!(project::require_record, module)?)?;
     module.add("MATERIALS", fem::materials::ALL.iter().map(|law| law.name()).collect::<Vec<_>>())
 }

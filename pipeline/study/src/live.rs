@@ -29,7 +29,8 @@ const DRY: (f64, usize) = (998.0, 30);
 /// A [`diagnostics::Diagnostic`] when a record is missing or stale, or a law is none that a twin has.
 pub fn twin(runner: &Runner, specimen: &Specimen, rest: Option<&[Point2]>) -> Result<TwinData> {
     // masses are of the card, moduli of the records: both must be of the same card
-    runner.require(&<Inputs as Needs<Specimen>>::ids(specimen))?;
+    let records = <Inputs as Needs<Specimen>>::ids(specimen);
+    runner.require(&records.iter().map(ToString::to_string).collect::<Vec<_>>())?;
     let ((mesh, identified, reduced), relaxation, Maybe(drag)) =
         <Inputs as Needs<Specimen>>::read(specimen, &Store::new(&runner.folders))?;
     let body = Body::of(&specimen.card);

@@ -49,9 +49,11 @@ pub fn task<U: Universe>(runner: &Runner<U>, all: Vec<Job<U>>, names: &[String])
 /// Holds that these records and all that they read are up to date.
 ///
 /// # Errors
-/// A [`Diagnostic`] that names the first that is not.
-pub fn require<U: Universe>(runner: &Runner<U>, all: Vec<Job<U>>, ids: &[RecordId]) -> Result<()> {
-    let needed = reached(&all, ids.iter().cloned().collect());
+/// A [`Diagnostic`] when there is no such record, or that names the first that is not up to date.
+pub fn require<U: Universe>(runner: &Runner<U>, all: Vec<Job<U>>, names: &[String]) -> Result<()> {
+    let named = named(&all, names)?;
+    let stages: Vec<&str> = named.iter().map(|id| id.stage).collect();
+    let needed = reached(&all, named.clone());
     let jobs: Vec<Job<U>> = all.into_iter().filter(|job| needed.contains(&job.id)).collect();
     let actions = judge(runner, &jobs).actions;
     match jobs.iter().zip(&actions).find(|(_, action)| !action.keeps()) {
@@ -59,7 +61,7 @@ pub fn require<U: Universe>(runner: &Runner<U>, all: Vec<Job<U>>, ids: &[RecordI
         Some((job, action)) => Err(Diagnostic::new(
             format!("record `{}` is not up to date", job.id),
             action.in_words(),
-            format!("study run {}", ids.iter().map(|id| id.stage).collect::<Vec<_>>().join(" ")),
+            format!("study run {}", stages.join(" ")),
         )),
     }
 }

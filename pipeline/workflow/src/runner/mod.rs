@@ -40,7 +40,6 @@ use rayon::prelude::*;
 
 use crate::entry::Entry;
 use crate::metric::Metric;
-use crate::needs::RecordId;
 use crate::settings::{Profile, Settings};
 use crate::stage::{RawFile, StageContext};
 use crate::stage_graph::StageGraph;
@@ -233,13 +232,13 @@ impl<U: Universe> Runner<U> {
         Ok(plan::outdated(self, &self.jobs_of(goal)?))
     }
 
-    /// Holds that these records and all that they read are up to date: what is made from them is of one state of cards, settings and
-    /// recordings.
+    /// Holds that these records, named `stage/subject`, and all that they read are up to date: what is made from them is of one state of
+    /// cards, settings and recordings.
     ///
     /// # Errors
     /// A [`Diagnostic`] that names the first record that is missing or stale, with the reason and the command that makes it.
-    pub fn require(&self, ids: &[RecordId]) -> Result<()> {
-        make::require(self, self.jobs_of(&Goal::default())?, ids)
+    pub fn require(&self, names: &[String]) -> Result<()> {
+        make::require(self, self.jobs_of(&Goal::default())?, names)
     }
 
     /// The dependency tree of the stages, with how many records of each a run would keep and make.
@@ -332,6 +331,7 @@ pub fn inspection_context<'a>(folders: &'a Folders, raw: &'a [RawFile]) -> impl 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::needs::RecordId;
     use crate::testing::{CHAIN, Whole, runner};
     use std::path::PathBuf;
 
