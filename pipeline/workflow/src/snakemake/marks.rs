@@ -11,8 +11,8 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use diagnostics::{Diagnostic, Result};
 use serde_json::{Map, Value, json};
 
-use super::rules::rule_name;
 use super::{as_text, below};
+use crate::entry::{Entry, Kind};
 use crate::runner::{Folders, Goal, Job, Runner, kept, write_atomically};
 use crate::subject::Universe;
 
@@ -59,6 +59,15 @@ fn table<U: Universe>(jobs: &[Job<U>]) -> Result<String> {
         (job.id.to_string(), json!({ "rule": rule_name(job.entry), "reads": reads }))
     };
     as_text(&Value::from(jobs.iter().map(row).collect::<Map<_, _>>()))
+}
+
+/// A stage by its name, a figure and a table by what it is as well: a stage may share the name of the figure that shows it.
+pub(super) fn rule_name<U>(entry: &Entry<U>) -> String {
+    match entry.kind {
+        Kind::Stage => entry.name.into(),
+        Kind::Figure => format!("figure_{}", entry.name),
+        Kind::Table => format!("table_{}", entry.name),
+    }
 }
 
 /// Sets or removes a mark; whether it was otherwise before.

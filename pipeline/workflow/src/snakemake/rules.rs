@@ -1,6 +1,6 @@
 //! The Snakefile: its head, and a rule for each stage, figure or table.
 
-use super::marks::{PUBLICATION, TABLE, mark};
+use super::marks::{PUBLICATION, TABLE, mark, rule_name};
 use super::resources::Resources;
 use crate::entry::{Entry, Kind};
 use crate::runner::{Job, Measured, Runner, Store};
@@ -100,13 +100,4 @@ fn rule<U: Universe>(runner: &Runner<U>, entry: &Entry<U>, jobs: &[&Job<U>]) -> 
     line(format!("resources: mem_mb={}, runtime={}", twice(asked.memory), twice(asked.runtime)));
     line("shell: SHELL + \" --threads {threads} make {params.record}\"".into());
     text
-}
-
-/// A stage by its name, a figure and a table by what it is as well: a stage may share the name of the figure that shows it.
-pub(super) fn rule_name<U>(entry: &Entry<U>) -> String {
-    match entry.kind {
-        Kind::Stage => entry.name.into(),
-        Kind::Figure => format!("figure_{}", entry.name),
-        Kind::Table => format!("table_{}", entry.name),
-    }
 }
