@@ -62,7 +62,7 @@ fn run(cli: &Cli) -> Result<bool> {
         }
         Command::Run { names, specimen, fresh } => {
             let (runner, diagnostics) = open()?;
-            readable(&diagnostics, specimen.as_deref())?;
+            study::readable(&diagnostics, specimen.as_deref())?;
             let goal = Goal { entries: names.clone(), group: specimen.clone() };
             if !cli.place.quiet {
                 cli::pictures::left_out(&runner, &goal).iter().for_each(output::note);
@@ -78,7 +78,7 @@ fn run(cli: &Cli) -> Result<bool> {
         }
         Command::Make { records } => {
             let (runner, diagnostics) = open()?;
-            records.iter().try_for_each(|record| readable(&diagnostics, record.split('/').nth(1)))?;
+            records.iter().try_for_each(|record| study::readable(&diagnostics, record.split('/').nth(1)))?;
             Ok(runner.make(records)?.is_complete())
         }
         Command::Publish { names } => {
@@ -96,7 +96,7 @@ fn run(cli: &Cli) -> Result<bool> {
         }
         Command::Plan { names, specimen, graph, schedule } => {
             let (runner, diagnostics) = open()?;
-            readable(&diagnostics, specimen.as_deref())?;
+            study::readable(&diagnostics, specimen.as_deref())?;
             let goal = Goal { entries: names.clone(), group: specimen.clone() };
             match schedule.is_empty() {
                 true => plan(&runner, &goal, graph.as_ref())?,
@@ -180,7 +180,7 @@ fn run(cli: &Cli) -> Result<bool> {
         }
         Command::Export { what: Exported::Twin { name, folder } } => {
             let (runner, diagnostics) = open()?;
-            readable(&diagnostics, Some(name))?;
+            study::readable(&diagnostics, Some(name))?;
             let ExportedTwin { folder, kept } = cli::twin::export(&runner, name, folder.as_deref())?;
             exported(&folder, &kept);
             Ok(report(&diagnostics))
@@ -217,13 +217,6 @@ fn options(place: &Place) -> Options {
 
 fn open(place: &Place) -> Result<(Runner, Vec<Diagnostic>)> {
     study::open(&place.root, place.profile.into(), options(place))
-}
-
-/// Holds that the card of a specimen that was asked for could be read: its own diagnostic says more than that there is no specimen.
-fn readable(diagnostics: &[Diagnostic], specimen: Option<&str>) -> Result<()> {
-    let folder = |d: &Diagnostic| Some(d.location.as_ref()?.file.parent()?.file_name()?.to_owned());
-    let own = diagnostics.iter().find(|d| specimen.is_some_and(|name| folder(d).is_some_and(|folder| folder == name)));
-    own.map_or(Ok(()), |diagnostic| Err(diagnostic.clone()))
 }
 
 /// Prints the plan, as a list or a tree, or draws it.

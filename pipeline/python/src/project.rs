@@ -16,6 +16,10 @@ const OPTIONS: Options = Options { quiet: true, jobs: None, memory: None, keep_g
 #[pyfunction]
 pub(crate) fn require_record(py: Python<'_>, root: PathBuf, profile: &str, name: String) -> PyResult<()> {
     let profile = Profile::ALL.into_iter().find(|known| known.name() == profile).unwrap_or(Profile::Paper);
-    let held: Result<()> = py.detach(|| study::open(&root, profile, OPTIONS)?.0.require(&[name]));
-    held.map_err(|diagnostic| of_diagnostic(&diagnostic, Kind::Input))
+    let require = || -> Result<()> {
+        let (runner, unreadable) = study::open(&root, profile, OPTIONS)?;
+        study::readable(&unreadable, name.split('/').nth(1))?;
+        runner.require(&[name])
+    };
+    py.detach(require).map_err(|diagnostic| of_diagnostic(&diagnostic, Kind::Input))
 }

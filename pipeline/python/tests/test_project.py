@@ -34,15 +34,21 @@ def test_a_record_gives_its_tables_arrays_and_scalars(project: Path) -> None:
 def test_a_record_that_is_not_of_the_present_cards_is_refused(project: Path) -> None:
     with pytest.raises(sf.InputError, match="there is no specimen"):
         sf.Project(project).record("identify", "tail")
-    card = project / "data" / "raw" / "tail" / "specimen.toml"
+    card = project / "data" / "raw" / "fish" / "specimen.toml"
     card.parent.mkdir(parents=True)
     source = SOURCE.parent
     shutil.copy(source / "study" / "tests" / "card.toml", card)
     shutil.copy(source.parent / "study.toml", project / "study.toml")
-    (project / "data" / "processed" / "identify" / "tail").rename(project / "data" / "processed" / "identify" / "fish")
+    mesh = project / "data" / "processed" / "mesh"
+    mesh.mkdir()
+    (project / "data" / "processed" / "identify" / "tail").rename(mesh / "fish")
     with pytest.raises(sf.InputError, match="is not up to date"):
-        sf.Project(project).record("identify", "fish")
-    assert sf.Project(project).record("identify", "fish", stale=True).tables == ["levels"]
+        sf.Project(project).record("mesh", "fish")
+    text = card.read_text()
+    card.write_text(text.replace("length = 0.1", "length = -0.1"))
+    with pytest.raises(sf.InputError, match="specimen.toml"):
+        sf.Project(project).record("mesh", "fish")
+    assert sf.Project(project).record("mesh", "fish", stale=True).tables == ["levels"]
 
 
 def test_a_record_that_is_not_there_says_which_are(project: Path) -> None:

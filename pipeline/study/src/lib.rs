@@ -74,6 +74,16 @@ pub fn open_without_specimens(root: &Path, profile: Profile, options: Options) -
     Ok((Runner { lists: LISTS, universe, settings, profile, folders, options }, unreadable))
 }
 
+/// Holds that the card of a specimen that was asked for could be read: its own diagnostic says more than that there is no specimen.
+///
+/// # Errors
+/// The [`Diagnostic`] of its card.
+pub fn readable(diagnostics: &[Diagnostic], specimen: Option<&str>) -> Result<()> {
+    let folder = |d: &Diagnostic| Some(d.location.as_ref()?.file.parent()?.file_name()?.to_owned());
+    let own = diagnostics.iter().find(|d| specimen.is_some_and(|name| folder(d).is_some_and(|folder| folder == name)));
+    own.map_or(Ok(()), |diagnostic| Err(diagnostic.clone()))
+}
+
 /// Makes every stale record that the goal needs, then the numbers, the archive's description and the page.
 ///
 /// # Errors
