@@ -70,6 +70,9 @@ pub struct Options {
     /// of each point's, against volumetric locking of 10-node elements close to ν = 0.5. It has no effect on 4-node
     /// elements, which have a single point. Regions beyond the list do without.
     pub mean_dilatation: Vec<bool>,
+    /// Of hexahedra of second order: the share of the μ part of the energy that is integrated at 3³ points instead of 2³; 0.25 where none is
+    /// given. Without any, the mesh has modes that cost no energy.
+    pub shear_share: Option<f64>,
     /// Attached masses.
     pub masses: Masses,
     /// Self-contact of chamber walls; without it they pass through each other.
@@ -103,7 +106,7 @@ impl Masses {
         self
     }
 
-    /// Adds a layer of `per_area` (kg/m²) on a side of an element, 3, 4 or 6 nodes of `mesh`, lumped by the diagonal of
+    /// Adds a layer of `per_area` (kg/m²) on a side of an element, 3, 4, 6 or 8 nodes of `mesh`, lumped by the diagonal of
     /// its own mass matrix, so that every nodal mass is positive.
     ///
     /// # Panics

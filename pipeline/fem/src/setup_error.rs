@@ -243,9 +243,17 @@ pub enum SetupError {
         /// What was given, Pa.
         pressure: Pascal,
     },
+    /// A share of the μ part outside its range.
+    #[error(
+        "the share of the shear energy at finer points is {share}\n  why: it lies between 0 and 1; 0.25 holds thin walls beyond their buckle\n  do:  correct `shear_share`"
+    )]
+    ShearShare {
+        /// What was given.
+        share: f64,
+    },
     /// Chamber faces of another order than the elements.
     #[error(
-        "chamber {chamber} has faces of {face} nodes on elements of {element}\n  why: 3-node faces belong to 4-node tetrahedra, 6-node faces to 10-node ones; hexahedra have no chambers\n  do:  give both in one order"
+        "chamber {chamber} has faces of {face} nodes on elements of {element}\n  why: 3-node faces belong to 4-node tetrahedra, 6-node faces to 10-node ones, 8-node faces to 20-node hexahedra; 8-node hexahedra have no chambers\n  do:  give both in one order"
     )]
     MixedOrders {
         /// Which chamber.

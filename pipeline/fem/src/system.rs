@@ -4,7 +4,7 @@
 //! shared by all solvers on all threads.
 
 use crate::assembly::mass::{Mass, MassAssembly, ShapeProducts};
-use crate::assembly::reference::ReferenceElements;
+use crate::assembly::reference::{ReferenceElements, SHEAR_SHARE};
 use crate::contact::SelfContact;
 use crate::loads::ChamberPressure;
 use crate::mesh::Mesh;
@@ -61,7 +61,9 @@ impl System {
         options.contact.map_or(Ok(()), |contact| validation::contact(&mesh, contact))?;
         let clamps = clamps.with_symmetry(&mesh);
         let graph = mesh.graph();
-        let reference = ReferenceElements::new(&mesh);
+        let shear_share = options.shear_share.unwrap_or(SHEAR_SHARE);
+        validation::shear_share(shear_share)?;
+        let reference = ReferenceElements::new(&mesh, shear_share);
         validation::elements(&mesh, &reference, &graph)?;
         validation::constraints(&mesh, &graph, &clamps)?;
         let chambers = chambers(&mesh, &graph)?;

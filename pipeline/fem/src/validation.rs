@@ -1,10 +1,10 @@
 //! Validation of a mesh, its properties and its constraints before anything is solved.
 
 use crate::assembly::reference::ReferenceElements;
-use crate::assembly::shape_functions::{CUBE_EDGES, EDGES, SIDES};
+use crate::assembly::shape_functions::{CUBE_EDGES, EDGES, QUADRILATERAL_SIDES, SIDES};
 use crate::contact::Contact;
 use crate::mesh::clamps::Clamps;
-use crate::mesh::{Chamber, Faces, Mesh};
+use crate::mesh::{Chamber, Mesh};
 use crate::properties::{Masses, RegionProperties};
 use crate::setup_error::{LARGEST, SMALLEST, SetupError, THINNEST};
 use materials::Relaxation;
@@ -50,7 +50,7 @@ pub(crate) fn elements(mesh: &Mesh, reference: &ReferenceElements, graph: &NodeG
     for element in 0..mesh.elements.len() {
         let volume = reference.volumes[element];
         let corner = |n: usize| mesh.nodes[mesh.elements.nodes(element)[n] as usize];
-        let edges: &[(usize, usize)] = if mesh.elements.nodes_each() == 8 { &CUBE_EDGES } else { &EDGES };
+        let edges: &[(usize, usize)] = if matches!(mesh.elements.nodes_each(), 8 | 20) { &CUBE_EDGES } else { &EDGES };
         let longest = edges.iter().map(|&(a, b)| vec3::norm(vec3::sub(corner(b), corner(a)))).fold(0.0, f64::max);
         let ratio = volume / longest.powi(3);
         if ratio.is_nan() || ratio.abs() < THINNEST {
@@ -164,6 +164,11 @@ pub(crate) fn contact(mesh: &Mesh, Contact { range, pressure }: Contact) -> Resu
     Ok(())
 }
 
+/// Checks the range of the share of the μ part that is integrated at finer points.
+pub(crate) fn shear_share(share: f64) -> Result<(), SetupError> {
+    if (0.0..=1.0).contains(&share) { Ok(()) } else { Err(SetupError::ShearShare { share }) }
+}
+
 /// Checks that every connected part is constrained against all six rigid motions.
 pub(crate) fn constraints(mesh: &Mesh, graph: &NodeGraph, clamps: &Clamps) -> Result<(), SetupError> {
     let constrained: BTreeMap<u32, [bool; 3]> = clamps.iter().collect();
@@ -210,15 +215,16 @@ fn rigid(at: [f64; 3], axis: usize) -> Vector6<f64> {
 
 /// Checks that a chamber's surface is closed, except for edges on the symmetry plane.
 pub(crate) fn closed(mesh: &Mesh, index: usize, chamber: &Chamber) -> Result<(), SetupError> {
-    let (face, element) = (if matches!(chamber.faces, Faces::Linear(_)) { 3 } else { 6 }, mesh.elements.nodes_each());
-    if [(3, 4), (6, 10)].iter().all(|pair| *pair != (face, element)) {
+    let (face, element) = (chamber.faces.nodes_each(), mesh.elements.nodes_each());
+    if [(3, 4), (6, 10), (8, 20)].iter().all(|pair| *pair != (face, element)) {
         return Err(SetupError::MixedOrders { chamber: index, face, element });
     }
+    let sides: &[(usize, usize)] = if face == 8 { &QUADRILATERAL_SIDES } else { &SIDES };
     let size = mesh.size();
     let mut edges: BTreeMap<[u32; 2], (i32, usize)> = BTreeMap::new();
     for face in 0..chamber.faces.len() {
         let nodes = chamber.faces.nodes(face);
-        for (a, b) in SIDES {
+        for &(a, b) in sides {
             let (from, to) = (nodes[a], nodes[b]);
             let (key, sign) = if from < to { ([from, to], 1) } else { ([to, from], -1) };
             let entry = edges.entry(key).or_insert((0, face));

@@ -13,16 +13,26 @@ const HEIGHT: f64 = 0.002;
 const CONTACT: Contact = Contact { range: 5e-4, pressure: 4e3 };
 
 /// A block of 40 × 40 × 8 mm, half of it in z, whose chamber has a roof of 1 mm.
-fn block() -> Mesh {
+fn block(hexahedra: bool) -> Mesh {
     let air = |cell: [usize; 3]| (2..10).contains(&cell[0]) && cell[1] == 1 && cell[2] < 4;
-    let level = |at: f64| [0.0, 0.005, 0.005 + HEIGHT, 0.006 + HEIGHT][(3.0 * at).round() as usize];
+    let levels = [0.0, 0.005, 0.005 + HEIGHT, 0.006 + HEIGHT];
+    // between two levels where the middle of an edge lies
+    let level =
+        |at: f64| 0.5 * (levels[(3.0 * at + 0.01).floor() as usize] + levels[(3.0 * at - 0.01).ceil() as usize]);
     let place = |at: [f64; 3]| [0.04 * at[0], level(at[1]), 0.02 * at[2]];
-    box_mesh::to_quadratic(&box_mesh::grid([12, 3, 6], true, place, |cell| (!air(cell)).then_some(0)))
+    let region = |cell| (!air(cell)).then_some(0);
+    match hexahedra {
+        true => box_mesh::quadratic_hexahedra([12, 3, 6], true, place, region),
+        false => box_mesh::to_quadratic(&box_mesh::grid([12, 3, 6], true, place, region)),
+    }
 }
 
 /// [`block`] of rubber, its floor clamped.
 fn body(contact: Option<Contact>) -> Result<System, SetupError> {
-    let mesh = block();
+    rubber(block(false), contact)
+}
+
+fn rubber(mesh: Mesh, contact: Option<Contact>) -> Result<System, SetupError> {
     let clamps = Clamps::where_nodes(&mesh, [true; 3], |at| at[1] < 1e-9);
     let rubber = RegionProperties::elastic(materials::by_name("neo_hookean").unwrap(), 2e5, 0.45, 1070.0);
     System::with(mesh, vec![rubber], clamps, Options { contact, ..Options::default() })
@@ -35,22 +45,41 @@ fn middle(system: &System, y: f64) -> usize {
     (0..nodes.len()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap()
 }
 
-/// Height of the chamber in the middle, m.
+/// Height of the chamber in the middle, m: the mean over the middles of edges in a patch. A wall is wavy between corners, whose part in the
+/// mean of a face of second order is small and negative.
 fn gap(system: &System, u: &[f64]) -> f64 {
-    let [floor, roof] = [0.005, 0.005 + HEIGHT].map(|y| 3 * middle(system, y) + 1);
-    HEIGHT + u[roof] - u[floor]
+    let nodes = &system.mesh().nodes;
+    let half_cells = |at: [f64; 3]| [at[0] / 0.04 * 24.0, at[2] / 0.02 * 12.0].map(|x| x.round() as usize);
+    let mean = |y: f64| {
+        let is_middle = |at: [f64; 3]| half_cells(at).iter().sum::<usize>() % 2 == 1;
+        let is_near = |at: [f64; 3]| (at[0] - 0.02).abs() + at[2] < 0.004 && (at[1] - y).abs() < 1e-9;
+        let near = |n: &usize| is_near(nodes[*n]) && is_middle(nodes[*n]);
+        let heights: Vec<f64> = (0..nodes.len()).filter(near).map(|n| u[3 * n + 1]).collect();
+        heights.iter().sum::<f64>() / heights.len() as f64
+    };
+    HEIGHT + mean(0.005 + HEIGHT) - mean(0.005)
 }
 
 #[test]
 fn a_roof_under_suction_comes_to_rest_where_its_floor_presses_back_as_much() {
+    for hexahedra in [false, true] {
+        press(&rubber(block(hexahedra), Some(CONTACT)).unwrap());
+    }
+    // without contact the roof passes through the floor
     let system = body(Some(CONTACT)).unwrap();
+    let found = [body(None).unwrap(), system.without_contact()]
+        .map(|without| without.solver().equilibrium(&[-1000.0], None, &StaticSettings::default()).unwrap());
+    assert!(gap(&system, &found[0].displacement) < -0.5 * HEIGHT && found[0] == found[1]);
+}
+
+fn press(system: &System) {
     let mut solver = system.solver();
     assert!(!system.walls_touch(&vec![0.0; 3 * system.mesh().nodes.len()]));
     let mut start: Option<Vec<f64>> = None;
     for suction in [200.0, 1000.0, 4000.0, 8000.0] {
         let found = solver.equilibrium(&[-suction], start.as_deref(), &StaticSettings::default()).unwrap();
         assert!(found.residual < 1e-6, "{}", found.residual);
-        let (gap, c) = (gap(&system, &found.displacement), CONTACT.range);
+        let (gap, c) = (gap(system, &found.displacement), CONTACT.range);
         // p(g) = 2π k g (c/g − 1)³ with p(c/2) given; the roof is flat in the middle
         let pressure = 2.0 * PI * CONTACT.pressure / (PI * c) * gap * (c / gap - 1.0).powi(3);
         assert!(suction < 4000.0 || (pressure / suction - 1.0).abs() < 0.1, "{suction}: {gap} {pressure}");
@@ -58,18 +87,19 @@ fn a_roof_under_suction_comes_to_rest_where_its_floor_presses_back_as_much() {
         assert!(!system.without_contact().walls_touch(&found.displacement));
         start = Some(found.displacement);
     }
-    // without contact the roof passes through the floor
-    let found = [body(None).unwrap(), system.without_contact()]
-        .map(|without| without.solver().equilibrium(&[-1000.0], None, &StaticSettings::default()).unwrap());
-    assert!(gap(&system, &found[0].displacement) < -0.5 * HEIGHT && found[0] == found[1]);
 }
 
 #[test]
 fn adjoint_and_sensitivity_of_a_body_in_contact_are_differences() {
-    let system = body(Some(CONTACT)).unwrap();
+    for hexahedra in [false, true] {
+        differ(&rubber(block(hexahedra), Some(CONTACT)).unwrap());
+    }
+}
+
+fn differ(system: &System) {
     let settings = StaticSettings { tolerance: 1e-11, ..StaticSettings::default() };
     let mut solver = system.solver();
-    let row = 3 * middle(&system, 0.006 + HEIGHT) + 1;
+    let row = 3 * middle(system, 0.006 + HEIGHT) + 1;
     let first = solver.equilibrium(&[-1500.0], None, &settings).unwrap();
     let mut at = |e: f64, pressure: f64| {
         solver.set_elastic(0, e, 0.45).unwrap();
@@ -82,7 +112,7 @@ fn adjoint_and_sensitivity_of_a_body_in_contact_are_differences() {
     let mut along = vec![0.0; first.displacement.len()];
     along[row] = 1.0;
     let gradient = solver.adjoint(&first, &along).unwrap()[0].youngs_modulus;
-    assert!((gradient / by_modulus - 1.0).abs() < 1e-5, "{gradient:e} {by_modulus:e}");
+    assert!((gradient / by_modulus - 1.0).abs() < 3e-5, "{gradient:e} {by_modulus:e}");
     let sensitivity = solver.sensitivity(&first, Parameter::Pressure(0)).unwrap()[row];
     assert!((sensitivity / by_pressure - 1.0).abs() < 1e-5, "{sensitivity:e} {by_pressure:e}");
 }

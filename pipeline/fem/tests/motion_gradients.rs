@@ -23,7 +23,7 @@ fn system() -> System {
     let is = RegionProperties::elastic(material, 2.1e5, 0.45, 1e3);
     let clamps = Clamps::below_x(&mesh, 1e-9);
     let masses = Masses::none().on_node(far_node(&mesh) as u32, 1e-3);
-    let options = Options { masses, mean_dilatation: vec![true], lumped_mass: false, contact: None };
+    let options = Options { masses, mean_dilatation: vec![true], ..Options::default() };
     System::with(
         mesh,
         vec![is.clone(), RegionProperties { youngs_modulus: 1e7, poissons_ratio: 0.35, ..is }],

@@ -58,6 +58,11 @@ impl Moduli {
         Self { lambda: self.lambda, ..Self::default() }
     }
 
+    /// A share of the moduli of shape change, and one of λ.
+    pub fn shared(self, shear: f64, bulk: f64) -> Self {
+        Self { lambda: bulk * self.lambda, ..self.scaled(shear) }
+    }
+
     /// μ, λ, C₂₀, C₃₀.
     pub fn to_array(self) -> [Pascal; 4] {
         [self.mu, self.lambda, self.stiffening[0], self.stiffening[1]]

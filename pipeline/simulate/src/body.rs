@@ -44,7 +44,13 @@ impl<'a> Body<'a> {
         let forces = forces(case, loaded, &mesh, &clamps)?;
         let lumped_mass = case.dynamic.as_ref().is_some_and(|set| set.lumped_mass);
         let contact = case.contact.map(|set| Contact { range: set.range, pressure: set.pressure });
-        let options = Options { lumped_mass, mean_dilatation, masses: masses(case, &reach, &mesh)?, contact };
+        let options = Options {
+            lumped_mass,
+            mean_dilatation,
+            masses: masses(case, &reach, &mesh)?,
+            contact,
+            ..Options::default()
+        };
         let system = System::with(mesh, properties, &clamps, options)?;
         let numbers = numbers(case, solid, cavities)?;
         let mut notes = unnamed(&numbers, cavities);

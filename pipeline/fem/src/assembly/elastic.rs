@@ -32,6 +32,9 @@ impl Elastic {
     }
 }
 
+/// Pairs of nodes (a ≥ b) of the largest element.
+const MAX_PAIRS: usize = 20 * 21 / 2;
+
 /// The domain of assembly, and the laws and constants on it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Body<'a> {
@@ -69,6 +72,7 @@ macro_rules! by_order {
         match $body.mesh.elements.nodes_each() {
             4 => $body.$method::<4>($($argument),*),
             8 => $body.$method::<8>($($argument),*),
+            20 => $body.$method::<20>($($argument),*),
             _ => $body.$method::<10>($($argument),*),
         }
     };
@@ -129,8 +133,9 @@ impl Body<'_> {
     fn for_each_mean_gradient_of<const N: usize>(&self, u: &[f64], visit: &mut dyn FnMut(&[u32], Matrix3<f64>)) {
         for (element, nodes, elastic) in self.elements::<N>() {
             let moved = element_values(nodes, u);
+            let points = self.points::<N>(element).zip(&self.reference.shares);
             let sum: Matrix3<f64> =
-                self.points::<N>(element).map(|(gradients, weight)| deformation(gradients, &moved) * weight).sum();
+                points.map(|((gradients, weight), shares)| deformation(gradients, &moved) * (weight * shares[0])).sum();
             visit(nodes, sum * elastic.moduli.mu);
         }
     }
@@ -146,9 +151,9 @@ impl Body<'_> {
     fn mean<const N: usize>(&self, element: usize) -> ([Point3; N], f64) {
         let volume = self.reference.volumes[element];
         let mut mean = [[0.0; 3]; N];
-        for (gradients, weight) in self.points::<N>(element) {
+        for ((gradients, weight), shares) in self.points::<N>(element).zip(&self.reference.shares) {
             for (mean, gradient) in mean.iter_mut().zip(gradients) {
-                (0..3).for_each(|axis| mean[axis] += weight / volume * gradient[axis]);
+                (0..3).for_each(|axis| mean[axis] += weight * shares[1] / volume * gradient[axis]);
             }
         }
         (mean, volume)
@@ -165,8 +170,10 @@ impl Body<'_> {
         let (pointwise, mean) = elastic.split(moduli);
         let first = element * self.reference.points;
         for (point, (gradients, weight)) in self.points::<N>(element).enumerate() {
-            let held = self.held.get(first + point).map(|held| matrix(held) * self.held_factor);
-            visit(Sample { gradients, weight, moduli: pointwise, held });
+            let [shear, bulk] = self.reference.shares[point];
+            // what the past holds is of the μ part
+            let held = self.held.get(first + point).map(|held| matrix(held) * (self.held_factor * shear));
+            visit(Sample { gradients, weight, moduli: pointwise.shared(shear, bulk), held });
         }
         if let Some(moduli) = mean {
             let (gradients, weight) = self.mean::<N>(element);
@@ -269,14 +276,14 @@ impl Body<'_> {
         for (element, nodes, elastic) in self.elements::<N>() {
             let material = elastic.material;
             let moved = element_values(nodes, u);
-            let mut blocks = [[0.0; 9]; 55];
+            let mut blocks = [[0.0; 9]; MAX_PAIRS];
             self.for_each_sample::<N>(element, elastic, elastic.moduli, |sample| {
                 let Sample { gradients, weight, moduli, held } = sample;
                 let now = deformation(gradients, &moved);
                 let at = |u: &[f64]| deformation(gradients, &element_values(nodes, u));
                 let state = PointState { material, moduli, F: &now, held: held.as_ref() };
                 let tangent = kind.tangent(&state, at);
-                add_blocks(&mut blocks, gradients, &(tangent * weight));
+                add_blocks(&mut blocks[..pairs], gradients, &(tangent * weight));
             });
             let positions = &self.block_positions[element * pairs..(element + 1) * pairs];
             let mut pair = 0;

@@ -1,4 +1,4 @@
-//! Element kernels: the dense sums over the 4, 8 or 10 nodes of one element.
+//! Element kernels: the dense sums over the 4, 8, 10 or 20 nodes of one element.
 
 use materials::material::Tangent;
 use nalgebra::Matrix3;
@@ -50,7 +50,7 @@ pub(crate) fn scatter<const N: usize>(nodes: &[u32; N], force: &[Point3; N], for
 // The tangent is reordered first, so that the inner loops run over 27 and 9 contiguous numbers and vectorise. Assembly
 // is then 7 % of an iteration.
 #[allow(non_snake_case)]
-pub(crate) fn add_blocks<const N: usize>(blocks: &mut [[f64; 9]; 55], gradients: &[Point3; N], tangent: &Tangent) {
+pub(crate) fn add_blocks<const N: usize>(blocks: &mut [[f64; 9]], gradients: &[Point3; N], tangent: &Tangent) {
     let mut C = [[0.0; 27]; 3];
     for (L, C) in C.iter_mut().enumerate() {
         for (at, entry) in C.iter_mut().enumerate() {

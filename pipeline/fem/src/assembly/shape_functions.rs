@@ -1,4 +1,4 @@
-//! Shape functions of the 4- and 10-node tetrahedron, the 8-node hexahedron, the 3- and 6-node triangle and the 4-node
+//! Shape functions of the 4- and 10-node tetrahedron, the 8- and 20-node hexahedron, the 3- and 6-node triangle and the 4- and 8-node
 //! quadrilateral, with their derivatives.
 //!
 //! Node order as in [`crate::Elements`] and [`crate::Faces`]: corners, then mid-edge nodes.
@@ -41,18 +41,50 @@ const CORNERS: [[f64; 3]; 8] = [
 pub(crate) const CUBE_EDGES: [(usize, usize); 12] =
     [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)];
 
-/// Value and derivative by (ξ, η, ζ) of each shape function of the element with 4, 8 or 10 `nodes`.
+/// Edges of a quadrilateral.
+pub(crate) const QUADRILATERAL_SIDES: [(usize, usize); 4] = [(0, 1), (1, 2), (2, 3), (3, 0)];
+
+/// Value and derivative by (ξ, η, ζ) of each shape function of the element with 4, 8, 10 or 20 `nodes`.
 pub(crate) fn element(nodes: usize, at: Point3) -> Vec<(f64, Point3)> {
-    if nodes == 8 { products(&CORNERS, at) } else { tetrahedron(nodes, at) }
+    match nodes {
+        8 => products(&CORNERS, at),
+        20 => serendipity(&CORNERS, &CUBE_EDGES, at),
+        _ => tetrahedron(nodes, at),
+    }
 }
 
-/// Value and derivative by (ξ, η) of each shape function of the face with 3, 4 or 6 `nodes`.
+/// Value and derivative by (ξ, η) of each shape function of the face with 3, 4, 6 or 8 `nodes`.
 pub(crate) fn face(nodes: usize, at: Point2) -> Vec<(f64, Point2)> {
-    if nodes != 4 {
-        return triangle(nodes, at);
-    }
     let corners: [Point2; 4] = std::array::from_fn(|n| [CORNERS[n][0], CORNERS[n][1]]);
-    products(&corners, at)
+    match nodes {
+        4 => products(&corners, at),
+        8 => serendipity(&corners, &QUADRILATERAL_SIDES, at),
+        _ => triangle(nodes, at),
+    }
+}
+
+/// The serendipity functions of second order on the unit square or cube [zienkiewicz2005, §4.6]: at the middle of an edge 4 ξ (1 − ξ) along
+/// it times the linear functions across it; at a corner the linear function less half of those of the edges that meet there.
+fn serendipity<const D: usize>(corners: &[[f64; D]], edges: &[(usize, usize)], at: [f64; D]) -> Vec<(f64, [f64; D])> {
+    let mut shapes = products(corners, at);
+    for &(from, to) in edges {
+        let along = (0..D).find(|&axis| corners[from][axis] != corners[to][axis]).unwrap_or(0);
+        let (x, linear) = (at[along], |axis: usize| if corners[from][axis] == 1.0 { at[axis] } else { 1.0 - at[axis] });
+        let slope = |axis: usize| if corners[from][axis] == 1.0 { 1.0 } else { -1.0 };
+        let across =
+            |skipped: usize| (0..D).filter(|&axis| axis != along && axis != skipped).map(linear).product::<f64>();
+        let derivative = std::array::from_fn(|axis| match axis == along {
+            true => 4.0 * (1.0 - 2.0 * x) * across(D),
+            false => 4.0 * x * (1.0 - x) * slope(axis) * across(axis),
+        });
+        let middle: (f64, [f64; D]) = (4.0 * x * (1.0 - x) * across(D), derivative);
+        for corner in [from, to] {
+            shapes[corner].0 -= 0.5 * middle.0;
+            (0..D).for_each(|axis| shapes[corner].1[axis] -= 0.5 * middle.1[axis]);
+        }
+        shapes.push(middle);
+    }
+    shapes
 }
 
 /// Π (ξ or 1 − ξ) over the axes: 1 at its own corner, 0 at the others.
@@ -93,7 +125,7 @@ mod tests {
 
     #[test]
     fn shape_functions_sum_to_one_and_their_derivatives_to_zero() {
-        for nodes in [4, 8, 10] {
+        for nodes in [4, 8, 10, 20] {
             let all = element(nodes, [0.13, 0.29, 0.41]);
             assert!((all.iter().map(|(n, _)| n).sum::<f64>() - 1.0).abs() < 1e-15);
             assert!((0..3).all(|axis| all.iter().map(|(_, d)| d[axis]).sum::<f64>().abs() < 1e-14));
@@ -118,9 +150,31 @@ mod tests {
     }
 
     #[test]
+    fn each_shape_function_of_a_quadratic_cube_is_one_at_its_own_node_and_derivatives_agree_with_differences() {
+        let middle = |(i, j): (usize, usize)| std::array::from_fn(|axis| 0.5 * (CORNERS[i][axis] + CORNERS[j][axis]));
+        for (node, at) in CORNERS.into_iter().chain(CUBE_EDGES.into_iter().map(middle)).enumerate() {
+            let values = element(20, at);
+            assert!(
+                (0..20).all(|other| (values[other].0 - f64::from(u8::from(other == node))).abs() < 1e-15),
+                "{node}"
+            );
+        }
+        let (at, h) = ([0.2, 0.7, 0.4], 1e-6);
+        for axis in 0..3 {
+            let (mut above, mut below) = (at, at);
+            above[axis] += h;
+            below[axis] -= h;
+            for (node, (_, derivative)) in element(20, at).iter().enumerate() {
+                let difference = (element(20, above)[node].0 - element(20, below)[node].0) / (2.0 * h);
+                assert!((derivative[axis] - difference).abs() < 1e-9, "{node} {axis}");
+            }
+        }
+    }
+
+    #[test]
     fn derivatives_agree_with_central_differences() {
         let (at, h) = ([0.2, 0.3], 1e-6);
-        for nodes in [3, 4, 6] {
+        for nodes in [3, 4, 6, 8] {
             for axis in 0..2 {
                 let (mut above, mut below) = (at, at);
                 above[axis] += h;

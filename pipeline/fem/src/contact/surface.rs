@@ -1,18 +1,18 @@
-//! The walls of chambers as faces with samples: points at the middles of small triangles of equal area.
+//! The walls of chambers as faces with samples: points at the middles of small triangles or quadrilaterals of equal area.
 
 use super::boxes::Box3;
 use super::hull::Hull;
-use crate::assembly::shape_functions::triangle;
+use crate::assembly::shape_functions::face as shape_functions;
 use crate::mesh::{Faces, Mesh};
 use nalgebra::Vector3;
-use si::{Metre, SquareMetre};
+use si::{Metre, Point2, SquareMetre};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Nodes of a face at most.
-pub(crate) const NODES: usize = 6;
+pub(crate) const NODES: usize = 8;
 
-/// Values of the shape functions at every sample of a face; those of a linear face end with zeros.
+/// Values of the shape functions at every sample of a face; those of a face with fewer nodes end with zeros.
 type Shapes = Arc<[[f64; NODES]]>;
 
 /// The samples of one face as it is deformed.
@@ -43,16 +43,19 @@ impl Surface {
         let (mut tables, mut shapes, mut areas) = (BTreeMap::new(), Vec::new(), Vec::new());
         for face in 0..faces.len() {
             let nodes = faces.nodes(face);
-            let [a, b, c] = [0, 1, 2].map(|corner| rest[nodes[corner] as usize]);
-            let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
-            let pieces = (longest / spacing).ceil().max(1.0) as usize;
+            let corners: Vec<Vector3<f64>> = corners(nodes).iter().map(|&corner| rest[corner as usize]).collect();
+            let sides = corners.iter().zip(corners.iter().cycle().skip(1));
+            let longest = sides.map(|(from, to)| (to - from).norm()).fold(0.0, f64::max);
+            // a square has one sample where it would have two as triangles: it is cut finer, so that areas have as many
+            let density = if corners.len() == 4 { std::f64::consts::SQRT_2 } else { 1.0 };
+            let pieces = (density * longest / spacing).ceil().max(1.0) as usize;
             shapes.push(Arc::clone(tables.entry(pieces).or_insert_with(|| sampled(nodes.len(), pieces))));
-            areas.push(0.5 * (b - a).cross(&(c - a)).norm() / (pieces * pieces) as f64);
+            areas.push(area(&corners) / (pieces * pieces) as f64);
         }
         Self { faces, rest, shapes, areas }
     }
 
-    /// Node numbers of a face, 3 or 6.
+    /// Node numbers of a face, 3, 6 or 8.
     pub(crate) fn nodes(&self, face: u32) -> &[u32] {
         self.faces.nodes(face as usize)
     }
@@ -111,8 +114,32 @@ fn mirror(x: Vector3<f64>, mirrored: bool) -> Vector3<f64> {
     if mirrored { Vector3::new(x.x, x.y, -x.z) } else { x }
 }
 
-/// The control points of the quadratic Bézier triangle through 6 nodes; 3 nodes are their own.
+/// The corners of a face: three of a triangle, four of a quadrilateral.
+fn corners(nodes: &[u32]) -> &[u32] {
+    &nodes[..if nodes.len() == 8 { 4 } else { 3 }]
+}
+
+/// Area of a plane triangle or quadrilateral, m².
+fn area(corners: &[Vector3<f64>]) -> SquareMetre {
+    match *corners {
+        [a, b, c, d] => 0.5 * (c - a).cross(&(d - b)).norm(),
+        [a, b, c, ..] => 0.5 * (b - a).cross(&(c - a)).norm(),
+        _ => 0.0,
+    }
+}
+
+/// The control points of the quadratic Bézier triangle through 6 nodes, or of the biquadratic Bézier patch that is the serendipity face
+/// through 8; 3 nodes are their own.
 fn controls(mut nodes: Hull) -> Hull {
+    if let [a, b, c, d, ab, bc, cd, da] = nodes[..] {
+        let edge = |from: Vector3<f64>, middle: Vector3<f64>, to: Vector3<f64>| middle * 2.0 - (from + to) * 0.5;
+        // the face passes through −¼ Σ corners + ½ Σ middles, and is ¼ of the inner control point there
+        let [corners, middles] = [a + b + c + d, ab + bc + cd + da];
+        let sides = [edge(a, ab, b), edge(b, bc, c), edge(c, cd, d), edge(d, da, a)];
+        let centre = middles * 0.5 - corners * 0.25;
+        let inner = centre * 4.0 - corners * 0.25 - sides.iter().sum::<Vector3<f64>>() * 0.5;
+        return [a, b, c, d].into_iter().chain(sides).chain([inner]).collect();
+    }
     if let [a, b, c, middles @ ..] = &mut nodes[..] {
         let ends = [(*a, *b), (*b, *c), (*c, *a)];
         middles.iter_mut().zip(ends).for_each(|(middle, (from, to))| *middle = *middle * 2.0 - (from + to) * 0.5);
@@ -120,19 +147,29 @@ fn controls(mut nodes: Hull) -> Hull {
     nodes
 }
 
-/// Shape functions at the middles of the `pieces`² triangles into which a face is cut.
+/// Shape functions at the middles of the `pieces`² parts into which a face is cut.
 fn sampled(nodes: usize, pieces: usize) -> Shapes {
+    let middles = if nodes == 8 { middles_of_squares(pieces) } else { middles_of_triangles(pieces) };
+    let values = |at: Point2| {
+        let mut values = [0.0; NODES];
+        shape_functions(nodes, at).iter().zip(&mut values).for_each(|((value, _), entry)| *entry = *value);
+        values
+    };
+    middles.into_iter().map(values).collect()
+}
+
+fn middles_of_squares(pieces: usize) -> Vec<Point2> {
+    let middle = |i: usize| (i as f64 + 0.5) / pieces as f64;
+    (0..pieces).flat_map(|i| (0..pieces).map(move |k| [middle(i), middle(k)])).collect()
+}
+
+fn middles_of_triangles(pieces: usize) -> Vec<Point2> {
     let n = pieces as f64;
     let both =
         |i: usize, k: usize| [(3.0, 1.0, true), (3.0, 2.0, i + k + 1 < pieces)].map(|(t, s, is)| (i, k, s / t, is));
     let cells = (0..pieces).flat_map(|i| (0..pieces - i).flat_map(move |k| both(i, k)));
     let middle = |(i, k, into, _): (usize, usize, f64, bool)| [(i as f64 + into) / n, (k as f64 + into) / n];
-    let values = |at| {
-        let mut values = [0.0; NODES];
-        triangle(nodes, at).iter().zip(&mut values).for_each(|((value, _), entry)| *entry = *value);
-        values
-    };
-    cells.filter(|cell| cell.3).map(middle).map(values).collect()
+    cells.filter(|cell| cell.3).map(middle).collect()
 }
 
 /// The faces of all chambers in one list.
@@ -142,6 +179,7 @@ fn all_faces(mesh: &Mesh) -> Faces {
         match (&mut all, &chamber.faces) {
             (Faces::Quadratic(all), Faces::Quadratic(faces)) => all.extend(faces),
             (Faces::Linear(all), Faces::Linear(faces)) => all.extend(faces),
+            (Faces::QuadraticQuadrilaterals(all), Faces::QuadraticQuadrilaterals(faces)) => all.extend(faces),
             (all, faces) => *all = faces.clone(),
         }
     }

@@ -1,17 +1,20 @@
 //! Chamber pressure: a follower load that stays normal to the deformed wall.
 //!
 //! W = −V(u), so that strength p gives −p V. The volume of the cavity is V = −⅓ ∮ x · n dA over its wall, whose normals
-//! n point out of the solid. On a triangle x · n dA = x · (x_ξ × x_η) dξ dη, a polynomial of the node positions that
+//! n point out of the solid. On a face x · n dA = x · (x_ξ × x_η) dξ dη, a polynomial of the node positions that
 //! the quadrature integrates exactly.
 //!
 //! In a half model the wall ends on z = 0. The missing lid lies in that plane with the origin, so x · n = 0 on it.
 
-use crate::assembly::quadrature::{triangle_1, triangle_7};
-use crate::assembly::shape_functions::triangle;
+use crate::assembly::quadrature::{square_9, triangle_1, triangle_7};
+use crate::assembly::shape_functions::face;
 use crate::loads::Load;
 use crate::mesh::{Chamber, Faces, Mesh};
 use nalgebra::{Matrix3, Vector3};
 use si::{CubicMetre, Point2};
+
+/// Pairs of nodes (a > b) of the face with the most nodes.
+const MAX_PAIRS: usize = 8 * 7 / 2;
 
 /// W = −V(u) of one chamber.
 #[derive(Debug, Clone)]
@@ -41,11 +44,12 @@ impl ChamberPressure {
         }
         let local = corners.iter().map(|node| nodes.partition_point(|other| other < node) as u32).collect();
         let positions = nodes.iter().map(|node| (*node, at(node) - centre)).collect();
-        let (count, points) = match faces {
-            Faces::Linear(_) => (3, triangle_1()),
-            Faces::Quadratic(_) => (6, triangle_7()),
+        let points = match faces {
+            Faces::Linear(_) => triangle_1(),
+            Faces::Quadratic(_) => triangle_7(),
+            Faces::QuadraticQuadrilaterals(_) => square_9(),
         };
-        let quadrature = points.into_iter().map(|(at, weight)| (triangle(count, at), weight)).collect();
+        let quadrature = points.into_iter().map(|(at, weight)| (face(faces.nodes_each(), at), weight)).collect();
         let mut chamber = Self { at_rest: 0.0, faces, positions, local, quadrature };
         chamber.at_rest = chamber.volume(&vec![0.0; 3 * mesh.nodes.len()]);
         chamber
@@ -108,7 +112,7 @@ impl Load for ChamberPressure {
     /// ∂²V/∂x_a∂x_b = [w_ab]×,
     /// w_ab = −⅓ ∮ (N_a,ξ N_b − N_a N_b,ξ) x_η + (N_a N_b,η − N_a,η N_b) x_ξ + (N_a,η N_b,ξ − N_a,ξ N_b,η) x
     fn add_hessian(&self, u: &[f64], strength: f64, add: &mut dyn FnMut(u32, u32, &Matrix3<f64>)) {
-        let mut axes = [Vector3::zeros(); 15];
+        let mut axes = [Vector3::zeros(); MAX_PAIRS];
         let mut visited = 0;
         self.for_each_point(u, |nodes, shape, weight, [x, by_xi, by_eta]| {
             let mut pair = 0;
@@ -124,14 +128,14 @@ impl Load for ChamberPressure {
             visited += 1;
             if visited == self.quadrature.len() {
                 add_blocks(nodes, &axes, add);
-                (axes, visited) = ([Vector3::zeros(); 15], 0);
+                (axes, visited) = ([Vector3::zeros(); MAX_PAIRS], 0);
             }
         });
     }
 }
 
 /// The blocks [w_ab]× of one face, a > b.
-fn add_blocks(nodes: &[u32], axes: &[Vector3<f64>; 15], add: &mut dyn FnMut(u32, u32, &Matrix3<f64>)) {
+fn add_blocks(nodes: &[u32], axes: &[Vector3<f64>; MAX_PAIRS], add: &mut dyn FnMut(u32, u32, &Matrix3<f64>)) {
     let mut pair = 0;
     for (a, &node) in nodes.iter().enumerate() {
         for &other in &nodes[..a] {

@@ -12,8 +12,18 @@ use std::f64::consts::PI;
 const RADIUS: f64 = 0.013;
 const CELLS: usize = 8;
 
+/// The faces of a chamber's wall.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Kind {
+    Linear,
+    Quadratic,
+    Quadrilateral,
+}
+
+const KINDS: [Kind; 3] = [Kind::Linear, Kind::Quadratic, Kind::Quadrilateral];
+
 /// A cube of (CELLS)³ cells whose inner quarter is air, mapped so that the cavity becomes a ball of `RADIUS`.
-fn ball(quadratic: bool, half: bool) -> Mesh {
+fn ball(kind: Kind, half: bool) -> Mesh {
     let (from, to) = (CELLS / 4, CELLS - CELLS / 4);
     let layers = if half { CELLS / 2 } else { CELLS };
     let lift = if half { 0 } else { CELLS / 2 };
@@ -25,11 +35,12 @@ fn ball(quadratic: bool, half: bool) -> Mesh {
         let cube = [4.0 * at[0] - 2.0, 4.0 * at[1] - 2.0, if half { 2.0 * at[2] } else { 4.0 * at[2] - 2.0 }];
         round(cube).map(|x| RADIUS * x)
     };
-    let mesh = box_mesh::grid([CELLS, CELLS, layers], half, place, |cell| (!air(cell)).then_some(0));
-    if !quadratic {
-        return mesh;
-    }
-    let mut mesh = box_mesh::to_quadratic(&mesh);
+    let (cells, region) = ([CELLS, CELLS, layers], |cell| (!air(cell)).then_some(0));
+    let mut mesh = match kind {
+        Kind::Linear => return box_mesh::grid(cells, half, place, region),
+        Kind::Quadratic => box_mesh::to_quadratic(&box_mesh::grid(cells, half, place, region)),
+        Kind::Quadrilateral => return box_mesh::quadratic_hexahedra(cells, half, place, region),
+    };
     let Faces::Quadratic(faces) = &mesh.chambers[0].faces else { unreachable!("the mesh is quadratic") };
     for node in faces.iter().flatten() {
         let at = mesh.nodes[*node as usize];
@@ -85,7 +96,7 @@ fn along(u: &[f64], v: &[f64], step: f64) -> Vec<f64> {
 
 #[test]
 fn the_gradient_of_every_load_is_the_difference_of_its_potential() {
-    for mesh in [ball(false, false), ball(true, false), ball(true, true)] {
+    for mesh in [ball(Kind::Linear, false), ball(Kind::Quadratic, false), ball(Kind::Quadratic, true)] {
         let (u, v): (Vec<f64>, Vec<f64>) =
             (flattened(&mesh), (0..3 * mesh.nodes.len()).map(|at| (0.7 * at as f64).cos()).collect());
         for load in loads(&mesh) {
@@ -102,7 +113,7 @@ fn the_gradient_of_every_load_is_the_difference_of_its_potential() {
 
 #[test]
 fn the_gradient_of_gas_is_the_difference_of_its_potential_sealed_or_not() {
-    let mesh = ball(true, false);
+    let mesh = ball(Kind::Quadratic, false);
     let chamber = ChamberPressure::new(&mesh, &mesh.chambers[0]);
     let (u, v): (Vec<f64>, Vec<f64>) = (wave(&mesh), wave(&mesh).iter().rev().map(|u| 3.0 * u).collect());
     for (pressure, ambient) in [(2e4, None), (0.0, Some(1.013e5)), (2e4, Some(1.013e5))] {
@@ -124,7 +135,7 @@ fn the_gradient_of_gas_is_the_difference_of_its_potential_sealed_or_not() {
 
 #[test]
 fn the_hessian_of_every_load_is_the_difference_of_its_gradient() {
-    for mesh in [ball(false, false), ball(true, false), ball(true, true)] {
+    for mesh in [ball(Kind::Linear, false), ball(Kind::Quadratic, false), ball(Kind::Quadratic, true)] {
         let (u, v): (Vec<f64>, Vec<f64>) =
             (flattened(&mesh), (0..3 * mesh.nodes.len()).map(|at| (0.7 * at as f64).cos()).collect());
         for load in loads(&mesh) {
@@ -147,7 +158,7 @@ fn the_hessian_of_every_load_is_the_difference_of_its_gradient() {
 
 #[test]
 fn a_curved_cavity_has_the_volume_of_its_ball() {
-    let mesh = ball(true, false);
+    let mesh = ball(Kind::Quadratic, false);
     let volume = ChamberPressure::new(&mesh, &mesh.chambers[0]).volume(&vec![0.0; 3 * mesh.nodes.len()]);
     let exact = 4.0 / 3.0 * PI * RADIUS.powi(3);
     assert!((volume / exact - 1.0).abs() < 0.01, "{}", volume / exact);
@@ -177,14 +188,18 @@ fn mirrored(half: &Mesh, u: &[f64]) -> (Mesh, Vec<f64>) {
             let reversed = faces.iter().map(|face| [0, 2, 1, 5, 4, 3].map(|n| of(face)[n]));
             Faces::Quadratic(faces.iter().copied().chain(reversed).collect())
         }
+        Faces::QuadraticQuadrilaterals(faces) => {
+            let reversed = faces.iter().map(|face| [0, 3, 2, 1, 7, 6, 5, 4].map(|n| of(face)[n]));
+            Faces::QuadraticQuadrilaterals(faces.iter().copied().chain(reversed).collect())
+        }
     };
     (whole, moved)
 }
 
 #[test]
 fn a_half_model_has_half_the_volume_at_rest_and_deformed() {
-    for quadratic in [false, true] {
-        let half = ball(quadratic, true);
+    for kind in KINDS {
+        let half = ball(kind, true);
         let u = wave(&half);
         let (whole, moved) = mirrored(&half, &u);
         crate::validation::closed(&whole, 0, &whole.chambers[0]).unwrap();
@@ -196,7 +211,7 @@ fn a_half_model_has_half_the_volume_at_rest_and_deformed() {
 
 #[test]
 fn pressure_in_a_closed_chamber_has_no_resultant() {
-    let mesh = ball(true, false);
+    let mesh = ball(Kind::Quadratic, false);
     let mut force = vec![0.0; 3 * mesh.nodes.len()];
     ChamberPressure::new(&mesh, &mesh.chambers[0]).add_gradient(&wave(&mesh), 1.0, &mut force);
     for axis in 0..3 {

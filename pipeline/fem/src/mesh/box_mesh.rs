@@ -5,7 +5,7 @@
 //! middle are mirror images of those behind it: where the numbers of cells are even, the mesh has the symmetry of the
 //! body.
 
-use crate::assembly::shape_functions::{EDGES, SIDES};
+use crate::assembly::shape_functions::{CUBE_EDGES, EDGES, QUADRILATERAL_SIDES, SIDES};
 use crate::mesh::{Chamber, Elements, Faces, Mesh};
 use si::Point3;
 use std::collections::{BTreeMap, BTreeSet};
@@ -62,7 +62,9 @@ pub fn grid(
             mesh.regions.push(material);
         }
     }
-    mesh.chambers = chambers(cells, half, &region, &numbers);
+    let triangles = |side: Side| triangles(side, mirrored(cells, half, side.cell), &numbers);
+    let chamber = |walls: Vec<Side>| Chamber { faces: Faces::Linear(walls.into_iter().flat_map(triangles).collect()) };
+    mesh.chambers = walls(cells, half, &region).into_iter().map(chamber).collect();
     mesh.elements = Elements::Linear(tets);
     mesh
 }
@@ -113,8 +115,7 @@ pub fn hexahedra(size: Point3, cells: [usize; 3]) -> Mesh {
         std::array::from_fn(|axis| size[axis] * at[axis] as f64 / cells[axis] as f64)
     };
     let corner = |[i, j, k]: [usize; 3], [x, y, z]: [usize; 3]| (i + x + nx * (j + y + ny * (k + z))) as u32;
-    let side = [[0, 0], [1, 0], [1, 1], [0, 1]];
-    let element = |cell| std::array::from_fn(|n| corner(cell, [side[n % 4][0], side[n % 4][1], n / 4]));
+    let element = |cell| std::array::from_fn(|n| corner(cell, [SQUARE[n % 4][0], SQUARE[n % 4][1], n / 4]));
     let elements: Vec<[u32; 8]> = all(cells).map(element).collect();
     Mesh {
         nodes: (0..nx * ny * nz).map(place).collect(),
@@ -123,6 +124,49 @@ pub fn hexahedra(size: Point3, cells: [usize; 3]) -> Mesh {
         chambers: Vec::new(),
         symmetry_plane_z: false,
     }
+}
+
+/// A grid of `cells` as 20-node hexahedra, and its chambers; the arguments are those of [`grid`]. Mid-edge nodes are placed on the grid of
+/// half the cells, so that curved bodies have curved elements.
+pub fn quadratic_hexahedra(
+    cells: [usize; 3],
+    half: bool,
+    place: impl Fn(Point3) -> Point3,
+    region: impl Fn([usize; 3]) -> Option<u16>,
+) -> Mesh {
+    let (mut numbers, mut nodes) = (BTreeMap::new(), Vec::new());
+    let mut number = |at: [usize; 3]| {
+        *numbers.entry(at).or_insert_with(|| {
+            nodes.push(place(std::array::from_fn(|axis| at[axis] as f64 / (2 * cells[axis]) as f64)));
+            nodes.len() as u32 - 1
+        })
+    };
+    let (mut elements, mut regions) = (Vec::new(), Vec::new());
+    for cell in all(cells) {
+        let Some(material) = region(cell) else { continue };
+        let corners: [[usize; 3]; 8] = std::array::from_fn(|n| {
+            let [x, y] = SQUARE[n % 4];
+            [2 * (cell[0] + x), 2 * (cell[1] + y), 2 * (cell[2] + n / 4)]
+        });
+        elements.push(with_middles(&corners, &CUBE_EDGES).map(&mut number));
+        regions.push(material);
+    }
+    let mut chambers = Vec::new();
+    for walls in walls(cells, half, &region) {
+        let faces = walls.into_iter().map(|side| side.quadrilateral().map(&mut number)).collect();
+        chambers.push(Chamber { faces: Faces::QuadraticQuadrilaterals(faces) });
+    }
+    Mesh { nodes, elements: Elements::QuadraticHexahedra(elements), regions, chambers, symmetry_plane_z: half }
+}
+
+/// Corners of a square, counterclockwise.
+const SQUARE: [[usize; 2]; 4] = [[0, 0], [1, 0], [1, 1], [0, 1]];
+
+/// Corners on a grid of twice the cells, then the middles of their edges.
+fn with_middles<const N: usize>(corners: &[[usize; 3]], edges: &[(usize, usize)]) -> [[usize; 3]; N] {
+    let middle = |&(a, b): &(usize, usize)| std::array::from_fn(|axis| (corners[a][axis] + corners[b][axis]) / 2);
+    let each: Vec<[usize; 3]> = corners.iter().copied().chain(edges.iter().map(middle)).collect();
+    std::array::from_fn(|n| each[n])
 }
 
 fn all(cells: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
@@ -147,29 +191,21 @@ fn corners(cell: [usize; 3], (order, even): ([usize; 3], bool), mirror: [bool; 3
     if even { path } else { [path[0], path[2], path[1], path[3]] }
 }
 
-/// Walls between solid cells and enclosed air, one chamber per connected air space that does not reach the outside.
-fn chambers(
-    cells: [usize; 3],
-    half: bool,
-    region: &impl Fn([usize; 3]) -> Option<u16>,
-    numbers: &BTreeMap<[usize; 3], u32>,
-) -> Vec<Chamber> {
+/// Sides between solid cells and enclosed air, one list per connected air space that does not reach the outside.
+fn walls(cells: [usize; 3], half: bool, region: &impl Fn([usize; 3]) -> Option<u16>) -> Vec<Vec<Side>> {
     let mut seen = BTreeSet::new();
-    let mut found = Vec::new();
+    let mut chambers = Vec::new();
     for start in all(cells) {
         if region(start).is_some() || seen.contains(&start) {
             continue;
         }
-        let (mut queue, mut faces, mut closed) = (vec![start], Vec::new(), true);
+        let (mut queue, mut sides, mut closed) = (vec![start], Vec::new(), true);
         seen.insert(start);
         while let Some(cell) = queue.pop() {
             for (axis, ahead) in (0..3).flat_map(|axis| [(axis, true), (axis, false)]) {
                 match neighbour(cells, cell, axis, ahead) {
                     None => closed &= half && axis == 2 && !ahead,
-                    Some(next) if region(next).is_some() => {
-                        let side = Side { cell, axis, ahead };
-                        faces.extend(wall(side, mirrored(cells, half, cell), numbers))
-                    }
+                    Some(next) if region(next).is_some() => sides.push(Side { cell, axis, ahead }),
                     Some(next) => {
                         if seen.insert(next) {
                             queue.push(next);
@@ -179,10 +215,10 @@ fn chambers(
             }
         }
         if closed {
-            found.push(Chamber { faces: Faces::Linear(faces) });
+            chambers.push(sides);
         }
     }
-    found
+    chambers
 }
 
 fn neighbour(cells: [usize; 3], cell: [usize; 3], axis: usize, ahead: bool) -> Option<[usize; 3]> {
@@ -199,8 +235,32 @@ struct Side {
     ahead: bool,
 }
 
+impl Side {
+    /// The eight nodes of an air cell's side on the grid of twice the cells, normal into the air.
+    fn quadrilateral(self) -> [[usize; 3]; 8] {
+        let (p, q) = ((self.axis + 1) % 3, (self.axis + 2) % 3);
+        let corner = |[along_p, along_q]: [usize; 2]| {
+            let mut at = self.cell.map(|index| 2 * index);
+            at[self.axis] += if self.ahead { 2 } else { 0 };
+            at[p] += 2 * along_p;
+            at[q] += 2 * along_q;
+            at
+        };
+        // counterclockwise about +axis, which points into the air from the near side
+        let mut corners = SQUARE.map(corner);
+        if self.ahead {
+            corners.reverse();
+        }
+        with_middles(&corners, &QUADRILATERAL_SIDES)
+    }
+}
+
 /// The two triangles of an air cell's side, split as its solid neighbour is, normals into the air.
-fn wall(Side { cell, axis, ahead }: Side, mirror: [bool; 3], numbers: &BTreeMap<[usize; 3], u32>) -> [[u32; 3]; 2] {
+fn triangles(
+    Side { cell, axis, ahead }: Side,
+    mirror: [bool; 3],
+    numbers: &BTreeMap<[usize; 3], u32>,
+) -> [[u32; 3]; 2] {
     let mut low = cell;
     low[axis] += usize::from(ahead);
     let (p, q) = ((axis + 1) % 3, (axis + 2) % 3);

@@ -19,6 +19,9 @@ pub enum Elements {
     /// Trilinear hexahedra: four corners of one side, counterclockwise as seen from the inside, then those of the
     /// opposite side in the same order (the order of VTK).
     Hexahedra(Vec<[u32; 8]>),
+    /// Hexahedra of second order (serendipity): eight corners as above, then the mid-edge nodes of 01, 12, 23, 30, 45, 56, 67, 74, 04, 15,
+    /// 26, 37 (the order of VTK).
+    QuadraticHexahedra(Vec<[u32; 20]>),
 }
 
 impl Elements {
@@ -28,6 +31,7 @@ impl Elements {
             Self::Linear(tets) => tets.len(),
             Self::Quadratic(tets) => tets.len(),
             Self::Hexahedra(hexahedra) => hexahedra.len(),
+            Self::QuadraticHexahedra(hexahedra) => hexahedra.len(),
         }
     }
 
@@ -36,12 +40,13 @@ impl Elements {
         self.len() == 0
     }
 
-    /// Number of nodes of one element: 4, 10 or 8.
+    /// Number of nodes of one element: 4, 10, 8 or 20.
     pub fn nodes_each(&self) -> usize {
         match self {
             Self::Linear(_) => 4,
             Self::Quadratic(_) => 10,
             Self::Hexahedra(_) => 8,
+            Self::QuadraticHexahedra(_) => 20,
         }
     }
 
@@ -51,6 +56,7 @@ impl Elements {
             Self::Linear(tets) => tets.as_flattened(),
             Self::Quadratic(tets) => tets.as_flattened(),
             Self::Hexahedra(hexahedra) => hexahedra.as_flattened(),
+            Self::QuadraticHexahedra(hexahedra) => hexahedra.as_flattened(),
         }
     }
 
@@ -59,31 +65,35 @@ impl Elements {
         self.connectivity().as_chunks::<N>().0
     }
 
-    /// Node numbers of `element`: 4, 10 or 8 of them.
+    /// Node numbers of `element`: 4, 10, 8 or 20 of them.
     pub fn nodes(&self, element: usize) -> &[u32] {
         match self {
             Self::Linear(tets) => &tets[element],
             Self::Quadratic(tets) => &tets[element],
             Self::Hexahedra(hexahedra) => &hexahedra[element],
+            Self::QuadraticHexahedra(hexahedra) => &hexahedra[element],
         }
     }
 }
 
-/// Triangles of one order, by node numbers; the normal of (0, 1, 2) points out of the solid.
+/// Faces of one kind, by node numbers; the normal of (0, 1, 2) points out of the solid.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Faces {
     /// Three corners.
     Linear(Vec<[u32; 3]>),
     /// Three corners, then the mid-edge nodes of 01, 12, 20.
     Quadratic(Vec<[u32; 6]>),
+    /// Sides of hexahedra of second order: four corners, then the mid-edge nodes of 01, 12, 23, 30.
+    QuadraticQuadrilaterals(Vec<[u32; 8]>),
 }
 
 impl Faces {
-    /// Number of triangles.
+    /// Number of faces.
     pub fn len(&self) -> usize {
         match self {
             Self::Linear(faces) => faces.len(),
             Self::Quadratic(faces) => faces.len(),
+            Self::QuadraticQuadrilaterals(faces) => faces.len(),
         }
     }
 
@@ -92,11 +102,21 @@ impl Faces {
         self.len() == 0
     }
 
-    /// Node numbers of triangle `face`, 3 or 6 of them.
+    /// Number of nodes of one face: 3, 6 or 8.
+    pub fn nodes_each(&self) -> usize {
+        match self {
+            Self::Linear(_) => 3,
+            Self::Quadratic(_) => 6,
+            Self::QuadraticQuadrilaterals(_) => 8,
+        }
+    }
+
+    /// Node numbers of one face.
     pub fn nodes(&self, face: usize) -> &[u32] {
         match self {
             Self::Linear(faces) => &faces[face],
             Self::Quadratic(faces) => &faces[face],
+            Self::QuadraticQuadrilaterals(faces) => &faces[face],
         }
     }
 }

@@ -18,7 +18,7 @@ pub enum ReducedError {
     },
     /// A region with mean dilatation.
     #[error(
-        "a region uses mean dilatation\n  why: hyper-reduction samples single quadrature points, not element means\n  do:  reduce without mean_dilatation"
+        "a region uses mean dilatation or hexahedra of second order\n  why: hyper-reduction samples single quadrature points with all of the energy\n  do:  reduce a mesh of 10-node tetrahedra without mean_dilatation"
     )]
     MeanDilatation,
     /// Data of another system, or damaged data.

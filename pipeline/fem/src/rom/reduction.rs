@@ -49,7 +49,9 @@ impl System {
     /// # Errors
     /// [`ReducedError::MeanDilatation`]
     fn check_reducible(&self) -> Result<(), ReducedError> {
-        if self.data.options.mean_dilatation.contains(&true) { Err(ReducedError::MeanDilatation) } else { Ok(()) }
+        let shared = self.data.reference.shares.iter().any(|shares| *shares != [1.0; 2]);
+        let mean = self.data.options.mean_dilatation.contains(&true);
+        if shared || mean { Err(ReducedError::MeanDilatation) } else { Ok(()) }
     }
 
     /// # Errors

@@ -62,7 +62,7 @@ fn without_unused_nodes(mesh: Mesh) -> Mesh {
     let tets = tets.iter().map(|tet| tet.map(&mut number)).collect();
     let faces = |chamber: &Chamber| match &chamber.faces {
         Faces::Quadratic(faces) => faces.clone(),
-        Faces::Linear(_) => panic!("6-node faces"),
+        Faces::Linear(_) | Faces::QuadraticQuadrilaterals(_) => panic!("6-node faces"),
     };
     let chambers: Vec<Vec<[u32; 6]>> = mesh.chambers.iter().map(faces).collect();
     let renumbered = chambers.iter().map(|faces| faces.iter().map(|f| f.map(&mut number)).collect());

@@ -22,7 +22,7 @@ pub(crate) struct Point<'a> {
     pub nodes: &'a [u32],
     /// Gradients of the shape functions, 1/m.
     pub gradients: &'a [Point3],
-    /// m³.
+    /// Of the μ part of the energy, m³.
     pub weight: CubicMetre,
     /// Place of its tensors in a history.
     pub own: Range<usize>,
@@ -55,11 +55,12 @@ pub(crate) fn for_each_point(data: &SystemData, regions: &[RegionStep], mut visi
             continue;
         }
         let nodes = data.mesh.elements.nodes(element);
-        for number in element * reference.points..(element + 1) * reference.points {
+        for (point, shares) in reference.shares.iter().enumerate() {
+            let number = element * reference.points + point;
             let gradients = &reference.gradients[number * each..(number + 1) * each];
             let own = end..end + 1 + of.branches.len();
             end = own.end;
-            visit(&Point { number, region, nodes, gradients, weight: reference.weights[number], own }, of);
+            visit(&Point { number, region, nodes, gradients, weight: reference.weights[number] * shares[0], own }, of);
         }
     }
 }
