@@ -153,6 +153,11 @@ impl System {
         (self.data.pattern.entries(), self.data.symbolic.entries())
     }
 
+    /// Multiplications and additions of one factorisation of the stiffness matrix.
+    pub fn factor_flops(&self) -> f64 {
+        self.data.symbolic.flops()
+    }
+
     /// Volume of the solid at rest, m³; of a half model, of the half.
     pub fn volume(&self) -> CubicMetre {
         self.data.reference.volumes.iter().sum()

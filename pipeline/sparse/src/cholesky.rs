@@ -11,7 +11,8 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    factorize_symbolic_cholesky,
 };
 use faer::sparse::{FaerError, SparseColMatRef, SymbolicSparseColMat};
 use faer::{Conj, MatMut, Par, Side};
@@ -70,6 +71,17 @@ impl Symbolic {
     /// Entries of the factor, with the zeros inside supernodes.
     pub fn entries(&self) -> usize {
         self.cholesky.len_val()
+    }
+
+    /// Multiplications and additions of a factorisation: the sum of the squares of the columns' lengths.
+    pub fn flops(&self) -> f64 {
+        let SymbolicCholeskyRaw::Supernodal(own) = self.cholesky.raw() else { return 0.0 };
+        let column = |length: u32| f64::from(length).powi(2);
+        let ends = own.supernode_begin().iter().zip(own.supernode_end());
+        let below = own.col_ptr_for_row_idx().windows(2).map(|pair| pair[1] - pair[0]);
+        ends.zip(below)
+            .map(|((begin, end), below)| (1..=end - begin).map(|inside| column(inside + below)).sum::<f64>())
+            .sum()
     }
 }
 
