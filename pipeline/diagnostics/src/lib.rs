@@ -23,13 +23,14 @@
 //! assert!(levels("x").unwrap_err().downcast_ref::<std::num::ParseFloatError>().is_some());
 //! ```
 //!
-//! [`input`] reads regular files up to a limit; [`output`] prints, and a reader that goes away or a full disk ends no program; [`processor`] refuses
-//! processors that a program is not compiled for.
+//! [`input`] reads regular files up to a limit; [`output`] prints, and a reader that goes away or a full disk ends no program; [`panics`] keeps the
+//! text of a library's panic from being printed; [`processor`] refuses processors that a program is not compiled for.
 //!
 //! Depends on no other crate.
 
 pub mod input;
 pub mod output;
+pub mod panics;
 pub mod processor;
 
 use std::error::Error;
