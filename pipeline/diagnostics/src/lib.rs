@@ -23,7 +23,7 @@
 //! assert!(levels("x").unwrap_err().downcast_ref::<std::num::ParseFloatError>().is_some());
 //! ```
 //!
-//! [`input`] reads regular files up to a limit; [`output`] prints, and a reader that goes
+//! [`input`] reads regular files up to a limit, and [`table`] refuses what is wrong with a page of TOML; [`output`] prints, and a reader that goes
 //! away or a full disk ends no program; [`panics`] keeps the text of a library's panic from being printed; [`processor`] refuses processors that a
 //! program is not compiled for.
 //!
@@ -34,6 +34,7 @@ pub mod input;
 pub mod output;
 pub mod panics;
 pub mod processor;
+pub mod table;
 
 use std::error::Error;
 use std::fmt;
