@@ -34,6 +34,7 @@ pub mod entry;
 pub mod figure;
 pub mod metric;
 pub mod needs;
+pub mod ranges;
 pub mod record;
 pub mod runner;
 pub mod settings;
