@@ -23,15 +23,19 @@
 //! assert!(levels("x").unwrap_err().downcast_ref::<std::num::ParseFloatError>().is_some());
 //! ```
 //!
-//! [`input`] reads regular files up to a limit; [`output`] prints, and a reader that goes away or a full disk ends no program; [`next_move`]
-//! makes its commands complete; [`processor`] refuses processors that a program is not compiled for.
+//! [`input`] reads regular files up to a limit, and [`table`] refuses what is wrong with a page of TOML; [`output`] prints, and a reader that goes
+//! away or a full disk ends no program; [`next_move`] makes its commands complete, and [`panics`] keeps the text of a library's panic from being
+//! printed; [`processor`] refuses processors that a program is not compiled for.
 //!
 //! Depends on no other crate.
 
+mod echo;
 pub mod input;
 pub mod next_move;
 pub mod output;
+pub mod panics;
 pub mod processor;
+pub mod table;
 
 use std::error::Error;
 use std::fmt;
@@ -198,8 +202,8 @@ impl PartialEq for Diagnostic {
 impl fmt::Display for Location {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.line {
-            Some(line) => write!(f, "{}, line {line}", self.file.display()),
-            None => write!(f, "{}", self.file.display()),
+            Some(line) => write!(f, "{}, line {line}", echo::line(&self.file.display().to_string())),
+            None => write!(f, "{}", echo::line(&self.file.display().to_string())),
         }
     }
 }
@@ -207,18 +211,18 @@ impl fmt::Display for Location {
 impl fmt::Display for Diagnostic {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if !self.subject.is_empty() {
-            write!(f, "{}: ", self.subject)?;
+            write!(f, "{}: ", echo::line(&self.subject))?;
         }
         if let Some(location) = &self.location {
             write!(f, "{location}: ")?;
         }
-        write!(f, "{}", self.what)?;
+        f.write_str(&echo::text(&self.what))?;
         for (label, text) in [(WHY, &self.why), (ACTION, &self.action)] {
             if !text.is_empty() {
-                write!(f, "{label}{text}")?;
+                write!(f, "{label}{}", echo::text(text))?;
             }
         }
-        self.notes.iter().try_for_each(|note| write!(f, "\n  {note}"))
+        self.notes.iter().try_for_each(|note| write!(f, "\n  {}", echo::text(note)))
     }
 }
 

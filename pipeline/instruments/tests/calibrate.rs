@@ -111,5 +111,37 @@ fn pictures_of_two_sizes_and_a_folder_without_a_board_are_refused() {
     assert!(said.contains("no board of 9 × 6 squares") && said.contains("0.png"), "{said}");
     folder.picture("1.png", &Gray::filled(640, 480, 120));
     let said = calibrate::camera(&folder.request(), None).err().unwrap().to_string();
-    assert!(said.contains("picture 1.png has 640 × 480 px"), "{said}");
+    assert!(said.contains("1.png: picture 1.png has 640 × 480 px"), "{said}");
+}
+
+#[test]
+fn of_pictures_of_two_sizes_the_odd_one_is_named_though_it_comes_first() {
+    let folder = Folder::new("odd");
+    folder.picture("0.png", &Gray::filled(320, 240, 120));
+    ["1.png", "2.png", "3.png"].iter().for_each(|name| folder.picture(name, &Gray::filled(640, 480, 120)));
+    let refused = calibrate::camera(&folder.request(), None).err().unwrap().to_string();
+    assert!(refused.contains("0.png: picture 0.png has 320 × 240 px"), "{refused}");
+    assert!(refused.contains("3 of 4 pictures have 640 × 480 px"), "{refused}");
+}
+
+#[test]
+fn copies_of_a_picture_count_once() {
+    let folder = Folder::new("copies");
+    let tilts = [[0.0, 0.0, 0.0], [0.4, 0.0, 0.1], [-0.4, 0.1, 0.0], [0.0, 0.4, 0.2], [0.1, -0.4, 0.0]];
+    let views: Vec<Gray> = tilts.iter().map(|tilt| view(*tilt)).collect();
+    views.iter().enumerate().for_each(|(k, gray)| folder.picture(&format!("{k}.png"), gray));
+    let camera = || calibrate::camera(&folder.request(), None).unwrap();
+    let once = camera().calibration.sigma();
+    for k in 5..20 {
+        folder.picture(&format!("{k}.png"), &views[k % 5]);
+    }
+    let copied = camera();
+    assert_eq!(copied.calibration.sigma(), once);
+    let summary = copied.summary(&folder.0);
+    assert!(
+        summary.contains("5 views (0 pictures without the whole board, 15 that repeat another view left out)"),
+        "{summary}"
+    );
+    let own = fs::read_to_string(folder.0.join("out/camera.toml")).unwrap();
+    assert!(own.contains("repeated = 15\n"), "{own}");
 }

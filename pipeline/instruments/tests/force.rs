@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use instruments::force;
 
@@ -288,6 +288,73 @@ fn a_page_that_lacks_something_is_refused_with_the_recording_and_the_line() {
         let said = bench.refusal();
         assert!(said.contains(piece) && said.contains("page.toml, line"), "{said}");
     }
+}
+
+/// Every number that a page may have.
+const NUMBERS: &str = "[settings]
+band = [3.0, 30.0]
+modes = 2
+level = 0.005
+still_limit = 0.02
+harmonics = 12
+settling_cycles = 1.0
+settling_time = 1.0
+longest_lag = 0.6
+[log]
+force_lag = 0.2
+force_lag_sigma = 0.01
+[tank]";
+
+/// A page with every number.
+fn numbered() -> String {
+    PAGE.replace("[tank]", NUMBERS).replace("frequency = 2.0", "frequency = 2.0\nseconds = [2.0, 11.0]")
+}
+
+#[test]
+fn every_number_of_a_page_is_refused_out_of_its_range_with_file_and_key() {
+    let (page, path) = (numbered(), Path::new("cell.toml"));
+    force::check_page(&page, path).unwrap();
+    // zero of what may be left out
+    let zero = ["harmonics", "settling_cycles", "settling_time", "levels", "seconds", "force_lag", "force_lag_sigma"];
+    for number in diagnostics::table::numbers(&page) {
+        let key = number.key.trim_end_matches(|c: char| c == '.' || c.is_ascii_digit());
+        for value in ["nan", "inf", "-inf", "-1", "0", "1e308", "1e18", "18446744073709551615"] {
+            let slip = format!("{}{value}{}", &page[..number.span.start], &page[number.span.end..]);
+            let refused = force::check_page(&slip, path).err().map(|refused| refused.to_string());
+            let may_be = (value == "0" && zero.iter().any(|word| key.ends_with(word)))
+                || (value == "-1" && ["seconds", "force_lag"].iter().any(|word| key.ends_with(word)));
+            match refused {
+                Some(text) => {
+                    assert!(text.starts_with("cell.toml, line") && text.contains(key), "{key} = {value}: {text}")
+                }
+                None => assert!(may_be, "{key} = {value} is accepted"),
+            }
+        }
+    }
+}
+
+#[test]
+fn an_id_and_a_level_stand_once_and_lists_rise() {
+    for (from, to, words) in [
+        ("id = \"still\"", "id = \"taps\"", "two recordings have the id `taps`"),
+        ("id = \"still\"", "id = \" \"", "empty `id`"),
+        ("levels = [10000.0, 20000.0]", "levels = [10000.0, 1e4]", "the level 10000 Pa twice"),
+        ("band = [3.0, 30.0]", "band = [30.0, 3.0]", "does not rise"),
+        ("seconds = [2.0, 11.0]", "seconds = [11.0, 2.0]", "does not rise"),
+    ] {
+        let page = numbered();
+        assert!(page.contains(from), "{from}");
+        let refused = force::check_page(&page.replacen(from, to, 1), Path::new("cell.toml")).unwrap_err().to_string();
+        assert!(refused.starts_with("cell.toml, line") && refused.contains(words), "{refused}");
+    }
+}
+
+#[test]
+fn seconds_outside_the_recording_are_refused_with_those_of_its_log() {
+    let bench = Bench::new("outside", 0.0);
+    bench.write("page.toml", &PAGE.replace("pressure = \"flap_pressure.csv\"", "seconds = [50.0, 60.0]"));
+    let refused = bench.refusal();
+    assert!(refused.contains("page.toml: recording `2hz`") && refused.contains("from 0.000 to 13.98"), "{refused}");
 }
 
 #[test]

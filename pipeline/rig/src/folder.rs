@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use diagnostics::{Diagnostic, Result};
+use diagnostics::{Diagnostic, Result, input};
 
 /// The partial folder of the recording `into/name`.
 pub(crate) fn partial(into: &Path, name: &str) -> PathBuf {
@@ -16,7 +16,7 @@ pub(crate) fn partial(into: &Path, name: &str) -> PathBuf {
 /// When the folder cannot be made.
 pub(crate) fn begin(at: &Path, partial: &Path, (file, stamp): (&str, &str)) -> Result<()> {
     remove(&outdated(at))?;
-    if std::fs::read_to_string(partial.join(file)).is_ok_and(|found| found == stamp) {
+    if input::read_text(&partial.join(file), input::PAGE).is_ok_and(|found| found == stamp) {
         return Ok(());
     }
     remove(partial)?;

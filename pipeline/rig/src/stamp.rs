@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use diagnostics::{Diagnostic, Result};
+use diagnostics::{Diagnostic, Result, input};
 
 use crate::settings;
 use crate::specimen::{Draw, SHEET, Specimen};
@@ -78,7 +78,7 @@ pub fn inspect(folder: &Path, text: &str) -> Result<FolderState> {
     if std::fs::read_dir(folder).map_or(!folder.exists(), |mut entries| entries.next().is_none()) {
         return Ok(FolderState::Absent);
     }
-    match std::fs::read_to_string(folder.join(FILE)) {
+    match input::read_text(&folder.join(FILE), input::PAGE) {
         Ok(stamp) if stamp == text && is_complete(folder) => Ok(FolderState::Current),
         Ok(_) => Ok(FolderState::Stale),
         Err(_) => Err(Diagnostic::file(

@@ -22,12 +22,13 @@ pub mod tables;
 
 use std::path::{Path, PathBuf};
 
-use diagnostics::{Diagnostic, Result};
+use diagnostics::{Diagnostic, Result, input};
 use publish::check::{Checked, Results};
 use publish::expected::Expected;
 use publish::{metrics_file, outdated, page_file, paper, paper_files, ro_crate, stand_in};
 use subject::{Specimen, Study};
 use workflow::entry::Entry;
+use workflow::ranges::Ranges;
 use workflow::runner::{Folders, Goal, Options, RunSummary};
 use workflow::settings::{Profile, Schema, Settings};
 
@@ -36,6 +37,9 @@ pub type Runner = workflow::runner::Runner<Study>;
 
 /// Everything that the study makes: stages in the order of the data, then figures, then tables.
 pub const LISTS: &[&[Entry<Study>]] = &[stages::ALL, figures::ALL, tables::ALL];
+
+/// The ranges of the settings, a line a key.
+pub const RANGES: &str = include_str!("ranges.toml");
 
 /// Free memory required before a further record is started, GiB: the peak of the largest record.
 pub const MIN_FREE_MEMORY: f64 = 2.0;
@@ -63,15 +67,23 @@ pub fn open(root: &Path, profile: Profile, options: Options) -> Result<(Runner, 
 /// A [`Diagnostic`] when the settings cannot be read.
 pub fn open_without_specimens(root: &Path, profile: Profile, options: Options) -> Result<(Runner, Vec<Diagnostic>)> {
     let folders = Folders::new(root, profile);
-    let text = std::fs::read_to_string(folders.settings()).map_err(|e| {
+    let text = input::read_text(&folders.settings(), input::PAGE).map_err(|e| {
         let what = format!("{} cannot be read", folders.settings().display());
         Diagnostic::new(what, &e, "run in the project's folder, or name it with --root").caused_by(e)
     })?;
-    let names: Vec<&str> = stages::ALL.iter().filter_map(|entry| entry.section).collect();
-    let settings = Settings::read(&text, profile, Schema { sections: &names, renamed: renamed::RENAMED })?;
+    let settings = settings(&text, profile)?;
     let (specimens, unreadable) = specimens(&folders)?;
-    let universe = Study { specimens };
-    Ok((Runner { lists: LISTS, universe, settings, profile, folders, options }, unreadable))
+    Ok((Runner { lists: LISTS, universe: Study { specimens }, settings, profile, folders, options }, unreadable))
+}
+
+/// The settings in the text of a `study.toml`, with every number in its range.
+///
+/// # Errors
+/// A [`Diagnostic`] that names file, key and line.
+pub fn settings(text: &str, profile: Profile) -> Result<Settings> {
+    let names: Vec<&str> = stages::ALL.iter().filter_map(|entry| entry.section).collect();
+    let settings = Settings::read(text, profile, Schema { sections: &names, renamed: renamed::RENAMED })?;
+    Ranges::parse(RANGES).check(text).map(|()| settings)
 }
 
 /// Holds that the card of a specimen that was asked for could be read: its own diagnostic says more than that there is no specimen.

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use diagnostics::{Diagnostic, Result, input};
-use lab::table::toml_error;
+use lab::range::{Checked, violation, within};
+use lab::table;
 use serde::{Deserialize, Serialize};
 use si::{Hertz, Pascal, Second};
 
@@ -48,7 +49,33 @@ impl IdentifiedMaterials {
     pub fn read(path: &Path) -> Result<Self> {
         let next = "run `study fit` of the body that identifies the material first, with the same --out";
         let text = input::read_text(path, input::PAGE).map_err(|e| Diagnostic::io(path, e, next))?;
-        toml::from_str(&text).map_err(|e| toml_error(&text, path, &e, next))
+        Self::parse(&text, path)
+    }
+
+    /// The materials in `text`; `path` appears only in diagnostics.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when a key is unknown, missing or mistyped, a number is out of range, or no law is the supported one.
+    pub fn parse(text: &str, path: &Path) -> Result<Self> {
+        table::parse(text, path, "`study fit` of the body that identifies the material writes such a file", Self::check)
+    }
+
+    fn check(&self) -> Checked {
+        for (i, law) in self.law.iter().enumerate() {
+            let key = format!("law.{i}");
+            if law.name.is_empty() || self.law[..i].iter().any(|other| other.name == law.name) {
+                let what = format!("the law `{}` has no name of its own", law.name);
+                return violation(&format!("{key}.name"), what, "a page names its law", "give each law its own name");
+            }
+            law.check(&key)?;
+        }
+        match self.law.iter().any(|law| law.name == self.supported) {
+            true => Ok(()),
+            false => {
+                let what = format!("there is no law `{}`", self.supported);
+                violation("supported", what, "it is the name of one of the laws", "name one of the laws")
+            }
+        }
     }
 
     /// The law `name`, or the supported one.
@@ -65,9 +92,64 @@ impl IdentifiedMaterials {
     }
 }
 
+impl IdentifiedMaterial {
+    /// Holds every constant to the range that a case allows.
+    fn check(&self, key: &str) -> Checked {
+        let key = |name: &str| format!("{key}.{name}");
+        within(&key("youngs_modulus"), self.youngs_modulus, 1e2..=1e12, "Pa")?;
+        self.stiffening.iter().try_for_each(|ratio| within(&key("stiffening"), *ratio, -10.0..=100.0, ""))?;
+        within(&key("mass_damping"), self.mass_damping, 0.0..=1e6, "1/s")?;
+        within(&key("stiffness_damping"), self.stiffness_damping, 0.0..=1e3, "s")?;
+        within(&key("branch"), self.branch.len() as f64, 0.0..=fem::MAX_BRANCHES as f64, "branches")?;
+        for (i, [strength, time]) in self.branch.iter().enumerate() {
+            within(&key(&format!("branch.{i}.0")), *strength, 0.0..=1e3, "of the long-term modulus")?;
+            within(&key(&format!("branch.{i}.1")), *time, 1e-9..=1e9, "s")?;
+        }
+        Ok(())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const FILE: &str = "supported = \"a\"\n[[law]]\nname = \"a\"\nyoungs_modulus = 2.7e5\nstiffening = [-0.2, 0.02]\n\
+        mass_damping = 0.1\nstiffness_damping = 1e-3\nbranch = [[0.1, 0.01], [0.2, 1.0]]\n";
+
+    fn refused(text: &str) -> Option<String> {
+        IdentifiedMaterials::parse(text, Path::new("bar.toml")).err().map(|refused| refused.to_string())
+    }
+
+    #[test]
+    fn every_number_is_refused_out_of_its_range_with_file_and_key() {
+        assert_eq!(refused(FILE), None);
+        for number in diagnostics::table::numbers(FILE) {
+            for value in ["nan", "inf", "-inf", "-1", "0", "1e308", "1e18", "18446744073709551615"] {
+                let slip = format!("{}{value}{}", &FILE[..number.span.start], &FILE[number.span.end..]);
+                let key = number.key.trim_end_matches(|c: char| c == '.' || c.is_ascii_digit());
+                match refused(&slip) {
+                    Some(text) => assert!(text.starts_with("bar.toml, line") && text.contains(key), "{text}"),
+                    None => {
+                        let zero = value == "0" && key != "law.0.youngs_modulus";
+                        assert!(zero || (value == "-1" && key == "law.0.stiffening"), "{key} = {value} is accepted");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_law_has_a_name_of_its_own_and_the_supported_one_is_there() {
+        let twice = FILE.to_owned() + FILE.split_once('\n').map_or("", |(_, law)| law);
+        assert!(refused(&twice).is_some_and(|text| text.contains("no name of its own")));
+        assert!(
+            refused(&FILE.replace("name = \"a\"", "name = \"\"")).is_some_and(|text| text.contains("bar.toml, line 3"))
+        );
+        assert!(refused(&FILE.replacen("\"a\"", "\"b\"", 1)).is_some_and(|text| text.contains("there is no law `b`")));
+        let many = format!("branch = [{}]", "[0.1, 0.01], ".repeat(17));
+        let many = FILE.replace("branch = [[0.1, 0.01], [0.2, 1.0]]", &many);
+        assert!(refused(&many).is_some_and(|text| text.contains("law.0.branch = 17 branches")));
+    }
 
     #[test]
     fn materials_come_back_from_their_file_and_an_unknown_law_is_refused() {

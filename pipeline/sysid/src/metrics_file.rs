@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use diagnostics::{Diagnostic, Result};
+use diagnostics::{Diagnostic, Result, input};
 use serde_json::{Value, json};
 
 /// A metric of a body, not compared with an expected or a published value; none where the prediction does not exist.
@@ -26,7 +26,7 @@ pub(crate) fn replace(folder: &Path, name: &str, entries: Vec<Value>) -> Result<
     let path = folder.join("metrics.json");
     let own = format!("real.{name}.");
     // A file that is not there, or not a list, holds nothing that could be kept.
-    let text = std::fs::read_to_string(&path).unwrap_or_default();
+    let text = input::read_text(&path, input::PAGE).unwrap_or_default();
     let mut all: Vec<Value> = serde_json::from_str(&text).unwrap_or_default();
     all.retain(|entry| !entry["id"].as_str().is_some_and(|id| id.starts_with(&own)));
     all.extend(entries);

@@ -36,6 +36,7 @@ pub mod export;
 pub mod figure;
 pub mod metric;
 pub mod needs;
+pub mod ranges;
 pub mod record;
 pub mod runner;
 pub mod settings;

@@ -3,11 +3,13 @@
 //! Plain sections are the paper profile; a section under `[quick]` or `[population]` overrides single keys of it. Nothing else differs
 //! between the profiles.
 
+use std::path::Path;
+
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
-use diagnostics::{Diagnostic, Result};
+use diagnostics::{Diagnostic, Result, table};
 
 /// Which set of settings, and so which folders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
@@ -62,15 +64,19 @@ pub struct Renamed {
     pub new: &'static str,
 }
 
+/// The name under which the settings are refused.
+pub const FILE: &str = "study.toml";
+/// Where their keys are explained.
+pub const SEE: &str = "CONTRIBUTING.md says where each section's keys are documented";
+
 impl Settings {
     /// Reads `study.toml` for a profile; `schema` lists its sections.
     ///
     /// # Errors
-    /// A [`Diagnostic`] that names the line, or the unknown section and the nearest known ones.
+    /// A [`Diagnostic`] that names the line, a number of any profile that is not finite, or the unknown section and the nearest known ones.
     pub fn read(text: &str, profile: Profile, schema: Schema) -> Result<Self> {
-        let mut table: Table = text.parse().map_err(|e| {
-            Diagnostic::new("study.toml cannot be read", format!("{e}").trim_end(), "correct the line that it names")
-        })?;
+        let mut table: Table = toml::from_str(text).map_err(|e| table::toml_error(text, Path::new(FILE), &e, SEE))?;
+        table::finite(text, Path::new(FILE), SEE)?;
         for other in Profile::ALL.into_iter().filter(|p| *p != Profile::Paper) {
             match table.remove(other.name()) {
                 Some(Value::Table(over)) if other == profile => lay_over(&mut table, over),
@@ -98,7 +104,7 @@ impl Settings {
             Diagnostic::new(
                 format!("study.toml, [{name}] is not understood"),
                 e.to_string().trim_end(),
-                "correct the key; CONTRIBUTING.md says where each section's keys are documented",
+                format!("correct the key; {SEE}"),
             )
         })
     }
@@ -160,6 +166,26 @@ mod tests {
         assert!(section.what.contains("[mush]"));
         let key = Settings::read("[mesh]\nedge = 1.0\nkeep = true\nhedge = 2.0\n", Profile::Paper, SCHEMA).unwrap();
         assert!(key.section::<Mesh>("mesh").unwrap_err().why.contains("hedge"));
+    }
+
+    #[test]
+    fn a_number_that_is_not_finite_is_refused_in_every_profile() {
+        for number in ["nan", "inf", "-inf", "1e400"] {
+            let text = TEXT.replace("0.004", number);
+            for profile in Profile::ALL {
+                let refused = Settings::read(&text, profile, SCHEMA).unwrap_err().to_string();
+                assert!(refused.starts_with("study.toml, line 5: quick.mesh.edge"), "{refused}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_wrong_line_and_a_value_of_a_wrong_type_are_refused_with_file_and_key() {
+        let line = Settings::read(&TEXT.replace("0.004", "["), Profile::Paper, SCHEMA).unwrap_err().to_string();
+        assert!(line.starts_with("study.toml, line "), "{line}");
+        let typed = Settings::read(&TEXT.replace("0.002", "'x'"), Profile::Paper, SCHEMA).unwrap();
+        let typed = typed.section::<Mesh>("mesh").unwrap_err().to_string();
+        assert!(typed.contains("study.toml") && typed.contains("`edge`"), "{typed}");
     }
 
     #[test]

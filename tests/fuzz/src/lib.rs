@@ -11,7 +11,9 @@ use std::path::Path;
 
 use mesh::foreign::{self, MeshFileError, RawMesh};
 use sysid::free_vibration::Page;
+use sysid::{IdentifiedMaterials, inflation_test};
 use track::video::Film;
+use workflow::settings::Profile;
 
 /// One reader.
 pub struct Target {
@@ -40,6 +42,19 @@ pub const TARGETS: &[Target] = &[
     Target { name: "card", run: |bytes| text(bytes, |t| named(lab::card::parse(t, Path::new(FILE)), FILE)) },
     Target { name: "case", run: |bytes| text(bytes, |t| named(simulate::case::parse(t, Path::new(FILE)), FILE)) },
     Target { name: "page", run: |bytes| text(bytes, |t| named(Page::parse(t, Path::new(FILE)), FILE)) },
+    Target {
+        name: "inflation_page",
+        run: |bytes| text(bytes, |t| named(inflation_test::Page::parse(t, Path::new(FILE)), FILE)),
+    },
+    Target {
+        name: "force_page",
+        run: |bytes| text(bytes, |t| named(instruments::force::check_page(t, Path::new(FILE)), FILE)),
+    },
+    Target {
+        name: "materials",
+        run: |bytes| text(bytes, |t| named(IdentifiedMaterials::parse(t, Path::new(FILE)), FILE)),
+    },
+    Target { name: "settings", run: |bytes| text(bytes, settings) },
 ];
 
 /// The name under which inputs are read.
@@ -66,6 +81,11 @@ fn named<T>(read: Result<T, impl Display>, file: &str) {
         let message = refusal.to_string();
         assert!(message.contains(file) && message.contains("do:"), "the refusal does not name {file}: {message}");
     }
+}
+
+/// Settings are read for each profile, and refused as `study.toml`.
+fn settings(text: &str) {
+    Profile::ALL.iter().for_each(|profile| named(study::settings(text, *profile), "study.toml"));
 }
 
 /// A mesh that is read is also checked, as every caller does.

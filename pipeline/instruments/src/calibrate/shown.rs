@@ -30,7 +30,7 @@ pub(super) fn toml(found: &Camera) -> String {
     let (lens, sigma) = (&found.calibration.lens, found.calibration.sigma());
     let mut text = format!(
         "# A camera of {} views; px, u to the right, v down, the centre of the first pixel 0, 0. Each number: value, standard deviation.\n\
-         lens = \"{}\"\nsize = [{}, {}]\nreprojection_px = {:.4}\nviews = {}\nwithout_board = {}\n",
+         lens = \"{}\"\nsize = [{}, {}]\nreprojection_px = {:.4}\nviews = {}\nwithout_board = {}\nrepeated = {}\n",
         found.views.corners.len(),
         word(lens.distortion),
         found.size.0,
@@ -38,6 +38,7 @@ pub(super) fn toml(found: &Camera) -> String {
         found.calibration.reprojection_px,
         found.views.corners.len(),
         found.views.without,
+        found.views.repeated,
     );
     let numbers = names(lens.distortion).into_iter().zip(lens.values()).zip(sigma);
     for ((name, value), sigma) in numbers.take(lens.count()) {
@@ -129,9 +130,13 @@ pub(super) fn figure(found: &Camera) -> Result<String, PlotError> {
 pub(super) fn summary(found: &Camera, folder: &Path) -> String {
     let (lens, sigma) = (&found.calibration.lens, found.calibration.sigma());
     let (views, without) = (found.views.corners.len(), found.views.without);
+    let repeated = match found.views.repeated {
+        0 => String::new(),
+        repeated => format!(", {repeated} that repeat another view left out"),
+    };
     let error = found.calibration.reprojection_px;
     format!(
-        "{views} views ({without} pictures without the whole board), reprojection error {error:.3} px, fx {:.1} ± {:.1}, fy {:.1} ± {:.1}, cx {:.1} ± {:.1}, cy {:.1} ± {:.1} px; results in {}",
+        "{views} views ({without} pictures without the whole board{repeated}), reprojection error {error:.3} px, fx {:.1} ± {:.1}, fy {:.1} ± {:.1}, cx {:.1} ± {:.1}, cy {:.1} ± {:.1} px; results in {}",
         lens.fx,
         sigma[0],
         lens.fy,

@@ -23,6 +23,10 @@ pub(super) struct Views {
     pub size: (usize, usize),
     /// Pictures without the whole board.
     pub without: usize,
+    /// Pictures of a view that another one shows, which are left out.
+    pub repeated: usize,
+    /// Name and size of every picture, px.
+    sizes: Vec<(String, (usize, usize))>,
     /// Why the last of those has none.
     refusal: Option<Diagnostic>,
 }
@@ -39,14 +43,15 @@ impl Views {
                 crate::interrupted(interrupt)?;
                 let (path, gray) = picture?;
                 let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-                views.look(name, gray, target)?;
+                views.look(name, gray, target);
             }
+            views.one_size(source)?;
         } else {
             for frame in Film::open(source)? {
                 crate::interrupted(interrupt)?;
                 let frame = frame?;
                 if frame.index.is_multiple_of(every) {
-                    views.look(format!("{:.3} s", frame.time), frame.gray, target)?;
+                    views.look(format!("{:.3} s", frame.time), frame.gray, target);
                 }
             }
         }
@@ -56,18 +61,15 @@ impl Views {
         }
     }
 
-    fn look(&mut self, name: String, gray: Gray, target: &Target) -> Result<()> {
+    fn look(&mut self, name: String, gray: Gray, target: &Target) {
         let size = (gray.width, gray.height);
-        if self.size != (0, 0) && self.size != size {
-            let what = format!("picture {name} has {} × {} px", size.0, size.1);
-            let why = format!(
-                "those before it have {} × {} px, and a camera file holds for one size",
-                self.size.0, self.size.1
-            );
-            return Err(Diagnostic::new(what, why, "take out the pictures of another camera, size or orientation"));
+        self.sizes.push((name.clone(), size));
+        self.size = self.sizes[0].1;
+        if size != self.size {
+            return;
         }
-        self.size = size;
         match target.find(&gray) {
+            Ok(corners) if self.corners.iter().any(|known| is_same(known, &corners)) => self.repeated += 1,
             Ok(corners) => {
                 self.names.push(name);
                 self.corners.push(corners);
@@ -78,7 +80,33 @@ impl Views {
                 self.refusal = Some(Diagnostic::from(refusal).while_doing(name));
             }
         }
-        Ok(())
+    }
+
+    /// Refuses pictures of several sizes by the names of those that the fewest have: they are the odd ones, whichever comes first.
+    fn one_size(&self, source: &Path) -> Result<()> {
+        let mut counts: Vec<((usize, usize), usize)> = Vec::new();
+        for (_, size) in &self.sizes {
+            match counts.iter_mut().find(|(known, _)| known == size) {
+                Some((_, count)) => *count += 1,
+                None => counts.push((*size, 1)),
+            }
+        }
+        let Some(&(common, count)) = counts.iter().rev().max_by_key(|(_, count)| *count) else { return Ok(()) };
+        let mut odd = self.sizes.iter().filter(|(_, size)| *size != common);
+        let Some((name, (width, height))) = odd.next() else { return Ok(()) };
+        let others = match odd.count() {
+            0 => String::new(),
+            more => format!("; {more} more pictures differ"),
+        };
+        let what = format!("picture {name} has {width} × {height} px");
+        let why = format!(
+            "{count} of {} pictures have {} × {} px, and a camera file holds for one size{others}",
+            self.sizes.len(),
+            common.0,
+            common.1
+        );
+        let action = "take out the pictures of another camera, size or orientation";
+        Err(Diagnostic::file(&source.join(name), what, why, action))
     }
 
     fn none(self, source: &Path) -> Diagnostic {
@@ -86,4 +114,14 @@ impl Views {
             || Diagnostic::new("there is no picture", "PNG and JPEG are read", "put pictures of the board there");
         self.refusal.unwrap_or_else(no_picture).in_file_unless_named(source)
     }
+}
+
+/// Root mean square distance of the points of two pictures below which both show one view, px: a tenth of the noise of a corner in a good
+/// picture. Two pictures of a camera at rest differ by more, and copies, also as another format, by less.
+const SAME: f64 = 5e-3;
+
+/// Whether the points are those of one picture: a copy adds no evidence, and would narrow every interval.
+fn is_same(a: &[Point2], b: &[Point2]) -> bool {
+    let square = |(p, q): (&Point2, &Point2)| (p[0] - q[0]).powi(2) + (p[1] - q[1]).powi(2);
+    a.len() == b.len() && a.iter().zip(b).map(square).sum::<f64>() < SAME * SAME * a.len() as f64
 }

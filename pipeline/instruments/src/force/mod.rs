@@ -40,12 +40,21 @@ pub fn keys() -> &'static str {
     page::KEYS
 }
 
+/// Reads a page from its `text`, with nothing beside it; `path` appears only in diagnostics.
+///
+/// # Errors
+/// A [`Diagnostic`] when it has an unknown, missing or mistyped key or a number out of range.
+pub fn check_page(text: &str, path: &Path) -> Result<()> {
+    Page::parse(text, path).map(drop)
+}
+
 /// Evaluates the page in the file `path`; writes a table, a record and a figure into `out`, or `<page>.out` beside it.
 ///
 /// # Errors
 /// A [`Diagnostic`]: the page, a log or a recording is refused.
 pub fn run(path: &Path, out: Option<&Path>) -> Result<(Report, PathBuf)> {
-    let report = Report::of(Page::read(path)?, path.parent().unwrap_or(Path::new(".")))?;
+    let report = Report::of(Page::read(path)?, path.parent().unwrap_or(Path::new(".")))
+        .map_err(|refused| refused.in_file_unless_named(path))?;
     let folder = out.map_or_else(|| path.with_extension("out"), Path::to_owned);
     shown::write(&report, &folder)?;
     Ok((report, folder))

@@ -117,21 +117,43 @@ impl Page {
     pub(super) fn read(path: &Path) -> Result<Self> {
         let text = input::read_text(path, input::PAGE)
             .map_err(|e| Diagnostic::io(path, e, "write a page there; study force --help lists its keys"))?;
-        table::parse(&text, path, "study force --help lists the keys", Self::check)
+        Self::parse(&text, path)
+    }
+
+    /// The page in `text`; `path` appears only in diagnostics.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when it has an unknown, missing or mistyped key or a number out of range.
+    pub(super) fn parse(text: &str, path: &Path) -> Result<Self> {
+        table::parse(text, path, "study force --help lists the keys", Self::check)
     }
 
     fn check(&self) -> Checked {
         check_log(&self.log, &self.channels)?;
         self.tank.map_or(Ok(()), |tank| check_tank(&tank))?;
-        let set = &self.settings;
-        within("settings.level", set.level, 1e-9..=0.5, "")?;
-        within("settings.still_limit", set.still_limit, 1e-6..=50.0, "N")?;
-        within("settings.longest_lag", set.longest_lag, 0.02..=5.0, "s")?;
-        within("settings.modes", f64::from(set.modes), 1.0..=10.0, "")?;
+        self.settings.check()?;
         if self.recording.is_empty() {
             return violation("recording", "the page has no recording", "at least one is needed", "add [[recording]]");
         }
-        self.recording.iter().enumerate().try_for_each(|(i, one)| self.check_one(&format!("recording.{i}"), one))
+        self.recording.iter().enumerate().try_for_each(|(i, one)| {
+            let key = format!("recording.{i}");
+            self.check_id(&key, one, &self.recording[..i])?;
+            check_numbers(&key, one)?;
+            self.check_one(&key, one)
+        })
+    }
+
+    /// Results are named by their recording: two of one name could not be told apart.
+    fn check_id(&self, key: &str, one: &Recording, before: &[Recording]) -> Checked {
+        let key = format!("{key}.id");
+        if one.id.trim().is_empty() {
+            return violation(&key, "a recording has an empty `id`", "results are named by it", "give it a name");
+        }
+        if before.iter().any(|other| other.id == one.id) {
+            let what = format!("two recordings have the id `{}`", one.id);
+            return violation(&key, what, "results are named by it", "give each recording its own");
+        }
+        Ok(())
     }
 
     fn check_one(&self, key: &str, one: &Recording) -> Checked {
@@ -139,11 +161,6 @@ impl Page {
             let what = format!("recording `{}` has no {missing}", one.id);
             violation(key, what, "its kind cannot be evaluated without", action)
         };
-        one.frequency.map_or(Ok(()), |f| within(&format!("{key}.frequency"), f, 0.05..=50.0, "Hz"))?;
-        one.levels
-            .iter()
-            .enumerate()
-            .try_for_each(|(j, level)| within(&format!("{key}.levels.{j}"), *level, 0.0..=5e5, "Pa"))?;
         match one.kind {
             Kind::Taps if one.hammer.is_none() => needs("`hammer`", "name the hammer's log"),
             Kind::StillWater if self.tank.is_none() => {
@@ -156,6 +173,52 @@ impl Page {
                 needs("`pressure` or `seconds`", "name its pressure log, or say from when to when it flapped")
             }
             _ => Ok(()),
+        }
+    }
+}
+
+impl Settings {
+    /// Holds every number to its range: a slip of a unit lies outside, and so does a count that no recording can have.
+    fn check(&self) -> Checked {
+        let [low, high] = self.band;
+        self.band.iter().try_for_each(|f| within("settings.band", *f, 0.01..=1e4, "Hz"))?;
+        if low >= high {
+            let what = format!("settings.band = [{low}, {high}] does not rise");
+            return violation("settings.band", what, "it is the lowest and the highest frequency, Hz", "swap the two");
+        }
+        within("settings.modes", f64::from(self.modes), 1.0..=10.0, "")?;
+        within("settings.level", self.level, 1e-9..=0.5, "")?;
+        within("settings.still_limit", self.still_limit, 1e-6..=50.0, "N")?;
+        within("settings.harmonics", self.harmonics as f64, 0.0..=100.0, "")?;
+        within("settings.settling_cycles", self.settling_cycles, 0.0..=1000.0, "")?;
+        within("settings.settling_time", self.settling_time, 0.0..=3600.0, "s")?;
+        within("settings.longest_lag", self.longest_lag, 0.02..=5.0, "s")
+    }
+}
+
+/// Levels of a staircase at most: each is a knot of the fitted curve.
+const MOST_LEVELS: usize = 100;
+
+/// Holds every number of a recording to its range.
+fn check_numbers(key: &str, one: &Recording) -> Checked {
+    one.frequency.map_or(Ok(()), |f| within(&format!("{key}.frequency"), f, 0.05..=50.0, "Hz"))?;
+    let levels = format!("{key}.levels");
+    within(&levels, one.levels.len() as f64, 0.0..=MOST_LEVELS as f64, "numbers")?;
+    for (j, level) in one.levels.iter().enumerate() {
+        within(&format!("{levels}.{j}"), *level, 0.0..=5e5, "Pa")?;
+        if one.levels[..j].contains(level) {
+            let what = format!("recording `{}` has the level {level} Pa twice", one.id);
+            return violation(&format!("{levels}.{j}"), what, "a level is held once in a list", "take one of them out");
+        }
+    }
+    let Some([from, to]) = one.seconds else { return Ok(()) };
+    let seconds = format!("{key}.seconds");
+    [from, to].iter().try_for_each(|time| within(&seconds, *time, -1e6..=1e9, "s"))?;
+    match from < to {
+        true => Ok(()),
+        false => {
+            let what = format!("{seconds} = [{from}, {to}] does not rise");
+            violation(&seconds, what, "it is the first and the last second of a run", "swap the two, or correct them")
         }
     }
 }

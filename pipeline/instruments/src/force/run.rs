@@ -58,6 +58,9 @@ pub(super) fn evaluated(one: &Recording, log: &Recorded, by: &Corrections, set: 
     let [first, last] = one.seconds.or_else(|| log.pressed()).ok_or_else(|| silent(one))?;
     let first = first.max(log.force.start());
     let last = last.min(log.force.end());
+    if first >= last {
+        return Err(outside(one, log));
+    }
     // A harmonic at half the sampling rate or beyond is another's alias.
     let resolved = (0.5 * log.force.rate() / frequency * (1.0 - 1e-9)) as usize;
     let beat = Beat { frequency, harmonics: set.harmonics.min(resolved), within: [first, last] };
@@ -105,6 +108,12 @@ pub(super) fn evaluated(one: &Recording, log: &Recorded, by: &Corrections, set: 
 fn silent(one: &Recording) -> Diagnostic {
     let what = format!("in recording `{}` no pressure rises", one.id);
     Diagnostic::new(what, "a run lasts while a pressure does", "name its seconds on the page, or its own pressure log")
+}
+
+fn outside(one: &Recording, log: &Recorded) -> Diagnostic {
+    let what = format!("recording `{}` has no force while it flapped", one.id);
+    let why = format!("its log of the force lasts from {:.3} to {:.3} s", log.force.start(), log.force.end());
+    Diagnostic::new(what, why, "correct `seconds`, or name the logs of one run")
 }
 
 fn too_short(one: &Recording, cycles: usize) -> Diagnostic {

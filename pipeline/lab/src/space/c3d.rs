@@ -3,7 +3,6 @@
 //! A point is lost where its fourth word is negative. c3dio keeps that word's two bytes without the sign, so that a residual of 255 units
 //! seen by every camera (0x7FFF) looks like −1 (0xFFFF): the sign is read from the bytes.
 
-use std::panic::catch_unwind;
 use std::path::Path;
 
 use c3dio::prelude::C3d;
@@ -11,6 +10,7 @@ use si::Point3;
 
 use super::{EXPORT, Trajectories, Trajectory, in_metres, unit};
 use diagnostics::Diagnostic;
+use diagnostics::panics::quietly;
 
 /// Bytes of a block.
 const BLOCK: usize = 512;
@@ -30,8 +30,8 @@ pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Trajectories, Diagnostic
     }
     bounded(bytes, path)?;
     let unreadable = |why: String| Diagnostic::file(path, "the .c3d cannot be read", why, EXPORT);
-    // a damaged section leads c3dio out of its bytes, which it answers with a panic
-    let parsed = catch_unwind(|| C3d::from_bytes(bytes).map(|c3d| c3d.points).map_err(|e| format!("{e:?}")));
+    // a damaged section leads c3dio out of its bytes, which it answers with a panic, whose text would stand before the refusal
+    let parsed = quietly(|| C3d::from_bytes(bytes).map(|c3d| c3d.points).map_err(|e| format!("{e:?}")));
     let parsed = parsed.map_err(|_| unreadable("a section leads out of the file".into()))?;
     let points = parsed.map_err(unreadable)?;
     let frames = points.rows();

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use si::{KilogramPerCubicMetre, Metre, Pascal, Second};
 
 use crate::table::{SEE, toml_error};
-use diagnostics::Diagnostic;
+use diagnostics::{Diagnostic, input};
 
 pub use force::{TrueCell, TrueForce, TrueTap, TrueWave};
 pub use traces::{TrueForces, read_forces, write_forces};
@@ -211,7 +211,7 @@ fn one() -> f64 {
 /// # Errors
 /// [`Diagnostic`] when the file cannot be read or is no truth.
 pub fn read(path: &Path) -> Result<Truth, Diagnostic> {
-    let text = std::fs::read_to_string(path).map_err(|e| {
+    let text = input::read_text(path, input::PAGE).map_err(|e| {
         Diagnostic::io(path, e, "record the specimen on the virtual bench again; a real one has no truth file")
     })?;
     parse(&text, path)

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::Deserialize;
 use si::{Newton, Second};
 
-use diagnostics::Diagnostic;
+use diagnostics::{Diagnostic, input};
 
 /// Forces at even times, every list as long as `time`; N, forwards.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -49,7 +49,7 @@ const ACTION: &str = "record the specimen on the virtual bench again";
 /// # Errors
 /// [`Diagnostic`] when the file cannot be read or a line is broken.
 pub fn read_forces(path: &Path) -> Result<TrueForces, Diagnostic> {
-    let text = std::fs::read_to_string(path).map_err(|e| Diagnostic::io(path, e, ACTION))?;
+    let text = input::read_text(path, input::MESH).map_err(|e| Diagnostic::io(path, e, ACTION))?;
     parse_forces(&text, path)
 }
 

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::Deserialize;
 use si::{Point2, Point3, Second};
 
-use diagnostics::Diagnostic;
+use diagnostics::{Diagnostic, input};
 
 /// One marker through a trial, every list `frames` long.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -52,7 +52,7 @@ pub fn write_tracks(tracks: &[TrueTrack], remark: &str) -> String {
 /// # Errors
 /// [`Diagnostic`] when the file cannot be read or a line is broken.
 pub fn read_tracks(path: &Path) -> Result<Vec<TrueTrack>, Diagnostic> {
-    let text = std::fs::read_to_string(path).map_err(|e| Diagnostic::io(path, e, ACTION))?;
+    let text = input::read_text(path, input::MESH).map_err(|e| Diagnostic::io(path, e, ACTION))?;
     parse_tracks(&text, path)
 }
 

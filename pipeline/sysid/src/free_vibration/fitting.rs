@@ -232,7 +232,8 @@ fn correlation(fit: &Fit, residuals: &[f64]) -> f64 {
 /// The value at a time between samples; that of the first before it.
 pub(crate) fn interpolated(times: &[Second], values: &[f64], at: Second) -> f64 {
     let next = times.partition_point(|time| *time < at);
-    if next == 0 {
+    // a motion that ends at once has one sample
+    if next == 0 || times.len() == 1 {
         return values[0];
     }
     let next = next.min(times.len() - 1);
@@ -265,6 +266,7 @@ mod tests {
         for (at, expected) in [(-0.2, 0.0), (0.05, 0.5), (0.2, 3.0), (0.3, 5.0)] {
             assert!((interpolated(&times, &values, at) - expected).abs() < 1e-12);
         }
+        assert_eq!(interpolated(&[0.0], &[2.0], 0.3), 2.0, "a motion that ends at once");
     }
 
     #[test]

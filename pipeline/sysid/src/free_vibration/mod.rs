@@ -57,6 +57,15 @@ pub struct Report {
 /// A [`diagnostics::Diagnostic`]: the page, a recording, a case or its mesh is refused, a shape or motion cannot be found, or it was interrupted.
 pub fn run(root: &Path, path: &Path, out: Option<&Path>, interrupt: Option<Interrupt>) -> Result<(Report, PathBuf)> {
     let page = Page::read(path)?;
+    evaluated(page, root, path, (out, interrupt)).map_err(|refused| refused.in_file_unless_named(path))
+}
+
+fn evaluated(
+    page: Page,
+    root: &Path,
+    path: &Path,
+    (out, interrupt): (Option<&Path>, Option<Interrupt>),
+) -> Result<(Report, PathBuf)> {
     let recorded = recorded::read(&page, root)?;
     let measured = recorded.iter().map(|r| Features::of(&page, &r.fall)).collect::<Result<Vec<_>>>()?;
     let (cases, of) = cases(&page);

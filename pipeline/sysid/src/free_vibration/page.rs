@@ -185,6 +185,25 @@ mod tests {
         assert_eq!(said("whole", "", ""), "beam_ds10");
     }
 
+    /// Keys of numbers that may be negative.
+    const SIGNED: &[&str] = &["at", "on"];
+
+    #[test]
+    fn every_number_is_refused_out_of_its_range_with_file_and_key() {
+        for diagnostics::table::Number { key, span, .. } in diagnostics::table::numbers(PAGE) {
+            for value in ["nan", "inf", "-inf", "-1", "0", "1e308", "1e18", "18446744073709551615"] {
+                let slip = format!("{}{value}{}", &PAGE[..span.start], &PAGE[span.end..]);
+                let name = key.split('.').rfind(|part| part.parse::<usize>().is_err()).unwrap_or_default();
+                match Page::parse(&slip, Path::new("page.toml")).map_err(|refused| refused.to_string()) {
+                    Err(text) => {
+                        assert!(text.starts_with("page.toml") && text.contains(name), "{key} = {value}: {text}")
+                    }
+                    Ok(_) => assert!(value == "0" || (value == "-1" && SIGNED.contains(&name)), "{key} = {value}"),
+                }
+            }
+        }
+    }
+
     #[test]
     fn a_slip_of_the_pen_is_refused_with_what_it_is() {
         let slips = [
@@ -192,7 +211,7 @@ mod tests {
             ("range = [5e4, 2e6]", "range = [2e6, 5e4]", "two rising moduli"),
             ("step = 0.00125", "step = 0.0", "not positive"),
             ("at = [0.1, -0.006, 0.024]", "at = [0.1, -1e308, 0.006]", "marker.1.at = -1e308 m is out of range"),
-            ("sigma = 1e-4", "sigma = inf", "sigma = inf m is out of range"),
+            ("sigma = 1e-4", "sigma = inf", "sigma = inf is not a finite number"),
             ("release = 0.71", "release = -1.0", "the range is 0 to 3600 s"),
             ("names = [\"base_1\", \"Base - 1\"]", "names = []", "has no `names`"),
             ("swing = [0.1, 1.4]", "swing = [1.4, 0.1]", "two rising times"),

@@ -47,7 +47,7 @@ fn uncertain(report: &Report, result: &LawResult) -> Vec<String> {
         let scale = quantity.scale(report.page.range);
         let size = if scale.logarithmic { 1.0 } else { fitted.values[p].abs() };
         let percent = 100.0 * fitted.covariance[(p, p)].sqrt() / size;
-        (percent >= 100.0).then(|| {
+        (percent >= 100.0 || percent.is_nan()).then(|| {
             let (name, law) = (scale.name, fitted.law.name);
             format!(
                 "the standard deviation of {name} ({law}) is {percent:.0} % of it: the recordings do not determine it"

@@ -38,10 +38,36 @@ pub(super) struct Row {
     pub missing: Pascal,
     /// Recordings to which it was fitted.
     pub used: Vec<usize>,
+    /// Where its fit ended; none where nothing was fitted.
+    pub end: Option<End>,
     /// Thickness of the thinnest wall, m.
     pub wall: Option<f64>,
     /// One per recording.
     pub predictions: Vec<Prediction>,
+}
+
+/// Where a fit ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct End {
+    pub at: Point,
+    /// Number of free parameters.
+    pub free: usize,
+    /// Largest component of the step that would follow.
+    pub next_step: f64,
+}
+
+impl End {
+    /// Whether another step would change the result by more than its digits.
+    pub(super) fn converged(&self) -> bool {
+        self.next_step < 10.0 * ENOUGH
+    }
+
+    /// Free parameters on an end of their range, with the range.
+    pub(super) fn on_bounds(&self) -> impl Iterator<Item = (usize, [f64; 2])> {
+        let Self { at, free, .. } = *self;
+        let lies_on = move |p: usize, end: f64| (at[p] - end).abs() < 1e-6;
+        (0..free).filter(move |p| RANGES[*p].iter().any(|end| lies_on(*p, *end))).map(|p| (p, RANGES[p]))
+    }
 }
 
 /// What a material makes of one recording.
@@ -82,13 +108,15 @@ impl Bench<'_> {
         self.predicted(name, (material, 0.0), body)
     }
 
-    /// What the point `at`, fitted to the recordings `used`, makes of every recording.
+    /// What the end of a fit to the recordings `used` makes of every recording.
     ///
     /// # Errors
     /// A diagnostic when its material is refused.
-    pub fn fitted(&self, name: &str, (of, at): (&IdentifiedMaterial, Point), used: &[usize]) -> Result<Row> {
+    pub fn fitted(&self, name: &str, (of, end): (&IdentifiedMaterial, &Linearised), used: &[usize]) -> Result<Row> {
+        let at = end.at;
         let row = self.predicted(name, (self.material(of, at), missing(at)), self.body)?;
-        Ok(Row { used: used.to_vec(), modulus_ratio: at[0].exp(), ..row })
+        let (free, next_step) = (end.jacobian.ncols(), gauss_newton_step(end).amax());
+        Ok(Row { used: used.to_vec(), modulus_ratio: at[0].exp(), end: Some(End { at, free, next_step }), ..row })
     }
 
     fn predicted(&self, name: &str, (material, missing): (IdentifiedMaterial, Pascal), body: &Meshed) -> Result<Row> {
@@ -101,7 +129,7 @@ impl Bench<'_> {
         };
         let predictions = (0..self.recorded.len()).into_par_iter().map(predict).collect::<Result<_>>()?;
         let (name, wall) = (name.to_owned(), body.wall);
-        Ok(Row { name, modulus_ratio: 1.0, material, missing, used: Vec::new(), wall, predictions })
+        Ok(Row { name, modulus_ratio: 1.0, material, missing, used: Vec::new(), end: None, wall, predictions })
     }
 
     /// Logarithms of simulated over measured displacement soon after the step, and with `free` parameters that the creep shows, at the
@@ -112,10 +140,11 @@ impl Bench<'_> {
         let until = if quantities(free) > 1 { hold } else { self.page.early[1] };
         let supply = self.page.supply(missing(at));
         let course = self.body.inflate(&self.material(of, at), (recording, &supply), until)?;
+        if course.burst.is_some() {
+            return Ok(vec![BURST; quantities(free)]);
+        }
         let found = Features::of(self.page, hold, &course.tip);
-        let logarithm = |ratio: f64| {
-            if course.burst.is_some() || ratio <= 0.0 { BURST } else { ratio.ln().min(BURST) }
-        };
+        let logarithm = |ratio: f64| if ratio > 0.0 { ratio.ln().min(BURST) } else { BURST };
         let all = [found.early / measured.early, found.late / measured.late];
         Ok(all.into_iter().take(quantities(free)).map(logarithm).collect())
     }

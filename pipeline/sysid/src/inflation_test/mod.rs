@@ -2,17 +2,18 @@
 //! motion of the tip and its creep; what the prediction lacks is compared with a fitted modulus, a fitted stiffening, and thicker walls.
 //!
 //! `page` describes the tests, `recorded` reads the recordings, `body` is the meshed body and its motion, `fits` what each material makes
-//! of each recording, `shown` writes table, metrics and figure.
+//! of each recording, `shown` writes table, metrics and figure, and `warnings` finds fits that are none.
 
 mod body;
 mod fits;
 mod page;
 mod recorded;
 mod shown;
+mod warnings;
 
 use std::path::{Path, PathBuf};
 
-use diagnostics::{Diagnostic, Result};
+use diagnostics::{Diagnostic, Result, input};
 use si::Metre;
 
 use crate::identified_materials::file_of;
@@ -34,7 +35,7 @@ pub struct Report {
 
 /// Whether the file `path` is the page of an inflation test.
 pub fn is_page(path: &Path) -> bool {
-    let text = std::fs::read_to_string(path).unwrap_or_default();
+    let text = input::read_text(path, input::PAGE).unwrap_or_default();
     text.parse::<toml::Table>().is_ok_and(|page| page.contains_key("test"))
 }
 
@@ -44,7 +45,10 @@ pub fn is_page(path: &Path) -> bool {
 /// # Errors
 /// A [`diagnostics::Diagnostic`]: the page, a recording, the material, a case or its mesh is refused.
 pub fn run(root: &Path, path: &Path, out: Option<&Path>) -> Result<(Report, PathBuf)> {
-    let page = Page::read(path)?;
+    evaluated(Page::read(path)?, root, path, out).map_err(|refused| refused.in_file_unless_named(path))
+}
+
+fn evaluated(page: Page, root: &Path, path: &Path, out: Option<&Path>) -> Result<(Report, PathBuf)> {
     let folder = out.map_or_else(|| path.with_extension("out"), Path::to_owned);
     let recorded: Vec<Recorded> =
         page.recording.iter().map(|recording| Recorded::read(&page, recording, root)).collect::<Result<_>>()?;
@@ -82,7 +86,7 @@ impl Predictions<'_> {
         }
         let own: Vec<usize> = (0..count).filter(|k| page.recording[*k].fitted).collect();
         let modulus = bench.fit(chosen, &own, bench.linearised(chosen, (start(chosen, 1), 1), &own)?)?;
-        rows.push(bench.fitted("modulus fitted", (chosen, modulus.at), &own)?);
+        rows.push(bench.fitted("modulus fitted", (chosen, &modulus), &own)?);
         let mut left_out = vec![Vec::new(); count];
         if count > 1 {
             let mut from = start(chosen, 2);
@@ -121,12 +125,12 @@ fn cross_validated(
 ) -> Result<Point> {
     let every: Vec<usize> = (0..left_out.len()).collect();
     let joint = bench.fit(of, &every, bench.linearised(of, from, &every)?)?;
-    rows.push(bench.fitted(name, (of, joint.at), &every)?);
+    rows.push(bench.fitted(name, (of, &joint), &every)?);
     for k in every.iter().copied().filter(|k| !bench.page.recording[*k].fitted) {
         let others: Vec<usize> = every.iter().copied().filter(|other| *other != k).collect();
-        let at = bench.fit(of, &others, joint.only(&others))?.at;
+        let end = bench.fit(of, &others, joint.only(&others))?;
         left_out[k].push(rows.len());
-        rows.push(bench.fitted(name, (of, at), &others)?);
+        rows.push(bench.fitted(name, (of, &end), &others)?);
     }
     Ok(joint.at)
 }

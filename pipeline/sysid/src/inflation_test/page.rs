@@ -178,6 +178,8 @@ impl Page {
             (self.folders.is_empty(), "`folders` names none"),
             (self.recording.is_empty(), "there is no [[recording]]"),
             (self.recording.iter().any(|r| r.files.is_empty()), "a [[recording]] has no `files`"),
+            (self.recording.iter().any(|r| r.name.trim().is_empty()), "a [[recording]] has an empty `name`"),
+            (repeated(&self.recording), "two [[recording]]s have one `name`"),
             (!self.recording.iter().any(|r| r.fitted), "no [[recording]] is fitted"),
             (self.marker.iter().any(|m| m.names.is_empty()), "a [[marker]] has no `names`"),
             (!self.marker.iter().any(|m| m.compared && m.on.is_some()), "no [[marker]] on the body is compared"),
@@ -190,6 +192,11 @@ impl Page {
         ];
         rules.iter().find(|(broken, _)| *broken).map(|(_, what)| *what)
     }
+}
+
+/// Whether two recordings have one name: their results could not be told apart.
+fn repeated(recordings: &[Recording]) -> bool {
+    recordings.iter().enumerate().any(|(i, one)| recordings[..i].iter().any(|other| other.name == one.name))
 }
 
 const SEE: &str = "pipeline/sysid/examples/real has a page with every key";
@@ -209,6 +216,25 @@ mod tests {
         assert!((whole.step(1e4, 0.2) - 1e4).abs() < 1e-9);
     }
 
+    /// Keys of numbers that may be negative.
+    const SIGNED: &[&str] = &["at", "on", "pressure"];
+
+    #[test]
+    fn every_number_is_refused_out_of_its_range_with_file_and_key() {
+        for diagnostics::table::Number { key, span, .. } in diagnostics::table::numbers(PAGE) {
+            for value in ["nan", "inf", "-inf", "-1", "0", "1e308", "1e18", "18446744073709551615"] {
+                let slip = format!("{}{value}{}", &PAGE[..span.start], &PAGE[span.end..]);
+                let name = key.split('.').rfind(|part| part.parse::<usize>().is_err()).unwrap_or_default();
+                match Page::parse(&slip, Path::new("page.toml")).map_err(|refused| refused.to_string()) {
+                    Err(text) => {
+                        assert!(text.starts_with("page.toml") && text.contains(name), "{key} = {value}: {text}")
+                    }
+                    Ok(_) => assert!(value == "0" || (value == "-1" && SIGNED.contains(&name)), "{key} = {value}"),
+                }
+            }
+        }
+    }
+
     #[test]
     fn the_page_that_comes_along_is_read_and_a_slip_of_the_pen_is_refused() {
         assert_eq!(Page::parse(PAGE, Path::new("page.toml")).unwrap().name, "arm_ds10");
@@ -224,6 +250,8 @@ mod tests {
             ("hold = [0.59, 3.53]", "hold = [3.53, 0.59]", "do not follow one another"),
             ("hold = [0.59, 3.53]", "hold = [0.59]", "length 1"),
             ("fitted = true", "fitted = false", "is fitted"),
+            ("name = \"100mbar\"", "name = \" \"", "empty `name`"),
+            ("name = \"200mbar\"", "name = \"100mbar\"", "have one `name`"),
             ("compared = true", "compared = false", "is compared"),
             ("early = [", "early = [-", "two times after"),
             ("test = \"inflation\"", "test = \"torsion\"", "torsion"),

@@ -39,6 +39,9 @@ fn mean(course: &[(Second, Metre)], [from, to]: [Second; 2]) -> Metre {
     (0..SAMPLES).map(value).sum::<f64>() / SAMPLES as f64
 }
 
+/// Displacement below which nothing moves, m: no camera resolves it, and ratios to it mean nothing.
+const STILL: Metre = 1e-9;
+
 /// One recorded inflation.
 pub(super) struct Recorded {
     /// Mean displacement of the compared markers along the page's axis since the step, m.
@@ -69,6 +72,14 @@ impl Recorded {
         let tip = Series::new(0.0, rate, (from..=to).map(mean).collect())?;
         let course: Vec<_> = tip.values().iter().enumerate().map(|(i, u)| (tip.time(i), *u)).collect();
         let features = Features::of(page, recording.duration(), &course);
+        if features.early.abs() < STILL {
+            let what = format!("the tip does not move in `{}`", recording.name);
+            let why = format!(
+                "{:.1e} m on average from {} to {} s of its hold",
+                features.early, page.early[0], page.early[1]
+            );
+            return Err(Diagnostic::file(&path, what, why, "correct `hold`, `early` or `along` on the page"));
+        }
         Ok(Self { tip, features })
     }
 }

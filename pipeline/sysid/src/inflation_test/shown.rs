@@ -6,6 +6,7 @@ use std::path::Path;
 use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Dash, Figure, Mark, Panel, palette};
 
 use super::fits::Row;
+use super::warnings::{no_fit, warnings};
 use super::{JOINT, Report};
 use crate::metrics_file;
 use diagnostics::{Diagnostic, Result};
@@ -45,12 +46,13 @@ fn csv(report: &Report) -> String {
         "material,fitted,modulus_ratio,c20_over_c10,missing_mbar,wall_mm,recording,quantity,unit,measured,predicted,error\n"
             .to_owned();
     for row in &report.rows {
+        let fit = |value: f64| if no_fit(report, row).is_some() { String::new() } else { format!("{value:.5}") };
         let head = format!(
-            "\"{}\",{},{:.5},{:.5},{:.3},{}",
+            "\"{}\",{},{},{},{:.3},{}",
             row.name,
             names(report, &row.used),
-            row.modulus_ratio,
-            row.material.stiffening[0],
+            fit(row.modulus_ratio),
+            fit(row.material.stiffening[0]),
             1e-2 * row.missing,
             word(row.wall.map(|wall| 1e3 * wall))
         );
@@ -69,6 +71,7 @@ fn csv(report: &Report) -> String {
         let wall = word(report.explaining_wall(k).map(|wall| 1e3 * wall));
         text += &format!(",,,,,,{},wall that explains the tip,mm,,{wall},\n", recording.name);
     }
+    warnings(report).iter().for_each(|warning| text += &format!("\"warning: {warning}\",,,,,,,,,,,\n"));
     text
 }
 
@@ -82,6 +85,7 @@ fn error_percent(found: f64, measured: f64) -> f64 {
 fn metrics(report: &Report) -> Vec<serde_json::Value> {
     let mut entries = Vec::new();
     let alone = report.rows.iter().position(|row| row.name == "modulus fitted");
+    let fit = |row: usize| no_fit(report, &report.rows[row]).is_none();
     for (k, left_out) in report.left_out.iter().enumerate() {
         let stem = format!("real.{}.{}", report.page.name, report.page.recording[k].name);
         let kinds = [
@@ -91,11 +95,16 @@ fn metrics(report: &Report) -> Vec<serde_json::Value> {
             ("tip_with_supported_law", Some(0)),
         ];
         for (kind, row) in kinds.into_iter().filter(|(_, row)| !left_out.is_empty() && row.is_some()) {
-            let tip = row.map(|row| numbers(report, &report.rows[row], k)[0]);
+            let tip = row.filter(|row| fit(*row)).map(|row| numbers(report, &report.rows[row], k)[0]);
             let error = tip.and_then(|(_, _, measured, found)| Some(error_percent(found?, measured).abs()));
             entries.push(metrics_file::entry(&format!("{stem}.{kind}_error_percent"), error, "%"));
         }
-        let creep = left_out.last().copied().or(alone).map(|row| numbers(report, &report.rows[row], k)[2]);
+        let creep = left_out
+            .last()
+            .copied()
+            .or(alone)
+            .filter(|row| fit(*row))
+            .map(|row| numbers(report, &report.rows[row], k)[2]);
         let points = creep.and_then(|(_, _, measured, found)| Some((found? - measured).abs()));
         entries.push(metrics_file::entry(&format!("{stem}.creep_error_points"), points, "%"));
     }
@@ -112,7 +121,10 @@ impl fmt::Display for Report {
                 missing => format!(", {:.1} mbar missing at first", 1e-2 * missing),
             };
             let (ratio, [c20, _]) = (row.modulus_ratio, row.material.stiffening);
-            writeln!(f, "{}{fitted}: modulus × {ratio:.3}, C20/C10 {c20:.3}{missing}{wall}", row.name)?;
+            match no_fit(self, row) {
+                Some(_) => writeln!(f, "{}{fitted}: no fit{wall}", row.name)?,
+                None => writeln!(f, "{}{fitted}: modulus × {ratio:.3}, C20/C10 {c20:.3}{missing}{wall}", row.name)?,
+            }
             for k in 0..self.recorded.len() {
                 write_prediction(f, self, (row, k))?;
             }
@@ -122,7 +134,7 @@ impl fmt::Display for Report {
                 self.explaining_wall(k).map_or("no wall that was tried".to_owned(), |w| format!("{:.2} mm", 1e3 * w));
             writeln!(f, "walls that explain the tip at {}: {wall}", recording.name)?;
         }
-        Ok(())
+        warnings(self).iter().try_for_each(|warning| writeln!(f, "warning: {warning}"))
     }
 }
 
@@ -136,6 +148,10 @@ fn write_prediction(f: &mut fmt::Formatter<'_>, report: &Report, (row, k): (&Row
     }
     for (quantity, unit, measured, found) in numbers(report, row, k) {
         let found = found.unwrap_or(f64::NAN);
+        if !found.is_finite() {
+            write!(f, "  {quantity} not predicted ({measured:.2})")?;
+            continue;
+        }
         let error = if unit == "%" { String::new() } else { format!(", {:+.1} %", error_percent(found, measured)) };
         write!(f, "  {quantity} {found:.2} {unit} ({measured:.2}{error})")?;
     }
@@ -159,7 +175,8 @@ fn figure(report: &Report) -> Figure {
             (joint(1), palette::PRESSURE, "and missing pressure fitted"),
         ];
         let marks = rows.into_iter().filter_map(|(row, colour, label)| {
-            let course = &report.rows[row?].predictions[k].course;
+            let row = report.rows.get(row?).filter(|row| no_fit(report, row).is_none())?;
+            let course = &row.predictions[k].course;
             let line = course.tip.iter().map(|(time, u)| [*time, 1e3 * u]).collect();
             Some(Mark::line(line, colour).dashed(Dash::Dashed).labelled(label))
         });

@@ -6,7 +6,7 @@ use mesh::Surface;
 use si::Point3;
 
 use super::body::{Course, Meshed};
-use super::fits::{Prediction, Row};
+use super::fits::{End, Prediction, Row};
 use super::recorded::{Features, Recorded};
 use super::{Page, Report, run};
 use crate::{IdentifiedMaterial, IdentifiedMaterials};
@@ -217,6 +217,75 @@ fn what_is_missing_or_does_not_fit_is_refused_with_what_to_do() {
     std::fs::remove_dir_all(&folder).unwrap();
 }
 
+/// What is printed of the page, changed, on recordings of the box as it is.
+fn printed(name: &str, page: &str) -> (String, String, String) {
+    let folder = folder(name);
+    record(&folder, 1.0);
+    std::fs::write(folder.join("page.toml"), page).unwrap();
+    let (report, out) = run(&folder, &folder.join("page.toml"), Some(&folder)).unwrap();
+    let read = |file: &str| std::fs::read_to_string(out.join(file)).unwrap();
+    let printed = (report.to_string(), read("real_box.csv"), read("metrics.json"));
+    std::fs::remove_dir_all(&folder).unwrap();
+    printed
+}
+
+#[test]
+fn a_fit_to_a_tip_that_moves_the_other_way_or_to_a_wall_that_balloons_is_not_printed_as_one() {
+    for (name, pressure, why) in
+        [("sign", "-6e3", "which no modulus turns round"), ("burst", "1e6", "balloons without bound")]
+    {
+        let page = PAGE.replace("pressure = 6e3", &format!("pressure = {pressure}"));
+        let (text, table, metrics) = printed(name, &page);
+        let line = text.lines().find(|line| line.starts_with("modulus fitted to step")).unwrap();
+        assert_eq!(line.split(", walls").next(), Some("modulus fitted to step: no fit"), "{text}");
+        let warning = "warning: `modulus fitted` is no fit: the ";
+        assert!(text.contains(warning) && text.contains(why) && text.contains("step.csv"), "{text}");
+        assert!(table.contains("\"modulus fitted\",step,,,") && table.contains(warning), "{table}");
+        assert!(
+            !text.contains("NaN") && !table.contains("NaN") && metrics.contains("not predicted"),
+            "{text}{metrics}"
+        );
+    }
+}
+
+#[test]
+fn a_recording_in_which_nothing_moves_is_refused_by_its_file() {
+    let folder = folder("still");
+    record(&folder, 1.0);
+    let place = folder.join("recordings/step.csv");
+    let text = std::fs::read_to_string(&place).unwrap();
+    let rest: Vec<&str> = text.lines().filter(|line| line.starts_with("0.0000,tip")).collect();
+    let [_, at] = rest[0].splitn(2, ',').collect::<Vec<_>>()[..] else { panic!("a line has a time") };
+    let still = |line: &str| match line.split_once(',') {
+        Some((time, tip)) if tip.starts_with("tip") => format!("{time},{at}\n"),
+        _ => format!("{line}\n"),
+    };
+    std::fs::write(&place, text.lines().map(still).collect::<String>()).unwrap();
+    let refused = run(&folder, &folder.join("page.toml"), Some(&folder)).err().unwrap().to_string();
+    std::fs::remove_dir_all(&folder).unwrap();
+    assert!(refused.contains("step.csv: the tip does not move in `step`"), "{refused}");
+}
+
+/// The end of a fit.
+fn end(at: [f64; 3], next_step: f64) -> Option<End> {
+    Some(End { at, free: 3, next_step })
+}
+
+#[test]
+fn an_estimate_on_an_end_of_its_range_and_a_fit_that_did_not_converge_are_warned_of() {
+    let with = |end: Option<End>| {
+        let mut report = walls(&[(None, 10.0)]);
+        (report.rows[0].end, report.rows[0].used) = (end, vec![0]);
+        super::warnings::warnings(&report)
+    };
+    assert!(with(end([0.1, 0.5, 1.0], 1e-4)).is_empty());
+    let on_bounds = with(end([0.1, -0.2, 8.0], 1e-4));
+    assert!(on_bounds[0].contains("C20/C10 of `` lies on an end of its range, -0.2 to 4"), "{on_bounds:?}");
+    assert!(on_bounds[1].contains("missing pressure") && on_bounds.len() == 2, "{on_bounds:?}");
+    let unfinished = with(end([1.2, 0.5, 1.0], 0.3));
+    assert!(unfinished.len() == 1 && unfinished[0].contains("did not converge"), "{unfinished:?}");
+}
+
 /// A report of one recording that moves by 10 mm, of bodies whose walls (mm) let it move by so many mm.
 fn walls(moved: &[(Option<f64>, f64)]) -> Report {
     let materials: IdentifiedMaterials = toml::from_str(MATERIALS).unwrap();
@@ -228,6 +297,7 @@ fn walls(moved: &[(Option<f64>, f64)]) -> Report {
         material: material.clone(),
         missing: 0.0,
         used: Vec::new(),
+        end: None,
         wall: wall.map(|wall| 1e-3 * wall),
         predictions: vec![Prediction {
             course: Course { tip: Vec::new(), burst: None },
