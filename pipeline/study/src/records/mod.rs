@@ -59,6 +59,11 @@ pub use transfer::{HeldOut, Layout, Transfer};
 pub(crate) use validation::PAPER_MODEL;
 pub use validation::{Interval, ScoredModel, Validation};
 
+/// A file of a record that disagrees with another one, or with itself.
+fn unfit(file: &str, cause: impl Into<String>) -> workflow::record::RecordError {
+    workflow::record::RecordError::Scalars { file: file.into(), cause: cause.into() }
+}
+
 /// A subject's name inside a metric's id.
 fn flat(subject: &str) -> String {
     subject.replace('/', "_")
