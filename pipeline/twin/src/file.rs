@@ -73,6 +73,7 @@ pub fn bytes(data: &TwinData) -> Result<Vec<u8>, TwinError> {
     let (counts, numbers) = (Counts::of(data), numbers(data));
     let raw: Vec<Vec<u8>> =
         numbers.iter().map(|values| values.iter().flat_map(|value| value.to_le_bytes()).collect()).collect();
+    // length: the check above holds each list of numbers against its array
     let arrays = counts.arrays().into_iter().zip(&raw);
     let views = arrays.map(|(array, bytes)| Ok((array.name, TensorView::new(Dtype::F64, array.shape, bytes)?)));
     let views = views.collect::<Result<Vec<_>, _>>();

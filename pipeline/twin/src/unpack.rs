@@ -55,7 +55,7 @@ fn values(file: &SafeTensors, array: &Array) -> Result<Vec<f64>, String> {
 }
 
 /// The tail of the numbers of every array, in the order of [`Counts::arrays`].
-// length: each array has the shape that the same counts gave, so that no row is left over and none is missing
+// Each array has the shape that the same counts gave, so that no row is left over and none is missing.
 fn assembled(counts: &Counts, names: &[&str], mut values: impl Iterator<Item = Vec<f64>>) -> TwinData {
     let r = counts.coordinates.max(1);
     let mut next = || values.next().unwrap_or_default();
@@ -76,12 +76,12 @@ fn assembled(counts: &Counts, names: &[&str], mut values: impl Iterator<Item = V
     TwinData { mass, size, regions, chambers, sections, outputs: names.iter().enumerate().map(output).collect() }
 }
 
-// length: moduli have the shape [4], branches [branches, 2]
 fn region([moduli, branches, weights, gradients]: [Vec<f64>; 4]) -> Region {
     Region {
         mu: moduli[0],
         lambda: moduli[1],
         stiffening: [moduli[2], moduli[3]],
+        // length: branches have the shape [branches, 2]
         branches: branches.chunks_exact(2).map(|branch| [branch[0], branch[1]]).collect(),
         weights,
         gradients,
