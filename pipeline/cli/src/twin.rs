@@ -72,6 +72,18 @@ mod tests {
     use std::fs;
 
     #[test]
+    fn a_damaged_file_is_refused_with_its_name_and_the_array() {
+        let path = std::env::temp_dir().join(format!("damaged-{}.{ENDING}", std::process::id()));
+        let mut transposed = twin::file::bytes(&twin::example::beam(false)).unwrap();
+        let at = transposed.windows(8).position(|eight| eight == b"[80,7,9]").unwrap();
+        transposed[at..at + 8].copy_from_slice(b"[80,9,7]");
+        fs::write(&path, transposed).unwrap();
+        let refused = check_gradients(&[&path], false, 3).unwrap_err().to_string();
+        fs::remove_file(&path).unwrap();
+        assert!(refused.contains(&path.display().to_string()) && refused.contains("`region0.gradients`"), "{refused}");
+    }
+
+    #[test]
     fn the_example_s_gradients_are_checked_in_air_and_in_water_and_a_file_s_own_by_its_name() {
         let path = std::env::temp_dir().join(format!("tail-{}.{ENDING}", std::process::id()));
         fs::write(&path, twin::file::bytes(&twin::example::beam(false)).unwrap()).unwrap();

@@ -15,7 +15,7 @@
 //! let clamps = Clamps::below_x(&mesh, 1e-9);
 //! let material = materials::by_name("neo_hookean").ok_or("no such law")?;
 //! let end = mesh.nodes.iter().position(|at| *at == [0.1, 0.005, 0.001]).ok_or("no node in the middle of the end")?;
-//! let forces = Forces::none(&mesh).on_node(end as u32, [-5e-4, 0.0, 0.0]).as_slice().to_vec();
+//! let forces = Forces::none(&mesh).on_node(end as u32, [-5e-4, 0.0, 0.0])?.as_slice().to_vec();
 //! let system = System::new(mesh, vec![RegionProperties::elastic(material, 2e5, 0.3, 1070.0)], clamps)?;
 //!
 //! let mut problem = BodyProblem::new(&system, system.solver(), BodyLoad { pressures: Vec::new(), forces })?;

@@ -102,7 +102,7 @@ fn radial_load(mesh: &Mesh, outer: f64, pressure: f64) -> Vec<f64> {
                     .iter()
                     .fold([0.0; 2], |sum, &node| [0, 1].map(|axis| sum[axis] + mesh.nodes[node as usize][axis] / 3.0));
                 let scale = -pressure * RADIUS / outer / centre[0].hypot(centre[1]);
-                forces = forces.on_face(&face, [scale * centre[0], scale * centre[1], 0.0]);
+                forces = forces.on_face(&face, [scale * centre[0], scale * centre[1], 0.0]).unwrap();
             }
         }
     }

@@ -27,7 +27,7 @@ fn end_load(mesh: &Mesh, force: f64) -> Vec<f64> {
         for [a, b, c, ab, bc, ca] in [[0, 1, 2, 4, 5, 6], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 2, 3, 6, 9, 7]] {
             let face = [a, b, c, ab, bc, ca].map(|n| tet[n]);
             if face.iter().all(is_end) {
-                forces = forces.on_face(&face, [force / (WIDTH * HEIGHT), 0.0, 0.0]);
+                forces = forces.on_face(&face, [force / (WIDTH * HEIGHT), 0.0, 0.0]).unwrap();
             }
         }
     }

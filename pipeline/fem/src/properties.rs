@@ -3,6 +3,7 @@
 use crate::assembly::reference::face_shape_products;
 use crate::contact::Contact;
 use crate::mesh::Mesh;
+use crate::setup_error::SetupError;
 use materials::Relaxation;
 use materials::material::{Material, Moduli};
 use si::{KilogramPerCubicMetre, Pascal};
@@ -109,9 +110,10 @@ impl Masses {
     /// Adds a layer of `per_area` (kg/m²) on a side of an element, 3, 4, 6 or 8 nodes of `mesh`, lumped by the diagonal of
     /// its own mass matrix, so that every nodal mass is positive.
     ///
-    /// # Panics
-    /// When a node does not exist.
-    pub fn on_face(mut self, mesh: &Mesh, face: &[u32], per_area: f64) -> Self {
+    /// # Errors
+    /// [`SetupError::NoSuchNode`], or [`SetupError::Side`] when the face has another number of nodes.
+    pub fn on_face(mut self, mesh: &Mesh, face: &[u32], per_area: f64) -> Result<Self, SetupError> {
+        mesh.check_side("face", face, &[3, 4, 6])?;
         let products = face_shape_products(mesh, face);
         let count = face.len();
         let area: f64 = products.iter().sum();
@@ -119,7 +121,7 @@ impl Masses {
         for (a, &node) in face.iter().enumerate() {
             self = self.on_node(node, per_area * area * products[a * count + a] / trace);
         }
-        self
+        Ok(self)
     }
 
     /// Nodes with an attached mass, in ascending order, each with its mass in kg; those with a hanging one follow.

@@ -11,6 +11,15 @@ pub(crate) const SMALLEST: Metre = 1e-4;
 /// Least ratio of volume to the cube of the longest edge; a regular tetrahedron has 0.118.
 pub(crate) const THINNEST: f64 = 1e-7;
 
+/// "3, 4 or 6".
+pub(crate) fn alternatives(counts: &[usize]) -> String {
+    let texts: Vec<String> = counts.iter().map(usize::to_string).collect();
+    match texts.split_last() {
+        Some((last, before)) if !before.is_empty() => format!("{} or {last}", before.join(", ")),
+        _ => texts.concat(),
+    }
+}
+
 /// Why no [`crate::System`] can be made of what was given.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SetupError {
@@ -50,6 +59,19 @@ pub enum SetupError {
         node: u32,
         /// Number of nodes.
         nodes: usize,
+    },
+    /// An edge or a face of another number of nodes.
+    #[error(
+        "the {part} of a load has {given} nodes\n  why: it must have {}\n  do:  give the nodes of a side of an element, corners first",
+        crate::setup_error::alternatives(.each)
+    )]
+    Side {
+        /// "edge" or "face".
+        part: &'static str,
+        /// Number of its nodes.
+        given: usize,
+        /// Numbers that it may have.
+        each: &'static [usize],
     },
     /// A node of no element.
     #[error(
@@ -271,6 +293,19 @@ pub enum SetupError {
         /// The failed symbolic factorisation.
         #[source]
         cause: FactorError,
+    },
+    /// A box that cannot be cut into cells.
+    #[error(
+        "a box of {:e} × {:e} × {:e} m cannot be cut into {} × {} × {} cells\n  why: sides and numbers of cells are positive, and there are at most {largest} cells\n  do:  take fewer cells, or positive sides",
+        .size[0], .size[1], .size[2], .cells[0], .cells[1], .cells[2]
+    )]
+    Box {
+        /// Sides, m.
+        size: Point3,
+        /// Cells along each.
+        cells: [usize; 3],
+        /// Cells at most.
+        largest: usize,
     },
     /// A region or chamber that does not exist.
     #[error("there is no {part} {index}\n  why: there are {count}, counted from 0\n  do:  check the number")]

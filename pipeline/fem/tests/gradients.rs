@@ -61,7 +61,7 @@ fn give(solver: &mut Solver, mesh: &Mesh, set: Set) {
         solver.set_density(region, set.density[region]).unwrap();
     }
     let node = far_node(mesh);
-    solver.set_forces(Forces::none(mesh).on_node(node as u32, [0.0, set.force, 0.0]).as_slice()).unwrap();
+    solver.set_forces(Forces::none(mesh).on_node(node as u32, [0.0, set.force, 0.0]).unwrap().as_slice()).unwrap();
     solver.set_gravity([3.0, 9.81, 0.0]).unwrap();
 }
 

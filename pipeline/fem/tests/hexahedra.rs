@@ -21,13 +21,17 @@ fn deflection(mesh: Mesh, law: &str, poissons_ratio: f64, mean_dilatation: bool)
     let forces = match mesh.elements {
         Elements::Hexahedra(_) => {
             let faces = end_faces(&mesh, 0.1);
-            faces.iter().fold(Forces::none(&mesh), |sum, face| sum.on_face(face, [0.0, 0.0, 10.0])).as_slice().to_vec()
+            faces
+                .iter()
+                .fold(Forces::none(&mesh), |sum, face| sum.on_face(face, [0.0, 0.0, 10.0]).unwrap())
+                .as_slice()
+                .to_vec()
         }
         _ => {
             let end = (0..mesh.nodes.len() as u32).filter(|&node| mesh.nodes[node as usize][0] > 0.1 - 1e-9);
             let end: Vec<u32> = end.collect();
             let each = [0.0, 0.0, 1e-3 / end.len() as f64];
-            end.iter().fold(Forces::none(&mesh), |sum, &node| sum.on_node(node, each)).as_slice().to_vec()
+            end.iter().fold(Forces::none(&mesh), |sum, &node| sum.on_node(node, each).unwrap()).as_slice().to_vec()
         }
     };
     let clamps = Clamps::below_x(&mesh, 1e-9);
@@ -50,7 +54,7 @@ fn a_distorted_patch_takes_a_homogeneous_deformation_exactly() {
         .and(&Clamps::where_nodes(&mesh, [false, true, false], |at| at[1] < 1e-9))
         .and(&Clamps::where_nodes(&mesh, [false, false, true], |at| at[2] < 1e-9));
     let faces = end_faces(&mesh, 0.03);
-    let forces = faces.iter().fold(Forces::none(&mesh), |sum, face| sum.on_face(face, [2e3, 0.0, 0.0]));
+    let forces = faces.iter().fold(Forces::none(&mesh), |sum, face| sum.on_face(face, [2e3, 0.0, 0.0]).unwrap());
     let forces = forces.as_slice().to_vec();
     let nodes = mesh.nodes.clone();
     let system = System::new(mesh, vec![region("linear", 0.3)], clamps).unwrap();

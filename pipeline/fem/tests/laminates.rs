@@ -94,7 +94,7 @@ fn pushed(mesh: &Mesh, layers: Layers, ratio: f64, force: f64) -> Vec<f64> {
         for side in [[0, 1, 2, 4, 5, 6], [0, 1, 3, 4, 8, 7], [0, 2, 3, 6, 9, 7], [1, 2, 3, 5, 9, 8]] {
             let face = side.map(|n| nodes[n]);
             if face.iter().all(at_tip) {
-                forces = forces.on_face(&face, [0.0, 0.0, traction]);
+                forces = forces.on_face(&face, [0.0, 0.0, traction]).unwrap();
             }
         }
     }

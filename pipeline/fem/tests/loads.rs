@@ -50,8 +50,9 @@ fn sealed_air_resists_compression_and_an_open_cavity_does_not() {
     let mesh = hollow();
     let clamps = Clamps::below_x(&mesh, 1e-9);
     let side: Vec<u32> = (0..mesh.nodes.len() as u32).filter(|&n| mesh.nodes[n as usize][0] > 0.03 - 1e-9).collect();
-    let push =
-        side.iter().fold(Forces::none(&mesh), |all, &node| all.on_node(node, [-20.0 / side.len() as f64, 0.0, 0.0]));
+    let push = side
+        .iter()
+        .fold(Forces::none(&mesh), |all, &node| all.on_node(node, [-20.0 / side.len() as f64, 0.0, 0.0]).unwrap());
     let system = System::new(mesh.clone(), vec![silicone(0.45)], clamps).unwrap();
     let squeezed = |ambient| {
         let mut solver = system.solver();
@@ -76,7 +77,7 @@ fn a_hanging_bar_elongates_by_its_own_weight_and_an_attached_mass() {
     let material = materials::by_name("linear").unwrap();
     let is = RegionProperties::elastic(material, 2e5, 0.0, 1070.0);
     let end = end_faces(&mesh, length);
-    let masses = end.iter().fold(Masses::none(), |all, face| all.on_face(&mesh, face, weight / (side * side)));
+    let masses = end.iter().fold(Masses::none(), |all, face| all.on_face(&mesh, face, weight / (side * side)).unwrap());
     let options = Options { masses, ..Options::default() };
     let system = System::with(mesh.clone(), vec![is], clamps, options).unwrap();
     assert!((system.mass() - (1070.0 * length * side * side + weight)).abs() < 1e-12);
@@ -112,12 +113,13 @@ fn a_tip_mass_lowers_the_frequency_of_a_beam_to_that_of_a_massless_spring() {
         let mesh = box_mesh::quadratic([length, side, side], [10, 1, 1]);
         let clamps = Clamps::below_x(&mesh, 1e-9);
         let faces = end_faces(&mesh, length);
-        let masses = faces.iter().fold(Masses::none(), |all, face| all.on_face(&mesh, face, mass / (side * side)));
+        let masses =
+            faces.iter().fold(Masses::none(), |all, face| all.on_face(&mesh, face, mass / (side * side)).unwrap());
         let tip = mesh.nodes.iter().position(|at| at[0] > length - 1e-9).unwrap();
         let options = Options { lumped_mass, masses, ..Options::default() };
         let system = System::with(mesh.clone(), vec![is.clone()], clamps, options).unwrap();
         let mut solver = system.solver();
-        solver.set_forces(Forces::none(&mesh).on_node(tip as u32, [0.0, 1e-5, 0.0]).as_slice()).unwrap();
+        solver.set_forces(Forces::none(&mesh).on_node(tip as u32, [0.0, 1e-5, 0.0]).unwrap().as_slice()).unwrap();
         let bent = solver.equilibrium(&[], None, &StaticSettings { tolerance: 1e-10, ..Default::default() }).unwrap();
         solver.set_forces(&[]).unwrap();
         let settings =
@@ -189,7 +191,7 @@ fn mean_dilatation_removes_locking_of_thick_quadratic_elements() {
         let mesh = box_mesh::to_quadratic(&box_mesh::grid([n, n, 1], false, place, |_| Some(0)));
         let clamps = Clamps::below_x(&mesh, 1e-9).and(&Clamps::where_nodes(&mesh, [false, false, true], |_| true));
         let faces = end_faces(&mesh, 0.048);
-        let push = faces.iter().fold(Forces::none(&mesh), |all, face| all.on_face(face, [0.0, 100.0, 0.0]));
+        let push = faces.iter().fold(Forces::none(&mesh), |all, face| all.on_face(face, [0.0, 100.0, 0.0]).unwrap());
         let material = materials::by_name("linear").unwrap();
         let is = RegionProperties::elastic(material, 2e5, 0.4999, 1070.0);
         let options = Options { mean_dilatation: vec![mean], ..Options::default() };

@@ -82,7 +82,7 @@ fn give(solver: &mut Solver, mesh: &Mesh, set: Set) -> State {
     }
     solver.set_gravity([2.0, 5.0, 0.0]).unwrap();
     let node = far_node(mesh);
-    solver.set_forces(Forces::none(mesh).on_node(node as u32, [0.0, set.force, 0.0]).as_slice()).unwrap();
+    solver.set_forces(Forces::none(mesh).on_node(node as u32, [0.0, set.force, 0.0]).unwrap().as_slice()).unwrap();
     // a bend that grows with the square of the way from the clamp
     let bend = |at: &[f64; 3]| [0.0, (at[0] / 0.06).powi(2), 0.0];
     let mut start = State::rest(mesh.nodes.len());

@@ -177,3 +177,21 @@ fn a_half_model_below_its_plane_is_refused() {
     mesh.symmetry_plane_z = true;
     assert!(matches!(refused(mesh), SetupError::BelowSymmetryPlane { .. }));
 }
+
+#[test]
+fn a_box_of_too_many_cells_or_without_a_side_is_told_before_memory_is_taken() {
+    assert_eq!(box_mesh::check([0.1, 0.02, 0.03], [100, 100, 100]), Ok(()));
+    for (size, cells) in [
+        ([0.1; 3], [100, 100, 101]),
+        ([0.1; 3], [usize::MAX, 2, 1]),
+        ([0.1; 3], [1, 0, 1]),
+        ([0.1, 0.0, 0.1], [1; 3]),
+        ([0.1, f64::NAN, 0.1], [1; 3]),
+    ] {
+        let error = box_mesh::check(size, cells).unwrap_err();
+        assert!(
+            matches!(error, SetupError::Box { .. }) && error.to_string().contains("at most 1000000 cells"),
+            "{error}"
+        );
+    }
+}

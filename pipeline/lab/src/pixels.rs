@@ -64,6 +64,7 @@ fn ours(text: &str) -> Result<Vec<(String, Place)>> {
         let (Some(name), Some(u), Some(v)) = (words.get(2), number(3), number(4)) else {
             return Err(refused(format!("line {} has no marker with u and v", row + 2)));
         };
+        // length: three numbers, not lists; a covariance is whole or absent
         let spread = number(5).zip(number(6)).zip(number(7)).map(|((a, b), c)| [a, b, c]);
         Ok(((*name).to_owned(), Place { at: [u, v], spread, likelihood: 1.0 }))
     };

@@ -28,6 +28,25 @@ pub struct QuadraticMesh {
     pub half: bool,
 }
 
+impl QuadraticMesh {
+    /// What is wrong with lists that were read from a file: another number of regions than elements, nodes that do not exist or lie nowhere.
+    pub fn fault(&self) -> Option<String> {
+        let (nodes, elements, regions) = (self.nodes.len(), self.tets.len(), self.regions.len());
+        if elements != regions {
+            return Some(format!("there are {elements} elements and {regions} regions"));
+        }
+        let exist = |list: &[u32]| list.iter().all(|node| (*node as usize) < nodes);
+        if let Some(element) = self.tets.iter().position(|tet| !exist(tet)) {
+            return Some(format!("element {element} has the nodes {:?}, of {nodes}", self.tets[element]));
+        }
+        if let Some(face) = self.skin.iter().position(|face| !exist(&face.nodes)) {
+            return Some(format!("face {face} of the skin has the nodes {:?}, of {nodes}", self.skin[face].nodes));
+        }
+        let node = self.nodes.iter().position(|at| at.iter().any(|x| !x.is_finite()))?;
+        Some(format!("node {node} lies at {:?}", self.nodes[node]))
+    }
+}
+
 /// The edges whose middles are nodes 4 to 9.
 pub(crate) const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]];
 

@@ -40,6 +40,26 @@ pub enum SurfaceError {
         "the surface has no faces\n  why: a solid needs at least 4\n  do:  export the part again, as a solid and not as a sketch"
     )]
     Empty,
+    /// A face with a corner that does not exist.
+    #[error(
+        "face {face} refers to point {point}\n  why: the surface has {points} points, counted from 0\n  do:  check whether the numbers were counted from 1"
+    )]
+    NoSuchPoint {
+        /// Which face, from 0.
+        face: usize,
+        /// The point's number.
+        point: u32,
+        /// Number of points.
+        points: usize,
+    },
+    /// A coordinate is NaN or infinite.
+    #[error("point {point} lies at ({:e}, {:e}, {:e}) m\n  why: every coordinate must be a finite number\n  do:  check the surface's file at this point", .at[0], .at[1], .at[2])]
+    PointNotFinite {
+        /// Which point, from 0.
+        point: usize,
+        /// Where it lies, m.
+        at: Point3,
+    },
     /// An edge that does not join exactly two faces of opposite direction.
     #[error(
         "face {face} has an open edge from {} to {}, one of {count} such edges\n  why: the edge joins {faces} faces; in a closed surface every edge joins 2, in opposite directions\n  do:  close the hole in the CAD program (or repair normals there) and export again", place(.from), place(.to)
@@ -72,6 +92,23 @@ pub(crate) fn place(at: &Point3) -> String {
 }
 
 impl Surface {
+    /// Whether every face has corners that exist, and every point lies somewhere. The other methods panic at a corner that does not exist.
+    ///
+    /// # Errors
+    /// [`SurfaceError::NoSuchPoint`] or [`SurfaceError::PointNotFinite`].
+    pub fn check(&self) -> Result<(), SurfaceError> {
+        let points = self.points.len();
+        for (face, corners) in self.faces.iter().enumerate() {
+            if let Some(&point) = corners.iter().find(|point| **point as usize >= points) {
+                return Err(SurfaceError::NoSuchPoint { face, point, points });
+            }
+        }
+        match self.points.iter().position(|at| at.iter().any(|x| !x.is_finite())) {
+            Some(point) => Err(SurfaceError::PointNotFinite { point, at: self.points[point] }),
+            None => Ok(()),
+        }
+    }
+
     /// The three corners of a face, m.
     pub fn corners(&self, face: usize) -> [Point3; 3] {
         self.faces[face].map(|p| self.points[p as usize])
@@ -159,6 +196,7 @@ impl Surface {
         if self.faces.is_empty() {
             return Err(SurfaceError::Empty);
         }
+        self.check()?;
         let shared_edges = self.shared_edges()?;
         let (of_face, count) = components(self.faces.len(), shared_edges.iter().map(|j| j.faces));
         let shells: Vec<_> = (0..count).map(|s| self.shell(&of_face, s)).collect();

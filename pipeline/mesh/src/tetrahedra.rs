@@ -19,6 +19,31 @@ pub enum Skin {
     Symmetry,
 }
 
+/// Codes of a skin in a table: [`Skin::Outer`], [`Skin::Symmetry`], then the chambers.
+const OUTER: u32 = 0;
+const SYMMETRY: u32 = 1;
+const FIRST_CHAMBER: u32 = 2;
+
+impl Skin {
+    /// A whole number for a table.
+    pub fn code(self) -> u32 {
+        match self {
+            Self::Outer => OUTER,
+            Self::Symmetry => SYMMETRY,
+            Self::Chamber(chamber) => FIRST_CHAMBER + u32::from(chamber),
+        }
+    }
+
+    /// The inverse of [`Skin::code`]; none of a number that is no code.
+    pub fn from_code(code: u32) -> Option<Self> {
+        match code {
+            OUTER => Some(Self::Outer),
+            SYMMETRY => Some(Self::Symmetry),
+            chamber => u16::try_from(chamber - FIRST_CHAMBER).ok().map(Self::Chamber),
+        }
+    }
+}
+
 /// A triangle of the skin; its normal (right hand, in the order of `nodes`) points out of the solid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SkinFace {
@@ -88,3 +113,17 @@ impl TetMesh {
 
 /// The four faces of a tetrahedron, each with its normal outwards.
 pub const FACES: [[usize; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_code_is_that_of_one_skin_and_a_number_beyond_all_chambers_is_none() {
+        for skin in [Skin::Outer, Skin::Symmetry, Skin::Chamber(0), Skin::Chamber(u16::MAX)] {
+            assert_eq!(Skin::from_code(skin.code()), Some(skin));
+        }
+        assert_eq!(Skin::from_code(Skin::Chamber(u16::MAX).code() + 1), None);
+        assert_eq!(Skin::from_code(u32::MAX), None);
+    }
+}

@@ -148,3 +148,49 @@ fn an_open_surface_is_refused_with_its_face() {
         "{refused}"
     );
 }
+
+/// A sphere of this radius, m.
+fn sphere(radius: Metre) -> Surface {
+    let profile: Vec<(f64, f64)> = (1..24).map(|k| PI * f64::from(k) / 24.0).map(|a| (-a.cos(), a.sin())).collect();
+    let mut surface = turned(&profile);
+    surface.points.iter_mut().for_each(|at| *at = at.map(|x| 1e3 * radius * x));
+    surface
+}
+
+#[test]
+fn a_sphere_in_millimetres_is_refused_before_it_is_meshed() {
+    let error = mesh_without_sheet(&sphere(60.0), &Settings::new(0.005)).unwrap_err();
+    assert!(matches!(error, MeshError::TooLarge { elements, .. } if elements > 1e13), "{error}");
+    let text = error.to_string();
+    assert!(text.contains("edges of 5.000e-3 m") && text.contains("not in millimetres"), "{text}");
+    assert!(mesh_without_sheet(&sphere(0.06), &Settings::new(0.01)).is_ok());
+}
+
+#[test]
+fn an_edge_of_zero_below_zero_or_no_number_is_refused() {
+    for edge in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let error = mesh_without_sheet(&sphere(0.06), &Settings::new(edge)).unwrap_err();
+        assert!(matches!(error, MeshError::Settings { name: "edge", .. }), "{error}");
+    }
+    let tiny = mesh_without_sheet(&sphere(0.06), &Settings::new(f64::MIN_POSITIVE)).unwrap_err();
+    assert!(matches!(tiny, MeshError::TooLarge { .. }), "{tiny}");
+    let set = Settings { tolerance: f64::NAN, ..Settings::new(0.01) };
+    assert!(matches!(mesh_without_sheet(&sphere(0.06), &set), Err(MeshError::Settings { name: "tolerance", .. })));
+}
+
+#[test]
+fn a_face_of_a_point_that_does_not_exist_and_a_point_that_lies_nowhere_are_refused() {
+    let mut beyond = sphere(0.06);
+    beyond.faces[3][1] = beyond.points.len() as u32;
+    let mut nowhere = sphere(0.06);
+    nowhere.points[7][2] = f64::NAN;
+    for (surface, words) in [(beyond, "face 3 refers to point"), (nowhere, "point 7 lies at")] {
+        for error in [
+            mesh_without_sheet(&surface, &Settings::new(0.01)).unwrap_err(),
+            mesh(&surface, &surface, &Settings::new(0.01)).unwrap_err(),
+        ] {
+            assert!(error.to_string().contains(words) && error.to_string().contains("body"), "{error}");
+        }
+        assert!(surface.shells().is_err());
+    }
+}

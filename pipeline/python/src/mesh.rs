@@ -219,6 +219,7 @@ pub(crate) fn box_mesh<'py>(
     cells: [usize; 3],
     kind: &str,
 ) -> PyResult<Bound<'py, PyDict>> {
+    fem::box_mesh::check(size, cells).map_err(|error| refusal(&error.into()))?;
     let mesh = match kind {
         "linear" => fem::box_mesh::linear(size, cells),
         "quadratic" => fem::box_mesh::quadratic(size, cells),

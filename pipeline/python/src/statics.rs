@@ -185,7 +185,13 @@ impl Solver {
             let why = format!("there are {} nodes, counted from 0", mesh.nodes.len());
             return Err(crate::errors::refused(format!("a face names the node {node}"), why, "check the faces"));
         }
-        let forces = nodes.chunks_exact(each).fold(fem::Forces::none(mesh), |sum, face| sum.on_face(face, traction));
+        if each == 0 || nodes.len() % each != 0 {
+            let why = format!("there are {} node numbers", nodes.len());
+            return Err(crate::errors::refused(format!("faces have {each} nodes each"), why, "check the faces"));
+        }
+        let mut sides = nodes.chunks_exact(each);
+        let forces = sides.try_fold(fem::Forces::none(mesh), |sum, face| sum.on_face(face, traction));
+        let forces = forces.map_err(|error| crate::case::refusal(&error.into()))?;
         Ok(array(py, forces.as_slice().to_vec()))
     }
 }

@@ -148,7 +148,7 @@ fn masses(case: &Case, reach: &Reach, mesh: &fem::Mesh) -> Result<Masses> {
             if faces.is_empty() {
                 return Err(nothing_there(&format!("mass {i}"), reach));
             }
-            all = faces.iter().fold(all, |sum, face| sum.on_face(mesh, face, layer));
+            all = faces.iter().try_fold(all, |sum, face| sum.on_face(mesh, face, layer))?;
         }
     }
     Ok(all)

@@ -46,18 +46,20 @@ fn one_load(name: &str, load: &case::Load, reach: &Reach, mesh: &fem::Mesh) -> R
     let none = Forces::none(mesh);
     let place = Place::of(load.plane, load.block);
     let forces = match (load.near, load.force, place, load.line_force, load.traction) {
-        (Some(at), Some(force), ..) => none.on_node(reach.nearest(name, at)?, force),
+        (Some(at), Some(force), ..) => none.on_node(reach.nearest(name, at)?, force)?,
         (.., Some(place), Some(along), _) => {
-            reach.edges(&place).iter().fold(none, |sum, edge| sum.on_edge(edge, along))
+            reach.edges(&place).iter().try_fold(none, |sum, edge| sum.on_edge(edge, along))?
         }
         _ if load.pressure.is_some() => {
             let over = load.pressure.unwrap_or_default();
-            walls(name, load, reach)?.iter().fold(none, |sum, face| {
+            walls(name, load, reach)?.iter().try_fold(none, |sum, face| {
                 let normal = outward(mesh, face);
                 sum.on_face(face, normal.map(|n| -over * n))
-            })
+            })?
         }
-        (.., Some(place), _, Some(over)) => reach.faces(&place).iter().fold(none, |sum, face| sum.on_face(face, over)),
+        (.., Some(place), _, Some(over)) => {
+            reach.faces(&place).iter().try_fold(none, |sum, face| sum.on_face(face, over))?
+        }
         _ => none,
     };
     match forces.as_slice().iter().any(|force| *force != 0.0) {
@@ -79,7 +81,7 @@ fn of_table(name: &str, table: &ForceTable, reach: &Reach, mesh: &fem::Mesh) -> 
                 return Err(Diagnostic::new(format!("{entry} names node {number}"), why, "correct the number"));
             }
         };
-        forces = forces.on_node(node, force);
+        forces = forces.on_node(node, force)?;
     }
     Ok(forces.as_slice().to_vec())
 }

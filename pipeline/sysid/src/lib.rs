@@ -5,7 +5,7 @@
 //! coordinates ([`ReducedBody`]), in which motions are integrated, such as those under measured pressures
 //! ([`actuated`]). [`surfaces`] are those of a mesh for figures, [`silhouette`]s those of a tail as a camera sees it.
 //! [`relaxation`] identifies the spectrum of the silicone from
-//! transients, [`free_vibration`] a body that was held straight and released; [`inflation_test`] predicts one whose chamber is inflated, of
+//! transients, [`estimate`]s stand beside what they estimate, [`free_vibration`] a body that was held straight and released; [`inflation_test`] predicts one whose chamber is inflated, of
 //! the material that another test identified.
 //!
 //! ```
@@ -30,6 +30,7 @@ mod body;
 mod cells;
 mod discrepancy;
 pub mod discretisation;
+pub mod estimate;
 pub mod free_vibration;
 mod identified_materials;
 pub mod inflation_test;

@@ -57,7 +57,7 @@ impl Bench {
             self.solver.set_elastic(region, E[region] * at[region].exp(), nu).unwrap();
         }
         for (pull, known) in PULLS.iter().zip(&mut self.shapes) {
-            let forces = Forces::none(&self.mesh).on_node(end.unwrap() as u32, [0.0, *pull, 0.0]);
+            let forces = Forces::none(&self.mesh).on_node(end.unwrap() as u32, [0.0, *pull, 0.0]).unwrap();
             self.solver.set_forces(forces.as_slice()).unwrap();
             let start = known.as_ref().map(|shape| shape.displacement.as_slice());
             let shape = self.solver.equilibrium(&[], start, &settings).unwrap();

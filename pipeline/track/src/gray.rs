@@ -34,6 +34,16 @@ pub enum PictureError {
         /// Rows.
         height: u32,
     },
+    /// A picture with another number of grey levels than pixels.
+    #[error("a picture of {width} × {height} px cannot be used\n  why: {}\n  do:  {}", self.why(), self.action())]
+    Levels {
+        /// Columns.
+        width: usize,
+        /// Rows.
+        height: usize,
+        /// Grey levels.
+        levels: usize,
+    },
     /// A picture that takes too much memory while it is decoded.
     #[error("a picture of {bytes} bytes cannot be read\n  why: {}\n  do:  {}", self.why(), self.action())]
     Memory {
@@ -51,6 +61,7 @@ impl PictureError {
                 let most = MAX_PIXELS / 1_000_000;
                 format!("it has {width} × {height} px; the limits are 1 … {MAX_SIDE} px a side and {most} Mpx")
             }
+            Self::Levels { levels, .. } => format!("it has {levels} grey levels; each pixel has one"),
             Self::Memory { bytes } => format!("it takes {bytes} bytes when decoded; the limit is {MAX_DECODED_BYTES}"),
         }
     }
@@ -60,12 +71,35 @@ impl PictureError {
         match self {
             Self::Png(_) => "give an 8-bit PNG or JPEG",
             Self::Size { .. } => "scale the picture, or cut out the part with the markers",
+            Self::Levels { .. } => "give width × height grey levels",
             Self::Memory { .. } => "convert it to an 8-bit grey PNG",
         }
     }
 }
 
 impl Gray {
+    /// A picture of these grey levels, row after row.
+    ///
+    /// # Errors
+    /// [`PictureError::Levels`] when there are not `width` × `height`, or none.
+    pub fn new(width: usize, height: usize, pixels: Vec<u8>) -> Result<Self, PictureError> {
+        let picture = Self { width, height, pixels };
+        picture.check()?;
+        Ok(picture)
+    }
+
+    /// Whether each pixel has its grey level: the fields can be set one by one.
+    ///
+    /// # Errors
+    /// [`PictureError::Levels`] when there are not `width` × `height`, or none.
+    pub fn check(&self) -> Result<(), PictureError> {
+        let Self { width, height, ref pixels } = *self;
+        match !pixels.is_empty() && width.checked_mul(height) == Some(pixels.len()) {
+            true => Ok(()),
+            false => Err(PictureError::Levels { width, height, levels: pixels.len() }),
+        }
+    }
+
     /// A picture of one grey level.
     pub fn filled(width: usize, height: usize, level: u8) -> Self {
         Self { width, height, pixels: vec![level; width * height] }
@@ -116,8 +150,9 @@ impl Gray {
     /// The picture as the bytes of an 8-bit grey PNG.
     ///
     /// # Errors
-    /// [`PictureError`] when the picture is empty.
+    /// [`PictureError`] when the picture is empty, or lacks grey levels.
     pub fn to_png(&self) -> Result<Vec<u8>, PictureError> {
+        self.check()?;
         let mut bytes = Vec::new();
         image::write_buffer_with_format(
             &mut Cursor::new(&mut bytes),
@@ -189,6 +224,17 @@ fn png_size(from: &mut (impl BufRead + Seek)) -> std::io::Result<Option<[u32; 2]
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_picture_with_another_number_of_levels_than_pixels_is_refused() {
+        for (width, height, levels) in [(4, 3, 11), (4, 3, 13), (0, 0, 0), (usize::MAX, 2, 6)] {
+            let error = Gray::new(width, height, vec![0; levels]).unwrap_err();
+            assert!(matches!(error, PictureError::Levels { .. }), "{error}");
+            assert!(error.to_string().contains(&format!("why: it has {levels} grey levels")), "{error}");
+            assert!(Gray { width, height, pixels: vec![0; levels] }.to_png().is_err());
+        }
+        assert_eq!(Gray::new(4, 3, vec![7; 12]).unwrap(), Gray::filled(4, 3, 7));
+    }
 
     #[test]
     fn a_picture_survives_png() {

@@ -273,3 +273,27 @@ fn a_flapping_tail_is_tracked_to_a_tenth_of_a_pixel_through_the_codec() {
     let share = f64::from(inside as u32) / f64::from(2 * number);
     assert!((0.88..0.995).contains(&share), "{share}");
 }
+
+#[test]
+fn a_window_too_small_for_a_marker_and_a_picture_that_lacks_grey_levels_are_refused() {
+    let marks = [disc([100.0, 120.0])];
+    let first = picture(SMALL, &marks, 1.0, 2.0, 1);
+    for radius in [1.0, 0.0, -3.0, f64::NAN, f64::INFINITY] {
+        let error = Tracker::new(&first, &[marks[0].at], Settings { radius, ..Settings::default() }).err().unwrap();
+        assert!(matches!(error.why, FailedGate::SmallWindow { limit: 4.0, .. }), "{error}");
+    }
+    let mut cut = first.clone();
+    cut.pixels.truncate(1000);
+    let error = Tracker::new(&cut, &[marks[0].at], Settings::default()).err().unwrap();
+    assert!(matches!(error.why, FailedGate::Levels { levels: 1000, .. }), "{error}");
+    let mut tracker = Tracker::new(&first, &[marks[0].at], Settings::default()).unwrap();
+    let error = tracker.step(&cut).unwrap_err();
+    assert!(error.frame == 1 && matches!(error.why, FailedGate::Levels { .. }), "{error}");
+    assert!(tracker.step(&first).is_ok(), "the next whole picture is tracked");
+    let region = [0.0, 0.0, 200.0, 200.0];
+    assert!(track::klt::find_blobs(&cut, region, 1, &Settings::default()).is_empty());
+    assert!(track::klt::find_corners(&cut, region, 1, &Settings::default()).is_empty());
+    let board = track::board::Board { columns: 9, rows: 6, square: 0.01 };
+    let error = track::board::find(&cut, &board).unwrap_err();
+    assert!(matches!(error, track::board::BoardError::Levels { levels: 1000, .. }), "{error}");
+}

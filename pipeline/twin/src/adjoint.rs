@@ -55,12 +55,13 @@ impl Twin {
     /// They are exact to the tolerance of the steps, [`Twin::with_tolerance`].
     ///
     /// # Errors
-    /// [`TwinError::Adjoint`] when a step's tangent is singular.
+    /// [`TwinError::Adjoint`] when a step's tangent is singular, [`TwinError::State`] when the recording is of another twin.
     pub fn adjoint(
         &self,
         recording: &Recording,
         loss: &mut dyn FnMut(usize) -> LossGradient,
     ) -> Result<MotionGradient, TwinError> {
+        self.check_state(recording.state())?;
         let mut pass = Pass::new(self);
         let mut pressures = vec![vec![0.0; self.chambers.len()]; recording.steps()];
         let (mut checkpoint, mut held) = (usize::MAX, Vec::new());

@@ -1,7 +1,5 @@
 //! The arrays of a reduced tail.
 
-use crate::error::TwinError;
-
 /// A reduced tail of r coordinates q.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TwinData {
@@ -72,49 +70,5 @@ impl TwinData {
     /// Number of cubature points.
     pub fn points(&self) -> usize {
         self.regions.iter().map(|region| region.weights.len()).sum()
-    }
-
-    /// # Errors
-    /// [`TwinError::Data`] when the lengths do not agree or a number is out of range.
-    pub(crate) fn check(&self) -> Result<(), TwinError> {
-        let r = self.coordinates();
-        let lengths = self.lengths(r);
-        let wrong = lengths.into_iter().find(|(_, found, required)| found.len() != *required);
-        if let Some((what, found, required)) = wrong {
-            return Err(TwinError::Data { what: format!("{what} has {} numbers, not {required}", found.len()) });
-        }
-        let unsound = self.lengths(r).into_iter().find(|(_, values, _)| values.iter().any(|v| !v.is_finite()));
-        if let Some((what, ..)) = unsound {
-            return Err(TwinError::Data { what: format!("{what} holds a number that is not finite") });
-        }
-        let positive = |what: &str, values: &[f64]| match values.iter().find(|v| !(**v > 0.0 && v.is_finite())) {
-            Some(value) => Err(TwinError::Data { what: format!("{what} is {value}, and must be above 0") }),
-            None => Ok(()),
-        };
-        positive("the size of the coordinates", &[self.size])?;
-        for region in &self.regions {
-            positive("a shear modulus", &[region.mu])?;
-            positive("the time of a branch", &region.branches.iter().map(|b| b[1]).collect::<Vec<_>>())?;
-            positive("the weight of a point", &region.weights)?;
-        }
-        Ok(())
-    }
-
-    /// What each array is, its numbers, and how many it must have.
-    fn lengths(&self, r: usize) -> Vec<(String, &[f64], usize)> {
-        let mut all = vec![("the mass".to_owned(), &self.mass[..], (r * r).max(1))];
-        for (i, region) in self.regions.iter().enumerate() {
-            all.push((format!("the gradients of region {i}"), &region.gradients, 9 * r * region.weights.len()));
-        }
-        for (i, chamber) in self.chambers.iter().enumerate() {
-            let parts = [(&chamber.linear, r), (&chamber.quadratic, r * r), (&chamber.cubic, r * (r * (r + 1) / 2))];
-            all.extend(parts.map(|(part, count)| (format!("the volume of chamber {i}"), &part[..], count)));
-        }
-        for (i, section) in self.sections.iter().enumerate() {
-            let parts = [&section.slope, &section.value];
-            all.extend(parts.map(|part| (format!("section {i}"), &part[..], 2 * r)));
-        }
-        all.extend(self.outputs.iter().map(|(name, row)| (format!("the output {name}"), &row[..], r)));
-        all
     }
 }

@@ -5,7 +5,7 @@
 pub enum TwinError {
     /// Arrays that do not belong together.
     #[error(
-        "these are not the arrays of a reduced tail: {what}\n  why: all arrays have the coordinates of the mass matrix\n  do:  export the tail again"
+        "these are not the arrays of a reduced tail: {what}\n  why: all arrays have the coordinates of the mass matrix, and masses, moduli, weights and times are those of a body\n  do:  export the tail again"
     )]
     Data {
         /// What is wrong.
@@ -28,6 +28,17 @@ pub enum TwinError {
     Input {
         /// What is wrong.
         what: String,
+    },
+    /// A state of another twin.
+    #[error(
+        "the state has {} coordinates, {} chambers and {} regions; this twin has {}, {} and {}\n  why: a state is stepped by the twin that started it, or one with the same coordinates, chambers, points and branches\n  do:  take a state from `start`, or a recording from `recording`, of this twin",
+        counts[0], counts[1], counts[2], required[0], required[1], required[2]
+    )]
+    State {
+        /// Coordinates, chambers and regions of the state.
+        counts: [usize; 3],
+        /// Those of the twin.
+        required: [usize; 3],
     },
     /// A step without a solution.
     #[error(

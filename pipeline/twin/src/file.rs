@@ -1,43 +1,63 @@
 //! A reduced tail as a file of safetensors, and a page of text that describes its arrays.
 //!
-//! All arrays are of 64-bit floating-point numbers, in SI units and rows first.
+//! All arrays are of 64-bit floating-point numbers, in SI units and rows first. The metadata state how many coordinates, regions, chambers,
+//! sections and outputs there are, and their names: a file that lacks one, or has another array, is refused.
 
 use std::collections::HashMap;
+use std::fs::{self, File};
+use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
-use safetensors::{Dtype, SafeTensors, tensor::TensorView};
+use safetensors::{Dtype, tensor::TensorView};
 
-use crate::data::{Chamber, Region, Section, TwinData};
+use crate::data::TwinData;
 use crate::error::TwinError;
+use crate::layout::{Array, Counts, numbers};
+use crate::unpack::{COUNTS, OUTPUTS, unpack};
 
-/// Key of the outputs' names, separated by commas, among the file's metadata.
-const OUTPUTS: &str = "outputs";
-
-/// One array.
-struct Array {
-    name: String,
-    shape: Vec<usize>,
-    unit: &'static str,
-    meaning: &'static str,
-    values: Vec<f64>,
-}
+/// Limit of a file that is read, bytes: a thousand times that of a tail of 40 coordinates.
+const LARGEST: u64 = 512 << 20;
 
 /// Writes a tail's arrays.
 ///
 /// # Errors
-/// [`TwinError::File`] when the file cannot be written.
+/// [`TwinError::Data`] when they do not belong together, [`TwinError::File`] when the file cannot be written.
 pub fn write(path: &Path, data: &TwinData) -> Result<(), TwinError> {
-    let bytes = bytes(data).map_err(|e| refused(path, e))?;
-    std::fs::write(path, bytes).map_err(|e| refused(path, e))
+    fs::write(path, bytes(data)?).map_err(|e| refused(path, e))
 }
 
 /// Reads a tail's arrays.
 ///
 /// # Errors
-/// [`TwinError::File`] when the file cannot be read, lacks an array, or holds others than doubles.
+/// [`TwinError::File`] when the file is no regular one, is larger than 512 MiB, cannot be read, or [`parse`] refuses it.
 pub fn read(path: &Path) -> Result<TwinData, TwinError> {
-    let bytes = std::fs::read(path).map_err(|e| refused(path, e))?;
-    data(&bytes).map_err(|what| refused(path, what))
+    parse(&regular(path).map_err(|e| refused(path, e))?, path)
+}
+
+/// The tail in the content of the file `path`.
+///
+/// # Errors
+/// [`TwinError::File`] when an array is missing, cut, of another shape or type, or none of a tail, or a number is out of range.
+pub fn parse(bytes: &[u8], path: &Path) -> Result<TwinData, TwinError> {
+    let data = unpack(bytes).map_err(|what| refused(path, what))?;
+    data.fault().map_err(|what| refused(path, what))?;
+    Ok(data)
+}
+
+/// The bytes of a regular file below the limit.
+// A pipe or a device would never end, and a file may grow while it is read.
+fn regular(path: &Path) -> io::Result<Vec<u8>> {
+    let metadata = fs::metadata(path)?;
+    let mut bytes = Vec::new();
+    if !metadata.is_file() {
+        return Err(io::Error::new(ErrorKind::InvalidInput, "it is no regular file"));
+    }
+    if metadata.len() <= LARGEST {
+        File::open(path)?.take(LARGEST + 1).read_to_end(&mut bytes)?;
+    }
+    let length = metadata.len().max(bytes.len() as u64);
+    let text = || format!("it has {} MiB; the limit is {} MiB", length >> 20, LARGEST >> 20);
+    if length > LARGEST { Err(io::Error::new(ErrorKind::FileTooLarge, text())) } else { Ok(bytes) }
 }
 
 fn refused(path: &Path, what: impl std::fmt::Display) -> TwinError {
@@ -47,145 +67,35 @@ fn refused(path: &Path, what: impl std::fmt::Display) -> TwinError {
 /// The file's content.
 ///
 /// # Errors
-/// Never for arrays that belong together.
-pub fn bytes(data: &TwinData) -> Result<Vec<u8>, safetensors::SafeTensorError> {
-    let arrays = arrays(data);
+/// [`TwinError::Data`] when the arrays do not belong together.
+pub fn bytes(data: &TwinData) -> Result<Vec<u8>, TwinError> {
+    data.check()?;
+    let (counts, numbers) = (Counts::of(data), numbers(data));
     let raw: Vec<Vec<u8>> =
-        arrays.iter().map(|array| array.values.iter().flat_map(|value| value.to_le_bytes()).collect()).collect();
-    let views = arrays
-        .iter()
-        .zip(&raw)
-        .map(|(array, bytes)| Ok((array.name.clone(), TensorView::new(Dtype::F64, array.shape.clone(), bytes)?)));
-    let views = views.collect::<Result<Vec<_>, safetensors::SafeTensorError>>()?;
+        numbers.iter().map(|values| values.iter().flat_map(|value| value.to_le_bytes()).collect()).collect();
+    // length: the check above holds each list of numbers against its array
+    let arrays = counts.arrays().into_iter().zip(&raw);
+    let views = arrays.map(|(array, bytes)| Ok((array.name, TensorView::new(Dtype::F64, array.shape, bytes)?)));
+    let views = views.collect::<Result<Vec<_>, _>>();
     let names: Vec<&str> = data.outputs.iter().map(|(name, _)| &**name).collect();
-    safetensors::serialize(views, Some(HashMap::from([(OUTPUTS.to_owned(), names.join(","))])))
+    let named = HashMap::from([(OUTPUTS.to_owned(), names.join(","))]);
+    let bytes = views.and_then(|views| safetensors::serialize(views, Some(named)));
+    let bytes = bytes.map_err(|e: safetensors::SafeTensorError| TwinError::Data { what: e.to_string() })?;
+    Ok(with_counts(&bytes, &counts))
 }
 
-/// The tail in a file's content.
-fn data(bytes: &[u8]) -> Result<TwinData, String> {
-    let file = SafeTensors::deserialize(bytes).map_err(|e| e.to_string())?;
-    let (_, metadata) = SafeTensors::read_metadata(bytes).map_err(|e| e.to_string())?;
-    let values = |name: &str| values(&file, name);
-    let names = metadata.metadata().as_ref().and_then(|m| m.get(OUTPUTS)).ok_or("it names no outputs")?;
-    let mass = values("mass")?;
-    let r = mass.len().isqrt().max(1);
-    let regions = (0..).take_while(|i| file.tensor(&format!("region{i}.moduli")).is_ok());
-    let chambers = (0..).take_while(|i| file.tensor(&format!("chamber{i}.at_rest")).is_ok());
-    let rows = values("outputs")?;
-    let [slope, value, by] = ["slope", "value", "by"].map(|part| values(&format!("sections.{part}")));
-    let sections =
-        slope?.chunks_exact(2 * r).zip(value?.chunks_exact(2 * r)).zip(by?.chunks_exact(4)).map(section).collect();
-    Ok(TwinData {
-        size: first(&values("size")?)?,
-        regions: regions.map(|i| region(&|part| values(&format!("region{i}.{part}")))).collect::<Result<_, _>>()?,
-        chambers: chambers.map(|i| chamber(&|part| values(&format!("chamber{i}.{part}")))).collect::<Result<_, _>>()?,
-        sections,
-        outputs: names.split(',').map(str::to_owned).zip(rows.chunks_exact(r).map(<[f64]>::to_vec)).collect(),
-        mass,
-    })
-}
-
-/// Reads one array by its name.
-type Reader<'a> = dyn Fn(&str) -> Result<Vec<f64>, String> + 'a;
-
-fn values(file: &SafeTensors, name: &str) -> Result<Vec<f64>, String> {
-    let tensor = file.tensor(name).map_err(|_| format!("it has no array `{name}`"))?;
-    if tensor.dtype() != Dtype::F64 {
-        return Err(format!("`{name}` holds {:?}, not F64", tensor.dtype()));
-    }
-    let number = |bytes: &[u8]| f64::from_le_bytes(std::array::from_fn(|i| bytes[i]));
-    Ok(tensor.data().chunks_exact(8).map(number).collect())
-}
-
-fn first(values: &[f64]) -> Result<f64, String> {
-    values.first().copied().ok_or_else(|| "an array of one number is empty".to_owned())
-}
-
-fn region(read: &Reader) -> Result<Region, String> {
-    let moduli = read("moduli")?;
-    let [mu, lambda, c20, c30] = <[f64; 4]>::try_from(moduli).map_err(|_| "moduli are four numbers".to_owned())?;
-    let branches = read("branches")?.chunks_exact(2).map(|branch| [branch[0], branch[1]]).collect();
-    Ok(Region {
-        mu,
-        lambda,
-        stiffening: [c20, c30],
-        branches,
-        weights: read("weights")?,
-        gradients: read("gradients")?,
-    })
-}
-
-fn chamber(read: &Reader) -> Result<Chamber, String> {
-    let [linear, quadratic, cubic] = ["linear", "quadratic", "cubic"].map(read);
-    Ok(Chamber { at_rest: first(&read("at_rest")?)?, linear: linear?, quadratic: quadratic?, cubic: cubic? })
-}
-
-fn section(((slope, value), by): ((&[f64], &[f64]), &[f64])) -> Section {
-    Section { slope: slope.to_vec(), value: value.to_vec(), by: std::array::from_fn(|k| by[k]) }
-}
-
-/// Every array of a tail.
-fn arrays(data: &TwinData) -> Vec<Array> {
-    let r = data.coordinates();
-    let array = |name: &str, shape: &[usize], unit, meaning, values: Vec<f64>| Array {
-        name: name.to_owned(),
-        shape: shape.to_vec(),
-        unit,
-        meaning,
-        values,
-    };
-    let mut all = vec![
-        array("mass", &[r, r], "kg m²", "mass matrix of the coordinates q", data.mass.clone()),
-        array("size", &[1], "1", "largest |q| that the tail was reduced from", vec![data.size]),
-    ];
-    for (i, region) in data.regions.iter().enumerate() {
-        let Region { mu, lambda, stiffening: [c20, c30], branches, weights, gradients } = region;
-        let (n, name) = (weights.len(), |part: &str| format!("region{i}.{part}"));
-        let flat = branches.iter().flatten().copied().collect();
-        all.extend([
-            array(
-                &name("moduli"),
-                &[4],
-                "Pa",
-                "mu after all relaxation, lambda, C20, C30",
-                vec![*mu, *lambda, *c20, *c30],
-            ),
-            array(&name("branches"), &[branches.len(), 2], "1, s", "strength over mu, and time, of each branch", flat),
-            array(&name("weights"), &[n], "m³", "weight of each cubature point", weights.clone()),
-            array(&name("gradients"), &[n, r, 9], "1", "dF/dq at each point, columns of F in turn", gradients.clone()),
-        ]);
-    }
-    for (i, chamber) in data.chambers.iter().enumerate() {
-        let (pairs, name) = (r * (r + 1) / 2, |part: &str| format!("chamber{i}.{part}"));
-        all.extend([
-            array(&name("at_rest"), &[1], "m³", "volume at rest", vec![chamber.at_rest]),
-            array(&name("linear"), &[r], "m³", "first derivative by q at rest", chamber.linear.clone()),
-            array(&name("quadratic"), &[r, r], "m³", "second derivative", chamber.quadratic.clone()),
-            array(
-                &name("cubic"),
-                &[pairs, r],
-                "m³",
-                "third derivative by q_i, q_j (i <= j) and q",
-                chamber.cubic.clone(),
-            ),
-        ]);
-    }
-    let n = data.sections.len();
-    let join = |of: fn(&Section) -> &[f64]| data.sections.iter().flat_map(of).copied().collect::<Vec<f64>>();
-    all.extend([
-        array("sections.slope", &[n, 2, r], "1", "slope of the centre line by q, along x and y", join(|s| &s.slope)),
-        array("sections.value", &[n, 2, r], "m", "displacement of the section by q, along x and y", join(|s| &s.value)),
-        array(
-            "sections.by",
-            &[n, 4],
-            "kg, kg/m, kg, kg/m",
-            "added mass, drag, shed mass, leaving mass",
-            join(|s| &s.by),
-        ),
-    ]);
-    let rows = data.outputs.iter().flat_map(|(_, row)| row).copied().collect();
-    all.push(array("outputs", &[data.outputs.len(), r], "m", "displacement of each named output by q", rows));
-    all
+/// The same content whose metadata begin with the counts.
+// Written into the header by hand: safetensors takes metadata as a hash map, whose order changes from run to run, so that two entries would
+// not always give the same bytes.
+fn with_counts(bytes: &[u8], counts: &Counts) -> Vec<u8> {
+    const BEGIN: &str = "{\"__metadata__\":{";
+    let length = bytes.first_chunk().map_or(0, |length| u64::from_le_bytes(*length)) as usize;
+    let (header, arrays) = bytes[size_of::<u64>()..].split_at(length);
+    let mut whole = format!("{BEGIN}\"{COUNTS}\":\"{}\",", counts.text()).into_bytes();
+    whole.extend(header[BEGIN.len()..].trim_ascii_end());
+    // arrays begin at multiples of eight bytes
+    whole.resize(whole.len().next_multiple_of(size_of::<u64>()), b' ');
+    [&(whole.len() as u64).to_le_bytes(), &*whole, arrays].concat()
 }
 
 /// A page that describes every array of the file with its shape and unit, and the equations.
@@ -194,7 +104,7 @@ pub fn page(data: &TwinData) -> String {
         format!("{:20} {:14} {:20} {}\n", array.name, format!("{:?}", array.shape), array.unit, array.meaning)
     };
     let names: Vec<&str> = data.outputs.iter().map(|(name, _)| &**name).collect();
-    let arrays: String = arrays(data).iter().map(line).collect();
+    let arrays: String = Counts::of(data).arrays().iter().map(line).collect();
     format!(
         "{EQUATIONS}\n{:20} {:14} {:20} meaning\n{arrays}\noutputs: {}\n",
         "array",
@@ -222,7 +132,7 @@ The tail starts from rest, q = 0. Pressures are in Pa, one per chamber; displace
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Twin;
+    use crate::{Chamber, Region, Section, Twin};
 
     fn tail() -> TwinData {
         let wave = |count: usize, by: f64| (0..count).map(|k| (by + 1.7 * k as f64).sin()).collect::<Vec<f64>>();
@@ -249,20 +159,27 @@ mod tests {
     #[test]
     fn a_tail_survives_its_file() {
         let data = tail();
-        assert_eq!(super::data(&bytes(&data).unwrap()).unwrap(), data);
-        Twin::new(data).unwrap();
+        assert_eq!(parse(&bytes(&data).unwrap(), Path::new("tail")).unwrap(), data);
+        let bare = TwinData { chambers: vec![], sections: vec![], outputs: vec![], ..data };
+        assert_eq!(parse(&bytes(&bare).unwrap(), Path::new("tail")).unwrap(), bare);
+        Twin::new(bare).unwrap();
     }
 
     #[test]
-    fn a_damaged_file_is_refused_with_what_is_wrong() {
+    fn the_same_tail_gives_the_same_bytes_and_the_counts_come_first() {
         let whole = bytes(&tail()).unwrap();
-        assert!(super::data(&whole[..whole.len() / 2]).is_err());
-        let other = String::from_utf8_lossy(&whole).replace("\"mass\"", "\"mess\"");
-        assert!(super::data(other.as_bytes()).is_err());
+        assert_eq!(bytes(&tail()).unwrap(), whole);
+        let begin = "{\"__metadata__\":{\"counts\":\"coordinates=2;points=5,5;branches=2,0;chambers=1;sections=1;outputs=2\",\"outputs\":\"tip_x,tip_y\"}";
+        assert!(whole[8..].starts_with(begin.as_bytes()), "{}", String::from_utf8_lossy(&whole[8..200]));
+    }
+
+    #[test]
+    fn arrays_that_do_not_belong_together_are_neither_written_nor_stepped() {
         let short = TwinData { mass: vec![1.0; 9], ..tail() };
-        let error = Twin::new(short).unwrap_err().to_string();
-        assert!(error.contains("the gradients of region 0 has 90 numbers, not 135"), "{error}");
-        assert!(Twin::new(TwinData { size: 0.0, ..tail() }).unwrap_err().to_string().contains("size"));
+        let error = Twin::new(short.clone()).unwrap_err();
+        assert!(error.to_string().contains("`region0.gradients` has 90 numbers, not 135"), "{error}");
+        assert_eq!(bytes(&short).unwrap_err(), error);
+        assert!(Twin::new(TwinData { size: 0.0, ..tail() }).unwrap_err().to_string().contains("`size`"));
     }
 
     #[test]

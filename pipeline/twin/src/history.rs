@@ -52,8 +52,17 @@ pub struct History {
 impl History {
     /// At rest for ever; nothing where there is no branch.
     pub fn at_rest(blocks: usize, branches: usize) -> Self {
-        let count = if branches == 0 { 0 } else { blocks * (1 + branches) };
-        Self { branches, tensors: vec![[splat(0.0); 6]; count] }
+        Self { branches, tensors: vec![[splat(0.0); 6]; Self::size(blocks, branches)[1]] }
+    }
+
+    /// Branches, and tensors that a history of them has.
+    pub fn size(blocks: usize, branches: usize) -> [usize; 2] {
+        [branches, if branches == 0 { 0 } else { blocks * (1 + branches) }]
+    }
+
+    /// [`History::size`] of this one.
+    pub(crate) fn own_size(&self) -> [usize; 2] {
+        [self.branches, self.tensors.len()]
     }
 
     /// H of each block over a step: μ Σ (d Q − a S), Pa; `held` is filled.

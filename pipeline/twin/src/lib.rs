@@ -28,6 +28,7 @@
 
 mod adjoint;
 mod chambers;
+mod check;
 mod data;
 mod dense;
 mod elastic;
@@ -39,12 +40,14 @@ pub mod gradient_check;
 mod history;
 mod lanes;
 mod law;
+mod layout;
 pub mod package;
 mod recording;
 mod single_precision;
 mod solid_adjoint;
 mod state;
 mod step;
+mod unpack;
 mod water;
 mod water_adjoint;
 

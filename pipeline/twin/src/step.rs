@@ -108,9 +108,11 @@ impl Twin {
     /// The displacement that is output `number`, m.
     ///
     /// # Panics
-    /// When there is no such output.
+    /// When there is no such output, or the state has other coordinates.
     pub fn output(&self, state: &TwinState, number: usize) -> f64 {
-        self.outputs[number].1.iter().zip(state.coordinates()).map(|(row, q)| row * q).sum()
+        let (row, q) = (&self.outputs[number].1, state.coordinates());
+        assert_eq!(row.len(), q.len(), "a state of other coordinates");
+        row.iter().zip(q).map(|(row, q)| row * q).sum()
     }
 
     /// The row of r numbers that gives output `number`, m per unit of q.
@@ -124,8 +126,9 @@ impl Twin {
     /// The volume of a chamber, m³; of a half model, of the half.
     ///
     /// # Panics
-    /// When there is no such chamber.
+    /// When there is no such chamber, or the state has other coordinates.
     pub fn chamber_volume(&self, state: &TwinState, chamber: usize) -> f64 {
+        assert_eq!(self.coordinates(), state.coordinates().len(), "a state of other coordinates");
         self.chambers[chamber].volume(state.coordinates())
     }
 
@@ -133,7 +136,7 @@ impl Twin {
     /// halved, with pressures that rise evenly. An error leaves the state at the last step that was found.
     ///
     /// # Errors
-    /// [`TwinError`] when an input is wrong or no step is found.
+    /// [`TwinError`] when an input is wrong, the state is of another twin, or no step is found.
     pub fn step(&self, state: &mut TwinState, pressures: &[f64], duration: f64) -> Result<(), TwinError> {
         self.step_seen((state, &mut |_, _| {}), pressures, duration)
     }
@@ -145,6 +148,7 @@ impl Twin {
         pressures: &[f64],
         duration: f64,
     ) -> Result<(), TwinError> {
+        self.check_state(seen.0)?;
         if pressures.len() != self.chambers.len() || pressures.iter().any(|p| !p.is_finite()) {
             let what = format!("the pressures {pressures:?} of {} chambers", self.chambers.len());
             return Err(TwinError::Input { what });
@@ -153,6 +157,18 @@ impl Twin {
             return Err(TwinError::Input { what: format!("a step of {duration} s") });
         }
         self.step_in_parts(seen, pressures, duration, HALVINGS)
+    }
+
+    /// # Errors
+    /// [`TwinError::State`] when the state is of a twin with other coordinates, chambers, regions, points or branches.
+    pub(crate) fn check_state(&self, state: &TwinState) -> Result<(), TwinError> {
+        let own = self.solids.iter().map(|solid| History::size(solid.blocks(), solid.branches.len()));
+        let fits = state.coordinates().len() == self.coordinates()
+            && state.pressures.len() == self.chambers.len()
+            && own.eq(state.histories.iter().map(History::own_size));
+        let counts = || [state.coordinates().len(), state.pressures.len(), state.histories.len()];
+        let required = || [self.coordinates(), self.chambers.len(), self.solids.len()];
+        if fits { Ok(()) } else { Err(TwinError::State { counts: counts(), required: required() }) }
     }
 
     fn step_in_parts(

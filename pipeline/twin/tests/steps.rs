@@ -6,7 +6,7 @@ mod tip_control;
 
 use tip_control::{follow, tuned};
 use twin::example::{LENGTH, beam};
-use twin::{Twin, TwinError};
+use twin::{Twin, TwinData, TwinError};
 
 const HIGHEST: f64 = 2e4;
 
@@ -76,5 +76,22 @@ fn a_controller_at_a_kilohertz_brings_the_tip_to_its_target() {
         assert!(off < 0.02 * 4e-3, "off by {off} m");
         // without the loop the tip does not stay
         assert!(trace[150][2].abs() < 3.9e-3);
+    }
+}
+
+#[test]
+fn the_state_and_the_recording_of_another_twin_are_refused() {
+    let beam = beam(false);
+    let twin = Twin::new(beam.clone()).unwrap();
+    let mut half = TwinData { chambers: beam.chambers[..1].to_vec(), ..beam.clone() };
+    let mut elastic = beam.clone();
+    elastic.regions[0].branches.clear();
+    half.outputs.clear();
+    for other in [Twin::new(half).unwrap(), Twin::new(elastic).unwrap()] {
+        let error = twin.step(&mut other.start(), &[0.0; 2], 0.01).unwrap_err();
+        assert!(matches!(error, TwinError::State { .. }), "{error}");
+        assert!(matches!(twin.record(&mut other.recording(), &[0.0; 2], 0.01), Err(TwinError::State { .. })));
+        let gradient = twin.adjoint(&other.recording(), &mut |_| unreachable!());
+        assert!(matches!(gradient, Err(TwinError::State { .. })));
     }
 }

@@ -1,4 +1,4 @@
-//! Targets of the fuzzer: every reader of files from outside, as a function of bytes.
+//! Targets of the fuzzer: every reader of files from outside, and of files that are written and read back, as a function of bytes.
 //!
 //! A target may refuse its input, but must not panic, hang or take memory without bound; a refusal must name the file. The seeds under
 //! `seeds/TARGET` are small inputs, whole and broken, that `tests/seeds.rs` replays in every test run. `just fuzz TARGET SECONDS`
@@ -9,11 +9,17 @@
 use std::fmt::Display;
 use std::path::Path;
 
+use diagnostics::Diagnostic;
 use mesh::foreign::{self, MeshFileError, RawMesh};
+use optimize::network::Network;
 use sysid::free_vibration::Page;
 use sysid::{IdentifiedMaterials, inflation_test};
+use track::lens::opencv;
 use track::video::Film;
-use workflow::settings::Profile;
+use twin::Twin;
+
+#[cfg(feature = "records")]
+mod records;
 
 /// One reader.
 pub struct Target {
@@ -41,6 +47,16 @@ pub const TARGETS: &[Target] = &[
     Target { name: "force", run: |bytes| text(bytes, |t| named(lab::force::parse(t, Path::new(FILE)), FILE)) },
     Target { name: "card", run: |bytes| text(bytes, |t| named(lab::card::parse(t, Path::new(FILE)), FILE)) },
     Target { name: "case", run: |bytes| text(bytes, |t| named(simulate::case::parse(t, Path::new(FILE)), FILE)) },
+    Target { name: "twin", run: twin },
+    Target { name: "network", run: |bytes| in_file(Network::from_safetensors(bytes)) },
+    Target {
+        name: "camera",
+        run: |bytes| text(bytes, |t| [false, true].iter().for_each(|fisheye| in_file(opencv::read(t, *fisheye)))),
+    },
+    #[cfg(feature = "records")]
+    Target { name: "reduced", run: records::reduced },
+    #[cfg(feature = "records")]
+    Target { name: "record", run: records::scalars },
     Target { name: "page", run: |bytes| text(bytes, |t| named(Page::parse(t, Path::new(FILE)), FILE)) },
     Target {
         name: "inflation_page",
@@ -54,7 +70,8 @@ pub const TARGETS: &[Target] = &[
         name: "materials",
         run: |bytes| text(bytes, |t| named(IdentifiedMaterials::parse(t, Path::new(FILE)), FILE)),
     },
-    Target { name: "settings", run: |bytes| text(bytes, settings) },
+    #[cfg(feature = "records")]
+    Target { name: "settings", run: |bytes| text(bytes, records::settings) },
 ];
 
 /// The name under which inputs are read.
@@ -83,9 +100,21 @@ fn named<T>(read: Result<T, impl Display>, file: &str) {
     }
 }
 
-/// Settings are read for each profile, and refused as `study.toml`.
-fn settings(text: &str) {
-    Profile::ALL.iter().for_each(|profile| named(study::settings(text, *profile), "study.toml"));
+/// The same of a reader whose caller adds the file.
+fn in_file<T>(read: Result<T, impl std::error::Error + Send + Sync + 'static>) {
+    named(read.map_err(|refusal| Diagnostic::from(refusal).in_file(Path::new(FILE))), FILE);
+}
+
+/// A tail that is read can be laid out and written again, to the same arrays.
+fn twin(bytes: &[u8]) {
+    match twin::file::parse(bytes, Path::new(FILE)) {
+        Ok(data) => {
+            let again = twin::file::bytes(&data).and_then(|bytes| twin::file::parse(&bytes, Path::new(FILE)));
+            assert!(again.is_ok_and(|again| again == data), "the tail is not the one that was read");
+            assert!(Twin::new(data).is_ok(), "the tail was read and cannot be laid out");
+        }
+        Err(refusal) => named::<()>(Err(refusal), FILE),
+    }
 }
 
 /// A mesh that is read is also checked, as every caller does.

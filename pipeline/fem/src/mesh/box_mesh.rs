@@ -7,6 +7,7 @@
 
 use crate::assembly::shape_functions::{CUBE_EDGES, EDGES, QUADRILATERAL_SIDES, SIDES};
 use crate::mesh::{Chamber, Elements, Faces, Mesh};
+use crate::setup_error::SetupError;
 use si::Point3;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -20,7 +21,21 @@ const PATHS: [([usize; 3], bool); 6] = [
     ([1, 0, 2], false),
 ];
 
-/// A box [0, size] (m) of `cells` grid cells along x, y, z, as 4-node tetrahedra.
+/// Cells at most: six tetrahedra of ten nodes in each take 1 GB, and their factors more than any of these programs can use.
+const MAX_CELLS: usize = 1_000_000;
+
+/// Whether a box of this `size` (m) can be cut into so many `cells`; asked before memory is taken.
+///
+/// # Errors
+/// [`SetupError::Box`] when a side or a number of cells is not positive, or there are more than a million cells.
+pub fn check(size: Point3, cells: [usize; 3]) -> Result<(), SetupError> {
+    let count = cells.iter().try_fold(1_usize, |product, count| product.checked_mul(*count)).unwrap_or(usize::MAX);
+    let sound = size.iter().all(|side| *side > 0.0 && side.is_finite()) && (1..=MAX_CELLS).contains(&count);
+    if sound { Ok(()) } else { Err(SetupError::Box { size, cells, largest: MAX_CELLS }) }
+}
+
+/// A box [0, size] (m) of `cells` grid cells along x, y, z, as 4-node tetrahedra. [`check`] tells sizes that would take
+/// too much memory; so for the others.
 pub fn linear(size: Point3, cells: [usize; 3]) -> Mesh {
     grid(cells, false, |at| std::array::from_fn(|axis| size[axis] * at[axis]), |_| Some(0))
 }

@@ -5,6 +5,7 @@
 pub mod box_mesh;
 pub(crate) mod clamps;
 
+use crate::setup_error::SetupError;
 use si::Point3;
 use sparse::NodeGraph;
 
@@ -161,6 +162,22 @@ impl Mesh {
     pub fn size(&self) -> f64 {
         let (low, high) = self.bounds();
         (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max)
+    }
+
+    /// Whether a `part` (an edge, a face) has one of these numbers of nodes, all of which exist.
+    pub(crate) fn check_side(
+        &self,
+        part: &'static str,
+        nodes: &[u32],
+        each: &'static [usize],
+    ) -> Result<(), SetupError> {
+        if !each.contains(&nodes.len()) {
+            return Err(SetupError::Side { part, given: nodes.len(), each });
+        }
+        match nodes.iter().enumerate().find(|(_, node)| **node as usize >= self.nodes.len()) {
+            Some((index, &node)) => Err(SetupError::NoSuchNode { part, index, node, nodes: self.nodes.len() }),
+            None => Ok(()),
+        }
     }
 
     /// Which nodes share an element.

@@ -20,6 +20,23 @@ pub struct ReducedModelData {
     pub size: f64,
 }
 
+impl ReducedModelData {
+    /// What is wrong with data that were read from a file: no modes, modes that differ in length, or a number out of range.
+    pub fn fault(&self) -> Option<String> {
+        let length = self.modes.first().map_or(0, Vec::len);
+        if length == 0 || !length.is_multiple_of(3) || self.modes.iter().any(|mode| mode.len() != length) {
+            return Some(format!("{} modes do not have 3 numbers per node each", self.modes.len()));
+        }
+        if let Some(mode) = self.modes.iter().position(|mode| mode.iter().any(|x| !x.is_finite())) {
+            return Some(format!("mode {mode} holds a number that is not finite"));
+        }
+        let is_positive = |value: f64| value > 0.0 && value.is_finite();
+        let weights = self.points.iter().flatten().map(|(_, weight)| *weight);
+        let wrong = weights.chain([self.size]).find(|value| !is_positive(*value))?;
+        Some(format!("the size or the weight of a point is {wrong}, and must be above 0"))
+    }
+}
+
 /// A body in r generalised coordinates q.
 #[derive(Debug)]
 pub struct ReducedModel {

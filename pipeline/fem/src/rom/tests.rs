@@ -280,6 +280,23 @@ fn data_of_another_system_are_refused() {
 }
 
 #[test]
+fn the_data_of_a_model_have_no_fault_and_damaged_ones_name_theirs() {
+    let system = hollow();
+    let data = reduced(&system, &snapshots(&system)).data();
+    assert_eq!(data.fault(), None);
+    let damaged = |damage: &dyn Fn(&mut ReducedModelData)| {
+        let mut damaged = data.clone();
+        damage(&mut damaged);
+        damaged.fault().expect("a fault")
+    };
+    assert!(damaged(&|data| data.modes.clear()).contains("0 modes"));
+    assert!(damaged(&|data| drop(data.modes[0].pop())).contains("3 numbers per node"));
+    assert!(damaged(&|data| data.modes[0][5] = f64::NAN).contains("mode 0"));
+    assert!(damaged(&|data| data.points[0][0].1 = f64::INFINITY).contains("must be above 0"));
+    assert!(damaged(&|data| data.size = -1.0).contains("must be above 0"));
+}
+
+#[test]
 fn the_stiffness_is_the_derivative_of_the_forces() {
     let system = hollow();
     let body = reduced(&system, &snapshots(&system));

@@ -15,6 +15,30 @@ pub enum MeshError {
         /// What is wrong with it.
         source: SurfaceError,
     },
+    /// A setting that is none.
+    #[error(
+        "the mesher has the setting {name} = {value}\n  why: it must be a finite number above 0\n  do:  correct it; lengths are in metres"
+    )]
+    Settings {
+        /// Its name in [`crate::Settings`].
+        name: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// More elements than there is memory for.
+    #[error(
+        "surfaces of {length:.3e} m with edges of {edge:.3e} m would take about {elements:.0e} elements\n  why: the limit is {limit:.0e}\n  do:  check that lengths are in metres, not in millimetres, or take a longer edge"
+    )]
+    TooLarge {
+        /// Longest side of the surfaces, m.
+        length: Metre,
+        /// Length of edges, m.
+        edge: Metre,
+        /// Estimated number.
+        elements: f64,
+        /// The most.
+        limit: f64,
+    },
     /// Space between body and spine that neither fills.
     #[error("a gap of {:.3} mm lies between body and spine at {}\n  why: they must touch to {:.3} mm (Settings::tolerance times the length)\n  do:  in the CAD program, extend the body to the spine's surface there", .width * 1e3, place(.at), .limit * 1e3)]
     Gap {

@@ -13,6 +13,7 @@
 mod arrange;
 mod chambers;
 mod error;
+mod estimate;
 mod outline_snap;
 mod patches;
 mod plane;
@@ -75,8 +76,9 @@ const REFINEMENTS: usize = 3;
 /// along x. The same surfaces and settings give the same mesh, byte for byte.
 ///
 /// # Errors
-/// [`MeshError`], which names the surface and the place.
+/// [`MeshError`], which names the surface and the place; before anything is made, when that would take too much memory.
 pub fn mesh(body: &Surface, spine: &Surface, set: &Settings) -> Result<(TetMesh, Report), MeshError> {
+    estimate::check(&[("body", body), ("spine", spine)], set)?;
     let part = |role, surface| Part::new(surface).map_err(|source| MeshError::Surface { role, source });
     let [normal, ..] = dominant_axes(spine);
     mesh_parts([part("body", body)?, part("spine", spine)?], normal, set)
@@ -86,8 +88,9 @@ pub fn mesh(body: &Surface, spine: &Surface, set: &Settings) -> Result<(TetMesh,
 /// its area is normal; or along another one where that fails.
 ///
 /// # Errors
-/// [`MeshError`] of the first axis, when all three fail.
+/// [`MeshError`] of the first axis, when all three fail; before that, when the surface or the settings would take too much memory.
 pub fn mesh_without_sheet(body: &Surface, set: &Settings) -> Result<(TetMesh, Report), MeshError> {
+    estimate::check(&[("body", body)], set)?;
     let none = Surface::default();
     let along = |frame| {
         let part = Part::new(body).map_err(|source| MeshError::Surface { role: "body", source })?;

@@ -111,6 +111,10 @@ impl<'a> Codec<'a> {
             MeshFileError::new(format!("an array is of type `{kind}`"), "VTK has no such type", AGAIN)
         })?;
         bounded(bytes.len() / step, MAX_NUMBERS, "numbers")?;
+        if !bytes.len().is_multiple_of(step) {
+            let why = format!("{} bytes are no whole number of `{kind}`, which has {step}", bytes.len());
+            return Err(MeshFileError::new("an array ends within a number", why, AGAIN));
+        }
         Ok(bytes.chunks_exact(step).map(read).collect())
     }
 }
@@ -182,6 +186,7 @@ fn reader(kind: &str, big: bool) -> Option<Reader> {
 /// Base64 in one or more parts, each with its own padding, up to the first byte that is none.
 fn decoded(text: &[u8]) -> Result<Vec<u8>, MeshFileError> {
     let is_digit = |byte: &u8| byte.is_ascii_alphanumeric() || b"+/=".contains(byte);
+    // length: the array's own header says how many bytes it has, and fewer are refused
     let text: Vec<u8> = text.iter().copied().filter(|byte| !byte.is_ascii_whitespace()).take_while(is_digit).collect();
     let mut all = Vec::new();
     for quads in text.chunk_by(|a, b| *a != b'=' || *b == b'=') {

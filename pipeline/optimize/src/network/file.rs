@@ -50,41 +50,82 @@ impl Network {
     /// The network in the bytes of a file.
     ///
     /// # Errors
-    /// [`NetworkFileError`] when the bytes are no safetensors, or a tensor is absent or of another shape.
+    /// [`NetworkFileError`] when the bytes are no safetensors, or a tensor is absent, of another type or shape, not finite, or none of a
+    /// network.
     pub fn from_safetensors(bytes: &[u8]) -> Result<Self, NetworkFileError> {
         let file = SafeTensors::deserialize(bytes)?;
-        let list = |name: &str| -> Result<(Vec<usize>, Vec<f32>), NetworkFileError> {
-            let view = file.tensor(name)?;
-            if view.dtype() != Dtype::F32 {
-                return Err(NetworkFileError::Shape(format!("`{name}` is not of 32-bit numbers")));
-            }
-            let numbers = view.data().chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]));
-            Ok((view.shape().to_vec(), numbers.collect()))
+        let count = file.names().iter().filter(|name| name.ends_with(WEIGHT)).count();
+        let required = 2 * count + SCALE.len();
+        if count == 0 || file.len() != required {
+            let what = format!("it has {} tensors; {count} layers with their scale have {required}", file.len());
+            return Err(NetworkFileError::Shape(what));
+        }
+        let layers = (0..count).map(|number| layer(&file, number)).collect::<Result<Vec<_>, _>>()?;
+        check_joints(&layers)?;
+        let width = layers[0].inputs;
+        let scale = Scale {
+            input_mean: list(&file, SCALE[0], &[width])?,
+            input_spread: positive(SCALE[1], list(&file, SCALE[1], &[width])?)?,
+            answer_mean: list(&file, SCALE[2], &[1])?[0],
+            answer_spread: positive(SCALE[3], list(&file, SCALE[3], &[1])?)?[0],
         };
-        let mut layers: Vec<Layer> = Vec::new();
-        while let Ok((shape, weight)) = list(&format!("{}.weight", 2 * layers.len())) {
-            let (bias_shape, bias) = list(&format!("{}.bias", 2 * layers.len()))?;
-            let before = layers.last().map(|l| l.outputs);
-            match shape.as_slice() {
-                &[outputs, inputs] if bias_shape == [outputs] && before.is_none_or(|b| b == inputs) => {
-                    layers.push(Layer { inputs, outputs, weight, bias });
-                }
-                _ => return Err(NetworkFileError::Shape(format!("layer {} has the shape {shape:?}", layers.len()))),
-            }
+        Ok(Self { layers, scale })
+    }
+}
+
+/// Ending of a layer's weights.
+const WEIGHT: &str = ".weight";
+/// Tensors of the scale.
+const SCALE: [&str; 4] = ["input_mean", "input_spread", "answer_mean", "answer_spread"];
+
+/// The numbers of one tensor.
+fn list(file: &SafeTensors, name: &str, shape: &[usize]) -> Result<Vec<f32>, NetworkFileError> {
+    let view = file.tensor(name)?;
+    if view.dtype() != Dtype::F32 {
+        return Err(NetworkFileError::Shape(format!("`{name}` holds {:?}, not F32", view.dtype())));
+    }
+    if view.shape() != shape {
+        return Err(NetworkFileError::Shape(format!("`{name}` has the shape {:?}, not {shape:?}", view.shape())));
+    }
+    // length: safetensors holds a tensor to the bytes of its shape
+    let numbers = view.data().chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+    let numbers: Vec<f32> = numbers.collect();
+    match numbers.iter().find(|number| !number.is_finite()) {
+        Some(number) => Err(NetworkFileError::Shape(format!("`{name}` holds {number}, and must be finite"))),
+        None => Ok(numbers),
+    }
+}
+
+fn layer(file: &SafeTensors, number: usize) -> Result<Layer, NetworkFileError> {
+    let (weight, bias) = (format!("{}{WEIGHT}", 2 * number), format!("{}.bias", 2 * number));
+    let &[outputs, inputs] = file.tensor(&weight)?.shape() else {
+        return Err(NetworkFileError::Shape(format!("`{weight}` is no matrix")));
+    };
+    let (weight, bias) = (list(file, &weight, &[outputs, inputs])?, list(file, &bias, &[outputs])?);
+    Ok(Layer { inputs, outputs, weight, bias })
+}
+
+/// Each layer takes what the one before gives, and the last gives one number.
+fn check_joints(layers: &[Layer]) -> Result<(), NetworkFileError> {
+    let taken = layers.iter().skip(1).map(|layer| layer.inputs).chain([1]);
+    // length: one number is taken from each layer, the last one by the reader of the prediction
+    for (number, (layer, taken)) in layers.iter().zip(taken).enumerate() {
+        if layer.outputs != taken || layer.inputs == 0 {
+            let [name, after] = [2 * number, 2 * number + 2].map(|number| format!("`{number}{WEIGHT}`"));
+            let after = if number + 1 == layers.len() { "a prediction".to_owned() } else { after };
+            let (inputs, outputs) = (layer.inputs, layer.outputs);
+            let what = format!("{name} has {inputs} inputs and {outputs} outputs, of which {after} takes {taken}");
+            return Err(NetworkFileError::Shape(what));
         }
-        let one = |name: &str| list(name).map(|(_, values)| values[0]);
-        let (input_mean, input_spread) = (list("input_mean")?.1, list("input_spread")?.1);
-        let width = layers.first().map_or(0, |l| l.inputs);
-        let ends = layers.last().map(|l| l.outputs);
-        if width == 0 || input_mean.len() != width || input_spread.len() != width || ends != Some(1) {
-            return Err(NetworkFileError::Shape(format!(
-                "{} layers, {width} inputs, {} means",
-                layers.len(),
-                input_mean.len()
-            )));
-        }
-        let (answer_mean, answer_spread) = (one("answer_mean")?, one("answer_spread")?);
-        Ok(Self { layers, scale: Scale { input_mean, input_spread, answer_mean, answer_spread } })
+    }
+    Ok(())
+}
+
+/// Standard deviations are above 0: inputs are divided by them.
+fn positive(name: &str, values: Vec<f32>) -> Result<Vec<f32>, NetworkFileError> {
+    match values.iter().find(|value| **value <= 0.0) {
+        Some(value) => Err(NetworkFileError::Shape(format!("`{name}` has {value}, and must be above 0"))),
+        None => Ok(values),
     }
 }
 
@@ -119,5 +160,46 @@ mod tests {
     #[test]
     fn bytes_that_are_no_network_are_refused() {
         assert!(Network::from_safetensors(b"not a file").is_err());
+    }
+
+    /// The same file with one tensor replaced, or left out.
+    fn with(name: &str, tensor: Option<(Vec<usize>, Vec<f32>)>) -> Vec<u8> {
+        let bytes = network().to_safetensors().unwrap();
+        let file = SafeTensors::deserialize(&bytes).unwrap();
+        let kept = file.names().into_iter().filter(|own| *own != name);
+        let mut tensors: BTreeMap<String, (Vec<usize>, Vec<u8>)> = kept
+            .map(|own| (own.to_owned(), file.tensor(own).map(|t| (t.shape().to_vec(), t.data().to_vec())).unwrap()))
+            .collect();
+        if let Some((shape, values)) = tensor {
+            tensors.insert(name.to_owned(), (shape, values.iter().flat_map(|v| v.to_le_bytes()).collect()));
+        }
+        let views = tensors.iter().map(|(n, (s, b))| (n, TensorView::new(Dtype::F32, s.clone(), b).unwrap()));
+        safetensors::serialize(views, None).unwrap()
+    }
+
+    #[test]
+    fn a_tensor_that_is_missing_extra_of_another_shape_or_out_of_range_is_refused_by_name() {
+        for (name, tensor, words) in [
+            ("6.weight", None, "it has 11 tensors; 3 layers"),
+            ("6.bias", None, "it has 11 tensors; 4 layers"),
+            ("8.weight", Some((vec![1, 1], vec![1.0])), "it has 13 tensors; 5 layers"),
+            ("more", Some((vec![1], vec![1.0])), "it has 13 tensors; 4 layers"),
+            ("2.weight", Some((vec![5, 6], vec![1.0; 30])), "`2.bias` has the shape [6], not [5]"),
+            ("2.bias", Some((vec![5], vec![1.0; 5])), "`2.bias` has the shape [5], not [6]"),
+            ("0.weight", Some((vec![20], vec![1.0; 20])), "`0.weight` is no matrix"),
+            ("0.weight", Some((vec![5, 3], vec![1.0; 15])), "`input_mean` has the shape [4], not [3]"),
+            (
+                "4.weight",
+                Some((vec![5, 5], vec![1.0; 25])),
+                "`2.weight` has 5 inputs and 6 outputs, of which `4.weight` takes 5",
+            ),
+            ("answer_mean", Some((vec![0], vec![])), "`answer_mean` has the shape [0], not [1]"),
+            ("answer_spread", Some((vec![1], vec![0.0])), "`answer_spread` has 0"),
+            ("input_spread", Some((vec![4], vec![1.0, -1.0, 1.0, 1.0])), "`input_spread` has -1"),
+            ("input_mean", Some((vec![4], vec![f32::NAN; 4])), "`input_mean` holds NaN"),
+        ] {
+            let error = Network::from_safetensors(&with(name, tensor)).unwrap_err().to_string();
+            assert!(error.contains(words), "{name}: {error}");
+        }
     }
 }

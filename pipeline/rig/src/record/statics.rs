@@ -65,6 +65,7 @@ impl Statics {
             arrays.push((format!("weights_{region}"), sampled.iter().map(|(_, weight)| *weight).collect()));
         }
         let raw: Vec<Vec<u8>> = arrays.iter().map(|(_, a)| a.iter().flat_map(|x| x.to_le_bytes()).collect()).collect();
+        // length: each list of bytes was made from one array
         let views = arrays.iter().zip(&raw).map(|((name, array), bytes)| {
             let view = TensorView::new(Dtype::F64, vec![array.len()], bytes);
             (name, view.expect("a double has eight bytes"))
@@ -89,14 +90,19 @@ impl Statics {
             (shapes.len() == pressures.len()).then(|| PressureSweep { pressures: pressures.clone(), shapes })
         };
         let sampled = |region: usize| -> Option<Vec<(u32, f64)>> {
-            let points = array(&format!("points_{region}"))?.into_iter().map(|point| point as u32);
-            Some(points.zip(array(&format!("weights_{region}"))?).collect())
+            let (points, weights) = (array(&format!("points_{region}"))?, array(&format!("weights_{region}"))?);
+            let is_whole =
+                points.len() == weights.len() && points.iter().all(|point| f64::from(*point as u32) == *point);
+            is_whole.then(|| points.iter().map(|point| *point as u32).zip(weights).collect())
         };
         let reduced = ReducedModelData {
             modes: shapes("modes")?,
             points: (0..setup.body.system.regions().len()).map(sampled).collect::<Option<Vec<_>>>()?,
             size: *array("size")?.first()?,
         };
+        if reduced.fault().is_some() {
+            return None;
+        }
         Some(Self { sweeps: [sweep(Side::Left)?, sweep(Side::Right)?], reduced })
     }
 }

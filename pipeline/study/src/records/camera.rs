@@ -92,7 +92,9 @@ impl Record for Camera {
 
     fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
         let s: Scalars = files.read_scalars("camera.json")?;
-        let bend = if s.bend == word(Distortion::Fisheye) { Distortion::Fisheye } else { Distortion::BrownConrady };
+        let mut kinds = [Distortion::BrownConrady, Distortion::Fisheye].into_iter();
+        let bend =
+            kinds.find(|kind| s.bend == word(*kind)).ok_or_else(|| super::unfit("camera.json", s.bend.clone()))?;
         let ([fx, fy], [cx, cy], [k1, k2, k3, k4], [p1, p2]) =
             (s.focal_px, s.principal_point_px, s.radial, s.tangential);
         Ok(Self {

@@ -114,6 +114,7 @@ impl Record for Identified {
             loss: s.loss,
             gradient_over_forward: d.gradient_over_forward,
             levels: s.levels,
+            // length: columns of one table are equally long
             inflated: x.into_iter().zip(y).zip(z).map(|((x, y), z)| [x, y, z]).collect(),
             length: s.length_m,
             noise: s.noise,

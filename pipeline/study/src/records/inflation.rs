@@ -54,6 +54,7 @@ impl Inflation {
     /// The mesh's nodes with the skin moved as in a shape; nodes inside stay.
     pub fn moved(&self, mesh: &Mesh, shape: &Shape) -> Vec<Point3> {
         let mut nodes = mesh.solid.nodes.clone();
+        // length: the nodes and every shape's displacements are columns of one table
         for (&node, &by) in self.nodes.iter().zip(&shape.moved) {
             nodes[node as usize] = vec3::add(nodes[node as usize], by);
         }
@@ -109,8 +110,16 @@ impl Record for Inflation {
         let moved = |i: usize| -> Result<Vec<Point3>, RecordError> {
             let axis = |k: &str| columns.f64(&format!("{k}{i}_m"));
             let (x, y, z) = (axis("x")?, axis("y")?, axis("z")?);
+            // length: columns of one table are equally long
             Ok(x.into_iter().zip(y).zip(z).map(|((x, y), z)| [x, y, z]).collect())
         };
+        let count = scalars.pressures_pa.len();
+        if scalars.walls.len() != count
+            || scalars.rotations_rad.len() != count
+            || scalars.filmed.is_some_and(|i| i >= count)
+        {
+            return Err(super::unfit("inflation.json", "pressures, walls and rotations are not of the same shapes"));
+        }
         let levels = scalars.pressures_pa.into_iter().zip(scalars.walls).zip(scalars.rotations_rad).enumerate();
         let shape = |(i, ((pressures_pa, (walls, silhouette)), rotation))| {
             Ok(Shape { pressures_pa, moved: moved(i)?, walls, silhouette, rotation })

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use si::CubicMetre;
 use sysid::{Attached, Body, Model};
 
+use super::unfit;
 use crate::subject::Specimen;
 use workflow::columns::Columns;
 use workflow::metric::Metric;
@@ -62,10 +63,6 @@ struct Scalars {
     clamped: Vec<u32>,
 }
 
-const OUTER: u32 = 0;
-const SYMMETRY: u32 = 1;
-const FIRST_CHAMBER: u32 = 2;
-
 impl Mesh {
     /// The model of the specimen with the card's `body`.
     ///
@@ -93,7 +90,7 @@ impl Record for Mesh {
         let regions = solid.regions.iter().map(|&r| u32::from(r)).collect();
         let tets = whole(Columns::default().counts("region", regions), "n", &solid.tets);
         let faces: Vec<[u32; 6]> = solid.skin.iter().map(|f| f.nodes).collect();
-        let skin = Columns::default().counts("on", solid.skin.iter().map(|f| code(f.on)).collect());
+        let skin = Columns::default().counts("on", solid.skin.iter().map(|f| f.on.code()).collect());
         let markers = self.markers.iter().map(|m| m.weights.clone()).collect();
         let (chambers, quality, clamped) = (self.chambers.clone(), self.quality.clone(), self.clamped.clone());
         let scalars = Scalars { chambers, quality, markers, clamped };
@@ -110,15 +107,26 @@ impl Record for Mesh {
         let (nodes, tets) = (files.read_table("nodes.parquet")?, files.read_table("tetrahedra.parquet")?);
         let skin = files.read_table("skin.parquet")?;
         let (x, y, z) = (nodes.f64("x_m")?, nodes.f64("y_m")?, nodes.f64("z_m")?);
-        let faces = skin.u32("on")?.into_iter().zip(rows::<6>(&skin, "n")?);
+        let code = || unfit("skin.parquet", "a face lies on a skin that there is not");
+        let face = |(on, nodes)| Ok(QuadraticFace { nodes, on: Skin::from_code(on).ok_or_else(code)? });
+        let on = skin.u32("on")?;
+        let region = |region: u32| u16::try_from(region).map_err(|e| unfit("tetrahedra.parquet", e.to_string()));
+        let solid = QuadraticMesh {
+            // length: columns of one table are equally long
+            nodes: x.into_iter().zip(y).zip(z).map(|((x, y), z)| [x, y, z]).collect(),
+            tets: rows::<10>(&tets, "n")?,
+            regions: tets.u32("region")?.into_iter().map(region).collect::<Result<_, _>>()?,
+            skin: on.into_iter().zip(rows::<6>(&skin, "n")?).map(face).collect::<Result<_, RecordError>>()?,
+            half: scalars.quality.half,
+        };
+        let named = scalars.markers.iter().flatten().map(|(node, _)| node).chain(&scalars.clamped);
+        let beyond = named.copied().find(|node| *node as usize >= solid.nodes.len());
+        let beyond = beyond.map(|node| format!("a marker or the clamp is at node {node}, which there is not"));
+        if let Some(cause) = solid.fault().or(beyond) {
+            return Err(unfit("mesh.json", cause));
+        }
         Ok(Self {
-            solid: QuadraticMesh {
-                nodes: x.into_iter().zip(y).zip(z).map(|((x, y), z)| [x, y, z]).collect(),
-                tets: rows::<10>(&tets, "n")?,
-                regions: tets.u32("region")?.into_iter().map(|r| r as u16).collect(),
-                skin: faces.map(|(on, nodes)| QuadraticFace { nodes, on: decode(on) }).collect(),
-                half: scalars.quality.half,
-            },
+            solid,
             chambers: scalars.chambers,
             markers: scalars.markers.into_iter().map(|weights| Spot { weights }).collect(),
             clamped: scalars.clamped,
@@ -155,22 +163,6 @@ fn rows<const N: usize>(columns: &Columns, name: &str) -> Result<Vec<[u32; N]>, 
     Ok((0..count).map(|i| std::array::from_fn(|k| parts[k][i])).collect())
 }
 
-fn code(on: Skin) -> u32 {
-    match on {
-        Skin::Outer => OUTER,
-        Skin::Symmetry => SYMMETRY,
-        Skin::Chamber(k) => FIRST_CHAMBER + u32::from(k),
-    }
-}
-
-fn decode(code: u32) -> Skin {
-    match code {
-        OUTER => Skin::Outer,
-        SYMMETRY => Skin::Symmetry,
-        k => Skin::Chamber((k - FIRST_CHAMBER) as u16),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -196,5 +188,14 @@ mod tests {
         let mesh =
             Mesh { solid, chambers, markers: vec![Spot { weights: vec![(2, 1.0)] }], clamped: vec![0, 2], quality };
         assert_eq!(Mesh::unpack(&mesh.pack().unwrap()).unwrap(), mesh);
+        let mut beyond = [mesh.clone(), mesh.clone(), mesh.clone(), mesh.clone()];
+        beyond[0].solid.tets[0][3] = 10;
+        beyond[1].markers[0].weights[0].0 = 10;
+        beyond[2].solid.nodes[4][1] = f64::NAN;
+        beyond[3].clamped.push(10);
+        for mesh in beyond {
+            let error = Mesh::unpack(&mesh.pack().unwrap()).unwrap_err().to_string();
+            assert!(error.contains("mesh.json") && error.contains("node"), "{error}");
+        }
     }
 }

@@ -30,6 +30,9 @@ pub struct MeshSensitivity {
     pub rows: Vec<MeshResult>,
 }
 
+/// Body and sheet: specimens without a sheet have no such record.
+const SOLIDS: usize = 2;
+
 impl Record for MeshSensitivity {
     type Of = Specimen;
     const STAGE: &'static str = "mesh_sensitivity";
@@ -43,7 +46,11 @@ impl Record for MeshSensitivity {
     }
 
     fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
-        files.read_scalars("mesh_sensitivity.json")
+        let record: Self = files.read_scalars("mesh_sensitivity.json")?;
+        match record.rows.iter().find(|row| row.at.len() != SOLIDS) {
+            Some(row) => Err(super::unfit("mesh_sensitivity.json", format!("{} moduli of {SOLIDS}", row.at.len()))),
+            None => Ok(record),
+        }
     }
 
     fn metrics(&self, subject: &str) -> Vec<Metric> {
@@ -76,5 +83,9 @@ mod tests {
         let at = vec![2e5, 3e9];
         let whole = MeshSensitivity { rows: vec![MeshResult { edge: 5e-3, nodes: 4, dofs: 99, at, loss: 0.1 }] };
         assert_eq!(MeshSensitivity::unpack(&whole.pack().unwrap()).unwrap(), whole);
+        let mut fewer = whole;
+        fewer.rows[0].at.pop();
+        let error = MeshSensitivity::unpack(&fewer.pack().unwrap()).unwrap_err().to_string();
+        assert!(error.contains("mesh_sensitivity.json") && error.contains("1 moduli of 2"), "{error}");
     }
 }

@@ -191,6 +191,12 @@ fn tried_columns(solids: &[String], searches: &[Search]) -> Columns {
 
 fn read_searches(columns: &Columns, scalars: &Scalars, seconds: &[f64]) -> Result<Vec<Search>, RecordError> {
     let (names, loss) = (columns.text("method")?, columns.f64("loss")?);
+    if scalars.methods.len() != seconds.len() {
+        return Err(super::unfit(
+            "durations.json",
+            format!("{} durations of {} methods", seconds.len(), scalars.methods.len()),
+        ));
+    }
     let moduli = scalars.solids.iter().map(|s| columns.f64(&column(s))).collect::<Result<Vec<_>, _>>()?;
     let tried = |i: usize| EvaluatedPoint { at: moduli.iter().map(|values| values[i]).collect(), loss: loss[i] };
     let search = |(method, &seconds): (&String, &f64)| Search {
@@ -214,7 +220,11 @@ fn surface_columns(surface: &Surface) -> Columns {
 
 fn read_surface(columns: &Columns) -> Result<Surface, RecordError> {
     let (across, up) = (columns.f64("across_pa")?, columns.f64("up_pa")?);
+    // length: a row ends where the height changes; the grid is held to it below
     let width = up.iter().take_while(|&&s| Some(&s) == up.first()).count().max(1);
+    if !up.len().is_multiple_of(width) || across.iter().zip(across.iter().skip(width)).any(|(own, next)| own != next) {
+        return Err(super::unfit("landscape.parquet", "its rows are no grid"));
+    }
     Ok(Surface {
         across: across.iter().take(width).copied().collect(),
         up: up.iter().step_by(width).copied().collect(),

@@ -5,7 +5,6 @@ mod camera;
 mod cell;
 mod corrected_force;
 mod drag;
-mod estimate;
 mod example_frames;
 mod findings;
 mod four_parameters;
@@ -34,7 +33,6 @@ pub use camera::Camera;
 pub use cell::{Fixture, LoadCell};
 pub use corrected_force::CorrectedForce;
 pub use drag::Drag;
-pub use estimate::{Estimate, Quantity, QuantityKind};
 pub use example_frames::{ExampleFrames, FrameData};
 pub use findings::{Finding, Findings};
 pub use four_parameters::{Four, FourParameters};
@@ -52,6 +50,7 @@ pub use recovered::{Recovered, Specimen as RecoveredSpecimen, WallErrors};
 pub use reduced::Reduced;
 pub(crate) use relaxation::REPORTED;
 pub use relaxation::Relaxation;
+pub use sysid::estimate::{Estimate, Quantity, QuantityKind};
 pub use sysid::uncertainty::{Profile, Uncertainty};
 pub use sysid::{Covariance2, Level, NoiseModel};
 pub use tank::Tank;
@@ -59,6 +58,11 @@ pub use tracks::Tracks;
 pub use transfer::{HeldOut, Layout, Transfer};
 pub(crate) use validation::PAPER_MODEL;
 pub use validation::{Interval, ScoredModel, Validation};
+
+/// A file of a record that disagrees with another one, or with itself.
+fn unfit(file: &str, cause: impl Into<String>) -> workflow::record::RecordError {
+    workflow::record::RecordError::Scalars { file: file.into(), cause: cause.into() }
+}
 
 /// A subject's name inside a metric's id.
 fn flat(subject: &str) -> String {

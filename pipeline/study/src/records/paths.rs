@@ -47,6 +47,7 @@ pub(crate) fn pack_spread(columns: Columns, name: &str, spread: &[Covariance2], 
 pub(crate) fn unpack_spread(columns: &Columns, name: &str, unit: &str) -> Result<Vec<Covariance2>, RecordError> {
     let column = |part: &str| columns.f64(&format!("{name}_{part}_{unit}2"));
     let (xx, xy, yy) = (column("xx")?, column("xy")?, column("yy")?);
+    // length: columns of one table are equally long
     Ok(xx.into_iter().zip(xy).zip(yy).map(|((a, b), c)| [a, b, c]).collect())
 }
 
@@ -57,6 +58,7 @@ pub fn unpack(columns: &Columns, names: &[String], unit: &str) -> Result<Vec<Pat
         .map(|name| {
             let column = |what: &str| columns.f64(&format!("{name}_{what}"));
             let (x, y) = (column(&format!("x_{unit}"))?, column(&format!("y_{unit}"))?);
+            // length: as above
             let at = x.into_iter().zip(y).map(|(x, y)| [x, y]).collect();
             Ok(Path { name: name.clone(), at, spread: unpack_spread(columns, name, unit)? })
         })

@@ -4,6 +4,7 @@ use fem::ReducedModelData;
 use serde::{Deserialize, Serialize};
 use si::Pascal;
 
+use super::unfit;
 use crate::subject::Specimen;
 use workflow::columns::Columns;
 use workflow::metric::Metric;
@@ -65,14 +66,25 @@ impl Record for Reduced {
     fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
         let scalars: Scalars = files.read_scalars("reduced.json")?;
         let modes = files.read_table("modes.parquet")?;
-        let modes = (0..scalars.coordinates).map(|i| modes.f64(&format!("q{i}_m"))).collect::<Result<_, _>>()?;
+        if scalars.regions > usize::from(u16::MAX) || modes.f64(&format!("q{}_m", scalars.coordinates)).is_ok() {
+            return Err(unfit(
+                "reduced.json",
+                "it states fewer coordinates than modes, or more regions than there can be",
+            ));
+        }
+        let modes = (0..scalars.coordinates).map(|i| modes.f64(&format!("q{i}_m"))).collect::<Result<_, _>>();
+        let modes = modes.map_err(|e| unfit("modes.parquet", e.to_string()))?;
         let table = files.read_table("points.parquet")?;
         let (numbers, weights) = (table.u32("point")?, table.f64("weight_m3")?);
+        // length: columns of one table are equally long
         let mut points = vec![Vec::new(); scalars.regions];
         for (region, point) in table.u32("region")?.into_iter().zip(numbers.into_iter().zip(weights)) {
-            points.get_mut(region as usize).ok_or_else(|| strange(region, scalars.regions))?.push(point);
+            points.get_mut(region as usize).ok_or_else(|| invalid(region, scalars.regions))?.push(point);
         }
         let data = ReducedModelData { modes, points, size: scalars.size };
+        if let Some(cause) = data.fault() {
+            return Err(unfit("modes.parquet or points.parquet", cause));
+        }
         Ok(Self { data, highest: scalars.highest_pa, contact: scalars.contact_pa })
     }
 
@@ -92,9 +104,8 @@ impl Record for Reduced {
     }
 }
 
-fn strange(region: u32, regions: usize) -> RecordError {
-    let cause = format!("a point of region {region}, of {regions}");
-    RecordError::Scalars { file: "points.parquet".into(), cause }
+fn invalid(region: u32, regions: usize) -> RecordError {
+    unfit("points.parquet", format!("a point of region {region}, of {regions}"))
 }
 
 #[cfg(test)]
@@ -108,6 +119,30 @@ mod tests {
         for contact in [None, Some(1.5e4)] {
             let whole = Reduced { data: data.clone(), highest: 2e4, contact };
             assert_eq!(Reduced::unpack(&whole.pack().unwrap()).unwrap(), whole);
+        }
+    }
+
+    #[test]
+    fn a_reduced_model_with_a_number_or_a_count_that_cannot_be_is_refused_with_the_file() {
+        let points = vec![vec![(3, 1e-9), (7, 2e-9)]];
+        let data = ReducedModelData { modes: vec![vec![0.1, -0.2, 0.3], vec![0.0, 1e-9, 7.0]], points, size: 2.5 };
+        let whole = Reduced { data, highest: 2e4, contact: None };
+        let refused = |damage: &dyn Fn(&mut Reduced), words: &str| {
+            let mut damaged = whole.clone();
+            damage(&mut damaged);
+            let error = Reduced::unpack(&damaged.pack().unwrap()).unwrap_err().to_string();
+            assert!(error.contains("points.parquet") && error.contains(words), "{error}");
+        };
+        refused(&|r| r.data.modes[1][2] = f64::NAN, "mode 1");
+        refused(&|r| r.data.modes.iter_mut().for_each(|mode| mode.truncate(2)), "3 numbers per node");
+        refused(&|r| r.data.points[0][1].1 = -1e-9, "weight of a point");
+        refused(&|r| r.data.size = 0.0, "must be above 0");
+        let text = String::from_utf8(whole.pack().unwrap().bytes("reduced.json").unwrap().to_vec()).unwrap();
+        for (from, to) in
+            [("\"coordinates\": 2", "\"coordinates\": 1"), ("\"regions\": 1", "\"regions\": 18446744073709551615")]
+        {
+            let damaged = whole.pack().unwrap().file("reduced.json", text.replace(from, to).into_bytes());
+            assert!(Reduced::unpack(&damaged).unwrap_err().to_string().contains("reduced.json"), "{to}");
         }
     }
 }

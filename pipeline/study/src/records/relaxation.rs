@@ -50,7 +50,9 @@ impl Record for Relaxation {
     }
 
     fn unpack(files: &RecordFiles) -> std::result::Result<Self, RecordError> {
-        files.read_scalars("relaxation.json")
+        let relaxation: Self = files.read_scalars("relaxation.json")?;
+        let fault = relaxation.spectrum.fault().map(|cause| super::unfit("relaxation.json", cause));
+        fault.map_or(Ok(relaxation), Err)
     }
 
     fn metrics(&self, subject: &str) -> Vec<Metric> {
@@ -115,5 +117,16 @@ mod tests {
     #[test]
     fn a_relaxation_survives_its_record() {
         assert_eq!(Relaxation::unpack(&whole().pack().unwrap()).unwrap(), whole());
+    }
+
+    #[test]
+    fn a_relaxation_with_lists_of_another_number_of_branches_is_refused_with_its_file() {
+        let (mut fewer, mut response) = (whole(), whole());
+        fewer.spectrum.correlation.pop();
+        response.spectrum.modulus_response[0].push(0.1);
+        for (damaged, words) in [(fewer, "2 branches have 3 correlations"), (response, "3 responses of 2 branches")] {
+            let error = Relaxation::unpack(&damaged.pack().unwrap()).unwrap_err().to_string();
+            assert!(error.contains("relaxation.json") && error.contains(words), "{error}");
+        }
     }
 }

@@ -80,12 +80,16 @@ pub(super) fn table(runs: &[Run]) -> Columns {
 /// # Errors
 /// [`RecordError`] when a column is absent or its length differs from that of the heads.
 pub(super) fn read(heads: &[Head], table: &Columns) -> Result<Vec<Run>, RecordError> {
-    let rows: usize = heads.iter().map(|h| h.samples).sum();
+    let rows = heads.iter().try_fold(0_usize, |sum, head| sum.checked_add(head.samples));
+    let rows = rows.ok_or_else(|| super::unfit("thrust.json", "its runs have more samples than there can be"))?;
     let column = |name: &str| -> Result<Vec<f64>, RecordError> {
         let values = table.f64(name)?;
         if values.len() == rows { Ok(values) } else { Err(RecordError::Absent(format!("{name} of {rows} samples"))) }
     };
     let (markers, chambers) = heads.first().map_or((0, 0), |h| (h.markers, h.chambers));
+    if heads.iter().any(|head| (head.markers, head.chambers) != (markers, chambers)) {
+        return Err(super::unfit("thrust.json", "its runs differ in markers or chambers"));
+    }
     let several = |names: Vec<String>| names.iter().map(|n| column(n)).collect::<Result<Vec<_>, _>>();
     let of_marks = |before: &str, unit: &str| {
         several((0..markers).flat_map(|m| ["x", "y"].map(|a| format!("{before}{a}{m}_{unit}"))).collect())
@@ -96,6 +100,7 @@ pub(super) fn read(heads: &[Head], table: &Columns) -> Result<Vec<Run>, RecordEr
     let (moved, speed) = (of_marks("", "m")?, of_marks("v", "m_s")?);
     let (pressure, pressure_rate) = (of_chambers("p", "pa")?, of_chambers("vp", "pa_s")?);
     let parts = COLUMNS.iter().map(|(name, _)| column(name)).collect::<Result<Vec<_>, _>>()?;
+    // length: a column along x and one along y were read of each marker
     let points = |of: &[Vec<f64>], i: usize| of.chunks_exact(2).map(|xy| [xy[0][i], xy[1][i]]).collect::<Vec<Point2>>();
     let numbers = |of: &[Vec<f64>], i: usize| of.iter().map(|c| c[i]).collect::<Vec<f64>>();
     let part = |i: usize| TheoryTerms {

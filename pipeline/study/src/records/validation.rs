@@ -153,6 +153,7 @@ impl Record for Validation {
         let columns = files.read_table("validation.parquet")?;
         let path = |who: &str| -> Result<Vec<Point2>, RecordError> {
             let (x, y) = (columns.f64(&format!("{who}_x_m"))?, columns.f64(&format!("{who}_y_m"))?);
+            // length: columns of one table are equally long
             Ok(x.into_iter().zip(y).map(|(x, y)| [x, y]).collect())
         };
         Ok(Self {

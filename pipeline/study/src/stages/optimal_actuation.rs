@@ -5,6 +5,8 @@
 //! thrust model was thrust, and within the pressures of identification, beyond which a slack wall may buckle. By fitted theory a waveform of
 //! many harmonics is optimised too, behind a valve with the time constants of the logs of identification.
 
+use std::path::Path;
+
 use hydro::Coefficients;
 use optimize::network::Network;
 use rayon::prelude::*;
@@ -187,7 +189,8 @@ fn limits(runs: &[Run], identified: &Identified, iterations: usize) -> Result<Li
 /// Fitted theory and the network, thrust on the card's training runs.
 fn models(thrust: &Thrust) -> Result<Vec<(ThrustModel, Fitted)>> {
     let theory = Weighted { model: ThrustModel::Theory, weights: thrust.coefficients.clone() };
-    let network = Network::from_safetensors(&thrust.network)?;
+    let file = Path::new("network.safetensors");
+    let network = Network::from_safetensors(&thrust.network).map_err(|e| Diagnostic::from(e).in_file(file))?;
     Ok(vec![
         (ThrustModel::Theory, Fitted::Weighted(theory)),
         (ThrustModel::Network, Fitted::Network(Box::new(network))),

@@ -41,6 +41,16 @@ pub struct IdentifiedSpectrum {
 const NUDGE: f64 = 1e-4;
 
 impl IdentifiedSpectrum {
+    /// What is wrong with a spectrum that was read from a file: lists that do not have an entry for each branch, or each pair of them.
+    pub fn fault(&self) -> Option<String> {
+        let (branches, pairs) = (self.branches.len(), self.correlation.len());
+        if pairs != branches * branches {
+            return Some(format!("{branches} branches have {pairs} correlations"));
+        }
+        let response = self.modulus_response.iter().find(|response| response.len() != branches)?;
+        Some(format!("a modulus has {} responses of {branches} branches", response.len()))
+    }
+
     /// The relaxation.
     ///
     /// # Errors

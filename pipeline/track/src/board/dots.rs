@@ -52,6 +52,7 @@ const RIM: f64 = 2.5;
 /// # Errors
 /// [`BoardError`] when the board's order is not unique, or it is not in the picture as a whole.
 pub fn find(picture: &Gray, board: &Dots) -> Result<Vec<Point2>, BoardError> {
+    super::whole(picture)?;
     let Dots { columns, rows, .. } = *board;
     if columns < 3 || rows < 3 || columns == rows {
         return Err(BoardError::Square { columns, rows });

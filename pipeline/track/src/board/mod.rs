@@ -36,6 +36,18 @@ pub enum BoardError {
         /// Squares along the second axis.
         rows: usize,
     },
+    /// A picture that lacks grey levels.
+    #[error(
+        "no board can be sought in a picture of {width} × {height} px\n  why: it has {levels} grey levels; each pixel has one\n  do:  give width × height grey levels"
+    )]
+    Levels {
+        /// Columns.
+        width: usize,
+        /// Rows.
+        height: usize,
+        /// Grey levels.
+        levels: usize,
+    },
     /// A dot board whose dots have no unique order.
     #[error(
         "a board of {columns} × {rows} dots cannot be ordered\n  why: after a quarter turn it looks the same, or it has fewer than 3 dots a side\n  do:  print one with unequal sides, such as 9 × 6"
@@ -122,6 +134,7 @@ fn largest_grid(in_grid: usize, expected: usize) -> String {
 /// [`BoardError`] when the board's order is not unique, or it is not completely in the picture: then with the number of
 /// corners were seen.
 pub fn find(picture: &Gray, board: &Board) -> Result<Vec<Point2>, BoardError> {
+    whole(picture)?;
     let (columns, rows) = (board.columns, board.rows);
     let (across, down) = board.inner();
     if across < 2 || down < 2 || (columns + rows).is_multiple_of(2) {
@@ -138,6 +151,13 @@ pub fn find(picture: &Gray, board: &Board) -> Result<Vec<Point2>, BoardError> {
         }
     }
     Err(BoardError::NotFound { columns, rows, in_grid, seen, expected: across * down })
+}
+
+/// # Errors
+/// [`BoardError::Levels`]
+fn whole(picture: &Gray) -> Result<(), BoardError> {
+    let (width, height, levels) = (picture.width, picture.height, picture.pixels.len());
+    picture.check().map_err(|_| BoardError::Levels { width, height, levels })
 }
 
 /// Every corner to a fraction of a pixel; none when one of them is no saddle after all.

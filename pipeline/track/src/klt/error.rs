@@ -37,7 +37,8 @@ impl TrackingError {
     /// What a frame shows of a marker that fails a gate.
     pub(super) fn at(picture: &Gray, Expected { marker, frame, near }: Expected, why: FailedGate) -> Self {
         let corner = near.map(|c| (c.round().max(0.0) as usize).saturating_sub(SHOWN));
-        let crop = picture.crop(corner[0], corner[1], 2 * SHOWN + 1, 2 * SHOWN + 1);
+        let side = if picture.check().is_ok() { 2 * SHOWN + 1 } else { 0 };
+        let crop = picture.crop(corner[0], corner[1], side, side);
         Self { marker, frame, near, why, crop }
     }
 }
@@ -140,6 +141,24 @@ pub enum FailedGate {
         measured: f64,
         /// Limit, px.
         limit: f64,
+    },
+    /// A window too small for a marker.
+    #[error("its window has the radius {measured} px; the least is {limit:.1} (radius)")]
+    SmallWindow {
+        /// Measured, px.
+        measured: f64,
+        /// Limit, px.
+        limit: f64,
+    },
+    /// A frame that lacks grey levels.
+    #[error("the picture has {levels} grey levels for {width} × {height} px")]
+    Levels {
+        /// Grey levels.
+        levels: usize,
+        /// Width of the picture, px.
+        width: usize,
+        /// Height of the picture, px.
+        height: usize,
     },
     /// A frame of another size.
     #[error("the picture has {width} × {height} px, the first one had another size")]

@@ -21,13 +21,16 @@ const RIM: f64 = 0.02;
 /// The `count` most distinct dark spots inside a region (left, top, right, bottom, px), from left to right: px each.
 ///
 /// Distinct is the contrast to a background that is even: spots on a patterned background come last. Fewer come back when there are
-/// fewer.
+/// fewer, and none of a picture that lacks grey levels.
 pub fn find_blobs(
     picture: &Gray,
     [left, top, right, bottom]: [f64; 4],
     count: usize,
     settings: &Settings,
 ) -> Vec<Point2> {
+    if picture.check().is_err() {
+        return Vec::new();
+    }
     let sums = Sums::of(picture);
     let step = (STRIDE * settings.radius).max(1.0);
     let across = ((right - left) / step).max(0.0) as usize;

@@ -20,6 +20,9 @@ const MARGIN: f64 = 8.0;
 /// A marker's corners stand around the middle of one dark spot, which is its place. Fewer come back when there are fewer.
 /// Beside [`super::find_blobs`], something else that is dark may touch a marker over a tenth of its window's rim.
 pub fn find_corners(picture: &Gray, region: [f64; 4], count: usize, settings: &Settings) -> Vec<Point2> {
+    if picture.check().is_err() {
+        return Vec::new();
+    }
     let [left, top, right, bottom] = region;
     let inside = |[x, y]: Point2| (left..=right).contains(&x) && (top..=bottom).contains(&y);
     let mut kept: Vec<Point2> = Vec::new();

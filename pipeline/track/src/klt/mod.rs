@@ -84,12 +84,15 @@ impl Tracker {
     /// Begins with the first frame: each clicked position (px) is moved to the middle of the dark spot within reach.
     ///
     /// # Errors
-    /// [`TrackingError`] at frame 0 when there is no dark spot within reach.
-    ///
-    /// # Panics
-    /// When the window's radius is under [`LEAST_RADIUS`]: no marker and its background fit into that.
+    /// [`TrackingError`] at frame 0 when there is no dark spot within reach, the picture lacks grey levels, or the window's radius is
+    /// under [`LEAST_RADIUS`]: no marker and its background fit into that.
     pub fn new(first: &Gray, clicked: &[Point2], settings: Settings) -> Result<Self, TrackingError> {
-        assert!(settings.radius >= LEAST_RADIUS, "a window of radius {} px holds no marker", settings.radius);
+        let expected = Expected { marker: 0, frame: 0, near: clicked.first().copied().unwrap_or_default() };
+        if !(settings.radius >= LEAST_RADIUS && settings.radius.is_finite()) {
+            let why = FailedGate::SmallWindow { measured: settings.radius, limit: LEAST_RADIUS };
+            return Err(TrackingError::at(first, expected, why));
+        }
+        whole(first, expected)?;
         let (tracks, observations, single_thread) = (Vec::new(), Vec::new(), SingleThread::new());
         let mut new = Self { settings, before: first.clone(), frame: 0, tracks, observations, single_thread };
         for (marker, &near) in clicked.iter().enumerate() {
@@ -119,9 +122,10 @@ impl Tracker {
     /// Looks at the next frame; one observation a marker, in the order of the clicks.
     ///
     /// # Errors
-    /// [`TrackingError`] when a marker fails a gate for longer than the settings are patient, with the first frame in which it did.
+    /// [`TrackingError`] when the picture lacks grey levels, or a marker fails a gate for longer than the settings are patient, with the first frame in which it did.
     pub fn step(&mut self, picture: &Gray) -> Result<Vec<Observation>, TrackingError> {
         let frame = self.frame + 1;
+        whole(picture, Expected { marker: 0, frame, near: self.tracks.first().map_or([0.0; 2], Track::expected) })?;
         let mut found = self.single_thread.run(|| self.look(picture, frame));
         self.check_separation(picture, frame, &mut found);
         self.check_neighbours(picture, frame, &mut found);
@@ -184,6 +188,14 @@ impl Track {
             }
         }
     }
+}
+
+/// # Errors
+/// [`TrackingError`] when a picture lacks grey levels.
+fn whole(picture: &Gray, expected: Expected) -> Result<(), TrackingError> {
+    let (width, height, levels) = (picture.width, picture.height, picture.pixels.len());
+    let error = |_| TrackingError::at(picture, expected, FailedGate::Levels { levels, width, height });
+    picture.check().map_err(error)
 }
 
 fn distance(a: Point2, b: Point2) -> f64 {

@@ -78,6 +78,9 @@ impl Writer {
             );
             return Err(unfit(&self.path, why, "give all pictures of a film one size"));
         }
+        if let Err(error) = picture.check() {
+            return Err(unfit(&self.path, error.why(), error.action()));
+        }
         let half = self.width / 2;
         let planes = (&picture.pixels[..], &self.chroma[..], &self.chroma[..]);
         let yuv = YUVSlices::new(planes, (self.width, self.height), (self.width, half, half));

@@ -40,7 +40,7 @@ pub enum QuantityKind {
 
 impl QuantityKind {
     /// Every kind with its name in metrics and its title, in the order of the pipeline.
-    pub(crate) const ALL: [(QuantityKind, &'static str, &'static str); 5] = [
+    pub const ALL: [(QuantityKind, &'static str, &'static str); 5] = [
         (QuantityKind::Moduli, "moduli", "moduli"),
         (QuantityKind::Relaxation, "relaxation", "relaxation"),
         (QuantityKind::AddedMass, "added_mass", "added mass"),
@@ -51,7 +51,7 @@ impl QuantityKind {
 
 impl Quantity {
     /// Its kind.
-    pub(crate) fn kind(&self) -> QuantityKind {
+    pub fn kind(&self) -> QuantityKind {
         match self {
             Quantity::BodyModulus | Quantity::SpineModulus => QuantityKind::Moduli,
             Quantity::StorageRatio(_) | Quantity::LossFactor(_) => QuantityKind::Relaxation,
@@ -62,7 +62,7 @@ impl Quantity {
     }
 
     /// Its name in metrics.
-    pub(crate) fn id(&self) -> String {
+    pub fn id(&self) -> String {
         match self {
             Quantity::BodyModulus => "body_e".into(),
             Quantity::SpineModulus => "spine_e".into(),
@@ -75,7 +75,7 @@ impl Quantity {
     }
 
     /// Its title with the unit of a table's cells, and the number of those units in the SI unit.
-    pub(crate) fn title(&self) -> (String, f64) {
+    pub fn title(&self) -> (String, f64) {
         match self {
             Quantity::BodyModulus => ("E of the body at its time (MPa)".into(), 1e-6),
             Quantity::SpineModulus => ("E of the spine (GPa)".into(), 1e-9),
@@ -105,12 +105,12 @@ pub struct Estimate {
 
 impl Estimate {
     /// Estimated over true, less one.
-    pub(crate) fn relative_error(&self) -> f64 {
+    pub fn relative_error(&self) -> f64 {
         self.found / self.hidden - 1.0
     }
 
     /// Error of the logarithm over its standard deviation.
-    pub(crate) fn standardised_error(&self) -> f64 {
+    pub fn standardised_error(&self) -> f64 {
         (self.found / self.hidden).ln() / self.sigma
     }
 }

@@ -1,0 +1,118 @@
+//! What the arrays of a reduced tail must be: shapes that agree, finite numbers, a mass matrix of a body, moduli of a stable solid.
+
+use crate::data::{Region, TwinData};
+use crate::error::TwinError;
+use crate::layout::{Counts, numbers};
+
+/// Largest difference of a mass from its transposed one, relative to the masses of both coordinates: the rounding of a sum over elements.
+const ASYMMETRY: f64 = 1e-9;
+
+type Checked = Result<(), String>;
+
+impl TwinData {
+    /// # Errors
+    /// [`TwinError::Data`] when the lengths do not agree or a number is out of range.
+    pub(crate) fn check(&self) -> Result<(), TwinError> {
+        self.fault().map_err(|what| TwinError::Data { what })
+    }
+
+    /// The same, as the text of what is wrong; it names the array as the file does.
+    pub(crate) fn fault(&self) -> Checked {
+        self.lengths()?;
+        names(&self.outputs)?;
+        positive("size", &[self.size])?;
+        mass(&self.mass, self.coordinates())?;
+        self.regions.iter().enumerate().try_for_each(|(i, own)| region(&format!("region{i}"), own))?;
+        for (i, chamber) in self.chambers.iter().enumerate() {
+            positive(&format!("chamber{i}.at_rest"), &[chamber.at_rest])?;
+        }
+        self.sections.iter().try_for_each(|section| not_negative("sections.by", &section.by))
+    }
+
+    /// Every array has the numbers of its shape, and they are finite.
+    fn lengths(&self) -> Checked {
+        let counts = Counts::of(self);
+        let r = counts.coordinates;
+        if r == 0 {
+            return Err("`mass` is empty".to_owned());
+        }
+        // length: one list has an entry for each array of the other
+        for (array, values) in counts.arrays().iter().zip(numbers(self)) {
+            let (name, required) = (&array.name, array.shape.iter().product::<usize>());
+            if values.len() != required {
+                return Err(format!("`{name}` has {} numbers, not {required}", values.len()));
+            }
+            if let Some(value) = values.iter().find(|value| !value.is_finite()) {
+                return Err(format!("`{name}` holds {value}, and must be finite"));
+            }
+        }
+        let slopes = self.sections.iter().map(|section| ("sections.slope", section.slope.len(), 2 * r));
+        let values = self.sections.iter().map(|section| ("sections.value", section.value.len(), 2 * r));
+        let outputs = self.outputs.iter().map(|(_, row)| ("outputs", row.len(), r));
+        match slopes.chain(values).chain(outputs).find(|(_, length, required)| length != required) {
+            Some((name, length, required)) => Err(format!("`{name}` has a row of {length} numbers, not {required}")),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Names of outputs are given by themselves to a program that looks for one, and separated by commas in the file.
+fn names(outputs: &[(String, Vec<f64>)]) -> Checked {
+    for (number, (name, _)) in outputs.iter().enumerate() {
+        if name.is_empty() || name.contains(|c: char| c == ',' || c.is_control()) {
+            return Err(format!("`outputs` has the name {name:?}, and names have letters and no comma"));
+        }
+        if outputs[..number].iter().any(|(other, _)| other == name) {
+            return Err(format!("`outputs` has the name {name:?} twice"));
+        }
+    }
+    Ok(())
+}
+
+/// Symmetric, and positive definite: the kinetic energy of every motion is positive. Shown by Cholesky's factor.
+fn mass(mass: &[f64], r: usize) -> Checked {
+    let mut factor = mass.to_vec();
+    for i in 0..r {
+        for j in 0..i {
+            let (own, other, scale) =
+                (mass[i * r + j], mass[j * r + i], (mass[i * r + i] * mass[j * r + j]).abs().sqrt());
+            if (own - other).abs() > ASYMMETRY * scale {
+                return Err(format!("`mass` is not symmetric: {own} in row {i}, column {j}, and {other} across"));
+            }
+            let products: f64 = (0..j).map(|k| factor[i * r + k] * factor[j * r + k]).sum();
+            factor[i * r + j] = (own - products) / factor[j * r + j];
+        }
+        let pivot = mass[i * r + i] - (0..i).map(|k| factor[i * r + k].powi(2)).sum::<f64>();
+        if pivot.is_nan() || pivot <= 0.0 {
+            return Err(format!("`mass` is not positive definite: the pivot of row {i} is {pivot}"));
+        }
+        factor[i * r + i] = pivot.sqrt();
+    }
+    Ok(())
+}
+
+fn region(name: &str, region: &Region) -> Checked {
+    positive(&format!("{name}.moduli"), &[region.mu])?;
+    let bulk = region.lambda + region.mu * 2.0 / 3.0;
+    if bulk.is_nan() || bulk <= 0.0 {
+        return Err(format!("`{name}.moduli` give a bulk modulus of {bulk}, and must give one above 0"));
+    }
+    let part = |k: usize| region.branches.iter().map(|branch| branch[k]).collect::<Vec<f64>>();
+    not_negative(&format!("{name}.branches"), &part(0))?;
+    positive(&format!("{name}.branches"), &part(1))?;
+    positive(&format!("{name}.weights"), &region.weights)
+}
+
+fn positive(name: &str, values: &[f64]) -> Checked {
+    match values.iter().find(|value| !(**value > 0.0 && value.is_finite())) {
+        Some(value) => Err(format!("`{name}` has {value} where a number above 0 must stand")),
+        None => Ok(()),
+    }
+}
+
+fn not_negative(name: &str, values: &[f64]) -> Checked {
+    match values.iter().find(|value| !(**value >= 0.0 && value.is_finite())) {
+        Some(value) => Err(format!("`{name}` has {value} where no negative number may stand")),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,89 @@
+//! A reduced tail from the bytes of its file: every array that the counts ask for, of exactly that shape, and no other.
+
+use std::collections::BTreeSet;
+
+use safetensors::{Dtype, SafeTensors};
+
+use crate::data::{Chamber, Region, Section, TwinData};
+use crate::layout::{Array, Counts};
+
+/// Keys of the metadata: the outputs' names, separated by commas, and how many things the tail has.
+pub(crate) const OUTPUTS: &str = "outputs";
+pub(crate) const COUNTS: &str = "counts";
+/// Letters of a file's text that a message repeats.
+const LONGEST: usize = 60;
+
+/// The tail in a file's content; the numbers themselves are checked by [`TwinData::check`].
+pub(crate) fn unpack(bytes: &[u8]) -> Result<TwinData, String> {
+    let file = SafeTensors::deserialize(bytes).map_err(|e| e.to_string())?;
+    let (_, metadata) = SafeTensors::read_metadata(bytes).map_err(|e| e.to_string())?;
+    let stated = metadata.metadata().as_ref().ok_or("it has no metadata")?;
+    let text = |key: &str| stated.get(key).ok_or_else(|| format!("its metadata have no `{key}`"));
+    let counts = Counts::parse(text(COUNTS)?).filter(|counts| counts.fit(bytes.len(), file.len()));
+    let counts = counts.ok_or_else(|| format!("its metadata state the {COUNTS} {:?}", shortened(&stated[COUNTS])))?;
+    let names: Vec<&str> = text(OUTPUTS)?.split(',').filter(|_| counts.outputs > 0).collect();
+    if names.len() != counts.outputs {
+        return Err(format!("its metadata name {} {OUTPUTS}, not {}", names.len(), counts.outputs));
+    }
+    let arrays = counts.arrays();
+    let known: BTreeSet<&str> = arrays.iter().map(|array| &*array.name).collect();
+    if let Some(extra) = file.names().into_iter().find(|name| !known.contains(*name)) {
+        return Err(format!("it has the array {:?}, which no tail of these counts has", shortened(extra)));
+    }
+    let values = arrays.iter().map(|array| values(&file, array)).collect::<Result<Vec<_>, _>>()?;
+    Ok(assembled(&counts, &names, values.into_iter()))
+}
+
+/// The begin of a text that others wrote, for a message of one line.
+fn shortened(text: &str) -> String {
+    text.chars().take(LONGEST).collect()
+}
+
+/// The numbers of one array.
+fn values(file: &SafeTensors, array: &Array) -> Result<Vec<f64>, String> {
+    let Array { name, shape, .. } = array;
+    let tensor = file.tensor(name).map_err(|_| format!("it has no array `{name}`"))?;
+    if tensor.dtype() != Dtype::F64 {
+        return Err(format!("`{name}` holds {:?}, not F64", tensor.dtype()));
+    }
+    if tensor.shape() != shape {
+        return Err(format!("`{name}` has the shape {:?}, not {shape:?}", tensor.shape()));
+    }
+    let number = |bytes: &[u8]| f64::from_le_bytes(std::array::from_fn(|i| bytes[i]));
+    // length: safetensors holds an array to the bytes of its shape, and the shape is the one that is asked for
+    Ok(tensor.data().chunks_exact(size_of::<f64>()).map(number).collect())
+}
+
+/// The tail of the numbers of every array, in the order of [`Counts::arrays`].
+// Each array has the shape that the same counts gave, so that no row is left over and none is missing.
+fn assembled(counts: &Counts, names: &[&str], mut values: impl Iterator<Item = Vec<f64>>) -> TwinData {
+    let r = counts.coordinates.max(1);
+    let mut next = || values.next().unwrap_or_default();
+    let (mass, size) = (next(), next()[0]);
+    let regions = counts.points.iter().map(|_| region([next(), next(), next(), next()])).collect();
+    let chamber =
+        |[at_rest, linear, quadratic, cubic]: [Vec<f64>; 4]| Chamber { at_rest: at_rest[0], linear, quadratic, cubic };
+    let chambers = (0..counts.chambers).map(|_| chamber([next(), next(), next(), next()])).collect();
+    let [slope, value, by] = [next(), next(), next()];
+    let section = |i: usize| Section {
+        slope: slope[2 * r * i..2 * r * (i + 1)].to_vec(),
+        value: value[2 * r * i..2 * r * (i + 1)].to_vec(),
+        by: std::array::from_fn(|k| by[4 * i + k]),
+    };
+    let sections = (0..counts.sections).map(section).collect();
+    let rows = next();
+    let output = |(i, name): (usize, &&str)| ((*name).to_owned(), rows[r * i..r * (i + 1)].to_vec());
+    TwinData { mass, size, regions, chambers, sections, outputs: names.iter().enumerate().map(output).collect() }
+}
+
+fn region([moduli, branches, weights, gradients]: [Vec<f64>; 4]) -> Region {
+    Region {
+        mu: moduli[0],
+        lambda: moduli[1],
+        stiffening: [moduli[2], moduli[3]],
+        // length: branches have the shape [branches, 2]
+        branches: branches.chunks_exact(2).map(|branch| [branch[0], branch[1]]).collect(),
+        weights,
+        gradients,
+    }
+}
