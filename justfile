@@ -182,9 +182,9 @@ mutants CRATE SHARE="8" LEVEL="1" TESTS="--tests":
         {{ if TESTS == "--tests" { "" } else { "--test-package " + CRATE + " --test-package tests" } }} \
         --output target/mutants/{{CRATE}} -- {{TESTS}}
 
-# what a solve costs, as ratios taken in one run
-bench:
-    cargo bench --workspace --exclude typeset --exclude python --locked --bench ratios --bench plan
+# what a solve costs, as ratios taken in one run; or one of them: just bench resolution
+bench *NAMES="ratios plan resolution":
+    cargo bench --workspace --exclude typeset --exclude python --locked {{prepend("--bench ", NAMES)}}
 
 # formatting and lints, warnings as errors
 lint:

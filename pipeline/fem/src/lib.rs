@@ -1,7 +1,7 @@
 //! Nonlinear finite elements for soft bodies with pressurised chambers: statics, dynamics, gradients and reduced-order
 //! models.
 //!
-//! A [`Mesh`] of 4- or 10-node tetrahedra, or of 8-node hexahedra, with [`RegionProperties`] and [`Clamps`] becomes a [`System`], validated once
+//! A [`Mesh`] of 4- or 10-node tetrahedra, or of 8- or 20-node hexahedra, with [`RegionProperties`] and [`Clamps`] becomes a [`System`], validated once
 //! and then immutable: reference geometry, sparsity, elimination order and symbolic factorisation. Each thread takes a
 //! [`Solver`] from it: [`Solver::equilibrium`] under given pressures (Newton's method with load stepping),
 //! [`Solver::integrate`] in time (implicit Euler or BDF2), adjoint gradients and forward sensitivities of both.

@@ -84,7 +84,10 @@ impl Process {
 
 impl std::fmt::Display for Process {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "process {} on {}", self.pid, self.host)
+        match self.is_unknown() {
+            true => write!(f, "an unknown process"),
+            false => write!(f, "process {} on {}", self.pid, self.host),
+        }
     }
 }
 

@@ -10,14 +10,14 @@
 //! the same rules, and with it the holder is read again: of several processes one removes the lock that all of them found, and none a
 //! lock that was taken meanwhile.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::sync::{Mutex, PoisonError};
 use std::thread::JoinHandle;
-use std::time::{Duration, SystemTime};
+use std::time::{Duration, Instant, SystemTime};
 
 use super::atomic::write_synced;
 use super::process::Process;
@@ -39,6 +39,8 @@ pub struct Holder {
     file: PathBuf,
     /// A link gives no answer when its reply is lost: what this process holds is distinguished from what it has just taken.
     held: Mutex<BTreeSet<PathBuf>>,
+    /// When this process first saw each lock that it does not understand.
+    seen: Mutex<BTreeMap<PathBuf, Instant>>,
     heart: Option<(Sender<()>, JoinHandle<()>)>,
 }
 
@@ -72,7 +74,8 @@ impl Holder {
             Ok((text, file))
         };
         let (text, file) = write().map_err(|e: io::Error| unwritable(&path, e))?;
-        let holder = Self { process, file: path, held: Mutex::default(), heart: Some(beat(file, text)) };
+        let (held, seen) = (Mutex::default(), Mutex::default());
+        let holder = Self { process, file: path, held, seen, heart: Some(beat(file, text)) };
         holder.sweep(folder);
         Ok(holder)
     }
@@ -139,8 +142,14 @@ impl Holder {
         let date = |path: &Path| fs::metadata(path).and_then(|seen| seen.modified()).ok();
         // Both dates are the file server's, since clocks of machines differ. Its own is as old as the last beat.
         let age = |now: SystemTime, then: SystemTime| now.duration_since(then).unwrap_or_else(|ahead| ahead.duration());
-        let limit = if other.is_unknown() { AGE_LIMIT_OF_NO_PROCESS } else { AGE_LIMIT };
-        date(&self.file).zip(date(path)).is_some_and(|(now, then)| age(now, then) < limit)
+        let age = date(&self.file).zip(date(path)).map_or(Duration::MAX, |(now, then)| age(now, then));
+        age < AGE_LIMIT && !(other.is_unknown() && self.seen_for(path).max(age) > AGE_LIMIT_OF_NO_PROCESS)
+    }
+
+    /// For how long this process has seen a lock that it does not understand. Its own date may be half a minute older than that of the lock.
+    fn seen_for(&self, path: &Path) -> Duration {
+        let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
+        seen.entry(path.to_owned()).or_insert_with(Instant::now).elapsed()
     }
 
     /// Removes the files of processes that were killed.

@@ -97,6 +97,12 @@ fn a_lock_that_is_not_understood_is_held_for_seconds() {
         File::options().append(true).open(&path).unwrap().set_modified(date).unwrap();
         assert!(is_free(&holder, &path));
     }
+    // whatever the dates of the file server are
+    fs::write(&path, "{").unwrap();
+    let later = folder.holder();
+    assert!(!is_free(&later, &path));
+    std::thread::sleep(AGE_LIMIT_OF_NO_PROCESS + Duration::from_millis(200));
+    assert!(is_free(&later, &path));
 }
 
 #[cfg(unix)]
