@@ -25,7 +25,7 @@ fn pulled(mesh: &Mesh, traction: [f64; 3]) -> Vec<f64> {
     let far = mesh.nodes.iter().fold(0.0, |most: f64, at| most.max(at[0]));
     let sides = elements.iter().map(|nodes| [1, 2, 6, 5, 9, 18, 13, 17].map(|n| nodes[n]));
     let on_end = |side: &[u32; 8]| side.iter().all(|&node| mesh.nodes[node as usize][0] > far - 1e-9);
-    sides.filter(on_end).fold(Forces::none(mesh), |sum, side| sum.on_face(&side, traction)).as_slice().to_vec()
+    sides.filter(on_end).fold(Forces::none(mesh), |sum, side| sum.on_face(&side, traction).unwrap()).as_slice().to_vec()
 }
 
 /// The largest displacement along an axis.

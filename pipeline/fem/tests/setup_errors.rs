@@ -24,7 +24,7 @@ fn refused(mesh: Mesh) -> SetupError {
 fn linear_faces(mesh: &mut Mesh) -> &mut Vec<[u32; 3]> {
     match &mut mesh.chambers[0].faces {
         Faces::Linear(faces) => faces,
-        Faces::Quadratic(_) => unreachable!(),
+        Faces::Quadratic(_) | Faces::QuadraticQuadrilaterals(_) => unreachable!(),
     }
 }
 
