@@ -113,7 +113,7 @@ impl Masses {
     /// # Errors
     /// [`SetupError::NoSuchNode`], or [`SetupError::Side`] when the face has another number of nodes.
     pub fn on_face(mut self, mesh: &Mesh, face: &[u32], per_area: f64) -> Result<Self, SetupError> {
-        mesh.check_side("face", face, &[3, 4, 6])?;
+        mesh.check_side("face", face, &[3, 4, 6, 8])?;
         let products = face_shape_products(mesh, face);
         let count = face.len();
         let area: f64 = products.iter().sum();

@@ -9,7 +9,7 @@ use std::path::Path;
 use serde::Deserialize;
 
 use crate::expected::MetricEntry;
-use diagnostics::{Diagnostic, Result};
+use diagnostics::{Diagnostic, Result, input};
 use workflow::settings::Profile;
 
 /// One claim.
@@ -106,7 +106,7 @@ pub(crate) fn page(path: &Path) -> Result<Page> {
     let diagnostic = |e: &dyn std::fmt::Display| {
         Diagnostic::new("paper/claims.toml cannot be read", e.to_string().trim_end(), "correct the line that it names")
     };
-    let text = std::fs::read_to_string(path).map_err(|e| diagnostic(&e))?;
+    let text = input::read_text(path, input::PAGE).map_err(|e| diagnostic(&e))?;
     let page: Page = toml::from_str(&text).map_err(|e| diagnostic(&e))?;
     let twice = (1..page.claim.len()).find(|&i| page.claim[..i].iter().any(|c| c.name == page.claim[i].name));
     match twice {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use diagnostics::{Diagnostic, Result};
+use diagnostics::{Diagnostic, Result, input};
 use workflow::metric::Metric;
 use workflow::settings::Profile;
 
@@ -80,7 +80,7 @@ impl Expected {
                 "correct the line that it names",
             )
         };
-        let text = std::fs::read_to_string(path).map_err(|e| diagnostic(&e))?;
+        let text = input::read_text(path, input::PAGE).map_err(|e| diagnostic(&e))?;
         let page: Page = toml::from_str(&text).map_err(|e| diagnostic(&e))?;
         let listed = [&page.paper, &page.quick, &page.population]
             .into_iter()

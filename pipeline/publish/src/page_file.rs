@@ -2,8 +2,8 @@
 //!
 //! A missing record is marked as missing on the page.
 
+use std::io;
 use std::path::PathBuf;
-use std::{fs, io};
 
 use crate::claims::Claim;
 use crate::expected::MetricEntry;
@@ -11,7 +11,7 @@ use crate::metrics_file;
 use crate::page::{Body, Cost, LiveTail, Page, Shown, Verdict};
 use crate::stage_diagram::stage_diagram;
 use crate::stand_in;
-use diagnostics::{Diagnostic, Result};
+use diagnostics::{Diagnostic, Result, input};
 use workflow::entry::Kind;
 use workflow::needs::RecordReader;
 use workflow::runner::Runner;
@@ -39,7 +39,7 @@ pub fn write<U: Universe>(runner: &Runner<U>, own: Contents) -> Result<PathBuf> 
     let jobs = runner.jobs_of(&Goal::default())?;
     let text = gather(runner, &jobs, own)?.html();
     let place = runner.folders.page();
-    if !fs::read(&place).is_ok_and(|old| old == text.as_bytes()) {
+    if !input::read(&place, input::MESH).is_ok_and(|old| old == text.as_bytes()) {
         write_atomically(&place, text.as_bytes()).map_err(|e: io::Error| {
             let what = format!("{} cannot be written", runner.folders.display(&place));
             Diagnostic::new(what, e, "free some disk space or correct the folder's permissions")

@@ -10,7 +10,7 @@ use crate::expected::MetricEntry;
 use crate::metrics_file;
 use crate::outdated;
 use crate::paper::{self, Facts, Made, Page, Problem};
-use diagnostics::{Diagnostic, Result};
+use diagnostics::{Diagnostic, Result, input};
 use workflow::entry::{Entry, Kind};
 use workflow::runner::write_atomically;
 use workflow::runner::{Folders, Runner};
@@ -88,14 +88,19 @@ fn facts<U: Universe>(
     let of_claims = claims.iter().flat_map(|c| c.metrics().chain(c.rule.others())).cloned();
     let made = |kind: Kind, suffix: &str| -> Vec<Made> {
         let entries = lists.iter().flat_map(|list| list.iter()).filter(|entry| entry.kind == kind);
-        let text =
-            |entry: &Entry<U>| fs::read_to_string(folders.shown(kind)?.join(format!("{}.{suffix}", entry.name))).ok();
+        let text = |entry: &Entry<U>| {
+            input::read_text(&folders.shown(kind)?.join(format!("{}.{suffix}", entry.name)), input::LOG).ok()
+        };
         let elsewhere = |entry: &Entry<U>| OF_A_POPULATION.contains(&entry.name);
         entries.map(|entry| Made { name: entry.name.into(), text: text(entry), elsewhere: elsewhere(entry) }).collect()
     };
     let real = MADE_ELSEWHERE.map(|name| {
         let place = folders.shown(Kind::Figure).map(|shown| shown.join(format!("{name}.svg")));
-        Made { name: name.into(), text: place.and_then(|place| fs::read_to_string(place).ok()), elsewhere: true }
+        Made {
+            name: name.into(),
+            text: place.and_then(|place| input::read_text(&place, input::LOG).ok()),
+            elsewhere: true,
+        }
     });
     Ok(Facts {
         known: expected.named().iter().cloned().chain(of_claims).collect(),
@@ -135,7 +140,7 @@ fn names(folder: &Path) -> Result<Vec<String>> {
 }
 
 fn read(place: &Path) -> Result<String> {
-    fs::read_to_string(place).map_err(|e| unreadable(place, &e))
+    input::read_text(place, input::LOG).map_err(|e| unreadable(place, &e))
 }
 
 fn unreadable(place: &Path, error: &std::io::Error) -> Diagnostic {

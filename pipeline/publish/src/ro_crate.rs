@@ -5,11 +5,10 @@
 //! any of them.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::time::SystemTime;
 
 use chrono::{DateTime, SecondsFormat, Utc};
-use diagnostics::{Diagnostic, Result};
+use diagnostics::{Diagnostic, Result, input};
 use serde_json::{Value, json};
 
 use workflow::entry::Entry;
@@ -28,7 +27,7 @@ pub fn write<U: Universe>(runner: &Runner<U>) -> Result<()> {
     let jobs = &runner.jobs_of(&Goal::default())?;
     let parts = parts(runner, jobs);
     let place = runner.folders.crate_file();
-    let old: Option<Value> = fs::read(&place).ok().and_then(|text| serde_json::from_slice(&text).ok());
+    let old: Option<Value> = input::read(&place, input::MESH).ok().and_then(|text| serde_json::from_slice(&text).ok());
     if old.is_some_and(|old| same_but_for_the_date(&old, &described(&parts, ""))) {
         return Ok(());
     }

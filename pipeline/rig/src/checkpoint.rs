@@ -6,7 +6,7 @@
 
 use std::path::Path;
 
-use diagnostics::Result;
+use diagnostics::{Result, input};
 
 use crate::folder;
 use crate::trial::TrialTruth;
@@ -34,7 +34,7 @@ fn of_trial(id: &str) -> String {
 
 /// What the checkpoint of `part` holds, if it is complete in `folder`.
 pub(crate) fn load_bytes(folder: &Path, part: &str) -> Option<Vec<u8>> {
-    std::fs::read(folder.join(FOLDER).join(part)).ok()
+    input::read(&folder.join(FOLDER).join(part), input::MESH).ok()
 }
 
 /// Writes the checkpoint of `part`.

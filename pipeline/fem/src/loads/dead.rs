@@ -74,7 +74,7 @@ impl<'a> Forces<'a> {
     /// # Errors
     /// [`SetupError::NoSuchNode`], or [`SetupError::Side`] when the face has another number of nodes.
     pub fn on_face(mut self, face: &[u32], traction: Point3) -> Result<Self, SetupError> {
-        self.mesh.check_side("face", face, &[3, 4, 6])?;
+        self.mesh.check_side("face", face, &[3, 4, 6, 8])?;
         for (&node, integral) in face.iter().zip(face_integrals(self.mesh, face)) {
             self.add(node, traction, integral);
         }

@@ -6,7 +6,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use diagnostics::{Diagnostic, Result};
+use diagnostics::{Diagnostic, Result, input};
 use workflow::runner::{Attempt, Holder, Lock};
 
 use super::Request;
@@ -100,7 +100,8 @@ impl<'a> InProgress<'a> {
         }
         let made = make()?;
         // without its stamp the folder is another recording's by now; without the lock another process writes the same files
-        let is_own = std::fs::read_to_string(self.folder.join(stamp::FILE)).is_ok_and(|found| found == self.stamp);
+        let is_own =
+            input::read_text(&self.folder.join(stamp::FILE), input::PAGE).is_ok_and(|found| found == self.stamp);
         if !is_own || !lock.is_held() {
             let why = "another process has begun it anew, or took this one for dead";
             return Err(Diagnostic::new(format!("the recording of `{part}` is lost"), why, "run again"));

@@ -1,13 +1,11 @@
 //! Copies of figures and tables from their records into the folders for readers.
 
-use std::fs;
-
 use super::Runner;
 use super::atomic::write_atomically;
 use super::graph::Job;
 use super::manifest::Manifest;
 use crate::subject::Universe;
-use diagnostics::{Diagnostic, Result};
+use diagnostics::{Diagnostic, Result, input};
 
 /// Copies a figure's or table's files into its folder unless they are there already.
 ///
@@ -20,9 +18,13 @@ pub fn write<U: Universe>(runner: &Runner<U>, job: &Job<U>, manifest: &Manifest)
     let record = runner.folders.record(&job.id);
     for name in manifest.files.keys() {
         let lay = || {
-            let bytes = fs::read(record.join(name))?;
+            let bytes = input::read(&record.join(name), input::MESH)?;
             let place = folder.join(name);
-            if fs::read(&place).is_ok_and(|old| old == bytes) { Ok(()) } else { write_atomically(&place, &bytes) }
+            if input::read(&place, input::MESH).is_ok_and(|old| old == bytes) {
+                Ok(())
+            } else {
+                write_atomically(&place, &bytes)
+            }
         };
         lay().map_err(|e: std::io::Error| {
             let what = format!("{} cannot be written to {}", name, runner.folders.display(&folder));

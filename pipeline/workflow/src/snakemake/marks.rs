@@ -8,7 +8,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use diagnostics::{Diagnostic, Result};
+use diagnostics::{Diagnostic, Result, input};
 use serde_json::{Map, Value, json};
 
 use super::{as_text, below};
@@ -31,7 +31,7 @@ const DATE: Duration = Duration::from_secs(946_684_800);
 pub fn update<U: Universe>(runner: &Runner<U>, folder: &Path, goal: &Goal) -> Result<()> {
     let jobs = runner.jobs_of(goal)?;
     let (table, text) = (folder.join(TABLE), table(&jobs)?);
-    if !fs::read(&table).is_ok_and(|former| former == text.as_bytes()) {
+    if !input::read(&table, input::MESH).is_ok_and(|former| former == text.as_bytes()) {
         write_atomically(&table, text.as_bytes()).map_err(|e| unwritable(&table, e))?;
     }
     let kept = kept(runner, &jobs);
