@@ -63,7 +63,7 @@ pub(crate) fn face(nodes: usize, at: Point2) -> Vec<(f64, Point2)> {
     }
 }
 
-/// The serendipity functions of second order on the unit square or cube [zienkiewicz2005, §4.6]: at the middle of an edge 4 ξ (1 − ξ) along
+/// The serendipity functions of second order on the unit square or cube: at the middle of an edge 4 ξ (1 − ξ) along
 /// it times the linear functions across it; at a corner the linear function less half of those of the edges that meet there.
 fn serendipity<const D: usize>(corners: &[[f64; D]], edges: &[(usize, usize)], at: [f64; D]) -> Vec<(f64, [f64; D])> {
     let mut shapes = products(corners, at);
