@@ -7,8 +7,9 @@ use std::sync::OnceLock;
 
 /// Begins a next move, in a diagnostic and in a last line.
 const NEXT_MOVE: &str = "do:";
-/// Commands that depend on where the project is and on its profile.
-const COMMANDS: [&str; 13] = [
+/// Commands that depend on where the project is and on its profile, of both programs.
+const COMMANDS: [&str; 14] = [
+    "rig record",
     "study run",
     "study make",
     "study plan",

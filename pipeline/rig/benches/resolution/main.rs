@@ -50,6 +50,14 @@ const ROWS: &[Discretisation] = &[
         always: true,
     },
     Discretisation {
+        name: "20-node hexahedra, graded, a share of 0.1",
+        cuts: GRADED,
+        family: Family::Hexahedra,
+        mean_dilatation: false,
+        shear_share: 0.1,
+        always: false,
+    },
+    Discretisation {
         name: "10-node tetrahedra, even",
         cuts: EVEN,
         family: Family::Tetrahedra,
