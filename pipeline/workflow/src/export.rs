@@ -52,27 +52,27 @@ pub fn write(folder: &Path, files: &[ExportedFile]) -> Result<Vec<PathBuf>> {
     }
     let earlier = earlier.unwrap_or_default();
     let is_edited = |file: &&ExportedFile| edited(folder, &file.path, &earlier);
-    let (kept, edited): (Vec<_>, Vec<_>) = files.iter().filter(is_edited).partition(|file| file.is_template);
+    let (kept_templates, edited): (Vec<_>, Vec<_>) = files.iter().filter(is_edited).partition(|file| file.is_template);
     if let Some(first) = edited.first() {
         return Err(edited_file(&folder.join(&first.path), earlier.contains_key(&first.path)));
     }
-    let written: Vec<&ExportedFile> = files.iter().filter(|file| !kept.contains(file)).collect();
+    let written: Vec<&ExportedFile> = files.iter().filter(|file| !kept_templates.contains(file)).collect();
     let hashes = |file: &&ExportedFile| (file.path.clone(), BTreeSet::from([hash(&file.content)]));
     let mut later: List = written.iter().map(hashes).collect();
-    for file in &kept {
+    for file in &kept_templates {
         later.extend(earlier.get_key_value(&file.path).map(|(path, hashes)| (path.clone(), hashes.clone())));
     }
-    let mut either = earlier.clone();
+    let mut acceptable = earlier.clone();
     for (path, hashes) in &later {
-        either.entry(path.clone()).or_default().extend(hashes.iter().cloned());
+        acceptable.entry(path.clone()).or_default().extend(hashes.iter().cloned());
     }
-    write_list(folder, &either)?;
+    write_list(folder, &acceptable)?;
     for file in written {
         write_file(&folder.join(&file.path), &file.content)?;
     }
     remove_former_files(folder, &earlier, &later)?;
     write_list(folder, &later)?;
-    Ok(kept.iter().map(|file| folder.join(&file.path)).collect())
+    Ok(kept_templates.iter().map(|file| folder.join(&file.path)).collect())
 }
 
 /// What stands in an export's text as a path.
@@ -128,8 +128,8 @@ fn edited(folder: &Path, path: &str, earlier: &List) -> bool {
     if place.symlink_metadata().is_err() {
         return false;
     }
-    let now = input::read(&place, input::MESH).map(|bytes| hash(&bytes));
-    !now.is_ok_and(|now| earlier.get(path).is_some_and(|hashes| hashes.contains(&now)))
+    let present = input::read(&place, input::MESH).map(|bytes| hash(&bytes));
+    !present.is_ok_and(|hash| earlier.get(path).is_some_and(|hashes| hashes.contains(&hash)))
 }
 
 /// Removes what an earlier export wrote and a later one does not.

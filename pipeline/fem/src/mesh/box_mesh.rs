@@ -34,7 +34,7 @@ pub fn check(size: Point3, cells: [usize; 3]) -> Result<(), SetupError> {
     if sound { Ok(()) } else { Err(SetupError::Box { size, cells, largest: MAX_CELLS }) }
 }
 
-/// A box [0, size] (m) of `cells` grid cells along x, y, z, as 4-node tetrahedra. [`check`] tells sizes that would take
+/// A box [0, size] (m) of `cells` grid cells along x, y, z, as 4-node tetrahedra. [`check`] finds sizes that would take
 /// too much memory; so for the others.
 pub fn linear(size: Point3, cells: [usize; 3]) -> Mesh {
     grid(cells, false, |at| std::array::from_fn(|axis| size[axis] * at[axis]), |_| Some(0))

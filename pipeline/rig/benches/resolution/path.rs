@@ -11,7 +11,7 @@ const END: f64 = 230.0;
 const LONGEST: f64 = 20.0;
 const SHORTEST: f64 = 0.5;
 
-/// What a path tells.
+/// Measurements on a path.
 #[derive(Debug, Clone, Default)]
 pub struct Outcome {
     /// Rotation of the end at each of [`LEVELS`], °; NaN where the path has ended.
@@ -102,10 +102,10 @@ impl Walls {
         let ends = [end.iter().min_by(by_y), end.iter().max_by(by_y)].map(|node| *node.expect("the end has nodes"));
         let (mut filled, mut depths) = (Vec::new(), Vec::new());
         for chamber in &mesh.chambers {
-            let own = wall_nodes(&chamber.faces);
-            let is_filled = own.iter().map(|&n| nodes[n][1]).sum::<f64>() > 0.0;
+            let wall = wall_nodes(&chamber.faces);
+            let is_filled = wall.iter().map(|&n| nodes[n][1]).sum::<f64>() > 0.0;
             filled.push(is_filled);
-            let mid: Vec<usize> = own.into_iter().filter(|&n| nodes[n][2] < 1e-9).collect();
+            let mid: Vec<usize> = wall.into_iter().filter(|&n| nodes[n][2] < 1e-9).collect();
             for &node in &mid {
                 let beside = mid.iter().filter(|&&other| (nodes[other][0] - nodes[node][0]).abs() < 1e-9);
                 let away = |n: &&usize| nodes[**n][1].abs();
@@ -148,9 +148,9 @@ impl Walls {
         if (to - LEVELS[1]).abs() < 1e-9 {
             outcome.bulge = bulge;
         }
-        let former = self.growths(before)[1];
+        let previous_dent = self.growths(before)[1];
         if outcome.dent == 0.0 && dent >= 1e-3 {
-            outcome.dent = (from + (to - from) * (1e-3 - former) / (dent - former)) * MILLIBAR;
+            outcome.dent = (from + (to - from) * (1e-3 - previous_dent) / (dent - previous_dent)) * MILLIBAR;
         }
     }
 }

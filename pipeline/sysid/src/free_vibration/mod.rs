@@ -16,7 +16,7 @@ pub(crate) mod page;
 pub(crate) mod recorded;
 mod shown;
 #[cfg(test)]
-mod testing;
+pub(crate) mod testing;
 mod warnings;
 
 use std::path::{Path, PathBuf};

@@ -194,3 +194,17 @@ pub(super) fn tracks(page: &Page, fall: &[f64]) -> String {
     }
     text
 }
+
+/// Holds that each number of a page, replaced by one that cannot be, is refused with the page's file and its key. Accepted are 0, whose range is
+/// each key's own, and −1 under keys that are `signed`. `refusal` is the text with which a page is refused.
+pub(crate) fn hold_every_number(page: &str, signed: &[&str], refusal: impl Fn(&str) -> Option<String>) {
+    for diagnostics::table::Number { key, span, .. } in diagnostics::table::numbers(page) {
+        let name = key.split('.').rfind(|part| part.parse::<usize>().is_err()).unwrap_or_default();
+        for value in ["nan", "inf", "-inf", "-1", "0", "1e308", "1e18", "18446744073709551615"] {
+            match refusal(&format!("{}{value}{}", &page[..span.start], &page[span.end..])) {
+                Some(text) => assert!(text.starts_with("page.toml") && text.contains(name), "{key} = {value}: {text}"),
+                None => assert!(value == "0" || (value == "-1" && signed.contains(&name)), "{key} = {value}"),
+            }
+        }
+    }
+}

@@ -73,8 +73,8 @@ pub(super) fn rule_name<U>(entry: &Entry<U>) -> String {
 /// Sets or removes a mark; whether it was otherwise before.
 fn set(mark: &PathBuf, is_done: bool) -> io::Result<bool> {
     let date = UNIX_EPOCH + DATE;
-    let former = mark.metadata().and_then(|metadata| metadata.modified()).ok();
-    match (former, is_done) {
+    let mark_date = mark.metadata().and_then(|metadata| metadata.modified()).ok();
+    match (mark_date, is_done) {
         (None, false) => Ok(false),
         (Some(_), false) => fs::remove_file(mark).map(|()| true),
         (Some(former), true) if former == date => Ok(false),
