@@ -62,7 +62,7 @@ pub enum SurfaceError {
     },
     /// An edge that does not join exactly two faces of opposite direction.
     #[error(
-        "face {face} has an open edge from {} to {}, one of {count} such edges\n  why: the edge joins {faces} faces; in a closed surface every edge joins 2, in opposite directions\n  do:  close the hole in the CAD program (or repair normals there) and export again", place(.from), place(.to)
+        "face {face} has an open edge from {} to {}, one of {count} such edges\n  why: the edge joins {faces} faces; in a closed surface every edge joins 2, in opposite directions\n  do:  {}", place(.from), place(.to), repair(*.faces)
     )]
     Open {
         /// Number of the first face with such an edge, in the file's order, from 0.
@@ -84,6 +84,15 @@ pub enum SurfaceError {
         /// Signed volume, mm³.
         volume_mm3: f64,
     },
+}
+
+/// What to do about an edge that joins so many faces.
+fn repair(faces: usize) -> &'static str {
+    match faces {
+        1 => "close the hole in the CAD program and export again",
+        2 => "turn the normals of all faces outwards in the CAD program and export again",
+        _ => "join the parts that touch there, or part them, and take out faces that lie twice; nothing is open",
+    }
 }
 
 /// A place in millimetres, for messages.

@@ -11,6 +11,8 @@ mod boundary;
 mod check;
 mod defect;
 mod gmsh;
+mod gmsh_entities;
+mod gmsh_groups;
 mod gmsh_legacy;
 mod jacobian;
 mod medit;
@@ -39,7 +41,8 @@ pub use vtu::vtu;
 /// # Errors
 /// [`MeshFileError`] with its place in the file.
 pub fn read(file: &Path, bytes: &[u8], nodes: Option<&[u8]>) -> Result<RawMesh, MeshFileError> {
-    match (file.extension().and_then(|word| word.to_str()), nodes) {
+    let ending = file.extension().map(|word| word.to_string_lossy().to_ascii_lowercase());
+    match (ending.as_deref(), nodes) {
         (Some("msh"), _) => gmsh(bytes),
         (Some("vtu"), _) => vtu(bytes),
         (Some("mesh"), _) => medit(bytes),
@@ -54,7 +57,7 @@ pub fn read(file: &Path, bytes: &[u8], nodes: Option<&[u8]>) -> Result<RawMesh, 
 
 /// An error in TetGen's file of nodes, with that file's name: its reader is called by that of the elements, whose file is `file`.
 fn named_nodes(mut error: MeshFileError, file: &Path) -> MeshFileError {
-    let name = file.with_extension("node").file_name().map(|name| name.to_string_lossy().into_owned());
+    let name = nodes_of(file).as_deref().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
     if let (Some(rest), Some(name)) = (error.place.strip_prefix(tetgen::NODES), name) {
         error.place = format!("{name}, {rest}");
     }
@@ -63,5 +66,7 @@ fn named_nodes(mut error: MeshFileError, file: &Path) -> MeshFileError {
 
 /// The file of the nodes of a mesh, where they lie in one of their own.
 pub fn nodes_of(file: &Path) -> Option<std::path::PathBuf> {
-    file.extension().is_some_and(|word| word == "ele").then(|| file.with_extension("node"))
+    let ending = file.extension()?.to_str()?;
+    let nodes = if ending == "ELE" { "NODE" } else { "node" };
+    ending.eq_ignore_ascii_case("ele").then(|| file.with_extension(nodes))
 }

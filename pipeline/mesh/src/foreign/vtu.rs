@@ -1,6 +1,6 @@
 //! VTK's unstructured grid (`.vtu`): XML with points, cells and data of the cells.
 //!
-//! Tetrahedra are cell types 10 and 24; type 24 has the order of nodes of this module. The tag of a cell is the first of the arrays
+//! Tetrahedra are cell types 10, 24 and 71, Lagrange's of any order, of which orders 1 and 2 are read; those of ten nodes have the order of this module. The tag of a cell is the first of the arrays
 //! in [`TAGS`] that the file has. Appended bytes are cut off before the rest is read as XML, which they need not be.
 
 use super::arrays::{Codec, Tail};
@@ -113,15 +113,15 @@ impl Piece<'_, '_> {
         let Cell { kind, nodes: list, tag } = *cell;
         let label = (raw.len() + raw.ignored) as u64;
         match (kind, list.len()) {
-            (10, 4) | (24, 10) => {
+            (10 | 71, 4) | (24 | 71, 10) => {
                 let nodes: Option<Vec<u32>> =
                     list.iter().map(|&node| u32::try_from(self.whole(node)? + first).ok()).collect();
                 let nodes =
                     nodes.ok_or_else(|| self.error(format!("cell {label} names a broken node"), "it is no count"))?;
                 raw.tetrahedron(label, &nodes, tag).map_err(|fault| fault.at(self.place(self.node)))
             }
-            // points, lines and faces of VTK, linear and quadratic
-            (1..=9 | 21..=23 | 28 | 30 | 34 | 36, _) => {
+            // points, lines and faces of VTK, linear, quadratic and Lagrange's
+            (1..=9 | 21..=23 | 28 | 30 | 34 | 36 | 68..=70, _) => {
                 raw.ignored += 1;
                 Ok(())
             }
