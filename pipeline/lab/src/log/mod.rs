@@ -29,6 +29,7 @@ use sampling::Stamps;
 pub use sampling::{InterpolationBound, Method, RateChange, Sampling, StampFault, StampFaultKind};
 pub use spikes::Spike;
 pub(crate) use spikes::Spikes;
+pub(crate) use time::iso8601;
 
 /// The columns of one kind of log; the first one is time in s.
 pub(crate) struct LogFormat {
