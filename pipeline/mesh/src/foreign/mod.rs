@@ -1,7 +1,7 @@
 //! Foreign meshes: tetrahedra that another program made, read, checked, and given a skin.
 //!
 //! A reader turns the bytes of a file into a [`RawMesh`], which says no more than the file does: [`gmsh`] (`.msh` 4.1 and 2.2, text
-//! and binary), [`vtu`] (VTK's unstructured grid, in all its encodings but lz4 and lzma), [`medit`] (`.mesh`, text), [`tetgen`]
+//! and binary), [`vtu`] (VTK's unstructured grid, in all its encodings but lz4 and lzma), [`vtk`] (its legacy form), [`medit`] (`.mesh`, text), [`tetgen`]
 //! (`.node` and `.ele`). [`RawMesh::check`] makes it a [`ForeignMesh`], or returns its first [`MeshDefect`].
 //!
 //! In a [`RawMesh`], ten-node elements have the mid-edge nodes of 01, 12, 02, 03, 13, 23, whatever the file's own order.
@@ -22,6 +22,8 @@ mod stream;
 mod surfaces;
 mod tetgen;
 mod tokens;
+mod vtk;
+mod vtk_cells;
 mod vtu;
 
 use std::path::Path;
@@ -33,6 +35,7 @@ pub use medit::medit;
 pub use raw_mesh::{MeshFileError, RawMesh};
 pub use surfaces::{NamedSurface, surface};
 pub use tetgen::tetgen;
+pub use vtk::vtk;
 pub use vtu::vtu;
 
 /// The draft in the `bytes` of a file, by the ending of its name; `nodes` are the bytes of TetGen's other file, which is named
@@ -45,11 +48,12 @@ pub fn read(file: &Path, bytes: &[u8], nodes: Option<&[u8]>) -> Result<RawMesh, 
     match (ending.as_deref(), nodes) {
         (Some("msh"), _) => gmsh(bytes),
         (Some("vtu"), _) => vtu(bytes),
+        (Some("vtk"), _) => vtk(bytes),
         (Some("mesh"), _) => medit(bytes),
         (Some("ele"), Some(nodes)) => tetgen(nodes, bytes).map_err(|error| named_nodes(error, file)),
         (other, _) => Err(MeshFileError::new(
             format!("the mesh is of an unknown kind (.{})", other.unwrap_or_default()),
-            "meshes are read from .msh, .vtu, .mesh and .ele",
+            "meshes are read from .msh, .vtu, .vtk, .mesh and .ele",
             "save the mesh in one of these formats",
         )),
     }

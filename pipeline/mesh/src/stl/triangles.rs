@@ -36,6 +36,7 @@ pub(super) fn triangles(bytes: &[u8]) -> Result<Vec<Triangle>, StlSyntax> {
     // Some programs begin the remark of a binary file with `solid`: its length decides before its words do.
     match length {
         Some(length) if length == bytes.len() || length < bytes.len() && !is_text(text) => {
+            // length: the head announces whole triangles
             Ok(bytes[HEAD..length].chunks_exact(TRIANGLE).map(triangle).collect())
         }
         _ if is_text(text) => Text::new(text).triangles(),

@@ -5,6 +5,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod clamps;
+mod groups;
 mod loads;
 mod path;
 

@@ -21,6 +21,8 @@ pub(super) struct Announced {
     pub frame: usize,
     /// Bytes from the first frame to the end of the file.
     pub bytes: usize,
+    /// Zeros at the end of the file.
+    pub zeros: usize,
 }
 
 impl Announced {
@@ -52,7 +54,8 @@ impl Announced {
             return Ok(count);
         }
         match self.counts.contains(&SATURATED) {
-            true if held >= SATURATED => Ok(held),
+            // what fills the last block are no frames
+            true if held >= SATURATED => Ok(held - spare.min(self.zeros / self.frame.max(1))),
             _ => Err((self.counts.first().copied().unwrap_or_default(), held)),
         }
     }
@@ -63,7 +66,7 @@ mod tests {
     use super::*;
 
     fn frames(counts: &[usize], held: usize, padding: usize) -> Result<usize, (usize, usize)> {
-        Announced { counts: counts.to_vec(), frame: 32, bytes: 32 * held + padding }.frames()
+        Announced { counts: counts.to_vec(), frame: 32, bytes: 32 * held + padding, zeros: padding }.frames()
     }
 
     #[test]
@@ -73,6 +76,7 @@ mod tests {
         assert_eq!(frames(&[90_000, 65_535, 65_535], 90_000, 100), Ok(90_000));
         assert_eq!(frames(&[24_464, 24_464], 90_000, 0), Ok(90_000), "what is left of it in two bytes");
         assert_eq!(frames(&[65_535, 65_535], 90_000, 0), Ok(90_000));
+        assert_eq!(frames(&[65_535, 65_535], 90_000, 96), Ok(90_000), "zeros that fill the block");
         assert_eq!(frames(&[24_464, 65_535], 90_003, 0), Ok(90_000));
         assert_eq!(frames(&[65_535], 65_535, 0), Ok(65_535));
         assert_eq!(frames(&[0], 3, 31), Ok(0));

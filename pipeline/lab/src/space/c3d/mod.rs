@@ -103,7 +103,8 @@ impl<'a> Points<'a> {
             return Err(Diagnostic::file(path, what, why, EXPORT));
         }
         let counts = Announced::counts(parameters, header.into());
-        let announced = Announced { counts, frame: self.frame, bytes: bytes.saturating_sub(self.start) };
+        let zeros = self.words.bytes.iter().rev().take_while(|byte| **byte == 0).count();
+        let announced = Announced { counts, frame: self.frame, bytes: bytes.saturating_sub(self.start), zeros };
         if self.count == 0 {
             return Ok(0);
         }
