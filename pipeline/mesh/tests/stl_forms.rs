@@ -49,7 +49,7 @@ fn all_solids_of_a_file_are_shells_of_one_body() {
 fn a_body_that_would_take_too_many_elements_is_refused_by_their_estimate() {
     let body = stl::read(&bytes("i_inch"), 1e-3).unwrap();
     let said = mesh_without_sheet(&body, &Settings::new(5e-3)).unwrap_err().to_string();
-    assert!(said.contains("2 m") && said.contains("limit"), "{said}");
+    assert!(said.contains("about 7e7 elements") && said.contains("the limit is 5e6"), "{said}");
 }
 
 /// Two blocks that touch along an edge: nothing is open there.

@@ -29,7 +29,7 @@ pub fn vtk(bytes: &[u8]) -> Result<RawMesh, MeshFileError> {
             b"SCALARS" => file.scalars()?,
             b"FIELD" => file.field()?,
             b"VECTORS" | b"NORMALS" => file.vectors()?,
-            b"METADATA" => while !file.tokens.rest_of_line().trim_ascii().is_empty() {},
+            b"METADATA" => file.skip_metadata(),
             other => {
                 let what = format!("`{}` is no keyword that is read", short(&String::from_utf8_lossy(other)));
                 return Err(file.tokens.error(what, "points, cells, their types and data are", AGAIN));
@@ -71,6 +71,12 @@ impl<'a> File<'a> {
         let (points, offsets, connectivity, types) = (empty(), empty(), empty(), empty());
         let (tags, length) = (Vec::new(), bytes.len());
         Ok(Self { tokens, length, binary, points, offsets, connectivity, types, tags, tuples: 0, of_cells: false })
+    }
+
+    /// Information about an array, up to the next empty line.
+    fn skip_metadata(&mut self) {
+        self.tokens.rest_of_line();
+        while !self.tokens.rest_of_line().trim_ascii().is_empty() {}
     }
 
     fn dataset(&mut self) -> Result<(), MeshFileError> {
@@ -157,7 +163,7 @@ impl<'a> File<'a> {
         for _ in 0..self.count("the number of arrays")? {
             let mut name = self.tokens.word("the name of an array")?;
             if name.eq_ignore_ascii_case("METADATA") {
-                while !self.tokens.rest_of_line().trim_ascii().is_empty() {}
+                self.skip_metadata();
                 name = self.tokens.word("the name of an array")?;
             }
             let (parts, tuples) = (self.count("the components of an array")?, self.count("the length of an array")?);
