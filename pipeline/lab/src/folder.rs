@@ -38,7 +38,7 @@ impl Specimen {
     pub fn files(&self) -> Vec<(String, &str)> {
         let card = &self.card;
         let mut files = card.solid.files();
-        for camera in &card.camera {
+        if let Some(camera) = &card.camera {
             files.push(("camera.calibration".to_owned(), &camera.calibration));
             files.extend(camera.coefficients.iter().map(|lens| ("camera.coefficients".to_owned(), lens.as_str())));
         }

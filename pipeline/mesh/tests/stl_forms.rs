@@ -45,6 +45,18 @@ fn all_solids_of_a_file_are_shells_of_one_body() {
     near(chambers[0].volume, 8e-7);
 }
 
+/// A chamber whose normals point out of it, as a solid by itself has them, is no chamber.
+#[test]
+fn a_part_within_a_part_with_normals_outwards_is_refused_as_such() {
+    let mut body = stl::read(&bytes("h3_solid_cavity_separate"), 1e-3).unwrap();
+    body.faces[12..].iter_mut().for_each(|face| face.swap(1, 2));
+    let error = body.shells().unwrap_err();
+    assert!(matches!(error, SurfaceError::Nested { .. }) && error.to_string().contains("turn the normals"), "{error}");
+    // beside each other they are two parts
+    body.points[8..].iter_mut().for_each(|at| at[0] += 0.1);
+    assert_eq!(body.shells().unwrap().0.len(), 2);
+}
+
 #[test]
 fn a_body_that_would_take_too_many_elements_is_refused_by_their_estimate() {
     let body = stl::read(&bytes("i_inch"), 1e-3).unwrap();

@@ -1,6 +1,6 @@
 //! Comparison of a film's pictures with those by which its camera was calibrated.
 
-/// Pictures of two sizes: focal lengths and the optical axis are in pixels of one.
+/// Pictures of two sizes, of a film and of the calibration of its camera, which may be a film or a file: focal lengths and the optical axis are in pixels of one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("the film has pictures of {} × {} px, the calibration of {} × {} px\n  why: {}\n  do:  {}", .film[0], .film[1], .calibration[0], .calibration[1], self.why(), self.action())]
 pub struct OtherSize {

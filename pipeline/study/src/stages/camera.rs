@@ -8,7 +8,8 @@ use std::path::Path;
 use track::board::dots::Dots;
 use track::board::{Board, Target};
 use track::calibrate::{Calibration, View, calibrate, check_focal, joint_covariance, pose_from_plane, reprojection};
-use track::lens::{Distortion, VALUES, opencv};
+use track::lens::{Distortion, VALUES, opencv, opencv::KnownLens};
+use track::picture_size;
 use track::pose::Pose;
 use track::video::Film;
 
@@ -146,7 +147,9 @@ fn known(camera: &CalibrationFilm, board: &Target, seen: &Seen, context: &dyn St
     let place = context.display_path("lens");
     let text = lab::log::decoded(context.bytes("lens")?, Path::new(&place))?;
     let in_file = |e: Diagnostic| e.in_file(Path::new(&place));
-    let lens = opencv::read(&text, bend(camera) == Distortion::Fisheye).map_err(|e| in_file(e.into()))?.lens;
+    let fisheye = bend(camera) == Distortion::Fisheye;
+    let KnownLens { lens, size, .. } = opencv::read(&text, fisheye).map_err(|e| in_file(e.into()))?;
+    picture_size::check(size.unwrap_or(seen.size.into()), seen.size.into()).map_err(|e| in_file(e.into()))?;
     let points = board.points();
     let views = &seen.views;
     check_focal(&lens, views, &points, seen.size).map_err(|e| in_file(e.into()))?;

@@ -2,8 +2,7 @@
 
 use std::path::Path as FilePath;
 
-use lab::card::Axes;
-use lab::rest::ShownBy;
+use lab::{card::Axes, rest::ShownBy};
 use serde::Serialize;
 use si::{Metre, Point2, Point3, Second, vec3};
 use track::imported::{self, ImportedTrack, Limits};
@@ -20,6 +19,7 @@ pub(crate) const WORD: &str = "places";
 const STEP: f64 = 0.35;
 const FAST: f64 = 20.0;
 const NEIGHBOURS: f64 = 0.35;
+const SOURCE: &str = "of the specimen's length and of the distance";
 
 /// What it reads of the card.
 #[derive(Debug, Serialize)]
@@ -87,8 +87,7 @@ pub fn places(
     let rest: Vec<_> = all.iter().zip(&tracks).map(shown).collect();
     lab::rest::check(&evaluated, &rest, *length, ShownBy::Space)?;
     let step = if time.windows(2).all(|t| FAST * (t[1] - t[0]) < 1.001) { STEP * length } else { f64::INFINITY };
-    let source = "of the specimen's length and of the distance";
-    let limits = Limits { step, neighbour_distance: NEIGHBOURS, longest_gap: 0, unit: "m", source };
+    let limits = Limits { step, neighbour_distance: NEIGHBOURS, longest_gap: 0, unit: "m", source: SOURCE };
     imported::accept(&mut tracks, &limits).map_err(|e| Diagnostic::from(e).in_file(file))?;
     let markers: Vec<Path> = tracks.iter().map(Path::imported).collect();
     let parts = CovarianceParts { noise: vec![noise; time.len()], shared: vec![mark; time.len()] };

@@ -4,8 +4,7 @@
 mod carry;
 mod elsewhere;
 
-use lab::card::Medium;
-use lab::rest::ShownBy;
+use lab::{card::Medium, rest::ShownBy};
 use serde::{Deserialize, Serialize};
 use si::{Metre, Point2, Radian, Second, vec3};
 use track::grid::{self, Grid};

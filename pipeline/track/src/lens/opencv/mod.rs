@@ -111,6 +111,8 @@ pub struct KnownLens {
     pub lens: Lens,
     /// Root mean square distance from the file's lens over the picture, px, where that has more numbers than ours.
     pub fitted_px: Option<f64>,
+    /// Width and height of the pictures that it is of, px, where the file says so.
+    pub size: Option<[usize; 2]>,
 }
 
 /// The lens in a text of OpenCV (YAML, JSON, XML), ROS, ROS 2 or Kalibr; four coefficients are a fisheye's when `fisheye` is set or the text names
@@ -143,7 +145,8 @@ pub fn read(text: &str, fisheye: bool) -> Result<KnownLens, YamlError> {
             let [a, b, c, d, ..] = coefficients[..] else {
                 return Err(YamlError::Values { key: COEFFICIENTS, found: 0, wanted: "4" });
             };
-            Ok(KnownLens { lens: lens.with([fx, fy, cx, cy, a, b, c, d, fifth]), fitted_px: None })
+            let lens = lens.with([fx, fy, cx, cy, a, b, c, d, fifth]);
+            Ok(KnownLens { lens, fitted_px: None, size: size(&values) })
         }
     }
 }
@@ -196,16 +199,24 @@ fn is_fisheye(values: &Values) -> Result<bool, YamlError> {
     Ok(false)
 }
 
+/// The size of the pictures, px, where the file has it.
+fn size(values: &Values) -> Option<[usize; 2]> {
+    let side = |keys: &[&str]| values.word(keys).and_then(|word| word.parse::<usize>().ok()).filter(|side| *side > 0);
+    let sides = side(&["image_width", "width"]).zip(side(&["image_height", "height"]));
+    let kalibr = || values.numbers(&["resolution"]).filter(|sides| sides.len() == 2);
+    sides
+        .map(|(width, height)| [width, height])
+        .or_else(|| kalibr().map(|sides| [sides[0] as usize, sides[1] as usize]))
+}
+
 /// The nearest lens here to one of more coefficients.
 fn fitted(camera: [f64; 4], coefficients: &[f64], values: &Values) -> Result<KnownLens, YamlError> {
     let numbers = std::array::from_fn(|i| coefficients.get(i).copied().unwrap_or(0.0));
-    let side = |keys: &[&str], centre: f64| {
-        let word = values.word(keys).and_then(|word| word.parse::<f64>().ok());
-        word.filter(|side| *side >= 1.0).unwrap_or(2.0 * centre + 1.0)
-    };
-    let size = [side(&["image_width", "width"], camera[2]), side(&["image_height", "height"], camera[3])];
-    match (Rational { numbers }).fitted(camera, size) {
-        Some((lens, off)) if off <= FITTED => Ok(KnownLens { lens, fitted_px: Some(off) }),
+    let size = size(values);
+    let [_, _, cx, cy] = camera;
+    let picture = size.map_or([2.0 * cx + 1.0, 2.0 * cy + 1.0], |size| size.map(|side| side as f64));
+    match (Rational { numbers }).fitted(camera, picture) {
+        Some((lens, off)) if off <= FITTED => Ok(KnownLens { lens, fitted_px: Some(off), size }),
         fit => Err(YamlError::NotFitted {
             count: coefficients.len(),
             off: fit.map_or(f64::INFINITY, |(_, off)| off),
@@ -237,8 +248,8 @@ mod tests {
 
     #[test]
     fn a_lens_that_opencv_wrote_is_read() {
-        let KnownLens { lens, fitted_px } = read(TEXT, false).unwrap();
-        assert_eq!(fitted_px, None);
+        let KnownLens { lens, fitted_px, size } = read(TEXT, false).unwrap();
+        assert_eq!((fitted_px, size), (None, None), "its height is not said");
         assert_eq!(lens.values(), [1473.0, 1478.0, 969.0, 541.0, -0.25, 0.07, 1e-3, -5e-4, 0.3]);
         assert_eq!(lens.distortion, Distortion::BrownConrady);
     }
@@ -303,6 +314,8 @@ mod tests {
     fn models_are_taken_by_their_key_and_others_refused() {
         let kalibr = "cam0:\n  camera_model: pinhole\n  distortion_coeffs: [0.1, 0.2, 0.3, 0.4]\n  distortion_model: equidistant\n  intrinsics: [900, 901, 640, 360]\n";
         assert_eq!(read(kalibr, false).unwrap().lens.distortion, Distortion::Fisheye);
+        let sized = read(&format!("{kalibr}  resolution: [1280, 720]\n"), false).unwrap();
+        assert_eq!(sized.size, Some([1280, 720]));
         let omni = read(&kalibr.replace("pinhole", "omni"), false).unwrap_err();
         assert!(matches!(&omni, YamlError::OtherModel { name } if name == "omni"), "{omni}");
         let two = read(&format!("{kalibr}{}", kalibr.replace("cam0", "cam1")), false).unwrap_err();
