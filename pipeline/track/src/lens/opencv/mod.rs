@@ -179,24 +179,22 @@ const ORDINARY: [&str; 9] = [
     "none",
     "opencv",
 ];
-const MODELS: [&str; 4] = ["distortion_model", "lens", "camera_model", "model"];
+/// Keys that name a model alone, and those that may name other things too.
+const MODELS: [&str; 2] = ["distortion_model", "camera_model"];
+const HINTS: [&str; 2] = ["lens", "model"];
 
 /// Whether the file names a fisheye.
 fn is_fisheye(values: &Values) -> Result<bool, YamlError> {
-    if values.word(&["fisheye_model"]).is_some_and(|word| word != "0") {
-        return Ok(true);
+    let word = |key: &&str| values.word(&[*key]).map(str::to_ascii_lowercase);
+    let named: Vec<String> = MODELS.iter().filter_map(word).collect();
+    let is_known = |word: &String| FISHEYE.contains(&word.as_str()) || ORDINARY.contains(&word.as_str());
+    // a model of another kind, such as Kalibr's `omni`, has numbers that mean something else
+    if let Some(other) = named.iter().find(|word| !is_known(word)) {
+        return Err(YamlError::OtherModel { name: other.clone() });
     }
-    for word in MODELS.iter().filter_map(|key| values.word(&[key])) {
-        let word = word.to_ascii_lowercase();
-        if FISHEYE.contains(&word.as_str()) {
-            return Ok(true);
-        }
-        // a model of another kind, such as Kalibr's `omni`, has numbers that mean something else
-        if !ORDINARY.contains(&word.as_str()) {
-            return Err(YamlError::OtherModel { name: word });
-        }
-    }
-    Ok(false)
+    let mut all = named.into_iter().chain(HINTS.iter().filter_map(word));
+    let is_flagged = values.word(&["fisheye_model"]).is_some_and(|word| word != "0");
+    Ok(is_flagged || all.any(|word| FISHEYE.contains(&word.as_str())))
 }
 
 /// The size of the pictures, px, where the file has it.
