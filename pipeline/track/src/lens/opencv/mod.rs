@@ -200,6 +200,7 @@ fn is_fisheye(values: &Values) -> Result<bool, YamlError> {
 /// The size of the pictures, px, where the file has it.
 fn size(values: &Values) -> Option<[usize; 2]> {
     let side = |keys: &[&str]| values.word(keys).and_then(|word| word.parse::<usize>().ok()).filter(|side| *side > 0);
+    // length: two numbers, not lists
     let sides = side(&["image_width", "width"]).zip(side(&["image_height", "height"]));
     let kalibr = || values.numbers(&["resolution"]).filter(|sides| sides.len() == 2);
     sides
