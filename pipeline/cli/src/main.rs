@@ -69,7 +69,7 @@ fn run(cli: &Cli) -> Result<bool> {
             }
             let summary = study::run(&runner, &goal, *fresh)?;
             study::page(&runner)?;
-            Ok(report(&diagnostics) & summary.is_complete())
+            Ok(report_beside(&diagnostics, specimen.as_deref()) & summary.is_complete())
         }
         Command::Fig { name } | Command::Table { name } => {
             let (runner, diagnostics) = open()?;
@@ -102,7 +102,7 @@ fn run(cli: &Cli) -> Result<bool> {
                 true => plan(&runner, &goal, graph.as_ref())?,
                 false => output::line(runner.schedule(&goal, schedule)?),
             }
-            Ok(report(&diagnostics))
+            Ok(report_beside(&diagnostics, specimen.as_deref()))
         }
         Command::Why { name } => {
             let (runner, diagnostics) = open()?;
@@ -267,4 +267,13 @@ fn check_gradients(root: &Path, cases: &[PathBuf], steps: usize, quiet: bool) ->
 fn report(diagnostics: &[Diagnostic]) -> bool {
     diagnostics.iter().for_each(|diagnostic| output::note(format_args!("error: {diagnostic}")));
     diagnostics.is_empty()
+}
+
+/// The same where one specimen was asked for, whose own card could be read: the cards of others are mentioned and stop nothing.
+fn report_beside(diagnostics: &[Diagnostic], specimen: Option<&str>) -> bool {
+    if specimen.is_none() {
+        return report(diagnostics);
+    }
+    diagnostics.iter().for_each(|diagnostic| output::note(format_args!("another specimen is left out: {diagnostic}")));
+    true
 }

@@ -165,3 +165,18 @@ fn a_card_that_cannot_be_read_is_not_taken_for_a_missing_specimen() {
         project.refuses(&[command, "--specimen", "fish"], &["specimen.toml, line 3", "length = 100 m is out of range"]);
     }
 }
+
+/// `study init` leaves a card of questions: it stops the specimen that it is of, and no other.
+#[test]
+fn an_unfilled_card_stops_no_other_specimen() {
+    let project = Project::new("unfilled");
+    assert!(project.study(&["init", "second"]).status.success());
+    let plan = |specimen: &str| {
+        let output = project.study(&["plan", "--specimen", specimen]);
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let (code, said) = plan("fish");
+    assert!(code == Some(0) && said.contains("another specimen is left out") && said.contains("second"), "{said}");
+    assert_eq!(plan("second").0, Some(1));
+    assert_eq!(project.study(&["plan"]).status.code(), Some(1));
+}

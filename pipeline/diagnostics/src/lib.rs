@@ -24,8 +24,8 @@
 //! ```
 //!
 //! [`input`] reads regular files up to a limit, and [`table`] refuses what is wrong with a page of TOML; [`output`] prints, and a reader that goes
-//! away or a full disk ends no program; [`next_move`] makes its commands complete, and [`panics`] keeps the text of a library's panic from being
-//! printed; [`processor`] refuses processors that a program is not compiled for.
+//! away or a full disk ends no program; [`next_move`] makes its commands complete, and
+//! [`processor`] refuses processors that a program is not compiled for.
 //!
 //! Depends on no other crate.
 
@@ -33,7 +33,6 @@ mod echo;
 pub mod input;
 pub mod next_move;
 pub mod output;
-pub mod panics;
 pub mod processor;
 pub mod table;
 

@@ -90,7 +90,7 @@ fn the_lens_of_a_folder_of_pictures_comes_back_in_both_files() {
     };
     assert!(said.contains("6 views (1 pictures without the whole board)"), "{said}");
     let read = |name: &str| fs::read_to_string(folder.0.join("out").join(name)).unwrap();
-    let lens = opencv::read(&read("camera.yaml"), false).unwrap();
+    let lens = opencv::read(&read("camera.yaml"), false).unwrap().lens;
     assert!((lens.fx - LENS.fx).abs() < 2.0 && (lens.cx - LENS.cx).abs() < 1.0, "{lens:?}");
     // coefficients are correlated: what they do to a ray near the board's corner counts
     let [found, truth] = [lens, LENS].map(|lens| lens.project([0.25, 0.15, 1.0]).unwrap());
@@ -144,4 +144,31 @@ fn copies_of_a_picture_count_once() {
     );
     let own = fs::read_to_string(folder.0.join("out/camera.toml")).unwrap();
     assert!(own.contains("repeated = 15\n"), "{own}");
+}
+
+/// Six views, each moved by whole pixels a few at a time, with noise: many points and a picture that does not compress.
+#[test]
+fn of_many_pictures_everything_is_written_in_the_natural_order_of_their_names() {
+    let folder = Folder::new("many");
+    let tilts =
+        [[0.0, 0.0, 0.0], [0.4, 0.0, 0.1], [-0.4, 0.1, 0.0], [0.0, 0.4, 0.2], [0.1, -0.4, 0.0], [0.3, 0.3, 0.0]];
+    for (k, tilt) in tilts.iter().enumerate() {
+        let whole = view(*tilt);
+        for shift in 0..28 {
+            let noise = |u: usize, v: usize| ((u * 7919 + v * 104_729 + shift * 31) % 13) as f64 - 6.0;
+            let from = |u: usize, v: usize| whole.level([u as f64 - 3.0 + shift as f64 / 4.0, v as f64]);
+            let gray = Gray::from_fn(SIZE.0, SIZE.1, |u, v| from(u, v) + noise(u, v));
+            folder.picture(&format!("board {}.png", 6 * shift + k), &gray);
+        }
+    }
+    let camera = calibrate::camera(&folder.request(), None).unwrap();
+    assert!(camera.views().len() > 150, "{}", camera.views().len());
+    let read = |name: &str| fs::read_to_string(folder.0.join("out").join(name)).unwrap();
+    let views: Vec<String> =
+        read("views.csv").lines().skip(1).map(|line| line.split(',').next().unwrap().to_owned()).collect();
+    assert_eq!(views, camera.views());
+    let numbers: Vec<usize> = views.iter().map(|name| name["board ".len()..name.len() - 4].parse().unwrap()).collect();
+    assert!(numbers.is_sorted(), "{numbers:?}");
+    let figure = read("camera.svg");
+    assert!(figure.starts_with("<svg") && figure.len() < 409_600, "{}", figure.len());
 }

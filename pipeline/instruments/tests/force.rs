@@ -364,3 +364,44 @@ fn a_run_that_is_named_as_still_water_is_refused() {
     let said = bench.refusal();
     assert!(said.contains("flap_force.csv") && said.contains("in still water it is under"), "{said}");
 }
+
+#[test]
+fn a_frequency_that_the_pressures_contradict_is_refused_with_both() {
+    let bench = Bench::new("frequency", 0.0);
+    for declared in ["20.0", "1.0", "2.2", "4.0"] {
+        bench.write("page.toml", &PAGE.replace("frequency = 2.0", &format!("frequency = {declared}")));
+        let said = bench.refusal();
+        assert!(said.contains(&format!("frequency = {} Hz", declared.trim_end_matches(".0"))), "{said}");
+        assert!(said.contains("its pressures repeat at 2.0") || said.contains("repeat at 1.99"), "{said}");
+    }
+    bench.write("page.toml", &PAGE.replace("frequency = 2.0", "frequency = 2.01"));
+    assert_eq!(bench.row()[0], 2.01);
+}
+
+/// An amplifier's full scale among the samples of a run, in counts of 5.378 µN: it is said with its line, and moves no mean.
+#[test]
+fn a_spike_is_said_with_its_line_and_moves_no_mean() {
+    let bench = Bench::new("spike", 0.0);
+    let page = "name = \"cell\"\nchannels = [\"a\"]\n[log]\nforce_lag = 0.0\n[[log.columns]]\nquantity = \"force_n\"\n\
+                column = \"counts\"\nunit = \"N\"\nscale = 5.378e-6\n[[recording]]\nid = \"run\"\nkind = \"flapping\"\n\
+                force = \"counts.csv\"\nseconds = [2.0, 11.0]\nfrequency = 2.0\n";
+    bench.write("page.toml", page);
+    let mean = |spike: Option<(usize, i64)>| {
+        let line = |i: usize| {
+            let (time, force) = (0.0125 * i as f64, flapping(0.0125 * i as f64) + 1e-3 * noise(i));
+            let count = spike.filter(|(at, _)| *at == i).map_or((force / 5.378e-6).round() as i64, |(_, code)| code);
+            format!("{time:.5},{count}\n")
+        };
+        bench.write("counts.csv", &("time_s,counts\n".to_owned() + &(0..1120).map(line).collect::<String>()));
+        let said = force::run(&bench.0.join("page.toml"), None).unwrap().0.to_string();
+        let table = fs::read_to_string(bench.0.join("page.out/force.csv")).unwrap();
+        (table.lines().nth(1).unwrap().split(',').nth(7).unwrap().parse::<f64>().unwrap(), said)
+    };
+    let (clean, said) = mean(None);
+    assert!(!said.contains("left out"), "{said}");
+    for code in [8_388_607, -8_388_608] {
+        let (spiked, said) = mean(Some((500, code)));
+        assert!(said.contains(&format!("counts.csv, line 502: {code} is the full scale of 24 bits")), "{said}");
+        assert!((spiked - clean).abs() < 1e-4, "{spiked} {clean}");
+    }
+}

@@ -38,7 +38,10 @@ impl Specimen {
     pub fn files(&self) -> Vec<(String, &str)> {
         let card = &self.card;
         let mut files = card.solid.files();
-        files.extend(card.camera.iter().map(|c| ("camera.calibration".to_owned(), c.calibration.as_str())));
+        if let Some(camera) = &card.camera {
+            files.push(("camera.calibration".to_owned(), &camera.calibration));
+            files.extend(camera.coefficients.iter().map(|lens| ("camera.coefficients".to_owned(), lens.as_str())));
+        }
         for trial in &card.trial {
             files.extend(trial.video.iter().map(|video| (format!("video of trial `{}`", trial.id), video.as_str())));
             files.push((format!("pressure of trial `{}`", trial.id), &trial.pressure));

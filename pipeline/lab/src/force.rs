@@ -17,7 +17,7 @@ use std::path::Path;
 use si::{Hertz, Newton, Second, Series};
 
 use crate::card::{Log, LogKind};
-use crate::log::{self, ColumnFormat, LogFormat, LogText, Logged, StampReport};
+use crate::log::{self, ColumnFormat, LogFormat, LogText, Logged, Spikes, StampReport};
 use diagnostics::Diagnostic;
 
 /// The columns that every force log has, in the order in which they are written.
@@ -35,7 +35,16 @@ const FORCE: (f64, f64, &str) = (RANGE[0], RANGE[1], "N");
 
 fn form(instrument: LogKind) -> LogFormat {
     let columns = vec![ColumnFormat::time(), ColumnFormat::measured(COLUMNS[1], FORCE)];
-    LogFormat { kind: "force log", instrument, columns }
+    LogFormat { kind: "force log", instrument, columns, spikes: spikes(instrument) }
+}
+
+/// A hammer's blow is as short as a spike, but does not reach full scale.
+fn spikes(instrument: LogKind) -> Spikes {
+    match instrument {
+        LogKind::Force => Spikes::LoneJumps,
+        LogKind::Hammer => Spikes::FullScale,
+        LogKind::Pressure => Spikes::None,
+    }
 }
 
 fn with_lamp(instrument: LogKind) -> LogFormat {
@@ -90,10 +99,21 @@ pub fn parse(text: &str, path: &Path) -> Result<ForceLog, Diagnostic> {
 /// # Errors
 /// As [`read`].
 pub fn parse_as(text: &str, path: &Path, (kind, card): (LogKind, &Log)) -> Result<Logged<ForceLog>, Diagnostic> {
-    let text = LogText::new(text, path)?;
-    let form = with_lamp(kind);
+    logged(&LogText::new(text, path), &spikes(kind), (kind, card))
+}
+
+/// The load cell's log in `text` while its fixture was tapped: a sample alone may be a tap, unless it is at full scale.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse_taps(text: &str, path: &Path, card: &Log) -> Result<Logged<ForceLog>, Diagnostic> {
+    logged(&LogText::new(text, path), &Spikes::FullScale, (LogKind::Force, card))
+}
+
+fn logged(text: &LogText, spikes: &Spikes, (kind, card): (LogKind, &Log)) -> Result<Logged<ForceLog>, Diagnostic> {
+    let form = LogFormat { spikes: *spikes, ..with_lamp(kind) };
     if !text.has(&form, card, LAMP) {
-        let Logged { log, sampling } = text.parse(&self::form(kind), card)?;
+        let Logged { log, sampling } = text.parse(&LogFormat { spikes: *spikes, ..self::form(kind) }, card)?;
         return Ok(Logged { log: from_rows(log), sampling });
     }
     let Logged { log: rows, sampling } = text.parse(&form, card)?;
@@ -106,7 +126,16 @@ pub fn parse_as(text: &str, path: &Path, (kind, card): (LogKind, &Log)) -> Resul
 /// # Errors
 /// [`Diagnostic`] when a column is missing, or a field is no number or out of range.
 pub fn stamps(text: &str, path: &Path, (kind, card): (LogKind, &Log)) -> Result<StampReport, Diagnostic> {
-    LogText::new(text, path)?.stamps(&form(kind), card)
+    LogText::new(text, path).stamps(&form(kind), card)
+}
+
+/// What the stamps of the load cell's log of taps in `text` show.
+///
+/// # Errors
+/// As [`stamps`].
+pub fn stamps_of_taps(text: &str, path: &Path, card: &Log) -> Result<StampReport, Diagnostic> {
+    let form = LogFormat { spikes: Spikes::FullScale, ..form(LogKind::Force) };
+    LogText::new(text, path).stamps(&form, card)
 }
 
 /// The text of a force log, with fixed digits; `remark` becomes its first line, after a `#`.

@@ -30,6 +30,7 @@ pub mod pixels;
 pub mod place;
 pub mod pressure;
 pub mod range;
+pub mod rest;
 pub mod space;
 pub mod table;
 pub mod truth;

@@ -15,7 +15,7 @@ use std::path::Path;
 use si::{Hertz, MILLIBAR, Pascal, Second, Series};
 
 use crate::card::{Log, LogKind};
-use crate::log::{self, ColumnFormat, LogFormat, LogText, Logged, StampReport};
+use crate::log::{self, ColumnFormat, LogFormat, LogText, Logged, Spikes, StampReport};
 use diagnostics::Diagnostic;
 
 /// Plausible pressures of a soft actuator, Pa.
@@ -111,7 +111,7 @@ fn lamp() -> ColumnFormat {
 fn measured(channels: &[String]) -> LogFormat {
     let pressures = channels.iter().map(|name| ColumnFormat::measured(&measured_title(name), MBAR));
     let columns = std::iter::once(ColumnFormat::time()).chain(pressures).collect();
-    LogFormat { kind: "pressure log", instrument: LogKind::Pressure, columns }
+    LogFormat { kind: "pressure log", instrument: LogKind::Pressure, columns, spikes: Spikes::None }
 }
 
 /// The columns of [`titles`], without a lamp where the log needs none.
@@ -144,7 +144,7 @@ pub fn parse(text: &str, path: &Path, channels: &[String]) -> Result<PressureLog
 /// # Errors
 /// As [`read`].
 pub fn parse_as(text: &str, path: &Path, layout: Layout<'_>) -> Result<Logged<PressureLog>, Diagnostic> {
-    let Logged { log: rows, sampling } = LogText::new(text, path)?.parse(&form(layout), layout.log)?;
+    let Logged { log: rows, sampling } = LogText::new(text, path).parse(&form(layout), layout.log)?;
     let count = layout.channels.len();
     let mut log = PressureLog::of(layout.channels);
     log.time = column(&rows, 0);
@@ -163,7 +163,7 @@ pub fn parse_as(text: &str, path: &Path, layout: Layout<'_>) -> Result<Logged<Pr
 /// # Errors
 /// As [`read`].
 pub fn parse_measured(text: &str, path: &Path, layout: Layout<'_>) -> Result<Logged<PressureLog>, Diagnostic> {
-    let text = LogText::new(text, path)?;
+    let text = LogText::new(text, path);
     let mut form = measured(layout.channels);
     form.columns.push(lamp());
     let lit = text.has(&form, layout.log, LAMP);
@@ -183,7 +183,7 @@ pub fn parse_measured(text: &str, path: &Path, layout: Layout<'_>) -> Result<Log
 /// # Errors
 /// [`Diagnostic`] when a column is missing, or a field is no number or out of range.
 pub fn stamps(text: &str, path: &Path, layout: Layout<'_>) -> Result<StampReport, Diagnostic> {
-    LogText::new(text, path)?.stamps(&form(layout), layout.log)
+    LogText::new(text, path).stamps(&form(layout), layout.log)
 }
 
 fn column(rows: &[Vec<f64>], k: usize) -> Vec<f64> {

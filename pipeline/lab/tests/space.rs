@@ -11,17 +11,27 @@ struct Capture {
     labels: [&'static str; 2],
     /// frames × markers: x, y, z and the fourth word.
     points: Vec<[[f32; 4]; 2]>,
+    /// What header and POINT:FRAMES say, where it is not the number of frames.
+    announced: Option<u16>,
+    /// Whether TRIAL has the numbers of the first and last frame.
+    trial: bool,
 }
 
 impl Capture {
     /// Two markers that move along x by 1 mm a frame, in mm.
     fn new() -> Self {
         let frame = |k: u8| [[50.0 + f32::from(k), 1.5, 17.0, 3.0], [80.0 + f32::from(k), -2.5, 17.0, 200.0]];
-        Self { unit: "mm", labels: ["m1  ", "tip "], points: (0..4).map(frame).collect() }
+        Self {
+            unit: "mm",
+            labels: ["m1  ", "tip "],
+            points: (0..4).map(frame).collect(),
+            announced: None,
+            trial: false,
+        }
     }
 
     fn bytes(&self) -> Vec<u8> {
-        let frames = self.points.len() as u16;
+        let frames = self.announced.unwrap_or(self.points.len() as u16);
         let mut header = vec![2, 80];
         for word in [2, 0, 1, frames, 10] {
             header.extend(u16::to_le_bytes(word));
@@ -48,9 +58,22 @@ impl Capture {
             real("RATE", 100.0),
             parameter("UNITS", 0xff, &[self.unit.len() as u8], self.unit.as_bytes()),
             parameter("LABELS", 0xff, &[4, 2], self.labels.concat().as_bytes()),
+            if self.trial { self.fields() } else { Vec::new() },
             vec![0, 0],
         ]
         .concat()
+    }
+
+    /// The group TRIAL: numbers of frames in two words each, from 1.
+    fn fields(&self) -> Vec<u8> {
+        let field = |name: &str, number: u32| {
+            let mut entry = parameter(name, 2, &[2], &number.to_le_bytes());
+            entry[1] = 3;
+            entry
+        };
+        let group = [&[5, 0xfd][..], b"TRIAL", &3_u16.to_le_bytes(), &[0]].concat();
+        let last = self.points.len() as u32;
+        [group, field("ACTUAL_START_FIELD", 1), field("ACTUAL_END_FIELD", last)].concat()
     }
 }
 
@@ -138,6 +161,53 @@ fn a_lost_marker_and_a_number_that_is_none_are_refused_with_their_frame() {
         assert!(said.contains("marker `tip` is lost in frame 2 (0.020 s)") && said.contains("1 of 4 frames"), "{said}");
         assert!(space.complete("m1", Path::new("a.c3d")).is_ok());
     }
+}
+
+fn fixture(name: &str) -> Vec<u8> {
+    std::fs::read(format!("{}/tests/data/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
+/// A file in which a program wrote zeros where a marker was lost.
+#[test]
+fn a_point_of_zeros_is_a_gap() {
+    let space = read(&fixture("zero_gap.c3d")).unwrap();
+    let lost: Vec<usize> = space.markers.iter().map(|m| m.at.iter().filter(|at| at.is_none()).count()).collect();
+    assert!(lost.iter().any(|count| *count > 0) && lost.iter().all(|count| *count < space.time.len()), "{lost:?}");
+    let mut capture = Capture::new();
+    capture.points[1][0] = [0.0, 0.0, 0.0, 0.0];
+    capture.points[2][0] = [0.0, 0.0, 0.1, 0.0];
+    let seen: Vec<bool> = read(&capture.bytes()).unwrap().markers[0].at.iter().map(Option::is_some).collect();
+    assert_eq!(seen, [true, false, true, true]);
+}
+
+/// 90,000 frames, of which the header and POINT:FRAMES can say 65,535 or what is left of the number in two bytes.
+#[test]
+fn all_frames_of_a_long_recording_are_read() {
+    let frame = |k: usize| [[1.0 + k as f32 * 1e-3, 1.5, 17.0, 0.0], [80.0, -2.5, 17.0, 0.0]];
+    for (announced, trial) in [(65_535, false), (65_535, true), (24_464, false), (24_464, true)] {
+        let points = (0..90_000).map(frame).collect();
+        let capture = Capture { points, announced: Some(announced), trial, ..Capture::new() };
+        let space = read(&capture.bytes()).unwrap();
+        assert_eq!(space.time.len(), 90_000, "{announced} {trial}");
+        let last = space.markers[0].at[89_999].unwrap();
+        assert!((last[0] - 0.090_999).abs() < 1e-8, "{last:?}");
+    }
+    let few = Capture { points: (0..50_000).map(frame).collect(), announced: Some(24_464), ..Capture::new() };
+    let said = diagnostic(&few);
+    assert!(said.contains("holds 50016 frames, and its header has 24464"), "{said}");
+}
+
+/// Vicon writes the subject before its marker.
+#[test]
+fn a_marker_is_found_behind_the_name_of_its_subject() {
+    let path = Path::new("a.c3d");
+    let space = read(&fixture("subject_prefix.c3d")).unwrap();
+    assert!(space.markers.iter().all(|marker| marker.name.starts_with("fish:")));
+    assert_eq!(space.complete("m1", path).unwrap().len(), space.time.len());
+    let mut twice = space.clone();
+    twice.markers[1].name = "other:m1".into();
+    let said = twice.complete("m1", path).unwrap_err().to_string();
+    assert!(said.contains("marker `m1` is `fish:m1` or `other:m1`"), "{said}");
 }
 
 #[test]

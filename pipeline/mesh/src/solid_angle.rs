@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use crate::surface::solid_angle;
 use crate::{QuadraticMesh, Skin, Solid};
 use si::Point3;
-use si::vec3::{cross, dot, norm, sub};
 
 /// The skin index of the chamber that holds `at` (m), or nothing when it lies in none.
 ///
@@ -31,21 +31,13 @@ fn holding<'a>(
         let corners = [0, 1, 2].map(|i| nodes[face[i] as usize]);
         let [a, b, c] = corners;
         let mirrored = [a, c, b].map(|[x, y, z]| [x, y, -z]);
-        let seen = of_triangle(corners, at) + if half { of_triangle(mirrored, at) } else { 0.0 };
+        let seen = solid_angle(corners, at) + if half { solid_angle(mirrored, at) } else { 0.0 };
         *angles.entry(chamber).or_insert(0.0) += seen;
     }
     angles
         .into_iter()
         .find(|(_, angle): &(u16, f64)| angle.abs() > 2.0 * std::f64::consts::PI)
         .map(|(chamber, _)| chamber)
-}
-
-/// Signed solid angle of a triangle seen from a point.      [vanoosterom1983]
-fn of_triangle(corners: [Point3; 3], at: Point3) -> f64 {
-    let [a, b, c] = corners.map(|p| sub(p, at));
-    let (la, lb, lc) = (norm(a), norm(b), norm(c));
-    let below = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
-    2.0 * dot(a, cross(b, c)).atan2(below)
 }
 
 #[cfg(test)]

@@ -62,7 +62,7 @@ pub enum SurfaceError {
     },
     /// An edge that does not join exactly two faces of opposite direction.
     #[error(
-        "face {face} has an open edge from {} to {}, one of {count} such edges\n  why: the edge joins {faces} faces; in a closed surface every edge joins 2, in opposite directions\n  do:  close the hole in the CAD program (or repair normals there) and export again", place(.from), place(.to)
+        "face {face} has an open edge from {} to {}, one of {count} such edges\n  why: the edge joins {faces} faces; in a closed surface every edge joins 2, in opposite directions\n  do:  {}", place(.from), place(.to), repair(*.faces)
     )]
     Open {
         /// Number of the first face with such an edge, in the file's order, from 0.
@@ -76,6 +76,14 @@ pub enum SurfaceError {
         /// Number of such edges in the surface.
         count: usize,
     },
+    /// A closed part within another, both with normals outwards.
+    #[error(
+        "the closed part at {} lies within another, and the normals of both point outwards\n  why: the normals of a cavity point into it; two solids in one place are none\n  do:  turn the normals of the cavity, or take the inner part out, and export again", place(.at)
+    )]
+    Nested {
+        /// A corner of it, m.
+        at: Point3,
+    },
     /// Normals point inwards.
     #[error(
         "the surface is inside out: its volume is {volume_mm3:.1} mm³\n  why: normals must point out of the solid, which makes the volume positive\n  do:  flip the normals and export again"
@@ -84,6 +92,15 @@ pub enum SurfaceError {
         /// Signed volume, mm³.
         volume_mm3: f64,
     },
+}
+
+/// What to do about an edge that joins so many faces.
+fn repair(faces: usize) -> &'static str {
+    match faces {
+        1 => "close the hole in the CAD program and export again",
+        2 => "turn the normals of all faces outwards in the CAD program and export again",
+        _ => "join the parts that touch there, or part them, and take out faces that lie twice; nothing is open",
+    }
 }
 
 /// A place in millimetres, for messages.
@@ -203,7 +220,25 @@ impl Surface {
         if shells.iter().all(|s| s.volume <= 0.0) {
             return Err(SurfaceError::InvertedSurface { volume_mm3: self.volume() * 1e9 });
         }
+        self.check_nested(&shells, &of_face)?;
         Ok((shells, of_face))
+    }
+
+    /// Of a part within a part one is a cavity, whose normals point into it.
+    fn check_nested(&self, shells: &[Shell], of_face: &[u32]) -> Result<(), SurfaceError> {
+        let faces = |shell: usize| (0..self.faces.len()).filter(move |f| of_face[*f] as usize == shell);
+        let parts = || (0..shells.len()).filter(|shell| shells[*shell].volume > 0.0);
+        for inner in parts() {
+            let Some(at) = faces(inner).next().map(|face| self.corners(face)[0]) else { continue };
+            let holds = |outer: usize| {
+                let angle: f64 = faces(outer).map(|face| solid_angle(self.corners(face), at)).sum();
+                shells[outer].volume > shells[inner].volume && angle.abs() > 2.0 * std::f64::consts::PI
+            };
+            if parts().any(|outer| outer != inner && holds(outer)) {
+                return Err(SurfaceError::Nested { at });
+            }
+        }
+        Ok(())
     }
 
     fn shell(&self, of_face: &[u32], shell: u32) -> Shell {
@@ -215,6 +250,14 @@ impl Surface {
         }
         Shell { volume, centroid: moment.map(|m| m / volume) }
     }
+}
+
+/// Signed solid angle of a triangle seen from a point.      [vanoosterom1983]
+pub(crate) fn solid_angle(corners: [Point3; 3], at: Point3) -> f64 {
+    let [a, b, c] = corners.map(|p| sub(p, at));
+    let (la, lb, lc) = (norm(a), norm(b), norm(c));
+    let below = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
+    2.0 * dot(a, cross(b, c)).atan2(below)
 }
 
 /// Components of a graph of `count` members, numbered by their lowest member.

@@ -340,3 +340,15 @@ fn points_lines_and_triangles_are_counted_and_make_no_solid() {
     let refused = gmsh(file.as_bytes()).unwrap().check(1.0, false).unwrap_err();
     assert!(matches!(refused, MeshDefect::Empty { ignored: 3 }), "{refused}");
 }
+
+/// dolfinx writes Lagrange's tetrahedra (71), whose ten nodes are those of the quadratic one (24).
+#[test]
+fn tetrahedra_of_lagrange_are_those_of_their_order() {
+    let quadratic = text("ball_ascii.vtu");
+    let (first, rest) = quadratic.split_once("Name=\"types\"").unwrap();
+    let (types, rest) = rest.split_once("</DataArray>").unwrap();
+    let changed = format!("{first}Name=\"types\"{}</DataArray>{rest}", types.replace("24", "71"));
+    assert_ne!(changed, quadratic);
+    let read = vtu(changed.as_bytes()).unwrap().check(1.0, false).unwrap();
+    assert_eq!(elements(&read), elements(&ball("ball_ascii.vtu")));
+}

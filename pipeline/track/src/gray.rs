@@ -3,7 +3,8 @@
 use crate::limits::{MAX_DECODED_BYTES, MAX_PIXELS, MAX_SIDE, is_picture_size};
 use image::codecs::jpeg::JpegDecoder;
 use image::codecs::png::PngDecoder;
-use image::{DynamicImage, ImageDecoder, Limits};
+use image::metadata::Orientation;
+use image::{ColorType, DynamicImage, ImageDecoder, Limits};
 use std::io::{BufRead, Cursor, Read, Seek};
 
 /// A grey picture of `width` × `height` pixels; pixel (x, y) is at `pixels[y * width + x]`, 0 is black, 255 is white.
@@ -44,6 +45,14 @@ pub enum PictureError {
         /// Grey levels.
         levels: usize,
     },
+    /// A picture with brighter pixels than the depth of the film's first.
+    #[error("a picture of more than {bits} bits cannot be read\n  why: {}\n  do:  {}", self.why(), self.action())]
+    Depth {
+        /// Bits of the first.
+        bits: u32,
+        /// Its brightest level.
+        brightest: u16,
+    },
     /// A picture that takes too much memory while it is decoded.
     #[error("a picture of {bytes} bytes cannot be read\n  why: {}\n  do:  {}", self.why(), self.action())]
     Memory {
@@ -62,6 +71,9 @@ impl PictureError {
                 format!("it has {width} × {height} px; the limits are 1 … {MAX_SIDE} px a side and {most} Mpx")
             }
             Self::Levels { levels, .. } => format!("it has {levels} grey levels; each pixel has one"),
+            Self::Depth { bits, brightest } => {
+                format!("its brightest pixel is {brightest}, and all of the first picture lie within {bits} bits")
+            }
             Self::Memory { bytes } => format!("it takes {bytes} bytes when decoded; the limit is {MAX_DECODED_BYTES}"),
         }
     }
@@ -72,6 +84,7 @@ impl PictureError {
             Self::Png(_) => "give an 8-bit PNG or JPEG",
             Self::Size { .. } => "scale the picture, or cut out the part with the markers",
             Self::Levels { .. } => "give width × height grey levels",
+            Self::Depth { .. } => "convert all pictures to 8 bits with one factor",
             Self::Memory { .. } => "convert it to an 8-bit grey PNG",
         }
     }
@@ -170,30 +183,26 @@ impl Gray {
     /// # Errors
     /// [`PictureError`] when the bytes are not a PNG, or one of too many pixels.
     pub fn from_png(bytes: &[u8]) -> Result<Self, PictureError> {
-        Self::read_png(Cursor::new(bytes))
+        Self::read_png(Cursor::new(bytes), &mut Depth::default())
     }
 
     /// A picture from a PNG or a JPEG that is being read, by its first bytes.
-    pub(crate) fn read(mut from: impl BufRead + Seek) -> Result<Self, PictureError> {
+    pub(crate) fn read(mut from: impl BufRead + Seek, depth: &mut Depth) -> Result<Self, PictureError> {
         let is_jpeg = from.fill_buf().map_err(image::ImageError::from)?.starts_with(&JPEG);
-        if is_jpeg { Self::read_jpeg(from) } else { Self::read_png(from) }
+        if is_jpeg { Self::read_jpeg(from) } else { Self::read_png(from, depth) }
     }
 
     fn read_jpeg(from: impl BufRead + Seek) -> Result<Self, PictureError> {
         let decoder = JpegDecoder::new(from)?;
-        let ((width, height), bytes) = (decoder.dimensions(), decoder.total_bytes());
+        let (width, height) = decoder.dimensions();
         if !is_picture_size(width.into(), height.into()) {
             return Err(PictureError::Size { width, height });
         }
-        if bytes > MAX_DECODED_BYTES {
-            return Err(PictureError::Memory { bytes });
-        }
-        let pixels = DynamicImage::from_decoder(decoder)?.into_luma8().into_raw();
-        Ok(Self { width: width as usize, height: height as usize, pixels })
+        Self::decoded(decoder, &mut Depth::default())
     }
 
     /// A picture from a PNG that is being read; its size is held against the limits before a pixel is decoded.
-    pub(crate) fn read_png(mut from: impl BufRead + Seek) -> Result<Self, PictureError> {
+    pub(crate) fn read_png(mut from: impl BufRead + Seek, depth: &mut Depth) -> Result<Self, PictureError> {
         // before the decoder sees it: its own limits name no number
         if let Some([width, height]) = png_size(&mut from).map_err(image::ImageError::from)?
             && !is_picture_size(width.into(), height.into())
@@ -202,13 +211,47 @@ impl Gray {
         }
         let mut limits = Limits::no_limits();
         limits.max_alloc = Some(MAX_DECODED_BYTES);
-        let decoder = PngDecoder::with_limits(from, limits)?;
-        let ((width, height), bytes) = (decoder.dimensions(), decoder.total_bytes());
+        Self::decoded(PngDecoder::with_limits(from, limits)?, depth)
+    }
+
+    /// The luma of a picture, upright by its EXIF.
+    fn decoded(mut decoder: impl ImageDecoder, depth: &mut Depth) -> Result<Self, PictureError> {
+        let bytes = decoder.total_bytes();
         if bytes > MAX_DECODED_BYTES {
             return Err(PictureError::Memory { bytes });
         }
-        let pixels = DynamicImage::from_decoder(decoder)?.into_luma8().into_raw();
-        Ok(Self { width: width as usize, height: height as usize, pixels })
+        // an EXIF that cannot be read says nothing
+        let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
+        let mut picture = depth.levelled(DynamicImage::from_decoder(decoder)?)?;
+        picture.apply_orientation(orientation);
+        let luma = picture.into_luma8();
+        let (width, height) = (luma.width() as usize, luma.height() as usize);
+        Ok(Self { width, height, pixels: luma.into_raw() })
+    }
+}
+
+/// Bits of the levels of a film's pictures: cameras of 10, 12 and 14 bits save them in files of 16.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Depth(Option<u32>);
+
+/// Bits of cameras.
+const DEPTHS: [u32; 4] = [10, 12, 14, 16];
+
+impl Depth {
+    /// A picture of 16 bits with its levels spread over all of them; the first picture says how many bits it has.
+    fn levelled(&mut self, picture: DynamicImage) -> Result<DynamicImage, PictureError> {
+        if !matches!(picture.color(), ColorType::L16 | ColorType::La16 | ColorType::Rgb16 | ColorType::Rgba16) {
+            return Ok(picture);
+        }
+        let mut luma = picture.into_luma16();
+        let brightest = luma.iter().copied().max().unwrap_or(0);
+        let holds = |bits: &u32| u32::from(brightest) < 1 << bits;
+        let bits = *self.0.get_or_insert_with(|| DEPTHS.into_iter().find(holds).unwrap_or(16));
+        if !holds(&bits) {
+            return Err(PictureError::Depth { bits, brightest });
+        }
+        luma.iter_mut().for_each(|level| *level <<= 16 - bits);
+        Ok(DynamicImage::ImageLuma16(luma))
     }
 }
 
@@ -272,6 +315,60 @@ mod tests {
         assert!(matches!(error, PictureError::Memory { bytes: 585_000_000 }), "{error}");
         // with few enough, what is missing is the pixels
         assert!(matches!(Gray::from_png(&without_pixels(150, 130, 2)), Err(PictureError::Png(_))));
+    }
+
+    /// A grey PNG of 16 bits.
+    fn deep(levels: &[u16]) -> Vec<u8> {
+        let (mut bytes, raw) = (Vec::new(), levels.iter().flat_map(|level| level.to_ne_bytes()).collect::<Vec<u8>>());
+        let size = (levels.len() as u32, 1);
+        let form = (image::ExtendedColorType::L16, image::ImageFormat::Png);
+        image::write_buffer_with_format(&mut Cursor::new(&mut bytes), &raw, size.0, size.1, form.0, form.1).unwrap();
+        bytes
+    }
+
+    #[test]
+    fn cameras_of_fewer_bits_than_their_files_fill_all_grey_levels() {
+        for (top, bits) in [(1023_u16, 10), (4095, 12), (16_383, 14), (65_535, 16)] {
+            let levels = [0, 1, 2, 4].map(|quarter| (u32::from(top) * quarter / 4) as u16);
+            let read = Gray::from_png(&deep(&levels)).unwrap();
+            let off = read.pixels.iter().zip([0_u8, 64, 128, 255]).map(|(a, b)| a.abs_diff(b)).max().unwrap();
+            assert!(off <= 1, "{bits}: {:?}", read.pixels);
+        }
+    }
+
+    #[test]
+    fn a_film_keeps_the_depth_of_its_first_picture() {
+        let mut depth = Depth::default();
+        let mut read = |levels: &[u16]| Gray::read_png(Cursor::new(deep(levels)), &mut depth);
+        assert_eq!(read(&[0, 4095]).unwrap().pixels, [0, 255]);
+        assert_eq!(read(&[0, 511]).unwrap().pixels, [0, 32], "a darker picture of the same camera");
+        let said = read(&[0, 5000]).unwrap_err().to_string();
+        assert!(said.contains("more than 12 bits") && said.contains("brightest pixel is 5000"), "{said}");
+    }
+
+    /// A JPEG of a dark left and a bright right half, 24 × 16 px, that its EXIF says is to be shown otherwise.
+    fn oriented(orientation: u8) -> Gray {
+        let gray = Gray::from_fn(24, 16, |u, _| if u < 12 { 40.0 } else { 200.0 });
+        let mut jpeg = Vec::new();
+        let encoder = image::codecs::jpeg::JpegEncoder::new_with_quality(&mut jpeg, 95);
+        image::ImageEncoder::write_image(encoder, &gray.pixels, 24, 16, image::ExtendedColorType::L8).unwrap();
+        let tiff =
+            [&b"Exif\0\0MM\0\x2a\0\0\0\x08\0\x01\x01\x12\0\x03\0\0\0\x01\0"[..], &[orientation, 0, 0, 0, 0, 0, 0]]
+                .concat();
+        let segment = [&[0xff, 0xe1][..], &(tiff.len() as u16 + 2).to_be_bytes(), &tiff].concat();
+        let bytes = [&jpeg[..2], &segment, &jpeg[2..]].concat();
+        Gray::read(Cursor::new(bytes), &mut Depth::default()).unwrap()
+    }
+
+    #[test]
+    fn a_photograph_is_upright_by_its_exif() {
+        let at = |orientation, x, y| oriented(orientation).at(x, y) > 120.0;
+        assert_eq!([at(1, 2, 8), at(1, 21, 8), at(3, 2, 8), at(3, 21, 8)], [false, true, true, false]);
+        // 6 is a quarter clockwise: what was left is up
+        let turned = oriented(6);
+        assert_eq!((turned.width, turned.height), (16, 24));
+        assert_eq!([at(6, 8, 2), at(6, 8, 21), at(8, 8, 2), at(8, 8, 21)], [false, true, true, false]);
+        assert_eq!([at(2, 2, 8), at(2, 21, 8)], [true, false], "a mirror");
     }
 
     #[test]

@@ -35,6 +35,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "stl", run: stl },
     Target { name: "gmsh", run: |bytes| checked(foreign::gmsh(bytes)) },
     Target { name: "vtu", run: |bytes| checked(foreign::vtu(bytes)) },
+    Target { name: "vtk", run: |bytes| checked(foreign::vtk(bytes)) },
     Target { name: "medit", run: |bytes| checked(foreign::medit(bytes)) },
     Target { name: "tetgen", run: tetgen },
     Target { name: "c3d", run: |bytes| named(lab::space::read(bytes, Path::new("input.c3d")), "input.c3d") },

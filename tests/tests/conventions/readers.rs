@@ -147,7 +147,7 @@ fn the_readers_of_the_project_are_found() {
         ("pipeline/optimize/src/network/file.rs", &["from_safetensors", "list", "layer"]),
         ("pipeline/study/src/records/reduced.rs", &["unpack"]),
         ("pipeline/study/src/records/runs.rs", &["read"]),
-        ("pipeline/track/src/lens/opencv.rs", &["read", "data"]),
+        ("pipeline/track/src/lens/opencv/mod.rs", &["read", "matrix", "fitted"]),
     ] {
         let found = of(path);
         assert!(names.iter().all(|name| found.iter().any(|own| own == name)), "{path}: {found:?}");

@@ -1,8 +1,11 @@
 //! Checks of the film of the calibration board: long enough, and the board is detected, lies still and faces the camera while it lies on
 //! the plane.
 
-use lab::card;
+use lab::card::{self, LensKind};
 use si::{Point2, Second};
+use track::calibrate::pose_from_plane;
+use track::lens::{Lens, opencv};
+use track::pose::Pose;
 use track::video::Film;
 
 use super::Look;
@@ -11,29 +14,83 @@ use study::stages::camera::{Camera, target};
 use study::subject::Specimen;
 use workflow::runner::inspection_context;
 use workflow::stage::{Stage, StageContext};
+use workflow::subject::Part;
 
 /// A corner that moves by more, px, is that of a board that is carried.
 const MOVED: f64 = 3.0;
 /// A plane that is tilted by more against the picture, degrees, may not be the one that was meant.
 const TILTED: f64 = 10.0;
 
-/// Findings on the calibration film. Needed where a trial is tracked in pixels.
-pub fn look(look: &Look, of: &Specimen) -> Vec<Finding> {
-    let Some(camera) = &of.card.camera else { return Vec::new() };
+/// The camera as one view of the board shows it, without its distortion.
+#[derive(Debug, Clone, Copy)]
+pub struct RoughCamera {
+    /// Width and height of its pictures, px.
+    pub size: [usize; 2],
+    /// Its lens and where it is; none where the board does not show it.
+    pub pose: Option<(Lens, Pose)>,
+}
+
+/// Findings on the calibration film, and the camera. Needed where a trial is tracked in pixels.
+pub fn look(look: &Look, of: &Specimen) -> (Option<RoughCamera>, Vec<Finding>) {
+    let Some(camera) = &of.card.camera else { return (None, Vec::new()) };
     let there = look.path(&of.card.name, &camera.calibration).exists();
     if !there || of.trials().iter().all(|trial| trial.in_space().is_some()) {
-        return Vec::new();
+        return (None, Vec::new());
     }
     let raw = Camera::raw(of);
     let context = inspection_context(look.folders, &raw);
-    on_plane(camera, &context).map_or_else(|finding| vec![finding], |seen| lying(camera, &context, &seen))
+    let mut found = match &camera.coefficients {
+        Some(_) => lens(look, of, camera, &context),
+        None => Vec::new(),
+    };
+    match on_plane(camera, &context) {
+        Err(finding) => {
+            found.push(finding);
+            (None, found)
+        }
+        Ok((size, seen)) => {
+            found.extend(lying(camera, &context, &seen));
+            (Some(RoughCamera { size, pose: rough(camera, size, &seen[0].1) }), found)
+        }
+    }
+}
+
+/// What the file of the lens gives, and what the stage that uses it refuses.
+fn lens(look: &Look, of: &Specimen, camera: &card::Camera, context: &dyn StageContext) -> Vec<Finding> {
+    // a missing file is reported with the card
+    let Ok(bytes) = context.bytes("lens") else { return Vec::new() };
+    let (file, text) = (context.display_path("lens"), String::from_utf8_lossy(&bytes).into_owned());
+    let fitted = opencv::read(&text, camera.lens == LensKind::Fisheye).ok().and_then(|known| known.fitted_px);
+    let note = |off: f64| {
+        let why =
+            format!("a lens of five numbers stands for it, {off:.3} px off over the picture, as a root mean square");
+        Finding::note(format!("{file} has more than five coefficients"), why, "leave it")
+    };
+    let set = look.settings.section("camera");
+    let run = set.and_then(|set| Camera::run(&Part::part_of(of), &set, (), context));
+    fitted.map(note).into_iter().chain(run.err().map(Finding::from)).collect()
+}
+
+/// The pose by an ordinary lens, of a camera that looks squarely: its focal length and the distance of the camera belong together, so that a place on the plane hardly depends on it.
+fn rough(camera: &card::Camera, size: [usize; 2], corners: &[Point2]) -> Option<(Lens, Pose)> {
+    let [width, height] = size.map(|side| side as f64);
+    let f = 1.2 * width.max(height);
+    let lens = Lens { fx: f, fy: f, cx: 0.5 * (width - 1.0), cy: 0.5 * (height - 1.0), ..Lens::default() };
+    let card::Plane { origin, along: [c, s], height, .. } = camera.plane;
+    let board = target(&camera.board).points();
+    let in_cad = |p: &[f64; 3]| [origin[0] + p[0] * c - p[1] * s, origin[1] + p[0] * s + p[1] * c, height];
+    let points: Vec<_> = board.iter().map(in_cad).collect();
+    let flat: Vec<Point2> = board.iter().map(|p| [p[0], p[1]]).collect();
+    // of a plane that is tilted against the picture, the focal length decides how far
+    let is_square = tilt(&flat, corners).to_degrees() <= TILTED;
+    Some((lens, pose_from_plane(&lens, &points, corners).ok().filter(|_| is_square)?))
 }
 
 /// The board's corners in a frame, and the frame's time.
 type View = (Second, Vec<Point2>);
 
 /// The board in every frame in which it should lie on the plane.
-fn on_plane(camera: &card::Camera, context: &dyn StageContext) -> Result<Vec<View>, Finding> {
+fn on_plane(camera: &card::Camera, context: &dyn StageContext) -> Result<([usize; 2], Vec<View>), Finding> {
     let [from, to] = camera.plane.seconds;
     let place = context.display_path("calibration");
     let film = context.path("calibration").and_then(|path| Ok(Film::open_board(&path, camera.frame_every)?));
@@ -59,7 +116,7 @@ fn on_plane(camera: &card::Camera, context: &dyn StageContext) -> Result<Vec<Vie
         }
     }
     if !seen.is_empty() {
-        return Ok(seen);
+        return Ok(([info.width, info.height], seen));
     }
     let why = message.replace("\n  why:", ";").replace("\n  do:", "; do:");
     let act = "check columns, rows and seconds on the card, or film the board again, whole and sharp";

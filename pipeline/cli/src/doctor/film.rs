@@ -5,11 +5,12 @@ use track::Gray;
 use track::video::{Film, Frame, Info};
 use track::{klt, led};
 
-use super::Look;
+use super::board::RoughCamera;
 use super::finding::Finding;
+use super::{Look, rest};
 use lab::card::Experiment;
 use study::records::Tracks;
-use study::stages::track::{Settings, Track, first_look};
+use study::stages::track::{Settings, Track, first_look, imported};
 use study::subject::Trial;
 use workflow::runner::inspection_context;
 use workflow::stage::{Stage, StageContext};
@@ -34,7 +35,7 @@ const LAMP: f64 = 10.0;
 const FRAMES_A_CYCLE: f64 = 8.0;
 
 /// The film of a trial where it can be read to its end, and the findings on it.
-pub fn trial(look: &Look, of: &Trial, set: &Settings) -> (Option<Seen>, Vec<Finding>) {
+pub fn trial(look: &Look, of: &Trial, set: &Settings, camera: Option<&RoughCamera>) -> (Option<Seen>, Vec<Finding>) {
     let raw = Track::raw(of);
     let context = inspection_context(look.folders, &raw);
     if !of.trial.video.as_ref().is_some_and(|video| look.path(&of.card.name, video).exists()) {
@@ -42,14 +43,18 @@ pub fn trial(look: &Look, of: &Trial, set: &Settings) -> (Option<Seen>, Vec<Find
     }
     match context.path("video").and_then(|path| Ok(Film::open(&path)?)) {
         Err(diagnostic) => (None, vec![diagnostic.into()]),
-        Ok(film) => watched(film, of, set, &context),
+        Ok(film) => {
+            let info = film.info();
+            watched(film, &FirstFrame { of, set, info: &info, context: &context, camera })
+        }
     }
 }
 
-fn watched(film: Film, of: &Trial, set: &Settings, context: &dyn StageContext) -> (Option<Seen>, Vec<Finding>) {
-    let (info, place) = (film.info(), context.display_path("video"));
-    let check = FirstFrame { of, set, info: &info, context };
-    let mut found = fitting(&place, &info, of);
+fn watched(film: Film, check: &FirstFrame) -> (Option<Seen>, Vec<Finding>) {
+    let FirstFrame { of, set, info, context, camera } = *check;
+    let place = context.display_path("video");
+    let mut found = fitting(&place, info, of);
+    found.extend(camera.and_then(|camera| rest::size(&place, info, camera)));
     let mut tracks = Tracks { time: Vec::new(), led: Vec::new(), worst_residual: 0.0, markers: Vec::new() };
     let (first, last) = (of.trial.first_frame, of.trial.last_frame.unwrap_or(usize::MAX));
     for frame in film {
@@ -73,6 +78,14 @@ fn watched(film: Film, of: &Trial, set: &Settings, context: &dyn StageContext) -
         let why = format!("it has {}, and the card lets the trial begin at frame {first}", info.frames);
         found.push(Finding::fix(what, why, "correct first_frame and last_frame of this trial on the card"));
         return (None, found);
+    }
+    let imported = imported(&Part::part_of(of), set.tracker(info.rate), tracks.time.len(), context);
+    match imported {
+        Err(diagnostic) => found.push(diagnostic.into()),
+        Ok(paths) => {
+            let first: Vec<Point2> = paths.iter().filter_map(|path| path.at.first().copied()).collect();
+            found.extend(camera.and_then(|camera| rest::places(&place, of, &first, camera)));
+        }
     }
     let unlit = unlit(&place, &tracks.led);
     let seen = unlit.is_none().then_some(Seen { tracks, height: info.height });
@@ -125,12 +138,13 @@ struct FirstFrame<'a> {
     /// Of its film.
     info: &'a Info,
     context: &'a dyn StageContext,
+    camera: Option<&'a RoughCamera>,
 }
 
 impl FirstFrame<'_> {
     /// Brightness and markers in the first frame.
     fn findings(&self, frame: &Frame) -> Vec<Finding> {
-        let Self { of, set, info, context } = *self;
+        let Self { of, set, info, context, camera } = *self;
         let place = context.display_path("video");
         let light = lightest(&frame.gray);
         if light < LIGHT {
@@ -148,7 +162,10 @@ impl FirstFrame<'_> {
         }
         match first_look(&Part::part_of(of), set.tracker(info.rate), frame, context) {
             Err(diagnostic) => vec![diagnostic.into()],
-            Ok(places) => self.at_edges(&places, &frame.gray),
+            Ok(places) => {
+                let astray = camera.and_then(|camera| rest::places(&place, of, &places, camera));
+                self.at_edges(&places, &frame.gray).into_iter().chain(astray).collect()
+            }
         }
     }
 

@@ -1,7 +1,7 @@
 //! Checks of logs: readable, as long as the trial, and consistent with the card.
 
 use diagnostics::{Result, input};
-use lab::card::{Card, FixtureOf, LogKind};
+use lab::card::{Card, Fixture, FixtureOf, LogKind};
 use lab::log::StampReport;
 use lab::pressure::Layout;
 use lab::{ForceLog, PressureLog};
@@ -80,11 +80,23 @@ where
 }
 
 fn fixture_logs(look: &Look, of: &Specimen) -> Vec<Finding> {
-    let logs = of.card.fixture.iter().flat_map(|fixture| match &fixture.of {
-        FixtureOf::Taps { hammer, .. } => vec![(LogKind::Force, &fixture.force), (LogKind::Hammer, hammer)],
-        FixtureOf::StillWater => vec![(LogKind::Force, &fixture.force)],
-    });
-    logs.flat_map(|(kind, file)| forces(look, &of.card, (kind, file)).1).collect()
+    let logs = |fixture: &Fixture| match &fixture.of {
+        FixtureOf::Taps { hammer, .. } => {
+            let struck = forces(look, &of.card, (LogKind::Hammer, hammer)).1;
+            taps(look, &of.card, &fixture.force).into_iter().chain(struck).collect()
+        }
+        FixtureOf::StillWater => forces(look, &of.card, (LogKind::Force, &fixture.force)).1,
+    };
+    of.card.fixture.iter().flat_map(logs).collect()
+}
+
+fn taps(look: &Look, card: &Card, file: &str) -> Vec<Finding> {
+    let place = look.place(&card.name, file);
+    let reader = Reader {
+        stamps: &|text| lab::force::stamps_of_taps(text, place.as_ref(), &card.log),
+        parse: &|text| lab::force::parse_taps(text, place.as_ref(), &card.log),
+    };
+    read(look, &card.name, file, &reader).1
 }
 
 fn forces(look: &Look, card: &Card, (kind, file): (LogKind, &str)) -> (Option<ForceLog>, Vec<Finding>) {
@@ -106,11 +118,16 @@ struct Reader<'a, T> {
 fn read<T>(look: &Look, name: &str, file: &str, reader: &Reader<T>) -> (Option<T>, Vec<Finding>) {
     let place = look.place(name, file);
     let Ok(bytes) = input::read(&look.path(name, file), input::LOG) else { return (None, Vec::new()) };
-    let Ok(text) = String::from_utf8(bytes) else {
-        let act = "export it again as CSV in UTF-8";
-        return (None, vec![Finding::fix(format!("{place}: the file is no text"), "a log is UTF-8 text", act)]);
+    let letters = lab::log::encoding::is_windows_1252(&bytes).then(|| {
+        let why = "its letters beyond A to Z are taken for those of Windows-1252";
+        Finding::note(format!("{place} is not in UTF-8"), why, "leave it, or save as UTF-8 for other programs")
+    });
+    let text = match lab::log::decoded(bytes, place.as_ref()) {
+        Ok(text) => text,
+        Err(diagnostic) => return (None, vec![diagnostic.into()]),
     };
     let mut found = oddities(&place, &text);
+    found.extend(letters);
     let report = match (reader.stamps)(&text) {
         Ok(report) => report,
         Err(diagnostic) => {

@@ -10,6 +10,7 @@ mod disk;
 mod film;
 mod finding;
 mod log;
+mod rest;
 mod sense;
 mod solid;
 mod space;
@@ -102,24 +103,22 @@ impl Look<'_> {
         evaluated.findings.extend(found);
         let Some(opened) = opened else { return Ok(()) };
         let of = Specimen { card: opened.card.into() };
-        evaluated.findings.extend(findings([
-            solid::look(self, &of)?,
-            board::look(self, &of),
-            log::fixtures(self, &of)?,
-        ]));
+        let (camera, of_board) = board::look(self, &of);
+        evaluated.findings.extend(findings([solid::look(self, &of)?, of_board, log::fixtures(self, &of)?]));
         let trials = of.trials();
         evaluated.trials += trials.len();
-        let each: Result<Vec<Vec<Finding>>> = trials.par_iter().map(|trial| self.trial(trial)).collect();
+        let each: Result<Vec<Vec<Finding>>> =
+            trials.par_iter().map(|trial| self.trial(trial, camera.as_ref())).collect();
         evaluated.findings.extend(findings(each?));
         Ok(())
     }
 
     /// Film, logs and clocks of one trial; clocks where both can be read.
-    fn trial(&self, of: &Trial) -> Result<Vec<Finding>> {
+    fn trial(&self, of: &Trial, camera: Option<&board::RoughCamera>) -> Result<Vec<Finding>> {
         let track = self.settings.section::<stages::track::Settings>("track")?;
         let clocks = self.settings.section::<stages::clock::Settings>("clock")?;
         let (log, of_log) = log::pressure(self, of);
-        let (seen, of_film) = film::trial(self, of, &track);
+        let (seen, of_film) = film::trial(self, of, &track, camera);
         let of_clock = match (&log, &seen) {
             (Some(_), Some(seen)) => clock::look(self, of, seen, &clocks),
             _ => Vec::new(),

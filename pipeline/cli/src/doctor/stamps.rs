@@ -18,7 +18,9 @@ pub fn look(place: &str, report: &StampReport) -> Vec<Finding> {
     let faults = report.faults.iter().map(|fault| Finding::from(fault.in_file(Path::new(place), longest_gap)));
     let read = report.sampling.as_ref().map(|sampling| read(place, sampling, report.faults.is_empty()));
     let changed = report.rate_change.map(|change| changed(place, &change));
-    read.into_iter().chain(faults).chain(changed).collect()
+    let spikes = report.sampling.iter().flat_map(|sampling| &sampling.spikes);
+    let spikes = spikes.map(|spike| spiked(place, spike));
+    read.into_iter().chain(faults).chain(changed).chain(spikes).collect()
 }
 
 fn read(place: &str, sampling: &Sampling, whole: bool) -> Finding {
@@ -53,6 +55,11 @@ fn changed(place: &str, change: &RateChange) -> Finding {
     let what = format!("{place}, line {}: the rate goes from {before:.2} to {after:.2} Hz", change.line);
     let why = "times are taken as they are stamped; if the clock was at fault, all after it is late or early";
     Finding::note(what, why, "check the clock against the lamp's edges, or log with a crystal clock")
+}
+
+fn spiked(place: &str, spike: &lab::log::Spike) -> Finding {
+    let why = "an amplifier gives such numbers between readings; the line between its neighbours stands for it";
+    Finding::note(format!("{place}, {spike}"), why, "leave it, or look at the wiring of the amplifier")
 }
 
 /// An amplifier that averages over its step flattens the beat of a flapping trial.

@@ -62,11 +62,11 @@ impl Camera {
     }
 
     fn write(&self, folder: &Path) -> Result<()> {
-        let figure = shown::figure(self)?;
         let files = [("camera.toml", shown::toml(self)), ("camera.yaml", shown::opencv(self))];
         files.iter().try_for_each(|(name, text)| crate::write(folder, name, text))?;
         crate::write(folder, "views.csv", shown::views(self))?;
-        crate::write(folder, "camera.svg", figure)
+        // last: what was measured is kept whatever becomes of its drawing
+        crate::write(folder, "camera.svg", shown::figure(self)?)
     }
 
     /// Where the points of the board are projected to in a view, px; of those that the lens sees.

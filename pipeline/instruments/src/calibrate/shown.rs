@@ -83,6 +83,15 @@ pub(super) fn views(found: &Camera) -> String {
 /// Pixels of the picture in the figure, at most: with noise, each takes about a byte of the figure's text.
 const SHOWN_PIXELS: usize = 160_000;
 
+/// Points of all views in the figure, at most: each takes some 40 bytes of the figure's text.
+const SHOWN_POINTS: usize = 4000;
+
+/// At most so many points, evenly from all.
+fn thinned(all: Vec<Point2>, most: usize) -> Vec<Point2> {
+    let every = all.len().div_ceil(most).max(1);
+    all.into_iter().step_by(every).collect()
+}
+
 /// A picture that is small enough for a figure: blocks of `by` × `by` pixels averaged.
 struct Shown {
     picture: Gray,
@@ -111,7 +120,8 @@ pub(super) fn figure(found: &Camera) -> Result<String, PlotError> {
     let mut panels = Vec::new();
     if let Some(gray) = &found.views.first {
         let shown = Shown::of(gray);
-        let (seen, projected) = (shown.points(&found.views.corners[0]), shown.points(&found.projected(0)));
+        let points = |all: &[Point2]| thinned(shown.points(all), SHOWN_POINTS / 4);
+        let (seen, projected) = (points(&found.views.corners[0]), points(&found.projected(0)));
         let picture = Picture::new(shown.picture.width, shown.picture.height, shown.picture.pixels)
             .with(Mark::points(seen, Marker::Cross, palette::MEASURED))
             .with(Mark::points(projected, Marker::Ring, palette::SIMULATED));
@@ -121,7 +131,7 @@ pub(super) fn figure(found: &Camera) -> Result<String, PlotError> {
         let seen = found.views.corners[k].iter().zip(found.projected(k));
         seen.map(|(s, p)| [s[0] - p[0], s[1] - p[1]]).collect()
     };
-    let all: Vec<Point2> = (0..found.views.corners.len()).flat_map(off).collect();
+    let all = thinned((0..found.views.corners.len()).flat_map(off).collect(), SHOWN_POINTS);
     let axes = Axes::new(Axis::linear("seen − projected, u", "px"), Axis::linear("v", "px")).equal();
     panels.push(Panel::Axes(axes.with(Mark::points(all, Marker::Disc, palette::MUTED))).titled("all views"));
     Figure::new(DOUBLE_COLUMN_MM).row(70.0, panels).svg()
@@ -152,6 +162,14 @@ pub(super) fn summary(found: &Camera, folder: &Path) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn points_are_thinned_evenly_to_a_bound() {
+        let all: Vec<Point2> = (0..13_200).map(|i| [f64::from(i), 0.0]).collect();
+        let few = thinned(all.clone(), SHOWN_POINTS);
+        assert!(few.len() <= SHOWN_POINTS && few[1][0] == 4.0 && few.last().unwrap()[0] > 13_190.0);
+        assert_eq!(thinned(all[..100].to_vec(), SHOWN_POINTS).len(), 100);
+    }
 
     #[test]
     fn a_large_picture_is_shown_small_with_its_points_where_they_were() {

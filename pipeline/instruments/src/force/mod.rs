@@ -33,6 +33,8 @@ pub struct Report {
     runs: Vec<Run>,
     /// How each force log was sampled.
     samplings: Vec<(String, Sampling)>,
+    /// What is left out of which log, and what else its user should know.
+    notes: Vec<String>,
 }
 
 /// The keys of a page, for the help of the command.
@@ -65,7 +67,15 @@ const LAG_STEP: Second = 0.02;
 
 impl Report {
     fn of(page: Page, folder: &Path) -> Result<Self> {
-        let mut report = Self { page, taps: None, waves: None, talk: None, runs: Vec::new(), samplings: Vec::new() };
+        let mut report = Self {
+            page,
+            taps: None,
+            waves: None,
+            talk: None,
+            runs: Vec::new(),
+            samplings: Vec::new(),
+            notes: Vec::new(),
+        };
         report.taps = report.first(Kind::Taps).map(|one| report.tapped(&one, folder)).transpose()?;
         report.waves = report.first(Kind::StillWater).map(|one| report.still(&one, folder)).transpose()?;
         report.talk = report.crosstalk(folder)?;
@@ -91,21 +101,31 @@ impl Report {
     /// The logs of a recording; keeps how they were sampled.
     fn read(&mut self, one: &Recording, folder: &Path) -> Result<Recorded> {
         let log = Recorded::read(&self.page, one, folder)?;
+        self.note_spikes(&one.force, &log.sampling);
         self.samplings.push((one.id.clone(), log.sampling.clone()));
         Ok(log)
     }
 
-    fn tapped(&self, one: &Recording, folder: &Path) -> Result<TapTest> {
-        let hammer = folder.join(one.hammer.as_deref().unwrap_or_default());
-        let hammer = recorded::force(&self.page, &hammer, LogKind::Hammer)?.log.series();
-        let place = folder.join(&one.force);
-        let measured = recorded::force(&self.page, &place, LogKind::Force)?.log.series();
-        identify_from_taps(&hammer, &measured, self.page.settings.band).map_err(|e| Diagnostic::from(e).in_file(&place))
+    fn note_spikes(&mut self, file: &str, sampling: &Sampling) {
+        self.notes.extend(sampling.spikes.iter().map(|spike| format!("{file}, {spike}")));
     }
 
-    fn still(&self, one: &Recording, folder: &Path) -> Result<WaveFit> {
-        let (place, set) = (folder.join(&one.force), &self.page.settings);
-        let log = recorded::force(&self.page, &place, LogKind::Force)?.log.series();
+    fn tapped(&mut self, one: &Recording, folder: &Path) -> Result<TapTest> {
+        let file = one.hammer.as_deref().unwrap_or_default();
+        let hammer = recorded::force(&self.page, &folder.join(file), LogKind::Hammer)?;
+        self.note_spikes(file, &hammer.sampling);
+        let place = folder.join(&one.force);
+        let measured = recorded::taps(&self.page, &place)?;
+        self.note_spikes(&one.force, &measured.sampling);
+        identify_from_taps(&hammer.log.series(), &measured.log.series(), self.page.settings.band)
+            .map_err(|e| Diagnostic::from(e).in_file(&place))
+    }
+
+    fn still(&mut self, one: &Recording, folder: &Path) -> Result<WaveFit> {
+        let place = folder.join(&one.force);
+        let read = recorded::force(&self.page, &place, LogKind::Force)?;
+        self.note_spikes(&one.force, &read.sampling);
+        let (log, set) = (read.log.series(), &self.page.settings);
         let size = self.page.tank.iter();
         let expected: Vec<Hertz> =
             size.flat_map(|t| (1..=set.modes).map(|n| wave::natural_frequency(t.length, t.depth, n))).collect();

@@ -30,11 +30,18 @@ pub(super) fn force(page: &Page, file: &Path, kind: LogKind) -> Result<Logged<la
     lab::force::parse_as(&text(file)?, file, (kind, &page.log))
 }
 
+/// The load cell's log of taps.
+///
+/// # Errors
+/// As [`force`].
+pub(super) fn taps(page: &Page, file: &Path) -> Result<Logged<lab::ForceLog>> {
+    lab::force::parse_taps(&text(file)?, file, &page.log)
+}
+
 fn text(file: &Path) -> Result<String> {
     let bytes = input::read(file, input::LOG)
         .map_err(|e| Diagnostic::io(file, e, "put the log there, or correct its name on the page"))?;
-    String::from_utf8(bytes)
-        .map_err(|_| Diagnostic::file(file, "the file is no text", "a log is UTF-8 text", "export it again"))
+    lab::log::decoded(bytes, file)
 }
 
 impl Recorded {

@@ -6,6 +6,7 @@
 
 use si::{Hertz, Newton, Second, Series};
 use signal::crosstalk::CrossTalk;
+use signal::resample::Samples;
 use signal::wave::{self, Beat, Removal, Wave};
 use signal::zero::{Zero, ZeroLine};
 
@@ -61,6 +62,7 @@ pub(super) fn evaluated(one: &Recording, log: &Recorded, by: &Corrections, set: 
     if first >= last {
         return Err(outside(one, log));
     }
+    check_frequency(one, &log.pressures, [first, last])?;
     // A harmonic at half the sampling rate or beyond is another's alias.
     let resolved = (0.5 * log.force.rate() / frequency * (1.0 - 1e-9)) as usize;
     let beat = Beat { frequency, harmonics: set.harmonics.min(resolved), within: [first, last] };
@@ -103,6 +105,52 @@ pub(super) fn evaluated(one: &Recording, log: &Recorded, by: &Corrections, set: 
         warnings: near.iter().map(ToString::to_string).collect(),
         force,
     })
+}
+
+/// Share by which the frequency on the page and that of the pressures may differ: over a run the cut of cycles stays within a tenth of one.
+const FREQUENCY: f64 = 0.05;
+
+/// Compares the frequency on the page with that of the pressures beside it.
+fn check_frequency(one: &Recording, pressures: &[Samples], within: [Second; 2]) -> Result<()> {
+    let (Some(declared), Some(found)) = (one.frequency, cycle_frequency(pressures, within)) else { return Ok(()) };
+    if (declared / found - 1.0).abs() <= FREQUENCY {
+        return Ok(());
+    }
+    let what =
+        format!("recording `{}` has frequency = {declared} Hz, and its pressures repeat at {found:.3} Hz", one.id);
+    let why = format!("means are taken over whole cycles; the two may differ by {:.0} %", 100.0 * FREQUENCY);
+    Err(Diagnostic::new(what, why, format!("set frequency = {found:.3}, or name the pressure log of this run")))
+}
+
+/// Rises of a pressure that show a frequency, at least.
+const RISES: usize = 2;
+
+/// The frequency of the pressure that swings most, Hz, by the times at which it rises through the middle of its range; none where it rises too rarely or
+/// unevenly.
+fn cycle_frequency(pressures: &[Samples], [first, last]: [Second; 2]) -> Option<Hertz> {
+    let span = |samples: &&Samples| {
+        let fold = |by: fn(f64, f64) -> f64| samples.values().iter().copied().reduce(by);
+        fold(f64::max).zip(fold(f64::min)).map_or(0.0, |(high, low)| high - low)
+    };
+    let most = pressures.iter().max_by(|a, b| span(a).total_cmp(&span(b)))?;
+    let low = most.values().iter().copied().reduce(f64::min)?;
+    // a rise counts from a third to two thirds of the range: noise about one level is none
+    let (third, mut is_low, mut rises) = (span(&most) / 3.0, false, Vec::new());
+    // length: a time for each value
+    for (time, value) in most.times().iter().zip(most.values()) {
+        if *value < low + third {
+            is_low = true;
+        } else if *value > low + 2.0 * third && is_low {
+            is_low = false;
+            rises.extend((first..=last).contains(time).then_some(*time));
+        }
+    }
+    let mut steps: Vec<Second> = rises.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    steps.sort_by(f64::total_cmp);
+    let (count, median) = (rises.len(), *steps.get(steps.len() / 2)?);
+    let mean = (rises[count - 1] - rises[0]) / (count - 1) as f64;
+    let is_even = steps.iter().all(|step| (0.5..1.5).contains(&(step / median)));
+    (count >= RISES && is_even && mean > 0.0).then(|| 1.0 / mean)
 }
 
 fn silent(one: &Recording) -> Diagnostic {
@@ -175,6 +223,30 @@ mod tests {
         ] {
             assert!((student(degrees) / truth - 1.0).abs() < within, "{degrees}: {}", student(degrees));
         }
+    }
+
+    /// Pressures at 100 Hz of a square wave of 2 Hz after a second of rest, with ripple.
+    fn flaps() -> Samples {
+        let pressure = |i: usize| {
+            let phase = 2.0 * (0.01 * i as f64 - 1.0);
+            let high = phase >= 0.0 && phase.fract() < 0.5;
+            f64::from(u8::from(high)) * 2e4 + 300.0 * (1.7 * i as f64).sin()
+        };
+        Samples::new((0..1100).map(|i| 0.01 * i as f64).collect(), (0..1100).map(pressure).collect()).unwrap()
+    }
+
+    #[test]
+    fn pressures_tell_their_frequency_where_they_have_one() {
+        let frequency = |samples: &Samples| cycle_frequency(std::slice::from_ref(samples), [0.0, 11.0]);
+        assert!((frequency(&flaps()).unwrap() - 2.0).abs() < 0.02);
+        let still = Samples::new(vec![0.0, 1.0, 2.0], vec![5.0; 3]).unwrap();
+        assert_eq!(frequency(&still), None);
+        let stairs: Vec<f64> = (0..1100)
+            .map(|i| if [150, 420, 500, 900].iter().any(|at| (0..60).contains(&(i - at))) { 2e4 } else { 0.0 })
+            .collect();
+        let stairs = Samples::new((0..1100).map(|i| 0.01 * f64::from(i)).collect(), stairs).unwrap();
+        assert_eq!(frequency(&stairs), None, "levels at uneven times");
+        assert_eq!(cycle_frequency(&[], [0.0, 1.0]), None);
     }
 
     #[test]

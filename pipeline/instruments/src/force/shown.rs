@@ -79,6 +79,7 @@ fn record(report: &Report) -> Value {
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.notes.iter().try_for_each(|note| writeln!(f, "{note}"))?;
         if let Some(taps) = &self.taps {
             let it = &taps.in_time;
             let (f0, zeta) = (it.cell.natural_frequency, it.cell.damping_ratio);

@@ -14,7 +14,7 @@ pub struct Camera {
     /// Its distortion model; Brown–Conrady by default.
     #[serde(default)]
     pub lens: LensKind,
-    /// Known lens coefficients: OpenCV's YAML, relative to the card. The calibration then only has to show the board on
+    /// Known lens coefficients: YAML, JSON or XML of OpenCV, ROS or Kalibr, relative to the card. The calibration then only has to show the board on
     /// its plane.
     #[serde(default)]
     pub coefficients: Option<String>,

@@ -64,8 +64,9 @@ pub struct Tracks {
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Axes {
-    /// When the file's first frame is, s on the film's clock; of a trial without a film, on the clock of its pressure log.
-    #[serde(default)]
+    /// When the file's first frame is, s on the film's clock; of a trial without a film, on the clock of its pressure log, or as that log writes
+    /// dates and times of day.
+    #[serde(default, deserialize_with = "second_or_stamp")]
     pub start: Second,
     /// Where the CAD frame's origin lies, m.
     #[serde(default)]
@@ -76,6 +77,24 @@ pub struct Axes {
     /// Where the CAD frame's z points, of length 1.
     #[serde(default = "z_axis")]
     pub z: Point3,
+}
+
+/// Seconds, or a date or time of day in a text.
+fn second_or_stamp<'de, D: serde::Deserializer<'de>>(from: D) -> Result<Second, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Stamp {
+        Second(Second),
+        Text(String),
+    }
+    match Stamp::deserialize(from)? {
+        Stamp::Second(second) => Ok(second),
+        Stamp::Text(text) => crate::log::iso8601(&text).ok_or_else(|| {
+            serde::de::Error::custom(format!(
+                "`{text}` is no time; seconds, 2024-05-01T12:00:00.125 or 12:00:00.125 were expected"
+            ))
+        }),
+    }
 }
 
 fn x_axis() -> Point3 {

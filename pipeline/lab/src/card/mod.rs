@@ -154,6 +154,7 @@ pub enum LengthUnit {
     /// Metres.
     M,
     /// Inches.
+    #[serde(alias = "in")]
     Inch,
 }
 

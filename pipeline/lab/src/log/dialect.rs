@@ -1,37 +1,109 @@
-//! The dialect of a table of numbers: separator, decimal sign, and whether it has titles.
+//! The dialect of a table of numbers: separator and decimal sign.
 //!
-//! All three are found in the text. The separator is the first of tab, `;` and `,` that stands in the first line; where it is not `,`, a
-//! comma within a number is a decimal sign.
+//! Both are found in the first line of numbers. The separator is the first of tab, `;`, `,` and runs of blanks by which the line falls into
+//! numbers; where it is not `,`, or where numbers stand in quotes, a comma within a number is a decimal sign.
 
 use std::borrow::Cow;
+
+use super::time::iso8601;
 
 /// How a file writes its table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Dialect {
-    /// Between two fields.
+    /// Between two fields; a blank stands for a run of blanks.
     pub separator: u8,
-    /// Whether the first line holds titles.
-    pub titled: bool,
+    /// Whether a comma within a field is a decimal sign.
+    pub decimal_comma: bool,
 }
 
+/// By priority: a comma between tabs or semicolons is a decimal sign, a blank beside a comma is an ornament.
+const SEPARATORS: [u8; 4] = *b"\t;, ";
+
 impl Dialect {
-    /// Of the text, by its first line that is neither empty nor a remark.
-    pub fn of(text: &str) -> Self {
-        let first = text.lines().find(|line| !line.starts_with('#') && !line.trim().is_empty()).unwrap_or_default();
-        let separator = *b"\t;,".iter().find(|s| first.as_bytes().contains(s)).unwrap_or(&b',');
-        let dialect = Self { separator, titled: true };
-        let numeric = |field: &str| {
-            let plain = dialect.plain(field.trim());
-            plain.parse::<f64>().is_ok() || plain.starts_with(|c: char| c.is_ascii_digit())
+    /// With this separator, and the decimal sign that it leaves.
+    pub fn new(separator: u8) -> Self {
+        Self { separator, decimal_comma: separator != b',' }
+    }
+
+    /// Of a line of titles, or of no numbers at all.
+    pub fn titles(line: &str) -> Self {
+        let separator = SEPARATORS[..3].iter().find(|s| line.as_bytes().contains(s));
+        Self::new(*separator.unwrap_or(&b','))
+    }
+
+    /// Of a line of numbers; `given` is a separator that the file names. None where the line holds none.
+    pub fn numbers(line: &str, given: Option<u8>) -> Option<Self> {
+        let separators = SEPARATORS.into_iter().filter(|s| given.is_none_or(|given| given == *s));
+        let dialects = separators.chain(given.filter(|s| !SEPARATORS.contains(s))).map(|s| Self::new(s).quoted(line));
+        // a column of words may stand beside the numbers, which begin with the time
+        let dialects: Vec<Self> = dialects.filter(|dialect| line.as_bytes().contains(&dialect.separator)).collect();
+        let parts = |dialect: &Self| dialect.numeric_part(line);
+        let whole = dialects.iter().find(|dialect| parts(dialect) == Some(1.0));
+        whole.or_else(|| dialects.iter().find(|dialect| parts(dialect).is_some_and(|part| part > 0.5))).copied()
+    }
+
+    /// Between commas, numbers such as "1,5" in quotes have decimal commas where none of the line has a point.
+    fn quoted(self, line: &str) -> Self {
+        let fields = self.split(line);
+        let comma = fields.iter().any(|field| field.contains(',')) && !line.contains('.');
+        Self { decimal_comma: self.decimal_comma || comma, ..self }
+    }
+
+    /// Numbers among the fields that are not empty; none of a single field, or where the first is none.
+    fn numeric_part(&self, line: &str) -> Option<f64> {
+        let fields = self.split(line);
+        let present: Vec<&Cow<str>> = fields.iter().filter(|field| !field.is_empty()).collect();
+        let first = present.first().filter(|_| fields.len() > 1)?;
+        let count = present.iter().filter(|field| self.is_number(field)).count();
+        self.is_number(first).then(|| count as f64 / present.len() as f64)
+    }
+
+    /// Whether a field is a number, a date or a time.
+    pub fn is_number(&self, field: &str) -> bool {
+        self.plain(field).parse::<f64>().is_ok() || iso8601(field).is_some() || is_date(field)
+    }
+
+    /// The fields of a line, without quotes and the blanks around them.
+    pub fn split<'a>(&self, line: &'a str) -> Vec<Cow<'a, str>> {
+        if self.separator == b' ' {
+            return line.split_whitespace().map(|word| Cow::Borrowed(word.trim_matches('"'))).collect();
+        }
+        let mut fields = Vec::new();
+        let mut rest = line;
+        loop {
+            let (field, after) = self.field(rest);
+            fields.push(field);
+            match after {
+                Some(after) => rest = after,
+                None => return fields,
+            }
+        }
+    }
+
+    /// The first field of a line and what follows its separator.
+    fn field<'a>(&self, line: &'a str) -> (Cow<'a, str>, Option<&'a str>) {
+        let separator = char::from(self.separator);
+        let blank = |c: char| c.is_whitespace() && c != separator;
+        let Some(quoted) = line.trim_start_matches(blank).strip_prefix('"') else {
+            let (field, after) = line.split_once(separator).map_or((line, None), |(field, after)| (field, Some(after)));
+            return (Cow::Borrowed(field.trim()), after);
         };
-        let mut fields = first.split(char::from(separator)).filter(|field| !field.trim().is_empty());
-        let titled = first.is_empty() || !fields.all(numeric);
-        Self { titled, ..dialect }
+        // a doubled quote within quotes is a quote
+        let mut end = 0;
+        while let Some(next) = quoted[end..].find('"') {
+            end += next;
+            if !quoted[end + 1..].starts_with('"') {
+                let after = quoted[end + 1..].split_once(separator).map(|(_, after)| after);
+                return (unescaped(&quoted[..end]), after);
+            }
+            end += 2;
+        }
+        (unescaped(quoted), None)
     }
 
     /// A field with a decimal point.
     pub fn plain<'a>(&self, field: &'a str) -> Cow<'a, str> {
-        if self.separator != b',' && field.contains(',') {
+        if self.decimal_comma && field.contains(',') {
             Cow::Owned(field.replacen(',', ".", 1))
         } else {
             Cow::Borrowed(field)
@@ -39,27 +111,63 @@ impl Dialect {
     }
 }
 
+fn unescaped(field: &str) -> Cow<'_, str> {
+    let field = field.trim();
+    if field.contains("\"\"") { Cow::Owned(field.replace("\"\"", "\"")) } else { Cow::Borrowed(field) }
+}
+
+/// Digits and the signs between those of dates and times, such as 01/05/2024.
+fn is_date(field: &str) -> bool {
+    let sign = |c: char| c.is_ascii_digit() || "-/:.,T+Z".contains(c);
+    let (day, time) = field.split_once(' ').unwrap_or((field, "AM"));
+    let has_time = time.contains(':') || matches!(time, "AM" | "PM");
+    let day_or_time = |text: &str| text.trim_end_matches([' ', 'A', 'P', 'M']).chars().all(sign);
+    let begins = field.starts_with(|c: char| c.is_ascii_digit()) && day.contains(['-', '/', ':', '.']);
+    begins && has_time && day_or_time(day) && day_or_time(time)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn separator_and_titles_are_found_in_the_first_line() {
-        for (text, separator, titled) in [
-            ("# made by us\ntime_s,led\n0,1\n", b',', true),
-            ("time_s;led\n0,5;1\n", b';', true),
-            ("0,5\t1,25\n", b'\t', false),
-            ("0.5,1e-3\n", b',', false),
-            ("2024-05-01 12:00:00,125;0,5\n", b';', false),
-            ("", b',', true),
+    fn separator_and_decimal_sign_are_found_in_a_line_of_numbers() {
+        for (line, separator, comma, fields) in [
+            ("0,1", b',', false, 2),
+            ("0,5;1", b';', true, 2),
+            ("0,5\t1,25\t", b'\t', true, 3),
+            ("0.5,1e-3", b',', false, 2),
+            ("0.5, 1.2, open", b',', false, 3),
+            ("  0.5   1.2", b' ', true, 2),
+            ("0,5 1,2", b' ', true, 2),
+            ("\"0,5\";\"1,2\"", b';', true, 2),
+            ("\"0,5\",\"1,2\"", b',', true, 2),
+            ("2024-05-01 12:00:00,125;0,5", b';', true, 2),
+            ("2024-05-01T12:00:00.5,0.5", b',', false, 2),
+            ("01.05.2024 12:00:00\t0,5", b'\t', true, 2),
+            ("05/01/2024 01:00:00 PM;0,5", b';', true, 2),
+            ("12:00:00 0,5", b' ', true, 2),
         ] {
-            assert_eq!(Dialect::of(text), Dialect { separator, titled }, "{text}");
+            let dialect = Dialect::numbers(line, None).unwrap_or_else(|| panic!("{line}"));
+            assert_eq!((dialect.separator, dialect.decimal_comma), (separator, comma), "{line}");
+            assert_eq!(dialect.split(line).len(), fields, "{line}");
+        }
+        assert_eq!(Dialect::numbers("0|1", Some(b'|')).map(|dialect| dialect.separator), Some(b'|'));
+    }
+
+    #[test]
+    fn titles_and_single_numbers_are_no_line_of_numbers() {
+        for line in
+            ["", "0.5", "time_s,force_n", "Rate,100", "Date\t2024/05/01", "Force (N)", "***End_of_Header***", "s;N"]
+        {
+            assert_eq!(Dialect::numbers(line, None), None, "{line}");
         }
     }
 
     #[test]
-    fn a_comma_is_a_decimal_sign_where_it_separates_nothing() {
-        assert_eq!(Dialect { separator: b';', titled: true }.plain("-1,5e3"), "-1.5e3");
-        assert_eq!(Dialect { separator: b',', titled: true }.plain("1,5"), "1,5");
+    fn quotes_hold_separators_and_doubled_quotes() {
+        let fields = Dialect::new(b',').split(" \"a, b\" ,c \"d\", \"say \"\"x\"\"\",");
+        assert_eq!(fields, ["a, b", "c \"d\"", "say \"x\"", ""]);
+        assert_eq!(Dialect::new(b';').split("\"open;1"), ["open;1"]);
     }
 }

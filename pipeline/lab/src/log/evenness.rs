@@ -138,11 +138,11 @@ fn loses_samples(times: &[Second], clock: EvenClock) -> bool {
 mod tests {
     use super::*;
     use crate::card::LogKind;
-    use crate::log::ColumnFormat;
+    use crate::log::{ColumnFormat, Spikes};
 
     fn form() -> LogFormat {
         let columns = vec![ColumnFormat::time(), ColumnFormat::measured("left_mbar", (-1e3, 1e4, "mbar"))];
-        LogFormat { kind: "pressure log", instrument: LogKind::Pressure, columns }
+        LogFormat { kind: "pressure log", instrument: LogKind::Pressure, columns, spikes: Spikes::None }
     }
 
     /// Uniform between −1 and 1.

@@ -1,14 +1,19 @@
 //! Logs as instruments write them: columns of numbers with or without titles, on a clock that need not be even.
 //!
-//! The separator is `,`, `;` or a tab; where it is no comma, a comma is the decimal sign. Lines that open with `#` are remarks. Columns
-//! may stand in any order and others may stand beside them; `[[log.columns]]` of the card names those with other titles or units.
-//! An uneven log is resampled onto an even clock; a gap and a time that does not rise are refused with their line.
+//! The separator is `,`, `;`, a tab or a run of blanks; where it is no comma, a comma is the decimal sign. Lines that open with `#` are remarks;
+//! [`head`] has what else may stand above the numbers, [`encoding`] in what letters. Columns may stand in any order and others may stand beside
+//! them; `[[log.columns]]` of the card names those with other titles or units. A number at the full scale of an amplifier and a lone jump of a
+//! force are no force ([`spikes`]). An uneven log is resampled onto an even clock; a gap and a time that does not rise are refused with their line.
 
+mod clock_wrap;
 mod columns;
 mod dialect;
+pub mod encoding;
 mod even;
 mod evenness;
+mod head;
 mod sampling;
+mod spikes;
 mod time;
 
 use std::path::Path;
@@ -19,8 +24,12 @@ use crate::card::{Log, LogKind};
 use columns::FirstLine;
 use diagnostics::{Diagnostic, input};
 use dialect::Dialect;
+use head::{Head, counts, lines};
 use sampling::Stamps;
 pub use sampling::{InterpolationBound, Method, RateChange, Sampling, StampFault, StampFaultKind};
+pub use spikes::Spike;
+pub(crate) use spikes::Spikes;
+pub(crate) use time::iso8601;
 
 /// The columns of one kind of log; the first one is time in s.
 pub(crate) struct LogFormat {
@@ -30,6 +39,8 @@ pub(crate) struct LogFormat {
     pub instrument: LogKind,
     /// The columns.
     pub columns: Vec<ColumnFormat>,
+    /// What of its second column is no reading.
+    pub spikes: Spikes,
 }
 
 /// One column of a kind of log.
@@ -96,8 +107,17 @@ const COMPARED: usize = 10;
 /// [`Diagnostic`] when the file cannot be read or is no text.
 pub(crate) fn text(path: &Path, absent: &str) -> Result<String, Diagnostic> {
     let bytes = input::read(path, input::LOG).map_err(|e| Diagnostic::io(path, e, absent))?;
-    String::from_utf8(bytes).map_err(|_| {
-        Diagnostic::file(path, "the file is no text", "a log is UTF-8 text", "export it again as CSV in UTF-8")
+    decoded(bytes, path)
+}
+
+/// The text of a log of these bytes; `path` appears only in diagnostics.
+///
+/// # Errors
+/// [`Diagnostic`] when they are no text.
+pub fn decoded(bytes: Vec<u8>, path: &Path) -> Result<String, Diagnostic> {
+    encoding::decode(bytes).ok_or_else(|| {
+        let why = "a log is text in UTF-8, UTF-16 or Windows-1252";
+        Diagnostic::file(path, "the file is no text", why, "export it again as CSV in UTF-8")
     })
 }
 
@@ -106,20 +126,20 @@ pub(crate) struct LogText<'a> {
     text: &'a str,
     first: FirstLine<'a>,
     first_line: usize,
+    /// Where the numbers begin.
+    begin: usize,
 }
 
 impl<'a> LogText<'a> {
     /// Finds separator and titles; `path` appears only in diagnostics.
-    ///
-    /// # Errors
-    /// [`Diagnostic`] when the first line cannot be read.
-    pub(crate) fn new(text: &'a str, path: &'a Path) -> Result<Self, Diagnostic> {
+    pub(crate) fn new(text: &'a str, path: &'a Path) -> Self {
         let text = text.trim_start_matches('\u{feff}');
-        let dialect = Dialect::of(text);
-        let first_line = 1 + text.lines().take_while(|l| l.starts_with('#') || l.trim().is_empty()).count();
-        let mut fields = csv::StringRecord::new();
-        reader(text, dialect).read_record(&mut fields).map_err(|e| csv_error(path, &e))?;
-        Ok(Self { text, first: FirstLine { path, dialect, fields }, first_line })
+        let Head { dialect, titles, begin, width } = Head::new(text);
+        let first = titles.or_else(|| lines(text).nth(begin - 1)).unwrap_or((begin, ""));
+        let fields = dialect.split_titles(first.1, width);
+        let first_line = first.0;
+        let first = FirstLine { path, dialect, titled: titles.is_some(), fields, width };
+        Self { text, first, first_line, begin }
     }
 
     /// Whether a quantity stands in it.
@@ -131,11 +151,9 @@ impl<'a> LogText<'a> {
     fn rows(&self, form: &LogFormat, card: &Log) -> Result<Rows, Diagnostic> {
         let layout = self.first.layout(form, card).map_err(|r| r.at_line(self.first_line))?;
         let (path, dialect) = (self.first.path, self.first.dialect);
-        let mut rows = Rows { rows: Vec::new(), lines: Vec::new() };
-        for record in reader(self.text, dialect).records().skip(usize::from(dialect.titled)) {
-            let record = record.map_err(|e| csv_error(path, &e))?;
-            let line = record.position().map_or(0, |p| p.line() as usize);
-            rows.rows.push(layout.row(&record).map_err(|r| r.at_line(line))?);
+        let mut rows = Rows::default();
+        for (line, text) in lines(self.text).skip(self.begin - 1).filter(counts) {
+            rows.rows.push(layout.row(text).map_err(|r| r.at_line(line))?);
             rows.lines.push(line);
         }
         check_whole(self.text, dialect, path)?;
@@ -143,6 +161,10 @@ impl<'a> LogText<'a> {
             let what = format!("the log has {} samples", rows.rows.len());
             return Err(Diagnostic::file(path, what, "at least two are needed", "record the trial again"));
         }
+        rows.spikes = form.spikes.leave_out(&mut rows.rows, &rows.lines, layout.factor(1));
+        rows.unwrap_clock();
+        let mut all = rows.rows.iter().zip(&rows.lines);
+        all.try_for_each(|(row, line)| layout.check(row).map_err(|refused| refused.at_line(*line)))?;
         Ok(rows)
     }
 
@@ -158,7 +180,7 @@ impl<'a> LogText<'a> {
         if let Some(refused) = refused(&stamps.faults(longest_gap), longest_gap) {
             return Err(refused.in_file(self.first.path).at_line(stamps.faults(longest_gap).first().map(|f| f.line)));
         }
-        let mut sampling = stamps.sampling(longest_gap);
+        let mut sampling = Sampling { spikes: rows.spikes, ..stamps.sampling(longest_gap) };
         let log = even::onto_even_clock(rows.rows, (form, &stamps), &mut sampling);
         Ok(Logged { log, sampling })
     }
@@ -175,7 +197,7 @@ impl<'a> LogText<'a> {
         let faults = stamps.faults(longest_gap);
         let rising = faults.iter().all(|fault| fault.kind == StampFaultKind::Gap);
         let sampling = rising.then(|| {
-            let mut sampling = stamps.sampling(longest_gap);
+            let mut sampling = Sampling { spikes: rows.spikes.clone(), ..stamps.sampling(longest_gap) };
             let _ = even::onto_even_clock(rows.rows.clone(), (form, &stamps), &mut sampling);
             sampling
         });
@@ -186,30 +208,24 @@ impl<'a> LogText<'a> {
 }
 
 /// Rows of a log and their lines.
+#[derive(Default)]
 struct Rows {
     rows: Vec<Vec<f64>>,
     lines: Vec<usize>,
+    spikes: Vec<Spike>,
 }
 
 impl Rows {
     fn times(&self) -> Vec<Second> {
         self.rows.iter().map(|row| row[0]).collect()
     }
-}
 
-fn reader(text: &str, dialect: Dialect) -> csv::Reader<&[u8]> {
-    csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .delimiter(dialect.separator)
-        .has_headers(false)
-        .flexible(true)
-        .from_reader(text.as_bytes())
-}
-
-fn csv_error(path: &Path, error: &csv::Error) -> Diagnostic {
-    let line = error.position().map(|p| p.line() as usize);
-    Diagnostic::file(path, "the line is no CSV", error.to_string().to_lowercase(), "export the log again").at_line(line)
+    fn unwrap_clock(&mut self) {
+        let mut times = self.times();
+        clock_wrap::unwrap(&mut times);
+        // length: a time for each row
+        self.rows.iter_mut().zip(times).for_each(|(row, time)| row[0] = time);
+    }
 }
 
 /// The first of the faults as a diagnostic, with the lines of the others like it.

@@ -3,6 +3,8 @@
 use serde::{Deserialize, Serialize};
 use si::{Hertz, Second};
 
+use super::spikes::Spike;
+
 /// A log whose stamps all lie within this share of a step from an even clock is taken as even: stamps are rounded.
 const EVEN: f64 = 0.01;
 /// Median steps beyond which a step is a gap where the card does not say.
@@ -41,6 +43,9 @@ pub struct Sampling {
     pub method: Method,
     /// Error bound of the interpolation, a line a column; none of a log that is read as stamped.
     pub bounds: Vec<InterpolationBound>,
+    /// Samples that are no readings: each is taken from the line between its neighbours.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub spikes: Vec<Spike>,
 }
 
 /// What is made of the samples.
@@ -160,6 +165,7 @@ impl Stamps<'_> {
             longest_gap_s,
             method: if off(worst) <= EVEN * step { Method::AsStamped } else { Method::LinearInterpolation },
             bounds: Vec::new(),
+            spikes: Vec::new(),
         }
     }
 

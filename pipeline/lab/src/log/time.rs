@@ -1,20 +1,29 @@
-//! Times of a log: seconds, fractions of seconds, or ISO 8601.
+//! Times of a log: seconds, fractions of seconds, or dates and times of day, in ISO 8601 or with the day or the year first.
 
 use chrono::{DateTime, NaiveDateTime, NaiveTime, Timelike};
 use si::Second;
 
+/// Dates that can be read in one way only; of 01/05/2024 the month is not known.
+const DATES: [&str; 3] = ["%Y-%m-%dT%H:%M:%S%.f", "%Y/%m/%dT%H:%M:%S%.f", "%d.%m.%YT%H:%M:%S%.f"];
+/// Times of day.
+const TIMES: [&str; 2] = ["%H:%M:%S%.f", "%I:%M:%S%.fT%p"];
+
 /// The time in an ISO 8601 field, s: since 1970 of a date, since midnight of a time of day alone. A space may stand in place of the
-/// `T`, a comma in place of the point; without an offset from UTC the time is taken as UTC's.
+/// `T`, a comma in place of the point; without an offset from UTC the time is taken as UTC's. Dates as 2024/05/01 and 01.05.2024 and times with
+/// AM or PM are read as well.
 pub(crate) fn iso8601(field: &str) -> Option<Second> {
+    if !field.contains(':') {
+        return None;
+    }
     let text = field.trim().replace(',', ".").replacen(' ', "T", 1);
     if let Ok(zoned) = DateTime::parse_from_rfc3339(&text) {
         return Some(seconds(zoned.timestamp(), zoned.timestamp_subsec_nanos()));
     }
-    if let Ok(local) = NaiveDateTime::parse_from_str(&text, "%Y-%m-%dT%H:%M:%S%.f") {
+    if let Some(local) = DATES.iter().find_map(|form| NaiveDateTime::parse_from_str(&text, form).ok()) {
         let utc = local.and_utc();
         return Some(seconds(utc.timestamp(), utc.timestamp_subsec_nanos()));
     }
-    let time = NaiveTime::parse_from_str(&text, "%H:%M:%S%.f").ok()?;
+    let time = TIMES.iter().find_map(|form| NaiveTime::parse_from_str(&text, form).ok())?;
     Some(seconds(i64::from(time.num_seconds_from_midnight()), time.nanosecond()))
 }
 
@@ -33,6 +42,10 @@ mod tests {
         assert_eq!(iso8601("1970-01-01T02:00:00.5+02:00"), Some(0.5));
         assert_eq!(iso8601("1970-01-01T00:00:01Z"), Some(1.0));
         assert_eq!(iso8601("01:00:00.25"), Some(3600.25));
-        assert_eq!(iso8601("yesterday"), None);
+        for day in ["1970/01/02 00:00:00.125", "02.01.1970 00:00:00,125"] {
+            assert_eq!(iso8601(day), Some(86_400.125), "{day}");
+        }
+        assert_eq!([iso8601("01:00:00.5 PM"), iso8601("12:00:01 AM")], [Some(46_800.5), Some(1.0)]);
+        assert_eq!([iso8601("yesterday"), iso8601("01/02/1970 00:00:01"), iso8601("12")], [None; 3]);
     }
 }

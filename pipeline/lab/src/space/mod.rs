@@ -71,12 +71,24 @@ impl Trajectories {
         self.markers.iter().flat_map(move |seen| seen.at.iter().enumerate().filter_map(of(seen)))
     }
 
+    /// The marker of this name, which may have its subject's before it (`fish:m1`).
+    fn marker(&self, name: &str, path: &Path) -> Result<Option<&Trajectory>, Diagnostic> {
+        if let Some(seen) = self.markers.iter().find(|seen| seen.name == name) {
+            return Ok(Some(seen));
+        }
+        let is = |seen: &&Trajectory| seen.name.rsplit_once(':').is_some_and(|(_, own)| own == name);
+        let all: Vec<&Trajectory> = self.markers.iter().filter(is).collect();
+        let [first, second, ..] = all[..] else { return Ok(all.first().copied()) };
+        let what = format!("marker `{name}` is `{}` or `{}`", first.name, second.name);
+        Err(Diagnostic::file(path, what, "the file has several subjects", "export the subject of the card alone"))
+    }
+
     /// The marker `name` in every frame, m, in the file's axes; `path` appears only in diagnostics.
     ///
     /// # Errors
     /// [`Diagnostic`] when there is no such marker, or it was lost in a frame.
     pub fn complete(&self, name: &str, path: &Path) -> Result<Vec<Point3>, Diagnostic> {
-        let Some(seen) = self.markers.iter().find(|seen| seen.name == name) else {
+        let Some(seen) = self.marker(name, path)? else {
             let names: Vec<&str> = self.markers.iter().map(|seen| seen.name.as_str()).collect();
             let action = match nearest(name, &names) {
                 Some(near) => format!("call the marker `{near}` on the card, or rename it in the file"),

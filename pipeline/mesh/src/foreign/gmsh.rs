@@ -1,9 +1,10 @@
 //! gmsh's `.msh`, version 4.1, as text or binary: sections of blocks, one block an entity of the geometry. Of version 2.2 the sections
 //! of nodes and elements are lists.
 //!
-//! Triangles are kept with their physical groups, as named surfaces. The tag of a tetrahedron is the physical group of its volume (the lowest, if there are several), else the volume's
-//! number. The ten nodes of gmsh end with the middles of edges 23 and 13, those of this module with 13 and 23.
+//! Triangles are kept with their physical groups, as named surfaces. The tag of a tetrahedron is the physical group of its volume (the lowest, if there are several); [`Groups`]
+//! has what stands for it where there is none. The ten nodes of gmsh end with the middles of edges 23 and 13, those of this module with 13 and 23.
 
+use super::gmsh_groups::Groups;
 use super::raw_mesh::{MeshFileError, RawMesh, other_solid, reordered};
 use super::stream::{AGAIN, Form, Stream};
 use super::tokens::{Tokens, short};
@@ -23,8 +24,9 @@ pub fn gmsh(bytes: &[u8]) -> Result<RawMesh, MeshFileError> {
     while let Some(word) = file.from.tokens.next() {
         let section = String::from_utf8_lossy(word).into_owned();
         match section.as_str() {
-            "$PhysicalNames" => file.names(&mut raw)?,
-            "$Entities" => file.entities()?,
+            "$PhysicalNames" => file.names()?,
+            "$Entities" => file.entities(false)?,
+            "$PartitionedEntities" => file.entities(true)?,
             "$Nodes" if file.legacy => file.legacy_nodes(&mut raw)?,
             "$Elements" if file.legacy => file.legacy_elements(&mut raw)?,
             "$Nodes" => file.nodes(&mut raw)?,
@@ -43,6 +45,7 @@ pub fn gmsh(bytes: &[u8]) -> Result<RawMesh, MeshFileError> {
         }
         file.from.end(&section[1..])?;
     }
+    file.groups.settle(&mut raw);
     Ok(raw)
 }
 
@@ -53,8 +56,7 @@ pub(super) struct File<'a> {
     legacy: bool,
     /// Place of each node, by its number.
     places: HashMap<u64, u32>,
-    /// Physical groups of each surface (2) and volume (3).
-    groups: HashMap<(usize, i64), Vec<i64>>,
+    pub(super) groups: Groups,
 }
 
 impl<'a> File<'a> {
@@ -81,59 +83,7 @@ impl<'a> File<'a> {
             from.find_form()?;
         }
         from.end("MeshFormat")?;
-        Ok(Self { from, legacy, places: HashMap::new(), groups: HashMap::new() })
-    }
-
-    /// Names of groups, which are text in binary files too.
-    fn names(&mut self, raw: &mut RawMesh) -> Result<(), MeshFileError> {
-        let count: u64 = self.from.tokens.number("the number of names")?;
-        for _ in 0..count {
-            let dimension: u32 = self.from.tokens.number("the dimension of a group")?;
-            let tag: i64 = self.from.tokens.number("the number of a group")?;
-            let line = String::from_utf8_lossy(self.from.tokens.rest_of_line()).into_owned();
-            let name = line.trim().trim_matches('"').to_owned();
-            match dimension {
-                2 => raw.surface_names.insert(tag, name),
-                3 => raw.names.insert(tag, name),
-                _ => None,
-            };
-        }
-        Ok(())
-    }
-
-    /// Entities of the geometry, of which only the groups of surfaces and volumes are kept.
-    fn entities(&mut self) -> Result<(), MeshFileError> {
-        self.from.begin();
-        let mut counts = [0; 4];
-        for count in &mut counts {
-            *count = self.from.size("the number of entities")?;
-        }
-        for (dimension, count) in counts.into_iter().enumerate() {
-            for _ in 0..count {
-                self.entity(dimension)?;
-            }
-        }
-        Ok(())
-    }
-
-    fn entity(&mut self, dimension: usize) -> Result<(), MeshFileError> {
-        let tag = self.from.int("the number of an entity")?;
-        for _ in 0..if dimension == 0 { 3 } else { 6 } {
-            self.from.real("the bounds of an entity")?;
-        }
-        let groups = self.from.size("the number of groups")?;
-        for _ in 0..groups {
-            let group = self.from.int("a group of an entity")?;
-            if dimension >= 2 {
-                self.groups.entry((dimension, tag)).or_default().push(group);
-            }
-        }
-        if dimension > 0 {
-            for _ in 0..self.from.size("the number of bounding entities")? {
-                self.from.int("a bounding entity")?;
-            }
-        }
-        Ok(())
+        Ok(Self { from, legacy, places: HashMap::new(), groups: Groups::default() })
     }
 
     fn nodes(&mut self, raw: &mut RawMesh) -> Result<(), MeshFileError> {
@@ -212,7 +162,7 @@ impl<'a> File<'a> {
             let kind = self.from.int("the type of a block's elements")?;
             let count = self.from.size("the number of elements in a block")?;
             let each = self.nodes_each(dimension, kind)?;
-            let tags = self.groups.get(&(dimension as usize, entity)).cloned().unwrap_or_else(|| vec![entity]);
+            let tags = self.groups.tags((dimension as usize, entity));
             for _ in 0..count {
                 self.element(raw, dimension, each, &tags)?;
             }

@@ -1,8 +1,9 @@
 //! gmsh's `.msh` of version 2.2, as text or binary: a list of nodes and a list of elements with their tags.
 //!
-//! The first tag of an element is its physical group, the second its entity of the geometry, which stands for it where the group is 0.
+//! The first tag of an element is its physical group, 0 for none, the second its entity of the geometry.
 
 use super::gmsh::File;
+use super::gmsh_groups::Groups;
 use super::raw_mesh::{MeshFileError, RawMesh};
 use super::stream::Form;
 
@@ -77,7 +78,7 @@ impl File<'_> {
                 _ => {}
             }
         }
-        Ok(if group == 0 { entity } else { group })
+        Ok(Groups::legacy_tag(group, entity))
     }
 
     fn legacy_corners(&mut self, raw: &mut RawMesh, (label, kind): (u64, i64), tag: i64) -> Result<(), MeshFileError> {

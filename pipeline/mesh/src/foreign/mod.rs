@@ -1,7 +1,7 @@
 //! Foreign meshes: tetrahedra that another program made, read, checked, and given a skin.
 //!
 //! A reader turns the bytes of a file into a [`RawMesh`], which says no more than the file does: [`gmsh`] (`.msh` 4.1 and 2.2, text
-//! and binary), [`vtu`] (VTK's unstructured grid, in all its encodings but lz4 and lzma), [`medit`] (`.mesh`, text), [`tetgen`]
+//! and binary), [`vtu`] (VTK's unstructured grid, in all its encodings but lz4 and lzma), [`vtk`] (its legacy form), [`medit`] (`.mesh`, text), [`tetgen`]
 //! (`.node` and `.ele`). [`RawMesh::check`] makes it a [`ForeignMesh`], or returns its first [`MeshDefect`].
 //!
 //! In a [`RawMesh`], ten-node elements have the mid-edge nodes of 01, 12, 02, 03, 13, 23, whatever the file's own order.
@@ -11,6 +11,8 @@ mod boundary;
 mod check;
 mod defect;
 mod gmsh;
+mod gmsh_entities;
+mod gmsh_groups;
 mod gmsh_legacy;
 mod jacobian;
 mod medit;
@@ -20,6 +22,8 @@ mod stream;
 mod surfaces;
 mod tetgen;
 mod tokens;
+mod vtk;
+mod vtk_cells;
 mod vtu;
 
 use std::path::Path;
@@ -31,6 +35,7 @@ pub use medit::medit;
 pub use raw_mesh::{MeshFileError, RawMesh};
 pub use surfaces::{NamedSurface, surface};
 pub use tetgen::tetgen;
+pub use vtk::vtk;
 pub use vtu::vtu;
 
 /// The draft in the `bytes` of a file, by the ending of its name; `nodes` are the bytes of TetGen's other file, which is named
@@ -39,14 +44,16 @@ pub use vtu::vtu;
 /// # Errors
 /// [`MeshFileError`] with its place in the file.
 pub fn read(file: &Path, bytes: &[u8], nodes: Option<&[u8]>) -> Result<RawMesh, MeshFileError> {
-    match (file.extension().and_then(|word| word.to_str()), nodes) {
+    let ending = file.extension().map(|word| word.to_string_lossy().to_ascii_lowercase());
+    match (ending.as_deref(), nodes) {
         (Some("msh"), _) => gmsh(bytes),
         (Some("vtu"), _) => vtu(bytes),
+        (Some("vtk"), _) => vtk(bytes),
         (Some("mesh"), _) => medit(bytes),
         (Some("ele"), Some(nodes)) => tetgen(nodes, bytes).map_err(|error| named_nodes(error, file)),
         (other, _) => Err(MeshFileError::new(
             format!("the mesh is of an unknown kind (.{})", other.unwrap_or_default()),
-            "meshes are read from .msh, .vtu, .mesh and .ele",
+            "meshes are read from .msh, .vtu, .vtk, .mesh and .ele",
             "save the mesh in one of these formats",
         )),
     }
@@ -54,7 +61,7 @@ pub fn read(file: &Path, bytes: &[u8], nodes: Option<&[u8]>) -> Result<RawMesh, 
 
 /// An error in TetGen's file of nodes, with that file's name: its reader is called by that of the elements, whose file is `file`.
 fn named_nodes(mut error: MeshFileError, file: &Path) -> MeshFileError {
-    let name = file.with_extension("node").file_name().map(|name| name.to_string_lossy().into_owned());
+    let name = nodes_of(file).as_deref().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
     if let (Some(rest), Some(name)) = (error.place.strip_prefix(tetgen::NODES), name) {
         error.place = format!("{name}, {rest}");
     }
@@ -63,5 +70,7 @@ fn named_nodes(mut error: MeshFileError, file: &Path) -> MeshFileError {
 
 /// The file of the nodes of a mesh, where they lie in one of their own.
 pub fn nodes_of(file: &Path) -> Option<std::path::PathBuf> {
-    file.extension().is_some_and(|word| word == "ele").then(|| file.with_extension("node"))
+    let ending = file.extension()?.to_str()?;
+    let nodes = if ending == "ELE" { "NODE" } else { "node" };
+    ending.eq_ignore_ascii_case("ele").then(|| file.with_extension(nodes))
 }

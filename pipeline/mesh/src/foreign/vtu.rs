@@ -1,24 +1,13 @@
 //! VTK's unstructured grid (`.vtu`): XML with points, cells and data of the cells.
 //!
-//! Tetrahedra are cell types 10 and 24; type 24 has the order of nodes of this module. The tag of a cell is the first of the arrays
+//! Tetrahedra are cell types 10, 24 and 71, Lagrange's of any order, of which orders 1 and 2 are read; those of ten nodes have the order of this module. The tag of a cell is the first of the arrays
 //! in [`TAGS`] that the file has. Appended bytes are cut off before the rest is read as XML, which they need not be.
 
 use super::arrays::{Codec, Tail};
-use super::raw_mesh::{MeshFileError, RawMesh, other_solid};
+use super::raw_mesh::{MeshFileError, RawMesh};
+use super::vtk_cells::{TAGS, add_cell, whole};
 use roxmltree::{Document, Node};
 
-/// Names of arrays that hold the region of a cell, in lower case, by priority.
-const TAGS: [&str; 9] = [
-    "region",
-    "regions",
-    "gmsh:physical",
-    "cellentityids",
-    "medit:ref",
-    "tetgen:ref",
-    "cell_tags",
-    "material",
-    "gmsh:geometrical",
-];
 const AGAIN: &str = "save the mesh again";
 
 /// Reads a `.vtu`: text, inline base64, appended raw or base64, whole or in zlib's blocks.
@@ -73,13 +62,6 @@ struct Piece<'a, 'b> {
     codec: &'b Codec<'b>,
 }
 
-/// A cell as the file has it.
-struct Cell<'a> {
-    kind: u8,
-    nodes: &'a [f64],
-    tag: i64,
-}
-
 impl Piece<'_, '_> {
     fn read(&self, raw: &mut RawMesh) -> Result<(), MeshFileError> {
         let first = raw.nodes.len();
@@ -98,42 +80,14 @@ impl Piece<'_, '_> {
         }
         let mut begin = 0;
         for (cell, (&end, &kind)) in ends.iter().zip(&types).enumerate() {
-            let list = self.whole(end).and_then(|end| nodes.get(begin..end).map(|list| (end, list)));
+            let list = whole(end).and_then(|end| nodes.get(begin..end).map(|list| (end, list)));
             let (end, list) =
                 list.ok_or_else(|| self.error(format!("cell {cell} ends at {end}"), "no node is there"))?;
             begin = end;
             let tag = tags.as_ref().map_or(0, |tags| tags[cell] as i64);
-            self.cell(raw, first, &Cell { kind: kind as u8, nodes: list, tag })?;
+            add_cell(raw, first, (kind, list), tag).map_err(|fault| fault.at(self.place(self.node)))?;
         }
         Ok(())
-    }
-
-    /// Adds a cell of a piece whose nodes are counted from `first`.
-    fn cell(&self, raw: &mut RawMesh, first: usize, cell: &Cell) -> Result<(), MeshFileError> {
-        let Cell { kind, nodes: list, tag } = *cell;
-        let label = (raw.len() + raw.ignored) as u64;
-        match (kind, list.len()) {
-            (10, 4) | (24, 10) => {
-                let nodes: Option<Vec<u32>> =
-                    list.iter().map(|&node| u32::try_from(self.whole(node)? + first).ok()).collect();
-                let nodes =
-                    nodes.ok_or_else(|| self.error(format!("cell {label} names a broken node"), "it is no count"))?;
-                raw.tetrahedron(label, &nodes, tag).map_err(|fault| fault.at(self.place(self.node)))
-            }
-            // points, lines and faces of VTK, linear and quadratic
-            (1..=9 | 21..=23 | 28 | 30 | 34 | 36, _) => {
-                raw.ignored += 1;
-                Ok(())
-            }
-            _ => {
-                Err(other_solid(&format!("cells of VTK's type {kind} with {} nodes", list.len()))
-                    .at(self.place(self.node)))
-            }
-        }
-    }
-
-    fn whole(&self, value: f64) -> Option<usize> {
-        (value >= 0.0 && value.fract() == 0.0 && value < 4e9).then_some(value as usize)
     }
 
     /// The values of the first array below `part` whose name is chosen.

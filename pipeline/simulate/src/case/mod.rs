@@ -108,6 +108,11 @@ pub enum Unit {
     M,
     /// Millimetres.
     Mm,
+    /// Centimetres.
+    Cm,
+    /// Inches.
+    #[serde(alias = "in")]
+    Inch,
 }
 
 impl Unit {
@@ -116,6 +121,8 @@ impl Unit {
         match self {
             Self::M => 1.0,
             Self::Mm => 1e-3,
+            Self::Cm => 1e-2,
+            Self::Inch => 0.0254,
         }
     }
 }

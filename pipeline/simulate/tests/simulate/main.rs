@@ -5,6 +5,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod clamps;
+mod groups;
 mod loads;
 mod path;
 
@@ -329,7 +330,7 @@ fn what_does_not_fit_is_refused_with_one_clear_error() {
         ("name = \"beam\"", "name = \"bean\"", "region 0 of the case (`bean`) is not in the mesh"),
         ("\"neo_hookean\"", "\"steel\"", "there is no material `steel`"),
         ("unit = \"mm\"", "unit = \"m\"", "the mesh is 1.000e2 m long"),
-        ("unit = \"mm\"", "unit = \"inch\"", "unknown variant `inch`"),
+        ("unit = \"mm\"", "unit = \"foot\"", "unknown variant `foot`"),
         ("file = \"cantilever.msh\"", "file = \"nowhere.msh\"", "nowhere.msh cannot be read"),
         ("file = \"cantilever.msh\"", "file = \"case.toml\"", "is of an unknown kind (.toml)"),
         ("order = \"quadratic\"", "half = true", "of the half model lies at z = -"),

@@ -3,6 +3,7 @@
 use si::Point2;
 
 use sysid::Covariance2;
+use track::imported::ImportedTrack;
 use workflow::columns::Columns;
 use workflow::record::RecordError;
 
@@ -18,6 +19,12 @@ pub struct Path {
 }
 
 impl Path {
+    /// Of a track of another program.
+    pub fn imported(track: &ImportedTrack) -> Self {
+        let (at, spread) = track.places();
+        Self { name: track.name.clone(), at, spread }
+    }
+
     /// The mean position over a range of frames.
     pub fn mean(&self, frames: std::ops::Range<usize>) -> Point2 {
         let count = frames.len().max(1) as f64;

@@ -7,8 +7,9 @@ use si::{Metre, Point2, Point3, Second};
 use std::path::Path;
 use track::board::dots::Dots;
 use track::board::{Board, Target};
-use track::calibrate::{Calibration, View, calibrate, joint_covariance, pose_from_plane, reprojection};
-use track::lens::{Distortion, VALUES, opencv};
+use track::calibrate::{Calibration, View, calibrate, check_focal, joint_covariance, pose_from_plane, reprojection};
+use track::lens::{Distortion, VALUES, opencv, opencv::KnownLens};
+use track::picture_size;
 use track::pose::Pose;
 use track::video::Film;
 
@@ -96,7 +97,7 @@ impl Stage for Camera {
         let seen = look(camera, &board, context)?;
         let (width, height) = seen.size;
         let found = match &camera.coefficients {
-            Some(_) => known(camera, &board, &seen.views, context)?,
+            Some(_) => known(camera, &board, &seen, context)?,
             None => calibrate(&seen.views, &board.points(), bend(camera), seen.size)?,
         };
         if found.reprojection_px > set.reprojection_limit_px {
@@ -142,14 +143,16 @@ fn bend(camera: &CalibrationFilm) -> Distortion {
 }
 
 /// The lens of the card's coefficients, taken as exact, checked against every view of the board.
-fn known(camera: &CalibrationFilm, board: &Target, views: &[View], context: &dyn StageContext) -> Result<Calibration> {
-    let text = String::from_utf8(context.bytes("lens")?);
-    let text = text.map_err(|e| {
-        Diagnostic::new(format!("{} is not text", context.display_path("lens")), e, "write it with OpenCV again")
-    })?;
-    let lens = opencv::read(&text, bend(camera) == Distortion::Fisheye)
-        .map_err(|e| Diagnostic::from(e).in_file(Path::new(&context.display_path("lens"))))?;
+fn known(camera: &CalibrationFilm, board: &Target, seen: &Seen, context: &dyn StageContext) -> Result<Calibration> {
+    let place = context.display_path("lens");
+    let text = lab::log::decoded(context.bytes("lens")?, Path::new(&place))?;
+    let in_file = |e: Diagnostic| e.in_file(Path::new(&place));
+    let fisheye = bend(camera) == Distortion::Fisheye;
+    let KnownLens { lens, size, .. } = opencv::read(&text, fisheye).map_err(|e| in_file(e.into()))?;
+    picture_size::check(size.unwrap_or(seen.size.into()), seen.size.into()).map_err(|e| in_file(e.into()))?;
     let points = board.points();
+    let views = &seen.views;
+    check_focal(&lens, views, &points, seen.size).map_err(|e| in_file(e.into()))?;
     let poses: Result<Vec<Pose>, _> = views.iter().map(|v| pose_from_plane(&lens, &points, &v.corners)).collect();
     let poses = poses?;
     let misses = poses.iter().zip(views).map(|(pose, v)| reprojection(&lens, pose, &points, &v.corners).powi(2));

@@ -205,9 +205,7 @@ fn first_command(log_time: &[Second], gauges: &[Gauge]) -> Second {
 
 fn read_log(card: &Card, context: &dyn StageContext) -> Result<Logged<PressureLog>> {
     let place = context.display_path("pressure");
-    let bytes = context.bytes("pressure")?;
-    let text = String::from_utf8(bytes)
-        .map_err(|e| Diagnostic::new(format!("{place} is not text"), e, "export the log as CSV in UTF-8"))?;
+    let text = lab::log::decoded(context.bytes("pressure")?, FilePath::new(&place))?;
     let layout = Layout { channels: &card.channels, lamp: card.lamp_row.is_some(), log: &card.log };
     lab::pressure::parse_as(&text, FilePath::new(&place), layout)
 }

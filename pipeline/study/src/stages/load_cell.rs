@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use si::{Hertz, Newton};
 use signal::cell::{ExampleThrust, Regularisation, identify_from_taps};
 
-use super::tank::read_force;
+use super::tank::{TAPS, read_force};
 use crate::records;
 use crate::subject::Specimen;
 use diagnostics::{Diagnostic, Result};
@@ -67,7 +67,7 @@ impl Stage for LoadCell {
         let name = &of.card.name;
         let taps = of.card.fixture.iter().filter_map(|f| match &f.of {
             FixtureOf::Taps { hammer, .. } => {
-                Some([RawFile::new("taps", name, &f.force), RawFile::new("hammer", name, hammer)])
+                Some([RawFile::new(TAPS, name, &f.force), RawFile::new("hammer", name, hammer)])
             }
             FixtureOf::StillWater => None,
         });
@@ -75,7 +75,7 @@ impl Stage for LoadCell {
     }
 
     fn run(card: &Card, set: &Settings, (): (), context: &dyn StageContext) -> Result<records::LoadCell> {
-        let Logged { log: measured, sampling } = read_force("taps", (LogKind::Force, &card.log), context)?;
+        let Logged { log: measured, sampling } = read_force(TAPS, (LogKind::Force, &card.log), context)?;
         let hammer = read_force("hammer", (LogKind::Hammer, &card.log), context)?.log;
         let place = context.display_path("taps");
         let found = identify_from_taps(&hammer.series(), &measured.series(), set.band)

@@ -88,6 +88,9 @@ fn no_tank() -> Diagnostic {
     Diagnostic::new("the card has no [tank]", why, "add [tank] with length and depth (m) to specimen.toml")
 }
 
+/// The file of the load cell's log of taps.
+pub(super) const TAPS: &str = "taps";
+
 /// A force log of the context.
 pub(super) fn read_force(
     word: &str,
@@ -95,7 +98,9 @@ pub(super) fn read_force(
     context: &dyn StageContext,
 ) -> Result<Logged<lab::ForceLog>> {
     let place = context.display_path(word);
-    let text = String::from_utf8(context.bytes(word)?)
-        .map_err(|e| Diagnostic::new(format!("{place} is not text"), e, "export the log as CSV in UTF-8"))?;
-    lab::force::parse_as(&text, FilePath::new(&place), layout)
+    let text = lab::log::decoded(context.bytes(word)?, FilePath::new(&place))?;
+    match word {
+        TAPS => lab::force::parse_taps(&text, FilePath::new(&place), layout.1),
+        _ => lab::force::parse_as(&text, FilePath::new(&place), layout),
+    }
 }

@@ -1,10 +1,12 @@
 //! Camera calibration from views of a planar target: intrinsic parameters, distortion and poses. Paper, section IV.
 
+mod focal;
 mod homography;
 mod refine;
 
 use crate::lens::{Distortion, Lens, VALUES};
 use crate::pose::Pose;
+pub use focal::{OtherFocalLength, check_focal};
 use homography::{homography, mirrored, pose};
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use refine::{Guess, Seen, refine, squares};

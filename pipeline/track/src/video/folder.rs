@@ -1,9 +1,11 @@
-//! A folder of pictures as a film: PNG or JPEG files in the order of their names, and `times.csv` with the time of each.
+//! A folder of pictures as a film: PNG or JPEG files in the natural order of their names (2 before 10), and `times.csv` with the time of each.
 //!
-//! Times are those of `times.csv`, whatever the first is. The orientation in a JPEG's EXIF is not applied: pictures are as the sensor saw them.
+//! Times are those of `times.csv`, whatever the first is. Pictures are upright by the orientation in their EXIF, as films are by their matrix. Hidden
+//! files are none of the pictures: macOS puts one (`._a.png`) beside each file on other systems' discs.
 
 use super::{Frame, Info, VideoError, files};
 use crate::Gray;
+use crate::gray::Depth;
 use crate::limits::MAX_TIMES_BYTES;
 use si::Second;
 use std::io::{BufReader, Read};
@@ -17,6 +19,7 @@ pub(super) struct Folder {
     files: Vec<PathBuf>,
     times: Vec<Second>,
     size: (usize, usize),
+    depth: Depth,
     shown: usize,
 }
 
@@ -40,8 +43,9 @@ impl Folder {
             let (pictures, times) = (files.len(), times.len());
             return Err(VideoError::NoTimes { path: path.into(), pictures, times });
         }
-        let first = picture(&files[0])?;
-        Ok(Self { files, times, size: (first.width, first.height), shown: 0 })
+        let mut depth = Depth::default();
+        let first = picture(&files[0], &mut depth)?;
+        Ok(Self { files, times, size: (first.width, first.height), depth, shown: 0 })
     }
 
     pub(super) fn info(&self) -> Info {
@@ -53,7 +57,7 @@ impl Folder {
         let file = self.files.get(index)?;
         self.shown += 1;
         let (expected, why) = (self.files.len(), "it has another size than the first".to_owned());
-        Some(picture(file).and_then(|gray| match (gray.width, gray.height) == self.size {
+        Some(picture(file, &mut self.depth).and_then(|gray| match (gray.width, gray.height) == self.size {
             true => Ok(Frame { index, time: self.times[index], gray }),
             false => Err(VideoError::Damaged { path: file.clone(), frame: index, expected, why }),
         }))
@@ -71,9 +75,26 @@ pub(super) fn listed(path: &Path) -> Result<Vec<PathBuf>, VideoError> {
     let files: Result<Vec<PathBuf>, _> = entries.map(|entry| entry.map(|e| e.path())).collect();
     let mut files = files.map_err(|e| VideoError::reading(path, e))?;
     let is_picture = |ending: &std::ffi::OsStr| ENDINGS.iter().any(|known| ending.eq_ignore_ascii_case(known));
-    files.retain(|file| file.extension().is_some_and(is_picture));
-    files.sort();
+    let is_hidden = |file: &PathBuf| file.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
+    files.retain(|file| file.extension().is_some_and(is_picture) && !is_hidden(file));
+    files.sort_by_cached_key(|file| natural(&file.file_name().unwrap_or_default().to_string_lossy()));
     Ok(files)
+}
+
+/// Parts of a name in the order by which they are compared: numbers by their value, then everything letter by letter.
+fn natural(name: &str) -> (Vec<(u128, String)>, String) {
+    let mut parts = Vec::new();
+    let mut rest = name;
+    while !rest.is_empty() {
+        let letters = rest.find(|c: char| c.is_ascii_digit()).unwrap_or(rest.len());
+        let (word, after) = rest.split_at(letters);
+        let digits = after.find(|c: char| !c.is_ascii_digit()).unwrap_or(after.len());
+        let (number, after) = after.split_at(digits);
+        parts.push((word.to_owned(), number.parse().unwrap_or(u128::MAX)));
+        rest = after;
+    }
+    // the word stands before the number within a part
+    (parts.into_iter().flat_map(|(word, number)| [(0, word), (number, String::new())]).collect(), name.to_owned())
 }
 
 /// Endings of the pictures that are read.
@@ -101,11 +122,11 @@ fn times(file: &Path) -> Result<Vec<Second>, VideoError> {
     Ok(times.filter(|time: &Second| time.is_finite()).collect())
 }
 
-/// A PNG or JPEG, by its first bytes.
-pub(super) fn picture(file: &Path) -> Result<Gray, VideoError> {
+/// A PNG or JPEG, by its first bytes; all pictures of a film have one depth, that of the first.
+pub(super) fn picture(file: &Path, depth: &mut Depth) -> Result<Gray, VideoError> {
     let (opened, _) = files::open(file)?;
     let damaged = |source| VideoError::Picture { path: file.into(), source };
-    Gray::read(BufReader::new(opened)).map_err(damaged)
+    Gray::read(BufReader::new(opened), depth).map_err(damaged)
 }
 
 #[cfg(test)]
@@ -133,6 +154,24 @@ mod tests {
         let error = refused("text", b"no picture", "0.0\n");
         assert!(matches!(&error, VideoError::Picture { path, .. } if path.ends_with("000.png")), "{error}");
         assert_eq!(error.to_string().matches("why:").count(), 1, "{error}");
+    }
+
+    #[test]
+    fn pictures_stand_in_the_natural_order_of_their_names_and_hidden_files_are_none() {
+        let folder = folder("natural", &Gray::filled(4, 4, 9).to_png().unwrap(), "");
+        std::fs::remove_file(folder.join("000.png")).unwrap();
+        let names =
+            ["img_1.png", "img_2.PNG", "img_10.png", "img_010.png", "img_11_b2.jpg", "img_11_b10.jpg", "x.jpeg"];
+        for name in names.iter().rev().chain(&["._img_1.png", ".hidden.jpg", "notes.txt"]) {
+            std::fs::write(folder.join(name), "").unwrap();
+        }
+        let listed = listed(&folder).unwrap();
+        std::fs::remove_dir_all(&folder).unwrap();
+        let found: Vec<_> = listed.iter().map(|file| file.file_name().unwrap().to_str().unwrap()).collect();
+        assert_eq!(
+            found,
+            ["img_1.png", "img_2.PNG", "img_010.png", "img_10.png", "img_11_b2.jpg", "img_11_b10.jpg", "x.jpeg"]
+        );
     }
 
     #[test]

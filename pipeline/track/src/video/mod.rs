@@ -36,16 +36,24 @@ pub use turn::Quarter;
 pub use writer::{Quality, Writer};
 
 use crate::Gray;
+use crate::gray::Depth;
 use si::{Hertz, Second};
 use std::path::{Path, PathBuf};
 
-/// The pictures (PNG, JPEG) of a folder in the order of their names, each with its file; no times are needed.
+/// The pictures (PNG, JPEG) of a folder in the natural order of their names; no times are needed.
 ///
 /// # Errors
-/// [`VideoError`] when the folder cannot be read, or later a picture.
-pub fn pictures(folder: &Path) -> Result<impl Iterator<Item = Result<(PathBuf, Gray), VideoError>>, VideoError> {
-    let files = folder::listed(folder)?;
-    Ok(files.into_iter().map(|file| folder::picture(&file).map(|gray| (file, gray))))
+/// [`VideoError`] when the folder cannot be read.
+pub fn picture_files(folder: &Path) -> Result<Vec<PathBuf>, VideoError> {
+    folder::listed(folder)
+}
+
+/// A picture by itself, with the levels of its own depth.
+///
+/// # Errors
+/// [`VideoError`] when it cannot be read.
+pub fn picture(file: &Path) -> Result<Gray, VideoError> {
+    folder::picture(file, &mut Depth::default())
 }
 
 /// Metadata of a film.

@@ -2,9 +2,10 @@
 
 use std::path::Path as FilePath;
 
-use lab::card::Axes;
+use lab::{card::Axes, rest::ShownBy};
 use serde::Serialize;
 use si::{Metre, Point2, Point3, Second, vec3};
+use track::imported::{self, ImportedTrack, Limits};
 
 use crate::records::{CovarianceParts, Markers, Path};
 use crate::subject::Trial;
@@ -13,9 +14,12 @@ use workflow::stage::StageContext;
 
 /// The name of the file in messages.
 pub(crate) const WORD: &str = "places";
-/// Largest distance of a marker from its card position in the first frame, as a fraction of the specimen's length: a wrong unit,
-/// origin or axis gives more.
-const ASTRAY: f64 = 0.2;
+/// Largest step of a marker in a frame, as a fraction of the specimen's length, of captures of so many frames a second at least: a tail
+/// that flaps moves by a quarter. And the largest change of the distance of neighbours, as a share of it.
+const STEP: f64 = 0.35;
+const FAST: f64 = 20.0;
+const NEIGHBOURS: f64 = 0.35;
+const SOURCE: &str = "of the specimen's length and of the distance";
 
 /// What it reads of the card.
 #[derive(Debug, Serialize)]
@@ -71,14 +75,21 @@ pub fn places(
     let time: Vec<Second> = space.time.iter().map(|t| axes.start + t).collect();
     film.map_or(Ok(()), |film| meets(&time, film, &evaluated))?;
     let (noise, mark) = ([sigma.powi(2), 0.0, sigma.powi(2)], [mark.powi(2), 0.0, mark.powi(2)]);
-    let mut markers = Vec::new();
-    for marker in all {
+    let spread = [0, 1, 2].map(|k| noise[k] + mark[k]);
+    let track = |marker: &Painted| {
         let seen = space.complete(&marker.name, file)?;
-        let at: Vec<Point2> = seen.iter().map(|p| in_cad(axes, *p)).collect();
-        check_start(&evaluated, marker, at[0], *length)?;
-        let spread = vec![[0, 1, 2].map(|k| noise[k] + mark[k]); at.len()];
-        markers.push(Path { name: marker.name.clone(), at, spread });
-    }
+        let places = seen.iter().map(|place| (Some(in_cad(axes, *place)), spread));
+        Ok(ImportedTrack::new(&marker.name, places))
+    };
+    let mut tracks = all.iter().map(track).collect::<Result<Vec<_>>>()?;
+    let shown =
+        |(Painted { name, at }, track): (&Painted, &ImportedTrack)| (name.clone(), [at[0], at[1]], track.seen[0].at);
+    let rest: Vec<_> = all.iter().zip(&tracks).map(shown).collect();
+    lab::rest::check(&evaluated, &rest, *length, ShownBy::Space)?;
+    let step = if time.windows(2).all(|t| FAST * (t[1] - t[0]) < 1.001) { STEP * length } else { f64::INFINITY };
+    let limits = Limits { step, neighbour_distance: NEIGHBOURS, longest_gap: 0, unit: "m", source: SOURCE };
+    imported::accept(&mut tracks, &limits).map_err(|e| Diagnostic::from(e).in_file(file))?;
+    let markers: Vec<Path> = tracks.iter().map(Path::imported).collect();
     let parts = CovarianceParts { noise: vec![noise; time.len()], shared: vec![mark; time.len()] };
     Ok(Markers { parts: vec![parts; markers.len()], time, markers, left_out: Vec::new(), stand: None })
 }
@@ -103,22 +114,6 @@ fn meets(time: &[Second], film: &[Second], evaluated: &str) -> Result<()> {
     ))
 }
 
-/// Checks that a marker is near its card position in the first frame.
-fn check_start(evaluated: &str, Painted { name, at }: &Painted, [x, y]: Point2, length: Metre) -> Result<()> {
-    let (away, limit) = ((x - at[0]).hypot(y - at[1]), ASTRAY * length);
-    if away <= limit {
-        return Ok(());
-    }
-    Err(Diagnostic::new(
-        format!(
-            "{evaluated} has marker `{name}` at ({x:.4}, {y:.4}) m in its first frame; it is painted at ({:.4}, {:.4}) m",
-            at[0], at[1]
-        ),
-        format!("that is {away:.4} m away; the limit is {limit:.4} m, a fifth of the specimen's length"),
-        "check the file's unit, and origin, x and z of [tracks.space] on the card",
-    ))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -140,12 +135,5 @@ mod tests {
         for [from, to] in [[0.0, 1.99], [3.01, 4.0]] {
             assert!(meets(&[from, to], &film, "a.c3d").unwrap_err().to_string().contains("the film from 2.000"));
         }
-    }
-
-    #[test]
-    fn millimetres_taken_for_metres_are_too_far_from_the_card() {
-        let marker = Painted { name: "m1".into(), at: [0.05, 0.0, 0.0] };
-        assert!(check_start("a.c3d", &marker, [0.052, 0.001], 0.1).is_ok());
-        assert!(check_start("a.c3d", &marker, [5e-5, 0.0], 0.1).is_err());
     }
 }

@@ -4,11 +4,12 @@
 mod carry;
 mod elsewhere;
 
-use lab::card::Medium;
+use lab::{card::Medium, rest::ShownBy};
 use serde::{Deserialize, Serialize};
 use si::{Metre, Point2, Radian, Second, vec3};
 use track::grid::{self, Grid};
 use track::lens::Lens;
+use track::picture_size;
 use track::pose::Pose;
 use track::refraction::{RefractiveCamera, Water};
 use track::shutter::{self, Shutter};
@@ -47,6 +48,10 @@ pub struct Settings {
 pub struct Card {
     /// z of each marker, m.
     heights: Vec<Metre>,
+    /// x and y of each marker at rest, m.
+    painted: Vec<Point2>,
+    /// Length of the specimen, m.
+    length: Metre,
     /// z of the calibrated plane, m.
     plane: Metre,
     /// Pitch of the grid on the plane, m.
@@ -64,6 +69,8 @@ impl Part<Trial> for Card {
         let camera = of.card.camera.as_ref();
         Self {
             heights: of.card.marker.iter().map(|m| m.at[2]).collect(),
+            painted: of.card.marker.iter().map(|m| [m.at[0], m.at[1]]).collect(),
+            length: of.card.length,
             plane: camera.map_or(0.0, |c| c.plane.height),
             grid: camera.and_then(|c| c.plane.grid).filter(|_| of.made_elsewhere().is_none()),
             readout: camera.map_or(0.0, |c| c.readout),
@@ -84,7 +91,7 @@ impl Stage for Markers {
 
     fn raw(of: &Trial) -> Vec<RawFile> {
         let space = of.in_space().map(|(tracks, _)| RawFile::new(elsewhere::WORD, &of.card.name, &tracks.file));
-        let film = Card::part_of(of).grid.and_then(|_| of.film());
+        let film = of.film().filter(|_| of.in_space().is_none());
         space.into_iter().chain(film).collect()
     }
 
@@ -105,6 +112,12 @@ impl Stage for Markers {
         let shutter = Shutter { readout: card.readout, height: camera.size_px[1] };
         let heights = card.heights.clone();
         let whole = places(&sight, &shutter, &tracks, &heights)?;
+        let info = Film::open(&context.path("video")?)?.info();
+        picture_size::check(camera.size_px, [info.width, info.height])
+            .map_err(|e| Diagnostic::from(e).while_doing(context.display_path("video")))?;
+        let shown = |((path, painted), at): ((&Path, &Point2), &Vec<Point2>)| (path.name.clone(), *painted, at[0]);
+        let rest: Vec<_> = tracks.markers.iter().zip(&card.painted).zip(&whole).map(shown).collect();
+        lab::rest::check(&context.display_path("video"), &rest, card.length, ShownBy::Film)?;
         let sources = UncertaintySources {
             shared: Shared::new(&camera.covariance, [set.surface_sigma, set.index_sigma, set.height_sigma]),
             ripple: set.ripple,

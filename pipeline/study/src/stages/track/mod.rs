@@ -7,6 +7,7 @@ use std::path::Path as FilePath;
 use lab::card::Led;
 use serde::{Deserialize, Serialize};
 use si::{Hertz, Point2, Second};
+use track::imported::{self, ImportedTrack, Limits};
 use track::klt::{self, Observation, Tracker};
 use track::led;
 use track::video::{DecodedAhead, Frame};
@@ -128,8 +129,9 @@ impl Stage for Track {
         }
         let tracks = log.end().map_err(|lost| named(card, context, lost))?;
         match card.elsewhere {
-            Some(Elsewhere::Pixels(sigma)) => taken(card, sigma, tracks, context),
-            _ => Ok(tracks),
+            None => Ok(tracks),
+            _ => imported(card, set.tracker(info.rate), tracks.time.len(), context)
+                .map(|markers| Tracks { markers, ..tracks }),
         }
     }
 }
@@ -154,16 +156,21 @@ fn in_pixels(of: &Trial) -> Option<&lab::card::Tracks> {
     of.made_elsewhere().filter(|tracks| tracks.space.is_none())
 }
 
-/// The lamp and times of a film with imported tracks.
-fn taken(card: &Card, sigma: f64, tracks: Tracks, context: &dyn StageContext) -> Result<Tracks> {
+/// The imported tracks of a film of so many frames and this rate, as the card names them.
+///
+/// # Errors
+/// A [`Diagnostic`] when they cannot be read, or a marker moves as none of this tracker may.
+pub fn imported(card: &Card, set: klt::Settings, frames: usize, context: &dyn StageContext) -> Result<Vec<Path>> {
+    let Some(Elsewhere::Pixels(sigma)) = card.elsewhere else { return Ok(Vec::new()) };
     let place = context.display_path("tracks");
-    let text = String::from_utf8(context.bytes("tracks")?)
-        .map_err(|e| Diagnostic::from(e).while_doing(format!("{place} is not text")))?;
+    let in_file = |refused: Diagnostic| refused.in_file(FilePath::new(&place));
     let names: Vec<String> = card.markers.iter().map(|m| m.name.clone()).collect();
-    let read =
-        lab::pixels::read(&text, &names, tracks.time.len(), sigma).map_err(|d| d.in_file(FilePath::new(&place)))?;
-    let path = |track: lab::pixels::PixelTrack| Path { name: track.name, at: track.at, spread: track.covariance };
-    Ok(Tracks { markers: read.into_iter().map(path).collect(), ..tracks })
+    let read = lab::pixels::read(&context.bytes("tracks")?, &names, frames, sigma).map_err(in_file)?;
+    // length: a covariance for each place
+    let places = |t: &lab::pixels::PixelTrack| t.at.clone().into_iter().zip(t.covariance.clone());
+    let mut tracks: Vec<_> = read.iter().map(|t| ImportedTrack::new(&t.name, places(t))).collect();
+    imported::accept(&mut tracks, &Limits::of(&set)).map_err(|e| in_file(e.into()))?;
+    Ok(tracks.iter().map(Path::imported).collect())
 }
 
 /// Tracks up to the current frame.

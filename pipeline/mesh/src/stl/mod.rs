@@ -2,10 +2,12 @@
 //!
 //! The format has no unit, so the caller gives it, and the size is checked against the plausible lengths of an actuator.
 
+mod triangles;
+
 use crate::Surface;
 use si::{Metre, Point3};
-use std::collections::HashMap;
-use std::io::Cursor;
+use std::collections::{HashMap, HashSet};
+pub use triangles::StlSyntax;
 
 /// Plausible lengths of an actuator, m.
 const PLAUSIBLE_LENGTH: [Metre; 2] = [5e-3, 5.0];
@@ -17,7 +19,7 @@ const WELD: f64 = 1e-6;
 pub enum StlError {
     /// Not an STL file.
     #[error("the file is not an STL\n  why: {0}\n  do:  export it again as binary or ASCII STL")]
-    Format(#[from] std::io::Error),
+    Format(#[from] StlSyntax),
     /// No triangles, or a coordinate that is not a number.
     #[error(
         "the STL holds {faces} faces and {bad} coordinates that are no numbers\n  why: a solid needs at least 4 faces, all finite\n  do:  export the part again"
@@ -30,7 +32,7 @@ pub enum StlError {
     },
     /// Implausible size.
     #[error(
-        "the solid is {length} m long; {guess}\n  why: the length must lie between {} m and {} m; the file was read with 1 unit = {unit} m\n  do:  set the STL's unit in the card (0.001 for millimetres, 1 for metres)", PLAUSIBLE_LENGTH[0], PLAUSIBLE_LENGTH[1]
+        "the solid is {length} m long; {guess}\n  why: the length must lie between {} m and {} m; the file was read with 1 unit = {unit} m\n  do:  correct unit: mm, cm, m or inch", PLAUSIBLE_LENGTH[0], PLAUSIBLE_LENGTH[1]
     )]
     Size {
         /// Longest side of the bounding box, m.
@@ -49,18 +51,17 @@ pub enum StlError {
 /// | `bytes` |      | the file                                       |
 /// | `unit`  | m    | length of the file's unit, 1e-3 for millimetres |
 ///
-/// Faces that the welding leaves without area (two equal corners) are dropped.
+/// Faces that the welding leaves without area (two equal corners) are dropped, and all but the first of those that lie twice.
 ///
 /// # Errors
 /// [`StlError`] when the bytes are no STL, hold no solid, or the solid's size is implausible.
 pub fn read(bytes: &[u8], unit: Metre) -> Result<Surface, StlError> {
-    let file = stl_io::read_stl(&mut Cursor::new(bytes))?;
-    let points: Vec<Point3> = file.vertices.iter().map(|v| v.0.map(|c| f64::from(c) * unit)).collect();
+    let (places, faces) = triangles::indexed(&triangles::triangles(bytes)?);
+    let points: Vec<Point3> = places.into_iter().map(|place| place.map(|c| f64::from(c) * unit)).collect();
     let bad = points.iter().flatten().filter(|c| !c.is_finite()).count();
-    if file.faces.len() < 4 || bad > 0 {
-        return Err(StlError::Nothing { faces: file.faces.len(), bad });
+    if faces.len() < 4 || bad > 0 {
+        return Err(StlError::Nothing { faces: faces.len(), bad });
     }
-    let faces = file.faces.iter().map(|f| f.vertices.map(|v| v as u32)).collect();
     let raw = Surface { points, faces };
     check_length(raw.length(), unit)?;
     Ok(weld(&raw))
@@ -68,8 +69,8 @@ pub fn read(bytes: &[u8], unit: Metre) -> Result<Surface, StlError> {
 
 fn check_length(length: Metre, unit: Metre) -> Result<(), StlError> {
     let guess = match length {
-        l if l < PLAUSIBLE_LENGTH[0] => "an STL in metres read as millimetres?",
-        l if l > PLAUSIBLE_LENGTH[1] => "an STL in millimetres read as metres?",
+        l if l < PLAUSIBLE_LENGTH[0] => "an STL in metres or inches read as millimetres?",
+        l if l > PLAUSIBLE_LENGTH[1] => "an STL in millimetres read as metres or inches?",
         _ => return Ok(()),
     };
     Err(StlError::Size { length, unit, guess })
@@ -99,7 +100,16 @@ fn weld(raw: &Surface) -> Surface {
         merged.push(index);
     }
     let faces = raw.faces.iter().map(|f| f.map(|p| merged[p as usize]));
-    Surface { points, faces: faces.filter(|[a, b, c]| a != b && b != c && c != a).collect() }
+    let mut present = HashSet::new();
+    let is_new = |face: &[u32; 3]| present.insert(from_lowest(*face));
+    Surface { points, faces: faces.filter(|[a, b, c]| a != b && b != c && c != a).filter(is_new).collect() }
+}
+
+/// The corners of a face in their order, the lowest first.
+fn from_lowest(mut face: [u32; 3]) -> [u32; 3] {
+    let lowest = (0..3).min_by_key(|k| face[*k]).unwrap_or_default();
+    face.rotate_left(lowest);
+    face
 }
 
 /// Writes a binary STL with `title` in its header (first 80 bytes), 1 unit = `unit` m.
@@ -147,7 +157,18 @@ mod tests {
     fn a_file_in_metres_read_as_millimetres_is_refused() {
         let bytes = write(&block([0.0; 3], [0.1; 3]), 1.0, "a box");
         let error = read(&bytes, 1e-3).unwrap_err().to_string();
-        assert!(error.contains("an STL in metres read as millimetres?"), "{error}");
+        assert!(error.contains("an STL in metres or inches read as millimetres?"), "{error}");
+    }
+
+    #[test]
+    fn a_face_that_lies_twice_is_read_once_and_its_other_side_is_another_face() {
+        let solid = block([0.0; 3], [0.02; 3]);
+        let mut doubled = solid.clone();
+        doubled.faces.extend(solid.faces[..3].iter().map(|[a, b, c]| [*b, *c, *a]));
+        let faces = |surface: &Surface| read(&write(surface, 1e-3, "a box"), 1e-3).unwrap().faces.len();
+        assert_eq!(faces(&doubled), 12);
+        doubled.faces.push([solid.faces[0][0], solid.faces[0][2], solid.faces[0][1]]);
+        assert_eq!(faces(&doubled), 13);
     }
 
     #[test]

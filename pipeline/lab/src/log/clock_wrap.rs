@@ -1,0 +1,52 @@
+//! Clocks that begin anew: a counter that overflows, a time of day at midnight.
+
+use si::Second;
+
+/// After what time a clock begins anew, s: a counter of 32 bits in microseconds or milliseconds, one of 16 bits in milliseconds, and the day.
+const PERIODS: [Second; 4] = [4_294.967_296, 4_294_967.296, 65.536, 86_400.0];
+/// The step over an overflow against the longest other step before it, at most.
+const LONGER: f64 = 3.0;
+
+/// Counts times (s) on where their clock began anew: where a time falls back, and with a whole period added follows the one before as the
+/// others do. A clock that was set back does not meet that by chance.
+pub(super) fn unwrap(times: &mut [Second]) {
+    let mut added = 0.0;
+    let mut longest: Second = 0.0;
+    for i in 1..times.len() {
+        let before = times[i - 1];
+        let step = times[i] + added - before;
+        if step < 0.0 {
+            let follows =
+                |period: &&Second| (0.0..=LONGER * longest).contains(&(step + **period)) && step + **period > 0.0;
+            added += PERIODS.iter().find(follows).copied().unwrap_or_default();
+        } else {
+            longest = longest.max(step);
+        }
+        times[i] += added;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counters_and_days_that_begin_anew_go_on() {
+        for period in PERIODS {
+            let step = 1e-3 * period;
+            let even: Vec<Second> = (0..40).map(|i| 0.99 * period + step * f64::from(i)).collect();
+            let mut times: Vec<Second> = even.iter().map(|t| t % period).collect();
+            unwrap(&mut times);
+            let off = times.iter().zip(&even).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(off < 1e-9 * period, "{period}: {off}");
+        }
+    }
+
+    #[test]
+    fn a_clock_that_was_set_back_stays_so() {
+        let mut times = [4000.0, 4000.1, 4000.2, 10.0, 10.1, 10.0];
+        let before = times;
+        unwrap(&mut times);
+        assert_eq!(times, before);
+    }
+}

@@ -1,0 +1,79 @@
+//! The encoding of a text: UTF-8 and UTF-16 with or without a byte-order mark, else Windows-1252.
+
+/// What the bytes from 0x80 to 0x9f stand for in Windows-1252; those from 0xa0 on are the first of Unicode.
+const WINDOWS_1252: [char; 32] = [
+    '€', '\u{81}', '‚', 'ƒ', '„', '…', '†', '‡', 'ˆ', '‰', 'Š', '‹', 'Œ', '\u{8d}', 'Ž', '\u{8f}', '\u{90}', '‘', '’',
+    '“', '”', '•', '–', '—', '˜', '™', 'š', '›', 'œ', '\u{9d}', 'ž', 'Ÿ',
+];
+/// Characters of a text without a mark that are looked at for the zeros of UTF-16.
+const EXAMINED: usize = 512;
+
+/// The text of a log; none where the bytes are no text. UTF-8 keeps its byte-order mark.
+pub(crate) fn decode(bytes: Vec<u8>) -> Option<String> {
+    let text = match utf_16(&bytes) {
+        Some(text) => text?,
+        None => String::from_utf8(bytes).unwrap_or_else(|error| error.as_bytes().iter().map(|b| letter(*b)).collect()),
+    };
+    // A workbook or a picture has bytes that stand in no text.
+    let is_control = |c: char| c < ' ' && !matches!(c, '\t' | '\n' | '\r' | '\u{b}' | '\u{c}' | '\u{1a}');
+    (!text.chars().any(is_control)).then_some(text)
+}
+
+/// Whether bytes are read as Windows-1252, which no mark confirms.
+pub fn is_windows_1252(bytes: &[u8]) -> bool {
+    utf_16(bytes).is_none() && std::str::from_utf8(bytes).is_err()
+}
+
+fn letter(byte: u8) -> char {
+    match byte {
+        0x80..=0x9f => WINDOWS_1252[usize::from(byte - 0x80)],
+        _ => char::from(byte),
+    }
+}
+
+/// A text in UTF-16, by its mark or by the zeros beside its Latin letters: none where the bytes are not in UTF-16, within it none where they
+/// are cut or broken.
+fn utf_16(bytes: &[u8]) -> Option<Option<String>> {
+    let zeros = |odd: usize| bytes.iter().skip(odd).step_by(2).take(EXAMINED).filter(|byte| **byte == 0).count();
+    let half = bytes.len().div_ceil(2).min(EXAMINED) / 2;
+    let order: fn([u8; 2]) -> u16 = match bytes {
+        [0xff, 0xfe, ..] => u16::from_le_bytes,
+        [0xfe, 0xff, ..] => u16::from_be_bytes,
+        _ if half > 0 && zeros(1) > half && zeros(0) == 0 => u16::from_le_bytes,
+        _ if half > 0 && zeros(0) > half && zeros(1) == 0 => u16::from_be_bytes,
+        _ => return None,
+    };
+    // length: an odd byte at the end is half a letter of a file that was cut
+    let (pairs, rest) = bytes.as_chunks::<2>();
+    let units: Vec<u16> = pairs.iter().map(|pair| order(*pair)).collect();
+    let text = String::from_utf16(&units).ok().filter(|_| rest.is_empty());
+    Some(text.map(|text| text.trim_start_matches('\u{feff}').to_owned()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "time_s;Temp °C;€\n0,5;21,5;1\n";
+
+    #[test]
+    fn a_text_comes_back_from_every_encoding() {
+        let wide = |order: fn(u16) -> [u8; 2]| TEXT.encode_utf16().flat_map(order).collect::<Vec<u8>>();
+        let (little, big) = (wide(u16::to_le_bytes), wide(u16::to_be_bytes));
+        let marked = |mark: [u8; 2], bytes: &[u8]| [&mark[..], bytes].concat();
+        let single: Vec<u8> = TEXT.chars().map(|c| if c == '€' { 0x80 } else { c as u8 }).collect();
+        assert!(is_windows_1252(&single) && !is_windows_1252(TEXT.as_bytes()) && !is_windows_1252(&little));
+        let all = [marked([0xff, 0xfe], &little), marked([0xfe, 0xff], &big), little, big, single, TEXT.into()];
+        for bytes in all {
+            assert_eq!(decode(bytes.clone()).as_deref(), Some(TEXT), "{bytes:?}");
+        }
+        assert_eq!(decode(format!("\u{feff}{TEXT}").into()), Some(format!("\u{feff}{TEXT}")));
+    }
+
+    #[test]
+    fn bytes_that_are_no_text_are_none() {
+        assert_eq!(decode(b"PK\x03\x04\x14\x00\x06\x00\x08\x00\xe9".to_vec()), None);
+        assert_eq!(decode(b"\xff\xfet\x00i".to_vec()), None, "cut within a letter");
+        assert_eq!(decode(Vec::new()).as_deref(), Some(""));
+    }
+}

@@ -1,0 +1,248 @@
+//! Spikes of an amplifier: samples of a force that are no force.
+//!
+//! A converter that is read while it converts, or whose input is open for a moment, gives its full scale, 2ⁿ − 1 or −2ⁿ, or some other
+//! number far from all others, for a sample or two. The value is left out: the line between its neighbours stands for it, so that the clock stays even. A
+//! step, a tap and its ringing, and an input that stays at full scale have neighbours that moved too, and are kept.
+
+use serde::{Deserialize, Serialize};
+
+/// A sample that is left out.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Spike {
+    /// Its line.
+    pub line: usize,
+    /// The number in the file.
+    pub value: f64,
+    /// Bits of the converter whose full scale it is; none of a lone jump.
+    pub bits: Option<u32>,
+}
+
+/// What of the second column of a log is no reading.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) enum Spikes {
+    /// Everything is a reading.
+    #[default]
+    None,
+    /// Numbers at full scale alone: a tap may be as short as a sample.
+    FullScale,
+    /// Those, and lone jumps.
+    LoneJumps,
+}
+
+/// Bits of converters, with a sign and without, whose full scale no reading meets by chance.
+const BITS: [u32; 6] = [16, 18, 20, 22, 24, 32];
+/// Samples that a spike lasts at most.
+const LONGEST: usize = 2;
+/// Samples on either side that must not have moved: a fixture rings for longer after a tap.
+const QUIET: usize = 6;
+/// A lone jump exceeds the standard deviation of the noise by so many times, and all that the other samples span: one reading in 10⁹ does.
+const JUMP: f64 = 6.0;
+/// How far neighbours may have moved, of the jump.
+const MOVED: f64 = 0.1;
+/// Lone jumps among the samples of a log at most, no unit: what comes more often belongs to what was measured.
+const RARE: f64 = 0.02;
+
+impl Spikes {
+    /// Leaves spikes out of the second column of rows, which has `factor` times the file's numbers.
+    pub(super) fn leave_out(self, rows: &mut [Vec<f64>], lines: &[usize], factor: f64) -> Vec<Spike> {
+        if self == Self::None {
+            return Vec::new();
+        }
+        let values: Vec<f64> = rows.iter().map(|row| row[1] / factor).collect();
+        let mut bits = full_scales(&values);
+        let mut out: Vec<bool> = bits.iter().map(Option::is_some).collect();
+        let codes = out.clone();
+        let is_short = |run: &std::ops::Range<usize>| run.len() <= LONGEST && stands_out(&values, &codes, run);
+        out.fill(false);
+        runs(&codes).filter(is_short).for_each(|run| out[run].fill(true));
+        // length: a number of bits and a mark for each value
+        bits.iter_mut().zip(&out).filter(|(_, is_out)| !**is_out).for_each(|(bits, _)| *bits = None);
+        if self == Self::LoneJumps {
+            lone_jumps(&values, &out).into_iter().for_each(|i| out[i] = true);
+        }
+        bridge(rows, &out);
+        let value = |i: usize| if is_whole(values[i]) { values[i].round() } else { values[i] };
+        let spike = |i: usize| Spike { line: lines[i], value: value(i), bits: bits[i] };
+        (0..out.len()).filter(|i| out[*i]).map(spike).collect()
+    }
+}
+
+/// Whether a number that was scaled and divided by its scale is whole but for rounding.
+fn is_whole(value: f64) -> bool {
+    (value - value.round()).abs() <= 1e-9 * value.abs().max(1.0)
+}
+
+/// Of each value the bits of the converter whose full scale it is: in a column of whole numbers none of which lies beyond.
+fn full_scales(values: &[f64]) -> Vec<Option<u32>> {
+    if !values.iter().all(|v| is_whole(*v)) {
+        return vec![None; values.len()];
+    }
+    let span = |fold: fn(f64, f64) -> f64| values.iter().copied().fold(0.0, fold).round();
+    let ends = [span(f64::max), span(f64::min)];
+    let scales = |bits: u32| {
+        let half = 2_f64.powi(bits as i32 - 1);
+        [half - 1.0, 2.0 * half - 1.0, -half]
+    };
+    let bits = |v: f64| BITS.into_iter().find(|bits| scales(*bits).contains(&v.round()) && ends.contains(&v.round()));
+    values.iter().map(|v| bits(*v)).collect()
+}
+
+/// Runs of marked samples.
+fn runs(marked: &[bool]) -> impl Iterator<Item = std::ops::Range<usize>> {
+    let begins = |i: usize| marked[i] && (i == 0 || !marked[i - 1]);
+    let end = |from: usize| from + marked[from..].iter().take_while(|is| **is).count();
+    (0..marked.len()).filter(move |i| begins(*i)).map(move |from| from..end(from))
+}
+
+/// Values around a run that are not marked.
+fn around(values: &[f64], marked: &[bool], run: &std::ops::Range<usize>) -> Vec<f64> {
+    let before = (0..run.start).rev().filter(|i| !marked[*i]).take(QUIET);
+    let after = (run.end..values.len()).filter(|i| !marked[*i]).take(QUIET);
+    before.chain(after).map(|i| values[i]).collect()
+}
+
+/// Whether the values beside a run stay where they are, against its jump.
+fn stands_out(values: &[f64], marked: &[bool], run: &std::ops::Range<usize>) -> bool {
+    let beside = around(values, marked, run);
+    let level = median(beside.clone());
+    let least = run.clone().map(|i| (values[i] - level).abs()).fold(f64::INFINITY, f64::min);
+    beside.iter().all(|v| (v - level).abs() <= MOVED * least) && least > 0.0
+}
+
+/// Samples that jump alone; `out` is left out already.
+fn lone_jumps(values: &[f64], out: &[bool]) -> Vec<usize> {
+    let least = JUMP * noise(values, out);
+    let height = |i: usize| (values[i] - median(around(values, out, &(i..i + 1)))).abs();
+    // where neither neighbour is far, nothing jumps
+    let edge = |i: usize| {
+        i > 0 && i + 1 < values.len() && [i - 1, i + 1].iter().any(|j| (values[i] - values[*j]).abs() > 0.5 * least)
+    };
+    let jumps: Vec<bool> = (0..values.len()).map(|i| !out[i] && edge(i) && height(i) > least).collect();
+    let marked: Vec<bool> = jumps.iter().zip(out).map(|(jumps, out)| *jumps || *out).collect();
+    let others = values.iter().zip(&marked).filter(|(_, marked)| !**marked).map(|(v, _)| *v);
+    let [low, high] = others.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
+    // ringing has other jumps beside it, of other heights; a converter that fails twice gives the same number
+    let rings = |run: &std::ops::Range<usize>| {
+        let near = run.start.saturating_sub(QUIET)..(run.end + QUIET).min(values.len());
+        let other = |j: &usize| jumps[*j] && !run.contains(j) && values[*j] != values[run.start];
+        near.filter(other).any(|j| height(j) > MOVED * height(run.start))
+    };
+    let beyond: Vec<bool> = (0..values.len()).map(|i| jumps[i] && height(i) > high - low).collect();
+    let is_lone =
+        |run: &std::ops::Range<usize>| run.len() <= LONGEST && !rings(run) && stands_out(values, &marked, run);
+    let found: Vec<usize> = runs(&beyond).filter(is_lone).flatten().collect();
+    if found.len() as f64 <= (RARE * values.len() as f64).max(1.0) { found } else { Vec::new() }
+}
+
+/// Standard deviation of the noise, from the median of the second differences of what is not left out.
+fn noise(values: &[f64], out: &[bool]) -> f64 {
+    let present: Vec<f64> = values.iter().zip(out).filter(|(_, out)| !**out).map(|(v, _)| *v).collect();
+    let second = |three: &[f64]| (three[0] - 2.0 * three[1] + three[2]).abs();
+    median(present.windows(3).map(second).collect()) * 1.4826 / 6_f64.sqrt()
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
+
+/// Sets what is left out onto the line between its neighbours in time.
+fn bridge(rows: &mut [Vec<f64>], out: &[bool]) {
+    for run in runs(out).collect::<Vec<_>>() {
+        let before = run.start.checked_sub(1).map(|i| [rows[i][0], rows[i][1]]);
+        let after = rows.get(run.end).map(|row| [row[0], row[1]]);
+        let Some(([t0, v0], [t1, v1])) = before.or(after).zip(after.or(before)) else { continue };
+        for row in &mut rows[run] {
+            let part = if t1 > t0 { (row[0] - t0) / (t1 - t0) } else { 0.0 };
+            row[1] = v0 + part * (v1 - v0);
+        }
+    }
+}
+
+impl std::fmt::Display for Spike {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { line, value, bits } = self;
+        let why = bits.map_or("a jump of a sample alone".to_owned(), |bits| format!("the full scale of {bits} bits"));
+        write!(out, "line {line}: {value} is {why}, and is left out")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is left out of readings, by their places.
+    fn left_out(readings: &[f64], spikes: Spikes) -> Vec<usize> {
+        let mut rows: Vec<Vec<f64>> = readings.iter().enumerate().map(|(i, v)| vec![i as f64, *v]).collect();
+        let lines: Vec<usize> = (0..readings.len()).collect();
+        spikes.leave_out(&mut rows, &lines, 1.0).iter().map(|spike| spike.line).collect()
+    }
+
+    /// Repeatable noise of 50 counts about a level.
+    fn noise(count: usize, level: f64) -> Vec<f64> {
+        (0..count)
+            .map(|i| (level + 50.0 * (i as f64 * 12.9898).sin() + 30.0 * (i as f64 * 78.233).sin()).round())
+            .collect()
+    }
+
+    #[test]
+    fn full_scale_is_left_out_alone_and_in_pairs_and_kept_where_the_input_stays_there() {
+        let mut readings = noise(200, 300.0);
+        for (i, code) in [(0, 8_388_607.0), (50, -8_388_608.0), (51, 8_388_607.0), (199, 8_388_607.0)] {
+            readings[i] = code;
+        }
+        assert_eq!(left_out(&readings, Spikes::FullScale), [0, 50, 51, 199]);
+        assert_eq!(left_out(&readings, Spikes::None), Vec::<usize>::new());
+        readings[100..104].fill(8_388_607.0);
+        assert_eq!(left_out(&readings, Spikes::LoneJumps), [0, 50, 51, 199]);
+        readings[70] = 8_388_606.0;
+        readings[71] = 8_388_607.0;
+        assert!(!left_out(&readings, Spikes::LoneJumps).contains(&71), "a tap that reaches full scale");
+    }
+
+    #[test]
+    fn the_number_of_full_scale_is_a_reading_where_others_lie_beyond_it() {
+        let mut readings: Vec<f64> = (0..200).map(|i| 32_668.0 + f64::from(i)).collect();
+        assert_eq!(left_out(&readings, Spikes::LoneJumps), Vec::<usize>::new());
+        readings.truncate(100);
+        assert_eq!(left_out(&readings, Spikes::LoneJumps), Vec::<usize>::new(), "the last of a ramp");
+    }
+
+    #[test]
+    fn a_lone_jump_is_left_out_whatever_its_number() {
+        let mut readings: Vec<f64> = noise(200, 84_000.0).iter().map(|v| 1e-6 * v).collect();
+        (readings[20], readings[60], readings[63]) = (0.5, -1e-6, -1e-6);
+        assert_eq!(left_out(&readings, Spikes::LoneJumps), [20, 60, 63]);
+        assert_eq!(left_out(&readings, Spikes::FullScale), Vec::<usize>::new(), "a tap may be a sample long");
+        assert_eq!(left_out(&noise(200, 0.0), Spikes::LoneJumps), Vec::<usize>::new());
+    }
+
+    /// Free vibration of a fixture after a tap, at frequencies from slow to that of half the samples.
+    #[test]
+    fn taps_steps_and_beats_are_kept() {
+        let ring = |f: f64, i: usize| {
+            if i < 90 { 0.0 } else { (-0.05 * (i - 90) as f64).exp() * (f * (i - 90) as f64 + 0.9).sin() }
+        };
+        for k in 1..=30 {
+            let frequency = 0.1 * f64::from(k);
+            let tap: Vec<f64> =
+                noise(300, 0.0).iter().enumerate().map(|(i, v)| v + (2e4 * ring(frequency, i)).round()).collect();
+            assert_eq!(left_out(&tap, Spikes::LoneJumps), Vec::<usize>::new(), "{frequency}");
+        }
+        let step: Vec<f64> =
+            noise(300, 0.0).iter().enumerate().map(|(i, v)| v + if i < 150 { 0.0 } else { 1e5 }).collect();
+        let beat: Vec<f64> = (0..300).map(|i| if i % 25 == 0 { 1e4 } else { f64::from(i % 3) }).collect();
+        let late: Vec<f64> = step[..151].to_vec();
+        for kept in [step, beat, late] {
+            assert_eq!(left_out(&kept, Spikes::LoneJumps), Vec::<usize>::new());
+        }
+    }
+
+    #[test]
+    fn the_line_between_the_neighbours_stands_for_what_is_left_out() {
+        let mut rows: Vec<Vec<f64>> = (0..40).map(|i| vec![0.5 * f64::from(i), f64::from(10 * i)]).collect();
+        (rows[7][1], rows[8][1], rows[39][1]) = (8_388_607.0, -8_388_608.0, 8_388_607.0);
+        Spikes::FullScale.leave_out(&mut rows, &[0; 40], 1.0);
+        assert_eq!([rows[7][1], rows[8][1], rows[39][1]], [70.0, 80.0, 380.0]);
+    }
+}

@@ -1,0 +1,143 @@
+//! DeepLabCut's CSV: three lines of titles (scorer, bodyparts, coords), four with several animals (individuals), then x, y and likelihood of each
+//! body part a frame. A part that was not found has empty fields.
+
+use diagnostics::Result;
+
+use super::{Place, placed, refused};
+
+/// Least likelihood of an imported position, no unit.
+const LIKELIHOOD: f64 = 0.6;
+
+/// A column of three: the animal, where there are several, and the body part.
+struct Part {
+    individual: String,
+    name: String,
+}
+
+/// The places of the body parts that `names` are, each with the number of its marker.
+pub(super) fn read(text: &str, names: &[String]) -> Result<Vec<(usize, Place)>> {
+    let mut lines = text.lines().skip(1).filter(|line| !line.trim().is_empty()).peekable();
+    let titles = |line: Option<&str>| -> Vec<String> {
+        line.unwrap_or_default().split(',').skip(1).map(|word| word.trim().to_owned()).collect()
+    };
+    let individuals = lines.next_if(|line| line.starts_with("individuals")).map(|line| titles(Some(line)));
+    let (parts, coords) = (titles(lines.next()), titles(lines.next()));
+    let several = individuals.as_ref().is_none_or(|all| all.len() == parts.len());
+    let whole = coords.chunks(3).all(|three| three == ["x", "y", "likelihood"]);
+    if !(whole && several && parts.len() == coords.len()) {
+        return Err(refused("its titles do not repeat x, y, likelihood for each body part".into()));
+    }
+    let part = |k: usize| Part {
+        individual: individuals.as_ref().map_or(String::new(), |all| all[k].clone()),
+        name: parts[k].clone(),
+    };
+    let parts: Vec<Part> = (0..parts.len()).step_by(3).map(part).collect();
+    let columns: Vec<usize> = names.iter().map(|name| column(&parts, name)).collect::<Result<_>>()?;
+    let mut all = Vec::new();
+    let mut last = None;
+    for (frame, line) in lines.enumerate() {
+        check_order(line, &mut last)?;
+        let fields: Vec<&str> = line.split(',').map(str::trim).collect();
+        if fields.len() < 1 + 3 * parts.len() {
+            return Err(refused(format!("frame {frame} is short of numbers")));
+        }
+        for (marker, column) in columns.iter().enumerate() {
+            all.push((marker, place(frame, [0, 1, 2].map(|k| fields[1 + 3 * column + k]))?));
+        }
+    }
+    Ok(all)
+}
+
+/// Frames rise where their first field is a number; it may be the name of a picture.
+fn check_order(line: &str, last: &mut Option<u64>) -> Result<()> {
+    let number = line.split(',').next().and_then(|word| word.trim().parse::<u64>().ok());
+    if let (Some(number), Some(before)) = (number, *last)
+        && number <= before
+    {
+        return Err(refused(format!("frame {number} stands after frame {before}")));
+    }
+    *last = number.or(*last);
+    Ok(())
+}
+
+/// The column of a marker: the body part of its name, or, of several animals that have it, `animal_part`.
+fn column(parts: &[Part], name: &str) -> Result<usize> {
+    let of = |is: &dyn Fn(&Part) -> bool| (0..parts.len()).filter(|k| is(&parts[*k])).collect::<Vec<_>>();
+    let long = of(&|part| {
+        [format!("{}_{}", part.individual, part.name), format!("{}-{}", part.individual, part.name)]
+            .contains(&name.to_owned())
+    });
+    let all = if long.is_empty() { of(&|part| part.name == name) } else { long };
+    if let [one] = all[..] {
+        return Ok(one);
+    }
+    let known: Vec<String> =
+        parts.iter().map(|part| format!("{} {}", part.individual, part.name).trim().to_owned()).collect();
+    let known = known.join(", ");
+    Err(refused(match all.len() {
+        0 => format!("no body part is marker `{name}`; the file has {known}"),
+        count => format!(
+            "{count} animals have a body part `{name}`; the file has {known}; call the marker animal_part on the card"
+        ),
+    }))
+}
+
+/// A part in a frame; lost where it was not found or its likelihood is low.
+fn place(frame: usize, [u, v, likelihood]: [&str; 3]) -> Result<Place> {
+    let number = |field: &str| match field {
+        "" => Ok(f64::NAN),
+        field => field.parse::<f64>().map_err(|_| refused(format!("frame {frame} has `{field}` in place of a number"))),
+    };
+    let (at, likelihood) = ([number(u)?, number(v)?], number(likelihood)?);
+    let is_found = likelihood >= LIKELIHOOD && at.iter().all(|x| x.is_finite());
+    Ok(Place { at: is_found.then_some(at), ..placed(at) })
+}
+
+#[cfg(test)]
+mod tests {
+    use diagnostics::Result;
+
+    use super::super::PixelTrack;
+
+    const ONE: &str = "scorer,net,net,net,net,net,net\nbodyparts,m2,m2,m2,m1,m1,m1\ncoords,x,y,likelihood,x,y,likelihood\n0,3,4,0.99,1,2,0.98\n1,3.5,4,0.99,1.5,2,0.97\n";
+
+    fn read(text: &str, names: &[String], frames: usize, sigma: f64) -> Result<Vec<PixelTrack>> {
+        super::super::read(text.as_bytes(), names, frames, sigma)
+    }
+
+    fn names(names: [&str; 2]) -> Vec<String> {
+        names.map(str::to_owned).to_vec()
+    }
+
+    #[test]
+    fn body_parts_are_read_by_their_names() {
+        let paths = read(ONE, &names(["m1", "m2"]), 2, 0.5).unwrap();
+        assert_eq!((paths[0].at[1], paths[1].at[1]), (Some([1.5, 2.0]), Some([3.5, 4.0])));
+        assert_eq!(paths[0].covariance[0], [0.25, 0.0, 0.25]);
+        let said = read(ONE, &names(["m1", "m3"]), 2, 0.5).unwrap_err().why;
+        assert!(said.contains("no body part is marker `m3`; the file has m2, m1"), "{said}");
+    }
+
+    #[test]
+    fn a_part_that_was_not_found_is_lost_in_that_frame() {
+        for lost in ["1,3.5,4,0.99,1.5,2,0.30", "1,3.5,4,0.99,,,", "1,3.5,4,0.99,NaN,NaN,1.0", "1,3.5,4,0.99,1.5,2,"] {
+            let paths = read(&ONE.replace("1,3.5,4,0.99,1.5,2,0.97", lost), &names(["m1", "m2"]), 2, 0.5).unwrap();
+            assert_eq!([paths[0].at[0], paths[0].at[1]], [Some([1.0, 2.0]), None], "{lost}");
+            assert_eq!(paths[1].at[1], Some([3.5, 4.0]));
+        }
+        assert!(
+            read(&ONE.replace("3.5,4", "3.5,high"), &names(["m1", "m2"]), 2, 0.5).unwrap_err().why.contains("`high`")
+        );
+    }
+
+    #[test]
+    fn of_several_animals_a_part_is_named_with_its_own() {
+        let four = "scorer,net,net,net,net,net,net\nindividuals,a,a,a,b,b,b\nbodyparts,tip,tip,tip,tip,tip,tip\ncoords,x,y,likelihood,x,y,likelihood\n0,3,4,0.99,1,2,0.98\n1,,,,1.5,2,0.97\n";
+        let paths = read(four, &names(["b_tip", "a_tip"]), 2, 0.5).unwrap();
+        assert_eq!((paths[0].at[1], paths[1].at[1]), (Some([1.5, 2.0]), None));
+        let said = read(four, &names(["tip", "a_tip"]), 2, 0.5).unwrap_err().why;
+        assert!(said.contains("2 animals have a body part `tip`") && said.contains("a tip, b tip"), "{said}");
+        let single = four.replace("tip,tip,tip,tip,tip,tip", "tip,tip,tip,base,base,base");
+        assert_eq!(read(&single, &names(["base", "tip"]), 2, 0.5).unwrap()[0].at[0], Some([1.0, 2.0]));
+    }
+}
