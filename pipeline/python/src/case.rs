@@ -6,6 +6,7 @@ use std::sync::Arc;
 use diagnostics::Diagnostic;
 use pyo3::prelude::*;
 use simulate::case::{parse, read};
+use simulate::{Budget, RunOptions};
 
 use crate::errors::{Kind, of_diagnostic, refused};
 use crate::interrupt::watched;
@@ -60,15 +61,19 @@ impl Case {
 /// Runs the case in a file as the command line does, and writes its tables and frames into `out`. Returns the folder,
 /// the number of degrees of freedom and that of levels or steps.
 #[pyfunction]
-#[pyo3(signature = (path, out, quiet))]
+#[pyo3(signature = (path, out, quiet, budget))]
 pub(crate) fn run_case(
     py: Python<'_>,
     path: PathBuf,
     out: Option<PathBuf>,
     quiet: bool,
+    budget: (Option<usize>, Option<usize>, Option<f64>),
 ) -> PyResult<(PathBuf, usize, usize)> {
-    let summary = watched(py, |interrupt| {
-        simulate::run(&path, out.as_deref(), quiet, Some(interrupt)).map_err(|diagnostic| refusal(&diagnostic))
+    let (max_iterations, max_cutbacks, timeout) = budget;
+    let budget = Budget { max_iterations, max_cutbacks, timeout };
+    let summary = watched(py, move |signals| {
+        let options = RunOptions { out, quiet, interrupt: Some(signals.interrupt()), budget };
+        simulate::run_with(&path, options).map_err(|diagnostic| refusal(&diagnostic))
     })?;
     Ok((summary.folder, summary.dofs, summary.solved))
 }

@@ -12,6 +12,8 @@ pub(crate) enum Kind {
     Convergence,
     NotStable,
     Busy,
+    Budget,
+    Internal,
 }
 
 impl Kind {
@@ -23,6 +25,8 @@ impl Kind {
             Self::Convergence => "ConvergenceError",
             Self::NotStable => "NotStableError",
             Self::Busy => "BusyError",
+            Self::Budget => "BudgetError",
+            Self::Internal => "InternalError",
         }
     }
 }

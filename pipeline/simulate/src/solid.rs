@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use mesh::foreign::{self, NamedSurface, Region};
+use mesh::foreign::{self, NamedSurface, RawMesh, Region};
 use mesh::{Cavity, Solid, Surface};
 
 use crate::case::{Case, Order, Source};
@@ -54,9 +54,7 @@ pub fn load(case: &Case, folder: &Path) -> Result<Loaded> {
 }
 
 fn from_file(mesh: &Source, path: &Path) -> Result<Loaded> {
-    let nodes = foreign::nodes_of(path).map(|nodes| bytes(&nodes)).transpose()?;
-    let draft = foreign::read(path, &bytes(path)?, nodes.as_deref()).map_err(|error| named(path, error))?;
-    let found = draft.check(mesh.unit.metres(), mesh.half).map_err(|error| named(path, error))?;
+    let found = raw_mesh(path)?.check(mesh.unit.metres(), mesh.half).map_err(|error| named(path, error))?;
     Ok(Loaded {
         solid: found.solid,
         regions: found.regions,
@@ -65,6 +63,15 @@ fn from_file(mesh: &Source, path: &Path) -> Result<Loaded> {
         notes: found.notes,
         tables: BTreeMap::new(),
     })
+}
+
+/// The content of a mesh file, before any check.
+///
+/// # Errors
+/// As [`load`].
+pub fn raw_mesh(path: &Path) -> Result<RawMesh> {
+    let nodes = foreign::nodes_of(path).map(|nodes| bytes(&nodes)).transpose()?;
+    foreign::read(path, &bytes(path)?, nodes.as_deref()).map_err(|error| named(path, error))
 }
 
 fn from_surfaces(mesh: &Source, folder: &Path) -> Result<Loaded> {

@@ -1,6 +1,6 @@
 //! VTK's unstructured grid (`.vtu`): XML with points, cells and data of the cells.
 //!
-//! Tetrahedra are cell types 10 and 24; type 24 has the order of nodes of this module. The tag of a cell is the first of the arrays
+//! Tetrahedra are cell types 10 and 24, hexahedra 12; type 24 has the order of nodes of this module. The tag of a cell is the first of the arrays
 //! in [`TAGS`] that the file has. Appended bytes are cut off before the rest is read as XML, which they need not be.
 
 use super::arrays::{Codec, Tail};
@@ -113,7 +113,7 @@ impl Piece<'_, '_> {
         let Cell { kind, nodes: list, tag } = *cell;
         let label = (raw.len() + raw.ignored) as u64;
         match (kind, list.len()) {
-            (10, 4) | (24, 10) => {
+            (10, 4) | (24, 10) | (12, 8) => {
                 let nodes: Option<Vec<u32>> =
                     list.iter().map(|&node| u32::try_from(self.whole(node)? + first).ok()).collect();
                 let nodes =
