@@ -217,9 +217,13 @@ impl Solver {
     /// Of a case, on its own mesh or on a given one.
     #[staticmethod]
     fn of_case(py: Python<'_>, case: &Case, mesh: &Mesh, threads: Option<usize>) -> PyResult<Self> {
-        let (case, kinds) = (case.case.clone(), mesh.kinds.clone());
+        let (folder, case, kinds) = (case.folder(), case.case.clone(), mesh.kinds.clone());
         watched(py, move |_| match &*kinds {
-            Kinds::Tetrahedra(loaded) => of_case(case, loaded, threads),
+            Kinds::Tetrahedra(loaded) => {
+                // A mesh that was given has no tables: they are the case's.
+                let tables = simulate::tables(&case, &folder).map_err(|diagnostic| refusal(&diagnostic))?;
+                of_case(case, &Loaded { tables, ..loaded.clone() }, threads)
+            }
             Kinds::Hexahedra(_) => {
                 let why = "places of a case are found on a skin of triangles";
                 let act = "make the solver of the mesh: Solver.of_mesh";
@@ -342,6 +346,10 @@ fn check_memory(system: &System) -> PyResult<()> {
 }
 
 fn of_case(case: Arc<simulate::case::Case>, loaded: &Loaded, threads: Option<usize>) -> PyResult<Solver> {
+    if loaded.solid.half() && case.gravity[2] != 0.0 {
+        let why = "gravity along z breaks the symmetry about z = 0";
+        return Err(exception(Kind::Case, ["gravity on a half model has a part along z", why, "mesh the whole body"]));
+    }
     let body = Body::new(&case, loaded).map_err(|diagnostic| refusal(&diagnostic))?;
     check_memory(&body.system)?;
     let solver = body.solver(&case).map_err(|diagnostic| refusal(&diagnostic))?;

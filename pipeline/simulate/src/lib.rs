@@ -49,7 +49,7 @@ pub use loads::Loads;
 pub use path::FollowedPath;
 use probes::Table;
 pub use probes::{Probe, probes};
-pub use solid::{Loaded, load, raw_mesh};
+pub use solid::{Loaded, load, raw_mesh, tables};
 pub use statics::{Converged, Levels, LostLevel};
 
 /// The summary of a simulation.

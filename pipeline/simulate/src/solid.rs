@@ -14,6 +14,7 @@ use diagnostics::{Diagnostic, Result, input};
 const HALF: &str = "the surfaces are symmetric about z = 0: where clamps and loads are so too, their half z ≥ 0 would do (half = true)";
 
 /// A mesh with names.
+#[derive(Debug, Clone)]
 pub struct Loaded {
     /// The mesh.
     pub solid: Solid,
@@ -45,12 +46,22 @@ pub fn load(case: &Case, folder: &Path) -> Result<Loaded> {
         None => loaded.solid,
     };
     loaded.cavities = mesh::cavities(&loaded.solid);
+    loaded.tables = tables(case, folder)?;
+    Ok(loaded)
+}
+
+/// The tables of forces that a case in `folder` names, by the number of the load.
+///
+/// # Errors
+/// A [`Diagnostic`] that names the file and the line in it.
+pub fn tables(case: &Case, folder: &Path) -> Result<BTreeMap<usize, ForceTable>> {
+    let mut tables = BTreeMap::new();
     for (number, load) in case.load.iter().enumerate() {
         if let Some(table) = &load.table {
-            loaded.tables.insert(number, force_table::read(&folder.join(table))?);
+            tables.insert(number, force_table::read(&folder.join(table))?);
         }
     }
-    Ok(loaded)
+    Ok(tables)
 }
 
 fn from_file(mesh: &Source, path: &Path) -> Result<Loaded> {
