@@ -295,7 +295,7 @@ pub enum Checked {
 /// Limits of the solves of a case.
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub struct Limits {
-    /// Newton iterations of a level or time step at most [default: 500].
+    /// Newton iterations of a level or time step at most [default: 250].
     #[arg(long, value_parser = count(1..=1_000_000_000))]
     max_iterations: Option<usize>,
     /// Halvings of a load step at most [default: 40].

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeAlias
 
@@ -16,7 +17,8 @@ IntArray: TypeAlias = npt.NDArray[np.int64]
 ByName: TypeAlias = "float | npt.ArrayLike | Mapping[str, Any]"
 
 
-def _array(name: str, value: Any) -> npt.NDArray[Any]:
+def array_of(name: str, value: Any) -> npt.NDArray[Any]:
+    """`value` as a contiguous array of whatever it holds; a plain number as one of length 1."""
     try:
         return np.ascontiguousarray(value)
     except (TypeError, ValueError, RuntimeError) as error:
@@ -25,7 +27,7 @@ def _array(name: str, value: Any) -> npt.NDArray[Any]:
 
 def reals(name: str, value: Any, shape: tuple[int, ...] | None = None) -> Array:
     """`value` as contiguous double precision of `shape`; refused where a number is not finite."""
-    array = _array(name, value)
+    array = array_of(name, value)
     if array.dtype.kind not in "fiu":
         raise InputError(f"`{name}` holds {array.dtype}", "real numbers are required", "convert it to float64")
     if array.dtype == np.float16:
@@ -42,7 +44,7 @@ def reals(name: str, value: Any, shape: tuple[int, ...] | None = None) -> Array:
 
 def integers(name: str, value: Any) -> IntArray:
     """`value` as contiguous whole numbers."""
-    array = _array(name, value)
+    array = array_of(name, value)
     if array.dtype.kind not in "iu":
         raise InputError(f"`{name}` holds {array.dtype}", "whole numbers are required", "convert it to int64")
     if array.dtype == np.uint64 and array.size and int(array.max()) > np.iinfo(np.int64).max:
@@ -73,10 +75,9 @@ def positive(name: str, value: Any) -> float:
 
 def whole(name: str, value: Any, low: int, high: int) -> int:
     """`value` as one whole number from `low` to `high`."""
-    array = np.asarray(value)
-    if array.dtype.kind not in "iu" or array.ndim:
+    if not isinstance(value, int | np.integer | np.ndarray) or isinstance(value, bool) or np.ndim(value) or array_of(name, value).dtype.kind not in "iu":
         raise InputError(f"`{name}` is {value!r}", "it counts", "give a whole number")
-    given = int(array)
+    given = int(value)
     if not low <= given <= high:
         raise InputError(f"`{name}` is {given}", f"it lies between {low} and {high}", "give a number in this range")
     return given
@@ -94,6 +95,25 @@ def word(name: str, value: Any, known: Sequence[str]) -> str:
     if isinstance(value, str) and value in known:
         return value
     raise InputError(f"`{name}` is {value!r}", f"known are {', '.join(known)}", "name one of them")
+
+
+def instance(name: str, value: Any, kind: type | tuple[type, ...], action: str) -> None:
+    """Refuses a `value` that is not of a `kind`."""
+    if not isinstance(value, kind):
+        kinds = kind if isinstance(kind, tuple) else (kind,)
+        why = f"it is a {' or a '.join(one.__name__ for one in kinds)}"
+        raise InputError(f"`{name}` is a {type(value).__name__}", why, action)
+
+
+def file(name: str, value: Any) -> str:
+    """`value` as the name of a file or folder."""
+    try:
+        given = os.fspath(value)
+    except TypeError:
+        given = None
+    if not isinstance(given, str) or not given or "\0" in given:
+        raise InputError(f"`{name}` is {value!r}", "it names a file or a folder", "give a text or a pathlib.Path")
+    return given
 
 
 def frozen(array: Array) -> Array:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from softfish import _core
-from softfish._arrays import flag
+from softfish._arrays import file, flag, instance
 from softfish._budget import limits
 from softfish._errors import InputError
 from softfish._mesh import Mesh
@@ -38,12 +38,12 @@ class Case:
 
     def __init__(self, source: str | os.PathLike[str] | Mapping[str, Any], mesh: Mesh | None = None) -> None:
         """From a file of TOML, or from a dictionary with its keys; `mesh` takes the place of the one that it names."""
-        if mesh is not None and not isinstance(mesh, Mesh):
-            raise InputError(f"`mesh` is a {type(mesh).__name__}", "it is a Mesh", "make one: Mesh.read, Mesh.from_meshio")
+        if mesh is not None:
+            instance("mesh", mesh, Mesh, "make one: Mesh.read, Mesh.from_meshio")
         if isinstance(source, Mapping):
             keys = dict(source)
             if mesh is not None:
-                keys["mesh"] = {"file": "given", "unit": "m"}
+                keys["mesh"] = {"file": "given", "unit": "m", "half": mesh.half}
             try:
                 text = json.dumps(keys, default=_plain, allow_nan=False)
             except (TypeError, ValueError) as error:
@@ -52,8 +52,8 @@ class Case:
             self._parse("json", text, str(Path.cwd() / "case.toml"))
             self.path = None
         else:
-            self.path = Path(source)
-            self._core = _core.Case.read(os.fspath(source))
+            self.path = Path(file("source", source))
+            self._core = _core.Case.read(os.fspath(self.path))
             self._source = ("file", "", str(self.path.absolute()))
         self._mesh = mesh
         self._given = mesh is not None
@@ -66,11 +66,14 @@ class Case:
     @classmethod
     def from_toml(cls, text: str, folder: str | os.PathLike[str] = ".") -> Case:
         """From a text of TOML; meshes are named relative to `folder`."""
+        if not isinstance(text, str):
+            raise InputError(f"`text` is a {type(text).__name__}", "it is a text of TOML", "pass a file to Case itself")
+        place = Path(file("folder", folder)).absolute()
         case = cls.__new__(cls)
         case.path = None
         case._mesh = None
         case._given = False
-        case._parse("toml", text, str(Path(folder).absolute() / "case.toml"))
+        case._parse("toml", text, str(place / "case.toml"))
         return case
 
     @property
@@ -102,7 +105,8 @@ class Case:
         if self._given:
             raise InputError("a case with a given mesh is not run", "its file names another mesh", "use the solver")
         budget = limits(max_iterations, max_cutbacks, timeout)
-        folder, _, _ = _core.run_case(os.fspath(self.path), None if out is None else os.fspath(out), flag("quiet", quiet), budget)
+        output = (None if out is None else file("out", out), flag("quiet", quiet))
+        folder, _, _ = _core.run_case(os.fspath(self.path), output, budget)
         return Path(folder)
 
     def __getstate__(self) -> dict[str, Any]:

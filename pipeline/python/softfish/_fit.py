@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from softfish import _core
-from softfish._arrays import Array
+from softfish._arrays import Array, file
 
 
 @dataclass(frozen=True)
@@ -69,8 +69,8 @@ def fit(
 ) -> Fit:
     """Fits the laws of a page, as `study fit` does: its file, or its name among those of the project at `root`, below which
     recordings are looked for. Writes its table, metrics and figure into `out`, or beside the page."""
-    folder_out = None if out is None else os.fspath(out)
-    report, folder, laws = _core.fit(os.fspath(root), os.fspath(page), folder_out)
+    folder_out = None if out is None else file("out", out)
+    report, folder, laws = _core.fit(file("root", root), file("page", page), folder_out)
     made = []
     for name, parameters, mean, covariance, criterion, supported in laws:
         names, units = [of[0] for of in parameters], [of[1] for of in parameters]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypedDict
 import numpy as np
 import numpy.typing as npt
 
-from softfish._arrays import Array, ByName, positive, reals, whole
+from softfish._arrays import Array, ByName, instance, positive, reals, whole
 from softfish._errors import DerivativeError, InputError
 
 if TYPE_CHECKING:
@@ -100,10 +100,14 @@ class Function:
     """`output` of equilibria, or of motions where `steps` is given, as a function of the parameters `wrt`."""
 
     def __init__(self, solver: Solver, output: str, wrt: Sequence[str], steps: int | None, settings: Mapping[str, Any]) -> None:
+        from softfish._solver import Solver
+
+        instance("solver", solver, Solver, "use Solver.torch or Solver.jax")
+        instance("output", output, str, "name `displacement`, or a point of the case")
         self.solver = solver
         self.output = output
         self.steps = None if steps is None else whole("steps", steps, 1, 10_000_000)
-        if isinstance(wrt, str) or not wrt:
+        if not isinstance(wrt, list | tuple) or not wrt:
             raise InputError(f"`wrt` is {wrt!r}", "it is a list of names", "name at least one parameter")
         self.parameters = [Parameter(name, solver, self.steps) for name in wrt]
         for n, parameter in enumerate(self.parameters):

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softfish import _core
-from softfish._arrays import Array, IntArray, flag, integers, reals, whole, within, word
+from softfish._arrays import Array, IntArray, file, flag, integers, reals, whole, within, word
 from softfish._errors import InputError
 
 Unit = Literal["m", "mm"]
@@ -68,8 +68,8 @@ class Mesh:
         tags = np.zeros(len(cells), dtype=np.int64) if regions is None else integers("regions", regions)
         if tags.shape != (len(cells),):
             raise InputError(f"`regions` has the shape {tags.shape}", f"there are {len(cells)} elements", "give one each")
-        pair = (cells.ravel(), int(cells.shape[1]))
-        self._core = _core.Mesh.from_arrays(points.ravel(), pair, (tags.tolist(), _names(names, tags)), (half, surfaces))
+        arrays = (points.ravel(), cells.ravel(), int(cells.shape[1]))
+        self._core = _core.Mesh.from_arrays(arrays, (tags.tolist(), _names(names, tags)), (half, surfaces))
 
     @classmethod
     def _of(cls, core: _core.Mesh) -> Mesh:
@@ -85,7 +85,7 @@ class Mesh:
 
         `unit`: of the numbers in the file. `order` 1 or 2: of the elements; left out: as the file has them. `half`: as for arrays."""
         given = None if order is None else whole("order", order, 1, 2)
-        return cls._of(_core.Mesh.read(os.fspath(path), _is_millimetres(unit), given, flag("half", half)))
+        return cls._of(_core.Mesh.read(file("path", path), (_is_millimetres(unit), given), flag("half", half)))
 
     @classmethod
     def from_stl(
@@ -99,8 +99,9 @@ class Mesh:
     ) -> Mesh:
         """From the closed surface of a body, and that of a plane sheet in it, with edges of the length `edge` (m)."""
         length = within("edge", edge, 1e-5, 1.0)
-        sheet = None if spine is None else os.fspath(spine)
-        return cls._of(_core.Mesh.from_surfaces(os.fspath(body), sheet, length, (_is_millimetres(unit), flag("half", half))))
+        sheet = None if spine is None else file("spine", spine)
+        files = (file("body", body), sheet)
+        return cls._of(_core.Mesh.from_surfaces(files, length, (_is_millimetres(unit), flag("half", half))))
 
     @classmethod
     def from_meshio(cls, mesh: Any, *, unit: Unit = "m", tags: str | None = None, half: bool = False) -> Mesh:
@@ -272,6 +273,8 @@ def _names(given: Mapping[int, str] | None, tags: IntArray) -> dict[int, str]:
 
 def _solid_kind(mesh: Any) -> str:
     """The one kind of solids of a mesh of meshio."""
+    if not all(hasattr(mesh, part) for part in ("points", "cells", "cell_data")):
+        raise InputError(f"`mesh` is a {type(mesh).__name__}", "it is a meshio.Mesh", "give what meshio.read returned")
     present = sorted({block.type for block in mesh.cells if len(block.data)})
     solids = [kind for kind in present if not kind.startswith(_FLAT)]
     found = ", ".join(present) or "no cells"
@@ -281,7 +284,7 @@ def _solid_kind(mesh: Any) -> str:
     if len(solids) > 1 or solids[0] not in _SOLIDS:
         why = f"a body is meshed with one of {known}; none of its parts may be left out"
         raise InputError(f"the mesh has {', '.join(solids)}", why, "mesh the whole body with one kind of elements")
-    return solids[0]
+    return str(solids[0])
 
 
 def _tags_of(mesh: Any, name: str | None) -> list[Any] | None:

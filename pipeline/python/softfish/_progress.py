@@ -7,7 +7,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from softfish._errors import InputError
+from softfish._errors import InputError, MissingError
+from softfish._optional import optional
 
 Progress = Callable[[int, int], object]
 #: Lines of a motion where there is no bar.
@@ -29,8 +30,8 @@ def reporting(progress: Progress | bool | None, steps: int) -> Iterator[Progress
 
 def _bar(steps: int) -> Iterator[Progress]:
     try:
-        import tqdm
-    except ImportError:
+        tqdm = optional("tqdm")
+    except MissingError:
         every = max(1, -(-steps // _LINES)) if steps else _LINES
         yield lambda done, planned: done % every == 0 and print(f"step {done} of {planned or '?'}", file=sys.stderr)
         return

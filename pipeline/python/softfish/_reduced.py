@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softfish import _core, _records
-from softfish._arrays import Array, ByName, number, positive, reals, whole, within
+from softfish._arrays import Array, ByName, file, instance, number, positive, reals, whole, within
 from softfish._errors import InputError
 
 if TYPE_CHECKING:
@@ -64,6 +64,9 @@ class ReducedModel:
     @classmethod
     def of(cls, solver: Solver, snapshots: npt.ArrayLike, coordinates: int, tolerance: float) -> ReducedModel:
         """Of snapshots × nodes × 3, m: see `Solver.reduce`."""
+        from softfish._solver import Solver
+
+        instance("solver", solver, Solver, "use Solver.reduce")
         shapes = reals("snapshots", snapshots)
         if shapes.ndim != 3 or shapes.shape[1:] != solver.mesh.nodes.shape or not len(shapes):
             why = f"it is snapshots × {solver.mesh.nodes.shape[0]} × 3"
@@ -123,6 +126,8 @@ class ReducedModel:
     ) -> ReducedGradient:
         """The gradient of a loss of the state after a step, from its derivatives `loss`, at the states before and after."""
         given = self._given(pressures, dt, modulus_scale, (mass_damping, stiffness_damping))
+        if not isinstance(states, tuple | list) or len(states) != 2:
+            raise InputError(f"`states` is {states!r}", "it is the state before the step and that after it", "give both")
         pairs = (self._pair(states[0]), self._pair(states[1]))
         before, by_pressure, by_scale = self._core.step_gradient(pairs, given, self._pair(loss))
         return ReducedGradient(ReducedState(*before), np.array(by_pressure), np.array(by_scale))
@@ -151,12 +156,15 @@ class ReducedModel:
             tensors[f"points.{region}"] = np.array(numbers, dtype=np.int64)
             tensors[f"weights.{region}"] = np.array(weights, dtype=np.float64)
         tensors["size"] = np.array([data["size"]])
-        _write(path, tensors)
+        _write(file("path", path), tensors)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], solver: Solver) -> ReducedModel:
         """The model that `save` wrote, of the same body."""
-        tensors = _read(path)
+        from softfish._solver import Solver
+
+        instance("solver", solver, Solver, "give the solver of the same body")
+        tensors = _read(file("path", path))
         regions = len(solver.regions)
         names = ["modes", "size", *(f"{part}.{n}" for n in range(regions) for part in ("points", "weights"))]
         absent = [name for name in names if name not in tensors]
@@ -170,6 +178,7 @@ class ReducedModel:
         return cls(solver, solver._core.restore(modes, points, float(tensors["size"][0])))
 
     def _pair(self, state: ReducedState) -> tuple[Array, Array]:
+        instance("state", state, ReducedState, "give what rest or step returned")
         shape = (self.coordinates,)
         return reals("coordinates", state.coordinates, shape), reals("velocity", state.velocity, shape)
 

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softfish import _core, _records
-from softfish._arrays import Array, ByName, IntArray, copied, flag, frozen, integers, named, number, positive, reals, whole, within, word
+from softfish._arrays import Array, ByName, IntArray, array_of, copied, flag, frozen, instance, integers, named, number, positive, reals, whole, within, word
 from softfish._budget import limits
 from softfish._case import Case
 from softfish._errors import ConvergenceError, DerivativeError, InputError
@@ -394,9 +394,7 @@ class Solver:
     def __init__(self, case: Case, *, threads: int | None = None) -> None:
         """Of a case. One solve uses all processors, unless `threads` of its own are given: solvers that solve at the same time on as many
         threads of Python are fastest with one each."""
-        if not isinstance(case, Case):
-            why = "a solver is made of a Case, or by Solver.of_mesh"
-            raise InputError(f"`case` is a {type(case).__name__}", why, "make one: Case(...)")
+        instance("case", case, Case, "make one: Case(...), or use Solver.of_mesh")
         self._made_of: tuple[Any, ...] = (case, threads)
         self._start(_core.Solver.of_case(case._core, case.mesh._core, _threads(threads)), case.mesh)
 
@@ -414,8 +412,7 @@ class Solver:
         nodes × 3 truth values; `threads` as for a case.
 
         Numbers of nodes are refused for a mesh that dropped nodes of the caller's arrays: see `Mesh.numbering`."""
-        if not isinstance(mesh, Mesh):
-            raise InputError(f"`mesh` is a {type(mesh).__name__}", "it is a Mesh", "make one: Mesh.read, Mesh.from_meshio")
+        instance("mesh", mesh, Mesh, "make one: Mesh.read, Mesh.from_meshio")
         solver = cls.__new__(cls)
         solver._of_mesh(mesh, materials, _axes(clamped, mesh), (flag("lumped_mass", lumped_mass), threads))
         return solver
@@ -428,6 +425,9 @@ class Solver:
         options: tuple[bool, int | None],
     ) -> None:
         regions = mesh.region_names
+        if not isinstance(materials, Material | Mapping):
+            why = "it is a Material, or a dictionary of them by region"
+            raise InputError(f"`materials` is {materials!r}", why, "make one: Material(E, nu)")
         by_name = dict.fromkeys(regions, materials) if isinstance(materials, Material) else dict(materials)
         if set(by_name) != set(regions):
             why = f"the mesh has the regions {', '.join(regions)}"
@@ -604,7 +604,7 @@ class Solver:
         `initial_guess`: a nearby displacement (nodes × 3, m). `tolerance`: of the last step, in sizes of the body. `load_steps`: from rest.
         `reuse_factor`: the factor of the last solve is tried first, with an initial guess.
 
-        `max_iterations`: Newton iterations of a level (500). `max_cutbacks`: halvings of a load step (40). `timeout`: seconds of the call (none).
+        `max_iterations`: Newton iterations of a level (250). `max_cutbacks`: halvings of a load step (40). `timeout`: seconds of the call (none).
         Raises `ConvergenceError`, and `BudgetError` at one of these limits, with the last equilibrium and its level.
         """
         own = {"E": E, "nu": nu, "density": density, "element_E": element_E, "forces": forces, "gravity": gravity}
@@ -787,16 +787,20 @@ class Solver:
         return constants
 
     def adjoint(self, at: Equilibrium | Motion, dloss_du: npt.ArrayLike) -> Gradient:
-        """The gradient of a loss of a result, from its derivative by the displacement."""
+        """The gradient of a loss of a result, from its derivative by the displacement (as its shape)."""
+        instance("at", at, (Equilibrium, Motion), "give what equilibrium or simulate returned")
         return at.adjoint(dloss_du)
 
     def sensitivity(self, at: Equilibrium | Motion, **direction: Any) -> Array:
-        """The derivative of a result's displacement along a direction of its parameters."""
+        """The derivative of a result's displacement along a direction of its parameters: see `Equilibrium.sensitivity`."""
+        instance("at", at, (Equilibrium, Motion), "give what equilibrium or simulate returned")
         return at.sensitivity(**direction)
 
     def modes(self, count: int = 6, at: Equilibrium | None = None) -> tuple[Array, Array]:
         """Natural frequencies (Hz) and shapes (count × nodes × 3) about an equilibrium; without one, about that of the
         case."""
+        if at is not None:
+            instance("at", at, Equilibrium, "give what equilibrium returned")
         return (self.equilibrium() if at is None else at).modes(count)
 
     def traction(self, faces: npt.ArrayLike, traction: npt.ArrayLike) -> Array:
@@ -846,14 +850,14 @@ class Solver:
         tolerance, load_steps, reuse = given
         fine = 1e-8 if data is None else data.get("tolerance", 1e-8)
         steps = 3 if data is None else data.get("load_steps", 3)
-        asked = [own if one is None else one for one, own in zip(budget, self._case_limits(), strict=True)]
+        own = self._case_limits()
         return {
             "tolerance": fine if tolerance is None else positive("tolerance", tolerance),
             "load_steps": steps if load_steps is None else whole("load_steps", load_steps, 1, 10_000),
             "reuse_factor": flag("reuse_factor", reuse),
-            "max_iterations": asked[0],
-            "max_cutbacks": asked[1],
-            "timeout": asked[2],
+            "max_iterations": own[0] if budget[0] is None else budget[0],
+            "max_cutbacks": own[1] if budget[1] is None else budget[1],
+            "timeout": own[2] if budget[2] is None else budget[2],
         }
 
     def _dynamic_settings(
@@ -920,12 +924,18 @@ class Solver:
 
     def observe(self, name: str, displacement: Array) -> Array:
         """An output of a displacement (… × nodes × 3) or of its derivative: `displacement`, or a point of the case."""
+        instance("name", name, str, "name `displacement`, or a point of the case")
+        values = reals("displacement", displacement)
+        if values.shape[-2:] != (self._nodes, 3):
+            why = f"it is … × {self._nodes} × 3"
+            raise InputError(f"`displacement` has the shape {values.shape}", why, "check its axes")
         if name == "displacement":
             return displacement
         nodes, weights = self._weights(name)
         return np.asarray(np.einsum("...ni,n->...i", displacement[..., nodes, :], weights))
 
     def _weights(self, name: str) -> tuple[IntArray, Array]:
+        instance("output", name, str, "name `displacement`, or a point of the case")
         point = name.removeprefix("marker.").removeprefix("node.")
         if point not in self._points:
             known = ", ".join(["displacement", *(f"marker.{point}" for point in self._points)])
@@ -981,7 +991,7 @@ def _require_own_numbers(name: str, mesh: Mesh) -> None:
 
 
 def _axes(clamped: npt.ArrayLike, mesh: Mesh) -> npt.NDArray[np.bool_]:
-    array = np.asarray(clamped)
+    array = array_of("clamped", clamped)
     nodes = len(mesh.nodes)
     axes = np.zeros((nodes, 3), dtype=np.bool_)
     if array.size == 0:

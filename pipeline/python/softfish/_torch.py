@@ -18,19 +18,24 @@ if TYPE_CHECKING:
 
 torch: Any = optional("torch")
 
-_REMEDY = "leave create_graph out, use torch.autograd, or differences"
+_REMEDY = "leave create_graph out; take torch.autograd.forward_ad for a directional derivative, and differences for second ones"
+_ACT = "use torch.autograd; a batch is a first axis of the arguments; jacobian and hessian take vectorize=False"
 
 
-def _array(value: Any) -> Any:
-    return value.detach().to("cpu", torch.float64).numpy()
+def numbers(value: Any) -> Any:
+    """A tensor as an array in double precision; refused where a transform holds it, so that it has no numbers yet."""
+    try:
+        return value.detach().to("cpu", torch.float64).numpy()
+    except RuntimeError as error:
+        why = f"a solve needs numbers: {str(error).splitlines()[0]}"
+        raise DerivativeError("a solve is called within a transform of tensors", why, _ACT) from error
 
 
 def refuse_transforms(what: str) -> None:
     """Refuses what torch.func and vmap would make of a solve: their tensors have no numbers that a solver could read."""
     if torch._C._functorch.peek_interpreter_stack() is not None:
         why = "a solve has first derivatives by torch.autograd and torch.autograd.forward_ad"
-        act = "use these; a batch is a first axis of the arguments; jacobian and hessian take vectorize=False"
-        raise DerivativeError(f"{what} is called within a transform of torch.func or vmap", why, act)
+        raise DerivativeError(f"{what} is called within a transform of torch.func or vmap", why, _ACT)
 
 
 def refuse_half(name: str, tensor: Any) -> None:
@@ -64,7 +69,7 @@ class _Call:
 
     def along(self, tangents: Sequence[Any]) -> Any:
         """Σ ∂output/∂θ · tangent of each case."""
-        arrays = [None if tangent is None else _array(tangent) for tangent in tangents]
+        arrays = [None if tangent is None else numbers(tangent) for tangent in tangents]
         outputs = []
         for n, result in enumerate(self.results):
             pairs = zip(arrays, self.own, strict=True)
@@ -78,7 +83,7 @@ class _Solve(torch.autograd.Function):  # type: ignore[misc]
 
     @staticmethod
     def forward(ctx: Any, call: _Call, *values: Any) -> Any:
-        arrays = [_array(value) for value in values]
+        arrays = [numbers(value) for value in values]
         function = call.function
         call.own = [len(parameter.shape) == value.dim() for parameter, value in zip(function.parameters, values, strict=True)]
         call.results = [
@@ -104,7 +109,7 @@ class _Adjoint(torch.autograd.Function):  # type: ignore[misc]
 
     @staticmethod
     def forward(ctx: Any, call: _Call, cotangent: Any, *values: Any) -> Any:
-        slopes = _array(cotangent)
+        slopes = numbers(cotangent)
         single = call.batch is None
         ctx.call = call
         parts = [call.function.vjp(result, slopes if single else slopes[n]) for n, result in enumerate(call.results)]

@@ -7,16 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 from softfish._errors import DerivativeError, InputError
 from softfish._optional import optional
-from softfish._torch import refuse_half, refuse_transforms
+from softfish._torch import numbers, refuse_half, refuse_transforms
 
 if TYPE_CHECKING:
     from softfish._reduced import ReducedModel
 
 torch: Any = optional("torch")
-
-
-def _array(value: Any) -> Any:
-    return value.detach().to("cpu", torch.float64).numpy()
 
 
 class _Step(torch.autograd.Function):  # type: ignore[misc]
@@ -27,7 +23,7 @@ class _Step(torch.autograd.Function):  # type: ignore[misc]
         from softfish._reduced import ReducedState
 
         step, dtype = given
-        q, v, pressures = (_array(value) for value in values)
+        q, v, pressures = (numbers(value) for value in values)
         before = ReducedState(q, v)
         after = step.model.step(before, pressures, step.dt, **step.settings)
         ctx.kept = (step, before, after, pressures)
@@ -54,7 +50,7 @@ class _StepAdjoint(torch.autograd.Function):  # type: ignore[misc]
         from softfish._reduced import ReducedState
 
         step, before, after, pressures = kept
-        loss = ReducedState(_array(by_q), _array(by_v))
+        loss = ReducedState(numbers(by_q), numbers(by_v))
         gradient = step.model.step_gradient((before, after), loss, pressures, step.dt, **step.settings)
         parts = (gradient.state.coordinates, gradient.state.velocity, gradient.pressures)
         return tuple(torch.as_tensor(part, dtype=like.dtype, device=like.device) for part, like in zip(parts, values, strict=True))

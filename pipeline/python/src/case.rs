@@ -99,14 +99,13 @@ impl Case {
 /// Runs the case in a file as the command line does, and writes its tables and frames into `out`. Returns the folder,
 /// the number of degrees of freedom and that of levels or steps.
 #[pyfunction]
-#[pyo3(signature = (path, out, quiet, budget))]
 pub(crate) fn run_case(
     py: Python<'_>,
     path: PathBuf,
-    out: Option<PathBuf>,
-    quiet: bool,
+    output: (Option<PathBuf>, bool),
     budget: (Option<usize>, Option<usize>, Option<f64>),
 ) -> PyResult<(PathBuf, usize, usize)> {
+    let (out, quiet) = output;
     let (max_iterations, max_cutbacks, timeout) = budget;
     let budget = Budget { max_iterations, max_cutbacks, timeout };
     let summary = watched(py, move |signals| {

@@ -57,7 +57,7 @@ pub(crate) fn of_diagnostic(diagnostic: &Diagnostic, other: Kind) -> PyErr {
         Some(fem::SolveError::NoEquilibrium { .. } | fem::SolveError::TimeStep { .. }) => Kind::Convergence,
         Some(fem::SolveError::NotStable) => Kind::NotStable,
         Some(_) => Kind::Input,
-        None if diagnostic.downcast_ref::<fem::ReducedError>().is_some() => Kind::Convergence,
+        None if matches!(diagnostic.downcast_ref(), Some(fem::ReducedError::NoConvergence { .. })) => Kind::Convergence,
         None => other,
     };
     let place = diagnostic.location.as_ref().map(|place| format!("{place}: ")).unwrap_or_default();

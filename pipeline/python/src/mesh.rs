@@ -93,17 +93,16 @@ impl Mesh {
 
 #[pymethods]
 impl Mesh {
-    /// From `nodes` (3 numbers each, m), `elements` (`each` nodes), the `tag` of each element, and names of tags; whether it is a half model,
+    /// From nodes (3 numbers each, m), elements and the nodes of each; the tag of each element, and names of tags; whether it is a half model,
     /// and surfaces where there are some.
     #[staticmethod]
     fn from_arrays(
         py: Python<'_>,
-        nodes: Reals<'_>,
-        connectivity: (PyReadonlyArray1<'_, i64>, usize),
+        arrays: (Reals<'_>, PyReadonlyArray1<'_, i64>, usize),
         tagged: (Vec<i64>, BTreeMap<i64, String>),
         options: (bool, Option<Surfaces<'_>>),
     ) -> PyResult<Self> {
-        let (elements, each) = connectivity;
+        let (nodes, elements, each) = arrays;
         let ((tags, names), (half, surfaces)) = (tagged, options);
         let points = slice("nodes", &nodes)?.as_chunks::<3>().0.to_vec();
         let corners = numbers_below("elements", &elements, points.len())?;
@@ -130,7 +129,8 @@ impl Mesh {
 
     /// From a file that the command line reads, in metres or millimetres; hexahedra as well.
     #[staticmethod]
-    fn read(py: Python<'_>, path: PathBuf, millimetres: bool, order: Option<u8>, half: bool) -> PyResult<Self> {
+    fn read(py: Python<'_>, path: PathBuf, numbers: (bool, Option<u8>), half: bool) -> PyResult<Self> {
+        let (millimetres, order) = numbers;
         watched(py, move |_| {
             let hexahedra = simulate::raw_mesh(&path).ok().filter(|raw| raw.each == 8);
             if let Some(raw) = hexahedra {
@@ -156,11 +156,11 @@ impl Mesh {
     #[staticmethod]
     fn from_surfaces(
         py: Python<'_>,
-        body: PathBuf,
-        spine: Option<PathBuf>,
+        files: (PathBuf, Option<PathBuf>),
         edge: f64,
         options: (bool, bool),
     ) -> PyResult<Self> {
+        let (body, spine) = files;
         let (millimetres, half) = options;
         let name = |path: &PathBuf| std::path::absolute(path).map(|path| path.to_string_lossy().into_owned());
         let body = Some(name(&body)?);

@@ -96,12 +96,10 @@ impl LostLevel {
     pub fn diagnostic(self) -> Diagnostic {
         let Self { level, cause, exceeded, last } = self;
         let Some(limit) = exceeded else { return Diagnostic::from(cause).while_doing(format!("level {level}")) };
-        let reached = match last {
-            Some(last) => format!("the last equilibrium lies at level {:.6}", last.level),
-            None => "there is no equilibrium on the way".to_owned(),
-        };
+        let reached = last.map_or(0.0, |last| last.level);
         let act = "give a smaller load or a stiffer material, or raise the limit where the body snaps through";
-        Diagnostic::new(format!("no equilibrium is found at level {level}"), format!("{limit}; {reached}"), act)
+        Diagnostic::new(format!("no equilibrium is found beyond level {reached:.6}"), limit.to_string(), act)
+            .while_doing(format!("level {level}"))
     }
 }
 
