@@ -75,7 +75,8 @@ def positive(name: str, value: Any) -> float:
 
 def whole(name: str, value: Any, low: int, high: int) -> int:
     """`value` as one whole number from `low` to `high`."""
-    if not isinstance(value, int | np.integer | np.ndarray) or isinstance(value, bool) or np.ndim(value) or array_of(name, value).dtype.kind not in "iu":
+    counts = isinstance(value, int | np.integer) or (isinstance(value, np.ndarray) and value.ndim == 0 and value.dtype.kind in "iu")
+    if not counts or isinstance(value, bool):
         raise InputError(f"`{name}` is {value!r}", "it counts", "give a whole number")
     given = int(value)
     if not low <= given <= high:

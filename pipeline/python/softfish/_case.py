@@ -31,9 +31,11 @@ class Case:
     """One body under loads: the mesh, its materials, clamps, chambers, loads, and how it is solved.
 
     The keys are those of a case file of the command line, `study simulate --help` shows them all.
+
+    Attributes:
+        path: The file that it was read from; none of one that was built in Python.
     """
 
-    #: The file that it was read from; none of one that was built in Python.
     path: Path | None
 
     def __init__(self, source: str | os.PathLike[str] | Mapping[str, Any], mesh: Mesh | None = None) -> None:

@@ -40,15 +40,18 @@ class CaseError(InputError):
 
 
 class ConvergenceError(Error, RuntimeError):
-    """No equilibrium, or no time step, is found."""
+    """No equilibrium, or no time step, is found.
 
-    #: The last equilibrium on the way, where there is one.
+    Attributes:
+        equilibrium: The last equilibrium on the way, where there is one.
+        level: Its level: the part of all loads but gravity that it carries.
+        time: Of a motion, the time of the last state, s.
+        displacement: Of a motion, the last displacement: nodes × 3, m.
+    """
+
     equilibrium: Equilibrium | None = None
-    #: Its level: the part of all loads but gravity that it carries.
     level: float | None = None
-    #: Of a motion, the time of the last state, s.
     time: float | None = None
-    #: Of a motion, the last displacement: nodes × 3, m.
     displacement: Array | None = None
 
 

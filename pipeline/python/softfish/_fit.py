@@ -14,33 +14,39 @@ from softfish._arrays import Array, file
 
 @dataclass(frozen=True)
 class FittedLaw:
-    """A law fitted to all recordings that a page marks so."""
+    """A law fitted to all recordings that a page marks so.
 
-    #: Its name in the table.
+    Attributes:
+        name: Its name in the table.
+        parameters: Names of its parameters.
+        units: Their SI units.
+        mean: In SI units.
+        covariance: In SI units: parameters × parameters.
+        criterion: Bayes' information criterion, relative to the best law's.
+        supported: Whether the recordings support it.
+    """
+
     name: str
-    #: Names of its parameters.
     parameters: list[str]
-    #: Their SI units.
     units: list[str]
-    #: In SI units.
     mean: Array
-    #: In SI units: parameters × parameters.
     covariance: Array
-    #: Bayes' information criterion, relative to the best law's.
     criterion: float
-    #: Whether the recordings support it.
     supported: bool
 
 
 @dataclass(frozen=True)
 class Fit:
-    """The laws of a page, from the simplest to the richest."""
+    """The laws of a page, from the simplest to the richest.
 
-    #: Every law.
+    Attributes:
+        laws: Every law.
+        folder: Where table, metrics and figure lie.
+        report: What the command line prints.
+    """
+
     laws: list[FittedLaw]
-    #: Where table, metrics and figure lie.
     folder: Path
-    #: What the command line prints.
     report: str
 
     @property

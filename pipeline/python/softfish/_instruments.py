@@ -21,19 +21,22 @@ _MOST = 1 << 40
 
 @dataclass(frozen=True)
 class Tracks:
-    """Markers in every frame of a film."""
+    """Markers in every frame of a film.
 
-    #: Number of each frame in the film.
+    Attributes:
+        frames: Number of each frame in the film.
+        time: Of each frame, s.
+        position: Markers × frames × 2: u to the right and v down, the centre of the first pixel at 0, 0; px.
+        covariance: Of the position, markers × frames × 2 × 2, px².
+        residual: Mean difference from the marker of the first frame: markers × frames, grey levels a pixel.
+        seen: Whether it was seen; where not, its position is interpolated: markers × frames.
+    """
+
     frames: npt.NDArray[np.int64]
-    #: Of each frame, s.
     time: Array
-    #: Markers × frames × 2: u to the right and v down, the centre of the first pixel at 0, 0; px.
     position: Array
-    #: Of the position, markers × frames × 2 × 2, px².
     covariance: Array
-    #: Mean difference from the marker of the first frame: markers × frames, grey levels a pixel.
     residual: Array
-    #: Whether it was seen; where not, its position is interpolated: markers × frames.
     seen: npt.NDArray[np.bool_]
 
 
@@ -89,25 +92,28 @@ def track(
 
 @dataclass(frozen=True)
 class Camera:
-    """A calibrated camera."""
+    """A calibrated camera.
 
-    #: Whether its lens is a fisheye (k1 to k4); else distortion is Brown and Conrady's (k1, k2, p1, p2, k3).
+    Attributes:
+        fisheye: Whether its lens is a fisheye (k1 to k4); else distortion is Brown and Conrady's (k1, k2, p1, p2, k3).
+        size: Width and height of its pictures, px.
+        mean: fx, fy, cx, cy (px), then the coefficients of distortion in OpenCV's order.
+        covariance: Of the mean.
+        reprojection_error: Root of the mean squared distance between seen and projected points of the board, px.
+        views: Name of each picture of the whole board, or time of each frame.
+        errors: Reprojection error of each view, px.
+        rotation: From the board to the camera: views × 3 × 3.
+        translation: From the board to the camera: views × 3, m.
+    """
+
     fisheye: bool
-    #: Width and height of its pictures, px.
     size: tuple[int, int]
-    #: fx, fy, cx, cy (px), then the coefficients of distortion in OpenCV's order.
     mean: Array
-    #: Of the mean.
     covariance: Array
-    #: Root of the mean squared distance between seen and projected points of the board, px.
     reprojection_error: float
-    #: Name of each picture of the whole board, or time of each frame.
     views: list[str]
-    #: Reprojection error of each view, px.
     errors: Array
-    #: From the board to the camera: views × 3 × 3.
     rotation: Array
-    #: From the board to the camera: views × 3, m.
     translation: Array
 
     @property

@@ -22,23 +22,29 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ReducedState:
-    """Coordinates q and their rates, 1/s."""
+    """Coordinates q and their rates, 1/s.
 
-    #: q, one per coordinate, no unit.
+    Attributes:
+        coordinates: q, one per coordinate, no unit.
+        velocity: q̇, one per coordinate, 1/s.
+    """
+
     coordinates: Array
-    #: q̇, one per coordinate, 1/s.
     velocity: Array
 
 
 @dataclass(frozen=True)
 class ReducedGradient:
-    """The derivatives of a loss of the state after a step."""
+    """The derivatives of a loss of the state after a step.
 
-    #: By the state before.
+    Attributes:
+        state: By the state before.
+        pressures: By chamber, 1/Pa.
+        modulus_scale: By the factor of the moduli of each region.
+    """
+
     state: ReducedState
-    #: By chamber, 1/Pa.
     pressures: Array
-    #: By the factor of the moduli of each region.
     modulus_scale: Array
 
 

@@ -33,21 +33,24 @@ _SCHEMES: dict[str, Scheme] = {"Bdf2": "bdf2", "ImplicitEuler": "implicit_euler"
 
 @dataclass(frozen=True)
 class Inputs:
-    """Everything that a solve depends on beside pressures, in full. Its arrays are read-only: `dataclasses.replace` makes others."""
+    """Everything that a solve depends on beside pressures, in full. Its arrays are read-only: `dataclasses.replace` makes others.
 
-    #: By region, Pa.
+    Attributes:
+        youngs_modulus: By region, Pa.
+        poissons_ratio: By region.
+        density: By region, kg/m³.
+        factors: By element: its modulus over that of its region; empty: 1.
+        forces: nodes × 3, N.
+        gravity: m/s².
+        level: The level at which pressures are taken from the case, where they are not given.
+    """
+
     youngs_modulus: Array
-    #: By region.
     poissons_ratio: Array
-    #: By region, kg/m³.
     density: Array
-    #: By element: its modulus over that of its region; empty: 1.
     factors: Array
-    #: nodes × 3, N.
     forces: Array
-    #: m/s².
     gravity: Array
-    #: The level at which pressures are taken from the case, where they are not given.
     level: float = 1.0
 
     def __post_init__(self) -> None:
@@ -71,46 +74,52 @@ class Inputs:
 
 @dataclass(frozen=True)
 class Gradient:
-    """The derivatives of one number L by everything that a solve depends on."""
+    """The derivatives of one number L by everything that a solve depends on.
 
-    #: ∂L/∂E by region, 1/Pa.
+    Attributes:
+        youngs_modulus: ∂L/∂E by region, 1/Pa.
+        poissons_ratio: ∂L/∂ν by region.
+        density: ∂L/∂ρ by region, per kg/m³.
+        elements: ∂L/∂E by element, 1/Pa; empty where a region relaxes.
+        pressures: ∂L/∂p: chambers, or steps × chambers of a motion, 1/Pa.
+        forces: ∂L/∂f: nodes × 3, 1/N.
+        mass_damping: ∂L/∂α of a motion, s.
+        stiffness_damping: ∂L/∂β of a motion, 1/s.
+        initial_displacement: By the initial displacement of a motion: nodes × 3, 1/m.
+        initial_velocity: By the initial velocity of a motion: nodes × 3, s/m.
+    """
+
     youngs_modulus: Array
-    #: ∂L/∂ν by region.
     poissons_ratio: Array
-    #: ∂L/∂ρ by region, per kg/m³.
     density: Array
-    #: ∂L/∂E by element, 1/Pa; empty where a region relaxes.
     elements: Array
-    #: ∂L/∂p: chambers, or steps × chambers of a motion, 1/Pa.
     pressures: Array
-    #: ∂L/∂f: nodes × 3, 1/N.
     forces: Array
-    #: ∂L/∂α of a motion, s.
     mass_damping: float = 0.0
-    #: ∂L/∂β of a motion, 1/s.
     stiffness_damping: float = 0.0
-    #: By the initial displacement of a motion: nodes × 3, 1/m.
     initial_displacement: Array | None = None
-    #: By the initial velocity of a motion: nodes × 3, s/m.
     initial_velocity: Array | None = None
 
 
 class Equilibrium:
-    """A body at rest under its loads."""
+    """A body at rest under its loads.
 
-    #: One per chamber of the mesh, Pa; read-only.
+    Attributes:
+        pressures: One per chamber of the mesh, Pa; read-only.
+        displacement: nodes × 3, m; read-only.
+        level: The level of the case: the part of all loads but gravity. 1 without a case.
+        iterations: Newton iterations over all load steps.
+        factorisations: Factorisations over all load steps.
+        residual: Norm of the unbalanced force over that of the elastic force.
+        snap_through: Load factors at which the body snapped through.
+    """
+
     pressures: Array
-    #: nodes × 3, m; read-only.
     displacement: Array
-    #: The level of the case: the part of all loads but gravity. 1 without a case.
     level: float
-    #: Newton iterations over all load steps.
     iterations: int
-    #: Factorisations over all load steps.
     factorisations: int
-    #: Norm of the unbalanced force over that of the elastic force.
     residual: float
-    #: Load factors at which the body snapped through.
     snap_through: list[float]
 
     def __init__(self, solver: Solver, inputs: Inputs, found: _records.FoundEquilibrium) -> None:
@@ -200,17 +209,20 @@ class Equilibrium:
 
 
 class Motion:
-    """A recorded motion."""
+    """A recorded motion.
 
-    #: Time of each step's end, s; read-only.
+    Attributes:
+        times: Time of each step's end, s; read-only.
+        displacement: steps × nodes × 3, m; read-only.
+        velocity: steps × nodes × 3, m/s; read-only.
+        pressures: steps × chambers, Pa; read-only.
+        start: The equilibrium in which it began, where the case says so; its gradient is part of the motion's.
+    """
+
     times: Array
-    #: steps × nodes × 3, m; read-only.
     displacement: Array
-    #: steps × nodes × 3, m/s; read-only.
     velocity: Array
-    #: steps × chambers, Pa; read-only.
     pressures: Array
-    #: The equilibrium in which it began, where the case says so; its gradient is part of the motion's.
     start: Equilibrium | None
 
     def __init__(self, solver: Solver, inputs: Inputs, problem: _Problem, found: _records.FoundMotion) -> None:
@@ -288,9 +300,12 @@ class Motion:
 
 @dataclass(frozen=True)
 class _Problem:
-    """What a motion began with and how it was integrated."""
+    """What a motion began with and how it was integrated.
 
-    #: Displacement and velocity, 3 entries per node.
+    Attributes:
+        initial: Displacement and velocity, 3 entries per node.
+    """
+
     initial: tuple[Array, Array]
     settings: _records.DynamicSettings
     start: Equilibrium | None
@@ -298,32 +313,38 @@ class _Problem:
 
 @dataclass(frozen=True)
 class CriticalPoint:
-    """A point of a path at which stability is lost or won."""
+    """A point of a path at which stability is lost or won.
 
-    #: `limit_point` or `bifurcation`.
+    Attributes:
+        kind: `limit_point` or `bifurcation`.
+        level: Its level.
+        displacement: nodes × 3, m.
+        mode: Its critical mode, nodes × 3.
+    """
+
     kind: Literal["limit_point", "bifurcation"]
-    #: Its level.
     level: float
-    #: nodes × 3, m.
     displacement: Array
-    #: Its critical mode, nodes × 3.
     mode: Array
 
 
 class Path:
-    """A path of equilibria from rest to the last level of a case, through limit points and bifurcations."""
+    """A path of equilibria from rest to the last level of a case, through limit points and bifurcations.
 
-    #: Level of each point.
+    Attributes:
+        levels: Level of each point.
+        displacement: points × nodes × 3, m.
+        negative_eigenvalues: Of the tangent at each point; 0 where it is stable.
+        eigenvalues: The eigenvalue of each point's tangent that is nearest to zero, N/m.
+        iterations: Newton iterations of each point.
+        critical: The critical points on the way.
+    """
+
     levels: Array
-    #: points × nodes × 3, m.
     displacement: Array
-    #: Of the tangent at each point; 0 where it is stable.
     negative_eigenvalues: IntArray
-    #: The eigenvalue of each point's tangent that is nearest to zero, N/m.
     eigenvalues: Array
-    #: Newton iterations of each point.
     iterations: IntArray
-    #: The critical points on the way.
     critical: list[CriticalPoint]
 
     def __init__(self, solver: Solver, inputs: Inputs, found: _records.FoundPath) -> None:
@@ -351,17 +372,20 @@ class Path:
 
 @dataclass(frozen=True)
 class Material:
-    """What a region is made of."""
+    """What a region is made of.
 
-    #: Pa.
+    Attributes:
+        youngs_modulus: Pa.
+        poissons_ratio: Below 0.5.
+        density: kg/m³.
+        law: `neo_hookean`, `yeoh`, `linear`, …: `softfish.MATERIALS`.
+        mean_dilatation: Against volumetric locking.
+    """
+
     youngs_modulus: float
-    #: Below 0.5.
     poissons_ratio: float
-    #: kg/m³.
     density: float = 1000.0
-    #: `neo_hookean`, `yeoh`, `linear`, …: `softfish.MATERIALS`.
     law: str = "neo_hookean"
-    #: Against volumetric locking.
     mean_dilatation: bool = False
 
     def _checked(self, name: str) -> Material:
@@ -376,19 +400,21 @@ class Solver:
 
     Each solve takes its inputs in full: what is not given is that of the case. Results do not depend on the solves
     before, but for their tolerance. Each thread needs a solver of its own. A copy, by pickle or copy.deepcopy, is made anew.
+
+    Attributes:
+        mesh: The mesh at rest.
+        regions: Names of the regions.
+        chambers: Names of the chambers of the mesh.
+        dofs: Number of degrees of freedom: three a node, without those that are clamped.
+        chamber_count: Number of chambers of the mesh.
+        element_regions: The region of each element, an index into `regions`.
     """
 
-    #: The mesh at rest.
     mesh: Mesh
-    #: Names of the regions.
     regions: list[str]
-    #: Names of the chambers of the mesh.
     chambers: list[str]
-    #: Number of degrees of freedom: three a node, without those that are clamped.
     dofs: int
-    #: Number of chambers of the mesh.
     chamber_count: int
-    #: The region of each element, an index into `regions`.
     element_regions: IntArray
 
     def __init__(self, case: Case, *, threads: int | None = None) -> None:

@@ -146,6 +146,8 @@ def test_the_package_offers_what_it_lists() -> None:
     for thing in (getattr(sf, name) for name in sf.__all__ if name not in ("MATERIALS",)):
         assert thing.__doc__, thing
         if isinstance(thing, type):
+            for name in getattr(thing, "__annotations__", {}):
+                assert name.startswith("_") or f"{name}: " in thing.__doc__, f"{thing.__name__}.{name}"
             for name, member in vars(thing).items():
                 if not name.startswith("_") and (callable(member) or isinstance(member, property | classmethod | staticmethod)):
                     assert member.__doc__ or dataclasses.is_dataclass(thing), f"{thing.__name__}.{name}"
