@@ -169,8 +169,7 @@ class Mesh:
 
     @property
     def numbering(self) -> IntArray:
-        """For each node of the arrays that the mesh was made of its number here, −1 where no element uses it; of a mesh from a file, its
-        own nodes."""
+        """For each node of the arrays or of the file that the mesh was made of its number here, −1 where no element uses it."""
         given = self._core.numbering()
         return given if len(given) else np.arange(len(self.nodes), dtype=np.int64)
 

@@ -53,7 +53,9 @@ pub(crate) fn raised(error: impl std::error::Error + Send + Sync + 'static) -> P
 
 /// The exception of a diagnostic; `other` is its class where its source does not decide it.
 pub(crate) fn of_diagnostic(diagnostic: &Diagnostic, other: Kind) -> PyErr {
+    let ended = diagnostic.downcast_ref::<simulate::Exceeded>().is_some();
     let kind = match diagnostic.downcast_ref::<fem::SolveError>() {
+        _ if ended => Kind::Budget,
         Some(fem::SolveError::NoEquilibrium { .. } | fem::SolveError::TimeStep { .. }) => Kind::Convergence,
         Some(fem::SolveError::NotStable) => Kind::NotStable,
         Some(_) => Kind::Input,

@@ -44,7 +44,7 @@ type Surfaces<'py> = (PyReadonlyArray1<'py, i64>, Vec<i64>, BTreeMap<i64, String
 #[derive(Clone)]
 pub(crate) struct Mesh {
     pub(crate) kinds: Arc<Kinds>,
-    /// For each node of the caller's arrays its number here, `u32::MAX` where no element uses it; empty of a mesh from a file.
+    /// For each node of the caller's arrays its number here, `u32::MAX` where no element uses it; empty where they are not those of arrays or of a file.
     numbering: Arc<Vec<u32>>,
 }
 
@@ -55,7 +55,8 @@ fn refusal(diagnostic: &Diagnostic) -> PyErr {
 
 impl Mesh {
     pub(crate) fn of(loaded: Loaded) -> Self {
-        Self::with(Kinds::Tetrahedra(loaded), Vec::new())
+        let numbering = loaded.numbering.clone();
+        Self::with(Kinds::Tetrahedra(loaded), numbering)
     }
 
     fn with(kinds: Kinds, numbering: Vec<u32>) -> Self {
@@ -70,8 +71,8 @@ impl Mesh {
             return Ok(Self::with(Kinds::Hexahedra(mesh), numbering));
         }
         let ForeignMesh { solid, regions, surfaces, cavities, numbering, notes } = raw.check(unit, half)?;
-        let loaded = Loaded { solid, regions, surfaces, cavities, notes, tables: Default::default() };
-        Ok(Self::with(Kinds::Tetrahedra(loaded), numbering))
+        let tables = Default::default();
+        Ok(Self::of(Loaded { solid, regions, surfaces, cavities, numbering, notes, tables }))
     }
 
     /// As the solver takes it.
@@ -211,7 +212,7 @@ impl Mesh {
         loaded.surfaces.iter().map(one).collect()
     }
 
-    /// For each node of the caller's arrays its number here, −1 where no element uses it; empty of a mesh from a file.
+    /// For each node of the caller's arrays its number here, −1 where no element uses it; empty where they are not those of arrays or of a file.
     fn numbering<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         let number = |&node: &u32| if node == u32::MAX { -1 } else { i64::from(node) };
         PyArray1::from_iter(py, self.numbering.iter().map(number).collect::<Vec<_>>())
@@ -291,10 +292,13 @@ fn loaded(mesh: Source, folder: PathBuf) -> PyResult<Mesh> {
     simulate::load(&case, &folder).map(Mesh::of).map_err(|diagnostic| refusal(&diagnostic))
 }
 
-/// Bytes that a cell of a box takes while its mesh is made and checked; measured on 40³ cells.
+/// Bytes that a cell of a box takes while its mesh is made and checked: twice what was measured on 30³ cells.
 const LINEAR_CELL: f64 = 3e3;
 const QUADRATIC_CELL: f64 = 6e3;
 const HEXAHEDRON: f64 = 1e3;
+
+/// Makes a box of a size (m) of so many cells.
+type MakeBox = fn([f64; 3], [usize; 3]) -> fem::Mesh;
 
 /// A box [0, size] (m) of `cells` grid cells along each axis: `kind` is `linear`, `quadratic` or `hexahedra`. Returns
 /// nodes, elements and the number of nodes of each.
@@ -306,7 +310,7 @@ pub(crate) fn box_mesh<'py>(
     kind: &str,
 ) -> PyResult<Bound<'py, PyDict>> {
     fem::box_mesh::check(size, cells).map_err(|error| refusal(&error.into()))?;
-    let (make, bytes): (fn([f64; 3], [usize; 3]) -> fem::Mesh, f64) = match kind {
+    let (make, bytes): (MakeBox, f64) = match kind {
         "linear" => (fem::box_mesh::linear, LINEAR_CELL),
         "quadratic" => (fem::box_mesh::quadratic, QUADRATIC_CELL),
         "hexahedra" => (fem::box_mesh::hexahedra, HEXAHEDRON),

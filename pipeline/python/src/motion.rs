@@ -92,8 +92,7 @@ impl States {
     /// The exception of a motion that ended here, which holds time and state.
     fn lost(mut self, cause: SolveError, clock: &Watch) -> PyErr {
         let time = self.times.last().copied().unwrap_or_default();
-        let kind = if clock.exceeded().is_some() { Kind::Budget } else { Kind::Input };
-        let error = of_diagnostic(&simulate::lost_step(cause, time, clock), kind);
+        let error = of_diagnostic(&simulate::lost_step(cause, time, clock), Kind::Input);
         let full = self.displacement.len().checked_div(self.times.len()).unwrap_or_default();
         let last = self.displacement.split_off(self.displacement.len() - full);
         let held = Python::attach(|py| -> PyResult<()> {

@@ -52,8 +52,8 @@ fn found_equilibrium<'py>(py: Python<'py>, found: Equilibrium) -> PyResult<Bound
 
 /// The exception of a level without an equilibrium: it holds the last one, which the package's Python files make an equilibrium of theirs.
 pub(crate) fn lost_level(lost: LostLevel) -> PyErr {
-    let (level, last, ended) = (lost.level, lost.last.clone(), lost.exceeded.is_some());
-    let error = of_diagnostic(&lost.diagnostic(), if ended { Kind::Budget } else { Kind::Input });
+    let (level, last) = (lost.level, lost.last.clone());
+    let error = of_diagnostic(&lost.diagnostic(), Kind::Input);
     let held = Python::attach(|py| -> PyResult<()> {
         let value = error.value(py);
         value.setattr("_asked", level)?;

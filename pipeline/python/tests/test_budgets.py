@@ -55,11 +55,11 @@ def test_keys_of_a_case_and_options_of_a_run_are_the_same_limits(tmp_path: Path)
     page = tmp_path / "far.toml"
     page.write_text(text.replace("pressure = 8.0e3", "pressure = 8.0e5").replace("[static]", "[static]\nmax_iterations = 30"))
     case = sf.Case(page)
-    with pytest.raises(sf.Error, match="30 Newton iterations"):
+    with pytest.raises(sf.BudgetError, match="30 Newton iterations"):
         case.run(tmp_path / "out")
     with pytest.raises(sf.BudgetError, match="30 Newton iterations"):
         case.solver().equilibria()
-    with pytest.raises(sf.Error, match="12 Newton iterations"):
+    with pytest.raises(sf.BudgetError, match="12 Newton iterations"):
         case.run(tmp_path / "out", max_iterations=12)
 
 

@@ -46,6 +46,8 @@ impl std::fmt::Display for Exceeded {
     }
 }
 
+impl std::error::Error for Exceeded {}
+
 impl Budget {
     /// These limits, and those of `other` where there is none here.
     #[must_use]

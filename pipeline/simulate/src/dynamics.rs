@@ -167,6 +167,7 @@ pub fn lost_step(cause: SolveError, time: Second, clock: &Watch) -> Diagnostic {
             format!("no motion is found beyond {time:.6} s"),
             limit.to_string(),
             "take a smaller time step or smoother pressures, or raise the limit",
-        ),
+        )
+        .caused_by(limit),
     }
 }

@@ -87,7 +87,8 @@ impl FollowedPath<'_> {
                 "the path does not reach its last level",
                 limit.to_string(),
                 "raise the limit, or end the path at a lower level",
-            )),
+            )
+            .caused_by(limit)),
         }
     }
 }

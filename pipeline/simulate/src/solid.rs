@@ -24,6 +24,8 @@ pub struct Loaded {
     pub surfaces: Vec<NamedSurface>,
     /// By chamber.
     pub cavities: Vec<Cavity>,
+    /// For each node of the file its number here, `u32::MAX` where no element uses it; empty where they are not those of a file.
+    pub numbering: Vec<u32>,
     /// Warnings for the user.
     pub notes: Vec<String>,
     /// Forces on nodes, by the number of the load that names their file.
@@ -40,11 +42,16 @@ pub fn load(case: &Case, folder: &Path) -> Result<Loaded> {
         Some(file) => from_file(mesh, &folder.join(file))?,
         None => from_surfaces(mesh, folder)?,
     };
+    let read = loaded.solid.nodes().len();
     loaded.solid = match mesh.order {
         Some(Order::Linear) => Solid::Linear(loaded.solid.to_linear()),
         Some(Order::Quadratic) => Solid::Quadratic(loaded.solid.to_quadratic()),
         None => loaded.solid,
     };
+    if loaded.solid.nodes().len() != read {
+        // of another order, nodes are numbered anew
+        loaded.numbering.clear();
+    }
     loaded.cavities = mesh::cavities(&loaded.solid);
     loaded.tables = tables(case, folder)?;
     Ok(loaded)
@@ -71,6 +78,7 @@ fn from_file(mesh: &Source, path: &Path) -> Result<Loaded> {
         regions: found.regions,
         surfaces: found.surfaces,
         cavities: found.cavities,
+        numbering: found.numbering,
         notes: found.notes,
         tables: BTreeMap::new(),
     })
@@ -121,7 +129,8 @@ fn from_surfaces(mesh: &Source, folder: &Path) -> Result<Loaded> {
     let parts = [(mesh::BODY, "body"), (mesh::SPINE, "spine")];
     let regions = parts.into_iter().take(1 + usize::from(spine.is_some())).map(region).collect();
     let solid = Solid::Quadratic(Solid::Linear(linear).to_quadratic());
-    Ok(Loaded { solid, regions, surfaces: Vec::new(), cavities: Vec::new(), notes, tables: BTreeMap::new() })
+    let (surfaces, cavities, numbering) = Default::default();
+    Ok(Loaded { solid, regions, surfaces, cavities, numbering, notes, tables: BTreeMap::new() })
 }
 
 fn bytes(path: &Path) -> Result<Vec<u8>> {

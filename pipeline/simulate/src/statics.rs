@@ -99,6 +99,7 @@ impl LostLevel {
         let reached = last.map_or(0.0, |last| last.level);
         let act = "give a smaller load or a stiffer material, or raise the limit where the body snaps through";
         Diagnostic::new(format!("no equilibrium is found beyond level {reached:.6}"), limit.to_string(), act)
+            .caused_by(limit)
             .while_doing(format!("level {level}"))
     }
 }

@@ -11,8 +11,9 @@ fn burst(keys: &str) -> String {
 
 #[test]
 fn keys_of_a_case_end_its_search() {
-    let said = solve("budget_keys", &burst("max_iterations = 20")).map(|_| ()).unwrap_err();
-    assert!(said.contains("level 0.25: no equilibrium is found beyond level"), "{said}");
+    let far = burst("levels = [0.01, 1.0]\nmax_iterations = 20").replace("\nlevels = [0.25, 0.5, 0.75, 1.0]", "");
+    let said = solve("budget_keys", &far).map(|_| ()).unwrap_err();
+    assert!(said.contains("level 1: no equilibrium is found beyond level 0.010000"), "{said}");
     assert!(said.contains("it took 20 Newton iterations, the limit max_iterations"), "{said}");
     assert!(said.contains("last converged state: "), "{said}");
     let said = solve("budget_seconds", &burst("timeout = 0.001")).map(|_| ()).unwrap_err();
