@@ -7,6 +7,7 @@ use clap::Parser;
 use cli::options::{CalibrateCamera, Checked, Cli, Command, Exported, Place};
 use cli::twin::ExportedTwin;
 use diagnostics::{Diagnostic, Result, next_move, output, processor};
+use simulate::RunOptions;
 use study::Runner;
 use workflow::runner::{Goal, Options};
 use workflow::settings;
@@ -109,8 +110,9 @@ fn run(cli: &Cli) -> Result<bool> {
             output::line(runner.why(name)?);
             Ok(report(&diagnostics))
         }
-        Command::Simulate { case, out } => {
-            simulate::run(case, out.as_deref(), cli.place.quiet, None)?;
+        Command::Simulate { case, out, budget } => {
+            let (out, budget) = (out.clone(), (*budget).into());
+            simulate::run_with(case, RunOptions { out, quiet: cli.place.quiet, budget, ..RunOptions::default() })?;
             Ok(true)
         }
         Command::Fit { page, out } => {

@@ -126,6 +126,9 @@ pub enum Command {
         /// Folder for the results, instead of CASE.out beside the case.
         #[arg(long)]
         out: Option<PathBuf>,
+        /// When a search for an equilibrium ends; these take the place of the keys of the case.
+        #[command(flatten)]
+        budget: Limits,
     },
     /// Identify a body from a free vibration test: Young's modulus from its static deflection, damping from the decay. A TOML file
     /// names recordings, markers and a case. The frequency and the first amplitude are then predicted. A file with test = "inflation"
@@ -287,6 +290,26 @@ pub enum Checked {
         #[arg(long, default_value_t = 12, value_parser = count(1..=10_000))]
         steps: usize,
     },
+}
+
+/// Limits of the solves of a case.
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub struct Limits {
+    /// Newton iterations of a level or time step at most [default: 250].
+    #[arg(long, value_parser = count(1..=1_000_000_000))]
+    max_iterations: Option<usize>,
+    /// Halvings of a load step at most [default: 40].
+    #[arg(long, value_parser = count(0..=10_000))]
+    max_cutbacks: Option<usize>,
+    /// Seconds of the whole case at most [default: no limit].
+    #[arg(long, value_parser = between(1e-3, 1e7))]
+    timeout: Option<f64>,
+}
+
+impl From<Limits> for simulate::Budget {
+    fn from(Limits { max_iterations, max_cutbacks, timeout }: Limits) -> Self {
+        Self { max_iterations, max_cutbacks, timeout }
+    }
 }
 
 /// What the study is written for.

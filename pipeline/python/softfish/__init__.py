@@ -14,17 +14,22 @@ All quantities are in SI units. Every refusal is an `Error` that says what is wr
 
 from __future__ import annotations
 
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from softfish._case import Case
-from softfish._core import MATERIALS
+from softfish._core import MATERIALS, __version__
 from softfish._errors import (
+    BudgetError,
     BusyError,
     CaseError,
     ConvergenceError,
+    DerivativeError,
     Error,
     InputError,
+    InternalError,
     MeshError,
+    MissingAttributeError,
     MissingError,
     NotStableError,
 )
@@ -33,7 +38,7 @@ from softfish._instruments import Camera, Tracks, calibrate, track
 from softfish._mesh import Mesh
 from softfish._project import Project, Record
 from softfish._reduced import ReducedGradient, ReducedModel, ReducedState
-from softfish._solver import Equilibrium, Gradient, Inputs, Material, Motion, Solver
+from softfish._solver import CriticalPoint, Equilibrium, Gradient, Inputs, Material, Motion, Path, Solver
 
 if TYPE_CHECKING:
     from softfish._jax import JaxFunction
@@ -41,11 +46,14 @@ if TYPE_CHECKING:
 
 __all__ = [
     "MATERIALS",
+    "BudgetError",
     "BusyError",
     "Camera",
     "Case",
     "CaseError",
     "ConvergenceError",
+    "CriticalPoint",
+    "DerivativeError",
     "Equilibrium",
     "Error",
     "Fit",
@@ -53,35 +61,46 @@ __all__ = [
     "Gradient",
     "InputError",
     "Inputs",
-    "JaxFunction",
+    "InternalError",
     "Material",
     "Mesh",
     "MeshError",
     "MissingError",
     "Motion",
     "NotStableError",
+    "Path",
     "Project",
     "Record",
     "ReducedGradient",
     "ReducedModel",
     "ReducedState",
     "Solver",
-    "TorchFunction",
     "Tracks",
     "calibrate",
     "fit",
     "track",
 ]
+#: Those that need a package which is used where it is installed.
+_OPTIONAL = {"JaxFunction": "jax", "TorchFunction": "torch"}
+__all__ += [name for name, package in _OPTIONAL.items() if find_spec(package) is not None]
 
 
 def __getattr__(name: str) -> Any:
     """The functions of PyTorch and JAX, which are loaded where they are used."""
-    if name == "TorchFunction":
-        from softfish._torch import TorchFunction
+    try:
+        if name == "TorchFunction":
+            from softfish._torch import TorchFunction
 
-        return TorchFunction
-    if name == "JaxFunction":
-        from softfish._jax import JaxFunction
+            return TorchFunction
+        if name == "JaxFunction":
+            from softfish._jax import JaxFunction
 
-        return JaxFunction
+            return JaxFunction
+    except MissingError as error:
+        raise MissingAttributeError(error.what, error.why, error.action) from error
     raise AttributeError(f"module `softfish` has no attribute `{name}`")
+
+
+def __dir__() -> list[str]:
+    """What the package offers."""
+    return sorted([*__all__, "__doc__", "__version__"])

@@ -1,8 +1,9 @@
-"""Arguments as arrays: shape, type and finiteness checked once, at the border."""
+"""Arguments: shape, type, range and finiteness checked once, at the border, with the argument named as the caller named it."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import os
+from collections.abc import Mapping, Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -16,14 +17,21 @@ IntArray: TypeAlias = npt.NDArray[np.int64]
 ByName: TypeAlias = "float | npt.ArrayLike | Mapping[str, Any]"
 
 
+def array_of(name: str, value: Any) -> npt.NDArray[Any]:
+    """`value` as a contiguous array of whatever it holds; a plain number as one of length 1."""
+    try:
+        return np.ascontiguousarray(value)
+    except (TypeError, ValueError, RuntimeError) as error:
+        raise InputError(f"`{name}` is no array of numbers", str(error), "pass numbers") from error
+
+
 def reals(name: str, value: Any, shape: tuple[int, ...] | None = None) -> Array:
     """`value` as contiguous double precision of `shape`; refused where a number is not finite."""
-    try:
-        array = np.ascontiguousarray(value)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"`{name}` is no array of numbers", str(error), "pass numbers") from error
+    array = array_of(name, value)
     if array.dtype.kind not in "fiu":
         raise InputError(f"`{name}` holds {array.dtype}", "real numbers are required", "convert it to float64")
+    if array.dtype == np.float16:
+        raise InputError(f"`{name}` holds {array.dtype}", "half precision has three digits", "convert it to float64")
     array = np.ascontiguousarray(array, dtype=np.float64)
     if np.ndim(value) == 0:
         array = array.reshape(())
@@ -36,9 +44,11 @@ def reals(name: str, value: Any, shape: tuple[int, ...] | None = None) -> Array:
 
 def integers(name: str, value: Any) -> IntArray:
     """`value` as contiguous whole numbers."""
-    array = np.ascontiguousarray(value)
+    array = array_of(name, value)
     if array.dtype.kind not in "iu":
         raise InputError(f"`{name}` holds {array.dtype}", "whole numbers are required", "convert it to int64")
+    if array.dtype == np.uint64 and array.size and int(array.max()) > np.iinfo(np.int64).max:
+        raise InputError(f"`{name}` holds {array.max()}", "numbers lie below 2^63", "number anew")
     return np.ascontiguousarray(array, dtype=np.int64)
 
 
@@ -55,12 +65,56 @@ def within(name: str, value: Any, low: float, high: float) -> float:
     return given
 
 
+def positive(name: str, value: Any) -> float:
+    """`value` as one number above 0."""
+    given = number(name, value)
+    if given <= 0.0:
+        raise InputError(f"`{name}` is {given:g}", "it lies above 0", "give a positive number")
+    return given
+
+
 def whole(name: str, value: Any, low: int, high: int) -> int:
     """`value` as one whole number from `low` to `high`."""
-    array = np.asarray(value)
-    if array.dtype.kind not in "iu" or array.ndim:
+    counts = isinstance(value, int | np.integer) or (isinstance(value, np.ndarray) and value.ndim == 0 and value.dtype.kind in "iu")
+    if not counts or isinstance(value, bool):
         raise InputError(f"`{name}` is {value!r}", "it counts", "give a whole number")
-    return int(within(name, int(array), low, high))
+    given = int(value)
+    if not low <= given <= high:
+        raise InputError(f"`{name}` is {given}", f"it lies between {low} and {high}", "give a number in this range")
+    return given
+
+
+def flag(name: str, value: Any) -> bool:
+    """`value` as a truth value."""
+    if isinstance(value, bool | np.bool_):
+        return bool(value)
+    raise InputError(f"`{name}` is {value!r}", "it is True or False", "give a truth value")
+
+
+def word(name: str, value: Any, known: Sequence[str]) -> str:
+    """`value` as one of the `known` words."""
+    if isinstance(value, str) and value in known:
+        return value
+    raise InputError(f"`{name}` is {value!r}", f"known are {', '.join(known)}", "name one of them")
+
+
+def instance(name: str, value: Any, kind: type | tuple[type, ...], action: str) -> None:
+    """Refuses a `value` that is not of a `kind`."""
+    if not isinstance(value, kind):
+        kinds = kind if isinstance(kind, tuple) else (kind,)
+        why = f"it is a {' or a '.join(one.__name__ for one in kinds)}"
+        raise InputError(f"`{name}` is a {type(value).__name__}", why, action)
+
+
+def file(name: str, value: Any) -> str:
+    """`value` as the name of a file or folder."""
+    try:
+        given = os.fspath(value)
+    except TypeError:
+        given = None
+    if not isinstance(given, str) or not given or "\0" in given:
+        raise InputError(f"`{name}` is {value!r}", "it names a file or a folder", "give a text or a pathlib.Path")
+    return given
 
 
 def frozen(array: Array) -> Array:
@@ -69,11 +123,19 @@ def frozen(array: Array) -> Array:
     return array
 
 
-def named(what: str, names: list[str], base: Array, given: ByName | None) -> Array:
+def copied(array: npt.NDArray[Any]) -> Any:
+    """A read-only copy, which nobody else can write to."""
+    own = np.array(array)
+    own.setflags(write=False)
+    return own
+
+
+def named(what: str, names: list[str], base: Array, given: ByName | None, argument: str | None = None) -> Array:
     """One number for each of `names`: `base`, with what is `given` in its place.
 
     A plain number is allowed where there is one name, and a list in the order of the names.
     """
+    said = argument or what
     values = base.copy()
     if given is None:
         return values
@@ -82,13 +144,13 @@ def named(what: str, names: list[str], base: Array, given: ByName | None) -> Arr
             if name not in names:
                 known = ", ".join(names) or "none"
                 raise InputError(f"there is no {what} `{name}`", f"known are {known}", "correct the name")
-            values[names.index(name)] = number(f"{what} {name}", value)
+            values[names.index(name)] = number(f"{said}[{name!r}]", value)
         return values
-    array = reals(what, given)
+    array = reals(said, given)
     if array.ndim == 0 and len(names) == 1:
         values[0] = array
         return values
     if array.shape != (len(names),):
-        why = f"there are {len(names)}: {', '.join(names) or 'none'}"
-        raise InputError(f"{what} has the shape {array.shape}", why, "give one number for each, or a dictionary by name")
+        why = f"there are {len(names)} of the kind {what}: {', '.join(names) or 'none'}"
+        raise InputError(f"`{said}` has the shape {array.shape}", why, "give one number for each, or a dictionary by name")
     return array.copy()

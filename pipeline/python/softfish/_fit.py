@@ -9,38 +9,44 @@ from pathlib import Path
 import numpy as np
 
 from softfish import _core
-from softfish._arrays import Array
+from softfish._arrays import Array, file
 
 
 @dataclass(frozen=True)
 class FittedLaw:
-    """A law fitted to all recordings that a page marks so."""
+    """A law fitted to all recordings that a page marks so.
 
-    #: Its name in the table.
+    Attributes:
+        name: Its name in the table.
+        parameters: Names of its parameters.
+        units: Their SI units.
+        mean: In SI units.
+        covariance: In SI units: parameters × parameters.
+        criterion: Bayes' information criterion, relative to the best law's.
+        supported: Whether the recordings support it.
+    """
+
     name: str
-    #: Names of its parameters.
     parameters: list[str]
-    #: Their SI units.
     units: list[str]
-    #: In SI units.
     mean: Array
-    #: In SI units: parameters × parameters.
     covariance: Array
-    #: Bayes' information criterion, relative to the best law's.
     criterion: float
-    #: Whether the recordings support it.
     supported: bool
 
 
 @dataclass(frozen=True)
 class Fit:
-    """The laws of a page, from the simplest to the richest."""
+    """The laws of a page, from the simplest to the richest.
 
-    #: Every law.
+    Attributes:
+        laws: Every law.
+        folder: Where table, metrics and figure lie.
+        report: What the command line prints.
+    """
+
     laws: list[FittedLaw]
-    #: Where table, metrics and figure lie.
     folder: Path
-    #: What the command line prints.
     report: str
 
     @property
@@ -69,8 +75,8 @@ def fit(
 ) -> Fit:
     """Fits the laws of a page, as `study fit` does: its file, or its name among those of the project at `root`, below which
     recordings are looked for. Writes its table, metrics and figure into `out`, or beside the page."""
-    folder_out = None if out is None else os.fspath(out)
-    report, folder, laws = _core.fit(os.fspath(root), os.fspath(page), folder_out)
+    folder_out = None if out is None else file("out", out)
+    report, folder, laws = _core.fit(file("root", root), file("page", page), folder_out)
     made = []
     for name, parameters, mean, covariance, criterion, supported in laws:
         names, units = [of[0] for of in parameters], [of[1] for of in parameters]

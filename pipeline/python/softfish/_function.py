@@ -2,24 +2,61 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Literal, TypedDict
 
 import numpy as np
+import numpy.typing as npt
 
-from softfish._arrays import Array, reals
-from softfish._errors import InputError
+from softfish._arrays import Array, ByName, instance, positive, reals, whole
+from softfish._errors import DerivativeError, InputError
 
 if TYPE_CHECKING:
-    from softfish._solver import Equilibrium, Gradient, Motion, Solver
+    from softfish._solver import Equilibrium, Gradient, Inputs, Motion, Solver
 
 _FIELDS = {"E": "youngs_modulus", "nu": "poissons_ratio", "density": "density"}
+
+
+class FunctionSettings(TypedDict, total=False):
+    """What a function passes on to `Solver.equilibrium`, or to `Solver.simulate` where it has `steps`."""
+
+    E: ByName
+    nu: ByName
+    density: ByName
+    element_E: npt.ArrayLike
+    forces: npt.ArrayLike
+    gravity: npt.ArrayLike
+    inputs: Inputs
+    pressure: ByName | Mapping[str, Any]
+    tolerance: float
+    max_iterations: int
+    timeout: float
+    #: Of equilibria.
+    level: float
+    load_steps: int
+    initial_guess: npt.ArrayLike
+    reuse_factor: bool
+    max_cutbacks: int
+    #: Of motions.
+    step: float
+    initial: tuple[npt.ArrayLike, npt.ArrayLike] | Equilibrium
+    scheme: Literal["bdf2", "implicit_euler", "quasi_static"]
+    mass_damping: float
+    stiffness_damping: float
+    memory: int
+
+
+_BOTH = {"E", "nu", "density", "element_E", "forces", "gravity", "inputs", "pressure", "tolerance", "max_iterations", "timeout"}
+_STATIC = _BOTH | {"level", "load_steps", "initial_guess", "reuse_factor", "max_cutbacks"}
+_DYNAMIC = _BOTH | {"step", "initial", "scheme", "mass_damping", "stiffness_damping", "memory"}
 
 
 class Parameter:
     """One argument of the function: `E.silicone`, `nu`, `element_E`, `pressure.air`, `force`."""
 
     def __init__(self, name: str, solver: Solver, steps: int | None) -> None:
+        if not isinstance(name, str):
+            raise InputError(f"`wrt` holds {name!r}", "it is a list of names", "correct it")
         self.name = name
         kind, _, key = name.partition(".")
         self.kind = "element_E" if name == "E.elements" else kind
@@ -51,66 +88,109 @@ class Parameter:
         known += [f"pressure.{name}" for name in chambers] + ["element_E", "force"]
         return InputError(f"there is no parameter `{self.name}`", f"known are {', '.join(known)}", "correct the name")
 
+    def overlaps(self, other: Parameter) -> bool:
+        """Whether both set the same number."""
+        moduli = {"E", "element_E"}
+        if self.kind != other.kind:
+            return {self.kind, other.kind} == moduli
+        return self.index is None or other.index is None or self.index == other.index
+
 
 class Function:
     """`output` of equilibria, or of motions where `steps` is given, as a function of the parameters `wrt`."""
 
-    def __init__(
-        self,
-        solver: Solver,
-        output: str,
-        wrt: Sequence[str],
-        *,
-        steps: int | None = None,
-        tolerance: float | None = None,
-        **settings: Any,
-    ) -> None:
+    def __init__(self, solver: Solver, output: str, wrt: Sequence[str], steps: int | None, settings: Mapping[str, Any]) -> None:
+        from softfish._solver import Solver
+
+        instance("solver", solver, Solver, "use Solver.torch or Solver.jax")
+        instance("output", output, str, "name `displacement`, or a point of the case")
         self.solver = solver
         self.output = output
-        self.steps = steps
-        if isinstance(wrt, str) or not wrt:
-            raise InputError(f"wrt is {wrt!r}", "it is a list of names", "name at least one parameter")
-        self.parameters = [Parameter(name, solver, steps) for name in wrt]
-        kinds = [parameter.kind for parameter in self.parameters]
-        if "element_E" in kinds and "E" in kinds:
-            why = "moduli of elements take the place of those of the regions"
-            raise InputError("element_E and E are both parameters", why, "name one of them")
+        self.steps = None if steps is None else whole("steps", steps, 1, 10_000_000)
+        if not isinstance(wrt, list | tuple) or not wrt:
+            raise InputError(f"`wrt` is {wrt!r}", "it is a list of names", "name at least one parameter")
+        self.parameters = [Parameter(name, solver, self.steps) for name in wrt]
+        for n, parameter in enumerate(self.parameters):
+            for other in self.parameters[:n]:
+                if parameter.overlaps(other):
+                    why = "both set the same number, and a gradient by one of them would hold the other"
+                    raise InputError(f"`{other.name}` and `{parameter.name}` are both in `wrt`", why, "name one of them")
+        given = {name: value for name, value in settings.items() if value is not None}
+        self._check_settings(given)
         fine = 1e-12 if steps is None else 1e-11
         # Derivatives are those of the exact solution: what a loose tolerance leaves would be noise in differences.
-        self._settings = {**settings, "tolerance": fine if tolerance is None else tolerance}
+        self._settings = {**given, "tolerance": positive("tolerance", given.get("tolerance", fine))}
+        if self.steps is not None and self._step() <= 0.0:
+            raise InputError("`step` is not given", "the case has no [dynamic] with a step", "give it in seconds")
         points = 1 if output == "displacement" else 0
         nodes = solver.mesh.nodes.shape
         if not points:
             solver._weights(output)
-        time = () if steps is None else (steps,)
+        time = () if self.steps is None else (self.steps,)
         self.shape = time + (nodes if points else (3,))
+
+    def _check_settings(self, given: Mapping[str, Any]) -> None:
+        known = _STATIC if self.steps is None else _DYNAMIC
+        what = "an equilibrium" if self.steps is None else "a motion"
+        for name in given:
+            if name not in known:
+                raise InputError(f"`{name}` is no setting of {what}", f"known are {', '.join(sorted(known))}", "leave it out")
+        for parameter in self.parameters:
+            fixed = self._fixed_by(parameter, given)
+            if fixed is not None:
+                why = "what the function is differentiated by cannot be fixed as well"
+                raise InputError(f"`{fixed}` is given beside `{parameter.name}` of `wrt`", why, "give one of them")
+        own = {name: given[name] for name in ("E", "nu", "density", "element_E", "forces", "gravity") if name in given}
+        self._base = self.solver._given(given.get("inputs"), given.get("level"), **own)
+
+    def _fixed_by(self, parameter: Parameter, given: Mapping[str, Any]) -> str | None:
+        """The setting that would fix the number of a parameter."""
+        kind, index = parameter.kind, parameter.index
+        other = {"E": "element_E", "element_E": "E"}.get(kind)
+        if other in given:
+            return other
+        if kind != "pressure" and "inputs" in given:
+            return "inputs"
+        name = "forces" if kind == "force" else kind
+        names = self.solver.chambers if kind == "pressure" else self.solver.regions
+        value = given.get(name)
+        elsewhere = isinstance(value, Mapping) and index is not None and names[index] not in value
+        return None if value is None or elsewhere else name
+
+    def _step(self) -> float:
+        chosen = self._settings.get("step")
+        return self.solver._dynamic_settings(chosen, None, (None, None), (1e-6, 0, (None, None, None)))["step"]
 
     def solve(self, values: Sequence[Array]) -> Equilibrium | Motion:
         """The result at the values of all parameters."""
-        given: dict[str, Any] = {}
-        base = self.solver.base
+        settings = dict(self._settings)
+        own: dict[str, Any] = {name: settings.pop(name) for name in ("E", "nu", "density", "element_E") if name in settings}
         pressure: Array | None = None
         for parameter, value in zip(self.parameters, values, strict=True):
             number = reals(parameter.name, value, parameter.shape)
             kind, index = parameter.kind, parameter.index
             if kind in _FIELDS:
-                whole = given.setdefault(kind, getattr(base, _FIELDS[kind]).copy())
-                whole[slice(None) if index is None else index] = number
+                if not isinstance(own.get(kind), np.ndarray):
+                    own[kind] = np.array(getattr(self._base, _FIELDS[kind]))
+                own[kind][slice(None) if index is None else index] = number
             elif kind == "pressure":
-                pressure = self._pressures() if pressure is None else pressure
+                pressure = self._pressures(settings.get("pressure")) if pressure is None else pressure
                 pressure[..., slice(None) if index is None else index] = number
             else:
-                given["forces" if kind == "force" else kind] = number
+                own["forces" if kind == "force" else kind] = number
+        if pressure is not None:
+            settings["pressure"] = pressure
         if self.steps is None:
-            return self.solver.equilibrium(pressure=pressure, **given, **self._settings)
-        return self.solver.simulate(self.steps, pressure=pressure, **given, **self._settings)
+            return self.solver.equilibrium(**own, **settings)
+        return self.solver.simulate(self.steps, **own, **settings)
 
-    def _pressures(self) -> Array:
+    def _pressures(self, given: Any) -> Array:
         solver = self.solver
-        if self.steps is None:
-            return solver._core.case_pressures([], float(self._settings.get("level", 1.0)))
-        step = solver._dynamic_settings(self._settings.get("step"), None, None, None, (1e-6, 0))["step"]
-        return solver._history(self.steps, step, None)
+        if self.steps is not None:
+            return solver._history(self.steps, self._step(), given)
+        dynamic = solver._data is not None and "dynamic" in solver._data and "level" not in self._settings
+        base = solver._core.case_pressures([0.0], None) if dynamic else solver._core.case_pressures([], self._base.level)
+        return solver._by_chamber(base, given, "pressure")
 
     def value(self, result: Equilibrium | Motion) -> Array:
         """The output of a result."""
@@ -139,7 +219,7 @@ class Function:
         solver = self.solver
         along: dict[str, Any] = {}
         for parameter, tangent in zip(self.parameters, tangents, strict=True):
-            if tangent is None:
+            if tangent is None or not np.any(tangent):
                 continue
             kind, index = parameter.kind, parameter.index
             if kind in _FIELDS:
@@ -153,6 +233,6 @@ class Function:
             else:
                 what = f"forward mode of a motion has no direction of `{parameter.name}`"
                 why = "a motion's forward sensitivities are those of E, nu and density"
-                raise InputError(what, why, "use reverse mode")
+                raise DerivativeError(what, why, "use reverse mode")
         changed = result.sensitivity(**along) if isinstance(result, Equilibrium) else result.sensitivity(**along)
         return solver.observe(self.output, changed)

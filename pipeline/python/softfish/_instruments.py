@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softfish import _core
-from softfish._arrays import Array, reals, whole, within
+from softfish._arrays import Array, file, flag, reals, whole, within
 from softfish._errors import InputError
 
 _Path: TypeAlias = "str | os.PathLike[str]"
@@ -21,19 +21,22 @@ _MOST = 1 << 40
 
 @dataclass(frozen=True)
 class Tracks:
-    """Markers in every frame of a film."""
+    """Markers in every frame of a film.
 
-    #: Number of each frame in the film.
+    Attributes:
+        frames: Number of each frame in the film.
+        time: Of each frame, s.
+        position: Markers × frames × 2: u to the right and v down, the centre of the first pixel at 0, 0; px.
+        covariance: Of the position, markers × frames × 2 × 2, px².
+        residual: Mean difference from the marker of the first frame: markers × frames, grey levels a pixel.
+        seen: Whether it was seen; where not, its position is interpolated: markers × frames.
+    """
+
     frames: npt.NDArray[np.int64]
-    #: Of each frame, s.
     time: Array
-    #: Markers × frames × 2: u to the right and v down, the centre of the first pixel at 0, 0; px.
     position: Array
-    #: Of the position, markers × frames × 2 × 2, px².
     covariance: Array
-    #: Mean difference from the marker of the first frame: markers × frames, grey levels a pixel.
     residual: Array
-    #: Whether it was seen; where not, its position is interpolated: markers × frames.
     seen: npt.NDArray[np.bool_]
 
 
@@ -58,13 +61,13 @@ def track(
     longest occlusion (s). Results are written into the folder `out` where one is given, with `overlay` a film of them too."""
     if (find is None) == (at is None):
         raise InputError("the markers of the first frame are not given", "they are placed or detected", "give at or find")
-    if overlay and out is None:
+    if flag("overlay", overlay) and out is None:
         raise InputError("an overlay has no folder", "it is a file among the results", "give out")
     places = np.zeros((0, 2)) if at is None else np.atleast_2d(reals("at", at))
     if at is not None and (len(places) == 0 or places.shape[1:] != (2,)):
         raise InputError(f"`at` has the shape {places.shape}", "each row is a marker: u and v, px", "pass markers × 2")
     found = _core.track({
-        "film": os.fspath(film),
+        "film": file("film", film),
         "at": places.tolist(),
         "find": None if find is None else whole("find", find, 1, 1000),
         "region": None if region is None else reals("region", region, (4,)).tolist(),
@@ -72,8 +75,8 @@ def track(
         "hidden": within("hidden", hidden, 0.0, 3600.0),
         "first": whole("first", first, 0, _MOST),
         "last": None if last is None else whole("last", last, first, _MOST),
-        "overlay": bool(overlay),
-        "out": None if out is None else os.fspath(out),
+        "overlay": flag("overlay", overlay),
+        "out": None if out is None else file("out", out),
     })
     count = len(found["time"])
     seen = np.array(found["seen"], dtype=bool).reshape(-1, count)
@@ -89,25 +92,28 @@ def track(
 
 @dataclass(frozen=True)
 class Camera:
-    """A calibrated camera."""
+    """A calibrated camera.
 
-    #: Whether its lens is a fisheye (k1 to k4); else distortion is Brown and Conrady's (k1, k2, p1, p2, k3).
+    Attributes:
+        fisheye: Whether its lens is a fisheye (k1 to k4); else distortion is Brown and Conrady's (k1, k2, p1, p2, k3).
+        size: Width and height of its pictures, px.
+        mean: fx, fy, cx, cy (px), then the coefficients of distortion in OpenCV's order.
+        covariance: Of the mean.
+        reprojection_error: Root of the mean squared distance between seen and projected points of the board, px.
+        views: Name of each picture of the whole board, or time of each frame.
+        errors: Reprojection error of each view, px.
+        rotation: From the board to the camera: views × 3 × 3.
+        translation: From the board to the camera: views × 3, m.
+    """
+
     fisheye: bool
-    #: Width and height of its pictures, px.
     size: tuple[int, int]
-    #: fx, fy, cx, cy (px), then the coefficients of distortion in OpenCV's order.
     mean: Array
-    #: Of the mean.
     covariance: Array
-    #: Root of the mean squared distance between seen and projected points of the board, px.
     reprojection_error: float
-    #: Name of each picture of the whole board, or time of each frame.
     views: list[str]
-    #: Reprojection error of each view, px.
     errors: Array
-    #: From the board to the camera: views × 3 × 3.
     rotation: Array
-    #: From the board to the camera: views × 3, m.
     translation: Array
 
     @property
@@ -138,14 +144,14 @@ def calibrate(
     `columns` and `rows` count the board's squares, or its `dots`; `square` is a side, or the distance of the dots' middles (m). Of a film one
     frame in `every` is used. Results are written into the folder `out` where one is given."""
     found = _core.calibrate({
-        "source": os.fspath(source),
+        "source": file("source", source),
         "columns": whole("columns", columns, 3, 100),
         "rows": whole("rows", rows, 3, 100),
         "square": within("square", square, 1e-3, 1.0),
-        "dots": bool(dots),
-        "fisheye": bool(fisheye),
+        "dots": flag("dots", dots),
+        "fisheye": flag("fisheye", fisheye),
         "every": whole("every", every, 1, 1000),
-        "out": None if out is None else os.fspath(out),
+        "out": None if out is None else file("out", out),
     })
     count = len(found["mean"])
     return Camera(

@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from softfish._arrays import Array
-from softfish._errors import Error, InputError
-from softfish._function import Function
+from softfish._arrays import Array, whole, word
+from softfish._errors import DerivativeError, Error, InputError
+from softfish._function import Function, FunctionSettings
 from softfish._optional import optional
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
     from softfish._solver import Equilibrium, Motion, Solver
 
 jax: Any = optional("jax")
@@ -25,7 +27,8 @@ class JaxFunction:
 
     `mode` is `reverse` (`jax.custom_vjp`) or `forward` (`jax.custom_jvp`): JAX has one or the other. Solves are host
     callbacks, made one after the other under `jax.vmap` (`vmap_method="sequential"`). The last `kept` results stay on the
-    host, so that a backward pass finds the result of its forward solve.
+    host, so that a backward pass finds the result of its forward solve. A derivative that it does not have, as a second one or `jax.jvp` in
+    reverse mode, is refused by a `DerivativeError`. The settings are those of `Solver.equilibrium`, or of `Solver.simulate`.
 
     A solve that fails raises its own exception; under `jax.jit`, where nothing can be raised, its output is NaN, and the
     exception is raised by the next call, or by `check()`.
@@ -39,15 +42,25 @@ class JaxFunction:
         *,
         mode: Literal["reverse", "forward"] = "reverse",
         kept: int = 64,
-        **settings: Any,
+        steps: int | None = None,
+        **settings: Unpack[FunctionSettings],
     ) -> None:
-        self.function = Function(solver, output, wrt, **settings)
+        self.function = Function(solver, output, wrt, steps, settings)
+        self._kept = whole("kept", kept, 1, 1_000_000)
+        self._mode = word("mode", mode, ("reverse", "forward"))
+        self._begin()
+
+    def _begin(self) -> None:
         self._results: OrderedDict[tuple[bytes, ...], Equilibrium | Motion] = OrderedDict()
-        self._kept = kept
         self._failure: Error | None = None
-        if mode not in ("reverse", "forward"):
-            raise InputError(f"the mode is {mode!r}", "known are reverse and forward", "name one of them")
-        self._call = self._reverse() if mode == "reverse" else self._forward()
+        self._call = self._reverse() if self._mode == "reverse" else self._forward()
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"function": self.function, "_kept": self._kept, "_mode": self._mode}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._begin()
 
     def __call__(self, *values: Any) -> Any:
         """The output at `values`, one for each of `wrt`."""
@@ -56,12 +69,29 @@ class JaxFunction:
             names = ", ".join(parameter.name for parameter in parameters)
             raise InputError(f"{len(values)} arguments are given", f"the function has {names}", "give one for each")
         self.check()
-        arrays = [jnp.asarray(value, dtype=float) for value in values]
+        arrays = [self._real(parameter.name, value) for parameter, value in zip(parameters, values, strict=True)]
         for parameter, array in zip(parameters, arrays, strict=True):
             if array.shape != parameter.shape:
                 why = f"{parameter.shape} is required; jax.vmap makes batches"
                 raise InputError(f"`{parameter.name}` has the shape {array.shape}", why, "check its axes")
-        return self._call(*arrays)
+        try:
+            return self._call(*arrays)
+        except TypeError as error:
+            # JAX's own error of a function with reverse mode in a transform of forward mode
+            if "forward-mode" not in str(error):
+                raise
+            why = "JAX gives a function reverse or forward mode; this one has reverse mode, and no second derivatives"
+            raise DerivativeError("forward mode of a solve is asked for", why, 'make the function with mode="forward"') from error
+
+    @staticmethod
+    def _real(name: str, value: Any) -> Any:
+        """It in the precision that it has: single or double; whole numbers and lists in JAX's own."""
+        array = jnp.asarray(value)
+        if not jnp.issubdtype(array.dtype, jnp.floating) and not jnp.issubdtype(array.dtype, jnp.integer):
+            raise InputError(f"`{name}` holds {array.dtype}", "real numbers are required", "convert it")
+        if jnp.issubdtype(array.dtype, jnp.floating) and array.dtype.itemsize < 4:
+            raise InputError(f"`{name}` holds {array.dtype}", "half precision has three digits", "convert it to float64")
+        return array if jnp.issubdtype(array.dtype, jnp.floating) else array.astype(float)
 
     def check(self) -> None:
         """Raises the exception of a solve that failed under `jax.jit`."""
@@ -103,6 +133,17 @@ class JaxFunction:
 
         return jax.pure_callback(callback, shapes, *arrays, vmap_method="sequential")
 
+    def _once(self, compute: Any, what: str) -> Any:
+        """`compute` as a function that refuses to be differentiated."""
+
+        def rule(*_: Any) -> Any:
+            act = "use differences of first derivatives"
+            raise DerivativeError(what, "a solver has first derivatives alone", act)
+
+        call = jax.custom_jvp(compute)
+        call.defjvp(rule)
+        return call
+
     def _shape(self, arrays: Sequence[Any]) -> Any:
         return jax.ShapeDtypeStruct(self.function.shape, jnp.result_type(*arrays))
 
@@ -115,12 +156,14 @@ class JaxFunction:
         def adjoint(values: list[Array]) -> list[Array]:
             return self.function.vjp(self._result(values[:count]), values[count])
 
-        def backward(arrays: tuple[Any, ...], cotangent: Any) -> Any:
-            shapes = tuple(jax.ShapeDtypeStruct(array.shape, array.dtype) for array in arrays)
-            return self._host(adjoint, shapes, [*arrays, cotangent])
+        def backward(*given: Any) -> Any:
+            shapes = tuple(jax.ShapeDtypeStruct(array.shape, array.dtype) for array in given[:count])
+            return self._host(adjoint, shapes, given)
 
+        second = "a second derivative of a solve is asked for"
+        value, once = self._once(self._value, second), self._once(backward, second)
         call = jax.custom_vjp(self._value)
-        call.defvjp(lambda *arrays: (self._value(*arrays), arrays), backward)
+        call.defvjp(lambda *arrays: (value(*arrays), arrays), lambda arrays, cotangent: tuple(once(*arrays, cotangent)))
         return call
 
     def _forward(self) -> Any:
@@ -129,13 +172,22 @@ class JaxFunction:
         def along(values: list[Array]) -> Array:
             return self.function.jvp(self._result(values[:count]), values[count:])
 
+        def changed(*given: Any) -> Any:
+            return self._host(along, self._shape(given[:count]), given)
+
+        once = self._once(changed, "a second derivative of a solve is asked for")
+
         def rule(arrays: Any, tangents: Any) -> Any:
             full = [
                 jnp.zeros_like(array) if isinstance(tangent, jax.custom_derivatives.SymbolicZero) else tangent
                 for array, tangent in zip(arrays, tangents, strict=True)
             ]
-            return self._value(*arrays), self._host(along, self._shape(arrays), [*arrays, *full])
+            return call(*arrays), once(*arrays, *full)
 
         call = jax.custom_jvp(self._value)
         call.defjvp(rule)
         return call
+
+    def __repr__(self) -> str:
+        of = self.function
+        return f"JaxFunction({of.output} by {', '.join(one.name for one in of.parameters)}: {of.shape}, {self._mode})"

@@ -10,16 +10,20 @@ import numpy as np
 import numpy.typing as npt
 
 from softfish import _core
-from softfish._arrays import Array, IntArray, integers, reals
+from softfish._arrays import Array, IntArray, file, flag, integers, reals, whole, within, word
 from softfish._errors import InputError
 
 Unit = Literal["m", "mm"]
 
+#: Solids of meshio, and what is said of those that are not simulated.
+_SOLIDS = {"tetra": 4, "tetra10": 10, "hexahedron": 8}
+_FLAT = ("vertex", "line", "triangle", "quad", "polygon", "VTK_LAGRANGE_CURVE", "VTK_LAGRANGE_TRIANGLE", "VTK_LAGRANGE_QUAD")
+#: Cell data that hold the region of a cell, by priority: those of `Mesh.read`.
+_TAGS = ("region", "regions", "gmsh:physical", "cellentityids", "medit:ref", "tetgen:ref", "cell_tags", "material", "gmsh:geometrical")
+
 
 def _is_millimetres(unit: str) -> bool:
-    if unit not in ("m", "mm"):
-        raise InputError(f"the unit is `{unit}`", "lengths are in m or mm", "name one of them")
-    return unit == "mm"
+    return word("unit", unit, ("m", "mm")) == "mm"
 
 
 class Mesh:
@@ -27,6 +31,9 @@ class Mesh:
 
     Mid-edge nodes are those of the edges 01, 12, 02, 03, 13, 23; hexahedra have the order of VTK. Chambers are the closed
     cavities of tetrahedra, in rising order of their centroids along x, then y, then z.
+
+    Every mesh is checked: inverted, flat and repeated elements, nodes that lie at the same place and faces of more than two elements are
+    refused. Nodes that no element uses are dropped; `numbering` then says where each node is.
     """
 
     def __init__(
@@ -40,6 +47,17 @@ class Mesh:
     ) -> None:
         """From arrays: `nodes` (nodes × 3, m), `elements` (elements × 4, 8 or 10), the tag of each element's region and
         `names` of tags. `half`: the mesh is the half z ≥ 0 of a body that is symmetric about z = 0."""
+        self._make(nodes, elements, regions, (names, flag("half", half)), None)
+
+    def _make(
+        self,
+        nodes: npt.ArrayLike,
+        elements: npt.ArrayLike,
+        regions: npt.ArrayLike | None,
+        options: tuple[Mapping[int, str] | None, bool],
+        surfaces: tuple[IntArray, list[int], dict[int, str]] | None,
+    ) -> None:
+        names, half = options
         points = reals("nodes", nodes)
         cells = integers("elements", elements)
         if points.ndim != 2 or points.shape[1] != 3:
@@ -50,9 +68,8 @@ class Mesh:
         tags = np.zeros(len(cells), dtype=np.int64) if regions is None else integers("regions", regions)
         if tags.shape != (len(cells),):
             raise InputError(f"`regions` has the shape {tags.shape}", f"there are {len(cells)} elements", "give one each")
-        given = {int(tag): str(name) for tag, name in (names or {}).items()}
-        pair = (cells.ravel(), int(cells.shape[1]))
-        self._core = _core.Mesh.from_arrays(points.ravel(), pair, (tags.tolist(), given), half)
+        arrays = (points.ravel(), cells.ravel(), int(cells.shape[1]))
+        self._core = _core.Mesh.from_arrays(arrays, (tags.tolist(), _names(names, tags)), (half, surfaces))
 
     @classmethod
     def _of(cls, core: _core.Mesh) -> Mesh:
@@ -64,8 +81,11 @@ class Mesh:
     def read(
         cls, path: str | os.PathLike[str], unit: Unit = "m", *, order: Literal[1, 2] | None = None, half: bool = False
     ) -> Mesh:
-        """From a file: `.msh` (4.1), `.vtu`, `.mesh`, `.ele` with its `.node` beside it."""
-        return cls._of(_core.Mesh.read(os.fspath(path), _is_millimetres(unit), order, half))
+        """From a file: `.msh` (4.1 or 2.2), `.vtu`, `.mesh`, `.ele` with its `.node` beside it.
+
+        `unit`: of the numbers in the file. `order` 1 or 2: of the elements; left out: as the file has them. `half`: as for arrays."""
+        given = None if order is None else whole("order", order, 1, 2)
+        return cls._of(_core.Mesh.read(file("path", path), (_is_millimetres(unit), given), flag("half", half)))
 
     @classmethod
     def from_stl(
@@ -78,27 +98,31 @@ class Mesh:
         half: bool = False,
     ) -> Mesh:
         """From the closed surface of a body, and that of a plane sheet in it, with edges of the length `edge` (m)."""
-        if not 1e-5 <= edge <= 1.0:
-            raise InputError(f"edge is {edge}", "it lies between 1e-5 and 1 m", "give it in metres")
-        sheet = None if spine is None else os.fspath(spine)
-        return cls._of(_core.Mesh.from_surfaces(os.fspath(body), sheet, edge, (_is_millimetres(unit), half)))
+        length = within("edge", edge, 1e-5, 1.0)
+        sheet = None if spine is None else file("spine", spine)
+        files = (file("body", body), sheet)
+        return cls._of(_core.Mesh.from_surfaces(files, length, (_is_millimetres(unit), flag("half", half))))
 
     @classmethod
     def from_meshio(cls, mesh: Any, *, unit: Unit = "m", tags: str | None = None, half: bool = False) -> Mesh:
-        """From a `meshio.Mesh`: its tetrahedra (or its hexahedra), with the cell data `tags` as regions."""
-        kinds = ("tetra10", "tetra", "hexahedron")
-        kind = next((kind for kind in kinds if any(block.type == kind for block in mesh.cells)), None)
-        if kind is None:
-            found = ", ".join(sorted({block.type for block in mesh.cells}))
-            raise InputError("the mesh has no solid elements", f"it has {found}", f"give one of {', '.join(kinds)}")
+        """From a `meshio.Mesh`: all its tetrahedra of one order, or all its hexahedra. Other solids, and two kinds, are refused.
+
+        `tags`: the cell data with the tag of each element's region; left out: the first that is there of those that `Mesh.read` knows.
+        Physical names (`field_data`) become the names of regions and surfaces. Nodes that no element uses are dropped: see `numbering`."""
+        kind = _solid_kind(mesh)
         blocks = [n for n, block in enumerate(mesh.cells) if block.type == kind]
-        elements = np.concatenate([mesh.cells[n].data for n in blocks])
-        if kind == "tetra10":
-            # meshio has the order of VTK, which is that of this package
-            elements = np.ascontiguousarray(elements)
-        regions = None if tags is None else np.concatenate([mesh.cell_data[tags][n] for n in blocks])
+        elements = np.concatenate([np.asarray(mesh.cells[n].data) for n in blocks]).astype(np.int64)
+        data = _tags_of(mesh, tags)
+        regions = None if data is None else np.concatenate([np.asarray(data[n]) for n in blocks])
+        if regions is not None and np.array_equal(regions, np.asarray(regions).astype(np.int64)):
+            # some formats of meshio hold tags as real numbers
+            regions = regions.astype(np.int64)
         scale = 1e-3 if _is_millimetres(unit) else 1.0
-        return cls(scale * np.asarray(mesh.points, dtype=np.float64), elements.astype(np.int64), regions, half=half)
+        made = cls.__new__(cls)
+        names = _physical_names(mesh, 3, set() if regions is None else set(np.unique(regions).tolist()))
+        points = scale * reals("points", mesh.points)
+        made._make(points, elements, regions, (names, flag("half", half)), _surfaces(mesh, data))
+        return made
 
     @classmethod
     def box(
@@ -108,9 +132,13 @@ class Mesh:
         kind: Literal["linear", "quadratic", "hexahedra"] = "quadratic",
     ) -> Mesh:
         """A box [0, size] (m) of grid cells, each cut into six tetrahedra, or hexahedra."""
-        if not all(0 < side <= 10 for side in size) or not all(0 < count <= 4096 for count in cells):
-            raise InputError(f"the box has sides {size} m and cells {cells}", "both are above 0", "correct them")
-        made = _core.box_mesh((float(size[0]), float(size[1]), float(size[2])), cells, kind)
+        sides = reals("size", size, (3,)).tolist()
+        if integers("cells", cells).shape != (3,):
+            raise InputError(f"`cells` is {cells!r}", "it is the number along x, y and z", "give three whole numbers")
+        counts = [whole("cells", count, 1, 1 << 20) for count in cells]
+        for side in sides:
+            within("size", side, 1e-9, 10.0)
+        made = _core.box_mesh((sides[0], sides[1], sides[2]), (counts[0], counts[1], counts[2]), word("kind", kind, ("linear", "quadratic", "hexahedra")))
         return cls(made["nodes"].reshape(-1, 3), made["elements"].reshape(-1, made["each"]))
 
     @property
@@ -126,7 +154,7 @@ class Mesh:
 
     @property
     def regions(self) -> IntArray:
-        """The region of each element, an index into `region_names`."""
+        """The region of each element, an index into `region_names` and `tags`."""
         return self._core.regions()
 
     @property
@@ -135,13 +163,34 @@ class Mesh:
         return self._core.region_names()
 
     @property
+    def tags(self) -> list[int]:
+        """The tag of each region, as in the file or the arrays; rising."""
+        return [tag for tag, _ in self._core.region_tags()]
+
+    @property
+    def numbering(self) -> IntArray:
+        """For each node of the arrays or of the file that the mesh was made of its number here, −1 where no element uses it."""
+        given = self._core.numbering()
+        return given if len(given) else np.arange(len(self.nodes), dtype=np.int64)
+
+    @property
+    def surfaces(self) -> dict[str, IntArray]:
+        """The surfaces that the file names or numbers, by name or tag: triangles × 3 node numbers."""
+        return {name or str(tag): corners.reshape(-1, 3) for tag, name, corners in self._core.surfaces()}
+
+    @property
+    def half(self) -> bool:
+        """Whether it is the half z ≥ 0 of a body that is symmetric about z = 0."""
+        return self._core.half()
+
+    @property
     def chambers(self) -> list[tuple[float, tuple[float, float, float]]]:
         """Volume (m³) and centroid (m) of each chamber."""
         return [(volume, (at[0], at[1], at[2])) for volume, at in self._core.chambers()]
 
     @property
     def skin(self) -> IntArray:
-        """triangles × 3: node numbers of the outer skin's corners, of tetrahedra."""
+        """triangles × 3: node numbers of the outer skin's corners; sides of hexahedra are cut into two."""
         return self._core.skin().reshape(-1, 3)
 
     @property
@@ -150,14 +199,118 @@ class Mesh:
         return self._core.notes()
 
     def to_meshio(self, displacement: npt.ArrayLike | None = None) -> Any:
-        """As a `meshio.Mesh`, with a displacement as point data where one is given."""
+        """As a `meshio.Mesh`, with a displacement (nodes × 3, m) as point data where one is given: the tag of each element as cell data
+        `region`, names of regions and surfaces as `field_data`, surfaces as triangles."""
         from softfish._optional import optional
 
         elements = self.elements
         kind = {4: "tetra", 8: "hexahedron", 10: "tetra10"}[elements.shape[1]]
         data = {} if displacement is None else {"displacement": reals("displacement", displacement, self.nodes.shape)}
-        return optional("meshio").Mesh(self.nodes, [(kind, elements)], data, {"region": [self.regions]})
+        pairs = self._core.region_tags()
+        region = np.array([tag for tag, _ in pairs], dtype=np.int64)[self.regions]
+        fields = {name: np.array([tag, 3]) for name, (tag, is_named) in zip(self.region_names, pairs, strict=True) if is_named}
+        cells, values = [(kind, elements)], [region]
+        for tag, name, corners in self._core.surfaces():
+            cells.append(("triangle", corners.reshape(-1, 3)))
+            values.append(np.full(len(corners) // 3, tag, dtype=np.int64))
+            if name is not None:
+                fields[name] = np.array([tag, 2])
+        return optional("meshio").Mesh(self.nodes, cells, data, {"region": values}, field_data=fields)
+
+    def _moved(self) -> bool:
+        """Whether nodes of the caller's arrays were dropped, so that numbers of nodes are no longer those of the caller."""
+        given = self._core.numbering()
+        return len(given) > 0 and bool(np.any(given < 0))
+
+    def __getstate__(self) -> dict[str, Any]:
+        pairs = self._core.region_tags()
+        names = {tag: name for name, (tag, is_named) in zip(self.region_names, pairs, strict=True) if is_named}
+        found = self._core.surfaces()
+        corners = [corners for _, _, corners in found]
+        surfaces = (
+            np.concatenate(corners) if corners else np.zeros(0, dtype=np.int64),
+            [tag for tag, _, corners in found for _ in range(len(corners) // 3)],
+            {tag: name for tag, name, _ in found if name is not None},
+        )
+        tags = np.array([tag for tag, _ in pairs], dtype=np.int64)[self.regions]
+        return {"nodes": self.nodes, "elements": self.elements, "tags": tags, "names": names, "half": self.half, "surfaces": surfaces}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self._make(state["nodes"], state["elements"], state["tags"], (state["names"], state["half"]), state["surfaces"])
 
     def __repr__(self) -> str:
         nodes, elements = len(self.nodes), self.elements
-        return f"Mesh({nodes} nodes, {len(elements)} elements of {elements.shape[1]}, regions {self.region_names})"
+        kind = {4: "tetrahedra", 8: "hexahedra", 10: "tetrahedra"}[elements.shape[1]]
+        chambers = len(self.chambers)
+        size = " × ".join(f"{1e3 * side:.4g}" for side in np.ptp(self.nodes, axis=0))
+        return (
+            f"Mesh({nodes} nodes, {len(elements)} {kind} of {elements.shape[1]}, {size} mm{', half' if self.half else ''}, "
+            f"regions {self.region_names}, {chambers} chamber{'' if chambers == 1 else 's'})"
+        )
+
+
+def _names(given: Mapping[int, str] | None, tags: IntArray) -> dict[int, str]:
+    """The names of tags: each of an element's tag, and each once."""
+    names: dict[int, str] = {}
+    present = set(np.unique(tags).tolist())
+    if given is not None and not isinstance(given, Mapping):
+        raise InputError(f"`names` is {given!r}", "it is a dictionary from tags to names", "correct it")
+    for tag, name in (given or {}).items():
+        key = whole("names", tag, -(1 << 62), 1 << 62)
+        if not isinstance(name, str) or not name:
+            raise InputError(f"`names` has {name!r} for the tag {key}", "a name is a text", "correct it")
+        if key not in present:
+            why = f"elements have the tags {', '.join(map(str, sorted(present)[:20]))}"
+            raise InputError(f"`names` has the tag {key}", why, "leave it out, or correct the tag")
+        names[key] = name
+    all_names = [names.get(tag, f"region_{tag}") for tag in sorted(present)]
+    twice = next((name for n, name in enumerate(all_names) if name in all_names[:n]), None)
+    if twice is not None:
+        raise InputError(f"`names` has `{twice}` for two tags", "materials are given by name", "give them one tag, or two names")
+    return names
+
+
+def _solid_kind(mesh: Any) -> str:
+    """The one kind of solids of a mesh of meshio."""
+    if not all(hasattr(mesh, part) for part in ("points", "cells", "cell_data")):
+        raise InputError(f"`mesh` is a {type(mesh).__name__}", "it is a meshio.Mesh", "give what meshio.read returned")
+    present = sorted({block.type for block in mesh.cells if len(block.data)})
+    solids = [kind for kind in present if not kind.startswith(_FLAT)]
+    found = ", ".join(present) or "no cells"
+    known = ", ".join(_SOLIDS)
+    if not solids:
+        raise InputError("the mesh has no solid elements", f"it has {found}", f"give one of {known}")
+    if len(solids) > 1 or solids[0] not in _SOLIDS:
+        why = f"a body is meshed with one of {known}; none of its parts may be left out"
+        raise InputError(f"the mesh has {', '.join(solids)}", why, "mesh the whole body with one kind of elements")
+    return str(solids[0])
+
+
+def _tags_of(mesh: Any, name: str | None) -> list[Any] | None:
+    """The cell data with tags, block by block."""
+    present = dict(mesh.cell_data)
+    if name is not None:
+        if name not in present:
+            raise InputError(f"there are no cell data `{name}`", f"there are {', '.join(present) or 'none'}", "correct `tags`")
+        return list(present[name])
+    by_lower = {key.lower(): key for key in present}
+    known = next((by_lower[key] for key in _TAGS if key in by_lower), None)
+    return None if known is None else list(present[known])
+
+
+def _physical_names(mesh: Any, dimension: int, tags: set[int]) -> dict[int, str]:
+    pairs = {name: np.asarray(of).ravel() for name, of in dict(mesh.field_data or {}).items()}
+    of_dimension = {int(of[0]): name for name, of in pairs.items() if len(of) == 2 and int(of[1]) == dimension}
+    return {tag: name for tag, name in of_dimension.items() if tag in tags}
+
+
+def _surfaces(mesh: Any, data: list[Any] | None) -> tuple[IntArray, list[int], dict[int, str]] | None:
+    """The triangles of surfaces with their tags."""
+    if data is None:
+        return None
+    blocks = [n for n, block in enumerate(mesh.cells) if block.type in ("triangle", "triangle6") and len(block.data)]
+    if not blocks:
+        return None
+    corners = np.concatenate([np.asarray(mesh.cells[n].data)[:, :3].astype(np.int64).ravel() for n in blocks])
+    tags = np.concatenate([np.asarray(data[n]) for n in blocks]).astype(np.int64).tolist()
+    return corners, tags, _physical_names(mesh, 2, set(tags))

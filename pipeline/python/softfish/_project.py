@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softfish import _core
+from softfish._arrays import file
 from softfish._errors import InputError
 from softfish._optional import optional
 
@@ -65,10 +66,10 @@ class Project:
     def __init__(
         self, folder: str | os.PathLike[str] = ".", profile: Literal["paper", "quick", "population"] = "paper"
     ) -> None:
-        root = Path(folder)
+        root = Path(file("folder", folder))
         if not (root / "study.toml").is_file():
             raise InputError(f"{root} is no project", "it has no study.toml", "name the folder that `study init` wrote")
-        if profile not in ("paper", "quick", "population"):
+        if not isinstance(profile, str) or profile not in ("paper", "quick", "population"):
             raise InputError(f"there is no profile {profile!r}", "there are paper, quick, population", "name one of them")
         self._root, self._profile = root, profile
         base = root if profile == "paper" else root / "target" / profile

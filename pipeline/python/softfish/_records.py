@@ -38,6 +38,9 @@ class StaticSettings(TypedDict):
     tolerance: float
     load_steps: int
     reuse_factor: bool
+    max_iterations: int | None
+    max_cutbacks: int | None
+    timeout: float | None
 
 
 class DynamicSettings(TypedDict):
@@ -49,6 +52,8 @@ class DynamicSettings(TypedDict):
     stiffness_damping: float
     tolerance: float
     memory: int
+    max_iterations: int | None
+    timeout: float | None
 
 
 class Direction(TypedDict):
@@ -66,19 +71,37 @@ class FoundEquilibrium(TypedDict):
     """An equilibrium."""
 
     displacement: Array
+    pressures: Array
     iterations: int
     factorisations: int
     residual: float
     snap_through: list[float]
 
 
-class FoundMotion(TypedDict):
+class _FoundMotion(TypedDict):
     """A motion."""
 
     times: Array
     displacement: Array
     velocity: Array
+
+
+class FoundMotion(_FoundMotion, total=False):
+    """With what its gradient needs, and the pressures of adaptive steps."""
+
     trajectory: Trajectory
+    pressures: Array
+
+
+class FoundPath(TypedDict):
+    """A path of equilibria."""
+
+    levels: Array
+    displacement: Array
+    negative_eigenvalues: IntArray
+    eigenvalues: Array
+    iterations: IntArray
+    critical: list[tuple[bool, float, Array, Array]]
 
 
 class _FoundGradient(TypedDict):
@@ -109,6 +132,9 @@ class CaseDynamic(TypedDict):
     scheme: str
     mass_damping: float
     stiffness_damping: float
+    #: Tolerance (m), shortest and longest step (s).
+    adaptive: tuple[float, float, float] | None
+    starts_at_rest: bool
 
 
 class _CaseData(TypedDict):
@@ -127,6 +153,9 @@ class CaseData(_CaseData, total=False):
     levels: list[float]
     load_steps: int
     tolerance: float
+    follows_path: bool
+    #: Iterations, cut-backs, seconds.
+    budget: tuple[int | None, int | None, float | None]
     dynamic: CaseDynamic
 
 

@@ -12,16 +12,22 @@ import numpy as np
 import numpy.typing as npt
 
 from softfish import _core, _records
-from softfish._arrays import Array, ByName, named, number, reals
+from softfish._arrays import Array, ByName, file, instance, number, positive, reals, whole, within
 from softfish._errors import InputError
 
 if TYPE_CHECKING:
     from softfish._solver import Solver
+    from softfish._torch_step import TorchStep
 
 
 @dataclass(frozen=True)
 class ReducedState:
-    """Coordinates q and their rates, 1/s."""
+    """Coordinates q and their rates, 1/s.
+
+    Attributes:
+        coordinates: q, one per coordinate, no unit.
+        velocity: q̇, one per coordinate, 1/s.
+    """
 
     coordinates: Array
     velocity: Array
@@ -29,33 +35,53 @@ class ReducedState:
 
 @dataclass(frozen=True)
 class ReducedGradient:
-    """The derivatives of a loss of the state after a step."""
+    """The derivatives of a loss of the state after a step.
 
-    #: By the state before.
+    Attributes:
+        state: By the state before.
+        pressures: By chamber, 1/Pa.
+        modulus_scale: By the factor of the moduli of each region.
+    """
+
     state: ReducedState
-    #: By chamber, 1/Pa.
     pressures: Array
-    #: By the factor of the moduli of each region.
     modulus_scale: Array
 
 
 class ReducedModel:
-    """A body in the coordinates of a few modes, for many fast steps."""
+    """A body in the coordinates of a few modes, for many fast steps. Pressures act on it; gravity and forces of the case do not."""
 
     def __init__(self, solver: Solver, core: _core.ReducedModel) -> None:
         self._solver = solver
         self._core = core
 
+    def __getstate__(self) -> dict[str, Any]:
+        data = self._core.data()
+        return {"solver": self._solver, "modes": data["modes"], "points": data["points"], "size": data["size"]}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self._solver = state["solver"]
+        self._core = self._solver._core.restore(state["modes"], state["points"], state["size"])
+
+    def __repr__(self) -> str:
+        points = sum(len(numbers) for numbers, _ in self._core.data()["points"])
+        return f"ReducedModel({self.coordinates} coordinates, {points} quadrature points, {self._solver._nodes} nodes)"
+
     @classmethod
     def of(cls, solver: Solver, snapshots: npt.ArrayLike, coordinates: int, tolerance: float) -> ReducedModel:
         """Of snapshots × nodes × 3, m: see `Solver.reduce`."""
+        from softfish._solver import Solver
+
+        instance("solver", solver, Solver, "use Solver.reduce")
         shapes = reals("snapshots", snapshots)
         if shapes.ndim != 3 or shapes.shape[1:] != solver.mesh.nodes.shape or not len(shapes):
             why = f"it is snapshots × {solver.mesh.nodes.shape[0]} × 3"
             raise InputError(f"`snapshots` has the shape {shapes.shape}", why, "check its axes")
-        if not 1 <= int(coordinates) <= 1000 or not 0 < number("tolerance", tolerance) < 1:
-            raise InputError("the settings of the reduction are out of range", "1 to 1000 coordinates, tolerance 0 to 1", "")
-        return cls(solver, solver._core.reduce(shapes.reshape(-1), int(coordinates), float(tolerance)))
+        most = whole("coordinates", coordinates, 1, 1000)
+        error = within("tolerance", tolerance, 1e-12, 1.0)
+        if not np.any(shapes):
+            raise InputError("`snapshots` are all zero", "modes are directions in which the body moved", "give displaced shapes")
+        return cls(solver, solver._core.reduce(shapes.reshape(-1), most, error))
 
     @property
     def coordinates(self) -> int:
@@ -68,7 +94,7 @@ class ReducedModel:
 
     def displacement(self, state: ReducedState) -> Array:
         """nodes × 3, m."""
-        return self._core.displacement(state.coordinates).reshape(-1, 3)
+        return self._core.displacement(self._pair(state)[0]).reshape(-1, 3)
 
     def output(self, name: str, state: ReducedState) -> Array:
         """The displacement of a point of the case: `marker.tip`."""
@@ -106,15 +132,27 @@ class ReducedModel:
     ) -> ReducedGradient:
         """The gradient of a loss of the state after a step, from its derivatives `loss`, at the states before and after."""
         given = self._given(pressures, dt, modulus_scale, (mass_damping, stiffness_damping))
+        if not isinstance(states, tuple | list) or len(states) != 2:
+            raise InputError(f"`states` is {states!r}", "it is the state before the step and that after it", "give both")
         pairs = (self._pair(states[0]), self._pair(states[1]))
         before, by_pressure, by_scale = self._core.step_gradient(pairs, given, self._pair(loss))
         return ReducedGradient(ReducedState(*before), np.array(by_pressure), np.array(by_scale))
 
-    def torch_step(self, dt: float = 1e-3, **settings: float) -> Any:
-        """A step as a function of PyTorch: (coordinates, velocity, pressures) to (coordinates, velocity)."""
-        from softfish._torch_step import torch_step
+    def torch_step(
+        self,
+        dt: float = 1e-3,
+        *,
+        modulus_scale: npt.ArrayLike | None = None,
+        mass_damping: float = 0.0,
+        stiffness_damping: float = 0.0,
+    ) -> TorchStep:
+        """A step of `dt` seconds as a function of PyTorch: (coordinates, velocity, pressures) to (coordinates, velocity), differentiable once
+        in reverse mode."""
+        from softfish._torch_step import TorchStep
 
-        return torch_step(self, dt, settings)
+        settings = {"modulus_scale": modulus_scale, "mass_damping": mass_damping, "stiffness_damping": stiffness_damping}
+        self._given(None, dt, modulus_scale, (mass_damping, stiffness_damping))
+        return TorchStep(self, positive("dt", dt), settings)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the model as safetensors: modes, sampled points and weights of each region."""
@@ -124,12 +162,15 @@ class ReducedModel:
             tensors[f"points.{region}"] = np.array(numbers, dtype=np.int64)
             tensors[f"weights.{region}"] = np.array(weights, dtype=np.float64)
         tensors["size"] = np.array([data["size"]])
-        _write(path, tensors)
+        _write(file("path", path), tensors)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], solver: Solver) -> ReducedModel:
         """The model that `save` wrote, of the same body."""
-        tensors = _read(path)
+        from softfish._solver import Solver
+
+        instance("solver", solver, Solver, "give the solver of the same body")
+        tensors = _read(file("path", path))
         regions = len(solver.regions)
         names = ["modes", "size", *(f"{part}.{n}" for n in range(regions) for part in ("points", "weights"))]
         absent = [name for name in names if name not in tensors]
@@ -143,6 +184,7 @@ class ReducedModel:
         return cls(solver, solver._core.restore(modes, points, float(tensors["size"][0])))
 
     def _pair(self, state: ReducedState) -> tuple[Array, Array]:
+        instance("state", state, ReducedState, "give what rest or step returned")
         shape = (self.coordinates,)
         return reals("coordinates", state.coordinates, shape), reals("velocity", state.velocity, shape)
 
@@ -151,16 +193,21 @@ class ReducedModel:
     ) -> tuple[_records.DynamicSettings, list[float], list[float]]:
         solver = self._solver
         settings: _records.DynamicSettings = {
-            "step": number("dt", dt),
+            "step": positive("dt", dt),
             "scheme": "implicit_euler",
             "mass_damping": number("mass_damping", damping[0]),
             "stiffness_damping": number("stiffness_damping", damping[1]),
             "tolerance": 1e-6,
             "memory": 0,
+            "max_iterations": None,
+            "timeout": None,
         }
         regions = len(solver.regions)
         factors = np.ones(regions) if scale is None else reals("modulus_scale", scale, (regions,))
-        return settings, solver._by_chamber(np.zeros(solver.chamber_count), pressures).tolist(), factors.tolist()
+        if np.any(factors <= 0.0):
+            why = "it multiplies the modulus of a region"
+            raise InputError(f"`modulus_scale` is {factors.min():g}", why, "give numbers above 0")
+        return settings, solver._by_chamber(np.zeros(solver.chamber_count), pressures, "pressures").tolist(), factors.tolist()
 
 
 # The format of safetensors: the length of a header, the header in JSON, the numbers. Written here, so that the package needs

@@ -2,46 +2,64 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from softfish import _core, _records
-from softfish._arrays import Array, ByName, IntArray, frozen, integers, named, number, reals, whole
+from softfish._arrays import Array, ByName, IntArray, array_of, copied, flag, frozen, instance, integers, named, number, positive, reals, whole, within, word
+from softfish._budget import limits
 from softfish._case import Case
-from softfish._errors import InputError
+from softfish._errors import ConvergenceError, DerivativeError, InputError
 from softfish._mesh import Mesh
+from softfish._progress import Progress, reporting
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from softfish._function import FunctionSettings
     from softfish._jax import JaxFunction
     from softfish._reduced import ReducedModel
     from softfish._torch import TorchFunction
 
 Scheme = Literal["bdf2", "implicit_euler", "quasi_static"]
-Progress = Callable[[int, int], object]
 _NONE: Array = np.zeros(0)
 _SCHEMES: dict[str, Scheme] = {"Bdf2": "bdf2", "ImplicitEuler": "implicit_euler", "QuasiStatic": "quasi_static"}
 
 
 @dataclass(frozen=True)
 class Inputs:
-    """Everything that a solve depends on beside pressures, in full."""
+    """Everything that a solve depends on beside pressures, in full. Its arrays are read-only: `dataclasses.replace` makes others.
 
-    #: By region, Pa.
+    Attributes:
+        youngs_modulus: By region, Pa.
+        poissons_ratio: By region.
+        density: By region, kg/m³.
+        factors: By element: its modulus over that of its region; empty: 1.
+        forces: nodes × 3, N.
+        gravity: m/s².
+        level: The level at which pressures are taken from the case, where they are not given.
+    """
+
     youngs_modulus: Array
-    #: By region.
     poissons_ratio: Array
-    #: By region, kg/m³.
     density: Array
-    #: By element: its modulus over that of its region; empty: 1.
     factors: Array
-    #: nodes × 3, N.
     forces: Array
-    #: m/s².
     gravity: Array
+    level: float = 1.0
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            if field.name != "level":
+                object.__setattr__(self, field.name, copied(reals(field.name, getattr(self, field.name))))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Inputs, tuple(getattr(self, field.name) for field in fields(self))
 
     def _core(self) -> _records.Inputs:
         return {
@@ -56,48 +74,69 @@ class Inputs:
 
 @dataclass(frozen=True)
 class Gradient:
-    """The derivatives of one number L by everything that a solve depends on."""
+    """The derivatives of one number L by everything that a solve depends on.
 
-    #: ∂L/∂E by region, 1/Pa.
+    Attributes:
+        youngs_modulus: ∂L/∂E by region, 1/Pa.
+        poissons_ratio: ∂L/∂ν by region.
+        density: ∂L/∂ρ by region, per kg/m³.
+        elements: ∂L/∂E by element, 1/Pa; empty where a region relaxes.
+        pressures: ∂L/∂p: chambers, or steps × chambers of a motion, 1/Pa.
+        forces: ∂L/∂f: nodes × 3, 1/N.
+        mass_damping: ∂L/∂α of a motion, s.
+        stiffness_damping: ∂L/∂β of a motion, 1/s.
+        initial_displacement: By the initial displacement of a motion: nodes × 3, 1/m.
+        initial_velocity: By the initial velocity of a motion: nodes × 3, s/m.
+    """
+
     youngs_modulus: Array
-    #: ∂L/∂ν by region.
     poissons_ratio: Array
-    #: ∂L/∂ρ by region, per kg/m³.
     density: Array
-    #: ∂L/∂E by element, 1/Pa; empty where a region relaxes.
     elements: Array
-    #: ∂L/∂p: chambers, or steps × chambers of a motion, 1/Pa.
     pressures: Array
-    #: ∂L/∂f: nodes × 3, 1/N.
     forces: Array
-    #: ∂L/∂α of a motion, s.
     mass_damping: float = 0.0
-    #: ∂L/∂β of a motion, 1/s.
     stiffness_damping: float = 0.0
-    #: By the initial displacement of a motion: nodes × 3, 1/m.
     initial_displacement: Array | None = None
-    #: By the initial velocity of a motion: nodes × 3, s/m.
     initial_velocity: Array | None = None
 
 
 class Equilibrium:
-    """A body at rest under its loads."""
+    """A body at rest under its loads.
 
-    def __init__(self, solver: Solver, inputs: Inputs, pressures: Array, found: _records.FoundEquilibrium) -> None:
+    Attributes:
+        pressures: One per chamber of the mesh, Pa; read-only.
+        displacement: nodes × 3, m; read-only.
+        level: The level of the case: the part of all loads but gravity. 1 without a case.
+        iterations: Newton iterations over all load steps.
+        factorisations: Factorisations over all load steps.
+        residual: Norm of the unbalanced force over that of the elastic force.
+        snap_through: Load factors at which the body snapped through.
+    """
+
+    pressures: Array
+    displacement: Array
+    level: float
+    iterations: int
+    factorisations: int
+    residual: float
+    snap_through: list[float]
+
+    def __init__(self, solver: Solver, inputs: Inputs, found: _records.FoundEquilibrium) -> None:
         self._solver = solver
         self._inputs = inputs
-        #: One per chamber of the mesh, Pa.
-        self.pressures: Array = frozen(pressures)
-        #: nodes × 3, m; read-only.
-        self.displacement: Array = frozen(found["displacement"].reshape(-1, 3))
-        #: Newton iterations over all load steps.
-        self.iterations: int = found["iterations"]
-        #: Factorisations over all load steps.
-        self.factorisations: int = found["factorisations"]
-        #: Norm of the unbalanced force over that of the elastic force.
-        self.residual: float = found["residual"]
-        #: Load factors at which the body snapped through.
-        self.snap_through: list[float] = found["snap_through"]
+        self.pressures = frozen(found["pressures"])
+        self.displacement = frozen(found["displacement"].reshape(-1, 3))
+        self.level = inputs.level
+        self.iterations = found["iterations"]
+        self.factorisations = found["factorisations"]
+        self.residual = found["residual"]
+        self.snap_through = found["snap_through"]
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        frozen(self.pressures)
+        frozen(self.displacement)
 
     def _at(self) -> tuple[Array, list[float]]:
         return self.displacement.reshape(-1), self.pressures.tolist()
@@ -128,17 +167,20 @@ class Equilibrium:
         zeros = np.zeros(len(solver.regions))
         no_pressure = np.zeros(len(self.pressures))
         factors, full = _NONE, _NONE
+        if E is not None and (element_E is not None or self._inputs.factors.size):
+            why = "moduli of elements take the place of those of the regions"
+            raise InputError("`E` has no effect on this equilibrium", why, "give `element_E` alone")
         if element_E is not None:
             factors = reals("element_E", element_E, solver.element_regions.shape)
             factors = factors / self._inputs.youngs_modulus[solver.element_regions]
         if forces is not None:
             full = reals("forces", forces, self.displacement.shape).reshape(-1)
         direction: _records.Direction = {
-            "youngs_modulus": named("region", solver.regions, zeros, E).tolist(),
-            "poissons_ratio": named("region", solver.regions, zeros, nu).tolist(),
-            "density": named("region", solver.regions, zeros, density).tolist(),
+            "youngs_modulus": named("region", solver.regions, zeros, E, "E").tolist(),
+            "poissons_ratio": named("region", solver.regions, zeros, nu, "nu").tolist(),
+            "density": named("region", solver.regions, zeros, density, "density").tolist(),
             "factors": factors,
-            "pressures": solver._by_chamber(no_pressure, pressure).tolist(),
+            "pressures": solver._by_chamber(no_pressure, pressure, "pressure").tolist(),
             "forces": full,
         }
         changed = solver._core.equilibrium_sensitivity(self._inputs._core(), self._at(), direction)
@@ -146,7 +188,7 @@ class Equilibrium:
 
     def modes(self, count: int = 6) -> tuple[Array, Array]:
         """The lowest natural frequencies (Hz) about it, and their shapes (count × nodes × 3) of unit modal mass."""
-        frequencies, shapes = self._solver._core.modes(self._inputs._core(), self._at(), int(count))
+        frequencies, shapes = self._solver._core.modes(self._inputs._core(), self._at(), whole("count", count, 1, 1_000_000))
         return np.array(frequencies), shapes.reshape(len(frequencies), -1, 3)
 
     def chamber(self, chamber: int | str) -> tuple[float, float]:
@@ -160,25 +202,56 @@ class Equilibrium:
 
     def __repr__(self) -> str:
         most = float(np.abs(self.displacement).max(initial=0.0))
-        return f"Equilibrium({len(self.displacement)} nodes, moved {most:.3e} m at most, {self.iterations} iterations)"
+        return (
+            f"Equilibrium({len(self.displacement)} nodes, level {self.level:g}, moved {most:.3e} m at most, "
+            f"{self.iterations} iterations, residual {self.residual:.1e})"
+        )
 
 
 class Motion:
-    """A recorded motion."""
+    """A recorded motion.
 
-    def __init__(self, solver: Solver, inputs: Inputs, pressures: Array, found: _records.FoundMotion) -> None:
+    Attributes:
+        times: Time of each step's end, s; read-only.
+        displacement: steps × nodes × 3, m; read-only.
+        velocity: steps × nodes × 3, m/s; read-only.
+        pressures: steps × chambers, Pa; read-only.
+        start: The equilibrium in which it began, where the case says so; its gradient is part of the motion's.
+    """
+
+    times: Array
+    displacement: Array
+    velocity: Array
+    pressures: Array
+    start: Equilibrium | None
+
+    def __init__(self, solver: Solver, inputs: Inputs, problem: _Problem, found: _records.FoundMotion) -> None:
         steps = len(found["times"])
         self._solver = solver
         self._inputs = inputs
-        self._trajectory = found["trajectory"]
-        #: Time of each step's end, s.
-        self.times: Array = frozen(found["times"])
-        #: steps × nodes × 3, m; read-only.
-        self.displacement: Array = frozen(found["displacement"].reshape(steps, -1, 3))
-        #: steps × nodes × 3, m/s; read-only.
-        self.velocity: Array = frozen(found["velocity"].reshape(steps, -1, 3))
-        #: steps × chambers, Pa.
-        self.pressures: Array = frozen(pressures)
+        self._problem = problem
+        self._trajectory = found.get("trajectory")
+        self.start = problem.start
+        self.times = frozen(found["times"])
+        self.displacement = frozen(found["displacement"].reshape(steps, -1, 3))
+        self.velocity = frozen(found["velocity"].reshape(steps, -1, 3))
+        self.pressures = frozen(found["pressures"].reshape(steps, -1))
+
+    def _recorded(self) -> _core.Trajectory:
+        """The states as the gradient needs them; made again for a copy, and where steps were adaptive."""
+        if self._trajectory is None:
+            of = self._problem
+            times = (of.initial, self.pressures.reshape(-1), self.times.tolist())
+            self._trajectory = self._solver._core.record_at(self._inputs._core(), times, of.settings)
+        return self._trajectory
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_trajectory": None}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        for array in (self.times, self.displacement, self.velocity, self.pressures):
+            frozen(array)
 
     def output(self, name: str) -> Array:
         """The displacement (steps × nodes × 3), or that of a point of the case: `marker.tip`, `node.tip` (steps × 3)."""
@@ -189,8 +262,14 @@ class Motion:
         solver = self._solver
         by_u = reals("dloss_du", dloss_du, self.displacement.shape).reshape(-1)
         by_v = _NONE if dloss_dv is None else reals("dloss_dv", dloss_dv, self.velocity.shape).reshape(-1)
-        found = solver._core.trajectory_gradient(self._inputs._core(), self._trajectory, (by_u, by_v))
-        return solver._gradient(self._inputs, found, self.pressures.shape)
+        found = solver._core.trajectory_gradient(self._inputs._core(), self._recorded(), (by_u, by_v))
+        gradient = solver._gradient(self._inputs, found, self.pressures.shape)
+        if self.start is None or gradient.initial_displacement is None:
+            return gradient
+        # the start depends on all but the pressures of the steps
+        began = self.start.adjoint(gradient.initial_displacement)
+        names = ("youngs_modulus", "poissons_ratio", "density", "elements", "forces")
+        return replace(gradient, **{name: getattr(gradient, name) + getattr(began, name) for name in names})
 
     def sensitivity(
         self,
@@ -203,44 +282,146 @@ class Motion:
         """The derivative of the displacement (steps × nodes × 3) along a direction: so much of each parameter, and of a
         factor of each chamber's whole pressure history."""
         solver = self._solver
+        if self.start is not None:
+            why = "the equilibrium in which it began depends on the same parameters"
+            raise DerivativeError("this motion has no forward sensitivities", why, "use adjoint, or give initial to simulate")
         zeros = np.zeros(len(solver.regions))
-        gains = solver._by_chamber(np.zeros(solver.chamber_count), pressure_gain)
-        parts = [named("region", solver.regions, zeros, given).tolist() for given in (E, nu, density)]
+        gains = solver._by_chamber(np.zeros(solver.chamber_count), pressure_gain, "pressure_gain")
+        pairs = (("E", E), ("nu", nu), ("density", density))
+        parts = [named("region", solver.regions, zeros, given, name).tolist() for name, given in pairs]
         direction = (parts[0], parts[1], parts[2], gains.tolist())
-        found = solver._core.trajectory_sensitivity(self._inputs._core(), self._trajectory, direction)
+        found = solver._core.trajectory_sensitivity(self._inputs._core(), self._recorded(), direction)
         return found.reshape(self.displacement.shape)
 
     def __repr__(self) -> str:
         steps, nodes, _ = self.displacement.shape
-        return f"Motion({steps} steps to {self.times[-1]:.4g} s, {nodes} nodes)"
+        return f"Motion({steps} steps to {self.times[-1]:.4g} s, {nodes} nodes, {self.pressures.shape[1]} chambers)"
+
+
+@dataclass(frozen=True)
+class _Problem:
+    """What a motion began with and how it was integrated.
+
+    Attributes:
+        initial: Displacement and velocity, 3 entries per node.
+    """
+
+    initial: tuple[Array, Array]
+    settings: _records.DynamicSettings
+    start: Equilibrium | None
+
+
+@dataclass(frozen=True)
+class CriticalPoint:
+    """A point of a path at which stability is lost or won.
+
+    Attributes:
+        kind: `limit_point` or `bifurcation`.
+        level: Its level.
+        displacement: nodes × 3, m.
+        mode: Its critical mode, nodes × 3.
+    """
+
+    kind: Literal["limit_point", "bifurcation"]
+    level: float
+    displacement: Array
+    mode: Array
+
+
+class Path:
+    """A path of equilibria from rest to the last level of a case, through limit points and bifurcations.
+
+    Attributes:
+        levels: Level of each point.
+        displacement: points × nodes × 3, m.
+        negative_eigenvalues: Of the tangent at each point; 0 where it is stable.
+        eigenvalues: The eigenvalue of each point's tangent that is nearest to zero, N/m.
+        iterations: Newton iterations of each point.
+        critical: The critical points on the way.
+    """
+
+    levels: Array
+    displacement: Array
+    negative_eigenvalues: IntArray
+    eigenvalues: Array
+    iterations: IntArray
+    critical: list[CriticalPoint]
+
+    def __init__(self, solver: Solver, inputs: Inputs, found: _records.FoundPath) -> None:
+        self._solver = solver
+        self._inputs = inputs
+        points = len(found["levels"])
+        self.levels = found["levels"]
+        self.displacement = found["displacement"].reshape(points, -1, 3)
+        self.negative_eigenvalues = found["negative_eigenvalues"]
+        self.eigenvalues = found["eigenvalues"]
+        self.iterations = found["iterations"]
+        self.critical = [
+            CriticalPoint("limit_point" if is_limit else "bifurcation", level, at.reshape(-1, 3), mode.reshape(-1, 3))
+            for is_limit, level, at, mode in found["critical"]
+        ]
+
+    def output(self, name: str) -> Array:
+        """The displacement (points × nodes × 3), or that of a point of the case: `marker.tip`, `node.tip` (points × 3)."""
+        return self._solver.observe(name, self.displacement)
+
+    def __repr__(self) -> str:
+        last = f"to level {self.levels[-1]:g}" if len(self.levels) else "without points"
+        return f"Path({len(self.levels)} points {last}, {len(self.critical)} critical, {self.displacement.shape[1]} nodes)"
 
 
 @dataclass(frozen=True)
 class Material:
-    """What a region is made of."""
+    """What a region is made of.
 
-    #: Pa.
+    Attributes:
+        youngs_modulus: Pa.
+        poissons_ratio: Below 0.5.
+        density: kg/m³.
+        law: `neo_hookean`, `yeoh`, `linear`, …: `softfish.MATERIALS`.
+        mean_dilatation: Against volumetric locking.
+    """
+
     youngs_modulus: float
-    #: Below 0.5.
     poissons_ratio: float
-    #: kg/m³.
     density: float = 1000.0
-    #: `neo_hookean`, `yeoh`, `linear`, …: `softfish.MATERIALS`.
     law: str = "neo_hookean"
-    #: Against volumetric locking.
     mean_dilatation: bool = False
+
+    def _checked(self, name: str) -> Material:
+        """It with plain numbers, checked; `name` is that of its region."""
+        values = {key: number(f"{key} of {name}", getattr(self, key)) for key in ("youngs_modulus", "poissons_ratio", "density")}
+        law = word(f"law of {name}", self.law, _core.MATERIALS)
+        return Material(**values, law=law, mean_dilatation=flag(f"mean_dilatation of {name}", self.mean_dilatation))
 
 
 class Solver:
     """Solves one body. It keeps its factor, so that a solve near the last one, and every gradient, reuse it.
 
     Each solve takes its inputs in full: what is not given is that of the case. Results do not depend on the solves
-    before, but for their tolerance. Each thread needs a solver of its own.
+    before, but for their tolerance. Each thread needs a solver of its own. A copy, by pickle or copy.deepcopy, is made anew.
+
+    Attributes:
+        mesh: The mesh at rest.
+        regions: Names of the regions.
+        chambers: Names of the chambers of the mesh.
+        dofs: Number of degrees of freedom: three a node, without those that are clamped.
+        chamber_count: Number of chambers of the mesh.
+        element_regions: The region of each element, an index into `regions`.
     """
+
+    mesh: Mesh
+    regions: list[str]
+    chambers: list[str]
+    dofs: int
+    chamber_count: int
+    element_regions: IntArray
 
     def __init__(self, case: Case, *, threads: int | None = None) -> None:
         """Of a case. One solve uses all processors, unless `threads` of its own are given: solvers that solve at the same time on as many
         threads of Python are fastest with one each."""
+        instance("case", case, Case, "make one: Case(...), or use Solver.of_mesh")
+        self._made_of: tuple[Any, ...] = (case, threads)
         self._start(_core.Solver.of_case(case._core, case.mesh._core, _threads(threads)), case.mesh)
 
     @classmethod
@@ -254,35 +435,60 @@ class Solver:
         threads: int | None = None,
     ) -> Solver:
         """Of a mesh, the material of each region, and the `clamped` nodes: node numbers, one truth value per node, or
-        nodes × 3 truth values; `threads` as for a case."""
+        nodes × 3 truth values; `threads` as for a case.
+
+        Numbers of nodes are refused for a mesh that dropped nodes of the caller's arrays: see `Mesh.numbering`."""
+        instance("mesh", mesh, Mesh, "make one: Mesh.read, Mesh.from_meshio")
+        solver = cls.__new__(cls)
+        solver._of_mesh(mesh, materials, _axes(clamped, mesh), (flag("lumped_mass", lumped_mass), threads))
+        return solver
+
+    def _of_mesh(
+        self,
+        mesh: Mesh,
+        materials: Material | Mapping[str, Material],
+        held: npt.NDArray[np.bool_],
+        options: tuple[bool, int | None],
+    ) -> None:
         regions = mesh.region_names
-        by_name = {name: materials for name in regions} if isinstance(materials, Material) else dict(materials)
+        if not isinstance(materials, Material | Mapping):
+            why = "it is a Material, or a dictionary of them by region"
+            raise InputError(f"`materials` is {materials!r}", why, "make one: Material(E, nu)")
+        by_name = dict.fromkeys(regions, materials) if isinstance(materials, Material) else dict(materials)
         if set(by_name) != set(regions):
             why = f"the mesh has the regions {', '.join(regions)}"
-            raise InputError(f"materials are given for {', '.join(by_name)}", why, "give one material for each region")
-        of = [by_name[name] for name in regions]
+            raise InputError(f"materials are given for {', '.join(map(str, by_name))}", why, "give one material for each region")
+        wrong = next((name for name, one in by_name.items() if not isinstance(one, Material)), None)
+        if wrong is not None:
+            raise InputError(f"`materials[{wrong!r}]` is {by_name[wrong]!r}", "it is a Material", "make one: Material(E, nu)")
+        of = [by_name[name]._checked(name) for name in regions]
         given: _records.Materials = {
             "law": [one.law for one in of],
-            "youngs_modulus": [number("youngs_modulus", one.youngs_modulus) for one in of],
-            "poissons_ratio": [number("poissons_ratio", one.poissons_ratio) for one in of],
-            "density": [number("density", one.density) for one in of],
-            "mean_dilatation": [bool(one.mean_dilatation) for one in of],
-            "lumped_mass": bool(lumped_mass),
+            "youngs_modulus": [one.youngs_modulus for one in of],
+            "poissons_ratio": [one.poissons_ratio for one in of],
+            "density": [one.density for one in of],
+            "mean_dilatation": [one.mean_dilatation for one in of],
+            "lumped_mass": options[0],
         }
-        solver = cls.__new__(cls)
-        held = _axes(clamped, len(mesh.nodes))
-        solver._start(_core.Solver.of_mesh(mesh._core, given, (held, _threads(threads))), mesh)
-        return solver
+        self._made_of = (mesh, by_name, held, options)
+        self._start(_core.Solver.of_mesh(mesh._core, given, (held, _threads(options[1]))), mesh)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"made_of": self._made_of}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        made_of = state["made_of"]
+        if len(made_of) == 2:
+            self.__init__(made_of[0], threads=made_of[1])  # type: ignore[misc]
+        else:
+            self._of_mesh(*made_of)
 
     def _start(self, core: _core.Solver, mesh: Mesh) -> None:
         self._core = core
-        #: The mesh at rest.
         self.mesh = mesh
-        #: Names of the regions.
-        self.regions: list[str] = mesh.region_names
+        self.regions = mesh.region_names
         self.dofs, self._nodes, self._elements, self.chamber_count = core.sizes()
-        #: The region of each element.
-        self.element_regions: IntArray = core.element_regions()
+        self.element_regions = core.element_regions()
         data = core.case_data()
         self._data: _records.CaseData | None = data
         properties = core.properties()
@@ -298,14 +504,16 @@ class Solver:
         names = [f"chamber_{n}" for n in range(self.chamber_count)]
         for name, index in [] if data is None else data["chambers"]:
             names[index] = name
-        #: Names of the chambers of the mesh.
-        self.chambers: list[str] = names
+        twice = next((name for n, name in enumerate(names) if name in names[:n]), None)
+        if twice is not None:
+            raise InputError(f"two chambers are named `{twice}`", "one of them has no name of its own", "name it in the case")
+        self.chambers = names
         points = [] if data is None else data["points"]
         self._points: dict[str, tuple[IntArray, Array]] = {name: (nodes, weights) for name, nodes, weights in points}
 
     @property
     def base(self) -> Inputs:
-        """The inputs of the case."""
+        """The inputs of the case, with its forces in full: at level 1."""
         return self._base
 
     @property
@@ -318,6 +526,11 @@ class Solver:
         """What was noticed when the case was read."""
         return [] if self._data is None else self._data["notes"]
 
+    @property
+    def levels(self) -> list[float]:
+        """The levels of the case, in the order in which `study simulate` solves them; none of a motion, or without a case."""
+        return [] if self._data is None else list(self._data.get("levels", []))
+
     def inputs(
         self,
         E: ByName | None = None,
@@ -327,25 +540,67 @@ class Solver:
         element_E: npt.ArrayLike | None = None,
         forces: npt.ArrayLike | None = None,
         gravity: npt.ArrayLike | None = None,
+        level: float | None = None,
     ) -> Inputs:
         """The inputs of a solve: those of the case, with what is given in their place.
 
         `E` (Pa), `nu` and `density` (kg/m³): a dictionary by region, a list, or a number where there is one region.
-        `element_E`: one modulus per element, Pa. `forces`: nodes × 3, N, in the place of the case's.
+        `element_E`: one modulus per element, Pa, in the place of `E`. `forces`: nodes × 3, N, in the place of the case's at its `level`, which
+        is the last one of the case where it is not given.
         """
-        moduli = named("region", self.regions, self._base.youngs_modulus, E)
+        if E is not None and element_E is not None:
+            why = "moduli of elements take the place of those of the regions"
+            raise InputError("`E` and `element_E` are both given", why, "give one of them")
+        part = self._level(level)
+        moduli = named("region", self.regions, self._base.youngs_modulus, E, "E")
         factors = _NONE
         if element_E is not None:
             given = reals("element_E", element_E, self.element_regions.shape)
             factors = given / moduli[self.element_regions]
         return Inputs(
             youngs_modulus=moduli,
-            poissons_ratio=named("region", self.regions, self._base.poissons_ratio, nu),
-            density=named("region", self.regions, self._base.density, density),
+            poissons_ratio=named("region", self.regions, self._base.poissons_ratio, nu, "nu"),
+            density=named("region", self.regions, self._base.density, density, "density"),
             factors=factors,
-            forces=self._base.forces if forces is None else reals("forces", forces, (self._nodes, 3)).copy(),
-            gravity=self._base.gravity if gravity is None else reals("gravity", gravity, (3,)).copy(),
+            forces=part * self._base.forces if forces is None else reals("forces", forces, (self._nodes, 3)),
+            gravity=self._base.gravity if gravity is None else reals("gravity", gravity, (3,)),
+            level=part,
         )
+
+    def _level(self, level: float | None) -> float:
+        if level is not None:
+            return within("level", level, -1e3, 1e3)
+        return self.levels[-1] if self.levels else 1.0
+
+    def _given(self, inputs: Inputs | None, level: float | None, **others: Any) -> Inputs:
+        """The inputs of a solve: those that are given in full, or the case's with others in their place."""
+        if inputs is None:
+            return self.inputs(level=level, **others)
+        also = next((name for name, value in others.items() if value is not None), None)
+        if also is not None:
+            raise InputError(f"`{also}` and `inputs` are both given", "inputs are given in full", f"give {also} to Solver.inputs")
+        if not isinstance(inputs, Inputs):
+            raise InputError(f"`inputs` is {inputs!r}", "Solver.inputs makes them", "make them there")
+        if inputs.forces.shape != (self._nodes, 3) or inputs.factors.size not in (0, self._elements):
+            raise InputError("`inputs` are of another body", f"this one has {self._nodes} nodes", "make them with Solver.inputs")
+        if level is None:
+            return inputs
+        part = self._level(level)
+        own = self._are_own(inputs)
+        return replace(inputs, level=part, forces=part * self._base.forces if own else inputs.forces)
+
+    def _are_own(self, inputs: Inputs) -> bool:
+        """Whether the forces are the case's at the level of the inputs."""
+        return bool(np.array_equal(inputs.forces, inputs.level * self._base.forces))
+
+    def _way(self, level: float) -> list[float]:
+        """The levels of the case before `level`, from which it is solved for as `study simulate` does."""
+        levels = self.levels
+        if levels and level == levels[-1]:
+            return levels[:-1]
+        beyond = (n for n, other in enumerate(levels) if other == level or (level > 0) == (other > level))
+        first = levels.index(level) if level in levels else next(beyond, len(levels))
+        return levels[:first]
 
     def equilibrium(
         self,
@@ -362,23 +617,110 @@ class Solver:
         tolerance: float | None = None,
         load_steps: int | None = None,
         reuse_factor: bool = False,
-        level: float = 1.0,
+        level: float | None = None,
+        max_iterations: int | None = None,
+        max_cutbacks: int | None = None,
+        timeout: float | None = None,
     ) -> Equilibrium:
         """The equilibrium under all loads.
 
-        `pressure` (Pa): by chamber; what is not given is the case's at its `level`. `initial_guess`: a nearby
-        displacement (nodes × 3). `tolerance`: of the last step, in sizes of the body. Raises `ConvergenceError`.
+        `level`: the part of the case's pressures and forces; the last one of the case where it is not given, and 1 without a case. What is
+        given by `pressure` (Pa, by chamber) or `forces` (nodes × 3, N) takes their place as it is. Under the loads of the case alone, the levels
+        before are solved first, each from the one before, as `study simulate` does; of a case with a motion, the loads are those of time 0.
+        `initial_guess`: a nearby displacement (nodes × 3, m). `tolerance`: of the last step, in sizes of the body. `load_steps`: from rest.
+        `reuse_factor`: the factor of the last solve is tried first, with an initial guess.
+
+        `max_iterations`: Newton iterations of a level (250). `max_cutbacks`: halvings of a load step (40). `timeout`: seconds of the call (none).
+        Raises `ConvergenceError`, and `BudgetError` at one of these limits, with the last equilibrium and its level.
         """
-        if inputs is None:
-            inputs = self.inputs(E, nu, density, element_E=element_E, forces=forces, gravity=gravity)
-        base = self._core.case_pressures([], number("level", level))
-        pressures = self._by_chamber(base, pressure)
-        guess = None
-        if initial_guess is not None:
-            guess = reals("initial_guess", initial_guess, (self._nodes, 3)).reshape(-1)
-        settings = self._static_settings(tolerance, load_steps, reuse_factor)
-        found = self._core.equilibrium(inputs._core(), pressures.tolist(), (guess, settings))
-        return Equilibrium(self, inputs, pressures, found)
+        own = {"E": E, "nu": nu, "density": density, "element_E": element_E, "forces": forces, "gravity": gravity}
+        given = self._given(inputs, level, **own)
+        base = self._core.case_pressures([], given.level)
+        if level is None and self._data is not None and "dynamic" in self._data:
+            base = self._core.case_pressures([0.0], None)
+        pressures = self._by_chamber(base, pressure, "pressure")
+        guess = None if initial_guess is None else reals("initial_guess", initial_guess, (self._nodes, 3)).reshape(-1)
+        if guess is None and flag("reuse_factor", reuse_factor):
+            raise InputError("`reuse_factor` has no effect", "it starts from a nearby shape", "give initial_guess as well")
+        settings = self._static_settings((tolerance, load_steps, reuse_factor), limits(max_iterations, max_cutbacks, timeout))
+        way: list[float] = []
+        if guess is None and pressure is None and self._are_own(given):
+            self._require_no_path()
+            way = self._way(given.level)
+        with self._last_equilibrium(given, way):
+            found = self._core.equilibria(given._core(), (way, given.level, pressures.tolist()), (guess, settings))
+        last = found[-1]
+        last["iterations"] = sum(one["iterations"] for one in found)
+        last["factorisations"] = sum(one["factorisations"] for one in found)
+        return Equilibrium(self, given, last)
+
+    def equilibria(
+        self,
+        E: ByName | None = None,
+        nu: ByName | None = None,
+        density: ByName | None = None,
+        *,
+        element_E: npt.ArrayLike | None = None,
+        gravity: npt.ArrayLike | None = None,
+        tolerance: float | None = None,
+        load_steps: int | None = None,
+        max_iterations: int | None = None,
+        max_cutbacks: int | None = None,
+        timeout: float | None = None,
+    ) -> list[Equilibrium]:
+        """The equilibria of all levels of the case, each from the one before, as `study simulate` has them; the arguments are those of
+        `equilibrium`."""
+        levels = self.levels
+        if not levels:
+            raise InputError("the case has no levels", "it has no [static]", "use equilibrium, or simulate")
+        self._require_no_path()
+        given = self.inputs(E, nu, density, element_E=element_E, gravity=gravity)
+        settings = self._static_settings((tolerance, load_steps, False), limits(max_iterations, max_cutbacks, timeout))
+        pressures = self._core.case_pressures([], given.level).tolist()
+        with self._last_equilibrium(given, levels[:-1]):
+            found = self._core.equilibria(given._core(), (levels[:-1], given.level, pressures), (None, settings))
+        return [Equilibrium(self, self._given(given, level), one) for level, one in zip(levels, found, strict=True)]
+
+    def path(
+        self,
+        E: ByName | None = None,
+        nu: ByName | None = None,
+        density: ByName | None = None,
+        *,
+        element_E: npt.ArrayLike | None = None,
+        gravity: npt.ArrayLike | None = None,
+        max_iterations: int | None = None,
+        timeout: float | None = None,
+    ) -> Path:
+        """The path of equilibria of a case with `arc_length`, as `study simulate` follows it. `max_iterations`: of each point."""
+        given = self.inputs(E, nu, density, element_E=element_E, gravity=gravity)
+        asked = limits(max_iterations, None, timeout)
+        own = self._case_limits()
+        budget = (own[0] if asked[0] is None else asked[0], own[2] if asked[2] is None else asked[2])
+        return Path(self, given, self._core.path(given._core(), budget))
+
+    def _require_no_path(self) -> None:
+        if self._data is not None and self._data.get("follows_path", False):
+            why = "the case follows a path (arc_length), which may leave this branch at a critical point"
+            raise InputError("the equilibrium of a level is not that of the path", why, "use path, or give an initial_guess from it")
+
+    @contextmanager
+    def _last_equilibrium(self, inputs: Inputs, way: list[float]) -> Iterator[None]:
+        """Makes an equilibrium of the last state that the exception of a solve holds."""
+        try:
+            yield
+        except ConvergenceError as error:
+            last, asked = error.__dict__.pop("_last", None), error.__dict__.pop("_asked", inputs.level)
+            if last is not None and error.level is not None:
+                whole_level = error.level in way or asked == 0.0
+                part = 1.0 if whole_level else error.level / asked
+                forces = error.level * self._base.forces if self._are_own(inputs) else part * inputs.forces
+                own = replace(inputs, level=error.level, forces=forces, gravity=part * inputs.gravity)
+                error.equilibrium = Equilibrium(self, own, last)
+            displacement = error.__dict__.pop("_displacement", None)
+            if displacement is not None and displacement.size:
+                error.displacement = displacement.reshape(-1, 3)
+            raise
 
     def simulate(
         self,
@@ -400,38 +742,91 @@ class Solver:
         tolerance: float = 1e-6,
         memory: int = 1 << 31,
         progress: Progress | bool | None = None,
+        max_iterations: int | None = None,
+        timeout: float | None = None,
     ) -> Motion:
-        """A motion of `steps` steps of `step` seconds; what is not given is the case's.
+        """A motion of `steps` steps of `step` seconds; what is not given is the case's, its adaptive steps and its start included.
 
         `pressure` (Pa): steps × chambers, or by chamber a number or one per step. `initial`: displacement and velocity
-        (nodes × 3 each), or an equilibrium. `progress`: called with the steps done and all steps, or `True` for tqdm.
-        `memory`: bytes of states that the gradient may keep; beyond it they are computed again. Raises `ConvergenceError`.
+        (nodes × 3 each, m and m/s), or an equilibrium; where the case starts in its equilibrium, that is the one under its pressures at time 0.
+        `progress`: called with the steps done and all steps, or `True` for a bar.
+        `memory`: bytes of states that the gradient may keep; beyond it they are computed again. `max_iterations`: Newton iterations of a step.
+        `timeout`: seconds of the call. Raises `ConvergenceError` with `time` and `displacement` of the last state.
         """
-        if inputs is None:
-            inputs = self.inputs(E, nu, density, element_E=element_E, forces=forces, gravity=gravity)
-        given = self._dynamic_settings(step, scheme, mass_damping, stiffness_damping, (tolerance, memory))
-        count = self._steps(steps, given["step"])
-        pressures = self._history(count, given["step"], pressure)
+        own = {"E": E, "nu": nu, "density": density, "element_E": element_E, "forces": forces, "gravity": gravity}
+        given = self._given(inputs, None, **own)
+        budget = limits(max_iterations, None, timeout)
+        settings = self._dynamic_settings(step, scheme, (mass_damping, stiffness_damping), (tolerance, memory, budget))
+        adaptive = self._adaptive(steps, step)
+        if adaptive is None and settings["step"] <= 0.0:
+            raise InputError("`step` is not given", "the case has no [dynamic] with a step", "give it in seconds")
+        count = 0 if adaptive is not None else self._steps(steps, settings["step"])
+        begun = self._start_of(given, initial, (max_iterations, timeout))
+        problem = _Problem(self._initial_state(initial if begun is None else begun), settings, begun)
+        with reporting(progress, count) as report, self._last_equilibrium(given, []):
+            if adaptive is not None:
+                asked = (problem.initial, self._constants(pressure), adaptive)
+                found = self._core.integrate_adaptive(given._core(), asked, (settings, report))
+            else:
+                pressures = self._history(count, settings["step"], pressure)
+                found = self._core.record(given._core(), (problem.initial, pressures.reshape(-1), count), (settings, report))
+                found["pressures"] = pressures
+        return Motion(self, given, problem, found)
+
+    def _initial_state(self, initial: tuple[npt.ArrayLike, npt.ArrayLike] | Equilibrium | None) -> tuple[Array, Array]:
         shape = (self._nodes, 3)
+        if initial is None:
+            return np.zeros(3 * self._nodes), np.zeros(3 * self._nodes)
         if isinstance(initial, Equilibrium):
-            initial = (initial.displacement, np.zeros(shape))
-        first = (np.zeros(shape), np.zeros(shape)) if initial is None else initial
-        start = (reals("initial displacement", first[0], shape).reshape(-1), reals("initial velocity", first[1], shape).reshape(-1))
-        with _Progress(progress, count) as report:
-            found = self._core.record(inputs._core(), (start, pressures.reshape(-1), count), (given, report))
-        return Motion(self, inputs, pressures, found)
+            return reals("initial", initial.displacement, shape).reshape(-1), np.zeros(3 * self._nodes)
+        if not isinstance(initial, tuple | list) or len(initial) != 2:
+            why = "it is a pair of displacement and velocity, or an equilibrium"
+            raise InputError(f"`initial` is a {type(initial).__name__}", why, "correct it")
+        return reals("initial[0]", initial[0], shape).reshape(-1), reals("initial[1]", initial[1], shape).reshape(-1)
+
+    def _start_of(self, inputs: Inputs, initial: object, budget: tuple[int | None, float | None]) -> Equilibrium | None:
+        """The equilibrium in which a motion of the case begins, where it does and nothing else is given."""
+        dynamic = None if self._data is None else self._data.get("dynamic")
+        if initial is not None or dynamic is None or dynamic["starts_at_rest"]:
+            return None
+        settings = self._static_settings((None, None, False), limits(budget[0], None, budget[1]))
+        with self._last_equilibrium(inputs, []):
+            return Equilibrium(self, inputs, self._core.start_equilibrium(inputs._core(), settings))
+
+    def _adaptive(self, steps: int | None, step: float | None) -> tuple[float, float, float, float] | None:
+        """Duration, tolerance (m), shortest and longest step (s) of a case with adaptive steps."""
+        dynamic = None if self._data is None else self._data.get("dynamic")
+        if step is not None or dynamic is None or dynamic["adaptive"] is None:
+            return None
+        if steps is not None:
+            raise InputError("`steps` has no effect", "the case has adaptive steps", "give `step` as well, or leave it out")
+        tolerance, shortest, longest = dynamic["adaptive"]
+        return dynamic["duration"], tolerance, shortest, longest
+
+    def _constants(self, pressure: npt.ArrayLike | Mapping[str, Any] | None) -> list[float | None]:
+        """The pressures that are given of an adaptive motion, one a chamber."""
+        constants: list[float | None] = [None] * self.chamber_count
+        if pressure is not None and not isinstance(pressure, Mapping):
+            raise InputError("`pressure` is given by steps", "the steps of an adaptive motion are not known", "give a number by chamber")
+        for name, value in (pressure or {}).items():
+            constants[self._chamber(name)] = number(f"pressure[{name!r}]", value)
+        return constants
 
     def adjoint(self, at: Equilibrium | Motion, dloss_du: npt.ArrayLike) -> Gradient:
-        """The gradient of a loss of a result, from its derivative by the displacement."""
+        """The gradient of a loss of a result, from its derivative by the displacement (as its shape)."""
+        instance("at", at, (Equilibrium, Motion), "give what equilibrium or simulate returned")
         return at.adjoint(dloss_du)
 
     def sensitivity(self, at: Equilibrium | Motion, **direction: Any) -> Array:
-        """The derivative of a result's displacement along a direction of its parameters."""
+        """The derivative of a result's displacement along a direction of its parameters: see `Equilibrium.sensitivity`."""
+        instance("at", at, (Equilibrium, Motion), "give what equilibrium or simulate returned")
         return at.sensitivity(**direction)
 
     def modes(self, count: int = 6, at: Equilibrium | None = None) -> tuple[Array, Array]:
         """Natural frequencies (Hz) and shapes (count × nodes × 3) about an equilibrium; without one, about that of the
         case."""
+        if at is not None:
+            instance("at", at, Equilibrium, "give what equilibrium returned")
         return (self.equilibrium() if at is None else at).modes(count)
 
     def traction(self, faces: npt.ArrayLike, traction: npt.ArrayLike) -> Array:
@@ -439,21 +834,31 @@ class Solver:
         nodes = integers("faces", faces)
         if nodes.ndim != 2 or nodes.shape[1] not in (3, 4, 6):
             raise InputError(f"`faces` has the shape {nodes.shape}", "it is faces × 3, 4 or 6", "check its axes")
+        _require_own_numbers("faces", self.mesh)
         vector = reals("traction", traction, (3,))
         along = (float(vector[0]), float(vector[1]), float(vector[2]))
         return self._core.traction_forces(nodes.reshape(-1), int(nodes.shape[1]), along).reshape(-1, 3)
 
-    def torch(self, output: str, wrt: Sequence[str], **settings: Any) -> TorchFunction:
+    def torch(self, output: str, wrt: Sequence[str], *, steps: int | None = None, **settings: Unpack[FunctionSettings]) -> TorchFunction:
         """The output as a differentiable function of PyTorch, see `softfish.TorchFunction`."""
         from softfish._torch import TorchFunction
 
-        return TorchFunction(self, output, wrt, **settings)
+        return TorchFunction(self, output, wrt, steps=steps, **settings)
 
-    def jax(self, output: str, wrt: Sequence[str], **settings: Any) -> JaxFunction:
+    def jax(
+        self,
+        output: str,
+        wrt: Sequence[str],
+        *,
+        mode: Literal["reverse", "forward"] = "reverse",
+        kept: int = 64,
+        steps: int | None = None,
+        **settings: Unpack[FunctionSettings],
+    ) -> JaxFunction:
         """The output as a differentiable function of JAX, see `softfish.JaxFunction`."""
         from softfish._jax import JaxFunction
 
-        return JaxFunction(self, output, wrt, **settings)
+        return JaxFunction(self, output, wrt, mode=mode, kept=kept, steps=steps, **settings)
 
     def reduce(self, snapshots: npt.ArrayLike, coordinates: int = 20, *, tolerance: float = 1e-3) -> ReducedModel:
         """The body in at most `coordinates` modes of displacements (snapshots × nodes × 3) that it took."""
@@ -461,48 +866,61 @@ class Solver:
 
         return ReducedModel.of(self, snapshots, coordinates, tolerance)
 
-    def _static_settings(self, tolerance: float | None, load_steps: int | None, reuse: bool) -> _records.StaticSettings:
+    def _case_limits(self) -> tuple[int | None, int | None, float | None]:
+        return (None, None, None) if self._data is None else self._data.get("budget", (None, None, None))
+
+    def _static_settings(
+        self, given: tuple[float | None, int | None, bool], budget: tuple[int | None, int | None, float | None]
+    ) -> _records.StaticSettings:
         data = self._data
+        tolerance, load_steps, reuse = given
         fine = 1e-8 if data is None else data.get("tolerance", 1e-8)
-        fine = fine if tolerance is None else number("tolerance", tolerance)
         steps = 3 if data is None else data.get("load_steps", 3)
-        steps = steps if load_steps is None else int(load_steps)
-        if not 1 <= steps <= 10_000:
-            raise InputError(f"load_steps is {steps}", "it lies between 1 and 10000", "correct it")
-        return {"tolerance": float(fine), "load_steps": int(steps), "reuse_factor": bool(reuse)}
+        own = self._case_limits()
+        return {
+            "tolerance": fine if tolerance is None else positive("tolerance", tolerance),
+            "load_steps": steps if load_steps is None else whole("load_steps", load_steps, 1, 10_000),
+            "reuse_factor": flag("reuse_factor", reuse),
+            "max_iterations": own[0] if budget[0] is None else budget[0],
+            "max_cutbacks": own[1] if budget[1] is None else budget[1],
+            "timeout": own[2] if budget[2] is None else budget[2],
+        }
 
     def _dynamic_settings(
         self,
         step: float | None,
         scheme: Scheme | None,
-        mass_damping: float | None,
-        stiffness_damping: float | None,
-        limits: tuple[float, int],
+        damping: tuple[float | None, float | None],
+        limits_of: tuple[float, int, tuple[int | None, int | None, float | None]],
     ) -> _records.DynamicSettings:
+        """The settings of a motion; its step is 0 where none is given."""
         set_by_case: Mapping[str, Any] = {} if self._data is None else self._data.get("dynamic", {})
-        length = set_by_case.get("step") if step is None else number("step", step)
-        if length is None:
-            raise InputError("`step` is not given", "the case has no [dynamic] with a step", "give it in seconds")
+        length = set_by_case.get("step") if step is None else positive("step", step)
         known = _SCHEMES.get(set_by_case.get("scheme", ""), "bdf2")
-        alpha = set_by_case.get("mass_damping", 0.0) if mass_damping is None else number("mass_damping", mass_damping)
-        beta = set_by_case.get("stiffness_damping", 0.0)
-        beta = beta if stiffness_damping is None else number("stiffness_damping", stiffness_damping)
+        alpha = set_by_case.get("mass_damping", 0.0) if damping[0] is None else number("mass_damping", damping[0])
+        beta = set_by_case.get("stiffness_damping", 0.0) if damping[1] is None else number("stiffness_damping", damping[1])
+        tolerance, memory, budget = limits_of
+        own = self._case_limits()
+        adaptive = set_by_case.get("adaptive")
+        shortest = adaptive[1] if adaptive else 0.0
         return {
-            "step": float(length),
-            "scheme": known if scheme is None else scheme,
+            "step": float(shortest if length is None else length),
+            "scheme": known if scheme is None else word("scheme", scheme, tuple(_SCHEMES.values())),
             "mass_damping": float(alpha),
             "stiffness_damping": float(beta),
-            "tolerance": number("tolerance", limits[0]),
-            "memory": int(limits[1]),
+            "tolerance": positive("tolerance", tolerance),
+            "memory": whole("memory", memory, 0, 1 << 62),
+            "max_iterations": own[0] if budget[0] is None else budget[0],
+            "timeout": own[2] if budget[2] is None else budget[2],
         }
 
     def _steps(self, steps: int | None, step: float) -> int:
         dynamic = None if self._data is None else self._data.get("dynamic")
         if steps is None and dynamic is not None:
             steps = round(dynamic["duration"] / step)
-        if steps is None or not 1 <= int(steps) <= 10_000_000:
-            raise InputError(f"steps is {steps}", "a motion has between 1 and 10 million steps", "give their number")
-        return int(steps)
+        if steps is None:
+            raise InputError("`steps` is not given", "the case has no [dynamic] with a duration", "give their number")
+        return whole("steps", steps, 1, 10_000_000)
 
     def _history(self, steps: int, step: float, given: npt.ArrayLike | Mapping[str, Any] | None) -> Array:
         shape = (steps, self.chamber_count)
@@ -513,31 +931,37 @@ class Solver:
         if not isinstance(given, Mapping):
             return reals("pressure", given, shape).copy()
         for name, values in given.items():
-            column = reals(f"pressure {name}", values)
+            column = reals(f"pressure[{name!r}]", values)
             if column.shape not in ((), (steps,)):
-                raise InputError(f"pressure {name} has the shape {column.shape}", f"there are {steps} steps", "give one each")
+                raise InputError(f"`pressure[{name!r}]` has the shape {column.shape}", f"there are {steps} steps", "give one each")
             history[:, self._chamber(name)] = column
         return history
 
     def _chamber(self, chamber: int | str) -> int:
         if isinstance(chamber, str) and chamber in self.chambers:
             return self.chambers.index(chamber)
-        if isinstance(chamber, int) and 0 <= chamber < self.chamber_count:
-            return chamber
+        if isinstance(chamber, int | np.integer) and not isinstance(chamber, bool) and 0 <= chamber < self.chamber_count:
+            return int(chamber)
         known = ", ".join(self.chambers) or "none"
         raise InputError(f"there is no chamber {chamber!r}", f"known are {known}", "correct it")
 
-    def _by_chamber(self, base: Array, given: ByName | None) -> Array:
-        return named("chamber", self.chambers, base, given)
+    def _by_chamber(self, base: Array, given: ByName | None, argument: str) -> Array:
+        return named("chamber", self.chambers, base, given, argument)
 
     def observe(self, name: str, displacement: Array) -> Array:
         """An output of a displacement (… × nodes × 3) or of its derivative: `displacement`, or a point of the case."""
+        instance("name", name, str, "name `displacement`, or a point of the case")
+        values = reals("displacement", displacement)
+        if values.shape[-2:] != (self._nodes, 3):
+            why = f"it is … × {self._nodes} × 3"
+            raise InputError(f"`displacement` has the shape {values.shape}", why, "check its axes")
         if name == "displacement":
             return displacement
         nodes, weights = self._weights(name)
         return np.asarray(np.einsum("...ni,n->...i", displacement[..., nodes, :], weights))
 
     def _weights(self, name: str) -> tuple[IntArray, Array]:
+        instance("output", name, str, "name `displacement`, or a point of the case")
         point = name.removeprefix("marker.").removeprefix("node.")
         if point not in self._points:
             known = ", ".join(["displacement", *(f"marker.{point}" for point in self._points)])
@@ -577,43 +1001,33 @@ class Solver:
         )
 
     def __repr__(self) -> str:
-        return f"Solver({self.dofs} dofs, regions {self.regions}, chambers {self.chambers})"
+        sizes = f"{self._nodes} nodes, {self._elements} elements, {self.dofs} dofs"
+        return f"Solver({sizes}, regions {self.regions}, chambers {self.chambers}, points {self.points})"
 
 
 def _threads(given: int | None) -> int | None:
     return None if given is None else whole("threads", given, 1, 1024)
 
 
-def _axes(clamped: npt.ArrayLike, nodes: int) -> npt.NDArray[np.bool_]:
-    array = np.asarray(clamped)
+def _require_own_numbers(name: str, mesh: Mesh) -> None:
+    """Refuses numbers of nodes where they are not those of the caller's arrays."""
+    if mesh._moved():
+        why = "the mesh dropped nodes that no element uses, so that its numbers are not those of the arrays that it was made of"
+        raise InputError(f"`{name}` holds node numbers", why, "give truth values by place, or drop unused nodes before")
+
+
+def _axes(clamped: npt.ArrayLike, mesh: Mesh) -> npt.NDArray[np.bool_]:
+    array = array_of("clamped", clamped)
+    nodes = len(mesh.nodes)
     axes = np.zeros((nodes, 3), dtype=np.bool_)
     if array.size == 0:
         return axes.reshape(-1)
     if array.dtype.kind == "b" and array.shape in ((nodes,), (nodes, 3)):
         axes[:] = array.reshape(nodes, -1)
     elif array.dtype.kind in "iu" and array.ndim == 1 and array.min() >= 0 and array.max() < nodes:
+        _require_own_numbers("clamped", mesh)
         axes[array] = True
     else:
         why = f"it holds node numbers below {nodes}, or truth values of the shape ({nodes},) or ({nodes}, 3)"
         raise InputError(f"`clamped` holds {array.dtype} of the shape {array.shape}", why, "correct it")
     return axes.reshape(-1)
-
-
-class _Progress:
-    """A progress callback, or tqdm's bar."""
-
-    def __init__(self, progress: Progress | bool | None, steps: int) -> None:
-        self._bar: Any = None
-        self._call: Progress | None = progress if callable(progress) else None
-        if progress is True:
-            from softfish._optional import optional
-
-            self._bar = optional("tqdm").tqdm(total=steps)
-            self._call = lambda done, _: self._bar.update(done - self._bar.n)
-
-    def __enter__(self) -> Progress | None:
-        return self._call
-
-    def __exit__(self, *_: object) -> None:
-        if self._bar is not None:
-            self._bar.close()

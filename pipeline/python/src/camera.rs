@@ -44,8 +44,8 @@ impl From<Asked> for Request {
 #[pyfunction]
 pub(crate) fn calibrate(py: Python<'_>, asked: Asked) -> PyResult<Bound<'_, PyDict>> {
     let request = Request::from(asked);
-    let found = watched(py, |interrupt| {
-        let calibrated = camera(&request, Some(&*interrupt));
+    let found = watched(py, move |signals| {
+        let calibrated = camera(&request, Some(&*signals.interrupt()));
         calibrated.map_err(|diagnostic| of_diagnostic(&diagnostic, Kind::Input))
     })?;
     let (is, views) = (&found.calibration, found.views());

@@ -12,6 +12,8 @@ pub(crate) enum Kind {
     Convergence,
     NotStable,
     Busy,
+    Budget,
+    Internal,
 }
 
 impl Kind {
@@ -23,6 +25,8 @@ impl Kind {
             Self::Convergence => "ConvergenceError",
             Self::NotStable => "NotStableError",
             Self::Busy => "BusyError",
+            Self::Budget => "BudgetError",
+            Self::Internal => "InternalError",
         }
     }
 }
@@ -49,11 +53,13 @@ pub(crate) fn raised(error: impl std::error::Error + Send + Sync + 'static) -> P
 
 /// The exception of a diagnostic; `other` is its class where its source does not decide it.
 pub(crate) fn of_diagnostic(diagnostic: &Diagnostic, other: Kind) -> PyErr {
+    let ended = diagnostic.downcast_ref::<simulate::Exceeded>().is_some();
     let kind = match diagnostic.downcast_ref::<fem::SolveError>() {
+        _ if ended => Kind::Budget,
         Some(fem::SolveError::NoEquilibrium { .. } | fem::SolveError::TimeStep { .. }) => Kind::Convergence,
         Some(fem::SolveError::NotStable) => Kind::NotStable,
         Some(_) => Kind::Input,
-        None if diagnostic.downcast_ref::<fem::ReducedError>().is_some() => Kind::Convergence,
+        None if matches!(diagnostic.downcast_ref(), Some(fem::ReducedError::NoConvergence { .. })) => Kind::Convergence,
         None => other,
     };
     let place = diagnostic.location.as_ref().map(|place| format!("{place}: ")).unwrap_or_default();

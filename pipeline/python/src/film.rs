@@ -47,8 +47,8 @@ impl From<Asked> for Request {
 #[pyfunction]
 pub(crate) fn track(py: Python<'_>, asked: Asked) -> PyResult<Bound<'_, PyDict>> {
     let request = Request::from(asked);
-    let Tracks { first, time, markers } = watched(py, |interrupt| {
-        let tracked = film::track(&request, Some(&*interrupt));
+    let Tracks { first, time, markers } = watched(py, move |signals| {
+        let tracked = film::track(&request, Some(&*signals.interrupt()));
         tracked.map_err(|diagnostic| of_diagnostic(&diagnostic, Kind::Input))
     })?;
     let all = || markers.iter().flatten();

@@ -27,8 +27,8 @@ pub(crate) fn fit(
         let what = format!("{} is the page of an inflation test", path.display());
         return Err(refused(what, "laws are fitted to free vibrations", "run study fit on it, or name another page"));
     }
-    let (report, folder) = watched(py, |interrupt| {
-        run(&root, &path, out.as_deref(), Some(interrupt)).map_err(|diagnostic| refusal(&diagnostic))
+    let (report, folder) = watched(py, move |signals| {
+        run(&root, &path, out.as_deref(), Some(signals.interrupt())).map_err(|diagnostic| refusal(&diagnostic))
     })?;
     Ok((report.to_string(), folder, report.laws().into_iter().map(law).collect()))
 }

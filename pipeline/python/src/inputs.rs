@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arrays::{Reals, check_length, vector};
-use crate::errors::{raised, refused};
+use crate::errors::refused;
 
 /// The inputs of one solve.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,29 +50,42 @@ impl Inputs {
         })
     }
 
+    /// These with other forces, 3 entries per node, N.
+    pub(crate) fn with_forces(&self, forces: Vec<f64>) -> Self {
+        Self { forces, ..self.clone() }
+    }
+
+    /// Whether gravity acts.
+    pub(crate) fn is_heavy(&self) -> bool {
+        self.gravity.iter().any(|part| *part != 0.0)
+    }
+
     /// Sets what differs from the inputs `before`, which the solver has; what is equal leaves its factor and its
     /// linearised tangent in use.
-    pub(crate) fn apply(&self, before: Option<&Self>, solver: &mut Solver) -> PyResult<()> {
+    ///
+    /// # Errors
+    /// A diagnostic where one is out of range.
+    pub(crate) fn set(&self, before: Option<&Self>, solver: &mut Solver) -> diagnostics::Result<()> {
         let differs = |of: fn(&Self) -> &Vec<f64>| before.is_none_or(|before| of(before) != of(self));
         for (region, (&modulus, &ratio)) in self.youngs_modulus.iter().zip(&self.poissons_ratio).enumerate() {
             let had = before.map(|before| (before.youngs_modulus[region], before.poissons_ratio[region]));
             if had != Some((modulus, ratio)) {
-                solver.set_elastic(region, modulus, ratio).map_err(raised)?;
+                solver.set_elastic(region, modulus, ratio)?;
             }
         }
         for (region, &density) in self.density.iter().enumerate() {
             if before.map(|before| before.density[region]) != Some(density) {
-                solver.set_density(region, density).map_err(raised)?;
+                solver.set_density(region, density)?;
             }
         }
         if differs(|of| &of.factors) {
-            solver.set_element_factors(&self.factors).map_err(raised)?;
+            solver.set_element_factors(&self.factors)?;
         }
         if differs(|of| &of.forces) {
-            solver.set_forces(&self.forces).map_err(raised)?;
+            solver.set_forces(&self.forces)?;
         }
         if differs(|of| &of.gravity) {
-            solver.set_gravity([self.gravity[0], self.gravity[1], self.gravity[2]]).map_err(raised)?;
+            solver.set_gravity([self.gravity[0], self.gravity[1], self.gravity[2]])?;
         }
         Ok(())
     }

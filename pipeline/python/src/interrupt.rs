@@ -1,95 +1,134 @@
-//! Ctrl-C in a long computation. A solver asks the interpreter now and then whether a signal is waiting. What computes on many threads, of
-//! which the interpreter tells none of signals, runs beside the calling one, which waits and asks.
+//! Work of the compiled part: on a thread of its own while the calling one waits and asks for Ctrl-C, with panics as exceptions.
+//!
+//! A factorisation of a large body takes seconds, and nothing asks within it whether to end. Where Ctrl-C is pressed, the caller therefore has
+//! its exception at once, and the thread ends at its next question, without anyone waiting for it.
 
 use fem::Interrupt;
 use pyo3::prelude::*;
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
+use std::time::Duration;
+
+use crate::errors::{Kind, exception};
+use crate::threads::in_this_process;
 
 /// Time between two questions: short for a person, long against the 10 µs that one takes.
 const BETWEEN: Duration = Duration::from_millis(100);
+/// Time that work has to end by itself after Ctrl-C, so that its thread does not run into the next call.
+const GRACE: Duration = Duration::from_millis(400);
+/// Stack of a thread: that of a program's main thread.
+const STACK: usize = 8 << 20;
 
-/// What a signal handler raised, and when it was last asked for.
-#[derive(Debug)]
-struct State {
-    raised: Option<PyErr>,
-    asked: Instant,
-}
-
-/// Asks for signals during one solve.
-#[derive(Debug, Clone)]
+/// Whether work shall end, and the exception that a callback of the user raised in it.
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Signals {
-    state: Arc<Mutex<State>>,
+    ended: Arc<AtomicBool>,
+    /// Whether the caller has gone on before the work was at its end.
+    left: Arc<AtomicBool>,
+    raised: Arc<Mutex<Option<PyErr>>>,
 }
 
 impl Signals {
-    pub(crate) fn new() -> Self {
-        Self { state: Arc::new(Mutex::new(State { raised: None, asked: Instant::now() })) }
-    }
-
     /// The question for a solver.
     pub(crate) fn interrupt(&self) -> Interrupt {
-        let own = self.clone();
-        Arc::new(move || own.is_raised())
+        let ended = self.ended.clone();
+        Arc::new(move || ended.load(Ordering::Relaxed))
     }
 
-    /// Whether a handler has raised an exception, as that of Ctrl-C does.
+    /// Whether the work shall end.
     pub(crate) fn is_raised(&self) -> bool {
-        let Ok(mut state) = self.state.lock() else { return true };
-        if state.raised.is_none() && state.asked.elapsed() >= BETWEEN {
-            state.asked = Instant::now();
-            state.raised = Python::attach(|py| py.check_signals()).err();
-        }
-        state.raised.is_some()
+        self.ended.load(Ordering::Relaxed)
     }
 
-    /// Ends the solve with an exception of the caller's own, as one that a progress callback raised.
+    /// Whether the caller has gone on.
+    pub(crate) fn is_left(&self) -> bool {
+        self.left.load(Ordering::Relaxed)
+    }
+
+    /// Ends the work with an exception of the caller's own, as one that a progress callback raised.
     pub(crate) fn raise(&self, error: PyErr) {
-        if let Ok(mut state) = self.state.lock() {
-            state.raised.get_or_insert(error);
+        self.ended.store(true, Ordering::Relaxed);
+        if let Ok(mut raised) = self.raised.lock() {
+            raised.get_or_insert(error);
         }
     }
 
-    /// The exception, or else the outcome of the solve.
-    pub(crate) fn outcome<T>(&self, solved: PyResult<T>) -> PyResult<T> {
-        let raised = self.state.lock().ok().and_then(|mut state| state.raised.take());
+    /// The callback's exception, or else the outcome.
+    fn outcome<T>(&self, solved: PyResult<T>) -> PyResult<T> {
+        let raised = self.raised.lock().ok().and_then(|mut raised| raised.take());
         raised.map_or(solved, Err)
     }
 }
 
-/// Stack of the thread of a computation: that of a program's main thread.
-const STACK: usize = 8 << 20;
-
-/// Runs `compute`, with the interpreter's lock released, on a thread of its own; the interrupt that it is given is set once a signal
-/// handler has raised an exception.
+/// Runs `compute` with the interpreter's lock released, on a thread of its own; the signals that it is given ask it to end once a handler has
+/// raised an exception.
 ///
 /// # Errors
-/// The exception of the handler, or what `compute` returns.
-pub(crate) fn watched<T: Send>(py: Python<'_>, compute: impl FnOnce(Interrupt) -> PyResult<T> + Send) -> PyResult<T> {
-    let ended = Arc::new(AtomicBool::new(false));
-    let asked = ended.clone();
-    let interrupt: Interrupt = Arc::new(move || asked.load(Ordering::Relaxed));
+/// The exception of the handler or of a callback, what `compute` returns, or `InternalError` where it panics.
+pub(crate) fn watched<T: Send + 'static>(
+    py: Python<'_>,
+    compute: impl FnOnce(&Signals) -> PyResult<T> + Send + 'static,
+) -> PyResult<T> {
+    watched_by(py, &Signals::default(), compute)
+}
+
+/// As [`watched`], with signals of the caller's own.
+///
+/// # Errors
+/// As [`watched`].
+pub(crate) fn watched_by<T: Send + 'static>(
+    py: Python<'_>,
+    signals: &Signals,
+    compute: impl FnOnce(&Signals) -> PyResult<T> + Send + 'static,
+) -> PyResult<T> {
+    let asked = signals.clone();
     let (done, waiting) = channel();
     let computed = move || {
-        let outcome = compute(interrupt);
-        // Nobody waits any more only where the interpreter is at its end.
-        let _ = done.send(());
-        outcome
+        let outcome = guarded(|| in_this_process(|| compute(&asked)));
+        // Nobody waits any more where the caller had its exception.
+        let _ = done.send(asked.outcome(outcome));
     };
     py.detach(move || {
-        std::thread::scope(|scope| {
-            let thread = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, computed)?;
-            let mut raised = None;
-            while waiting.recv_timeout(BETWEEN) == Err(RecvTimeoutError::Timeout) {
+        std::thread::Builder::new().stack_size(STACK).spawn(computed)?;
+        wait(&waiting, signals)
+    })
+}
+
+fn wait<T>(waiting: &Receiver<PyResult<T>>, signals: &Signals) -> PyResult<T> {
+    loop {
+        match waiting.recv_timeout(BETWEEN) {
+            Ok(outcome) => return outcome,
+            Err(RecvTimeoutError::Disconnected) => return Err(internal("a thread ended without a result")),
+            Err(RecvTimeoutError::Timeout) => {
                 if let Err(error) = Python::attach(|py| py.check_signals()) {
-                    raised.get_or_insert(error);
-                    ended.store(true, Ordering::Relaxed);
+                    signals.ended.store(true, Ordering::Relaxed);
+                    signals.left.store(waiting.recv_timeout(GRACE).is_err(), Ordering::Relaxed);
+                    return Err(error);
                 }
             }
-            let outcome = thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-            raised.map_or(outcome, Err)
-        })
-    })
+        }
+    }
+}
+
+/// Runs `compute`, with a panic as an exception.
+///
+/// # Errors
+/// What `compute` returns, or `InternalError`.
+pub(crate) fn guarded<T>(compute: impl FnOnce() -> PyResult<T>) -> PyResult<T> {
+    // What a panic leaves half done is a solver's, and that is marked so by its lock.
+    catch_unwind(AssertUnwindSafe(compute)).unwrap_or_else(|panic| Err(internal(&words(&*panic))))
+}
+
+fn words(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<String>().cloned();
+    text.or_else(|| panic.downcast_ref::<&str>().map(|text| (*text).to_owned())).unwrap_or_default()
+}
+
+fn internal(message: &str) -> PyErr {
+    let why = format!("the program met a state that it holds impossible: {message}");
+    let act = "this is a defect of softfish: report it with this call; make a new solver before the next one";
+    exception(Kind::Internal, ["the call failed", &why, act])
 }

@@ -2,7 +2,7 @@
 //! on numpy arrays. Names, checks of arguments and documentation for users are in the package's Python files.
 //!
 //! Invariants: results are handed to numpy without a copy; every solve releases the interpreter's lock and ends when
-//! Ctrl-C is pressed; every error becomes an exception of the package with what, why and what to do.
+//! Ctrl-C is pressed; every error, a panic included, becomes an exception of the package with what, why and what to do.
 
 mod arrays;
 mod camera;
@@ -12,18 +12,22 @@ mod film;
 mod fit;
 mod inputs;
 mod interrupt;
+mod memory;
 mod mesh;
 mod motion;
+mod path;
 mod project;
 mod reduced;
 mod solver;
 mod statics;
+mod threads;
 
 use pyo3::prelude::*;
 
 /// The module `softfish._core`.
 #[pymodule]
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    threads::remember_process();
     module.add_class::<mesh::Mesh>()?;
     module.add_class::<case::Case>()?;
     module.add_class::<solver::Solver>()?;
@@ -35,5 +39,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(fit::fit, module)?)?;
     module.add_function(wrap_pyfunction!(mesh::box_mesh, module)?)?;
     module.add_function(wrap_pyfunction!(project::require_record, module)?)?;
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("MATERIALS", fem::materials::ALL.iter().map(|law| law.name()).collect::<Vec<_>>())
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use ::mesh::Skin;
-use ::mesh::foreign::{RawMesh, Region};
+use ::mesh::foreign::{ForeignMesh, HexahedralMesh, NamedSurface, RawMesh, Region};
 use diagnostics::Diagnostic;
 use fem::Elements;
 use numpy::{PyArray1, PyReadonlyArray1};
@@ -14,21 +14,38 @@ use pyo3::types::PyDict;
 use simulate::Loaded;
 use simulate::case::{Case, Order, Output, Source, Unit};
 
-use crate::arrays::{Reals, array, node_numbers, slice};
+use crate::arrays::{Reals, array, check_length, node_numbers, slice};
 use crate::errors::{Kind, of_diagnostic, refused};
+use crate::interrupt::watched;
+use crate::memory;
 
 /// What a body is meshed with.
 pub(crate) enum Kinds {
     /// Tetrahedra.
     Tetrahedra(Loaded),
-    /// Hexahedra, and the tags of their regions.
-    Hexahedra(fem::Mesh, Vec<i64>),
+    /// Hexahedra.
+    Hexahedra(HexahedralMesh),
 }
+
+impl Kinds {
+    fn regions(&self) -> &[Region] {
+        match self {
+            Self::Tetrahedra(loaded) => &loaded.regions,
+            Self::Hexahedra(mesh) => &mesh.regions,
+        }
+    }
+}
+
+/// Triangles of surfaces (3 node numbers each), the tag of each, and names of tags.
+type Surfaces<'py> = (PyReadonlyArray1<'py, i64>, Vec<i64>, BTreeMap<i64, String>);
 
 /// A mesh.
 #[pyclass(frozen, module = "softfish._core")]
+#[derive(Clone)]
 pub(crate) struct Mesh {
     pub(crate) kinds: Arc<Kinds>,
+    /// For each node of the caller's arrays its number here, `u32::MAX` where no element uses it; empty where they are not those of arrays or of a file.
+    numbering: Arc<Vec<u32>>,
 }
 
 /// The class of an error of a mesh.
@@ -38,7 +55,24 @@ fn refusal(diagnostic: &Diagnostic) -> PyErr {
 
 impl Mesh {
     pub(crate) fn of(loaded: Loaded) -> Self {
-        Self { kinds: Arc::new(Kinds::Tetrahedra(loaded)) }
+        let numbering = loaded.numbering.clone();
+        Self::with(Kinds::Tetrahedra(loaded), numbering)
+    }
+
+    fn with(kinds: Kinds, numbering: Vec<u32>) -> Self {
+        Self { kinds: Arc::new(kinds), numbering: Arc::new(numbering) }
+    }
+
+    /// A draft in a unit of length (m), checked.
+    fn checked(raw: RawMesh, unit: f64, half: bool) -> Result<Self, Diagnostic> {
+        if raw.each == 8 {
+            let mesh = raw.check_hexahedra(unit, half)?;
+            let numbering = mesh.numbering.clone();
+            return Ok(Self::with(Kinds::Hexahedra(mesh), numbering));
+        }
+        let ForeignMesh { solid, regions, surfaces, cavities, numbering, notes } = raw.check(unit, half)?;
+        let tables = Default::default();
+        Ok(Self::of(Loaded { solid, regions, surfaces, cavities, numbering, notes, tables }))
     }
 
     /// As the solver takes it.
@@ -47,38 +81,34 @@ impl Mesh {
             Kinds::Tetrahedra(loaded) => {
                 simulate::fem_mesh(&loaded.solid, &(0..loaded.cavities.len() as u16).collect::<Vec<_>>())
             }
-            Kinds::Hexahedra(mesh, _) => mesh.clone(),
+            Kinds::Hexahedra(mesh) => fem::Mesh {
+                nodes: mesh.nodes.clone(),
+                elements: Elements::Hexahedra(mesh.hexahedra.clone()),
+                regions: mesh.numbers.clone(),
+                chambers: Vec::new(),
+                symmetry_plane_z: mesh.half,
+            },
         }
     }
 }
 
 #[pymethods]
 impl Mesh {
-    /// From `nodes` (3 numbers each, m), `elements` (`each` nodes), the `tag` of each element, and names of tags.
+    /// From nodes (3 numbers each, m), elements and the nodes of each; the tag of each element, and names of tags; whether it is a half model,
+    /// and surfaces where there are some.
     #[staticmethod]
     fn from_arrays(
-        nodes: Reals<'_>,
-        connectivity: (PyReadonlyArray1<'_, i64>, usize),
+        py: Python<'_>,
+        arrays: (Reals<'_>, PyReadonlyArray1<'_, i64>, usize),
         tagged: (Vec<i64>, BTreeMap<i64, String>),
-        half: bool,
+        options: (bool, Option<Surfaces<'_>>),
     ) -> PyResult<Self> {
-        let (elements, each) = connectivity;
-        let (tags, names) = tagged;
+        let (nodes, elements, each) = arrays;
+        let ((tags, names), (half, surfaces)) = (tagged, options);
         let points = slice("nodes", &nodes)?.as_chunks::<3>().0.to_vec();
-        let contiguous =
-            || refused("elements is not contiguous", "its rows do not lie one after the other", "pass a copy");
-        let corners = node_numbers(elements.as_slice().map_err(|_| contiguous())?)?;
-        let count = points.len();
-        if let Some(node) = corners.iter().find(|&&node| node as usize >= count) {
-            let (what, why) =
-                (format!("an element names the node {node}"), format!("there are {count}, counted from 0"));
-            return Err(refused(what, why, "check the elements"));
-        }
-        if each == 8 {
-            return Ok(hexahedra(points, &corners, &tags));
-        }
-        let raw = RawMesh {
-            node_labels: (0..count as u64).collect(),
+        let corners = numbers_below("elements", &elements, points.len())?;
+        let mut raw = RawMesh {
+            node_labels: (0..points.len() as u64).collect(),
             nodes: points,
             labels: (0..tags.len() as u64).collect(),
             corners,
@@ -87,34 +117,57 @@ impl Mesh {
             names,
             ..RawMesh::default()
         };
-        let found = raw.check(1.0, half).map_err(|error| refusal(&Diagnostic::from(error)))?;
-        let (regions, notes) = (found.regions, found.notes);
-        Ok(Self::of(Loaded {
-            solid: found.solid,
-            regions,
-            surfaces: found.surfaces,
-            cavities: found.cavities,
-            notes,
-            tables: Default::default(),
-        }))
+        check_length("elements", raw.corners.len(), each * raw.labels.len())?;
+        check_length("regions", raw.tags.len(), raw.labels.len())?;
+        if let Some((triangles, tags, names)) = surfaces {
+            let corners = numbers_below("triangles", &triangles, raw.nodes.len())?;
+            check_length("triangles", corners.len(), 3 * tags.len())?;
+            raw.triangles = corners.as_chunks::<3>().0.iter().copied().zip(tags).collect();
+            raw.surface_names = names;
+        }
+        watched(py, move |_| Self::checked(raw, 1.0, half).map_err(|diagnostic| refusal(&diagnostic)))
     }
 
-    /// From a file that the command line reads, in metres or millimetres.
+    /// From a file that the command line reads, in metres or millimetres; hexahedra as well.
     #[staticmethod]
-    fn read(path: PathBuf, millimetres: bool, order: Option<u8>, half: bool) -> PyResult<Self> {
-        let file = path.file_name().map(|name| name.to_string_lossy().into_owned());
-        let source = Source { file, body: None, spine: None, edge: None, ..source(millimetres, order, half) };
-        loaded(source, path.parent().map(Into::into).unwrap_or_default())
+    fn read(py: Python<'_>, path: PathBuf, numbers: (bool, Option<u8>), half: bool) -> PyResult<Self> {
+        let (millimetres, order) = numbers;
+        watched(py, move |_| {
+            let hexahedra = simulate::raw_mesh(&path).ok().filter(|raw| raw.each == 8);
+            if let Some(raw) = hexahedra {
+                let of_file = |diagnostic: Diagnostic| refusal(&diagnostic.in_file_unless_named(&path));
+                if order == Some(2) {
+                    let why = "hexahedra of 8 nodes are of first order";
+                    return Err(refused(
+                        "order is 2 for a file of hexahedra",
+                        why,
+                        "leave order out, or save tetrahedra",
+                    ));
+                }
+                let unit = if millimetres { 1e-3 } else { 1.0 };
+                return Self::checked(raw, unit, half).map_err(of_file);
+            }
+            let file = path.file_name().map(|name| name.to_string_lossy().into_owned());
+            let source = Source { file, body: None, spine: None, edge: None, ..source(millimetres, order, half) };
+            loaded(source, path.parent().map(Into::into).unwrap_or_default())
+        })
     }
 
     /// From one or two closed surfaces in STL files, with edges of the length `edge`, m.
     #[staticmethod]
-    fn from_surfaces(body: PathBuf, spine: Option<PathBuf>, edge: f64, options: (bool, bool)) -> PyResult<Self> {
+    fn from_surfaces(
+        py: Python<'_>,
+        files: (PathBuf, Option<PathBuf>),
+        edge: f64,
+        options: (bool, bool),
+    ) -> PyResult<Self> {
+        let (body, spine) = files;
         let (millimetres, half) = options;
         let name = |path: &PathBuf| std::path::absolute(path).map(|path| path.to_string_lossy().into_owned());
         let body = Some(name(&body)?);
         let spine = spine.as_ref().map(name).transpose()?;
-        loaded(Source { file: None, body, spine, edge: Some(edge), ..source(millimetres, None, half) }, PathBuf::new())
+        let source = Source { file: None, body, spine, edge: Some(edge), ..source(millimetres, None, half) };
+        watched(py, move |_| loaded(source, PathBuf::new()))
     }
 
     /// Node positions, 3 numbers each, m.
@@ -137,13 +190,39 @@ impl Mesh {
 
     /// The name of each region: the file's, or `region_` and its tag.
     pub(crate) fn region_names(&self) -> Vec<String> {
-        let unnamed = |tag: &i64| format!("region_{tag}");
+        let name = |region: &Region| region.name.clone().unwrap_or_else(|| format!("region_{}", region.tag));
+        self.kinds.regions().iter().map(name).collect()
+    }
+
+    /// The tag of each region, and whether the file names it.
+    fn region_tags(&self) -> Vec<(i64, bool)> {
+        self.kinds.regions().iter().map(|region| (region.tag, region.name.is_some())).collect()
+    }
+
+    /// The surfaces that the file names or numbers: tag, name, and node numbers of the corners of their triangles.
+    fn surfaces<'py>(&self, py: Python<'py>) -> Vec<(i64, Option<String>, Bound<'py, PyArray1<i64>>)> {
+        let Kinds::Tetrahedra(loaded) = &*self.kinds else { return Vec::new() };
+        let elements: Vec<&[u32]> = (0..loaded.solid.len()).map(|element| loaded.solid.element(element)).collect();
+        let corners = |surface: &NamedSurface| -> Vec<i64> {
+            let triangles = surface.triangles(elements.iter().copied());
+            triangles.iter().flatten().map(|&node| i64::from(node)).collect()
+        };
+        let one =
+            |surface: &NamedSurface| (surface.tag, surface.name.clone(), PyArray1::from_vec(py, corners(surface)));
+        loaded.surfaces.iter().map(one).collect()
+    }
+
+    /// For each node of the caller's arrays its number here, −1 where no element uses it; empty where they are not those of arrays or of a file.
+    fn numbering<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
+        let number = |&node: &u32| if node == u32::MAX { -1 } else { i64::from(node) };
+        PyArray1::from_iter(py, self.numbering.iter().map(number).collect::<Vec<_>>())
+    }
+
+    /// Whether it is the half z ≥ 0 of a symmetric body.
+    fn half(&self) -> bool {
         match &*self.kinds {
-            Kinds::Tetrahedra(loaded) => {
-                let name = |region: &Region| region.name.clone().unwrap_or_else(|| unnamed(&region.tag));
-                loaded.regions.iter().map(name).collect()
-            }
-            Kinds::Hexahedra(_, tags) => tags.iter().map(unnamed).collect(),
+            Kinds::Tetrahedra(loaded) => loaded.solid.half(),
+            Kinds::Hexahedra(mesh) => mesh.half,
         }
     }
 
@@ -157,7 +236,7 @@ impl Mesh {
         }
     }
 
-    /// Node numbers of the corners of the outer skin's triangles.
+    /// Node numbers of the corners of the outer skin's triangles; sides of hexahedra are cut into two.
     fn skin<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
         let corners: Vec<i64> = match &*self.kinds {
             Kinds::Tetrahedra(loaded) => {
@@ -166,7 +245,10 @@ impl Mesh {
                     .flat_map(|(nodes, _)| nodes[..3].iter().map(|&node| i64::from(node)).collect::<Vec<_>>())
                     .collect()
             }
-            Kinds::Hexahedra(..) => Vec::new(),
+            Kinds::Hexahedra(mesh) => {
+                let two = |[a, b, c, d]: &[u32; 4]| [*a, *b, *c, *a, *c, *d];
+                mesh.skin.iter().flat_map(two).map(i64::from).collect()
+            }
         };
         PyArray1::from_vec(py, corners)
     }
@@ -175,25 +257,25 @@ impl Mesh {
     fn notes(&self) -> Vec<String> {
         match &*self.kinds {
             Kinds::Tetrahedra(loaded) => loaded.notes.clone(),
-            Kinds::Hexahedra(..) => Vec::new(),
+            Kinds::Hexahedra(mesh) => mesh.notes.clone(),
         }
     }
 }
 
-/// Hexahedra with regions in rising order of their tags.
-fn hexahedra(nodes: Vec<[f64; 3]>, corners: &[u32], tags: &[i64]) -> Mesh {
-    let mut known = tags.to_vec();
-    known.sort_unstable();
-    known.dedup();
-    let number = |tag: &i64| known.binary_search(tag).unwrap_or_default() as u16;
-    let mesh = fem::Mesh {
-        nodes,
-        elements: Elements::Hexahedra(corners.as_chunks::<8>().0.to_vec()),
-        regions: tags.iter().map(number).collect(),
-        chambers: Vec::new(),
-        symmetry_plane_z: false,
-    };
-    Mesh { kinds: Arc::new(Kinds::Hexahedra(mesh, known)) }
+/// Node numbers below `count`.
+///
+/// # Errors
+/// `InputError` where one is not.
+fn numbers_below(name: &str, values: &PyReadonlyArray1<'_, i64>, count: usize) -> PyResult<Vec<u32>> {
+    let contiguous = |_| refused(format!("{name} is not contiguous"), "its rows are apart", "pass a copy");
+    let numbers = node_numbers(values.as_slice().map_err(contiguous)?)?;
+    match numbers.iter().find(|&&node| node as usize >= count) {
+        None => Ok(numbers),
+        Some(node) => {
+            let why = format!("there are {count}, counted from 0");
+            Err(refused(format!("`{name}` names the node {node}"), why, "check its numbers"))
+        }
+    }
 }
 
 fn source(millimetres: bool, order: Option<u8>, half: bool) -> Source {
@@ -210,6 +292,14 @@ fn loaded(mesh: Source, folder: PathBuf) -> PyResult<Mesh> {
     simulate::load(&case, &folder).map(Mesh::of).map_err(|diagnostic| refusal(&diagnostic))
 }
 
+/// Bytes that a cell of a box takes while its mesh is made and checked: twice what was measured on 30³ cells.
+const LINEAR_CELL: f64 = 3e3;
+const QUADRATIC_CELL: f64 = 6e3;
+const HEXAHEDRON: f64 = 1e3;
+
+/// Makes a box of a size (m) of so many cells.
+type MakeBox = fn([f64; 3], [usize; 3]) -> fem::Mesh;
+
 /// A box [0, size] (m) of `cells` grid cells along each axis: `kind` is `linear`, `quadratic` or `hexahedra`. Returns
 /// nodes, elements and the number of nodes of each.
 #[pyfunction]
@@ -220,18 +310,18 @@ pub(crate) fn box_mesh<'py>(
     kind: &str,
 ) -> PyResult<Bound<'py, PyDict>> {
     fem::box_mesh::check(size, cells).map_err(|error| refusal(&error.into()))?;
-    let mesh = match kind {
-        "linear" => fem::box_mesh::linear(size, cells),
-        "quadratic" => fem::box_mesh::quadratic(size, cells),
-        "hexahedra" => fem::box_mesh::hexahedra(size, cells),
+    let (make, bytes): (MakeBox, f64) = match kind {
+        "linear" => (fem::box_mesh::linear, LINEAR_CELL),
+        "quadratic" => (fem::box_mesh::quadratic, QUADRATIC_CELL),
+        "hexahedra" => (fem::box_mesh::hexahedra, HEXAHEDRON),
         _ => {
-            return Err(refused(
-                format!("there is no mesh of `{kind}`"),
-                "known are linear, quadratic, hexahedra",
-                "name one",
-            ));
+            let why = "known are linear, quadratic, hexahedra";
+            return Err(refused(format!("there is no mesh of `{kind}`"), why, "name one"));
         }
     };
+    let count: usize = cells.iter().product();
+    memory::require(&format!("a box of {count} cells"), bytes * count as f64)?;
+    let mesh = watched(py, move |_| Ok(make(size, cells)))?;
     let each = mesh.elements.nodes_each();
     let all = (0..mesh.elements.len()).flat_map(|element| mesh.elements.nodes(element).to_vec());
     let made = PyDict::new(py);

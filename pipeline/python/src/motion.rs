@@ -1,15 +1,20 @@
 //! Motions: recorded with all states, their gradients and sensitivities.
 
-use std::sync::Mutex;
+use std::sync::Arc;
 
-use fem::{DynamicSettings, InitialValueProblem, LossGradient, MotionGradient, Parameter, Scheme, State};
+use fem::{
+    DynamicSettings, InitialValueProblem, LossGradient, MotionGradient, Parameter, Scheme, SolveError, State,
+    StepControl,
+};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use simulate::{Budget, Watch};
 
-use crate::arrays::{Reals, array, check_length, slice, vector};
-use crate::errors::{raised, refused};
+use crate::arrays::{Reals, array, check_length, vector};
+use crate::errors::{Kind, of_diagnostic, raised, refused};
 use crate::interrupt::Signals;
+use crate::memory;
 use crate::solver::Solver;
 use crate::statics::by_region;
 
@@ -29,9 +34,17 @@ pub(crate) struct Settings {
     /// Bytes that recorded states may take.
     #[pyo3(item)]
     memory: usize,
+    #[pyo3(item)]
+    max_iterations: Option<usize>,
+    #[pyo3(item)]
+    timeout: Option<f64>,
 }
 
 impl Settings {
+    fn budget(&self) -> Budget {
+        Budget { max_iterations: self.max_iterations, max_cutbacks: None, timeout: self.timeout }
+    }
+
     pub(crate) fn dynamic(&self) -> PyResult<DynamicSettings> {
         let scheme = match self.scheme.as_str() {
             "bdf2" => Scheme::Bdf2,
@@ -50,7 +63,7 @@ impl Settings {
 /// A recorded motion.
 #[pyclass(frozen, module = "softfish._core")]
 pub(crate) struct Trajectory {
-    made: Mutex<fem::Trajectory>,
+    made: Arc<fem::Trajectory>,
 }
 
 /// States one after the other, and their times.
@@ -59,22 +72,62 @@ struct States {
     times: Vec<f64>,
     displacement: Vec<f64>,
     velocity: Vec<f64>,
+    /// Steps that are planned; 0 where that is not known.
+    planned: usize,
+    progress: Option<Py<PyAny>>,
 }
 
-/// The pressures of step n at n − 1, found again by their time.
-fn history(step: f64, chambers: usize, all: &[f64]) -> impl Fn(f64) -> Vec<f64> + '_ {
-    let steps = all.len().checked_div(chambers).unwrap_or(0);
+impl States {
+    fn keep(&mut self, time: f64, state: &State, signals: &Signals) {
+        self.times.push(time);
+        self.displacement.extend(&state.displacement);
+        self.velocity.extend(&state.velocity);
+        // An exception of the callback ends the solve; after Ctrl-C there is nobody to report to.
+        if let Some(progress) = self.progress.as_ref().filter(|_| !signals.is_raised()) {
+            let done = (self.times.len(), self.planned);
+            Python::attach(|py| progress.call1(py, done).map(|_| ())).unwrap_or_else(|error| signals.raise(error));
+        }
+    }
+
+    /// The exception of a motion that ended here, which holds time and state.
+    fn lost(mut self, cause: SolveError, clock: &Watch) -> PyErr {
+        let time = self.times.last().copied().unwrap_or_default();
+        let error = of_diagnostic(&simulate::lost_step(cause, time, clock), Kind::Input);
+        let full = self.displacement.len().checked_div(self.times.len()).unwrap_or_default();
+        let last = self.displacement.split_off(self.displacement.len() - full);
+        let held = Python::attach(|py| -> PyResult<()> {
+            error.value(py).setattr("time", time)?;
+            error.value(py).setattr("_displacement", array(py, last))
+        });
+        held.err().unwrap_or(error)
+    }
+
+    fn into_dict(self, py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+        let made = PyDict::new(py);
+        made.set_item("times", array(py, self.times))?;
+        made.set_item("displacement", array(py, self.displacement))?;
+        made.set_item("velocity", array(py, self.velocity))?;
+        Ok(made)
+    }
+}
+
+/// The pressures of the step that ends at a time of `times`, which rise; `all` holds steps × chambers.
+fn history<'a>(times: &'a [f64], chambers: usize, all: &'a [f64]) -> impl Fn(f64) -> Vec<f64> + 'a {
     move |time: f64| {
-        let n = ((time / step).round() as usize).clamp(1, steps.max(1)) - 1;
+        let n = times.partition_point(|end| *end < time).min(times.len().saturating_sub(1));
         all.get(n * chambers..(n + 1) * chambers).unwrap_or_default().to_vec()
     }
 }
 
-/// Calls a progress callback, whose exception ends the solve.
-fn report(progress: Option<&Py<PyAny>>, signals: &Signals, n: usize, steps: usize) {
-    if let Some(progress) = progress {
-        Python::attach(|py| progress.call1(py, (n, steps)).map(|_| ())).unwrap_or_else(|error| signals.raise(error));
-    }
+fn initial_state((displacement, velocity): &(Reals<'_>, Reals<'_>)) -> PyResult<State> {
+    let displacement = vector("initial displacement", displacement)?;
+    Ok(State { displacement, velocity: vector("initial velocity", velocity)? })
+}
+
+/// Bytes of a motion's displacement and velocity, and of the states that its gradient may keep.
+fn motion_bytes(steps: usize, nodes: usize, most: usize) -> f64 {
+    let states = 2.0 * 3.0 * 8.0 * nodes as f64 * steps as f64;
+    states + states.min(most as f64)
 }
 
 #[pymethods]
@@ -88,36 +141,91 @@ impl Solver {
         problem: ((Reals<'py>, Reals<'py>), Reals<'py>, usize),
         options: (Settings, Option<Py<PyAny>>),
     ) -> PyResult<Bound<'py, PyDict>> {
-        let (initial, pressures, steps) = problem;
+        let (initial, pressures, planned) = problem;
         let (settings, progress) = options;
         let (inputs, dynamic) = (self.inputs(inputs)?, settings.dynamic()?);
-        let [_, nodes, _, chambers] = self.counts();
-        check_length("pressures", slice("pressures", &pressures)?.len(), steps * chambers)?;
-        let pressures = vector("pressures", &pressures)?;
-        let (displacement, velocity) =
-            (vector("initial displacement", &initial.0)?, vector("initial velocity", &initial.1)?);
-        let initial = State { displacement, velocity };
-        let memory = settings.memory;
-        let (trajectory, states) = self.run(py, inputs, |solver, signals| {
-            let at = history(dynamic.step, chambers, &pressures);
+        let [_, nodes, _, chambers] = self.shared.counts();
+        let (initial, pressures) = (initial_state(&initial)?, vector("pressures", &pressures)?);
+        check_length("pressures", pressures.len(), planned * chambers)?;
+        memory::require(&format!("a motion of {planned} steps"), motion_bytes(planned, nodes, settings.memory))?;
+        let (trajectory, states) = self.run(py, inputs, move |solver, signals| {
+            let clock = settings.budget().watch(Some(signals.interrupt()));
+            solver.set_interrupt(Some(clock.interrupt()));
+            let times: Vec<f64> = (1..=planned).map(|n| n as f64 * dynamic.step).collect();
+            let at = history(&times, chambers, &pressures);
             let problem = InitialValueProblem { settings: &dynamic, initial: &initial, pressures: &at };
-            let mut states = States::default();
+            let mut states = States { planned, progress, ..States::default() };
             let mut keep = |time: f64, state: &State| {
-                states.times.push(time);
-                states.displacement.extend(&state.displacement);
-                states.velocity.extend(&state.velocity);
-                report(progress.as_ref(), signals, states.times.len(), steps);
+                clock.restart();
+                states.keep(time, state, signals);
             };
-            let trajectory = solver.record_observed(&problem, steps, memory, &mut keep).map_err(raised)?;
-            Ok((trajectory, states))
+            match solver.record_observed(&problem, planned, settings.memory, &mut keep) {
+                Ok(trajectory) => Ok((trajectory, states)),
+                Err(cause) => Err(states.lost(cause, &clock)),
+            }
         })?;
-        debug_assert_eq!(states.displacement.len(), 3 * nodes * steps);
-        let made = PyDict::new(py);
-        made.set_item("times", array(py, states.times))?;
-        made.set_item("displacement", array(py, states.displacement))?;
-        made.set_item("velocity", array(py, states.velocity))?;
-        made.set_item("trajectory", Trajectory { made: Mutex::new(trajectory) })?;
+        let made = states.into_dict(py)?;
+        made.set_item("trajectory", Trajectory { made: Arc::new(trajectory) })?;
         Ok(made)
+    }
+
+    /// Integrates a motion with adaptive steps (duration, tolerance in m, shortest, longest) under the pressures of the case, or under those
+    /// of `constant` (one per chamber; none: the case's): as [`Solver::record`], with `pressures` and without `trajectory`.
+    fn integrate_adaptive<'py>(
+        &self,
+        py: Python<'py>,
+        inputs: &Bound<'py, PyDict>,
+        problem: ((Reals<'py>, Reals<'py>), Vec<Option<f64>>, [f64; 4]),
+        options: (Settings, Option<Py<PyAny>>),
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let (initial, constant, [duration, tolerance, shortest, longest]) = problem;
+        let (settings, progress) = options;
+        let (inputs, dynamic, initial) = (self.inputs(inputs)?, settings.dynamic()?, initial_state(&initial)?);
+        check_length("pressures", constant.len(), self.shared.counts()[3])?;
+        let shared = self.shared.clone();
+        let at = move |time: f64| -> Vec<f64> {
+            let case = shared.case.as_ref().map(|of| of.loads.pressures_at(time)).unwrap_or_default();
+            let given = |(n, constant): (usize, &Option<f64>)| constant.or(case.get(n).copied()).unwrap_or_default();
+            constant.iter().enumerate().map(given).collect()
+        };
+        let (pressures, states) = self.run(py, inputs, move |solver, signals| {
+            let clock = settings.budget().watch(Some(signals.interrupt()));
+            solver.set_interrupt(Some(clock.interrupt()));
+            let problem = InitialValueProblem { settings: &dynamic, initial: &initial, pressures: &at };
+            let control = StepControl { tolerance, shortest, longest };
+            let mut states = States { progress, ..States::default() };
+            let mut keep = |time: f64, state: &State| {
+                clock.restart();
+                states.keep(time, state, signals);
+            };
+            match solver.integrate_adaptive(&problem, &control, duration, &mut keep) {
+                Ok(_) => Ok((states.times.iter().flat_map(|&time| at(time)).collect::<Vec<f64>>(), states)),
+                Err(cause) => Err(states.lost(cause, &clock)),
+            }
+        })?;
+        let made = states.into_dict(py)?;
+        made.set_item("pressures", array(py, pressures))?;
+        Ok(made)
+    }
+
+    /// The trajectory of a motion at given `times` (s, of each step's end), as its gradient needs it.
+    fn record_at(
+        &self,
+        py: Python<'_>,
+        inputs: &Bound<'_, PyDict>,
+        problem: ((Reals<'_>, Reals<'_>), Reals<'_>, Vec<f64>),
+        settings: Settings,
+    ) -> PyResult<Trajectory> {
+        let (initial, pressures, times) = problem;
+        let (inputs, dynamic, initial) = (self.inputs(inputs)?, settings.dynamic()?, initial_state(&initial)?);
+        let (pressures, chambers) = (vector("pressures", &pressures)?, self.shared.counts()[3]);
+        let trajectory = self.run(py, inputs, move |solver, _| {
+            let at = history(&times, chambers, &pressures);
+            let problem = InitialValueProblem { settings: &dynamic, initial: &initial, pressures: &at };
+            let from_rest = std::iter::once(0.0).chain(times.iter().copied()).collect();
+            solver.record_at(&problem, from_rest, settings.memory).map_err(raised)
+        })?;
+        Ok(Trajectory { made: Arc::new(trajectory) })
     }
 
     /// The gradient of a loss of a recorded motion from its derivatives by displacement and velocity after each step
@@ -132,12 +240,9 @@ impl Solver {
         let (by_displacement, by_velocity) = slopes;
         let inputs = self.inputs(inputs)?;
         let (by_u, by_v) = (vector("dloss_du", &by_displacement)?, vector("dloss_dv", &by_velocity)?);
-        let full = 3 * self.counts()[1];
-        let gradient = self.run(py, inputs, |solver, _| {
-            let made = trajectory
-                .made
-                .lock()
-                .map_err(|_| refused("the motion is lost", "a solve on it failed", "record it again"))?;
+        let full = 3 * self.shared.counts()[1];
+        let made = trajectory.made.clone();
+        let gradient = self.run(py, inputs, move |solver, _| {
             check_length("dloss_du", by_u.len(), full * made.steps())?;
             let part = |all: &[f64], n: usize| all.get(full * (n - 1)..full * n).unwrap_or_default().to_vec();
             let mut loss = |n: usize, _: &State| match n {
@@ -167,12 +272,9 @@ impl Solver {
                 parts.iter().enumerate().filter(|(_, part)| **part != 0.0).map(|(at, part)| (parameter(at), *part)),
             );
         }
-        let full = 3 * self.counts()[1];
-        let changed = self.run(py, inputs, |solver, _| {
-            let made = trajectory
-                .made
-                .lock()
-                .map_err(|_| refused("the motion is lost", "a solve on it failed", "record it again"))?;
+        let full = 3 * self.shared.counts()[1];
+        let made = trajectory.made.clone();
+        let changed = self.run(py, inputs, move |solver, _| {
             let mut all = vec![0.0; full * made.steps()];
             let parameters: Vec<Parameter> = along.iter().map(|(parameter, _)| *parameter).collect();
             let mut observe = |n: usize, states: &[&State]| {
@@ -185,14 +287,6 @@ impl Solver {
             Ok(all)
         })?;
         Ok(array(py, changed))
-    }
-}
-
-impl Solver {
-    /// Numbers of degrees of freedom, nodes, elements and chambers.
-    pub(crate) fn counts(&self) -> [usize; 4] {
-        let mesh = self.system.mesh();
-        [self.system.dofs(), mesh.nodes.len(), mesh.elements.len(), mesh.chambers.len()]
     }
 }
 

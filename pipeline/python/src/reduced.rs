@@ -7,8 +7,11 @@ use pyo3::types::PyDict;
 
 use crate::arrays::{Reals, array, slice, vector};
 use crate::errors::{raised, refused};
+use crate::interrupt::{guarded, watched};
+use crate::memory;
 use crate::motion::Settings;
-use crate::solver::Solver;
+use crate::solver::{Shared, Solver};
+use crate::threads::in_this_process;
 
 /// A body in a few dozen coordinates.
 #[pyclass(frozen, module = "softfish._core")]
@@ -46,6 +49,15 @@ fn pair<'py>(py: Python<'py>, state: ReducedState) -> Arrays<'py> {
     (array(py, state.coordinates.data.into()), array(py, state.velocity.data.into()))
 }
 
+/// Bytes of the training matrix: the work of each quadrature point of a region along each mode, at each snapshot and perturbation, single.
+fn training_bytes(shared: &Shared, snapshots: usize, coordinates: usize) -> f64 {
+    let mesh = shared.system.mesh();
+    let modes = snapshots.min(coordinates) as f64;
+    let points = mesh.elements.len() as f64 * if mesh.elements.nodes_each() == 4 { 1.0 } else { 8.0 };
+    // gradients of the modes as well, double
+    points * (4.0 * modes * (snapshots as f64 + modes) + 72.0 * modes)
+}
+
 #[pymethods]
 impl Solver {
     /// Reduces the body to at most `coordinates` modes of `snapshots` (3 entries per node each, one after the other);
@@ -58,10 +70,14 @@ impl Solver {
         tolerance: f64,
     ) -> PyResult<ReducedModel> {
         let all = vector("snapshots", &snapshots)?;
-        let each: Vec<&[f64]> = all.chunks_exact(3 * self.counts()[1]).collect();
         let settings = ReductionSettings { coordinates, tolerance, ..ReductionSettings::default() };
-        let model = py.detach(|| self.system.reduce(&each, &settings)).map_err(raised)?;
-        Ok(ReducedModel { model })
+        let (shared, full) = (self.shared.clone(), 3 * self.shared.counts()[1]);
+        memory::require("the reduction", training_bytes(&shared, all.len() / full, coordinates))?;
+        watched(py, move |_| {
+            // length: Python hands over whole snapshots
+            let each: Vec<&[f64]> = all.chunks_exact(full).collect();
+            Ok(ReducedModel { model: shared.system.reduce(&each, &settings).map_err(raised)? })
+        })
     }
 
     /// The reduced model with the data that `ReducedModel.data` returned.
@@ -72,12 +88,12 @@ impl Solver {
         points: Vec<(Vec<u32>, Vec<f64>)>,
         size: f64,
     ) -> PyResult<ReducedModel> {
-        let rows = 3 * self.counts()[1];
+        let rows = 3 * self.shared.counts()[1];
         let modes = slice("modes", &modes)?.chunks_exact(rows).map(<[f64]>::to_vec).collect();
         let points = points.into_iter().map(|(numbers, weights)| numbers.into_iter().zip(weights).collect()).collect();
         let data = ReducedModelData { modes, points, size };
-        let model = py.detach(|| self.system.restore(&data)).map_err(raised)?;
-        Ok(ReducedModel { model })
+        let shared = self.shared.clone();
+        watched(py, move |_| Ok(ReducedModel { model: shared.system.restore(&data).map_err(raised)? }))
     }
 }
 
@@ -110,13 +126,13 @@ impl ReducedModel {
                 "pass the coordinates of its state",
             ));
         }
-        Ok(array(py, self.model.displacement(&q.into())))
+        guarded(|| Ok(array(py, self.model.displacement(&q.into()))))
     }
 
     /// Volume of a chamber, m³; of a half model, of the half.
     fn chamber_volume(&self, coordinates: Reals<'_>, chamber: usize) -> PyResult<f64> {
         let q = vector("coordinates", &coordinates)?;
-        Ok(self.model.chamber_volume(chamber, &q.into()))
+        guarded(|| Ok(self.model.chamber_volume(chamber, &q.into())))
     }
 
     /// The state after a step of implicit Euler.
@@ -127,7 +143,9 @@ impl ReducedModel {
         given: (Settings, Vec<f64>, Vec<f64>),
     ) -> PyResult<Arrays<'py>> {
         let (before, given) = (state(&before)?, Given::of(given)?);
-        let after = py.detach(|| self.model.step(&before, &given.step())).map_err(raised)?;
+        // Steps take microseconds: a thread for each would cost as much.
+        let step = || guarded(|| in_this_process(|| self.model.step(&before, &given.step()).map_err(raised)));
+        let after = py.detach(step)?;
         Ok(pair(py, after))
     }
 
@@ -142,7 +160,8 @@ impl ReducedModel {
     ) -> PyResult<(Arrays<'py>, Vec<f64>, Vec<f64>)> {
         let (before, after) = states;
         let (before, after, loss, given) = (state(&before)?, state(&after)?, state(&loss)?, Given::of(given)?);
-        let found = py.detach(|| self.model.step_gradient((&before, &after), &given.step(), &loss)).map_err(raised)?;
+        let gradient = || self.model.step_gradient((&before, &after), &given.step(), &loss).map_err(raised);
+        let found = py.detach(|| guarded(|| in_this_process(gradient)))?;
         Ok((pair(py, found.state), found.pressures, found.modulus_scale))
     }
 }

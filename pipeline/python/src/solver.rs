@@ -1,20 +1,22 @@
 //! Solvers of one body: made of a case or of arrays, and the facts about the body that Python needs.
 
-use std::sync::{Arc, Mutex};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 
-use fem::{Clamps, Interrupt, Options, RegionProperties, System};
+use fem::{Clamps, Options, RegionProperties, System};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use rayon::ThreadPool;
-use simulate::{Body, Loaded};
+use simulate::{Body, Loaded, Loads};
 
 use crate::arrays::array;
 use crate::case::{Case, refusal};
-use crate::errors::{Kind, exception, raised, refused};
+use crate::errors::{Kind, exception, of_diagnostic, raised, refused};
 use crate::inputs::Inputs;
-use crate::interrupt::{Signals, watched};
+use crate::interrupt::{Signals, watched, watched_by};
+use crate::memory;
 use crate::mesh::{Kinds, Mesh};
+use crate::threads::OwnThreads;
 
 /// A solver with the inputs that it has.
 pub(crate) struct Held {
@@ -24,30 +26,37 @@ pub(crate) struct Held {
 
 impl Held {
     /// Sets the inputs of the next solve.
-    pub(crate) fn apply(&mut self, inputs: Inputs) -> PyResult<()> {
+    pub(crate) fn apply(&mut self, inputs: &Inputs) -> PyResult<()> {
         // Where one is refused, those before it are set: nothing is then known of the solver.
         let before = self.applied.take();
-        inputs.apply(before.as_ref(), &mut self.solver)?;
-        self.applied = Some(inputs);
+        let set = inputs.set(before.as_ref(), &mut self.solver);
+        set.map_err(|diagnostic| of_diagnostic(&diagnostic, Kind::Input))?;
+        self.applied = Some(inputs.clone());
         Ok(())
     }
+}
+
+/// What a solve needs, on whatever thread it runs.
+pub(crate) struct Shared {
+    held: Mutex<Held>,
+    pub(crate) system: System,
+    pub(crate) case: Option<OfCase>,
+    /// Threads of its own; those that all solvers share where it has none.
+    own: Option<OwnThreads>,
+    /// Whether the caller of the last solve had Ctrl-C, and did not wait for its end.
+    abandoned: AtomicBool,
 }
 
 /// A solver of one body.
 #[pyclass(frozen, module = "softfish._core")]
 pub(crate) struct Solver {
-    held: Mutex<Held>,
-    pub(crate) system: System,
-    case: Option<OfCase>,
-    /// Threads of its own; those that all solvers share where it has none.
-    pool: Option<ThreadPool>,
+    pub(crate) shared: Arc<Shared>,
 }
 
 /// What a solver knows of its case.
-struct OfCase {
-    case: Arc<simulate::case::Case>,
-    /// 3 entries per node, N.
-    forces: Vec<f64>,
+pub(crate) struct OfCase {
+    pub(crate) case: Arc<simulate::case::Case>,
+    pub(crate) loads: Loads,
     /// The chamber of the mesh that each chamber of the case is.
     numbers: Vec<usize>,
     probes: Vec<simulate::Probe>,
@@ -89,63 +98,117 @@ impl Materials {
     }
 }
 
-impl Solver {
-    fn new(system: System, solver: fem::Solver, case: Option<OfCase>) -> Self {
-        Self { held: Mutex::new(Held { solver, applied: None }), system, case, pool: None }
-    }
-
-    /// The same on so many threads of its own. Each solve of a shared pool spreads over all of it: solvers that solve at once on as many
-    /// threads of Python then wait for one another, which those with one thread each do not.
-    fn on_threads(mut self, threads: Option<usize>) -> PyResult<Self> {
-        let pool = |count| {
-            let built = rayon::ThreadPoolBuilder::new().num_threads(count).build();
-            built.map_err(|e| refused(format!("{count} threads cannot be had"), e.to_string(), "ask for fewer"))
-        };
-        self.pool = threads.map(pool).transpose()?;
-        Ok(self)
-    }
-
-    /// Runs `solve` on the solver, with the interpreter's lock released and Ctrl-C watched.
+impl Shared {
+    /// The solver, unless another thread is in a solve of it.
     ///
     /// # Errors
-    /// `BusyError` when another thread is in a solve; what `solve` returns; what a signal handler raised.
-    pub(crate) fn run<T: Send>(
+    /// `BusyError`
+    fn lock(&self) -> PyResult<MutexGuard<'_, Held>> {
+        match self.held.try_lock() {
+            Ok(held) => Ok(held),
+            Err(TryLockError::Poisoned(broken)) => Ok(broken.into_inner()),
+            // a solve that Ctrl-C ended is soon over
+            Err(TryLockError::WouldBlock) if self.abandoned.load(Ordering::Relaxed) => {
+                Ok(self.held.lock().unwrap_or_else(PoisonError::into_inner))
+            }
+            Err(TryLockError::WouldBlock) => {
+                let why = "a solver keeps one factor, and solves one problem at a time";
+                let what = "another thread is in a solve of this solver";
+                Err(exception(Kind::Busy, [what, why, "make a solver for each thread"]))
+            }
+        }
+    }
+
+    fn solve<T: Send>(
         &self,
-        py: Python<'_>,
-        inputs: Inputs,
-        solve: impl FnOnce(&mut fem::Solver, &Signals) -> PyResult<T> + Send,
+        signals: &Signals,
+        solve: impl FnOnce(&mut Held, &Signals) -> PyResult<T> + Send,
     ) -> PyResult<T> {
-        let busy = || {
-            let why = "a solver keeps one factor, and solves one problem at a time";
-            exception(Kind::Busy, ["another thread is in a solve of this solver", why, "make a solver for each thread"])
-        };
-        let signals = Signals::new();
-        let run = |interrupt: Interrupt| {
-            let mut held = match self.held.try_lock() {
-                Ok(held) => held,
-                Err(std::sync::TryLockError::Poisoned(broken)) => broken.into_inner(),
-                Err(std::sync::TryLockError::WouldBlock) => return Err(busy()),
-            };
-            held.apply(inputs)?;
-            held.solver.set_interrupt(Some(interrupt));
-            let solved = solve(&mut held.solver, &signals);
+        let run = || {
+            let mut held = self.lock()?;
+            self.abandoned.store(false, Ordering::Relaxed);
+            held.solver.set_interrupt(Some(signals.interrupt()));
+            let solved = solve(&mut held, signals);
             held.solver.set_interrupt(None);
             solved
         };
-        let solved = match &self.pool {
-            None => py.detach(|| run(signals.interrupt())),
-            // A signal is heard on the calling thread alone; a progress callback raises through `signals`.
-            Some(pool) => watched(py, |ended| {
-                let own = signals.clone();
-                let interrupt: Interrupt = Arc::new(move || ended() || own.is_raised());
-                pool.install(|| run(interrupt))
-            }),
-        };
-        signals.outcome(solved)
+        match &self.own {
+            None => run(),
+            Some(own) => own.install(run),
+        }
+    }
+
+    /// Numbers of degrees of freedom, nodes, elements and chambers.
+    pub(crate) fn counts(&self) -> [usize; 4] {
+        let mesh = self.system.mesh();
+        [self.system.dofs(), mesh.nodes.len(), mesh.elements.len(), mesh.chambers.len()]
+    }
+
+    /// A further solver of the body, with these inputs and the gas of its sealed chambers.
+    ///
+    /// # Errors
+    /// A diagnostic where an input is refused.
+    pub(crate) fn another(&self, inputs: &Inputs) -> diagnostics::Result<fem::Solver> {
+        let mut solver = self.system.solver();
+        for (number, ambient) in self.case.iter().flat_map(OfCase::sealed) {
+            solver.set_sealed(number, Some(ambient))?;
+        }
+        inputs.set(None, &mut solver)?;
+        Ok(solver)
+    }
+}
+
+impl OfCase {
+    fn sealed(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let named = self.case.chamber.iter().zip(&self.numbers);
+        named.filter_map(|(chamber, &number)| Some((number, chamber.sealed_in?)))
+    }
+}
+
+impl Solver {
+    fn new(system: System, solver: fem::Solver, case: Option<OfCase>, threads: Option<usize>) -> PyResult<Self> {
+        // Each solve of a shared pool spreads over all of it: solvers that solve at once on as many threads of Python then wait for one
+        // another, which those with one thread each do not.
+        let own = threads.map(OwnThreads::new).transpose()?;
+        let held = Mutex::new(Held { solver, applied: None });
+        let abandoned = AtomicBool::new(false);
+        Ok(Self { shared: Arc::new(Shared { held, system, case, own, abandoned }) })
+    }
+
+    /// Runs `solve` on the solver with these inputs, with the interpreter's lock released and Ctrl-C watched.
+    ///
+    /// # Errors
+    /// `BusyError` when another thread is in a solve; what `solve` returns; what a signal handler raised.
+    pub(crate) fn run<T: Send + 'static>(
+        &self,
+        py: Python<'_>,
+        inputs: Inputs,
+        solve: impl FnOnce(&mut fem::Solver, &Signals) -> PyResult<T> + Send + 'static,
+    ) -> PyResult<T> {
+        self.run_held(py, move |held, signals| {
+            held.apply(&inputs)?;
+            solve(&mut held.solver, signals)
+        })
+    }
+
+    /// As [`Solver::run`], for what sets inputs itself.
+    ///
+    /// # Errors
+    /// As [`Solver::run`].
+    pub(crate) fn run_held<T: Send + 'static>(
+        &self,
+        py: Python<'_>,
+        solve: impl FnOnce(&mut Held, &Signals) -> PyResult<T> + Send + 'static,
+    ) -> PyResult<T> {
+        let shared = self.shared.clone();
+        let signals = Signals::default();
+        let outcome = watched_by(py, &signals, move |signals| shared.solve(signals, solve));
+        self.shared.abandoned.fetch_or(signals.is_left(), Ordering::Relaxed);
+        outcome
     }
 
     pub(crate) fn inputs(&self, given: &Bound<'_, PyDict>) -> PyResult<Inputs> {
-        Inputs::of(given, self.system.regions().len())
+        Inputs::of(given, self.shared.system.regions().len())
     }
 }
 
@@ -154,15 +217,19 @@ impl Solver {
     /// Of a case, on its own mesh or on a given one.
     #[staticmethod]
     fn of_case(py: Python<'_>, case: &Case, mesh: &Mesh, threads: Option<usize>) -> PyResult<Self> {
-        let Kinds::Tetrahedra(loaded) = &*mesh.kinds else {
-            let why = "places of a case are found on a skin of triangles";
-            return Err(refused(
-                "a case cannot use a mesh of hexahedra",
-                why,
-                "make the solver of the mesh: Solver.of_mesh",
-            ));
-        };
-        py.detach(|| of_case(case, loaded))?.on_threads(threads)
+        let (folder, case, kinds) = (case.folder(), case.case.clone(), mesh.kinds.clone());
+        watched(py, move |_| match &*kinds {
+            Kinds::Tetrahedra(loaded) => {
+                // A mesh that was given has no tables: they are the case's.
+                let tables = simulate::tables(&case, &folder).map_err(|diagnostic| refusal(&diagnostic))?;
+                of_case(case, &Loaded { tables, ..loaded.clone() }, threads)
+            }
+            Kinds::Hexahedra(_) => {
+                let why = "places of a case are found on a skin of triangles";
+                let act = "make the solver of the mesh: Solver.of_mesh";
+                Err(refused("a case cannot use a mesh of hexahedra", why, act))
+            }
+        })
     }
 
     /// Of a mesh with materials by region; what is clamped (3 truth values per node), and the threads of its own.
@@ -185,34 +252,37 @@ impl Solver {
                 clamps.constrain(node as u32, *axes);
             }
         }
-        let system = py.detach(|| System::with(mesh.fem_mesh(), regions, clamps, options)).map_err(raised)?;
-        let solver = system.solver();
-        Self::new(system, solver, None).on_threads(threads)
+        let mesh = mesh.clone();
+        watched(py, move |_| {
+            let system = System::with(mesh.fem_mesh(), regions, clamps, options).map_err(raised)?;
+            check_memory(&system)?;
+            let solver = system.solver();
+            Self::new(system, solver, None, threads)
+        })
     }
 
     /// Numbers of degrees of freedom, nodes, elements and chambers.
     fn sizes(&self) -> [usize; 4] {
-        let mesh = self.system.mesh();
-        [self.system.dofs(), mesh.nodes.len(), mesh.elements.len(), mesh.chambers.len()]
+        self.shared.counts()
     }
 
     /// Properties of the regions as the body was made: law, E (Pa), ν, ρ (kg/m³).
     fn properties(&self) -> Vec<(&'static str, f64, f64, f64)> {
         let of = |is: &RegionProperties| (is.material.name(), is.youngs_modulus, is.poissons_ratio, is.density);
-        self.system.regions().iter().map(of).collect()
+        self.shared.system.regions().iter().map(of).collect()
     }
 
     /// Region of each element.
     fn element_regions<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
-        PyArray1::from_vec(py, self.system.mesh().regions.iter().map(|&region| i64::from(region)).collect())
+        PyArray1::from_vec(py, self.shared.system.mesh().regions.iter().map(|&region| i64::from(region)).collect())
     }
 
     /// What the case says: `forces`, `gravity`, `chambers` (name and number), `points` (name, nodes, weights), `levels`,
     /// `load_steps`, `tolerance`, `dynamic` and `notes`; none without a case.
     fn case_data<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        let Some(of) = &self.case else { return Ok(None) };
+        let Some(of) = &self.shared.case else { return Ok(None) };
         let data = PyDict::new(py);
-        data.set_item("forces", array(py, of.forces.clone()))?;
+        data.set_item("forces", array(py, of.loads.forces.clone()))?;
         data.set_item("gravity", array(py, of.case.gravity.to_vec()))?;
         let names = of.case.chamber.iter().zip(&of.numbers).enumerate();
         let named =
@@ -229,6 +299,8 @@ impl Solver {
             data.set_item("levels", &set.levels)?;
             data.set_item("load_steps", set.load_steps)?;
             data.set_item("tolerance", set.tolerance)?;
+            data.set_item("follows_path", set.arc_length.is_some())?;
+            data.set_item("budget", budget(set.budget()))?;
         }
         if let Some(set) = &of.case.dynamic {
             let dynamic = PyDict::new(py);
@@ -237,6 +309,9 @@ impl Solver {
             dynamic.set_item("scheme", format!("{:?}", set.scheme))?;
             dynamic.set_item("mass_damping", set.mass_damping)?;
             dynamic.set_item("stiffness_damping", set.stiffness_damping)?;
+            dynamic.set_item("adaptive", set.adaptive.map(|of| (of.tolerance, of.shortest, of.longest)))?;
+            dynamic.set_item("starts_at_rest", set.start == simulate::case::Start::Rest)?;
+            data.set_item("budget", budget(set.budget()))?;
             data.set_item("dynamic", dynamic)?;
         }
         Ok(Some(data))
@@ -244,33 +319,43 @@ impl Solver {
 
     /// The case's pressures at each of `times` (s), or at the level of a static case: one per chamber of the mesh, Pa.
     fn case_pressures<'py>(&self, py: Python<'py>, times: Vec<f64>, level: Option<f64>) -> Bound<'py, PyArray1<f64>> {
-        let count = self.system.mesh().chambers.len();
-        let at = |value: &dyn Fn(&simulate::case::Chamber) -> f64| {
-            let mut pressures = vec![0.0; count];
-            if let Some(of) = &self.case {
-                of.case
-                    .chamber
-                    .iter()
-                    .zip(&of.numbers)
-                    .for_each(|(chamber, &number)| pressures[number] = value(chamber));
-            }
-            pressures
-        };
+        let none = vec![0.0; self.shared.counts()[3]];
+        let case = self.shared.case.as_ref();
         let all = match level {
-            Some(level) => at(&|chamber| chamber.pressure.at_level(level)),
-            None => times.iter().flat_map(|&time| at(&|chamber| chamber.pressure.at(time))).collect(),
+            Some(level) => case.map_or(none, |of| of.loads.pressures_at_level(level)),
+            None => times.iter().flat_map(|&t| case.map_or(none.clone(), |of| of.loads.pressures_at(t))).collect(),
         };
         array(py, all)
     }
 }
 
-fn of_case(case: &Case, loaded: &Loaded) -> PyResult<Solver> {
-    let of = &case.case;
-    let body = Body::new(of, loaded).map_err(|diagnostic| refusal(&diagnostic))?;
-    let solver = body.solver(of).map_err(|diagnostic| refusal(&diagnostic))?;
-    let probes = simulate::probes(of, &body).map_err(|diagnostic| refusal(&diagnostic))?;
+/// Limits as Python has them: iterations, cut-backs and seconds.
+type Limits = (Option<usize>, Option<usize>, Option<f64>);
+
+fn budget(of: simulate::Budget) -> Limits {
+    (of.max_iterations, of.max_cutbacks, of.timeout)
+}
+
+/// The factor of the tangent is the largest part of a solver; it is counted twice, with what is kept beside it.
+fn check_memory(system: &System) -> PyResult<()> {
+    let (tangent, factor) = system.entries();
+    memory::require(
+        &format!("a solver of {} degrees of freedom", system.dofs()),
+        8.0 * (2.0 * factor as f64 + 3.0 * tangent as f64),
+    )
+}
+
+fn of_case(case: Arc<simulate::case::Case>, loaded: &Loaded, threads: Option<usize>) -> PyResult<Solver> {
+    if loaded.solid.half() && case.gravity[2] != 0.0 {
+        let why = "gravity along z breaks the symmetry about z = 0";
+        return Err(exception(Kind::Case, ["gravity on a half model has a part along z", why, "mesh the whole body"]));
+    }
+    let body = Body::new(&case, loaded).map_err(|diagnostic| refusal(&diagnostic))?;
+    check_memory(&body.system)?;
+    let solver = body.solver(&case).map_err(|diagnostic| refusal(&diagnostic))?;
+    let probes = simulate::probes(&case, &body).map_err(|diagnostic| refusal(&diagnostic))?;
     let notes = loaded.notes.iter().chain(&body.notes).cloned().collect();
-    let Body { system, forces, numbers, .. } = body;
-    let kept = OfCase { case: of.clone(), forces, numbers, probes, notes };
-    Ok(Solver::new(system, solver, Some(kept)))
+    let loads = body.loads(&case);
+    let Body { system, numbers, .. } = body;
+    Solver::new(system, solver, Some(OfCase { case, loads, numbers, probes, notes }), threads)
 }

@@ -6,18 +6,63 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::arrays::{Reals, array, slice, vector};
-use crate::errors::raised;
-use crate::solver::Solver;
+use crate::errors::{Kind, of_diagnostic, raised, refused};
+use crate::solver::{OfCase, Solver};
+use simulate::{Budget, Converged, Levels, LostLevel};
 
 /// Settings of a static solve.
 #[derive(FromPyObject)]
-struct Settings {
+pub(crate) struct Settings {
     #[pyo3(item)]
     tolerance: f64,
     #[pyo3(item)]
     load_steps: usize,
     #[pyo3(item)]
     reuse_factor: bool,
+    #[pyo3(item)]
+    max_iterations: Option<usize>,
+    #[pyo3(item)]
+    max_cutbacks: Option<usize>,
+    #[pyo3(item)]
+    timeout: Option<f64>,
+}
+
+impl Settings {
+    pub(crate) fn budget(&self) -> Budget {
+        Budget { max_iterations: self.max_iterations, max_cutbacks: self.max_cutbacks, timeout: self.timeout }
+    }
+
+    fn statics(&self) -> StaticSettings {
+        let Self { tolerance, load_steps, reuse_factor, .. } = *self;
+        self.budget().limiting(StaticSettings { tolerance, load_steps, reuse_factor, ..StaticSettings::default() })
+    }
+}
+
+/// An equilibrium as Python has it.
+fn found_equilibrium<'py>(py: Python<'py>, found: Equilibrium) -> PyResult<Bound<'py, PyDict>> {
+    let made = PyDict::new(py);
+    made.set_item("displacement", array(py, found.displacement))?;
+    made.set_item("pressures", array(py, found.pressures))?;
+    made.set_item("iterations", found.iterations)?;
+    made.set_item("factorisations", found.factorisations)?;
+    made.set_item("residual", found.residual)?;
+    made.set_item("snap_through", found.snap_through)?;
+    Ok(made)
+}
+
+/// The exception of a level without an equilibrium: it holds the last one, which the package's Python files make an equilibrium of theirs.
+pub(crate) fn lost_level(lost: LostLevel) -> PyErr {
+    let (level, last) = (lost.level, lost.last.clone());
+    let error = of_diagnostic(&lost.diagnostic(), Kind::Input);
+    let held = Python::attach(|py| -> PyResult<()> {
+        let value = error.value(py);
+        value.setattr("_asked", level)?;
+        let Some(Converged { level, displacement, pressures }) = last else { return Ok(()) };
+        value.setattr("level", level)?;
+        let empty = Equilibrium { displacement, pressures, ..Equilibrium::default() };
+        value.setattr("_last", found_equilibrium(py, empty)?)
+    });
+    held.err().unwrap_or(error)
 }
 
 /// A direction in the space of parameters.
@@ -70,29 +115,55 @@ pub(crate) fn by_region(made: &Bound<'_, PyDict>, regions: &[RegionGradient]) ->
 
 #[pymethods]
 impl Solver {
-    /// The equilibrium under `pressures`, from a nearby shape where one is given: `displacement` (3 entries per node),
-    /// `iterations`, `factorisations`, `residual` and `snap_through`.
-    fn equilibrium<'py>(
+    /// The equilibria of the levels `before` of the case, one after the other, and then that of `level` with these inputs under `pressures`;
+    /// from a nearby shape where one is given. Of each `displacement` (3 entries per node), `pressures`, `iterations`, `factorisations`,
+    /// `residual` and `snap_through`.
+    fn equilibria<'py>(
         &self,
         py: Python<'py>,
         inputs: &Bound<'py, PyDict>,
-        pressures: Vec<f64>,
+        asked: (Vec<f64>, f64, Vec<f64>),
         start: (Option<Reals<'py>>, Settings),
-    ) -> PyResult<Bound<'py, PyDict>> {
-        let (guess, settings) = start;
+    ) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        let ((before, level, pressures), (guess, settings)) = (asked, start);
         let inputs = self.inputs(inputs)?;
         let guess = guess.map(|guess| vector("initial_guess", &guess)).transpose()?;
-        let Settings { tolerance, load_steps, reuse_factor } = settings;
-        let settings = StaticSettings { tolerance, load_steps, reuse_factor, ..StaticSettings::default() };
-        let found = self
-            .run(py, inputs, |solver, _| solver.equilibrium(&pressures, guess.as_deref(), &settings).map_err(raised))?;
-        let made = PyDict::new(py);
-        made.set_item("displacement", array(py, found.displacement))?;
-        made.set_item("iterations", found.iterations)?;
-        made.set_item("factorisations", found.factorisations)?;
-        made.set_item("residual", found.residual)?;
-        made.set_item("snap_through", found.snap_through)?;
-        Ok(made)
+        let shared = self.shared.clone();
+        let found = self.run_held(py, move |held, signals| {
+            let watch = settings.budget().watch(Some(signals.interrupt()));
+            held.solver.set_interrupt(Some(watch.interrupt()));
+            let mut levels = Levels::new(settings.statics(), watch).near(guess);
+            let mut found = Vec::new();
+            for (level, loads) in before.into_iter().zip(std::iter::repeat(shared.case.as_ref())) {
+                let Some(OfCase { loads, .. }) = loads else { continue };
+                held.apply(&inputs.with_forces(loads.forces_at_level(level)))?;
+                let pressures = loads.pressures_at_level(level);
+                found.push(levels.solve(&mut held.solver, level, &pressures).map_err(|lost| lost_level(*lost))?);
+            }
+            held.apply(&inputs)?;
+            found.push(levels.solve(&mut held.solver, level, &pressures).map_err(|lost| lost_level(*lost))?);
+            Ok(found)
+        })?;
+        found.into_iter().map(|found| found_equilibrium(py, found)).collect()
+    }
+
+    /// The equilibrium in which a motion of the case begins, as [`Solver::equilibria`] has them.
+    fn start_equilibrium<'py>(
+        &self,
+        py: Python<'py>,
+        inputs: &Bound<'py, PyDict>,
+        settings: Settings,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let (inputs, shared) = (self.inputs(inputs)?, self.shared.clone());
+        let found = self.run(py, inputs, move |solver, signals| {
+            let none = || refused("the body has no case", "the start of a motion is that of a case", "give initial");
+            let of = shared.case.as_ref().ok_or_else(none)?;
+            let watch = settings.budget().watch(Some(signals.interrupt()));
+            solver.set_interrupt(Some(watch.interrupt()));
+            let found = simulate::start_equilibrium(solver, &of.loads, &settings.budget());
+            found.map_err(|cause| lost_level(LostLevel::of(cause, 1.0, watch.exceeded(), None)))
+        })?;
+        found_equilibrium(py, found)
     }
 
     /// The gradient of a loss at an equilibrium (displacement, pressures) from its derivative by the displacement.
@@ -106,7 +177,7 @@ impl Solver {
         let (displacement, pressures) = at;
         let (inputs, at) = (self.inputs(inputs)?, equilibrium_at(&displacement, pressures)?);
         let slope = vector("dloss_du", &dloss_du)?;
-        let gradient = self.run(py, inputs, |solver, _| solver.gradient(&at, &slope).map_err(raised))?;
+        let gradient = self.run(py, inputs, move |solver, _| solver.gradient(&at, &slope).map_err(raised))?;
         let Gradient { regions, elements, pressures, forces } = gradient;
         let made = PyDict::new(py);
         by_region(&made, &regions)?;
@@ -127,7 +198,7 @@ impl Solver {
         let (displacement, pressures) = at;
         let (inputs, at) = (self.inputs(inputs)?, equilibrium_at(&displacement, pressures)?);
         let along = direction.parameters()?;
-        let changed = self.run(py, inputs, |solver, _| solver.sensitivity_along(&at, &along).map_err(raised))?;
+        let changed = self.run(py, inputs, move |solver, _| solver.sensitivity_along(&at, &along).map_err(raised))?;
         Ok(array(py, changed))
     }
 
@@ -141,7 +212,7 @@ impl Solver {
     ) -> PyResult<(Vec<f64>, Bound<'py, PyArray1<f64>>)> {
         let (displacement, pressures) = at;
         let (inputs, at) = (self.inputs(inputs)?, equilibrium_at(&displacement, pressures)?);
-        let modes = self.run(py, inputs, |solver, _| solver.modes(&at, count).map_err(raised))?;
+        let modes = self.run(py, inputs, move |solver, _| solver.modes(&at, count).map_err(raised))?;
         let frequencies = modes.iter().map(|mode| mode.frequency).collect();
         Ok((frequencies, array(py, modes.into_iter().flat_map(|mode| mode.shape).collect())))
     }
@@ -156,16 +227,17 @@ impl Solver {
     ) -> PyResult<(f64, f64)> {
         let (displacement, pressures) = at;
         let (inputs, at) = (self.inputs(inputs)?, equilibrium_at(&displacement, pressures)?);
-        self.run(py, inputs, |solver, _| {
+        let shared = self.shared.clone();
+        self.run(py, inputs, move |solver, _| {
             let gauge = solver.chamber_pressure(chamber, &at.displacement, &at.pressures).map_err(raised)?;
-            Ok((self.system.chamber_volume(chamber, &at.displacement), gauge))
+            Ok((shared.system.chamber_volume(chamber, &at.displacement), gauge))
         })
     }
 
     /// The elastic energy at a displacement, J.
     fn elastic_energy(&self, py: Python<'_>, inputs: &Bound<'_, PyDict>, displacement: Reals<'_>) -> PyResult<f64> {
         let (inputs, u) = (self.inputs(inputs)?, vector("displacement", &displacement)?);
-        self.run(py, inputs, |solver, _| solver.elastic_energy(&u).map_err(raised))
+        self.run(py, inputs, move |solver, _| solver.elastic_energy(&u).map_err(raised))
     }
 
     /// Nodal forces (3 per node, N) of a traction over faces of 3, 4 or 6 nodes.
@@ -176,18 +248,17 @@ impl Solver {
         each: usize,
         traction: [f64; 3],
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let flat = faces
-            .as_slice()
-            .map_err(|_| crate::errors::refused("faces is not contiguous", "its rows are apart", "pass a copy"))?;
+        let flat =
+            faces.as_slice().map_err(|_| refused("faces is not contiguous", "its rows are apart", "pass a copy"))?;
         let nodes = crate::arrays::node_numbers(flat)?;
-        let mesh = self.system.mesh();
+        let mesh = self.shared.system.mesh();
         if let Some(node) = nodes.iter().find(|&&node| node as usize >= mesh.nodes.len()) {
             let why = format!("there are {} nodes, counted from 0", mesh.nodes.len());
-            return Err(crate::errors::refused(format!("a face names the node {node}"), why, "check the faces"));
+            return Err(refused(format!("a face names the node {node}"), why, "check the faces"));
         }
         if each == 0 || nodes.len() % each != 0 {
             let why = format!("there are {} node numbers", nodes.len());
-            return Err(crate::errors::refused(format!("faces have {each} nodes each"), why, "check the faces"));
+            return Err(refused(format!("faces have {each} nodes each"), why, "check the faces"));
         }
         let mut sides = nodes.chunks_exact(each);
         let forces = sides.try_fold(fem::Forces::none(mesh), |sum, face| sum.on_face(face, traction));

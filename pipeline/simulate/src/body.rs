@@ -7,6 +7,7 @@ use si::Pascal;
 
 use crate::case::{Axis, Case, Chamber, Place};
 use crate::forces::{forces, nothing_there};
+use crate::loads::Loads;
 use crate::materials::{fast_branches, properties};
 use crate::reach::Reach;
 use crate::solid::Loaded;
@@ -78,6 +79,13 @@ impl<'a> Body<'a> {
             solver.set_sealed(number, chamber.sealed_in)?;
         }
         Ok(solver)
+    }
+
+    /// What acts at a level or a time.
+    pub fn loads(&self, case: &Case) -> Loads {
+        let named = case.chamber.iter().zip(&self.numbers);
+        let histories = named.map(|(chamber, &number)| (number, chamber.pressure.clone())).collect();
+        Loads { forces: self.forces.clone(), histories, chambers: self.cavities.len() }
     }
 
     /// One pressure a chamber of the mesh, Pa; 0 where the case names none.

@@ -1,11 +1,12 @@
 //! Time integration of a motion.
 
-use fem::{DynamicSettings, InitialValueProblem, SolveError, Solver, State, StaticSettings, StepControl};
-use si::{Pascal, Second};
+use fem::{DynamicSettings, Equilibrium, InitialValueProblem, SolveError, Solver, State, StaticSettings, StepControl};
+use si::Second;
 
-use crate::body::Body;
-use crate::case::{Dynamic, Start};
+use crate::budget::{Budget, Watch};
+use crate::case::{Dynamic, Start, Steps};
 use crate::frames::Frame;
+use crate::loads::Loads;
 use crate::probes::Solved;
 use crate::{Simulation, Summary};
 use diagnostics::{Diagnostic, Result};
@@ -20,38 +21,59 @@ const LINES: usize = 20;
 /// # Errors
 /// A [`Diagnostic`] that names the time at which no motion was found; everything up to it, and the last state, is then written.
 pub(super) fn solve(set: &Dynamic, simulation: Simulation) -> Result<Summary> {
-    let Simulation { case, body, .. } = simulation;
+    let Simulation { case, body, budget, .. } = simulation;
     let mut solver = body.solver(case)?;
-    let pressures = |time: Second| body.pressures(case, |chamber| chamber.pressure.at(time));
-    let initial = initial(set, body, &mut solver, &pressures(0.0))?;
+    let loads = body.loads(case);
+    let mut initial = State::rest(body.solid.nodes().len());
+    if set.start == Start::Equilibrium {
+        let found = start_equilibrium(&mut solver, &loads, &budget);
+        initial.displacement = found.map_err(|e| Diagnostic::from(e).while_doing("the start"))?.displacement;
+    }
     // the output needs the solver's gas law while the integration borrows the solver
     let reader = body.solver(case)?;
     let last = (0.0, initial.clone());
-    let mut watch = Watch { simulation, reader: &reader, steps: 0, last, diagnostic: None };
+    let clock = simulation.watch.clone();
+    let mut watch = Watcher { simulation, reader: &reader, loads: loads.clone(), steps: 0, last, diagnostic: None };
     watch.see(0.0, &initial);
     let lost = {
-        let mut observe = |time: Second, state: &State| watch.next(time, state);
-        let settings = settings(set);
-        let problem = InitialValueProblem { settings: &settings, initial: &initial, pressures: &pressures };
+        let mut observe = |time: Second, state: &State| {
+            clock.restart();
+            watch.next(time, state);
+        };
+        let pressures = |time: Second| loads.pressures_at(time);
+        let problem = InitialValueProblem { settings: &set.settings(), initial: &initial, pressures: &pressures };
         integrate(set, &mut solver, &problem, &mut observe).err()
     };
-    watch.end(lost)
+    watch.end(lost, &clock)
 }
 
-fn initial(set: &Dynamic, body: &Body, solver: &mut Solver, pressures: &[Pascal]) -> Result<State> {
-    let mut state = State::rest(body.solid.nodes().len());
-    if set.start == Start::Equilibrium {
-        let found = solver.equilibrium(pressures, None, &StaticSettings::default());
-        state.displacement = found.map_err(|e| Diagnostic::from(e).while_doing("the start"))?.displacement;
+/// The equilibrium in which a motion begins that starts in one: under the loads of time 0. The solver has the dead forces.
+///
+/// # Errors
+/// [`SolveError`]
+pub fn start_equilibrium(
+    solver: &mut Solver,
+    loads: &Loads,
+    budget: &Budget,
+) -> std::result::Result<Equilibrium, SolveError> {
+    solver.equilibrium(&loads.pressures_at(0.0), None, &budget.limiting(StaticSettings::default()))
+}
+
+impl Dynamic {
+    /// How it is integrated.
+    pub fn settings(&self) -> DynamicSettings {
+        let scheme = self.scheme.into();
+        let (mass_damping, stiffness_damping) = (self.mass_damping, self.stiffness_damping);
+        let settings = DynamicSettings { scheme, mass_damping, stiffness_damping, ..DynamicSettings::default() };
+        DynamicSettings { step: self.step.unwrap_or(settings.step), ..settings }
     }
-    Ok(state)
 }
 
-fn settings(set: &Dynamic) -> DynamicSettings {
-    let scheme = set.scheme.into();
-    let (mass_damping, stiffness_damping) = (set.mass_damping, set.stiffness_damping);
-    let settings = DynamicSettings { scheme, mass_damping, stiffness_damping, ..DynamicSettings::default() };
-    DynamicSettings { step: set.step.unwrap_or(settings.step), ..settings }
+impl Steps {
+    /// As the solver takes them.
+    pub fn control(&self) -> StepControl {
+        StepControl { tolerance: self.tolerance, shortest: self.shortest, longest: self.longest }
+    }
 }
 
 fn integrate(
@@ -66,25 +88,24 @@ fn integrate(
             solver.integrate(problem, steps, observe).map(|_| ())
         }
         (None, Some(bounds)) => {
-            let bounds =
-                StepControl { tolerance: bounds.tolerance, shortest: bounds.shortest, longest: bounds.longest };
-            solver.integrate_adaptive(problem, &bounds, set.duration, observe).map(|_| ())
+            solver.integrate_adaptive(problem, &bounds.control(), set.duration, observe).map(|_| ())
         }
         (None, None) => Ok(()),
     }
 }
 
 /// Receives every state of the integration.
-struct Watch<'a> {
+struct Watcher<'a> {
     simulation: Simulation<'a>,
     reader: &'a Solver,
+    loads: Loads,
     steps: usize,
     last: (Second, State),
     /// The first error of writing.
     diagnostic: Option<Diagnostic>,
 }
 
-impl Watch<'_> {
+impl Watcher<'_> {
     fn next(&mut self, time: Second, state: &State) {
         self.steps += 1;
         self.see(time, state);
@@ -106,7 +127,7 @@ impl Watch<'_> {
     fn write(&mut self, time: Second, state: &State) -> Result<()> {
         let Simulation { case, body, written, .. } = &mut self.simulation;
         if self.steps.is_multiple_of(case.output.every) {
-            let pressures = body.pressures(case, |chamber| chamber.pressure.at(time));
+            let pressures = self.loads.pressures_at(time);
             let solved = Solved { at: time, displacement: &state.displacement, pressures: &pressures, stability: None };
             written.table.row(body, self.reader, &solved)?;
         }
@@ -119,7 +140,7 @@ impl Watch<'_> {
     }
 
     /// The summary, or the diagnostic with the last state kept.
-    fn end(mut self, lost: Option<SolveError>) -> Result<Summary> {
+    fn end(mut self, lost: Option<SolveError>, clock: &Watch) -> Result<Summary> {
         if let Some(diagnostic) = self.diagnostic.take() {
             return Err(diagnostic);
         }
@@ -129,11 +150,24 @@ impl Watch<'_> {
         let (time, state) = &self.last;
         let Simulation { body, written, .. } = &mut self.simulation;
         let path = written.frames.write("last_converged.vtu", *time, body, &frame(state, self.reader))?;
-        Err(Diagnostic::from(lost).noting(format!("last converged state: {}", path.display())))
+        Err(lost_step(lost, *time, clock).noting(format!("last converged state: {}", path.display())))
     }
 }
 
 fn frame<'a>(state: &'a State, reader: &'a Solver) -> Frame<'a> {
     let (displacement, velocity) = (&state.displacement, Some(state.velocity.as_slice()));
     Frame { displacement, velocity, mode: None, properties: reader.properties() }
+}
+
+/// A motion that ended at the state of `time`, as it is reported.
+pub fn lost_step(cause: SolveError, time: Second, clock: &Watch) -> Diagnostic {
+    match clock.exceeded() {
+        None => Diagnostic::from(cause),
+        Some(limit) => Diagnostic::new(
+            format!("no motion is found beyond {time:.6} s"),
+            limit.to_string(),
+            "take a smaller time step or smoother pressures, or raise the limit",
+        )
+        .caused_by(limit),
+    }
 }

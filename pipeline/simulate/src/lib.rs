@@ -16,6 +16,7 @@
 //! Depends on `diagnostics`, `fem`, `continuation` (paths), `lab` (tables and ranges), `mesh`, `si`.
 
 mod body;
+mod budget;
 pub mod case;
 mod console;
 mod dynamics;
@@ -23,6 +24,7 @@ mod force_table;
 mod forces;
 mod frames;
 pub mod gradient_check;
+mod loads;
 mod materials;
 mod path;
 mod probes;
@@ -36,13 +38,19 @@ use std::sync::Arc;
 
 use crate::case::{Case, read};
 pub use body::{Body, fem_mesh};
+pub use budget::{Budget, Exceeded, MAX_ITERATIONS, Watch};
 use console::Console;
+pub use continuation::{CriticalKind, DofMap, PathEvent};
 use diagnostics::{Diagnostic, Result};
+pub use dynamics::{lost_step, start_equilibrium};
 use fem::Interrupt;
 use frames::Frames;
+pub use loads::Loads;
+pub use path::FollowedPath;
 use probes::Table;
 pub use probes::{Probe, probes};
-pub use solid::{Loaded, load};
+pub use solid::{Loaded, load, raw_mesh, tables};
+pub use statics::{Converged, Levels, LostLevel};
 
 /// The summary of a simulation.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,31 +65,55 @@ pub struct Summary {
     pub folder: PathBuf,
 }
 
+/// How a case is run, beside what it says.
+#[derive(Clone, Default)]
+pub struct RunOptions {
+    /// The folder of its results; beside the case where none is given.
+    pub out: Option<PathBuf>,
+    /// Whether the last line alone is printed.
+    pub quiet: bool,
+    /// Ends it as in [`fem::Solver::set_interrupt`].
+    pub interrupt: Option<Interrupt>,
+    /// Limits that take the place of those of the case.
+    pub budget: Budget,
+}
+
 /// Simulates the case in the file `path` and writes into `out`, or beside the case. `interrupt` ends it as in [`fem::Solver::set_interrupt`].
 ///
 /// # Errors
 /// A [`Diagnostic`]: the case or its mesh is refused, or a level or step cannot be found; results up to then are written.
 pub fn run(path: &Path, out: Option<&Path>, quiet: bool, interrupt: Option<Interrupt>) -> Result<Summary> {
-    // What does not concern one file alone is a matter of the case.
-    simulated(path, out, quiet, interrupt).map_err(|e| e.in_file_unless_named(path))
+    run_with(path, RunOptions { out: out.map(Path::to_owned), quiet, interrupt, ..RunOptions::default() })
 }
 
-fn simulated(path: &Path, out: Option<&Path>, quiet: bool, interrupt: Option<Interrupt>) -> Result<Summary> {
+/// As [`run`], with more options.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_with(path: &Path, options: RunOptions) -> Result<Summary> {
+    // What does not concern one file alone is a matter of the case.
+    simulated(path, options).map_err(|e| e.in_file_unless_named(path))
+}
+
+fn simulated(path: &Path, options: RunOptions) -> Result<Summary> {
+    let RunOptions { out, quiet, interrupt, budget } = options;
     let case = read(path)?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let parent = path.parent().unwrap_or(Path::new("."));
-    let folder = out.map_or_else(|| parent.join(format!("{stem}.out")), Path::to_owned);
+    let folder = out.unwrap_or_else(|| parent.join(format!("{stem}.out")));
     let console = Arc::new(Console::new(&stem, quiet));
     let loaded = solid::load(&case, parent)?;
     loaded.notes.iter().for_each(|note| console.line(note));
+    let budget = budget.or(case.budget());
+    let watch = budget.watch(Some(console.reporting(interrupt)));
     // Where case and mesh do not match, either may be wrong.
     let body = Body::new(&case, &loaded).map_err(|e| e.noting(format_args!("mesh: {}", case.mesh.name())))?;
-    let body = body.interruptible(Some(console.reporting(interrupt)));
+    let body = body.interruptible(Some(watch.interrupt()));
     body.notes.iter().for_each(|note| console.line(note));
     std::fs::create_dir_all(&folder).map_err(|e| cannot_write(&folder, &e))?;
     let written =
         Outputs { frames: Frames::begin(&folder, &stem)?, table: Table::create(&case, &body, &folder, &stem)? };
-    let solved = solve(Simulation { case: &case, body: &body, written, console: &console })?;
+    let solved = solve(Simulation { case: &case, body: &body, written, console: &console, budget, watch })?;
     let summary = Summary { dofs: body.system.dofs(), folder, ..solved };
     console.last(&summary);
     Ok(summary)
@@ -89,10 +121,8 @@ fn simulated(path: &Path, out: Option<&Path>, quiet: bool, interrupt: Option<Int
 
 fn solve(simulation: Simulation) -> Result<Summary> {
     match (&simulation.case.statics, &simulation.case.dynamic) {
-        (Some(set), _) => match set.arc_length {
-            Some(arc_length) => path::solve(set, arc_length, simulation),
-            None => statics::solve(set, simulation),
-        },
+        (Some(set), _) if set.arc_length.is_some() => path::solve(set, simulation),
+        (Some(set), _) => statics::solve(set, simulation),
         (None, Some(set)) => dynamics::solve(set, simulation),
         (None, None) => {
             Err(Diagnostic::new("nothing is asked for", "a case has [static] or [dynamic]", "add one of them"))
@@ -106,6 +136,8 @@ struct Simulation<'a> {
     body: &'a Body<'a>,
     written: Outputs,
     console: &'a Console,
+    budget: Budget,
+    watch: Arc<Watch>,
 }
 
 /// The output during a simulation.

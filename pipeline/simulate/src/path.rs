@@ -4,18 +4,21 @@
 //! as they are found.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use continuation::{
     BodyLoad, BodyProblem, CriticalKind, CriticalPoint, DofMap, Path, PathEnd, PathEvent, PathPoint, PathSettings,
-    follow,
+    Problem, follow,
 };
-use fem::{Solver, StaticSettings};
+use fem::{Interrupt, Solver, StaticSettings, System};
 use serde::Serialize;
 use si::vec3::{norm, scale};
-use si::{Pascal, Point3};
+use si::{Metre, Pascal, Point3};
 
+use crate::budget::Watch;
 use crate::case::{ArcLength, Static};
 use crate::frames::Frame;
+use crate::loads::Loads;
 use crate::probes::Solved;
 use crate::{Simulation, Summary, cannot_write};
 use diagnostics::{Diagnostic, Result};
@@ -25,24 +28,12 @@ use diagnostics::{Diagnostic, Result};
 /// # Errors
 /// A [`Diagnostic`] when the path cannot be begun, or does not reach the last level; the points up to there are then
 /// written.
-pub(super) fn solve(set: &Static, arc_length: ArcLength, simulation: Simulation) -> Result<Summary> {
+pub(super) fn solve(set: &Static, simulation: Simulation) -> Result<Summary> {
     let Simulation { case, body, .. } = simulation;
-    let (mut solver, mut rest) = (body.solver(case)?, None);
-    if case.gravity != [0.0; 3] {
-        solver.set_forces(&[])?;
-        let without = body.pressures(case, |_| 0.0);
-        rest = Some(solver.equilibrium(&without, None, &StaticSettings::default())?.displacement);
-    }
-    let pressures = body.pressures(case, |chamber| chamber.pressure.at_level(1.0));
-    let load = BodyLoad { pressures: pressures.clone(), forces: body.forces.clone() };
-    let mut problem = BodyProblem::new(&body.system, body.solver(case)?, load)?;
-    if let Some(rest) = rest {
-        problem = problem.starting_at(&rest);
-    }
+    let (loads, watch) = (body.loads(case), simulation.watch.clone());
     let mut report = PathReport {
-        dof_map: problem.dof_map().clone(),
-        solver,
-        pressures,
+        solver: body.solver(case)?,
+        pressures: loads.pressures_at_level(1.0),
         critical: Vec::new(),
         points: 0,
         iterations: 0,
@@ -50,21 +41,131 @@ pub(super) fn solve(set: &Static, arc_length: ArcLength, simulation: Simulation)
         simulation,
     };
     report.write_critical()?;
-    let followed = follow(&mut problem, &settings(set, arc_length), &mut |event| report.observe(event));
-    report.finished(followed, set)
+    let path = FollowedPath { statics: set, loads: &loads, heavy: case.gravity != [0.0; 3], watch };
+    let followed = path.follow(&body.system, &|| body.solver(case), &mut |event, dofs| report.observe(event, dofs));
+    report.finished(followed)
 }
 
-fn settings(set: &Static, arc_length: ArcLength) -> PathSettings {
-    let last = set.levels[set.levels.len() - 1];
-    PathSettings {
-        load_factors: [0.0, last],
-        levels: set.levels.clone(),
-        first_step: 1.0 / set.load_steps as f64,
-        max_step: arc_length.max_step,
-        max_steps: arc_length.max_steps,
-        tolerance: set.tolerance,
-        branch: arc_length.branch.into(),
-        ..PathSettings::default()
+/// A path of equilibria, followed by the command line and by the Python package.
+pub struct FollowedPath<'a> {
+    /// Levels, steps and branches; `arc_length` has its defaults where it is not set.
+    pub statics: &'a Static,
+    /// What grows with the level.
+    pub loads: &'a Loads,
+    /// Whether gravity acts: the path then begins in the equilibrium under it.
+    pub heavy: bool,
+    /// Its budget, of which the iterations are those of one point.
+    pub watch: Arc<Watch>,
+}
+
+impl FollowedPath<'_> {
+    /// Follows it on the body of `system`, of which `solver` makes solvers with all that does not grow.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when the path cannot be begun, or does not reach the last level.
+    pub fn follow(
+        &self,
+        system: &System,
+        solver: &dyn Fn() -> Result<Solver>,
+        observe: &mut dyn FnMut(PathEvent, &DofMap),
+    ) -> Result<()> {
+        let load = BodyLoad { pressures: self.loads.pressures_at_level(1.0), forces: self.loads.forces.clone() };
+        let mut problem = BodyProblem::new(system, solver()?, load)?;
+        if self.heavy {
+            problem = problem.starting_at(&under_gravity(system, solver()?)?);
+        }
+        let dofs = problem.dof_map().clone();
+        let mut ending = EndingProblem { problem, interrupt: self.watch.interrupt() };
+        let settings = self.statics.path_settings(self.statics.arc_length.unwrap_or_default());
+        let followed = follow(&mut ending, &settings, &mut |event| {
+            self.watch.restart();
+            observe(event, &dofs);
+        });
+        match self.watch.exceeded() {
+            None => self.statics.check_end(&followed?),
+            Some(limit) => Err(Diagnostic::new(
+                "the path does not reach its last level",
+                limit.to_string(),
+                "raise the limit, or end the path at a lower level",
+            )
+            .caused_by(limit)),
+        }
+    }
+}
+
+/// The equilibrium under gravity alone, 3 a node, m.
+fn under_gravity(system: &System, mut solver: Solver) -> Result<Vec<f64>> {
+    solver.set_forces(&[])?;
+    let without = vec![0.0; system.mesh().chambers.len()];
+    Ok(solver.equilibrium(&without, None, &StaticSettings::default())?.displacement)
+}
+
+/// A problem whose tangents are refused once it shall end, so that the path ends there.
+struct EndingProblem {
+    problem: BodyProblem,
+    interrupt: Interrupt,
+}
+
+impl Problem for EndingProblem {
+    fn dofs(&self) -> usize {
+        self.problem.dofs()
+    }
+
+    fn size(&self) -> Metre {
+        self.problem.size()
+    }
+
+    fn start(&self) -> Vec<f64> {
+        self.problem.start()
+    }
+
+    fn residual(&mut self, u: &[f64], load_factor: f64) -> Option<Vec<f64>> {
+        self.problem.residual(u, load_factor)
+    }
+
+    fn load(&mut self, u: &[f64], load_factor: f64) -> Vec<f64> {
+        self.problem.load(u, load_factor)
+    }
+
+    fn factorise(&mut self, u: &[f64], load_factor: f64, previous: Option<&[f64]>) -> Option<usize> {
+        if (self.interrupt)() { None } else { self.problem.factorise(u, load_factor, previous) }
+    }
+
+    fn solve(&mut self, x: &mut [f64]) {
+        self.problem.solve(x);
+    }
+}
+
+impl Static {
+    /// How its path is followed.
+    fn path_settings(&self, arc_length: ArcLength) -> PathSettings {
+        let last = self.levels[self.levels.len() - 1];
+        PathSettings {
+            load_factors: [0.0, last],
+            levels: self.levels.clone(),
+            first_step: 1.0 / self.load_steps as f64,
+            max_step: arc_length.max_step,
+            max_steps: arc_length.max_steps,
+            tolerance: self.tolerance,
+            branch: arc_length.branch.into(),
+            ..PathSettings::default()
+        }
+    }
+
+    /// Holds that a path reached the last level.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] where it took its last step before.
+    fn check_end(&self, path: &Path) -> Result<()> {
+        if path.end != PathEnd::StepLimit {
+            return Ok(());
+        }
+        let last = self.levels[self.levels.len() - 1];
+        Err(Diagnostic::new(
+            format!("the path does not reach level {last}"),
+            format!("it took {} steps; the limit is [static] arc_length.max_steps", path.steps),
+            "raise max_steps or max_step; a branch that falls back to a lower level may never reach it",
+        ))
     }
 }
 
@@ -90,7 +191,6 @@ struct Critical {
 /// The path's output.
 struct PathReport<'a> {
     simulation: Simulation<'a>,
-    dof_map: DofMap,
     /// For volumes and properties.
     solver: Solver,
     /// At level 1, Pa.
@@ -103,21 +203,21 @@ struct PathReport<'a> {
 }
 
 impl PathReport<'_> {
-    fn observe(&mut self, event: PathEvent) {
+    fn observe(&mut self, event: PathEvent, dofs: &DofMap) {
         if self.failed.is_none() {
             self.failed = match event {
-                PathEvent::Point(point) => self.point(point).err(),
-                PathEvent::Critical(point) => self.critical(point).err(),
+                PathEvent::Point(point) => self.point(point, dofs).err(),
+                PathEvent::Critical(point) => self.critical(point, dofs).err(),
             };
         }
     }
 
-    fn point(&mut self, point: &PathPoint) -> Result<()> {
-        let displacement = self.dof_map.full(&point.displacement);
+    fn point(&mut self, point: &PathPoint, dofs: &DofMap) -> Result<()> {
+        let displacement = dofs.full(&point.displacement);
         let pressures = self.pressures_at(point.load_factor);
         let stability = Some((point.negative_eigenvalues, point.eigenvalue));
         let solved = Solved { at: point.load_factor, displacement: &displacement, pressures: &pressures, stability };
-        let Simulation { case, body, written, console } = &mut self.simulation;
+        let Simulation { case, body, written, console, .. } = &mut self.simulation;
         written.table.row(body, &self.solver, &solved)?;
         let every = case.output.vtu_every.unwrap_or(1);
         self.points += 1;
@@ -131,14 +231,14 @@ impl PathReport<'_> {
         Ok(())
     }
 
-    fn critical(&mut self, point: &CriticalPoint) -> Result<()> {
-        let (displacement, mode) = (self.dof_map.full(&point.displacement), self.dof_map.full(&point.mode));
+    fn critical(&mut self, point: &CriticalPoint, dofs: &DofMap) -> Result<()> {
+        let (displacement, mode) = (dofs.full(&point.displacement), dofs.full(&point.mode));
         let name = format!("critical_{:04}.vtu", self.critical.len());
         let properties = self.solver.properties();
         let frame = Frame { displacement: &displacement, velocity: None, mode: Some(&mode), properties };
         let Simulation { body, written, .. } = &mut self.simulation;
         written.frames.write(&name, point.load_factor, body, &frame)?;
-        let node = self.dof_map.largest_node(&point.mode);
+        let node = dofs.largest_node(&point.mode);
         let at = |list: &[f64]| [0, 1, 2].map(|axis| list[3 * node + axis]);
         let pressures = self.pressures_at(point.load_factor);
         let body = self.simulation.body;
@@ -172,23 +272,11 @@ impl PathReport<'_> {
         std::fs::write(self.file(), text).map_err(|e| cannot_write(&self.file(), &e))
     }
 
-    fn finished(
-        self,
-        followed: std::result::Result<Path, continuation::ContinuationError>,
-        set: &Static,
-    ) -> Result<Summary> {
+    fn finished(self, followed: Result<()>) -> Result<Summary> {
         if let Some(failed) = self.failed {
             return Err(failed);
         }
-        let path = followed?;
-        if path.end == PathEnd::StepLimit {
-            let last = set.levels[set.levels.len() - 1];
-            return Err(Diagnostic::new(
-                format!("the path does not reach level {last}"),
-                format!("it took {} steps; the limit is [static] arc_length.max_steps", path.steps),
-                "raise max_steps or max_step; a branch that falls back to a lower level may never reach it",
-            ));
-        }
+        followed?;
         let (solved, iterations) = (self.points, Some(self.iterations));
         Ok(Summary { dofs: 0, solved, iterations, folder: Default::default() })
     }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use mesh::foreign::{self, NamedSurface, Region};
+use mesh::foreign::{self, NamedSurface, RawMesh, Region};
 use mesh::{Cavity, Solid, Surface};
 
 use crate::case::{Case, Order, Source};
@@ -14,6 +14,7 @@ use diagnostics::{Diagnostic, Result, input};
 const HALF: &str = "the surfaces are symmetric about z = 0: where clamps and loads are so too, their half z ≥ 0 would do (half = true)";
 
 /// A mesh with names.
+#[derive(Debug, Clone)]
 pub struct Loaded {
     /// The mesh.
     pub solid: Solid,
@@ -23,6 +24,8 @@ pub struct Loaded {
     pub surfaces: Vec<NamedSurface>,
     /// By chamber.
     pub cavities: Vec<Cavity>,
+    /// For each node of the file its number here, `u32::MAX` where no element uses it; empty where they are not those of a file.
+    pub numbering: Vec<u32>,
     /// Warnings for the user.
     pub notes: Vec<String>,
     /// Forces on nodes, by the number of the load that names their file.
@@ -39,32 +42,55 @@ pub fn load(case: &Case, folder: &Path) -> Result<Loaded> {
         Some(file) => from_file(mesh, &folder.join(file))?,
         None => from_surfaces(mesh, folder)?,
     };
+    let read = loaded.solid.nodes().len();
     loaded.solid = match mesh.order {
         Some(Order::Linear) => Solid::Linear(loaded.solid.to_linear()),
         Some(Order::Quadratic) => Solid::Quadratic(loaded.solid.to_quadratic()),
         None => loaded.solid,
     };
-    loaded.cavities = mesh::cavities(&loaded.solid);
-    for (number, load) in case.load.iter().enumerate() {
-        if let Some(table) = &load.table {
-            loaded.tables.insert(number, force_table::read(&folder.join(table))?);
-        }
+    if loaded.solid.nodes().len() != read {
+        // of another order, nodes are numbered anew
+        loaded.numbering.clear();
     }
+    loaded.cavities = mesh::cavities(&loaded.solid);
+    loaded.tables = tables(case, folder)?;
     Ok(loaded)
 }
 
+/// The tables of forces that a case in `folder` names, by the number of the load.
+///
+/// # Errors
+/// A [`Diagnostic`] that names the file and the line in it.
+pub fn tables(case: &Case, folder: &Path) -> Result<BTreeMap<usize, ForceTable>> {
+    let mut tables = BTreeMap::new();
+    for (number, load) in case.load.iter().enumerate() {
+        if let Some(table) = &load.table {
+            tables.insert(number, force_table::read(&folder.join(table))?);
+        }
+    }
+    Ok(tables)
+}
+
 fn from_file(mesh: &Source, path: &Path) -> Result<Loaded> {
-    let nodes = foreign::nodes_of(path).map(|nodes| bytes(&nodes)).transpose()?;
-    let draft = foreign::read(path, &bytes(path)?, nodes.as_deref()).map_err(|error| named(path, error))?;
-    let found = draft.check(mesh.unit.metres(), mesh.half).map_err(|error| named(path, error))?;
+    let found = raw_mesh(path)?.check(mesh.unit.metres(), mesh.half).map_err(|error| named(path, error))?;
     Ok(Loaded {
         solid: found.solid,
         regions: found.regions,
         surfaces: found.surfaces,
         cavities: found.cavities,
+        numbering: found.numbering,
         notes: found.notes,
         tables: BTreeMap::new(),
     })
+}
+
+/// The content of a mesh file, before any check.
+///
+/// # Errors
+/// As [`load`].
+pub fn raw_mesh(path: &Path) -> Result<RawMesh> {
+    let nodes = foreign::nodes_of(path).map(|nodes| bytes(&nodes)).transpose()?;
+    foreign::read(path, &bytes(path)?, nodes.as_deref()).map_err(|error| named(path, error))
 }
 
 fn from_surfaces(mesh: &Source, folder: &Path) -> Result<Loaded> {
@@ -103,7 +129,8 @@ fn from_surfaces(mesh: &Source, folder: &Path) -> Result<Loaded> {
     let parts = [(mesh::BODY, "body"), (mesh::SPINE, "spine")];
     let regions = parts.into_iter().take(1 + usize::from(spine.is_some())).map(region).collect();
     let solid = Solid::Quadratic(Solid::Linear(linear).to_quadratic());
-    Ok(Loaded { solid, regions, surfaces: Vec::new(), cavities: Vec::new(), notes, tables: BTreeMap::new() })
+    let (surfaces, cavities, numbering) = Default::default();
+    Ok(Loaded { solid, regions, surfaces, cavities, numbering, notes, tables: BTreeMap::new() })
 }
 
 fn bytes(path: &Path) -> Result<Vec<u8>> {

@@ -1,31 +1,135 @@
 //! Equilibria of successive levels, each started from the one before.
 
-use fem::{Equilibrium, SolveError, Solver, StaticSettings};
+use std::sync::Arc;
 
+use fem::{Equilibrium, SolveError, Solver, StaticSettings};
+use si::Pascal;
+
+use crate::budget::{Exceeded, Watch};
 use crate::case::Static;
 use crate::frames::Frame;
 use crate::probes::Solved;
 use crate::{Simulation, Summary};
 use diagnostics::{Diagnostic, Result};
 
+/// The levels of a case, solved one after the other: what the command line and the Python package share.
+pub struct Levels {
+    settings: StaticSettings,
+    watch: Arc<Watch>,
+    guess: Option<Vec<f64>>,
+    before: Option<Converged>,
+}
+
+/// A converged state.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Converged {
+    /// Its level.
+    pub level: f64,
+    /// 3 a node, m.
+    pub displacement: Vec<f64>,
+    /// One a chamber of the mesh, Pa.
+    pub pressures: Vec<Pascal>,
+}
+
+/// A level without an equilibrium.
+#[derive(Debug)]
+pub struct LostLevel {
+    /// Which level.
+    pub level: f64,
+    /// Why.
+    pub cause: SolveError,
+    /// The limit of its budget that was reached, where that ended it.
+    pub exceeded: Option<Exceeded>,
+    /// The last converged state, on the way to this level or at the one before.
+    pub last: Option<Converged>,
+}
+
+impl Levels {
+    /// Levels from rest; the solver is to ask the interrupt of `watch`.
+    pub fn new(settings: StaticSettings, watch: Arc<Watch>) -> Self {
+        Self { settings, watch, guess: None, before: None }
+    }
+
+    /// The same from a shape near the first of them, 3 a node, m.
+    #[must_use]
+    pub fn near(self, guess: Option<Vec<f64>>) -> Self {
+        Self { guess, ..self }
+    }
+
+    /// The equilibrium of a level, whose forces the solver has.
+    ///
+    /// # Errors
+    /// [`LostLevel`]
+    pub fn solve(
+        &mut self,
+        solver: &mut Solver,
+        level: f64,
+        pressures: &[Pascal],
+    ) -> std::result::Result<Equilibrium, Box<LostLevel>> {
+        self.watch.restart();
+        let near = self.before.as_ref().map(|before| &before.displacement).or(self.guess.as_ref()).map(Vec::as_slice);
+        match solver.equilibrium(pressures, near, &self.settings) {
+            Ok(found) => {
+                let (displacement, pressures) = (found.displacement.clone(), pressures.to_vec());
+                self.before = Some(Converged { level, displacement, pressures });
+                Ok(found)
+            }
+            Err(cause) => Err(Box::new(LostLevel::of(cause, level, self.watch.exceeded(), self.before.take()))),
+        }
+    }
+}
+
+impl LostLevel {
+    /// A level that was lost for a `cause`, after the state `before`.
+    pub fn of(cause: SolveError, level: f64, exceeded: Option<Exceeded>, before: Option<Converged>) -> Self {
+        let on_the_way = match (cause.last_converged(), &cause) {
+            (Some(last), SolveError::NoEquilibrium { load_factor, .. }) => {
+                let Equilibrium { displacement, pressures, .. } = last.clone();
+                Some(Converged { level: load_factor * level, displacement, pressures })
+            }
+            _ => None,
+        };
+        Self { level, cause, exceeded, last: on_the_way.or(before) }
+    }
+
+    /// As it is reported.
+    pub fn diagnostic(self) -> Diagnostic {
+        let Self { level, cause, exceeded, last } = self;
+        let Some(limit) = exceeded else { return Diagnostic::from(cause).while_doing(format!("level {level}")) };
+        let reached = last.map_or(0.0, |last| last.level);
+        let act = "give a smaller load or a stiffer material, or raise the limit where the body snaps through";
+        Diagnostic::new(format!("no equilibrium is found beyond level {reached:.6}"), limit.to_string(), act)
+            .caused_by(limit)
+            .while_doing(format!("level {level}"))
+    }
+}
+
+impl Static {
+    /// How each level is solved.
+    pub fn settings(&self) -> StaticSettings {
+        let settings =
+            StaticSettings { load_steps: self.load_steps, tolerance: self.tolerance, ..StaticSettings::default() };
+        self.budget().limiting(settings)
+    }
+}
+
 /// Solves all levels.
 ///
 /// # Errors
 /// A [`Diagnostic`] that names the level; the levels before it, and the last converged state, are then written.
 pub(super) fn solve(set: &Static, mut simulation: Simulation) -> Result<Summary> {
-    let Simulation { case, body, console, .. } = simulation;
+    let Simulation { case, body, console, budget, ref watch, .. } = simulation;
+    let watch = watch.clone();
     let mut solver = body.solver(case)?;
-    let settings = StaticSettings { load_steps: set.load_steps, tolerance: set.tolerance, ..StaticSettings::default() };
+    let loads = body.loads(case);
+    let mut levels = Levels::new(budget.limiting(set.settings()), watch);
     let frame_every = case.output.vtu_every.unwrap_or(1);
-    let mut start: Option<Converged> = None;
     let mut iterations = 0;
     for (number, &level) in set.levels.iter().enumerate() {
-        let forces: Vec<f64> = body.forces.iter().map(|force| level * force).collect();
-        solver.set_forces(&forces)?;
-        let pressures = body.pressures(case, |chamber| chamber.pressure.at_level(level));
-        let near = start.as_ref().map(|before| before.displacement.as_slice());
-        let found = solver.equilibrium(&pressures, near, &settings);
-        let found = found.map_err(|lost| simulation.keep_last(&solver, lost, level, start.take()))?;
+        solver.set_forces(&loads.forces_at_level(level))?;
+        let pressures = loads.pressures_at_level(level);
+        let found = levels.solve(&mut solver, level, &pressures);
+        let found = found.map_err(|lost| simulation.keep_last(&solver, *lost))?;
         iterations += found.iterations;
         let solved = Solved { at: level, displacement: &found.displacement, pressures: &pressures, stability: None };
         simulation.written.table.row(body, &solver, &solved)?;
@@ -34,16 +138,8 @@ pub(super) fn solve(set: &Static, mut simulation: Simulation) -> Result<Summary>
             simulation.written.frames.write(&name, level, body, &frame(&found.displacement, &solver))?;
         }
         console.line(&said(level, &found));
-        start = Some(Converged { level, displacement: found.displacement });
     }
     Ok(Summary { dofs: 0, solved: set.levels.len(), iterations: Some(iterations), folder: Default::default() })
-}
-
-/// A converged state.
-struct Converged {
-    level: f64,
-    /// 3 a node, m.
-    displacement: Vec<f64>,
 }
 
 fn frame<'a>(displacement: &'a [f64], solver: &'a Solver) -> Frame<'a> {
@@ -64,16 +160,11 @@ fn said(level: f64, found: &Equilibrium) -> String {
 }
 
 impl Simulation<'_> {
-    /// Writes the last converged state, of this level or the one `before`, and says where it lies.
-    fn keep_last(&mut self, solver: &Solver, lost: SolveError, level: f64, before: Option<Converged>) -> Diagnostic {
-        let on_the_way = match (lost.last_converged(), &lost) {
-            (Some(last), SolveError::NoEquilibrium { load_factor, .. }) => {
-                Some(Converged { level: load_factor * level, displacement: last.displacement.clone() })
-            }
-            _ => None,
-        };
-        let diagnostic = Diagnostic::from(lost).while_doing(format!("level {level}"));
-        let Some(Converged { level: at, displacement }) = on_the_way.or(before) else { return diagnostic };
+    /// Writes the last converged state, of this level or the one before, and says where it lies.
+    fn keep_last(&mut self, solver: &Solver, lost: LostLevel) -> Diagnostic {
+        let last = lost.last.clone();
+        let diagnostic = lost.diagnostic();
+        let Some(Converged { level: at, displacement, .. }) = last else { return diagnostic };
         match self.written.frames.write("last_converged.vtu", at, self.body, &frame(&displacement, solver)) {
             Ok(path) => diagnostic.noting(format!("last converged state: {}, at level {at:.6}", path.display())),
             Err(unwritten) => diagnostic.noting(format!("its last converged state cannot be kept: {}", unwritten.what)),

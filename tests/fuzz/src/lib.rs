@@ -121,6 +121,7 @@ fn twin(bytes: &[u8]) {
 /// A mesh that is read is also checked, as every caller does.
 fn checked(read: Result<RawMesh, MeshFileError>) {
     if let Ok(raw) = read {
+        drop(raw.clone().check_hexahedra(1.0, false));
         drop(raw.check(1.0, false));
     }
 }

@@ -16,6 +16,14 @@ pub enum ReducedError {
         /// Numbers required in each.
         required: usize,
     },
+    /// Snapshots that span nothing.
+    #[error(
+        "the {count} snapshots have no mode\n  why: none of them moves a node that is free, or their numbers are out of range\n  do:  give displacements that the body took under loads"
+    )]
+    NoMode {
+        /// Number of snapshots.
+        count: usize,
+    },
     /// A region with mean dilatation.
     #[error(
         "a region uses mean dilatation or hexahedra of second order\n  why: hyper-reduction samples single quadrature points with all of the energy\n  do:  reduce a mesh of 10-node tetrahedra without mean_dilatation"

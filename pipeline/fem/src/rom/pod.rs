@@ -32,17 +32,17 @@ pub(super) struct Pod {
     pub coordinates: Vec<DVector<f64>>,
 }
 
-/// The modes of `snapshots` (3 entries per node each).
-pub(super) fn decompose(system: &SystemData, snapshots: &[&[f64]], settings: &ReductionSettings) -> Pod {
+/// The modes of `snapshots` (3 entries per node each); none where they span nothing.
+pub(super) fn decompose(system: &SystemData, snapshots: &[&[f64]], settings: &ReductionSettings) -> Option<Pod> {
     let free = gathered(system, snapshots);
     let image = product(&free, |x, y| system.mass.multiply(&system.pattern, x, y));
-    let weights = principal(&(free.transpose() * &image), settings);
+    let weights = principal(&(free.transpose() * &image), settings)?;
     let (orthogonal, along) = (&free * &weights, image.transpose());
-    let factor = stiffness_factor(system, &orthogonal);
+    let factor = stiffness_factor(system, &orthogonal)?;
     let back = factor.transpose();
     let scaled = right_divided(&orthogonal, &back);
     let projected = |s: usize| &back * (weights.transpose() * (&along * free.column(s)));
-    Pod { modes: scattered(system, &scaled), coordinates: (0..snapshots.len()).map(projected).collect() }
+    Some(Pod { modes: scattered(system, &scaled), coordinates: (0..snapshots.len()).map(projected).collect() })
 }
 
 /// VᵀMV of modes with 3 entries per node.
@@ -53,7 +53,10 @@ pub(super) fn projected_mass(system: &SystemData, modes: &DMatrix<f64>) -> DMatr
 }
 
 /// Snapshots × modes: weights of the snapshots in each mode of unit mass, in descending order of the eigenvalues.
-fn principal(products: &DMatrix<f64>, settings: &ReductionSettings) -> DMatrix<f64> {
+fn principal(products: &DMatrix<f64>, settings: &ReductionSettings) -> Option<DMatrix<f64>> {
+    if !products.iter().all(|product| product.is_finite()) {
+        return None;
+    }
     let eigen = SymmetricEigen::new(products.clone());
     let mut order: Vec<usize> = (0..eigen.eigenvalues.len()).collect();
     order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
@@ -61,17 +64,18 @@ fn principal(products: &DMatrix<f64>, settings: &ReductionSettings) -> DMatrix<f
     let kept: Vec<usize> =
         order.into_iter().take(settings.coordinates).filter(|i| eigen.eigenvalues[*i] > least).collect();
     let column = |i: &usize| eigen.eigenvectors.column(*i) / eigen.eigenvalues[*i].sqrt();
-    DMatrix::from_columns(&kept.iter().map(column).collect::<Vec<_>>())
+    (!kept.is_empty()).then(|| DMatrix::from_columns(&kept.iter().map(column).collect::<Vec<_>>()))
 }
 
-/// L with L Lᵀ = VᵀK₀V.
-fn stiffness_factor(system: &SystemData, modes: &DMatrix<f64>) -> DMatrix<f64> {
+/// L with L Lᵀ = VᵀK₀V; none where that is not positive definite.
+fn stiffness_factor(system: &SystemData, modes: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let inputs = Inputs::new(system);
     let mut values = vec![0.0; system.pattern.entries()];
     let rest = vec![0.0; 3 * system.mesh.nodes.len()];
     system.body(&inputs.elastic).stiffness(&rest, TangentKind::Exact, &mut values);
     let stiffness = modes.transpose() * product(modes, |x, y| system.pattern.multiply(&values, x, y));
-    Cholesky::new(stiffness).expect("a constrained body at rest is stiff along every mode").l()
+    // A constrained body at rest is stiff along every mode, unless a mode holds rounding alone.
+    Cholesky::new(stiffness).map(|factor| factor.l())
 }
 
 /// A B⁻¹ for an upper triangle B.

@@ -22,7 +22,8 @@ impl System {
             return Err(ReducedError::Snapshots { count: snapshots.len(), required });
         }
         self.check_reducible()?;
-        let Pod { modes, coordinates } = pod::decompose(system, snapshots, settings);
+        let none = ReducedError::NoMode { count: snapshots.len() };
+        let Pod { modes, coordinates } = pod::decompose(system, snapshots, settings).ok_or(none)?;
         let points = ecsw::sample(system, &modes, &coordinates, settings.tolerance);
         let size = coordinates.iter().flat_map(|q| q.iter()).fold(0.0, |most: f64, q| most.max(q.abs()));
         let modes = modes.column_iter().map(|mode| mode.iter().copied().collect()).collect();

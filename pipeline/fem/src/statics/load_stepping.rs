@@ -163,7 +163,9 @@ impl SolverState {
                     path.drain(..path.len() - 2);
                     step *= if factorisations <= EASY { 1.5 } else { 1.0 };
                 }
-                Err(_) if step > steps.shortest && halved < steps.halvings => {
+                Err(cause)
+                    if cause != NonConvergence::Interrupted && step > steps.shortest && halved < steps.halvings =>
+                {
                     step *= 0.5;
                     halved += 1;
                 }

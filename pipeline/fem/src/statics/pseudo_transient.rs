@@ -38,6 +38,7 @@ impl SolverState {
                     factorisations += made;
                     rate *= DECREASE;
                 }
+                Err(NonConvergence::Interrupted) => return Err(NonConvergence::Interrupted),
                 Err(cause) => {
                     last = cause;
                     rate *= INCREASE;

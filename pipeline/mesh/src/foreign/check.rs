@@ -43,6 +43,8 @@ pub struct ForeignMesh {
     pub surfaces: Vec<NamedSurface>,
     /// The chambers, by the skin's numbers.
     pub cavities: Vec<Cavity>,
+    /// For each node of the file its number here; `u32::MAX` where no element uses it.
+    pub numbering: Vec<u32>,
     /// What was repaired, and what could be simplified.
     pub notes: Vec<String>,
 }
@@ -57,10 +59,13 @@ impl RawMesh {
         if self.is_empty() {
             return Err(MeshDefect::Empty { ignored: self.ignored });
         }
-        if let Some(node) = self.nodes.iter().position(|at| at.iter().any(|x| !x.is_finite())) {
-            return Err(MeshDefect::NotFinite { node: self.node_labels[node], at: self.nodes[node] });
+        if self.each == 8 {
+            return Err(MeshDefect::Hexahedra { count: self.len() });
         }
-        notes.extend(self.drop_unused());
+        self.check_finite()?;
+        self.check_repeated()?;
+        let (note, numbering) = self.drop_unused();
+        notes.extend(note);
         let size = self.scale(unit)?;
         notes.extend(self.reorient());
         let volumes = self.volumes()?;
@@ -78,7 +83,25 @@ impl RawMesh {
         notes.extend((!half && self.mirrors(&faces, size)).then(|| MIRRORS.to_owned()));
         let surfaces = self.surfaces();
         let solid = self.solid(numbers, faces, half);
-        Ok(ForeignMesh { cavities: cavities(&solid), solid, regions, surfaces, notes })
+        Ok(ForeignMesh { cavities: cavities(&solid), solid, regions, surfaces, numbering, notes })
+    }
+
+    pub(super) fn check_finite(&self) -> Result<(), MeshDefect> {
+        match self.nodes.iter().position(|at| at.iter().any(|x| !x.is_finite())) {
+            Some(node) => Err(MeshDefect::NotFinite { node: self.node_labels[node], at: self.nodes[node] }),
+            None => Ok(()),
+        }
+    }
+
+    /// No element may name a node twice.
+    pub(super) fn check_repeated(&self) -> Result<(), MeshDefect> {
+        for (index, &element) in self.labels.iter().enumerate() {
+            let nodes = self.element(index);
+            if let Some(node) = (1..nodes.len()).find(|&place| nodes[..place].contains(&nodes[place])) {
+                return Err(MeshDefect::RepeatedNode { element, node: self.node_labels[nodes[node] as usize] });
+            }
+        }
+        Ok(())
     }
 
     /// The places of an element's nodes, m.
@@ -136,7 +159,7 @@ impl RawMesh {
     }
 
     /// No two nodes may lie at the same place.
-    fn check_coincident_nodes(&self, size: Metre) -> Result<(), MeshDefect> {
+    pub(super) fn check_coincident_nodes(&self, size: Metre) -> Result<(), MeshDefect> {
         let cell = |at: &Point3| at.map(|x| (x / (SAME * size)).round() as i64);
         let mut seen = HashMap::new();
         let pairs: Vec<[usize; 2]> = (0..self.nodes.len())
@@ -152,12 +175,18 @@ impl RawMesh {
     }
 
     /// The regions, and the number of each element's.
-    fn regions(&self, volumes: &[CubicMetre]) -> Result<(Vec<Region>, Vec<u16>), MeshDefect> {
+    pub(super) fn regions(&self, volumes: &[CubicMetre]) -> Result<(Vec<Region>, Vec<u16>), MeshDefect> {
         let tags: Vec<i64> = self.tags.iter().copied().collect::<BTreeSet<_>>().into_iter().collect();
         if tags.len() > REGIONS {
             return Err(MeshDefect::TooManyRegions { count: tags.len() });
         }
         let name = |tag: i64| self.names.get(&tag).cloned();
+        let mut named = HashMap::new();
+        for &tag in &tags {
+            if let Some((first, name)) = name(tag).and_then(|name| Some((named.insert(name.clone(), tag)?, name))) {
+                return Err(MeshDefect::RegionName { name, first, second: tag });
+            }
+        }
         let mut regions: Vec<Region> =
             tags.iter().map(|&tag| Region { tag, name: name(tag), elements: 0, volume: 0.0 }).collect();
         let mut numbers = Vec::with_capacity(self.len());

@@ -120,6 +120,36 @@ pub enum MeshDefect {
         "the half model has no face on z = 0\n  why: its other half begins there\n  do:  move the mesh so that it is cut at z = 0, or set half = false"
     )]
     NoSymmetryPlane,
+    /// A node that an element names twice.
+    #[error(
+        "element {element} names node {node} twice\n  why: each corner is a node of its own; wedges and pyramids are not simulated\n  do:  mesh with tetrahedra or with whole hexahedra"
+    )]
+    RepeatedNode {
+        /// Which element.
+        element: u64,
+        /// The node.
+        node: u64,
+    },
+    /// Hexahedra where tetrahedra are needed.
+    #[error(
+        "the file has {count} hexahedra\n  why: cases are simulated on tetrahedra of 4 or 10 nodes: their skin is one of triangles\n  do:  mesh the solid with tetrahedra; hexahedra alone are simulated from Python, by Solver.of_mesh"
+    )]
+    Hexahedra {
+        /// How many.
+        count: usize,
+    },
+    /// One name for two tags.
+    #[error(
+        "the tags {first} and {second} are both named `{name}`\n  why: materials are given by name\n  do:  give them one tag, or two names"
+    )]
+    RegionName {
+        /// The name.
+        name: String,
+        /// One tag.
+        first: i64,
+        /// The other.
+        second: i64,
+    },
     /// Too many regions.
     #[error("the mesh has {count} tags\n  why: at most 1000 regions are simulated\n  do:  tag elements by material")]
     TooManyRegions {

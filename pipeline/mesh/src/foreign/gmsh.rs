@@ -189,13 +189,13 @@ impl<'a> File<'a> {
             3 | 4 | 26 => 4,
             27 => 5,
             9 | 28 => 6,
-            16 => 8,
+            5 | 16 => 8,
             10 => 9,
             11 | 21 => 10,
             _ => 0,
         };
         match (dimension, kind) {
-            (3, 4 | 11) => Ok(count),
+            (3, 4 | 5 | 11) => Ok(count),
             (0..=2, _) if count > 0 => Ok(count),
             _ => Err(self.from.tokens.place(other_solid(&format!("elements of gmsh's type {kind}")))),
         }

@@ -46,7 +46,7 @@ pub struct RawMesh {
     pub node_labels: Vec<u64>,
     /// Nodes of all tetrahedra, one tetrahedron after the other, mid-edge nodes in the order of this module.
     pub corners: Vec<u32>,
-    /// Nodes a tetrahedron: 4 or 10; 0 before the first.
+    /// Nodes an element: 4 or 10 of a tetrahedron, 8 of a hexahedron; 0 before the first.
     pub each: usize,
     /// The file's own number of each tetrahedron.
     pub labels: Vec<u64>,
@@ -69,7 +69,7 @@ impl RawMesh {
         self.node_labels.push(label);
     }
 
-    /// Adds a tetrahedron of 4 or 10 nodes.
+    /// Adds a tetrahedron of 4 or 10 nodes, or a hexahedron of 8.
     ///
     /// # Errors
     /// [`MeshFileError`] when those before it have another number of nodes, or a node is not there.
@@ -78,8 +78,8 @@ impl RawMesh {
             let what = format!("element {label} has {} nodes where those before it have {}", nodes.len(), self.each);
             return Err(MeshFileError::new(
                 what,
-                "a mesh is of one order",
-                "save it with 4-node or with 10-node tetrahedra alone",
+                "a mesh has elements of one kind and order",
+                "save it with 4-node tetrahedra, with 10-node ones or with 8-node hexahedra alone",
             ));
         }
         self.known(nodes, &|| format!("element {label}"))?;

@@ -12,8 +12,8 @@ const SIZES: std::ops::RangeInclusive<Metre> = 1e-4..=10.0;
 const NEAR: f64 = 1e-6;
 
 impl RawMesh {
-    /// Drops nodes that no tetrahedron uses.
-    pub(super) fn drop_unused(&mut self) -> Option<String> {
+    /// Drops nodes that no element uses; also returns the number of each node now, `u32::MAX` where it is dropped.
+    pub(super) fn drop_unused(&mut self) -> (Option<String>, Vec<u32>) {
         let mut number = vec![u32::MAX; self.nodes.len()];
         self.corners.iter().for_each(|&node| number[node as usize] = 0);
         let used: Vec<usize> = (0..number.len()).filter(|&node| number[node] == 0).collect();
@@ -25,9 +25,8 @@ impl RawMesh {
         self.corners.iter_mut().for_each(|node| *node = number[*node as usize]);
         self.triangles.retain(|(nodes, _)| nodes.iter().all(|&node| number[node as usize] != u32::MAX));
         self.triangles.iter_mut().flat_map(|(nodes, _)| nodes).for_each(|node| *node = number[*node as usize]);
-        first.map(|first| {
-            format!("{dropped} nodes that no tetrahedron uses are dropped, the first of them node {first}")
-        })
+        let note = |first| format!("{dropped} nodes that no element uses are dropped, the first of them node {first}");
+        (first.map(note), number)
     }
 
     /// Converts coordinates to metres; returns the longest side of their box.

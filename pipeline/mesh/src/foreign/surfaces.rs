@@ -40,6 +40,14 @@ impl NamedSurface {
         found.into_iter().collect()
     }
 
+    /// Its triangles by node numbers of the mesh, each in rising order; `elements` have 4 or 10 nodes.
+    pub fn triangles<'a>(&self, elements: impl Iterator<Item = &'a [u32]>) -> Vec<[u32; 3]> {
+        let corners: Vec<u32> = corners(elements).into_iter().collect();
+        let by_number =
+            |face: &[u32; 3]| face.map(|counted| corners.get(counted as usize).copied().unwrap_or(u32::MAX));
+        self.triangles.iter().map(by_number).collect()
+    }
+
     /// It as the file calls it.
     fn word(&self) -> String {
         match &self.name {

@@ -1,6 +1,7 @@
 //! VTK's unstructured grid (`.vtu`): XML with points, cells and data of the cells.
 //!
-//! Tetrahedra are cell types 10, 24 and 71, Lagrange's of any order, of which orders 1 and 2 are read; those of ten nodes have the order of this module. The tag of a cell is the first of the arrays
+//! Tetrahedra are cell types 10, 24 and 71, Lagrange's of any order, of which orders 1 and 2 are read, hexahedra 12; tetrahedra of ten nodes
+//! have the order of this module. The tag of a cell is the first of the arrays
 //! in [`TAGS`] that the file has. Appended bytes are cut off before the rest is read as XML, which they need not be.
 
 use super::arrays::{Codec, Tail};

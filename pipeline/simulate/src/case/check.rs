@@ -4,6 +4,8 @@ use std::collections::BTreeSet;
 
 use lab::range::{Checked, violation, within};
 
+use crate::budget::Budget;
+
 use super::{
     ArcLength, Case, Chamber, Clamp, Dynamic, History, Load, Mass, Output, Place, Region, Source, Static, Wave,
 };
@@ -193,7 +195,15 @@ fn statics(set: &Static) -> Checked {
     only("static.levels", !set.levels.is_empty(), "at least one level is solved")?;
     set.levels.iter().try_for_each(|level| within("static.levels", *level, -1e3..=1e3, ""))?;
     within("static.load_steps", set.load_steps as f64, 1.0..=1e4, "")?;
-    within("static.tolerance", set.tolerance, 1e-13..=1e-2, "of the size")
+    within("static.tolerance", set.tolerance, 1e-13..=1e-2, "of the size")?;
+    set.max_cutbacks.map_or(Ok(()), |most| within("static.max_cutbacks", most as f64, 0.0..=1e4, ""))?;
+    budget("static", set.budget())
+}
+
+fn budget(table: &str, budget: Budget) -> Checked {
+    let key = |name: &str| format!("{table}.{name}");
+    budget.max_iterations.map_or(Ok(()), |most| within(&key("max_iterations"), most as f64, 1.0..=1e9, ""))?;
+    budget.timeout.map_or(Ok(()), |limit| within(&key("timeout"), limit, 1e-3..=1e7, "s"))
 }
 
 /// A path follows loads that grow in proportion, from none to the last level.
@@ -234,6 +244,7 @@ fn dynamic(set: &Dynamic) -> Checked {
         within("dynamic.adaptive.shortest", steps.shortest, 1e-9..=set.duration, "s")?;
         within("dynamic.adaptive.longest", steps.longest, steps.shortest..=set.duration, "s")?;
     }
+    budget("dynamic", set.budget())?;
     within("dynamic.mass_damping", set.mass_damping, 0.0..=1e6, "1/s")?;
     within("dynamic.stiffness_damping", set.stiffness_damping, 0.0..=1e3, "s")
 }
@@ -372,6 +383,10 @@ output = { node = [{ name = "tip", near = [0.1, 0.0, 0.0] }], marker = [{ name =
             ("levels = [0.5, 1.0]", "levels = [0.0, 1.0]", "static.levels"),
             ("levels = [0.5, 1.0]", "levels = [0.5, 1.0], load_steps = 0", "static.load_steps"),
             ("max_step = 0.05", "max_step = 0.6", "static.arc_length.max_step"),
+            ("levels = [0.5, 1.0]", "levels = [0.5, 1.0], max_iterations = 0", "static.max_iterations"),
+            ("levels = [0.5, 1.0]", "levels = [0.5, 1.0], max_cutbacks = 20000", "static.max_cutbacks"),
+            ("levels = [0.5, 1.0]", "levels = [0.5, 1.0], timeout = 0.0", "static.timeout"),
+            (set, "dynamic = { duration = 1.0, step = 0.5, timeout = -1.0 }", "dynamic.timeout"),
             (set, "", "static"),
             (set, "dynamic = { duration = 1.0, step = 0.3 }", "dynamic.step"),
             (set, "dynamic = { duration = 1.0, step = 2.0 }", "dynamic.step"),

@@ -84,7 +84,7 @@ impl History {
     }
 
     /// The value at a level of a static case.
-    pub fn at_level(&self, level: f64) -> Pascal {
+    pub(crate) fn at_level(&self, level: f64) -> Pascal {
         match self {
             Self::Constant(value) => level * value,
             Self::Wave(wave) => wave.at(level),

@@ -8,6 +8,7 @@ mod loads;
 mod read;
 mod solve;
 
+use crate::budget::Budget;
 use serde::Deserialize;
 use si::{KilogramPerCubicMetre, Metre, Pascal, Point3, Second};
 
@@ -60,6 +61,14 @@ pub struct Case {
     /// Settings of the output.
     #[serde(default)]
     pub output: Output,
+}
+
+impl Case {
+    /// The limits that it sets.
+    pub fn budget(&self) -> Budget {
+        let statics = self.statics.as_ref().map(Static::budget);
+        statics.or(self.dynamic.as_ref().map(Dynamic::budget)).unwrap_or_default()
+    }
 }
 
 /// `[contact]`: how walls of chambers that meet repel each other.

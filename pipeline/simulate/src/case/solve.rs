@@ -3,6 +3,8 @@
 use serde::Deserialize;
 use si::{Hertz, Metre, Point3, Second};
 
+use crate::budget::Budget;
+
 /// `[static]`: equilibria at rising loads.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -19,6 +21,19 @@ pub struct Static {
     /// The path from rest to the last level is followed through limit points and bifurcations; without it each level is
     /// solved for by itself.
     pub arc_length: Option<ArcLength>,
+    /// Newton iterations of a level at most.
+    pub max_iterations: Option<usize>,
+    /// Halvings of a load step at most.
+    pub max_cutbacks: Option<usize>,
+    /// Seconds of all levels at most.
+    pub timeout: Option<Second>,
+}
+
+impl Static {
+    /// The limits that it sets.
+    pub fn budget(&self) -> Budget {
+        Budget { max_iterations: self.max_iterations, max_cutbacks: self.max_cutbacks, timeout: self.timeout }
+    }
 }
 
 /// Path following by the arc-length method.
@@ -87,6 +102,17 @@ pub struct Dynamic {
     /// The initial state.
     #[serde(default)]
     pub start: Start,
+    /// Newton iterations of a time step at most.
+    pub max_iterations: Option<usize>,
+    /// Seconds of the whole motion at most.
+    pub timeout: Option<Second>,
+}
+
+impl Dynamic {
+    /// The limits that it sets.
+    pub fn budget(&self) -> Budget {
+        Budget { max_iterations: self.max_iterations, max_cutbacks: None, timeout: self.timeout }
+    }
 }
 
 /// Bounds of adaptive steps.

@@ -4,6 +4,7 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod budget;
 mod clamps;
 mod groups;
 mod loads;

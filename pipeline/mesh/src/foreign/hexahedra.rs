@@ -1,0 +1,213 @@
+//! Raw meshes of 8-node hexahedra: the checks of tetrahedra, on the sides of a cube.
+//!
+//! Nodes are in the order of VTK: four corners of one side, counterclockwise as seen from the inside, then those of the opposite side.
+
+use super::check::Region;
+use super::defect::MeshDefect;
+use super::raw_mesh::RawMesh;
+use si::vec3::{add, cross, dot, norm, scale, sub};
+use si::{CubicMetre, Metre, Point3};
+use std::collections::HashMap;
+
+/// Volume over the cube of the longest edge, of the flattest element allowed.
+const FLATTEST: f64 = 1e-7;
+/// Corners of the sides of a cube, normals to its outside.
+pub const SIDES: [[usize; 4]; 6] = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+/// Edges of a cube.
+const EDGES: [[usize; 2]; 12] =
+    [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]];
+/// Corners of the cube [0, 1]³.
+const CORNERS: [[f64; 3]; 8] = [
+    [0.0, 0.0, 0.0],
+    [1.0, 0.0, 0.0],
+    [1.0, 1.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [0.0, 0.0, 1.0],
+    [1.0, 0.0, 1.0],
+    [1.0, 1.0, 1.0],
+    [0.0, 1.0, 1.0],
+];
+/// Gauss's points on [0, 1], exact to degree 3 along each axis: for the volume of a trilinear element.
+const GAUSS: [f64; 2] = [0.211_324_865_405_187_13, 0.788_675_134_594_812_9];
+
+/// A mesh of hexahedra, checked.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HexahedralMesh {
+    /// m
+    pub nodes: Vec<Point3>,
+    /// Node numbers.
+    pub hexahedra: Vec<[u32; 8]>,
+    /// The number of each element's region.
+    pub numbers: Vec<u16>,
+    /// Tags and names of the regions.
+    pub regions: Vec<Region>,
+    /// Whether it is the half z ≥ 0 of a symmetric body.
+    pub half: bool,
+    /// Sides that belong to one element alone, normals out of the solid.
+    pub skin: Vec<[u32; 4]>,
+    /// For each node of the file its number here; `u32::MAX` where no element uses it.
+    pub numbering: Vec<u32>,
+    /// What was repaired.
+    pub notes: Vec<String>,
+}
+
+/// A side: its corners in rising order, the element, and which of its six sides.
+type Side = ([u32; 4], u32, u8);
+
+impl RawMesh {
+    /// Checks a draft of hexahedra, as [`RawMesh::check`] does one of tetrahedra.
+    ///
+    /// # Errors
+    /// [`MeshDefect`], which names the node, element, face or edge.
+    pub fn check_hexahedra(mut self, unit: Metre, half: bool) -> Result<HexahedralMesh, MeshDefect> {
+        if self.is_empty() || self.each != 8 {
+            return Err(MeshDefect::Empty { ignored: self.ignored });
+        }
+        self.check_finite()?;
+        self.check_repeated()?;
+        let (note, numbering) = self.drop_unused();
+        let mut notes: Vec<String> = note.into_iter().collect();
+        let size = self.scale(unit)?;
+        notes.extend(self.turn_right());
+        let volumes = self.hexahedron_volumes()?;
+        self.check_duplicate_hexahedra()?;
+        self.check_coincident_nodes(size)?;
+        if half {
+            self.move_to_symmetry_plane(size)?;
+        }
+        let skin = self.quadrilateral_skin(half)?;
+        let on_plane = |face: &[u32; 4]| face.iter().all(|&node| self.nodes[node as usize][2] == 0.0);
+        if half && !skin.iter().any(on_plane) {
+            return Err(MeshDefect::NoSymmetryPlane);
+        }
+        let (regions, numbers) = self.regions(&volumes)?;
+        let skin = skin.into_iter().filter(|face| !(half && on_plane(face))).collect();
+        let hexahedra = self.corners.as_chunks::<8>().0.to_vec();
+        Ok(HexahedralMesh { nodes: self.nodes, hexahedra, numbers, regions, half, skin, numbering, notes })
+    }
+
+    /// Turns all elements over when all are left-handed.
+    fn turn_right(&mut self) -> Option<String> {
+        if !(0..self.len()).all(|element| volume_and_least(&self.places(element)).0 < 0.0) {
+            return None;
+        }
+        for nodes in self.corners.chunks_exact_mut(8) {
+            let (one, other) = nodes.split_at_mut(4);
+            one.swap_with_slice(other);
+        }
+        Some("the file's elements are left-handed; their nodes are reordered".to_owned())
+    }
+
+    fn hexahedron_volumes(&self) -> Result<Vec<CubicMetre>, MeshDefect> {
+        let volume = |(index, &element): (usize, &u64)| {
+            let places = self.places(index);
+            let (volume, least) = volume_and_least(&places);
+            let longest = EDGES.iter().map(|&[a, b]| norm(sub(places[b], places[a]))).fold(0.0, f64::max);
+            let ratio = volume / longest.powi(3);
+            if ratio.is_nan() || ratio.abs() < FLATTEST {
+                return Err(MeshDefect::DegenerateElement { element, volume, ratio });
+            }
+            if least <= 0.0 { Err(MeshDefect::InvertedElement { element, volume, least }) } else { Ok(volume) }
+        };
+        self.labels.iter().enumerate().map(volume).collect()
+    }
+
+    fn check_duplicate_hexahedra(&self) -> Result<(), MeshDefect> {
+        let mut seen = HashMap::new();
+        for (index, &second) in self.labels.iter().enumerate() {
+            let mut corners: [u32; 8] = std::array::from_fn(|corner| self.element(index)[corner]);
+            corners.sort_unstable();
+            if let Some(first) = seen.insert(corners, second) {
+                return Err(MeshDefect::DuplicateElement { first, second });
+            }
+        }
+        Ok(())
+    }
+
+    /// Free sides in the elements' order; each edge of them, but for those on the plane of a half model, joins two.
+    fn quadrilateral_skin(&self, half: bool) -> Result<Vec<[u32; 4]>, MeshDefect> {
+        let mut sides: Vec<Side> = Vec::with_capacity(6 * self.len());
+        for element in 0..self.len() {
+            for side in 0..SIDES.len() {
+                let mut corners = self.side(element, side);
+                corners.sort_unstable();
+                sides.push((corners, element as u32, side as u8));
+            }
+        }
+        sides.sort_unstable();
+        let mut free = Vec::new();
+        for group in sides.chunk_by(|a, b| a.0 == b.0) {
+            match group {
+                [one] => free.push(*one),
+                [one, other] if self.turns_forward(one) != self.turns_forward(other) => {}
+                _ => return Err(self.crowded_side(group)),
+            }
+        }
+        free.sort_unstable_by_key(|side| (side.1, side.2));
+        let faces: Vec<[u32; 4]> = free.iter().map(|side| self.side(side.1 as usize, side.2.into())).collect();
+        self.check_closed(&faces, half).map(|()| faces)
+    }
+
+    fn side(&self, element: usize, side: usize) -> [u32; 4] {
+        let nodes = self.element(element);
+        SIDES[side].map(|place| nodes[place])
+    }
+
+    /// Whether a side goes from its lowest corner to the lower one of the two beside it.
+    fn turns_forward(&self, side: &Side) -> bool {
+        let corners = self.side(side.1 as usize, side.2.into());
+        let lowest = (0..4).min_by_key(|&corner| corners[corner]).unwrap_or(0);
+        corners[(lowest + 1) % 4] < corners[(lowest + 3) % 4]
+    }
+
+    fn crowded_side(&self, group: &[Side]) -> MeshDefect {
+        let label = |side: &Side| self.labels[side.1 as usize];
+        let face = std::array::from_fn(|corner| self.node_labels[group[0].0[corner] as usize]);
+        MeshDefect::NonManifoldFace { face, count: group.len(), first: label(&group[0]), second: label(&group[1]) }
+    }
+
+    fn check_closed(&self, faces: &[[u32; 4]], half: bool) -> Result<(), MeshDefect> {
+        let mut edges: Vec<[u32; 2]> = Vec::with_capacity(4 * faces.len());
+        for face in faces {
+            edges.extend((0..4).map(|k| [face[k].min(face[(k + 1) % 4]), face[k].max(face[(k + 1) % 4])]));
+        }
+        edges.sort_unstable();
+        let on_plane = |edge: &[u32; 2]| half && edge.iter().all(|&node| self.nodes[node as usize][2] == 0.0);
+        match edges.chunk_by(|a, b| a == b).find(|group| group.len() != 2 && !on_plane(&group[0])) {
+            Some(group) => {
+                let edge = group[0].map(|node| self.node_labels[node as usize]);
+                Err(MeshDefect::NonManifoldEdge { edge, count: group.len() })
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+/// Volume of a hexahedron, m³, and the least determinant at its corners and Gauss's points, m³.
+fn volume_and_least(places: &[Point3]) -> (CubicMetre, f64) {
+    let mut volume = 0.0;
+    let mut least = f64::INFINITY;
+    for x in GAUSS {
+        for y in GAUSS {
+            for z in GAUSS {
+                let determinant = determinant(places, [x, y, z]);
+                volume += determinant / 8.0;
+                least = least.min(determinant);
+            }
+        }
+    }
+    (volume, CORNERS.iter().map(|&at| determinant(places, at)).fold(least, f64::min))
+}
+
+/// det ∂x/∂ξ at ξ of the cube [0, 1]³.
+fn determinant(places: &[Point3], at: Point3) -> f64 {
+    let by = |axis: usize| {
+        CORNERS.iter().zip(places).fold([0.0; 3], |sum, (corner, place)| {
+            let along = |k: usize| if corner[k] == 1.0 { at[k] } else { 1.0 - at[k] };
+            let sign = 2.0 * corner[axis] - 1.0;
+            let others: f64 = (0..3).filter(|&k| k != axis).map(along).product();
+            add(sum, scale(*place, sign * others))
+        })
+    };
+    dot(cross(by(0), by(1)), by(2))
+}

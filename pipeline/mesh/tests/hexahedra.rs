@@ -1,0 +1,116 @@
+//! Hexahedra go through the checks of tetrahedra.
+
+#![allow(clippy::unwrap_used)]
+
+use mesh::foreign::{HexahedralMesh, MeshDefect, RawMesh, vtu};
+
+/// Corners of a cell along x, then y, then z, in the order of VTK.
+const CORNERS: [[usize; 3]; 8] =
+    [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];
+
+/// So many cells of 10 mm along each axis.
+fn grid(cells: [usize; 3]) -> RawMesh {
+    let [nx, ny, nz] = cells.map(|count| count + 1);
+    let node = |[i, j, k]: [usize; 3]| i + nx * (j + ny * k);
+    let mut raw = RawMesh { each: 8, ..RawMesh::default() };
+    for number in 0..nx * ny * nz {
+        let at = [number % nx, number / nx % ny, number / (nx * ny)];
+        raw.nodes.push(at.map(|along| 0.01 * along as f64));
+        raw.node_labels.push(number as u64);
+    }
+    for cell in 0..cells.iter().product() {
+        let low = [cell % cells[0], cell / cells[0] % cells[1], cell / (cells[0] * cells[1])];
+        let corner = |up: [usize; 3]| node([low[0] + up[0], low[1] + up[1], low[2] + up[2]]) as u32;
+        raw.corners.extend(CORNERS.map(corner));
+        raw.labels.push(cell as u64);
+        raw.tags.push(3 + (cell % 2) as i64);
+    }
+    raw
+}
+
+fn checked(raw: RawMesh) -> Result<HexahedralMesh, MeshDefect> {
+    raw.check_hexahedra(1.0, false)
+}
+
+#[test]
+fn a_grid_has_its_volume_its_skin_and_its_regions() {
+    let mesh = checked(grid([4, 2, 2])).unwrap();
+    let volume: f64 = mesh.regions.iter().map(|region| region.volume).sum();
+    assert!((volume / 16e-6 - 1.0).abs() < 1e-12);
+    assert_eq!((mesh.skin.len(), mesh.hexahedra.len()), (2 * (4 * 2 + 2 * 2 + 4 * 2), 16));
+    assert_eq!(mesh.regions.iter().map(|region| (region.tag, region.elements)).collect::<Vec<_>>(), [(3, 8), (4, 8)]);
+    assert!(mesh.notes.is_empty() && mesh.numbering == (0..45).collect::<Vec<u32>>());
+}
+
+#[test]
+fn each_defect_is_named() {
+    let with = |change: &dyn Fn(&mut RawMesh)| {
+        let mut raw = grid([3, 2, 2]);
+        change(&mut raw);
+        checked(raw)
+    };
+    let repeated = with(&|raw| raw.corners[9] = raw.corners[10]);
+    assert!(matches!(repeated, Err(MeshDefect::RepeatedNode { element: 1, .. })), "{repeated:?}");
+    let twice = with(&|raw| {
+        raw.corners.extend_from_within(..8);
+        raw.labels.push(99);
+        raw.tags.push(3);
+    });
+    assert!(matches!(twice, Err(MeshDefect::DuplicateElement { first: 0, second: 99 })), "{twice:?}");
+    let same = with(&|raw| raw.nodes[5] = raw.nodes[6]);
+    assert!(same.is_err(), "an element is then flat, or two nodes lie at one place");
+    let inverted = with(&|raw| (0..4).for_each(|corner| raw.corners.swap(corner, corner + 4)));
+    assert!(matches!(inverted, Err(MeshDefect::InvertedElement { element: 0, .. })), "{inverted:?}");
+    let apart = with(&|raw| {
+        // the first cell with nodes of its own
+        for place in 0..8 {
+            raw.nodes.push(raw.nodes[raw.corners[place] as usize]);
+            raw.node_labels.push(1000 + place as u64);
+            raw.corners[place] = raw.nodes.len() as u32 - 1;
+        }
+    });
+    assert!(matches!(apart, Err(MeshDefect::CoincidentNodes { .. })), "{apart:?}");
+    let far = with(&|raw| raw.nodes.iter_mut().for_each(|at| at[0] *= 1e4));
+    assert!(matches!(far, Err(MeshDefect::Size { .. })), "{far:?}");
+    let named = with(&|raw| raw.names.extend([(3, "a".to_owned()), (4, "a".to_owned())]));
+    assert!(matches!(named, Err(MeshDefect::RegionName { first: 3, second: 4, .. })), "{named:?}");
+    let many = with(&|raw| raw.tags = (0..12).map(|tag| tag * 70_000).collect());
+    assert_eq!(many.unwrap().regions.len(), 12);
+}
+
+#[test]
+fn left_handed_elements_are_turned_and_unused_nodes_dropped_with_a_map() {
+    let mut raw = grid([2, 1, 1]);
+    raw.corners.chunks_exact_mut(8).for_each(|nodes| nodes.rotate_left(4));
+    raw.nodes.insert(0, [0.005; 3]);
+    raw.node_labels.insert(0, 77);
+    raw.corners.iter_mut().for_each(|node| *node += 1);
+    let mesh = checked(raw).unwrap();
+    assert_eq!((mesh.notes.len(), mesh.numbering[0], mesh.numbering[1]), (2, u32::MAX, 0));
+    assert_eq!(mesh.hexahedra, checked(grid([2, 1, 1])).unwrap().hexahedra);
+}
+
+#[test]
+fn a_half_model_begins_on_its_plane_and_has_no_skin_there() {
+    let half = grid([2, 1, 1]).check_hexahedra(1.0, true).unwrap();
+    assert!(half.half && half.skin.len() == 10 - 2);
+    let lifted = |by: f64| {
+        let mut raw = grid([2, 1, 1]);
+        raw.nodes.iter_mut().for_each(|at| at[2] += by);
+        raw.check_hexahedra(1.0, true)
+    };
+    assert!(matches!(lifted(0.01), Err(MeshDefect::NoSymmetryPlane)));
+    assert!(matches!(lifted(-0.01), Err(MeshDefect::BelowPlane { .. })));
+}
+
+#[test]
+fn a_file_of_hexahedra_is_read_and_refused_as_tetrahedra() {
+    let grid = "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece><Points><DataArray type=\"Float64\" format=\"ascii\">\
+        0 0 0 1 0 0 1 1 0 0 1 0 0 0 1 1 0 1 1 1 1 0 1 1</DataArray></Points><Cells>\
+        <DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">0 1 2 3 4 5 6 7</DataArray>\
+        <DataArray type=\"Int32\" Name=\"offsets\" format=\"ascii\">8</DataArray>\
+        <DataArray type=\"Int32\" Name=\"types\" format=\"ascii\">12</DataArray></Cells></Piece></UnstructuredGrid></VTKFile>";
+    let raw = vtu(grid.as_bytes()).unwrap();
+    assert_eq!(raw.clone().check_hexahedra(1e-2, false).unwrap().skin.len(), 6);
+    assert!(matches!(raw.check(1e-2, false), Err(MeshDefect::Hexahedra { count: 1 })));
+}

@@ -1,0 +1,174 @@
+"""Every argument has an effect or is refused; what the package offers is what it says."""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import softfish as sf
+from conftest import EXAMPLES, hollow
+
+
+@pytest.mark.parametrize("call, word", [
+    (lambda b: b.equilibrium(E=1e5, inputs=b.inputs()), "E"),
+    (lambda b: b.equilibrium(gravity=[0, 0, 0], inputs=b.inputs()), "gravity"),
+    (lambda b: b.equilibrium(E=1e5, element_E=np.full(len(b.element_regions), 1e5)), "element_E"),
+    (lambda b: b.simulate(3, 1e-3, E=1e5, inputs=b.inputs()), "E"),
+    (lambda b: b.simulate(1.9, 1e-3), "steps"),
+    (lambda b: b.simulate(3, 1e-3, progress=5), "progress"),
+    (lambda b: b.simulate(3, 1e-3, scheme="rk4"), "scheme"),
+    (lambda b: b.simulate(3, 1e-3, memory=1e9), "memory"),
+    (lambda b: b.simulate(3, -1e-3), "step"),
+    (lambda b: b.simulate(3, 1e-3, initial=np.zeros((2, 3))), "initial"),
+    (lambda b: b.simulate(3, 1e-3, pressure={"air": [1.0, 2.0]}), "air"),
+    (lambda b: b.equilibrium(load_steps=2.5), "load_steps"),
+    (lambda b: b.equilibrium(reuse_factor=True), "reuse_factor"),
+    (lambda b: b.equilibrium(reuse_factor="yes", initial_guess=np.zeros(b.mesh.nodes.shape)), "reuse_factor"),
+    (lambda b: b.equilibrium(level="full"), "level"),
+    (lambda b: b.equilibrium(inputs={"E": 1e5}), "inputs"),
+    (lambda b: b.equilibrium(inputs=dataclasses.replace(b.inputs(), forces=np.zeros((2, 3)))), "inputs"),
+    (lambda b: b.equilibrium(E=np.float16(6e4)), "half"),
+    (lambda b: b.equilibrium().modes(2.5), "count"),
+    (lambda b: b.equilibrium().modes(0), "count"),
+    (lambda b: b.equilibrium().chamber(True), "chamber"),
+    (lambda b: b.equilibrium().chamber(-1), "chamber"),
+    (lambda b: b.reduce(np.ones((2, *b.mesh.nodes.shape)), 2.5), "coordinates"),
+    (lambda b: b.reduce(np.ones((2, *b.mesh.nodes.shape)), 2, tolerance=0.0), "tolerance"),
+    (lambda b: sf.Solver.of_mesh(b.mesh, "rubber", [0]), "materials"),
+    (lambda b: sf.Solver.of_mesh(b.mesh, {"region_0": 3}, [0]), "materials"),
+    (lambda b: sf.Solver.of_mesh(b.mesh, sf.Material(2e5, 0.4, law="steel"), [0]), "law"),
+    (lambda b: sf.Solver.of_mesh(b.mesh, sf.Material(2e5, 0.4, mean_dilatation=2), [0]), "mean_dilatation"),
+    (lambda b: sf.Solver.of_mesh(b.mesh, sf.Material(2e5, 0.4), b.mesh.nodes[:, 0] == 0, lumped_mass="no"), "lumped_mass"),
+    (lambda b: sf.Solver.of_mesh(b.mesh, sf.Material(2e5, 0.4), b.mesh.nodes[:, 0] == 0, threads=0), "threads"),
+    (lambda b: sf.Case({"region": []}, mesh="finger.msh"), "mesh"),
+    (lambda b: sf.Case(EXAMPLES / "cantilever.toml", mesh=b.mesh).run(), "mesh"),
+    (lambda b: sf.Solver(b.mesh), "case"),
+    (lambda b: b.equilibria(), "levels"),
+    (lambda b: b.path(), "path"),
+])
+def test_an_argument_without_effect_or_sense_is_refused_by_its_name(block: sf.Solver, call, word: str) -> None:
+    with pytest.raises(sf.InputError) as caught:
+        call(block)
+    error = caught.value
+    assert word in str(error) and error.what and error.why and error.action
+
+
+def test_inputs_and_results_are_read_only(block: sf.Solver) -> None:
+    found, motion = block.equilibrium(), block.simulate(2)
+    inputs = block.inputs()
+    arrays = [block.base.forces, block.base.gravity, block.base.youngs_modulus, inputs.density, found.displacement, found.pressures]
+    for array in [*arrays, motion.displacement, motion.times, motion.pressures]:
+        with pytest.raises(ValueError, match="read-only"):
+            array[...] = 0.0
+    given = np.zeros(block.mesh.nodes.shape)
+    kept = block.inputs(forces=given)
+    given[:] = 1.0
+    assert np.all(kept.forces == 0.0)
+
+
+def test_a_scale_of_moduli_is_positive(block: sf.Solver) -> None:
+    shapes = np.stack([block.equilibrium(pressure=p).displacement for p in (1e3, 3e3)])
+    model = block.reduce(shapes, 2)
+    for scale in ([0.0], [-1.0], [np.nan], [1.0, 1.0]):
+        with pytest.raises(sf.InputError, match="modulus_scale"):
+            model.step(model.rest(), {"air": 1e3}, modulus_scale=scale)
+    with pytest.raises(sf.InputError, match="dt"):
+        model.step(model.rest(), {"air": 1e3}, 0.0)
+
+
+def copies(thing):
+    return [pickle.loads(pickle.dumps(thing)), copy.deepcopy(thing)]
+
+
+def test_everything_can_be_copied(block: sf.Solver, tmp_path: Path) -> None:
+    found, motion = block.equilibrium(), block.simulate(3)
+    slope = np.ones_like(found.displacement)
+    for again in copies(found):
+        assert np.array_equal(again.displacement, found.displacement) and not again.displacement.flags.writeable
+        assert np.allclose(again.adjoint(slope).youngs_modulus, found.adjoint(slope).youngs_modulus, rtol=1e-7)
+    for again in copies(motion):
+        assert np.array_equal(again.velocity, motion.velocity)
+        ones = np.ones_like(motion.displacement)
+        assert np.allclose(again.adjoint(ones).density, motion.adjoint(ones).density, rtol=1e-6)
+    for again in copies(block):
+        assert repr(again) == repr(block) and np.array_equal(again.equilibrium().displacement, block.equilibrium().displacement)
+    for again in copies(block.inputs(E=3e5)):
+        assert again.youngs_modulus[0] == 3e5 and not again.youngs_modulus.flags.writeable
+    model = block.reduce(np.stack([found.displacement, 0.5 * found.displacement**2]), 2)
+    state = model.step(model.rest(), {"air": 1e3})
+    for again in copies(model):
+        assert np.array_equal(again.step(again.rest(), {"air": 1e3}).coordinates, state.coordinates)
+    case = sf.Case(EXAMPLES / "finger.toml")
+    for again in copies(case):
+        assert again.path == case.path and np.array_equal(again.mesh.nodes, case.mesh.nodes)
+    page = tmp_path / "moved.toml"
+    page.write_text((EXAMPLES / "cantilever.toml").read_text().replace("cantilever.msh", (EXAMPLES / "cantilever.msh").as_posix()))
+    moved = sf.Case(page)
+    data = pickle.dumps(moved)
+    page.unlink()
+    assert pickle.loads(data).solver().levels == [0.1, 1.0]
+    brick = sf.Solver.of_mesh(hollow(), sf.Material(2e5, 0.4), hollow().nodes[:, 0] == 0.0, threads=1)
+    weight = [0.0, 0.0, -9.81]
+    for again in copies(brick):
+        assert np.array_equal(again.equilibrium(gravity=weight).displacement, brick.equilibrium(gravity=weight).displacement)
+    path = sf.Case(EXAMPLES / "column.toml").solver
+    assert callable(path)
+    with pytest.raises(sf.ConvergenceError) as caught:
+        block.equilibrium(pressure=9e6)
+    for again in copies(caught.value):
+        assert (again.what, again.level) == (caught.value.what, caught.value.level)
+
+
+def test_reprs_say_sizes(block: sf.Solver) -> None:
+    said = {
+        repr(block.mesh): ["96 nodes", "252 tetrahedra of 4", "1 chamber"],
+        repr(block): ["96 nodes", "252 elements", "dofs", "air", "tip"],
+        repr(block.equilibrium()): ["96 nodes", "iterations"],
+        repr(block.simulate(2)): ["2 steps", "96 nodes"],
+        repr(sf.Case(EXAMPLES / "finger.toml")): ["finger.toml", "2 regions", "1 chamber", "4 levels"],
+    }
+    for text, words in said.items():
+        assert all(word in text for word in words), text
+
+
+def test_the_package_offers_what_it_lists() -> None:
+    assert sf.__version__.count(".") == 2
+    listed = dir(sf)
+    assert "Mesh" in listed and "np" not in listed and "annotations" not in listed
+    assert all(hasattr(sf, name) for name in sf.__all__)
+    for thing in (getattr(sf, name) for name in sf.__all__ if name not in ("MATERIALS",)):
+        assert thing.__doc__, thing
+        if isinstance(thing, type):
+            for name in getattr(thing, "__annotations__", {}):
+                assert name.startswith("_") or f"{name}: " in thing.__doc__, f"{thing.__name__}.{name}"
+            for name, member in vars(thing).items():
+                if not name.startswith("_") and (callable(member) or isinstance(member, property | classmethod | staticmethod)):
+                    assert member.__doc__ or dataclasses.is_dataclass(thing), f"{thing.__name__}.{name}"
+
+
+@pytest.mark.parametrize("absent", ["torch", "jax"])
+def test_the_package_can_be_imported_whole_without_optional_packages(absent: str) -> None:
+    program = f"""
+import importlib.util, sys
+find = importlib.util.find_spec
+importlib.util.find_spec = lambda name, package=None: None if name == "{absent}" else find(name, package)
+sys.modules["{absent}"] = None
+import softfish
+names = {{"torch": "TorchFunction", "jax": "JaxFunction"}}
+assert not hasattr(softfish, names["{absent}"])
+exec("from softfish import *")
+assert "Mesh" in globals() and names["{absent}"] not in globals()
+try:
+    getattr(softfish, names["{absent}"])
+except softfish.Error as error:
+    print(error.what, error.action)
+"""
+    ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
+    assert ran.returncode == 0 and f"pip install {absent}" in ran.stdout, ran.stderr[-800:]

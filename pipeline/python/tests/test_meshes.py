@@ -1,0 +1,182 @@
+"""Meshes of every cell type go through the same checks; nothing of a body is dropped in silence."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import softfish as sf
+from conftest import EXAMPLES
+
+KINDS = ("linear", "quadratic", "hexahedra")
+SILICONE = sf.Material(2e5, 0.4, 1000.0)
+
+
+def box(kind: str) -> sf.Mesh:
+    return sf.Mesh.box((0.06, 0.01, 0.01), (6, 2, 2), kind)
+
+
+def unmerged(mesh: sf.Mesh) -> sf.Mesh:
+    """Two halves that meet at x = 0.06, with nodes of their own."""
+    return sf.Mesh(np.vstack([mesh.nodes, mesh.nodes + [0.06, 0, 0]]), np.vstack([mesh.elements, mesh.elements + len(mesh.nodes)]))
+
+
+def repeated(mesh: sf.Mesh) -> sf.Mesh:
+    elements = mesh.elements.copy()
+    elements[3, 1] = elements[3, 2]
+    return sf.Mesh(mesh.nodes, elements)
+
+
+def inverted(mesh: sf.Mesh) -> sf.Mesh:
+    nodes, elements = mesh.nodes.copy(), mesh.elements
+    inner = int(np.flatnonzero(np.all(np.isclose(nodes, [0.03, 0.005, 0.005]), axis=1))[0])
+    nodes[inner] += [0.02, 0.0, 0.0]
+    return sf.Mesh(nodes, elements)
+
+
+def below(mesh: sf.Mesh) -> sf.Mesh:
+    return sf.Mesh(mesh.nodes - [0, 0, 0.005], mesh.elements, half=True)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("make, word", [
+    (lambda mesh: sf.Mesh(mesh.nodes, np.vstack([mesh.elements, mesh.elements[:8]])), "has the corners of element"),
+    (unmerged, "lie at the same place"),
+    (repeated, "twice"),
+    (inverted, "inverted|flat"),
+    (below, "half model"),
+    (lambda mesh: sf.Mesh(mesh.nodes + [0, 0, 0.01], mesh.elements, half=True), "no face on z = 0"),
+    (lambda mesh: sf.Mesh(1e3 * mesh.nodes, mesh.elements), "long when its numbers"),
+    (lambda mesh: sf.Mesh(mesh.nodes * [1, 1, 1e-9], mesh.elements), "flat"),
+    (lambda mesh: sf.Mesh(mesh.nodes, mesh.elements, np.arange(len(mesh.elements)) // 2 * 2, names={0: "a", 2: "a"}), "two tags"),
+    (lambda mesh: sf.Mesh(mesh.nodes, mesh.elements, names={7: "a"}), "tag 7"),
+    (lambda mesh: sf.Mesh(mesh.nodes, mesh.elements, names={0.5: "a"}), "names"),
+    (lambda mesh: sf.Mesh(mesh.nodes, mesh.elements + 1), "names the node"),
+    (lambda mesh: sf.Mesh(mesh.nodes, mesh.elements, half="yes"), "half"),
+])
+def test_the_same_is_refused_of_every_cell_type(kind: str, make: Callable[[sf.Mesh], object], word: str) -> None:
+    with pytest.raises(sf.InputError, match=word) as caught:
+        make(box(kind))
+    assert caught.value.what and caught.value.why and caught.value.action
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_region_number_never_wraps(kind: str) -> None:
+    mesh = sf.Mesh.box((1.0, 1.0, 1.0), (11, 11, 11), kind)
+    with pytest.raises(sf.MeshError, match="tags"):
+        sf.Mesh(mesh.nodes, mesh.elements, np.arange(len(mesh.elements)))
+    tags = 70_000 + np.arange(len(mesh.elements)) % 3
+    many = sf.Mesh(mesh.nodes, mesh.elements, tags)
+    assert many.tags == [70_000, 70_001, 70_002] and np.array_equal(np.array(many.tags)[many.regions], tags)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_half_model_stays_on_its_plane(kind: str) -> None:
+    whole = box(kind)
+    half = sf.Mesh(whole.nodes, whole.elements, half=True)
+    body = sf.Solver.of_mesh(half, SILICONE, half.nodes[:, 0] == 0)
+    found = body.equilibrium(forces=np.outer(half.nodes[:, 0] == half.nodes[:, 0].max(), [0.0, -1e-4, -1e-4]))
+    plane = np.isclose(half.nodes[:, 2], 0)
+    assert half.half and np.abs(found.displacement[plane, 2]).max() == 0.0 and np.abs(found.displacement[plane, 1]).max() > 0.0
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_nodes_that_no_element_uses_are_dropped_with_a_map_and_numbers_of_nodes_then_refused(kind: str) -> None:
+    mesh = box(kind)
+    nodes = np.vstack([[[0.05, 0.05, 0.05]], mesh.nodes])
+    found = sf.Mesh(nodes, mesh.elements + 1)
+    assert found.numbering[0] == -1 and np.array_equal(found.numbering[1:], np.arange(len(mesh.nodes)))
+    assert np.array_equal(found.nodes[found.numbering[1:]], nodes[1:]) and found.notes
+    held = np.flatnonzero(nodes[:, 0] == 0)
+    with pytest.raises(sf.InputError, match="`clamped` holds node numbers"):
+        sf.Solver.of_mesh(found, SILICONE, held)
+    mask = np.zeros(len(found.nodes), dtype=bool)
+    mask[found.numbering[held]] = True
+    assert np.array_equal(mask, found.nodes[:, 0] == 0)
+    assert sf.Solver.of_mesh(found, SILICONE, mask).dofs == sf.Solver.of_mesh(mesh, SILICONE, np.flatnonzero(mesh.nodes[:, 0] == 0)).dofs
+    assert np.array_equal(mesh.numbering, np.arange(len(mesh.nodes)))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_tags_and_names_survive_meshio_and_copies(kind: str) -> None:
+    pytest.importorskip("meshio")
+    mesh = box(kind)
+    upper = mesh.nodes[mesh.elements].mean(axis=1)[:, 2] > 0.005
+    named = sf.Mesh(mesh.nodes, mesh.elements, np.where(upper, 9, 4), names={9: "stiff"})
+    assert named.region_names == ["region_4", "stiff"]
+    for again in (sf.Mesh.from_meshio(named.to_meshio()), pickle.loads(pickle.dumps(named)), copy.deepcopy(named)):
+        assert (again.region_names, again.tags) == (named.region_names, [4, 9])
+        for part in ("nodes", "elements", "regions", "skin"):
+            assert np.array_equal(getattr(again, part), getattr(named, part))
+
+
+def test_names_of_gmsh_and_surfaces_come_through() -> None:
+    meshio = pytest.importorskip("meshio")
+    mesh = box("linear")
+    side = mesh.skin[np.all(mesh.nodes[mesh.skin][:, :, 0] == 0.0, axis=1)]
+    given = meshio.Mesh(
+        mesh.nodes,
+        [("tetra", mesh.elements), ("triangle", side)],
+        cell_data={"gmsh:physical": [np.ones(len(mesh.elements), int), np.full(len(side), 5)]},
+        field_data={"silicone": np.array([1, 3]), "holder": np.array([5, 2])},
+    )
+    found = sf.Mesh.from_meshio(given)
+    assert found.region_names == ["silicone"] and len(found.surfaces["holder"]) == len(side)
+    rubber = {"material": "neo_hookean", "youngs_modulus": 2e5, "poissons_ratio": 0.4, "density": 1000.0}
+    case = {"region": [rubber], "clamp": [{"surface": "holder"}], "static": {"levels": [1.0]}}
+    for other in (found, sf.Mesh.from_meshio(found.to_meshio()), pickle.loads(pickle.dumps(found))):
+        assert sf.Case(case, mesh=other).solver().dofs == 3 * int(np.sum(mesh.nodes[:, 0] > 0))
+
+
+def test_a_mesh_of_two_kinds_is_refused() -> None:
+    meshio = pytest.importorskip("meshio")
+    one, other, second = box("hexahedra"), box("linear"), box("quadratic")
+    apart = other.nodes + [0.06, 0, 0]
+    mixed = [("hexahedron", one.elements), ("tetra", other.elements + len(one.nodes))]
+    orders = [("tetra10", second.elements), ("tetra", second.elements[:1, :4])]
+    wedge = [("tetra", other.elements), ("wedge", np.arange(6)[None])]
+    for points, cells in ((np.vstack([one.nodes, apart]), mixed), (second.nodes, orders), (other.nodes, wedge)):
+        with pytest.raises(sf.InputError, match="the mesh has"):
+            sf.Mesh.from_meshio(meshio.Mesh(points, cells))
+    with pytest.raises(sf.InputError, match="no cell data"):
+        sf.Mesh.from_meshio(meshio.Mesh(other.nodes, [("tetra", other.elements)]), tags="nowhere")
+    lines = meshio.Mesh(other.nodes, [("line", [[0, 1]]), ("tetra", other.elements), ("quad", [[0, 1, 2, 3]])])
+    assert len(sf.Mesh.from_meshio(lines).elements) == len(other.elements)
+
+
+@pytest.mark.parametrize("ending", [".vtu", ".msh"])
+def test_a_file_of_hexahedra_is_read_whole(ending: str, tmp_path: Path) -> None:
+    meshio = pytest.importorskip("meshio")
+    mesh = box("hexahedra")
+    meshio.Mesh(1e3 * mesh.nodes, [("hexahedron", mesh.elements)]).write(tmp_path / f"box{ending}", **({"file_format": "gmsh22", "binary": False} if ending == ".msh" else {}))
+    found = sf.Mesh.read(tmp_path / f"box{ending}", "mm")
+    assert np.allclose(found.nodes, mesh.nodes) and np.array_equal(found.elements, mesh.elements)
+    with pytest.raises(sf.InputError, match="first order|order is 2"):
+        sf.Mesh.read(tmp_path / f"box{ending}", "mm", order=2)
+    case = sf.Case.from_toml(
+        f'mesh = {{ file = "box{ending}", unit = "mm" }}\nclamp = [{{ plane = {{ x = 0.0 }} }}]\nstatic = {{ levels = [1.0] }}\n'
+        '[[region]]\nmaterial = "neo_hookean"\nyoungs_modulus = 1e5\npoissons_ratio = 0.3\ndensity = 1000.0\n', tmp_path)
+    with pytest.raises(sf.MeshError, match="hexahedra"):
+        case.solver()
+
+
+@pytest.mark.parametrize("make", [
+    lambda: sf.Mesh.box((1.0, 1.0, 1.0), (1000, 1000, 1000)),
+    lambda: sf.Mesh.box((1.0, 1.0, 1.0), (1.9, 1, 1)),
+    lambda: sf.Mesh.box((1.0, 1.0), (1, 1, 1)),
+    lambda: sf.Mesh.box((1.0, 1.0, np.nan), (1, 1, 1)),
+    lambda: sf.Mesh.box((1.0, 1.0, 1.0), (1, 1, 1), "cubes"),
+    lambda: sf.Mesh.read(EXAMPLES / "finger.msh", "mm", order=3),
+    lambda: sf.Mesh.read(EXAMPLES / "finger.msh", "mm", order=1.5),
+    lambda: sf.Mesh.read(EXAMPLES / "finger.msh", "inch"),
+    lambda: sf.Mesh.from_stl("nowhere.stl", "thin"),
+])
+def test_arguments_of_meshes_are_checked(make: Callable[[], object]) -> None:
+    with pytest.raises(sf.InputError) as caught:
+        make()
+    assert caught.value.what and caught.value.why and caught.value.action
