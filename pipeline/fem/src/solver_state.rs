@@ -50,9 +50,9 @@ impl SolverState {
         }
         let further = contact.couplings(u, MARGIN * contact.range());
         let data = Arc::new(self.data.with_couplings(&further)?);
-        let interrupt = self.newton.interrupt.take();
+        let (interrupt, spent) = (self.newton.interrupt.take(), self.newton.spent);
         self.newton = Newton::new(&data);
-        self.newton.interrupt = interrupt;
+        (self.newton.interrupt, self.newton.spent) = (interrupt, spent);
         self.linearised = None;
         self.data = data;
         self.inputs.update_mass(&self.data);

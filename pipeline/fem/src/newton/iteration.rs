@@ -40,6 +40,8 @@ pub(crate) struct Newton {
     rotation: Option<NodalRotations>,
     gradient: Vec<f64>,
     trial_gradient: Vec<f64>,
+    /// Counts of all solves so far, failed ones included.
+    pub spent: NewtonCounts,
     /// Asked before each iteration whether to stop.
     pub interrupt: Option<Interrupt>,
 }
@@ -69,6 +71,7 @@ impl Newton {
             rotation: None,
             gradient: vec![0.0; full],
             trial_gradient: vec![0.0; full],
+            spent: NewtonCounts::default(),
             interrupt: None,
         }
     }
@@ -98,9 +101,21 @@ impl Newton {
         let mut state = IterationState::new(options, previous, energy);
         self.history.clear();
         self.rotate_factor_to(on, u);
+        let outcome = self.iterate_until_converged(on, u, &mut state, &options);
+        self.spent.add(state.counts);
+        outcome.map(|()| state.counts)
+    }
+
+    fn iterate_until_converged(
+        &mut self,
+        on: &Potential,
+        u: &mut [f64],
+        state: &mut IterationState,
+        options: &NewtonOptions,
+    ) -> Result<(), NonConvergence> {
         while state.counts.iterations < options.max_iterations {
-            if self.iterate(on, u, &mut state, &options)? {
-                return Ok(state.counts);
+            if self.iterate(on, u, state, options)? {
+                return Ok(());
             }
         }
         let NewtonCounts { iterations, .. } = state.counts;

@@ -37,7 +37,7 @@ pub(crate) struct NewtonOptions {
     pub globalisation: Globalisation,
 }
 
-/// Counts of a converged solve.
+/// Counts of a solve.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct NewtonCounts {
     /// Newton iterations.
@@ -46,6 +46,24 @@ pub(crate) struct NewtonCounts {
     pub factorisations: usize,
     /// Tangents on the way that were not positive definite: a sign of snap-through.
     pub indefinite: usize,
+}
+
+impl NewtonCounts {
+    /// What was counted after `earlier`.
+    pub(crate) fn since(self, earlier: Self) -> Self {
+        Self {
+            iterations: self.iterations - earlier.iterations,
+            factorisations: self.factorisations - earlier.factorisations,
+            indefinite: self.indefinite - earlier.indefinite,
+        }
+    }
+
+    /// Adds the counts of a further solve.
+    pub(crate) fn add(&mut self, further: Self) {
+        self.iterations += further.iterations;
+        self.factorisations += further.factorisations;
+        self.indefinite += further.indefinite;
+    }
 }
 
 /// Why Newton's method did not converge.
