@@ -25,7 +25,8 @@ impl ReducedBody {
     /// A [`Diagnostic`] when a law is neither neo-Hookean nor Yeoh's.
     pub fn twin_data(&self, outputs: &[(&str, usize)]) -> Result<TwinData> {
         let (arrays, r) = (self.model().arrays(), self.coordinates());
-        let regions = arrays.regions.iter().zip(self.constants());
+        let constants: Vec<_> = self.constants().collect();
+        let regions = arrays.regions.iter().map(|points| (points, constants[points.region]));
         let chamber = |(at_rest, [a, b, c]): &(f64, [&[f64]; 3])| Chamber {
             at_rest: *at_rest,
             linear: a.to_vec(),
@@ -39,7 +40,7 @@ impl ReducedBody {
         Ok(TwinData {
             mass: arrays.mass.to_vec(),
             size: arrays.size,
-            regions: regions.map(|(of, constants)| region(of, constants, r)).collect::<Result<_>>()?,
+            regions: regions.map(|(points, constants)| region(points, constants, r)).collect::<Result<_>>()?,
             chambers: arrays.chambers.iter().map(chamber).collect(),
             sections: Vec::new(),
             outputs: outputs.iter().flat_map(named).collect(),

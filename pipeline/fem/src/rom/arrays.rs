@@ -13,18 +13,20 @@ pub struct ReducedArrays<'a> {
     pub mass: &'a [f64],
     /// Largest |q| of the snapshots.
     pub size: f64,
-    /// One per region.
+    /// One per region, two where its elements share the energy between two sets of points.
     pub regions: Vec<ReducedRegion<'a>>,
     /// One per chamber: V₀ (m³), and a (r), B (r × r) and C (r × pairs i ≤ j) of V₀ + a·q + ½ B q q + ⅙ C q q q.
     pub chambers: Vec<(CubicMetre, [&'a [f64]; 3])>,
 }
 
-/// The sampled quadrature points of one region.
+/// Sampled quadrature points of one region that integrate the same shares of its energy.
 #[derive(Debug, Clone, Copy)]
 pub struct ReducedRegion<'a> {
+    /// Number of the region in the system.
+    pub region: usize,
     /// Its law.
     pub material: &'static dyn Material,
-    /// Its moduli when the system was reduced.
+    /// The points' shares of its moduli when the system was reduced.
     pub moduli: Moduli,
     /// Weight of each point, m³.
     pub weights: &'a [f64],
@@ -47,6 +49,6 @@ impl ReducedModel {
 impl Points {
     fn arrays(&self) -> ReducedRegion<'_> {
         let (elastic, weights, gradients) = (self.elastic(), self.weights(), self.gradients());
-        ReducedRegion { material: elastic.material, moduli: elastic.moduli, weights, gradients }
+        ReducedRegion { region: self.region, material: elastic.material, moduli: elastic.moduli, weights, gradients }
     }
 }

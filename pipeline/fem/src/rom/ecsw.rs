@@ -27,26 +27,55 @@ pub(super) fn sample(system: &SystemData, modes: &DMatrix<f64>, snapshots: &[DVe
     let perturbations = perturbations(snapshots);
     let sample = |(region, elastic): (usize, &Elastic)| {
         let numbers = points_of_region(system, region);
-        let all: Vec<(CubicMetre, ModeGradient)> = numbers
-            .iter()
-            .map(|&point| (system.reference.weights[point as usize], mode_gradient(system, point, modes)))
-            .collect();
+        let candidate = |&point: &u32| Candidate {
+            weight: system.reference.weights[point as usize],
+            gradients: mode_gradient(system, point, modes),
+            shares: shares(system, point),
+        };
+        let all: Vec<Candidate> = numbers.iter().map(candidate).collect();
         let mut training = training_matrix(&all, elastic, snapshots, &perturbations);
         let weights = nnls(&mut training, tolerance);
-        weights.into_iter().map(|(point, weight)| (numbers[point], weight * all[point].0)).collect()
+        weights.into_iter().map(|(point, weight)| (numbers[point], weight * all[point].weight)).collect()
     };
     elastic.iter().enumerate().map(sample).collect()
 }
 
-/// The sampled points of each region with the gradients of the modes.
+/// A quadrature point that may be sampled.
+struct Candidate {
+    weight: CubicMetre,
+    gradients: ModeGradient,
+    /// Of the μ and of the λ part of the energy.
+    shares: [f64; 2],
+}
+
+/// The shares of the μ and λ parts of the energy that a quadrature point of the full model integrates.
+fn shares(system: &SystemData, point: u32) -> [f64; 2] {
+    system.reference.shares[point as usize % system.reference.points]
+}
+
+/// The sampled points with the gradients of the modes, region after region, those of equal shares together.
+// A group has one law with one set of moduli, as a region of a model without shares: what steps a reduced model need not know of shares.
 pub(super) fn points(system: &SystemData, modes: &DMatrix<f64>, sampled: &[Vec<(u32, CubicMetre)>]) -> Vec<Points> {
     let elastic = Inputs::new(system).elastic;
-    let points = |(elastic, sampled): (&Elastic, &Vec<(u32, CubicMetre)>)| {
+    let mut kinds: Vec<[f64; 2]> = Vec::new();
+    for kind in &system.reference.shares {
+        if !kinds.contains(kind) {
+            kinds.push(*kind);
+        }
+    }
+    let group = |region: usize, kind: [f64; 2]| {
+        let inside = sampled[region].iter().filter(|(point, _)| shares(system, *point) == kind);
         let at: Vec<(f64, ModeGradient)> =
-            sampled.iter().map(|&(point, weight)| (weight, mode_gradient(system, point, modes))).collect();
-        Points::new(*elastic, &at, modes.ncols())
+            inside.map(|&(point, weight)| (weight, mode_gradient(system, point, modes))).collect();
+        let moduli = elastic[region].moduli.shared(kind[0], kind[1]);
+        Points::new(region, Elastic { moduli, ..elastic[region] }, &at, modes.ncols())
     };
-    elastic.iter().zip(sampled).map(points).collect()
+    (0..sampled.len())
+        .flat_map(|region| kinds.iter().map(move |kind| (region, *kind)))
+        .map(|(region, kind)| group(region, kind))
+        // nothing of one set may be needed beside the other
+        .filter(|points| kinds.len() == 1 || !points.weights().is_empty())
+        .collect()
 }
 
 /// Every quadrature point of a region by its number in the full model.
@@ -85,7 +114,7 @@ fn perturbations(snapshots: &[DVector<f64>]) -> Vec<DVector<f64>> {
 /// Training matrix, ((snapshots + perturbations) × modes + 1) × points: the weighted virtual work of each point, and
 /// its volume.
 fn training_matrix(
-    all: &[(f64, ModeGradient)],
+    all: &[Candidate],
     elastic: &Elastic,
     snapshots: &[DVector<f64>],
     perturbations: &[DVector<f64>],
@@ -93,14 +122,16 @@ fn training_matrix(
     let r = snapshots[0].len();
     let rows = (snapshots.len() + perturbations.len()) * r + 1;
     let mut columns = NnlsColumns::new(rows, all.len());
-    all.par_iter().zip(columns.each()).for_each(|((weight, gradients), column)| {
+    all.par_iter().zip(columns.each()).for_each(|(Candidate { weight, gradients, shares: [shear, bulk] }, column)| {
+        let moduli = elastic.moduli.shared(*shear, *bulk);
         for (q, part) in snapshots.iter().chain(perturbations).zip(column.chunks_exact_mut(r)) {
-            let (_, stress) = elastic.material.stress(&deformation(gradients, q), elastic.moduli);
+            let (_, stress) = elastic.material.stress(&deformation(gradients, q), moduli);
             for (work, along) in part.iter_mut().zip(gradients.column_iter()) {
                 *work = (weight * stress.as_slice().iter().zip(along.iter()).map(|(p, g)| p * g).sum::<f64>()) as f32;
             }
         }
-        column[rows - 1] = *weight as f32;
+        // both sums of shares over an element are its volume
+        column[rows - 1] = (0.5 * (shear + bulk) * weight) as f32;
     });
     columns.scale_rows(&row_weights(&columns, r, snapshots.len()));
     columns

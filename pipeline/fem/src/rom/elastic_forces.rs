@@ -1,4 +1,4 @@
-//! Elastic forces of a reduced model, summed over the sampled quadrature points of one region.
+//! Elastic forces of a reduced model, summed over sampled quadrature points of one region.
 //!
 //! F = I + G q at each point, with G (9 × r) stored; f = Σ w Gᵀ P(F), K = Σ w Gᵀ (∂P/∂F) G.
 
@@ -28,10 +28,12 @@ pub(super) enum ReducedTangent<'a> {
     Convex,
 }
 
-/// The sampled points of one region.
+/// Sampled points of one region that integrate the same shares of its energy: all of them in tetrahedra, two groups in hexahedra of second
+/// order (`assembly::reference`).
 #[derive(Debug)]
 pub(super) struct Points {
-    /// Its law and constants.
+    pub region: usize,
+    /// The region's law, with the group's shares of its moduli.
     elastic: Elastic,
     /// points, m³.
     weights: Vec<f64>,
@@ -44,16 +46,12 @@ const BLOCK: usize = 16;
 
 impl Points {
     /// Of a region with the weight (m³) and G of each of its points; `r` coordinates.
-    pub fn new(elastic: Elastic, at: &[(f64, ModeGradient)], r: usize) -> Self {
+    pub fn new(region: usize, elastic: Elastic, at: &[(f64, ModeGradient)], r: usize) -> Self {
         let mut gradients = DMatrix::zeros(r, 9 * at.len());
         for (point, (_, of_point)) in at.iter().enumerate() {
             gradients.columns_mut(9 * point, 9).copy_from(&of_point.transpose());
         }
-        Self { elastic, weights: at.iter().map(|(weight, _)| *weight).collect(), gradients }
-    }
-
-    pub fn count(&self) -> usize {
-        self.weights.len()
+        Self { region, elastic, weights: at.iter().map(|(weight, _)| *weight).collect(), gradients }
     }
 
     /// The law and its constants.

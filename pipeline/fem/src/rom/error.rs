@@ -26,7 +26,7 @@ pub enum ReducedError {
     },
     /// A region with mean dilatation.
     #[error(
-        "a region uses mean dilatation or hexahedra of second order\n  why: hyper-reduction samples single quadrature points with all of the energy\n  do:  reduce a mesh of 10-node tetrahedra without mean_dilatation"
+        "a region uses mean dilatation\n  why: hyper-reduction samples single quadrature points, and the mean couples those of an element\n  do:  reduce a mesh of hexahedra of second order, or of 10-node tetrahedra without mean_dilatation"
     )]
     MeanDilatation,
     /// Data of another system, or damaged data.

@@ -46,7 +46,9 @@ pub struct ReducedModel {
     pub(super) products: LU<f64, Dyn, Dyn>,
     /// r × r, kg m² in the units of q.
     pub(super) mass: DMatrix<f64>,
-    /// One per region.
+    /// Number of regions of the system.
+    pub(super) regions: usize,
+    /// Region after region.
     pub(super) points: Vec<Points>,
     /// One per chamber.
     pub(super) chambers: Vec<CubicVolume>,
@@ -63,7 +65,7 @@ impl ReducedModel {
 
     /// Number of sampled quadrature points, by region.
     pub fn points(&self) -> Vec<usize> {
-        self.points.iter().map(Points::count).collect()
+        self.sampled.iter().map(Vec::len).collect()
     }
 
     /// Displacements V q, 3 entries per node, m.
@@ -90,15 +92,19 @@ impl ReducedModel {
         self.chambers[chamber].at(q)
     }
 
-    /// Elastic energy density of each sampled point of `region` at q, J/m³ at rest.
+    /// Elastic energy density that each sampled point of `region` integrates at q, J/m³ at rest.
     ///
     /// # Panics
     /// When there is no such region.
     pub fn energy_densities(&self, region: usize, q: &DVector<f64>) -> Vec<f64> {
-        let (points, mut densities) = (&self.points[region], Vec::new());
-        points.for_each_deformation(q, |deformation| {
-            densities.push(points.elastic().material.stress(deformation, points.elastic().moduli).0)
-        });
+        assert!(region < self.regions, "region {region} of {}", self.regions);
+        let mut densities = Vec::new();
+        for points in self.points.iter().filter(|points| points.region == region) {
+            let elastic = points.elastic();
+            points.for_each_deformation(q, |deformation| {
+                densities.push(elastic.material.stress(deformation, elastic.moduli).0);
+            });
+        }
         densities
     }
 

@@ -44,15 +44,23 @@ impl System {
         let points = ecsw::points(system, &modes, &data.points);
         let chambers = system.chambers.iter().map(|chamber| CubicVolume::of(chamber, &modes, data.size)).collect();
         let products = modes.tr_mul(&modes).lu();
-        Ok(ReducedModel { modes, products, mass, points, chambers, size: data.size, sampled: data.points.clone() })
+        let regions = system.regions.len();
+        Ok(ReducedModel {
+            modes,
+            products,
+            mass,
+            regions,
+            points,
+            chambers,
+            size: data.size,
+            sampled: data.points.clone(),
+        })
     }
 
     /// # Errors
     /// [`ReducedError::MeanDilatation`]
     fn check_reducible(&self) -> Result<(), ReducedError> {
-        let shared = self.data.reference.shares.iter().any(|shares| *shares != [1.0; 2]);
-        let mean = self.data.options.mean_dilatation.contains(&true);
-        if shared || mean { Err(ReducedError::MeanDilatation) } else { Ok(()) }
+        if self.data.options.mean_dilatation.contains(&true) { Err(ReducedError::MeanDilatation) } else { Ok(()) }
     }
 
     /// # Errors

@@ -21,7 +21,7 @@ pub(super) struct ReducedHistory {
 }
 
 impl ReducedModel {
-    /// The regions of `motion` over a step of `step` seconds.
+    /// The law of each group of points in `motion` over a step of `step` seconds.
     ///
     /// # Errors
     /// [`ReducedError::Relaxation`] when there is not one relaxation and stiffening per region, or a law cannot relax.
@@ -30,7 +30,7 @@ impl ReducedModel {
     /// When there is not one scale per region.
     pub(super) fn region_steps(&self, motion: &ReducedMotion, step: Second) -> Result<Vec<RegionStep>, ReducedError> {
         let ReducedMotion { modulus_scale, relaxation, stiffening, .. } = *motion;
-        let regions = self.points.len();
+        let regions = self.regions;
         assert_eq!(modulus_scale.len(), regions, "one scale per region");
         for (what, given) in [("relaxations", relaxation.len()), ("stiffenings", stiffening.len())] {
             if given != 0 && given != regions {
@@ -38,7 +38,8 @@ impl ReducedModel {
             }
         }
         let none = Relaxation::default();
-        let of = |(region, points): (usize, &Points)| {
+        let step_of = |points: &Points| {
+            let region = points.region;
             let (elastic, relaxation) = (points.elastic(), relaxation.get(region).unwrap_or(&none));
             if !relaxation.is_none() && !elastic.material.is_objective() {
                 let what = format!("region {region} has the law `{}`", elastic.material.name());
@@ -48,7 +49,7 @@ impl ReducedModel {
             let moduli = stiffening.get(region).map_or(moduli, |ratios| moduli.with_stiffening(*ratios));
             Ok(RegionStep::new(elastic.material, moduli, relaxation, step))
         };
-        self.points.iter().enumerate().map(of).collect()
+        self.points.iter().map(step_of).collect()
     }
 
     /// What acts in a step in which the law's own stress is multiplied by `damping`.
@@ -122,11 +123,11 @@ impl ReducedModel {
     /// # Panics
     /// When there is not one scale per region.
     pub(super) fn elastic(&self, scale: &[f64]) -> Vec<ActingRegion> {
-        assert_eq!(scale.len(), self.points.len(), "one scale per region");
-        let of = |(points, scale): (&Points, &f64)| ActingRegion {
-            moduli: points.elastic().moduli.scaled(*scale),
+        assert_eq!(scale.len(), self.regions, "one scale per region");
+        let law = |points: &Points| ActingRegion {
+            moduli: points.elastic().moduli.scaled(scale[points.region]),
             held: Vec::new(),
         };
-        self.points.iter().zip(scale).map(of).collect()
+        self.points.iter().map(law).collect()
     }
 }

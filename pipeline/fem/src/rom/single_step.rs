@@ -109,16 +109,17 @@ impl ReducedModel {
         let by_scale = |region: usize| {
             let only = |at: &DVector<f64>| {
                 let mut forces = DVector::zeros(q.len());
-                let points = &self.points[region];
-                let moduli = points.elastic().moduli;
-                points.add_forces(at, &ActingRegion { moduli, held: Vec::new() }, &mut forces);
+                for points in self.points.iter().filter(|points| points.region == region) {
+                    let moduli = points.elastic().moduli;
+                    points.add_forces(at, &ActingRegion { moduli, held: Vec::new() }, &mut forces);
+                }
                 forces.dot(&lambda)
             };
             beta * gamma * only(q) - (1.0 + beta * gamma) * only(next)
         };
         Ok(ReducedStepGradient {
             pressures: self.chambers.iter().map(by_pressure).collect(),
-            modulus_scale: (0..self.points.len()).map(by_scale).collect(),
+            modulus_scale: (0..self.regions).map(by_scale).collect(),
             state: ReducedState { coordinates: by_q, velocity: momentum * gamma },
         })
     }
@@ -134,7 +135,7 @@ impl ReducedModel {
             ("the coordinates of a state", state.coordinates.as_slice(), self.coordinates()),
             ("the velocity of a state", state.velocity.as_slice(), self.coordinates()),
             ("a list of pressures", given.pressures, self.chambers.len()),
-            ("a list of scales of the moduli", given.modulus_scale, self.points.len()),
+            ("a list of scales of the moduli", given.modulus_scale, self.regions),
         ];
         lists
             .into_iter()
