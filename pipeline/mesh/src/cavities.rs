@@ -42,7 +42,8 @@ pub fn cavities(solid: &Solid) -> Vec<Cavity> {
     sums.into_iter().map(|(moment, volume, cut)| cavity(moment, volume, cut)).collect()
 }
 
-fn cavity(moment: Point3, volume: f64, cut: bool) -> Cavity {
+/// The cavity of this moment and volume, which may be those of a half.
+pub(crate) fn cavity(moment: Point3, volume: f64, cut: bool) -> Cavity {
     let centroid = scale(moment, 1.0 / volume);
     match cut {
         true => Cavity { centroid: [centroid[0], centroid[1], 0.0], volume: 2.0 * volume, cut },

@@ -114,3 +114,71 @@ fn a_file_of_hexahedra_is_read_and_refused_as_tetrahedra() {
     assert_eq!(raw.clone().check_hexahedra(1e-2, false).unwrap().skin.len(), 6);
     assert!(matches!(raw.check(1e-2, false), Err(MeshDefect::Hexahedra { count: 1 })));
 }
+
+/// The same with 20 nodes an element, in the order of VTK.
+fn quadratic(mut raw: RawMesh) -> RawMesh {
+    let mut middles = std::collections::HashMap::new();
+    let elements: Vec<[u32; 8]> = raw.corners.as_chunks::<8>().0.to_vec();
+    (raw.corners, raw.each) = (Vec::new(), 20);
+    for nodes in elements {
+        raw.corners.extend(nodes);
+        for [a, b] in EDGES.map(|edge| edge.map(|corner| nodes[corner])) {
+            let middle = *middles.entry([a.min(b), a.max(b)]).or_insert_with(|| {
+                let [from, to] = [a, b].map(|node| raw.nodes[node as usize]);
+                raw.nodes.push(std::array::from_fn(|k| 0.5 * (from[k] + to[k])));
+                raw.node_labels.push(raw.nodes.len() as u64 - 1);
+                raw.nodes.len() as u32 - 1
+            });
+            raw.corners.push(middle);
+        }
+    }
+    raw
+}
+
+/// Edges of an element in the order of VTK.
+const EDGES: [[usize; 2]; 12] =
+    [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]];
+
+/// A grid without the cell in its middle.
+fn hollow(cells: [usize; 3]) -> RawMesh {
+    let mut raw = grid(cells);
+    let middle = raw.labels.len() / 2;
+    raw.corners.drain(8 * middle..8 * middle + 8);
+    raw.labels.remove(middle);
+    raw.tags.remove(middle);
+    raw
+}
+
+#[test]
+fn a_cavity_of_quadratic_elements_is_a_chamber_with_the_middles_of_its_walls() {
+    let mesh = checked(quadratic(hollow([3, 3, 3]))).unwrap();
+    let [chamber] = &mesh.chambers[..] else { panic!("{} chambers", mesh.chambers.len()) };
+    assert_eq!((mesh.walls.len(), mesh.walls[0].len(), mesh.skin.len()), (1, 6, 54));
+    let all = 27.0 * chamber.cavity.volume;
+    let size = mesh.nodes.iter().fold([0.0f64; 3], |most, node| std::array::from_fn(|k| most[k].max(node[k])));
+    assert!((all / size.iter().product::<f64>() - 1.0).abs() < 1e-12);
+    assert!((0..3).all(|k| (chamber.cavity.centroid[k] / size[k] - 0.5).abs() < 1e-12));
+    for wall in mesh.walls.iter().flatten() {
+        let place = |node: usize| mesh.nodes[wall[node] as usize];
+        for k in 0..4 {
+            let (from, to, middle) = (place(k), place((k + 1) % 4), place(4 + k));
+            assert!((0..3).all(|axis| (from[axis] + to[axis] - 2.0 * middle[axis]).abs() < 1e-15), "{wall:?}");
+        }
+    }
+    let linear = checked(hollow([3, 3, 3])).unwrap();
+    assert!(linear.walls.is_empty() && linear.notes[0].contains("take no pressure"), "{:?}", linear.notes);
+}
+
+#[test]
+fn left_handed_quadratic_elements_are_turned_with_their_middles() {
+    let mut mirrored = quadratic(grid([2, 1, 1]));
+    mirrored.nodes.iter_mut().for_each(|node| node[0] = -node[0]);
+    let mesh = checked(mirrored).unwrap();
+    assert!(mesh.notes[0].contains("left-handed"));
+    for (corners, middles) in mesh.hexahedra.iter().zip(&mesh.middles) {
+        for ([a, b], middle) in EDGES.iter().zip(middles) {
+            let [from, to, at] = [corners[*a], corners[*b], *middle].map(|node| mesh.nodes[node as usize]);
+            assert!((0..3).all(|axis| (from[axis] + to[axis] - 2.0 * at[axis]).abs() < 1e-15));
+        }
+    }
+}

@@ -16,7 +16,7 @@ from softfish._errors import InputError
 Unit = Literal["m", "mm"]
 
 #: Solids of meshio, and what is said of those that are not simulated.
-_SOLIDS = {"tetra": 4, "tetra10": 10, "hexahedron": 8}
+_SOLIDS = {"tetra": 4, "tetra10": 10, "hexahedron": 8, "hexahedron20": 20}
 _FLAT = ("vertex", "line", "triangle", "quad", "polygon", "VTK_LAGRANGE_CURVE", "VTK_LAGRANGE_TRIANGLE", "VTK_LAGRANGE_QUAD")
 #: Cell data that hold the region of a cell, by priority: those of `Mesh.read`.
 _TAGS = ("region", "regions", "gmsh:physical", "cellentityids", "medit:ref", "tetgen:ref", "cell_tags", "material", "gmsh:geometrical")
@@ -27,7 +27,7 @@ def _is_millimetres(unit: str) -> bool:
 
 
 class Mesh:
-    """A body at rest: nodes (m), tetrahedra of 4 or 10 nodes or hexahedra of 8, regions and chambers.
+    """A body at rest: nodes (m), tetrahedra of 4 or 10 nodes or hexahedra of 8 or 20, regions and chambers.
 
     Mid-edge nodes are those of the edges 01, 12, 02, 03, 13, 23; hexahedra have the order of VTK. Chambers are the closed
     cavities of tetrahedra, in rising order of their centroids along x, then y, then z.
@@ -45,7 +45,7 @@ class Mesh:
         names: Mapping[int, str] | None = None,
         half: bool = False,
     ) -> None:
-        """From arrays: `nodes` (nodes × 3, m), `elements` (elements × 4, 8 or 10), the tag of each element's region and
+        """From arrays: `nodes` (nodes × 3, m), `elements` (elements × 4, 8, 10 or 20), the tag of each element's region and
         `names` of tags. `half`: the mesh is the half z ≥ 0 of a body that is symmetric about z = 0."""
         self._make(nodes, elements, regions, (names, flag("half", half)), None)
 
@@ -62,8 +62,8 @@ class Mesh:
         cells = integers("elements", elements)
         if points.ndim != 2 or points.shape[1] != 3:
             raise InputError(f"`nodes` has the shape {points.shape}", "it is nodes × 3", "check its axes")
-        if cells.ndim != 2 or cells.shape[1] not in (4, 8, 10) or len(cells) == 0:
-            why = "it is elements × 4 or 10 (tetrahedra) or × 8 (hexahedra)"
+        if cells.ndim != 2 or cells.shape[1] not in (4, 8, 10, 20) or len(cells) == 0:
+            why = "it is elements × 4 or 10 (tetrahedra) or × 8 or 20 (hexahedra)"
             raise InputError(f"`elements` has the shape {cells.shape}", why, "check its axes")
         tags = np.zeros(len(cells), dtype=np.int64) if regions is None else integers("regions", regions)
         if tags.shape != (len(cells),):
@@ -129,7 +129,7 @@ class Mesh:
         cls,
         size: tuple[float, float, float],
         cells: tuple[int, int, int],
-        kind: Literal["linear", "quadratic", "hexahedra"] = "quadratic",
+        kind: Literal["linear", "quadratic", "hexahedra", "quadratic_hexahedra"] = "quadratic",
     ) -> Mesh:
         """A box [0, size] (m) of grid cells, each cut into six tetrahedra, or hexahedra."""
         sides = reals("size", size, (3,)).tolist()
@@ -138,7 +138,7 @@ class Mesh:
         counts = [whole("cells", count, 1, 1 << 20) for count in cells]
         for side in sides:
             within("size", side, 1e-9, 10.0)
-        made = _core.box_mesh((sides[0], sides[1], sides[2]), (counts[0], counts[1], counts[2]), word("kind", kind, ("linear", "quadratic", "hexahedra")))
+        made = _core.box_mesh((sides[0], sides[1], sides[2]), (counts[0], counts[1], counts[2]), word("kind", kind, ("linear", "quadratic", "hexahedra", "quadratic_hexahedra")))
         return cls(made["nodes"].reshape(-1, 3), made["elements"].reshape(-1, made["each"]))
 
     @property
@@ -204,7 +204,7 @@ class Mesh:
         from softfish._optional import optional
 
         elements = self.elements
-        kind = {4: "tetra", 8: "hexahedron", 10: "tetra10"}[elements.shape[1]]
+        kind = {4: "tetra", 8: "hexahedron", 10: "tetra10", 20: "hexahedron20"}[elements.shape[1]]
         data = {} if displacement is None else {"displacement": reals("displacement", displacement, self.nodes.shape)}
         pairs = self._core.region_tags()
         region = np.array([tag for tag, _ in pairs], dtype=np.int64)[self.regions]
@@ -240,7 +240,7 @@ class Mesh:
 
     def __repr__(self) -> str:
         nodes, elements = len(self.nodes), self.elements
-        kind = {4: "tetrahedra", 8: "hexahedra", 10: "tetrahedra"}[elements.shape[1]]
+        kind = {4: "tetrahedra", 8: "hexahedra", 10: "tetrahedra", 20: "hexahedra"}[elements.shape[1]]
         chambers = len(self.chambers)
         size = " × ".join(f"{1e3 * side:.4g}" for side in np.ptp(self.nodes, axis=0))
         return (

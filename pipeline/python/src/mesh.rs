@@ -65,7 +65,7 @@ impl Mesh {
 
     /// A draft in a unit of length (m), checked.
     fn checked(raw: RawMesh, unit: f64, half: bool) -> Result<Self, Diagnostic> {
-        if raw.each == 8 {
+        if is_hexahedral(&raw) {
             let mesh = raw.check_hexahedra(unit, half)?;
             let numbering = mesh.numbering.clone();
             return Ok(Self::with(Kinds::Hexahedra(mesh), numbering));
@@ -83,9 +83,9 @@ impl Mesh {
             }
             Kinds::Hexahedra(mesh) => fem::Mesh {
                 nodes: mesh.nodes.clone(),
-                elements: Elements::Hexahedra(mesh.hexahedra.clone()),
+                elements: hexahedral_elements(mesh),
                 regions: mesh.numbers.clone(),
-                chambers: Vec::new(),
+                chambers: mesh.walls.iter().map(|walls| chamber(walls)).collect(),
                 symmetry_plane_z: mesh.half,
             },
         }
@@ -133,13 +133,14 @@ impl Mesh {
     fn read(py: Python<'_>, path: PathBuf, numbers: (bool, Option<u8>), half: bool) -> PyResult<Self> {
         let (millimetres, order) = numbers;
         watched(py, move |_| {
-            let hexahedra = simulate::raw_mesh(&path).ok().filter(|raw| raw.each == 8);
+            let hexahedra = simulate::raw_mesh(&path).ok().filter(is_hexahedral);
             if let Some(raw) = hexahedra {
                 let of_file = |diagnostic: Diagnostic| refusal(&diagnostic.in_file_unless_named(&path));
-                if order == Some(2) {
-                    let why = "hexahedra of 8 nodes are of first order";
+                let own_order = if raw.each == 8 { 1 } else { 2 };
+                if order.is_some_and(|order| order != own_order) {
+                    let why = format!("its elements of {} nodes are of order {own_order}", raw.each);
                     return Err(refused(
-                        "order is 2 for a file of hexahedra",
+                        format!("order is {} for a file of hexahedra", 3 - own_order),
                         why,
                         "leave order out, or save tetrahedra",
                     ));
@@ -232,7 +233,10 @@ impl Mesh {
             Kinds::Tetrahedra(loaded) => {
                 loaded.cavities.iter().map(|cavity| (cavity.volume, cavity.centroid)).collect()
             }
-            Kinds::Hexahedra(..) => Vec::new(),
+            Kinds::Hexahedra(mesh) => {
+                let pressurised = mesh.chambers.iter().take(mesh.walls.len());
+                pressurised.map(|chamber| (chamber.cavity.volume, chamber.cavity.centroid)).collect()
+            }
         }
     }
 
@@ -278,6 +282,25 @@ fn numbers_below(name: &str, values: &PyReadonlyArray1<'_, i64>, count: usize) -
     }
 }
 
+fn is_hexahedral(raw: &RawMesh) -> bool {
+    [8, 20].contains(&raw.each)
+}
+
+fn hexahedral_elements(mesh: &HexahedralMesh) -> Elements {
+    if mesh.middles.is_empty() {
+        return Elements::Hexahedra(mesh.hexahedra.clone());
+    }
+    let whole = |(corners, middles): (&[u32; 8], &[u32; 12])| {
+        std::array::from_fn(|node| if node < 8 { corners[node] } else { middles[node - 8] })
+    };
+    // length: a quadratic mesh has middles for every element
+    Elements::QuadraticHexahedra(mesh.hexahedra.iter().zip(&mesh.middles).map(whole).collect())
+}
+
+fn chamber(walls: &[[u32; 8]]) -> fem::Chamber {
+    fem::Chamber { faces: fem::Faces::QuadraticQuadrilaterals(walls.to_vec()) }
+}
+
 fn source(millimetres: bool, order: Option<u8>, half: bool) -> Source {
     let order = order.map(|order| if order == 1 { Order::Linear } else { Order::Quadratic });
     let unit = if millimetres { Unit::Mm } else { Unit::M };
@@ -296,11 +319,17 @@ fn loaded(mesh: Source, folder: PathBuf) -> PyResult<Mesh> {
 const LINEAR_CELL: f64 = 3e3;
 const QUADRATIC_CELL: f64 = 6e3;
 const HEXAHEDRON: f64 = 1e3;
+const QUADRATIC_HEXAHEDRON: f64 = 4e3;
 
 /// Makes a box of a size (m) of so many cells.
 type MakeBox = fn([f64; 3], [usize; 3]) -> fem::Mesh;
 
-/// A box [0, size] (m) of `cells` grid cells along each axis: `kind` is `linear`, `quadratic` or `hexahedra`. Returns
+fn quadratic_hexahedra(size: [f64; 3], cells: [usize; 3]) -> fem::Mesh {
+    let place = move |at: [f64; 3]| std::array::from_fn(|axis| size[axis] * at[axis]);
+    fem::box_mesh::quadratic_hexahedra(cells, false, place, |_| Some(0))
+}
+
+/// A box [0, size] (m) of `cells` grid cells along each axis: `kind` is `linear`, `quadratic`, `hexahedra` or `quadratic_hexahedra`. Returns
 /// nodes, elements and the number of nodes of each.
 #[pyfunction]
 pub(crate) fn box_mesh<'py>(
@@ -314,8 +343,9 @@ pub(crate) fn box_mesh<'py>(
         "linear" => (fem::box_mesh::linear, LINEAR_CELL),
         "quadratic" => (fem::box_mesh::quadratic, QUADRATIC_CELL),
         "hexahedra" => (fem::box_mesh::hexahedra, HEXAHEDRON),
+        "quadratic_hexahedra" => (quadratic_hexahedra, QUADRATIC_HEXAHEDRON),
         _ => {
-            let why = "known are linear, quadratic, hexahedra";
+            let why = "known are linear, quadratic, hexahedra, quadratic_hexahedra";
             return Err(refused(format!("there is no mesh of `{kind}`"), why, "name one"));
         }
     };

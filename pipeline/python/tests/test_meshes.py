@@ -13,7 +13,7 @@ import pytest
 import softfish as sf
 from conftest import EXAMPLES
 
-KINDS = ("linear", "quadratic", "hexahedra")
+KINDS = ("linear", "quadratic", "hexahedra", "quadratic_hexahedra")
 SILICONE = sf.Material(2e5, 0.4, 1000.0)
 
 
@@ -149,20 +149,45 @@ def test_a_mesh_of_two_kinds_is_refused() -> None:
     assert len(sf.Mesh.from_meshio(lines).elements) == len(other.elements)
 
 
+@pytest.mark.parametrize("kind, cell, order", [("hexahedra", "hexahedron", 1), ("quadratic_hexahedra", "hexahedron20", 2)])
 @pytest.mark.parametrize("ending", [".vtu", ".msh"])
-def test_a_file_of_hexahedra_is_read_whole(ending: str, tmp_path: Path) -> None:
+def test_a_file_of_hexahedra_is_read_whole(ending: str, kind: str, cell: str, order: int, tmp_path: Path) -> None:
     meshio = pytest.importorskip("meshio")
-    mesh = box("hexahedra")
-    meshio.Mesh(1e3 * mesh.nodes, [("hexahedron", mesh.elements)]).write(tmp_path / f"box{ending}", **({"file_format": "gmsh22", "binary": False} if ending == ".msh" else {}))
+    mesh = box(kind)
+    meshio.Mesh(1e3 * mesh.nodes, [(cell, mesh.elements)]).write(tmp_path / f"box{ending}", **({"file_format": "gmsh22", "binary": False} if ending == ".msh" else {}))
     found = sf.Mesh.read(tmp_path / f"box{ending}", "mm")
     assert np.allclose(found.nodes, mesh.nodes) and np.array_equal(found.elements, mesh.elements)
-    with pytest.raises(sf.InputError, match="first order|order is 2"):
-        sf.Mesh.read(tmp_path / f"box{ending}", "mm", order=2)
+    assert np.array_equal(sf.Mesh.read(tmp_path / f"box{ending}", "mm", order=order).elements, mesh.elements)
+    with pytest.raises(sf.InputError, match=f"order is {3 - order}"):
+        sf.Mesh.read(tmp_path / f"box{ending}", "mm", order=3 - order)
     case = sf.Case.from_toml(
         f'mesh = {{ file = "box{ending}", unit = "mm" }}\nclamp = [{{ plane = {{ x = 0.0 }} }}]\nstatic = {{ levels = [1.0] }}\n'
         '[[region]]\nmaterial = "neo_hookean"\nyoungs_modulus = 1e5\npoissons_ratio = 0.3\ndensity = 1000.0\n', tmp_path)
     with pytest.raises(sf.MeshError, match="hexahedra"):
         case.solver()
+
+
+def hollow_cube(kind: str, cells: int) -> sf.Mesh:
+    """A cube of 30 mm around a cubic cavity of a third of its edge."""
+    cube = sf.Mesh.box((0.03, 0.03, 0.03), (cells, cells, cells), kind)
+    middle = cube.nodes[cube.elements[:, : 4 if "hexa" not in kind else 8]].mean(axis=1)
+    return sf.Mesh(cube.nodes, cube.elements[np.any(np.abs(middle - 0.015) > 0.005, axis=1)])
+
+
+def test_a_cavity_of_quadratic_hexahedra_is_a_chamber_and_swells_as_one_of_tetrahedra() -> None:
+    def swelling(mesh: sf.Mesh) -> float:
+        base = mesh.nodes[:, 2] == 0.0
+        solver = sf.Solver.of_mesh(mesh, sf.Material(2e5, 0.45, 1000.0), base)
+        found = solver.equilibrium(pressure=[2e4])
+        return float(found.displacement[np.all(np.isclose(mesh.nodes, [0.015, 0.015, 0.03]), axis=1), 2][0])
+
+    meshes = [hollow_cube("quadratic_hexahedra", 6), hollow_cube("quadratic", 6)]
+    for mesh in meshes:
+        [(volume, centroid)] = mesh.chambers
+        assert volume == pytest.approx(1e-6) and np.allclose(centroid, 0.015)
+    hexahedra, tetrahedra = (swelling(mesh) for mesh in meshes)
+    assert hexahedra == pytest.approx(tetrahedra, rel=0.02) and hexahedra > 1e-4
+    assert hollow_cube("hexahedra", 3).chambers == [] and "take no pressure" in hollow_cube("hexahedra", 3).notes[0]
 
 
 @pytest.mark.parametrize("make", [

@@ -59,7 +59,7 @@ impl RawMesh {
         if self.is_empty() {
             return Err(MeshDefect::Empty { ignored: self.ignored });
         }
-        if self.each == 8 {
+        if [8, 20].contains(&self.each) {
             return Err(MeshDefect::Hexahedra { count: self.len() });
         }
         self.check_finite()?;

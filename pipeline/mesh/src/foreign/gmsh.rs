@@ -5,7 +5,7 @@
 //! has what stands for it where there is none. The ten nodes of gmsh end with the middles of edges 23 and 13, those of this module with 13 and 23.
 
 use super::gmsh_groups::Groups;
-use super::raw_mesh::{MeshFileError, RawMesh, other_solid, reordered};
+use super::raw_mesh::{MeshFileError, RawMesh, hexahedron_of_gmsh, other_solid, reordered};
 use super::stream::{AGAIN, Form, Stream};
 use super::tokens::{Tokens, short};
 use si::Point3;
@@ -138,7 +138,9 @@ impl<'a> File<'a> {
     ) -> Result<(), MeshFileError> {
         let lowest = tags.iter().min().copied().unwrap_or(0);
         let placed = match (dimension, nodes.len()) {
-            (3, _) => return self.placed(raw.tetrahedron(label, &reordered(nodes, &PLACES), lowest)),
+            (3, _) => {
+                return self.placed(raw.tetrahedron(label, &hexahedron_of_gmsh(&reordered(nodes, &PLACES)), lowest));
+            }
             (2, 3 | 6) => tags.iter().try_for_each(|tag| raw.triangle(nodes, *tag)),
             _ => Ok(()),
         };
@@ -192,10 +194,11 @@ impl<'a> File<'a> {
             5 | 16 => 8,
             10 => 9,
             11 | 21 => 10,
+            17 => 20,
             _ => 0,
         };
         match (dimension, kind) {
-            (3, 4 | 5 | 11) => Ok(count),
+            (3, 4 | 5 | 11 | 17) => Ok(count),
             (0..=2, _) if count > 0 => Ok(count),
             _ => Err(self.from.tokens.place(other_solid(&format!("elements of gmsh's type {kind}")))),
         }

@@ -1,9 +1,11 @@
-//! Raw meshes of 8-node hexahedra: the checks of tetrahedra, on the sides of a cube.
+//! Raw meshes of hexahedra of 8 or 20 nodes: the checks of tetrahedra, on the sides of a cube.
 //!
-//! Nodes are in the order of VTK: four corners of one side, counterclockwise as seen from the inside, then those of the opposite side.
+//! Nodes are in the order of VTK: four corners of one side, counterclockwise as seen from the inside, then those of the opposite side; a
+//! quadratic element then has the nodes between the ends of [`EDGES`], in their order.
 
 use super::check::Region;
 use super::defect::MeshDefect;
+use super::hexahedral_chambers::{HexahedralChamber, rising};
 use super::raw_mesh::RawMesh;
 use si::vec3::{add, cross, dot, norm, scale, sub};
 use si::{CubicMetre, Metre, Point3};
@@ -13,8 +15,8 @@ use std::collections::HashMap;
 const FLATTEST: f64 = 1e-7;
 /// Corners of the sides of a cube, normals to its outside.
 pub const SIDES: [[usize; 4]; 6] = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
-/// Edges of a cube.
-const EDGES: [[usize; 2]; 12] =
+/// Edges of a cube, in the order of VTK.
+pub const EDGES: [[usize; 2]; 12] =
     [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]];
 /// Corners of the cube [0, 1]³.
 const CORNERS: [[f64; 3]; 8] = [
@@ -37,14 +39,20 @@ pub struct HexahedralMesh {
     pub nodes: Vec<Point3>,
     /// Node numbers.
     pub hexahedra: Vec<[u32; 8]>,
+    /// The nodes between the corners of each quadratic element; empty of the first order.
+    pub middles: Vec<[u32; 12]>,
     /// The number of each element's region.
     pub numbers: Vec<u16>,
     /// Tags and names of the regions.
     pub regions: Vec<Region>,
     /// Whether it is the half z ≥ 0 of a symmetric body.
     pub half: bool,
-    /// Sides that belong to one element alone, normals out of the solid.
+    /// Corners of the sides that belong to one element alone, normals out of the solid; without those of chambers.
     pub skin: Vec<[u32; 4]>,
+    /// Closed cavities.
+    pub chambers: Vec<HexahedralChamber>,
+    /// The sides of each chamber with the nodes between their corners; empty of the first order.
+    pub walls: Vec<Vec<[u32; 8]>>,
     /// For each node of the file its number here; `u32::MAX` where no element uses it.
     pub numbering: Vec<u32>,
     /// What was repaired.
@@ -60,7 +68,7 @@ impl RawMesh {
     /// # Errors
     /// [`MeshDefect`], which names the node, element, face or edge.
     pub fn check_hexahedra(mut self, unit: Metre, half: bool) -> Result<HexahedralMesh, MeshDefect> {
-        if self.is_empty() || self.each != 8 {
+        if self.is_empty() || ![8, 20].contains(&self.each) {
             return Err(MeshDefect::Empty { ignored: self.ignored });
         }
         self.check_finite()?;
@@ -82,8 +90,29 @@ impl RawMesh {
         }
         let (regions, numbers) = self.regions(&volumes)?;
         let skin = skin.into_iter().filter(|face| !(half && on_plane(face))).collect();
-        let hexahedra = self.corners.as_chunks::<8>().0.to_vec();
-        Ok(HexahedralMesh { nodes: self.nodes, hexahedra, numbers, regions, half, skin, numbering, notes })
+        let (skin, chambers) = self.divide_skin(skin, half);
+        let quadratic = self.each == 20;
+        if !quadratic && !chambers.is_empty() {
+            notes.push("sides of 8-node hexahedra take no pressure; save the mesh with 20 nodes for that".to_owned());
+        }
+        let walls = if quadratic { self.walls(&chambers) } else { Vec::new() };
+        let elements = (0..self.len()).map(|element| self.element(element));
+        let hexahedra = elements.clone().map(|nodes| std::array::from_fn(|corner| nodes[corner])).collect();
+        let middles = elements.filter(|_| quadratic).map(|nodes| std::array::from_fn(|edge| nodes[8 + edge])).collect();
+        let nodes = self.nodes;
+        Ok(HexahedralMesh {
+            nodes,
+            hexahedra,
+            middles,
+            numbers,
+            regions,
+            half,
+            skin,
+            chambers,
+            walls,
+            numbering,
+            notes,
+        })
     }
 
     /// Turns all elements over when all are left-handed.
@@ -91,9 +120,14 @@ impl RawMesh {
         if !(0..self.len()).all(|element| volume_and_least(&self.places(element)).0 < 0.0) {
             return None;
         }
-        for nodes in self.corners.chunks_exact_mut(8) {
-            let (one, other) = nodes.split_at_mut(4);
-            one.swap_with_slice(other);
+        // length: an element has 8 nodes, or 20
+        for nodes in self.corners.chunks_exact_mut(self.each) {
+            let (corners, middles) = nodes.split_at_mut(8);
+            let (lower, upper) = corners.split_at_mut(4);
+            lower.swap_with_slice(upper);
+            if let Some((lower, upright)) = middles.split_at_mut_checked(4) {
+                lower.swap_with_slice(&mut upright[..4]);
+            }
         }
         Some("the file's elements are left-handed; their nodes are reordered".to_owned())
     }
@@ -146,6 +180,18 @@ impl RawMesh {
         free.sort_unstable_by_key(|side| (side.1, side.2));
         let faces: Vec<[u32; 4]> = free.iter().map(|side| self.side(side.1 as usize, side.2.into())).collect();
         self.check_closed(&faces, half).map(|()| faces)
+    }
+
+    /// Sides of chambers with the nodes between their corners.
+    fn walls(&self, chambers: &[HexahedralChamber]) -> Vec<Vec<[u32; 8]>> {
+        let middles = self.middles();
+        let whole = |side: &[u32; 4]| {
+            std::array::from_fn(|k| match k {
+                0..4 => side[k],
+                _ => middles[&rising([side[k - 4], side[(k - 3) % 4]])],
+            })
+        };
+        chambers.iter().map(|chamber| chamber.sides.iter().map(whole).collect()).collect()
     }
 
     fn side(&self, element: usize, side: usize) -> [u32; 4] {

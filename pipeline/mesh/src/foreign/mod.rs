@@ -4,7 +4,7 @@
 //! and binary), [`vtu`] (VTK's unstructured grid, in all its encodings but lz4 and lzma), [`vtk`] (its legacy form), [`medit`] (`.mesh`, text), [`tetgen`]
 //! (`.node` and `.ele`). [`RawMesh::check`] makes it a [`ForeignMesh`], or returns its first [`MeshDefect`].
 //!
-//! [`RawMesh::check_hexahedra`] does the same for 8-node hexahedra, which `.msh` and `.vtu` may hold in the place of tetrahedra.
+//! [`RawMesh::check_hexahedra`] does the same for hexahedra of 8 or 20 nodes, which `.msh` and `.vtu` may hold in the place of tetrahedra.
 //!
 //! In a [`RawMesh`], ten-node elements have the mid-edge nodes of 01, 12, 02, 03, 13, 23, whatever the file's own order.
 
@@ -17,6 +17,7 @@ mod gmsh_entities;
 mod gmsh_groups;
 mod gmsh_legacy;
 mod hexahedra;
+mod hexahedral_chambers;
 mod jacobian;
 mod medit;
 mod raw_mesh;
@@ -35,6 +36,7 @@ pub use check::{ForeignMesh, Region};
 pub use defect::MeshDefect;
 pub use gmsh::gmsh;
 pub use hexahedra::HexahedralMesh;
+pub use hexahedral_chambers::HexahedralChamber;
 pub use medit::medit;
 pub use raw_mesh::{MeshFileError, RawMesh};
 pub use surfaces::{NamedSurface, surface};

@@ -69,7 +69,7 @@ impl RawMesh {
         self.node_labels.push(label);
     }
 
-    /// Adds a tetrahedron of 4 or 10 nodes, or a hexahedron of 8.
+    /// Adds a tetrahedron of 4 or 10 nodes, or a hexahedron of 8 or 20.
     ///
     /// # Errors
     /// [`MeshFileError`] when those before it have another number of nodes, or a node is not there.
@@ -79,7 +79,7 @@ impl RawMesh {
             return Err(MeshFileError::new(
                 what,
                 "a mesh has elements of one kind and order",
-                "save it with 4-node tetrahedra, with 10-node ones or with 8-node hexahedra alone",
+                "save it with tetrahedra of 4 or of 10 nodes, or with hexahedra of 8 or of 20, alone",
             ));
         }
         self.known(nodes, &|| format!("element {label}"))?;
@@ -133,6 +133,14 @@ pub(super) fn other_solid(name: &str) -> MeshFileError {
         "tetrahedra of 4 or 10 nodes are simulated",
         "mesh the solid with tetrahedra of order 1 or 2",
     )
+}
+
+/// The places in gmsh's files of the 20 nodes of a hexahedron in the order of VTK.
+const HEXAHEDRON_PLACES: [usize; 20] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15];
+
+/// The nodes of an element of gmsh in the order of this module, where they are 20.
+pub(super) fn hexahedron_of_gmsh(nodes: &[u32]) -> Vec<u32> {
+    if nodes.len() == 20 { HEXAHEDRON_PLACES.iter().map(|&place| nodes[place]).collect() } else { nodes.to_vec() }
 }
 
 /// Ten nodes in the order of this module: the file's places of corners and of the middles of 01, 12, 02, 03, 13, 23.

@@ -1,0 +1,83 @@
+//! Chambers of a body of hexahedra: the closed cavities of its skin.
+
+use super::hexahedra::EDGES;
+use super::raw_mesh::RawMesh;
+use crate::cavities::{Cavity, cavity, moment_and_volume};
+use crate::surface::components;
+use si::Point3;
+use si::vec3::add;
+use std::collections::HashMap;
+
+/// A cavity with its walls.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HexahedralChamber {
+    /// Volume and centroid, of the polyhedron of its corners.
+    pub cavity: Cavity,
+    /// Corners of its sides, normals out of the solid.
+    pub sides: Vec<[u32; 4]>,
+}
+
+impl RawMesh {
+    /// Divides the free sides into the outer skin and the walls of cavities, which are ordered by their centroids along x, y, z.
+    pub(super) fn divide_skin(&self, skin: Vec<[u32; 4]>, half: bool) -> (Vec<[u32; 4]>, Vec<HexahedralChamber>) {
+        let (component_of, count) = components(skin.len(), shared_edges(&skin).into_iter());
+        let mut parts: Vec<Vec<[u32; 4]>> = vec![Vec::new(); count as usize];
+        skin.into_iter().zip(component_of).for_each(|(side, part)| parts[part as usize].push(side));
+        let (mut outer, mut chambers) = (Vec::new(), Vec::new());
+        for sides in parts {
+            let cavity = self.enclosed(&sides, half);
+            match cavity.volume > 0.0 {
+                true => chambers.push(HexahedralChamber { cavity, sides }),
+                false => outer.extend(sides),
+            }
+        }
+        let along = |chamber: &HexahedralChamber, axis: usize| chamber.cavity.centroid[axis];
+        chambers.sort_by(|a, b| {
+            (0..3).fold(std::cmp::Ordering::Equal, |order, k| order.then(along(a, k).total_cmp(&along(b, k))))
+        });
+        (outer, chambers)
+    }
+
+    /// What sides enclose on the side to which their normals point; negative for the outer skin.
+    fn enclosed(&self, sides: &[[u32; 4]], half: bool) -> Cavity {
+        let (mut moment, mut volume, mut cut) = ([0.0; 3], 0.0, false);
+        for side in sides {
+            let [a, b, c, d]: [Point3; 4] = side.map(|node| self.nodes[node as usize]);
+            for triangle in [[a, b, c], [a, c, d]] {
+                let part = moment_and_volume(&triangle);
+                (moment, volume) = (add(moment, part.0), volume + part.1);
+            }
+            cut |= half && [a, b, c, d].iter().any(|place| place[2] == 0.0);
+        }
+        cavity(moment, volume, cut)
+    }
+
+    /// The node between the two ends of each edge of quadratic elements, by the edge's ends in rising order.
+    pub(super) fn middles(&self) -> HashMap<[u32; 2], u32> {
+        let edges = (0..self.len()).flat_map(|element| {
+            let nodes = self.element(element);
+            EDGES.iter().zip(&nodes[8..]).map(|(&[a, b], &middle)| (rising([nodes[a], nodes[b]]), middle))
+        });
+        edges.collect()
+    }
+}
+
+/// Two node numbers in rising order.
+pub(super) fn rising([a, b]: [u32; 2]) -> [u32; 2] {
+    [a.min(b), a.max(b)]
+}
+
+/// Pairs of sides with a common edge.
+fn shared_edges(sides: &[[u32; 4]]) -> Vec<[u32; 2]> {
+    let mut side_at: HashMap<[u32; 2], u32> = HashMap::new();
+    let mut pairs = Vec::new();
+    for (number, side) in sides.iter().enumerate() {
+        for k in 0..4 {
+            match side_at.insert(rising([side[k], side[(k + 1) % 4]]), number as u32) {
+                Some(other) => pairs.push([other, number as u32]),
+                None => {}
+            }
+        }
+    }
+    pairs
+}
