@@ -111,7 +111,7 @@ class Equilibrium:
         iterations: Newton iterations over all load steps.
         factorisations: Factorisations over all load steps.
         residual: Norm of the unbalanced force over that of the elastic force.
-        snap_through: Load factors at which the body snapped through.
+        snap_through: Load factors at which tangents on the way were not positive definite; `path()` says whether equilibria are unstable.
     """
 
     pressures: Array

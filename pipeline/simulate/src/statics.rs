@@ -149,12 +149,18 @@ fn frame<'a>(displacement: &'a [f64], solver: &'a Solver) -> Frame<'a> {
 fn said(level: f64, found: &Equilibrium) -> String {
     let moved = found.displacement.chunks_exact(3).map(|u| u[0].hypot(u[1]).hypot(u[2])).fold(0.0, f64::max);
     let Equilibrium { iterations, residual, .. } = found;
-    let snapped = match found.snap_through.last() {
-        Some(part) => format!("; it snapped at {:.1} % of this level", 100.0 * part),
+    // An iterate without stability is none of the body's equilibria: whether those lost theirs only a path along them can say.
+    let unstable = match found.snap_through.last() {
+        Some(part) => {
+            let reached = 100.0 * part;
+            format!(
+                "; the search met unstable shapes at {reached:.1} % of this level, [static] arc_length says whether equilibria are"
+            )
+        }
         None => String::new(),
     };
     format!(
-        "level {level}: moved {:.4} mm at most, {iterations} iterations, residual {residual:.1e}{snapped}",
+        "level {level}: moved {:.4} mm at most, {iterations} iterations, residual {residual:.1e}{unstable}",
         1e3 * moved
     )
 }
