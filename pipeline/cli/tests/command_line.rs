@@ -22,3 +22,16 @@ fn the_command_line_writes_where_it_is_told_and_fails_with_the_fault() {
     assert_eq!(lost.status.code(), Some(1));
     assert!(said.starts_with("error: nowhere.toml: the file cannot be used"), "{said}");
 }
+
+#[test]
+fn a_body_that_is_stable_throughout_is_not_said_to_snap() {
+    let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("stable_finger");
+    let _ = std::fs::remove_dir_all(&out);
+    let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/stable_finger.toml");
+    let arguments = ["simulate", case.to_str().unwrap(), "--out", out.to_str().unwrap()];
+    let done = std::process::Command::new(env!("CARGO_BIN_EXE_study")).args(arguments).output().unwrap();
+    let lines = String::from_utf8(done.stderr).unwrap();
+    // the iterates of its last level were not, which is all that this search can know
+    assert!(done.status.success() && lines.contains("level 1: moved"), "{lines}");
+    assert!(lines.contains("the search met unstable shapes") && !lines.contains("snapped"), "{lines}");
+}
