@@ -18,13 +18,13 @@ use workflow::snakemake::{self, Export, Workflow};
 static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
 
 fn main() -> ExitCode {
-    processor::run(program)
+    processor::run(run_program)
 }
 
-fn program() -> ExitCode {
+fn run_program() -> ExitCode {
     let cli = Cli::parse();
     next_move::repeat_options(&place_options(&cli.place));
-    match threads(cli.place.threads).and_then(|()| run(&cli)) {
+    match set_threads(cli.place.threads).and_then(|()| run_command(&cli)) {
         Ok(true) if !output::failed() => ExitCode::SUCCESS,
         Ok(_) => ExitCode::FAILURE,
         Err(diagnostic) => {
@@ -43,13 +43,13 @@ fn place_options(place: &Place) -> Vec<(&str, &str)> {
 }
 
 /// Sets the number of threads of all parallel loops.
-fn threads(number: Option<usize>) -> Result<()> {
+fn set_threads(number: Option<usize>) -> Result<()> {
     Ok(number.map_or(Ok(()), |number| rayon::ThreadPoolBuilder::new().num_threads(number).build_global())?)
 }
 
 /// Runs the command; returns whether all of it succeeded.
-fn run(cli: &Cli) -> Result<bool> {
-    let open = || open(&cli.place);
+fn run_command(cli: &Cli) -> Result<bool> {
+    let open = || open_study(&cli.place);
     match &cli.command {
         Command::Init { name } => {
             output::line(cli::init::run(&cli.place.root, cli.place.profile.into(), name)?);
@@ -70,12 +70,12 @@ fn run(cli: &Cli) -> Result<bool> {
             }
             let summary = study::run(&runner, &goal, *fresh)?;
             study::page(&runner)?;
-            Ok(report_beside(&diagnostics, specimen.as_deref()) & summary.is_complete())
+            Ok(print_others(&diagnostics, specimen.as_deref()) & summary.is_complete())
         }
         Command::Fig { name } | Command::Table { name } => {
             let (runner, diagnostics) = open()?;
             let goal = Goal { entries: vec![name.clone()], group: None };
-            Ok(report(&diagnostics) & study::run(&runner, &goal, false)?.is_complete())
+            Ok(print_diagnostics(&diagnostics) & study::run(&runner, &goal, false)?.is_complete())
         }
         Command::Make { records } => {
             let (runner, diagnostics) = open()?;
@@ -86,29 +86,29 @@ fn run(cli: &Cli) -> Result<bool> {
             let (runner, diagnostics) = open()?;
             let goal = Goal { entries: names.clone(), group: None };
             output::line(study::publish(&runner, &goal)?.display());
-            Ok(report(&diagnostics))
+            Ok(print_diagnostics(&diagnostics))
         }
         Command::Page => {
             let (runner, diagnostics) = open()?;
             output::line(study::page(&runner)?.display());
             let outdated = study::outdated(&runner)?;
             publish::outdated::in_words(&outdated).iter().for_each(output::line);
-            Ok(report(&diagnostics) & outdated.is_empty())
+            Ok(print_diagnostics(&diagnostics) & outdated.is_empty())
         }
         Command::Plan { names, specimen, graph, schedule } => {
             let (runner, diagnostics) = open()?;
             study::readable(&diagnostics, specimen.as_deref())?;
             let goal = Goal { entries: names.clone(), group: specimen.clone() };
             match schedule.is_empty() {
-                true => plan(&runner, &goal, graph.as_ref())?,
+                true => print_plan(&runner, &goal, graph.as_ref())?,
                 false => output::line(runner.schedule(&goal, schedule)?),
             }
-            Ok(report_beside(&diagnostics, specimen.as_deref()))
+            Ok(print_others(&diagnostics, specimen.as_deref()))
         }
         Command::Why { name } => {
             let (runner, diagnostics) = open()?;
             output::line(runner.why(name)?);
-            Ok(report(&diagnostics))
+            Ok(print_diagnostics(&diagnostics))
         }
         Command::Simulate { case, out, budget } => {
             let (out, budget) = (out.clone(), (*budget).into());
@@ -128,8 +128,8 @@ fn run(cli: &Cli) -> Result<bool> {
         }
         Command::Fetch { page } => {
             let page = sysid::free_vibration::page(&cli.place.root, page);
-            for place in sysid::free_vibration::fetch(&cli.place.root, &page)? {
-                output::line(place.display());
+            for recording in sysid::free_vibration::fetch(&cli.place.root, &page)? {
+                output::line(recording.display());
             }
             Ok(true)
         }
@@ -139,7 +139,7 @@ fn run(cli: &Cli) -> Result<bool> {
             Ok(true)
         }
         Command::Calibrate(asked) => {
-            let request = calibration(asked);
+            let request = calibration_request(asked);
             let camera = instruments::calibrate::camera(&request, None)?;
             output::line(camera.summary(&request.out.unwrap_or_default()));
             Ok(true)
@@ -153,19 +153,19 @@ fn run(cli: &Cli) -> Result<bool> {
         }
         Command::Check { what: None, junit } => {
             let (runner, diagnostics) =
-                study::open_without_specimens(&cli.place.root, cli.place.profile.into(), options(&cli.place))?;
-            Ok(check(&runner, junit.as_deref())? & report(&diagnostics))
+                study::open_without_specimens(&cli.place.root, cli.place.profile.into(), runner_options(&cli.place))?;
+            Ok(check_records(&runner, junit.as_deref())? & print_diagnostics(&diagnostics))
         }
         Command::Check { what: Some(Checked::Gradients { cases, steps }), .. } => {
             check_gradients(&cli.place.root, cases, *steps, cli.place.quiet)
         }
         Command::Paper => {
             let (runner, diagnostics) = open()?;
-            let place = study::paper(&runner)?;
+            let pdf_path = study::paper(&runner)?;
             if !cli.place.quiet {
-                output::line(runner.folders.display(&place));
+                output::line(runner.folders.display(&pdf_path));
             }
-            Ok(report(&diagnostics))
+            Ok(print_diagnostics(&diagnostics))
         }
         Command::Export { what: Exported::Snakemake { folder, only, marks } } => {
             let (runner, diagnostics) = open()?;
@@ -175,17 +175,17 @@ fn run(cli: &Cli) -> Result<bool> {
                 _ => {
                     let (folder, program) = (folder.clone(), std::env::current_exe()?);
                     let Workflow { folder, kept } = snakemake::export(&runner, &Export { folder, program, goal })?;
-                    exported(&folder, &kept);
+                    print_export(&folder, &kept);
                 }
             }
-            Ok(report(&diagnostics))
+            Ok(print_diagnostics(&diagnostics))
         }
         Command::Export { what: Exported::Twin { name, folder } } => {
             let (runner, diagnostics) = open()?;
             study::readable(&diagnostics, Some(name))?;
             let ExportedTwin { folder, kept } = cli::twin::export(&runner, name, folder.as_deref())?;
-            exported(&folder, &kept);
-            Ok(report(&diagnostics))
+            print_export(&folder, &kept);
+            Ok(print_diagnostics(&diagnostics))
         }
         Command::List => {
             output::text(study::description());
@@ -194,7 +194,7 @@ fn run(cli: &Cli) -> Result<bool> {
     }
 }
 
-fn calibration(asked: &CalibrateCamera) -> instruments::calibrate::Request {
+fn calibration_request(asked: &CalibrateCamera) -> instruments::calibrate::Request {
     instruments::calibrate::Request {
         source: asked.source.clone(),
         size: [asked.columns, asked.rows],
@@ -207,22 +207,22 @@ fn calibration(asked: &CalibrateCamera) -> instruments::calibrate::Request {
 }
 
 /// Prints where an export lies and what of it was kept.
-fn exported(folder: &Path, kept: &[PathBuf]) {
+fn print_export(folder: &Path, kept: &[PathBuf]) {
     kept.iter().for_each(|path| output::note(format_args!("kept as it was edited: {}", path.display())));
     output::line(folder.display());
 }
 
-fn options(place: &Place) -> Options {
+fn runner_options(place: &Place) -> Options {
     let Place { quiet, jobs, memory, keep_going, min_free_memory, .. } = *place;
     Options { quiet, jobs, memory, keep_going, min_free_memory }
 }
 
-fn open(place: &Place) -> Result<(Runner, Vec<Diagnostic>)> {
-    study::open(&place.root, place.profile.into(), options(place))
+fn open_study(place: &Place) -> Result<(Runner, Vec<Diagnostic>)> {
+    study::open(&place.root, place.profile.into(), runner_options(place))
 }
 
 /// Prints the plan, as a list or a tree, or draws it.
-fn plan(runner: &Runner, goal: &Goal, graph: Option<&Option<PathBuf>>) -> Result<()> {
+fn print_plan(runner: &Runner, goal: &Goal, graph: Option<&Option<PathBuf>>) -> Result<()> {
     match graph {
         None => output::line(runner.plan(goal)?),
         Some(None) => output::line(runner.tree(goal)?),
@@ -233,7 +233,7 @@ fn plan(runner: &Runner, goal: &Goal, graph: Option<&Option<PathBuf>>) -> Result
     Ok(())
 }
 
-fn check(runner: &Runner, junit: Option<&Path>) -> Result<bool> {
+fn check_records(runner: &Runner, junit: Option<&Path>) -> Result<bool> {
     let checked = study::check(runner)?;
     if let Some(file) = junit {
         let written = std::fs::write(file, &checked.junit);
@@ -266,15 +266,15 @@ fn check_gradients(root: &Path, cases: &[PathBuf], steps: usize, quiet: bool) ->
 }
 
 /// Prints the diagnostics; returns whether there was none.
-fn report(diagnostics: &[Diagnostic]) -> bool {
+fn print_diagnostics(diagnostics: &[Diagnostic]) -> bool {
     diagnostics.iter().for_each(|diagnostic| output::note(format_args!("error: {diagnostic}")));
     diagnostics.is_empty()
 }
 
 /// The same where one specimen was asked for, whose own card could be read: the cards of others are mentioned and stop nothing.
-fn report_beside(diagnostics: &[Diagnostic], specimen: Option<&str>) -> bool {
+fn print_others(diagnostics: &[Diagnostic], specimen: Option<&str>) -> bool {
     if specimen.is_none() {
-        return report(diagnostics);
+        return print_diagnostics(diagnostics);
     }
     diagnostics.iter().for_each(|diagnostic| output::note(format_args!("another specimen is left out: {diagnostic}")));
     true

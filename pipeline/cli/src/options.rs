@@ -32,20 +32,20 @@ pub struct Place {
     #[arg(long, global = true)]
     pub quiet: bool,
     /// Number of records made in parallel; as many as there are cores and as memory permits when not given.
-    #[arg(long, global = true, value_parser = count(1..=1024))]
+    #[arg(long, global = true, value_parser = count_parser(1..=1024))]
     pub jobs: Option<usize>,
     /// Threads of the parallel loops of all records together; one a core when not given.
-    #[arg(long, global = true, value_parser = count(1..=1024))]
+    #[arg(long, global = true, value_parser = count_parser(1..=1024))]
     pub threads: Option<usize>,
     /// Memory that the records made in parallel may use together, GiB; what is free at the start when not given. A record counts with the
     /// peak that was measured of its stage.
-    #[arg(long, global = true, value_name = "GIB", value_parser = between(0.0, 1e6))]
+    #[arg(long, global = true, value_name = "GIB", value_parser = number_parser(0.0, 1e6))]
     pub memory: Option<f64>,
     /// After an error, make everything that does not depend on what failed.
     #[arg(long, global = true)]
     pub keep_going: bool,
     /// Start no further record while less memory is free, GiB; also what a record counts with before its stage was measured.
-    #[arg(long, global = true, value_name = "GIB", default_value_t = study::MIN_FREE_MEMORY, value_parser = between(0.0, 1e6))]
+    #[arg(long, global = true, value_name = "GIB", default_value_t = study::MIN_FREE_MEMORY, value_parser = number_parser(0.0, 1e6))]
     pub min_free_memory: f64,
 }
 
@@ -98,7 +98,7 @@ pub enum Command {
         #[arg(long, value_name = "FILE.svg", num_args = 0..=1, require_equals = true)]
         graph: Option<Option<PathBuf>>,
         /// Show instead how long everything would take with so many workers, from the durations of the records as they were made.
-        #[arg(long, value_name = "WORKERS", value_delimiter = ',', conflicts_with = "graph", value_parser = count(1..=1024))]
+        #[arg(long, value_name = "WORKERS", value_delimiter = ',', conflicts_with = "graph", value_parser = count_parser(1..=1024))]
         schedule: Vec<usize>,
     },
     /// Report the inputs of each record of a stage.
@@ -188,13 +188,13 @@ pub struct CalibrateCamera {
     /// The film, or a folder of PNG or JPEG pictures.
     pub source: PathBuf,
     /// Squares of the board along its first axis, or dots.
-    #[arg(long, value_parser = count(3..=100))]
+    #[arg(long, value_parser = count_parser(3..=100))]
     pub columns: usize,
     /// Squares along the second axis, or dots.
-    #[arg(long, value_parser = count(3..=100))]
+    #[arg(long, value_parser = count_parser(3..=100))]
     pub rows: usize,
     /// Side of a square, or distance of the dots' middles, m.
-    #[arg(long, value_parser = between(1e-3, 1.0))]
+    #[arg(long, value_parser = number_parser(1e-3, 1.0))]
     pub square: f64,
     /// The board has dots.
     #[arg(long)]
@@ -203,7 +203,7 @@ pub struct CalibrateCamera {
     #[arg(long)]
     pub fisheye: bool,
     /// Of a film, use one frame in so many.
-    #[arg(long, default_value_t = 10, value_parser = count(1..=1000))]
+    #[arg(long, default_value_t = 10, value_parser = count_parser(1..=1000))]
     pub every: usize,
     /// Folder for the results, instead of SOURCE.camera beside it.
     #[arg(long)]
@@ -224,19 +224,19 @@ pub struct TrackFilm {
     #[arg(long)]
     pub last: Option<usize>,
     /// A marker in the first frame, px: `--at 512,360`; once for each marker.
-    #[arg(long, value_name = "U,V", value_parser = pair, required_unless_present = "find")]
+    #[arg(long, value_name = "U,V", value_parser = parse_pair, required_unless_present = "find")]
     pub at: Vec<[f64; 2]>,
     /// Detect this number of markers: the most distinct dark spots, from left to right.
-    #[arg(long, value_name = "COUNT", conflicts_with = "at", value_parser = count(1..=1000))]
+    #[arg(long, value_name = "COUNT", conflicts_with = "at", value_parser = count_parser(1..=1000))]
     pub find: Option<usize>,
     /// Region of detection, px: left,top,right,bottom; the whole picture when not given.
-    #[arg(long, value_name = "L,T,R,B", value_parser = four, requires = "find")]
+    #[arg(long, value_name = "L,T,R,B", value_parser = parse_four, requires = "find")]
     pub region: Option<[f64; 4]>,
     /// Radius of the disc that holds a marker and a margin of light ground, px.
-    #[arg(long, default_value_t = 18.0, value_parser = between(track::klt::LEAST_RADIUS, 1000.0))]
+    #[arg(long, default_value_t = 18.0, value_parser = number_parser(track::klt::LEAST_RADIUS, 1000.0))]
     pub radius: f64,
     /// Longest occlusion of a marker, s.
-    #[arg(long, default_value_t = 0.5, value_parser = between(0.0, 3600.0))]
+    #[arg(long, default_value_t = 0.5, value_parser = number_parser(0.0, 3600.0))]
     pub hidden: f64,
     /// Also write the film with its tracks drawn over it.
     #[arg(long)]
@@ -247,35 +247,35 @@ pub struct TrackFilm {
 }
 
 /// A whole number within a range.
-fn count(range: std::ops::RangeInclusive<u64>) -> RangedU64ValueParser<usize> {
+fn count_parser(range: std::ops::RangeInclusive<u64>) -> RangedU64ValueParser<usize> {
     RangedU64ValueParser::new().range(range)
 }
 
 /// A number from `low` to `high`.
-fn between(low: f64, high: f64) -> impl Fn(&str) -> Result<f64, String> + Clone {
+fn number_parser(low: f64, high: f64) -> impl Fn(&str) -> Result<f64, String> + Clone {
     move |text| {
         let number: f64 = text.trim().parse().map_err(|e| format!("`{text}` is not a number: {e}"))?;
-        let refused = || format!("{text} is not in {low}..={high}");
-        (low..=high).contains(&number).then_some(number).ok_or_else(refused)
+        let out_of_range = || format!("{text} is not in {low}..={high}");
+        (low..=high).contains(&number).then_some(number).ok_or_else(out_of_range)
     }
 }
 
-fn pair(text: &str) -> Result<[f64; 2], String> {
-    numbers(text)
+fn parse_pair(text: &str) -> Result<[f64; 2], String> {
+    parse_numbers(text)
 }
 
-fn four(text: &str) -> Result<[f64; 4], String> {
-    numbers(text)
+fn parse_four(text: &str) -> Result<[f64; 4], String> {
+    parse_numbers(text)
 }
 
 /// `N` numbers between commas.
-fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
-    let read: Result<Vec<f64>, _> = text.split(',').map(|word| word.trim().parse()).collect();
-    let read = read.map_err(|e| format!("`{text}` is not {N} numbers between commas: {e}"))?;
-    if read.iter().any(|number| !number.is_finite()) {
+fn parse_numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+    let values: Result<Vec<f64>, _> = text.split(',').map(|word| word.trim().parse()).collect();
+    let values = values.map_err(|e| format!("`{text}` is not {N} numbers between commas: {e}"))?;
+    if values.iter().any(|number| !number.is_finite()) {
         return Err(format!("`{text}` holds a number that is not finite"));
     }
-    read.try_into().map_err(|_| format!("`{text}` is not {N} numbers between commas"))
+    values.try_into().map_err(|_| format!("`{text}` is not {N} numbers between commas"))
 }
 
 /// Checks beside the numbers.
@@ -287,7 +287,7 @@ pub enum Checked {
         /// with the project when none is named.
         cases: Vec<PathBuf>,
         /// Number of time steps of a motion.
-        #[arg(long, default_value_t = 12, value_parser = count(1..=10_000))]
+        #[arg(long, default_value_t = 12, value_parser = count_parser(1..=10_000))]
         steps: usize,
     },
 }
@@ -296,13 +296,13 @@ pub enum Checked {
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub struct Limits {
     /// Newton iterations of a level or time step at most [default: 250].
-    #[arg(long, value_parser = count(1..=1_000_000_000))]
+    #[arg(long, value_parser = count_parser(1..=1_000_000_000))]
     max_iterations: Option<usize>,
     /// Halvings of a load step at most [default: 40].
-    #[arg(long, value_parser = count(0..=10_000))]
+    #[arg(long, value_parser = count_parser(0..=10_000))]
     max_cutbacks: Option<usize>,
     /// Seconds of the whole case at most [default: no limit].
-    #[arg(long, value_parser = between(1e-3, 1e7))]
+    #[arg(long, value_parser = number_parser(1e-3, 1e7))]
     timeout: Option<f64>,
 }
 
@@ -365,16 +365,16 @@ mod tests {
 
     #[test]
     fn numbers_between_commas_are_as_many_as_asked_and_finite() {
-        assert_eq!(four("1, 2.5,-3,4e2"), Ok([1.0, 2.5, -3.0, 400.0]));
-        assert_eq!(pair("0.5,2"), Ok([0.5, 2.0]));
+        assert_eq!(parse_four("1, 2.5,-3,4e2"), Ok([1.0, 2.5, -3.0, 400.0]));
+        assert_eq!(parse_pair("0.5,2"), Ok([0.5, 2.0]));
         for (text, said) in [("1,2,3", "not 4 numbers"), ("1,2,x,4", "not 4 numbers"), ("1,2,3,inf", "not finite")] {
-            assert!(four(text).is_err_and(|why| why.contains(said)), "{text}");
+            assert!(parse_four(text).is_err_and(|why| why.contains(said)), "{text}");
         }
     }
 
     #[test]
     fn a_number_is_refused_outside_of_its_range_alone() {
-        let read = between(0.5, 2.0);
+        let read = number_parser(0.5, 2.0);
         assert_eq!([read("0.5"), read(" 2 ")], [Ok(0.5), Ok(2.0)]);
         assert!(read("2.1").is_err_and(|why| why == "2.1 is not in 0.5..=2"));
         assert!(read("two").is_err_and(|why| why.contains("not a number")));

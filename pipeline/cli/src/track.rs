@@ -22,57 +22,59 @@ pub struct Tracked {
 ///
 /// # Errors
 /// A [`Diagnostic`] when the one film cannot be read, there is no marker at a clicked position, or one is lost.
-pub fn run(asked: &TrackFilm) -> Result<Tracked> {
-    if let [film] = &asked.films[..] {
-        let folder = asked.out.clone().unwrap_or_else(|| film::beside(film));
-        return Ok(Tracked { summary: tracked(asked, film, folder)?, complete: true });
+pub fn run(options: &TrackFilm) -> Result<Tracked> {
+    if let [film] = &options.films[..] {
+        let folder = options.out.clone().unwrap_or_else(|| film::beside(film));
+        return Ok(Tracked { summary: track_film(options, film, folder)?, complete: true });
     }
-    let one = |film: &PathBuf| tracked(asked, film, folder_of_many(asked, film));
-    let all: Vec<(&PathBuf, Result<String>)> = asked.films.iter().map(|film| (film, one(film))).collect();
-    let beside = asked.films[0].parent().unwrap_or(Path::new("")).to_owned();
-    let table = asked.out.clone().unwrap_or(beside).join("tracked.csv");
-    std::fs::write(&table, outcomes(&all))
-        .map_err(|e| Diagnostic::io(&table, e, "choose another folder with --out"))?;
+    let track_beside = |film: &PathBuf| track_film(options, film, folder_of_many(options, film));
+    let outcomes: Vec<(&PathBuf, Result<String>)> =
+        options.films.iter().map(|film| (film, track_beside(film))).collect();
+    let film_folder = options.films[0].parent().unwrap_or(Path::new("")).to_owned();
+    let table_path = options.out.clone().unwrap_or(film_folder).join("tracked.csv");
+    std::fs::write(&table_path, outcome_table(&outcomes))
+        .map_err(|e| Diagnostic::io(&table_path, e, "choose another folder with --out"))?;
     let line = |(film, outcome): &(&PathBuf, Result<String>)| match outcome {
         Ok(summary) => format!("{}: {summary}\n", film.display()),
         Err(lost) => format!("{}: error: {lost}\n", film.display()),
     };
-    let lost = all.iter().filter(|(_, outcome)| outcome.is_err()).count();
-    let summary: String = all.iter().map(line).collect();
-    let count = all.len();
-    let summary = format!("{summary}{count} films, {lost} not tracked to their end; table: {}", table.display());
+    let lost = outcomes.iter().filter(|(_, outcome)| outcome.is_err()).count();
+    let summary: String = outcomes.iter().map(line).collect();
+    let film_count = outcomes.len();
+    let summary =
+        format!("{summary}{film_count} films, {lost} not tracked to their end; table: {}", table_path.display());
     Ok(Tracked { summary, complete: lost == 0 })
 }
 
 /// The folder of one of many films: in `--out`, or beside it.
-fn folder_of_many(asked: &TrackFilm, film: &Path) -> PathBuf {
-    let beside = film::beside(film);
-    match (&asked.out, beside.file_name()) {
+fn folder_of_many(options: &TrackFilm, film: &Path) -> PathBuf {
+    let default_folder = film::beside(film);
+    match (&options.out, default_folder.file_name()) {
         (Some(out), Some(name)) => out.join(name),
-        _ => beside,
+        _ => default_folder,
     }
 }
 
 /// Tracks one film; returns a summary line.
-fn tracked(asked: &TrackFilm, film: &Path, folder: PathBuf) -> Result<String> {
-    let starts = match asked.find {
-        Some(count) => Starts::Find { count, region: asked.region },
-        None => Starts::At(asked.at.clone()),
+fn track_film(options: &TrackFilm, film: &Path, folder: PathBuf) -> Result<String> {
+    let starts = match options.find {
+        Some(count) => Starts::Find { count, region: options.region },
+        None => Starts::At(options.at.clone()),
     };
     let request = Request {
         film: film.to_owned(),
         starts,
-        frames: (asked.first, asked.last),
-        radius: asked.radius,
-        hidden: asked.hidden,
-        overlay: asked.overlay,
+        frames: (options.first, options.last),
+        radius: options.radius,
+        hidden: options.hidden,
+        overlay: options.overlay,
         out: Some(folder.clone()),
     };
     Ok(film::track(&request, None)?.summary(&folder))
 }
 
 /// A line a film: whether it was tracked, and what was lost where, and why.
-fn outcomes(all: &[(&PathBuf, Result<String>)]) -> String {
+fn outcome_table(films: &[(&PathBuf, Result<String>)]) -> String {
     let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
     let line = |(film, outcome): &(&PathBuf, Result<String>)| {
         let film = quoted(&film.display().to_string());
@@ -81,5 +83,5 @@ fn outcomes(all: &[(&PathBuf, Result<String>)]) -> String {
             Err(lost) => format!("{film},0,{},{}\n", quoted(&lost.what), quoted(&lost.why)),
         }
     };
-    "film,tracked,what,why\n".to_owned() + &all.iter().map(line).collect::<String>()
+    "film,tracked,what,why\n".to_owned() + &films.iter().map(line).collect::<String>()
 }

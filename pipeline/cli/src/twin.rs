@@ -51,9 +51,9 @@ pub struct ExportedTwin {
 pub fn export(runner: &Runner, name: &str, folder: Option<&Path>) -> Result<ExportedTwin> {
     let specimens = &runner.universe.specimens;
     let specimen = specimens.iter().find(|specimen| specimen.card.name == name).ok_or_else(|| {
-        let known: Vec<&str> = specimens.iter().map(|specimen| &*specimen.card.name).collect();
-        let why = format!("there are {}", known.join(", "));
-        Diagnostic::new(format!("there is no specimen `{name}`"), why, "name one of these")
+        let names: Vec<&str> = specimens.iter().map(|specimen| &*specimen.card.name).collect();
+        let reason = format!("there are {}", names.join(", "));
+        Diagnostic::new(format!("there is no specimen `{name}`"), reason, "name one of these")
     })?;
     let data = study::live::twin(runner, specimen, None)?;
     let folder = folder.map_or_else(|| runner.folders.base().join("twin").join(name), Path::to_owned);
@@ -63,8 +63,8 @@ pub fn export(runner: &Runner, name: &str, folder: Option<&Path>) -> Result<Expo
         true => ExportedFile::template(path, text),
         false => ExportedFile::new(path, text),
     });
-    let kept = workflow::export::write(&folder, &data_files.into_iter().chain(sources).collect::<Vec<_>>())?;
-    Ok(ExportedTwin { folder, kept })
+    let edited_files = workflow::export::write(&folder, &data_files.into_iter().chain(sources).collect::<Vec<_>>())?;
+    Ok(ExportedTwin { folder, kept: edited_files })
 }
 
 #[cfg(test)]

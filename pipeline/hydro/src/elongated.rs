@@ -36,16 +36,16 @@ pub(crate) fn edge_thrust(mass: f64, edge: &Section) -> ValueWithGradient {
 
 /// m w n, kg/s: momentum per length of the water that moves with a section.
 pub(crate) fn momentum_vector(mass: f64, section: &Section) -> Point2 {
-    normal(section).map(|n| mass * section.normal_velocity().value * n)
+    normal_vector(section).map(|n| mass * section.normal_velocity().value * n)
 }
 
 /// m u w n − ½ m w² r', N: momentum flux that leaves at a section, and the wake's pressure there.
 pub(crate) fn flux_vector(mass: f64, section: &Section) -> Point2 {
-    let (w, u, n) = (section.normal_velocity().value, section.tangential_velocity().value, normal(section));
+    let (w, u, n) = (section.normal_velocity().value, section.tangential_velocity().value, normal_vector(section));
     [0, 1].map(|k| mass * u * w * n[k] - 0.5 * mass * w * w * section.tangent[k])
 }
 
-fn normal(section: &Section) -> Point2 {
+fn normal_vector(section: &Section) -> Point2 {
     [-section.tangent[1], section.tangent[0]]
 }
 

@@ -76,11 +76,11 @@ impl ValueWithGradient {
     }
 
     /// The quantity times a factor.
-    pub fn scaled(self, by: f64) -> Self {
+    pub fn scaled(self, factor: f64) -> Self {
         Self {
-            value: by * self.value,
-            by_tangent: self.by_tangent.map(|v| by * v),
-            by_velocity: self.by_velocity.map(|v| by * v),
+            value: factor * self.value,
+            by_tangent: self.by_tangent.map(|v| factor * v),
+            by_velocity: self.by_velocity.map(|v| factor * v),
         }
     }
 

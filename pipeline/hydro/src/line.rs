@@ -31,61 +31,69 @@ impl CentreLine {
     /// The weights of the place `a` (m).
     pub fn at(&self, a: Metre) -> Weights {
         let marks = self.knots.len() - 1;
-        let one = |k: usize| {
+        let unit_response = |k: usize| {
             let values: Vec<f64> = (0..=marks).map(|i| f64::from(u8::from(i == k + 1))).collect();
-            self.read(&values, &self.slopes(&values), a)
+            self.value_and_slope(&values, &self.knot_slopes(&values), a)
         };
-        let (value, slope) = (0..marks).map(one).unzip();
+        let (value, slope) = (0..marks).map(unit_response).unzip();
         Weights { value, slope }
     }
 
-    /// The place on the deflected line that is `a` (m) along it at rest, on y = 0, and the unit normal to its left there; `moved` are the
+    /// The place on the deflected line that is `a` (m) along it at rest, on y = 0, and the unit normal to its left there; `displacements` are the
     /// displacements of the marks, m.
-    pub fn normal(&self, a: Metre, moved: &[Point2]) -> [Point2; 2] {
+    pub fn normal(&self, a: Metre, displacements: &[Point2]) -> [Point2; 2] {
         let Weights { value, slope } = self.at(a);
-        let sum = |weights: &[f64], k: usize| weights.iter().zip(moved).map(|(w, by)| w * by[k]).sum::<f64>();
-        let [x, y] = [1.0 + sum(&slope, 0), sum(&slope, 1)];
+        let weighted_sum = |weights: &[f64], k: usize| {
+            weights.iter().zip(displacements).map(|(w, displacement)| w * displacement[k]).sum::<f64>()
+        };
+        let [x, y] = [1.0 + weighted_sum(&slope, 0), weighted_sum(&slope, 1)];
         let length = x.hypot(y);
-        [[a + sum(&value, 0), sum(&value, 1)], [-y / length, x / length]]
+        [[a + weighted_sum(&value, 0), weighted_sum(&value, 1)], [-y / length, x / length]]
     }
 
-    /// Places from the clamp to the last mark, at most `apart` (m) from each other.
-    pub fn stations(&self, apart: Metre) -> Vec<Metre> {
+    /// Places from the clamp to the last mark, at most `spacing` (m) from each other.
+    pub fn stations(&self, spacing: Metre) -> Vec<Metre> {
         let [clamp, last] = [self.knots[0], self.knots[self.knots.len() - 1]];
-        let count = ((last - clamp) / apart).ceil();
+        let count = ((last - clamp) / spacing).ceil();
         (0..=count as usize).map(|i| clamp + (last - clamp) * i as f64 / count).collect()
     }
 
     /// d' at the knots: d'₀ = 0, d'' continuous between, d'' = 0 at the last (Thomas algorithm).
-    fn slopes(&self, values: &[f64]) -> Vec<f64> {
-        let n = self.knots.len();
-        let (mut main, mut right, mut upper) = (vec![1.0; n], vec![0.0; n], vec![0.0; n]);
-        for i in 1..n {
-            let back = self.knots[i] - self.knots[i - 1];
-            let rise = (values[i] - values[i - 1]) / back;
-            let (lower, own, above, pull) = match self.knots.get(i + 1) {
+    fn knot_slopes(&self, values: &[f64]) -> Vec<f64> {
+        let count = self.knots.len();
+        let (mut diagonal, mut right_side, mut upper) = (vec![1.0; count], vec![0.0; count], vec![0.0; count]);
+        for i in 1..count {
+            let previous_length = self.knots[i] - self.knots[i - 1];
+            let rise = (values[i] - values[i - 1]) / previous_length;
+            let (lower, centre, coupling, load) = match self.knots.get(i + 1) {
                 None => (1.0, 2.0, 0.0, 3.0 * rise),
                 Some(next) => {
-                    let ahead = next - self.knots[i];
-                    let rises = rise / back + (values[i + 1] - values[i]) / (ahead * ahead);
-                    (1.0 / back, 2.0 / back + 2.0 / ahead, 1.0 / ahead, 3.0 * rises)
+                    let next_length = next - self.knots[i];
+                    let curvature_load =
+                        rise / previous_length + (values[i + 1] - values[i]) / (next_length * next_length);
+                    (
+                        1.0 / previous_length,
+                        2.0 / previous_length + 2.0 / next_length,
+                        1.0 / next_length,
+                        3.0 * curvature_load,
+                    )
                 }
             };
-            let part = lower / main[i - 1];
-            main[i] = own - part * upper[i - 1];
-            right[i] = pull - part * right[i - 1];
-            upper[i] = above;
+            let factor = lower / diagonal[i - 1];
+            diagonal[i] = centre - factor * upper[i - 1];
+            right_side[i] = load - factor * right_side[i - 1];
+            upper[i] = coupling;
         }
-        let mut slopes = vec![0.0; n];
-        for i in (1..n).rev() {
-            let after = if i + 1 < n { upper[i] * slopes[i + 1] } else { 0.0 };
-            slopes[i] = (right[i] - after) / main[i];
+        let mut slopes = vec![0.0; count];
+        for i in (1..count).rev() {
+            let known_term = if i + 1 < count { upper[i] * slopes[i + 1] } else { 0.0 };
+            slopes[i] = (right_side[i] - known_term) / diagonal[i];
         }
         slopes
     }
 
     /// Value and slope of the spline at `a`.
-    fn read(&self, values: &[f64], slopes: &[f64], a: Metre) -> (f64, f64) {
+    fn value_and_slope(&self, values: &[f64], slopes: &[f64], a: Metre) -> (f64, f64) {
         let last = self.knots.len() - 1;
         if a <= self.knots[0] {
             return (0.0, 0.0);
@@ -99,8 +107,8 @@ impl CentreLine {
         let (h00, h10) = ((1.0 + 2.0 * s) * (1.0 - s).powi(2), s * (1.0 - s).powi(2));
         let (h01, h11) = (s * s * (3.0 - 2.0 * s), s * s * (s - 1.0));
         let value = h00 * values[i] + h01 * values[i + 1] + length * (h10 * slopes[i] + h11 * slopes[i + 1]);
-        let bend = 6.0 * s * (1.0 - s) * (values[i + 1] - values[i]) / length;
-        let slope = bend + (1.0 - s) * (1.0 - 3.0 * s) * slopes[i] + s * (3.0 * s - 2.0) * slopes[i + 1];
+        let secant_term = 6.0 * s * (1.0 - s) * (values[i + 1] - values[i]) / length;
+        let slope = secant_term + (1.0 - s) * (1.0 - 3.0 * s) * slopes[i] + s * (3.0 * s - 2.0) * slopes[i + 1];
         (value, slope)
     }
 }

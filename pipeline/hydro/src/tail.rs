@@ -126,11 +126,11 @@ impl Tail {
         depth: &dyn Fn(Metre) -> Metre,
     ) -> Result<Self, TailError> {
         let Stations { clamp, marks, edge, end } = *stations;
-        let refused = || TailError { clamp, edge: end, marks: marks.to_vec() };
-        let line = CentreLine::new(clamp, marks).filter(|_| marks.iter().all(|m| *m <= end)).ok_or_else(refused)?;
-        let slices = |from: Metre, to: Metre, count: usize| -> Vec<Slice> {
-            let length = (to - from) / count as f64;
-            let middles = (0..count).map(|i| from + (i as f64 + 0.5) * length);
+        let error = || TailError { clamp, edge: end, marks: marks.to_vec() };
+        let line = CentreLine::new(clamp, marks).filter(|_| marks.iter().all(|m| *m <= end)).ok_or_else(error)?;
+        let slices = |start: Metre, stop: Metre, count: usize| -> Vec<Slice> {
+            let length = (stop - start) / count as f64;
+            let middles = (0..count).map(|i| start + (i as f64 + 0.5) * length);
             middles.map(|a| Slice { weights: line.at(a), depth: depth(a), length }).collect()
         };
         let length = (edge - clamp) / count as f64;
@@ -139,18 +139,22 @@ impl Tail {
         Ok(Self { density, sections: slices(clamp, edge, count), edge: edge_slice, behind, marks: marks.len() })
     }
 
-    /// The terms while the marks are displaced by `moved` (m) and move with `speed` (m/s), a pair a mark.
-    pub fn terms(&self, moved: &[Point2], speed: &[Point2]) -> Terms {
+    /// The terms while the marks are displaced by `displacement` (m) and move with `velocity` (m/s), a pair a mark.
+    pub fn terms(&self, displacement: &[Point2], velocity: &[Point2]) -> Terms {
         let mass = |slice: &Slice| elongated::virtual_mass(self.density, slice.depth);
         let at_edge = |force: fn(f64, &Section) -> ValueWithGradient| {
-            let mut part = self.nothing();
-            self.edge.add(&mut part, moved, speed, &|s| force(mass(&self.edge), s));
-            part
+            let mut term = self.zero_term();
+            self.edge.add_force(&mut term, displacement, velocity, &|s| force(mass(&self.edge), s));
+            term
         };
-        let (mut momentum, mut drag) = (self.nothing(), self.nothing());
+        let (mut momentum, mut drag) = (self.zero_term(), self.zero_term());
         for slice in &self.sections {
-            slice.add(&mut momentum, moved, speed, &|s| elongated::momentum(mass(slice), s).scaled(slice.length));
-            slice.add(&mut drag, moved, speed, &|s| resistive::drag(self.density, slice.depth, s).scaled(slice.length));
+            slice.add_force(&mut momentum, displacement, velocity, &|s| {
+                elongated::momentum(mass(slice), s).scaled(slice.length)
+            });
+            slice.add_force(&mut drag, displacement, velocity, &|s| {
+                resistive::drag(self.density, slice.depth, s).scaled(slice.length)
+            });
         }
         Terms {
             trailing_edge: at_edge(elongated::trailing_edge),
@@ -166,73 +170,80 @@ impl Tail {
     ///
     /// The flux term is integrated by parts, so that the flux through the trailing edge acts there. The time derivative of the first
     /// term is taken by the caller.
-    pub fn water(&self, moved: &[Point2], speed: &[Point2], by: Coefficients) -> Water {
+    pub fn water(&self, displacement: &[Point2], velocity: &[Point2], coefficients: Coefficients) -> Water {
         let mut water = Water { momentum: vec![[0.0; 2]; self.marks], force: vec![[0.0; 2]; self.marks] };
-        let before = self.sections.iter().map(|slice| (slice, true));
-        for (slice, sheds) in before.chain(self.behind.iter().map(|slice| (slice, false))) {
-            let section = slice.section(moved, speed);
-            let mass = by.added * elongated::virtual_mass(self.density, slice.depth);
-            let resists = resistive::force(self.density, slice.depth, &section).map(|f| by.drag * f);
-            let held = elongated::momentum_vector(mass, &section);
+        let front = self.sections.iter().map(|slice| (slice, true));
+        for (slice, sheds) in front.chain(self.behind.iter().map(|slice| (slice, false))) {
+            let section = slice.section_at(displacement, velocity);
+            let mass = coefficients.added * elongated::virtual_mass(self.density, slice.depth);
+            let drag = resistive::force(self.density, slice.depth, &section).map(|f| coefficients.drag * f);
+            let momentum = elongated::momentum_vector(mass, &section);
             let flux = if sheds { elongated::flux_vector(mass, &section) } else { [0.0; 2] };
             let Weights { value, slope } = &slice.weights;
             for (mark, k) in (0..self.marks).flat_map(|m| [(m, 0), (m, 1)]) {
-                water.momentum[mark][k] += slice.length * value[mark] * held[k];
-                water.force[mark][k] += slice.length * (value[mark] * resists[k] - slope[mark] * flux[k]);
+                water.momentum[mark][k] += slice.length * value[mark] * momentum[k];
+                water.force[mark][k] += slice.length * (value[mark] * drag[k] - slope[mark] * flux[k]);
             }
         }
-        let edge = self.edge.section(moved, speed);
-        let leaves = elongated::flux_vector(by.added * elongated::virtual_mass(self.density, self.edge.depth), &edge);
-        for (push, weight) in water.force.iter_mut().zip(&self.edge.weights.value) {
-            (0..2).for_each(|k| push[k] += weight * leaves[k]);
+        let edge = self.edge.section_at(displacement, velocity);
+        let edge_flux =
+            elongated::flux_vector(coefficients.added * elongated::virtual_mass(self.density, self.edge.depth), &edge);
+        for (mark_force, weight) in water.force.iter_mut().zip(&self.edge.weights.value) {
+            (0..2).for_each(|k| mark_force[k] += weight * edge_flux[k]);
         }
         water
     }
 
     /// Its sections with what they have by theory; the trailing edge is the last.
     pub fn sections(&self) -> Vec<SectionOfTail<'_>> {
-        let edge = SectionOfTail { leaves: self.mass(&self.edge), ..SectionOfTail::without_length(&self.edge) };
-        let before = self
-            .sections
-            .iter()
-            .map(|slice| SectionOfTail { sheds: slice.length * self.mass(slice), ..self.along(slice) });
-        before.chain(self.behind.iter().map(|slice| self.along(slice))).chain([edge]).collect()
+        let edge = SectionOfTail { leaves: self.added_mass(&self.edge), ..SectionOfTail::without_length(&self.edge) };
+        let front = self.sections.iter().map(|slice| SectionOfTail {
+            sheds: slice.length * self.added_mass(slice),
+            ..self.section_without_flux(slice)
+        });
+        front.chain(self.behind.iter().map(|slice| self.section_without_flux(slice))).chain([edge]).collect()
     }
 
     /// A section that sheds nothing.
-    fn along<'a>(&self, slice: &'a Slice) -> SectionOfTail<'a> {
-        let (mass, drag) = (slice.length * self.mass(slice), 0.5 * self.density * slice.depth * slice.length);
+    fn section_without_flux<'a>(&self, slice: &'a Slice) -> SectionOfTail<'a> {
+        let (mass, drag) = (slice.length * self.added_mass(slice), 0.5 * self.density * slice.depth * slice.length);
         SectionOfTail { mass, drag, ..SectionOfTail::without_length(slice) }
     }
 
     /// Virtual mass per length, kg/m.
-    fn mass(&self, slice: &Slice) -> f64 {
+    fn added_mass(&self, slice: &Slice) -> f64 {
         elongated::virtual_mass(self.density, slice.depth)
     }
 
-    fn nothing(&self) -> Term {
+    fn zero_term(&self) -> Term {
         Term { value: 0.0, by_displacement: vec![[0.0; 2]; self.marks], by_velocity: vec![[0.0; 2]; self.marks] }
     }
 }
 
 impl Slice {
-    fn section(&self, moved: &[Point2], speed: &[Point2]) -> Section {
-        let of =
+    fn section_at(&self, displacement: &[Point2], velocity: &[Point2]) -> Section {
+        let weighted_sum =
             |weights: &[f64], marks: &[Point2], k: usize| weights.iter().zip(marks).map(|(w, m)| w * m[k]).sum::<f64>();
         let Weights { value, slope } = &self.weights;
-        let tangent = [1.0 + of(slope, moved, 0), of(slope, moved, 1)];
-        Section { tangent, velocity: [of(value, speed, 0), of(value, speed, 1)] }
+        let tangent = [1.0 + weighted_sum(slope, displacement, 0), weighted_sum(slope, displacement, 1)];
+        Section { tangent, velocity: [weighted_sum(value, velocity, 0), weighted_sum(value, velocity, 1)] }
     }
 
     /// Adds the `force` of this section to a term.
-    fn add(&self, part: &mut Term, moved: &[Point2], speed: &[Point2], force: &dyn Fn(&Section) -> ValueWithGradient) {
+    fn add_force(
+        &self,
+        term: &mut Term,
+        displacement: &[Point2],
+        velocity: &[Point2],
+        force: &dyn Fn(&Section) -> ValueWithGradient,
+    ) {
         let Weights { value, slope } = &self.weights;
-        let found = force(&self.section(moved, speed));
-        part.value += found.value;
+        let section_force = force(&self.section_at(displacement, velocity));
+        term.value += section_force.value;
         for mark in 0..value.len() {
             for k in 0..2 {
-                part.by_displacement[mark][k] += slope[mark] * found.by_tangent[k];
-                part.by_velocity[mark][k] += value[mark] * found.by_velocity[k];
+                term.by_displacement[mark][k] += slope[mark] * section_force.by_tangent[k];
+                term.by_velocity[mark][k] += value[mark] * section_force.by_velocity[k];
             }
         }
     }
@@ -355,7 +366,7 @@ mod tests {
             ahead.iter().zip(&back).map(|(a, b)| [0, 1].map(|k| (a[k] - b[k]) / (2.0 * step))).collect();
         let spent = power(&rate, &speed) - power(&water(t).force, &speed);
         let gained = (energy(t + step) - energy(t - step)) / (2.0 * step);
-        let edge = tail.edge.section(&moved, &speed);
+        let edge = tail.edge.section_at(&moved, &speed);
         let mass = elongated::virtual_mass(1000.0, tail.edge.depth);
         let leaves = 0.5 * mass * edge.normal_velocity().value.powi(2) * edge.tangential_velocity().value;
         // the spline through three marks keeps its length to a few hundredths

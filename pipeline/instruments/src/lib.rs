@@ -19,12 +19,12 @@ pub type Interrupt<'a> = Option<&'a dyn Fn() -> bool>;
 
 /// # Errors
 /// A [`Diagnostic`] when a computation is to end.
-fn interrupted(interrupt: Interrupt<'_>) -> Result<()> {
+fn check_interrupt(interrupt: Interrupt<'_>) -> Result<()> {
     interrupt.is_none_or(|asked| !asked()).then_some(()).ok_or_else(Diagnostic::interrupted)
 }
 
 /// Writes a result.
-fn write(folder: &Path, name: &str, content: impl AsRef<[u8]>) -> Result<()> {
+fn write_result(folder: &Path, name: &str, content: impl AsRef<[u8]>) -> Result<()> {
     let path = folder.join(name);
     let written = std::fs::create_dir_all(folder).and_then(|()| std::fs::write(&path, content));
     written.map_err(|e| cannot_write(&path, &e))

@@ -62,22 +62,22 @@ impl Specimen {
     /// One diagnostic for each file that the card names and that is not there, or is no file to be read.
     pub fn missing(&self) -> Vec<Diagnostic> {
         let diagnostic = |(key, file): (String, &str)| {
-            let what = self.defect(&key, file)?;
-            let why = format!("{} names it as {key}", self.folder.join(CARD).display());
-            Some(Diagnostic::file(&self.file(file), what, why, "put it there, or correct the card"))
+            let defect = self.file_defect(&key, file)?;
+            let reason = format!("{} names it as {key}", self.folder.join(CARD).display());
+            Some(Diagnostic::file(&self.file(file), defect, reason, "put it there, or correct the card"))
         };
         self.files().into_iter().filter_map(diagnostic).collect()
     }
 
     /// What is wrong with a file before it is read: it is missing, no regular file, or too large. A film may be a folder of pictures.
-    fn defect(&self, key: &str, file: &str) -> Option<String> {
+    fn file_defect(&self, key: &str, file: &str) -> Option<String> {
         let path = self.file(file);
-        let film = key.starts_with("video") || key == "camera.calibration";
+        let is_film = key.starts_with("video") || key == "camera.calibration";
         match input::regular(&path) {
-            Ok(length) if film || length <= input::MESH => None,
+            Ok(length) if is_film || length <= input::MESH => None,
             Ok(_) => Some(format!("the file is larger than {} MiB", input::MESH >> 20)),
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => Some("the file is missing".into()),
-            Err(_) if film && path.is_dir() => None,
+            Err(_) if is_film && path.is_dir() => None,
             Err(e) => Some(format!("the file cannot be used: {e}")),
         }
     }
@@ -93,8 +93,8 @@ pub fn list(raw: &Path) -> Result<Vec<PathBuf>, Diagnostic> {
     let mut folders = Vec::new();
     for entry in entries {
         let path = entry.map_err(|e| Diagnostic::io(raw, e, action))?.path();
-        let hidden = path.file_name().and_then(|n| n.to_str()).is_none_or(|n| n.starts_with('.'));
-        if !hidden && path.join(CARD).is_file() {
+        let is_hidden = path.file_name().and_then(|n| n.to_str()).is_none_or(|n| n.starts_with('.'));
+        if !is_hidden && path.join(CARD).is_file() {
             folders.push(path);
         }
     }

@@ -33,13 +33,13 @@ const ABSENT: &str = "put the force log there, or correct `force` or `hammer` in
 
 const FORCE: (f64, f64, &str) = (RANGE[0], RANGE[1], "N");
 
-fn form(instrument: LogKind) -> LogFormat {
+fn force_format(instrument: LogKind) -> LogFormat {
     let columns = vec![ColumnFormat::time(), ColumnFormat::measured(COLUMNS[1], FORCE)];
-    LogFormat { kind: "force log", instrument, columns, spikes: spikes(instrument) }
+    LogFormat { kind: "force log", instrument, columns, spikes: spike_kinds(instrument) }
 }
 
 /// A hammer's blow is as short as a spike, but does not reach full scale.
-fn spikes(instrument: LogKind) -> Spikes {
+fn spike_kinds(instrument: LogKind) -> Spikes {
     match instrument {
         LogKind::Force => Spikes::LoneJumps,
         LogKind::Hammer => Spikes::FullScale,
@@ -47,10 +47,10 @@ fn spikes(instrument: LogKind) -> Spikes {
     }
 }
 
-fn with_lamp(instrument: LogKind) -> LogFormat {
-    let mut form = form(instrument);
-    form.columns.push(ColumnFormat::measured(LAMP, (0.0, 1.0, "(off to on)")));
-    form
+fn lamp_format(instrument: LogKind) -> LogFormat {
+    let mut format = force_format(instrument);
+    format.columns.push(ColumnFormat::measured(LAMP, (0.0, 1.0, "(off to on)")));
+    format
 }
 
 /// A force log, every list `samples` long.
@@ -83,7 +83,7 @@ impl ForceLog {
 /// # Errors
 /// [`Diagnostic`] when the file cannot be read, lacks a column, holds a NaN, a number out of range, a gap, or time that does not rise.
 pub fn read(path: &Path) -> Result<ForceLog, Diagnostic> {
-    parse(&log::text(path, ABSENT)?, path)
+    parse(&log::read_text(path, ABSENT)?, path)
 }
 
 /// The log in `text`; `path` appears only in diagnostics.
@@ -99,7 +99,7 @@ pub fn parse(text: &str, path: &Path) -> Result<ForceLog, Diagnostic> {
 /// # Errors
 /// As [`read`].
 pub fn parse_as(text: &str, path: &Path, (kind, card): (LogKind, &Log)) -> Result<Logged<ForceLog>, Diagnostic> {
-    logged(&LogText::new(text, path), &spikes(kind), (kind, card))
+    parse_force(&LogText::new(text, path), &spike_kinds(kind), (kind, card))
 }
 
 /// The load cell's log in `text` while its fixture was tapped: a sample alone may be a tap, unless it is at full scale.
@@ -107,16 +107,16 @@ pub fn parse_as(text: &str, path: &Path, (kind, card): (LogKind, &Log)) -> Resul
 /// # Errors
 /// As [`read`].
 pub fn parse_taps(text: &str, path: &Path, card: &Log) -> Result<Logged<ForceLog>, Diagnostic> {
-    logged(&LogText::new(text, path), &Spikes::FullScale, (LogKind::Force, card))
+    parse_force(&LogText::new(text, path), &Spikes::FullScale, (LogKind::Force, card))
 }
 
-fn logged(text: &LogText, spikes: &Spikes, (kind, card): (LogKind, &Log)) -> Result<Logged<ForceLog>, Diagnostic> {
-    let form = LogFormat { spikes: *spikes, ..with_lamp(kind) };
-    if !text.has(&form, card, LAMP) {
-        let Logged { log, sampling } = text.parse(&LogFormat { spikes: *spikes, ..self::form(kind) }, card)?;
+fn parse_force(text: &LogText, spikes: &Spikes, (kind, card): (LogKind, &Log)) -> Result<Logged<ForceLog>, Diagnostic> {
+    let with_led = LogFormat { spikes: *spikes, ..lamp_format(kind) };
+    if !text.has_quantity(&with_led, card, LAMP) {
+        let Logged { log, sampling } = text.parse(&LogFormat { spikes: *spikes, ..self::force_format(kind) }, card)?;
         return Ok(Logged { log: from_rows(log), sampling });
     }
-    let Logged { log: rows, sampling } = text.parse(&form, card)?;
+    let Logged { log: rows, sampling } = text.parse(&with_led, card)?;
     let led = rows.iter().map(|row| row[2]).collect();
     Ok(Logged { log: ForceLog { led, ..from_rows(rows) }, sampling })
 }
@@ -126,7 +126,7 @@ fn logged(text: &LogText, spikes: &Spikes, (kind, card): (LogKind, &Log)) -> Res
 /// # Errors
 /// [`Diagnostic`] when a column is missing, or a field is no number or out of range.
 pub fn stamps(text: &str, path: &Path, (kind, card): (LogKind, &Log)) -> Result<StampReport, Diagnostic> {
-    LogText::new(text, path).stamps(&form(kind), card)
+    LogText::new(text, path).stamp_report(&force_format(kind), card)
 }
 
 /// What the stamps of the load cell's log of taps in `text` show.
@@ -134,18 +134,18 @@ pub fn stamps(text: &str, path: &Path, (kind, card): (LogKind, &Log)) -> Result<
 /// # Errors
 /// As [`stamps`].
 pub fn stamps_of_taps(text: &str, path: &Path, card: &Log) -> Result<StampReport, Diagnostic> {
-    let form = LogFormat { spikes: Spikes::FullScale, ..form(LogKind::Force) };
-    LogText::new(text, path).stamps(&form, card)
+    let format = LogFormat { spikes: Spikes::FullScale, ..force_format(LogKind::Force) };
+    LogText::new(text, path).stamp_report(&format, card)
 }
 
 /// The text of a force log, with fixed digits; `remark` becomes its first line, after a `#`.
 pub fn write(log: &ForceLog, remark: &str) -> String {
-    let lit = !log.led.is_empty();
-    let lamp = if lit { format!(",{LAMP}") } else { String::new() };
-    let mut text = format!("# {remark}\n{}{lamp}\n", COLUMNS.join(","));
+    let has_lamp = !log.led.is_empty();
+    let lamp_title = if has_lamp { format!(",{LAMP}") } else { String::new() };
+    let mut text = format!("# {remark}\n{}{lamp_title}\n", COLUMNS.join(","));
     for (i, (time, force)) in log.time.iter().zip(&log.force).enumerate() {
         write!(text, "{time:.6},{force:.3}").expect("a string takes any text");
-        if lit {
+        if has_lamp {
             write!(text, ",{:.3}", log.led[i]).expect("a string takes any text");
         }
         text.push('\n');

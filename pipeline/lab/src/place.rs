@@ -54,10 +54,12 @@ impl Place {
 
     /// Whether a point of a body of this size (m) belongs to it.
     pub fn holds(&self, at: Point3, size: Metre) -> bool {
-        let near = NEAR * size;
+        let tolerance = NEAR * size;
         match self {
-            Self::Plane(axis, place) => (at[*axis] - place).abs() <= near,
-            Self::Block(Block { low, high }) => (0..3).all(|k| at[k] >= low[k] - near && at[k] <= high[k] + near),
+            Self::Plane(axis, coordinate) => (at[*axis] - coordinate).abs() <= tolerance,
+            Self::Block(Block { low, high }) => {
+                (0..3).all(|k| at[k] >= low[k] - tolerance && at[k] <= high[k] + tolerance)
+            }
         }
     }
 }

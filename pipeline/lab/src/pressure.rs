@@ -103,24 +103,24 @@ pub fn titles(channels: &[String]) -> Vec<String> {
 
 const MBAR: (f64, f64, &str) = (RANGE[0] / MILLIBAR, RANGE[1] / MILLIBAR, "mbar");
 
-fn lamp() -> ColumnFormat {
+fn lamp_column() -> ColumnFormat {
     ColumnFormat::measured(LAMP, (0.0, 1.0, "(off to on)"))
 }
 
 /// Time, and the measured pressure of each channel.
-fn measured(channels: &[String]) -> LogFormat {
+fn measured_format(channels: &[String]) -> LogFormat {
     let pressures = channels.iter().map(|name| ColumnFormat::measured(&measured_title(name), MBAR));
     let columns = std::iter::once(ColumnFormat::time()).chain(pressures).collect();
     LogFormat { kind: "pressure log", instrument: LogKind::Pressure, columns, spikes: Spikes::None }
 }
 
 /// The columns of [`titles`], without a lamp where the log needs none.
-fn form(layout: Layout<'_>) -> LogFormat {
-    let mut form = measured(layout.channels);
+fn log_format(layout: Layout<'_>) -> LogFormat {
+    let mut format = measured_format(layout.channels);
     let commands = layout.channels.iter().map(|name| ColumnFormat::command(&command_title(name), MBAR));
-    form.columns.splice(1..1, commands);
-    form.columns.extend(layout.lamp.then(lamp));
-    form
+    format.columns.splice(1..1, commands);
+    format.columns.extend(layout.lamp.then(lamp_column));
+    format
 }
 
 /// The log in the file `path`, checked, of columns as `data/raw/README.md` has them.
@@ -128,7 +128,7 @@ fn form(layout: Layout<'_>) -> LogFormat {
 /// # Errors
 /// [`Diagnostic`] when the file cannot be read, lacks a column, holds a NaN, a number out of range, a gap, or time that does not rise.
 pub fn read(path: &Path, channels: &[String]) -> Result<PressureLog, Diagnostic> {
-    parse(&log::text(path, ABSENT)?, path, channels)
+    parse(&log::read_text(path, ABSENT)?, path, channels)
 }
 
 /// The log in `text`; `path` appears only in diagnostics.
@@ -144,16 +144,16 @@ pub fn parse(text: &str, path: &Path, channels: &[String]) -> Result<PressureLog
 /// # Errors
 /// As [`read`].
 pub fn parse_as(text: &str, path: &Path, layout: Layout<'_>) -> Result<Logged<PressureLog>, Diagnostic> {
-    let Logged { log: rows, sampling } = LogText::new(text, path).parse(&form(layout), layout.log)?;
+    let Logged { log: rows, sampling } = LogText::new(text, path).parse(&log_format(layout), layout.log)?;
     let count = layout.channels.len();
     let mut log = PressureLog::of(layout.channels);
-    log.time = column(&rows, 0);
+    log.time = column_values(&rows, 0);
     for (k, channel) in log.channels.iter_mut().enumerate() {
-        channel.command = pascals(&rows, 1 + k);
-        channel.measured = pascals(&rows, 1 + count + k);
+        channel.command = pressure_values(&rows, 1 + k);
+        channel.measured = pressure_values(&rows, 1 + count + k);
     }
     if layout.lamp {
-        log.led = column(&rows, 1 + 2 * count);
+        log.led = column_values(&rows, 1 + 2 * count);
     }
     Ok(Logged { log, sampling })
 }
@@ -164,16 +164,16 @@ pub fn parse_as(text: &str, path: &Path, layout: Layout<'_>) -> Result<Logged<Pr
 /// As [`read`].
 pub fn parse_measured(text: &str, path: &Path, layout: Layout<'_>) -> Result<Logged<PressureLog>, Diagnostic> {
     let text = LogText::new(text, path);
-    let mut form = measured(layout.channels);
-    form.columns.push(lamp());
-    let lit = text.has(&form, layout.log, LAMP);
-    form.columns.truncate(form.columns.len() - usize::from(!lit));
-    let Logged { log: rows, sampling } = text.parse(&form, layout.log)?;
+    let mut format = measured_format(layout.channels);
+    format.columns.push(lamp_column());
+    let has_lamp = text.has_quantity(&format, layout.log, LAMP);
+    format.columns.truncate(format.columns.len() - usize::from(!has_lamp));
+    let Logged { log: rows, sampling } = text.parse(&format, layout.log)?;
     let mut log = PressureLog::of(layout.channels);
-    log.time = column(&rows, 0);
-    log.channels.iter_mut().enumerate().for_each(|(k, channel)| channel.measured = pascals(&rows, 1 + k));
-    if lit {
-        log.led = column(&rows, 1 + layout.channels.len());
+    log.time = column_values(&rows, 0);
+    log.channels.iter_mut().enumerate().for_each(|(k, channel)| channel.measured = pressure_values(&rows, 1 + k));
+    if has_lamp {
+        log.led = column_values(&rows, 1 + layout.channels.len());
     }
     Ok(Logged { log, sampling })
 }
@@ -183,14 +183,14 @@ pub fn parse_measured(text: &str, path: &Path, layout: Layout<'_>) -> Result<Log
 /// # Errors
 /// [`Diagnostic`] when a column is missing, or a field is no number or out of range.
 pub fn stamps(text: &str, path: &Path, layout: Layout<'_>) -> Result<StampReport, Diagnostic> {
-    LogText::new(text, path).stamps(&form(layout), layout.log)
+    LogText::new(text, path).stamp_report(&log_format(layout), layout.log)
 }
 
-fn column(rows: &[Vec<f64>], k: usize) -> Vec<f64> {
+fn column_values(rows: &[Vec<f64>], k: usize) -> Vec<f64> {
     rows.iter().map(|row| row[k]).collect()
 }
 
-fn pascals(rows: &[Vec<f64>], k: usize) -> Vec<Pascal> {
+fn pressure_values(rows: &[Vec<f64>], k: usize) -> Vec<Pascal> {
     rows.iter().map(|row| row[k] * MILLIBAR).collect()
 }
 

@@ -26,13 +26,13 @@ pub fn within(key: &str, value: f64, range: RangeInclusive<f64>, unit: &str) -> 
     if range.contains(&value) {
         return Ok(());
     }
-    let gap = if unit.is_empty() { "" } else { " " };
+    let blank = if unit.is_empty() { "" } else { " " };
     // Beyond this, digits without an exponent are not legible.
     let number = if value.abs() < 1e15 { value.to_string() } else { format!("{value:e}") };
-    let what = format!("{key} = {number}{gap}{unit} is out of range");
+    let defect = format!("{key} = {number}{blank}{unit} is out of range");
     let (low, high) = range.into_inner();
-    let why = format!("the range is {low} to {high}{gap}{unit}; numbers are in SI units");
-    violation(key, what, &why, "convert the number to SI, or correct it")
+    let reason = format!("the range is {low} to {high}{blank}{unit}; numbers are in SI units");
+    violation(key, defect, &reason, "convert the number to SI, or correct it")
 }
 
 /// A failed check.

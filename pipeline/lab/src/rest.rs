@@ -21,7 +21,7 @@ pub enum ShownBy {
 impl ShownBy {
     /// Largest distance of a marker from its place on the card, as a fraction of the specimen's length. A wrong unit, origin or axis gives
     /// more than a fifth; a film that is cut or turned against its calibration more than a tenth, a specimen that hangs by its own weight less.
-    fn share(self) -> f64 {
+    fn limit_fraction(self) -> f64 {
         match self {
             Self::Film => 0.1,
             Self::FilmRoughly => 0.15,
@@ -29,7 +29,7 @@ impl ShownBy {
         }
     }
 
-    fn action(self) -> &'static str {
+    fn corrective_action(self) -> &'static str {
         match self {
             Self::Film | Self::FilmRoughly => {
                 "check that the film is neither cut, mirrored nor turned against the calibration, [camera.plane] on the card, and the order of the markers"
@@ -43,21 +43,21 @@ impl ShownBy {
 ///
 /// # Errors
 /// A [`Diagnostic`] with the marker that is farthest.
-pub fn check(file: &str, markers: &[AtRest], length: Metre, by: ShownBy) -> Result<()> {
-    let away = |(_, painted, shown): &AtRest| (shown[0] - painted[0]).hypot(shown[1] - painted[1]);
-    let limit = by.share() * length;
-    let farthest = markers.iter().filter(|marker| away(marker) > limit || away(marker).is_nan());
-    let Some(marker) = farthest.max_by(|a, b| away(a).total_cmp(&away(b))) else { return Ok(()) };
+pub fn check(file: &str, markers: &[AtRest], length: Metre, source: ShownBy) -> Result<()> {
+    let distance = |(_, painted, shown): &AtRest| (shown[0] - painted[0]).hypot(shown[1] - painted[1]);
+    let limit = source.limit_fraction() * length;
+    let farthest = markers.iter().filter(|marker| distance(marker) > limit || distance(marker).is_nan());
+    let Some(marker) = farthest.max_by(|a, b| distance(a).total_cmp(&distance(b))) else { return Ok(()) };
     let (name, [u, v], [x, y]) = marker;
-    let what = format!(
+    let defect = format!(
         "{file} has marker `{name}` at ({x:.4}, {y:.4}) m in its first frame; it is painted at ({u:.4}, {v:.4}) m"
     );
-    let why = format!(
+    let reason = format!(
         "that is {:.4} m away; the limit is {limit:.4} m, {} of the specimen's length",
-        away(marker),
-        by.share()
+        distance(marker),
+        source.limit_fraction()
     );
-    Err(Diagnostic::new(what, why, by.action()))
+    Err(Diagnostic::new(defect, reason, source.corrective_action()))
 }
 
 #[cfg(test)]

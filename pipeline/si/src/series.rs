@@ -78,11 +78,11 @@ impl Series {
 
     /// The value at time `t` (s), linear between samples, held before the first and after the last.
     pub fn at(&self, t: Second) -> f64 {
-        let place = ((t - self.start) * self.rate).clamp(0.0, (self.values.len() - 1) as f64);
-        let left = place.floor() as usize;
-        let right = (left + 1).min(self.values.len() - 1);
-        let part = place - left as f64;
-        self.values[left] * (1.0 - part) + self.values[right] * part
+        let position = ((t - self.start) * self.rate).clamp(0.0, (self.values.len() - 1) as f64);
+        let lower = position.floor() as usize;
+        let upper = (lower + 1).min(self.values.len() - 1);
+        let fraction = position - lower as f64;
+        self.values[lower] * (1.0 - fraction) + self.values[upper] * fraction
     }
 }
 

@@ -8,7 +8,7 @@ use track::lens::{Lens, opencv};
 use track::pose::Pose;
 use track::video::Film;
 
-use super::Look;
+use super::Project;
 use super::finding::Finding;
 use study::stages::camera::{Camera, target};
 use study::subject::Specimen;
@@ -31,58 +31,70 @@ pub struct RoughCamera {
 }
 
 /// Findings on the calibration film, and the camera. Needed where a trial is tracked in pixels.
-pub fn look(look: &Look, of: &Specimen) -> (Option<RoughCamera>, Vec<Finding>) {
-    let Some(camera) = &of.card.camera else { return (None, Vec::new()) };
-    let there = look.path(&of.card.name, &camera.calibration).exists();
-    if !there || of.trials().iter().all(|trial| trial.in_space().is_some()) {
+pub(crate) fn board_findings(project: &Project, specimen: &Specimen) -> (Option<RoughCamera>, Vec<Finding>) {
+    let Some(camera) = &specimen.card.camera else { return (None, Vec::new()) };
+    let is_present = project.file_path(&specimen.card.name, &camera.calibration).exists();
+    if !is_present || specimen.trials().iter().all(|trial| trial.in_space().is_some()) {
         return (None, Vec::new());
     }
-    let raw = Camera::raw(of);
-    let context = inspection_context(look.folders, &raw);
-    let mut found = match &camera.coefficients {
-        Some(_) => lens(look, of, camera, &context),
+    let raw = Camera::raw(specimen);
+    let context = inspection_context(project.folders, &raw);
+    let mut findings = match &camera.coefficients {
+        Some(_) => lens_findings(project, specimen, camera, &context),
         None => Vec::new(),
     };
-    match on_plane(camera, &context) {
+    match views_on_plane(camera, &context) {
         Err(finding) => {
-            found.push(finding);
-            (None, found)
+            findings.push(finding);
+            (None, findings)
         }
-        Ok((size, seen)) => {
-            found.extend(lying(camera, &context, &seen));
-            (Some(RoughCamera { size, pose: rough(camera, size, &seen[0].1) }), found)
+        Ok((size, views)) => {
+            findings.extend(plane_findings(camera, &context, &views));
+            (Some(RoughCamera { size, pose: approximate_pose(camera, size, &views[0].1) }), findings)
         }
     }
 }
 
 /// What the file of the lens gives, and what the stage that uses it refuses.
-fn lens(look: &Look, of: &Specimen, camera: &card::Camera, context: &dyn StageContext) -> Vec<Finding> {
+fn lens_findings(
+    project: &Project,
+    specimen: &Specimen,
+    camera: &card::Camera,
+    context: &dyn StageContext,
+) -> Vec<Finding> {
     // a missing file is reported with the card
     let Ok(bytes) = context.bytes("lens") else { return Vec::new() };
     let (file, text) = (context.display_path("lens"), String::from_utf8_lossy(&bytes).into_owned());
-    let fitted = opencv::read(&text, camera.lens == LensKind::Fisheye).ok().and_then(|known| known.fitted_px);
-    let note = |off: f64| {
-        let why =
-            format!("a lens of five numbers stands for it, {off:.3} px off over the picture, as a root mean square");
-        Finding::note(format!("{file} has more than five coefficients"), why, "leave it")
+    let fitted = opencv::read(&text, camera.lens == LensKind::Fisheye).ok().and_then(|lens| lens.fitted_px);
+    let note = |deviation: f64| {
+        let reason = format!(
+            "a lens of five numbers stands for it, {deviation:.3} px off over the picture, as a root mean square"
+        );
+        Finding::note(format!("{file} has more than five coefficients"), reason, "leave it")
     };
-    let set = look.settings.section("camera");
-    let run = set.and_then(|set| Camera::run(&Part::part_of(of), &set, (), context));
+    let section = project.settings.section("camera");
+    let run = section.and_then(|section| Camera::run(&Part::part_of(specimen), &section, (), context));
     fitted.map(note).into_iter().chain(run.err().map(Finding::from)).collect()
 }
 
 /// The pose by an ordinary lens, of a camera that looks squarely: its focal length and the distance of the camera belong together, so that a place on the plane hardly depends on it.
-fn rough(camera: &card::Camera, size: [usize; 2], corners: &[Point2]) -> Option<(Lens, Pose)> {
+fn approximate_pose(camera: &card::Camera, size: [usize; 2], corners: &[Point2]) -> Option<(Lens, Pose)> {
     let [width, height] = size.map(|side| side as f64);
-    let f = 1.2 * width.max(height);
-    let lens = Lens { fx: f, fy: f, cx: 0.5 * (width - 1.0), cy: 0.5 * (height - 1.0), ..Lens::default() };
+    let focal_length = 1.2 * width.max(height);
+    let lens = Lens {
+        fx: focal_length,
+        fy: focal_length,
+        cx: 0.5 * (width - 1.0),
+        cy: 0.5 * (height - 1.0),
+        ..Lens::default()
+    };
     let card::Plane { origin, along: [c, s], height, .. } = camera.plane;
     let board = target(&camera.board).points();
-    let in_cad = |p: &[f64; 3]| [origin[0] + p[0] * c - p[1] * s, origin[1] + p[0] * s + p[1] * c, height];
-    let points: Vec<_> = board.iter().map(in_cad).collect();
-    let flat: Vec<Point2> = board.iter().map(|p| [p[0], p[1]]).collect();
+    let to_cad = |p: &[f64; 3]| [origin[0] + p[0] * c - p[1] * s, origin[1] + p[0] * s + p[1] * c, height];
+    let points: Vec<_> = board.iter().map(to_cad).collect();
+    let grid: Vec<Point2> = board.iter().map(|p| [p[0], p[1]]).collect();
     // of a plane that is tilted against the picture, the focal length decides how far
-    let is_square = tilt(&flat, corners).to_degrees() <= TILTED;
+    let is_square = tilt_angle(&grid, corners).to_degrees() <= TILTED;
     Some((lens, pose_from_plane(&lens, &points, corners).ok().filter(|_| is_square)?))
 }
 
@@ -90,88 +102,91 @@ fn rough(camera: &card::Camera, size: [usize; 2], corners: &[Point2]) -> Option<
 type View = (Second, Vec<Point2>);
 
 /// The board in every frame in which it should lie on the plane.
-fn on_plane(camera: &card::Camera, context: &dyn StageContext) -> Result<([usize; 2], Vec<View>), Finding> {
+fn views_on_plane(camera: &card::Camera, context: &dyn StageContext) -> Result<([usize; 2], Vec<View>), Finding> {
     let [from, to] = camera.plane.seconds;
-    let place = context.display_path("calibration");
+    let film_path = context.display_path("calibration");
     let film = context.path("calibration").and_then(|path| Ok(Film::open_board(&path, camera.frame_every)?));
     let (film, every) = film.map_err(Finding::from)?;
     let info = film.info();
-    let lasts = info.frames as f64 / info.rate;
-    if lasts < from {
-        let why = format!("on the card the board lies on the plane from {from} to {to} s");
-        let act = "correct seconds under [camera.plane] on the card";
-        return Err(Finding::fix(format!("{place} lasts {lasts:.2} s"), why, act));
+    let duration = info.frames as f64 / info.rate;
+    if duration < from {
+        let reason = format!("on the card the board lies on the plane from {from} to {to} s");
+        let action = "correct seconds under [camera.plane] on the card";
+        return Err(Finding::fix(format!("{film_path} lasts {duration:.2} s"), reason, action));
     }
     let finder = target(&camera.board);
-    let mut message = format!("none of its frames of which one in {every} is used is in this interval");
-    let mut seen = Vec::new();
+    let mut last_message = format!("none of its frames of which one in {every} is used is in this interval");
+    let mut views = Vec::new();
     for frame in film {
         let frame = frame.map_err(|e| Finding::message(&e.to_string()))?;
         if !(from..=to).contains(&frame.time) || !frame.index.is_multiple_of(every) {
             continue;
         }
         match finder.find(&frame.gray) {
-            Ok(corners) => seen.push((frame.time, corners)),
-            Err(e) => message = e.to_string(),
+            Ok(corners) => views.push((frame.time, corners)),
+            Err(e) => last_message = e.to_string(),
         }
     }
-    if !seen.is_empty() {
-        return Ok(([info.width, info.height], seen));
+    if !views.is_empty() {
+        return Ok(([info.width, info.height], views));
     }
-    let why = message.replace("\n  why:", ";").replace("\n  do:", "; do:");
-    let act = "check columns, rows and seconds on the card, or film the board again, whole and sharp";
-    Err(Finding::fix(format!("{place} shows no board between {from} and {to} s"), why, act))
+    let reason = last_message.replace("\n  why:", ";").replace("\n  do:", "; do:");
+    let action = "check columns, rows and seconds on the card, or film the board again, whole and sharp";
+    Err(Finding::fix(format!("{film_path} shows no board between {from} and {to} s"), reason, action))
 }
 
 /// Whether the board lies still, and squarely before the camera.
-fn lying(camera: &card::Camera, context: &dyn StageContext, seen: &[View]) -> Vec<Finding> {
-    let place = context.display_path("calibration");
+fn plane_findings(camera: &card::Camera, context: &dyn StageContext, views: &[View]) -> Vec<Finding> {
+    let film_path = context.display_path("calibration");
     let [from, to] = camera.plane.seconds;
-    let (_, first) = &seen[0];
-    let farthest = |(time, corners): &View| (*time, distance(first, corners));
-    let most = seen.iter().map(farthest).fold((from, 0.0), |a, b| if b.1 > a.1 { b } else { a });
-    if most.1 > MOVED {
+    let (_, first) = &views[0];
+    let displacement = |(time, corners): &View| (*time, largest_distance(first, corners));
+    let largest = views.iter().map(displacement).fold((from, 0.0), |a, b| if b.1 > a.1 { b } else { a });
+    if largest.1 > MOVED {
         return vec![Finding::fix(
-            format!("{place}: the board moves by {:.1} px between {from} and {to} s", most.1),
-            format!("it is at {:.2} s where it is not at first; on the plane it lies still, within {MOVED} px", most.0),
+            format!("{film_path}: the board moves by {:.1} px between {from} and {to} s", largest.1),
+            format!(
+                "it is at {:.2} s where it is not at first; on the plane it lies still, within {MOVED} px",
+                largest.0
+            ),
             "correct seconds under [camera.plane] on the card: the time in which the board lies on the plane",
         )];
     }
     let board: Vec<Point2> = target(&camera.board).points().iter().map(|p| [p[0], p[1]]).collect();
-    let tilt = tilt(&board, first).to_degrees();
-    if tilt <= TILTED {
+    let angle = tilt_angle(&board, first).to_degrees();
+    if angle <= TILTED {
         return Vec::new();
     }
     vec![Finding::note(
-        format!("{place}: between {from} and {to} s the board is tilted by about {tilt:.0}° against the picture"),
+        format!("{film_path}: between {from} and {to} s the board is tilted by about {angle:.0}° against the picture"),
         "as it lies then, so lies the plane in which markers move",
         "if the camera looks at that plane squarely, correct seconds under [camera.plane] on the card",
     )]
 }
 
 /// The largest distance between the same corners, px.
-fn distance(a: &[Point2], b: &[Point2]) -> f64 {
+fn largest_distance(a: &[Point2], b: &[Point2]) -> f64 {
     a.iter().zip(b).map(|(p, q)| (p[0] - q[0]).hypot(p[1] - q[1])).fold(0.0, f64::max)
 }
 
 /// The angle between board and picture, from the shortening of one direction against the other; `board` in m, `corners` in px.
 // A camera far away sees a board that is tilted by θ compressed by cos θ across its axis, whatever the focal length.
-fn tilt(board: &[Point2], corners: &[Point2]) -> f64 {
-    let mean = |of: &[Point2], k: usize| of.iter().map(|p| p[k]).sum::<f64>() / of.len() as f64;
-    let centred = |of: &[Point2]| -> Vec<Point2> {
-        let middle = [mean(of, 0), mean(of, 1)];
-        of.iter().map(|p| [p[0] - middle[0], p[1] - middle[1]]).collect()
+fn tilt_angle(board: &[Point2], corners: &[Point2]) -> f64 {
+    let mean_coordinate = |points: &[Point2], k: usize| points.iter().map(|p| p[k]).sum::<f64>() / points.len() as f64;
+    let centred = |points: &[Point2]| -> Vec<Point2> {
+        let centroid = [mean_coordinate(points, 0), mean_coordinate(points, 1)];
+        points.iter().map(|p| [p[0] - centroid[0], p[1] - centroid[1]]).collect()
     };
     let (board, corners) = (centred(board), centred(corners));
     // a grid has no mixed second moment: each column of the affine map by itself
     let column = |k: usize| {
-        let square: f64 = board.iter().map(|p| p[k] * p[k]).sum();
-        [0, 1].map(|row| board.iter().zip(&corners).map(|(p, q)| p[k] * q[row]).sum::<f64>() / square)
+        let second_moment: f64 = board.iter().map(|p| p[k] * p[k]).sum();
+        [0, 1].map(|row| board.iter().zip(&corners).map(|(p, q)| p[k] * q[row]).sum::<f64>() / second_moment)
     };
     let ([a, b], [c, d]) = (column(0), column(1));
     let (sum, determinant) = (a * a + b * b + c * c + d * d, (a * d - b * c).abs());
-    let split = (sum * sum - 4.0 * determinant * determinant).max(0.0).sqrt();
-    ((sum - split) / (sum + split)).max(0.0).sqrt().clamp(0.0, 1.0).acos()
+    let discriminant = (sum * sum - 4.0 * determinant * determinant).max(0.0).sqrt();
+    ((sum - discriminant) / (sum + discriminant)).max(0.0).sqrt().clamp(0.0, 1.0).acos()
 }
 
 #[cfg(test)]
@@ -194,7 +209,7 @@ mod tests {
     fn the_tilt_of_a_compressed_board_is_found_in_any_direction() {
         for (angle, turn) in [(0.0, 0.3), (0.35, 0.0), (0.6, 2.0)] {
             let (board, corners) = seen(angle, turn);
-            assert!((tilt(&board, &corners) - angle).abs() < 1e-6, "{angle} {turn}");
+            assert!((tilt_angle(&board, &corners) - angle).abs() < 1e-6, "{angle} {turn}");
         }
     }
 }

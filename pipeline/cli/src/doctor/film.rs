@@ -7,7 +7,7 @@ use track::{klt, led};
 
 use super::board::RoughCamera;
 use super::finding::Finding;
-use super::{Look, rest};
+use super::{Project, rest};
 use lab::card::Experiment;
 use study::records::Tracks;
 use study::stages::track::{Settings, Track, first_look, imported};
@@ -17,7 +17,7 @@ use workflow::stage::{Stage, StageContext};
 use workflow::subject::Part;
 
 /// A film decoded to its end: times and lamp, without markers; rows of a picture.
-pub struct Seen {
+pub struct DecodedFilm {
     /// Times and lamp.
     pub tracks: Tracks,
     /// Rows.
@@ -35,106 +35,126 @@ const LAMP: f64 = 10.0;
 const FRAMES_A_CYCLE: f64 = 8.0;
 
 /// The film of a trial where it can be read to its end, and the findings on it.
-pub fn trial(look: &Look, of: &Trial, set: &Settings, camera: Option<&RoughCamera>) -> (Option<Seen>, Vec<Finding>) {
-    let raw = Track::raw(of);
-    let context = inspection_context(look.folders, &raw);
-    if !of.trial.video.as_ref().is_some_and(|video| look.path(&of.card.name, video).exists()) {
+pub(crate) fn film_findings(
+    project: &Project,
+    subject: &Trial,
+    settings: &Settings,
+    camera: Option<&RoughCamera>,
+) -> (Option<DecodedFilm>, Vec<Finding>) {
+    let raw = Track::raw(subject);
+    let context = inspection_context(project.folders, &raw);
+    if !subject.trial.video.as_ref().is_some_and(|video| project.file_path(&subject.card.name, video).exists()) {
         return (None, Vec::new());
     }
     match context.path("video").and_then(|path| Ok(Film::open(&path)?)) {
         Err(diagnostic) => (None, vec![diagnostic.into()]),
         Ok(film) => {
             let info = film.info();
-            watched(film, &FirstFrame { of, set, info: &info, context: &context, camera })
+            decode_film(film, &FirstFrame { subject, settings, info: &info, context: &context, camera })
         }
     }
 }
 
-fn watched(film: Film, check: &FirstFrame) -> (Option<Seen>, Vec<Finding>) {
-    let FirstFrame { of, set, info, context, camera } = *check;
-    let place = context.display_path("video");
-    let mut found = fitting(&place, info, of);
-    found.extend(camera.and_then(|camera| rest::size(&place, info, camera)));
+fn decode_film(film: Film, check: &FirstFrame) -> (Option<DecodedFilm>, Vec<Finding>) {
+    let FirstFrame { subject, settings, info, context, camera } = *check;
+    let film_path = context.display_path("video");
+    let mut findings = card_mismatches(&film_path, info, subject);
+    findings.extend(camera.and_then(|camera| rest::size_mismatch(&film_path, info, camera)));
     let mut tracks = Tracks { time: Vec::new(), led: Vec::new(), worst_residual: 0.0, markers: Vec::new() };
-    let (first, last) = (of.trial.first_frame, of.trial.last_frame.unwrap_or(usize::MAX));
+    let (first, last) = (subject.trial.first_frame, subject.trial.last_frame.unwrap_or(usize::MAX));
     for frame in film {
         let frame = match frame {
             Ok(frame) => frame,
             Err(e) => {
-                found.push(Finding::message(&e.to_string()));
-                return (None, found);
+                findings.push(Finding::message(&e.to_string()));
+                return (None, findings);
             }
         };
         if frame.index == first {
-            found.extend(check.findings(&frame));
+            findings.extend(check.frame_findings(&frame));
         }
         if (first..=last).contains(&frame.index) {
             tracks.time.push(frame.time);
-            tracks.led.extend(of.card.led.iter().map(|lamp| led::brightness(&frame.gray, lamp.centre, lamp.radius)));
+            tracks
+                .led
+                .extend(subject.card.led.iter().map(|lamp| led::brightness(&frame.gray, lamp.centre, lamp.radius)));
         }
     }
     if tracks.time.len() < 2 {
-        let what = format!("{place} has {} frames to use", tracks.time.len());
-        let why = format!("it has {}, and the card lets the trial begin at frame {first}", info.frames);
-        found.push(Finding::fix(what, why, "correct first_frame and last_frame of this trial on the card"));
-        return (None, found);
+        let defect = format!("{film_path} has {} frames to use", tracks.time.len());
+        let reason = format!("it has {}, and the card lets the trial begin at frame {first}", info.frames);
+        findings.push(Finding::fix(defect, reason, "correct first_frame and last_frame of this trial on the card"));
+        return (None, findings);
     }
-    let imported = imported(&Part::part_of(of), set.tracker(info.rate), tracks.time.len(), context);
+    let imported = imported(&Part::part_of(subject), settings.tracker(info.rate), tracks.time.len(), context);
     match imported {
-        Err(diagnostic) => found.push(diagnostic.into()),
+        Err(diagnostic) => findings.push(diagnostic.into()),
         Ok(paths) => {
             let first: Vec<Point2> = paths.iter().filter_map(|path| path.at.first().copied()).collect();
-            found.extend(camera.and_then(|camera| rest::places(&place, of, &first, camera)));
+            findings.extend(camera.and_then(|camera| rest::displaced_marker(&film_path, subject, &first, camera)));
         }
     }
-    let unlit = unlit(&place, &tracks.led);
-    let seen = unlit.is_none().then_some(Seen { tracks, height: info.height });
-    found.extend(unlit);
-    (seen, found)
+    let dark_lamp = unlit_lamp(&film_path, &tracks.led);
+    let decoded = dark_lamp.is_none().then_some(DecodedFilm { tracks, height: info.height });
+    findings.extend(dark_lamp);
+    (decoded, findings)
 }
 
 /// A lamp whose brightness hardly changes in the film: it gives no clock.
-fn unlit(place: &str, led: &[f64]) -> Option<Finding> {
+fn unlit_lamp(film_path: &str, led: &[f64]) -> Option<Finding> {
     let (low, high) = led.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), &v| (low.min(v), high.max(v)));
     (high - low < LAMP).then(|| {
-        let what = format!("{place}: the lamp does not light: its disc stays between {low:.1} and {high:.1} of 255");
-        let why = format!("a lamp that lights changes by {LAMP} at least");
-        let act =
+        let defect =
+            format!("{film_path}: the lamp does not light: its disc stays between {low:.1} and {high:.1} of 255");
+        let reason = format!("a lamp that lights changes by {LAMP} at least");
+        let action =
             "check centre and radius under [led] on the card, and that film and lamp were both on when the trial began";
-        Finding::fix(what, why, act)
+        Finding::fix(defect, reason, action)
     })
 }
 
 /// Length, rate and size against the card.
-fn fitting(place: &str, info: &Info, of: &Trial) -> Vec<Finding> {
-    let mut found = Vec::new();
-    let (lasts, wanted) = (info.frames as f64 / info.rate, of.trial.experiment.duration());
-    if lasts < wanted {
-        let why = format!("the trial on the card lasts {wanted:.2} s");
-        let act = "correct the trial on the card, or record the film again at its true rate";
-        found.push(Finding::fix(format!("{place} lasts {lasts:.2} s ({} frames)", info.frames), why, act));
+fn card_mismatches(film_path: &str, info: &Info, subject: &Trial) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    let (duration, required) = (info.frames as f64 / info.rate, subject.trial.experiment.duration());
+    if duration < required {
+        let reason = format!("the trial on the card lasts {required:.2} s");
+        let action = "correct the trial on the card, or record the film again at its true rate";
+        findings.push(Finding::fix(
+            format!("{film_path} lasts {duration:.2} s ({} frames)", info.frames),
+            reason,
+            action,
+        ));
     }
-    if let Experiment::Flapping { frequency, .. } = of.trial.experiment
+    if let Experiment::Flapping { frequency, .. } = subject.trial.experiment
         && info.rate < FRAMES_A_CYCLE * frequency
     {
-        let what = format!("{place} has {:.1} frames a second, {:.1} a cycle", info.rate, info.rate / frequency);
-        found.push(Finding::fix(what, format!("{FRAMES_A_CYCLE} a cycle are needed"), "film faster, or flap slower"));
+        let defect = format!("{film_path} has {:.1} frames a second, {:.1} a cycle", info.rate, info.rate / frequency);
+        findings.push(Finding::fix(
+            defect,
+            format!("{FRAMES_A_CYCLE} a cycle are needed"),
+            "film faster, or flap slower",
+        ));
     }
-    if let Some([u, v]) = of.card.led.as_ref().map(|led| led.centre)
+    if let Some([u, v]) = subject.card.led.as_ref().map(|led| led.centre)
         && (u > info.width as f64 - 1.0 || v > info.height as f64 - 1.0)
     {
-        let what = format!("{place}: the lamp at ({u}, {v}) px is out of the picture");
-        let why = format!("pictures are {} × {} px", info.width, info.height);
-        found.push(Finding::fix(what, why, "correct centre under [led] on the card, or film with the lamp in view"));
+        let defect = format!("{film_path}: the lamp at ({u}, {v}) px is out of the picture");
+        let reason = format!("pictures are {} × {} px", info.width, info.height);
+        findings.push(Finding::fix(
+            defect,
+            reason,
+            "correct centre under [led] on the card, or film with the lamp in view",
+        ));
     }
-    found
+    findings
 }
 
 /// The check of the first frame of a trial.
 #[derive(Clone, Copy)]
 struct FirstFrame<'a> {
-    of: &'a Trial,
-    set: &'a Settings,
+    subject: &'a Trial,
+    settings: &'a Settings,
     /// Of its film.
     info: &'a Info,
     context: &'a dyn StageContext,
@@ -143,72 +163,80 @@ struct FirstFrame<'a> {
 
 impl FirstFrame<'_> {
     /// Brightness and markers in the first frame.
-    fn findings(&self, frame: &Frame) -> Vec<Finding> {
-        let Self { of, set, info, context, camera } = *self;
-        let place = context.display_path("video");
-        let light = lightest(&frame.gray);
-        if light < LIGHT {
-            let what = format!("{place} is dark: its lightest twentieth begins at {light} of 255");
-            let act = "light the scene evenly, open the aperture, and record again";
-            let why = format!("the least is {LIGHT}; markers are detected by their contrast");
-            return vec![Finding::fix(what, why, act)];
+    fn frame_findings(&self, frame: &Frame) -> Vec<Finding> {
+        let Self { subject, settings, info, context, camera } = *self;
+        let film_path = context.display_path("video");
+        let quantile = light_quantile(&frame.gray);
+        if quantile < LIGHT {
+            let defect = format!("{film_path} is dark: its lightest twentieth begins at {quantile} of 255");
+            let action = "light the scene evenly, open the aperture, and record again";
+            let reason = format!("the least is {LIGHT}; markers are detected by their contrast");
+            return vec![Finding::fix(defect, reason, action)];
         }
-        let outside = |at: &Point2| at[0] > info.width as f64 - 1.0 || at[1] > info.height as f64 - 1.0;
-        let clicked = of.card.marker.iter().filter(|_| of.made_elsewhere().is_none());
-        let lost = clicked.filter_map(|m| Some((&m.name, m.clicked.filter(outside)?)));
-        let out: Vec<Finding> = lost.map(|(name, at)| out_of_view(&place, name, at, info)).collect();
-        if !out.is_empty() {
-            return out;
+        let is_outside =
+            |position: &Point2| position[0] > info.width as f64 - 1.0 || position[1] > info.height as f64 - 1.0;
+        let clicked = subject.card.marker.iter().filter(|_| subject.made_elsewhere().is_none());
+        let hidden = clicked.filter_map(|m| Some((&m.name, m.clicked.filter(is_outside)?)));
+        let unseen: Vec<Finding> =
+            hidden.map(|(name, position)| out_of_view(&film_path, name, position, info)).collect();
+        if !unseen.is_empty() {
+            return unseen;
         }
-        match first_look(&Part::part_of(of), set.tracker(info.rate), frame, context) {
+        match first_look(&Part::part_of(subject), settings.tracker(info.rate), frame, context) {
             Err(diagnostic) => vec![diagnostic.into()],
-            Ok(places) => {
-                let astray = camera.and_then(|camera| rest::places(&place, of, &places, camera));
-                self.at_edges(&places, &frame.gray).into_iter().chain(astray).collect()
+            Ok(positions) => {
+                let displaced =
+                    camera.and_then(|camera| rest::displaced_marker(&film_path, subject, &positions, camera));
+                self.dark_neighbours(&positions, &frame.gray).into_iter().chain(displaced).collect()
             }
         }
     }
 
     /// Markers beside another dark region, which would bias their centroid when the body moves.
-    fn at_edges(&self, marks: &[Point2], picture: &Gray) -> Vec<Finding> {
-        let (place, radius) = (self.context.display_path("video"), MARGIN * self.set.radius());
-        let beside =
-            self.of.card.marker.iter().zip(marks).map(|(marker, at)| (marker, klt::clutter(picture, *at, radius)));
-        let evaluated = beside.filter(|(_, share)| *share > BESIDE).map(|(marker, share)| {
-            let what = format!(
-                "{place}: {:.0} % of the pixels within {radius:.0} px of marker `{}` are dark and not its own",
+    fn dark_neighbours(&self, marks: &[Point2], picture: &Gray) -> Vec<Finding> {
+        let (film_path, radius) = (self.context.display_path("video"), MARGIN * self.settings.radius());
+        let clutter = self
+            .subject
+            .card
+            .marker
+            .iter()
+            .zip(marks)
+            .map(|(marker, position)| (marker, klt::clutter(picture, *position, radius)));
+        let findings = clutter.filter(|(_, share)| *share > BESIDE).map(|(marker, share)| {
+            let defect = format!(
+                "{film_path}: {:.0} % of the pixels within {radius:.0} px of marker `{}` are dark and not its own",
                 100.0 * share,
                 marker.name
             );
-            let why = format!(
+            let reason = format!(
                 "the limit is {:.0} %; as the body moves they enter the marker's window of {:.0} px",
                 100.0 * BESIDE,
                 radius / MARGIN
             );
             Finding::note(
-                what,
-                why,
+                defect,
+                reason,
                 "put the marker farther from the body's edge, or lower radius under [track] in study.toml",
             )
         });
-        evaluated.collect()
+        findings.collect()
     }
 }
 
-fn out_of_view(place: &str, name: &str, [u, v]: Point2, info: &Info) -> Finding {
-    let what = format!("{place}: marker `{name}` at ({u}, {v}) px is out of the picture");
-    let why = format!("pictures are {} × {} px", info.width, info.height);
-    Finding::fix(what, why, "click it in the first frame of this film, or film with every marker in view")
+fn out_of_view(film_path: &str, name: &str, [u, v]: Point2, info: &Info) -> Finding {
+    let defect = format!("{film_path}: marker `{name}` at ({u}, {v}) px is out of the picture");
+    let reason = format!("pictures are {} × {} px", info.width, info.height);
+    Finding::fix(defect, reason, "click it in the first frame of this film, or film with every marker in view")
 }
 
 /// The 95 % quantile of the grey levels of a picture.
-fn lightest(picture: &Gray) -> u8 {
+fn light_quantile(picture: &Gray) -> u8 {
     let mut counts = [0_usize; 256];
     picture.pixels.iter().for_each(|p| counts[usize::from(*p)] += 1);
-    let mut left = picture.pixels.len() / 20;
+    let mut remaining = picture.pixels.len() / 20;
     let mut level = 255;
-    while level > 0 && counts[level] <= left {
-        left -= counts[level];
+    while level > 0 && counts[level] <= remaining {
+        remaining -= counts[level];
         level -= 1;
     }
     level as u8

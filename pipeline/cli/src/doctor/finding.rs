@@ -40,27 +40,27 @@ impl Finding {
     }
 
     /// How a log is read: what it is, and what is made of it.
-    pub fn log(what: impl Into<String>, made: impl Into<String>) -> Self {
-        Self { severity: Severity::Log, ..Self::fix(what, made, "") }
+    pub fn log(what: impl Into<String>, method: impl Into<String>) -> Self {
+        Self { severity: Severity::Log, ..Self::fix(what, method, "") }
     }
 
     /// Whether it must be fixed.
-    pub(crate) fn must(&self) -> bool {
+    pub(crate) fn must_fix(&self) -> bool {
         self.severity == Severity::Fix
     }
 
     /// A tool's error, with what, `why:` and `do:` on separate lines.
     pub fn message(text: &str) -> Self {
-        let (what, rest) = text.split_once("\n  why:").unwrap_or((text, ""));
-        let (why, act) = rest.split_once("\n  do:").unwrap_or((rest, ""));
+        let (what, remedy) = text.split_once("\n  why:").unwrap_or((text, ""));
+        let (why, act) = remedy.split_once("\n  do:").unwrap_or((remedy, ""));
         Self::fix(what.trim(), why.trim(), act.trim())
     }
 }
 
 impl From<Diagnostic> for Finding {
     fn from(diagnostic: Diagnostic) -> Self {
-        let place = diagnostic.location.as_ref().map_or_else(String::new, |location| format!("{location}: "));
-        Self::fix(format!("{place}{}", diagnostic.what), diagnostic.why, diagnostic.action)
+        let location = diagnostic.location.as_ref().map_or_else(String::new, |location| format!("{location}: "));
+        Self::fix(format!("{location}{}", diagnostic.what), diagnostic.why, diagnostic.action)
     }
 }
 
@@ -77,8 +77,8 @@ impl fmt::Display for Finding {
 }
 
 /// The findings of several checks in their order.
-pub fn findings(looks: impl IntoIterator<Item = Vec<Finding>>) -> Vec<Finding> {
-    looks.into_iter().flatten().collect()
+pub(crate) fn all_findings(checks: impl IntoIterator<Item = Vec<Finding>>) -> Vec<Finding> {
+    checks.into_iter().flatten().collect()
 }
 
 #[cfg(test)]

@@ -24,15 +24,15 @@ use rayon::prelude::*;
 pub use finding::Finding;
 
 use diagnostics::{Diagnostic, Result};
-use finding::{Severity, findings};
+use finding::{Severity, all_findings};
 use study::Runner;
 use study::stages;
 use study::subject::{Specimen, Trial};
 use workflow::runner::Folders;
 use workflow::settings::Settings;
 
-/// Data shared by all checks of a specimen.
-struct Look<'a> {
+/// The project whose recordings are checked: its folders and settings.
+struct Project<'a> {
     folders: &'a Folders,
     settings: &'a Settings,
 }
@@ -51,7 +51,7 @@ pub struct Evaluated {
 impl Evaluated {
     /// Whether nothing must be fixed.
     pub fn is_well(&self) -> bool {
-        self.findings.iter().all(|finding| !finding.must())
+        self.findings.iter().all(|finding| !finding.must_fix())
     }
 }
 
@@ -70,70 +70,80 @@ impl fmt::Display for Evaluated {
 /// # Errors
 /// A [`Diagnostic`] when there is no such specimen or the settings of a stage cannot be understood.
 pub fn run(runner: &Runner, name: Option<&str>) -> Result<Evaluated> {
-    let look = Look { folders: &runner.folders, settings: &runner.settings };
-    let all = lab::folder::list(&runner.folders.raw())?;
-    let named = |folder: &&PathBuf| name.is_none_or(|name| called(folder) == name);
-    let chosen: Vec<&PathBuf> = all.iter().filter(named).collect();
+    let project = Project { folders: &runner.folders, settings: &runner.settings };
+    let folders = lab::folder::list(&runner.folders.raw())?;
+    let is_chosen = |folder: &&PathBuf| name.is_none_or(|name| folder_name(folder) == name);
+    let chosen: Vec<&PathBuf> = folders.iter().filter(is_chosen).collect();
     if chosen.is_empty() {
-        let there: Vec<String> = all.iter().map(|folder| called(folder)).collect();
-        let what = format!("there is no specimen `{}`", name.unwrap_or_default());
+        let names: Vec<String> = folders.iter().map(|folder| folder_name(folder)).collect();
+        let defect = format!("there is no specimen `{}`", name.unwrap_or_default());
         return Err(Diagnostic::new(
-            what,
-            format!("there are: {}", there.join(", ")),
+            defect,
+            format!("there are: {}", names.join(", ")),
             "correct the name, or study init it",
         ));
     }
     let mut evaluated = Evaluated::default();
     for folder in chosen {
-        look.specimen(folder, &mut evaluated)?;
+        project.check_specimen(folder, &mut evaluated)?;
     }
-    evaluated.findings.extend(disk::look(&look));
+    evaluated.findings.extend(disk::disk_finding(&project));
     Ok(evaluated)
 }
 
-fn called(folder: &Path) -> String {
+fn folder_name(folder: &Path) -> String {
     folder.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
-impl Look<'_> {
+impl Project<'_> {
     /// The findings on one specimen.
-    fn specimen(&self, folder: &Path, evaluated: &mut Evaluated) -> Result<()> {
-        evaluated.specimens.push(called(folder));
-        let (opened, found) = card::look(self, folder);
-        evaluated.findings.extend(found);
+    fn check_specimen(&self, folder: &Path, evaluated: &mut Evaluated) -> Result<()> {
+        evaluated.specimens.push(folder_name(folder));
+        let (opened, card_findings) = card::card_findings(self, folder);
+        evaluated.findings.extend(card_findings);
         let Some(opened) = opened else { return Ok(()) };
-        let of = Specimen { card: opened.card.into() };
-        let (camera, of_board) = board::look(self, &of);
-        evaluated.findings.extend(findings([solid::look(self, &of)?, of_board, log::fixtures(self, &of)?]));
-        let trials = of.trials();
+        let specimen = Specimen { card: opened.card.into() };
+        let (camera, board_findings) = board::board_findings(self, &specimen);
+        evaluated.findings.extend(all_findings([
+            solid::surface_findings(self, &specimen)?,
+            board_findings,
+            log::fixture_findings(self, &specimen)?,
+        ]));
+        let trials = specimen.trials();
         evaluated.trials += trials.len();
-        let each: Result<Vec<Vec<Finding>>> =
-            trials.par_iter().map(|trial| self.trial(trial, camera.as_ref())).collect();
-        evaluated.findings.extend(findings(each?));
+        let trial_findings: Result<Vec<Vec<Finding>>> =
+            trials.par_iter().map(|trial| self.check_trial(trial, camera.as_ref())).collect();
+        evaluated.findings.extend(all_findings(trial_findings?));
         Ok(())
     }
 
     /// Film, logs and clocks of one trial; clocks where both can be read.
-    fn trial(&self, of: &Trial, camera: Option<&board::RoughCamera>) -> Result<Vec<Finding>> {
+    fn check_trial(&self, subject: &Trial, camera: Option<&board::RoughCamera>) -> Result<Vec<Finding>> {
         let track = self.settings.section::<stages::track::Settings>("track")?;
         let clocks = self.settings.section::<stages::clock::Settings>("clock")?;
-        let (log, of_log) = log::pressure(self, of);
-        let (seen, of_film) = film::trial(self, of, &track, camera);
-        let of_clock = match (&log, &seen) {
-            (Some(_), Some(seen)) => clock::look(self, of, seen, &clocks),
+        let (log, log_findings) = log::pressure_log(self, subject);
+        let (decoded, film_findings) = film::film_findings(self, subject, &track, camera);
+        let clock_findings = match (&log, &decoded) {
+            (Some(_), Some(decoded)) => clock::clock_findings(self, subject, decoded, &clocks),
             _ => Vec::new(),
         };
-        let of_space = space::look(self, of, log.is_some())?;
-        Ok(findings([of_log, log::force(self, of), of_film, of_space, of_clock]))
+        let space_findings = space::space_findings(self, subject, log.is_some())?;
+        Ok(all_findings([
+            log_findings,
+            log::force_findings(self, subject),
+            film_findings,
+            space_findings,
+            clock_findings,
+        ]))
     }
 
     /// The path of a specimen's file relative to the project's folder.
-    fn place(&self, specimen: &str, file: &str) -> String {
+    fn display_path(&self, specimen: &str, file: &str) -> String {
         self.folders.display(&self.folders.raw_file(&format!("{specimen}/{file}")))
     }
 
     /// The path of a specimen's file.
-    fn path(&self, specimen: &str, file: &str) -> PathBuf {
+    fn file_path(&self, specimen: &str, file: &str) -> PathBuf {
         self.folders.raw_file(&format!("{specimen}/{file}"))
     }
 }

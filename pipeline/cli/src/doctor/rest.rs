@@ -13,23 +13,28 @@ use diagnostics::Diagnostic;
 use study::subject::Trial;
 
 /// Whether the pictures of a film are of the calibration's size.
-pub fn size(place: &str, info: &Info, camera: &RoughCamera) -> Option<Finding> {
+pub(crate) fn size_mismatch(film_path: &str, info: &Info, camera: &RoughCamera) -> Option<Finding> {
     let checked = picture_size::check(camera.size, [info.width, info.height]);
-    checked.err().map(|e| Diagnostic::from(e).while_doing(place.to_owned()).into())
+    checked.err().map(|e| Diagnostic::from(e).while_doing(film_path.to_owned()).into())
 }
 
 /// Whether the markers in the first frame (px) are near their places on the card.
-pub fn places(place: &str, of: &Trial, marks: &[Point2], camera: &RoughCamera) -> Option<Finding> {
+pub(crate) fn displaced_marker(
+    film_path: &str,
+    subject: &Trial,
+    marks: &[Point2],
+    camera: &RoughCamera,
+) -> Option<Finding> {
     let (lens, pose) = camera.pose?;
-    let water = of.card.water.as_ref().filter(|_| of.trial.medium == Medium::Water);
+    let water = subject.card.water.as_ref().filter(|_| subject.trial.medium == Medium::Water);
     let water = water.map(|w| Water { surface: w.surface, index: w.index });
-    let sight = RefractiveCamera { lens, pose, water };
-    let shown = |(marker, at): (&lab::card::Marker, &Point2)| {
+    let refractive_camera = RefractiveCamera { lens, pose, water };
+    let rest_position = |(marker, pixel): (&lab::card::Marker, &Point2)| {
         let [x, y, z] = marker.at;
-        Some((marker.name.clone(), [x, y], sight.intersect(*at, z)?))
+        Some((marker.name.clone(), [x, y], refractive_camera.intersect(*pixel, z)?))
     };
     // length: a place for each marker of the card
-    let rest: Option<Vec<_>> = of.card.marker.iter().zip(marks).map(shown).collect();
-    let checked = lab::rest::check(place, &rest?, of.card.length, ShownBy::FilmRoughly);
+    let markers: Option<Vec<_>> = subject.card.marker.iter().zip(marks).map(rest_position).collect();
+    let checked = lab::rest::check(film_path, &markers?, subject.card.length, ShownBy::FilmRoughly);
     checked.err().map(Finding::from)
 }

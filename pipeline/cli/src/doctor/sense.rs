@@ -23,110 +23,123 @@ struct Channels<'a> {
 }
 
 /// Findings on a log that contradict the card.
-pub fn look(place: &str, log: &PressureLog, experiment: &Experiment) -> Vec<Finding> {
-    let mut found: Vec<Finding> = log.channels.iter().filter_map(|channel| negative(place, log, channel)).collect();
+pub(crate) fn consistency_findings(log_path: &str, log: &PressureLog, experiment: &Experiment) -> Vec<Finding> {
+    let mut findings: Vec<Finding> =
+        log.channels.iter().filter_map(|channel| negative_pressure(log_path, log, channel)).collect();
     let (first, others) = log.channels.iter().partition(|channel| experiment.first_channels().contains(&channel.name));
     let channels = Channels { first, others };
-    let (begin, other) = (earliest(&channels.first), earliest(&channels.others));
-    let Some((from, _)) = begin.filter(|(from, _)| other.is_none_or(|(other, _)| *from < other)) else {
-        found.push(another_channel(place, &channels, other.map(|(_, channel)| channel)));
-        return found;
+    let (first_rise, other_rise) = (first_command(&channels.first), first_command(&channels.others));
+    let Some((start, _)) = first_rise.filter(|(start, _)| other_rise.is_none_or(|(other_rise, _)| *start < other_rise))
+    else {
+        findings.push(another_channel(log_path, &channels, other_rise.map(|(_, channel)| channel)));
+        return findings;
     };
-    found.extend(asked(place, &channels, experiment));
-    found.extend(answered(place, &channels, from..other.map_or(log.time.len(), |(other, _)| other)));
-    found
+    findings.extend(command_mismatch(log_path, &channels, experiment));
+    findings.extend(response_mismatch(
+        log_path,
+        &channels,
+        start..other_rise.map_or(log.time.len(), |(other_rise, _)| other_rise),
+    ));
+    findings
 }
 
 /// The first sample with a command above zero, and its channel.
-fn earliest<'a>(channels: &[&'a Channel]) -> Option<(usize, &'a Channel)> {
-    let begin = |channel: &&'a Channel| {
+fn first_command<'a>(channels: &[&'a Channel]) -> Option<(usize, &'a Channel)> {
+    let first_rise = |channel: &&'a Channel| {
         channel.command.iter().position(|command| *command > 0.0).map(|sample| (sample, *channel))
     };
-    channels.iter().filter_map(begin).min_by_key(|(sample, _)| *sample)
+    channels.iter().filter_map(first_rise).min_by_key(|(sample, _)| *sample)
 }
 
-fn highest(values: &[Pascal]) -> Pascal {
+fn highest_pressure(values: &[Pascal]) -> Pascal {
     values.iter().copied().fold(0.0, f64::max)
 }
 
-fn mbar(pressure: Pascal) -> String {
+fn in_mbar(pressure: Pascal) -> String {
     format!("{:.1} mbar", pressure / MILLIBAR)
 }
 
-fn names(channels: &[&Channel]) -> String {
+fn joined_names(channels: &[&Channel]) -> String {
     channels.iter().map(|channel| channel.name.as_str()).collect::<Vec<_>>().join(" and ")
 }
 
-fn negative(place: &str, log: &PressureLog, channel: &Channel) -> Option<Finding> {
-    let below = |values: &[Pascal], limit: Pascal| values.iter().position(|p| *p < -limit).map(|i| (i, values[i]));
-    let asked = below(&channel.command, 0.0).map(|at| (at, command_title(&channel.name)));
-    let slack = OFFSET.max(0.1 * highest(&channel.command));
-    let ((i, value), column) =
-        asked.or_else(|| below(&channel.measured, slack).map(|at| (at, measured_title(&channel.name))))?;
-    let what = format!("{place}: {column} is {} at time_s = {:.3}", mbar(value), log.time[i]);
-    let why = format!("pressures are gauge pressures above ambient; {} is allowed for a sensor's zero", mbar(slack));
+fn negative_pressure(log_path: &str, log: &PressureLog, channel: &Channel) -> Option<Finding> {
+    let first_below =
+        |values: &[Pascal], limit: Pascal| values.iter().position(|p| *p < -limit).map(|i| (i, values[i]));
+    let negative_command = first_below(&channel.command, 0.0).map(|sample| (sample, command_title(&channel.name)));
+    let tolerance = OFFSET.max(0.1 * highest_pressure(&channel.command));
+    let ((i, value), column) = negative_command
+        .or_else(|| first_below(&channel.measured, tolerance).map(|sample| (sample, measured_title(&channel.name))))?;
+    let defect = format!("{log_path}: {column} is {} at time_s = {:.3}", in_mbar(value), log.time[i]);
+    let reason =
+        format!("pressures are gauge pressures above ambient; {} is allowed for a sensor's zero", in_mbar(tolerance));
     Some(Finding::fix(
-        what,
-        why,
+        defect,
+        reason,
         "check sign and zero of the sensor; subtract ambient pressure from a log of absolute pressure",
     ))
 }
 
 /// The first command is another channel's, or there is none.
-fn another_channel(place: &str, channels: &Channels<'_>, other: Option<&Channel>) -> Finding {
-    let word = names(&channels.first);
+fn another_channel(log_path: &str, channels: &Channels<'_>, other: Option<&Channel>) -> Finding {
+    let filled = joined_names(&channels.first);
     let Some(other) = other else {
         let columns: Vec<String> = channels.first.iter().map(|channel| command_title(&channel.name)).collect();
-        let what = format!("{place}: {} never rises above 0", columns.join(" or "));
+        let defect = format!("{log_path}: {} never rises above 0", columns.join(" or "));
         return Finding::fix(
-            what,
-            format!("on the card {word} is filled"),
+            defect,
+            format!("on the card {filled} is filled"),
             "log the valves' commands, mbar above ambient",
         );
     };
-    let what = format!("{place}: the first command is {}'s", command_title(&other.name));
-    let act = "swap the names of the log's columns back, or correct channels of the trial on the card";
-    Finding::fix(what, format!("on the card {word} is filled first"), act)
+    let defect = format!("{log_path}: the first command is {}'s", command_title(&other.name));
+    let action = "swap the names of the log's columns back, or correct channels of the trial on the card";
+    Finding::fix(defect, format!("on the card {filled} is filled first"), action)
 }
 
 /// The highest command against the card's.
-fn asked(place: &str, channels: &Channels<'_>, experiment: &Experiment) -> Option<Finding> {
-    let card = match experiment {
-        Experiment::Staircase { levels, .. } => highest(levels),
+fn command_mismatch(log_path: &str, channels: &Channels<'_>, experiment: &Experiment) -> Option<Finding> {
+    let card_level = match experiment {
+        Experiment::Staircase { levels, .. } => highest_pressure(levels),
         Experiment::Flapping { amplitude, .. } => *amplitude,
     };
-    let command = channels.first.iter().map(|channel| highest(&channel.command)).fold(0.0, f64::max);
-    let factor = (command / card).max(card / command);
+    let command = channels.first.iter().map(|channel| highest_pressure(&channel.command)).fold(0.0, f64::max);
+    let factor = (command / card_level).max(card_level / command);
     (factor > ASKED).then(|| {
-        let what = format!("{place} commands up to {}, the card {}", mbar(command), mbar(card));
-        let why =
+        let defect = format!("{log_path} commands up to {}, the card {}", in_mbar(command), in_mbar(card_level));
+        let reason =
             format!("they differ by a factor of {factor:.1}; columns are in mbar, the card is in Pa (1 mbar = 100 Pa)");
-        Finding::fix(what, why, "convert the log's columns to mbar, or the card's numbers to Pa")
+        Finding::fix(defect, reason, "convert the log's columns to mbar, or the card's numbers to Pa")
     })
 }
 
 /// While the first channels alone are commanded, their pressures must rise, and by more than the others'.
-fn answered(place: &str, channels: &Channels<'_>, alone: Range<usize>) -> Option<Finding> {
-    let peak = |channel: &&Channel| highest(&channel.measured[alone.clone()]);
-    let higher = channels.others.iter().copied().max_by(|a, b| peak(a).total_cmp(&peak(b)));
+fn response_mismatch(log_path: &str, channels: &Channels<'_>, alone: Range<usize>) -> Option<Finding> {
+    let peak = |channel: &&Channel| highest_pressure(&channel.measured[alone.clone()]);
+    let strongest = channels.others.iter().copied().max_by(|a, b| peak(a).total_cmp(&peak(b)));
     channels.first.iter().find_map(|channel| {
-        let (own, word) = (peak(channel), channel.name.as_str());
-        if let Some(other) = higher.filter(|other| peak(other) > own) {
-            let what = format!(
-                "{place}: {word} is filled, and {} rises to {}",
+        let (response, name) = (peak(channel), channel.name.as_str());
+        if let Some(other) = strongest.filter(|other| peak(other) > response) {
+            let defect = format!(
+                "{log_path}: {name} is filled, and {} rises to {}",
                 measured_title(&other.name),
-                mbar(peak(&other))
+                in_mbar(peak(&other))
             );
-            let why = format!("{} reaches {} meanwhile: the columns are swapped", measured_title(word), mbar(own));
-            return Some(Finding::fix(what, why, "swap the names of the measured columns, or the hoses"));
+            let reason =
+                format!("{} reaches {} meanwhile: the columns are swapped", measured_title(name), in_mbar(response));
+            return Some(Finding::fix(defect, reason, "swap the names of the measured columns, or the hoses"));
         }
-        let command = highest(&channel.command[alone.clone()]);
-        let part = own / command;
-        (!(ANSWERED[0]..=ANSWERED[1]).contains(&part)).then(|| {
-            let what =
-                format!("{place}: at a command of {} {} reaches {}", mbar(command), measured_title(word), mbar(own));
-            let why = format!("that is a fraction of {part:.2}; {} to {} is accepted", ANSWERED[0], ANSWERED[1]);
-            Finding::fix(what, why, "convert the measured column to mbar, or look for a leak")
+        let command = highest_pressure(&channel.command[alone.clone()]);
+        let ratio = response / command;
+        (!(ANSWERED[0]..=ANSWERED[1]).contains(&ratio)).then(|| {
+            let defect = format!(
+                "{log_path}: at a command of {} {} reaches {}",
+                in_mbar(command),
+                measured_title(name),
+                in_mbar(response)
+            );
+            let reason = format!("that is a fraction of {ratio:.2}; {} to {} is accepted", ANSWERED[0], ANSWERED[1]);
+            Finding::fix(defect, reason, "convert the measured column to mbar, or look for a leak")
         })
     })
 }

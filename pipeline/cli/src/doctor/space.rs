@@ -1,6 +1,6 @@
 //! Checks of markers in space: the file can be read, its markers begin at their places on the card, and the log has its clock.
 
-use super::Look;
+use super::Project;
 use super::finding::Finding;
 use diagnostics::Result;
 use study::stages::clock::Clock;
@@ -15,30 +15,34 @@ use workflow::subject::Part;
 ///
 /// # Errors
 /// A diagnostic when the settings of a stage are invalid.
-pub fn look(look: &Look, of: &Trial, logged: bool) -> Result<Vec<Finding>> {
-    let Some((tracks, axes)) = of.in_space().filter(|_| of.trial.video.is_none()) else { return Ok(Vec::new()) };
-    if !look.path(&of.card.name, &tracks.file).exists() {
+pub(crate) fn space_findings(project: &Project, subject: &Trial, logged: bool) -> Result<Vec<Finding>> {
+    let Some((tracks, axes)) = subject.in_space().filter(|_| subject.trial.video.is_none()) else {
+        return Ok(Vec::new());
+    };
+    if !project.file_path(&subject.card.name, &tracks.file).exists() {
         return Ok(Vec::new());
     }
-    let (raw, set) = (Markers::raw(of), look.settings.section("markers")?);
-    let context = inspection_context(look.folders, &raw);
-    let markers = match Markers::run(&Part::part_of(of), &set, (Maybe(None), Maybe(None)), &context) {
+    let (raw, settings) = (Markers::raw(subject), project.settings.section("markers")?);
+    let context = inspection_context(project.folders, &raw);
+    let markers = match Markers::run(&Part::part_of(subject), &settings, (Maybe(None), Maybe(None)), &context) {
         Err(diagnostic) => return Ok(vec![diagnostic.into()]),
         Ok(markers) => markers,
     };
-    let place = look.place(&of.card.name, &tracks.file);
+    let tracks_path = project.display_path(&subject.card.name, &tracks.file);
     let [from, to] = [markers.time.first(), markers.time.last()].map(|time| time.copied().unwrap_or_default());
     let (count, frames) = (markers.markers.len(), markers.time.len());
-    let what =
-        format!("{place}: {count} markers in space × {frames} frames at {:.1} Hz", (frames - 1) as f64 / (to - from));
+    let summary = format!(
+        "{tracks_path}: {count} markers in space × {frames} frames at {:.1} Hz",
+        (frames - 1) as f64 / (to - from)
+    );
     let clock =
         format!("without a film they are on the log's clock from {from:.3} to {to:.3} s, by start = {} s", axes.start);
-    let mut found = vec![Finding::log(what, clock)];
+    let mut findings = vec![Finding::log(summary, clock)];
     if logged {
-        let (raw, set) = (Clock::raw(of), look.settings.section("clock")?);
-        let context = inspection_context(look.folders, &raw);
-        let motion = Clock::run(&Part::part_of(of), &set, (Maybe(None), Maybe(None), markers), &context);
-        found.extend(motion.err().map(Finding::from));
+        let (raw, settings) = (Clock::raw(subject), project.settings.section("clock")?);
+        let context = inspection_context(project.folders, &raw);
+        let motion = Clock::run(&Part::part_of(subject), &settings, (Maybe(None), Maybe(None), markers), &context);
+        findings.extend(motion.err().map(Finding::from));
     }
-    Ok(found)
+    Ok(findings)
 }

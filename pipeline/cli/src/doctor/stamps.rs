@@ -13,35 +13,36 @@ use super::finding::Finding;
 const KEPT: f64 = 0.95;
 
 /// How a log is read, and everything in its stamps that must be or may be looked after.
-pub fn look(place: &str, report: &StampReport) -> Vec<Finding> {
+pub(crate) fn stamp_findings(log_path: &str, report: &StampReport) -> Vec<Finding> {
     let longest_gap = report.sampling.as_ref().map_or(f64::NAN, |sampling| sampling.longest_gap_s);
-    let faults = report.faults.iter().map(|fault| Finding::from(fault.in_file(Path::new(place), longest_gap)));
-    let read = report.sampling.as_ref().map(|sampling| read(place, sampling, report.faults.is_empty()));
-    let changed = report.rate_change.map(|change| changed(place, &change));
+    let faults = report.faults.iter().map(|fault| Finding::from(fault.in_file(Path::new(log_path), longest_gap)));
+    let summary =
+        report.sampling.as_ref().map(|sampling| sampling_summary(log_path, sampling, report.faults.is_empty()));
+    let rate_change = report.rate_change.map(|change| rate_change_note(log_path, &change));
     let spikes = report.sampling.iter().flat_map(|sampling| &sampling.spikes);
-    let spikes = spikes.map(|spike| spiked(place, spike));
-    read.into_iter().chain(faults).chain(changed).chain(spikes).collect()
+    let spikes = spikes.map(|spike| spike_note(log_path, spike));
+    summary.into_iter().chain(faults).chain(rate_change).chain(spikes).collect()
 }
 
-fn read(place: &str, sampling: &Sampling, whole: bool) -> Finding {
+fn sampling_summary(log_path: &str, sampling: &Sampling, is_sound: bool) -> Finding {
     let ms = |s: f64| format!("{:.2} ms", 1e3 * s);
     let Sampling { samples, rate_hz, jitter_rms_s, jitter_s, jitter_line, longest_step_s, .. } = sampling;
     let jitter = format!("{} rms, {} on line {jitter_line}", ms(*jitter_rms_s), ms(*jitter_s));
     let step = format!("{} of {} allowed", ms(*longest_step_s), ms(sampling.longest_gap_s));
-    let what = format!("{place}: {samples} samples at {rate_hz:.2} Hz, jitter {jitter}, longest step {step}");
-    Finding::log(what, if whole { made(sampling) } else { "it is refused".to_owned() })
+    let summary = format!("{log_path}: {samples} samples at {rate_hz:.2} Hz, jitter {jitter}, longest step {step}");
+    Finding::log(summary, if is_sound { reading_method(sampling) } else { "it is refused".to_owned() })
 }
 
 /// What is made of a log.
-fn made(sampling: &Sampling) -> String {
-    let worst = |b: &lab::log::InterpolationBound| format!("{:.2e} rms in {}", b.rms, b.column);
-    let bounds: Vec<String> = sampling.bounds.iter().map(worst).collect();
+fn reading_method(sampling: &Sampling) -> String {
+    let largest_bound = |b: &lab::log::InterpolationBound| format!("{:.2e} rms in {}", b.rms, b.column);
+    let bounds: Vec<String> = sampling.bounds.iter().map(largest_bound).collect();
     match sampling.method {
         Method::AsStamped => "it is read as stamped".to_owned(),
         Method::EvenSampling => {
-            let why = "its pressures or forces go smoothly from sample to sample and zigzag over their stamps";
+            let evidence = "its pressures or forces go smoothly from sample to sample and zigzag over their stamps";
             format!(
-                "its samples were taken evenly and stamped late ({why}): they are read on the line through the stamps"
+                "its samples were taken evenly and stamped late ({evidence}): they are read on the line through the stamps"
             )
         }
         Method::LinearInterpolation => {
@@ -50,28 +51,30 @@ fn made(sampling: &Sampling) -> String {
     }
 }
 
-fn changed(place: &str, change: &RateChange) -> Finding {
+fn rate_change_note(log_path: &str, change: &RateChange) -> Finding {
     let [before, after] = change.rates;
-    let what = format!("{place}, line {}: the rate goes from {before:.2} to {after:.2} Hz", change.line);
-    let why = "times are taken as they are stamped; if the clock was at fault, all after it is late or early";
-    Finding::note(what, why, "check the clock against the lamp's edges, or log with a crystal clock")
+    let defect = format!("{log_path}, line {}: the rate goes from {before:.2} to {after:.2} Hz", change.line);
+    let reason = "times are taken as they are stamped; if the clock was at fault, all after it is late or early";
+    Finding::note(defect, reason, "check the clock against the lamp's edges, or log with a crystal clock")
 }
 
-fn spiked(place: &str, spike: &lab::log::Spike) -> Finding {
-    let why = "an amplifier gives such numbers between readings; the line between its neighbours stands for it";
-    Finding::note(format!("{place}, {spike}"), why, "leave it, or look at the wiring of the amplifier")
+fn spike_note(log_path: &str, spike: &lab::log::Spike) -> Finding {
+    let reason = "an amplifier gives such numbers between readings; the line between its neighbours stands for it";
+    Finding::note(format!("{log_path}, {spike}"), reason, "leave it, or look at the wiring of the amplifier")
 }
 
 /// An amplifier that averages over its step flattens the beat of a flapping trial.
-pub fn slow(place: &str, rate: Hertz, experiment: &Experiment) -> Option<Finding> {
+pub(crate) fn slow_amplifier(log_path: &str, rate: Hertz, experiment: &Experiment) -> Option<Finding> {
     let Experiment::Flapping { frequency, .. } = experiment else { return None };
-    let part = PI * frequency / rate;
-    let kept = if part < PI { part.sin() / part } else { 0.0 };
-    (kept < KEPT).then(|| {
-        let what = format!("{place} has {rate:.1} samples a second for a beat of {frequency} Hz");
-        let why =
-            format!("a mean over a step leaves {:.0} % of its amplitude; its mean over cycles is exact", 100.0 * kept);
-        Finding::note(what, why, "set the amplifier to a higher rate if the force within a cycle is wanted")
+    let phase = PI * frequency / rate;
+    let attenuation = if phase < PI { phase.sin() / phase } else { 0.0 };
+    (attenuation < KEPT).then(|| {
+        let defect = format!("{log_path} has {rate:.1} samples a second for a beat of {frequency} Hz");
+        let reason = format!(
+            "a mean over a step leaves {:.0} % of its amplitude; its mean over cycles is exact",
+            100.0 * attenuation
+        );
+        Finding::note(defect, reason, "set the amplifier to a higher rate if the force within a cycle is wanted")
     })
 }
 
@@ -83,7 +86,7 @@ mod tests {
     fn at(rate: Hertz) -> Option<String> {
         let experiment =
             Experiment::Flapping { channels: vec!["left".into()], amplitude: 2e4, frequency: 2.0, cycles: 10 };
-        slow("force.csv", rate, &experiment).map(|finding| finding.to_string())
+        slow_amplifier("force.csv", rate, &experiment).map(|finding| finding.to_string())
     }
 
     /// A mean over a step of 1/r leaves sin(π f/r) / (π f/r) of a beat of f.
@@ -94,6 +97,6 @@ mod tests {
         assert!(at(4.0).is_some_and(|said| said.contains("leaves 64 %")), "2/π of two samples a cycle");
         assert!([2.0, 1.0, 0.9].iter().all(|rate| at(*rate).is_some_and(|said| said.contains("leaves 0 %"))));
         let stairs = Experiment::Staircase { channels: Vec::new(), levels: Vec::new(), hold: 1.0, pause: 1.0 };
-        assert!(slow("force.csv", 1.0, &stairs).is_none(), "a staircase has no beat");
+        assert!(slow_amplifier("force.csv", 1.0, &stairs).is_none(), "a staircase has no beat");
     }
 }

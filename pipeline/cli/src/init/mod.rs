@@ -24,42 +24,51 @@ const FOLDERS: [&str; 3] = ["cad", "camera", "trials/static_left"];
 pub fn run(root: &Path, profile: Profile, name: &str) -> Result<String> {
     let folders = Folders::new(root, profile);
     if !lab::card::is_name(name) {
-        let why = "it becomes part of file names: letters, digits, `_` and `-`, the first no `-`";
-        return Err(Diagnostic::new(format!("`{name}` is not a valid name of a specimen"), why, "choose another name"));
+        let reason = "it becomes part of file names: letters, digits, `_` and `-`, the first no `-`";
+        return Err(Diagnostic::new(
+            format!("`{name}` is not a valid name of a specimen"),
+            reason,
+            "choose another name",
+        ));
     }
     if !folders.settings().is_file() {
-        let what = format!("{} is no project", root.display());
+        let defect = format!("{} is no project", root.display());
         return Err(Diagnostic::new(
-            what,
+            defect,
             "it has no study.toml",
             "run in the project's folder, or name it with --root",
         ));
     }
-    write(&folders, name)
+    write_card(&folders, name)
 }
 
-fn write(folders: &Folders, name: &str) -> Result<String> {
+fn write_card(folders: &Folders, name: &str) -> Result<String> {
     for folder in FOLDERS {
         let path = folders.raw_file(&format!("{name}/{folder}"));
-        fs::create_dir_all(&path).map_err(|e| refused(&folders.display(&path), &e))?;
+        fs::create_dir_all(&path).map_err(|e| write_error(&folders.display(&path), &e))?;
     }
     let path = folders.raw_file(&format!("{name}/{}", lab::folder::CARD));
-    let place = folders.display(&path);
-    let mut file = fs::File::create_new(&path).map_err(|e| refused(&place, &e))?;
-    file.write_all(CARD.replace("\"NAME\"", &format!("{name:?}")).as_bytes()).map_err(|e| refused(&place, &e))?;
-    let marked = CARD.lines().filter(|line| line.contains("# FILL IN;")).count();
+    let card_path = folders.display(&path);
+    let mut file = fs::File::create_new(&path).map_err(|e| write_error(&card_path, &e))?;
+    file.write_all(CARD.replace("\"NAME\"", &format!("{name:?}")).as_bytes())
+        .map_err(|e| write_error(&card_path, &e))?;
+    let marked_lines = CARD.lines().filter(|line| line.contains("# FILL IN;")).count();
     Ok(format!(
-        "{place}: fill in the {marked} lines marked FILL IN; put the STL files into cad, the board's film or pictures into camera, films and logs into trials\nthen: study doctor {name}"
+        "{card_path}: fill in the {marked_lines} lines marked FILL IN; put the STL files into cad, the board's film or pictures into camera, films and logs into trials\nthen: study doctor {name}"
     ))
 }
 
-fn refused(place: &str, error: &std::io::Error) -> Diagnostic {
+fn write_error(shown_path: &str, error: &std::io::Error) -> Diagnostic {
     if error.kind() == std::io::ErrorKind::AlreadyExists {
-        let why = "a card is never overwritten";
-        return Diagnostic::new(format!("{place} exists already"), why, "choose another name, or move the card away");
+        let reason = "a card is never overwritten";
+        return Diagnostic::new(
+            format!("{shown_path} exists already"),
+            reason,
+            "choose another name, or move the card away",
+        );
     }
     Diagnostic::new(
-        format!("{place} cannot be written"),
+        format!("{shown_path} cannot be written"),
         error,
         "check the permissions and the free space of its folder",
     )

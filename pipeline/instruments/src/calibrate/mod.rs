@@ -58,19 +58,19 @@ impl Camera {
 
     /// What was calibrated, and where the results lie.
     pub fn summary(&self, folder: &Path) -> String {
-        shown::summary(self, folder)
+        shown::camera_summary(self, folder)
     }
 
-    fn write(&self, folder: &Path) -> Result<()> {
-        let files = [("camera.toml", shown::toml(self)), ("camera.yaml", shown::opencv(self))];
-        files.iter().try_for_each(|(name, text)| crate::write(folder, name, text))?;
-        crate::write(folder, "views.csv", shown::views(self))?;
+    fn write_results(&self, folder: &Path) -> Result<()> {
+        let files = [("camera.toml", shown::camera_toml(self)), ("camera.yaml", shown::opencv_yaml(self))];
+        files.iter().try_for_each(|(name, text)| crate::write_result(folder, name, text))?;
+        crate::write_result(folder, "views.csv", shown::view_table(self))?;
         // last: what was measured is kept whatever becomes of its drawing
-        crate::write(folder, "camera.svg", shown::figure(self)?)
+        crate::write_result(folder, "camera.svg", shown::camera_figure(self)?)
     }
 
     /// Where the points of the board are projected to in a view, px; of those that the lens sees.
-    fn projected(&self, view: usize) -> Vec<Point2> {
+    fn projected_points(&self, view: usize) -> Vec<Point2> {
         let pose = &self.calibration.poses[view];
         let project = |point| self.calibration.lens.project(pose.apply(point));
         self.target.points().into_iter().filter_map(project).collect()
@@ -83,9 +83,9 @@ impl Camera {
 /// # Errors
 /// A [`Diagnostic`] when the source cannot be read, too few pictures show the board, they do not determine the lens, or it was interrupted.
 pub fn camera(request: &Request, interrupt: Interrupt<'_>) -> Result<Camera> {
-    let found = calibrated(request, interrupt)?;
-    request.out.as_ref().map_or(Ok(()), |folder| found.write(folder))?;
-    Ok(found)
+    let camera = calibrate_camera(request, interrupt)?;
+    request.out.as_ref().map_or(Ok(()), |folder| camera.write_results(folder))?;
+    Ok(camera)
 }
 
 /// The folder of a source's results beside it.
@@ -95,16 +95,16 @@ pub fn beside(source: &Path) -> PathBuf {
     source.with_file_name(name)
 }
 
-fn calibrated(request: &Request, interrupt: Interrupt<'_>) -> Result<Camera> {
+fn calibrate_camera(request: &Request, interrupt: Interrupt<'_>) -> Result<Camera> {
     let [columns, rows] = request.size;
     let target = match request.dots {
         true => Target::Dots(Dots { columns, rows, pitch: request.square }),
         false => Target::Checkerboard(Board { columns, rows, square: request.square }),
     };
-    let views = Views::seen((&request.source, request.every), &target, interrupt)?;
+    let views = Views::from_source((&request.source, request.every), &target, interrupt)?;
     let distortion = if request.fisheye { Distortion::Fisheye } else { Distortion::BrownConrady };
-    let seen: Vec<View> = views.corners.iter().map(|corners| View { corners: corners.clone() }).collect();
-    let calibration = calibrate(&seen, &target.points(), distortion, views.size)
+    let board_views: Vec<View> = views.corners.iter().map(|corners| View { corners: corners.clone() }).collect();
+    let calibration = calibrate(&board_views, &target.points(), distortion, views.size)
         .map_err(|e| Diagnostic::from(e).in_file(&request.source))?;
     Ok(Camera { calibration, size: views.size, views, target })
 }

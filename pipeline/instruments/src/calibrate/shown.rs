@@ -11,14 +11,14 @@ use track::lens::Distortion;
 use super::Camera;
 
 /// Names of the numbers of a lens.
-fn names(distortion: Distortion) -> [&'static str; 9] {
+fn parameter_names(distortion: Distortion) -> [&'static str; 9] {
     match distortion {
         Distortion::BrownConrady => ["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"],
         Distortion::Fisheye => ["fx", "fy", "cx", "cy", "k1", "k2", "k3", "k4", ""],
     }
 }
 
-fn word(distortion: Distortion) -> &'static str {
+fn distortion_name(distortion: Distortion) -> &'static str {
     match distortion {
         Distortion::BrownConrady => "brown_conrady",
         Distortion::Fisheye => "fisheye",
@@ -26,21 +26,21 @@ fn word(distortion: Distortion) -> &'static str {
 }
 
 /// Our own file: every number of the lens with its standard deviation.
-pub(super) fn toml(found: &Camera) -> String {
-    let (lens, sigma) = (&found.calibration.lens, found.calibration.sigma());
+pub(super) fn camera_toml(camera: &Camera) -> String {
+    let (lens, sigma) = (&camera.calibration.lens, camera.calibration.sigma());
     let mut text = format!(
         "# A camera of {} views; px, u to the right, v down, the centre of the first pixel 0, 0. Each number: value, standard deviation.\n\
          lens = \"{}\"\nsize = [{}, {}]\nreprojection_px = {:.4}\nviews = {}\nwithout_board = {}\nrepeated = {}\n",
-        found.views.corners.len(),
-        word(lens.distortion),
-        found.size.0,
-        found.size.1,
-        found.calibration.reprojection_px,
-        found.views.corners.len(),
-        found.views.without,
-        found.views.repeated,
+        camera.views.corners.len(),
+        distortion_name(lens.distortion),
+        camera.size.0,
+        camera.size.1,
+        camera.calibration.reprojection_px,
+        camera.views.corners.len(),
+        camera.views.without,
+        camera.views.repeated,
     );
-    let numbers = names(lens.distortion).into_iter().zip(lens.values()).zip(sigma);
+    let numbers = parameter_names(lens.distortion).into_iter().zip(lens.values()).zip(sigma);
     for ((name, value), sigma) in numbers.take(lens.count()) {
         writeln!(text, "{name} = [{value:.8e}, {sigma:.2e}]").expect("a string takes any text");
     }
@@ -48,10 +48,10 @@ pub(super) fn toml(found: &Camera) -> String {
 }
 
 /// The file that `cv::FileStorage` and `[camera] coefficients` of a card read.
-pub(super) fn opencv(found: &Camera) -> String {
-    let lens = &found.calibration.lens;
-    let [fx, fy, cx, cy, rest @ ..] = lens.values();
-    let coefficients: Vec<String> = rest[..lens.count() - 4].iter().map(|c| format!("{c:.12e}")).collect();
+pub(super) fn opencv_yaml(camera: &Camera) -> String {
+    let lens = &camera.calibration.lens;
+    let [fx, fy, cx, cy, distortion @ ..] = lens.values();
+    let coefficients: Vec<String> = distortion[..lens.count() - 4].iter().map(|c| format!("{c:.12e}")).collect();
     let model = match lens.distortion {
         Distortion::BrownConrady => "plumb_bob",
         Distortion::Fisheye => "equidistant",
@@ -61,20 +61,20 @@ pub(super) fn opencv(found: &Camera) -> String {
          camera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n   data: [ {fx:.12e}, 0., {cx:.12e}, 0., {fy:.12e}, {cy:.12e}, 0., 0., 1. ]\n\
          distortion_coefficients: !!opencv-matrix\n   rows: 1\n   cols: {}\n   dt: d\n   data: [ {} ]\n\
          avg_reprojection_error: {:.6}\n",
-        found.size.0,
-        found.size.1,
+        camera.size.0,
+        camera.size.1,
         coefficients.len(),
         coefficients.join(", "),
-        found.calibration.reprojection_px,
+        camera.calibration.reprojection_px,
     )
 }
 
 /// One line a view.
-pub(super) fn views(found: &Camera) -> String {
+pub(super) fn view_table(camera: &Camera) -> String {
     let mut text = "view,points,reprojection_px,distance_m\n".to_owned();
-    for (k, name) in found.views.names.iter().enumerate() {
-        let distance = found.calibration.poses[k].translation[2];
-        let (points, error) = (found.views.corners[k].len(), found.reprojection_error(k));
+    for (k, name) in camera.views.names.iter().enumerate() {
+        let distance = camera.calibration.poses[k].translation[2];
+        let (points, error) = (camera.views.corners[k].len(), camera.reprojection_error(k));
         writeln!(text, "{name},{points},{error:.4},{distance:.4}").expect("a string takes any text");
     }
     text
@@ -87,64 +87,69 @@ const SHOWN_PIXELS: usize = 160_000;
 const SHOWN_POINTS: usize = 4000;
 
 /// At most so many points, evenly from all.
-fn thinned(all: Vec<Point2>, most: usize) -> Vec<Point2> {
-    let every = all.len().div_ceil(most).max(1);
-    all.into_iter().step_by(every).collect()
+fn thin_points(points: Vec<Point2>, limit: usize) -> Vec<Point2> {
+    let every = points.len().div_ceil(limit).max(1);
+    points.into_iter().step_by(every).collect()
 }
 
-/// A picture that is small enough for a figure: blocks of `by` × `by` pixels averaged.
+/// A picture that is small enough for a figure: blocks of `block_size` × `block_size` pixels averaged.
 struct Shown {
     picture: Gray,
-    by: usize,
+    block_size: usize,
 }
 
 impl Shown {
-    fn of(gray: &Gray) -> Self {
-        let by = ((gray.width * gray.height) as f64 / SHOWN_PIXELS as f64).sqrt().ceil().max(1.0) as usize;
+    fn reduced(gray: &Gray) -> Self {
+        let block_size = ((gray.width * gray.height) as f64 / SHOWN_PIXELS as f64).sqrt().ceil().max(1.0) as usize;
         let mean = |x: usize, y: usize| {
-            let block = (0..by * by).map(|k| gray.at(by * x + k % by, by * y + k / by));
-            block.sum::<f64>() / (by * by) as f64
+            let block = (0..block_size * block_size)
+                .map(|k| gray.at(block_size * x + k % block_size, block_size * y + k / block_size));
+            block.sum::<f64>() / (block_size * block_size) as f64
         };
-        Self { picture: Gray::from_fn((gray.width / by).max(1), (gray.height / by).max(1), mean), by }
+        Self {
+            picture: Gray::from_fn((gray.width / block_size).max(1), (gray.height / block_size).max(1), mean),
+            block_size,
+        }
     }
 
     /// Points of the whole picture in the small one, px.
-    fn points(&self, whole: &[Point2]) -> Vec<Point2> {
-        let shift = 0.5 * (self.by as f64 - 1.0);
-        whole.iter().map(|p| p.map(|c| (c - shift) / self.by as f64)).collect()
+    fn reduced_points(&self, full_size: &[Point2]) -> Vec<Point2> {
+        let shift = 0.5 * (self.block_size as f64 - 1.0);
+        full_size.iter().map(|p| p.map(|c| (c - shift) / self.block_size as f64)).collect()
     }
 }
 
 /// The first view with its points, seen and projected, and the residuals of all views.
-pub(super) fn figure(found: &Camera) -> Result<String, PlotError> {
+pub(super) fn camera_figure(camera: &Camera) -> Result<String, PlotError> {
     let mut panels = Vec::new();
-    if let Some(gray) = &found.views.first {
-        let shown = Shown::of(gray);
-        let points = |all: &[Point2]| thinned(shown.points(all), SHOWN_POINTS / 4);
-        let (seen, projected) = (points(&found.views.corners[0]), points(&found.projected(0)));
+    if let Some(gray) = &camera.views.first {
+        let shown = Shown::reduced(gray);
+        let thin = |points: &[Point2]| thin_points(shown.reduced_points(points), SHOWN_POINTS / 4);
+        let (observed, projected) = (thin(&camera.views.corners[0]), thin(&camera.projected_points(0)));
         let picture = Picture::new(shown.picture.width, shown.picture.height, shown.picture.pixels)
-            .with(Mark::points(seen, Marker::Cross, palette::MEASURED))
+            .with(Mark::points(observed, Marker::Cross, palette::MEASURED))
             .with(Mark::points(projected, Marker::Ring, palette::SIMULATED));
-        panels.push(Panel::Picture(picture).titled(&found.views.names[0]));
+        panels.push(Panel::Picture(picture).titled(&camera.views.names[0]));
     }
-    let off = |k: usize| -> Vec<Point2> {
-        let seen = found.views.corners[k].iter().zip(found.projected(k));
-        seen.map(|(s, p)| [s[0] - p[0], s[1] - p[1]]).collect()
+    let residuals = |k: usize| -> Vec<Point2> {
+        let pairs = camera.views.corners[k].iter().zip(camera.projected_points(k));
+        pairs.map(|(s, p)| [s[0] - p[0], s[1] - p[1]]).collect()
     };
-    let all = thinned((0..found.views.corners.len()).flat_map(off).collect(), SHOWN_POINTS);
+    let residual_points = thin_points((0..camera.views.corners.len()).flat_map(residuals).collect(), SHOWN_POINTS);
     let axes = Axes::new(Axis::linear("seen − projected, u", "px"), Axis::linear("v", "px")).equal();
-    panels.push(Panel::Axes(axes.with(Mark::points(all, Marker::Disc, palette::MUTED))).titled("all views"));
+    panels
+        .push(Panel::Axes(axes.with(Mark::points(residual_points, Marker::Disc, palette::MUTED))).titled("all views"));
     Figure::new(DOUBLE_COLUMN_MM).row(70.0, panels).svg()
 }
 
-pub(super) fn summary(found: &Camera, folder: &Path) -> String {
-    let (lens, sigma) = (&found.calibration.lens, found.calibration.sigma());
-    let (views, without) = (found.views.corners.len(), found.views.without);
-    let repeated = match found.views.repeated {
+pub(super) fn camera_summary(camera: &Camera, folder: &Path) -> String {
+    let (lens, sigma) = (&camera.calibration.lens, camera.calibration.sigma());
+    let (views, without) = (camera.views.corners.len(), camera.views.without);
+    let repeated = match camera.views.repeated {
         0 => String::new(),
         repeated => format!(", {repeated} that repeat another view left out"),
     };
-    let error = found.calibration.reprojection_px;
+    let error = camera.calibration.reprojection_px;
     format!(
         "{views} views ({without} pictures without the whole board{repeated}), reprojection error {error:.3} px, fx {:.1} ± {:.1}, fy {:.1} ± {:.1}, cx {:.1} ± {:.1}, cy {:.1} ± {:.1} px; results in {}",
         lens.fx,
@@ -166,9 +171,9 @@ mod tests {
     #[test]
     fn points_are_thinned_evenly_to_a_bound() {
         let all: Vec<Point2> = (0..13_200).map(|i| [f64::from(i), 0.0]).collect();
-        let few = thinned(all.clone(), SHOWN_POINTS);
+        let few = thin_points(all.clone(), SHOWN_POINTS);
         assert!(few.len() <= SHOWN_POINTS && few[1][0] == 4.0 && few.last().unwrap()[0] > 13_190.0);
-        assert_eq!(thinned(all[..100].to_vec(), SHOWN_POINTS).len(), 100);
+        assert_eq!(thin_points(all[..100].to_vec(), SHOWN_POINTS).len(), 100);
     }
 
     #[test]
@@ -176,9 +181,13 @@ mod tests {
         let disc = |p: Point2| {
             move |x: usize, y: usize| if (x as f64 - p[0]).hypot(y as f64 - p[1]) < 40.0 { 0.0 } else { 200.0 }
         };
-        let shown = Shown::of(&Gray::from_fn(1920, 1080, disc([961.0, 412.0])));
-        assert!(shown.picture.width * shown.picture.height <= SHOWN_PIXELS && shown.by == 4, "{}", shown.by);
-        let [at] = shown.points(&[[961.0, 412.0]])[..] else { panic!("one point was given") };
+        let shown = Shown::reduced(&Gray::from_fn(1920, 1080, disc([961.0, 412.0])));
+        assert!(
+            shown.picture.width * shown.picture.height <= SHOWN_PIXELS && shown.block_size == 4,
+            "{}",
+            shown.block_size
+        );
+        let [at] = shown.reduced_points(&[[961.0, 412.0]])[..] else { panic!("one point was given") };
         let dark: Vec<Point2> = (0..shown.picture.pixels.len())
             .filter(|i| shown.picture.pixels[*i] < 100)
             .map(|i| [(i % shown.picture.width) as f64, (i / shown.picture.width) as f64])
@@ -187,6 +196,6 @@ mod tests {
         assert!((middle[0] - at[0]).hypot(middle[1] - at[1]) < 0.1, "{middle:?} {at:?}");
         // what is small enough is shown as it is
         let small = Gray::from_fn(400, 300, disc([200.0, 150.0]));
-        assert_eq!(Shown::of(&small).picture, small);
+        assert_eq!(Shown::reduced(&small).picture, small);
     }
 }

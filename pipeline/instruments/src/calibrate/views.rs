@@ -37,34 +37,38 @@ impl Views {
     ///
     /// # Errors
     /// A [`Diagnostic`] when the source cannot be read, its pictures differ in size, none shows the board, or it was interrupted.
-    pub(super) fn seen((source, every): (&Path, usize), target: &Target, interrupt: Interrupt<'_>) -> Result<Self> {
+    pub(super) fn from_source(
+        (source, every): (&Path, usize),
+        target: &Target,
+        interrupt: Interrupt<'_>,
+    ) -> Result<Self> {
         let mut views = Self::default();
         if source.is_dir() {
             // As many at a time as there are cores: a picture of 24 Mpx takes 100 MB while it is decoded.
             for files in picture_files(source)?.chunks(rayon::current_num_threads()) {
-                crate::interrupted(interrupt)?;
-                let looked: Vec<_> = files.par_iter().map(|file| Looked::at(picture(file)?, target)).collect();
+                crate::check_interrupt(interrupt)?;
+                let looked: Vec<_> = files.par_iter().map(|file| Looked::find_board(picture(file)?, target)).collect();
                 for (file, looked) in files.iter().zip(looked) {
-                    views.take(file.file_name().unwrap_or_default().to_string_lossy().into_owned(), looked?);
+                    views.take_view(file.file_name().unwrap_or_default().to_string_lossy().into_owned(), looked?);
                 }
             }
-            views.one_size(source)?;
+            views.check_sizes(source)?;
         } else {
             for frame in Film::open(source)? {
-                crate::interrupted(interrupt)?;
+                crate::check_interrupt(interrupt)?;
                 let frame = frame?;
                 if frame.index.is_multiple_of(every) {
-                    views.take(format!("{:.3} s", frame.time), Looked::at(frame.gray, target)?);
+                    views.take_view(format!("{:.3} s", frame.time), Looked::find_board(frame.gray, target)?);
                 }
             }
         }
         match views.corners.is_empty() {
-            true => Err(views.none(source)),
+            true => Err(views.no_view_diagnostic(source)),
             false => Ok(views),
         }
     }
 
-    fn take(&mut self, name: String, Looked { gray, found }: Looked) {
+    fn take_view(&mut self, name: String, Looked { gray, found }: Looked) {
         let size = (gray.width, gray.height);
         self.sizes.push((name.clone(), size));
         self.size = self.sizes[0].1;
@@ -72,7 +76,7 @@ impl Views {
             return;
         }
         match found {
-            Ok(corners) if self.corners.iter().any(|known| is_same(known, &corners)) => self.repeated += 1,
+            Ok(corners) if self.corners.iter().any(|previous| is_same(previous, &corners)) => self.repeated += 1,
             Ok(corners) => {
                 self.names.push(name);
                 self.corners.push(corners);
@@ -86,10 +90,10 @@ impl Views {
     }
 
     /// Refuses pictures of several sizes by the names of those that the fewest have: they are the odd ones, whichever comes first.
-    fn one_size(&self, source: &Path) -> Result<()> {
+    fn check_sizes(&self, source: &Path) -> Result<()> {
         let mut counts: Vec<((usize, usize), usize)> = Vec::new();
         for (_, size) in &self.sizes {
-            match counts.iter_mut().find(|(known, _)| known == size) {
+            match counts.iter_mut().find(|(counted, _)| counted == size) {
                 Some((_, count)) => *count += 1,
                 None => counts.push((*size, 1)),
             }
@@ -97,22 +101,22 @@ impl Views {
         let Some(&(common, count)) = counts.iter().rev().max_by_key(|(_, count)| *count) else { return Ok(()) };
         let mut odd = self.sizes.iter().filter(|(_, size)| *size != common);
         let Some((name, (width, height))) = odd.next() else { return Ok(()) };
-        let others = match odd.count() {
+        let other_pictures = match odd.count() {
             0 => String::new(),
             more => format!("; {more} more pictures differ"),
         };
-        let what = format!("picture {name} has {width} × {height} px");
-        let why = format!(
-            "{count} of {} pictures have {} × {} px, and a camera file holds for one size{others}",
+        let defect = format!("picture {name} has {width} × {height} px");
+        let reason = format!(
+            "{count} of {} pictures have {} × {} px, and a camera file holds for one size{other_pictures}",
             self.sizes.len(),
             common.0,
             common.1
         );
         let action = "take out the pictures of another camera, size or orientation";
-        Err(Diagnostic::file(&source.join(name), what, why, action))
+        Err(Diagnostic::file(&source.join(name), defect, reason, action))
     }
 
-    fn none(self, source: &Path) -> Diagnostic {
+    fn no_view_diagnostic(self, source: &Path) -> Diagnostic {
         let no_picture =
             || Diagnostic::new("there is no picture", "PNG and JPEG are read", "put pictures of the board there");
         self.refusal.unwrap_or_else(no_picture).in_file_unless_named(source)
@@ -126,7 +130,7 @@ struct Looked {
 }
 
 impl Looked {
-    fn at(gray: Gray, target: &Target) -> Result<Self> {
+    fn find_board(gray: Gray, target: &Target) -> Result<Self> {
         Ok(Self { found: target.find(&gray), gray })
     }
 }
@@ -137,6 +141,6 @@ const SAME: f64 = 5e-3;
 
 /// Whether the points are those of one picture: a copy adds no evidence, and would narrow every interval.
 fn is_same(a: &[Point2], b: &[Point2]) -> bool {
-    let square = |(p, q): (&Point2, &Point2)| (p[0] - q[0]).powi(2) + (p[1] - q[1]).powi(2);
-    a.len() == b.len() && a.iter().zip(b).map(square).sum::<f64>() < SAME * SAME * a.len() as f64
+    let squared_distance = |(p, q): (&Point2, &Point2)| (p[0] - q[0]).powi(2) + (p[1] - q[1]).powi(2);
+    a.len() == b.len() && a.iter().zip(b).map(squared_distance).sum::<f64>() < SAME * SAME * a.len() as f64
 }

@@ -63,70 +63,70 @@ pub fn beside(film: &Path) -> PathBuf {
 ///
 /// # Errors
 /// A [`Diagnostic`] when the film cannot be read, its scene is cut, there is no marker at a start, one is lost, or it was interrupted.
-pub fn track(asked: &Request, interrupt: Interrupt<'_>) -> Result<Tracks> {
-    let film = DecodedAhead::open(&asked.film)?;
+pub fn track(request: &Request, interrupt: Interrupt<'_>) -> Result<Tracks> {
+    let film = DecodedAhead::open(&request.film)?;
     let info = film.info();
-    let mut run = Run::begin(asked, info)?;
+    let mut run = Run::begin(request, info)?;
     for frame in film {
         let frame = frame?;
-        if asked.has(frame.index) {
-            crate::interrupted(interrupt)?;
-            run.look(&frame)?;
+        if request.includes_frame(frame.index) {
+            crate::check_interrupt(interrupt)?;
+            run.process_frame(&frame)?;
         }
     }
     run.end(info)
 }
 
 impl Request {
-    fn has(&self, frame: usize) -> bool {
+    fn includes_frame(&self, frame: usize) -> bool {
         frame >= self.frames.0 && self.frames.1.is_none_or(|last| frame <= last)
     }
 
-    fn settings(&self, rate: f64) -> klt::Settings {
+    fn tracker_settings(&self, rate: f64) -> klt::Settings {
         let patience = (self.hidden * rate).round().max(0.0) as usize;
         klt::Settings { radius: self.radius, patience, jump_limit: 40.0, ..klt::Settings::default() }
     }
 
     /// Where the markers are in the first frame, clicked or found.
-    fn starts(&self, frame: &Frame, set: &klt::Settings) -> Result<Vec<Point2>> {
+    fn start_positions(&self, frame: &Frame, settings: &klt::Settings) -> Result<Vec<Point2>> {
         let (count, region) = match &self.starts {
-            Starts::At(places) => return Ok(places.clone()),
+            Starts::At(positions) => return Ok(positions.clone()),
             Starts::Find { count, region } => (*count, region),
         };
-        let whole = [0.0, 0.0, frame.gray.width as f64, frame.gray.height as f64];
-        let found = klt::find_blobs(&frame.gray, region.unwrap_or(whole), count, set);
-        if found.len() == count {
-            return Ok(found);
+        let whole_picture = [0.0, 0.0, frame.gray.width as f64, frame.gray.height as f64];
+        let blobs = klt::find_blobs(&frame.gray, region.unwrap_or(whole_picture), count, settings);
+        if blobs.len() == count {
+            return Ok(blobs);
         }
         Err(Diagnostic::new(
-            format!("{} of {count} markers are found in the first frame of {}", found.len(), self.film.display()),
-            format!("a marker is a dark spot within a disc of {} px with light ground around it", set.radius),
+            format!("{} of {count} markers are found in the first frame of {}", blobs.len(), self.film.display()),
+            format!("a marker is a dark spot within a disc of {} px with light ground around it", settings.radius),
             "narrow --region, set --radius to hold a marker and its margin, or click them with --at U,V",
         ))
     }
 
     /// A film of two scenes: markers of one are not those of the other.
-    fn cut(&self, frame: &Frame) -> Diagnostic {
-        let what = format!("the scene is cut at frame {} ({:.3} s)", frame.index, frame.time);
-        let why = "it has nothing in common with the frame before, so that no marker can be followed";
-        let before = frame.index.saturating_sub(1);
+    fn cut_diagnostic(&self, frame: &Frame) -> Diagnostic {
+        let defect = format!("the scene is cut at frame {} ({:.3} s)", frame.index, frame.time);
+        let reason = "it has nothing in common with the frame before, so that no marker can be followed";
+        let previous = frame.index.saturating_sub(1);
         let action =
-            format!("track the parts by themselves: --last {before}, and --first {} with another --out", frame.index);
-        Diagnostic::file(&self.film, what, why, action)
+            format!("track the parts by themselves: --last {previous}, and --first {} with another --out", frame.index);
+        Diagnostic::file(&self.film, defect, reason, action)
     }
 
-    fn nothing(&self, frames: usize) -> Diagnostic {
-        let what = format!("no frame is tracked from --first {}", self.frames.0);
+    fn no_frame_diagnostic(&self, frames: usize) -> Diagnostic {
+        let defect = format!("no frame is tracked from --first {}", self.frames.0);
         let last = self.frames.1.map_or(String::new(), |last| format!("; --last is {last}"));
-        let why = format!("the film has {frames} frames, from 0{last}");
-        Diagnostic::file(&self.film, what, why, "correct --first or --last")
+        let reason = format!("the film has {frames} frames, from 0{last}");
+        Diagnostic::file(&self.film, defect, reason, "correct --first or --last")
     }
 }
 
 /// Tracks up to the current frame, with what is written of them.
 struct Run<'a> {
-    asked: &'a Request,
-    set: klt::Settings,
+    request: &'a Request,
+    settings: klt::Settings,
     cuts: SceneCuts,
     tracker: Option<Tracker>,
     tracks: Tracks,
@@ -134,61 +134,61 @@ struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    fn begin(asked: &'a Request, info: Info) -> Result<Self> {
+    fn begin(request: &'a Request, info: Info) -> Result<Self> {
         let begin = |folder: &PathBuf| {
             fs::create_dir_all(folder).map_err(|e| crate::cannot_write(folder, &e))?;
-            Overlay::begin(folder, info, asked.overlay)
+            Overlay::begin(folder, info, request.overlay)
         };
-        let overlay = asked.out.as_ref().map(begin).transpose()?;
-        let (set, tracks) = (asked.settings(info.rate), Tracks::begin(asked.frames.0));
-        Ok(Self { asked, set, cuts: SceneCuts::default(), tracker: None, tracks, overlay })
+        let overlay = request.out.as_ref().map(begin).transpose()?;
+        let (settings, tracks) = (request.tracker_settings(info.rate), Tracks::begin(request.frames.0));
+        Ok(Self { request, settings, cuts: SceneCuts::default(), tracker: None, tracks, overlay })
     }
 
-    fn look(&mut self, frame: &Frame) -> Result<()> {
+    fn process_frame(&mut self, frame: &Frame) -> Result<()> {
         if self.cuts.is_cut(&frame.gray) {
-            return Err(self.asked.cut(frame));
+            return Err(self.request.cut_diagnostic(frame));
         }
         let observations = match &mut self.tracker {
-            Some(tracker) => tracker.step(&frame.gray).map_err(|lost| lost_in(self.asked, lost))?,
-            None => self.first(frame)?,
+            Some(tracker) => tracker.step(&frame.gray).map_err(|lost| lost_in(self.request, lost))?,
+            None => self.first_observations(frame)?,
         };
         if let Some(overlay) = &mut self.overlay {
-            overlay.frame(&frame.gray, &observations)?;
+            overlay.draw_frame(&frame.gray, &observations)?;
         }
-        self.tracks.push(frame.time, observations);
+        self.tracks.push_frame(frame.time, observations);
         Ok(())
     }
 
-    fn first(&mut self, frame: &Frame) -> Result<Vec<klt::Observation>> {
-        let starts = self.asked.starts(frame, &self.set)?;
-        let tracker = Tracker::new(&frame.gray, &starts, self.set).map_err(|lost| lost_in(self.asked, lost))?;
+    fn first_observations(&mut self, frame: &Frame) -> Result<Vec<klt::Observation>> {
+        let starts = self.request.start_positions(frame, &self.settings)?;
+        let tracker = Tracker::new(&frame.gray, &starts, self.settings).map_err(|lost| lost_in(self.request, lost))?;
         Ok(self.tracker.insert(tracker).observations().to_vec())
     }
 
     fn end(mut self, info: Info) -> Result<Tracks> {
-        let tracker = self.tracker.ok_or_else(|| self.asked.nothing(info.frames))?;
-        tracker.finish().map_err(|lost| lost_in(self.asked, lost))?;
+        let tracker = self.tracker.ok_or_else(|| self.request.no_frame_diagnostic(info.frames))?;
+        tracker.finish().map_err(|lost| lost_in(self.request, lost))?;
         self.tracks.markers.iter_mut().for_each(|track| klt::fill_gaps(track));
-        if let (Some(overlay), Some(folder)) = (self.overlay, &self.asked.out) {
+        if let (Some(overlay), Some(folder)) = (self.overlay, &self.request.out) {
             overlay.end()?;
-            remove(folder, &["lost.png"]);
-            crate::write(folder, "tracks.csv", self.tracks.csv())?;
+            remove_results(folder, &["lost.png"]);
+            crate::write_result(folder, "tracks.csv", self.tracks.to_csv())?;
         }
         Ok(self.tracks)
     }
 }
 
 /// Removes results of an earlier run: beside those of another run they would be taken for one.
-fn remove(folder: &Path, names: &[&str]) {
+fn remove_results(folder: &Path, names: &[&str]) {
     // What is not there needs not be removed.
     names.iter().for_each(|name| drop(fs::remove_file(folder.join(name))));
 }
 
 /// The diagnostic of a lost marker, its frame counted from the film's first, with its picture written.
-fn lost_in(asked: &Request, lost: TrackingError) -> Diagnostic {
-    let lost = TrackingError { frame: lost.frame + asked.frames.0, ..lost };
-    let picture = asked.out.as_ref().and_then(|folder| pictured(folder, &lost));
-    let diagnostic = Diagnostic::from(lost).in_file(&asked.film);
+fn lost_in(request: &Request, lost: TrackingError) -> Diagnostic {
+    let lost = TrackingError { frame: lost.frame + request.frames.0, ..lost };
+    let picture = request.out.as_ref().and_then(|folder| write_picture(folder, &lost));
+    let diagnostic = Diagnostic::from(lost).in_file(&request.film);
     match picture {
         Some(path) => diagnostic.noting(format!("see: {}", path.display())),
         None => diagnostic,
@@ -196,8 +196,8 @@ fn lost_in(asked: &Request, lost: TrackingError) -> Diagnostic {
 }
 
 /// Where the picture of a lost marker was written.
-fn pictured(folder: &Path, lost: &TrackingError) -> Option<PathBuf> {
-    remove(folder, &["tracks.csv", "strip.png", overlay::FILM]);
+fn write_picture(folder: &Path, lost: &TrackingError) -> Option<PathBuf> {
+    remove_results(folder, &["tracks.csv", "strip.png", overlay::FILM]);
     let path = folder.join("lost.png");
     let png = lost.crop.to_png().ok()?;
     fs::write(&path, png).is_ok().then_some(path)

@@ -7,7 +7,7 @@ use track::Gray;
 use track::klt::Observation;
 use track::video::{Info, Quality, Writer};
 
-use crate::{cannot_write, write};
+use crate::{cannot_write, write_result};
 use diagnostics::Result;
 
 /// Frames of the strip.
@@ -41,19 +41,19 @@ impl Overlay {
     }
 
     /// Draws one frame.
-    pub fn frame(&mut self, picture: &Gray, observations: &[Observation]) -> Result<()> {
-        let wanted = self.frame.is_multiple_of(self.every);
+    pub(crate) fn draw_frame(&mut self, picture: &Gray, observations: &[Observation]) -> Result<()> {
+        let in_strip = self.frame.is_multiple_of(self.every);
         self.frame += 1;
-        if !wanted && self.film.is_none() {
+        if !in_strip && self.film.is_none() {
             return Ok(());
         }
         let mut drawn = picture.clone();
-        observations.iter().filter(|o| o.seen).for_each(|o| cross(&mut drawn, o.at));
+        observations.iter().filter(|o| o.seen).for_each(|o| draw_cross(&mut drawn, o.at));
         if let Some(film) = &mut self.film {
             film.push(&drawn)?;
         }
-        if wanted {
-            self.strip.push(halved(&drawn));
+        if in_strip {
+            self.strip.push(half_size(&drawn));
         }
         Ok(())
     }
@@ -64,7 +64,7 @@ impl Overlay {
         let height = self.strip.iter().map(|p| p.height).sum();
         let pixels = std::mem::take(&mut self.strip).into_iter().flat_map(|p| p.pixels).collect();
         let png = Gray { width, height, pixels }.to_png()?;
-        write(&self.folder, "strip.png", png)?;
+        write_result(&self.folder, "strip.png", png)?;
         let Some(film) = self.film.take() else { return Ok(()) };
         film.finish()?;
         let (from, to) = (self.folder.join(UNFINISHED), self.folder.join(FILM));
@@ -80,15 +80,15 @@ impl Drop for Overlay {
 }
 
 /// A white cross with a dark rim, open in its middle.
-fn cross(picture: &mut Gray, at: Point2) {
-    let [x, y] = at.map(|c| c.round() as i64);
+fn draw_cross(picture: &mut Gray, centre: Point2) {
+    let [x, y] = centre.map(|c| c.round() as i64);
     for (width, level) in [(1, 0), (0, 255)] {
-        for along in (GAP..=ARM).flat_map(|k| [k, -k]) {
-            for aside in -width..=width {
-                for (column, row) in [(x + along, y + aside), (x + aside, y + along)] {
-                    let (inside, place) = (column >= 0 && row >= 0, (column as usize, row as usize));
-                    if inside && place.0 < picture.width && place.1 < picture.height {
-                        picture.pixels[place.1 * picture.width + place.0] = level;
+        for offset in (GAP..=ARM).flat_map(|k| [k, -k]) {
+            for breadth in -width..=width {
+                for (column, row) in [(x + offset, y + breadth), (x + breadth, y + offset)] {
+                    let (is_inside, pixel) = (column >= 0 && row >= 0, (column as usize, row as usize));
+                    if is_inside && pixel.0 < picture.width && pixel.1 < picture.height {
+                        picture.pixels[pixel.1 * picture.width + pixel.0] = level;
                     }
                 }
             }
@@ -97,7 +97,7 @@ fn cross(picture: &mut Gray, at: Point2) {
 }
 
 /// Half as wide and high: the mean of four pixels each.
-fn halved(picture: &Gray) -> Gray {
+fn half_size(picture: &Gray) -> Gray {
     Gray::from_fn(picture.width / 2, picture.height / 2, |x, y| {
         [(0, 0), (1, 0), (0, 1), (1, 1)].iter().map(|(i, j)| picture.at(2 * x + i, 2 * y + j)).sum::<f64>() / 4.0
     })
@@ -110,7 +110,7 @@ mod tests {
     /// Rows of the picture of a cross at a point: `#` is white, `.` dark, and a space as it was.
     fn drawn([width, height]: [usize; 2], at: Point2) -> Vec<String> {
         let mut picture = Gray { width, height, pixels: vec![100; width * height] };
-        cross(&mut picture, at);
+        draw_cross(&mut picture, at);
         let letter = |level: &u8| match level {
             255 => '#',
             0 => '.',
@@ -154,7 +154,9 @@ mod tests {
             // columns of 0 and 4 grey levels more than ten a frame: half as large, 2 more
             let picture = Gray::from_fn(40, 32, |x, _| f64::from(10 * frame + 4 * (x as i32 % 2)));
             let observation = |at, seen| Observation { at, covariance: [[0.0; 2]; 2], residual: 0.0, seen };
-            overlay.frame(&picture, &[observation([20.0, 16.0], frame == 6), observation([0.0, 0.0], false)]).unwrap();
+            overlay
+                .draw_frame(&picture, &[observation([20.0, 16.0], frame == 6), observation([0.0, 0.0], false)])
+                .unwrap();
         }
         overlay.end().unwrap();
         let strip = Gray::from_png(&std::fs::read(folder.join("strip.png")).unwrap()).unwrap();

@@ -23,7 +23,7 @@ impl Tracks {
     }
 
     /// One frame: an observation a marker.
-    pub(super) fn push(&mut self, time: Second, observations: Vec<Observation>) {
+    pub(super) fn push_frame(&mut self, time: Second, observations: Vec<Observation>) {
         self.time.push(time);
         self.markers.resize_with(observations.len(), Vec::new);
         self.markers.iter_mut().zip(observations).for_each(|(track, observation)| track.push(observation));
@@ -37,7 +37,7 @@ impl Tracks {
     }
 
     /// One line a frame and marker.
-    pub(super) fn csv(&self) -> String {
+    pub(super) fn to_csv(&self) -> String {
         let mut text = String::from("frame,time_s,marker,u_px,v_px,uu_px2,uv_px2,vv_px2,residual,seen\n");
         for (frame, t) in self.time.iter().enumerate() {
             for (marker, track) in self.markers.iter().enumerate() {
@@ -64,12 +64,12 @@ mod tests {
         let observation =
             |seen| Observation { at: [1.5, 2.5], covariance: [[0.01, 0.0], [0.0, 0.04]], residual: 1.25, seen };
         let mut tracks = Tracks::begin(7);
-        tracks.push(0.25, vec![observation(true), observation(true)]);
-        tracks.push(0.5, vec![observation(true), observation(false)]);
-        tracks.push(0.75, vec![observation(true), observation(true)]);
+        tracks.push_frame(0.25, vec![observation(true), observation(true)]);
+        tracks.push_frame(0.5, vec![observation(true), observation(false)]);
+        tracks.push_frame(0.75, vec![observation(true), observation(true)]);
         let said = tracks.summary(Path::new("out"));
         assert_eq!(said, "2 markers × 3 frames, occluded in 1; results in out");
-        let table = tracks.csv();
+        let table = tracks.to_csv();
         assert_eq!(table.lines().count(), 1 + 6);
         let line = "8,0.500000,m2,1.5000,2.5000,1.000e-2,0.000e0,4.000e-2,1.25,0";
         assert_eq!(table.lines().nth(4), Some(line));

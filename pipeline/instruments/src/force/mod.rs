@@ -55,10 +55,10 @@ pub fn check_page(text: &str, path: &Path) -> Result<()> {
 /// # Errors
 /// A [`Diagnostic`]: the page, a log or a recording is refused.
 pub fn run(path: &Path, out: Option<&Path>) -> Result<(Report, PathBuf)> {
-    let report = Report::of(Page::read(path)?, path.parent().unwrap_or(Path::new(".")))
-        .map_err(|refused| refused.in_file_unless_named(path))?;
+    let report = Report::from_page(Page::read(path)?, path.parent().unwrap_or(Path::new(".")))
+        .map_err(|diagnostic| diagnostic.in_file_unless_named(path))?;
     let folder = out.map_or_else(|| path.with_extension("out"), Path::to_owned);
-    shown::write(&report, &folder)?;
+    shown::write_results(&report, &folder)?;
     Ok((report, folder))
 }
 
@@ -66,7 +66,7 @@ pub fn run(path: &Path, out: Option<&Path>) -> Result<(Report, PathBuf)> {
 const LAG_STEP: Second = 0.02;
 
 impl Report {
-    fn of(page: Page, folder: &Path) -> Result<Self> {
+    fn from_page(page: Page, folder: &Path) -> Result<Self> {
         let mut report = Self {
             page,
             taps: None,
@@ -76,33 +76,39 @@ impl Report {
             samplings: Vec::new(),
             notes: Vec::new(),
         };
-        report.taps = report.first(Kind::Taps).map(|one| report.tapped(&one, folder)).transpose()?;
-        report.waves = report.first(Kind::StillWater).map(|one| report.still(&one, folder)).transpose()?;
-        report.talk = report.crosstalk(folder)?;
-        let by = Corrections {
+        report.taps = report
+            .first_recording(Kind::Taps)
+            .map(|recording| report.identify_fixture(&recording, folder))
+            .transpose()?;
+        report.waves = report
+            .first_recording(Kind::StillWater)
+            .map(|recording| report.identify_waves(&recording, folder))
+            .transpose()?;
+        report.talk = report.fit_crosstalk(folder)?;
+        let corrections = Corrections {
             waves: report.waves.as_ref().map_or(Vec::new(), |fit| fit.waves.clone()),
             talk: report.talk.clone(),
         };
-        for one in report.of_kind(Kind::Flapping) {
-            let log = report.read(&one, folder)?;
-            report.runs.push(run::evaluated(&one, &log, &by, &report.page.settings)?);
+        for recording in report.of_kind(Kind::Flapping) {
+            let log = report.read_logs(&recording, folder)?;
+            report.runs.push(run::evaluate_run(&recording, &log, &corrections, &report.page.settings)?);
         }
         Ok(report)
     }
 
     fn of_kind(&self, kind: Kind) -> Vec<Recording> {
-        self.page.recording.iter().filter(|one| one.kind == kind).cloned().collect()
+        self.page.recording.iter().filter(|recording| recording.kind == kind).cloned().collect()
     }
 
-    fn first(&self, kind: Kind) -> Option<Recording> {
+    fn first_recording(&self, kind: Kind) -> Option<Recording> {
         self.of_kind(kind).into_iter().next()
     }
 
     /// The logs of a recording; keeps how they were sampled.
-    fn read(&mut self, one: &Recording, folder: &Path) -> Result<Recorded> {
-        let log = Recorded::read(&self.page, one, folder)?;
-        self.note_spikes(&one.force, &log.sampling);
-        self.samplings.push((one.id.clone(), log.sampling.clone()));
+    fn read_logs(&mut self, recording: &Recording, folder: &Path) -> Result<Recorded> {
+        let log = Recorded::read(&self.page, recording, folder)?;
+        self.note_spikes(&recording.force, &log.sampling);
+        self.samplings.push((recording.id.clone(), log.sampling.clone()));
         Ok(log)
     }
 
@@ -110,35 +116,35 @@ impl Report {
         self.notes.extend(sampling.spikes.iter().map(|spike| format!("{file}, {spike}")));
     }
 
-    fn tapped(&mut self, one: &Recording, folder: &Path) -> Result<TapTest> {
-        let file = one.hammer.as_deref().unwrap_or_default();
-        let hammer = recorded::force(&self.page, &folder.join(file), LogKind::Hammer)?;
+    fn identify_fixture(&mut self, recording: &Recording, folder: &Path) -> Result<TapTest> {
+        let file = recording.hammer.as_deref().unwrap_or_default();
+        let hammer = recorded::force_log(&self.page, &folder.join(file), LogKind::Hammer)?;
         self.note_spikes(file, &hammer.sampling);
-        let place = folder.join(&one.force);
-        let measured = recorded::taps(&self.page, &place)?;
-        self.note_spikes(&one.force, &measured.sampling);
+        let log_path = folder.join(&recording.force);
+        let measured = recorded::tap_log(&self.page, &log_path)?;
+        self.note_spikes(&recording.force, &measured.sampling);
         identify_from_taps(&hammer.log.series(), &measured.log.series(), self.page.settings.band)
-            .map_err(|e| Diagnostic::from(e).in_file(&place))
+            .map_err(|e| Diagnostic::from(e).in_file(&log_path))
     }
 
-    fn still(&mut self, one: &Recording, folder: &Path) -> Result<WaveFit> {
-        let place = folder.join(&one.force);
-        let read = recorded::force(&self.page, &place, LogKind::Force)?;
-        self.note_spikes(&one.force, &read.sampling);
-        let (log, set) = (read.log.series(), &self.page.settings);
-        let size = self.page.tank.iter();
+    fn identify_waves(&mut self, recording: &Recording, folder: &Path) -> Result<WaveFit> {
+        let log_path = folder.join(&recording.force);
+        let measured = recorded::force_log(&self.page, &log_path, LogKind::Force)?;
+        self.note_spikes(&recording.force, &measured.sampling);
+        let (log, settings) = (measured.log.series(), &self.page.settings);
+        let tank = self.page.tank.iter();
         let expected: Vec<Hertz> =
-            size.flat_map(|t| (1..=set.modes).map(|n| wave::natural_frequency(t.length, t.depth, n))).collect();
-        let still = StillWater { expected: &expected, level: set.level, limit: set.still_limit };
-        wave::identify(&log, &still).map_err(|e| Diagnostic::from(e).in_file(&place))
+            tank.flat_map(|t| (1..=settings.modes).map(|n| wave::natural_frequency(t.length, t.depth, n))).collect();
+        let still_water = StillWater { expected: &expected, level: settings.level, limit: settings.still_limit };
+        wave::identify(&log, &still_water).map_err(|e| Diagnostic::from(e).in_file(&log_path))
     }
 
     /// The cross-talk of all staircases.
-    fn crosstalk(&mut self, folder: &Path) -> Result<Option<CrossTalk>> {
+    fn fit_crosstalk(&mut self, folder: &Path) -> Result<Option<CrossTalk>> {
         let (mut runs, mut knots) = (Vec::new(), vec![0.0]);
-        for one in self.of_kind(Kind::Staircase) {
-            let log = self.read(&one, folder)?;
-            knots.extend(one.levels);
+        for recording in self.of_kind(Kind::Staircase) {
+            let log = self.read_logs(&recording, folder)?;
+            knots.extend(recording.levels);
             runs.push(Staircase { force: log.force, pressures: log.pressures });
         }
         if runs.is_empty() {

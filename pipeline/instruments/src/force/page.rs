@@ -16,7 +16,7 @@ pub(super) struct Page {
     /// Name of the results.
     pub name: String,
     /// The channels of the pressure logs.
-    #[serde(default = "sides")]
+    #[serde(default = "default_channels")]
     pub channels: Vec<String>,
     /// How the instruments write their logs, as on a card.
     #[serde(default)]
@@ -31,7 +31,7 @@ pub(super) struct Page {
 }
 
 /// The channels of a page that names none.
-fn sides() -> Vec<String> {
+fn default_channels() -> Vec<String> {
     ["left", "right"].map(str::to_owned).to_vec()
 }
 
@@ -125,51 +125,53 @@ impl Page {
     /// # Errors
     /// A [`Diagnostic`] when it has an unknown, missing or mistyped key or a number out of range.
     pub(super) fn parse(text: &str, path: &Path) -> Result<Self> {
-        table::parse(text, path, "study force --help lists the keys", Self::check)
+        table::parse(text, path, "study force --help lists the keys", Self::check_entries)
     }
 
-    fn check(&self) -> Checked {
+    fn check_entries(&self) -> Checked {
         check_log(&self.log, &self.channels)?;
         self.tank.map_or(Ok(()), |tank| check_tank(&tank))?;
-        self.settings.check()?;
+        self.settings.check_ranges()?;
         if self.recording.is_empty() {
             return violation("recording", "the page has no recording", "at least one is needed", "add [[recording]]");
         }
-        self.recording.iter().enumerate().try_for_each(|(i, one)| {
+        self.recording.iter().enumerate().try_for_each(|(i, recording)| {
             let key = format!("recording.{i}");
-            self.check_id(&key, one, &self.recording[..i])?;
-            check_numbers(&key, one)?;
-            self.check_one(&key, one)
+            self.check_id(&key, recording, &self.recording[..i])?;
+            check_numbers(&key, recording)?;
+            self.check_recording(&key, recording)
         })
     }
 
     /// Results are named by their recording: two of one name could not be told apart.
-    fn check_id(&self, key: &str, one: &Recording, before: &[Recording]) -> Checked {
+    fn check_id(&self, key: &str, recording: &Recording, previous: &[Recording]) -> Checked {
         let key = format!("{key}.id");
-        if one.id.trim().is_empty() {
+        if recording.id.trim().is_empty() {
             return violation(&key, "a recording has an empty `id`", "results are named by it", "give it a name");
         }
-        if before.iter().any(|other| other.id == one.id) {
-            let what = format!("two recordings have the id `{}`", one.id);
-            return violation(&key, what, "results are named by it", "give each recording its own");
+        if previous.iter().any(|other| other.id == recording.id) {
+            let defect = format!("two recordings have the id `{}`", recording.id);
+            return violation(&key, defect, "results are named by it", "give each recording its own");
         }
         Ok(())
     }
 
-    fn check_one(&self, key: &str, one: &Recording) -> Checked {
+    fn check_recording(&self, key: &str, recording: &Recording) -> Checked {
         let needs = |missing: &str, action: &str| {
-            let what = format!("recording `{}` has no {missing}", one.id);
-            violation(key, what, "its kind cannot be evaluated without", action)
+            let defect = format!("recording `{}` has no {missing}", recording.id);
+            violation(key, defect, "its kind cannot be evaluated without", action)
         };
-        match one.kind {
-            Kind::Taps if one.hammer.is_none() => needs("`hammer`", "name the hammer's log"),
+        match recording.kind {
+            Kind::Taps if recording.hammer.is_none() => needs("`hammer`", "name the hammer's log"),
             Kind::StillWater if self.tank.is_none() => {
                 needs("[tank]", "add [tank] with length and depth (m) to the page")
             }
-            Kind::Staircase if one.pressure.is_none() => needs("`pressure`", "name its pressure log"),
-            Kind::Staircase if one.levels.is_empty() => needs("`levels`", "give the pressures that were held, Pa"),
-            Kind::Flapping if one.frequency.is_none() => needs("`frequency`", "give the full cycles a second"),
-            Kind::Flapping if one.pressure.is_none() && one.seconds.is_none() => {
+            Kind::Staircase if recording.pressure.is_none() => needs("`pressure`", "name its pressure log"),
+            Kind::Staircase if recording.levels.is_empty() => {
+                needs("`levels`", "give the pressures that were held, Pa")
+            }
+            Kind::Flapping if recording.frequency.is_none() => needs("`frequency`", "give the full cycles a second"),
+            Kind::Flapping if recording.pressure.is_none() && recording.seconds.is_none() => {
                 needs("`pressure` or `seconds`", "name its pressure log, or say from when to when it flapped")
             }
             _ => Ok(()),
@@ -179,12 +181,17 @@ impl Page {
 
 impl Settings {
     /// Holds every number to its range: a slip of a unit lies outside, and so does a count that no recording can have.
-    fn check(&self) -> Checked {
+    fn check_ranges(&self) -> Checked {
         let [low, high] = self.band;
         self.band.iter().try_for_each(|f| within("settings.band", *f, 0.01..=1e4, "Hz"))?;
         if low >= high {
-            let what = format!("settings.band = [{low}, {high}] does not rise");
-            return violation("settings.band", what, "it is the lowest and the highest frequency, Hz", "swap the two");
+            let defect = format!("settings.band = [{low}, {high}] does not rise");
+            return violation(
+                "settings.band",
+                defect,
+                "it is the lowest and the highest frequency, Hz",
+                "swap the two",
+            );
         }
         within("settings.modes", f64::from(self.modes), 1.0..=10.0, "")?;
         within("settings.level", self.level, 1e-9..=0.5, "")?;
@@ -200,25 +207,30 @@ impl Settings {
 const MOST_LEVELS: usize = 100;
 
 /// Holds every number of a recording to its range.
-fn check_numbers(key: &str, one: &Recording) -> Checked {
-    one.frequency.map_or(Ok(()), |f| within(&format!("{key}.frequency"), f, 0.05..=50.0, "Hz"))?;
+fn check_numbers(key: &str, recording: &Recording) -> Checked {
+    recording.frequency.map_or(Ok(()), |f| within(&format!("{key}.frequency"), f, 0.05..=50.0, "Hz"))?;
     let levels = format!("{key}.levels");
-    within(&levels, one.levels.len() as f64, 0.0..=MOST_LEVELS as f64, "numbers")?;
-    for (j, level) in one.levels.iter().enumerate() {
+    within(&levels, recording.levels.len() as f64, 0.0..=MOST_LEVELS as f64, "numbers")?;
+    for (j, level) in recording.levels.iter().enumerate() {
         within(&format!("{levels}.{j}"), *level, 0.0..=5e5, "Pa")?;
-        if one.levels[..j].contains(level) {
-            let what = format!("recording `{}` has the level {level} Pa twice", one.id);
-            return violation(&format!("{levels}.{j}"), what, "a level is held once in a list", "take one of them out");
+        if recording.levels[..j].contains(level) {
+            let defect = format!("recording `{}` has the level {level} Pa twice", recording.id);
+            return violation(
+                &format!("{levels}.{j}"),
+                defect,
+                "a level is held once in a list",
+                "take one of them out",
+            );
         }
     }
-    let Some([from, to]) = one.seconds else { return Ok(()) };
+    let Some([from, to]) = recording.seconds else { return Ok(()) };
     let seconds = format!("{key}.seconds");
     [from, to].iter().try_for_each(|time| within(&seconds, *time, -1e6..=1e9, "s"))?;
     match from < to {
         true => Ok(()),
         false => {
-            let what = format!("{seconds} = [{from}, {to}] does not rise");
-            violation(&seconds, what, "it is the first and the last second of a run", "swap the two, or correct them")
+            let defect = format!("{seconds} = [{from}, {to}] does not rise");
+            violation(&seconds, defect, "it is the first and the last second of a run", "swap the two, or correct them")
         }
     }
 }

@@ -54,55 +54,62 @@ const FEWEST: usize = 3;
 ///
 /// # Errors
 /// A [`Diagnostic`] when it has too few whole cycles, or waves and beat cannot be separated.
-pub(super) fn evaluated(one: &Recording, log: &Recorded, by: &Corrections, set: &Settings) -> Result<Run> {
-    let frequency = one.frequency.unwrap_or(1.0);
-    let [first, last] = one.seconds.or_else(|| log.pressed()).ok_or_else(|| silent(one))?;
+pub(super) fn evaluate_run(
+    recording: &Recording,
+    log: &Recorded,
+    corrections: &Corrections,
+    settings: &Settings,
+) -> Result<Run> {
+    let frequency = recording.frequency.unwrap_or(1.0);
+    let [first, last] = recording.seconds.or_else(|| log.pressed_interval()).ok_or_else(|| no_pressure(recording))?;
     let first = first.max(log.force.start());
     let last = last.min(log.force.end());
     if first >= last {
-        return Err(outside(one, log));
+        return Err(outside_log(recording, log));
     }
-    check_frequency(one, &log.pressures, [first, last])?;
+    check_frequency(recording, &log.pressures, [first, last])?;
     // A harmonic at half the sampling rate or beyond is another's alias.
     let resolved = (0.5 * log.force.rate() / frequency * (1.0 - 1e-9)) as usize;
-    let beat = Beat { frequency, harmonics: set.harmonics.min(resolved), within: [first, last] };
+    let beat = Beat { frequency, harmonics: settings.harmonics.min(resolved), within: [first, last] };
     let removal = Removal { onsets: &[log.force.start()], beat: Some(beat), drift_degree: 2 };
-    let parted = wave::remove(&log.force, &by.waves, &removal).map_err(|e| Diagnostic::from(e).while_doing(&one.id))?;
+    let separated = wave::remove(&log.force, &corrections.waves, &removal)
+        .map_err(|e| Diagnostic::from(e).while_doing(&recording.id))?;
     let ZeroLine { values: zero, sigma, change } =
-        Zero { moves: [first, last], settling: set.settling_time }.of(&parted.rest);
-    let still = |i: usize| by.talk.as_ref().map_or(0.0, |talk| talk.of(&log.pressures, log.force.time(i)));
+        Zero { moves: [first, last], settling: settings.settling_time }.of(&separated.rest);
+    let crosstalk_at =
+        |i: usize| corrections.talk.as_ref().map_or(0.0, |talk| talk.of(&log.pressures, log.force.time(i)));
     let series = |value: &dyn Fn(usize) -> f64| {
         let values = (0..log.force.values().len()).map(value).collect();
         Series::new(log.force.start(), log.force.rate(), values)
     };
-    let level = series(&|i| parted.rest.values()[i] - zero[i])?;
-    let force = series(&|i| level.values()[i] - still(i))?;
-    let begin = first + set.settling_cycles / frequency;
-    let cycles = ((last - begin) * frequency + 1e-6).floor().max(0.0) as usize;
+    let level = series(&|i| separated.rest.values()[i] - zero[i])?;
+    let force = series(&|i| level.values()[i] - crosstalk_at(i))?;
+    let start = first + settings.settling_cycles / frequency;
+    let cycles = ((last - start) * frequency + 1e-6).floor().max(0.0) as usize;
     if cycles < FEWEST {
-        return Err(too_short(one, cycles));
+        return Err(too_short(recording, cycles));
     }
-    let of = |signal: &Series| means(signal, begin, (frequency, cycles));
-    let (means, raw) = (of(&force), average(&of(&level)));
+    let means_of = |signal: &Series| cycle_means(signal, start, (frequency, cycles));
+    let (means, raw) = (means_of(&force), mean_value(&means_of(&level)));
     let length = log.force.end() - log.force.start();
-    let crosstalk = by.talk.as_ref().map(|_| raw - average(&means));
+    let crosstalk = corrections.talk.as_ref().map(|_| raw - mean_value(&means));
     // The curve is uncertain by its noise at the last knot, and in proportion below.
-    let part =
+    let talk_sigma =
         |talk: &CrossTalk| talk.sigma * crosstalk.unwrap_or(0.0) / talk.forces.last().copied().unwrap_or(1.0).max(1e-9);
-    let shared = sigma.hypot(by.talk.as_ref().map_or(0.0, part));
-    let near = wave::close_harmonics(frequency, 4, &by.waves, length);
+    let common_sigma = sigma.hypot(corrections.talk.as_ref().map_or(0.0, talk_sigma));
+    let close = wave::close_harmonics(frequency, 4, &corrections.waves, length);
     Ok(Run {
-        id: one.id.clone(),
+        id: recording.id.clone(),
         frequency,
-        within: [begin, begin + cycles as f64 / frequency],
+        within: [start, start + cycles as f64 / frequency],
         cycles,
         raw,
         crosstalk,
-        mean: average(&means),
-        interval: interval(&means, shared),
+        mean: mean_value(&means),
+        interval: mean_interval(&means, common_sigma),
         drift: change,
-        waves: parted.waves.iter().fold(0.0, |most: f64, w| most.max(w.abs())),
-        warnings: near.iter().map(ToString::to_string).collect(),
+        waves: separated.waves.iter().fold(0.0, |largest: f64, w| largest.max(w.abs())),
+        warnings: close.iter().map(ToString::to_string).collect(),
         force,
     })
 }
@@ -111,15 +118,19 @@ pub(super) fn evaluated(one: &Recording, log: &Recorded, by: &Corrections, set: 
 const FREQUENCY: f64 = 0.05;
 
 /// Compares the frequency on the page with that of the pressures beside it.
-fn check_frequency(one: &Recording, pressures: &[Samples], within: [Second; 2]) -> Result<()> {
-    let (Some(declared), Some(found)) = (one.frequency, cycle_frequency(pressures, within)) else { return Ok(()) };
-    if (declared / found - 1.0).abs() <= FREQUENCY {
+fn check_frequency(recording: &Recording, pressures: &[Samples], within: [Second; 2]) -> Result<()> {
+    let (Some(declared), Some(measured)) = (recording.frequency, cycle_frequency(pressures, within)) else {
+        return Ok(());
+    };
+    if (declared / measured - 1.0).abs() <= FREQUENCY {
         return Ok(());
     }
-    let what =
-        format!("recording `{}` has frequency = {declared} Hz, and its pressures repeat at {found:.3} Hz", one.id);
-    let why = format!("means are taken over whole cycles; the two may differ by {:.0} %", 100.0 * FREQUENCY);
-    Err(Diagnostic::new(what, why, format!("set frequency = {found:.3}, or name the pressure log of this run")))
+    let defect = format!(
+        "recording `{}` has frequency = {declared} Hz, and its pressures repeat at {measured:.3} Hz",
+        recording.id
+    );
+    let reason = format!("means are taken over whole cycles; the two may differ by {:.0} %", 100.0 * FREQUENCY);
+    Err(Diagnostic::new(defect, reason, format!("set frequency = {measured:.3}, or name the pressure log of this run")))
 }
 
 /// Rises of a pressure that show a frequency, at least.
@@ -129,15 +140,15 @@ const RISES: usize = 2;
 /// unevenly.
 fn cycle_frequency(pressures: &[Samples], [first, last]: [Second; 2]) -> Option<Hertz> {
     let span = |samples: &&Samples| {
-        let fold = |by: fn(f64, f64) -> f64| samples.values().iter().copied().reduce(by);
+        let fold = |extremum: fn(f64, f64) -> f64| samples.values().iter().copied().reduce(extremum);
         fold(f64::max).zip(fold(f64::min)).map_or(0.0, |(high, low)| high - low)
     };
-    let most = pressures.iter().max_by(|a, b| span(a).total_cmp(&span(b)))?;
-    let low = most.values().iter().copied().reduce(f64::min)?;
+    let strongest = pressures.iter().max_by(|a, b| span(a).total_cmp(&span(b)))?;
+    let low = strongest.values().iter().copied().reduce(f64::min)?;
     // a rise counts from a third to two thirds of the range: noise about one level is none
-    let (third, mut is_low, mut rises) = (span(&most) / 3.0, false, Vec::new());
+    let (third, mut is_low, mut rises) = (span(&strongest) / 3.0, false, Vec::new());
     // length: a time for each value
-    for (time, value) in most.times().iter().zip(most.values()) {
+    for (time, value) in strongest.times().iter().zip(strongest.values()) {
         if *value < low + third {
             is_low = true;
         } else if *value > low + 2.0 * third && is_low {
@@ -153,52 +164,56 @@ fn cycle_frequency(pressures: &[Samples], [first, last]: [Second; 2]) -> Option<
     (count >= RISES && is_even && mean > 0.0).then(|| 1.0 / mean)
 }
 
-fn silent(one: &Recording) -> Diagnostic {
-    let what = format!("in recording `{}` no pressure rises", one.id);
-    Diagnostic::new(what, "a run lasts while a pressure does", "name its seconds on the page, or its own pressure log")
-}
-
-fn outside(one: &Recording, log: &Recorded) -> Diagnostic {
-    let what = format!("recording `{}` has no force while it flapped", one.id);
-    let why = format!("its log of the force lasts from {:.3} to {:.3} s", log.force.start(), log.force.end());
-    Diagnostic::new(what, why, "correct `seconds`, or name the logs of one run")
-}
-
-fn too_short(one: &Recording, cycles: usize) -> Diagnostic {
-    let what = format!("recording `{}` has {cycles} whole cycles", one.id);
+fn no_pressure(recording: &Recording) -> Diagnostic {
+    let defect = format!("in recording `{}` no pressure rises", recording.id);
     Diagnostic::new(
-        what,
+        defect,
+        "a run lasts while a pressure does",
+        "name its seconds on the page, or its own pressure log",
+    )
+}
+
+fn outside_log(recording: &Recording, log: &Recorded) -> Diagnostic {
+    let defect = format!("recording `{}` has no force while it flapped", recording.id);
+    let reason = format!("its log of the force lasts from {:.3} to {:.3} s", log.force.start(), log.force.end());
+    Diagnostic::new(defect, reason, "correct `seconds`, or name the logs of one run")
+}
+
+fn too_short(recording: &Recording, cycles: usize) -> Diagnostic {
+    let defect = format!("recording `{}` has {cycles} whole cycles", recording.id);
+    Diagnostic::new(
+        defect,
         format!("an interval needs {FEWEST}, behind the settling cycles"),
         "record for longer, or correct its frequency",
     )
 }
 
-/// The mean of each of so many cycles from `begin` (s) on.
-fn means(signal: &Series, begin: Second, (frequency, cycles): (Hertz, usize)) -> Vec<f64> {
-    let at = |k: usize, part: usize| begin + (k as f64 + (part as f64 + 0.5) / PARTS as f64) / frequency;
-    let mean = |k: usize| (0..PARTS).map(|part| signal.at(at(k, part))).sum::<f64>() / PARTS as f64;
-    (0..cycles).map(mean).collect()
+/// The mean of each of so many cycles from `start` (s) on.
+fn cycle_means(signal: &Series, start: Second, (frequency, cycles): (Hertz, usize)) -> Vec<f64> {
+    let sample_time = |k: usize, part: usize| start + (k as f64 + (part as f64 + 0.5) / PARTS as f64) / frequency;
+    let cycle_mean = |k: usize| (0..PARTS).map(|part| signal.at(sample_time(k, part))).sum::<f64>() / PARTS as f64;
+    (0..cycles).map(cycle_mean).collect()
 }
 
-fn average(values: &[f64]) -> f64 {
+fn mean_value(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
 /// The 95 % interval of the mean of correlated values, with the standard deviation of what all have in common.
-fn interval(values: &[f64], shared: f64) -> [f64; 2] {
-    let (count, mean) = (values.len() as f64, average(values));
-    let off: Vec<f64> = values.iter().map(|v| v - mean).collect();
-    let square: f64 = off.iter().map(|v| v * v).sum();
-    let next: f64 = off.windows(2).map(|pair| pair[0] * pair[1]).sum();
-    let correlation = (next / square.max(f64::MIN_POSITIVE)).clamp(0.0, 0.9);
+fn mean_interval(values: &[f64], common_sigma: f64) -> [f64; 2] {
+    let (count, mean) = (values.len() as f64, mean_value(values));
+    let deviations: Vec<f64> = values.iter().map(|v| v - mean).collect();
+    let sum_of_squares: f64 = deviations.iter().map(|v| v * v).sum();
+    let lagged_products: f64 = deviations.windows(2).map(|pair| pair[0] * pair[1]).sum();
+    let correlation = (lagged_products / sum_of_squares.max(f64::MIN_POSITIVE)).clamp(0.0, 0.9);
     let independent = (count * (1.0 - correlation) / (1.0 + correlation)).max(2.0);
-    let half = student(independent - 1.0) * (square / (count - 1.0) / independent).sqrt();
-    let half = half.hypot(1.96 * shared);
-    [mean - half, mean + half]
+    let half_width = student_quantile(independent - 1.0) * (sum_of_squares / (count - 1.0) / independent).sqrt();
+    let half_width = half_width.hypot(1.96 * common_sigma);
+    [mean - half_width, mean + half_width]
 }
 
 /// The 0.975 quantile of Student's t, by the expansion in 1/ν \[abramowitz1964, 26.7.5\]: 11 % low at ν = 1, 0.8 % at 2, 0.01 % from 5 on.
-fn student(degrees: f64) -> f64 {
+fn student_quantile(degrees: f64) -> f64 {
     const Z: f64 = 1.959_964;
     let g1 = (Z.powi(3) + Z) / 4.0;
     let g2 = (5.0 * Z.powi(5) + 16.0 * Z.powi(3) + 3.0 * Z) / 96.0;
@@ -221,7 +236,11 @@ mod tests {
             (10.0, 2.228_139, 1e-5),
             (30.0, 2.042_272, 1e-6),
         ] {
-            assert!((student(degrees) / truth - 1.0).abs() < within, "{degrees}: {}", student(degrees));
+            assert!(
+                (student_quantile(degrees) / truth - 1.0).abs() < within,
+                "{degrees}: {}",
+                student_quantile(degrees)
+            );
         }
     }
 
@@ -252,20 +271,20 @@ mod tests {
     #[test]
     fn the_interval_of_independent_values_is_the_textbook_one() {
         let values = [1.0, -1.0, 1.0, -1.0, 1.0, -1.0];
-        let [low, high] = interval(&values, 0.0);
+        let [low, high] = mean_interval(&values, 0.0);
         let expected = 2.571 * (6.0_f64 / 5.0 / 6.0).sqrt();
         assert!((high - expected).abs() < 0.01 && (low + expected).abs() < 0.01, "{low} {high}");
-        assert!(interval(&values, 1.0)[1] > 1.96);
+        assert!(mean_interval(&values, 1.0)[1] > 1.96);
     }
 
     #[test]
     fn values_that_follow_each_other_count_as_fewer() {
         // Σ x² = 48 and Σ xᵢ xᵢ₊₁ = 16: correlated by a third, twelve count as six
         let values = [1.0, 3.0, -1.0, 1.0, -1.0, -1.0, 2.0, 2.0, 2.0, -2.0, -3.0, -3.0].map(|x| x + 7.0);
-        let [low, high] = interval(&values, 0.0);
+        let [low, high] = mean_interval(&values, 0.0);
         let half = 2.5706 * (48.0_f64 / 11.0 / 6.0).sqrt();
         assert!((high - 7.0 - half).abs() < 1e-3 && (7.0 - low - half).abs() < 1e-3, "{low} {high} {half}");
-        let [low, high] = interval(&values, 0.5);
+        let [low, high] = mean_interval(&values, 0.5);
         let both = half.hypot(1.96 * 0.5);
         assert!((0.5 * (high - low) - both).abs() < 1e-3, "{low} {high} {both}");
     }

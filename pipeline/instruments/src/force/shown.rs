@@ -14,17 +14,17 @@ use super::run::Run;
 ///
 /// # Errors
 /// A [`diagnostics::Diagnostic`] when the folder cannot be written.
-pub(super) fn write(report: &Report, folder: &Path) -> Result<()> {
-    crate::write(folder, "force.csv", table(report))?;
-    let record = serde_json::to_string_pretty(&record(report))?;
-    crate::write(folder, "force.json", format!("{record}\n"))?;
+pub(super) fn write_results(report: &Report, folder: &Path) -> Result<()> {
+    crate::write_result(folder, "force.csv", run_table(report))?;
+    let record = serde_json::to_string_pretty(&result_record(report))?;
+    crate::write_result(folder, "force.json", format!("{record}\n"))?;
     match report.runs.is_empty() {
         true => Ok(()),
-        false => crate::write(folder, "force.svg", &figure(report)?),
+        false => crate::write_result(folder, "force.svg", &run_figure(report)?),
     }
 }
 
-fn table(report: &Report) -> String {
+fn run_table(report: &Report) -> String {
     let head = "run,frequency_hz,from_s,to_s,cycles,raw_mean_n,crosstalk_n,mean_n,low_n,high_n,zero_drift_n,waves_n\n";
     let word = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:.5}"));
     let line = |run: &Run| {
@@ -39,28 +39,28 @@ fn table(report: &Report) -> String {
 }
 
 /// Everything that the logs gave, with how they were sampled.
-fn record(report: &Report) -> Value {
-    let lag = &report.page.log;
-    let card_lag = lag.force_lag.map(|s| json!({ "lag_s": s, "sigma_s": lag.force_lag_sigma }));
+fn result_record(report: &Report) -> Value {
+    let log_settings = &report.page.log;
+    let card_lag = log_settings.force_lag.map(|s| json!({ "lag_s": s, "sigma_s": log_settings.force_lag_sigma }));
     let fixture = report.taps.as_ref().map(|taps| {
-        let it = &taps.in_time;
+        let estimate = &taps.in_time;
         json!({
-            "natural_frequency_hz": [it.cell.natural_frequency, it.frequency_sigma],
-            "damping_ratio": [it.cell.damping_ratio, it.damping_sigma],
-            "gain": it.gain, "taps": taps.taps, "noise_n": taps.noise,
+            "natural_frequency_hz": [estimate.cell.natural_frequency, estimate.frequency_sigma],
+            "damping_ratio": [estimate.cell.damping_ratio, estimate.damping_sigma],
+            "gain": estimate.gain, "taps": taps.taps, "noise_n": taps.noise,
         })
     });
     let waves = report.waves.as_ref().map(|fit| {
-        let tested = |e: &signal::wave::Evidence| {
+        let evidence_entry = |e: &signal::wave::Evidence| {
             json!({ "band_hz": e.band, "frequency_hz": e.frequency, "amplitude_n": e.amplitude, "p_value": e.p_value })
         };
-        let found = |w: &signal::wave::Wave| {
+        let wave_entry = |w: &signal::wave::Wave| {
             json!({ "frequency_hz": [w.frequency, w.frequency_sigma], "decay": [w.decay, w.decay_sigma], "amplitude_n": w.amplitude })
         };
         json!({
             "level": report.page.settings.level, "noise_n": fit.noise,
-            "evidence": fit.evidence.iter().map(tested).collect::<Vec<_>>(),
-            "waves": fit.waves.iter().map(found).collect::<Vec<_>>(),
+            "evidence": fit.evidence.iter().map(evidence_entry).collect::<Vec<_>>(),
+            "waves": fit.waves.iter().map(wave_entry).collect::<Vec<_>>(),
         })
     });
     let talk = report.talk.as_ref().map(|talk| {
@@ -81,17 +81,17 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.notes.iter().try_for_each(|note| writeln!(f, "{note}"))?;
         if let Some(taps) = &self.taps {
-            let it = &taps.in_time;
-            let (f0, zeta) = (it.cell.natural_frequency, it.cell.damping_ratio);
+            let estimate = &taps.in_time;
+            let (f0, zeta) = (estimate.cell.natural_frequency, estimate.cell.damping_ratio);
             writeln!(
                 f,
                 "fixture: {f0:.3} ± {:.3} Hz, damping ratio {zeta:.4} ± {:.4}, {} taps",
-                it.frequency_sigma, it.damping_sigma, taps.taps
+                estimate.frequency_sigma, estimate.damping_sigma, taps.taps
             )?;
         }
         if let Some(fit) = &self.waves {
-            let one = |e: &signal::wave::Evidence| format!("{:.2} Hz, p = {:.1e}", e.frequency, e.p_value);
-            let evidence: Vec<String> = fit.evidence.iter().map(one).collect();
+            let evidence_text = |e: &signal::wave::Evidence| format!("{:.2} Hz, p = {:.1e}", e.frequency, e.p_value);
+            let evidence: Vec<String> = fit.evidence.iter().map(evidence_text).collect();
             writeln!(
                 f,
                 "standing waves: {} over the noise of {:.2} mN ({})",
@@ -101,12 +101,12 @@ impl fmt::Display for Report {
             )?;
         }
         if let Some(talk) = &self.talk {
-            let ([low, high], most) = (talk.lag_interval, talk.forces.last().copied().unwrap_or(0.0));
-            let beyond = if self.page.log.force_lag.is_some() { " beyond that of the page" } else { "" };
+            let ([low, high], largest_force) = (talk.lag_interval, talk.forces.last().copied().unwrap_or(0.0));
+            let qualifier = if self.page.log.force_lag.is_some() { " beyond that of the page" } else { "" };
             writeln!(
                 f,
-                "cross-talk: up to {:.1} mN; lag{beyond} {:.3} s ({low:.3} to {high:.3})",
-                1e3 * most,
+                "cross-talk: up to {:.1} mN; lag{qualifier} {:.3} s ({low:.3} to {high:.3})",
+                1e3 * largest_force,
                 talk.lag
             )?;
         }
@@ -132,24 +132,25 @@ impl fmt::Display for Report {
 }
 
 /// The corrected force of the first run over time, and every run's mean with its interval.
-fn figure(report: &Report) -> Result<String, PlotError> {
-    let first = &report.runs[0];
-    let course = first.force.values().iter().enumerate().map(|(i, force)| [first.force.time(i), 1e3 * force]).collect();
+fn run_figure(report: &Report) -> Result<String, PlotError> {
+    let first_run = &report.runs[0];
+    let force_curve =
+        first_run.force.values().iter().enumerate().map(|(i, force)| [first_run.force.time(i), 1e3 * force]).collect();
     let axes = Axes::new(Axis::linear("time", "s"), Axis::linear("force", "mN"))
-        .with(Mark::span(first.within[0], first.within[1], palette::MUTED))
-        .with(Mark::line(course, palette::MEASURED));
+        .with(Mark::span(first_run.within[0], first_run.within[1], palette::MUTED))
+        .with(Mark::line(force_curve, palette::MEASURED));
     let means =
         |value: fn(&Run) -> f64| report.runs.iter().map(|run| [run.frequency, 1e3 * value(run)]).collect::<Vec<_>>();
     let bars = report.runs.iter().map(|run| {
         let ends = run.interval.map(|force| [run.frequency, 1e3 * force]);
         Mark::line(ends.to_vec(), palette::MEASURED)
     });
-    let mut all = Axes::new(Axis::linear("frequency", "Hz"), Axis::linear("mean force", "mN"))
+    let mut run_axes = Axes::new(Axis::linear("frequency", "Hz"), Axis::linear("mean force", "mN"))
         .with(Mark::points(means(|run| run.raw), Marker::Ring, palette::MUTED).labelled("less its zero"))
         .with(Mark::points(means(|run| run.mean), Marker::Disc, palette::MEASURED).labelled("corrected"));
     for bar in bars {
-        all = all.with(bar);
+        run_axes = run_axes.with(bar);
     }
-    let panels = [Panel::Axes(axes).titled(&first.id), Panel::Axes(all).titled("all runs, 95 % intervals")];
+    let panels = [Panel::Axes(axes).titled(&first_run.id), Panel::Axes(run_axes).titled("all runs, 95 % intervals")];
     Figure::new(DOUBLE_COLUMN_MM).row(60.0, panels).svg()
 }

@@ -69,18 +69,18 @@ impl TryFrom<Entry> for Fixture {
     type Error = String;
 
     fn try_from(entry: Entry) -> Result<Self, String> {
-        let of = match (entry.kind, entry.hammer, entry.count) {
+        let recording = match (entry.kind, entry.hammer, entry.count) {
             (Kind::Taps, Some(hammer), count) => FixtureOf::Taps { hammer, count },
             (Kind::StillWater, None, None) => FixtureOf::StillWater,
             (Kind::Taps, None, _) => {
-                let said = "kind `taps` needs the key `hammer`, which is missing";
-                return Err(format!("{said} in fixture `{}`", entry.id));
+                let reason = "kind `taps` needs the key `hammer`, which is missing";
+                return Err(format!("{reason} in fixture `{}`", entry.id));
             }
             (Kind::StillWater, ..) => {
-                let said = "kind `still_water` has no key `hammer` or `count`, but one is given";
-                return Err(format!("{said} in fixture `{}`", entry.id));
+                let reason = "kind `still_water` has no key `hammer` or `count`, but one is given";
+                return Err(format!("{reason} in fixture `{}`", entry.id));
             }
         };
-        Ok(Self { id: entry.id, medium: entry.medium, force: entry.force, of })
+        Ok(Self { id: entry.id, medium: entry.medium, force: entry.force, of: recording })
     }
 }

@@ -35,14 +35,14 @@ pub struct LogColumn {
     #[serde(default)]
     pub unit: Option<Unit>,
     /// Of the unit, in which one of the file's numbers is counted: volts or an amplifier's counts have one.
-    #[serde(default = "one")]
+    #[serde(default = "unit_scale")]
     pub scale: f64,
     /// The kind of log that it holds for; every log that has the quantity where it is not given.
     #[serde(default)]
     pub of: Option<LogKind>,
 }
 
-fn one() -> f64 {
+fn unit_scale() -> f64 {
     1.0
 }
 
@@ -186,7 +186,7 @@ impl Unit {
 
 impl Log {
     /// The entry of the card for a quantity of a log of this kind.
-    pub(crate) fn column(&self, quantity: &str, kind: LogKind) -> Option<&LogColumn> {
+    pub(crate) fn named_column(&self, quantity: &str, kind: LogKind) -> Option<&LogColumn> {
         self.columns.iter().find(|c| c.quantity == quantity && c.of.is_none_or(|of| of == kind))
     }
 }

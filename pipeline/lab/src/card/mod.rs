@@ -92,13 +92,14 @@ impl Card {
 
     /// The first of the staircases with the highest level.
     pub fn highest_staircase(&self) -> Option<&Trial> {
-        highest(self.trial.iter())
+        highest_trial(self.trial.iter())
     }
 
     /// The first of the staircases in air with the highest level, of all staircases where none is in air: through water the outline of a body
     /// is that of refracted rays.
     pub fn highest_staircase_in_air(&self) -> Option<&Trial> {
-        highest(self.trial.iter().filter(|trial| trial.medium == Medium::Air)).or_else(|| self.highest_staircase())
+        highest_trial(self.trial.iter().filter(|trial| trial.medium == Medium::Air))
+            .or_else(|| self.highest_staircase())
     }
 
     /// Tracks of a trial that another program or instrument made.
@@ -113,10 +114,10 @@ impl Card {
 }
 
 /// The first of the staircases among `trials` with the highest level.
-fn highest<'a>(trials: impl Iterator<Item = &'a Trial>) -> Option<&'a Trial> {
+fn highest_trial<'a>(trials: impl Iterator<Item = &'a Trial>) -> Option<&'a Trial> {
     let level = |trial: &Trial| trial.experiment.highest_level();
     let higher = |best: Option<_>, next| match best {
-        Some(before) if level(before) >= level(next) => best,
+        Some(best_trial) if level(best_trial) >= level(next) => best,
         _ => level(next).map(|_| next).or(best),
     };
     trials.fold(None, higher)

@@ -23,5 +23,5 @@ pub fn read(path: &Path) -> Result<Card, Diagnostic> {
 /// As [`read`].
 pub fn parse(text: &str, path: &Path) -> Result<Card, Diagnostic> {
     let folder = path.parent().and_then(Path::file_name).and_then(|n| n.to_str());
-    table::parse(text, path, SEE, |card| check::card(card, folder))
+    table::parse(text, path, SEE, |card| check::check_card(card, folder))
 }

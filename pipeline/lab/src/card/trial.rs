@@ -196,7 +196,7 @@ impl TryFrom<Entry> for Trial {
     type Error = String;
 
     fn try_from(entry: Entry) -> Result<Self, String> {
-        let experiment = entry.experiment().map_err(|said| format!("{said} in trial `{}`", entry.id))?;
+        let experiment = entry.to_experiment().map_err(|reason| format!("{reason} in trial `{}`", entry.id))?;
         Ok(Self {
             experiment,
             id: entry.id,
@@ -222,7 +222,7 @@ enum Driven {
 
 impl Driven {
     /// The channels that are driven; a first side of a tail that flaps is followed by the other.
-    fn channels(&self, kind: &Kind) -> Vec<String> {
+    fn channel_names(&self, kind: &Kind) -> Vec<String> {
         match (self, kind) {
             (Self::All(channels), _) => channels.clone(),
             (Self::First(first), Kind::Staircase) => vec![first.clone()],
@@ -236,40 +236,43 @@ impl Driven {
 }
 
 impl Entry {
-    fn experiment(&self) -> Result<Experiment, String> {
-        let channels = self.channels.channels(&self.kind);
+    fn to_experiment(&self) -> Result<Experiment, String> {
+        let channels = self.channels.channel_names(&self.kind);
         if channels.is_empty() {
             return Err("`channels` is empty".to_owned());
         }
         match self.kind {
             Kind::Staircase => {
-                refuse("staircase", "amplitude", &self.amplitude)?;
-                refuse("staircase", "frequency", &self.frequency)?;
-                refuse("staircase", "cycles", &self.cycles)?;
-                let levels = need("staircase", "levels", &self.levels)?;
-                let (hold, pause) = (need("staircase", "hold", &self.hold)?, need("staircase", "pause", &self.pause)?);
+                refuse_value("staircase", "amplitude", &self.amplitude)?;
+                refuse_value("staircase", "frequency", &self.frequency)?;
+                refuse_value("staircase", "cycles", &self.cycles)?;
+                let levels = required_value("staircase", "levels", &self.levels)?;
+                let (hold, pause) = (
+                    required_value("staircase", "hold", &self.hold)?,
+                    required_value("staircase", "pause", &self.pause)?,
+                );
                 Ok(Experiment::Staircase { channels, levels, hold, pause })
             }
             Kind::Flapping => {
-                refuse("flapping", "levels", &self.levels)?;
-                refuse("flapping", "hold", &self.hold)?;
-                refuse("flapping", "pause", &self.pause)?;
+                refuse_value("flapping", "levels", &self.levels)?;
+                refuse_value("flapping", "hold", &self.hold)?;
+                refuse_value("flapping", "pause", &self.pause)?;
                 Ok(Experiment::Flapping {
                     channels,
-                    amplitude: need("flapping", "amplitude", &self.amplitude)?,
-                    frequency: need("flapping", "frequency", &self.frequency)?,
-                    cycles: need("flapping", "cycles", &self.cycles)?,
+                    amplitude: required_value("flapping", "amplitude", &self.amplitude)?,
+                    frequency: required_value("flapping", "frequency", &self.frequency)?,
+                    cycles: required_value("flapping", "cycles", &self.cycles)?,
                 })
             }
         }
     }
 }
 
-fn need<T: Clone>(kind: &str, key: &str, value: &Option<T>) -> Result<T, String> {
+fn required_value<T: Clone>(kind: &str, key: &str, value: &Option<T>) -> Result<T, String> {
     value.clone().ok_or_else(|| format!("kind `{kind}` needs the key `{key}`, which is missing"))
 }
 
-fn refuse<T>(kind: &str, key: &str, value: &Option<T>) -> Result<(), String> {
+fn refuse_value<T>(kind: &str, key: &str, value: &Option<T>) -> Result<(), String> {
     match value {
         None => Ok(()),
         Some(_) => Err(format!("kind `{kind}` has no key `{key}`, but it is given")),

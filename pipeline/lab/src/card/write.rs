@@ -12,9 +12,9 @@ use crate::place::Block;
 /// The text of `specimen.toml`.
 pub fn write(card: &Card) -> String {
     let mut text = String::new();
-    head(&mut text, card);
-    card.solid.parts.iter().for_each(|part| solid(&mut text, part));
-    clamp(&mut text, &card.clamp);
+    write_head(&mut text, card);
+    card.solid.parts.iter().for_each(|part| write_solid(&mut text, part));
+    write_clamp(&mut text, &card.clamp);
     for c in &card.chamber {
         let table = format_args!(
             "\n[[chamber]]\nname = {:?}\nat = {:?}  # m, inside it\nchannel = {:?}\n",
@@ -29,8 +29,8 @@ pub fn write(card: &Card) -> String {
         }
         m.diameter.iter().for_each(|diameter| put(&mut text, format_args!("diameter = {diameter:?}  # m\n")));
     }
-    card.search.iter().for_each(|s| search(&mut text, s));
-    card.camera.iter().for_each(|c| camera(&mut text, c));
+    card.search.iter().for_each(|s| write_search(&mut text, s));
+    card.camera.iter().for_each(|c| write_camera(&mut text, c));
     if let Some(w) = &card.water {
         put(&mut text, format_args!("\n[water]\nsurface = {:?}  # m, z\nindex = {:?}\n", w.surface, w.index));
     }
@@ -41,13 +41,13 @@ pub fn write(card: &Card) -> String {
         put(&mut text, format_args!("\n[led]\ncentre = {:?}  # px\nradius = {:?}  # px\n", led.centre, led.radius));
     }
     for t in &card.trial {
-        trial(&mut text, t);
+        write_trial(&mut text, t);
     }
-    card.tracks.iter().for_each(|t| tracks(&mut text, t));
+    card.tracks.iter().for_each(|t| write_tracks(&mut text, t));
     for f in &card.fixture {
-        fixture(&mut text, f);
+        write_fixture(&mut text, f);
     }
-    log(&mut text, &card.log);
+    write_log(&mut text, &card.log);
     text
 }
 
@@ -56,7 +56,7 @@ fn put(text: &mut String, what: std::fmt::Arguments<'_>) {
     text.write_fmt(what).expect("a string takes any text");
 }
 
-fn head(text: &mut String, card: &Card) {
+fn write_head(text: &mut String, card: &Card) {
     match card.origin {
         Origin::VirtualBench => text.push_str("# Made by the virtual bench: computed, not measured.\n"),
         Origin::Laboratory => text.push_str("# Recorded in a laboratory.\n"),
@@ -69,15 +69,17 @@ fn head(text: &mut String, card: &Card) {
     }
 }
 
-fn clamp(text: &mut String, clamp: &Clamp) {
+fn write_clamp(text: &mut String, clamp: &Clamp) {
     text.push_str("\n[clamp]\n");
     if let Some(x) = clamp.below_x {
         put(text, format_args!("below_x = {x:?}  # m: held at and below\n"));
     }
     if let Some(plane) = clamp.plane {
-        let along = [("x", plane.x), ("y", plane.y), ("z", plane.z)];
-        let at = along.into_iter().filter_map(|(axis, at)| at.map(|at| format!("{axis} = {at:?}")));
-        put(text, format_args!("plane = {{ {} }}  # m\n", at.collect::<Vec<_>>().join(", ")));
+        let axes = [("x", plane.x), ("y", plane.y), ("z", plane.z)];
+        let coordinates = axes
+            .into_iter()
+            .filter_map(|(axis, coordinate)| coordinate.map(|coordinate| format!("{axis} = {coordinate:?}")));
+        put(text, format_args!("plane = {{ {} }}  # m\n", coordinates.collect::<Vec<_>>().join(", ")));
     }
     if let Some(Block { low, high }) = clamp.block {
         put(text, format_args!("box = {{ low = {low:?}, high = {high:?} }}  # m\n"));
@@ -85,7 +87,7 @@ fn clamp(text: &mut String, clamp: &Clamp) {
     clamp.surface.iter().for_each(|surface| put(text, format_args!("surface = {surface:?}  # of the mesh\n")));
 }
 
-fn solid(text: &mut String, Part { name, solid }: &Part) {
+fn write_solid(text: &mut String, Part { name, solid }: &Part) {
     put(text, format_args!("\n[solid.{name}]\n"));
     for (key, value) in [("file", &solid.file), ("region", &solid.region)] {
         value.iter().for_each(|value| put(text, format_args!("{key} = {value:?}\n")));
@@ -102,7 +104,7 @@ fn solid(text: &mut String, Part { name, solid }: &Part) {
     put(text, format_args!("plausible = {:?}  # Pa, the box that is searched\n", solid.plausible));
 }
 
-fn camera(text: &mut String, camera: &Camera) {
+fn write_camera(text: &mut String, camera: &Camera) {
     let (board, plane) = (&camera.board, &camera.plane);
     put(
         text,
@@ -117,11 +119,11 @@ fn camera(text: &mut String, camera: &Camera) {
     if camera.readout != 0.0 {
         put(text, format_args!("readout = {:?}  # s, from the first row to the last\n", camera.readout));
     }
-    let (kind, what) = match board.kind {
+    let (kind, figure) = match board.kind {
         BoardKind::Checkerboard => ("", "squares"),
         BoardKind::Dots => ("kind = \"dots\"\n", "dots"),
     };
-    put(text, format_args!("\n[camera.board]\n{kind}columns = {}  # {what}\nrows = {}\n", board.columns, board.rows));
+    put(text, format_args!("\n[camera.board]\n{kind}columns = {}  # {figure}\nrows = {}\n", board.columns, board.rows));
     put(text, format_args!("square = {:?}  # m\n", board.square));
     put(
         text,
@@ -147,7 +149,7 @@ fn camera(text: &mut String, camera: &Camera) {
 }
 
 /// The instruments' logs, where they differ from the usual ones.
-fn log(text: &mut String, log: &Log) {
+fn write_log(text: &mut String, log: &Log) {
     if *log == Log::default() {
         return;
     }
@@ -158,10 +160,10 @@ fn log(text: &mut String, log: &Log) {
     if let Some(lag) = log.force_lag {
         put(text, format_args!("force_lag = {lag:?}  # s\nforce_lag_sigma = {:?}  # s\n", log.force_lag_sigma));
     }
-    log.columns.iter().for_each(|column| log_column(text, column));
+    log.columns.iter().for_each(|column| write_log_column(text, column));
 }
 
-fn log_column(text: &mut String, column: &LogColumn) {
+fn write_log_column(text: &mut String, column: &LogColumn) {
     put(text, format_args!("\n[[log.columns]]\nquantity = {:?}\n", column.quantity));
     match &column.column {
         Place::Position(at) => put(text, format_args!("column = {at}\n")),
@@ -178,17 +180,17 @@ fn log_column(text: &mut String, column: &LogColumn) {
     }
 }
 
-fn trial(text: &mut String, trial: &Trial) {
+fn write_trial(text: &mut String, trial: &Trial) {
     let (kind, channels) = (trial.experiment.kind(), trial.experiment.channels());
     put(text, format_args!("\n[[trial]]\nid = {:?}\nkind = {kind:?}\nrole = {:?}\n", trial.id, trial.role.word()));
     if let Some(split) = trial.split {
         put(text, format_args!("split = {:?}\n", split.word()));
     }
-    let how = match trial.experiment {
+    let sequence = match trial.experiment {
         Experiment::Staircase { .. } => "filled together",
         Experiment::Flapping { .. } => "filled in turn",
     };
-    put(text, format_args!("medium = {:?}\nchannels = {channels:?}  # {how}\n", trial.medium.word()));
+    put(text, format_args!("medium = {:?}\nchannels = {channels:?}  # {sequence}\n", trial.medium.word()));
     trial.video.iter().for_each(|video| put(text, format_args!("video = {video:?}\n")));
     put(text, format_args!("pressure = {:?}\n", trial.pressure));
     if let Some(force) = &trial.force {
@@ -213,12 +215,12 @@ fn trial(text: &mut String, trial: &Trial) {
     }
 }
 
-fn search(text: &mut String, search: &Search) {
+fn write_search(text: &mut String, search: &Search) {
     put(text, format_args!("\n[search]\nregion = {:?}  # px: left, top, right, bottom\n", search.region));
     put(text, format_args!("order = {:?}\nby = {:?}\n", search.order.word(), search.by.word()));
 }
 
-fn tracks(text: &mut String, tracks: &Tracks) {
+fn write_tracks(text: &mut String, tracks: &Tracks) {
     put(text, format_args!("\n[[tracks]]\ntrial = {:?}\nfile = {:?}\n", tracks.trial, tracks.file));
     let unit = if tracks.space.is_some() { "m" } else { "px" };
     put(text, format_args!("sigma = {:?}  # {unit}\n", tracks.sigma));
@@ -235,7 +237,7 @@ fn tracks(text: &mut String, tracks: &Tracks) {
     }
 }
 
-fn fixture(text: &mut String, fixture: &Fixture) {
+fn write_fixture(text: &mut String, fixture: &Fixture) {
     let (kind, medium) = (fixture.of.kind(), fixture.medium.word());
     put(text, format_args!("\n[[fixture]]\nid = {:?}\nkind = {kind:?}\nmedium = {medium:?}\n", fixture.id));
     put(text, format_args!("force = {:?}\n", fixture.force));

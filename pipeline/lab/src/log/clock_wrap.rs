@@ -9,20 +9,20 @@ const LONGER: f64 = 3.0;
 
 /// Counts times (s) on where their clock began anew: where a time falls back, and with a whole period added follows the one before as the
 /// others do. A clock that was set back does not meet that by chance.
-pub(super) fn unwrap(times: &mut [Second]) {
-    let mut added = 0.0;
-    let mut longest: Second = 0.0;
+pub(super) fn unwrap_times(times: &mut [Second]) {
+    let mut offset = 0.0;
+    let mut longest_step: Second = 0.0;
     for i in 1..times.len() {
-        let before = times[i - 1];
-        let step = times[i] + added - before;
+        let previous = times[i - 1];
+        let step = times[i] + offset - previous;
         if step < 0.0 {
-            let follows =
-                |period: &&Second| (0.0..=LONGER * longest).contains(&(step + **period)) && step + **period > 0.0;
-            added += PERIODS.iter().find(follows).copied().unwrap_or_default();
+            let is_period =
+                |period: &&Second| (0.0..=LONGER * longest_step).contains(&(step + **period)) && step + **period > 0.0;
+            offset += PERIODS.iter().find(is_period).copied().unwrap_or_default();
         } else {
-            longest = longest.max(step);
+            longest_step = longest_step.max(step);
         }
-        times[i] += added;
+        times[i] += offset;
     }
 }
 
@@ -36,7 +36,7 @@ mod tests {
             let step = 1e-3 * period;
             let even: Vec<Second> = (0..40).map(|i| 0.99 * period + step * f64::from(i)).collect();
             let mut times: Vec<Second> = even.iter().map(|t| t % period).collect();
-            unwrap(&mut times);
+            unwrap_times(&mut times);
             let off = times.iter().zip(&even).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(off < 1e-9 * period, "{period}: {off}");
         }
@@ -46,7 +46,7 @@ mod tests {
     fn a_clock_that_was_set_back_stays_so() {
         let mut times = [4000.0, 4000.1, 4000.2, 10.0, 10.1, 10.0];
         let before = times;
-        unwrap(&mut times);
+        unwrap_times(&mut times);
         assert_eq!(times, before);
     }
 }

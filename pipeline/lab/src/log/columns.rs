@@ -21,7 +21,7 @@ struct Column {
 
 /// The columns of one file.
 pub(super) struct Layout<'a> {
-    form: &'a LogFormat,
+    format: &'a LogFormat,
     path: &'a Path,
     dialect: Dialect,
     /// Number of titles in the file.
@@ -44,46 +44,47 @@ pub(super) struct FirstLine<'a> {
 
 impl FirstLine<'_> {
     /// Whether a quantity stands in the file.
-    pub(super) fn has(&self, form: &LogFormat, card: &Log, quantity: &str) -> bool {
-        match card.column(quantity, form.instrument) {
-            Some(LogColumn { column: Place::Position(at), .. }) => self.position(*at).is_some(),
-            Some(LogColumn { column: Place::Title(title), .. }) => self.titled(title).next().is_some(),
-            None => self.titled(quantity).next().is_some(),
+    pub(super) fn has_quantity(&self, format: &LogFormat, card: &Log, quantity: &str) -> bool {
+        match card.named_column(quantity, format.instrument) {
+            Some(LogColumn { column: Place::Position(at), .. }) => self.column_index(*at).is_some(),
+            Some(LogColumn { column: Place::Title(title), .. }) => self.columns_titled(title).next().is_some(),
+            None => self.columns_titled(quantity).next().is_some(),
         }
     }
 
-    fn position(&self, at: usize) -> Option<usize> {
+    fn column_index(&self, at: usize) -> Option<usize> {
         at.checked_sub(1).filter(|index| *index < self.fields.len().max(self.width))
     }
 
     /// The columns of a title.
-    fn titled(&self, title: &str) -> impl Iterator<Item = usize> {
-        let is = move |(_, field): &(usize, &Cow<str>)| self.titled && *field == title;
-        self.fields.iter().enumerate().filter(is).map(|(index, _)| index)
+    fn columns_titled(&self, title: &str) -> impl Iterator<Item = usize> {
+        let has_title = move |(_, field): &(usize, &Cow<str>)| self.titled && *field == title;
+        self.fields.iter().enumerate().filter(has_title).map(|(index, _)| index)
     }
 
     /// The only column of a title; none where there is no such column.
-    fn only(&self, title: &str, quantity: &str) -> Result<Option<usize>, Diagnostic> {
-        let all: Vec<usize> = self.titled(title).collect();
-        let [first, _, ..] = all[..] else { return Ok(all.first().copied()) };
-        let places: Vec<String> = all.iter().map(|index| (index + 1).to_string()).collect();
-        let what = format!("{} columns have the title `{title}`", all.len());
-        let why = format!("they stand at positions {}; {quantity} is one of them", places.join(" and "));
+    fn only_column(&self, title: &str, quantity: &str) -> Result<Option<usize>, Diagnostic> {
+        let matches: Vec<usize> = self.columns_titled(title).collect();
+        let [first, _, ..] = matches[..] else { return Ok(matches.first().copied()) };
+        let positions: Vec<String> = matches.iter().map(|index| (index + 1).to_string()).collect();
+        let defect = format!("{} columns have the title `{title}`", matches.len());
+        let reason = format!("they stand at positions {}; {quantity} is one of them", positions.join(" and "));
         let action = format!(
             "add [[log.columns]] with quantity = \"{quantity}\" and its position, such as column = {}, or rename one",
             first + 1
         );
-        Err(Diagnostic::file(self.path, what, why, action))
+        Err(Diagnostic::file(self.path, defect, reason, action))
     }
 
     /// The columns of a log of this form.
     ///
     /// # Errors
     /// [`Diagnostic`] when a quantity is in no column, or in several.
-    pub(super) fn layout<'b>(&'b self, form: &'b LogFormat, card: &Log) -> Result<Layout<'b>, Diagnostic> {
-        let columns = form.columns.iter().map(|c| self.column(form, card, &c.title)).collect::<Result<_, _>>()?;
+    pub(super) fn column_layout<'b>(&'b self, format: &'b LogFormat, card: &Log) -> Result<Layout<'b>, Diagnostic> {
+        let columns =
+            format.columns.iter().map(|c| self.resolve_column(format, card, &c.title)).collect::<Result<_, _>>()?;
         Ok(Layout {
-            form,
+            format,
             path: self.path,
             dialect: self.dialect,
             titles: self.fields.len(),
@@ -92,52 +93,61 @@ impl FirstLine<'_> {
         })
     }
 
-    fn column(&self, form: &LogFormat, card: &Log, quantity: &str) -> Result<Column, Diagnostic> {
-        if let Some(named) = card.column(quantity, form.instrument) {
-            let index = match &named.column {
-                Place::Position(at) => self.position(*at),
-                Place::Title(title) => self.only(title, quantity)?,
+    fn resolve_column(&self, format: &LogFormat, card: &Log, quantity: &str) -> Result<Column, Diagnostic> {
+        if let Some(entry) = card.named_column(quantity, format.instrument) {
+            let index = match &entry.column {
+                Place::Position(at) => self.column_index(*at),
+                Place::Title(title) => self.only_column(title, quantity)?,
             };
-            let index = index.ok_or_else(|| self.no_such_place(named))?;
-            let factor = named.scale * named.unit.map_or(1.0, Unit::in_log_units);
-            return Ok(Column { index, unit: named.unit, factor });
+            let index = index.ok_or_else(|| self.misnamed_column(entry))?;
+            let factor = entry.scale * entry.unit.map_or(1.0, Unit::in_log_units);
+            return Ok(Column { index, unit: entry.unit, factor });
         }
-        let index = self.only(quantity, quantity)?.ok_or_else(|| self.missing(form, quantity))?;
+        let index = self.only_column(quantity, quantity)?.ok_or_else(|| self.missing_column(format, quantity))?;
         Ok(Column { index, unit: None, factor: 1.0 })
     }
 
-    fn no_such_place(&self, named: &LogColumn) -> Diagnostic {
-        let (what, why) = match &named.column {
-            Place::Position(at) => (format!("there is no column {at}"), format!("the file has {}", self.fields.len())),
+    fn misnamed_column(&self, entry: &LogColumn) -> Diagnostic {
+        let (defect, reason) = match &entry.column {
+            Place::Position(position) => {
+                (format!("there is no column {position}"), format!("the file has {}", self.fields.len()))
+            }
             Place::Title(title) if self.titled => {
-                (format!("there is no column `{title}`"), format!("the file has {}", self.titles()))
+                (format!("there is no column `{title}`"), format!("the file has {}", self.joined_titles()))
             }
             Place::Title(title) => {
                 (format!("there is no column `{title}`"), "its first line is numbers, not titles".to_owned())
             }
         };
-        let action = format!("correct column of {} in [[log.columns]] of specimen.toml", named.quantity);
-        Diagnostic::file(self.path, what, why, action)
+        let action = format!("correct column of {} in [[log.columns]] of specimen.toml", entry.quantity);
+        Diagnostic::file(self.path, defect, reason, action)
     }
 
-    fn titles(&self) -> String {
+    fn joined_titles(&self) -> String {
         self.fields.join(", ")
     }
 
-    fn missing(&self, form: &LogFormat, name: &str) -> Diagnostic {
-        let why = format!("a {} has the columns {}", form.kind, form.titles().join(", "));
+    fn missing_column(&self, format: &LogFormat, name: &str) -> Diagnostic {
+        let reason = format!("a {} has the columns {}", format.kind, format.column_titles().join(", "));
         let entry = format!("[[log.columns]] to specimen.toml with quantity = \"{name}\"");
         if !self.titled {
-            let what = format!("the first line is `{}`: numbers, not titles", self.titles());
-            return Diagnostic::file(self.path, what, why, format!("add {entry} and its position, such as column = 1"));
+            let defect = format!("the first line is `{}`: numbers, not titles", self.joined_titles());
+            return Diagnostic::file(
+                self.path,
+                defect,
+                reason,
+                format!("add {entry} and its position, such as column = 1"),
+            );
         }
-        let present: Vec<&str> =
-            self.fields.iter().map(|field| &**field).filter(|h| !form.titles().contains(h)).collect();
-        let action = match nearest(name, &present) {
-            Some(near) => format!("rename the column `{near}` to `{name}`, or add {entry} and column = \"{near}\""),
+        let other_titles: Vec<&str> =
+            self.fields.iter().map(|field| &**field).filter(|h| !format.column_titles().contains(h)).collect();
+        let action = match nearest(name, &other_titles) {
+            Some(similar) => {
+                format!("rename the column `{similar}` to `{name}`, or add {entry} and column = \"{similar}\"")
+            }
             None => format!("add the column `{name}`, or {entry} and the title of its column"),
         };
-        Diagnostic::file(self.path, format!("the column `{name}` is missing"), why, action)
+        Diagnostic::file(self.path, format!("the column `{name}` is missing"), reason, action)
     }
 }
 
@@ -146,71 +156,72 @@ impl Layout<'_> {
     ///
     /// # Errors
     /// [`Diagnostic`] when it has another number of fields, or one is no number.
-    pub(super) fn row(&self, line: &str) -> Result<Vec<f64>, Diagnostic> {
-        let fields = self.dialect.split(line);
+    pub(super) fn row_values(&self, line: &str) -> Result<Vec<f64>, Diagnostic> {
+        let fields = self.dialect.split_fields(line);
         self.check_count(&fields)?;
-        let number = |(column, form): (&Column, &ColumnFormat)| {
-            self.number(&form.title, column, fields.get(column.index).map_or("", |field| field))
+        let number = |(column, format): (&Column, &ColumnFormat)| {
+            self.field_value(&format.title, column, fields.get(column.index).map_or("", |field| field))
         };
-        self.columns.iter().zip(&self.form.columns).map(number).collect()
+        self.columns.iter().zip(&self.format.columns).map(number).collect()
     }
 
     /// Some programs end each line with a separator, or leave a remark's column out below its title; a line that is longer than the titles
     /// by a field with something in it has decimal commas.
     fn check_count(&self, fields: &[Cow<str>]) -> Result<(), Diagnostic> {
         let ends_empty = fields.len() == self.titles + 1 && fields.last().is_some_and(|last| last.is_empty());
-        let as_first = fields.len() == self.width && (self.width < self.titles || ends_empty);
-        if fields.len() == self.titles || as_first {
+        let matches_first = fields.len() == self.width && (self.width < self.titles || ends_empty);
+        if fields.len() == self.titles || matches_first {
             return Ok(());
         }
-        let what = format!("the line has {} fields", fields.len());
-        let why = format!("the first line has {}; a decimal comma between commas also looks like this", self.titles);
-        Err(Diagnostic::file(self.path, what, why, "write decimal points, and as many fields as columns"))
+        let defect = format!("the line has {} fields", fields.len());
+        let reason = format!("the first line has {}; a decimal comma between commas also looks like this", self.titles);
+        Err(Diagnostic::file(self.path, defect, reason, "write decimal points, and as many fields as columns"))
     }
 
     /// Whether the numbers of a line lie in their ranges.
     ///
     /// # Errors
     /// [`Diagnostic`] that names the first that does not.
-    pub(super) fn check(&self, row: &[f64]) -> Result<(), Diagnostic> {
-        let mut all = row.iter().zip(&self.form.columns);
-        all.try_for_each(|(value, form)| range(self.path, &form.title, form.range, *value))
+    pub(super) fn check_ranges(&self, row: &[f64]) -> Result<(), Diagnostic> {
+        let mut cells = row.iter().zip(&self.format.columns);
+        cells.try_for_each(|(value, format)| check_range(self.path, &format.title, format.range, *value))
     }
 
     /// One of the file's numbers in a column, in the unit of our logs.
-    pub(super) fn factor(&self, column: usize) -> f64 {
+    pub(super) fn unit_factor(&self, column: usize) -> f64 {
         self.columns[column].factor
     }
 
-    fn number(&self, quantity: &str, column: &Column, field: &str) -> Result<f64, Diagnostic> {
-        let refused =
-            |why: &str, action: &str| Diagnostic::file(self.path, format!("{quantity} is `{field}`"), why, action);
+    fn field_value(&self, quantity: &str, column: &Column, field: &str) -> Result<f64, Diagnostic> {
+        let refusal = |reason: &str, action: &str| {
+            Diagnostic::file(self.path, format!("{quantity} is `{field}`"), reason, action)
+        };
         if column.unit == Some(Unit::Iso8601) {
             let action = "write it as 2024-05-01T12:00:00.125, or correct its unit in [[log.columns]]";
-            return iso8601(field).ok_or_else(|| refused("a time in ISO 8601 was expected", action));
+            return iso8601(field).ok_or_else(|| refusal("a time in ISO 8601 was expected", action));
         }
-        let plain = self.dialect.plain(field);
-        match plain.parse::<f64>() {
+        let decimal = self.dialect.decimal_text(field);
+        match decimal.parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(value * column.factor),
             Ok(_) => {
-                Err(refused("every sample must be a finite number", "cut the log there, or record the trial again"))
+                Err(refusal("every sample must be a finite number", "cut the log there, or record the trial again"))
             }
-            Err(_) if plain.contains(',') => {
-                Err(refused("a comma separates the columns", "export with decimal points, or with ; between columns"))
+            Err(_) if decimal.contains(',') => {
+                Err(refusal("a comma separates the columns", "export with decimal points, or with ; between columns"))
             }
-            Err(_) if quantity == "time_s" && iso8601(field).is_some() => Err(refused(
+            Err(_) if quantity == "time_s" && iso8601(field).is_some() => Err(refusal(
                 "a number was expected",
                 "add [[log.columns]] to specimen.toml with quantity = \"time_s\", its column and unit = \"iso8601\"",
             )),
-            Err(_) => Err(refused("a number was expected", "correct the field, or cut the line out")),
+            Err(_) => Err(refusal("a number was expected", "correct the field, or cut the line out")),
         }
     }
 }
 
-fn range(path: &Path, column: &str, (low, high, unit): (f64, f64, &str), value: f64) -> Result<(), Diagnostic> {
+fn check_range(path: &Path, column: &str, (low, high, unit): (f64, f64, &str), value: f64) -> Result<(), Diagnostic> {
     if (low..=high).contains(&value) {
         return Ok(());
     }
-    let what = format!("{column} = {value} is out of range");
-    Err(Diagnostic::file(path, what, format!("the range is {low} to {high} {unit}"), "check the unit of the column"))
+    let defect = format!("{column} = {value} is out of range");
+    Err(Diagnostic::file(path, defect, format!("the range is {low} to {high} {unit}"), "check the unit of the column"))
 }

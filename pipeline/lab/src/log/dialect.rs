@@ -31,27 +31,31 @@ impl Dialect {
         Self::new(*separator.unwrap_or(&b','))
     }
 
-    /// Of a line of numbers; `given` is a separator that the file names. None where the line holds none.
-    pub fn numbers(line: &str, given: Option<u8>) -> Option<Self> {
-        let separators = SEPARATORS.into_iter().filter(|s| given.is_none_or(|given| given == *s));
-        let dialects = separators.chain(given.filter(|s| !SEPARATORS.contains(s))).map(|s| Self::new(s).quoted(line));
+    /// Of a line of numbers; `named_separator` is a separator that the file names. None where the line holds none.
+    pub fn numbers(line: &str, named_separator: Option<u8>) -> Option<Self> {
+        let separators = SEPARATORS.into_iter().filter(|s| named_separator.is_none_or(|separator| separator == *s));
+        let dialects = separators
+            .chain(named_separator.filter(|s| !SEPARATORS.contains(s)))
+            .map(|s| Self::new(s).with_quoted_commas(line));
         // a column of words may stand beside the numbers, which begin with the time
         let dialects: Vec<Self> = dialects.filter(|dialect| line.as_bytes().contains(&dialect.separator)).collect();
-        let parts = |dialect: &Self| dialect.numeric_part(line);
-        let whole = dialects.iter().find(|dialect| parts(dialect) == Some(1.0));
-        whole.or_else(|| dialects.iter().find(|dialect| parts(dialect).is_some_and(|part| part > 0.5))).copied()
+        let numeric_share = |dialect: &Self| dialect.numeric_part(line);
+        let all_numeric = dialects.iter().find(|dialect| numeric_share(dialect) == Some(1.0));
+        all_numeric
+            .or_else(|| dialects.iter().find(|dialect| numeric_share(dialect).is_some_and(|share| share > 0.5)))
+            .copied()
     }
 
     /// Between commas, numbers such as "1,5" in quotes have decimal commas where none of the line has a point.
-    fn quoted(self, line: &str) -> Self {
-        let fields = self.split(line);
-        let comma = fields.iter().any(|field| field.contains(',')) && !line.contains('.');
-        Self { decimal_comma: self.decimal_comma || comma, ..self }
+    fn with_quoted_commas(self, line: &str) -> Self {
+        let fields = self.split_fields(line);
+        let has_decimal_comma = fields.iter().any(|field| field.contains(',')) && !line.contains('.');
+        Self { decimal_comma: self.decimal_comma || has_decimal_comma, ..self }
     }
 
     /// Numbers among the fields that are not empty; none of a single field, or where the first is none.
     fn numeric_part(&self, line: &str) -> Option<f64> {
-        let fields = self.split(line);
+        let fields = self.split_fields(line);
         let present: Vec<&Cow<str>> = fields.iter().filter(|field| !field.is_empty()).collect();
         let first = present.first().filter(|_| fields.len() > 1)?;
         let count = present.iter().filter(|field| self.is_number(field)).count();
@@ -60,49 +64,50 @@ impl Dialect {
 
     /// Whether a field is a number, a date or a time.
     pub fn is_number(&self, field: &str) -> bool {
-        self.plain(field).parse::<f64>().is_ok() || iso8601(field).is_some() || is_date(field)
+        self.decimal_text(field).parse::<f64>().is_ok() || iso8601(field).is_some() || is_date(field)
     }
 
     /// The fields of a line, without quotes and the blanks around them.
-    pub fn split<'a>(&self, line: &'a str) -> Vec<Cow<'a, str>> {
+    pub(crate) fn split_fields<'a>(&self, line: &'a str) -> Vec<Cow<'a, str>> {
         if self.separator == b' ' {
             return line.split_whitespace().map(|word| Cow::Borrowed(word.trim_matches('"'))).collect();
         }
         let mut fields = Vec::new();
-        let mut rest = line;
+        let mut remainder = line;
         loop {
-            let (field, after) = self.field(rest);
+            let (field, following) = self.first_field(remainder);
             fields.push(field);
-            match after {
-                Some(after) => rest = after,
+            match following {
+                Some(following) => remainder = following,
                 None => return fields,
             }
         }
     }
 
     /// The first field of a line and what follows its separator.
-    fn field<'a>(&self, line: &'a str) -> (Cow<'a, str>, Option<&'a str>) {
+    fn first_field<'a>(&self, line: &'a str) -> (Cow<'a, str>, Option<&'a str>) {
         let separator = char::from(self.separator);
-        let blank = |c: char| c.is_whitespace() && c != separator;
-        let Some(quoted) = line.trim_start_matches(blank).strip_prefix('"') else {
-            let (field, after) = line.split_once(separator).map_or((line, None), |(field, after)| (field, Some(after)));
-            return (Cow::Borrowed(field.trim()), after);
+        let is_blank = |c: char| c.is_whitespace() && c != separator;
+        let Some(quoted) = line.trim_start_matches(is_blank).strip_prefix('"') else {
+            let (field, following) =
+                line.split_once(separator).map_or((line, None), |(field, following)| (field, Some(following)));
+            return (Cow::Borrowed(field.trim()), following);
         };
         // a doubled quote within quotes is a quote
         let mut end = 0;
         while let Some(next) = quoted[end..].find('"') {
             end += next;
             if !quoted[end + 1..].starts_with('"') {
-                let after = quoted[end + 1..].split_once(separator).map(|(_, after)| after);
-                return (unescaped(&quoted[..end]), after);
+                let following = quoted[end + 1..].split_once(separator).map(|(_, following)| following);
+                return (unescape_quotes(&quoted[..end]), following);
             }
             end += 2;
         }
-        (unescaped(quoted), None)
+        (unescape_quotes(quoted), None)
     }
 
     /// A field with a decimal point.
-    pub fn plain<'a>(&self, field: &'a str) -> Cow<'a, str> {
+    pub(crate) fn decimal_text<'a>(&self, field: &'a str) -> Cow<'a, str> {
         if self.decimal_comma && field.contains(',') {
             Cow::Owned(field.replacen(',', ".", 1))
         } else {
@@ -111,7 +116,7 @@ impl Dialect {
     }
 }
 
-fn unescaped(field: &str) -> Cow<'_, str> {
+fn unescape_quotes(field: &str) -> Cow<'_, str> {
     let field = field.trim();
     if field.contains("\"\"") { Cow::Owned(field.replace("\"\"", "\"")) } else { Cow::Borrowed(field) }
 }
@@ -150,7 +155,7 @@ mod tests {
         ] {
             let dialect = Dialect::numbers(line, None).unwrap_or_else(|| panic!("{line}"));
             assert_eq!((dialect.separator, dialect.decimal_comma), (separator, comma), "{line}");
-            assert_eq!(dialect.split(line).len(), fields, "{line}");
+            assert_eq!(dialect.split_fields(line).len(), fields, "{line}");
         }
         assert_eq!(Dialect::numbers("0|1", Some(b'|')).map(|dialect| dialect.separator), Some(b'|'));
     }
@@ -166,8 +171,8 @@ mod tests {
 
     #[test]
     fn quotes_hold_separators_and_doubled_quotes() {
-        let fields = Dialect::new(b',').split(" \"a, b\" ,c \"d\", \"say \"\"x\"\"\",");
+        let fields = Dialect::new(b',').split_fields(" \"a, b\" ,c \"d\", \"say \"\"x\"\"\",");
         assert_eq!(fields, ["a, b", "c \"d\"", "say \"x\"", ""]);
-        assert_eq!(Dialect::new(b';').split("\"open;1"), ["open;1"]);
+        assert_eq!(Dialect::new(b';').split_fields("\"open;1"), ["open;1"]);
     }
 }

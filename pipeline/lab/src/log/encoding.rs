@@ -9,10 +9,11 @@ const WINDOWS_1252: [char; 32] = [
 const EXAMINED: usize = 512;
 
 /// The text of a log; none where the bytes are no text. UTF-8 keeps its byte-order mark.
-pub(crate) fn decode(bytes: Vec<u8>) -> Option<String> {
+pub(crate) fn decode_text(bytes: Vec<u8>) -> Option<String> {
     let text = match utf_16(&bytes) {
         Some(text) => text?,
-        None => String::from_utf8(bytes).unwrap_or_else(|error| error.as_bytes().iter().map(|b| letter(*b)).collect()),
+        None => String::from_utf8(bytes)
+            .unwrap_or_else(|error| error.as_bytes().iter().map(|b| windows_1252_letter(*b)).collect()),
     };
     // A workbook or a picture has bytes that stand in no text.
     let is_control = |c: char| c < ' ' && !matches!(c, '\t' | '\n' | '\r' | '\u{b}' | '\u{c}' | '\u{1a}');
@@ -24,7 +25,7 @@ pub fn is_windows_1252(bytes: &[u8]) -> bool {
     utf_16(bytes).is_none() && std::str::from_utf8(bytes).is_err()
 }
 
-fn letter(byte: u8) -> char {
+fn windows_1252_letter(byte: u8) -> char {
     match byte {
         0x80..=0x9f => WINDOWS_1252[usize::from(byte - 0x80)],
         _ => char::from(byte),
@@ -34,19 +35,19 @@ fn letter(byte: u8) -> char {
 /// A text in UTF-16, by its mark or by the zeros beside its Latin letters: none where the bytes are not in UTF-16, within it none where they
 /// are cut or broken.
 fn utf_16(bytes: &[u8]) -> Option<Option<String>> {
-    let zeros = |odd: usize| bytes.iter().skip(odd).step_by(2).take(EXAMINED).filter(|byte| **byte == 0).count();
-    let half = bytes.len().div_ceil(2).min(EXAMINED) / 2;
+    let zero_count = |odd: usize| bytes.iter().skip(odd).step_by(2).take(EXAMINED).filter(|byte| **byte == 0).count();
+    let threshold = bytes.len().div_ceil(2).min(EXAMINED) / 2;
     let order: fn([u8; 2]) -> u16 = match bytes {
         [0xff, 0xfe, ..] => u16::from_le_bytes,
         [0xfe, 0xff, ..] => u16::from_be_bytes,
-        _ if half > 0 && zeros(1) > half && zeros(0) == 0 => u16::from_le_bytes,
-        _ if half > 0 && zeros(0) > half && zeros(1) == 0 => u16::from_be_bytes,
+        _ if threshold > 0 && zero_count(1) > threshold && zero_count(0) == 0 => u16::from_le_bytes,
+        _ if threshold > 0 && zero_count(0) > threshold && zero_count(1) == 0 => u16::from_be_bytes,
         _ => return None,
     };
     // length: an odd byte at the end is half a letter of a file that was cut
-    let (pairs, rest) = bytes.as_chunks::<2>();
+    let (pairs, odd_byte) = bytes.as_chunks::<2>();
     let units: Vec<u16> = pairs.iter().map(|pair| order(*pair)).collect();
-    let text = String::from_utf16(&units).ok().filter(|_| rest.is_empty());
+    let text = String::from_utf16(&units).ok().filter(|_| odd_byte.is_empty());
     Some(text.map(|text| text.trim_start_matches('\u{feff}').to_owned()))
 }
 
@@ -65,15 +66,15 @@ mod tests {
         assert!(is_windows_1252(&single) && !is_windows_1252(TEXT.as_bytes()) && !is_windows_1252(&little));
         let all = [marked([0xff, 0xfe], &little), marked([0xfe, 0xff], &big), little, big, single, TEXT.into()];
         for bytes in all {
-            assert_eq!(decode(bytes.clone()).as_deref(), Some(TEXT), "{bytes:?}");
+            assert_eq!(decode_text(bytes.clone()).as_deref(), Some(TEXT), "{bytes:?}");
         }
-        assert_eq!(decode(format!("\u{feff}{TEXT}").into()), Some(format!("\u{feff}{TEXT}")));
+        assert_eq!(decode_text(format!("\u{feff}{TEXT}").into()), Some(format!("\u{feff}{TEXT}")));
     }
 
     #[test]
     fn bytes_that_are_no_text_are_none() {
-        assert_eq!(decode(b"PK\x03\x04\x14\x00\x06\x00\x08\x00\xe9".to_vec()), None);
-        assert_eq!(decode(b"\xff\xfet\x00i".to_vec()), None, "cut within a letter");
-        assert_eq!(decode(Vec::new()).as_deref(), Some(""));
+        assert_eq!(decode_text(b"PK\x03\x04\x14\x00\x06\x00\x08\x00\xe9".to_vec()), None);
+        assert_eq!(decode_text(b"\xff\xfet\x00i".to_vec()), None, "cut within a letter");
+        assert_eq!(decode_text(Vec::new()).as_deref(), Some(""));
     }
 }

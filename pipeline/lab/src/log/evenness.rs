@@ -45,30 +45,31 @@ pub(super) struct EvenClock {
 
 impl EvenClock {
     /// The time of a sample, s.
-    pub(super) fn time(&self, sample: usize) -> Second {
+    pub(super) fn sample_time(&self, sample: usize) -> Second {
         self.start + self.step * sample as f64
     }
 }
 
 /// The clock on which the samples were taken, later by the mean lateness of the stamps; none where the stamps are right, or where
 /// nothing in the log decides.
-pub(super) fn taken_evenly(rows: &[Vec<f64>], form: &LogFormat, stamps: &Stamps) -> Option<EvenClock> {
-    let clock = line(stamps.times);
-    let measured = || (1..form.columns.len()).filter(|&k| !form.columns[k].held);
-    let votes: Vec<Votes> = measured().map(|k| votes(rows, k)).collect();
+pub(super) fn taken_evenly(rows: &[Vec<f64>], format: &LogFormat, stamps: &Stamps) -> Option<EvenClock> {
+    let clock = fitted_clock(stamps.times);
+    let continuous_columns = || (1..format.columns.len()).filter(|&k| !format.columns[k].held);
+    let votes: Vec<Votes> = continuous_columns().map(|k| column_votes(rows, k)).collect();
     let [even, stamped] = [0, 1].map(|side| votes.iter().map(|v| v[side]).sum::<usize>());
-    let wins = |these: usize, others: usize| these >= FEWEST_VOTES && these > MAJORITY * others;
-    let decided = wins(even, stamped) || !wins(stamped, even) && measured().any(|k| fits_better(rows, k, clock));
+    let has_majority = |count: usize, others: usize| count >= FEWEST_VOTES && count > MAJORITY * others;
+    let decided = has_majority(even, stamped)
+        || !has_majority(stamped, even) && continuous_columns().any(|k| fits_better(rows, k, clock));
     (decided && !loses_samples(stamps.times, clock)).then_some(clock)
 }
 
 /// The line through the stamps, by least squares.
-fn line(times: &[Second]) -> EvenClock {
+fn fitted_clock(times: &[Second]) -> EvenClock {
     let middle = 0.5 * (times.len() - 1) as f64;
     let mean = times.iter().map(|t| t - times[0]).sum::<f64>() / times.len() as f64;
-    let shared = |(i, t): (usize, &Second)| (i as f64 - middle) * (t - times[0] - mean);
-    let square: f64 = (0..times.len()).map(|i| (i as f64 - middle).powi(2)).sum();
-    let step = times.iter().enumerate().map(shared).sum::<f64>() / square;
+    let cross_moment = |(i, t): (usize, &Second)| (i as f64 - middle) * (t - times[0] - mean);
+    let index_moment: f64 = (0..times.len()).map(|i| (i as f64 - middle).powi(2)).sum();
+    let step = times.iter().enumerate().map(cross_moment).sum::<f64>() / index_moment;
     EvenClock { start: times[0] + mean - step * middle, step }
 }
 
@@ -76,62 +77,64 @@ fn line(times: &[Second]) -> EvenClock {
 type Votes = [usize; 2];
 
 /// Votes of one column: distance of each sample from the straight line between its neighbours, on either clock.
-fn votes(rows: &[Vec<f64>], k: usize) -> Votes {
-    let off = |three: &[Vec<f64>], part: f64| (three[1][k] - three[0][k] - part * (three[2][k] - three[0][k])).abs();
-    let both = |three: &[Vec<f64>]| {
-        let part = (three[1][0] - three[0][0]) / (three[2][0] - three[0][0]);
-        [off(three, 0.5), off(three, part)]
+fn column_votes(rows: &[Vec<f64>], k: usize) -> Votes {
+    let deviation = |samples: &[Vec<f64>], ratio: f64| {
+        (samples[1][k] - samples[0][k] - ratio * (samples[2][k] - samples[0][k])).abs()
     };
-    let residuals: Vec<[f64; 2]> = rows.windows(3).map(both).collect();
-    let mut sizes: Vec<f64> = residuals.iter().map(|r| r[0].max(r[1])).collect();
-    sizes.sort_by(f64::total_cmp);
-    let limit = ABOVE_NOISE * sizes.get(sizes.len() / 2).copied().unwrap_or_default();
-    let clear = |side: usize| move |r: &&[f64; 2]| r[0].max(r[1]) > limit && CLEARLY * r[side] < r[1 - side];
-    [0, 1].map(|side| residuals.iter().filter(clear(side)).count())
+    let deviations = |samples: &[Vec<f64>]| {
+        let ratio = (samples[1][0] - samples[0][0]) / (samples[2][0] - samples[0][0]);
+        [deviation(samples, 0.5), deviation(samples, ratio)]
+    };
+    let residuals: Vec<[f64; 2]> = rows.windows(3).map(deviations).collect();
+    let mut magnitudes: Vec<f64> = residuals.iter().map(|r| r[0].max(r[1])).collect();
+    magnitudes.sort_by(f64::total_cmp);
+    let limit = ABOVE_NOISE * magnitudes.get(magnitudes.len() / 2).copied().unwrap_or_default();
+    let is_clear = |side: usize| move |r: &&[f64; 2]| r[0].max(r[1]) > limit && CLEARLY * r[side] < r[1 - side];
+    [0, 1].map(|side| residuals.iter().filter(is_clear(side)).count())
 }
 
 /// Whether more samples of a column fit the polynomial through their neighbours on the even clock than on that of the stamps: a sign test.
 fn fits_better(rows: &[Vec<f64>], k: usize, clock: EvenClock) -> bool {
-    let near = |i: usize| i - BESIDE..=i + BESIDE;
-    let of = |i: usize| {
-        let values: Vec<f64> = near(i).map(|j| rows[j][k]).collect();
-        let evenly: Vec<Second> = near(i).map(|j| clock.time(j)).collect();
-        let stamped: Vec<Second> = near(i).map(|j| rows[j][0]).collect();
-        [misfit(&evenly, &values), misfit(&stamped, &values)]
+    let window = |i: usize| i - BESIDE..=i + BESIDE;
+    let misfits = |i: usize| {
+        let values: Vec<f64> = window(i).map(|j| rows[j][k]).collect();
+        let evenly: Vec<Second> = window(i).map(|j| clock.sample_time(j)).collect();
+        let stamped: Vec<Second> = window(i).map(|j| rows[j][0]).collect();
+        [polynomial_misfit(&evenly, &values), polynomial_misfit(&stamped, &values)]
     };
     let inside = BESIDE..rows.len().saturating_sub(BESIDE).max(BESIDE);
-    let (mut even, mut decided, all) = (0.0, 0.0, inside.len() as f64);
+    let (mut even_votes, mut decided, total) = (0.0, 0.0, inside.len() as f64);
     let column = || rows.iter().map(|row| row[k]);
     let range = column().fold(f64::MIN, f64::max) - column().fold(f64::MAX, f64::min);
-    for [evenly, stamped] in inside.map(of).filter(|[a, b]| (a - b).abs() > ROUNDING * range) {
+    for [evenly, stamped] in inside.map(misfits).filter(|[a, b]| (a - b).abs() > ROUNDING * range) {
         decided += 1.0;
-        even += f64::from(u8::from(evenly < stamped));
+        even_votes += f64::from(u8::from(evenly < stamped));
     }
-    decided > MOVING * all
-        && even > SHARE * decided
-        && even - 0.5 * decided > DEVIATIONS * (0.25 * decided / INDEPENDENT).sqrt()
+    decided > MOVING * total
+        && even_votes > SHARE * decided
+        && even_votes - 0.5 * decided > DEVIATIONS * (0.25 * decided / INDEPENDENT).sqrt()
 }
 
 /// Distance of the middle value from the polynomial through the others (Lagrange's), over what independent noise of one unit would make it.
-fn misfit(times: &[Second], values: &[f64]) -> f64 {
-    let middle = times.len() / 2;
-    let others = || (0..times.len()).filter(|&i| i != middle);
+fn polynomial_misfit(times: &[Second], values: &[f64]) -> f64 {
+    let centre = times.len() / 2;
+    let neighbours = || (0..times.len()).filter(|&i| i != centre);
     let weight = |a: usize| -> f64 {
-        others().filter(|&b| b != a).map(|b| (times[middle] - times[b]) / (times[a] - times[b])).product()
+        neighbours().filter(|&b| b != a).map(|b| (times[centre] - times[b]) / (times[a] - times[b])).product()
     };
-    let (mut off, mut square) = (values[middle], 1.0);
-    for (a, weight) in others().map(|a| (a, weight(a))) {
-        off -= weight * values[a];
-        square += weight * weight;
+    let (mut residual, mut variance) = (values[centre], 1.0);
+    for (a, weight) in neighbours().map(|a| (a, weight(a))) {
+        residual -= weight * values[a];
+        variance += weight * weight;
     }
-    off.abs() / square.sqrt()
+    residual.abs() / variance.sqrt()
 }
 
 /// Whether the stamps leave the clock for longer than lateness explains.
 fn loses_samples(times: &[Second], clock: EvenClock) -> bool {
-    let off: Vec<Second> = times.iter().enumerate().map(|(i, t)| t - clock.time(i)).collect();
-    let mean = |block: &[Second]| block.iter().sum::<f64>() / block.len() as f64;
-    off.chunks_exact(BLOCK).any(|block| mean(block).abs() > LOST * clock.step)
+    let lateness: Vec<Second> = times.iter().enumerate().map(|(i, t)| t - clock.sample_time(i)).collect();
+    let block_mean = |block: &[Second]| block.iter().sum::<f64>() / block.len() as f64;
+    lateness.chunks_exact(BLOCK).any(|block| block_mean(block).abs() > LOST * clock.step)
 }
 
 #[cfg(test)]
@@ -215,22 +218,26 @@ mod tests {
 
     #[test]
     fn the_line_through_the_stamps_is_that_of_least_squares() {
-        let found = line(&[10.0, 11.0, 13.0]);
+        let found = fitted_clock(&[10.0, 11.0, 13.0]);
         assert!((found.step - 1.5).abs() < 1e-12 && (found.start - (34.0 / 3.0 - 1.5)).abs() < 1e-12, "{found:?}");
         // stamps since 1970 keep all their digits: the step is a power of two
         let since: Vec<Second> = (0..1200).map(|i| 1.75e9 + f64::from(i) / 256.0).collect();
-        assert!((line(&since).step * 256.0 - 1.0).abs() < 1e-13, "{:e}", line(&since).step * 256.0 - 1.0);
+        assert!(
+            (fitted_clock(&since).step * 256.0 - 1.0).abs() < 1e-13,
+            "{:e}",
+            fitted_clock(&since).step * 256.0 - 1.0
+        );
     }
 
     #[test]
     fn a_polynomial_of_the_fifth_degree_through_seven_samples_fits_on_its_clock() {
         let uneven = [0.0, 0.9, 2.1, 3.0, 4.2, 4.9, 6.0];
         let of = |times: &[f64]| -> Vec<f64> { times.iter().map(|t| t.powi(5) - 3.0 * t * t + 2.0).collect() };
-        assert!(misfit(&uneven, &of(&uneven)) < 1e-9);
+        assert!(polynomial_misfit(&uneven, &of(&uneven)) < 1e-9);
         let even: Vec<f64> = (0..7).map(f64::from).collect();
-        assert!(misfit(&even, &of(&uneven)) > 1.0);
+        assert!(polynomial_misfit(&even, &of(&uneven)) > 1.0);
         // weights −3/4, 3/10, −1/20 on either side: noise of one unit makes it √(1 + 2 (0.5625 + 0.09 + 0.0025)) units
-        let alone = misfit(&even, &[0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0]);
+        let alone = polynomial_misfit(&even, &[0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0]);
         assert!((alone - 2.0 / 2.31_f64.sqrt()).abs() < 1e-12, "{alone}");
     }
 

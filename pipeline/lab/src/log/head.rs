@@ -22,13 +22,13 @@ pub(super) struct Head<'a> {
 }
 
 /// Lines of a text with their numbers, whatever system ended them.
-pub(super) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
+pub(super) fn numbered_lines(text: &str) -> impl Iterator<Item = Line<'_>> {
     let parts = text.split('\n').flat_map(|line| line.strip_suffix('\r').unwrap_or(line).split('\r'));
     parts.enumerate().map(|(index, line)| (index + 1, line))
 }
 
 /// Whether a line is neither empty nor a remark.
-pub(super) fn counts((_, line): &Line) -> bool {
+pub(super) fn is_content((_, line): &Line) -> bool {
     !line.starts_with('#') && !line.trim().is_empty()
 }
 
@@ -37,46 +37,47 @@ const LONGEST_HEAD: usize = 1000;
 
 impl<'a> Head<'a> {
     pub(super) fn new(text: &'a str) -> Self {
-        let mut above: Vec<Line> = Vec::new();
-        let mut given = None;
-        let mut rest = lines(text).filter(counts).take(LONGEST_HEAD).peekable();
-        while let Some(line) = rest.next() {
-            if above.is_empty() && given.is_none() {
-                given = named_separator(line.1);
-                if given.is_some() {
+        let mut head_lines: Vec<Line> = Vec::new();
+        let mut separator = None;
+        let mut remaining = numbered_lines(text).filter(is_content).take(LONGEST_HEAD).peekable();
+        while let Some(line) = remaining.next() {
+            if head_lines.is_empty() && separator.is_none() {
+                separator = named_separator(line.1);
+                if separator.is_some() {
                     continue;
                 }
             }
-            if let Some(dialect) = Dialect::numbers(line.1, given) {
-                let next = rest.peek().and_then(|next| Dialect::numbers(next.1, Some(dialect.separator)));
-                if next.is_some() || rest.peek().is_none() {
-                    let width = dialect.split(line.1).len();
+            if let Some(dialect) = Dialect::numbers(line.1, separator) {
+                let next = remaining.peek().and_then(|next| Dialect::numbers(next.1, Some(dialect.separator)));
+                if next.is_some() || remaining.peek().is_none() {
+                    let width = dialect.split_fields(line.1).len();
                     // a line that begins with a number is one of numbers, whatever is wrong with it
-                    let whole = above
+                    let head_length = head_lines
                         .iter()
                         .rposition(|(_, line)| !begins_with_number(line, dialect))
                         .map_or(0, |last| last + 1);
-                    let begin = above.get(whole).map_or(line.0, |broken| broken.0);
-                    above.truncate(whole);
-                    let titles = titles(&above, dialect, width).or_else(|| remarked(text, begin, dialect, width));
+                    let begin = head_lines.get(head_length).map_or(line.0, |broken| broken.0);
+                    head_lines.truncate(head_length);
+                    let titles = titles_above(&head_lines, dialect, width)
+                        .or_else(|| remark_titles(text, begin, dialect, width));
                     return Self { dialect, titles, begin, width };
                 }
             }
-            above.push(line);
+            head_lines.push(line);
         }
-        Self::without_numbers(above.first().copied(), given)
+        Self::without_numbers(head_lines.first().copied(), separator)
     }
 
     /// The first line is taken for titles, so that what is wrong with those below it is said of them.
-    fn without_numbers(first: Option<Line<'a>>, given: Option<u8>) -> Self {
+    fn without_numbers(first: Option<Line<'a>>, separator: Option<u8>) -> Self {
         let (number, line) = first.unwrap_or((0, ""));
-        let dialect = given.map_or_else(|| Dialect::titles(line), Dialect::new);
-        Self { dialect, titles: first, begin: number + 1, width: dialect.split(line).len() }
+        let dialect = separator.map_or_else(|| Dialect::titles(line), Dialect::new);
+        Self { dialect, titles: first, begin: number + 1, width: dialect.split_fields(line).len() }
     }
 }
 
 fn begins_with_number(line: &str, dialect: Dialect) -> bool {
-    let fields = dialect.split(line);
+    let fields = dialect.split_fields(line);
     fields.len() > 1 && dialect.is_number(&fields[0])
 }
 
@@ -89,18 +90,18 @@ fn named_separator(line: &str) -> Option<u8> {
 }
 
 /// The titles among the lines above the numbers: the last, or the last but one where that holds units.
-fn titles<'a>(above: &[Line<'a>], dialect: Dialect, width: usize) -> Option<Line<'a>> {
-    let wide = |line: &Line| dialect.split_titles(line.1, width).len() == width;
+fn titles_above<'a>(above: &[Line<'a>], dialect: Dialect, width: usize) -> Option<Line<'a>> {
+    let has_width = |line: &Line| dialect.split_titles(line.1, width).len() == width;
     match above {
-        [.., before, last] if wide(before) && wide(last) && is_units(last.1, dialect, width) => Some(*before),
+        [.., titles, last] if has_width(titles) && has_width(last) && is_units(last.1, dialect, width) => Some(*titles),
         [.., last] => Some(*last),
         [] => None,
     }
 }
 
 /// Titles that stand in the remark above the numbers, as numpy writes them.
-fn remarked(text: &str, begin: usize, dialect: Dialect, width: usize) -> Option<Line<'_>> {
-    let (number, line) = lines(text).take(begin - 1).filter(|(_, line)| !line.trim().is_empty()).last()?;
+fn remark_titles(text: &str, begin: usize, dialect: Dialect, width: usize) -> Option<Line<'_>> {
+    let (number, line) = numbered_lines(text).take(begin - 1).filter(|(_, line)| !line.trim().is_empty()).last()?;
     let titles = line.trim_start_matches('#').trim();
     let fields = dialect.split_titles(titles, width);
     (fields.len() == width && fields.iter().all(|field| !field.is_empty() && !dialect.is_number(field)))
@@ -127,7 +128,7 @@ fn is_units(line: &str, dialect: Dialect, width: usize) -> bool {
 impl Dialect {
     /// Titles between runs of blanks may themselves have single blanks: they are then split at two.
     pub(super) fn split_titles<'a>(&self, line: &'a str, width: usize) -> Vec<std::borrow::Cow<'a, str>> {
-        let fields = self.split(line);
+        let fields = self.split_fields(line);
         if self.separator != b' ' || fields.len() == width {
             return fields;
         }
@@ -184,7 +185,7 @@ mod tests {
     #[test]
     fn lines_of_any_system_have_their_numbers() {
         for text in ["a\nb\n\nc", "a\r\nb\r\n\r\nc", "a\rb\r\rc"] {
-            let all: Vec<Line> = lines(text).filter(counts).collect();
+            let all: Vec<Line> = numbered_lines(text).filter(is_content).collect();
             assert_eq!(all, [(1, "a"), (2, "b"), (4, "c")], "{text:?}");
         }
     }

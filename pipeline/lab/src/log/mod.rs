@@ -24,7 +24,7 @@ use crate::card::{Log, LogKind};
 use columns::FirstLine;
 use diagnostics::{Diagnostic, input};
 use dialect::Dialect;
-use head::{Head, counts, lines};
+use head::{Head, is_content, numbered_lines};
 use sampling::Stamps;
 pub use sampling::{InterpolationBound, Method, RateChange, Sampling, StampFault, StampFaultKind};
 pub use spikes::Spike;
@@ -73,7 +73,7 @@ impl ColumnFormat {
 
 impl LogFormat {
     /// The titles of its columns.
-    pub fn titles(&self) -> Vec<&str> {
+    pub(crate) fn column_titles(&self) -> Vec<&str> {
         self.columns.iter().map(|column| column.title.as_str()).collect()
     }
 }
@@ -105,7 +105,7 @@ const COMPARED: usize = 10;
 ///
 /// # Errors
 /// [`Diagnostic`] when the file cannot be read or is no text.
-pub(crate) fn text(path: &Path, absent: &str) -> Result<String, Diagnostic> {
+pub(crate) fn read_text(path: &Path, absent: &str) -> Result<String, Diagnostic> {
     let bytes = input::read(path, input::LOG).map_err(|e| Diagnostic::io(path, e, absent))?;
     decoded(bytes, path)
 }
@@ -115,9 +115,9 @@ pub(crate) fn text(path: &Path, absent: &str) -> Result<String, Diagnostic> {
 /// # Errors
 /// [`Diagnostic`] when they are no text.
 pub fn decoded(bytes: Vec<u8>, path: &Path) -> Result<String, Diagnostic> {
-    encoding::decode(bytes).ok_or_else(|| {
-        let why = "a log is text in UTF-8, UTF-16 or Windows-1252";
-        Diagnostic::file(path, "the file is no text", why, "export it again as CSV in UTF-8")
+    encoding::decode_text(bytes).ok_or_else(|| {
+        let reason = "a log is text in UTF-8, UTF-16 or Windows-1252";
+        Diagnostic::file(path, "the file is no text", reason, "export it again as CSV in UTF-8")
     })
 }
 
@@ -135,7 +135,7 @@ impl<'a> LogText<'a> {
     pub(crate) fn new(text: &'a str, path: &'a Path) -> Self {
         let text = text.trim_start_matches('\u{feff}');
         let Head { dialect, titles, begin, width } = Head::new(text);
-        let first = titles.or_else(|| lines(text).nth(begin - 1)).unwrap_or((begin, ""));
+        let first = titles.or_else(|| numbered_lines(text).nth(begin - 1)).unwrap_or((begin, ""));
         let fields = dialect.split_titles(first.1, width);
         let first_line = first.0;
         let first = FirstLine { path, dialect, titled: titles.is_some(), fields, width };
@@ -143,45 +143,48 @@ impl<'a> LogText<'a> {
     }
 
     /// Whether a quantity stands in it.
-    pub(crate) fn has(&self, form: &LogFormat, card: &Log, quantity: &str) -> bool {
-        self.first.has(form, card, quantity)
+    pub(crate) fn has_quantity(&self, format: &LogFormat, card: &Log, quantity: &str) -> bool {
+        self.first.has_quantity(format, card, quantity)
     }
 
     /// Its numbers, unchecked in time.
-    fn rows(&self, form: &LogFormat, card: &Log) -> Result<Rows, Diagnostic> {
-        let layout = self.first.layout(form, card).map_err(|r| r.at_line(self.first_line))?;
+    fn parse_rows(&self, format: &LogFormat, card: &Log) -> Result<Rows, Diagnostic> {
+        let layout = self.first.column_layout(format, card).map_err(|r| r.at_line(self.first_line))?;
         let (path, dialect) = (self.first.path, self.first.dialect);
         let mut rows = Rows::default();
-        for (line, text) in lines(self.text).skip(self.begin - 1).filter(counts) {
-            rows.rows.push(layout.row(text).map_err(|r| r.at_line(line))?);
+        for (line, text) in numbered_lines(self.text).skip(self.begin - 1).filter(is_content) {
+            rows.rows.push(layout.row_values(text).map_err(|r| r.at_line(line))?);
             rows.lines.push(line);
         }
         check_whole(self.text, dialect, path)?;
         if rows.rows.len() < 2 {
-            let what = format!("the log has {} samples", rows.rows.len());
-            return Err(Diagnostic::file(path, what, "at least two are needed", "record the trial again"));
+            let defect = format!("the log has {} samples", rows.rows.len());
+            return Err(Diagnostic::file(path, defect, "at least two are needed", "record the trial again"));
         }
-        rows.spikes = form.spikes.leave_out(&mut rows.rows, &rows.lines, layout.factor(1));
+        rows.spikes = format.spikes.leave_out(&mut rows.rows, &rows.lines, layout.unit_factor(1));
         rows.unwrap_clock();
-        let mut all = rows.rows.iter().zip(&rows.lines);
-        all.try_for_each(|(row, line)| layout.check(row).map_err(|refused| refused.at_line(*line)))?;
+        let mut numbered_rows = rows.rows.iter().zip(&rows.lines);
+        numbered_rows
+            .try_for_each(|(row, line)| layout.check_ranges(row).map_err(|diagnostic| diagnostic.at_line(*line)))?;
         Ok(rows)
     }
 
-    /// Its numbers on an even clock, in the order of the form's columns.
+    /// Its numbers on an even clock, in the order of the format's columns.
     ///
     /// # Errors
     /// [`Diagnostic`] when a column is missing, a field is no number or out of range, there is a gap, or time does not rise.
-    pub(crate) fn parse(&self, form: &LogFormat, card: &Log) -> Result<Logged<Vec<Vec<f64>>>, Diagnostic> {
-        let rows = self.rows(form, card)?;
-        let times = rows.times();
+    pub(crate) fn parse(&self, format: &LogFormat, card: &Log) -> Result<Logged<Vec<Vec<f64>>>, Diagnostic> {
+        let rows = self.parse_rows(format, card)?;
+        let times = rows.row_times();
         let stamps = Stamps { times: &times, lines: &rows.lines };
         let longest_gap = stamps.longest_gap(card.longest_gap);
-        if let Some(refused) = refused(&stamps.faults(longest_gap), longest_gap) {
-            return Err(refused.in_file(self.first.path).at_line(stamps.faults(longest_gap).first().map(|f| f.line)));
+        if let Some(diagnostic) = first_fault(&stamps.faults(longest_gap), longest_gap) {
+            return Err(diagnostic
+                .in_file(self.first.path)
+                .at_line(stamps.faults(longest_gap).first().map(|f| f.line)));
         }
         let mut sampling = Sampling { spikes: rows.spikes, ..stamps.sampling(longest_gap) };
-        let log = even::onto_even_clock(rows.rows, (form, &stamps), &mut sampling);
+        let log = even::onto_even_clock(rows.rows, (format, &stamps), &mut sampling);
         Ok(Logged { log, sampling })
     }
 
@@ -189,16 +192,16 @@ impl<'a> LogText<'a> {
     ///
     /// # Errors
     /// [`Diagnostic`] when a column is missing, or a field is no number or out of range.
-    pub(crate) fn stamps(&self, form: &LogFormat, card: &Log) -> Result<StampReport, Diagnostic> {
-        let rows = self.rows(form, card)?;
-        let times = rows.times();
+    pub(crate) fn stamp_report(&self, format: &LogFormat, card: &Log) -> Result<StampReport, Diagnostic> {
+        let rows = self.parse_rows(format, card)?;
+        let times = rows.row_times();
         let stamps = Stamps { times: &times, lines: &rows.lines };
         let longest_gap = stamps.longest_gap(card.longest_gap);
         let faults = stamps.faults(longest_gap);
         let rising = faults.iter().all(|fault| fault.kind == StampFaultKind::Gap);
         let sampling = rising.then(|| {
             let mut sampling = Sampling { spikes: rows.spikes.clone(), ..stamps.sampling(longest_gap) };
-            let _ = even::onto_even_clock(rows.rows.clone(), (form, &stamps), &mut sampling);
+            let _ = even::onto_even_clock(rows.rows.clone(), (format, &stamps), &mut sampling);
             sampling
         });
         // A gap bends the line of the stamps as a change of rate does.
@@ -216,30 +219,34 @@ struct Rows {
 }
 
 impl Rows {
-    fn times(&self) -> Vec<Second> {
+    fn row_times(&self) -> Vec<Second> {
         self.rows.iter().map(|row| row[0]).collect()
     }
 
     fn unwrap_clock(&mut self) {
-        let mut times = self.times();
-        clock_wrap::unwrap(&mut times);
+        let mut times = self.row_times();
+        clock_wrap::unwrap_times(&mut times);
         // length: a time for each row
         self.rows.iter_mut().zip(times).for_each(|(row, time)| row[0] = time);
     }
 }
 
 /// The first of the faults as a diagnostic, with the lines of the others like it.
-fn refused(faults: &[StampFault], longest_gap: Second) -> Option<Diagnostic> {
+fn first_fault(faults: &[StampFault], longest_gap: Second) -> Option<Diagnostic> {
     let fault = faults.first()?;
-    let alike: Vec<String> =
+    let similar_lines: Vec<String> =
         faults[1..].iter().filter(|f| f.kind == fault.kind).take(5).map(|f| f.line.to_string()).collect();
-    let more = if alike.is_empty() { String::new() } else { format!("; so it is on line {}", alike.join(", ")) };
-    Some(fault.diagnostic(longest_gap, &more))
+    let more = if similar_lines.is_empty() {
+        String::new()
+    } else {
+        format!("; so it is on line {}", similar_lines.join(", "))
+    };
+    Some(fault.as_diagnostic(longest_gap, &more))
 }
 
 impl StampFault {
     /// It as a diagnostic without its place.
-    fn diagnostic(&self, longest_gap: Second, more: &str) -> Diagnostic {
+    fn as_diagnostic(&self, longest_gap: Second, more: &str) -> Diagnostic {
         let (before, time) = (self.before, self.time);
         match self.kind {
             StampFaultKind::Gap => Diagnostic::new(
@@ -264,26 +271,29 @@ impl StampFault {
 
     /// It as a diagnostic about the file `path`.
     pub fn in_file(&self, path: &Path, longest_gap: Second) -> Diagnostic {
-        self.diagnostic(longest_gap, "").in_file(path).at_line(self.line)
+        self.as_diagnostic(longest_gap, "").in_file(path).at_line(self.line)
     }
 }
 
 /// The last line is as long as the others: a file that was cut in the middle of a number ends without a line end and with fewer decimals
 /// than every other line, and would be read as another number.
 fn check_whole(text: &str, dialect: Dialect, path: &Path) -> Result<(), Diagnostic> {
-    let digits = |field: &str| dialect.plain(field.trim()).split_once('.').map_or(0, |(_, digits)| digits.len());
-    let decimals = |line: &str| -> Vec<usize> { line.split(char::from(dialect.separator)).map(digits).collect() };
+    let decimal_count =
+        |field: &str| dialect.decimal_text(field.trim()).split_once('.').map_or(0, |(_, digits)| digits.len());
+    let decimals =
+        |line: &str| -> Vec<usize> { line.split(char::from(dialect.separator)).map(decimal_count).collect() };
     let mut lines = text.lines().rev();
     let (Some(last), false) = (lines.next(), text.ends_with('\n')) else { return Ok(()) };
-    let before: Vec<Vec<usize>> =
+    let previous_decimals: Vec<Vec<usize>> =
         lines.take(COMPARED).take_while(|line| !line.starts_with('#')).map(decimals).collect();
-    let found = decimals(last);
-    let uniform = before.len() == COMPARED && before.iter().all(|line| *line == before[0]);
-    if !uniform || before[0] == found {
+    let last_decimals = decimals(last);
+    let uniform =
+        previous_decimals.len() == COMPARED && previous_decimals.iter().all(|line| *line == previous_decimals[0]);
+    if !uniform || previous_decimals[0] == last_decimals {
         return Ok(());
     }
-    let why = "it has no line end and other decimals than the lines before it, as a file that was cut";
-    let refused =
-        Diagnostic::file(path, format!("the last line is `{last}`"), why, "copy the log again, or cut the line out");
-    Err(refused.at_line(text.lines().count()))
+    let reason = "it has no line end and other decimals than the lines before it, as a file that was cut";
+    let diagnostic =
+        Diagnostic::file(path, format!("the last line is `{last}`"), reason, "copy the log again, or cut the line out");
+    Err(diagnostic.at_line(text.lines().count()))
 }

@@ -113,13 +113,13 @@ pub(crate) struct Stamps<'a> {
 }
 
 impl Stamps<'_> {
-    fn steps(&self) -> impl Iterator<Item = Second> + '_ {
+    fn time_steps(&self) -> impl Iterator<Item = Second> + '_ {
         self.times.windows(2).map(|t| t[1] - t[0])
     }
 
     /// The median time between two samples that rise, s.
     fn median_step(&self) -> Second {
-        let mut steps: Vec<Second> = self.steps().filter(|step| *step > 0.0).collect();
+        let mut steps: Vec<Second> = self.time_steps().filter(|step| *step > 0.0).collect();
         steps.sort_by(f64::total_cmp);
         steps.get(steps.len().saturating_sub(1) / 2).copied().unwrap_or(f64::INFINITY)
     }
@@ -150,26 +150,26 @@ impl Stamps<'_> {
     pub(crate) fn sampling(&self, longest_gap_s: Second) -> Sampling {
         let last = self.times.len() - 1;
         let step = (self.times[last] - self.times[0]) / last as f64;
-        let off = |i: usize| (self.times[i] - self.times[0] - step * i as f64).abs();
-        let worst = (0..=last).max_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap_or(0);
-        let long = (0..last).max_by(|a, b| self.step(*a).total_cmp(&self.step(*b))).unwrap_or(0);
-        let square: f64 = (0..=last).map(|i| off(i).powi(2)).sum();
+        let deviation = |i: usize| (self.times[i] - self.times[0] - step * i as f64).abs();
+        let worst = (0..=last).max_by(|a, b| deviation(*a).total_cmp(&deviation(*b))).unwrap_or(0);
+        let longest = (0..last).max_by(|a, b| self.time_step(*a).total_cmp(&self.time_step(*b))).unwrap_or(0);
+        let sum_of_squares: f64 = (0..=last).map(|i| deviation(i).powi(2)).sum();
         Sampling {
             samples: last + 1,
             rate_hz: 1.0 / step,
-            jitter_rms_s: (square / (last + 1) as f64).sqrt(),
-            jitter_s: off(worst),
+            jitter_rms_s: (sum_of_squares / (last + 1) as f64).sqrt(),
+            jitter_s: deviation(worst),
             jitter_line: self.lines[worst],
-            longest_step_s: self.step(long),
-            longest_step_line: self.lines[long + 1],
+            longest_step_s: self.time_step(longest),
+            longest_step_line: self.lines[longest + 1],
             longest_gap_s,
-            method: if off(worst) <= EVEN * step { Method::AsStamped } else { Method::LinearInterpolation },
+            method: if deviation(worst) <= EVEN * step { Method::AsStamped } else { Method::LinearInterpolation },
             bounds: Vec::new(),
             spikes: Vec::new(),
         }
     }
 
-    fn step(&self, i: usize) -> Second {
+    fn time_step(&self, i: usize) -> Second {
         self.times[i + 1] - self.times[i]
     }
 
@@ -180,16 +180,16 @@ impl Stamps<'_> {
         if count < FEWEST {
             return None;
         }
-        let places = (1..PLACES).map(|k| k * count / PLACES).filter(|k| (10..count - 10).contains(k));
-        let bends = places.filter_map(|k| Some((k, self.bend(k)?)));
+        let candidates = (1..PLACES).map(|k| k * count / PLACES).filter(|k| (10..count - 10).contains(k));
+        let bends = candidates.filter_map(|k| Some((k, self.fit_bend(k)?)));
         let (k, bend) = bends.min_by(|a, b| a.1.residual.total_cmp(&b.1.residual))?;
         let [slope, change] = bend.slopes;
-        let clear = change.abs() > LEAST_CHANGE * slope && change.abs() > DEVIATIONS * bend.sigma;
-        clear.then(|| RateChange { line: self.lines[k], rates: [1.0 / slope, 1.0 / (slope + change)] })
+        let is_significant = change.abs() > LEAST_CHANGE * slope && change.abs() > DEVIATIONS * bend.sigma;
+        is_significant.then(|| RateChange { line: self.lines[k], rates: [1.0 / slope, 1.0 / (slope + change)] })
     }
 
     /// Least squares of a + b i + c max(i − k, 0), i the sample.
-    fn bend(&self, k: usize) -> Option<Bend> {
+    fn fit_bend(&self, k: usize) -> Option<Bend> {
         let centre = 0.5 * (self.times.len() - 1) as f64;
         let columns = |i: usize| [1.0, i as f64 - centre, i.saturating_sub(k) as f64];
         let mut normal = [[0.0; 4]; 3];
@@ -200,11 +200,12 @@ impl Stamps<'_> {
                 normal[a][3] += row[a] * value;
             }
         }
-        let (solution, inverse) = solved(normal)?;
-        let left = |i: usize| columns(i).iter().zip(solution).map(|(c, s)| c * s).sum::<f64>();
-        let square: f64 = self.times.iter().enumerate().map(|(i, t)| (t - self.times[0] - left(i)).powi(2)).sum();
-        let sigma = (square / (self.times.len() - 3) as f64 * inverse).sqrt();
-        Some(Bend { residual: square, slopes: [solution[1], solution[2]], sigma })
+        let (solution, inverse) = solve_normal(normal)?;
+        let fitted_time = |i: usize| columns(i).iter().zip(solution).map(|(c, s)| c * s).sum::<f64>();
+        let sum_of_squares: f64 =
+            self.times.iter().enumerate().map(|(i, t)| (t - self.times[0] - fitted_time(i)).powi(2)).sum();
+        let sigma = (sum_of_squares / (self.times.len() - 3) as f64 * inverse).sqrt();
+        Some(Bend { residual: sum_of_squares, slopes: [solution[1], solution[2]], sigma })
     }
 }
 
@@ -219,7 +220,7 @@ struct Bend {
 }
 
 /// The solution of three normal equations by elimination, and the last diagonal entry of the inverse.
-fn solved(mut m: [[f64; 4]; 3]) -> Option<([f64; 3], f64)> {
+fn solve_normal(mut m: [[f64; 4]; 3]) -> Option<([f64; 3], f64)> {
     for p in 0..3 {
         if m[p][p].abs() < f64::MIN_POSITIVE {
             return None;

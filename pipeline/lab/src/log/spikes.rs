@@ -50,20 +50,20 @@ impl Spikes {
         }
         let values: Vec<f64> = rows.iter().map(|row| row[1] / factor).collect();
         let mut bits = full_scales(&values);
-        let mut out: Vec<bool> = bits.iter().map(Option::is_some).collect();
-        let codes = out.clone();
-        let is_short = |run: &std::ops::Range<usize>| run.len() <= LONGEST && stands_out(&values, &codes, run);
-        out.fill(false);
-        runs(&codes).filter(is_short).for_each(|run| out[run].fill(true));
+        let mut left_out: Vec<bool> = bits.iter().map(Option::is_some).collect();
+        let at_full_scale = left_out.clone();
+        let is_short = |run: &std::ops::Range<usize>| run.len() <= LONGEST && stands_out(&values, &at_full_scale, run);
+        left_out.fill(false);
+        marked_runs(&at_full_scale).filter(is_short).for_each(|run| left_out[run].fill(true));
         // length: a number of bits and a mark for each value
-        bits.iter_mut().zip(&out).filter(|(_, is_out)| !**is_out).for_each(|(bits, _)| *bits = None);
+        bits.iter_mut().zip(&left_out).filter(|(_, is_out)| !**is_out).for_each(|(bits, _)| *bits = None);
         if self == Self::LoneJumps {
-            lone_jumps(&values, &out).into_iter().for_each(|i| out[i] = true);
+            lone_jumps(&values, &left_out).into_iter().for_each(|i| left_out[i] = true);
         }
-        bridge(rows, &out);
+        bridge_runs(rows, &left_out);
         let value = |i: usize| if is_whole(values[i]) { values[i].round() } else { values[i] };
         let spike = |i: usize| Spike { line: lines[i], value: value(i), bits: bits[i] };
-        (0..out.len()).filter(|i| out[*i]).map(spike).collect()
+        (0..left_out.len()).filter(|i| left_out[*i]).map(spike).collect()
     }
 }
 
@@ -88,73 +88,73 @@ fn full_scales(values: &[f64]) -> Vec<Option<u32>> {
 }
 
 /// Runs of marked samples.
-fn runs(marked: &[bool]) -> impl Iterator<Item = std::ops::Range<usize>> {
-    let begins = |i: usize| marked[i] && (i == 0 || !marked[i - 1]);
-    let end = |from: usize| from + marked[from..].iter().take_while(|is| **is).count();
-    (0..marked.len()).filter(move |i| begins(*i)).map(move |from| from..end(from))
+fn marked_runs(marked: &[bool]) -> impl Iterator<Item = std::ops::Range<usize>> {
+    let is_start = |i: usize| marked[i] && (i == 0 || !marked[i - 1]);
+    let run_end = |start: usize| start + marked[start..].iter().take_while(|mark| **mark).count();
+    (0..marked.len()).filter(move |i| is_start(*i)).map(move |start| start..run_end(start))
 }
 
 /// Values around a run that are not marked.
-fn around(values: &[f64], marked: &[bool], run: &std::ops::Range<usize>) -> Vec<f64> {
-    let before = (0..run.start).rev().filter(|i| !marked[*i]).take(QUIET);
-    let after = (run.end..values.len()).filter(|i| !marked[*i]).take(QUIET);
-    before.chain(after).map(|i| values[i]).collect()
+fn neighbour_values(values: &[f64], marked: &[bool], run: &std::ops::Range<usize>) -> Vec<f64> {
+    let preceding = (0..run.start).rev().filter(|i| !marked[*i]).take(QUIET);
+    let following = (run.end..values.len()).filter(|i| !marked[*i]).take(QUIET);
+    preceding.chain(following).map(|i| values[i]).collect()
 }
 
 /// Whether the values beside a run stay where they are, against its jump.
 fn stands_out(values: &[f64], marked: &[bool], run: &std::ops::Range<usize>) -> bool {
-    let beside = around(values, marked, run);
-    let level = median(beside.clone());
-    let least = run.clone().map(|i| (values[i] - level).abs()).fold(f64::INFINITY, f64::min);
-    beside.iter().all(|v| (v - level).abs() <= MOVED * least) && least > 0.0
+    let neighbours = neighbour_values(values, marked, run);
+    let level = median_value(neighbours.clone());
+    let smallest_jump = run.clone().map(|i| (values[i] - level).abs()).fold(f64::INFINITY, f64::min);
+    neighbours.iter().all(|v| (v - level).abs() <= MOVED * smallest_jump) && smallest_jump > 0.0
 }
 
-/// Samples that jump alone; `out` is left out already.
-fn lone_jumps(values: &[f64], out: &[bool]) -> Vec<usize> {
-    let least = JUMP * noise(values, out);
-    let height = |i: usize| (values[i] - median(around(values, out, &(i..i + 1)))).abs();
+/// Samples that jump alone; `left_out` is left out already.
+fn lone_jumps(values: &[f64], left_out: &[bool]) -> Vec<usize> {
+    let threshold = JUMP * noise_sigma(values, left_out);
+    let height = |i: usize| (values[i] - median_value(neighbour_values(values, left_out, &(i..i + 1)))).abs();
     // where neither neighbour is far, nothing jumps
-    let edge = |i: usize| {
-        i > 0 && i + 1 < values.len() && [i - 1, i + 1].iter().any(|j| (values[i] - values[*j]).abs() > 0.5 * least)
+    let is_edge = |i: usize| {
+        i > 0 && i + 1 < values.len() && [i - 1, i + 1].iter().any(|j| (values[i] - values[*j]).abs() > 0.5 * threshold)
     };
-    let jumps: Vec<bool> = (0..values.len()).map(|i| !out[i] && edge(i) && height(i) > least).collect();
-    let marked: Vec<bool> = jumps.iter().zip(out).map(|(jumps, out)| *jumps || *out).collect();
-    let others = values.iter().zip(&marked).filter(|(_, marked)| !**marked).map(|(v, _)| *v);
-    let [low, high] = others.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
+    let jumps: Vec<bool> = (0..values.len()).map(|i| !left_out[i] && is_edge(i) && height(i) > threshold).collect();
+    let marked: Vec<bool> = jumps.iter().zip(left_out).map(|(jumps, left_out)| *jumps || *left_out).collect();
+    let quiet = values.iter().zip(&marked).filter(|(_, marked)| !**marked).map(|(v, _)| *v);
+    let [low, high] = quiet.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
     // ringing has other jumps beside it, of other heights; a converter that fails twice gives the same number
-    let rings = |run: &std::ops::Range<usize>| {
-        let near = run.start.saturating_sub(QUIET)..(run.end + QUIET).min(values.len());
-        let other = |j: &usize| jumps[*j] && !run.contains(j) && values[*j] != values[run.start];
-        near.filter(other).any(|j| height(j) > MOVED * height(run.start))
+    let is_ringing = |run: &std::ops::Range<usize>| {
+        let window = run.start.saturating_sub(QUIET)..(run.end + QUIET).min(values.len());
+        let is_other = |j: &usize| jumps[*j] && !run.contains(j) && values[*j] != values[run.start];
+        window.filter(is_other).any(|j| height(j) > MOVED * height(run.start))
     };
-    let beyond: Vec<bool> = (0..values.len()).map(|i| jumps[i] && height(i) > high - low).collect();
+    let exceeding: Vec<bool> = (0..values.len()).map(|i| jumps[i] && height(i) > high - low).collect();
     let is_lone =
-        |run: &std::ops::Range<usize>| run.len() <= LONGEST && !rings(run) && stands_out(values, &marked, run);
-    let found: Vec<usize> = runs(&beyond).filter(is_lone).flatten().collect();
-    if found.len() as f64 <= (RARE * values.len() as f64).max(1.0) { found } else { Vec::new() }
+        |run: &std::ops::Range<usize>| run.len() <= LONGEST && !is_ringing(run) && stands_out(values, &marked, run);
+    let spikes: Vec<usize> = marked_runs(&exceeding).filter(is_lone).flatten().collect();
+    if spikes.len() as f64 <= (RARE * values.len() as f64).max(1.0) { spikes } else { Vec::new() }
 }
 
 /// Standard deviation of the noise, from the median of the second differences of what is not left out.
-fn noise(values: &[f64], out: &[bool]) -> f64 {
-    let present: Vec<f64> = values.iter().zip(out).filter(|(_, out)| !**out).map(|(v, _)| *v).collect();
-    let second = |three: &[f64]| (three[0] - 2.0 * three[1] + three[2]).abs();
-    median(present.windows(3).map(second).collect()) * 1.4826 / 6_f64.sqrt()
+fn noise_sigma(values: &[f64], left_out: &[bool]) -> f64 {
+    let present: Vec<f64> = values.iter().zip(left_out).filter(|(_, left_out)| !**left_out).map(|(v, _)| *v).collect();
+    let second_difference = |samples: &[f64]| (samples[0] - 2.0 * samples[1] + samples[2]).abs();
+    median_value(present.windows(3).map(second_difference).collect()) * 1.4826 / 6_f64.sqrt()
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
+fn median_value(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
 /// Sets what is left out onto the line between its neighbours in time.
-fn bridge(rows: &mut [Vec<f64>], out: &[bool]) {
-    for run in runs(out).collect::<Vec<_>>() {
-        let before = run.start.checked_sub(1).map(|i| [rows[i][0], rows[i][1]]);
-        let after = rows.get(run.end).map(|row| [row[0], row[1]]);
-        let Some(([t0, v0], [t1, v1])) = before.or(after).zip(after.or(before)) else { continue };
+fn bridge_runs(rows: &mut [Vec<f64>], left_out: &[bool]) {
+    for run in marked_runs(left_out).collect::<Vec<_>>() {
+        let preceding = run.start.checked_sub(1).map(|i| [rows[i][0], rows[i][1]]);
+        let following = rows.get(run.end).map(|row| [row[0], row[1]]);
+        let Some(([t0, v0], [t1, v1])) = preceding.or(following).zip(following.or(preceding)) else { continue };
         for row in &mut rows[run] {
-            let part = if t1 > t0 { (row[0] - t0) / (t1 - t0) } else { 0.0 };
-            row[1] = v0 + part * (v1 - v0);
+            let fraction = if t1 > t0 { (row[0] - t0) / (t1 - t0) } else { 0.0 };
+            row[1] = v0 + fraction * (v1 - v0);
         }
     }
 }
@@ -162,8 +162,9 @@ fn bridge(rows: &mut [Vec<f64>], out: &[bool]) {
 impl std::fmt::Display for Spike {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { line, value, bits } = self;
-        let why = bits.map_or("a jump of a sample alone".to_owned(), |bits| format!("the full scale of {bits} bits"));
-        write!(out, "line {line}: {value} is {why}, and is left out")
+        let reason =
+            bits.map_or("a jump of a sample alone".to_owned(), |bits| format!("the full scale of {bits} bits"));
+        write!(out, "line {line}: {value} is {reason}, and is left out")
     }
 }
 

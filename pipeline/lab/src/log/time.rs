@@ -17,17 +17,17 @@ pub(crate) fn iso8601(field: &str) -> Option<Second> {
     }
     let text = field.trim().replace(',', ".").replacen(' ', "T", 1);
     if let Ok(zoned) = DateTime::parse_from_rfc3339(&text) {
-        return Some(seconds(zoned.timestamp(), zoned.timestamp_subsec_nanos()));
+        return Some(total_seconds(zoned.timestamp(), zoned.timestamp_subsec_nanos()));
     }
     if let Some(local) = DATES.iter().find_map(|form| NaiveDateTime::parse_from_str(&text, form).ok()) {
         let utc = local.and_utc();
-        return Some(seconds(utc.timestamp(), utc.timestamp_subsec_nanos()));
+        return Some(total_seconds(utc.timestamp(), utc.timestamp_subsec_nanos()));
     }
     let time = TIMES.iter().find_map(|form| NaiveTime::parse_from_str(&text, form).ok())?;
-    Some(seconds(i64::from(time.num_seconds_from_midnight()), time.nanosecond()))
+    Some(total_seconds(i64::from(time.num_seconds_from_midnight()), time.nanosecond()))
 }
 
-fn seconds(whole: i64, nanoseconds: u32) -> Second {
+fn total_seconds(whole: i64, nanoseconds: u32) -> Second {
     whole as f64 + 1e-9 * f64::from(nanoseconds)
 }
 

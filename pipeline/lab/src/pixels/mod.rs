@@ -27,25 +27,30 @@ const HDF5: &[u8] = b"\x89HDF";
 /// [`Diagnostic`] that names the marker and frame at which the text fails.
 pub fn read(bytes: &[u8], names: &[String], frames: usize, sigma: f64) -> Result<Vec<PixelTrack>> {
     if bytes.starts_with(HDF5) {
-        let why = "it is DeepLabCut's HDF5, which is not read here";
+        let reason = "it is DeepLabCut's HDF5, which is not read here";
         let action = "python -c \"import pandas, sys; pandas.read_hdf(sys.argv[1]).to_csv(sys.argv[2])\" tracks.h5 tracks.csv, and name the CSV on the card";
-        return Err(Diagnostic::new("imported tracks cannot be used", why, action));
+        return Err(Diagnostic::new("imported tracks cannot be used", reason, action));
     }
-    let text = crate::log::encoding::decode(bytes.to_vec()).ok_or_else(|| refused("the file is no text".into()))?;
+    let text =
+        crate::log::encoding::decode_text(bytes.to_vec()).ok_or_else(|| import_error("the file is no text".into()))?;
     let text = text.trim_start_matches('\u{feff}');
-    let first = text.lines().next().unwrap_or_default();
-    let places = match first.split(',').next().map(str::trim) {
-        Some("scorer") => deeplabcut::read(text, names)?,
-        Some("frame") => ours(text, names)?,
-        _ => return Err(refused("its first line is neither `frame,…` nor DeepLabCut's `scorer,…`".into())),
+    let title_line = text.lines().next().unwrap_or_default();
+    let places = match title_line.split(',').next().map(str::trim) {
+        Some("scorer") => deeplabcut::read_places(text, names)?,
+        Some("frame") => study_places(text, names)?,
+        _ => return Err(import_error("its first line is neither `frame,…` nor DeepLabCut's `scorer,…`".into())),
     };
     let path = |(marker, name): (usize, &String)| {
-        let own: Vec<&Place> = places.iter().filter(|(of, _)| *of == marker).map(|(_, place)| place).collect();
-        if own.len() != frames {
-            return Err(refused(format!("marker `{name}` has {} positions, the film {frames} frames", own.len())));
+        let marker_places: Vec<&Place> =
+            places.iter().filter(|(owner, _)| *owner == marker).map(|(_, place)| place).collect();
+        if marker_places.len() != frames {
+            return Err(import_error(format!(
+                "marker `{name}` has {} positions, the film {frames} frames",
+                marker_places.len()
+            )));
         }
-        let spread = |place: &Place| place.spread.unwrap_or([sigma * sigma, 0.0, sigma * sigma]);
-        let (at, covariance) = own.iter().map(|place| (place.at, spread(place))).unzip();
+        let place_covariance = |place: &Place| place.spread.unwrap_or([sigma * sigma, 0.0, sigma * sigma]);
+        let (at, covariance) = marker_places.iter().map(|place| (place.at, place_covariance(place))).unzip();
         Ok(PixelTrack { name: name.clone(), at, covariance })
     };
     names.iter().enumerate().map(path).collect()
@@ -58,40 +63,40 @@ struct Place {
     spread: Option<[f64; 3]>,
 }
 
-fn placed(at: Point2) -> Place {
-    Place { at: at.iter().all(|x| x.is_finite()).then_some(at), spread: None }
+fn place_at(position: Point2) -> Place {
+    Place { at: position.iter().all(|x| x.is_finite()).then_some(position), spread: None }
 }
 
 /// `frame,time_s,marker,u_px,v_px,uu_px2,uv_px2,vv_px2,…`, frames rising, each place with the number of its marker.
-fn ours(text: &str, names: &[String]) -> Result<Vec<(usize, Place)>> {
-    let mut all = Vec::new();
+fn study_places(text: &str, names: &[String]) -> Result<Vec<(usize, Place)>> {
+    let mut places = Vec::new();
     let mut last: Vec<Option<u64>> = vec![None; names.len()];
     for (row, line) in text.lines().enumerate().skip(1).filter(|(_, line)| !line.trim().is_empty()) {
         let words: Vec<&str> = line.split(',').map(str::trim).collect();
         let number = |k: usize| words.get(k).and_then(|w| w.parse::<f64>().ok());
         let frame = words.first().and_then(|word| word.parse::<u64>().ok());
         let (Some(frame), Some(name), Some(u), Some(v)) = (frame, words.get(2), number(3), number(4)) else {
-            return Err(refused(format!("line {} has no frame and marker with u and v", row + 1)));
+            return Err(import_error(format!("line {} has no frame and marker with u and v", row + 1)));
         };
-        let Some(marker) = names.iter().position(|known| known == name) else { continue };
-        if let Some(before) = last[marker].filter(|before| frame <= *before) {
-            return Err(refused(format!(
-                "line {}: frame {frame} of marker `{name}` stands after frame {before}",
+        let Some(marker) = names.iter().position(|marker_name| marker_name == name) else { continue };
+        if let Some(previous) = last[marker].filter(|previous| frame <= *previous) {
+            return Err(import_error(format!(
+                "line {}: frame {frame} of marker `{name}` stands after frame {previous}",
                 row + 1
             )));
         }
         last[marker] = Some(frame);
         // length: three numbers, not lists; a covariance is whole or absent
         let spread = number(5).zip(number(6)).zip(number(7)).map(|((a, b), c)| [a, b, c]);
-        all.push((marker, Place { spread, ..placed([u, v]) }));
+        places.push((marker, Place { spread, ..place_at([u, v]) }));
     }
-    Ok(all)
+    Ok(places)
 }
 
-fn refused(why: String) -> Diagnostic {
+fn import_error(reason: String) -> Diagnostic {
     Diagnostic::new(
         "imported tracks cannot be used",
-        why,
+        reason,
         "export a position of every marker on the card in every frame, or let the film be tracked here",
     )
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use csv::StringRecord;
 use si::Second;
 
-use super::{EXPORT, Trajectories, Trajectory, in_metres, unit};
+use super::{EXPORT, Trajectories, Trajectory, in_metres, length_unit_of};
 use crate::card::LengthUnit;
 use diagnostics::Diagnostic;
 
@@ -13,20 +13,25 @@ use diagnostics::Diagnostic;
 ///
 /// # Errors
 /// As [`super::read`].
-pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Trajectories, Diagnostic> {
+pub(super) fn read_csv(bytes: &[u8], path: &Path) -> Result<Trajectories, Diagnostic> {
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(bytes);
-    let titles = reader.headers().map_err(|e| refused(path, 1, e.to_string()))?.clone();
+    let titles = reader.headers().map_err(|e| line_error(path, 1, e.to_string()))?.clone();
     let columns = Columns::of(&titles, path)?;
-    let mut space = Trajectories { time: Vec::new(), markers: Vec::new() };
+    let mut trajectories = Trajectories { time: Vec::new(), markers: Vec::new() };
     for (row, record) in reader.records().enumerate() {
-        let record = record.map_err(|e| refused(path, row + 2, e.to_string()))?;
-        columns.take(&record, &mut space).map_err(|why| refused(path, row + 2, why))?;
+        let record = record.map_err(|e| line_error(path, row + 2, e.to_string()))?;
+        columns.take(&record, &mut trajectories).map_err(|reason| line_error(path, row + 2, reason))?;
     }
-    match space.markers.iter().find(|seen| seen.at.len() != space.time.len()) {
-        None => Ok(space),
-        Some(seen) => {
-            let what = format!("marker `{}` has {} places in {} frames", seen.name, seen.at.len(), space.time.len());
-            Err(Diagnostic::file(path, what, "every marker has a line in every frame", EXPORT))
+    match trajectories.markers.iter().find(|trajectory| trajectory.at.len() != trajectories.time.len()) {
+        None => Ok(trajectories),
+        Some(trajectory) => {
+            let defect = format!(
+                "marker `{}` has {} places in {} frames",
+                trajectory.name,
+                trajectory.at.len(),
+                trajectories.time.len()
+            );
+            Err(Diagnostic::file(path, defect, "every marker has a line in every frame", EXPORT))
         }
     }
 }
@@ -46,47 +51,51 @@ impl Columns {
         let axis = |axis: &str| titles.iter().position(|t| t.split_once('_').is_some_and(|(name, _)| name == axis));
         let (Some(time), Some(marker), Some(x), Some(y)) = (column("time_s"), column("marker"), axis("x"), axis("y"))
         else {
-            return Err(refused(path, 1, "the columns are frame,time_s,marker,x_mm,y_mm and perhaps z_mm".into()));
+            return Err(line_error(path, 1, "the columns are frame,time_s,marker,x_mm,y_mm and perhaps z_mm".into()));
         };
-        let at = [Some(x), Some(y), axis("z")];
-        let word = |column: usize| titles[column].split_once('_').and_then(|(_, word)| unit(word));
-        let units: Vec<Option<LengthUnit>> = at.iter().flatten().map(|column| word(*column)).collect();
+        let axis_columns = [Some(x), Some(y), axis("z")];
+        let word = |column: usize| titles[column].split_once('_').and_then(|(_, word)| length_unit_of(word));
+        let units: Vec<Option<LengthUnit>> = axis_columns.iter().flatten().map(|column| word(*column)).collect();
         match units[0] {
-            Some(unit) if units.iter().all(|other| *other == Some(unit)) => Ok(Self { time, marker, at, unit }),
-            _ => Err(refused(path, 1, "x, y and z have one unit of m, cm, mm, inch each, as in x_mm".into())),
+            Some(unit) if units.iter().all(|other| *other == Some(unit)) => {
+                Ok(Self { time, marker, at: axis_columns, unit })
+            }
+            _ => Err(line_error(path, 1, "x, y and z have one unit of m, cm, mm, inch each, as in x_mm".into())),
         }
     }
 
     /// Takes in a line.
-    fn take(&self, record: &StringRecord, space: &mut Trajectories) -> Result<(), String> {
+    fn take(&self, record: &StringRecord, trajectories: &mut Trajectories) -> Result<(), String> {
         let number = |column: usize| {
             let word = record.get(column).unwrap_or_default();
             word.parse::<f64>().map_err(|_| format!("`{word}` is no number"))
         };
         let time: Second = number(self.time)?;
         let name = record.get(self.marker).unwrap_or_default();
-        let mut at = [0.0; 3];
-        for (x, column) in at.iter_mut().zip(self.at) {
+        let mut coordinates = [0.0; 3];
+        for (x, column) in coordinates.iter_mut().zip(self.at) {
             *x = column.map_or(Ok(0.0), number)?;
         }
-        let place = match space.markers.iter().position(|seen| seen.name == name) {
-            Some(place) => place,
+        let index = match trajectories.markers.iter().position(|trajectory| trajectory.name == name) {
+            Some(index) => index,
             None => {
-                space.markers.push(Trajectory { name: name.to_owned(), at: Vec::new() });
-                space.markers.len() - 1
+                trajectories.markers.push(Trajectory { name: name.to_owned(), at: Vec::new() });
+                trajectories.markers.len() - 1
             }
         };
-        let frame = space.markers[place].at.len();
-        match space.time.get(frame) {
-            None if space.time.last().is_none_or(|last| time > *last) && time.is_finite() => space.time.push(time),
-            Some(known) if *known == time => {}
+        let frame = trajectories.markers[index].at.len();
+        match trajectories.time.get(frame) {
+            None if trajectories.time.last().is_none_or(|last| time > *last) && time.is_finite() => {
+                trajectories.time.push(time)
+            }
+            Some(frame_time) if *frame_time == time => {}
             _ => return Err(format!("marker `{name}` at {time} s does not fit the times of frame {frame}")),
         }
-        space.markers[place].at.push(in_metres(at, self.unit));
+        trajectories.markers[index].at.push(in_metres(coordinates, self.unit));
         Ok(())
     }
 }
 
-fn refused(path: &Path, line: usize, why: String) -> Diagnostic {
-    Diagnostic::file(path, "the places cannot be read", why, EXPORT).at_line(line)
+fn line_error(path: &Path, line: usize, reason: String) -> Diagnostic {
+    Diagnostic::file(path, "the places cannot be read", reason, EXPORT).at_line(line)
 }

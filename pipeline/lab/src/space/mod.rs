@@ -45,20 +45,20 @@ pub struct Trajectory {
 /// [`Diagnostic`] when the file is cut, holds no points, has no unit, or a place no instrument measures.
 pub fn read(bytes: &[u8], path: &Path) -> Result<Trajectories, Diagnostic> {
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    let space = if ending == "c3d" { c3d::read(bytes, path)? } else { csv::read(bytes, path)? };
-    if space.time.is_empty() || space.markers.is_empty() {
-        let (markers, frames) = (space.markers.len(), space.time.len());
-        let what = format!("no point data: {markers} markers × {frames} frames");
-        return Err(Diagnostic::file(path, what, "tracks are places of markers in every frame", EXPORT));
+    let trajectories = if ending == "c3d" { c3d::read_c3d(bytes, path)? } else { csv::read_csv(bytes, path)? };
+    if trajectories.time.is_empty() || trajectories.markers.is_empty() {
+        let (markers, frames) = (trajectories.markers.len(), trajectories.time.len());
+        let defect = format!("no point data: {markers} markers × {frames} frames");
+        return Err(Diagnostic::file(path, defect, "tracks are places of markers in every frame", EXPORT));
     }
-    for (seen, frame, place) in space.places() {
-        if place.iter().any(|x| x.abs() > LARGEST_COORDINATE) {
-            let what = format!("marker `{}` is at {place:?} m in frame {frame}", seen.name);
-            let why = format!("no instrument measures beyond {LARGEST_COORDINATE} m; the unit is the file's own");
-            return Err(Diagnostic::file(path, what, why, "export again with the right unit"));
+    for (trajectory, frame, position) in trajectories.present_places() {
+        if position.iter().any(|x| x.abs() > LARGEST_COORDINATE) {
+            let defect = format!("marker `{}` is at {position:?} m in frame {frame}", trajectory.name);
+            let reason = format!("no instrument measures beyond {LARGEST_COORDINATE} m; the unit is the file's own");
+            return Err(Diagnostic::file(path, defect, reason, "export again with the right unit"));
         }
     }
-    Ok(space)
+    Ok(trajectories)
 }
 
 /// What to do with a file that cannot be used.
@@ -66,21 +66,25 @@ const EXPORT: &str = "export the trajectories of every marker on the card, gaps 
 
 impl Trajectories {
     /// Every place that was seen, with its marker and frame.
-    fn places(&self) -> impl Iterator<Item = (&Trajectory, usize, Point3)> {
-        let of = |seen| move |(frame, at): (usize, &Option<Point3>)| at.map(|place| (seen, frame, place));
-        self.markers.iter().flat_map(move |seen| seen.at.iter().enumerate().filter_map(of(seen)))
+    fn present_places(&self) -> impl Iterator<Item = (&Trajectory, usize, Point3)> {
+        let position_in =
+            |trajectory| move |(frame, at): (usize, &Option<Point3>)| at.map(|point| (trajectory, frame, point));
+        self.markers
+            .iter()
+            .flat_map(move |trajectory| trajectory.at.iter().enumerate().filter_map(position_in(trajectory)))
     }
 
     /// The marker of this name, which may have its subject's before it (`fish:m1`).
-    fn marker(&self, name: &str, path: &Path) -> Result<Option<&Trajectory>, Diagnostic> {
-        if let Some(seen) = self.markers.iter().find(|seen| seen.name == name) {
-            return Ok(Some(seen));
+    fn find_marker(&self, name: &str, path: &Path) -> Result<Option<&Trajectory>, Diagnostic> {
+        if let Some(trajectory) = self.markers.iter().find(|trajectory| trajectory.name == name) {
+            return Ok(Some(trajectory));
         }
-        let is = |seen: &&Trajectory| seen.name.rsplit_once(':').is_some_and(|(_, own)| own == name);
-        let all: Vec<&Trajectory> = self.markers.iter().filter(is).collect();
-        let [first, second, ..] = all[..] else { return Ok(all.first().copied()) };
-        let what = format!("marker `{name}` is `{}` or `{}`", first.name, second.name);
-        Err(Diagnostic::file(path, what, "the file has several subjects", "export the subject of the card alone"))
+        let has_suffix =
+            |trajectory: &&Trajectory| trajectory.name.rsplit_once(':').is_some_and(|(_, suffix)| suffix == name);
+        let matches: Vec<&Trajectory> = self.markers.iter().filter(has_suffix).collect();
+        let [first, second, ..] = matches[..] else { return Ok(matches.first().copied()) };
+        let defect = format!("marker `{name}` is `{}` or `{}`", first.name, second.name);
+        Err(Diagnostic::file(path, defect, "the file has several subjects", "export the subject of the card alone"))
     }
 
     /// The marker `name` in every frame, m, in the file's axes; `path` appears only in diagnostics.
@@ -88,29 +92,29 @@ impl Trajectories {
     /// # Errors
     /// [`Diagnostic`] when there is no such marker, or it was lost in a frame.
     pub fn complete(&self, name: &str, path: &Path) -> Result<Vec<Point3>, Diagnostic> {
-        let Some(seen) = self.marker(name, path)? else {
-            let names: Vec<&str> = self.markers.iter().map(|seen| seen.name.as_str()).collect();
+        let Some(trajectory) = self.find_marker(name, path)? else {
+            let names: Vec<&str> = self.markers.iter().map(|trajectory| trajectory.name.as_str()).collect();
             let action = match nearest(name, &names) {
-                Some(near) => format!("call the marker `{near}` on the card, or rename it in the file"),
+                Some(similar) => format!("call the marker `{similar}` on the card, or rename it in the file"),
                 None => "name the markers alike in the file and on the card".to_owned(),
             };
-            let why = format!("the file has {}", names.join(", "));
-            return Err(Diagnostic::file(path, format!("no marker `{name}`"), why, action));
+            let reason = format!("the file has {}", names.join(", "));
+            return Err(Diagnostic::file(path, format!("no marker `{name}`"), reason, action));
         };
-        let place = |(frame, at): (usize, &Option<Point3>)| {
-            at.ok_or_else(|| {
-                let lost = seen.at.iter().filter(|at| at.is_none()).count();
-                let what = format!("marker `{name}` is lost in frame {frame} ({:.3} s)", self.time[frame]);
-                let why = format!("it is in {lost} of {} frames, and no place is guessed here", seen.at.len());
-                Diagnostic::file(path, what, why, EXPORT)
+        let position_or_loss = |(frame, position): (usize, &Option<Point3>)| {
+            position.ok_or_else(|| {
+                let lost = trajectory.at.iter().filter(|position| position.is_none()).count();
+                let defect = format!("marker `{name}` is lost in frame {frame} ({:.3} s)", self.time[frame]);
+                let reason = format!("it is in {lost} of {} frames, and no place is guessed here", trajectory.at.len());
+                Diagnostic::file(path, defect, reason, EXPORT)
             })
         };
-        seen.at.iter().enumerate().map(place).collect()
+        trajectory.at.iter().enumerate().map(position_or_loss).collect()
     }
 }
 
 /// The unit of a word as files have it.
-fn unit(word: &str) -> Option<LengthUnit> {
+fn length_unit_of(word: &str) -> Option<LengthUnit> {
     match word.trim().to_ascii_lowercase().as_str() {
         "m" | "mete" | "metr" => Some(LengthUnit::M),
         "cm" => Some(LengthUnit::Cm),
@@ -121,6 +125,6 @@ fn unit(word: &str) -> Option<LengthUnit> {
 }
 
 /// A place of the file in metres; none when one of its numbers is none.
-fn in_metres(at: Point3, unit: LengthUnit) -> Option<Point3> {
-    at.iter().all(|x| x.is_finite()).then(|| at.map(|x| x * unit.metres()))
+fn in_metres(coordinates: Point3, unit: LengthUnit) -> Option<Point3> {
+    coordinates.iter().all(|x| x.is_finite()).then(|| coordinates.map(|x| x * unit.metres()))
 }

@@ -195,14 +195,14 @@ pub struct TrueTrial {
     #[serde(default)]
     pub supply: f64,
     /// The silicone's moduli against those above, mean over the body, no unit.
-    #[serde(default = "one")]
+    #[serde(default = "unit_factor")]
     pub softening: f64,
     /// Where the camera was in it, when elsewhere than in the calibration's film: CAD frame → camera frame.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pose: Option<Pose>,
 }
 
-fn one() -> f64 {
+fn unit_factor() -> f64 {
     1.0
 }
 

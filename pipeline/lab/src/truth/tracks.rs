@@ -70,18 +70,18 @@ pub fn parse_tracks(text: &str, path: &Path) -> Result<Vec<TrueTrack>, Diagnosti
             let line = e.position().map(|p| p.line() as usize);
             Diagnostic::file(path, "the line is no true track", e.to_string().to_lowercase(), ACTION).at_line(line)
         })?;
-        push(&mut tracks, row);
+        push_row(&mut tracks, row);
     }
     Ok(tracks)
 }
 
-fn push(tracks: &mut Vec<TrueTrack>, row: Row) {
-    let known = tracks.iter().position(|t| t.marker == row.marker);
-    let place = known.unwrap_or_else(|| {
+fn push_row(tracks: &mut Vec<TrueTrack>, row: Row) {
+    let position = tracks.iter().position(|t| t.marker == row.marker);
+    let index = position.unwrap_or_else(|| {
         tracks.push(TrueTrack { marker: row.marker.clone(), ..TrueTrack::default() });
         tracks.len() - 1
     });
-    let track = &mut tracks[place];
+    let track = &mut tracks[index];
     track.time.push(row.time_s);
     track.pixel.push([row.u_px, row.v_px]);
     track.at.push([row.x_m, row.y_m, row.z_m]);

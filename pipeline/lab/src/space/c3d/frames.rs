@@ -28,8 +28,8 @@ pub(super) struct Announced {
 impl Announced {
     /// Counts of the parameters, then that of the header.
     pub(super) fn counts(parameters: &Parameters, header: usize) -> Vec<usize> {
-        let single = |name| parameters.numbers("POINT", name).first().map(|count| *count as usize);
-        let long = |name| match parameters.numbers("TRIAL", name)[..] {
+        let single = |name| parameters.number_list("POINT", name).first().map(|count| *count as usize);
+        let long = |name| match parameters.number_list("TRIAL", name)[..] {
             [low, high] => Some(low as usize + WRAP * high as usize),
             _ => None,
         };
@@ -42,21 +42,21 @@ impl Announced {
     ///
     /// # Errors
     /// Frames that are announced and frames that the file holds.
-    pub(super) fn frames(&self) -> Result<usize, (usize, usize)> {
-        let held = self.bytes.checked_div(self.frame).unwrap_or(0);
-        let spare = PADDING / self.frame.max(1);
-        let fits = |count: usize| (held.saturating_sub(spare)..=held).contains(&count);
-        let wrapped = |count: usize| count + WRAP * (held.saturating_sub(count) / WRAP);
+    pub(super) fn frame_count(&self) -> Result<usize, (usize, usize)> {
+        let capacity = self.bytes.checked_div(self.frame).unwrap_or(0);
+        let padding_frames = PADDING / self.frame.max(1);
+        let fits = |count: usize| (capacity.saturating_sub(padding_frames)..=capacity).contains(&count);
+        let unwrap_count = |count: usize| count + WRAP * (capacity.saturating_sub(count) / WRAP);
         let exact = self.counts.iter().copied().find(|count| fits(*count) && *count != SATURATED);
         if let Some(count) =
-            exact.or_else(|| self.counts.iter().map(|c| wrapped(*c)).find(|c| fits(*c) && *c > SATURATED))
+            exact.or_else(|| self.counts.iter().map(|c| unwrap_count(*c)).find(|c| fits(*c) && *c > SATURATED))
         {
             return Ok(count);
         }
         match self.counts.contains(&SATURATED) {
             // what fills the last block are no frames
-            true if held >= SATURATED => Ok(held - spare.min(self.zeros / self.frame.max(1))),
-            _ => Err((self.counts.first().copied().unwrap_or_default(), held)),
+            true if capacity >= SATURATED => Ok(capacity - padding_frames.min(self.zeros / self.frame.max(1))),
+            _ => Err((self.counts.first().copied().unwrap_or_default(), capacity)),
         }
     }
 }
@@ -65,27 +65,27 @@ impl Announced {
 mod tests {
     use super::*;
 
-    fn frames(counts: &[usize], held: usize, padding: usize) -> Result<usize, (usize, usize)> {
-        Announced { counts: counts.to_vec(), frame: 32, bytes: 32 * held + padding, zeros: padding }.frames()
+    fn frame_count(counts: &[usize], held: usize, padding: usize) -> Result<usize, (usize, usize)> {
+        Announced { counts: counts.to_vec(), frame: 32, bytes: 32 * held + padding, zeros: padding }.frame_count()
     }
 
     #[test]
     fn the_count_that_the_file_bears_out_is_taken() {
-        assert_eq!(frames(&[400, 400], 400, 300), Ok(400));
-        assert_eq!(frames(&[400], 410, 0), Ok(400), "a block of zeros");
-        assert_eq!(frames(&[90_000, 65_535, 65_535], 90_000, 100), Ok(90_000));
-        assert_eq!(frames(&[24_464, 24_464], 90_000, 0), Ok(90_000), "what is left of it in two bytes");
-        assert_eq!(frames(&[65_535, 65_535], 90_000, 0), Ok(90_000));
-        assert_eq!(frames(&[65_535, 65_535], 90_000, 96), Ok(90_000), "zeros that fill the block");
-        assert_eq!(frames(&[24_464, 65_535], 90_003, 0), Ok(90_000));
-        assert_eq!(frames(&[65_535], 65_535, 0), Ok(65_535));
-        assert_eq!(frames(&[0], 3, 31), Ok(0));
+        assert_eq!(frame_count(&[400, 400], 400, 300), Ok(400));
+        assert_eq!(frame_count(&[400], 410, 0), Ok(400), "a block of zeros");
+        assert_eq!(frame_count(&[90_000, 65_535, 65_535], 90_000, 100), Ok(90_000));
+        assert_eq!(frame_count(&[24_464, 24_464], 90_000, 0), Ok(90_000), "what is left of it in two bytes");
+        assert_eq!(frame_count(&[65_535, 65_535], 90_000, 0), Ok(90_000));
+        assert_eq!(frame_count(&[65_535, 65_535], 90_000, 96), Ok(90_000), "zeros that fill the block");
+        assert_eq!(frame_count(&[24_464, 65_535], 90_003, 0), Ok(90_000));
+        assert_eq!(frame_count(&[65_535], 65_535, 0), Ok(65_535));
+        assert_eq!(frame_count(&[0], 3, 31), Ok(0));
     }
 
     #[test]
     fn a_file_that_was_cut_or_holds_more_fits_no_count() {
-        assert_eq!(frames(&[40, 40], 32, 0), Err((40, 32)));
-        assert_eq!(frames(&[24_464], 50_000, 0), Err((24_464, 50_000)));
-        assert_eq!(frames(&[90_000, 65_535], 60_000, 0), Err((90_000, 60_000)));
+        assert_eq!(frame_count(&[40, 40], 32, 0), Err((40, 32)));
+        assert_eq!(frame_count(&[24_464], 50_000, 0), Err((24_464, 50_000)));
+        assert_eq!(frame_count(&[90_000, 65_535], 60_000, 0), Err((90_000, 60_000)));
     }
 }

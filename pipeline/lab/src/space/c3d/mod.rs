@@ -11,7 +11,7 @@ use std::path::Path;
 
 use si::Point3;
 
-use super::{EXPORT, Trajectories, Trajectory, in_metres, unit};
+use super::{EXPORT, Trajectories, Trajectory, in_metres, length_unit_of};
 use crate::card::LengthUnit;
 use diagnostics::Diagnostic;
 use frames::Announced;
@@ -27,41 +27,41 @@ const KEY: u8 = 80;
 ///
 /// # Errors
 /// As [`super::read`].
-pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Trajectories, Diagnostic> {
+pub(super) fn read_c3d(bytes: &[u8], path: &Path) -> Result<Trajectories, Diagnostic> {
     if bytes.len() < 2 * BLOCK || bytes[1] != KEY || usize::from(bytes[0]) < 2 {
-        let what = format!("{} bytes are no .c3d", bytes.len());
-        return Err(Diagnostic::file(path, what, "such a file begins with a block of 512 bytes, marked 80", EXPORT));
+        let defect = format!("{} bytes are no .c3d", bytes.len());
+        return Err(Diagnostic::file(path, defect, "such a file begins with a block of 512 bytes, marked 80", EXPORT));
     }
     let begin = BLOCK * (usize::from(bytes[0]) - 1);
     let words = Words::new(bytes, begin);
     let parameters = Parameters::new(words, begin);
     let points = Points::new(words);
-    let frames = points.frames(&parameters, path)?;
+    let frames = points.frame_count(&parameters, path)?;
     let (unit, rate) = (length_unit(&parameters, path)?, frame_rate(&parameters, words, path)?);
-    let seen = |(column, name): (usize, String)| Trajectory {
+    let trajectory = |(column, name): (usize, String)| Trajectory {
         name,
-        at: (0..frames).map(|frame| in_metres(points.place(frame, column)?, unit)).collect(),
+        at: (0..frames).map(|frame| in_metres(points.point_position(frame, column)?, unit)).collect(),
     };
     // more names than a list can hold go on in others
     let names = (1..).map(|list| if list == 1 { "LABELS".to_owned() } else { format!("LABELS{list}") });
-    let names = names.map(|list| parameters.texts("POINT", &list)).take_while(|names| !names.is_empty()).flatten();
-    let markers = names.take(points.count).enumerate().map(seen).collect();
+    let names = names.map(|list| parameters.text_list("POINT", &list)).take_while(|names| !names.is_empty()).flatten();
+    let markers = names.take(points.count).enumerate().map(trajectory).collect();
     Ok(Trajectories { time: (0..frames).map(|frame| frame as f64 / rate).collect(), markers })
 }
 
 fn length_unit(parameters: &Parameters, path: &Path) -> Result<LengthUnit, Diagnostic> {
-    let word = parameters.texts("POINT", "UNITS").concat();
-    unit(&word).ok_or_else(|| {
-        let what = format!("POINT:UNITS is `{word}`");
-        Diagnostic::file(path, what, "places are read in m, cm, mm or inch", "export again with a unit of length")
+    let word = parameters.text_list("POINT", "UNITS").concat();
+    length_unit_of(&word).ok_or_else(|| {
+        let defect = format!("POINT:UNITS is `{word}`");
+        Diagnostic::file(path, defect, "places are read in m, cm, mm or inch", "export again with a unit of length")
     })
 }
 
 fn frame_rate(parameters: &Parameters, words: Words, path: &Path) -> Result<f64, Diagnostic> {
-    let rate = parameters.numbers("POINT", "RATE").first().copied().unwrap_or_else(|| f64::from(words.real(20)));
+    let rate = parameters.number_list("POINT", "RATE").first().copied().unwrap_or_else(|| f64::from(words.real(20)));
     if !(0.1..=1e5).contains(&rate) {
-        let what = format!("POINT:RATE is {rate} frames/s");
-        return Err(Diagnostic::file(path, what, "the rate lies in 0.1 to 100000 frames/s", EXPORT));
+        let defect = format!("POINT:RATE is {rate} frames/s");
+        return Err(Diagnostic::file(path, defect, "the rate lies in 0.1 to 100000 frames/s", EXPORT));
     }
     Ok(rate)
 }
@@ -92,15 +92,15 @@ impl<'a> Points<'a> {
     }
 
     /// The number of frames.
-    fn frames(&self, parameters: &Parameters, path: &Path) -> Result<usize, Diagnostic> {
+    fn frame_count(&self, parameters: &Parameters, path: &Path) -> Result<usize, Diagnostic> {
         let bytes = self.words.bytes.len();
         // The header counts from the first to the last frame; both wrap.
         let header = self.words.count(8).wrapping_sub(self.words.count(6)).wrapping_add(1);
         let header = if self.words.count(8) == u16::MAX { u16::MAX } else { header };
         if self.count * usize::from(header) > bytes {
-            let what = format!("the header counts {} points in {header} frames", self.count);
-            let why = format!("the file has {bytes} bytes, and a point takes 8 at least");
-            return Err(Diagnostic::file(path, what, why, EXPORT));
+            let defect = format!("the header counts {} points in {header} frames", self.count);
+            let reason = format!("the file has {bytes} bytes, and a point takes 8 at least");
+            return Err(Diagnostic::file(path, defect, reason, EXPORT));
         }
         let counts = Announced::counts(parameters, header.into());
         let zeros = self.words.bytes.iter().rev().take_while(|byte| **byte == 0).count();
@@ -108,30 +108,30 @@ impl<'a> Points<'a> {
         if self.count == 0 {
             return Ok(0);
         }
-        announced.frames().map_err(|(announced, held)| match held < announced {
+        announced.frame_count().map_err(|(announced, capacity)| match capacity < announced {
             true => {
-                let what = format!("the file ends in frame {held}, and its header has {announced}");
-                Diagnostic::file(path, what, "the file was cut", "copy it again")
+                let defect = format!("the file ends in frame {capacity}, and its header has {announced}");
+                Diagnostic::file(path, defect, "the file was cut", "copy it again")
             }
             false => {
-                let what = format!("the file holds {held} frames, and its header has {announced}");
-                Diagnostic::file(path, what, "which of them were recorded cannot be known", EXPORT)
+                let defect = format!("the file holds {capacity} frames, and its header has {announced}");
+                Diagnostic::file(path, defect, "which of them were recorded cannot be known", EXPORT)
             }
         })
     }
 
     /// A point, in the file's unit; none where it was lost.
-    fn place(&self, frame: usize, point: usize) -> Option<Point3> {
-        let at = self.start + frame * self.frame + 4 * self.width * point;
+    fn point_position(&self, frame: usize, point: usize) -> Option<Point3> {
+        let offset = self.start + frame * self.frame + 4 * self.width * point;
         let word = |k: usize| match self.width {
-            4 => self.words.real(at + 4 * k),
-            _ => f32::from(self.words.integer(at + 2 * k)),
+            4 => self.words.real(offset + 4 * k),
+            _ => f32::from(self.words.integer(offset + 2 * k)),
         };
-        let place = [0, 1, 2].map(word);
-        if word(3) < 0.0 || place == [0.0; 3] {
+        let coordinates = [0, 1, 2].map(word);
+        if word(3) < 0.0 || coordinates == [0.0; 3] {
             return None;
         }
-        Some(place.map(|x| f64::from(if self.width == 4 { x } else { x * self.scale })))
+        Some(coordinates.map(|x| f64::from(if self.width == 4 { x } else { x * self.scale })))
     }
 }
 
@@ -178,7 +178,7 @@ mod tests {
             bytes[at..at + 8].copy_from_slice(&written);
         }
         let points = Points::new(Words::new(&bytes, 2 * BLOCK));
-        assert_eq!(points.place(0, 0), Some([10.0, -3.0, 1.0]));
-        assert_eq!([points.place(1, 0), points.place(2, 1)], [None, None]);
+        assert_eq!(points.point_position(0, 0), Some([10.0, -3.0, 1.0]));
+        assert_eq!([points.point_position(1, 0), points.point_position(2, 1)], [None, None]);
     }
 }

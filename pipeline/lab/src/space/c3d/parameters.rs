@@ -27,36 +27,36 @@ impl<'a> Parameters<'a> {
     /// Reads the entries from byte `begin` on, each of which says where the next one stands.
     pub(super) fn new(words: Words<'a>, begin: usize) -> Self {
         let (mut groups, mut entries) = (BTreeMap::new(), Vec::new());
-        let mut at = begin + 4;
-        while at < words.bytes.len() {
+        let mut entry = begin + 4;
+        while entry < words.bytes.len() {
             // a locked entry has a name of negative length
-            let length = usize::from(words.byte(at).cast_signed().unsigned_abs());
-            let group = words.byte(at + 1).cast_signed();
+            let length = usize::from(words.byte(entry).cast_signed().unsigned_abs());
+            let group = words.byte(entry + 1).cast_signed();
             if length == 0 || group == 0 {
                 break;
             }
-            let name = letters(&words, at + 2, length).to_ascii_uppercase();
-            let next = at + 2 + length;
+            let name = read_letters(&words, entry + 2, length).to_ascii_uppercase();
+            let next = entry + 2 + length;
             match group {
                 ..0 => drop(groups.insert(group.unsigned_abs(), name)),
-                _ => entries.push((group.unsigned_abs(), name, parameter(&words, next + 2))),
+                _ => entries.push((group.unsigned_abs(), name, read_parameter(&words, next + 2))),
             }
             match words.count(next) {
                 0 => break,
-                offset => at = next + usize::from(offset),
+                offset => entry = next + usize::from(offset),
             }
         }
         let named = |(group, name, parameter)| Some(((groups.get(&group).cloned()?, name), parameter));
         Self { words, all: entries.into_iter().filter_map(named).collect() }
     }
 
-    fn get(&self, group: &str, name: &str) -> Option<&Parameter> {
+    fn find_parameter(&self, group: &str, name: &str) -> Option<&Parameter> {
         self.all.get(&(group.to_owned(), name.to_owned()))
     }
 
     /// The numbers of a parameter, integers without their sign, as counts are.
-    pub(super) fn numbers(&self, group: &str, name: &str) -> Vec<f64> {
-        let Some(&Parameter { kind, count, at, .. }) = self.get(group, name) else { return Vec::new() };
+    pub(super) fn number_list(&self, group: &str, name: &str) -> Vec<f64> {
+        let Some(&Parameter { kind, count, at, .. }) = self.find_parameter(group, name) else { return Vec::new() };
         let present = count.min(self.words.bytes.len());
         let number = |i: usize| match kind {
             4 => f64::from(self.words.real(at + 4 * i)),
@@ -67,24 +67,26 @@ impl<'a> Parameters<'a> {
     }
 
     /// The texts of a parameter, without the blanks around them.
-    pub(super) fn texts(&self, group: &str, name: &str) -> Vec<String> {
-        let Some(&Parameter { first_size, count, at, .. }) = self.get(group, name) else { return Vec::new() };
+    pub(super) fn text_list(&self, group: &str, name: &str) -> Vec<String> {
+        let Some(&Parameter { first_size, count, at, .. }) = self.find_parameter(group, name) else {
+            return Vec::new();
+        };
         let texts = count.checked_div(first_size).unwrap_or_default().min(self.words.bytes.len());
-        let text = |i: usize| letters(&self.words, at + i * first_size, first_size).trim().to_owned();
+        let text = |i: usize| read_letters(&self.words, at + i * first_size, first_size).trim().to_owned();
         (0..texts).map(text).collect()
     }
 }
 
-fn parameter(words: &Words, at: usize) -> Parameter {
+fn read_parameter(words: &Words, at: usize) -> Parameter {
     let sizes = usize::from(words.byte(at + 1));
-    let each: Vec<usize> = (0..sizes).map(|i| usize::from(words.byte(at + 2 + i))).collect();
-    let count = each.iter().fold(1, |product: usize, size| product.saturating_mul(*size));
-    let first_size = each.first().copied().unwrap_or(1);
+    let dimensions: Vec<usize> = (0..sizes).map(|i| usize::from(words.byte(at + 2 + i))).collect();
+    let count = dimensions.iter().fold(1, |product: usize, size| product.saturating_mul(*size));
+    let first_size = dimensions.first().copied().unwrap_or(1);
     Parameter { kind: words.byte(at).cast_signed(), first_size, count, at: at + 2 + sizes }
 }
 
 /// Letters are ASCII by the format; other programs write their system's own.
-fn letters(words: &Words, at: usize, count: usize) -> String {
+fn read_letters(words: &Words, at: usize, count: usize) -> String {
     let end = (at + count).min(words.bytes.len());
     let bytes = words.bytes.get(at..end).unwrap_or_default();
     let ends = |c: char| c.is_whitespace() || c == '\0';

@@ -29,19 +29,19 @@ impl<'a> Words<'a> {
         Self { bytes, processor }
     }
 
-    fn array<const N: usize>(&self, at: usize) -> [u8; N] {
-        self.bytes.get(at..).and_then(|rest| rest.first_chunk().copied()).unwrap_or([0; N])
+    fn byte_array<const N: usize>(&self, offset: usize) -> [u8; N] {
+        self.bytes.get(offset..).and_then(|tail| tail.first_chunk().copied()).unwrap_or([0; N])
     }
 
     pub(super) fn byte(&self, at: usize) -> u8 {
-        self.array::<1>(at)[0]
+        self.byte_array::<1>(at)[0]
     }
 
     /// A count of two bytes.
     pub(super) fn count(&self, at: usize) -> u16 {
         match self.processor {
-            Processor::Mips => u16::from_be_bytes(self.array(at)),
-            Processor::Intel | Processor::Dec => u16::from_le_bytes(self.array(at)),
+            Processor::Mips => u16::from_be_bytes(self.byte_array(at)),
+            Processor::Intel | Processor::Dec => u16::from_le_bytes(self.byte_array(at)),
         }
     }
 
@@ -52,7 +52,7 @@ impl<'a> Words<'a> {
 
     /// A real number of four bytes.
     pub(super) fn real(&self, at: usize) -> f32 {
-        let [a, b, c, d] = self.array(at);
+        let [a, b, c, d] = self.byte_array(at);
         match self.processor {
             Processor::Intel => f32::from_le_bytes([a, b, c, d]),
             Processor::Mips => f32::from_be_bytes([a, b, c, d]),
