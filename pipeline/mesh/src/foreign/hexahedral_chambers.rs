@@ -73,10 +73,8 @@ fn shared_edges(sides: &[[u32; 4]]) -> Vec<[u32; 2]> {
     let mut pairs = Vec::new();
     for (number, side) in sides.iter().enumerate() {
         for k in 0..4 {
-            match side_at.insert(rising([side[k], side[(k + 1) % 4]]), number as u32) {
-                Some(other) => pairs.push([other, number as u32]),
-                None => {}
-            }
+            let shared = side_at.insert(rising([side[k], side[(k + 1) % 4]]), number as u32);
+            pairs.extend(shared.map(|other| [other, number as u32]));
         }
     }
     pairs
