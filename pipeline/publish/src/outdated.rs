@@ -36,8 +36,8 @@ pub fn records_and_numbers<U: Universe>(runner: &Runner<U>) -> Result<Vec<String
 pub fn refuse(what: &str, outdated: &[String]) -> Result<()> {
     let Some(first) = outdated.first() else { return Ok(()) };
     let others = if outdated.len() > 1 { format!(", and {} more", outdated.len() - 1) } else { String::new() };
-    let why = format!("not everything in the store is up to date: {first}{others}");
-    Err(Diagnostic::new(what, why, "study run, which makes what is stale and keeps the rest"))
+    let reason = format!("not everything in the store is up to date: {first}{others}");
+    Err(Diagnostic::new(what, reason, "study run, which makes what is stale and keeps the rest"))
 }
 
 /// One line with the number and the first; none where all is up to date.
