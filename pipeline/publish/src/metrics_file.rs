@@ -21,8 +21,8 @@ pub fn write<U: Universe>(runner: &Runner<U>) -> Result<()> {
         return Ok(());
     }
     write_atomically(&path, text.as_bytes()).map_err(|e| {
-        let what = format!("the numbers cannot be written to {}", runner.folders.display(&path));
-        Diagnostic::new(what, &e, "free some disk space and run again").caused_by(e)
+        let defect = format!("the numbers cannot be written to {}", runner.folders.display(&path));
+        Diagnostic::new(defect, &e, "free some disk space and run again").caused_by(e)
     })
 }
 

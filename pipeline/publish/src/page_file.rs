@@ -41,8 +41,8 @@ pub fn write<U: Universe>(runner: &Runner<U>, contents: Contents) -> Result<Path
     let path = runner.folders.page();
     if !input::read(&path, input::MESH).is_ok_and(|former| former == text.as_bytes()) {
         write_atomically(&path, text.as_bytes()).map_err(|e: io::Error| {
-            let what = format!("{} cannot be written", runner.folders.display(&path));
-            Diagnostic::new(what, e, "free some disk space or correct the folder's permissions")
+            let defect = format!("{} cannot be written", runner.folders.display(&path));
+            Diagnostic::new(defect, e, "free some disk space or correct the folder's permissions")
         })?;
     }
     Ok(path)

@@ -46,10 +46,10 @@ pub fn unresolved<U: Universe>(folders: &Folders, lists: &[&[Entry<U>]]) -> Resu
 pub fn write<U: Universe>(runner: &Runner<U>) -> Result<PathBuf> {
     metrics_file::read(runner)?;
     outdated::refuse("the paper cannot be built", &outdated::records_and_numbers(runner)?)?;
-    let diagnostic = |pages: Vec<Problem>| {
-        let what = format!("the paper cannot be built: {} problems", pages.len());
-        let reason = pages.iter().map(Problem::to_string).collect::<Vec<_>>().join("\n       ");
-        Diagnostic::new(what, reason, "correct the lines named, or make what is missing with study run")
+    let diagnostic = |problems: Vec<Problem>| {
+        let defect = format!("the paper cannot be built: {} problems", problems.len());
+        let reason = problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("\n       ");
+        Diagnostic::new(defect, reason, "correct the lines named, or make what is missing with study run")
     };
     let resolved = resolve(runner)?.map_err(diagnostic)?;
     let folder_of_paper = runner.folders.paper_in_place();

@@ -34,8 +34,8 @@ pub fn write<U: Universe>(runner: &Runner<U>) -> Result<()> {
     }
     let text = serde_json::to_string_pretty(&crate_document(&parts, &iso_time(DateTime::from(SystemTime::now()))))?;
     write_atomically(&path, (text + "\n").as_bytes()).map_err(|e| {
-        let what = format!("{} cannot be written", runner.folders.display(&path));
-        Diagnostic::new(what, &e, "free some disk space and run again").caused_by(e)
+        let defect = format!("{} cannot be written", runner.folders.display(&path));
+        Diagnostic::new(defect, &e, "free some disk space and run again").caused_by(e)
     })
 }
 
