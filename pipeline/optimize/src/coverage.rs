@@ -20,23 +20,23 @@ pub fn inside(errors: &[f64], half: f64) -> usize {
     errors.iter().filter(|error| error.abs() <= half).count()
 }
 
-/// Bounds of the probability (95 %) behind a share counted over `of` independent cases: Wilson's interval \[wilson1927\], which also holds
+/// Bounds of the probability (95 %) behind a share counted over `count` independent cases: Wilson's interval \[wilson1927\], which also holds
 /// where the share is 0 or 1.
-pub fn share_bounds(share: f64, of: usize) -> [f64; 2] {
-    let (n, z) = (of.max(1) as f64, HALF_WIDTHS[1].1);
-    let middle = (share + z * z / (2.0 * n)) / (1.0 + z * z / n);
-    let half = z / (1.0 + z * z / n) * (share * (1.0 - share) / n + z * z / (4.0 * n * n)).sqrt();
-    [(middle - half).max(0.0), (middle + half).min(1.0)]
+pub fn share_bounds(share: f64, count: usize) -> [f64; 2] {
+    let (n, z) = (count.max(1) as f64, HALF_WIDTHS[1].1);
+    let centre = (share + z * z / (2.0 * n)) / (1.0 + z * z / n);
+    let half_width = z / (1.0 + z * z / n) * (share * (1.0 - share) / n + z * z / (4.0 * n * n)).sqrt();
+    [(centre - half_width).max(0.0), (centre + half_width).min(1.0)]
 }
 
 /// Stated probability and observed share: of how many errors the central interval that just reaches them has at most this probability, as the
 /// corners of steps from (0, 0) to (1, 1).
 pub fn share_by_probability(errors: &[f64]) -> Vec<Point2> {
-    let mut reached: Vec<f64> = errors.iter().map(|z| 2.0 * normal_probability(z.abs()) - 1.0).collect();
-    reached.sort_by(f64::total_cmp);
-    let count = reached.len().max(1) as f64;
-    let step = |(i, p): (usize, f64)| [[p, i as f64 / count], [p, (i + 1) as f64 / count]];
-    let steps = reached.into_iter().enumerate().flat_map(step);
+    let mut probabilities: Vec<f64> = errors.iter().map(|z| 2.0 * normal_probability(z.abs()) - 1.0).collect();
+    probabilities.sort_by(f64::total_cmp);
+    let count = probabilities.len().max(1) as f64;
+    let stair = |(i, p): (usize, f64)| [[p, i as f64 / count], [p, (i + 1) as f64 / count]];
+    let steps = probabilities.into_iter().enumerate().flat_map(stair);
     std::iter::once([0.0, 0.0]).chain(steps).chain([[1.0, 1.0]]).collect()
 }
 

@@ -45,11 +45,11 @@ impl Residuals {
     pub(crate) fn damped_step(&self, damping: f64, free: &[bool]) -> Option<Vec<f64>> {
         let axes: Vec<usize> = (0..free.len()).filter(|&i| free[i]).collect();
         let J = self.jacobian_matrix(free.len()).select_columns(&axes);
-        let right = -J.tr_mul(&DVector::from_column_slice(&self.values));
-        let solved = levenberg_marquardt::damped_step(J.tr_mul(&J), &right, damping, Scaling::Relative)?;
+        let right_side = -J.tr_mul(&DVector::from_column_slice(&self.values));
+        let solution = levenberg_marquardt::damped_step(J.tr_mul(&J), &right_side, damping, Scaling::Relative)?;
         let mut step = vec![0.0; free.len()];
-        for (place, axis) in axes.iter().enumerate() {
-            step[*axis] = solved[place];
+        for (position, axis) in axes.iter().enumerate() {
+            step[*axis] = solution[position];
         }
         Some(step)
     }
@@ -57,8 +57,8 @@ impl Residuals {
     /// The reduction of ½ ‖r‖² that the linear model predicts for a step: −gᵀδ − ½ ‖Jδ‖².
     pub(crate) fn predicted_reduction(&self, step: &[f64]) -> f64 {
         let step = DVector::from_column_slice(step);
-        let change = self.jacobian_matrix(step.len()) * &step;
-        -self.gradient_vector(step.len()).dot(&step) - 0.5 * change.norm_squared()
+        let residual_change = self.jacobian_matrix(step.len()) * &step;
+        -self.gradient_vector(step.len()).dot(&step) - 0.5 * residual_change.norm_squared()
     }
 
     /// The covariance of the parameters at the minimum.
@@ -71,14 +71,15 @@ impl Residuals {
     pub fn covariance(&self, parameters: usize) -> Result<Covariance, OptimiseError> {
         let residuals = self.values.len();
         if residuals <= parameters {
-            let why = format!("there are {residuals} residuals; more than {parameters} are needed");
-            return Err(OptimiseError::Undetermined { parameters, why });
+            let reason = format!("there are {residuals} residuals; more than {parameters} are needed");
+            return Err(OptimiseError::Undetermined { parameters, why: reason });
         }
         let variance = 2.0 * self.half_sum_of_squares() / (residuals - parameters) as f64;
         let J = self.jacobian_matrix(parameters);
         let Some(inverse) = J.tr_mul(&J).cholesky().map(|c| c.inverse()) else {
-            let why = "JᵀJ is singular: the residuals do not change along some direction of the parameters".to_owned();
-            return Err(OptimiseError::Undetermined { parameters, why });
+            let reason =
+                "JᵀJ is singular: the residuals do not change along some direction of the parameters".to_owned();
+            return Err(OptimiseError::Undetermined { parameters, why: reason });
         };
         Ok(Covariance { parameters, values: (inverse * variance).as_slice().to_vec(), residual_variance: variance })
     }
@@ -100,22 +101,22 @@ impl Covariance {
     }
 
     /// The covariance times a factor.
-    pub(crate) fn scaled(mut self, by: f64) -> Self {
-        self.values.iter_mut().for_each(|v| *v *= by);
+    pub(crate) fn scaled(mut self, factor: f64) -> Self {
+        self.values.iter_mut().for_each(|v| *v *= factor);
         self
     }
 
     /// The sum of independent errors, each given by the move of all parameters by one deviation of it.
-    pub fn of_errors(parameters: usize, moves: &[Vec<f64>]) -> Self {
-        let none = Self { parameters, values: vec![0.0; parameters * parameters], residual_variance: 1.0 };
-        moves.iter().fold(none, |sum, one| sum.with_error(one))
+    pub fn of_errors(parameters: usize, errors: &[Vec<f64>]) -> Self {
+        let zero = Self { parameters, values: vec![0.0; parameters * parameters], residual_variance: 1.0 };
+        errors.iter().fold(zero, |sum, error| sum.with_error(error))
     }
 
-    /// With an independent error of one size along `change`, the move of each parameter by one deviation of it: C + change changeᵀ.
+    /// With an independent error of one size along `error`, the move of each parameter by one deviation of it: C + error errorᵀ.
     #[must_use]
-    pub fn with_error(mut self, change: &[f64]) -> Self {
+    pub fn with_error(mut self, error: &[f64]) -> Self {
         let n = self.parameters;
-        self.values.iter_mut().enumerate().for_each(|(i, v)| *v += change[i / n] * change[i % n]);
+        self.values.iter_mut().enumerate().for_each(|(i, v)| *v += error[i / n] * error[i % n]);
         self
     }
 

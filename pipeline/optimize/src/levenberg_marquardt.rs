@@ -74,30 +74,30 @@ pub fn minimise<P: LeastSquaresProblem>(
     start: P::Point,
     options: &Options,
 ) -> Option<(P::Point, NormalEquations)> {
-    let (mut at, mut damping, mut steps) = (start, options.damping, 0);
-    let mut normal = problem.linearise(&at)?;
+    let (mut point, mut damping, mut steps) = (start, options.damping, 0);
+    let mut normal = problem.linearise(&point)?;
     for _ in 0..options.max_trials {
         if damping > options.max_damping || steps == options.max_steps {
             break;
         }
         let step = damped_step(normal.matrix.clone(), &normal.right, damping, options.scaling);
-        let next = step.map(|step| problem.moved(&at, &step));
-        let squares = next.as_ref().and_then(|next| problem.sum_of_squares(next)).unwrap_or(f64::NAN);
-        let lower = squares < normal.squares || (options.accept_equal && squares == normal.squares);
-        let Some(next) = next.filter(|_| lower) else {
+        let next_point = step.map(|step| problem.moved(&point, &step));
+        let squares = next_point.as_ref().and_then(|next_point| problem.sum_of_squares(next_point)).unwrap_or(f64::NAN);
+        let is_accepted = squares < normal.squares || (options.accept_equal && squares == normal.squares);
+        let Some(next_point) = next_point.filter(|_| is_accepted) else {
             // An undefined point and a singular matrix are rejections like any other: with more damping the step is shorter and the
             // matrix better conditioned.
             damping *= FACTOR;
             continue;
         };
         let converged = normal.squares - squares <= options.gain_tolerance * normal.squares;
-        (at, steps, damping) = (next, steps + 1, (damping * (1.0 / FACTOR)).max(options.min_damping));
-        normal = problem.linearise(&at)?;
+        (point, steps, damping) = (next_point, steps + 1, (damping * (1.0 / FACTOR)).max(options.min_damping));
+        normal = problem.linearise(&point)?;
         if converged {
             break;
         }
     }
-    Some((at, normal))
+    Some((point, normal))
 }
 
 /// δ of (A + λ D) δ = b, `None` when the matrix is not positive definite.
@@ -144,34 +144,38 @@ pub struct Estimate {
 impl LeastSquaresProblem for Regression<'_> {
     type Point = Vec<f64>;
 
-    fn linearise(&self, at: &Vec<f64>) -> Option<NormalEquations> {
-        let values = (self.residuals)(at)?;
-        let slope = self.jacobian(at)?;
-        let right = -slope.tr_mul(&DVector::from_column_slice(&values));
-        Some(NormalEquations { matrix: slope.tr_mul(&slope), right, squares: sum_of_squares(&values) })
+    fn linearise(&self, point: &Vec<f64>) -> Option<NormalEquations> {
+        let values = (self.residuals)(point)?;
+        let jacobian = self.difference_jacobian(point)?;
+        let right_side = -jacobian.tr_mul(&DVector::from_column_slice(&values));
+        Some(NormalEquations {
+            matrix: jacobian.tr_mul(&jacobian),
+            right: right_side,
+            squares: sum_of_squares(&values),
+        })
     }
 
-    fn sum_of_squares(&self, at: &Vec<f64>) -> Option<f64> {
-        (self.residuals)(at).map(|values| sum_of_squares(&values))
+    fn sum_of_squares(&self, point: &Vec<f64>) -> Option<f64> {
+        (self.residuals)(point).map(|values| sum_of_squares(&values))
     }
 
-    fn moved(&self, at: &Vec<f64>, step: &DVector<f64>) -> Vec<f64> {
-        at.iter().zip(step.iter()).map(|(a, by)| a + by).collect()
+    fn moved(&self, point: &Vec<f64>, step: &DVector<f64>) -> Vec<f64> {
+        point.iter().zip(step.iter()).map(|(coordinate, change)| coordinate + change).collect()
     }
 }
 
 impl Regression<'_> {
-    fn jacobian(&self, at: &[f64]) -> Option<DMatrix<f64>> {
+    fn difference_jacobian(&self, point: &[f64]) -> Option<DMatrix<f64>> {
         let mut columns = Vec::new();
-        for (i, width) in self.differences.iter().enumerate() {
-            let moved = |by: f64| {
-                let mut other = at.to_vec();
-                other[i] += by;
-                (self.residuals)(&other)
+        for (i, difference) in self.differences.iter().enumerate() {
+            let residuals_at = |change: f64| {
+                let mut perturbed = point.to_vec();
+                perturbed[i] += change;
+                (self.residuals)(&perturbed)
             };
-            let (up, down) = (moved(*width)?, moved(-width)?);
-            let slopes = up.iter().zip(&down).map(|(u, d)| (u - d) / (2.0 * width));
-            columns.push(DVector::from_iterator(up.len(), slopes));
+            let (upper, lower) = (residuals_at(*difference)?, residuals_at(-difference)?);
+            let slopes = upper.iter().zip(&lower).map(|(u, d)| (u - d) / (2.0 * difference));
+            columns.push(DVector::from_iterator(upper.len(), slopes));
         }
         Some(DMatrix::from_columns(&columns))
     }
@@ -194,12 +198,16 @@ const REGRESSION: Options = Options {
 ///
 /// `None` when the residuals are not defined, there are no degrees of freedom left, or JᵀJ is singular.
 pub fn fit(regression: &Regression, start: &[f64]) -> Option<Estimate> {
-    let (at, normal) = minimise(regression, start.to_vec(), &REGRESSION)?;
-    let residuals = (regression.residuals)(&at)?.len();
-    let freedom = residuals.checked_sub(at.len() + regression.eliminated).filter(|&n| n > 0)?;
-    let variance = normal.squares / freedom as f64;
+    let (point, normal) = minimise(regression, start.to_vec(), &REGRESSION)?;
+    let residuals = (regression.residuals)(&point)?.len();
+    let degrees_of_freedom = residuals.checked_sub(point.len() + regression.eliminated).filter(|&n| n > 0)?;
+    let variance = normal.squares / degrees_of_freedom as f64;
     let covariance = normal.matrix.cholesky()?.inverse() * variance;
-    Some(Estimate { sigma: (0..at.len()).map(|i| covariance[(i, i)].sqrt()).collect(), at, noise: variance.sqrt() })
+    Some(Estimate {
+        sigma: (0..point.len()).map(|i| covariance[(i, i)].sqrt()).collect(),
+        at: point,
+        noise: variance.sqrt(),
+    })
 }
 
 fn sum_of_squares(values: &[f64]) -> f64 {

@@ -30,17 +30,17 @@ pub fn nnls(columns: &[Vec<f64>], target: &[f64], constrained: usize) -> Option<
     let mut free = vec![true; columns.len()];
     loop {
         let passive: Vec<usize> = (0..free.len()).filter(|&i| free[i]).collect();
-        let part = DMatrix::from_fn(passive.len(), passive.len(), |i, j| gram[(passive[i], passive[j])]);
-        let solved = part.cholesky()?.solve(&DVector::from_fn(passive.len(), |i, _| right[passive[i]]));
-        let negative = (0..passive.len()).filter(|&i| passive[i] < constrained && solved[i] < 0.0);
-        match negative.min_by(|&a, &b| solved[a].total_cmp(&solved[b])) {
+        let passive_gram = DMatrix::from_fn(passive.len(), passive.len(), |i, j| gram[(passive[i], passive[j])]);
+        let solution = passive_gram.cholesky()?.solve(&DVector::from_fn(passive.len(), |i, _| right[passive[i]]));
+        let negative = (0..passive.len()).filter(|&i| passive[i] < constrained && solution[i] < 0.0);
+        match negative.min_by(|&a, &b| solution[a].total_cmp(&solution[b])) {
             // A fixed weight is not released again, as Lawson and Hanson's method would: there is at most one solve a column, and the
             // weights are optimal among those with the same weights fixed.
             Some(i) => free[passive[i]] = false,
             None => {
-                let mut all = vec![0.0; free.len()];
-                passive.iter().zip(solved.iter()).for_each(|(&i, &w)| all[i] = w);
-                return Some(all);
+                let mut weights = vec![0.0; free.len()];
+                passive.iter().zip(solution.iter()).for_each(|(&i, &w)| weights[i] = w);
+                return Some(weights);
             }
         }
     }

@@ -80,23 +80,23 @@ pub trait Optimiser: Send {
 pub(crate) fn check_evaluations(
     optimiser: &'static str,
     problem: &Problem,
-    asked: &[Vec<f64>],
+    requested: &[Vec<f64>],
     evaluations: &[Evaluation],
 ) -> Result<(), OptimiseError> {
-    if evaluations.len() != asked.len() {
+    if evaluations.len() != requested.len() {
         return Err(OptimiseError::Length {
             what: "the batch of evaluations",
             found: evaluations.len(),
-            expected: asked.len(),
+            expected: requested.len(),
         });
     }
-    for (asked, evaluation) in asked.iter().zip(evaluations) {
-        if &evaluation.at != asked {
-            let (evaluated, asked) = (problem.describe(&evaluation.at), problem.describe(asked));
-            return Err(OptimiseError::OtherPoint { optimiser, evaluated, asked });
+    for (requested, evaluation) in requested.iter().zip(evaluations) {
+        if &evaluation.at != requested {
+            let (evaluated, requested) = (problem.described_point(&evaluation.at), problem.described_point(requested));
+            return Err(OptimiseError::OtherPoint { optimiser, evaluated, asked: requested });
         }
         if evaluation.loss.is_nan() {
-            return Err(OptimiseError::Loss { loss: evaluation.loss, at: problem.describe(&evaluation.at) });
+            return Err(OptimiseError::Loss { loss: evaluation.loss, at: problem.described_point(&evaluation.at) });
         }
     }
     Ok(())
@@ -115,21 +115,21 @@ pub(crate) fn checked_gradient<'a>(
     evaluation: &'a Evaluation,
     first: bool,
 ) -> Result<&'a [f64], OptimiseError> {
-    let at = || problem.describe(&evaluation.at);
+    let described_point = || problem.described_point(&evaluation.at);
     let Some(gradient) = evaluation.gradient.as_deref() else {
-        return Err(OptimiseError::Missing { optimiser, missing: "gradient", at: at() });
+        return Err(OptimiseError::Missing { optimiser, missing: "gradient", at: described_point() });
     };
     if gradient.len() != problem.dimension() {
         let (found, expected) = (gradient.len(), problem.dimension());
         return Err(OptimiseError::Length { what: "the gradient", found, expected });
     }
     for (name, &value) in problem.names().iter().zip(gradient) {
-        let why = match value {
+        let reason = match value {
             v if !v.is_finite() => "a step needs a finite gradient",
             v if first && v == 0.0 => "an exact zero at the start means that the loss does not depend on the parameter",
             _ => continue,
         };
-        return Err(OptimiseError::Gradient { parameter: name.clone(), value, at: at(), why });
+        return Err(OptimiseError::Gradient { parameter: name.clone(), value, at: described_point(), why: reason });
     }
     Ok(gradient)
 }

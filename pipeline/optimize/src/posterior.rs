@@ -29,8 +29,8 @@ impl Residuals {
     /// [`OptimiseError::Undetermined`] when there are not more residuals than parameters, or JᵀJ is singular.
     pub fn posterior(&self, parameters: usize) -> Result<Covariance, OptimiseError> {
         let by_scatter = self.covariance(parameters)?;
-        let widened = by_scatter.residual_variance.max(1.0) / by_scatter.residual_variance;
-        Ok(by_scatter.scaled(widened))
+        let widening = by_scatter.residual_variance.max(1.0) / by_scatter.residual_variance;
+        Ok(by_scatter.scaled(widening))
     }
 
     /// By how much the parameters at the minimum follow when the residuals change by `change`: −(JᵀJ)⁻¹ Jᵀ change. With the change that one
@@ -40,10 +40,10 @@ impl Residuals {
     /// # Errors
     /// [`OptimiseError::Undetermined`] when JᵀJ is singular.
     pub fn response(&self, change: &[f64], parameters: usize) -> Result<Vec<f64>, OptimiseError> {
-        let moved = Residuals { values: change.to_vec(), jacobian: self.jacobian.clone() };
+        let changed = Residuals { values: change.to_vec(), jacobian: self.jacobian.clone() };
         let singular =
             || "JᵀJ is singular: the residuals do not change along some direction of the parameters".to_owned();
-        moved
+        changed
             .damped_step(0.0, &vec![true; parameters])
             .ok_or_else(|| OptimiseError::Undetermined { parameters, why: singular() })
     }
@@ -58,16 +58,16 @@ impl Covariance {
     /// The principal axes, the least certain first.
     pub(crate) fn principal_axes(&self) -> Vec<PrincipalAxis> {
         let n = self.parameters();
-        let split = SymmetricEigen::new(DMatrix::from_fn(n, n, |i, j| self.of(i, j)));
+        let decomposition = SymmetricEigen::new(DMatrix::from_fn(n, n, |i, j| self.of(i, j)));
         let axis = |k: usize| {
-            let along: Vec<f64> = split.eigenvectors.column(k).iter().copied().collect();
+            let along: Vec<f64> = decomposition.eigenvectors.column(k).iter().copied().collect();
             let largest = along.iter().copied().fold(0.0, |l: f64, v| if v.abs() > l.abs() { v } else { l });
-            let sigma = split.eigenvalues[k].max(0.0).sqrt();
+            let sigma = decomposition.eigenvalues[k].max(0.0).sqrt();
             PrincipalAxis { sigma, along: along.iter().map(|v| v * largest.signum()).collect() }
         };
-        let mut all: Vec<PrincipalAxis> = (0..n).map(axis).collect();
-        all.sort_by(|a, b| b.sigma.total_cmp(&a.sigma));
-        all
+        let mut axes: Vec<PrincipalAxis> = (0..n).map(axis).collect();
+        axes.sort_by(|a, b| b.sigma.total_cmp(&a.sigma));
+        axes
     }
 
     /// Which combinations are certain, as text: parameters are logarithms, so an axis is a product of powers.
@@ -75,8 +75,8 @@ impl Covariance {
         let principal_axes = self.principal_axes();
         let (loose, tight): (Vec<&PrincipalAxis>, Vec<&PrincipalAxis>) =
             principal_axes.iter().partition(|d| d.sigma > UNCERTAIN);
-        let listed = |all: &[&PrincipalAxis]| -> Vec<String> {
-            all.iter().map(|d| format!("{} to {:.1} %", power(&d.along, names), 100.0 * d.sigma)).collect()
+        let listed = |axes: &[&PrincipalAxis]| -> Vec<String> {
+            axes.iter().map(|d| format!("{} to {:.1} %", power_law(&d.along, names), 100.0 * d.sigma)).collect()
         };
         match (loose.is_empty(), tight.is_empty()) {
             (true, _) => format!("all are certain: {}", listed(&tight).join(", ")),
@@ -90,30 +90,32 @@ impl Covariance {
 const SHOWN: f64 = 0.15;
 
 /// An axis as text: "body", "the ratio of body and spine", "body^0.8 · spine^-0.6".
-fn power(along: &[f64], names: &[&str]) -> String {
-    let parts: Vec<(&str, f64)> =
+fn power_law(along: &[f64], names: &[&str]) -> String {
+    let factors: Vec<(&str, f64)> =
         names.iter().copied().zip(along.iter().copied()).filter(|p| p.1.abs() > SHOWN).collect();
-    match parts[..] {
-        [(one, _)] => one.to_owned(),
+    match factors[..] {
+        [(name, _)] => name.to_owned(),
         [(a, x), (b, y)] if (x.abs() / y.abs()).ln().abs() < 0.5 => {
             format!("the {} of {a} and {b}", if x * y > 0.0 { "product" } else { "ratio" })
         }
-        _ => parts.iter().map(|(name, by)| format!("{name}^{by:.2}")).collect::<Vec<_>>().join(" · "),
+        _ => factors.iter().map(|(name, exponent)| format!("{name}^{exponent:.2}")).collect::<Vec<_>>().join(" · "),
     }
 }
 
 /// Residuals of even spacing that count as one independent one: 1 + 2 Σ ρ, summed until the autocorrelation ρ falls below zero.
-pub fn integrated_correlation(of: &[f64]) -> f64 {
-    let square: f64 = of.iter().map(|x| x * x).sum();
-    let at = |lag: usize| of.iter().zip(&of[lag..]).map(|(a, b)| a * b).sum::<f64>() / square;
-    1.0 + 2.0 * (1..of.len()).map(at).take_while(|correlation| *correlation > 0.0).sum::<f64>()
+pub fn integrated_correlation(series: &[f64]) -> f64 {
+    let sum_of_squares: f64 = series.iter().map(|x| x * x).sum();
+    let correlation_at =
+        |lag: usize| series.iter().zip(&series[lag..]).map(|(a, b)| a * b).sum::<f64>() / sum_of_squares;
+    1.0 + 2.0 * (1..series.len()).map(correlation_at).take_while(|correlation| *correlation > 0.0).sum::<f64>()
 }
 
 /// Principal axes of a `count` × `count` covariance, each as long as its standard deviation: independent errors whose squares add up to it.
 pub fn deviations(count: usize, covariance: &dyn Fn(usize, usize) -> f64) -> Vec<Vec<f64>> {
-    let split = SymmetricEigen::new(DMatrix::from_fn(count, count, covariance));
-    let axis =
-        |k: usize| split.eigenvectors.column(k).iter().map(|v| v * split.eigenvalues[k].max(0.0).sqrt()).collect();
+    let decomposition = SymmetricEigen::new(DMatrix::from_fn(count, count, covariance));
+    let axis = |k: usize| {
+        decomposition.eigenvectors.column(k).iter().map(|v| v * decomposition.eigenvalues[k].max(0.0).sqrt()).collect()
+    };
     (0..count).map(axis).collect()
 }
 

@@ -16,13 +16,13 @@ pub struct Bounds {
 
 impl Bounds {
     /// The nearest point of the box.
-    pub fn clamp(&self, at: &[f64]) -> Vec<f64> {
-        at.iter().zip(self.low.iter().zip(&self.high)).map(|(x, (l, h))| x.clamp(*l, *h)).collect()
+    pub fn clamp(&self, point: &[f64]) -> Vec<f64> {
+        point.iter().zip(self.low.iter().zip(&self.high)).map(|(x, (l, h))| x.clamp(*l, *h)).collect()
     }
 
     /// Whether a point lies in the box, its faces included.
-    pub fn contain(&self, at: &[f64]) -> bool {
-        at.len() == self.low.len() && self.clamp(at) == at
+    pub fn contain(&self, point: &[f64]) -> bool {
+        point.len() == self.low.len() && self.clamp(point) == point
     }
 }
 
@@ -86,8 +86,8 @@ impl Problem {
     }
 
     /// A point as text: `body = -1.25, spine = 0.41`.
-    pub(crate) fn describe(&self, at: &[f64]) -> String {
-        let parts: Vec<String> = self.names.iter().zip(at).map(|(n, v)| format!("{n} = {v}")).collect();
+    pub(crate) fn described_point(&self, point: &[f64]) -> String {
+        let parts: Vec<String> = self.names.iter().zip(point).map(|(n, v)| format!("{n} = {v}")).collect();
         parts.join(", ")
     }
 }

@@ -34,9 +34,9 @@ impl Whitening {
             if n * n != block.len() {
                 return Err(OptimiseError::Length { what: "a covariance", found: block.len(), expected: n * n });
             }
-            let why = format!("the covariance of a block of {n} residuals is not positive definite");
-            let split = DMatrix::from_row_slice(n, n, block).cholesky();
-            Ok(split.ok_or(OptimiseError::Undetermined { parameters: 0, why })?.unpack())
+            let reason = format!("the covariance of a block of {n} residuals is not positive definite");
+            let decomposition = DMatrix::from_row_slice(n, n, block).cholesky();
+            Ok(decomposition.ok_or(OptimiseError::Undetermined { parameters: 0, why: reason })?.unpack())
         };
         let factors: Vec<DMatrix<f64>> = blocks.iter().map(factor).collect::<Result<_, _>>()?;
         let residuals = factors.iter().map(DMatrix::nrows).sum();
@@ -53,32 +53,36 @@ impl Whitening {
             return Err(OptimiseError::Length { what: "a common cause", found: cause.len(), expected });
         }
         let columns = DMatrix::from_fn(expected, causes.len(), |i, k| causes[k][i]);
-        let seen = self.blockwise(&columns, solved);
-        let split = SymmetricEigen::new(seen.tr_mul(&seen));
+        let whitened = self.blockwise(&columns, solved_lower);
+        let decomposition = SymmetricEigen::new(whitened.tr_mul(&whitened));
         Ok(Self {
-            common: seen * &split.eigenvectors,
-            squares: split.eigenvalues.map(|square| square.max(0.0)),
+            common: whitened * &decomposition.eigenvectors,
+            squares: decomposition.eigenvalues.map(|square| square.max(0.0)),
             ..self
         })
     }
 
-    /// `of` each factor and the rows of its block.
-    fn blockwise(&self, rows: &DMatrix<f64>, of: fn(&DMatrix<f64>, DMatrix<f64>) -> DMatrix<f64>) -> DMatrix<f64> {
-        let (mut first, mut all) = (0, rows.clone());
+    /// `operation` each factor and the rows of its block.
+    fn blockwise(
+        &self,
+        rows: &DMatrix<f64>,
+        operation: fn(&DMatrix<f64>, DMatrix<f64>) -> DMatrix<f64>,
+    ) -> DMatrix<f64> {
+        let (mut first, mut result) = (0, rows.clone());
         for factor in &self.factors {
             let n = factor.nrows();
-            let own = of(factor, rows.rows(first, n).into_owned());
-            all.rows_mut(first, n).copy_from(&own);
+            let block_result = operation(factor, rows.rows(first, n).into_owned());
+            result.rows_mut(first, n).copy_from(&block_result);
             first += n;
         }
-        all
+        result
     }
 
     /// (I + V Vᵀ)^`power` of rows.
-    fn power(&self, rows: &DMatrix<f64>, power: f64) -> DMatrix<f64> {
-        let along = self.common.tr_mul(rows);
+    fn common_power(&self, rows: &DMatrix<f64>, power: f64) -> DMatrix<f64> {
+        let projected = self.common.tr_mul(rows);
         let gain = |square: f64| if square > SMALL { ((1.0 + square).powf(power) - 1.0) / square } else { power };
-        let scaled = DMatrix::from_diagonal(&self.squares.map(gain)) * along;
+        let scaled = DMatrix::from_diagonal(&self.squares.map(gain)) * projected;
         rows + &self.common * scaled
     }
 
@@ -97,8 +101,8 @@ impl Whitening {
         if white.values.len() < expected || white.jacobian.len() < expected * parameters {
             return Err(OptimiseError::Length { what: "the list of residuals", found: white.values.len(), expected });
         }
-        let root = |rows: DMatrix<f64>| self.blockwise(&self.power(&rows, 0.5), |factor, own| factor * own);
-        Ok(self.of_both(white, parameters, root))
+        let root = |rows: DMatrix<f64>| self.blockwise(&self.common_power(&rows, 0.5), |factor, block| factor * block);
+        Ok(self.transformed(white, parameters, root))
     }
 
     /// M⁻¹ r and M⁻¹ J.
@@ -110,14 +114,19 @@ impl Whitening {
         if found != expected || raw.jacobian.len() != found * parameters {
             return Err(OptimiseError::Length { what: "the list of residuals", found, expected });
         }
-        Ok(self.of_both(raw, parameters, |rows| self.power(&self.blockwise(&rows, solved), -0.5)))
+        Ok(self.transformed(raw, parameters, |rows| self.common_power(&self.blockwise(&rows, solved_lower), -0.5)))
     }
 
-    /// `of` r and J, each as rows.
-    fn of_both(&self, both: &Residuals, columns: usize, of: impl Fn(DMatrix<f64>) -> DMatrix<f64>) -> Residuals {
+    /// `transform` r and J, each as rows.
+    fn transformed(
+        &self,
+        residuals: &Residuals,
+        columns: usize,
+        transform: impl Fn(DMatrix<f64>) -> DMatrix<f64>,
+    ) -> Residuals {
         let rows = self.common.nrows();
-        let values = of(DMatrix::from_column_slice(rows, 1, &both.values[..rows]));
-        let jacobian = of(DMatrix::from_row_slice(rows, columns, &both.jacobian[..rows * columns]));
+        let values = transform(DMatrix::from_column_slice(rows, 1, &residuals.values[..rows]));
+        let jacobian = transform(DMatrix::from_row_slice(rows, columns, &residuals.jacobian[..rows * columns]));
         Residuals { values: values.iter().copied().collect(), jacobian: jacobian.transpose().iter().copied().collect() }
     }
 }
@@ -126,7 +135,7 @@ impl Whitening {
 const SMALL: f64 = 1e-9;
 
 /// L⁻¹ B; the diagonal of a Cholesky factor is positive.
-fn solved(factor: &DMatrix<f64>, mut b: DMatrix<f64>) -> DMatrix<f64> {
+fn solved_lower(factor: &DMatrix<f64>, mut b: DMatrix<f64>) -> DMatrix<f64> {
     for mut column in b.column_iter_mut() {
         let x: DVector<f64> = factor.solve_lower_triangular(&column).unwrap_or_else(|| column.clone_owned());
         column.copy_from(&x);

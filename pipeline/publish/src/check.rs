@@ -36,24 +36,24 @@ pub fn check(results: &Results) -> Result<Checked> {
     lines.push(String::new());
     lines.extend(claims.iter().map(|claim| claim_line(claim, metrics)));
     lines.push(String::new());
-    lines.extend(plainly(claims, metrics));
+    lines.extend(unreproduced_claims(claims, metrics));
     lines.push(String::new());
     lines.extend(problems.iter().map(Problem::to_string));
-    lines.push(summary(metrics, &missing, claims));
+    lines.push(count_summary(metrics, &missing, claims));
     lines.extend(outdated::in_words(outdated));
-    Ok(Checked { text: lines.join("\n"), junit: results.junit()?, holds })
+    Ok(Checked { text: lines.join("\n"), junit: results.junit_report()?, holds })
 }
 
 fn metric_line(entry: &MetricEntry) -> String {
-    let number = |v: Option<f64>| v.map_or_else(|| "–".into(), tell);
+    let optional_number = |v: Option<f64>| v.map_or_else(|| "–".into(), number_text);
     format!(
         "{:<52} {:>12} {:<6} {:>10} {:>12} {:>10}  {}",
         entry.metric.id,
-        tell(entry.metric.value),
+        number_text(entry.metric.value),
         entry.metric.unit,
-        number(entry.published),
-        number(entry.expected),
-        number(entry.tolerance),
+        optional_number(entry.published),
+        optional_number(entry.expected),
+        optional_number(entry.tolerance),
         entry.status
     )
 }
@@ -73,34 +73,36 @@ fn claim_line(claim: &Claim, metrics: &[MetricEntry]) -> String {
 }
 
 /// What does not reproduce, a line each.
-fn plainly(claims: &[Claim], metrics: &[MetricEntry]) -> Vec<String> {
-    let of = |verdict| claims.iter().filter(move |c| c.verdict(metrics) == verdict);
-    let list = |verdict: Verdict| {
-        let lines =
-            of(verdict).map(|c| format!("  {} ({}; published {})", c.says, c.ours(metrics).join(", "), c.published));
-        std::iter::once(format!("{}: {}", verdict.in_words(), of(verdict).count())).chain(lines).collect::<Vec<_>>()
+fn unreproduced_claims(claims: &[Claim], metrics: &[MetricEntry]) -> Vec<String> {
+    let claims_with = |verdict| claims.iter().filter(move |c| c.verdict(metrics) == verdict);
+    let verdict_lines = |verdict: Verdict| {
+        let lines = claims_with(verdict)
+            .map(|c| format!("  {} ({}; published {})", c.says, c.ours(metrics).join(", "), c.published));
+        std::iter::once(format!("{}: {}", verdict.in_words(), claims_with(verdict).count()))
+            .chain(lines)
+            .collect::<Vec<_>>()
     };
-    [Verdict::Fails, Verdict::Undetermined, Verdict::SetByBench, Verdict::NotMeasured].map(list).concat()
+    [Verdict::Fails, Verdict::Undetermined, Verdict::SetByBench, Verdict::NotMeasured].map(verdict_lines).concat()
 }
 
-fn summary(metrics: &[MetricEntry], missing: &[&str], claims: &[Claim]) -> String {
-    let count = |status: &str| metrics.iter().filter(|m| m.status == status).count();
-    let claims_that = |verdict| claims.iter().filter(|c| c.verdict(metrics) == verdict).count();
+fn count_summary(metrics: &[MetricEntry], missing: &[&str], claims: &[Claim]) -> String {
+    let count_with = |status: &str| metrics.iter().filter(|m| m.status == status).count();
+    let count_claims = |verdict| claims.iter().filter(|c| c.verdict(metrics) == verdict).count();
     format!(
         "{} numbers as expected, {} drifted, {} missing, {} not compared; {} claims reproduce, {} do not, {} are not determined, {} are set by the bench, {} not measured",
-        count("as expected"),
-        count("drifted"),
+        count_with("as expected"),
+        count_with("drifted"),
         missing.len(),
-        count("not compared"),
-        claims_that(Verdict::Reproduces),
-        claims_that(Verdict::Fails),
-        claims_that(Verdict::Undetermined),
-        claims_that(Verdict::SetByBench),
-        claims_that(Verdict::NotMeasured)
+        count_with("not compared"),
+        count_claims(Verdict::Reproduces),
+        count_claims(Verdict::Fails),
+        count_claims(Verdict::Undetermined),
+        count_claims(Verdict::SetByBench),
+        count_claims(Verdict::NotMeasured)
     )
 }
 
-fn tell(value: f64) -> String {
+fn number_text(value: f64) -> String {
     match value.abs() {
         0.0 => "0".into(),
         v if !(1e-3..1e5).contains(&v) => format!("{value:.3e}"),

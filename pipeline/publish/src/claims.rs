@@ -95,21 +95,21 @@ pub(crate) struct Page {
 /// # Errors
 /// A [`Diagnostic`] when the page is missing or not understood.
 pub fn read(path: &Path) -> Result<Vec<Claim>> {
-    Ok(page(path)?.claim)
+    Ok(claims_page(path)?.claim)
 }
 
 /// The claims, and the tails that stand in for others by profile.
 ///
 /// # Errors
 /// As [`read`].
-pub(crate) fn page(path: &Path) -> Result<Page> {
+pub(crate) fn claims_page(path: &Path) -> Result<Page> {
     let diagnostic = |e: &dyn std::fmt::Display| {
         Diagnostic::new("paper/claims.toml cannot be read", e.to_string().trim_end(), "correct the line that it names")
     };
     let text = input::read_text(path, input::PAGE).map_err(|e| diagnostic(&e))?;
     let page: Page = toml::from_str(&text).map_err(|e| diagnostic(&e))?;
-    let twice = (1..page.claim.len()).find(|&i| page.claim[..i].iter().any(|c| c.name == page.claim[i].name));
-    match twice {
+    let duplicate = (1..page.claim.len()).find(|&i| page.claim[..i].iter().any(|c| c.name == page.claim[i].name));
+    match duplicate {
         Some(i) => Err(diagnostic(&format!("two claims are called `{}`", page.claim[i].name))),
         None => Ok(page),
     }
@@ -123,7 +123,7 @@ impl Claim {
 
     /// Its verdict.
     pub fn verdict(&self, metrics: &[MetricEntry]) -> Verdict {
-        match self.outcome(metrics) {
+        match self.rule_outcome(metrics) {
             Verdict::NotMeasured => Verdict::NotMeasured,
             _ if self.set_by.is_some() => Verdict::SetByBench,
             decided => decided,
@@ -131,29 +131,29 @@ impl Claim {
     }
 
     /// What its rule gives, whoever decides it.
-    pub(crate) fn outcome(&self, metrics: &[MetricEntry]) -> Verdict {
-        let each: Vec<Option<bool>> = self.metrics().map(|id| self.rule.holds(id, metrics)).collect();
+    pub(crate) fn rule_outcome(&self, metrics: &[MetricEntry]) -> Verdict {
+        let rule_results: Vec<Option<bool>> = self.metrics().map(|id| self.rule.holds_for(id, metrics)).collect();
         match () {
             () if self.metrics().any(|id| self.rule.is_undetermined(id, metrics)) => Verdict::Undetermined,
-            () if each.contains(&Some(false)) => Verdict::Fails,
-            () if each.contains(&None) => Verdict::NotMeasured,
+            () if rule_results.contains(&Some(false)) => Verdict::Fails,
+            () if rule_results.contains(&None) => Verdict::NotMeasured,
             () => Verdict::Reproduces,
         }
     }
 
     /// Our numbers with their units, those that were measured.
     pub fn ours(&self, metrics: &[MetricEntry]) -> Vec<String> {
-        let of = |id: &String| {
-            let found = metrics.iter().find(|m| m.metric.id == *id).map(|m| &m.metric);
-            found.map_or_else(|| "–".into(), |m| format!("{} {}", formatted(m.value), m.unit).trim_end().to_owned())
+        let measured = |id: &String| {
+            let metric = metrics.iter().find(|m| m.metric.id == *id).map(|m| &m.metric);
+            metric.map_or_else(|| "–".into(), |m| format!("{} {}", short_number(m.value), m.unit).trim_end().to_owned())
         };
-        self.metrics().chain(self.rule.others()).map(of).collect()
+        self.metrics().chain(self.rule.others()).map(measured).collect()
     }
 }
 
 impl Rule {
     /// Whether it holds for a metric; nothing when a number is missing.
-    fn holds(&self, id: &str, metrics: &[MetricEntry]) -> Option<bool> {
+    fn holds_for(&self, id: &str, metrics: &[MetricEntry]) -> Option<bool> {
         let value = |id: &str| metrics.iter().find(|m| m.metric.id == id).map(|m| m.metric.value);
         let ours = value(id)?;
         Some(match self {
@@ -161,16 +161,16 @@ impl Rule {
             Self::AtLeast(limit) => ours >= *limit,
             Self::Within([low, high]) => (*low..=*high).contains(&ours),
             Self::SmallerThan(other) => ours < value(other)?,
-            Self::Ascending(others) => {
-                let others: Vec<f64> = others.iter().map(|id| value(id)).collect::<Option<_>>()?;
-                std::iter::once(&ours).chain(&others).is_sorted_by(|a, b| a < b)
+            Self::Ascending(thresholds) => {
+                let thresholds: Vec<f64> = thresholds.iter().map(|id| value(id)).collect::<Option<_>>()?;
+                std::iter::once(&ours).chain(&thresholds).is_sorted_by(|a, b| a < b)
             }
         })
     }
 
     /// Whether it holds at one end of a metric's 95 % interval and not at the other; false for a metric without an interval.
     fn is_undetermined(&self, id: &str, metrics: &[MetricEntry]) -> bool {
-        let [low, high] = ["low", "high"].map(|end| self.holds(&format!("{id}.{end}"), metrics));
+        let [low, high] = ["low", "high"].map(|end| self.holds_for(&format!("{id}.{end}"), metrics));
         low.zip(high).is_some_and(|(low, high)| low != high)
     }
 
@@ -196,7 +196,7 @@ impl Rule {
 }
 
 /// A number with a readable number of digits.
-pub(crate) fn formatted(value: f64) -> String {
+pub(crate) fn short_number(value: f64) -> String {
     match value.abs() {
         0.0 => "0".into(),
         v if !(1e-3..1e5).contains(&v) => format!("{value:.2e}"),
@@ -258,7 +258,7 @@ mod tests {
 
     #[test]
     fn a_number_is_shown_with_about_three_digits() {
-        let shown = [0.0, 2e-4, 1e-3, 0.5, 1.0, 12.345, 100.0, -2345.6, 1e5].map(formatted);
+        let shown = [0.0, 2e-4, 1e-3, 0.5, 1.0, 12.345, 100.0, -2345.6, 1e5].map(short_number);
         assert_eq!(shown, ["0", "2.00e-4", "0.0010", "0.5000", "1.00", "12.35", "100", "-2346", "1.00e5"]);
     }
 
@@ -267,7 +267,7 @@ mod tests {
         let set = |rule| Claim { set_by: Some("material".into()), ..claim(rule, &[]) };
         for rule in [Rule::AtMost(1.0), Rule::AtMost(5.0)] {
             assert_eq!(set(rule.clone()).verdict(&metrics()), Verdict::SetByBench);
-            assert_eq!(set(rule.clone()).outcome(&metrics()), claim(rule, &[]).verdict(&metrics()));
+            assert_eq!(set(rule.clone()).rule_outcome(&metrics()), claim(rule, &[]).verdict(&metrics()));
         }
         assert_eq!(set(Rule::SmallerThan("c".into())).verdict(&metrics()), Verdict::NotMeasured);
     }

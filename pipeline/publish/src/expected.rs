@@ -47,7 +47,7 @@ pub(crate) struct Expectation {
 }
 
 impl Expectation {
-    fn holds(&self, value: f64) -> bool {
+    fn holds_for(&self, value: f64) -> bool {
         (value - self.value).abs() <= self.within || self.or_more && value > self.value
     }
 }
@@ -100,7 +100,7 @@ impl Expected {
         let expectation = self.expected.get(&metric.id);
         let status = match expectation {
             None => "not compared",
-            Some(e) if e.holds(metric.value) => "as expected",
+            Some(e) if e.holds_for(metric.value) => "as expected",
             Some(_) => "drifted",
         };
         MetricEntry {
@@ -134,7 +134,7 @@ mod tests {
         let status = |value| expected.judge(Metric::new("a", value, "mm")).status;
         assert_eq!((status(1.05).as_str(), status(1.2).as_str()), ("as expected", "drifted"));
         let speed = Expectation { or_more: true, ..expectation };
-        assert!(speed.holds(7.0) && !speed.holds(0.8));
+        assert!(speed.holds_for(7.0) && !speed.holds_for(0.8));
         assert_eq!(expected.missing(&[]).collect::<Vec<_>>(), ["a"]);
     }
 }

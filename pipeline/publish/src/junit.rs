@@ -46,12 +46,12 @@ impl Results<'_> {
     ///
     /// # Errors
     /// When a text cannot be written as XML.
-    pub(crate) fn junit(&self) -> io::Result<String> {
+    pub(crate) fn junit_report(&self) -> io::Result<String> {
         let suites = [
-            ("numbers", self.numbers()),
-            ("claims", self.claims()),
-            ("paper", self.paper()),
-            ("records", self.records()),
+            ("numbers", self.number_cases()),
+            ("claims", self.claim_cases()),
+            ("paper", self.paper_cases()),
+            ("records", self.record_cases()),
         ];
         let mut writer = Writer::new_with_indent(Vec::new(), b' ', 2);
         writer.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
@@ -59,49 +59,50 @@ impl Results<'_> {
             suites
                 .iter()
                 .filter(|(_, cases)| !cases.is_empty())
-                .try_for_each(|(name, cases)| suite(writer, name, cases))
+                .try_for_each(|(name, cases)| write_suite(writer, name, cases))
         })?;
         let mut bytes = writer.into_inner();
         bytes.push(b'\n');
         String::from_utf8(bytes).map_err(io::Error::other)
     }
 
-    fn numbers(&self) -> Vec<Case> {
-        let own = self.metrics.iter().map(|entry| Case { name: entry.metric.id.clone(), end: end_of(entry) });
-        let missing = self.expected.missing(self.metrics);
-        let missing = missing.map(|name| Case { name: name.into(), end: End::Failed("it was not computed".into()) });
-        own.chain(missing).collect()
+    fn number_cases(&self) -> Vec<Case> {
+        let measured = self.metrics.iter().map(|entry| Case { name: entry.metric.id.clone(), end: case_end(entry) });
+        let uncomputed = self.expected.missing(self.metrics);
+        let uncomputed =
+            uncomputed.map(|name| Case { name: name.into(), end: End::Failed("it was not computed".into()) });
+        measured.chain(uncomputed).collect()
     }
 
-    fn claims(&self) -> Vec<Case> {
-        let case = |claim: &Claim| {
+    fn claim_cases(&self) -> Vec<Case> {
+        let claim_case = |claim: &Claim| {
             let verdict = claim.verdict(self.metrics);
-            let why = || format!("{}: {} (published: {})", verdict.in_words(), claim.says, claim.published);
-            let end = if verdict == Verdict::Reproduces { End::Passed } else { End::Skipped(why()) };
+            let reason = || format!("{}: {} (published: {})", verdict.in_words(), claim.says, claim.published);
+            let end = if verdict == Verdict::Reproduces { End::Passed } else { End::Skipped(reason()) };
             Case { name: claim.name.clone(), end }
         };
-        self.claims.iter().map(case).collect()
+        self.claims.iter().map(claim_case).collect()
     }
 
-    fn records(&self) -> Vec<Case> {
-        let stale = |reason: &String| Case { name: "up to date".into(), end: End::Failed(reason.clone()) };
-        self.outdated.iter().map(stale).collect()
+    fn record_cases(&self) -> Vec<Case> {
+        let outdated_case = |reason: &String| Case { name: "up to date".into(), end: End::Failed(reason.clone()) };
+        self.outdated.iter().map(outdated_case).collect()
     }
 
-    fn paper(&self) -> Vec<Case> {
-        let failed = |problem: &Problem| Case { name: "source".into(), end: End::Failed(problem.to_string()) };
-        let all: Vec<Case> = self.problems.iter().map(failed).collect();
-        if all.is_empty() { vec![Case { name: "source".into(), end: End::Passed }] } else { all }
+    fn paper_cases(&self) -> Vec<Case> {
+        let failed_case = |problem: &Problem| Case { name: "source".into(), end: End::Failed(problem.to_string()) };
+        let failures: Vec<Case> = self.problems.iter().map(failed_case).collect();
+        if failures.is_empty() { vec![Case { name: "source".into(), end: End::Passed }] } else { failures }
     }
 }
 
-fn end_of(entry: &MetricEntry) -> End {
+fn case_end(entry: &MetricEntry) -> End {
     match (entry.status.as_str(), entry.expected.zip(entry.tolerance)) {
         ("drifted", Some((expected, within))) => {
             let (value, unit) = (entry.metric.value, &entry.metric.unit);
-            let off = (value - expected).abs();
+            let deviation = (value - expected).abs();
             End::Failed(format!(
-                "{value} {unit}; expected {expected} ± {within} {unit}: it drifted by {off:.3e} {unit}"
+                "{value} {unit}; expected {expected} ± {within} {unit}: it drifted by {deviation:.3e} {unit}"
             ))
         }
         (_, Some(_)) => End::Passed,
@@ -109,28 +110,29 @@ fn end_of(entry: &MetricEntry) -> End {
     }
 }
 
-fn suite(writer: &mut Writer<Vec<u8>>, name: &str, cases: &[Case]) -> io::Result<()> {
-    let count = |of: fn(&End) -> bool| cases.iter().filter(|case| of(&case.end)).count().to_string();
-    let (failed, skipped) = (count(|end| matches!(end, End::Failed(_))), count(|end| matches!(end, End::Skipped(_))));
-    let all = cases.len().to_string();
-    let counts = [("tests", &*all), ("failures", &*failed), ("errors", "0"), ("skipped", &*skipped)];
+fn write_suite(writer: &mut Writer<Vec<u8>>, name: &str, cases: &[Case]) -> io::Result<()> {
+    let count_ends = |predicate: fn(&End) -> bool| cases.iter().filter(|case| predicate(&case.end)).count().to_string();
+    let (failed, skipped) =
+        (count_ends(|end| matches!(end, End::Failed(_))), count_ends(|end| matches!(end, End::Skipped(_))));
+    let total = cases.len().to_string();
+    let counts = [("tests", &*total), ("failures", &*failed), ("errors", "0"), ("skipped", &*skipped)];
     let element = writer.create_element("testsuite").with_attribute(("name", name)).with_attributes(counts);
-    element.write_inner_content(|writer| cases.iter().try_for_each(|one| case(writer, name, one)))?;
+    element.write_inner_content(|writer| cases.iter().try_for_each(|case| write_case(writer, name, case)))?;
     Ok(())
 }
 
-fn case(writer: &mut Writer<Vec<u8>>, suite: &str, case: &Case) -> io::Result<()> {
+fn write_case(writer: &mut Writer<Vec<u8>>, suite: &str, case: &Case) -> io::Result<()> {
     let kind = if suite == "numbers" { "drift" } else { "problem" };
     let attributes = [("classname", suite), ("name", &*case.name), ("time", "0")];
     let element = writer.create_element("testcase").with_attributes(attributes);
     match &case.end {
         End::Passed => element.write_empty()?,
-        End::Skipped(why) => element.write_inner_content(|writer| {
-            writer.create_element("skipped").with_attribute(("message", &**why)).write_empty().map(drop)
+        End::Skipped(reason) => element.write_inner_content(|writer| {
+            writer.create_element("skipped").with_attribute(("message", &**reason)).write_empty().map(drop)
         })?,
-        End::Failed(why) => element.write_inner_content(|writer| {
-            let failure = writer.create_element("failure").with_attribute(("message", &**why));
-            failure.with_attribute(("type", kind)).write_text_content(BytesText::new(why)).map(drop)
+        End::Failed(reason) => element.write_inner_content(|writer| {
+            let failure = writer.create_element("failure").with_attribute(("message", &**reason));
+            failure.with_attribute(("type", kind)).write_text_content(BytesText::new(reason)).map(drop)
         })?,
     };
     Ok(())
@@ -149,7 +151,7 @@ mod tests {
 
     fn report(metrics: &[MetricEntry]) -> String {
         let expected = Expected::default();
-        Results { metrics, expected: &expected, claims: &[], problems: &[], outdated: &[] }.junit().unwrap()
+        Results { metrics, expected: &expected, claims: &[], problems: &[], outdated: &[] }.junit_report().unwrap()
     }
 
     #[test]
@@ -167,7 +169,7 @@ mod tests {
         let outdated = ["mesh/fish: stale: setting `edge` was 1 and is 2".to_owned()];
         let results =
             Results { metrics: &[], expected: &Expected::default(), claims: &[], problems: &[], outdated: &outdated };
-        let text = results.junit().unwrap();
+        let text = results.junit_report().unwrap();
         assert!(text.contains("<failure message=\"mesh/fish: stale: setting `edge` was 1 and is 2\""), "{text}");
     }
 
@@ -175,8 +177,9 @@ mod tests {
     fn a_number_that_was_not_computed_is_a_failed_case() {
         let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../paper/expected.toml");
         let expected = Expected::read(&path, Profile::Quick).unwrap();
-        let text =
-            Results { metrics: &[], expected: &expected, claims: &[], problems: &[], outdated: &[] }.junit().unwrap();
+        let text = Results { metrics: &[], expected: &expected, claims: &[], problems: &[], outdated: &[] }
+            .junit_report()
+            .unwrap();
         assert!(
             text.contains(r#"<failure message="it was not computed""#)
                 && !text.contains(

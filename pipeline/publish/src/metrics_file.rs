@@ -16,13 +16,13 @@ use crate::expected::{Expected, MetricEntry};
 /// # Errors
 /// A [`Diagnostic`] when the expectations cannot be read or the file cannot be written.
 pub fn write<U: Universe>(runner: &Runner<U>) -> Result<()> {
-    let (path, text) = (runner.folders.metrics(), text(runner)?);
-    if is_of(&path, &text) {
+    let (path, text) = (runner.folders.metrics(), metrics_text(runner)?);
+    if file_holds(&path, &text) {
         return Ok(());
     }
     write_atomically(&path, text.as_bytes()).map_err(|e| {
-        let what = format!("the numbers cannot be written to {}", runner.folders.display(&path));
-        Diagnostic::new(what, &e, "free some disk space and run again").caused_by(e)
+        let defect = format!("the numbers cannot be written to {}", runner.folders.display(&path));
+        Diagnostic::new(defect, &e, "free some disk space and run again").caused_by(e)
     })
 }
 
@@ -31,8 +31,8 @@ pub fn write<U: Universe>(runner: &Runner<U>) -> Result<()> {
 /// # Errors
 /// A [`Diagnostic`] when the expectations cannot be read.
 pub fn is_current<U: Universe>(runner: &Runner<U>) -> Result<bool> {
-    let (path, text) = (runner.folders.metrics(), text(runner)?);
-    Ok(is_of(&path, &text) || !path.exists() && text == NONE)
+    let (path, text) = (runner.folders.metrics(), metrics_text(runner)?);
+    Ok(file_holds(&path, &text) || !path.exists() && text == NONE)
 }
 
 /// Reads the numbers of the last run.
@@ -60,7 +60,7 @@ pub fn read_or_none<U: Universe>(runner: &Runner<U>) -> Result<Vec<MetricEntry>>
 const NONE: &str = "[]\n";
 
 /// The numbers of the records that are up to date.
-fn text<U: Universe>(runner: &Runner<U>) -> Result<String> {
+fn metrics_text<U: Universe>(runner: &Runner<U>) -> Result<String> {
     let path = runner.folders.expected();
     // A project may have no expectations yet; its numbers are published all the same.
     let expected = if path.exists() { Expected::read(&path, runner.profile)? } else { Expected::default() };
@@ -68,6 +68,6 @@ fn text<U: Universe>(runner: &Runner<U>) -> Result<String> {
     Ok(serde_json::to_string_pretty(&entries)? + "\n")
 }
 
-fn is_of(path: &Path, text: &str) -> bool {
+fn file_holds(path: &Path, text: &str) -> bool {
     input::read(path, input::MESH).is_ok_and(|former| former == text.as_bytes())
 }

@@ -23,8 +23,8 @@ pub fn records<U: Universe>(runner: &Runner<U>, goal: &Goal) -> Result<Vec<Strin
 pub fn records_and_numbers<U: Universe>(runner: &Runner<U>) -> Result<Vec<String>> {
     let mut outdated = records(runner, &Goal::default())?;
     if !metrics_file::is_current(runner)? {
-        let place = runner.folders.display(&runner.folders.metrics());
-        outdated.push(format!("{place}: it does not hold the numbers of the records"));
+        let path = runner.folders.display(&runner.folders.metrics());
+        outdated.push(format!("{path}: it does not hold the numbers of the records"));
     }
     Ok(outdated)
 }
@@ -35,9 +35,9 @@ pub fn records_and_numbers<U: Universe>(runner: &Runner<U>) -> Result<Vec<String
 /// A [`Diagnostic`] that counts what is out of date and names the first with its reason.
 pub fn refuse(what: &str, outdated: &[String]) -> Result<()> {
     let Some(first) = outdated.first() else { return Ok(()) };
-    let others = if outdated.len() > 1 { format!(", and {} more", outdated.len() - 1) } else { String::new() };
-    let why = format!("not everything in the store is up to date: {first}{others}");
-    Err(Diagnostic::new(what, why, "study run, which makes what is stale and keeps the rest"))
+    let further = if outdated.len() > 1 { format!(", and {} more", outdated.len() - 1) } else { String::new() };
+    let reason = format!("not everything in the store is up to date: {first}{further}");
+    Err(Diagnostic::new(what, reason, "study run, which makes what is stale and keeps the rest"))
 }
 
 /// One line with the number and the first; none where all is up to date.

@@ -35,69 +35,74 @@ pub struct Contents {
 ///
 /// # Errors
 /// A [`Diagnostic`] when the folder cannot be written or a record is damaged.
-pub fn write<U: Universe>(runner: &Runner<U>, own: Contents) -> Result<PathBuf> {
+pub fn write<U: Universe>(runner: &Runner<U>, contents: Contents) -> Result<PathBuf> {
     let jobs = runner.jobs_of(&Goal::default())?;
-    let text = gather(runner, &jobs, own)?.html();
-    let place = runner.folders.page();
-    if !input::read(&place, input::MESH).is_ok_and(|old| old == text.as_bytes()) {
-        write_atomically(&place, text.as_bytes()).map_err(|e: io::Error| {
-            let what = format!("{} cannot be written", runner.folders.display(&place));
-            Diagnostic::new(what, e, "free some disk space or correct the folder's permissions")
+    let text = collected_page(runner, &jobs, contents)?.html();
+    let path = runner.folders.page();
+    if !input::read(&path, input::MESH).is_ok_and(|former| former == text.as_bytes()) {
+        write_atomically(&path, text.as_bytes()).map_err(|e: io::Error| {
+            let defect = format!("{} cannot be written", runner.folders.display(&path));
+            Diagnostic::new(defect, e, "free some disk space or correct the folder's permissions")
         })?;
     }
-    Ok(place)
+    Ok(path)
 }
 
-fn gather<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>], own: Contents) -> Result<Page> {
+fn collected_page<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>], contents: Contents) -> Result<Page> {
     let store = Store::new(&runner.folders);
-    let costs = costs(runner, jobs, &store);
+    let costs = stage_costs(runner, jobs, &store);
     let metrics = metrics_file::read(runner).unwrap_or_default();
     let claims = stand_in::read(&runner.folders.claims(), runner.profile).unwrap_or_default();
     Ok(Page {
-        note: own.note,
-        bodies: own.bodies,
-        tails: own.tails,
-        figures: shown(jobs, &store, Kind::Figure, "svg"),
-        tables: shown(jobs, &store, Kind::Table, "csv"),
-        claims: claims.iter().map(|claim| verdict(claim, &metrics)).collect(),
-        graph: Some(graph(runner, &costs)?),
+        note: contents.note,
+        bodies: contents.bodies,
+        tails: contents.tails,
+        figures: shown_entries(jobs, &store, Kind::Figure, "svg"),
+        tables: shown_entries(jobs, &store, Kind::Table, "csv"),
+        claims: claims.iter().map(|claim| claim_verdict(claim, &metrics)).collect(),
+        graph: Some(graph_svg(runner, &costs)?),
         costs,
     })
 }
 
 /// Figures or tables, each as its file of one kind.
-fn shown<U: Universe>(jobs: &[Job<U>], store: &Store, kind: Kind, ending: &str) -> Vec<Shown> {
-    let text = |job: &Job<U>| {
+fn shown_entries<U: Universe>(jobs: &[Job<U>], store: &Store, kind: Kind, ending: &str) -> Vec<Shown> {
+    let file_text = |job: &Job<U>| {
         let files = store.files(&job.id).ok()?;
         let bytes = files.bytes(&format!("{}.{ending}", job.entry.name)).ok()?.to_vec();
         String::from_utf8(bytes).ok()
     };
-    let of_kind = jobs.iter().filter(|job| job.entry.kind == kind);
-    of_kind
-        .map(|job| Shown { name: job.entry.name.into(), description: job.entry.description.into(), text: text(job) })
+    let selected = jobs.iter().filter(|job| job.entry.kind == kind);
+    selected
+        .map(|job| Shown {
+            name: job.entry.name.into(),
+            description: job.entry.description.into(),
+            text: file_text(job),
+        })
         .collect()
 }
 
-fn verdict(claim: &Claim, metrics: &[MetricEntry]) -> Verdict {
-    let by: Vec<&str> = claim.metrics().map(String::as_str).collect();
+fn claim_verdict(claim: &Claim, metrics: &[MetricEntry]) -> Verdict {
+    let metrics_named: Vec<&str> = claim.metrics().map(String::as_str).collect();
     Verdict {
         says: claim.says.clone(),
         verdict: claim.verdict(metrics),
-        rule: format!("{} {}", by.join(" and "), claim.rule.in_words()),
+        rule: format!("{} {}", metrics_named.join(" and "), claim.rule.in_words()),
         ours: claim.ours(metrics).join(", "),
         published: claim.published.clone(),
     }
 }
 
-fn costs<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>], store: &Store) -> Vec<Cost> {
+fn stage_costs<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>], store: &Store) -> Vec<Cost> {
     let entries = runner.lists.iter().flat_map(|list| list.iter()).filter(|entry| entry.kind == Kind::Stage);
     let cost = |entry: &workflow::entry::Entry<U>| {
-        let own: Vec<&Job<U>> =
+        let stage_jobs: Vec<&Job<U>> =
             jobs.iter().filter(|job| job.entry.kind == Kind::Stage && job.entry.name == entry.name).collect();
-        let found =
-            own.iter().filter_map(|job| if let Found::Whole(m) = store.find(&job.id) { Some(m.seconds) } else { None });
-        let seconds: Vec<f64> = found.collect();
-        let records = [seconds.len(), own.len()];
+        let measured_seconds = stage_jobs
+            .iter()
+            .filter_map(|job| if let Found::Whole(m) = store.find(&job.id) { Some(m.seconds) } else { None });
+        let seconds: Vec<f64> = measured_seconds.collect();
+        let records = [seconds.len(), stage_jobs.len()];
         Cost {
             name: entry.name.into(),
             description: entry.description.into(),
@@ -109,19 +114,19 @@ fn costs<U: Universe>(runner: &Runner<U>, jobs: &[Job<U>], store: &Store) -> Vec
 }
 
 /// The graph of the stages, with the computing time of each instead of its description.
-fn graph<U: Universe>(runner: &Runner<U>, costs: &[Cost]) -> Result<String> {
+fn graph_svg<U: Universe>(runner: &Runner<U>, costs: &[Cost]) -> Result<String> {
     let graph = runner.stage_graph();
-    let said = |name: &str| {
+    let cost_text = |name: &str| {
         let cost = costs.iter().find(|c| c.name == name)?;
         Some(format!("{} of {} records, {:.1}\u{a0}s", cost.records[0], cost.records[1], cost.seconds))
     };
-    drawn(&graph, &said)
+    drawn(&graph, &cost_text)
 }
 
-/// A graph of stages, each with the text `said`, as SVG.
-pub fn drawn(flow: &StageGraph, said: &dyn Fn(&str) -> Option<String>) -> Result<String> {
-    let diagram = stage_diagram(flow, said);
-    let tall = plot::DOUBLE_COLUMN_MM * diagram.size[1] / diagram.size[0];
-    let figure = plot::Figure::new(plot::DOUBLE_COLUMN_MM).row(tall, [plot::Panel::Diagram(diagram)]);
+/// A graph of stages, each with the text `text`, as SVG.
+pub fn drawn(flow: &StageGraph, text: &dyn Fn(&str) -> Option<String>) -> Result<String> {
+    let diagram = stage_diagram(flow, text);
+    let height = plot::DOUBLE_COLUMN_MM * diagram.size[1] / diagram.size[0];
+    let figure = plot::Figure::new(plot::DOUBLE_COLUMN_MM).row(height, [plot::Panel::Diagram(diagram)]);
     figure.svg().map_err(Diagnostic::from)
 }

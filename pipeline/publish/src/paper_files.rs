@@ -27,8 +27,8 @@ const MADE_ELSEWHERE: [&str; 2] = ["real_beam", "real_arm"];
 /// # Errors
 /// A [`Diagnostic`] when a file of the project cannot be read.
 pub fn resolve<U: Universe>(runner: &Runner<U>) -> Result<Result<Vec<Page>, Vec<Problem>>> {
-    let facts = facts(&runner.folders, runner.lists, runner.profile, metrics_file::read_or_none(runner)?)?;
-    Ok(paper::resolve(&pages(&runner.folders.paper_source())?, &facts))
+    let facts = paper_facts(&runner.folders, runner.lists, runner.profile, metrics_file::read_or_none(runner)?)?;
+    Ok(paper::resolve(&source_pages(&runner.folders.paper_source())?, &facts))
 }
 
 /// The source, and the names that it may use before anything was computed, for tests.
@@ -36,7 +36,7 @@ pub fn resolve<U: Universe>(runner: &Runner<U>) -> Result<Result<Vec<Page>, Vec<
 /// # Errors
 /// A [`Diagnostic`] when a file of the project cannot be read.
 pub fn unresolved<U: Universe>(folders: &Folders, lists: &[&[Entry<U>]]) -> Result<(Vec<Page>, Facts)> {
-    Ok((pages(&folders.paper_source())?, facts(folders, lists, Profile::Quick, Vec::new())?))
+    Ok((source_pages(&folders.paper_source())?, paper_facts(folders, lists, Profile::Quick, Vec::new())?))
 }
 
 /// Writes the resolved source atomically and returns its path.
@@ -46,38 +46,38 @@ pub fn unresolved<U: Universe>(folders: &Folders, lists: &[&[Entry<U>]]) -> Resu
 pub fn write<U: Universe>(runner: &Runner<U>) -> Result<PathBuf> {
     metrics_file::read(runner)?;
     outdated::refuse("the paper cannot be built", &outdated::records_and_numbers(runner)?)?;
-    let problems = |all: Vec<Problem>| {
-        let what = format!("the paper cannot be built: {} problems", all.len());
-        let why = all.iter().map(Problem::to_string).collect::<Vec<_>>().join("\n       ");
-        Diagnostic::new(what, why, "correct the lines named, or make what is missing with study run")
+    let diagnostic = |problems: Vec<Problem>| {
+        let defect = format!("the paper cannot be built: {} problems", problems.len());
+        let reason = problems.iter().map(Problem::to_string).collect::<Vec<_>>().join("\n       ");
+        Diagnostic::new(defect, reason, "correct the lines named, or make what is missing with study run")
     };
-    let resolved = resolve(runner)?.map_err(problems)?;
-    let to = runner.folders.paper_in_place();
-    let bib = read(&runner.folders.paper_source().join("refs.bib"))?;
-    let all = resolved.into_iter().chain([Page { name: "refs.bib".into(), text: bib }]);
-    for page in all {
-        let place = page.name.split('/').fold(to.clone(), |path, part| path.join(part));
-        let folder = place.parent().unwrap_or(&to);
-        let written = fs::create_dir_all(folder).and_then(|()| write_atomically(&place, page.text.as_bytes()));
+    let resolved = resolve(runner)?.map_err(diagnostic)?;
+    let folder_of_paper = runner.folders.paper_in_place();
+    let references = read_source(&runner.folders.paper_source().join("refs.bib"))?;
+    let pages = resolved.into_iter().chain([Page { name: "refs.bib".into(), text: references }]);
+    for page in pages {
+        let path = page.name.split('/').fold(folder_of_paper.clone(), |path, part| path.join(part));
+        let folder = path.parent().unwrap_or(&folder_of_paper);
+        let written = fs::create_dir_all(folder).and_then(|()| write_atomically(&path, page.text.as_bytes()));
         written.map_err(|e| {
-            Diagnostic::new(format!("{} cannot be written", runner.folders.display(&place)), e, "free some disk space")
+            Diagnostic::new(format!("{} cannot be written", runner.folders.display(&path)), e, "free some disk space")
         })?;
     }
-    Ok(to)
+    Ok(folder_of_paper)
 }
 
 /// Every page of typst in the folder and in `sections`, by name.
-fn pages(folder: &Path) -> Result<Vec<Page>> {
-    let mut all = Vec::new();
-    for (place, prefix) in [(folder.to_path_buf(), ""), (folder.join("sections"), "sections/")] {
-        for name in names(&place)?.into_iter().filter(|name| name.ends_with(".typ")) {
-            all.push(Page { text: read(&place.join(&name))?, name: format!("{prefix}{name}") });
+fn source_pages(folder: &Path) -> Result<Vec<Page>> {
+    let mut pages = Vec::new();
+    for (subfolder, prefix) in [(folder.to_path_buf(), ""), (folder.join("sections"), "sections/")] {
+        for name in file_names(&subfolder)?.into_iter().filter(|name| name.ends_with(".typ")) {
+            pages.push(Page { text: read_source(&subfolder.join(&name))?, name: format!("{prefix}{name}") });
         }
     }
-    Ok(all)
+    Ok(pages)
 }
 
-fn facts<U: Universe>(
+fn paper_facts<U: Universe>(
     folders: &Folders,
     lists: &[&[Entry<U>]],
     profile: Profile,
@@ -85,8 +85,8 @@ fn facts<U: Universe>(
 ) -> Result<Facts> {
     let expected = Expected::read(&folders.expected(), profile)?;
     let claims = claims::read(&folders.claims())?;
-    let of_claims = claims.iter().flat_map(|c| c.metrics().chain(c.rule.others())).cloned();
-    let made = |kind: Kind, suffix: &str| -> Vec<Made> {
+    let claim_metrics = claims.iter().flat_map(|c| c.metrics().chain(c.rule.others())).cloned();
+    let made_entries = |kind: Kind, suffix: &str| -> Vec<Made> {
         let entries = lists.iter().flat_map(|list| list.iter()).filter(|entry| entry.kind == kind);
         let text = |entry: &Entry<U>| {
             input::read_text(&folders.shown(kind)?.join(format!("{}.{suffix}", entry.name)), input::LOG).ok()
@@ -94,58 +94,58 @@ fn facts<U: Universe>(
         let elsewhere = |entry: &Entry<U>| OF_A_POPULATION.contains(&entry.name);
         entries.map(|entry| Made { name: entry.name.into(), text: text(entry), elsewhere: elsewhere(entry) }).collect()
     };
-    let real = MADE_ELSEWHERE.map(|name| {
-        let place = folders.shown(Kind::Figure).map(|shown| shown.join(format!("{name}.svg")));
+    let real_figures = MADE_ELSEWHERE.map(|name| {
+        let path = folders.shown(Kind::Figure).map(|shown| shown.join(format!("{name}.svg")));
         Made {
             name: name.into(),
-            text: place.and_then(|place| input::read_text(&place, input::LOG).ok()),
+            text: path.and_then(|path| input::read_text(&path, input::LOG).ok()),
             elsewhere: true,
         }
     });
     Ok(Facts {
-        known: expected.named().iter().cloned().chain(of_claims).collect(),
+        known: expected.named().iter().cloned().chain(claim_metrics).collect(),
         metrics,
         claims,
-        figures: made(Kind::Figure, "svg").into_iter().chain(real).collect(),
-        tables: made(Kind::Table, "csv"),
-        cited: paper::cited_keys(&read(&folders.paper_source().join("refs.bib"))?),
+        figures: made_entries(Kind::Figure, "svg").into_iter().chain(real_figures).collect(),
+        tables: made_entries(Kind::Table, "csv"),
+        cited: paper::cited_keys(&read_source(&folders.paper_source().join("refs.bib"))?),
         tests: Some(folders.crates())
             .filter(|crates| crates.exists())
-            .map(|crates| tests_below(&crates))
+            .map(|crates| tests_in_folder(&crates))
             .transpose()?,
         strict: profile == Profile::Paper,
     })
 }
 
 /// The names of all tests in the Rust sources below a folder.
-fn tests_below(folder: &Path) -> Result<BTreeSet<String>> {
-    let mut found = BTreeSet::new();
-    for name in names(folder)? {
-        let place = folder.join(&name);
-        if place.is_dir() {
-            found.extend(tests_below(&place)?);
+fn tests_in_folder(folder: &Path) -> Result<BTreeSet<String>> {
+    let mut tests = BTreeSet::new();
+    for name in file_names(folder)? {
+        let path = folder.join(&name);
+        if path.is_dir() {
+            tests.extend(tests_in_folder(&path)?);
         } else if name.ends_with(".rs") {
-            found.extend(paper::test_names(&read(&place)?));
+            tests.extend(paper::test_names(&read_source(&path)?));
         }
     }
-    Ok(found)
+    Ok(tests)
 }
 
 /// In alphabetical order.
-fn names(folder: &Path) -> Result<Vec<String>> {
-    let entries = fs::read_dir(folder).map_err(|e| unreadable(folder, &e))?;
+fn file_names(folder: &Path) -> Result<Vec<String>> {
+    let entries = fs::read_dir(folder).map_err(|e| read_error(folder, &e))?;
     let mut names: Vec<String> = entries.flatten().map(|e| e.file_name().to_string_lossy().into_owned()).collect();
     names.sort();
     Ok(names)
 }
 
-fn read(place: &Path) -> Result<String> {
-    input::read_text(place, input::LOG).map_err(|e| unreadable(place, &e))
+fn read_source(path: &Path) -> Result<String> {
+    input::read_text(path, input::LOG).map_err(|e| read_error(path, &e))
 }
 
-fn unreadable(place: &Path, error: &std::io::Error) -> Diagnostic {
+fn read_error(path: &Path, error: &std::io::Error) -> Diagnostic {
     Diagnostic::new(
-        format!("{} cannot be read", place.display()),
+        format!("{} cannot be read", path.display()),
         error,
         "run in the project's folder, or name it with --root",
     )

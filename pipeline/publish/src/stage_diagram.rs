@@ -16,20 +16,21 @@ pub fn stage_diagram(graph: &StageGraph, text: &dyn Fn(&str) -> Option<String>) 
     let layout = lay_out(&direct, graph.recordings);
     let pitch = [BOX[0] + APART[0], BOX[1] + APART[1]];
     let size = [layout.columns as f64 * pitch[0] - APART[0] + 1.0, layout.height * pitch[1]];
-    let middle = |p: &Place| [0.5 + 0.5 * BOX[0] + p.column as f64 * pitch[0], 0.5 * size[1] - p.down * pitch[1]];
+    let box_centre = |p: &Place| [0.5 + 0.5 * BOX[0] + p.column as f64 * pitch[0], 0.5 * size[1] - p.down * pitch[1]];
     let mut diagram = Diagram::new(size[0], size[1]);
     for (from, to, between) in &layout.lines {
-        let (a, b) = (middle(&layout.nodes[*from]), middle(&layout.nodes[*to]));
-        let through = between.iter().map(middle).flat_map(|[x, y]| [[x - 0.5 * BOX[0], y], [x + 0.5 * BOX[0], y]]);
-        let ends = ([a[0] + 0.5 * BOX[0], a[1]], [b[0] - 0.5 * BOX[0], b[1]]);
-        let points = std::iter::once(ends.0).chain(through).chain([ends.1]).collect();
+        let (start, end) = (box_centre(&layout.nodes[*from]), box_centre(&layout.nodes[*to]));
+        let waypoints =
+            between.iter().map(box_centre).flat_map(|[x, y]| [[x - 0.5 * BOX[0], y], [x + 0.5 * BOX[0], y]]);
+        let ends = ([start[0] + 0.5 * BOX[0], start[1]], [end[0] - 0.5 * BOX[0], end[1]]);
+        let points = std::iter::once(ends.0).chain(waypoints).chain([ends.1]).collect();
         diagram = diagram.with(Part::Arrow { points, text: None, colour: palette::MUTED, dash: Dash::Solid });
     }
     for (i, node) in graph.nodes.iter().enumerate() {
         let text = text(&node.name).unwrap_or_else(|| node.description.clone());
         let title = node.name.replace('_', " ");
-        let tall = if i < graph.recordings { SOURCE } else { BOX[1] };
-        let (at, size, fill) = (middle(&layout.nodes[i]), [BOX[0], tall], fill_colour(graph, i));
+        let height = if i < graph.recordings { SOURCE } else { BOX[1] };
+        let (at, size, fill) = (box_centre(&layout.nodes[i]), [BOX[0], height], fill_colour(graph, i));
         diagram = diagram.with(Part::Card { at, size, title, text, fill });
     }
     diagram

@@ -12,9 +12,9 @@ use workflow::settings::Profile;
 /// # Errors
 /// As [`claims::read`].
 pub fn read(path: &Path, profile: Profile) -> Result<Vec<Claim>> {
-    let claims::Page { claim, stand_in } = claims::page(path)?;
+    let claims::Page { claim, stand_in } = claims::claims_page(path)?;
     let Some(tails) = stand_in.get(&profile) else { return Ok(claim) };
-    Ok(claim.into_iter().map(|claim| StandIns(tails).decide(claim)).collect())
+    Ok(claim.into_iter().map(|claim| StandIns(tails).decided_claim(claim)).collect())
 }
 
 /// The tail that stands in for each.
@@ -22,21 +22,23 @@ struct StandIns<'a>(&'a BTreeMap<String, String>);
 
 impl StandIns<'_> {
     /// A claim decided by metrics of the tails that stand in for its own, unless it is about its tail alone.
-    fn decide(&self, claim: Claim) -> Claim {
+    fn decided_claim(&self, claim: Claim) -> Claim {
         if claim.of_its_tail_alone {
             return claim;
         }
         let rule = match claim.rule {
-            Rule::SmallerThan(other) => Rule::SmallerThan(self.metric(&other)),
-            Rule::Ascending(others) => Rule::Ascending(others.iter().map(|other| self.metric(other)).collect()),
-            of_one @ (Rule::AtMost(_) | Rule::AtLeast(_) | Rule::Within(_)) => of_one,
+            Rule::SmallerThan(other) => Rule::SmallerThan(self.stand_in_metric(&other)),
+            Rule::Ascending(others) => {
+                Rule::Ascending(others.iter().map(|other| self.stand_in_metric(other)).collect())
+            }
+            limit @ (Rule::AtMost(_) | Rule::AtLeast(_) | Rule::Within(_)) => limit,
         };
-        let also = claim.also.iter().map(|metric| self.metric(metric)).collect();
-        Claim { metric: self.metric(&claim.metric), also, rule, ..claim }
+        let also = claim.also.iter().map(|metric| self.stand_in_metric(metric)).collect();
+        Claim { metric: self.stand_in_metric(&claim.metric), also, rule, ..claim }
     }
 
     /// A metric of a tail's, or of its trial's, as that of the tail that stands in for it.
-    fn metric(&self, id: &str) -> String {
+    fn stand_in_metric(&self, id: &str) -> String {
         let parts = id.split('.').map(|part| {
             let (tail, trial) = part.split_at(part.find('_').unwrap_or(part.len()));
             self.0.get(tail).map_or_else(|| part.to_owned(), |other| format!("{other}{trial}"))
@@ -58,13 +60,13 @@ mod tests {
         .unwrap();
         let tails = [("nemo".to_owned(), "marlin".to_owned())].into();
         let tails = StandIns(&tails);
-        let decided = tails.decide(claim.clone());
+        let decided = tails.decided_claim(claim.clone());
         assert_eq!(decided.metric, "validate.marlin_200mbar_2hz.rmse_mm");
         assert_eq!(decided.also, ["camera.focal", "identify.bruce.loss"]);
         assert_eq!(decided.rule.others(), ["identify.marlin.loss"]);
         let smaller = Claim { rule: Rule::SmallerThan("identify.nemo.loss".into()), ..claim.clone() };
-        assert_eq!(tails.decide(smaller).rule.others(), ["identify.marlin.loss"]);
+        assert_eq!(tails.decided_claim(smaller).rule.others(), ["identify.marlin.loss"]);
         let alone = Claim { of_its_tail_alone: true, ..claim };
-        assert_eq!(tails.decide(alone.clone()), alone);
+        assert_eq!(tails.decided_claim(alone.clone()), alone);
     }
 }

@@ -21,7 +21,7 @@ pub enum ClockError {
     NoEdge,
     /// One clock recorded events that the other did not.
     #[error(
-        "two clocks recorded different edges\n  why: one recorded {} at {}, the other {} at {}\n  do:  keep the edges that both recorded, or correct the recording that missed one", .here.len(), list(.here), .there.len(), list(.there)
+        "two clocks recorded different edges\n  why: one recorded {} at {}, the other {} at {}\n  do:  keep the edges that both recorded, or correct the recording that missed one", .here.len(), listed_times(.here), .there.len(), listed_times(.there)
     )]
     Counts {
         /// Times on this clock, s.
@@ -62,24 +62,26 @@ impl Clock {
             return Err(ClockError::NoEdge);
         }
         let count = here.len() as f64;
-        let (middle, goal) = (here.iter().sum::<f64>() / count, there.iter().sum::<f64>() / count);
-        let spread: f64 = here.iter().map(|t| (t - middle).powi(2)).sum();
-        let shared: f64 = here.iter().zip(there).map(|(t, u)| (t - middle) * (u - goal)).sum();
-        let scale = if here.len() > 1 { shared / spread } else { 1.0 };
+        let (mean_here, mean_there) = (here.iter().sum::<f64>() / count, there.iter().sum::<f64>() / count);
+        let sum_of_squares: f64 = here.iter().map(|t| (t - mean_here).powi(2)).sum();
+        let sum_of_products: f64 = here.iter().zip(there).map(|(t, u)| (t - mean_here) * (u - mean_there)).sum();
+        let scale = if here.len() > 1 { sum_of_products / sum_of_squares } else { 1.0 };
         if scale.is_nan() || (scale - 1.0).abs() > DRIFT_LIMIT {
             return Err(ClockError::Drift { scale, limit: DRIFT_LIMIT });
         }
-        Ok(Self { offset: goal - scale * middle, scale })
+        Ok(Self { offset: mean_there - scale * mean_here, scale })
     }
 
-    /// Standard deviation of [`Clock::there`] at the time `at` (s), s: the edges `here` (s) are each known to
+    /// Standard deviation of [`Clock::there`] at the time `instant` (s), s: the edges `here` (s) are each known to
     /// `sigma` (s), both clocks together. Of one edge's offset; one edge does not determine the drift.
-    pub fn sigma(here: &[Second], sigma: &[Second], at: Second) -> Second {
+    pub fn sigma(here: &[Second], sigma: &[Second], instant: Second) -> Second {
         let count = here.len() as f64;
-        let middle = here.iter().sum::<f64>() / count;
-        let spread: f64 = here.iter().map(|t| (t - middle).powi(2)).sum();
-        let turn = |t: Second| if spread > 0.0 { (at - middle) * (t - middle) / spread } else { 0.0 };
-        here.iter().zip(sigma).map(|(t, s)| ((1.0 / count + turn(*t)) * s).powi(2)).sum::<f64>().sqrt()
+        let mean_here = here.iter().sum::<f64>() / count;
+        let sum_of_squares: f64 = here.iter().map(|t| (t - mean_here).powi(2)).sum();
+        let lever_arm = |t: Second| {
+            if sum_of_squares > 0.0 { (instant - mean_here) * (t - mean_here) / sum_of_squares } else { 0.0 }
+        };
+        here.iter().zip(sigma).map(|(t, s)| ((1.0 / count + lever_arm(*t)) * s).powi(2)).sum::<f64>().sqrt()
     }
 
     /// A time of this clock on the other one, s.
@@ -94,15 +96,15 @@ impl Clock {
 
     /// Root of the mean squared residual over matched edges, s.
     pub fn rms_error(&self, here: &[Second], there: &[Second]) -> Second {
-        let squares: f64 = here.iter().zip(there).map(|(&t, u)| (self.there(t) - u).powi(2)).sum();
-        (squares / here.len().min(there.len()).max(1) as f64).sqrt()
+        let sum_of_squares: f64 = here.iter().zip(there).map(|(&t, u)| (self.there(t) - u).powi(2)).sum();
+        (sum_of_squares / here.len().min(there.len()).max(1) as f64).sqrt()
     }
 }
 
-fn list(times: &[Second]) -> String {
+fn listed_times(times: &[Second]) -> String {
     let shown: Vec<_> = times.iter().take(6).map(|t| format!("{t:.3}")).collect();
-    let more = if times.len() > 6 { ", …" } else { "" };
-    format!("[{}{more}] s", shown.join(", "))
+    let ellipsis = if times.len() > 6 { ", …" } else { "" };
+    format!("[{}{ellipsis}] s", shown.join(", "))
 }
 
 #[cfg(test)]

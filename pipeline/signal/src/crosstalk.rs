@@ -48,7 +48,7 @@ impl CrossTalk {
     /// C(p), N; held beyond the last knot, zero below the first.
     pub fn at(&self, pressure: Pascal) -> Newton {
         let rises = self.forces.windows(2).map(|f| f[1] - f[0]);
-        self.pressures.windows(2).zip(rises).map(|(knots, rise)| rise * part(pressure, knots)).sum()
+        self.pressures.windows(2).zip(rises).map(|(knots, rise)| rise * step_fraction(pressure, knots)).sum()
     }
 
     /// The force (N) at time `t` (s) of chambers with these pressures (Pa).
@@ -58,7 +58,7 @@ impl CrossTalk {
 }
 
 /// Position of a pressure between two knots, 0 to 1.
-fn part(pressure: Pascal, knots: &[Pascal]) -> f64 {
+fn step_fraction(pressure: Pascal, knots: &[Pascal]) -> f64 {
     ((pressure - knots[0]) / (knots[1] - knots[0])).clamp(0.0, 1.0)
 }
 
@@ -67,14 +67,14 @@ fn part(pressure: Pascal, knots: &[Pascal]) -> f64 {
 /// # Errors
 /// [`EstimationError`] when there is no recording, knots do not rise from 0, or no lag was given.
 pub fn fit(runs: &[Staircase], knots: &[Pascal], lags: &[Second]) -> Result<CrossTalk, EstimationError> {
-    let rising = knots.first() == Some(&0.0) && knots.windows(2).all(|w| w[1] > w[0]);
-    if runs.is_empty() || !rising || knots.len() < 2 {
-        return Err(failed(format!("there are {} recordings and the knots are {knots:?} Pa", runs.len())));
+    let is_rising = knots.first() == Some(&0.0) && knots.windows(2).all(|w| w[1] > w[0]);
+    if runs.is_empty() || !is_rising || knots.len() < 2 {
+        return Err(estimation_error(format!("there are {} recordings and the knots are {knots:?} Pa", runs.len())));
     }
-    let tried: Vec<(CrossTalk, f64)> = lags.iter().filter_map(|&lag| with_lag(runs, knots, lag)).collect();
-    let best = tried.iter().min_by(|a, b| a.0.residual.total_cmp(&b.0.residual));
-    let (best, independent) = best.ok_or_else(|| failed("no lag gives a solution".into()))?;
-    Ok(CrossTalk { lag_interval: interval(&tried, best, *independent), ..best.clone() })
+    let candidates: Vec<(CrossTalk, f64)> = lags.iter().filter_map(|&lag| fit_with_lag(runs, knots, lag)).collect();
+    let best = candidates.iter().min_by(|a, b| a.0.residual.total_cmp(&b.0.residual));
+    let (best, independent) = best.ok_or_else(|| estimation_error("no lag gives a solution".into()))?;
+    Ok(CrossTalk { lag_interval: lag_interval(&candidates, best, *independent), ..best.clone() })
 }
 
 /// The 0.95 quantile of χ² with one degree of freedom.
@@ -82,39 +82,38 @@ const CHI_SQUARE: f64 = 3.841;
 
 /// The delays whose likelihood ratio to the best is not significant: n ln(r²/r²_min) ≤ χ², n the number of independent residuals. Between
 /// two delays that were tried the ratio is taken as linear.
-fn interval(tried: &[(CrossTalk, f64)], best: &CrossTalk, independent: f64) -> [Second; 2] {
+fn lag_interval(candidates: &[(CrossTalk, f64)], best: &CrossTalk, independent: f64) -> [Second; 2] {
     let excess = |talk: &CrossTalk| {
         let ratio = talk.residual / best.residual.max(f64::MIN_POSITIVE);
         2.0 * independent * ratio.ln() - CHI_SQUARE
     };
-    let mut curve: Vec<[f64; 2]> = tried.iter().map(|(talk, _)| [talk.lag, excess(talk)]).collect();
+    let mut curve: Vec<[f64; 2]> = candidates.iter().map(|(talk, _)| [talk.lag, excess(talk)]).collect();
     curve.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let crossing = |inside: [f64; 2], outside: [f64; 2]| {
-        inside[0] + (outside[0] - inside[0]) * -inside[1] / (outside[1] - inside[1])
-    };
-    let at = curve.iter().position(|point| point[0] == best.lag).unwrap_or(0);
-    let edge = |path: &mut dyn Iterator<Item = &[f64; 2]>| {
-        let mut inside = curve[at];
+    let crossing =
+        |below: [f64; 2], above: [f64; 2]| below[0] + (above[0] - below[0]) * -below[1] / (above[1] - below[1]);
+    let best_index = curve.iter().position(|point| point[0] == best.lag).unwrap_or(0);
+    let limit_crossing = |path: &mut dyn Iterator<Item = &[f64; 2]>| {
+        let mut below = curve[best_index];
         for point in path {
             if point[1] > 0.0 {
-                return crossing(inside, *point);
+                return crossing(below, *point);
             }
-            inside = *point;
+            below = *point;
         }
-        inside[0]
+        below[0]
     };
-    [edge(&mut curve[..at].iter().rev()), edge(&mut curve[at + 1..].iter())]
+    [limit_crossing(&mut curve[..best_index].iter().rev()), limit_crossing(&mut curve[best_index + 1..].iter())]
 }
 
 /// Number of independent values among residuals that are correlated from one to the next.
-fn independent(residuals: &[f64]) -> f64 {
-    let square: f64 = residuals.iter().map(|r| r * r).sum();
-    let next: f64 = residuals.windows(2).map(|r| r[0] * r[1]).sum();
-    let correlation = (next / square.max(f64::MIN_POSITIVE)).clamp(0.0, 0.99);
+fn independent_samples(residuals: &[f64]) -> f64 {
+    let variance_sum: f64 = residuals.iter().map(|r| r * r).sum();
+    let lagged_sum: f64 = residuals.windows(2).map(|r| r[0] * r[1]).sum();
+    let correlation = (lagged_sum / variance_sum.max(f64::MIN_POSITIVE)).clamp(0.0, 0.99);
     residuals.len() as f64 * (1.0 - correlation) / (1.0 + correlation)
 }
 
-fn failed(why: String) -> EstimationError {
+fn estimation_error(why: String) -> EstimationError {
     EstimationError {
         what: "the cross-talk of pressure into force",
         why,
@@ -122,48 +121,48 @@ fn failed(why: String) -> EstimationError {
     }
 }
 
-fn with_lag(runs: &[Staircase], knots: &[Pascal], lag: Second) -> Option<(CrossTalk, f64)> {
-    let (rises, total) = (knots.len() - 1, runs.iter().map(|r| r.force.values().len()).sum::<usize>());
-    let mut columns = vec![Vec::with_capacity(total); rises];
+fn fit_with_lag(runs: &[Staircase], knots: &[Pascal], lag: Second) -> Option<(CrossTalk, f64)> {
+    let (rise_count, total) = (knots.len() - 1, runs.iter().map(|r| r.force.values().len()).sum::<usize>());
+    let mut columns = vec![Vec::with_capacity(total); rise_count];
     let mut target = Vec::with_capacity(total);
-    let mut before = 0;
+    let mut first_sample = 0;
     let mut drifts = Vec::new();
     for run in runs {
-        let samples = run.force.values().len();
-        for i in 0..samples {
+        let run_samples = run.force.values().len();
+        for i in 0..run_samples {
             let t = run.force.time(i) - lag;
-            let seen: Vec<Pascal> = run.pressures.iter().map(|p| p.at(t)).collect();
+            let gauges: Vec<Pascal> = run.pressures.iter().map(|p| p.at(t)).collect();
             for (column, pair) in columns.iter_mut().zip(knots.windows(2)) {
-                column.push(seen.iter().map(|&p| part(p, pair)).sum());
+                column.push(gauges.iter().map(|&p| step_fraction(p, pair)).sum());
             }
         }
         target.extend(run.force.values());
-        for column in polynomial::columns(samples, DRIFT) {
-            let mut own = vec![0.0; total];
-            own[before..before + samples].copy_from_slice(&column);
-            drifts.push(own);
+        for column in polynomial::basis_columns(run_samples, DRIFT) {
+            let mut column_over_all = vec![0.0; total];
+            column_over_all[first_sample..first_sample + run_samples].copy_from_slice(&column);
+            drifts.push(column_over_all);
         }
-        before += samples;
+        first_sample += run_samples;
     }
     // Non-negative increments make C monotone, as an inflated volume is: free increments could fall between knots through noise and drift.
     columns.extend(drifts);
-    let weights = linear::nnls(&columns, &target, rises)?;
+    let weights = linear::nnls(&columns, &target, rise_count)?;
     let sum = linear::weighted_sum(&columns, &weights);
-    let left: Vec<f64> = sum.iter().zip(&target).map(|(s, t)| s - t).collect();
-    let residual = (left.iter().map(|r| r * r).sum::<f64>() / total as f64).sqrt();
+    let residuals: Vec<f64> = sum.iter().zip(&target).map(|(s, t)| s - t).collect();
+    let residual = (residuals.iter().map(|r| r * r).sum::<f64>() / total as f64).sqrt();
     let mut forces = vec![0.0];
-    weights[..rises].iter().for_each(|rise| forces.push(forces[forces.len() - 1] + rise));
-    let independent = independent(&left);
-    let sigma = residual * (total as f64 / independent).sqrt() * sigma_of_sum(&columns, rises)?;
+    weights[..rise_count].iter().for_each(|rise| forces.push(forces[forces.len() - 1] + rise));
+    let sample_count = independent_samples(&residuals);
+    let sigma = residual * (total as f64 / sample_count).sqrt() * sigma_of_sum(&columns, rise_count)?;
     let talk = CrossTalk { pressures: knots.to_vec(), forces, lag, lag_interval: [lag; 2], residual, sigma };
-    Some((talk, independent))
+    Some((talk, sample_count))
 }
 
 /// Standard deviation of the sum of the first so many weights for noise of 1: √(eᵀ (AᵀA)⁻¹ e), e one for each of them.
-fn sigma_of_sum(columns: &[Vec<f64>], summed: usize) -> Option<f64> {
+fn sigma_of_sum(columns: &[Vec<f64>], summed_count: usize) -> Option<f64> {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let gram = DMatrix::from_fn(columns.len(), columns.len(), |i, j| dot(&columns[i], &columns[j]));
-    let ones = DVector::from_fn(columns.len(), |i, _| if i < summed { 1.0 } else { 0.0 });
+    let ones = DVector::from_fn(columns.len(), |i, _| if i < summed_count { 1.0 } else { 0.0 });
     Some(ones.dot(&gram.cholesky()?.solve(&ones)).sqrt())
 }
 

@@ -108,14 +108,14 @@ pub fn edges_at(times: &[Second], values: &[f64], window: impl Fn(usize) -> Wind
             return Err(EdgeError::Overlap { width, period });
         }
     }
-    let Levels { low, high, noise } = levels(values)?;
+    let Levels { low, high, noise } = signal_levels(values)?;
     let share: Vec<f64> = values.iter().map(|v| ((v - low) / (high - low)).clamp(0.0, 1.0)).collect();
     let flicker = noise / (high - low);
     let upper: Vec<bool> = share.iter().map(|&s| s >= 0.5).collect();
     let crossings = (1..share.len()).filter(|&i| upper[i] != upper[i - 1]);
     let normalised = NormalisedSignal { times, share: &share, window: &window, flicker };
     let edge = |i: usize| {
-        let (time, sigma) = normalised.crossing(i);
+        let (time, sigma) = normalised.edge_crossing(i);
         Edge { time, up: upper[i], sigma }
     };
     Ok(crossings.map(edge).collect())
@@ -139,18 +139,18 @@ impl NormalisedSignal<'_> {
     /// The sample that lies between the levels has the edge inside its window, a share of the new level before the window's
     /// end. Without such a sample the edge lies between the two windows and is placed half way. The second value is the standard
     /// deviation: from the flicker of the level, or that of a uniform distribution over the gap.
-    fn crossing(&self, i: usize) -> (Second, Second) {
+    fn edge_crossing(&self, i: usize) -> (Second, Second) {
         let Self { times, share, window, flicker } = *self;
-        let new = |k: usize| if share[i] >= 0.5 { share[k] } else { 1.0 - share[k] };
-        let begin = |k: usize| times[k] - window(k).lead;
+        let new_level_share = |k: usize| if share[i] >= 0.5 { share[k] } else { 1.0 - share[k] };
+        let exposure_start = |k: usize| times[k] - window(k).lead;
         let nearest = if (share[i - 1] - 0.5).abs() < (share[i] - 0.5).abs() { i - 1 } else { i };
         if (NEAR..=1.0 - NEAR).contains(&share[nearest]) {
             let width = window(nearest).width;
-            (begin(nearest) + (1.0 - new(nearest)) * width, flicker.hypot(LEVEL) * width)
+            (exposure_start(nearest) + (1.0 - new_level_share(nearest)) * width, flicker.hypot(LEVEL) * width)
         } else {
-            let (from, to) = (begin(i - 1) + window(i - 1).width, begin(i));
-            let gap = to - from + NEAR * (window(i - 1).width + window(i).width);
-            (0.5 * (from + to), gap / 12.0_f64.sqrt())
+            let (gap_start, gap_end) = (exposure_start(i - 1) + window(i - 1).width, exposure_start(i));
+            let gap_width = gap_end - gap_start + NEAR * (window(i - 1).width + window(i).width);
+            (0.5 * (gap_start + gap_end), gap_width / 12.0_f64.sqrt())
         }
     }
 }
@@ -163,18 +163,18 @@ struct Levels {
 }
 
 /// The two levels: medians of the samples on either side of the middle, those in mid edge left out.
-fn levels(values: &[f64]) -> Result<Levels, EdgeError> {
-    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
-    let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let (mut low, mut high) = (least, most);
+fn signal_levels(values: &[f64]) -> Result<Levels, EdgeError> {
+    let minimum = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let maximum = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let (mut low, mut high) = (minimum, maximum);
     for _ in 0..3 {
         let quarter = 0.25 * (high - low);
-        low = median(values.iter().copied().filter(|&v| v <= low + quarter)).unwrap_or(low);
-        high = median(values.iter().copied().filter(|&v| v >= high - quarter)).unwrap_or(high);
+        low = upper_median(values.iter().copied().filter(|&v| v <= low + quarter)).unwrap_or(low);
+        high = upper_median(values.iter().copied().filter(|&v| v >= high - quarter)).unwrap_or(high);
     }
-    let middle = 0.5 * (low + high);
-    let scatter = values.iter().map(|&v| (v - if v < middle { low } else { high }).abs());
-    let noise = 1.4826 * median(scatter).unwrap_or(0.0);
+    let midpoint = 0.5 * (low + high);
+    let deviations = values.iter().map(|&v| (v - if v < midpoint { low } else { high }).abs());
+    let noise = 1.4826 * upper_median(deviations).unwrap_or(0.0);
     if high - low > LEVELS_APART * noise && high > low {
         Ok(Levels { low, high, noise })
     } else {
@@ -182,7 +182,7 @@ fn levels(values: &[f64]) -> Result<Levels, EdgeError> {
     }
 }
 
-fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
+fn upper_median(values: impl Iterator<Item = f64>) -> Option<f64> {
     let mut sorted: Vec<f64> = values.collect();
     sorted.sort_by(f64::total_cmp);
     sorted.get(sorted.len() / 2).copied()

@@ -60,8 +60,8 @@ impl Samples {
         if times.len() != values.len() || times.is_empty() {
             return Err(SampleError::Lengths { times: times.len(), values: values.len() });
         }
-        let broken = |i: &usize| !times[*i].is_finite() || !values[*i].is_finite();
-        if let Some(sample) = (0..times.len()).find(broken) {
+        let is_invalid = |i: &usize| !times[*i].is_finite() || !values[*i].is_finite();
+        if let Some(sample) = (0..times.len()).find(is_invalid) {
             return Err(SampleError::NotANumber { sample, at: times[sample], value: values[sample] });
         }
         match (1..times.len()).find(|&i| times[i] <= times[i - 1]) {
@@ -90,14 +90,14 @@ impl Samples {
         if right == self.times.len() {
             return self.values[left];
         }
-        let part = (t - self.times[left]) / (self.times[right] - self.times[left]);
-        self.values[left] * (1.0 - part) + self.values[right] * part
+        let fraction = (t - self.times[left]) / (self.times[right] - self.times[left]);
+        self.values[left] * (1.0 - fraction) + self.values[right] * fraction
     }
 
     /// The mean over `width` (s) around time `t` (s): what a shutter that is open so long sees.
     pub fn mean_at(&self, t: Second, width: Second) -> f64 {
-        let place = |i: usize| t + width * ((i as f64 + 0.5) / MIDPOINTS as f64 - 0.5);
-        (0..MIDPOINTS).map(|i| self.at(place(i))).sum::<f64>() / MIDPOINTS as f64
+        let midpoint = |i: usize| t + width * ((i as f64 + 0.5) / MIDPOINTS as f64 - 0.5);
+        (0..MIDPOINTS).map(|i| self.at(midpoint(i))).sum::<f64>() / MIDPOINTS as f64
     }
 
     /// The values at `times` (s).
@@ -120,20 +120,20 @@ impl Samples {
 /// The value of an even series at time `t` (s): the cubic through the four nearest samples, linear in the first and the last interval, held
 /// outside. Of a signal at a tenth of the rate it loses 0.5 % where linear interpolation loses 5 %.
 pub fn cubic(series: &Series, t: Second) -> f64 {
-    let place = (t - series.start()) * series.rate();
+    let position = (t - series.start()) * series.rate();
     let values = series.values();
-    let left = place.floor();
+    let left = position.floor();
     if left < 1.0 || left + 2.0 > (values.len() - 1) as f64 {
         return series.at(t);
     }
-    let (x, around) = (place - left, &values[left as usize - 1..]);
+    let (fraction, neighbours) = (position - left, &values[left as usize - 1..]);
     let weights = [
-        -x * (x - 1.0) * (x - 2.0) / 6.0,
-        (x + 1.0) * (x - 1.0) * (x - 2.0) / 2.0,
-        -(x + 1.0) * x * (x - 2.0) / 2.0,
-        (x + 1.0) * x * (x - 1.0) / 6.0,
+        -fraction * (fraction - 1.0) * (fraction - 2.0) / 6.0,
+        (fraction + 1.0) * (fraction - 1.0) * (fraction - 2.0) / 2.0,
+        -(fraction + 1.0) * fraction * (fraction - 2.0) / 2.0,
+        (fraction + 1.0) * fraction * (fraction - 1.0) / 6.0,
     ];
-    weights.iter().zip(around).map(|(weight, value)| weight * value).sum()
+    weights.iter().zip(neighbours).map(|(weight, value)| weight * value).sum()
 }
 
 /// The values of an even series at `times` (s), linear between samples, held outside.

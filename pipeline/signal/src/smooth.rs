@@ -58,18 +58,18 @@ pub fn low_pass(signal: &Series, cutoff: Hertz, sections: usize) -> Result<Serie
     if samples <= pad {
         return Err(SmoothError::Short { samples, needed: pad + 1, sections });
     }
-    let chain = butterworth(cutoff / signal.rate(), sections);
-    let mut values = continued(signal.values(), pad);
+    let filter = butterworth_sections(cutoff / signal.rate(), sections);
+    let mut values = reflected_values(signal.values(), pad);
     for _ in 0..2 {
-        pass(&chain, &mut values);
+        filter_in_place(&filter, &mut values);
         values.reverse();
     }
-    let kept = values[pad..pad + samples].to_vec();
-    Ok(Series::new(signal.start(), signal.rate(), kept).expect("as many finite values as the signal had"))
+    let smoothed = values[pad..pad + samples].to_vec();
+    Ok(Series::new(signal.start(), signal.rate(), smoothed).expect("as many finite values as the signal had"))
 }
 
 /// Sections of a Butterworth low-pass by the bilinear transform; `cutoff` in cycles a sample.
-fn butterworth(cutoff: f64, sections: usize) -> Vec<Section> {
+fn butterworth_sections(cutoff: f64, sections: usize) -> Vec<Section> {
     let w = (PI * cutoff).tan();
     let section = |k: usize| {
         let damping = 2.0 * (PI * (2 * k + 1) as f64 / (4 * sections) as f64).sin();
@@ -81,22 +81,22 @@ fn butterworth(cutoff: f64, sections: usize) -> Vec<Section> {
 }
 
 /// The values with `pad` more on each side, by point reflection.
-fn continued(values: &[f64], pad: usize) -> Vec<f64> {
+fn reflected_values(values: &[f64], pad: usize) -> Vec<f64> {
     let (first, last, n) = (values[0], values[values.len() - 1], values.len());
-    let before = (1..=pad).rev().map(|i| 2.0 * first - values[i]);
-    let after = (1..=pad).map(|i| 2.0 * last - values[n - 1 - i]);
-    before.chain(values.iter().copied()).chain(after).collect()
+    let leading = (1..=pad).rev().map(|i| 2.0 * first - values[i]);
+    let trailing = (1..=pad).map(|i| 2.0 * last - values[n - 1 - i]);
+    leading.chain(values.iter().copied()).chain(trailing).collect()
 }
 
 /// One pass of all sections in place (transposed direct form II), started in the steady state of the first value.
-fn pass(chain: &[Section], values: &mut [f64]) {
-    for Section { b, a } in chain {
+fn filter_in_place(sections: &[Section], values: &mut [f64]) {
+    for Section { b, a } in sections {
         let steady = values[0]; // each section has unit gain at rest
-        let mut late = [(1.0 - b[0]) * steady, (b[2] - a[1]) * steady];
+        let mut states = [(1.0 - b[0]) * steady, (b[2] - a[1]) * steady];
         for value in values.iter_mut() {
             let input = *value;
-            let output = b[0] * input + late[0];
-            late = [b[1] * input - a[0] * output + late[1], b[2] * input - a[1] * output];
+            let output = b[0] * input + states[0];
+            states = [b[1] * input - a[0] * output + states[1], b[2] * input - a[1] * output];
             *value = output;
         }
     }

@@ -2,8 +2,8 @@
 
 /// The part of the impulse, without sign, that is negative, 0 to 1.
 pub fn negative_share(force: &[f64]) -> f64 {
-    let all: f64 = force.iter().map(|f| f.abs()).sum();
-    force.iter().map(|f| (-f).max(0.0)).sum::<f64>() / all.max(f64::MIN_POSITIVE)
+    let total: f64 = force.iter().map(|f| f.abs()).sum();
+    force.iter().map(|f| (-f).max(0.0)).sum::<f64>() / total.max(f64::MIN_POSITIVE)
 }
 
 /// Minima of a profile, each separated from the next by a rise and a fall of more than `rise`; a flat minimum counts once.
@@ -21,19 +21,19 @@ pub fn minima(values: &[f64], rise: f64) -> usize {
 
 /// Ranks in rising order; ties have the mean rank.
 pub fn ranks(values: &[f64]) -> Vec<f64> {
-    let below = |v: f64| values.iter().filter(|w| **w < v).count() as f64;
-    let same = |v: f64| values.iter().filter(|w| **w <= v).count() as f64 - below(v);
-    values.iter().map(|&v| below(v) + 0.5 * (same(v) - 1.0)).collect()
+    let lower_count = |v: f64| values.iter().filter(|w| **w < v).count() as f64;
+    let equal_count = |v: f64| values.iter().filter(|w| **w <= v).count() as f64 - lower_count(v);
+    values.iter().map(|&v| lower_count(v) + 0.5 * (equal_count(v) - 1.0)).collect()
 }
 
 /// Pearson's correlation; 0 where one of both is constant.
 pub fn correlation(a: &[f64], b: &[f64]) -> f64 {
     let mean = |v: &[f64]| v.iter().sum::<f64>() / v.len().max(1) as f64;
     let (ma, mb) = (mean(a), mean(b));
-    let product =
+    let covariance_sum =
         |x: &[f64], mx: f64, y: &[f64], my: f64| -> f64 { x.iter().zip(y).map(|(x, y)| (x - mx) * (y - my)).sum() };
-    let scale = (product(a, ma, a, ma) * product(b, mb, b, mb)).sqrt();
-    if scale > 0.0 { product(a, ma, b, mb) / scale } else { 0.0 }
+    let scale = (covariance_sum(a, ma, a, ma) * covariance_sum(b, mb, b, mb)).sqrt();
+    if scale > 0.0 { covariance_sum(a, ma, b, mb) / scale } else { 0.0 }
 }
 
 #[cfg(test)]

@@ -37,37 +37,39 @@ pub struct Gauge<'a> {
 
 /// Every filling in a log whose begin and end it holds; `time` in s.
 pub fn pulses(time: &[Second], gauge: Gauge) -> Vec<Pulse> {
-    let on = |i: usize| gauge.command[i] > ASKED;
-    let starts = (1..time.len()).filter(|&i| on(i) && !on(i - 1));
-    starts.filter_map(|start| pulse(time, gauge, start, (start..time.len()).find(|&i| !on(i))?)).collect()
+    let is_commanded = |i: usize| gauge.command[i] > ASKED;
+    let starts = (1..time.len()).filter(|&i| is_commanded(i) && !is_commanded(i - 1));
+    starts
+        .filter_map(|start| measured_pulse(time, gauge, start, (start..time.len()).find(|&i| !is_commanded(i))?))
+        .collect()
 }
 
-fn pulse(time: &[Second], gauge: Gauge, start: usize, end: usize) -> Option<Pulse> {
+fn measured_pulse(time: &[Second], gauge: Gauge, start: usize, end: usize) -> Option<Pulse> {
     let p = gauge.measured;
     let hold = time[end] - time[start];
-    let late = time[end] - SETTLED.min(0.2 * hold);
-    let settled: Vec<f64> = (start..end).filter(|&i| time[i] >= late).map(|i| p[i]).collect();
+    let settled_start = time[end] - SETTLED.min(0.2 * hold);
+    let settled: Vec<f64> = (start..end).filter(|&i| time[i] >= settled_start).map(|i| p[i]).collect();
     let held = settled.iter().sum::<f64>() / settled.len().max(1) as f64;
-    let next = (end..time.len()).find(|&i| gauge.command[i] > ASKED).unwrap_or(time.len());
-    let empty_dead = crossing(time, p, end..next, (1.0 - MOVED) * held)? - time[end];
-    let gone = crossing(time, p, end..next, held / std::f64::consts::E)? - time[end];
+    let next_start = (end..time.len()).find(|&i| gauge.command[i] > ASKED).unwrap_or(time.len());
+    let empty_dead = level_crossing(time, p, end..next_start, (1.0 - MOVED) * held)? - time[end];
+    let emptied_time = level_crossing(time, p, end..next_start, held / std::f64::consts::E)? - time[end];
     Some(Pulse {
         asked: gauge.command[start],
         held,
-        fill_dead: crossing(time, p, start..end, MOVED * held)? - time[start],
-        fill: crossing(time, p, start..end, (1.0 - MOVED) * held)? - time[start],
+        fill_dead: level_crossing(time, p, start..end, MOVED * held)? - time[start],
+        fill: level_crossing(time, p, start..end, (1.0 - MOVED) * held)? - time[start],
         empty_dead,
         // measured from the first 5 % of the fall on, the time to 1/e is shorter than the time constant by this
-        empty: (gone - empty_dead) / (1.0 + (1.0 - MOVED).ln()),
+        empty: (emptied_time - empty_dead) / (1.0 + (1.0 - MOVED).ln()),
     })
 }
 
 /// When a log first crosses a level, between its samples, s.
-fn crossing(time: &[Second], log: &[f64], within: std::ops::Range<usize>, level: f64) -> Option<Second> {
-    let below = log[within.start] < level;
-    let i = within.into_iter().find(|&i| (log[i] < level) != below)?;
-    let part = (level - log[i - 1]) / (log[i] - log[i - 1]);
-    Some(time[i - 1] + part * (time[i] - time[i - 1]))
+fn level_crossing(time: &[Second], log: &[f64], range: std::ops::Range<usize>, level: f64) -> Option<Second> {
+    let starts_below = log[range.start] < level;
+    let i = range.into_iter().find(|&i| (log[i] < level) != starts_below)?;
+    let fraction = (level - log[i - 1]) / (log[i] - log[i - 1]);
+    Some(time[i - 1] + fraction * (time[i] - time[i - 1]))
 }
 
 #[cfg(test)]

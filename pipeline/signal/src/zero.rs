@@ -37,31 +37,31 @@ const FEWEST: usize = 8;
 impl Zero {
     /// The zero of `signal`: a line where it is known at both ends, a constant where at one, 0 where at none.
     pub fn of(&self, signal: &Series) -> ZeroLine {
-        let before = rest(signal, [signal.start(), self.moves[0]]);
-        let after = rest(signal, [self.moves[1] + self.settling, signal.end()]);
-        let line = |t: Second| match (before, after) {
+        let rest_before = rest_level(signal, [signal.start(), self.moves[0]]);
+        let rest_after = rest_level(signal, [self.moves[1] + self.settling, signal.end()]);
+        let zero_at = |t: Second| match (rest_before, rest_after) {
             (Some(a), Some(b)) => a.mean + (b.mean - a.mean) * (t - a.time) / (b.time - a.time),
-            (Some(rest), None) | (None, Some(rest)) => rest.mean,
+            (Some(level), None) | (None, Some(level)) => level.mean,
             (None, None) => 0.0,
         };
-        let sigma = match (before, after) {
+        let sigma = match (rest_before, rest_after) {
             (Some(a), Some(b)) => 0.5 * a.sigma.hypot(b.sigma),
-            (Some(rest), None) | (None, Some(rest)) => rest.sigma,
+            (Some(level), None) | (None, Some(level)) => level.sigma,
             (None, None) => 0.0,
         };
-        let values = (0..signal.values().len()).map(|i| line(signal.time(i))).collect();
-        ZeroLine { values, sigma, change: before.zip(after).map(|(a, b)| b.mean - a.mean) }
+        let values = (0..signal.values().len()).map(|i| zero_at(signal.time(i))).collect();
+        ZeroLine { values, sigma, change: rest_before.zip(rest_after).map(|(a, b)| b.mean - a.mean) }
     }
 }
 
 /// The mean between two times; none of too few samples.
-fn rest(signal: &Series, [from, to]: [Second; 2]) -> Option<Rest> {
-    let of: Vec<usize> = (0..signal.values().len()).filter(|&i| (from..to).contains(&signal.time(i))).collect();
-    if to - from <= SHORTEST || of.len() < FEWEST {
+fn rest_level(signal: &Series, [start, end]: [Second; 2]) -> Option<Rest> {
+    let indices: Vec<usize> = (0..signal.values().len()).filter(|&i| (start..end).contains(&signal.time(i))).collect();
+    if end - start <= SHORTEST || indices.len() < FEWEST {
         return None;
     }
-    let count = of.len() as f64;
-    let average = |value: &dyn Fn(usize) -> f64| of.iter().map(|&i| value(i)).sum::<f64>() / count;
+    let count = indices.len() as f64;
+    let average = |value: &dyn Fn(usize) -> f64| indices.iter().map(|&i| value(i)).sum::<f64>() / count;
     let mean = average(&|i| signal.values()[i]);
     let variance = average(&|i| (signal.values()[i] - mean).powi(2));
     Some(Rest { time: average(&|i| signal.time(i)), mean, sigma: (variance / (count - 1.0)).sqrt() })

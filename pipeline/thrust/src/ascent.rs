@@ -39,11 +39,11 @@ const STEP: f64 = 0.25;
 const SHORTEST: f64 = 2e-3;
 
 impl Limits {
-    /// The wave at normalised coordinates (0 to 1 along both limits), with the sharpness of `like`.
-    pub fn wave(&self, place: [f64; 2], like: SquareWave) -> SquareWave {
+    /// The wave at normalised coordinates (0 to 1 along both limits), with the sharpness of `template`.
+    pub fn wave(&self, coordinates: [f64; 2], template: SquareWave) -> SquareWave {
         let [low, high] = self.frequency;
-        let [amplitude, frequency] = place.map(|p| p.clamp(0.0, 1.0));
-        SquareWave { amplitude: amplitude * self.amplitude, frequency: low + frequency * (high - low), ..like }
+        let [amplitude, frequency] = coordinates.map(|p| p.clamp(0.0, 1.0));
+        SquareWave { amplitude: amplitude * self.amplitude, frequency: low + frequency * (high - low), ..template }
     }
 
     /// Normalised coordinates of a wave; one half along a limit of zero width.
@@ -53,10 +53,11 @@ impl Limits {
     }
 
     /// A gradient in units of the limits, projected onto them.
-    fn projected_gradient(&self, place: [f64; 2], slope: [f64; 2]) -> [f64; 2] {
-        let scaled = [slope[0] * self.amplitude, slope[1] * (self.frequency[1] - self.frequency[0])];
-        let leaves = |k: usize| (place[k] >= 1.0 && scaled[k] > 0.0) || (place[k] <= 0.0 && scaled[k] < 0.0);
-        [0, 1].map(|k| if leaves(k) { 0.0 } else { scaled[k] })
+    fn projected_gradient(&self, coordinates: [f64; 2], gradient: [f64; 2]) -> [f64; 2] {
+        let scaled = [gradient[0] * self.amplitude, gradient[1] * (self.frequency[1] - self.frequency[0])];
+        let points_outside =
+            |k: usize| (coordinates[k] >= 1.0 && scaled[k] > 0.0) || (coordinates[k] <= 0.0 && scaled[k] < 0.0);
+        [0, 1].map(|k| if points_outside(k) { 0.0 } else { scaled[k] })
     }
 }
 
@@ -66,19 +67,21 @@ impl Limits {
 /// As [`Objective::value`].
 pub fn ascend(objective: &mut dyn Objective, start: SquareWave, limits: &Limits) -> Result<Vec<(SquareWave, Newton)>> {
     let mut iterates = vec![(start, objective.value(&start)?)];
-    let (mut place, mut step) = (limits.place(&start), STEP);
-    let mut projected_gradient = limits.projected_gradient(place, objective.gradient(&start)?);
+    let (mut coordinates, mut step) = (limits.place(&start), STEP);
+    let mut projected_gradient = limits.projected_gradient(coordinates, objective.gradient(&start)?);
     for _ in 0..limits.iterations {
-        let size = projected_gradient[0].hypot(projected_gradient[1]);
-        if size == 0.0 || step < SHORTEST {
+        let gradient_norm = projected_gradient[0].hypot(projected_gradient[1]);
+        if gradient_norm == 0.0 || step < SHORTEST {
             break;
         }
-        let next = [0, 1].map(|k| (place[k] + step * projected_gradient[k] / size).clamp(0.0, 1.0));
-        let wave = limits.wave(next, start);
-        let found = objective.value(&wave)?;
-        if found > iterates[iterates.len() - 1].1 {
-            iterates.push((wave, found));
-            (place, projected_gradient) = (next, limits.projected_gradient(next, objective.gradient(&wave)?));
+        let next_coordinates =
+            [0, 1].map(|k| (coordinates[k] + step * projected_gradient[k] / gradient_norm).clamp(0.0, 1.0));
+        let wave = limits.wave(next_coordinates, start);
+        let thrust = objective.value(&wave)?;
+        if thrust > iterates[iterates.len() - 1].1 {
+            iterates.push((wave, thrust));
+            (coordinates, projected_gradient) =
+                (next_coordinates, limits.projected_gradient(next_coordinates, objective.gradient(&wave)?));
         } else {
             step *= 0.5;
         }

@@ -45,8 +45,8 @@ impl FlappingModel<'_> {
     /// A [`diagnostics::Diagnostic`] when a step finds no motion.
     pub fn run(&self, wave: &SquareWave) -> Result<Run> {
         let pressures = |t: Second| {
-            let both = wave.at(t);
-            self.halves.iter().map(|half| half.map_or(0.0, |half| both[half])).collect()
+            let side_pressures = wave.at(t);
+            self.halves.iter().map(|half| half.map_or(0.0, |half| side_pressures[half])).collect()
         };
         self.run_under(wave.frequency, wave.amplitude, &pressures)
     }
@@ -63,32 +63,33 @@ impl FlappingModel<'_> {
     ) -> Result<Run> {
         let rate = frequency * self.steps_per_cycle as f64;
         let [settle, counted] = self.cycles;
-        let (moved, speed) = self.motion(rate, (settle + counted) * self.steps_per_cycle, pressures)?;
+        let (moved, speed) = self.simulated_motion(rate, (settle + counted) * self.steps_per_cycle, pressures)?;
         let time: Vec<Second> = (1..=moved.len()).map(|i| i as f64 / rate).collect();
         let pressure: Vec<Vec<Pascal>> = time.iter().map(|&t| pressures(t)).collect();
         let rates: Vec<Vec<f64>> = (0..self.halves.len())
-            .map(|c| run::rates(&pressure.iter().map(|p| p[c]).collect::<Vec<_>>(), rate))
+            .map(|chamber| run::rates(&pressure.iter().map(|p| p[chamber]).collect::<Vec<_>>(), rate))
             .collect();
-        let pressure_rate: Vec<Vec<f64>> = (0..time.len()).map(|i| rates.iter().map(|c| c[i]).collect()).collect();
+        let pressure_rate: Vec<Vec<f64>> =
+            (0..time.len()).map(|i| rates.iter().map(|chamber| chamber[i]).collect()).collect();
         let terms = run::parts(self.tail, &moved, &speed, rate);
-        let from = settle * self.steps_per_cycle;
+        let first_counted = settle * self.steps_per_cycle;
         Ok(Run {
             id: format!("{amplitude:.0} Pa at {frequency:.2} Hz"),
             amplitude,
             frequency,
             split: None,
             rate,
-            force: vec![0.0; time.len() - from],
-            time: time[from..].to_vec(),
-            moved: moved[from..].to_vec(),
-            speed: speed[from..].to_vec(),
-            pressure: pressure[from..].to_vec(),
-            pressure_rate: pressure_rate[from..].to_vec(),
-            terms: terms[from..].to_vec(),
+            force: vec![0.0; time.len() - first_counted],
+            time: time[first_counted..].to_vec(),
+            moved: moved[first_counted..].to_vec(),
+            speed: speed[first_counted..].to_vec(),
+            pressure: pressure[first_counted..].to_vec(),
+            pressure_rate: pressure_rate[first_counted..].to_vec(),
+            terms: terms[first_counted..].to_vec(),
         })
     }
 
-    fn motion(&self, rate: Hertz, steps: usize, pressures: &dyn Fn(Second) -> Vec<Pascal>) -> Result<Motion> {
+    fn simulated_motion(&self, rate: Hertz, steps: usize, pressures: &dyn Fn(Second) -> Vec<Pascal>) -> Result<Motion> {
         let settings = DynamicSettings { step: 1.0 / rate, scheme: Scheme::Bdf2, ..DynamicSettings::default() };
         let water = Surroundings { tail: self.wet.0, rows: self.wet.1, by: self.by, half: self.half };
         let (mut moved, mut speed) = (Vec::with_capacity(steps), Vec::with_capacity(steps));
@@ -130,15 +131,15 @@ impl Objective for MeanThrust<'_> {
     }
 
     fn gradient(&mut self, wave: &SquareWave) -> Result<[f64; 2]> {
-        let place = self.limits.place(wave);
-        let mut along = |k: usize| -> Result<f64> {
-            let (mut low, mut high) = (place, place);
-            (low[k], high[k]) = ((place[k] - NUDGE).max(0.0), (place[k] + NUDGE).min(1.0));
-            let (from, to) = (self.limits.wave(low, *wave), self.limits.wave(high, *wave));
-            let width = [to.amplitude - from.amplitude, to.frequency - from.frequency][k];
-            let rise = self.value(&to)? - self.value(&from)?;
+        let coordinates = self.limits.place(wave);
+        let mut slope_along = |k: usize| -> Result<f64> {
+            let (mut lower, mut upper) = (coordinates, coordinates);
+            (lower[k], upper[k]) = ((coordinates[k] - NUDGE).max(0.0), (coordinates[k] + NUDGE).min(1.0));
+            let (lower_wave, upper_wave) = (self.limits.wave(lower, *wave), self.limits.wave(upper, *wave));
+            let width = [upper_wave.amplitude - lower_wave.amplitude, upper_wave.frequency - lower_wave.frequency][k];
+            let rise = self.value(&upper_wave)? - self.value(&lower_wave)?;
             Ok(if width > 0.0 { rise / width } else { 0.0 })
         };
-        Ok([along(0)?, along(1)?])
+        Ok([slope_along(0)?, slope_along(1)?])
     }
 }

@@ -77,8 +77,9 @@ impl Performed {
 impl OptimalWaveform {
     /// Value of the goal at the optimum over that of the best square wave, no unit.
     pub fn gain(&self) -> f64 {
-        let value =
-            |of: &Performed| if self.flap.name == Goal::Thrust.name() { of.thrust_n } else { of.thrust_per_air() };
+        let value = |performed: &Performed| {
+            if self.flap.name == Goal::Thrust.goal_name() { performed.thrust_n } else { performed.thrust_per_air() }
+        };
         value(&self.flap.performed) / value(&self.square.performed)
     }
 }
@@ -89,36 +90,36 @@ impl WaveformModel<'_> {
     /// # Errors
     /// A [`Diagnostic`] when a step finds no motion or has no adjoint.
     pub fn optimal_waveforms(&self, recorded: &Run) -> Result<OptimalWaveforms> {
-        let sweep: Vec<(Waveform, Cycle)> = Self::squares()
+        let sweep: Vec<(Waveform, Cycle)> = Self::steepest_squares()
             .into_par_iter()
             .map(|waveform| {
-                let cycle = self.cycle(&waveform)?;
+                let cycle = self.last_cycle(&waveform)?;
                 Ok((waveform, cycle))
             })
             .collect::<Result<_>>()?;
         let goals = [Goal::Thrust, Goal::ThrustPerAir];
         Ok(OptimalWaveforms {
             valve: self.valve,
-            recorded: self.recorded(recorded)?,
+            recorded: self.recorded_flap(recorded)?,
             sweep: sweep
                 .iter()
-                .map(|(waveform, cycle)| self.performed(waveform.frequency(&self.limits), cycle))
+                .map(|(waveform, cycle)| self.flap_performance(waveform.frequency(&self.limits), cycle))
                 .collect(),
-            optima: goals.into_par_iter().map(|goal| self.optimum(goal, &sweep)).collect::<Result<_>>()?,
+            optima: goals.into_par_iter().map(|goal| self.goal_optimum(goal, &sweep)).collect::<Result<_>>()?,
         })
     }
 
     /// The steepest square waves over the limits: amplitudes from an even part of the highest, all frequencies.
-    fn squares() -> Vec<Waveform> {
+    fn steepest_squares() -> Vec<Waveform> {
         let [amplitudes, frequencies] = SWEEP;
-        let places = (1..=amplitudes).flat_map(|a| (0..frequencies).map(move |f| (a, f)));
-        places
+        let grid_points = (1..=amplitudes).flat_map(|a| (0..frequencies).map(move |f| (a, f)));
+        grid_points
             .map(|(a, f)| [a as f64 / amplitudes as f64, f as f64 / (frequencies - 1) as f64])
-            .map(|place| Waveform::steepest(&place))
+            .map(|coordinates| Waveform::steepest_square(&coordinates))
             .collect()
     }
 
-    fn optimum(&self, goal: Goal, sweep: &[(Waveform, Cycle)]) -> Result<OptimalWaveform> {
+    fn goal_optimum(&self, goal: Goal, sweep: &[(Waveform, Cycle)]) -> Result<OptimalWaveform> {
         let value = |cycle: &Cycle| goal.value(&cycle.performance);
         let (start, square) = sweep.iter().max_by(|(_, a), (_, b)| value(a).total_cmp(&value(b))).ok_or_else(|| {
             Diagnostic::new(
@@ -128,31 +129,33 @@ impl WaveformModel<'_> {
             )
         })?;
         let optimum = self.maximise(goal, start)?;
-        let flap = |of: &Waveform, cycle: &Cycle| self.flap(goal.name(), of.frequency(&self.limits), cycle);
+        let flap_under = |waveform: &Waveform, cycle: &Cycle| {
+            self.named_flap(goal.goal_name(), waveform.frequency(&self.limits), cycle)
+        };
         Ok(OptimalWaveform {
-            square: flap(start, square),
-            flap: flap(&optimum.waveform, &self.cycle(&optimum.waveform)?),
+            square: flap_under(start, square),
+            flap: flap_under(&optimum.waveform, &self.last_cycle(&optimum.waveform)?),
             values: optimum.values,
         })
     }
 
-    fn recorded(&self, run: &Run) -> Result<Flap> {
+    fn recorded_flap(&self, run: &Run) -> Result<Flap> {
         let pressures = run.periodic_pressures()?;
-        let first = [0, 1].map(|side| self.halves.iter().position(|half| *half == Some(side)));
-        let of = |side: usize, t: f64| first[side].map_or(0.0, |chamber| pressures[chamber](t));
-        Ok(self.flap(&run.id, run.frequency, &self.cycle_under(run.frequency, &of)?))
+        let first_chambers = [0, 1].map(|side| self.halves.iter().position(|half| *half == Some(side)));
+        let side_pressure = |side: usize, t: f64| first_chambers[side].map_or(0.0, |chamber| pressures[chamber](t));
+        Ok(self.named_flap(&run.id, run.frequency, &self.cycle_under(run.frequency, &side_pressure)?))
     }
 
-    fn flap(&self, name: &str, frequency: Hertz, cycle: &Cycle) -> Flap {
+    fn named_flap(&self, name: &str, frequency: Hertz, cycle: &Cycle) -> Flap {
         Flap {
             name: name.into(),
-            performed: self.performed(frequency, cycle),
+            performed: self.flap_performance(frequency, cycle),
             command_pa: cycle.commands.clone(),
             pressure_pa: cycle.pressures.clone(),
         }
     }
 
-    fn performed(&self, frequency_hz: Hertz, cycle: &Cycle) -> Performed {
+    fn flap_performance(&self, frequency_hz: Hertz, cycle: &Cycle) -> Performed {
         let Performance { thrust, air, amplitude } = cycle.performance;
         let highest_pa = cycle.pressures.iter().flatten().copied().fold(0.0, f64::max);
         Performed { highest_pa, frequency_hz, thrust_n: thrust, air_m3_s: air, amplitude_m: amplitude }

@@ -26,12 +26,12 @@ impl<'a> Outline<'a> {
     /// Of the tail on `card`, meshed as `solid`.
     pub fn new(body: &'a Body, solid: &'a QuadraticMesh) -> Self {
         let corner = |face: &mesh::QuadraticFace, i: usize| solid.nodes[face.nodes[i % 3] as usize];
-        let rising = |[a, b]: [Point3; 2]| if a[0] <= b[0] { [a, b] } else { [b, a] };
-        let of = |face| [0, 1, 2].map(|i| rising([corner(face, i), corner(face, i + 1)]));
-        let edges = solid.skin.iter().flat_map(of).collect();
+        let along_x = |[a, b]: [Point3; 2]| if a[0] <= b[0] { [a, b] } else { [b, a] };
+        let rising_edges = |face| [0, 1, 2].map(|i| along_x([corner(face, i), corner(face, i + 1)]));
+        let edges = solid.skin.iter().flat_map(rising_edges).collect();
         let end = solid.nodes.iter().map(|n| n[0]).fold(f64::NEG_INFINITY, f64::max);
         let mut outline = Self { body, solid, edges, trailing: end, end };
-        outline.trailing = outline.deepest();
+        outline.trailing = outline.deepest_section();
         outline
     }
 
@@ -42,7 +42,7 @@ impl<'a> Outline<'a> {
     pub fn marked(&self, density: KilogramPerCubicMetre, sections: usize) -> Result<Tail, TailError> {
         let marks: Vec<Metre> = self.body.markers_by_x().iter().map(|&i| self.body.markers[i][0]).collect();
         let (clamp, edge) = (self.body.clamp.end(), self.trailing);
-        Tail::new(density, &Stations { clamp, marks: &marks, edge, end: edge }, sections, &|a| self.depth(a))
+        Tail::new(density, &Stations { clamp, marks: &marks, edge, end: edge }, sections, &|a| self.section_depth(a))
     }
 
     /// The tail by stations of the model, including the fin behind the trailing edge, and those stations: a line through the markers,
@@ -52,29 +52,30 @@ impl<'a> Outline<'a> {
     /// [`TailError`] when there is no tail behind the clamp.
     pub fn whole(&self, density: KilogramPerCubicMetre, sections: usize) -> Result<(Tail, Vec<Spot>), TailError> {
         let clamp = self.body.clamp.end();
-        let place = |i: usize| clamp + (self.end - clamp) * i as f64 / STATIONS as f64;
-        let places: Vec<Metre> = (1..=STATIONS).map(place).collect();
+        let station_position = |i: usize| clamp + (self.end - clamp) * i as f64 / STATIONS as f64;
+        let stations: Vec<Metre> = (1..=STATIONS).map(station_position).collect();
         // halfway up the half, where the mean over the value is
-        let spot = |a: &Metre| mesh::embed(self.solid, [*a, 0.0, 0.25 * self.depth(*a)]).0;
-        let spots = places.iter().map(spot).collect();
+        let spot = |a: &Metre| mesh::embed(self.solid, [*a, 0.0, 0.25 * self.section_depth(*a)]).0;
+        let spots = stations.iter().map(spot).collect();
         let tail = Tail::new(
             density,
-            &Stations { clamp, marks: &places, edge: self.trailing, end: self.end },
+            &Stations { clamp, marks: &stations, edge: self.trailing, end: self.end },
             sections,
-            &|a| self.depth(a),
+            &|a| self.section_depth(a),
         )?;
         Ok((tail, spots))
     }
 
     /// Of the section at `a` (m), m.
-    fn depth(&self, a: Metre) -> Metre {
-        let crossing = self.edges.iter().filter(|[from, to]| from[0] <= a && a <= to[0]);
-        let value = |[from, to]: &[Point3; 2]| {
-            let share = if to[0] > from[0] { (a - from[0]) / (to[0] - from[0]) } else { 0.0 };
-            from[2] + share * (to[2] - from[2])
+    fn section_depth(&self, a: Metre) -> Metre {
+        let crossing_edges = self.edges.iter().filter(|[lower, upper]| lower[0] <= a && a <= upper[0]);
+        let crossing_height = |[lower, upper]: &[Point3; 2]| {
+            let fraction = if upper[0] > lower[0] { (a - lower[0]) / (upper[0] - lower[0]) } else { 0.0 };
+            lower[2] + fraction * (upper[2] - lower[2])
         };
-        let (low, high) =
-            crossing.map(value).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| (l.min(z), h.max(z)));
+        let (low, high) = crossing_edges
+            .map(crossing_height)
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| (l.min(z), h.max(z)));
         match (high > low, self.solid.half) {
             (true, true) => 2.0 * high,
             (true, false) => high - low,
@@ -83,12 +84,12 @@ impl<'a> Outline<'a> {
     }
 
     /// Behind the last marker, m.
-    fn deepest(&self) -> Metre {
+    fn deepest_section(&self) -> Metre {
         let clamp = self.body.clamp.end();
-        let last = self.body.markers_by_x().last().map_or(clamp, |&i| self.body.markers[i][0]);
-        let place = |i: usize| clamp + (self.end - clamp) * i as f64 / PLACES as f64;
-        let rear = (0..=PLACES).map(place).filter(|a| *a >= last);
-        rear.max_by(|a, b| self.depth(*a).total_cmp(&self.depth(*b))).unwrap_or(self.end)
+        let last_marker = self.body.markers_by_x().last().map_or(clamp, |&i| self.body.markers[i][0]);
+        let position = |i: usize| clamp + (self.end - clamp) * i as f64 / PLACES as f64;
+        let candidates = (0..=PLACES).map(position).filter(|a| *a >= last_marker);
+        candidates.max_by(|a, b| self.section_depth(*a).total_cmp(&self.section_depth(*b))).unwrap_or(self.end)
     }
 }
 
@@ -128,7 +129,7 @@ mod tests {
         for use_symmetry in [false, true] {
             let (body, solid) = bar(use_symmetry);
             let outline = Outline::new(&body, &solid);
-            assert!((outline.depth(0.053) - 0.04).abs() < 1e-12, "{}", outline.depth(0.053));
+            assert!((outline.section_depth(0.053) - 0.04).abs() < 1e-12, "{}", outline.section_depth(0.053));
         }
     }
 

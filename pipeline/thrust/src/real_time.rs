@@ -53,10 +53,10 @@ impl Surroundings<'_> {
 /// # Errors
 /// A [`diagnostics::Diagnostic`] when a law is neither neo-Hookean nor Yeoh's.
 pub fn twin_data(body: &ReducedBody, water: Option<&Surroundings>, outputs: &[(&str, usize)]) -> Result<TwinData> {
-    let section = |water: &Surroundings| -> Vec<Section> {
-        water.tail.sections().iter().map(|of| section(of, water, body.coordinates())).collect()
+    let section_in_water = |water: &Surroundings| -> Vec<Section> {
+        water.tail.sections().iter().map(|tail_section| twin_section(tail_section, water, body.coordinates())).collect()
     };
-    let sections = water.map(section).unwrap_or_default();
+    let sections = water.map(section_in_water).unwrap_or_default();
     Ok(TwinData { sections, ..body.twin_data(outputs)? })
 }
 
@@ -85,14 +85,21 @@ pub fn path(
 }
 
 /// A section of the tail in the coordinates.
-fn section(of: &SectionOfTail, water: &Surroundings, r: usize) -> Section {
+fn twin_section(tail_section: &SectionOfTail, water: &Surroundings, r: usize) -> Section {
     let row = |weights: &[f64], k: usize| -> Vec<f64> {
-        let sum = |m: usize| weights.iter().enumerate().map(|(mark, w)| w * water.rows[(2 * mark + k, m)]).sum();
-        (0..r).map(sum).collect()
+        let weighted_sum =
+            |m: usize| weights.iter().enumerate().map(|(mark, w)| w * water.rows[(2 * mark + k, m)]).sum();
+        (0..r).map(weighted_sum).collect()
     };
-    let both = |weights: &[f64]| [row(weights, 0), row(weights, 1)].concat();
-    let share = if water.half { 0.5 } else { 1.0 };
+    let row_pair = |weights: &[f64]| [row(weights, 0), row(weights, 1)].concat();
+    let modelled_fraction = if water.half { 0.5 } else { 1.0 };
     let Coefficients { added, drag } = water.by;
-    let by = [added * of.mass, drag * of.drag, added * of.sheds, added * of.leaves].map(|x| share * x);
-    Section { slope: both(&of.weights.slope), value: both(&of.weights.value), by }
+    let coefficients =
+        [added * tail_section.mass, drag * tail_section.drag, added * tail_section.sheds, added * tail_section.leaves]
+            .map(|x| modelled_fraction * x);
+    Section {
+        slope: row_pair(&tail_section.weights.slope),
+        value: row_pair(&tail_section.weights.value),
+        by: coefficients,
+    }
 }

@@ -49,38 +49,40 @@ impl ReleaseSettings {
     /// A [`Diagnostic`] when a simulation fails or the bounds are no interval.
     pub fn identify(&self, evaluated: &mut Evaluated) -> Result<Release> {
         let ranges = [self.added_mass_ratio, self.normal_drag_coefficient];
-        let edge = |k: usize| ranges.map(|range| range[k].ln()).to_vec();
+        let bounds_at = |k: usize| ranges.map(|range| range[k].ln()).to_vec();
         // the middle of both ranges, in logarithms
         let start = ranges.map(|[low, high]| 0.5 * (low * high).ln()).to_vec();
-        let search = Problem::new(&NAMES, start, Bounds { low: edge(0), high: edge(1) })?;
+        let search = Problem::new(&NAMES, start, Bounds { low: bounds_at(0), high: bounds_at(1) })?;
         let newton = Newton { step_tolerance: self.step_tolerance, iterations: self.iterations, ..Newton::default() };
         let mut optimiser = GaussNewton::new(&search, &newton)?;
         let mut problem = |batch: &[Vec<f64>], _: Needs| -> Result<Vec<Evaluation>, Interrupted> {
-            batch.iter().map(|at| evaluate(at, evaluated).map_err(Interrupted)).collect()
+            batch.iter().map(|point| evaluated_point(point, evaluated).map_err(Interrupted)).collect()
         };
-        let found = optimize::minimise(&mut optimiser as &mut dyn Optimiser, &mut problem).map_err(|stop| stop.0)?;
-        let best = found.best.residuals.ok_or_else(|| {
+        let log = optimize::minimise(&mut optimiser as &mut dyn Optimiser, &mut problem).map_err(|stop| stop.0)?;
+        let best = log.best.residuals.ok_or_else(|| {
             let action = "report it with the recordings";
             Diagnostic::new("the best simulation left no residuals", "it was evaluated without them", action)
         })?;
-        Ok(Release { by: coefficients(&found.best.at), best })
+        Ok(Release { by: coefficients_at(&log.best.at), best })
     }
 }
 
-fn evaluate(at: &[f64], evaluated: &mut Evaluated) -> Result<Evaluation> {
-    let nudged = |k: usize| -> Vec<f64> { (0..2).map(|i| at[i] + if i == k { NUDGE } else { 0.0 }).collect() };
-    let mut found = evaluated(&[coefficients(at), coefficients(&nudged(0)), coefficients(&nudged(1))])?.into_iter();
-    let values = found.next().unwrap_or_default();
-    let columns: Vec<Vec<f64>> = found.collect();
+fn evaluated_point(point: &[f64], evaluated: &mut Evaluated) -> Result<Evaluation> {
+    let perturbed = |k: usize| -> Vec<f64> { (0..2).map(|i| point[i] + if i == k { NUDGE } else { 0.0 }).collect() };
+    let mut residual_sets =
+        evaluated(&[coefficients_at(point), coefficients_at(&perturbed(0)), coefficients_at(&perturbed(1))])?
+            .into_iter();
+    let values = residual_sets.next().unwrap_or_default();
+    let columns: Vec<Vec<f64>> = residual_sets.collect();
     let slope = |i: usize| columns.iter().map(|c| (c[i] - values[i]) / NUDGE).collect::<Vec<f64>>();
     let jacobian = (0..values.len()).flat_map(slope).collect();
     let residuals = Residuals { values, jacobian };
     let loss = residuals.half_sum_of_squares();
-    Ok(Evaluation { loss, at: at.to_vec(), gradient: None, residuals: Some(residuals) })
+    Ok(Evaluation { loss, at: point.to_vec(), gradient: None, residuals: Some(residuals) })
 }
 
-fn coefficients(at: &[f64]) -> Coefficients {
-    Coefficients { added: at[0].exp(), drag: at[1].exp() }
+fn coefficients_at(point: &[f64]) -> Coefficients {
+    Coefficients { added: point[0].exp(), drag: point[1].exp() }
 }
 
 impl Release {
@@ -96,11 +98,15 @@ impl Release {
     /// # Errors
     /// A [`Diagnostic`] when the residuals do not determine both.
     pub fn sigma(&self, others: &[Vec<f64>]) -> Result<Coefficients> {
-        let own = self.best.covariance(NAMES.len())?;
-        let widened = discrepancy(&self.best);
-        let mut variance = [0, 1].map(|k| (widened * own.sigma(k)).powi(2));
-        for other in others {
-            let change: Vec<f64> = other.iter().zip(&self.best.values).map(|(there, here)| there - here).collect();
+        let covariance = self.best.covariance(NAMES.len())?;
+        let widened = discrepancy_factor(&self.best);
+        let mut variance = [0, 1].map(|k| (widened * covariance.sigma(k)).powi(2));
+        for perturbed in others {
+            let change: Vec<f64> = perturbed
+                .iter()
+                .zip(&self.best.values)
+                .map(|(perturbed_value, value)| perturbed_value - value)
+                .collect();
             let response = self.best.response(&change, NAMES.len())?;
             (0..2).for_each(|k| variance[k] += response[k].powi(2));
         }
@@ -111,14 +117,14 @@ impl Release {
 
 /// By how much the deviations of the parameters exceed those of independent residuals that have their own scatter
 /// ([`Residuals::posterior`]): the root of the number of residuals that count as one.
-fn discrepancy(residuals: &Residuals) -> f64 {
+fn discrepancy_factor(residuals: &Residuals) -> f64 {
     let axes = residuals.values.chunks_exact((residuals.values.len() / 2).max(1));
     (axes.map(integrated_correlation).sum::<f64>() / 2.0).sqrt()
 }
 
 /// Root of the mean square of a path's distances, x before y, in their unit.
-pub fn rms(of: &[f64]) -> f64 {
-    (of.iter().map(|v| v * v).sum::<f64>() / (of.len() / 2).max(1) as f64).sqrt()
+pub fn rms(distances: &[f64]) -> f64 {
+    (distances.iter().map(|v| v * v).sum::<f64>() / (distances.len() / 2).max(1) as f64).sqrt()
 }
 
 #[cfg(test)]

@@ -67,8 +67,9 @@ impl Run {
 
     /// Lateral amplitude of the last marker, m.
     pub fn amplitude_of_tip(&self) -> Metre {
-        let y = self.moved.iter().filter_map(|m| m.last()).map(|p| p[1]);
-        let (low, high) = y.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), y| (l.min(y), h.max(y)));
+        let lateral = self.moved.iter().filter_map(|m| m.last()).map(|p| p[1]);
+        let (low, high) =
+            lateral.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), lateral| (l.min(lateral), h.max(lateral)));
         if high > low { 0.5 * (high - low) } else { 0.0 }
     }
 
@@ -85,19 +86,19 @@ impl Run {
         let cycles = (self.len() as f64 / self.rate * self.frequency).round().max(1.0);
         let period = cycles / self.frequency;
         let chambers = self.pressure.first().map_or(0, Vec::len);
-        let one = |c: usize| -> Result<_> {
-            let gauge = Series::new(0.0, self.rate, self.pressure.iter().map(|p| p[c]).collect())?;
+        let periodic_pressure = |chamber: usize| -> Result<_> {
+            let gauge = Series::new(0.0, self.rate, self.pressure.iter().map(|p| p[chamber]).collect())?;
             Ok(move |t: Second| gauge.at(t.rem_euclid(period)))
         };
-        (0..chambers).map(one).collect()
+        (0..chambers).map(periodic_pressure).collect()
     }
 
     /// Positions and velocities of the markers, pressures and their rates, as the network takes them: one row.
     pub fn row(&self, sample: usize) -> Vec<f32> {
-        let points = |of: &[Point2]| of.iter().flatten().map(|v| *v as f32).collect::<Vec<f32>>();
-        let numbers = |of: &[f64]| of.iter().map(|v| *v as f32).collect::<Vec<f32>>();
-        let marks = [points(&self.moved[sample]), points(&self.speed[sample])];
-        [&marks[0][..], &marks[1], &numbers(&self.pressure[sample]), &numbers(&self.pressure_rate[sample])].concat()
+        let flat_points = |values: &[Point2]| values.iter().flatten().map(|v| *v as f32).collect::<Vec<f32>>();
+        let numbers = |values: &[f64]| values.iter().map(|v| *v as f32).collect::<Vec<f32>>();
+        let motion = [flat_points(&self.moved[sample]), flat_points(&self.speed[sample])];
+        [&motion[0][..], &motion[1], &numbers(&self.pressure[sample]), &numbers(&self.pressure_rate[sample])].concat()
     }
 }
 
@@ -105,9 +106,9 @@ impl Run {
 pub fn parts(tail: &Tail, moved: &[Vec<Point2>], speed: &[Vec<Point2>], rate: Hertz) -> Vec<TheoryTerms> {
     let terms: Vec<Terms> = moved.iter().zip(speed).map(|(m, v)| tail.terms(m, v)).collect();
     let momentum_rate = rates(&terms.iter().map(|t| t.momentum.value).collect::<Vec<_>>(), rate);
-    let forward: Vec<f64> = speed.iter().map(|v| v.last().map_or(0.0, |p| p[0])).collect();
-    let tip_acceleration = rates(&forward, rate);
-    let one = |i: usize| {
+    let axial_velocity: Vec<f64> = speed.iter().map(|v| v.last().map_or(0.0, |p| p[0])).collect();
+    let tip_acceleration = rates(&axial_velocity, rate);
+    let terms_at = |i: usize| {
         let t = &terms[i];
         TheoryTerms {
             trailing_edge: t.trailing_edge.value,
@@ -117,17 +118,17 @@ pub fn parts(tail: &Tail, moved: &[Vec<Point2>], speed: &[Vec<Point2>], rate: He
             tip_acceleration: tip_acceleration[i],
         }
     };
-    (0..terms.len()).map(one).collect()
+    (0..terms.len()).map(terms_at).collect()
 }
 
 /// Rates by central differences, one-sided at the ends.
 pub fn rates(values: &[f64], rate: Hertz) -> Vec<f64> {
     let last = values.len().saturating_sub(1);
-    let at = |i: usize| {
-        let (from, to) = (i.saturating_sub(1), (i + 1).min(last));
-        if to > from { (values[to] - values[from]) * rate / (to - from) as f64 } else { 0.0 }
+    let difference = |i: usize| {
+        let (lower, upper) = (i.saturating_sub(1), (i + 1).min(last));
+        if upper > lower { (values[upper] - values[lower]) * rate / (upper - lower) as f64 } else { 0.0 }
     };
-    (0..values.len()).map(at).collect()
+    (0..values.len()).map(difference).collect()
 }
 
 #[cfg(test)]

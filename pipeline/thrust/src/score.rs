@@ -42,19 +42,19 @@ struct Cycle {
 
 /// The score of `predicted` (runs × samples) over `runs`.
 pub fn score(runs: &[&Run], predicted: &[Vec<f64>]) -> Score {
-    let cycles = cycles(runs, predicted);
-    let (nrmse, mean) = errors(&cycles, runs.len());
+    let cycles = cycle_sums(runs, predicted);
+    let (nrmse, mean) = score_errors(&cycles, runs.len());
     let mut draw = ChaCha8Rng::seed_from_u64(SEED);
-    let mut tried: Vec<(f64, f64)> = Vec::with_capacity(DRAWS);
+    let mut resampled_errors: Vec<(f64, f64)> = Vec::with_capacity(DRAWS);
     for _ in 0..DRAWS {
-        let chosen: Vec<Cycle> =
+        let resample: Vec<Cycle> =
             (0..cycles.len()).map(|_| cycles[(draw.next_u64() % cycles.len() as u64) as usize]).collect();
-        tried.push(errors(&chosen, runs.len()));
+        resampled_errors.push(score_errors(&resample, runs.len()));
     }
-    let interval = |of: fn(&(f64, f64)) -> f64| {
-        let mut all: Vec<f64> = tried.iter().map(of).collect();
-        all.sort_by(f64::total_cmp);
-        [all[DRAWS / 40], all[DRAWS - 1 - DRAWS / 40]]
+    let interval = |component: fn(&(f64, f64)) -> f64| {
+        let mut sorted: Vec<f64> = resampled_errors.iter().map(component).collect();
+        sorted.sort_by(f64::total_cmp);
+        [sorted[DRAWS / 40], sorted[DRAWS - 1 - DRAWS / 40]]
     };
     Score {
         nrmse,
@@ -62,12 +62,12 @@ pub fn score(runs: &[&Run], predicted: &[Vec<f64>]) -> Score {
         r2: 1.0 - nrmse * nrmse,
         mean_error_percent: mean,
         mean_interval_percent: interval(|t| t.1),
-        phase_deg: phase(runs, predicted),
+        phase_deg: phase_lead(runs, predicted),
     }
 }
 
-fn cycles(runs: &[&Run], predicted: &[Vec<f64>]) -> Vec<Cycle> {
-    let mut all = Vec::new();
+fn cycle_sums(runs: &[&Run], predicted: &[Vec<f64>]) -> Vec<Cycle> {
+    let mut sums = Vec::new();
     for (index, (run, predicted)) in runs.iter().zip(predicted).enumerate() {
         for (force, predicted) in
             run.force.chunks(run.samples_per_cycle()).zip(predicted.chunks(run.samples_per_cycle()))
@@ -80,42 +80,42 @@ fn cycles(runs: &[&Run], predicted: &[Vec<f64>]) -> Vec<Cycle> {
                 cycle.square += f * f;
                 cycle.predicted += t;
             }
-            all.push(cycle);
+            sums.push(cycle);
         }
     }
-    all
+    sums
 }
 
 /// NRMSE, and the error of the mean in per cent.
-fn errors(cycles: &[Cycle], runs: usize) -> (f64, f64) {
-    let sum = |of: fn(&Cycle) -> f64| cycles.iter().map(of).sum::<f64>();
+fn score_errors(cycles: &[Cycle], runs: usize) -> (f64, f64) {
+    let sum = |term: fn(&Cycle) -> f64| cycles.iter().map(term).sum::<f64>();
     let count = sum(|b| b.count).max(1.0);
     let mean = sum(|b| b.force) / count;
     let variance = sum(|b| b.square) / count - mean * mean;
     let mut by_run = vec![[0.0; 3]; runs];
     for cycle in cycles {
-        let of = &mut by_run[cycle.run];
-        *of = [of[0] + cycle.count, of[1] + cycle.force, of[2] + cycle.predicted];
+        let run_sums = &mut by_run[cycle.run];
+        *run_sums = [run_sums[0] + cycle.count, run_sums[1] + cycle.force, run_sums[2] + cycle.predicted];
     }
     let means: Vec<[f64; 2]> = by_run.iter().filter(|r| r[0] > 0.0).map(|r| [r[1] / r[0], r[2] / r[0]]).collect();
-    let off: f64 = means.iter().map(|[f, t]| (t - f).abs()).sum();
-    let size: f64 = means.iter().map(|[f, _]| f.abs()).sum();
-    ((sum(|b| b.error) / count / variance.max(1e-30)).sqrt(), 100.0 * off / size.max(1e-30))
+    let mean_deviation: f64 = means.iter().map(|[f, t]| (t - f).abs()).sum();
+    let mean_magnitude: f64 = means.iter().map(|[f, _]| f.abs()).sum();
+    ((sum(|b| b.error) / count / variance.max(1e-30)).sqrt(), 100.0 * mean_deviation / mean_magnitude.max(1e-30))
 }
 
 /// Lead at twice the flapping frequency: the angle of Σ predicted · measured* over runs.
-fn phase(runs: &[&Run], predicted: &[Vec<f64>]) -> f64 {
-    let line = |run: &Run, values: &[f64]| {
+fn phase_lead(runs: &[&Run], predicted: &[Vec<f64>]) -> f64 {
+    let fourier_component = |run: &Run, values: &[f64]| {
         values.iter().enumerate().fold([0.0; 2], |[re, im], (i, v)| {
             let angle = TAU * 2.0 * run.frequency * i as f64 / run.rate;
             [re + v * angle.cos(), im - v * angle.sin()]
         })
     };
-    let sum = runs.iter().zip(predicted).fold([0.0; 2], |sum, (run, predicted)| {
-        let ([a, b], [c, d]) = (line(run, predicted), line(run, &run.force));
-        [sum[0] + a * c + b * d, sum[1] + b * c - a * d]
+    let cross_spectrum = runs.iter().zip(predicted).fold([0.0; 2], |cross_spectrum, (run, predicted)| {
+        let ([a, b], [c, d]) = (fourier_component(run, predicted), fourier_component(run, &run.force));
+        [cross_spectrum[0] + a * c + b * d, cross_spectrum[1] + b * c - a * d]
     });
-    sum[1].atan2(sum[0]).to_degrees()
+    cross_spectrum[1].atan2(cross_spectrum[0]).to_degrees()
 }
 
 #[cfg(test)]

@@ -98,15 +98,15 @@ impl Evaluation<'_> {
     /// # Errors
     /// A [`diagnostics::Diagnostic`] when the body finds no motion.
     pub fn mean(&self, solver: &mut Solver, wave: &SquareWave, law: &ThrustLaw) -> Result<Newton> {
-        let (mut sum, mut n) = (0.0, 0);
-        let rest = State::rest(self.nodes);
+        let (mut sum, mut step) = (0.0, 0);
+        let initial = State::rest(self.nodes);
         let mut observe = |t: Second, state: &State| {
-            n += 1;
-            sum += self.instant(Step { number: n, time: t, state }, wave, law).value;
+            step += 1;
+            sum += self.step_contribution(Step { number: step, time: t, state }, wave, law).value;
         };
         let pressures = |t: Second| wave.at(t);
         solver.integrate(
-            &InitialValueProblem { settings: &self.settings, initial: &rest, pressures: &pressures },
+            &InitialValueProblem { settings: &self.settings, initial: &initial, pressures: &pressures },
             self.steps,
             &mut observe,
         )?;
@@ -118,40 +118,40 @@ impl Evaluation<'_> {
     /// # Errors
     /// A [`diagnostics::Diagnostic`] when the body finds no motion or the adjoint of a step cannot be solved.
     pub fn gradient(&self, solver: &mut Solver, wave: &SquareWave, law: &ThrustLaw) -> Result<ThrustGradient> {
-        let rest = State::rest(self.nodes);
+        let initial = State::rest(self.nodes);
         let pressures = |t: Second| wave.at(t);
-        let made = solver.record(
-            &InitialValueProblem { settings: &self.settings, initial: &rest, pressures: &pressures },
+        let trajectory = solver.record(
+            &InitialValueProblem { settings: &self.settings, initial: &initial, pressures: &pressures },
             self.steps,
             MEMORY,
         )?;
         let mut predicted =
             ThrustGradient { mean: 0.0, by_youngs_modulus: Vec::new(), by_amplitude: 0.0, by_frequency: 0.0 };
-        let times = made.times().to_vec();
+        let times = trajectory.times().to_vec();
         let mut observe = |n: usize, state: &State| {
-            let here = self.instant(Step { number: n, time: times[n], state }, wave, law);
-            predicted.mean += here.value;
-            for (side, (p, r)) in [1.0, -1.0].iter().zip(here.by_pressure.iter().zip(&here.by_rate)) {
-                let at = wave.value_at(*side, times[n]);
-                predicted.by_amplitude += p * at.by_amplitude[0] + r * at.by_amplitude[1];
-                predicted.by_frequency += p * at.by_frequency[0] + r * at.by_frequency[1];
+            let contribution = self.step_contribution(Step { number: n, time: times[n], state }, wave, law);
+            predicted.mean += contribution.value;
+            for (side, (p, r)) in [1.0, -1.0].iter().zip(contribution.by_pressure.iter().zip(&contribution.by_rate)) {
+                let pressure = wave.value_at(*side, times[n]);
+                predicted.by_amplitude += p * pressure.by_amplitude[0] + r * pressure.by_amplitude[1];
+                predicted.by_frequency += p * pressure.by_frequency[0] + r * pressure.by_frequency[1];
             }
-            self.loss_gradient(&here, state)
+            self.loss_gradient(&contribution, state)
         };
-        let by = solver.trajectory_adjoint(&made, &mut observe)?;
-        for (n, step) in by.pressures.iter().enumerate() {
+        let adjoint = solver.trajectory_adjoint(&trajectory, &mut observe)?;
+        for (n, step) in adjoint.pressures.iter().enumerate() {
             for (side, slope) in [1.0, -1.0].iter().zip(step) {
-                let at = wave.value_at(*side, times[n + 1]);
-                predicted.by_amplitude += slope * at.by_amplitude[0];
-                predicted.by_frequency += slope * at.by_frequency[0];
+                let pressure = wave.value_at(*side, times[n + 1]);
+                predicted.by_amplitude += slope * pressure.by_amplitude[0];
+                predicted.by_frequency += slope * pressure.by_frequency[0];
             }
         }
-        predicted.by_youngs_modulus = by.regions.iter().map(|r| r.youngs_modulus).collect();
+        predicted.by_youngs_modulus = adjoint.regions.iter().map(|r| r.youngs_modulus).collect();
         Ok(predicted)
     }
 
     /// The share of a step in the mean.
-    fn instant(&self, Step { number, time, state }: Step, wave: &SquareWave, law: &ThrustLaw) -> Instant {
+    fn step_contribution(&self, Step { number, time, state }: Step, wave: &SquareWave, law: &ThrustLaw) -> Instant {
         let first = self.settled + 1;
         let ends = match number {
             n if n == self.settled => -1.0,
@@ -163,74 +163,90 @@ impl Evaluation<'_> {
             return Instant::default();
         }
         let count = (self.steps - self.settled) as f64;
-        let markers = MarkerMotion { moved: self.read(&state.displacement), speed: self.read(&state.velocity) };
+        let markers =
+            MarkerMotion { moved: self.marker_values(&state.displacement), speed: self.marker_values(&state.velocity) };
         match law {
-            ThrustLaw::Network(network) if counted > 0.0 => self.of_network(network, &markers, wave, time),
+            ThrustLaw::Network(network) if counted > 0.0 => self.network_contribution(network, &markers, wave, time),
             ThrustLaw::Network(_) => Instant::default(),
             ThrustLaw::Theory(tail, c) => {
                 let terms = tail.terms(&markers.moved, &markers.speed);
                 let weights = Weights { part: counted / count, ends: ends / (count * self.settings.step) };
-                of_theory(&terms, c, weights, &markers.speed)
+                theory_contribution(&terms, c, weights, &markers.speed)
             }
         }
     }
 
-    fn of_network(&self, network: &Network, markers: &MarkerMotion, wave: &SquareWave, t: Second) -> Instant {
+    fn network_contribution(&self, network: &Network, markers: &MarkerMotion, wave: &SquareWave, t: Second) -> Instant {
         let MarkerMotion { moved, speed } = markers;
         let sides = [1.0, -1.0].map(|side| wave.value_at(side, t));
         let flat = |points: &[Point2]| points.iter().flatten().copied().collect::<Vec<f64>>();
         let row = [flat(moved), flat(speed), sides.map(|s| s.value).to_vec(), sides.map(|s| s.rate).to_vec()].concat();
-        let (value, by) = network.slope(&row);
-        let part = 1.0 / (self.steps - self.settled) as f64;
-        let by: Vec<f64> = by.iter().map(|b| part * b).collect();
+        let (value, slopes) = network.slope(&row);
+        let weight = 1.0 / (self.steps - self.settled) as f64;
+        let slopes: Vec<f64> = slopes.iter().map(|slope| weight * slope).collect();
         let marks = 2 * moved.len();
-        let pairs = |of: &[f64]| of.chunks_exact(2).map(|p| [p[0], p[1]]).collect();
+        let pairs = |derivatives: &[f64]| derivatives.chunks_exact(2).map(|p| [p[0], p[1]]).collect();
         Instant {
-            value: part * value,
-            by_place: pairs(&by[..marks]),
-            by_velocity: pairs(&by[marks..2 * marks]),
-            by_pressure: by[2 * marks..2 * marks + 2].to_vec(),
-            by_rate: by[2 * marks + 2..].to_vec(),
+            value: weight * value,
+            by_place: pairs(&slopes[..marks]),
+            by_velocity: pairs(&slopes[marks..2 * marks]),
+            by_pressure: slopes[2 * marks..2 * marks + 2].to_vec(),
+            by_rate: slopes[2 * marks + 2..].to_vec(),
         }
     }
 
     /// x and y of every marker.
-    fn read(&self, field: &[f64]) -> Vec<Point2> {
-        let one = |mark: &Vec<(u32, f64)>| {
+    fn marker_values(&self, field: &[f64]) -> Vec<Point2> {
+        let marker_value = |mark: &Vec<(u32, f64)>| {
             [0, 1].map(|k| mark.iter().map(|&(node, w)| w * field[3 * node as usize + k]).sum::<f64>())
         };
-        self.marks.iter().map(one).collect()
+        self.marks.iter().map(marker_value).collect()
     }
 
     /// Derivatives by nodes from derivatives by markers.
-    fn loss_gradient(&self, here: &Instant, state: &State) -> LossGradient {
-        if here.by_place.is_empty() {
+    fn loss_gradient(&self, contribution: &Instant, state: &State) -> LossGradient {
+        if contribution.by_place.is_empty() {
             return LossGradient::default();
         }
-        let spread = |by: &[Point2]| {
+        let scattered = |derivatives: &[Point2]| {
             let mut field = vec![0.0; state.displacement.len()];
-            for (mark, by) in self.marks.iter().zip(by) {
-                for &(node, w) in mark {
-                    (0..2).for_each(|k| field[3 * node as usize + k] += w * by[k]);
+            for (mark, derivatives) in self.marks.iter().zip(derivatives) {
+                for &(node, weight) in mark {
+                    (0..2).for_each(|k| field[3 * node as usize + k] += weight * derivatives[k]);
                 }
             }
             field
         };
-        LossGradient { displacement: spread(&here.by_place), velocity: spread(&here.by_velocity) }
+        LossGradient { displacement: scattered(&contribution.by_place), velocity: scattered(&contribution.by_velocity) }
     }
 }
 
 /// The contribution of theory: instantaneous terms weighted by `part`, rates in time by `ends`.
-pub(crate) fn of_theory(terms: &Terms, c: &[f64; 5], Weights { part, ends }: Weights, speed: &[Point2]) -> Instant {
-    let last = speed.len() - 1;
-    let shares = [(&terms.edge_flux, part * c[0]), (&terms.drag, part * c[2]), (&terms.momentum, ends * c[1])];
-    let sum = |of: fn(&hydro::Term) -> &Vec<Point2>| {
-        (0..speed.len()).map(|m| [0, 1].map(|k| shares.iter().map(|(p, w)| w * of(p)[m][k]).sum())).collect()
+pub(crate) fn theory_contribution(
+    terms: &Terms,
+    coefficients: &[f64; 5],
+    Weights { part, ends }: Weights,
+    speed: &[Point2],
+) -> Instant {
+    let last_marker = speed.len() - 1;
+    let weighted_terms = [
+        (&terms.edge_flux, part * coefficients[0]),
+        (&terms.drag, part * coefficients[2]),
+        (&terms.momentum, ends * coefficients[1]),
+    ];
+    let summed = |derivative: fn(&hydro::Term) -> &Vec<Point2>| {
+        (0..speed.len())
+            .map(|marker| {
+                [0, 1].map(|k| weighted_terms.iter().map(|(term, weight)| weight * derivative(term)[marker][k]).sum())
+            })
+            .collect()
     };
     let (by_place, mut by_velocity): (Vec<Point2>, Vec<Point2>) =
-        (sum(|p| &p.by_displacement), sum(|p| &p.by_velocity));
-    by_velocity[last][0] += ends * c[3];
-    let value = shares.iter().map(|(p, w)| w * p.value).sum::<f64>() + ends * c[3] * speed[last][0] + part * c[4];
+        (summed(|p| &p.by_displacement), summed(|p| &p.by_velocity));
+    by_velocity[last_marker][0] += ends * coefficients[3];
+    let value = weighted_terms.iter().map(|(term, weight)| weight * term.value).sum::<f64>()
+        + ends * coefficients[3] * speed[last_marker][0]
+        + part * coefficients[4];
     Instant { value, by_place, by_velocity, ..Instant::default() }
 }
 

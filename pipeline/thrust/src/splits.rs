@@ -30,15 +30,15 @@ impl SplitRule {
 
     /// Training runs and test runs; none when either is empty.
     pub fn part(self, runs: &[Run]) -> Option<(Vec<&Run>, Vec<&Run>)> {
-        let most = |of: fn(&Run) -> f64| runs.iter().map(of).fold(0.0, f64::max);
-        let held = |run: &Run| match self {
+        let greatest = |quantity: fn(&Run) -> f64| runs.iter().map(quantity).fold(0.0, f64::max);
+        let is_test = |run: &Run| match self {
             Self::Card => run.split == Some(Split::Test),
-            Self::Frequency => run.frequency > 0.999 * most(|r| r.frequency),
-            Self::Pressure => run.amplitude > 0.999 * most(|r| r.amplitude),
+            Self::Frequency => run.frequency > 0.999 * greatest(|r| r.frequency),
+            Self::Pressure => run.amplitude > 0.999 * greatest(|r| r.amplitude),
         };
-        let in_training = |run: &Run| !held(run) && (self != Self::Card || run.split == Some(Split::Train));
+        let in_training = |run: &Run| !is_test(run) && (self != Self::Card || run.split == Some(Split::Train));
         let train: Vec<&Run> = runs.iter().filter(|r| in_training(r)).collect();
-        let test: Vec<&Run> = runs.iter().filter(|r| held(r)).collect();
+        let test: Vec<&Run> = runs.iter().filter(|r| is_test(r)).collect();
         (!train.is_empty() && !test.is_empty()).then_some((train, test))
     }
 }

@@ -33,18 +33,18 @@ impl SquareWave {
     pub(crate) fn value_at(&self, side: f64, t: Second) -> PressureValue {
         let (omega, k) = (TAU * self.frequency, side * self.sharpness);
         let (sin, cos) = (omega * t).sin_cos();
-        let share = 1.0 / (1.0 + (-k * sin).exp());
-        let bend = share * (1.0 - share);
+        let sigmoid = 1.0 / (1.0 + (-k * sin).exp());
+        let sigmoid_slope = sigmoid * (1.0 - sigmoid);
         // σ' = σ(1−σ), σ'' = σ'(1 − 2σ); z = k sin ωt
         let (rate_z, by_f_z) = (k * omega * cos, k * TAU * t * cos);
         let by_f_rate_z = k * TAU * cos - k * omega * TAU * t * sin;
-        let by_f_rate = bend * (1.0 - 2.0 * share) * by_f_z * rate_z + bend * by_f_rate_z;
+        let by_f_rate = sigmoid_slope * (1.0 - 2.0 * sigmoid) * by_f_z * rate_z + sigmoid_slope * by_f_rate_z;
         let a = self.amplitude;
         PressureValue {
-            value: a * share,
-            rate: a * bend * rate_z,
-            by_amplitude: [share, bend * rate_z],
-            by_frequency: [a * bend * by_f_z, a * by_f_rate],
+            value: a * sigmoid,
+            rate: a * sigmoid_slope * rate_z,
+            by_amplitude: [sigmoid, sigmoid_slope * rate_z],
+            by_frequency: [a * sigmoid_slope * by_f_z, a * by_f_rate],
         }
     }
 }

@@ -83,34 +83,36 @@ impl Search<'_> {
     ///
     /// # Errors
     /// A [`Diagnostic`] when a step finds no motion.
-    pub fn scan(&self, heard: &(dyn Fn(f64) + Sync)) -> Result<Vec<ActuationPoint>> {
+    pub fn scan(&self, progress: &(dyn Fn(f64) + Sync)) -> Result<Vec<ActuationPoint>> {
         let Self { flapping, models, limits, .. } = *self;
         let [amplitudes, frequencies] = self.scan.map(|n| n.max(1));
         let frequencies = if limits.frequency[1] > limits.frequency[0] { frequencies } else { 1 };
-        let even = |i: usize, n: usize, from: f64| from + (1.0 - from) * i as f64 / (n.max(2) - 1) as f64;
-        let places: Vec<[f64; 2]> = (0..amplitudes)
+        let even_fraction = |i: usize, n: usize, first: f64| first + (1.0 - first) * i as f64 / (n.max(2) - 1) as f64;
+        let grid_points: Vec<[f64; 2]> = (0..amplitudes)
             .flat_map(|a| {
-                (0..frequencies).map(move |f| [even(amplitudes - 1 - a, amplitudes, 0.5), even(f, frequencies, 0.0)])
+                (0..frequencies).map(move |f| {
+                    [even_fraction(amplitudes - 1 - a, amplitudes, 0.5), even_fraction(f, frequencies, 0.0)]
+                })
             })
             .collect();
-        let like = SquareWave { amplitude: 0.0, frequency: 0.0, sharpness: self.sharpness };
-        let one = |(number, place): (usize, &[f64; 2])| {
-            let wave = limits.wave(*place, like);
+        let template = SquareWave { amplitude: 0.0, frequency: 0.0, sharpness: self.sharpness };
+        let scan_point = |(number, coordinates): (usize, &[f64; 2])| {
+            let wave = limits.wave(*coordinates, template);
             let run = flapping.run(&wave)?;
-            heard(number as f64 / places.len() as f64);
+            progress(number as f64 / grid_points.len() as f64);
             Ok(actuation_point(&wave, models.iter().map(|(_, model)| mean(model, &run)).collect()))
         };
-        places.par_iter().enumerate().map(one).collect()
+        grid_points.par_iter().enumerate().map(scan_point).collect()
     }
 
-    /// Gradient ascent from the best point of the scan by the model at `place`; `filmed` is the amplitude of the tip in films, m.
+    /// Gradient ascent from the best point of the scan by the model at `model_index`; `filmed` is the amplitude of the tip in films, m.
     ///
     /// # Errors
     /// As [`Search::scan`], and when nothing was scanned.
-    pub fn ascend_from(&self, scan: &[ActuationPoint], place: usize, filmed: Metre) -> Result<Best> {
+    pub fn ascend_from(&self, scan: &[ActuationPoint], model_index: usize, filmed: Metre) -> Result<Best> {
         let Self { flapping, models, limits, .. } = *self;
-        let (kind, model) = &models[place];
-        let start = scan.iter().max_by(|a, b| a.thrust_n[place].total_cmp(&b.thrust_n[place]));
+        let (kind, model) = &models[model_index];
+        let start = scan.iter().max_by(|a, b| a.thrust_n[model_index].total_cmp(&b.thrust_n[model_index]));
         let start = start.ok_or_else(|| {
             Diagnostic::new("no actuation was scanned", "`[optimal_actuation] scan` has no points", "set at least one")
         })?;
@@ -142,8 +144,8 @@ const NEAR: f64 = 1.05;
 /// # Errors
 /// A [`Diagnostic`] when every run was at a higher pressure.
 pub fn best_recorded<'a>(runs: &'a [Run], limits: &Limits) -> Result<&'a Run> {
-    let within = runs.iter().filter(|r| highest(r) <= NEAR * limits.amplitude);
-    within.max_by(|a, b| a.mean_force().total_cmp(&b.mean_force())).ok_or_else(|| {
+    let candidates = runs.iter().filter(|r| highest(r) <= NEAR * limits.amplitude);
+    candidates.max_by(|a, b| a.mean_force().total_cmp(&b.mean_force())).ok_or_else(|| {
         let limit = format!("moduli were identified up to {:.0} Pa", limits.amplitude);
         Diagnostic::new(
             "no run can be compared with the simulator",
@@ -159,8 +161,8 @@ pub fn best_recorded<'a>(runs: &'a [Run], limits: &Limits) -> Result<&'a Run> {
 /// As [`Search::scan`].
 pub fn check(flapping: &FlappingModel, theory: &Fitted, run: &Run) -> Result<Check> {
     let pressures = run.periodic_pressures()?;
-    let at = |t: Second| pressures.iter().map(|p| p(t)).collect();
-    let simulated = flapping.run_under(run.frequency, run.amplitude, &at)?;
+    let pressures_at = |t: Second| pressures.iter().map(|p| p(t)).collect();
+    let simulated = flapping.run_under(run.frequency, run.amplitude, &pressures_at)?;
     Ok(Check {
         run: run.id.clone(),
         amplitude_m: [simulated.amplitude_of_tip(), run.amplitude_of_tip()],

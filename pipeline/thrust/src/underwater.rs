@@ -50,8 +50,8 @@ impl<'a> UnderwaterModel<'a> {
         let motion = ForcedMotion { settings, pressures: &|t| actuation.pressures(t), times: &times };
         let water = Surroundings { tail: self.tail, rows: &self.stations, by, half: self.half };
         let mut path: Vec<Point2> = Vec::with_capacity(times.len());
-        water.integrate(self.reduced_body, &motion, &mut |q, _| {
-            path.push([0, 1].map(|k| (self.watched.row(k) * q)[0]));
+        water.integrate(self.reduced_body, &motion, &mut |coordinates, _| {
+            path.push([0, 1].map(|k| (self.watched.row(k) * coordinates)[0]));
         })?;
         actuation.sampled(&times, &path)
     }

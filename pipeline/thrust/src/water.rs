@@ -28,32 +28,32 @@ impl<'a> Water<'a> {
         Self { tail, rows, by, share, past: VecDeque::from([DVector::zeros(rows.nrows())]) }
     }
 
-    fn water(&self, at: &StepState) -> hydro::Water {
-        self.tail.water(&points(self.rows * at.coordinates), &points(self.rows * at.velocity), self.by)
+    fn water_state(&self, state: &StepState) -> hydro::Water {
+        self.tail.water(&points(self.rows * state.coordinates), &points(self.rows * state.velocity), self.by)
     }
 }
 
 impl ExternalForce for Water<'_> {
-    fn force(&self, at: &StepState) -> DVector<f64> {
-        let water = self.water(at);
-        let mut push = flat(&water.force) - flat(&water.momentum) * at.gamma;
-        self.past.iter().zip(at.weights).for_each(|(past, weight)| push.axpy(-weight, past, 1.0));
-        self.rows.tr_mul(&push) * self.share
+    fn force(&self, state: &StepState) -> DVector<f64> {
+        let water = self.water_state(state);
+        let mut force = flat_vector(&water.force) - flat_vector(&water.momentum) * state.gamma;
+        self.past.iter().zip(state.weights).for_each(|(momentum, weight)| force.axpy(-weight, momentum, 1.0));
+        self.rows.tr_mul(&force) * self.share
     }
 
-    fn accept(&mut self, at: &StepState) {
-        self.past.push_front(flat(&self.water(at).momentum));
+    fn accept(&mut self, state: &StepState) {
+        self.past.push_front(flat_vector(&self.water_state(state).momentum));
         self.past.truncate(2);
     }
 }
 
 /// Pairs of numbers as points.
-pub fn points(of: DVector<f64>) -> Vec<Point2> {
-    of.as_slice().chunks_exact(2).map(|p| [p[0], p[1]]).collect()
+pub fn points(coordinates: DVector<f64>) -> Vec<Point2> {
+    coordinates.as_slice().chunks_exact(2).map(|p| [p[0], p[1]]).collect()
 }
 
-fn flat(of: &[Point2]) -> DVector<f64> {
-    DVector::from_iterator(2 * of.len(), of.iter().flatten().copied())
+fn flat_vector(points: &[Point2]) -> DVector<f64> {
+    DVector::from_iterator(2 * points.len(), points.iter().flatten().copied())
 }
 
 #[cfg(test)]
@@ -80,7 +80,7 @@ mod tests {
         let at = StepState { time: 0.01, coordinates: &shape, velocity: &speed, gamma: 100.0, weights: &[-100.0] };
         let mut water = Water::around(&tail, &rows, Coefficients { added: 1.0, drag: 0.0 }, false);
         water.accept(&at);
-        let push = rows.tr_mul(&flat(&water.water(&at).force));
+        let push = rows.tr_mul(&flat_vector(&water.water_state(&at).force));
         assert!((water.force(&at) - push).norm() < 1e-12 && water.past.len() == 2);
     }
 }

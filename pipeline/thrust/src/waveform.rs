@@ -55,7 +55,7 @@ impl Waveform {
 
     /// The steepest square wave of this series, at normalised coordinates (0 to 1 along both limits): the Fourier series of a square. From this
     /// one on, what a waveform gains is not by its edges alone.
-    pub(crate) fn steepest(&[amplitude, frequency]: &[f64; 2]) -> Self {
+    pub(crate) fn steepest_square(&[amplitude, frequency]: &[f64; 2]) -> Self {
         let side = |sign: f64| {
             let mut side = vec![0.0; OF_SIDE];
             side[0] = amplitude;
@@ -72,39 +72,39 @@ impl Waveform {
     }
 
     /// The command of a side at a fraction of the cycle over the highest pressure, and its derivatives by the side's numbers.
-    fn command(&self, side: usize, cycle: f64) -> (f64, Vec<f64>) {
-        let own = &self.numbers[1 + side * OF_SIDE..1 + (side + 1) * OF_SIDE];
-        let shape = |n: usize| match n {
+    fn command_with_slopes(&self, side: usize, cycle: f64) -> (f64, Vec<f64>) {
+        let numbers = &self.numbers[1 + side * OF_SIDE..1 + (side + 1) * OF_SIDE];
+        let shape = |index: usize| match index {
             1 => 1.0,
-            n if n % 2 == 0 => (TAU * cycle * (n / 2) as f64).cos(),
-            n => (TAU * cycle * (n / 2) as f64).sin(),
+            index if index % 2 == 0 => (TAU * cycle * (index / 2) as f64).cos(),
+            index => (TAU * cycle * (index / 2) as f64).sin(),
         };
         let shapes: Vec<f64> = (1..OF_SIDE).map(shape).collect();
-        let s: f64 = own[1..].iter().zip(&shapes).map(|(a, shape)| a * shape).sum();
-        let share = 1.0 / (1.0 + (-s).exp());
-        let by = shapes.iter().map(|shape| own[0] * share * (1.0 - share) * shape);
-        (own[0] * share, std::iter::once(share).chain(by).collect())
+        let series: f64 = numbers[1..].iter().zip(&shapes).map(|(a, shape)| a * shape).sum();
+        let sigmoid = 1.0 / (1.0 + (-series).exp());
+        let shape_slopes = shapes.iter().map(|shape| numbers[0] * sigmoid * (1.0 - sigmoid) * shape);
+        (numbers[0] * sigmoid, std::iter::once(sigmoid).chain(shape_slopes).collect())
     }
 
     /// Commands of a side after each of `steps` steps, `per_cycle` to a cycle, over the highest pressure.
-    pub(crate) fn commands(&self, side: usize, (steps, per_cycle): (usize, usize)) -> Vec<f64> {
-        (1..=steps).map(|n| self.command(side, n as f64 / per_cycle as f64).0).collect()
+    pub(crate) fn command_series(&self, side: usize, (steps, per_cycle): (usize, usize)) -> Vec<f64> {
+        (1..=steps).map(|n| self.command_with_slopes(side, n as f64 / per_cycle as f64).0).collect()
     }
 
     /// Adds to the derivatives by all numbers those through the commands of a side, after each step.
-    pub(crate) fn add_gradient(&self, side: usize, (by, per_cycle): (&[f64], usize), gradient: &mut [f64]) {
-        let own = &mut gradient[1 + side * OF_SIDE..1 + (side + 1) * OF_SIDE];
-        for (n, by) in by.iter().enumerate() {
-            let (_, slopes) = self.command(side, (n + 1) as f64 / per_cycle as f64);
-            own.iter_mut().zip(slopes).for_each(|(sum, slope)| *sum += by * slope);
+    pub(crate) fn add_gradient(&self, side: usize, (command_slopes, per_cycle): (&[f64], usize), gradient: &mut [f64]) {
+        let side_gradient = &mut gradient[1 + side * OF_SIDE..1 + (side + 1) * OF_SIDE];
+        for (n, command_slopes) in command_slopes.iter().enumerate() {
+            let (_, slopes) = self.command_with_slopes(side, (n + 1) as f64 / per_cycle as f64);
+            side_gradient.iter_mut().zip(slopes).for_each(|(sum, slope)| *sum += command_slopes * slope);
         }
     }
 
     /// The lowest and highest value of each number. Without any pressure there would be no thrust per air.
     pub fn bounds() -> [Vec<f64>; 2] {
-        let side = |amplitude: f64, other: f64| [vec![amplitude], vec![other; OF_SIDE - 1]].concat();
-        let all = |first: f64, side: Vec<f64>| [vec![first], side.clone(), side].concat();
-        [all(0.0, side(LEAST, -STEEPEST)), all(1.0, side(1.0, STEEPEST))]
+        let side = |amplitude: f64, coefficient: f64| [vec![amplitude], vec![coefficient; OF_SIDE - 1]].concat();
+        let whole_waveform = |first: f64, side: Vec<f64>| [vec![first], side.clone(), side].concat();
+        [whole_waveform(0.0, side(LEAST, -STEEPEST)), whole_waveform(1.0, side(1.0, STEEPEST))]
     }
 }
 
@@ -112,40 +112,41 @@ impl Valve {
     /// Medians over fillings; none without any. Dead times shift the whole cycle and are left out. A lag needs ln((1 − m)/m) of its time constants
     /// from the part m of its step to all but m.
     pub fn of(pulses: &[Pulse]) -> Option<Self> {
-        let filling = median(pulses.iter().map(|p| (p.fill - p.fill_dead) / ((1.0 - MOVED) / MOVED).ln()).collect())?;
-        Some(Self { filling, emptying: median(pulses.iter().map(|p| p.empty).collect())? })
+        let filling =
+            upper_median(pulses.iter().map(|p| (p.fill - p.fill_dead) / ((1.0 - MOVED) / MOVED).ln()).collect())?;
+        Some(Self { filling, emptying: upper_median(pulses.iter().map(|p| p.empty).collect())? })
     }
 
     /// The part of its distance from the command that a pressure makes good in a step.
-    fn gain(&self, rises: bool, step: Second) -> f64 {
+    fn step_gain(&self, rises: bool, step: Second) -> f64 {
         -(-step / if rises { self.filling } else { self.emptying }).exp_m1()
     }
 
     /// The pressures after steps of `step` seconds with these commands (Pa), from none.
     pub fn follow(&self, commands: &[Pascal], step: Second) -> Vec<Pascal> {
-        let next = |p: &mut f64, command: &f64| {
-            *p += self.gain(command > p, step) * (command - *p);
-            Some(*p)
+        let next_pressure = |pressure: &mut f64, command: &f64| {
+            *pressure += self.step_gain(command > pressure, step) * (command - *pressure);
+            Some(*pressure)
         };
-        commands.iter().scan(0.0, next).collect()
+        commands.iter().scan(0.0, next_pressure).collect()
     }
 
     /// The derivatives by the commands from those by the `pressures` that followed them.
-    pub fn adjoint(&self, [commands, pressures, by]: [&[f64]; 3], step: Second) -> Vec<f64> {
-        let (mut later, mut all) = (0.0, vec![0.0; by.len()]);
-        for n in (0..by.len()).rev() {
-            let before = if n == 0 { 0.0 } else { pressures[n - 1] };
-            let (own, gain) = (by[n] + later, self.gain(commands[n] > before, step));
-            all[n] = gain * own;
-            later = (1.0 - gain) * own;
+    pub fn adjoint(&self, [commands, pressures, pressure_slopes]: [&[f64]; 3], step: Second) -> Vec<f64> {
+        let (mut carried, mut command_slopes) = (0.0, vec![0.0; pressure_slopes.len()]);
+        for n in (0..pressure_slopes.len()).rev() {
+            let previous = if n == 0 { 0.0 } else { pressures[n - 1] };
+            let (slope, gain) = (pressure_slopes[n] + carried, self.step_gain(commands[n] > previous, step));
+            command_slopes[n] = gain * slope;
+            carried = (1.0 - gain) * slope;
         }
-        all
+        command_slopes
     }
 }
 
-fn median(mut of: Vec<f64>) -> Option<f64> {
-    of.sort_by(f64::total_cmp);
-    of.get(of.len() / 2).copied()
+fn upper_median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
 }
 
 #[cfg(test)]
@@ -160,7 +161,7 @@ mod tests {
         let waveform = Waveform::square(&square, &LIMITS);
         assert!((waveform.frequency(&LIMITS) - 1.5).abs() < 1e-12 && waveform.numbers.len() == PARAMETERS);
         for side in 0..2 {
-            let commands = waveform.commands(side, (30, 60));
+            let commands = waveform.command_series(side, (30, 60));
             for (n, command) in commands.iter().enumerate() {
                 let exact = square.at((n + 1) as f64 / 60.0 / 1.5)[side];
                 assert!((command * LIMITS.amplitude - exact).abs() < 1e-9 * LIMITS.amplitude);
@@ -170,7 +171,7 @@ mod tests {
 
     #[test]
     fn the_steepest_square_wave_is_full_and_empty_but_for_a_tenth_of_a_cycle() {
-        let commands = Waveform::steepest(&[0.5, 0.0]).commands(1, (1000, 1000));
+        let commands = Waveform::steepest_square(&[0.5, 0.0]).command_series(1, (1000, 1000));
         let between = commands.iter().filter(|c| (0.005..0.495).contains(*c)).count();
         // the logistic function of 8 (1 − 1/3 + 1/5 − 1/7) is 0.997
         assert!(commands[250] < 2e-3 && commands[750] > 0.498 && between < 100, "{between}");

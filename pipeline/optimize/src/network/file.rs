@@ -27,20 +27,20 @@ impl Network {
     /// # Errors
     /// [`NetworkFileError`] when safetensors refuses a shape, which it does not for a network made here.
     pub fn to_safetensors(&self) -> Result<Vec<u8>, NetworkFileError> {
-        let mut lists: BTreeMap<String, (Vec<usize>, Vec<u8>)> = BTreeMap::new();
-        let mut put = |name: String, shape: Vec<usize>, values: &[f32]| {
-            lists.insert(name, (shape, values.iter().flat_map(|v| v.to_le_bytes()).collect()));
+        let mut tensors: BTreeMap<String, (Vec<usize>, Vec<u8>)> = BTreeMap::new();
+        let mut insert_tensor = |name: String, shape: Vec<usize>, values: &[f32]| {
+            tensors.insert(name, (shape, values.iter().flat_map(|v| v.to_le_bytes()).collect()));
         };
         for (i, layer) in self.layers.iter().enumerate() {
-            put(format!("{}.weight", 2 * i), vec![layer.outputs, layer.inputs], &layer.weight);
-            put(format!("{}.bias", 2 * i), vec![layer.outputs], &layer.bias);
+            insert_tensor(format!("{}.weight", 2 * i), vec![layer.outputs, layer.inputs], &layer.weight);
+            insert_tensor(format!("{}.bias", 2 * i), vec![layer.outputs], &layer.bias);
         }
         let Scale { input_mean, input_spread, answer_mean, answer_spread } = &self.scale;
-        put("input_mean".into(), vec![self.width()], input_mean);
-        put("input_spread".into(), vec![self.width()], input_spread);
-        put("answer_mean".into(), vec![1], &[*answer_mean]);
-        put("answer_spread".into(), vec![1], &[*answer_spread]);
-        let views = lists.iter().map(|(name, (shape, bytes))| {
+        insert_tensor("input_mean".into(), vec![self.width()], input_mean);
+        insert_tensor("input_spread".into(), vec![self.width()], input_spread);
+        insert_tensor("answer_mean".into(), vec![1], &[*answer_mean]);
+        insert_tensor("answer_spread".into(), vec![1], &[*answer_spread]);
+        let views = tensors.iter().map(|(name, (shape, bytes))| {
             TensorView::new(Dtype::F32, shape.clone(), bytes).map(|view| (name.as_str(), view))
         });
         let views = views.collect::<Result<Vec<_>, _>>()?;
@@ -57,17 +57,17 @@ impl Network {
         let count = file.names().iter().filter(|name| name.ends_with(WEIGHT)).count();
         let required = 2 * count + SCALE.len();
         if count == 0 || file.len() != required {
-            let what = format!("it has {} tensors; {count} layers with their scale have {required}", file.len());
-            return Err(NetworkFileError::Shape(what));
+            let defect = format!("it has {} tensors; {count} layers with their scale have {required}", file.len());
+            return Err(NetworkFileError::Shape(defect));
         }
-        let layers = (0..count).map(|number| layer(&file, number)).collect::<Result<Vec<_>, _>>()?;
+        let layers = (0..count).map(|number| layer_from_file(&file, number)).collect::<Result<Vec<_>, _>>()?;
         check_joints(&layers)?;
         let width = layers[0].inputs;
         let scale = Scale {
-            input_mean: list(&file, SCALE[0], &[width])?,
-            input_spread: positive(SCALE[1], list(&file, SCALE[1], &[width])?)?,
-            answer_mean: list(&file, SCALE[2], &[1])?[0],
-            answer_spread: positive(SCALE[3], list(&file, SCALE[3], &[1])?)?[0],
+            input_mean: tensor_values(&file, SCALE[0], &[width])?,
+            input_spread: positive_values(SCALE[1], tensor_values(&file, SCALE[1], &[width])?)?,
+            answer_mean: tensor_values(&file, SCALE[2], &[1])?[0],
+            answer_spread: positive_values(SCALE[3], tensor_values(&file, SCALE[3], &[1])?)?[0],
         };
         Ok(Self { layers, scale })
     }
@@ -79,7 +79,7 @@ const WEIGHT: &str = ".weight";
 const SCALE: [&str; 4] = ["input_mean", "input_spread", "answer_mean", "answer_spread"];
 
 /// The numbers of one tensor.
-fn list(file: &SafeTensors, name: &str, shape: &[usize]) -> Result<Vec<f32>, NetworkFileError> {
+fn tensor_values(file: &SafeTensors, name: &str, shape: &[usize]) -> Result<Vec<f32>, NetworkFileError> {
     let view = file.tensor(name)?;
     if view.dtype() != Dtype::F32 {
         return Err(NetworkFileError::Shape(format!("`{name}` holds {:?}, not F32", view.dtype())));
@@ -96,33 +96,35 @@ fn list(file: &SafeTensors, name: &str, shape: &[usize]) -> Result<Vec<f32>, Net
     }
 }
 
-fn layer(file: &SafeTensors, number: usize) -> Result<Layer, NetworkFileError> {
+fn layer_from_file(file: &SafeTensors, number: usize) -> Result<Layer, NetworkFileError> {
     let (weight, bias) = (format!("{}{WEIGHT}", 2 * number), format!("{}.bias", 2 * number));
     let &[outputs, inputs] = file.tensor(&weight)?.shape() else {
         return Err(NetworkFileError::Shape(format!("`{weight}` is no matrix")));
     };
-    let (weight, bias) = (list(file, &weight, &[outputs, inputs])?, list(file, &bias, &[outputs])?);
+    let (weight, bias) = (tensor_values(file, &weight, &[outputs, inputs])?, tensor_values(file, &bias, &[outputs])?);
     Ok(Layer { inputs, outputs, weight, bias })
 }
 
 /// Each layer takes what the one before gives, and the last gives one number.
 fn check_joints(layers: &[Layer]) -> Result<(), NetworkFileError> {
-    let taken = layers.iter().skip(1).map(|layer| layer.inputs).chain([1]);
+    let expected_outputs = layers.iter().skip(1).map(|layer| layer.inputs).chain([1]);
     // length: one number is taken from each layer, the last one by the reader of the prediction
-    for (number, (layer, taken)) in layers.iter().zip(taken).enumerate() {
-        if layer.outputs != taken || layer.inputs == 0 {
-            let [name, after] = [2 * number, 2 * number + 2].map(|number| format!("`{number}{WEIGHT}`"));
-            let after = if number + 1 == layers.len() { "a prediction".to_owned() } else { after };
+    for (number, (layer, expected_outputs)) in layers.iter().zip(expected_outputs).enumerate() {
+        if layer.outputs != expected_outputs || layer.inputs == 0 {
+            let [name, next_name] = [2 * number, 2 * number + 2].map(|number| format!("`{number}{WEIGHT}`"));
+            let next_name = if number + 1 == layers.len() { "a prediction".to_owned() } else { next_name };
             let (inputs, outputs) = (layer.inputs, layer.outputs);
-            let what = format!("{name} has {inputs} inputs and {outputs} outputs, of which {after} takes {taken}");
-            return Err(NetworkFileError::Shape(what));
+            let defect = format!(
+                "{name} has {inputs} inputs and {outputs} outputs, of which {next_name} takes {expected_outputs}"
+            );
+            return Err(NetworkFileError::Shape(defect));
         }
     }
     Ok(())
 }
 
 /// Standard deviations are above 0: inputs are divided by them.
-fn positive(name: &str, values: Vec<f32>) -> Result<Vec<f32>, NetworkFileError> {
+fn positive_values(name: &str, values: Vec<f32>) -> Result<Vec<f32>, NetworkFileError> {
     match values.iter().find(|value| **value <= 0.0) {
         Some(value) => Err(NetworkFileError::Shape(format!("`{name}` has {value}, and must be above 0"))),
         None => Ok(values),

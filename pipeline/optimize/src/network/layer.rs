@@ -32,26 +32,26 @@ impl Layer {
     }
 
     /// W as inputs × outputs, column after column: its transpose, because its rows are contiguous.
-    fn transposed(&self) -> MatRef<'_, f32> {
+    fn transposed_weights(&self) -> MatRef<'_, f32> {
         MatRef::from_column_major_slice(&self.weight, self.inputs, self.outputs)
     }
 
     /// outputs × batch.
-    pub fn forward(&self, x: &[f32], batch: usize) -> Vec<f32> {
+    pub(crate) fn forward_batch(&self, x: &[f32], batch: usize) -> Vec<f32> {
         let mut y = Vec::with_capacity(self.outputs * batch);
         (0..batch).for_each(|_| y.extend_from_slice(&self.bias));
-        let into = MatMut::from_column_major_slice_mut(&mut y, self.outputs, batch);
+        let output = MatMut::from_column_major_slice_mut(&mut y, self.outputs, batch);
         let x = MatRef::from_column_major_slice(x, self.inputs, batch);
-        matmul(into, Accum::Add, self.transposed().transpose(), x, 1.0, Par::Seq);
+        matmul(output, Accum::Add, self.transposed_weights().transpose(), x, 1.0, Par::Seq);
         y
     }
 
     /// The gradient of the loss by the inputs (inputs × batch), from that by the outputs.
-    pub fn backward(&self, output_gradient: &[f32], batch: usize) -> Vec<f32> {
+    pub(crate) fn backward_batch(&self, output_gradient: &[f32], batch: usize) -> Vec<f32> {
         let mut input_gradient = vec![0.0; self.inputs * batch];
-        let into = MatMut::from_column_major_slice_mut(&mut input_gradient, self.inputs, batch);
+        let product = MatMut::from_column_major_slice_mut(&mut input_gradient, self.inputs, batch);
         let output_gradient = MatRef::from_column_major_slice(output_gradient, self.outputs, batch);
-        matmul(into, Accum::Replace, self.transposed(), output_gradient, 1.0, Par::Seq);
+        matmul(product, Accum::Replace, self.transposed_weights(), output_gradient, 1.0, Par::Seq);
         input_gradient
     }
 
@@ -70,23 +70,29 @@ impl Layer {
         input_gradient
     }
 
-    /// The gradient of the loss by weights and biases, into `of`.
-    pub(crate) fn weight_gradient(&self, x: &[f32], output_gradient: &[f32], batch: usize, of: &mut LayerGradient) {
-        of.weight.resize(self.weight.len(), 0.0);
-        let into = MatMut::from_column_major_slice_mut(&mut of.weight, self.inputs, self.outputs);
+    /// The gradient of the loss by weights and biases, into `layer_gradient`.
+    pub(crate) fn weight_gradient(
+        &self,
+        x: &[f32],
+        output_gradient: &[f32],
+        batch: usize,
+        layer_gradient: &mut LayerGradient,
+    ) {
+        layer_gradient.weight.resize(self.weight.len(), 0.0);
+        let product = MatMut::from_column_major_slice_mut(&mut layer_gradient.weight, self.inputs, self.outputs);
         let x = MatRef::from_column_major_slice(x, self.inputs, batch);
-        let each = MatRef::from_column_major_slice(output_gradient, self.outputs, batch);
-        matmul(into, Accum::Replace, x, each.transpose(), 1.0, Par::Seq);
-        of.bias.clear();
-        of.bias.resize(self.outputs, 0.0);
+        let gradients = MatRef::from_column_major_slice(output_gradient, self.outputs, batch);
+        matmul(product, Accum::Replace, x, gradients.transpose(), 1.0, Par::Seq);
+        layer_gradient.bias.clear();
+        layer_gradient.bias.resize(self.outputs, 0.0);
         for column in output_gradient.chunks_exact(self.outputs) {
-            of.bias.iter_mut().zip(column).for_each(|(b, p)| *b += p);
+            layer_gradient.bias.iter_mut().zip(column).for_each(|(b, p)| *b += p);
         }
     }
 }
 
 /// max(z, 0), in place.
-pub(super) fn rectify(values: &mut [f32]) {
+pub(super) fn rectify_values(values: &mut [f32]) {
     values.iter_mut().for_each(|v| *v = v.max(0.0));
 }
 
@@ -98,8 +104,8 @@ mod tests {
     fn a_layer_is_the_product_written_out() {
         let weight = vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
         let layer = Layer { inputs: 3, outputs: 2, weight, bias: vec![0.5, -0.5] };
-        assert_eq!(layer.forward(&[1.0, 0.0, -1.0, 2.0, 1.0, 0.0], 2), [-1.5, -2.5, 4.5, 12.5]);
-        assert_eq!(layer.backward(&[1.0, 1.0], 1), [5.0, 7.0, 9.0]);
+        assert_eq!(layer.forward_batch(&[1.0, 0.0, -1.0, 2.0, 1.0, 0.0], 2), [-1.5, -2.5, 4.5, 12.5]);
+        assert_eq!(layer.backward_batch(&[1.0, 1.0], 1), [5.0, 7.0, 9.0]);
         let mut found = LayerGradient::default();
         layer.weight_gradient(&[1.0, 2.0, 3.0], &[1.0, -2.0], 1, &mut found);
         assert_eq!(found.weight, [1.0, 2.0, 3.0, -2.0, -4.0, -6.0]);

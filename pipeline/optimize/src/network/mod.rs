@@ -80,7 +80,8 @@ impl Network {
     pub fn new(scale: Scale, hidden: &[usize], seed: u64) -> Self {
         let mut draw = ChaCha8Rng::seed_from_u64(seed);
         let sizes: Vec<usize> = [&[scale.input_mean.len()], hidden, &[1]].concat();
-        let layers = sizes.windows(2).map(|w| Layer::initialised(w[0], w[1], &mut || unit(&mut draw))).collect();
+        let layers =
+            sizes.windows(2).map(|w| Layer::initialised(w[0], w[1], &mut || uniform_draw(&mut draw))).collect();
         Self { layers, scale }
     }
 
@@ -100,11 +101,11 @@ impl Network {
         // Chunks bound the memory of the hidden layers; the products of a row do not depend on the chunk.
         let chunk = 1024 * self.width();
         let targets = inputs.chunks(chunk).flat_map(|rows| {
-            let standard = self.standard(rows);
-            self.layers.iter().enumerate().fold(standard, |x, (i, layer)| {
-                let mut y = layer.forward(&x, rows.len() / self.width());
+            let standardised = self.standardised_rows(rows);
+            self.layers.iter().enumerate().fold(standardised, |x, (i, layer)| {
+                let mut y = layer.forward_batch(&x, rows.len() / self.width());
                 if i + 1 < self.layers.len() {
-                    layer::rectify(&mut y);
+                    layer::rectify_values(&mut y);
                 }
                 y
             })
@@ -116,12 +117,12 @@ impl Network {
     /// through a simulation is compared with differences.
     pub fn slope(&self, row: &[f64]) -> (f64, Vec<f64>) {
         let Scale { input_mean, input_spread, answer_mean, answer_spread } = &self.scale;
-        let standard = |k: usize| (row[k] - f64::from(input_mean[k])) / f64::from(input_spread[k]);
-        let mut states: Vec<Vec<f64>> = vec![(0..row.len()).map(standard).collect()];
+        let standardised = |k: usize| (row[k] - f64::from(input_mean[k])) / f64::from(input_spread[k]);
+        let mut states: Vec<Vec<f64>> = vec![(0..row.len()).map(standardised).collect()];
         for (i, layer) in self.layers.iter().enumerate() {
-            let last = i + 1 == self.layers.len();
+            let is_last = i + 1 == self.layers.len();
             let y = layer.forward_f64(&states[i]).into_iter();
-            states.push(y.map(|z| if last { z } else { z.max(0.0) }).collect());
+            states.push(y.map(|z| if is_last { z } else { z.max(0.0) }).collect());
         }
         let mut gradient = vec![1.0];
         for (i, layer) in self.layers.iter().enumerate().rev() {
@@ -136,15 +137,15 @@ impl Network {
     }
 
     /// Standardised rows: width × rows, a column a sample.
-    fn standard(&self, rows: &[f32]) -> Vec<f32> {
+    fn standardised_rows(&self, rows: &[f32]) -> Vec<f32> {
         let Scale { input_mean, input_spread, .. } = &self.scale;
-        let each = rows.iter().enumerate().map(|(i, x)| (i % self.width(), x));
-        each.map(|(k, x)| (x - input_mean[k]) / input_spread[k]).collect()
+        let entries = rows.iter().enumerate().map(|(i, x)| (i % self.width(), x));
+        entries.map(|(k, x)| (x - input_mean[k]) / input_spread[k]).collect()
     }
 }
 
 /// Uniform between 0 and 1.
-fn unit(draw: &mut ChaCha8Rng) -> f32 {
+fn uniform_draw(draw: &mut ChaCha8Rng) -> f32 {
     (draw.next_u32() >> 8) as f32 / (1u32 << 24) as f32
 }
 

@@ -50,38 +50,38 @@ pub struct Trained {
 ///
 /// `observe` is called after each epoch, step_numbered from 0. Bit-identical for a seed.
 pub fn train(
-    set: &Training,
+    settings: &Training,
     samples: &Samples,
     validation: &Samples,
     observe: &mut dyn FnMut(usize, Epoch),
 ) -> Trained {
-    let mut network = Network::new(Scale::of(samples), &set.hidden, set.seed);
+    let mut network = Network::new(Scale::of(samples), &settings.hidden, settings.seed);
     let mut best = network.clone();
-    let (mut best_epoch, mut lowest, mut epochs) = (0, f32::INFINITY, Vec::new());
-    let standard = network.standard(&samples.inputs);
+    let (mut best_epoch, mut lowest_error, mut epochs) = (0, f32::INFINITY, Vec::new());
+    let standardised = network.standardised_rows(&samples.inputs);
     let Scale { answer_mean, answer_spread, .. } = network.scale;
     let targets: Vec<f32> = samples.targets.iter().map(|y| (y - answer_mean) / answer_spread).collect();
-    let mut trainer = Trainer::new(&network, set);
-    for epoch in 0..set.epochs {
-        let training = trainer.epoch(&mut network, &standard, &targets, set);
-        let error = error(&network, validation);
-        let now = Epoch { training, validation: error };
-        epochs.push(now);
-        observe(epoch, now);
-        if error < lowest || validation.rows() == 0 {
-            (best_epoch, lowest, best) = (epoch, error, network.clone());
+    let mut trainer = Trainer::new(&network, settings);
+    for epoch in 0..settings.epochs {
+        let training = trainer.run_epoch(&mut network, &standardised, &targets, settings);
+        let error = validation_error(&network, validation);
+        let epoch_errors = Epoch { training, validation: error };
+        epochs.push(epoch_errors);
+        observe(epoch, epoch_errors);
+        if error < lowest_error || validation.rows() == 0 {
+            (best_epoch, lowest_error, best) = (epoch, error, network.clone());
         }
-        if validation.rows() > 0 && epoch >= best_epoch + set.patience {
+        if validation.rows() > 0 && epoch >= best_epoch + settings.patience {
             break;
         }
     }
     Trained { network: best, epochs, best_epoch }
 }
 
-fn error(network: &Network, samples: &Samples) -> f32 {
+fn validation_error(network: &Network, samples: &Samples) -> f32 {
     let spread = f64::from(network.scale.answer_spread);
-    let found = network.predict(&samples.inputs);
-    let squares = found.iter().zip(&samples.targets).map(|(f, y)| (f64::from(f - y) / spread).powi(2));
+    let predictions = network.predict(&samples.inputs);
+    let squares = predictions.iter().zip(&samples.targets).map(|(f, y)| (f64::from(f - y) / spread).powi(2));
     (squares.sum::<f64>() / samples.rows().max(1) as f64) as f32
 }
 
@@ -97,7 +97,7 @@ struct Trainer {
 }
 
 impl Trainer {
-    fn new(network: &Network, set: &Training) -> Self {
+    fn new(network: &Network, settings: &Training) -> Self {
         let adams = network
             .layers
             .iter()
@@ -105,44 +105,45 @@ impl Trainer {
         let gradients = vec![LayerGradient::default(); network.layers.len()];
         // The order of the samples has its own stream, so that it is independent of the initial weights.
         Self {
-            draw: ChaCha8Rng::seed_from_u64(set.seed ^ 0x0bad_cafe),
+            draw: ChaCha8Rng::seed_from_u64(settings.seed ^ 0x0bad_cafe),
             adams: adams.collect(),
             gradients,
             step_number: 0,
         }
     }
 
-    fn epoch(&mut self, network: &mut Network, standard: &[f32], targets: &[f32], set: &Training) -> f32 {
+    fn run_epoch(&mut self, network: &mut Network, standardised: &[f32], targets: &[f32], settings: &Training) -> f32 {
         let (width, mut order) = (network.width(), (0..targets.len()).collect::<Vec<usize>>());
         for i in (1..order.len()).rev() {
             order.swap(i, (self.draw.next_u64() % (i as u64 + 1)) as usize);
         }
         let mut squares = 0.0_f64;
-        for chosen in order.chunks(set.batch) {
-            let x: Vec<f32> = chosen.iter().flat_map(|&i| &standard[i * width..(i + 1) * width]).copied().collect();
-            let y: Vec<f32> = chosen.iter().map(|&i| targets[i]).collect();
-            squares += self.batch(network, x, &y, set.step);
+        for selection in order.chunks(settings.batch) {
+            let x: Vec<f32> =
+                selection.iter().flat_map(|&i| &standardised[i * width..(i + 1) * width]).copied().collect();
+            let y: Vec<f32> = selection.iter().map(|&i| targets[i]).collect();
+            squares += self.run_batch(network, x, &y, settings.step);
         }
         (squares / targets.len() as f64) as f32
     }
 
     /// One step of Adam on a batch; returns the sum of squared errors.
-    fn batch(&mut self, network: &mut Network, x: Vec<f32>, targets: &[f32], step: f32) -> f64 {
-        let (batch, last) = (targets.len(), network.layers.len() - 1);
+    fn run_batch(&mut self, network: &mut Network, x: Vec<f32>, targets: &[f32], step: f32) -> f64 {
+        let (batch, last_layer) = (targets.len(), network.layers.len() - 1);
         let mut states = vec![x];
         for (i, layer) in network.layers.iter().enumerate() {
-            let mut y = layer.forward(&states[i], batch);
-            if i < last {
-                layer::rectify(&mut y);
+            let mut y = layer.forward_batch(&states[i], batch);
+            if i < last_layer {
+                layer::rectify_values(&mut y);
             }
             states.push(y);
         }
-        let errors: Vec<f32> = states[last + 1].iter().zip(targets).map(|(found, y)| found - y).collect();
+        let errors: Vec<f32> = states[last_layer + 1].iter().zip(targets).map(|(predicted, y)| predicted - y).collect();
         let mut gradient: Vec<f32> = errors.iter().map(|d| 2.0 * d / batch as f32).collect();
         for (i, layer) in network.layers.iter().enumerate().rev() {
             layer.weight_gradient(&states[i], &gradient, batch, &mut self.gradients[i]);
             if i > 0 {
-                gradient = layer.backward(&gradient, batch);
+                gradient = layer.backward_batch(&gradient, batch);
                 gradient.iter_mut().zip(&states[i]).for_each(|(p, y)| *p *= f32::from(u8::from(*y > 0.0)));
             }
         }
@@ -175,14 +176,17 @@ mod tests {
         let made = train(&set(), &samples(4000, 0.0), &samples(500, 0.1), &mut |_, _| {});
         let unseen = samples(500, 0.2);
         // of the targets' variance
-        assert!(error(&made.network, &unseen) < 2e-3, "{}", error(&made.network, &unseen));
+        assert!(validation_error(&made.network, &unseen) < 2e-3, "{}", validation_error(&made.network, &unseen));
     }
 
     #[test]
     fn the_error_is_a_mean_over_the_rows() {
         let (once, network) = (samples(5, 0.0), Network::new(Scale::of(&samples(5, 0.0)), &[4], 1));
         let (inputs, targets) = (once.inputs.repeat(2), once.targets.repeat(2));
-        assert_eq!(error(&network, &Samples { width: 2, inputs, targets }), error(&network, &once));
+        assert_eq!(
+            validation_error(&network, &Samples { width: 2, inputs, targets }),
+            validation_error(&network, &once)
+        );
     }
 
     #[test]
@@ -190,7 +194,7 @@ mod tests {
         let of = |factor: f32| {
             let mut scaled = samples(50, 0.0);
             scaled.targets.iter_mut().for_each(|y| *y *= factor);
-            error(&Network::new(Scale::of(&scaled), &[4], 1), &scaled)
+            validation_error(&Network::new(Scale::of(&scaled), &[4], 1), &scaled)
         };
         assert!((of(10.0) / of(1.0) - 1.0).abs() < 1e-3, "{} {}", of(10.0), of(1.0));
     }
@@ -217,17 +221,17 @@ mod tests {
     fn the_gradient_of_a_batch_is_that_of_central_differences() {
         let all = samples(64, 0.0);
         let network = Network::new(Scale::of(&all), &[16, 16], 5);
-        let (standard, scale) = (network.standard(&all.inputs), network.scale.clone());
+        let (standard, scale) = (network.standardised_rows(&all.inputs), network.scale.clone());
         let targets: Vec<f32> = all.targets.iter().map(|y| (y - scale.answer_mean) / scale.answer_spread).collect();
         let mut trainer = Trainer::new(&network, &set());
         let mut moved = network.clone();
-        let before = trainer.batch(&mut moved, standard.clone(), &targets, 0.0) / 64.0;
+        let before = trainer.run_batch(&mut moved, standard.clone(), &targets, 0.0) / 64.0;
         let gradient = trainer.gradients[1].weight.clone();
         for at in [0, 17, 101] {
             let loss = |by: f32| {
                 let mut other = network.clone();
                 other.layers[1].weight[at] += by;
-                Trainer::new(&other, &set()).batch(&mut other, standard.clone(), &targets, 0.0) / 64.0
+                Trainer::new(&other, &set()).run_batch(&mut other, standard.clone(), &targets, 0.0) / 64.0
             };
             // f32: 1e-7 of a loss near one over a step of 1e-2
             let difference = (loss(1e-2) - loss(-1e-2)) / 2e-2;

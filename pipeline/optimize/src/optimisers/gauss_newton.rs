@@ -58,12 +58,13 @@ impl GaussNewton {
     /// # Errors
     /// [`OptimiseError::Setting`] when a setting leaves no step to make.
     pub fn new(problem: &Problem, set: &Settings) -> Result<Self, OptimiseError> {
-        let refuse = |setting, value, needed| Err(OptimiseError::Setting { optimiser: NAME, setting, value, needed });
+        let setting_error =
+            |setting, value, needed| Err(OptimiseError::Setting { optimiser: NAME, setting, value, needed });
         if !(set.damping > 0.0 && set.damping.is_finite()) {
-            return refuse("damping", set.damping, "above 0");
+            return setting_error("damping", set.damping, "above 0");
         }
         if set.iterations == 0 {
-            return refuse("iterations", 0.0, "at least 1");
+            return setting_error("iterations", 0.0, "at least 1");
         }
         Ok(Self {
             asked: problem.start().to_vec(),
@@ -79,16 +80,16 @@ impl GaussNewton {
     }
 
     /// Accepts the trial and lowers the damping, or rejects it and raises the damping.
-    fn update(&mut self, trial: &Evaluation) {
-        let (Some(base), Some(new)) = (&self.best, &trial.residuals) else {
+    fn update_best(&mut self, trial: &Evaluation) {
+        let (Some(best), Some(trial_residuals)) = (&self.best, &trial.residuals) else {
             self.best = Some(trial.clone());
             return;
         };
-        let Some(old) = &base.residuals else { return };
-        let step: Vec<f64> = trial.at.iter().zip(&base.at).map(|(a, b)| a - b).collect();
-        let fall = old.half_sum_of_squares() - new.half_sum_of_squares();
-        let gain_ratio = fall / old.predicted_reduction(&step);
-        if fall > 0.0 && gain_ratio > 0.0 {
+        let Some(base_residuals) = &best.residuals else { return };
+        let step: Vec<f64> = trial.at.iter().zip(&best.at).map(|(a, b)| a - b).collect();
+        let decrease = base_residuals.half_sum_of_squares() - trial_residuals.half_sum_of_squares();
+        let gain_ratio = decrease / base_residuals.predicted_reduction(&step);
+        if decrease > 0.0 && gain_ratio > 0.0 {
             // Nielsen's rule: λ changes continuously with the gain ratio, so that it does not alternate between two values as with
             // Marquardt's fixed factor. Every evaluation saved here is a whole set of simulations.
             self.damping *= (1.0 - (2.0 * gain_ratio - 1.0).powi(3)).max(1.0 / 3.0);
@@ -105,29 +106,30 @@ impl GaussNewton {
     }
 
     /// The next trial from the best point; finishes when it would lie where the best one does.
-    fn plan(&mut self) -> Result<(), OptimiseError> {
-        let Some(Evaluation { at, residuals: Some(residuals), .. }) = &self.best else { return Ok(()) };
-        let free = self.free_axes(at, residuals);
+    fn plan_step(&mut self) -> Result<(), OptimiseError> {
+        let Some(Evaluation { at: point, residuals: Some(residuals), .. }) = &self.best else { return Ok(()) };
+        let free = self.free_axes(point, residuals);
         if free.iter().all(|f| !f) {
             self.finished = Some(Finished::Converged { because: "every parameter is fixed by its bound" });
             return Ok(());
         }
         let Some(step) = residuals.damped_step(self.damping, &free) else {
-            let why = "JᵀJ is singular: the residuals do not change along some direction of the parameters".to_owned();
-            return Err(OptimiseError::Undetermined { parameters: self.problem.dimension(), why });
+            let reason =
+                "JᵀJ is singular: the residuals do not change along some direction of the parameters".to_owned();
+            return Err(OptimiseError::Undetermined { parameters: self.problem.dimension(), why: reason });
         };
-        let over = |(s, limit): (&f64, &f64)| limit / s.abs().max(f64::MIN_POSITIVE);
-        let part = self.part * step.iter().zip(&self.set.longest_step).map(over).fold(1.0, f64::min);
-        let wish: Vec<f64> = at.iter().zip(&step).map(|(x, s)| x + part * s).collect();
-        let next = self.problem.bounds().clamp(&wish);
-        let step: Vec<f64> = next.iter().zip(at).map(|(a, b)| a - b).collect();
-        let longest = step.iter().fold(0.0, |longest: f64, s| longest.max(s.abs()));
+        let step_limit = |(s, limit): (&f64, &f64)| limit / s.abs().max(f64::MIN_POSITIVE);
+        let step_fraction = self.part * step.iter().zip(&self.set.longest_step).map(step_limit).fold(1.0, f64::min);
+        let target: Vec<f64> = point.iter().zip(&step).map(|(x, s)| x + step_fraction * s).collect();
+        let next_point = self.problem.bounds().clamp(&target);
+        let step: Vec<f64> = next_point.iter().zip(point).map(|(a, b)| a - b).collect();
+        let largest_change = step.iter().fold(0.0, |largest_change: f64, s| largest_change.max(s.abs()));
         // near the minimum of a simulated loss its own error decides whether a step lowers it: rejected steps would then use up the budget
-        let no_fall = (0.0..self.set.fall_tolerance).contains(&residuals.predicted_reduction(&step));
-        self.asked = next;
-        if longest < self.set.step_tolerance {
+        let is_stalled = (0.0..self.set.fall_tolerance).contains(&residuals.predicted_reduction(&step));
+        self.asked = next_point;
+        if largest_change < self.set.step_tolerance {
             self.finished = Some(Finished::Converged { because: "no parameter moves any more" });
-        } else if no_fall {
+        } else if is_stalled {
             self.finished = Some(Finished::Converged { because: "no step lowers the loss any more" });
         } else if self.damping > DAMPING_LIMIT || self.evaluations == self.set.iterations {
             self.finished = Some(Finished::Budget);
@@ -135,37 +137,42 @@ impl GaussNewton {
         Ok(())
     }
 
-    fn free_axes(&self, at: &[f64], residuals: &Residuals) -> Vec<bool> {
+    fn free_axes(&self, point: &[f64], residuals: &Residuals) -> Vec<bool> {
         let bounds = self.problem.bounds();
-        let gradient = residuals.gradient(at.len());
-        let blocked =
-            |i: usize| (at[i] <= bounds.low[i] && gradient[i] > 0.0) || (at[i] >= bounds.high[i] && gradient[i] < 0.0);
-        (0..at.len()).map(|i| !blocked(i)).collect()
+        let gradient = residuals.gradient(point.len());
+        let is_blocked = |i: usize| {
+            (point[i] <= bounds.low[i] && gradient[i] > 0.0) || (point[i] >= bounds.high[i] && gradient[i] < 0.0)
+        };
+        (0..point.len()).map(|i| !is_blocked(i)).collect()
     }
 
     /// Refuses residuals of a wrong shape, or a Jacobian that permits no step.
-    fn check(&self, evaluations: &Evaluation) -> Result<(), OptimiseError> {
-        let at = || self.problem.describe(&evaluations.at);
-        let Some(residuals) = &evaluations.residuals else {
-            return Err(OptimiseError::Missing { optimiser: NAME, missing: "residuals and Jacobian", at: at() });
+    fn check_evaluation(&self, evaluation: &Evaluation) -> Result<(), OptimiseError> {
+        let described_point = || self.problem.described_point(&evaluation.at);
+        let Some(residuals) = &evaluation.residuals else {
+            return Err(OptimiseError::Missing {
+                optimiser: NAME,
+                missing: "residuals and Jacobian",
+                at: described_point(),
+            });
         };
         let expected = residuals.values.len() * self.problem.dimension();
         if residuals.jacobian.len() != expected {
             return Err(OptimiseError::Length { what: "the Jacobian", found: residuals.jacobian.len(), expected });
         }
-        let square = residuals.half_sum_of_squares();
-        if !square.is_finite() {
-            return Err(OptimiseError::Loss { loss: square, at: at() });
+        let half_squares = residuals.half_sum_of_squares();
+        if !half_squares.is_finite() {
+            return Err(OptimiseError::Loss { loss: half_squares, at: described_point() });
         }
-        let columns = column_sizes(residuals, self.problem.dimension());
-        let sizes =
-            Evaluation { gradient: Some(columns), ..Evaluation::of_loss(evaluations.at.clone(), evaluations.loss) };
-        checked_gradient(NAME, &self.problem, &sizes, true).map(drop)
+        let column_norms = column_norms(residuals, self.problem.dimension());
+        let norm_evaluation =
+            Evaluation { gradient: Some(column_norms), ..Evaluation::of_loss(evaluation.at.clone(), evaluation.loss) };
+        checked_gradient(NAME, &self.problem, &norm_evaluation, true).map(drop)
     }
 }
 
 /// The length of each column of the Jacobian (parameters): zero where no residual depends on the parameter.
-fn column_sizes(residuals: &Residuals, parameters: usize) -> Vec<f64> {
+fn column_norms(residuals: &Residuals, parameters: usize) -> Vec<f64> {
     let square = |j: usize| residuals.jacobian.iter().skip(j).step_by(parameters).map(|v| v * v).sum::<f64>();
     (0..parameters).map(|j| square(j).sqrt()).collect()
 }
@@ -190,10 +197,10 @@ impl Optimiser for GaussNewton {
             self.part *= 0.5;
         } else {
             self.part = 1.0;
-            self.check(&evaluations[0])?;
-            self.update(&evaluations[0]);
+            self.check_evaluation(&evaluations[0])?;
+            self.update_best(&evaluations[0]);
         }
-        self.plan()
+        self.plan_step()
     }
 
     fn finished(&self) -> Option<Finished> {

@@ -48,8 +48,8 @@ impl Grid {
 
 /// The values on one axis of a grid, both ends included.
 pub fn axis(low: f64, high: f64, points: usize) -> Vec<f64> {
-    let part = |i: usize| i as f64 / (points - 1) as f64;
-    (0..points).map(|i| low * (1.0 - part(i)) + high * part(i)).collect()
+    let fraction = |i: usize| i as f64 / (points - 1) as f64;
+    (0..points).map(|i| low * (1.0 - fraction(i)) + high * fraction(i)).collect()
 }
 
 /// All nodes of a grid (points^parameters × parameters); the last parameter varies fastest.
@@ -57,8 +57,8 @@ pub fn nodes(bounds: &Bounds, points_per_axis: usize) -> Vec<Vec<f64>> {
     let mut nodes = vec![Vec::new()];
     for (low, high) in bounds.low.iter().zip(&bounds.high) {
         let values = axis(*low, *high, points_per_axis);
-        let longer = |node: &Vec<f64>| values.iter().map(|v| [&node[..], &[*v]].concat()).collect::<Vec<_>>();
-        nodes = nodes.iter().flat_map(longer).collect();
+        let extended = |node: &Vec<f64>| values.iter().map(|v| [&node[..], &[*v]].concat()).collect::<Vec<_>>();
+        nodes = nodes.iter().flat_map(extended).collect();
     }
     nodes
 }

@@ -38,36 +38,37 @@ const STEPS: f64 = 32_000.0;
 impl Body {
     /// As JSON, points as 16-bit and faces as 32-bit whole numbers in base64, little end first.
     pub fn json(&self) -> String {
-        let far = self.points.iter().flatten().flatten().fold(0.0, |far: f64, v| far.max(v.abs()));
-        let scale = far.max(f64::MIN_POSITIVE) / STEPS;
-        let at = self.points.iter().flatten().flatten().flat_map(|v| ((v / scale).round() as i16).to_le_bytes());
+        let greatest = self.points.iter().flatten().flatten().fold(0.0, |greatest: f64, v| greatest.max(v.abs()));
+        let scale = greatest.max(f64::MIN_POSITIVE) / STEPS;
+        let coordinates =
+            self.points.iter().flatten().flatten().flat_map(|v| ((v / scale).round() as i16).to_le_bytes());
         let faces =
             self.surfaces.iter().flat_map(|surface| surface.faces.iter().flatten()).flat_map(|n| n.to_le_bytes());
         let group = |surface: &Surface| {
             let colour = surface.colour;
             json!({ "colour": [colour.0, colour.1, colour.2], "inside": surface.inside, "count": surface.faces.len() })
         };
-        let rest = self.points.first().map_or(&[][..], Vec::as_slice);
+        let rest_shape = self.points.first().map_or(&[][..], Vec::as_slice);
         let last = self.points.last().map_or(&[][..], Vec::as_slice);
         let ends = |k: usize| {
-            let all = rest.iter().chain(last).map(move |p| p[k]);
-            [f64::min, f64::max].map(|pick| all.clone().reduce(pick).unwrap_or(0.0))
+            let extremes = rest_shape.iter().chain(last).map(move |p| p[k]);
+            [f64::min, f64::max].map(|extremum| extremes.clone().reduce(extremum).unwrap_or(0.0))
         };
         let ([left, right], [low, high]) = (ends(0), ends(1));
-        let moved = |shape: &Vec<Point3>| {
-            shape.iter().zip(rest).map(|(a, b)| vec3::norm(vec3::sub(*a, *b))).fold(0.0, f64::max)
+        let displacement = |shape: &Vec<Point3>| {
+            shape.iter().zip(rest_shape).map(|(a, b)| vec3::norm(vec3::sub(*a, *b))).fold(0.0, f64::max)
         };
         let value = json!({
             "name": self.name,
             "half": self.half,
             "levels": self.levels.iter().map(|p| (p * 10.0).round() / 10.0).collect::<Vec<_>>(),
-            "count": rest.len(),
+            "count": rest_shape.len(),
             "scale": scale,
             "middle": [0.5 * (left + right), 0.5 * (low + high)],
             "reach": right - left,
-            "most": self.points.last().map_or(0.0, moved),
+            "most": self.points.last().map_or(0.0, displacement),
             "groups": self.surfaces.iter().map(group).collect::<Vec<_>>(),
-            "at": STANDARD.encode(at.collect::<Vec<u8>>()),
+            "at": STANDARD.encode(coordinates.collect::<Vec<u8>>()),
             "faces": STANDARD.encode(faces.collect::<Vec<u8>>()),
         });
         value.to_string()

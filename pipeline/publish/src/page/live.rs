@@ -35,34 +35,34 @@ pub struct LiveTrial {
 
 impl LiveTail {
     /// As JSON; micrometres and pascals are whole numbers.
-    fn json(&self) -> String {
+    fn tail_json(&self) -> String {
         let LiveTrial { time, measured, pressures } = &self.trial;
-        let begin = time.first().copied().unwrap_or_default();
-        let whole = |x: f64| x.round() as i64;
+        let start = time.first().copied().unwrap_or_default();
+        let rounded = |x: f64| x.round() as i64;
         let value = json!({
             "name": self.name,
             "length": self.length,
             "highest": self.highest,
             "marker": self.marker,
             "arrays": STANDARD.encode(&self.arrays),
-            "time": time.iter().map(|t| ((t - begin) * 1e5).round() / 1e5).collect::<Vec<f64>>(),
-            "measured": measured.iter().map(|at| at.map(|x| whole(1e6 * x))).collect::<Vec<_>>(),
-            "pressures": pressures.iter().map(|own| own.iter().map(|p| whole(*p)).collect()).collect::<Vec<Vec<i64>>>(),
+            "time": time.iter().map(|t| ((t - start) * 1e5).round() / 1e5).collect::<Vec<f64>>(),
+            "measured": measured.iter().map(|at| at.map(|x| rounded(1e6 * x))).collect::<Vec<_>>(),
+            "pressures": pressures.iter().map(|chamber_pressures| chamber_pressures.iter().map(|p| rounded(*p)).collect()).collect::<Vec<Vec<i64>>>(),
         });
         value.to_string()
     }
 }
 
 /// The section of the page; it says what is missing where there is no tail.
-pub(super) fn section(tails: &[LiveTail]) -> String {
-    let inside = match tails.is_empty() {
+pub(super) fn live_section(tails: &[LiveTail]) -> String {
+    let content = match tails.is_empty() {
         true => "<p>No motion was validated yet: <code>study run validate</code>.</p>\n".to_owned(),
         false => format!("<canvas id=\"live-tail\"></canvas>\n{PANEL}"),
     };
-    let data: Vec<String> = tails.iter().map(LiveTail::json).collect();
+    let data: Vec<String> = tails.iter().map(LiveTail::tail_json).collect();
     // `<` is escaped, so that no text can end the script
     let data = format!("[{}]", data.join(",")).replace('<', "\\u003c");
-    super::section("live", "The reduced tail, live", &inside)
+    super::html_section("live", "The reduced tail, live", &content)
         + &format!("<script type=\"application/json\" id=\"tails\">{data}</script>\n")
 }
 
@@ -89,7 +89,7 @@ mod tests {
 
     #[test]
     fn a_tail_reads_back_with_its_trial() {
-        let read: serde_json::Value = serde_json::from_str(&tail().json()).unwrap();
+        let read: serde_json::Value = serde_json::from_str(&tail().tail_json()).unwrap();
         assert_eq!(STANDARD.decode(read["arrays"].as_str().unwrap()).unwrap(), [1, 2, 3]);
         assert_eq!(
             (&read["time"][1], &read["measured"][1][0], &read["pressures"][1][0]),
@@ -99,8 +99,8 @@ mod tests {
 
     #[test]
     fn the_section_has_its_controls_or_says_what_is_missing() {
-        let html = section(&[tail()]);
+        let html = live_section(&[tail()]);
         assert!(html.contains("live-amplitude") && html.contains("a\\u003cb"), "{html}");
-        assert!(section(&[]).contains("study run validate"));
+        assert!(live_section(&[]).contains("study run validate"));
     }
 }

@@ -78,8 +78,8 @@ impl Page {
     /// The page as HTML.
     pub fn html(&self) -> String {
         let parts = [
-            self.tail(),
-            live::section(&self.tails),
+            self.inflated_tail(),
+            live::live_section(&self.tails),
             self.all_figures(),
             self.all_tables(),
             self.all_claims(),
@@ -92,7 +92,7 @@ impl Page {
              <h1>A paper that rebuilds itself</h1>\n<p>{}</p>\n</header>\n<nav>{NAVIGATION}</nav>\n{}\
              <script>\n{}</script>\n<script>\n{}{}</script>\n</body>\n</html>\n",
             include_str!("page.css"),
-            escaped(&self.note),
+            escaped_html(&self.note),
             parts.concat(),
             include_str!("page.js"),
             twin::SCRIPT,
@@ -100,41 +100,41 @@ impl Page {
         )
     }
 
-    fn tail(&self) -> String {
-        let inside = match self.bodies.is_empty() {
+    fn inflated_tail(&self) -> String {
+        let content = match self.bodies.is_empty() {
             true => "<p>No tail was inflated yet: <code>study run inflate</code>.</p>".into(),
             false => format!("<canvas id=\"stage\"></canvas>\n{PANEL}"),
         };
         let bodies: Vec<String> = self.bodies.iter().map(Body::json).collect();
         // `<` is escaped, so that no text can end the script
         let data = format!("[{}]", bodies.join(",")).replace('<', "\\u003c");
-        section("tail", "The inflated tail", &inside)
+        html_section("tail", "The inflated tail", &content)
             + &format!("<script type=\"application/json\" id=\"bodies\">{data}</script>\n")
     }
 
     fn all_figures(&self) -> String {
-        let one = |shown: &Shown| {
-            let picture = shown.text.as_deref().map_or_else(absent, inline);
+        let figure = |shown: &Shown| {
+            let picture = shown.text.as_deref().map_or_else(absent_note, inline_svg);
             format!(
                 "<figure id=\"figure-{0}\">\n{picture}<figcaption><b>{0}</b>: {1}</figcaption>\n</figure>\n",
                 shown.name,
-                escaped(&shown.description)
+                escaped_html(&shown.description)
             )
         };
-        section("figures", "Figures", &self.figures.iter().map(one).collect::<String>())
+        html_section("figures", "Figures", &self.figures.iter().map(figure).collect::<String>())
     }
 
     fn all_tables(&self) -> String {
-        let one = |shown: &Shown| {
-            let rows = shown.text.as_deref().map_or_else(absent, table);
-            let (name, story) = (&shown.name, escaped(&shown.description));
+        let titled_table = |shown: &Shown| {
+            let rows = shown.text.as_deref().map_or_else(absent_note, html_table);
+            let (name, story) = (&shown.name, escaped_html(&shown.description));
             format!("<div id=\"table-{name}\">\n<h3>{name}</h3>\n<p class=\"story\">{story}</p>\n{rows}</div>\n")
         };
-        section("tables", "Tables", &self.tables.iter().map(one).collect::<String>())
+        html_section("tables", "Tables", &self.tables.iter().map(titled_table).collect::<String>())
     }
 
     fn all_claims(&self) -> String {
-        let one = |claim: &Verdict| {
+        let claim_row = |claim: &Verdict| {
             let (class, word) = match claim.verdict {
                 claims::Verdict::Reproduces => ("reproduces", "reproduces"),
                 claims::Verdict::Fails => ("fails", "does not reproduce"),
@@ -142,15 +142,15 @@ impl Page {
                 claims::Verdict::Undetermined => ("open", "not determined"),
                 claims::Verdict::SetByBench => ("open", "set by the bench"),
             };
-            let cells = [&claim.says, &claim.ours, &claim.rule, &claim.published].map(|text| escaped(text));
+            let cells = [&claim.says, &claim.ours, &claim.rule, &claim.published].map(|text| escaped_html(text));
             format!(
                 "<tr><td class=\"verdict {class}\">{word}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
                 cells[0], cells[1], cells[2], cells[3]
             )
         };
         let head = ["verdict", "claim", "ours", "rule", "published"].map(|h| format!("<th>{h}</th>")).concat();
-        let rows: String = self.claims.iter().map(one).collect();
-        section(
+        let rows: String = self.claims.iter().map(claim_row).collect();
+        html_section(
             "claims",
             "Claims",
             &format!(
@@ -161,12 +161,12 @@ impl Page {
 
     fn all_stages(&self) -> String {
         let longest = self.costs.iter().map(|c| c.seconds).fold(f64::MIN_POSITIVE, f64::max);
-        let one = |cost: &Cost| {
+        let stage_row = |cost: &Cost| {
             format!(
                 "<tr id=\"stage-{}\"><td>{0}</td><td>{}</td><td>{} of {}</td><td>{:.1}</td><td><span class=\"bar\" \
                  style=\"width:{:.2}rem\"></span></td></tr>\n",
                 cost.name,
-                escaped(&cost.description),
+                escaped_html(&cost.description),
                 cost.records[0],
                 cost.records[1],
                 cost.seconds,
@@ -174,10 +174,10 @@ impl Page {
             )
         };
         let head = ["stage", "description", "records", "seconds", ""].map(|h| format!("<th>{h}</th>")).concat();
-        let rows: String = self.costs.iter().map(one).collect();
+        let rows: String = self.costs.iter().map(stage_row).collect();
         let graph =
-            self.graph.as_deref().map_or_else(String::new, |svg| format!("<figure>\n{}</figure>\n", inline(svg)));
-        section(
+            self.graph.as_deref().map_or_else(String::new, |svg| format!("<figure>\n{}</figure>\n", inline_svg(svg)));
+        html_section(
             "stages",
             "Stages",
             &format!(
@@ -195,30 +195,30 @@ const PANEL: &str = "<div id=\"panel\"><select id=\"body\" aria-label=\"specimen
 displacement</label></div>\n<p class=\"story\">Drag to turn it, roll to come nearer. Each shape is an equilibrium of the \
 identified model; between two of them points run straight.</p>\n";
 
-fn section(id: &str, title: &str, inside: &str) -> String {
-    format!("<section id=\"{id}\">\n<h2>{title}</h2>\n{inside}</section>\n")
+fn html_section(id: &str, title: &str, content: &str) -> String {
+    format!("<section id=\"{id}\">\n<h2>{title}</h2>\n{content}</section>\n")
 }
 
-fn absent() -> String {
+fn absent_note() -> String {
     "<p class=\"open\">It was not made in the last run.</p>\n".into()
 }
 
 /// An SVG for use inside HTML, without its XML declaration.
-fn inline(svg: &str) -> String {
-    let named = ["xmlns=\"http://www.w3.org/2000/svg\" ", "xmlns:xlink=\"http://www.w3.org/1999/xlink\" "];
-    let bare = named.iter().fold(svg.to_owned(), |text, name| text.replacen(name, "", 1));
-    bare.replace("xlink:href=", "href=")
+fn inline_svg(svg: &str) -> String {
+    let namespaces = ["xmlns=\"http://www.w3.org/2000/svg\" ", "xmlns:xlink=\"http://www.w3.org/1999/xlink\" "];
+    let plain = namespaces.iter().fold(svg.to_owned(), |text, name| text.replacen(name, "", 1));
+    plain.replace("xlink:href=", "href=")
 }
 
 /// CSV as a table; its first line is the head.
-fn table(csv: &str) -> String {
+fn html_table(csv: &str) -> String {
     let mut html = String::from("<div class=\"wide\"><table>\n");
     for (i, line) in csv.lines().enumerate() {
         let (tag, open, close) = match i {
             0 => ("th", "<thead>", "</thead>\n<tbody>"),
             _ => ("td", "", ""),
         };
-        let cells: String = cells(line).iter().map(|c| format!("<{tag}>{}</{tag}>", escaped(c))).collect();
+        let cells: String = csv_cells(line).iter().map(|c| format!("<{tag}>{}</{tag}>", escaped_html(c))).collect();
         // writing into a string cannot fail
         let _ = writeln!(html, "{open}<tr>{cells}</tr>{close}");
     }
@@ -226,24 +226,24 @@ fn table(csv: &str) -> String {
 }
 
 /// The cells of a line of CSV, unquoted.
-fn cells(line: &str) -> Vec<String> {
-    let (mut all, mut quoted) = (vec![String::new()], false);
+fn csv_cells(line: &str) -> Vec<String> {
+    let (mut cells, mut quoted) = (vec![String::new()], false);
     let mut letters = line.chars().peekable();
     while let Some(letter) = letters.next() {
         match letter {
             '"' if quoted && letters.peek() == Some(&'"') => {
                 letters.next();
-                all.last_mut().into_iter().for_each(|cell| cell.push('"'));
+                cells.last_mut().into_iter().for_each(|cell| cell.push('"'));
             }
             '"' => quoted = !quoted,
-            ',' if !quoted => all.push(String::new()),
-            other => all.last_mut().into_iter().for_each(|cell| cell.push(other)),
+            ',' if !quoted => cells.push(String::new()),
+            other => cells.last_mut().into_iter().for_each(|cell| cell.push(other)),
         }
     }
-    all
+    cells
 }
 
-fn escaped(text: &str) -> String {
+fn escaped_html(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
@@ -294,7 +294,7 @@ mod tests {
 
     #[test]
     fn a_cell_with_a_comma_and_quotes_stays_one_cell() {
-        assert_eq!(cells("a,\"b, \"\"c\"\"\",d"), ["a", "b, \"c\"", "d"]);
+        assert_eq!(csv_cells("a,\"b, \"\"c\"\"\",d"), ["a", "b, \"c\"", "d"]);
     }
 
     #[test]

@@ -8,52 +8,57 @@ pub(crate) fn typed_by_hand(page: &Page) -> Vec<Problem> {
     if page.name.ends_with("layout.typ") {
         return Vec::new();
     }
-    let prose = prose(&page.text);
-    let problem = |at: usize| Problem {
+    let prose = prose_text(&page.text);
+    let problem = |position: usize| Problem {
         page: page.name.clone(),
-        line: scan::line(&prose, at),
-        what: format!("`{}` is typed by hand: take it from #num(…), or #said[…] if a source has it", shown(&prose, at)),
+        line: scan::line_number(&prose, position),
+        what: format!(
+            "`{}` is typed by hand: take it from #num(…), or #said[…] if a source has it",
+            number_token(&prose, position)
+        ),
     };
-    numbers(&prose).into_iter().map(problem).collect()
+    number_starts(&prose).into_iter().map(problem).collect()
 }
 
 /// The page with strings, formulae, comments and `#said` blanked, line for line.
-fn prose(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    let mut rest = text;
-    while let Some(c) = rest.chars().next() {
-        let skip = match c {
-            '"' | '$' => rest[1..].find(c).map(|end| end + 2),
-            '/' if rest.starts_with("//") && !out.ends_with(':') => Some(rest.find('\n').unwrap_or(rest.len())),
-            '#' if rest.starts_with("#said[") => scan::block(rest, 5).map(|(_, end)| end),
+fn prose_text(text: &str) -> String {
+    let mut prose = String::with_capacity(text.len());
+    let mut remainder = text;
+    while let Some(c) = remainder.chars().next() {
+        let skipped = match c {
+            '"' | '$' => remainder[1..].find(c).map(|end| end + 2),
+            '/' if remainder.starts_with("//") && !prose.ends_with(':') => {
+                Some(remainder.find('\n').unwrap_or(remainder.len()))
+            }
+            '#' if remainder.starts_with("#said[") => scan::block_inside(remainder, 5).map(|(_, end)| end),
             _ => None,
         };
-        let length = skip.unwrap_or(c.len_utf8());
-        match skip {
-            Some(length) => out.extend(rest[..length].chars().filter(|c| *c == '\n')),
-            None => out.push(c),
+        let length = skipped.unwrap_or(c.len_utf8());
+        match skipped {
+            Some(length) => prose.extend(remainder[..length].chars().filter(|c| *c == '\n')),
+            None => prose.push(c),
         }
-        rest = &rest[length..];
+        remainder = &remainder[length..];
     }
-    out
+    prose
 }
 
 /// Where a decimal or a percentage begins.
-fn numbers(prose: &str) -> Vec<usize> {
+fn number_starts(prose: &str) -> Vec<usize> {
     let bytes = prose.as_bytes();
     let digit = |i: usize| bytes.get(i).is_some_and(u8::is_ascii_digit);
     let starts = (0..bytes.len()).filter(|&i| digit(i) && (i == 0 || !(digit(i - 1) || bytes[i - 1] == b'.')));
-    let suspicious = |&i: &usize| {
+    let needs_source = |&i: &usize| {
         let end = (i..).find(|&k| !digit(k)).unwrap_or(i);
         let decimal = bytes.get(end) == Some(&b'.') && digit(end + 1);
-        let outside = i == 0 || !(bytes[i - 1].is_ascii_alphanumeric() || bytes[i - 1] == b'_');
-        outside && (decimal || prose[end..].trim_start_matches([' ', '~']).starts_with('%'))
+        let free_standing = i == 0 || !(bytes[i - 1].is_ascii_alphanumeric() || bytes[i - 1] == b'_');
+        free_standing && (decimal || prose[end..].trim_start_matches([' ', '~']).starts_with('%'))
     };
-    starts.filter(suspicious).collect()
+    starts.filter(needs_source).collect()
 }
 
-fn shown(prose: &str, at: usize) -> String {
-    prose[at..].chars().take_while(|c| !c.is_whitespace() && !"],;".contains(*c)).collect()
+fn number_token(prose: &str, start: usize) -> String {
+    prose[start..].chars().take_while(|c| !c.is_whitespace() && !"],;".contains(*c)).collect()
 }
 
 #[cfg(test)]
@@ -62,20 +67,20 @@ mod tests {
 
     #[test]
     fn decimals_and_percentages_in_prose_are_found_and_counts_are_not() {
-        assert_eq!(numbers("nine or 12 cells, 2.5 mm, 3 % and 10~%").len(), 3);
+        assert_eq!(number_starts("nine or 12 cells, 2.5 mm, 3 % and 10~%").len(), 3);
     }
 
     #[test]
     fn a_number_begins_at_its_first_digit_and_not_within_a_word_or_a_number() {
-        assert_eq!(numbers("12.5 and 3 %"), [0, 9]);
-        assert!(numbers("v1.2 mesh_2.5 1.2.3").iter().all(|&at| at == 14));
-        assert_eq!(numbers("1.2.3"), [0]);
+        assert_eq!(number_starts("12.5 and 3 %"), [0, 9]);
+        assert!(number_starts("v1.2 mesh_2.5 1.2.3").iter().all(|&at| at == 14));
+        assert_eq!(number_starts("1.2.3"), [0]);
     }
 
     #[test]
     fn an_address_is_no_comment() {
-        assert_eq!(numbers(&prose("see http://a.b 2.5")).len(), 1);
-        assert!(numbers(&prose("see // a.b 2.5")).is_empty());
+        assert_eq!(number_starts(&prose_text("see http://a.b 2.5")).len(), 1);
+        assert!(number_starts(&prose_text("see // a.b 2.5")).is_empty());
     }
 
     #[test]
@@ -88,8 +93,8 @@ mod tests {
 
     #[test]
     fn strings_formulae_comments_and_what_is_said_are_no_prose() {
-        assert!(numbers(&prose("#num(\"a.1.5\") $0.5$ #said[2.5] // 3.1\n")).is_empty());
-        assert_eq!(prose("$a\nb$\nx"), "\n\nx");
+        assert!(number_starts(&prose_text("#num(\"a.1.5\") $0.5$ #said[2.5] // 3.1\n")).is_empty());
+        assert_eq!(prose_text("$a\nb$\nx"), "\n\nx");
     }
 
     #[test]

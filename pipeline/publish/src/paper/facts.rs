@@ -40,8 +40,8 @@ pub struct Made {
 /// The keys of a BibTeX file.
 pub(crate) fn cited_keys(bib: &str) -> BTreeSet<String> {
     let key = |line: &str| {
-        let (_, rest) = line.trim_start().strip_prefix('@')?.split_once('{')?;
-        Some(rest.split_once(',')?.0.trim().to_owned())
+        let (_, entry) = line.trim_start().strip_prefix('@')?.split_once('{')?;
+        Some(entry.split_once(',')?.0.trim().to_owned())
     };
     bib.lines().filter_map(key).collect()
 }
@@ -49,11 +49,11 @@ pub(crate) fn cited_keys(bib: &str) -> BTreeSet<String> {
 /// The names of the tests in a Rust source.
 pub(crate) fn test_names(source: &str) -> BTreeSet<String> {
     let lines: Vec<&str> = source.lines().map(str::trim).collect();
-    let named = |i: usize| {
-        let below = lines[i + 1..].iter().take(3).find(|line| line.starts_with("fn "))?;
-        Some(below.strip_prefix("fn ")?.split_once('(')?.0.to_owned())
+    let test_name = |i: usize| {
+        let signature = lines[i + 1..].iter().take(3).find(|line| line.starts_with("fn "))?;
+        Some(signature.strip_prefix("fn ")?.split_once('(')?.0.to_owned())
     };
-    (0..lines.len()).filter(|&i| lines[i] == "#[test]").filter_map(named).collect()
+    (0..lines.len()).filter(|&i| lines[i] == "#[test]").filter_map(test_name).collect()
 }
 
 #[cfg(test)]

@@ -61,16 +61,17 @@ impl std::fmt::Display for Problem {
 pub fn resolve(pages: &[Page], facts: &Facts) -> Result<Vec<Page>, Vec<Problem>> {
     let mut problems = Vec::new();
     let mut shown = Vec::new();
-    let resolved = pages.iter().map(|page| place::page(page, facts, &mut shown, &mut problems)).collect();
+    let resolved = pages.iter().map(|page| place::resolved_page(page, facts, &mut shown, &mut problems)).collect();
     problems.extend(pages.iter().flat_map(digits::typed_by_hand));
-    problems.extend(citations::problems(pages, facts));
-    let whole = |what| Problem { page: "main.typ".into(), line: 0, what };
-    let unused = |kind: &str, name: &str| whole(format!("{kind} `{name}` is made but not shown in the paper"));
-    let seen = |name: &str| shown.iter().any(|s| s == name);
-    problems.extend(facts.figures.iter().filter(|f| !seen(&f.name)).map(|f| unused("figure", &f.name)));
-    problems.extend(facts.tables.iter().filter(|t| !seen(&t.name)).map(|t| unused("table", &t.name)));
-    let mut said = std::collections::BTreeSet::new();
-    problems.retain(|problem| said.insert(problem.what.clone()));
+    problems.extend(citations::citation_problems(pages, facts));
+    let paper_problem = |what| Problem { page: "main.typ".into(), line: 0, what };
+    let unused_problem =
+        |kind: &str, name: &str| paper_problem(format!("{kind} `{name}` is made but not shown in the paper"));
+    let is_shown = |name: &str| shown.iter().any(|s| s == name);
+    problems.extend(facts.figures.iter().filter(|f| !is_shown(&f.name)).map(|f| unused_problem("figure", &f.name)));
+    problems.extend(facts.tables.iter().filter(|t| !is_shown(&t.name)).map(|t| unused_problem("table", &t.name)));
+    let mut problem_texts = std::collections::BTreeSet::new();
+    problems.retain(|problem| problem_texts.insert(problem.what.clone()));
     if problems.is_empty() { Ok(resolved) } else { Err(problems) }
 }
 

@@ -14,25 +14,25 @@ pub struct Call<'a> {
 }
 
 /// The first call of one of `words` at or after `from`.
-pub fn next<'a>(text: &'a str, words: &[&'a str], from: usize) -> Option<Call<'a>> {
+pub(crate) fn next_call<'a>(text: &'a str, words: &[&'a str], from: usize) -> Option<Call<'a>> {
     let starts = text[from..].match_indices('#').map(|(i, _)| from + i);
-    starts.into_iter().find_map(|at| call(text, words, at))
+    starts.into_iter().find_map(|start| parsed_call(text, words, start))
 }
 
-fn call<'a>(text: &'a str, words: &[&'a str], at: usize) -> Option<Call<'a>> {
-    let behind = &text[at + 1..];
-    let opens = |w: &&&str| behind.strip_prefix(**w).is_some_and(|rest| rest.starts_with('('));
-    let word = words.iter().find(opens)?;
-    let inside = at + 1 + word.len() + 1;
-    let end = inside + text[inside..].find(')')?;
-    let mut parts = text[inside..end].split(',').map(str::trim);
+fn parsed_call<'a>(text: &'a str, words: &[&'a str], start: usize) -> Option<Call<'a>> {
+    let tail = &text[start + 1..];
+    let is_call = |w: &&&str| tail.strip_prefix(**w).is_some_and(|remainder| remainder.starts_with('('));
+    let word = words.iter().find(is_call)?;
+    let arguments_start = start + 1 + word.len() + 1;
+    let end = arguments_start + text[arguments_start..].find(')')?;
+    let mut parts = text[arguments_start..end].split(',').map(str::trim);
     let name = parts.next().unwrap_or_default().trim_matches('"');
     let digits = parts.find_map(|p| p.strip_prefix("digits:")).and_then(|n| n.trim().parse().ok());
-    Some(Call { word, name, digits, span: (at, end + 1) })
+    Some(Call { word, name, digits, span: (start, end + 1) })
 }
 
 /// The inside of a block that begins at `from`, and where it ends; nothing where none begins or it never closes.
-pub fn block(text: &str, from: usize) -> Option<(&str, usize)> {
+pub(crate) fn block_inside(text: &str, from: usize) -> Option<(&str, usize)> {
     let mut depth = 0_usize;
     let mut escaped = false;
     for (i, c) in text.get(from..)?.char_indices() {
@@ -52,7 +52,7 @@ pub fn block(text: &str, from: usize) -> Option<(&str, usize)> {
 }
 
 /// The line of a place, from 1.
-pub fn line(text: &str, at: usize) -> usize {
+pub(crate) fn line_number(text: &str, at: usize) -> usize {
     1 + text[..at].matches('\n').count()
 }
 
@@ -62,20 +62,20 @@ mod tests {
 
     #[test]
     fn a_call_is_read_with_its_arguments() {
-        let found = next("x #other(1) #num(\"a.b\", digits: 2).", &["num", "val"], 0).unwrap();
+        let found = next_call("x #other(1) #num(\"a.b\", digits: 2).", &["num", "val"], 0).unwrap();
         assert_eq!((found.word, found.name, found.digits, found.span), ("num", "a.b", Some(2), (12, 34)));
-        assert!(next("#numbers(\"a\")", &["num"], 0).is_none());
+        assert!(next_call("#numbers(\"a\")", &["num"], 0).is_none());
     }
 
     #[test]
     fn a_block_holds_blocks_and_ends_at_its_own_bracket() {
-        assert_eq!(block("[a #b[c] \\] d] e", 0), Some(("a #b[c] \\] d", 14)));
-        assert_eq!(block("a", 0), None);
-        assert_eq!(block("[a", 0), None);
+        assert_eq!(block_inside("[a #b[c] \\] d] e", 0), Some(("a #b[c] \\] d", 14)));
+        assert_eq!(block_inside("a", 0), None);
+        assert_eq!(block_inside("[a", 0), None);
     }
 
     #[test]
     fn a_line_is_counted_from_one() {
-        assert_eq!(line("a\nb\nc", 4), 3);
+        assert_eq!(line_number("a\nb\nc", 4), 3);
     }
 }

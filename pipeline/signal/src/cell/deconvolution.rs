@@ -37,14 +37,14 @@ impl Cell {
     pub fn deconvolve(&self, measured: &Series, noise: Newton, regularisation: Regularisation) -> Deconvolved {
         let values = measured.values();
         let pad = ((CONTINUATION * measured.rate()) as usize).min(values.len() - 1);
-        let long = continued(values, pad);
-        let n = long.len();
+        let padded = reflected_values(values, pad);
+        let n = padded.len();
         let gain = |k: usize| {
             let f = k as f64 * measured.rate() / n as f64;
-            let (h, slow) = (self.transfer(f), (f / regularisation.corner).powi(4));
-            h.conj() / (h.norm_sqr() + regularisation.weight * (1.0 + slow))
+            let (h, high_frequency_penalty) = (self.transfer(f), (f / regularisation.corner).powi(4));
+            h.conj() / (h.norm_sqr() + regularisation.weight * (1.0 + high_frequency_penalty))
         };
-        let bins: Vec<_> = spectrum::forward(&long).into_iter().enumerate().map(|(k, y)| gain(k) * y).collect();
+        let bins: Vec<_> = spectrum::forward(&padded).into_iter().enumerate().map(|(k, y)| gain(k) * y).collect();
         // every bin but the first and the last counts for two
         let power: f64 =
             (0..bins.len()).map(|k| gain(k).norm_sqr() * if k == 0 || 2 * k == n { 1.0 } else { 2.0 }).sum();
@@ -55,11 +55,11 @@ impl Cell {
 }
 
 /// The values with `pad` more at either end, by point reflection.
-fn continued(values: &[f64], pad: usize) -> Vec<f64> {
+fn reflected_values(values: &[f64], pad: usize) -> Vec<f64> {
     let last = values.len() - 1;
-    let before = (1..=pad).rev().map(|i| 2.0 * values[0] - values[i]);
-    let after = (1..=pad).map(|i| 2.0 * values[last] - values[last - i]);
-    before.chain(values.iter().copied()).chain(after).collect()
+    let leading = (1..=pad).rev().map(|i| 2.0 * values[0] - values[i]);
+    let trailing = (1..=pad).map(|i| 2.0 * values[last] - values[last - i]);
+    leading.chain(values.iter().copied()).chain(trailing).collect()
 }
 
 #[cfg(test)]

@@ -45,10 +45,10 @@ const PUSHED: Second = 6.0;
 const RAMP: Second = 0.5;
 
 impl ExampleThrust {
-    fn at(&self, t: Second) -> Newton {
-        let part = (2.0 * self.frequency * t).fract();
+    fn thrust_at(&self, t: Second) -> Newton {
+        let phase = (2.0 * self.frequency * t).fract();
         let ramp = (t / RAMP).clamp(0.0, 1.0) * ((PUSHED - t) / RAMP).clamp(0.0, 1.0);
-        if part < PUSHES { ramp * self.peak * (std::f64::consts::PI * part / PUSHES).sin().powi(2) } else { 0.0 }
+        if phase < PUSHES { ramp * self.peak * (std::f64::consts::PI * phase / PUSHES).sin().powi(2) } else { 0.0 }
     }
 
     /// The thrust as a cell measures it at a rate (Hz) with noise (N), and its deconvolution.
@@ -57,30 +57,33 @@ impl ExampleThrust {
         let series =
             |rate: Hertz, values: Vec<f64>| Series::new(0.0, rate, values).expect("finite values at a log's rate");
         let time: Vec<Second> = (0..samples).map(|i| i as f64 / rate).collect();
-        let fine = rate * FINE as f64;
-        let pushes = series(fine, (0..samples * FINE).map(|i| self.at(i as f64 / fine)).collect());
-        let clean = cell.simulate(&pushes, &time);
-        let noisy = |noise: Newton| clean.iter().enumerate().map(|(i, f)| f + noise * crooked(i)).collect::<Vec<_>>();
-        let faint = rms(clean.iter().copied()) / FAINT;
+        let fine_rate = rate * FINE as f64;
+        let fine_thrust =
+            series(fine_rate, (0..samples * FINE).map(|i| self.thrust_at(i as f64 / fine_rate)).collect());
+        let ideal = cell.simulate(&fine_thrust, &time);
+        let noisy =
+            |noise: Newton| ideal.iter().enumerate().map(|(i, f)| f + noise * pseudo_noise(i)).collect::<Vec<_>>();
+        let faint_noise = root_mean_square(ideal.iter().copied()) / FAINT;
         let measured = noisy(noise);
         let deconvolved = cell.deconvolve(&series(rate, measured.clone()), noise, by);
-        let quiet = cell.deconvolve(&series(rate, noisy(faint)), faint, by);
-        let thrust: Vec<Newton> = time.iter().map(|&t| self.at(t)).collect();
-        let off = |of: &[f64]| rms(of.iter().zip(&thrust).map(|(a, b)| a - b));
+        let nearly_noiseless = cell.deconvolve(&series(rate, noisy(faint_noise)), faint_noise, by);
+        let thrust: Vec<Newton> = time.iter().map(|&t| self.thrust_at(t)).collect();
+        let rms_error = |values: &[f64]| root_mean_square(values.iter().zip(&thrust).map(|(a, b)| a - b));
         let mean = thrust.iter().sum::<f64>() / samples as f64;
-        let spread = rms(thrust.iter().map(|t| t - mean));
-        let nrmse = [&measured[..], deconvolved.force.values(), quiet.force.values()].map(|of| off(of) / spread);
+        let thrust_deviation = root_mean_square(thrust.iter().map(|t| t - mean));
+        let nrmse = [&measured[..], deconvolved.force.values(), nearly_noiseless.force.values()]
+            .map(|values| rms_error(values) / thrust_deviation);
         let (sigma, deconvolved) = (deconvolved.sigma, deconvolved.force.values().to_vec());
         DeconvolutionExample { time, thrust, measured, deconvolved, sigma, nrmse }
     }
 }
 
 /// Deterministic noise of unit size: the example needs no random numbers.
-fn crooked(i: usize) -> f64 {
+fn pseudo_noise(i: usize) -> f64 {
     1.4 * (((i * i) % 97) as f64 * 0.61 + i as f64 * 2.4).sin()
 }
 
-fn rms(values: impl Iterator<Item = f64>) -> f64 {
+fn root_mean_square(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0), |(sum, count), v| (sum + v * v, count + 1));
     (sum / f64::from(count.max(1))).sqrt()
 }

@@ -30,50 +30,53 @@ impl Cell {
     /// f_m / f at `frequency` (Hz); no unit.
     pub fn transfer(&self, frequency: Hertz) -> Phasor {
         let r = frequency / self.natural_frequency;
-        let top = Phasor::new(1.0, 2.0 * self.damping_ratio * r);
-        top / Phasor::new(1.0 - r * r, 2.0 * self.damping_ratio * r)
+        let numerator = Phasor::new(1.0, 2.0 * self.damping_ratio * r);
+        numerator / Phasor::new(1.0 - r * r, 2.0 * self.damping_ratio * r)
     }
 
     /// The measured force (N) at rising `times` (s) of a force that is linear between its samples and constant before the first;
     /// the fixture begins at rest. Exact but for rounding.
     pub fn simulate(&self, force: &Series, times: &[Second]) -> Vec<Newton> {
         let mut motion = Motion { place: force.values()[0], speed: 0.0 };
-        let (mut now, mut pull, mut next) = (force.start(), force.values()[0], 1);
+        let (mut current_time, mut current_force, mut next) = (force.start(), force.values()[0], 1);
         let mut measured = Vec::with_capacity(times.len());
         let damping_time = 2.0 * self.damping_ratio / (TAU * self.natural_frequency);
         for &t in times {
             while next < force.values().len() && force.time(next) <= t {
-                let to = force.values()[next];
-                motion = self.after(motion, [pull, to], force.time(next) - now);
-                (now, pull, next) = (force.time(next), to, next + 1);
+                let next_force = force.values()[next];
+                motion = self.stepped_motion(motion, [current_force, next_force], force.time(next) - current_time);
+                (current_time, current_force, next) = (force.time(next), next_force, next + 1);
             }
-            if t > now {
-                let to = force.at(t);
-                motion = self.after(motion, [pull, to], t - now);
-                (now, pull) = (t, to);
+            if t > current_time {
+                let next_force = force.at(t);
+                motion = self.stepped_motion(motion, [current_force, next_force], t - current_time);
+                (current_time, current_force) = (t, next_force);
             }
             measured.push(motion.place + damping_time * motion.speed);
         }
         measured
     }
 
-    /// ÿ + 2ζω ẏ + ω² y = ω² u over `step` (s) while u is linear from `from` to `to`: the particular solution plus the decaying
+    /// ÿ + 2ζω ẏ + ω² y = ω² u over `step` (s) while u is linear from `start_force` to `end_force`: the particular solution plus the decaying
     /// homogeneous one. The closed form is exact for any step, so the hammer's pulse of milliseconds needs no finer integration.
-    fn after(&self, motion: Motion, [from, to]: [f64; 2], step: Second) -> Motion {
+    fn stepped_motion(&self, motion: Motion, [start_force, end_force]: [f64; 2], step: Second) -> Motion {
         if step <= 0.0 {
             return motion;
         }
         let (omega, zeta) = (TAU * self.natural_frequency, self.damping_ratio);
-        let slope = (to - from) / step;
-        let late = 2.0 * zeta / omega * slope;
-        let (place, speed) = (motion.place - (from - late), motion.speed - slope);
-        let (decay, beat) = (zeta * omega, omega * (1.0 - zeta * zeta).sqrt());
-        let (sin, cos) = (beat * step).sin_cos();
-        let lead = (speed + decay * place) / beat;
-        let shrunk = (-decay * step).exp();
-        let free = place * cos + lead * sin;
-        let turned = beat * (lead * cos - place * sin);
-        Motion { place: to - late + shrunk * free, speed: slope + shrunk * (turned - decay * free) }
+        let slope = (end_force - start_force) / step;
+        let lag_force = 2.0 * zeta / omega * slope;
+        let (place, speed) = (motion.place - (start_force - lag_force), motion.speed - slope);
+        let (decay, damped_frequency) = (zeta * omega, omega * (1.0 - zeta * zeta).sqrt());
+        let (sin, cos) = (damped_frequency * step).sin_cos();
+        let sine_part = (speed + decay * place) / damped_frequency;
+        let decay_factor = (-decay * step).exp();
+        let free_motion = place * cos + sine_part * sin;
+        let free_speed = damped_frequency * (sine_part * cos - place * sin);
+        Motion {
+            place: end_force - lag_force + decay_factor * free_motion,
+            speed: slope + decay_factor * (free_speed - decay * free_motion),
+        }
     }
 }
 

@@ -73,55 +73,55 @@ pub fn identify_from_taps(
     measured: &Series,
     [low, high]: [Hertz; 2],
 ) -> Result<TapTest, EstimationError> {
-    let begins = begins(hammer);
-    within(hammer, measured, &begins)?;
+    let starts = tap_starts(hammer);
+    check_overlap(hammer, measured, &starts)?;
     let nyquist = 0.5 * measured.rate();
-    if begins.is_empty() {
-        return Err(failed("no tap was found in the hammer's log".into()));
+    if starts.is_empty() {
+        return Err(estimation_error("no tap was found in the hammer's log".into()));
     }
     if !(0.0 < low && low < high && high < nyquist) {
-        return Err(too_slow([low, high], measured.rate()));
+        return Err(rate_error([low, high], measured.rate()));
     }
     let frequencies: Vec<Hertz> = (0..).map(|i| low + STEP * f64::from(i)).take_while(|f| *f <= high).collect();
-    let pairs = transforms(hammer, measured, &begins, &frequencies);
-    let response = responses(&frequencies, &pairs);
+    let pairs = tap_transforms(hammer, measured, &starts, &frequencies);
+    let response = frequency_responses(&frequencies, &pairs);
     // Initial guess: at resonance |H| ≈ 1/(2ζ).
     let peak = response.iter().max_by(|a, b| a.transfer.norm().total_cmp(&b.transfer.norm()));
-    let peak = peak.ok_or_else(|| failed("the band contains no frequency".into()))?;
+    let peak = peak.ok_or_else(|| estimation_error("the band contains no frequency".into()))?;
     let start = [peak.frequency, (0.5 / peak.transfer.norm()).clamp(5e-3, 0.3), 1.0];
-    let in_frequency = fit_in_frequency(&frequencies, &pairs, &start).ok_or_else(|| not_converged("frequency"))?;
+    let in_frequency = fit_in_frequency(&frequencies, &pairs, &start).ok_or_else(|| convergence_error("frequency"))?;
     let start = [in_frequency.cell.natural_frequency, in_frequency.cell.damping_ratio, 1.0];
-    let (in_time, noise) = fit_in_time(hammer, measured, &start).ok_or_else(|| not_converged("time"))?;
-    let noise = quiet(measured, begins[0]).unwrap_or(noise);
-    Ok(TapTest { in_time, in_frequency, response, taps: begins.len(), noise })
+    let (in_time, noise) = fit_in_time(hammer, measured, &start).ok_or_else(|| convergence_error("time"))?;
+    let noise = noise_before(measured, starts[0]).unwrap_or(noise);
+    Ok(TapTest { in_time, in_frequency, response, taps: starts.len(), noise })
 }
 
 /// Holds that both logs cover every tap, from before it begins until its ringing can be seen.
-fn within(hammer: &Series, measured: &Series, begins: &[Second]) -> Result<(), EstimationError> {
-    let (Some(first), Some(last)) = (begins.first(), begins.last()) else { return Ok(()) };
+fn check_overlap(hammer: &Series, measured: &Series, starts: &[Second]) -> Result<(), EstimationError> {
+    let (Some(first), Some(last)) = (starts.first(), starts.last()) else { return Ok(()) };
     let (start, end) = (hammer.start().max(measured.start()), hammer.end().min(measured.end()));
-    let outside = |number: usize, time: f64| {
-        failed(format!(
+    let overlap_error = |number: usize, time: f64| {
+        estimation_error(format!(
             "tap {number} begins at {time:.3} s; the logs overlap from {start:.3} to {end:.3} s, and a tap needs {LEAST} s"
         ))
     };
     match () {
-        () if *first < start => Err(outside(1, *first)),
-        () if last + LEAST > end => Err(outside(begins.len(), *last)),
+        () if *first < start => Err(overlap_error(1, *first)),
+        () if last + LEAST > end => Err(overlap_error(starts.len(), *last)),
         () => Ok(()),
     }
 }
 
-fn failed(why: String) -> EstimationError {
+fn estimation_error(reason: String) -> EstimationError {
     EstimationError {
         what: "the load cell's fixture",
-        why,
+        why: reason,
         action: "tap the fixture five times, two seconds apart, and record both logs on one clock",
     }
 }
 
 /// A band that the cell's log does not resolve.
-fn too_slow([low, high]: [Hertz; 2], rate: Hertz) -> EstimationError {
+fn rate_error([low, high]: [Hertz; 2], rate: Hertz) -> EstimationError {
     EstimationError {
         what: "the load cell's fixture",
         why: format!(
@@ -132,67 +132,72 @@ fn too_slow([low, high]: [Hertz; 2], rate: Hertz) -> EstimationError {
     }
 }
 
-fn not_converged(domain: &str) -> EstimationError {
-    failed(format!("the fit in the {domain} domain does not converge"))
+fn convergence_error(domain: &str) -> EstimationError {
+    estimation_error(format!("the fit in the {domain} domain does not converge"))
 }
 
-/// Standard deviation of a log about a line until shortly before `until` (s); none of fewer than 20 samples.
-fn quiet(measured: &Series, until: Second) -> Option<f64> {
-    let count = ((until - BEFORE - measured.start()) * measured.rate()).max(0.0) as usize;
+/// Standard deviation of a log about a line until shortly before `first_tap` (s); none of fewer than 20 samples.
+fn noise_before(measured: &Series, first_tap: Second) -> Option<f64> {
+    let count = ((first_tap - BEFORE - measured.start()) * measured.rate()).max(0.0) as usize;
     let values = measured.values().get(..count).filter(|v| v.len() >= 20)?;
-    let line = polynomial::columns(count, 1);
-    let fit = linear::weighted_sum(&line, &linear::least_squares(&line, values)?);
-    let square: f64 = values.iter().zip(fit).map(|(v, f)| (v - f).powi(2)).sum();
-    Some((square / (count - 2) as f64).sqrt())
+    let line = polynomial::basis_columns(count, 1);
+    let trend = linear::weighted_sum(&line, &linear::least_squares(&line, values)?);
+    let sum_of_squares: f64 = values.iter().zip(trend).map(|(v, f)| (v - f).powi(2)).sum();
+    Some((sum_of_squares / (count - 2) as f64).sqrt())
 }
 
 /// When each tap begins, s.
-fn begins(hammer: &Series) -> Vec<Second> {
-    let most = hammer.values().iter().copied().fold(0.0, f64::max);
-    let mut found: Vec<Second> = Vec::new();
+fn tap_starts(hammer: &Series) -> Vec<Second> {
+    let peak_force = hammer.values().iter().copied().fold(0.0, f64::max);
+    let mut starts: Vec<Second> = Vec::new();
     for (i, force) in hammer.values().iter().enumerate() {
-        let free = found.last().is_none_or(|last| hammer.time(i) - last > APART);
-        if *force > TAP * most && most > 0.0 && free {
-            found.push(hammer.time(i));
+        let is_new = starts.last().is_none_or(|last| hammer.time(i) - last > APART);
+        if *force > TAP * peak_force && peak_force > 0.0 && is_new {
+            starts.push(hammer.time(i));
         }
     }
-    found
+    starts
 }
 
 /// X and Y of each tap at each frequency, from a tap's begin to the next one's: taps × frequencies.
-fn transforms(hammer: &Series, measured: &Series, begins: &[Second], frequencies: &[Hertz]) -> Vec<Vec<[Phasor; 2]>> {
-    let shortest = begins.windows(2).map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min);
-    let length = shortest.min(measured.end() - begins[begins.len() - 1]).min(4.0) - BEFORE;
-    let tap = |begin: &Second| {
-        let (x, y) = (cut(hammer, begin - BEFORE, length), cut(measured, begin - BEFORE, length));
-        let both = |f: &Hertz| [&x, &y].map(|s| spectrum::at(s.values(), s.start() - begin, s.rate(), *f));
-        frequencies.iter().map(both).collect()
+fn tap_transforms(
+    hammer: &Series,
+    measured: &Series,
+    starts: &[Second],
+    frequencies: &[Hertz],
+) -> Vec<Vec<[Phasor; 2]>> {
+    let shortest = starts.windows(2).map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min);
+    let length = shortest.min(measured.end() - starts[starts.len() - 1]).min(4.0) - BEFORE;
+    let transforms_of = |start: &Second| {
+        let (x, y) = (tap_window(hammer, start - BEFORE, length), tap_window(measured, start - BEFORE, length));
+        let transform_pair = |f: &Hertz| [&x, &y].map(|s| spectrum::at(s.values(), s.start() - start, s.rate(), *f));
+        frequencies.iter().map(transform_pair).collect()
     };
-    begins.iter().map(tap).collect()
+    starts.iter().map(transforms_of).collect()
 }
 
 /// A piece of a series less the mean of its last fifth, where the ringing has decayed.
-fn cut(series: &Series, from: Second, length: Second) -> Series {
+fn tap_window(series: &Series, start: Second, length: Second) -> Series {
     let index =
         |t: Second| (((t - series.start()) * series.rate()).ceil().max(0.0) as usize).min(series.values().len() - 1);
-    let (first, last) = (index(from), index(from + length));
+    let (first, last) = (index(start), index(start + length));
     let values = &series.values()[first..=last];
     let tail = &values[values.len() - values.len().div_ceil(5)..];
-    let rest = tail.iter().sum::<f64>() / tail.len() as f64;
-    let values = values.iter().map(|v| v - rest).collect();
+    let rest_value = tail.iter().sum::<f64>() / tail.len() as f64;
+    let values = values.iter().map(|v| v - rest_value).collect();
     Series::new(series.time(first), series.rate(), values).expect("finite values less a finite mean")
 }
 
-fn responses(frequencies: &[Hertz], pairs: &[Vec<[Phasor; 2]>]) -> Vec<FrequencyResponse> {
-    let at = |(k, &frequency): (usize, &Hertz)| {
+fn frequency_responses(frequencies: &[Hertz], pairs: &[Vec<[Phasor; 2]>]) -> Vec<FrequencyResponse> {
+    let response_at = |(k, &frequency): (usize, &Hertz)| {
         let cross: Phasor = pairs.iter().map(|tap| tap[k][1] * tap[k][0].conj()).sum();
-        let [xx, yy] = [0, 1].map(|which| pairs.iter().map(|tap| tap[k][which].norm_sqr()).sum::<f64>());
+        let [xx, yy] = [0, 1].map(|channel| pairs.iter().map(|tap| tap[k][channel].norm_sqr()).sum::<f64>());
         FrequencyResponse { frequency, transfer: cross / xx, coherence: cross.norm_sqr() / (xx * yy) }
     };
-    frequencies.iter().enumerate().map(at).collect()
+    frequencies.iter().enumerate().map(response_at).collect()
 }
 
-fn estimate(fit: &Fit) -> Estimate {
+fn cell_estimate(fit: &Fit) -> Estimate {
     let cell = Cell { natural_frequency: fit.at[0], damping_ratio: fit.at[1] };
     Estimate { cell, frequency_sigma: fit.sigma[0], damping_sigma: fit.sigma[1], gain: fit.at[2] }
 }
@@ -213,22 +218,22 @@ fn fit_in_frequency(frequencies: &[Hertz], pairs: &[Vec<[Phasor; 2]>], start: &[
         Some(errors.flat_map(|d| [d.re, d.im]).collect())
     };
     let regression = Regression { residuals: &residuals, differences: &DIFFERENCES, eliminated: 0 };
-    levenberg_marquardt::fit(&regression, start).map(|fit| estimate(&fit))
+    levenberg_marquardt::fit(&regression, start).map(|fit| cell_estimate(&fit))
 }
 
 fn fit_in_time(hammer: &Series, measured: &Series, start: &[f64; 3]) -> Option<(Estimate, f64)> {
     let times: Vec<Second> = (0..measured.values().len()).map(|i| measured.time(i)).collect();
-    let drift = polynomial::columns(times.len(), DRIFT);
+    let drift = polynomial::basis_columns(times.len(), DRIFT);
     // The drift is linear in its coefficients and is eliminated inside of the residuals (variable projection): three parameters are left.
     let residuals = |p: &[f64]| {
-        let ring = cell_of(p)?.simulate(hammer, &times);
-        let off: Vec<f64> = ring.iter().zip(measured.values()).map(|(r, f)| f - p[2] * r).collect();
-        let zero = linear::weighted_sum(&drift, &linear::least_squares(&drift, &off)?);
-        Some(off.iter().zip(zero).map(|(o, z)| o - z).collect())
+        let simulated = cell_of(p)?.simulate(hammer, &times);
+        let unexplained: Vec<f64> = simulated.iter().zip(measured.values()).map(|(r, f)| f - p[2] * r).collect();
+        let zero = linear::weighted_sum(&drift, &linear::least_squares(&drift, &unexplained)?);
+        Some(unexplained.iter().zip(zero).map(|(o, z)| o - z).collect())
     };
     let regression = Regression { residuals: &residuals, differences: &DIFFERENCES, eliminated: DRIFT + 1 };
     let fit = levenberg_marquardt::fit(&regression, start)?;
-    Some((estimate(&fit), fit.noise))
+    Some((cell_estimate(&fit), fit.noise))
 }
 
 #[cfg(test)]

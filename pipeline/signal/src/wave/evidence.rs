@@ -54,17 +54,17 @@ const VALUES: f64 = 1.5;
 const UPDATES: usize = 80;
 
 /// The evidence for a line in each of `bands` (Hz), in their order.
-pub(crate) fn evidence(signal: &Series, bands: &[[Hertz; 2]]) -> Vec<Evidence> {
+pub(crate) fn band_evidence(signal: &Series, bands: &[[Hertz; 2]]) -> Vec<Evidence> {
     let tapered = Tapered::of(signal);
-    let noise = Noise::fitted(&tapered, bands);
+    let noise = Noise::fitted_noise(&tapered, bands);
     let quantisation = smallest_step(signal.values()) / PI;
-    bands.iter().map(|band| tapered.peak(*band, &noise, quantisation)).collect()
+    bands.iter().map(|band| tapered.band_peak(*band, &noise, quantisation)).collect()
 }
 
 /// The strongest line between the lowest resolved frequency and `highest` (Hz) outside of no band.
-pub(crate) fn strongest(signal: &Series, highest: Hertz) -> Evidence {
+pub(crate) fn strongest_line(signal: &Series, highest: Hertz) -> Evidence {
     let length = signal.end() - signal.start();
-    evidence(signal, &[[EMPTIED as f64 / length, highest.min(0.45 * signal.rate())]])[0]
+    band_evidence(signal, &[[EMPTIED as f64 / length, highest.min(0.45 * signal.rate())]])[0]
 }
 
 /// The step of the converter, of which all differences between the values are whole multiples; 0 where there is none.
@@ -74,9 +74,9 @@ fn smallest_step(values: &[f64]) -> f64 {
     let spread = sorted[sorted.len() - 1] - sorted[0];
     // Rounded decimals differ by less than a millionth of a step in binary.
     let steps: Vec<f64> = sorted.windows(2).map(|v| v[1] - v[0]).filter(|step| *step > 1e-6 * spread).collect();
-    let least = steps.iter().copied().fold(f64::INFINITY, f64::min);
-    let whole = |step: &f64| (step / least - (step / least).round()).abs() < 0.02;
-    if least.is_finite() && steps.iter().all(whole) { least } else { 0.0 }
+    let smallest = steps.iter().copied().fold(f64::INFINITY, f64::min);
+    let is_multiple = |step: &f64| (step / smallest - (step / smallest).round()).abs() < 0.02;
+    if smallest.is_finite() && steps.iter().all(is_multiple) { smallest } else { 0.0 }
 }
 
 /// A signal without drift under Hann's window.
@@ -90,7 +90,7 @@ struct Tapered {
 impl Tapered {
     fn of(signal: &Series) -> Self {
         let count = signal.values().len();
-        let columns = polynomial::columns(count, DRIFT);
+        let columns = polynomial::basis_columns(count, DRIFT);
         let weights = linear::least_squares(&columns, signal.values());
         let drift = weights.map_or_else(|| vec![0.0; count], |w| linear::weighted_sum(&columns, &w));
         let window = |i: usize| (PI * (i as f64 + 0.5) / count as f64).sin().powi(2);
@@ -105,31 +105,31 @@ impl Tapered {
     }
 
     /// |X|²/Σw² in every bin.
-    fn periodogram(&self, padding: usize) -> Vec<f64> {
+    fn padded_periodogram(&self, padding: usize) -> Vec<f64> {
         let mut padded = self.values.clone();
         padded.resize(padding * self.values.len(), 0.0);
         spectrum::forward(&padded).iter().map(|x| x.norm_sqr() / self.sums[1]).collect()
     }
 
-    fn peak(&self, band: [Hertz; 2], noise: &Noise, quantisation: f64) -> Evidence {
-        let power = self.periodogram(PADDING);
-        let of = |k: usize| self.frequency(k, PADDING);
-        let within = (1..power.len()).filter(|&k| (band[0]..=band[1]).contains(&of(k)));
-        let ratio = |k: usize| power[k] / noise.at(of(k));
-        let best = within.max_by(|&a, &b| ratio(a).total_cmp(&ratio(b)));
+    fn band_peak(&self, band: [Hertz; 2], noise: &Noise, quantisation: f64) -> Evidence {
+        let power = self.padded_periodogram(PADDING);
+        let frequency_of = |k: usize| self.frequency(k, PADDING);
+        let bins_in_band = (1..power.len()).filter(|&k| (band[0]..=band[1]).contains(&frequency_of(k)));
+        let ratio = |k: usize| power[k] / noise.density_at(frequency_of(k));
+        let best = bins_in_band.max_by(|&a, &b| ratio(a).total_cmp(&ratio(b)));
         let Some(k) = best else {
             return Evidence { band, frequency: band[0], amplitude: 0.0, ratio: 0.0, p_value: 1.0, quantisation };
         };
         let length = self.values.len() as f64 / self.rate;
-        let values = VALUES * (band[1] - band[0]) * length + 1.0;
-        let bins = noise.independent_bins(of(k));
-        let one = (1.0 + ratio(k) / bins).powf(-bins);
+        let independent_values = VALUES * (band[1] - band[0]) * length + 1.0;
+        let bins = noise.independent_bins(frequency_of(k));
+        let tail_probability = (1.0 + ratio(k) / bins).powf(-bins);
         Evidence {
             band,
-            frequency: of(k),
+            frequency: frequency_of(k),
             amplitude: 2.0 * (power[k] * self.sums[1]).sqrt() / self.sums[0],
             ratio: ratio(k),
-            p_value: -(values * (-one.min(1.0 - 1e-16)).ln_1p()).exp_m1(),
+            p_value: -(independent_values * (-tail_probability.min(1.0 - 1e-16)).ln_1p()).exp_m1(),
             quantisation,
         }
     }
@@ -144,22 +144,23 @@ struct Noise {
 }
 
 impl Noise {
-    fn fitted(tapered: &Tapered, bands: &[[Hertz; 2]]) -> Self {
-        let power = tapered.periodogram(1);
+    fn fitted_noise(tapered: &Tapered, bands: &[[Hertz; 2]]) -> Self {
+        let power = tapered.padded_periodogram(1);
         let width = 2.0 * tapered.frequency(1, 1);
         let highest = BEYOND * bands.iter().map(|band| band[1]).fold(0.0, f64::max);
         let outside = |f: Hertz| bands.iter().all(|band| f < band[0] - width || f > band[1] + width);
-        let whole = |k: &usize| tapered.frequency(*k, 1) <= highest.min(0.47 * tapered.rate);
-        let all: Vec<usize> = (EMPTIED..power.len()).filter(whole).collect();
-        let apart: Vec<usize> = all.iter().copied().filter(|k| outside(tapered.frequency(*k, 1))).collect();
+        let is_in_range = |k: &usize| tapered.frequency(*k, 1) <= highest.min(0.47 * tapered.rate);
+        let candidates: Vec<usize> = (EMPTIED..power.len()).filter(is_in_range).collect();
+        let outside_bands: Vec<usize> =
+            candidates.iter().copied().filter(|k| outside(tapered.frequency(*k, 1))).collect();
         // A band that leaves nothing else is its own noise, and a line in it raises the noise by a share of itself alone.
-        let used = if apart.len() < 8 { all } else { apart };
-        let bins: Vec<[f64; 2]> = used.iter().map(|k| [tapered.frequency(*k, 1), power[*k]]).collect();
-        let mut noise = Self { weights: whittle(&bins), information: [[0.0; 3]; 3] };
+        let selected = if outside_bands.len() < 8 { candidates } else { outside_bands };
+        let bins: Vec<[f64; 2]> = selected.iter().map(|k| [tapered.frequency(*k, 1), power[*k]]).collect();
+        let mut noise = Self { weights: whittle_weights(&bins), information: [[0.0; 3]; 3] };
         for [frequency, _] in &bins {
-            let (shape, whole) = (shapes(*frequency), noise.at(*frequency));
+            let (shape, density) = (spectral_shapes(*frequency), noise.density_at(*frequency));
             for (i, row) in noise.information.iter_mut().enumerate() {
-                (0..3).for_each(|j| row[j] += shape[i] * shape[j] / (CORRELATED * whole * whole));
+                (0..3).for_each(|j| row[j] += shape[i] * shape[j] / (CORRELATED * density * density));
             }
         }
         noise
@@ -168,21 +169,21 @@ impl Noise {
     /// m, the number of independent bins of which S has the uncertainty at a frequency: 1/var(ln S), by Fisher's information on the shapes
     /// that contribute there.
     fn independent_bins(&self, frequency: Hertz) -> f64 {
-        let (shape, whole) = (shapes(frequency), self.at(frequency));
-        let active: Vec<usize> = (0..3).filter(|&k| self.weights[k] * shape[k] > CONTRIBUTES * whole).collect();
+        let (shape, density) = (spectral_shapes(frequency), self.density_at(frequency));
+        let active: Vec<usize> = (0..3).filter(|&k| self.weights[k] * shape[k] > CONTRIBUTES * density).collect();
         let count = active.len();
         let matrix = DMatrix::from_fn(count, count, |i, j| self.information[active[i]][active[j]]);
-        let right = DVector::from_fn(count, |i, _| shape[active[i]] / whole);
-        let variance = matrix.cholesky().map(|factor| right.dot(&factor.solve(&right)));
+        let relative_shapes = DVector::from_fn(count, |i, _| shape[active[i]] / density);
+        let variance = matrix.cholesky().map(|factor| relative_shapes.dot(&factor.solve(&relative_shapes)));
         variance.map_or(2.0, |variance| (1.0 / variance).max(2.0))
     }
 
-    fn at(&self, frequency: Hertz) -> f64 {
+    fn density_at(&self, frequency: Hertz) -> f64 {
         spectrum_at(&self.weights, frequency)
     }
 }
 
-fn shapes(frequency: Hertz) -> [f64; 3] {
+fn spectral_shapes(frequency: Hertz) -> [f64; 3] {
     [1.0, 1.0 / frequency, 1.0 / (frequency * frequency)]
 }
 
@@ -191,14 +192,14 @@ const MODELS: [[bool; 3]; 4] = [[true, false, false], [true, false, true], [true
 
 /// The weights of the set of shapes with the least information criterion \[akaike1974\] over bins of frequency and power: shapes that the
 /// bins do not ask for would only add to the uncertainty.
-fn whittle(bins: &[[f64; 2]]) -> [f64; 3] {
+fn whittle_weights(bins: &[[f64; 2]]) -> [f64; 3] {
     let models = MODELS.map(|model| {
-        let weights = fitted(bins, model);
-        let value = |[f, p]: &[f64; 2]| {
-            let whole = spectrum_at(&weights, *f);
-            whole.ln() + p / whole
+        let weights = fitted_weights(bins, model);
+        let bin_misfit = |[f, p]: &[f64; 2]| {
+            let density = spectrum_at(&weights, *f);
+            density.ln() + p / density
         };
-        let misfit: f64 = bins.iter().map(value).sum::<f64>() / CORRELATED;
+        let misfit: f64 = bins.iter().map(bin_misfit).sum::<f64>() / CORRELATED;
         (misfit + model.iter().filter(|used| **used).count() as f64, weights)
     });
     let best = models.iter().min_by(|a, b| a.0.total_cmp(&b.0));
@@ -207,26 +208,28 @@ fn whittle(bins: &[[f64; 2]]) -> [f64; 3] {
 
 /// The non-negative weights of a set of shapes that minimise Σ ln S + P/S, by multiplicative updates \[fevotte2009\]: they keep the signs and
 /// never increase the sum.
-fn fitted(bins: &[[f64; 2]], model: [bool; 3]) -> [f64; 3] {
+fn fitted_weights(bins: &[[f64; 2]], model: [bool; 3]) -> [f64; 3] {
     let used = model.iter().filter(|used| **used).count() as f64;
-    let mean = |k: usize| bins.iter().map(|[f, p]| p / shapes(*f)[k]).sum::<f64>() / (used * bins.len().max(1) as f64);
+    let mean = |k: usize| {
+        bins.iter().map(|[f, p]| p / spectral_shapes(*f)[k]).sum::<f64>() / (used * bins.len().max(1) as f64)
+    };
     let mut weights = [0, 1, 2].map(|k| if model[k] { mean(k) } else { 0.0 });
     for _ in 0..UPDATES {
-        let (mut up, mut down) = ([0.0; 3], [0.0; 3]);
+        let (mut numerators, mut denominators) = ([0.0; 3], [0.0; 3]);
         for [frequency, power] in bins {
-            let (shape, whole) = (shapes(*frequency), spectrum_at(&weights, *frequency));
+            let (shape, density) = (spectral_shapes(*frequency), spectrum_at(&weights, *frequency));
             (0..3).for_each(|k| {
-                up[k] += shape[k] * power / (whole * whole);
-                down[k] += shape[k] / whole;
+                numerators[k] += shape[k] * power / (density * density);
+                denominators[k] += shape[k] / density;
             });
         }
-        (0..3).for_each(|k| weights[k] *= (up[k] / down[k].max(f64::MIN_POSITIVE)).sqrt());
+        (0..3).for_each(|k| weights[k] *= (numerators[k] / denominators[k].max(f64::MIN_POSITIVE)).sqrt());
     }
     weights
 }
 
 fn spectrum_at(weights: &[f64; 3], frequency: Hertz) -> f64 {
-    shapes(frequency).iter().zip(weights).map(|(s, w)| s * w).sum::<f64>().max(f64::MIN_POSITIVE)
+    spectral_shapes(frequency).iter().zip(weights).map(|(s, w)| s * w).sum::<f64>().max(f64::MIN_POSITIVE)
 }
 
 /// Least damping ratio of a free wave: bottom and walls of a clean tank of a metre take more.
@@ -283,7 +286,8 @@ mod tests {
         /// Draws of `DRAWS` in which a wave is found.
         fn found(&self, amplitude: f64, bands: &[[f64; 2]]) -> usize {
             let level = LEVEL / bands.len() as f64;
-            let has = |seed: &u64| evidence(&self.drawn(*seed, amplitude), bands).iter().any(|e| e.is_found(level));
+            let has =
+                |seed: &u64| band_evidence(&self.drawn(*seed, amplitude), bands).iter().any(|e| e.is_found(level));
             (0..DRAWS).filter(has).count()
         }
     }
@@ -310,7 +314,7 @@ mod tests {
     #[test]
     fn the_spectrum_of_the_noise_is_recovered() {
         let kind = Kind { rate: 80.0, walk: 0.0, line: 0.0, step: 0.0 };
-        let at = |seed: u64| Noise::fitted(&Tapered::of(&kind.drawn(seed, 0.0)), &BANDS).at(1.2);
+        let at = |seed: u64| Noise::fitted_noise(&Tapered::of(&kind.drawn(seed, 0.0)), &BANDS).density_at(1.2);
         let mean = (0..100).map(at).sum::<f64>() / 100.0;
         // a shape too many, which some draws keep, cannot be negative
         assert!((mean - 1.0).abs() < 0.15, "{mean}");

@@ -33,18 +33,18 @@ impl std::fmt::Display for CloseHarmonic {
 /// Every harmonic (up to `harmonics`) of a beat (Hz) that lies within half a line's width of a wave, in a recording of
 /// `length` (s).
 pub fn close_harmonics(beat: Hertz, harmonics: usize, waves: &[Wave], length: Second) -> Vec<CloseHarmonic> {
-    let mut all = Vec::new();
-    for (wave, it) in waves.iter().enumerate() {
-        let width = it.width().max(1.0 / length);
+    let mut close = Vec::new();
+    for (wave, line) in waves.iter().enumerate() {
+        let width = line.width().max(1.0 / length);
         for harmonic in 1..=harmonics {
-            let at = harmonic as f64 * beat;
-            let distance = (at - it.frequency).abs();
+            let harmonic_frequency = harmonic as f64 * beat;
+            let distance = (harmonic_frequency - line.frequency).abs();
             if distance < 0.5 * width {
-                all.push(CloseHarmonic { harmonic, at, wave, distance, width });
+                close.push(CloseHarmonic { harmonic, at: harmonic_frequency, wave, distance, width });
             }
         }
     }
-    all
+    close
 }
 
 #[cfg(test)]

@@ -88,19 +88,19 @@ pub struct WaveFit {
 /// [`EstimationError`] when the recording is shorter than four periods, the fit does not converge, or something moves in the water: a
 /// line is larger than the limit, or does not decay.
 pub fn identify(signal: &Series, still: &StillWater) -> Result<WaveFit, EstimationError> {
-    let bands = bands(signal, still.expected)?;
+    let bands = search_bands(signal, still.expected)?;
     is_still(signal, still)?;
-    let evidence = evidence::evidence(signal, &bands);
+    let evidence = evidence::band_evidence(signal, &bands);
     // Bonferroni's correction: the level holds for all waves together.
     let level = still.level / bands.len() as f64;
-    let found: Vec<Hertz> = evidence.iter().filter(|e| e.is_found(level)).map(|e| e.frequency).collect();
-    if found.is_empty() {
+    let frequencies: Vec<Hertz> = evidence.iter().filter(|e| e.is_found(level)).map(|e| e.frequency).collect();
+    if frequencies.is_empty() {
         return Ok(WaveFit { waves: Vec::new(), evidence, noise: noise_about_drift(signal), suppression_db: 0.0 });
     }
-    let fit = decaying(signal, &found, evidence)?;
+    let fit = decaying_fit(signal, &frequencies, evidence)?;
     if let Some(driven) = fit.waves.iter().find(|wave| evidence::is_driven(wave)) {
         let [f, decay, sigma] = [driven.frequency, driven.decay, driven.decay_sigma];
-        return Err(moving(format!(
+        return Err(motion_error(format!(
             "the line at {f:.3} Hz decays by {decay:.4} ± {sigma:.4} 1/s, as no free wave does"
         )));
     }
@@ -112,25 +112,26 @@ pub fn identify(signal: &Series, still: &StillWater) -> Result<WaveFit, Estimati
 /// # Errors
 /// [`EstimationError`] when the recording is shorter than four periods, or the fit does not converge.
 pub fn free_vibration(signal: &Series, expected: Hertz) -> Result<WaveFit, EstimationError> {
-    let evidence = evidence::evidence(signal, &bands(signal, &[expected])?);
-    decaying(signal, &[evidence[0].frequency], evidence)
+    let evidence = evidence::band_evidence(signal, &search_bands(signal, &[expected])?);
+    decaying_fit(signal, &[evidence[0].frequency], evidence)
 }
 
 /// The searched band around each expected frequency (Hz).
-fn bands(signal: &Series, expected: &[Hertz]) -> Result<Vec<[Hertz; 2]>, EstimationError> {
+fn search_bands(signal: &Series, expected: &[Hertz]) -> Result<Vec<[Hertz; 2]>, EstimationError> {
     let periods = (signal.end() - signal.start()) * expected.iter().copied().fold(f64::INFINITY, f64::min);
     if expected.is_empty() || periods < 4.0 {
-        let why = format!("the recording has {periods:.1} periods of the slowest wave; at least 4 are needed");
-        return Err(failed(why));
+        let reason = format!("the recording has {periods:.1} periods of the slowest wave; at least 4 are needed");
+        return Err(estimation_error(reason));
     }
     Ok(expected.iter().map(|f| [f * (1.0 - SEARCH_WIDTH), f * (1.0 + SEARCH_WIDTH)]).collect())
 }
 
 /// The decaying waves that begin at these frequencies (Hz).
-fn decaying(signal: &Series, found: &[Hertz], evidence: Vec<Evidence>) -> Result<WaveFit, EstimationError> {
-    let start: Vec<f64> = found.iter().flat_map(|f| [*f, INITIAL_DAMPING * TAU * f]).collect();
-    let every: Vec<usize> = (0..signal.values().len()).collect();
-    let (fit, weights) = fitted(signal, &every, &start).ok_or_else(|| failed("the fit does not converge".into()))?;
+fn decaying_fit(signal: &Series, frequencies: &[Hertz], evidence: Vec<Evidence>) -> Result<WaveFit, EstimationError> {
+    let start: Vec<f64> = frequencies.iter().flat_map(|f| [*f, INITIAL_DAMPING * TAU * f]).collect();
+    let indices: Vec<usize> = (0..signal.values().len()).collect();
+    let (fit, weights) =
+        regression_fit(signal, &indices, &start).ok_or_else(|| estimation_error("the fit does not converge".into()))?;
     let wave = |(n, pair): (usize, &[f64])| Wave {
         frequency: fit.at[2 * n],
         frequency_sigma: fit.sigma[2 * n],
@@ -139,17 +140,17 @@ fn decaying(signal: &Series, found: &[Hertz], evidence: Vec<Evidence>) -> Result
         amplitude: pair[0].hypot(pair[1]),
         phase: (-pair[1]).atan2(pair[0]),
     };
-    let waves = weights.chunks_exact(2).take(found.len()).enumerate().map(wave).collect();
-    Ok(WaveFit { waves, evidence, noise: fit.noise, suppression_db: suppression(signal, &fit.at) })
+    let waves = weights.chunks_exact(2).take(frequencies.len()).enumerate().map(wave).collect();
+    Ok(WaveFit { waves, evidence, noise: fit.noise, suppression_db: suppression_db(signal, &fit.at) })
 }
 
 /// Standard deviation of a signal about its drift.
 fn noise_about_drift(signal: &Series) -> f64 {
-    let (values, columns) = (signal.values(), polynomial::columns(signal.values().len(), DRIFT));
+    let (values, columns) = (signal.values(), polynomial::basis_columns(signal.values().len(), DRIFT));
     let drift = linear::least_squares(&columns, values).map(|w| linear::weighted_sum(&columns, &w));
     let drift = drift.unwrap_or_else(|| vec![0.0; values.len()]);
-    let square: f64 = values.iter().zip(drift).map(|(v, d)| (v - d).powi(2)).sum();
-    (square / (values.len() - DRIFT - 1) as f64).sqrt()
+    let sum_of_squares: f64 = values.iter().zip(drift).map(|(v, d)| (v - d).powi(2)).sum();
+    (sum_of_squares / (values.len() - DRIFT - 1) as f64).sqrt()
 }
 
 /// Initial guess of the damping ratio: water in a tank rings for some ten seconds.
@@ -160,44 +161,49 @@ const LINES: f64 = 5.0;
 /// Holds that no line is larger than in still water.
 fn is_still(signal: &Series, still: &StillWater) -> Result<(), EstimationError> {
     let highest = LINES * still.expected.iter().copied().fold(0.0, f64::max);
-    let line = evidence::strongest(signal, highest);
+    let line = evidence::strongest_line(signal, highest);
     if line.amplitude <= still.limit || line.p_value > still.level {
         return Ok(());
     }
     let (f, amplitude, limit) = (line.frequency, 1e3 * line.amplitude, 1e3 * still.limit);
-    Err(moving(format!(
+    Err(motion_error(format!(
         "a line at {f:.2} Hz has an amplitude of {amplitude:.1} mN; in still water it is under {limit:.1} mN"
     )))
 }
 
-fn failed(why: String) -> EstimationError {
-    EstimationError { what: "the standing wave", why, action: "record still water for longer, soon after a run" }
+fn estimation_error(reason: String) -> EstimationError {
+    EstimationError {
+        what: "the standing wave",
+        why: reason,
+        action: "record still water for longer, soon after a run",
+    }
 }
 
-fn moving(why: String) -> EstimationError {
+fn motion_error(reason: String) -> EstimationError {
     let action = "name a log of water at rest: this one holds a motion (study.toml, [tank] still_limit)";
-    EstimationError { what: "the standing wave", why, action }
+    EstimationError { what: "the standing wave", why: reason, action }
 }
 
-/// The columns of waves (frequency and decay each) at samples `of` a signal, then the drift's.
-fn columns(signal: &Series, of: &[usize], waves: &[f64]) -> Vec<Vec<f64>> {
-    let since = |i: &usize| signal.time(*i) - signal.start();
+/// The columns of waves (frequency and decay each) at samples `indices` a signal, then the drift's.
+fn fit_columns(signal: &Series, indices: &[usize], waves: &[f64]) -> Vec<Vec<f64>> {
+    let elapsed = |i: &usize| signal.time(*i) - signal.start();
     let wave = |pair: &[f64]| {
         let (omega, decay) = (TAU * pair[0], pair[1]);
-        let part =
-            |turn: fn(f64) -> f64| of.iter().map(|i| (-decay * since(i)).exp() * turn(omega * since(i))).collect();
-        [part(f64::cos), part(f64::sin)]
+        let decaying_column = |oscillation: fn(f64) -> f64| {
+            indices.iter().map(|i| (-decay * elapsed(i)).exp() * oscillation(omega * elapsed(i))).collect()
+        };
+        [decaying_column(f64::cos), decaying_column(f64::sin)]
     };
-    let drift = polynomial::columns(signal.values().len(), DRIFT);
-    let drift = drift.into_iter().map(|column| of.iter().map(|&i| column[i]).collect());
+    let drift = polynomial::basis_columns(signal.values().len(), DRIFT);
+    let drift = drift.into_iter().map(|column| indices.iter().map(|&i| column[i]).collect());
     waves.chunks_exact(2).flat_map(wave).chain(drift).collect()
 }
 
-fn fitted(signal: &Series, of: &[usize], start: &[f64]) -> Option<(Estimate, Vec<f64>)> {
-    let target: Vec<f64> = of.iter().map(|&i| signal.values()[i]).collect();
-    let weights = |p: &[f64]| linear::least_squares(&columns(signal, of, p), &target);
+fn regression_fit(signal: &Series, indices: &[usize], start: &[f64]) -> Option<(Estimate, Vec<f64>)> {
+    let target: Vec<f64> = indices.iter().map(|&i| signal.values()[i]).collect();
+    let weights = |p: &[f64]| linear::least_squares(&fit_columns(signal, indices, p), &target);
     let residuals = |p: &[f64]| {
-        let sum = linear::weighted_sum(&columns(signal, of, p), &weights(p)?);
+        let sum = linear::weighted_sum(&fit_columns(signal, indices, p), &weights(p)?);
         Some(sum.iter().zip(&target).map(|(s, t)| s - t).collect())
     };
     let differences: Vec<f64> = start.iter().map(|p| 1e-5 * p.abs()).collect();
@@ -210,20 +216,22 @@ fn fitted(signal: &Series, of: &[usize], start: &[f64]) -> Option<(Estimate, Vec
 
 /// Attenuation of the waves when the fit of every second sample is subtracted from the others, dB. The difference of the two halves
 /// has four times the variance of a fit to all samples, whose error is what the subtraction leaves.
-fn suppression(signal: &Series, waves: &[f64]) -> f64 {
-    let half = |odd: usize| (odd..signal.values().len()).step_by(2).collect::<Vec<usize>>();
-    let amplitudes = |of: &[usize], target: &[f64]| {
-        let weights = linear::least_squares(&columns(signal, of, waves), target)?;
+fn suppression_db(signal: &Series, waves: &[f64]) -> f64 {
+    let every_second = |odd: usize| (odd..signal.values().len()).step_by(2).collect::<Vec<usize>>();
+    let amplitudes = |indices: &[usize], target: &[f64]| {
+        let weights = linear::least_squares(&fit_columns(signal, indices, waves), target)?;
         Some(weights[..waves.len()].to_vec())
     };
-    let values = |of: &[usize]| of.iter().map(|&i| signal.values()[i]).collect::<Vec<f64>>();
-    let (even, odd) = (half(0), half(1));
-    let (Some(fit), Some(before)) = (amplitudes(&even, &values(&even)), amplitudes(&odd, &values(&odd))) else {
+    let values_at = |indices: &[usize]| indices.iter().map(|&i| signal.values()[i]).collect::<Vec<f64>>();
+    let (even, odd) = (every_second(0), every_second(1));
+    let (Some(fitted_amplitudes), Some(amplitudes_before)) =
+        (amplitudes(&even, &values_at(&even)), amplitudes(&odd, &values_at(&odd)))
+    else {
         return 0.0;
     };
     let square = |w: &mut dyn Iterator<Item = f64>| w.map(|v| v * v).sum::<f64>();
-    let left = square(&mut before.iter().zip(&fit).map(|(b, f)| b - f));
-    10.0 * (4.0 * square(&mut before.iter().copied()) / left.max(f64::MIN_POSITIVE)).log10()
+    let residual_square = square(&mut amplitudes_before.iter().zip(&fitted_amplitudes).map(|(b, f)| b - f));
+    10.0 * (4.0 * square(&mut amplitudes_before.iter().copied()) / residual_square.max(f64::MIN_POSITIVE)).log10()
 }
 
 #[cfg(test)]

@@ -51,35 +51,35 @@ pub struct Removal<'a> {
 pub fn remove(signal: &Series, waves: &[Wave], model: &Removal) -> Result<Separated, EstimationError> {
     let Removal { onsets, beat, drift_degree } = *model;
     let wave_columns: Vec<Vec<f64>> =
-        onsets.iter().flat_map(|&t| waves.iter().flat_map(move |w| columns(signal, w, t))).collect();
-    let drift = polynomial::columns(signal.values().len(), drift_degree);
-    let harmonic_columns = beat.map_or(Vec::new(), |b| harmonics(signal, &b));
+        onsets.iter().flat_map(|&t| waves.iter().flat_map(move |w| wave_columns_from(signal, w, t))).collect();
+    let drift = polynomial::basis_columns(signal.values().len(), drift_degree);
+    let harmonic_columns = beat.map_or(Vec::new(), |b| harmonic_columns_of(signal, &b));
     let (wave_count, fixed_count) = (wave_columns.len(), wave_columns.len() + drift.len());
     let columns = [wave_columns, drift, harmonic_columns].concat();
-    let Some(weights) = weights(signal, waves, &columns, wave_count) else {
-        let why = "beat, waves and drift are linearly dependent over so short a recording".to_owned();
+    let Some(weights) = ridge_weights(signal, waves, &columns, wave_count) else {
+        let reason = "beat, waves and drift are linearly dependent over so short a recording".to_owned();
         let action = "record for longer, or keep the beat away from the tank's waves";
-        return Err(EstimationError { what: "the standing wave in a run", why, action });
+        return Err(EstimationError { what: "the standing wave in a run", why: reason, action });
     };
     let zeros = || vec![0.0; signal.values().len()];
-    let part = |range: std::ops::Range<usize>| match range.is_empty() {
+    let component = |range: std::ops::Range<usize>| match range.is_empty() {
         true => zeros(),
         false => linear::weighted_sum(&columns[range.clone()], &weights[range]),
     };
-    let (waves, drift) = (part(0..wave_count), part(wave_count..fixed_count));
-    let rest = signal.values().iter().zip(&waves).map(|(v, w)| v - w).collect();
-    let rest = Series::new(signal.start(), signal.rate(), rest).expect("finite less finite");
-    Ok(Separated { rest, waves, drift })
+    let (waves, drift) = (component(0..wave_count), component(wave_count..fixed_count));
+    let remainder = signal.values().iter().zip(&waves).map(|(v, w)| v - w).collect();
+    let remainder = Series::new(signal.start(), signal.rate(), remainder).expect("finite less finite");
+    Ok(Separated { rest: remainder, waves, drift })
 }
 
 /// The weights of all columns, the first `wave_count` of them the waves'.
 ///
 /// Maximum a posteriori: the prior deviation of cosine and sine is the wave's amplitude a. The residuals of an unconstrained fit, of
 /// standard deviation σ, are taken as correlated over a quarter of the wave's period, n samples; so the penalty is n σ²/a².
-fn weights(signal: &Series, waves: &[Wave], columns: &[Vec<f64>], wave_count: usize) -> Option<Vec<f64>> {
+fn ridge_weights(signal: &Series, waves: &[Wave], columns: &[Vec<f64>], wave_count: usize) -> Option<Vec<f64>> {
     let fitted = linear::weighted_sum(columns, &linear::least_squares(columns, signal.values())?);
-    let square: f64 = signal.values().iter().zip(&fitted).map(|(v, w)| (v - w).powi(2)).sum();
-    let variance = square / signal.values().len() as f64;
+    let sum_of_squares: f64 = signal.values().iter().zip(&fitted).map(|(v, w)| (v - w).powi(2)).sum();
+    let variance = sum_of_squares / signal.values().len() as f64;
     let penalty = |i: usize| {
         let wave = &waves[(i / 2) % waves.len()];
         0.25 * signal.rate() / wave.frequency * variance / (wave.amplitude * wave.amplitude).max(1e-12)
@@ -88,32 +88,32 @@ fn weights(signal: &Series, waves: &[Wave], columns: &[Vec<f64>], wave_count: us
 }
 
 /// Cosine and sine of one wave from `onset` on.
-fn columns(signal: &Series, wave: &Wave, onset: Second) -> [Vec<f64>; 2] {
-    let part = |turn: fn(f64) -> f64| {
-        let at = |i: usize| match signal.time(i) - onset {
-            since if since < 0.0 => 0.0,
-            since => (-wave.decay * since).exp() * turn(TAU * wave.frequency * since),
+fn wave_columns_from(signal: &Series, wave: &Wave, onset: Second) -> [Vec<f64>; 2] {
+    let decaying_column = |oscillation: fn(f64) -> f64| {
+        let value_at = |i: usize| match signal.time(i) - onset {
+            elapsed if elapsed < 0.0 => 0.0,
+            elapsed => (-wave.decay * elapsed).exp() * oscillation(TAU * wave.frequency * elapsed),
         };
-        (0..signal.values().len()).map(at).collect()
+        (0..signal.values().len()).map(value_at).collect()
     };
-    [part(f64::cos), part(f64::sin)]
+    [decaying_column(f64::cos), decaying_column(f64::sin)]
 }
 
 /// Mean, cosines and sines of the beat while it lasts.
-fn harmonics(signal: &Series, beat: &Beat) -> Vec<Vec<f64>> {
+fn harmonic_columns_of(signal: &Series, beat: &Beat) -> Vec<Vec<f64>> {
     let [first, last] = beat.within;
-    let part = |turn: &dyn Fn(f64) -> f64| -> Vec<f64> {
-        let at = |i: usize| match signal.time(i) {
-            t if (first..=last).contains(&t) => turn(t - first),
+    let windowed_column = |oscillation: &dyn Fn(f64) -> f64| -> Vec<f64> {
+        let value_at = |i: usize| match signal.time(i) {
+            t if (first..=last).contains(&t) => oscillation(t - first),
             _ => 0.0,
         };
-        (0..signal.values().len()).map(at).collect()
+        (0..signal.values().len()).map(value_at).collect()
     };
-    let of = |n: usize| {
+    let harmonic_pair = |n: usize| {
         let omega = TAU * beat.frequency * n as f64;
-        [part(&|t| (omega * t).cos()), part(&|t| (omega * t).sin())]
+        [windowed_column(&|t| (omega * t).cos()), windowed_column(&|t| (omega * t).sin())]
     };
-    std::iter::once(part(&|_| 1.0)).chain((1..=beat.harmonics).flat_map(of)).collect()
+    std::iter::once(windowed_column(&|_| 1.0)).chain((1..=beat.harmonics).flat_map(harmonic_pair)).collect()
 }
 
 #[cfg(test)]

@@ -23,7 +23,8 @@ const TAPS: [f64; 7] = [-0.15, -0.1, -0.05, 0.0, 0.05, 0.1, 0.15];
 impl Weighted {
     /// The weights of least squared error over runs; the last feature is constant and has no ridge.
     pub fn fit(model: ThrustModel, runs: &[&Run]) -> Self {
-        let rows: Vec<Vec<f64>> = runs.iter().flat_map(|run| (0..run.len()).map(|i| columns(model, run, i))).collect();
+        let rows: Vec<Vec<f64>> =
+            runs.iter().flat_map(|run| (0..run.len()).map(|i| feature_columns(model, run, i))).collect();
         let target = DVector::from_iterator(rows.len(), runs.iter().flat_map(|r| r.force.iter().copied()));
         let width = rows.first().map_or(0, Vec::len);
         let matrix = DMatrix::from_fn(rows.len(), width, |i, j| rows[i][j]);
@@ -32,21 +33,21 @@ impl Weighted {
             gram[(j, j)] *= 1.0 + RIDGE;
             gram[(j, j)] += f64::MIN_POSITIVE;
         }
-        let solved = gram.cholesky().map(|c| c.solve(&matrix.tr_mul(&target)));
-        let weights = solved.map_or_else(|| vec![0.0; width], |w| w.as_slice().to_vec());
+        let solution = gram.cholesky().map(|c| c.solve(&matrix.tr_mul(&target)));
+        let weights = solution.map_or_else(|| vec![0.0; width], |w| w.as_slice().to_vec());
         Self { model, weights }
     }
 
     /// The force at every sample of a run, N.
     pub fn predict(&self, run: &Run) -> Vec<f64> {
         let dot = |row: Vec<f64>| row.iter().zip(&self.weights).map(|(c, w)| c * w).sum();
-        (0..run.len()).map(|i| dot(columns(self.model, run, i))).collect()
+        (0..run.len()).map(|i| dot(feature_columns(self.model, run, i))).collect()
     }
 }
 
 /// A model's columns at one sample, the constant last.
-fn columns(model: ThrustModel, run: &Run, sample: usize) -> Vec<f64> {
-    let mut all = match model {
+fn feature_columns(model: ThrustModel, run: &Run, sample: usize) -> Vec<f64> {
+    let mut features = match model {
         ThrustModel::Linear => {
             let speed = run.frequency * run.amplitude_of_tip();
             vec![speed, speed * speed]
@@ -55,28 +56,28 @@ fn columns(model: ThrustModel, run: &Run, sample: usize) -> Vec<f64> {
             let bar = |p: &f64| p * 1e-5;
             run.pressure[sample].iter().map(bar).flat_map(|p| [p, p * p]).collect()
         }
-        ThrustModel::Fir => fir(run, sample),
-        ThrustModel::Theory => theory(&run.terms[sample]),
+        ThrustModel::Fir => impulse_columns(run, sample),
+        ThrustModel::Theory => theory_columns(&run.terms[sample]),
         _ => Vec::new(),
     };
-    all.push(1.0);
-    all
+    features.push(1.0);
+    features
 }
 
-/// Theory with coefficients: Lighthill's terms, drag and the tail's own inertia; the constant is added by [`columns`].
+/// Theory with coefficients: Lighthill's terms, drag and the tail's own inertia; the constant is added by [`feature_columns`].
 ///
 /// F = c₁ F_edge + c₂ d/dt ∫ m w n_x da + c₃ F_drag + c₄ ẍ + c₅; c₁ = c₂ = 1 in \[lighthill1971\].
-fn theory(terms: &TheoryTerms) -> Vec<f64> {
+fn theory_columns(terms: &TheoryTerms) -> Vec<f64> {
     vec![terms.edge_flux, terms.momentum_rate, terms.drag, terms.tip_acceleration]
 }
 
 /// Positions and velocities of the last and of the first marker at the taps.
-fn fir(run: &Run, sample: usize) -> Vec<f64> {
-    let last = run.len() - 1;
-    let at = |lag: &f64| (sample as f64 - lag * run.rate).round().clamp(0.0, last as f64) as usize;
-    let read = |i: usize| {
-        let ends = |of: &[[f64; 2]]| [of[0], of[of.len() - 1]].concat();
+fn impulse_columns(run: &Run, sample: usize) -> Vec<f64> {
+    let last_sample = run.len() - 1;
+    let sample_at = |lag: &f64| (sample as f64 - lag * run.rate).round().clamp(0.0, last_sample as f64) as usize;
+    let marker_features = |i: usize| {
+        let ends = |points: &[[f64; 2]]| [points[0], points[points.len() - 1]].concat();
         [ends(&run.moved[i]), ends(&run.speed[i])].concat()
     };
-    TAPS.iter().flat_map(|lag| read(at(lag))).collect()
+    TAPS.iter().flat_map(|lag| marker_features(sample_at(lag))).collect()
 }

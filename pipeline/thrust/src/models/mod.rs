@@ -80,12 +80,12 @@ impl ThrustModel {
                 Fitted::Weighted(Weighted::fit(self, runs))
             }
             Self::Ebt => Fitted::Ebt,
-            Self::Network => Fitted::Network(Box::new(network::learn(runs, None, training, progress))),
+            Self::Network => Fitted::Network(Box::new(network::trained_network(runs, None, training, progress))),
             Self::Hybrid => {
                 let theory = Weighted::fit(Self::Theory, runs);
-                let small = TrainingSettings { training: training.small(), ..training.clone() };
-                let rest = network::learn(runs, Some(&theory), &small, progress);
-                Fitted::Hybrid(theory, Box::new(rest))
+                let residual_training = TrainingSettings { training: training.small(), ..training.clone() };
+                let residual_network = network::trained_network(runs, Some(&theory), &residual_training, progress);
+                Fitted::Hybrid(theory, Box::new(residual_network))
             }
         }
     }
@@ -98,8 +98,8 @@ impl Fitted {
             Self::Weighted(weighted) => weighted.predict(run),
             Self::Ebt => run.terms.iter().map(|t| t.trailing_edge).collect(),
             Self::Network(network) => network::predict(network, run),
-            Self::Hybrid(theory, rest) => {
-                theory.predict(run).iter().zip(network::predict(rest, run)).map(|(t, r)| t + r).collect()
+            Self::Hybrid(theory, residual_network) => {
+                theory.predict(run).iter().zip(network::predict(residual_network, run)).map(|(t, r)| t + r).collect()
             }
         }
     }

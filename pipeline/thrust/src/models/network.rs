@@ -24,31 +24,30 @@ impl TrainingSettings {
 }
 
 /// A network trained on the force of runs, or on its residual after `theory`. A fixed fraction of the runs is used for early stopping.
-pub(crate) fn learn(
+pub(crate) fn trained_network(
     runs: &[&Run],
     theory: Option<&Weighted>,
     training: &TrainingSettings,
     progress: &dyn Fn(f64),
 ) -> Network {
-    let every = (1.0 / training.validation_fraction.clamp(1e-3, 0.5)).round() as usize;
-    let is_aside = |i: usize| runs.len() > 1 && i % every == every / 2;
-    let (mut samples, mut validation_fraction) = (Samples::default(), Samples::default());
+    let interval = (1.0 / training.validation_fraction.clamp(1e-3, 0.5)).round() as usize;
+    let is_validation = |i: usize| runs.len() > 1 && i % interval == interval / 2;
+    let (mut samples, mut validation) = (Samples::default(), Samples::default());
     for (i, run) in runs.iter().enumerate() {
-        gather(run, theory, if is_aside(i) { &mut validation_fraction } else { &mut samples });
+        add_samples(run, theory, if is_validation(i) { &mut validation } else { &mut samples });
     }
-    validation_fraction.width = samples.width;
+    validation.width = samples.width;
     let epochs = training.training.epochs.max(1) as f64;
-    train(&training.training, &samples, &validation_fraction, &mut |epoch, _| progress((epoch + 1) as f64 / epochs))
-        .network
+    train(&training.training, &samples, &validation, &mut |epoch, _| progress((epoch + 1) as f64 / epochs)).network
 }
 
-fn gather(run: &Run, theory: Option<&Weighted>, into: &mut Samples) {
+fn add_samples(run: &Run, theory: Option<&Weighted>, samples: &mut Samples) {
     let predicted = theory.map(|t| t.predict(run));
     for i in 0..run.len() {
         let row = run.row(i);
-        into.width = row.len();
-        into.inputs.extend(row);
-        into.targets.push((run.force[i] - predicted.as_ref().map_or(0.0, |t| t[i])) as f32);
+        samples.width = row.len();
+        samples.inputs.extend(row);
+        samples.targets.push((run.force[i] - predicted.as_ref().map_or(0.0, |t| t[i])) as f32);
     }
 }
 

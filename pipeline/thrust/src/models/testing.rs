@@ -20,13 +20,17 @@ pub fn run(frequency: f64, amplitude: f64, seed: u64) -> Run {
     let (rate, phase) = (80.0, 0.7 * seed as f64);
     let size = 0.02 * amplitude / 2e4 / (1.0 + 0.2 * frequency) * (1.0 + 0.02 * (seed % 5) as f64);
     let time: Vec<f64> = (0..400).map(|i| f64::from(i) / rate).collect();
-    let mark = |share: f64, t: f64| {
-        let y = size * share * (TAU * frequency * t + phase - share).sin();
+    let marker_position = |fraction: f64, t: f64| {
+        let y = size * fraction * (TAU * frequency * t + phase - fraction).sin();
         [-8.0 * y * y, y]
     };
-    let moved: Vec<Vec<[f64; 2]>> = time.iter().map(|&t| [0.3, 0.6, 1.0].map(|s| mark(s, t)).to_vec()).collect();
-    let speed =
-        |t: f64| [0.3, 0.6, 1.0].map(|s| [0, 1].map(|k| (mark(s, t + 1e-5)[k] - mark(s, t - 1e-5)[k]) / 2e-5)).to_vec();
+    let moved: Vec<Vec<[f64; 2]>> =
+        time.iter().map(|&t| [0.3, 0.6, 1.0].map(|s| marker_position(s, t)).to_vec()).collect();
+    let speed = |t: f64| {
+        [0.3, 0.6, 1.0]
+            .map(|s| [0, 1].map(|k| (marker_position(s, t + 1e-5)[k] - marker_position(s, t - 1e-5)[k]) / 2e-5))
+            .to_vec()
+    };
     let speed: Vec<Vec<[f64; 2]>> = time.iter().map(|&t| speed(t)).collect();
     let terms = run::parts(&tail(), &moved, &speed, rate);
     let noise = |i: usize| 1e-3 * ((i * i + seed as usize) as f64 * 0.37).sin();
@@ -35,9 +39,10 @@ pub fn run(frequency: f64, amplitude: f64, seed: u64) -> Run {
         .enumerate()
         .map(|(i, t)| 0.8 * t.edge_flux + 0.9 * t.momentum_rate + 1.3 * t.drag + noise(i))
         .collect();
-    let side =
-        |t: f64| [0.0, 0.5].map(|turn| amplitude * (TAU * (frequency * t + turn) + phase).sin().max(0.0)).to_vec();
-    let pressure: Vec<Vec<f64>> = time.iter().map(|&t| side(t)).collect();
+    let side_pressures = |t: f64| {
+        [0.0, 0.5].map(|phase_shift| amplitude * (TAU * (frequency * t + phase_shift) + phase).sin().max(0.0)).to_vec()
+    };
+    let pressure: Vec<Vec<f64>> = time.iter().map(|&t| side_pressures(t)).collect();
     let pressure_rate = vec![vec![0.0; 2]; time.len()];
     let id = format!("run {seed}");
     Run { id, amplitude, frequency, split: None, rate, time, force, moved, speed, pressure, pressure_rate, terms }

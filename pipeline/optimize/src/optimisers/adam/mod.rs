@@ -56,19 +56,22 @@ impl Adam {
     /// # Errors
     /// [`OptimiseError::Setting`] when a setting leaves no step to make.
     pub fn new(problem: &Problem, set: &Settings) -> Result<Self, OptimiseError> {
-        let refuse = |setting, value, needed| Err(OptimiseError::Setting { optimiser: NAME, setting, value, needed });
+        let setting_error =
+            |setting, value, needed| Err(OptimiseError::Setting { optimiser: NAME, setting, value, needed });
         match *set {
-            Settings { step, .. } if !(step > 0.0 && step.is_finite()) => return refuse("step", step, "above 0"),
+            Settings { step, .. } if !(step > 0.0 && step.is_finite()) => {
+                return setting_error("step", step, "above 0");
+            }
             Settings { step_decay: d, .. } if !(d >= 0.0 && d.is_finite()) => {
-                return refuse("step_decay", d, "0 or more");
+                return setting_error("step_decay", d, "0 or more");
             }
             Settings { mean_decay: b, .. } if !(0.0..1.0).contains(&b) => {
-                return refuse("mean_decay", b, "in [0, 1)");
+                return setting_error("mean_decay", b, "in [0, 1)");
             }
             Settings { square_decay: b, .. } if !(0.0..1.0).contains(&b) => {
-                return refuse("square_decay", b, "in [0, 1)");
+                return setting_error("square_decay", b, "in [0, 1)");
             }
-            Settings { iterations: 0, .. } => return refuse("iterations", 0.0, "at least 1"),
+            Settings { iterations: 0, .. } => return setting_error("iterations", 0.0, "at least 1"),
             _ => {}
         }
         Ok(Self {
@@ -87,18 +90,18 @@ impl Adam {
     fn step(&mut self, gradient: &[f64]) -> f64 {
         let alpha = self.set.step / (1.0 + self.set.step_decay * self.iteration as f64);
         self.iteration += 1;
-        let mut free = self.at.clone();
-        self.update.step(&mut free, gradient, alpha, self.iteration as i32);
+        let mut unbounded = self.at.clone();
+        self.update.step(&mut unbounded, gradient, alpha, self.iteration as i32);
         // The moments are those of the unclamped gradient: on a face of the box only the normal component is cut off, and the
         // convergence test below sees the clamped step, so a minimum on a face is recognised.
-        let next = self.problem.bounds().clamp(&free);
-        let largest = next.iter().zip(&self.at).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        self.at = next;
-        largest
+        let bounded = self.problem.bounds().clamp(&unbounded);
+        let largest_change = bounded.iter().zip(&self.at).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        self.at = bounded;
+        largest_change
     }
 
     /// Half the way back to the last point that had a solution.
-    fn backtrack(&mut self) {
+    fn halve_step(&mut self) {
         // Without a loss there is no gradient to update the moments by; they stay, and the point alone is moved.
         self.at = self.at.iter().zip(&self.last_solved).map(|(a, b)| 0.5 * (a + b)).collect();
         self.iteration += 1;
@@ -124,14 +127,14 @@ impl Optimiser for Adam {
     fn tell(&mut self, evaluations: &[Evaluation]) -> Result<(), OptimiseError> {
         check_evaluations(NAME, &self.problem, std::slice::from_ref(&self.at), evaluations)?;
         if evaluations[0].loss == f64::INFINITY && self.best.is_some() {
-            self.backtrack();
+            self.halve_step();
             return Ok(());
         }
         self.last_solved.clone_from(&self.at);
         let gradient = checked_gradient(NAME, &self.problem, &evaluations[0], self.iteration == 0)?;
         keep_better(&mut self.best, &evaluations[0]);
-        let largest = self.step(gradient);
-        if largest < self.set.step_tolerance {
+        let largest_change = self.step(gradient);
+        if largest_change < self.set.step_tolerance {
             self.finished = Some(Finished::Converged { because: "no parameter changes by more than the tolerance" });
         } else if self.iteration == self.set.iterations {
             self.finished = Some(Finished::Budget);

@@ -58,24 +58,24 @@ impl<T: Real> Adam<T> {
         Self { mean: vec![T::ZERO; size], square: vec![T::ZERO; size], decay, correction }
     }
 
-    /// Moves `at` by step `number` (from 1) of length `alpha` against the gradient.
-    pub(crate) fn step(&mut self, at: &mut [T], gradient: &[T], alpha: T, number: i32) {
+    /// Moves `parameters` by step `number` (from 1) of length `alpha` against the gradient.
+    pub(crate) fn step(&mut self, parameters: &mut [T], gradient: &[T], alpha: T, number: i32) {
         let [beta1, beta2] = self.decay;
         let corrections = [beta1, beta2].map(|beta| T::ONE - beta.powi(number));
         let [first, second] = [alpha / corrections[0], T::ONE / corrections[1]];
         let moments = self.mean.iter_mut().zip(&mut self.square);
-        let each = moments.zip(at).zip(gradient).map(|(((m, v), x), &g)| {
+        let updated_moments = moments.zip(parameters).zip(gradient).map(|(((m, v), x), &g)| {
             *m = beta1 * *m + (T::ONE - beta1) * g;
             *v = beta2 * *v + (T::ONE - beta2) * g * g;
             (*m, *v, x)
         });
         match self.correction {
-            BiasCorrection::OfMoments => each.for_each(|(m, v, x)| {
+            BiasCorrection::OfMoments => updated_moments.for_each(|(m, v, x)| {
                 let (m, v) = (m / corrections[0], v / corrections[1]);
                 *x = *x - alpha * m / (v.sqrt() + T::EPSILON);
             }),
             BiasCorrection::OfStep => {
-                each.for_each(|(m, v, x)| *x = *x - first * m / ((second * v).sqrt() + T::EPSILON));
+                updated_moments.for_each(|(m, v, x)| *x = *x - first * m / ((second * v).sqrt() + T::EPSILON));
             }
         }
     }

@@ -49,12 +49,12 @@ impl Constants {
     pub(super) fn new(parameters: usize, population: usize) -> Self {
         let n = parameters as f64;
         let half = (population as f64 + 1.0) / 2.0;
-        let raw: Vec<f64> = (1..=population).map(|i| half.ln() - (i as f64).ln()).collect();
-        let effective_mass = effective_mass(&raw[..population / 2]);
+        let raw_weights: Vec<f64> = (1..=population).map(|i| half.ln() - (i as f64).ln()).collect();
+        let effective_mass = effective_mass(&raw_weights[..population / 2]);
         // 3 as in pycma and not 5 as in the tutorial: it takes 2 % fewer evaluations of Rosenbrock's function.
         let sigma_rate = (effective_mass + 2.0) / (n + effective_mass + 3.0);
         let mut constants = Self {
-            weights: raw,
+            weights: raw_weights,
             effective_mass,
             sigma_rate,
             damping: 1.0 + 2.0 * (((effective_mass - 1.0) / (n + 1.0)).sqrt() - 1.0).max(0.0) + sigma_rate,
@@ -71,51 +71,51 @@ impl Constants {
     /// Scales the positive weights to a sum of 1, and the negative ones to the least of three bounds [hansen2016, eqs. 49–53].
     fn scale_weights(&mut self, n: f64) {
         let half = self.weights.len() / 2;
-        let (better, worse) = self.weights.split_at_mut(half);
+        let (positive, negative) = self.weights.split_at_mut(half);
         let unchanged = 1.0 + self.rank_one / self.rank_mu; // C keeps its size when every step is as long as expected
-        let noise = 1.0 + 2.0 * effective_mass(worse) / (self.effective_mass + 2.0);
+        let noise = 1.0 + 2.0 * effective_mass(negative) / (self.effective_mass + 2.0);
         let definite = (1.0 - self.rank_one - self.rank_mu) / (n * self.rank_mu); // C stays positive definite
-        for (part, goal) in [(better, 1.0), (worse, unchanged.min(noise).min(definite))] {
-            let sum: f64 = part.iter().map(|w| w.abs()).sum();
-            part.iter_mut().for_each(|w| *w *= goal / sum);
+        for (weights, target) in [(positive, 1.0), (negative, unchanged.min(noise).min(definite))] {
+            let sum: f64 = weights.iter().map(|w| w.abs()).sum();
+            weights.iter_mut().for_each(|w| *w *= target / sum);
         }
     }
 }
 
 impl State {
     /// B and D of C = B D² Bᵀ.
-    pub(super) fn axes(&self) -> (DMatrix<f64>, DVector<f64>) {
+    pub(super) fn principal_axes(&self) -> (DMatrix<f64>, DVector<f64>) {
         let n = self.mean.len();
-        let split = SymmetricEigen::new(DMatrix::from_column_slice(n, n, &self.covariance));
-        (split.eigenvectors, split.eigenvalues.map(|v| v.max(0.0).sqrt()))
+        let decomposition = SymmetricEigen::new(DMatrix::from_column_slice(n, n, &self.covariance));
+        (decomposition.eigenvectors, decomposition.eigenvalues.map(|v| v.max(0.0).sqrt()))
     }
 
     /// One generation's adaptation from the steps y = (x − m)/σ of its points, best first [hansen2016, figure 6].
     #[allow(non_snake_case)]
-    pub(super) fn adapt(&mut self, k: &Constants, steps: &[DVector<f64>]) {
-        let (B, D) = self.axes();
+    pub(super) fn adapt_distribution(&mut self, k: &Constants, steps: &[DVector<f64>]) {
+        let (B, D) = self.principal_axes();
         let n = self.mean.len();
-        let whiten = |y: &DVector<f64>| &B * B.tr_mul(y).component_div(&D.map(|d| d.max(f64::MIN_POSITIVE)));
-        let better = steps.iter().zip(&k.weights).take(steps.len() / 2);
-        let y = better.fold(DVector::zeros(n), |sum, (y, &w)| sum + w * y);
+        let whitened = |y: &DVector<f64>| &B * B.tr_mul(y).component_div(&D.map(|d| d.max(f64::MIN_POSITIVE)));
+        let selected = steps.iter().zip(&k.weights).take(steps.len() / 2);
+        let y = selected.fold(DVector::zeros(n), |sum, (y, &w)| sum + w * y);
         let mean = DVector::from_column_slice(&self.mean) + self.sigma * &y;
         let ps = (1.0 - k.sigma_rate) * DVector::from_column_slice(&self.sigma_path)
-            + (k.sigma_rate * (2.0 - k.sigma_rate) * k.effective_mass).sqrt() * whiten(&y);
+            + (k.sigma_rate * (2.0 - k.sigma_rate) * k.effective_mass).sqrt() * whitened(&y);
         let warm_up = (1.0 - (1.0 - k.sigma_rate).powi(2 * (self.generation as i32 + 1))).sqrt();
         let stationary = ps.norm() / warm_up < (1.4 + 2.0 / (n as f64 + 1.0)) * k.expected;
         // While the path is long, σ is growing and C must not grow in the same direction too: p_c stops and C is corrected.
-        let pull =
+        let path_factor =
             if stationary { (k.covariance_rate * (2.0 - k.covariance_rate) * k.effective_mass).sqrt() } else { 0.0 };
-        let pc = (1.0 - k.covariance_rate) * DVector::from_column_slice(&self.covariance_path) + pull * &y;
+        let pc = (1.0 - k.covariance_rate) * DVector::from_column_slice(&self.covariance_path) + path_factor * &y;
         let correction = if stationary { 0.0 } else { k.rank_one * k.covariance_rate * (2.0 - k.covariance_rate) };
         // A worse point shows a direction that is too long, not how much: its step counts with its expected length, √n after whitening,
         // so that no far point can remove more than all of the variance.
-        let weigh =
-            |y, w: f64| if w < 0.0 { w * n as f64 / whiten(y).norm_squared().max(f64::MIN_POSITIVE) } else { w };
+        let active_weight =
+            |y, w: f64| if w < 0.0 { w * n as f64 / whitened(y).norm_squared().max(f64::MIN_POSITIVE) } else { w };
         let rank_mu_sum = steps
             .iter()
             .zip(&k.weights)
-            .fold(DMatrix::zeros(n, n), |sum, (y, &w)| sum + weigh(y, w) * y * y.transpose());
+            .fold(DMatrix::zeros(n, n), |sum, (y, &w)| sum + active_weight(y, w) * y * y.transpose());
         let decay = k.rank_one + k.rank_mu * k.weights.iter().sum::<f64>();
         let C = (1.0 + correction - decay) * DMatrix::from_column_slice(n, n, &self.covariance)
             + k.rank_one * &pc * pc.transpose()
@@ -155,7 +155,7 @@ mod tests {
     fn adapted(generation: u64, y: f64) -> [f64; 3] {
         let mut state = state(generation, 1);
         let steps = [y, -2.0].map(|y| DVector::from_element(1, y));
-        state.adapt(&Constants { weights: vec![1.0, -0.5], ..ONE_AXIS }, &steps);
+        state.adapt_distribution(&Constants { weights: vec![1.0, -0.5], ..ONE_AXIS }, &steps);
         [state.sigma, state.covariance[0], state.covariance_path[0]]
     }
 
@@ -176,7 +176,7 @@ mod tests {
             let mut state = state(1, 2);
             state.covariance_path = vec![0.0; 2];
             let steps = [[0.0, 0.0], [0.0, far]].map(|y| DVector::from_row_slice(&y));
-            state.adapt(&Constants { weights: vec![1.0, -0.5], ..ONE_AXIS }, &steps);
+            state.adapt_distribution(&Constants { weights: vec![1.0, -0.5], ..ONE_AXIS }, &steps);
             // 1 − c₁ − c_μ (1 − 0.5), and along the step 2 × 0.5 c_μ less
             let off = state.covariance.iter().zip([0.75, 0.0, 0.0, 0.65]).map(|(a, b)| (a - b).abs());
             assert!(off.fold(0.0, f64::max) < 1e-12, "{:?}", state.covariance);
@@ -225,7 +225,7 @@ mod tests {
             for generation in 0..200 {
                 let along = |k: usize| (generation + 2 * k / population) % n;
                 let axis = |k: usize| DVector::from_fn(n, |i, _| f64::from(u8::from(i == along(k))));
-                state.adapt(&constants, &(0..population).map(axis).collect::<Vec<_>>());
+                state.adapt_distribution(&constants, &(0..population).map(axis).collect::<Vec<_>>());
                 state.sigma = 0.1;
                 let least = SymmetricEigen::new(DMatrix::from_column_slice(n, n, &state.covariance)).eigenvalues.min();
                 assert!(least > 0.0, "{n} parameters, {population} points: {least:e} after {generation}");

@@ -75,22 +75,23 @@ impl CmaEs {
     /// # Errors
     /// [`OptimiseError`] when a setting permits no sample, or the state is of another problem.
     pub(crate) fn resume(problem: &Problem, set: &Settings, state: State) -> Result<Self, OptimiseError> {
-        let refuse = |setting, value, needed| Err(OptimiseError::Setting { optimiser: NAME, setting, value, needed });
+        let setting_error =
+            |setting, value, needed| Err(OptimiseError::Setting { optimiser: NAME, setting, value, needed });
         if set.population < 4 {
-            return refuse("population", set.population as f64, "at least 4");
+            return setting_error("population", set.population as f64, "at least 4");
         }
         if !(set.step > 0.0 && set.step.is_finite()) {
-            return refuse("step", set.step, "above 0");
+            return setting_error("step", set.step, "above 0");
         }
         if set.generations == 0 {
-            return refuse("generations", 0.0, "at least 1");
+            return setting_error("generations", 0.0, "at least 1");
         }
         let (found, expected) = (state.mean.len(), problem.dimension());
         if found != expected || state.covariance.len() != expected * expected {
             return Err(OptimiseError::Length { what: "the saved state", found, expected });
         }
         let mut cma = Self { problem: problem.clone(), set: set.clone(), state, asked: Vec::new(), finished: None };
-        cma.sample();
+        cma.sample_population();
         Ok(cma)
     }
 
@@ -100,30 +101,30 @@ impl CmaEs {
     }
 
     /// Samples the points of this generation.
-    fn sample(&mut self) {
-        let drawn = sampling::population(&self.state, self.set.seed, self.set.population);
-        self.asked = drawn.iter().map(|at| from_cube(self.problem.bounds(), at)).collect();
+    fn sample_population(&mut self) {
+        let samples = sampling::sampled_population(&self.state, self.set.seed, self.set.population);
+        self.asked = samples.iter().map(|sample| from_cube(self.problem.bounds(), sample)).collect();
     }
 
     /// Updates the distribution from the ranked evaluations.
-    fn update(&mut self, evaluations: &[Evaluation]) {
+    fn update_distribution(&mut self, evaluations: &[Evaluation]) {
         let constants = Constants::new(self.state.mean.len(), self.set.population);
-        let mut order: Vec<usize> = (0..evaluations.len()).collect();
+        let mut ranking: Vec<usize> = (0..evaluations.len()).collect();
         // Points without a solution have an infinite loss and rank last; only ranks enter, so they need no replacement value.
-        order.sort_by(|&a, &b| evaluations[a].loss.total_cmp(&evaluations[b].loss));
-        let old = DVector::from_column_slice(&self.state.mean);
+        ranking.sort_by(|&a, &b| evaluations[a].loss.total_cmp(&evaluations[b].loss));
+        let old_mean = DVector::from_column_slice(&self.state.mean);
         let step = |i: &usize| {
-            (DVector::from_vec(to_cube(self.problem.bounds(), &evaluations[*i].at)) - &old) / self.state.sigma
+            (DVector::from_vec(to_cube(self.problem.bounds(), &evaluations[*i].at)) - &old_mean) / self.state.sigma
         };
-        let steps: Vec<DVector<f64>> = order.iter().map(step).collect();
-        self.state.adapt(&constants, &steps);
+        let steps: Vec<DVector<f64>> = ranking.iter().map(step).collect();
+        self.state.adapt_distribution(&constants, &steps);
         self.state.generation += 1;
     }
 
     fn check_convergence(&mut self) {
-        let (_, lengths) = self.state.axes();
-        let longest = self.state.sigma * lengths.max();
-        if longest < self.set.step_tolerance {
+        let (_, lengths) = self.state.principal_axes();
+        let longest_axis = self.state.sigma * lengths.max();
+        if longest_axis < self.set.step_tolerance {
             self.finished = Some(Finished::Converged { because: "the distribution has contracted to a point" });
         } else if self.state.generation >= self.set.generations as u64 {
             self.finished = Some(Finished::Budget);
@@ -147,9 +148,9 @@ impl Optimiser for CmaEs {
     fn tell(&mut self, evaluations: &[Evaluation]) -> Result<(), OptimiseError> {
         check_evaluations(NAME, &self.problem, &self.asked, evaluations)?;
         evaluations.iter().for_each(|t| keep_better(&mut self.state.best, t));
-        self.update(evaluations);
+        self.update_distribution(evaluations);
         self.check_convergence();
-        self.sample();
+        self.sample_population();
         Ok(())
     }
 
