@@ -5,7 +5,7 @@
 
 use super::check::Region;
 use super::defect::MeshDefect;
-use super::hexahedral_chambers::{HexahedralChamber, rising};
+use super::hexahedral_chambers::{EDGES, HexahedralChamber, rising};
 use super::raw_mesh::RawMesh;
 use si::vec3::{add, cross, dot, norm, scale, sub};
 use si::{CubicMetre, Metre, Point3};
@@ -15,9 +15,6 @@ use std::collections::HashMap;
 const FLATTEST: f64 = 1e-7;
 /// Corners of the sides of a cube, normals to its outside.
 pub const SIDES: [[usize; 4]; 6] = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
-/// Edges of a cube, in the order of VTK.
-pub const EDGES: [[usize; 2]; 12] =
-    [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]];
 /// Corners of the cube [0, 1]³.
 const CORNERS: [[f64; 3]; 8] = [
     [0.0, 0.0, 0.0],

@@ -1,12 +1,15 @@
 //! Chambers of a body of hexahedra: the closed cavities of its skin.
 
-use super::hexahedra::EDGES;
 use super::raw_mesh::RawMesh;
 use crate::cavities::{Cavity, cavity, moment_and_volume};
 use crate::surface::components;
 use si::Point3;
 use si::vec3::add;
 use std::collections::HashMap;
+
+/// Edges of a cube, in the order of VTK.
+pub(super) const EDGES: [[usize; 2]; 12] =
+    [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]];
 
 /// A cavity with its walls.
 #[derive(Debug, Clone, PartialEq)]
