@@ -10,13 +10,11 @@
 mod grid;
 mod path;
 
+use ::mesh::Solid;
 use fem::{Clamps, Contact, Mesh, Options, RegionProperties, StaticSettings, System, materials};
 use grid::{Cuts, Family};
 use path::{COMPARED, Outcome};
-use rig::physics::{Body, BodySettings};
-use rig::settings::{Resolution, Settings};
-use rig::specimen::HiddenProperties;
-use tail_cad::Tail;
+use tail_cad::{Resolution, Tail};
 
 /// Two even cells along a chamber, three along its depth.
 const EVEN: Cuts = Cuts { chamber: &[0.5], depth: &[1.0 / 3.0, 2.0 / 3.0], heights: [3, 2, 1], wall: 1 };
@@ -99,9 +97,9 @@ const SILICONE: f64 = 0.2305e6;
 /// Iterations after which steps were given up before.
 const FORMER_ITERATIONS: usize = 16;
 
-fn nemo() -> (&'static rig::specimen::Specimen, Tail) {
-    let nemo = rig::specimens::ALL.iter().find(|s| s.name == "nemo").expect("the bench has Nemo");
-    (nemo, (nemo.tail)())
+fn nemo() -> Tail {
+    let specimen = rig::specimens::ALL.iter().find(|specimen| specimen.name == "nemo").expect("the bench has Nemo");
+    (specimen.tail)()
 }
 
 fn system(mesh: Mesh, options: Options) -> System {
@@ -116,7 +114,7 @@ fn system(mesh: Mesh, options: Options) -> System {
 }
 
 fn discretised(row: &Discretisation) -> System {
-    let mesh = grid::mesh(&nemo().1, row.cuts, row.family);
+    let mesh = grid::mesh(&nemo(), row.cuts, row.family);
     let options = Options {
         mean_dilatation: vec![row.mean_dilatation, false],
         shear_share: Some(row.shear_share),
@@ -126,16 +124,12 @@ fn discretised(row: &Discretisation) -> System {
     system(mesh, options)
 }
 
-/// The mesh that the study and the bench had before grids were graded: edges of 2.8 mm.
+/// The mesh that the bench had before grids were graded: edges of 2.8 mm, with channel and fin.
 fn former() -> System {
-    let set = Settings::built_in();
-    let (specimen, tail) = nemo();
-    let own = &set.specimen[&*specimen.name];
     let resolution = Resolution { edge: 0.0028, per_chamber: 2, per_rib: 1 };
-    let laws = ["lopez_pamies", "neo_hookean"];
-    let settings = BodySettings { resolution: &resolution, clamp: own.clamp, laws };
-    let body = Body::new(&tail, &settings, &HiddenProperties::drawn(&set, own)).expect("Nemo's own shape");
-    system(body.system.mesh().clone(), Options::default())
+    let tetrahedra = nemo().mesh(&resolution).expect("Nemo's own shape");
+    let solid = Solid::Quadratic(::mesh::quadratic(&tetrahedra));
+    system(simulate::fem_mesh(&solid, &[0, 1]), Options::default())
 }
 
 /// Follows the path on `system` and prints its row of the table.
