@@ -5,7 +5,7 @@
 
 use super::check::Region;
 use super::defect::MeshDefect;
-use super::hexahedral_chambers::{EDGES, HexahedralChamber, rising};
+use super::hexahedral_chambers::{EDGES, HexahedralChamber};
 use super::raw_mesh::RawMesh;
 use si::vec3::{add, cross, dot, norm, scale, sub};
 use si::{CubicMetre, Metre, Point3};
@@ -86,16 +86,9 @@ impl RawMesh {
             return Err(MeshDefect::NoSymmetryPlane);
         }
         let (regions, numbers) = self.regions(&volumes)?;
-        let skin = skin.into_iter().filter(|face| !(half && on_plane(face))).collect();
-        let (skin, chambers) = self.divide_skin(skin, half);
-        let quadratic = self.each == 20;
-        if !quadratic && !chambers.is_empty() {
-            notes.push("sides of 8-node hexahedra take no pressure; save the mesh with 20 nodes for that".to_owned());
-        }
-        let walls = if quadratic { self.walls(&chambers) } else { Vec::new() };
-        let elements = (0..self.len()).map(|element| self.element(element));
-        let hexahedra = elements.clone().map(|nodes| std::array::from_fn(|corner| nodes[corner])).collect();
-        let middles = elements.filter(|_| quadratic).map(|nodes| std::array::from_fn(|edge| nodes[8 + edge])).collect();
+        let (skin, chambers) = self.divide_skin(skin.into_iter().filter(|face| !(half && on_plane(face))), half);
+        let walls = self.walls(&chambers, &mut notes);
+        let (hexahedra, middles) = self.split_elements();
         let nodes = self.nodes;
         Ok(HexahedralMesh {
             nodes,
@@ -110,6 +103,14 @@ impl RawMesh {
             numbering,
             notes,
         })
+    }
+
+    /// The corners of each element, and the nodes between them where it is quadratic.
+    fn split_elements(&self) -> (Vec<[u32; 8]>, Vec<[u32; 12]>) {
+        let elements = (0..self.len()).map(|element| self.element(element));
+        let corners = elements.clone().map(|nodes| std::array::from_fn(|corner| nodes[corner])).collect();
+        let quadratic = elements.filter(|nodes| nodes.len() == 20);
+        (corners, quadratic.map(|nodes| std::array::from_fn(|edge| nodes[8 + edge])).collect())
     }
 
     /// Turns all elements over when all are left-handed.
@@ -177,18 +178,6 @@ impl RawMesh {
         free.sort_unstable_by_key(|side| (side.1, side.2));
         let faces: Vec<[u32; 4]> = free.iter().map(|side| self.side(side.1 as usize, side.2.into())).collect();
         self.check_closed(&faces, half).map(|()| faces)
-    }
-
-    /// Sides of chambers with the nodes between their corners.
-    fn walls(&self, chambers: &[HexahedralChamber]) -> Vec<Vec<[u32; 8]>> {
-        let middles = self.middles();
-        let whole = |side: &[u32; 4]| {
-            std::array::from_fn(|k| match k {
-                0..4 => side[k],
-                _ => middles[&rising([side[k - 4], side[(k - 3) % 4]])],
-            })
-        };
-        chambers.iter().map(|chamber| chamber.sides.iter().map(whole).collect()).collect()
     }
 
     fn side(&self, element: usize, side: usize) -> [u32; 4] {

@@ -22,7 +22,12 @@ pub struct HexahedralChamber {
 
 impl RawMesh {
     /// Divides the free sides into the outer skin and the walls of cavities, which are ordered by their centroids along x, y, z.
-    pub(super) fn divide_skin(&self, skin: Vec<[u32; 4]>, half: bool) -> (Vec<[u32; 4]>, Vec<HexahedralChamber>) {
+    pub(super) fn divide_skin(
+        &self,
+        skin: impl Iterator<Item = [u32; 4]>,
+        half: bool,
+    ) -> (Vec<[u32; 4]>, Vec<HexahedralChamber>) {
+        let skin: Vec<[u32; 4]> = skin.collect();
         let (component_of, count) = components(skin.len(), shared_edges(&skin).into_iter());
         let mut parts: Vec<Vec<[u32; 4]>> = vec![Vec::new(); count as usize];
         skin.into_iter().zip(component_of).for_each(|(side, part)| parts[part as usize].push(side));
@@ -55,8 +60,25 @@ impl RawMesh {
         cavity(moment, volume, cut)
     }
 
+    /// Sides of chambers with the nodes between their corners; none of the first order, which a note says.
+    pub(super) fn walls(&self, chambers: &[HexahedralChamber], notes: &mut Vec<String>) -> Vec<Vec<[u32; 8]>> {
+        if self.each == 8 {
+            let note = "sides of 8-node hexahedra take no pressure; save the mesh with 20 nodes for that";
+            notes.extend(chambers.first().map(|_| note.to_owned()));
+            return Vec::new();
+        }
+        let middles = self.middles();
+        let whole = |side: &[u32; 4]| {
+            std::array::from_fn(|k| match k {
+                0..4 => side[k],
+                _ => middles[&rising([side[k - 4], side[(k - 3) % 4]])],
+            })
+        };
+        chambers.iter().map(|chamber| chamber.sides.iter().map(whole).collect()).collect()
+    }
+
     /// The node between the two ends of each edge of quadratic elements, by the edge's ends in rising order.
-    pub(super) fn middles(&self) -> HashMap<[u32; 2], u32> {
+    fn middles(&self) -> HashMap<[u32; 2], u32> {
         let edges = (0..self.len()).flat_map(|element| {
             let nodes = self.element(element);
             EDGES.iter().zip(&nodes[8..]).map(|(&[a, b], &middle)| (rising([nodes[a], nodes[b]]), middle))
@@ -66,7 +88,7 @@ impl RawMesh {
 }
 
 /// Two node numbers in rising order.
-pub(super) fn rising([a, b]: [u32; 2]) -> [u32; 2] {
+fn rising([a, b]: [u32; 2]) -> [u32; 2] {
     [a.min(b), a.max(b)]
 }
 
