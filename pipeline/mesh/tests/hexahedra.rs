@@ -182,3 +182,15 @@ fn left_handed_quadratic_elements_are_turned_with_their_middles() {
         }
     }
 }
+
+#[test]
+fn two_quadratic_elements_that_share_an_edge_share_its_middle() {
+    let mut torn = quadratic(grid([2, 1, 1]));
+    let shared = (20..40).find(|&place| place >= 28 && torn.corners[..20].contains(&torn.corners[place])).unwrap();
+    let middle = torn.nodes[torn.corners[shared] as usize];
+    torn.corners[shared] = torn.nodes.len() as u32;
+    torn.node_labels.push(torn.nodes.len() as u64);
+    torn.nodes.push([middle[0], middle[1], middle[2] + 1e-4]);
+    let refused = checked(torn);
+    assert!(matches!(refused, Err(MeshDefect::SplitEdge { .. })), "{refused:?}");
+}

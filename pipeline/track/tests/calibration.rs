@@ -187,7 +187,7 @@ fn the_joint_covariance_tells_the_scatter_of_where_the_camera_stands() {
     }
 }
 
-/// A focal length that is wrong moves the camera away and hardly changes the reprojection: the views by themselves tell.
+/// A focal length that is wrong moves the camera away and hardly changes the reprojection: the views by themselves determine it.
 #[test]
 fn a_focal_length_that_the_views_contradict_is_refused_with_both() {
     let (seen, corners) = (views(0.1, 5), BOARD.corners());

@@ -70,7 +70,7 @@ impl RawMesh {
         notes.extend(self.reorient());
         let volumes = self.volumes()?;
         self.check_duplicates()?;
-        self.check_shared_middles()?;
+        self.check_shared_middles(4, &EDGES)?;
         self.check_coincident_nodes(size)?;
         if half {
             self.move_to_symmetry_plane(size)?;
@@ -141,12 +141,12 @@ impl RawMesh {
         Ok(())
     }
 
-    /// Elements that share an edge must share its mid-edge node.
-    fn check_shared_middles(&self) -> Result<(), MeshDefect> {
+    /// Elements that share an edge must share its mid-edge node; these follow the corners, in the order of `edges`.
+    pub(super) fn check_shared_middles(&self, corners: usize, edges: &[[usize; 2]]) -> Result<(), MeshDefect> {
         let mut middles = HashMap::new();
         let label = |node: u32| self.node_labels[node as usize];
-        for nodes in self.corners.chunks_exact(self.each).filter(|nodes| nodes.len() == 10) {
-            for (&[a, b], &middle) in EDGES.iter().zip(&nodes[4..]) {
+        for nodes in self.corners.chunks_exact(self.each).filter(|nodes| nodes.len() > corners) {
+            for (&[a, b], &middle) in edges.iter().zip(&nodes[corners..]) {
                 let edge = [nodes[a].min(nodes[b]), nodes[a].max(nodes[b])];
                 let known = *middles.entry(edge).or_insert(middle);
                 if known != middle {

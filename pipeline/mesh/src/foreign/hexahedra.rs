@@ -71,11 +71,11 @@ impl RawMesh {
         self.check_finite()?;
         self.check_repeated()?;
         let (note, numbering) = self.drop_unused();
-        let mut notes: Vec<String> = note.into_iter().collect();
         let size = self.scale(unit)?;
-        notes.extend(self.turn_right());
+        let mut notes: Vec<String> = note.into_iter().chain(self.turn_right()).collect();
         let volumes = self.hexahedron_volumes()?;
         self.check_duplicate_hexahedra()?;
+        self.check_shared_middles(8, &EDGES)?;
         self.check_coincident_nodes(size)?;
         if half {
             self.move_to_symmetry_plane(size)?;
