@@ -226,11 +226,14 @@ def test_memory_does_not_grow_with_the_number_of_solves(block: sf.Solver) -> Non
             found = block.equilibrium(E=2e5 + n)
             found.adjoint(np.ones_like(found.displacement))
 
-    solve(20)
-    before = resident()
-    solve(200)
+    def growth() -> int:
+        before = resident()
+        solve(200)
+        return resident() - before
+
+    # the least of three: the tests before leave pages to be taken again, a leak grows in each
     each = 24 * len(block.mesh.nodes)
-    assert resident() - before < 100 * each
+    assert min(growth() for _ in range(3)) < 100 * each
 
 
 def test_a_mesh_comes_back_from_its_arrays_and_from_a_file(tmp_path: Path) -> None:
