@@ -64,9 +64,9 @@ pub use dynamics::settings::{DynamicSettings, InitialValueProblem, Scheme, State
 pub use dynamics::trajectory::Trajectory;
 pub use loads::Forces;
 pub use materials::{self, Branch, MAX_BRANCHES, Material, Relaxation, RelaxationError, Springpot, material};
-pub use mesh::box_mesh;
 pub use mesh::clamps::Clamps;
 pub use mesh::{Chamber, Elements, Faces, Mesh};
+pub use mesh::{box_mesh, wedges};
 pub use modes::Mode;
 pub use newton::iteration::Interrupt;
 pub use newton::options::NonConvergence;

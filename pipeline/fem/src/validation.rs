@@ -224,8 +224,8 @@ pub(crate) fn closed(mesh: &Mesh, index: usize, chamber: &Chamber) -> Result<(),
     let mut edges: BTreeMap<[u32; 2], (i32, usize)> = BTreeMap::new();
     for face in 0..chamber.faces.len() {
         let nodes = chamber.faces.nodes(face);
-        for &(a, b) in sides {
-            let (from, to) = (nodes[a], nodes[b]);
+        // a side of a triangle among 8-node faces has shrunk to a point
+        for (from, to) in sides.iter().map(|&(a, b)| (nodes[a], nodes[b])).filter(|(from, to)| from != to) {
             let (key, sign) = if from < to { ([from, to], 1) } else { ([to, from], -1) };
             let entry = edges.entry(key).or_insert((0, face));
             *entry = (entry.0 + sign, face);

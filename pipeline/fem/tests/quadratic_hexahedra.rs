@@ -1,4 +1,4 @@
-//! Twenty-node hexahedra with shared integration: patch test, rigid rotation, beam, Cook's membrane, chambers, and derivatives of equilibria
+//! Twenty-node hexahedra with shared integration, and the wedges among them: patch test, rigid rotation, beam, Cook's membrane, chambers, and derivatives of equilibria
 //! and motions against differences. Thick walls and contact stand with those of tetrahedra.
 
 #![allow(clippy::unwrap_used)] // a test may fail where it stands
@@ -6,6 +6,7 @@
 use fem::{
     Branch, Clamps, DynamicSettings, Elements, Equilibrium, Forces, InitialValueProblem, LossGradient, Mesh, Options,
     Parameter, RegionProperties, Relaxation, Scheme, SetupError, State, StaticSettings, System, box_mesh, materials,
+    wedges,
 };
 
 const FINE: StaticSettings =
@@ -17,6 +18,11 @@ fn region(law: &str, poissons_ratio: f64) -> RegionProperties {
 
 fn solid(cells: [usize; 3], place: impl Fn([f64; 3]) -> [f64; 3]) -> Mesh {
     box_mesh::quadratic_hexahedra(cells, false, place, |_| Some(0))
+}
+
+/// Hexahedra, or the wedges that they are cut into.
+fn cut(mesh: Mesh, into_wedges: bool) -> Mesh {
+    if into_wedges { wedges::split(&mesh) } else { mesh }
 }
 
 /// Sides at the far end along x, pulled by a traction.
@@ -36,17 +42,26 @@ fn largest(found: &Equilibrium, axis: usize) -> f64 {
 #[test]
 fn inner_nodes_of_a_skewed_patch_are_in_balance_under_a_homogeneous_deformation() {
     let mesh = solid([3, 2, 2], |[x, y, z]| [0.03 * x + 0.004 * y, 0.02 * y - 0.003 * z, 0.02 * z + 0.002 * x]);
+    let bounds = mesh.bounds();
+    balanced(&mesh, 8);
+    // a corner of twelve wedges; the box is sheared, so that its faces are found by their elements
+    balanced(&wedges::split(&mesh), 12);
+    assert_eq!(wedges::split(&mesh).bounds(), bounds);
+}
+
+/// Checks the forces on the nodes with so many elements under a homogeneous deformation.
+fn balanced(mesh: &Mesh, around: usize) {
     let own = |node: usize| {
         let Elements::QuadraticHexahedra(elements) = &mesh.elements else { panic!("20-node hexahedra") };
         elements.iter().filter(|nodes| nodes.contains(&(node as u32))).count()
     };
     // a corner inside has eight elements, the middle of an edge inside four
-    let inside: Vec<usize> = (0..mesh.nodes.len()).filter(|&node| own(node) == 8).collect();
+    let inside: Vec<usize> = (0..mesh.nodes.len()).filter(|&node| own(node) == around).collect();
     assert!(!inside.is_empty());
     let stretch = |at: &[f64; 3]| [0.1 * at[0] + 0.05 * at[1], -0.03 * at[1], 0.04 * at[2] - 0.02 * at[0]];
     let field: Vec<f64> = mesh.nodes.iter().flat_map(stretch).collect();
     for law in ["linear", "neo_hookean"] {
-        let system = System::new(mesh.clone(), vec![region(law, 0.45)], Clamps::below_x(&mesh, 1e-3)).unwrap();
+        let system = System::new(mesh.clone(), vec![region(law, 0.45)], Clamps::below_x(mesh, 1e-3)).unwrap();
         let solver = system.solver();
         let energy = |node: usize, axis: usize, step: f64| {
             let mut moved = field.clone();
@@ -63,8 +78,8 @@ fn inner_nodes_of_a_skewed_patch_are_in_balance_under_a_homogeneous_deformation(
 
 #[test]
 fn a_rigid_rotation_costs_no_energy_and_the_rest_volume_and_mass_are_those_of_the_box() {
-    for lumped_mass in [false, true] {
-        let mesh = solid([3, 2, 2], |[x, y, z]| [0.1 * x, 0.02 * y, 0.03 * z]);
+    for (lumped_mass, into_wedges) in [(false, false), (true, false), (false, true), (true, true)] {
+        let mesh = cut(solid([3, 2, 2], |[x, y, z]| [0.1 * x, 0.02 * y, 0.03 * z]), into_wedges);
         let (sine, cosine) = 0.7f64.sin_cos();
         let turned =
             |at: &[f64; 3]| [cosine * at[0] - sine * at[1] - at[0], sine * at[0] + cosine * at[1] - at[1], 0.01];
@@ -80,8 +95,8 @@ fn a_rigid_rotation_costs_no_energy_and_the_rest_volume_and_mass_are_those_of_th
 #[test]
 fn one_element_through_a_beam_bends_it_as_beam_theory_says() {
     let (length, width, force) = (0.1, 0.005, 1e-4);
-    for (nu, law) in [(0.0, "linear"), (0.3, "neo_hookean")] {
-        let mesh = solid([10, 1, 1], |[x, y, z]| [length * x, width * y, width * z]);
+    for (nu, law, into_wedges) in [(0.0, "linear", false), (0.3, "neo_hookean", false), (0.3, "neo_hookean", true)] {
+        let mesh = cut(solid([10, 1, 1], |[x, y, z]| [length * x, width * y, width * z]), into_wedges);
         let forces = pulled(&mesh, [0.0, 0.0, force / (width * width)]);
         let clamps = Clamps::below_x(&mesh, 1e-9);
         let system = System::new(mesh, vec![region(law, nu)], clamps).unwrap();
@@ -99,9 +114,9 @@ fn one_element_through_a_beam_bends_it_as_beam_theory_says() {
 #[test]
 fn cook_s_membrane_does_not_lock_close_to_incompressibility() {
     // 48 × 44 to 16, thickness 1 held in plane strain, E = 70, sheared by 1/16 along its end
-    let tip = |n: usize, nu: f64| {
+    let tip_of = |n: usize, nu: f64, into_wedges: bool| {
         let place = |[x, y, z]: [f64; 3]| [48.0 * x, 44.0 * x + y * (44.0 - 28.0 * x), z].map(|at| 1e-3 * at);
-        let mesh = solid([n, n, 1], place);
+        let mesh = cut(solid([n, n, 1], place), into_wedges);
         let forces = pulled(&mesh, [0.0, 70.0 / 16.0, 0.0]);
         let clamps = Clamps::below_x(&mesh, 1e-9).and(&Clamps::where_nodes(&mesh, [false, false, true], |_| true));
         let silicone = RegionProperties { youngs_modulus: 70.0 * 70.0, ..region("linear", nu) };
@@ -110,7 +125,11 @@ fn cook_s_membrane_does_not_lock_close_to_incompressibility() {
         solver.set_forces(&forces).unwrap();
         largest(&solver.equilibrium(&[], None, &FINE).unwrap(), 1)
     };
+    let tip = |n: usize, nu: f64| tip_of(n, nu, false);
     let (coarse, fine) = (tip(8, 0.4999), tip(16, 0.4999));
+    // wedges have twelve points of the λ part where a hexahedron has eight: stiffer, and no more so than refinement mends
+    let wedges = [8, 16].map(|n| 1.0 - tip_of(n, 0.4999, true) / fine);
+    assert!(wedges[0] < 0.08 && wedges[1] < 0.5 * wedges[0], "{wedges:?}");
     // the stress at the upper clamped corner is singular
     assert!((coarse / fine - 1.0).abs() < 0.03, "{coarse} {fine}");
     // plane strain and nearly incompressible: stiffer than a compressible one by less than a third
@@ -118,11 +137,11 @@ fn cook_s_membrane_does_not_lock_close_to_incompressibility() {
 }
 
 /// A bar of 60 × 20 × 20 mm, half of it meshed: a chamber beside a stiff sheet.
-fn bar(shear_share: Option<f64>) -> Result<System, SetupError> {
+fn bar(shear_share: Option<f64>, into_wedges: bool) -> Result<System, SetupError> {
     let air = |cell: [usize; 3]| (1..4).contains(&cell[0]) && cell[1] == 2 && cell[2] == 0;
     let place = |at: [f64; 3]| [0.06 * at[0], 0.02 * at[1] * (0.6 + 0.4 * at[1]), 0.01 * at[2]];
     let region = move |cell: [usize; 3]| if air(cell) { None } else { Some(u16::from(cell[1] == 1)) };
-    let mesh = box_mesh::quadratic_hexahedra([5, 4, 2], true, place, region);
+    let mesh = cut(box_mesh::quadratic_hexahedra([5, 4, 2], true, place, region), into_wedges);
     let silicone = self::region("neo_hookean", 0.45);
     let sheet = RegionProperties { youngs_modulus: 1e7, poissons_ratio: 0.35, ..silicone.clone() };
     let clamps = Clamps::below_x(&mesh, 1e-9);
@@ -136,18 +155,23 @@ fn weights(system: &System) -> Vec<f64> {
 
 #[test]
 fn the_volume_of_a_chamber_is_that_of_its_cells_and_its_wall_is_closed() {
-    let system = bar(None).unwrap();
+    for into_wedges in [false, true] {
+        cavity(&bar(None, into_wedges).unwrap());
+    }
+    assert!(matches!(bar(Some(1.5), false), Err(SetupError::ShearShare { .. })));
+}
+
+fn cavity(system: &System) {
     // y from 0.5 to 0.75 of the height: 0.02 · (0.75 · 0.9 − 0.5 · 0.8)
     let volume = 3.0 / 5.0 * 0.06 * 0.02 * (0.75 * 0.9 - 0.5 * 0.8) * 0.005;
     let rest = vec![0.0; 3 * system.mesh().nodes.len()];
     assert!((system.chamber_volume(0, &rest) / volume - 1.0).abs() < 1e-12, "{}", system.chamber_volume(0, &rest));
-    assert!(matches!(bar(Some(1.5)), Err(SetupError::ShearShare { .. })));
 }
 
 #[test]
 fn adjoint_and_sensitivities_of_an_equilibrium_are_differences_for_every_share() {
-    for share in [0.0, 0.1, 0.25, 1.0] {
-        let system = bar(Some(share)).unwrap();
+    for (share, into_wedges) in [(0.0, false), (0.1, false), (0.25, false), (1.0, false), (0.0, true), (0.25, true)] {
+        let system = bar(Some(share), into_wedges).unwrap();
         let (mut solver, along) = (system.solver(), weights(&system));
         let first = solver.equilibrium(&[5e3], None, &FINE).unwrap();
         let gradient = solver.adjoint(&first, &along).unwrap();
@@ -172,8 +196,13 @@ fn adjoint_and_sensitivities_of_an_equilibrium_are_differences_for_every_share()
 
 #[test]
 fn a_relaxing_motion_has_the_gradient_of_differences() {
-    let system = bar(None).unwrap();
-    let along = weights(&system);
+    for into_wedges in [false, true] {
+        relaxing(&bar(None, into_wedges).unwrap());
+    }
+}
+
+fn relaxing(system: &System) {
+    let along = weights(system);
     let settings = DynamicSettings { step: 4e-3, scheme: Scheme::Bdf2, tolerance: 5e-12, ..DynamicSettings::default() };
     let rest = State::rest(system.mesh().nodes.len());
     let pressures = |t: f64| vec![4e3 * (t / 0.02).min(1.0)];

@@ -56,6 +56,39 @@ pub(crate) fn cube_125() -> Vec<(Point3, f64)> {
     (0..125).map(at).map(|points| (points.map(|(x, _)| x), points.iter().map(|(_, w)| w).product())).collect()
 }
 
+/// Three points of the triangle and two of the interval, exact to degree 2 in the plane and 3 across it.     [hammer1956]
+pub(crate) fn wedge_6() -> Vec<(Point3, f64)> {
+    let near = 0.5 - (1.0f64 / 12.0).sqrt();
+    prism(
+        &[[1.0 / 6.0; 2], [2.0 / 3.0, 1.0 / 6.0], [1.0 / 6.0, 2.0 / 3.0]].map(|at| (at, 1.0 / 6.0)),
+        &[near, 1.0 - near].map(|z| (z, 0.5)),
+    )
+}
+
+/// Seven points of the triangle and three of the interval, exact to degree 5.
+pub(crate) fn wedge_21() -> Vec<(Point3, f64)> {
+    prism(&triangle_7(), &line_3())
+}
+
+/// Gauss-Legendre points of a cube folded onto the wedge. For integrals evaluated once.
+pub(crate) fn wedge_125() -> Vec<(Point3, f64)> {
+    prism(&triangle_25(), &line_5())
+}
+
+/// A rule of the triangle times one of the interval.
+fn prism(plane: &[(Point2, f64)], across: &[(f64, f64)]) -> Vec<(Point3, f64)> {
+    plane.iter().flat_map(|&([x, y], wa)| across.iter().map(move |&(z, wb)| ([x, y, z], wa * wb))).collect()
+}
+
+/// A rule with its last point repeated until there are `count`, of a share of its weight each.
+pub(crate) fn repeated(mut rule: Vec<(Point3, f64)>, count: usize) -> Vec<(Point3, f64)> {
+    if let Some((at, weight)) = rule.pop() {
+        let shares = count - rule.len();
+        rule.extend(vec![(at, weight / shares as f64); shares]);
+    }
+    rule
+}
+
 /// Gauss-Legendre points of the square, three along each axis, exact to degree 5 in each coordinate: the volume under a curved 8-node face.
 pub(crate) fn square_9() -> Vec<(Point2, f64)> {
     let line = line_3();
@@ -146,6 +179,17 @@ mod tests {
         for (rule, degree) in [(cube_8(), 3), (cube_27(), 5), (cube_125(), 9)] {
             let sum: f64 = rule.iter().map(|(x, w)| w * x.iter().map(|x| x.powi(degree)).product::<f64>()).sum();
             assert!((sum - 1.0 / f64::from(degree + 1).powi(3)).abs() < 1e-15, "{degree}");
+        }
+    }
+
+    #[test]
+    fn each_rule_of_the_wedge_is_exact_to_its_degree_and_repeating_a_point_keeps_its_integral() {
+        let whole = repeated(wedge_6(), 8);
+        assert_eq!(whole.len(), 8);
+        for (rule, plane, across) in [(wedge_6(), 2, 3), (whole, 2, 3), (wedge_21(), 5, 5), (wedge_125(), 8, 9)] {
+            let sum: f64 = rule.iter().map(|(x, w)| w * x[0] * x[1].powi(plane - 1) * x[2].powi(across)).sum();
+            let exact = factorial(plane as usize - 1) / factorial(plane as usize + 2) / f64::from(across + 1);
+            assert!((sum - exact).abs() < 1e-16, "{plane} {across}");
         }
     }
 

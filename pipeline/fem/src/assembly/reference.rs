@@ -23,9 +23,10 @@
 //! with edges of 2.8 mm has 25.6 Gflop.
 
 use crate::assembly::quadrature::{
-    cube_8, cube_27, cube_125, line_5, square_25, tetrahedron_1, tetrahedron_4, tetrahedron_125, triangle_25,
+    cube_8, cube_27, cube_125, line_5, repeated, square_25, tetrahedron_1, tetrahedron_4, tetrahedron_125, triangle_25,
+    wedge_6, wedge_21, wedge_125,
 };
-use crate::assembly::shape_functions::{element, face};
+use crate::assembly::shape_functions::{element, face, is_triangle, is_wedge, triangle_in_face, wedge};
 use crate::mesh::Mesh;
 use nalgebra::{Matrix3, Vector3};
 use si::Point3;
@@ -49,19 +50,43 @@ pub(crate) struct ReferenceElements {
 // 0.05 and 0.1 end at 250 mbar on coarse meshes of a thin tail, 0.25 holds to 300; between 0.05 and 0.25 its angle at 160 mbar falls by 1 %.
 pub(crate) const SHEAR_SHARE: f64 = 0.25;
 
+/// Points and weights of an element.
+type Rule = Vec<(Point3, f64)>;
+
+/// The shape functions at every point of a rule, and its weight.
+pub(crate) type Shapes = Vec<(Vec<(f64, Point3)>, f64)>;
+
+/// The shares of the μ and λ parts at the points of a rule.
+type Shares = Vec<[f64; 2]>;
+
 /// Points and weights of an element with so many nodes, and the shares of the μ and λ parts at each.
-fn rule(nodes: usize, shear_share: f64) -> Vec<((Point3, f64), [f64; 2])> {
-    let whole = |points: Vec<(Point3, f64)>| points.into_iter().map(|point| (point, [1.0; 2])).collect();
+fn rule(nodes: usize, shear_share: f64) -> (Rule, Shares) {
     match nodes {
         4 => whole(tetrahedron_1()),
         8 => whole(cube_8()),
-        20 if shear_share == 0.0 => whole(cube_8()),
-        20 => {
-            let fine = cube_27().into_iter().map(|point| (point, [shear_share, 0.0]));
-            fine.chain(cube_8().into_iter().map(|point| (point, [1.0 - shear_share, 1.0]))).collect()
-        }
+        20 => shared([cube_27(), cube_8()], shear_share),
         _ => whole(tetrahedron_4()),
     }
+}
+
+fn whole(points: Rule) -> (Rule, Shares) {
+    let shares = vec![[1.0; 2]; points.len()];
+    (points, shares)
+}
+
+/// The share of the μ part at the points of a finer rule, the rest and the λ part at those of a coarser one.
+fn shared([fine, coarse]: [Rule; 2], share: f64) -> (Rule, Shares) {
+    if share == 0.0 {
+        return whole(coarse);
+    }
+    let shares = [vec![[share, 0.0]; fine.len()], vec![[1.0 - share, 1.0]; coarse.len()]].concat();
+    ([fine, coarse].concat(), shares)
+}
+
+/// The rule of a wedge among 20-node hexahedra: as many points as theirs, so that every element has as many.
+// Repeated points cost time and no accuracy; wedges are a few per cent of a mesh.
+fn wedge_rule(shear_share: f64) -> Rule {
+    shared([repeated(wedge_21(), 27), repeated(wedge_6(), 8)], shear_share).0
 }
 
 impl ReferenceElements {
@@ -69,20 +94,21 @@ impl ReferenceElements {
     /// negative.
     pub fn new(mesh: &Mesh, shear_share: f64) -> Self {
         let nodes = mesh.elements.nodes_each();
-        let rule = rule(nodes, shear_share);
-        let shapes: Vec<_> = rule.iter().map(|&((at, weight), _)| (element(nodes, at), weight)).collect();
+        let (rule, shares) = rule(nodes, shear_share);
+        let points = rule.len();
+        let [elements, wedges] = ElementShapes { elements: rule, wedges: wedge_rule(shear_share) }.at(nodes);
         let count = mesh.elements.len();
         let mut reference = Self {
-            points: rule.len(),
-            shares: rule.iter().map(|(_, shares)| *shares).collect(),
-            weights: Vec::with_capacity(count * rule.len()),
-            gradients: Vec::with_capacity(count * rule.len() * nodes),
+            points,
+            shares,
+            weights: Vec::with_capacity(count * points),
+            gradients: Vec::with_capacity(count * points * nodes),
             volumes: Vec::with_capacity(count),
         };
         for number in 0..count {
             let corners = mesh.elements.nodes(number);
             let first = reference.weights.len();
-            for (shape, weight) in &shapes {
+            for (shape, weight) in if is_wedge(corners) { &wedges } else { &elements } {
                 let jacobian = jacobian(mesh, corners, shape);
                 let inverse = jacobian.try_inverse().unwrap_or_else(Matrix3::zeros);
                 reference.weights.push(weight * jacobian.determinant());
@@ -115,11 +141,25 @@ fn by_reference(inverse: &Matrix3<f64>, derivative: &Point3) -> Point3 {
     std::array::from_fn(|axis| (0..3).map(|k| inverse[(k, axis)] * derivative[k]).sum())
 }
 
+/// The rules of the elements of a mesh, and of the wedges among its hexahedra.
+struct ElementShapes {
+    elements: Rule,
+    wedges: Rule,
+}
+
+impl ElementShapes {
+    /// The shape functions of elements with so many nodes, and of wedges.
+    fn at(self, nodes: usize) -> [Shapes; 2] {
+        let elements = self.elements.into_iter().map(|(at, weight)| (element(nodes, at), weight)).collect();
+        [elements, self.wedges.into_iter().map(|(at, weight)| (wedge(at), weight)).collect()]
+    }
+}
+
 /// ∫ N_a N_b dV of one element, m³, row by row: nodes × nodes.
-pub(crate) fn shape_products(mesh: &Mesh, element: usize, rule: &[(Vec<(f64, Point3)>, f64)]) -> Vec<f64> {
+pub(crate) fn shape_products(mesh: &Mesh, element: usize, [elements, wedges]: &[Shapes; 2]) -> Vec<f64> {
     let nodes = mesh.elements.nodes(element);
     let mut products = vec![0.0; nodes.len() * nodes.len()];
-    for (shape, weight) in rule {
+    for (shape, weight) in if is_wedge(nodes) { wedges } else { elements } {
         let volume = weight * jacobian(mesh, nodes, shape).determinant();
         for (a, (left, _)) in shape.iter().enumerate() {
             for (b, (right, _)) in shape.iter().enumerate() {
@@ -131,16 +171,17 @@ pub(crate) fn shape_products(mesh: &Mesh, element: usize, rule: &[(Vec<(f64, Poi
 }
 
 /// The quadrature of [`shape_products`]: products of two quadratic functions on a curved element.
-pub(crate) fn shape_product_rule(nodes: usize) -> Vec<(Vec<(f64, Point3)>, f64)> {
-    let rule = if matches!(nodes, 8 | 20) { cube_125() } else { tetrahedron_125() };
-    rule.into_iter().map(|(at, weight)| (element(nodes, at), weight)).collect()
+pub(crate) fn shape_product_rule(nodes: usize) -> [Shapes; 2] {
+    let elements = if matches!(nodes, 8 | 20) { cube_125() } else { tetrahedron_125() };
+    ElementShapes { elements, wedges: wedge_125() }.at(nodes)
 }
 
 /// ∫ N_a N_b dA of one face at rest, m², row by row: 3 × 3, 4 × 4, 6 × 6 or 8 × 8.
 pub(crate) fn face_shape_products(mesh: &Mesh, nodes: &[u32]) -> Vec<f64> {
     let mut products = vec![0.0; nodes.len() * nodes.len()];
-    for (at, weight) in if matches!(nodes.len(), 4 | 8) { square_25() } else { triangle_25() } {
-        let shape = face(nodes.len(), at);
+    let square = matches!(nodes.len(), 4 | 8) && !is_triangle(nodes);
+    for (at, weight) in if square { square_25() } else { triangle_25() } {
+        let shape = if is_triangle(nodes) { triangle_in_face(at) } else { face(nodes.len(), at) };
         let along = |k: usize| -> Vector3<f64> {
             nodes.iter().zip(&shape).map(|(&node, (_, derivative))| position(mesh, node) * derivative[k]).sum()
         };

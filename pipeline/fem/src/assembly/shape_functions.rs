@@ -2,6 +2,10 @@
 //! quadrilateral, with their derivatives.
 //!
 //! Node order as in [`crate::Elements`] and [`crate::Faces`]: corners, then mid-edge nodes.
+//!
+//! A wedge stands among 20-node hexahedra, and a triangle among 8-node quadrilaterals, as one of which a side has shrunk to a point: the shape
+//! functions are those of the 15-node wedge and the 6-node triangle, and zero at the nodes that are named again. So every loop over 20 nodes
+//! serves both; the shape functions of the hexahedron itself, shrunk, are not quadratic around that point.
 
 use si::{Point2, Point3};
 
@@ -51,6 +55,57 @@ pub(crate) fn element(nodes: usize, at: Point3) -> Vec<(f64, Point3)> {
         20 => serendipity(&CORNERS, &CUBE_EDGES, at),
         _ => tetrahedron(nodes, at),
     }
+}
+
+/// Whether a 20-node hexahedron is a wedge: its corners 2 and 3, and 6 and 7, are one node each.
+pub(crate) fn is_wedge(nodes: &[u32]) -> bool {
+    nodes.len() == 20 && nodes[2] == nodes[3] && nodes[6] == nodes[7]
+}
+
+/// Whether an 8-node face is a triangle: its corners 2 and 3 are one node.
+pub(crate) fn is_triangle(nodes: &[u32]) -> bool {
+    nodes.len() == 8 && nodes[2] == nodes[3]
+}
+
+/// The nodes of a 6-node triangle among those of an 8-node face.
+pub(crate) const TRIANGLE_IN_FACE: [usize; 6] = [0, 1, 2, 4, 5, 7];
+
+/// The shape functions of the 15-node wedge over the reference triangle (ξ, η) and ζ from 0 to 1, as those of a hexahedron: 4 L_i L_j times
+/// the linear function of ζ on the edges of the triangles, 4 ζ (1 − ζ) L_i on the edges between them; at a corner the linear function less half
+/// of those of the edges that meet there.
+pub(crate) fn wedge(at: Point3) -> Vec<(f64, Point3)> {
+    let plane = triangle(6, [at[0], at[1]]);
+    let corner = triangle(3, [at[0], at[1]]);
+    let mut shapes = vec![(0.0, [0.0; 3]); 20];
+    let times = |(value, [by_xi, by_eta]): (f64, Point2), (factor, slope): (f64, f64)| {
+        (value * factor, [by_xi * factor, by_eta * factor, value * slope])
+    };
+    let ends = [(1.0 - at[2], -1.0), (at[2], 1.0)];
+    let between = (4.0 * at[2] * (1.0 - at[2]), 4.0 - 8.0 * at[2]);
+    for (end, along) in ends.into_iter().enumerate() {
+        for n in 0..3 {
+            shapes[4 * end + n] = times(corner[n], along);
+            shapes[8 + 4 * end + [0, 1, 3][n]] = times(plane[3 + n], along);
+        }
+    }
+    (0..3).for_each(|n| shapes[16 + n] = times(corner[n], between));
+    for (edge, &(from, to)) in CUBE_EDGES.iter().enumerate() {
+        // zero on the edges that have shrunk
+        let middle = shapes[8 + edge];
+        for node in [from, to].map(|node| if node % 4 == 3 { node - 1 } else { node }) {
+            let shape = &mut shapes[node];
+            shape.0 -= 0.5 * middle.0;
+            (0..3).for_each(|axis| shape.1[axis] -= 0.5 * middle.1[axis]);
+        }
+    }
+    shapes
+}
+
+/// [`triangle`] with 6 nodes, as the shape functions of an 8-node face.
+pub(crate) fn triangle_in_face(at: Point2) -> Vec<(f64, Point2)> {
+    let mut shapes = vec![(0.0, [0.0; 2]); 8];
+    TRIANGLE_IN_FACE.into_iter().zip(triangle(6, at)).for_each(|(node, shape)| shapes[node] = shape);
+    shapes
 }
 
 /// Value and derivative by (ξ, η) of each shape function of the face with 3, 4, 6 or 8 `nodes`.
@@ -166,6 +221,35 @@ mod tests {
             below[axis] -= h;
             for (node, (_, derivative)) in element(20, at).iter().enumerate() {
                 let difference = (element(20, above)[node].0 - element(20, below)[node].0) / (2.0 * h);
+                assert!((derivative[axis] - difference).abs() < 1e-9, "{node} {axis}");
+            }
+        }
+    }
+
+    #[test]
+    fn each_shape_function_of_a_wedge_is_one_at_its_own_node_and_derivatives_agree_with_differences() {
+        let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, 1.0]];
+        let corner = |n: usize| [corners[n % 4][0], corners[n % 4][1], if n < 4 { 0.0 } else { 1.0 }];
+        let middle = |(i, j): (usize, usize)| std::array::from_fn(|axis| 0.5 * (corner(i)[axis] + corner(j)[axis]));
+        let repeated = [3, 7, 10, 14, 19];
+        for (node, at) in (0..8).map(corner).chain(CUBE_EDGES.into_iter().map(middle)).enumerate() {
+            let own = match node {
+                3 | 10 => 2,
+                7 | 14 => 6,
+                19 => 18,
+                _ => node,
+            };
+            let values = wedge(at);
+            assert!((0..20).all(|other| (values[other].0 - f64::from(u8::from(other == own))).abs() < 1e-15), "{node}");
+            assert!(repeated.iter().all(|&other| values[other] == (0.0, [0.0; 3])));
+        }
+        let (at, h) = ([0.2, 0.3, 0.4], 1e-6);
+        for axis in 0..3 {
+            let (mut above, mut below) = (at, at);
+            above[axis] += h;
+            below[axis] -= h;
+            for (node, (_, derivative)) in wedge(at).iter().enumerate() {
+                let difference = (wedge(above)[node].0 - wedge(below)[node].0) / (2.0 * h);
                 assert!((derivative[axis] - difference).abs() < 1e-9, "{node} {axis}");
             }
         }

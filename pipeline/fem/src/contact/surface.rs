@@ -2,7 +2,7 @@
 
 use super::boxes::Box3;
 use super::hull::Hull;
-use crate::assembly::shape_functions::face as shape_functions;
+use crate::assembly::shape_functions::{TRIANGLE_IN_FACE, face as shape_functions, is_triangle, triangle_in_face};
 use crate::mesh::{Faces, Mesh};
 use nalgebra::Vector3;
 use si::{Metre, Point2, SquareMetre};
@@ -49,7 +49,7 @@ impl Surface {
             // a square has one sample where it would have two as triangles: it is cut finer, so that areas have as many
             let density = if corners.len() == 4 { std::f64::consts::SQRT_2 } else { 1.0 };
             let pieces = (density * longest / spacing).ceil().max(1.0) as usize;
-            shapes.push(Arc::clone(tables.entry(pieces).or_insert_with(|| sampled(nodes.len(), pieces))));
+            shapes.push(Arc::clone(tables.entry((pieces, corners.len())).or_insert_with(|| sampled(nodes, pieces))));
             areas.push(area(&corners) / (pieces * pieces) as f64);
         }
         Self { faces, rest, shapes, areas }
@@ -86,7 +86,12 @@ impl Surface {
 
     /// Control points of a face at displacement `u`, or their mirror images: the face lies inside their convex hull.
     pub(crate) fn hull(&self, face: u32, u: &[f64], mirrored: bool) -> Hull {
-        controls(self.nodes(face).iter().map(|&node| mirror(self.position(node, u), mirrored)).collect())
+        let nodes = self.nodes(face);
+        let position = |node: u32| mirror(self.position(node, u), mirrored);
+        controls(match is_triangle(nodes) {
+            true => TRIANGLE_IN_FACE.iter().map(|&slot| position(nodes[slot])).collect(),
+            false => nodes.iter().map(|&node| position(node)).collect(),
+        })
     }
 
     /// Adds the `forces` on the samples of a face, or on those of its mirror image, to `gradient`.
@@ -116,7 +121,7 @@ fn mirror(x: Vector3<f64>, mirrored: bool) -> Vector3<f64> {
 
 /// The corners of a face: three of a triangle, four of a quadrilateral.
 fn corners(nodes: &[u32]) -> &[u32] {
-    &nodes[..if nodes.len() == 8 { 4 } else { 3 }]
+    &nodes[..if nodes.len() == 8 && !is_triangle(nodes) { 4 } else { 3 }]
 }
 
 /// Area of a plane triangle or quadrilateral, m².
@@ -148,11 +153,12 @@ fn controls(mut nodes: Hull) -> Hull {
 }
 
 /// Shape functions at the middles of the `pieces`² parts into which a face is cut.
-fn sampled(nodes: usize, pieces: usize) -> Shapes {
-    let middles = if nodes == 8 { middles_of_squares(pieces) } else { middles_of_triangles(pieces) };
+fn sampled(nodes: &[u32], pieces: usize) -> Shapes {
+    let middles = if corners(nodes).len() == 4 { middles_of_squares(pieces) } else { middles_of_triangles(pieces) };
     let values = |at: Point2| {
         let mut values = [0.0; NODES];
-        shape_functions(nodes, at).iter().zip(&mut values).for_each(|((value, _), entry)| *entry = *value);
+        let shapes = if is_triangle(nodes) { triangle_in_face(at) } else { shape_functions(nodes.len(), at) };
+        shapes.iter().zip(&mut values).for_each(|((value, _), entry)| *entry = *value);
         values
     };
     middles.into_iter().map(values).collect()

@@ -7,7 +7,7 @@
 //! In a half model the wall ends on z = 0. The missing lid lies in that plane with the origin, so x · n = 0 on it.
 
 use crate::assembly::quadrature::{square_9, triangle_1, triangle_7};
-use crate::assembly::shape_functions::face;
+use crate::assembly::shape_functions::{face, is_triangle, triangle_in_face};
 use crate::loads::Load;
 use crate::mesh::{Chamber, Faces, Mesh};
 use nalgebra::{Matrix3, Vector3};
@@ -26,8 +26,13 @@ pub(crate) struct ChamberPressure {
     positions: Vec<(u32, Vector3<f64>)>,
     /// Face node → its index in `positions`.
     local: Vec<u32>,
-    quadrature: Vec<(Vec<(f64, Point2)>, f64)>,
+    quadrature: FaceShapes,
+    /// Of the triangles among 8-node faces.
+    triangles: FaceShapes,
 }
+
+/// The shape functions of a face at every point of a rule, and its weight.
+type FaceShapes = Vec<(Vec<(f64, Point2)>, f64)>;
 
 impl ChamberPressure {
     /// From a chamber whose face nodes exist in `mesh`.
@@ -50,7 +55,8 @@ impl ChamberPressure {
             Faces::QuadraticQuadrilaterals(_) => square_9(),
         };
         let quadrature = points.into_iter().map(|(at, weight)| (face(faces.nodes_each(), at), weight)).collect();
-        let mut chamber = Self { at_rest: 0.0, faces, positions, local, quadrature };
+        let triangles = triangle_7().into_iter().map(|(at, weight)| (triangle_in_face(at), weight)).collect();
+        let mut chamber = Self { at_rest: 0.0, faces, positions, local, quadrature, triangles };
         chamber.at_rest = chamber.volume(&vec![0.0; 3 * mesh.nodes.len()]);
         chamber
     }
@@ -62,6 +68,10 @@ impl ChamberPressure {
             volume -= weight / 3.0 * x.dot(&by_xi.cross(&by_eta));
         });
         volume
+    }
+
+    fn quadrature(&self, nodes: &[u32]) -> &FaceShapes {
+        if is_triangle(nodes) { &self.triangles } else { &self.quadrature }
     }
 
     /// Calls `visit` at every quadrature point: node numbers, shape functions, weight, and (x, ∂x/∂ξ, ∂x/∂η).
@@ -76,7 +86,7 @@ impl ChamberPressure {
         for face in 0..self.faces.len() {
             let nodes = self.faces.nodes(face);
             let local = &self.local[face * nodes.len()..(face + 1) * nodes.len()];
-            for (shape, weight) in &self.quadrature {
+            for (shape, weight) in self.quadrature(nodes) {
                 let mut frame = [Vector3::zeros(); 3];
                 for ((value, derivative), &at) in shape.iter().zip(local) {
                     let x = now[at as usize];
@@ -126,7 +136,7 @@ impl Load for ChamberPressure {
                 }
             }
             visited += 1;
-            if visited == self.quadrature.len() {
+            if visited == self.quadrature(nodes).len() {
                 add_blocks(nodes, &axes, add);
                 (axes, visited) = ([Vector3::zeros(); MAX_PAIRS], 0);
             }
@@ -139,7 +149,10 @@ fn add_blocks(nodes: &[u32], axes: &[Vector3<f64>; MAX_PAIRS], add: &mut dyn FnM
     let mut pair = 0;
     for (a, &node) in nodes.iter().enumerate() {
         for &other in &nodes[..a] {
-            add(node, other, &axes[pair].cross_matrix());
+            // a node that a triangle names again has no force
+            if other != node {
+                add(node, other, &axes[pair].cross_matrix());
+            }
             pair += 1;
         }
     }

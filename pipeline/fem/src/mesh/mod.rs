@@ -4,6 +4,7 @@
 
 pub mod box_mesh;
 pub(crate) mod clamps;
+pub mod wedges;
 
 use crate::setup_error::SetupError;
 use si::Point3;
@@ -21,7 +22,8 @@ pub enum Elements {
     /// opposite side in the same order (the order of VTK).
     Hexahedra(Vec<[u32; 8]>),
     /// Hexahedra of second order (serendipity): eight corners as above, then the mid-edge nodes of 01, 12, 23, 30, 45, 56, 67, 74, 04, 15,
-    /// 26, 37 (the order of VTK).
+    /// 26, 37 (the order of VTK). One whose corners 2 and 3, 6 and 7, and the middles of 23, 67 and 37 with them, are one node is a wedge of 15
+    /// nodes.
     QuadraticHexahedra(Vec<[u32; 20]>),
 }
 
@@ -84,7 +86,8 @@ pub enum Faces {
     Linear(Vec<[u32; 3]>),
     /// Three corners, then the mid-edge nodes of 01, 12, 20.
     Quadratic(Vec<[u32; 6]>),
-    /// Sides of hexahedra of second order: four corners, then the mid-edge nodes of 01, 12, 23, 30.
+    /// Sides of hexahedra of second order: four corners, then the mid-edge nodes of 01, 12, 23, 30. One whose corners 2 and 3, and the middle
+    /// of 23, are one node is a triangle.
     QuadraticQuadrilaterals(Vec<[u32; 8]>),
 }
 
