@@ -38,6 +38,7 @@ mod distance;
 mod embed;
 pub mod foreign;
 pub mod frame;
+mod hexahedra;
 mod quadratic;
 pub mod quality;
 pub mod silhouette;
@@ -52,8 +53,9 @@ pub mod vtu;
 pub mod wall;
 
 pub use cavities::{Cavity, cavities};
-pub use columns::{MeshError, Settings, mesh, mesh_without_sheet};
+pub use columns::{Grading, MeshError, Settings, mesh, mesh_in_hexahedra, mesh_without_sheet};
 pub use embed::{Spot, embed};
+pub use hexahedra::{HexFace, HexMesh};
 pub use quadratic::{QuadraticFace, QuadraticMesh, quadratic};
 pub use solid::Solid;
 pub use solid_angle::{chamber_at, chamber_containing};

@@ -39,6 +39,14 @@ pub enum MeshError {
         /// The most.
         limit: f64,
     },
+    /// A body that rows of quadrilaterals and levels do not divide.
+    #[error("the body cannot be divided into hexahedra at {}\n  why: {why}\n  do:  mesh it in tetrahedra", place(.at))]
+    NotSwept {
+        /// Where, m.
+        at: Point3,
+        /// What is in the way.
+        why: &'static str,
+    },
     /// Space between body and spine that neither fills.
     #[error("a gap of {:.3} mm lies between body and spine at {}\n  why: they must touch to {:.3} mm (Settings::tolerance times the length)\n  do:  in the CAD program, extend the body to the spine's surface there", .width * 1e3, place(.at), .limit * 1e3)]
     Gap {

@@ -14,6 +14,7 @@ mod arrange;
 mod chambers;
 mod error;
 mod estimate;
+mod grid;
 mod outline_snap;
 mod patches;
 mod plane;
@@ -25,11 +26,12 @@ pub(crate) mod symmetry;
 mod tests;
 
 pub use error::MeshError;
+pub use grid::Grading;
 
 use crate::frame::Frame;
 use crate::stack::{self, Cycle, Stack};
 use crate::validate::{self, Limits, Reference};
-use crate::{Report, Surface, TetMesh};
+use crate::{HexMesh, Report, Surface, TetMesh};
 use arrange::{Graph, arrange};
 use chambers::Chambers;
 use outline_snap::snap_to_outlines;
@@ -39,6 +41,7 @@ use resample::{Spacing, resample};
 use sequence::{Sampler, Sequence};
 use sheets::Sheets;
 use si::{Metre, Point2};
+use std::collections::BTreeSet;
 
 /// How to mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -84,6 +87,30 @@ pub fn mesh(body: &Surface, spine: &Surface, set: &Settings) -> Result<(TetMesh,
     mesh_parts([part("body", body)?, part("spine", spine)?], normal, set)
 }
 
+/// The same body and sheet as hexahedra of 20 nodes, graded towards thin walls.
+///
+/// # Errors
+/// [`MeshError`]; [`MeshError::NotSwept`] of a body that rows and levels do not divide, which [`mesh`] may fill with tetrahedra.
+pub fn mesh_in_hexahedra(
+    body: &Surface,
+    spine: &Surface,
+    set: &Settings,
+    grading: &Grading,
+) -> Result<(HexMesh, Report), MeshError> {
+    estimate::check(&[("body", body), ("spine", spine)], set)?;
+    let part = |role, surface| Part::new(surface).map_err(|source| MeshError::Surface { role, source });
+    let [normal, ..] = dominant_axes(spine);
+    let parts = [part("body", body)?, part("spine", spine)?];
+    let survey = Survey::new(&parts, normal, set);
+    let sampler = survey.sampler(set);
+    let set = Settings { use_symmetry: survey.cut.is_some(), ..*set };
+    let hexahedra = grid::hexahedra(&survey.outlines, &sampler, &set, grading)?;
+    let report = survey.validated(&hexahedra.to_tetrahedra(), &set)?;
+    let corners = hexahedra.hexahedra.iter().flat_map(|nodes| &nodes[..8]).collect::<BTreeSet<_>>().len();
+    let (tets, quadratic_nodes) = (hexahedra.hexahedra.len(), hexahedra.nodes.len());
+    Ok((hexahedra, Report { nodes: corners, tets, quadratic_nodes, ..report }))
+}
+
 /// Meshes a body without a sheet, in columns along an axis of which it is a prism or, where there is none, to which most of
 /// its area is normal; or along another one where that fails.
 ///
@@ -103,22 +130,49 @@ pub fn mesh_without_sheet(body: &Surface, set: &Settings) -> Result<(TetMesh, Re
 
 /// Columns of both parts along `frame`'s normal.
 fn mesh_parts(parts: [Part; 2], frame: Frame, set: &Settings) -> Result<(TetMesh, Report), MeshError> {
-    let [body, spine] = parts.each_ref().map(|p| p.surface);
-    let tolerance = set.tolerance * body.length().max(spine.length());
-    let patches: Vec<Patch> = parts.iter().enumerate().flat_map(|(i, p)| patches(p, i, frame)).collect();
-    // a half model halves the number of unknowns; the surfaces share no triangulation with their mirror image, so symmetry
-    // is tested by distances
-    let half = set.use_symmetry && [body, spine].iter().all(|s| symmetry::is_symmetric(s, tolerance));
-    let cut = if half { frame.plan_axis(2) } else { None };
-    let chambers = Chambers::new(&parts, frame, cut.map(|_| tolerance));
+    let survey = Survey::new(&parts, frame, set);
+    let tetrahedra = build(&survey.outlines, &survey.sampler(set), set, survey.cut.is_some())?;
+    let report = survey.validated(&tetrahedra, set)?;
+    Ok((tetrahedra, report))
+}
 
-    let outlines = outlines(&parts, frame, cut, tolerance);
-    let sampler =
-        Sampler { frame, patches: &patches, chambers: &chambers.of_shell, tolerance, least_gap: set.edge / 2.0 };
-    let made = build(&outlines, &sampler, set, cut.is_some())?;
-    let limits = Limits { volume: set.volume_limit, distance: set.distance_limit * set.edge };
-    let report = validate::validate(&made, &Reference { body, spine, cavities: &chambers.volumes }, &limits)?;
-    Ok((made, report))
+/// What is known of the surfaces before they are meshed.
+struct Survey<'a> {
+    parts: &'a [Part<'a>; 2],
+    frame: Frame,
+    patches: Vec<Patch>,
+    chambers: Chambers,
+    outlines: Graph,
+    /// The plan axis along which a half model is cut at 0.
+    cut: Option<usize>,
+    tolerance: Metre,
+}
+
+impl<'a> Survey<'a> {
+    fn new(parts: &'a [Part<'a>; 2], frame: Frame, set: &Settings) -> Self {
+        let [body, spine] = parts.each_ref().map(|p| p.surface);
+        let tolerance = set.tolerance * body.length().max(spine.length());
+        let patches: Vec<Patch> = parts.iter().enumerate().flat_map(|(i, p)| patches(p, i, frame)).collect();
+        // a half model halves the number of unknowns; the surfaces share no triangulation with their mirror image, so symmetry
+        // is tested by distances
+        let half = set.use_symmetry && [body, spine].iter().all(|s| symmetry::is_symmetric(s, tolerance));
+        let cut = if half { frame.plan_axis(2) } else { None };
+        let chambers = Chambers::new(parts, frame, cut.map(|_| tolerance));
+        let outlines = outlines(parts, frame, cut, tolerance);
+        Self { parts, frame, patches, chambers, outlines, cut, tolerance }
+    }
+
+    fn sampler(&self, set: &Settings) -> Sampler<'_> {
+        let Self { frame, patches, chambers, tolerance, .. } = self;
+        let least_gap = set.edge / 2.0;
+        Sampler { frame: *frame, patches, chambers: &chambers.of_shell, tolerance: *tolerance, least_gap }
+    }
+
+    fn validated(&self, tetrahedra: &TetMesh, set: &Settings) -> Result<Report, MeshError> {
+        let [body, spine] = self.parts.each_ref().map(|p| p.surface);
+        let limits = Limits { volume: set.volume_limit, distance: set.distance_limit * set.edge };
+        Ok(validate::validate(tetrahedra, &Reference { body, spine, cavities: &self.chambers.volumes }, &limits)?)
+    }
 }
 
 /// All outlines in the plan as one planar graph.

@@ -50,7 +50,7 @@ fn keep(out: &mut Graph, number: &mut [u32], graph: &Graph, v: u32) -> u32 {
 }
 
 /// Paths from junction to junction (vertices where other than two edges meet), then closed paths without one.
-fn chains(graph: &Graph) -> Vec<Vec<u32>> {
+pub(crate) fn chains(graph: &Graph) -> Vec<Vec<u32>> {
     let mut around: Vec<Vec<(u32, usize)>> = vec![Vec::new(); graph.points.len()];
     for (e, &[a, b]) in graph.edges.iter().enumerate() {
         around[a as usize].push((b, e));
@@ -95,7 +95,7 @@ impl Tracer<'_> {
 }
 
 /// Indices of the points that are kept when deviations below `noise` are removed [douglas1973].
-fn simplify(points: &[Point2], noise: Metre) -> Vec<usize> {
+pub(crate) fn simplify(points: &[Point2], noise: Metre) -> Vec<usize> {
     let last = points.len() - 1;
     // a closed path has no base line from its first to its last point: it is split at the farthest point
     let far = (0..=last)
@@ -117,7 +117,7 @@ fn simplify(points: &[Point2], noise: Metre) -> Vec<usize> {
 }
 
 /// The simplified points at which the path ends or has a corner.
-fn corners(points: &[Point2], kept: &[usize]) -> Vec<usize> {
+pub(crate) fn corners(points: &[Point2], kept: &[usize]) -> Vec<usize> {
     let turn = |a: usize, b: usize, c: usize| {
         let (u, v) = (direction(points[a], points[b]), direction(points[b], points[c]));
         (u[0] * v[0] + u[1] * v[1]).clamp(-1.0, 1.0).acos().to_degrees()

@@ -4,9 +4,18 @@ use super::patches::Patch;
 use super::plane::Plane;
 use super::sequence::{Sequence, centroid};
 use crate::frame::turn;
-use crate::stack::Column;
+use crate::stack::{Column, Fill};
 use crate::surface::components;
 use si::{Metre, Point2, Point3};
+
+/// The sheets and fills over one region of the plan.
+#[derive(Debug, Clone)]
+pub(crate) struct Layers {
+    /// Sheets from below.
+    pub sheets: Vec<u32>,
+    /// What is between them, one fewer.
+    pub fills: Vec<Fill>,
+}
 
 /// All sheets of a stack.
 pub(crate) struct Sheets<'a> {
@@ -44,12 +53,17 @@ impl<'a> Sheets<'a> {
         heights.fold((0.0, f64::INFINITY), |best, h| if h.1 < best.1 { h } else { best }).0
     }
 
+    /// The sheets of a sequence and the fills between them.
+    pub fn layers(&self, sequence: &Sequence) -> Layers {
+        let sheets = sequence.levels.iter().map(|l| self.of_patch[l.patches[0] as usize]).collect();
+        Layers { sheets, fills: sequence.fills.clone() }
+    }
+
     /// The columns over all triangles whose region holds a solid.
     pub fn columns(&self, plane: &Plane, regions: &[Option<Sequence>]) -> Vec<Column> {
         let column = |(corners, region): (&[u32; 3], &u32)| {
-            let sequence = regions[*region as usize].as_ref()?;
-            let sheets = sequence.levels.iter().map(|l| self.of_patch[l.patches[0] as usize]).collect();
-            Some(Column { corners: *corners, sheets, fills: sequence.fills.clone() })
+            let Layers { sheets, fills } = self.layers(regions[*region as usize].as_ref()?);
+            Some(Column { corners: *corners, sheets, fills })
         };
         plane.triangles.iter().zip(&plane.regions).filter_map(column).collect()
     }

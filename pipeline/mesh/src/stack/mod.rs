@@ -17,6 +17,7 @@ mod skin;
 
 pub use fill::fill;
 pub use ranks::Cycle;
+pub(crate) use ranks::Order;
 
 use crate::frame::Frame;
 use si::{Metre, Point2};
