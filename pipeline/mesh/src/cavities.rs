@@ -51,14 +51,15 @@ pub(crate) fn cavity(moment: Point3, volume: f64, cut: bool) -> Cavity {
     }
 }
 
-/// −½ ∮ x_k² n_k dA, m⁴, and −⅓ ∮ x · n dA, m³, over one face of 3 or 6 nodes.
+/// −½ ∮ x_k² n_k dA, m⁴, and −⅓ ∮ x · n dA, m³, over one face of 3, 6 or 8 nodes.
 pub(crate) fn moment_and_volume(corners: &[Point3]) -> (Point3, CubicMetre) {
     let (mut moment, mut volume) = ([0.0; 3], 0.0);
     for (xi, weight) in GAUSS {
         for (part, other) in GAUSS {
-            let eta = part * (1.0 - xi);
-            let [x, by_xi, by_eta] = frame(corners, xi, eta);
-            let normal = scale(cross(by_xi, by_eta), weight * other * (1.0 - xi));
+            // onto the triangle
+            let squeezed = if corners.len() == 8 { 1.0 } else { 1.0 - xi };
+            let [x, by_xi, by_eta] = frame(corners, xi, part * squeezed);
+            let normal = scale(cross(by_xi, by_eta), weight * other * squeezed);
             volume -= dot(x, normal) / 3.0;
             (0..3).for_each(|k| moment[k] -= x[k] * x[k] * normal[k] / 2.0);
         }
@@ -71,6 +72,7 @@ fn frame(corners: &[Point3], xi: f64, eta: f64) -> [Point3; 3] {
     let rest = 1.0 - xi - eta;
     let shapes: Vec<[f64; 3]> = match corners.len() {
         3 => vec![[rest, -1.0, -1.0], [xi, 1.0, 0.0], [eta, 0.0, 1.0]],
+        8 => quadrilateral(xi, eta),
         _ => vec![
             [rest * (2.0 * rest - 1.0), 1.0 - 4.0 * rest, 1.0 - 4.0 * rest],
             [xi * (2.0 * xi - 1.0), 4.0 * xi - 1.0, 0.0],
@@ -82,4 +84,16 @@ fn frame(corners: &[Point3], xi: f64, eta: f64) -> [Point3; 3] {
     };
     let sum = |k: usize| shapes.iter().zip(corners).fold([0.0; 3], |sum, (n, at)| add(sum, scale(*at, n[k])));
     [sum(0), sum(1), sum(2)]
+}
+/// Shape functions of the quadrilateral of eight nodes and their derivatives: at the middles of its sides the linear function across times
+/// 4 ξ (1 − ξ), at its corners the linear function less half of those of the two sides.
+fn quadrilateral(x: f64, y: f64) -> Vec<[f64; 3]> {
+    let times = |[a, by_x]: [f64; 2], [b, by_y]: [f64; 2]| [a * b, by_x * b, a * by_y];
+    let linear = |t: f64| [[1.0 - t, -1.0], [t, 1.0]];
+    let bent = |t: f64| [4.0 * t * (1.0 - t), 4.0 - 8.0 * t];
+    let ([x0, x1], [y0, y1]) = (linear(x), linear(y));
+    let corners = [times(x0, y0), times(x1, y0), times(x1, y1), times(x0, y1)];
+    let middles = [times(bent(x), y0), times(x1, bent(y)), times(bent(x), y1), times(x0, bent(y))];
+    let corner = |n: usize| std::array::from_fn(|k| corners[n][k] - 0.5 * (middles[n][k] + middles[(n + 3) % 4][k]));
+    (0..4).map(corner).chain(middles).collect()
 }

@@ -1,8 +1,9 @@
 //! Embedding: a point of the skin becomes a material point, a weighted sum of nodes.
 
 use crate::distance::Nearest;
-use crate::{QuadraticMesh, Skin, TetMesh};
-use si::{Metre, Point3};
+use crate::quadratic_face::shape_functions;
+use crate::{QuadraticFace, QuadraticMesh, Skin, TetMesh};
+use si::{Metre, Point2, Point3};
 
 /// A material point: Σ weight · node, in the reference configuration and in every other.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,21 +22,30 @@ impl Spot {
 
 /// The point of the outer skin nearest to `at` (m), and how far away it is (m).
 ///
-/// The nearest point is searched on the plane triangles of the corners; the weights are the six shape functions of the
-/// quadratic triangle there, which follow the face when it curves. Faces of cavities and of the plane of symmetry are not
-/// searched.
+/// The nearest point is searched on the plane triangles of the corners, or between all nodes of a quadrilateral; the weights are the shape
+/// functions of the face there, which follow it when it curves. Faces of cavities and of the plane of symmetry are not searched.
 /// In a half model the mirror image stands for a point below the plane of symmetry: x and y of both move alike.
 /// A mesh without outer skin gives an empty spot at infinite distance.
 pub fn embed(mesh: &QuadraticMesh, at: Point3) -> (Spot, Metre) {
-    let outer: Vec<_> = mesh.skin.iter().filter(|face| face.on == Skin::Outer).collect();
-    let corner = |n: u32| mesh.nodes[n as usize];
-    let corners = outer.iter().map(|f| [corner(f.nodes[0]), corner(f.nodes[1]), corner(f.nodes[2])]).collect();
+    let outer = mesh.skin.iter().filter(|face| face.on == Skin::Outer);
+    let parts: Vec<_> = outer.flat_map(|face| parts(face).into_iter().map(move |part| (face, part))).collect();
+    let corners = parts.iter().map(|(_, (part, _))| part.map(|node| mesh.nodes[node as usize])).collect();
     match Nearest::new(corners).find(upper(at, mesh.half)) {
         None => (Spot { weights: Vec::new() }, f64::INFINITY),
         Some(hit) => {
-            let weights = outer[hit.face].nodes.into_iter().zip(shape_functions(hit.shares));
+            let (face, (_, places)) = &parts[hit.face];
+            let place = [0, 1].map(|k| (0..3).map(|n| hit.shares[n] * places[n][k]).sum());
+            let weights = face.nodes().iter().copied().zip(shape_functions(face.nodes().len(), place));
             (Spot { weights: weights.filter(|w| w.1 != 0.0).collect() }, hit.distance)
         }
+    }
+}
+
+/// The plane triangles on which the nearest point of a face is searched, with the places of their corners on the reference face.
+fn parts(face: &QuadraticFace) -> Vec<([u32; 3], [Point2; 3])> {
+    match *face.corners() {
+        [a, b, c] => vec![([a, b, c], [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])],
+        _ => face.parts(),
     }
 }
 
@@ -55,12 +65,6 @@ pub(crate) fn embed_linear(mesh: &TetMesh, at: Point3) -> (Spot, Metre) {
 /// A point, or its mirror image in the half that is meshed.
 fn upper([x, y, z]: Point3, half: bool) -> Point3 {
     [x, y, if half { z.abs() } else { z }]
-}
-
-/// Shape functions of the quadratic triangle at shares (a, b, c) of its corners: a(2a−1), …, 4ab, 4bc, 4ca.
-fn shape_functions([a, b, c]: [f64; 3]) -> [f64; 6] {
-    let corner = |s: f64| s * (2.0 * s - 1.0);
-    [corner(a), corner(b), corner(c), 4.0 * a * b, 4.0 * b * c, 4.0 * c * a]
 }
 
 #[cfg(test)]

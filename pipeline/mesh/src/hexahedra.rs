@@ -1,41 +1,8 @@
-//! Hexahedra of 20 nodes with regions, wedges among them, and a skin of 8-node faces.
+//! Hexahedra of 20 nodes, wedges among them, cut into tetrahedra.
 
-use crate::{Skin, SkinFace, TetMesh};
+use crate::{QuadraticElements, QuadraticFace, QuadraticMesh, Skin, SkinFace, TetMesh};
 use si::Point3;
-
-/// A face of eight nodes: four corners, then the middles of 01, 12, 23, 30. A triangle names its third corner twice, and once more as the
-/// middle of 23.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct HexFace {
-    /// Corners, then middles.
-    pub nodes: [u32; 8],
-    /// What is on the other side.
-    pub on: Skin,
-}
-
-impl HexFace {
-    /// Whether it is a triangle.
-    pub fn is_triangle(&self) -> bool {
-        self.nodes[2] == self.nodes[3]
-    }
-}
-
-/// Hexahedra of second order: eight corners, then the middles of 01, 12, 23, 30, 45, 56, 67, 74, 04, 15, 26, 37 (VTK's order).
-///
-/// A wedge names its corners 2 and 6 twice, as 3 and 7, and as the middles of 23 and 67; the middle of 37 is that of 26.
-#[derive(Debug, Clone, PartialEq)]
-pub struct HexMesh {
-    /// Node positions, m.
-    pub nodes: Vec<Point3>,
-    /// Twenty nodes an element.
-    pub hexahedra: Vec<[u32; 20]>,
-    /// Region of each element: [`crate::BODY`] or [`crate::SPINE`].
-    pub regions: Vec<u16>,
-    /// The closed boundary of the solid, normals outwards.
-    pub skin: Vec<HexFace>,
-    /// Whether only z ≥ 0 is meshed.
-    pub half: bool,
-}
+use std::collections::BTreeMap;
 
 /// The sides of a hexahedron, normals outwards: corners, then the middles between them.
 pub(crate) const HEX_SIDES: [[usize; 8]; 6] = [
@@ -47,35 +14,115 @@ pub(crate) const HEX_SIDES: [[usize; 8]; 6] = [
     [3, 0, 4, 7, 11, 16, 15, 19],
 ];
 
-impl HexMesh {
-    /// Straight tetrahedra between the corners of the elements, on the same nodes, of which those in the middles of edges belong to none: for
-    /// volumes and distances. A quadrilateral is cut from its corner of the lowest number, so that neighbours match [dompierre1999].
-    pub fn to_tetrahedra(&self) -> TetMesh {
-        let (mut tets, mut regions) = (Vec::new(), Vec::new());
-        for (nodes, region) in self.hexahedra.iter().zip(&self.regions) {
-            let cut = tetrahedra(&corners(nodes));
-            regions.extend(vec![*region; cut.len()]);
-            tets.extend(cut);
+/// The sides of a hexahedron or a wedge as faces.
+pub(crate) fn sides_of_hexahedron(nodes: &[u32; 20]) -> Vec<QuadraticFace> {
+    let sides = HEX_SIDES.iter().map(|side| side.map(|n| nodes[n]));
+    // a wedge has one side less, which has shrunk to an edge
+    sides.filter_map(|side| side_as_face(side, Skin::Outer)).collect()
+}
+
+/// A side as a face: a triangle where two of its corners are one, none where it has shrunk to an edge.
+pub(crate) fn side_as_face(nodes: [u32; 8], on: Skin) -> Option<QuadraticFace> {
+    let corners = &nodes[..4];
+    let distinct = (0..4).filter(|&n| !corners[..n].contains(&corners[n])).count();
+    let turned = |by: usize| std::array::from_fn(|n| nodes[4 * (n / 4) + (n + by) % 4]);
+    match distinct {
+        4 => Some(QuadraticFace::quadrilateral(nodes, on)),
+        3 => {
+            let side = (0..4).map(turned).find(|side: &[u32; 8]| side[2] == side[3]);
+            side.map(|[a, b, c, _, ab, bc, _, ca]| QuadraticFace::triangle([a, b, c, ab, bc, ca], on))
         }
-        let skin = self.skin.iter().flat_map(|face| {
-            let corners = &face.nodes[..if face.is_triangle() { 3 } else { 4 }];
-            fan(corners).into_iter().map(|nodes| SkinFace { nodes, on: face.on })
-        });
-        TetMesh { nodes: self.nodes.clone(), tets, regions, skin: skin.collect(), half: self.half }
+        _ => None,
     }
 }
 
-/// The sides of an element as polygons of its corners, normals outwards.
-fn corners(nodes: &[u32; 20]) -> Vec<Vec<u32>> {
-    let side = |side: &[usize; 8]| {
-        let mut polygon: Vec<u32> = side[..4].iter().map(|&n| nodes[n]).collect();
-        polygon.dedup();
-        if polygon.first() == polygon.last() {
-            polygon.pop();
+impl QuadraticMesh {
+    /// Straight tetrahedra in place of curved hexahedra, for volumes and distances: each is cut into eight parts, and those into
+    /// tetrahedra. Nodes of the mesh keep their numbers, middles of sides and elements follow. None of a mesh of tetrahedra.
+    pub fn cut_hexahedra(&self) -> Option<TetMesh> {
+        let QuadraticElements::Hexahedra(hexahedra) = &self.elements else { return None };
+        let mut parts = Parts { nodes: self.nodes.clone(), middles: BTreeMap::new() };
+        let (mut tets, mut regions) = (Vec::new(), Vec::new());
+        for (nodes, region) in hexahedra.iter().zip(&self.regions) {
+            let cut: Vec<[u32; 4]> = parts.of(nodes).iter().flat_map(tetrahedra).collect();
+            regions.extend(vec![*region; cut.len()]);
+            tets.extend(cut);
         }
-        polygon
-    };
-    HEX_SIDES.iter().map(side).filter(|polygon| polygon.len() > 2).collect()
+        let mut skin = Vec::new();
+        for face in &self.skin {
+            let polygons = parts.of_face(&face.as_side());
+            skin.extend(polygons.iter().flat_map(|polygon| fan(polygon)).map(|nodes| SkinFace { nodes, on: face.on }));
+        }
+        Some(TetMesh { nodes: parts.nodes, tets, regions, skin, half: self.half })
+    }
+}
+
+/// The parts of elements that are cut in the middles of their edges.
+struct Parts {
+    nodes: Vec<Point3>,
+    /// Middles of sides, by their least and greatest corner and the two between.
+    middles: BTreeMap<[u32; 4], u32>,
+}
+
+impl Parts {
+    /// The middle of an 8-node side: −¼ of each corner, ½ of each middle.
+    fn middle(&mut self, side: &[u32; 8]) -> u32 {
+        let mut key = [side[0], side[1], side[2], side[3]];
+        key.sort_unstable();
+        let nodes = &mut self.nodes;
+        *self.middles.entry(key).or_insert_with(|| {
+            let at = |n: usize, k: usize| if n < 4 { -0.25 } else { 0.5 } * nodes[side[n] as usize][k];
+            nodes.push([0, 1, 2].map(|k| (0..8).map(|n| at(n, k)).sum()));
+            nodes.len() as u32 - 1
+        })
+    }
+
+    /// The quarters of a face.
+    fn of_face(&mut self, face: &[u32; 8]) -> Vec<Vec<u32>> {
+        let middle = if face[2] == face[3] { face[2] } else { self.middle(face) };
+        quarters(face, middle)
+    }
+
+    /// The eight parts of an element: lower corners, counterclockwise, then the upper ones.
+    fn of(&mut self, nodes: &[u32; 20]) -> Vec<Vec<u32>> {
+        let sides = HEX_SIDES.map(|side| side.map(|n| nodes[n]));
+        let layer = |corners: usize, middles: usize| -> [u32; 8] {
+            std::array::from_fn(|n| if n < 4 { nodes[corners + n] } else { nodes[middles + n - 4] })
+        };
+        let [low, high] = [layer(0, 8), layer(4, 12)];
+        let wedge = low[2] == low[3];
+        let mut between = [0; 8];
+        between[..4].copy_from_slice(&nodes[16..]);
+        for (n, side) in [2, 3, 4, 5].into_iter().enumerate() {
+            between[4 + n] = if wedge && n == 2 { between[2] } else { self.middle(&sides[side]) };
+        }
+        let layers = [low, between, high];
+        let centres = if wedge { [0; 3] } else { [self.middle(&sides[0]), self.centre(nodes), self.middle(&sides[1])] };
+        let cut = |n: usize| quarters(&layers[n], centres[n]);
+        let [low, between, high] = [cut(0), cut(1), cut(2)];
+        let stacked = |lower: Vec<Vec<u32>>, upper: Vec<Vec<u32>>| {
+            lower.into_iter().zip(upper).map(|(lower, upper)| [lower, upper].concat())
+        };
+        stacked(low, between.clone()).chain(stacked(between, high)).collect()
+    }
+
+    /// The middle of an element: −¼ of each corner, ¼ of each middle.
+    fn centre(&mut self, nodes: &[u32; 20]) -> u32 {
+        let at = |n: usize, k: usize| if n < 8 { -0.25 } else { 0.25 } * self.nodes[nodes[n] as usize][k];
+        let centre = [0, 1, 2].map(|k| (0..20).map(|n| at(n, k)).sum());
+        self.nodes.push(centre);
+        self.nodes.len() as u32 - 1
+    }
+}
+
+/// The quarters of a quadrilateral with a centre, or of a triangle, in the sense of its corners.
+fn quarters(&[a, b, c, d, ab, bc, cd, da]: &[u32; 8], centre: u32) -> Vec<Vec<u32>> {
+    if c == d {
+        return [[a, ab, da], [b, bc, ab], [c, da, bc], [ab, bc, da]].map(|part| part.to_vec()).to_vec();
+    }
+    [[a, ab, centre, da], [b, bc, centre, ab], [c, cd, centre, bc], [d, da, centre, cd]]
+        .map(|part| part.to_vec())
+        .to_vec()
 }
 
 /// Triangles of a polygon around its corner of the lowest number.
@@ -85,9 +132,14 @@ fn fan(polygon: &[u32]) -> Vec<[u32; 3]> {
     (1..polygon.len() - 1).map(|n| [at(0), at(n), at(n + 1)]).collect()
 }
 
-/// Tetrahedra between the corner of the lowest number and the triangles of the sides that do not hold it.
-fn tetrahedra(sides: &[Vec<u32>]) -> Vec<[u32; 4]> {
-    let Some(&apex) = sides.iter().flatten().min() else { return Vec::new() };
+/// Tetrahedra of a prism over a triangle or a quadrilateral, between its corner of the lowest number and the triangles of the sides that do
+/// not hold it; sides are cut from their corner of the lowest number, so that neighbours match [dompierre1999].
+fn tetrahedra(prism: &Vec<u32>) -> Vec<[u32; 4]> {
+    let n = prism.len() / 2;
+    let lower: Vec<u32> = prism[..n].iter().rev().copied().collect();
+    let around = (0..n).map(|k| vec![prism[k], prism[(k + 1) % n], prism[n + (k + 1) % n], prism[n + k]]);
+    let sides: Vec<Vec<u32>> = [lower, prism[n..].to_vec()].into_iter().chain(around).collect();
+    let Some(&apex) = prism.iter().min() else { return Vec::new() };
     let opposite = sides.iter().filter(|side| !side.contains(&apex));
     // seen from the apex a side turns the other way
     opposite.flat_map(|side| fan(side)).map(|[a, b, c]| [a, c, b, apex]).collect()
@@ -99,34 +151,41 @@ mod tests {
     use crate::quality::dihedral_range;
 
     /// A cube of side 2 on the nodes of a grid of half cells, its side x = 2 pushed out.
-    fn cube() -> HexMesh {
+    fn cube() -> QuadraticMesh {
         let corner = [[0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0], [0, 0, 2], [2, 0, 2], [2, 2, 2], [0, 2, 2]];
         let edges = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)];
         let middle = |&(a, b): &(usize, usize)| [0, 1, 2].map(|k| (corner[a][k] + corner[b][k]) / 2);
         let nodes: Vec<Point3> =
             corner.into_iter().chain(edges.iter().map(middle)).map(|at| at.map(f64::from)).collect();
         let element: [u32; 20] = std::array::from_fn(|n| n as u32);
-        let skin = HEX_SIDES.map(|side| HexFace { nodes: side.map(|n| element[n]), on: Skin::Outer });
-        HexMesh { nodes, hexahedra: vec![element], regions: vec![0], skin: skin.to_vec(), half: false }
+        let skin = HEX_SIDES.map(|side| QuadraticFace::quadrilateral(side.map(|n| element[n]), Skin::Outer));
+        QuadraticMesh {
+            nodes,
+            elements: QuadraticElements::Hexahedra(vec![element]),
+            regions: vec![0],
+            skin: skin.to_vec(),
+            half: false,
+        }
     }
 
     #[test]
     fn a_cube_is_cut_into_tetrahedra_of_its_volume_whose_skin_is_closed() {
-        let tets = cube().to_tetrahedra();
+        let tets = cube().cut_hexahedra().unwrap();
         assert!((tets.region_volume(0) - 8.0).abs() < 1e-12 && (0..tets.tets.len()).all(|tet| tets.volume(tet) > 0.0));
-        assert_eq!((tets.nonconformity(), tets.skin.len()), (None, 12));
-        assert!(dihedral_range(&tets).0 > 20.0);
+        assert_eq!((tets.nonconformity(), tets.skin.len()), (None, 48));
+        assert!(dihedral_range(&tets).0 > 20.0 && tets.tets.len() >= 40);
     }
 
     #[test]
-    fn a_wedge_is_cut_into_three_tetrahedra() {
+    fn a_wedge_is_cut_into_tetrahedra_of_its_volume() {
         let mut wedge = cube();
-        let nodes = &mut wedge.hexahedra[0];
+        let QuadraticElements::Hexahedra(elements) = &mut wedge.elements else { panic!("hexahedra") };
+        let nodes = &mut elements[0];
         for (node, own) in [(3, 2), (10, 2), (7, 6), (14, 6), (19, 18)] {
             nodes[node] = nodes[own];
         }
         wedge.skin = Vec::new();
-        let tets = wedge.to_tetrahedra();
-        assert!((tets.region_volume(0) - 4.0).abs() < 1e-12 && tets.tets.len() == 3);
+        let tets = wedge.cut_hexahedra().unwrap();
+        assert!((tets.region_volume(0) - 4.0).abs() < 1e-12 && tets.tets.len() == 24);
     }
 }

@@ -32,6 +32,7 @@
 //! Depends on `si`, spade (constrained Delaunay triangulation of the plan) and the parsers of the file formats.
 
 mod cavities;
+mod choice;
 mod columns;
 mod conforming;
 mod distance;
@@ -40,6 +41,7 @@ pub mod foreign;
 pub mod frame;
 mod hexahedra;
 mod quadratic;
+mod quadratic_face;
 pub mod quality;
 pub mod silhouette;
 mod solid;
@@ -53,10 +55,11 @@ pub mod vtu;
 pub mod wall;
 
 pub use cavities::{Cavity, cavities};
+pub use choice::{Chosen, ElementChoice, mesh_chosen};
 pub use columns::{Grading, MeshError, Settings, mesh, mesh_in_hexahedra, mesh_without_sheet};
 pub use embed::{Spot, embed};
-pub use hexahedra::{HexFace, HexMesh};
-pub use quadratic::{QuadraticFace, QuadraticMesh, quadratic};
+pub use quadratic::{QuadraticElements, QuadraticMesh, quadratic};
+pub use quadratic_face::QuadraticFace;
 pub use solid::Solid;
 pub use solid_angle::{chamber_at, chamber_containing};
 pub use surface::{SharedEdge, Shell, Surface, SurfaceError};

@@ -1,25 +1,73 @@
-//! Quadratic elements: every edge of a linear mesh gets a mid-edge node.
+//! Quadratic elements: every edge has a node in its middle.
 
-use crate::{Skin, TetMesh};
+use crate::hexahedra::sides_of_hexahedron;
+use crate::{QuadraticFace, Skin, TetMesh};
 use si::Point3;
 use std::collections::HashMap;
 
-/// A face of six nodes: three corners, then the middles of 01, 12, 20.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct QuadraticFace {
-    /// Corners, then middles.
-    pub nodes: [u32; 6],
-    /// What is on the other side.
-    pub on: Skin,
+/// Elements of second order, of one kind.
+#[derive(Debug, Clone, PartialEq)]
+pub enum QuadraticElements {
+    /// Four corners, then the middles of 01, 12, 02, 03, 13, 23 (VTK's order).
+    Tetrahedra(Vec<[u32; 10]>),
+    /// Eight corners, then the middles of 01, 12, 23, 30, 45, 56, 67, 74, 04, 15, 26, 37 (VTK's order). A wedge names its corners 2 and 6 twice,
+    /// as 3 and 7, and as the middles of 23 and 67; the middle of 37 is that of 26.
+    Hexahedra(Vec<[u32; 20]>),
 }
 
-/// A [`TetMesh`] with ten nodes an element: four corners, then the middles of 01, 12, 02, 03, 13, 23 (VTK's order).
+impl QuadraticElements {
+    /// Number of elements.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Tetrahedra(tets) => tets.len(),
+            Self::Hexahedra(hexahedra) => hexahedra.len(),
+        }
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The 10 or 20 nodes of an element.
+    pub fn nodes(&self, element: usize) -> &[u32] {
+        match self {
+            Self::Tetrahedra(tets) => &tets[element],
+            Self::Hexahedra(hexahedra) => &hexahedra[element],
+        }
+    }
+
+    /// The nodes of every element.
+    pub fn iter(&self) -> impl Iterator<Item = &[u32]> + Clone {
+        (0..self.len()).map(|element| self.nodes(element))
+    }
+
+    /// The sides of an element, normals outwards, as faces of a skin.
+    pub fn sides(&self, element: usize) -> Vec<QuadraticFace> {
+        match self {
+            Self::Tetrahedra(tets) => {
+                SIDES.iter().map(|side| QuadraticFace::triangle(side.map(|n| tets[element][n]), Skin::Outer)).collect()
+            }
+            Self::Hexahedra(hexahedra) => sides_of_hexahedron(&hexahedra[element]),
+        }
+    }
+
+    /// Which they are, in the plural.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Tetrahedra(_) => "tetrahedra",
+            Self::Hexahedra(_) => "hexahedra",
+        }
+    }
+}
+
+/// Elements of second order with regions and a skin.
 #[derive(Debug, Clone, PartialEq)]
 pub struct QuadraticMesh {
-    /// Node positions, m: the corners of the linear mesh first, in its order.
+    /// Node positions, m.
     pub nodes: Vec<Point3>,
-    /// Ten nodes an element.
-    pub tets: Vec<[u32; 10]>,
+    /// Ten or twenty nodes an element.
+    pub elements: QuadraticElements,
     /// Region of each element.
     pub regions: Vec<u16>,
     /// The closed boundary of the solid, normals outwards.
@@ -31,21 +79,24 @@ pub struct QuadraticMesh {
 impl QuadraticMesh {
     /// What is wrong with lists that were read from a file: another number of regions than elements, nodes that do not exist or lie nowhere.
     pub fn fault(&self) -> Option<String> {
-        let (nodes, elements, regions) = (self.nodes.len(), self.tets.len(), self.regions.len());
+        let (nodes, elements, regions) = (self.nodes.len(), self.elements.len(), self.regions.len());
         if elements != regions {
             return Some(format!("there are {elements} elements and {regions} regions"));
         }
         let exist = |list: &[u32]| list.iter().all(|node| (*node as usize) < nodes);
-        if let Some(element) = self.tets.iter().position(|tet| !exist(tet)) {
-            return Some(format!("element {element} has the nodes {:?}, of {nodes}", self.tets[element]));
+        if let Some(element) = self.elements.iter().position(|element| !exist(element)) {
+            return Some(format!("element {element} has the nodes {:?}, of {nodes}", self.elements.nodes(element)));
         }
-        if let Some(face) = self.skin.iter().position(|face| !exist(&face.nodes)) {
-            return Some(format!("face {face} of the skin has the nodes {:?}, of {nodes}", self.skin[face].nodes));
+        if let Some(face) = self.skin.iter().position(|face| !exist(face.nodes())) {
+            return Some(format!("face {face} of the skin has the nodes {:?}, of {nodes}", self.skin[face].nodes()));
         }
         let node = self.nodes.iter().position(|at| at.iter().any(|x| !x.is_finite()))?;
         Some(format!("node {node} lies at {:?}", self.nodes[node]))
     }
 }
+
+/// The sides of a tetrahedron, normals outwards: corners, then the middles between them.
+const SIDES: [[usize; 6]; 4] = [[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6]];
 
 /// The edges whose middles are nodes 4 to 9.
 pub(crate) const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]];
@@ -79,10 +130,11 @@ pub fn quadratic(mesh: &TetMesh) -> QuadraticMesh {
     let skin = mesh.skin.iter().map(|face| {
         let [a, b, c] = face.nodes;
         let nodes = [a, b, c, middles.of(a, b), middles.of(b, c), middles.of(c, a)];
-        QuadraticFace { nodes, on: face.on }
+        QuadraticFace::triangle(nodes, face.on)
     });
     let skin = skin.collect();
-    QuadraticMesh { nodes: middles.nodes, tets, regions: mesh.regions.clone(), skin, half: mesh.half }
+    let elements = QuadraticElements::Tetrahedra(tets);
+    QuadraticMesh { nodes: middles.nodes, elements, regions: mesh.regions.clone(), skin, half: mesh.half }
 }
 
 #[cfg(test)]
@@ -97,7 +149,7 @@ mod tests {
         let mesh = TetMesh { nodes, tets: vec![[0, 1, 2, 3]], regions: vec![0], skin, half: false };
         let fine = quadratic(&mesh);
         assert_eq!(fine.nodes.len(), 10);
-        assert_eq!(fine.nodes[fine.tets[0][8] as usize], [0.5, 0.0, 0.5]);
-        assert_eq!(fine.skin[0].nodes, [1, 2, 3, 5, 9, 8]);
+        assert_eq!(fine.nodes[fine.elements.nodes(0)[8] as usize], [0.5, 0.0, 0.5]);
+        assert_eq!(fine.skin[0].nodes(), [1, 2, 3, 5, 9, 8]);
     }
 }

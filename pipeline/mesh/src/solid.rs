@@ -1,7 +1,7 @@
 //! Solids: a mesh of linear or quadratic elements.
 
 use crate::embed::{Spot, embed, embed_linear};
-use crate::{QuadraticFace, QuadraticMesh, Skin, SkinFace, TetMesh, quadratic};
+use crate::{QuadraticElements, QuadraticFace, QuadraticMesh, Skin, SkinFace, TetMesh, quadratic};
 use si::{Metre, Point3};
 
 /// Tetrahedra of four or of ten nodes.
@@ -9,7 +9,7 @@ use si::{Metre, Point3};
 pub enum Solid {
     /// Four nodes an element.
     Linear(TetMesh),
-    /// Ten nodes an element.
+    /// Ten or twenty nodes an element.
     Quadratic(QuadraticMesh),
 }
 
@@ -32,11 +32,11 @@ impl Solid {
         self.len() == 0
     }
 
-    /// The 4 or 10 nodes of an element.
+    /// The 4, 10 or 20 nodes of an element.
     pub fn element(&self, element: usize) -> &[u32] {
         match self {
             Self::Linear(mesh) => &mesh.tets[element],
-            Self::Quadratic(mesh) => &mesh.tets[element],
+            Self::Quadratic(mesh) => mesh.elements.nodes(element),
         }
     }
 
@@ -56,15 +56,15 @@ impl Solid {
         }
     }
 
-    /// The skin: 3 or 6 nodes a face, and what it touches.
+    /// The skin: 3, 6 or 8 nodes a face, and what it touches.
     pub fn faces(&self) -> Vec<(&[u32], Skin)> {
         match self {
             Self::Linear(mesh) => mesh.skin.iter().map(|face| (face.nodes.as_slice(), face.on)).collect(),
-            Self::Quadratic(mesh) => mesh.skin.iter().map(|face| (face.nodes.as_slice(), face.on)).collect(),
+            Self::Quadratic(mesh) => mesh.skin.iter().map(|face| (face.nodes(), face.on)).collect(),
         }
     }
 
-    /// The same solid with ten nodes an element; new ones lie in the middles of straight edges.
+    /// The same solid of second order; new nodes lie in the middles of straight edges.
     pub fn to_quadratic(self) -> QuadraticMesh {
         match self {
             Self::Linear(mesh) => quadratic(&mesh),
@@ -72,11 +72,11 @@ impl Solid {
         }
     }
 
-    /// The same solid with four nodes an element; curved edges become straight.
+    /// The same solid as tetrahedra of four nodes; curved edges become straight, hexahedra are cut.
     pub fn to_linear(self) -> TetMesh {
         match self {
             Self::Linear(mesh) => mesh,
-            Self::Quadratic(mesh) => corners_only(&mesh),
+            Self::Quadratic(mesh) => mesh.into_corners(),
         }
     }
 
@@ -89,19 +89,31 @@ impl Solid {
     }
 }
 
-fn corners_only(mesh: &QuadraticMesh) -> TetMesh {
+impl QuadraticMesh {
+    /// Straight tetrahedra between the corners; of hexahedra, their parts.
+    pub(crate) fn into_corners(self) -> TetMesh {
+        match &self.elements {
+            QuadraticElements::Tetrahedra(tets) => corners_only(&self, tets),
+            QuadraticElements::Hexahedra(_) => {
+                self.cut_hexahedra().unwrap_or_else(|| unreachable!("they are hexahedra"))
+            }
+        }
+    }
+}
+
+fn corners_only(mesh: &QuadraticMesh, tets: &[[u32; 10]]) -> TetMesh {
     let mut number = vec![u32::MAX; mesh.nodes.len()];
-    mesh.tets.iter().flat_map(|tet| &tet[..4]).for_each(|&node| number[node as usize] = 0);
+    tets.iter().flat_map(|tet| &tet[..4]).for_each(|&node| number[node as usize] = 0);
     let mut nodes = Vec::new();
     for (node, number) in number.iter_mut().enumerate().filter(|(_, number)| **number == 0) {
         *number = nodes.len() as u32;
         nodes.push(mesh.nodes[node]);
     }
     let kept = |node: u32| number[node as usize];
-    let face = |face: &QuadraticFace| SkinFace { nodes: [0, 1, 2].map(|k| kept(face.nodes[k])), on: face.on };
+    let face = |face: &QuadraticFace| SkinFace { nodes: [0, 1, 2].map(|k| kept(face.nodes()[k])), on: face.on };
     TetMesh {
         nodes,
-        tets: mesh.tets.iter().map(|tet| [0, 1, 2, 3].map(|k| kept(tet[k]))).collect(),
+        tets: tets.iter().map(|tet| [0, 1, 2, 3].map(|k| kept(tet[k]))).collect(),
         regions: mesh.regions.clone(),
         skin: mesh.skin.iter().map(face).collect(),
         half: mesh.half,

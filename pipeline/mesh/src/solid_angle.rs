@@ -10,7 +10,7 @@ use si::Point3;
 ///
 /// The solid angle of a chamber's walls is 4π from inside and 0 from outside. A half model is mirrored at z = 0.
 pub fn chamber_at(solid: &QuadraticMesh, at: Point3) -> Option<u16> {
-    let faces = solid.skin.iter().map(|face| (face.nodes.as_slice(), face.on));
+    let faces = solid.skin.iter().map(|face| (face.nodes(), face.on));
     holding(&solid.nodes, faces, solid.half, at)
 }
 
@@ -28,11 +28,13 @@ fn holding<'a>(
     let mut angles = BTreeMap::new();
     for (face, on) in faces {
         let Skin::Chamber(chamber) = on else { continue };
-        let corners = [0, 1, 2].map(|i| nodes[face[i] as usize]);
-        let [a, b, c] = corners;
-        let mirrored = [a, c, b].map(|[x, y, z]| [x, y, -z]);
-        let seen = solid_angle(corners, at) + if half { solid_angle(mirrored, at) } else { 0.0 };
-        *angles.entry(chamber).or_insert(0.0) += seen;
+        let halves: &[[usize; 3]] = if face.len() == 8 { &[[0, 1, 2], [0, 2, 3]] } else { &[[0, 1, 2]] };
+        for corners in halves.iter().map(|part| part.map(|i| nodes[face[i] as usize])) {
+            let [a, b, c] = corners;
+            let mirrored = [a, c, b].map(|[x, y, z]| [x, y, -z]);
+            let seen = solid_angle(corners, at) + if half { solid_angle(mirrored, at) } else { 0.0 };
+            *angles.entry(chamber).or_insert(0.0) += seen;
+        }
     }
     angles
         .into_iter()
@@ -43,13 +45,19 @@ fn holding<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::QuadraticFace;
+    use crate::{QuadraticElements, QuadraticFace};
 
     fn octahedron() -> QuadraticMesh {
         let nodes = vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]];
-        let face = |a: u32, b: u32| QuadraticFace { nodes: [a, b, 4, 0, 0, 0], on: Skin::Chamber(7) };
+        let face = |a: u32, b: u32| QuadraticFace::triangle([a, b, 4, 0, 0, 0], Skin::Chamber(7));
         let skin = vec![face(0, 1), face(1, 2), face(2, 3), face(3, 0)];
-        QuadraticMesh { nodes, tets: Vec::new(), regions: Vec::new(), skin, half: true }
+        QuadraticMesh {
+            nodes,
+            elements: QuadraticElements::Tetrahedra(Vec::new()),
+            regions: Vec::new(),
+            skin,
+            half: true,
+        }
     }
 
     #[test]

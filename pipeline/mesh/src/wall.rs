@@ -35,8 +35,9 @@ impl Section {
     /// The section of a mesh at mid height; nothing where no nodes lie there.
     pub fn of(solid: &QuadraticMesh) -> Option<Self> {
         let level = |node: &u32| solid.nodes[*node as usize][2].abs() < NEAR;
-        let skin = solid.skin.iter().filter(|f| f.on == Skin::Outer).flat_map(|f| f.nodes);
-        let spine = solid.tets.iter().zip(&solid.regions).filter(|(_, r)| **r == SPINE).flat_map(|(t, _)| *t);
+        let skin = solid.skin.iter().filter(|f| f.on == Skin::Outer).flat_map(|f| f.nodes().iter().copied());
+        let spine = solid.elements.iter().zip(&solid.regions).filter(|(_, r)| **r == SPINE);
+        let spine = spine.flat_map(|(nodes, _)| nodes.iter().copied());
         let spine: BTreeSet<u32> = spine.filter(level).collect();
         let outer: BTreeSet<u32> = skin.filter(level).filter(|n| !spine.contains(n)).collect();
         let side = |of: &BTreeSet<u32>, sign: f64| {

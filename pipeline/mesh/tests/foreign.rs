@@ -7,7 +7,7 @@
 #![allow(clippy::unwrap_used)]
 
 use mesh::foreign::{self, ForeignMesh, MeshDefect, MeshFileError, RawMesh, gmsh, medit, tetgen, vtu};
-use mesh::{Skin, Solid};
+use mesh::{QuadraticFace, Skin, Solid};
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -100,8 +100,8 @@ fn outside_volume(foreign: &ForeignMesh) -> f64 {
     let Solid::Quadratic(mut mesh) = foreign.solid.clone() else { panic!("ten nodes were read") };
     mesh.skin.retain(|face| face.on == Skin::Outer);
     for face in &mut mesh.skin {
-        let [a, b, c, ab, bc, ca] = face.nodes;
-        (face.nodes, face.on) = ([a, c, b, ca, bc, ab], Skin::Chamber(0));
+        let [a, b, c, ab, bc, ca] = *face.nodes() else { panic!("a triangle") };
+        *face = QuadraticFace::triangle([a, c, b, ca, bc, ab], Skin::Chamber(0));
     }
     mesh::cavities(&Solid::Quadratic(mesh))[0].volume
 }

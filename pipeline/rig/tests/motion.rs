@@ -33,7 +33,7 @@ impl Coarse {
         set.casting.unbonded = chambers;
         let own = &set.specimen["marlin"];
         let hidden = HiddenProperties::drawn(&set, own);
-        let resolution = Resolution { edge: 0.010, per_chamber: 1, per_rib: 1 };
+        let resolution = Resolution { edge: 0.010, per_chamber: 1, per_rib: 1, hexahedra: None };
         let tail = (ALL.iter().find(|s| s.name == "marlin").unwrap().tail)();
         let laws = [&*set.material[&own.body].law, &*set.material[SHEET].law];
         let body =

@@ -2,7 +2,7 @@
 
 use fem::{Clamps, Contact, Elements, Faces, Interrupt, Masses, Options, Solver, System};
 use mesh::foreign::Region;
-use mesh::{Cavity, Skin, Solid};
+use mesh::{Cavity, QuadraticElements, Skin, Solid};
 use si::Pascal;
 
 use crate::case::{Axis, Case, Chamber, Place};
@@ -105,21 +105,41 @@ pub fn fem_mesh(solid: &Solid, chambers: &[u16]) -> fem::Mesh {
     let wall = |skin: &u16| -> Vec<Vec<u32>> {
         faces.iter().filter(|(_, on)| *on == Skin::Chamber(*skin)).map(|(nodes, _)| nodes.to_vec()).collect()
     };
-    let linear = matches!(solid, Solid::Linear(_));
     let walls = chambers.iter().map(wall);
-    let of_order = |wall: Vec<Vec<u32>>| match linear {
-        true => Faces::Linear(wall.iter().map(|nodes| std::array::from_fn(|k| nodes[k])).collect()),
-        false => Faces::Quadratic(wall.iter().map(|nodes| std::array::from_fn(|k| nodes[k])).collect()),
+    let elements = elements(solid);
+    let of_order = |wall: Vec<Vec<u32>>| match elements {
+        Elements::QuadraticHexahedra(_) => {
+            Faces::QuadraticQuadrilaterals(wall.iter().map(|nodes| side(nodes)).collect())
+        }
+        Elements::Quadratic(_) => {
+            Faces::Quadratic(wall.iter().map(|nodes| std::array::from_fn(|k| nodes[k])).collect())
+        }
+        _ => Faces::Linear(wall.iter().map(|nodes| std::array::from_fn(|k| nodes[k])).collect()),
     };
     fem::Mesh {
         nodes: solid.nodes().to_vec(),
-        elements: match solid {
-            Solid::Linear(mesh) => Elements::Linear(mesh.tets.clone()),
-            Solid::Quadratic(mesh) => Elements::Quadratic(mesh.tets.clone()),
-        },
         regions: solid.regions().to_vec(),
         chambers: walls.map(|wall| fem::Chamber { faces: of_order(wall) }).collect(),
         symmetry_plane_z: solid.half(),
+        elements,
+    }
+}
+
+fn elements(solid: &Solid) -> Elements {
+    match solid {
+        Solid::Linear(mesh) => Elements::Linear(mesh.tets.clone()),
+        Solid::Quadratic(mesh) => match &mesh.elements {
+            QuadraticElements::Tetrahedra(tets) => Elements::Quadratic(tets.clone()),
+            QuadraticElements::Hexahedra(hexahedra) => Elements::QuadraticHexahedra(hexahedra.clone()),
+        },
+    }
+}
+
+/// A face of hexahedra or wedges as a side of eight nodes.
+fn side(nodes: &[u32]) -> [u32; 8] {
+    match *nodes {
+        [a, b, c, ab, bc, ca] => [a, b, c, c, ab, bc, c, ca],
+        _ => std::array::from_fn(|k| nodes[k]),
     }
 }
 

@@ -15,9 +15,6 @@ use crate::body::Body;
 use crate::stress::stress;
 use diagnostics::{Diagnostic, Result};
 
-/// VTK's numbers for tetrahedra of four and ten nodes.
-const TETRAHEDRA: [u8; 2] = [10, 24];
-
 /// One state of a body.
 pub(super) struct Frame<'a> {
     /// 3 a node, m.
@@ -116,11 +113,18 @@ fn text(body: &Body, frame: &Frame) -> String {
     text += "<Points>\n";
     reals(&mut text, "position_m", 3, &solid.nodes().concat());
     text += "</Points>\n<Cells>\n";
-    let list: Vec<i32> = (0..cells).flat_map(|cell| solid.element(cell)).map(|&node| node as i32).collect();
-    let each = solid.element(0).len();
-    wholes(&mut text, "connectivity", &list);
-    wholes(&mut text, "offsets", &(1..=cells).map(|cell| (cell * each) as i32).collect::<Vec<_>>());
-    let types = vec![TETRAHEDRA[usize::from(each == 10)]; cells];
+    let listed: Vec<(u8, Vec<u32>)> = (0..cells).map(|element| mesh::vtu::cell(solid.element(element))).collect();
+    wholes(
+        &mut text,
+        "connectivity",
+        &listed.iter().flat_map(|cell| &cell.1).map(|&node| node as i32).collect::<Vec<_>>(),
+    );
+    let ends = listed.iter().scan(0, |end, (_, nodes)| {
+        *end += nodes.len() as i32;
+        Some(*end)
+    });
+    wholes(&mut text, "offsets", &ends.collect::<Vec<_>>());
+    let types: Vec<u8> = listed.iter().map(|cell| cell.0).collect();
     DataArray { kind: "UInt8", name: "types", components: 1 }.write(&mut text, &types);
     text += "</Cells>\n<PointData Vectors=\"displacement_m\">\n";
     reals(&mut text, "displacement_m", 3, frame.displacement);

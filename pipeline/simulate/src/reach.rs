@@ -74,10 +74,11 @@ impl Reach<'_> {
     pub fn edges(&self, place: &Place) -> Vec<Vec<u32>> {
         let mut edges = BTreeMap::new();
         for (nodes, _) in self.solid.faces().into_iter().filter(|face| face.1 == Skin::Outer) {
-            for (side, (a, b)) in [(0, 1), (1, 2), (2, 0)].into_iter().enumerate() {
+            let corners = if nodes.len() == 8 { 4 } else { 3 };
+            for (side, (a, b)) in (0..corners).map(|n| (n, (n + 1) % corners)).enumerate() {
                 let (low, high) = (nodes[a].min(nodes[b]), nodes[a].max(nodes[b]));
                 if self.holds(place, low) && self.holds(place, high) {
-                    edges.insert((low, high), nodes.get(3 + side).copied());
+                    edges.insert((low, high), nodes.get(corners + side).copied());
                 }
             }
         }

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use mesh::foreign::{self, NamedSurface, RawMesh, Region};
-use mesh::{Cavity, Solid, Surface};
+use mesh::{Cavity, ElementChoice, Grading, Solid, Surface};
 
-use crate::case::{Case, Order, Source};
+use crate::case::{Case, Elements, Order, Source};
 use crate::force_table::{self, ForceTable};
 use diagnostics::{Diagnostic, Result, input};
 
@@ -101,34 +101,38 @@ fn from_surfaces(mesh: &Source, folder: &Path) -> Result<Loaded> {
     let body = surface(mesh.body.as_deref().unwrap_or_default())?;
     let spine = mesh.spine.as_deref().map(surface).transpose()?;
     let edge = mesh.edge.unwrap_or_default();
+    let choice = match mesh.elements {
+        Elements::Tetrahedra => ElementChoice::Tetrahedra,
+        Elements::Auto => ElementChoice::HexahedraWherePossible(Grading::COARSE),
+        Elements::Hexahedra => ElementChoice::Hexahedra(Grading::COARSE),
+    };
     let meshed = |use_symmetry: bool| {
         let set = mesh::Settings { use_symmetry, ..mesh::Settings::new(edge) };
-        let made = match &spine {
-            Some(spine) => mesh::mesh(&body, spine, &set),
-            None => mesh::mesh_without_sheet(&body, &set),
-        };
         let files: Vec<&str> = mesh.body.iter().chain(&mesh.spine).map(String::as_str).collect();
-        made.map(|(mesh, _)| mesh).map_err(|e| Diagnostic::from(e).while_doing(files.join(" with ")))
+        mesh::mesh_chosen(&body, spine.as_ref(), &set, choice)
+            .map_err(|e| Diagnostic::from(e).while_doing(files.join(" with ")))
     };
-    let mut linear = meshed(true)?;
+    let (mut solid, _, mut refused) = meshed(true)?;
     let mut notes = Vec::new();
-    if mesh.half && !linear.half {
+    if mesh.half && !solid.half {
         let why = "the surfaces are not symmetric about z = 0";
         return Err(Diagnostic::new("no half model can be made", why, "set half = false, or move the surfaces"));
     }
-    if linear.half && !mesh.half {
+    if solid.half && !mesh.half {
         notes.push(HALF.to_owned());
-        linear = meshed(false)?;
+        (solid, _, refused) = meshed(false)?;
     }
+    notes.extend(refused.map(|why| format!("tetrahedra, not hexahedra: {}", Diagnostic::from(why).what)));
+    let solid = Solid::Quadratic(solid);
+    let linear = solid.clone().to_linear();
     let region = |(tag, name): (u16, &str)| Region {
         tag: tag.into(),
         name: Some(name.to_owned()),
-        elements: linear.regions.iter().filter(|region| **region == tag).count(),
+        elements: solid.regions().iter().filter(|region| **region == tag).count(),
         volume: linear.region_volume(tag),
     };
     let parts = [(mesh::BODY, "body"), (mesh::SPINE, "spine")];
     let regions = parts.into_iter().take(1 + usize::from(spine.is_some())).map(region).collect();
-    let solid = Solid::Quadratic(Solid::Linear(linear).to_quadratic());
     let (surfaces, cavities, numbering) = Default::default();
     Ok(Loaded { solid, regions, surfaces, cavities, numbering, notes, tables: BTreeMap::new() })
 }

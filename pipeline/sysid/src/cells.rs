@@ -18,7 +18,8 @@ fn profile(solid: &QuadraticMesh, on: Skin) -> Vec<f64> {
         .skin
         .iter()
         .filter(|face| face.on == on)
-        .map(|face| std::array::from_fn(|k| solid.nodes[face.nodes[k] as usize]))
+        .flat_map(|face| face.corner_triangles())
+        .map(|corners| corners.map(|node| solid.nodes[node as usize]))
         .collect();
     let along = |choose: fn(f64, f64) -> f64, from| faces.iter().flatten().map(|p| p[0]).fold(from, choose);
     let (first, last) = (along(f64::min, f64::INFINITY), along(f64::max, f64::NEG_INFINITY));

@@ -5,7 +5,7 @@ use std::path::Path;
 use diagnostics::{Diagnostic, Result};
 use lab::card;
 use mesh::foreign::{self, NamedSurface, Region};
-use mesh::{Cavity, QuadraticMesh, Settings, Solid, Surface, quality};
+use mesh::{Cavity, ElementChoice, QuadraticMesh, Settings, Solid, Surface, quality};
 use serde::Serialize;
 use si::Metre;
 
@@ -33,6 +33,8 @@ pub struct Meshed {
     pub hausdorff_m: Metre,
     /// Volume of each solid in the mesh over its volume in the STL files, less one; empty of a mesh file.
     pub volume_error: Vec<f64>,
+    /// Why a body of surfaces is not in hexahedra where they were wished for.
+    pub not_hexahedra: Option<String>,
 }
 
 impl NamedRegion {
@@ -48,18 +50,19 @@ impl Meshed {
     ///
     /// # Errors
     /// A [`Diagnostic`] when they cannot be meshed.
-    pub fn of_surfaces(body: &Surface, spine: Option<&Surface>, by: &Settings, order: &[NamedRegion]) -> Result<Self> {
-        let (mut linear, report) = match spine {
-            Some(spine) => mesh::mesh(body, spine, by)?,
-            None => mesh::mesh_without_sheet(body, by)?,
-        };
+    pub fn of_surfaces(
+        (body, spine): (&Surface, Option<&Surface>),
+        by: &Settings,
+        elements: ElementChoice,
+        order: &[NamedRegion],
+    ) -> Result<Self> {
+        let (mut solid, report, refused) = mesh::mesh_chosen(body, spine, by, elements)?;
         let place = |name: &str| order.iter().position(|one| one.solid == name).unwrap_or(0) as u16;
         let places = [place(card::BODY), place(card::SPINE)];
-        linear.regions.iter_mut().for_each(|region| *region = places[usize::from(*region)]);
+        solid.regions.iter_mut().for_each(|region| *region = places[usize::from(*region)]);
         let error = |mesh: f64, stl: f64| mesh / stl - 1.0;
         let body = error(report.volume_body, report.volume_body_stl);
         let sheet = spine.map(|_| error(report.volume_spine, report.volume_spine_stl));
-        let solid = mesh::quadratic(&linear);
         Ok(Self {
             cavities: mesh::cavities(&Solid::Quadratic(solid.clone())),
             solid,
@@ -67,6 +70,7 @@ impl Meshed {
             min_dihedral_deg: report.min_dihedral_deg,
             hausdorff_m: report.hausdorff_m,
             volume_error: std::iter::once(body).chain(sheet).collect(),
+            not_hexahedra: refused.map(|why| Diagnostic::from(why).to_string()),
         })
     }
 
@@ -92,6 +96,7 @@ impl Meshed {
             min_dihedral_deg: quality::dihedral_range(&linear).0,
             hausdorff_m: 0.0,
             volume_error: Vec::new(),
+            not_hexahedra: None,
         })
     }
 }
@@ -103,7 +108,7 @@ impl Meshed {
     /// A [`Diagnostic`] with the surfaces that there are, when it is none of them or no face of the body lies on it.
     pub fn clamped(&self, surface: &str) -> Result<Vec<u32>> {
         let named = foreign::surface(&self.surfaces, surface)?;
-        let nodes = named.nodes(self.solid.tets.iter().map(|tet| tet.as_slice()));
+        let nodes = named.nodes(self.solid.elements.iter());
         if nodes.is_empty() {
             let what = format!("the surface `{surface}` has no face of the body");
             let action = "make the faces of the body that are clamped a physical surface, and save the mesh again";

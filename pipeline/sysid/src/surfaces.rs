@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use mesh::{QuadraticMesh, SPINE, Skin};
+use mesh::{QuadraticFace, QuadraticMesh, SPINE, Skin};
 use plot::{Colour, Paint, Scene, palette};
 use si::Point3;
 
@@ -30,14 +30,13 @@ pub struct Surfaces {
     pub faces: BTreeMap<Bounds, Vec<[u32; 3]>>,
 }
 
-/// The six nodes of each face of an element: corners, then middles of the edges between them.
-const FACES: [[usize; 6]; 4] = [[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6]];
-
 impl Surfaces {
     /// The lower half of a solid, cut open at mid height; `points` are its nodes, at rest or moved.
     pub fn lower(solid: &QuadraticMesh, points: &[Point3]) -> Self {
-        let below = |tet: &[u32; 10]| tet[..4].iter().map(|&n| solid.nodes[n as usize][2]).sum::<f64>() < 0.0;
-        let all = boundary(solid, |tet| solid.half || below(tet));
+        let corners = |nodes: &[u32]| if nodes.len() == 20 { 8 } else { 4 };
+        let below =
+            |nodes: &[u32]| nodes[..corners(nodes)].iter().map(|&n| solid.nodes[n as usize][2]).sum::<f64>() < 0.0;
+        let all = boundary(solid, |nodes| solid.half || below(nodes));
         // a half model is the upper half: its mirror image is the lower one
         let (points, turn) = if solid.half { (reflected(points), true) } else { (points.to_vec(), false) };
         Self { points, faces: split(all, turn) }
@@ -57,16 +56,16 @@ impl Surfaces {
         Self { points: [points.to_vec(), reflected(points)].concat(), faces }
     }
 
-    /// All of a mesh's skin and cuts as it was meshed, coarse: one face of three points for each face of six.
+    /// All of a mesh's skin and cuts as it was meshed, coarse: triangles between the corners of each face.
     pub fn coarse(solid: &QuadraticMesh) -> BTreeMap<Bounds, Vec<[u32; 3]>> {
         let mut faces: BTreeMap<Bounds, Vec<[u32; 3]>> = BTreeMap::new();
-        for (on, [a, b, c, ..]) in boundary(solid, |_| true) {
-            faces.entry(on).or_default().push([a, b, c]);
+        for (on, face) in boundary(solid, |_| true) {
+            faces.entry(on).or_default().extend(face.corner_triangles());
         }
         faces
     }
 
-    /// As [`Surfaces::coarse`], with four faces of three points for each face of six.
+    /// As [`Surfaces::coarse`], with triangles between all nodes of each face.
     pub fn fine(solid: &QuadraticMesh) -> BTreeMap<Bounds, Vec<[u32; 3]>> {
         split(boundary(solid, |_| true), false)
     }
@@ -102,23 +101,25 @@ impl Bounds {
     }
 }
 
-/// The boundary faces of the selected elements, six nodes each, with what they bound.
-fn boundary(solid: &QuadraticMesh, wanted: impl Fn(&[u32; 10]) -> bool) -> Vec<(Bounds, [u32; 6])> {
-    let key = |nodes: &[u32; 6]| {
-        let mut corners = [nodes[0], nodes[1], nodes[2]];
+/// The boundary faces of the selected elements with what they bound.
+fn boundary(solid: &QuadraticMesh, wanted: impl Fn(&[u32]) -> bool) -> Vec<(Bounds, QuadraticFace)> {
+    let key = |face: &QuadraticFace| {
+        let mut corners = face.corners().to_vec();
         corners.sort_unstable();
         corners
     };
-    let skin: BTreeMap<[u32; 3], Skin> = solid.skin.iter().map(|f| (key(&f.nodes), f.on)).collect();
-    let mut seen: BTreeMap<[u32; 3], (usize, u16, [u32; 6])> = BTreeMap::new();
-    for (tet, region) in solid.tets.iter().zip(&solid.regions).filter(|(tet, _)| wanted(tet)) {
-        for face in FACES {
-            let nodes = face.map(|i| tet[i]);
-            seen.entry(key(&nodes)).and_modify(|(count, ..)| *count += 1).or_insert((1, *region, nodes));
+    let skin: BTreeMap<Vec<u32>, Skin> = solid.skin.iter().map(|f| (key(f), f.on)).collect();
+    let mut seen: BTreeMap<Vec<u32>, (usize, u16, QuadraticFace)> = BTreeMap::new();
+    for (element, region) in (0..solid.elements.len()).zip(&solid.regions) {
+        if !wanted(solid.elements.nodes(element)) {
+            continue;
+        }
+        for face in solid.elements.sides(element) {
+            seen.entry(key(&face)).and_modify(|(count, ..)| *count += 1).or_insert((1, *region, face));
         }
     }
     let once = seen.into_iter().filter(|(_, (count, ..))| *count == 1);
-    once.map(|(corners, (_, region, nodes))| (bounds(skin.get(&corners), region), nodes)).collect()
+    once.map(|(corners, (_, region, face))| (bounds(skin.get(&corners), region), face)).collect()
 }
 
 fn bounds(on: Option<&Skin>, region: u16) -> Bounds {
@@ -131,12 +132,11 @@ fn bounds(on: Option<&Skin>, region: u16) -> Bounds {
     }
 }
 
-/// Faces of six nodes as four of three each, by what they bound; turned around where the points are mirrored.
-fn split(all: Vec<(Bounds, [u32; 6])>, turn: bool) -> BTreeMap<Bounds, Vec<[u32; 3]>> {
+/// Triangles between all nodes of each face, by what they bound; turned around where the points are mirrored.
+fn split(all: Vec<(Bounds, QuadraticFace)>, turn: bool) -> BTreeMap<Bounds, Vec<[u32; 3]>> {
     let mut faces: BTreeMap<Bounds, Vec<[u32; 3]>> = BTreeMap::new();
-    for (on, [a, b, c, ab, bc, ca]) in all {
-        let four = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]];
-        let turned = four.map(|[i, j, k]| if turn { [i, k, j] } else { [i, j, k] });
+    for (on, face) in all {
+        let turned = face.triangles().into_iter().map(|[i, j, k]| if turn { [i, k, j] } else { [i, j, k] });
         faces.entry(on).or_default().extend(turned);
     }
     faces
@@ -148,7 +148,7 @@ fn reflected(points: &[Point3]) -> Vec<Point3> {
 
 #[cfg(test)]
 mod tests {
-    use mesh::QuadraticFace;
+    use mesh::QuadraticElements;
 
     use super::*;
 
@@ -157,10 +157,16 @@ mod tests {
         let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let edges = [[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]];
         let middle = |[a, b]: [usize; 2]| [0, 1, 2].map(|k| 0.5 * (corners[a][k] + corners[b][k]));
-        let skin = |f: usize, on| QuadraticFace { nodes: FACES[f].map(|i| i as u32), on };
+        let elements = QuadraticElements::Tetrahedra(vec![std::array::from_fn(|i| i as u32)]);
+        let sides = elements.sides(0);
+        let skin = |f: usize, on| {
+            let mut face = sides[f];
+            face.on = on;
+            face
+        };
         QuadraticMesh {
             nodes: corners.into_iter().chain(edges.map(middle)).collect(),
-            tets: vec![std::array::from_fn(|i| i as u32)],
+            elements: elements.clone(),
             regions: vec![0],
             skin: vec![skin(0, Skin::Symmetry), skin(1, Skin::Outer), skin(2, Skin::Outer), skin(3, Skin::Chamber(1))],
             half: true,

@@ -25,9 +25,12 @@ pub struct Outline<'a> {
 impl<'a> Outline<'a> {
     /// Of the tail on `card`, meshed as `solid`.
     pub fn new(body: &'a Body, solid: &'a QuadraticMesh) -> Self {
-        let corner = |face: &mesh::QuadraticFace, i: usize| solid.nodes[face.nodes[i % 3] as usize];
+        let corner =
+            |face: &mesh::QuadraticFace, i: usize| solid.nodes[face.corners()[i % face.corners().len()] as usize];
         let along_x = |[a, b]: [Point3; 2]| if a[0] <= b[0] { [a, b] } else { [b, a] };
-        let rising_edges = |face| [0, 1, 2].map(|i| along_x([corner(face, i), corner(face, i + 1)]));
+        let rising_edges = |face: &'a mesh::QuadraticFace| {
+            (0..face.corners().len()).map(move |i| along_x([corner(face, i), corner(face, i + 1)]))
+        };
         let edges = solid.skin.iter().flat_map(rising_edges).collect();
         let end = solid.nodes.iter().map(|n| n[0]).fold(f64::NEG_INFINITY, f64::max);
         let mut outline = Self { body, solid, edges, trailing: end, end };

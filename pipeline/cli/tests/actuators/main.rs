@@ -171,7 +171,7 @@ plane = { x = 0.0 }
     let metres = Surface { points: surface.points.iter().map(|p| p.map(|x| 1e-3 * x)).collect(), faces: surface.faces };
     // the mesh of study.toml: on another one its modulus differs by some percent, as the table mesh_sensitivity shows
     let by = mesh::Settings { use_symmetry: true, ..mesh::Settings::new(edge()) };
-    let meshed = Meshed::of_surfaces(&metres, None, &by, &regions(&card)).unwrap();
+    let meshed = Meshed::of_surfaces((&metres, None), &by, mesh::ElementChoice::Tetrahedra, &regions(&card)).unwrap();
     let project = Project::new(&card, &[("cad/body.stl", stl::write(&metres, 1e-3, "body"))]);
     project.record(&meshed, &[2.6e5]);
     let doctor = project.study(&["doctor", "bellows"]);

@@ -31,7 +31,7 @@ pub use grid::Grading;
 use crate::frame::Frame;
 use crate::stack::{self, Cycle, Stack};
 use crate::validate::{self, Limits, Reference};
-use crate::{HexMesh, Report, Surface, TetMesh};
+use crate::{QuadraticMesh, Report, Surface, TetMesh};
 use arrange::{Graph, arrange};
 use chambers::Chambers;
 use outline_snap::snap_to_outlines;
@@ -87,28 +87,32 @@ pub fn mesh(body: &Surface, spine: &Surface, set: &Settings) -> Result<(TetMesh,
     mesh_parts([part("body", body)?, part("spine", spine)?], normal, set)
 }
 
-/// The same body and sheet as hexahedra of 20 nodes, graded towards thin walls.
+/// The same body, with its sheet if it has one, as hexahedra of 20 nodes, graded towards thin walls. Without a sheet, columns stand along the
+/// axis that is tried first for tetrahedra.
 ///
 /// # Errors
 /// [`MeshError`]; [`MeshError::NotSwept`] of a body that rows and levels do not divide, which [`mesh`] may fill with tetrahedra.
 pub fn mesh_in_hexahedra(
     body: &Surface,
-    spine: &Surface,
+    spine: Option<&Surface>,
     set: &Settings,
     grading: &Grading,
-) -> Result<(HexMesh, Report), MeshError> {
-    estimate::check(&[("body", body), ("spine", spine)], set)?;
+) -> Result<(QuadraticMesh, Report), MeshError> {
+    let none = Surface::default();
+    estimate::check(&[("body", body), ("spine", spine.unwrap_or(&none))], set)?;
     let part = |role, surface| Part::new(surface).map_err(|source| MeshError::Surface { role, source });
-    let [normal, ..] = dominant_axes(spine);
-    let parts = [part("body", body)?, part("spine", spine)?];
-    let survey = Survey::new(&parts, normal, set);
-    let sampler = survey.sampler(set);
+    let (frame, sheet) = match spine {
+        Some(spine) => (dominant_axes(spine)[0], part("spine", spine)?),
+        None => (column_axes(body)[0], Part::none(&none)),
+    };
+    let parts = [part("body", body)?, sheet];
+    let survey = Survey::new(&parts, frame, set);
     let set = Settings { use_symmetry: survey.cut.is_some(), ..*set };
-    let hexahedra = grid::hexahedra(&survey.outlines, &sampler, &set, grading)?;
-    let report = survey.validated(&hexahedra.to_tetrahedra(), &set)?;
-    let corners = hexahedra.hexahedra.iter().flat_map(|nodes| &nodes[..8]).collect::<BTreeSet<_>>().len();
-    let (tets, quadratic_nodes) = (hexahedra.hexahedra.len(), hexahedra.nodes.len());
-    Ok((hexahedra, Report { nodes: corners, tets, quadratic_nodes, ..report }))
+    let solid = grid::hexahedra(&survey.outlines, &survey.sampler(&set), &set, grading)?;
+    let report = survey.validated(&solid.clone().into_corners(), &set)?;
+    let corners = solid.elements.iter().flat_map(|nodes| &nodes[..8]).collect::<BTreeSet<_>>().len();
+    let (tets, quadratic_nodes) = (solid.elements.len(), solid.nodes.len());
+    Ok((solid, Report { nodes: corners, tets, quadratic_nodes, ..report }))
 }
 
 /// Meshes a body without a sheet, in columns along an axis of which it is a prism or, where there is none, to which most of

@@ -8,7 +8,7 @@ use super::surfaces::NamedSurface;
 use crate::cavities::{Cavity, cavities};
 use crate::columns::symmetry::is_symmetric;
 use crate::quadratic::EDGES;
-use crate::{QuadraticFace, QuadraticMesh, Skin, SkinFace, Solid, Surface, TetMesh};
+use crate::{QuadraticElements, QuadraticFace, QuadraticMesh, Skin, SkinFace, Solid, Surface, TetMesh};
 use si::vec3::{norm, sub};
 use si::{CubicMetre, Metre, Point3};
 use std::collections::{BTreeSet, HashMap};
@@ -219,9 +219,10 @@ impl RawMesh {
             return Solid::Linear(TetMesh { nodes, tets, regions, skin, half });
         }
         let six = |nodes: &[u32]| std::array::from_fn(|k| nodes[k]);
-        let skin = faces.into_iter().map(|(nodes, on)| QuadraticFace { nodes: six(&nodes), on }).collect();
+        let skin = faces.into_iter().map(|(nodes, on)| QuadraticFace::triangle(six(&nodes), on)).collect();
         let tets = self.corners.chunks_exact(10).map(|n| std::array::from_fn(|k| n[k])).collect();
-        Solid::Quadratic(QuadraticMesh { nodes, tets, regions, skin, half })
+        let elements = QuadraticElements::Tetrahedra(tets);
+        Solid::Quadratic(QuadraticMesh { nodes, elements, regions, skin, half })
     }
 }
 

@@ -9,7 +9,7 @@ use rig::settings::{Resolution, Settings};
 use rig::specimen::{HiddenProperties, SHEET};
 use si::{MILLIBAR, Point3, Second};
 
-const RESOLUTION: Resolution = Resolution { edge: 0.005, per_chamber: 1, per_rib: 1 };
+const RESOLUTION: Resolution = Resolution { edge: 0.005, per_chamber: 1, per_rib: 1, hexahedra: None };
 /// Highest pressure, mbar, and its levels.
 const HIGHEST: f64 = 240.0;
 const LEVELS: usize = 24;

@@ -6,7 +6,7 @@ use crate::side::Side;
 use diagnostics::{Diagnostic, Result};
 use fem::{Branch, Clamps, Contact, Options, RegionProperties, Relaxation, System};
 use lab::truth::Properties;
-use mesh::{QuadraticMesh, SPINE, Skin, Solid};
+use mesh::{Grading, QuadraticMesh, SPINE, Settings, Skin, Solid};
 use si::{MILLIMETRE, Metre, Pascal};
 use tail_cad::{FILM, Resolution, Tail};
 
@@ -47,10 +47,8 @@ impl Body {
     /// # Errors
     /// When the tail's dimensions are inconsistent, a material law is unknown, or the mesh is invalid.
     pub fn new(tail: &Tail, settings: &BodySettings, hidden: &HiddenProperties) -> Result<Self> {
-        let settings::Resolution { edge, per_chamber, per_rib } = *settings.resolution;
         let in_mesh = |e: Diagnostic| e.while_doing("the bench's mesh");
-        let tets = hidden.cast(tail).mesh(&Resolution { edge, per_chamber, per_rib }).map_err(|e| in_mesh(e.into()))?;
-        let mesh = mesh::quadratic(&tets);
+        let mesh = meshed(&hidden.cast(tail), settings.resolution).map_err(in_mesh)?;
         let model = simulate::fem_mesh(&Solid::Quadratic(mesh.clone()), &[0, 1]);
         let clamped = Clamps::below_x(&model, settings.clamp + TOLERANCE);
         let [body, sheet] = settings.laws;
@@ -92,6 +90,23 @@ impl Body {
     }
 }
 
+/// Triangles of the surfaces that hexahedra are made from, m.
+const FINENESS: Metre = 0.5 * MILLIMETRE;
+
+/// The mesh of a tail: hexahedra from its surfaces, or its own tetrahedra.
+// Surfaces have no film where silicone and sheet do not adhere.
+fn meshed(tail: &Tail, resolution: &settings::Resolution) -> Result<QuadraticMesh> {
+    let settings::Resolution { edge, per_chamber, per_rib, hexahedra } = *resolution;
+    match hexahedra.filter(|_| tail.unbonded.is_none()) {
+        Some(factor) => {
+            let (body, sheet) = tail.solids(FINENESS)?;
+            let grading = Grading::COARSE.finer(factor);
+            Ok(mesh::mesh_in_hexahedra(&body, Some(&sheet), &Settings::new(edge), &grading)?.0)
+        }
+        None => Ok(mesh::quadratic(&tail.mesh(&Resolution { edge, per_chamber, per_rib })?)),
+    }
+}
+
 /// Shear modulus of the film between silicone and sheet where they do not adhere, over that of the silicone.
 const FILM_SHEAR: f64 = 0.01;
 
@@ -124,7 +139,8 @@ fn region(material: &str, properties: &Properties) -> Result<RegionProperties> {
 /// Mean y of a chamber's wall, m.
 fn mean_y(mesh: &QuadraticMesh, chamber: u16) -> Metre {
     let wall = mesh.skin.iter().filter(|f| f.on == Skin::Chamber(chamber));
-    let (sum, count) =
-        wall.flat_map(|f| f.nodes).fold((0.0, 0.0), |(s, n), v| (s + mesh.nodes[v as usize][1], n + 1.0));
+    let (sum, count) = wall
+        .flat_map(|f| f.nodes().iter().copied())
+        .fold((0.0, 0.0), |(s, n), v| (s + mesh.nodes[v as usize][1], n + 1.0));
     sum / count
 }

@@ -116,7 +116,7 @@ fn depth(tail: &Tail, x: Metre) -> Metre {
 }
 
 fn sheet_nodes(body: &Body) -> Vec<u32> {
-    let of_sheet = body.mesh.tets.iter().zip(&body.mesh.regions).filter(|(_, region)| **region == SHEET);
+    let of_sheet = body.mesh.elements.iter().zip(&body.mesh.regions).filter(|(_, region)| **region == SHEET);
     let mut nodes: Vec<u32> = of_sheet.flat_map(|(tet, _)| tet.iter().copied()).collect();
     nodes.sort_unstable();
     nodes.dedup();

@@ -44,16 +44,12 @@ struct Vertex {
 impl Skin {
     /// The outer skin of `mesh`.
     pub fn new(mesh: &QuadraticMesh) -> Self {
-        let outer: Vec<[u32; 6]> = mesh.skin.iter().filter(|f| f.on == On::Outer).map(|f| f.nodes).collect();
-        let mut used: Vec<u32> = outer.iter().flatten().copied().collect();
+        let outer: Vec<_> = mesh.skin.iter().filter(|f| f.on == On::Outer).collect();
+        let mut used: Vec<u32> = outer.iter().flat_map(|f| f.nodes()).copied().collect();
         used.sort_unstable();
         used.dedup();
         let place = |node: u32| used.partition_point(|u| *u < node) as u32;
-        let split = |f: &[u32; 6]| {
-            let [a, b, c, ab, bc, ca] = f.map(place);
-            [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
-        };
-        let triangles: Vec<[u32; 3]> = outer.iter().flat_map(split).collect();
+        let triangles = outer.iter().flat_map(|f| f.triangles()).map(|corners| corners.map(place)).collect();
         let grey = greys(mesh, &used);
         Self { triangles, used, grey, mirrored: mesh.half }
     }
@@ -123,8 +119,8 @@ impl Skin {
 /// Grey of each used node: silicone's where silicone touches it, else the sheet's.
 fn greys(mesh: &QuadraticMesh, used: &[u32]) -> Vec<f32> {
     let mut silicone = vec![false; mesh.nodes.len()];
-    for (tet, _) in mesh.tets.iter().zip(&mesh.regions).filter(|(_, region)| **region != SPINE) {
-        tet.iter().for_each(|node| silicone[*node as usize] = true);
+    for (nodes, _) in mesh.elements.iter().zip(&mesh.regions).filter(|(_, region)| **region != SPINE) {
+        nodes.iter().for_each(|node| silicone[*node as usize] = true);
     }
     used.iter().map(|node| if silicone[*node as usize] { SILICONE } else { SHEET }).collect()
 }

@@ -154,6 +154,9 @@ pub struct Resolution {
     pub per_chamber: usize,
     /// Elements along each rib.
     pub per_rib: usize,
+    /// By how much the cells of hexahedra are shorter than those of the study; none: tetrahedra, as where silicone and sheet do not adhere.
+    #[serde(default)]
+    pub hexahedra: Option<f64>,
 }
 
 /// A flapping trial.

@@ -97,6 +97,9 @@ pub struct Source {
     pub unit: Unit,
     /// Order of the elements; the file's own when it is not said, quadratic for STL files.
     pub order: Option<Order>,
+    /// Elements for STL files; tetrahedra when it is not said.
+    #[serde(default)]
+    pub elements: Elements,
     /// Whether the half z ≥ 0 of a symmetric body is simulated.
     #[serde(default)]
     pub half: bool,
@@ -107,6 +110,19 @@ impl Source {
     pub fn name(&self) -> &str {
         self.file.as_deref().or(self.body.as_deref()).unwrap_or_default()
     }
+}
+
+/// Elements of a body of STL files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Elements {
+    /// With edges of `edge`.
+    #[default]
+    Tetrahedra,
+    /// Sized in units of the thinnest wall, where rows and levels divide the body; tetrahedra elsewhere, with a note.
+    Auto,
+    /// The same, or an error.
+    Hexahedra,
 }
 
 /// Unit of a mesh file.

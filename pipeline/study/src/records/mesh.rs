@@ -1,6 +1,6 @@
-//! Mesh: the specimen's solid as quadratic tetrahedra, its chambers, and its markers as material points.
+//! Mesh: the specimen's solid in elements of second order, its chambers, and its markers as material points.
 
-use mesh::{QuadraticFace, QuadraticMesh, Skin, Solid, Spot};
+use mesh::{QuadraticElements, QuadraticFace, QuadraticMesh, Skin, Solid, Spot};
 use serde::{Deserialize, Serialize};
 use si::CubicMetre;
 use sysid::{Attached, Body, Model};
@@ -52,6 +52,9 @@ pub struct Quality {
     pub volume_error: Vec<f64>,
     /// Largest distance of a marker on the card from the skin, m.
     pub marker_distance_m: f64,
+    /// Why a body of surfaces is in tetrahedra where hexahedra were wished for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub not_hexahedra: Option<String>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -88,35 +91,46 @@ impl Record for Mesh {
         let axis = |k: usize| solid.nodes.iter().map(|n| n[k]).collect();
         let nodes = Columns::default().numbers("x_m", axis(0)).numbers("y_m", axis(1)).numbers("z_m", axis(2));
         let regions = solid.regions.iter().map(|&r| u32::from(r)).collect();
-        let tets = whole(Columns::default().counts("region", regions), "n", &solid.tets);
-        let faces: Vec<[u32; 6]> = solid.skin.iter().map(|f| f.nodes).collect();
-        let skin = Columns::default().counts("on", solid.skin.iter().map(|f| f.on.code()).collect());
+        let regions = Columns::default().counts("region", regions);
+        let on = Columns::default().counts("on", solid.skin.iter().map(|f| f.on.code()).collect());
+        let (elements, skin) = match &solid.elements {
+            QuadraticElements::Tetrahedra(tets) => {
+                let faces: Vec<[u32; 6]> = solid.skin.iter().map(|f| std::array::from_fn(|k| f.nodes()[k])).collect();
+                (whole(regions, "n", tets), whole(on, "n", &faces))
+            }
+            QuadraticElements::Hexahedra(hexahedra) => {
+                let faces: Vec<[u32; 8]> = solid.skin.iter().map(QuadraticFace::as_side).collect();
+                (whole(regions, "n", hexahedra), whole(on, "n", &faces))
+            }
+        };
         let markers = self.markers.iter().map(|m| m.weights.clone()).collect();
         let (chambers, quality, clamped) = (self.chambers.clone(), self.quality.clone(), self.clamped.clone());
         let scalars = Scalars { chambers, quality, markers, clamped };
         RecordFiles::default()
             .table("nodes.parquet", &nodes)?
-            .table("tetrahedra.parquet", &tets)?
-            .table("skin.parquet", &whole(skin, "n", &faces))?
+            .table(&format!("{}.parquet", solid.elements.name()), &elements)?
+            .table("skin.parquet", &skin)?
             .scalars("mesh.json", &scalars)
             .map(|files| files.file("mesh.vtu", mesh::vtu::write(solid).into_bytes()))
     }
 
     fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
         let scalars: Scalars = files.read_scalars("mesh.json")?;
-        let (nodes, tets) = (files.read_table("nodes.parquet")?, files.read_table("tetrahedra.parquet")?);
-        let skin = files.read_table("skin.parquet")?;
+        let nodes = files.read_table("nodes.parquet")?;
+        let (elements, regions, skin) = if files.contents().any(|(name, _)| name == HEXAHEDRA) {
+            let (elements, regions) = elements::<20>(files, HEXAHEDRA)?;
+            (QuadraticElements::Hexahedra(elements), regions, sides(files)?)
+        } else {
+            let (elements, regions) = elements::<10>(files, TETRAHEDRA)?;
+            (QuadraticElements::Tetrahedra(elements), regions, triangles(files)?)
+        };
         let (x, y, z) = (nodes.f64("x_m")?, nodes.f64("y_m")?, nodes.f64("z_m")?);
-        let code = || unfit("skin.parquet", "a face lies on a skin that there is not");
-        let face = |(on, nodes)| Ok(QuadraticFace { nodes, on: Skin::from_code(on).ok_or_else(code)? });
-        let on = skin.u32("on")?;
-        let region = |region: u32| u16::try_from(region).map_err(|e| unfit("tetrahedra.parquet", e.to_string()));
         let solid = QuadraticMesh {
             // length: columns of one table are equally long
             nodes: x.into_iter().zip(y).zip(z).map(|((x, y), z)| [x, y, z]).collect(),
-            tets: rows::<10>(&tets, "n")?,
-            regions: tets.u32("region")?.into_iter().map(region).collect::<Result<_, _>>()?,
-            skin: on.into_iter().zip(rows::<6>(&skin, "n")?).map(face).collect::<Result<_, RecordError>>()?,
+            elements,
+            regions,
+            skin,
             half: scalars.quality.half,
         };
         let named = scalars.markers.iter().flatten().map(|(node, _)| node).chain(&scalars.clamped);
@@ -137,7 +151,7 @@ impl Record for Mesh {
     fn metrics(&self, subject: &str) -> Vec<Metric> {
         let id = |what: &str| format!("mesh.{subject}.{what}");
         vec![
-            Metric::new(id("tets"), self.solid.tets.len() as f64, ""),
+            Metric::new(id("tets"), self.solid.elements.len() as f64, ""),
             Metric::new(id("dofs"), self.quality.dofs as f64, ""),
             Metric::new(id("min_dihedral_deg"), self.quality.min_dihedral_deg, "°"),
             Metric::new(id("hausdorff_mm"), 1e3 * self.quality.hausdorff_m, "mm"),
@@ -146,10 +160,47 @@ impl Record for Mesh {
 
     fn summary(&self) -> String {
         let half = if self.quality.half { "half model, " } else { "" };
-        let (tets, dofs) = (self.solid.tets.len(), self.quality.dofs);
+        let (elements, dofs) = (self.solid.elements.len(), self.quality.dofs);
+        let kind = self.solid.elements.name();
+        let refused = self.quality.not_hexahedra.as_deref().and_then(|why| why.lines().next());
+        let refused = refused.map(|why| format!("; no hexahedra: {why}")).unwrap_or_default();
         let (angle, off) = (self.quality.min_dihedral_deg, 1e3 * self.quality.hausdorff_m);
-        format!("{half}{tets} tetrahedra, {dofs} dofs, smallest angle {angle:.1}°, surface distance {off:.2} mm")
+        format!(
+            "{half}{elements} {kind}, {dofs} dofs, smallest angle {angle:.1}°, surface distance {off:.2} mm{refused}"
+        )
     }
+}
+
+/// The tables of elements.
+const TETRAHEDRA: &str = "tetrahedra.parquet";
+const HEXAHEDRA: &str = "hexahedra.parquet";
+
+/// Elements of `N` nodes and their regions.
+fn elements<const N: usize>(files: &RecordFiles, name: &str) -> Result<(Vec<[u32; N]>, Vec<u16>), RecordError> {
+    let table = files.read_table(name)?;
+    let region = |region: u32| u16::try_from(region).map_err(|e| unfit(name, e.to_string()));
+    let regions = table.u32("region")?.into_iter().map(region).collect::<Result<_, _>>()?;
+    Ok((rows::<N>(&table, "n")?, regions))
+}
+
+/// Faces of six nodes.
+fn triangles(files: &RecordFiles) -> Result<Vec<QuadraticFace>, RecordError> {
+    let table = files.read_table("skin.parquet")?;
+    let nodes = rows::<6>(&table, "n")?;
+    Ok(touched(&table)?.into_iter().zip(nodes).map(|(on, nodes)| QuadraticFace::triangle(nodes, on)).collect())
+}
+
+/// Faces of eight nodes, triangles among them.
+fn sides(files: &RecordFiles) -> Result<Vec<QuadraticFace>, RecordError> {
+    let table = files.read_table("skin.parquet")?;
+    let nodes = rows::<8>(&table, "n")?;
+    Ok(touched(&table)?.into_iter().zip(nodes).map(|(on, nodes)| QuadraticFace::from_side(nodes, on)).collect())
+}
+
+/// What each face touches.
+fn touched(table: &Columns) -> Result<Vec<Skin>, RecordError> {
+    let code = || unfit("skin.parquet", "a face lies on a skin that there is not");
+    table.u32("on")?.into_iter().map(|on| Skin::from_code(on).ok_or_else(code)).collect()
 }
 
 /// Adds one column of whole numbers for each place in a row.
@@ -171,9 +222,9 @@ mod tests {
     fn a_mesh_survives_its_record() {
         let solid = QuadraticMesh {
             nodes: (0..10).map(|i| [0.1 * f64::from(i), 0.0, 1.0]).collect(),
-            tets: vec![std::array::from_fn(|i| i as u32)],
+            elements: QuadraticElements::Tetrahedra(vec![std::array::from_fn(|i| i as u32)]),
             regions: vec![1],
-            skin: vec![QuadraticFace { nodes: [0, 1, 2, 4, 5, 6], on: Skin::Chamber(3) }],
+            skin: vec![QuadraticFace::triangle([0, 1, 2, 4, 5, 6], Skin::Chamber(3))],
             half: true,
         };
         let quality = Quality {
@@ -183,13 +234,15 @@ mod tests {
             hausdorff_m: 1e-4,
             volume_error: vec![0.0; 2],
             marker_distance_m: 0.0,
+            not_hexahedra: None,
         };
         let chambers = vec![Cavity { name: "left".into(), skin: 3, volume_m3: 1e-6 }];
         let mesh =
             Mesh { solid, chambers, markers: vec![Spot { weights: vec![(2, 1.0)] }], clamped: vec![0, 2], quality };
         assert_eq!(Mesh::unpack(&mesh.pack().unwrap()).unwrap(), mesh);
         let mut beyond = [mesh.clone(), mesh.clone(), mesh.clone(), mesh.clone()];
-        beyond[0].solid.tets[0][3] = 10;
+        beyond[0].solid.elements =
+            QuadraticElements::Tetrahedra(vec![std::array::from_fn(|i| if i == 3 { 10 } else { i as u32 })]);
         beyond[1].markers[0].weights[0].0 = 10;
         beyond[2].solid.nodes[4][1] = f64::NAN;
         beyond[3].clamped.push(10);

@@ -1,5 +1,6 @@
 //! The error of the mesh in the identified moduli, from a finer mesh of the same surfaces at the same moduli.
 
+use ::mesh::{ElementChoice, Grading, QuadraticElements};
 use fem::StaticSettings;
 use optimize::Residuals;
 use si::Point2;
@@ -11,7 +12,10 @@ use sysid::discretisation::{error, shift};
 use sysid::{Elastic, Model};
 use workflow::stage::StageContext;
 
-/// The model on a mesh with edges of `[identify] fine_edge`; or why there is none.
+/// Lengths of hexahedra over those of the mesh on which their error is estimated.
+const FINER: f64 = 1.5;
+
+/// The model on a mesh with edges of `[identify] fine_edge`, or of finer hexahedra; or why there is none.
 // A study needs no such mesh to go on: its absence is a sentence beside the moduli, not an end.
 pub(super) fn finer(
     card: &Card,
@@ -22,11 +26,17 @@ pub(super) fn finer(
     if !card.mesh.has_surfaces() {
         return Err("the body came as a mesh file, of which there is no finer one".into());
     }
-    let by = ::mesh::Settings { use_symmetry: mesh.solid.half, ..::mesh::Settings::new(set.fine_edge) };
+    let settings = ::mesh::Settings { use_symmetry: mesh.solid.half, ..::mesh::Settings::new(set.fine_edge) };
+    let elements = match mesh.solid.elements {
+        QuadraticElements::Hexahedra(_) => ElementChoice::Hexahedra(Grading::COARSE.finer(FINER)),
+        QuadraticElements::Tetrahedra(_) => ElementChoice::Tetrahedra,
+    };
+    let by = mesh::Mesher { settings, elements };
     let made = mesh::made(&card.mesh, &by, mesh::MARKER_LIMIT, context).map_err(|d| on_edges(set, &d.what))?;
-    let [here, there] = [&mesh.solid, &made.solid].map(|solid| solid.tets.len());
+    let [here, there] = [&mesh.solid, &made.solid].map(|solid| solid.elements.len());
     if there <= here {
-        return Err(on_edges(set, &format!("there are {there} tetrahedra, not more than {here}")));
+        let kind = mesh.solid.elements.name();
+        return Err(on_edges(set, &format!("there are {there} {kind}, not more than {here}")));
     }
     let model = made.model(&card.body).map_err(|d| on_edges(set, &d.what))?;
     Ok(model.with_markers_at(&made.solid, &card.body, &mean_rest(&films.0)))

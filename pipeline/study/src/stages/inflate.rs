@@ -150,7 +150,7 @@ fn see(shapes: &mut [Shape], card: &Card, mesh: &Mesh, eye: Point3) {
 
 /// The nodes of the skin, in rising order.
 fn skin(mesh: &Mesh) -> Vec<u32> {
-    let nodes: BTreeSet<u32> = mesh.solid.skin.iter().flat_map(|f| f.nodes).collect();
+    let nodes: BTreeSet<u32> = mesh.solid.skin.iter().flat_map(|f| f.nodes()).copied().collect();
     nodes.into_iter().collect()
 }
 

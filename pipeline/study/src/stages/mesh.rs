@@ -1,4 +1,4 @@
-//! Mesh: tetrahedra with regions, chambers and marker points, from surfaces or from a mesh file. Paper: section V, the STL export.
+//! Mesh: hexahedra or tetrahedra with regions, chambers and marker points, from surfaces or from a mesh file. Paper: section V, the STL export.
 
 use lab::card::{self, LengthUnit};
 use mesh::{QuadraticMesh, Spot, Surface};
@@ -8,7 +8,7 @@ use std::path::Path;
 
 use crate::records::{self, Cavity, Quality};
 use crate::subject::Specimen;
-use ::mesh::{chamber_at, foreign};
+use ::mesh::{ElementChoice, Grading, chamber_at, foreign};
 use diagnostics::{Diagnostic, Result};
 use sysid::{Meshed, NamedRegion};
 use workflow::stage::{RawFile, Stage, StageContext};
@@ -21,12 +21,42 @@ pub struct Mesh;
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
-    /// Target length of an edge, m.
+    /// Which elements a body of surfaces gets.
+    elements: Elements,
+    /// Target length of an edge of tetrahedra, m.
     edge: Metre,
     /// Whether a solid symmetric about z = 0 is meshed by its half.
     use_symmetry: bool,
     /// How far a marker on the card may lie from the skin, m.
     marker_distance_limit: Metre,
+}
+
+/// Elements of a body of surfaces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Elements {
+    /// Hexahedra where rows and levels divide the body, sized in units of its thinnest wall; tetrahedra elsewhere.
+    Auto,
+    /// Hexahedra, or an error.
+    Hexahedra,
+    /// Tetrahedra with edges of `edge`.
+    Tetrahedra,
+}
+
+impl Elements {
+    fn choice(self) -> ElementChoice {
+        match self {
+            Self::Auto => ElementChoice::HexahedraWherePossible(Grading::COARSE),
+            Self::Hexahedra => ElementChoice::Hexahedra(Grading::COARSE),
+            Self::Tetrahedra => ElementChoice::Tetrahedra,
+        }
+    }
+}
+
+/// How surfaces are meshed.
+pub(super) struct Mesher {
+    pub settings: ::mesh::Settings,
+    pub elements: ElementChoice,
 }
 
 /// What it reads of the card.
@@ -51,8 +81,9 @@ impl Card {
     }
 
     /// How its surfaces are meshed with edges of some length (m): by half only where both sides move alike.
-    fn mesher(&self, edge: Metre, use_symmetry: bool) -> ::mesh::Settings {
-        ::mesh::Settings { use_symmetry: use_symmetry && !self.sided, ..::mesh::Settings::new(edge) }
+    fn mesher(&self, edge: Metre, use_symmetry: bool, elements: ElementChoice) -> Mesher {
+        let use_symmetry = use_symmetry && !self.sided;
+        Mesher { settings: ::mesh::Settings { use_symmetry, ..::mesh::Settings::new(edge) }, elements }
     }
 }
 
@@ -90,7 +121,7 @@ impl Stage for Mesh {
     type Card = Card;
     type Needs = ();
     type Makes = records::Mesh;
-    const DESCRIPTION: &'static str = "tetrahedra with chambers and markers, from surfaces or from a mesh file";
+    const DESCRIPTION: &'static str = "elements with chambers and markers, from surfaces or from a mesh file";
     const VERSION: u32 = 2;
 
     fn raw(of: &Specimen) -> Vec<RawFile> {
@@ -106,7 +137,8 @@ impl Stage for Mesh {
 
     fn run(card: &Self::Card, set: &Settings, (): (), context: &dyn StageContext) -> Result<records::Mesh> {
         context.progress(0.1, "meshing");
-        made(card, &card.mesher(set.edge, set.use_symmetry), set.marker_distance_limit, context)
+        let mesher = card.mesher(set.edge, set.use_symmetry, set.elements.choice());
+        made(card, &mesher, set.marker_distance_limit, context)
     }
 }
 
@@ -114,12 +146,7 @@ impl Stage for Mesh {
 ///
 /// # Errors
 /// A [`Diagnostic`] when a surface cannot be read or meshed, or the card names a chamber or marker that is not there.
-pub fn made(
-    card: &Card,
-    by: &::mesh::Settings,
-    marker_limit: Metre,
-    context: &dyn StageContext,
-) -> Result<records::Mesh> {
+pub(super) fn made(card: &Card, by: &Mesher, marker_limit: Metre, context: &dyn StageContext) -> Result<records::Mesh> {
     let made = match card.meshed {
         true => read(card, context)?,
         false => meshed(card, by, context)?,
@@ -133,6 +160,7 @@ pub fn made(
         min_dihedral_deg: made.min_dihedral_deg,
         hausdorff_m: made.hausdorff_m,
         volume_error: made.volume_error,
+        not_hexahedra: made.not_hexahedra,
         marker_distance_m,
     };
     Ok(records::Mesh { solid: made.solid, chambers, markers, clamped, quality })
@@ -141,19 +169,19 @@ pub fn made(
 /// Largest distance of another mesh's skin from a marker, m: a coarse one lies farther off than the study's own.
 pub(super) const MARKER_LIMIT: Metre = 3e-3;
 
-/// A specimen's mesh with other edges (m) than the study's, halved where it is symmetric.
+/// A specimen's mesh in tetrahedra with edges of some length (m), halved where it is symmetric.
 ///
 /// # Errors
 /// As [`made`].
 pub(super) fn with_edge(card: &Card, edge: Metre, context: &dyn StageContext) -> Result<records::Mesh> {
-    made(card, &card.mesher(edge, true), MARKER_LIMIT, context)
+    made(card, &card.mesher(edge, true, ElementChoice::Tetrahedra), MARKER_LIMIT, context)
 }
 
-fn meshed(card: &Card, by: &::mesh::Settings, context: &dyn StageContext) -> Result<Meshed> {
+fn meshed(card: &Card, by: &Mesher, context: &dyn StageContext) -> Result<Meshed> {
     let body = surface(card, card::BODY, context)?;
     let sheet = card.solids.iter().any(|one| one.solid == card::SPINE);
     let spine = sheet.then(|| surface(card, card::SPINE, context)).transpose()?;
-    Meshed::of_surfaces(&body, spine.as_ref(), by, &card.solids).map_err(|diagnostic| {
+    Meshed::of_surfaces((&body, spine.as_ref()), &by.settings, by.elements, &card.solids).map_err(|diagnostic| {
         let body = context.display_path(card::BODY);
         let spine = sheet.then(|| format!(" with {}", context.display_path(card::SPINE)));
         diagnostic.while_doing(body + &spine.unwrap_or_default())
@@ -245,7 +273,9 @@ mod tests {
     #[test]
     fn a_tail_whose_sides_move_apart_is_never_meshed_by_its_half() {
         let card = |heights| -> Card { Part::part_of(&Specimen { card: tail(heights).into() }) };
-        let halved = |card: Card| [true, false].map(|wanted| card.mesher(3e-3, wanted).use_symmetry);
+        let halved = |card: Card| {
+            [true, false].map(|wanted| card.mesher(3e-3, wanted, ElementChoice::Tetrahedra).settings.use_symmetry)
+        };
         assert_eq!(halved(card([0.0, 0.0])), [true, false]);
         assert_eq!(halved(card([0.01, -0.01])), [false, false]);
     }

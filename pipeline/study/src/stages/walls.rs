@@ -54,7 +54,7 @@ impl<'a> WallGauge<'a> {
     fn lies_left(&self, chamber: usize) -> bool {
         let (solid, cavity) = (&self.mesh.solid, self.mesh.chambers[chamber].skin);
         let on = solid.skin.iter().filter(|f| f.on == mesh::Skin::Chamber(cavity));
-        on.map(|f| solid.nodes[f.nodes[0] as usize][1]).sum::<f64>() > 0.0
+        on.map(|f| solid.nodes[f.nodes()[0] as usize][1]).sum::<f64>() > 0.0
     }
 }
 

@@ -3,12 +3,12 @@
 use super::Grading;
 use super::levels::Levels;
 use super::rows::{Cell, Cells};
-use crate::Skin;
 use crate::columns::sheets::Layers;
 use crate::frame::Frame;
-use crate::hexahedra::{HEX_SIDES, HexFace, HexMesh};
+use crate::hexahedra::{HEX_SIDES, side_as_face};
 use crate::stack::Fill;
-use si::{Metre, Point2};
+use crate::{QuadraticElements, QuadraticFace, QuadraticMesh, Skin};
+use si::{Metre, Point2, Point3};
 use std::collections::BTreeMap;
 
 /// A plan of cells with levels over it.
@@ -36,20 +36,14 @@ impl Grid<'_> {
     ///
     /// # Errors
     /// A plan point at which layers have no thickness.
-    pub fn fill(&self, wall: Metre, grading: &Grading) -> Result<HexMesh, Point2> {
+    pub fn fill(&self, wall: Metre, grading: &Grading) -> Result<QuadraticMesh, Point2> {
         let cuts = self.cuts(wall, grading);
         let heights: Vec<Vec<Option<Metre>>> =
             self.levels.heights.iter().map(|levels| refined(levels, &cuts)).collect();
         let blocks = self.blocks(&cuts);
         let solid = |block: &&Block| matches!(block.fill, Fill::Region(_));
         let (mut numbers, mut nodes) = (BTreeMap::new(), Vec::new());
-        let mut mesh = HexMesh {
-            nodes: Vec::new(),
-            hexahedra: Vec::new(),
-            regions: Vec::new(),
-            skin: Vec::new(),
-            half: self.cut.is_some(),
-        };
+        let (mut hexahedra, mut regions) = (Vec::new(), Vec::new());
         for block in blocks.iter().filter(solid) {
             let Fill::Region(region) = block.fill else { continue };
             let mut element = [0; 20];
@@ -64,16 +58,16 @@ impl Grid<'_> {
                     }
                 };
             }
-            mesh.hexahedra.push(element);
-            mesh.regions.push(region);
+            hexahedra.push(element);
+            regions.push(region);
         }
-        mesh.nodes = nodes;
-        mesh.skin = self.skin(&blocks, &numbers, &mesh);
-        Ok(mesh)
+        let skin = self.skin(&blocks, &numbers, &nodes);
+        let elements = QuadraticElements::Hexahedra(hexahedra);
+        Ok(QuadraticMesh { nodes, elements, regions, skin, half: self.cut.is_some() })
     }
 
     /// A node in space, m.
-    fn place(&self, (point, at): Key, heights: &[Vec<Option<Metre>>]) -> Result<si::Point3, Point2> {
+    fn place(&self, (point, at): Key, heights: &[Vec<Option<Metre>>]) -> Result<Point3, Point2> {
         let plan = self.cells.points[point as usize];
         let line = &heights[point as usize];
         let [low, high] = [at / 2, at.div_ceil(2)].map(|n| line.get(n as usize).copied().flatten());
@@ -148,7 +142,7 @@ impl Grid<'_> {
     }
 
     /// Faces with a solid on one side only, in the order of the elements.
-    fn skin(&self, blocks: &[Block], numbers: &BTreeMap<Key, u32>, mesh: &HexMesh) -> Vec<HexFace> {
+    fn skin(&self, blocks: &[Block], numbers: &BTreeMap<Key, u32>, places: &[Point3]) -> Vec<QuadraticFace> {
         let mut sides: BTreeMap<Vec<Key>, Vec<(usize, usize)>> = BTreeMap::new();
         for (n, block) in blocks.iter().enumerate() {
             for (side, nodes) in HEX_SIDES.iter().enumerate() {
@@ -167,13 +161,13 @@ impl Grid<'_> {
             let (Some(&(n, side)), None) = (solids.next(), solids.next()) else { continue };
             let nodes = HEX_SIDES[side].map(|node| numbers[&blocks[n].nodes[node]]);
             let other = owners.iter().find(|side| !solid(side)).map(|side| blocks[side.0].fill);
-            let on_cut = self.cut.is_some() && nodes.iter().all(|&node| mesh.nodes[node as usize][2] == 0.0);
+            let on_cut = self.cut.is_some() && nodes.iter().all(|&node| places[node as usize][2] == 0.0);
             let on = match other {
                 Some(Fill::Chamber(chamber)) => Skin::Chamber(chamber),
                 _ if on_cut => Skin::Symmetry,
                 _ => Skin::Outer,
             };
-            faces.push(((n, side), HexFace { nodes: triangle_last(nodes), on }));
+            faces.extend(side_as_face(nodes, on).map(|face| ((n, side), face)));
         }
         faces.sort_unstable_by_key(|face| face.0);
         faces.into_iter().map(|face| face.1).collect()
@@ -182,12 +176,6 @@ impl Grid<'_> {
 
 /// Least distance of neighbouring heights, m.
 const THINNEST: Metre = 1e-6;
-
-/// A face turned so that a triangle has its repeated corner third.
-fn triangle_last(nodes: [u32; 8]) -> [u32; 8] {
-    let turned = |by: usize| std::array::from_fn(|n| nodes[4 * (n / 4) + (n + by) % 4]);
-    (0..4).map(turned).find(|face: &[u32; 8]| face[2] == face[3]).unwrap_or(nodes)
-}
 
 /// Heights of levels and of the cuts between them.
 fn refined(levels: &[Option<Metre>], cuts: &[Vec<f64>]) -> Vec<Option<Metre>> {
@@ -212,7 +200,7 @@ fn block_nodes(cell: &Cell, height: u32) -> [Key; 20] {
 }
 
 /// Fractions of a thickness (m) that make cells of the given lengths (m) from one end or from both.
-fn towards(thickness: Metre, beside: [bool; 2], lengths: &[Metre; 3]) -> Vec<f64> {
+fn towards(thickness: Metre, beside: [bool; 2], lengths: &[Metre; 2]) -> Vec<f64> {
     let both = beside[0] && beside[1];
     let room = if both { 0.5 * thickness } else { thickness };
     let (mut sum, mut places) = (0.0, Vec::new());

@@ -19,8 +19,8 @@ use super::plane::Plane;
 use super::sequence::{Sampler, Sequence};
 use super::sheets::{Layers, Sheets};
 use super::{MeshError, Settings};
+use crate::QuadraticMesh;
 use crate::columns::arrange::Graph;
-use crate::hexahedra::HexMesh;
 use crate::stack::Fill;
 use fill::Grid;
 use levels::{Covered, Levels};
@@ -34,7 +34,7 @@ pub struct Grading {
     /// Along a chamber: the first cell beside a rib, and the longest between.
     pub along: [f64; 2],
     /// Through a chamber's depth from the outer wall inwards, where there are ribs; what is left is the last cell.
-    pub depth: [f64; 3],
+    pub depth: [f64; 2],
     /// Along a row.
     pub height: f64,
     /// Layers of the outer wall.
@@ -43,7 +43,7 @@ pub struct Grading {
 
 impl Grading {
     /// The grading by which angle and dent of a thin tail are within some 2 % of their limits.
-    pub const COARSE: Self = Self { along: [0.55, 1.4], depth: [0.4, 0.9, 2.2], height: 5.5, wall: 1 };
+    pub const COARSE: Self = Self { along: [0.55, 1.4], depth: [0.5, 1.3], height: 5.9, wall: 1 };
 
     /// The same with all cells shorter by a factor.
     pub fn finer(self, factor: f64) -> Self {
@@ -73,7 +73,7 @@ pub(crate) fn hexahedra(
     sampler: &Sampler,
     set: &Settings,
     grading: &Grading,
-) -> Result<HexMesh, MeshError> {
+) -> Result<QuadraticMesh, MeshError> {
     let not_swept = |at: [f64; 2], why| MeshError::NotSwept { at: sampler.frame.join(at, 0.0), why };
     let slabs = slabs(outlines, sampler.tolerance).map_err(|at| not_swept(at, "outlines end between two rows"))?;
     let coarse = Division {
@@ -158,7 +158,17 @@ fn inside(slabs: &[Slab], regions: &[Option<Sequence>], wall: Metre, grading: &G
         let length = slab.to - slab.from;
         let [beside, between] = grading.along.map(|part| part * wall);
         // a channel through a rib is no chamber that its wall bulges over
-        let chamber = regions[strips].iter().flatten().any(is_hollow) && length > 2.0 * beside.max(0.6 * wall);
+        let middle = 0.5 * (slab.from + slab.to);
+        let height = |lower: usize| slab.place(lower + 1, middle) - slab.place(lower, middle);
+        let (mut hollow, mut solid) = (0.0, 0.0);
+        for (lower, region) in regions[strips].iter().enumerate() {
+            match region {
+                Some(sequence) if is_hollow(sequence) => hollow += height(lower),
+                Some(_) => solid += height(lower),
+                None => {}
+            }
+        }
+        let chamber = hollow > solid;
         rows.push(if chamber {
             graded(length, beside.min(LARGEST_SHARE * length), between)
         } else {

@@ -26,12 +26,12 @@ fn chambers() -> (Surface, Surface) {
 #[test]
 fn a_body_with_chambers_beside_a_sheet_is_divided_into_hexahedra_of_its_volume() {
     let (body, spine) = chambers();
-    let (mesh, report) = mesh_in_hexahedra(&body, &spine, &Settings::new(4e-3), &Grading::COARSE).unwrap();
+    let (mesh, report) = mesh_in_hexahedra(&body, Some(&spine), &Settings::new(4e-3), &Grading::COARSE).unwrap();
     assert!(mesh.half && report.chambers.len() == 4);
     let exact = 12e-3 * 7e-3 * 22e-3;
     assert!(report.chambers.iter().all(|chamber| (chamber.volume / exact - 1.0).abs() < 1e-9));
     assert!((report.volume_body / report.volume_body_stl - 1.0).abs() < 1e-9 && report.hausdorff_m < 1e-9);
-    assert_eq!(mesh.to_tetrahedra().nonconformity(), None);
+    assert_eq!(mesh.cut_hexahedra().unwrap().nonconformity(), None);
     let on = |on: Skin| mesh.skin.iter().filter(|face| face.on == on).count();
     assert!(on(Skin::Symmetry) > 0 && on(Skin::Outer) > 0 && on(Skin::Chamber(0)) == on(Skin::Chamber(2)));
 }
@@ -39,7 +39,7 @@ fn a_body_with_chambers_beside_a_sheet_is_divided_into_hexahedra_of_its_volume()
 #[test]
 fn both_sides_of_a_symmetric_body_mirror_each_other() {
     let (body, spine) = chambers();
-    let (mesh, _) = mesh_in_hexahedra(&body, &spine, &Settings::new(4e-3), &Grading::COARSE).unwrap();
+    let (mesh, _) = mesh_in_hexahedra(&body, Some(&spine), &Settings::new(4e-3), &Grading::COARSE).unwrap();
     let key = |at: &[f64; 3]| at.map(|x| (x * 1e9).round() as i64);
     let mut nodes: Vec<_> = mesh.nodes.iter().map(key).collect();
     let mut mirrored: Vec<_> = nodes.iter().map(|[x, y, z]| [*x, -y, *z]).collect();
@@ -51,8 +51,8 @@ fn both_sides_of_a_symmetric_body_mirror_each_other() {
 #[test]
 fn a_finer_grading_has_more_elements_of_the_same_volume() {
     let (body, spine) = chambers();
-    let of = |grading: &Grading| mesh_in_hexahedra(&body, &spine, &Settings::new(4e-3), grading).unwrap();
+    let of = |grading: &Grading| mesh_in_hexahedra(&body, Some(&spine), &Settings::new(4e-3), grading).unwrap();
     let (coarse, fine) = (of(&Grading::COARSE), of(&Grading::COARSE.finer(1.5)));
-    assert!(fine.0.hexahedra.len() > 3 * coarse.0.hexahedra.len() / 2);
+    assert!(fine.0.elements.len() > 3 * coarse.0.elements.len() / 2);
     assert!((fine.1.volume_body / coarse.1.volume_body - 1.0).abs() < 1e-9);
 }
