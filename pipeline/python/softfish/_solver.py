@@ -235,7 +235,7 @@ class Motion:
         self.times = frozen(found["times"])
         self.displacement = frozen(found["displacement"].reshape(steps, -1, 3))
         self.velocity = frozen(found["velocity"].reshape(steps, -1, 3))
-        self.pressures = frozen(found["pressures"].reshape(steps, -1))
+        self.pressures = frozen(found.get("pressures", np.zeros((steps, 0))).reshape(steps, -1))
 
     def _recorded(self) -> _core.Trajectory:
         """The states as the gradient needs them; made again for a copy, and where steps were adaptive."""
@@ -987,7 +987,7 @@ class Solver:
         if inputs.factors.size:
             # Moduli of elements are given themselves: those of the regions have no effect.
             by_region = np.zeros_like(by_region)
-        initial = {key: found[key].reshape(shape) for key in ("initial_displacement", "initial_velocity") if key in found}
+        by_displacement, by_velocity = found.get("initial_displacement"), found.get("initial_velocity")
         return Gradient(
             youngs_modulus=by_region,
             poissons_ratio=found["poissons_ratio"],
@@ -997,7 +997,8 @@ class Solver:
             forces=found["forces"].reshape(shape),
             mass_damping=found.get("mass_damping", 0.0),
             stiffness_damping=found.get("stiffness_damping", 0.0),
-            **initial,
+            initial_displacement=None if by_displacement is None else by_displacement.reshape(shape),
+            initial_velocity=None if by_velocity is None else by_velocity.reshape(shape),
         )
 
     def __repr__(self) -> str:
