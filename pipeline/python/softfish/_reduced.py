@@ -41,7 +41,7 @@ class ReducedGradient:
     Attributes:
         state: By the state before.
         pressures: By chamber, 1/Pa.
-        modulus_scale: By the factor of the moduli of each region.
+        modulus_scale: By the factor of the moduli of each region, no unit.
     """
 
     state: ReducedState
