@@ -148,7 +148,7 @@ class ReducedModel:
         stiffness_damping: float = 0.0,
     ) -> TorchStep:
         """A step of `dt` seconds as a function of PyTorch: (coordinates, velocity, pressures) to (coordinates, velocity), differentiable once
-        in reverse mode."""
+        in reverse mode. A first axis of any argument is a batch."""
         from softfish._torch_step import TorchStep
 
         return TorchStep(self, positive("dt", dt), self._settings(dt, modulus_scale, (mass_damping, stiffness_damping)))
