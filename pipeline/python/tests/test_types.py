@@ -17,8 +17,10 @@ NOTEBOOKS = sorted((SOURCE / "notebooks").glob("*.ipynb"))
 MISTAKES = Path(__file__).with_name("mistakes.py")
 
 
-def run(*words: str | Path) -> str:
-    ran = subprocess.run([sys.executable, "-m", *map(str, words)], capture_output=True, text=True, timeout=300, check=False)
+def run(folder: Path, *words: str | Path) -> str:
+    """What a checker says; it takes packages of `folder` before installed ones."""
+    command = [sys.executable, "-m", *map(str, words)]
+    ran = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=900, check=False)
     return ran.stdout + ran.stderr
 
 
@@ -26,14 +28,15 @@ def mypy(files: list[Path]) -> list[tuple[str, int, str]]:
     """File, line and message of each error."""
     # what other packages leave without types is not ours
     others = ["--disable-error-code=import-untyped", *(f"--untyped-calls-exclude={name}" for name in ("torch", "jax"))]
-    said = run("mypy", "--strict", "--no-error-summary", "--cache-dir", files[0].parent / ".mypy_cache", *others, *files)
+    said = run(files[0].parent, "mypy", "--strict", "--no-error-summary", "--cache-dir", files[0].parent / ".mypy_cache", *others, *files)
     found = re.findall(r"^(.+?):(\d+): error: (.*)$", said, flags=re.MULTILINE)
     return [(Path(name).name, int(line), message) for name, line, message in found]
 
 
 def pyright(files: list[Path]) -> list[tuple[str, int, str]]:
     """File, line and message of each error."""
-    said = run("pyright", "--pythonpath", sys.executable, "--outputjson", *files)
+    package = (files[0].parent / "__init__.py").exists()
+    said = run(files[0].parents[package], "pyright", "--pythonpath", sys.executable, "--outputjson", *files)
     if "{" not in said:
         pytest.skip(f"pyright does not start: {said[-200:]}")
     errors = [one for one in json.loads(said[said.index("{") :])["generalDiagnostics"] if one["severity"] == "error"]
