@@ -113,20 +113,22 @@ def by_torch_fem(problem: Problem) -> Outcome:
 def by_scikit_fem(problem: Problem) -> Outcome:
     mu, lame = E / (2.0 * (1.0 + NU)), E * NU / ((1.0 + NU) * (1.0 - 2.0 * NU))
 
-    def kinematics(w: skfem.assembly.form.form.FormExtraParams) -> tuple[Array, Array, Array]:
-        F = w["displacement"].grad + np.eye(3)[:, :, None, None]
+    def kinematics(u: Array) -> dict[str, skfem.DiscreteField]:
+        """What the forms need of a displacement, once for all pairs of shape functions: F, F⁻ᵀ and ln J."""
+        F = basis.interpolate(u).grad + np.eye(3)[:, :, None, None]
         per_point = np.moveaxis(F, (0, 1), (-2, -1))
-        inverse = np.moveaxis(np.linalg.inv(per_point), (-2, -1), (1, 0))  # its transpose
-        return F, inverse, np.log(np.linalg.det(per_point))
+        inverse = np.ascontiguousarray(np.moveaxis(np.linalg.inv(per_point), (-2, -1), (1, 0)))  # its transpose
+        parts = {"F": F, "G": inverse, "log_J": np.log(np.linalg.det(per_point))}
+        return {name: skfem.DiscreteField(part) for name, part in parts.items()}
 
     @skfem.LinearForm
     def residual(v, w):  # type: ignore[no-untyped-def]
-        F, G, log_J = kinematics(w)
+        F, G, log_J = w["F"].value, w["G"].value, w["log_J"].value
         return np.einsum("ij...,ij...", mu * (F - G) + lame * log_J * G, v.grad)
 
     @skfem.BilinearForm
     def tangent(u, v, w):  # type: ignore[no-untyped-def]
-        _, G, log_J = kinematics(w)
+        G, log_J = w["G"].value, w["log_J"].value
         H = np.einsum("ik...,kl...->il...", np.einsum("ij...,kj...->ik...", G, u.grad), G)
         return np.einsum("ij...,ij...", mu * u.grad + (mu - lame * log_J) * H + lame * np.einsum("ij...,ij...", G, u.grad) * G, v.grad)
 
@@ -138,15 +140,15 @@ def by_scikit_fem(problem: Problem) -> Outcome:
     for part in np.linspace(0.0, 1.0, STEPS + 1)[1:]:
         forces[dofs] = part * problem.forces
         for _ in range(30):
-            unbalanced = (forces - residual.assemble(basis, displacement=basis.interpolate(u)))[free]
+            unbalanced = (forces - residual.assemble(basis, **kinematics(u)))[free]
             if np.linalg.norm(unbalanced) < 1e-10 * np.linalg.norm(forces):
                 break
-            K = tangent.assemble(basis, displacement=basis.interpolate(u))[free][:, free].tocsc()
+            K = tangent.assemble(basis, **kinematics(u))[free][:, free].tocsc()
             u[free] += scipy.sparse.linalg.spsolve(K, unbalanced, "MMD_AT_PLUS_A")
     solved = time.perf_counter()
     slope = np.zeros(basis.N)
     slope[dofs[problem.tip]] = 1.0
-    K = tangent.assemble(basis, displacement=basis.interpolate(u))[free][:, free].tocsc()
+    K = tangent.assemble(basis, **kinematics(u))[free][:, free].tocsc()
     # internal forces are proportional to E
     gradient = -scipy.sparse.linalg.spsolve(K, slope[free], "MMD_AT_PLUS_A") @ forces[free] / E
     return u[dofs[problem.tip]], gradient, solved - began, time.perf_counter() - solved
