@@ -186,6 +186,21 @@ mutants CRATE SHARE="8" LEVEL="1" TESTS="--tests":
 bench *NAMES="ratios plan resolution":
     cargo bench --workspace --exclude typeset --exclude python --locked {{prepend("--bench ", NAMES)}}
 
+# the same two bodies in softfish, torch-fem and scikit-fem: tip, its derivative, seconds of one core; brings PyTorch (3 GB)
+bench-python:
+    #!/usr/bin/env bash
+    set -euo pipefail
+    in=$PWD/target/bench-python/bin
+    if [ ! -x "$in/maturin" ]; then
+        "${PYTHON:-python3}" -m venv target/bench-python
+        # releases, so that two runs compare the same code
+        "$in/pip" install --quiet 'torch-fem==0.14.0' 'scikit-fem==12.0.2' meshio 'maturin>=1.9,<2'
+    fi
+    (cd pipeline/python && rm -rf ../../target/bench-python/wheel &&
+        "$in/maturin" build --quiet --release --locked --target-dir ../../target --out ../../target/bench-python/wheel)
+    "$in/pip" install --quiet --force-reinstall --no-deps target/bench-python/wheel/softfish-*.whl
+    "$in/python" pipeline/python/benches/side_by_side.py
+
 # formatting and lints, warnings as errors
 lint:
     cargo fmt --all --check

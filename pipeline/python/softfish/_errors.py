@@ -44,7 +44,7 @@ class ConvergenceError(Error, RuntimeError):
 
     Attributes:
         equilibrium: The last equilibrium on the way, where there is one.
-        level: Its level: the part of all loads but gravity that it carries.
+        level: Its level: the part of all loads but gravity that it carries, no unit.
         time: Of a motion, the time of the last state, s.
         displacement: Of a motion, the last displacement: nodes × 3, m.
     """

@@ -20,9 +20,9 @@ class FittedLaw:
         name: Its name in the table.
         parameters: Names of its parameters.
         units: Their SI units.
-        mean: In SI units.
+        mean: One per parameter, in SI units.
         covariance: In SI units: parameters × parameters.
-        criterion: Bayes' information criterion, relative to the best law's.
+        criterion: Bayes' information criterion, relative to the best law's; no unit.
         supported: Whether the recordings support it.
     """
 
@@ -61,12 +61,12 @@ class Fit:
 
     @property
     def mean(self) -> Array:
-        """That law's parameters, SI."""
+        """One per parameter of that law, in SI units."""
         return self.law.mean
 
     @property
     def covariance(self) -> Array:
-        """Their covariance, SI."""
+        """Their covariance, parameters × parameters, in SI units."""
         return self.law.covariance
 
 

@@ -97,12 +97,12 @@ class Camera:
     Attributes:
         fisheye: Whether its lens is a fisheye (k1 to k4); else distortion is Brown and Conrady's (k1, k2, p1, p2, k3).
         size: Width and height of its pictures, px.
-        mean: fx, fy, cx, cy (px), then the coefficients of distortion in OpenCV's order.
-        covariance: Of the mean.
+        mean: fx, fy, cx, cy (px), then the coefficients of distortion in OpenCV's order (no unit): one per parameter.
+        covariance: Of the mean: parameters × parameters, px² and no unit as there.
         reprojection_error: Root of the mean squared distance between seen and projected points of the board, px.
         views: Name of each picture of the whole board, or time of each frame.
         errors: Reprojection error of each view, px.
-        rotation: From the board to the camera: views × 3 × 3.
+        rotation: From the board to the camera: views × 3 × 3, no unit.
         translation: From the board to the camera: views × 3, m.
     """
 
@@ -124,7 +124,7 @@ class Camera:
 
     @property
     def distortion(self) -> Array:
-        """Its coefficients, as `cv2` takes them."""
+        """Its coefficients, one per parameter, as `cv2` takes them, no unit."""
         return self.mean[4:]
 
 

@@ -9,17 +9,16 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from softfish._arrays import Array, whole, word
-from softfish._errors import DerivativeError, Error, InputError
+from softfish._errors import InputError
 from softfish._function import Function, FunctionSettings
-from softfish._optional import optional
+from softfish._jax_host import Host, differentiable_once, jax, jnp, real, reverse_mode
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from softfish._solver import Equilibrium, Motion, Solver
 
-jax: Any = optional("jax")
-jnp: Any = optional("jax.numpy")
+_SECOND = "a second derivative of a solve is asked for"
 
 
 class JaxFunction:
@@ -52,7 +51,7 @@ class JaxFunction:
 
     def _begin(self) -> None:
         self._results: OrderedDict[tuple[bytes, ...], Equilibrium | Motion] = OrderedDict()
-        self._failure: Error | None = None
+        self._host = Host()
         self._call = self._reverse() if self._mode == "reverse" else self._forward()
 
     def __getstate__(self) -> dict[str, Any]:
@@ -69,35 +68,16 @@ class JaxFunction:
             names = ", ".join(parameter.name for parameter in parameters)
             raise InputError(f"{len(values)} arguments are given", f"the function has {names}", "give one for each")
         self.check()
-        arrays = [self._real(parameter.name, value) for parameter, value in zip(parameters, values, strict=True)]
+        arrays = [real(parameter.name, value) for parameter, value in zip(parameters, values, strict=True)]
         for parameter, array in zip(parameters, arrays, strict=True):
             if array.shape != parameter.shape:
                 why = f"{parameter.shape} is required; jax.vmap makes batches"
                 raise InputError(f"`{parameter.name}` has the shape {array.shape}", why, "check its axes")
-        try:
-            return self._call(*arrays)
-        except TypeError as error:
-            # JAX's own error of a function with reverse mode in a transform of forward mode
-            if "forward-mode" not in str(error):
-                raise
-            why = "JAX gives a function reverse or forward mode; this one has reverse mode, and no second derivatives"
-            raise DerivativeError("forward mode of a solve is asked for", why, 'make the function with mode="forward"') from error
-
-    @staticmethod
-    def _real(name: str, value: Any) -> Any:
-        """It in the precision that it has: single or double; whole numbers and lists in JAX's own."""
-        array = jnp.asarray(value)
-        if not jnp.issubdtype(array.dtype, jnp.floating) and not jnp.issubdtype(array.dtype, jnp.integer):
-            raise InputError(f"`{name}` holds {array.dtype}", "real numbers are required", "convert it")
-        if jnp.issubdtype(array.dtype, jnp.floating) and array.dtype.itemsize < 4:
-            raise InputError(f"`{name}` holds {array.dtype}", "half precision has three digits", "convert it to float64")
-        return array if jnp.issubdtype(array.dtype, jnp.floating) else array.astype(float)
+        return reverse_mode(self._call, arrays, 'make the function with mode="forward"')
 
     def check(self) -> None:
         """Raises the exception of a solve that failed under `jax.jit`."""
-        failure, self._failure = self._failure, None
-        if failure is not None:
-            raise failure
+        self._host.check()
 
     def _result(self, values: Sequence[Array]) -> Equilibrium | Motion:
         """The result at `values`, the kept one where there is one."""
@@ -109,46 +89,11 @@ class JaxFunction:
             self._results.popitem(last=False)
         return self._results[key]
 
-    def _host(self, compute: Any, shapes: Any, arrays: Sequence[Any]) -> Any:
-        """`compute` of double-precision arrays on the host: at once where the values are known, else by a callback."""
-        leaves, tree = jax.tree.flatten(shapes)
-
-        def cast(outputs: Any) -> Any:
-            flat = [np.asarray(out, dtype=of.dtype) for out, of in zip(jax.tree.leaves(outputs), leaves, strict=True)]
-            return jax.tree.unflatten(tree, flat)
-
-        def doubles(given: Sequence[Any]) -> list[Array]:
-            return [np.array(value, dtype=np.float64) for value in given]
-
-        if not any(isinstance(array, jax.core.Tracer) for array in arrays):
-            return jax.tree.map(jnp.asarray, cast(compute(doubles(arrays))))
-
-        def callback(*given: Any) -> Any:
-            try:
-                return cast(compute(doubles(given)))
-            except Error as failure:
-                # An exception in a callback would end the runtime's own thread.
-                self._failure = failure
-                return jax.tree.unflatten(tree, [np.full(of.shape, np.nan, of.dtype) for of in leaves])
-
-        return jax.pure_callback(callback, shapes, *arrays, vmap_method="sequential")
-
-    def _once(self, compute: Any, what: str) -> Any:
-        """`compute` as a function that refuses to be differentiated."""
-
-        def rule(*_: Any) -> Any:
-            act = "use differences of first derivatives"
-            raise DerivativeError(what, "a solver has first derivatives alone", act)
-
-        call = jax.custom_jvp(compute)
-        call.defjvp(rule)
-        return call
-
     def _shape(self, arrays: Sequence[Any]) -> Any:
         return jax.ShapeDtypeStruct(self.function.shape, jnp.result_type(*arrays))
 
     def _value(self, *arrays: Any) -> Any:
-        return self._host(lambda values: self.function.value(self._result(values)), self._shape(arrays), arrays)
+        return self._host.call(lambda values: self.function.value(self._result(values)), self._shape(arrays), arrays)
 
     def _reverse(self) -> Any:
         count = len(self.function.parameters)
@@ -158,10 +103,9 @@ class JaxFunction:
 
         def backward(*given: Any) -> Any:
             shapes = tuple(jax.ShapeDtypeStruct(array.shape, array.dtype) for array in given[:count])
-            return self._host(adjoint, shapes, given)
+            return self._host.call(adjoint, shapes, given)
 
-        second = "a second derivative of a solve is asked for"
-        value, once = self._once(self._value, second), self._once(backward, second)
+        value, once = differentiable_once(self._value, _SECOND), differentiable_once(backward, _SECOND)
         call = jax.custom_vjp(self._value)
         call.defvjp(lambda *arrays: (value(*arrays), arrays), lambda arrays, cotangent: tuple(once(*arrays, cotangent)))
         return call
@@ -173,9 +117,9 @@ class JaxFunction:
             return self.function.jvp(self._result(values[:count]), values[count:])
 
         def changed(*given: Any) -> Any:
-            return self._host(along, self._shape(given[:count]), given)
+            return self._host.call(along, self._shape(given[:count]), given)
 
-        once = self._once(changed, "a second derivative of a solve is asked for")
+        once = differentiable_once(changed, _SECOND)
 
         def rule(arrays: Any, tangents: Any) -> Any:
             full = [

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from softfish import _core
 from softfish._arrays import Array, IntArray, file, flag, integers, reals, whole, within, word
 from softfish._errors import InputError
+from softfish._export import grid_of, page
 
 Unit = Literal["m", "mm"]
 
@@ -216,6 +217,13 @@ class Mesh:
             if name is not None:
                 fields[name] = np.array([tag, 2])
         return optional("meshio").Mesh(self.nodes, cells, data, {"region": values}, field_data=fields)
+
+    def to_pyvista(self, displacement: npt.ArrayLike | None = None) -> Any:
+        """As a `pyvista.UnstructuredGrid` at rest: the region of each element as cell data, a displacement (nodes × 3, m) as point data."""
+        return grid_of(self, None if displacement is None else reals("displacement", displacement, self.nodes.shape))
+
+    def _repr_html_(self) -> str:
+        return page(repr(self), self)
 
     def _moved(self) -> bool:
         """Whether nodes of the caller's arrays were dropped, so that numbers of nodes are no longer those of the caller."""

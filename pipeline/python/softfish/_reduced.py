@@ -16,6 +16,7 @@ from softfish._arrays import Array, ByName, file, instance, number, positive, re
 from softfish._errors import InputError
 
 if TYPE_CHECKING:
+    from softfish._jax_step import JaxStep
     from softfish._solver import Solver
     from softfish._torch_step import TorchStep
 
@@ -40,7 +41,7 @@ class ReducedGradient:
     Attributes:
         state: By the state before.
         pressures: By chamber, 1/Pa.
-        modulus_scale: By the factor of the moduli of each region.
+        modulus_scale: By the factor of the moduli of each region, no unit.
     """
 
     state: ReducedState
@@ -147,12 +148,30 @@ class ReducedModel:
         stiffness_damping: float = 0.0,
     ) -> TorchStep:
         """A step of `dt` seconds as a function of PyTorch: (coordinates, velocity, pressures) to (coordinates, velocity), differentiable once
-        in reverse mode."""
+        in reverse mode. A first axis of any argument is a batch."""
         from softfish._torch_step import TorchStep
 
-        settings = {"modulus_scale": modulus_scale, "mass_damping": mass_damping, "stiffness_damping": stiffness_damping}
-        self._given(None, dt, modulus_scale, (mass_damping, stiffness_damping))
-        return TorchStep(self, positive("dt", dt), settings)
+        return TorchStep(self, positive("dt", dt), self._settings(dt, modulus_scale, (mass_damping, stiffness_damping)))
+
+    def jax_step(
+        self,
+        dt: float = 1e-3,
+        *,
+        modulus_scale: npt.ArrayLike | None = None,
+        mass_damping: float = 0.0,
+        stiffness_damping: float = 0.0,
+    ) -> JaxStep:
+        """A step of `dt` seconds as a function of JAX: (coordinates, velocity, pressures) to (coordinates, velocity), differentiable once in
+        reverse mode; goes with `jax.jit`, `jax.lax.scan` and `jax.vmap`. Under `jax.jit` a step that fails is NaN, and `check()` raises its
+        exception."""
+        from softfish._jax_step import JaxStep
+
+        return JaxStep(self, positive("dt", dt), self._settings(dt, modulus_scale, (mass_damping, stiffness_damping)))
+
+    def _settings(self, dt: float, scale: npt.ArrayLike | None, damping: tuple[float, float]) -> dict[str, Any]:
+        """The settings of steps, checked."""
+        self._given(None, dt, scale, damping)
+        return {"modulus_scale": scale, "mass_damping": damping[0], "stiffness_damping": damping[1]}
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the model as safetensors: modes, sampled points and weights of each region."""

@@ -15,6 +15,7 @@ from softfish._arrays import Array, ByName, IntArray, array_of, copied, flag, fr
 from softfish._budget import limits
 from softfish._case import Case
 from softfish._errors import ConvergenceError, DerivativeError, InputError
+from softfish._export import Result, page
 from softfish._mesh import Mesh
 from softfish._progress import Progress, reporting
 
@@ -37,12 +38,12 @@ class Inputs:
 
     Attributes:
         youngs_modulus: By region, Pa.
-        poissons_ratio: By region.
+        poissons_ratio: By region, no unit.
         density: By region, kg/m³.
-        factors: By element: its modulus over that of its region; empty: 1.
+        factors: By element: its modulus over that of its region, no unit; empty: 1.
         forces: nodes × 3, N.
-        gravity: m/s².
-        level: The level at which pressures are taken from the case, where they are not given.
+        gravity: x, y and z, m/s².
+        level: The level at which pressures are taken from the case, where they are not given; no unit.
     """
 
     youngs_modulus: Array
@@ -74,11 +75,11 @@ class Inputs:
 
 @dataclass(frozen=True)
 class Gradient:
-    """The derivatives of one number L by everything that a solve depends on.
+    """The derivatives of one number L by everything that a solve depends on; units are those of a number without one.
 
     Attributes:
         youngs_modulus: ∂L/∂E by region, 1/Pa.
-        poissons_ratio: ∂L/∂ν by region.
+        poissons_ratio: ∂L/∂ν by region, no unit.
         density: ∂L/∂ρ by region, per kg/m³.
         elements: ∂L/∂E by element, 1/Pa; empty where a region relaxes.
         pressures: ∂L/∂p: chambers, or steps × chambers of a motion, 1/Pa.
@@ -101,17 +102,17 @@ class Gradient:
     initial_velocity: Array | None = None
 
 
-class Equilibrium:
+class Equilibrium(Result):
     """A body at rest under its loads.
 
     Attributes:
         pressures: One per chamber of the mesh, Pa; read-only.
         displacement: nodes × 3, m; read-only.
-        level: The level of the case: the part of all loads but gravity. 1 without a case.
+        level: The level of the case: the part of all loads but gravity, no unit. 1 without a case.
         iterations: Newton iterations over all load steps.
         factorisations: Factorisations over all load steps.
-        residual: Norm of the unbalanced force over that of the elastic force.
-        snap_through: Load factors at which tangents on the way were not positive definite; `path()` says whether equilibria are unstable.
+        residual: Norm of the unbalanced force over that of the elastic force, no unit.
+        snap_through: Load factors (no unit) at which tangents on the way were not positive definite; `path()` says whether equilibria are unstable.
     """
 
     pressures: Array
@@ -140,6 +141,9 @@ class Equilibrium:
 
     def _at(self) -> tuple[Array, list[float]]:
         return self.displacement.reshape(-1), self.pressures.tolist()
+
+    def _variables(self) -> dict[str, Any]:
+        return {"pressure": (("chamber",), self.pressures, {"units": "Pa"}), "level": ((), self.level)}
 
     def output(self, name: str) -> Array:
         """The displacement (nodes × 3), or that of a point of the case: `marker.tip`, `node.tip` (3)."""
@@ -208,7 +212,7 @@ class Equilibrium:
         )
 
 
-class Motion:
+class Motion(Result):
     """A recorded motion.
 
     Attributes:
@@ -235,7 +239,7 @@ class Motion:
         self.times = frozen(found["times"])
         self.displacement = frozen(found["displacement"].reshape(steps, -1, 3))
         self.velocity = frozen(found["velocity"].reshape(steps, -1, 3))
-        self.pressures = frozen(found["pressures"].reshape(steps, -1))
+        self.pressures = frozen(found.get("pressures", np.zeros((steps, 0))).reshape(steps, -1))
 
     def _recorded(self) -> _core.Trajectory:
         """The states as the gradient needs them; made again for a copy, and where steps were adaptive."""
@@ -244,6 +248,16 @@ class Motion:
             times = (of.initial, self.pressures.reshape(-1), self.times.tolist())
             self._trajectory = self._solver._core.record_at(self._inputs._core(), times, of.settings)
         return self._trajectory
+
+    def _lead(self) -> tuple[str, ...]:
+        return ("time",)
+
+    def _variables(self) -> dict[str, Any]:
+        velocity = (("time", "node", "axis"), self.velocity, {"units": "m/s"})
+        return {"velocity": velocity, "pressure": (("time", "chamber"), self.pressures, {"units": "Pa"})}
+
+    def _coordinates(self) -> dict[str, Any]:
+        return {"time": (("time",), self.times, {"units": "s"})}
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_trajectory": None}
@@ -317,9 +331,9 @@ class CriticalPoint:
 
     Attributes:
         kind: `limit_point` or `bifurcation`.
-        level: Its level.
+        level: Its level, no unit.
         displacement: nodes × 3, m.
-        mode: Its critical mode, nodes × 3.
+        mode: Its critical mode, nodes × 3, no unit.
     """
 
     kind: Literal["limit_point", "bifurcation"]
@@ -328,13 +342,13 @@ class CriticalPoint:
     mode: Array
 
 
-class Path:
+class Path(Result):
     """A path of equilibria from rest to the last level of a case, through limit points and bifurcations.
 
     Attributes:
-        levels: Level of each point.
+        levels: Level of each point, no unit.
         displacement: points × nodes × 3, m.
-        negative_eigenvalues: Of the tangent at each point; 0 where it is stable.
+        negative_eigenvalues: Number of those of the tangent of each point; 0 where it is stable.
         eigenvalues: The eigenvalue of each point's tangent that is nearest to zero, N/m.
         iterations: Newton iterations of each point.
         critical: The critical points on the way.
@@ -365,6 +379,16 @@ class Path:
         """The displacement (points × nodes × 3), or that of a point of the case: `marker.tip`, `node.tip` (points × 3)."""
         return self._solver.observe(name, self.displacement)
 
+    def _lead(self) -> tuple[str, ...]:
+        return ("point",)
+
+    def _variables(self) -> dict[str, Any]:
+        eigenvalues = (("point",), self.eigenvalues, {"units": "N/m"})
+        return {"eigenvalue": eigenvalues, "negative_eigenvalues": (("point",), self.negative_eigenvalues)}
+
+    def _coordinates(self) -> dict[str, Any]:
+        return {"level": (("point",), self.levels)}
+
     def __repr__(self) -> str:
         last = f"to level {self.levels[-1]:g}" if len(self.levels) else "without points"
         return f"Path({len(self.levels)} points {last}, {len(self.critical)} critical, {self.displacement.shape[1]} nodes)"
@@ -376,7 +400,7 @@ class Material:
 
     Attributes:
         youngs_modulus: Pa.
-        poissons_ratio: Below 0.5.
+        poissons_ratio: Below 0.5, no unit.
         density: kg/m³.
         law: `neo_hookean`, `yeoh`, `linear`, …: `softfish.MATERIALS`.
         mean_dilatation: Against volumetric locking.
@@ -528,7 +552,7 @@ class Solver:
 
     @property
     def levels(self) -> list[float]:
-        """The levels of the case, in the order in which `study simulate` solves them; none of a motion, or without a case."""
+        """The levels of the case (no unit), in the order in which `study simulate` solves them; none of a motion, or without a case."""
         return [] if self._data is None else list(self._data.get("levels", []))
 
     def inputs(
@@ -987,7 +1011,7 @@ class Solver:
         if inputs.factors.size:
             # Moduli of elements are given themselves: those of the regions have no effect.
             by_region = np.zeros_like(by_region)
-        initial = {key: found[key].reshape(shape) for key in ("initial_displacement", "initial_velocity") if key in found}
+        by_displacement, by_velocity = found.get("initial_displacement"), found.get("initial_velocity")
         return Gradient(
             youngs_modulus=by_region,
             poissons_ratio=found["poissons_ratio"],
@@ -997,12 +1021,16 @@ class Solver:
             forces=found["forces"].reshape(shape),
             mass_damping=found.get("mass_damping", 0.0),
             stiffness_damping=found.get("stiffness_damping", 0.0),
-            **initial,
+            initial_displacement=None if by_displacement is None else by_displacement.reshape(shape),
+            initial_velocity=None if by_velocity is None else by_velocity.reshape(shape),
         )
 
     def __repr__(self) -> str:
         sizes = f"{self._nodes} nodes, {self._elements} elements, {self.dofs} dofs"
         return f"Solver({sizes}, regions {self.regions}, chambers {self.chambers}, points {self.points})"
+
+    def _repr_html_(self) -> str:
+        return page(repr(self), self.mesh)
 
 
 def _threads(given: int | None) -> int | None:

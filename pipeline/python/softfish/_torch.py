@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +21,13 @@ torch: Any = optional("torch")
 
 _REMEDY = "leave create_graph out; take torch.autograd.forward_ad for a directional derivative, and differences for second ones"
 _ACT = "use torch.autograd; a batch is a first axis of the arguments; jacobian and hessian take vectorize=False"
+
+
+def outside_graphs(call: Any) -> Any:
+    """A call that `torch.compile` leaves as it is; the error of `fullgraph=True` then says why, where PyTorch takes a reason."""
+    reason = "a solve runs outside of compiled graphs: leave fullgraph out"
+    takes_reason = "reason" in inspect.signature(torch.compiler.disable).parameters
+    return torch.compiler.disable(call, **({"reason": reason} if takes_reason else {}))
 
 
 def numbers(value: Any) -> Any:
@@ -138,7 +146,8 @@ class TorchFunction:
 
     The backward pass is one adjoint solve per case on the factor of its forward solve. Tensors are of single or double precision, the output
     of the wider one: solves are always in double. Forward mode (`torch.autograd.forward_ad`) uses sensitivities. A second derivative, and a
-    transform of `torch.func`, are refused by a `DerivativeError`; `torch.compile` leaves the function as it is.
+    transform of `torch.func`, are refused by a `DerivativeError`; `torch.compile` leaves the function as it is,
+    and with `fullgraph=True` is refused by PyTorch's own error.
     """
 
     def __init__(
@@ -146,7 +155,7 @@ class TorchFunction:
     ) -> None:
         self.function = Function(solver, output, wrt, steps, settings)
 
-    @torch.compiler.disable  # type: ignore[untyped-decorator]
+    @outside_graphs
     def __call__(self, *values: Any) -> Any:
         """The output at `values`, one for each of `wrt`."""
         refuse_transforms("a solve")

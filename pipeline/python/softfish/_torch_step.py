@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from softfish._errors import DerivativeError, InputError
 from softfish._optional import optional
-from softfish._torch import numbers, refuse_half, refuse_transforms
+from softfish._torch import numbers, outside_graphs, refuse_half, refuse_transforms
 
 if TYPE_CHECKING:
     from softfish._reduced import ReducedModel
@@ -16,20 +18,21 @@ torch: Any = optional("torch")
 
 
 class _Step(torch.autograd.Function):  # type: ignore[misc]
-    """Implicit Euler, and the adjoint of its equations."""
+    """Implicit Euler of each case of a batch, and the adjoint of its equations."""
 
     @staticmethod
     def forward(ctx: Any, given: tuple[TorchStep, Any], *values: Any) -> Any:
         from softfish._reduced import ReducedState
 
         step, dtype = given
-        q, v, pressures = (numbers(value) for value in values)
-        before = ReducedState(q, v)
-        after = step.model.step(before, pressures, step.dt, **step.settings)
+        coordinates, velocities, pressures = (numbers(value) for value in values)
+        before = [ReducedState(q, v) for q, v in zip(coordinates, velocities, strict=True)]
+        pairs = list(zip(before, pressures, strict=True))
+        after = [step.model.step(state, pressure, step.dt, **step.settings) for state, pressure in pairs]
         ctx.kept = (step, before, after, pressures)
         ctx.save_for_backward(*values)
-        device = values[0].device
-        return tuple(torch.as_tensor(part, dtype=dtype, device=device) for part in (after.coordinates, after.velocity))
+        parts = ([state.coordinates for state in after], [state.velocity for state in after])
+        return tuple(torch.as_tensor(np.stack(part), dtype=dtype, device=values[0].device) for part in parts)
 
     @staticmethod
     def backward(ctx: Any, by_q: Any, by_v: Any) -> Any:
@@ -50,10 +53,18 @@ class _StepAdjoint(torch.autograd.Function):  # type: ignore[misc]
         from softfish._reduced import ReducedState
 
         step, before, after, pressures = kept
-        loss = ReducedState(numbers(by_q), numbers(by_v))
-        gradient = step.model.step_gradient((before, after), loss, pressures, step.dt, **step.settings)
-        parts = (gradient.state.coordinates, gradient.state.velocity, gradient.pressures)
-        return tuple(torch.as_tensor(part, dtype=like.dtype, device=like.device) for part, like in zip(parts, values, strict=True))
+        losses = [ReducedState(q, v) for q, v in zip(numbers(by_q), numbers(by_v), strict=True)]
+        gradients = [
+            step.model.step_gradient(states, loss, pressure, step.dt, **step.settings)
+            for states, loss, pressure in zip(zip(before, after, strict=True), losses, pressures, strict=True)
+        ]
+        parts = (
+            [gradient.state.coordinates for gradient in gradients],
+            [gradient.state.velocity for gradient in gradients],
+            [gradient.pressures for gradient in gradients],
+        )
+        pairs = zip(parts, values, strict=True)
+        return tuple(torch.as_tensor(np.stack(part), dtype=like.dtype, device=like.device) for part, like in pairs)
 
     @staticmethod
     def backward(_ctx: Any, *_cotangents: Any) -> Any:
@@ -70,17 +81,28 @@ class TorchStep:
         self.dt = dt
         self.settings = dict(settings)
 
-    @torch.compiler.disable  # type: ignore[untyped-decorator]
+    @outside_graphs
     def __call__(self, coordinates: Any, velocity: Any, pressures: Any) -> tuple[Any, Any]:
-        """Coordinates and velocity after the step."""
+        """Coordinates and velocity after the step; a first axis of any argument is a batch."""
         refuse_transforms("a step of a reduced model")
         values = (coordinates, velocity, pressures)
-        count, chambers = self.model.coordinates, self.model._solver.chamber_count
         tensors = [value if isinstance(value, torch.Tensor) else torch.as_tensor(value, dtype=torch.float64) for value in values]
+        batch = self._batch(tensors)
+        single = all(tensor.dtype == torch.float32 for tensor in tensors)
+        # what is the same in all cases is expanded, so that its gradient is their sum
+        full = [tensor.expand(1 if batch is None else batch, tensor.shape[-1]) for tensor in tensors]
+        q, v = _Step.apply((self, torch.float32 if single else torch.float64), *full)
+        return (q[0], v[0]) if batch is None else (q, v)
+
+    def _batch(self, tensors: Sequence[Any]) -> int | None:
+        """The number of cases, of arguments of the right precision and shape."""
+        count, chambers = self.model.coordinates, self.model._solver.chamber_count
+        sizes = set()
         for name, tensor, size in zip(("coordinates", "velocity", "pressures"), tensors, (count, count, chambers), strict=True):
             refuse_half(name, tensor)
-            if tuple(tensor.shape) != (size,):
-                raise InputError(f"`{name}` has the shape {tuple(tensor.shape)}", f"({size},) is required", "a step has no batch")
-        single = all(tensor.dtype == torch.float32 for tensor in tensors)
-        after: tuple[Any, Any] = _Step.apply((self, torch.float32 if single else torch.float64), *tensors)
-        return after
+            if tuple(tensor.shape[-1:]) != (size,) or tensor.dim() > 2:
+                raise InputError(f"`{name}` has the shape {tuple(tensor.shape)}", f"it is ({size},), or a batch of that", "check its axes")
+            sizes |= set(tensor.shape[:-1])
+        if len(sizes) > 1 or 0 in sizes:
+            raise InputError(f"batches have the sizes {sorted(sizes)}", "a call has one batch", "give equal sizes above 0")
+        return sizes.pop() if sizes else None

@@ -5,8 +5,11 @@ from __future__ import annotations
 import copy
 import dataclasses
 import pickle
+import pydoc
+import re
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -151,6 +154,36 @@ def test_the_package_offers_what_it_lists() -> None:
             for name, member in vars(thing).items():
                 if not name.startswith("_") and (callable(member) or isinstance(member, property | classmethod | staticmethod)):
                     assert member.__doc__ or dataclasses.is_dataclass(thing), f"{thing.__name__}.{name}"
+
+
+UNIT = re.compile(r"(?<![A-Za-z])(Pa|m|m/s²?|s|s/m|N|N/m|J|kg|kg/m³|Hz|px²?|grey levels a pixel|SI units|no unit)(?![A-Za-z])")
+SHAPE = re.compile(r"×|[Bb]y (region|element|chamber)|[Oo]ne (per|a) |[Oo]f each|x, y and z|of the regions|(each|For each) (element|node|point|view|step|tangent)|chambers")
+
+
+def attributes(thing: type) -> Iterator[tuple[str, str, str]]:
+    """Name, type and description of each attribute and property of a class."""
+    for name, kind in getattr(thing, "__annotations__", {}).items():
+        entry = re.search(rf"^\s+{name}: (.*?)(?=^\s+\w+: |\Z)", thing.__doc__ or "", re.MULTILINE | re.DOTALL)
+        if not name.startswith("_"):
+            yield name, str(kind), " ".join(entry.group(1).split()) if entry else ""
+    for name, member in vars(thing).items():
+        if isinstance(member, property) and not name.startswith("_") and member.fget is not None:
+            yield name, str(member.fget.__annotations__["return"]), member.__doc__ or ""
+
+
+def test_every_number_of_a_class_is_described_with_its_shape_and_unit() -> None:
+    counted = 0
+    for thing in (getattr(sf, name) for name in sf.__all__):
+        for name, kind, text in attributes(thing) if isinstance(thing, type) else ():
+            of = f"{thing.__name__}.{name}: {text}"
+            counts = "IntArray" in kind or "int64" in kind or "bool" in kind
+            if "Array" in kind or "float" in kind:
+                counted += 1
+                assert counts or UNIT.search(text), of
+            if "Array" in kind and "dict" not in kind:
+                assert SHAPE.search(text), of
+    assert counted > 40
+    assert "no unit" in pydoc.render_doc(sf.Gradient, renderer=pydoc.plaintext)
 
 
 @pytest.mark.parametrize("absent", ["torch", "jax"])

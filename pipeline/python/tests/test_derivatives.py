@@ -111,6 +111,11 @@ class TestTorch:
         got, = torch.autograd.grad(compiled(p), p)
         assert got.item() == pytest.approx(plain.item(), rel=1e-12)
 
+    def test_a_whole_graph_is_refused_with_the_remedy(self, block: sf.Solver) -> None:
+        torch, tip = self.torch, block.torch("marker.tip", ["pressure.air"])
+        with pytest.raises(RuntimeError, match="leave fullgraph out"):
+            torch.compile(lambda x: tip(x).sum(), backend="eager", fullgraph=True)(self.number(3e3))
+
     def test_a_step_of_a_reduced_model_refuses_a_penalty_of_its_gradient(self, block: sf.Solver) -> None:
         torch = self.torch
         shapes = np.stack([block.equilibrium(pressure=p, gravity=[0, 0, 0]).displacement for p in (1e3, 3e3, 5e3)])

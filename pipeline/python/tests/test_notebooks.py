@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import importlib.util
 import os
+import resource
 from pathlib import Path
 
 import pytest
 from conftest import SOURCE
 
 NOTEBOOKS = sorted((SOURCE / "notebooks").glob("*.ipynb"))
+OF_TORCH = ("controller", "moduli")
 RECORDINGS = [SOURCE.parents[1] / "data/raw/beam_ds10", SOURCE.parents[2] / "shared/real/beam_ds10"]
 
 
@@ -17,14 +19,18 @@ RECORDINGS = [SOURCE.parents[1] / "data/raw/beam_ds10", SOURCE.parents[2] / "sha
 def test_a_notebook_runs(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     nbformat = pytest.importorskip("nbformat")
     nbclient = pytest.importorskip("nbclient")
-    if path.stem == "controller" and importlib.util.find_spec("torch") is None:
+    if path.stem in OF_TORCH and importlib.util.find_spec("torch") is None:
         pytest.skip("PyTorch is not installed")
     if path.stem == "identify" and not any((folder / "gravity_a.csv").exists() for folder in RECORDINGS):
         pytest.skip("the recordings of the bar are not here")
     monkeypatch.setenv("SOFTFISH_SOURCE", os.fspath(SOURCE))
     monkeypatch.setenv("MPLBACKEND", "agg")
     notebook = nbformat.read(path, as_version=4)
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
     nbclient.NotebookClient(notebook, timeout=300, resources={"metadata": {"path": os.fspath(tmp_path)}}).execute()
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    # two minutes of a core
+    assert after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime < 120.0
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)

@@ -77,3 +77,20 @@ def test_a_rollout_passes_gradcheck(model: sf.ReducedModel) -> None:
 
     history = torch.linspace(0.2, 1.0, 5, dtype=torch.float64, requires_grad=True)
     torch.autograd.gradcheck(rollout, (history,), eps=1e-4, atol=1e-5, rtol=1e-4)
+
+
+def test_a_batch_of_steps_is_the_cases_one_after_the_other(model: sf.ReducedModel) -> None:
+    torch = pytest.importorskip("torch")
+    step = model.torch_step(2e-3, stiffness_damping=1e-3)
+    q, v = torch.tensor(1e-3 * np.ones(model.coordinates), requires_grad=True), torch.zeros(model.coordinates, dtype=torch.float64)
+    pressures = torch.tensor([[1e3], [3e3], [5e3]], dtype=torch.float64, requires_grad=True)
+    together = step(q, v, pressures)
+    singles = [step(q, v, pressure) for pressure in pressures]
+    for n in (0, 1):
+        assert torch.equal(together[n], torch.stack([single[n] for single in singles]))
+    batched = torch.autograd.grad(together[0].square().sum() + together[1].sum(), (q, pressures))
+    summed = torch.autograd.grad(sum(a.square().sum() + b.sum() for a, b in singles), (q, pressures))
+    assert all(torch.allclose(a, b, rtol=1e-12) for a, b in zip(batched, summed, strict=True))
+    for wrong in ((q[None, :2], v, pressures), (q.expand(2, -1), v, pressures), (q, v, pressures[None]), (q, v, pressures[:0])):
+        with pytest.raises(sf.InputError):
+            step(*wrong)
