@@ -9,6 +9,7 @@ use cli::twin::ExportedTwin;
 use diagnostics::{Diagnostic, Result, next_move, output, processor};
 use simulate::RunOptions;
 use study::Runner;
+use track::board::{Target, TargetKind};
 use workflow::runner::{Goal, Options};
 use workflow::settings;
 use workflow::snakemake::{self, Export, Workflow};
@@ -195,11 +196,15 @@ fn run_command(cli: &Cli) -> Result<bool> {
 }
 
 fn calibration_request(asked: &CalibrateCamera) -> instruments::calibrate::Request {
+    let kind = match asked.charuco {
+        Some(dictionary) => TargetKind::charuco(asked.marker, Some(dictionary)),
+        None if asked.asymmetric_dots => TargetKind::AsymmetricDots,
+        None if asked.dots => TargetKind::Dots,
+        None => TargetKind::Checkerboard,
+    };
     instruments::calibrate::Request {
         source: asked.source.clone(),
-        size: [asked.columns, asked.rows],
-        square: asked.square,
-        dots: asked.dots,
+        target: Target::new(kind, [asked.columns, asked.rows], asked.square),
         fisheye: asked.fisheye,
         every: asked.every,
         out: Some(asked.out.clone().unwrap_or_else(|| instruments::calibrate::beside(&asked.source))),

@@ -188,7 +188,7 @@ pub struct CalibrateCamera {
     /// The film, or a folder of PNG or JPEG pictures.
     pub source: PathBuf,
     /// Squares of the board along its first axis, or dots.
-    #[arg(long, value_parser = count_parser(3..=100))]
+    #[arg(long, value_parser = count_parser(2..=100))]
     pub columns: usize,
     /// Squares along the second axis, or dots.
     #[arg(long, value_parser = count_parser(3..=100))]
@@ -196,9 +196,20 @@ pub struct CalibrateCamera {
     /// Side of a square, or distance of the dots' middles, m.
     #[arg(long, value_parser = number_parser(1e-3, 1.0))]
     pub square: f64,
-    /// The board has dots.
-    #[arg(long)]
+    /// The board has dots in a square grid.
+    #[arg(long, conflicts_with_all = ["asymmetric_dots", "charuco"])]
     pub dots: bool,
+    /// The board has an odd number of rows of dots, every second row shifted by half a pitch: columns are the dots of a row, square is the
+    /// distance of two rows.
+    #[arg(long, conflicts_with = "charuco")]
+    pub asymmetric_dots: bool,
+    /// The board is a ChArUco board with markers of this dictionary of OpenCV, DICT_4X4_50 to DICT_7X7_1000; a part of it in a picture is
+    /// enough.
+    #[arg(long, value_name = "DICTIONARY", requires = "marker")]
+    pub charuco: Option<track::board::charuco::Dictionary>,
+    /// Side of a marker of a ChArUco board, m.
+    #[arg(long, requires = "charuco", value_parser = number_parser(5e-4, 1.0))]
+    pub marker: Option<f64>,
     /// The lens is a fisheye.
     #[arg(long)]
     pub fisheye: bool,

@@ -49,7 +49,7 @@ fn views(noise: f64, seed: u64) -> Vec<View> {
     let mut random = Noise(seed);
     let mut blur = |p: Point2| [p[0] + noise * random.next(), p[1] + noise * random.next()];
     let see = |pose: &Pose| BOARD.corners().iter().map(|&c| LENS.project(pose.apply(c)).unwrap()).collect::<Vec<_>>();
-    poses().iter().map(|pose| View { corners: see(pose).into_iter().map(&mut blur).collect() }).collect()
+    poses().iter().map(|pose| View::whole(see(pose).into_iter().map(&mut blur).collect())).collect()
 }
 
 #[test]
@@ -130,7 +130,7 @@ fn two_views_or_views_of_one_tilt_are_refused() {
     let mut random = Noise(5);
     let mut see = || {
         let corner = |&c| LENS.project(flat.apply(c)).unwrap().map(|v| v + 0.1 * random.next());
-        View { corners: BOARD.corners().iter().map(corner).collect() }
+        View::whole(BOARD.corners().iter().map(corner).collect())
     };
     let alike: Vec<_> = (0..5).map(|_| see()).collect();
     let found = calibrate(&alike, &BOARD.corners(), Distortion::BrownConrady, SIZE);
@@ -151,7 +151,7 @@ fn a_fisheye_comes_back_from_its_own_corners() {
     let lens = lens.with([880.0, 883.0, 961.0, 538.0, 0.04, -0.012, 3e-3, -1e-3, 0.0]);
     let see = |pose: &Pose| BOARD.corners().iter().map(|&c| lens.project(pose.apply(c)).unwrap()).collect::<Vec<_>>();
     let nearer = |pose: Pose| Pose { translation: pose.translation.map(|x| 0.45 * x), ..pose };
-    let views: Vec<_> = poses().into_iter().map(|pose| View { corners: see(&nearer(pose)) }).collect();
+    let views: Vec<_> = poses().into_iter().map(|pose| View::whole(see(&nearer(pose)))).collect();
     let found = calibrate(&views, &BOARD.corners(), Distortion::Fisheye, SIZE).unwrap();
     assert!(found.reprojection_px < 1e-4, "{}", found.reprojection_px);
     for (value, truth) in found.lens.values().iter().zip(lens.values()).take(5) {

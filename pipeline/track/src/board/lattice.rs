@@ -30,6 +30,41 @@ pub(super) fn find(corners: &[Point2], across: usize, down: usize) -> Result<Vec
     Err(largest)
 }
 
+/// The places of a grid in the order of `cells` (columns and rows from any number, the second axis anticlockwise of the first as seen),
+/// where exactly one quarter turn and shift puts all of them on the grid.
+///
+/// # Errors
+/// The number of places in the largest grid, when none holds the cells.
+pub(super) fn find_cells(corners: &[Point2], cells: &[(i32, i32)]) -> Result<Vec<Point2>, usize> {
+    let mut largest = 0;
+    for start in 0..corners.len().min(STARTS) {
+        let Some([first, second]) = first_steps(corners, start) else { continue };
+        let is_clockwise = first[0] * second[1] - first[1] * second[0] > 0.0;
+        let grid = grow(corners, start, if is_clockwise { [second, first] } else { [first, second] });
+        if let Some(places) = placed(&grid, cells) {
+            return Ok(places);
+        }
+        largest = largest.max(grid.len());
+    }
+    Err(largest)
+}
+
+/// The grid's places at the cells, turned and shifted; none where none or several of these fit.
+fn placed(grid: &Grid, cells: &[(i32, i32)]) -> Option<Vec<Point2>> {
+    let turns: [fn((i32, i32)) -> (i32, i32); 4] =
+        [|(u, v)| (u, v), |(u, v)| (-v, u), |(u, v)| (-u, -v), |(u, v)| (v, -u)];
+    let mut fits = turns.iter().flat_map(|turn| {
+        let turned: Vec<(i32, i32)> = cells.iter().map(|cell| turn(*cell)).collect();
+        let at = move |to: &(i32, i32)| {
+            let shift = (to.0 - turned[0].0, to.1 - turned[0].1);
+            turned.iter().map(|(u, v)| grid.get(&(u + shift.0, v + shift.1)).copied()).collect::<Option<Vec<Point2>>>()
+        };
+        grid.keys().filter_map(at)
+    });
+    let first = fits.next()?;
+    fits.next().is_none().then_some(first)
+}
+
 /// Steps to two neighbours of a corner that stand across each other, each with a neighbour opposite, nearest first.
 fn first_steps(corners: &[Point2], start: usize) -> Option<[Point2; 2]> {
     let mut near: Vec<Point2> = corners.iter().map(|c| minus(*c, corners[start])).collect();
@@ -162,6 +197,18 @@ mod tests {
         let expected: Vec<_> = (0..28).map(|k| tilted(k % 7, k / 7)).collect();
         let turned: Vec<_> = expected.iter().rev().copied().collect();
         assert!(found == expected || found == turned);
+    }
+
+    #[test]
+    fn cells_are_placed_by_the_one_turn_that_fits_them() {
+        // an L of 3 and 2, its first axis to the left in the picture
+        let corners: Vec<Point2> = [[100.0, 50.0], [60.0, 50.0], [20.0, 50.0], [100.0, 90.0]].to_vec();
+        let cells = [(0, 0), (1, 0), (2, 0), (0, 1)];
+        let grid =
+            Grid::from([((0, 0), corners[0]), ((0, 1), corners[1]), ((0, 2), corners[2]), ((-1, 0), corners[3])]);
+        assert_eq!(placed(&grid, &cells), Some(corners));
+        // two cells fit in many ways
+        assert_eq!(placed(&grid, &cells[..2]), None);
     }
 
     #[test]
