@@ -1,5 +1,6 @@
 //! Camera calibration from views of a planar target: intrinsic parameters, distortion and poses. Paper, section IV.
 
+mod elimination;
 mod focal;
 pub(crate) mod homography;
 mod refine;
