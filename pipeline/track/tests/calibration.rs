@@ -201,3 +201,17 @@ fn a_focal_length_that_the_views_contradict_is_refused_with_both() {
     // three views of one tilt do not determine it
     assert_eq!(check_focal(&Lens { fx: 1600.0, ..LENS }, &seen[..2], &corners, SIZE), Ok(()));
 }
+
+#[test]
+fn the_mean_of_views_of_parts_is_that_of_the_views_that_show_a_point() {
+    let part =
+        |numbers: &[usize], corners: &[[f64; 2]]| View { corners: corners.to_vec(), numbers: Some(numbers.to_vec()) };
+    let views = [part(&[1, 4], &[[10.0, 0.0], [40.0, 2.0]]), part(&[0, 4], &[[5.0, 5.0], [42.0, 4.0]])];
+    let mean = View::mean(&views);
+    assert_eq!(mean, part(&[0, 1, 4], &[[5.0, 5.0], [10.0, 0.0], [41.0, 3.0]]));
+    let points = BOARD.corners();
+    assert_eq!(mean.points(&points), [points[0], points[1], points[4]]);
+    assert_eq!((mean.corner(4), mean.corner(3)), (Some([41.0, 3.0]), None));
+    let whole = [View::whole(vec![[0.0, 0.0], [2.0, 0.0]]), View::whole(vec![[1.0, 1.0], [2.0, 2.0]])];
+    assert_eq!(View::mean(&whole), View::whole(vec![[0.5, 0.5], [2.0, 1.0]]));
+}
