@@ -52,8 +52,20 @@ fn set_threads(number: Option<usize>) -> Result<()> {
 fn run_command(cli: &Cli) -> Result<bool> {
     let open = || open_study(&cli.place);
     match &cli.command {
-        Command::Init { name } => {
-            output::line(cli::init::run(&cli.place.root, cli.place.profile.into(), name)?);
+        Command::Init { name, from } => {
+            let (root, profile) = (&cli.place.root, cli.place.profile.into());
+            output::line(match from {
+                Some(folder) => cli::init::from_folder(root, profile, (name, folder))?,
+                None => cli::init::run(root, profile, name)?,
+            });
+            Ok(true)
+        }
+        Command::Doctor { name: Some(name) }
+            if cli::proposal::is_folder(&cli.place.root, cli.place.profile.into(), name) =>
+        {
+            let (proposal, path) = cli::proposal::write(Path::new(name))?;
+            output::text(&proposal);
+            output::line(format_args!("{}: fill in the lines marked FILL IN and check the others", path.display()));
             Ok(true)
         }
         Command::Doctor { name } => {

@@ -56,11 +56,16 @@ pub enum Command {
     Init {
         /// Its name: letters, digits, `_` and `-`.
         name: String,
+        /// A folder of recordings: the card is proposed from its files as by `study doctor FOLDER`, and those that it names are copied.
+        #[arg(long, value_name = "FOLDER")]
+        from: Option<PathBuf>,
     },
     /// Check recordings before anything is computed: card, surfaces, films, logs, clocks, markers, disk. One line for each
-    /// finding with the next action; exit code 1 when something must be fixed.
+    /// finding with the next action; exit code 1 when something must be fixed. Of a folder without a card: propose one from its files, each
+    /// guess with its evidence, as specimen.toml in that folder.
     Doctor {
-        /// One specimen; all of them when none is named.
+        /// One specimen, or a folder of recordings without a card; all specimens when none is named.
+        #[arg(value_name = "NAME|FOLDER")]
         name: Option<String>,
     },
     /// Make what is stale: everything, or the named stages, figures or tables with their inputs.

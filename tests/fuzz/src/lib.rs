@@ -16,7 +16,7 @@ use sysid::free_vibration::Page;
 use sysid::{IdentifiedMaterials, inflation_test};
 use track::Gray;
 use track::board::charuco::Dictionary;
-use track::board::{Target as Board, TargetKind};
+use track::board::{Target as Board, TargetKind, any_checkerboard};
 use track::lens::opencv;
 use track::video::Film;
 use twin::Twin;
@@ -49,6 +49,7 @@ pub const TARGETS: &[Target] = &[
         },
     },
     Target { name: "force", run: |bytes| text(bytes, |t| named(lab::force::parse(t, Path::new(FILE)), FILE)) },
+    Target { name: "table", run: |bytes| text(bytes, |t| drop(lab::log::table::RawTable::new(t))) },
     Target { name: "board", run: board },
     Target { name: "card", run: |bytes| text(bytes, |t| named(lab::card::parse(t, Path::new(FILE)), FILE)) },
     Target { name: "case", run: |bytes| text(bytes, |t| named(simulate::case::parse(t, Path::new(FILE)), FILE)) },
@@ -85,6 +86,7 @@ fn board(bytes: &[u8]) {
     let width = 60 + usize::from(*first);
     let height = levels.len() / width;
     let picture = Gray { width, height, pixels: levels[..width * height].to_vec() };
+    drop(any_checkerboard(&picture));
     let dictionary = Dictionary { side: 4, count: 50 };
     let kinds = [
         TargetKind::Checkerboard,

@@ -10,6 +10,9 @@ type Grid = BTreeMap<(i32, i32), Point2>;
 const ASTRAY: f64 = 0.3;
 /// Starts that are tried, strongest corner first.
 const STARTS: usize = 40;
+/// Of them when the size of a grid is asked for: each grows a whole grid. And corners among which it is: the strongest, as those of a board are.
+const SIZED_FROM: usize = 6;
+const SIZED_AMONG: usize = 500;
 /// The four ways to a neighbour.
 const WAYS: [(i32, i32); 4] = [(1, 0), (0, 1), (-1, 0), (0, -1)];
 
@@ -28,6 +31,26 @@ pub(super) fn find(corners: &[Point2], across: usize, down: usize) -> Result<Vec
         largest = largest.max(grid.len());
     }
     Err(largest)
+}
+
+/// A grid and its places, row by row as [`ordered`] says.
+pub(super) struct Complete {
+    pub(super) columns: usize,
+    pub(super) rows: usize,
+    pub(super) places: Vec<Point2>,
+}
+
+/// The largest complete grid among `corners`, strongest first; none of less than 3 × 2.
+pub(super) fn largest(corners: &[Point2]) -> Option<Complete> {
+    let corners = &corners[..corners.len().min(SIZED_AMONG)];
+    let from = |start: usize| {
+        let grid = trimmed(grow(corners, start, first_steps(corners, start)?), 4);
+        let (across, down) = spans(&grid)?;
+        let (columns, rows) = (across.len().max(down.len()), across.len().min(down.len()));
+        let places = ordered(&grid, columns, rows).filter(|_| rows >= 2 && columns >= 3)?;
+        Some(Complete { columns, rows, places })
+    };
+    (0..corners.len().min(SIZED_FROM)).filter_map(from).max_by_key(|grid| grid.places.len())
 }
 
 /// The places of a grid in the order of `cells` (columns and rows from any number, the second axis anticlockwise of the first as seen),
@@ -224,5 +247,8 @@ mod tests {
         assert_eq!(find(&corners, 6, 4), Err(28));
         let holed: Vec<_> = corners.iter().enumerate().filter(|(k, _)| *k != 9).map(|(_, c)| *c).collect();
         assert_eq!(find(&holed, 7, 4), Err(27));
+        let complete = largest(&corners).unwrap();
+        assert_eq!((complete.columns, complete.rows, complete.places.len()), (7, 4, 28));
+        assert!(largest(&holed).is_none() && largest(&corners[..2]).is_none());
     }
 }

@@ -245,6 +245,35 @@ fn corners(picture: &Gray, board: &Board) -> Result<Vec<Point2>, BoardError> {
     Err(BoardError::NotFound { columns, rows, in_grid, seen, expected: across * down })
 }
 
+/// A checkerboard of which nothing was known.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AnyCheckerboard {
+    /// Squares along its longer side.
+    pub columns: usize,
+    /// Squares along its shorter side.
+    pub rows: usize,
+    /// Its inner corners, px, to some pixels; the first is the end that is nearer the picture's upper left corner.
+    pub corners: Vec<Point2>,
+}
+
+/// The checkerboard in a picture of which nothing is known; none where there is no whole one.
+pub fn any_checkerboard(picture: &Gray) -> Option<AnyCheckerboard> {
+    whole(picture).ok()?;
+    let reduced = Reduced::of(picture);
+    let searched = reduced.as_ref().map_or(picture, |reduced| &reduced.picture);
+    let grid = BLURS[..2].iter().find_map(|blur| {
+        let places: Vec<Point2> = saddle::saddles(searched, *blur).iter().map(|s| s.at).collect();
+        lattice::largest(&places)
+    })?;
+    let enlarge = |place: &Point2| reduced.as_ref().map_or(*place, |reduced| reduced.enlarged(*place));
+    let mut corners: Vec<Point2> = grid.places.iter().map(enlarge).collect();
+    let (first, last) = (corners[0], corners[corners.len() - 1]);
+    if last[0] + last[1] < first[0] + first[1] {
+        corners.reverse();
+    }
+    Some(AnyCheckerboard { columns: grid.columns + 1, rows: grid.rows + 1, corners })
+}
+
 /// # Errors
 /// [`BoardError::Levels`]
 fn whole(picture: &Gray) -> Result<(), BoardError> {
