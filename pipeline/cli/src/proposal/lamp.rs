@@ -130,10 +130,7 @@ pub(super) fn lamp(films: &[&Blocks]) -> Option<Lamp> {
     if contrasts[block] < 0.4 * LEAST_CONTRAST {
         return None;
     }
-    let (column, row) = (block % first.columns, block / first.columns);
-    let near = |k: &usize| (k % first.columns).abs_diff(column) <= 4 && (k / first.columns).abs_diff(row) <= 4;
-    let bright: Vec<usize> =
-        (0..contrasts.len()).filter(near).filter(|&k| contrasts[k] > 0.3 * contrasts[block]).collect();
+    let bright = connected(&contrasts, block, first.columns);
     let weight: f64 = bright.iter().map(|&k| contrasts[k]).sum();
     let mean = |place: fn(usize, usize) -> usize| {
         let middle = |k: usize| (place(k, first.columns) as f64 + 0.5) * first.side as f64 - 0.5;
@@ -142,6 +139,23 @@ pub(super) fn lamp(films: &[&Blocks]) -> Option<Lamp> {
     let centre = [mean(|k, columns| k % columns), mean(|k, columns| k / columns)];
     let area = weight / contrasts[block] * (first.side * first.side) as f64;
     Some(Lamp { centre, radius: (0.8 * (area / std::f64::consts::PI).sqrt()).max(1.0), block })
+}
+
+/// The blocks that are connected with one by their sides and have half its contrast.
+fn connected(contrasts: &[f64], block: usize, columns: usize) -> Vec<usize> {
+    let (mut members, mut open) = (Vec::new(), vec![block]);
+    while let Some(k) = open.pop() {
+        if members.contains(&k) || contrasts[k] < 0.5 * contrasts[block] {
+            continue;
+        }
+        members.push(k);
+        open.extend((k % columns > 0).then(|| k - 1));
+        open.extend(Some(k + 1).filter(|right| right % columns > 0));
+        open.extend(k.checked_sub(columns));
+        open.extend(Some(k + columns));
+        open.retain(|k| *k < contrasts.len());
+    }
+    members
 }
 
 #[cfg(test)]
