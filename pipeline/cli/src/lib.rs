@@ -15,5 +15,6 @@ pub mod doctor;
 pub mod init;
 pub mod options;
 pub mod pictures;
+pub mod proposal;
 pub mod track;
 pub mod twin;

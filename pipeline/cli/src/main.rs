@@ -9,6 +9,7 @@ use cli::twin::ExportedTwin;
 use diagnostics::{Diagnostic, Result, next_move, output, processor};
 use simulate::RunOptions;
 use study::Runner;
+use track::board::{Target, TargetKind};
 use workflow::runner::{Goal, Options};
 use workflow::settings;
 use workflow::snakemake::{self, Export, Workflow};
@@ -51,8 +52,20 @@ fn set_threads(number: Option<usize>) -> Result<()> {
 fn run_command(cli: &Cli) -> Result<bool> {
     let open = || open_study(&cli.place);
     match &cli.command {
-        Command::Init { name } => {
-            output::line(cli::init::run(&cli.place.root, cli.place.profile.into(), name)?);
+        Command::Init { name, from } => {
+            let (root, profile) = (&cli.place.root, cli.place.profile.into());
+            output::line(match from {
+                Some(folder) => cli::init::from_folder(root, profile, (name, folder))?,
+                None => cli::init::run(root, profile, name)?,
+            });
+            Ok(true)
+        }
+        Command::Doctor { name: Some(name) }
+            if cli::proposal::is_folder(&cli.place.root, cli.place.profile.into(), name) =>
+        {
+            let (proposal, path) = cli::proposal::write(Path::new(name))?;
+            output::text(&proposal);
+            output::line(format_args!("{}: fill in the lines marked FILL IN and check the others", path.display()));
             Ok(true)
         }
         Command::Doctor { name } => {
@@ -195,11 +208,15 @@ fn run_command(cli: &Cli) -> Result<bool> {
 }
 
 fn calibration_request(asked: &CalibrateCamera) -> instruments::calibrate::Request {
+    let kind = match asked.charuco {
+        Some(dictionary) => TargetKind::charuco(asked.marker, Some(dictionary)),
+        None if asked.asymmetric_dots => TargetKind::AsymmetricDots,
+        None if asked.dots => TargetKind::Dots,
+        None => TargetKind::Checkerboard,
+    };
     instruments::calibrate::Request {
         source: asked.source.clone(),
-        size: [asked.columns, asked.rows],
-        square: asked.square,
-        dots: asked.dots,
+        target: Target::new(kind, [asked.columns, asked.rows], asked.square),
         fisheye: asked.fisheye,
         every: asked.every,
         out: Some(asked.out.clone().unwrap_or_else(|| instruments::calibrate::beside(&asked.source))),

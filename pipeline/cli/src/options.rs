@@ -56,11 +56,16 @@ pub enum Command {
     Init {
         /// Its name: letters, digits, `_` and `-`.
         name: String,
+        /// A folder of recordings: the card is proposed from its files as by `study doctor FOLDER`, and those that it names are copied.
+        #[arg(long, value_name = "FOLDER")]
+        from: Option<PathBuf>,
     },
     /// Check recordings before anything is computed: card, surfaces, films, logs, clocks, markers, disk. One line for each
-    /// finding with the next action; exit code 1 when something must be fixed.
+    /// finding with the next action; exit code 1 when something must be fixed. Of a folder without a card: propose one from its files, each
+    /// guess with its evidence, as specimen.toml in that folder.
     Doctor {
-        /// One specimen; all of them when none is named.
+        /// One specimen, or a folder of recordings without a card; all specimens when none is named.
+        #[arg(value_name = "NAME|FOLDER")]
         name: Option<String>,
     },
     /// Make what is stale: everything, or the named stages, figures or tables with their inputs.
@@ -188,7 +193,7 @@ pub struct CalibrateCamera {
     /// The film, or a folder of PNG or JPEG pictures.
     pub source: PathBuf,
     /// Squares of the board along its first axis, or dots.
-    #[arg(long, value_parser = count_parser(3..=100))]
+    #[arg(long, value_parser = count_parser(2..=100))]
     pub columns: usize,
     /// Squares along the second axis, or dots.
     #[arg(long, value_parser = count_parser(3..=100))]
@@ -196,9 +201,20 @@ pub struct CalibrateCamera {
     /// Side of a square, or distance of the dots' middles, m.
     #[arg(long, value_parser = number_parser(1e-3, 1.0))]
     pub square: f64,
-    /// The board has dots.
-    #[arg(long)]
+    /// The board has dots in a square grid.
+    #[arg(long, conflicts_with_all = ["asymmetric_dots", "charuco"])]
     pub dots: bool,
+    /// The board has an odd number of rows of dots, every second row shifted by half a pitch: columns are the dots of a row, square is the
+    /// distance of two rows.
+    #[arg(long, conflicts_with = "charuco")]
+    pub asymmetric_dots: bool,
+    /// The board is a ChArUco board with markers of this dictionary of OpenCV, DICT_4X4_50 to DICT_7X7_1000; a part of it in a picture is
+    /// enough.
+    #[arg(long, value_name = "DICTIONARY", requires = "marker")]
+    pub charuco: Option<track::board::charuco::Dictionary>,
+    /// Side of a marker of a ChArUco board, m.
+    #[arg(long, requires = "charuco", value_parser = number_parser(5e-4, 1.0))]
+    pub marker: Option<f64>,
     /// The lens is a fisheye.
     #[arg(long)]
     pub fisheye: bool,

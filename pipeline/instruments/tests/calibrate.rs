@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use instruments::calibrate::{self, Request};
 use track::Gray;
-use track::board::Board;
+use track::board::{Board, Target};
 use track::lens::{Distortion, Lens, opencv};
 use track::pose::Pose;
 use track::refraction::RefractiveCamera;
@@ -43,9 +43,8 @@ impl Folder {
     }
 
     fn request(&self) -> Request {
-        let (size, square) = ([BOARD.columns, BOARD.rows], BOARD.square);
-        let source = self.0.join("board");
-        Request { source, size, square, dots: false, fisheye: false, every: 1, out: Some(self.0.join("out")) }
+        let (source, target) = (self.0.join("board"), Target::Checkerboard(BOARD));
+        Request { source, target, fisheye: false, every: 1, out: Some(self.0.join("out")) }
     }
 }
 
@@ -100,6 +99,8 @@ fn the_lens_of_a_folder_of_pictures_comes_back_in_both_files() {
     assert!((value - lens.fx).abs() < 1e-4 && (value - LENS.fx).abs() < 5.0 * sigma, "{value} ± {sigma}");
     assert!(own["reprojection_px"].as_float().unwrap() < 0.1);
     assert_eq!(read("views.csv").lines().count(), 7);
+    assert!(said.contains("left out: 9.png: no board of 9 × 6 squares is in the picture; 0 of its 40"), "{said}");
+    assert!(read("left_out.csv").contains("\"9.png\",\"no board of 9 × 6 squares"), "{}", read("left_out.csv"));
     assert!(read("camera.svg").starts_with("<svg"));
 }
 

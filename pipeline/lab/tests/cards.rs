@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use lab::card::{self, BoardKind, Card, Experiment, FixtureOf};
+use lab::card::{self, Card, Experiment, FixtureOf};
 
 /// A card that is right in every line.
 const GOOD: &str = r#"name = "pike"
@@ -362,15 +362,6 @@ fn tracks_in_space_without_axes_or_with_pixels_for_metres_are_refused() {
     assert!(said.contains("tracks.0.sigma = 0.5 m is out of range"), "{said}");
     let said = card::parse(&in_space("sigma = 2e-4\n[tracks.space]\nx = [0.0, 0.0, 1.0]\n"), at()).unwrap_err();
     assert!(said.to_string().contains("tracks.0.space.z"), "{said}");
-}
-
-#[test]
-fn a_board_of_dots_is_read_back_the_same() {
-    let text = GOOD.replacen("[camera.board]\n", "[camera.board]\nkind = \"dots\"\n", 1);
-    let card = card::parse(&text, at()).unwrap();
-    let kind = |card: &Card| card.camera.as_ref().map(|camera| camera.board.kind);
-    assert_eq!((kind(&good()), kind(&card)), (Some(BoardKind::Checkerboard), Some(BoardKind::Dots)));
-    assert_eq!(card::parse(&card::write(&card), at()).unwrap(), card);
 }
 
 #[test]

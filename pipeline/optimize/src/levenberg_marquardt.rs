@@ -19,6 +19,10 @@ pub trait LeastSquaresProblem {
     fn sum_of_squares(&self, at: &Self::Point) -> Option<f64>;
     /// The point that a step leads to.
     fn moved(&self, at: &Self::Point, step: &DVector<f64>) -> Self::Point;
+    /// δ of (A + λ D) δ = b, `None` when the matrix is not positive definite; a problem whose matrix has a structure may solve by it.
+    fn damped_step(&self, normal: &NormalEquations, damping: f64, scaling: Scaling) -> Option<DVector<f64>> {
+        damped_step(normal.matrix.clone(), &normal.right, damping, scaling)
+    }
 }
 
 /// JᵀJ, −Jᵀr and ‖r‖² of residuals r at one point.
@@ -40,6 +44,16 @@ pub enum Scaling {
     /// λ times the diagonal is added, at least λ times this floor: a parameter that no residual depends on is then kept where it is
     /// instead of making the matrix singular.
     Floored(f64),
+}
+
+impl Scaling {
+    /// An entry of the diagonal of A + λ D.
+    pub fn damped(self, entry: f64, damping: f64) -> f64 {
+        match self {
+            Self::Relative => entry * (1.0 + damping),
+            Self::Floored(floor) => entry + damping * entry.max(floor),
+        }
+    }
 }
 
 /// Options of the iteration.
@@ -80,7 +94,7 @@ pub fn minimise<P: LeastSquaresProblem>(
         if damping > options.max_damping || steps == options.max_steps {
             break;
         }
-        let step = damped_step(normal.matrix.clone(), &normal.right, damping, options.scaling);
+        let step = problem.damped_step(&normal, damping, options.scaling);
         let next_point = step.map(|step| problem.moved(&point, &step));
         let squares = next_point.as_ref().and_then(|next_point| problem.sum_of_squares(next_point)).unwrap_or(f64::NAN);
         let is_accepted = squares < normal.squares || (options.accept_equal && squares == normal.squares);
@@ -102,17 +116,9 @@ pub fn minimise<P: LeastSquaresProblem>(
 
 /// δ of (A + λ D) δ = b, `None` when the matrix is not positive definite.
 #[allow(non_snake_case)]
-pub(crate) fn damped_step(
-    mut A: DMatrix<f64>,
-    b: &DVector<f64>,
-    damping: f64,
-    scaling: Scaling,
-) -> Option<DVector<f64>> {
+pub fn damped_step(mut A: DMatrix<f64>, b: &DVector<f64>, damping: f64, scaling: Scaling) -> Option<DVector<f64>> {
     for i in 0..A.nrows() {
-        match scaling {
-            Scaling::Relative => A[(i, i)] *= 1.0 + damping,
-            Scaling::Floored(floor) => A[(i, i)] += damping * A[(i, i)].max(floor),
-        }
+        A[(i, i)] = scaling.damped(A[(i, i)], damping);
     }
     Some(A.cholesky()?.solve(b))
 }

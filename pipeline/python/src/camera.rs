@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use instruments::calibrate::{Request, camera};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use track::board::{Target, TargetKind};
 use track::lens::Distortion;
 
 use crate::arrays::array;
@@ -35,7 +36,8 @@ pub(crate) struct Asked {
 impl From<Asked> for Request {
     fn from(asked: Asked) -> Self {
         let Asked { source, columns, rows, square, dots, fisheye, every, out } = asked;
-        Self { source, size: [columns, rows], square, dots, fisheye, every, out }
+        let kind = if dots { TargetKind::Dots } else { TargetKind::Checkerboard };
+        Self { source, target: Target::new(kind, [columns, rows], square), fisheye, every, out }
     }
 }
 

@@ -204,6 +204,8 @@ fn camera(set: &Settings, film: &Calibration) -> card::Camera {
         readout: set.camera.readout,
         board: card::Board {
             kind: card::BoardKind::Checkerboard,
+            marker: None,
+            dictionary: None,
             columns: plane.columns,
             rows: plane.rows,
             square: plane.square,

@@ -49,7 +49,7 @@ fn views(noise: f64, seed: u64) -> Vec<View> {
     let mut random = Noise(seed);
     let mut blur = |p: Point2| [p[0] + noise * random.next(), p[1] + noise * random.next()];
     let see = |pose: &Pose| BOARD.corners().iter().map(|&c| LENS.project(pose.apply(c)).unwrap()).collect::<Vec<_>>();
-    poses().iter().map(|pose| View { corners: see(pose).into_iter().map(&mut blur).collect() }).collect()
+    poses().iter().map(|pose| View::whole(see(pose).into_iter().map(&mut blur).collect())).collect()
 }
 
 #[test]
@@ -130,7 +130,7 @@ fn two_views_or_views_of_one_tilt_are_refused() {
     let mut random = Noise(5);
     let mut see = || {
         let corner = |&c| LENS.project(flat.apply(c)).unwrap().map(|v| v + 0.1 * random.next());
-        View { corners: BOARD.corners().iter().map(corner).collect() }
+        View::whole(BOARD.corners().iter().map(corner).collect())
     };
     let alike: Vec<_> = (0..5).map(|_| see()).collect();
     let found = calibrate(&alike, &BOARD.corners(), Distortion::BrownConrady, SIZE);
@@ -151,7 +151,7 @@ fn a_fisheye_comes_back_from_its_own_corners() {
     let lens = lens.with([880.0, 883.0, 961.0, 538.0, 0.04, -0.012, 3e-3, -1e-3, 0.0]);
     let see = |pose: &Pose| BOARD.corners().iter().map(|&c| lens.project(pose.apply(c)).unwrap()).collect::<Vec<_>>();
     let nearer = |pose: Pose| Pose { translation: pose.translation.map(|x| 0.45 * x), ..pose };
-    let views: Vec<_> = poses().into_iter().map(|pose| View { corners: see(&nearer(pose)) }).collect();
+    let views: Vec<_> = poses().into_iter().map(|pose| View::whole(see(&nearer(pose)))).collect();
     let found = calibrate(&views, &BOARD.corners(), Distortion::Fisheye, SIZE).unwrap();
     assert!(found.reprojection_px < 1e-4, "{}", found.reprojection_px);
     for (value, truth) in found.lens.values().iter().zip(lens.values()).take(5) {
@@ -200,4 +200,18 @@ fn a_focal_length_that_the_views_contradict_is_refused_with_both() {
     }
     // three views of one tilt do not determine it
     assert_eq!(check_focal(&Lens { fx: 1600.0, ..LENS }, &seen[..2], &corners, SIZE), Ok(()));
+}
+
+#[test]
+fn the_mean_of_views_of_parts_is_that_of_the_views_that_show_a_point() {
+    let part =
+        |numbers: &[usize], corners: &[[f64; 2]]| View { corners: corners.to_vec(), numbers: Some(numbers.to_vec()) };
+    let views = [part(&[1, 4], &[[10.0, 0.0], [40.0, 2.0]]), part(&[0, 4], &[[5.0, 5.0], [42.0, 4.0]])];
+    let mean = View::mean(&views);
+    assert_eq!(mean, part(&[0, 1, 4], &[[5.0, 5.0], [10.0, 0.0], [41.0, 3.0]]));
+    let points = BOARD.corners();
+    assert_eq!(mean.points(&points), [points[0], points[1], points[4]]);
+    assert_eq!((mean.corner(4), mean.corner(3)), (Some([41.0, 3.0]), None));
+    let whole = [View::whole(vec![[0.0, 0.0], [2.0, 0.0]]), View::whole(vec![[1.0, 1.0], [2.0, 2.0]])];
+    assert_eq!(View::mean(&whole), View::whole(vec![[0.5, 0.5], [2.0, 1.0]]));
 }

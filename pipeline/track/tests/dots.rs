@@ -7,6 +7,7 @@ mod noise;
 use noise::Noise;
 use si::Point2;
 use track::Gray;
+use track::board::asymmetric::{self, AsymmetricDots};
 use track::board::dots::{Dots, find};
 use track::board::{BoardError, Target};
 use track::calibrate::{View, calibrate};
@@ -60,6 +61,10 @@ fn paint([x, y]: Point2) -> f64 {
 
 /// What the camera sees: 5 × 5 rays a pixel, and noise of 1.5 grey levels.
 fn render(pose: &Pose, seed: u64) -> Gray {
+    render_painted(pose, seed, paint)
+}
+
+fn render_painted(pose: &Pose, seed: u64, paint: fn(Point2) -> f64) -> Gray {
     let (mut random, fine) = (Noise(seed), 5);
     let sight = RefractiveCamera { lens: LENS, pose: *pose, water: None };
     Gray::from_fn(SIZE.0, SIZE.1, |x, y| {
@@ -100,7 +105,7 @@ fn dots_are_found_to_a_tenth_of_a_pixel_in_one_order_and_give_the_lens_back() {
         let miss = (squares.sum::<f64>() / found.len() as f64).sqrt();
         // of it, up to 0.05 px are what a tilted disc's middle is off
         assert!(miss < 0.1, "view {k}: {miss} px");
-        views.push(View { corners: found });
+        views.push(View::whole(found));
     }
     let found = calibrate(&views, &Target::Dots(BOARD).points(), Distortion::BrownConrady, SIZE).unwrap();
     assert!((found.lens.fx / LENS.fx - 1.0).abs() < 5e-3, "{}", found.lens.fx);
@@ -117,4 +122,27 @@ fn another_number_of_dots_and_a_square_board_are_refused() {
     }
     let empty = Gray::filled(400, 300, 180);
     assert!(matches!(find(&empty, &BOARD), Err(BoardError::NoDots { in_grid: 0, seen: 0, .. })));
+}
+
+const SHIFTED: AsymmetricDots = AsymmetricDots { columns: 4, rows: 11, square: 0.01 };
+
+/// Rows of four dots of 3.5 mm, every second one shifted, on a white sheet.
+fn paint_shifted([x, y]: Point2) -> f64 {
+    let near = |p: &[f64; 3]| (x - p[0]).hypot(y - p[1]) < 0.0035;
+    if SHIFTED.points().iter().any(near) { 40.0 } else { 205.0 + 150.0 * x }
+}
+
+#[test]
+fn the_dots_of_an_asymmetric_grid_are_found_in_its_one_order_whichever_way_it_is_turned() {
+    for k in 0..6 {
+        let turn = f64::from(k);
+        let pose = above([0.1, 0.3, 0.45][k as usize % 3], 0.9 * turn, 1.05 * turn, 0.26);
+        let dots = asymmetric::find(&render_painted(&pose, 40 + k as u64, paint_shifted), &SHIFTED).unwrap();
+        let truth = SHIFTED.points().into_iter().map(|p| LENS.project(pose.apply(p)).unwrap());
+        let miss = dots.iter().zip(truth).map(|(p, q)| (p[0] - q[0]).hypot(p[1] - q[1])).fold(0.0, f64::max);
+        assert!(dots.len() == 44 && miss < 0.3, "view {k}: {miss} px");
+    }
+    let picture = render_painted(&above(0.2, 1.0, 0.3, 0.26), 1, paint_shifted);
+    let other = AsymmetricDots { columns: 5, ..SHIFTED };
+    assert!(matches!(asymmetric::find(&picture, &other), Err(BoardError::NoDots { in_grid: 44, .. })));
 }

@@ -14,6 +14,9 @@ use mesh::foreign::{self, MeshFileError, RawMesh};
 use optimize::network::Network;
 use sysid::free_vibration::Page;
 use sysid::{IdentifiedMaterials, inflation_test};
+use track::Gray;
+use track::board::charuco::Dictionary;
+use track::board::{Target as Board, TargetKind, any_checkerboard};
 use track::lens::opencv;
 use track::video::Film;
 use twin::Twin;
@@ -46,6 +49,8 @@ pub const TARGETS: &[Target] = &[
         },
     },
     Target { name: "force", run: |bytes| text(bytes, |t| named(lab::force::parse(t, Path::new(FILE)), FILE)) },
+    Target { name: "table", run: |bytes| text(bytes, |t| drop(lab::log::table::RawTable::new(t))) },
+    Target { name: "board", run: board },
     Target { name: "card", run: |bytes| text(bytes, |t| named(lab::card::parse(t, Path::new(FILE)), FILE)) },
     Target { name: "case", run: |bytes| text(bytes, |t| named(simulate::case::parse(t, Path::new(FILE)), FILE)) },
     Target { name: "twin", run: twin },
@@ -74,6 +79,26 @@ pub const TARGETS: &[Target] = &[
     #[cfg(feature = "records")]
     Target { name: "settings", run: |bytes| text(bytes, records::settings) },
 ];
+
+/// A picture of as many columns as its first byte says beside 60, in which every kind of board is looked for.
+fn board(bytes: &[u8]) {
+    let Some((first, levels)) = bytes.split_first() else { return };
+    let width = 60 + usize::from(*first);
+    let height = levels.len() / width;
+    let picture = Gray { width, height, pixels: levels[..width * height].to_vec() };
+    drop(any_checkerboard(&picture));
+    let dictionary = Dictionary { side: 4, count: 50 };
+    let kinds = [
+        TargetKind::Checkerboard,
+        TargetKind::Dots,
+        TargetKind::AsymmetricDots,
+        TargetKind::charuco(Some(0.03), Some(dictionary)),
+    ];
+    for kind in kinds {
+        let rows = if kind == TargetKind::Checkerboard { 4 } else { 5 };
+        drop(Board::new(kind, [7, rows], 0.04).find(&picture));
+    }
+}
 
 /// The name under which inputs are read.
 const FILE: &str = "input";

@@ -3,7 +3,7 @@
 
 use lab::card::{self, LensKind};
 use si::{Point2, Second};
-use track::calibrate::pose_from_plane;
+use track::calibrate::{View, pose_from_plane};
 use track::lens::{Lens, opencv};
 use track::pose::Pose;
 use track::video::Film;
@@ -50,7 +50,7 @@ pub(crate) fn board_findings(project: &Project, specimen: &Specimen) -> (Option<
         }
         Ok((size, views)) => {
             findings.extend(plane_findings(camera, &context, &views));
-            (Some(RoughCamera { size, pose: approximate_pose(camera, size, &views[0].1) }), findings)
+            (Some(RoughCamera { size, pose: approximate_pose(camera, size, &views[0].view) }), findings)
         }
     }
 }
@@ -78,7 +78,7 @@ fn lens_findings(
 }
 
 /// The pose by an ordinary lens, of a camera that looks squarely: its focal length and the distance of the camera belong together, so that a place on the plane hardly depends on it.
-fn approximate_pose(camera: &card::Camera, size: [usize; 2], corners: &[Point2]) -> Option<(Lens, Pose)> {
+fn approximate_pose(camera: &card::Camera, size: [usize; 2], view: &View) -> Option<(Lens, Pose)> {
     let [width, height] = size.map(|side| side as f64);
     let focal_length = 1.2 * width.max(height);
     let lens = Lens {
@@ -89,7 +89,8 @@ fn approximate_pose(camera: &card::Camera, size: [usize; 2], corners: &[Point2])
         ..Lens::default()
     };
     let card::Plane { origin, along: [c, s], height, .. } = camera.plane;
-    let board = target(&camera.board).points();
+    let board = view.points(&target(&camera.board).points());
+    let corners = &view.corners;
     let to_cad = |p: &[f64; 3]| [origin[0] + p[0] * c - p[1] * s, origin[1] + p[0] * s + p[1] * c, height];
     let points: Vec<_> = board.iter().map(to_cad).collect();
     let grid: Vec<Point2> = board.iter().map(|p| [p[0], p[1]]).collect();
@@ -98,11 +99,14 @@ fn approximate_pose(camera: &card::Camera, size: [usize; 2], corners: &[Point2])
     Some((lens, pose_from_plane(&lens, &points, corners).ok().filter(|_| is_square)?))
 }
 
-/// The board's corners in a frame, and the frame's time.
-type View = (Second, Vec<Point2>);
+/// The board in a frame, and the frame's time.
+struct TimedView {
+    time: Second,
+    view: View,
+}
 
 /// The board in every frame in which it should lie on the plane.
-fn views_on_plane(camera: &card::Camera, context: &dyn StageContext) -> Result<([usize; 2], Vec<View>), Finding> {
+fn views_on_plane(camera: &card::Camera, context: &dyn StageContext) -> Result<([usize; 2], Vec<TimedView>), Finding> {
     let [from, to] = camera.plane.seconds;
     let film_path = context.display_path("calibration");
     let film = context.path("calibration").and_then(|path| Ok(Film::open_board(&path, camera.frame_every)?));
@@ -123,7 +127,7 @@ fn views_on_plane(camera: &card::Camera, context: &dyn StageContext) -> Result<(
             continue;
         }
         match finder.find(&frame.gray) {
-            Ok(corners) => views.push((frame.time, corners)),
+            Ok(view) => views.push(TimedView { time: frame.time, view }),
             Err(e) => last_message = e.to_string(),
         }
     }
@@ -136,11 +140,11 @@ fn views_on_plane(camera: &card::Camera, context: &dyn StageContext) -> Result<(
 }
 
 /// Whether the board lies still, and squarely before the camera.
-fn plane_findings(camera: &card::Camera, context: &dyn StageContext, views: &[View]) -> Vec<Finding> {
+fn plane_findings(camera: &card::Camera, context: &dyn StageContext, views: &[TimedView]) -> Vec<Finding> {
     let film_path = context.display_path("calibration");
     let [from, to] = camera.plane.seconds;
-    let (_, first) = &views[0];
-    let displacement = |(time, corners): &View| (*time, largest_distance(first, corners));
+    let first = &views[0].view;
+    let displacement = |timed: &TimedView| (timed.time, largest_distance(first, &timed.view));
     let largest = views.iter().map(displacement).fold((from, 0.0), |a, b| if b.1 > a.1 { b } else { a });
     if largest.1 > MOVED {
         return vec![Finding::fix(
@@ -152,8 +156,9 @@ fn plane_findings(camera: &card::Camera, context: &dyn StageContext, views: &[Vi
             "correct seconds under [camera.plane] on the card: the time in which the board lies on the plane",
         )];
     }
-    let board: Vec<Point2> = target(&camera.board).points().iter().map(|p| [p[0], p[1]]).collect();
-    let angle = tilt_angle(&board, first).to_degrees();
+    let points = first.points(&target(&camera.board).points());
+    let board: Vec<Point2> = points.iter().map(|p| [p[0], p[1]]).collect();
+    let angle = tilt_angle(&board, &first.corners).to_degrees();
     if angle <= TILTED {
         return Vec::new();
     }
@@ -164,9 +169,11 @@ fn plane_findings(camera: &card::Camera, context: &dyn StageContext, views: &[Vi
     )]
 }
 
-/// The largest distance between the same corners, px.
-fn largest_distance(a: &[Point2], b: &[Point2]) -> f64 {
-    a.iter().zip(b).map(|(p, q)| (p[0] - q[0]).hypot(p[1] - q[1])).fold(0.0, f64::max)
+/// The largest distance between the same corners, px, of those that both views show.
+fn largest_distance(a: &View, b: &View) -> f64 {
+    let last = a.numbers.as_ref().map_or(a.corners.len(), |numbers| numbers.last().map_or(0, |last| last + 1));
+    let pairs = (0..last).filter_map(|number| a.corner(number).zip(b.corner(number)));
+    pairs.map(|(p, q)| (p[0] - q[0]).hypot(p[1] - q[1])).fold(0.0, f64::max)
 }
 
 /// The angle between board and picture, from the shortening of one direction against the other; `board` in m, `corners` in px.
@@ -178,12 +185,15 @@ fn tilt_angle(board: &[Point2], corners: &[Point2]) -> f64 {
         points.iter().map(|p| [p[0] - centroid[0], p[1] - centroid[1]]).collect()
     };
     let (board, corners) = (centred(board), centred(corners));
-    // a grid has no mixed second moment: each column of the affine map by itself
-    let column = |k: usize| {
-        let second_moment: f64 = board.iter().map(|p| p[k] * p[k]).sum();
-        [0, 1].map(|row| board.iter().zip(&corners).map(|(p, q)| p[k] * q[row]).sum::<f64>() / second_moment)
+    // the affine map by least squares: M (Σ p pᵀ) = Σ q pᵀ
+    let moment = |i: usize, j: usize| board.iter().map(|p| p[i] * p[j]).sum::<f64>();
+    let (xx, xy, yy) = (moment(0, 0), moment(0, 1), moment(1, 1));
+    let column = |row: usize| {
+        let product = |k: usize| board.iter().zip(&corners).map(|(p, q)| p[k] * q[row]).sum::<f64>();
+        let (x, y) = (product(0), product(1));
+        [yy * x - xy * y, xx * y - xy * x].map(|scaled| scaled / (xx * yy - xy * xy))
     };
-    let ([a, b], [c, d]) = (column(0), column(1));
+    let ([a, c], [b, d]) = (column(0), column(1));
     let (sum, determinant) = (a * a + b * b + c * c + d * d, (a * d - b * c).abs());
     let discriminant = (sum * sum - 4.0 * determinant * determinant).max(0.0).sqrt();
     ((sum - discriminant) / (sum + discriminant)).max(0.0).sqrt().clamp(0.0, 1.0).acos()

@@ -11,6 +11,8 @@ use diagnostics::{Diagnostic, Result};
 use workflow::runner::Folders;
 use workflow::settings::Profile;
 
+use crate::proposal;
+
 /// The initial card of a specimen; `NAME` stands for its name.
 pub const CARD: &str = include_str!("card.toml");
 
@@ -22,6 +24,49 @@ const FOLDERS: [&str; 3] = ["cad", "camera", "trials/static_left"];
 /// # Errors
 /// A [`Diagnostic`] when the name is invalid, there is no project, the card exists already, or a file cannot be written.
 pub fn run(root: &Path, profile: Profile, name: &str) -> Result<String> {
+    write_card(&checked_folders(root, profile, name)?, name)
+}
+
+/// Creates the specimen `name` with the card that is proposed from the recordings in `folder`, and copies of the files that it names;
+/// returns the guesses and a summary with the next step.
+///
+/// # Errors
+/// A [`Diagnostic`] as of [`run`], or when nothing can be proposed.
+pub fn from_folder(root: &Path, profile: Profile, (name, folder): (&str, &Path)) -> Result<String> {
+    let folders = checked_folders(root, profile, name)?;
+    let proposal = proposal::propose(folder, name)?;
+    let card = folders.raw_file(&format!("{name}/{}", lab::folder::CARD));
+    if card.exists() {
+        return Err(write_error(&folders.display(&card), &std::io::ErrorKind::AlreadyExists.into()));
+    }
+    for file in &proposal.files {
+        let to = folders.raw_file(&format!("{name}/{file}"));
+        copy(&folder.join(file), &to).map_err(|e| write_error(&folders.display(&to), &e))?;
+    }
+    create(&card, &folders, &proposal.card)?;
+    let card = folders.display(&card);
+    let copied = proposal.files.len();
+    Ok(format!(
+        "{proposal}{card}: {copied} files copied; fill in the lines marked FILL IN and check the others\nthen: study doctor {name}"
+    ))
+}
+
+/// Copies a file, or a folder of pictures with what lies in it.
+fn copy(from: &Path, to: &Path) -> std::io::Result<()> {
+    if !from.is_dir() {
+        to.parent().map_or(Ok(()), fs::create_dir_all)?;
+        return fs::copy(from, to).map(|_| ());
+    }
+    fs::create_dir_all(to)?;
+    fs::read_dir(from)?.try_for_each(|entry| {
+        let path = entry?.path();
+        path.file_name().filter(|_| path.is_file()).map_or(Ok(()), |name| fs::copy(&path, to.join(name)).map(|_| ()))
+    })
+}
+
+/// # Errors
+/// A [`Diagnostic`] when the name is invalid or there is no project.
+fn checked_folders(root: &Path, profile: Profile, name: &str) -> Result<Folders> {
     let folders = Folders::new(root, profile);
     if !lab::card::is_name(name) {
         let reason = "it becomes part of file names: letters, digits, `_` and `-`, the first no `-`";
@@ -39,7 +84,7 @@ pub fn run(root: &Path, profile: Profile, name: &str) -> Result<String> {
             "run in the project's folder, or name it with --root",
         ));
     }
-    write_card(&folders, name)
+    Ok(folders)
 }
 
 fn write_card(folders: &Folders, name: &str) -> Result<String> {
@@ -49,13 +94,17 @@ fn write_card(folders: &Folders, name: &str) -> Result<String> {
     }
     let path = folders.raw_file(&format!("{name}/{}", lab::folder::CARD));
     let card_path = folders.display(&path);
-    let mut file = fs::File::create_new(&path).map_err(|e| write_error(&card_path, &e))?;
-    file.write_all(CARD.replace("\"NAME\"", &format!("{name:?}")).as_bytes())
-        .map_err(|e| write_error(&card_path, &e))?;
+    create(&path, folders, &CARD.replace("\"NAME\"", &format!("{name:?}")))?;
     let marked_lines = CARD.lines().filter(|line| line.contains("# FILL IN;")).count();
     Ok(format!(
         "{card_path}: fill in the {marked_lines} lines marked FILL IN; put the STL files into cad, the board's film or pictures into camera, films and logs into trials\nthen: study doctor {name}"
     ))
+}
+
+/// Writes a card where there is none.
+fn create(path: &Path, folders: &Folders, card: &str) -> Result<()> {
+    let created = fs::File::create_new(path).and_then(|mut file| file.write_all(card.as_bytes()));
+    created.map_err(|e| write_error(&folders.display(path), &e))
 }
 
 fn write_error(shown_path: &str, error: &std::io::Error) -> Diagnostic {

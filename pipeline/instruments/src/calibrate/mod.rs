@@ -6,10 +6,9 @@ mod views;
 use std::path::{Path, PathBuf};
 
 use diagnostics::{Diagnostic, Result};
-use si::{Metre, Point2};
-use track::board::dots::Dots;
-use track::board::{Board, Target};
-use track::calibrate::{Calibration, View, calibrate, reprojection};
+use si::Point2;
+use track::board::Target;
+use track::calibrate::{Calibration, calibrate, reprojection};
 use track::lens::Distortion;
 
 use crate::Interrupt;
@@ -20,12 +19,8 @@ use views::Views;
 pub struct Request {
     /// A film, or a folder of PNG or JPEG pictures.
     pub source: PathBuf,
-    /// Squares of the board along both axes, or dots.
-    pub size: [usize; 2],
-    /// Side of a square, or distance of the dots' middles, m.
-    pub square: Metre,
-    /// Whether the board has dots.
-    pub dots: bool,
+    /// The board.
+    pub target: Target,
     /// Whether the lens is a fisheye.
     pub fisheye: bool,
     /// Of a film, one frame in so many is used.
@@ -45,15 +40,15 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// Name of each picture of the whole board, or time of each frame.
+    /// Name of each picture in which the board was found, or time of each frame.
     pub fn views(&self) -> &[String] {
         &self.views.names
     }
 
     /// Root of the mean squared distance between seen and projected corners of a view, px.
     pub fn reprojection_error(&self, view: usize) -> f64 {
-        let pose = &self.calibration.poses[view];
-        reprojection(&self.calibration.lens, pose, &self.target.points(), &self.views.corners[view])
+        let (pose, seen) = (&self.calibration.poses[view], &self.views.views[view]);
+        reprojection(&self.calibration.lens, pose, &seen.points(&self.target.points()), &seen.corners)
     }
 
     /// What was calibrated, and where the results lie.
@@ -65,19 +60,20 @@ impl Camera {
         let files = [("camera.toml", shown::camera_toml(self)), ("camera.yaml", shown::opencv_yaml(self))];
         files.iter().try_for_each(|(name, text)| crate::write_result(folder, name, text))?;
         crate::write_result(folder, "views.csv", shown::view_table(self))?;
+        crate::write_result(folder, "left_out.csv", shown::left_out_table(&self.views.left_out))?;
         // last: what was measured is kept whatever becomes of its drawing
         crate::write_result(folder, "camera.svg", shown::camera_figure(self)?)
     }
 
-    /// Where the points of the board are projected to in a view, px; of those that the lens sees.
+    /// Where the points that a view shows are projected to, px; of those that the lens sees.
     fn projected_points(&self, view: usize) -> Vec<Point2> {
         let pose = &self.calibration.poses[view];
         let project = |point| self.calibration.lens.project(pose.apply(point));
-        self.target.points().into_iter().filter_map(project).collect()
+        self.views.views[view].points(&self.target.points()).into_iter().filter_map(project).collect()
     }
 }
 
-/// Calibrates the camera, and writes `camera.toml`, `camera.yaml` (OpenCV's), `views.csv` and `camera.svg` where a folder is given.
+/// Calibrates the camera, and writes `camera.toml`, `camera.yaml` (OpenCV's), `views.csv`, `left_out.csv` and `camera.svg` where a folder is given.
 /// `interrupt` is asked before every picture whether to end.
 ///
 /// # Errors
@@ -96,15 +92,10 @@ pub fn beside(source: &Path) -> PathBuf {
 }
 
 fn calibrate_camera(request: &Request, interrupt: Interrupt<'_>) -> Result<Camera> {
-    let [columns, rows] = request.size;
-    let target = match request.dots {
-        true => Target::Dots(Dots { columns, rows, pitch: request.square }),
-        false => Target::Checkerboard(Board { columns, rows, square: request.square }),
-    };
+    let target = request.target;
     let views = Views::from_source((&request.source, request.every), &target, interrupt)?;
     let distortion = if request.fisheye { Distortion::Fisheye } else { Distortion::BrownConrady };
-    let board_views: Vec<View> = views.corners.iter().map(|corners| View { corners: corners.clone() }).collect();
-    let calibration = calibrate(&board_views, &target.points(), distortion, views.size)
+    let calibration = calibrate(&views.views, &target.points(), distortion, views.size)
         .map_err(|e| Diagnostic::from(e).in_file(&request.source))?;
     Ok(Camera { calibration, size: views.size, views, target })
 }

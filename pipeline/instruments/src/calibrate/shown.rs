@@ -5,10 +5,12 @@ use std::path::Path;
 
 use plot::{Axes, Axis, DOUBLE_COLUMN_MM, Figure, Mark, Marker, Panel, Picture, PlotError, palette};
 use si::Point2;
-use track::Gray;
+use track::board::Target;
+use track::board::reduced::Reduced;
 use track::lens::Distortion;
 
 use super::Camera;
+use super::views::LeftOut;
 
 /// Names of the numbers of a lens.
 fn parameter_names(distortion: Distortion) -> [&'static str; 9] {
@@ -31,14 +33,14 @@ pub(super) fn camera_toml(camera: &Camera) -> String {
     let mut text = format!(
         "# A camera of {} views; px, u to the right, v down, the centre of the first pixel 0, 0. Each number: value, standard deviation.\n\
          lens = \"{}\"\nsize = [{}, {}]\nreprojection_px = {:.4}\nviews = {}\nwithout_board = {}\nrepeated = {}\n",
-        camera.views.corners.len(),
+        camera.views.views.len(),
         distortion_name(lens.distortion),
         camera.size.0,
         camera.size.1,
         camera.calibration.reprojection_px,
-        camera.views.corners.len(),
-        camera.views.without,
-        camera.views.repeated,
+        camera.views.views.len(),
+        camera.views.without_board(),
+        camera.views.repeated(),
     );
     let numbers = parameter_names(lens.distortion).into_iter().zip(lens.values()).zip(sigma);
     for ((name, value), sigma) in numbers.take(lens.count()) {
@@ -74,10 +76,31 @@ pub(super) fn view_table(camera: &Camera) -> String {
     let mut text = "view,points,reprojection_px,distance_m\n".to_owned();
     for (k, name) in camera.views.names.iter().enumerate() {
         let distance = camera.calibration.poses[k].translation[2];
-        let (points, error) = (camera.views.corners[k].len(), camera.reprojection_error(k));
+        let (points, error) = (camera.views.views[k].corners.len(), camera.reprojection_error(k));
         writeln!(text, "{name},{points},{error:.4},{distance:.4}").expect("a string takes any text");
     }
     text
+}
+
+/// One line a picture that was left out, with its reason.
+pub(super) fn left_out_table(left_out: &[LeftOut]) -> String {
+    let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
+    let line = |picture: &LeftOut| format!("{},{}\n", quoted(&picture.name), quoted(&picture.reason));
+    "picture,reason\n".to_owned() + &left_out.iter().map(line).collect::<String>()
+}
+
+/// Pictures of which the summary says why they were left out; the table says it of all.
+const SAID: usize = 8;
+
+/// The pictures without a board, a line each.
+fn left_out_lines(camera: &Camera, folder: &Path) -> String {
+    let without: Vec<&LeftOut> = camera.views.left_out.iter().filter(|picture| picture.repeats.is_none()).collect();
+    let line = |picture: &&LeftOut| format!("\nleft out: {}: {}", picture.name, picture.reason);
+    let rest = match without.len().saturating_sub(SAID) {
+        0 => String::new(),
+        rest => format!("\nleft out: {rest} more, in {}", folder.join("left_out.csv").display()),
+    };
+    without.iter().take(SAID).map(line).collect::<String>() + &rest
 }
 
 /// Pixels of the picture in the figure, at most: with noise, each takes about a byte of the figure's text.
@@ -92,50 +115,24 @@ fn thin_points(points: Vec<Point2>, limit: usize) -> Vec<Point2> {
     points.into_iter().step_by(every).collect()
 }
 
-/// A picture that is small enough for a figure: blocks of `block_size` × `block_size` pixels averaged.
-struct Shown {
-    picture: Gray,
-    block_size: usize,
-}
-
-impl Shown {
-    fn reduced(gray: &Gray) -> Self {
-        let block_size = ((gray.width * gray.height) as f64 / SHOWN_PIXELS as f64).sqrt().ceil().max(1.0) as usize;
-        let mean = |x: usize, y: usize| {
-            let block = (0..block_size * block_size)
-                .map(|k| gray.at(block_size * x + k % block_size, block_size * y + k / block_size));
-            block.sum::<f64>() / (block_size * block_size) as f64
-        };
-        Self {
-            picture: Gray::from_fn((gray.width / block_size).max(1), (gray.height / block_size).max(1), mean),
-            block_size,
-        }
-    }
-
-    /// Points of the whole picture in the small one, px.
-    fn reduced_points(&self, full_size: &[Point2]) -> Vec<Point2> {
-        let shift = 0.5 * (self.block_size as f64 - 1.0);
-        full_size.iter().map(|p| p.map(|c| (c - shift) / self.block_size as f64)).collect()
-    }
-}
-
 /// The first view with its points, seen and projected, and the residuals of all views.
 pub(super) fn camera_figure(camera: &Camera) -> Result<String, PlotError> {
     let mut panels = Vec::new();
     if let Some(gray) = &camera.views.first {
-        let shown = Shown::reduced(gray);
-        let thin = |points: &[Point2]| thin_points(shown.reduced_points(points), SHOWN_POINTS / 4);
-        let (observed, projected) = (thin(&camera.views.corners[0]), thin(&camera.projected_points(0)));
+        let shown = Reduced::to(gray, SHOWN_PIXELS);
+        let reduced = |points: &[Point2]| points.iter().map(|p| shown.reduced(*p)).collect();
+        let thin = |points: &[Point2]| thin_points(reduced(points), SHOWN_POINTS / 4);
+        let (observed, projected) = (thin(&camera.views.views[0].corners), thin(&camera.projected_points(0)));
         let picture = Picture::new(shown.picture.width, shown.picture.height, shown.picture.pixels)
             .with(Mark::points(observed, Marker::Cross, palette::MEASURED))
             .with(Mark::points(projected, Marker::Ring, palette::SIMULATED));
         panels.push(Panel::Picture(picture).titled(&camera.views.names[0]));
     }
     let residuals = |k: usize| -> Vec<Point2> {
-        let pairs = camera.views.corners[k].iter().zip(camera.projected_points(k));
+        let pairs = camera.views.views[k].corners.iter().zip(camera.projected_points(k));
         pairs.map(|(s, p)| [s[0] - p[0], s[1] - p[1]]).collect()
     };
-    let residual_points = thin_points((0..camera.views.corners.len()).flat_map(residuals).collect(), SHOWN_POINTS);
+    let residual_points = thin_points((0..camera.views.views.len()).flat_map(residuals).collect(), SHOWN_POINTS);
     let axes = Axes::new(Axis::linear("seen − projected, u", "px"), Axis::linear("v", "px")).equal();
     panels
         .push(Panel::Axes(axes.with(Mark::points(residual_points, Marker::Disc, palette::MUTED))).titled("all views"));
@@ -144,14 +141,15 @@ pub(super) fn camera_figure(camera: &Camera) -> Result<String, PlotError> {
 
 pub(super) fn camera_summary(camera: &Camera, folder: &Path) -> String {
     let (lens, sigma) = (&camera.calibration.lens, camera.calibration.sigma());
-    let (views, without) = (camera.views.corners.len(), camera.views.without);
-    let repeated = match camera.views.repeated {
+    let (views, without) = (camera.views.views.len(), camera.views.without_board());
+    let repeated = match camera.views.repeated() {
         0 => String::new(),
         repeated => format!(", {repeated} that repeat another view left out"),
     };
     let error = camera.calibration.reprojection_px;
+    let part = if matches!(camera.target, Target::Charuco(_)) { "enough of the board" } else { "the whole board" };
     format!(
-        "{views} views ({without} pictures without the whole board{repeated}), reprojection error {error:.3} px, fx {:.1} ± {:.1}, fy {:.1} ± {:.1}, cx {:.1} ± {:.1}, cy {:.1} ± {:.1} px; results in {}",
+        "{views} views ({without} pictures without {part}{repeated}), reprojection error {error:.3} px, fx {:.1} ± {:.1}, fy {:.1} ± {:.1}, cx {:.1} ± {:.1}, cy {:.1} ± {:.1} px; results in {}{}",
         lens.fx,
         sigma[0],
         lens.fy,
@@ -160,7 +158,8 @@ pub(super) fn camera_summary(camera: &Camera, folder: &Path) -> String {
         sigma[2],
         lens.cy,
         sigma[3],
-        folder.display()
+        folder.display(),
+        left_out_lines(camera, folder)
     )
 }
 
@@ -177,25 +176,8 @@ mod tests {
     }
 
     #[test]
-    fn a_large_picture_is_shown_small_with_its_points_where_they_were() {
-        let disc = |p: Point2| {
-            move |x: usize, y: usize| if (x as f64 - p[0]).hypot(y as f64 - p[1]) < 40.0 { 0.0 } else { 200.0 }
-        };
-        let shown = Shown::reduced(&Gray::from_fn(1920, 1080, disc([961.0, 412.0])));
-        assert!(
-            shown.picture.width * shown.picture.height <= SHOWN_PIXELS && shown.block_size == 4,
-            "{}",
-            shown.block_size
-        );
-        let [at] = shown.reduced_points(&[[961.0, 412.0]])[..] else { panic!("one point was given") };
-        let dark: Vec<Point2> = (0..shown.picture.pixels.len())
-            .filter(|i| shown.picture.pixels[*i] < 100)
-            .map(|i| [(i % shown.picture.width) as f64, (i / shown.picture.width) as f64])
-            .collect();
-        let middle = [0, 1].map(|k| dark.iter().map(|p| p[k]).sum::<f64>() / dark.len() as f64);
-        assert!((middle[0] - at[0]).hypot(middle[1] - at[1]) < 0.1, "{middle:?} {at:?}");
-        // what is small enough is shown as it is
-        let small = Gray::from_fn(400, 300, disc([200.0, 150.0]));
-        assert_eq!(Shown::reduced(&small).picture, small);
+    fn a_table_quotes_names_and_reasons() {
+        let picture = LeftOut { name: "a,b.png".into(), repeats: None, reason: "3 \"corners\"".into() };
+        assert_eq!(left_out_table(&[picture]), "picture,reason\n\"a,b.png\",\"3 \"\"corners\"\"\"\n");
     }
 }

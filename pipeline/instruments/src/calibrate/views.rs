@@ -7,25 +7,33 @@ use rayon::prelude::*;
 use si::Point2;
 use track::Gray;
 use track::board::{BoardError, Target};
+use track::calibrate::View;
 use track::video::{Film, picture, picture_files};
 
 use crate::Interrupt;
+
+/// A picture that was left out.
+pub(super) struct LeftOut {
+    pub name: String,
+    /// The view that it repeats.
+    pub repeats: Option<String>,
+    /// What is wrong, and why.
+    pub reason: String,
+}
 
 /// The pictures in which the board was found.
 #[derive(Default)]
 pub(super) struct Views {
     /// Name of each picture, or time of each frame.
     pub names: Vec<String>,
-    /// Points of the board in each, px.
-    pub corners: Vec<Vec<Point2>>,
+    /// The board in each.
+    pub views: Vec<View>,
     /// The first of the pictures, for the figure.
     pub first: Option<Gray>,
     /// Size of all, px.
     pub size: (usize, usize),
-    /// Pictures without the whole board.
-    pub without: usize,
-    /// Pictures of a view that another one shows, which are left out.
-    pub repeated: usize,
+    /// Pictures in which it was not found, or another part of it than is needed, and pictures of a view that another one shows.
+    pub left_out: Vec<LeftOut>,
     /// Name and size of every picture, px.
     sizes: Vec<(String, (usize, usize))>,
     /// Why the last of those has none.
@@ -33,6 +41,16 @@ pub(super) struct Views {
 }
 
 impl Views {
+    /// Pictures that repeat a view.
+    pub(super) fn repeated(&self) -> usize {
+        self.left_out.iter().filter(|picture| picture.repeats.is_some()).count()
+    }
+
+    /// Pictures in which the board, or enough of it, was not found.
+    pub(super) fn without_board(&self) -> usize {
+        self.left_out.len() - self.repeated()
+    }
+
     /// The views in a film, one frame in `every`, or in a folder of pictures.
     ///
     /// # Errors
@@ -62,7 +80,7 @@ impl Views {
                 }
             }
         }
-        match views.corners.is_empty() {
+        match views.views.is_empty() {
             true => Err(views.no_view_diagnostic(source)),
             false => Ok(views),
         }
@@ -76,15 +94,23 @@ impl Views {
             return;
         }
         match found {
-            Ok(corners) if self.corners.iter().any(|previous| is_same(previous, &corners)) => self.repeated += 1,
-            Ok(corners) => {
-                self.names.push(name);
-                self.corners.push(corners);
-                self.first.get_or_insert(gray);
-            }
+            Ok(view) => match self.views.iter().position(|previous| is_same(previous, &view)) {
+                Some(previous) => {
+                    let repeats = Some(self.names[previous].clone());
+                    let reason = format!("it shows the view of {}", self.names[previous]);
+                    self.left_out.push(LeftOut { name, repeats, reason });
+                }
+                None => {
+                    self.names.push(name);
+                    self.views.push(view);
+                    self.first.get_or_insert(gray);
+                }
+            },
             Err(refusal) => {
-                self.without += 1;
-                self.refusal = Some(Diagnostic::from(refusal).while_doing(name));
+                let refusal = Diagnostic::from(refusal);
+                let reason = format!("{}; {}", refusal.what, refusal.why);
+                self.left_out.push(LeftOut { name: name.clone(), repeats: None, reason });
+                self.refusal = Some(refusal.while_doing(name));
             }
         }
     }
@@ -126,7 +152,7 @@ impl Views {
 /// A picture and the board in it.
 struct Looked {
     gray: Gray,
-    found: std::result::Result<Vec<Point2>, BoardError>,
+    found: std::result::Result<View, BoardError>,
 }
 
 impl Looked {
@@ -140,7 +166,10 @@ impl Looked {
 const SAME: f64 = 5e-3;
 
 /// Whether the points are those of one picture: a copy adds no evidence, and would narrow every interval.
-fn is_same(a: &[Point2], b: &[Point2]) -> bool {
+fn is_same(a: &View, b: &View) -> bool {
     let squared_distance = |(p, q): (&Point2, &Point2)| (p[0] - q[0]).powi(2) + (p[1] - q[1]).powi(2);
-    a.len() == b.len() && a.iter().zip(b).map(squared_distance).sum::<f64>() < SAME * SAME * a.len() as f64
+    let (is_of_same_points, a, b) = (a.numbers == b.numbers, &a.corners, &b.corners);
+    is_of_same_points
+        && a.len() == b.len()
+        && a.iter().zip(b).map(squared_distance).sum::<f64>() < SAME * SAME * a.len() as f64
 }

@@ -48,10 +48,16 @@ pub enum BoardKind {
     Checkerboard,
     /// Dark dots in a square grid; the first is the one of its two ends that lies nearer the picture's upper left corner.
     Dots,
+    /// Dark dots in an odd number of rows, every second row shifted by half a pitch: OpenCV's asymmetric circle grid.
+    #[serde(rename = "asymmetric_dots")]
+    AsymmetricDots,
+    /// A checkerboard with ArUco markers in its white squares.
+    Charuco,
 }
 
 /// `[camera.board]`: what is shown to the camera. With dots, `columns`, `rows` and `square` are their number each way and the
-/// distance between their middles, and what is said of the inner corner (0, 0) holds for the first dot.
+/// distance between their middles, and what is said of the inner corner (0, 0) holds for the first dot; of asymmetric dots `columns` are in
+/// each of `rows`, and `square` is the distance of two rows. Of a ChArUco board corner (0, 0) is the lower left one of the upright print.
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Board {
@@ -64,6 +70,12 @@ pub struct Board {
     pub rows: usize,
     /// Side of a square, m.
     pub square: Metre,
+    /// Of a ChArUco board, the side of a marker, m.
+    #[serde(default)]
+    pub marker: Option<Metre>,
+    /// Of a ChArUco board, the dictionary of its markers by OpenCV's name, such as `DICT_4X4_50`.
+    #[serde(default)]
+    pub dictionary: Option<String>,
 }
 
 /// `[camera.plane]`: when and where the board lay on the plane that ties pixels to the CAD frame.

@@ -4,6 +4,7 @@
 
 use crate::range::{Checked, violation, within};
 
+use super::board::check_board;
 use super::entry::{check_name, check_not_empty, check_pixel, check_point, check_relative, check_unique};
 use super::log::{Log, LogColumn, Place, dimension_of};
 use super::solids::{BODY, SPINE};
@@ -166,9 +167,7 @@ fn check_camera(camera: &Camera) -> Checked {
     }
     within("camera.frame_every", camera.frame_every as f64, 1.0..=1000.0, "frames")?;
     within("camera.readout", camera.readout, 0.0..=0.1, "s")?;
-    within("camera.board.columns", camera.board.columns as f64, 3.0..=100.0, "squares")?;
-    within("camera.board.rows", camera.board.rows as f64, 3.0..=100.0, "squares")?;
-    within("camera.board.square", camera.board.square, 1e-3..=0.2, "m")?;
+    check_board(&camera.board)?;
     let [from, to] = camera.plane.seconds;
     within("camera.plane.seconds.0", from, 0.0..=3600.0, "s")?;
     within("camera.plane.seconds.1", to, from..=3600.0, "s")?;

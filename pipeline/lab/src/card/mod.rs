@@ -3,6 +3,7 @@
 //! All numbers are SI; pixels are pixels of the video. The CAD frame is the frame of the STL files: x along the tail
 //! from the clamp to the fin's tip, y sideways, z up towards the camera.
 
+mod board;
 mod camera;
 mod check;
 mod clamp;

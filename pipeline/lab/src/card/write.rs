@@ -122,9 +122,13 @@ fn write_camera(text: &mut String, camera: &Camera) {
     let (kind, figure) = match board.kind {
         BoardKind::Checkerboard => ("", "squares"),
         BoardKind::Dots => ("kind = \"dots\"\n", "dots"),
+        BoardKind::AsymmetricDots => ("kind = \"asymmetric_dots\"\n", "dots of a row"),
+        BoardKind::Charuco => ("kind = \"charuco\"\n", "squares"),
     };
     put(text, format_args!("\n[camera.board]\n{kind}columns = {}  # {figure}\nrows = {}\n", board.columns, board.rows));
     put(text, format_args!("square = {:?}  # m\n", board.square));
+    board.marker.iter().for_each(|marker| put(text, format_args!("marker = {marker:?}  # m\n")));
+    board.dictionary.iter().for_each(|name| put(text, format_args!("dictionary = {name:?}\n")));
     put(
         text,
         format_args!("\n[camera.plane]\nseconds = {:?}  # s, the board lies entry on the plane\n", plane.seconds),

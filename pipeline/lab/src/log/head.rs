@@ -115,7 +115,7 @@ const UNITS: [&str; 24] = [
 ];
 
 /// Whether a line holds the units of the columns.
-fn is_units(line: &str, dialect: Dialect, width: usize) -> bool {
+pub(super) fn is_units(line: &str, dialect: Dialect, width: usize) -> bool {
     let fields = dialect.split_titles(line, width);
     let unit = |field: &str| {
         let unit = field.trim_matches(['[', ']', '(', ')', ' ']);

@@ -14,6 +14,7 @@ mod evenness;
 mod head;
 mod sampling;
 mod spikes;
+pub mod table;
 mod time;
 
 use std::path::Path;

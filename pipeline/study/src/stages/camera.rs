@@ -5,8 +5,7 @@ use lab::card::{self, BoardKind, LensKind};
 use serde::{Deserialize, Serialize};
 use si::{Metre, Point2, Point3, Second};
 use std::path::Path;
-use track::board::dots::Dots;
-use track::board::{Board, Target};
+use track::board::{Target, TargetKind};
 use track::calibrate::{Calibration, View, calibrate, check_focal, joint_covariance, pose_from_plane, reprojection};
 use track::lens::{Distortion, VALUES, opencv, opencv::KnownLens};
 use track::picture_size;
@@ -33,7 +32,7 @@ pub struct Settings {
 /// The calibration target.
 struct Seen {
     views: Vec<View>,
-    on_plane: Vec<Vec<Point2>>,
+    on_plane: Vec<View>,
     size: (usize, usize),
 }
 
@@ -103,10 +102,11 @@ impl Stage for Camera {
         if found.reprojection_px > set.reprojection_limit_px {
             return Err(not_believed(context, found.reprojection_px, set.reprojection_limit_px));
         }
-        let corners: Vec<Point3> = board.points().iter().map(|c| in_cad(&camera.plane, [c[0], c[1]])).collect();
-        let on_plane = mean(&seen.on_plane);
-        let pose = pose_from_plane(&found.lens, &corners, &on_plane)?;
-        let covariance = joint_covariance((&found.lens, &found.covariance), &pose, &corners, &on_plane);
+        let plane_view = View::mean(&seen.on_plane);
+        let on_board = plane_view.points(&board.points());
+        let corners: Vec<Point3> = on_board.iter().map(|c| in_cad(&camera.plane, [c[0], c[1]])).collect();
+        let pose = pose_from_plane(&found.lens, &corners, &plane_view.corners)?;
+        let covariance = joint_covariance((&found.lens, &found.covariance), &pose, &corners, &plane_view.corners);
         Ok(records::Camera {
             lens: found.lens,
             pose,
@@ -128,11 +128,14 @@ fn no_camera() -> Diagnostic {
 
 /// The board of a card as the detector's target.
 pub fn target(board: &card::Board) -> Target {
-    let (columns, rows) = (board.columns, board.rows);
-    match board.kind {
-        BoardKind::Checkerboard => Target::Checkerboard(Board { columns, rows, square: board.square }),
-        BoardKind::Dots => Target::Dots(Dots { columns, rows, pitch: board.square }),
-    }
+    let dictionary = board.dictionary.as_deref().and_then(|name| name.parse().ok()); // its name was checked with the card
+    let kind = match board.kind {
+        BoardKind::Checkerboard => TargetKind::Checkerboard,
+        BoardKind::Dots => TargetKind::Dots,
+        BoardKind::AsymmetricDots => TargetKind::AsymmetricDots,
+        BoardKind::Charuco => TargetKind::charuco(board.marker, dictionary),
+    };
+    Target::new(kind, [board.columns, board.rows], board.square)
 }
 
 fn bend(camera: &CalibrationFilm) -> Distortion {
@@ -153,9 +156,10 @@ fn known(camera: &CalibrationFilm, board: &Target, seen: &Seen, context: &dyn St
     let points = board.points();
     let views = &seen.views;
     check_focal(&lens, views, &points, seen.size).map_err(|e| in_file(e.into()))?;
-    let poses: Result<Vec<Pose>, _> = views.iter().map(|v| pose_from_plane(&lens, &points, &v.corners)).collect();
-    let poses = poses?;
-    let misses = poses.iter().zip(views).map(|(pose, v)| reprojection(&lens, pose, &points, &v.corners).powi(2));
+    let pose = |view: &View| pose_from_plane(&lens, &view.points(&points), &view.corners);
+    let poses = views.iter().map(pose).collect::<Result<Vec<Pose>, _>>()?;
+    let miss = |(pose, view): (&Pose, &View)| reprojection(&lens, pose, &view.points(&points), &view.corners).powi(2);
+    let misses = poses.iter().zip(views).map(miss);
     let reprojection_px = (misses.sum::<f64>() / views.len() as f64).sqrt();
     Ok(Calibration { lens, poses, reprojection_px, covariance: [[0.0; VALUES]; VALUES] })
 }
@@ -173,12 +177,12 @@ fn look(camera: &CalibrationFilm, board: &Target, context: &dyn StageContext) ->
         }
         context.progress(frame.index as f64 / info.frames.max(1) as f64, "detecting the board");
         match board.find(&frame.gray) {
-            Ok(corners) => {
+            Ok(view) => {
                 let [from, to] = camera.plane.seconds;
                 if (from..=to).contains(&frame.time) {
-                    seen.on_plane.push(corners.clone());
+                    seen.on_plane.push(view.clone());
                 }
-                seen.views.push(View { corners });
+                seen.views.push(view);
             }
             Err(refusal) => {
                 last_refusal = Some(Diagnostic::from(refusal).while_doing(format!("at {:.2} s", frame.time)))
@@ -196,12 +200,6 @@ fn look(camera: &CalibrationFilm, board: &Target, context: &dyn StageContext) ->
 fn in_cad(plane: &CalibrationPlane, [across, down]: Point2) -> Point3 {
     let [c, s] = plane.along;
     [plane.origin[0] + across * c - down * s, plane.origin[1] + across * s + down * c, plane.height]
-}
-
-fn mean(views: &[Vec<Point2>]) -> Vec<Point2> {
-    let count = views.len() as f64;
-    let corner = |i: usize| [0, 1].map(|k| views.iter().map(|v| v[i][k]).sum::<f64>() / count);
-    (0..views[0].len()).map(corner).collect()
 }
 
 fn not_on_plane(context: &dyn StageContext, camera: &CalibrationFilm) -> Diagnostic {

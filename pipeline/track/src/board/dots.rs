@@ -9,6 +9,8 @@
 
 use si::{Metre, Point2, Point3};
 
+use super::dark::dark_patches;
+use super::reduced::Reduced;
 use super::{BoardError, lattice};
 use crate::Gray;
 use crate::klt::blob;
@@ -32,9 +34,7 @@ impl Dots {
     }
 }
 
-/// Darker than the mean around it by this many grey levels, a pixel may belong to a dot.
-const DARKER: f64 = 15.0;
-/// Half the side of the square of that mean, as a share of the picture's shorter side.
+/// Half the side of the square around a pixel with whose mean it is compared, as a share of the picture's shorter side.
 const AROUND: f64 = 0.06;
 /// Pixels that a dot has at least.
 const LEAST: usize = 16;
@@ -57,25 +57,45 @@ pub fn find(picture: &Gray, board: &Dots) -> Result<Vec<Point2>, BoardError> {
     if columns < 3 || rows < 3 || columns == rows {
         return Err(BoardError::Square { columns, rows });
     }
-    let mut discs = discs(picture);
-    // the board's dots are alike, so the typical one is among them
-    discs.sort_by_key(|disc| disc.pixels);
-    let typical = discs.get(discs.len() / 2).map_or(0, |disc| disc.pixels);
-    discs.sort_by_key(|disc| disc.pixels.abs_diff(typical));
-    let middle = |disc: &Disc| blob::find(picture, disc.at, disc.radius + RIM).ok().map(|blob| blob.at);
-    let places: Vec<Point2> = discs.iter().filter_map(middle).collect();
-    let mut dots = lattice::find(&places, columns, rows).map_err(|in_grid| BoardError::NoDots {
-        columns,
-        rows,
-        in_grid,
-        seen: places.len(),
-    })?;
+    let (mut in_grid, mut seen) = (0, 0);
+    for places in middles(picture) {
+        match lattice::find(&places, columns, rows) {
+            Ok(dots) => return Ok(from_upper_left(dots)),
+            Err(size) => (in_grid, seen) = (in_grid, seen).max((size, places.len())),
+        }
+    }
+    Err(BoardError::NoDots { columns, rows, in_grid, seen })
+}
+
+/// The dots, or the dots from the last on, so that the first is the one nearer the upper left corner.
+fn from_upper_left(mut dots: Vec<Point2>) -> Vec<Point2> {
     let first_from_corner = |dots: &[Point2]| dots[0][0] + dots[0][1];
     let last_from_corner = dots[dots.len() - 1][0] + dots[dots.len() - 1][1];
     if last_from_corner < first_from_corner(&dots) {
         dots.reverse();
     }
-    Ok(dots)
+    dots
+}
+
+/// Middles of the dark discs, px, those of typical size first: of a large picture as a reduced copy shows them, then as itself does.
+pub(super) fn middles(picture: &Gray) -> impl Iterator<Item = Vec<Point2>> {
+    let reduced = Reduced::of(picture);
+    let itself = std::iter::once_with(|| discs(picture));
+    let discs = reduced.map(|reduced| enlarged(discs(&reduced.picture), &reduced)).into_iter().chain(itself);
+    discs.map(move |mut discs| {
+        // the board's dots are alike, so the typical one is among them
+        discs.sort_by_key(|disc| disc.pixels);
+        let typical = discs.get(discs.len() / 2).map_or(0, |disc| disc.pixels);
+        discs.sort_by_key(|disc| disc.pixels.abs_diff(typical));
+        let middle = |disc: &Disc| blob::find(picture, disc.at, disc.radius + RIM).ok().map(|blob| blob.at);
+        discs.iter().filter_map(middle).collect()
+    })
+}
+
+fn enlarged(discs: Vec<Disc>, reduced: &Reduced) -> Vec<Disc> {
+    let enlarge =
+        |disc: Disc| Disc { at: reduced.enlarged(disc.at), radius: disc.radius * reduced.block as f64, ..disc };
+    discs.into_iter().map(enlarge).collect()
 }
 
 /// A dark disc, roughly.
@@ -89,49 +109,9 @@ struct Disc {
 
 /// The dark patches of a picture that are ellipses.
 fn discs(picture: &Gray) -> Vec<Disc> {
-    let mut dark = darker(picture);
-    let most = (MOST * dark.len() as f64) as usize;
-    let starts: Vec<usize> = (0..dark.len()).filter(|&i| dark[i]).collect();
-    starts.into_iter().filter_map(|start| disc(&patch(&mut dark, picture.width, start), most)).collect()
-}
-
-/// Whether each pixel is darker than the mean around it.
-fn darker(picture: &Gray) -> Vec<bool> {
-    let (width, height) = (picture.width, picture.height);
-    let half = ((AROUND * width.min(height) as f64) as usize).max(3);
-    let mut sums = vec![0_u64; (width + 1) * (height + 1)];
-    for y in 0..height {
-        let mut row = 0;
-        for x in 0..width {
-            row += u64::from(picture.pixels[y * width + x]);
-            sums[(y + 1) * (width + 1) + x + 1] = sums[y * (width + 1) + x + 1] + row;
-        }
-    }
-    let around = |v: usize, size: usize| (v.saturating_sub(half), (v + half + 1).min(size));
-    let is_darker = |i: usize| {
-        let ((left, right), (top, bottom)) = (around(i % width, width), around(i / width, height));
-        let at = |x: usize, y: usize| sums[y * (width + 1) + x];
-        let sum = at(right, bottom) + at(left, top) - at(left, bottom) - at(right, top);
-        f64::from(picture.pixels[i]) < sum as f64 / ((right - left) * (bottom - top)) as f64 - DARKER
-    };
-    (0..width * height).map(is_darker).collect()
-}
-
-/// The dark pixels connected to `start` by their sides, removed from `dark`.
-fn patch(dark: &mut [bool], width: usize, start: usize) -> Vec<[usize; 2]> {
-    let (mut found, mut open) = (Vec::new(), vec![start]);
-    while let Some(i) = open.pop() {
-        if !std::mem::take(&mut dark[i]) {
-            continue;
-        }
-        let x = i % width;
-        found.push([x, i / width]);
-        open.extend((x > 0).then(|| i - 1));
-        open.extend((x + 1 < width).then_some(i + 1));
-        open.extend(i.checked_sub(width));
-        open.extend(Some(i + width).filter(|below| *below < dark.len()));
-    }
-    found
+    let most = (MOST * picture.pixels.len() as f64) as usize;
+    let half = ((AROUND * picture.width.min(picture.height) as f64) as usize).max(3);
+    dark_patches(picture, half).filter_map(|patch| disc(&patch, most)).collect()
 }
 
 /// The disc of these pixels, when they fill the ellipse of their second moments.
@@ -197,38 +177,5 @@ mod tests {
         // of 16 pixels it is large enough
         let least: Vec<[usize; 2]> = (0..16).map(|i| [i % 4, i / 4]).collect();
         assert!(disc(&least, 16).is_some());
-    }
-
-    #[test]
-    fn a_patch_is_what_is_connected_by_sides_and_is_taken_once() {
-        // X.XX
-        // XX..
-        // ..XX, whose last row touches the second at a corner alone
-        let rows = ["X.XX", "XX..", "..XX"];
-        let mut dark: Vec<bool> = rows.iter().flat_map(|row| row.chars().map(|c| c == 'X')).collect();
-        let mut first = patch(&mut dark, 4, 5);
-        first.sort_unstable();
-        assert_eq!(first, [[0, 0], [0, 1], [1, 1]]);
-        assert!(patch(&mut dark, 4, 0).is_empty());
-        assert_eq!((patch(&mut dark, 4, 2).len(), patch(&mut dark, 4, 11).len()), (2, 2));
-        assert!(dark.iter().all(|dark| !dark));
-    }
-
-    #[test]
-    fn a_pixel_is_dark_against_the_mean_of_its_surroundings() {
-        // squares of 7 × 7 px around each pixel; at the left edge they have four columns
-        let at = |level: f64, x: usize, y: usize| {
-            let picture = Gray::from_fn(40, 30, |u, v| if (u, v) == (x, y) { level } else { 100.0 });
-            let dark = darker(&picture);
-            assert!(dark.iter().enumerate().all(|(i, dark)| !dark || i == y * 40 + x));
-            dark[y * 40 + x]
-        };
-        // level + 15 < mean of 49 pixels with it, or of 28: darker by 15.3 and by 15.6
-        assert!(at(84.0, 20, 15) && !at(85.0, 20, 15));
-        assert!(at(84.0, 0, 15) && !at(85.0, 0, 15) && at(80.0, 39, 29));
-        let left_half = darker(&Gray::from_fn(40, 30, |u, _| if u < 20 { 60.0 } else { 100.0 }));
-        let row: Vec<usize> = (0..40).filter(|u| left_half[15 * 40 + u]).collect();
-        // beside the step, at 19, 4 · 60 + 3 · 100 over 7 is 77.1, at 18 it is 71.4
-        assert_eq!(row, [19]);
     }
 }

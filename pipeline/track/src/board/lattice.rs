@@ -10,6 +10,9 @@ type Grid = BTreeMap<(i32, i32), Point2>;
 const ASTRAY: f64 = 0.3;
 /// Starts that are tried, strongest corner first.
 const STARTS: usize = 40;
+/// Of them when the size of a grid is asked for: each grows a whole grid. And corners among which it is: the strongest, as those of a board are.
+const SIZED_FROM: usize = 6;
+const SIZED_AMONG: usize = 500;
 /// The four ways to a neighbour.
 const WAYS: [(i32, i32); 4] = [(1, 0), (0, 1), (-1, 0), (0, -1)];
 
@@ -28,6 +31,61 @@ pub(super) fn find(corners: &[Point2], across: usize, down: usize) -> Result<Vec
         largest = largest.max(grid.len());
     }
     Err(largest)
+}
+
+/// A grid and its places, row by row as [`ordered`] says.
+pub(super) struct Complete {
+    pub(super) columns: usize,
+    pub(super) rows: usize,
+    pub(super) places: Vec<Point2>,
+}
+
+/// The largest complete grid among `corners`, strongest first; none of less than 3 × 2.
+pub(super) fn largest(corners: &[Point2]) -> Option<Complete> {
+    let corners = &corners[..corners.len().min(SIZED_AMONG)];
+    let from = |start: usize| {
+        let grid = trimmed(grow(corners, start, first_steps(corners, start)?), 4);
+        let (across, down) = spans(&grid)?;
+        let (columns, rows) = (across.len().max(down.len()), across.len().min(down.len()));
+        let places = ordered(&grid, columns, rows).filter(|_| rows >= 2 && columns >= 3)?;
+        Some(Complete { columns, rows, places })
+    };
+    (0..corners.len().min(SIZED_FROM)).filter_map(from).max_by_key(|grid| grid.places.len())
+}
+
+/// The places of a grid in the order of `cells` (columns and rows from any number, the second axis anticlockwise of the first as seen),
+/// where exactly one quarter turn and shift puts all of them on the grid.
+///
+/// # Errors
+/// The number of places in the largest grid, when none holds the cells.
+pub(super) fn find_cells(corners: &[Point2], cells: &[(i32, i32)]) -> Result<Vec<Point2>, usize> {
+    let mut largest = 0;
+    for start in 0..corners.len().min(STARTS) {
+        let Some([first, second]) = first_steps(corners, start) else { continue };
+        let is_clockwise = first[0] * second[1] - first[1] * second[0] > 0.0;
+        let grid = grow(corners, start, if is_clockwise { [second, first] } else { [first, second] });
+        if let Some(places) = placed(&grid, cells) {
+            return Ok(places);
+        }
+        largest = largest.max(grid.len());
+    }
+    Err(largest)
+}
+
+/// The grid's places at the cells, turned and shifted; none where none or several of these fit.
+fn placed(grid: &Grid, cells: &[(i32, i32)]) -> Option<Vec<Point2>> {
+    let turns: [fn((i32, i32)) -> (i32, i32); 4] =
+        [|(u, v)| (u, v), |(u, v)| (-v, u), |(u, v)| (-u, -v), |(u, v)| (v, -u)];
+    let mut fits = turns.iter().flat_map(|turn| {
+        let turned: Vec<(i32, i32)> = cells.iter().map(|cell| turn(*cell)).collect();
+        let at = move |to: &(i32, i32)| {
+            let shift = (to.0 - turned[0].0, to.1 - turned[0].1);
+            turned.iter().map(|(u, v)| grid.get(&(u + shift.0, v + shift.1)).copied()).collect::<Option<Vec<Point2>>>()
+        };
+        grid.keys().filter_map(at)
+    });
+    let first = fits.next()?;
+    fits.next().is_none().then_some(first)
 }
 
 /// Steps to two neighbours of a corner that stand across each other, each with a neighbour opposite, nearest first.
@@ -165,6 +223,18 @@ mod tests {
     }
 
     #[test]
+    fn cells_are_placed_by_the_one_turn_that_fits_them() {
+        // an L of 3 and 2, its first axis to the left in the picture
+        let corners: Vec<Point2> = [[100.0, 50.0], [60.0, 50.0], [20.0, 50.0], [100.0, 90.0]].to_vec();
+        let cells = [(0, 0), (1, 0), (2, 0), (0, 1)];
+        let grid =
+            Grid::from([((0, 0), corners[0]), ((0, 1), corners[1]), ((0, 2), corners[2]), ((-1, 0), corners[3])]);
+        assert_eq!(placed(&grid, &cells), Some(corners));
+        // two cells fit in many ways
+        assert_eq!(placed(&grid, &cells[..2]), None);
+    }
+
+    #[test]
     fn strays_where_a_neighbour_would_be_are_trimmed() {
         let mut corners: Vec<Point2> = (0..28).map(|k| tilted(k % 7, k / 7)).collect();
         corners.extend([tilted(7, 2), tilted(8, 2), [57.0, 298.0]]);
@@ -177,5 +247,8 @@ mod tests {
         assert_eq!(find(&corners, 6, 4), Err(28));
         let holed: Vec<_> = corners.iter().enumerate().filter(|(k, _)| *k != 9).map(|(_, c)| *c).collect();
         assert_eq!(find(&holed, 7, 4), Err(27));
+        let complete = largest(&corners).unwrap();
+        assert_eq!((complete.columns, complete.rows, complete.places.len()), (7, 4, 28));
+        assert!(largest(&holed).is_none() && largest(&corners[..2]).is_none());
     }
 }

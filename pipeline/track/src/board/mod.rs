@@ -4,12 +4,20 @@
 //! points from the printed side towards the camera. The square that touches corner (0, 0) diagonally from outside is
 //! black. A board of odd × even squares looks different upside down, so the order of its corners is unique.
 
+pub mod asymmetric;
+pub mod charuco;
+mod dark;
 pub mod dots;
 mod lattice;
+pub mod reduced;
 mod saddle;
 
 use crate::Gray;
+use crate::calibrate::View;
+use asymmetric::AsymmetricDots;
+use charuco::{Charuco, Dictionary};
 use dots::Dots;
+use reduced::Reduced;
 use si::{Metre, Point2, Point3};
 
 /// A checkerboard of `columns` × `rows` squares (inner corners are one less each way).
@@ -58,6 +66,60 @@ pub enum BoardError {
         /// Dots along the second axis.
         rows: usize,
     },
+    /// An asymmetric circle grid whose dots have no unique order.
+    #[error(
+        "a board of {rows} shifted rows of {columns} dots cannot be ordered\n  why: with an even number of rows it looks the same upside down, or it has fewer than 3 rows of 2\n  do:  print one with an odd number of rows, such as 4 × 11"
+    )]
+    EvenRows {
+        /// Dots of a row.
+        columns: usize,
+        /// Rows.
+        rows: usize,
+    },
+    /// A ChArUco board that cannot be.
+    #[error(
+        "a ChArUco board of {} × {} squares of {} m with markers of {} m of {} cannot be\n  why: it needs {} markers of the dictionary's {}, 3 squares a side, and markers smaller than its squares\n  do:  correct columns, rows, square, marker or dictionary", .board.columns, .board.rows, .board.square, .board.marker, .board.dictionary, .board.markers(), .board.dictionary.count
+    )]
+    NoCharuco {
+        /// The board.
+        board: Charuco,
+    },
+    /// No marker of the dictionary.
+    #[error(
+        "no marker of {dictionary} is in the picture\n  why: it has {quads} dark quadrilaterals{}\n  do:  {}", known_markers(*.other), other_dictionary(*.other)
+    )]
+    NoMarker {
+        /// The board's dictionary.
+        dictionary: Dictionary,
+        /// Dark quadrilaterals, those in which a marker is looked for.
+        quads: usize,
+        /// A dictionary whose markers are in the picture.
+        other: Option<Dictionary>,
+    },
+    /// Markers that do not stand as those of the board.
+    #[error(
+        "the {markers} markers in the picture do not stand as those of a board of {} × {} squares\n  why: their numbers count up row after row of such a board; most neighbours contradict it\n  do:  correct columns and rows: squares, columns along the rows in which the markers count up", .board.columns, .board.rows
+    )]
+    OtherBoard {
+        /// The board.
+        board: Charuco,
+        /// Markers that were read.
+        markers: usize,
+    },
+    /// Too few corners of a ChArUco board.
+    #[error(
+        "{corners} of the board's {expected} inner corners are seen beside {markers} markers\n  why: a view needs {least} of them, in two rows and two columns\n  do:  show more of the board, closer, sharper or less tilted"
+    )]
+    FewCorners {
+        /// Corners that were seen.
+        corners: usize,
+        /// Markers that were read.
+        markers: usize,
+        /// Corners that a view needs.
+        least: usize,
+        /// Corners of the board.
+        expected: usize,
+    },
     /// Too few dots, or no grid of the right size among them.
     #[error(
         "no board of {columns} × {rows} dots is in the picture\n  why: {in_grid} of its dots were seen in one grid, {seen} dark discs in all\n  do:  show the whole board, dark dots on light ground, closer, sharper or less tilted, or correct columns and rows"
@@ -73,8 +135,9 @@ pub enum BoardError {
         seen: usize,
     },
     /// Too few corners, or no grid of the right size among them.
+    // of a plain checkerboard a part could be any part: there is nothing that says which
     #[error(
-        "no board of {columns} × {rows} squares is in the picture\n  why: {}, {seen} corners in all\n  do:  show the whole board with a light margin, closer, sharper or less tilted, or correct columns and rows",
+        "no board of {columns} × {rows} squares is in the picture\n  why: {}, {seen} corners in all; of a plain checkerboard a part cannot be told from another\n  do:  show the whole board with a light margin, closer, sharper or less tilted, or correct columns and rows",
         largest_grid(*.in_grid, *.expected)
     )]
     NotFound {
@@ -125,6 +188,21 @@ fn largest_grid(in_grid: usize, expected: usize) -> String {
     format!("{in_grid} of its {expected} inner corners were seen in one grid")
 }
 
+/// What is said of a dictionary whose markers were seen instead.
+fn known_markers(other: Option<Dictionary>) -> String {
+    other.map_or_else(String::new, |other| format!(", of which several are markers of {other}"))
+}
+
+fn other_dictionary(other: Option<Dictionary>) -> String {
+    match other {
+        Some(other) => format!(
+            "name the dictionary that the board was printed from: {other} or another of {0}×{0} bits",
+            other.side
+        ),
+        None => "show the board closer, sharper or less tilted, with the print upright: not mirrored".into(),
+    }
+}
+
 /// Finds the inner corners of `board`, px, in the order of [`Board::corners`].
 ///
 /// Saddles of the blurred picture, joined to a grid, refined in the picture itself, then turned so that black and white
@@ -140,17 +218,60 @@ pub fn find(picture: &Gray, board: &Board) -> Result<Vec<Point2>, BoardError> {
     if across < 2 || down < 2 || (columns + rows).is_multiple_of(2) {
         return Err(BoardError::Ambiguous { columns, rows });
     }
+    let reduced = Reduced::of(picture).and_then(|reduced| {
+        let rough: Vec<Point2> = corners(&reduced.picture, board).ok()?.iter().map(|p| reduced.enlarged(*p)).collect();
+        refined(picture, &rough, across)
+    });
+    match reduced {
+        Some(corners) => Ok(turned(picture, corners, board)),
+        None => corners(picture, board).map(|corners| turned(picture, corners, board)),
+    }
+}
+
+/// The corners of the board in the order of a grid, from either end.
+fn corners(picture: &Gray, board: &Board) -> Result<Vec<Point2>, BoardError> {
+    let (across, down) = board.inner();
     let (mut in_grid, mut seen) = (0, 0);
     for blur in BLURS {
         let places: Vec<Point2> = saddle::saddles(picture, blur).iter().map(|s| s.at).collect();
         let rough = lattice::find(&places, across, down);
         match rough.map(|rough| refined(picture, &rough, across)) {
-            Ok(Some(corners)) => return Ok(turned(picture, corners, board)),
+            Ok(Some(corners)) => return Ok(corners),
             Ok(None) => {}
             Err(size) => (in_grid, seen) = (in_grid, seen).max((size, places.len())),
         }
     }
+    let Board { columns, rows, .. } = *board;
     Err(BoardError::NotFound { columns, rows, in_grid, seen, expected: across * down })
+}
+
+/// A checkerboard of which nothing was known.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AnyCheckerboard {
+    /// Squares along its longer side.
+    pub columns: usize,
+    /// Squares along its shorter side.
+    pub rows: usize,
+    /// Its inner corners, px, to some pixels; the first is the end that is nearer the picture's upper left corner.
+    pub corners: Vec<Point2>,
+}
+
+/// The checkerboard in a picture of which nothing is known; none where there is no whole one.
+pub fn any_checkerboard(picture: &Gray) -> Option<AnyCheckerboard> {
+    whole(picture).ok()?;
+    let reduced = Reduced::of(picture);
+    let searched = reduced.as_ref().map_or(picture, |reduced| &reduced.picture);
+    let grid = BLURS[..2].iter().find_map(|blur| {
+        let places: Vec<Point2> = saddle::saddles(searched, *blur).iter().map(|s| s.at).collect();
+        lattice::largest(&places)
+    })?;
+    let enlarge = |place: &Point2| reduced.as_ref().map_or(*place, |reduced| reduced.enlarged(*place));
+    let mut corners: Vec<Point2> = grid.places.iter().map(enlarge).collect();
+    let (first, last) = (corners[0], corners[corners.len() - 1]);
+    if last[0] + last[1] < first[0] + first[1] {
+        corners.reverse();
+    }
+    Some(AnyCheckerboard { columns: grid.columns + 1, rows: grid.rows + 1, corners })
 }
 
 /// # Errors
@@ -193,32 +314,76 @@ fn turned(picture: &Gray, mut corners: Vec<Point2>, board: &Board) -> Vec<Point2
     corners
 }
 
-/// A calibration target of either kind, by its points.
+/// A calibration target of any kind, by its points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Target {
     /// Black and white squares: the points are the inner corners.
     Checkerboard(Board),
     /// Dark dots: the points are their middles.
     Dots(Dots),
+    /// Rows of dark dots, every second one shifted.
+    AsymmetricDots(AsymmetricDots),
+    /// Squares with markers: the points are the inner corners, of which a part may be seen.
+    Charuco(Charuco),
+}
+
+/// What is printed on a target.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum TargetKind {
+    /// Black and white squares.
+    #[default]
+    Checkerboard,
+    /// Dark dots in a square grid.
+    Dots,
+    /// Rows of dark dots, every second one shifted.
+    AsymmetricDots,
+    /// Squares with markers of this side (m) and dictionary.
+    Charuco(Metre, Dictionary),
+}
+
+impl TargetKind {
+    /// A ChArUco board; with nothing known of it, one that [`Target::find`] refuses.
+    pub fn charuco(marker: Option<Metre>, dictionary: Option<Dictionary>) -> Self {
+        Self::Charuco(marker.unwrap_or(0.0), dictionary.unwrap_or(Dictionary { side: 4, count: 50 }))
+    }
 }
 
 impl Target {
+    /// A target of `columns` × `rows` squares or dots; `square` is the side of a square, or the distance of dots (of rows, where every
+    /// second one is shifted), m.
+    pub fn new(kind: TargetKind, [columns, rows]: [usize; 2], square: Metre) -> Self {
+        match kind {
+            TargetKind::Checkerboard => Self::Checkerboard(Board { columns, rows, square }),
+            TargetKind::Dots => Self::Dots(Dots { columns, rows, pitch: square }),
+            TargetKind::AsymmetricDots => Self::AsymmetricDots(AsymmetricDots { columns, rows, square }),
+            TargetKind::Charuco(marker, dictionary) => {
+                Self::Charuco(Charuco { columns, rows, square, marker, dictionary })
+            }
+        }
+    }
+
     /// Its points in its own frame, m.
     pub fn points(&self) -> Vec<Point3> {
         match self {
             Self::Checkerboard(board) => board.corners(),
             Self::Dots(dots) => dots.points(),
+            Self::AsymmetricDots(dots) => dots.points(),
+            Self::Charuco(Charuco { columns, rows, square, .. }) => {
+                Board { columns: *columns, rows: *rows, square: *square }.corners()
+            }
         }
     }
 
-    /// Its points in a picture, px, in the order of [`Target::points`].
+    /// Its points in a picture, px, in the order of [`Target::points`]: all of them, but of a ChArUco board those that are seen.
     ///
     /// # Errors
-    /// [`BoardError`] when it is not in the picture as a whole.
-    pub fn find(&self, picture: &Gray) -> Result<Vec<Point2>, BoardError> {
+    /// [`BoardError`] when it is not in the picture as a whole, or too little of a ChArUco board is.
+    pub fn find(&self, picture: &Gray) -> Result<View, BoardError> {
         match self {
-            Self::Checkerboard(board) => find(picture, board),
-            Self::Dots(board) => dots::find(picture, board),
+            Self::Checkerboard(board) => find(picture, board).map(View::whole),
+            Self::Dots(board) => dots::find(picture, board).map(View::whole),
+            Self::AsymmetricDots(board) => asymmetric::find(picture, board).map(View::whole),
+            Self::Charuco(board) => charuco::find(picture, board),
         }
     }
 }

@@ -10,7 +10,7 @@ use si::Point2;
 ///
 /// None when there are fewer than four pairs, or those of `from` lie on a line.
 #[allow(non_snake_case)]
-pub(super) fn homography(from: &[Point2], onto: &[Point2]) -> Option<Matrix3<f64>> {
+pub(crate) fn homography(from: &[Point2], onto: &[Point2]) -> Option<Matrix3<f64>> {
     if from.len() < 4 || from.len() != onto.len() {
         return None;
     }
@@ -36,6 +36,13 @@ pub(super) fn homography(from: &[Point2], onto: &[Point2]) -> Option<Matrix3<f64
     let h = eigen.eigenvectors.column(order[0]);
     let H = T.try_inverse()? * Matrix3::from_row_iterator(h.iter().copied()) * S;
     Some(H / H.norm())
+}
+
+/// The place that a map takes a point to.
+#[allow(non_snake_case)]
+pub(crate) fn mapped(H: &Matrix3<f64>, point: Point2) -> Point2 {
+    let there = H * Vector3::new(point[0], point[1], 1.0);
+    [there.x / there.z, there.y / there.z]
 }
 
 /// Moves the middle of the points to 0 and their mean distance from it to √2.

@@ -1,7 +1,8 @@
 //! Camera calibration from views of a planar target: intrinsic parameters, distortion and poses. Paper, section IV.
 
+mod elimination;
 mod focal;
-mod homography;
+pub(crate) mod homography;
 mod refine;
 
 use crate::lens::{Distortion, Lens, VALUES};
@@ -17,6 +18,48 @@ use si::{Metre, Point2, Point3};
 pub struct View {
     /// Its points, px, in the board's own order.
     pub corners: Vec<Point2>,
+    /// Which of the board's points they are, in ascending order; all of them where nothing is said.
+    pub numbers: Option<Vec<usize>>,
+}
+
+impl View {
+    /// A view of all points.
+    pub fn whole(corners: Vec<Point2>) -> Self {
+        Self { corners, numbers: None }
+    }
+
+    /// The points of the board that it shows, m.
+    pub fn points(&self, board: &[Point3]) -> Vec<Point3> {
+        match &self.numbers {
+            None => board.to_vec(),
+            Some(numbers) => numbers.iter().filter_map(|number| board.get(*number).copied()).collect(),
+        }
+    }
+
+    /// The pixel of one of the board's points, where it is seen.
+    pub fn corner(&self, number: usize) -> Option<Point2> {
+        let place = self.numbers.as_ref().map_or(Some(number), |numbers| numbers.binary_search(&number).ok());
+        self.corners.get(place?).copied()
+    }
+
+    /// The mean of views of a board at rest: of each point that one of them shows, over those that do.
+    pub fn mean(views: &[Self]) -> Self {
+        let count = views.iter().map(Self::extent).max().unwrap_or(0);
+        let mean = |number: usize| {
+            let seen: Vec<Point2> = views.iter().filter_map(|view| view.corner(number)).collect();
+            let sum = |k: usize| seen.iter().map(|p| p[k]).sum::<f64>() / seen.len() as f64;
+            (!seen.is_empty()).then(|| (number, [sum(0), sum(1)]))
+        };
+        let (numbers, corners) = (0..count).filter_map(mean).unzip();
+        let is_whole = views.iter().all(|view| view.numbers.is_none());
+        Self { corners, numbers: (!is_whole).then_some(numbers) }
+    }
+
+    /// One more than the largest number of its points.
+    fn extent(&self) -> usize {
+        let last = self.numbers.as_ref().and_then(|numbers| numbers.last());
+        self.numbers.as_ref().map_or(self.corners.len(), |_| last.map_or(0, |last| last + 1))
+    }
 }
 
 /// A calibrated camera.
@@ -101,17 +144,17 @@ pub fn calibrate(
     distortion: Distortion,
     (width, height): (usize, usize),
 ) -> Result<Calibration, CalibrateError> {
-    let uneven = views.iter().position(|view| view.corners.len() != points.len());
-    if let Some(view) = uneven {
-        return Err(CalibrateError::Corners { view, given: views[view].corners.len(), expected: points.len() });
+    let shown: Vec<Vec<Point3>> = views.iter().map(|view| view.points(points)).collect();
+    if let Some(view) = (0..views.len()).find(|view| views[*view].corners.len() != shown[*view].len()) {
+        return Err(CalibrateError::Corners { view, given: views[view].corners.len(), expected: shown[view].len() });
     }
     if views.len() < LEAST_VIEWS {
         return Err(CalibrateError::TooFewViews { given: views.len(), needed: LEAST_VIEWS });
     }
     let middle = [0.5 * (width as f64 - 1.0), 0.5 * (height as f64 - 1.0)];
-    let lens = Lens { distortion, ..begin(views, points, middle)? };
-    let seen: Vec<_> = views.iter().map(|view| Seen { points, pixels: &view.corners }).collect();
-    let mut guess = Guess { lens, poses: initial_poses(&lens, views, points)? };
+    let seen: Vec<_> = views.iter().zip(&shown).map(|(view, points)| Seen { points, pixels: &view.corners }).collect();
+    let lens = Lens { distortion, ..begin(&seen, middle)? };
+    let mut guess = Guess { lens, poses: initial_poses(&lens, &seen)? };
     refine(&mut guess, &seen, false);
     let sum = refine(&mut guess, &seen, true);
     let covariance = refine::covariance(&guess, &seen);
@@ -121,7 +164,7 @@ pub fn calibrate(
         let why = format!("the focal length would be {:.0} ± {sigma:.0} px", guess.lens.fx);
         return Err(CalibrateError::Degenerate { why });
     }
-    let reprojection_px = (sum / (views.len() * points.len()) as f64).sqrt();
+    let reprojection_px = (sum / shown.iter().map(Vec::len).sum::<usize>() as f64).sqrt();
     Ok(Calibration { lens: guess.lens, poses: guess.poses, reprojection_px, covariance })
 }
 
@@ -129,22 +172,25 @@ fn degenerate(why: &str) -> CalibrateError {
     CalibrateError::Degenerate { why: why.into() }
 }
 
+/// x and y of points of the plane z = 0.
+fn in_plane(points: &[Point3]) -> Vec<Point2> {
+    points.iter().map(|p| [p[0], p[1]]).collect()
+}
+
 /// A pinhole from the maps of the views, the optical axis at `middle` (px).
-fn begin(views: &[View], points: &[Point3], middle: Point2) -> Result<Lens, CalibrateError> {
-    let plane: Vec<Point2> = points.iter().map(|p| [p[0], p[1]]).collect();
-    let maps: Option<Vec<_>> = views.iter().map(|view| homography(&plane, &view.corners)).collect();
+fn begin(views: &[Seen], middle: Point2) -> Result<Lens, CalibrateError> {
+    let maps: Option<Vec<_>> = views.iter().map(|view| homography(&in_plane(view.points), view.pixels)).collect();
     let maps = maps.ok_or_else(|| degenerate("the corners of a view lie on a line"))?;
     focal_lengths(&maps, middle).ok_or_else(|| degenerate("the board is tilted alike in all views"))
 }
 
 /// Initial pose of each view, from the rays of its pixels through the initial lens.
-fn initial_poses(lens: &Lens, views: &[View], points: &[Point3]) -> Result<Vec<Pose>, CalibrateError> {
-    let plane: Vec<Point2> = points.iter().map(|p| [p[0], p[1]]).collect();
-    let one = |view: &View| {
-        let rays: Option<Vec<Point2>> = view.corners.iter().map(|pixel| lens.unproject(*pixel)).collect();
-        Some(pose(&homography(&plane, &rays?)?))
+fn initial_poses(lens: &Lens, views: &[Seen]) -> Result<Vec<Pose>, CalibrateError> {
+    let initial_pose = |view: &Seen| {
+        let rays: Option<Vec<Point2>> = view.pixels.iter().map(|pixel| lens.unproject(*pixel)).collect();
+        Some(pose(&homography(&in_plane(view.points), &rays?)?))
     };
-    let poses: Option<Vec<Pose>> = views.iter().map(one).collect();
+    let poses: Option<Vec<Pose>> = views.iter().map(initial_pose).collect();
     poses.ok_or_else(|| degenerate("a view reaches beyond the rays of its first lens"))
 }
 

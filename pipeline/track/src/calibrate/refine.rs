@@ -1,9 +1,10 @@
 //! Bundle adjustment of a lens and poses by Levenberg–Marquardt on the reprojection errors, and its covariance.
 
+use super::elimination::Eliminated;
 use crate::lens::Lens;
 use crate::pose::Pose;
 use nalgebra::{DMatrix, DVector};
-use optimize::levenberg_marquardt::{LeastSquaresProblem, NormalEquations, Options, Scaling, minimise};
+use optimize::levenberg_marquardt::{LeastSquaresProblem, NormalEquations, Options, Scaling, damped_step, minimise};
 use si::{Point2, Point3, vec3};
 
 /// Values of the lens: fx fy cx cy and the distortion's five, of which a fisheye leaves the last one out.
@@ -44,7 +45,18 @@ impl LeastSquaresProblem for Reprojection<'_> {
     fn moved(&self, at: &Guess, step: &DVector<f64>) -> Guess {
         moved(at, step, self.with_lens)
     }
+
+    fn damped_step(&self, normal: &NormalEquations, damping: f64, scaling: Scaling) -> Option<DVector<f64>> {
+        if self.seen.len() <= ELIMINATED_FROM {
+            return damped_step(normal.matrix.clone(), &normal.right, damping, scaling);
+        }
+        let lead = normal.right.len() - OF_POSE * self.seen.len();
+        Eliminated::new(normal, lead, |entry| scaling.damped(entry, damping))?.solve()
+    }
 }
+
+/// Views up to which the whole matrix is factored: it is as fast there, and the last digits of a study's lens stay what they are.
+const ELIMINATED_FROM: usize = 60;
 
 /// The normal equations are accumulated point by point: with 15 views the Jacobian would have thousands of rows that are mostly zero.
 /// The floor fixes a coefficient on which no point depends. 200 trials are more than any reasonable start needs.
@@ -73,8 +85,11 @@ pub(super) fn refine(guess: &mut Guess, seen: &[Seen], with_lens: bool) -> f64 {
 /// The lens's block of σ² (JᵀJ)⁻¹ with σ² = rᵀr / (equations − unknowns). None when the views do not fix the lens.
 pub(super) fn covariance(guess: &Guess, seen: &[Seen]) -> Option<[[f64; OF_LENS]; OF_LENS]> {
     let normal = linearise(guess, seen, true);
-    let inverse = inverse(&normal.matrix)?;
     let count = guess.lens.count();
+    let inverse = match seen.len() <= ELIMINATED_FROM {
+        true => inverse(&normal.matrix)?,
+        false => inverse(&Eliminated::new(&normal, count, |entry| entry)?.lens)?,
+    };
     let variance = normal.squares / spare(seen, normal.matrix.nrows());
     let entry = |i: usize, j: usize| if i < count && j < count { variance * inverse[(i, j)] } else { 0.0 };
     Some(std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j))))
