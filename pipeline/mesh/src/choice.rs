@@ -1,5 +1,7 @@
 //! The choice of elements for a body that is given by its surfaces.
 
+use serde::{Deserialize, Serialize};
+
 use crate::{
     Grading, MeshError, QuadraticMesh, Report, Settings, Surface, mesh, mesh_in_hexahedra, mesh_without_sheet,
     quadratic,
@@ -14,6 +16,30 @@ pub enum ElementChoice {
     HexahedraWherePossible(Grading),
     /// Hexahedra or an error.
     Hexahedra(Grading),
+}
+
+/// The same choice as settings and cases name it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ElementName {
+    /// With edges of one length.
+    #[default]
+    Tetrahedra,
+    /// Hexahedra sized by the thinnest wall where rows and levels divide the body, tetrahedra elsewhere.
+    Auto,
+    /// The same, or an error.
+    Hexahedra,
+}
+
+impl ElementName {
+    /// With a grading of hexahedra.
+    pub fn graded(self, grading: Grading) -> ElementChoice {
+        match self {
+            Self::Tetrahedra => ElementChoice::Tetrahedra,
+            Self::Auto => ElementChoice::HexahedraWherePossible(grading),
+            Self::Hexahedra => ElementChoice::Hexahedra(grading),
+        }
+    }
 }
 
 /// A body meshed, its report, and why it is not in hexahedra where they were wished for.

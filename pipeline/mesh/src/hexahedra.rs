@@ -1,45 +1,14 @@
 //! Hexahedra of 20 nodes, wedges among them, cut into tetrahedra.
 
-use crate::{QuadraticElements, QuadraticFace, QuadraticMesh, Skin, SkinFace, TetMesh};
+use crate::quadratic::HEX_SIDES;
+use crate::{QuadraticElements, QuadraticMesh, SkinFace, TetMesh};
 use si::Point3;
 use std::collections::BTreeMap;
-
-/// The sides of a hexahedron, normals outwards: corners, then the middles between them.
-pub(crate) const HEX_SIDES: [[usize; 8]; 6] = [
-    [0, 3, 2, 1, 11, 10, 9, 8],
-    [4, 5, 6, 7, 12, 13, 14, 15],
-    [0, 1, 5, 4, 8, 17, 12, 16],
-    [1, 2, 6, 5, 9, 18, 13, 17],
-    [2, 3, 7, 6, 10, 19, 14, 18],
-    [3, 0, 4, 7, 11, 16, 15, 19],
-];
-
-/// The sides of a hexahedron or a wedge as faces.
-pub(crate) fn sides_of_hexahedron(nodes: &[u32; 20]) -> Vec<QuadraticFace> {
-    let sides = HEX_SIDES.iter().map(|side| side.map(|n| nodes[n]));
-    // a wedge has one side less, which has shrunk to an edge
-    sides.filter_map(|side| side_as_face(side, Skin::Outer)).collect()
-}
-
-/// A side as a face: a triangle where two of its corners are one, none where it has shrunk to an edge.
-pub(crate) fn side_as_face(nodes: [u32; 8], on: Skin) -> Option<QuadraticFace> {
-    let corners = &nodes[..4];
-    let distinct = (0..4).filter(|&n| !corners[..n].contains(&corners[n])).count();
-    let turned = |by: usize| std::array::from_fn(|n| nodes[4 * (n / 4) + (n + by) % 4]);
-    match distinct {
-        4 => Some(QuadraticFace::quadrilateral(nodes, on)),
-        3 => {
-            let side = (0..4).map(turned).find(|side: &[u32; 8]| side[2] == side[3]);
-            side.map(|[a, b, c, _, ab, bc, _, ca]| QuadraticFace::triangle([a, b, c, ab, bc, ca], on))
-        }
-        _ => None,
-    }
-}
 
 impl QuadraticMesh {
     /// Straight tetrahedra in place of curved hexahedra, for volumes and distances: each is cut into eight parts, and those into
     /// tetrahedra. Nodes of the mesh keep their numbers, middles of sides and elements follow. None of a mesh of tetrahedra.
-    pub fn cut_hexahedra(&self) -> Option<TetMesh> {
+    pub(crate) fn cut_hexahedra(&self) -> Option<TetMesh> {
         let QuadraticElements::Hexahedra(hexahedra) = &self.elements else { return None };
         let mut parts = Parts { nodes: self.nodes.clone(), middles: BTreeMap::new() };
         let (mut tets, mut regions) = (Vec::new(), Vec::new());
@@ -149,6 +118,7 @@ fn tetrahedra(prism: &Vec<u32>) -> Vec<[u32; 4]> {
 mod tests {
     use super::*;
     use crate::quality::dihedral_range;
+    use crate::{QuadraticFace, Skin};
 
     /// A cube of side 2 on the nodes of a grid of half cells, its side x = 2 pushed out.
     fn cube() -> QuadraticMesh {

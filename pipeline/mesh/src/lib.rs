@@ -55,7 +55,7 @@ pub mod vtu;
 pub mod wall;
 
 pub use cavities::{Cavity, cavities};
-pub use choice::{Chosen, ElementChoice, mesh_chosen};
+pub use choice::{Chosen, ElementChoice, ElementName, mesh_chosen};
 pub use columns::{Grading, MeshError, Settings, mesh, mesh_in_hexahedra, mesh_without_sheet};
 pub use embed::{Spot, embed};
 pub use quadratic::{QuadraticElements, QuadraticMesh, quadratic};

@@ -1,6 +1,5 @@
 //! Quadratic elements: every edge has a node in its middle.
 
-use crate::hexahedra::sides_of_hexahedron;
 use crate::{QuadraticFace, Skin, TetMesh};
 use si::Point3;
 use std::collections::HashMap;
@@ -42,13 +41,23 @@ impl QuadraticElements {
         (0..self.len()).map(|element| self.nodes(element))
     }
 
+    /// From the nodes of each element, all 10 or all 20; none of other numbers.
+    pub fn from_rows(rows: &[Vec<u32>]) -> Option<Self> {
+        let tets: Option<Vec<[u32; 10]>> = rows.iter().map(|row| row.as_slice().try_into().ok()).collect();
+        let hexahedra = || rows.iter().map(|row| row.as_slice().try_into().ok()).collect::<Option<Vec<[u32; 20]>>>();
+        tets.map(Self::Tetrahedra).or_else(|| hexahedra().map(Self::Hexahedra))
+    }
+
     /// The sides of an element, normals outwards, as faces of a skin.
     pub fn sides(&self, element: usize) -> Vec<QuadraticFace> {
         match self {
             Self::Tetrahedra(tets) => {
                 SIDES.iter().map(|side| QuadraticFace::triangle(side.map(|n| tets[element][n]), Skin::Outer)).collect()
             }
-            Self::Hexahedra(hexahedra) => sides_of_hexahedron(&hexahedra[element]),
+            Self::Hexahedra(hexahedra) => {
+                let sides = HEX_SIDES.iter().map(|side| side.map(|n| hexahedra[element][n]));
+                sides.filter_map(|side| QuadraticFace::of_side(side, Skin::Outer)).collect()
+            }
         }
     }
 
@@ -77,6 +86,15 @@ pub struct QuadraticMesh {
 }
 
 impl QuadraticMesh {
+    /// The nodes of every face of the skin: 6 of tetrahedra, 8 of hexahedra as [`QuadraticFace::as_side`].
+    pub fn skin_rows(&self) -> Vec<Vec<u32>> {
+        let row = |face: &QuadraticFace| match self.elements {
+            QuadraticElements::Tetrahedra(_) => face.nodes().to_vec(),
+            QuadraticElements::Hexahedra(_) => face.as_side().to_vec(),
+        };
+        self.skin.iter().map(row).collect()
+    }
+
     /// What is wrong with lists that were read from a file: another number of regions than elements, nodes that do not exist or lie nowhere.
     pub fn fault(&self) -> Option<String> {
         let (nodes, elements, regions) = (self.nodes.len(), self.elements.len(), self.regions.len());
@@ -97,6 +115,16 @@ impl QuadraticMesh {
 
 /// The sides of a tetrahedron, normals outwards: corners, then the middles between them.
 const SIDES: [[usize; 6]; 4] = [[0, 2, 1, 6, 5, 4], [0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [0, 3, 2, 7, 9, 6]];
+
+/// The sides of a hexahedron, alike.
+pub(crate) const HEX_SIDES: [[usize; 8]; 6] = [
+    [0, 3, 2, 1, 11, 10, 9, 8],
+    [4, 5, 6, 7, 12, 13, 14, 15],
+    [0, 1, 5, 4, 8, 17, 12, 16],
+    [1, 2, 6, 5, 9, 18, 13, 17],
+    [2, 3, 7, 6, 10, 19, 14, 18],
+    [3, 0, 4, 7, 11, 16, 15, 19],
+];
 
 /// The edges whose middles are nodes 4 to 9.
 pub(crate) const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]];

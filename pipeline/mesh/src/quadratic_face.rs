@@ -23,10 +23,25 @@ impl QuadraticFace {
         Self { nodes, count: 8, on }
     }
 
-    /// The inverse of [`Self::as_side`].
-    pub fn from_side(nodes: [u32; 8], on: Skin) -> Self {
-        let [a, b, c, d, ab, bc, _, ca] = nodes;
-        if c == d { Self::triangle([a, b, c, ab, bc, ca], on) } else { Self::quadrilateral(nodes, on) }
+    /// From 6 nodes of a triangle, or 8 as [`Self::as_side`] gives them; none of other numbers.
+    pub fn from_row(nodes: &[u32], on: Skin) -> Option<Self> {
+        let triangle = nodes.try_into().ok().map(|nodes| Self::triangle(nodes, on));
+        triangle.or_else(|| Self::of_side(nodes.try_into().ok()?, on))
+    }
+
+    /// A side of a hexahedron or a wedge: a triangle where two of its corners are one, none where it has shrunk to an edge.
+    pub(crate) fn of_side(nodes: [u32; 8], on: Skin) -> Option<Self> {
+        let corners = &nodes[..4];
+        let distinct = (0..4).filter(|&n| !corners[..n].contains(&corners[n])).count();
+        let turned = |by: usize| std::array::from_fn(|n| nodes[4 * (n / 4) + (n + by) % 4]);
+        match distinct {
+            4 => Some(Self::quadrilateral(nodes, on)),
+            3 => {
+                let side = (0..4).map(turned).find(|side: &[u32; 8]| side[2] == side[3]);
+                side.map(|[a, b, c, _, ab, bc, _, ca]| Self::triangle([a, b, c, ab, bc, ca], on))
+            }
+            _ => None,
+        }
     }
 
     /// Corners, then middles: 6 or 8.

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use mesh::foreign::{self, NamedSurface, RawMesh, Region};
-use mesh::{Cavity, ElementChoice, Grading, Solid, Surface};
+use mesh::{Cavity, Grading, Solid, Surface};
 
-use crate::case::{Case, Elements, Order, Source};
+use crate::case::{Case, Order, Source};
 use crate::force_table::{self, ForceTable};
 use diagnostics::{Diagnostic, Result, input};
 
@@ -101,11 +101,7 @@ fn from_surfaces(mesh: &Source, folder: &Path) -> Result<Loaded> {
     let body = surface(mesh.body.as_deref().unwrap_or_default())?;
     let spine = mesh.spine.as_deref().map(surface).transpose()?;
     let edge = mesh.edge.unwrap_or_default();
-    let choice = match mesh.elements {
-        Elements::Tetrahedra => ElementChoice::Tetrahedra,
-        Elements::Auto => ElementChoice::HexahedraWherePossible(Grading::COARSE),
-        Elements::Hexahedra => ElementChoice::Hexahedra(Grading::COARSE),
-    };
+    let choice = mesh.elements.graded(Grading::COARSE);
     let meshed = |use_symmetry: bool| {
         let set = mesh::Settings { use_symmetry, ..mesh::Settings::new(edge) };
         let files: Vec<&str> = mesh.body.iter().chain(&mesh.spine).map(String::as_str).collect();

@@ -38,7 +38,7 @@ fn settings() -> Settings {
     let mut set = Settings::built_in();
     let profile = Profile {
         specimens: vec![ALL[0].name.to_string()],
-        resolution: Resolution { edge: 0.010, per_chamber: 1, per_rib: 1 },
+        resolution: Resolution { edge: 0.010, per_chamber: 1, per_rib: 1, hexahedra: None },
         levels: 4,
         step: 1.0 / 60.0,
         rest: 0.1,

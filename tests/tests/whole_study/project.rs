@@ -100,7 +100,7 @@ fn record_into(raw: &Path) {
     let specimen = Specimen { name: "nemo".into(), tail: three_chambers, draw: None };
     let profile = Profile {
         specimens: vec![specimen.name.to_string()],
-        resolution: Resolution { edge: 0.010, per_chamber: 3, per_rib: 1 },
+        resolution: Resolution { edge: 0.010, per_chamber: 3, per_rib: 1, hexahedra: None },
         levels: 6,
         step: 1.0 / 240.0,
         rest: 0.25,

@@ -9,6 +9,7 @@ mod read;
 mod solve;
 
 use crate::budget::Budget;
+use mesh::ElementName;
 use serde::Deserialize;
 use si::{KilogramPerCubicMetre, Metre, Pascal, Point3, Second};
 
@@ -99,7 +100,7 @@ pub struct Source {
     pub order: Option<Order>,
     /// Elements for STL files; tetrahedra when it is not said.
     #[serde(default)]
-    pub elements: Elements,
+    pub elements: ElementName,
     /// Whether the half z ≥ 0 of a symmetric body is simulated.
     #[serde(default)]
     pub half: bool,
@@ -110,19 +111,6 @@ impl Source {
     pub fn name(&self) -> &str {
         self.file.as_deref().or(self.body.as_deref()).unwrap_or_default()
     }
-}
-
-/// Elements of a body of STL files.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Elements {
-    /// With edges of `edge`.
-    #[default]
-    Tetrahedra,
-    /// Sized in units of the thinnest wall, where rows and levels divide the body; tetrahedra elsewhere, with a note.
-    Auto,
-    /// The same, or an error.
-    Hexahedra,
 }
 
 /// Unit of a mesh file.

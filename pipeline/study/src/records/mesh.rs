@@ -91,18 +91,10 @@ impl Record for Mesh {
         let axis = |k: usize| solid.nodes.iter().map(|n| n[k]).collect();
         let nodes = Columns::default().numbers("x_m", axis(0)).numbers("y_m", axis(1)).numbers("z_m", axis(2));
         let regions = solid.regions.iter().map(|&r| u32::from(r)).collect();
-        let regions = Columns::default().counts("region", regions);
+        let elements = whole(Columns::default().counts("region", regions), solid.elements.iter());
         let on = Columns::default().counts("on", solid.skin.iter().map(|f| f.on.code()).collect());
-        let (elements, skin) = match &solid.elements {
-            QuadraticElements::Tetrahedra(tets) => {
-                let faces: Vec<[u32; 6]> = solid.skin.iter().map(|f| std::array::from_fn(|k| f.nodes()[k])).collect();
-                (whole(regions, "n", tets), whole(on, "n", &faces))
-            }
-            QuadraticElements::Hexahedra(hexahedra) => {
-                let faces: Vec<[u32; 8]> = solid.skin.iter().map(QuadraticFace::as_side).collect();
-                (whole(regions, "n", hexahedra), whole(on, "n", &faces))
-            }
-        };
+        let sides = solid.skin_rows();
+        let skin = whole(on, sides.iter().map(Vec::as_slice));
         let markers = self.markers.iter().map(|m| m.weights.clone()).collect();
         let (chambers, quality, clamped) = (self.chambers.clone(), self.quality.clone(), self.clamped.clone());
         let scalars = Scalars { chambers, quality, markers, clamped };
@@ -117,20 +109,23 @@ impl Record for Mesh {
     fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
         let scalars: Scalars = files.read_scalars("mesh.json")?;
         let nodes = files.read_table("nodes.parquet")?;
-        let (elements, regions, skin) = if files.contents().any(|(name, _)| name == HEXAHEDRA) {
-            let (elements, regions) = elements::<20>(files, HEXAHEDRA)?;
-            (QuadraticElements::Hexahedra(elements), regions, sides(files)?)
-        } else {
-            let (elements, regions) = elements::<10>(files, TETRAHEDRA)?;
-            (QuadraticElements::Tetrahedra(elements), regions, triangles(files)?)
+        let hexahedra = files.contents().any(|(name, _)| name == HEXAHEDRA);
+        let name = if hexahedra { HEXAHEDRA } else { TETRAHEDRA };
+        let (listed, skin) = (files.read_table(name)?, files.read_table("skin.parquet")?);
+        let region = |region: u32| u16::try_from(region).map_err(|e| unfit(name, e.to_string()));
+        let code = || unfit("skin.parquet", "a face lies on a skin that there is not, or has other than 6 or 8 nodes");
+        let face = |(on, nodes): (u32, Vec<u32>)| {
+            QuadraticFace::from_row(&nodes, Skin::from_code(on).ok_or_else(code)?).ok_or_else(code)
         };
+        let elements = QuadraticElements::from_rows(&rows(&listed));
         let (x, y, z) = (nodes.f64("x_m")?, nodes.f64("y_m")?, nodes.f64("z_m")?);
         let solid = QuadraticMesh {
             // length: columns of one table are equally long
             nodes: x.into_iter().zip(y).zip(z).map(|((x, y), z)| [x, y, z]).collect(),
-            elements,
-            regions,
-            skin,
+            elements: elements.ok_or_else(|| unfit(name, "an element has other than 10 or 20 nodes"))?,
+            regions: listed.u32("region")?.into_iter().map(region).collect::<Result<_, _>>()?,
+            // length: columns of one table are equally long
+            skin: skin.u32("on")?.into_iter().zip(rows(&skin)).map(face).collect::<Result<_, RecordError>>()?,
             half: scalars.quality.half,
         };
         let named = scalars.markers.iter().flatten().map(|(node, _)| node).chain(&scalars.clamped);
@@ -175,43 +170,18 @@ impl Record for Mesh {
 const TETRAHEDRA: &str = "tetrahedra.parquet";
 const HEXAHEDRA: &str = "hexahedra.parquet";
 
-/// Elements of `N` nodes and their regions.
-fn elements<const N: usize>(files: &RecordFiles, name: &str) -> Result<(Vec<[u32; N]>, Vec<u16>), RecordError> {
-    let table = files.read_table(name)?;
-    let region = |region: u32| u16::try_from(region).map_err(|e| unfit(name, e.to_string()));
-    let regions = table.u32("region")?.into_iter().map(region).collect::<Result<_, _>>()?;
-    Ok((rows::<N>(&table, "n")?, regions))
+/// Adds a column of whole numbers for each place in a row.
+fn whole<'a>(columns: Columns, rows: impl Iterator<Item = &'a [u32]> + Clone) -> Columns {
+    let places = rows.clone().next().map_or(0, <[u32]>::len);
+    (0..places).fold(columns, |c, k| c.counts(&format!("n{k}"), rows.clone().map(|r| r[k]).collect()))
 }
 
-/// Faces of six nodes.
-fn triangles(files: &RecordFiles) -> Result<Vec<QuadraticFace>, RecordError> {
-    let table = files.read_table("skin.parquet")?;
-    let nodes = rows::<6>(&table, "n")?;
-    Ok(touched(&table)?.into_iter().zip(nodes).map(|(on, nodes)| QuadraticFace::triangle(nodes, on)).collect())
-}
-
-/// Faces of eight nodes, triangles among them.
-fn sides(files: &RecordFiles) -> Result<Vec<QuadraticFace>, RecordError> {
-    let table = files.read_table("skin.parquet")?;
-    let nodes = rows::<8>(&table, "n")?;
-    Ok(touched(&table)?.into_iter().zip(nodes).map(|(on, nodes)| QuadraticFace::from_side(nodes, on)).collect())
-}
-
-/// What each face touches.
-fn touched(table: &Columns) -> Result<Vec<Skin>, RecordError> {
-    let code = || unfit("skin.parquet", "a face lies on a skin that there is not");
-    table.u32("on")?.into_iter().map(|on| Skin::from_code(on).ok_or_else(code)).collect()
-}
-
-/// Adds one column of whole numbers for each place in a row.
-fn whole<const N: usize>(columns: Columns, name: &str, rows: &[[u32; N]]) -> Columns {
-    (0..N).fold(columns, |c, k| c.counts(&format!("{name}{k}"), rows.iter().map(|r| r[k]).collect()))
-}
-
-fn rows<const N: usize>(columns: &Columns, name: &str) -> Result<Vec<[u32; N]>, RecordError> {
-    let parts: Vec<Vec<u32>> = (0..N).map(|k| columns.u32(&format!("{name}{k}"))).collect::<Result<_, _>>()?;
+/// The rows of such columns, as many as there are.
+fn rows(columns: &Columns) -> Vec<Vec<u32>> {
+    let parts: Vec<Vec<u32>> = (0..).map_while(|k| columns.u32(&format!("n{k}")).ok()).collect();
     let count = parts.first().map_or(0, Vec::len);
-    Ok((0..count).map(|i| std::array::from_fn(|k| parts[k][i])).collect())
+    // length: columns of one table are equally long
+    (0..count).map(|i| parts.iter().map(|part| part[i]).collect()).collect()
 }
 
 #[cfg(test)]

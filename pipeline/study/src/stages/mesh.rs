@@ -8,7 +8,7 @@ use std::path::Path;
 
 use crate::records::{self, Cavity, Quality};
 use crate::subject::Specimen;
-use ::mesh::{ElementChoice, Grading, chamber_at, foreign};
+use ::mesh::{ElementChoice, ElementName, Grading, chamber_at, foreign};
 use diagnostics::{Diagnostic, Result};
 use sysid::{Meshed, NamedRegion};
 use workflow::stage::{RawFile, Stage, StageContext};
@@ -22,35 +22,13 @@ pub struct Mesh;
 #[serde(deny_unknown_fields)]
 pub struct Settings {
     /// Which elements a body of surfaces gets.
-    elements: Elements,
+    elements: ElementName,
     /// Target length of an edge of tetrahedra, m.
     edge: Metre,
     /// Whether a solid symmetric about z = 0 is meshed by its half.
     use_symmetry: bool,
     /// How far a marker on the card may lie from the skin, m.
     marker_distance_limit: Metre,
-}
-
-/// Elements of a body of surfaces.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Elements {
-    /// Hexahedra where rows and levels divide the body, sized in units of its thinnest wall; tetrahedra elsewhere.
-    Auto,
-    /// Hexahedra, or an error.
-    Hexahedra,
-    /// Tetrahedra with edges of `edge`.
-    Tetrahedra,
-}
-
-impl Elements {
-    fn choice(self) -> ElementChoice {
-        match self {
-            Self::Auto => ElementChoice::HexahedraWherePossible(Grading::COARSE),
-            Self::Hexahedra => ElementChoice::Hexahedra(Grading::COARSE),
-            Self::Tetrahedra => ElementChoice::Tetrahedra,
-        }
-    }
 }
 
 /// How surfaces are meshed.
@@ -137,7 +115,7 @@ impl Stage for Mesh {
 
     fn run(card: &Self::Card, set: &Settings, (): (), context: &dyn StageContext) -> Result<records::Mesh> {
         context.progress(0.1, "meshing");
-        let mesher = card.mesher(set.edge, set.use_symmetry, set.elements.choice());
+        let mesher = card.mesher(set.edge, set.use_symmetry, set.elements.graded(Grading::COARSE));
         made(card, &mesher, set.marker_distance_limit, context)
     }
 }

@@ -5,7 +5,7 @@ use super::levels::Levels;
 use super::rows::{Cell, Cells};
 use crate::columns::sheets::Layers;
 use crate::frame::Frame;
-use crate::hexahedra::{HEX_SIDES, side_as_face};
+use crate::quadratic::HEX_SIDES;
 use crate::stack::Fill;
 use crate::{QuadraticElements, QuadraticFace, QuadraticMesh, Skin};
 use si::{Metre, Point2, Point3};
@@ -167,7 +167,7 @@ impl Grid<'_> {
                 _ if on_cut => Skin::Symmetry,
                 _ => Skin::Outer,
             };
-            faces.extend(side_as_face(nodes, on).map(|face| ((n, side), face)));
+            faces.extend(QuadraticFace::of_side(nodes, on).map(|face| ((n, side), face)));
         }
         faces.sort_unstable_by_key(|face| face.0);
         faces.into_iter().map(|face| face.1).collect()
