@@ -1,7 +1,7 @@
 //! Embedding: a point of the skin becomes a material point, a weighted sum of nodes.
 
 use crate::distance::Nearest;
-use crate::quadratic_face::shape_functions;
+use crate::quadratic_face::{shape_functions, triangle_functions};
 use crate::{QuadraticFace, QuadraticMesh, Skin, TetMesh};
 use si::{Metre, Point2, Point3};
 
@@ -35,7 +35,11 @@ pub fn embed(mesh: &QuadraticMesh, at: Point3) -> (Spot, Metre) {
         Some(hit) => {
             let (face, (_, places)) = &parts[hit.face];
             let place = [0, 1].map(|k| (0..3).map(|n| hit.shares[n] * places[n][k]).sum());
-            let weights = face.nodes().iter().copied().zip(shape_functions(face.nodes().len(), place));
+            let functions = match face.corners().len() {
+                3 => triangle_functions(hit.shares).to_vec(),
+                _ => shape_functions(8, place),
+            };
+            let weights = face.nodes().iter().copied().zip(functions);
             (Spot { weights: weights.filter(|w| w.1 != 0.0).collect() }, hit.distance)
         }
     }

@@ -154,6 +154,8 @@ mod tests {
         for (node, own) in [(3, 2), (10, 2), (7, 6), (14, 6), (19, 18)] {
             nodes[node] = nodes[own];
         }
+        // the middles of its slanted side
+        (wedge.nodes[11], wedge.nodes[15]) = ([1.0, 1.0, 0.0], [1.0, 1.0, 2.0]);
         wedge.skin = Vec::new();
         let tets = wedge.cut_hexahedra().unwrap();
         assert!((tets.region_volume(0) - 4.0).abs() < 1e-12 && tets.tets.len() == 24);

@@ -63,7 +63,7 @@ impl QuadraticFace {
     }
 
     /// As an 8-node side of a hexahedron: a triangle names its third corner twice, and once more as the middle between.
-    pub fn as_side(&self) -> [u32; 8] {
+    pub(crate) fn as_side(&self) -> [u32; 8] {
         let [a, b, c, ab, bc, ca, ..] = self.nodes;
         if self.count == 6 { [a, b, c, c, ab, bc, c, ca] } else { self.nodes }
     }
@@ -90,12 +90,16 @@ const TRIANGLE: [Point2; 6] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.0], [
 const SQUARE: [Point2; 8] =
     [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.0], [1.0, 0.5], [0.5, 1.0], [0.0, 0.5]];
 
+/// Shape functions of the triangle of six nodes at shares (a, b, c) of its corners: a(2a−1), …, 4ab, 4bc, 4ca.
+pub(crate) fn triangle_functions([a, b, c]: [f64; 3]) -> [f64; 6] {
+    let corner = |s: f64| s * (2.0 * s - 1.0);
+    [corner(a), corner(b), corner(c), 4.0 * a * b, 4.0 * b * c, 4.0 * c * a]
+}
+
 /// Shape functions of the face of six nodes on the reference triangle, or of eight on the reference square.
 pub(crate) fn shape_functions(nodes: usize, [x, y]: Point2) -> Vec<f64> {
     if nodes == 6 {
-        let [a, b, c] = [1.0 - x - y, x, y];
-        let corner = |s: f64| s * (2.0 * s - 1.0);
-        return vec![corner(a), corner(b), corner(c), 4.0 * a * b, 4.0 * b * c, 4.0 * c * a];
+        return triangle_functions([1.0 - x - y, x, y]).to_vec();
     }
     let linear = [(1.0 - x) * (1.0 - y), x * (1.0 - y), x * y, (1.0 - x) * y];
     let (bent_x, bent_y) = (4.0 * x * (1.0 - x), 4.0 * y * (1.0 - y));

@@ -5,9 +5,9 @@ use std::path::Path;
 use diagnostics::{Diagnostic, Result};
 use lab::card;
 use mesh::foreign::{self, NamedSurface, Region};
-use mesh::{Cavity, ElementChoice, QuadraticMesh, Settings, Solid, Surface, quality};
+use mesh::{Cavity, ElementChoice, QuadraticMesh, Settings, Solid, Spot, Surface, quality};
 use serde::Serialize;
-use si::Metre;
+use si::{Metre, Point3};
 
 /// A solid of the card and its region in the mesh.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -102,6 +102,50 @@ impl Meshed {
 }
 
 impl Meshed {
+    /// The skin index of the chamber `name`, which holds a point `at` (m).
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] with the centres of all cavities, when none holds the point.
+    pub fn chamber(&self, name: &str, at: Point3) -> Result<u16> {
+        let centres = || self.cavities.iter().map(|c| millimetres(c.centroid)).collect::<Vec<_>>().join("; ");
+        mesh::chamber_at(&self.solid, at).ok_or_else(|| {
+            Diagnostic::new(
+                format!("chamber `{name}` is not where the card says, at {}", millimetres(at)),
+                format!("the body has {} closed cavities and none holds that point", self.cavities.len()),
+                format!("give a point inside one; their centres are {}", centres()),
+            )
+        })
+    }
+
+    /// Markers, by name and place (m), as material points, and the largest distance of one from the skin, m.
+    ///
+    /// # Errors
+    /// A [`Diagnostic`] when one lies farther from the skin than `limit` (m).
+    pub fn markers<'a>(
+        &self,
+        markers: impl Iterator<Item = (&'a str, Point3)>,
+        limit: Metre,
+    ) -> Result<(Vec<Spot>, Metre)> {
+        let (mut spots, mut worst) = (Vec::new(), 0.0_f64);
+        for (name, at) in markers {
+            let (spot, distance) = mesh::embed(&self.solid, at);
+            if distance > limit {
+                return Err(Diagnostic::new(
+                    format!("marker `{name}` at {} is not on the skin", millimetres(at)),
+                    format!(
+                        "it lies {:.2} mm off; the limit is {:.2} mm (study.toml, [mesh] marker_distance_limit)",
+                        1e3 * distance,
+                        1e3 * limit
+                    ),
+                    "correct its place on the card: metres, in the frame of the STL files",
+                ));
+            }
+            spots.push(spot);
+            worst = worst.max(distance);
+        }
+        Ok((spots, worst))
+    }
+
     /// The nodes of a surface that a clamp names.
     ///
     /// # Errors
@@ -116,6 +160,10 @@ impl Meshed {
         }
         Ok(nodes)
     }
+}
+
+fn millimetres(at: Point3) -> String {
+    format!("({:.2}, {:.2}, {:.2}) mm", 1e3 * at[0], 1e3 * at[1], 1e3 * at[2])
 }
 
 /// The place of each region of a file among the solids, of which each must have one.

@@ -46,6 +46,20 @@ impl Columns {
         self
     }
 
+    /// Adds a column of whole numbers, `name` with its number, for each place in a row; all rows are as long.
+    pub fn rows<'a>(self, name: &str, rows: impl Iterator<Item = &'a [u32]> + Clone) -> Self {
+        let places = rows.clone().next().map_or(0, <[u32]>::len);
+        (0..places).fold(self, |table, k| table.counts(&format!("{name}{k}"), rows.clone().map(|row| row[k]).collect()))
+    }
+
+    /// The rows of such columns, as many as there are.
+    pub fn read_rows(&self, name: &str) -> Vec<Vec<u32>> {
+        let columns: Vec<Vec<u32>> = (0..).map_while(|k| self.u32(&format!("{name}{k}")).ok()).collect();
+        let count = columns.first().map_or(0, Vec::len);
+        // length: columns of one table are equally long
+        (0..count).map(|row| columns.iter().map(|column| column[row]).collect()).collect()
+    }
+
     /// Adds a column of words.
     pub fn words(mut self, name: &str, values: Vec<String>) -> Self {
         self.columns.push((name.into(), Cells::Words(values)));

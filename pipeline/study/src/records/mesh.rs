@@ -91,10 +91,10 @@ impl Record for Mesh {
         let axis = |k: usize| solid.nodes.iter().map(|n| n[k]).collect();
         let nodes = Columns::default().numbers("x_m", axis(0)).numbers("y_m", axis(1)).numbers("z_m", axis(2));
         let regions = solid.regions.iter().map(|&r| u32::from(r)).collect();
-        let elements = whole(Columns::default().counts("region", regions), solid.elements.iter());
+        let elements = Columns::default().counts("region", regions).rows("n", solid.elements.iter());
         let on = Columns::default().counts("on", solid.skin.iter().map(|f| f.on.code()).collect());
         let sides = solid.skin_rows();
-        let skin = whole(on, sides.iter().map(Vec::as_slice));
+        let skin = on.rows("n", sides.iter().map(Vec::as_slice));
         let markers = self.markers.iter().map(|m| m.weights.clone()).collect();
         let (chambers, quality, clamped) = (self.chambers.clone(), self.quality.clone(), self.clamped.clone());
         let scalars = Scalars { chambers, quality, markers, clamped };
@@ -117,7 +117,7 @@ impl Record for Mesh {
         let face = |(on, nodes): (u32, Vec<u32>)| {
             QuadraticFace::from_row(&nodes, Skin::from_code(on).ok_or_else(code)?).ok_or_else(code)
         };
-        let elements = QuadraticElements::from_rows(&rows(&listed));
+        let elements = QuadraticElements::from_rows(&listed.read_rows("n"));
         let (x, y, z) = (nodes.f64("x_m")?, nodes.f64("y_m")?, nodes.f64("z_m")?);
         let solid = QuadraticMesh {
             // length: columns of one table are equally long
@@ -125,7 +125,7 @@ impl Record for Mesh {
             elements: elements.ok_or_else(|| unfit(name, "an element has other than 10 or 20 nodes"))?,
             regions: listed.u32("region")?.into_iter().map(region).collect::<Result<_, _>>()?,
             // length: columns of one table are equally long
-            skin: skin.u32("on")?.into_iter().zip(rows(&skin)).map(face).collect::<Result<_, RecordError>>()?,
+            skin: skin.u32("on")?.into_iter().zip(skin.read_rows("n")).map(face).collect::<Result<_, RecordError>>()?,
             half: scalars.quality.half,
         };
         let named = scalars.markers.iter().flatten().map(|(node, _)| node).chain(&scalars.clamped);
@@ -169,20 +169,6 @@ impl Record for Mesh {
 /// The tables of elements.
 const TETRAHEDRA: &str = "tetrahedra.parquet";
 const HEXAHEDRA: &str = "hexahedra.parquet";
-
-/// Adds a column of whole numbers for each place in a row.
-fn whole<'a>(columns: Columns, rows: impl Iterator<Item = &'a [u32]> + Clone) -> Columns {
-    let places = rows.clone().next().map_or(0, <[u32]>::len);
-    (0..places).fold(columns, |c, k| c.counts(&format!("n{k}"), rows.clone().map(|r| r[k]).collect()))
-}
-
-/// The rows of such columns, as many as there are.
-fn rows(columns: &Columns) -> Vec<Vec<u32>> {
-    let parts: Vec<Vec<u32>> = (0..).map_while(|k| columns.u32(&format!("n{k}")).ok()).collect();
-    let count = parts.first().map_or(0, Vec::len);
-    // length: columns of one table are equally long
-    (0..count).map(|i| parts.iter().map(|part| part[i]).collect()).collect()
-}
 
 #[cfg(test)]
 mod tests {

@@ -1,14 +1,14 @@
 //! Mesh: hexahedra or tetrahedra with regions, chambers and marker points, from surfaces or from a mesh file. Paper: section V, the STL export.
 
 use lab::card::{self, LengthUnit};
-use mesh::{QuadraticMesh, Spot, Surface};
+use mesh::Surface;
 use serde::{Deserialize, Serialize};
 use si::{Metre, Point3};
 use std::path::Path;
 
 use crate::records::{self, Cavity, Quality};
 use crate::subject::Specimen;
-use ::mesh::{ElementChoice, ElementName, Grading, chamber_at, foreign};
+use ::mesh::{ElementChoice, ElementName, Grading, foreign};
 use diagnostics::{Diagnostic, Result};
 use sysid::{Meshed, NamedRegion};
 use workflow::stage::{RawFile, Stage, StageContext};
@@ -130,7 +130,8 @@ pub(super) fn made(card: &Card, by: &Mesher, marker_limit: Metre, context: &dyn 
         false => meshed(card, by, context)?,
     };
     let chambers = chambers(card, &made)?;
-    let (markers, marker_distance_m) = embed_markers(card, &made.solid, marker_limit)?;
+    let (markers, marker_distance_m) =
+        made.markers(card.markers.iter().map(|m| (m.name.as_str(), m.at)), marker_limit)?;
     let clamped = card.clamped.as_deref().map_or(Ok(Vec::new()), |surface| made.clamped(surface))?;
     let quality = Quality {
         dofs: 3 * made.solid.nodes.len(),
@@ -180,50 +181,11 @@ fn surface(card: &Card, word: &str, context: &dyn StageContext) -> Result<Surfac
 }
 
 fn chambers(card: &Card, made: &Meshed) -> Result<Vec<Cavity>> {
-    card.chambers.iter().map(|chamber| cavity(chamber, made)).collect()
-}
-
-fn cavity(chamber: &Point, made: &Meshed) -> Result<Cavity> {
-    match chamber_at(&made.solid, chamber.at) {
-        Some(skin) => {
-            let volume_m3 = made.cavities[usize::from(skin)].volume;
-            Ok(Cavity { name: chamber.name.clone(), skin, volume_m3 })
-        }
-        None => Err(Diagnostic::new(
-            format!("chamber `{}` is not where the card says, at {}", chamber.name, millimetres(chamber.at)),
-            format!("the body has {} closed cavities and none holds that point", made.cavities.len()),
-            format!("give a point inside one; their centres are {}", centres(made)),
-        )),
-    }
-}
-
-fn centres(made: &Meshed) -> String {
-    made.cavities.iter().map(|c| millimetres(c.centroid)).collect::<Vec<_>>().join("; ")
-}
-
-fn embed_markers(card: &Card, solid: &QuadraticMesh, limit: Metre) -> Result<(Vec<Spot>, Metre)> {
-    let (mut spots, mut worst) = (Vec::new(), 0.0_f64);
-    for marker in &card.markers {
-        let (spot, distance) = ::mesh::embed(solid, marker.at);
-        if distance > limit {
-            return Err(Diagnostic::new(
-                format!("marker `{}` at {} is not on the skin", marker.name, millimetres(marker.at)),
-                format!(
-                    "it lies {:.2} mm off; the limit is {:.2} mm (study.toml, [mesh] marker_distance_limit)",
-                    1e3 * distance,
-                    1e3 * limit
-                ),
-                "correct its place on the card: metres, in the frame of the STL files",
-            ));
-        }
-        spots.push(spot);
-        worst = worst.max(distance);
-    }
-    Ok((spots, worst))
-}
-
-fn millimetres(at: Point3) -> String {
-    format!("({:.2}, {:.2}, {:.2}) mm", 1e3 * at[0], 1e3 * at[1], 1e3 * at[2])
+    let cavity = |chamber: &Point| {
+        let skin = made.chamber(&chamber.name, chamber.at)?;
+        Ok(Cavity { name: chamber.name.clone(), skin, volume_m3: made.cavities[usize::from(skin)].volume })
+    };
+    card.chambers.iter().map(cavity).collect()
 }
 
 #[cfg(test)]

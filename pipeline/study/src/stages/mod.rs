@@ -45,7 +45,7 @@ use workflow::entry::{Entry, stage};
 /// Every stage.
 #[rustfmt::skip] // one line a stage, in the order of the data
 pub const ALL: &[Entry<Study>] = &[
-    stage::<mesh::Mesh>(),                          // two STL files                 → tetrahedra, chambers, marker points
+    stage::<mesh::Mesh>(),                          // two STL files                 → elements, chambers, marker points
     stage::<camera::Camera>(),                      // calibration film              → lens and camera pose
     stage::<track::Track>(),                        // film                          → marker tracks, px
     stage::<markers::Markers>(),                    // pixels                        → positions in the plane, m

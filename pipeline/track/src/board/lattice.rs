@@ -43,14 +43,16 @@ pub(super) struct Complete {
 /// The largest complete grid among `corners`, strongest first; none of less than 3 × 2.
 pub(super) fn largest(corners: &[Point2]) -> Option<Complete> {
     let corners = &corners[..corners.len().min(SIZED_AMONG)];
-    let from = |start: usize| {
-        let grid = trimmed(grow(corners, start, first_steps(corners, start)?), 4);
+    let from = |(start, steps): (usize, [Point2; 2])| {
+        let grid = trimmed(grow(corners, start, steps), 4);
         let (across, down) = spans(&grid)?;
         let (columns, rows) = (across.len().max(down.len()), across.len().min(down.len()));
         let places = ordered(&grid, columns, rows).filter(|_| rows >= 2 && columns >= 3)?;
         Some(Complete { columns, rows, places })
     };
-    (0..corners.len().min(SIZED_FROM)).filter_map(from).max_by_key(|grid| grid.places.len())
+    // a corner on the board's edge has no neighbours to start with
+    let starts = (0..corners.len()).filter_map(|start| Some((start, first_steps(corners, start)?)));
+    starts.take(SIZED_FROM).filter_map(from).max_by_key(|grid| grid.places.len())
 }
 
 /// The places of a grid in the order of `cells` (columns and rows from any number, the second axis anticlockwise of the first as seen),
