@@ -13,7 +13,7 @@ impl QuadraticMesh {
         let mut parts = Parts { nodes: self.nodes.clone(), middles: BTreeMap::new() };
         let (mut tets, mut regions) = (Vec::new(), Vec::new());
         for (nodes, region) in hexahedra.iter().zip(&self.regions) {
-            let cut: Vec<[u32; 4]> = parts.of(nodes).iter().flat_map(tetrahedra).collect();
+            let cut: Vec<[u32; 4]> = parts.of(nodes).iter().flat_map(|prism| tetrahedra(prism)).collect();
             regions.extend(vec![*region; cut.len()]);
             tets.extend(cut);
         }
@@ -103,7 +103,7 @@ fn fan(polygon: &[u32]) -> Vec<[u32; 3]> {
 
 /// Tetrahedra of a prism over a triangle or a quadrilateral, between its corner of the lowest number and the triangles of the sides that do
 /// not hold it; sides are cut from their corner of the lowest number, so that neighbours match [dompierre1999].
-fn tetrahedra(prism: &Vec<u32>) -> Vec<[u32; 4]> {
+fn tetrahedra(prism: &[u32]) -> Vec<[u32; 4]> {
     let n = prism.len() / 2;
     let lower: Vec<u32> = prism[..n].iter().rev().copied().collect();
     let around = (0..n).map(|k| vec![prism[k], prism[(k + 1) % n], prism[n + (k + 1) % n], prism[n + k]]);

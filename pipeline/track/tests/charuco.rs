@@ -183,7 +183,7 @@ fn what_cannot_be_a_view_is_refused_with_its_reason() {
 #[test]
 fn of_a_plain_checkerboard_a_part_is_refused_because_it_could_be_any() {
     let board = Board { columns: 7, rows: 4, square: 0.04 };
-    let level = |x: usize, y: usize| if (x / 40 + y / 40) % 2 == 0 { 40.0 } else { 200.0 };
+    let level = |x: usize, y: usize| if (x / 40 + y / 40).is_multiple_of(2) { 40.0 } else { 200.0 };
     let margin = |x: usize, y: usize| (40..320).contains(&x) && (40..200).contains(&y);
     let whole = Gray::from_fn(400, 260, |x, y| if margin(x, y) { level(x, y) } else { 200.0 });
     assert_eq!(track::board::find(&whole, &board).unwrap().len(), 18);

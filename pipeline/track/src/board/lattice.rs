@@ -8,6 +8,8 @@ type Grid = BTreeMap<(i32, i32), Point2>;
 
 /// A neighbour may lie this share of the step away from where it is expected: tilt and distortion change a step by less.
 const ASTRAY: f64 = 0.3;
+/// A place on a grid: column and row.
+type Place = (i32, i32);
 /// Starts that are tried, strongest corner first.
 const STARTS: usize = 40;
 /// Of them when the size of a grid is asked for: each grows a whole grid. And corners among which it is: the strongest, as those of a board are.
@@ -76,8 +78,7 @@ pub(super) fn find_cells(corners: &[Point2], cells: &[(i32, i32)]) -> Result<Vec
 
 /// The grid's places at the cells, turned and shifted; none where none or several of these fit.
 fn placed(grid: &Grid, cells: &[(i32, i32)]) -> Option<Vec<Point2>> {
-    let turns: [fn((i32, i32)) -> (i32, i32); 4] =
-        [|(u, v)| (u, v), |(u, v)| (-v, u), |(u, v)| (-u, -v), |(u, v)| (v, -u)];
+    let turns: [fn(Place) -> Place; 4] = [|(u, v)| (u, v), |(u, v)| (-v, u), |(u, v)| (-u, -v), |(u, v)| (v, -u)];
     let mut fits = turns.iter().flat_map(|turn| {
         let turned: Vec<(i32, i32)> = cells.iter().map(|cell| turn(*cell)).collect();
         let at = move |to: &(i32, i32)| {
