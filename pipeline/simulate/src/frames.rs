@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use fem::RegionProperties;
+use mesh::Solid;
 
 use super::cannot_write;
 use crate::body::Body;
@@ -104,6 +105,19 @@ fn others(folder: &Path, list: &str) -> Diagnostic {
     )
 }
 
+/// The elements by their nodes and VTK's numbers of their kinds.
+fn write_cells(text: &mut String, solid: &Solid) {
+    let listed: Vec<(u8, Vec<u32>)> = (0..solid.len()).map(|element| mesh::vtu::cell(solid.element(element))).collect();
+    wholes(text, "connectivity", &listed.iter().flat_map(|cell| &cell.1).map(|&node| node as i32).collect::<Vec<_>>());
+    let ends = listed.iter().scan(0, |end, (_, nodes)| {
+        *end += nodes.len() as i32;
+        Some(*end)
+    });
+    wholes(text, "offsets", &ends.collect::<Vec<_>>());
+    let types: Vec<u8> = listed.iter().map(|cell| cell.0).collect();
+    DataArray { kind: "UInt8", name: "types", components: 1 }.write(text, &types);
+}
+
 fn text(body: &Body, frame: &Frame) -> String {
     let solid = body.solid;
     let (points, cells) = (solid.nodes().len(), solid.len());
@@ -113,19 +127,7 @@ fn text(body: &Body, frame: &Frame) -> String {
     text += "<Points>\n";
     reals(&mut text, "position_m", 3, &solid.nodes().concat());
     text += "</Points>\n<Cells>\n";
-    let listed: Vec<(u8, Vec<u32>)> = (0..cells).map(|element| mesh::vtu::cell(solid.element(element))).collect();
-    wholes(
-        &mut text,
-        "connectivity",
-        &listed.iter().flat_map(|cell| &cell.1).map(|&node| node as i32).collect::<Vec<_>>(),
-    );
-    let ends = listed.iter().scan(0, |end, (_, nodes)| {
-        *end += nodes.len() as i32;
-        Some(*end)
-    });
-    wholes(&mut text, "offsets", &ends.collect::<Vec<_>>());
-    let types: Vec<u8> = listed.iter().map(|cell| cell.0).collect();
-    DataArray { kind: "UInt8", name: "types", components: 1 }.write(&mut text, &types);
+    write_cells(&mut text, solid);
     text += "</Cells>\n<PointData Vectors=\"displacement_m\">\n";
     reals(&mut text, "displacement_m", 3, frame.displacement);
     if let Some(velocity) = frame.velocity {

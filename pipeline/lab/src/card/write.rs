@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use super::{
-    BoardKind, Camera, Card, Clamp, Experiment, Fixture, FixtureOf, LensKind, Log, LogColumn, Origin, Part, Place,
-    Search, Tracks, Trial,
+    Board, BoardKind, Camera, Card, Clamp, Experiment, Fixture, FixtureOf, LensKind, Log, LogColumn, Origin, Part,
+    Place, Search, Tracks, Trial,
 };
 
 use crate::place::Block;
@@ -105,7 +105,7 @@ fn write_solid(text: &mut String, Part { name, solid }: &Part) {
 }
 
 fn write_camera(text: &mut String, camera: &Camera) {
-    let (board, plane) = (&camera.board, &camera.plane);
+    let plane = &camera.plane;
     put(
         text,
         format_args!("\n[camera]\ncalibration = {:?}\nframe_every = {}\n", camera.calibration, camera.frame_every),
@@ -119,16 +119,7 @@ fn write_camera(text: &mut String, camera: &Camera) {
     if camera.readout != 0.0 {
         put(text, format_args!("readout = {:?}  # s, from the first row to the last\n", camera.readout));
     }
-    let (kind, figure) = match board.kind {
-        BoardKind::Checkerboard => ("", "squares"),
-        BoardKind::Dots => ("kind = \"dots\"\n", "dots"),
-        BoardKind::AsymmetricDots => ("kind = \"asymmetric_dots\"\n", "dots of a row"),
-        BoardKind::Charuco => ("kind = \"charuco\"\n", "squares"),
-    };
-    put(text, format_args!("\n[camera.board]\n{kind}columns = {}  # {figure}\nrows = {}\n", board.columns, board.rows));
-    put(text, format_args!("square = {:?}  # m\n", board.square));
-    board.marker.iter().for_each(|marker| put(text, format_args!("marker = {marker:?}  # m\n")));
-    board.dictionary.iter().for_each(|name| put(text, format_args!("dictionary = {name:?}\n")));
+    write_board(text, &camera.board);
     put(
         text,
         format_args!("\n[camera.plane]\nseconds = {:?}  # s, the board lies entry on the plane\n", plane.seconds),
@@ -150,6 +141,19 @@ fn write_camera(text: &mut String, camera: &Camera) {
             ),
         );
     }
+}
+
+fn write_board(text: &mut String, board: &Board) {
+    let (kind, figure) = match board.kind {
+        BoardKind::Checkerboard => ("", "squares"),
+        BoardKind::Dots => ("kind = \"dots\"\n", "dots"),
+        BoardKind::AsymmetricDots => ("kind = \"asymmetric_dots\"\n", "dots of a row"),
+        BoardKind::Charuco => ("kind = \"charuco\"\n", "squares"),
+    };
+    put(text, format_args!("\n[camera.board]\n{kind}columns = {}  # {figure}\nrows = {}\n", board.columns, board.rows));
+    put(text, format_args!("square = {:?}  # m\n", board.square));
+    board.marker.iter().for_each(|marker| put(text, format_args!("marker = {marker:?}  # m\n")));
+    board.dictionary.iter().for_each(|name| put(text, format_args!("dictionary = {name:?}\n")));
 }
 
 /// The instruments' logs, where they differ from the usual ones.

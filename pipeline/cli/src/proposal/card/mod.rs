@@ -116,6 +116,10 @@ impl Writer {
             );
             self.material("body");
         }
+        self.clamp();
+    }
+
+    fn clamp(&mut self) {
         self.text.push_str("\n[clamp]\n");
         self.question(
             "clamp.",

@@ -108,19 +108,23 @@ pub(crate) fn hexahedra(
         tolerance: sampler.tolerance,
     };
     let cells = cells(&slabs, &division);
-    let height = |point: u32, sheet: u32| sheets.height(cells.points[point as usize], sheet);
+    let levels = levels(&cells, &layers, &sheets, sampler.tolerance)?;
+    let cut = sampler.frame.plan_axis(2).filter(|_| set.use_symmetry);
+    let grid = Grid { cells: &cells, layers: &layers, levels: &levels, frame: sampler.frame, cut };
+    grid.fill(wall, grading).map_err(|at| not_swept(at, "layers meet"))
+}
+
+/// The levels over the cells of a plan, of which every strip has its layers.
+fn levels(cells: &Cells, layers: &[Option<Layers>], sheets: &Sheets, tolerance: Metre) -> Result<Levels, MeshError> {
     let covered = Covered {
         points: &cells.points,
         cells: cells.cells.iter().map(|cell| (distinct(&cell.nodes), layers[cell.strip as usize].as_ref())).collect(),
         sheets: sheets.count(),
-        height: &height,
-        tolerance: sampler.tolerance,
+        height: &|point, sheet| sheets.height(cells.points[point as usize], sheet),
+        tolerance,
     };
     let no_order = |lower, upper| MeshError::NoCommonOrder { lower: sheets.place(lower), upper: sheets.place(upper) };
-    let levels = Levels::new(&covered, &no_order)?;
-    let cut = sampler.frame.plan_axis(2).filter(|_| set.use_symmetry);
-    let grid = Grid { cells: &cells, layers: &layers, levels: &levels, frame: sampler.frame, cut };
-    grid.fill(wall, grading).map_err(|at| not_swept(at, "layers meet"))
+    Levels::new(&covered, &no_order)
 }
 
 /// The nodes of a cell, each once.
