@@ -403,6 +403,18 @@ fn two_surfaces_are_meshed_and_simulated() {
     let (summary, table) = solve("surfaces", &case).unwrap();
     assert!(summary.dofs > 1000);
     assert!(table.column("chamber_0_volume_m3")[0] > 1e-6);
+    // tetrahedra lock in the walls: they swell less, the more so the coarser they are
+    let swelling = |name: &str, elements: &str, edge: &str| {
+        let case = case.replace("edge = 0.008", edge).replace("order = \"linear\"", elements);
+        let (_, table) = solve(name, &case.replace("[static]", "[static]\nlevels = [1e-9, 1.0]")).unwrap();
+        let volume = table.column("chamber_0_volume_m3");
+        (volume[0], volume[1] / volume[0] - 1.0)
+    };
+    let hexahedra = swelling("surfaces_hexahedra", "elements = \"hexahedra\"", "edge = 0.008");
+    let [coarse, fine] =
+        ["edge = 0.008", "edge = 0.004"].map(|edge| swelling("surfaces_tetrahedra", "order = \"quadratic\"", edge));
+    assert!((hexahedra.0 / fine.0 - 1.0).abs() < 0.01, "{hexahedra:?} {fine:?}");
+    assert!(coarse.1 < fine.1 && fine.1 < hexahedra.1 && hexahedra.1 < 1.1 * fine.1, "{hexahedra:?} {fine:?}");
 }
 
 #[test]
