@@ -21,7 +21,8 @@ pub struct Mesh;
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
-    /// Which elements a body of surfaces gets.
+    /// Which elements a body of surfaces gets; tetrahedra where it is not said.
+    #[serde(default)]
     elements: ElementName,
     /// Target length of an edge of tetrahedra, m.
     edge: Metre,
