@@ -37,3 +37,26 @@ fn folded(hexahedra: Option<f64>) {
     let nearest = distances.iter().copied().fold(1.0, f64::min);
     assert!(distances[0] > 3e-3 && nearest > 0.0 && nearest < 5e-4, "{distances:?}");
 }
+
+#[test]
+fn every_tail_of_the_paper_profile_as_it_was_cast_has_a_mesh_of_hexahedra_where_silicone_and_sheet_adhere() {
+    let mut set = Settings::built_in();
+    set.casting.unbonded = 0;
+    let profile = &set.profile["paper"];
+    let resolution = Resolution { hexahedra: Some(1.25), ..profile.resolution };
+    for specimen in rig::specimens::ALL.iter().filter(|specimen| profile.specimens.contains(&specimen.name.to_string()))
+    {
+        let own = &set.specimen[&*specimen.name];
+        let laws = [&*set.material[&own.body].law, &*set.material[SHEET].law];
+        let settings = BodySettings { resolution: &resolution, clamp: own.clamp, laws };
+        let body = Body::new(&(specimen.tail)(), &settings, &HiddenProperties::drawn(&set, own)).unwrap();
+        assert_eq!((body.mesh.elements.name(), body.mesh.half), ("hexahedra", true), "{}", specimen.name);
+    }
+    // a film has tetrahedra
+    let (nemo, set) = (&rig::specimens::ALL[0], Settings::built_in());
+    let own = &set.specimen[&*nemo.name];
+    let laws = [&*set.material[&own.body].law, &*set.material[SHEET].law];
+    let settings = BodySettings { resolution: &resolution, clamp: own.clamp, laws };
+    let body = Body::new(&(nemo.tail)(), &settings, &HiddenProperties::drawn(&set, own)).unwrap();
+    assert_eq!(body.mesh.elements.name(), "tetrahedra");
+}
