@@ -1,8 +1,8 @@
 //! Hexahedra and wedges over the cells of a plan, between levels, and their skin.
 
-use super::Grading;
 use super::levels::Levels;
 use super::rows::{Cell, Cells};
+use super::{Grading, even};
 use crate::columns::sheets::Layers;
 use crate::frame::Frame;
 use crate::quadratic::HEX_SIDES;
@@ -221,8 +221,4 @@ fn towards(thickness: Metre, beside: [bool; 2], lengths: &[Metre; 2]) -> Vec<f64
         [true, false] => places,
         _ => far,
     }
-}
-
-fn even(cells: f64) -> Vec<f64> {
-    super::even(cells)
 }
