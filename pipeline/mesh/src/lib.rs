@@ -56,7 +56,8 @@ pub mod wall;
 
 pub use cavities::{Cavity, cavities};
 pub use choice::{Chosen, ElementChoice, ElementName, mesh_chosen};
-pub use columns::{Grading, MeshError, Settings, mesh, mesh_in_hexahedra, mesh_without_sheet};
+pub(crate) use columns::mesh_in_hexahedra;
+pub use columns::{Grading, LayeredBody, MeshError, Settings, Slab, layers_in_hexahedra, mesh, mesh_without_sheet};
 pub use embed::{Spot, embed};
 pub use quadratic::{QuadraticElements, QuadraticMesh, quadratic};
 pub use quadratic_face::QuadraticFace;

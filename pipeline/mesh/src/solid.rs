@@ -91,7 +91,7 @@ impl Solid {
 
 impl QuadraticMesh {
     /// Straight tetrahedra between the corners; of hexahedra, their parts.
-    pub(crate) fn into_corners(self) -> TetMesh {
+    pub fn into_corners(self) -> TetMesh {
         match &self.elements {
             QuadraticElements::Tetrahedra(tets) => corners_only(&self, tets),
             QuadraticElements::Hexahedra(_) => {

@@ -21,14 +21,15 @@ fn film_face(tail: &Tail) -> u32 {
 
 /// Fills the plan with tetrahedra; solids taller than `edge` (m) are divided.
 pub(crate) fn fill(tail: &Tail, plan: &Plan, edge: Metre, half: bool) -> Result<TetMesh, TailError> {
-    let columns: Vec<Column> = plan.triangles.iter().filter_map(|&t| column(tail, plan, t)).collect();
+    let layers = TailLayers::new(tail);
+    let columns: Vec<Column> = plan.triangles.iter().filter_map(|&t| layers.column(plan, t)).collect();
     let heights: Vec<SheetHeights> = plan.points.iter().map(|p| SheetHeights::new(tail, p[1], p[0])).collect();
     let height = |vertex: u32, sheet: u32| heights[vertex as usize].height(sheet);
     let stack = Stack {
         frame: Frame { normal: 1 },
         plan: &plan.points,
         columns: &columns,
-        sheets: film_face(tail) as usize + 2,
+        sheets: layers.sheets(),
         height: &height,
         edge,
         merge: 1e-6,
@@ -38,7 +39,7 @@ pub(crate) fn fill(tail: &Tail, plan: &Plan, edge: Metre, half: bool) -> Result<
 }
 
 /// Heights of the sheets of the +y side above one plan vertex, m.
-struct SheetHeights {
+pub(crate) struct SheetHeights {
     outer: Metre,
     face: [Metre; 2],
     inner: Metre,
@@ -49,7 +50,7 @@ struct SheetHeights {
 }
 
 impl SheetHeights {
-    fn new(tail: &Tail, x: Metre, z: Metre) -> Self {
+    pub fn new(tail: &Tail, x: Metre, z: Metre) -> Self {
         let (outer, inner) = (tail.half_width(x, z), tail.inner_face());
         let ceiling = tail.wall.map(|wall| outer - wall);
         let face = [-1.0, 1.0].map(|side| tail.sheet / 2.0 + side * tail.sheet_offset);
@@ -57,7 +58,7 @@ impl SheetHeights {
         Self { outer, face, inner, channel: inner + tail.channel_depth, ceiling, film, film_face: film_face(tail) }
     }
 
-    fn height(&self, sheet: u32) -> Metre {
+    pub fn height(&self, sheet: u32) -> Metre {
         let side = sheet % 2;
         let height = match sheet - side {
             OUTER => self.outer,
@@ -71,18 +72,39 @@ impl SheetHeights {
     }
 }
 
-/// The column over a plan triangle; none where there is no solid.
-fn column(tail: &Tail, plan: &Plan, corners: [u32; 3]) -> Option<Column> {
-    let mean = |k: usize| corners.iter().map(|&v| plan.points[v as usize][k]).sum::<f64>() / 3.0;
-    let (z, x) = (mean(0).abs(), mean(1));
-    let half = half_stack(tail, x, z)?;
-    // the half from the middle outwards is mirrored to the other side
-    let lower = half.iter().rev().map(|&(sheet, fill)| (sheet, fill(0)));
-    let mut sheets: Vec<u32> = lower.clone().map(|s| s.0).collect();
-    let mut fills: Vec<Fill> = lower.map(|s| s.1).collect();
-    fills.extend(half.iter().skip(1).map(|&(_, fill)| fill(1)));
-    sheets.extend(half.iter().map(|&(sheet, _)| sheet + 1));
-    Some(Column { corners, sheets, fills })
+/// The layers over places of a plan.
+pub(crate) struct TailLayers<'a> {
+    tail: &'a Tail,
+}
+
+impl<'a> TailLayers<'a> {
+    pub fn new(tail: &'a Tail) -> Self {
+        Self { tail }
+    }
+
+    /// Number of sheets.
+    pub fn sheets(&self) -> usize {
+        film_face(self.tail) as usize + 2
+    }
+
+    /// Sheets from below at a place, and the fills between them; none where there is no solid.
+    pub fn over(&self, x: Metre, z: Metre) -> Option<(Vec<u32>, Vec<Fill>)> {
+        let half = half_stack(self.tail, x, z)?;
+        // the half from the middle outwards is mirrored to the other side
+        let lower = half.iter().rev().map(|&(sheet, fill)| (sheet, fill(0)));
+        let mut sheets: Vec<u32> = lower.clone().map(|s| s.0).collect();
+        let mut fills: Vec<Fill> = lower.map(|s| s.1).collect();
+        fills.extend(half.iter().skip(1).map(|&(_, fill)| fill(1)));
+        sheets.extend(half.iter().map(|&(sheet, _)| sheet + 1));
+        Some((sheets, fills))
+    }
+
+    /// The column over a plan triangle; none where there is no solid.
+    fn column(&self, plan: &Plan, corners: [u32; 3]) -> Option<Column> {
+        let mean = |k: usize| corners.iter().map(|&v| plan.points[v as usize][k]).sum::<f64>() / 3.0;
+        let (sheets, fills) = self.over(mean(1), mean(0).abs())?;
+        Some(Column { corners, sheets, fills })
+    }
 }
 
 /// A sheet with what fills the space from the sheet before it (or the middle) to it, by side.

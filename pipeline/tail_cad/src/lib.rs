@@ -17,6 +17,7 @@
 //!
 //! Depends on `si` and on `mesh`, whose stacks it fills.
 
+mod hexahedra;
 mod layers;
 mod outline;
 mod plan;
@@ -76,7 +77,7 @@ pub struct Tail {
     pub sheet_offset: Metre,
     /// Half the height of the slot in the sheet at each rib, as a fraction of the body's half height there.
     pub slot_share: f64,
-    /// Where the silicone does not adhere to the sheet; in the tail's own mesh alone.
+    /// Where the silicone does not adhere to the sheet; in the tail's own meshes alone.
     pub unbonded: Option<Unbonded>,
 }
 
@@ -142,6 +143,9 @@ pub enum TailError {
         /// Another layer.
         upper: u32,
     },
+    /// Layers that rows and levels do not divide.
+    #[error(transparent)]
+    Hexahedra(#[from] mesh::MeshError),
 }
 
 impl Tail {
@@ -203,6 +207,15 @@ impl Tail {
         self.check()?;
         let plan = plan::Plan::new(self, resolution);
         layers::fill(self, &plan, resolution.edge, true)
+    }
+
+    /// The same body in 20-node hexahedra, graded towards thin walls.
+    ///
+    /// # Errors
+    /// [`TailError`] when a part is below its least size.
+    pub fn hexahedra(&self, grading: &mesh::Grading) -> Result<mesh::QuadraticMesh, TailError> {
+        self.check()?;
+        hexahedra::hexahedra(self, grading)
     }
 
     /// Body and spine as closed surfaces, both halves, with triangles of about `fineness` (m).

@@ -105,6 +105,11 @@ fn marks(tail: &Tail, x: Metre) -> Vec<(Mark, Metre)> {
     marks
 }
 
+/// Heights of all outlines on a line between two stations, m, rising.
+pub(crate) fn outlines_across(tail: &Tail, x: Metre) -> Vec<Metre> {
+    marks(tail, x).into_iter().map(|(_, z)| z).collect()
+}
+
 /// The rib that has `x` inside it or at its edge.
 fn rib_touching(tail: &Tail, x: Metre) -> Option<usize> {
     (1..tail.chambers).map(|i| i - 1).find(|&i| (tail.rib_at(i)[0]..=tail.rib_at(i)[1]).contains(&x))

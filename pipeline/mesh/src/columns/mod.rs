@@ -26,7 +26,7 @@ pub(crate) mod symmetry;
 mod tests;
 
 pub use error::MeshError;
-pub use grid::Grading;
+pub use grid::{Grading, LayeredBody, Slab, layers_in_hexahedra};
 
 use crate::frame::Frame;
 use crate::stack::{self, Cycle, Stack};
@@ -92,7 +92,7 @@ pub fn mesh(body: &Surface, spine: &Surface, set: &Settings) -> Result<(TetMesh,
 ///
 /// # Errors
 /// [`MeshError`]; [`MeshError::NotSwept`] of a body that rows and levels do not divide, which [`mesh`] may fill with tetrahedra.
-pub fn mesh_in_hexahedra(
+pub(crate) fn mesh_in_hexahedra(
     body: &Surface,
     spine: Option<&Surface>,
     set: &Settings,

@@ -17,6 +17,13 @@ pub(crate) struct Layers {
     pub fills: Vec<Fill>,
 }
 
+impl Layers {
+    /// Whether a chamber is among them.
+    pub(crate) fn is_hollow(&self) -> bool {
+        self.fills.iter().any(|fill| matches!(fill, Fill::Chamber(_)))
+    }
+}
+
 /// All sheets of a stack.
 pub(crate) struct Sheets<'a> {
     patches: &'a [Patch],

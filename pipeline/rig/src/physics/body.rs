@@ -6,7 +6,7 @@ use crate::side::Side;
 use diagnostics::{Diagnostic, Result};
 use fem::{Branch, Clamps, Contact, Options, RegionProperties, Relaxation, System};
 use lab::truth::Properties;
-use mesh::{Grading, QuadraticMesh, SPINE, Settings, Skin, Solid};
+use mesh::{Grading, QuadraticMesh, SPINE, Skin, Solid};
 use si::{MILLIMETRE, Metre, Pascal};
 use tail_cad::{FILM, Resolution, Tail};
 
@@ -90,21 +90,13 @@ impl Body {
     }
 }
 
-/// Triangles of the surfaces that hexahedra are made from, m.
-const FINENESS: Metre = 0.5 * MILLIMETRE;
-
-/// The mesh of a tail: hexahedra from its surfaces, or its own tetrahedra.
-// Surfaces have no film where silicone and sheet do not adhere.
+/// The mesh of a tail, from its own layers.
 fn meshed(tail: &Tail, resolution: &settings::Resolution) -> Result<QuadraticMesh> {
     let settings::Resolution { edge, per_chamber, per_rib, hexahedra } = *resolution;
-    match hexahedra.filter(|_| tail.unbonded.is_none()) {
-        Some(factor) => {
-            let (body, sheet) = tail.solids(FINENESS)?;
-            let grading = Grading::COARSE.finer(factor);
-            Ok(mesh::mesh_in_hexahedra(&body, Some(&sheet), &Settings::new(edge), &grading)?.0)
-        }
-        None => Ok(mesh::quadratic(&tail.mesh(&Resolution { edge, per_chamber, per_rib })?)),
-    }
+    Ok(match hexahedra {
+        Some(factor) => tail.hexahedra(&Grading::COARSE.finer(factor))?,
+        None => mesh::quadratic(&tail.mesh(&Resolution { edge, per_chamber, per_rib })?),
+    })
 }
 
 /// Shear modulus of the film between silicone and sheet where they do not adhere, over that of the silicone.

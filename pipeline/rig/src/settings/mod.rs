@@ -154,7 +154,7 @@ pub struct Resolution {
     pub per_chamber: usize,
     /// Elements along each rib.
     pub per_rib: usize,
-    /// By how much the cells of hexahedra are shorter than those of the study; none: tetrahedra, as where silicone and sheet do not adhere.
+    /// By how much the cells of hexahedra are shorter than those of the study; none: tetrahedra.
     #[serde(default)]
     pub hexahedra: Option<f64>,
 }

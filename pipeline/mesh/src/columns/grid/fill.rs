@@ -1,8 +1,10 @@
 //! Hexahedra and wedges over the cells of a plan, between levels, and their skin.
 
+use super::Grading;
+use super::division::{SOLID, even};
 use super::levels::Levels;
 use super::rows::{Cell, Cells};
-use super::{Grading, even};
+
 use crate::columns::sheets::Layers;
 use crate::frame::Frame;
 use crate::quadratic::HEX_SIDES;
@@ -92,7 +94,7 @@ impl Grid<'_> {
                     }
                     true => even(thickness / (3.0 * wall)),
                     false if outermost(layer) && thickness < 2.0 * wall => even(grading.wall as f64),
-                    false => even(thickness / (super::SOLID * wall)),
+                    false => even(thickness / (SOLID * wall)),
                 }
             })
             .collect()

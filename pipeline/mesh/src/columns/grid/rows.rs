@@ -12,12 +12,37 @@ use std::collections::BTreeMap;
 pub(crate) struct Division {
     /// Rows between the stations of each slab, as fractions of it.
     pub inside: Vec<Vec<f64>>,
-    /// Longest cell along a row, m.
-    pub longest: Metre,
+    /// Longest cell along a row, m: up to halfway from the middle of the body to its edge, and beyond.
+    pub longest: [Metre; 2],
+    /// Whether rows begin in the middle of the body.
+    pub half: bool,
     /// Points are not continued where cells would be shorter than this, m.
     pub shortest: Metre,
     /// Points of a row within this are one, m.
     pub tolerance: Metre,
+}
+
+impl Division {
+    /// Cells between the outlines' own points.
+    pub(crate) fn undivided(slabs: usize, tolerance: Metre) -> Self {
+        Self {
+            inside: vec![Vec::new(); slabs],
+            longest: [f64::INFINITY; 2],
+            half: true,
+            shortest: f64::INFINITY,
+            tolerance,
+        }
+    }
+}
+
+impl Division {
+    /// Longest cell about a place of a row, m.
+    fn longest_on(&self, row: &Row) -> impl Fn(Metre) -> Metre + use<> {
+        let [first, last] = [row.points.first(), row.points.last()].map(|end| end.copied().unwrap_or_default());
+        let middle = if self.half { first } else { 0.5 * (first + last) };
+        let [inner, outer] = self.longest;
+        move |p| if (p - middle).abs() > 0.5 * (last - middle) { outer } else { inner }
+    }
 }
 
 /// A cell of the plan: four corners, counterclockwise, and the middles of its sides as on an 8-node face; a triangle repeats its third corner.
@@ -114,8 +139,9 @@ fn divide(slabs: &[Slab], stations: &mut [Row], division: &Division) {
         for row in &mut stations[n..=n + 1] {
             let [from, to] = row.ends(&slabs[n], lower);
             let points: Vec<Metre> = row.points[from..=to.max(from)].to_vec();
+            let longest = division.longest_on(row);
             for pair in points.windows(2) {
-                let pieces = ((pair[1] - pair[0]) / division.longest).ceil().max(1.0) as usize;
+                let pieces = ((pair[1] - pair[0]) / longest(0.5 * (pair[0] + pair[1]))).ceil().max(1.0) as usize;
                 let place = |k: usize| pair[0] + (pair[1] - pair[0]) * k as f64 / pieces as f64;
                 (1..pieces).for_each(|k| row.insert(place(k), division.tolerance));
             }
@@ -296,8 +322,13 @@ mod tests {
         let square = |low: Point2, high: Point2| ring(&[low, [high[0], low[1]], high, [low[0], high[1]]]);
         let lines = [square([0.0, 0.0], [3.0, 9.0]), square([1.0, 4.0], [2.0, 5.0])].concat();
         let slabs = slabs(&arrange(&lines, 1e-6), 1e-3).unwrap();
-        let division =
-            Division { inside: vec![vec![0.5], vec![], vec![]], longest: 9.0, shortest: 0.1, tolerance: 1e-3 };
+        let division = Division {
+            inside: vec![vec![0.5], vec![], vec![]],
+            longest: [9.0; 2],
+            half: false,
+            shortest: 0.1,
+            tolerance: 1e-3,
+        };
         let cells = cells(&slabs, &division);
         assert_eq!((cells.cells.len(), cells.strips), (3 * 4, 5));
         assert!(cells.cells.iter().all(|cell| cell.nodes[2] != cell.nodes[3] && area(&cells, cell) > 0.0));
@@ -310,7 +341,8 @@ mod tests {
             (0..=100).map(|n| f64::from(n) / 100.0).map(|q| [1.0 - q * q, q]).chain([[0.0, 0.0]]).collect();
         let slabs = slabs(&arrange(&ring(&outline), 1e-6), 1e-4).unwrap();
         let inside = slabs.iter().map(|_| vec![0.5]).collect();
-        let cells = cells(&slabs, &Division { inside, longest: 0.4, shortest: 0.05, tolerance: 1e-4 });
+        let cells =
+            cells(&slabs, &Division { inside, longest: [0.4; 2], half: false, shortest: 0.05, tolerance: 1e-4 });
         let sum: f64 = cells.cells.iter().map(|cell| area(&cells, cell)).sum();
         assert!(cells.cells.iter().all(|cell| area(&cells, cell) > 0.0) && sum < 2.0 / 3.0 && sum > 0.6, "{sum}");
         assert!(cells.cells.iter().any(|cell| cell.nodes[2] == cell.nodes[3]));

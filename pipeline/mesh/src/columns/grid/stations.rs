@@ -6,22 +6,52 @@ use si::{Metre, Point2};
 
 /// The plan between two stations: outlines as curves p(q) that do not cross, in rising p.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Slab {
-    /// Where it begins and ends, m.
+pub struct Slab {
+    /// Where it begins, m.
     pub from: Metre,
+    /// Where it ends, m.
     pub to: Metre,
     /// (q, p) along each outline, m.
     curves: Vec<Vec<Point2>>,
 }
 
 impl Slab {
+    /// The slab between two stations (m) with `outlines`: p of each at q, in rising order, sampled at so many places, two at least. They lie beside the
+    /// stations, where outlines that meet on them are apart.
+    pub fn sampled([from, to]: [Metre; 2], samples: usize, outlines: &dyn Fn(Metre) -> Vec<Metre>) -> Self {
+        let beside = BESIDE * (to - from);
+        let place = |n: usize| from + beside + (to - from - 2.0 * beside) * n as f64 / (samples - 1) as f64;
+        let mut curves = vec![Vec::with_capacity(samples); outlines(0.5 * (from + to)).len()];
+        for q in (0..samples).map(place) {
+            // length: outlines neither begin nor end between two stations
+            curves.iter_mut().zip(outlines(q)).for_each(|(curve, p): (&mut Vec<Point2>, _)| curve.push([q, p]));
+        }
+        Self { from, to, curves }
+    }
+
+    /// m.
+    pub(crate) fn length(&self) -> Metre {
+        self.to - self.from
+    }
+
+    /// The strips between neighbouring outlines, by the number of the lower one.
+    pub(crate) fn strips(&self) -> impl Iterator<Item = (&Self, usize)> {
+        (0..self.curves.len().saturating_sub(1)).map(move |lower| (self, lower))
+    }
+
+    /// The middle of each strip.
+    pub(crate) fn strip_centres(&self) -> impl Iterator<Item = Point2> {
+        let q = 0.5 * (self.from + self.to);
+        self.strips().map(move |(slab, lower)| [0.5 * (slab.place(lower, q) + slab.place(lower + 1, q)), q])
+    }
+
     /// Number of outlines.
-    pub fn curves(&self) -> usize {
+    pub(crate) fn curves(&self) -> usize {
         self.curves.len()
     }
 
     /// p of an outline at q, m.
-    pub fn place(&self, curve: usize, q: Metre) -> Metre {
+    pub(crate) fn place(&self, curve: usize, q: Metre) -> Metre {
         let points = &self.curves[curve];
         let next = points.partition_point(|point| point[0] < q).clamp(1, points.len() - 1);
         let (a, b) = (points[next - 1], points[next]);
@@ -29,6 +59,9 @@ impl Slab {
         a[1] + part * (b[1] - a[1])
     }
 }
+
+/// Distance from a station at which outlines are sampled, over the length of a slab.
+const BESIDE: f64 = 1e-6;
 
 /// The slabs of a plan, along q; points nearer than `tolerance` (m) to a station lie on it.
 ///
@@ -53,7 +86,7 @@ fn slab(edges: &[[Point2; 2]], from: Metre, to: Metre) -> Result<Slab, Point2> {
     let mut samples: Vec<Metre> = inside.iter().flat_map(|edge| edge.map(|point| point[0])).collect();
     samples.retain(|q| *q > from && *q < to);
     // beside the stations, where curves that meet on them are apart
-    let beside = 1e-6 * (to - from);
+    let beside = BESIDE * (to - from);
     samples.extend([from + beside, 0.5 * (from + to), to - beside]);
     samples.sort_by(f64::total_cmp);
     samples.dedup();
