@@ -71,7 +71,7 @@ pub struct Options {
     /// of each point's, against volumetric locking of 10-node elements close to ν = 0.5. It has no effect on 4-node
     /// elements, which have a single point. Regions beyond the list do without.
     pub mean_dilatation: Vec<bool>,
-    /// Of hexahedra of second order: the share of the μ part of the energy that is integrated at 3³ points instead of 2³; 0.25 where none is
+    /// Of hexahedra of second order: the share of the μ part of the energy that is integrated at 3³ points instead of 2³; 0.2 where none is
     /// given. Without any, the mesh has modes that cost no energy.
     pub shear_share: Option<f64>,
     /// Attached masses.

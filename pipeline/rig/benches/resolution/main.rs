@@ -19,7 +19,8 @@ use tail_cad::{Resolution, Tail};
 /// Two even cells along a chamber, three along its depth.
 const EVEN: Cuts = Cuts { chamber: &[0.5], depth: &[1.0 / 3.0, 2.0 / 3.0], heights: [3, 2, 1], wall: 1 };
 /// Cells short beside ribs and beside the wall.
-const GRADED: Cuts = Cuts { chamber: &[0.15, 0.5, 0.85], depth: &[0.45, 0.8, 0.94], heights: [2, 1, 1], wall: 1 };
+const GRADED: Cuts =
+    Cuts { chamber: &[0.13, 0.38, 0.62, 0.87], depth: &[0.3, 0.6, 0.82, 0.95], heights: [2, 1, 1], wall: 1 };
 const FINE: Cuts =
     Cuts { chamber: &[0.1, 0.3, 0.5, 0.7, 0.9], depth: &[0.3, 0.6, 0.8, 0.92, 0.975], heights: [3, 1, 1], wall: 1 };
 
@@ -41,7 +42,7 @@ const ROWS: &[Discretisation] = &[
         cuts: GRADED,
         family: Family::Hexahedra,
         mean_dilatation: false,
-        shear_share: 0.25,
+        shear_share: 0.2,
         contact: false,
         always: true,
     },
@@ -59,7 +60,7 @@ const ROWS: &[Discretisation] = &[
         cuts: GRADED,
         family: Family::Hexahedra,
         mean_dilatation: false,
-        shear_share: 0.25,
+        shear_share: 0.2,
         contact: true,
         always: true,
     },
