@@ -58,6 +58,7 @@ fn coarse(settings: &str) -> String {
 
 const COARSE: &str = r#"
 [mesh]
+elements = "tetrahedra"
 edge = 0.010
 [identify]
 fine_edge = 0.006

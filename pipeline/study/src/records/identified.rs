@@ -145,6 +145,7 @@ impl Record for Identified {
         metrics.extend(self.solids.iter().zip(&self.uncertainty.discretisation).map(|(solid, shift)| {
             Metric::new(id(&format!("{solid}_e.discretisation_percent")), 100.0 * shift.exp_m1(), "%")
         }));
+        metrics.extend(self.uncertainty.mesh_error.map(|error| Metric::new(id("mesh_error_mm"), 1e3 * error, "mm")));
         metrics.extend(self.uncertainty.first_correlation().map(|c| Metric::new(id("correlation"), c, "")));
         let largest = self.levels.iter().map(Level::largest_error).fold(0.0, f64::max);
         metrics.push(Metric::new(format!("static.{subject}.max_error_mm"), 1e3 * largest, "mm"));
@@ -155,8 +156,10 @@ impl Record for Identified {
         let one = |m: DisplayModulus<'_>| format!("{} {:.4} {}", m.solid, m.best, m.unit);
         let moduli: Vec<String> = self.moduli().map(one).collect();
         let advice: String = self.uncertainty.advice.iter().map(|a| format!("; {a}")).collect();
+        let mesh = self.uncertainty.mesh_error.map(|error| format!(", {:.2} mm from a finer mesh", 1e3 * error));
+        let mesh = mesh.unwrap_or_default();
         format!(
-            "loss {:.1e}, {} {:.1} s after loading; {}{advice}",
+            "loss {:.1e}, {} {:.1} s after loading{mesh}; {}{advice}",
             self.loss,
             moduli.join(", "),
             self.modulus_time,
@@ -212,11 +215,21 @@ impl Identified {
         self
     }
 
-    /// The moduli in the units in which they are printed.
+    /// Moduli of the materials with their standard deviations, Pa: without what makes up for the error of the mesh.
+    pub(crate) fn materials(&self) -> impl Iterator<Item = [Pascal; 2]> {
+        let correction = |k: usize| self.uncertainty.mesh_correction(k);
+        self.best
+            .iter()
+            .zip(&self.sigma)
+            .enumerate()
+            .map(move |(k, (best, sigma))| [best, sigma].map(|e| e * correction(k)))
+    }
+
+    /// The moduli of the materials in the units in which they are printed.
     pub(crate) fn moduli(&self) -> impl Iterator<Item = DisplayModulus<'_>> {
-        self.solids.iter().zip(&self.best).zip(&self.sigma).map(|((solid, best), sigma)| {
-            let DisplayUnit { scale, unit } = DisplayUnit::of(*best);
-            DisplayModulus { solid, best: scale * best, sigma: scale * sigma, unit, scale }
+        self.solids.iter().zip(self.materials()).map(|(solid, [modulus, sigma])| {
+            let DisplayUnit { scale, unit } = DisplayUnit::of(modulus);
+            DisplayModulus { solid, best: scale * modulus, sigma: scale * sigma, unit, scale }
         })
     }
 }

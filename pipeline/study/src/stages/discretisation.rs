@@ -1,15 +1,14 @@
 //! The error of the mesh in the identified moduli, from a finer mesh of the same surfaces at the same moduli.
 
 use ::mesh::{ElementChoice, Grading, QuadraticElements};
-use fem::StaticSettings;
 use optimize::Residuals;
 use si::Point2;
 
 use super::fitting::{Card, Films, Fitting, Settings, mean_rest};
 use super::mesh;
 use crate::records::Mesh;
-use sysid::discretisation::{error, shift};
-use sysid::{Elastic, Model};
+use sysid::discretisation::{MeshError, error};
+use sysid::{Elastic, LevelSolver, Model, statics};
 use workflow::stage::StageContext;
 
 /// Lengths of hexahedra over those of the mesh on which their error is estimated.
@@ -47,7 +46,7 @@ fn on_edges(set: &Settings, why: &dyn std::fmt::Display) -> String {
 }
 
 impl Fitting<'_> {
-    /// By how much the discretisation error shifts the logarithm of each parameter; or why that is not known. `found` are the markers'
+    /// The error of the mesh at the identified parameters; or why that is not known. `found` are the markers'
     /// displacements at the identified parameters (levels × markers, m), with the whitened residuals there.
     pub(super) fn discretisation(
         &self,
@@ -55,11 +54,12 @@ impl Fitting<'_> {
         elastic: &Elastic,
         found: &[Vec<Point2>],
         residuals: (&Residuals, usize),
-    ) -> Result<Vec<f64>, String> {
-        // the lowest pressures are reached at once; three steps to each took half of the stage's time
-        let settings =
-            StaticSettings { tolerance: self.set.static_tolerance, load_steps: 1, ..StaticSettings::default() };
-        let error = error(&self.loss.misfit.levels, found, &finer?, (elastic, &settings));
-        error.and_then(|error| shift(&self.loss.misfit, residuals, &error)).map_err(|d| on_edges(self.set, &d.what))
+    ) -> Result<MeshError, String> {
+        let (levels, settings) = (self.loss.misfit.levels.clone(), statics(self.set.static_tolerance));
+        let mut solver = LevelSolver::new(finer?, levels, settings, self.set.parallel_solves);
+        let error = error(&mut solver, elastic, found);
+        error
+            .and_then(|error| MeshError::new(&self.loss.misfit, residuals, &error))
+            .map_err(|d| on_edges(self.set, &d.what))
     }
 }

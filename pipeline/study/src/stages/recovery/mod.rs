@@ -85,7 +85,7 @@ impl Stage for Recovery {
         ((Every<Camera>, Films, (Parameters, Predictions)), (Every<LoadCell>, Every<Tank>, Every<CorrectedForce>));
     type Makes = Recovered;
     const DESCRIPTION: &'static str = "estimates are compared with the hidden truth";
-    const VERSION: u32 = 10;
+    const VERSION: u32 = 11;
 
     fn raw(of: &Study) -> Vec<RawFile> {
         virtual_specimens(of).flat_map(files).collect()
@@ -131,10 +131,11 @@ fn beside(
     let estimate = |quantity, found, hidden, sigma| Estimate { quantity, found, hidden, sigma };
     let real = spectrum(&truth.body)?;
     let held = truth.body.youngs_modulus * real.modulus(found.modulus_time);
-    let (best, sigma) = (&found.best, &found.sigma);
+    let relative = |k: usize| found.sigma[k] / found.best[k];
+    let modulus = |k: usize| found.uncertainty.mesh_correction(k) * found.best[k];
     let mut all = vec![
-        estimate(Quantity::BodyModulus, best[0], held, sigma[0] / best[0]),
-        estimate(Quantity::SpineModulus, best[1], truth.spine.youngs_modulus, sigma[1] / best[1]),
+        estimate(Quantity::BodyModulus, modulus(0), held, relative(0)),
+        estimate(Quantity::SpineModulus, modulus(1), truth.spine.youngs_modulus, relative(1)),
     ];
     for (_, relaxation) in relaxed.iter().filter(|(s, _)| this(s)) {
         for frequency in REPORTED {
