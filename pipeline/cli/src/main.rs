@@ -123,9 +123,13 @@ fn run_command(cli: &Cli) -> Result<bool> {
             output::line(runner.why(name)?);
             Ok(print_diagnostics(&diagnostics))
         }
-        Command::Simulate { case, out, budget } => {
+        Command::Simulate { case, out, certify, budget } => {
             let (out, budget) = (out.clone(), (*budget).into());
-            simulate::run_with(case, RunOptions { out, quiet: cli.place.quiet, budget, ..RunOptions::default() })?;
+            let options = RunOptions { out, quiet: cli.place.quiet, budget, ..RunOptions::default() };
+            match certify {
+                true => simulate::certify(case, options)?.1.iter().for_each(output::line),
+                false => simulate::run_with(case, options).map(|_| ())?,
+            }
             Ok(true)
         }
         Command::Fit { page, out } => {

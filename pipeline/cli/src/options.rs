@@ -131,6 +131,9 @@ pub enum Command {
         /// Folder for the results, instead of CASE.out beside the case.
         #[arg(long)]
         out: Option<PathBuf>,
+        /// Solve it again on cells shorter by 1.5, and print by how much the nodes and markers of the output move otherwise there.
+        #[arg(long)]
+        certify: bool,
         /// When a search for an equilibrium ends; these take the place of the keys of the case.
         #[command(flatten)]
         budget: Limits,

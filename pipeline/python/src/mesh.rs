@@ -305,7 +305,17 @@ fn chamber(walls: &[[u32; 8]]) -> fem::Chamber {
 fn source(millimetres: bool, order: Option<u8>, half: bool) -> Source {
     let order = order.map(|order| if order == 1 { Order::Linear } else { Order::Quadratic });
     let unit = if millimetres { Unit::Mm } else { Unit::M };
-    Source { file: None, body: None, spine: None, edge: None, unit, order, elements: ElementName::default(), half }
+    Source {
+        file: None,
+        body: None,
+        spine: None,
+        edge: None,
+        unit,
+        order,
+        elements: ElementName::default(),
+        half,
+        finer: 1.0,
+    }
 }
 
 fn loaded(mesh: Source, folder: PathBuf) -> PyResult<Mesh> {

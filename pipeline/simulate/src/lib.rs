@@ -18,6 +18,7 @@
 mod body;
 mod budget;
 pub mod case;
+mod certificate;
 mod console;
 mod dynamics;
 mod force_table;
@@ -39,6 +40,7 @@ use std::sync::Arc;
 use crate::case::{Case, read};
 pub use body::{Body, fem_mesh};
 pub use budget::{Budget, Exceeded, MAX_ITERATIONS, Watch};
+pub use certificate::{Difference, certify};
 use console::Console;
 pub use continuation::{CriticalKind, DofMap, PathEvent};
 use diagnostics::{Diagnostic, Result};
@@ -92,28 +94,38 @@ pub fn run(path: &Path, out: Option<&Path>, quiet: bool, interrupt: Option<Inter
 /// As [`run`].
 pub fn run_with(path: &Path, options: RunOptions) -> Result<Summary> {
     // What does not concern one file alone is a matter of the case.
-    simulated(path, options).map_err(|e| e.in_file_unless_named(path))
+    read(path).and_then(|case| simulate_case(&case, path, options)).map_err(|e| e.in_file_unless_named(path))
 }
 
-fn simulated(path: &Path, options: RunOptions) -> Result<Summary> {
+/// The name of a case, from its file.
+fn stem_of(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// Where the results of a case go.
+fn results_folder(path: &Path, out: Option<&Path>) -> PathBuf {
+    let beside = || path.parent().unwrap_or(Path::new(".")).join(format!("{}.out", stem_of(path)));
+    out.map_or_else(beside, Path::to_owned)
+}
+
+/// Simulates a case whose files lie beside `path`.
+fn simulate_case(case: &Case, path: &Path, options: RunOptions) -> Result<Summary> {
     let RunOptions { out, quiet, interrupt, budget } = options;
-    let case = read(path)?;
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let (stem, folder) = (stem_of(path), results_folder(path, out.as_deref()));
     let parent = path.parent().unwrap_or(Path::new("."));
-    let folder = out.unwrap_or_else(|| parent.join(format!("{stem}.out")));
     let console = Arc::new(Console::new(&stem, quiet));
-    let loaded = solid::load(&case, parent)?;
+    let loaded = solid::load(case, parent)?;
     loaded.notes.iter().for_each(|note| console.line(note));
     let budget = budget.or(case.budget());
     let watch = budget.watch(Some(console.reporting(interrupt)));
     // Where case and mesh do not match, either may be wrong.
-    let body = Body::new(&case, &loaded).map_err(|e| e.noting(format_args!("mesh: {}", case.mesh.name())))?;
+    let body = Body::new(case, &loaded).map_err(|e| e.noting(format_args!("mesh: {}", case.mesh.name())))?;
     let body = body.interruptible(Some(watch.interrupt()));
     body.notes.iter().for_each(|note| console.line(note));
     std::fs::create_dir_all(&folder).map_err(|e| cannot_write(&folder, &e))?;
     let written =
-        Outputs { frames: Frames::begin(&folder, &stem)?, table: Table::create(&case, &body, &folder, &stem)? };
-    let solved = solve(Simulation { case: &case, body: &body, written, console: &console, budget, watch })?;
+        Outputs { frames: Frames::begin(&folder, &stem)?, table: Table::create(case, &body, &folder, &stem)? };
+    let solved = solve(Simulation { case, body: &body, written, console: &console, budget, watch })?;
     let summary = Summary { dofs: body.system.dofs(), folder, ..solved };
     console.last(&summary);
     Ok(summary)

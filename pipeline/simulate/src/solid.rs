@@ -100,8 +100,8 @@ fn from_surfaces(mesh: &Source, folder: &Path) -> Result<Loaded> {
     };
     let body = surface(mesh.body.as_deref().unwrap_or_default())?;
     let spine = mesh.spine.as_deref().map(surface).transpose()?;
-    let edge = mesh.edge.unwrap_or_default();
-    let choice = mesh.elements.graded(Grading::COARSE);
+    let edge = mesh.edge.unwrap_or_default() / mesh.finer;
+    let choice = mesh.elements.graded(Grading::COARSE.finer(mesh.finer));
     let meshed = |use_symmetry: bool| {
         let set = mesh::Settings { use_symmetry, ..mesh::Settings::new(edge) };
         let files: Vec<&str> = mesh.body.iter().chain(&mesh.spine).map(String::as_str).collect();

@@ -104,6 +104,13 @@ pub struct Source {
     /// Whether the half z ≥ 0 of a symmetric body is simulated.
     #[serde(default)]
     pub half: bool,
+    /// By how much cells made from STL files are shorter than the case says: for a certificate of resolution.
+    #[serde(skip, default = "same_length")]
+    pub finer: f64,
+}
+
+fn same_length() -> f64 {
+    1.0
 }
 
 impl Source {

@@ -5,6 +5,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod budget;
+mod certificate;
 mod clamps;
 mod groups;
 mod loads;
