@@ -148,7 +148,7 @@ class ReducedModel:
         stiffness_damping: float = 0.0,
     ) -> TorchStep:
         """A step of `dt` seconds as a function of PyTorch: (coordinates, velocity, pressures) to (coordinates, velocity), differentiable once
-        in reverse mode. A first axis of any argument is a batch."""
+        in reverse and forward mode. A first axis of any argument is a batch."""
         from softfish._torch_step import TorchStep
 
         return TorchStep(self, positive("dt", dt), self._settings(dt, modulus_scale, (mass_damping, stiffness_damping)))
@@ -162,7 +162,7 @@ class ReducedModel:
         stiffness_damping: float = 0.0,
     ) -> JaxStep:
         """A step of `dt` seconds as a function of JAX: (coordinates, velocity, pressures) to (coordinates, velocity), differentiable once in
-        reverse mode; goes with `jax.jit`, `jax.lax.scan` and `jax.vmap`. Under `jax.jit` a step that fails is NaN, and `check()` raises its
+        reverse and forward mode; goes with `jax.jit`, `jax.lax.scan` and `jax.vmap`. Under `jax.jit` a step that fails is NaN, and `check()` raises its
         exception."""
         from softfish._jax_step import JaxStep
 

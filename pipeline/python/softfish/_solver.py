@@ -874,7 +874,6 @@ class Solver:
         output: str,
         wrt: Sequence[str],
         *,
-        mode: Literal["reverse", "forward"] = "reverse",
         kept: int = 64,
         steps: int | None = None,
         **settings: Unpack[FunctionSettings],
@@ -882,7 +881,7 @@ class Solver:
         """The output as a differentiable function of JAX, see `softfish.JaxFunction`."""
         from softfish._jax import JaxFunction
 
-        return JaxFunction(self, output, wrt, mode=mode, kept=kept, steps=steps, **settings)
+        return JaxFunction(self, output, wrt, kept=kept, steps=steps, **settings)
 
     def reduce(self, snapshots: npt.ArrayLike, coordinates: int = 20, *, tolerance: float = 1e-3) -> ReducedModel:
         """The body in at most `coordinates` modes of displacements (snapshots × nodes × 3) that it took."""
