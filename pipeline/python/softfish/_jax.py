@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from softfish._arrays import Array, whole
+from softfish._arguments import checked
+from softfish._arrays import Array
 from softfish._errors import InputError
 from softfish._function import Function, FunctionSettings
 from softfish._jax_host import Derivative, Host, differentiable, jax, jnp, real
@@ -16,7 +17,8 @@ from softfish._jax_host import Derivative, Host, differentiable, jax, jnp, real
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from softfish._solver import Equilibrium, Motion, Solver
+    from softfish._results import Equilibrium, Motion
+    from softfish._solver import Solver
 
 _SECOND = "a second derivative of a solve is asked for"
 
@@ -33,6 +35,7 @@ class JaxFunction:
     exception is raised by the next call, or by `check()`.
     """
 
+    @checked()
     def __init__(
         self,
         solver: Solver,
@@ -44,7 +47,7 @@ class JaxFunction:
         **settings: Unpack[FunctionSettings],
     ) -> None:
         self.function = Function(solver, output, wrt, steps, settings)
-        self._kept = whole("kept", kept, 1, 1_000_000)
+        self._kept = kept
         self._begin()
 
     def _begin(self) -> None:
