@@ -211,7 +211,7 @@ pub struct CalibrateCamera {
     /// distance of two rows.
     #[arg(long, conflicts_with = "charuco")]
     pub asymmetric_dots: bool,
-    /// The board is a ChArUco board with markers of this dictionary of OpenCV, DICT_4X4_50 to DICT_7X7_1000; a part of it in a picture is
+    /// The board is a ChArUco board with markers of this dictionary of OpenCV, DICT_4X4_50 to DICT_7X7_1000, or of AprilTag; a part of it in a picture is
     /// enough.
     #[arg(long, value_name = "DICTIONARY", requires = "marker")]
     pub charuco: Option<track::board::charuco::Dictionary>,

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 from softfish._case import Case
 from softfish._core import MATERIALS, __version__
 from softfish._errors import (
+    ArgumentError,
     BudgetError,
     BusyError,
     CaseError,
@@ -38,7 +39,8 @@ from softfish._instruments import Camera, Tracks, calibrate, track
 from softfish._mesh import Mesh
 from softfish._project import Project, Record
 from softfish._reduced import ReducedGradient, ReducedModel, ReducedState
-from softfish._solver import CriticalPoint, Equilibrium, Gradient, Inputs, Material, Motion, Path, Solver
+from softfish._results import CriticalPoint, Equilibrium, Gradient, Inputs, Motion, Path
+from softfish._solver import Material, Solver
 
 if TYPE_CHECKING:
     from softfish._jax import JaxFunction
@@ -46,6 +48,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "MATERIALS",
+    "ArgumentError",
     "BudgetError",
     "BusyError",
     "Camera",

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from softfish import _core
-from softfish._arrays import file, flag, instance
-from softfish._budget import limits
+from softfish._arguments import checked
+from softfish._arrays import file, instance
 from softfish._errors import InputError
 from softfish._mesh import Mesh
 
@@ -38,6 +38,7 @@ class Case:
 
     path: Path | None
 
+    @checked()
     def __init__(self, source: str | os.PathLike[str] | Mapping[str, Any], mesh: Mesh | None = None) -> None:
         """From a file of TOML, or from a dictionary with its keys; `mesh` takes the place of the one that it names."""
         if mesh is not None:
@@ -66,11 +67,12 @@ class Case:
         self._source = (kind, text, path)
 
     @classmethod
+    @checked(folder=file)
     def from_toml(cls, text: str, folder: str | os.PathLike[str] = ".") -> Case:
         """From a text of TOML; meshes are named relative to `folder`."""
         if not isinstance(text, str):
             raise InputError(f"`text` is a {type(text).__name__}", "it is a text of TOML", "pass a file to Case itself")
-        place = Path(file("folder", folder)).absolute()
+        place = Path(folder).absolute()
         case = cls.__new__(cls)
         case.path = None
         case._mesh = None
@@ -85,12 +87,14 @@ class Case:
             self._mesh = Mesh._of(self._core.mesh())
         return self._mesh
 
+    @checked()
     def solver(self, *, threads: int | None = None) -> Solver:
         """A solver, which keeps its factor from solve to solve; with `threads` of its own, or all processors."""
         from softfish._solver import Solver
 
         return Solver(self, threads=threads)
 
+    @checked()
     def run(
         self,
         out: str | os.PathLike[str] | None = None,
@@ -106,9 +110,8 @@ class Case:
             raise InputError("a case that was built in Python is not run", "its files have no folder", "write it to a file")
         if self._given:
             raise InputError("a case with a given mesh is not run", "its file names another mesh", "use the solver")
-        budget = limits(max_iterations, max_cutbacks, timeout)
-        output = (None if out is None else file("out", out), flag("quiet", quiet))
-        folder, _, _ = _core.run_case(os.fspath(self.path), output, budget)
+        output = (None if out is None else os.fspath(out), quiet)
+        folder, _, _ = _core.run_case(os.fspath(self.path), output, (max_iterations, max_cutbacks, timeout))
         return Path(folder)
 
     def __getstate__(self) -> dict[str, Any]:

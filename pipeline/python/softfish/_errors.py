@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from softfish._arrays import Array
-    from softfish._solver import Equilibrium
+    from softfish._results import Equilibrium
 
 
 class Error(Exception):
@@ -29,6 +29,10 @@ class Error(Exception):
 
 class InputError(Error, ValueError):
     """An argument is refused: its shape, its type, a number out of range."""
+
+
+class ArgumentError(InputError, TypeError):
+    """A call has an argument too many, or one too few."""
 
 
 class MeshError(InputError):

@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from softfish import _core
-from softfish._arrays import Array, file
+from softfish._arguments import checked
+from softfish._arrays import Array
 
 
 @dataclass(frozen=True)
@@ -70,13 +71,14 @@ class Fit:
         return self.law.covariance
 
 
+@checked()
 def fit(
     page: str | os.PathLike[str], *, root: str | os.PathLike[str] = ".", out: str | os.PathLike[str] | None = None
 ) -> Fit:
     """Fits the laws of a page, as `study fit` does: its file, or its name among those of the project at `root`, below which
     recordings are looked for. Writes its table, metrics and figure into `out`, or beside the page."""
-    folder_out = None if out is None else file("out", out)
-    report, folder, laws = _core.fit(file("root", root), file("page", page), folder_out)
+    folder_out = None if out is None else os.fspath(out)
+    report, folder, laws = _core.fit(os.fspath(root), os.fspath(page), folder_out)
     made = []
     for name, parameters, mean, covariance, criterion, supported in laws:
         names, units = [of[0] for of in parameters], [of[1] for of in parameters]

@@ -8,11 +8,13 @@ from typing import TYPE_CHECKING, Any, Literal, TypedDict
 import numpy as np
 import numpy.typing as npt
 
-from softfish._arrays import Array, ByName, instance, positive, reals, whole
+from softfish._arguments import CHECKS
+from softfish._arrays import Array, ByName, instance, reals
 from softfish._errors import DerivativeError, InputError
 
 if TYPE_CHECKING:
-    from softfish._solver import Equilibrium, Gradient, Inputs, Motion, Solver
+    from softfish._results import Equilibrium, Gradient, Inputs, Motion
+    from softfish._solver import Solver
 
 _FIELDS = {"E": "youngs_modulus", "nu": "poissons_ratio", "density": "density"}
 
@@ -49,6 +51,11 @@ class FunctionSettings(TypedDict, total=False):
 _BOTH = {"E", "nu", "density", "element_E", "forces", "gravity", "inputs", "pressure", "tolerance", "max_iterations", "timeout"}
 _STATIC = _BOTH | {"level", "load_steps", "initial_guess", "reuse_factor", "max_cutbacks"}
 _DYNAMIC = _BOTH | {"step", "initial", "scheme", "mass_damping", "stiffness_damping", "memory"}
+
+
+def _unchanged(_: str, value: Any) -> Any:
+    """Of a setting that depends on the body: it is checked with it."""
+    return value
 
 
 class Parameter:
@@ -106,7 +113,7 @@ class Function:
         instance("output", output, str, "name `displacement`, or a point of the case")
         self.solver = solver
         self.output = output
-        self.steps = None if steps is None else whole("steps", steps, 1, 10_000_000)
+        self.steps = None if steps is None else CHECKS["steps"]("steps", steps)
         if not isinstance(wrt, list | tuple) or not wrt:
             raise InputError(f"`wrt` is {wrt!r}", "it is a list of names", "name at least one parameter")
         self.parameters = [Parameter(name, solver, self.steps) for name in wrt]
@@ -115,11 +122,11 @@ class Function:
                 if parameter.overlaps(other):
                     why = "both set the same number, and a gradient by one of them would hold the other"
                     raise InputError(f"`{other.name}` and `{parameter.name}` are both in `wrt`", why, "name one of them")
-        given = {name: value for name, value in settings.items() if value is not None}
+        given = {name: CHECKS.get(name, _unchanged)(name, value) for name, value in settings.items() if value is not None}
         self._check_settings(given)
         fine = 1e-12 if steps is None else 1e-11
         # Derivatives are those of the exact solution: what a loose tolerance leaves would be noise in differences.
-        self._settings = {**given, "tolerance": positive("tolerance", given.get("tolerance", fine))}
+        self._settings = {**given, "tolerance": given.get("tolerance", fine)}
         if self.steps is not None and self._step() <= 0.0:
             raise InputError("`step` is not given", "the case has no [dynamic] with a step", "give it in seconds")
         points = 1 if output == "displacement" else 0
@@ -198,7 +205,7 @@ class Function:
 
     def vjp(self, result: Equilibrium | Motion, cotangent: Array) -> list[Array]:
         """Σ cotangent · ∂output/∂θ for each parameter θ, by one adjoint solve."""
-        from softfish._solver import Equilibrium
+        from softfish._results import Equilibrium
 
         slope = self.solver._slope(self.output, cotangent, result.displacement.shape)
         gradient = result.adjoint(slope) if isinstance(result, Equilibrium) else result.adjoint(slope)
@@ -214,7 +221,7 @@ class Function:
 
     def jvp(self, result: Equilibrium | Motion, tangents: Sequence[Array | None]) -> Array:
         """Σ ∂output/∂θ · tangent over all parameters, by forward sensitivities."""
-        from softfish._solver import Equilibrium
+        from softfish._results import Equilibrium
 
         solver = self.solver
         along: dict[str, Any] = {}

@@ -11,12 +11,11 @@ import numpy as np
 import numpy.typing as npt
 
 from softfish import _core
-from softfish._arrays import Array, file, flag, reals, whole, within
+from softfish._arguments import checked
+from softfish._arrays import Array, file, reals, whole
 from softfish._errors import InputError
 
 _Path: TypeAlias = "str | os.PathLike[str]"
-#: Frames of a film, at most.
-_MOST = 1 << 40
 
 
 @dataclass(frozen=True)
@@ -40,6 +39,7 @@ class Tracks:
     seen: npt.NDArray[np.bool_]
 
 
+@checked()
 def track(
     film: _Path,
     *,
@@ -61,22 +61,22 @@ def track(
     longest occlusion (s). Results are written into the folder `out` where one is given, with `overlay` a film of them too."""
     if (find is None) == (at is None):
         raise InputError("the markers of the first frame are not given", "they are placed or detected", "give at or find")
-    if flag("overlay", overlay) and out is None:
+    if overlay and out is None:
         raise InputError("an overlay has no folder", "it is a file among the results", "give out")
     places = np.zeros((0, 2)) if at is None else np.atleast_2d(reals("at", at))
     if at is not None and (len(places) == 0 or places.shape[1:] != (2,)):
         raise InputError(f"`at` has the shape {places.shape}", "each row is a marker: u and v, px", "pass markers × 2")
     found = _core.track({
-        "film": file("film", film),
+        "film": os.fspath(film),
         "at": places.tolist(),
-        "find": None if find is None else whole("find", find, 1, 1000),
+        "find": find,
         "region": None if region is None else reals("region", region, (4,)).tolist(),
-        "radius": within("radius", radius, 4.0, 1000.0),
-        "hidden": within("hidden", hidden, 0.0, 3600.0),
-        "first": whole("first", first, 0, _MOST),
-        "last": None if last is None else whole("last", last, first, _MOST),
-        "overlay": flag("overlay", overlay),
-        "out": None if out is None else file("out", out),
+        "radius": radius,
+        "hidden": hidden,
+        "first": first,
+        "last": None if last is None else whole("last", last, first, 1 << 40),
+        "overlay": overlay,
+        "out": None if out is None else os.fspath(out),
     })
     count = len(found["time"])
     seen = np.array(found["seen"], dtype=bool).reshape(-1, count)
@@ -128,6 +128,7 @@ class Camera:
         return self.mean[4:]
 
 
+@checked(source=file)
 def calibrate(
     source: _Path,
     *,
@@ -144,14 +145,14 @@ def calibrate(
     `columns` and `rows` count the board's squares, or its `dots`; `square` is a side, or the distance of the dots' middles (m). Of a film one
     frame in `every` is used. Results are written into the folder `out` where one is given."""
     found = _core.calibrate({
-        "source": file("source", source),
-        "columns": whole("columns", columns, 3, 100),
-        "rows": whole("rows", rows, 3, 100),
-        "square": within("square", square, 1e-3, 1.0),
-        "dots": flag("dots", dots),
-        "fisheye": flag("fisheye", fisheye),
-        "every": whole("every", every, 1, 1000),
-        "out": None if out is None else file("out", out),
+        "source": os.fspath(source),
+        "columns": columns,
+        "rows": rows,
+        "square": square,
+        "dots": dots,
+        "fisheye": fisheye,
+        "every": every,
+        "out": None if out is None else os.fspath(out),
     })
     count = len(found["mean"])
     return Camera(

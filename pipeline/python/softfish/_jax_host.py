@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -11,8 +11,15 @@ from softfish._arrays import Array
 from softfish._errors import DerivativeError, Error, InputError
 from softfish._optional import optional
 
+#: Arrays, to arrays of these shapes.
+Call: TypeAlias = Callable[[Sequence[Any], tuple[Any, ...]], Sequence[Any]]
+
 jax: Any = optional("jax")
 jnp: Any = optional("jax.numpy")
+ad: Any = optional("jax.interpreters.ad")
+batching: Any = optional("jax.interpreters.batching")
+mlir: Any = optional("jax.interpreters.mlir")
+optional("jax.extend.core")
 
 
 def real(name: str, value: Any) -> Any:
@@ -25,22 +32,87 @@ def real(name: str, value: Any) -> Any:
     return array if jnp.issubdtype(array.dtype, jnp.floating) else array.astype(float)
 
 
-def reverse_mode(call: Any, arrays: Sequence[Any], remedy: str) -> Any:
-    """A call of a `jax.custom_vjp`, whose own error in a transform of forward mode becomes a `DerivativeError`."""
-    try:
-        return call(*arrays)
-    except TypeError as error:
-        if "forward-mode" not in str(error):
-            raise
-        why = "JAX gives a function reverse or forward mode; this one has reverse mode, and no second derivatives"
-        raise DerivativeError("forward mode of a solve is asked for", why, remedy) from error
+class Derivative:
+    """A derivative on the host: `along` gives the outputs along tangents, `adjoint` the gradient of cotangents, both of lists of arrays that
+    begin with arguments and outputs. Both modes of JAX have it, and transforms of them; `what` is said where it is differentiated itself.
+
+    A `jax.custom_vjp` has reverse mode alone and a `jax.custom_jvp` of a callback forward mode alone, and what they lack is an untyped error under
+    `jax.jit`; `jax.custom_derivatives.linear_call` has both but no batches. A primitive has all.
+    """
+
+    def __init__(self, along: Call, adjoint: Call, what: str) -> None:
+        self.along, self.adjoint, self.what = along, adjoint, what
+
+    def __call__(self, known: Sequence[Any], tangents: Sequence[Any]) -> tuple[Any, ...]:
+        """The outputs along the tangents of the arguments; `known` are arguments and outputs."""
+        shapes = tuple(_shape(array) for array in known[len(tangents) :])
+        return tuple(_LINEAR.bind(*known, *tangents, of=self, count=len(known), shapes=shapes, is_adjoint=False))
 
 
-def differentiable_once(compute: Any, what: str) -> Any:
-    """`compute` as a function that refuses to be differentiated."""
+def _compute(*given: Any, of: Derivative, shapes: tuple[Any, ...], is_adjoint: bool, **_: Any) -> list[Any]:
+    return list((of.adjoint if is_adjoint else of.along)(given, shapes))
 
-    def rule(*_: Any) -> Any:
-        raise DerivativeError(what, "a solver has first derivatives alone", "use differences of first derivatives")
+
+def _shape(array: Any) -> Any:
+    of = array.aval if ad.is_undefined_primal(array) else array
+    return jax.ShapeDtypeStruct(of.shape, of.dtype)
+
+
+def _transpose(cotangents: Sequence[Any], *given: Any, count: int, is_adjoint: bool, **settings: Any) -> list[Any]:
+    arrays, linear = given[:count], given[count:]
+    full = [ad.instantiate_zeros(cotangent) for cotangent in cotangents]
+    settings["shapes"] = tuple(_shape(array) for array in linear)
+    gradient = _LINEAR.bind(*arrays, *full, count=count, is_adjoint=not is_adjoint, **settings)
+    asked = [out if ad.is_undefined_primal(array) else None for array, out in zip(linear, gradient, strict=True)]
+    return [None] * count + asked
+
+
+def _along(given: Sequence[Any], tangents: Sequence[Any], *, of: Derivative, count: int, **settings: Any) -> Any:
+    """Linear in the tangents; by the arguments it is a second derivative."""
+    if any(not isinstance(tangent, ad.Zero) for tangent in tangents[:count]):
+        raise DerivativeError(of.what, "a solver has first derivatives alone", "use differences of first derivatives")
+    linear = [ad.instantiate_zeros(tangent) for tangent in tangents[count:]]
+    settings |= {"of": of, "count": count}
+    return _LINEAR.bind(*given, **settings), _LINEAR.bind(*given[:count], *linear, **settings)
+
+
+def _one_after_the_other(given: Sequence[Any], axes: Sequence[Any], **settings: Any) -> tuple[list[Any], list[int]]:
+    """A batch, case by case: solves share a factor."""
+    is_batch = [axis is not None for axis in axes]
+    moved = [jnp.moveaxis(array, axis, 0) for array, axis in zip(given, axes, strict=True) if axis is not None]
+
+    def case(parts: Sequence[Any]) -> list[Any]:
+        rest = iter(parts)
+        return list(_LINEAR.bind(*(next(rest) if batch else array for array, batch in zip(given, is_batch, strict=True)), **settings))
+
+    outputs = jax.lax.map(case, moved)
+    return outputs, [0] * len(outputs)
+
+
+def _primitive() -> Any:
+    linear = jax.extend.core.Primitive("softfish_derivative")
+    linear.multiple_results = True
+    linear.def_impl(_compute)
+    linear.def_abstract_eval(lambda *_, shapes, **__: [jax.core.ShapedArray(of.shape, of.dtype) for of in shapes])
+    mlir.register_lowering(linear, mlir.lower_fun(_compute, multiple_results=True))
+    batching.primitive_batchers[linear] = _one_after_the_other
+    ad.primitive_jvps[linear] = _along
+    ad.primitive_transposes[linear] = _transpose
+    return linear
+
+
+_LINEAR = _primitive()
+
+
+def differentiable(value: Call, derivative: Derivative, shapes: Callable[[Sequence[Any]], tuple[Any, ...]]) -> Any:
+    """A function of arrays with a derivative; `shapes` are those of its outputs, by its arguments."""
+
+    def compute(*arrays: Any) -> tuple[Any, ...]:
+        return tuple(value(arrays, shapes(arrays)))
+
+    def rule(arrays: Sequence[Any], tangents: Sequence[Any]) -> Any:
+        outputs = call(*arrays)
+        return outputs, derivative((*arrays, *outputs), tangents)
 
     call = jax.custom_jvp(compute)
     call.defjvp(rule)

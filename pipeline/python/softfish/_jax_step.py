@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from softfish._arrays import Array
 from softfish._errors import InputError
-from softfish._jax_host import Host, differentiable_once, jax, jnp, real, reverse_mode
+from softfish._jax_host import Derivative, Host, differentiable, jax, jnp, real
+from softfish._step import Step
 
 if TYPE_CHECKING:
     from softfish._reduced import ReducedModel
 
 _SECOND = "a second derivative of a step is asked for"
-_REMEDY = "use jax.grad, jax.vjp or jax.jacrev"
 
 
 class JaxStep:
@@ -27,7 +26,7 @@ class JaxStep:
 
     def _begin(self) -> None:
         self._host = Host()
-        self._call = self._reverse()
+        self._call = self._differentiable()
 
     def __getstate__(self) -> dict[str, Any]:
         return {"model": self.model, "dt": self.dt, "settings": self.settings}
@@ -49,39 +48,26 @@ class JaxStep:
         for name, array, size in zip(("coordinates", "velocity", "pressures"), arrays, (count, count, chambers), strict=True):
             if array.shape != (size,):
                 raise InputError(f"`{name}` has the shape {array.shape}", f"({size},) is required", "jax.vmap makes batches")
-        after: tuple[Any, Any] = reverse_mode(self._call, arrays, _REMEDY)
-        return after
+        q, v = self._call(*arrays)
+        return q, v
 
-    def _reverse(self) -> Any:
-        from softfish._reduced import ReducedState
+    def _differentiable(self) -> Any:
+        step, host = Step(self.model, self.dt, self.settings), self._host
 
-        model = self.model
+        def value(arrays: Sequence[Any], shapes: tuple[Any, ...]) -> Any:
+            return host.call(step.after, shapes, arrays)
 
-        def step(values: list[Array]) -> tuple[Array, Array]:
-            after = model.step(ReducedState(*values[:2]), values[2], self.dt, **self.settings)
-            return after.coordinates, after.velocity
+        def along(arrays: Sequence[Any], shapes: tuple[Any, ...]) -> Any:
+            return host.call(lambda values: step.along(values[:5], values[5:]), shapes, arrays)
 
-        def adjoint(values: list[Array]) -> tuple[Array, Array, Array]:
-            states = (ReducedState(*values[:2]), ReducedState(*values[3:5]))
-            gradient = model.step_gradient(states, ReducedState(*values[5:]), values[2], self.dt, **self.settings)
-            return gradient.state.coordinates, gradient.state.velocity, gradient.pressures
+        def adjoint(arrays: Sequence[Any], shapes: tuple[Any, ...]) -> Any:
+            return host.call(lambda values: step.adjoint(values[:5], values[5:]), shapes, arrays)
 
-        def value(*arrays: Any) -> Any:
+        def shapes(arrays: Sequence[Any]) -> tuple[Any, ...]:
             shape = jax.ShapeDtypeStruct(arrays[0].shape, jnp.result_type(*arrays))
-            return self._host.call(step, (shape, shape), arrays)
+            return shape, shape
 
-        def backward(*arrays: Any) -> Any:
-            shapes = tuple(jax.ShapeDtypeStruct(array.shape, array.dtype) for array in arrays[:3])
-            return self._host.call(adjoint, shapes, arrays)
-
-        def forward(*arrays: Any) -> Any:
-            after = value_once(*arrays)
-            return after, (*arrays, *after)
-
-        value_once, backward_once = differentiable_once(value, _SECOND), differentiable_once(backward, _SECOND)
-        call = jax.custom_vjp(value)
-        call.defvjp(forward, lambda arrays, cotangents: backward_once(*arrays, *cotangents))
-        return call
+        return differentiable(value, Derivative(along, adjoint, _SECOND), shapes)
 
     def __repr__(self) -> str:
         return f"JaxStep({self.dt:g} s of {self.model!r})"

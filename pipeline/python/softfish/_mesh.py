@@ -10,7 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from softfish import _core
-from softfish._arrays import Array, IntArray, file, flag, integers, reals, whole, within, word
+from softfish._arguments import checked, one_of
+from softfish._arrays import Array, IntArray, file, integers, reals, whole, within
 from softfish._errors import InputError
 from softfish._export import grid_of, page
 
@@ -23,10 +24,6 @@ _FLAT = ("vertex", "line", "triangle", "quad", "polygon", "VTK_LAGRANGE_CURVE", 
 _TAGS = ("region", "regions", "gmsh:physical", "cellentityids", "medit:ref", "tetgen:ref", "cell_tags", "material", "gmsh:geometrical")
 
 
-def _is_millimetres(unit: str) -> bool:
-    return word("unit", unit, ("m", "mm")) == "mm"
-
-
 class Mesh:
     """A body at rest: nodes (m), tetrahedra of 4 or 10 nodes or hexahedra of 8 or 20, regions and chambers.
 
@@ -37,6 +34,7 @@ class Mesh:
     refused. Nodes that no element uses are dropped; `numbering` then says where each node is.
     """
 
+    @checked()
     def __init__(
         self,
         nodes: npt.ArrayLike,
@@ -48,7 +46,7 @@ class Mesh:
     ) -> None:
         """From arrays: `nodes` (nodes × 3, m), `elements` (elements × 4, 8, 10 or 20), the tag of each element's region and
         `names` of tags. `half`: the mesh is the half z ≥ 0 of a body that is symmetric about z = 0."""
-        self._make(nodes, elements, regions, (names, flag("half", half)), None)
+        self._make(nodes, elements, regions, (names, half), None)
 
     def _make(
         self,
@@ -79,16 +77,17 @@ class Mesh:
         return mesh
 
     @classmethod
+    @checked()
     def read(
         cls, path: str | os.PathLike[str], unit: Unit = "m", *, order: Literal[1, 2] | None = None, half: bool = False
     ) -> Mesh:
         """From a file: `.msh` (4.1 or 2.2), `.vtu`, `.mesh`, `.ele` with its `.node` beside it.
 
         `unit`: of the numbers in the file. `order` 1 or 2: of the elements; left out: as the file has them. `half`: as for arrays."""
-        given = None if order is None else whole("order", order, 1, 2)
-        return cls._of(_core.Mesh.read(file("path", path), (_is_millimetres(unit), given), flag("half", half)))
+        return cls._of(_core.Mesh.read(os.fspath(path), (unit == "mm", order), half))
 
     @classmethod
+    @checked(body=file)
     def from_stl(
         cls,
         body: str | os.PathLike[str],
@@ -99,12 +98,11 @@ class Mesh:
         half: bool = False,
     ) -> Mesh:
         """From the closed surface of a body, and that of a plane sheet in it, with edges of the length `edge` (m)."""
-        length = within("edge", edge, 1e-5, 1.0)
-        sheet = None if spine is None else file("spine", spine)
-        files = (file("body", body), sheet)
-        return cls._of(_core.Mesh.from_surfaces(files, length, (_is_millimetres(unit), flag("half", half))))
+        files = (os.fspath(body), None if spine is None else os.fspath(spine))
+        return cls._of(_core.Mesh.from_surfaces(files, edge, (unit == "mm", half)))
 
     @classmethod
+    @checked()
     def from_meshio(cls, mesh: Any, *, unit: Unit = "m", tags: str | None = None, half: bool = False) -> Mesh:
         """From a `meshio.Mesh`: all its tetrahedra of one order, or all its hexahedra. Other solids, and two kinds, are refused.
 
@@ -118,14 +116,15 @@ class Mesh:
         if regions is not None and np.array_equal(regions, np.asarray(regions).astype(np.int64)):
             # some formats of meshio hold tags as real numbers
             regions = regions.astype(np.int64)
-        scale = 1e-3 if _is_millimetres(unit) else 1.0
+        scale = 1e-3 if unit == "mm" else 1.0
         made = cls.__new__(cls)
         names = _physical_names(mesh, 3, set() if regions is None else set(np.unique(regions).tolist()))
         points = scale * reals("points", mesh.points)
-        made._make(points, elements, regions, (names, flag("half", half)), _surfaces(mesh, data))
+        made._make(points, elements, regions, (names, half), _surfaces(mesh, data))
         return made
 
     @classmethod
+    @checked(kind=one_of("linear", "quadratic", "hexahedra", "quadratic_hexahedra"))
     def box(
         cls,
         size: tuple[float, float, float],
@@ -139,7 +138,7 @@ class Mesh:
         counts = [whole("cells", count, 1, 1 << 20) for count in cells]
         for side in sides:
             within("size", side, 1e-9, 10.0)
-        made = _core.box_mesh((sides[0], sides[1], sides[2]), (counts[0], counts[1], counts[2]), word("kind", kind, ("linear", "quadratic", "hexahedra", "quadratic_hexahedra")))
+        made = _core.box_mesh((sides[0], sides[1], sides[2]), (counts[0], counts[1], counts[2]), kind)
         return cls(made["nodes"].reshape(-1, 3), made["elements"].reshape(-1, made["each"]))
 
     @property

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from softfish import _core
+from softfish._arguments import checked
 from softfish._arrays import file
 from softfish._errors import InputError
 from softfish._optional import optional
@@ -63,24 +64,25 @@ class Record:
 class Project:
     """A project of the command line: its folder, and one of its profiles."""
 
+    @checked(folder=file)
     def __init__(
         self, folder: str | os.PathLike[str] = ".", profile: Literal["paper", "quick", "population"] = "paper"
     ) -> None:
-        root = Path(file("folder", folder))
+        root = Path(folder)
         if not (root / "study.toml").is_file():
             raise InputError(f"{root} is no project", "it has no study.toml", "name the folder that `study init` wrote")
-        if not isinstance(profile, str) or profile not in ("paper", "quick", "population"):
-            raise InputError(f"there is no profile {profile!r}", "there are paper, quick, population", "name one of them")
         self._root, self._profile = root, profile
         base = root if profile == "paper" else root / "target" / profile
         #: The folder of its records.
         self.processed = base / "data" / "processed"
 
+    @checked()
     def records(self, stage: str | None = None) -> list[str]:
         """The names of all records that are there: stage and subject."""
         found = sorted(path.parent.relative_to(self.processed).as_posix() for path in self.processed.glob("**/record"))
         return [name for name in found if stage is None or name.split("/")[0] == stage]
 
+    @checked()
     def record(
         self, stage: str, specimen: str | None = None, item: str | None = None, *, stale: bool = False
     ) -> Record:

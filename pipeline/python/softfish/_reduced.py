@@ -12,7 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from softfish import _core, _records
-from softfish._arrays import Array, ByName, file, instance, number, positive, reals, whole, within
+from softfish._arguments import checked
+from softfish._arrays import Array, ByName, instance, reals
 from softfish._errors import InputError
 
 if TYPE_CHECKING:
@@ -78,11 +79,9 @@ class ReducedModel:
         if shapes.ndim != 3 or shapes.shape[1:] != solver.mesh.nodes.shape or not len(shapes):
             why = f"it is snapshots × {solver.mesh.nodes.shape[0]} × 3"
             raise InputError(f"`snapshots` has the shape {shapes.shape}", why, "check its axes")
-        most = whole("coordinates", coordinates, 1, 1000)
-        error = within("tolerance", tolerance, 1e-12, 1.0)
         if not np.any(shapes):
             raise InputError("`snapshots` are all zero", "modes are directions in which the body moved", "give displaced shapes")
-        return cls(solver, solver._core.reduce(shapes.reshape(-1), most, error))
+        return cls(solver, solver._core.reduce(shapes.reshape(-1), coordinates, tolerance))
 
     @property
     def coordinates(self) -> int:
@@ -106,6 +105,7 @@ class ReducedModel:
         modes = self._core.data()["modes"].reshape(self.coordinates, -1, 3)
         return np.ascontiguousarray(self._solver.observe(name, modes).T)
 
+    @checked()
     def step(
         self,
         state: ReducedState,
@@ -120,6 +120,7 @@ class ReducedModel:
         given = self._given(pressures, dt, modulus_scale, (mass_damping, stiffness_damping))
         return ReducedState(*self._core.step(self._pair(state), given))
 
+    @checked()
     def step_gradient(
         self,
         states: tuple[ReducedState, ReducedState],
@@ -139,6 +140,7 @@ class ReducedModel:
         before, by_pressure, by_scale = self._core.step_gradient(pairs, given, self._pair(loss))
         return ReducedGradient(ReducedState(*before), np.array(by_pressure), np.array(by_scale))
 
+    @checked()
     def torch_step(
         self,
         dt: float = 1e-3,
@@ -148,11 +150,12 @@ class ReducedModel:
         stiffness_damping: float = 0.0,
     ) -> TorchStep:
         """A step of `dt` seconds as a function of PyTorch: (coordinates, velocity, pressures) to (coordinates, velocity), differentiable once
-        in reverse mode. A first axis of any argument is a batch."""
+        in reverse and forward mode. A first axis of any argument is a batch."""
         from softfish._torch_step import TorchStep
 
-        return TorchStep(self, positive("dt", dt), self._settings(dt, modulus_scale, (mass_damping, stiffness_damping)))
+        return TorchStep(self, dt, self._settings(dt, modulus_scale, (mass_damping, stiffness_damping)))
 
+    @checked()
     def jax_step(
         self,
         dt: float = 1e-3,
@@ -162,17 +165,18 @@ class ReducedModel:
         stiffness_damping: float = 0.0,
     ) -> JaxStep:
         """A step of `dt` seconds as a function of JAX: (coordinates, velocity, pressures) to (coordinates, velocity), differentiable once in
-        reverse mode; goes with `jax.jit`, `jax.lax.scan` and `jax.vmap`. Under `jax.jit` a step that fails is NaN, and `check()` raises its
+        reverse and forward mode; goes with `jax.jit`, `jax.lax.scan` and `jax.vmap`. Under `jax.jit` a step that fails is NaN, and `check()` raises its
         exception."""
         from softfish._jax_step import JaxStep
 
-        return JaxStep(self, positive("dt", dt), self._settings(dt, modulus_scale, (mass_damping, stiffness_damping)))
+        return JaxStep(self, dt, self._settings(dt, modulus_scale, (mass_damping, stiffness_damping)))
 
     def _settings(self, dt: float, scale: npt.ArrayLike | None, damping: tuple[float, float]) -> dict[str, Any]:
         """The settings of steps, checked."""
         self._given(None, dt, scale, damping)
         return {"modulus_scale": scale, "mass_damping": damping[0], "stiffness_damping": damping[1]}
 
+    @checked()
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the model as safetensors: modes, sampled points and weights of each region."""
         data = self._core.data()
@@ -181,15 +185,16 @@ class ReducedModel:
             tensors[f"points.{region}"] = np.array(numbers, dtype=np.int64)
             tensors[f"weights.{region}"] = np.array(weights, dtype=np.float64)
         tensors["size"] = np.array([data["size"]])
-        _write(file("path", path), tensors)
+        _write(path, tensors)
 
     @classmethod
+    @checked()
     def load(cls, path: str | os.PathLike[str], solver: Solver) -> ReducedModel:
         """The model that `save` wrote, of the same body."""
         from softfish._solver import Solver
 
         instance("solver", solver, Solver, "give the solver of the same body")
-        tensors = _read(file("path", path))
+        tensors = _read(path)
         regions = len(solver.regions)
         names = ["modes", "size", *(f"{part}.{n}" for n in range(regions) for part in ("points", "weights"))]
         absent = [name for name in names if name not in tensors]
@@ -212,10 +217,10 @@ class ReducedModel:
     ) -> tuple[_records.DynamicSettings, list[float], list[float]]:
         solver = self._solver
         settings: _records.DynamicSettings = {
-            "step": positive("dt", dt),
+            "step": dt,
             "scheme": "implicit_euler",
-            "mass_damping": number("mass_damping", damping[0]),
-            "stiffness_damping": number("stiffness_damping", damping[1]),
+            "mass_damping": damping[0],
+            "stiffness_damping": damping[1],
             "tolerance": 1e-6,
             "memory": 0,
             "max_iterations": None,

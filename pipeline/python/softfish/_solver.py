@@ -1,23 +1,24 @@
-"""Solvers: equilibria and motions of one body, their gradients, sensitivities and modes."""
+"""Solvers: equilibria, motions and paths of one body."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING, Any, Literal
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from softfish import _core, _records
-from softfish._arrays import Array, ByName, IntArray, array_of, copied, flag, frozen, instance, integers, named, number, positive, reals, whole, within, word
-from softfish._budget import limits
+from softfish._arguments import between, checked, counted
+from softfish._arrays import Array, ByName, IntArray, array_of, flag, instance, integers, named, number, reals, word
 from softfish._case import Case
-from softfish._errors import ConvergenceError, DerivativeError, InputError
-from softfish._export import Result, page
+from softfish._errors import ConvergenceError, InputError
+from softfish._export import page
 from softfish._mesh import Mesh
 from softfish._progress import Progress, reporting
+from softfish._results import NONE, Equilibrium, Gradient, Inputs, Motion, Path, Problem
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -28,370 +29,9 @@ if TYPE_CHECKING:
     from softfish._torch import TorchFunction
 
 Scheme = Literal["bdf2", "implicit_euler", "quasi_static"]
-_NONE: Array = np.zeros(0)
 _SCHEMES: dict[str, Scheme] = {"Bdf2": "bdf2", "ImplicitEuler": "implicit_euler", "QuasiStatic": "quasi_static"}
-
-
-@dataclass(frozen=True)
-class Inputs:
-    """Everything that a solve depends on beside pressures, in full. Its arrays are read-only: `dataclasses.replace` makes others.
-
-    Attributes:
-        youngs_modulus: By region, Pa.
-        poissons_ratio: By region, no unit.
-        density: By region, kg/m³.
-        factors: By element: its modulus over that of its region, no unit; empty: 1.
-        forces: nodes × 3, N.
-        gravity: x, y and z, m/s².
-        level: The level at which pressures are taken from the case, where they are not given; no unit.
-    """
-
-    youngs_modulus: Array
-    poissons_ratio: Array
-    density: Array
-    factors: Array
-    forces: Array
-    gravity: Array
-    level: float = 1.0
-
-    def __post_init__(self) -> None:
-        for field in fields(self):
-            if field.name != "level":
-                object.__setattr__(self, field.name, copied(reals(field.name, getattr(self, field.name))))
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return Inputs, tuple(getattr(self, field.name) for field in fields(self))
-
-    def _core(self) -> _records.Inputs:
-        return {
-            "youngs_modulus": self.youngs_modulus,
-            "poissons_ratio": self.poissons_ratio,
-            "density": self.density,
-            "factors": self.factors,
-            "forces": self.forces.reshape(-1),
-            "gravity": self.gravity,
-        }
-
-
-@dataclass(frozen=True)
-class Gradient:
-    """The derivatives of one number L by everything that a solve depends on; units are those of a number without one.
-
-    Attributes:
-        youngs_modulus: ∂L/∂E by region, 1/Pa.
-        poissons_ratio: ∂L/∂ν by region, no unit.
-        density: ∂L/∂ρ by region, per kg/m³.
-        elements: ∂L/∂E by element, 1/Pa; empty where a region relaxes.
-        pressures: ∂L/∂p: chambers, or steps × chambers of a motion, 1/Pa.
-        forces: ∂L/∂f: nodes × 3, 1/N.
-        mass_damping: ∂L/∂α of a motion, s.
-        stiffness_damping: ∂L/∂β of a motion, 1/s.
-        initial_displacement: By the initial displacement of a motion: nodes × 3, 1/m.
-        initial_velocity: By the initial velocity of a motion: nodes × 3, s/m.
-    """
-
-    youngs_modulus: Array
-    poissons_ratio: Array
-    density: Array
-    elements: Array
-    pressures: Array
-    forces: Array
-    mass_damping: float = 0.0
-    stiffness_damping: float = 0.0
-    initial_displacement: Array | None = None
-    initial_velocity: Array | None = None
-
-
-class Equilibrium(Result):
-    """A body at rest under its loads.
-
-    Attributes:
-        pressures: One per chamber of the mesh, Pa; read-only.
-        displacement: nodes × 3, m; read-only.
-        level: The level of the case: the part of all loads but gravity, no unit. 1 without a case.
-        iterations: Newton iterations over all load steps.
-        factorisations: Factorisations over all load steps.
-        residual: Norm of the unbalanced force over that of the elastic force, no unit.
-        snap_through: Load factors (no unit) at which tangents on the way were not positive definite; `path()` says whether equilibria are unstable.
-    """
-
-    pressures: Array
-    displacement: Array
-    level: float
-    iterations: int
-    factorisations: int
-    residual: float
-    snap_through: list[float]
-
-    def __init__(self, solver: Solver, inputs: Inputs, found: _records.FoundEquilibrium) -> None:
-        self._solver = solver
-        self._inputs = inputs
-        self.pressures = frozen(found["pressures"])
-        self.displacement = frozen(found["displacement"].reshape(-1, 3))
-        self.level = inputs.level
-        self.iterations = found["iterations"]
-        self.factorisations = found["factorisations"]
-        self.residual = found["residual"]
-        self.snap_through = found["snap_through"]
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        frozen(self.pressures)
-        frozen(self.displacement)
-
-    def _at(self) -> tuple[Array, list[float]]:
-        return self.displacement.reshape(-1), self.pressures.tolist()
-
-    def _variables(self) -> dict[str, Any]:
-        return {"pressure": (("chamber",), self.pressures, {"units": "Pa"}), "level": ((), self.level)}
-
-    def output(self, name: str) -> Array:
-        """The displacement (nodes × 3), or that of a point of the case: `marker.tip`, `node.tip` (3)."""
-        return self._solver.observe(name, self.displacement)
-
-    def adjoint(self, dloss_du: npt.ArrayLike) -> Gradient:
-        """The gradient of a loss from its derivative by the displacement (nodes × 3), by one solve with the factor."""
-        solver = self._solver
-        slope = reals("dloss_du", dloss_du, self.displacement.shape)
-        found = solver._core.equilibrium_gradient(self._inputs._core(), self._at(), slope.reshape(-1))
-        return solver._gradient(self._inputs, found, self.pressures.shape)
-
-    def sensitivity(
-        self,
-        E: ByName | None = None,
-        nu: ByName | None = None,
-        density: ByName | None = None,
-        *,
-        pressure: ByName | None = None,
-        element_E: npt.ArrayLike | None = None,
-        forces: npt.ArrayLike | None = None,
-    ) -> Array:
-        """The derivative of the displacement (nodes × 3) along a direction: so much of each parameter, by one solve."""
-        solver = self._solver
-        zeros = np.zeros(len(solver.regions))
-        no_pressure = np.zeros(len(self.pressures))
-        factors, full = _NONE, _NONE
-        if E is not None and (element_E is not None or self._inputs.factors.size):
-            why = "moduli of elements take the place of those of the regions"
-            raise InputError("`E` has no effect on this equilibrium", why, "give `element_E` alone")
-        if element_E is not None:
-            factors = reals("element_E", element_E, solver.element_regions.shape)
-            factors = factors / self._inputs.youngs_modulus[solver.element_regions]
-        if forces is not None:
-            full = reals("forces", forces, self.displacement.shape).reshape(-1)
-        direction: _records.Direction = {
-            "youngs_modulus": named("region", solver.regions, zeros, E, "E").tolist(),
-            "poissons_ratio": named("region", solver.regions, zeros, nu, "nu").tolist(),
-            "density": named("region", solver.regions, zeros, density, "density").tolist(),
-            "factors": factors,
-            "pressures": solver._by_chamber(no_pressure, pressure, "pressure").tolist(),
-            "forces": full,
-        }
-        changed = solver._core.equilibrium_sensitivity(self._inputs._core(), self._at(), direction)
-        return changed.reshape(-1, 3)
-
-    def modes(self, count: int = 6) -> tuple[Array, Array]:
-        """The lowest natural frequencies (Hz) about it, and their shapes (count × nodes × 3) of unit modal mass."""
-        frequencies, shapes = self._solver._core.modes(self._inputs._core(), self._at(), whole("count", count, 1, 1_000_000))
-        return np.array(frequencies), shapes.reshape(len(frequencies), -1, 3)
-
-    def chamber(self, chamber: int | str) -> tuple[float, float]:
-        """Volume (m³; of a half model, of the half) and gauge pressure (Pa) of a chamber."""
-        index = self._solver._chamber(chamber)
-        return self._solver._core.chamber_state(self._inputs._core(), self._at(), index)
-
-    def elastic_energy(self) -> float:
-        """J; of a half model, of the half."""
-        return self._solver._core.elastic_energy(self._inputs._core(), self.displacement.reshape(-1))
-
-    def __repr__(self) -> str:
-        most = float(np.abs(self.displacement).max(initial=0.0))
-        return (
-            f"Equilibrium({len(self.displacement)} nodes, level {self.level:g}, moved {most:.3e} m at most, "
-            f"{self.iterations} iterations, residual {self.residual:.1e})"
-        )
-
-
-class Motion(Result):
-    """A recorded motion.
-
-    Attributes:
-        times: Time of each step's end, s; read-only.
-        displacement: steps × nodes × 3, m; read-only.
-        velocity: steps × nodes × 3, m/s; read-only.
-        pressures: steps × chambers, Pa; read-only.
-        start: The equilibrium in which it began, where the case says so; its gradient is part of the motion's.
-    """
-
-    times: Array
-    displacement: Array
-    velocity: Array
-    pressures: Array
-    start: Equilibrium | None
-
-    def __init__(self, solver: Solver, inputs: Inputs, problem: _Problem, found: _records.FoundMotion) -> None:
-        steps = len(found["times"])
-        self._solver = solver
-        self._inputs = inputs
-        self._problem = problem
-        self._trajectory = found.get("trajectory")
-        self.start = problem.start
-        self.times = frozen(found["times"])
-        self.displacement = frozen(found["displacement"].reshape(steps, -1, 3))
-        self.velocity = frozen(found["velocity"].reshape(steps, -1, 3))
-        self.pressures = frozen(found.get("pressures", np.zeros((steps, 0))).reshape(steps, -1))
-
-    def _recorded(self) -> _core.Trajectory:
-        """The states as the gradient needs them; made again for a copy, and where steps were adaptive."""
-        if self._trajectory is None:
-            of = self._problem
-            times = (of.initial, self.pressures.reshape(-1), self.times.tolist())
-            self._trajectory = self._solver._core.record_at(self._inputs._core(), times, of.settings)
-        return self._trajectory
-
-    def _lead(self) -> tuple[str, ...]:
-        return ("time",)
-
-    def _variables(self) -> dict[str, Any]:
-        velocity = (("time", "node", "axis"), self.velocity, {"units": "m/s"})
-        return {"velocity": velocity, "pressure": (("time", "chamber"), self.pressures, {"units": "Pa"})}
-
-    def _coordinates(self) -> dict[str, Any]:
-        return {"time": (("time",), self.times, {"units": "s"})}
-
-    def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_trajectory": None}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-        for array in (self.times, self.displacement, self.velocity, self.pressures):
-            frozen(array)
-
-    def output(self, name: str) -> Array:
-        """The displacement (steps × nodes × 3), or that of a point of the case: `marker.tip`, `node.tip` (steps × 3)."""
-        return self._solver.observe(name, self.displacement)
-
-    def adjoint(self, dloss_du: npt.ArrayLike, dloss_dv: npt.ArrayLike | None = None) -> Gradient:
-        """The gradient of a loss from its derivatives by displacement and velocity (steps × nodes × 3)."""
-        solver = self._solver
-        by_u = reals("dloss_du", dloss_du, self.displacement.shape).reshape(-1)
-        by_v = _NONE if dloss_dv is None else reals("dloss_dv", dloss_dv, self.velocity.shape).reshape(-1)
-        found = solver._core.trajectory_gradient(self._inputs._core(), self._recorded(), (by_u, by_v))
-        gradient = solver._gradient(self._inputs, found, self.pressures.shape)
-        if self.start is None or gradient.initial_displacement is None:
-            return gradient
-        # the start depends on all but the pressures of the steps
-        began = self.start.adjoint(gradient.initial_displacement)
-        names = ("youngs_modulus", "poissons_ratio", "density", "elements", "forces")
-        return replace(gradient, **{name: getattr(gradient, name) + getattr(began, name) for name in names})
-
-    def sensitivity(
-        self,
-        E: ByName | None = None,
-        nu: ByName | None = None,
-        density: ByName | None = None,
-        *,
-        pressure_gain: ByName | None = None,
-    ) -> Array:
-        """The derivative of the displacement (steps × nodes × 3) along a direction: so much of each parameter, and of a
-        factor of each chamber's whole pressure history."""
-        solver = self._solver
-        if self.start is not None:
-            why = "the equilibrium in which it began depends on the same parameters"
-            raise DerivativeError("this motion has no forward sensitivities", why, "use adjoint, or give initial to simulate")
-        zeros = np.zeros(len(solver.regions))
-        gains = solver._by_chamber(np.zeros(solver.chamber_count), pressure_gain, "pressure_gain")
-        pairs = (("E", E), ("nu", nu), ("density", density))
-        parts = [named("region", solver.regions, zeros, given, name).tolist() for name, given in pairs]
-        direction = (parts[0], parts[1], parts[2], gains.tolist())
-        found = solver._core.trajectory_sensitivity(self._inputs._core(), self._recorded(), direction)
-        return found.reshape(self.displacement.shape)
-
-    def __repr__(self) -> str:
-        steps, nodes, _ = self.displacement.shape
-        return f"Motion({steps} steps to {self.times[-1]:.4g} s, {nodes} nodes, {self.pressures.shape[1]} chambers)"
-
-
-@dataclass(frozen=True)
-class _Problem:
-    """What a motion began with and how it was integrated.
-
-    Attributes:
-        initial: Displacement and velocity, 3 entries per node.
-    """
-
-    initial: tuple[Array, Array]
-    settings: _records.DynamicSettings
-    start: Equilibrium | None
-
-
-@dataclass(frozen=True)
-class CriticalPoint:
-    """A point of a path at which stability is lost or won.
-
-    Attributes:
-        kind: `limit_point` or `bifurcation`.
-        level: Its level, no unit.
-        displacement: nodes × 3, m.
-        mode: Its critical mode, nodes × 3, no unit.
-    """
-
-    kind: Literal["limit_point", "bifurcation"]
-    level: float
-    displacement: Array
-    mode: Array
-
-
-class Path(Result):
-    """A path of equilibria from rest to the last level of a case, through limit points and bifurcations.
-
-    Attributes:
-        levels: Level of each point, no unit.
-        displacement: points × nodes × 3, m.
-        negative_eigenvalues: Number of those of the tangent of each point; 0 where it is stable.
-        eigenvalues: The eigenvalue of each point's tangent that is nearest to zero, N/m.
-        iterations: Newton iterations of each point.
-        critical: The critical points on the way.
-    """
-
-    levels: Array
-    displacement: Array
-    negative_eigenvalues: IntArray
-    eigenvalues: Array
-    iterations: IntArray
-    critical: list[CriticalPoint]
-
-    def __init__(self, solver: Solver, inputs: Inputs, found: _records.FoundPath) -> None:
-        self._solver = solver
-        self._inputs = inputs
-        points = len(found["levels"])
-        self.levels = found["levels"]
-        self.displacement = found["displacement"].reshape(points, -1, 3)
-        self.negative_eigenvalues = found["negative_eigenvalues"]
-        self.eigenvalues = found["eigenvalues"]
-        self.iterations = found["iterations"]
-        self.critical = [
-            CriticalPoint("limit_point" if is_limit else "bifurcation", level, at.reshape(-1, 3), mode.reshape(-1, 3))
-            for is_limit, level, at, mode in found["critical"]
-        ]
-
-    def output(self, name: str) -> Array:
-        """The displacement (points × nodes × 3), or that of a point of the case: `marker.tip`, `node.tip` (points × 3)."""
-        return self._solver.observe(name, self.displacement)
-
-    def _lead(self) -> tuple[str, ...]:
-        return ("point",)
-
-    def _variables(self) -> dict[str, Any]:
-        eigenvalues = (("point",), self.eigenvalues, {"units": "N/m"})
-        return {"eigenvalue": eigenvalues, "negative_eigenvalues": (("point",), self.negative_eigenvalues)}
-
-    def _coordinates(self) -> dict[str, Any]:
-        return {"level": (("point",), self.levels)}
-
-    def __repr__(self) -> str:
-        last = f"to level {self.levels[-1]:g}" if len(self.levels) else "without points"
-        return f"Path({len(self.levels)} points {last}, {len(self.critical)} critical, {self.displacement.shape[1]} nodes)"
+#: Newton iterations, cut-backs of a load step, and seconds; none where there is no limit.
+Limits: TypeAlias = tuple[int | None, int | None, float | None]
 
 
 @dataclass(frozen=True)
@@ -441,14 +81,16 @@ class Solver:
     chamber_count: int
     element_regions: IntArray
 
+    @checked()
     def __init__(self, case: Case, *, threads: int | None = None) -> None:
         """Of a case. One solve uses all processors, unless `threads` of its own are given: solvers that solve at the same time on as many
         threads of Python are fastest with one each."""
         instance("case", case, Case, "make one: Case(...), or use Solver.of_mesh")
         self._made_of: tuple[Any, ...] = (case, threads)
-        self._start(_core.Solver.of_case(case._core, case.mesh._core, _threads(threads)), case.mesh)
+        self._start(_core.Solver.of_case(case._core, case.mesh._core, threads), case.mesh)
 
     @classmethod
+    @checked()
     def of_mesh(
         cls,
         mesh: Mesh,
@@ -464,7 +106,7 @@ class Solver:
         Numbers of nodes are refused for a mesh that dropped nodes of the caller's arrays: see `Mesh.numbering`."""
         instance("mesh", mesh, Mesh, "make one: Mesh.read, Mesh.from_meshio")
         solver = cls.__new__(cls)
-        solver._of_mesh(mesh, materials, _axes(clamped, mesh), (flag("lumped_mass", lumped_mass), threads))
+        solver._of_mesh(mesh, materials, _axes(clamped, mesh), (lumped_mass, threads))
         return solver
 
     def _of_mesh(
@@ -495,7 +137,7 @@ class Solver:
             "lumped_mass": options[0],
         }
         self._made_of = (mesh, by_name, held, options)
-        self._start(_core.Solver.of_mesh(mesh._core, given, (held, _threads(options[1]))), mesh)
+        self._start(_core.Solver.of_mesh(mesh._core, given, (held, options[1])), mesh)
 
     def __getstate__(self) -> dict[str, Any]:
         return {"made_of": self._made_of}
@@ -521,7 +163,7 @@ class Solver:
             youngs_modulus=np.array([of[1] for of in properties]),
             poissons_ratio=np.array([of[2] for of in properties]),
             density=np.array([of[3] for of in properties]),
-            factors=_NONE,
+            factors=NONE,
             forces=np.zeros(shape) if data is None else data["forces"].reshape(shape),
             gravity=np.zeros(3) if data is None else data["gravity"],
         )
@@ -555,6 +197,7 @@ class Solver:
         """The levels of the case (no unit), in the order in which `study simulate` solves them; none of a motion, or without a case."""
         return [] if self._data is None else list(self._data.get("levels", []))
 
+    @checked()
     def inputs(
         self,
         E: ByName | None = None,
@@ -577,7 +220,7 @@ class Solver:
             raise InputError("`E` and `element_E` are both given", why, "give one of them")
         part = self._level(level)
         moduli = named("region", self.regions, self._base.youngs_modulus, E, "E")
-        factors = _NONE
+        factors = NONE
         if element_E is not None:
             given = reals("element_E", element_E, self.element_regions.shape)
             factors = given / moduli[self.element_regions]
@@ -593,7 +236,7 @@ class Solver:
 
     def _level(self, level: float | None) -> float:
         if level is not None:
-            return within("level", level, -1e3, 1e3)
+            return level
         return self.levels[-1] if self.levels else 1.0
 
     def _given(self, inputs: Inputs | None, level: float | None, **others: Any) -> Inputs:
@@ -626,6 +269,7 @@ class Solver:
         first = levels.index(level) if level in levels else next(beyond, len(levels))
         return levels[:first]
 
+    @checked()
     def equilibrium(
         self,
         E: ByName | None = None,
@@ -664,9 +308,9 @@ class Solver:
             base = self._core.case_pressures([0.0], None)
         pressures = self._by_chamber(base, pressure, "pressure")
         guess = None if initial_guess is None else reals("initial_guess", initial_guess, (self._nodes, 3)).reshape(-1)
-        if guess is None and flag("reuse_factor", reuse_factor):
+        if guess is None and reuse_factor:
             raise InputError("`reuse_factor` has no effect", "it starts from a nearby shape", "give initial_guess as well")
-        settings = self._static_settings((tolerance, load_steps, reuse_factor), limits(max_iterations, max_cutbacks, timeout))
+        settings = self._static_settings((tolerance, load_steps, reuse_factor), (max_iterations, max_cutbacks, timeout))
         way: list[float] = []
         if guess is None and pressure is None and self._are_own(given):
             self._require_no_path()
@@ -678,6 +322,7 @@ class Solver:
         last["factorisations"] = sum(one["factorisations"] for one in found)
         return Equilibrium(self, given, last)
 
+    @checked()
     def equilibria(
         self,
         E: ByName | None = None,
@@ -699,12 +344,13 @@ class Solver:
             raise InputError("the case has no levels", "it has no [static]", "use equilibrium, or simulate")
         self._require_no_path()
         given = self.inputs(E, nu, density, element_E=element_E, gravity=gravity)
-        settings = self._static_settings((tolerance, load_steps, False), limits(max_iterations, max_cutbacks, timeout))
+        settings = self._static_settings((tolerance, load_steps, False), (max_iterations, max_cutbacks, timeout))
         pressures = self._core.case_pressures([], given.level).tolist()
         with self._last_equilibrium(given, levels[:-1]):
             found = self._core.equilibria(given._core(), (levels[:-1], given.level, pressures), (None, settings))
         return [Equilibrium(self, self._given(given, level), one) for level, one in zip(levels, found, strict=True)]
 
+    @checked()
     def path(
         self,
         E: ByName | None = None,
@@ -718,10 +364,8 @@ class Solver:
     ) -> Path:
         """The path of equilibria of a case with `arc_length`, as `study simulate` follows it. `max_iterations`: of each point."""
         given = self.inputs(E, nu, density, element_E=element_E, gravity=gravity)
-        asked = limits(max_iterations, None, timeout)
-        own = self._case_limits()
-        budget = (own[0] if asked[0] is None else asked[0], own[2] if asked[2] is None else asked[2])
-        return Path(self, given, self._core.path(given._core(), budget))
+        iterations, _, seconds = self._limits((max_iterations, None, timeout))
+        return Path(self, given, self._core.path(given._core(), (iterations, seconds)))
 
     def _require_no_path(self) -> None:
         if self._data is not None and self._data.get("follows_path", False):
@@ -746,6 +390,7 @@ class Solver:
                 error.displacement = displacement.reshape(-1, 3)
             raise
 
+    @checked()
     def simulate(
         self,
         steps: int | None = None,
@@ -779,14 +424,14 @@ class Solver:
         """
         own = {"E": E, "nu": nu, "density": density, "element_E": element_E, "forces": forces, "gravity": gravity}
         given = self._given(inputs, None, **own)
-        budget = limits(max_iterations, None, timeout)
+        budget = (max_iterations, None, timeout)
         settings = self._dynamic_settings(step, scheme, (mass_damping, stiffness_damping), (tolerance, memory, budget))
         adaptive = self._adaptive(steps, step)
         if adaptive is None and settings["step"] <= 0.0:
             raise InputError("`step` is not given", "the case has no [dynamic] with a step", "give it in seconds")
         count = 0 if adaptive is not None else self._steps(steps, settings["step"])
-        begun = self._start_of(given, initial, (max_iterations, timeout))
-        problem = _Problem(self._initial_state(initial if begun is None else begun), settings, begun)
+        begun = self._start_of(given, initial, budget)
+        problem = Problem(self._initial_state(initial if begun is None else begun), settings, begun)
         with reporting(progress, count) as report, self._last_equilibrium(given, []):
             if adaptive is not None:
                 asked = (problem.initial, self._constants(pressure), adaptive)
@@ -808,12 +453,12 @@ class Solver:
             raise InputError(f"`initial` is a {type(initial).__name__}", why, "correct it")
         return reals("initial[0]", initial[0], shape).reshape(-1), reals("initial[1]", initial[1], shape).reshape(-1)
 
-    def _start_of(self, inputs: Inputs, initial: object, budget: tuple[int | None, float | None]) -> Equilibrium | None:
+    def _start_of(self, inputs: Inputs, initial: object, budget: Limits) -> Equilibrium | None:
         """The equilibrium in which a motion of the case begins, where it does and nothing else is given."""
         dynamic = None if self._data is None else self._data.get("dynamic")
         if initial is not None or dynamic is None or dynamic["starts_at_rest"]:
             return None
-        settings = self._static_settings((None, None, False), limits(budget[0], None, budget[1]))
+        settings = self._static_settings((None, None, False), budget)
         with self._last_equilibrium(inputs, []):
             return Equilibrium(self, inputs, self._core.start_equilibrium(inputs._core(), settings))
 
@@ -836,16 +481,19 @@ class Solver:
             constants[self._chamber(name)] = number(f"pressure[{name!r}]", value)
         return constants
 
+    @checked()
     def adjoint(self, at: Equilibrium | Motion, dloss_du: npt.ArrayLike) -> Gradient:
         """The gradient of a loss of a result, from its derivative by the displacement (as its shape)."""
         instance("at", at, (Equilibrium, Motion), "give what equilibrium or simulate returned")
         return at.adjoint(dloss_du)
 
+    @checked()
     def sensitivity(self, at: Equilibrium | Motion, **direction: Any) -> Array:
         """The derivative of a result's displacement along a direction of its parameters: see `Equilibrium.sensitivity`."""
         instance("at", at, (Equilibrium, Motion), "give what equilibrium or simulate returned")
         return at.sensitivity(**direction)
 
+    @checked()
     def modes(self, count: int = 6, at: Equilibrium | None = None) -> tuple[Array, Array]:
         """Natural frequencies (Hz) and shapes (count × nodes × 3) about an equilibrium; without one, about that of the
         case."""
@@ -853,6 +501,7 @@ class Solver:
             instance("at", at, Equilibrium, "give what equilibrium returned")
         return (self.equilibrium() if at is None else at).modes(count)
 
+    @checked()
     def traction(self, faces: npt.ArrayLike, traction: npt.ArrayLike) -> Array:
         """Nodal forces (nodes × 3, N) of a traction (Pa) over faces × 3, 4 or 6 nodes."""
         nodes = integers("faces", faces)
@@ -863,18 +512,19 @@ class Solver:
         along = (float(vector[0]), float(vector[1]), float(vector[2]))
         return self._core.traction_forces(nodes.reshape(-1), int(nodes.shape[1]), along).reshape(-1, 3)
 
+    @checked()
     def torch(self, output: str, wrt: Sequence[str], *, steps: int | None = None, **settings: Unpack[FunctionSettings]) -> TorchFunction:
         """The output as a differentiable function of PyTorch, see `softfish.TorchFunction`."""
         from softfish._torch import TorchFunction
 
         return TorchFunction(self, output, wrt, steps=steps, **settings)
 
+    @checked()
     def jax(
         self,
         output: str,
         wrt: Sequence[str],
         *,
-        mode: Literal["reverse", "forward"] = "reverse",
         kept: int = 64,
         steps: int | None = None,
         **settings: Unpack[FunctionSettings],
@@ -882,32 +532,36 @@ class Solver:
         """The output as a differentiable function of JAX, see `softfish.JaxFunction`."""
         from softfish._jax import JaxFunction
 
-        return JaxFunction(self, output, wrt, mode=mode, kept=kept, steps=steps, **settings)
+        return JaxFunction(self, output, wrt, kept=kept, steps=steps, **settings)
 
+    @checked(coordinates=counted(1, 1000), tolerance=between(1e-12, 1.0))
     def reduce(self, snapshots: npt.ArrayLike, coordinates: int = 20, *, tolerance: float = 1e-3) -> ReducedModel:
         """The body in at most `coordinates` modes of displacements (snapshots × nodes × 3) that it took."""
         from softfish._reduced import ReducedModel
 
         return ReducedModel.of(self, snapshots, coordinates, tolerance)
 
-    def _case_limits(self) -> tuple[int | None, int | None, float | None]:
-        return (None, None, None) if self._data is None else self._data.get("budget", (None, None, None))
+    def _limits(self, given: Limits) -> Limits:
+        """Iterations, cut-backs and seconds: what is given, else the case's."""
+        of_case: Limits = (None, None, None) if self._data is None else self._data.get("budget", (None, None, None))
+        iterations, cutbacks, seconds = given
+        return (
+            of_case[0] if iterations is None else iterations,
+            of_case[1] if cutbacks is None else cutbacks,
+            of_case[2] if seconds is None else seconds,
+        )
 
-    def _static_settings(
-        self, given: tuple[float | None, int | None, bool], budget: tuple[int | None, int | None, float | None]
-    ) -> _records.StaticSettings:
-        data = self._data
-        tolerance, load_steps, reuse = given
-        fine = 1e-8 if data is None else data.get("tolerance", 1e-8)
-        steps = 3 if data is None else data.get("load_steps", 3)
-        own = self._case_limits()
+    def _static_settings(self, given: tuple[float | None, int | None, bool], budget: Limits) -> _records.StaticSettings:
+        data: Mapping[str, Any] = {} if self._data is None else self._data
+        tolerance, load_steps, reuse_factor = given
+        iterations, cutbacks, seconds = self._limits(budget)
         return {
-            "tolerance": fine if tolerance is None else positive("tolerance", tolerance),
-            "load_steps": steps if load_steps is None else whole("load_steps", load_steps, 1, 10_000),
-            "reuse_factor": flag("reuse_factor", reuse),
-            "max_iterations": own[0] if budget[0] is None else budget[0],
-            "max_cutbacks": own[1] if budget[1] is None else budget[1],
-            "timeout": own[2] if budget[2] is None else budget[2],
+            "tolerance": data.get("tolerance", 1e-8) if tolerance is None else tolerance,
+            "load_steps": data.get("load_steps", 3) if load_steps is None else load_steps,
+            "reuse_factor": reuse_factor,
+            "max_iterations": iterations,
+            "max_cutbacks": cutbacks,
+            "timeout": seconds,
         }
 
     def _dynamic_settings(
@@ -915,27 +569,25 @@ class Solver:
         step: float | None,
         scheme: Scheme | None,
         damping: tuple[float | None, float | None],
-        limits_of: tuple[float, int, tuple[int | None, int | None, float | None]],
+        limits_of: tuple[float, int, Limits],
     ) -> _records.DynamicSettings:
         """The settings of a motion; its step is 0 where none is given."""
         set_by_case: Mapping[str, Any] = {} if self._data is None else self._data.get("dynamic", {})
-        length = set_by_case.get("step") if step is None else positive("step", step)
-        known = _SCHEMES.get(set_by_case.get("scheme", ""), "bdf2")
-        alpha = set_by_case.get("mass_damping", 0.0) if damping[0] is None else number("mass_damping", damping[0])
-        beta = set_by_case.get("stiffness_damping", 0.0) if damping[1] is None else number("stiffness_damping", damping[1])
+        length = set_by_case.get("step") if step is None else step
+        alpha, beta = (set_by_case.get(name, 0.0) for name in ("mass_damping", "stiffness_damping"))
         tolerance, memory, budget = limits_of
-        own = self._case_limits()
+        iterations, _, seconds = self._limits(budget)
         adaptive = set_by_case.get("adaptive")
         shortest = adaptive[1] if adaptive else 0.0
         return {
             "step": float(shortest if length is None else length),
-            "scheme": known if scheme is None else word("scheme", scheme, tuple(_SCHEMES.values())),
-            "mass_damping": float(alpha),
-            "stiffness_damping": float(beta),
-            "tolerance": positive("tolerance", tolerance),
-            "memory": whole("memory", memory, 0, 1 << 62),
-            "max_iterations": own[0] if budget[0] is None else budget[0],
-            "timeout": own[2] if budget[2] is None else budget[2],
+            "scheme": _SCHEMES.get(set_by_case.get("scheme", ""), "bdf2") if scheme is None else scheme,
+            "mass_damping": float(alpha if damping[0] is None else damping[0]),
+            "stiffness_damping": float(beta if damping[1] is None else damping[1]),
+            "tolerance": tolerance,
+            "memory": memory,
+            "max_iterations": iterations,
+            "timeout": seconds,
         }
 
     def _steps(self, steps: int | None, step: float) -> int:
@@ -944,7 +596,7 @@ class Solver:
             steps = round(dynamic["duration"] / step)
         if steps is None:
             raise InputError("`steps` is not given", "the case has no [dynamic] with a duration", "give their number")
-        return whole("steps", steps, 1, 10_000_000)
+        return steps
 
     def _history(self, steps: int, step: float, given: npt.ArrayLike | Mapping[str, Any] | None) -> Array:
         shape = (steps, self.chamber_count)
@@ -972,6 +624,7 @@ class Solver:
     def _by_chamber(self, base: Array, given: ByName | None, argument: str) -> Array:
         return named("chamber", self.chambers, base, given, argument)
 
+    @checked()
     def observe(self, name: str, displacement: Array) -> Array:
         """An output of a displacement (… × nodes × 3) or of its derivative: `displacement`, or a point of the case."""
         instance("name", name, str, "name `displacement`, or a point of the case")
@@ -1031,10 +684,6 @@ class Solver:
 
     def _repr_html_(self) -> str:
         return page(repr(self), self.mesh)
-
-
-def _threads(given: int | None) -> int | None:
-    return None if given is None else whole("threads", given, 1, 1024)
 
 
 def _require_own_numbers(name: str, mesh: Mesh) -> None:

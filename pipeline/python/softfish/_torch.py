@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from softfish._solver import Solver
 
 torch: Any = optional("torch")
+get_proxy_mode: Any = optional("torch.fx.experimental.proxy_tensor").get_proxy_mode
 
 _REMEDY = "leave create_graph out; take torch.autograd.forward_ad for a directional derivative, and differences for second ones"
 _ACT = "use torch.autograd; a batch is a first axis of the arguments; jacobian and hessian take vectorize=False"
@@ -44,6 +45,10 @@ def refuse_transforms(what: str) -> None:
     if torch._C._functorch.peek_interpreter_stack() is not None:
         why = "a solve has first derivatives by torch.autograd and torch.autograd.forward_ad"
         raise DerivativeError(f"{what} is called within a transform of torch.func or vmap", why, _ACT)
+    # what records operations would keep this one result as a constant, and a derivative of zero
+    if torch.jit.is_tracing() or get_proxy_mode() is not None:
+        why = "a solve is no operation of PyTorch that could be recorded"
+        raise DerivativeError(f"{what} is called within torch.jit.trace, make_fx or torch.func.linearize", why, _ACT)
 
 
 def refuse_half(name: str, tensor: Any) -> None:
@@ -128,6 +133,10 @@ class _Adjoint(torch.autograd.Function):  # type: ignore[misc]
         return tuple(gradients)
 
     @staticmethod
+    def jvp(_ctx: Any, *_tangents: Any) -> Any:
+        raise DerivativeError("forward mode of a gradient of a solve is asked for", "a solver has first derivatives alone", _REMEDY)
+
+    @staticmethod
     def backward(ctx: Any, *cotangents: Any) -> Any:
         refuse_transforms("the derivative of an adjoint")
         if any(ctx.needs_input_grad[2:]):
@@ -145,8 +154,8 @@ class TorchFunction:
     The settings are those of `Solver.equilibrium`, or of `Solver.simulate`.
 
     The backward pass is one adjoint solve per case on the factor of its forward solve. Tensors are of single or double precision, the output
-    of the wider one: solves are always in double. Forward mode (`torch.autograd.forward_ad`) uses sensitivities. A second derivative, and a
-    transform of `torch.func`, are refused by a `DerivativeError`; `torch.compile` leaves the function as it is,
+    of the wider one: solves are always in double. Forward mode (`torch.autograd.forward_ad`) uses sensitivities. A second derivative, a
+    transform of `torch.func`, and what records operations (`torch.jit.trace`, `make_fx`) are refused by a `DerivativeError`; `torch.compile` leaves the function as it is,
     and with `fullgraph=True` is refused by PyTorch's own error.
     """
 

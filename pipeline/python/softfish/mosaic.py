@@ -19,7 +19,8 @@ import numpy as np
 from softfish._arrays import Array, IntArray, integers, reals
 from softfish._errors import InputError
 from softfish._mesh import Mesh
-from softfish._solver import Equilibrium, Material, Solver
+from softfish._results import Equilibrium
+from softfish._solver import Material, Solver
 
 #: The six faces of a hexahedron.
 _FACES = np.array([[0, 1, 2, 3], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [0, 3, 7, 4]])

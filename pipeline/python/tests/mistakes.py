@@ -29,7 +29,7 @@ solver.simulate(3, 1e-3, scheme="rk4")  # mistake
 solver.simulate(3, 1e-3, progress="bar")  # mistake
 solver.torch("marker.tip", ["E"], colour=3)  # mistake
 solver.torch("marker.tip", ["E"], max_iterations="many")  # mistake
-solver.jax("marker.tip", ["E"], mode="both")  # mistake
+solver.jax("marker.tip", ["E"], kept="all")  # mistake
 solver.jax("marker.tip", ["pressure"], steps=5, scheme="rk4")  # mistake
 print(rest.displacment)  # mistake
 print(rest.output(0))  # mistake

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import dataclasses
+import inspect
 import pickle
 import pydoc
 import re
@@ -205,3 +206,28 @@ except softfish.Error as error:
 """
     ran = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
     assert ran.returncode == 0 and f"pip install {absent}" in ran.stdout, ran.stderr[-800:]
+
+
+def test_one_layer_checks_an_argument_wherever_it_stands(block: sf.Solver) -> None:
+    from softfish._arguments import CHECKS
+
+    calls = [sf.track, sf.calibrate, sf.fit, sf.Case.run, sf.Case.solver, sf.Mesh.read, sf.Mesh.from_stl, sf.Mesh.from_meshio, sf.Mesh, sf.Project]
+    calls += [getattr(sf.Solver, name) for name in ("equilibrium", "equilibria", "path", "simulate", "inputs", "modes", "of_mesh")]
+    calls += [getattr(sf.ReducedModel, name) for name in ("step", "step_gradient", "torch_step", "jax_step", "save", "load")]
+    good = {"body": "a", "columns": 5, "edge": 0.01, "film": "a", "page": "a", "path": "a", "rows": 4, "source": "a", "square": 0.01}
+    counted = 0
+    for call in calls:
+        parameters = inspect.signature(call).parameters
+        required = {name: good.get(name) for name, one in parameters.items() if one.default is one.empty}
+        for name in parameters.keys() & CHECKS.keys():
+            counted += 1
+            with pytest.raises(sf.InputError) as caught:
+                call(**{**required, name: object()})
+            assert f"`{name}`" in caught.value.what and caught.value.why and caught.value.action, (call, name)
+    assert counted > 60
+    for wrong, word in (({"presure": 1e3}, "`pressure`"), ({"pressures": 1e3}, "`pressure`"), ({"colour": 1}, "correct the call")):
+        with pytest.raises(sf.ArgumentError, match="equilibrium") as unfit:
+            block.equilibrium(**wrong)
+        assert isinstance(unfit.value, TypeError) and word in unfit.value.action
+    with pytest.raises(sf.ArgumentError, match="dloss_du"):
+        block.adjoint(block.equilibrium())

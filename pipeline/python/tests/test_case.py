@@ -172,3 +172,34 @@ def test_a_half_model_has_no_gravity_across_its_plane() -> None:
         sf.Case(case, mesh=half).solver()
 
 
+
+
+def cuboid(path: Path, size: tuple[float, float, float]) -> None:
+    """An STL of a box, mm."""
+    faces = [(0, 2, 1), (1, 2, 3), (4, 5, 6), (5, 7, 6), (0, 1, 4), (1, 5, 4), (2, 6, 3), (3, 6, 7), (0, 4, 2), (2, 4, 6), (1, 3, 5), (3, 7, 5)]
+    corners = [[size[axis] * (corner >> axis & 1) for axis in range(3)] for corner in range(8)]
+    loops = ["".join("vertex {} {} {}\n".format(*corners[corner]) for corner in face) for face in faces]
+    body = "".join(f"facet normal 0 0 0\nouter loop\n{loop}endloop\nendfacet\n" for loop in loops)
+    path.write_text(f"solid box\n{body}endsolid box\n")
+
+
+@pytest.mark.parametrize("elements, corners", [("tetrahedra", 10), ("hexahedra", 20), ("auto", 20)])
+def test_elements_of_a_surface_mean_what_they_mean_to_the_command_line(tmp_path: Path, elements: str, corners: int) -> None:
+    cuboid(tmp_path / "box.stl", (40.0, 10.0, 20.0))
+    page = tmp_path / "case.toml"
+    page.write_text(f"""
+        mesh = {{ body = "box.stl", edge = 0.01, unit = "mm", elements = "{elements}" }}
+        clamp = [{{ plane = {{ x = 0.0 }} }}]
+        load = [{{ plane = {{ x = 0.04 }}, traction = [0.0, -10.0, 0.0] }}]
+        static = {{ levels = [1.0] }}
+        output = {{ vtu_every = 1 }}
+        [[region]]
+        material = "neo_hookean"
+        youngs_modulus = 2e5
+        poissons_ratio = 0.4
+        density = 1000.0
+    """)
+    case = sf.Case(page)
+    frames, body = written(case.run(tmp_path / "out")), case.solver()
+    assert body.mesh.elements.shape[1] == corners
+    assert np.abs(frames[-1] - body.equilibrium().displacement).max() <= 1e-12 < np.abs(frames).max()

@@ -131,8 +131,6 @@ class TestTorch:
         assert slope.item() == pytest.approx(float(by_differences), rel=1e-5)
         with pytest.raises(sf.DerivativeError):
             torch.func.vmap(lambda x: step(zero, zero, x)[0])(torch.stack([p, p]))
-        with torch.autograd.forward_ad.dual_level(), pytest.raises(sf.DerivativeError):
-            step(zero, zero, torch.autograd.forward_ad.make_dual(p, torch.ones_like(p)))
         with pytest.raises(sf.InputError, match="holds"):
             step(zero, zero, p.detach().half())
         for wrong in ({"dt": 0.0}, {"modulus_scale": [0.0]}, {"modulus_scale": [-1.0]}, {"mass_damping": "much"}):
@@ -152,26 +150,24 @@ class TestJax:
         self.jax = pytest.importorskip("jax")
         self.jax.config.update("jax_enable_x64", True)
 
-    def test_what_reverse_mode_does_not_have_is_refused(self, block: sf.Solver) -> None:
+    def test_second_derivatives_are_refused(self, block: sf.Solver) -> None:
         jax, tip = self.jax, block.jax("marker.tip", ["pressure.air"])
         loss = lambda p: (tip(p) ** 2).sum()
         by_differences = differences(loss, 3e3)
         assert float(jax.grad(loss)(3e3)) == pytest.approx(float(by_differences), rel=1e-5)
         for call in (
-            lambda: jax.jvp(tip, (3e3,), (1.0,)), lambda: jax.jacfwd(tip)(3e3), lambda: jax.hessian(loss)(3e3),
-            lambda: jax.grad(jax.grad(loss))(3e3), lambda: jax.jit(jax.hessian(loss))(3e3), lambda: jax.jacrev(jax.jacrev(tip))(3e3),
+            lambda: jax.hessian(loss)(3e3), lambda: jax.jacfwd(jax.jacfwd(tip))(3e3), lambda: jax.grad(jax.grad(loss))(3e3),
+            lambda: jax.jit(jax.hessian(loss))(3e3), lambda: jax.jacrev(jax.jacrev(tip))(3e3),
         ):
             with pytest.raises(sf.DerivativeError) as caught:
                 call()
             assert caught.value.why and caught.value.action
 
-    def test_forward_mode_is_right_and_its_derivative_refused(self, block: sf.Solver) -> None:
-        jax, tip = self.jax, block.jax("marker.tip", ["pressure.air"], mode="forward")
+    def test_forward_mode_is_right(self, block: sf.Solver) -> None:
+        jax, tip = self.jax, block.jax("marker.tip", ["pressure.air"])
         by_differences = differences(tip, 3e3)
         assert np.allclose(jax.jvp(tip, (3e3,), (1.0,))[1], by_differences, rtol=1e-5)
         assert np.allclose(jax.jacfwd(tip)(3e3), by_differences, rtol=1e-5)
-        with pytest.raises(sf.DerivativeError):
-            jax.jacfwd(jax.jacfwd(tip))(3e3)
 
     def test_batches_and_precisions(self, block: sf.Solver) -> None:
         jax = self.jax
@@ -184,6 +180,6 @@ class TestJax:
             tip(2e5, jax.numpy.float16(3e3))
         again = pickle.loads(pickle.dumps(tip))
         assert np.allclose(again(2e5, 3e3), tip(2e5, 3e3), rtol=1e-9)
-        for wrong in ({"mode": "backward"}, {"kept": 0}, {"kept": 2.5}):
+        for wrong in ({"mode": "reverse"}, {"kept": 0}, {"kept": 2.5}):
             with pytest.raises(sf.InputError):
                 block.jax("marker.tip", ["E"], **wrong)

@@ -56,7 +56,7 @@ def test_a_record_that_is_not_there_says_which_are(project: Path) -> None:
         sf.Project(project).record("identify", specimen="fin")
     with pytest.raises(sf.InputError, match="levels.parquet"):
         sf.Project(project).record("identify", "tail", stale=True).table("nothing")
-    with pytest.raises(sf.InputError, match="no profile 'slow'"):
+    with pytest.raises(sf.InputError, match="`profile` is 'slow'"):
         sf.Project(project, "slow")  # type: ignore[arg-type]
     with pytest.raises(sf.InputError, match="is no project"):
         sf.Project(project / "data")

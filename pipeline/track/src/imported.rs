@@ -97,6 +97,20 @@ pub enum ImportedError {
         /// Where the limit comes from.
         source_of_limit: &'static str,
     },
+    /// Frames whose order is none of a motion.
+    #[error(
+        "the frames do not follow each other: markers lie {spread:.4} {unit} from their means, and move by {step:.4} {unit} from one frame to the next\n  why: the mean square of half a step is {ratio:.2} of that of the spread; the limit is {DISORDER}, that of a beat of five frames, and shuffled frames have 1\n  do:  export the frames in the order of the film"
+    )]
+    Order {
+        /// Root of the mean squared distance from the mean.
+        spread: f64,
+        /// Root of the mean squared step.
+        step: f64,
+        /// Their unit.
+        unit: &'static str,
+        /// Von Neumann's ratio, half of it.
+        ratio: f64,
+    },
     /// A marker that is lost for too long, or at an end.
     #[error(
         "marker `{marker}` has no place in {frames} frames from frame {frame} on\n  why: up to {limit} frames are filled, between frames in which it is seen\n  do:  export a position of every marker on the card in the first and last frame and all but short gaps, or let the film be tracked here"
@@ -127,8 +141,44 @@ pub fn accept(tracks: &mut [ImportedTrack], limits: &Limits) -> Result<(), Impor
             check_distance([&tracks[one], &tracks[other]], limits)?;
         }
     }
+    check_order(tracks, limits.unit)?;
     tracks.iter_mut().for_each(|track| fill_gaps(&mut track.seen));
     Ok(())
+}
+
+/// Von Neumann's ratio that is refused, halved: that of a beat of five frames. Of values in random order it is 1.
+const DISORDER: f64 = 0.75;
+/// Frames that give the ratio: of sixty in random order it scatters by 0.13.
+const ENOUGH: usize = 60;
+/// The spread exceeds the standard deviation of a place by so many times: below, what is seen may be noise, whose order nobody knows.
+const MOVED: f64 = 5.0;
+
+/// Refuses frames of a slow motion in random order, which pass the gate of steps: their steps are as long as the motion itself.
+fn check_order(tracks: &[ImportedTrack], unit: &'static str) -> Result<(), ImportedError> {
+    if tracks.iter().any(|track| track.seen.len() < ENOUGH) {
+        return Ok(());
+    }
+    let mean_square = |values: Vec<f64>| values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64;
+    let of_all = |value: &dyn Fn(&[Observation]) -> Vec<f64>| {
+        tracks.iter().map(|track| mean_square(value(&track.seen))).sum::<f64>() / tracks.len().max(1) as f64
+    };
+    let steps = of_all(&|seen| {
+        seen.windows(2).filter(|p| p[0].seen && p[1].seen).map(|p| distance(p[0].at, p[1].at)).collect()
+    });
+    let spread = of_all(&from_mean);
+    let noise = of_all(&|seen| seen.iter().map(|s| (s.covariance[0][0] + s.covariance[1][1]).sqrt()).collect());
+    let ratio = 0.5 * steps / spread.max(f64::MIN_POSITIVE);
+    if spread > MOVED * MOVED * noise && ratio > DISORDER {
+        return Err(ImportedError::Order { spread: spread.sqrt(), step: steps.sqrt(), unit, ratio });
+    }
+    Ok(())
+}
+
+/// Distances of the places that are seen from their mean.
+fn from_mean(seen: &[Observation]) -> Vec<f64> {
+    let places: Vec<Point2> = seen.iter().filter(|seen| seen.seen).map(|seen| seen.at).collect();
+    let mean = [0, 1].map(|k| places.iter().map(|at| at[k]).sum::<f64>() / places.len().max(1) as f64);
+    places.iter().map(|at| distance(*at, mean)).collect()
 }
 
 fn check_gaps(track: &ImportedTrack, limit: usize) -> Result<(), ImportedError> {
@@ -235,6 +285,25 @@ mod tests {
         );
         let said = refused(|tracks| tracks.iter_mut().for_each(|track| track.seen.swap(8, 23)));
         assert!(said.contains("marker `m2`") && said.contains("before frame 8"), "{said}");
+    }
+
+    /// A motion of 20 px in 80 frames passes the gate of steps in any order.
+    #[test]
+    fn frames_of_a_slow_motion_in_random_order_are_refused() {
+        let order = |frame: usize| frame * 37 % 80;
+        let tracks = |frames: &dyn Fn(usize) -> usize, size: f64| -> Vec<ImportedTrack> {
+            let at = |k: usize, frame: usize| {
+                let phase = 0.06 * frames(frame) as f64;
+                [100.0 + 40.0 * k as f64, 90.0 + size * (1.0 + k as f64) * phase.sin()]
+            };
+            let places = |k| (0..80).map(move |frame| (Some(at(k, frame)), [0.25, 0.0, 0.25]));
+            (0..2).map(|k| ImportedTrack::new(&format!("m{k}"), places(k))).collect()
+        };
+        let check = |frames: &dyn Fn(usize) -> usize, size| accept(&mut tracks(frames, size), &LIMITS);
+        assert_eq!(check(&|frame| frame, 10.0), Ok(()));
+        let said = check(&order, 10.0).unwrap_err().to_string();
+        assert!(said.contains("do not follow each other") && said.contains("the order of the film"), "{said}");
+        assert_eq!(check(&order, 0.5), Ok(()), "what may be noise has no order");
     }
 
     #[test]

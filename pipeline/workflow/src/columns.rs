@@ -31,6 +31,9 @@ pub enum ColumnsError {
     /// A column is absent or holds another type.
     #[error("the table has no column `{0}` of the expected type")]
     Missing(String),
+    /// A column has cells without a value, so many.
+    #[error("{1} cells of the column `{0}` are empty")]
+    Empty(String, usize),
 }
 
 impl Columns {
@@ -121,7 +124,7 @@ impl Columns {
     /// A table from the bytes of a Parquet file.
     ///
     /// # Errors
-    /// [`ColumnsError::Format`] when the bytes are not Parquet or hold another type of column.
+    /// [`ColumnsError::Format`] when the bytes are not Parquet or hold another type of column, [`ColumnsError::Empty`] when a cell has no value.
     pub fn from_parquet(bytes: &[u8]) -> Result<Self, ColumnsError> {
         let frame = ParquetReader::new(Cursor::new(bytes)).finish().map_err(format)?;
         let columns = frame.columns().iter().map(|c| Ok((c.name().to_string(), Cells::of(c)?)));
@@ -147,18 +150,15 @@ impl Cells {
     }
 
     fn of(column: &Column) -> Result<Self, ColumnsError> {
-        match column.dtype() {
-            DataType::Float64 => {
-                Ok(Cells::Numbers(column.f64().map_err(format)?.iter().map(|v| v.unwrap_or(f64::NAN)).collect()))
-            }
-            DataType::UInt32 => {
-                Ok(Cells::Counts(column.u32().map_err(format)?.iter().map(Option::unwrap_or_default).collect()))
-            }
-            _ => {
-                let text = column.str().map_err(format)?;
-                Ok(Cells::Words(text.iter().map(|v| v.unwrap_or_default().to_string()).collect()))
-            }
+        // what was written has a value in every row: an empty cell read as NaN, 0 or "" would be a value that nobody wrote
+        if column.null_count() > 0 {
+            return Err(ColumnsError::Empty(column.name().to_string(), column.null_count()));
         }
+        Ok(match column.dtype() {
+            DataType::Float64 => Cells::Numbers(column.f64().map_err(format)?.iter().flatten().collect()),
+            DataType::UInt32 => Cells::Counts(column.u32().map_err(format)?.iter().flatten().collect()),
+            _ => Cells::Words(column.str().map_err(format)?.iter().flatten().map(str::to_owned).collect()),
+        })
     }
 }
 
@@ -188,5 +188,20 @@ mod tests {
     fn a_missing_column_is_named() {
         assert_eq!(small().f64("y_m"), Err(ColumnsError::Missing("y_m".into())));
         assert!(Columns::from_parquet(b"PAR0").is_err());
+    }
+
+    #[test]
+    fn cells_without_a_value_are_refused_with_their_column() {
+        let columns: [Series; 3] = [
+            Series::new("x_m".into(), [Some(0.1), None]),
+            Series::new("node".into(), [None, Some(7_u32)]),
+            Series::new("id".into(), [None::<&str>, None]),
+        ];
+        for (column, count) in columns.into_iter().zip([1, 1, 2]) {
+            let name = column.name().to_string();
+            let (mut frame, mut bytes) = (DataFrame::new(2, vec![column.into()]).unwrap(), Vec::new());
+            ParquetWriter::new(&mut bytes).finish(&mut frame).unwrap();
+            assert_eq!(Columns::from_parquet(&bytes), Err(ColumnsError::Empty(name, count)));
+        }
     }
 }

@@ -80,7 +80,8 @@ impl Settings {
         for other in Profile::ALL.into_iter().filter(|p| *p != Profile::Paper) {
             match table.remove(other.name()) {
                 Some(Value::Table(over)) if other == profile => lay_over(&mut table, over),
-                _ => {}
+                Some(Value::Table(_)) | None => {}
+                Some(value) => return Err(no_section(other, &value)),
             }
         }
         match table.keys().find(|name| !schema.sections.contains(&name.as_str())) {
@@ -108,6 +109,14 @@ impl Settings {
             )
         })
     }
+}
+
+/// A profile that is no section.
+fn no_section(profile: Profile, value: &Value) -> Diagnostic {
+    let name = profile.name();
+    let what = format!("{FILE}: `{name}` is no section, but of the type {}", value.type_str());
+    let why = format!("[{name}] has sections, whose keys stand for those of the paper profile");
+    Diagnostic::new(what, why, format!("name the section of the key, as in [{name}.mesh]"))
 }
 
 fn lay_over(below: &mut Table, above: Table) {
@@ -158,6 +167,16 @@ mod tests {
         assert_eq!(mesh(Profile::Quick), Mesh { edge: 0.004, keep: true });
         assert_eq!(mesh(Profile::Paper), Mesh { edge: 0.002, keep: true });
         assert_eq!(mesh(Profile::Population), Mesh { edge: 0.002, keep: false });
+    }
+
+    #[test]
+    fn a_profile_that_is_no_section_is_refused_in_every_profile() {
+        for text in ["quick = 3\n", "population = \"coarse\"\n", "[[quick]]\nedge = 1.0\n"] {
+            for profile in Profile::ALL {
+                let refused = Settings::read(text, profile, SCHEMA).unwrap_err().to_string();
+                assert!(refused.contains("[quick.mesh]") || refused.contains("[population.mesh]"), "{refused}");
+            }
+        }
     }
 
     #[test]

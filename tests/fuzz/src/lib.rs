@@ -87,7 +87,7 @@ fn board(bytes: &[u8]) {
     let height = levels.len() / width;
     let picture = Gray { width, height, pixels: levels[..width * height].to_vec() };
     drop(any_checkerboard(&picture));
-    let dictionary = Dictionary { side: 4, count: 50 };
+    let dictionary = Dictionary::opencv(4, 50);
     let kinds = [
         TargetKind::Checkerboard,
         TargetKind::Dots,

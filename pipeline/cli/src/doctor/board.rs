@@ -74,7 +74,13 @@ fn lens_findings(
     };
     let section = project.settings.section("camera");
     let run = section.and_then(|section| Camera::run(&Part::part_of(specimen), &section, (), context));
-    fitted.map(note).into_iter().chain(run.err().map(Finding::from)).collect()
+    let of_run = match run {
+        Ok(record) => {
+            record.contradiction.map(|focal| Finding::note(format!("{file}: {focal}"), focal.reason(), focal.action()))
+        }
+        Err(refusal) => Some(Finding::from(refusal)),
+    };
+    fitted.map(note).into_iter().chain(of_run).collect()
 }
 
 /// The pose by an ordinary lens, of a camera that looks squarely: its focal length and the distance of the camera belong together, so that a place on the plane hardly depends on it.

@@ -7,6 +7,15 @@ use super::camera::{Board, BoardKind};
 /// Bits along a side of a marker, and markers of a dictionary, in the names of OpenCV's predefined dictionaries.
 const SIDES: [usize; 4] = [4, 5, 6, 7];
 const COUNTS: [usize; 4] = [50, 100, 250, 1000];
+/// Those of a name of their own.
+const OTHERS: [&str; 6] = [
+    "DICT_ARUCO_ORIGINAL",
+    "DICT_APRILTAG_16h5",
+    "DICT_APRILTAG_25h9",
+    "DICT_APRILTAG_36h10",
+    "DICT_APRILTAG_36h11",
+    "DICT_ARUCO_MIP_36h12",
+];
 
 /// Checks the numbers of a board, and that `marker` and `dictionary` stand on a ChArUco board alone.
 pub(super) fn check_board(board: &Board) -> Checked {
@@ -51,11 +60,11 @@ fn check_smaller(marker: f64, square: f64) -> Checked {
 
 fn check_dictionary(name: &str) -> Checked {
     let mut names = SIDES.iter().flat_map(|side| COUNTS.map(|count| format!("DICT_{side}X{side}_{count}")));
-    if names.any(|known| known == name) {
+    if names.any(|known| known == name) || OTHERS.contains(&name) {
         return Ok(());
     }
     let defect = format!("`{name}` is not a dictionary that is known here");
-    let reason = "the predefined ones of 4×4 to 7×7 bits are, as OpenCV names them";
+    let reason = format!("the predefined ones of 4×4 to 7×7 bits are, as OpenCV names them, and {}", OTHERS.join(", "));
     let action = "give DICT_4X4_50, DICT_5X5_100, DICT_6X6_250 or the like; 50, 100, 250 or 1000 markers";
-    violation("camera.board.dictionary", defect, reason, action)
+    violation("camera.board.dictionary", defect, &reason, action)
 }

@@ -7,7 +7,7 @@ use si::{Metre, Point2, Second};
 #[derive(Debug, Clone, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Camera {
-    /// Video of a checkerboard in several poses, with the same camera and settings as the trials; relative to the card.
+    /// Film of a board in several poses, with the same camera and settings as the trials; relative to the card.
     pub calibration: String,
     /// Interval of the frames that are used.
     pub frame_every: usize,
@@ -24,7 +24,7 @@ pub struct Camera {
     pub readout: Second,
     /// The checkerboard.
     pub board: Board,
-    /// The plane in which the board lay entry at the end.
+    /// The plane on which the board lay still at the end.
     pub plane: Plane,
 }
 

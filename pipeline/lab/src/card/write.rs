@@ -122,7 +122,7 @@ fn write_camera(text: &mut String, camera: &Camera) {
     write_board(text, &camera.board);
     put(
         text,
-        format_args!("\n[camera.plane]\nseconds = {:?}  # s, the board lies entry on the plane\n", plane.seconds),
+        format_args!("\n[camera.plane]\nseconds = {:?}  # s, the board lies still on the plane\n", plane.seconds),
     );
     put(text, format_args!("origin = {:?}  # m, its inner corner (0, 0)\n", plane.origin));
     put(

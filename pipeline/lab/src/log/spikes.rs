@@ -31,14 +31,18 @@ pub(crate) enum Spikes {
 
 /// Bits of converters, with a sign and without, whose full scale no reading meets by chance.
 const BITS: [u32; 6] = [16, 18, 20, 22, 24, 32];
-/// Samples that a spike lasts at most.
+/// Samples that a spike lasts at most; a tap may be as long.
 const LONGEST: usize = 2;
+/// The same at full scale: five spikes among 600 samples stand three in a row in one log of 5,000.
+const LONGEST_AT_FULL_SCALE: usize = 3;
 /// Samples on either side that must not have moved: a fixture rings for longer after a tap.
 const QUIET: usize = 6;
 /// A lone jump exceeds the standard deviation of the noise by so many times, and all that the other samples span: one reading in 10⁹ does.
 const JUMP: f64 = 6.0;
 /// How far neighbours may have moved, of the jump.
 const MOVED: f64 = 0.1;
+/// Second differences after a tap exceed those before it by so many times: of a beat of forty samples they grow less within [`QUIET`].
+const ONSET: f64 = 3.0;
 /// Lone jumps among the samples of a log at most, no unit: what comes more often belongs to what was measured.
 const RARE: f64 = 0.02;
 
@@ -52,7 +56,9 @@ impl Spikes {
         let mut bits = full_scales(&values);
         let mut left_out: Vec<bool> = bits.iter().map(Option::is_some).collect();
         let at_full_scale = left_out.clone();
-        let is_short = |run: &std::ops::Range<usize>| run.len() <= LONGEST && stands_out(&values, &at_full_scale, run);
+        let is_short = |run: &std::ops::Range<usize>| {
+            run.len() <= LONGEST_AT_FULL_SCALE && stands_out(&values, &at_full_scale, run)
+        };
         left_out.fill(false);
         marked_runs(&at_full_scale).filter(is_short).for_each(|run| left_out[run].fill(true));
         // length: a number of bits and a mark for each value
@@ -111,7 +117,8 @@ fn stands_out(values: &[f64], marked: &[bool], run: &std::ops::Range<usize>) -> 
 
 /// Samples that jump alone; `left_out` is left out already.
 fn lone_jumps(values: &[f64], left_out: &[bool]) -> Vec<usize> {
-    let threshold = JUMP * noise_sigma(values, left_out);
+    let sigma = noise_sigma(values, left_out);
+    let threshold = JUMP * sigma;
     let height = |i: usize| (values[i] - median_value(neighbour_values(values, left_out, &(i..i + 1)))).abs();
     // where neither neighbour is far, nothing jumps
     let is_edge = |i: usize| {
@@ -128,10 +135,27 @@ fn lone_jumps(values: &[f64], left_out: &[bool]) -> Vec<usize> {
         window.filter(is_other).any(|j| height(j) > MOVED * height(run.start))
     };
     let exceeding: Vec<bool> = (0..values.len()).map(|i| jumps[i] && height(i) > high - low).collect();
-    let is_lone =
-        |run: &std::ops::Range<usize>| run.len() <= LONGEST && !is_ringing(run) && stands_out(values, &marked, run);
+    let is_lone = |run: &std::ops::Range<usize>| {
+        // a jump of its own kind beside it is another failure, and no ringing
+        let is_other = |j: usize| left_out[j] || height(j) > MOVED * height(run.start);
+        let is_tap = is_ringing(run) || rings_after(values, &is_other, run, sigma);
+        run.len() <= LONGEST && !is_tap && stands_out(values, &marked, run)
+    };
     let spikes: Vec<usize> = marked_runs(&exceeding).filter(is_lone).flatten().collect();
     if spikes.len() as f64 <= (RARE * values.len() as f64).max(1.0) { spikes } else { Vec::new() }
+}
+
+/// Whether the values ring after a run, however little against its jump, and did not before: what was struck moves on, and an amplifier that failed
+/// has no memory. Of second differences, so that a beat below counts little; `sigma` is the standard deviation of the noise.
+fn rings_after(values: &[f64], is_other: &dyn Fn(usize) -> bool, run: &std::ops::Range<usize>, sigma: f64) -> bool {
+    let largest = |range: std::ops::Range<usize>| {
+        let is_kept = |i: &usize| !(*i..*i + 3).any(is_other);
+        let starts = (range.start..range.end.saturating_sub(2)).filter(is_kept);
+        starts.map(|i| (values[i] - 2.0 * values[i + 1] + values[i + 2]).abs()).fold(0.0, f64::max)
+    };
+    let preceding = largest(run.start.saturating_sub(QUIET)..run.start);
+    let following = largest(run.end..(run.end + QUIET).min(values.len()));
+    following > (JUMP * 6_f64.sqrt() * sigma).max(ONSET * preceding)
 }
 
 /// Standard deviation of the noise, from the median of the second differences of what is not left out.
@@ -194,6 +218,9 @@ mod tests {
         }
         assert_eq!(left_out(&readings, Spikes::FullScale), [0, 50, 51, 199]);
         assert_eq!(left_out(&readings, Spikes::None), Vec::<usize>::new());
+        let mut three = readings.clone();
+        (three[120], three[121], three[122]) = (-8_388_608.0, 8_388_607.0, 8_388_607.0);
+        assert_eq!(left_out(&three, Spikes::LoneJumps), [0, 50, 51, 120, 121, 122, 199]);
         readings[100..104].fill(8_388_607.0);
         assert_eq!(left_out(&readings, Spikes::LoneJumps), [0, 50, 51, 199]);
         readings[70] = 8_388_606.0;
@@ -237,6 +264,25 @@ mod tests {
         for kept in [step, beat, late] {
             assert_eq!(left_out(&kept, Spikes::LoneJumps), Vec::<usize>::new());
         }
+    }
+
+    /// A hammer of one sample whose ringing is a twelfth of it, and a converter that fails for one.
+    #[test]
+    fn a_tap_of_one_sample_that_rings_faintly_is_kept() {
+        for k in 1..=30 {
+            let frequency = 0.1 * f64::from(k);
+            let ring = |i: usize| match i.checked_sub(90) {
+                None => 0.0,
+                Some(0) => 4e4,
+                Some(n) => 3.4e3 * (-0.05 * n as f64).exp() * (frequency * n as f64 + 0.9).sin(),
+            };
+            let tap: Vec<f64> = noise(300, 0.0).iter().enumerate().map(|(i, v)| v + ring(i).round()).collect();
+            let is_visible = frequency >= 0.8;
+            assert!(!is_visible || left_out(&tap, Spikes::LoneJumps).is_empty(), "{frequency}");
+        }
+        let mut failed = noise(300, 0.0);
+        failed[90] = 4e4;
+        assert_eq!(left_out(&failed, Spikes::LoneJumps), [90]);
     }
 
     #[test]

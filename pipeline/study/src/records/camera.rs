@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use si::{Metre, Point2};
-use track::calibrate::CAMERA_PARAMETERS;
+use track::calibrate::{CAMERA_PARAMETERS, FocalDifference};
 use track::lens::{Distortion, Lens};
 use track::pose::Pose;
 use track::refraction::RefractiveCamera;
@@ -26,6 +26,8 @@ pub struct Camera {
     pub size_px: [usize; 2],
     /// Number of detected boards.
     pub views: usize,
+    /// Of a lens from a file, its focal length against that of the boards, where they differ.
+    pub contradiction: Option<FocalDifference>,
 }
 
 impl Camera {
@@ -52,6 +54,9 @@ struct Scalars {
     covariance: [[f64; CAMERA_PARAMETERS]; CAMERA_PARAMETERS],
     size_px: [usize; 2],
     views: usize,
+    /// Focal length of the boards and its standard deviation, px, where that of the file differs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    board_focal_px: Option<[f64; 2]>,
 }
 
 /// The record's name of a distortion model.
@@ -86,6 +91,7 @@ impl Record for Camera {
                 covariance: self.covariance,
                 size_px: self.size_px,
                 views: self.views,
+                board_focal_px: self.contradiction.map(|focal| [focal.estimate, focal.sigma]),
             },
         )
     }
@@ -104,6 +110,7 @@ impl Record for Camera {
             covariance: s.covariance,
             size_px: s.size_px,
             views: s.views,
+            contradiction: s.board_focal_px.map(|[estimate, sigma]| FocalDifference { known: fx, estimate, sigma }),
         })
     }
 
@@ -115,6 +122,8 @@ impl Record for Camera {
     }
 
     fn summary(&self) -> String {
-        format!("{} boards, reprojection {:.3} px", self.views, self.reprojection_px)
+        let warning =
+            self.contradiction.map_or_else(String::new, |focal| format!("; warning: {focal}, {}", focal.reason()));
+        format!("{} boards, reprojection {:.3} px{warning}", self.views, self.reprojection_px)
     }
 }

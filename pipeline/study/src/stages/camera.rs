@@ -6,7 +6,9 @@ use serde::{Deserialize, Serialize};
 use si::{Metre, Point2, Point3, Second};
 use std::path::Path;
 use track::board::{Target, TargetKind};
-use track::calibrate::{Calibration, View, calibrate, check_focal, joint_covariance, pose_from_plane, reprojection};
+use track::calibrate::{
+    Calibration, View, calibrate, focal_difference, joint_covariance, pose_from_plane, reprojection,
+};
 use track::lens::{Distortion, VALUES, opencv, opencv::KnownLens};
 use track::picture_size;
 use track::pose::Pose;
@@ -99,6 +101,9 @@ impl Stage for Camera {
             Some(_) => known(camera, &board, &seen, context)?,
             None => calibrate(&seen.views, &board.points(), bend(camera), seen.size)?,
         };
+        let is_known = camera.coefficients.is_some();
+        let contradiction =
+            is_known.then(|| focal_difference(&found.lens, &seen.views, &board.points(), seen.size)).flatten();
         if found.reprojection_px > set.reprojection_limit_px {
             return Err(not_believed(context, found.reprojection_px, set.reprojection_limit_px));
         }
@@ -114,6 +119,7 @@ impl Stage for Camera {
             covariance: covariance?,
             size_px: [width, height],
             views: seen.views.len(),
+            contradiction,
         })
     }
 }
@@ -155,7 +161,6 @@ fn known(camera: &CalibrationFilm, board: &Target, seen: &Seen, context: &dyn St
     picture_size::check(size.unwrap_or(seen.size.into()), seen.size.into()).map_err(|e| in_file(e.into()))?;
     let points = board.points();
     let views = &seen.views;
-    check_focal(&lens, views, &points, seen.size).map_err(|e| in_file(e.into()))?;
     let pose = |view: &View| pose_from_plane(&lens, &view.points(&points), &view.corners);
     let poses = views.iter().map(pose).collect::<Result<Vec<Pose>, _>>()?;
     let miss = |(pose, view): (&Pose, &View)| reprojection(&lens, pose, &view.points(&points), &view.corners).powi(2);

@@ -344,7 +344,7 @@ pub enum TargetKind {
 impl TargetKind {
     /// A ChArUco board; with nothing known of it, one that [`Target::find`] refuses.
     pub fn charuco(marker: Option<Metre>, dictionary: Option<Dictionary>) -> Self {
-        Self::Charuco(marker.unwrap_or(0.0), dictionary.unwrap_or(Dictionary { side: 4, count: 50 }))
+        Self::Charuco(marker.unwrap_or(0.0), dictionary.unwrap_or(Dictionary::opencv(4, 50)))
     }
 }
 

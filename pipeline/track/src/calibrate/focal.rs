@@ -10,12 +10,10 @@ const ENOUGH: usize = 30;
 const SHARE: f64 = 0.05;
 const DEVIATIONS: f64 = 6.0;
 
-/// A focal length that the views of a board contradict. A wrong one hardly shows in their reprojection: it moves the camera away.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error(
-    "the lens has a focal length of {known:.0} px, the views of the board give {estimate:.0} ± {sigma:.0} px\n  why: they differ by {:.0} %; the limit is {:.0} %, and {DEVIATIONS} standard deviations\n  do:  take the coefficients of this camera at this zoom and size of picture, or leave them out and let the board be used", 100.0 * (.known / .estimate - 1.0).abs(), 100.0 * SHARE
-)]
-pub struct OtherFocalLength {
+/// A focal length that the views of a board contradict. A wrong one hardly shows in their reprojection: it moves the camera away. It is a
+/// warning and no refusal: the views of one film may be tilted too little or too alike for an estimate that deserves its standard deviation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FocalDifference {
     /// Of the file, px.
     pub known: f64,
     /// Of the views, px.
@@ -24,22 +22,42 @@ pub struct OtherFocalLength {
     pub sigma: f64,
 }
 
-/// Compares a known lens with what views of a board with these points give by themselves, where they give a lens at all.
-///
-/// # Errors
-/// [`OtherFocalLength`] with both focal lengths.
-pub fn check_focal(
+impl FocalDifference {
+    /// Why it is said: measured against the limit.
+    pub fn reason(&self) -> String {
+        let percent = 100.0 * (self.known / self.estimate - 1.0).abs();
+        format!(
+            "they differ by {percent:.0} %; the limit is {:.0} %, and {DEVIATIONS} standard deviations",
+            100.0 * SHARE
+        )
+    }
+
+    /// What to do about it.
+    pub fn action(&self) -> &'static str {
+        "take the coefficients of this camera at this zoom and size of picture, or leave them out and let the board be used"
+    }
+}
+
+impl std::fmt::Display for FocalDifference {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { known, estimate, sigma } = self;
+        write!(
+            out,
+            "the lens has a focal length of {known:.0} px, the views of the board give {estimate:.0} ± {sigma:.0} px"
+        )
+    }
+}
+
+/// A known lens compared with what views of a board with these points give by themselves, where they give a lens at all: none where both agree.
+pub fn focal_difference(
     known: &Lens,
     views: &[View],
     points: &[Point3],
     size: (usize, usize),
-) -> Result<(), OtherFocalLength> {
+) -> Option<FocalDifference> {
     let some: Vec<View> = views.iter().step_by(views.len().div_ceil(ENOUGH).max(1)).cloned().collect();
-    let Ok(own) = calibrate(&some, points, known.distortion, size) else { return Ok(()) };
-    let (estimate, sigma, known) = (own.lens.fx, own.sigma()[0], known.fx);
+    let fitted = calibrate(&some, points, known.distortion, size).ok()?;
+    let (estimate, sigma, known) = (fitted.lens.fx, fitted.sigma()[0], known.fx);
     let off = (known - estimate).abs();
-    match off > SHARE * estimate && off > DEVIATIONS * sigma {
-        true => Err(OtherFocalLength { known, estimate, sigma }),
-        false => Ok(()),
-    }
+    (off > SHARE * estimate && off > DEVIATIONS * sigma).then_some(FocalDifference { known, estimate, sigma })
 }

@@ -7,7 +7,7 @@ mod refine;
 
 use crate::lens::{Distortion, Lens, VALUES};
 use crate::pose::Pose;
-pub use focal::{OtherFocalLength, check_focal};
+pub use focal::{FocalDifference, focal_difference};
 use homography::{homography, mirrored, pose};
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use refine::{Guess, Seen, refine, squares};

@@ -1,15 +1,26 @@
-//! The predefined dictionaries of ArUco markers by OpenCV's names: `DICT_4X4_50` to `DICT_7X7_1000`.
+//! The predefined dictionaries of ArUco markers by OpenCV's names: `DICT_4X4_50` to `DICT_7X7_1000`, that of the first ArUco, those of AprilTag
+//! and ArUco's MIP.
 //!
 //! The files beside this one hold the bit patterns that `cv::aruco::getPredefinedDictionary` gives (OpenCV 5.0.0), rows from the top,
 //! 1 white, the first bit highest. The dictionary of 50, 100 or 250 markers of a size is the beginning of that of 1000.
 
-/// A dictionary: markers of `side` × `side` bits, the first `count` of their size.
+/// A dictionary: markers of `side` × `side` bits, the first `count` of their family.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Dictionary {
     /// Bits along a side, without the black border.
     pub side: usize,
     /// Markers.
     pub count: usize,
+    family: Family,
+}
+
+/// Where the markers of a dictionary come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Family {
+    /// OpenCV's own, by their size.
+    OpenCv,
+    /// Others, by their place in [`OTHERS`].
+    Other(usize),
 }
 
 /// Numbers of markers, and how many wrong bits OpenCV corrects in the dictionary of each (`maxCorrectionBits`).
@@ -21,10 +32,33 @@ const SIZES: [(usize, [u32; 4], &str); 4] = [
 ];
 const COUNTS: [usize; 4] = [50, 100, 250, 1000];
 
+/// A dictionary of its own name.
+struct Other {
+    name: &'static str,
+    side: usize,
+    count: usize,
+    correctable: u32,
+    /// None of the first ArUco's, whose bits follow from the number.
+    codes: Option<&'static str>,
+}
+
+const OTHERS: [Other; 6] = [
+    Other { name: "DICT_ARUCO_ORIGINAL", side: 5, count: 1024, correctable: 1, codes: None },
+    tabled("DICT_APRILTAG_16H5", 4, [30, 2], include_str!("dictionaries/apriltag_16h5.txt")),
+    tabled("DICT_APRILTAG_25H9", 5, [35, 4], include_str!("dictionaries/apriltag_25h9.txt")),
+    tabled("DICT_APRILTAG_36H10", 6, [2320, 4], include_str!("dictionaries/apriltag_36h10.txt")),
+    tabled("DICT_APRILTAG_36H11", 6, [587, 5], include_str!("dictionaries/apriltag_36h11.txt")),
+    tabled("DICT_ARUCO_MIP_36H12", 6, [250, 5], include_str!("dictionaries/mip_36h12.txt")),
+];
+
+const fn tabled(name: &'static str, side: usize, [count, correctable]: [u32; 2], codes: &'static str) -> Other {
+    Other { name, side, count: count as usize, correctable, codes: Some(codes) }
+}
+
 /// A name that is none of a dictionary.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "`{name}` is not a dictionary that is known here\n  why: the predefined ones of 4×4 to 7×7 bits are, as OpenCV names them\n  do:  give DICT_4X4_50, DICT_5X5_100, DICT_6X6_250 or the like; 50, 100, 250 or 1000 markers"
+    "`{name}` is not a dictionary that is known here\n  why: the predefined ones of 4×4 to 7×7 bits, of the first ArUco, AprilTag and MIP are, as OpenCV names them\n  do:  give DICT_4X4_50, DICT_5X5_100, DICT_ARUCO_ORIGINAL, DICT_APRILTAG_36h11, DICT_ARUCO_MIP_36h12 or the like; 50, 100, 250 or 1000 markers"
 )]
 pub struct UnknownDictionary {
     /// The name.
@@ -36,14 +70,18 @@ impl std::str::FromStr for Dictionary {
 
     fn from_str(name: &str) -> Result<Self, UnknownDictionary> {
         let upper = name.trim().to_ascii_uppercase();
-        let same = |dictionary: &Self| dictionary.to_string() == upper;
+        let same = |dictionary: &Self| dictionary.to_string().to_ascii_uppercase() == upper;
         Self::all().find(same).ok_or_else(|| UnknownDictionary { name: name.to_owned() })
     }
 }
 
 impl std::fmt::Display for Dictionary {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "DICT_{0}X{0}_{1}", self.side, self.count)
+        match self.family {
+            Family::OpenCv => write!(f, "DICT_{0}X{0}_{1}", self.side, self.count),
+            // OpenCV writes the distance of a family with a small h
+            Family::Other(place) => f.write_str(&OTHERS[place].name.replace("6H", "6h").replace("5H", "5h")),
+        }
     }
 }
 
@@ -55,21 +93,43 @@ pub(super) struct Identified {
 }
 
 impl Dictionary {
-    /// Every dictionary, small ones first.
+    /// The first `count` markers of OpenCV's own of `side` × `side` bits.
+    pub const fn opencv(side: usize, count: usize) -> Self {
+        Self { side, count, family: Family::OpenCv }
+    }
+
+    /// Every dictionary, OpenCV's own first, small ones before large ones.
     pub(super) fn all() -> impl Iterator<Item = Self> {
-        SIZES.iter().flat_map(|&(side, ..)| COUNTS.map(|count| Self { side, count }))
+        let others = OTHERS.iter().enumerate();
+        let other =
+            |(place, of): (usize, &Other)| Self { side: of.side, count: of.count, family: Family::Other(place) };
+        SIZES.iter().flat_map(|&(side, ..)| COUNTS.map(|count| Self::opencv(side, count))).chain(others.map(other))
+    }
+
+    /// Whether markers that it reads are its own: a larger one of its family does not read them as well, and it reads one square in a hundred that is
+    /// none of its markers. AprilTag's of 16 and 25 bits correct so many that they read a quarter of all squares, and a twentieth.
+    pub(super) fn is_telling(&self) -> bool {
+        match self.family {
+            Family::OpenCv => [50, 1000].contains(&self.count),
+            Family::Other(place) => OTHERS[place].codes.is_none() || self.side == 6,
+        }
     }
 
     /// The bits of the first `limit` markers, row after row from the highest bit.
     pub(super) fn codes(self, limit: usize) -> Vec<u64> {
-        let text = SIZES.iter().find(|(side, ..)| *side == self.side).map_or("", |(.., text)| text);
-        text.split_ascii_whitespace()
-            .take(limit.min(self.count))
-            .filter_map(|w| u64::from_str_radix(w, 16).ok())
-            .collect()
+        let text = match self.family {
+            Family::OpenCv => SIZES.iter().find(|(side, ..)| *side == self.side).map(|(.., text)| *text),
+            Family::Other(place) => OTHERS[place].codes,
+        };
+        let count = limit.min(self.count);
+        let Some(text) = text else { return (0..count).map(first_aruco).collect() };
+        text.split_ascii_whitespace().take(count).filter_map(|w| u64::from_str_radix(w, 16).ok()).collect()
     }
 
     fn correctable(self) -> u32 {
+        if let Family::Other(place) = self.family {
+            return OTHERS[place].correctable;
+        }
         let place = COUNTS.iter().position(|count| *count == self.count);
         let limits = SIZES.iter().find(|(side, ..)| *side == self.side).map(|(_, limits, _)| limits);
         place.zip(limits).map_or(0, |(place, limits)| limits[place])
@@ -96,6 +156,12 @@ impl Dictionary {
     }
 }
 
+/// A marker of the first ArUco: its number in ten bits, two a row, each as a word of five bits that differs from the others in three.
+fn first_aruco(number: usize) -> u64 {
+    const WORDS: [u64; 4] = [0x10, 0x17, 0x09, 0x0e];
+    (0..5).rev().fold(0, |bits, row| bits << 5 | WORDS[number >> (2 * row) & 3])
+}
+
 /// The reading that begins at the next corner of the marker, clockwise: row r, column c is what stood in row c, column n − 1 − r.
 fn quarter_turned(bits: u64, side: usize) -> u64 {
     let bit = |row: usize, column: usize| bits >> (side * side - 1 - row * side - column) & 1;
@@ -114,7 +180,23 @@ mod tests {
             assert!(codes.iter().all(|code| code >> (dictionary.side * dictionary.side) == 0));
             assert_eq!(dictionary.to_string().to_lowercase().parse(), Ok(dictionary));
         }
-        assert!("DICT_ARUCO_ORIGINAL".parse::<Dictionary>().unwrap_err().to_string().contains("DICT_4X4_50"));
+        assert!("DICT_8X8_50".parse::<Dictionary>().unwrap_err().to_string().contains("DICT_4X4_50"));
+    }
+
+    /// The first two markers as `cv::aruco::Dictionary::getBitsFromByteList` has them (OpenCV 5.0.0).
+    #[test]
+    fn the_first_markers_of_other_families_are_those_of_opencv() {
+        for (name, codes) in [
+            ("DICT_ARUCO_ORIGINAL", [0x108_4210, 0x108_4217]),
+            ("DICT_APRILTAG_16h5", [0xd8c4, 0xa574]),
+            ("DICT_APRILTAG_25h9", [0x11f_a755, 0xdb_164f]),
+            ("DICT_APRILTAG_36h10", [0xe_1654_9538, 0x3_2358_4a04]),
+            ("DICT_APRILTAG_36h11", [0x2_1a14_6bab, 0x9_2d18_fe9b]),
+            ("DICT_ARUCO_MIP_36h12", [0xd_2b63_a09d, 0x6_0011_34e5]),
+        ] {
+            let dictionary: Dictionary = name.parse().unwrap();
+            assert_eq!((dictionary.to_string().as_str(), &dictionary.codes(2)[..]), (name, &codes[..]));
+        }
     }
 
     #[test]
@@ -125,7 +207,7 @@ mod tests {
 
     #[test]
     fn a_marker_is_identified_in_each_orientation_and_with_wrong_bits() {
-        let dictionary = Dictionary { side: 5, count: 100 };
+        let dictionary = Dictionary::opencv(5, 100);
         let codes = dictionary.codes(100);
         let mut bits = codes[37];
         for quarter_turns in [0, 3, 2, 1] {
@@ -139,7 +221,7 @@ mod tests {
 
     #[test]
     fn what_is_as_near_to_two_markers_is_neither() {
-        let dictionary = Dictionary { side: 4, count: 50 };
+        let dictionary = Dictionary::opencv(4, 50);
         assert_eq!(dictionary.identify(0x8001, &[0x8003, 0x8041]), None);
     }
 }

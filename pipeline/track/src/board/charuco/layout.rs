@@ -84,7 +84,7 @@ mod tests {
     use crate::board::charuco::Dictionary;
 
     const BOARD: Charuco =
-        Charuco { columns: 5, rows: 4, square: 0.04, marker: 0.03, dictionary: Dictionary { side: 4, count: 50 } };
+        Charuco { columns: 5, rows: 4, square: 0.04, marker: 0.03, dictionary: Dictionary::opencv(4, 50) };
 
     /// The board seen squarely, 40 px a square, its upper left corner at (100, 50).
     fn seen(parity: usize, number: usize) -> Marker {

@@ -92,7 +92,7 @@ mod tests {
 
     #[test]
     fn a_marker_is_read_with_its_upper_left_corner_first() {
-        let dictionary = Dictionary { side: 4, count: 50 };
+        let dictionary = Dictionary::opencv(4, 50);
         let codes = dictionary.codes(50);
         let quad: Quad = [[29.5, 19.5], [83.5, 19.5], [83.5, 73.5], [29.5, 73.5]];
         for start in 0..4 {
@@ -104,7 +104,7 @@ mod tests {
 
     #[test]
     fn a_quadrilateral_without_a_border_on_white_ground_is_no_marker() {
-        let dictionary = Dictionary { side: 4, count: 50 };
+        let dictionary = Dictionary::opencv(4, 50);
         let codes = dictionary.codes(50);
         let quad: Quad = [[29.5, 19.5], [83.5, 19.5], [83.5, 73.5], [29.5, 73.5]];
         assert_eq!(read(&Gray::filled(120, 100, 60), &quad, dictionary, &codes), None);

@@ -118,7 +118,7 @@ fn no_marker(picture: &Gray, board: &Charuco, quads: usize) -> BoardError {
         let quads = quads::quads(picture, window(picture, WINDOWS[0]));
         quads.iter().filter(|quad| marker::read(picture, quad, *dictionary, &codes).is_some()).count()
     };
-    let other = Dictionary::all().filter(|d| d.count == 50 || d.count == 1000).find(|d| reads(d) >= 3);
+    let other = Dictionary::all().filter(Dictionary::is_telling).find(|d| reads(d) >= 3);
     BoardError::NoMarker { dictionary: board.dictionary, quads, other }
 }
 
