@@ -1,0 +1,66 @@
+//! The input surfaces, against which every change of a surface is held.
+
+use si::Point3;
+use si::vec3::{add, dot, norm, scale, sub};
+
+use crate::geometry::{centroid, distance, normal, samples, unit};
+use crate::tree::{Nearest, Tree};
+
+/// A triangle is sampled at most so finely: 18 points beside its corners.
+const MAX_PARTS: f64 = 5.0;
+/// Opposite walls are those whose normals differ by less than 50° from being parallel.
+const PARALLEL: f64 = 0.64;
+/// Widths are measured from so far off a node, as a share of its distance from the face's middle.
+const OFFSET: f64 = 0.03;
+
+/// A surface to which others stay near.
+#[derive(Debug, Clone)]
+pub(crate) struct Envelope {
+    pub(crate) tree: Tree,
+    normals: Vec<Point3>,
+}
+
+impl Envelope {
+    pub(crate) fn new(triangles: &[[Point3; 3]]) -> Self {
+        Self { tree: Tree::new(triangles), normals: triangles.iter().map(|t| unit(normal(*t))).collect() }
+    }
+
+    pub(crate) fn nearest(&self, at: Point3, reach: f64) -> Option<Nearest> {
+        self.tree.nearest(at, reach)
+    }
+
+    pub(crate) fn normal(&self, triangle: u32) -> Point3 {
+        self.normals[triangle as usize]
+    }
+
+    /// Whether a triangle stays within a distance of the surface, by samples.
+    pub(crate) fn holds(&self, corners: [Point3; 3], reach: f64) -> bool {
+        samples(corners, parts(corners, reach)).all(|p| self.tree.nearest(p, reach).is_some())
+    }
+
+    /// Largest distance of a triangle's samples and corners from the surface.
+    pub(crate) fn departure(&self, corners: [Point3; 3], reach: f64) -> f64 {
+        let all = samples(corners, parts(corners, reach)).chain(corners);
+        all.map(|p| self.tree.nearest(p, f64::INFINITY).map_or(f64::INFINITY, |n| n.distance)).fold(0.0, f64::max)
+    }
+
+    /// Distance from a face to the nearest opposite wall along a unit vector, from a point of the face; crossings nearer than `skip` are none.
+    pub(crate) fn width(&self, corners: [Point3; 3], from: Point3, along: Point3, [skip, reach]: [f64; 2]) -> f64 {
+        // off the corner, which lies on other faces too
+        let offset = scale(sub(centroid(corners), from), OFFSET);
+        // the two faces of a sharp edge are no wall: seen from beside the edge, the other one is not farther than the edge
+        let skip = skip.max(1.2 * norm(offset));
+        let from = add(from, offset);
+        let crossings = self.tree.crossings(from, along, reach);
+        let first = crossings.into_iter().filter(|(t, _)| *t > skip).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        match first {
+            Some((t, triangle)) if dot(self.normal(triangle), along).abs() > PARALLEL => t,
+            _ => f64::INFINITY,
+        }
+    }
+}
+
+fn parts([a, b, c]: [Point3; 3], reach: f64) -> usize {
+    let longest = distance(a, b).max(distance(b, c)).max(distance(c, a));
+    (longest / (3.0 * reach)).ceil().clamp(1.0, MAX_PARTS) as usize
+}

@@ -1,0 +1,40 @@
+//! Which part holds a tetrahedron: generalised winding numbers of its centroid [jacobson2013].
+
+use si::Point3;
+
+use crate::complex::{Complex, OUTSIDE};
+use crate::geometry::centroid;
+use crate::tree::Tree;
+use crate::{Fill, Part};
+
+/// The closed surfaces of all parts; later parts displace earlier ones.
+pub(crate) struct Space {
+    parts: Vec<(Tree, Fill)>,
+}
+
+impl Space {
+    pub(crate) fn new(parts: &[Part]) -> Self {
+        Self { parts: parts.iter().map(|part| (Tree::new(&part.triangles()), part.fill)).collect() }
+    }
+
+    /// The label of a place.
+    pub(crate) fn label(&self, at: Point3) -> u16 {
+        let holding = self.parts.iter().rev().find(|(tree, _)| tree.winding(at) > 0.5);
+        match holding {
+            Some((_, Fill::Region(region))) => *region,
+            _ => OUTSIDE,
+        }
+    }
+}
+
+/// Labels all tetrahedra and takes out those outside.
+pub(crate) fn label_all(complex: &mut Complex, space: &Space) {
+    let tets: Vec<u32> = complex.alive().collect();
+    for tet in tets {
+        let label = space.label(centroid(complex.corners(tet)));
+        complex.labels[tet as usize] = label;
+        if label == OUTSIDE {
+            complex.remove(tet);
+        }
+    }
+}

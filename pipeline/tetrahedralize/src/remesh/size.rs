@@ -1,0 +1,66 @@
+//! Target lengths: the edge asked for, shorter where walls are thin, graded.
+
+use si::vec3::scale;
+
+use super::Remesh;
+use crate::envelope::Envelope;
+use crate::geometry::{normal, unit};
+
+/// The distance from the input is at most this share of a wall, and of a gap: surfaces of one wall may both move, and must not meet.
+const SHARE: f64 = 0.12;
+
+/// What sets the lengths.
+#[derive(Debug, Clone)]
+pub(crate) struct Sizing<'a> {
+    /// Target length away from thin walls.
+    pub(crate) edge: f64,
+    /// Shortest target length.
+    pub(crate) least: f64,
+    /// Target length over the thickness of a wall.
+    pub(crate) aspect: f64,
+    /// Growth of the target length per length.
+    pub(crate) gradation: f64,
+    /// Largest distance from the input.
+    pub(crate) slack: f64,
+    /// All surfaces: walls lie between those of different parts, too.
+    pub(crate) walls: &'a Envelope,
+}
+
+impl Remesh<'_> {
+    /// Sets target lengths and slacks anew.
+    pub(super) fn grade(&mut self, sizing: &Sizing) {
+        for node in 0..self.points.len() {
+            if !self.around[node].is_empty() {
+                let [inside, outside] = self.widths(node as u32, sizing);
+                self.size[node] = (sizing.aspect * inside).clamp(sizing.least, sizing.edge);
+                let narrow = (SHARE * inside.min(outside)).max(0.02 * sizing.slack);
+                self.slack[node] = sizing.slack.min(narrow);
+            }
+        }
+        // sizes grow along edges; a few sweeps over sorted edges spread them far enough, as each sweep goes both ways
+        let edges = self.edges();
+        for _ in 0..4 {
+            for [a, b] in edges.iter().copied().chain(edges.iter().rev().copied()) {
+                let grown = sizing.gradation * self.length([a, b]);
+                let [p, q] = [a, b].map(|n| self.size[n as usize]);
+                self.size[a as usize] = p.min(q + grown);
+                self.size[b as usize] = q.min(p + grown);
+            }
+        }
+    }
+
+    /// Thickness of the wall below a node, and of the gap above it.
+    fn widths(&self, node: u32, sizing: &Sizing) -> [f64; 2] {
+        let at = self.points[node as usize];
+        let mut widths = [f64::INFINITY; 2];
+        for face in &self.around[node as usize] {
+            let corners = self.corners(*face);
+            let upwards = unit(normal(corners));
+            for (width, along) in widths.iter_mut().zip([scale(upwards, -1.0), upwards]) {
+                let reach = [0.05 * sizing.slack, sizing.edge];
+                *width = width.min(sizing.walls.width(corners, at, along, reach));
+            }
+        }
+        widths
+    }
+}
