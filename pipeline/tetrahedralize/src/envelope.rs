@@ -35,7 +35,12 @@ impl Envelope {
 
     /// Whether a triangle stays within a distance of the surface, by samples.
     pub(crate) fn holds(&self, corners: [Point3; 3], reach: f64) -> bool {
-        samples(corners, parts(corners, reach)).all(|p| self.tree.nearest(p, reach).is_some())
+        // neighbouring samples mostly lie on the same triangle: with it as a hint a search of the tree is rare
+        let mut hint = None;
+        samples(corners, parts(corners, reach)).all(|p| {
+            hint = self.tree.within(p, reach, hint);
+            hint.is_some()
+        })
     }
 
     /// Largest distance of a triangle's samples and corners from the surface.

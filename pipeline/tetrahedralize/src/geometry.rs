@@ -83,16 +83,13 @@ pub(crate) fn nearest_on_triangle(at: Point3, [a, b, c]: [Point3; 3]) -> Point3 
     add(a, add(scale(ab, vb / sum), scale(ac, vc / sum)))
 }
 
-/// The sines of shares `(i, j, k)/n` of a triangle, its corners left out.
-pub(crate) fn samples(corners: [Point3; 3], parts: usize) -> impl Iterator<Item = Point3> {
-    let [a, b, c] = corners;
+/// The points of shares `(i, j, k)/n` of a triangle's corners, these left out.
+pub(crate) fn samples([a, b, c]: [Point3; 3], parts: usize) -> impl Iterator<Item = Point3> {
     let n = parts as f64;
-    (0..=parts).flat_map(move |i| (0..=parts - i).map(move |j| (i, j))).filter_map(move |(i, j)| {
-        let k = parts - i - j;
-        if i == parts || j == parts || k == parts {
-            return None;
-        }
-        Some(add(scale(a, i as f64 / n), add(scale(b, j as f64 / n), scale(c, k as f64 / n))))
+    (0..=parts).flat_map(move |i| (0..=parts - i).map(move |j| [i, j, parts - i - j])).filter_map(move |shares| {
+        let [i, j, k] = shares.map(|s| s as f64 / n);
+        let corner = shares.contains(&parts);
+        (!corner).then(|| [0, 1, 2].map(|x| i * a[x] + j * b[x] + k * c[x]))
     })
 }
 

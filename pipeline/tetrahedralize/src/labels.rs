@@ -5,7 +5,7 @@ use si::Point3;
 use crate::complex::{Complex, OUTSIDE};
 use crate::geometry::centroid;
 use crate::tree::Tree;
-use crate::{Fill, Part};
+use crate::Fill;
 
 /// The closed surfaces of all parts; later parts displace earlier ones.
 pub(crate) struct Space {
@@ -13,8 +13,9 @@ pub(crate) struct Space {
 }
 
 impl Space {
-    pub(crate) fn new(parts: &[Part]) -> Self {
-        Self { parts: parts.iter().map(|part| (Tree::new(&part.triangles()), part.fill)).collect() }
+    /// Of the surfaces that were inserted: beside the input, from which they depart a little, thin tetrahedra would be labelled at random.
+    pub(crate) fn new(surfaces: Vec<(Tree, Fill)>) -> Self {
+        Self { parts: surfaces }
     }
 
     /// The label of a place.

@@ -39,8 +39,7 @@ pub fn tetrahedralize(parts: &[Part], set: &Settings) -> Result<Tetrahedra, Refu
     check(parts, set)?;
     let triangles: Vec<[Point3; 3]> = parts.iter().flat_map(Part::triangles).collect();
     let envelope = Envelope::new(&triangles);
-    let skin = remeshed(parts, &envelope, set);
-    let space = Space::new(parts);
+    let (skin, space) = remeshed(parts, &envelope, set);
     eprintln!("remeshed {} faces", skin.faces.len());
     let places: Vec<[Point3; 3]> = skin.faces.iter().map(|f| f.map(|n| skin.points[n as usize])).collect();
     let tree = Tree::new(&places);
@@ -62,6 +61,7 @@ pub fn tetrahedralize(parts: &[Part], set: &Settings) -> Result<Tetrahedra, Refu
     let node_slack = complex.points.iter().map(|p| allowed(p) * 0.95 / SHARE).collect();
     let mut improve = Improve { complex, size: node_size, slack: node_slack, on_skin, envelope: &envelope };
     improve.run(set.rounds);
+    improve.diagnose();
     Ok(compact(&improve.complex))
 }
 
@@ -98,7 +98,7 @@ fn check(parts: &[Part], set: &Settings) -> Result<(), Refusal> {
     Err(Refusal::TooLarge { length, edge: set.edge, elements, limit: set.max_elements })
 }
 
-fn remeshed(parts: &[Part], envelope: &Envelope, set: &Settings) -> Skin {
+fn remeshed(parts: &[Part], envelope: &Envelope, set: &Settings) -> (Skin, Space) {
     let sizing = Sizing {
         edge: set.edge,
         least: set.least,
@@ -108,18 +108,21 @@ fn remeshed(parts: &[Part], envelope: &Envelope, set: &Settings) -> Skin {
         walls: envelope,
     };
     let mut skin = Skin::default();
+    let mut surfaces = Vec::new();
     for part in parts {
         let own = Envelope::new(&part.triangles());
         let mut surface = Remesh::new(part.points.clone(), part.faces.clone(), &own);
         surface.run(&sizing);
         let (points, faces, size, slack) = surface.finish();
+        let places: Vec<[Point3; 3]> = faces.iter().map(|f| f.map(|n| points[n as usize])).collect();
+        surfaces.push((Tree::new(&places), part.fill));
         let first = skin.points.len() as u32;
         skin.points.extend(points);
         skin.faces.extend(faces.into_iter().map(|f| f.map(|n| n + first)));
         skin.size.extend(size);
         skin.slack.extend(slack);
     }
-    skin
+    (skin, Space::new(surfaces))
 }
 
 /// Tetrahedra of which the surfaces are unions of faces.

@@ -103,10 +103,32 @@ impl Tree {
         }
     }
 
+    /// A triangle within `reach` of a point, the hinted one if it is; its place in the tree's order.
+    pub(crate) fn within(&self, at: Point3, reach: f64, hint: Option<u32>) -> Option<u32> {
+        let near = |sorted: u32| distance(at, nearest_on_triangle(at, self.triangles[sorted as usize])) <= reach;
+        if let Some(sorted) = hint.filter(|h| near(*h)) {
+            return Some(sorted);
+        }
+        let mut stack = if self.branches.is_empty() { vec![] } else { vec![0u32] };
+        while let Some(place) = stack.pop() {
+            let branch = &self.branches[place as usize];
+            if self.gap(place, at) > reach {
+                continue;
+            }
+            if branch.second != 0 {
+                stack.extend([branch.second, place + 1]);
+            } else if let Some(sorted) = (branch.first..branch.first + branch.count).find(|s| near(*s)) {
+                return Some(sorted);
+            }
+        }
+        None
+    }
+
     /// Distance of a point from a branch's box.
     fn gap(&self, place: u32, at: Point3) -> f64 {
         let Branch { low, high, .. } = &self.branches[place as usize];
-        norm([0, 1, 2].map(|k| (low[k] - at[k]).max(at[k] - high[k]).max(0.0)))
+        let across = |k: usize| (low[k] - at[k]).max(at[k] - high[k]).max(0.0);
+        norm([across(0), across(1), across(2)])
     }
 
     /// The distances at which a ray along a unit vector crosses triangles within `reach`, with their numbers, unsorted.

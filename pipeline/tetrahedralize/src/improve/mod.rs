@@ -61,6 +61,17 @@ impl Improve<'_> {
         }
     }
 
+    pub(crate) fn diagnose(&self) {
+        for t in self.poor(12.0).into_iter().take(12) {
+            let n = self.complex.tets[t as usize];
+            let kinds: Vec<String> = n.iter().map(|v| { let s = self.complex.skin(*v); if s.is_empty() { "I".into() } else { match self.kind(*v, &s) { Kind::Smooth => "S".to_string(), Kind::Crease(_) => "C".into(), _ => "K".into() } } }).collect();
+            let l: Vec<String> = EDGES.iter().map(|[i, j]| format!("{:.2}", self.length([n[*i], n[*j]]) * 1e3)).collect();
+            let sk: Vec<usize> = EDGES.iter().map(|[i, j]| self.skin_at([n[*i], n[*j]]).len()).collect();
+            let r: Vec<usize> = EDGES.iter().map(|[i, j]| self.complex.ring([n[*i], n[*j]]).len()).collect();
+            eprintln!("E {:.1} {} len {} skinfaces {sk:?} ring {r:?} slack {:.4} size {:.2} at {:?}", distortion(self.complex.corners(t)), kinds.join(""), l.join(" "), self.slack(&n) * 1e3, self.size[n[0] as usize] * 1e3, self.complex.points[n[0] as usize].map(|x| (x * 1e4).round() / 10.0));
+        }
+    }
+
     fn worst(&self) -> f64 {
         self.complex.alive().map(|t| distortion(self.complex.corners(t))).fold(0.0, f64::max)
     }

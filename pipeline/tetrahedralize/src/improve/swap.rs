@@ -62,14 +62,15 @@ impl Improve<'_> {
         let mut chains: Vec<Chain> = Vec::new();
         for &(first, _, label) in starts {
             let mut nodes = vec![first];
-            while let Some((_, next, _)) = after(*nodes.last()?).filter(|s| s.2 == label) {
+            while let Some((_, next, _)) = after(*nodes.last()?).filter(|s| s.2 == label && nodes.len() <= ring.len()) {
                 nodes.push(next);
             }
             chains.push(Chain { nodes, closed: false, label });
         }
         if chains.is_empty() {
             let mut nodes = vec![steps[0].0];
-            while let Some((_, next, _)) = after(*nodes.last()?).filter(|s| s.1 != nodes[0]) {
+            let ends = |s: &(u32, u32, u16), count: usize| s.1 == steps[0].0 || count > ring.len();
+            while let Some((_, next, _)) = after(*nodes.last()?).filter(|s| !ends(s, nodes.len())) {
                 nodes.push(next);
             }
             let label = steps[0].2;
