@@ -29,6 +29,8 @@ struct Skin {
     faces: Vec<[u32; 3]>,
     size: Vec<f64>,
     slack: Vec<f64>,
+    lines: Vec<[Point3; 2]>,
+    corners: Vec<Point3>,
 }
 
 /// Fills surfaces with tetrahedra.
@@ -59,7 +61,10 @@ pub fn tetrahedralize(parts: &[Part], set: &Settings) -> Result<Tetrahedra, Refu
     let node_size = complex.points.iter().map(|p| field.value(*p)[0]).collect();
     let allowed = |p: &Point3| tree.nearest(*p, f64::INFINITY).map_or(0.0, |near| slack[near.triangle as usize]);
     let node_slack = complex.points.iter().map(|p| allowed(p) * 0.95 / SHARE).collect();
-    let mut improve = Improve { complex, size: node_size, slack: node_slack, on_skin, envelope: &envelope };
+    let lines = Tree::new(&skin.lines.iter().map(|[a, b]| [*a, *b, *b]).collect::<Vec<_>>());
+    let corners = Tree::new(&skin.corners.iter().map(|a| [*a; 3]).collect::<Vec<_>>());
+    let mut improve =
+        Improve { complex, size: node_size, slack: node_slack, on_skin, envelope: &envelope, lines, corners };
     improve.run(set.rounds);
     improve.diagnose();
     Ok(compact(&improve.complex))
@@ -114,6 +119,9 @@ fn remeshed(parts: &[Part], envelope: &Envelope, set: &Settings) -> (Skin, Space
         let mut surface = Remesh::new(part.points.clone(), part.faces.clone(), &own);
         surface.run(&sizing);
         let (points, faces, size, slack) = surface.finish();
+        let (lines, corners) = surface.features();
+        skin.lines.extend(lines);
+        skin.corners.extend(corners);
         let places: Vec<[Point3; 3]> = faces.iter().map(|f| f.map(|n| points[n as usize])).collect();
         surfaces.push((Tree::new(&places), part.fill));
         let first = skin.points.len() as u32;

@@ -9,14 +9,15 @@ mod split;
 mod swap;
 
 use si::Point3;
-use si::vec3::{dot, sub};
+use si::vec3::dot;
 
 use crate::complex::Complex;
 use crate::delaunay::sorted;
 use crate::envelope::Envelope;
-use crate::geometry::{distance, distortion, flatness, normal, unit};
+use crate::geometry::{centroid, distance, distortion, flatness, normal, unit};
 use crate::insertion::EDGES;
-use crate::remesh::{Kind, SHARP, STRAIGHT};
+use crate::remesh::{Kind, SHARP};
+use crate::tree::Tree;
 
 /// Elements of a larger distortion are worked on: 10 is a dihedral angle of some 5°.
 pub(crate) const POOR: f64 = 8.0;
@@ -32,6 +33,9 @@ pub(crate) struct Improve<'a> {
     /// Whether a node lies between unlike labels.
     pub(crate) on_skin: Vec<bool>,
     pub(crate) envelope: &'a Envelope,
+    /// Sharp edges of the surfaces, and their corners, as degenerate triangles.
+    pub(crate) lines: Tree,
+    pub(crate) corners: Tree,
 }
 
 impl Improve<'_> {
@@ -127,33 +131,44 @@ impl Improve<'_> {
         near.sort_unstable();
         near.dedup();
         let at_edge = |n: u32| skin.iter().copied().filter(move |f| f.contains(&n)).collect::<Vec<_>>();
-        let features: Vec<u32> = near.into_iter().filter(|n| self.is_feature(&at_edge(*n))).collect();
+        let features: Vec<u32> = near.into_iter().filter(|n| self.is_feature(&at_edge(*n), [node, *n])).collect();
+        let corner = || self.corners.within(self.complex.points[node as usize], self.slack[node as usize], None).is_some();
         match features.as_slice() {
             [] => Kind::Smooth,
-            &[p, q] => {
-                let [p_, q_, at] = self.complex.places([p, q, node]);
-                let straight = dot(unit(sub(at, p_)), unit(sub(q_, at))) > STRAIGHT;
-                if straight { Kind::Crease([p, q]) } else { Kind::Corner }
-            }
-            _ => Kind::Corner,
+            _ if corner() => Kind::Corner,
+            _ => Kind::Crease(features),
         }
     }
 
     /// Whether the faces at an edge make it one that keeps its line.
-    fn is_feature(&self, faces: &[[u32; 3]]) -> bool {
+    ///
+    /// A sharp edge away from the surfaces' own is a dent that a refused split has left, and is to vanish.
+    fn is_feature(&self, faces: &[[u32; 3]], edge: [u32; 2]) -> bool {
         let &[f, g] = faces else { return true };
         let corners = [f, g].map(|n| self.complex.places(n));
         if corners.iter().any(|c| flatness(*c) < FLAT) {
             return false;
         }
         let [m, n] = corners.map(|c| unit(normal(c)));
-        dot(m, n) < SHARP
+        dot(m, n) < SHARP && {
+            let middle = centroid(self.complex.places(edge));
+            self.lines.within(middle, self.slack(&edge), None).is_some()
+        }
     }
 
     /// Whether a face between unlike labels may take the place of another.
     fn may_become(&self, old: [Point3; 3], new: [Point3; 3], reach: f64) -> bool {
-        let turned = flatness(old) >= FLAT && dot(unit(normal(old)), unit(normal(new))) < SHARP;
-        flatness(new) >= 0.1 * FLAT && !turned && self.near(new, reach)
+        if flatness(new) < 0.1 * FLAT || !self.near(new, reach) {
+            return false;
+        }
+        let upwards = unit(normal(new));
+        let turn = dot(unit(normal(old)), upwards);
+        if turn > SHARP || flatness(old) < FLAT {
+            return true;
+        }
+        // a dent becomes flat when its faces turn to the surface's normal, of either sign between regions
+        let foot = self.envelope.nearest(centroid(new), 2.0 * reach);
+        turn > -0.2 && foot.is_some_and(|foot| dot(self.envelope.normal(foot.triangle), upwards).abs() > SHARP)
     }
 
     fn near(&self, face: [Point3; 3], reach: f64) -> bool {

@@ -135,7 +135,7 @@ impl Improve<'_> {
         let nodes = &chains[0].nodes;
         let (first, last) = (nodes[0], nodes[nodes.len() - 1]);
         let faces = self.skin_at([a, b]);
-        if faces.len() != 2 || self.is_feature(&faces) || !self.skin_at([first, last]).is_empty() {
+        if faces.len() != 2 || self.is_feature(&faces, [a, b]) || !self.skin_at([first, last]).is_empty() {
             return false;
         }
         if chains.iter().all(|c| c.nodes.len() == 2) {

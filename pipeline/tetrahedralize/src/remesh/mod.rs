@@ -32,11 +32,11 @@ const ROUNDS: usize = 6;
 const GONE: u32 = u32::MAX;
 
 /// How a node may move.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Kind {
     Smooth,
-    /// Along a feature between two other nodes.
-    Crease([u32; 2]),
+    /// Along a feature, to one of these nodes.
+    Crease(Vec<u32>),
     Corner,
 }
 
@@ -100,6 +100,14 @@ impl<'a> Remesh<'a> {
             }
         }
         (points, faces.iter().map(|f| f.map(|n| number[n as usize])).collect(), size, slack)
+    }
+
+    /// Lines and points that are kept.
+    pub(crate) fn features(&self) -> (Vec<[Point3; 2]>, Vec<Point3>) {
+        let at = |n: u32| self.points[n as usize];
+        let lines = self.edges().into_iter().filter(|e| self.is_feature(*e)).map(|[a, b]| [at(a), at(b)]).collect();
+        let nodes = (0..self.points.len() as u32).filter(|n| !self.around[*n as usize].is_empty());
+        (lines, nodes.filter(|n| self.kind(*n) == Kind::Corner).map(at).collect())
     }
 
     fn mean_edge(&self, node: u32) -> f64 {
@@ -187,7 +195,7 @@ impl<'a> Remesh<'a> {
             &[p, q] => {
                 let [p_, q_, at] = self.places([p, q, node]);
                 let straight = dot(unit(sub(at, p_)), unit(sub(q_, at))) > STRAIGHT;
-                if straight { Kind::Crease([p, q]) } else { Kind::Corner }
+                if straight { Kind::Crease(features) } else { Kind::Corner }
             }
             _ => Kind::Corner,
         }
