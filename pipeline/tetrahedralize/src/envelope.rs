@@ -49,13 +49,19 @@ impl Envelope {
         all.map(|p| self.tree.nearest(p, f64::INFINITY).map_or(f64::INFINITY, |n| n.distance)).fold(0.0, f64::max)
     }
 
-    /// Distance from a face to the nearest opposite wall along a unit vector, from a point of the face; crossings nearer than `skip` are none.
-    pub(crate) fn width(&self, corners: [Point3; 3], from: Point3, along: Point3, [skip, reach]: [f64; 2]) -> f64 {
-        // off the corner, which lies on other faces too
-        let offset = scale(sub(centroid(corners), from), OFFSET);
+    /// Thickness of the wall below a face, and of the gap above it, near one of its corners; crossings nearer than `skip` are none.
+    ///
+    /// Origin and direction are the input's: a remeshed sliver's normal would look along its own surface.
+    pub(crate) fn widths(&self, corners: [Point3; 3], near: Point3, [skip, reach]: [f64; 2]) -> [f64; 2] {
+        let offset = scale(sub(centroid(corners), near), OFFSET);
+        let Some(foot) = self.nearest(add(near, offset), f64::INFINITY) else { return [f64::INFINITY; 2] };
         // the two faces of a sharp edge are no wall: seen from beside the edge, the other one is not farther than the edge
         let skip = skip.max(1.2 * norm(offset));
-        let from = add(from, offset);
+        let upwards = self.normal(foot.triangle);
+        [scale(upwards, -1.0), upwards].map(|along| self.width(foot.point, along, [skip, reach]))
+    }
+
+    fn width(&self, from: Point3, along: Point3, [skip, reach]: [f64; 2]) -> f64 {
         let crossings = self.tree.crossings(from, along, reach);
         let first = crossings.into_iter().filter(|(t, _)| *t > skip).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         match first {

@@ -4,7 +4,7 @@ use si::Point3;
 use si::vec3::dot;
 
 use super::{FLAT, Kind, LONG, Remesh, SHORT};
-use crate::geometry::{flatness, normal, unit};
+use crate::geometry::{centroid, flatness, normal, unit};
 
 /// New triangles are not flatter than this, unless the flattest old one was.
 const LEAST_FLATNESS: f64 = 0.12;
@@ -13,7 +13,8 @@ const TURN: f64 = 0.7;
 
 impl Remesh<'_> {
     /// Collapses short edges, the shortest first, and those of flat triangles.
-    pub(super) fn collapse_edges(&mut self) {
+    pub(super) fn collapse_edges(&mut self) -> usize {
+        let mut count = 0;
         let mut short: Vec<(f64, [u32; 2])> = self.edges().into_iter().map(|e| (self.ratio(e), e)).collect();
         short.retain(|(ratio, _)| *ratio < SHORT);
         short.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -21,10 +22,9 @@ impl Remesh<'_> {
             if self.wings([a, b]).is_empty() || self.ratio([a, b]) >= SHORT {
                 continue;
             }
-            if !self.collapse(a, b) {
-                self.collapse(b, a);
-            }
+            count += usize::from(self.collapse(a, b) || self.collapse(b, a));
         }
+        count
     }
 
     /// Moves a node onto another where the surface allows it.
@@ -44,7 +44,7 @@ impl Remesh<'_> {
         let new: Vec<[u32; 3]> = survivors.iter().map(moved).collect();
         let reach = self.slack(&[gone, kept]);
         let shaped = survivors.iter().zip(&new).all(|(f, nodes)| self.keeps_shape(*f, *nodes));
-        let long = new.iter().flatten().any(|n| *n != kept && self.ratio([*n, kept]) > LONG.max(self.ratio([*n, gone])));
+        let long = new.iter().flatten().any(|n| *n != kept && self.ratio([*n, kept]) > LONG.max(1.1 * self.ratio([*n, gone])));
         if new.is_empty() || !shaped || long || self.worsens(&star, &new) {
             return false;
         }
@@ -63,7 +63,15 @@ impl Remesh<'_> {
 
     fn keeps_shape(&self, face: u32, nodes: [u32; 3]) -> bool {
         let (old, new) = (self.corners(face), self.places(nodes));
-        flatness(new) > FLAT && (flatness(old) < 10.0 * FLAT || aligned(old, new))
+        if flatness(new) <= FLAT {
+            return false;
+        }
+        if flatness(old) >= 10.0 * FLAT {
+            return aligned(old, new);
+        }
+        // the normal of a sliver is rounding; the input's is not
+        let foot = self.envelope.nearest(centroid(new), f64::INFINITY);
+        foot.is_some_and(|foot| dot(unit(normal(new)), self.envelope.normal(foot.triangle)) > TURN)
     }
 
     fn worsens(&self, old: &[u32], new: &[[u32; 3]]) -> bool {

@@ -72,8 +72,14 @@ impl<'a> Remesh<'a> {
         self.grade(sizing);
         for round in 0..ROUNDS {
             self.flip_edges();
-            self.collapse_edges();
-            self.flip_edges();
+            // strips around fillets merge pair by pair
+            for _ in 0..4 {
+                let count = self.collapse_edges();
+                self.flip_edges();
+                if 50 * count < self.points.len() {
+                    break;
+                }
+            }
             self.split_edges();
             self.relax_nodes();
             // sizes of new nodes are interpolated, those of nodes on faces that were large at first are seen only now

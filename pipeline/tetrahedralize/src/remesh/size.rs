@@ -1,10 +1,7 @@
 //! Target lengths: the edge asked for, shorter where walls are thin, graded.
 
-use si::vec3::scale;
-
 use super::Remesh;
 use crate::envelope::Envelope;
-use crate::geometry::{normal, unit};
 
 /// The distance from the input is at most this share of a wall, and of a gap: surfaces of one wall may both move, and must not meet.
 const SHARE: f64 = 0.12;
@@ -54,12 +51,9 @@ impl Remesh<'_> {
         let at = self.points[node as usize];
         let mut widths = [f64::INFINITY; 2];
         for face in &self.around[node as usize] {
-            let corners = self.corners(*face);
-            let upwards = unit(normal(corners));
-            for (width, along) in widths.iter_mut().zip([scale(upwards, -1.0), upwards]) {
-                let reach = [0.05 * sizing.slack, sizing.edge];
-                *width = width.min(sizing.walls.width(corners, at, along, reach));
-            }
+            let reach = [0.05 * sizing.slack, sizing.edge];
+            let measured = sizing.walls.widths(self.corners(*face), at, reach);
+            widths = [0, 1].map(|k| f64::min(widths[k], measured[k]));
         }
         widths
     }
