@@ -4,6 +4,7 @@
 //! |------|------|
 //! | STL files to welded [`Surface`]s, and back | [`stl`] |
 //! | a body and a plane sheet to a [`TetMesh`] | [`mesh`], [`mesh_without_sheet`] |
+//! | bodies of any shape | [`mesh_general`] |
 //! | columns over a triangulated plan | [`stack`] |
 //! | ten-node elements | [`quadratic`] |
 //! | files of gmsh, VTK, MEDIT and TetGen | [`foreign`] |
@@ -29,7 +30,7 @@
 //! # Ok::<(), mesh::MeshError>(())
 //! ```
 //!
-//! Depends on `si`, spade (constrained Delaunay triangulation of the plan) and the parsers of the file formats.
+//! Depends on `si`, `tetrahedralize` (bodies that are no columns), spade (constrained Delaunay triangulation of the plan) and the parsers of the file formats.
 
 mod cavities;
 mod choice;
@@ -39,6 +40,7 @@ mod distance;
 mod embed;
 pub mod foreign;
 pub mod frame;
+mod general;
 mod hexahedra;
 mod quadratic;
 mod quadratic_face;
@@ -58,6 +60,7 @@ pub use cavities::{Cavity, cavities};
 pub use choice::{Chosen, ElementChoice, ElementName, mesh_chosen};
 pub use columns::{Grading, MeshError, Settings, mesh, mesh_in_hexahedra, mesh_without_sheet};
 pub use embed::{Spot, embed};
+pub use general::{Method, mesh_general};
 pub use quadratic::{QuadraticElements, QuadraticMesh, quadratic};
 pub use quadratic_face::QuadraticFace;
 pub use solid::Solid;
