@@ -29,11 +29,6 @@ impl Complex {
         Self { points, tets, labels, around, free: Vec::new() }
     }
 
-    /// Number of tetrahedra, those that are no more included.
-    pub(crate) fn len(&self) -> usize {
-        self.tets.len()
-    }
-
     pub(crate) fn exists(&self, tet: u32) -> bool {
         self.tets[tet as usize][0] != GONE
     }
@@ -76,6 +71,12 @@ impl Complex {
         }
         self.tets[tet as usize] = [GONE; 4];
         self.free.push(tet);
+    }
+
+    /// Takes out all tetrahedra of a label.
+    pub(crate) fn remove_label(&mut self, label: u16) {
+        let tets: Vec<u32> = self.alive().filter(|t| self.labels[*t as usize] == label).collect();
+        tets.into_iter().for_each(|t| self.remove(t));
     }
 
     pub(crate) fn add(&mut self, nodes: [u32; 4], label: u16) -> u32 {

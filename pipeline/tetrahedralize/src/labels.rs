@@ -28,14 +28,10 @@ impl Space {
     }
 }
 
-/// Labels all tetrahedra and takes out those outside.
+/// Labels all tetrahedra.
 pub(crate) fn label_all(complex: &mut Complex, space: &Space) {
     let tets: Vec<u32> = complex.alive().collect();
     for tet in tets {
-        let label = space.label(centroid(complex.corners(tet)));
-        complex.labels[tet as usize] = label;
-        if label == OUTSIDE {
-            complex.remove(tet);
-        }
+        complex.labels[tet as usize] = space.label(centroid(complex.corners(tet)));
     }
 }

@@ -40,6 +40,7 @@ mod lattice;
 mod pipeline;
 mod refusal;
 mod remesh;
+mod topology;
 mod tree;
 
 pub use pipeline::tetrahedralize;

@@ -11,13 +11,18 @@ use crate::insertion::insert_triangle;
 use crate::labels::{Space, label_all};
 use crate::lattice::{SizeField, lattice};
 use crate::remesh::{Remesh, Sizing};
+use crate::topology::clean_labels;
 use crate::tree::Tree;
 use crate::{Part, Refusal, Settings, Tetrahedra};
 
+/// Distances are sampled: what is held to this share of the envelope keeps to it in between.
+const MARGIN: f64 = 0.8;
 /// Share of the envelope that the remeshed surface may use; what is left is for the tetrahedra's own changes of it.
 const SHARE: f64 = 0.6;
 /// A node lies on a triangle's plane when it is nearer than this share of the distance allowed there.
 const ON_PLANE: f64 = 0.05;
+/// Parts of less than the cube of this share of an edge are splinters, not chambers.
+const SPECK: f64 = 0.05;
 /// Volume of a regular tetrahedron, and area of an equilateral triangle, over powers of their edge.
 const TETRAHEDRON: f64 = 0.117_85;
 const TRIANGLE: f64 = 0.433;
@@ -40,9 +45,9 @@ struct Skin {
 pub fn tetrahedralize(parts: &[Part], set: &Settings) -> Result<Tetrahedra, Refusal> {
     check(parts, set)?;
     let triangles: Vec<[Point3; 3]> = parts.iter().flat_map(Part::triangles).collect();
-    let envelope = Envelope::new(&triangles);
+    let set = &Settings { envelope: MARGIN * set.envelope, ..*set };
+    let envelope = Envelope::new(&triangles, set.edge);
     let (skin, space) = remeshed(parts, &envelope, set);
-    eprintln!("remeshed {} faces", skin.faces.len());
     let places: Vec<[Point3; 3]> = skin.faces.iter().map(|f| f.map(|n| skin.points[n as usize])).collect();
     let tree = Tree::new(&places);
     let least = |values: &[f64]| -> Vec<f64> {
@@ -51,12 +56,12 @@ pub fn tetrahedralize(parts: &[Part], set: &Settings) -> Result<Tetrahedra, Refu
     let (size, slack) = (least(&skin.size), least(&skin.slack));
     let field = SizeField { tree: &tree, size: &size, gradation: set.gradation, edge: set.edge };
     let mut complex = conforming(&skin, &field, &space);
-    eprintln!("inserted {}", complex.alive().count());
     label_all(&mut complex, &space);
+    clean_labels(&mut complex, (SPECK * set.edge).powi(3));
+    complex.remove_label(OUTSIDE);
     if complex.alive().next().is_none() {
         return Err(Refusal::Nothing { at: triangles[0][0] });
     }
-    eprintln!("labelled {}", complex.alive().count());
     let (on_skin, _) = complex.whole_skin();
     let node_size = complex.points.iter().map(|p| field.value(*p)[0]).collect();
     let allowed = |p: &Point3| tree.nearest(*p, f64::INFINITY).map_or(0.0, |near| slack[near.triangle as usize]);
@@ -66,7 +71,6 @@ pub fn tetrahedralize(parts: &[Part], set: &Settings) -> Result<Tetrahedra, Refu
     let mut improve =
         Improve { complex, size: node_size, slack: node_slack, on_skin, envelope: &envelope, lines, corners };
     improve.run(set.rounds);
-    improve.diagnose();
     Ok(compact(&improve.complex))
 }
 
@@ -115,7 +119,7 @@ fn remeshed(parts: &[Part], envelope: &Envelope, set: &Settings) -> (Skin, Space
     let mut skin = Skin::default();
     let mut surfaces = Vec::new();
     for part in parts {
-        let own = Envelope::new(&part.triangles());
+        let own = Envelope::new(&part.triangles(), set.edge);
         let mut surface = Remesh::new(part.points.clone(), part.faces.clone(), &own);
         surface.run(&sizing);
         let (points, faces, size, slack) = surface.finish();
@@ -136,12 +140,10 @@ fn remeshed(parts: &[Part], envelope: &Envelope, set: &Settings) -> (Skin, Space
 /// Tetrahedra of which the surfaces are unions of faces.
 fn conforming(skin: &Skin, field: &SizeField, space: &Space) -> Complex {
     let inner = lattice(field, &skin.points, &|at| space.label(at) != OUTSIDE);
-    eprintln!("lattice {}", inner.len());
     let mut delaunay = Delaunay::around(&skin.points);
     let numbers = delaunay.insert_all(&skin.points);
     delaunay.insert_all(&inner);
     let tets = delaunay.tetrahedra();
-    eprintln!("delaunay {}", tets.len());
     let labels = vec![0; tets.len()];
     let mut complex = Complex::new(delaunay.points, tets, labels);
     // a second time for triangles whose splits were refused: others have changed the tetrahedra since

@@ -3,6 +3,7 @@
 //! Each is refused when it inverts an element, lets a face between unlike labels leave the envelope, or changes how the faces of a label are joined
 //! [hu2018]. The measure is the inverse mean ratio, whose derivative is closed, not the dihedral angle, which has none where it matters.
 
+mod balance;
 mod collapse;
 mod smooth;
 mod split;
@@ -47,9 +48,9 @@ impl Improve<'_> {
             }
             self.collapse_short();
             self.swap_poor(3.0);
-            self.smooth_all();
+            self.smooth_all(1.8);
             self.swap_poor(2.0);
-            self.smooth_all();
+            self.smooth_all(1.8);
         }
         for _ in 0..2 * rounds {
             if self.worst() < POOR {
@@ -57,23 +58,14 @@ impl Improve<'_> {
             }
             self.collapse_poor();
             self.split_poor();
-            self.swap_poor(2.0);
-            self.smooth_all();
+            self.swap_poor(4.0);
+            self.smooth_all(4.0);
             self.collapse_short();
-            self.swap_poor(2.0);
-            self.smooth_all();
+            self.swap_poor(4.0);
+            self.smooth_all(4.0);
         }
-    }
-
-    pub(crate) fn diagnose(&self) {
-        for t in self.poor(12.0).into_iter().take(12) {
-            let n = self.complex.tets[t as usize];
-            let kinds: Vec<String> = n.iter().map(|v| { let s = self.complex.skin(*v); if s.is_empty() { "I".into() } else { match self.kind(*v, &s) { Kind::Smooth => "S".to_string(), Kind::Crease(_) => "C".into(), _ => "K".into() } } }).collect();
-            let l: Vec<String> = EDGES.iter().map(|[i, j]| format!("{:.2}", self.length([n[*i], n[*j]]) * 1e3)).collect();
-            let sk: Vec<usize> = EDGES.iter().map(|[i, j]| self.skin_at([n[*i], n[*j]]).len()).collect();
-            let r: Vec<usize> = EDGES.iter().map(|[i, j]| self.complex.ring([n[*i], n[*j]]).len()).collect();
-            eprintln!("E {:.1} {} len {} skinfaces {sk:?} ring {r:?} slack {:.4} size {:.2} at {:?}", distortion(self.complex.corners(t)), kinds.join(""), l.join(" "), self.slack(&n) * 1e3, self.size[n[0] as usize] * 1e3, self.complex.points[n[0] as usize].map(|x| (x * 1e4).round() / 10.0));
-        }
+        self.balance();
+        self.balance();
     }
 
     fn worst(&self) -> f64 {

@@ -11,11 +11,11 @@ use crate::remesh::Kind;
 const HALVINGS: usize = 4;
 
 impl Improve<'_> {
-    /// Smooths every node once, in the order of their numbers.
-    pub(super) fn smooth_all(&mut self) {
+    /// Smooths every node beside an element of more than a distortion once, in the order of their numbers.
+    pub(super) fn smooth_all(&mut self, limit: f64) {
         for node in 0..self.complex.points.len() as u32 {
             let worst = self.worst_of(self.complex.star(node));
-            if worst > 1.6 {
+            if worst > limit {
                 self.smooth(node);
             }
         }

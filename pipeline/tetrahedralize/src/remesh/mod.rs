@@ -69,7 +69,7 @@ impl<'a> Remesh<'a> {
 
     /// Brings edges to their lengths.
     pub(crate) fn run(&mut self, sizing: &Sizing) {
-        self.grade(sizing);
+        self.grade(sizing, 0);
         for round in 0..ROUNDS {
             self.flip_edges();
             // strips around fillets merge pair by pair
@@ -84,7 +84,7 @@ impl<'a> Remesh<'a> {
             self.relax_nodes();
             // sizes of new nodes are interpolated, those of nodes on faces that were large at first are seen only now
             if round < 4 {
-                self.grade(sizing);
+                self.grade(sizing, round + 1);
             }
         }
         self.flip_edges();

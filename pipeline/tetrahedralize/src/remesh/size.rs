@@ -2,9 +2,15 @@
 
 use super::Remesh;
 use crate::envelope::Envelope;
+use crate::geometry::{distance, flatness};
 
 /// The distance from the input is at most this share of a wall, and of a gap: surfaces of one wall may both move, and must not meet.
 const SHARE: f64 = 0.12;
+
+/// Target length over the height of the triangles of a strip.
+const STRIP: f64 = 4.0;
+/// Strips narrower than this share of an edge are not followed further.
+const NARROW: f64 = 0.2;
 
 /// What sets the lengths.
 #[derive(Debug, Clone)]
@@ -25,11 +31,13 @@ pub(crate) struct Sizing<'a> {
 
 impl Remesh<'_> {
     /// Sets target lengths and slacks anew.
-    pub(super) fn grade(&mut self, sizing: &Sizing) {
+    pub(super) fn grade(&mut self, sizing: &Sizing, round: usize) {
         for node in 0..self.points.len() {
             if !self.around[node].is_empty() {
                 let [inside, outside] = self.widths(node as u32, sizing);
-                self.size[node] = (sizing.aspect * inside).clamp(sizing.least, sizing.edge);
+                // strips that the envelope keeps narrow get triangles of their width; slivers across plane faces are gone by then
+                let narrow = if round >= 2 { (STRIP * self.mean_height(node as u32)).max(NARROW * sizing.edge) } else { f64::INFINITY };
+                self.size[node] = (sizing.aspect * inside).min(narrow).clamp(sizing.least, sizing.edge);
                 let narrow = (SHARE * inside.min(outside)).max(0.02 * sizing.slack);
                 self.slack[node] = sizing.slack.min(narrow);
             }
@@ -44,6 +52,17 @@ impl Remesh<'_> {
                 self.size[b as usize] = q.min(p + grown);
             }
         }
+    }
+
+    /// The mean least height of the faces around a node.
+    fn mean_height(&self, node: u32) -> f64 {
+        let height = |face: &u32| {
+            let corners = self.corners(*face);
+            let [a, b, c] = corners;
+            flatness(corners) * distance(a, b).max(distance(b, c)).max(distance(c, a))
+        };
+        let star = &self.around[node as usize];
+        star.iter().map(height).sum::<f64>() / star.len() as f64
     }
 
     /// Thickness of the wall below a node, and of the gap above it.
