@@ -37,12 +37,14 @@ mod improve;
 mod insertion;
 mod labels;
 mod lattice;
+mod orient;
 mod pipeline;
 mod refusal;
 mod remesh;
 mod topology;
 mod tree;
 
+pub use orient::Repair;
 pub use pipeline::tetrahedralize;
 pub use refusal::Refusal;
 
@@ -110,6 +112,8 @@ pub struct Tetrahedra {
     pub tets: Vec<[u32; 4]>,
     /// Region of each.
     pub regions: Vec<u16>,
+    /// What was changed of the surfaces before.
+    pub repairs: Vec<Repair>,
 }
 
 impl Tetrahedra {

@@ -10,10 +10,11 @@ use crate::improve::Improve;
 use crate::insertion::insert_triangle;
 use crate::labels::{Space, label_all};
 use crate::lattice::{SizeField, lattice};
+use crate::orient::{orient, without_degenerate};
 use crate::remesh::{Remesh, Sizing};
 use crate::topology::clean_labels;
 use crate::tree::Tree;
-use crate::{Part, Refusal, Settings, Tetrahedra};
+use crate::{Part, Refusal, Repair, Settings, Tetrahedra};
 
 /// Distances are sampled: what is held to this share of the envelope keeps to it in between.
 const MARGIN: f64 = 0.8;
@@ -44,6 +45,9 @@ struct Skin {
 /// [`Refusal`], which names the part, the face or the place; before anything is made, when that would take too much memory.
 pub fn tetrahedralize(parts: &[Part], set: &Settings) -> Result<Tetrahedra, Refusal> {
     check(parts, set)?;
+    let oriented: Vec<(Part, Vec<Repair>)> = parts.iter().map(|part| orient(&without_degenerate(part))).collect();
+    let (parts, repairs): (Vec<Part>, Vec<Vec<Repair>>) = oriented.into_iter().unzip();
+    let parts = parts.as_slice();
     let triangles: Vec<[Point3; 3]> = parts.iter().flat_map(Part::triangles).collect();
     let set = &Settings { envelope: MARGIN * set.envelope, ..*set };
     let envelope = Envelope::new(&triangles, set.edge);
@@ -71,7 +75,7 @@ pub fn tetrahedralize(parts: &[Part], set: &Settings) -> Result<Tetrahedra, Refu
     let mut improve =
         Improve { complex, size: node_size, slack: node_slack, on_skin, envelope: &envelope, lines, corners };
     improve.run(set.rounds);
-    Ok(compact(&improve.complex))
+    Ok(Tetrahedra { repairs: repairs.concat(), ..compact(&improve.complex) })
 }
 
 /// Whether there is something to mesh, and not too much.
