@@ -35,13 +35,14 @@ impl Method {
 pub fn mesh_general(body: &Surface, spine: Option<&Surface>, set: &Settings) -> Result<(TetMesh, Report), MeshError> {
     let parts: Vec<Part> = [Some(body), spine].into_iter().flatten().zip(0..).map(|(s, r)| part(s, r)).collect();
     let made = tetrahedralize(&parts, &tetrahedralize::Settings::new(set.edge))?;
+    let repairs = made.repairs.iter().map(ToString::to_string).collect();
     let raw = RawMesh::of_tetrahedra(made.nodes, &made.tets, &made.regions);
     let mesh = match raw.check(1.0, false)?.solid {
         Solid::Linear(mesh) => mesh,
         Solid::Quadratic(mesh) => Solid::Quadratic(mesh).to_linear(),
     };
     let report = report(&mesh, (body, spine), set)?;
-    Ok((mesh, report))
+    Ok((mesh, Report { repairs, ..report }))
 }
 
 fn part(surface: &Surface, region: u16) -> Part {

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use ::mesh::{ElementName, Method};
 use ::mesh::Skin;
 use ::mesh::foreign::{ForeignMesh, HexahedralMesh, NamedSurface, RawMesh, Region};
+use ::mesh::{ElementName, Method};
 use diagnostics::Diagnostic;
 use fem::Elements;
 use numpy::{PyArray1, PyReadonlyArray1};
@@ -305,7 +305,17 @@ fn chamber(walls: &[[u32; 8]]) -> fem::Chamber {
 fn source(millimetres: bool, order: Option<u8>, half: bool) -> Source {
     let order = order.map(|order| if order == 1 { Order::Linear } else { Order::Quadratic });
     let unit = if millimetres { Unit::Mm } else { Unit::M };
-    Source { file: None, body: None, spine: None, edge: None, unit, order, elements: ElementName::default(), method: Method::default(), half }
+    Source {
+        file: None,
+        body: None,
+        spine: None,
+        edge: None,
+        unit,
+        order,
+        elements: ElementName::default(),
+        method: Method::default(),
+        half,
+    }
 }
 
 fn loaded(mesh: Source, folder: PathBuf) -> PyResult<Mesh> {

@@ -121,6 +121,7 @@ fn from_surfaces(mesh: &Source, folder: &Path) -> Result<Loaded> {
         notes.push(HALF.to_owned());
         made = meshed(false)?;
     }
+    notes.extend(made.report.repairs.iter().cloned());
     let refusals = [("tetrahedra, not hexahedra", made.not_hexahedra), ("general, not in columns", made.not_columns)];
     let refusals = refusals.into_iter().filter_map(|(instead, why)| Some((instead, why?)));
     notes.extend(refusals.map(|(instead, why)| format!("{instead}: {}", Diagnostic::from(why).what)));

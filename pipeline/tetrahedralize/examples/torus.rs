@@ -26,6 +26,10 @@ fn main() -> Result<(), Refusal> {
     let solid = tetrahedralize(&[torus(large, small, [96, 48])], &Settings::new(4e-3))?;
     let least = solid.smallest_angles().into_iter().fold(f64::INFINITY, f64::min).to_degrees();
     let exact = TAU * std::f64::consts::PI * large * small * small;
-    println!("{} tetrahedra, smallest angle {least:.1}°, volume {:.4} of 2π²Rr²", solid.tets.len(), solid.volume(0) / exact);
+    println!(
+        "{} tetrahedra, smallest angle {least:.1}°, volume {:.4} of 2π²Rr²",
+        solid.tets.len(),
+        solid.volume(0) / exact
+    );
     Ok(())
 }

@@ -234,8 +234,7 @@ mod tests {
 
     #[test]
     fn cospherical_points_of_a_lattice_fill_the_box_with_positive_tetrahedra() {
-        let lattice: Vec<Point3> =
-            (0..216).map(|i| [(i % 6) as f64, (i / 6 % 6) as f64, (i / 36) as f64]).collect();
+        let lattice: Vec<Point3> = (0..216).map(|i| [(i % 6) as f64, (i / 6 % 6) as f64, (i / 36) as f64]).collect();
         check(&lattice);
     }
 

@@ -75,7 +75,8 @@ impl Envelope {
 
     fn width(&self, from: Point3, along: Point3, [skip, reach]: [f64; 2]) -> f64 {
         let crossings = self.tree.crossings(from, along, reach);
-        let first = crossings.into_iter().filter(|(t, _)| *t > skip).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let first =
+            crossings.into_iter().filter(|(t, _)| *t > skip).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         match first {
             Some((t, triangle)) if dot(self.normal(triangle), along).abs() > PARALLEL => t,
             _ => f64::INFINITY,

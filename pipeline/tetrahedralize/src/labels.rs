@@ -2,10 +2,10 @@
 
 use si::Point3;
 
+use crate::Fill;
 use crate::complex::{Complex, OUTSIDE};
 use crate::geometry::centroid;
 use crate::tree::Tree;
-use crate::Fill;
 
 /// The closed surfaces of all parts; later parts displace earlier ones.
 pub(crate) struct Space {

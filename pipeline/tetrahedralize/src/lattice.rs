@@ -64,7 +64,8 @@ pub(crate) fn lattice(field: &SizeField, points: &[Point3], inside: &dyn Fn(Poin
 /// A point moved a little, by its own coordinates: a cubic lattice has flat tetrahedra between four points of a square.
 fn shifted(at: Point3, by: f64) -> Point3 {
     let bits = at.map(f64::to_bits);
-    let mixed = bits.iter().fold(0x9E37_79B9_7F4A_7C15u64, |m, b| (m ^ b).wrapping_mul(0xBF58_476D_1CE4_E5B9).rotate_left(27));
+    let mixed =
+        bits.iter().fold(0x9E37_79B9_7F4A_7C15u64, |m, b| (m ^ b).wrapping_mul(0xBF58_476D_1CE4_E5B9).rotate_left(27));
     let share = |k: u32| (mixed.rotate_left(20 * k) & 0xF_FFFF) as f64 / f64::from(0xF_FFFF) * 2.0 - 1.0;
     let moved = add(at, [by * share(0), by * share(1), by * share(2)]);
     debug_assert!(distance(moved, at) <= 2.0 * by);

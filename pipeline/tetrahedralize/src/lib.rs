@@ -99,7 +99,15 @@ pub struct Settings {
 impl Settings {
     /// Edges of a given length (m), an envelope of 2 % of it, walls with elements three times as long as they are thick.
     pub fn new(edge: Metre) -> Self {
-        Self { edge, envelope: 0.02 * edge, least: edge / 16.0, aspect: 3.0, gradation: 0.4, max_elements: 5e6, rounds: 4 }
+        Self {
+            edge,
+            envelope: 0.02 * edge,
+            least: edge / 16.0,
+            aspect: 3.0,
+            gradation: 0.4,
+            max_elements: 5e6,
+            rounds: 4,
+        }
     }
 }
 

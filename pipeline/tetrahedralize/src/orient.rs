@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use si::Point3;
 use si::vec3::{cross, dot, norm};
 
+use crate::Part;
 use crate::delaunay::sorted;
 use crate::geometry::normal;
 use crate::tree::Tree;
-use crate::Part;
 
 /// Shells beyond so many are not compared with each other.
 const MAX_SHELLS: usize = 200;

@@ -6,13 +6,17 @@ use si::{Metre, Point3};
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Refusal {
     /// No faces.
-    #[error("part {part} has no faces\n  why: a solid needs at least 4\n  do:  export the part again, as a solid and not as a sketch")]
+    #[error(
+        "part {part} has no faces\n  why: a solid needs at least 4\n  do:  export the part again, as a solid and not as a sketch"
+    )]
     Empty {
         /// Which part, from 0.
         part: usize,
     },
     /// A face with a corner that does not exist, or a coordinate that is no number.
-    #[error("face {face} of part {part} has no place\n  why: a corner of it does not exist, or has a coordinate that is not finite\n  do:  check the surface's file there")]
+    #[error(
+        "face {face} of part {part} has no place\n  why: a corner of it does not exist, or has a coordinate that is not finite\n  do:  check the surface's file there"
+    )]
     NoPlace {
         /// Which part, from 0.
         part: usize,
@@ -20,7 +24,9 @@ pub enum Refusal {
         face: usize,
     },
     /// A setting that is none.
-    #[error("the mesher has the setting {name} = {value}\n  why: it must be a finite number above 0\n  do:  correct it; lengths are in metres")]
+    #[error(
+        "the mesher has the setting {name} = {value}\n  why: it must be a finite number above 0\n  do:  correct it; lengths are in metres"
+    )]
     Setting {
         /// Its name in [`crate::Settings`].
         name: &'static str,
@@ -28,7 +34,9 @@ pub enum Refusal {
         value: f64,
     },
     /// More elements than there is memory for.
-    #[error("surfaces of {length:.3e} m with edges of {edge:.3e} m would take about {elements:.0e} elements\n  why: the limit is {limit:.0e}\n  do:  check that lengths are in metres, not in millimetres, or take a longer edge")]
+    #[error(
+        "surfaces of {length:.3e} m with edges of {edge:.3e} m would take about {elements:.0e} elements\n  why: the limit is {limit:.0e}\n  do:  check that lengths are in metres, not in millimetres, or take a longer edge"
+    )]
     TooLarge {
         /// Longest side of the surfaces, m.
         length: Metre,

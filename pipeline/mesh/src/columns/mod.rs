@@ -63,7 +63,14 @@ pub struct Settings {
 impl Settings {
     /// Edges of a given length (m), a half model where the surfaces are symmetric, and limits that a valid CAD export meets.
     pub fn new(edge: Metre) -> Self {
-        Self { edge, use_symmetry: true, tolerance: 2e-4, volume_limit: 0.02, distance_limit: 0.2, method: Method::Columns }
+        Self {
+            edge,
+            use_symmetry: true,
+            tolerance: 2e-4,
+            volume_limit: 0.02,
+            distance_limit: 0.2,
+            method: Method::Columns,
+        }
     }
 }
 

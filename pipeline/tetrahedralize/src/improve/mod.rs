@@ -103,7 +103,8 @@ impl Improve<'_> {
 
     fn neighbours(&self, node: u32) -> Vec<u32> {
         let star = self.complex.star(node);
-        let mut near: Vec<u32> = star.iter().flat_map(|t| self.complex.tets[*t as usize]).filter(|n| *n != node).collect();
+        let mut near: Vec<u32> =
+            star.iter().flat_map(|t| self.complex.tets[*t as usize]).filter(|n| *n != node).collect();
         near.sort_unstable();
         near.dedup();
         near
@@ -124,7 +125,8 @@ impl Improve<'_> {
         near.dedup();
         let at_edge = |n: u32| skin.iter().copied().filter(move |f| f.contains(&n)).collect::<Vec<_>>();
         let features: Vec<u32> = near.into_iter().filter(|n| self.is_feature(&at_edge(*n), [node, *n])).collect();
-        let corner = || self.corners.within(self.complex.points[node as usize], self.slack[node as usize], None).is_some();
+        let corner =
+            || self.corners.within(self.complex.points[node as usize], self.slack[node as usize], None).is_some();
         match features.as_slice() {
             [] => Kind::Smooth,
             _ if corner() => Kind::Corner,

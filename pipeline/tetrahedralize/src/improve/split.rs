@@ -45,7 +45,8 @@ impl Improve<'_> {
         let limit = limit.max(self.worst_of(&ring));
         let [a, b] = edge.map(|n| n as usize);
         let reach = self.slack[a].min(self.slack[b]);
-        let foot = (!skin.is_empty() && !self.is_feature(&skin, edge)).then(|| self.envelope.nearest(middle, 2.0 * reach));
+        let foot =
+            (!skin.is_empty() && !self.is_feature(&skin, edge)).then(|| self.envelope.nearest(middle, 2.0 * reach));
         let places = foot.flatten().map(|f| f.point).into_iter().chain([middle]);
         let node = self.complex.add_point(middle);
         let size = (self.size[a] + self.size[b]) / 2.0;

@@ -93,7 +93,8 @@ impl Improve<'_> {
         let (i, j) = (place(a), place(b));
         let rest: Vec<usize> = (0..4).filter(|k| *k != i && *k != j).collect();
         let order = [i, j, rest[0], rest[1]];
-        let inversions = (0..4).flat_map(|p| (0..p).map(move |q| (q, p))).filter(|(q, p)| order[*q] > order[*p]).count();
+        let inversions =
+            (0..4).flat_map(|p| (0..p).map(move |q| (q, p))).filter(|(q, p)| order[*q] > order[*p]).count();
         let label = self.complex.labels[tet as usize];
         let [p, q] = [nodes[rest[0]], nodes[rest[1]]];
         if inversions % 2 == 0 { (p, q, label) } else { (q, p, label) }
@@ -103,9 +104,8 @@ impl Improve<'_> {
     fn triangulated(&self, [a, b]: [u32; 2], chain: &Chain, limit: f64) -> Option<Vec<([u32; 4], u16)>> {
         let nodes = &chain.nodes;
         let count = nodes.len();
-        let pair = |i: usize, k: usize, j: usize| {
-            [[nodes[i], nodes[k], nodes[j], b], [nodes[i], nodes[j], nodes[k], a]]
-        };
+        let pair =
+            |i: usize, k: usize, j: usize| [[nodes[i], nodes[k], nodes[j], b], [nodes[i], nodes[j], nodes[k], a]];
         let mut best = vec![vec![(0.0f64, 0usize); count]; count];
         for span in 2..count {
             for i in 0..count - span {

@@ -39,12 +39,12 @@ impl Remesh<'_> {
         }
         let star = self.around[gone as usize].clone();
         let moved = |f: &u32| self.faces[*f as usize].map(|n| if n == gone { kept } else { n });
-        let survivors: Vec<u32> =
-            star.iter().copied().filter(|f| !self.faces[*f as usize].contains(&kept)).collect();
+        let survivors: Vec<u32> = star.iter().copied().filter(|f| !self.faces[*f as usize].contains(&kept)).collect();
         let new: Vec<[u32; 3]> = survivors.iter().map(moved).collect();
         let reach = self.slack(&[gone, kept]);
         let shaped = survivors.iter().zip(&new).all(|(f, nodes)| self.keeps_shape(*f, *nodes));
-        let long = new.iter().flatten().any(|n| *n != kept && self.ratio([*n, kept]) > LONG.max(1.1 * self.ratio([*n, gone])));
+        let long =
+            new.iter().flatten().any(|n| *n != kept && self.ratio([*n, kept]) > LONG.max(1.1 * self.ratio([*n, gone])));
         if new.is_empty() || !shaped || long || self.worsens(&star, &new) {
             return false;
         }

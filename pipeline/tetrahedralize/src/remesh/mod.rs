@@ -64,7 +64,16 @@ impl<'a> Remesh<'a> {
         }
         let count = points.len();
         let input = points.clone();
-        Self { points, faces, around, size: vec![f64::INFINITY; count], slack: vec![0.0; count], marks, input, envelope }
+        Self {
+            points,
+            faces,
+            around,
+            size: vec![f64::INFINITY; count],
+            slack: vec![0.0; count],
+            marks,
+            input,
+            envelope,
+        }
     }
 
     /// Brings edges to their lengths.
@@ -194,8 +203,7 @@ impl<'a> Remesh<'a> {
     }
 
     fn kind(&self, node: u32) -> Kind {
-        let features: Vec<u32> =
-            self.neighbours(node).into_iter().filter(|n| self.is_feature([node, *n])).collect();
+        let features: Vec<u32> = self.neighbours(node).into_iter().filter(|n| self.is_feature([node, *n])).collect();
         match features.as_slice() {
             [] => Kind::Smooth,
             &[p, q] => {

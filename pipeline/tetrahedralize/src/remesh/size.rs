@@ -36,7 +36,11 @@ impl Remesh<'_> {
             if !self.around[node].is_empty() {
                 let [inside, outside] = self.widths(node as u32, sizing);
                 // strips that the envelope keeps narrow get triangles of their width; slivers across plane faces are gone by then
-                let narrow = if round >= 2 { (STRIP * self.mean_height(node as u32)).max(NARROW * sizing.edge) } else { f64::INFINITY };
+                let narrow = if round >= 2 {
+                    (STRIP * self.mean_height(node as u32)).max(NARROW * sizing.edge)
+                } else {
+                    f64::INFINITY
+                };
                 self.size[node] = (sizing.aspect * inside).min(narrow).clamp(sizing.least, sizing.edge);
                 let narrow = (SHARE * inside.min(outside)).max(0.02 * sizing.slack);
                 self.slack[node] = sizing.slack.min(narrow);
