@@ -3,28 +3,7 @@
 use crate::foreign::RawMesh;
 use crate::validate::{self, Limits, Reference};
 use crate::{MeshError, Report, Settings, Solid, Surface, TetMesh};
-use serde::{Deserialize, Serialize};
 use tetrahedralize::{Fill, Part, tetrahedralize};
-
-/// How tetrahedra are made from surfaces.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Method {
-    /// In columns over the sheet's plane; bodies that are no stack of layers are refused.
-    #[default]
-    Columns,
-    /// By insertion of the surfaces into Delaunay tetrahedra: any closed surfaces.
-    General,
-    /// In columns where they divide the body, else by the general method.
-    Auto,
-}
-
-impl Method {
-    /// Whether it is the one that is taken where none is named: settings of before it had a name keep their keys.
-    pub fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
-}
 
 /// Meshes a body, and the sheet in it if it has one, whatever its shape. Only whole bodies are meshed.
 ///
@@ -37,7 +16,7 @@ pub fn mesh_general(body: &Surface, spine: Option<&Surface>, set: &Settings) -> 
     let made = tetrahedralize(&parts, &tetrahedralize::Settings::new(set.edge))?;
     let repairs = made.repairs.iter().map(ToString::to_string).collect();
     let raw = RawMesh::of_tetrahedra(made.nodes, &made.tets, &made.regions);
-    let mesh = match raw.check(1.0, false)?.solid {
+    let mesh = match raw.check(1.0, false).map_err(|defect| MeshError::Defect { message: defect.to_string() })?.solid {
         Solid::Linear(mesh) => mesh,
         Solid::Quadratic(mesh) => Solid::Quadratic(mesh).to_linear(),
     };

@@ -100,8 +100,11 @@ pub enum MeshError {
     #[error(transparent)]
     General(#[from] tetrahedralize::Refusal),
     /// A mesh of the general method that a solver would refuse.
-    #[error(transparent)]
-    Defect(#[from] crate::foreign::MeshDefect),
+    #[error("{message}")]
+    Defect {
+        /// What a check of a mesh file would say of it.
+        message: String,
+    },
     /// Other chambers than the surface has cavities.
     #[error(
         "the mesh has {found} chambers where the surface has {expected} cavities\n  why: a wall or a cavity is thinner than the elements can follow\n  do:  take a shorter edge"

@@ -25,7 +25,7 @@ pub struct Settings {
     #[serde(default)]
     elements: ElementName,
     /// How tetrahedra are made; in columns where it is not said.
-    #[serde(default, skip_serializing_if = "Method::is_default")]
+    #[serde(default)]
     method: Method,
     /// Target length of an edge of tetrahedra, m.
     edge: Metre,
