@@ -24,7 +24,7 @@ pub(crate) struct Envelope {
 
 impl Envelope {
     /// Of triangles that are cut into parts with sides up to a length: boxes around the slivers of a long cylinder overlap, and a search of them
-    /// looks at most (20 times slower on a manipulator of 828 faces).
+    /// looks at most.
     pub(crate) fn new(triangles: &[[Point3; 3]], longest: f64) -> Self {
         let (mut parts, mut normals) = (Vec::new(), Vec::new());
         for corners in triangles {

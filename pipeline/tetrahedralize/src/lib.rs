@@ -10,8 +10,7 @@
 //! | lengths and limits | [`Settings`] |
 //! | tetrahedra | [`tetrahedralize`], [`Tetrahedra`] |
 //!
-//! The constrained Delaunay alternative (a facet is recovered exactly, or the surface is refused) takes clean surfaces only: of 14 dirty bodies
-//! none has a piecewise linear complex without repair. Isosurface stuffing needs cells as small as the thinnest wall in every direction.
+//! The constrained Delaunay alternative (a facet is recovered exactly, or the surface is refused) takes clean surfaces only. Isosurface stuffing needs cells as small as the thinnest wall in every direction.
 //!
 //! ```
 //! use tetrahedralize::{Fill, Part, Settings, tetrahedralize};

@@ -1,6 +1,7 @@
 //! Volumes: nodes of curved surfaces move so far off them that the triangles between them lie as much outside as inside.
 //!
-//! Nodes on a convex surface make a body too small throughout: by the envelope times the area, 5 % of a wall of 1 mm in the example of 0.1 mm.
+//! Nodes on a convex surface make a body too small throughout: a torus of 20 mm thickness with an envelope of 0.13 mm lost 0.5 % of its volume, and
+//! loses 0.06 % with its nodes moved.
 
 use si::Point3;
 use si::vec3::{add, dot, scale, sub};
