@@ -66,6 +66,6 @@ mod tests {
         let body = with_cavity(block([0.0; 3], [0.03, 0.02, 0.02]), sheet[0], sheet[1]);
         let (_, report) = mesh_general(&body, Some(&block(sheet[0], sheet[1])), &Settings::new(4e-3)).unwrap();
         assert!((report.volume_spine / 9.6e-7 - 1.0).abs() < 1e-3);
-        assert!((report.interface_area / 1.056e-3 - 1.0).abs() < 1e-3);
+        assert!((report.interface_area / 7.36e-4 - 1.0).abs() < 1e-3);
     }
 }
