@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Grading, MeshError, QuadraticMesh, Report, Settings, Surface, mesh, mesh_in_hexahedra, mesh_without_sheet,
-    quadratic,
+    Grading, MeshError, Method, QuadraticMesh, Report, Settings, Surface, TetMesh, mesh, mesh_general,
+    mesh_in_hexahedra, mesh_without_sheet, quadratic,
 };
 
 /// Elements of second order that a body is meshed in.
@@ -42,10 +42,20 @@ impl ElementName {
     }
 }
 
-/// A body meshed, its report, and why it is not in hexahedra where they were wished for.
-pub type Chosen = (QuadraticMesh, Report, Option<MeshError>);
+/// A body meshed, its report, and what was refused before.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chosen {
+    /// The mesh.
+    pub solid: QuadraticMesh,
+    /// Its report.
+    pub report: Report,
+    /// Why it is not in hexahedra where they were wished for.
+    pub not_hexahedra: Option<MeshError>,
+    /// Why it is not in columns where they were tried first.
+    pub not_columns: Option<MeshError>,
+}
 
-/// Meshes a body with its sheet, if it has one, in the elements of choice.
+/// Meshes a body with its sheet, if it has one, in the elements of choice and by the method of the settings.
 ///
 /// # Errors
 /// [`MeshError`] of the surfaces; of hexahedra where there is no other choice.
@@ -59,19 +69,39 @@ pub fn mesh_chosen(
         ElementChoice::Tetrahedra => None,
         ElementChoice::HexahedraWherePossible(grading) | ElementChoice::Hexahedra(grading) => {
             match mesh_in_hexahedra(body, spine, set, &grading) {
-                Ok((solid, report)) => return Ok((solid, report, None)),
+                Ok((solid, report)) => {
+                    return Ok(Chosen { solid, report, not_hexahedra: None, not_columns: None });
+                }
                 Err(why) => Some(why),
             }
         }
     };
     match (choice, refused) {
         (ElementChoice::Hexahedra(_), Some(why)) => Err(why),
-        (_, refused) => {
-            let (linear, report) = match spine {
-                Some(spine) => mesh(body, spine, set)?,
-                None => mesh_without_sheet(body, set)?,
-            };
-            Ok((quadratic(&linear), report, refused))
+        (_, not_hexahedra) => {
+            let ((linear, report), not_columns) = tetrahedra(body, spine, set)?;
+            Ok(Chosen { solid: quadratic(&linear), report, not_hexahedra, not_columns })
         }
+    }
+}
+
+/// A body in tetrahedra, and why not in columns where these were tried first.
+type Tetrahedra = ((TetMesh, Report), Option<MeshError>);
+
+/// A body in tetrahedra by the method of the settings.
+fn tetrahedra(body: &Surface, spine: Option<&Surface>, set: &Settings) -> Result<Tetrahedra, MeshError> {
+    let columns = || match spine {
+        Some(spine) => mesh(body, spine, set),
+        None => mesh_without_sheet(body, set),
+    };
+    match set.method {
+        Method::Columns => Ok((columns()?, None)),
+        Method::General => Ok((mesh_general(body, spine, set)?, None)),
+        Method::Auto => match columns() {
+            Ok(made) => Ok((made, None)),
+            // the general method would take as much
+            Err(why @ (MeshError::TooLarge { .. } | MeshError::Settings { .. })) => Err(why),
+            Err(why) => Ok((mesh_general(body, spine, set)?, Some(why))),
+        },
     }
 }

@@ -4,6 +4,7 @@
 //! |------|------|
 //! | STL files to welded [`Surface`]s, and back | [`stl`] |
 //! | a body and a plane sheet to a [`TetMesh`] | [`mesh`], [`mesh_without_sheet`] |
+//! | bodies of any shape | [`mesh_general`] |
 //! | columns over a triangulated plan | [`stack`] |
 //! | ten-node elements | [`quadratic`] |
 //! | files of gmsh, VTK, MEDIT and TetGen | [`foreign`] |
@@ -29,7 +30,7 @@
 //! # Ok::<(), mesh::MeshError>(())
 //! ```
 //!
-//! Depends on `si`, spade (constrained Delaunay triangulation of the plan) and the parsers of the file formats.
+//! Depends on `si`, `tetrahedralize` (bodies that are no columns), spade (constrained Delaunay triangulation of the plan) and the parsers of the file formats.
 
 mod cavities;
 mod choice;
@@ -39,7 +40,9 @@ mod distance;
 mod embed;
 pub mod foreign;
 pub mod frame;
+mod general;
 mod hexahedra;
+mod method;
 mod quadratic;
 mod quadratic_face;
 pub mod quality;
@@ -59,6 +62,8 @@ pub use choice::{Chosen, ElementChoice, ElementName, mesh_chosen};
 pub(crate) use columns::mesh_in_hexahedra;
 pub use columns::{Grading, LayeredBody, MeshError, Settings, Slab, layers_in_hexahedra, mesh, mesh_without_sheet};
 pub use embed::{Spot, embed};
+pub use general::mesh_general;
+pub use method::Method;
 pub use quadratic::{QuadraticElements, QuadraticMesh, quadratic};
 pub use quadratic_face::QuadraticFace;
 pub use solid::Solid;

@@ -45,6 +45,8 @@ pub struct Report {
     pub chambers: Vec<Chamber>,
     /// Whether only z ≥ 0 is meshed.
     pub half: bool,
+    /// What the general method changed of the surfaces, a sentence each.
+    pub repairs: Vec<String>,
 }
 
 /// A mesh that fails the validation.
@@ -136,6 +138,7 @@ pub(crate) fn validate(mesh: &TetMesh, reference: &Reference, limits: &Limits) -
         interface_area: whole * interface.iter().map(|f| area(mesh, f)).sum::<f64>(),
         chambers: (0..cavities.len()).map(|k| chamber(mesh, k as u16)).collect(),
         half: mesh.half,
+        repairs: Vec::new(),
     };
     check_volumes(&report, cavities, limits.volume)?;
     if interface.is_empty() && !spine.faces.is_empty() {

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use ::mesh::ElementName;
 use ::mesh::Skin;
 use ::mesh::foreign::{ForeignMesh, HexahedralMesh, NamedSurface, RawMesh, Region};
+use ::mesh::{ElementName, Method};
 use diagnostics::Diagnostic;
 use fem::Elements;
 use numpy::{PyArray1, PyReadonlyArray1};
@@ -313,6 +313,7 @@ fn source(millimetres: bool, order: Option<u8>, half: bool) -> Source {
         unit,
         order,
         elements: ElementName::default(),
+        method: Method::default(),
         half,
         finer: 1.0,
     }

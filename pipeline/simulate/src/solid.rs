@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use mesh::foreign::{self, NamedSurface, RawMesh, Region};
-use mesh::{Cavity, Grading, Solid, Surface};
+use mesh::{Cavity, Grading, Method, Solid, Surface};
 
 use crate::case::{Case, Order, Source};
 use crate::force_table::{self, ForceTable};
@@ -103,23 +103,29 @@ fn from_surfaces(mesh: &Source, folder: &Path) -> Result<Loaded> {
     let edge = mesh.edge.unwrap_or_default() / mesh.finer;
     let choice = mesh.elements.graded(Grading::COARSE.finer(mesh.finer));
     let meshed = |use_symmetry: bool| {
-        let set = mesh::Settings { use_symmetry, ..mesh::Settings::new(edge) };
+        let set = mesh::Settings { use_symmetry, method: mesh.method, ..mesh::Settings::new(edge) };
         let files: Vec<&str> = mesh.body.iter().chain(&mesh.spine).map(String::as_str).collect();
         mesh::mesh_chosen(&body, spine.as_ref(), &set, choice)
             .map_err(|e| Diagnostic::from(e).while_doing(files.join(" with ")))
     };
-    let (mut solid, _, mut refused) = meshed(true)?;
+    let mut made = meshed(true)?;
     let mut notes = Vec::new();
-    if mesh.half && !solid.half {
-        let why = "the surfaces are not symmetric about z = 0";
+    if mesh.half && !made.solid.half {
+        let why = match &made.not_columns {
+            None if mesh.method != Method::General => "the surfaces are not symmetric about z = 0",
+            _ => "the general method meshes whole bodies alone",
+        };
         return Err(Diagnostic::new("no half model can be made", why, "set half = false, or move the surfaces"));
     }
-    if solid.half && !mesh.half {
+    if made.solid.half && !mesh.half {
         notes.push(HALF.to_owned());
-        (solid, _, refused) = meshed(false)?;
+        made = meshed(false)?;
     }
-    notes.extend(refused.map(|why| format!("tetrahedra, not hexahedra: {}", Diagnostic::from(why).what)));
-    let solid = Solid::Quadratic(solid);
+    notes.extend(made.report.repairs.iter().cloned());
+    let refusals = [("tetrahedra, not hexahedra", made.not_hexahedra), ("general, not in columns", made.not_columns)];
+    let refusals = refusals.into_iter().filter_map(|(instead, why)| Some((instead, why?)));
+    notes.extend(refusals.map(|(instead, why)| format!("{instead}: {}", Diagnostic::from(why).what)));
+    let solid = Solid::Quadratic(made.solid);
     let linear = solid.clone().to_linear();
     let region = |(tag, name): (u16, &str)| Region {
         tag: tag.into(),

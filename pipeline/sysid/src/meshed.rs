@@ -33,7 +33,7 @@ pub struct Meshed {
     pub hausdorff_m: Metre,
     /// Volume of each solid in the mesh over its volume in the STL files, less one; empty of a mesh file.
     pub volume_error: Vec<f64>,
-    /// Why a body of surfaces is not in hexahedra where they were wished for.
+    /// Why a body of surfaces is not in hexahedra, or not in columns, where these were tried first.
     pub not_hexahedra: Option<String>,
 }
 
@@ -56,7 +56,8 @@ impl Meshed {
         elements: ElementChoice,
         order: &[NamedRegion],
     ) -> Result<Self> {
-        let (mut solid, report, refused) = mesh::mesh_chosen(body, spine, by, elements)?;
+        let mesh::Chosen { mut solid, report, not_hexahedra, not_columns } =
+            mesh::mesh_chosen(body, spine, by, elements)?;
         let place = |name: &str| order.iter().position(|one| one.solid == name).unwrap_or(0) as u16;
         let places = [place(card::BODY), place(card::SPINE)];
         solid.regions.iter_mut().for_each(|region| *region = places[usize::from(*region)]);
@@ -70,7 +71,7 @@ impl Meshed {
             min_dihedral_deg: report.min_dihedral_deg,
             hausdorff_m: report.hausdorff_m,
             volume_error: std::iter::once(body).chain(sheet).collect(),
-            not_hexahedra: refused.map(|why| Diagnostic::from(why).to_string()),
+            not_hexahedra: not_hexahedra.or(not_columns).map(|why| Diagnostic::from(why).to_string()),
         })
     }
 

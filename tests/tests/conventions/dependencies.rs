@@ -7,7 +7,8 @@ use crate::tree::{crates, text};
 const ALLOWED: &[(&str, &[&str])] = &[
     ("si", &[]),
     ("diagnostics", &[]),
-    ("mesh", &["si"]),
+    ("tetrahedralize", &["si"]),
+    ("mesh", &["si", "tetrahedralize"]),
     ("tail_cad", &["si", "mesh"]),
     ("optimize", &["si"]),
     ("materials", &["si"]),

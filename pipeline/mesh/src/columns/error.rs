@@ -96,6 +96,25 @@ pub enum MeshError {
         "body and spine leave nothing to mesh\n  why: no line along the sheet's normal goes through a solid\n  do:  check that both files have the same unit and the same origin"
     )]
     Nothing,
+    /// Surfaces that the general method refuses.
+    #[error(transparent)]
+    General(#[from] tetrahedralize::Refusal),
+    /// A mesh of the general method that a solver would refuse.
+    #[error("{message}")]
+    Defect {
+        /// What a check of a mesh file would say of it.
+        message: String,
+    },
+    /// Other chambers than the surface has cavities.
+    #[error(
+        "the mesh has {found} chambers where the surface has {expected} cavities\n  why: a wall or a cavity is thinner than the elements can follow\n  do:  take a shorter edge"
+    )]
+    Chambers {
+        /// Cavities of the surface.
+        expected: usize,
+        /// Chambers of the mesh.
+        found: usize,
+    },
     /// A mesh that failed the validation.
     #[error(transparent)]
     Invalid(#[from] ValidationError),

@@ -31,7 +31,7 @@ pub use grid::{Grading, LayeredBody, Slab, layers_in_hexahedra};
 use crate::frame::Frame;
 use crate::stack::{self, Cycle, Stack};
 use crate::validate::{self, Limits, Reference};
-use crate::{QuadraticMesh, Report, Surface, TetMesh};
+use crate::{Method, QuadraticMesh, Report, Surface, TetMesh};
 use arrange::{Graph, arrange};
 use chambers::Chambers;
 use outline_snap::snap_to_outlines;
@@ -56,12 +56,21 @@ pub struct Settings {
     pub volume_limit: f64,
     /// Largest distance between surfaces and mesh, as a fraction of `edge`.
     pub distance_limit: f64,
+    /// How tetrahedra are made.
+    pub method: Method,
 }
 
 impl Settings {
     /// Edges of a given length (m), a half model where the surfaces are symmetric, and limits that a valid CAD export meets.
     pub fn new(edge: Metre) -> Self {
-        Self { edge, use_symmetry: true, tolerance: 2e-4, volume_limit: 0.02, distance_limit: 0.2 }
+        Self {
+            edge,
+            use_symmetry: true,
+            tolerance: 2e-4,
+            volume_limit: 0.02,
+            distance_limit: 0.2,
+            method: Method::Columns,
+        }
     }
 }
 

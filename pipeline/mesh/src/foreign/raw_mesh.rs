@@ -63,6 +63,19 @@ pub struct RawMesh {
 }
 
 impl RawMesh {
+    /// Tetrahedra that were made here, each with its region as tag.
+    pub(crate) fn of_tetrahedra(nodes: Vec<Point3>, tets: &[[u32; 4]], regions: &[u16]) -> Self {
+        Self {
+            node_labels: (1..=nodes.len() as u64).collect(),
+            nodes,
+            corners: tets.concat(),
+            each: 4,
+            labels: (1..=tets.len() as u64).collect(),
+            tags: regions.iter().map(|region| i64::from(*region)).collect(),
+            ..Self::default()
+        }
+    }
+
     /// Adds a node.
     pub(super) fn node(&mut self, label: u64, at: Point3) {
         self.nodes.push(at);

@@ -9,7 +9,7 @@ mod read;
 mod solve;
 
 use crate::budget::Budget;
-use mesh::ElementName;
+use mesh::{ElementName, Method};
 use serde::Deserialize;
 use si::{KilogramPerCubicMetre, Metre, Pascal, Point3, Second};
 
@@ -101,6 +101,9 @@ pub struct Source {
     /// Elements for STL files; tetrahedra when it is not said.
     #[serde(default)]
     pub elements: ElementName,
+    /// How tetrahedra are made from STL files; in columns when it is not said.
+    #[serde(default)]
+    pub method: Method,
     /// Whether the half z ≥ 0 of a symmetric body is simulated.
     #[serde(default)]
     pub half: bool,

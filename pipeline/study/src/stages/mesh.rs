@@ -8,7 +8,7 @@ use std::path::Path;
 
 use crate::records::{self, Cavity, Quality};
 use crate::subject::Specimen;
-use ::mesh::{ElementChoice, ElementName, Grading, foreign};
+use ::mesh::{ElementChoice, ElementName, Grading, Method, foreign};
 use diagnostics::{Diagnostic, Result};
 use sysid::{Meshed, NamedRegion};
 use workflow::stage::{RawFile, Stage, StageContext};
@@ -24,6 +24,9 @@ pub struct Settings {
     /// Which elements a body of surfaces gets; tetrahedra where it is not said.
     #[serde(default)]
     elements: ElementName,
+    /// How tetrahedra are made; in columns where it is not said.
+    #[serde(default)]
+    method: Method,
     /// Target length of an edge of tetrahedra, m.
     edge: Metre,
     /// Whether a solid symmetric about z = 0 is meshed by its half.
@@ -62,7 +65,9 @@ impl Card {
     /// How its surfaces are meshed with edges of some length (m): by half only where both sides move alike.
     fn mesher(&self, edge: Metre, use_symmetry: bool, elements: ElementChoice) -> Mesher {
         let use_symmetry = use_symmetry && !self.sided;
-        Mesher { settings: ::mesh::Settings { use_symmetry, ..::mesh::Settings::new(edge) }, elements }
+        // where columns are refused, the general method is the only one for finer or coarser meshes of the same body, too
+        let settings = ::mesh::Settings { use_symmetry, method: Method::Auto, ..::mesh::Settings::new(edge) };
+        Mesher { settings, elements }
     }
 }
 
@@ -116,7 +121,8 @@ impl Stage for Mesh {
 
     fn run(card: &Self::Card, set: &Settings, (): (), context: &dyn StageContext) -> Result<records::Mesh> {
         context.progress(0.1, "meshing");
-        let mesher = card.mesher(set.edge, set.use_symmetry, set.elements.graded(Grading::COARSE));
+        let mut mesher = card.mesher(set.edge, set.use_symmetry, set.elements.graded(Grading::COARSE));
+        mesher.settings.method = set.method;
         made(card, &mesher, set.marker_distance_limit, context)
     }
 }

@@ -1,0 +1,160 @@
+//! Tetrahedra that change: nodes know the tetrahedra around them, and nothing else is kept, so that an operation is a list of tetrahedra that go
+//! and a list of those that come.
+
+use si::Point3;
+
+use crate::delaunay::SIDES;
+
+/// A tetrahedron that is no more has this first node.
+pub(crate) const GONE: u32 = u32::MAX;
+/// The label of what is no solid.
+pub(crate) const OUTSIDE: u16 = u16::MAX;
+
+/// Tetrahedra with labels.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Complex {
+    pub(crate) points: Vec<Point3>,
+    pub(crate) tets: Vec<[u32; 4]>,
+    pub(crate) labels: Vec<u16>,
+    around: Vec<Vec<u32>>,
+    free: Vec<u32>,
+}
+
+impl Complex {
+    pub(crate) fn new(points: Vec<Point3>, tets: Vec<[u32; 4]>, labels: Vec<u16>) -> Self {
+        let mut around = vec![Vec::new(); points.len()];
+        for (number, tet) in tets.iter().enumerate() {
+            tet.iter().for_each(|n| around[*n as usize].push(number as u32));
+        }
+        Self { points, tets, labels, around, free: Vec::new() }
+    }
+
+    pub(crate) fn exists(&self, tet: u32) -> bool {
+        self.tets[tet as usize][0] != GONE
+    }
+
+    pub(crate) fn alive(&self) -> impl Iterator<Item = u32> + '_ {
+        (0..self.tets.len() as u32).filter(|t| self.exists(*t))
+    }
+
+    /// The tetrahedra around a node.
+    pub(crate) fn star(&self, node: u32) -> &[u32] {
+        &self.around[node as usize]
+    }
+
+    pub(crate) fn corners(&self, tet: u32) -> [Point3; 4] {
+        self.places(self.tets[tet as usize])
+    }
+
+    pub(crate) fn places<const N: usize>(&self, nodes: [u32; N]) -> [Point3; N] {
+        nodes.map(|n| self.points[n as usize])
+    }
+
+    /// The tetrahedra around an edge.
+    pub(crate) fn ring(&self, [a, b]: [u32; 2]) -> Vec<u32> {
+        let (few, other) = if self.star(a).len() <= self.star(b).len() { (a, b) } else { (b, a) };
+        self.star(few).iter().copied().filter(|t| self.tets[*t as usize].contains(&other)).collect()
+    }
+
+    pub(crate) fn add_point(&mut self, at: Point3) -> u32 {
+        self.points.push(at);
+        self.around.push(Vec::new());
+        self.points.len() as u32 - 1
+    }
+
+    pub(crate) fn remove(&mut self, tet: u32) {
+        for node in self.tets[tet as usize] {
+            let around = &mut self.around[node as usize];
+            if let Some(place) = around.iter().position(|t| *t == tet) {
+                around.swap_remove(place);
+            }
+        }
+        self.tets[tet as usize] = [GONE; 4];
+        self.free.push(tet);
+    }
+
+    /// Takes out all tetrahedra of a label.
+    pub(crate) fn remove_label(&mut self, label: u16) {
+        let tets: Vec<u32> = self.alive().filter(|t| self.labels[*t as usize] == label).collect();
+        tets.into_iter().for_each(|t| self.remove(t));
+    }
+
+    pub(crate) fn add(&mut self, nodes: [u32; 4], label: u16) -> u32 {
+        let place = self.free.pop().unwrap_or_else(|| {
+            self.tets.push([GONE; 4]);
+            self.labels.push(label);
+            self.tets.len() as u32 - 1
+        });
+        self.tets[place as usize] = nodes;
+        self.labels[place as usize] = label;
+        nodes.iter().for_each(|n| self.around[*n as usize].push(place));
+        place
+    }
+
+    /// Tetrahedra go, others with their labels come.
+    pub(crate) fn replace(&mut self, old: &[u32], new: &[([u32; 4], u16)]) {
+        old.iter().for_each(|t| self.remove(*t));
+        new.iter().for_each(|(nodes, label)| {
+            self.add(*nodes, *label);
+        });
+    }
+
+    /// What splitting an edge at a node gives: the tetrahedra around it, and two for each.
+    pub(crate) fn bisected(&self, [a, b]: [u32; 2], node: u32) -> (Vec<u32>, Vec<([u32; 4], u16)>) {
+        let ring = self.ring([a, b]);
+        let instead = |tet: u32, old: u32| {
+            (self.tets[tet as usize].map(|n| if n == old { node } else { n }), self.labels[tet as usize])
+        };
+        let halves = ring.iter().flat_map(|t| [instead(*t, a), instead(*t, b)]).collect();
+        (ring, halves)
+    }
+
+    /// The label behind a face of a tetrahedron.
+    pub(crate) fn behind(&self, tet: u32, face: [u32; 3]) -> u16 {
+        let [a, b, c] = face;
+        let other = self.star(a).iter().find(|t| {
+            let nodes = &self.tets[**t as usize];
+            **t != tet && nodes.contains(&b) && nodes.contains(&c)
+        });
+        other.map_or(OUTSIDE, |t| self.labels[*t as usize])
+    }
+
+    /// The faces between unlike labels around a node, each once, normal out of the lower label.
+    pub(crate) fn skin(&self, node: u32) -> Vec<[u32; 3]> {
+        let mut faces = Vec::new();
+        for tet in self.star(node) {
+            let nodes = self.tets[*tet as usize];
+            let label = self.labels[*tet as usize];
+            for side in SIDES.iter().map(|s| s.map(|i| nodes[i])).filter(|s| s.contains(&node)) {
+                if label < self.behind(*tet, side) {
+                    faces.push(side);
+                }
+            }
+        }
+        faces
+    }
+
+    /// Whether each node lies on a face between unlike labels, and these faces, in the order of the tetrahedra.
+    pub(crate) fn whole_skin(&self) -> (Vec<bool>, Vec<([u32; 3], [u16; 2])>) {
+        let mut sides: Vec<([u32; 3], u16, [u32; 3])> = Vec::new();
+        for tet in self.alive() {
+            let nodes = self.tets[tet as usize];
+            for side in SIDES.iter().map(|s| s.map(|i| nodes[i])) {
+                let mut key = side;
+                key.sort_unstable();
+                sides.push((key, self.labels[tet as usize], side));
+            }
+        }
+        sides.sort_unstable();
+        let mut on = vec![false; self.points.len()];
+        let mut faces = Vec::new();
+        for group in sides.chunk_by(|a, b| a.0 == b.0) {
+            let behind = group.get(1).map_or(OUTSIDE, |g| g.1);
+            if group[0].1 != behind {
+                faces.push((group[0].2, [group[0].1, behind]));
+                group[0].2.iter().for_each(|n| on[*n as usize] = true);
+            }
+        }
+        (on, faces)
+    }
+}

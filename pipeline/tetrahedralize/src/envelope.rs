@@ -1,0 +1,98 @@
+//! The input surfaces, against which every change of a surface is held.
+
+use si::Point3;
+use si::vec3::{add, dot, norm, scale, sub};
+
+use crate::geometry::{centroid, distance, normal, samples, unit};
+use crate::tree::{Nearest, Tree};
+
+/// A triangle is sampled at most so finely: 18 points beside its corners.
+const MAX_PARTS: f64 = 5.0;
+/// Triangles are cut no further when there are so many.
+const MAX_TRIANGLES: usize = 2_000_000;
+/// Opposite walls are those whose normals differ by less than 50° from being parallel.
+const PARALLEL: f64 = 0.64;
+/// Widths are measured from so far off a node, as a share of its distance from the face's middle.
+const OFFSET: f64 = 0.03;
+
+/// A surface to which others stay near.
+#[derive(Debug, Clone)]
+pub(crate) struct Envelope {
+    pub(crate) tree: Tree,
+    normals: Vec<Point3>,
+}
+
+impl Envelope {
+    /// Of triangles that are cut into parts with sides up to a length: boxes around the slivers of a long cylinder overlap, and a search of them
+    /// looks at most.
+    pub(crate) fn new(triangles: &[[Point3; 3]], longest: f64) -> Self {
+        let (mut parts, mut normals) = (Vec::new(), Vec::new());
+        for corners in triangles {
+            let upwards = unit(normal(*corners));
+            let mut stack = vec![*corners];
+            while let Some(part) = stack.pop() {
+                match halves(part, longest) {
+                    Some(halves) if parts.len() < MAX_TRIANGLES => stack.extend(halves),
+                    _ => {
+                        parts.push(part);
+                        normals.push(upwards);
+                    }
+                }
+            }
+        }
+        Self { tree: Tree::new(&parts), normals }
+    }
+
+    pub(crate) fn nearest(&self, at: Point3, reach: f64) -> Option<Nearest> {
+        self.tree.nearest(at, reach)
+    }
+
+    pub(crate) fn normal(&self, triangle: u32) -> Point3 {
+        self.normals[triangle as usize]
+    }
+
+    /// Whether a triangle stays within a distance of the surface, by samples.
+    pub(crate) fn holds(&self, corners: [Point3; 3], reach: f64) -> bool {
+        // neighbouring samples mostly lie on the same triangle: with it as a hint a search of the tree is rare
+        let mut hint = None;
+        samples(corners, parts(corners, reach)).all(|p| {
+            hint = self.tree.within(p, reach, hint);
+            hint.is_some()
+        })
+    }
+
+    /// Thickness of the wall below a face, and of the gap above it, near one of its corners; crossings nearer than `skip` are none.
+    ///
+    /// Origin and direction are the input's: a remeshed sliver's normal would look along its own surface.
+    pub(crate) fn widths(&self, corners: [Point3; 3], near: Point3, [skip, reach]: [f64; 2]) -> [f64; 2] {
+        let offset = scale(sub(centroid(corners), near), OFFSET);
+        let Some(foot) = self.nearest(add(near, offset), f64::INFINITY) else { return [f64::INFINITY; 2] };
+        // the two faces of a sharp edge are no wall: seen from beside the edge, the other one is not farther than the edge
+        let skip = skip.max(1.2 * norm(offset));
+        let upwards = self.normal(foot.triangle);
+        [scale(upwards, -1.0), upwards].map(|along| self.width(foot.point, along, [skip, reach]))
+    }
+
+    fn width(&self, from: Point3, along: Point3, [skip, reach]: [f64; 2]) -> f64 {
+        let crossings = self.tree.crossings(from, along, reach);
+        let first =
+            crossings.into_iter().filter(|(t, _)| *t > skip).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        match first {
+            Some((t, triangle)) if dot(self.normal(triangle), along).abs() > PARALLEL => t,
+            _ => f64::INFINITY,
+        }
+    }
+}
+
+/// A triangle cut across its longest side, if that is too long.
+fn halves([a, b, c]: [Point3; 3], longest: f64) -> Option<[[Point3; 3]; 2]> {
+    let sides = [(distance(a, b), [a, b, c]), (distance(b, c), [b, c, a]), (distance(c, a), [c, a, b])];
+    let (length, [p, q, tip]) = sides.into_iter().max_by(|x, y| x.0.total_cmp(&y.0))?;
+    let middle = scale(add(p, q), 0.5);
+    (length > longest).then_some([[p, middle, tip], [middle, q, tip]])
+}
+
+fn parts([a, b, c]: [Point3; 3], reach: f64) -> usize {
+    let longest = distance(a, b).max(distance(b, c)).max(distance(c, a));
+    (longest / (3.0 * reach)).ceil().clamp(1.0, MAX_PARTS) as usize
+}

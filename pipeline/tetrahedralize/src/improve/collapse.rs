@@ -1,0 +1,112 @@
+//! Collapses: of short edges for the target length, of any edge of a poor element for quality.
+
+use super::{Improve, POOR};
+use crate::geometry::distortion;
+use crate::insertion::EDGES;
+use crate::remesh::{Kind, LONG, SHORT};
+
+impl Improve<'_> {
+    /// Collapses short edges, the shortest first.
+    pub(super) fn collapse_short(&mut self) {
+        let mut short: Vec<(f64, [u32; 2])> = self.edges().into_iter().map(|e| (self.ratio(e), e)).collect();
+        short.retain(|(ratio, _)| *ratio < SHORT);
+        short.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        for (_, [a, b]) in short {
+            if self.ratio([a, b]) < SHORT && !self.complex.ring([a, b]).is_empty() && !self.collapse([a, b], POOR) {
+                self.collapse([b, a], POOR);
+            }
+        }
+    }
+
+    /// Collapses edges of poor elements where that makes the worst around them better.
+    pub(super) fn collapse_poor(&mut self) {
+        for tet in self.poor(POOR) {
+            if !self.complex.exists(tet) || distortion(self.complex.corners(tet)) < POOR {
+                continue;
+            }
+            let nodes = self.complex.tets[tet as usize];
+            let mut edges: Vec<[u32; 2]> = EDGES.map(|[i, j]| [nodes[i], nodes[j]]).to_vec();
+            edges.sort_by(|a, b| self.length(*a).total_cmp(&self.length(*b)));
+            edges.into_iter().flat_map(|[a, b]| [[a, b], [b, a]]).any(|edge| self.collapse(edge, 0.0));
+        }
+    }
+
+    /// Elements of a distortion above a limit, the worst first.
+    pub(super) fn poor(&self, limit: f64) -> Vec<u32> {
+        let measured = self.complex.alive().map(|t| (distortion(self.complex.corners(t)), t));
+        let mut poor: Vec<_> = measured.filter(|(measure, _)| *measure > limit).collect();
+        poor.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        poor.into_iter().map(|(_, t)| t).collect()
+    }
+
+    /// Moves the first node of an edge onto the second; elements may get as poor as `limit`, or as the worst before.
+    pub(super) fn collapse(&mut self, [gone, kept]: [u32; 2], limit: f64) -> bool {
+        let ring = self.complex.ring([gone, kept]);
+        if ring.is_empty() || !self.link_holds([gone, kept], &ring) {
+            return false;
+        }
+        let star = self.complex.star(gone).to_vec();
+        let before = self.worst_of(&star);
+        let mut new = Vec::with_capacity(star.len());
+        for tet in star.iter().filter(|t| !ring.contains(t)) {
+            let nodes = self.complex.tets[*tet as usize].map(|n| if n == gone { kept } else { n });
+            if self.distortion(nodes) > limit.max(0.999 * before) {
+                return false;
+            }
+            new.push((nodes, self.complex.labels[*tet as usize]));
+        }
+        let near = self.neighbours(gone);
+        let long = near.iter().any(|n| *n != kept && self.ratio([*n, kept]) > LONG.max(self.ratio([*n, gone])));
+        if new.is_empty() || (limit > 0.0 && long) || !self.skin_follows(gone, kept) {
+            return false;
+        }
+        self.complex.replace(&star, &new);
+        self.size[kept as usize] = self.size[kept as usize].min(self.size[gone as usize]);
+        true
+    }
+
+    /// Nodes joined to both ends are those of the ring; on the skin, those of the faces at the edge.
+    fn link_holds(&self, [gone, kept]: [u32; 2], ring: &[u32]) -> bool {
+        let near = self.neighbours(kept);
+        let shared = self.neighbours(gone).into_iter().filter(|n| near.binary_search(n).is_ok()).count();
+        let mut link: Vec<u32> = ring.iter().flat_map(|t| self.complex.tets[*t as usize]).collect();
+        link.sort_unstable();
+        link.dedup();
+        shared + 2 == link.len()
+    }
+
+    /// Whether the faces between unlike labels allow the collapse.
+    fn skin_follows(&self, gone: u32, kept: u32) -> bool {
+        if !self.on_skin[gone as usize] {
+            return true;
+        }
+        let skin = self.complex.skin(gone);
+        if skin.is_empty() {
+            return true;
+        }
+        let wings = skin.iter().filter(|f| f.contains(&kept)).count();
+        let allowed = match self.kind(gone, &skin) {
+            Kind::Smooth => true,
+            Kind::Crease(ends) => ends.contains(&kept),
+            Kind::Corner => false,
+        };
+        if wings == 0 || !allowed {
+            return false;
+        }
+        let near = |skin: &[[u32; 3]], node: u32| {
+            let mut near: Vec<u32> = skin.iter().flatten().copied().filter(|n| *n != node).collect();
+            near.sort_unstable();
+            near.dedup();
+            near
+        };
+        let other = near(&self.complex.skin(kept), kept);
+        if near(&skin, gone).iter().filter(|n| other.contains(n)).count() != wings {
+            return false;
+        }
+        let reach = self.slack(&[gone, kept]);
+        skin.iter().filter(|f| !f.contains(&kept)).all(|face| {
+            let new = face.map(|n| if n == gone { kept } else { n });
+            self.may_become(self.complex.places(*face), self.complex.places(new), reach)
+        })
+    }
+}

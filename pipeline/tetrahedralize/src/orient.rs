@@ -1,0 +1,152 @@
+//! Faces that look the wrong way: flipped patches are turned, and a shell within a shell is a cavity.
+
+use std::collections::BTreeMap;
+
+use si::Point3;
+use si::vec3::{cross, dot, norm};
+
+use crate::Part;
+use crate::delaunay::sorted;
+use crate::geometry::normal;
+use crate::tree::Tree;
+
+/// Shells beyond so many are not compared with each other.
+const MAX_SHELLS: usize = 200;
+
+/// What was changed of a surface before it was meshed.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Repair {
+    /// Faces that looked the other way than their neighbours.
+    Turned {
+        /// How many.
+        faces: usize,
+        /// A corner of the first, m.
+        at: Point3,
+    },
+    /// A closed part within another, normals outwards: it was taken for a cavity.
+    Cavity {
+        /// A corner of it, m.
+        at: Point3,
+    },
+}
+
+impl std::fmt::Display for Repair {
+    fn fmt(&self, out: &mut std::fmt::Formatter) -> std::fmt::Result {
+        let place = |[x, y, z]: Point3| format!("({:.2}, {:.2}, {:.2}) mm", x * 1e3, y * 1e3, z * 1e3);
+        match self {
+            Self::Turned { faces, at } => write!(out, "{faces} faces were turned, the first at {}", place(*at)),
+            Self::Cavity { at } => write!(out, "the closed part at {} was taken for a cavity", place(*at)),
+        }
+    }
+}
+
+/// Turns faces of a part until neighbours look the same way and solids outwards.
+pub(crate) fn orient(part: &Part) -> (Part, Vec<Repair>) {
+    let mut part = part.clone();
+    let (shell, turned) = consistent(&part.faces);
+    let mut repairs = Vec::new();
+    let count = shell.iter().max().map_or(0, |m| *m as usize + 1);
+    let mut flips = vec![0usize; count];
+    let mut sizes = vec![0usize; count];
+    for (face, number) in shell.iter().enumerate() {
+        sizes[*number as usize] += 1;
+        flips[*number as usize] += usize::from(turned[face]);
+    }
+    // the smaller side of a shell is the one that was flipped
+    let changed: Vec<usize> = (0..part.faces.len())
+        .filter(|f| {
+            let number = shell[*f] as usize;
+            turned[*f] == (2 * flips[number] <= sizes[number]) && flips[number] > 0
+        })
+        .collect();
+    if let Some(first) = changed.first() {
+        repairs.push(Repair::Turned { faces: changed.len(), at: part.points[part.faces[*first][0] as usize] });
+        changed.iter().for_each(|f| part.faces[*f].swap(1, 2));
+    }
+    repairs.extend(turn_shells(&mut part, &shell, count));
+    (part, repairs)
+}
+
+/// The shell of each face, joined across edges of two faces, and whether the face looks the other way than the shell's first.
+fn consistent(faces: &[[u32; 3]]) -> (Vec<u32>, Vec<bool>) {
+    let mut edges: BTreeMap<[u32; 2], Vec<(usize, bool)>> = BTreeMap::new();
+    for (number, [a, b, c]) in faces.iter().enumerate() {
+        for [p, q] in [[*a, *b], [*b, *c], [*c, *a]] {
+            edges.entry(sorted([p, q])).or_default().push((number, p < q));
+        }
+    }
+    let mut links: Vec<Vec<(usize, bool)>> = vec![Vec::new(); faces.len()];
+    for pair in edges.values().filter(|pair| pair.len() == 2) {
+        let [(f, forwards), (g, backwards)] = [pair[0], pair[1]];
+        let against = forwards == backwards;
+        links[f].push((g, against));
+        links[g].push((f, against));
+    }
+    let (mut shell, mut turned, mut count) = (vec![u32::MAX; faces.len()], vec![false; faces.len()], 0);
+    for first in 0..faces.len() {
+        if shell[first] != u32::MAX {
+            continue;
+        }
+        shell[first] = count;
+        let mut stack = vec![first];
+        while let Some(face) = stack.pop() {
+            for (other, against) in &links[face] {
+                if shell[*other] == u32::MAX {
+                    shell[*other] = count;
+                    turned[*other] = turned[face] != *against;
+                    stack.push(*other);
+                }
+            }
+        }
+        count += 1;
+    }
+    (shell, turned)
+}
+
+/// Turns a body that is inside out, and shells that lie within an odd number of others and look outwards.
+fn turn_shells(part: &mut Part, shell: &[u32], count: usize) -> Vec<Repair> {
+    let triangles = part.triangles();
+    let mut volumes = vec![0.0; count];
+    for (face, [a, b, c]) in triangles.iter().enumerate() {
+        volumes[shell[face] as usize] += dot(*a, cross(*b, *c)) / 6.0;
+    }
+    let members = |number: usize| (0..shell.len()).filter(move |f| shell[*f] as usize == number);
+    let mut repairs = Vec::new();
+    if volumes.iter().all(|v| *v <= 0.0) {
+        let at = triangles.first().map_or([0.0; 3], |t| t[0]);
+        repairs.push(Repair::Turned { faces: part.faces.len(), at });
+        part.faces.iter_mut().for_each(|f| f.swap(1, 2));
+        volumes.iter_mut().for_each(|v| *v = -*v);
+    }
+    let outwards: Vec<usize> = (0..count).filter(|n| volumes[*n] > 0.0).collect();
+    if outwards.len() < 2 || count > MAX_SHELLS {
+        return repairs;
+    }
+    let trees: Vec<Tree> =
+        outwards.iter().map(|n| Tree::new(&members(*n).map(|f| triangles[f]).collect::<Vec<_>>())).collect();
+    for (place, number) in outwards.iter().enumerate() {
+        // every corner within: parts that overlap or touch are united instead
+        let corners: Vec<Point3> = members(*number).map(|f| triangles[f][0]).collect();
+        let holds = |other: &usize| *other != place && corners.iter().all(|p| trees[*other].winding(*p).abs() > 0.9);
+        if (0..outwards.len()).filter(holds).count() % 2 == 1 {
+            repairs.push(Repair::Cavity { at: corners[0] });
+            members(*number).for_each(|f| part.faces[f].swap(1, 2));
+        }
+    }
+    repairs
+}
+
+/// Faces of some area, once each.
+pub(crate) fn without_degenerate(part: &Part) -> Part {
+    let mut seen = std::collections::BTreeSet::new();
+    let first = |face: &[u32; 3]| {
+        let mut key = *face;
+        key.sort_unstable();
+        let corners = face.map(|n| part.points[n as usize]);
+        key[0] != key[1] && key[1] != key[2] && norm(normal(corners)) > 0.0 && seen.insert(key)
+    };
+    let mut kept = part.faces.clone();
+    let mut first = first;
+    kept.retain(|face| first(face));
+    Part { points: part.points.clone(), faces: kept, fill: part.fill }
+}

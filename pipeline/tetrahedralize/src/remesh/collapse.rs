@@ -1,0 +1,86 @@
+//! Collapses of edges that are too short.
+
+use si::Point3;
+use si::vec3::dot;
+
+use super::{FLAT, Kind, LONG, Remesh, SHORT};
+use crate::geometry::{centroid, flatness, normal, unit};
+
+/// New triangles are not flatter than this, unless the flattest old one was.
+const LEAST_FLATNESS: f64 = 0.12;
+/// Normals turn by less than 45° in one collapse.
+const TURN: f64 = 0.7;
+
+impl Remesh<'_> {
+    /// Collapses short edges, the shortest first, and those of flat triangles.
+    pub(super) fn collapse_edges(&mut self) -> usize {
+        let mut count = 0;
+        let mut short: Vec<(f64, [u32; 2])> = self.edges().into_iter().map(|e| (self.ratio(e), e)).collect();
+        short.retain(|(ratio, _)| *ratio < SHORT);
+        short.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        for (_, [a, b]) in short {
+            if self.wings([a, b]).is_empty() || self.ratio([a, b]) >= SHORT {
+                continue;
+            }
+            count += usize::from(self.collapse(a, b) || self.collapse(b, a));
+        }
+        count
+    }
+
+    /// Moves a node onto another where the surface allows it.
+    fn collapse(&mut self, gone: u32, kept: u32) -> bool {
+        let allowed = match self.kind(gone) {
+            Kind::Smooth => true,
+            Kind::Crease(ends) => ends.contains(&kept),
+            Kind::Corner => false,
+        };
+        if !allowed || !self.link_holds(gone, kept) {
+            return false;
+        }
+        let star = self.around[gone as usize].clone();
+        let moved = |f: &u32| self.faces[*f as usize].map(|n| if n == gone { kept } else { n });
+        let survivors: Vec<u32> = star.iter().copied().filter(|f| !self.faces[*f as usize].contains(&kept)).collect();
+        let new: Vec<[u32; 3]> = survivors.iter().map(moved).collect();
+        let reach = self.slack(&[gone, kept]);
+        let shaped = survivors.iter().zip(&new).all(|(f, nodes)| self.keeps_shape(*f, *nodes));
+        let long =
+            new.iter().flatten().any(|n| *n != kept && self.ratio([*n, kept]) > LONG.max(1.1 * self.ratio([*n, gone])));
+        if new.is_empty() || !shaped || long || self.worsens(&star, &new) {
+            return false;
+        }
+        let near = new.iter().all(|nodes| self.envelope.holds(self.places(*nodes), reach));
+        near && self.replace(&star, &new, reach)
+    }
+
+    /// Nodes joined to both ends of an edge are those of its faces: otherwise the collapse would pinch the surface.
+    fn link_holds(&self, gone: u32, kept: u32) -> bool {
+        let wings = self.wings([gone, kept]).len();
+        let near = self.neighbours(kept);
+        let shared = self.neighbours(gone).into_iter().filter(|n| near.binary_search(n).is_ok()).count();
+        // the last four faces of a shell stay
+        shared == wings && self.around[gone as usize].len() > 3.min(wings + 1)
+    }
+
+    fn keeps_shape(&self, face: u32, nodes: [u32; 3]) -> bool {
+        let (old, new) = (self.corners(face), self.places(nodes));
+        if flatness(new) <= FLAT {
+            return false;
+        }
+        if flatness(old) >= 10.0 * FLAT {
+            return aligned(old, new);
+        }
+        // the normal of a sliver is rounding; the input's is not
+        let foot = self.envelope.nearest(centroid(new), f64::INFINITY);
+        foot.is_some_and(|foot| dot(unit(normal(new)), self.envelope.normal(foot.triangle)) > TURN)
+    }
+
+    fn worsens(&self, old: &[u32], new: &[[u32; 3]]) -> bool {
+        let before = old.iter().map(|f| flatness(self.corners(*f))).fold(f64::INFINITY, f64::min);
+        let after = new.iter().map(|n| flatness(self.places(*n))).fold(f64::INFINITY, f64::min);
+        after < before.min(LEAST_FLATNESS)
+    }
+}
+
+pub(super) fn aligned(old: [Point3; 3], new: [Point3; 3]) -> bool {
+    dot(unit(normal(old)), unit(normal(new))) > TURN
+}

@@ -1,0 +1,47 @@
+//! Flips of edges to the Delaunay diagonal.
+
+use si::Point3;
+use si::vec3::{dot, norm, sub};
+
+use super::collapse::aligned;
+use super::{FLAT, Remesh};
+use crate::geometry::{flatness, normal};
+
+impl Remesh<'_> {
+    /// Flips edges whose opposite angles sum to more than 180°, which makes the least angle larger.
+    pub(super) fn flip_edges(&mut self) {
+        for _ in 0..5 {
+            let edges = self.edges();
+            if edges.into_iter().filter(|e| self.flip(*e)).count() == 0 {
+                break;
+            }
+        }
+    }
+
+    fn flip(&mut self, edge: [u32; 2]) -> bool {
+        let wings = self.wings(edge);
+        let &[f, g] = wings.as_slice() else { return false };
+        let (f, g) = if self.runs_forwards(f, edge) { (f, g) } else { (g, f) };
+        let [a, b] = edge;
+        let tip = |face: u32| self.faces[face as usize].into_iter().find(|n| !edge.contains(n));
+        let (Some(p), Some(q)) = (tip(f), tip(g)) else { return false };
+        let angles = [p, q].map(|n| self.angle(n, edge)).iter().sum::<f64>();
+        if p == q || angles < std::f64::consts::PI * 1.0001 || self.is_feature(edge) || !self.wings([p, q]).is_empty() {
+            return false;
+        }
+        let new = [[p, a, q], [q, b, p]];
+        let places = new.map(|n| self.places(n));
+        let old = [self.corners(f), self.corners(g)];
+        let larger = if norm(normal(old[0])) > norm(normal(old[1])) { old[0] } else { old[1] };
+        let sound = places.iter().all(|c| flatness(*c) > FLAT && aligned(larger, *c));
+        let reach = self.slack(&[a, b, p, q]);
+        sound && places.iter().all(|c| self.envelope.holds(*c, reach)) && self.replace(&[f, g], &new, reach)
+    }
+
+    /// The angle under which a node sees an edge.
+    fn angle(&self, node: u32, [a, b]: [u32; 2]) -> f64 {
+        let [at, p, q]: [Point3; 3] = self.places([node, a, b]);
+        let (u, v) = (sub(p, at), sub(q, at));
+        norm(si::vec3::cross(u, v)).atan2(dot(u, v))
+    }
+}
