@@ -4,7 +4,7 @@
 //! |------|------|
 //! | STL files to welded [`Surface`]s, and back | [`stl`] |
 //! | a body and a plane sheet to a [`TetMesh`] | [`mesh`], [`mesh_without_sheet`] |
-//! | bodies of any shape | [`mesh_general`] |
+//! | bodies of any shape | [`mesh_chosen`] with [`Method::General`] |
 //! | columns over a triangulated plan | [`stack`] |
 //! | ten-node elements | [`quadratic`] |
 //! | files of gmsh, VTK, MEDIT and TetGen | [`foreign`] |
@@ -61,7 +61,7 @@ pub use cavities::{Cavity, cavities};
 pub use choice::{Chosen, ElementChoice, ElementName, mesh_chosen};
 pub use columns::{Grading, MeshError, Settings, mesh, mesh_in_hexahedra, mesh_without_sheet};
 pub use embed::{Spot, embed};
-pub use general::mesh_general;
+pub(crate) use general::mesh_general;
 pub use method::Method;
 pub use quadratic::{QuadraticElements, QuadraticMesh, quadratic};
 pub use quadratic_face::QuadraticFace;
