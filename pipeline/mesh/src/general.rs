@@ -11,7 +11,11 @@ use tetrahedralize::{Fill, Part, tetrahedralize};
 ///
 /// # Errors
 /// [`MeshError`], which names the part and the place; before anything is made, when that would take too much memory.
-pub fn mesh_general(body: &Surface, spine: Option<&Surface>, set: &Settings) -> Result<(TetMesh, Report), MeshError> {
+pub(crate) fn mesh_general(
+    body: &Surface,
+    spine: Option<&Surface>,
+    set: &Settings,
+) -> Result<(TetMesh, Report), MeshError> {
     let parts: Vec<Part> = [Some(body), spine].into_iter().flatten().zip(0..).map(|(s, r)| part(s, r)).collect();
     let made = tetrahedralize(&parts, &tetrahedralize::Settings::new(set.edge))?;
     let repairs = made.repairs.iter().map(ToString::to_string).collect();

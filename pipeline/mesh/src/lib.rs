@@ -4,7 +4,7 @@
 //! |------|------|
 //! | STL files to welded [`Surface`]s, and back | [`stl`] |
 //! | a body and a plane sheet to a [`TetMesh`] | [`mesh`], [`mesh_without_sheet`] |
-//! | bodies of any shape | [`mesh_general`] |
+//! | bodies of any shape | [`mesh_chosen`] with [`Method::General`] |
 //! | columns over a triangulated plan | [`stack`] |
 //! | ten-node elements | [`quadratic`] |
 //! | files of gmsh, VTK, MEDIT and TetGen | [`foreign`] |
@@ -62,7 +62,7 @@ pub use choice::{Chosen, ElementChoice, ElementName, mesh_chosen};
 pub(crate) use columns::mesh_in_hexahedra;
 pub use columns::{Grading, LayeredBody, MeshError, Settings, Slab, layers_in_hexahedra, mesh, mesh_without_sheet};
 pub use embed::{Spot, embed};
-pub use general::mesh_general;
+pub(crate) use general::mesh_general;
 pub use method::Method;
 pub use quadratic::{QuadraticElements, QuadraticMesh, quadratic};
 pub use quadratic_face::QuadraticFace;

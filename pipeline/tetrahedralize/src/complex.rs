@@ -10,6 +10,9 @@ pub(crate) const GONE: u32 = u32::MAX;
 /// The label of what is no solid.
 pub(crate) const OUTSIDE: u16 = u16::MAX;
 
+/// A face between unlike labels, normal out of the first.
+pub(crate) type LabelledFace = ([u32; 3], [u16; 2]);
+
 /// Tetrahedra with labels.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Complex {
@@ -135,7 +138,7 @@ impl Complex {
     }
 
     /// Whether each node lies on a face between unlike labels, and these faces, in the order of the tetrahedra.
-    pub(crate) fn whole_skin(&self) -> (Vec<bool>, Vec<([u32; 3], [u16; 2])>) {
+    pub(crate) fn whole_skin(&self) -> (Vec<bool>, Vec<LabelledFace>) {
         let mut sides: Vec<([u32; 3], u16, [u32; 3])> = Vec::new();
         for tet in self.alive() {
             let nodes = self.tets[tet as usize];
