@@ -1,4 +1,5 @@
 //! Bodies of the kinds that columns refuse, clean and dirty: meshed with their volume, no element flat, the same bytes twice.
+#![allow(clippy::unwrap_used)] // a panic fails the test
 
 use std::f64::consts::{PI, TAU};
 
