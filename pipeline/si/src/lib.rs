@@ -14,9 +14,11 @@
 //!
 //! Depends on no other crate of the workspace.
 
+mod modulus_unit;
 mod series;
 pub mod vec3;
 
+pub use modulus_unit::ModulusUnit;
 pub use series::{Series, SeriesError};
 
 /// Length, m.

@@ -3,11 +3,10 @@
 //! Drawn from the meshes of their STL files, whose surfaces they follow; the properties of card and mesh are printed under each.
 
 use plot::{DOUBLE_COLUMN_MM, Figure, OverlayKind, Panel, Placed, Scene, Side, palette};
-use si::{MILLIMETRE, Point3};
+use si::{MILLIMETRE, ModulusUnit, Point3};
 
 use super::order::{in_order, title};
 use super::origin_note;
-use crate::records::DisplayUnit;
 use crate::records::Mesh;
 use crate::subject::{Specimen, Study};
 use diagnostics::{Diagnostic, Result};
@@ -74,7 +73,7 @@ fn design(specimen: &Specimen, mesh: &Mesh, [low, high]: [Point3; 2]) -> Placed 
 
 /// The nominal modulus of a solid.
 fn nominal(lab::card::Part { name, solid }: &lab::card::Part) -> String {
-    let DisplayUnit { scale, unit } = DisplayUnit::of(solid.youngs_modulus);
+    let ModulusUnit { scale, unit } = ModulusUnit::of(solid.youngs_modulus);
     format!("{name} {:.2} {unit}", scale * solid.youngs_modulus)
 }
 

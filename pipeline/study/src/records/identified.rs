@@ -1,7 +1,7 @@
 //! Identified: the Young's moduli that minimise the quasi-static misfit, with their uncertainty.
 
 use serde::{Deserialize, Serialize};
-use si::{Metre, Pascal, Point3, Second};
+use si::{Metre, ModulusUnit, Pascal, Point3, Second};
 
 use crate::records::Uncertainty;
 use crate::subject::Specimen;
@@ -182,24 +182,6 @@ pub(crate) struct DisplayModulus<'a> {
     pub scale: f64,
 }
 
-/// Moduli from here on are printed in GPa: elastomers lie below, plastics above.
-const STIFF: Pascal = 1e8;
-
-/// The unit in which a modulus is printed.
-pub(crate) struct DisplayUnit {
-    /// One Pa in it.
-    pub scale: f64,
-    /// "MPa" or "GPa".
-    pub unit: &'static str,
-}
-
-impl DisplayUnit {
-    /// Of a modulus.
-    pub(crate) fn of(modulus: Pascal) -> Self {
-        if modulus < STIFF { Self { scale: 1e-6, unit: "MPa" } } else { Self { scale: 1e-9, unit: "GPa" } }
-    }
-}
-
 impl Identified {
     /// The identified constants of a model, at the time to which they belong.
     pub(crate) fn elastic(&self, model: &Model) -> Elastic {
@@ -228,7 +210,7 @@ impl Identified {
     /// The moduli of the materials in the units in which they are printed.
     pub(crate) fn moduli(&self) -> impl Iterator<Item = DisplayModulus<'_>> {
         self.solids.iter().zip(self.materials()).map(|(solid, [modulus, sigma])| {
-            let DisplayUnit { scale, unit } = DisplayUnit::of(modulus);
+            let ModulusUnit { scale, unit } = ModulusUnit::of(modulus);
             DisplayModulus { solid, best: scale * modulus, sigma: scale * sigma, unit, scale }
         })
     }

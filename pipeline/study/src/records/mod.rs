@@ -36,7 +36,6 @@ pub use drag::Drag;
 pub use example_frames::{ExampleFrames, FrameData};
 pub use findings::{Finding, Findings};
 pub use four_parameters::{Four, FourParameters};
-pub(crate) use identified::DisplayUnit;
 pub use identified::{Identified, Moduli, Stiffening};
 pub use inflation::{Inflation, Shape};
 pub use markers::{CovarianceParts, FilmPose, Markers, OmittedCorrection};
