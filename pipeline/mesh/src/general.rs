@@ -17,9 +17,9 @@ pub(crate) fn mesh_general(
     set: &Settings,
 ) -> Result<(TetMesh, Report), MeshError> {
     let parts: Vec<Part> = [Some(body), spine].into_iter().flatten().zip(0..).map(|(s, r)| part(s, r)).collect();
-    let made = tetrahedralize(&parts, &tetrahedralize::Settings::new(set.edge))?;
-    let repairs = made.repairs.iter().map(ToString::to_string).collect();
-    let raw = RawMesh::of_tetrahedra(made.nodes, &made.tets, &made.regions);
+    let tetrahedra = tetrahedralize(&parts, &tetrahedralize::Settings::new(set.edge))?;
+    let repairs = tetrahedra.repairs.iter().map(ToString::to_string).collect();
+    let raw = RawMesh::of_tetrahedra(tetrahedra.nodes, &tetrahedra.tets, &tetrahedra.regions);
     let mesh = match raw.check(1.0, false).map_err(|defect| MeshError::Defect { message: defect.to_string() })?.solid {
         Solid::Linear(mesh) => mesh,
         Solid::Quadratic(mesh) => Solid::Quadratic(mesh).to_linear(),

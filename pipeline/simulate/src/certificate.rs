@@ -44,7 +44,7 @@ impl std::fmt::Display for Difference {
 /// As [`crate::run_with`]; a case that has no finer mesh, no level or no node or marker whose displacements could be compared.
 pub fn certify(path: &Path, options: RunOptions) -> Result<(Summary, Vec<Difference>)> {
     let case = read(path)?;
-    comparable(&case).map_err(|e| e.in_file_unless_named(path))?;
+    check_comparable(&case).map_err(|e| e.in_file_unless_named(path))?;
     let folder = results_folder(path, options.out.as_deref());
     let finer = Case { mesh: crate::case::Source { finer: FINER, ..case.mesh.clone() }, ..case.clone() };
     let named = |e: Diagnostic| e.in_file_unless_named(path);
@@ -52,15 +52,15 @@ pub fn certify(path: &Path, options: RunOptions) -> Result<(Summary, Vec<Differe
     let finer_folder = folder.join("finer");
     simulate_case(&finer, path, RunOptions { out: Some(finer_folder.clone()), ..options }).map_err(named)?;
     let table = format!("{}.csv", stem_of(path));
-    let [here, there] = [folder.join(&table), finer_folder.join(&table)].map(LastRow::read);
+    let [here, there] = [folder.join(&table), finer_folder.join(&table)].map(LastRow::read_from);
     let names =
         case.output.node.iter().map(|node| &node.name).chain(case.output.marker.iter().map(|marker| &marker.name));
     let (here, there) = (here?, there?);
-    Ok((summary, names.map(|name| difference(name, &here, &there)).collect::<Result<_>>()?))
+    Ok((summary, names.map(|name| difference_of(name, &here, &there)).collect::<Result<_>>()?))
 }
 
 /// Refuses a case without a second mesh to compare with.
-fn comparable(case: &Case) -> Result<()> {
+fn check_comparable(case: &Case) -> Result<()> {
     const WHAT: &str = "the error of the mesh cannot be estimated";
     if case.mesh.body.is_none() {
         return Err(Diagnostic::new(
@@ -70,8 +70,8 @@ fn comparable(case: &Case) -> Result<()> {
         ));
     }
     if case.statics.as_ref().is_none_or(|set| set.arc_length.is_some()) {
-        let why = "levels of [static] are compared, not motions and not paths, whose steps differ from mesh to mesh";
-        return Err(Diagnostic::new(WHAT, why, "certify the same loads as levels of [static]"));
+        let reason = "levels of [static] are compared, not motions and not paths, whose steps differ from mesh to mesh";
+        return Err(Diagnostic::new(WHAT, reason, "certify the same loads as levels of [static]"));
     }
     if case.output.node.is_empty() && case.output.marker.is_empty() {
         return Err(Diagnostic::new(WHAT, "the case names no node and no marker", "add an [[output.marker]]"));
@@ -87,7 +87,7 @@ struct LastRow {
 }
 
 impl LastRow {
-    fn read(path: PathBuf) -> Result<Self> {
+    fn read_from(path: PathBuf) -> Result<Self> {
         let refused = |why: String| Diagnostic::file(&path, "the results cannot be compared", why, "simulate it again");
         let mut reader = csv::Reader::from_path(&path).map_err(|e| refused(e.to_string()))?;
         let titles = reader.headers().map_err(|e| refused(e.to_string()))?.iter().map(str::to_owned).collect();
@@ -99,14 +99,14 @@ impl LastRow {
     }
 
     /// The displacement of a node or marker, m.
-    fn displacement(&self, name: &str) -> Result<[Metre; 3]> {
+    fn displacement_of(&self, name: &str) -> Result<[Metre; 3]> {
         let mut displacement = [0.0; 3];
         for (component, axis) in displacement.iter_mut().zip(["ux", "uy", "uz"]) {
             let title = format!("{name}_{axis}_m");
             let column = self.titles.iter().position(|known| *known == title);
             let value = column.and_then(|column| self.values.get(column)).ok_or_else(|| {
-                let what = format!("the column {title} is missing");
-                Diagnostic::file(&self.path, what, "the table was not written to its end", "simulate it again")
+                let problem = format!("the column {title} is missing");
+                Diagnostic::file(&self.path, problem, "the table was not written to its end", "simulate it again")
             })?;
             *component = *value;
         }
@@ -114,9 +114,9 @@ impl LastRow {
     }
 }
 
-fn difference(name: &str, here: &LastRow, there: &LastRow) -> Result<Difference> {
-    let [moved, finer] = [here.displacement(name)?, there.displacement(name)?];
+fn difference_of(name: &str, here: &LastRow, there: &LastRow) -> Result<Difference> {
+    let [moved, finer] = [here.displacement_of(name)?, there.displacement_of(name)?];
     let length = |vector: [f64; 3]| vector.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let apart = length([0, 1, 2].map(|k| moved[k] - finer[k]));
-    Ok(Difference { name: name.to_owned(), moved: length(moved), apart })
+    let distance = length([0, 1, 2].map(|k| moved[k] - finer[k]));
+    Ok(Difference { name: name.to_owned(), moved: length(moved), apart: distance })
 }

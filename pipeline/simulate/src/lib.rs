@@ -104,8 +104,8 @@ fn stem_of(path: &Path) -> String {
 
 /// Where the results of a case go.
 fn results_folder(path: &Path, out: Option<&Path>) -> PathBuf {
-    let beside = || path.parent().unwrap_or(Path::new(".")).join(format!("{}.out", stem_of(path)));
-    out.map_or_else(beside, Path::to_owned)
+    let folder_of_case = || path.parent().unwrap_or(Path::new(".")).join(format!("{}.out", stem_of(path)));
+    out.map_or_else(folder_of_case, Path::to_owned)
 }
 
 /// Simulates a case whose files lie beside `path`.

@@ -108,24 +108,25 @@ fn from_surfaces(mesh: &Source, folder: &Path) -> Result<Loaded> {
         mesh::mesh_chosen(&body, spine.as_ref(), &set, choice)
             .map_err(|e| Diagnostic::from(e).while_doing(files.join(" with ")))
     };
-    let mut made = meshed(true)?;
+    let mut chosen = meshed(true)?;
     let mut notes = Vec::new();
-    if mesh.half && !made.solid.half {
-        let why = match &made.not_columns {
+    if mesh.half && !chosen.solid.half {
+        let reason = match &chosen.not_columns {
             None if mesh.method != Method::General => "the surfaces are not symmetric about z = 0",
             _ => "the general method meshes whole bodies alone",
         };
-        return Err(Diagnostic::new("no half model can be made", why, "set half = false, or move the surfaces"));
+        return Err(Diagnostic::new("no half model can be made", reason, "set half = false, or move the surfaces"));
     }
-    if made.solid.half && !mesh.half {
+    if chosen.solid.half && !mesh.half {
         notes.push(HALF.to_owned());
-        made = meshed(false)?;
+        chosen = meshed(false)?;
     }
-    notes.extend(made.report.repairs.iter().cloned());
-    let refusals = [("tetrahedra, not hexahedra", made.not_hexahedra), ("general, not in columns", made.not_columns)];
+    notes.extend(chosen.report.repairs.iter().cloned());
+    let refusals =
+        [("tetrahedra, not hexahedra", chosen.not_hexahedra), ("general, not in columns", chosen.not_columns)];
     let refusals = refusals.into_iter().filter_map(|(instead, why)| Some((instead, why?)));
     notes.extend(refusals.map(|(instead, why)| format!("{instead}: {}", Diagnostic::from(why).what)));
-    let solid = Solid::Quadratic(made.solid);
+    let solid = Solid::Quadratic(chosen.solid);
     let linear = solid.clone().to_linear();
     let region = |(tag, name): (u16, &str)| Region {
         tag: tag.into(),

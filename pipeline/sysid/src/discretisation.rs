@@ -19,7 +19,7 @@ use diagnostics::{Diagnostic, Result};
 /// A [`Diagnostic`] when the finer mesh has no equilibrium at a level.
 // Every level is solved for: the buckle of a thin wall amplifies the error, which is 0.4 % of the angle below it and 2 % beyond, so that an
 // error of the lowest level, scaled with the displacement, says little of the others.
-pub fn error(finer: &mut LevelSolver, elastic: &Elastic, found: &[Vec<Point2>]) -> Result<Vec<Vec<Point2>>> {
+pub fn mesh_error(finer: &mut LevelSolver, elastic: &Elastic, found: &[Vec<Point2>]) -> Result<Vec<Vec<Point2>>> {
     let finer = finer.solve(elastic, Derivatives::None)?;
     let difference = |(here, finer): (&Point2, &Point2)| [0, 1].map(|k| here[k] - finer[k]);
     // length: both have the levels of one misfit and the markers of one card
@@ -37,13 +37,13 @@ pub struct MeshError {
 }
 
 impl MeshError {
-    /// Of an `error` of the simulated displacements (levels × markers, m); see [`shift`].
+    /// Of an `error` of the simulated displacements (levels × markers, m); see [`parameter_shift`].
     ///
     /// # Errors
-    /// As [`shift`].
+    /// As [`parameter_shift`].
     pub fn new(misfit: &Misfit, residuals: (&Residuals, usize), error: &[Vec<Point2>]) -> Result<Self> {
         let largest = error.iter().flatten().map(|[x, y]| x.hypot(*y)).fold(0.0, f64::max);
-        Ok(Self { shift: shift(misfit, residuals, error)?, largest })
+        Ok(Self { shift: parameter_shift(misfit, residuals, error)?, largest })
     }
 }
 
@@ -52,7 +52,11 @@ impl MeshError {
 ///
 /// # Errors
 /// A [`Diagnostic`] when the error is that of other levels, or the residuals do not determine the parameters.
-fn shift(misfit: &Misfit, (white, parameters): (&Residuals, usize), error: &[Vec<Point2>]) -> Result<Vec<f64>> {
+fn parameter_shift(
+    misfit: &Misfit,
+    (white, parameters): (&Residuals, usize),
+    error: &[Vec<Point2>],
+) -> Result<Vec<f64>> {
     let values: Vec<f64> = error.iter().flatten().flatten().copied().collect();
     let jacobian = vec![0.0; values.len() * parameters];
     let mut error = misfit.white(&Residuals { values, jacobian }, parameters)?.values;
@@ -94,7 +98,7 @@ mod tests {
         let white = misfit.white(&Residuals { values, jacobian }, 1).unwrap();
         let error: Vec<Vec<Point2>> =
             misfit.levels.iter().map(|l| l.measured.iter().map(|u| [0.0, -0.01 * u[1]]).collect()).collect();
-        let found = shift(&misfit, (&white, 1), &error).unwrap();
+        let found = parameter_shift(&misfit, (&white, 1), &error).unwrap();
         assert!((found[0] + 0.01).abs() < 1e-9, "{found:?}");
     }
 }

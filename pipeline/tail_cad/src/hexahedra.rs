@@ -14,12 +14,12 @@ const TOLERANCE: Metre = 5e-6;
 
 /// Elements of the half z ≥ 0.
 pub(crate) fn hexahedra(tail: &Tail, grading: &Grading) -> Result<QuadraticMesh, TailError> {
-    let slabs: Vec<Slab> = stations(tail).windows(2).map(|pair| slab(tail, [pair[0], pair[1]])).collect();
+    let slabs: Vec<Slab> = stations(tail).windows(2).map(|pair| slab_between(tail, [pair[0], pair[1]])).collect();
     let layers = TailLayers::new(tail);
     let body = LayeredBody {
         frame: Frame { normal: 1 },
         slabs: &slabs,
-        layers: &|[z, x]| layers.over(x, z),
+        layers: &|[z, x]| layers.layers_over(x, z),
         sheets: layers.sheets(),
         height: &|[z, x], sheet| SheetHeights::new(tail, x, z).height(sheet),
         tolerance: TOLERANCE,
@@ -39,7 +39,7 @@ fn stations(tail: &Tail) -> Vec<Metre> {
     stations
 }
 
-fn slab(tail: &Tail, ends: [Metre; 2]) -> Slab {
+fn slab_between(tail: &Tail, ends: [Metre; 2]) -> Slab {
     let samples = ((ends[1] - ends[0]) / SAMPLING).ceil() as usize + 2;
     Slab::sampled(ends, samples, &|x| outlines_across(tail, x))
 }

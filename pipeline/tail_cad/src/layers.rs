@@ -22,7 +22,7 @@ fn film_face(tail: &Tail) -> u32 {
 /// Fills the plan with tetrahedra; solids taller than `edge` (m) are divided.
 pub(crate) fn fill(tail: &Tail, plan: &Plan, edge: Metre, half: bool) -> Result<TetMesh, TailError> {
     let layers = TailLayers::new(tail);
-    let columns: Vec<Column> = plan.triangles.iter().filter_map(|&t| layers.column(plan, t)).collect();
+    let columns: Vec<Column> = plan.triangles.iter().filter_map(|&t| layers.column_over(plan, t)).collect();
     let heights: Vec<SheetHeights> = plan.points.iter().map(|p| SheetHeights::new(tail, p[1], p[0])).collect();
     let height = |vertex: u32, sheet: u32| heights[vertex as usize].height(sheet);
     let stack = Stack {
@@ -88,7 +88,7 @@ impl<'a> TailLayers<'a> {
     }
 
     /// Sheets from below at a place, and the fills between them; none where there is no solid.
-    pub fn over(&self, x: Metre, z: Metre) -> Option<(Vec<u32>, Vec<Fill>)> {
+    pub(crate) fn layers_over(&self, x: Metre, z: Metre) -> Option<(Vec<u32>, Vec<Fill>)> {
         let half = half_stack(self.tail, x, z)?;
         // the half from the middle outwards is mirrored to the other side
         let lower = half.iter().rev().map(|&(sheet, fill)| (sheet, fill(0)));
@@ -100,9 +100,9 @@ impl<'a> TailLayers<'a> {
     }
 
     /// The column over a plan triangle; none where there is no solid.
-    fn column(&self, plan: &Plan, corners: [u32; 3]) -> Option<Column> {
+    fn column_over(&self, plan: &Plan, corners: [u32; 3]) -> Option<Column> {
         let mean = |k: usize| corners.iter().map(|&v| plan.points[v as usize][k]).sum::<f64>() / 3.0;
-        let (sheets, fills) = self.over(mean(1), mean(0).abs())?;
+        let (sheets, fills) = self.layers_over(mean(1), mean(0).abs())?;
         Some(Column { corners, sheets, fills })
     }
 }

@@ -67,9 +67,9 @@ impl Complex {
 
     pub(crate) fn remove(&mut self, tet: u32) {
         for node in self.tets[tet as usize] {
-            let around = &mut self.around[node as usize];
-            if let Some(place) = around.iter().position(|t| *t == tet) {
-                around.swap_remove(place);
+            let star = &mut self.around[node as usize];
+            if let Some(place) = star.iter().position(|t| *t == tet) {
+                star.swap_remove(place);
             }
         }
         self.tets[tet as usize] = [GONE; 4];
@@ -83,15 +83,15 @@ impl Complex {
     }
 
     pub(crate) fn add(&mut self, nodes: [u32; 4], label: u16) -> u32 {
-        let place = self.free.pop().unwrap_or_else(|| {
+        let slot = self.free.pop().unwrap_or_else(|| {
             self.tets.push([GONE; 4]);
             self.labels.push(label);
             self.tets.len() as u32 - 1
         });
-        self.tets[place as usize] = nodes;
-        self.labels[place as usize] = label;
-        nodes.iter().for_each(|n| self.around[*n as usize].push(place));
-        place
+        self.tets[slot as usize] = nodes;
+        self.labels[slot as usize] = label;
+        nodes.iter().for_each(|n| self.around[*n as usize].push(slot));
+        slot
     }
 
     /// Tetrahedra go, others with their labels come.
@@ -115,11 +115,11 @@ impl Complex {
     /// The label behind a face of a tetrahedron.
     pub(crate) fn behind(&self, tet: u32, face: [u32; 3]) -> u16 {
         let [a, b, c] = face;
-        let other = self.star(a).iter().find(|t| {
+        let opposite = self.star(a).iter().find(|t| {
             let nodes = &self.tets[**t as usize];
             **t != tet && nodes.contains(&b) && nodes.contains(&c)
         });
-        other.map_or(OUTSIDE, |t| self.labels[*t as usize])
+        opposite.map_or(OUTSIDE, |t| self.labels[*t as usize])
     }
 
     /// The faces between unlike labels around a node, each once, normal out of the lower label.
@@ -149,15 +149,15 @@ impl Complex {
             }
         }
         sides.sort_unstable();
-        let mut on = vec![false; self.points.len()];
+        let mut on_surface = vec![false; self.points.len()];
         let mut faces = Vec::new();
         for group in sides.chunk_by(|a, b| a.0 == b.0) {
             let behind = group.get(1).map_or(OUTSIDE, |g| g.1);
             if group[0].1 != behind {
                 faces.push((group[0].2, [group[0].1, behind]));
-                group[0].2.iter().for_each(|n| on[*n as usize] = true);
+                group[0].2.iter().for_each(|n| on_surface[*n as usize] = true);
             }
         }
-        (on, faces)
+        (on_surface, faces)
     }
 }

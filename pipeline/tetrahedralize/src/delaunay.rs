@@ -105,7 +105,7 @@ impl Delaunay {
     }
 
     fn cavity(&mut self, first: u32, number: u32) -> (Vec<u32>, Vec<Wall>) {
-        let at = self.points[number as usize];
+        let point = self.points[number as usize];
         let (mut cavity, mut walls) = (vec![first], Vec::new());
         self.seen[first as usize] = (number, true);
         let mut next = 0;
@@ -115,7 +115,7 @@ impl Delaunay {
             for (k, side) in SIDES.iter().enumerate() {
                 let behind = self.neighbours[tet as usize][k];
                 if behind != NONE && self.seen[behind as usize].0 != number {
-                    let inside = in_sphere(self.place(behind), at) > 0.0;
+                    let inside = in_sphere(self.place(behind), point) > 0.0;
                     self.seen[behind as usize] = (number, inside);
                     cavity.extend(inside.then_some(behind));
                 }
@@ -131,16 +131,16 @@ impl Delaunay {
         self.free.extend(cavity);
         let mut places = Vec::with_capacity(walls.len());
         for wall in walls {
-            let place = self.free.pop().unwrap_or_else(|| {
+            let slot = self.free.pop().unwrap_or_else(|| {
                 self.tets.push([0; 4]);
                 self.neighbours.push([NONE; 4]);
                 self.seen.push((0, false));
                 self.tets.len() as u32 - 1
             });
-            places.push(place);
+            places.push(slot);
             let [a, b, c] = wall.nodes;
             // a wall's normal points out of the cavity, away from the new point
-            self.tets[place as usize] = [a, c, b, number];
+            self.tets[slot as usize] = [a, c, b, number];
         }
         for (wall, place) in walls.iter().zip(&places) {
             self.neighbours[*place as usize] = [NONE, NONE, NONE, wall.behind];

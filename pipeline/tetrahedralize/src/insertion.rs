@@ -32,8 +32,8 @@ struct Plane {
 impl Plane {
     fn new(nodes: [u32; 3], places: [Point3; 3], near: f64) -> Self {
         let normal = unit(normal(places));
-        let along = unit(sub(places[1], places[0]));
-        let axes = [along, cross(normal, along)];
+        let direction = unit(sub(places[1], places[0]));
+        let axes = [direction, cross(normal, direction)];
         let origin = places[0];
         let corners = places.map(|p| axes.map(|axis| dot(sub(p, origin), axis)));
         Self { origin, axes, normal, corners, nodes, near }
@@ -58,9 +58,11 @@ impl Plane {
     /// The part of the plane within a tetrahedron, as points of a convex polygon in no order.
     fn section(&self, nodes: [u32; 4], places: [Point3; 4]) -> Vec<[f64; 2]> {
         let heights = self.heights(nodes, places);
-        let on = (0..4).filter(|k| heights[*k] == 0.0).map(|k| self.flat(places[k]));
+        let touching = (0..4).filter(|k| heights[*k] == 0.0).map(|k| self.flat(places[k]));
         let cut = EDGES.iter().filter(|[i, j]| heights[*i] * heights[*j] < 0.0);
-        on.chain(cut.map(|[i, j]| self.flat(meeting([places[*i], places[*j]], [heights[*i], heights[*j]])))).collect()
+        touching
+            .chain(cut.map(|[i, j]| self.flat(meeting([places[*i], places[*j]], [heights[*i], heights[*j]]))))
+            .collect()
     }
 
     /// Whether a convex polygon overlaps the triangle by more than the tolerance, by the axis that parts them best.
@@ -73,10 +75,10 @@ impl Plane {
             if length <= self.near {
                 return false;
             }
-            let across = [-side[1] / length, side[0] / length];
+            let normal = [-side[1] / length, side[0] / length];
             let span = |points: &[[f64; 2]]| {
-                let along = points.iter().map(|x| x[0] * across[0] + x[1] * across[1]);
-                along.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], x| [l.min(x), h.max(x)])
+                let offsets = points.iter().map(|x| x[0] * normal[0] + x[1] * normal[1]);
+                offsets.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], x| [l.min(x), h.max(x)])
             };
             let (mine, other) = (span(&self.corners), span(polygon));
             mine[1].min(other[1]) - mine[0].max(other[0]) <= self.near
@@ -109,7 +111,7 @@ pub(crate) fn insert_triangle(complex: &mut Complex, nodes: [u32; 3], near: f64)
 fn crossing_edges(complex: &Complex, plane: &Plane) -> BTreeSet<[u32; 2]> {
     let mut edges = BTreeSet::new();
     let mut queue: Vec<u32> = plane.nodes.iter().flat_map(|n| complex.star(*n)).copied().collect();
-    let mut seen: BTreeSet<u32> = queue.iter().copied().collect();
+    let mut queued: BTreeSet<u32> = queue.iter().copied().collect();
     while let Some(tet) = queue.pop() {
         let (nodes, places) = (complex.tets[tet as usize], complex.corners(tet));
         let section = plane.section(nodes, places);
@@ -119,7 +121,7 @@ fn crossing_edges(complex: &Complex, plane: &Plane) -> BTreeSet<[u32; 2]> {
         let heights = plane.heights(nodes, places);
         let crossed = EDGES.iter().filter(|[i, j]| heights[*i] * heights[*j] < 0.0);
         edges.extend(crossed.map(|[i, j]| sorted([nodes[*i], nodes[*j]])));
-        queue.extend(nodes.iter().flat_map(|n| complex.star(*n)).filter(|t| seen.insert(**t)));
+        queue.extend(nodes.iter().flat_map(|n| complex.star(*n)).filter(|t| queued.insert(**t)));
     }
     edges
 }
@@ -128,11 +130,11 @@ fn crossing_edges(complex: &Complex, plane: &Plane) -> BTreeSet<[u32; 2]> {
 fn split_on(complex: &mut Complex, edge: [u32; 2], plane: &Plane) -> bool {
     let ends = complex.places(edge);
     let heights = ends.map(|p| plane.height(p));
-    let at = meeting(ends, heights);
-    if distance(at, ends[0]) == 0.0 || distance(at, ends[1]) == 0.0 {
+    let crossing_point = meeting(ends, heights);
+    if distance(crossing_point, ends[0]) == 0.0 || distance(crossing_point, ends[1]) == 0.0 {
         return false;
     }
-    let node = complex.add_point(at);
+    let node = complex.add_point(crossing_point);
     let (ring, halves) = complex.bisected(edge, node);
     let positive = halves.iter().all(|(nodes, _)| orientation(complex.places(*nodes)) > 0.0);
     if positive {

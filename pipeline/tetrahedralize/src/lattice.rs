@@ -67,7 +67,7 @@ fn shifted(at: Point3, by: f64) -> Point3 {
     let mixed =
         bits.iter().fold(0x9E37_79B9_7F4A_7C15u64, |m, b| (m ^ b).wrapping_mul(0xBF58_476D_1CE4_E5B9).rotate_left(27));
     let share = |k: u32| (mixed.rotate_left(20 * k) & 0xF_FFFF) as f64 / f64::from(0xF_FFFF) * 2.0 - 1.0;
-    let moved = add(at, [by * share(0), by * share(1), by * share(2)]);
-    debug_assert!(distance(moved, at) <= 2.0 * by);
-    moved
+    let jittered = add(at, [by * share(0), by * share(1), by * share(2)]);
+    debug_assert!(distance(jittered, at) <= 2.0 * by);
+    jittered
 }

@@ -32,10 +32,10 @@ pub enum Repair {
 
 impl std::fmt::Display for Repair {
     fn fmt(&self, out: &mut std::fmt::Formatter) -> std::fmt::Result {
-        let place = |[x, y, z]: Point3| format!("({:.2}, {:.2}, {:.2}) mm", x * 1e3, y * 1e3, z * 1e3);
+        let place_mm = |[x, y, z]: Point3| format!("({:.2}, {:.2}, {:.2}) mm", x * 1e3, y * 1e3, z * 1e3);
         match self {
-            Self::Turned { faces, at } => write!(out, "{faces} faces were turned, the first at {}", place(*at)),
-            Self::Cavity { at } => write!(out, "the closed part at {} was taken for a cavity", place(*at)),
+            Self::Turned { faces, at } => write!(out, "{faces} faces were turned, the first at {}", place_mm(*at)),
+            Self::Cavity { at } => write!(out, "the closed part at {} was taken for a cavity", place_mm(*at)),
         }
     }
 }
@@ -113,8 +113,8 @@ fn turn_shells(part: &mut Part, shell: &[u32], count: usize) -> Vec<Repair> {
     let members = |number: usize| (0..shell.len()).filter(move |f| shell[*f] as usize == number);
     let mut repairs = Vec::new();
     if volumes.iter().all(|v| *v <= 0.0) {
-        let at = triangles.first().map_or([0.0; 3], |t| t[0]);
-        repairs.push(Repair::Turned { faces: part.faces.len(), at });
+        let first_point = triangles.first().map_or([0.0; 3], |t| t[0]);
+        repairs.push(Repair::Turned { faces: part.faces.len(), at: first_point });
         part.faces.iter_mut().for_each(|f| f.swap(1, 2));
         volumes.iter_mut().for_each(|v| *v = -*v);
     }
@@ -138,15 +138,15 @@ fn turn_shells(part: &mut Part, shell: &[u32], count: usize) -> Vec<Repair> {
 
 /// Faces of some area, once each.
 pub(crate) fn without_degenerate(part: &Part) -> Part {
-    let mut seen = std::collections::BTreeSet::new();
+    let mut distinct = std::collections::BTreeSet::new();
     let first = |face: &[u32; 3]| {
         let mut key = *face;
         key.sort_unstable();
         let corners = face.map(|n| part.points[n as usize]);
-        key[0] != key[1] && key[1] != key[2] && norm(normal(corners)) > 0.0 && seen.insert(key)
+        key[0] != key[1] && key[1] != key[2] && norm(normal(corners)) > 0.0 && distinct.insert(key)
     };
-    let mut kept = part.faces.clone();
+    let mut kept_faces = part.faces.clone();
     let mut first = first;
-    kept.retain(|face| first(face));
-    Part { points: part.points.clone(), faces: kept, fill: part.fill }
+    kept_faces.retain(|face| first(face));
+    Part { points: part.points.clone(), faces: kept_faces, fill: part.fill }
 }

@@ -54,10 +54,10 @@ pub fn tetrahedralize(parts: &[Part], set: &Settings) -> Result<Tetrahedra, Refu
     let (skin, space) = remeshed(parts, &envelope, set);
     let places: Vec<[Point3; 3]> = skin.faces.iter().map(|f| f.map(|n| skin.points[n as usize])).collect();
     let tree = Tree::new(&places);
-    let least = |values: &[f64]| -> Vec<f64> {
+    let minimum = |values: &[f64]| -> Vec<f64> {
         skin.faces.iter().map(|f| f.iter().map(|n| values[*n as usize]).fold(f64::INFINITY, f64::min)).collect()
     };
-    let (size, slack) = (least(&skin.size), least(&skin.slack));
+    let (size, slack) = (minimum(&skin.size), minimum(&skin.slack));
     let field = SizeField { tree: &tree, size: &size, gradation: set.gradation, edge: set.edge };
     let mut complex = conforming(&skin, &field, &space);
     label_all(&mut complex, &space);
@@ -123,8 +123,8 @@ fn remeshed(parts: &[Part], envelope: &Envelope, set: &Settings) -> (Skin, Space
     let mut skin = Skin::default();
     let mut surfaces = Vec::new();
     for part in parts {
-        let own = Envelope::new(&part.triangles(), set.edge);
-        let mut surface = Remesh::new(part.points.clone(), part.faces.clone(), &own);
+        let envelope = Envelope::new(&part.triangles(), set.edge);
+        let mut surface = Remesh::new(part.points.clone(), part.faces.clone(), &envelope);
         surface.run(&sizing);
         let (points, faces, size, slack) = surface.finish();
         let (lines, corners) = surface.features();
@@ -154,11 +154,11 @@ fn conforming(skin: &Skin, field: &SizeField, space: &Space) -> Complex {
     for _ in 0..2 {
         let mut failed = 0;
         for face in &skin.faces {
-            let near = ON_PLANE * face.iter().map(|n| skin.slack[*n as usize]).fold(f64::INFINITY, f64::min);
+            let tolerance = ON_PLANE * face.iter().map(|n| skin.slack[*n as usize]).fold(f64::INFINITY, f64::min);
             let nodes = face.map(|n| numbers[n as usize]);
             let [a, b, c] = nodes;
             if a != b && b != c && c != a {
-                failed += insert_triangle(&mut complex, nodes, near);
+                failed += insert_triangle(&mut complex, nodes, tolerance);
             }
         }
         if failed == 0 {
@@ -170,18 +170,18 @@ fn conforming(skin: &Skin, field: &SizeField, space: &Space) -> Complex {
 
 fn compact(complex: &Complex) -> Tetrahedra {
     let mut number = vec![u32::MAX; complex.points.len()];
-    let mut made = Tetrahedra::default();
+    let mut mesh = Tetrahedra::default();
     for tet in complex.alive() {
         let nodes = complex.tets[tet as usize].map(|n| {
             let number = &mut number[n as usize];
             if *number == u32::MAX {
-                *number = made.nodes.len() as u32;
-                made.nodes.push(complex.points[n as usize]);
+                *number = mesh.nodes.len() as u32;
+                mesh.nodes.push(complex.points[n as usize]);
             }
             *number
         });
-        made.tets.push(nodes);
-        made.regions.push(complex.labels[tet as usize]);
+        mesh.tets.push(nodes);
+        mesh.regions.push(complex.labels[tet as usize]);
     }
-    made
+    mesh
 }

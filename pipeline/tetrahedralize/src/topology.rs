@@ -68,8 +68,8 @@ fn remove_specks(complex: &mut Complex, speck: f64) {
         }
     }
     for tet in tets {
-        let most = touched.get(&find(&mut root, tet)).and_then(|t| t.iter().max_by_key(|(_, count)| **count));
-        if let Some((label, _)) = most {
+        let majority = touched.get(&find(&mut root, tet)).and_then(|t| t.iter().max_by_key(|(_, count)| **count));
+        if let Some((label, _)) = majority {
             complex.labels[tet as usize] = *label;
         }
     }
@@ -97,18 +97,19 @@ fn crowded_edges(complex: &Complex) -> Vec<[u32; 2]> {
 fn change_least_part(complex: &mut Complex, edge: [u32; 2]) {
     let ring = complex.ring(edge);
     let solid = |t: u32| complex.labels[t as usize] != OUTSIDE;
-    let others = |t: u32| complex.tets[t as usize].into_iter().filter(|n| !edge.contains(n)).collect::<Vec<_>>();
+    let opposite_nodes =
+        |t: u32| complex.tets[t as usize].into_iter().filter(|n| !edge.contains(n)).collect::<Vec<_>>();
     let mut parts: Vec<Vec<u32>> = Vec::new();
-    let mut rest: Vec<u32> = ring.clone();
-    while let Some(first) = rest.pop() {
+    let mut unvisited: Vec<u32> = ring.clone();
+    while let Some(first) = unvisited.pop() {
         let mut part = vec![first];
         let mut next = 0;
         while next < part.len() {
-            let near = others(part[next]);
-            let joined = |t: &u32| solid(*t) == solid(first) && others(*t).iter().any(|n| near.contains(n));
-            let (joined, left): (Vec<u32>, Vec<u32>) = rest.iter().partition(|t| joined(t));
+            let opposite = opposite_nodes(part[next]);
+            let joined = |t: &u32| solid(*t) == solid(first) && opposite_nodes(*t).iter().any(|n| opposite.contains(n));
+            let (joined, left): (Vec<u32>, Vec<u32>) = unvisited.iter().partition(|t| joined(t));
             part.extend(joined);
-            rest = left;
+            unvisited = left;
             next += 1;
         }
         parts.push(part);

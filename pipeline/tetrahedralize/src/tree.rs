@@ -57,19 +57,19 @@ impl Tree {
     }
 
     fn grow(&mut self, triangles: &[[Point3; 3]], centres: &[Point3], (first, part): (usize, &mut [u32])) -> u32 {
-        let place = self.branches.len();
+        let branch_number = self.branches.len();
         self.branches.push(branch(triangles, first, part));
         if part.len() > LEAF {
-            let Branch { low, high, .. } = self.branches[place];
+            let Branch { low, high, .. } = self.branches[branch_number];
             let axis = (0..3).max_by(|i, j| (high[*i] - low[*i]).total_cmp(&(high[*j] - low[*j]))).unwrap_or(0);
             let middle = part.len() / 2;
             let key = |n: &u32| (centres[*n as usize][axis], *n);
             part.select_nth_unstable_by(middle, |p, q| key(p).0.total_cmp(&key(q).0).then(p.cmp(q)));
             let (lower, upper) = part.split_at_mut(middle);
             self.grow(triangles, centres, (first, lower));
-            self.branches[place].second = self.grow(triangles, centres, (first + middle, upper));
+            self.branches[branch_number].second = self.grow(triangles, centres, (first + middle, upper));
         }
-        place as u32
+        branch_number as u32
     }
 
     /// The nearest point within `reach`.
@@ -105,8 +105,9 @@ impl Tree {
 
     /// A triangle within `reach` of a point, the hinted one if it is; its place in the tree's order.
     pub(crate) fn within(&self, at: Point3, reach: f64, hint: Option<u32>) -> Option<u32> {
-        let near = |sorted: u32| distance(at, nearest_on_triangle(at, self.triangles[sorted as usize])) <= reach;
-        if let Some(sorted) = hint.filter(|h| near(*h)) {
+        let within_reach =
+            |sorted: u32| distance(at, nearest_on_triangle(at, self.triangles[sorted as usize])) <= reach;
+        if let Some(sorted) = hint.filter(|h| within_reach(*h)) {
             return Some(sorted);
         }
         let mut stack = if self.branches.is_empty() { vec![] } else { vec![0u32] };
@@ -117,7 +118,7 @@ impl Tree {
             }
             if branch.second != 0 {
                 stack.extend([branch.second, place + 1]);
-            } else if let Some(sorted) = (branch.first..branch.first + branch.count).find(|s| near(*s)) {
+            } else if let Some(sorted) = (branch.first..branch.first + branch.count).find(|s| within_reach(*s)) {
                 return Some(sorted);
             }
         }
@@ -127,13 +128,13 @@ impl Tree {
     /// Distance of a point from a branch's box.
     fn gap(&self, place: u32, at: Point3) -> f64 {
         let Branch { low, high, .. } = &self.branches[place as usize];
-        let across = |k: usize| (low[k] - at[k]).max(at[k] - high[k]).max(0.0);
-        norm([across(0), across(1), across(2)])
+        let gap = |k: usize| (low[k] - at[k]).max(at[k] - high[k]).max(0.0);
+        norm([gap(0), gap(1), gap(2)])
     }
 
     /// The distances at which a ray along a unit vector crosses triangles within `reach`, with their numbers, unsorted.
     pub(crate) fn crossings(&self, from: Point3, along: Point3, reach: f64) -> Vec<(f64, u32)> {
-        let mut found = Vec::new();
+        let mut hits = Vec::new();
         let mut stack = if self.branches.is_empty() { vec![] } else { vec![0u32] };
         while let Some(place) = stack.pop() {
             let branch = &self.branches[place as usize];
@@ -145,11 +146,11 @@ impl Tree {
                 continue;
             }
             for sorted in branch.first..branch.first + branch.count {
-                let at = crossing(self.triangles[sorted as usize], from, along);
-                found.extend(at.filter(|t| (0.0..=reach).contains(t)).map(|t| (t, self.numbers[sorted as usize])));
+                let hit = crossing(self.triangles[sorted as usize], from, along);
+                hits.extend(hit.filter(|t| (0.0..=reach).contains(t)).map(|t| (t, self.numbers[sorted as usize])));
             }
         }
-        found
+        hits
     }
 
     /// Generalised winding number: 1 inside of a closed surface with normals outwards, 0 outside [barill2018].

@@ -114,9 +114,9 @@ impl Settings {
 /// A profile that is no section.
 fn no_section(profile: Profile, value: &Value) -> Diagnostic {
     let name = profile.name();
-    let what = format!("{FILE}: `{name}` is no section, but of the type {}", value.type_str());
-    let why = format!("[{name}] has sections, whose keys stand for those of the paper profile");
-    Diagnostic::new(what, why, format!("name the section of the key, as in [{name}.mesh]"))
+    let problem = format!("{FILE}: `{name}` is no section, but of the type {}", value.type_str());
+    let reason = format!("[{name}] has sections, whose keys stand for those of the paper profile");
+    Diagnostic::new(problem, reason, format!("name the section of the key, as in [{name}.mesh]"))
 }
 
 fn lay_over(below: &mut Table, above: Table) {

@@ -7,7 +7,7 @@ use si::Point2;
 use super::fitting::{Card, Films, Fitting, Settings, mean_rest};
 use super::mesh;
 use crate::records::Mesh;
-use sysid::discretisation::{MeshError, error};
+use sysid::discretisation::{MeshError, mesh_error};
 use sysid::{Elastic, LevelSolver, Model, statics};
 use workflow::stage::StageContext;
 
@@ -57,7 +57,7 @@ impl Fitting<'_> {
     ) -> Result<MeshError, String> {
         let (levels, settings) = (self.loss.misfit.levels.clone(), statics(self.set.static_tolerance));
         let mut solver = LevelSolver::new(finer?, levels, settings, self.set.parallel_solves);
-        let error = error(&mut solver, elastic, found);
+        let error = mesh_error(&mut solver, elastic, found);
         error
             .and_then(|error| MeshError::new(&self.loss.misfit, residuals, &error))
             .map_err(|d| on_edges(self.set, &d.what))

@@ -48,13 +48,14 @@ impl Improve<'_> {
         let skin = self.complex.skin(node);
         let old: Vec<[Point3; 3]> = skin.iter().map(|f| self.complex.places(*f)).collect();
         let star = self.complex.star(node).to_vec();
-        let from = self.complex.points[node as usize];
-        let before = self.worst_of(&star);
-        self.complex.points[node as usize] = add(from, by);
-        let sound = star.iter().all(|t| distortion(self.complex.corners(*t)) <= (0.5 * POOR).max(1.02 * before));
+        let position = self.complex.points[node as usize];
+        let worst_distortion = self.worst_of(&star);
+        self.complex.points[node as usize] = add(position, by);
+        let sound =
+            star.iter().all(|t| distortion(self.complex.corners(*t)) <= (0.5 * POOR).max(1.02 * worst_distortion));
         let reach = self.slack[node as usize];
         if !sound || !skin.iter().zip(&old).all(|(f, o)| self.may_become(*o, self.complex.places(*f), reach)) {
-            self.complex.points[node as usize] = from;
+            self.complex.points[node as usize] = position;
         }
     }
 }

@@ -46,17 +46,17 @@ impl Improve<'_> {
             return false;
         }
         let star = self.complex.star(gone).to_vec();
-        let before = self.worst_of(&star);
+        let worst_distortion = self.worst_of(&star);
         let mut new = Vec::with_capacity(star.len());
         for tet in star.iter().filter(|t| !ring.contains(t)) {
             let nodes = self.complex.tets[*tet as usize].map(|n| if n == gone { kept } else { n });
-            if self.distortion(nodes) > limit.max(0.999 * before) {
+            if self.distortion(nodes) > limit.max(0.999 * worst_distortion) {
                 return false;
             }
             new.push((nodes, self.complex.labels[*tet as usize]));
         }
-        let near = self.neighbours(gone);
-        let long = near.iter().any(|n| *n != kept && self.ratio([*n, kept]) > LONG.max(self.ratio([*n, gone])));
+        let neighbours = self.neighbours(gone);
+        let long = neighbours.iter().any(|n| *n != kept && self.ratio([*n, kept]) > LONG.max(self.ratio([*n, gone])));
         if new.is_empty() || (limit > 0.0 && long) || !self.skin_follows(gone, kept) {
             return false;
         }
@@ -67,8 +67,8 @@ impl Improve<'_> {
 
     /// Nodes joined to both ends are those of the ring; on the skin, those of the faces at the edge.
     fn link_holds(&self, [gone, kept]: [u32; 2], ring: &[u32]) -> bool {
-        let near = self.neighbours(kept);
-        let shared = self.neighbours(gone).into_iter().filter(|n| near.binary_search(n).is_ok()).count();
+        let neighbours = self.neighbours(kept);
+        let shared = self.neighbours(gone).into_iter().filter(|n| neighbours.binary_search(n).is_ok()).count();
         let mut link: Vec<u32> = ring.iter().flat_map(|t| self.complex.tets[*t as usize]).collect();
         link.sort_unstable();
         link.dedup();
@@ -93,14 +93,14 @@ impl Improve<'_> {
         if wings == 0 || !allowed {
             return false;
         }
-        let near = |skin: &[[u32; 3]], node: u32| {
-            let mut near: Vec<u32> = skin.iter().flatten().copied().filter(|n| *n != node).collect();
-            near.sort_unstable();
-            near.dedup();
-            near
+        let link_of = |skin: &[[u32; 3]], node: u32| {
+            let mut link: Vec<u32> = skin.iter().flatten().copied().filter(|n| *n != node).collect();
+            link.sort_unstable();
+            link.dedup();
+            link
         };
-        let other = near(&self.complex.skin(kept), kept);
-        if near(&skin, gone).iter().filter(|n| other.contains(n)).count() != wings {
+        let kept_link = link_of(&self.complex.skin(kept), kept);
+        if link_of(&skin, gone).iter().filter(|n| kept_link.contains(n)).count() != wings {
             return false;
         }
         let reach = self.slack(&[gone, kept]);

@@ -103,11 +103,11 @@ impl Improve<'_> {
 
     fn neighbours(&self, node: u32) -> Vec<u32> {
         let star = self.complex.star(node);
-        let mut near: Vec<u32> =
+        let mut neighbours: Vec<u32> =
             star.iter().flat_map(|t| self.complex.tets[*t as usize]).filter(|n| *n != node).collect();
-        near.sort_unstable();
-        near.dedup();
-        near
+        neighbours.sort_unstable();
+        neighbours.dedup();
+        neighbours
     }
 
     /// Faces between unlike labels at an edge.
@@ -120,11 +120,11 @@ impl Improve<'_> {
 
     /// How a node of the skin may move, by the faces around it.
     fn kind(&self, node: u32, skin: &[[u32; 3]]) -> Kind {
-        let mut near: Vec<u32> = skin.iter().flatten().copied().filter(|n| *n != node).collect();
-        near.sort_unstable();
-        near.dedup();
+        let mut neighbours: Vec<u32> = skin.iter().flatten().copied().filter(|n| *n != node).collect();
+        neighbours.sort_unstable();
+        neighbours.dedup();
         let at_edge = |n: u32| skin.iter().copied().filter(move |f| f.contains(&n)).collect::<Vec<_>>();
-        let features: Vec<u32> = near.into_iter().filter(|n| self.is_feature(&at_edge(*n), [node, *n])).collect();
+        let features: Vec<u32> = neighbours.into_iter().filter(|n| self.is_feature(&at_edge(*n), [node, *n])).collect();
         let corner =
             || self.corners.within(self.complex.points[node as usize], self.slack[node as usize], None).is_some();
         match features.as_slice() {

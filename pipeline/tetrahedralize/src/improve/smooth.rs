@@ -35,24 +35,24 @@ impl Improve<'_> {
 
     /// Goes along a step, on the surface if there are faces of it, as far as the sum gets less and the worst no worse.
     fn descend(&mut self, node: u32, step: Point3, skin: &[[u32; 3]]) {
-        let from = self.complex.points[node as usize];
+        let position = self.complex.points[node as usize];
         let old: Vec<[Point3; 3]> = skin.iter().map(|f| self.complex.places(*f)).collect();
         let (sum, worst) = self.measure(node);
         let reach = self.slack[node as usize];
         let mut share = 1.0;
         for _ in 0..HALVINGS {
-            let to = add(from, scale(step, share));
-            let foot = if skin.is_empty() { Some(to) } else { self.foot(to, &old, reach) };
+            let target = add(position, scale(step, share));
+            let foot = if skin.is_empty() { Some(target) } else { self.foot(target, &old, reach) };
             share *= 0.5;
-            let Some(to) = foot else { continue };
-            self.complex.points[node as usize] = to;
+            let Some(target) = foot else { continue };
+            self.complex.points[node as usize] = target;
             let (new_sum, new_worst) = self.measure(node);
             // the envelope last: it costs a hundred times the measure
             let better = new_sum < 0.9999 * sum && new_worst <= worst.max(1.5);
             if better && skin.iter().zip(&old).all(|(f, o)| self.may_become(*o, self.complex.places(*f), reach)) {
                 return;
             }
-            self.complex.points[node as usize] = from;
+            self.complex.points[node as usize] = position;
         }
     }
 

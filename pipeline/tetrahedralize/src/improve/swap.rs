@@ -36,10 +36,10 @@ impl Improve<'_> {
     pub(super) fn remove_edge(&mut self, [a, b]: [u32; 2]) -> bool {
         let ring = self.complex.ring([a, b]);
         let Some(chains) = self.chains([a, b], &ring) else { return false };
-        let before = self.worst_of(&ring);
+        let worst_distortion = self.worst_of(&ring);
         let mut new = Vec::new();
         for chain in &chains {
-            let Some(tets) = self.triangulated([a, b], chain, GAIN * before) else { return false };
+            let Some(tets) = self.triangulated([a, b], chain, GAIN * worst_distortion) else { return false };
             new.extend(tets);
         }
         if chains.iter().any(|c| !c.closed) && !self.skin_swaps([a, b], &chains) {
@@ -56,13 +56,15 @@ impl Improve<'_> {
         }
         let mut steps: Vec<(u32, u32, u16)> = ring.iter().map(|t| self.step([a, b], *t)).collect();
         steps.sort_unstable();
-        let after = |node: u32| steps.iter().find(|s| s.0 == node).copied();
-        let before = |node: u32| steps.iter().find(|s| s.1 == node).copied();
-        let starts = steps.iter().filter(|s| before(s.0).is_none_or(|p| p.2 != s.2));
+        let step_from = |node: u32| steps.iter().find(|s| s.0 == node).copied();
+        let step_to = |node: u32| steps.iter().find(|s| s.1 == node).copied();
+        let starts = steps.iter().filter(|s| step_to(s.0).is_none_or(|p| p.2 != s.2));
         let mut chains: Vec<Chain> = Vec::new();
         for &(first, _, label) in starts {
             let mut nodes = vec![first];
-            while let Some((_, next, _)) = after(*nodes.last()?).filter(|s| s.2 == label && nodes.len() <= ring.len()) {
+            while let Some((_, next, _)) =
+                step_from(*nodes.last()?).filter(|s| s.2 == label && nodes.len() <= ring.len())
+            {
                 nodes.push(next);
             }
             chains.push(Chain { nodes, closed: false, label });
@@ -70,7 +72,7 @@ impl Improve<'_> {
         if chains.is_empty() {
             let mut nodes = vec![steps[0].0];
             let ends = |s: &(u32, u32, u16), count: usize| s.1 == steps[0].0 || count > ring.len();
-            while let Some((_, next, _)) = after(*nodes.last()?).filter(|s| !ends(s, nodes.len())) {
+            while let Some((_, next, _)) = step_from(*nodes.last()?).filter(|s| !ends(s, nodes.len())) {
                 nodes.push(next);
             }
             let label = steps[0].2;
@@ -89,14 +91,14 @@ impl Improve<'_> {
     /// The other two nodes of a tetrahedron at an edge, in the order in which it goes round the edge.
     fn step(&self, [a, b]: [u32; 2], tet: u32) -> (u32, u32, u16) {
         let nodes = self.complex.tets[tet as usize];
-        let place = |n: u32| nodes.iter().position(|m| *m == n).unwrap_or(0);
-        let (i, j) = (place(a), place(b));
-        let rest: Vec<usize> = (0..4).filter(|k| *k != i && *k != j).collect();
-        let order = [i, j, rest[0], rest[1]];
+        let corner = |n: u32| nodes.iter().position(|m| *m == n).unwrap_or(0);
+        let (i, j) = (corner(a), corner(b));
+        let opposite_corners: Vec<usize> = (0..4).filter(|k| *k != i && *k != j).collect();
+        let order = [i, j, opposite_corners[0], opposite_corners[1]];
         let inversions =
             (0..4).flat_map(|p| (0..p).map(move |q| (q, p))).filter(|(q, p)| order[*q] > order[*p]).count();
         let label = self.complex.labels[tet as usize];
-        let [p, q] = [nodes[rest[0]], nodes[rest[1]]];
+        let [p, q] = [nodes[opposite_corners[0]], nodes[opposite_corners[1]]];
         if inversions % 2 == 0 { (p, q, label) } else { (q, p, label) }
     }
 
@@ -164,8 +166,8 @@ impl Improve<'_> {
         }
         // the face's normal points away from p, towards q
         let new = [[x, y], [y, z], [z, x]].map(|[s, e]| ([p, q, s, e], label));
-        let before = self.worst_of(&[tet, other]);
-        let better = new.iter().all(|(nodes, _)| self.distortion(*nodes) < GAIN * before);
+        let worst_distortion = self.worst_of(&[tet, other]);
+        let better = new.iter().all(|(nodes, _)| self.distortion(*nodes) < GAIN * worst_distortion);
         if better {
             self.complex.replace(&[tet, other], &new);
         }

@@ -38,9 +38,9 @@ impl Remesh<'_> {
             return false;
         }
         let star = self.around[gone as usize].clone();
-        let moved = |f: &u32| self.faces[*f as usize].map(|n| if n == gone { kept } else { n });
+        let collapsed = |f: &u32| self.faces[*f as usize].map(|n| if n == gone { kept } else { n });
         let survivors: Vec<u32> = star.iter().copied().filter(|f| !self.faces[*f as usize].contains(&kept)).collect();
-        let new: Vec<[u32; 3]> = survivors.iter().map(moved).collect();
+        let new: Vec<[u32; 3]> = survivors.iter().map(collapsed).collect();
         let reach = self.slack(&[gone, kept]);
         let shaped = survivors.iter().zip(&new).all(|(f, nodes)| self.keeps_shape(*f, *nodes));
         let long =
@@ -48,15 +48,15 @@ impl Remesh<'_> {
         if new.is_empty() || !shaped || long || self.worsens(&star, &new) {
             return false;
         }
-        let near = new.iter().all(|nodes| self.envelope.holds(self.places(*nodes), reach));
-        near && self.replace(&star, &new, reach)
+        let in_envelope = new.iter().all(|nodes| self.envelope.holds(self.places(*nodes), reach));
+        in_envelope && self.replace(&star, &new, reach)
     }
 
     /// Nodes joined to both ends of an edge are those of its faces: otherwise the collapse would pinch the surface.
     fn link_holds(&self, gone: u32, kept: u32) -> bool {
         let wings = self.wings([gone, kept]).len();
-        let near = self.neighbours(kept);
-        let shared = self.neighbours(gone).into_iter().filter(|n| near.binary_search(n).is_ok()).count();
+        let neighbours = self.neighbours(kept);
+        let shared = self.neighbours(gone).into_iter().filter(|n| neighbours.binary_search(n).is_ok()).count();
         // the last four faces of a shell stay
         shared == wings && self.around[gone as usize].len() > 3.min(wings + 1)
     }
@@ -75,9 +75,9 @@ impl Remesh<'_> {
     }
 
     fn worsens(&self, old: &[u32], new: &[[u32; 3]]) -> bool {
-        let before = old.iter().map(|f| flatness(self.corners(*f))).fold(f64::INFINITY, f64::min);
-        let after = new.iter().map(|n| flatness(self.places(*n))).fold(f64::INFINITY, f64::min);
-        after < before.min(LEAST_FLATNESS)
+        let former_flatness = old.iter().map(|f| flatness(self.corners(*f))).fold(f64::INFINITY, f64::min);
+        let new_flatness = new.iter().map(|n| flatness(self.places(*n))).fold(f64::INFINITY, f64::min);
+        new_flatness < former_flatness.min(LEAST_FLATNESS)
     }
 }
 

@@ -119,16 +119,17 @@ impl<'a> Remesh<'a> {
 
     /// Lines and points that are kept.
     pub(crate) fn features(&self) -> (Vec<[Point3; 2]>, Vec<Point3>) {
-        let at = |n: u32| self.points[n as usize];
-        let lines = self.edges().into_iter().filter(|e| self.is_feature(*e)).map(|[a, b]| [at(a), at(b)]).collect();
+        let position = |n: u32| self.points[n as usize];
+        let lines =
+            self.edges().into_iter().filter(|e| self.is_feature(*e)).map(|[a, b]| [position(a), position(b)]).collect();
         let nodes = (0..self.points.len() as u32).filter(|n| !self.around[*n as usize].is_empty());
-        (lines, nodes.filter(|n| self.kind(*n) == Kind::Corner).map(at).collect())
+        (lines, nodes.filter(|n| self.kind(*n) == Kind::Corner).map(position).collect())
     }
 
     fn mean_edge(&self, node: u32) -> f64 {
-        let near = self.neighbours(node);
-        let sum: f64 = near.iter().map(|n| self.length([*n, node])).sum();
-        sum / near.len().max(1) as f64
+        let neighbours = self.neighbours(node);
+        let sum: f64 = neighbours.iter().map(|n| self.length([*n, node])).sum();
+        sum / neighbours.len().max(1) as f64
     }
 
     fn alive(&self) -> impl Iterator<Item = u32> + '_ {
@@ -159,10 +160,11 @@ impl<'a> Remesh<'a> {
     /// The nodes joined to one by edges, sorted.
     fn neighbours(&self, node: u32) -> Vec<u32> {
         let star = &self.around[node as usize];
-        let mut near: Vec<u32> = star.iter().flat_map(|f| self.faces[*f as usize]).filter(|n| *n != node).collect();
-        near.sort_unstable();
-        near.dedup();
-        near
+        let mut neighbours: Vec<u32> =
+            star.iter().flat_map(|f| self.faces[*f as usize]).filter(|n| *n != node).collect();
+        neighbours.sort_unstable();
+        neighbours.dedup();
+        neighbours
     }
 
     /// The faces at an edge.
@@ -234,8 +236,9 @@ impl<'a> Remesh<'a> {
     fn assigned(&self, old: &[u32], new: &[[Point3; 3]], reach: f64) -> Option<Vec<Vec<u32>>> {
         let mut marks = vec![Vec::new(); new.len()];
         for mark in old.iter().flat_map(|f| &self.marks[*f as usize]) {
-            let at = self.input[*mark as usize];
-            let gaps = new.iter().map(|corners| distance(at, nearest_on_triangle(at, *corners))).enumerate();
+            let position = self.input[*mark as usize];
+            let gaps =
+                new.iter().map(|corners| distance(position, nearest_on_triangle(position, *corners))).enumerate();
             let (place, gap) = gaps.min_by(|a, b| a.1.total_cmp(&b.1))?;
             if gap > reach {
                 return None;
@@ -267,8 +270,8 @@ impl<'a> Remesh<'a> {
                     continue;
                 }
                 let Some(node) = self.split(edge) else { continue };
-                let near = self.neighbours(node).into_iter().map(|n| sorted([n, node]));
-                next.entry(depth + 1).or_default().extend(near);
+                let incident_edges = self.neighbours(node).into_iter().map(|n| sorted([n, node]));
+                next.entry(depth + 1).or_default().extend(incident_edges);
             }
         }
     }

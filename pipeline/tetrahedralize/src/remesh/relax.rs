@@ -37,17 +37,17 @@ impl Remesh<'_> {
     }
 
     fn move_node(&mut self, node: u32, star: &[u32], (to, reach): (Point3, f64)) {
-        let from = self.points[node as usize];
+        let position = self.points[node as usize];
         let old: Vec<[Point3; 3]> = star.iter().map(|f| self.corners(*f)).collect();
         self.points[node as usize] = to;
         let new: Vec<[Point3; 3]> = star.iter().map(|f| self.corners(*f)).collect();
-        let least = |all: &[[Point3; 3]]| all.iter().map(|c| flatness(*c)).fold(f64::INFINITY, f64::min);
-        let shaped = least(&new) > FLAT && least(&new) >= 0.8 * least(&old).min(0.5);
+        let minimum_flatness = |all: &[[Point3; 3]]| all.iter().map(|c| flatness(*c)).fold(f64::INFINITY, f64::min);
+        let shaped = minimum_flatness(&new) > FLAT && minimum_flatness(&new) >= 0.8 * minimum_flatness(&old).min(0.5);
         let turned = old.iter().zip(&new).all(|(o, n)| aligned(*o, *n));
-        let near = shaped && turned && new.iter().all(|c| self.envelope.holds(*c, reach));
-        match near.then(|| self.assigned(star, &new, reach)).flatten() {
+        let acceptable = shaped && turned && new.iter().all(|c| self.envelope.holds(*c, reach));
+        match acceptable.then(|| self.assigned(star, &new, reach)).flatten() {
             Some(marks) => star.iter().zip(marks).for_each(|(f, marks)| self.marks[*f as usize] = marks),
-            None => self.points[node as usize] = from,
+            None => self.points[node as usize] = position,
         }
     }
 }

@@ -71,11 +71,11 @@ impl Remesh<'_> {
 
     /// Thickness of the wall below a node, and of the gap above it.
     fn widths(&self, node: u32, sizing: &Sizing) -> [f64; 2] {
-        let at = self.points[node as usize];
+        let position = self.points[node as usize];
         let mut widths = [f64::INFINITY; 2];
         for face in &self.around[node as usize] {
             let reach = [0.05 * sizing.slack, sizing.edge];
-            let measured = sizing.walls.widths(self.corners(*face), at, reach);
+            let measured = sizing.walls.widths(self.corners(*face), position, reach);
             widths = [0, 1].map(|k| f64::min(widths[k], measured[k]));
         }
         widths

@@ -21,14 +21,14 @@ pub(super) struct Rows<'a> {
 
 impl Rows<'_> {
     /// Rows between the stations of each slab, as fractions of it.
-    pub fn inside(&self, slabs: &[Slab], layers: &[Option<Layers>]) -> Vec<Vec<f64>> {
+    pub(crate) fn rows_inside(&self, slabs: &[Slab], layers: &[Option<Layers>]) -> Vec<Vec<f64>> {
         let [beside, between] = self.grading.along.map(|part| part * self.wall);
         let mut layers = layers.iter();
         let rows = slabs.iter().map(|slab| {
             let length = slab.length();
             match holds_chamber(slab, &layers.by_ref().take(slab.strips().count()).collect::<Vec<_>>()) {
-                true => graded(length, beside.min(LARGEST_SHARE * length), between),
-                false => even(length / (SOLID * self.wall)),
+                true => graded_fractions(length, beside.min(LARGEST_SHARE * length), between),
+                false => even_fractions(length / (SOLID * self.wall)),
             }
         });
         rows.collect()
@@ -51,14 +51,14 @@ fn holds_chamber(slab: &Slab, layers: &[&Option<Layers>]) -> bool {
 }
 
 /// Fractions of a chamber with a short cell at either end.
-fn graded(length: Metre, beside: Metre, longest: Metre) -> Vec<f64> {
+fn graded_fractions(length: Metre, beside: Metre, longest: Metre) -> Vec<f64> {
     let pieces = ((length - 2.0 * beside) / longest).ceil().max(LEAST_INSIDE);
-    let place = |n: usize| (beside + (length - 2.0 * beside) * n as f64 / pieces) / length;
-    (0..=pieces as usize).map(place).collect()
+    let fraction = |n: usize| (beside + (length - 2.0 * beside) * n as f64 / pieces) / length;
+    (0..=pieces as usize).map(fraction).collect()
 }
 
 /// Fractions that divide a length of so many cells evenly.
-pub(super) fn even(cells: f64) -> Vec<f64> {
+pub(super) fn even_fractions(cells: f64) -> Vec<f64> {
     let pieces = cells.ceil().max(1.0) as usize;
     (1..pieces).map(|n| n as f64 / pieces as f64).collect()
 }

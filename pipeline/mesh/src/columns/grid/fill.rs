@@ -1,7 +1,7 @@
 //! Hexahedra and wedges over the cells of a plan, between levels, and their skin.
 
 use super::Grading;
-use super::division::{SOLID, even};
+use super::division::{SOLID, even_fractions};
 use super::levels::Levels;
 use super::rows::{Cell, Cells};
 
@@ -92,9 +92,9 @@ impl Grid<'_> {
                     true if beside[0] || beside[1] => {
                         towards(thickness, beside, &grading.depth.map(|part| part * wall))
                     }
-                    true => even(thickness / (3.0 * wall)),
-                    false if outermost(layer) && thickness < 2.0 * wall => even(grading.wall as f64),
-                    false => even(thickness / (SOLID * wall)),
+                    true => even_fractions(thickness / (3.0 * wall)),
+                    false if outermost(layer) && thickness < 2.0 * wall => even_fractions(grading.wall as f64),
+                    false => even_fractions(thickness / (SOLID * wall)),
                 }
             })
             .collect()

@@ -39,19 +39,19 @@ pub fn layers_in_hexahedra(body: &LayeredBody, grading: &Grading) -> Result<Quad
     let layers: Vec<Option<Layers>> =
         strips.map(|centre| (body.layers)(centre).map(|(sheets, fills)| Layers { sheets, fills })).collect();
     // for messages alone: no sheet has a place of its own
-    let first = body.slabs.iter().flat_map(Slab::strip_centres).next().unwrap_or_default();
+    let first_centre = body.slabs.iter().flat_map(Slab::strip_centres).next().unwrap_or_default();
     let layered = Layered {
         frame: body.frame,
         slabs: body.slabs,
         layers: &layers,
         sheets: body.sheets,
         height: body.height,
-        place: &|sheet| body.frame.join(first, (body.height)(first, sheet)),
+        place: &|sheet| body.frame.join(first_centre, (body.height)(first_centre, sheet)),
         tolerance: body.tolerance,
         cut: body.frame.plan_axis(2).filter(|_| body.half),
     };
-    let thickest = body.slabs.iter().map(Slab::length).fold(0.0, f64::max);
-    layered.fill(thickest, grading)
+    let longest_slab = body.slabs.iter().map(Slab::length).fold(0.0, f64::max);
+    layered.fill(longest_slab, grading)
 }
 
 /// A body whose layers over each strip of its plan are known.
@@ -79,14 +79,14 @@ impl Layered<'_> {
     pub fn fill(&self, edge: Metre, grading: &Grading) -> Result<QuadraticMesh, MeshError> {
         let wall = self.outer_wall().unwrap_or(edge);
         let division = Division {
-            inside: Rows { wall, grading }.inside(self.slabs, self.layers),
+            inside: Rows { wall, grading }.rows_inside(self.slabs, self.layers),
             longest: grading.height.map(|part| part * wall),
             half: self.cut == Some(0),
             shortest: 0.1 * wall,
             tolerance: self.tolerance,
         };
         let cells = cells(self.slabs, &division);
-        let levels = self.levels(&cells)?;
+        let levels = self.levels_over(&cells)?;
         let grid = Grid { cells: &cells, layers: self.layers, levels: &levels, frame: self.frame, cut: self.cut };
         let no_thickness = |at| MeshError::NotSwept { at: self.frame.join(at, 0.0), why: "layers meet" };
         grid.fill(wall, grading).map_err(no_thickness)
@@ -109,11 +109,11 @@ impl Layered<'_> {
     }
 
     /// The levels over the cells of the plan.
-    fn levels(&self, cells: &Cells) -> Result<Levels, MeshError> {
+    fn levels_over(&self, cells: &Cells) -> Result<Levels, MeshError> {
         let layers_of = |strip: u32| self.layers[strip as usize].as_ref();
         let covered = Covered {
             points: &cells.points,
-            cells: cells.cells.iter().map(|cell| (distinct(&cell.nodes), layers_of(cell.strip))).collect(),
+            cells: cells.cells.iter().map(|cell| (distinct_nodes(&cell.nodes), layers_of(cell.strip))).collect(),
             sheets: self.sheets,
             height: &|point, sheet| (self.height)(cells.points[point as usize], sheet),
             tolerance: self.tolerance,
@@ -128,7 +128,7 @@ impl Layered<'_> {
 const PLACES: [f64; 3] = [1.0 / 6.0, 0.5, 5.0 / 6.0];
 
 /// The nodes of a cell, each once.
-fn distinct(nodes: &[u32; 8]) -> Vec<u32> {
+fn distinct_nodes(nodes: &[u32; 8]) -> Vec<u32> {
     let mut nodes = nodes.to_vec();
     nodes.sort_unstable();
     nodes.dedup();

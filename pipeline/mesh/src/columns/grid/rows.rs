@@ -33,9 +33,7 @@ impl Division {
             tolerance,
         }
     }
-}
 
-impl Division {
     /// Longest cell about a place of a row, m.
     fn longest_on(&self, row: &Row) -> impl Fn(Metre) -> Metre + use<> {
         let [first, last] = [row.points.first(), row.points.last()].map(|end| end.copied().unwrap_or_default());

@@ -19,10 +19,10 @@ impl Slab {
     /// The slab between two stations (m) with `outlines`: p of each at q, in rising order, sampled at so many places, two at least. They lie beside the
     /// stations, where outlines that meet on them are apart.
     pub fn sampled([from, to]: [Metre; 2], samples: usize, outlines: &dyn Fn(Metre) -> Vec<Metre>) -> Self {
-        let beside = BESIDE * (to - from);
-        let place = |n: usize| from + beside + (to - from - 2.0 * beside) * n as f64 / (samples - 1) as f64;
+        let inset = BESIDE * (to - from);
+        let station = |n: usize| from + inset + (to - from - 2.0 * inset) * n as f64 / (samples - 1) as f64;
         let mut curves = vec![Vec::with_capacity(samples); outlines(0.5 * (from + to)).len()];
-        for q in (0..samples).map(place) {
+        for q in (0..samples).map(station) {
             // length: outlines neither begin nor end between two stations
             curves.iter_mut().zip(outlines(q)).for_each(|(curve, p): (&mut Vec<Point2>, _)| curve.push([q, p]));
         }
@@ -86,8 +86,8 @@ fn slab(edges: &[[Point2; 2]], from: Metre, to: Metre) -> Result<Slab, Point2> {
     let mut samples: Vec<Metre> = inside.iter().flat_map(|edge| edge.map(|point| point[0])).collect();
     samples.retain(|q| *q > from && *q < to);
     // beside the stations, where curves that meet on them are apart
-    let beside = BESIDE * (to - from);
-    samples.extend([from + beside, 0.5 * (from + to), to - beside]);
+    let inset = BESIDE * (to - from);
+    samples.extend([from + inset, 0.5 * (from + to), to - inset]);
     samples.sort_by(f64::total_cmp);
     samples.dedup();
     let crossings = |q: Metre| {
