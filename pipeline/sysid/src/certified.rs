@@ -4,15 +4,18 @@
 //! seconds. At its end the whole body is solved again: where a marker differs by more than a tenth of its deviation, those equilibria enrich
 //! the model and the search is repeated.
 
+use std::time::Instant;
+
 use serde::{Deserialize, Serialize};
-use si::{Metre, Point2};
+use si::{Metre, Point2, Second};
 
 use crate::levels::{Derivatives, LevelSolver, PressureLevel, SimulatedLevel};
+use crate::misfit::Misfit;
 use crate::model::Elastic;
 use diagnostics::Result;
 
 /// Searches at most.
-const ROUNDS: usize = 3;
+pub(crate) const ROUNDS: usize = 3;
 /// The difference of a marker, over its deviation, from which the model is enriched.
 const ENOUGH: f64 = 0.1;
 
@@ -44,20 +47,36 @@ pub struct Certified<T> {
     pub levels: Vec<SimulatedLevel>,
     /// How far the end may be trusted.
     pub certificate: Certificate,
+    /// How long it took.
+    pub durations: SearchDurations,
+}
+
+/// How long a certified search took.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct SearchDurations {
+    /// The whole body's equilibria and the reduced models that they trained, s.
+    pub training: Second,
+    /// The searches in them, s.
+    pub search: Second,
 }
 
 /// A search that is certified.
 #[derive(Debug, Clone)]
 pub struct CertifiedSearch {
     /// Where the reduced model is trained first.
-    pub start: Elastic,
+    start: Elastic,
     /// By what the whole body's equilibria are derived, so that the model knows how shapes change with the constants that are searched.
-    pub derivatives: Derivatives,
+    derivatives: Derivatives,
     /// Standard deviation of a displacement beside that of its measurement, m.
-    pub discrepancy: Metre,
+    discrepancy: Metre,
 }
 
 impl CertifiedSearch {
+    /// From the constants `start`, of levels that are weighed as in `misfit`.
+    pub fn new(start: Elastic, derivatives: Derivatives, misfit: &Misfit) -> Self {
+        Self { start, derivatives, discrepancy: misfit.discrepancy() }
+    }
+
     /// Repeats the `search` in reduced models of the `whole` body until that body certifies its end. `progress` is called before each.
     ///
     /// # Errors
@@ -68,6 +87,7 @@ impl CertifiedSearch {
         search: &mut dyn FnMut(&mut LevelSolver) -> Result<(Elastic, T)>,
         progress: &dyn Fn(usize),
     ) -> Result<Certified<T>> {
+        let (began, mut durations) = (Instant::now(), SearchDurations::default());
         let (mut elastic, mut rounds) = (self.start.clone(), 0);
         let mut levels = whole.solve(&elastic, self.derivatives)?;
         loop {
@@ -75,32 +95,42 @@ impl CertifiedSearch {
             progress(rounds);
             let mut reduced = whole.reduced()?;
             reduced.correct(&elastic, &levels)?;
+            let search_began = Instant::now();
             let found;
             (elastic, found) = search(&mut reduced)?;
-            let predicted = reduced.solve(&elastic, Derivatives::None)?;
-            whole.guess(&elastic, &predicted);
-            levels = whole.solve(&elastic, self.derivatives)?;
-            let sigma = self.difference(whole.levels(), (&predicted, &levels));
+            durations.search += search_began.elapsed().as_secs_f64();
+            let sigma;
+            (levels, sigma) = certify((whole, &mut reduced), &elastic, (self.derivatives, self.discrepancy))?;
             let certificate = Certificate { sigma, rounds, whole_equilibria: (rounds + 1) * levels.len() };
             if certificate.holds() || rounds == ROUNDS {
-                return Ok(Certified { elastic, found, levels, certificate });
+                durations.training = began.elapsed().as_secs_f64() - durations.search;
+                return Ok(Certified { elastic, found, levels, certificate, durations });
             }
         }
     }
+}
 
-    /// The largest difference of two displacements of a marker over its deviation.
-    fn difference(&self, measured: &[PressureLevel], (a, b): (&[SimulatedLevel], &[SimulatedLevel])) -> f64 {
-        let mut largest: f64 = 0.0;
-        for (level, (a, b)) in measured.iter().zip(a.iter().zip(b)) {
-            for ((a, b), covariance) in a.markers.iter().zip(&b.markers).zip(&level.covariance) {
-                largest = largest.max(self.standardised(a, b, [covariance[0], covariance[2]]));
-            }
-        }
-        largest
-    }
+/// The whole body with these constants, derived by `derivatives`, and the largest difference of a marker from the reduced model there over its
+/// deviation, to which `discrepancy` adds.
+pub(crate) fn certify(
+    (whole, reduced): (&mut LevelSolver, &mut LevelSolver),
+    elastic: &Elastic,
+    (derivatives, discrepancy): (Derivatives, Metre),
+) -> Result<(Vec<SimulatedLevel>, f64)> {
+    let predicted = reduced.solve(elastic, Derivatives::None)?;
+    whole.guess(elastic, &predicted);
+    let levels = whole.solve(elastic, derivatives)?;
+    let each = whole.levels().iter().zip(predicted.iter().zip(&levels));
+    let sigma = each.map(|(level, pair)| largest_difference(level, pair, discrepancy)).fold(0.0, f64::max);
+    Ok((levels, sigma))
+}
 
-    fn standardised(&self, a: &Point2, b: &Point2, variances: [f64; 2]) -> f64 {
-        let of_axis = |axis: usize| (a[axis] - b[axis]).abs() / variances[axis].sqrt().hypot(self.discrepancy);
-        of_axis(0).max(of_axis(1))
-    }
+/// The largest difference of two displacements of a marker at one level, over its deviation.
+fn largest_difference(measured: &PressureLevel, (a, b): (&SimulatedLevel, &SimulatedLevel), discrepancy: Metre) -> f64 {
+    let standardised = |a: &Point2, b: &Point2, variances: [f64; 2]| {
+        let along = |axis: usize| (a[axis] - b[axis]).abs() / variances[axis].sqrt().hypot(discrepancy);
+        along(0).max(along(1))
+    };
+    let markers = a.markers.iter().zip(&b.markers).zip(&measured.covariance);
+    markers.map(|((a, b), by)| standardised(a, b, [by[0], by[2]])).fold(0.0, f64::max)
 }

@@ -56,11 +56,12 @@ mod stiffening;
 pub mod surfaces;
 mod surrogate;
 mod time_steps;
+mod trained_box;
 pub mod uncertainty;
 
 pub use body::{Body, Material};
 pub use cells::cells;
-pub use certified::{Certificate, Certified, CertifiedSearch};
+pub use certified::{Certificate, Certified, CertifiedSearch, SearchDurations};
 pub use discrepancy::Discrepancy;
 pub use identified_materials::{IdentifiedMaterial, IdentifiedMaterials};
 pub use levels::{Derivatives, LevelSolver, PressureLevel, SimulatedLevel};
@@ -75,3 +76,4 @@ pub use search::{Interrupted, feasible_lower_bound};
 pub use snapshots::{Reduction, Snapshots};
 pub use stiffening::{Stiffened, StiffeningProblem, residuals_of};
 pub use time_steps::TimeSteps;
+pub use trained_box::{TimedSearch, TrainedBox};

@@ -8,7 +8,7 @@ use optimize::Problem;
 use optimize::optimisers::{self, gauss_newton};
 use serde::{Deserialize, Serialize};
 
-use crate::certified::{Certificate, Certified, CertifiedSearch};
+use crate::certified::{Certificate, Certified, CertifiedSearch, SearchDurations};
 use crate::levels::{Derivatives, LevelSolver, SimulatedLevel};
 use crate::loss::{Loss, SearchResult};
 use crate::model::{BODY, Elastic};
@@ -53,6 +53,8 @@ pub struct Minimum {
     pub levels: Vec<SimulatedLevel>,
     /// How well the reduced model served; or why none did.
     pub certificate: Result<Certificate, String>,
+    /// How long it took; zero in the whole body.
+    pub durations: SearchDurations,
 }
 
 /// What one search finds.
@@ -78,23 +80,27 @@ impl ModuliSearch {
         let mut whole = loss.solver(self.static_tolerance, self.parallel_solves);
         let (elastic, (moduli, problem, stiffened)) = self.search(loss, nominal, &mut whole)?;
         let levels = whole.solve(&elastic, Derivatives::None)?;
-        Ok(Minimum { moduli, problem, stiffened, levels, certificate: Err(refused) })
+        Ok(Minimum {
+            moduli,
+            problem,
+            stiffened,
+            levels,
+            certificate: Err(refused),
+            durations: SearchDurations::default(),
+        })
     }
 
     fn certified(&self, loss: &mut Loss, nominal: [f64; 2], progress: &dyn Fn(&str)) -> Result<Minimum> {
-        let by = CertifiedSearch {
-            start: loss.model.nominal.clone(),
-            derivatives: match loss.is_stiffening() {
-                true => Derivatives::StiffeningSensitivities,
-                false => Derivatives::Sensitivities,
-            },
-            discrepancy: loss.misfit.discrepancy(),
+        let derivatives = match loss.is_stiffening() {
+            true => Derivatives::StiffeningSensitivities,
+            false => Derivatives::Sensitivities,
         };
+        let by = CertifiedSearch::new(loss.model.nominal.clone(), derivatives, &loss.misfit);
         let mut whole = loss.solver(self.static_tolerance, self.parallel_solves);
         let round = |number: usize| progress(&format!("in a reduced model, round {number}"));
-        let Certified { found: (moduli, problem, stiffened), levels, certificate, .. } =
+        let Certified { found: (moduli, problem, stiffened), levels, certificate, durations, .. } =
             by.run(&mut whole, &mut |solver| self.search(loss, nominal, solver), &round)?;
-        Ok(Minimum { moduli, problem, stiffened, levels, certificate: Ok(certificate) })
+        Ok(Minimum { moduli, problem, stiffened, levels, certificate: Ok(certificate), durations })
     }
 
     /// Searches with one solver, from the `nominal` stiffening.

@@ -8,7 +8,8 @@ use fem::StaticSettings;
 use optimize::optimisers::gauss_newton;
 use optimize::{Bounds, Problem};
 use sysid::{
-    Derivatives, Elastic, LevelSolver, Misfit, Model, NoiseModel, PressureLevel, Stiffened, StiffeningProblem,
+    Certified, CertifiedSearch, Derivatives, Elastic, LevelSolver, Misfit, Model, NoiseModel, PressureLevel, Stiffened,
+    StiffeningProblem,
 };
 
 /// Standard deviation of a measured displacement, m.
@@ -39,13 +40,20 @@ fn identified(model: &Model, levels: Vec<PressureLevel>) -> Stiffened {
 }
 
 fn identification(model: &Model, levels: Vec<PressureLevel>) -> diagnostics::Result<Stiffened> {
-    let noise = NoiseModel { discrepancy_m: 0.0, scale_sigma: 0.0 };
-    let misfit = Misfit::new(levels, &[6, 6], &noise, 0.08).unwrap();
+    let misfit = misfit(levels);
+    stiffened(model, &misfit, &mut solver(model, &misfit.levels))
+}
+
+fn misfit(levels: Vec<PressureLevel>) -> Misfit {
+    Misfit::new(levels, &[6, 6], &NoiseModel { discrepancy_m: 0.0, scale_sigma: 0.0 }, 0.08).unwrap()
+}
+
+fn stiffened(model: &Model, misfit: &Misfit, solver: &mut LevelSolver) -> diagnostics::Result<Stiffened> {
     let bounds = Bounds { low: vec![-0.7; 2], high: vec![0.7; 2] };
     let moduli = Problem::new(&["soft", "stiff"], vec![0.0; 2], bounds).unwrap();
     let method = gauss_newton::Settings { iterations: 20, ..gauss_newton::Settings::default() };
-    let problem = StiffeningProblem { model, misfit: &misfit, moduli: &moduli, prior_sigma: PRIOR, method };
-    problem.identify(&mut solver(model, &misfit.levels), &|_| ())
+    let problem = StiffeningProblem { model, misfit, moduli: &moduli, prior_sigma: PRIOR, method };
+    problem.identify(solver, &|_| ())
 }
 
 #[test]
@@ -85,4 +93,44 @@ fn a_pressure_that_no_initial_guess_bears_is_refused_and_not_searched_on() {
     levels.iter_mut().for_each(|level| level.pressures.iter_mut().for_each(|pressure| *pressure *= 1e5));
     let refused = identification(&model, levels).err().map(|error| error.to_string()).unwrap_or_default();
     assert!(refused.contains("equilibrium") && refused.contains("do:"), "{refused}");
+}
+
+#[test]
+fn a_search_in_a_reduced_model_ends_where_that_of_the_whole_body_does() {
+    let model = shared::bar("yeoh");
+    let hidden = Elastic { youngs_moduli: vec![2.2e5, 4.6e6], stiffening: [0.08, 0.35], ..model.nominal.clone() };
+    let mut levels = measured(&model, &hidden, 2.4e4);
+    // off by some deviations, so that the least misfit is not that of the hidden constants
+    for (number, level) in levels.iter_mut().enumerate() {
+        level.measured[0][1] += 3.0 * SIGMA * (1.3 * number as f64).sin();
+    }
+    let misfit = misfit(levels.clone());
+    let mut whole = solver(&model, &levels);
+    let by = CertifiedSearch::new(model.nominal.clone(), Derivatives::StiffeningSensitivities, &misfit);
+    let mut search = |reduced: &mut LevelSolver| {
+        let found = stiffened(&model, &misfit, reduced)?;
+        let factors = found.at.iter().map(|by| by.exp());
+        let youngs_moduli = model.nominal.youngs_moduli.iter().zip(factors).map(|(modulus, by)| modulus * by).collect();
+        Ok((Elastic { youngs_moduli, stiffening: found.ratios, ..model.nominal.clone() }, found))
+    };
+    let Certified { found, levels: at_the_end, certificate, .. } = by.run(&mut whole, &mut search, &|_| ()).unwrap();
+    println!("{certificate:?}");
+    assert!(certificate.holds() && certificate.whole_equilibria == 12 * (1 + certificate.rounds));
+    let (alone, deviations) = (identified(&model, levels), found.residuals.posterior(4).unwrap());
+    for (k, (reduced, whole)) in found.at.iter().zip(&alone.at).enumerate() {
+        let sigma = deviations.sigma(k);
+        assert!((reduced - whole).abs() < 0.05 * sigma, "{reduced} for {whole} ± {sigma}");
+        let width = sigma / alone.residuals.posterior(4).unwrap().sigma(k);
+        assert!((width - 1.0).abs() < 0.1, "an interval {width} times as wide");
+    }
+    // the levels are those of the whole body there
+    let constants = Elastic {
+        youngs_moduli: model.nominal.youngs_moduli.iter().zip(&found.at).map(|(e, by)| e * by.exp()).collect(),
+        stiffening: found.ratios,
+        ..model.nominal.clone()
+    };
+    let again = solver(&model, &misfit.levels).solve(&constants, Derivatives::None).unwrap();
+    for (a, b) in at_the_end.iter().zip(&again) {
+        assert!((a.markers[0][1] - b.markers[0][1]).abs() < 0.01 * SIGMA);
+    }
 }

@@ -65,11 +65,10 @@ fine_edge = 0.006
 settled_fraction = 0.5
 [method_comparison]
 specimens = ["nemo"]
-edge = 0.010
-pressure_fraction = 1.0
 grid_points = 3
-cma_es_generations = 1
+cma_es_generations = 2
 adam_iterations = 3
+surface_points = 4
 landscape_points = 5
 [four_parameters]
 iterations = 1

@@ -63,8 +63,7 @@ fn place(found: &Identified, at: &[Pascal]) -> Point2 {
 /// The landscape, where there is one, and the convergence of each method on a specimen.
 fn by_all_methods(name: &str, comparison: &MethodComparison, all: &[(Specimen, Identified)]) -> Vec<Placed> {
     let found = all.iter().find(|(specimen, _)| specimen.card.name == name).map(|(_, found)| found);
-    let edges = comparison.edge.map(|edge| format!(", edges of {:.1} mm", edge / MILLIMETRE));
-    let name = title(name) + &edges.unwrap_or_default();
+    let name = title(name);
     let landscape = found
         .filter(|_| !comparison.surface.loss.is_empty())
         .map(|found| landscape(found, comparison).titled(&format!("{name}: loss over both moduli")).share(1.15));

@@ -5,7 +5,7 @@ use si::{Metre, ModulusUnit, Pascal, Point3, Second};
 
 use crate::records::Uncertainty;
 use crate::subject::Specimen;
-use sysid::{Certificate, Discrepancy, Elastic, Level, Model, NoiseModel};
+use sysid::{Certificate, Discrepancy, Elastic, Level, Model, NoiseModel, SearchDurations};
 use workflow::columns::Columns;
 use workflow::metric::Metric;
 use workflow::record::{Record, RecordError, RecordFiles};
@@ -13,8 +13,8 @@ use workflow::record::{Record, RecordError, RecordFiles};
 /// Young's moduli of the solids, Pa, the softest first.
 pub type Moduli = Vec<Pascal>;
 
-/// The whole identification of one specimen.
-#[derive(Debug, Clone, PartialEq)]
+/// The whole identification of one specimen. Durations and the table of nodes are files of their own.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Identified {
     /// The solids' names, the softest first.
     pub solids: Vec<String>,
@@ -27,23 +27,36 @@ pub struct Identified {
     /// How well a reduced model served the search; or why the whole body was searched.
     pub certificate: Result<Certificate, String>,
     /// Time after loading to which they belong, s: the mean over the holds.
+    #[serde(rename = "modulus_time_s")]
     pub modulus_time: Second,
     /// The loss there.
     pub loss: f64,
-    /// Time of a loss with its gradient over the time of the loss alone.
-    pub gradient_over_forward: f64,
+    /// The specimen's length, m.
+    #[serde(rename = "length_m")]
+    pub length: Metre,
     /// The levels.
     pub levels: Vec<Level>,
-    /// Displacement of every node at the highest level, m.
-    pub inflated: Vec<Point3>,
-    /// The specimen's length, m.
-    pub length: Metre,
     /// Noise model beside the markers' covariance, by which the search weighed the levels.
     pub noise: NoiseModel,
     /// The discrepancy that its residuals show.
     pub discrepancy: Discrepancy,
     /// Uncertainty of the moduli.
     pub uncertainty: Uncertainty,
+    /// Displacement of every node at the highest level, m.
+    #[serde(skip)]
+    pub inflated: Vec<Point3>,
+    /// How long it took.
+    #[serde(skip)]
+    pub durations: IdentificationDurations,
+}
+
+/// How long an identification took.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct IdentificationDurations {
+    /// Time of a loss with its gradient over the time of the loss alone.
+    pub gradient_over_forward: f64,
+    /// Of the search.
+    pub search: SearchDurations,
 }
 
 /// Identified stiffening of the softest solid.
@@ -55,76 +68,27 @@ pub struct Stiffening {
     pub sigma: [f64; 2],
 }
 
-#[derive(Serialize, Deserialize)]
-struct Scalars {
-    solids: Vec<String>,
-    best: Moduli,
-    sigma: Moduli,
-    stiffening: Option<Stiffening>,
-    certificate: Result<Certificate, String>,
-    modulus_time_s: f64,
-    loss: f64,
-    length_m: f64,
-    levels: Vec<Level>,
-    noise: NoiseModel,
-    discrepancy: Discrepancy,
-    uncertainty: Uncertainty,
-}
-
-#[derive(Serialize, Deserialize)]
-struct Durations {
-    gradient_over_forward: f64,
-}
-
 impl Record for Identified {
     type Of = Specimen;
     const STAGE: &'static str = "identify";
 
     fn pack(&self) -> Result<RecordFiles, RecordError> {
-        let scalars = Scalars {
-            solids: self.solids.clone(),
-            best: self.best.clone(),
-            sigma: self.sigma.clone(),
-            stiffening: self.stiffening,
-            certificate: self.certificate.clone(),
-            modulus_time_s: self.modulus_time,
-            loss: self.loss,
-            length_m: self.length,
-            levels: self.levels.clone(),
-            noise: self.noise,
-            discrepancy: self.discrepancy,
-            uncertainty: self.uncertainty.clone(),
-        };
-        let durations = Durations { gradient_over_forward: self.gradient_over_forward };
         let axis = |k: usize| self.inflated.iter().map(|u| u[k]).collect();
         let inflated = Columns::default().numbers("x_m", axis(0)).numbers("y_m", axis(1)).numbers("z_m", axis(2));
         RecordFiles::default()
-            .scalars("identified.json", &scalars)?
-            .durations("durations.json", &durations)?
+            .scalars("identified.json", self)?
+            .durations("durations.json", &self.durations)?
             .table("inflated.parquet", &inflated)
     }
 
     fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
-        let s: Scalars = files.read_scalars("identified.json")?;
-        let d: Durations = files.read_scalars("durations.json")?;
         let inflated = files.read_table("inflated.parquet")?;
         let (x, y, z) = (inflated.f64("x_m")?, inflated.f64("y_m")?, inflated.f64("z_m")?);
         Ok(Self {
-            solids: s.solids,
-            best: s.best,
-            sigma: s.sigma,
-            stiffening: s.stiffening,
-            certificate: s.certificate,
-            modulus_time: s.modulus_time_s,
-            loss: s.loss,
-            gradient_over_forward: d.gradient_over_forward,
-            levels: s.levels,
             // length: columns of one table are equally long
             inflated: x.into_iter().zip(y).zip(z).map(|((x, y), z)| [x, y, z]).collect(),
-            length: s.length_m,
-            noise: s.noise,
-            discrepancy: s.discrepancy,
-            uncertainty: s.uncertainty,
+            durations: files.read_scalars("durations.json")?,
+            ..files.read_scalars("identified.json")?
         })
     }
 
@@ -144,7 +108,7 @@ impl Record for Identified {
         metrics.extend([
             Metric::new(id("modulus_time_s"), self.modulus_time, "s"),
             Metric::new(id("loss"), self.loss, ""),
-            Metric::new(id("gradient_over_forward"), self.gradient_over_forward, ""),
+            Metric::new(id("gradient_over_forward"), self.durations.gradient_over_forward, ""),
             Metric::new(id("chi_square"), self.uncertainty.chi_square, ""),
         ]);
         metrics.extend(self.solids.iter().zip(&self.uncertainty.discretisation).map(|(solid, shift)| {
@@ -155,6 +119,8 @@ impl Record for Identified {
                 Metric::new(id("certificate_sigma"), certificate.sigma, ""),
                 Metric::new(id("certificate_rounds"), certificate.rounds as f64, ""),
                 Metric::new(id("whole_equilibria"), certificate.whole_equilibria as f64, ""),
+                Metric::new(id("training_seconds"), self.durations.search.training, "s"),
+                Metric::new(id("search_seconds"), self.durations.search.search, "s"),
             ]
         }));
         metrics.extend(self.uncertainty.mesh_error.map(|error| Metric::new(id("mesh_error_mm"), 1e3 * error, "mm")));
@@ -240,9 +206,12 @@ mod tests {
             sigma: at(1e3),
             stiffening: Some(Stiffening { ratios: [0.02, 0.1], sigma: [0.01, 0.05] }),
             certificate: Ok(Certificate { sigma: 0.05, rounds: 2, whole_equilibria: 42 }),
+            durations: IdentificationDurations {
+                gradient_over_forward: 1.1,
+                search: SearchDurations { training: 200.0, search: 2.0 },
+            },
             modulus_time: 4.0,
             loss: 0.1,
-            gradient_over_forward: 1.1,
             levels: Vec::new(),
             inflated: vec![[0.0, 1.0, 2.0]],
             length: 0.1,

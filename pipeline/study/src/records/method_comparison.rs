@@ -1,10 +1,11 @@
 //! Method comparison: every method of `optimize` on one loss, the loss between the grid's points, and profile likelihoods.
 
 use serde::{Deserialize, Serialize};
-use si::{MILLIBAR, MILLIMETRE, Metre, Pascal, Second};
+use si::{MILLIBAR, Pascal, Second};
 
 use crate::records::{Moduli, Profile};
 use crate::subject::Specimen;
+use sysid::Certificate;
 use workflow::columns::Columns;
 use workflow::metric::Metric;
 use workflow::record::{Record, RecordError, RecordFiles};
@@ -19,11 +20,12 @@ pub struct EvaluatedPoint {
 }
 
 /// The evaluations of one method.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Search {
     /// "grid", "cma_es", "adam", "gauss_newton".
     pub method: String,
     /// Every simulation, in order.
+    #[serde(skip)]
     pub tried: Vec<EvaluatedPoint>,
     /// How long it took.
     pub seconds: Second,
@@ -42,38 +44,35 @@ pub struct Surface {
     pub critical: Vec<Pascal>,
 }
 
-/// The comparison on one specimen; empty where none was asked for.
-#[derive(Debug, Clone, PartialEq, Default)]
+/// The comparison on one specimen; empty where none was asked for. Durations and tables are files of their own.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct MethodComparison {
     /// The solids' names, the softest first.
     pub solids: Vec<String>,
-    /// Target length of an edge of the mesh, m; nothing where the body came as a mesh file, on which the methods are then compared.
-    pub edge: Option<Metre>,
     /// The highest pressure of the levels, Pa.
+    #[serde(rename = "highest_pa")]
     pub highest: Pascal,
-    /// The methods, in the order of `optimisers`.
-    pub searches: Vec<Search>,
-    /// The landscape.
-    pub surface: Surface,
+    /// How far the reduced model in which they searched may be trusted at their ends.
+    pub certificate: Certificate,
     /// Profile likelihoods of both moduli; empty where the grid has gaps.
     pub profiles: Vec<Profile>,
     /// Largest difference of the adjoint gradient from central differences, over the gradient.
     pub gradient_difference: Option<f64>,
-}
-
-#[derive(Serialize, Deserialize)]
-struct Scalars {
-    solids: Vec<String>,
-    edge_m: Option<Metre>,
-    highest_pa: Pascal,
-    methods: Vec<String>,
-    profiles: Vec<Profile>,
-    gradient_difference: Option<f64>,
+    /// The methods, in the order of `optimisers`.
+    #[serde(skip)]
+    pub searches: Vec<Search>,
+    /// How long the whole body takes for one simulation there, s of one core.
+    #[serde(skip)]
+    pub whole_seconds: Second,
+    /// The landscape.
+    #[serde(skip)]
+    pub surface: Surface,
 }
 
 #[derive(Serialize, Deserialize)]
 struct Durations {
-    seconds: Vec<f64>,
+    searches: Vec<Search>,
+    whole_seconds: Second,
 }
 
 impl Search {
@@ -110,33 +109,22 @@ impl Record for MethodComparison {
     const STAGE: &'static str = "method_comparison";
 
     fn pack(&self) -> Result<RecordFiles, RecordError> {
-        let scalars = Scalars {
-            solids: self.solids.clone(),
-            edge_m: self.edge,
-            highest_pa: self.highest,
-            methods: self.searches.iter().map(|s| s.method.clone()).collect(),
-            profiles: self.profiles.clone(),
-            gradient_difference: self.gradient_difference,
-        };
-        let durations = Durations { seconds: self.searches.iter().map(|s| s.seconds).collect() };
+        let durations = Durations { searches: self.searches.clone(), whole_seconds: self.whole_seconds };
         RecordFiles::default()
-            .scalars("method_comparison.json", &scalars)?
+            .scalars("method_comparison.json", self)?
             .durations("durations.json", &durations)?
             .table("searches.parquet", &tried_columns(&self.solids, &self.searches))?
             .table("landscape.parquet", &surface_columns(&self.surface))
     }
 
     fn unpack(files: &RecordFiles) -> Result<Self, RecordError> {
-        let s: Scalars = files.read_scalars("method_comparison.json")?;
-        let d: Durations = files.read_scalars("durations.json")?;
+        let recorded: Self = files.read_scalars("method_comparison.json")?;
+        let Durations { searches, whole_seconds } = files.read_scalars("durations.json")?;
         Ok(Self {
-            searches: read_searches(&files.read_table("searches.parquet")?, &s, &d.seconds)?,
+            searches: read_searches(&files.read_table("searches.parquet")?, &recorded.solids, searches)?,
             surface: read_surface(&files.read_table("landscape.parquet")?)?,
-            solids: s.solids,
-            edge: s.edge_m,
-            highest: s.highest_pa,
-            profiles: s.profiles,
-            gradient_difference: s.gradient_difference,
+            whole_seconds,
+            ..recorded
         })
     }
 
@@ -147,7 +135,9 @@ impl Record for MethodComparison {
         // named after what the methods do: they identify
         let id = |what: &str| format!("identify.{subject}.{what}");
         let mut metrics: Vec<Metric> = self.searches.iter().flat_map(|s| s.metrics(&id(&s.method))).collect();
-        metrics.extend(self.edge.map(|edge| Metric::new(id("compared_edge_mm"), edge / MILLIMETRE, "mm")));
+        metrics.push(Metric::new(id("compared_certificate_sigma"), self.certificate.sigma, ""));
+        metrics.push(Metric::new(id("compared_certificate_rounds"), self.certificate.rounds as f64, ""));
+        metrics.push(Metric::new(id("compared_whole_seconds"), self.whole_seconds, "s"));
         metrics.push(Metric::new(id("compared_highest_mbar"), self.highest / MILLIBAR, "mbar"));
         metrics.extend(self.gradient_difference.map(|g| Metric::new(id("gradient_difference"), g, "")));
         metrics
@@ -189,22 +179,13 @@ fn tried_columns(solids: &[String], searches: &[Search]) -> Columns {
     columns.numbers("loss", all().map(|(_, t)| t.loss).collect())
 }
 
-fn read_searches(columns: &Columns, scalars: &Scalars, seconds: &[f64]) -> Result<Vec<Search>, RecordError> {
+/// The searches with what each tried.
+fn read_searches(columns: &Columns, solids: &[String], searches: Vec<Search>) -> Result<Vec<Search>, RecordError> {
     let (names, loss) = (columns.text("method")?, columns.f64("loss")?);
-    if scalars.methods.len() != seconds.len() {
-        return Err(super::unfit(
-            "durations.json",
-            format!("{} durations of {} methods", seconds.len(), scalars.methods.len()),
-        ));
-    }
-    let moduli = scalars.solids.iter().map(|s| columns.f64(&column(s))).collect::<Result<Vec<_>, _>>()?;
+    let moduli = solids.iter().map(|s| columns.f64(&column(s))).collect::<Result<Vec<_>, _>>()?;
     let tried = |i: usize| EvaluatedPoint { at: moduli.iter().map(|values| values[i]).collect(), loss: loss[i] };
-    let search = |(method, &seconds): (&String, &f64)| Search {
-        method: method.clone(),
-        tried: (0..names.len()).filter(|&i| names[i] == *method).map(tried).collect(),
-        seconds,
-    };
-    Ok(scalars.methods.iter().zip(seconds).map(search).collect())
+    let of_method = |method: &str| (0..names.len()).filter(|&i| names[i] == method).map(tried).collect();
+    Ok(searches.into_iter().map(|search| Search { tried: of_method(&search.method), ..search }).collect())
 }
 
 fn surface_columns(surface: &Surface) -> Columns {
@@ -249,9 +230,10 @@ mod tests {
         };
         let whole = MethodComparison {
             solids: vec!["body".into(), "spine".into()],
-            edge: Some(4e-3),
             highest: 2.1e4,
             searches: vec![Search { method: "adam".into(), tried, seconds: 2.0 }],
+            certificate: Certificate { sigma: 0.02, rounds: 1, whole_equilibria: 24 },
+            whole_seconds: 30.0,
             surface,
             profiles: vec![Profile { parameter: "body_e".into(), value: vec![1e5], chi_square: vec![0.0] }],
             gradient_difference: Some(1e-7),

@@ -36,7 +36,7 @@ pub use drag::Drag;
 pub use example_frames::{ExampleFrames, FrameData};
 pub use findings::{Finding, Findings};
 pub use four_parameters::{Four, FourParameters};
-pub use identified::{Identified, Moduli, Stiffening};
+pub use identified::{IdentificationDurations, Identified, Moduli, Stiffening};
 pub use inflation::{Inflation, Shape};
 pub use markers::{CovarianceParts, FilmPose, Markers, OmittedCorrection};
 pub use mesh::{Cavity, Mesh, Quality};

@@ -5,7 +5,7 @@ use si::Point2;
 
 use super::fitting::Fitting;
 use super::gradients::gradient_over_forward;
-use crate::records::{self, Identified, Level};
+use crate::records::{self, IdentificationDurations, Identified, Level};
 use diagnostics::Result;
 use sysid::uncertainty::{self, Posterior};
 use sysid::{Minimum, Model, Stiffened, by_node, residuals_of};
@@ -41,7 +41,10 @@ impl Fitting<'_> {
             certificate: found.certificate.clone(),
             modulus_time: self.modulus_time,
             loss: misfit.loss(&markers),
-            gradient_over_forward: gradient_over_forward(loss, &elastic, self.set.static_tolerance, context)?,
+            durations: IdentificationDurations {
+                gradient_over_forward: gradient_over_forward(loss, &elastic, self.set.static_tolerance, context)?,
+                search: found.durations,
+            },
             levels: self.simulated_levels(&markers),
             inflated: highest.map(|(level, _)| by_node(&level.displacement)).unwrap_or_default(),
             length: loss.body.length,

@@ -1,7 +1,8 @@
 //! Four parameters: both Young's moduli and both Poisson's ratios of the levels that identification used, by bounded
 //! Gauss-Newton to convergence. Paper: section V, the search with four parameters.
 //!
-//! The parameters are the logarithms of the moduli and of ½ − ν, on which the response of a nearly incompressible body depends.
+//! The parameters are the logarithms of the moduli and of ½ − ν, on which the response of a nearly incompressible body depends. The search
+//! begins at the card's values, in a reduced model that the whole body certifies at its end.
 
 use fem::StaticSettings;
 use optimize::optimisers::{self, gauss_newton};
@@ -12,7 +13,7 @@ use crate::records::{self, Four, Identified, Mesh, Uncertainty};
 use diagnostics::{Diagnostic, Result};
 use sysid::Interrupted;
 use sysid::Misfit;
-use sysid::{Body, Derivatives, Elastic, LevelSolver, Model, residuals_of};
+use sysid::{Body, CertifiedSearch, Derivatives, Elastic, LevelSolver, Model, residuals_of};
 use workflow::stage::{Stage, StageContext};
 
 /// The stage.
@@ -45,7 +46,7 @@ impl Stage for FourParameters {
     type Needs = (Mesh, Identified);
     type Makes = records::FourParameters;
     const DESCRIPTION: &'static str = "both Poisson's ratios are identified as well";
-    const VERSION: u32 = 7;
+    const VERSION: u32 = 8;
 
     fn run(
         card: &Self::Card,
@@ -58,8 +59,9 @@ impl Stage for FourParameters {
         let mut model = mesh.model(card)?.with_markers_at(&mesh.solid, card, &rest);
         model.nominal = Elastic { youngs_moduli: model.nominal.youngs_moduli.clone(), ..found.elastic(&model) };
         let levels = Misfit::kept(&found.levels, &found.noise, found.length)?;
-        let search = search(card, set, &model, &found)?;
-        let (best, losses) = Fit { set, model: &model, levels: &levels }.minimise(&search, context)?;
+        let search = search(card, set, &model)?;
+        let fit = Fit { set, model: &model, levels: &levels };
+        let (best, losses) = fit.certified(&search, context)?;
         let uncertainty = uncertainty(&best)?;
         let iterates = losses.iter().map(|(at, loss)| (four(&elastic(&model, at)), *loss)).collect();
         let four_best = four(&elastic(&model, &best.at));
@@ -68,8 +70,8 @@ impl Stage for FourParameters {
     }
 }
 
-/// The bounds, with the two identified moduli as the starting point.
-fn search(card: &Body, set: &Settings, model: &Model, found: &Identified) -> Result<Problem> {
+/// The bounds, with the card's constants as the starting point.
+fn search(card: &Body, set: &Settings, model: &Model) -> Result<Problem> {
     let nominal = &model.nominal;
     let moduli = |k: usize| [0, 1].map(|r: usize| (card.materials[r].plausible[k] / nominal.youngs_moduli[r]).ln());
     let ratio = |r: usize, nu: f64| ((0.5 - nu) / (0.5 - nominal.poissons_ratios[r])).ln();
@@ -77,9 +79,7 @@ fn search(card: &Body, set: &Settings, model: &Model, found: &Identified) -> Res
     let low = [&low[..], &[ratio(0, set.body_nu[1]), ratio(1, set.spine_nu[1])]].concat();
     let high = [&high[..], &[ratio(0, set.body_nu[0]), ratio(1, set.spine_nu[0])]].concat();
     let bounds = Bounds { low, high };
-    let by = |k: usize| (found.best[k] / nominal.youngs_moduli[k]).ln();
-    let wish = [by(0), by(1), 0.0, 0.0];
-    let start = bounds.clamp(&wish);
+    let start = bounds.clamp(&[0.0; 4]);
     Problem::new(&NAMES, start, bounds).map_err(Diagnostic::from)
 }
 
@@ -112,12 +112,27 @@ struct Fit<'a> {
 }
 
 impl Fit<'_> {
-    /// Gauss-Newton to convergence; every point with its loss is returned as well.
-    fn minimise(&self, search: &Problem, context: &dyn StageContext) -> Result<(Evaluation, Vec<Iterate>)> {
+    /// Gauss-Newton to convergence; every point of the last search with its loss is returned as well.
+    fn certified(&self, search: &Problem, context: &dyn StageContext) -> Result<(Evaluation, Vec<Iterate>)> {
+        let statics = StaticSettings { tolerance: self.set.static_tolerance, ..StaticSettings::default() };
+        let mut whole =
+            LevelSolver::new(self.model.clone(), self.levels.levels.clone(), statics, self.set.parallel_solves);
+        let start = elastic(self.model, search.start());
+        let by = CertifiedSearch::new(start, Derivatives::AllSensitivities, self.levels);
+        let mut one = |reduced: &mut LevelSolver| {
+            let (best, losses) = self.minimise(search, reduced)?;
+            Ok((elastic(self.model, &best.at), (best, losses)))
+        };
+        let round = |number: usize| context.progress(0.2 * number as f64, &format!("four parameters, round {number}"));
+        match by.run(&mut whole, &mut one, &round) {
+            Ok(certified) => Ok(certified.found),
+            Err(_) => self.minimise(search, &mut whole),
+        }
+    }
+
+    fn minimise(&self, search: &Problem, solver: &mut LevelSolver) -> Result<(Evaluation, Vec<Iterate>)> {
         let Self { set, model, levels } = *self;
         let mut losses = Vec::new();
-        let statics = StaticSettings { tolerance: set.static_tolerance, ..StaticSettings::default() };
-        let mut solver = LevelSolver::new(model.clone(), levels.levels.clone(), statics, set.parallel_solves);
         let newton = gauss_newton::Settings {
             step_tolerance: set.step_tolerance,
             fall_tolerance: gauss_newton::FALL,
@@ -131,7 +146,6 @@ impl Fit<'_> {
         };
         let mut optimiser = (member.build)(search, &settings)?;
         let mut evaluate = |at: &Vec<f64>| -> Result<Evaluation> {
-            context.progress(losses.len() as f64 / set.iterations as f64, "four parameters");
             let constants = elastic(model, at);
             let Ok(simulated) = solver.solve(&constants, Derivatives::AllSensitivities) else {
                 return Ok(Evaluation::of_loss(at.clone(), f64::INFINITY));

@@ -12,7 +12,7 @@ use super::mesh;
 use crate::records::{self, Identified, Mesh, MeshResult, Moduli};
 use crate::subject::Specimen;
 use diagnostics::Result;
-use sysid::{Attached, Body, Derivatives, Elastic, Interrupted, LevelSolver, Misfit, Model};
+use sysid::{Attached, Body, CertifiedSearch, Derivatives, Elastic, Interrupted, LevelSolver, Misfit, Model};
 use workflow::stage::{RawFile, Stage, StageContext};
 use workflow::subject::Part;
 
@@ -54,7 +54,7 @@ impl Stage for MeshSensitivity {
     type Needs = Identified;
     type Makes = records::MeshSensitivity;
     const DESCRIPTION: &'static str = "identified moduli depend on the mesh";
-    const VERSION: u32 = 7;
+    const VERSION: u32 = 8;
 
     fn raw(of: &Specimen) -> Vec<RawFile> {
         mesh::Mesh::raw(of)
@@ -95,10 +95,30 @@ fn point(found: &Identified, at: &[f64]) -> Moduli {
     found.best.iter().zip(at).map(|(modulus, by)| modulus * by.exp()).collect()
 }
 
-/// Gauss-Newton over the logarithms of the moduli over the identified ones.
+/// Gauss-Newton over the logarithms of the moduli over the identified ones, in a reduced model that the whole mesh certifies. Elements that lock
+/// have their answer far from the start: what is not certified is searched on the whole mesh.
 fn moduli(set: &Settings, model: &Model, levels: &Misfit, found: &Identified) -> Result<Evaluation> {
-    let wide = set.modulus_factor.ln();
-    let count = found.solids.len();
+    let statics = StaticSettings { tolerance: 1e-6, ..StaticSettings::default() };
+    let mut whole = LevelSolver::new(model.clone(), levels.levels.clone(), statics, 2);
+    let by = CertifiedSearch::new(found.elastic(model), Derivatives::Sensitivities, levels);
+    let elastic = |at: &[f64]| Elastic { youngs_moduli: point(found, at), ..found.elastic(model) };
+    let mut one = |solver: &mut LevelSolver| {
+        let best = minimise(set, (levels, found), &elastic, solver)?;
+        Ok((elastic(&best.at), best))
+    };
+    match by.run(&mut whole, &mut one, &|_| ()) {
+        Ok(certified) if certified.certificate.holds() => Ok(certified.found),
+        _ => minimise(set, (levels, found), &elastic, &mut whole),
+    }
+}
+
+fn minimise(
+    set: &Settings,
+    (levels, found): (&Misfit, &Identified),
+    elastic: &dyn Fn(&[f64]) -> Elastic,
+    solver: &mut LevelSolver,
+) -> Result<Evaluation> {
+    let (wide, count) = (set.modulus_factor.ln(), found.solids.len());
     let bounds = Bounds { low: vec![-wide; count], high: vec![wide; count] };
     let names: Vec<&str> = found.solids.iter().map(String::as_str).collect();
     let search = Problem::new(&names, vec![0.0; count], bounds)?;
@@ -109,10 +129,8 @@ fn moduli(set: &Settings, model: &Model, levels: &Misfit, found: &Identified) ->
         ..gauss_newton::Settings::default()
     };
     let mut optimiser = gauss_newton::GaussNewton::new(&search, &newton)?;
-    let statics = StaticSettings { tolerance: 1e-6, ..StaticSettings::default() };
-    let mut solver = LevelSolver::new(model.clone(), levels.levels.clone(), statics, 2);
     let mut evaluate = |at: &Vec<f64>| -> Result<Evaluation> {
-        let constants = Elastic { youngs_moduli: point(found, at), ..found.elastic(model) };
+        let constants = elastic(at);
         let Ok(simulated) = solver.solve(&constants, Derivatives::Sensitivities) else {
             return Ok(Evaluation::of_loss(at.clone(), f64::INFINITY));
         };

@@ -7,7 +7,6 @@ use crate::figures::order::title;
 use crate::records::{MethodComparison, Search};
 use crate::subject::{Specimen, Study};
 use diagnostics::Result;
-use si::MILLIMETRE;
 use workflow::needs::Every;
 use workflow::subject::Subject;
 use workflow::table::Table;
@@ -39,11 +38,14 @@ impl Table for Methods {
     }
 }
 
-/// What an iteration is, and on which meshes.
+/// What an iteration is, and in what.
 fn note<'a>(all: impl Iterator<Item = &'a MethodComparison>) -> String {
-    let edges: Vec<_> = all.filter_map(|one| one.edge).map(|edge| format!("{:.1} mm", edge / MILLIMETRE)).collect();
-    let edges = if edges.is_empty() { String::new() } else { format!(", with edges of {}", edges.join(" or ")) };
-    format!("An iteration is one simulation of all pressure levels{edges}. This study: two cores, virtual bench.")
+    let whole: Vec<String> = all.map(|one| format!("{:.0} s", one.whole_seconds)).collect();
+    format!(
+        "An iteration is one simulation of all pressure levels in a reduced model, certified by the whole body, which takes {} of one core. This \
+         study: two cores, virtual bench.",
+        whole.join(" or ")
+    )
 }
 
 fn row(specimen: &str, search: &Search) -> Vec<String> {
@@ -74,9 +76,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn edges_are_stated_of_meshes_that_were_made_for_the_comparison_alone() {
-        let on = |edge| MethodComparison { edge, ..MethodComparison::default() };
-        assert!(note([on(Some(5e-3)), on(None)].iter()).contains("levels, with edges of 5.0 mm."));
-        assert!(!note([on(None)].iter()).contains("edges"));
+    fn the_note_says_how_long_the_whole_body_takes() {
+        let on = |whole_seconds| MethodComparison { whole_seconds, ..MethodComparison::default() };
+        assert!(note([on(61.2), on(30.0)].iter()).contains("which takes 61 s or 30 s of one core."));
     }
 }

@@ -18,6 +18,8 @@ const GUESSED: usize = 12;
 /// The data of one solve, shared by its solvers.
 pub(super) struct Part<'a> {
     pub unknowns: &'a Unknowns,
+    /// By level: what is added to the displacement of each marker, m; empty: nothing.
+    pub corrections: &'a [Vec<Point2>],
     pub levels: &'a [PressureLevel],
     pub settings: &'a StaticSettings,
     /// Equilibria of earlier solves.
@@ -55,9 +57,9 @@ impl Part<'_> {
             passed.iter().for_each(|shape| found.add(shape.clone()));
             solved.on_the_way.extend(passed);
             let simulated = self
-                .simulated(level, &load, (equilibrium, forward_seconds), solver)
+                .simulated(number, &load, (equilibrium, forward_seconds), solver)
                 .map_err(|e| no_equilibrium(level, e))?;
-            let (shape, slopes) = (simulated.displacement.clone(), simulated.slopes.clone());
+            let (shape, slopes) = (simulated.shape.clone(), simulated.slopes.clone());
             found.add(KnownShape { load, shape, slopes });
             solved.levels.push((number, simulated));
         }
@@ -114,16 +116,16 @@ impl Part<'_> {
     /// Markers and derivatives at an equilibrium.
     fn simulated(
         &self,
-        level: &PressureLevel,
+        number: usize,
         load: &Load,
         (equilibrium, forward_seconds): (EquilibriumShape, Second),
         solver: &mut dyn Statics,
     ) -> Result<SimulatedLevel> {
         let unknowns = self.unknowns;
-        let markers = unknowns.markers(&equilibrium.unknowns);
+        let markers = self.corrected(number, unknowns.markers(&equilibrium.unknowns));
         let began = Instant::now();
         let gradient = match self.derivatives {
-            Derivatives::Gradient => solver.loss_by_moduli(&self.loss_by_markers(level, &markers))?,
+            Derivatives::Gradient => solver.loss_by_moduli(&self.loss_by_markers(&self.levels[number], &markers))?,
             _ => Vec::new(),
         };
         let fields = match self.derivatives {
@@ -144,6 +146,13 @@ impl Part<'_> {
             forward_seconds,
             derivative_seconds,
         })
+    }
+
+    /// The markers of a level with what is added to them.
+    fn corrected(&self, number: usize, markers: Vec<Point2>) -> Vec<Point2> {
+        let Some(corrections) = self.corrections.get(number) else { return markers };
+        // length: one correction a marker
+        markers.iter().zip(corrections).map(|(at, by)| [at[0] + by[0], at[1] + by[1]]).collect()
     }
 
     /// The derivative by each marker's displacement (1/m) of this level's part of the mean distance, 1/(levels · markers) Σ |simulated −

@@ -24,7 +24,7 @@ pub struct LevelSolver {
     pub(super) known: Surrogate,
     /// See [`Load::new`].
     pub(super) unit: f64,
-    /// By level: what is added to the displacement of each marker, m; empty: nothing.
+    /// See [`Part::corrections`].
     pub(super) corrections: Vec<Vec<Point2>>,
 }
 
@@ -104,8 +104,9 @@ impl LevelSolver {
             self.follow_paths(elastic, 1.0)?;
         }
         let shares = shares(&self.levels, self.solvers.len());
-        let Self { levels, settings, unknowns, solvers, known, unit, .. } = self;
-        let part = Part { unknowns, levels, settings, known, unit: *unit, elastic: elastic.clone(), derivatives };
+        let Self { levels, settings, unknowns, solvers, known, unit, corrections, .. } = self;
+        let (unit, elastic) = (*unit, elastic.clone());
+        let part = Part { unknowns, corrections, levels, settings, known, unit, elastic, derivatives };
         let count = solvers.len();
         let each = solvers.iter_mut().zip(&shares);
         let parts = parallel(each, count, |(solver, share)| part.solve(solver.as_mut(), share));
@@ -118,13 +119,7 @@ impl LevelSolver {
             let (shape, slopes) = (std::mem::take(&mut simulated.shape), std::mem::take(&mut simulated.slopes));
             self.known.add(KnownShape { load, shape, slopes });
         }
-        let mut all: Vec<SimulatedLevel> = all.into_iter().map(|(_, simulated)| simulated).collect();
-        for (simulated, corrections) in all.iter_mut().zip(&self.corrections) {
-            // length: one correction a marker
-            let corrected = simulated.markers.iter().zip(corrections).map(|(at, by)| [at[0] + by[0], at[1] + by[1]]);
-            simulated.markers = corrected.collect();
-        }
-        Ok(all)
+        Ok(all.into_iter().map(|(_, simulated)| simulated).collect())
     }
 }
 
