@@ -132,6 +132,19 @@ fn run_command(cli: &Cli) -> Result<bool> {
             }
             Ok(true)
         }
+        Command::Reduce { case, over, pressure, tolerance, equilibria, out } => {
+            let options = simulate::ReduceOptions {
+                case: case.clone(),
+                over: over.clone(),
+                pressures: pressure.clone(),
+                tolerance: *tolerance,
+                equilibria: *equilibria,
+                out: out.clone(),
+                quiet: cli.place.quiet,
+            };
+            output::line(simulate::reduce(&options)?);
+            Ok(true)
+        }
         Command::Fit { page, out } => {
             let page = sysid::free_vibration::page(&cli.place.root, page);
             if sysid::inflation_test::is_page(&page) {

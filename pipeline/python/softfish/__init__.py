@@ -38,7 +38,7 @@ from softfish._fit import Fit, FittedLaw, fit
 from softfish._instruments import Camera, Tracks, calibrate, track
 from softfish._mesh import Mesh
 from softfish._project import Project, Record
-from softfish._reduced import ReducedGradient, ReducedModel, ReducedState
+from softfish._reduced import ReducedGradient, ReducedModel, ReducedState, ReducedStaticGradient
 from softfish._results import CriticalPoint, Equilibrium, Gradient, Inputs, Motion, Path
 from softfish._solver import Material, Solver
 
@@ -77,6 +77,7 @@ __all__ = [
     "ReducedGradient",
     "ReducedModel",
     "ReducedState",
+    "ReducedStaticGradient",
     "Solver",
     "Tracks",
     "calibrate",

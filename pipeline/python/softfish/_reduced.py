@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from softfish import _core, _records
 from softfish._arguments import checked
-from softfish._arrays import Array, ByName, instance, reals
+from softfish._arrays import Array, ByName, instance, named, reals
 from softfish._errors import InputError
 
 if TYPE_CHECKING:
@@ -50,19 +50,37 @@ class ReducedGradient:
     modulus_scale: Array
 
 
+@dataclass(frozen=True)
+class ReducedStaticGradient:
+    """The derivatives of a loss of the coordinates of an equilibrium.
+
+    Attributes:
+        pressures: By chamber, 1/Pa.
+        E: By Young's modulus of each region, 1/Pa.
+        nu: By Poisson's ratio of each region, no unit.
+    """
+
+    pressures: Array
+    E: Array
+    nu: Array
+
+
 class ReducedModel:
     """A body in the coordinates of a few modes, for many fast steps. Pressures act on it; gravity and forces of the case do not."""
 
-    def __init__(self, solver: Solver, core: _core.ReducedModel) -> None:
+    def __init__(self, solver: Solver, core: _core.ReducedModel, trained: dict[str, tuple[float, float]] | None = None) -> None:
         self._solver = solver
         self._core = core
+        self._trained = trained or {}
 
     def __getstate__(self) -> dict[str, Any]:
         data = self._core.data()
-        return {"solver": self._solver, "modes": data["modes"], "points": data["points"], "size": data["size"]}
+        model = {"modes": data["modes"], "points": data["points"], "size": data["size"]}
+        return {"solver": self._solver, "trained": self._trained, **model}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self._solver = state["solver"]
+        self._trained = state["trained"]
         self._core = self._solver._core.restore(state["modes"], state["points"], state["size"])
 
     def __repr__(self) -> str:
@@ -104,6 +122,57 @@ class ReducedModel:
         """∂output/∂q of a point of the case, 3 × coordinates."""
         modes = self._core.data()["modes"].reshape(self.coordinates, -1, 3)
         return np.ascontiguousarray(self._solver.observe(name, modes).T)
+
+    @property
+    def trained(self) -> dict[str, tuple[float, float]]:
+        """The ranges of a model that `study reduce` trained: `E.silicone` and `nu.silicone` of regions, pressures of chambers; else empty."""
+        return dict(self._trained)
+
+    @checked()
+    def equilibrium(
+        self,
+        pressures: ByName | None = None,
+        *,
+        E: ByName | None = None,
+        nu: ByName | None = None,
+        near: ReducedState | None = None,
+    ) -> ReducedState:
+        """The stable equilibrium under `pressures` (Pa, by chamber; 0 where not given) of a body with these constants (by region; those of the
+        solver where not given), searched from the state `near`, or from rest. What lies outside the ranges that the model was trained over is refused."""
+        start = self._pair(self.rest() if near is None else near)[0]
+        coordinates = self._core.equilibrium(start, self._constants(pressures, E, nu))
+        return ReducedState(coordinates, np.zeros(self.coordinates))
+
+    @checked()
+    def equilibrium_gradient(
+        self,
+        state: ReducedState,
+        loss: npt.ArrayLike,
+        pressures: ByName | None = None,
+        *,
+        E: ByName | None = None,
+        nu: ByName | None = None,
+    ) -> ReducedStaticGradient:
+        """The gradient of a loss of the coordinates of an equilibrium `state`, from its derivative `loss` by each, by the adjoint method."""
+        by_coordinates = reals("loss", loss, (self.coordinates,))
+        found = self._core.equilibrium_gradient(self._pair(state)[0], self._constants(pressures, E, nu), by_coordinates)
+        return ReducedStaticGradient(*(np.array(part) for part in found))
+
+    def _constants(
+        self, pressures: ByName | None, E: ByName | None, nu: ByName | None
+    ) -> tuple[list[float], list[tuple[float, float]]]:
+        solver = self._solver
+        by_chamber = solver._by_chamber(np.zeros(solver.chamber_count), pressures, "pressures").tolist()
+        moduli = named("region", solver.regions, solver._base.youngs_modulus, E, "E").tolist()
+        ratios = named("region", solver.regions, solver._base.poissons_ratio, nu, "nu").tolist()
+        values = dict(zip(solver.chambers, by_chamber, strict=True))
+        values |= {f"E.{name}": value for name, value in zip(solver.regions, moduli, strict=True)}
+        values |= {f"nu.{name}": value for name, value in zip(solver.regions, ratios, strict=True)}
+        for name, (low, high) in self._trained.items():
+            if name in values and not low <= values[name] <= high:
+                why = f"the model was trained from {low:g} to {high:g}"
+                raise InputError(f"`{name}` is {values[name]:g}", why, "stay in that range, or reduce the body over a wider one")
+        return by_chamber, list(zip(moduli, ratios, strict=True))
 
     @checked()
     def step(
@@ -194,7 +263,7 @@ class ReducedModel:
         from softfish._solver import Solver
 
         instance("solver", solver, Solver, "give the solver of the same body")
-        tensors = _read(path)
+        tensors, metadata = _read(path)
         regions = len(solver.regions)
         names = ["modes", "size", *(f"{part}.{n}" for n in range(regions) for part in ("points", "weights"))]
         absent = [name for name in names if name not in tensors]
@@ -205,7 +274,7 @@ class ReducedModel:
             raise InputError(f"{os.fspath(path)} is damaged", "a point has a number below 0", "reduce the body again")
         points = [(tensors[f"points.{n}"].tolist(), tensors[f"weights.{n}"].tolist()) for n in range(regions)]
         modes = reals("modes", tensors["modes"]).reshape(-1)
-        return cls(solver, solver._core.restore(modes, points, float(tensors["size"][0])))
+        return cls(solver, solver._core.restore(modes, points, float(tensors["size"][0])), _ranges(metadata, solver.chambers))
 
     def _pair(self, state: ReducedState) -> tuple[Array, Array]:
         instance("state", state, ReducedState, "give what rest or step returned")
@@ -254,15 +323,24 @@ def _write(path: str | os.PathLike[str], tensors: dict[str, npt.NDArray[Any]]) -
         file.write(struct.pack("<Q", len(text)) + text + b"".join(parts))
 
 
-def _read(path: str | os.PathLike[str]) -> dict[str, npt.NDArray[Any]]:
+def _ranges(metadata: dict[str, str], chambers: list[str]) -> dict[str, tuple[float, float]]:
+    """The ranges of constants and pressures over which a model was trained."""
+    training = json.loads(metadata.get("training", "{}"))
+    constants = {one["name"]: (one["low"], one["high"]) for one in training.get("constants", [])}
+    pressures = [(one["low"], one["high"]) for one in training.get("pressures", [])]
+    return constants | dict(zip(chambers, pressures, strict=False))
+
+
+def _read(path: str | os.PathLike[str]) -> tuple[dict[str, npt.NDArray[Any]], dict[str, str]]:
     try:
         with open(path, "rb") as file:
             content = file.read()
         (length,) = struct.unpack("<Q", content[:8])
         header = json.loads(content[8 : 8 + length])
         data = content[8 + length :]
-        header.pop("__metadata__", None)
+        metadata = header.pop("__metadata__", {})
         spans = {name: (of, data[slice(*of["data_offsets"])]) for name, of in header.items()}
-        return {name: np.frombuffer(part, _TYPES[of["dtype"]]).reshape(of["shape"]) for name, (of, part) in spans.items()}
+        tensors = {name: np.frombuffer(part, _TYPES[of["dtype"]]).reshape(of["shape"]) for name, (of, part) in spans.items()}
+        return tensors, metadata
     except (OSError, ValueError, KeyError, TypeError, struct.error) as error:
         raise InputError(f"{os.fspath(path)} cannot be read", str(error), "give a file that ReducedModel.save wrote") from error

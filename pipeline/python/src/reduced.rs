@@ -1,6 +1,12 @@
 //! Reduced models: made of snapshots, restored from their data, stepped, and differentiated step by step.
 
-use fem::{DynamicSettings, ReducedModelData, ReducedState, ReducedStep, ReductionSettings};
+use std::sync::Arc;
+
+use fem::{
+    DynamicSettings, Parameter, ReducedEquilibrium, ReducedModelData, ReducedSolver, ReducedState, ReducedStep,
+    ReductionSettings, RegionProperties,
+};
+use nalgebra::DVector;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -16,8 +22,34 @@ use crate::threads::in_this_process;
 /// A body in a few dozen coordinates.
 #[pyclass(frozen, module = "softfish._core")]
 pub(crate) struct ReducedModel {
-    model: fem::ReducedModel,
+    model: Arc<fem::ReducedModel>,
+    /// Of the system that was reduced.
+    regions: Vec<RegionProperties>,
 }
+
+impl ReducedModel {
+    fn new(model: fem::ReducedModel, system: &fem::System) -> Self {
+        Self { model: Arc::new(model), regions: system.regions().to_vec() }
+    }
+
+    /// The equilibrium under pressures of a body with E and ν of each region, near `start`, with its solver.
+    fn equilibrium_near(
+        &self,
+        start: Vec<f64>,
+        (pressures, constants): &Constants,
+    ) -> PyResult<(ReducedSolver, ReducedEquilibrium)> {
+        let mut solver = ReducedSolver::new(Arc::clone(&self.model), self.regions.clone());
+        for (region, (youngs_modulus, poissons_ratio)) in constants.iter().enumerate() {
+            solver.set_elastic(region, *youngs_modulus, *poissons_ratio).map_err(raised)?;
+        }
+        let start: DVector<f64> = start.into();
+        let found = solver.equilibrium_near(pressures, &start, &start).map_err(raised)?;
+        Ok((solver, found))
+    }
+}
+
+/// Pressures, Pa, by chamber; E, Pa, and ν by region.
+type Constants = (Vec<f64>, Vec<(f64, f64)>);
 
 /// What a step depends on beside the state.
 struct Given {
@@ -76,7 +108,7 @@ impl Solver {
         watched(py, move |_| {
             // length: Python hands over whole snapshots
             let each: Vec<&[f64]> = all.chunks_exact(full).collect();
-            Ok(ReducedModel { model: shared.system.reduce(&each, &settings).map_err(raised)? })
+            Ok(ReducedModel::new(shared.system.reduce(&each, &settings).map_err(raised)?, &shared.system))
         })
     }
 
@@ -93,7 +125,7 @@ impl Solver {
         let points = points.into_iter().map(|(numbers, weights)| numbers.into_iter().zip(weights).collect()).collect();
         let data = ReducedModelData { modes, points, size };
         let shared = self.shared.clone();
-        watched(py, move |_| Ok(ReducedModel { model: shared.system.restore(&data).map_err(raised)? }))
+        watched(py, move |_| Ok(ReducedModel::new(shared.system.restore(&data).map_err(raised)?, &shared.system)))
     }
 }
 
@@ -147,6 +179,40 @@ impl ReducedModel {
         let step = || guarded(|| in_this_process(|| self.model.step(&before, &given.step()).map_err(raised)));
         let after = py.detach(step)?;
         Ok(pair(py, after))
+    }
+
+    /// The coordinates of an equilibrium.
+    fn equilibrium<'py>(
+        &self,
+        py: Python<'py>,
+        start: Reals<'py>,
+        given: Constants,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let start = vector("coordinates", &start)?;
+        let (_, found) = py.detach(|| guarded(|| in_this_process(|| self.equilibrium_near(start, &given))))?;
+        Ok(array(py, found.coordinates.data.into()))
+    }
+
+    /// The gradient of a loss of the coordinates of an equilibrium: by pressures, and by E and ν of each region.
+    fn equilibrium_gradient(
+        &self,
+        py: Python<'_>,
+        coordinates: Reals<'_>,
+        given: Constants,
+        loss: Reals<'_>,
+    ) -> PyResult<(Vec<f64>, Vec<f64>, Vec<f64>)> {
+        let (coordinates, loss) = (vector("coordinates", &coordinates)?, vector("loss", &loss)?);
+        let regions = self.regions.len();
+        let gradient = || {
+            let (solver, found) = self.equilibrium_near(coordinates, &given)?;
+            let loss: DVector<f64> = loss.into();
+            let by = |of: fn(usize) -> Parameter| {
+                solver.adjoint(&found, &loss, &(0..regions).map(of).collect::<Vec<_>>()).map_err(raised)
+            };
+            let moduli = by(Parameter::YoungsModulus)?;
+            Ok((solver.pressure_gradient(&found, &loss), moduli, by(Parameter::PoissonsRatio)?))
+        };
+        py.detach(|| guarded(|| in_this_process(gradient)))
     }
 
     /// The gradient of a loss of the state after a step, from its derivatives: by coordinates, velocity, pressures and

@@ -94,3 +94,34 @@ def test_a_batch_of_steps_is_the_cases_one_after_the_other(model: sf.ReducedMode
     for wrong in ((q[None, :2], v, pressures), (q.expand(2, -1), v, pressures), (q, v, pressures[None]), (q, v, pressures[:0])):
         with pytest.raises(sf.InputError):
             step(*wrong)
+
+
+def test_an_equilibrium_is_that_of_the_whole_body_and_its_gradient_that_of_differences(block: sf.Solver, model: sf.ReducedModel) -> None:
+    state = model.equilibrium({"air": 6e3})
+    whole = block.equilibrium(pressure={"air": 6e3}, gravity=[0, 0, 0]).displacement
+    assert np.abs(model.displacement(state) - whole).max() < 0.03 * np.abs(whole).max()
+    region = block.regions[0]
+    E, nu = block._base.youngs_modulus[0], block._base.poissons_ratio[0]
+    loss = np.linspace(-1.0, 1.0, model.coordinates)
+
+    def value(pressure: float = 6e3, modulus: float = E, ratio: float = nu) -> float:
+        return float(loss @ model.equilibrium({"air": pressure}, E={region: modulus}, nu={region: ratio}).coordinates)
+
+    gradient = model.equilibrium_gradient(state, loss, {"air": 6e3})
+    for found, high, low, step in [
+        (gradient.pressures[0], value(6010.0), value(5990.0), 20.0),
+        (gradient.E[0], value(modulus=1.001 * E), value(modulus=0.999 * E), 2e-3 * E),
+        (gradient.nu[0], value(ratio=nu + 1e-4), value(ratio=nu - 1e-4), 2e-4),
+    ]:
+        assert found == pytest.approx((high - low) / step, rel=1e-4)
+
+
+def test_what_lies_outside_the_trained_ranges_is_refused(block: sf.Solver, model: sf.ReducedModel) -> None:
+    region = block.regions[0]
+    trained = sf.ReducedModel(block, model._core, {"air": (0.0, 8e3), f"E.{region}": (1e4, 1e9)})
+    assert trained.trained["air"] == (0.0, 8e3)
+    trained.equilibrium({"air": 7e3})
+    with pytest.raises(sf.InputError, match="`air` is 9000"):
+        trained.equilibrium({"air": 9e3})
+    with pytest.raises(sf.InputError, match=rf"`E.{region}` is 10"):
+        trained.equilibrium({"air": 1e3}, E={region: 10.0})

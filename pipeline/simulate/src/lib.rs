@@ -30,6 +30,7 @@ mod materials;
 mod path;
 mod probes;
 mod reach;
+mod reduction;
 mod solid;
 mod statics;
 mod stress;
@@ -51,6 +52,7 @@ pub use loads::Loads;
 pub use path::FollowedPath;
 use probes::Table;
 pub use probes::{Probe, probes};
+pub use reduction::{NamedRange, ReduceOptions, reduce};
 pub use solid::{Loaded, load, raw_mesh, tables};
 pub use statics::{Converged, Levels, LostLevel};
 

@@ -10,6 +10,7 @@ use nalgebra::{Cholesky, DVector, Dyn};
 use si::Pascal;
 
 use super::acting::ActingRegion;
+use super::chamber_volume::CubicVolume;
 use super::elastic_forces::ReducedTangent;
 use super::error::ReducedError;
 use super::model::ReducedModel;
@@ -144,6 +145,17 @@ impl ReducedSolver {
     ) -> Result<Vec<f64>, SolveError> {
         let lambda = at.factor.solve(by_coordinates);
         parameters.iter().map(|&parameter| Ok(-lambda.dot(&self.force_derivative(at, parameter)?))).collect()
+    }
+
+    /// dL/dp of each chamber, of a loss with the derivative `by_coordinates` at an equilibrium, 1/Pa.
+    pub fn pressure_gradient(&self, at: &ReducedEquilibrium, by_coordinates: &DVector<f64>) -> Vec<f64> {
+        let lambda = at.factor.solve(by_coordinates);
+        let by_pressure = |chamber: &CubicVolume| {
+            let mut gradient = DVector::zeros(lambda.len());
+            chamber.add_gradient(&at.coordinates, 1.0, &mut gradient);
+            gradient.dot(&lambda)
+        };
+        self.model.chambers.iter().map(by_pressure).collect()
     }
 
     /// ∂f/∂θ, J per unit of the parameter.

@@ -91,6 +91,19 @@ fn sensitivities_are_differences_of_equilibria_and_their_work_is_the_adjoint_gra
 }
 
 #[test]
+fn the_derivative_by_pressure_is_that_of_differences() {
+    let system = hollow();
+    let mut reduced = trained(&system);
+    let (constants, pressure) = ((1.9e5, 0.45), 2e4);
+    let found = solved(&mut reduced, constants, pressure);
+    let loss = DVector::from_fn(found.coordinates.len(), |mode, _| (0.4 + 1.1 * mode as f64).cos());
+    let by_pressure = reduced.pressure_gradient(&found, &loss)[0];
+    let mut at = |pressure: f64| solved(&mut reduced, constants, pressure).coordinates.dot(&loss);
+    let difference = (at(pressure + 2.0) - at(pressure - 2.0)) / 4.0;
+    assert!((by_pressure / difference - 1.0).abs() < 1e-5, "{by_pressure} for {difference}");
+}
+
+#[test]
 fn constants_out_of_range_and_parameters_that_it_does_not_have_are_refused() {
     let system = hollow();
     let mut reduced = trained(&system);

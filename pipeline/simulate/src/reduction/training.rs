@@ -1,0 +1,243 @@
+//! Training of a reduced model over a box of constants and pressures.
+//!
+//! The whole body is solved along the pressures of each chamber at the middle of the box. Then points are drawn evenly from the box (Halton's
+//! sequence [halton1960]); each is solved by the reduced model and, from there, by the whole body. Where they differ by more than the tolerance
+//! the equilibrium is taught with its derivatives; the model is done when several points in a row agree.
+
+use std::sync::Arc;
+
+use fem::{
+    Equilibrium, Parameter, ReducedModel, ReducedSolver, ReductionSettings, RegionProperties, Snapshot, Solver,
+    StaticSettings, System,
+};
+use nalgebra::DVector;
+use si::Pascal;
+
+use super::ranges::NamedRange;
+use diagnostics::{Diagnostic, Result};
+
+/// Points in a row that must agree.
+const CHECKS: usize = 8;
+/// Equilibria on the way to the highest pressure of a chamber.
+const STEPS: usize = 4;
+/// The cubature's error is so much less than that of the model.
+const CUBATURE: f64 = 0.1;
+/// Bases of Halton's sequence: a reduced model is trained over at most so many constants and chambers.
+const BASES: [usize; 16] = [2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53];
+
+/// The box, and how well the model must serve in it.
+#[derive(Debug, Clone)]
+pub(super) struct TrainingBox {
+    pub constants: Vec<(Parameter, NamedRange)>,
+    /// One per chamber of the mesh.
+    pub pressures: Vec<NamedRange>,
+    /// Largest difference of a node from the whole body, over the largest displacement in the box.
+    pub tolerance: f64,
+    /// Equilibria of the whole body at most.
+    pub most: usize,
+}
+
+/// A trained model.
+#[derive(Debug)]
+pub(super) struct Trained {
+    pub model: ReducedModel,
+    /// Equilibria that taught it.
+    pub taught: usize,
+    /// Points that were checked and not taught, and their largest difference.
+    pub checked: (usize, f64),
+}
+
+/// A point of the box.
+#[derive(Debug, Clone)]
+struct BoxPoint {
+    regions: Vec<RegionProperties>,
+    pressures: Vec<Pascal>,
+}
+
+/// An equilibrium that teaches.
+struct Lesson {
+    point: BoxPoint,
+    displacement: Vec<f64>,
+    changes: Vec<Vec<f64>>,
+}
+
+/// The whole body with what it has taught.
+pub(super) struct Training<'a> {
+    pub system: &'a System,
+    pub space: &'a TrainingBox,
+    pub settings: StaticSettings,
+    lessons: Vec<Lesson>,
+}
+
+impl<'a> Training<'a> {
+    pub fn new(system: &'a System, space: &'a TrainingBox, settings: StaticSettings) -> Self {
+        Self { system, space, settings, lessons: Vec::new() }
+    }
+
+    /// # Errors
+    /// A [`Diagnostic`] when the whole body has no equilibrium in the box, the model cannot be made, or it does not serve after so many equilibria.
+    pub fn run(mut self, progress: &dyn Fn(&str)) -> Result<Trained> {
+        self.follow_pressures()?;
+        let (mut model, mut checked, mut number) = (self.reduced()?, (0, 0.0_f64), 0);
+        while checked.0 < CHECKS {
+            number += 1;
+            let point = self.drawn(number);
+            let (whole, difference) = self.check(&model, &point)?;
+            progress(&format!(
+                "{} equilibria taught, point {number} differs by {:.2} %",
+                self.lessons.len(),
+                100.0 * difference
+            ));
+            if difference <= self.space.tolerance {
+                checked = (checked.0 + 1, checked.1.max(difference));
+                continue;
+            }
+            if self.lessons.len() >= self.space.most {
+                return Err(self.not_trained(difference));
+            }
+            self.teach(point, whole)?;
+            (model, checked) = (self.reduced()?, (0, 0.0));
+        }
+        let model = Arc::try_unwrap(model).unwrap_or_else(|_| unreachable!("no solver keeps the model"));
+        Ok(Trained { model, taught: self.lessons.len(), checked })
+    }
+
+    /// Teaches the pressures of each chamber alone at the middle of the constants, then all of them together.
+    fn follow_pressures(&mut self) -> Result<()> {
+        let middle = vec![0.5; self.space.constants.len()];
+        let rest: Vec<Pascal> = self.space.pressures.iter().map(|range| 0.0_f64.clamp(range.low, range.high)).collect();
+        let moved: Vec<usize> =
+            (0..rest.len()).filter(|&k| self.space.pressures[k].low < self.space.pressures[k].high).collect();
+        for &chamber in &moved {
+            let mut last: Option<Vec<f64>> = None;
+            for step in 1..=STEPS {
+                let mut pressures = rest.clone();
+                let high = self.space.pressures[chamber].high;
+                pressures[chamber] += (high - rest[chamber]) * step as f64 / STEPS as f64;
+                let point = BoxPoint { regions: self.regions(&middle), pressures };
+                let found = self.whole(&point, last.as_deref())?;
+                last = Some(found.displacement.clone());
+                self.teach(point, found)?;
+            }
+        }
+        if moved.len() > 1 {
+            let pressures = self.space.pressures.iter().map(|range| range.high).collect();
+            let point = BoxPoint { regions: self.regions(&middle), pressures };
+            let found = self.whole(&point, None)?;
+            self.teach(point, found)?;
+        }
+        Ok(())
+    }
+
+    /// The regions with each constant at a part (0 to 1) of its range.
+    fn regions(&self, parts: &[f64]) -> Vec<RegionProperties> {
+        let mut regions = self.system.regions().to_vec();
+        for ((parameter, range), part) in self.space.constants.iter().zip(parts) {
+            match *parameter {
+                Parameter::YoungsModulus(region) => regions[region].youngs_modulus = range.value_at(*part),
+                Parameter::PoissonsRatio(region) => regions[region].poissons_ratio = range.value_at(*part),
+                _ => {}
+            }
+        }
+        regions
+    }
+
+    /// The point `number` (from 1) of an even sequence over the box.
+    fn drawn(&self, number: usize) -> BoxPoint {
+        let parts: Vec<f64> = BASES.iter().map(|base| radical_inverse(number, *base)).collect();
+        let (constants, pressures) = parts.split_at(self.space.constants.len());
+        let pressures = self.space.pressures.iter().zip(pressures).map(|(range, part)| range.value_at(*part));
+        BoxPoint { regions: self.regions(constants), pressures: pressures.collect() }
+    }
+
+    fn solver(&self, point: &BoxPoint) -> Result<Solver> {
+        let mut solver = self.system.solver();
+        for (index, region) in point.regions.iter().enumerate() {
+            solver.set_elastic(index, region.youngs_modulus, region.poissons_ratio)?;
+        }
+        Ok(solver)
+    }
+
+    fn whole(&self, point: &BoxPoint, guess: Option<&[f64]>) -> Result<Equilibrium> {
+        Ok(self.solver(point)?.equilibrium(&point.pressures, guess, &self.settings)?)
+    }
+
+    fn teach(&mut self, point: BoxPoint, found: Equilibrium) -> Result<()> {
+        let mut solver = self.solver(&point)?;
+        let change = |(parameter, range): &(Parameter, NamedRange)| -> Result<Vec<f64>> {
+            let half = 0.5 * (range.high - range.low);
+            Ok(solver.sensitivity(&found, *parameter)?.into_iter().map(|by| half * by).collect())
+        };
+        let changes = self.space.constants.iter().map(change).collect::<Result<_>>()?;
+        self.lessons.push(Lesson { point, displacement: found.displacement, changes });
+        Ok(())
+    }
+
+    fn reduced(&self) -> Result<Arc<ReducedModel>> {
+        let snapshots: Vec<Snapshot> = self
+            .lessons
+            .iter()
+            .map(|lesson| Snapshot {
+                displacement: &lesson.displacement,
+                regions: &lesson.point.regions,
+                changes: &lesson.changes,
+            })
+            .collect();
+        let tolerance = CUBATURE * self.space.tolerance;
+        let settings = ReductionSettings { coordinates: 60, tolerance, ..ReductionSettings::default() };
+        Ok(Arc::new(self.system.reduce_trained(&snapshots, &settings)?))
+    }
+
+    /// The whole body at a point, and the largest difference of the reduced one.
+    fn check(&self, model: &Arc<ReducedModel>, point: &BoxPoint) -> Result<(Equilibrium, f64)> {
+        let predicted = self.predicted(model, point);
+        let whole = self.whole(point, predicted.as_deref())?;
+        let largest =
+            self.lessons.iter().flat_map(|lesson| &lesson.displacement).fold(0.0, |most: f64, u| most.max(u.abs()));
+        let away = |predicted: &Vec<f64>| {
+            predicted.iter().zip(&whole.displacement).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
+        };
+        let difference = predicted.as_ref().map_or(f64::INFINITY, |predicted| away(predicted) / largest);
+        Ok((whole, difference))
+    }
+
+    /// By the reduced model from the nearest equilibrium that taught it; none where it finds no equilibrium.
+    fn predicted(&self, model: &Arc<ReducedModel>, point: &BoxPoint) -> Option<Vec<f64>> {
+        let distance = |lesson: &Lesson| {
+            let each = lesson.point.pressures.iter().zip(&point.pressures).zip(&self.space.pressures);
+            each.map(|((a, b), range)| ((a - b) / (range.high - range.low).max(f64::MIN_POSITIVE)).powi(2)).sum::<f64>()
+        };
+        let nearest = self.lessons.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        let start: DVector<f64> = model.projected(&nearest.displacement);
+        let solver = ReducedSolver::new(Arc::clone(model), point.regions.clone());
+        let found = solver.equilibrium_near(&point.pressures, &start, &start).ok()?;
+        Some(model.displacement(&found.coordinates))
+    }
+
+    fn not_trained(&self, difference: f64) -> Diagnostic {
+        Diagnostic::new(
+            format!(
+                "after {} equilibria the reduced model still differs by {:.2} %",
+                self.lessons.len(),
+                100.0 * difference
+            ),
+            format!("{:.2} % were asked for", 100.0 * self.space.tolerance),
+            "narrow the ranges, raise --tolerance, or allow more with --equilibria",
+        )
+    }
+}
+
+/// Digits of `number` in `base` behind the point, in reverse order.
+fn radical_inverse(mut number: usize, base: usize) -> f64 {
+    let (mut sum, mut digit) = (0.0, 1.0 / base as f64);
+    while number > 0 {
+        sum += digit * (number % base) as f64;
+        (number, digit) = (number / base, digit / base as f64);
+    }
+    sum
+}
+
+/// Constants and chambers over which a model can be trained.
+pub(super) fn most_dimensions() -> usize {
+    BASES.len()
+}
