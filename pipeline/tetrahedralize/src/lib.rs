@@ -44,7 +44,7 @@ mod topology;
 mod tree;
 
 pub use orient::Repair;
-pub use pipeline::tetrahedralize;
+pub use pipeline::{tetrahedralize, tetrahedralize_watched};
 pub use refusal::Refusal;
 
 use si::{CubicMetre, Metre, Point3};

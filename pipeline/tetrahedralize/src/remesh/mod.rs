@@ -29,6 +29,10 @@ const FLAT: f64 = 2e-4;
 pub(crate) const LONG: f64 = 4.0 / 3.0;
 pub(crate) const SHORT: f64 = 4.0 / 5.0;
 const ROUNDS: usize = 6;
+/// Faces whose normals differ by less than 0.6° lie in one plane.
+const PLANE: f64 = 0.999_95;
+/// Marks of an edge at most: more are needed by no body with edges of a useful length.
+const MAX_MARKS: f64 = 400.0;
 const GONE: u32 = u32::MAX;
 
 /// How a node may move.
@@ -55,7 +59,7 @@ pub(crate) struct Remesh<'a> {
 }
 
 impl<'a> Remesh<'a> {
-    pub(crate) fn new(points: Vec<Point3>, faces: Vec<[u32; 3]>, envelope: &'a Envelope) -> Self {
+    pub(crate) fn new((points, faces): (Vec<Point3>, Vec<[u32; 3]>), envelope: &'a Envelope, spacing: f64) -> Self {
         let mut around = vec![Vec::new(); points.len()];
         faces.iter().enumerate().for_each(|(f, face)| face.iter().for_each(|n| around[*n as usize].push(f as u32)));
         let mut marks = vec![Vec::new(); faces.len()];
@@ -64,7 +68,7 @@ impl<'a> Remesh<'a> {
         }
         let count = points.len();
         let input = points.clone();
-        Self {
+        let mut surface = Self {
             points,
             faces,
             around,
@@ -73,7 +77,32 @@ impl<'a> Remesh<'a> {
             marks,
             input,
             envelope,
+        };
+        surface.mark_edges(spacing);
+        surface
+    }
+
+    /// Marks points of long edges where two planes meet: between marked corners alone, a ridge could be cut off.
+    fn mark_edges(&mut self, spacing: f64) {
+        for edge in self.edges() {
+            let parts = (self.length(edge) / spacing).ceil().min(MAX_MARKS) as u32;
+            let wings = self.wings(edge);
+            if parts < 2 || self.is_flat(&wings) {
+                continue;
+            }
+            let [p, q] = edge.map(|n| self.points[n as usize]);
+            for k in 1..parts {
+                self.marks[wings[0] as usize].push(self.input.len() as u32);
+                self.input.push(add(p, scale(sub(q, p), f64::from(k) / f64::from(parts))));
+            }
         }
+    }
+
+    /// Whether faces at an edge lie in one plane.
+    fn is_flat(&self, wings: &[u32]) -> bool {
+        let &[f, g] = wings else { return false };
+        let [m, n] = [f, g].map(|face| unit(normal(self.corners(face))));
+        dot(m, n) > PLANE
     }
 
     /// Brings edges to their lengths.
