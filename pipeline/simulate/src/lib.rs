@@ -51,7 +51,7 @@ pub use loads::Loads;
 pub use path::FollowedPath;
 use probes::Table;
 pub use probes::{Probe, probes};
-pub use solid::{Loaded, load, raw_mesh, tables};
+pub use solid::{Loaded, load, raw_mesh, read_surface, tables};
 pub use statics::{Converged, Levels, LostLevel};
 
 /// The summary of a simulation.
