@@ -76,10 +76,10 @@ impl<'a> Assembly<'a> {
         let surfaces = self.surfaces();
         let space = Space { windings: surfaces.iter().map(|s| winding(s)).collect(), solids: 1 + self.inserts.len() };
         let depth = DEPTH * edge;
-        let bounds = |corners: [Point3; 3], at: Point3| {
+        let bounds = |corners: [Point3; 3], place: Point3| {
             let normal = cross(sub(corners[1], corners[0]), sub(corners[2], corners[0]));
             let by = scale(normal, depth / norm(normal).max(f64::MIN_POSITIVE));
-            space.label(add(at, by)) != space.label(sub(at, by))
+            space.label(add(place, by)) != space.label(sub(place, by))
         };
         let probed = |s: &&Surface| probes(s).into_iter().all(|f| bounds(s.corners(f), middle(s.corners(f))));
         if surfaces.iter().all(|s| probed(s)) {
@@ -88,7 +88,7 @@ impl<'a> Assembly<'a> {
         let mut visible = Surface::default();
         let faces = surfaces.iter().flat_map(|s| (0..s.faces.len()).map(|f| s.corners(f)));
         for face in faces {
-            for piece in pieces(face, &|at| bounds(face, at), [0.05 * edge, edge]) {
+            for piece in pieces(face, &|place| bounds(face, place), [0.05 * edge, edge]) {
                 let first = visible.points.len() as u32;
                 visible.points.extend(piece);
                 visible.faces.push([first, first + 1, first + 2]);
@@ -106,8 +106,8 @@ struct Space {
 }
 
 impl Space {
-    fn label(&self, at: Point3) -> usize {
-        let holding = self.windings.iter().rposition(|w| w.number_at(at) > 0.5);
+    fn label(&self, place: Point3) -> usize {
+        let holding = self.windings.iter().rposition(|w| w.number_at(place) > 0.5);
         holding.filter(|part| *part < self.solids).unwrap_or(usize::MAX)
     }
 }

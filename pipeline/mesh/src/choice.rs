@@ -7,6 +7,9 @@ use crate::{
     mesh_in_hexahedra, mesh_without_sheet, quadratic,
 };
 
+/// Columns whose volumes differ by more from the surfaces' give way to the general method, which follows round sides more closely.
+const AUTO_VOLUME: f64 = 5e-3;
+
 /// Elements of second order that a body is meshed in.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ElementChoice {
@@ -102,15 +105,17 @@ fn tetrahedra(assembly: &Assembly, set: &Settings, watch: &dyn Fn(&str)) -> Resu
     match set.method {
         Method::Columns => Ok((columns(assembly, set)?, None)),
         Method::General => Ok((mesh_general(assembly, set, watch)?, None)),
-        Method::Auto => match columns(assembly, set) {
-            Ok(made) => Ok((made, None)),
-            // the general method would take as much
-            Err(why @ (MeshError::TooLarge { .. } | MeshError::Settings { .. })) => Err(why),
-            Err(why) => {
-                watch("no columns: the general method");
-                Ok((mesh_general(assembly, set, watch)?, Some(why)))
+        Method::Auto => {
+            match columns(assembly, &Settings { volume_limit: set.volume_limit.min(AUTO_VOLUME), ..*set }) {
+                Ok(made) => Ok((made, None)),
+                // the general method would take as much
+                Err(why @ (MeshError::TooLarge { .. } | MeshError::Settings { .. })) => Err(why),
+                Err(why) => {
+                    watch("no columns: the general method");
+                    Ok((mesh_general(assembly, set, watch)?, Some(why)))
+                }
             }
-        },
+        }
     }
 }
 

@@ -53,13 +53,13 @@ pub(crate) fn mesh_general(
             ));
         }
         match candidate((assembly, visible.as_ref()), set, &wishes, watch) {
-            Ok(made) if made.miss <= 1.0 => return Ok((made.mesh, made.report)),
-            Ok(made) => {
-                wishes = closer(wishes, made.report.hausdorff_m / aim);
+            Ok(latest) if latest.miss <= 1.0 => return Ok((latest.mesh, latest.report)),
+            Ok(latest) => {
+                wishes = closer(wishes, latest.report.hausdorff_m / aim);
                 let former_miss = best.as_ref().map_or(f64::INFINITY, |b| b.miss);
-                let nearer = made.miss < WORTH * former_miss;
-                if made.miss < former_miss {
-                    best = Some(made);
+                let nearer = latest.miss < WORTH * former_miss;
+                if latest.miss < former_miss {
+                    best = Some(latest);
                 }
                 if !nearer {
                     break;
@@ -74,7 +74,7 @@ pub(crate) fn mesh_general(
         }
     }
     match (best, refusal) {
-        (Some(made), _) => Ok((made.mesh, made.report)),
+        (Some(candidate), _) => Ok((candidate.mesh, candidate.report)),
         (None, why) => Err(why.unwrap_or(MeshError::Nothing)),
     }
 }

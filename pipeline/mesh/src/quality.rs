@@ -34,8 +34,8 @@ pub(crate) fn dihedral_quantile(mesh: &TetMesh, share: f64) -> f64 {
 pub(crate) fn scaled_jacobian(corners: &[Point3; 4]) -> f64 {
     let [a, b, c, d] = *corners;
     let determinant = dot(cross(sub(b, a), sub(c, a)), sub(d, a));
-    let product = |at: Point3| corners.iter().filter(|p| **p != at).map(|p| norm(sub(*p, at))).product::<f64>();
-    std::f64::consts::SQRT_2 * determinant / corners.iter().map(|at| product(*at)).fold(0.0, f64::max)
+    let product = |tip: Point3| corners.iter().filter(|p| **p != tip).map(|p| norm(sub(*p, tip))).product::<f64>();
+    std::f64::consts::SQRT_2 * determinant / corners.iter().map(|tip| product(*tip)).fold(0.0, f64::max)
 }
 
 /// Smallest and largest of the six angles between the faces of one tetrahedron, degrees.
